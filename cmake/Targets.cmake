@@ -98,8 +98,8 @@ function(nodmap_add_test_program name)
 endfunction()
 
 # nodmap_add_test(NAME SOURCES x_test.cpp ... DEPENDS target ... [DEFINES NAME="value" ...] [DATA] [THREADS]): a test program,
-# each of whose tests is one of CTest's. DATA marks tests that read the recordings in NODMAP_DATA; they skip, and say so, where it is missing. THREADS marks those
-# that also run under ThreadSanitizer.
+# each of whose tests is one of CTest's. DATA marks tests that read the recordings in NODMAP_DATA; they skip, and say so, where it
+# is missing. THREADS marks those that also run under ThreadSanitizer.
 function(nodmap_add_test name)
   cmake_parse_arguments(ARG "DATA;THREADS" "" "SOURCES;DEPENDS;DEFINES" ${ARGN})
   if(NOT NODMAP_TESTS)

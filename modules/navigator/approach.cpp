@@ -11,15 +11,15 @@
 namespace nodmap::navigator {
 namespace {
 
-/// Nearer by less is noise of the laser and of odometry in a turn: 1 to 2 cm each.
+/// Smaller changes are noise of the laser and of odometry in a rotation: 1 to 2 cm each.
 constexpr double kApproachM = 0.06;
 constexpr time::Duration kWait = 1s;
-/// From a reference point so far behind the robot everything is still seen from about the same
-/// side.
+/// The reference point moves on when it is this far behind the robot: until then everything is seen
+/// from about the same side.
 constexpr double kReferenceM = 0.3;
-/// What is measured within this distance is one thing.
+/// Points within this distance belong to one object.
 constexpr double kOneThingM = 0.1;
-/// Who comes is measured below the first of these heights, and above the second.
+/// Somebody who comes is measured below the first of these heights and above the second.
 constexpr double kFeetM = 0.2;
 constexpr double kLowThingM = 0.12;
 
@@ -28,9 +28,10 @@ int sector_of(double compass_rad, int sectors) {
   return (static_cast<int>(std::floor(sector)) % sectors + sectors) % sectors;
 }
 
-/// Whether something has moved to where floor was seen. Of a low thing the floor may have been seen
-/// all around before a line fell on it, and under a board it still is: neither is somebody. Of who
-/// comes the laser sees legs at all heights within one sweep; Brake stops for whatever it is.
+/// Whether something has moved to where floor was seen. The floor around a low object may have been
+/// seen before a line fell on the object itself, and under a board it still is seen: neither has
+/// moved. The laser sees the legs of somebody who comes at all heights within one sweep. Brake
+/// stops for any object.
 bool has_come(const Eigen::Vector2d& p_odom, const LocalMap& local_map) {
   if (!local_map.was_floor(p_odom)) {
     return false;
@@ -82,7 +83,7 @@ void Approach::compare(const Sectors& now, time::Timestamp stamp, double reach_m
       return before[static_cast<std::size_t>((i + beside + kSectors) % kSectors)].distance_m;
     };
     const Nearest& there = now[static_cast<std::size_t>(i)];
-    // A pole on the border of two sectors may appear in either.
+    // A thin object on the border of two sectors may appear in either.
     const double nearest_known_m = std::min({known_m(-1), known_m(0), known_m(1)});
     const bool is_nearer =
         there.distance_m < nearest_known_m - kApproachM && there.p_base.norm() < reach_m;
@@ -90,7 +91,7 @@ void Approach::compare(const Sectors& now, time::Timestamp stamp, double reach_m
         (local_map == nullptr || has_come(T_odom_base * there.p_base, *local_map))) {
       detected_at_ = stamp;
     }
-    // The distance of something slow is compared with where it started.
+    // A slow object is compared with the distance at which it started.
     Nearest& kept = (*known_)[static_cast<std::size_t>(i)];
     if (is_nearer || there.distance_m > kept.distance_m || !std::isfinite(kept.distance_m)) {
       kept = there;

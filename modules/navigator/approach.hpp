@@ -15,25 +15,26 @@ namespace nodmap::navigator {
 class LocalMap;
 
 /// Detects that something comes nearer by its own motion, not by the robot's. People walk at 1 m/s
-/// and more, and do not yield: the robot waits for them.
+/// and more and do not yield, so the robot waits for them.
 ///
-/// The nearest distance in each direction is compared with the earlier one, as seen from a
-/// reference point in odom that stays while the robot moves on a little: so the robot's own motion
-/// brings nothing nearer. A direction that has just come into view is not compared, and what was
-/// occluded from the reference point was farther away than what occluded it.
+/// The nearest distance in each direction is compared with the earlier one. Both are measured from
+/// a reference point in odom that stays fixed while the robot moves on a little, so that the
+/// robot's own motion brings nothing nearer. A direction that has just come into view is not
+/// compared, and an object that was occluded from the reference point was farther away than what
+/// occluded it.
 class Approach {
  public:
   explicit Approach(int sweeps_to_trust) : sweeps_(sweeps_to_trust) {}
 
-  /// The obstacles at this moment; `seen` has been updated before. Obstacles farther than `reach_m`
-  /// from the origin of base are ignored. With a local map only what is where floor was seen before
-  /// has approached: what comes into view behind a corner was there.
+  /// Takes the obstacles at `stamp`; `seen` must have been updated before. Obstacles farther than
+  /// `reach_m` from the origin of base are ignored. With a local map only objects where floor was
+  /// seen before have approached: what comes into view behind a corner was there already.
   void update(time::Timestamp stamp, const geometry::SE2& T_odom_base, double reach_m,
               const Points& points_base, const SeenDirections& seen,
               const LocalMap* local_map = nullptr);
 
-  /// Whether something has come nearer within the last second: it may still be moving, and the
-  /// laser measures it about so often.
+  /// Whether something has come nearer within the last second. It may still be moving; the laser
+  /// measures it about once a second.
   [[nodiscard]] bool is_detected(time::Timestamp stamp) const;
 
  private:

@@ -13,17 +13,18 @@ namespace {
 constexpr double kSpacingM = 0.03;
 constexpr double kSpacingRad = geometry::deg_to_rad(5.0);
 constexpr std::size_t kMaxPoses = 170;
-/// How far back the pose lies that the arc leads to: near enough for the arc to be the trail.
+/// Distance back to the pose that the arc leads to: so short that the arc follows the trail.
 constexpr double kLookBackM = 0.08;
-/// Within this the body stays on the strip it has driven, up to the margin it kept there.
+/// Up to this rotation from the heading of the trail the body stays on the strip that it has
+/// driven, within the margin it kept there.
 constexpr double kMaxRotationRad = geometry::deg_to_rad(10.0);
 /// A shorter rotation back to the heading of the trail does not help.
 constexpr double kLeastRotationRad = geometry::deg_to_rad(2.0);
 /// Margin beside and behind the body over its own trail.
 constexpr double kMarginM = 0.02;
-/// Where it cannot rotate to the heading of its trail at all, as between the feet of people, it
-/// backs up straight if it is off by no more than this. Over the 8 cm to the next pose of the trail
-/// that leads 6 cm aside: the clearance it kept there.
+/// Where the robot cannot rotate to the heading of its trail at all, as between the feet of people,
+/// it backs up straight if its heading is off by no more than this. Over the 8 cm to the next pose
+/// of the trail that leads it 6 cm aside, which is the clearance it kept there.
 constexpr double kObliqueRad = geometry::deg_to_rad(45.0);
 
 bool is_near(const geometry::SE2& a, const geometry::SE2& b) {

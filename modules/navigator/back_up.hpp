@@ -10,34 +10,34 @@
 
 namespace nodmap::navigator {
 
-/// Where the robot has just been: the only path behind it that is known to be free, for the laser
-/// does not look there. It is forgotten as obstacles are: after `forget_after_m` of travel odometry
-/// has drifted by more than the body keeps clear beside its strip.
+/// Where the robot has just been: the only path behind it that is known to be free, because the
+/// laser does not look there. Like obstacles, it is forgotten after `forget_after_m` of travel,
+/// when odometry has drifted by more than the clearance beside the body.
 class Trail {
  public:
   explicit Trail(double forget_after_m) : forget_after_m_(forget_after_m) {}
 
-  /// The robot is here now, however it came.
+  /// Updates the pose and the distance travelled.
   void move(const geometry::SE2& T_odom_base);
 
-  /// Keeps a pose every 3 cm or 5 degrees, the last 5 m of them.
+  /// Adds a pose every 3 cm or 5 degrees, and keeps those of the last 5 m.
   void record(const geometry::SE2& T_odom_base);
 
   /// How to follow the trail back: first a rotation on the spot, positive left, to the heading at
-  /// which the robot came, 0 when it has it; then an arc of this curvature (1/m, positive left when
-  /// driven forwards).
+  /// which the robot came (0 if it has this heading), then an arc of this curvature (1/m, positive
+  /// left when driven forwards).
   struct PathBack {
     double rotation_rad = 0.0;
     double curvature = 0.0;
   };
-  /// Empty where the trail has ended, or jumped.
+  /// Empty if the trail has ended or has a jump.
   [[nodiscard]] std::optional<PathBack> path_back(const geometry::SE2& T_odom_base) const;
 
-  /// How far the body stays on the strip it has driven, when it drives backwards on an arc of this
-  /// curvature (1/m, positive left when driven forwards); metres, at most 0.6.
+  /// How far the body stays on the strip that it has driven when it drives backwards on an arc of
+  /// this curvature (1/m, positive left when driven forwards). Metres, at most 0.6.
   [[nodiscard]] double distance_backwards(const geometry::SE2& T_odom_base, double curvature) const;
 
-  /// Forgets the poses ahead of a robot that backs up: its path forwards is seen by the laser.
+  /// Forgets poses ahead of the robot while it backs up: the laser sees the path ahead.
   void forget_ahead(const geometry::SE2& T_odom_base);
 
  private:
@@ -57,15 +57,15 @@ class BackUp {
  public:
   explicit BackUp(const NavigatorParams& params);
 
-  /// To be called with every pose; while backing up the trail is not extended.
+  /// Records a pose; must be called with every pose. While backing up the trail is not extended.
   void record(const geometry::SE2& T_odom_base);
 
   [[nodiscard]] bool has_path(const geometry::SE2& T_odom_base) const {
     return trail_.path_back(T_odom_base).has_value();
   }
 
-  /// The next motion: sets speed and yaw rate of `decision`. False, and it has ended, where the
-  /// trail has ended, the robot cannot rotate to its heading, or it has backed up far enough.
+  /// Sets speed and yaw rate of `decision` for the next motion. Returns false, and has ended, if
+  /// the trail has ended, the robot cannot rotate to its heading, or it has backed up far enough.
   [[nodiscard]] bool step(const Situation& now, Decision& decision);
 
   void end() { began_at_.reset(); }

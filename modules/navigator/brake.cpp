@@ -11,14 +11,14 @@
 namespace nodmap::navigator {
 namespace {
 
-/// Creeping at 0.25 m/s the robot is stationary after 5 cm: so much is left, no more. With the stop
-/// margin of a fast robot it would stand before each bend of a narrow place.
+/// Stop margin while creeping. At 0.25 m/s the robot is stationary after 5 cm. With the stop margin
+/// of a fast robot it would stop before each bend of a narrow place.
 constexpr double kCreepStopMarginM = 0.05;
-/// Floor that an obstacle close ahead hides cannot be seen. Towards the obstacle the robot may
-/// creep so slowly that it is stationary after 1.5 cm, and it has 5 cm: that is how it docks.
+/// An obstacle close ahead hides floor. Towards the obstacle the robot may creep so slowly that it
+/// is stationary after 1.5 cm, with 5 cm left; it needs that to dock.
 constexpr double kHiddenMps = 0.1;
 constexpr double kHiddenSeenM = 0.05;
-/// The corners of KURT3D then move at 5 cm/s: what they touch stays where it is.
+/// At this yaw rate the corners of KURT3D move at 5 cm/s: they do not push away what they touch.
 constexpr double kCreepRadS = geometry::deg_to_rad(10.0);
 
 }  // namespace
@@ -92,14 +92,14 @@ double Brake::speed_on_present_arc(const Situation& now) const {
   return forward_mps > emergency_mps ? 0.0 : arc.speed_mps;
 }
 
-/// The laser does not look where a rotation leads the rear: there counts what the robot remembers.
-/// Ground ahead is Brake's other rule's, and backwards its trail's.
+/// The laser does not look where a rotation moves the rear, so the remembered ground counts there.
+/// Ground ahead is covered by Brake's other rule, ground behind by that of the trail.
 void Brake::keep_to_known_ground(Decision& decision, const Situation& now) const {
   const double yaw_rate_rad_s = std::abs(decision.yaw_rate_rad_s);
   if (yaw_rate_rad_s <= kCreepRadS || decision.forward_mps < 0.0 || now.doubtful_base.empty()) {
     return;
   }
-  // A cell's centre stands for all of it: the body keeps off those that are in it by half.
+  // A cell's centre stands for the whole cell: the body keeps half a cell away.
   const Footprint inner = body_.grown(-0.5 * local_map_.cell_size_m, -0.5 * local_map_.cell_size_m);
   double allowed_rad_s = 0.0;
   if (decision.forward_mps == 0.0) {
@@ -120,10 +120,11 @@ void Brake::keep_to_known_ground(Decision& decision, const Situation& now) const
 }
 
 void Brake::give_way(Decision& decision, const Situation& now) const {
+  const Twist present{now.forward_mps, now.yaw_rate_rad_s};
   const Twist commanded{decision.forward_mps, decision.yaw_rate_rad_s};
-  const bool is_late = !passive_safety_.is_safe({now.forward_mps, now.yaw_rate_rad_s}, now.people);
+  const bool is_late = !passive_safety_.is_safe(present, now.people);
   const double factor = is_late ? 0.0 : passive_safety_.safe_factor(commanded, now.people);
-  if (factor == 1.0) {
+  if (factor == 1.0 || passive_safety_.escapes(present, commanded, now.people)) {
     return;
   }
   decision.behaviour =

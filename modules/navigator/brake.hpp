@@ -11,19 +11,20 @@ namespace nodmap::navigator {
 /// Slower than this the robot does not start to drive; it turns instead.
 inline constexpr double kLeastSpeedMps = 0.06;
 
-/// An arc (curvature in 1/m, positive left) and how far it is free.
+/// An arc (curvature in 1/m, positive left), how far it is free, and how fast it may be driven.
 struct Arc {
   double curvature = 0.0;
   double free_distance_m = 0.0;
-  double stop_margin_m = 0.0;  ///< of that is left when the robot has stopped
-  double speed_mps = 0.0;      ///< from which the robot stops in time on it
+  double stop_margin_m = 0.0;  ///< part of this distance that is left after stopping
+  double speed_mps = 0.0;      ///< greatest from which the robot stops in time
 };
 
-/// Brake (paper, III C): the speed from which the robot stops before what is in the virtual
-/// corridor along its arc; common/robot/stopping.hpp has the formula.
+/// Brake (paper, III C): computes the greatest speed from which the robot stops before anything in
+/// the virtual corridor along its arc; common/robot/stopping.hpp has the formula.
 class Brake {
  public:
-  /// `creeps`: it passes slowly what is within the side margin, but not within the creep margin.
+  /// `creeps`: passes obstacles within the side margin slowly, but not those within the creep
+  /// margin.
   explicit Brake(const NavigatorParams& params, bool creeps = false)
       : creeps_(creeps),
         body_(params.robot.body.footprint()),
@@ -33,19 +34,21 @@ class Brake {
         turn_(params.turn),
         passive_safety_(params.robot, params.drive, params.people) {}
 
-  /// Within the stopping distance what was not seen blocks, as an obstacle does.
+  /// Measures an arc. Within the stopping distance, ground that was not seen blocks it as an
+  /// obstacle does.
   [[nodiscard]] Arc measure_arc(double curvature, const Situation& now) const;
 
-  /// What the arc allows that the robot is on now, for on that it would brake. 0 when it is nearer
-  /// to an obstacle than even an emergency stop needs; +infinity while it is hardly moving.
+  /// The greatest speed on the arc that the robot is on now, because it would brake on that. 0 if
+  /// it is nearer to an obstacle than even an emergency stop needs; +infinity if it hardly moves.
   [[nodiscard]] double speed_on_present_arc(const Situation& now) const;
 
-  /// Slows a rotation down, and an arc that swings the body's rear aside, over ground that is not
-  /// known to be free: to so slow a rotation that the corners count as stationary.
+  /// Slows down a rotation, or an arc that swings the body's rear aside, over ground that is not
+  /// known to be free: until the corners are so slow that they count as stationary.
   void keep_to_known_ground(Decision& decision, const Situation& now) const;
 
-  /// Slows a motion down, on whatever path, so far that the robot is stationary before anyone who
-  /// walks touches it; to 0 where the motion that it is in is not safe any more.
+  /// Slows any motion down so far that the robot is stationary before a walking person touches it;
+  /// to 0 if the present motion is not safe any more. Not if the person would walk into the
+  /// standing robot and the motion takes the robot out of the way.
   void give_way(Decision& decision, const Situation& now) const;
 
   /// The speed that yaw rate and lateral acceleration allow on an arc, at most `max_forward_mps`:

@@ -14,15 +14,15 @@ namespace {
 using geometry::kPi;
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
-/// Arcs flatter than this are straight: 5 m on, they are 1.2 cm beside the line.
+/// Arcs flatter than this count as straight: after 5 m they are 1.2 cm beside the line.
 constexpr double kStraightCurvature = 1e-3;
-/// A point so deep within the body is an error of the map (odometry has drifted since it was seen):
-/// counted, it would block the robot for ever.
+/// A point this deep within the body is an error of the map (odometry has drifted since it was
+/// seen). It is ignored, because it would block the robot for ever.
 constexpr double kImpossibleDepthM = 0.03;
 /// The margin that remains for points that are within the margin already.
 constexpr double kTightMarginM = 0.005;
 
-/// A motion of the robot: about the point (0, center_y) of base, +1 to the left, -1 to the right.
+/// A rotation of the robot about the point (0, center_y) of base; +1 to the left, -1 to the right.
 struct Rotation {
   double center_y = 0.0;
   double side = 1.0;
@@ -76,8 +76,8 @@ bool moves_inward(const Eigen::Vector2d& p, double forward, double yaw, const Fo
   return at_an_end ? velocity.x() * p.x() < 0.0 : velocity.y() * p.y() < 0.0;
 }
 
-/// How far one point lets a motion go; `until_touched` tells it for a rectangle that the point is
-/// outside of.
+/// How far one point allows a motion to go. `until_touched`: computes it for a rectangle that the
+/// point is outside of.
 template <class UntilTouched>
 double free_by_point(const Eigen::Vector2d& p, const Eigen::Vector2d& twist, const Footprint& body,
                      const Footprint& grown, const UntilTouched& until_touched) {
@@ -102,7 +102,8 @@ double straight_distance(const Eigen::Vector2d& p, const Footprint& body) {
 double arc_distance(const Eigen::Vector2d& p, double curvature, const Footprint& body) {
   const double radius_m = std::abs(1.0 / curvature);
   const Rotation rotation{1.0 / curvature, std::copysign(1.0, curvature)};
-  // Outside the ring that the rectangle sweeps nothing is touched: most points end here.
+  // A point outside the ring that the rectangle sweeps is never touched. This is the case for most
+  // points.
   const double squared_radius = Eigen::Vector2d(p.x(), p.y() - rotation.center_y).squaredNorm();
   const double inner_m = std::max(0.0, radius_m - body.half_width_m);
   const Eigen::Vector2d outer_corner(body.half_length_m, radius_m + body.half_width_m);
@@ -133,7 +134,7 @@ double free_distance(const Points& points_base, double curvature, const Footprin
 
 double free_distance_backwards(const Points& points_base, double curvature, const Footprint& body,
                                double side_margin_m) {
-  // Mirrored across the axle the robot drives forwards on the same circle.
+  // Driving backwards is driving forwards on the same circle, mirrored across the axle.
   Points mirrored = points_base;
   for (Eigen::Vector2d& p : mirrored) {
     p.x() = -p.x();

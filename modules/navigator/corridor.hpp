@@ -17,12 +17,12 @@ using robot::Footprint;
 [[nodiscard]] double free_distance(const Points& points_base, double curvature,
                                    const Footprint& body, double side_margin_m);
 
-/// The same backwards.
+/// The same, driving backwards.
 [[nodiscard]] double free_distance_backwards(const Points& points_base, double curvature,
                                              const Footprint& body, double side_margin_m);
 
-/// How far, in radians >= 0, the body with a margin on all sides can rotate on the spot; `side` is
-/// +1 for left, -1 for right. +infinity where nothing ends the rotation.
+/// How far the body, with a margin on all sides, can rotate on the spot, radians >= 0. `side`: +1
+/// left, -1 right. +infinity where nothing ends the rotation.
 [[nodiscard]] double free_rotation(const Points& points_base, double side, const Footprint& body,
                                    double margin_m);
 

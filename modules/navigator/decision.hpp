@@ -16,17 +16,17 @@ namespace nodmap::navigator {
 class Geofence;
 class LocalMap;
 
-/// All that the navigator knows at one moment.
+/// The inputs of a decision.
 struct Situation {
   time::Timestamp stamp{};
-  Points points_base;         ///< obstacles, now; of the obstacle map, and of the local map
+  Points points_base;         ///< obstacles of the obstacle map and of the local map
   Points doubtful_base;       ///< near the body and not known to be free, see LocalMap
-  People people;              ///< who walks, in base
+  People people;              ///< people who walk, in base
   geometry::SE2 T_odom_base;  ///< now
-  geometry::SE2 T_map_odom;   ///< by 2D SLAM; identity without
+  geometry::SE2 T_map_odom;   ///< by 2D SLAM; identity without it
   double forward_mps = 0.0;
   double yaw_rate_rad_s = 0.0;
-  double max_forward_mps = 0.0;  ///< by the pitch controller
+  double max_forward_mps = 0.0;  ///< speed bound of the pitch controller
   std::int64_t sweep_count = 0;  ///< reversals of the head
   bool laser_is_held = false;    ///< it does not nod: waiting brings nothing new into view
   std::optional<GoalInBase> goal;
@@ -44,7 +44,7 @@ struct Decision {
   double yaw_rate_rad_s = 0.0;
   double steering_angle_rad = 0.0;
   double free_distance_m = 0.0;  ///< in the virtual corridor ahead; +infinity: nothing in it
-  double max_forward_mps = 0.0;  ///< that the limits and the free distance allow
+  double max_forward_mps = 0.0;  ///< greatest that the limits and the free distance allow
 };
 
 }  // namespace nodmap::navigator

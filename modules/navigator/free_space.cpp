@@ -44,7 +44,8 @@ void block(FreeSpace& space, const Eigen::Vector2d& p, const Footprint& body,
            const Footprint& corridor) {
   const double range_m = p.norm();
   const double bearing_deg = geometry::rad_to_deg(std::atan2(p.y(), p.x()));
-  // A degree more than the corridor covers: what is in it is decided below, without rounding.
+  // One degree more than the corridor covers; whether the point is inside is decided below, without
+  // rounding.
   const double half_deg =
       1.0 + geometry::rad_to_deg(std::asin(std::min(1.0, corridor.half_width_m / range_m)));
   const int first = std::max(-kHalf, static_cast<int>(std::ceil(bearing_deg - half_deg)));

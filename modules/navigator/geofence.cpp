@@ -20,7 +20,7 @@ namespace bg = boost::geometry;
 using Corner = bg::model::d2::point_xy<double>;
 
 constexpr double kPointSpacingM = 0.02;
-/// Poses farther out are refused as well, see node::read_pose.
+/// Poses farther from the origin are refused, too: see node::read_pose().
 constexpr double kFarthestCornerM = 1e6;
 
 /// The points of one edge within a circle; its end is the next one's beginning.
@@ -28,7 +28,7 @@ void append_edge(const Eigen::Vector2d& from, const Eigen::Vector2d& to,
                  const Eigen::Vector2d& middle, double radius_m, Points& points) {
   const double length_m = (to - from).norm();
   if (length_m == 0.0) {
-    return;  // a corner that is there twice
+    return;  // a repeated corner
   }
   const Eigen::Vector2d direction = (to - from) / length_m;
   const double along_m = direction.dot(middle - from);
@@ -37,7 +37,7 @@ void append_edge(const Eigen::Vector2d& from, const Eigen::Vector2d& to,
     return;
   }
   const double half_m = std::sqrt(radius_m * radius_m - aside_m * aside_m);
-  // The same places of the edge each time: the boundary does not move with the robot.
+  // Always the same points of an edge: the boundary does not move with the robot.
   const double first = std::ceil(std::max(0.0, along_m - half_m) / kPointSpacingM);
   for (double i = first; i * kPointSpacingM < std::min(length_m, along_m + half_m); ++i) {
     points.emplace_back(from + i * kPointSpacingM * direction);

@@ -10,14 +10,14 @@ namespace nodmap::navigator {
 namespace {
 
 constexpr double kLeaveAgainM = 0.1;
-/// A detour ends this much nearer to the goal than it began.
+/// A detour ends only this much nearer to the goal than it began.
 constexpr double kNearerM = 0.3;
 /// The farthest steering direction; a goal farther to the side is reached by an arc.
 constexpr double kFarthestAside = geometry::deg_to_rad(65.0);
 /// A wall farther away is not followed.
 constexpr double kWallM = 1.2;
-/// Free distance that is enough along a wall; with more the robot would keep so far off that it
-/// loses the wall.
+/// Sufficient free distance along a wall. If more were required, the robot would keep so far off
+/// that it loses the wall.
 constexpr double kAlongWallM = 0.5;
 
 /// The direction of the nearest obstacle on the wall's side; empty: there is no wall.

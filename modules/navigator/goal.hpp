@@ -14,7 +14,7 @@ struct GoalInBase {
   double distance_m = 0.0;
   double tolerance_m = 0.0;
   Eigen::Vector2d p_base = Eigen::Vector2d::Zero();
-  /// Of a goal to dock at.
+  /// The heading of a goal at which the robot docks.
   struct Heading {
     double yaw_rad = 0.0;  ///< of the goal in base
     double tolerance_rad = 0.0;
@@ -24,23 +24,23 @@ struct GoalInBase {
 
 [[nodiscard]] GoalInBase goal_in_base(const Eigen::Vector2d& p_goal_base, double tolerance_m);
 
-/// Whether the robot is at the goal. Once arrived it counts as arrived up to 10 cm farther, so that
-/// it does not start and stop at the border.
+/// Whether the robot is at the goal. After arriving it counts as arrived up to 10 cm farther away,
+/// so that it does not start and stop at the border.
 [[nodiscard]] bool has_arrived(const GoalInBase& goal, bool had_arrived);
 
 /// The path around an obstacle between robot and goal (after Bug2, Lumelsky and Stepanov 1987):
-/// follows the wall on the side it chose until the direction to the goal is free AND the goal
-/// nearer than where the detour began. Without that memory a robot leaves a dead end and drives in
-/// again.
+/// follows the wall on the side first chosen until the direction to the goal is free and the goal
+/// is nearer than where the detour began. Without this memory the robot would leave a dead end and
+/// drive into it again.
 class Detour {
  public:
-  /// The direction to steer to, in base; empty where nothing ahead is free for `needed_m`.
+  /// The direction to steer to, in base; empty if no direction ahead is free for `needed_m`.
   [[nodiscard]] std::optional<double> direction(const FreeSpace& space, const Points& points_base,
                                                 const GoalInBase& goal, double needed_m);
 
   /// The side of the detour: +1 left, -1 right, 0 none.
   [[nodiscard]] double side() const { return side_; }
-  /// The robot had to turn to this side, away from an obstacle.
+  /// Begins a detour: the robot had to turn to this side, away from an obstacle.
   void begin(double side, const GoalInBase& goal);
   void end() { side_ = 0.0; }
 

@@ -11,7 +11,7 @@
 namespace nodmap::navigator {
 namespace {
 
-/// How much of the arc is shown.
+/// Length of the arc that is shown.
 constexpr double kArcS = 1.6;
 constexpr int kArcSteps = 8;
 

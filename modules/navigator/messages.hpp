@@ -18,36 +18,36 @@
 
 namespace nodmap::navigator {
 
-// The navigator's messages as its values, and back.
+// Converts messages to the navigator's values and back.
 
-/// A goal as GOAL gives it.
+/// The goal of a GOAL message.
 struct GoalInMap {
-  geometry::SE2 T_map_goal;  ///< its yaw counts with a heading tolerance only
+  geometry::SE2 T_map_goal;  ///< its yaw is used only with a heading tolerance
   double tolerance_m = 0.0;
   std::optional<double> heading_tolerance_rad;
 };
 
-/// Whether a GOAL is one, or a plausible end of one.
+/// Whether a GOAL message is plausible: a goal, or the end of one.
 [[nodiscard]] bool is_plausible(const nodmap::goal_t& message);
 
-/// Empty where the message ends the goal. `message` is plausible.
+/// Reads a plausible GOAL; empty if it ends the goal.
 [[nodiscard]] std::optional<GoalInMap> read_goal(const nodmap::goal_t& message);
 
 /// The standard deviation of the position in its worst direction, metres; +infinity where the
 /// covariance is not known.
 [[nodiscard]] double position_sigma_m(const nodmap::pose_t& message);
 
-/// navigation_t's number of a behaviour.
+/// The number of a behaviour in navigation_t.
 [[nodiscard]] std::int8_t code_of(Behaviour behaviour);
 
-/// The path to the goal, and from the robot on the arc that was chosen. `path_map`: without points
-/// where there is no path.
+/// PATH: the planned path to the goal, and the arc that the robot drives. `path_map`: without
+/// points if there is no path.
 [[nodiscard]] nodmap::path_t path_message(const std::vector<Eigen::Vector2d>& path_map,
                                           const geometry::SE2& T_odom_map,
                                           const geometry::SE2& T_odom_base,
                                           const Decision& decision);
 
-/// Everybody in odom: those who walk, and those who have just come into view.
+/// TRACKS: the people who walk, and those who have just come into view, in odom.
 [[nodiscard]] nodmap::tracks_t tracks_message(const People& people, const People& newcomers);
 
 /// The square of `half_size_m` to each side of a place, each cell that of 2 x 2 of the local map;

@@ -104,14 +104,16 @@ Decision Navigator::pause(Reason reason) {
   return decision;
 }
 
-void Navigator::add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base) {
+void Navigator::add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base,
+                         bool laser_is_held) {
   // Where the robot tilts, what stands still seems to move: nobody is tracked near ramps.
   const bool tracks_people = params_.people.use && local_map_.ground().is_level();
   if (tracks_people) {
-    people_.add_scan(scan, T_odom_base, [this](const Eigen::Vector2d& p_odom) {
+    const auto is_blocked = [this](const Eigen::Vector2d& p_odom) {
       const LocalCell* cell = local_map_.cell_at(p_odom);
       return cell != nullptr && cell->is_obstacle();
-    });
+    };
+    people_.add_scan(scan, T_odom_base, is_blocked, laser_is_held);
   }
   if (params_.local_map.use) {
     local_map_.add_scan(scan, T_odom_base,
@@ -141,7 +143,7 @@ void Navigator::add_contact(const geometry::SE2& T_odom_base, bool at_front) {
 void Navigator::add_ranges(time::Timestamp stamp, const Proximity::Ranges& ranges_m,
                            const geometry::SE2& T_odom_base) {
   if (params_.people.use && params_.local_map.use && local_map_.has_scan()) {
-    proximity_.add(stamp, ranges_m, T_odom_base, local_map_);
+    proximity_.add(stamp, ranges_m, T_odom_base, local_map_, people_.people_odom(stamp));
   }
 }
 
@@ -228,7 +230,7 @@ void Navigator::observe(Situation& now) {
   const Points nobodys = without(now.people, now.points_base);
   approach_.update(now.stamp, now.T_odom_base, reach_m, nobodys, seen_,
                    has_local_map ? &local_map_ : nullptr);
-  if (has_local_map) {
+  if (local_map_.has_scan()) {
     now.points_base = nobodys;  // what stands beside a walker is in the local map, too
   }
   back_up_.record(now.T_odom_base);

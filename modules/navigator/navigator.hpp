@@ -40,7 +40,9 @@ class Navigator {
   explicit Navigator(const NavigatorParams& params);
 
   /// A scan for the local map, with the pose at its middle.
-  void add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base);
+  /// `laser_is_held`: it does not nod.
+  void add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base,
+                bool laser_is_held = false);
 
   /// The wheels turn and the robot does not move, see LocalMap::add_contact.
   void add_contact(const geometry::SE2& T_odom_base, bool at_front);

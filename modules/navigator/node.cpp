@@ -96,7 +96,7 @@ void NavigatorNode::on_scan(const nodmap::scan_t& message) {
   }
   context_.counts.use();
   stamps_.scan = scan_.mid_stamp();
-  navigator_.add_scan(scan_, geometry::to_se2(*T_odom_base));
+  navigator_.add_scan(scan_, geometry::to_se2(*T_odom_base), laser_is_held());
 }
 
 /// Not every base has range finders: without them who comes from behind is not known.
@@ -311,7 +311,7 @@ Situation NavigatorNode::situation() const {
   now.max_forward_mps = max_forward_mps();
   now.sweep_count = pitch_state_.sweep_count;
   now.geofence = geofence_ ? &*geofence_ : nullptr;
-  now.laser_is_held = pitch_command_.pitch_max_rad - pitch_command_.pitch_min_rad < kHeldRad;
+  now.laser_is_held = laser_is_held();
   if (goal_) {
     const geometry::SE2 T_base_goal =
         (T_map_odom_ * odometry_->T_odom_base).inverse() * goal_->T_map_goal;
@@ -321,6 +321,11 @@ Situation NavigatorNode::situation() const {
     }
   }
   return now;
+}
+
+bool NavigatorNode::laser_is_held() const {
+  return stamps_.pitch_command &&
+         pitch_command_.pitch_max_rad - pitch_command_.pitch_min_rad < kHeldRad;
 }
 
 /// By a pose that rests on odometry in a direction or in all, as along a bare corridor. Farther

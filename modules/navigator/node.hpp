@@ -68,6 +68,7 @@ class NavigatorNode final : public node::Node {
 
   void watch_slip(const nodmap::pose_t& message);
   [[nodiscard]] bool may_be_at_goal() const;
+  [[nodiscard]] bool laser_is_held() const;
   /// The fastest speed that the pitch controller and the pose allow.
   [[nodiscard]] double max_forward_mps() const;
   void begin_odometry_frame(time::Timestamp stamp);

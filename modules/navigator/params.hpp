@@ -23,7 +23,8 @@ struct DriveParams {
   template <class Visitor>
   void describe(Visitor& v) {
     v.number("side_margin_m", side_margin_m, {0.0, 0.5},
-             "Margin on each side of the body: with its width, the virtual corridor.");
+             "Margin on each side of the body. The virtual corridor is as wide as the body and "
+             "both margins.");
     v.number("max_forward_mps", max_forward_mps, {0.05, 5.2},
              "Fastest forward speed, however long the free distance is.");
     v.angle("max_yaw_rate_deg_s", max_yaw_rate_rad_s, {5.0, 180.0},
@@ -31,15 +32,17 @@ struct DriveParams {
     v.number("max_lateral_mps2", max_lateral_mps2, {0.1, 5.0},
              "Largest lateral acceleration: forward speed times yaw rate.");
     v.number("creep_margin_m", creep_margin_m, {0.0, 0.5},
-             "To a goal it passes obstacles that are within side_margin_m, but not within this, at "
-             "creep_mps.");
-    v.number("creep_mps", creep_mps, {0.0, 1.0}, "Speed past obstacles within side_margin_m.");
+             "On the way to a goal, obstacles nearer to the body's side than drive.side_margin_m, "
+             "but not nearer than this, are passed at drive.creep_mps.");
+    v.number("creep_mps", creep_mps, {0.0, 1.0},
+             "Speed past obstacles nearer than drive.side_margin_m.");
     v.number("squeeze_margin_m", squeeze_margin_m, {0.0, 0.5},
-             "To a goal, where no other motion is left, it passes obstacles that are within "
-             "creep_margin_m, but not within this, at squeeze_mps.");
-    v.number("squeeze_mps", squeeze_mps, {0.0, 1.0}, "Speed past obstacles within creep_margin_m.");
+             "On the way to a goal, if no other motion is left, obstacles nearer than "
+             "drive.creep_margin_m, but not nearer than this, are passed at drive.squeeze_mps.");
+    v.number("squeeze_mps", squeeze_mps, {0.0, 1.0},
+             "Speed past obstacles nearer than drive.creep_margin_m.");
     v.number("reaction_s", reaction_s, {0.02, 1.0},
-             "From the middle of a scan until the robot slows down.");
+             "Reaction time from the middle of a scan until the robot slows down.");
   }
 };
 
@@ -52,15 +55,16 @@ struct SteerParams {
   template <class Visitor>
   void describe(Visitor& v) {
     v.number("open_space_m", open_space_m, {0.3, 5.0},
-             "Free distance that counts half in the free-space orientation, and is enough to steer "
-             "to.");
+             "Free distance that has half of the full weight in the free-space orientation, and "
+             "suffices to steer in a direction.");
     v.number("chord_m", chord_m, {0.3, 5.0},
              "Length of the chord of the arc that leads to the steering direction.");
-    v.angle("view_half_deg", view_half_rad, {10.0, 89.0},
-            "Directions up to so far from ahead are in the laser's view, also close to the robot.");
+    v.angle(
+        "view_half_deg", view_half_rad, {10.0, 89.0},
+        "Directions up to this angle from ahead are in the laser's view, also close to the robot.");
     v.integer("sweeps_to_trust", sweeps_to_trust, {1, 10},
-              "Sweeps during which a direction must have been in view before the robot drives "
-              "there.");
+              "Number of sweeps during which a direction must have been in view before the robot "
+              "drives in it.");
   }
 };
 
@@ -75,7 +79,7 @@ struct TurnParams {
     v.number("margin_m", margin_m, {0.0, 0.5}, "Margin around the body when it turns on the spot.");
     v.angle("rate_deg_s", rate_rad_s, {5.0, 180.0}, "Yaw rate on the spot.");
     v.number("until_free_m", until_free_m, {0.2, 5.0},
-             "Turn ends where the free distance ahead is this long.");
+             "Turn ends when the free distance ahead is at least this.");
     v.number("retry_s", retry_s, {0.5, 60.0},
              "Pause after a full rotation without a free direction.");
   }
@@ -88,8 +92,9 @@ struct BackUpParams {
   template <class Visitor>
   void describe(Visitor& v) {
     v.number("speed_mps", speed_mps, {0.02, 0.3},
-             "Speed at which it backs up along its trail where it cannot turn.");
-    v.number("distance_m", distance_m, {0.05, 4.0}, "Longest distance to back up at once.");
+             "Speed at which the robot backs up along its trail where it cannot turn.");
+    v.number("distance_m", distance_m, {0.05, 4.0},
+             "Longest distance that the robot backs up at once.");
   }
 };
 
@@ -103,13 +108,13 @@ struct StalenessParams {
   template <class Visitor>
   void describe(Visitor& v) {
     v.number("map_s", map_s, {0.03, 0.25},
-             "The robot halts when the obstacle map, or the last scan, is older.");
+             "The robot halts when the obstacle map or the last scan is older than this.");
     v.number("odometry_s", odometry_s, {0.03, 0.25},
-             "The robot halts when odometry is older than the map by more.");
+             "The robot halts when odometry is older than the map by more than this.");
     v.number("pitch_command_s", pitch_command_s, {0.03, 0.25},
-             "The robot halts when the pitch controller's speed bound is older.");
+             "The robot halts when the pitch controller's speed bound is older than this.");
     v.number("pitch_state_s", pitch_state_s, {0.03, 0.25},
-             "The robot halts when the reading of the pitch servo is older.");
+             "The robot halts when the last reading of the pitch servo is older than this.");
   }
 };
 
@@ -125,17 +130,17 @@ struct GroundParams {
   template <class Visitor>
   void describe(Visitor& v) {
     v.angle("max_slope_deg", max_slope_rad, {0.0, 25.0},
-            "Steeper ground is an obstacle, or a hole: ramps of 12 degrees, and the error of the "
-            "measured slope.");
+            "Steeper ground is an obstacle or a hole. The default allows ramps of 12 degrees plus "
+            "the error of the measured slope.");
     v.number("wheelbase_m", wheelbase_m, {0.05, 5.0},
-             "From the front to the rear wheels: where the body rests on the ground.");
-    v.number("track_m", track_m, {0.05, 5.0}, "From the left to the right wheels.");
+             "Distance from the front to the rear wheels, on which the body rests.");
+    v.number("track_m", track_m, {0.05, 5.0}, "Distance from the left to the right wheels.");
     v.angle("tilt_tolerance_deg", tilt_tolerance_rad, {0.0, 5.0},
-            "Error of the tilt near a ramp, in place of local_map.tilt_tolerance_deg.");
+            "Error of the tilt near a ramp; replaces local_map.tilt_tolerance_deg there.");
     v.number("sloped_mps", sloped_mps, {0.05, 5.2}, "Fastest speed on and near ramps.");
     v.number("doubt_from_m", doubt_from_m, {0.5, 10.0},
-             "Near slopes, what is farther away and could be a ramp up is unknown, and no obstacle "
-             "yet.");
+             "Near slopes, something farther away than this that could be a ramp up is unknown, "
+             "and not an obstacle yet.");
   }
 };
 
@@ -155,26 +160,28 @@ struct LocalMapParams {
   template <class Visitor>
   void describe(Visitor& v) {
     v.flag("use_local_map", use,
-           "Drive by the local map, too; without it holes and low obstacles are not seen.");
+           "Whether the robot also drives by the local map; without it holes and low obstacles are "
+           "not seen.");
     v.number("cell_size_m", cell_size_m, {0.01, 0.1}, "Edge of a cell.");
     v.number("range_m", range_m, {0.5, 5.0},
              "Obstacles and holes of the local map count up to this distance.");
     v.number("floor_tolerance_m", floor_tolerance_m, {0.005, 0.2},
-             "What is measured higher or lower than this is no floor.");
+             "A point more than this above or below the ground is not floor.");
     v.angle("tilt_tolerance_deg", tilt_tolerance_rad, {0.0, 5.0},
-            "Error of pitch and tilt: the floor tolerance grows with distance by it.");
+            "Error of pitch and tilt, by which the floor tolerance grows with distance.");
     v.number("floor_return_m", floor_return_m, {0.5, 10.0},
-             "A beam that should meet the floor within this range and does not come back saw a "
-             "hole.");
+             "A beam that should meet the floor within this range but does not come back has seen "
+             "a hole.");
     v.number("max_gap_m", max_gap_m, {0.02, 1.0},
-             "Between floor points of neighbouring beams and scans no farther apart there is "
-             "floor. Before what was not seen as densely an emergency stop is kept possible.");
+             "Floor points of neighbouring beams and scans no farther apart than this have floor "
+             "between them. The robot can always make an emergency stop before floor that was not "
+             "seen this densely.");
     v.number("wide_gap_m", wide_gap_m, {0.02, 2.0},
-             "Before floor that was seen with gaps wider than this an ordinary stop is kept "
-             "possible.");
+             "The robot can always make an ordinary stop before floor that was seen with gaps "
+             "wider than this.");
     v.number("forget_after_m", forget_after_m, {1.0, 1000.0},
-             "An obstacle not measured again is forgotten after so much driving; a rotation of "
-             "1 rad counts as 4 m.");
+             "An obstacle that is not measured again is forgotten after this length of path; a "
+             "rotation of 1 rad counts as 4 m.");
     v.section("ground", ground);
   }
 };
@@ -199,28 +206,30 @@ struct PlannerParams {
   template <class Visitor>
   void describe(Visitor& v) {
     v.flag("use_planner", use,
-           "Drive to a goal by plan and rollouts; without it by Steer, Brake and Turn.");
+           "Whether the robot drives to a goal by plan and rollouts; otherwise by Steer, Brake and "
+           "Turn.");
     v.flag("roams", roams,
-           "Drive without a goal by plan and rollouts; without it by Steer, Brake and Turn.");
-    v.number("replan_s", replan_s, {0.05, 10.0}, "From one global plan to the next.");
+           "Whether the robot roams by plan and rollouts; otherwise by Steer, Brake and Turn.");
+    v.number("replan_s", replan_s, {0.05, 10.0}, "Time from one global plan to the next.");
     v.number("least_clearance_m", least_clearance_m, {0.0, 0.5},
-             "No path and no rollout brings the body nearer to an obstacle.");
+             "No path and no fast rollout brings the body nearer to an obstacle than this.");
     v.number("wide_m", wide_m, {0.05, 3.0},
-             "Up to so much more clearance a path costs more the nearer it is to obstacles.");
+             "Up to this much more than the least clearance, a path costs more the nearer it is to "
+             "obstacles.");
     v.number("nearness_price", nearness_price, {0.0, 7.0},
-             "What a metre at the least clearance costs more than in the open, metres.");
+             "Additional cost of a metre of path at the least clearance, metres.");
     v.number("unknown_price", unknown_price, {0.0, 5.0},
-             "What a metre of ground that was not seen costs more, metres.");
+             "Additional cost of a metre of path over ground that was not seen, metres.");
     v.number("failure_price", failure_price, {0.0, 10.0},
-             "What a metre costs more where the robot could not go on, metres.");
+             "Additional cost of a metre of path where the robot could not go on, metres.");
     v.number("ample_clearance_m", ample_clearance_m, {0.01, 1.0},
-             "Clearance of a slow rollout from which on more of it gains nothing.");
+             "Clearance beyond which a slow rollout costs nothing for clearance.");
     v.number("ample_clearance_s", ample_clearance_s, {0.0, 1.0},
-             "So much more clearance is ample for each m/s of a rollout's speed, metres.");
+             "Increase of that clearance for each m/s of a rollout's speed, metres.");
     v.number("clearance_weight", clearance_weight, {0.0, 10.0},
-             "Cost of a metre that a rollout drives at no clearance, metres.");
+             "Cost of a metre that a rollout drives without clearance, metres.");
     v.number("smoothness_weight", smoothness_weight, {0.0, 2.0},
-             "Cost of a change of 1 m/s or 1 rad/s, metres.");
+             "Cost of a change of speed by 1 m/s or of yaw rate by 1 rad/s, metres.");
     v.number("reverse_price", reverse_price, {0.0, 5.0}, "Cost of driving backwards, metres.");
     v.angle("rotation_deg_s", rotation_rad_s, {5.0, 180.0},
             "Fastest yaw rate on the spot and backwards.");
@@ -238,15 +247,15 @@ struct DockingParams {
   template <class Visitor>
   void describe(Visitor& v) {
     v.number("staging_m", staging_m, {0.3, 3.0},
-             "Straight behind the goal, so far from it, lies the place from which it docks.");
+             "Distance of the staging place, where docking begins, straight behind the goal.");
     v.number("line_m", line_m, {0.05, 1.0},
-             "The distance to the line through the goal decays over so much of it.");
+             "Length over which the distance to the line through the goal decays.");
     v.number("speed_mps", speed_mps, {0.05, 0.5}, "Fastest speed along the line.");
     v.number("settle_s", settle_s, {0.1, 20.0},
-             "It is stationary for so long before its pose counts: 2D SLAM sees a level scan about "
-             "once a second.");
+             "The robot is stationary for this long before its pose is checked: 2D SLAM gets a "
+             "level scan about once a second.");
     v.integer("tries", tries, {1, 100},
-              "After so many tries and corrections it says that it cannot dock.");
+              "After this many tries and corrections the robot reports that it cannot dock.");
   }
 };
 
@@ -261,16 +270,19 @@ struct PeopleParams {
   template <class Visitor>
   void describe(Visitor& v) {
     v.flag("use_people", use,
-           "Track people and give way to them; without it only what comes near.");
-    v.number(
-        "margin_m", margin_m, {0.0, 0.5},
-        "Distance to a walker, beside the errors of his track, at which the robot is stationary.");
-    v.number(
-        "comfort_m", comfort_m, {0.05, 2.0},
-        "A rollout that keeps more distance to a walker, and to where he goes, costs nothing.");
-    v.number("ahead_s", ahead_s, {0.0, 5.0}, "Where a walker goes: his path of so much time.");
+           "Whether people are tracked and given way to; without it the robot only waits for what "
+           "approaches.");
+    v.number("margin_m", margin_m, {0.0, 0.5},
+             "Distance to a walking person, in addition to the errors of the track, at which the "
+             "robot is stationary.");
+    v.number("comfort_m", comfort_m, {0.05, 2.0},
+             "A rollout that keeps more than this distance from a walking person, and from that "
+             "person's path ahead, costs nothing for it.");
+    v.number("ahead_s", ahead_s, {0.0, 5.0},
+             "Length of a walking person's path ahead that counts, in time.");
     v.number("weight_mps", weight_mps, {0.0, 50.0},
-             "Cost of a second of a rollout in the middle of a walker's path, metres.");
+             "Cost of each second that a rollout spends in the middle of a walking person's path, "
+             "metres.");
   }
 };
 
@@ -303,7 +315,7 @@ struct NavigatorParams {
     v.text("geofence", geofence,
            "The area that the robot does not leave: a polygon in the frame map, metres, such as "
            "POLYGON((-1 -2, 8 -2, 8 5, -1 5)); further rings are holes in it. Empty: none.");
-    v.number("drive_valid_s", drive_valid_s, {0.05, 0.2}, "How long a DRIVE may be obeyed.");
+    v.number("drive_valid_s", drive_valid_s, {0.05, 0.2}, "How long the base obeys a DRIVE.");
     describe_former_names(v);
   }
 

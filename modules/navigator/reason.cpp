@@ -4,7 +4,7 @@
 namespace nodmap::navigator {
 namespace {
 
-/// %: Reason::about.
+/// The sentence of each reason; % stands for Reason::about.
 const char* sentence_of(Why why) {
   switch (why) {
     case Why::kNothingToAdd:
@@ -12,7 +12,7 @@ const char* sentence_of(Why why) {
     case Why::kStopped:
       return "Stopped by %.";
     case Why::kLostPose:
-      return "2D SLAM is lost: where the goal lies is not known.";
+      return "2D SLAM is lost: the direction to the goal is not known.";
     case Why::kNoInput:
       return "There is no %.";
     case Why::kStaleInput:
@@ -78,11 +78,11 @@ const char* sentence_of(Why why) {
     case Why::kDockBacksOff:
       return "Docks: backs off for another try.";
     case Why::kDockFailed:
-      return "Cannot dock: the last of its tries was not exact enough, or in the way.";
+      return "Cannot dock: the last try was not exact enough, or was blocked.";
     case Why::kDockSettles:
       return "Docks: waits until its pose is sure.";
     case Why::kDockBlocked:
-      return "Docks: waits until the way is free.";
+      return "Docks: waits until the path is free.";
     case Why::kDocks:
       return "Docks.";
   }

@@ -17,7 +17,7 @@ std::size_t bin_of(double compass_rad, int bins) {
 }  // namespace
 
 void SeenDirections::update(double heading_rad, std::int64_t sweep_count) {
-  // The servo driver has restarted and counts anew: earlier counts cannot be compared.
+  // The servo driver has restarted its count, which cannot be compared with the old one.
   if (sweep_count < sweep_count_) {
     forget();
   }
@@ -26,7 +26,7 @@ void SeenDirections::update(double heading_rad, std::int64_t sweep_count) {
   for (int bin = 0; bin < kBins; ++bin) {
     auto& since = in_view_since_[static_cast<std::size_t>(bin)];
     const double direction_rad = geometry::angle_difference(geometry::deg_to_rad(bin), heading_rad);
-    // Half a degree more, so that the rounding to bins does not make the borders flicker.
+    // Half a degree more, so that rounding to bins does not make the borders flicker.
     if (std::abs(direction_rad) > view_half_rad_ + geometry::deg_to_rad(0.5)) {
       since.reset();
     } else if (!since) {

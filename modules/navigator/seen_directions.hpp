@@ -7,20 +7,21 @@
 
 namespace nodmap::navigator {
 
-/// The directions that the nodding laser has had in view for long enough to know what is there. An
-/// obstacle map without a point in a direction does not tell "free" from "not seen yet"; this does,
-/// and the robot does not drive to directions it has not seen.
+/// The directions that the nodding laser has had in view long enough to know what is there. In an
+/// obstacle map a direction without a point may be free or not seen yet. This distinguishes the
+/// two, and the robot does not drive in directions that it has not seen.
 ///
-/// Kept by compass direction in odom: while the robot drives on, what is ahead stays in view; a
-/// rotation brings new directions into view, and those that leave it are forgotten. While no scans
-/// come sweeps end without a look: after a long gap all is forgotten, after one shorter than a
-/// sweep what had not been seen before (Navigator::respect_gap() says why that is safe).
+/// Directions are kept in odom: while the robot drives straight, what is ahead stays in view; a
+/// rotation brings new directions into view, and those that leave it are forgotten. In a gap in the
+/// scans sweeps end without being seen: after a long gap everything is forgotten, after one shorter
+/// than a sweep only directions that had not been seen before it (Navigator::respect_gap() explains
+/// why that is safe).
 class SeenDirections {
  public:
-  /// `view_half_rad`: directions up to so far from ahead are in view.
+  /// `view_half_rad`: directions up to this angle from ahead are in view.
   explicit SeenDirections(double view_half_rad) : view_half_rad_(view_half_rad) {}
 
-  /// The heading in odom and the number of sweeps at this moment.
+  /// Updates the heading in odom and the number of sweeps.
   void update(double heading_rad, std::int64_t sweep_count);
 
   /// Whether the direction (in base, positive left) has been in view while at least `sweeps` sweeps
@@ -29,7 +30,8 @@ class SeenDirections {
 
   void forget() { in_view_since_.fill(std::nullopt); }
 
-  /// Of a gap in the scans: what was in view for fewer sweeps before it has not been seen.
+  /// To be called after a gap in the scans: forgets directions that were in view for fewer sweeps
+  /// before it.
   void forget_unseen(int sweeps);
 
  private:

@@ -8,8 +8,8 @@ namespace {
 
 using Input = InputSenders::Input;
 
-/// Odometry comes all the time: its stamps are the clock, to which a step back is a new beginning.
-/// Of odometry's own senders another clock tells who is alive: the servo's readings.
+/// Odometry comes all the time, so its stamps serve as the clock for the other inputs; a step back
+/// begins anew. For odometry itself the readings of the servo are the clock.
 time::SteadyTime clock_of(Input input, time::Timestamp otherwise, const InputStamps& stamps) {
   const auto& newest = input == Input::kOdometry ? stamps.pitch_state : stamps.odometry;
   return time::SteadyTime(newest.value_or(otherwise).time_since_epoch());

@@ -12,18 +12,18 @@
 
 namespace nodmap::navigator {
 
-/// The one process from which each input is taken. Of two senders one is forged, or a process runs
-/// twice: which one tells the truth is not known.
+/// Follows one sender for each input. If there are two, one is forged or a process runs twice; it
+/// is not known which of them is right.
 class InputSenders {
  public:
   enum class Input : std::uint8_t { kScan, kOdometry, kPitchCommand, kPitchState };
 
-  /// Adds a message; false: it is from another sender than the one that is followed. `stamps`: of
-  /// the messages used so far.
+  /// Adds a message. Returns false if it is from another sender than the one that is followed.
+  /// `stamps`: of the messages used so far.
   [[nodiscard]] bool follow(Input input, std::int64_t seq, time::Timestamp stamp,
                             const InputStamps& stamps);
 
-  /// The channel of an input that two processes send; empty: none.
+  /// The channel of an input that two processes send; empty if there is none.
   [[nodiscard]] std::optional<std::string> contested_channel(const InputStamps& stamps) const;
 
  private:

@@ -7,7 +7,7 @@
 namespace nodmap::navigator {
 namespace {
 
-/// A free direction on the other side must be nearer by so much to change the side.
+/// A free direction on the other side must be nearer by this angle to change the side.
 constexpr double kOtherSideRad = geometry::deg_to_rad(30.0);
 
 double longest_distance(const FreeSpace& space) {
@@ -52,8 +52,8 @@ FreeSpace Steering::seen_space(const FreeSpace& space, const SeenDirections& see
   return result;
 }
 
-/// The robot is steered along corridors in which it can also turn; where there are none, along
-/// those it fits through.
+/// Prefers corridors in which the robot can also turn; if there is none, takes those that it fits
+/// through.
 FreeSpace Steering::preferred_space(const FreeSpace& free_space, const SeenDirections& seen,
                                     const Situation& now) const {
   const double turning_margin_m = body_.turning_radius_m() + turn_.margin_m - body_.half_width_m;
@@ -67,7 +67,7 @@ std::optional<double> Steering::direction(const FreeSpace& space, const Situatio
   if (longest_m < stop_margin_m_) {
     return std::nullopt;
   }
-  // In narrow places the longest free distance there is must suffice.
+  // In narrow places the longest free distance must suffice.
   const double needed_m = std::min(params_.open_space_m, 0.8 * longest_m);
   return now.goal ? detour_.direction(space, now.points_base, *now.goal, needed_m)
                   : roaming_direction(space, needed_m);
@@ -82,7 +82,7 @@ std::optional<double> Steering::roaming_direction(const FreeSpace& space, double
     roaming_side_ = alpha_is_free ? 0.0 : (near.left_rad ? 1.0 : -1.0);
     return only;
   }
-  // There is an obstacle at alpha: it is passed on the side first chosen.
+  // An obstacle at alpha is passed on the side first chosen.
   const double to_left_rad = *near.left_rad - alpha_rad.value_or(0.0);
   const double to_right_rad = alpha_rad.value_or(0.0) - *near.right_rad;
   const double left = to_left_rad - (roaming_side_ > 0.0 ? kOtherSideRad : 0.0);
@@ -91,7 +91,7 @@ std::optional<double> Steering::roaming_direction(const FreeSpace& space, double
   return roaming_side_ > 0.0 ? near.left_rad : near.right_rad;
 }
 
-/// The arc whose chord leads in the direction (pure pursuit); a flatter one where that is blocked.
+/// The arc whose chord has this direction (pure pursuit), or a flatter one if that is blocked.
 std::optional<Arc> Steering::arc_towards(double direction_rad, const Situation& now) const {
   const double chord_m =
       now.goal ? std::clamp(now.goal->distance_m, 0.2, params_.chord_m) : params_.chord_m;
@@ -107,7 +107,7 @@ std::optional<Arc> Steering::arc_towards(double direction_rad, const Situation& 
 
 Decision Steering::drive(double direction_rad, const Arc& arc, const Situation& now) const {
   const double limit_mps = brake_.speed_limit(arc.curvature, now.max_forward_mps);
-  // It is to be stationary at the goal.
+  // Stops at the goal.
   const double goal_mps = now.goal ? brake_.stoppable_mps(now.goal->distance_m) : limit_mps;
   const double safe_mps = std::min(arc.speed_mps, brake_.speed_on_present_arc(now));
   const bool is_slowed = safe_mps < limit_mps;

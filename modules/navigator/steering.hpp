@@ -11,19 +11,19 @@
 
 namespace nodmap::navigator {
 
-/// Steer (paper, III C): to the free direction nearest to the orientation of free space, or around
-/// what is between the robot and its goal; along an arc whose chord points there, as fast as Brake
-/// allows.
+/// Steer (paper, III C): chooses the free direction nearest to the orientation of free space, or a
+/// direction around what is between the robot and its goal, and drives an arc whose chord points
+/// there, as fast as Brake allows.
 class Steering {
  public:
   explicit Steering(const NavigatorParams& params);
 
-  /// Empty where no direction that was seen is free. `free_space` is that of the corridor as wide
-  /// as the body.
+  /// Returns the decision; empty if no direction that was seen is free. `free_space`: of the
+  /// corridor as wide as the body.
   [[nodiscard]] std::optional<Decision> steer(const FreeSpace& free_space,
                                               const SeenDirections& seen, const Situation& now);
 
-  /// The free space without the directions that were not seen for long enough.
+  /// The free space, without directions that were not seen long enough.
   [[nodiscard]] FreeSpace seen_space(const FreeSpace& space, const SeenDirections& seen,
                                      const Situation& now) const;
   [[nodiscard]] bool is_seen(double direction_rad, const SeenDirections& seen,

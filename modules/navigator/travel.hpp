@@ -8,9 +8,9 @@
 
 namespace nodmap::navigator {
 
-/// How far the robot has travelled between two poses of odometry, in metres, by what that costs of
-/// its accuracy: a rotation of 1 rad costs the heading as much as 4 m of path, 2 degrees against 1
-/// degree at 1 m, both growing with the root.
+/// How far the robot has travelled between two poses of odometry, in metres, weighted by the loss
+/// of accuracy: a rotation of 1 rad adds as much error to the heading (2 degrees) as 4 m of path (1
+/// degree at 1 m; both grow with the square root).
 [[nodiscard]] inline double travel_m(const geometry::SE2& from, const geometry::SE2& to) {
   constexpr double kMetresPerRad = 4.0;
   return (to.translation() - from.translation()).norm() +

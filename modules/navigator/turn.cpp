@@ -11,16 +11,16 @@ namespace {
 
 using Kind = TurnCommand::Kind;
 
-/// A rotation shorter than this is not begun, and one that comes so near to an obstacle ends.
+/// A rotation shorter than this is not begun, and one ends this far before an obstacle.
 constexpr double kLeastRotationRad = geometry::deg_to_rad(5.0);
-/// It backs up until it can rotate this far: less has just been tried.
+/// Backs up until it can rotate this far; less has just been tried.
 constexpr double kWorthwhileRotationRad = geometry::deg_to_rad(150.0);
 /// Deceleration of a rotation, a third of what the wheels can do.
 constexpr double kDecelerationRadS2 = 5.0;
-/// After backing up it rotates at least so far.
+/// After backing up it rotates at least this far.
 constexpr double kTurnAwayRad = geometry::deg_to_rad(60.0);
 constexpr double kStationaryRadS = 0.1;
-/// Rotates so far beyond the first free direction: the base's slowest yaw rate is 0.05 rad/s.
+/// Rotates this far beyond the first free direction: the base's slowest yaw rate is 0.05 rad/s.
 constexpr double kBeyondRad = geometry::deg_to_rad(3.0);
 constexpr double kFullRotationRad = 2.0 * geometry::kPi;
 
@@ -43,7 +43,7 @@ void Turn::begin(const TurnInput& input, double preferred_side) {
   } else if (input.clear_direction_rad) {
     side_ = *input.clear_direction_rad >= 0.0 ? 1.0 : -1.0;
   } else {
-    // The same room on both sides: to the left.
+    // With the same room on both sides, to the left.
     side_ = input.more_room_side >= 0.0 ? 1.0 : -1.0;
   }
   consider_room(input);
@@ -101,8 +101,7 @@ TurnCommand Turn::rotate(const TurnInput& input) {
   }
   backs_up_ = here().free_rotation_rad < needed_rad;
   if (backs_up_) {
-    // What is ahead after backing up is the place it could not turn in: it must rotate away from
-    // it.
+    // After backing up, the place in which it could not turn is ahead: it must rotate away from it.
     rotated_rad_ = 0.0;
     least_rotation_rad_ = kTurnAwayRad;
     return {Kind::kBackUp, 0.0};

@@ -9,18 +9,19 @@
 
 namespace nodmap::navigator {
 
-/// What Turn needs to know at one moment.
+/// The inputs of Turn.
 struct TurnInput {
   time::Timestamp stamp{};
   double heading_rad = 0.0;  ///< of base in odom
   double yaw_rate_rad_s = 0.0;
-  /// Nearest direction in view that is free, positive left; empty: none, or as near on both sides.
+  /// The nearest free direction in view, positive left; empty if there is none, or if it is as near
+  /// on both sides.
   std::optional<double> clear_direction_rad;
-  double more_room_side = 0.0;  ///< +1, -1: where there is more room; 0: the same on both
+  double more_room_side = 0.0;  ///< side with more room, +1 left, -1 right; 0: the same
   bool ahead_is_free = false;   ///< no point of the map ahead
-  bool ahead_is_seen = false;   ///< and that direction was in view for long enough
-  /// To each side: how far the body can rotate, and how far it is to the first direction without
-  /// points; +infinity where nothing ends the rotation, or there is none.
+  bool ahead_is_seen = false;   ///< that direction was in view long enough
+  /// For each side: how far the body can rotate, and how far it is to the first direction without
+  /// points; +infinity if nothing ends the rotation, or if there is no such direction.
   struct Side {
     double free_rotation_rad = 0.0;
     double to_clear_direction_rad = 0.0;
@@ -35,7 +36,7 @@ struct TurnCommand {
   enum class Kind : std::uint8_t {
     kTurn,     ///< rotate on the spot, at yaw_rate_rad_s
     kLook,     ///< wait until the laser has seen what is ahead
-    kBackUp,   ///< it can rotate far enough to neither side
+    kBackUp,   ///< back up: it cannot rotate far enough to either side
     kWait,     ///< a full rotation found nothing: wait, and try again later
     kFinished  ///< ahead is free: Steer takes over
   };
@@ -45,11 +46,11 @@ struct TurnCommand {
 
 /// Turn (paper, III C): rotates to a free direction when Brake is active.
 ///
-/// The side is chosen once and kept until ahead is free: that of the free direction in view, else
-/// that with more room. It changes at most once, where an obstacle ends the rotation. Where both
-/// sides are seen to end like that from the beginning, the robot first backs up. A dead end is left
-/// within one full rotation; after a whole one without a free direction the robot waits and tries
-/// again, for what moves may have moved away.
+/// The side is chosen once, that of the nearest free direction in view or else the one with more
+/// room, and kept until ahead is free. It changes at most once, where an obstacle ends the
+/// rotation. If obstacles end the rotation on both sides from the beginning, the robot first backs
+/// up. A dead end is left within one full rotation. After a full rotation without a free direction
+/// the robot waits and tries again, because obstacles may have moved.
 class Turn {
  public:
   Turn(const TurnParams& params, double reaction_s) : params_(params), reaction_s_(reaction_s) {}

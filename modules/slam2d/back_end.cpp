@@ -13,25 +13,24 @@ namespace {
 
 using registration::PoseEdge2d;
 
-// The work on one keyframe is bounded.
+// Limits of the work on one keyframe.
 constexpr std::size_t kMaxTracked = 2;
 constexpr std::size_t kMaxSearches = 2;
 constexpr std::size_t kSearchEvery = 3;  // keyframes
-// The graph is solved every few keyframes, and less often as it grows: its solution takes a time in
-// proportion to its submaps.
+// The graph is solved every few keyframes, and less often as it grows, because the time this takes
+// is proportional to the number of submaps.
 constexpr std::size_t kMinOptimiseEvery = 3;
 constexpr std::size_t kSubmapsPerKeyframe = 40;
 constexpr double kSigmas = 3.0;
-// Nearer than this by the graph, a match finds the place without a search.
+// Where the graph knows a pose to within this, a match finds the place without a search.
 constexpr double kTrackDistanceM = 0.35;
 constexpr double kTrackRotationRad = 0.1;
-// Of three degrees of freedom, one true loop of a thousand is beyond.
+// 99.9 % of correct loops are below this (chi-squared, three degrees of freedom).
 constexpr double kMaxLoopChiSquared = 16.3;
-// Views from farther apart have less in common, and more that is hidden from one of them.
+// Views from farther apart have less in common, and occlusion hides more.
 constexpr double kViewDistanceM = 2.0;
 
-// A robot that was found in a saved map is known to a cell or two of the map: x, y in m, yaw in
-// rad.
+// Standard deviations of a pose found in a saved map, a cell or two: x, y in m, yaw in rad.
 const Eigen::Vector3d kFoundSigmas(0.1, 0.1, 0.02);
 
 }  // namespace
@@ -125,7 +124,8 @@ void BackEnd::close_loops() {
 
 void BackEnd::update_uncertainty() {
   uncertainty_ = graph_.uncertainties(submaps(), chain_.local_index());
-  // The same relative pose, seen from its other end.
+  // From the pose of submap 0 relative to the local one to the pose of the local one relative to
+  // submap 0.
   const Eigen::Matrix3d J = moment_arm_jacobian(local().T_map_submap.translation() -
                                                 submaps()[0].T_map_submap.translation());
   drift_covariance_ = J * uncertainty_[0] * J.transpose();
@@ -186,12 +186,12 @@ void BackEnd::search_loop(std::size_t submap_index, std::span<const OrientedPoin
   record(attempt.loop, attempt.state);
 }
 
-// Where places look alike, several keyframes find the same wrong one. But there walls are missing,
-// or in the way, and the views of single scans tell.
+// Where places look alike, several keyframes may find the same wrong one. Views of single scans
+// then show walls that are missing or in the way.
 void BackEnd::accept_by_consensus(Loop loop) {
   loop.is_contradicted = contradicts_views(loop);
   metrics_.refused_by_view += loop.is_contradicted ? 1 : 0;
-  // Until others agree.
+  // The state until other keyframes agree.
   record(loop, loop.is_contradicted ? LoopState::kLowScore : LoopState::kInconsistent);
   for (const Loop& accepted : closer_.add_pending(loop, submaps(), keyframes())) {
     ++metrics_.loops_searched;
@@ -214,7 +214,7 @@ bool BackEnd::contradicts_views(const Loop& loop) const {
 }
 
 void BackEnd::accept(const Loop& loop) {
-  // Between the submaps: the keyframe's own is as rigid as the one it was found in.
+  // The loop joins two submaps, because the keyframe is fixed in its own submap.
   const std::size_t own = chain_.submap_of(loop.keyframe);
   const geometry::SE2 T_own_keyframe = submaps()[own].pose_of(loop.keyframe);
   const geometry::SE2 T_from_to = loop.T_submap_keyframe * T_own_keyframe.inverse();

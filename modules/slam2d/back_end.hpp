@@ -21,7 +21,7 @@
 
 namespace nodmap::slam2d {
 
-/// What the back end did, for the one line at the end.
+/// What the back end did, in counts.
 struct BackEndMetrics {
   std::int64_t loops_tracked = 0;   ///< found by a match from the pose of the graph
   std::int64_t loops_searched = 0;  ///< accepted by consensus
@@ -34,10 +34,10 @@ struct BackEndMetrics {
   std::int64_t submaps_dropped = 0;  ///< newer ones have replaced them
 };
 
-/// What became of the loops between two submaps: of the one that was accepted last or, if none was,
-/// of the last one.
+/// The state of the loops between two submaps: of the loop accepted last or, if none was accepted,
+/// of the one tried last.
 struct SubmapLoop {
-  std::size_t from = 0;  ///< submaps
+  std::size_t from = 0;  ///< indices of submaps
   std::size_t to = 0;
   LoopState state = LoopState::kLowScore;
   double score = 0.0;
@@ -46,8 +46,8 @@ struct SubmapLoop {
 /// Keeps the map consistent: submaps of consecutive keyframes, joined by odometry and by loops in a
 /// pose graph.
 ///
-/// A robot that drives in the same place day after day does not need more and more of them: old
-/// submaps are dropped, and their keyframes with them, once newer ones show the same.
+/// Its memory is bounded by the area, not by the time: a submap, and the keyframes that no other
+/// submap holds, are dropped once newer keyframes show the same places.
 class BackEnd {
  public:
   BackEnd(const BackEndParams& params, const MapParams& map, const MatcherParams& matcher);
@@ -55,13 +55,14 @@ class BackEnd {
   /// Everything that restore() needs.
   [[nodiscard]] SavedMap save() const;
 
-  /// Takes over a saved map; to be called before the first keyframe. The next keyframe begins a
-  /// submap of its own at its T_map_base, which is taken as known to a few centimetres.
+  /// Restores a saved map; must be called before the first keyframe. The next keyframe begins a
+  /// submap of its own at its T_map_base, whose standard deviations are taken as 0.1 m and 0.02
+  /// rad.
   void restore(SavedMap map);
 
-  /// The next keyframe begins a submap of its own at its T_map_base, which relative to the keyframe
-  /// before is known to `sigmas` (x, y in m, yaw in rad): what the robot saw until now and what it
-  /// sees from now on move as two rigid pieces, until loops join them.
+  /// The next keyframe begins a submap of its own at its T_map_base. `sigmas`: standard deviations
+  /// (x, y in m, yaw in rad) of its pose relative to the keyframe before. The map before it and the
+  /// map from it on are two rigid pieces until loops join them.
   void begin_anew(const Eigen::Vector3d& sigmas) { chain_.begin_anew(sigmas); }
 
   /// Whether there is a submap to match scans against: once a keyframe was added.
@@ -73,17 +74,18 @@ class BackEnd {
   /// to the first one: the drift since the map began, as far as loops have not taken it back.
   [[nodiscard]] const Eigen::Matrix3d& drift_covariance() const { return drift_covariance_; }
 
-  /// Where a scan may lie in the local submap, by a search of all poses within `window`, in the
-  /// frame of the submap, to the cell: at most `max_places`, with a mean likelihood of `min_score`
-  /// or more.
+  /// Searches the local submap for the poses at which a scan fits, to the cell. `scan`: points in
+  /// base; `window`: the poses to search, in the frame of the submap. Returns at most `max_places`
+  /// poses, each with a mean likelihood of at least `min_score`.
   [[nodiscard]] CorrelativeMatch find_in_local(std::span<const OrientedPoint> scan,
                                                const SearchWindow& window, double min_score,
                                                std::size_t max_places);
 
   /// Adds a keyframe at its place in the local submap, closes loops with older submaps, and moves
-  /// all submaps if that changed anything. `information` (x, y, yaw in the frame of the submap): of
-  /// the match that found the place, zero where there was none. Without a local submap the keyframe
-  /// begins one at its T_map_base, and the other arguments are not used.
+  /// all submaps if that changed anything. `information`: inverse covariance of (x, y in m, yaw in
+  /// rad) in the frame of the submap, from the match that found the place; zero without a match.
+  /// Without a local submap the keyframe begins one at its T_map_base, and the other arguments are
+  /// not used.
   void add_keyframe(Keyframe keyframe, const geometry::SE2& T_local_keyframe,
                     const Eigen::Matrix3d& information);
 
@@ -96,7 +98,7 @@ class BackEnd {
   [[nodiscard]] const std::vector<Keyframe>& keyframes() const { return chain_.keyframes(); }
   [[nodiscard]] std::span<const Submap> submaps() const { return chain_.submaps(); }
   [[nodiscard]] const BackEndMetrics& metrics() const { return metrics_; }
-  /// By the submaps they join.
+  /// One entry for each pair of submaps between which a loop was tried.
   [[nodiscard]] std::vector<SubmapLoop> loops() const;
   /// Counts the changes of submaps and loops.
   [[nodiscard]] std::int64_t graph_revision() const { return graph_revision_; }
@@ -126,8 +128,8 @@ class BackEnd {
   std::size_t keyframes_since_optimised_ = 0;
   bool has_new_loops_ = false;
   bool has_searched_loops_ = false;
-  std::vector<Eigen::Matrix3d> uncertainty_;                    ///< as it was at the last search
-  Eigen::Matrix3d drift_covariance_ = Eigen::Matrix3d::Zero();  ///< likewise
+  std::vector<Eigen::Matrix3d> uncertainty_;  ///< of each submap relative to the local one
+  Eigen::Matrix3d drift_covariance_ = Eigen::Matrix3d::Zero();
   std::map<std::pair<std::size_t, std::size_t>, SubmapLoop> loops_;
   std::int64_t graph_revision_ = 0;
   BackEndMetrics metrics_;

@@ -9,7 +9,8 @@ namespace {
 
 constexpr double kSamePlaceM = 0.5;
 constexpr double kSamePlaceRad = 0.2;
-// Of score: where nearly every point fits, one more means little.
+// Minimum difference of the scores: where nearly every point fits, the ratio of the misfits means
+// little.
 constexpr double kMinMargin = 0.02;
 
 }  // namespace

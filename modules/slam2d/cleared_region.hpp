@@ -12,13 +12,13 @@ struct Region {
   Eigen::Vector2d high = Eigen::Vector2d::Zero();
 };
 
-/// Whether it is one: finite, and with an area.
+/// Whether the corners are finite and the area is positive.
 [[nodiscard]] inline bool is_plausible(const Region& region) {
   return region.low.allFinite() && region.high.allFinite() &&
          (region.low.array() < region.high.array()).all();
 }
 
-/// A region that somebody has cleared: what the keyframes until then saw there counts no more.
+/// A region that was cleared on request: keyframes from before the request no longer draw in it.
 struct ClearedRegion {
   Region region;
   std::size_t num_keyframes = 0;  ///< the keyframes before this index

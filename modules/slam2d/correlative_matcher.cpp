@@ -16,8 +16,8 @@ constexpr double kDownsamplingM = 0.2;
 constexpr double kMaxRangeM = 25.0;
 // Points and rotations are taken in strides, so that the first few already tell much.
 constexpr std::size_t kStride = 16;
-constexpr std::size_t kMaxExpanded = 400'000;  // nodes: bounds the time of a search
-// Poses farther apart than this, or rotated more, are two peaks.
+constexpr std::size_t kMaxExpanded = 400'000;  // nodes; limits the time of a search
+// Poses farther apart than this, or rotated by more, are separate peaks.
 constexpr double kPeakDistanceM = 0.6;
 constexpr double kPeakRotationRad = 0.15;
 constexpr int kTopLevel = LikelihoodGrid::kTopLevel;
@@ -43,8 +43,8 @@ struct IsWorse {
   }
 };
 
-/// One search: the queue of the nodes, the largest bound first, so that the first single pose that
-/// comes out is the best of all.
+/// One search. Its queue holds the nodes with the largest bound first, so that the first single
+/// pose that it gives is the best of all.
 class Search {
  public:
   Search(const LikelihoodGrid& grid, std::span<const Eigen::Vector2d> points_base,
@@ -54,7 +54,7 @@ class Search {
     rotations_ = static_cast<int>(std::ceil(window.rotation_rad / rotation_step_rad_));
     steps_ = static_cast<int>(std::ceil(window.distance_m / grid.cell_size_m()));
     allowed_chunks_ = allowed_chunks();
-    // Points far apart first: a sum over a few of them already tells a bad pose.
+    // Points far apart come first: a sum over a few of them already rejects a bad pose.
     std::vector<Eigen::Vector2d> points;
     for (std::size_t first = 0; first < kStride; ++first) {
       for (std::size_t i = first; i < points_base.size(); i += kStride) {
@@ -66,7 +66,7 @@ class Search {
     }
   }
 
-  /// `ratio`: poses that score less than this part of the best are not asked for.
+  /// `ratio`: poses that score less than this part of the best are not needed.
   void begin(int min_sum, double ratio) {
     min_sum_ = min_sum;
     const int stride = static_cast<int>(kStride);

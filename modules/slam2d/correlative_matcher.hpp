@@ -17,8 +17,8 @@ namespace nodmap::slam2d {
 /// farther than 25 m.
 [[nodiscard]] std::vector<Eigen::Vector2d> points_to_search(std::span<const OrientedPoint> scan);
 
-/// The poses to search: all in a square around the middle, up to `distance_m` in x and in y, and up
-/// to `rotation_rad` from its heading.
+/// The poses to search: up to `distance_m` from `T_map_base` in x and in y, and up to
+/// `rotation_rad` from its heading.
 struct SearchWindow {
   geometry::SE2 T_map_base;
   double distance_m = 0.0;
@@ -32,8 +32,8 @@ struct Peak {
 };
 
 struct CorrelativeMatch {
-  /// The best pose, and the best of those that are no neighbours of the peaks before. Those that
-  /// score less than `max_runner_up_ratio` of the best are left out.
+  /// The best pose first. Each further peak is the best pose that is not near a peak before it.
+  /// Peaks that score less than `max_runner_up_ratio` of the best are left out.
   std::vector<Peak> peaks;
   std::size_t expanded = 0;  ///< nodes of the search, for its cost
   bool complete = true;      ///< false: the search ended at its limit, and may have missed peaks
@@ -44,18 +44,19 @@ struct CorrelativeMatch {
 
 /// Finds the pose of a scan in a map without a good guess: the best of all poses in a window, one
 /// cell apart and rotated in steps that move the farthest point by one cell (Olson 2009). Branch
-/// and bound finds the same pose as looking at each of them.
+/// and bound (Hess et al. 2016, section V-B) finds the same pose as trying all of them.
 class CorrelativeMatcher {
  public:
   explicit CorrelativeMatcher(const LoopSearchParams& params) : params_(params) {}
 
-  /// The points of a scan, in base. Finds no pose that scores below `min_score`.
+  /// Returns the best poses in the window, at most `max_peaks`, each with a score of at least
+  /// `min_score`. `points_base`: the points of the scan, in base.
   [[nodiscard]] CorrelativeMatch search(const LikelihoodGrid& grid,
                                         std::span<const Eigen::Vector2d> points_base,
                                         const SearchWindow& window,
                                         std::size_t max_peaks = 2) const;
 
-  /// The step from one rotated pose to the next, for these points.
+  /// The angle between neighbouring poses, in which the farthest point moves by one cell.
   [[nodiscard]] static double rotation_step_rad(std::span<const Eigen::Vector2d> points_base,
                                                 double cell_size_m);
 

@@ -11,8 +11,9 @@
 
 namespace nodmap::slam2d {
 
-/// All keyframes as nodes of a pose graph, for the last correction of their poses: each is joined
-/// to the next as it was measured, and to the submaps around it as it matches them now.
+/// All keyframes as nodes of a pose graph, for the final correction of their poses. Edges are the
+/// measured step from each keyframe to the next, and new matches of each keyframe against the
+/// submaps around it.
 struct KeyframeGraph {
   std::span<const Keyframe> keyframes;
   std::span<const Submap> submaps;

@@ -8,7 +8,7 @@
 namespace nodmap::slam2d {
 namespace {
 
-// A ray may be longer than its neighbours by this factor: walls seen at a flat angle are.
+// A ray may be longer than its neighbours by this factor: on walls seen at a flat angle it is.
 constexpr double kMaxLengthRatio = 1.5;
 
 /// Calls `visit` with both ends of each ray in map, and whether something was hit at the second.
@@ -31,7 +31,7 @@ void for_each_ray(const Keyframe& keyframe, const geometry::SE2& T_map_base, Vis
   }
 }
 
-/// Whether what is seen from there has moved by more than a distance.
+/// Whether points at a typical range move by more than `distance_m` between the two poses.
 bool has_moved(const geometry::SE2& from, const geometry::SE2& to, double distance_m) {
   constexpr double kTypicalRangeM = 5.0;
   return std::hypot(to.x - from.x, to.y - from.y) +
@@ -47,7 +47,8 @@ std::vector<double> believed_lengths(const Keyframe& keyframe) {
   for (const Eigen::Vector2f& point : keyframe.points_base) {
     lengths_m.push_back((point.cast<double>() - keyframe.sensor_origin_base).norm());
   }
-  // The shortest of each three in a row; then the longest of the rows that a ray is part of.
+  // Morphological opening: the shortest of each three neighbours, then for each ray the longest of
+  // the threes that it is part of.
   std::vector<double> opened_m(count, 0.0);
   for (std::size_t i = 1; i + 1 < count; ++i) {
     const double shortest_m = std::min({lengths_m[i - 1], lengths_m[i], lengths_m[i + 1]});
@@ -134,8 +135,8 @@ void KeyframeGrid::drop(const DroppedKeyframes& dropped) {
   std::erase_if(cleared_, [](const ClearedRegion& cleared) { return cleared.num_keyframes == 0; });
 }
 
-// What the keyframes have drawn there is taken back by hiding it: they no longer draw there, nor
-// take back what they would have drawn.
+// The keyframes drawn so far leave the region out from now on, both when they are drawn and when
+// they are erased.
 void KeyframeGrid::clear(const Region& region) {
   grid_.clear(grid_.cells_of(region));
   if (!drawn_at_.empty()) {

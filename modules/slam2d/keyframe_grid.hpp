@@ -13,17 +13,19 @@
 
 namespace nodmap::slam2d {
 
-/// How far each ray of a keyframe is believed to be free, metres: what is narrower than three
-/// neighbouring rays (the morphological opening of their lengths) is a look through a gap, or a
-/// range that is wrong. One value for each point; the length of the ray where it is believed.
+/// For each point of a keyframe, how far its ray is believed to be free, in metres. A ray that is
+/// much longer than the morphological opening of the lengths (over three neighbouring rays) looks
+/// through a gap or is a wrong range: it is believed as far as the opening. Any other is believed
+/// over its length.
 [[nodiscard]] std::vector<double> believed_lengths(const Keyframe& keyframe);
 
-/// Draws the rays of a keyframe, seen from a pose in the map: whole where their lengths are
-/// believed, otherwise only their free space as far as that is. Not in the cells `left_out`.
+/// Draws the rays of a keyframe at the pose `T_map_base`: a ray that is believed over its length
+/// with the hit at its end, any other only as free space as far as it is believed. The cells
+/// `left_out` are not changed.
 void draw(const Keyframe& keyframe, const geometry::SE2& T_map_base, OccupancyGrid& grid,
           std::span<const CellRange> left_out = {});
 
-/// Takes back what draw() has drawn from the same pose, with the same cells left out.
+/// Reverses draw() from the same pose with the same cells left out.
 void erase(const Keyframe& keyframe, const geometry::SE2& T_map_base, OccupancyGrid& grid,
            std::span<const CellRange> left_out = {});
 
@@ -34,26 +36,26 @@ class KeyframeGrid {
 
   [[nodiscard]] const OccupancyGrid& grid() const { return grid_; }
 
-  /// Draws the keyframes that came since the last call.
+  /// Draws the keyframes that were added since the last call.
   void draw_new(std::span<const Keyframe> keyframes);
 
-  /// Draws keyframes again that the back end has moved by more than a cell: looks at `max_checked`
-  /// of them, in turn, and draws `max_drawn` at most.
+  /// Redraws keyframes that the back end has moved by more than a cell. Checks at most
+  /// `max_checked` of them in each call, in turn, and redraws at most `max_drawn`.
   void redraw_moved(std::span<const Keyframe> keyframes, std::size_t max_checked,
                     std::size_t max_drawn);
-  /// Draws all keyframes again that the back end has moved by more than half a cell.
+  /// Redraws all keyframes that the back end has moved by more than half a cell.
   void redraw_all_moved(std::span<const Keyframe> keyframes);
 
-  /// Takes keyframes back that the back end has dropped: what has vanished goes with them.
+  /// Erases keyframes that the back end has dropped; objects that only they saw vanish with them.
   void drop(const DroppedKeyframes& dropped);
 
-  /// From now on nothing is known of the cells of a region but what later keyframes see there.
-  /// The region stays where it is in map when loops move the keyframes.
+  /// Makes the cells of a region unknown; only later keyframes draw there. The region stays in
+  /// place when loops move keyframes.
   void clear(const Region& region);
 
-  /// Regions that are cleared and still hide keyframes.
+  /// The cleared regions in which some keyframes are not drawn.
   [[nodiscard]] const std::vector<ClearedRegion>& cleared() const { return cleared_; }
-  /// Takes over those of a saved map; to be called before its keyframes are drawn.
+  /// Restores the cleared regions of a saved map; must be called before its keyframes are drawn.
   void restore_cleared(std::vector<ClearedRegion> cleared) { cleared_ = std::move(cleared); }
 
  private:

@@ -12,9 +12,10 @@ namespace {
 
 constexpr double kLikelihoodCellM = 0.1;
 constexpr double kNormalRadiusM = 0.15;
-// A pose is off by a few centimetres, and walls in grids are a cell or two thick.
+// A point within this distance of an occupied cell counts as on the wall: poses are off by a few
+// centimetres, and walls in grids are a cell or two thick.
 constexpr double kNearWallM = 0.12;
-// Short of the measured point a ray may graze the wall it ends at.
+// The last part of a ray is not checked: it may graze the wall at which it ends.
 constexpr double kFreeBeforeHitM = 0.4;
 
 /// Towards the free cells around an occupied one; zero where they are on all sides or on none.

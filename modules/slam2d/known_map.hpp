@@ -39,7 +39,7 @@ struct TrinaryGrid {
 
 [[nodiscard]] TrinaryGrid trinary(const OccupancyGrid& grid);
 
-/// How a scan fits the grid, as parts of its points.
+/// How well a scan fits the grid, as fractions of its points.
 struct GridFit {
   double on_walls = 0.0;       ///< end at an occupied cell
   double through_walls = 0.0;  ///< were measured through an occupied cell
@@ -53,13 +53,13 @@ class KnownMap {
 
   /// The cells at the border to free space, in map, with normals towards it.
   [[nodiscard]] const PointMap& points() const { return points_; }
-  /// Of the same points; allows only places that are free.
+  /// The likelihood grid of points(); the robot can only be in free cells.
   [[nodiscard]] const LikelihoodGrid& likelihood() const { return likelihood_; }
   [[nodiscard]] const TrinaryGrid& grid() const { return grid_; }
   /// The smallest window that holds all free places.
   [[nodiscard]] const SearchWindow& window() const { return window_; }
 
-  /// `scan`: points in base.
+  /// How well a scan fits the grid at a pose. `scan`: points in base.
   [[nodiscard]] GridFit fit(std::span<const OrientedPoint> scan,
                             const Eigen::Vector2d& sensor_origin_base,
                             const geometry::SE2& T_map_base) const;

@@ -27,15 +27,15 @@ struct LevelScan {
   /// Whether the robot may have moved by more than odometry has counted. Half a second is several
   /// periods of any odometry.
   [[nodiscard]] bool has_odometry_gap() const { return odometry_gap_s > 0.5; }
-  /// Fewer determine no pose.
+  /// Whether the points are enough to determine a pose.
   [[nodiscard]] bool has_enough_points() const { return points_base.size() >= 10; }
-  /// Fewer fit somewhere by chance, if they are looked for in a wide window.
+  /// Whether the points are enough to search a wide window: fewer would fit somewhere by chance.
   [[nodiscard]] bool has_enough_to_search() const { return points_base.size() >= 30; }
 };
 
 /// How a pose was found.
 enum class PoseQuality : std::uint8_t {
-  kTracked = 0,   ///< by matching
+  kTracked = 0,   ///< by matching, in all directions
   kPartly = 1,    ///< by matching, and by odometry along degenerate directions or since it was lost
   kOdometry = 2,  ///< by odometry: the scan has too few points, or shows only what is new
   kLost = 3,      ///< by odometry, in doubt: the scan contradicts the map
@@ -56,7 +56,7 @@ struct PoseUpdate {
   bool is_keyframe = false;
 };
 
-/// What became of the scans.
+/// Rejected scans, by cause.
 struct ScanCounts {
   std::int64_t implausible = 0;
   std::int64_t not_level = 0;

@@ -58,9 +58,9 @@ LikelihoodGrid::LikelihoodGrid(std::span<const Eigen::Vector2d> points, double c
 }
 
 Eigen::Vector2i LikelihoodGrid::cell_of(const Eigen::Vector2d& p) const {
-  constexpr double kFar = 1e6;  // cells: no grid reaches there
+  constexpr double kFar = 1e6;  // cells; beyond any grid
   const Eigen::Array2d cells = ((p - origin_) / cell_size_m_).array().floor();
-  // What is no number is far away, too.
+  // NaN counts as far away, too.
   return cells.isNaN().select(-kFar, cells.max(-kFar).min(kFar)).cast<int>();
 }
 
@@ -79,7 +79,7 @@ void LikelihoodGrid::stamp(const Eigen::Vector2d& p) {
   }
 }
 
-// A window is the four of half its width that begin in its quarters.
+// A window consists of the four windows of half its width that begin in its quarters.
 void LikelihoodGrid::add_windows(std::vector<Level>& levels) const {
   const auto width = static_cast<std::size_t>(width_);
   const auto height = static_cast<std::size_t>(height_);
@@ -105,7 +105,7 @@ void LikelihoodGrid::set_allowed(std::span<const Eigen::Vector2d> places) {
   Level allowed(levels_[0].size());
   for (const Eigen::Vector2d& place : places) {
     const Eigen::Vector2i cell = cell_of(place);
-    // Windows that hold it begin in the grid, too.
+    // The windows that contain the cell must begin in the grid, too.
     constexpr int kFirst = 1 << kTopLevel;
     if (cell.x() >= kFirst && cell.y() >= kFirst && cell.x() < width_ && cell.y() < height_) {
       allowed[static_cast<std::size_t>(cell.y()) * static_cast<std::size_t>(width_) +

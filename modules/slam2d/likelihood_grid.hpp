@@ -10,19 +10,19 @@
 
 namespace nodmap::slam2d {
 
-/// How likely a point is measured in each cell of a map, and for each power of two w the largest
-/// value in the window of w x w cells that begins at each cell: the upper bounds of a
+/// The likelihood of measuring a point in each cell of a map and, for w = 1, 2, 4 and 8, its
+/// maximum over the window of w x w cells that begins at each cell: the upper bounds of a
 /// branch-and-bound search (Hess et al. 2016, section V-B).
 class LikelihoodGrid {
  public:
-  /// 2^(kLevels - 1) cells are the widest window. Wider ones hold a wall almost everywhere, and
-  /// rule nothing out.
+  /// The widest window has 2^(kLevels - 1) cells along each side. Wider ones contain a wall almost
+  /// everywhere, and so exclude nothing.
   static constexpr int kLevels = 4;
   static constexpr int kTopLevel = kLevels - 1;
   static constexpr int kTopCells = 1 << kTopLevel;
 
-  /// `points`: of walls and objects. What is not finite or farther than `max_range_m` from the
-  /// mean of the points is left out.
+  /// `points`: of walls and objects, in metres in the frame of the map. Points that are not finite,
+  /// or farther than `max_range_m` from the mean of all, are left out.
   LikelihoodGrid(std::span<const Eigen::Vector2d> points, double cell_size_m, double max_range_m);
 
   [[nodiscard]] double cell_size_m() const { return cell_size_m_; }
@@ -36,21 +36,19 @@ class LikelihoodGrid {
                             static_cast<std::size_t>(x)]
                   : 0;
   }
-  /// The sum of largest() over many cells, all shifted by (x, y). Ends early, with any value below
-  /// `min_sum`, once that cannot be reached.
+  /// The sum of largest() over `cells`, all shifted by (x, y). Returns early, with some value below
+  /// `min_sum`, once `min_sum` cannot be reached.
   [[nodiscard]] int sum_of_largest(int level, std::span<const Eigen::Vector2i> cells, int x, int y,
                                    int min_sum) const;
 
-  /// For kRowChunk windows of the top level side by side, an upper bound of the sum of largest()
-  /// over many cells, all shifted by (x, y) and by the place of the window. They are found all at
-  /// once, which takes a tenth of the time.
+  /// Upper bounds of the sum of largest() at the top level over `cells`, for kRowChunk shifts at
+  /// once: (x, y), and each next one kTopCells farther in x. That takes a tenth of the time.
   using RowChunk = std::array<std::uint16_t, 16>;
   static constexpr int kRowChunk = 16;
   [[nodiscard]] RowChunk top_bounds(std::span<const Eigen::Vector2i> cells, int x, int y) const;
 
-  /// Leaves only these places for the robot, points in the frame of the map: no pose outside of
-  /// their cells is found, nor outside of the rectangle around the points. Without a call every
-  /// place will do.
+  /// Restricts the robot to the cells of these places, which are points in the frame of the map.
+  /// Places outside of the grid are ignored. Without a call the robot may be anywhere.
   void set_allowed(std::span<const Eigen::Vector2d> places);
   /// Whether a place is allowed in the window of 2^level cells that begins at a cell.
   [[nodiscard]] bool is_allowed(int level, int x, int y) const {

@@ -6,11 +6,12 @@
 namespace nodmap::slam2d {
 namespace {
 
-// A failed search is not repeated from the same place, but things may have moved after a while.
+// A failed search is repeated only after the robot has moved by more than this, or after this time:
+// something else may have moved.
 constexpr double kSearchAgainM = 0.1;
 constexpr double kSearchAgainRad = 0.2;
 constexpr double kSearchAgainS = 1.0;
-// Scans from farther apart confirm a place: what they see differs.
+// A scan confirms a place only from this far away, where it shows something else.
 constexpr double kConfirmM = 0.5;
 constexpr double kConfirmRad = 0.5;
 
@@ -87,7 +88,7 @@ PoseUpdate Localiser::track(const LevelScan& scan) {
   return update;
 }
 
-/// A match that fits, from odometry or from around it.
+/// Matches from the pose by odometry or, if that does not fit, from poses around it.
 std::optional<Match> Localiser::match(const LevelScan& scan) {
   const geometry::SE2 T_map_guess = T_map_odom_ * scan.T_odom_base;
   const Match tracked = matcher_.match(map_.points(), scan.points_base, T_map_guess);
@@ -126,7 +127,7 @@ void Localiser::confirm(const LevelScan& scan) {
 void Localiser::doubt(const LevelScan& scan, PoseUpdate& update) {
   update.quality = PoseQuality::kOdometry;
   if (!scan.has_enough_points()) {
-    return;  // tells nothing, neither for nor against the pose
+    return;  // says nothing about the pose
   }
   misfit_since_ = misfit_since_.value_or(scan.stamp);
   if (state_ == State::kUnconfirmed ||

@@ -26,28 +26,24 @@ struct LocaliserMetrics {
   std::int64_t times_lost = 0;
 };
 
-/// Localises in a known map, which stays as it is: level scans are matched against it from the pose
-/// by odometry. A robot that does not know its place, at the start or after it was carried, is
-/// searched for in the whole map.
-///
-/// The quality of a pose is kTracked or kPartly while the scans fit, and kPartly as long as a place
-/// found in the whole map is not confirmed by other scans; kOdometry from the first scan that does
-/// not fit; kLost once they have not fitted for `localise.max_misfit_s`.
+/// Localises in a known map, which it never changes: level scans are matched against it from the
+/// pose by odometry. At the start, or once the robot is lost, the whole map is searched.
 class Localiser {
  public:
   /// `map` must outlive this. `T_map_start`: where the robot is at the first scan, if known.
   Localiser(const Slam2dParams& params, const KnownMap& map,
             const std::optional<geometry::SE2>& T_map_start);
 
-  /// As Slam2d does.
+  /// See Slam2d::add_odometry().
   bool add_odometry(time::Timestamp stamp, const geometry::SE3& T_odom_base) {
     return input_.add_odometry(stamp, T_odom_base);
   }
-  /// As Slam2d does.
+  /// See Slam2d::change_odometry_frame().
   void change_odometry_frame(const geometry::SE3& T_new_odom_base);
 
-  /// Takes the next scan of a nodding or level scanner; returns the pose when it completes a level
-  /// scan. Before the robot was found the first time, the pose means nothing: its quality is kLost.
+  /// Takes the next scan of a nodding or level scanner. Returns the pose when this completes a
+  /// level scan. Until the robot has been found for the first time, the pose has no meaning, and
+  /// its quality is kLost.
   std::optional<PoseUpdate> add_scan(const scan::Scan& scan);
 
   [[nodiscard]] const LocaliserMetrics& metrics() const { return metrics_; }
@@ -83,7 +79,7 @@ class Localiser {
   geometry::SE2 T_odom_last_;   // of the last level scan
   geometry::SE2 T_odom_found_;  // where the place was found
   std::optional<time::Timestamp> misfit_since_;
-  /// Of the last search that found nothing, in the whole map or around odometry.
+  /// The last search that found nothing, in the whole map or around odometry.
   std::optional<FailedSearch> failed_search_;
   LocaliserMetrics metrics_;
 };

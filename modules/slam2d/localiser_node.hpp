@@ -13,7 +13,7 @@
 
 namespace nodmap::slam2d {
 
-/// The shell of Localiser: reads a map that is only looked at, subscribes SCAN and ODOMETRY, and
+/// Localises in a map that it reads and never changes: subscribes to SCAN and ODOMETRY, and
 /// publishes POSE_2D.
 class LocaliserNode : public node::Node {
  public:

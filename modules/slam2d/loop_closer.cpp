@@ -11,7 +11,7 @@ namespace {
 constexpr double kSearchCellM = 0.1;
 constexpr double kGridRangeM = 25.0;
 constexpr std::size_t kCachedGrids = 24;
-// A match may not leave the pose it started from by more.
+// A match is refused when it ends farther than this from the pose it started from.
 constexpr double kTrackDistanceM = 0.5;
 constexpr double kTrackRotationRad = 0.15;
 constexpr double kTrackReachM = 0.4;
@@ -20,7 +20,7 @@ double rotation_between(const geometry::SE2& a, const geometry::SE2& b) {
   return std::abs(geometry::angle_difference(a.yaw, b.yaw));
 }
 
-/// The start pose is known better than the pose by odometry that `params` are made for.
+/// A start pose is more certain than the pose by odometry, for which `params` are chosen.
 MatcherParams from_near(MatcherParams params) {
   params.max_correspondence_distance_m =
       std::min(params.max_correspondence_distance_m, kTrackReachM);
@@ -115,7 +115,7 @@ std::vector<Loop> LoopCloser::add_pending(const Loop& loop, std::span<const Subm
   std::erase_if(pending_, [&](const Loop& old) {
     return old.keyframe + static_cast<std::size_t>(params.max_age_keyframes) < loop.keyframe;
   });
-  // Where a loop puts the newest keyframe in the map.
+  // The pose of the newest keyframe in map according to a loop.
   const geometry::SE2& T_map_last = keyframes[loop.keyframe].T_map_base;
   const auto consequence = [&](const Loop& other) {
     return submaps[other.submap].T_map_submap * other.T_submap_keyframe *
@@ -148,7 +148,7 @@ std::vector<Loop> LoopCloser::add_pending(const Loop& loop, std::span<const Subm
 
 void LoopCloser::drop_submap(std::size_t dropped, std::size_t first_keyframe,
                              std::size_t end_keyframe) {
-  grids_.clear();  // they are made again when they are needed
+  grids_.clear();  // they are built again when needed
   std::erase_if(pending_, [&](const Loop& loop) {
     return loop.submap == dropped ||
            (loop.keyframe >= first_keyframe && loop.keyframe < end_keyframe);

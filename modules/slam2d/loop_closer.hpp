@@ -40,8 +40,8 @@ struct LoopAttempt {
   LoopState state = LoopState::kLowScore;
 };
 
-/// Recognises places: where a scan lies in a submap, with which information, and which of several
-/// loops agree with each other.
+/// Recognises places: finds the pose of a scan in a submap with its information matrix, and decides
+/// which of several loops agree.
 class LoopCloser {
  public:
   LoopCloser(const LoopParams& params, const MatcherParams& matcher);
@@ -61,16 +61,16 @@ class LoopCloser {
   [[nodiscard]] LoopAttempt search(std::size_t submap_index, const Submap& submap,
                                    std::span<const OrientedPoint> scan, const SearchWindow& window);
 
-  /// Keeps a loop that was searched for. Each loop puts the newest keyframe somewhere in the map,
-  /// by the present pose of its submap; loops that agree on the place agree on the drift. When
-  /// those that agree with this loop come from enough keyframes, returns them and drops all others;
-  /// otherwise returns none. Each keyframe whose loop is contradicted speaks against the place:
-  /// then so many more are needed.
+  /// Keeps a loop that was found by a search. Through the present pose of its submap each loop
+  /// gives a pose of the newest keyframe; loops that give the same pose agree on the drift. Returns
+  /// the loops that agree with this one, and drops all others, once they come from
+  /// `consensus.min_keyframes` keyframes; otherwise returns none. Each keyframe whose loop is
+  /// contradicted raises the number needed by as many.
   [[nodiscard]] std::vector<Loop> add_pending(const Loop& loop, std::span<const Submap> submaps,
                                               std::span<const Keyframe> keyframes);
 
-  /// The submap no longer exists, nor do the keyframes from `first_keyframe` to before
-  /// `end_keyframe`; all after them have moved up.
+  /// Forgets a submap and the keyframes from `first_keyframe` to before `end_keyframe`. The indices
+  /// of all after them move up.
   void drop_submap(std::size_t dropped, std::size_t first_keyframe, std::size_t end_keyframe);
 
  private:

@@ -210,7 +210,7 @@ drawing::Image draw_map(const OccupancyGrid& grid, std::span<const geometry::SE2
   Extent extent;
   extent.add(grid.origin());
   extent.add(grid.origin() + grid.cell_size_m() * Eigen::Vector2d(grid.width(), grid.height()));
-  // Each cell a pixel at least, and a small map as large as a screen.
+  // At least one pixel for each cell; a small map is enlarged to the size of a screen.
   const double px_per_m =
       std::max(1.0 / grid.cell_size_m(), drawing::fitting_scale(extent, kImagePx, kMaxPxPerM));
   PlanView view(extent, px_per_m, {kUnknownGrey, kUnknownGrey, kUnknownGrey});

@@ -27,7 +27,8 @@ void write_ros_map(const std::filesystem::path& dir, const OccupancyGrid& grid);
 [[nodiscard]] drawing::Image draw_map(const OccupancyGrid& grid,
                                       std::span<const geometry::SE2> path);
 
-/// Draws the corrected path, and the path by odometry in grey, with the same.
+/// Draws the corrected path, and the path by odometry in grey, with the same scale bar, legend and
+/// marks as draw_map().
 [[nodiscard]] drawing::Image draw_paths(std::span<const geometry::SE2> path,
                                         std::span<const geometry::SE2> odometry);
 

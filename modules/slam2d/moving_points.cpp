@@ -8,12 +8,13 @@
 namespace nodmap::slam2d {
 namespace {
 
-// From how far away an older keyframe still shows the same, and odometry still tells from where.
+// Keyframes within this distance and rotation by odometry are compared: they show nearly the same,
+// and odometry over them is still precise.
 constexpr double kNearM = 1.0;
 constexpr double kNearRad = 0.6;
 constexpr std::size_t kMaxViews = 8;
-// Of somebody at 7 m there are three at every degree. Fewer may be a thin thing, or an edge, that
-// the beams of the reference have missed.
+// A person at 7 m gives three points at one beam per degree. Fewer points may belong to a thin
+// object, or to an edge, that the beams of the keyframe missed.
 constexpr std::size_t kMinPoints = 3;
 
 View view_of(const LevelScan& scan) {

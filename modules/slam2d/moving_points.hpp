@@ -10,24 +10,24 @@
 
 namespace nodmap::slam2d {
 
-/// Tells what moves: points of a scan that lie where an earlier keyframe, from nearly the same
-/// place, saw free space. People who walk through the view of the robot are neither to shape its
-/// pose nor to enter the map.
+/// Finds points that have moved: points of a scan that lie where an earlier keyframe, from nearly
+/// the same place, saw free space. People who walk through the view must neither shift the pose nor
+/// enter the map.
 ///
-/// A scan is compared with the last keyframe and, for what comes slowly, with the oldest one near.
-/// Not noticed: what walks straight away from the robot, or comes out from behind something.
+/// A scan is compared with the last keyframe and, to notice slow motion, with the oldest one
+/// nearby. Not noticed: what moves straight away from the robot, or appears from behind something.
 class MovingPointFilter {
  public:
-  /// The next keyframe to compare with: all of its points.
+  /// Adds a keyframe to compare with. `scan`: with all of its points.
   void add_keyframe(const LevelScan& scan);
 
-  /// The points of a scan without those that moved there, valid until the next call. If few are
-  /// left, people stand around the robot, or it is the robot that is elsewhere.
+  /// The points of a scan without those that have moved, valid until the next call. If few are
+  /// left, either people surround the robot or the robot is elsewhere.
   [[nodiscard]] std::span<const OrientedPoint> stationary(const LevelScan& scan);
 
-  /// Whether the last keyframe and a scan, placed by odometry, cannot both be right: more than a
-  /// quarter of what one of them measured lies where the other saw free space. A scan that shows
-  /// only what was never in view contradicts nothing.
+  /// Whether a scan, placed by odometry, contradicts the last keyframe: more than a quarter of the
+  /// points of one of them lie where the other saw free space. A scan that shows only what was not
+  /// in view before contradicts nothing.
   [[nodiscard]] bool contradicts(const LevelScan& scan) const;
 
   /// Odometry continues in another frame.

@@ -40,7 +40,7 @@ std::int8_t pose_state(PoseQuality quality) {
 
 namespace {
 
-// Bounds the work on the grid with each scan.
+// Limits of the work on the grid with each scan.
 constexpr std::size_t kMaxCheckedPerScan = 100;
 constexpr std::size_t kMaxRedrawnPerScan = 2;
 
@@ -48,8 +48,8 @@ constexpr double kGraphPeriodS = 1.0;
 constexpr double kSaveRetryPeriodS = 10.0;
 constexpr std::size_t kMaxGraphLoops = 2000;  // 26 kB
 
-/// Whether the last message is old enough for another. By the magnitude, so that a stamp that steps
-/// far back does not silence the channel.
+/// Whether it is time for the next message. Uses the magnitude of the time since the last, so that
+/// a stamp that steps far back does not silence the channel.
 bool is_due(time::Timestamp stamp, const std::optional<time::Timestamp>& last_stamp,
             double period_s) {
   return !last_stamp || time::seconds(std::chrono::abs(stamp - *last_stamp)) >= period_s;
@@ -206,7 +206,7 @@ void Slam2dNode::update_grid(const PoseUpdate& update) {
   map_.redraw_moved(slam_.keyframes(), kMaxCheckedPerScan, kMaxRedrawnPerScan);
 }
 
-// The pose counts for the map once it is confirmed: a wrong place would be built into the map.
+// The map is continued only once the pose is confirmed: a wrong pose would spoil the map.
 void Slam2dNode::find_in_saved_map() {
   const std::int64_t without_odometry = search_->localiser.scan_counts().without_odometry;
   const std::optional<PoseUpdate> update = search_->localiser.add_scan(scan_);
@@ -355,8 +355,8 @@ nlohmann::json Slam2dNode::metrics() const {
           {"partly", metrics.partly},
           {"odometry_only", metrics.odometry_only},
           {"lost", metrics.lost},
-          {"searches", metrics.searches},
-          {"searches_successful", metrics.searches_successful},
+          {"searches", slam_.search_counts().searches},
+          {"searches_successful", slam_.search_counts().successful},
           {"mean_inlier_ratio", metrics.inlier_ratio_sum / scans},
           {"mean_score", metrics.score_sum / scans},
           {"submaps", slam_.back_end().submaps().size()},
@@ -383,7 +383,8 @@ node::Health Slam2dNode::health() const {
     return {node::HealthState::kDegraded, "Lost: the scan does not fit the map."};
   }
   if (last_quality_ == PoseQuality::kOdometry) {
-    return {node::HealthState::kDegraded, "Odometry only: the scan has too few points."};
+    return {node::HealthState::kDegraded,
+            "Odometry only: the scan has too few points or does not fit the map."};
   }
   return {};
 }

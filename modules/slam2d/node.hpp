@@ -29,16 +29,15 @@ namespace nodmap::slam2d {
 
 [[nodiscard]] nodmap::pose_graph_t write_graph(time::Timestamp stamp, const BackEnd& back_end);
 
-/// The shell of Slam2d: subscribes SCAN and ODOMETRY, publishes POSE_2D, MAP_2D and POSE_GRAPH, and
-/// saves the map at SAVE_REQUEST and clears a region of it at CLEAR_REQUEST. Carries on with a
-/// saved map once a Localiser has found the robot in it; nothing is added to the map before.
+/// Runs 2D SLAM: subscribes to SCAN and ODOMETRY, and publishes POSE_2D, MAP_2D and POSE_GRAPH.
+/// Saves the map at SAVE_REQUEST and clears a region of it at CLEAR_REQUEST. To continue a saved
+/// map, a Localiser first finds the robot in it; until then nothing is added.
 class Slam2dNode : public node::Node {
  public:
   using Params = Slam2dParams;
 
   Slam2dNode(node::Context& context, const Params& params);
-  /// Carries on with the map in `options.map_in`. Throws formats::InputFileError for one that
-  /// cannot be read.
+  /// Continues the map in `options.map_in`. Throws formats::InputFileError if it cannot be read.
   Slam2dNode(node::Context& context, const Params& params, const node::MapOptions& options);
 
   void finish() override;
@@ -74,7 +73,7 @@ class Slam2dNode : public node::Node {
   node::SensorInput input_;
   Slam2d slam_;
   std::size_t num_restored_ = 0;    // keyframes of the saved map
-  std::unique_ptr<Search> search_;  // until the robot is found; none with a new map
+  std::unique_ptr<Search> search_;  // until the robot is found; null for a new map
   KeyframeGrid map_;
   TileSelector tile_selector_;
   scan::Scan scan_;  // the last one; a member to reuse its memory

@@ -17,7 +17,7 @@ bool is_drawable(const Eigen::Vector2d& cells) {
   return cells.allFinite() && cells.cwiseAbs().maxCoeff() < kMaxCoordinateCells;
 }
 
-// Tiles that go out with each choice, if no more have changed: a small map is whole soon.
+// At least this many tiles are chosen if there are any, so that a small map is soon complete.
 constexpr std::size_t kMinChosenTiles = 4;
 
 constexpr int kTileCells = OccupancyGrid::kTileCells;
@@ -45,12 +45,12 @@ bool is_counted(const Eigen::Vector2i& cell, std::span<const CellRange> left_out
                       [&](const CellRange& range) { return range.has(cell); });
 }
 
-/// Whether a map that tells free from occupied from unknown looks the same.
+/// Whether the cells are the same in a map of free, occupied and unknown cells.
 bool looks_alike(const std::vector<std::int8_t>& a, const std::vector<std::int8_t>& b) {
   if (a.size() != b.size()) {
     return false;
   }
-  // All cells, without a branch: many are compared at once.
+  // Branch-free over all cells, so that the compiler vectorises it.
   const auto state = [](std::int8_t cell) {
     return static_cast<std::int8_t>((cell < 0 ? 1 : 0) |
                                     (OccupancyGrid::is_occupied(cell) ? 2 : 0));
@@ -100,7 +100,7 @@ bool OccupancyGrid::count_ray(const Eigen::Vector2d& sensor_origin, const Eigen:
   }
   Eigen::Vector2i cell = first;
   Tile* tile = &enter_tile(cell);
-  // Tile by tile: between their borders a step is nothing but additions.
+  // Tile by tile: within a tile each step consists of additions only.
   for (int left = (last - first).cwiseAbs().sum(); left > 0;) {
     const Eigen::Vector2i at = cell - kTileCells * tile->position;
     const Eigen::Vector2i crossed = ray.crossings_until(lines_to_border(at, ray.direction()));
@@ -122,7 +122,7 @@ void OccupancyGrid::pass_through(Tile& tile, const Eigen::Vector2i& at, RayWalk&
                                  std::uint32_t passed, std::span<const CellRange> left_out) {
   const auto place = static_cast<std::ptrdiff_t>(place_in_tile(at));
   std::uint32_t* const counts = tile.passed.data();
-  if (left_out.empty()) {  // mostly
+  if (left_out.empty()) {  // the usual case
     ray.advance(steps, place, kTileCells, [&](std::size_t k) { counts[k] += passed; });
     return;
   }
@@ -206,7 +206,7 @@ bool OccupancyGrid::make_room(const Eigen::Vector2i& low, const Eigen::Vector2i&
 std::int8_t OccupancyGrid::occupancy(const Tile& tile, std::size_t cell) {
   const std::uint64_t ended = tile.ended[cell];
   const std::uint64_t rays = ended + tile.passed[cell];
-  if (ended == 0) {  // mostly; a division takes longer than all the rest
+  if (ended == 0) {  // the usual case, without a division
     return rays == 0 ? kUnknown : std::int8_t{0};
   }
   return static_cast<std::int8_t>((200 * ended + rays) / (2 * rays));
@@ -222,7 +222,8 @@ std::int8_t OccupancyGrid::occupancy(int x, int y) const {
                          static_cast<std::size_t>((y % kTileCells) * kTileCells + x % kTileCells));
 }
 
-// Most cells are free or unknown, which is told of many at once; only the others need a division.
+// Most cells are free or unknown, which needs no division and is computed for many cells at once.
+// Only the others need a division.
 GridTile OccupancyGrid::cut_tile(std::size_t number) const {
   constexpr std::size_t kAtOnce = 16;
   static_assert(kCellsPerTile % kAtOnce == 0);

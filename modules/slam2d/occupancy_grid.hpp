@@ -12,7 +12,7 @@
 
 namespace nodmap::slam2d {
 
-/// A square of a grid.
+/// A square of kTileCells x kTileCells cells.
 struct GridTile {
   std::size_t number = 0;
   int x = 0;  ///< its first cell in the grid
@@ -43,24 +43,23 @@ class OccupancyGrid {
 
   /// Draws a ray from the scanner to the point it hit, both in map, metres. Returns false, and
   /// draws nothing, for a ray that is not finite or needs a grid of more than 64 million cells. The
-  /// cells `left_out` are passed by.
+  /// cells `left_out` are not changed.
   bool add_ray(const Eigen::Vector2d& sensor_origin, const Eigen::Vector2d& end,
                std::span<const CellRange> left_out = {});
 
-  /// Takes back a ray that add_ray() has drawn.
+  /// Removes a ray that add_ray() has drawn.
   void remove_ray(const Eigen::Vector2d& sensor_origin, const Eigen::Vector2d& end,
                   std::span<const CellRange> left_out = {});
 
-  /// As add_ray() does, but only the free space: nothing was hit at its end.
+  /// As add_ray(), but only the free space: without a hit at the end.
   bool add_free_ray(const Eigen::Vector2d& sensor_origin, const Eigen::Vector2d& end,
                     std::span<const CellRange> left_out = {});
 
-  /// Takes back a ray that add_free_ray() has drawn.
+  /// Removes a ray that add_free_ray() has drawn.
   void remove_free_ray(const Eigen::Vector2d& sensor_origin, const Eigen::Vector2d& end,
                        std::span<const CellRange> left_out = {});
 
-  /// The cells that a region touches; those of a region far outside of any grid are moved to where
-  /// none is either.
+  /// The cells that a region touches. Cells beyond any possible grid are moved to its limits.
   [[nodiscard]] CellRange cells_of(const Region& region) const;
   /// Forgets all rays in these cells.
   void clear(const CellRange& cells);
@@ -78,10 +77,11 @@ class OccupancyGrid {
   [[nodiscard]] bool is_occupied(int x, int y) const { return is_occupied(occupancy(x, y)); }
   [[nodiscard]] static bool is_occupied(std::int8_t occupancy) { return occupancy >= 25; }
 
-  /// Tiles through which a ray has gone. They are numbered as they were first seen.
+  /// Number of tiles that a ray has entered. Tiles are numbered in the order in which that
+  /// happened.
   [[nodiscard]] std::size_t num_tiles() const { return tiles_.size(); }
-  /// How often rays have entered a tile, or it was cleared: what it was when nothing has changed
-  /// since.
+  /// Counts the rays that entered a tile, and how often it was cleared. While this number stays the
+  /// same, so does the tile.
   [[nodiscard]] std::uint64_t num_changes(std::size_t tile) const {
     return tiles_[tile].num_changes;
   }
@@ -100,7 +100,7 @@ class OccupancyGrid {
   };
   static constexpr std::int32_t kNoTile = -1;
 
-  /// What a ray adds to the counts of the cells it passes through, and of the one it ends in.
+  /// What a ray adds to the counts: `passed` in each cell that it enters, `ended` in its last.
   struct Counted {
     std::uint32_t passed = 0;
     std::uint32_t ended = 0;
@@ -128,8 +128,8 @@ class OccupancyGrid {
 /// while. The cost depends on what has changed, not on the size of the grid.
 class TileSelector {
  public:
-  /// Tiles in which a cell became known, unknown, free or occupied since they were chosen last,
-  /// and at least one other.
+  /// The tiles in which a cell became known, unknown, free or occupied since they were chosen last,
+  /// and at least one other tile in turn.
   [[nodiscard]] std::vector<GridTile> choose(const OccupancyGrid& grid);
 
   /// All tiles that differ from what was chosen last.

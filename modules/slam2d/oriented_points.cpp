@@ -8,7 +8,7 @@ namespace nodmap::slam2d {
 namespace {
 
 constexpr double kNeighbourRadiusM = 0.3;
-// On each side. Close to a wall there are more, but they add nothing.
+// Neighbours on each side. Near a wall there are more within reach, but they add nothing.
 constexpr std::size_t kMaxNeighbours = 8;
 
 /// Sums over a point and its neighbours, relative to the point.

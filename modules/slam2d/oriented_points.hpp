@@ -20,7 +20,7 @@ struct OrientedPoint {
   [[nodiscard]] bool has_normal() const { return !normal.isZero(0.0); }
 };
 
-/// Points of frame b in frame a.
+/// Transforms points from frame b to frame a.
 [[nodiscard]] std::vector<OrientedPoint> transformed(const geometry::SE2& T_a_b,
                                                      std::span<const OrientedPoint> points_b);
 
@@ -41,8 +41,8 @@ class OrientedPointExtractor {
   std::vector<OrientedPoint> points_;
 };
 
-/// Estimates the unit normal at `points[index]`, towards `sensor_origin`, by a line through its
-/// neighbours in the scan up to 0.3 m away. Zero where there are fewer than two.
+/// Estimates the unit normal at `points[index]`, towards `sensor_origin`, from a line through its
+/// neighbours in the scan, up to 0.3 m away. Returns zero if there are fewer than two.
 [[nodiscard]] Eigen::Vector2d estimate_normal(std::span<const Eigen::Vector2d> points,
                                               std::size_t index,
                                               const Eigen::Vector2d& sensor_origin);

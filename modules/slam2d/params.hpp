@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 
 #include "common/geometry/angle.hpp"
+#include "common/geometry/se2.hpp"
+#include "modules/slam2d/back_end_params.hpp"
 
 namespace nodmap::slam2d {
 
@@ -18,22 +21,22 @@ struct LevelScanParams {
   }
 };
 
-/// What is kept of the robot's path.
+/// How much of the robot's path is kept.
 struct PathParams {
   int max_scans = 524'288;
 
   template <class Visitor>
   void describe(Visitor& v) {
     v.integer("max_scans", max_scans, {2, 100'000'000},
-              "Level scans whose poses are kept, 64 bytes each. Of more every second one is kept, "
-              "then every fourth.");
+              "Maximum number of level scans whose poses are kept, 64 bytes each. Beyond it every "
+              "second scan is kept, then every fourth.");
   }
 };
 
 /// The distances that the last iterations of ICP minimise.
 enum class Metric : std::uint8_t {
   kPointToPoint,  ///< Eq. 3 as printed in the paper
-  kPointToLine,   ///< only across the lines through the points of the map
+  kPointToLine,   ///< from points to the lines through the points of the map
 };
 
 struct MatcherParams {
@@ -84,7 +87,7 @@ struct SearchParams {
   }
 };
 
-/// What holds while odometry is in doubt: after a while without it, and while the robot is lost.
+/// For the time in which odometry is in doubt: after a gap in it, and while the robot is lost.
 struct DoubtParams {
   double certain_score = 0.85;
   double found_score = 0.6;
@@ -100,21 +103,74 @@ struct DoubtParams {
              "A match that scores at least this, with all directions well determined, is believed "
              "without a search.");
     v.number("found_score", found_score, {0.0, 1.0},
-             "Where it was searched for, the best place is believed when it scores at least this.");
-    v.number("min_misfit_ratio", min_misfit_ratio, {1.0, 100.0},
-             "And when what is missing to a score of 1 at any other place is at least this many "
-             "times what is missing there. Until then the pose is DEGRADED.");
+             "The best place that a search finds is believed only if it scores at least this.");
+    v.number(
+        "min_misfit_ratio", min_misfit_ratio, {1.0, 100.0},
+        "The best place that a search finds is believed only if the misfit (1 - score) of every "
+        "other place is at least this many times its own. Otherwise the pose is DEGRADED.");
     v.number("min_score", min_score, {0.0, 1.0},
-             "The robot is lost when no place scores at least this: a wrong one may fit by half, "
-             "for the walls of other rooms do over some of their length.");
+             "While odometry is in doubt, the robot is lost when no place scores at least this. "
+             "Wrong places score up to about half, because walls of other rooms fit over part of "
+             "their length.");
     v.number("search_distance_m", search_distance_m, {0.1, 100.0},
-             "The scan is searched for in the local submap up to this distance from odometry, in x "
-             "and in y; after a gap in odometry up to 3 m for each second of it, if that is less.");
+             "The local submap is searched up to this distance from odometry, in x and in y; after "
+             "a gap in odometry up to 3 m for each second of the gap, if that is less.");
     v.angle("search_rotation_deg", search_rotation_rad, {0.0, 180.0},
-            "And up to this rotation from odometry.");
+            "The local submap is searched up to this rotation from odometry.");
     v.number("min_search_score", min_search_score, {0.05, 1.0},
-             "The search finds nothing when the best mean likelihood is below this. It may be low: "
-             "much of the scan may show what is not in the local submap yet.");
+             "The search finds nothing when the best mean likelihood is below this. It is low "
+             "because much of the scan may show what is not in the local submap yet.");
+  }
+};
+
+/// How far a match may be from odometry while wheels only slip.
+struct SlipParams {
+  double match_scatter_m = 0.03;
+  double match_scatter_rad = geometry::deg_to_rad(1.7);
+  double max_m_per_s = 1.0;
+  double max_rad_per_s = geometry::deg_to_rad(60.0);
+  double max_ratio = 0.5;
+  double wheel_distance_m = 0.4;
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.number("match_scatter_m", match_scatter_m, {0.0, 1.0},
+             "Scatter of single matches about the true position.");
+    v.angle("match_scatter_deg", match_scatter_rad, {0.0, 45.0},
+            "Scatter of single matches about the true heading.");
+    v.number("max_m_per_s", max_m_per_s, {0.0, 10.0},
+             "Largest slip of the wheels from one scan to the next, in addition to the scatter.");
+    v.angle("max_deg_per_s", max_rad_per_s, {0.0, 720.0},
+            "Largest slip in rotation from one scan to the next, in addition to the scatter.");
+    v.number("max_ratio", max_ratio, {0.0, 1.0},
+             "Largest slip of the wheels since the last keyframe, as a ratio of what odometry has "
+             "counted.");
+    v.number("wheel_distance_m", wheel_distance_m, {0.05, 5.0},
+             "Distance between the left and the right wheels: if those of one side slip, the robot "
+             "rotates.");
+  }
+};
+
+/// People may hide the view or shift the pose. While scans follow each other so quickly that the
+/// robot cannot leave its course by odometry in between, it is not assumed to be elsewhere.
+struct PeopleParams {
+  double min_scan_period_s = 0.005;
+  double max_scan_period_s = 0.05;
+  double max_hidden_s = 1.0;
+  SlipParams slip = {};
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.number("max_scan_period_s", max_scan_period_s, {0.0, 1.0},
+             "Scans farther apart than this are matched as if nobody hid the view, because the "
+             "robot may have been pushed in between. 0: all scans are.");
+    v.number(
+        "min_scan_period_s", min_scan_period_s, {0.0, 1.0},
+        "So are scans nearer together than this: their stamps come in bursts and give no speed.");
+    v.number("max_hidden_s", max_hidden_s, {0.0, 3600.0},
+             "People pass within this time. If the view is hidden for longer, the robot was "
+             "carried to another place.");
+    v.section("slip", slip);
   }
 };
 
@@ -122,6 +178,12 @@ struct KeyframeParams {
   double distance_m = 0.3;
   double nodding_distance_m = 0.2;
   double rotation_rad = geometry::deg_to_rad(15.0);
+
+  /// Whether the robot has moved from `before` to `now` by more than keyframes are apart.
+  [[nodiscard]] bool is_beyond(const geometry::SE2& before, const geometry::SE2& now) const {
+    return geometry::distance_m(before, now) > distance_m ||
+           std::abs(geometry::angle_difference(before.yaw, now.yaw)) > rotation_rad;
+  }
 
   template <class Visitor>
   void describe(Visitor& v) {
@@ -132,7 +194,7 @@ struct KeyframeParams {
              "The same for the level scans of a nodding scanner: it gives so few that all of them "
              "are needed where the robot drives.");
     v.angle("rotation_deg", rotation_rad, {0.0, 180.0},
-            "Or beyond this rotation from the last keyframe.");
+            "A scan also becomes a keyframe beyond this rotation from the last keyframe.");
   }
 };
 
@@ -152,13 +214,15 @@ struct LostParams {
     v.number("distance_m", distance_m, {0.0, 100.0},
              "When lost, the map is continued from odometry beyond this distance from the last "
              "keyframe.");
-    v.number("max_s", max_s, {0.0, 3600.0}, "Or after this time.");
+    v.number("max_s", max_s, {0.0, 3600.0},
+             "When lost, the map is also continued from odometry after this time.");
     v.number("max_sigma_m", max_sigma_m, {0.01, 100.0},
              "A scan that fits nothing makes the robot lost where the standard deviation of its "
              "pose by odometry is above this, as after some 10 m.");
     v.number("begin_sigma_m", begin_sigma_m, {0.1, 100.0},
              "Standard deviation of the place at which a lost robot continues the map.");
-    v.angle("begin_sigma_deg", begin_sigma_rad, {1.0, 180.0}, "And of its heading there.");
+    v.angle("begin_sigma_deg", begin_sigma_rad, {1.0, 180.0},
+            "Standard deviation of the heading with which a lost robot continues the map.");
     v.number("max_drift_sigma_m", max_drift_sigma_m, {0.01, 100.0},
              "The pose is DEGRADED as long as the standard deviation of the drift since the map "
              "began is above this: goals in map are off by as much.");
@@ -193,138 +257,33 @@ struct GridParams {
   }
 };
 
-/// A keyframe matched against an older submap: which submaps, and which matches count.
-struct LoopMatchParams {
-  double max_distance_m = 3.0;
-  double min_inlier_ratio = 0.6;
-  double min_score = 0.7;
-
-  template <class Visitor>
-  void describe(Visitor& v) {
-    v.number("max_distance_m", max_distance_m, {0.1, 50.0},
-             "A keyframe is matched against older submaps with a keyframe within this distance, by "
-             "the poses of the graph.");
-    v.number("min_inlier_ratio", min_inlier_ratio, {0.0, 1.0},
-             "The match closes a loop when at least this part of the scan has correspondences.");
-    v.number("min_score", min_score, {0.0, 1.0},
-             "And when the points with correspondences score at least this on average.");
-  }
-};
-
-/// The search for a loop where the pose graph is too unsure for a match alone.
-struct LoopSearchParams {
-  double max_distance_m = 10.0;
-  double max_rotation_rad = geometry::deg_to_rad(40.0);
-  double min_score = 0.5;
-  double max_runner_up_ratio = 0.9;
-  double min_inlier_ratio = 0.75;
-
-  template <class Visitor>
-  void describe(Visitor& v) {
-    v.number("max_distance_m", max_distance_m, {0.1, 100.0},
-             "A loop is searched for up to this distance from the pose of the graph.");
-    v.angle("max_rotation_deg", max_rotation_rad, {0.0, 180.0},
-            "And up to this rotation from the pose of the graph.");
-    v.number("min_score", min_score, {0.05, 1.0},
-             "A search finds nothing when the best mean likelihood is below this.");
-    v.number("max_runner_up_ratio", max_runner_up_ratio, {0.1, 1.0},
-             "A search is ambiguous when a second peak scores more than this ratio of the best.");
-    v.number("min_inlier_ratio", min_inlier_ratio, {0.0, 1.0},
-             "The match from the pose found counts when at least this part of the scan has "
-             "correspondences.");
-  }
-};
-
-/// When loops that were searched for are believed.
-struct LoopConsensusParams {
-  int min_keyframes = 3;
-  double max_distance_m = 0.3;
-  double max_rotation_rad = geometry::deg_to_rad(3.0);
-  int max_age_keyframes = 40;
-
-  template <class Visitor>
-  void describe(Visitor& v) {
-    v.integer("min_keyframes", min_keyframes, {1, 100},
-              "Loops found by a search are accepted when this many keyframes lead to the same pose "
-              "of the newest keyframe.");
-    v.number("max_distance_m", max_distance_m, {0.01, 10.0},
-             "Poses within this distance are the same.");
-    v.angle("max_rotation_deg", max_rotation_rad, {0.1, 45.0}, "And within this rotation.");
-    v.integer("max_age_keyframes", max_age_keyframes, {1, 10000},
-              "A loop that has not been accepted is dropped after this many keyframes.");
-  }
-};
-
-struct LoopParams {
-  LoopMatchParams match = {};
-  LoopSearchParams search = {};
-  LoopConsensusParams consensus = {};
-
-  template <class Visitor>
-  void describe(Visitor& v) {
-    v.section("match", match);
-    v.section("search", search);
-    v.section("consensus", consensus);
-  }
-};
-
-struct SubmapParams {
-  int num_keyframes = 20;
-  int max_keyframes_per_place = 20;
-
-  template <class Visitor>
-  void describe(Visitor& v) {
-    v.integer("num_keyframes", num_keyframes, {4, 1000}, "Number of keyframes in a submap.");
-    v.integer("max_keyframes_per_place", max_keyframes_per_place, {0, 10000},
-              "A submap is dropped once each of its keyframes has this many newer ones at its "
-              "place: within 0.75 m and 30 degrees. 0: none is dropped.");
-  }
-};
-
-struct PolishParams {
-  int rounds = 1;
-
-  template <class Visitor>
-  void describe(Visitor& v) {
-    v.integer("rounds", rounds, {0, 20},
-              "At the end all keyframes are matched again, and their poses optimised, this many "
-              "times.");
-  }
-};
-
-/// Submaps, loops between them, and the pose graph.
-struct BackEndParams {
-  SubmapParams submap = {};
-  LoopParams loop = {};
-  PolishParams polish = {};
-
-  template <class Visitor>
-  void describe(Visitor& v) {
-    v.section("submap", submap);
-    v.section("loop", loop);
-    v.section("polish", polish);
-  }
-};
-
 /// When a place found in a known map is believed.
 struct RelocaliserParams {
   double min_search_score = 0.4;
   double min_peak_ratio = 0.85;
   double min_score = 0.5;
   double min_misfit_ratio = 1.5;
+  double same_place_distance_m = 0.5;
+  double same_place_rotation_rad = geometry::deg_to_rad(21.0);
 
   template <class Visitor>
   void describe(Visitor& v) {
     v.number("min_search_score", min_search_score, {0.05, 1.0},
-             "Poses whose mean likelihood is below this are not looked at.");
+             "Poses whose mean likelihood is below this are not considered.");
     v.number("min_peak_ratio", min_peak_ratio, {0.1, 1.0},
-             "Nor those whose mean likelihood is below this ratio of the best.");
+             "Poses whose mean likelihood is below this ratio of the best are not considered.");
     v.number("min_score", min_score, {0.0, 1.0},
              "The robot is lost when no place scores at least this: the score of the match, less "
              "the part of the points that were measured through walls.");
     v.number("min_misfit_ratio", min_misfit_ratio, {1.0, 100.0},
-             "And when what is missing to a score of 1 at another place is not at least this many "
-             "times what is missing at the best.");
+             "The robot also stays lost if the misfit (1 - score) of another place is less than "
+             "this many times that of the best.");
+    v.number("same_place_distance_m", same_place_distance_m, {0.05, 5.0},
+             "Matches of successive scans, moved by odometry, agree on the place within this "
+             "distance. Odometry may be a quarter of a second late, at 2 m/s.");
+    v.angle("same_place_rotation_deg", same_place_rotation_rad, {1.0, 90.0},
+            "Matches of successive scans, moved by odometry, agree on the place within this "
+            "rotation: a quarter of a second at 1.5 rad/s.");
   }
 };
 
@@ -349,6 +308,7 @@ struct Slam2dParams {
   MatcherParams matcher = {};
   SearchParams search = {};
   DoubtParams doubt = {};
+  PeopleParams people = {};
   KeyframeParams keyframe = {};
   LostParams lost = {};
   PathParams path = {};
@@ -364,6 +324,7 @@ struct Slam2dParams {
     v.section("matcher", matcher);
     v.section("search", search);
     v.section("doubt", doubt);
+    v.section("people", people);
     v.section("keyframe", keyframe);
     v.section("lost", lost);
     v.section("path", path);

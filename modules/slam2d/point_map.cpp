@@ -9,15 +9,16 @@ namespace nodmap::slam2d {
 namespace {
 
 constexpr double kCellSizeM = 0.25;
-// Where a search begins: mostly there is a point this near. It goes on this many times as far.
+// A search begins with this radius, within which there usually is a point, and grows by this
+// factor.
 constexpr double kFirstReachM = 0.125;
 constexpr double kReachGrowth = 2.0;
 constexpr double kMinNormalCosine = 0.5;   // 60 degrees
 constexpr double kMaxLineThickness = 0.3;  // width over length
 constexpr double kMinNeighbours = 3.0;     // of a line, with the point itself
 constexpr double kRememberedM = 0.08;      // a search looks this far beyond the nearest point
-// What a search has found holds for rotations up to 0.1 rad. Normals that differ by more than 60
-// degrees and that are not similar until then.
+// A result holds for rotations of the point up to 0.1 rad: cosine of that, and of the angle between
+// normals that may become similar by it.
 constexpr double kMinRememberedCosine = 0.9951;
 constexpr double kMinLaterCosine = 0.41;
 constexpr double kRoundingM = 1e-9;
@@ -52,7 +53,8 @@ std::size_t PointMap::CellHash::operator()(const CellIndex& index) const {
   const std::uint64_t key =
       (static_cast<std::uint64_t>(static_cast<std::uint32_t>(index.x)) << 32U) |
       static_cast<std::uint32_t>(index.y);
-  // The table uses the low bits. Those of the product depend on y alone, those from 32 on on both.
+  // The table uses the low bits of the hash. Those of the product depend on y alone, those from bit
+  // 32 on depend on both.
   return static_cast<std::size_t>((key * 0x9E3779B97F4A7C15ULL) >> 32U);
 }
 
@@ -131,7 +133,7 @@ bool PointMap::find_neighbours(const OrientedPoint& point) {
   return is_known;
 }
 
-// Lines are not read here: they are fitted once, after the last point.
+// Lines are not needed before the last point is inserted: they are fitted once, after it.
 void PointMap::insert(std::span<const OrientedPoint> points) {
   for (const OrientedPoint& point : points) {
     if (!is_finite(point)) {
@@ -207,7 +209,7 @@ void PointMap::fit_line(std::uint32_t index) {
     return;
   }
   point.line_normal.setZero();
-  // The line of least squares: through the mean, along the larger axis of the covariance.
+  // Total least squares: the line through the mean along the larger axis of the covariance.
   const Eigen::Vector2d mean(m.x / m.n, m.y / m.n);
   const double xx = m.xx / m.n - mean.x() * mean.x();
   const double xy = m.xy / m.n - mean.x() * mean.y();
@@ -229,11 +231,11 @@ void PointMap::fit_line(std::uint32_t index) {
 struct PointMap::Search {
   const OrientedPoint& point;
   double nearest_m2;  // of the nearest with a similar normal, or of the reach
-  double limit_m2;    // nothing needs to be looked at beyond
+  double limit_m2;    // points beyond do not matter
   const MapPoint* nearest = nullptr;
-  Neighbourhood* remembered = nullptr;  // what is to be known the next time, if anything
-  double other_m2 = 0.0;                // of the nearest other one that is or may become it
-  double forgotten_m2 = 0.0;  // of the nearest that there was no room for, or of the reach
+  Neighbourhood* remembered = nullptr;  // filled for the next search, if not null
+  double other_m2 = 0.0;      // of the nearest point but one that is, or may become, similar
+  double forgotten_m2 = 0.0;  // of the nearest point that did not fit into `known`, or of the reach
 
   void found(const MapPoint& map_point, double squared_m2) {
     other_m2 = std::min(other_m2, nearest_m2);
@@ -315,7 +317,7 @@ const MapPoint* PointMap::nearest(const OrientedPoint& point, double max_distanc
   if (last.free_m >= 0.0 &&
       have_similar_normals(point.normal, last.place.normal, kMinRememberedCosine)) {
     const double moved_m = (point.p - last.place.p).norm() + kRoundingM;
-    // Nothing else is within reach, or nearer.
+    // No other point can be within reach, or nearer.
     const double free_m = last.free_m - moved_m;
     const double max_m2 = max_distance_m * max_distance_m;
     const double nearest_m2 = last.nearest == nullptr
@@ -326,7 +328,7 @@ const MapPoint* PointMap::nearest(const OrientedPoint& point, double max_distanc
     if (free_m >= max_distance_m || (is_similar && free_m > 0.0 && nearest_m2 <= free_m * free_m)) {
       return is_similar && nearest_m2 <= max_m2 ? last.nearest : nullptr;
     }
-    // Nor is any but those that are known.
+    // Only the known points can be within reach.
     const MapPoint* nearest = nullptr;
     double known_m2 = max_m2;
     for (std::size_t i = 0; i < last.num_known; ++i) {

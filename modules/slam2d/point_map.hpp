@@ -27,16 +27,16 @@ struct MapPoint {
   [[nodiscard]] bool has_line() const { return !line_normal.isZero(0.0); }
 };
 
-/// What a search for the nearest map point has found around a place.
+/// The result of a search for the nearest map point, kept for the next search nearby.
 struct Neighbourhood {
   static constexpr std::size_t kMaxKnown = 12;
 
   const MapPoint* nearest = nullptr;  ///< with a similar normal; null if there is none in reach
   OrientedPoint place;
-  /// No other map point is nearer to the place, unless its normal is so different that it is not
-  /// similar after a small rotation either. Negative: not searched yet.
+  /// Within this distance of `place` there is no map point but `nearest`. Points whose normals
+  /// would not be similar even after a small rotation do not count. Negative: not searched yet.
   double free_m = -1.0;
-  /// None but those of `known` is nearer than this, with the same exception.
+  /// Within this distance there are no map points but those in `known`, with the same exception.
   double known_m = -1.0;
   std::size_t num_known = 0;
   std::array<const MapPoint*, kMaxKnown> known{};
@@ -67,20 +67,21 @@ class PointMap {
   /// none. Valid until the next `add` or `insert`.
   [[nodiscard]] const MapPoint* nearest(const OrientedPoint& point, double max_distance_m) const;
 
-  /// The same, for a point that is asked for again and again while it moves a little: searches only
-  /// when what was found the last time does not tell the answer. `last`: what it leaves there for
-  /// the next time; of this map as it is now.
+  /// The same, for repeated searches with a point that moves a little each time: searches the map
+  /// only when the last result does not decide. `last`: the last result, which is updated; valid
+  /// only while the map does not change.
   [[nodiscard]] const MapPoint* nearest(const OrientedPoint& point, double max_distance_m,
                                         Neighbourhood& last) const;
 
   [[nodiscard]] std::span<const MapPoint> points() const { return points_; }
 
  private:
-  /// A square of cells. What a search reads lies side by side in memory: the points of a row of
-  /// cells one after the other, and so the rows.
+  /// A square of cells. The points of a row of cells, and the rows, follow one another in memory,
+  /// as a search reads them.
   static constexpr std::int32_t kTileCells = 8;
   struct Tile {
-    /// Where the points of each cell begin, row by row; at last where those of the last one end.
+    /// Where the points of each cell begin, row by row; the last entry is where those of the last
+    /// cell end.
     std::array<std::uint32_t, std::size_t{kTileCells} * kTileCells + 1> begins{};
     std::vector<Eigen::Vector2d> places;
     std::vector<std::uint32_t> indices;  ///< of the same points in points_
@@ -133,7 +134,7 @@ class PointMap {
   std::vector<std::uint32_t> changed_;     // points whose moments have changed
   std::vector<std::uint32_t> neighbours_;  // of the last find_neighbours()
   std::vector<Tile> tiles_;
-  // Of each tile by its index; never iterated: its order is arbitrary.
+  // Number of each tile by its index. Never iterated, because its order is arbitrary.
   tsl::robin_map<CellIndex, std::uint32_t, CellHash> tile_numbers_;
 };
 

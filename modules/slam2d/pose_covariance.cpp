@@ -9,8 +9,9 @@
 namespace nodmap::slam2d {
 namespace {
 
-// Variances of odometry over a metre, and over a radian: 7 cm after 0.3 m and 40 cm after 10 m, 2
-// degrees after 0.3 m. Wheels of a robot with two of them err less; those that skid do not.
+// Variances of odometry per metre and per radian: standard deviations of 7 cm after 0.3 m, 40 cm
+// after 10 m, and 2 degrees after 0.3 m. Robots with two driven wheels err less, robots that skid
+// more.
 constexpr double kPositionVarianceM2PerM = 0.016;
 constexpr double kYawVarianceRad2PerM = 0.004;
 constexpr double kYawVarianceRad2PerRad = 0.008;
@@ -30,13 +31,13 @@ void PoseCovariance::move(double yaw_rad, const geometry::SE2& T_before_now) {
       kYawVarianceRad2PerM * distance_m + kYawVarianceRad2PerRad * std::abs(T_before_now.yaw));
 }
 
-// Standard deviations of 1 m/s and 1 rad/s: a robot that drives on, or is carried.
+// Standard deviations of 1 m/s and 1 rad/s: the robot may drive on, or be carried.
 void PoseCovariance::lose_track(double duration_s) {
   covariance_.diagonal().array() += duration_s * duration_s;
 }
 
-// Along the directions that the match determines its information counts; along the others, which
-// are the null space of the information, what was known before.
+// Directions that the match determines take its information. The others, the null space of the
+// information, keep what was known before.
 void PoseCovariance::match(const Eigen::Matrix3d& information) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(information);
   const Eigen::Vector3d& values = eigen.eigenvalues();  // increasing

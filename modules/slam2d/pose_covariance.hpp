@@ -7,22 +7,22 @@
 
 namespace nodmap::slam2d {
 
-/// How uncertain the pose of base is in the map that scans are matched against: the covariance of
-/// (x, y in m, yaw in rad), position and heading of base in the axes of map.
+/// The covariance of base in the map that scans are matched against: of (x, y in m, yaw in rad),
+/// position and heading in the axes of map.
 ///
-/// What a match determines is as certain as that match, not more: the errors of many matches
-/// against one map are alike. Along degenerate directions, and where nothing matched, the
-/// uncertainty grows with the path by odometry.
+/// Directions that a match determines take the covariance of that match. Successive matches are not
+/// fused, because their errors against one map are correlated. Along degenerate directions, and
+/// without a match, the uncertainty grows with the path by odometry.
 class PoseCovariance {
  public:
-  /// Base moved by odometry. `T_before_now`: the motion; `yaw_rad`: the heading before, in map.
+  /// Base moved by odometry. `T_before_now`: the motion; `yaw_rad`: the heading in map before it.
   void move(double yaw_rad, const geometry::SE2& T_before_now);
 
   /// The pose was matched. `information`: the inverse covariance in the axes of map, zero along
   /// degenerate directions.
   void match(const Eigen::Matrix3d& information);
 
-  /// Nobody knows how the robot has moved for a while.
+  /// For `duration_s` nothing is known of the robot's motion.
   void lose_track(double duration_s);
 
   [[nodiscard]] const Eigen::Matrix3d& matrix() const { return covariance_; }

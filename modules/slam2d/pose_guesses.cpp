@@ -8,23 +8,15 @@
 namespace nodmap::slam2d {
 namespace {
 
-// For so long a robot goes on as it did. The level scans of a nodding laser are farther apart.
+// The motion is extrapolated only over this time. Level scans of a nodding laser are farther apart.
 constexpr double kMaxStepS = 0.5;
-// Stamps that come in bursts, some close together and then none, tell no speed.
+// The ratio of successive intervals must be below this: stamps that come in bursts give no speed.
 constexpr double kMaxStepRatio = 2.0;
-// 20 to 200 scans a second. Stamps that are nearer together come in bursts.
-constexpr double kMinFastStepS = 0.005;
-constexpr double kMaxFastStepS = 0.05;
-// Single matches scatter by so much; and wheels slip by so much from one scan to the next, and by
-// half of what they have turned since the last keyframe, one of them alone 40 cm from the other.
-constexpr double kMatchScatterM = 0.03;
-constexpr double kMatchScatterRad = 0.03;
-constexpr double kMaxSlipMPerS = 1.0;
-constexpr double kMaxSlipRadPerS = 1.0;
-constexpr double kMaxSlipRatio = 0.5;
-constexpr double kMaxSlipRadPerM = kMaxSlipRatio / 0.4;
-// From guesses nearer than this ICP finds the same pose. A robot that brakes with 2 m/s^2, or
-// begins to rotate with 3 rad/s^2, is off by as much after a quarter of a second.
+// But the laser has measured at an even rate: a mean over so many scans tells how far the robot
+// goes from one to the next.
+constexpr std::size_t kMeanSteps = 8;
+// From guesses nearer than this, ICP finds the same pose. A robot that brakes at 2 m/s^2, or begins
+// to rotate at 3 rad/s^2, is this far off after about a quarter of a second.
 constexpr double kSameM = 0.12;
 constexpr double kSameRad = 0.12;
 
@@ -36,21 +28,19 @@ bool are_same(const geometry::SE2& a, const geometry::SE2& b) {
   return distance_m(a, b) <= kSameM && rotation_rad(a, b) <= kSameRad;
 }
 
-/// How far one pose is from another, in what makes two different.
+/// The distance between two poses, in units of the limits of are_same().
 double difference(const geometry::SE2& a, const geometry::SE2& b) {
   return distance_m(a, b) / kSameM + rotation_rad(a, b) / kSameRad;
-}
-
-bool is_fast_step(double step_s) {
-  return step_s >= kMinFastStepS && step_s <= kMaxFastStepS;
 }
 
 }  // namespace
 
 void PoseGuesses::add_scan(time::Timestamp stamp, const geometry::SE2& T_last_base) {
-  step_.reset();
-  if (last_stamp_ && stamp > *last_stamp_) {
-    step_ = Step{T_last_base, time::seconds(stamp - *last_stamp_)};
+  if (last_stamp_) {
+    steps_.push_back({T_last_base, time::seconds(stamp - *last_stamp_)});
+  }
+  if (steps_.size() > kMeanSteps) {
+    steps_.pop_front();
   }
   last_stamp_ = stamp;
 }
@@ -60,44 +50,78 @@ void PoseGuesses::change_odometry_frame(const geometry::SE2& T_old_new) {
   T_odom_keyframe_ = T_old_new.inverse() * T_odom_keyframe_;
 }
 
+bool PoseGuesses::is_fast_step(double step_s) const {
+  return step_s >= params_.min_scan_period_s && step_s <= params_.max_scan_period_s;
+}
+
 bool PoseGuesses::is_fast(time::Timestamp next_stamp) const {
-  return step_ && is_fast_step(step_->duration_s) &&
+  return !steps_.empty() && is_fast_step(steps_.back().duration_s) &&
          is_fast_step(time::seconds(next_stamp - *last_stamp_));
 }
 
 bool PoseGuesses::is_beyond_slip(const LevelScan& scan, const geometry::SE2& T_map_guess,
                                  const geometry::SE2& T_map_found) const {
+  const SlipParams& slip = params_.slip;
   const auto is_beyond = [&](const geometry::SE2& expected, double slip_m, double slip_rad) {
-    return distance_m(T_map_found, expected) > kMatchScatterM + slip_m ||
-           rotation_rad(T_map_found, expected) > kMatchScatterRad + slip_rad;
+    return distance_m(T_map_found, expected) > slip.match_scatter_m + slip_m ||
+           rotation_rad(T_map_found, expected) > slip.match_scatter_rad + slip_rad;
   };
   const double step_s = time::seconds(scan.stamp - *last_stamp_);
-  const double driven_m = distance_m(T_odom_keyframe_, scan.T_odom_base);
-  const double rotated_rad = rotation_rad(T_odom_keyframe_, scan.T_odom_base);
-  return is_beyond(T_map_guess, kMaxSlipMPerS * step_s, kMaxSlipRadPerS * step_s) ||
-         is_beyond(since_keyframe(scan), kMaxSlipRatio * driven_m,
-                   kMaxSlipRatio * rotated_rad + kMaxSlipRadPerM * driven_m);
+  const double slipped_m = slip.max_ratio * distance_m(T_odom_keyframe_, scan.T_odom_base);
+  const double slipped_rad = slip.max_ratio * rotation_rad(T_odom_keyframe_, scan.T_odom_base) +
+                             slipped_m / slip.wheel_distance_m;
+  return is_beyond(T_map_guess, slip.max_m_per_s * step_s, slip.max_rad_per_s * step_s) ||
+         is_beyond(since_keyframe(scan), slipped_m, slipped_rad);
+}
+
+std::optional<geometry::SE2> PoseGuesses::next_step(time::Timestamp next_stamp) const {
+  if (steps_.empty()) {
+    return std::nullopt;
+  }
+  const auto& [T_last_base, duration_s] = steps_.back();
+  const double ratio = time::seconds(next_stamp - *last_stamp_) / duration_s;
+  if (duration_s > 0.0 && duration_s <= kMaxStepS && ratio >= 1.0 / kMaxStepRatio &&
+      ratio <= kMaxStepRatio) {
+    return geometry::SE2{ratio * T_last_base.x, ratio * T_last_base.y, ratio * T_last_base.yaw};
+  }
+  return mean_step_in_bursts();
+}
+
+std::optional<geometry::SE2> PoseGuesses::mean_step_in_bursts() const {
+  if (steps_.size() < kMeanSteps) {
+    return std::nullopt;
+  }
+  double least_s = steps_.front().duration_s;
+  double most_s = least_s;
+  double total_s = 0.0;
+  geometry::SE2 mean;
+  for (const auto& [T_last_base, duration_s] : steps_) {
+    least_s = std::min(least_s, duration_s);
+    most_s = std::max(most_s, duration_s);
+    total_s += duration_s;
+    mean.x += T_last_base.x / kMeanSteps;
+    mean.y += T_last_base.y / kMeanSteps;
+    mean.yaw += T_last_base.yaw / kMeanSteps;
+  }
+  const bool are_bursts = most_s > kMaxStepRatio * least_s;
+  const bool is_even_rate = total_s > 0.0 && total_s <= kMeanSteps * kMaxStepS;
+  return are_bursts && is_even_rate ? std::optional(mean) : std::nullopt;
 }
 
 std::vector<geometry::SE2> PoseGuesses::guesses(const LevelScan& scan,
                                                 const geometry::SE2& T_map_odom,
                                                 const geometry::SE2& T_odom_last) const {
   geometry::SE2 by_odometry = T_map_odom * scan.T_odom_base;
-  if (!step_ || step_->duration_s > kMaxStepS) {
+  const std::optional<geometry::SE2> step = next_step(scan.stamp);
+  if (!step) {
     return {by_odometry};
   }
-  const double ratio = time::seconds(scan.stamp - *last_stamp_) / step_->duration_s;
-  if (!(ratio >= 1.0 / kMaxStepRatio && ratio <= kMaxStepRatio)) {
-    return {by_odometry};
-  }
-  const geometry::SE2& step = step_->T_last_base;
-  const geometry::SE2 by_motion =
-      T_map_odom * T_odom_last * geometry::SE2{ratio * step.x, ratio * step.y, ratio * step.yaw};
+  const geometry::SE2 by_motion = T_map_odom * T_odom_last * *step;
   geometry::SE2 since_keyframe = this->since_keyframe(scan);
   if (are_same(by_odometry, by_motion)) {
     return {by_odometry};
   }
-  // What odometry has caught up with is in one of its two guesses twice.
+  // When odometry catches up, one of its two guesses contains the same motion twice.
   if (difference(since_keyframe, by_motion) < difference(by_odometry, by_motion)) {
     std::swap(by_odometry, since_keyframe);
   }

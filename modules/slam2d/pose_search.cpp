@@ -18,15 +18,15 @@ constexpr std::size_t kNumPoints = 90;  // enough to rank poses; 45 misplace a r
 constexpr std::size_t kMaxCandidates = 10;
 constexpr double kDistinctM = 0.4;
 constexpr double kDistinctRad = 0.1;
-// Of two poses with the same score the one nearer to odometry is more likely. This much score makes
-// up for a rotation of 90 degrees, or for twice the search distance. People around the robot take
-// half of the score at the true pose; with 0.1 it is then found anywhere.
+// Cost, in units of score, of a rotation of 90 degrees or of twice the search distance: of two
+// poses with the same score the one nearer to odometry is more likely. People around the robot
+// halve the score at the true pose; with a cost of 0.1 poses would then be found anywhere.
 constexpr double kDeviationCost = 0.25;
 
 // Rounding of the bounds of scores.
 constexpr double kRounding = 1e-9;
 
-/// Some of the points, spread over the scan.
+/// A part of the points, spread over the scan.
 std::vector<OrientedPoint> some_of(std::span<const OrientedPoint> scan) {
   const std::size_t stride = std::max<std::size_t>(1, scan.size() / kNumPoints);
   std::vector<OrientedPoint> some;
@@ -121,8 +121,8 @@ std::vector<PoseSearch::Candidate> PoseSearch::poses_around(
   return poses;
 }
 
-// By a queue of all poses, the most promising first. At the beginning each has but an upper bound
-// of its score: it is scored when it comes first, so most never are.
+// Lazy evaluation: a queue holds all poses, the most promising first, at first with upper bounds of
+// their scores. A pose is scored only when it comes first; most never are.
 std::vector<geometry::SE2> PoseSearch::candidates(const PointMap& map,
                                                   std::span<const OrientedPoint> scan,
                                                   std::span<const geometry::SE2> guesses) const {

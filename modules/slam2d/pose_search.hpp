@@ -34,7 +34,7 @@ class PoseSearch {
  private:
   struct Candidate {
     double score = 0.0;  ///< or an upper bound of it
-    double cost = 0.0;   ///< that is part of it
+    double cost = 0.0;   ///< subtracted in it
     std::size_t order = 0;
     bool is_bound = false;
     geometry::SE2 T_map_base;

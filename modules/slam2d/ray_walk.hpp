@@ -8,26 +8,26 @@
 
 namespace nodmap::slam2d {
 
-/// The way of a ray from cell to cell of a grid (Amanatides and Woo 1987). Each step crosses one
+/// Walks along a ray from cell to cell of a grid (Amanatides and Woo 1987). Each step crosses one
 /// grid line.
 ///
-/// Coordinates along the ray are whole numbers, 2^16 to a cell, so that the walk is exact and ends
-/// where it should. They are odd: no ray lies on a grid line.
+/// Coordinates along the ray are integers, 2^16 to a cell, so that the walk is exact and ends in
+/// the right cell. They are odd: no ray lies on a grid line.
 class RayWalk {
  public:
-  /// Both ends in cells, less than 10^9 from 0.
+  /// Takes both ends in cells, with coordinates of less than 10^9.
   RayWalk(const Eigen::Vector2d& from_cells, const Eigen::Vector2d& to_cells)
       : RayWalk(Axis(from_cells.x(), to_cells.x()), Axis(from_cells.y(), to_cells.y())) {}
 
   [[nodiscard]] const Eigen::Vector2i& first_cell() const { return first_cell_; }
   [[nodiscard]] const Eigen::Vector2i& last_cell() const { return last_cell_; }
-  /// Of the cells along each axis, -1 or 1.
+  /// The direction of the walk along each axis, -1 or 1.
   [[nodiscard]] const Eigen::Vector2i& direction() const { return direction_; }
 
-  /// The numbers of grid lines across x and across y that the ray crosses until it has crossed
-  /// `lines.x()` of the ones or `lines.y()` of the others, whichever comes first, if it goes on for
-  /// so long. Both at least 1 and, as in any grid of 64 million cells, few enough that products
-  /// with the length of the ray fit into 64 bits.
+  /// How many grid lines across x and across y the ray, however long, has crossed when it first has
+  /// crossed `lines.x()` across x or `lines.y()` across y. Both must be at least 1 and, as in any
+  /// grid of 64 million cells, so few that their products with the length of the ray fit into 64
+  /// bits.
   [[nodiscard]] Eigen::Vector2i crossings_until(const Eigen::Vector2i& lines) const {
     // How many lines across y come before the last of those across x.
     const std::int64_t before_last_x = next_ + (lines.x() - 1) * per_x_;
@@ -42,16 +42,17 @@ class RayWalk {
     return {before_last_y <= 0 ? 0 : static_cast<int>((before_last_y - 1) / per_x_) + 1, lines.y()};
   }
 
-  /// Takes some steps. Calls `visit` with the place in memory of each cell that the ray comes from,
-  /// in a grid whose rows, `row` places long, hold all of them.
+  /// Takes `steps` steps. Calls `visit` with the index of each cell that it leaves. `place`: the
+  /// index of the present cell in memory; `row`: the length of a row there. The rows must contain
+  /// all cells.
   template <typename Visit>
   void advance(int steps, std::ptrdiff_t place, std::ptrdiff_t row, Visit visit) {
     const std::ptrdiff_t step_y = direction_.y() * row;
     const std::ptrdiff_t x_not_y = direction_.x() - step_y;
     for (; steps > 0; --steps) {
       visit(static_cast<std::size_t>(place));
-      // Without a branch, for no processor can guess it: all bits where the next line is one across
-      // x, else none.
+      // Branch-free, because the branch would be unpredictable: all bits are set if the next line
+      // is one across x, none otherwise.
       const std::int64_t along_x = next_ >> 63;
       place += step_y + (along_x & x_not_y);
       next_ += (along_x & (per_x_ + per_y_)) - per_y_;
@@ -95,9 +96,9 @@ class RayWalk {
   Eigen::Vector2i first_cell_;
   Eigen::Vector2i last_cell_;
   Eigen::Vector2i direction_;
-  // Where the ray crosses the next line across x and the next across y, times the lengths along
-  // both axes, so that nothing is divided: how much the one changes with each line, and the other;
-  // and their difference, negative when the line across x comes first.
+  // The places where the ray crosses the next line across x and across y, scaled by the lengths
+  // along both axes to avoid divisions: how much each changes with a crossing, and their
+  // difference, negative when the line across x comes first.
   std::int64_t per_x_;
   std::int64_t per_y_;
   std::int64_t next_;

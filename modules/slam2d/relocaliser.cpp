@@ -10,21 +10,11 @@
 namespace nodmap::slam2d {
 namespace {
 
-// More places mean that the scan tells nothing. To the search, in cells of 10 cm, a bare wall fits
-// most walls of a building nearly as well; only the exact match tells them apart.
+// If there are more peaks, the scan determines nothing. In the search, with cells of 10 cm, a bare
+// wall fits most walls of a building nearly as well; only the exact match distinguishes them.
 constexpr std::size_t kMaxPeaks = 256;
-constexpr double kMaxCorrespondenceDistanceM = 0.4;   // the search is a cell of 10 cm off
-constexpr double kMinCorrespondenceDistanceM = 0.15;  // other places fit only roughly
-
-// Two scans mean the same place when their matches, moved by odometry, are this near. Odometry may
-// be a quarter of a second late, of a robot with 2 m/s and 1.5 rad/s.
-constexpr double kAgreeM = 0.5;
-constexpr double kAgreeRad = 0.37;
-
-bool agree(const geometry::SE2& a, const geometry::SE2& b) {
-  return (a.translation() - b.translation()).norm() < kAgreeM &&
-         std::abs(geometry::angle_difference(a.yaw, b.yaw)) < kAgreeRad;
-}
+constexpr double kMaxCorrespondenceDistanceM = 0.4;   // the search is off by up to a cell of 10 cm
+constexpr double kMinCorrespondenceDistanceM = 0.15;  // wrong places fit only roughly
 
 LoopSearchParams search_params(const RelocaliserParams& params) {
   return {.min_score = params.min_search_score, .max_runner_up_ratio = params.min_peak_ratio};
@@ -42,6 +32,11 @@ MatcherParams matcher_params(MatcherParams params) {
 
 Relocaliser::Relocaliser(const RelocaliserParams& params, const MatcherParams& matcher)
     : params_(params), correlative_(search_params(params)), matcher_(matcher_params(matcher)) {}
+
+bool Relocaliser::agree(const geometry::SE2& a, const geometry::SE2& b) const {
+  return geometry::distance_m(a, b) < params_.same_place_distance_m &&
+         std::abs(geometry::angle_difference(a.yaw, b.yaw)) < params_.same_place_rotation_rad;
+}
 
 Relocalisation Relocaliser::locate(const KnownMap& map, const LevelScan& scan) const {
   return locate(map, {&scan, 1});
@@ -124,7 +119,7 @@ Relocalisation Relocaliser::join(const KnownMap& map, std::span<const LevelScan>
   return result;
 }
 
-// Each scan by its own place near there, or else as it matches from there.
+// Each scan counts by its own place near there if it has one, or else by a match from there.
 Relocaliser::JointFit Relocaliser::fit(const KnownMap& map, std::span<const LevelScan> scans,
                                        std::span<const Places> found,
                                        const geometry::SE2& T_map_last) const {

@@ -14,7 +14,7 @@
 
 namespace nodmap::slam2d {
 
-/// Where in a map a scan was taken, if that can be told.
+/// The place in a map where a scan was taken, if it is unambiguous.
 struct Relocalisation {
   enum class Status : std::uint8_t {
     kFound,
@@ -28,19 +28,19 @@ struct Relocalisation {
   double runner_up_score = 0.0;
 };
 
-/// Finds the robot in a known map from nothing: the best poses of all in the map by branch and
-/// bound, each matched exactly and checked for walls that its rays pass through. The best is
-/// believed only when it fits clearly better than any other place.
+/// Finds the robot in a known map without a start pose: the best of all poses by branch and bound,
+/// each matched exactly and checked for walls that its rays pass through. The best is believed only
+/// when it fits clearly better than any other place.
 class Relocaliser {
  public:
   Relocaliser(const RelocaliserParams& params, const MatcherParams& matcher);
 
-  /// Of a single scan.
+  /// Locates a single scan.
   [[nodiscard]] Relocalisation locate(const KnownMap& map, const LevelScan& scan) const;
 
-  /// Of the last of successive scans, one or more. Each is placed on its own; a place of one of
-  /// them, moved by odometry, is one of the others, too. All together tell places apart that look
-  /// alike to one, and a place that one of them contradicts is not believed.
+  /// Locates the last of one or more successive scans. Each is placed on its own, and each place,
+  /// moved by odometry, is tried for the others, too. Together the scans distinguish places that
+  /// look alike to one. A place that one of them contradicts is not believed.
   [[nodiscard]] Relocalisation locate(const KnownMap& map, std::span<const LevelScan> scans) const;
 
  private:
@@ -48,14 +48,16 @@ class Relocaliser {
   struct Places {
     std::vector<Peak> peaks;
     bool is_complete = true;  ///< false: it may fit elsewhere, too
-    Relocalisation alone;     ///< by this scan alone
+    Relocalisation alone;     ///< the result of this scan alone
   };
   /// How all scans together fit a place of the last.
   struct JointFit {
     Peak place;            ///< as the last scan matches there; the mean score of all
-    bool agrees = true;    ///< each scan fits there, by odometry, and none is sure of elsewhere
+    bool agrees = true;    ///< each scan fits there, and none is sure of another place
     bool is_sure = false;  ///< one scan alone tells that it is the place
   };
+  /// Whether two places are one, but for errors of odometry.
+  [[nodiscard]] bool agree(const geometry::SE2& a, const geometry::SE2& b) const;
   [[nodiscard]] Places find_places(const KnownMap& map, const LevelScan& scan) const;
   [[nodiscard]] std::optional<Peak> match(const KnownMap& map, const LevelScan& scan,
                                           const geometry::SE2& T_map_base) const;

@@ -10,7 +10,7 @@
 
 namespace nodmap::slam2d {
 
-/// All that is needed to carry on with a map: its keyframes, and how they are joined.
+/// All that is needed to continue a map: its keyframes, and how they are joined.
 struct SavedMap {
   /// A submap is made of consecutive keyframes.
   struct Submap {

@@ -95,7 +95,7 @@ nodmap::cleared_region_2d_t write_cleared(const ClearedRegion& cleared) {
   return message;
 }
 
-/// Puts a map together from messages, and throws for what cannot be part of one.
+/// Builds a map from messages; throws if one of them cannot be part of it.
 class Reader {
  public:
   explicit Reader(const bus::MessageLogReader& log) : log_(log) {}
@@ -122,7 +122,7 @@ class Reader {
 
  private:
   void require_finite(double value) const {
-    // Beyond 10^7 m, 10 000 km, it is no pose of a building, and cells no longer fit 32 bits.
+    // Poses beyond 10^7 m are not real, and their cells would not fit into 32 bits.
     require(std::abs(value) < 1e7,
             "keyframe " + std::to_string(map_.keyframes.size()) + " holds an impossible number");
   }

@@ -8,16 +8,15 @@
 
 namespace nodmap::slam2d {
 
-/// Writes keyframes.lcmlog into a folder: an LCM event log with a keyframe_2d_t for each keyframe
+/// Writes keyframes.lcmlog into a folder: an LCM event log with a keyframe_2d_t for each keyframe,
 /// a loop_2d_t for each pair of submaps that a loop joins, and a cleared_region_2d_t for each
-/// region that was cleared. An existing file stays in place until the new one is complete and on
-/// the disk.
+/// cleared region. An existing file stays in place until the new one is complete and on the disk.
 [[nodiscard]] std::error_code write_saved_map(const std::filesystem::path& dir,
                                               const SavedMap& map);
 
-/// Reads it. `path` is a keyframes.lcmlog, or a folder with one. Throws formats::InputFileError,
-/// naming the file and what is wrong, also for a damaged or truncated file and for one without
-/// keyframes: half a map is worse than none.
+/// Reads a saved map. `path` is a keyframes.lcmlog, or a folder with one. Throws
+/// formats::InputFileError, naming the file and what is wrong, also if the file is damaged,
+/// truncated or has no keyframes.
 [[nodiscard]] SavedMap read_saved_map(const std::filesystem::path& path);
 
 }  // namespace nodmap::slam2d

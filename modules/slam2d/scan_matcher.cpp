@@ -11,9 +11,9 @@ namespace {
 
 constexpr int kMinCorrespondences = 10;
 
-// Scale of the weights, over the maximum correspondence distance. From 0.5 (loops that close with
-// some drift are missed) to 0.9 (points of other walls pull) the errors on all recordings stay
-// within 10 %.
+// Scale of the weights as a ratio of the maximum correspondence distance. Between 0.5 (loops with
+// some drift are missed) and 0.9 (points of other walls attract) the errors on all recordings
+// change by less than 10 %.
 constexpr double kKernelScaleRatio = 0.7;
 
 // The maximum correspondence distance shrinks by this factor once a step is shorter than this part
@@ -21,11 +21,11 @@ constexpr double kKernelScaleRatio = 0.7;
 constexpr double kDistanceDecay = 0.6;
 constexpr double kStageDoneRatio = 0.1;
 
-// A map point without a line holds both directions, but less surely: corners, foliage.
+// A map point without a line (a corner, foliage) constrains both directions, but less surely.
 constexpr double kNoLineWeight = 0.3;
 
-// Of the distance of a scan point to the map. The errors of neighbouring points (a wall that is
-// not straight, a pose in the map that is off) are alike: ten points count as much as one.
+// Variance of the distance of a scan point from the map. The errors of neighbouring points are
+// correlated (a wall that is not straight, an error of the map): ten points count as one.
 constexpr double kPointVarianceM2 = 10.0 * 0.02 * 0.02;
 
 constexpr double kConvergedM = 5e-4;
@@ -172,7 +172,7 @@ Match ScanMatcher::match(const PointMap& map, std::span<const OrientedPoint> sca
   return match;
 }
 
-// Within d_max of the points: that of the lines is too narrow to tell a scan that is a little off
+// Uses d_max of the points: that of the lines is too narrow to tell a scan that is slightly off
 // from one that is lost.
 void ScanMatcher::evaluate(const PointMap& map, std::span<const OrientedPoint> scan,
                            Neighbourhoods& around, Match& match) const {

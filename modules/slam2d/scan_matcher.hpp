@@ -10,14 +10,13 @@
 
 namespace nodmap::slam2d {
 
-/// How a scan fits the map.
+/// The result of matching a scan with the map.
 struct Match {
   geometry::SE2 T_map_base;
   int num_correspondences = 0;
-  double inlier_ratio = 0.0;  ///< scan points with a correspondence, 0 none to 1 all
-  double score =
-      0.0;  ///< mean weight w_ij over all scan points, 0 none near the map to 1 all on it
-  double rms_m = 0.0;             ///< weighted distance of the correspondences
+  double inlier_ratio = 0.0;  ///< fraction of the scan points with a correspondence
+  double score = 0.0;         ///< mean weight w_ij of all scan points, 0 (none near the map) to 1
+  double rms_m = 0.0;         ///< weighted distance of the correspondences
   int degenerate_directions = 3;  ///< of x, y, yaw, left at the guess; 3: nothing was matched
   /// The least information on any direction, over what the correspondences could give.
   double least_information_ratio = 0.0;
@@ -42,7 +41,7 @@ class ScanMatcher {
 
  private:
   struct Correspondences;
-  /// Of each scan point; it changes only the time that is taken.
+  /// One for each scan point. Affects only the speed.
   using Neighbourhoods = std::vector<Neighbourhood>;
   [[nodiscard]] Correspondences find_correspondences(const PointMap& map,
                                                      std::span<const OrientedPoint> scan,

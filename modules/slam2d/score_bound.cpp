@@ -7,9 +7,9 @@
 namespace nodmap::slam2d {
 namespace {
 
-constexpr double kReachM = 20.0;  // a point beyond, in x or in y, may score 1
+constexpr double kReachM = 20.0;  // points beyond, in x or in y, count as 1
 constexpr int kReachCells = static_cast<int>(kReachM / ScoreBound::kCellM);
-constexpr double kRoundingM = 1e-6;
+constexpr double kBoundRoundingM = 1e-6;
 
 }  // namespace
 
@@ -23,7 +23,7 @@ ScoreBound::ScoreBound(const PointMap& map, const Eigen::Vector2d& middle, doubl
   }
 }
 
-// Into each cell what a point scores that is in it, as near as it can be.
+// Writes into each cell the greatest score that a point in the cell can have.
 void ScoreBound::stamp(const Eigen::Vector2d& point, double max_distance_m) {
   const Eigen::Vector2d at = point - origin_;
   const double last = width_ - 1.0;
@@ -32,7 +32,8 @@ void ScoreBound::stamp(const Eigen::Vector2d& point, double max_distance_m) {
   };
   const auto to_cell = [](double coordinate_m, int cell) {
     const double from_first_m = coordinate_m - kCellM * cell;
-    return std::max({0.0, -from_first_m - kRoundingM, from_first_m - kCellM - kRoundingM});
+    return std::max(
+        {0.0, -from_first_m - kBoundRoundingM, from_first_m - kCellM - kBoundRoundingM});
   };
   const int first_x = std::max(cell_at(at.x() - max_distance_m), 0);
   const int last_x = std::min(cell_at(at.x() + max_distance_m), width_ - 1);

@@ -11,23 +11,23 @@
 
 namespace nodmap::slam2d {
 
-/// An upper bound for how well the points of a scan fit the map, for many places of the scan at
-/// once. A point scores 1 on a map point and falls to 0 at a distance from all of them; the normals
-/// are not looked at. Reading the bound of a place costs one byte for each point.
+/// Upper bounds of how well a scan fits the map, for many places of the scan at once. A point
+/// scores 1 on a map point and 0 from a maximum distance on; normals are ignored. The bound of a
+/// place takes one byte per point.
 class ScoreBound {
  public:
   /// Edge of a cell: places of the scan differ by whole cells.
   static constexpr double kCellM = 0.125;
 
-  /// `middle`: of the area that is asked for, in map; `max_distance_m`: a point this far from the
-  /// map scores 0; `max_shift_cells`: the places of a scan differ by at most this from the first.
+  /// `middle`: the middle of the covered area, in map; `max_distance_m`: a point this far from the
+  /// map scores 0; `max_shift_cells`: greatest shift of a scan along x or y.
   ScoreBound(const PointMap& map, const Eigen::Vector2d& middle, double max_distance_m,
              int max_shift_cells);
 
-  /// The cells of the points of a scan at a place, in map; at() is given them.
+  /// The cells of the points of a scan, given in map; an argument of at().
   [[nodiscard]] std::vector<std::size_t> cells_of(std::span<const Eigen::Vector2d> points) const;
 
-  /// No scan scores more on average once its points have been moved by (x, y) cells; 0 without
+  /// Returns an upper bound of the mean score of the points, shifted by (x, y) cells; 0 without
   /// points.
   [[nodiscard]] double at(std::span<const std::size_t> cells, int x, int y) const;
 

@@ -9,15 +9,15 @@
 
 #include "common/geometry/time.hpp"
 #include "modules/slam2d/back_end.hpp"
+#include "modules/slam2d/doubt.hpp"
 #include "modules/slam2d/level_scan.hpp"
 #include "modules/slam2d/moving_points.hpp"
 #include "modules/slam2d/oriented_points.hpp"
 #include "modules/slam2d/params.hpp"
+#include "modules/slam2d/place_search.hpp"
 #include "modules/slam2d/point_map.hpp"
 #include "modules/slam2d/pose_covariance.hpp"
 #include "modules/slam2d/pose_guesses.hpp"
-#include "modules/slam2d/pose_search.hpp"
-#include "modules/slam2d/scan_matcher.hpp"
 #include "modules/slam2d/tracked_path.hpp"
 
 namespace nodmap::slam2d {
@@ -28,8 +28,6 @@ struct Metrics {
   std::int64_t partly = 0;
   std::int64_t odometry_only = 0;
   std::int64_t lost = 0;
-  std::int64_t searches = 0;
-  std::int64_t searches_successful = 0;
   std::int64_t scans_without_points = 0;  ///< too few to begin a map
   double inlier_ratio_sum = 0.0;          ///< over `scans`
   double score_sum = 0.0;                 ///< over `scans`
@@ -43,11 +41,11 @@ class Slam2d {
  public:
   explicit Slam2d(const Slam2dParams& params);
 
-  /// Takes over a saved map; to be called before the first scan, and followed by begin_at(): the
-  /// next level scan is added where that says the robot is.
+  /// Restores a saved map; must be called before the first scan and followed by begin_at(): the
+  /// next level scan is added where that places the robot.
   void restore(SavedMap map) { back_end_.restore(std::move(map)); }
 
-  /// Where odom is in map, as the robot was found in a saved map.
+  /// Sets T_map_odom, as found by a Localiser in the saved map.
   void begin_at(const geometry::SE2& T_map_odom) { T_map_odom_ = T_map_odom; }
 
   /// Takes a pose of base by odometry. Returns false, and ignores it, when it is not finite.
@@ -82,53 +80,33 @@ class Slam2d {
   }
   [[nodiscard]] std::span<const TrackedScan> tracked_scans() const { return path_.scans(); }
   [[nodiscard]] const Metrics& metrics() const { return metrics_; }
+  [[nodiscard]] const PlaceSearch::Counts& search_counts() const { return place_search_.counts(); }
   [[nodiscard]] const ScanCounts& scan_counts() const { return input_.counts(); }
 
  private:
   [[nodiscard]] std::optional<PoseUpdate> begin_map(const LevelScan& scan);
-  /// Where matching begins.
-  struct Start {
-    std::vector<geometry::SE2> guesses;  ///< of T_submap_base, in the local submap; the best first
-    bool is_by_odometry = true;
-    bool is_smooth = false;  ///< odometry agrees with the motion of the robot so far
-    /// From the first guess, of all points of the scan; if there are several guesses.
-    std::optional<Match> match = std::nullopt;
+  [[nodiscard]] Start choose_start(const LevelScan& all_points) const;
+  /// The place of a scan, and how it was found.
+  struct FoundPlace {
+    Place place;
+    LevelScan scan;            ///< without the points that have moved
+    bool has_slipped = false;  ///< not people: odometry has been wrong for a second
+    bool is_hidden = false;    ///< people surround the robot: only odometry gives its pose
   };
-  [[nodiscard]] Start choose_start(const LevelScan& scan) const;
-  /// Where a scan fits the local submap, and whether the robot can be nowhere else.
-  struct Place {
-    Match match;
-    bool is_sure = true;
-    bool has_slipped = false;  ///< not people: for a second odometry has told another place
-    bool is_hidden = false;    ///< people stand around the robot: only odometry tells where it is
-  };
-  /// Leaves out the points of the scan that have moved.
-  [[nodiscard]] Place find_place(LevelScan& scan, const Start& start);
-  [[nodiscard]] std::optional<Place> look_between_people(const LevelScan& scan,
+  [[nodiscard]] FoundPlace find_place(const LevelScan& all_points, const Start& start);
+  [[nodiscard]] std::optional<Place> find_between_people(const LevelScan& scan,
                                                          const LevelScan& all_points,
                                                          const Start& start, bool is_mostly_moving);
-  /// `scan`: without the points that have moved.
-  [[nodiscard]] Place match_or_search(const LevelScan& scan, const LevelScan& all_points,
-                                      const Start& start);
-  [[nodiscard]] std::optional<Place> find_near(const LevelScan& scan, const LevelScan& all_points,
-                                               std::span<const geometry::SE2> guesses,
-                                               const Match& tracked) const;
-  [[nodiscard]] bool is_good(const Match& tracked) const;
-  [[nodiscard]] Place find_anywhere(const LevelScan& scan, std::span<const geometry::SE2> guesses,
-                                    const Match& tracked);
-  [[nodiscard]] bool is_in_doubt() const { return doubt_m_ > 0.0; }
-  void begin_doubt(double odometry_gap_s);
-  void update_doubt(const PoseUpdate& update, bool is_sure);
-  [[nodiscard]] PoseUpdate correct_pose(const LevelScan& scan, const Place& place) const;
+  [[nodiscard]] bool is_smooth(const LevelScan& scan, const Start& start) const;
+  [[nodiscard]] bool is_hidden_for_long(time::Timestamp stamp);
+  [[nodiscard]] PoseUpdate correct_pose(const LevelScan& scan, const FoundPlace& found) const;
   [[nodiscard]] Eigen::Matrix3d estimate_covariance(const Place& place, const PoseUpdate& update);
-  [[nodiscard]] PoseQuality classify(const LevelScan& scan, const Place& place) const;
+  [[nodiscard]] PoseQuality classify(const LevelScan& scan, const FoundPlace& found) const;
   [[nodiscard]] bool is_lost(const LevelScan& scan) const;
   [[nodiscard]] bool is_keyframe(const PoseUpdate& update, const LevelScan& scan,
-                                 const Place& place) const;
+                                 const FoundPlace& found) const;
   [[nodiscard]] bool continues_in_doubt(const PoseUpdate& update,
                                         const geometry::SE2& T_odom_base) const;
-  [[nodiscard]] bool has_moved(const geometry::SE2& T_odom_before,
-                               const geometry::SE2& T_odom_now) const;
   void add_keyframe(const LevelScan& scan, const Match& match, PoseUpdate& update);
   void correct_odometry(const LevelScan& scan, PoseUpdate& update);
   void record(const PoseUpdate& update);
@@ -137,19 +115,14 @@ class Slam2d {
   LevelScanInput input_;
   MovingPointFilter moving_points_;
   PoseGuesses pose_guesses_;
-  ScanMatcher matcher_;
-  PoseSearch search_;
+  PlaceSearch place_search_;
   BackEnd back_end_;
   geometry::SE2 T_map_odom_;
   PoseCovariance pose_covariance_;  // in the local submap, but in the axes of map
   geometry::SE2 T_odom_last_;       // of the last level scan
-  geometry::SE2 T_odom_keyframe_;   // the last one, in the present odom frame
-  // How far from where odometry says the robot may be, since a gap or while it is lost, until its
-  // place is sure; 0: no doubt.
-  double doubt_m_ = 0.0;
-  std::optional<time::Timestamp> in_doubt_since_;  // the first scan whose place was not sure
-  std::optional<time::Timestamp> hidden_since_;    // the first scan of which too little was left
-  std::optional<geometry::SE2> T_odom_failed_search_;
+  geometry::SE2 T_odom_keyframe_;   // of the last keyframe, in the present odom frame
+  Doubt doubt_;
+  std::optional<time::Timestamp> hidden_since_;  // the first scan of which too little was left
   TrackedPath path_;
   Metrics metrics_;
 };

@@ -8,7 +8,7 @@
 namespace nodmap::slam2d {
 namespace {
 
-// A scan from here shows nearly the same.
+// Within this distance and rotation, scans show nearly the same.
 constexpr double kOnePlaceM = 0.75;
 constexpr double kOnePlaceRad = geometry::deg_to_rad(30.0);
 

@@ -32,7 +32,7 @@ struct Keyframe {
 /// The points of a keyframe with their normals, in base.
 [[nodiscard]] std::vector<OrientedPoint> oriented_points(const Keyframe& keyframe);
 
-/// A part of them that is enough to match the scan, spread over it.
+/// At most about 120 of the points, spread over the scan: enough to match it.
 [[nodiscard]] std::vector<OrientedPoint> some_points(const Keyframe& keyframe);
 
 [[nodiscard]] View view_of(const Keyframe& keyframe);
@@ -62,7 +62,7 @@ struct Submap {
   PointMap points;
 };
 
-/// A submap, and how near its keyframes come.
+/// A submap, and the distance of the nearest of its keyframes.
 struct NearbySubmap {
   double distance_m = 0.0;
   std::size_t submap = 0;
@@ -70,7 +70,7 @@ struct NearbySubmap {
 };
 
 /// The submaps before `end_submap` that have a keyframe within `distance_m` of a place, the nearest
-/// first. Overlapping submaps see the same: none that overlaps the one before it is among them.
+/// first. Of submaps that overlap, and so show the same, only every second one is considered.
 [[nodiscard]] std::vector<NearbySubmap> nearest_submaps(std::span<const Submap> submaps,
                                                         std::span<const Keyframe> keyframes,
                                                         const Eigen::Vector2d& place_map,

@@ -14,8 +14,8 @@ namespace {
 
 using registration::PoseEdge2d;
 
-// Both ends of a step are matched against the same submap, and most of their errors are alike. With
-// this factor the standard deviation over half a submap is twice that of one match.
+// Both ends of a step are matched against the same submap, so most of their errors are the same.
+// With this factor the standard deviation over half a submap is twice that of one match.
 constexpr double kStepInformationFactor = 5.0;
 
 /// The information of odometry on a step, in the frame of its start. The errors of wheels are
@@ -101,8 +101,7 @@ void SubmapChain::begin_local() {
   submaps_.back().add({}, oriented_points(keyframe));
 }
 
-// Places within the submaps follow from the match alone: what the graph does to the submaps does
-// not matter.
+// Poses within a submap depend on the match alone, not on how the graph moves the submap.
 void SubmapChain::insert_into_submaps(const geometry::SE2& T_local_keyframe) {
   const std::size_t added = keyframes_.size() - 1;
   const std::vector<OrientedPoint> points = oriented_points(keyframes_[added]);
@@ -154,13 +153,13 @@ PoseEdge2d SubmapChain::step_to_submap(std::size_t submap) const {
   return edge;
 }
 
-// The two submaps before the local one were made along with it.
+// The two submaps before the local one are left out: they were built along with it.
 std::size_t SubmapChain::end_finished() const {
   return std::max(num_separate_, std::max<std::size_t>(local_, 2) - 2);
 }
 
 DroppedKeyframes SubmapChain::drop_submap(std::size_t dropped) {
-  // Neighbours overlap: only keyframes that are in neither go with it.
+  // Its neighbours overlap it: only keyframes that are in neither are dropped.
   const std::size_t end_before = dropped > 0 ? submaps_[dropped - 1].end_keyframe() : 0;
   const std::size_t first = std::max(submaps_[dropped].first_keyframe, end_before);
   const std::size_t end = std::max(

@@ -29,10 +29,10 @@ class SubmapChain {
 
   /// Writes keyframes, steps and submaps.
   void save(SavedMap& map) const;
-  /// Takes them over; to be called before the first keyframe.
+  /// Restores them; must be called before the first keyframe.
   void restore(SavedMap map);
 
-  /// See BackEnd.
+  /// See BackEnd::begin_anew().
   void begin_anew(const Eigen::Vector3d& sigmas);
 
   [[nodiscard]] bool has_local() const { return local_ < submaps_.size(); }
@@ -51,11 +51,11 @@ class SubmapChain {
   /// up.
   DroppedKeyframes drop_submap(std::size_t dropped);
 
-  /// The keyframes follow their submaps.
+  /// Moves the keyframes with their submaps.
   void move_keyframes();
-  /// T_map_base of each keyframe; the submaps stay.
+  /// Sets T_map_base of each keyframe. The submaps do not move.
   void set_poses(std::span<const geometry::SE2> T_map_keyframe);
-  /// Makes the submaps again, from the present poses of their keyframes.
+  /// Rebuilds the submaps from the present poses of their keyframes.
   void rebuild_submaps();
 
   [[nodiscard]] const std::vector<Keyframe>& keyframes() const { return keyframes_; }
@@ -64,7 +64,7 @@ class SubmapChain {
   [[nodiscard]] std::span<const registration::PoseEdge2d> steps() const { return steps_; }
   /// The submap that a keyframe was matched against.
   [[nodiscard]] std::size_t submap_of(std::size_t keyframe) const { return submap_of_[keyframe]; }
-  /// The submaps before it are finished: loops are closed with them.
+  /// Loops are closed with the submaps before this index.
   [[nodiscard]] std::size_t end_finished() const;
   [[nodiscard]] std::size_t num_points() const;
 
@@ -84,7 +84,8 @@ class SubmapChain {
   std::vector<Submap> submaps_;
   std::size_t local_ = 0;
   std::size_t num_separate_ = 0;  ///< submaps before the last begin_anew()
-  /// Of a submap that begins anew relative to the keyframe before: x, y in m, yaw in rad.
+  /// Standard deviations of a submap's first pose after begin_anew(), relative to the keyframe
+  /// before: x, y in m, yaw in rad.
   Eigen::Vector3d begin_sigmas_ = Eigen::Vector3d::Zero();
   std::vector<registration::PoseEdge2d> steps_;  ///< from keyframe k to k + 1
 };

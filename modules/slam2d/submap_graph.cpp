@@ -13,7 +13,8 @@ using registration::PoseEdge2d;
 using registration::PoseGraph2d;
 namespace {
 
-/// One number for how uncertain a pose is, m^2: also by where it puts what is 5 m away.
+/// The size of a covariance as one number, m^2: the variance of the position plus that of a point 5
+/// m away due to the heading.
 double size_of(const Eigen::Matrix3d& covariance) {
   constexpr double kYawMomentArmM = 5.0;
   return covariance(0, 0) + covariance(1, 1) + kYawMomentArmM * kYawMomentArmM * covariance(2, 2);
@@ -40,9 +41,9 @@ Eigen::Matrix3d moment_arm_jacobian(const Eigen::Vector2d& moment_arm) {
 
 namespace {
 
-/// The inverse of covariance_of(): what was not known before is not known now.
+/// The inverse of covariance_of(): directions that were unknown are unknown again.
 Eigen::Matrix3d information_of(const Eigen::Matrix3d& covariance) {
-  constexpr double kUnknown = 1e4;  // covariance_of() makes 1e6 of it
+  constexpr double kUnknown = 1e4;  // covariance_of() gives 1e6 for an unknown direction
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
   Eigen::Vector3d information = Eigen::Vector3d::Zero();
   for (int k = 0; k < 3; ++k) {
@@ -180,9 +181,9 @@ std::vector<PoseEdge2d> SubmapGraph::take_loops_of(std::size_t submap) {
   return taken;
 }
 
-// Covariances only add up on the way, so no edge becomes too sure; and of two edges between the
-// same submaps the surer one is kept, so that none becomes too sure by being counted again and
-// again.
+// Covariances are added along the path, so no edge becomes too certain. Of two edges between the
+// same submaps the more certain one is kept, because fusing them could count the same loop
+// repeatedly.
 void SubmapGraph::join(const PoseEdge2d& edge) {
   const PoseEdge2d forward = edge.from < edge.to ? edge : reversed(edge);
   LoopSum& loop = loops_[{forward.from, forward.to}];

@@ -17,13 +17,14 @@ namespace nodmap::slam2d {
 /// has the heading `yaw_rad`.
 [[nodiscard]] Eigen::Matrix3d rotated(const Eigen::Matrix3d& matrix, double yaw_rad);
 
-/// The inverse; finite also along degenerate directions.
+/// The inverse of an information matrix, finite also along degenerate directions.
 [[nodiscard]] Eigen::Matrix3d covariance_of(const Eigen::Matrix3d& information);
 
-/// How a change of a pose (x, y, yaw) moves what is attached to it at the end of a moment arm.
+/// The Jacobian of a pose attached to another at the end of a moment arm, with respect to that
+/// other (x, y in m, yaw in rad).
 [[nodiscard]] Eigen::Matrix3d moment_arm_jacobian(const Eigen::Vector2d& moment_arm);
 
-/// The edge from a to c by way of b: `a_b` from a to b, `b_c` from b to c.
+/// The edge from a to c through b. `a_b`: from a to b; `b_c`: from b to c.
 [[nodiscard]] registration::PoseEdge2d composed(const registration::PoseEdge2d& a_b,
                                                 const registration::PoseEdge2d& b_c);
 
@@ -42,10 +43,10 @@ class SubmapGraph {
   void add_loop(std::size_t from, std::size_t to, const geometry::SE2& T_from_to,
                 const Eigen::Matrix3d& information);
 
-  /// Takes a submap, not the last, out of the graph; those after it move up by one. The one before
-  /// and the one after it are joined directly. Its loops go to the submap it is joined to most
-  /// surely, except those that contradict the graph. `submaps`: still with the one that is taken
-  /// out.
+  /// Removes a submap, not the last, from the graph; the indices of those after it move up by one.
+  /// The submaps before and after it are joined directly. Its loops go to the submap to which it is
+  /// joined with the greatest certainty, except those that contradict the graph. `submaps`:
+  /// including the one removed.
   void drop_submap(std::size_t dropped, std::span<const Submap> submaps);
 
   /// Whether an edge contradicts the poses of the submaps.

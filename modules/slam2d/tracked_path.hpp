@@ -31,8 +31,8 @@ class TrackedPath {
   /// Adds the next scan, relative to the newest keyframe.
   void add(const PoseUpdate& update, std::span<const Keyframe> keyframes);
 
-  /// Keyframes are no more, and those after them have moved up: their scans follow the keyframe
-  /// before, or else the one after them. `keyframes`: those that are left.
+  /// Attaches the scans of dropped keyframes to the keyframe before or, if there is none, to the
+  /// one after, and renumbers the others. `keyframes`: those that are left.
   void attach_to_others(const DroppedKeyframes& dropped, std::span<const Keyframe> keyframes);
 
   /// T_map_base of each of scans(), by the present poses of the keyframes.

@@ -11,12 +11,12 @@
 namespace nodmap::slam2d {
 namespace {
 
-// Nearer to the point measured before, it may be the same thing: noise, an edge seen from the side,
+// Within this distance it may be the same object: because of noise, an edge seen from the side, or
 // an error of odometry.
 constexpr double kMarginM = 0.3;
-// People who come nearer, and edges, are as much of a scan at a place that is right.
+// At a correct pose this part of a scan may be people who have approached, and edges.
 constexpr double kMaxDeniedRatio = 0.25;
-// Fewer may be a thin thing, or an edge, that the beams of the other view have missed.
+// Fewer points may belong to a thin object, or to an edge, that the beams of the other view missed.
 constexpr std::size_t kMinDenied = 3;
 
 std::size_t bin_of(const Eigen::Vector2d& direction, std::size_t num_bins) {
@@ -26,8 +26,8 @@ std::size_t bin_of(const Eigen::Vector2d& direction, std::size_t num_bins) {
 
 }  // namespace
 
-// As far as the nearest point within a degree or two is, so that a thin thing between two beams is
-// not taken for free space.
+// Space is free as far as the nearest point within a degree or two, so that a thin object between
+// two beams does not count as free.
 View::View(std::vector<Eigen::Vector2d> points_base, const Eigen::Vector2d& sensor_origin_base)
     : sensor_origin_base_(sensor_origin_base), points_base_(std::move(points_base)) {
   constexpr double kNothing = std::numeric_limits<double>::infinity();
@@ -56,7 +56,7 @@ bool View::contradicts(const View& other, const geometry::SE2& T_this_other) con
   return denies(other, T_this_other) || other.denies(*this, T_this_other.inverse());
 }
 
-// Of the points in directions in which this view knows how far it saw.
+// Compares only points in directions in which this view has measured a range.
 bool View::denies(const View& other, const geometry::SE2& T_this_other) const {
   std::size_t compared = 0;
   std::size_t denied = 0;

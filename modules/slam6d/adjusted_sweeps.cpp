@@ -11,9 +11,8 @@ namespace nodmap::slam6d {
 namespace {
 
 using geometry::SE3;
-using Vector6d = Eigen::Matrix<double, 6, 1>;
 
-// From the last keyframe to this one; the covariance in the axes of map.
+// The motion from the last keyframe to this one, with its covariance in the axes of map.
 struct Motion {
   SE3 T_last_this = SE3::Identity();
   Matrix6d covariance = Matrix6d::Identity();
@@ -32,7 +31,7 @@ Motion by_odometry(const Keyframe& last, const PoseUpdate& from, const PoseUpdat
                               params)};
 }
 
-// Both by their information.
+// The mean of two motions, weighted by their information.
 Motion joined(const Motion& a, const Motion& b, const SE3& T_map_last) {
   const Eigen::Matrix3d& R_map_last = T_map_last.linear();
   Vector6d a_to_b;  // axes of map

@@ -13,11 +13,11 @@
 
 namespace nodmap::slam6d {
 
-/// What adjust_planes() needs of each keyframe: its voxels, the motion since the one before and how
-/// sure that is, and whether its ground is level. The motion is what the matches with the map said
-/// (`steps` of the pose graph) joined with calibrated odometry: where two keyframes see few planes
-/// in common, through a door, odometry alone would pull them apart by centimetres. `updates` are
-/// those of all sweeps.
+/// The input of adjust_planes() for each keyframe: its voxels, the motion since the keyframe before
+/// with its covariance, and whether its ground is level. The motion combines calibrated odometry
+/// with the matches with the map (`steps` of the pose graph): where two keyframes have few planes
+/// in common, as through a door, odometry alone would pull them apart by centimetres. `updates`: of
+/// all sweeps.
 [[nodiscard]] std::vector<AdjustedSweep> adjusted_sweeps(
     std::span<const Keyframe> keyframes, std::span<const PoseUpdate> updates,
     std::span<const registration::PoseEdge3d> steps, const Tracker& tracker,

@@ -12,13 +12,13 @@ namespace {
 
 using geometry::SE3;
 
-// Voxels are exchanged with the old map when there are so many keyframes to be exchanged, or one
-// that is within reach of the scanner.
+// Voxels are exchanged with the old map when this many keyframes are to be exchanged, or one within
+// reach of the scanner.
 constexpr std::ptrdiff_t kExchangedAtOnce = 10;
 constexpr double kWithinReachM = 20.0;
-// A smaller change of the poses waits for the next.
+// Smaller changes of the poses are not applied yet.
 constexpr double kMinCorrectionM = 0.005;
-// Both ends of a step are matched against the same map, and most of their errors are alike.
+// Both ends of a step are matched against the same map, so most of their errors are the same.
 constexpr double kStepInformationFactor = 5.0;
 
 double distance(const SE3& a, const SE3& b) {
@@ -72,7 +72,7 @@ std::optional<std::vector<SE3>> BackEnd::add_keyframe(const TrackedKeyframe& key
   return correct(moved, map) ? std::optional(T_map_keyframes_) : std::nullopt;
 }
 
-// Moves keyframes and voxels to where they belong now, if that is worth it. Returns whether the
+// Moves keyframes and voxels to their new poses if the change is large enough. Returns whether the
 // keyframes have moved.
 bool BackEnd::correct(std::span<const SE3> T_map_moved, VoxelMap& map) {
   double largest_m = 0.0;
@@ -137,7 +137,7 @@ void BackEnd::add_step(const TrackedKeyframe& keyframe) {
   path_m_.push_back(path_m_.back() + motion.distance_m);
 }
 
-// The first one after a restart: nobody knows how the robot came here from the last keyframe.
+// The first keyframe after a restart: the motion from the last saved keyframe is unknown.
 void BackEnd::join_to_restored(const TrackedKeyframe& keyframe) {
   const auto restored = std::span(T_map_keyframes_).first(num_restored_);
   const auto nearest = std::ranges::min_element(restored, {}, [&](const SE3& T_map_base) {
@@ -152,8 +152,8 @@ void BackEnd::join_to_restored(const TrackedKeyframe& keyframe) {
                    .information = rotated(keyframe.information, nearest->linear().transpose())});
 }
 
-// Where the map against which the keyframe was registered is of a place of before, this was a loop
-// closure: whatever moves later, the two stay together.
+// Where the map against which the keyframe was registered shows an earlier place, that match was a
+// loop closure: the two keyframes are tied together.
 void BackEnd::tie_to_map(const TrackedKeyframe& keyframe) {
   const auto nearest = nearest_keyframe(false);
   if (!nearest || keyframe.information.isZero(0.0)) {
@@ -166,8 +166,8 @@ void BackEnd::tie_to_map(const TrackedKeyframe& keyframe) {
             .information = rotated(keyframe.information, T_map_nearest.linear().transpose())});
 }
 
-// The nearest of those that were driven before, in the old map or in the one that is registered
-// against, if it may be within the distance of a loop.
+// The nearest earlier keyframe, in the old map or in the one that is registered against, if it may
+// be within the distance of a loop.
 std::optional<std::size_t> BackEnd::nearest_keyframe(bool is_old) const {
   std::optional<std::size_t> nearest;
   double nearest_m = std::numeric_limits<double>::infinity();
@@ -211,17 +211,17 @@ bool BackEnd::close_loops(const VoxelMap& sweep_base) {
   return !believed.empty();
 }
 
-// The newest keyframe as the graph knows it relative to the place of an old one.
+// The pose of the newest keyframe relative to an old one, with its covariance, by the graph.
 PosePrior BackEnd::prior_from(std::size_t old) const {
   const SE3& T_map_base = T_map_keyframes_.back();
-  // The same relative pose, seen from its other end.
+  // The same relative pose, inverted.
   const Matrix6d J =
       moment_arm_jacobian(T_map_base.translation() - T_map_keyframes_[old].translation());
   return {.T_map_base = T_map_base,
           .covariance = J * uncertainty_[old] * J.transpose() + 1e-8 * Matrix6d::Identity()};
 }
 
-// A loop to keyframe `old`, in whose place the newest one is looked for.
+// Searches for a loop from the newest keyframe to the place of keyframe `old`.
 LoopAttempt BackEnd::match_with_old_map(const VoxelMap& sweep_base, std::size_t old,
                                         const PosePrior& prior) const {
   VoxelMap sweep = sweep_base;
@@ -242,7 +242,8 @@ void BackEnd::refuse(std::size_t old, LoopRefusal reason) {
   ++(reason == LoopRefusal::kAmbiguous ? metrics_.refused_ambiguous : metrics_.refused_match);
 }
 
-// What was searched for waits until enough keyframes say the same; those that do are returned.
+// A loop that was found by a search waits until enough keyframes agree with it; then all of these
+// are returned.
 std::vector<Loop> BackEnd::confirm(const Loop& loop) {
   refused_.push_back({.from = loop.from, .to = loop.to, .reason = LoopRefusal::kUnconfirmed});
   std::vector<Loop> believed = closer_.add_pending(loop, T_map_keyframes_);

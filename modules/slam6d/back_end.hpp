@@ -17,7 +17,7 @@
 
 namespace nodmap::slam6d {
 
-/// What the back end did, for the one line at the end.
+/// What the back end did, in counts.
 struct BackEndMetrics {
   std::int64_t loops_tracked = 0;   ///< found by a match from the pose of the graph
   std::int64_t loops_searched = 0;  ///< accepted by consensus
@@ -32,47 +32,48 @@ struct BackEndMetrics {
 /// A keyframe as tracking found it.
 struct TrackedKeyframe {
   geometry::SE3 T_map_base = geometry::SE3::Identity();
-  /// Of position (m) and rotation vector (rad), axes of map; zero where nothing was matched.
+  /// Inverse covariance of position (m) and rotation vector (rad) in the axes of map; zero without
+  /// a match.
   Matrix6d information = Matrix6d::Zero();
   bool follows_interruption = false;
-  double odometry_scatter = 1.0;  ///< OdometryScatter's factor
+  double odometry_scatter = 1.0;  ///< OdometryScatter::factor()
   bool is_level = false;          ///< wheels on level ground, as far as the match shows
 };
 
-/// A place of before in which a keyframe was looked for without being joined to it.
+/// An attempt to recognise a keyframe at an earlier place that gave no loop.
 struct RefusedLoop {
   std::size_t from = 0;  ///< keyframe of the place
-  std::size_t to = 0;    ///< the one that was looked for
+  std::size_t to = 0;    ///< keyframe that was to be recognised
   LoopRefusal reason = LoopRefusal::kLowScore;
 };
 
 /// Keeps the map consistent: keyframes joined by odometry, matches and loop closures in a pose
 /// graph.
 ///
-/// Sweeps are registered against what is certain relative to the robot. A place of before whose
-/// relative pose has become uncertain is moved to the old map; a keyframe that is recognised there
-/// closes a loop. The correction is distributed over the whole way between, and the voxels, each of
-/// which belongs to a keyframe, move along. So no wall is entered twice.
+/// Sweeps are registered against the part of the map that is certain relative to the robot. Earlier
+/// places whose relative pose has become uncertain are moved to the old map; a keyframe that is
+/// recognised there closes a loop. The correction is distributed over the whole path in between.
+/// Each voxel belongs to a keyframe and moves with it. So no wall is entered twice.
 class BackEnd {
  public:
   BackEnd(const LoopParams& loops, const RegistrationParams& registration,
           const OdometryParams& odometry, const VoxelMapParams& voxels);
 
-  /// Takes over the keyframes of a saved map, before the first one is added. That is joined to the
-  /// nearest of them by its match with the map.
+  /// Restores the keyframes of a saved map; must be called before the first keyframe is added,
+  /// which is then joined to the nearest of them by its match with the map.
   void restore(const SavedMap& saved);
 
-  /// Adds a keyframe whose sweep is in `map` already, and looks for it in the old map. Returns the
-  /// poses of all keyframes if they have moved. The voxels of `map` move along, and are exchanged
-  /// with those of the old map.
+  /// Adds a keyframe whose sweep is already in `map`, and searches for it in the old map. Returns
+  /// the poses of all keyframes if they have moved. Then the voxels of `map` have moved with them,
+  /// and voxels have been exchanged with the old map.
   [[nodiscard]] std::optional<std::vector<geometry::SE3>> add_keyframe(
       const TrackedKeyframe& keyframe, const VoxelMap& sweep_base, VoxelMap& map);
 
-  /// Moves the newest keyframes, too, to where they agree best with all loops: at the end. Returns
-  /// the poses of all keyframes; the voxels stay.
+  /// To be called at the end: moves all keyframes, including the newest, to where they agree best
+  /// with all loops. Returns their poses; the voxels stay.
   [[nodiscard]] std::vector<geometry::SE3> polish();
 
-  /// Whether a place of before was recognised.
+  /// Whether an earlier place was recognised.
   [[nodiscard]] bool has_loops() const {
     return metrics_.loops_tracked + metrics_.loops_searched > 0;
   }
@@ -112,9 +113,9 @@ class BackEnd {
   KeyframeGraph graph_;
   VoxelMap old_map_;
   std::vector<geometry::SE3> T_map_keyframes_;
-  std::vector<double> path_m_;         // driven until each keyframe
-  std::vector<Matrix6d> uncertainty_;  // relative to the newest one, axes of map
-  std::vector<bool> is_in_map_;        // not in the old one
+  std::vector<double> path_m_;         // length of the path up to each keyframe
+  std::vector<Matrix6d> uncertainty_;  // of each keyframe relative to the newest, axes of map
+  std::vector<bool> is_in_map_;        // each keyframe: in the map, not in the old map
   std::size_t num_restored_ = 0;       // the first keyframes
   std::vector<RefusedLoop> refused_;
   bool has_searched_loops_ = false;  // since the last optimisation

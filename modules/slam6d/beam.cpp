@@ -34,21 +34,22 @@ std::size_t axis_of_nearest_border(const Beam& beam) {
 void enter_next_voxel(Beam& beam) {
   const std::size_t axis = axis_of_nearest_border(beam);
   beam.next_border_m[axis] += beam.between_borders_m[axis];
-  // An addition in the bits of the axis: ones in those between hand the carry on.
+  // An addition in the bits of one axis: the bits between them are set, so that they pass the carry
+  // on.
   const VoxelCode others = ~kAxisBits[axis];
   const VoxelCode sum = (beam.voxel | others) + beam.steps[axis];
   beam.voxel = (sum & ~others) | (beam.voxel & others);
 }
 
 bool is_at_end(const Beam& beam) {
-  // Rounding may lead past the end voxel: then the distance ends the walk.
+  // Rounding may lead past the end voxel; then the distance ends the walk.
   return beam.voxel == beam.end_voxel || std::ranges::min(beam.next_border_m) > beam.length_m;
 }
 
 #if defined(__x86_64__)
 
-// The functions above for four beams, one in each lane. Inlined everywhere, for there is no common
-// way to hand such vectors over on a processor without AVX2.
+// The functions above for four beams, one in each lane. Always inlined, because such vectors cannot
+// be passed in registers without AVX2.
 #define NODMAP_AVX2 [[gnu::target("avx2"), gnu::always_inline]] inline
 
 struct FourBeams {
@@ -129,10 +130,10 @@ NODMAP_AVX2 std::array<VoxelCode, 4> voxels_of(const FourBeams& b) {
   return codes;
 }
 
-/// The steps at the end of a beam that have to look for it. A walk ends at a border that lies
-/// beyond the beam's end. num_steps borders lie before it; by rounding, the last one on each axis
-/// may seem to lie beyond it: so at most three of them, and no walk ends before it has crossed the
-/// others.
+/// The number of steps at the end of a beam that must check whether it ends. A walk ends at a
+/// border beyond the beam's end. num_steps borders lie before it; by rounding, the last one on each
+/// axis may seem to lie beyond it. So these are at most three, and no walk ends before it has
+/// crossed the others.
 constexpr std::uint32_t kLastSteps = 4;
 
 [[gnu::target("avx2")]] void walk_four(std::span<const Beam, 4> beams, CloudVoxels& voxels) {
@@ -192,7 +193,8 @@ Beam make_beam(const OctreeGrid& grid, const Eigen::Vector3f& p_origin, const Vo
     beam.between_borders_m[axis] = grid.resolution_m() / static_cast<double>(std::abs(direction));
     beam.steps[axis] = is_forward ? VoxelCode{1} << axis : kAxisBits[axis];
   }
-  // Ends so near that the squares of their distance are zero: the origin's voxel is all there is.
+  // If the ends are so near that the square of their distance is zero, there is only the voxel of
+  // the origin.
   beam.length_m = length_m > 0.0F ? static_cast<double>(length_m) : -1.0;
   beam.voxel = code_of(origin);
   beam.end_voxel = code_of(end);

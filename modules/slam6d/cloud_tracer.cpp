@@ -9,7 +9,7 @@ using geometry::SE3;
 // Beyond this, where no octree reaches, OctoMap's integers would overflow.
 constexpr float kFarthestM = 1e6F;
 
-// As many as are near each other in the processor's cache.
+// Number of beams that are walked together, so that they stay in the processor's cache.
 constexpr std::size_t kBeamsAtOnce = 1024;
 
 bool is_near(const Eigen::Vector3f& p) {
@@ -23,34 +23,59 @@ CloudTracer::CloudTracer(const TraceOptions& options)
   beams_.reserve(kBeamsAtOnce);
 }
 
-void CloudTracer::trace(const SweepCloud& cloud, const SE3& T_map_base, CloudVoxels& voxels) {
+void CloudTracer::trace(const SweepCloud& cloud, const SE3& T_map_base, CloudVoxels& voxels,
+                        const std::vector<bool>& is_moved) {
   ends_.clear();
   std::size_t i = 0;
   for (const SweepCloud::Line& line : cloud.lines) {
-    p_map_origin_ = (T_map_base * line.p_base_mirror.cast<double>()).cast<float>();
-    if (!is_near(p_map_origin_)) {
+    if (!begin_line(line, T_map_base)) {
       i = line.end;
       continue;
     }
-    origin_ = grid_.key_of(p_map_origin_);
     for (; i < line.end; ++i) {
       const Eigen::Vector3f p_map = (T_map_base * cloud.points[i].cast<double>()).cast<float>();
       if (!is_near(p_map)) {
         continue;
       }
-      if (!options_.discretize) {
-        add_beam(p_map, voxels);
+      const bool has_moved = !is_moved.empty() && is_moved[i];
+      if (!options_.discretize || has_moved) {
+        add_beam(p_map, has_moved, voxels);
       } else if (const VoxelKey end = grid_.wrapped_key_of(p_map);
                  ends_.mark_occupied(code_of(end))) {
-        add_beam(grid_.center_of(end), voxels);
+        add_beam(grid_.center_of(end), false, voxels);
       }
     }
   }
   walk_beams(voxels);
 }
 
+void CloudTracer::trace_free(const SweepCloud& cloud, const SE3& T_map_base, CloudVoxels& voxels) {
+  std::size_t i = 0;
+  for (const SweepCloud::Line& line : cloud.lines) {
+    const bool is_known = begin_line(line, T_map_base);
+    for (; i < line.free_end; ++i) {
+      const Eigen::Vector3f p_map =
+          (T_map_base * cloud.free_points[i].cast<double>()).cast<float>();
+      if (is_known && is_near(p_map)) {
+        add_beam(p_map, true, voxels);
+      }
+    }
+  }
+  walk_beams(voxels);
+}
+
+// Where the beams of a line begin; false too far away for an octree.
+bool CloudTracer::begin_line(const SweepCloud::Line& line, const SE3& T_map_base) {
+  p_map_origin_ = (T_map_base * line.p_base_mirror.cast<double>()).cast<float>();
+  if (!is_near(p_map_origin_)) {
+    return false;
+  }
+  origin_ = grid_.key_of(p_map_origin_);
+  return true;
+}
+
 // As in OctoMap's computeUpdate().
-void CloudTracer::add_beam(const Eigen::Vector3f& p_map, CloudVoxels& voxels) {
+void CloudTracer::add_beam(const Eigen::Vector3f& p_map, bool is_moved, CloudVoxels& voxels) {
   const Eigen::Vector3f beam = p_map - p_map_origin_;
   const double length_m = length_of(beam);
   const bool ends_inside = length_m <= options_.max_range_m;
@@ -62,7 +87,7 @@ void CloudTracer::add_beam(const Eigen::Vector3f& p_map, CloudVoxels& voxels) {
   if (!end) {
     return;
   }
-  if (ends_inside) {
+  if (ends_inside && !is_moved) {
     voxels.mark_occupied(code_of(*end));
   }
   if (!origin_ || *origin_ == *end) {

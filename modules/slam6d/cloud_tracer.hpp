@@ -14,30 +14,36 @@
 
 namespace nodmap::slam6d {
 
-/// How clouds become voxels.
+/// How clouds are converted to voxels.
 struct TraceOptions {
   double resolution_m = 0.05;  ///< edge of a voxel
   double max_range_m = 10.0;   ///< beams enter up to this length; longer ones are free up to there
-  /// Of the beams into one voxel only the first is traced, and to its middle: what OctoMap calls
-  /// discretizing. Faster for dense clouds, and less exact.
+  /// Traces only the first beam into each voxel, and to the middle of the voxel, which OctoMap
+  /// calls discretizing. Faster for dense clouds, and less exact.
   bool discretize = false;
 };
 
-/// Marks the voxels that the beams of a cloud go through as free, and those in which they end as
-/// occupied; each beam from where the sensor was when it was measured. Where a beam is cut off, at
-/// the range, nothing is occupied. Beams that end outside of the octree (65536 voxels wide) are
-/// left out.
+/// Marks the voxels that the beams of a cloud pass through as free, and those in which they end as
+/// occupied. Each beam starts where the sensor was when it was measured. The end of a beam that is
+/// cut off at the range, or that met something which has moved since, is not occupied. Beams that
+/// end outside of the octree (65536 voxels wide) are left out.
 class CloudTracer {
  public:
   explicit CloudTracer(const TraceOptions& options);
 
-  void trace(const SweepCloud& cloud, const geometry::SE3& T_map_base, CloudVoxels& voxels);
+  /// `is_moved`: of the cloud's points; none: nothing has moved.
+  void trace(const SweepCloud& cloud, const geometry::SE3& T_map_base, CloudVoxels& voxels,
+             const std::vector<bool>& is_moved = {});
+
+  /// Marks the free voxels on beams that met nothing.
+  void trace_free(const SweepCloud& cloud, const geometry::SE3& T_map_base, CloudVoxels& voxels);
 
   [[nodiscard]] const OctreeGrid& grid() const { return grid_; }
   [[nodiscard]] std::size_t memory_bytes() const;
 
  private:
-  void add_beam(const Eigen::Vector3f& p_map, CloudVoxels& voxels);
+  void add_beam(const Eigen::Vector3f& p_map, bool is_moved, CloudVoxels& voxels);
+  bool begin_line(const SweepCloud::Line& line, const geometry::SE3& T_map_base);
   void walk_beams(CloudVoxels& voxels);
 
   TraceOptions options_;

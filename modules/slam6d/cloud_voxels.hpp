@@ -12,11 +12,11 @@
 
 namespace nodmap::slam6d {
 
-/// Which voxels one cloud says something about, each once, as bits: a dense grid where beams have
-/// been, nothing elsewhere, so that its size does not depend on how far they reach.
+/// The voxels that one cloud marks as free or occupied, as bits: a dense grid where there are
+/// beams, nothing elsewhere, so that its size does not depend on their range.
 ///
-/// Space is cut into cubes of 32 x 32 x 32 voxels; the bits of a cube are in the order of the voxel
-/// codes, so that a word is a node of the octree two levels above the leaves.
+/// Space is divided into cubes of 32 x 32 x 32 voxels. The bits of a cube are in the order of the
+/// voxel codes, so that a word is a node of the octree two levels above the leaves.
 class CloudVoxels {
  public:
   static constexpr unsigned kLevels = 5;  ///< of an octree within a cube
@@ -25,7 +25,7 @@ class CloudVoxels {
   using Bits = std::array<std::uint64_t, kWords>;
 
   struct Cube {
-    VoxelCode code = 0;  ///< of its voxels, without their places within the cube
+    VoxelCode code = 0;  ///< of its voxels, without the bits within the cube
     Bits free{};
     Bits occupied{};  ///< a voxel may be both
   };
@@ -73,7 +73,8 @@ class CloudVoxels {
     return bits[voxel / kBitsPerWord % kWords];
   }
 
-  // The lowest bits of a code choose the slot: within 512 voxels along each axis no two cubes meet.
+  // The lowest bits of a code choose the slot: cubes within 512 voxels along each axis never
+  // collide.
   Cube& cube_of(VoxelCode voxel) {
     const VoxelCode code = voxel >> 3U * kLevels;
     const Slot& slot = slots_[code & mask_];

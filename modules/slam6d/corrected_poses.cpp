@@ -49,7 +49,7 @@ std::vector<SE3> CorrectedPoses::trajectory(std::span<const PoseUpdate> sweeps) 
       continue;
     }
     for (std::size_t j = tracked.value_or(i) + 1; j < i; ++j) {
-      // What the registration of the later sweep put right, in its base frame.
+      // The correction by the registration of the later sweep, in its base frame.
       const SE3 T_map_first = poses_[*tracked] * first_base(*tracked).inverse();
       const SE3 correction = (T_map_first * first_base(i)).inverse() * poses_[i];
       const double fraction = static_cast<double>(j - *tracked) / static_cast<double>(i - *tracked);

@@ -11,13 +11,13 @@
 
 namespace nodmap::slam6d {
 
-/// The pose with a rotation that is exactly one: each change of poses multiplies their rounding.
+/// The pose with its rotation orthonormalised: each change of poses multiplies rounding errors.
 [[nodiscard]] inline geometry::SE3 normalized(const geometry::SE3& pose) {
   return geometry::make_se3(pose.translation(), Eigen::Quaterniond(pose.linear()).normalized());
 }
 
-/// The poses of all sweeps as they are known now, while each PoseUpdate keeps what was known when
-/// its sweep was complete.
+/// The poses of all sweeps as they are known now. (A PoseUpdate keeps the pose known when its sweep
+/// was complete.)
 class CorrectedPoses {
  public:
   void add(const geometry::SE3& T_map_base) { poses_.push_back(T_map_base); }
@@ -27,12 +27,12 @@ class CorrectedPoses {
     std::size_t sweep = 0;
     geometry::SE3 T_map_base = geometry::SE3::Identity();
   };
-  /// Moves these sweeps (in the order of time) to their new poses, and those between two of them
-  /// with corrections that go over evenly from one to the next.
+  /// Moves these sweeps, in order of time, to their new poses. The corrections of sweeps between
+  /// two of them are interpolated.
   void move(std::span<const Correction> corrections);
 
-  /// Tracked sweeps as above; those between two of them by odometry, with a correction that goes
-  /// over evenly. `sweeps`: as many as were added.
+  /// The poses of all sweeps: tracked sweeps as add() and move() set them, those between two of
+  /// them by odometry with an interpolated correction. `sweeps`: as many as were added.
   [[nodiscard]] std::vector<geometry::SE3> trajectory(std::span<const PoseUpdate> sweeps) const;
 
  private:

@@ -1,37 +1,25 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/slam6d/ever_free_space.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
-#include <cstddef>
-#include <cstdint>
+#include <bit>
+#include <functional>
+#include <optional>
+#include <unordered_map>
+#include <utility>
 
-#include "modules/slam6d/cloud_voxels.hpp"
+#include "common/geometry/angle.hpp"
 
 namespace nodmap::slam6d {
 namespace {
 
-/// Of the keyframes, for one voxel.
-struct Votes {
-  std::int32_t free = 0;      ///< beams went through, and none ended in or beside it
-  std::int32_t occupied = 0;  ///< a beam ended in or beside it
-};
+using geometry::SE3;
 
-/// The voxels in which a point of any keyframe lies, in order, each once.
-std::vector<VoxelCode> end_voxels(const OctreeGrid& grid, std::span<const Keyframe> keyframes) {
-  std::vector<VoxelCode> ends;
-  for (const Keyframe& keyframe : keyframes) {
-    for (const Eigen::Vector3f& p : keyframe.cloud->points) {
-      const Eigen::Vector3f p_map = (keyframe.T_map_base * p.cast<double>()).cast<float>();
-      if (const auto key = grid.key_of(p_map)) {
-        ends.push_back(code_of(*key));
-      }
-    }
-  }
-  std::ranges::sort(ends);
-  ends.erase(std::ranges::unique(ends).begin(), ends.end());
-  return ends;
-}
+// Of fewer sweeps one that is a few centimetres wrong would take floors away.
+constexpr int kMinVotes = 10;
+
+constexpr VoxelCode kInCube = (VoxelCode{1} << 3U * CloudVoxels::kLevels) - 1;
 
 /// One axis of a code, as a number.
 std::uint16_t compact_bits(VoxelCode code) {
@@ -42,72 +30,231 @@ std::uint16_t compact_bits(VoxelCode code) {
   return static_cast<std::uint16_t>(code | code >> 16U);
 }
 
-/// A voxel and the 26 beside it.
-std::array<VoxelCode, 27> neighbourhood(VoxelCode voxel) {
-  const VoxelKey key{compact_bits(voxel), compact_bits(voxel >> 1U), compact_bits(voxel >> 2U)};
-  std::array<VoxelCode, 27> codes{};
-  for (int i = 0; i < 27; ++i) {
-    const auto beside = [&key](std::size_t axis, int offset) {
-      return static_cast<std::uint16_t>(key[axis] + offset - 1);
-    };
-    codes[static_cast<std::size_t>(i)] =
-        code_of({beside(0, i % 3), beside(1, i / 3 % 3), beside(2, i / 9)});
-  }
-  return codes;
+VoxelKey key_of(VoxelCode code) {
+  return {compact_bits(code), compact_bits(code >> 1U), compact_bits(code >> 2U)};
 }
 
-bool is_occupied_about(const CloudVoxels& seen, VoxelCode voxel) {
-  return std::ranges::any_of(neighbourhood(voxel),
-                             [&seen](VoxelCode code) { return seen.is_occupied(code); });
-}
-
-/// What one keyframe saw. The voxels of a cube follow one another in the order of codes.
-void vote(const CloudVoxels& seen, std::span<const VoxelCode> ends, std::vector<Votes>& votes) {
-  for (const auto& cube : seen.cubes()) {
-    const VoxelCode first = cube->code << 3U * CloudVoxels::kLevels;
-    const VoxelCode after = (cube->code + 1) << 3U * CloudVoxels::kLevels;
-    for (auto end = std::ranges::lower_bound(ends, first); end != ends.end() && *end < after;
-         ++end) {
-      Votes& here = votes[static_cast<std::size_t>(end - ends.begin())];
-      if (is_occupied_about(seen, *end)) {
-        ++here.occupied;
-      } else if (seen.is_free(*end)) {
-        ++here.free;
+template <class Use>
+void for_each_key(const VoxelKey& first, const VoxelKey& last, const Use& use) {
+  for (std::uint32_t z = first[2]; z <= last[2]; ++z) {
+    for (std::uint32_t y = first[1]; y <= last[1]; ++y) {
+      for (std::uint32_t x = first[0]; x <= last[0]; ++x) {
+        use({static_cast<std::uint16_t>(x), static_cast<std::uint16_t>(y),
+             static_cast<std::uint16_t>(z)});
       }
     }
   }
 }
 
-bool is_enclosed(const CloudVoxels& seen, VoxelCode voxel) {
-  return std::ranges::all_of(neighbourhood(voxel),
-                             [&seen](VoxelCode code) { return seen.is_free(code); });
+/// Whether one of a voxel and the 26 beside it is what is looked for.
+template <class IsLookedFor>
+bool has_beside(const VoxelKey& key, const IsLookedFor& is_looked_for) {
+  for (int i = 0; i < 27; ++i) {
+    const auto beside = [&key](std::size_t axis, int offset) {
+      return static_cast<std::uint16_t>(key[axis] + offset - 1);
+    };
+    if (is_looked_for(code_of({beside(0, i % 3), beside(1, i / 3 % 3), beside(2, i / 9)}))) {
+      return true;
+    }
+  }
+  return false;
 }
 
 }  // namespace
 
-EverFreeSpace::EverFreeSpace(const EverFreeParams& params, std::span<const Keyframe> keyframes)
-    : grid_(params.voxel_size_m) {
-  CloudTracer tracer({.resolution_m = params.voxel_size_m, .max_range_m = params.max_range_m});
-  const std::vector<VoxelCode> ends = end_voxels(grid_, keyframes);
-  std::vector<Votes> votes(ends.size());
-  CloudVoxels all;
-  CloudVoxels of_one;
-  for (const Keyframe& keyframe : keyframes) {
-    of_one.clear();
-    tracer.trace(*keyframe.cloud, keyframe.T_map_base, of_one);
-    vote(of_one, ends, votes);
-    tracer.trace(*keyframe.cloud, keyframe.T_map_base, all);
+// Long before they overflow both are halved: what counts is how they compare.
+void EverFreeSpace::Votes::add(int more_through, int more_hits) {
+  int sum_through = through + more_through;
+  int sum_hits = hits + more_hits;
+  while (std::max(sum_through, sum_hits) > 255) {
+    sum_through /= 2;
+    sum_hits = (sum_hits + 1) / 2;
   }
-  for (std::size_t i = 0; i < ends.size(); ++i) {
-    if (votes[i].free >= votes[i].occupied && is_enclosed(all, ends[i])) {
-      moved_.push_back(ends[i]);
+  through = static_cast<std::uint8_t>(sum_through);
+  hits = static_cast<std::uint8_t>(sum_hits);
+}
+
+EverFreeSpace::EverFreeSpace(const EverFreeParams& params)
+    : params_(params),
+      tracer_({.resolution_m = params.voxel_size_m, .max_range_m = params.max_range_m}) {}
+
+void EverFreeSpace::add_sweep(const SweepCloud& cloud, const SE3& T_map_base, std::size_t keyframe,
+                              int num_votes) {
+  if (!params_.remove_moved) {
+    return;
+  }
+  if (keyframe == T_map_keyframes_.size()) {
+    T_map_keyframes_.push_back(T_map_base);
+  }
+  num_votes_ = std::min(num_votes_ + num_votes, kMinVotes);
+  of_sweep_.clear();
+  tracer_.trace(cloud, T_map_base, of_sweep_);
+  tracer_.trace_free(cloud, T_map_base, of_sweep_);
+  for (const auto& seen : of_sweep_.cubes()) {
+    Cube& cube = cubes_[seen->code];
+    cube.keyframe = keyframe;
+    for (std::size_t word = 0; word < CloudVoxels::kWords; ++word) {
+      const std::uint64_t hits = seen->occupied[word];
+      for (std::uint64_t rest = seen->free[word] | hits; rest != 0U; rest &= rest - 1) {
+        const auto bit = static_cast<std::size_t>(std::countr_zero(rest));
+        const bool is_hit = (hits >> bit & 1U) != 0U;
+        cube.votes[word * CloudVoxels::kBitsPerWord + bit].add(is_hit ? 0 : num_votes,
+                                                               is_hit ? num_votes : 0);
+      }
     }
   }
 }
 
-bool EverFreeSpace::contains(const Eigen::Vector3f& p_map) const {
-  const auto key = grid_.key_of(p_map);
-  return key && std::ranges::binary_search(moved_, code_of(*key));
+void EverFreeSpace::move_keyframes(std::span<const SE3> T_map_keyframes) {
+  std::vector<SE3> T_new_old(T_map_keyframes_.size(), SE3::Identity());
+  std::vector<bool> is_far(T_map_keyframes_.size());
+  for (std::size_t k = 0; k < T_map_keyframes_.size(); ++k) {
+    const SE3 motion = T_map_keyframes[k] * T_map_keyframes_[k].inverse();
+    const double motion_m =
+        (T_map_keyframes[k].translation() - T_map_keyframes_[k].translation()).norm();
+    // On average over as far as beams reach.
+    const double by_rotation_m = 0.5 * params_.max_range_m * geometry::rotation_angle(motion);
+    is_far[k] = motion_m + by_rotation_m > 0.5 * params_.voxel_size_m;
+    if (is_far[k]) {
+      T_new_old[k] = motion;
+      T_map_keyframes_[k] = T_map_keyframes[k];
+    }
+  }
+  if (std::ranges::none_of(is_far, std::identity())) {
+    return;
+  }
+  Cubes moved;
+  for (const auto& [code, cube] : cubes_) {
+    move(cube, code, T_new_old[cube.keyframe], moved);
+  }
+  cubes_ = std::move(moved);
+}
+
+// Each voxel of the new place takes the votes from where it was, so that none is left out.
+void EverFreeSpace::move(const Cube& cube, VoxelCode code, const SE3& T_new_old,
+                         Cubes& moved) const {
+  const OctreeGrid& grid = tracer_.grid();
+  const Eigen::Isometry3f to_new = T_new_old.cast<float>();
+  const Eigen::Isometry3f to_old = to_new.inverse();
+  const VoxelKey first = key_of(code << 3U * CloudVoxels::kLevels);
+  const float edge_m =
+      static_cast<float>(grid.resolution_m()) * static_cast<float>(1U << CloudVoxels::kLevels);
+  const Eigen::Vector3f corner = grid.center_of(first);
+  Eigen::AlignedBox3f box;
+  for (int i = 0; i < 8; ++i) {
+    box.extend(to_new * (corner + edge_m * Eigen::Vector3f(static_cast<float>(i % 2),
+                                                           static_cast<float>(i / 2 % 2),
+                                                           static_cast<float>(i / 4))));
+  }
+  const auto begin = grid.key_of(box.min());
+  const auto end = grid.key_of(box.max());
+  if (!begin || !end) {
+    return;
+  }
+  for_each_key(*begin, *end, [&](const VoxelKey& key) {
+    const auto old_key = grid.key_of(to_old * grid.center_of(key));
+    const VoxelCode old_voxel = old_key ? code_of(*old_key) : 0;
+    if (!old_key || old_voxel >> 3U * CloudVoxels::kLevels != code) {
+      return;
+    }
+    const Votes& votes = cube.votes[old_voxel & kInCube];
+    if (votes.through != 0 || votes.hits != 0) {
+      const VoxelCode voxel = code_of(key);
+      Cube& target = moved[voxel >> 3U * CloudVoxels::kLevels];
+      target.keyframe = std::max(target.keyframe, cube.keyframe);
+      target.votes[voxel & kInCube].add(votes.through, votes.hits);
+    }
+  });
+}
+
+std::vector<bool> EverFreeSpace::moved_points(const SweepCloud& cloud, std::size_t keyframe) const {
+  if (keyframe >= T_map_keyframes_.size() || num_votes_ < kMinVotes) {
+    return {};
+  }
+  std::vector<std::optional<VoxelKey>> keys;
+  keys.reserve(cloud.points.size());
+  std::vector<bool> is_moved;
+  is_moved.reserve(cloud.points.size());
+  for (const Eigen::Vector3f& p : cloud.points) {
+    keys.push_back(
+        tracer_.grid().key_of((T_map_keyframes_[keyframe] * p.cast<double>()).cast<float>()));
+    is_moved.push_back(keys.back() && is_ever_free(*keys.back()));
+  }
+  if (std::ranges::find(is_moved, true) != is_moved.end()) {
+    add_rest(keys, is_moved);
+  }
+  return is_moved;
+}
+
+// What is left of somebody whom no beam passed close enough: there is nothing certain beside it,
+// and much of what there is has moved.
+void EverFreeSpace::add_rest(std::span<const std::optional<VoxelKey>> keys,
+                             std::vector<bool>& is_moved) const {
+  constexpr int kSteps = 3;  // from voxel to voxel
+  constexpr int kOneOf = 4;  // points beside it
+  struct Counts {
+    int moved = 0;
+    int all = 0;
+  };
+  std::unordered_map<VoxelCode, Counts> counts;
+  std::vector<std::size_t> uncertain;
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    if (keys[i]) {
+      Counts& here = counts[code_of(*keys[i])];
+      here.moved += is_moved[i] ? 1 : 0;
+      ++here.all;
+      if (!is_moved[i] && is_passing(code_of(*keys[i])) &&
+          !has_beside(*keys[i],
+                      [this](VoxelCode voxel) { return !is_passing(voxel) && !is_empty(voxel); })) {
+        uncertain.push_back(i);
+      }
+    }
+  }
+  for (int step = 0; step < kSteps; ++step) {
+    std::vector<std::size_t> rest;
+    for (const std::size_t i : uncertain) {
+      Counts beside;
+      (void)has_beside(*keys[i], [&](VoxelCode voxel) {
+        if (const auto found = counts.find(voxel); found != counts.end()) {
+          beside.moved += found->second.moved;
+          beside.all += found->second.all;
+        }
+        return false;
+      });
+      if (!is_moved[i] && beside.moved * kOneOf >= beside.all) {
+        rest.push_back(i);
+      }
+    }
+    for (const std::size_t i : rest) {
+      is_moved[i] = true;
+      ++counts[code_of(*keys[i])].moved;
+    }
+  }
+}
+
+bool EverFreeSpace::is_ever_free(const VoxelKey& key) const {
+  return is_empty(code_of(key)) &&
+         !has_beside(key, [this](VoxelCode voxel) { return !is_empty(voxel); });
+}
+
+bool EverFreeSpace::is_passing(VoxelCode voxel) const {
+  const Votes* votes = find(voxel);
+  return votes == nullptr || votes->hits <= params_.passing_hits;
+}
+
+bool EverFreeSpace::is_empty(VoxelCode voxel) const {
+  const Votes* votes = find(voxel);
+  return votes != nullptr && votes->through > 0 &&
+         votes->through >= params_.through_per_hit * (votes->hits - params_.passing_hits);
+}
+
+const EverFreeSpace::Votes* EverFreeSpace::find(VoxelCode voxel) const {
+  const auto cube = cubes_.find(voxel >> 3U * CloudVoxels::kLevels);
+  return cube == cubes_.end() ? nullptr : &cube->second.votes[voxel & kInCube];
+}
+
+std::size_t EverFreeSpace::memory_bytes() const {
+  return cubes_.size() * sizeof(Cubes::value_type) + of_sweep_.memory_bytes();
 }
 
 }  // namespace nodmap::slam6d

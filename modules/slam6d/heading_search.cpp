@@ -11,12 +11,12 @@ namespace {
 
 using geometry::SE3;
 
-// Headings from which registration starts in doubt: it finds its way from some 10 degrees, and
-// looks for it as far as the prior may be wrong, at most a quarter turn.
+// Headings at which registration starts when in doubt. It converges from some 10 degrees; starts
+// reach as far as the prior may be wrong, at most a quarter turn.
 constexpr double kHeadingStepRad = geometry::deg_to_rad(12.0);
 constexpr double kHeadingSigmas = 3.0;
 constexpr double kMaxHeadingSteps = 7.0;
-// By how much its inlier ratio must be the higher one for another start's result to be taken.
+// The result of another start is taken if its inlier ratio is higher by this.
 constexpr double kClearlyBetter = 0.1;
 
 }  // namespace

@@ -21,6 +21,7 @@ struct Keyframe {
   geometry::SE3 T_map_base = geometry::SE3::Identity();
   std::shared_ptr<const SweepCloud> cloud;  ///< in base; shared with what works beside the messages
   std::vector<OrientedPoint> points;  ///< the voxel means of the cloud; normal zero where no plane
+  std::vector<bool> is_moved = {};  ///< of the cloud's points, as far as known: somebody who walked
 };
 
 }  // namespace nodmap::slam6d

@@ -14,16 +14,16 @@ using geometry::SE3;
 using registration::PoseEdge3d;
 using registration::PoseGraph3d;
 
-// Iterations that suffice where little has changed; where much has, the kernel must narrow.
+// Iterations: few suffice after a small change; after a large one the kernel must narrow.
 constexpr int kFewIterations = 5;
 constexpr int kManyIterations = 60;
 
-// Finite also along degenerate directions.
+// The inverse of an information matrix, finite also along degenerate directions.
 Matrix6d covariance_of(const Matrix6d& information) {
   return (information + 1e-6 * Matrix6d::Identity()).inverse();
 }
 
-// Covariances are compared by how far they move what is 5 m away.
+// The size of a covariance as one number: the variance of a point 5 m away.
 double size_of(const Matrix6d& covariance) {
   constexpr double kMomentArmM = 5.0;
   return covariance.topLeftCorner<3, 3>().trace() +
@@ -60,7 +60,7 @@ std::size_t KeyframeGraph::num_contradicted() const {
       loops_, [](const WeightedLoop& loop) { return loop.is_contradicted(); }));
 }
 
-// Of height, roll and pitch, axes of map.
+// The information of height, roll and pitch, axes of map.
 Matrix6d KeyframeGraph::level_information() const {
   Eigen::Matrix<double, 6, 1> information = Eigen::Matrix<double, 6, 1>::Zero();
   information[2] = 1.0 / (ground_.height_m * ground_.height_m);
@@ -68,7 +68,7 @@ Matrix6d KeyframeGraph::level_information() const {
   return information.asDiagonal();
 }
 
-// From the first keyframe, which stays, to where this one would be on level ground.
+// An edge from the first keyframe, which is fixed, to where this one would be on level ground.
 PoseEdge3d KeyframeGraph::level_edge(std::span<const SE3> T_map_keyframes,
                                      std::size_t keyframe) const {
   SE3 T_map_level = T_map_keyframes[keyframe];

@@ -12,15 +12,15 @@
 
 namespace nodmap::slam6d {
 
-/// How level the ground is where it is level: one standard deviation.
+/// How level the ground is where it is level: standard deviations.
 struct LevelGround {
   double height_m = 0.005;
   double tilt_rad = 0.002;
 };
 
 /// The keyframes as nodes of a pose graph: each is joined to the next by odometry and its match,
-/// and to others by loop closures. Those on level ground are held at the height, roll and pitch of
-/// the map: no loop that matches badly can bend it upwards.
+/// and to others by loop closures. Keyframes on level ground are held at the height, roll and pitch
+/// of the map, so that no bad loop can bend it upwards.
 class KeyframeGraph {
  public:
   explicit KeyframeGraph(const LevelGround& ground) : ground_(ground) {}
@@ -28,7 +28,7 @@ class KeyframeGraph {
   void add_keyframe(bool is_level) { is_level_.push_back(is_level); }
   /// The edge from a keyframe to the next one.
   void add_step(const registration::PoseEdge3d& edge) { steps_.push_back(edge); }
-  /// A loop closure. It has its weight from the next optimise() on.
+  /// Adds a loop closure; it has a weight after the next optimise().
   void add_loop(const registration::PoseEdge3d& edge) { loops_.push_back({edge}); }
 
   /// The poses that fit all edges best, starting from `T_map_keyframes`; the first one stays.
@@ -38,15 +38,15 @@ class KeyframeGraph {
 
   /// The covariance (position in m, rotation vector in rad, axes of map) of the pose of each
   /// keyframe relative to that of keyframe `from`, along the most certain path. Loops that the
-  /// graph contradicts are no path.
+  /// graph contradicts are not used.
   [[nodiscard]] std::vector<Matrix6d> uncertainties(std::span<const geometry::SE3> T_map_keyframes,
                                                     std::size_t from) const;
 
   [[nodiscard]] bool is_level(std::size_t keyframe) const { return is_level_[keyframe]; }
-  /// In the order in which they were added.
+  /// The edges between successive keyframes, in the order in which they were added.
   [[nodiscard]] std::span<const registration::PoseEdge3d> steps() const { return steps_; }
 
-  /// A loop closure, and what the other edges say of it.
+  /// A loop closure, and whether the other edges agree with it.
   struct WeightedLoop {
     registration::PoseEdge3d edge;
     std::optional<double> weight = std::nullopt;  ///< in the graph, 0..1, once optimised
@@ -54,7 +54,7 @@ class KeyframeGraph {
     [[nodiscard]] bool is_contradicted() const { return weight && !holds(); }
   };
   [[nodiscard]] std::span<const WeightedLoop> loops() const { return loops_; }
-  /// Loops, and how many of them the graph contradicts.
+  /// Number of loops, and how many of them the graph contradicts.
   [[nodiscard]] std::size_t num_loops() const { return loops_.size(); }
   [[nodiscard]] std::size_t num_contradicted() const;
 

@@ -13,7 +13,8 @@ namespace {
 
 using geometry::SE3;
 
-// A place is doubted by what the last ten sweeps or so say together: who walks by contradicts, too.
+// A place is doubted on the evidence of about the last ten sweeps together, because a person who
+// walks by contradicts the map, too.
 constexpr double kMemory = 0.9;
 
 std::vector<SE3> poses_of(std::span<const Keyframe> keyframes) {
@@ -68,7 +69,7 @@ bool Localiser::is_search_due(const PoseUpdate& by_odometry) const {
 void Localiser::classify(const VoxelMap& sweep_base, PoseUpdate& update, int lost_sweeps) {
   Registration& registration = *update.registration;
   const bool is_known = registration.lowest_inlier_ratio() >= params_.place.min_inlier_ratio;
-  // What was searched for must fit as well as when it was found.
+  // A place found by a search must go on fitting as well as when it was found.
   const bool fits = registration.is_accepted() && (state_ != State::kUnconfirmed || is_known);
   if (!fits) {
     registration.status = RegistrationStatus::kLost;

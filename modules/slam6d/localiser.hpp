@@ -23,6 +23,8 @@ struct LocaliseParams {
   double confirmed_tolerance = 3.0;
   double confirm_distance_m = 3.0;
   int max_lost_sweeps = 5;
+  double certain_m = 0.3;
+  double certain_rad = geometry::deg_to_rad(10.0);
   double search_again_m = 0.1;
   double search_again_rad = geometry::deg_to_rad(11.5);
   double search_again_s = 5.0;
@@ -32,42 +34,51 @@ struct LocaliseParams {
     place.describe(v);
     seen.describe(v);
     v.number("confirmed_tolerance", confirmed_tolerance, {1.0, 50.0},
-             "By how much more a place that is confirmed may be contradicted.");
+             "A confirmed place may be contradicted by up to this many times "
+             "localise.max_contradiction_ratio.");
     v.number("confirm_distance_m", confirm_distance_m, {0.0, 100.0},
              "A place that was searched for is confirmed by a sweep this far from where it was "
              "found, if all sweeps on the way fit; until then poses are DEGRADED.");
     v.integer("max_lost_sweeps", max_lost_sweeps, {1, 1000},
-              "After so many sweeps in a row that do not fit the known map the robot is searched "
-              "for in the whole map; so many in a row also while the robot maps.");
+              "After this many sweeps in a row that do not fit, the robot is searched for in the "
+              "whole map: in the saved one or, while it maps, in its own.");
+    v.number("certain_m", certain_m, {0.0, 100.0},
+             "After the robot was LOST while it maps, a match is refused if it contradicts the "
+             "map. This is not checked while three standard deviations of the position by odometry "
+             "are below this, because then no other place is possible.");
+    v.angle("certain_deg", certain_rad, {0.0, 180.0},
+            "The same limit for the orientation; both must be met.");
     v.number("search_again_m", search_again_m, {0.0, 100.0},
-             "A search that found nothing is repeated from so far away.");
+             "A search that found nothing is repeated after the robot has moved by this distance.");
     v.angle("search_again_deg", search_again_rad, {0.0, 180.0},
-            "Or after a rotation by this much.");
+            "A search that found nothing is repeated after the robot has rotated by this angle.");
     v.number("search_again_s", search_again_s, {0.0, 3600.0},
-             "Or after so long: things may have moved.");
+             "A search that found nothing is repeated after this time, because something else may "
+             "have moved.");
   }
 };
 
-/// Whether it is known where the robot is in a map that was made before. Tells the place where
-/// tracking begins, and gives it up when sweeps do not fit.
+/// Decides where the robot is in a map that was made before: gives the place at which tracking
+/// begins, and gives it up when sweeps do not fit.
 ///
-/// A place that was searched for is confirmed by a sweep farther on that fits, too: what it sees
-/// differs. Until then it is given up with the first that does not. A place, also a confirmed one,
-/// is given up when sweep after sweep sees surfaces where the map is known to be free.
+/// A place that was found by a search is confirmed by a sweep farther on that fits, too, because
+/// what it sees differs. Until then the first sweep that does not fit makes it give the place up.
+/// Any place, also a confirmed one, is given up when several sweeps show surfaces where the map is
+/// known to be free.
 class Localiser {
  public:
-  /// `T_map_start`: where the robot is at the first sweep, if that is known. `keyframes`: those of
+  /// `T_map_start`: the pose of the robot at the first sweep, if it is known. `keyframes`: those of
   /// `map`.
   Localiser(const LocaliseParams& params, const RegistrationParams& registration,
             std::span<const Keyframe> keyframes, const VoxelMap& map,
             const std::optional<geometry::SE3>& T_map_start);
 
-  /// Whether it is known where the robot is, though perhaps not yet confirmed.
+  /// Whether the robot has a place, confirmed or not.
   [[nodiscard]] bool has_place() const { return state_ != State::kUnknown; }
   [[nodiscard]] bool is_confirmed() const { return state_ >= State::kConfirmed; }
 
-  /// Where the robot is while it has no place: at its start, or where one place alone fits the
-  /// sweep. `by_odometry`: the sweep's pose, of which the one in odom counts.
+  /// To be called while the robot has no place. Returns its pose: the start pose, or the only place
+  /// that fits the sweep. `by_odometry`: the update of the sweep; only its pose in odom is used.
   [[nodiscard]] std::optional<geometry::SE3> find(const VoxelMap& sweep_base, const VoxelMap& map,
                                                   const PoseUpdate& by_odometry);
 

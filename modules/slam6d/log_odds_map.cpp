@@ -23,7 +23,7 @@ const float kMiss = log_odds(0.4);
 const float kLowest = log_odds(0.1192);
 const float kHighest = log_odds(0.971);
 
-/// For each byte of marks what its voxels get: the value where the bit is one, else zero.
+/// For each byte of marks the values of its voxels: the value where the bit is one, otherwise zero.
 using ByteTable = std::array<std::array<float, kVoxelsPerByte>, 256>;
 ByteTable make_table(float value) {
   ByteTable table{};
@@ -37,7 +37,7 @@ ByteTable make_table(float value) {
 const ByteTable kHits = make_table(kHit);
 const ByteTable kMisses = make_table(kMiss);
 
-/// The voxels of one word; none is both.
+/// Updates the voxels of one word; no voxel is both free and occupied.
 void update_word(float* values, std::uint64_t free, std::uint64_t occupied) {
   for (; (free | occupied) != 0U; free >>= 8U, occupied >>= 8U, values += kVoxelsPerByte) {
     const auto& miss = kMisses[free & 0xFFU];
@@ -66,7 +66,8 @@ bool are_all_alike(const Voxels& voxels) {
          });
 }
 
-/// Nothing changes in a block whose voxels are all at the limit.
+/// Whether a block stays as it is, because all of its voxels are at the limit towards which they
+/// are marked.
 bool is_at_limit(const Block& block, Words free, Words occupied) {
   return block.is_known && !block.voxels &&
          ((block.log_odds <= kLowest && are_all_zero(occupied)) ||
@@ -92,7 +93,8 @@ void update_block(Block& block, Words free, Words occupied) {
   Voxels& voxels = *block.voxels;
   for (std::size_t i = 0; i < LogOddsMap::kWordsPerBlock; ++i) {
     voxels.known[i] |= free[i] | occupied[i];
-    // A hit counts more than any number of beams that went through (Hornung et al., section 5.1).
+    // A hit overrides any number of beams of the same cloud that passed through (Hornung et al.,
+    // section 5.1).
     update_word(&voxels.log_odds[i * CloudVoxels::kBitsPerWord], free[i] & ~occupied[i],
                 occupied[i]);
   }

@@ -12,9 +12,9 @@
 
 namespace nodmap::slam6d {
 
-/// What is known of each voxel: the log-odds of being occupied (Hornung et al. 2013, section 3.2),
-/// with OctoMap's sensor model and limits. Dense in blocks of 8 x 8 x 8 voxels, empty elsewhere; a
-/// block of voxels that are all alike is one number.
+/// The log-odds of each voxel being occupied (Hornung et al. 2013, section 3.2), with OctoMap's
+/// sensor model and limits. Stored in dense blocks of 8 x 8 x 8 voxels, nothing elsewhere; a block
+/// whose voxels are all equal is one number.
 class LogOddsMap {
  public:
   static constexpr unsigned kBlockLevels = 3;  ///< of an octree within a block
@@ -29,14 +29,14 @@ class LogOddsMap {
     std::array<std::uint64_t, kWordsPerBlock> known{};  ///< a bit for each voxel
   };
   struct Block {
-    bool is_known = false;           ///< some of it
-    float log_odds = 0.0F;           ///< of each voxel, where there are no voxels
-    std::unique_ptr<Voxels> voxels;  ///< null where all are known and alike
+    bool is_known = false;           ///< at least in part
+    float log_odds = 0.0F;           ///< of each voxel, if `voxels` is null
+    std::unique_ptr<Voxels> voxels;  ///< null if all are known and equal
   };
   using Cube = std::array<Block, kBlocksPerCube>;  ///< in the order of the voxel codes
   using Cubes = std::map<VoxelCode, Cube>;         ///< by the code of their voxels
 
-  /// Each voxel that was marked counts as one hit where it is occupied, else as one miss.
+  /// Adds a cloud: each marked voxel counts as one hit if it is occupied, otherwise as one miss.
   void update(const CloudVoxels& cloud);
 
   [[nodiscard]] const Cubes& cubes() const { return cubes_; }

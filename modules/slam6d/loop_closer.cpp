@@ -13,15 +13,15 @@ namespace {
 
 using geometry::SE3;
 
-// From so far away registration finds its way without a search.
+// Within this, registration converges without a search.
 constexpr double kReachM = 0.3;
 constexpr double kReachRad = geometry::deg_to_rad(6.0);
-// Steps of the search, and the voxels in which it looks: those of 40 cm.
+// Steps of the search, and the level of voxels that it uses: those of 40 cm.
 constexpr double kStepM = 0.4;
 constexpr double kStepRad = geometry::deg_to_rad(6.0);
 constexpr std::size_t kSearchLevel = 2;
 constexpr std::size_t kMaxSearchPoints = 300;
-// What two maps of one place differ by, however well they match.
+// Two maps of one place differ by at least this, however well they match.
 constexpr double kLoopSigmaM = 0.003;
 constexpr double kLoopSigmaRad = geometry::deg_to_rad(0.03);
 constexpr std::size_t kMaxPendingAge = 15;  // keyframes
@@ -37,7 +37,8 @@ Reach reach_of(const PosePrior& prior) {
           kReachSigmas * std::sqrt(variance[5])};
 }
 
-// What a match says by itself: without its prior, and no better than two maps of one place agree.
+// The information of a match alone: without its prior, and limited by how well two maps of one
+// place agree.
 Matrix6d information_of_match(const Registration& found, const PosePrior& prior) {
   const Matrix6d difference = found.covariance.inverse() - prior.covariance.inverse();
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(0.5 * (difference + difference.transpose()));
@@ -91,8 +92,8 @@ LoopAttempt LoopCloser::search(VoxelMap& keyframe, const VoxelMap& place,
   return attempt(*result.best, prior);
 }
 
-// All poses within reach, by how many of some points have a correspondence among the place's
-// coarse voxels. Height, roll and pitch are the prior's: registration finds them.
+// Scores all poses within reach by how many of some points have a correspondence in the coarse
+// voxels of the place. Height, roll and pitch are the prior's; registration corrects them.
 std::vector<StartPose> LoopCloser::starts(const VoxelMap& keyframe, const VoxelMap& place,
                                           const PosePrior& prior) const {
   const Reach reach = reach_of(prior);
@@ -135,7 +136,7 @@ std::vector<Loop> LoopCloser::add_pending(const Loop& loop, std::span<const SE3>
   pending_.push_back(loop);
   std::erase_if(pending_, [&](const Loop& old) { return old.to + kMaxPendingAge < loop.to; });
   const SE3& T_map_last = T_map_keyframes[loop.to];
-  // Where a loop puts the newest keyframe in the map.
+  // The pose of the newest keyframe in map according to a loop.
   const auto consequence = [&](const Loop& other) -> SE3 {
     return T_map_keyframes[other.from] * other.T_from_to *
            (T_map_keyframes[other.to].inverse() * T_map_last);

@@ -15,10 +15,10 @@
 
 namespace nodmap::slam6d {
 
-/// How far from where it is estimated a keyframe is looked for, in standard deviations.
+/// Loops are searched up to this many standard deviations from the estimated pose.
 inline constexpr double kReachSigmas = 3.0;
 
-/// When a keyframe is recognised in a place of before.
+/// When a keyframe is recognised at an earlier place.
 struct LoopParams {
   bool enabled = true;
   double max_distance_m = 3.0;
@@ -34,38 +34,41 @@ struct LoopParams {
 
   template <class Visitor>
   void describe(Visitor& v) {
-    v.flag("enabled", enabled, "Closes loops.");
-    v.number("max_distance_m", max_distance_m, {0.1, 100.0},
-             "A keyframe is looked for in places of before whose keyframes were this near, or "
-             "farther by as much as the drift may be.");
+    v.flag("enabled", enabled, "Whether loops are closed.");
+    v.number(
+        "max_distance_m", max_distance_m, {0.1, 100.0},
+        "A keyframe is matched with earlier places within this distance, plus the possible drift.");
     v.number("min_inlier_ratio", min_inlier_ratio, {0.0, 1.0},
-             "A loop of whose points, or of whose points on walls, a smaller part lies on the "
-             "place's planes is refused.");
+             "A loop is refused if less than this fraction of the keyframe's points, or of its "
+             "points on walls, lies on the planes of the place.");
     v.number("max_search_m", max_search_m, {0.0, 100.0},
-             "A place is searched for over as much as the drift may be, up to this.");
+             "A loop is searched for within the possible drift, at most up to this distance.");
     v.angle("max_search_deg", max_search_rad, {0.0, 180.0}, "The same for the heading.");
-    v.integer("min_keyframes", min_keyframes, {1, 100},
-              "A place that was searched for is believed when so many keyframes say the same.");
+    v.integer(
+        "min_keyframes", min_keyframes, {1, 100},
+        "A loop found by a search is accepted when this many keyframes lead to the same pose.");
     v.number("max_disagreement_m", max_disagreement_m, {0.001, 10.0},
-             "How far they may put the robot apart, and 2 % of the distance driven between them.");
+             "Poses of the robot count as the same within this distance plus 2 % of the distance "
+             "driven between the keyframes.");
     v.angle("max_disagreement_deg", max_disagreement_rad, {0.1, 90.0}, "The same for rotations.");
     v.number("recent_m", recent_m, {1.0, 10000.0},
-             "What was driven so recently stays in the map: the drift since then is in its walls "
-             "already.");
+             "Keyframes on the last part of the path, of this length, stay in the map: it contains "
+             "the drift since then already.");
     v.number("certain_m", certain_m, {0.001, 10.0},
-             "So does a place of before that is known, relative to the robot, to within this by "
-             "three standard deviations: farther apart, two walls would be entered for one.");
+             "Earlier keyframes also stay in the map if three standard deviations of their "
+             "position relative to the robot are below this. With a larger error, a wall would be "
+             "entered twice.");
     v.angle("certain_deg", certain_rad, {0.01, 90.0}, "The same for rotations.");
   }
 };
 
-/// A keyframe recognised in a place of before.
+/// A keyframe recognised at an earlier place.
 struct Loop {
   std::size_t from = 0;  ///< keyframe of the place
-  std::size_t to = 0;    ///< the one that was recognised
+  std::size_t to = 0;    ///< keyframe that was recognised
   geometry::SE3 T_from_to = geometry::SE3::Identity();
-  /// Of position (m) and rotation vector (rad), axes of `from`: of the match alone. About zero
-  /// along degenerate directions.
+  /// Inverse covariance of position (m) and rotation vector (rad) in the axes of `from`, from the
+  /// match alone. About zero along degenerate directions.
   Matrix6d information = Matrix6d::Zero();
   double inlier_ratio = 0.0;
 };
@@ -74,7 +77,7 @@ struct Loop {
 enum class LoopRefusal {
   kLowScore,    ///< too few points fit
   kAmbiguous,   ///< another place fits as well
-  kUnconfirmed  ///< too few other keyframes say the same so far
+  kUnconfirmed  ///< too few other keyframes agree so far
 };
 
 struct LoopAttempt {
@@ -82,22 +85,24 @@ struct LoopAttempt {
   LoopRefusal refusal = LoopRefusal::kLowScore;  ///< where there is none
 };
 
-/// Recognises places: where a keyframe lies in the map of some keyframes of before, and which of
-/// several loops agree with each other.
+/// Recognises places: finds the pose of a keyframe in the map of some earlier keyframes, and
+/// decides which of several loops agree.
 class LoopCloser {
  public:
   LoopCloser(const LoopParams& params, const RegistrationParams& registration);
 
-  /// Matches the voxels of a keyframe with a place, from a pose that is known well enough to find
-  /// the way, or else from the best of all poses that the prior allows. In the place's frame.
+  /// Registers the voxels of a keyframe with a place, in the place's frame: from the prior's pose
+  /// if that is certain enough for registration to converge, otherwise from the best of all poses
+  /// that the prior allows.
   [[nodiscard]] LoopAttempt match(VoxelMap& keyframe, const VoxelMap& place,
                                   const PosePrior& prior) const;
   /// Whether the prior is so uncertain that match() has to search.
   [[nodiscard]] static bool needs_search(const PosePrior& prior);
 
-  /// Keeps a loop that was searched for. Each loop puts the newest keyframe somewhere in the map;
-  /// loops that agree on the place agree on the drift (pairwise consistency). When those that agree
-  /// with this one come from enough keyframes, returns them and drops all others; else none.
+  /// Keeps a loop that was found by a search. Each loop gives a pose of the newest keyframe in the
+  /// map; loops that give the same pose agree on the drift (pairwise consistency). Returns the
+  /// loops that agree with this one, and drops all others, once they come from enough keyframes;
+  /// otherwise returns none.
   [[nodiscard]] std::vector<Loop> add_pending(const Loop& loop,
                                               std::span<const geometry::SE3> T_map_keyframes);
 

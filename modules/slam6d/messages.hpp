@@ -16,7 +16,7 @@ namespace nodmap::slam6d {
 
 [[nodiscard]] nodmap::pose_t write_pose(const PoseUpdate& update);
 
-/// The voxel means of keyframe number `k` in parts below 64 KiB.
+/// The voxel means of keyframe number `k`, in parts of less than 64 KiB.
 [[nodiscard]] std::vector<nodmap::cloud_chunk_t> write_cloud_chunks(const Keyframe& keyframe,
                                                                     std::size_t k);
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <memory>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
@@ -23,24 +23,17 @@
 namespace nodmap::slam6d {
 namespace {
 
-// How many scans after its last one a sweep's pose is published, and a keyframe's map: 50 ms at 75
-// Hz for what takes 10 ms, and 0.8 s, before the next sweep.
+// How many scans after its last one a sweep's pose is published: 50 ms at 75 Hz for what takes 10
+// ms.
 constexpr int kScansUntilRegistered = 4;
-constexpr int kScansUntilMapped = 60;
 // A disk that was full may have room again: 10 s.
 constexpr int kScansUntilSavedAgain = 750;
 // A search of a whole saved map takes up to half a second.
 constexpr int kScansUntilFound = 60;
-// Of a keyframe that is saved, 174 kB: 3 ms.
-constexpr std::size_t kSavedKeyframesPerScan = 4;
 constexpr time::Duration kGraphPeriod = 1s;
 // Keyframes that have moved by less leave the occupancy map as it is, until the end.
 constexpr double kMinMapMotionM = 0.03;
 constexpr double kMinMapMotionAtEndM = 0.005;
-
-OccupancyMap::Options map_options(const OccupancyParams& params) {
-  return {.resolution_m = params.resolution_m, .max_range_m = params.max_range_m};
-}
 
 }  // namespace
 
@@ -49,7 +42,7 @@ Slam6dNode::Slam6dNode(node::Context& context, const Params& params)
       params_(params),
       input_(context.counts),
       slam_(params),
-      occupancy_(map_options(params.occupancy)) {
+      occupancy_(params.occupancy) {
   // On a busy machine a second may pass: 75 scans and 100 odometry messages.
   constexpr int kQueue = 256;
   context.bus.subscribe<nodmap::odometry_t>(
@@ -94,8 +87,8 @@ void Slam6dNode::on_scan(const nodmap::scan_t& message) {
     return;
   }
   answer(registering_.count_message());
-  answer(mapping_.count_message());
-  if (save_error_ && --scans_until_saved_again_ <= 0 && !mapping_.is_running() &&
+  answer_saved(occupancy_.count_message());
+  if (save_error_ && --scans_until_saved_again_ <= 0 && !occupancy_.is_working() &&
       !registering_.is_running()) {
     start_saving();
   }
@@ -104,7 +97,7 @@ void Slam6dNode::on_scan(const nodmap::scan_t& message) {
   }
   count_scans();
   publish_restored_cloud();
-  publish_octomap_part();
+  (void)publish_octomap_part();
 }
 
 void Slam6dNode::register_sweep(PlacedSweep sweep) {
@@ -127,21 +120,16 @@ void Slam6dNode::finish() {
   if (only_localises_) {
     return;
   }
-  answer(mapping_.take());
-  update_map(kMinMapMotionAtEndM);
+  answer_saved(occupancy_.take());
+  occupancy_.update(slam_.keyframes(), kMinMapMotionAtEndM);
   const auto publish_rest = [this] {
-    answer(mapping_.take());
-    while (!octomap_.is_empty()) {
-      publish_octomap_part();
+    answer_saved(occupancy_.take());
+    while (publish_octomap_part()) {
     }
   };
   publish_rest();
-  // What came within the period since the last map.
-  if (params_.occupancy.publish_period_s > 0.0 && octomap_keyframes_ < slam_.keyframes().size()) {
-    octomap_stamp_ = slam_.keyframes().back().cloud->stamp;
-    answer(MapWork{.bt_file = occupancy_.encode(OccupancyMap::Format::kBt)});
-    publish_rest();
-  }
+  occupancy_.publish_last(slam_.keyframes());
+  publish_rest();
 }
 
 // What becomes of a scan is known when its sweep is complete.
@@ -172,7 +160,12 @@ void Slam6dNode::publish(const PoseUpdate& update) {
   if (std::chrono::abs(update.stamp - graph_stamp_) >= kGraphPeriod) {
     publish_graph(update.stamp);
   }
-  update_map(kMinMapMotionM);
+  if (!only_localises_) {
+    const auto prepare_save = [this] { return save_with_keyframes(); };
+    occupancy_.update(
+        slam_.keyframes(), kMinMapMotionM,
+        context_.out_dir.empty() ? std::function<OccupancyMapper::Save()>() : prepare_save);
+  }
 }
 
 // One with each scan, so that no queue runs over.
@@ -197,135 +190,56 @@ void Slam6dNode::publish_cloud(std::size_t k) {
   }
 }
 
-bool Slam6dNode::has_moved(double min_motion_m) const {
-  for (std::size_t k = 0; k < T_map_mapped_.size(); ++k) {
-    const geometry::SE3& T_map_base = slam_.keyframes()[k].T_map_base;
-    if ((T_map_base.translation() - T_map_mapped_[k].translation()).norm() > min_motion_m) {
-      return true;
-    }
-  }
-  return false;
-}
-
-// One piece of work at a time: what comes meanwhile waits for its end. A map whose keyframes have
-// moved is made anew.
-void Slam6dNode::update_map(double min_motion_m) {
-  if (mapping_.is_running() || only_localises_) {
+// A full disk does not end the mapping: the last map that was whole stays, and STATUS says so.
+void Slam6dNode::answer_saved(const std::optional<std::error_code>& error) {
+  if (!error) {
     return;
   }
-  const std::span<const Keyframe> all = slam_.keyframes();
-  const bool is_anew =
-      T_map_mapped_.empty() || all.size() < T_map_mapped_.size() || has_moved(min_motion_m);
-  if (is_anew) {
-    T_map_mapped_.clear();
+  save_error_ = *error;
+  scans_until_saved_again_ = kScansUntilSavedAgain;
+  maps_saved_ += save_error_ ? 0 : 1;
+  if (save_error_) {
+    log::get().warn("{}: map not saved: {}", context_.out_dir.string(), save_error_.message());
+  } else {
+    log::get().info("map saved in {}", context_.out_dir.string());
   }
-  const std::span<const Keyframe> added = all.subspan(T_map_mapped_.size());
-  if (added.empty()) {
-    return;
-  }
-  const bool is_published = begin_octomap(added.back().cloud->stamp);
-  const auto every = static_cast<std::size_t>(params_.occupancy.save_every_keyframes);
-  const bool is_saved =
-      every > 0 && all.size() / every > T_map_mapped_.size() / every && !context_.out_dir.empty();
-  std::vector<std::pair<std::shared_ptr<const SweepCloud>, geometry::SE3>> clouds;
-  for (const Keyframe& keyframe : added) {
-    clouds.emplace_back(keyframe.cloud, keyframe.T_map_base);
-    T_map_mapped_.push_back(keyframe.T_map_base);
-  }
-  std::optional<SavedMap> saved;
-  if (is_saved) {
-    saved = slam_.save();
-  }
-  // A scan more for each cloud.
-  const int scans_until_due =
-      kScansUntilMapped +
-      static_cast<int>(clouds.size() + (is_saved ? all.size() / kSavedKeyframesPerScan : 0));
-  mapping_.start(
-      [this, clouds = std::move(clouds), saved = std::move(saved), is_anew, is_published] {
-        MapWork work;
-        if (is_anew) {
-          occupancy_ = OccupancyMap(map_options(params_.occupancy));
-        }
-        for (const auto& [cloud, T_map_base] : clouds) {
-          occupancy_.insert(*cloud, T_map_base);
-        }
-        if (is_published) {
-          work.bt_file = occupancy_.encode(OccupancyMap::Format::kBt);
-        }
-        if (saved) {
-          work.save_error = save_map(context_.out_dir, *saved);
-        }
-        return work;
-      },
-      scans_until_due);
 }
 
-// Returns whether the next map is to be published, which then is of `stamp`.
-bool Slam6dNode::begin_octomap(time::Timestamp stamp) {
-  const double age_s = time::seconds(stamp - octomap_stamp_);
-  // A clock set back must not silence it until it has caught up.
-  const bool is_due =
-      octomap_keyframes_ == 0 || age_s < 0.0 || age_s >= params_.occupancy.publish_period_s;
-  if (params_.occupancy.publish_period_s <= 0.0 || !is_due || !octomap_.is_empty()) {
+bool Slam6dNode::publish_octomap_part() {
+  const auto part = occupancy_.next_part();
+  if (!part) {
     return false;
   }
-  octomap_stamp_ = stamp;
-  octomap_keyframes_ = slam_.keyframes().size();
-  return true;
-}
-
-void Slam6dNode::answer(const std::optional<MapWork>& work) {
-  if (!work) {
-    return;
-  }
-  if (work->bt_file) {
-    octomap_.begin(octomap_stamp_, *work->bt_file);
-  }
-  // A full disk does not end the mapping: the last map that was whole stays, and STATUS says so.
-  if (work->save_error) {
-    save_error_ = *work->save_error;
-    scans_until_saved_again_ = kScansUntilSavedAgain;
-    maps_saved_ += save_error_ ? 0 : 1;
-    if (save_error_) {
-      log::get().warn("{}: map not saved: {}", context_.out_dir.string(), save_error_.message());
-    } else {
-      log::get().info("map saved in {}", context_.out_dir.string());
-    }
-  }
-}
-
-void Slam6dNode::publish_octomap_part() {
-  if (octomap_.is_empty()) {
-    return;
-  }
-  const OctomapParts::Part part = octomap_.next();
   nodmap::octomap_chunk_t message{};
-  message.utime = time::to_utime(part.stamp);
-  message.map_revision = part.revision;
-  message.chunk_index = part.index;
-  message.num_chunks = part.count;
-  message.num_bytes = static_cast<std::int32_t>(part.bytes.size());
-  message.bytes.assign(part.bytes.begin(), part.bytes.end());
+  message.utime = time::to_utime(part->stamp);
+  message.map_revision = part->revision;
+  message.chunk_index = part->index;
+  message.num_chunks = part->count;
+  message.num_bytes = static_cast<std::int32_t>(part->bytes.size());
+  message.bytes.assign(part->bytes.begin(), part->bytes.end());
   context_.bus.publish("OCTOMAP", message);
+  return true;
 }
 
 void Slam6dNode::on_save_request(const nodmap::save_request_t& message) {
   if (!only_localises_ && node::accept_save_request(message, context_)) {
     answer(registering_.take());
-    answer(mapping_.take());
+    answer_saved(occupancy_.take());
     start_saving();
   }
 }
 
 void Slam6dNode::start_saving() {
-  mapping_.start(
-      [this, saved = slam_.save()] {
-        return MapWork{.save_error = save_map(context_.out_dir, saved)};
-      },
-      kScansUntilMapped + static_cast<int>(slam_.keyframes().size() / kSavedKeyframesPerScan));
+  occupancy_.save(save_with_keyframes());
 }
 
-std::error_code Slam6dNode::save_map(const std::filesystem::path& dir,
+OccupancyMapper::Save Slam6dNode::save_with_keyframes() const {
+  return [this, keyframes = slam_.save()](const OccupancyMap& map) {
+    return save_map(context_.out_dir, map, keyframes);
+  };
+}
+
+std::error_code Slam6dNode::save_map(const std::filesystem::path& dir, const OccupancyMap& map,
                                      const SavedMap& keyframes) const {
   using Format = OccupancyMap::Format;
   std::vector<std::pair<Format, const char*>> files{{Format::kBt, "map.bt"}};
@@ -333,7 +247,7 @@ std::error_code Slam6dNode::save_map(const std::filesystem::path& dir,
     files.emplace_back(Format::kOt, "map.ot");
   }
   for (const auto& [format, name] : files) {
-    const auto bytes = occupancy_.encode(format);
+    const auto bytes = map.encode(format);
     if (!bytes) {
       return std::make_error_code(std::errc::io_error);
     }
@@ -349,23 +263,23 @@ void Slam6dNode::write_results(const std::filesystem::path& dir) {
   if (only_localises_) {
     return;
   }
-  if (const auto error = save_map(dir, slam_.save())) {
+  if (const auto error = save_map(dir, occupancy_.map(), slam_.save())) {
     throw std::system_error(error, dir.string());
   }
   ++maps_saved_;
-  write_cloud(slam_, params_.cloud, dir);
+  write_cloud(slam_, dir);
 }
 
 nlohmann::json Slam6dNode::metrics() const {
   registering_.wait();
-  mapping_.wait();
+  occupancy_.wait();
   nlohmann::json figures = slam_figures(slam_);
   figures["loops"] = loop_figures(slam_.back_end());
   if (slam_.localiser()) {
     figures["localisation"] = localisation_figures(slam_);
   }
-  figures["occupancy_map"] = {{"nodes", occupancy_.num_nodes()},
-                              {"memory_bytes", occupancy_.memory_bytes()},
+  figures["occupancy_map"] = {{"nodes", occupancy_.map().num_nodes()},
+                              {"memory_bytes", occupancy_.map().memory_bytes()},
                               {"times_saved", maps_saved_}};
   return figures;
 }

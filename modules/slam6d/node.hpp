@@ -15,8 +15,7 @@
 #include "common/node/message_counts.hpp"
 #include "common/node/message_input.hpp"
 #include "common/node/node.hpp"
-#include "modules/slam6d/occupancy_map.hpp"
-#include "modules/slam6d/octomap_parts.hpp"
+#include "modules/slam6d/occupancy_mapper.hpp"
 #include "modules/slam6d/params.hpp"
 #include "modules/slam6d/slam6d.hpp"
 #include "nodmap/odometry_t.hpp"
@@ -50,27 +49,21 @@ class Slam6dNode : public node::Node {
   void on_scan(const nodmap::scan_t& message);
   void on_save_request(const nodmap::save_request_t& message);
 
-  /// What became of the occupancy map beside the messages.
-  struct MapWork {
-    std::optional<std::string> bt_file = std::nullopt;         ///< to be published
-    std::optional<std::error_code> save_error = std::nullopt;  ///< where it was to be saved
-  };
-
   void register_sweep(PlacedSweep sweep);
   void answer(const std::optional<PoseUpdate>& update);
   void publish(const PoseUpdate& update);
   void publish_cloud(std::size_t k);
   void publish_restored_cloud();
   void publish_graph(time::Timestamp stamp);
-  [[nodiscard]] bool has_moved(double min_motion_m) const;
-  void update_map(double min_motion_m);
-  [[nodiscard]] bool begin_octomap(time::Timestamp stamp);
-  void answer(const std::optional<MapWork>& work);
-  void publish_octomap_part();
+  void answer_saved(const std::optional<std::error_code>& error);
+  /// Returns whether there was one.
+  bool publish_octomap_part();
   void count_scans();
   /// While neither job runs: it reads `slam_`.
   void start_saving();
-  [[nodiscard]] std::error_code save_map(const std::filesystem::path& dir,
+  /// What saves the occupancy map with the keyframes of now.
+  [[nodiscard]] OccupancyMapper::Save save_with_keyframes() const;
+  [[nodiscard]] std::error_code save_map(const std::filesystem::path& dir, const OccupancyMap& map,
                                          const SavedMap& keyframes) const;
 
   node::Context& context_;
@@ -81,20 +74,14 @@ class Slam6dNode : public node::Node {
   std::size_t restored_clouds_ = 0;  // published
   std::int64_t graph_revision_ = 0;  // published
   time::Timestamp graph_stamp_{};
-  OccupancyMap occupancy_;
-  /// Of the keyframes that are in it, or on their way into it, the poses with which they are.
-  std::vector<geometry::SE3> T_map_mapped_;
   ScanCounts counted_;
   std::int64_t maps_saved_ = 0;
-  OctomapParts octomap_;
-  std::size_t octomap_keyframes_ = 0;  // in the map that was begun last
-  time::Timestamp octomap_stamp_{};    // of that map
-  std::error_code save_error_;         // of the last try
-  int scans_until_saved_again_ = 0;    // after an error
-  // Last: they end before what they work on. `registering_` works on `slam_`, `mapping_` on
-  // `occupancy_`.
+  std::error_code save_error_;       // of the last try
+  int scans_until_saved_again_ = 0;  // after an error
+  // Last: they end before what they work on. `registering_` works on `slam_`, `occupancy_` on
+  // itself and on what save_map() uses.
+  OccupancyMapper occupancy_;
   node::BackgroundJob<PoseUpdate> registering_;
-  node::BackgroundJob<MapWork> mapping_;
 };
 
 }  // namespace nodmap::slam6d

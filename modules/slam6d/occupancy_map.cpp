@@ -22,9 +22,10 @@ OccupancyMap::~OccupancyMap() = default;
 OccupancyMap::OccupancyMap(OccupancyMap&&) noexcept = default;
 OccupancyMap& OccupancyMap::operator=(OccupancyMap&&) noexcept = default;
 
-void OccupancyMap::insert(const SweepCloud& cloud, const geometry::SE3& T_map_base) {
+void OccupancyMap::insert(const SweepCloud& cloud, const geometry::SE3& T_map_base,
+                          const std::vector<bool>& is_moved) {
   map_->voxels.clear();
-  map_->tracer.trace(cloud, T_map_base, map_->voxels);
+  map_->tracer.trace(cloud, T_map_base, map_->voxels, is_moved);
   map_->log_odds.update(map_->voxels);
   map_->num_nodes.reset();
 }

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/geometry/se3.hpp"
 #include "modules/slam6d/cloud_tracer.hpp"
@@ -32,8 +33,10 @@ class OccupancyMap {
   OccupancyMap& operator=(const OccupancyMap&) = delete;
 
   /// Each voxel counts once for a cloud: occupied where a beam ends in it, else free where one goes
-  /// through.
-  void insert(const SweepCloud& cloud, const geometry::SE3& T_map_base);
+  /// through. `is_moved`: points that have moved since, at which nothing is occupied; none: no
+  /// point.
+  void insert(const SweepCloud& cloud, const geometry::SE3& T_map_base,
+              const std::vector<bool>& is_moved = {});
 
   /// The bytes of a map file. Goes through the whole map.
   [[nodiscard]] std::optional<std::string> encode(Format format) const;

@@ -10,12 +10,11 @@
 
 namespace nodmap::slam6d {
 
-/// Cuts a map file into parts that are sent one by one: all at once they are more than a receiver's
-/// socket holds (some 200 kB on a machine as it is installed), and without one of them it is no
-/// map.
+/// Divides a map file into parts that are sent one by one: sent at once, they would overflow a
+/// receiver's socket buffer (some 200 kB by default), and a map with one part missing is useless.
 class OctomapParts {
  public:
-  /// With its head a part stays below 64 KiB.
+  /// With its header a part stays below 64 KiB.
   static constexpr std::size_t kBytesPerPart = 60'000;
 
   struct Part {
@@ -23,13 +22,14 @@ class OctomapParts {
     std::int64_t revision = 0;
     std::int32_t index = 0;
     std::int32_t count = 0;
-    std::string_view bytes;  ///< of the file: valid until the next one begins
+    std::string_view bytes;  ///< of the file; valid until the next begin()
   };
 
-  /// A map file with what was measured up to `stamp`. Gives up what is left of the last one.
+  /// Begins with a map file that contains what was measured up to `stamp`. The rest of the last
+  /// file is dropped.
   void begin(time::Timestamp stamp, std::string file);
   [[nodiscard]] bool is_empty() const { return index_ == count_; }
-  /// There must be one.
+  /// The next part. Must not be called when is_empty().
   [[nodiscard]] Part next();
 
  private:

@@ -54,7 +54,7 @@ struct Siblings {
     return highest;
   }
 
-  /// Those with a probability of one half and more.
+  /// The children with a probability of at least one half.
   [[nodiscard]] unsigned occupied() const {
     unsigned bits = 0;
     for (unsigned i = 0; i < log_odds.size(); ++i) {
@@ -68,7 +68,7 @@ struct Siblings {
 /// A leaf has none of its own.
 class BtWriter {
  public:
-  /// Leaves room for an inner node, whose children follow; says where.
+  /// Reserves space for an inner node, whose children follow; returns where.
   std::size_t begin_inner() {
     bytes_.append(2, '\0');
     return bytes_.size() - 2;
@@ -81,7 +81,7 @@ class BtWriter {
     bytes_[at] = static_cast<char>(bits & 0xFFU);
     bytes_[at + 1] = static_cast<char>(bits >> 8U);
   }
-  /// Takes back an inner node and all that followed.
+  /// Removes an inner node and all that followed.
   void take_back(std::size_t at) { bytes_.resize(at); }
   void leaf(float) {}
   void leaves(const Siblings&) {}
@@ -135,7 +135,7 @@ class OtWriter {
   std::string bytes_;
 };
 
-/// Nothing but the number of nodes.
+/// Counts the nodes only.
 class NodeCounter {
  public:
   std::size_t begin_inner() { return 0; }
@@ -223,7 +223,7 @@ class TreeWalk {
     return end_inner(at, voxels);
   }
 
-  /// An inner node, or a leaf or nothing, as its children turn out.
+  /// Writes an inner node, a leaf or nothing, depending on its children.
   template <typename WriteChild>
   Node write_inner(const WriteChild& write_child) {
     const std::size_t at = writer_.begin_inner();

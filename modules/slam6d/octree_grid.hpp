@@ -36,14 +36,14 @@ constexpr VoxelCode code_of(const VoxelKey& key) {
   return spread_bits(key[0]) | spread_bits(key[1]) << 1U | spread_bits(key[2]) << 2U;
 }
 
-/// As OctoMap takes it: the squares are added in single precision.
+/// The length as OctoMap computes it: the squares are added in single precision.
 inline double length_of(const Eigen::Vector3f& p) {
   return std::sqrt(static_cast<double>(p.x() * p.x() + p.y() * p.y() + p.z() * p.z()));
 }
 
 /// OctoMap's division of space into 65536^3 voxels about the origin, in OctoMap's own arithmetic.
-/// Coordinates of 1e6 voxels and more overflow an integer as they would there: keep them away.
-/// Source: OctoMap 1.9.7, OcTreeBaseImpl.h, coordToKey() and keyToCoord().
+/// Coordinates of 1e6 voxels and more would overflow an integer as they do there; callers must
+/// exclude them. Source: OctoMap 1.9.7, OcTreeBaseImpl.h, coordToKey() and keyToCoord().
 class OctreeGrid {
  public:
   explicit OctreeGrid(double resolution_m)
@@ -51,12 +51,12 @@ class OctreeGrid {
 
   [[nodiscard]] double resolution_m() const { return resolution_m_; }
 
-  /// Empty outside of the grid.
+  /// The key of the voxel that contains a point; empty outside of the grid.
   [[nodiscard]] std::optional<VoxelKey> key_of(const Eigen::Vector3f& p) const {
     VoxelKey key{};
     for (std::size_t axis = 0; axis < key.size(); ++axis) {
       const float coordinate_m = p[static_cast<Eigen::Index>(axis)];
-      // Not even a number, or more voxels than an integer counts.
+      // NaN, or more voxels than an integer can hold.
       if (!(std::abs(voxels_per_m_ * static_cast<double>(coordinate_m)) <= kOriginKey)) {
         return std::nullopt;
       }
@@ -69,7 +69,7 @@ class OctreeGrid {
     return key;
   }
 
-  /// Outside of the grid it begins anew at the other side.
+  /// The same; outside of the grid keys wrap around.
   [[nodiscard]] VoxelKey wrapped_key_of(const Eigen::Vector3f& p) const {
     return {static_cast<std::uint16_t>(place_of(p.x())),
             static_cast<std::uint16_t>(place_of(p.y())),

@@ -25,7 +25,7 @@ SE3 OdometryCalibration::calibrate(const SE3& motion) const {
   added.z() += errors_[2] * motion.translation().x();
   SE3 calibrated = SE3::Identity();
   calibrated.linear() = geometry::rotation_of(added) * motion.linear();
-  // The chord of an arc turns by half of what the arc turns by.
+  // The chord of an arc rotates by half of the rotation along the arc.
   calibrated.translation() =
       (1.0 + errors_[0]) * (geometry::rotation_of(0.5 * added) * motion.translation());
   return calibrated;
@@ -44,7 +44,7 @@ void OdometryCalibration::update(const Eigen::Vector3d& motion, const MotionEvid
   if (!(gain > kMinGain)) {
     return;
   }
-  // The estimate is a mean of prediction and measurement; this is the measurement.
+  // The estimate is a weighted mean of prediction and measurement. This recovers the measurement.
   const double deviation = evidence.deviation / gain;
   const double variance =
       evidence.posterior_variance / gain + evidence.start_variance + evidence.random_variance;

@@ -8,11 +8,11 @@
 
 namespace nodmap::slam6d {
 
-/// A prediction whose variance the sweep made less by no more than this part tells nothing.
+/// A sweep that reduces the variance of a prediction by no more than this ratio teaches nothing.
 inline constexpr double kMinGain = 0.1;
 
-/// How far the wheels may be off what they count, before anything is learned: one standard
-/// deviation. 0: nothing is learned. And how good they may prove to be.
+/// Constant errors of the wheels before anything is learned, as standard deviations (0: not
+/// learned), and the least random error that they can be found to have.
 struct CalibrationParams {
   double translation_scale = 0.05;
   double rotation_scale = 0.05;
@@ -22,39 +22,42 @@ struct CalibrationParams {
   template <class Visitor>
   void describe(Visitor& v) {
     v.number("translation_scale", translation_scale, {0.0, 1.0},
-             "Constant relative error of odometry's distances, learned along; 0: none.");
+             "Standard deviation of the constant relative error of odometry in distance, which is "
+             "learned; 0: not learned.");
     v.number("rotation_scale", rotation_scale, {0.0, 1.0},
-             "The same of its rotations: a wrong track.");
+             "The same for rotations: a wrong track width.");
     v.angle("yaw_per_m_deg", yaw_rad_per_m, {0.0, 90.0},
-            "Constant error of the heading for each metre, learned along: unequal wheels.");
+            "Standard deviation of the constant error of the heading per metre, which is learned: "
+            "unequal wheels.");
     v.number("least_scatter", least_scatter, {0.01, 1.0},
-             "Where wheels prove better than odometry.translation_* say, their error is learned "
-             "along, down to this part of it; 1: it is not.");
+             "Least ratio to which odometry.translation_* are reduced if the wheels prove to be "
+             "better; 1: not learned.");
   }
 };
 
-/// What registration says of one direction of a motion that odometry predicted.
+/// What registration finds in one direction of a motion that odometry predicted.
 struct MotionEvidence {
   double deviation = 0.0;           ///< of the estimate from the prediction
-  double prior_variance = 0.0;      ///< of the prediction, by which the estimate was made
+  double prior_variance = 0.0;      ///< of the prediction on which the estimate is based
   double posterior_variance = 0.0;  ///< of the estimate
-  double start_variance = 0.0;      ///< of where the motion began
-  double random_variance = 0.0;     ///< of odometry, without what is constant
+  double start_variance = 0.0;      ///< of the pose at which the motion began
+  double random_variance = 0.0;     ///< of odometry, without its constant errors
 };
 
-/// The constant errors of wheels: distances, rotations and the heading for each metre. A Kalman
-/// filter over motions whose true size registration tells.
+/// The constant errors of wheels, in distance, in rotation and in heading per metre, learned by a
+/// Kalman filter from motions whose true size registration measures.
 class OdometryCalibration {
  public:
   explicit OdometryCalibration(const CalibrationParams& params);
 
-  /// A motion within some seconds, as odometry counted it, put right.
+  /// Corrects a motion of a few seconds, as odometry counted it.
   [[nodiscard]] geometry::SE3 calibrate(const geometry::SE3& motion) const;
 
   /// Learns from the motion `motion`, as odometry counted it.
   void learn(const geometry::SE3& motion, const MotionEvidence& forward, const MotionEvidence& yaw);
 
-  /// What is added: per metre of distance, per radian of rotation, and of heading (rad) per metre.
+  /// The corrections: per metre of distance, per radian of rotation, and of heading (rad) per
+  /// metre.
   [[nodiscard]] const Eigen::Vector3d& errors() const { return errors_; }
 
  private:

@@ -9,7 +9,7 @@
 
 namespace nodmap::slam6d {
 
-/// How far odometry may be wrong: one standard deviation.
+/// The errors of odometry, as standard deviations.
 struct OdometryParams {
   double translation_m = 0.01;
   double translation_m_per_m = 0.1;
@@ -47,31 +47,31 @@ struct OdometryParams {
   }
 };
 
-/// Odometry of wheels alone: it knows neither height nor tilt.
+/// Whether odometry comes from wheels alone, without height and tilt.
 [[nodiscard]] inline bool is_planar(const geometry::SE3& T_odom_base) {
   return std::abs(T_odom_base.translation().z()) < 1e-6 && T_odom_base.linear()(2, 2) > 1.0 - 1e-12;
 }
 
-/// Not on a ramp, nor on another storey.
+/// Whether a pose is on level ground: not on a ramp or on another storey.
 [[nodiscard]] inline bool is_level(const geometry::SE3& T_map_base, const OdometryParams& params) {
   constexpr double kSigmas = 4.0;
   return std::abs(T_map_base.translation().z()) < kSigmas * params.level_height_m &&
          T_map_base.linear().col(2).head<2>().norm() < kSigmas * params.level_tilt_rad;
 }
 
-/// A motion as odometry tells it.
+/// A motion as measured by odometry.
 struct OdometryMotion {
   double distance_m = 0.0;
   double rotation_rad = 0.0;
   bool is_interrupted = false;
-  int lost_sweeps = 0;   ///< refused in a row meanwhile
-  double scatter = 1.0;  ///< OdometryScatter's factor
+  int lost_sweeps = 0;   ///< sweeps refused in a row during it
+  double scatter = 1.0;  ///< OdometryScatter::factor()
 };
 
-/// The covariance of such a motion, position (m) and rotation vector (rad) in the axes of map, with
-/// what there is of it from sweep to sweep without any motion. Each sweep that was refused
-/// doubles the standard deviations: what was impossible at first, a robot that was lifted, becomes
-/// possible.
+/// The covariance of a motion: of position (m) and rotation vector (rad) in the axes of map,
+/// including the part that a stationary robot has from sweep to sweep. Each refused sweep doubles
+/// the standard deviations, so that what is impossible at first, such as a robot that was lifted,
+/// becomes possible.
 [[nodiscard]] inline Matrix6d odometry_covariance(const geometry::SE3& T_map_base,
                                                   const OdometryMotion& motion,
                                                   const OdometryParams& params) {

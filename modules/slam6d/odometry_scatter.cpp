@@ -7,7 +7,7 @@
 namespace nodmap::slam6d {
 namespace {
 
-// What was learned longer ago counts less: floors and loads change.
+// Older motions count less, because floors and loads change.
 constexpr double kMostMotions = 40.0;
 
 }  // namespace
@@ -18,8 +18,9 @@ void OdometryScatter::learn(const MotionEvidence& forward, double variance_m2) {
   if (!(gain > kMinGain)) {
     return;
   }
-  // The estimate is a mean of prediction and measurement; this is the measurement. Its own variance
-  // is not taken off: rather too much scatter than too little.
+  // The estimate is a weighted mean of prediction and measurement. This recovers the measurement.
+  // Its own variance is not subtracted, so that the scatter is overestimated rather than
+  // underestimated.
   const double deviation_m = forward.deviation / gain;
   const double measured_m2 = forward.posterior_variance / gain;
   const double weight = variance_m2 / (variance_m2 + measured_m2);

@@ -5,30 +5,31 @@
 
 namespace nodmap::slam6d {
 
-/// How far the wheels scatter in the distance that they count, beside what calibration puts right:
-/// the part of the standard deviation of OdometryParams that is left, learned from how far
-/// predictions were off where registration knew better. At first 1.
+/// The random error of the wheels in distance, after calibration, as a factor (at most 1) of the
+/// standard deviations of OdometryParams. Learned from how far predictions were off where
+/// registration determines the motion. Initially 1.
 ///
-/// In a bare corridor no scene says how long the way was, and odometry alone holds it. Errors of
-/// normals and people who walk along seem to say something, and are believed as far as odometry
-/// may be wrong. OdometryParams must do for any wheels; most are better by far.
+/// In a bare corridor only odometry determines the length of the path. Errors of normals, and
+/// people who walk along, seem to determine it, too, and count as far as odometry may be wrong.
+/// OdometryParams must hold for any wheels; most are far better.
 class OdometryScatter {
  public:
-  /// `least`: never less than this, 1: nothing is learned.
+  /// `least`: the lower limit of the factor; with 1 nothing is learned.
   explicit OdometryScatter(double least) : least_(least) {}
 
-  /// Learns from a motion whose variance, as OdometryParams has it, is `variance_m2`. Slip is
-  /// believed at once, good wheels after some 100 motions.
+  /// Learns from a motion with the variance `variance_m2` by OdometryParams. The factor rises at
+  /// once after slip, and falls within some 100 motions if the wheels are good.
   void learn(const MotionEvidence& forward, double variance_m2);
 
-  /// A sweep did not fit, which may be slip: the wheels are believed no more than at first.
+  /// To be called when a sweep did not fit, which may be due to slip: returns to the initial
+  /// factor.
   void forget() { *this = OdometryScatter(least_); }
 
-  /// `least` to 1.
+  /// The factor, from `least` to 1.
   [[nodiscard]] double factor() const;
 
  private:
-  static constexpr double kAtFirst = 3.0;  // motions that OdometryParams counts for
+  static constexpr double kAtFirst = 3.0;  // weight of OdometryParams, in motions
 
   double least_;
   double square_ = 1.0;  // of the factor

@@ -28,7 +28,8 @@ struct KeyframeParams {
              "A sweep becomes a keyframe when its base pose is farther than this from the last "
              "keyframe's.");
     v.angle("rotation_deg", rotation_rad, {0.0, 180.0},
-            "A sweep becomes a keyframe when its base pose is turned by more than this.");
+            "A sweep becomes a keyframe when its heading differs from the last keyframe's by more "
+            "than this.");
     v.flag("stationary_only", stationary_only,
            "Uses only sweeps during which the robot was stationary: stop, scan and go.");
   }
@@ -46,11 +47,13 @@ struct OccupancyParams {
   void describe(Visitor& v) {
     v.number("resolution_m", resolution_m, {0.01, 1.0}, "Edge of an OctoMap voxel.");
     v.number("max_range_m", max_range_m, {0.5, 100.0},
-             "Beams enter the OctoMap up to this length.");
+             "Beams are entered into the OctoMap up to this length.");
     v.integer("save_every_keyframes", save_every_keyframes, {0, 100000},
-              "Saves the OctoMap after so many keyframes; 0: only at the end and on request.");
+              "The map is saved each time this many keyframes were added; 0: only at the end and "
+              "on request.");
     v.number("publish_period_s", publish_period_s, {0.0, 3600.0},
-             "Publishes the OctoMap at most so often, after a keyframe; 0: never.");
+             "Shortest time between two publications of the OctoMap, which follow a keyframe; 0: "
+             "never published.");
     v.flag("save_ot", save_ot, "Saves map.ot, with probabilities, beside map.bt.");
   }
 };
@@ -76,7 +79,7 @@ struct Slam6dParams {
     v.section("sweep", sweep);
     v.section("range", range);
     v.flag("assume_stationary", assume_stationary,
-           "Takes the robot as stationary where a recording has no odometry at all.");
+           "Takes the robot as stationary if a recording has no odometry at all.");
     v.section("odometry", odometry);
     v.section("calibration", calibration);
     v.section("pitch_latency", pitch_latency);

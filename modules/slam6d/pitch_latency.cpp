@@ -4,7 +4,8 @@
 namespace nodmap::slam6d {
 namespace {
 
-// A change beyond this many standard deviations is a sill or a wrong match, not latency.
+// A change of more than this many standard deviations is due to a sill or a wrong match, not to
+// latency.
 constexpr double kMaxPitchDeviations = 3.0;
 
 }  // namespace

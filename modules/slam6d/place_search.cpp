@@ -12,20 +12,19 @@ namespace {
 using geometry::SE3;
 
 constexpr std::size_t kWallLevel = 1;
-// So many points of walls are tried; on fewer than the least no place can be told.
+// Numbers of wall points that are tried: the most, and the least that determine a place.
 constexpr std::size_t kMaxPoints = 300;
 constexpr std::size_t kMinPoints = 60;
-// A building of 200 m x 200 m x 5 m, 25 MB. Beyond it nothing is searched.
+// The most cells: a building of 200 m x 200 m x 5 m, 25 MB. A larger one is not searched.
 constexpr double kMaxCells = 2.5e7;
-// From the smallest cells, of two thirds of a step in position, to those for walls 37 m away.
+// Number of cell sizes: from two thirds of a position step to the size for walls 37 m away.
 constexpr std::size_t kCellLevels = 4;
 constexpr double kCellsPerStep = 1.5;
-// How far the robot may be from the height and the tilt it had when the map was made.
+// Standard deviations of height and tilt relative to those when the map was made.
 constexpr double kSigmaHeightM = 0.05;
 constexpr double kSigmaTiltRad = geometry::deg_to_rad(2.0);
 
-// Where the map has walls. Those that were seen from far away have planes in its coarsest voxels
-// only.
+// The walls of the map. Walls seen from far away have planes only in its coarsest voxels.
 std::vector<Eigen::Vector3f> wall_means(const VoxelMap& map) {
   std::vector<Eigen::Vector3f> means;
   for (std::size_t level = kWallLevel; level < VoxelMap::kLevels; ++level) {
@@ -125,7 +124,7 @@ StartsResult PlaceSearch::find(const VoxelMap& sweep_base, const VoxelMap& map,
       registration_);
 }
 
-// Some of the points of walls, spread over all of them.
+// A part of the wall points, spread over all of them.
 std::vector<PlaceSearch::WallPoint> PlaceSearch::wall_points(const VoxelMap& sweep_base) const {
   std::vector<Eigen::Vector3f> all;
   for (const OrientedPoint& point : sweep_base.select(kWallLevel).points) {
@@ -153,8 +152,8 @@ PosePrior PlaceSearch::prior_at(const SE3& T_map_start) const {
   return {.T_map_base = T_map_start, .covariance = sigma.cwiseAbs2().asDiagonal()};
 }
 
-// The poses at which most points are near a wall. Every fifth point says whether the others are
-// worth a look.
+// The poses at which the most points are near a wall. Every fifth point decides whether the others
+// are checked.
 std::vector<StartPose> PlaceSearch::try_all(std::span<const WallPoint> walls_base) const {
   constexpr std::size_t kFirstLook = 5;
   std::vector<StartPose> tried;

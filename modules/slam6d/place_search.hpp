@@ -15,7 +15,7 @@
 
 namespace nodmap::slam6d {
 
-/// Where a robot is searched for in a map, and which place is believed.
+/// Where in a map the robot is searched for, and which place is believed.
 struct PlaceSearchParams {
   double min_inlier_ratio = 0.5;
   double max_contradiction_ratio = 0.02;
@@ -26,34 +26,37 @@ struct PlaceSearchParams {
   template <class Visitor>
   void describe(Visitor& v) {
     v.number("min_inlier_ratio", min_inlier_ratio, {0.0, 1.0},
-             "A place in a known map of whose sweep, or of whose walls, a smaller part lies on the "
-             "map's planes is not believed.");
+             "A place is believed only if at least this fraction of the sweep's points, and of its "
+             "points on walls, lies on the map's planes.");
     v.number("max_contradiction_ratio", max_contradiction_ratio, {0.0, 1.0},
-             "Nor is one where a larger part of the surfaces, of those of which the map can tell, "
-             "stands where the map's beams went through.");
-    v.number("search_reach_m", reach_m, {0.0, 100.0},
-             "The robot is searched for up to so far from where the map was made.");
+             "A place is not believed if more than this fraction of the sweep's surfaces, where "
+             "the map has been seen, lies where the map's beams passed through.");
+    v.number(
+        "search_reach_m", reach_m, {0.0, 100.0},
+        "The robot is searched for up to this distance from the poses at which the map was made.");
     v.number("search_step_m", step_m, {0.05, 2.0}, "Distance between the positions tried.");
     v.angle("search_heading_step_deg", heading_step_rad, {0.5, 45.0},
             "Angle between the headings tried.");
   }
 };
 
-/// Finds a sweep in a whole map without knowing anything: near all places from which the map was
-/// made, in all headings. The robot is taken to be as upright and as high as it was there.
+/// Finds the place of a sweep in a whole map without a start pose: near all poses from which the
+/// map was made, in all headings. Height and tilt of the robot are assumed to be as they were
+/// there.
 class PlaceSearch {
  public:
-  /// `T_map_keyframes`: from where the map was made.
+  /// `T_map_keyframes`: the poses from which the map was made.
   PlaceSearch(const PlaceSearchParams& params, const RegistrationParams& registration,
               std::span<const geometry::SE3> T_map_keyframes, const VoxelMap& map);
 
-  /// Where the sweep lies in that map, without contradicting what was seen there.
+  /// Returns the pose of the sweep in the map. It must not contradict the space that was seen
+  /// there.
   [[nodiscard]] StartsResult find(const VoxelMap& sweep_base, const VoxelMap& map,
                                   const SeenSpace& seen) const;
 
  private:
-  /// The cells of space within about one and a half of their edges of a wall of the map, one byte
-  /// each. Only walls tell place and heading: floor and ceiling fit everywhere.
+  /// The cells that are near a wall of the map, within about one and a half cells, one byte each.
+  /// Only walls determine place and heading: floor and ceiling fit everywhere.
   struct WallCells {
     WallCells(const VoxelMap& map, float edge_m);
     [[nodiscard]] bool is_near_wall(const Eigen::Vector3f& p_map) const;
@@ -74,8 +77,8 @@ class PlaceSearch {
 
   PlaceSearchParams params_;
   RegistrationParams registration_;
-  /// Each twice as large as the one before: the farther a point, the farther half a step of heading
-  /// moves it.
+  /// Cells of increasing size, each twice as large as the one before: a heading step moves a point
+  /// farther the more distant it is.
   std::vector<WallCells> cells_;
   std::vector<Eigen::Vector3d> places_;  ///< positions to be tried
 };

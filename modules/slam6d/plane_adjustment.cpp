@@ -14,17 +14,17 @@ namespace nodmap::slam6d {
 namespace {
 
 using geometry::SE3;
-using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix63d = Eigen::Matrix<double, 6, 3>;
 
-// Of a plane's tilts, so that those of a patch seen in a single line are solvable.
+// A weak prior of a plane's tilts, so that a patch seen in a single line has a solution.
 constexpr double kTiltDamping = 1e-4;
 constexpr int kFitIterations = 4;
-// The first fit of a plane is to see all its points.
+// The kernel of the first fit of a plane is so wide that all its points count.
 constexpr double kFirstFitScale = 4.5;
-// Residuals below this are the rounding of voxel means, not knowledge.
+// Residuals below this are due to the rounding of voxel means.
 constexpr double kMinResidualM = 2e-3;
-// A point without a plane of its own belongs to a patch that it does not see along.
+// A point without a plane of its own is added only to patches that it does not see at a grazing
+// angle.
 constexpr float kMinViewCosine = 0.1F;
 
 double geman_mcclure(double relative) {
@@ -35,7 +35,7 @@ double geman_mcclure(double relative) {
 /// A voxel mean of a sweep.
 struct Sighting {
   Eigen::Vector3f p_map = Eigen::Vector3f::Zero();
-  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  // axes of map; zero: has no plane of its own
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  // axes of map; zero: no plane of its own
   std::uint32_t sweep = 0;
   std::uint32_t patch = 0;
   float precision = 0.0F;
@@ -67,7 +67,8 @@ class Patch {
   [[nodiscard]] double weights() const { return A_(0, 0); }
   [[nodiscard]] double square_sum_m2() const { return square_sum_m2_; }
 
-  /// Adds what the sightings say of the poses once the plane is eliminated (Schur complement).
+  /// Adds the equations of the sightings to those of the poses, with the plane eliminated (Schur
+  /// complement).
   void add_to(PoseEquations& equations, std::span<const AdjustedSweep> sweeps, double scale) const {
     struct Part {
       std::size_t sweep;
@@ -106,12 +107,12 @@ class Patch {
   [[nodiscard]] double height(const Eigen::Vector3d& p_map) const {
     return normal_.dot(p_map - p_);
   }
-  // How the height of a point follows the plane's offset and tilts.
+  // The derivative of a point's height with respect to the plane's offset and tilts.
   [[nodiscard]] Eigen::Vector3d in_plane(const Eigen::Vector3d& p_map) const {
     return {1.0, u_.dot(p_map - p_), v_.dot(p_map - p_)};
   }
 
-  // Weights and normal equations of the plane, at the present one.
+  // Weights and normal equations of the plane, linearised at the present plane.
   void weigh(double scale_m) {
     A_ = Eigen::Vector3d(0.0, kTiltDamping, kTiltDamping).asDiagonal();
     b_.setZero();
@@ -140,7 +141,7 @@ class Patch {
   double square_sum_m2_ = 0.0;
 };
 
-/// Sightings in cubes, and which way the surfaces in each of them face.
+/// Sightings, by cube and by the way their surfaces face.
 class PatchGrid {
  public:
   PatchGrid(std::span<const AdjustedSweep> sweeps, const VoxelMapParams& voxels,
@@ -234,7 +235,7 @@ void add_patches(PoseEquations& equations, std::span<const AdjustedSweep> sweeps
     weights += patch.weights();
     square_sum_m2 += patch.square_sum_m2();
   }
-  // The residuals themselves say how large their errors are.
+  // The variance of the residuals is estimated from the residuals.
   const double scale =
       kernels /
       (std::max({square_sum_m2, kMinResidualM * kMinResidualM * weights, 1e-12}) * num_correlated);
@@ -243,7 +244,7 @@ void add_patches(PoseEquations& equations, std::span<const AdjustedSweep> sweeps
   }
 }
 
-// From the sweep before sweep `k` to it.
+// Adds the motion from sweep `k - 1` to sweep `k`.
 void add_odometry(PoseEquations& equations, std::span<const AdjustedSweep> sweeps, std::size_t k) {
   const SE3& T_map_last = sweeps[k - 1].T_map_base;
   const SE3& T_map_this = sweeps[k].T_map_base;

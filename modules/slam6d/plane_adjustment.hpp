@@ -11,7 +11,7 @@
 
 namespace nodmap::slam6d {
 
-/// How the keyframes are adjusted together at the end.
+/// The joint adjustment of all keyframes at the end.
 struct AdjustmentParams {
   bool use = true;
   double patch_size_m = 0.4;
@@ -20,9 +20,9 @@ struct AdjustmentParams {
   template <class Visitor>
   void describe(Visitor& v) {
     v.flag("use_adjustment", use,
-           "At the end all keyframes are moved together to where their planes agree best.");
+           "Whether all keyframes are moved together at the end to where their planes agree best.");
     v.number("patch_size_m", patch_size_m, {0.05, 5.0},
-             "Edge of the cubes within which what all keyframes saw is taken as one plane.");
+             "Edge of the cubes within which the points of all keyframes are taken as one plane.");
     v.number("residual_scale_m", residual_scale_m, {0.001, 1.0},
              "Scale of the robust kernel; beyond it a point loses weight.");
   }
@@ -32,21 +32,21 @@ struct AdjustmentParams {
 struct AdjustedSweep {
   geometry::SE3 T_map_base = geometry::SE3::Identity();
   VoxelMap voxels;  ///< in base
-  /// The motion from the sweep before to this one, as odometry and matches with the map told it,
-  /// and its covariance (position in m, rotation vector in rad, axes of map); not of the first.
+  /// The motion from the sweep before to this one, from odometry and matches with the map, and its
+  /// covariance (position in m, rotation vector in rad, axes of map). Not used for the first sweep.
   geometry::SE3 T_last_this = geometry::SE3::Identity();
   Matrix6d covariance = Matrix6d::Identity();
-  /// Where the ground is level.
+  /// Set if the ground is level.
   std::optional<PosePrior::Level> level = std::nullopt;
 };
 
-/// The poses at which the sweeps' planes agree best, all sweeps at once; the first stays. One
-/// Gauss-Newton step from the present poses, which are right to some centimetres.
+/// Computes the poses of all sweeps at which their planes agree best; the first pose is fixed.
+/// Performs one Gauss-Newton step from the present poses, which must be right to some centimetres.
 ///
-/// What all sweeps saw within a cube and facing one way is a patch: one plane, whose offset and
-/// tilts are unknowns as the poses are, and are eliminated (plane adjustment: Ferrer 2019, Liu and
-/// Zhang 2021). The motion between successive sweeps holds what no plane tells. Where the equations
-/// have no solution the poses are returned as they are.
+/// A patch is what all sweeps saw within one cube, facing one way: one plane, whose offset and
+/// tilts are unknowns like the poses, and are eliminated (plane adjustment: Ferrer 2019, Liu and
+/// Zhang 2021). The motions between successive sweeps determine what no plane does. If the
+/// equations have no solution the poses are returned unchanged.
 [[nodiscard]] std::vector<geometry::SE3> adjust_planes(std::span<const AdjustedSweep> sweeps,
                                                        const VoxelMapParams& voxels,
                                                        const RegistrationParams& registration,

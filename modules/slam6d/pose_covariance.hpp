@@ -5,17 +5,18 @@
 
 namespace nodmap::slam6d {
 
+using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
-/// Of a vector v: skew(v) * w = v x w.
+/// The matrix with skew(v) * w = v x w.
 [[nodiscard]] inline Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
   Eigen::Matrix3d cross;
   cross << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
   return cross;
 }
 
-/// A covariance or information of position (m) and rotation vector (rad) in the axes that `R` turns
-/// its own into.
+/// A covariance or information matrix of position (m) and rotation vector (rad), rotated from its
+/// own axes into others by `R`.
 [[nodiscard]] inline Matrix6d rotated(const Matrix6d& matrix, const Eigen::Matrix3d& R) {
   Matrix6d turn = Matrix6d::Zero();
   turn.topLeftCorner<3, 3>() = R;
@@ -23,7 +24,8 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
   return turn * matrix * turn.transpose();
 }
 
-/// How a small motion of a body about one of its points moves the point at the end of a moment arm.
+/// The Jacobian of the motion of a point at the end of a moment arm, with respect to a small motion
+/// of the body (position in m, rotation vector in rad) at the arm's beginning.
 [[nodiscard]] inline Matrix6d moment_arm_jacobian(const Eigen::Vector3d& moment_arm) {
   Matrix6d J = Matrix6d::Identity();
   J.topRightCorner<3, 3>() = -skew(moment_arm);

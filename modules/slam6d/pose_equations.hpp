@@ -14,21 +14,21 @@ namespace nodmap::slam6d {
 /// axes of map) of many poses, six unknowns each. The first pose is fixed.
 class PoseEquations {
  public:
-  /// At least one pose.
+  /// `num_poses`: at least 1.
   explicit PoseEquations(std::size_t num_poses)
       : num_poses_(num_poses),
         g_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(6 * num_poses))) {}
 
-  /// Of H, for row <= column.
+  /// A block of H, for row <= column.
   [[nodiscard]] Matrix6d& block(std::size_t row, std::size_t column) {
     return blocks_.try_emplace(row * num_poses_ + column, Matrix6d::Zero()).first->second;
   }
-  /// Of g.
+  /// A segment of g.
   [[nodiscard]] auto gradient(std::size_t pose) {
     return g_.segment<6>(static_cast<Eigen::Index>(6 * pose));
   }
 
-  /// The motions, zero for the first pose; empty where there is no solution.
+  /// Solves for the motions, zero for the first pose; empty if there is no solution.
   [[nodiscard]] std::optional<Eigen::VectorXd> solve() const;
 
  private:

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/slam6d/registered_cloud.hpp"
 
-#include <optional>
+#include <cstddef>
 
-#include "modules/slam6d/ever_free_space.hpp"
 #include "modules/slam6d/voxel_grid.hpp"
 
 namespace nodmap::slam6d {
@@ -14,12 +13,7 @@ constexpr double kVoxelSizeM = 0.2;
 
 }  // namespace
 
-std::vector<drawing::DrawnPoint> registered_cloud(std::span<const Keyframe> keyframes,
-                                                  const EverFreeParams& params) {
-  std::optional<EverFreeSpace> ever_free;
-  if (params.remove_moved) {
-    ever_free.emplace(params, keyframes);
-  }
+std::vector<drawing::DrawnPoint> registered_cloud(std::span<const Keyframe> keyframes) {
   std::vector<drawing::DrawnPoint> points;
   for (const Keyframe& keyframe : keyframes) {
     VoxelGrid means(kVoxelSizeM);
@@ -29,15 +23,16 @@ std::vector<drawing::DrawnPoint> registered_cloud(std::span<const Keyframe> keyf
         means.add_normal(place, point.normal, 1.0F);
       }
     }
-    for (const Eigen::Vector3f& p : keyframe.cloud->points) {
-      const Eigen::Vector3f p_map = (keyframe.T_map_base * p.cast<double>()).cast<float>();
-      if (ever_free && ever_free->contains(p_map)) {
+    for (std::size_t i = 0; i < keyframe.cloud->points.size(); ++i) {
+      if (!keyframe.is_moved.empty() && keyframe.is_moved[i]) {
         continue;
       }
+      const Eigen::Vector3f& p = keyframe.cloud->points[i];
       const std::uint32_t nearest = means.nearest(p, static_cast<float>(kVoxelSizeM));
       const Eigen::Vector3f normal_base =
           nearest == VoxelGrid::kNone ? Eigen::Vector3f::Zero() : means.voxels()[nearest].normal;
-      points.push_back({p_map, keyframe.T_map_base.linear().cast<float>() * normal_base});
+      points.push_back({(keyframe.T_map_base * p.cast<double>()).cast<float>(),
+                        keyframe.T_map_base.linear().cast<float>() * normal_base});
     }
   }
   return points;

@@ -10,8 +10,8 @@
 namespace nodmap::slam6d {
 
 /// The points of all keyframes as they were measured, in map, with the normals of their surfaces;
-/// without those that moved, if they are to be removed.
-[[nodiscard]] std::vector<drawing::DrawnPoint> registered_cloud(std::span<const Keyframe> keyframes,
-                                                                const EverFreeParams& params);
+/// without those that moved.
+[[nodiscard]] std::vector<drawing::DrawnPoint> registered_cloud(
+    std::span<const Keyframe> keyframes);
 
 }  // namespace nodmap::slam6d

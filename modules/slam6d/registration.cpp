@@ -5,67 +5,23 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "common/registration/motion_solver.hpp"
 #include "common/registration/rigid_fit.hpp"
-#include "modules/slam6d/pose_covariance.hpp"
+#include "modules/slam6d/correspondence_search.hpp"
 #include "modules/slam6d/residual_sums.hpp"
+#include "modules/slam6d/sweep_motion.hpp"
 
 namespace nodmap::slam6d {
 namespace {
 
 using geometry::SE3;
 using registration::Information;
-using Vector6d = Eigen::Matrix<double, 6, 1>;
-using Matrix12d = Eigen::Matrix<double, 12, 12>;
 
 constexpr double kSettledTranslationM = 1e-4;  // a hundredth of the scanner's noise
 constexpr double kSettledRotationRad = 1e-5;   // 0.1 mm at 10 m
-// Farthest correspondence, in voxels: half of one is always found, 1.5 is the most that can be.
-constexpr float kMaxCorrespondenceVoxels = 1.5F;
-// How far is looked along a normal: as far as the prior may be wrong.
-constexpr double kNormalReachSigmas = 2.0;
-constexpr double kMaxReachVoxels = 6.0;
-
-// A small motion about the base's position, axes of map.
-SE3 moved(const SE3& T_map_base, const Vector6d& motion) {
-  SE3 result = T_map_base;
-  result.translation() += motion.head<3>();
-  result.linear() = geometry::rotation_of(motion.tail<3>()) * T_map_base.linear();
-  return result;
-}
-
-Vector6d motion_between(const SE3& from, const SE3& to) {
-  Vector6d motion;
-  motion << to.translation() - from.translation(),
-      geometry::rotation_vector(to.linear() * from.linear().transpose());
-  return motion;
-}
-
-// What the prior says of the motion of the middle of the sweep, and, for N = 12, of what is to be
-// added to it per unit of time: from the covariances of the pose at the first beam and of the
-// motion to the last one. All of them small motions about the base's position, axes of map.
-template <int N>
-Eigen::Matrix<double, N, N> motion_covariance(const PosePrior& prior, const SE3& T_map_base,
-                                              const Eigen::Vector3f& half_path) {
-  if constexpr (N == 6) {
-    return prior.covariance;
-  } else {
-    // A rotation at the first beam moves the base at the last one.
-    Matrix6d by_rotation = Matrix6d::Zero();
-    by_rotation.topRightCorner<3, 3>() = -skew(T_map_base.linear() * half_path.cast<double>());
-    Matrix12d from_ends = 0.5 * Matrix12d::Identity();
-    from_ends.topLeftCorner<6, 6>() = Matrix6d::Identity() + by_rotation;
-    from_ends.topRightCorner<6, 6>() = 0.5 * Matrix6d::Identity();
-    from_ends.bottomLeftCorner<6, 6>() = by_rotation;
-    Matrix12d ends = Matrix12d::Zero();
-    ends.topLeftCorner<6, 6>() = prior.covariance;
-    ends.bottomRightCorner<6, 6>() = prior.motion_covariance;
-    return from_ends * ends * from_ends.transpose();
-  }
-}
-
 // Fewer upright points than this tell nothing of their own.
 constexpr std::size_t kMinUprightPoints = 100;
 
@@ -88,12 +44,18 @@ class SweepRegistration {
  public:
   SweepRegistration(VoxelMap& sweep, const VoxelMap& map, const PosePrior& prior,
                     const SE3& T_map_start, const RegistrationParams& params)
-      : sweep_(sweep), map_(map), prior_(prior), params_(params) {
+      : sweep_(sweep),
+        map_(map),
+        prior_(prior),
+        params_(params),
+        correspondences_(map, params.min_normal_cosine) {
     result_.T_map_base = T_map_start;
-    const Matrix covariance = motion_covariance<N>(prior, prior.T_map_base, sweep.half_path());
+    const Matrix covariance =
+        motion_covariance<N>(prior.covariance, prior.motion_covariance,
+                             prior.T_map_base.linear() * sweep.half_path().template cast<double>());
     prior_information_.H = covariance.llt().solve(Matrix::Identity());
     prior_covariance_ = covariance.template topLeftCorner<6, 6>();
-    result_.prior_end_covariance = end_covariance(covariance);
+    result_.prior_end_covariance = end_covariance<N>(covariance);
   }
 
   Registration run() {
@@ -101,8 +63,11 @@ class SweepRegistration {
       run_level(l, kernel_scale(l, params_.coarse_residual_scale_m));
     }
     count_inliers();
-    if (is_left_open() && params_.metric == Metric::kPlanes) {
-      look_along_normals();
+    if (result_.degenerate_directions > 0 && params_.metric == Metric::kPlanes) {
+      if (const auto reach_m =
+              normal_reach_m(result_.covariance, prior_covariance_, map_.level(0).voxel_size_m())) {
+        look_along_normals(*reach_m);
+      }
     }
     classify();
     return result_;
@@ -112,34 +77,20 @@ class SweepRegistration {
   using Matrix = Eigen::Matrix<double, N, N>;
   using Vector = Eigen::Matrix<double, N, 1>;
 
-  // Whether a direction is held by the prior alone, and may be farther off than the finest voxels
-  // find correspondences.
-  [[nodiscard]] bool is_left_open() const {
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(
-        result_.covariance.topLeftCorner<3, 3>(), Eigen::EigenvaluesOnly);
-    const double reach_m =
-        static_cast<double>(kMaxCorrespondenceVoxels) * map_.level(0).voxel_size_m();
-    return result_.degenerate_directions > 0 && eigen.eigenvalues()[2] > reach_m * reach_m;
-  }
-
   // A strip of floor before a wall is too narrow for planes in coarse voxels, and too far off for
   // the finest ones: these look for it along their normals. Taken when it holds more directions
   // and the sweep fits no worse.
-  void look_along_normals() {
+  void look_along_normals(double reach_m) {
     const Registration before = result_;
     std::optional<VoxelMap> sweep_before;
     if constexpr (N == 12) {
       sweep_before = sweep_;
     }
-    const double voxel_size_m = map_.level(0).voxel_size_m();
-    const double reach_m =
-        std::min(kNormalReachSigmas * std::sqrt(prior_covariance_.diagonal().head<3>().maxCoeff()),
-                 kMaxReachVoxels * voxel_size_m);
-    steps_along_normal_ = static_cast<int>(std::ceil(reach_m / voxel_size_m));
+    correspondences_.look_along_normals(reach_m);
     for (std::size_t l = VoxelMap::kLevels; l-- > 0;) {
       run_level(0, kernel_scale(l, std::max(reach_m, params_.coarse_residual_scale_m)));
     }
-    steps_along_normal_ = 0;
+    correspondences_.look_along_normals(0.0);
     count_inliers();
     if (!is_valid_ || result_.degenerate_directions >= before.degenerate_directions ||
         result_.lowest_inlier_ratio() < before.lowest_inlier_ratio()) {
@@ -229,35 +180,8 @@ class SweepRegistration {
 
   VoxelMap::Selection select(std::size_t l) {
     VoxelMap::Selection selection = sweep_.select(l);
-    matches_.assign(selection.points.size(), {});
+    correspondences_.begin(selection.points.size());
     return selection;
-  }
-
-  // The map's voxel nearest to a point of the selection. From step to step points hardly move, and
-  // the nearest stays the same.
-  std::uint32_t match(std::size_t i, const VoxelGrid& grid, const Eigen::Vector3f& p_map,
-                      const Eigen::Vector3f& normal_map) {
-    Match& last = matches_[i];
-    if (!((p_map - last.p_map).squaredNorm() < last.sq_slack_m2)) {
-      const auto voxel_size_m = static_cast<float>(grid.voxel_size_m());
-      const float max_m = kMaxCorrespondenceVoxels * voxel_size_m;
-      VoxelGrid::Nearest nearest = grid.find_nearest(p_map, max_m);
-      for (int k = 1; k <= 2 * steps_along_normal_ && !corresponds(nearest, grid, normal_map);
-           ++k) {
-        // 1, -1, 2, -2, ...
-        const auto step = static_cast<float>(k % 2 == 1 ? (k + 1) / 2 : -k / 2);
-        nearest = grid.find_nearest(p_map + step * voxel_size_m * normal_map, max_m);
-      }
-      last = {p_map, nearest.slack_m * nearest.slack_m, nearest.place};
-    }
-    return last.place;
-  }
-
-  [[nodiscard]] bool corresponds(const VoxelGrid::Nearest& nearest, const VoxelGrid& grid,
-                                 const Eigen::Vector3f& normal_map) const {
-    return nearest.place != VoxelGrid::kNone &&
-           normal_map.dot(grid.voxels()[nearest.place].normal) >=
-               static_cast<float>(params_.min_normal_cosine);
   }
 
   // w_ij of Eq. 3: calls `use(point, p_map, normal_map, voxel)` for each correspondence.
@@ -267,9 +191,7 @@ class SweepRegistration {
     const Eigen::Vector3f t = result_.T_map_base.translation().cast<float>();
     const Eigen::Vector3f step = since_deskew_.translation_m.cast<float>();
     const Eigen::Vector3f turn = since_deskew_.rotation_rad.cast<float>();
-    const auto min_cosine = static_cast<float>(params_.min_normal_cosine);
     for (std::size_t l = 0; l < VoxelMap::kLevels; ++l) {
-      const VoxelGrid& grid = map_.level(l);
       for (std::size_t i = selection.first_of_level[l]; i < selection.first_of_level[l + 1]; ++i) {
         const OrientedPoint& point = selection.points[i];
         Eigen::Vector3f p_base = point.p;
@@ -278,13 +200,8 @@ class SweepRegistration {
         }
         const Eigen::Vector3f p_map = R * p_base + t;
         const Eigen::Vector3f normal_map = R * point.normal;
-        const std::uint32_t place = match(i, grid, p_map, normal_map);
-        if (place == VoxelGrid::kNone) {
-          continue;
-        }
-        const Voxel& voxel = grid.voxels()[place];
-        if (normal_map.dot(voxel.normal) >= min_cosine) {
-          use(point, p_map, normal_map, voxel);
+        if (const Voxel* voxel = correspondences_.find(i, l, p_map, normal_map)) {
+          use(point, p_map, normal_map, *voxel);
         }
       }
     }
@@ -321,19 +238,9 @@ class SweepRegistration {
         Matrix6d::Identity() - (estimate.covariance * prior.H).template topLeftCorner<6, 6>();
     result_.degenerate_directions = degenerate_directions(estimate.covariance);
     result_.covariance = estimate.covariance.template topLeftCorner<6, 6>();
-    result_.end_covariance = end_covariance(estimate.covariance);
+    result_.end_covariance = end_covariance<N>(estimate.covariance);
     is_valid_ = estimate.is_valid;
     return estimate.x;
-  }
-
-  // At the last beam: of m0 + m1.
-  [[nodiscard]] static Matrix6d end_covariance(const Matrix& covariance) {
-    Matrix6d end = covariance.template topLeftCorner<6, 6>();
-    if constexpr (N == 12) {
-      const Matrix6d cross = covariance.template topRightCorner<6, 6>();
-      end += cross + cross.transpose() + covariance.template bottomRightCorner<6, 6>();
-    }
-    return end;
   }
 
   // About how many directions of the pose the map says less than the prior.
@@ -406,13 +313,6 @@ class SweepRegistration {
     }
   }
 
-  // What a point corresponded to when it was looked up, and how far it may move from there.
-  struct Match {
-    Eigen::Vector3f p_map = Eigen::Vector3f::Zero();
-    float sq_slack_m2 = 0.0F;
-    std::uint32_t place = VoxelGrid::kNone;
-  };
-
   VoxelMap& sweep_;
   const VoxelMap& map_;
   const PosePrior& prior_;
@@ -421,10 +321,9 @@ class SweepRegistration {
   Information<N> prior_information_;
   Matrix6d prior_covariance_;      // of the pose in the middle of the sweep
   MotionCorrection since_deskew_;  // not yet in the sweep's voxels
-  std::vector<Match> matches_;     // of the selection's points
+  CorrespondenceSearch correspondences_;
   std::size_t level_ = 0;
   float scale_m_ = 0.0F;
-  int steps_along_normal_ = 0;  // voxels to each side, where a point has no correspondence
   bool is_valid_ = false;
 };
 

@@ -11,14 +11,14 @@
 
 namespace nodmap::slam6d {
 
-/// Weighted sums over correspondences: of the motion of the middle of the sweep (N = 6), or also of
-/// what is to be added to it per unit of time (N = 12): a point measured at `time` moves by
-/// m0 + time * m1. Row and column 6 of each part belong to the residual.
+/// Weighted sums over correspondences, for the motion of the middle of the sweep (N = 6), or also
+/// for its change per unit of time (N = 12): a point measured at `time` moves by m0 + time * m1.
+/// Row and column 6 of each sum belong to the residual.
 template <int N>
 class ResidualSums {
  public:
-  /// `kernel` (0..1) says how far the correspondence is believed, `precision` how well both points
-  /// are known.
+  /// Adds a correspondence. `kernel`: its robust weight, 0..1; `precision`: inverse variance of the
+  /// distance between both points, relative to that of single points.
   void add(const Eigen::Vector3f& normal, const Eigen::Vector3f& arm, float residual_m, float time,
            float kernel, float precision) {
     const Eigen::Vector3f moment = arm.cross(normal);
@@ -66,8 +66,8 @@ class ResidualSums {
     return information;
   }
 
-  // What normals that err by `normal_error_rad` in any direction make up: the mean of J J^T for
-  // J = (e, arm x e) with random e.
+  // The information that errors of the normals by `normal_error_rad`, in random directions e, would
+  // imitate: the mean of J J^T for J = (e, arm x e).
   [[nodiscard]] Eigen::Matrix<double, N, N> imitated_information(double normal_error_rad) const {
     Eigen::Matrix<double, N, N> H;
     for (int i = 0; i < N / 6; ++i) {
@@ -86,8 +86,8 @@ class ResidualSums {
     return normal_error_rad * normal_error_rad * H;
   }
 
-  // Information of one unit, if `num_correlated` neighbours are one measurement. The residuals
-  // themselves say how large their errors are.
+  // The unit of information(), if `num_correlated` neighbours count as one measurement. The
+  // variance is estimated from the residuals.
   [[nodiscard]] double scale(double num_correlated) const {
     const double unit_variance =
         std::max(sums_[0](6, 6), kMinResidualM * kMinResidualM * arms_[0](3, 3)) /
@@ -96,7 +96,7 @@ class ResidualSums {
   }
 
  private:
-  // Residuals below this are the rounding of voxel means, not knowledge.
+  // Residuals below this are due to the rounding of voxel means.
   static constexpr double kMinResidualM = 2e-3;
   static constexpr std::size_t kPowers = N == 6 ? 1 : 3;  // of time
   static std::size_t at(int power) { return static_cast<std::size_t>(power); }

@@ -114,9 +114,8 @@ void write_trajectories(const Slam6d& slam, const std::filesystem::path& dir) {
   formats::write_tum(dir / "online.tum", online);
 }
 
-void write_cloud(const Slam6d& slam, const EverFreeParams& params,
-                 const std::filesystem::path& dir) {
-  const std::vector<drawing::DrawnPoint> points = registered_cloud(slam.keyframes(), params);
+void write_cloud(const Slam6d& slam, const std::filesystem::path& dir) {
+  const std::vector<drawing::DrawnPoint> points = registered_cloud(slam.keyframes());
   const drawing::HeightRange heights = drawing::height_range(points);
   std::vector<formats::ColouredPoint> coloured;
   coloured.reserve(points.size());

@@ -14,19 +14,19 @@ namespace nodmap::slam6d {
 void write_trajectories(const Slam6d& slam, const std::filesystem::path& dir);
 
 /// cloud.ply, map.png and path.png. Throws std::runtime_error.
-void write_cloud(const Slam6d& slam, const EverFreeParams& params,
-                 const std::filesystem::path& dir);
+void write_cloud(const Slam6d& slam, const std::filesystem::path& dir);
 
-/// What became of loops.
+/// The loops that were accepted and refused.
 [[nodiscard]] nlohmann::json loop_figures(const BackEnd& back_end);
 
-/// The same in a sentence: which keyframes were recognised where.
+/// The same as a sentence: which keyframes were recognised where.
 [[nodiscard]] std::string describe_loops(const BackEnd& back_end);
 
-/// How a robot was found in a saved map; only for one that was put into it.
+/// How the robot was found in a saved map. May be called only if slam.localiser() exists.
 [[nodiscard]] nlohmann::json localisation_figures(const Slam6d& slam);
 
-/// Sweeps, scans and keyframes with why and how well they were registered.
+/// Counts of sweeps and scans, and the keyframes, each with its reason and the quality of its
+/// registration.
 [[nodiscard]] nlohmann::json slam_figures(const Slam6d& slam);
 
 }  // namespace nodmap::slam6d

@@ -10,8 +10,8 @@
 
 namespace nodmap::slam6d {
 
-/// All that is needed to carry on with a map, or to localise in it: its keyframes, and how they are
-/// joined. Voxels and OctoMap follow from their clouds.
+/// All that is needed to continue a map, or to localise in it: its keyframes, and how they are
+/// joined. Voxels and OctoMap are made from their clouds.
 struct SavedMap {
   struct Keyframe {
     std::shared_ptr<const SweepCloud> cloud;  ///< in base; at least its time, points and lines
@@ -20,7 +20,7 @@ struct SavedMap {
   };
 
   std::vector<Keyframe> keyframes;
-  /// To each keyframe but the first, from one before it: step k - 1 leads to keyframe k.
+  /// The edge to each keyframe but the first, from an earlier one: step k - 1 leads to keyframe k.
   std::vector<registration::PoseEdge3d> steps;
   std::vector<registration::PoseEdge3d> loops;
 };

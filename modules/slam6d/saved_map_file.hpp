@@ -14,9 +14,9 @@ namespace nodmap::slam6d {
 [[nodiscard]] std::error_code write_saved_map(const std::filesystem::path& dir,
                                               const SavedMap& map);
 
-/// Reads it. `path` is a keyframes.lcmlog, or a folder with one. Throws formats::InputFileError,
-/// naming the file and what is wrong, also for a damaged or truncated file and for one without
-/// keyframes: half a map is worse than none.
+/// Reads a saved map. `path` is a keyframes.lcmlog, or a folder with one. Throws
+/// formats::InputFileError, naming the file and what is wrong, also if the file is damaged,
+/// truncated or has no keyframes.
 [[nodiscard]] SavedMap read_saved_map(const std::filesystem::path& path);
 
 }  // namespace nodmap::slam6d

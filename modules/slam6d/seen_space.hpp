@@ -13,41 +13,42 @@
 
 namespace nodmap::slam6d {
 
-/// A surface whose unit normal rises less than this is upright: a wall.
+/// A surface is upright, a wall, if the z component of its unit normal is below this.
 inline constexpr float kMaxUprightNormal = 0.5F;
 
-/// How finely and how far it is remembered where a map's beams went through.
+/// Resolution and range of the record of where a map's beams passed.
 struct SeenSpaceParams {
   double voxel_size_m = 0.1;
   double max_range_m = 8.0;
 
   template <class Visitor>
   void describe(Visitor& v) {
-    v.number("contradiction_voxel_m", voxel_size_m, {0.02, 1.0},
-             "A surface contradicts the map from one to two of these beside what was seen: beyond "
-             "all errors of registration and deskewing.");
+    v.number(
+        "contradiction_voxel_m", voxel_size_m, {0.02, 1.0},
+        "Edge of the voxels of seen space. A surface contradicts the map if it is one to two "
+        "voxels inside of free space, which exceeds all errors of registration and deskewing.");
     v.number("contradiction_range_m", max_range_m, {0.5, 100.0},
-             "Only nearer than this: beams of neighbouring scans are 1 degree apart, and farther "
-             "away there are voxels between them.");
+             "Space counts as seen up to this range. Beams of neighbouring scans are 1 degree "
+             "apart; farther away they miss voxels in between.");
   }
 };
 
-/// How a sweep at some place agrees with what was seen from the keyframes of a map. Where the map
-/// knows nothing, nothing counts.
+/// How a sweep at some place agrees with what the keyframes of a map saw. Surfaces where the map
+/// knows nothing are not counted.
 struct Evidence {
-  double seen = 0.0;  ///< surfaces of the sweep that the map has, too; floor and ceiling not
+  double seen = 0.0;  ///< surfaces of the sweep that the map has, too, without floor and ceiling
   double contradicted = 0.0;  ///< surfaces of the sweep where the map's beams went through
 
-  /// Part of what the map can tell of that contradicts; 0 where it can tell nothing.
+  /// Fraction of the counted surfaces that contradict; 0 if none is counted.
   [[nodiscard]] double contradiction_ratio() const {
     const double all = seen + contradicted;
     return all > 0.0 ? contradicted / all : 0.0;
   }
 };
 
-/// The space that a map's keyframes have seen: where their beams went through, and where they
-/// ended. Registration asks whether surfaces lie on surfaces, which they do in every corridor that
-/// looks alike; this asks whether they stand where there is nothing.
+/// The space that a map's keyframes have seen: where their beams passed through, and where they
+/// ended. Registration checks that surfaces lie on surfaces, which is true in every corridor that
+/// looks alike; this checks whether they lie in free space.
 class SeenSpace {
  public:
   SeenSpace(const SeenSpaceParams& params, std::span<const Keyframe> keyframes);

@@ -16,20 +16,12 @@ namespace {
 
 using geometry::SE3;
 
-// With fewer planes a sweep tells nothing for or against odometry: somebody stands before the
-// laser.
-constexpr std::size_t kMinPlanes = 50;
-// Nearer than this, three standard deviations, no other place is like the right one.
-constexpr double kCertainM = 0.3;
-const double kCertainRad = geometry::deg_to_rad(10.0);
+// A saved keyframe votes for the sweeps up to the next one as well, which were not saved.
+constexpr int kVotesOfSavedKeyframe = 2;
 
-bool is_blind(const VoxelMap& sweep) {
-  return sweep.select(0).points.size() < kMinPlanes;
-}
-
-bool is_certain(const Matrix6d& covariance) {
-  return 3.0 * std::sqrt(covariance.topLeftCorner<3, 3>().trace()) < kCertainM &&
-         3.0 * std::sqrt(covariance.bottomRightCorner<3, 3>().trace()) < kCertainRad;
+// A sweep of so few planes tells nothing for or against odometry: somebody stands before the laser.
+bool is_blind(const VoxelMap& sweep, const RegistrationParams& params) {
+  return sweep.select(0).points.size() < static_cast<std::size_t>(params.min_planes);
 }
 
 std::vector<OrientedPoint> oriented_points(const VoxelGrid& grid) {
@@ -48,6 +40,7 @@ Slam6d::Slam6d(const Slam6dParams& params)
       collector_(params.sweep, params.assume_stationary),
       tracker_(params),
       map_(params.voxels),
+      ever_free_(params.cloud),
       back_end_(params.loop, params.registration, params.odometry, params.voxels) {}
 
 std::optional<PoseUpdate> Slam6d::change_odometry_frame(const SE3& T_new_odom_base) {
@@ -69,11 +62,14 @@ void Slam6d::restore(const SavedMap& saved, const std::optional<SE3>& T_map_star
   for (const SavedMap::Keyframe& keyframe : saved.keyframes) {
     const VoxelMap sweep = voxelize(*keyframe.cloud, params_.voxels);
     map_.add_sweep(sweep, keyframe.T_map_base, keyframes_.size());
+    ever_free_.add_sweep(*keyframe.cloud, keyframe.T_map_base, keyframes_.size(),
+                         kVotesOfSavedKeyframe);
     keyframes_.push_back({.sweep = 0,
                           .T_map_base = keyframe.T_map_base,
                           .cloud = keyframe.cloud,
                           .points = oriented_points(sweep.level(0))});
   }
+  find_moved_points();
   back_end_.restore(saved);
   localiser_.emplace(params_.localise, params_.registration, keyframes_, map_, T_map_start);
   num_restored_ = keyframes_.size();
@@ -129,7 +125,7 @@ PoseUpdate Slam6d::add_cloud(SweepCloud cloud) {
     return update;
   }
   VoxelMap sweep = voxelize(cloud, params_.voxels);
-  if (is_blind(sweep)) {
+  if (is_blind(sweep, params_.registration)) {
     keep(update);
     return update;
   }
@@ -155,22 +151,6 @@ PoseUpdate Slam6d::add_cloud(SweepCloud cloud) {
   return sweeps_.back();
 }
 
-// A robot that was put into a known map. As long as it is not found there it has no pose.
-void Slam6d::find_place(const VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update) {
-  if (auto T_map_base = localiser_->find(sweep, map_, update)) {
-    if (localiser_->is_confirmed()) {
-      // A given start, which needs no confirmation, is that of the sweep's first beam.
-      *T_map_base = *T_map_base * cloud.T_base_first.inverse();
-    }
-    tracker_.begin_at(*T_map_base, cloud);
-    update = tracker_.extrapolate(cloud);
-    return;
-  }
-  tracker_.forget_pose();
-  update.registration = Registration{};
-  count(update.registration->status);
-}
-
 // IV B: "registered into an incrementally built 3D model".
 void Slam6d::track(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update) {
   const int lost_before = tracker_.lost_sweeps();
@@ -187,71 +167,7 @@ void Slam6d::track(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update)
       take_back_place(cloud, update);
     }
   }
-  count(update.registration->status);
-}
-
-// A wrong place would be built into the map: it is opened when the place is confirmed.
-void Slam6d::classify_place(const VoxelMap& sweep, PoseUpdate& update) {
-  localiser_->classify(sweep, update, tracker_.lost_sweeps());
-  is_map_closed_ = is_map_fixed_ || !localiser_->is_confirmed() ||
-                   update.registration->status != RegistrationStatus::kTracking;
-  if (!is_map_closed_) {
-    by_odometry_.reset();
-  }
-}
-
-// A robot that was lost while it maps, kicked or carried away. Odometry tells little of where it
-// is, and walls lie on walls in many places: what contradicts the space that was seen is refused.
-// Where odometry leaves no other place open, people who stand about do not contradict it.
-void Slam6d::recover(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update) {
-  if (update.is_tracked() && !is_certain(tracker_.extrapolate(cloud).covariance) &&
-      localiser_->is_contradicted_at(sweep, update.T_map_base)) {
-    tracker_.refuse();
-    update = tracker_.extrapolate(cloud);
-    update.registration = Registration{};
-  }
-  if (tracker_.lost_sweeps() >= params_.localise.max_lost_sweeps) {
-    search_own_map(sweep, cloud, update);
-  }
-}
-
-// As in a saved map. The own one is closed until the place is confirmed.
-void Slam6d::search_own_map(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update) {
-  VoxelMap as_measured = voxelize(cloud, params_.voxels);
-  const auto T_map_base = localiser_->find(as_measured, map_, update);
-  if (!T_map_base) {
-    return;
-  }
-  by_odometry_ = tracker_;
-  is_map_closed_ = keyframe_is_due_ = true;
-  tracker_.begin_at(*T_map_base, cloud);
-  update = tracker_.extrapolate(cloud);
-  sweep = std::move(as_measured);
-  tracker_.track(sweep, map_, cloud, update);
-}
-
-// The place that was found is wrong: odometry goes on from where the robot was lost, and the
-// search, too.
-void Slam6d::take_back_place(const SweepCloud& cloud, PoseUpdate& update) {
-  tracker_ = *std::exchange(by_odometry_, std::nullopt);
-  tracker_.interrupt();
-  is_map_closed_ = false;
-  update = tracker_.extrapolate(cloud);
-  update.registration = Registration{};
-}
-
-void Slam6d::count(RegistrationStatus status) {
-  switch (status) {
-    case RegistrationStatus::kTracking:
-      ++counts_.sweeps_tracked;
-      break;
-    case RegistrationStatus::kDegraded:
-      ++counts_.sweeps_degraded;
-      break;
-    case RegistrationStatus::kLost:
-      ++counts_.sweeps_lost;
-      break;
-  }
+  counts_.count(update.registration->status);
 }
 
 void Slam6d::keep(const PoseUpdate& update) {
@@ -260,9 +176,12 @@ void Slam6d::keep(const PoseUpdate& update) {
 }
 
 void Slam6d::keep_keyframe(const VoxelMap& sweep, SweepCloud cloud) {
+  cloud.drop_free_points();
   keyframes_.push_back({sweeps_.size() - 1, sweeps_.back().T_map_base,
                         std::make_shared<const SweepCloud>(std::move(cloud)),
                         oriented_points(sweep.level(0))});
+  Keyframe& keyframe = keyframes_.back();
+  keyframe.is_moved = ever_free_.moved_points(*keyframe.cloud, keyframes_.size() - 1);
   keyframe_is_due_ = false;
 }
 
@@ -278,6 +197,7 @@ bool Slam6d::is_better_beginning(const VoxelMap& sweep) const {
 void Slam6d::begin_anew() {
   sweeps_[keyframes_.front().sweep].keyframe.reset();
   map_ = VoxelMap(params_.voxels);
+  ever_free_ = EverFreeSpace(params_.cloud);
   keyframes_.clear();
   back_end_ = BackEnd(params_.loop, params_.registration, params_.odometry, params_.voxels);
   tracker_.forget_pose();
@@ -311,14 +231,18 @@ void Slam6d::learn_pitch_latency_at_start(const PlacedSweep& sweep) {
   first.points = oriented_points(first_voxels.level(0));
   map_ = VoxelMap(params_.voxels);
   map_.add_sweep(first_voxels, first.T_map_base);
+  ever_free_ = EverFreeSpace(params_.cloud);
+  ever_free_.add_sweep(*first.cloud, first.T_map_base, 0);
 }
 
 // Only what was registered enters the map: a refused sweep leaves no trace.
 void Slam6d::accept(const VoxelMap& sweep, SweepCloud& cloud, PoseUpdate& update) {
-  if (!is_map_closed_) {
-    map_.add_sweep(sweep, update.T_map_base, keyframes_.size() - (update.keyframe ? 0 : 1));
-  }
   tracker_.accept(cloud, update);
+  if (!is_map_closed_) {
+    const std::size_t keyframe = keyframes_.size() - (update.keyframe ? 0 : 1);
+    map_.add_sweep(sweep, update.T_map_base, keyframe);
+    ever_free_.add_sweep(cloud, update.T_map_base, keyframe);
+  }
 }
 
 // IV B: "only those whose robot base poses P_b are further than 2 m away from each other or that
@@ -383,6 +307,13 @@ void Slam6d::polish() {
         adjusted_sweeps(keyframes_, sweeps_, back_end_.graph().steps(), tracker_, params_),
         params_.voxels, params_.registration, params_.adjustment));
   }
+  find_moved_points();
+}
+
+void Slam6d::find_moved_points() {
+  for (std::size_t k = 0; k < keyframes_.size(); ++k) {
+    keyframes_[k].is_moved = ever_free_.moved_points(*keyframes_[k].cloud, k);
+  }
 }
 
 void Slam6d::move_keyframes(std::span<const SE3> T_map_keyframes) {
@@ -395,6 +326,7 @@ void Slam6d::move_keyframes(std::span<const SE3> T_map_keyframes) {
     }
   }
   corrected_.move(corrections);
+  ever_free_.move_keyframes(T_map_keyframes);
   tracker_.move(T_new_old);
 }
 

@@ -13,6 +13,7 @@
 #include "common/scan/scan.hpp"
 #include "modules/slam6d/back_end.hpp"
 #include "modules/slam6d/corrected_poses.hpp"
+#include "modules/slam6d/ever_free_space.hpp"
 #include "modules/slam6d/keyframe.hpp"
 #include "modules/slam6d/localiser.hpp"
 #include "modules/slam6d/params.hpp"
@@ -32,6 +33,12 @@ struct Metrics {
   std::size_t sweeps_lost = 0;
   std::size_t map_voxels = 0;
   std::size_t map_memory_bytes = 0;
+
+  void count(RegistrationStatus status) {
+    sweeps_tracked += status == RegistrationStatus::kTracking ? 1 : 0;
+    sweeps_degraded += status == RegistrationStatus::kDegraded ? 1 : 0;
+    sweeps_lost += status == RegistrationStatus::kLost ? 1 : 0;
+  }
 };
 
 /// 6DOF-SLAM of section IV B: scans and odometry in, poses and registered clouds out.
@@ -39,56 +46,60 @@ class Slam6d {
  public:
   explicit Slam6d(const Slam6dParams& params);
 
-  /// Takes over a saved map, before the first scan. The robot is at `T_map_start` at the first
-  /// sweep, or is searched for. `is_fixed`: it is localised in the map, which is never changed;
-  /// else it is carried on with as soon as the place is confirmed.
+  /// Restores a saved map; must be called before the first scan. `T_map_start`: pose of the robot
+  /// at the first sweep; without it the robot is searched for. `is_fixed`: the robot is localised
+  /// in the map, which is never changed; otherwise the map is continued as soon as the place is
+  /// confirmed.
   void restore(const SavedMap& saved, const std::optional<geometry::SE3>& T_map_start,
                bool is_fixed);
   /// Everything that restore() needs.
   [[nodiscard]] SavedMap save() const;
-  /// Whether nothing is added to the map: the robot has not been found in it, or it is fixed.
+  /// Whether nothing is added to the map, because the robot has not been found in it or the map is
+  /// fixed.
   [[nodiscard]] bool is_map_closed() const { return is_map_closed_; }
-  /// Of a robot in a saved map, or that was lost and is looked for in its own.
+  /// The localiser of a robot in a saved map, or of one that was lost and is searched for in its
+  /// own map.
   [[nodiscard]] const std::optional<Localiser>& localiser() const { return localiser_; }
-  /// Whether the robot may be searched for with the next sweep, which takes longer.
+  /// Whether the next sweep may need a search for the robot, which takes longer.
   [[nodiscard]] bool may_search() const {
     return is_map_closed_ ? !localiser_->has_place() : tracker_.lost_sweeps() > 0;
   }
 
-  /// The robot's pose by odometry; returns whether it was taken (finite).
+  /// Adds a pose of the robot by odometry. Returns false, and ignores it, if it is not finite.
   bool add_odometry(time::Timestamp stamp, const geometry::SE3& T_odom_base) {
     return collector_.add_odometry(stamp, T_odom_base);
   }
 
-  /// Odometry goes on in another frame: its newest pose and `T_new_odom_base` are one place, as far
-  /// as anybody knows, and the robot stays where it was in the map. The running sweep ends, and its
-  /// update is returned; odometry is forgotten, so that no beam is placed between the frames; the
-  /// next sweep is registered as after an interruption.
+  /// Odometry continues in another frame: its newest pose and `T_new_odom_base` are taken as the
+  /// same place, and the robot stays where it was in the map. The running sweep ends, and its
+  /// update is returned. Older odometry is forgotten, so that no beam is placed between the frames.
+  /// The next sweep is registered as after an interruption.
   [[nodiscard]] std::optional<PoseUpdate> change_odometry_frame(
       const geometry::SE3& T_new_odom_base);
 
-  /// The next scan of the stream. Returns the pose of the sweep it completes, if it does, and if
-  /// there was odometry for it. The scan must be plausible (scan::is_plausible).
+  /// Adds the next scan of the stream, which must be plausible (scan::is_plausible()). Returns the
+  /// pose of the sweep that it completes, if any, and if there was odometry for it.
   [[nodiscard]] std::optional<PoseUpdate> add_scan(scan::Scan scan);
 
-  /// The unfinished sweep at the end of the stream.
+  /// Registers the unfinished sweep at the end of the stream.
   [[nodiscard]] std::optional<PoseUpdate> flush();
 
-  /// What add_scan() and flush() do, in two steps: to collect the scans of a sweep, which takes
-  /// microseconds, and to register it. collect(), collect_rest(), add_odometry() and scan_counts()
-  /// share nothing with add_sweep(), add_cloud() and what they change.
+  /// add_scan() and flush() in two steps: collecting the scans of a sweep, which takes
+  /// microseconds, and registering it. The two steps may run on different threads: collect(),
+  /// collect_rest(), add_odometry() and scan_counts() share no data with add_sweep(), add_cloud()
+  /// and what they change.
   [[nodiscard]] std::optional<PlacedSweep> collect(scan::Scan scan) {
     return collector_.add_scan(std::move(scan));
   }
   [[nodiscard]] std::optional<PlacedSweep> collect_rest() { return collector_.flush(); }
   PoseUpdate add_sweep(const PlacedSweep& sweep);
 
-  /// The same for a cloud that is one already: everything after deskewing.
+  /// The same for a cloud that is deskewed already.
   PoseUpdate add_cloud(SweepCloud cloud);
 
   [[nodiscard]] std::span<const PoseUpdate> sweeps() const { return sweeps_; }
   [[nodiscard]] std::span<const Keyframe> keyframes() const { return keyframes_; }
-  /// The first of them, which a saved map has brought.
+  /// Number of keyframes, the first ones, that come from a saved map.
   [[nodiscard]] std::size_t num_restored() const { return num_restored_; }
   [[nodiscard]] const VoxelMap& map() const { return map_; }
   [[nodiscard]] const OdometryCalibration& calibration() const { return tracker_.calibration(); }
@@ -96,15 +107,15 @@ class Slam6d {
   [[nodiscard]] const ScanCounts& scan_counts() const { return collector_.counts(); }
   [[nodiscard]] Metrics metrics() const;
 
-  /// The pose of every sweep, with all that is known now: tracked sweeps as registered and moved
-  /// with their keyframes, those between two of them with a correction that goes over evenly from
-  /// one to the next.
+  /// The pose of every sweep, as known now: tracked sweeps as registered and moved with their
+  /// keyframes, those in between with an interpolated correction.
   [[nodiscard]] std::vector<geometry::SE3> trajectory() const {
     return corrected_.trajectory(sweeps_);
   }
 
   /// At the end: moves the newest poses, too, to where they agree best with all loops, and then all
-  /// keyframes together to where their planes agree best. The voxels stay.
+  /// keyframes together to where their planes agree best. The voxels stay. Of all keyframes it is
+  /// told anew which of their points moved.
   void polish();
   [[nodiscard]] const BackEnd& back_end() const { return back_end_; }
 
@@ -119,19 +130,20 @@ class Slam6d {
   void recover(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update);
   void search_own_map(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update);
   void take_back_place(const SweepCloud& cloud, PoseUpdate& update);
-  void count(RegistrationStatus status);
   void accept(const VoxelMap& sweep, SweepCloud& cloud, PoseUpdate& update);
   [[nodiscard]] std::optional<KeyframeReason> keyframe_reason(PoseUpdate& update) const;
   void keep(const PoseUpdate& update);
   void keep_keyframe(const VoxelMap& sweep, SweepCloud cloud);
   void close_loops(const VoxelMap& sweep);
   void move_keyframes(std::span<const geometry::SE3> T_map_keyframes);
+  void find_moved_points();
 
   Slam6dParams params_;
   SweepCollector collector_;
   Tracker tracker_;
   std::optional<PlacedSweep> first_sweep_;  // until the second
   VoxelMap map_;
+  EverFreeSpace ever_free_;
   bool keyframe_is_due_ = false;  // there was an interruption since the last keyframe
   std::vector<PoseUpdate> sweeps_;
   CorrectedPoses corrected_;  // of sweeps_

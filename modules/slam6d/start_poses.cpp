@@ -9,10 +9,10 @@ namespace {
 using geometry::SE3;
 
 constexpr std::size_t kMaxStarts = 8;
-// None within this of a better one.
+// Start poses within this of a better one are left out.
 constexpr double kApartM = 0.7;
 constexpr double kApartRad = geometry::deg_to_rad(10.0);
-// Another place whose inlier ratio is less than this below the best one's fits as well.
+// Another place fits as well if its inlier ratio is lower by less than this.
 constexpr double kAmbiguity = 0.1;
 
 }  // namespace

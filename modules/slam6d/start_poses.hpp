@@ -12,28 +12,28 @@
 
 namespace nodmap::slam6d {
 
-/// A pose from which registration may start, and how well it looks from afar.
+/// A pose from which registration may start, with a rough score.
 struct StartPose {
   geometry::SE3 T_map_base = geometry::SE3::Identity();
-  double score = 0.0;  ///< the more points fit, the higher
+  double score = 0.0;  ///< higher if more points fit
 };
 
 /// Whether two poses differ by more than this much.
 [[nodiscard]] bool is_apart(const geometry::SE3& a, const geometry::SE3& b, double distance_m,
                             double rotation_rad);
 
-/// The eight best, none of them near a better one.
+/// The eight best poses, none of them near a better one.
 [[nodiscard]] std::vector<StartPose> best_starts(std::vector<StartPose> tried);
 
-/// What became of registrations from several starts.
+/// The result of registrations from several start poses.
 struct StartsResult {
-  /// The one of which most points fit, unless another place fits as well.
+  /// The registration with the most inliers, unless another place fits as well.
   std::optional<Registration> best = std::nullopt;
   bool is_ambiguous = false;  ///< another place does
 };
 
-/// Registers a sweep from each start; `prior_at`: of the registration that begins there. Only those
-/// count whose place `is_possible`.
+/// Registers a sweep from each start pose. `prior_at`: returns the prior of the registration that
+/// begins there. Only places for which `is_possible` holds count.
 [[nodiscard]] StartsResult register_from(
     std::span<const StartPose> starts, VoxelMap& sweep_base, const VoxelMap& map,
     const std::function<PosePrior(const geometry::SE3& T_map_start)>& prior_at,

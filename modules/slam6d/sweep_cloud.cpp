@@ -2,6 +2,7 @@
 #include "modules/slam6d/sweep_cloud.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "common/geometry/pose_history.hpp"
@@ -26,24 +27,42 @@ double time_in_sweep(const scan::Scan& scan, time::Timestamp first, time::Timest
              : 0.0;
 }
 
+// A beam without an echo met nothing up to here, unless it was black or glass. Only beams upwards
+// are believed: one that grazes the floor brings no echo, either.
+constexpr double kFreeWithoutEchoM = 5.0;
+
 void append_scan(const scan::Scan& scan, const ScanMotion& motion, const RangeLimits& range,
                  scan::ScanProjector& projector, SweepCloud& cloud) {
-  const auto& [T_base_first, T_base_last] = motion;
+  const SE3& T_base_first = motion.T_base_first;
+  const SE3& T_base_last = motion.T_base_last;
   const bool is_stationary = T_base_first.isApprox(T_base_last, 1e-12);
+  const auto T_base_at = [&](std::size_t beam) {
+    return is_stationary ? T_base_first
+                         : geometry::interpolate(T_base_first, T_base_last, scan.fraction(beam));
+  };
   for (const auto& hit : projector.hits(scan)) {
     const auto range_m = static_cast<double>(scan.ranges_m[hit.beam]);
     if (range_m < range.min_m || range_m > range.max_m) {
       continue;
     }
-    const SE3 T_base_beam =
-        is_stationary ? T_base_first
-                      : geometry::interpolate(T_base_first, T_base_last, scan.fraction(hit.beam));
-    cloud.points.emplace_back((T_base_beam * hit.p_base).cast<float>());
+    cloud.points.emplace_back((T_base_at(hit.beam) * hit.p_base).cast<float>());
   }
   const Eigen::Vector3d p_mirror =
       scan.T_base_mount * (geometry::pitch_rotation(scan.pitch_mid_rad()) * scan.mirror_offset_m);
+  for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
+    if (!std::isinf(scan.ranges_m[beam])) {
+      continue;
+    }
+    const Eigen::Vector3d p_base =
+        scan::point_in_base(scan, beam, std::min(kFreeWithoutEchoM, range.max_m));
+    if (p_base.z() > p_mirror.z()) {
+      cloud.free_points.emplace_back((T_base_at(beam) * p_base).cast<float>());
+    }
+  }
   const SE3 T_base_mid = geometry::interpolate(T_base_first, T_base_last, 0.5);
-  cloud.lines.push_back({(T_base_mid * p_mirror).cast<float>(), cloud.points.size()});
+  cloud.lines.push_back({.p_base_mirror = (T_base_mid * p_mirror).cast<float>(),
+                         .end = cloud.points.size(),
+                         .free_end = cloud.free_points.size()});
 }
 
 // Over two scans the steps of the servo's reading hardly matter.
@@ -79,6 +98,7 @@ SE3 MotionCorrection::correct(const SE3& T_base_then, double time) const {
 void SweepCloud::correct(const MotionCorrection& correction) {
   const Eigen::Vector3d path = half_path();
   std::size_t i = 0;
+  std::size_t i_free = 0;
   for (Line& line : lines) {
     SE3 T_base_then = SE3::Identity();
     T_base_then.translation() = line.time * path;
@@ -87,10 +107,20 @@ void SweepCloud::correct(const MotionCorrection& correction) {
     for (; i < line.end; ++i) {
       points[i] = change * points[i];
     }
+    for (; i_free < line.free_end; ++i_free) {
+      free_points[i_free] = change * free_points[i_free];
+    }
     line.p_base_mirror = change * line.p_base_mirror;
   }
   T_base_first = correction.correct(T_base_first, -1.0);
   T_base_last = correction.correct(T_base_last, 1.0);
+}
+
+void SweepCloud::drop_free_points() {
+  free_points = {};
+  for (Line& line : lines) {
+    line.free_end = 0;
+  }
 }
 
 std::optional<PlacedSweep> place(std::vector<scan::Scan> scans, const PoseLookup& pose_at) {

@@ -15,9 +15,9 @@
 
 namespace nodmap::slam6d {
 
-/// What odometry missed of the robot's motion within a sweep: it grows evenly with time, from P_b
-/// in the middle of the sweep (time 0) to the first and the last beam (times -1 and 1). In the
-/// frame of P_b.
+/// The part of the robot's motion within a sweep that odometry missed. It grows linearly with time,
+/// from P_b in the middle of the sweep (time 0) to the first and the last beam (times -1 and 1). In
+/// the frame of P_b.
 struct MotionCorrection {
   Eigen::Vector3d translation_m = Eigen::Vector3d::Zero();  ///< of the base at time 1
   Eigen::Vector3d rotation_rad = Eigen::Vector3d::Zero();   ///< about the base, rotation vector
@@ -26,7 +26,7 @@ struct MotionCorrection {
   [[nodiscard]] geometry::SE3 correct(const geometry::SE3& T_base_then, double time) const;
 };
 
-/// A sweep's scans with the robot's poses, by odometry, at the first and the last beam of each.
+/// The scans of a sweep, with the robot's poses by odometry at the first and the last beam of each.
 struct PlacedSweep {
   struct PlacedScan {
     scan::Scan scan;
@@ -49,12 +49,15 @@ struct SweepCloud {
   struct Line {
     Eigen::Vector3f p_base_mirror;
     std::size_t end = 0;
-    double time = 0.0;  ///< of the scan: from -1 (the sweep's first beam) to 1 (the last)
+    double time = 0.0;         ///< of the scan: from -1 (the sweep's first beam) to 1 (the last)
+    std::size_t free_end = 0;  ///< its part of `free_points`, likewise
   };
 
   time::Timestamp stamp{};  ///< of the base pose P_b
   geometry::SE3 T_odom_base = geometry::SE3::Identity();
   std::vector<Eigen::Vector3f> points;
+  /// On beams that met nothing: free up to here, as far as beams without an echo are believed.
+  std::vector<Eigen::Vector3f> free_points;
   std::vector<Line> lines;
   std::size_t scans_used = 0;
   std::size_t scans_without_pose = 0;
@@ -80,14 +83,16 @@ struct SweepCloud {
   }
   /// Whether the robot was stationary, as far as odometry tells.
   [[nodiscard]] bool is_stationary() const;
+  /// Where only the points are needed from now on.
+  void drop_free_points();
   /// Deskews again: places each point anew with the motion as it is known now.
   void correct(const MotionCorrection& correction);
 };
 
-/// Answers with T_odom_base at a time (us), empty where it is not known.
+/// Returns T_odom_base at a time; empty if it is not known.
 using PoseLookup = std::function<std::optional<geometry::SE3>(time::Timestamp stamp)>;
 
-/// Puts a motion right that odometry counted.
+/// Corrects a motion that odometry counted.
 using Calibration = std::function<geometry::SE3(const geometry::SE3&)>;
 
 /// Which points of a scan are used, by their distance from the mirror.
@@ -97,20 +102,22 @@ struct RangeLimits {
 
   template <class Visitor>
   void describe(Visitor& v) {
-    v.number("min_m", min_m, {0.0, 10.0}, "Points nearer to the mirror are the robot itself.");
-    v.number("max_m", max_m, {0.5, 1000.0}, "Points farther from the mirror are not used.");
+    v.number("min_m", min_m, {0.0, 10.0},
+             "Points nearer to the mirror than this belong to the robot itself.");
+    v.number("max_m", max_m, {0.5, 1000.0},
+             "Points farther from the mirror than this are not used.");
   }
 };
 
-/// Looks up where the robot was at each scan. Scans without a pose are left out and counted; empty
-/// when no scan has one.
+/// Looks up the pose of the robot at each scan. Scans without a pose are left out and counted;
+/// empty if no scan has one.
 [[nodiscard]] std::optional<PlacedSweep> place(std::vector<scan::Scan> scans,
                                                const PoseLookup& pose_at);
 
-/// Deskews a sweep (IV B: the robot's movement during the pitching movement is stripped): each beam
-/// is placed with the pitch and the robot's pose at its own time, relative to the base pose P_b =
-/// the pose in the middle of the sweep's time (the choice that makes the longest motion to a beam
-/// shortest). The pitch is later by `pitch_latency_s` than its stamps say.
+/// Deskews a sweep (IV B: the robot's movement during the pitching movement is stripped). Each beam
+/// is placed with the pitch and the robot's pose at its own time, relative to the base pose P_b,
+/// which is the pose in the middle of the sweep's time (this minimises the longest motion to a
+/// beam). `pitch_latency_s`: how much later the pitch is stamped than the beams.
 [[nodiscard]] SweepCloud deskew(const PlacedSweep& sweep, const RangeLimits& range,
                                 const Calibration& calibrate, double pitch_latency_s);
 

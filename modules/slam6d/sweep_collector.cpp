@@ -8,7 +8,7 @@ namespace {
 
 using geometry::SE3;
 
-// Odometry is kept as long as a sweep may last, at 10 scans a second (the slowest device known).
+// Odometry is kept for the longest sweep, at 10 scans a second (the slowest device known).
 time::Duration history_span(const SweepParams& params) {
   return 100ms * (params.max_scans + 1);
 }

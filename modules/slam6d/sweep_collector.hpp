@@ -14,29 +14,29 @@
 
 namespace nodmap::slam6d {
 
-/// The scans of complete sweeps.
+/// Counts of the scans of complete sweeps.
 struct ScanCounts {
   std::size_t in_sweeps = 0;
-  std::size_t without_pose = 0;  ///< among them, left out
+  std::size_t without_pose = 0;  ///< of these, left out
 };
 
-/// Collects the scans of a sweep, with where the robot was by odometry at each.
+/// Collects the scans of a sweep, each with the pose of the robot by odometry.
 class SweepCollector {
  public:
-  /// `assume_stationary`: where there is no odometry at all the robot stands.
+  /// `assume_stationary`: without any odometry the robot is taken as stationary.
   SweepCollector(const SweepParams& params, bool assume_stationary);
 
-  /// The robot's pose by odometry; returns whether it was taken (finite).
+  /// Adds a pose of the robot by odometry. Returns false, and ignores it, if it is not finite.
   bool add_odometry(time::Timestamp stamp, const geometry::SE3& T_odom_base) {
     return odometry_.add(stamp, T_odom_base);
   }
 
-  /// Odometry goes on in another frame; what was known of it is forgotten. Returns the pose of the
-  /// new frame in the old one, in which the robot stays where it was, if there was odometry.
+  /// Odometry continues in another frame; older poses are forgotten. Returns the new frame in the
+  /// old one, chosen such that the robot stays where it was; empty without odometry.
   std::optional<geometry::SE3> change_odometry_frame(const geometry::SE3& T_new_odom_base);
 
-  /// The next scan of the stream. Returns the sweep it completes, if it does, and if there was
-  /// odometry for it.
+  /// Adds the next scan of the stream. Returns the sweep that it completes, if any, and if there
+  /// was odometry for it.
   [[nodiscard]] std::optional<PlacedSweep> add_scan(scan::Scan scan);
 
   /// The unfinished sweep at the end of the stream.

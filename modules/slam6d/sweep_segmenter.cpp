@@ -8,7 +8,7 @@
 namespace nodmap::slam6d {
 namespace {
 
-// Within this part of the hysteresis from the extreme the servo is at its turning point.
+// Within this fraction of the hysteresis from the extreme, the servo counts as at its reversal.
 constexpr double kTurningPart = 0.1;
 
 }  // namespace

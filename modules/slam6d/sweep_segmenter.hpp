@@ -23,12 +23,12 @@ struct Sweep {
 
   std::vector<scan::Scan> scans;
   End end = End::kFlushed;
-  /// Whether the stream was interrupted before the first scan: nobody knows what happened
-  /// meanwhile.
+  /// Whether the stream was interrupted before the first scan, so that the motion in between is
+  /// unknown.
   bool follows_interruption = false;
 };
 
-/// Where the stream of scans is cut into sweeps, and which sweeps are used.
+/// How the stream of scans is divided into sweeps, and which sweeps are used.
 struct SweepParams {
   double reversal_hysteresis_rad = geometry::deg_to_rad(1.0);
   double jump_back_rad = geometry::deg_to_rad(10.0);
@@ -39,29 +39,30 @@ struct SweepParams {
   template <class Visitor>
   void describe(Visitor& v) {
     v.angle("reversal_hysteresis_deg", reversal_hysteresis_rad, {0.01, 45.0},
-            "A sweep ends at a turning point once the pitch has come back from it by this much; "
-            "more than the noise of the servo.");
+            "A sweep ends at a reversal once the pitch has come back from it by this much. Must "
+            "exceed the noise of the servo.");
     v.angle("jump_back_deg", jump_back_rad, {1.0, 180.0},
-            "A single pitch step against the movement beyond this is a new start of the sweep, not "
-            "a turning point.");
-    v.number("gap_s", gap_s, {0.05, 3600.0},
-             "A pause between two scans beyond this interrupts the stream and ends the sweep.");
+            "A single pitch step against the movement by more than this is a new start of the "
+            "sweep, not a reversal.");
+    v.number(
+        "gap_s", gap_s, {0.05, 3600.0},
+        "A pause of more than this between two scans interrupts the stream and ends the sweep.");
     v.integer("max_scans", max_scans, {2, 100000}, "A sweep ends when it has this many scans.");
     v.integer("min_scans", min_scans, {1, 1000},
               "A sweep with fewer scans is too thin to be registered.");
   }
 };
 
-/// Cuts the continuous stream of scans at the turning points of the pitch. Every scan given in
-/// comes out once (R40); scans between which the pitch stands still belong to the running sweep.
+/// Divides the stream of scans at the reversals of the pitch (IV B). Every scan belongs to exactly
+/// one sweep; scans during which the pitch is constant belong to the running sweep.
 class SweepSegmenter {
  public:
   explicit SweepSegmenter(const SweepParams& params) : params_(params) {}
 
-  /// Takes the next scan; returns the sweep that is known to be complete by it.
+  /// Takes the next scan. Returns a sweep once it is known to be complete.
   [[nodiscard]] std::optional<Sweep> add(scan::Scan scan);
 
-  /// What is left at the end of the stream.
+  /// The unfinished sweep at the end of the stream.
   [[nodiscard]] std::optional<Sweep> flush();
 
  private:
@@ -69,7 +70,7 @@ class SweepSegmenter {
   [[nodiscard]] Sweep cut(std::size_t num_scans, Sweep::End end);
   void track(double pitch_rad, std::size_t num_scans);
 
-  // The pitch farthest along one way, and how many scans of the sweep led there.
+  // The extreme pitch in one direction, and how many scans of the sweep led to it.
   struct Extreme {
     double pitch_rad = 0.0;
     std::size_t num_scans = 0;

@@ -6,8 +6,8 @@
 
 namespace nodmap::slam6d {
 
-/// The voxels of one sweep, in base: what is registered. Where the robot moved during the sweep
-/// they know when their points were measured.
+/// The voxels of one sweep, in base, for registration. If the robot moved during the sweep, they
+/// have the times at which their points were measured.
 [[nodiscard]] VoxelMap voxelize(const SweepCloud& cloud, const VoxelMapParams& params);
 
 }  // namespace nodmap::slam6d

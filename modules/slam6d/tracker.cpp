@@ -7,14 +7,13 @@ namespace nodmap::slam6d {
 namespace {
 
 using geometry::SE3;
-using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 OdometryMotion motion_of(const SE3& motion) {
   return {.distance_m = motion.translation().norm(),
           .rotation_rad = geometry::rotation_angle(motion)};
 }
 
-// The robot's pitch, positive upwards, among the six directions of a covariance.
+// The direction of the robot's pitch, positive upwards, in the six directions of a covariance.
 Vector6d pitch_axis(const SE3& T_map_base) {
   Vector6d axis = Vector6d::Zero();
   axis.tail<3>() = -T_map_base.linear().col(1);
@@ -110,7 +109,7 @@ void Tracker::track(VoxelMap& sweep, const VoxelMap& map, const SweepCloud& clou
   }
 }
 
-// What the motion since the last sweep says of the wheels.
+// Learns the errors of the wheels from the motion since the last sweep.
 void Tracker::calibrate(const SweepCloud& cloud, const PoseUpdate& predicted,
                         const PoseUpdate& update) {
   const Registration& registration = *update.registration;
@@ -144,7 +143,8 @@ void Tracker::calibrate(const SweepCloud& cloud, const PoseUpdate& predicted,
                      evidence(geometry::rotation_vector(deviation.linear()).z(), yaw));
 }
 
-// What the robot's pitch did from the last sweep to this one that level ground does not explain.
+// Learns the pitch latency from the change of the robot's pitch since the last sweep that level
+// ground does not explain.
 void Tracker::learn_pitch_latency(const SweepCloud& cloud, const PoseUpdate& update) {
   const Registration& registration = *update.registration;
   if (!registration.is_accepted() || !is_planar(cloud.T_odom_base)) {

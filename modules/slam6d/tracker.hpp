@@ -16,32 +16,32 @@
 
 namespace nodmap::slam6d {
 
-/// Follows the robot from sweep to sweep: odometry tells where a sweep is to be expected in the
-/// map, registration where it is. What wheels and the stamps of the pitch are constantly off by is
-/// learned along.
+/// Follows the robot from sweep to sweep: odometry predicts the pose of a sweep in the map,
+/// registration measures it. The constant errors of the wheels and of the pitch's stamps are
+/// learned meanwhile.
 class Tracker {
  public:
   explicit Tracker(const Slam6dParams& params);
 
-  /// Odometry goes on in another frame, and nobody saw what happened meanwhile.
+  /// Odometry continues in another frame; the motion in between is unknown.
   void change_odometry_frame(const geometry::SE3& T_old_new);
-  /// Nobody saw what happened before the next sweep.
+  /// The motion before the next sweep is unknown.
   void interrupt() { is_interrupted_ = true; }
 
-  /// Deskews with all that was learned so far.
+  /// Deskews a sweep with the calibration learned so far.
   [[nodiscard]] SweepCloud deskew(const PlacedSweep& sweep) const;
 
-  /// Where the robot is by odometry, from the last accepted pose on.
+  /// The pose of the robot by odometry since the last accepted pose.
   [[nodiscard]] PoseUpdate extrapolate(const SweepCloud& cloud) const;
 
   /// Registers the sweep of an extrapolated pose with the map.
   void track(VoxelMap& sweep, const VoxelMap& map, const SweepCloud& cloud, PoseUpdate& update);
 
-  /// Takes it back that the sweep was tracked: the pose is wrong.
+  /// Refuses the sweep that was just tracked, because its pose is wrong.
   void refuse();
 
-  /// Takes the pose as the one from which odometry goes on. The cloud is deskewed with the motion
-  /// as it was found.
+  /// Accepts a pose, from which odometry continues. The cloud is deskewed with the motion that was
+  /// found.
   void accept(SweepCloud& cloud, PoseUpdate& update);
 
   /// The correction of odometry since the last accepted pose.
@@ -49,22 +49,22 @@ class Tracker {
   /// Whether a pose was accepted.
   [[nodiscard]] bool has_pose() const { return has_pose_; }
   void forget_pose() { has_pose_ = false; }
-  /// The robot is at `T_map_base`, as somebody else says and as far as an interruption leaves open.
+  /// Begins at `T_map_base`, a pose from another source, with the uncertainty of an interruption.
   void begin_at(const geometry::SE3& T_map_base, const SweepCloud& cloud);
-  /// The map was moved where the robot is.
+  /// The map around the robot has moved.
   void move(const geometry::SE3& T_new_old);
 
-  /// A robot that is stationary during its first two sweeps tells the latency of the pitch by how
-  /// the second, whose extrapolated pose is `update`, lies on `map`, which is the first. Returns
-  /// whether it does.
+  /// Learns the pitch latency if the robot is stationary during its first two sweeps, from how the
+  /// second, whose extrapolated pose is `update`, fits `map`, which is the first. Returns whether
+  /// it did.
   bool learn_pitch_latency_at_start(VoxelMap& sweep, const VoxelMap& map, const SweepCloud& cloud,
                                     const PoseUpdate& update, double first_pitch_rate_rad_s);
 
   [[nodiscard]] const OdometryCalibration& calibration() const { return calibration_; }
-  /// How far the wheels scatter in distance, in parts of what OdometryParams says.
+  /// OdometryScatter::factor() of the wheels.
   [[nodiscard]] double odometry_scatter() const { return scatter_.factor(); }
   [[nodiscard]] double pitch_latency_s() const { return pitch_latency_.seconds(); }
-  /// Refused since the last accepted one.
+  /// Number of sweeps refused since the last accepted one.
   [[nodiscard]] int lost_sweeps() const { return lost_sweeps_; }
 
  private:

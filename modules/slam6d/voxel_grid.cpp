@@ -25,7 +25,7 @@ std::int32_t floor_to_int(float x) {
   return truncated - static_cast<std::int32_t>(x < static_cast<float>(truncated));
 }
 
-// Half of the 26 voxels about one: each pair of neighbours is looked up once.
+// Half of the 26 neighbours of a voxel, so that each pair of neighbours is looked up once.
 constexpr std::array<std::uint64_t, 13> half_neighbourhood() {
   std::array<std::uint64_t, 13> offsets{};
   std::size_t n = 0;
@@ -75,7 +75,7 @@ VoxelGrid::VoxelGrid(double voxel_size_m)
 
 std::optional<VoxelGrid::Key> VoxelGrid::key_of(const Eigen::Vector3f& p) const {
   const Eigen::Vector3f scaled = p * per_m_;
-  // Written so that NaN is left out; one voxel of margin, so that neighbours have keys, too.
+  // NaN fails this comparison. One voxel of margin, so that neighbours have keys, too.
   if (!(scaled.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() < static_cast<float>(kHalfRange - 2))) {
     return std::nullopt;
   }
@@ -124,7 +124,7 @@ void VoxelGrid::rehash(std::size_t num_slots) {
   }
 }
 
-// The beams of a line meet one voxel several times in a row: it is looked up once.
+// Successive beams of a scan often fall into the same voxel, which is looked up once.
 std::vector<std::uint32_t> VoxelGrid::add(std::span<const Eigen::Vector3f> points) {
   std::vector<std::uint32_t> places;
   places.reserve(points.size());
@@ -214,7 +214,7 @@ VoxelGrid::Nearest VoxelGrid::find_nearest(const Eigen::Vector3f& p, float max_d
   if (!key) {
     return {kNone, most_slack_m};
   }
-  // Per axis the neighbour on the side to which `p` lies.
+  // For each axis, the neighbour on the side of `p`.
   const Eigen::Vector3f scaled = p * per_m_;
   std::array<Key, 3> side{};
   for (int axis = 0; axis < 3; ++axis) {

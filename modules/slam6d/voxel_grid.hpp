@@ -15,7 +15,7 @@ namespace nodmap::slam6d {
 /// One cube of the grid: the mean of what was measured in it, and the plane on which it lies.
 struct Voxel {
   Eigen::Vector3f mean = Eigen::Vector3f::Zero();
-  float weight = 0.0F;  ///< of the mean: the sum of its points' weights
+  float weight = 0.0F;  ///< of the mean: sum of the weights of its points
   /// Unit vector towards the side from which the plane was seen; zero where there is no plane.
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();
   float normal_weight = 0.0F;  ///< the same for the normal
@@ -23,7 +23,7 @@ struct Voxel {
   [[nodiscard]] bool has_plane() const { return !normal.isZero(0.0F); }
 };
 
-/// How the plane about a voxel is found.
+/// How the plane at a voxel is found.
 struct PlaneParams {
   int min_neighbours = 6;
   double max_thickness = 0.1;
@@ -32,29 +32,29 @@ struct PlaneParams {
   void describe(Visitor& v) {
     v.integer(
         "plane_min_neighbours", min_neighbours, {3, 27},
-        "A voxel has a plane when at least this many of the 27 voxels about it are occupied.");
+        "A voxel has a plane only if at least this many of the 27 voxels around it are occupied.");
     v.number("plane_max_thickness", max_thickness, {0.001, 1.0},
-             "Those voxels form a plane when their smallest variance is below this part of the "
-             "middle one.");
+             "A voxel has a plane only if the smallest variance of these voxels is below this "
+             "ratio of the middle one.");
   }
 };
 
-/// Voxel means of points in a hash table: voxel downsampling, and the search of the nearest mean.
-/// Voxels keep the order in which they were first met, so that nothing depends on the hash.
-/// Coordinates up to 2^20 voxels from the origin (100 km at 10 cm); points beyond are left out, as
-/// are those that are not finite.
+/// Voxel means of points in a hash table, for voxel downsampling and the search for the nearest
+/// mean. Voxels are kept in the order in which they were first occupied, so that nothing depends on
+/// the hash. Points farther than 2^20 voxels from the origin (100 km at 10 cm), or not finite, are
+/// left out.
 class VoxelGrid {
  public:
-  /// The place of no voxel.
+  /// The index that stands for no voxel.
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
   explicit VoxelGrid(double voxel_size_m);
 
-  /// Adds points to the means of their voxels, each with weight 1; returns the place of each
-  /// point's voxel, kNone when it was left out.
+  /// Adds points to the means of their voxels, each with weight 1. Returns the index of each
+  /// point's voxel, kNone if the point was left out.
   std::vector<std::uint32_t> add(std::span<const Eigen::Vector3f> points);
 
-  /// Adds one mean with its weight; returns the place of its voxel, kNone when it was left out.
+  /// Adds one mean with its weight. Returns the index of its voxel, kNone if it was left out.
   std::uint32_t add(const Eigen::Vector3f& mean, float weight);
 
   /// Moves each mean by `moved(place, mean)`; its voxel stays.
@@ -72,14 +72,14 @@ class VoxelGrid {
   /// Adds a normal to the weighted mean of the voxel's normals.
   void add_normal(std::uint32_t voxel, const Eigen::Vector3f& normal, float weight);
 
-  /// The voxel whose mean is nearest to `p` among the 8 voxels about it and nearer than
-  /// `max_distance_m`; kNone when there is none. What is nearer than half a voxel is always found.
+  /// The voxel whose mean is nearest to `p`, among the 8 voxels around it, and nearer than
+  /// `max_distance_m`; kNone if there is none. A mean nearer than half a voxel is always found.
   [[nodiscard]] std::uint32_t nearest(const Eigen::Vector3f& p, float max_distance_m) const {
     return find_nearest(p, max_distance_m).place;
   }
 
-  /// What nearest() answers, and how far `p` may move from here until it would have to be asked
-  /// again: at most a tenth of a voxel.
+  /// The result of nearest(), and how far `p` may move before it can change: at most a tenth of a
+  /// voxel.
   struct Nearest {
     std::uint32_t place = kNone;
     float slack_m = 0.0F;

@@ -4,7 +4,7 @@
 namespace nodmap::slam6d {
 namespace {
 
-// Of each voxel, from the times of what is in it.
+// The mean time of each voxel, from the times of its points.
 std::vector<float> mean_times(std::span<const std::uint32_t> places, std::span<const float> times,
                               std::size_t num_voxels) {
   std::vector<float> means(num_voxels, 0.0F);
@@ -35,7 +35,7 @@ VoxelMap VoxelMap::from_points(std::span<const Eigen::Vector3f> points,
   map.p_sensor_ = p_sensor;
   map.half_path_ = times.half_path;
   const std::vector<std::uint32_t> places = map.levels_[0].add(points);
-  // Each fine voxel counts once: even density, however near the surface was.
+  // Each fine voxel counts once, so that the density does not depend on the range.
   for (std::size_t l = 0; l + 1 < kLevels; ++l) {
     const auto fine = map.levels_[l].voxels();
     map.coarser_[l].reserve(fine.size());

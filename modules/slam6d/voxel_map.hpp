@@ -14,7 +14,7 @@
 
 namespace nodmap::slam6d {
 
-/// How a point cloud becomes voxels and planes, and how sweeps are joined in the map.
+/// How voxels and planes are made from a point cloud, and how sweeps are joined in the map.
 struct VoxelMapParams {
   double voxel_size_m = 0.1;
   PlaneParams plane{};
@@ -27,8 +27,8 @@ struct VoxelMapParams {
              "twice and four times as large.");
     plane.describe(v);
     v.number("trusted_range_m", trusted_range_m, {0.1, 100.0},
-             "A point seen from this range has half the weight of one seen from near by: errors "
-             "of direction grow with the range.");
+             "A point at this range has half the weight of a near one, because errors of direction "
+             "grow with the range.");
   }
 };
 
@@ -37,7 +37,7 @@ struct OrientedPoint {
   Eigen::Vector3f p = Eigen::Vector3f::Zero();
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();
   float num_points = 0.0F;  ///< measured points of which `p` is the mean
-  float time = 0.0F;        ///< when they were measured, from -1 to 1 over the sweep
+  float time = 0.0F;        ///< at which they were measured, from -1 to 1 over the sweep
 };
 
 /// When the points of a cloud were measured.
@@ -47,8 +47,8 @@ struct PointTimes {
 };
 
 /// A point cloud as voxel means of three sizes with their planes. A scanner sees near surfaces
-/// densely and far ones sparsely: where the fine voxels are too sparse for a plane the coarser ones
-/// have one.
+/// densely and far ones sparsely: where fine voxels are too sparse for a plane, coarser ones have
+/// one.
 class VoxelMap {
  public:
   static constexpr std::size_t kLevels = 3;  ///< level 0 is the finest
@@ -64,28 +64,28 @@ class VoxelMap {
   [[nodiscard]] bool is_moving() const { return !times_[0].empty(); }
   [[nodiscard]] const Eigen::Vector3f& half_path() const { return half_path_; }
 
-  /// Takes the motion within the cloud as it is: it is not corrected from now on.
+  /// Fixes the motion within the cloud: it is not corrected from now on.
   void hold();
 
-  /// Deskews the cloud again, and finds its planes anew.
+  /// Deskews the cloud again and recomputes its planes.
   void correct(const MotionCorrection& correction);
 
-  /// Joins a sweep's voxels into this map, as part of a keyframe. Means and normals are weighted by
-  /// inverse variance, which grows with the range from which they were seen: what is seen from near
-  /// by corrects what was seen from far away.
+  /// Joins the voxels of a sweep into this map, as part of a keyframe. Means and normals are
+  /// weighted by inverse variance, which decreases with range, so that near sightings correct far
+  /// ones.
   void add_sweep(const VoxelMap& sweep_base, const geometry::SE3& T_map_base,
                  std::size_t keyframe = 0);
 
-  /// Joins those voxels of another map whose keyframe is chosen; each moves with its keyframe, by
-  /// `T_new_old`. Both have an entry for every keyframe. A voxel belongs to the keyframe that saw
-  /// it last.
+  /// Joins the voxels of another map whose keyframe is chosen; each moves with its keyframe, by
+  /// `T_new_old`. `T_new_old` and `is_chosen` have one entry per keyframe. A voxel belongs to the
+  /// keyframe that saw it last.
   void add_keyframes(const VoxelMap& map, std::span<const geometry::SE3> T_new_old,
                      const std::vector<bool>& is_chosen);
 
   [[nodiscard]] const VoxelGrid& level(std::size_t l) const { return levels_[l]; }
 
-  /// What is registered at level `l`: its planes, and those of coarser levels where the finer ones
-  /// have none. `first_of_level` says where each level begins.
+  /// The points that are registered at level `l`: its planes, and those of coarser levels where the
+  /// finer ones have none. `first_of_level`: where the points of each level begin.
   struct Selection {
     std::vector<OrientedPoint> points;
     std::array<std::size_t, kLevels + 1> first_of_level{};
@@ -99,12 +99,12 @@ class VoxelMap {
 
   VoxelMapParams params_;
   std::array<VoxelGrid, kLevels> levels_;
-  /// Of each voxel; only of a map.
+  /// The keyframe of each voxel; only used in a map.
   std::array<std::vector<std::uint32_t>, kLevels> keyframes_;
   Eigen::Vector3f p_sensor_ = Eigen::Vector3f::Zero();
-  /// For each voxel of level l its place in level l + 1; only of a single cloud.
+  /// For each voxel of level l, the index of its voxel at level l + 1; only used in a single cloud.
   std::array<std::vector<std::uint32_t>, kLevels - 1> coarser_;
-  /// Mean time of each voxel's points; only of a cloud that was measured on the move.
+  /// Mean time of each voxel's points; only used in a cloud measured while the robot moved.
   std::array<std::vector<float>, kLevels> times_;
   Eigen::Vector3f half_path_ = Eigen::Vector3f::Zero();
 };

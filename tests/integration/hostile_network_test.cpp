@@ -13,8 +13,8 @@
 #include "common/bus/event_log.hpp"
 #include "common/bus/live_bus.hpp"
 #include "nodmap/status_t.hpp"
-#include "tests/support/child_process.hpp"
 #include "tests/support/attacker.hpp"
+#include "tests/support/child_process.hpp"
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap {

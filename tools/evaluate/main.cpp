@@ -13,7 +13,7 @@
 #include "common/formats/tum.hpp"
 #include "common/node/log.hpp"
 #include "common/node/program.hpp"
-#include "sim/world/world_file.hpp"
+#include "sim/world/world_name.hpp"
 #include "tools/evaluate/cloud_error.hpp"
 #include "tools/evaluate/corridor_error.hpp"
 #include "tools/evaluate/relations.hpp"
@@ -109,7 +109,7 @@ void print_trajectory(const Arguments& arguments) {
 }
 
 void print_cloud(const Arguments& arguments) {
-  const nodmap::sim::World world = nodmap::sim::load_world(arguments.world);
+  const nodmap::sim::World world = nodmap::sim::make_world(arguments.world);
   nodmap::geometry::SE2 T_world_map = world.T_world_start;
   if (!arguments.start.empty()) {
     T_world_map = {arguments.start[0], arguments.start[1],
@@ -183,7 +183,10 @@ void add_commands(CLI::App& app, Arguments& arguments) {
   CLI::App* cloud = app.add_subcommand(
       "cloud", "Distance of a cloud's points from the surfaces of a simulated world, as JSON");
   cloud->add_option("CLOUD", arguments.cloud, "Registered points (.ply)")->required();
-  cloud->add_option("WORLD", arguments.world, "The world (.yaml)")->required();
+  cloud
+      ->add_option("WORLD", arguments.world,
+                   "The world: a file (.yaml), or a name as for nodmap-trial --world")
+      ->required();
   cloud
       ->add_option("--start", arguments.start,
                    "X Y YAW_DEG: the map's origin in the world; default: the robot's start")

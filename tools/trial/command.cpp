@@ -6,13 +6,6 @@
 #include <charconv>
 #include <cmath>
 #include <optional>
-#include <sstream>
-#include <vector>
-
-#include "sim/world/barn_file.hpp"
-#include "sim/world/pedestrian_file.hpp"
-#include "sim/world/scenarios/scenarios.hpp"
-#include "sim/world/world_file.hpp"
 
 namespace nodmap::trial {
 namespace {
@@ -63,62 +56,6 @@ Kill parse_kill(const std::string& text) {
     throw CommandError(source + ": T and D must be seconds, T from 0, D from 0.001");
   }
   return {text.substr(0, at), time::SteadyTime(whole_steps(*time_s)), whole_steps(*duration_s)};
-}
-
-namespace {
-
-/// Splits a text at its colons.
-std::vector<std::string> split(const std::string& text) {
-  std::vector<std::string> parts;
-  std::istringstream in(text);
-  for (std::string part; std::getline(in, part, ':');) {
-    parts.push_back(part);
-  }
-  return parts;
-}
-
-sim::World load_barn(const std::string& name) {
-  const std::vector<std::string> parts = split(name);
-  const auto index = parts.size() == 3 ? parse<int>(parts[2]) : std::nullopt;
-  if (!index) {
-    throw CommandError("--world " + name + ": must be barn:FILE:INDEX");
-  }
-  return sim::load_barn_world(parts[1], *index);
-}
-
-sim::World load_recorded_crowd(const std::string& name) {
-  const std::vector<std::string> parts = split(name);
-  const auto rate = parts.size() == 4 ? parse<double>(parts[2]) : std::nullopt;
-  const auto seed = parts.size() == 4 ? parse<std::uint64_t>(parts[3]) : std::nullopt;
-  if (!rate || !seed || !(*rate > 0.0)) {
-    throw CommandError("--world " + name + ": must be pedestrians:FILE:FRAMES_PER_SECOND:SEED");
-  }
-  return sim::load_pedestrians(parts[1], *rate, *seed);
-}
-
-}  // namespace
-
-sim::World make_world(const std::string& name) {
-  const std::string_view text = name;
-  const std::size_t colon = text.find(':');
-  const std::string_view kind = text.substr(0, colon);
-  if (colon != std::string_view::npos && kind == "barn") {
-    return load_barn(name);
-  }
-  if (colon != std::string_view::npos && kind == "pedestrians") {
-    return load_recorded_crowd(name);
-  }
-  for (const sim::Scenario& scenario : sim::scenarios()) {
-    if (colon != std::string_view::npos && kind == scenario.name) {
-      const auto seed = parse<std::uint64_t>(text.substr(colon + 1));
-      if (!seed) {
-        throw CommandError("--world " + name + ": must be " + std::string(kind) +
-                           ":SEED, such as " + std::string(kind) + ":1");
-      }
-      return scenario.make(*seed);
-    }
-  }
-  return sim::load_world(name);
 }
 
 }  // namespace nodmap::trial

@@ -5,7 +5,6 @@
 #include <string>
 #include <string_view>
 
-#include "sim/world/world.hpp"
 #include "tools/trial/trial.hpp"
 
 namespace nodmap::trial {
@@ -21,9 +20,5 @@ void check_process(std::string_view process, const std::string& source);
 
 /// Parses "PROCESS@T+D", seconds. Throws CommandError.
 [[nodiscard]] Kill parse_kill(const std::string& text);
-
-/// Makes the world for a file, "SCENARIO:SEED" such as "random:1" or "holes:7", "barn:FILE:INDEX",
-/// or "pedestrians:FILE:FRAMES_PER_SECOND:SEED". Throws std::runtime_error.
-[[nodiscard]] sim::World make_world(const std::string& name);
 
 }  // namespace nodmap::trial

@@ -16,6 +16,7 @@
 #include "common/node/results.hpp"
 #include "common/params/params.hpp"
 #include "sim/world/scenarios/scenarios.hpp"
+#include "sim/world/world_name.hpp"
 #include "tools/trial/appearing_obstacle.hpp"
 #include "tools/trial/command.hpp"
 #include "tools/trial/metrics.hpp"
@@ -131,7 +132,7 @@ TrialSetup make_setup(const Arguments& arguments) {
 
 void run(const Arguments& arguments, TrialSetup setup) {
   const std::filesystem::path dir = arguments.out;
-  setup.world = make_world(arguments.world);
+  setup.world = sim::make_world(arguments.world);
   if (arguments.no_actors) {
     setup.world.actors.clear();
   }

@@ -11,22 +11,21 @@
 namespace nodmap::navigator {
 namespace {
 
-/// The strip ahead of base.
+/// The strip ahead of base in which facets are searched for.
 constexpr double kNearestM = 0.3;
 constexpr double kFarthestM = 3.0;
 constexpr double kHalfWidthM = 0.35;
-/// A patch has so many points, and they lie on a line: not on a face, nor before and behind an
-/// edge.
+/// A patch has at least this many points, on a line: not on a face, nor on both sides of an edge.
 constexpr int kLeastPoints = 4;
 constexpr double kLongestPatchM = 0.25;
 constexpr double kHighestPatchM = 0.04;
-/// The mean of a patch is measured twice as well as a point: this, and the tilt's error, off the
-/// ground.
+/// A patch farther than this from the ground is not part of it: its mean is twice as accurate as a
+/// point, and the error of the tilt is added.
 constexpr double kPatchToleranceM = 0.012;
-/// Some ten sweeps: of a flat ramp 2 m ahead each sweep sees two lines.
+/// About ten sweeps: each sweep sees two lines of a flat ramp 2 m ahead.
 constexpr int kOldestScans = 600;
 constexpr std::size_t kMostPatches = 256;
-/// From scan to scan: rounding.
+/// A change of the tilt from one scan to the next that is only rounding.
 constexpr double kSteadyRad = 1e-6;
 /// What makes a surface: its extent ahead, which is twice that of a plank, without gaps, in scans
 /// of several pitches, across the width of the body.
@@ -148,7 +147,7 @@ bool FacetFinder::find(bool is_above, TrackedGround& ground, const geometry::SE2
   return false;
 }
 
-/// The plane through the patches from `first` on, if they are one surface.
+/// The plane through the patches from `first` on, if they form one surface.
 std::optional<FacetFinder::Surface> FacetFinder::surface_from(const std::vector<Patch>& patches,
                                                               std::size_t first) {
   Surface surface;
@@ -201,7 +200,8 @@ std::optional<FacetFinder::Surface> FacetFinder::surface_from(const std::vector<
   return surface;
 }
 
-/// The facet that a surface meets in a kink before it; empty if it is no ground, or too steep.
+/// The facet that a surface meets in a kink before it; empty if there is none, or the surface is
+/// too steep.
 std::optional<std::size_t> FacetFinder::facet_before(const Surface& surface, bool is_above,
                                                      const TrackedGround& ground,
                                                      const geometry::SE2& T_odom_base) {

@@ -25,9 +25,9 @@ class FacetFinder {
   explicit FacetFinder(const LocalMapParams& params);
 
   void reset();
-  /// A hit of the present scan. `p_base` only says where in the strip.
+  /// Adds a hit of the present scan. `p_base` only gives its place in the strip.
   void add(const Eigen::Vector3d& p_odom, const Eigen::Vector2d& p_base);
-  /// The scan is complete: facets that are seen again are improved, a new one joins the ground.
+  /// Completes the scan: refines facets that are seen again, and joins a new one to the ground.
   void end_scan(TrackedGround& ground, const geometry::SE2& T_odom_base);
 
  private:
@@ -63,7 +63,7 @@ class FacetFinder {
 
   LocalMapParams params_;
   std::array<Column, kColumns> columns_;
-  std::deque<Patch> patches_;                           // that are no known ground, oldest first
+  std::deque<Patch> patches_;                           // not known as ground, oldest first
   Eigen::Vector3d up_odom_ = Eigen::Vector3d::UnitZ();  // of the body, in the last scan
   int scan_ = 0;
 };

@@ -13,12 +13,12 @@ namespace {
 constexpr double kCellM = 0.2;
 constexpr int kLog2Size = 6;
 constexpr std::size_t kMostFacets = 16;
-/// A facet flatter than this is level: twice what the tilt of a ramp is wrong by.
+/// A facet flatter than this counts as level: twice the error of a ramp's tilt.
 const double kLevelSlope = std::tan(geometry::deg_to_rad(2.0));
-/// Ground within so many cells counts as where the robot is.
+/// Ground within this many cells counts as ground at the robot.
 constexpr int kAroundCells = 8;
-/// The ground under a wheel changes by no more from scan to scan: 2 cm of travel on the steepest
-/// ramp are 5 mm. What differs by more is beside the ramp that the wheel is on.
+/// Greatest change of the ground under a wheel from scan to scan: 2 cm of travel on the steepest
+/// ramp are 5 mm. A larger difference is beside the ramp that the wheel is on.
 constexpr double kWheelStepM = 0.03;
 
 }  // namespace
@@ -211,8 +211,8 @@ std::size_t TrackedGround::add_facet(const PlaneFit& fit, std::size_t before, bo
   return facets_.size() - 1;
 }
 
-/// The oldest one that the robot is not on, nor about to go to. Its cells are no ground any more
-/// until they are seen as such again.
+/// Drops the oldest facet that the robot is neither on nor about to reach. Its cells are unknown
+/// until they are seen as ground again.
 std::size_t TrackedGround::drop_facet_other_than(std::size_t kept) {
   std::size_t dropped = 0;
   while (dropped == under_base_ || dropped == kept) {

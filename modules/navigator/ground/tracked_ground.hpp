@@ -30,7 +30,7 @@ class TrackedGround {
  public:
   explicit TrackedGround(const GroundParams& params);
 
-  /// What a point is to the robot where it stands.
+  /// How a point lies relative to the ground.
   struct Place {
     enum class Kind : std::uint8_t { kGround, kAbove, kBelow };
     Kind kind = Kind::kGround;
@@ -38,31 +38,32 @@ class TrackedGround {
     std::size_t facet = 0;  ///< the ground at this place
   };
 
-  /// The odom frame began anew: level floor.
+  /// Begins again with level floor, because the odom frame restarted.
   void reset();
-  /// The robot has moved. Height and tilt follow from the ground under its wheels.
+  /// Takes the new pose. Height and tilt follow from the ground under the wheels.
   void move(const geometry::SE2& T_odom_base);
   [[nodiscard]] const geometry::SE3& T_odom_base() const { return T_odom_base_; }
 
-  /// All the ground within 1.6 m is one level plane.
+  /// Whether all the ground within 1.6 m is one level plane.
   [[nodiscard]] bool is_level() const { return is_level_; }
-  /// Ground and everything else: a point nearer to the ground than `tolerance_m` is ground.
+  /// Classifies a point: nearer to the ground than `tolerance_m` it is ground.
   [[nodiscard]] Place look(const Eigen::Vector3d& p_odom, double tolerance_m) const;
-  /// The ground at a place; where none is known, that under the robot, continued.
+  /// The height of the ground at a place; where it is not known, the ground under the robot is
+  /// extrapolated.
   [[nodiscard]] double height_m(const Eigen::Vector2d& p_odom) const;
   [[nodiscard]] std::size_t facet_under_base() const { return under_base_; }
   [[nodiscard]] const Plane& plane(std::size_t facet) const { return facets_[facet].plane; }
   [[nodiscard]] bool is_known(const Eigen::Vector2d& p_odom) const { return mask_at(p_odom) != 0; }
-  /// The steepest ground that the robot drives on, metres for each metre.
+  /// The steepest slope that the robot drives on, as a ratio.
   [[nodiscard]] double max_slope() const { return max_slope_; }
 
-  /// The facet was seen at a place: it reaches as far as there if it was seen next to it, too.
+  /// Extends a facet to a place where it was seen, if it was seen next to it, too.
   void grow(const Eigen::Vector2d& p_odom, std::size_t facet);
-  /// The facet is the ground at a place.
+  /// Makes a facet the ground at a place.
   void join(const Eigen::Vector2d& p_odom, std::size_t facet);
   /// Improves a facet that the robot is not on yet by one more of its points.
   void refine(std::size_t facet, const Eigen::Vector3d& p_odom);
-  /// New ground: it `rises` from the facet `before` it, or falls off. Gives its facet.
+  /// Adds a facet that `rises` from the facet `before` it, or falls. Returns its index.
   std::size_t add_facet(const PlaneFit& fit, std::size_t before, bool rises);
 
   /// A cell that has joined a facet.
@@ -70,7 +71,7 @@ class TrackedGround {
     Eigen::Vector2d middle_odom;
     bool is_ahead = false;  ///< the robot has not been on this facet yet
   };
-  /// Those since the last call, once there is more than the first facet.
+  /// The cells that have joined since the last call, once there is more than the first facet.
   [[nodiscard]] std::vector<Joined> take_joined();
   [[nodiscard]] double cell_size_m() const { return cells_.cell_size_m(); }
   [[nodiscard]] std::size_t num_facets() const { return facets_.size(); }

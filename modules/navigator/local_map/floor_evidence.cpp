@@ -7,7 +7,8 @@
 namespace nodmap::navigator {
 namespace {
 
-/// Floor points no farther apart contradict a hole between them: one so narrow does not matter.
+/// Floor points no farther apart than this contradict a hole between them: such a narrow hole does
+/// not matter.
 constexpr double kDenseM = 0.05;
 
 }  // namespace

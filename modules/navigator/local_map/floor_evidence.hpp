@@ -11,9 +11,10 @@
 
 namespace nodmap::navigator {
 
-/// The floor that beams have met, and what lies between them. Between beams that are side by side,
-/// in one scan and the one before, and all meet the floor no farther apart than `max_gap_m`, there
-/// is floor: what is high enough to matter would have been hit, and a hole wider than the gap, too.
+/// The floor that beams have met, and the floor between them. Four beams that are neighbours, in
+/// one scan and the one before, and meet the floor no farther apart than `max_gap_m`, prove that
+/// there is floor in between: an object high enough to matter would have been hit, and so would a
+/// hole wider than the gap.
 class FloorEvidence {
  public:
   explicit FloorEvidence(const LocalMapParams& params)
@@ -21,11 +22,11 @@ class FloorEvidence {
 
   void begin_scan(std::size_t num_beams) { points_.assign(num_beams, {}); }
 
-  /// A beam met the floor, which is `ground_m` high in odom; of the scan with this number.
+  /// A beam of the scan number `scan` met the floor, whose height in odom is `ground_m`.
   void add(LocalGrid& grid, std::size_t beam, const Eigen::Vector2d& p_odom, double ground_m,
            std::uint16_t scan);
 
-  /// Fills what lies between the beams of this scan, and of this one and the last one.
+  /// Fills the floor between the beams of this scan, and between this one and the last.
   void end_scan(LocalGrid& grid, std::uint16_t scan);
 
   /// The next scan has nothing in common with the last one.

@@ -8,14 +8,14 @@
 namespace nodmap::navigator {
 
 /// The floor as the beams of one scan have measured it. Errors of pitch and tilt are the same for
-/// neighbouring beams: what stands on the floor is higher than the floor beside it by its true
-/// height and the noise of two ranges, however far away it is. So a brick of 3 cm is known from
-/// where the heights themselves say nothing.
+/// neighbouring beams: an object is higher than the floor beside it by its true height and the
+/// noise of two ranges, at any distance. So a brick of 3 cm is found where the heights themselves
+/// would not show it.
 class LineFloor {
  public:
   void begin_scan(std::size_t num_beams);
 
-  /// A beam ended on the floor, or so little above or below it that it may be the floor; height
+  /// A beam ended on the floor, or so near to its height that it may be the floor. `height_m`:
   /// above the tracked ground.
   void add(std::size_t beam, double height_m);
 

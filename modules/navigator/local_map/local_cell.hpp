@@ -20,8 +20,8 @@ inline constexpr std::uint8_t kMost = 12;
 /// it says the same; two for what may be noise.
 inline constexpr std::uint8_t kEnough = 5;
 inline constexpr std::uint8_t kCertain = 6;
-/// Higher or lower than this by more than its tolerance no floor is measured, however the robot
-/// tilts when it brakes: 0.6 degrees, 2 cm at 2 m.
+/// A point that exceeds the tolerance of the floor's height by this is certainly no floor, even
+/// while the robot tilts when it brakes: 0.6 degrees, 2 cm at 2 m.
 inline constexpr double kCertainM = 0.03;
 
 [[nodiscard]] inline std::uint8_t more(std::uint8_t evidence, bool is_certain) {
@@ -39,7 +39,7 @@ inline constexpr double kCertainM = 0.03;
 struct LocalCell {
   std::uint8_t obstacle = 0;  ///< evidence of something the body would hit
   std::uint8_t hole = 0;      ///< evidence of a drop
-  bool is_floor = false;      ///< was seen, itself or between two beams that hit the floor
+  bool is_floor = false;      ///< seen, directly or between two beams that hit the floor
   bool is_assumed = false;    ///< not seen, but floor: the robot was set down there
   std::int16_t low_cm = 0;    ///< lowest and highest point measured of the obstacle, in odom
   std::int16_t high_cm = 0;
@@ -48,7 +48,7 @@ struct LocalCell {
 
   [[nodiscard]] bool is_obstacle() const { return obstacle >= evidence::kEnough; }
   [[nodiscard]] bool is_hole() const { return hole >= evidence::kEnough; }
-  /// Beams have passed through what was measured there.
+  /// Whether beams have passed through an obstacle or a hole measured there before.
   [[nodiscard]] bool is_cleared() const { return scan != 0 && !is_obstacle() && !is_hole(); }
 
   void set_floor() {

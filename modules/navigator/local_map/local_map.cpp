@@ -14,7 +14,7 @@ namespace nodmap::navigator {
 LocalMap::LocalMap(const robot::RobotParams& robot, const LocalMapParams& params)
     : body_(robot.body.footprint()),
       top_m_(robot.corridor_top_m()),
-      // Where the beam of the lowest pitch meets the floor, and a line more.
+      // Where the beam of the lowest pitch meets the floor, plus one line.
       blind_m_(robot.mount.x_m + 1.1 * robot.mount.z_m / std::tan(-robot.head.pitch_min_rad) +
                0.05),
       params_(params),
@@ -117,7 +117,7 @@ void LocalMap::move(const geometry::SE2& T_odom_base) {
   const bool is_first = !T_odom_base_;
   T_odom_base_ = T_odom_base;
   if (is_first) {
-    // The robot was set down on floor: as far as it cannot look, and cannot know better.
+    // The robot was set down on floor: assumed as far as the laser cannot see.
     for (double x = -blind_m_; x <= blind_m_; x += 0.5 * grid_.cell_size_m()) {
       for (double y = -blind_m_; y <= blind_m_; y += 0.5 * grid_.cell_size_m()) {
         LocalCell& cell = *grid_.find(T_odom_base * Eigen::Vector2d(x, y));
@@ -127,7 +127,7 @@ void LocalMap::move(const geometry::SE2& T_odom_base) {
   }
 }
 
-/// Where the body is there is floor, and nothing else.
+/// Under the body there is floor and nothing else.
 void LocalMap::clear_under_body(const geometry::SE2& T_odom_base) {
   const double step_m = 0.9 * grid_.cell_size_m();
   const robot::Footprint inner = body_.grown(-grid_.cell_size_m(), -grid_.cell_size_m());

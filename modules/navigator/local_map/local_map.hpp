@@ -46,11 +46,12 @@ class LocalMap {
 
   [[nodiscard]] bool has_scan() const { return T_odom_base_.has_value(); }
 
-  /// Somebody walks there, or did a moment ago: what was measured where floor is known was he.
+  /// Somebody walks at a place, or did a moment ago: obstacles measured there, where floor is
+  /// known, were that person.
   void forget_walker(const Eigen::Vector2d& p_odom, double radius_m);
 
-  /// The robot pushes against something at its front, or its rear, that beams do not show: it is an
-  /// obstacle there from now on, whatever passes through.
+  /// The robot pushes against something at its front or rear that beams do not show. It is an
+  /// obstacle from now on, even if beams pass through.
   void add_contact(const geometry::SE2& T_odom_base, bool at_front);
 
   /// Obstacles and edges of holes within `range_m` of base, in base.
@@ -66,7 +67,8 @@ class LocalMap {
                                      double half_width_m, double max_m, double max_gap_m,
                                      bool ends_at_obstacles = false) const;
 
-  /// The same for the body's rear, backwards. What the robot was set down on does not count.
+  /// The same for the body's rear, driving backwards. Ground on which the robot was set down does
+  /// not count as seen.
   [[nodiscard]] double seen_distance_backwards(const geometry::SE2& T_odom_base, double curvature,
                                                double half_width_m, double max_m) const;
 
@@ -92,22 +94,22 @@ class LocalMap {
   [[nodiscard]] const LocalCell* cell_at(const Eigen::Vector2d& p_odom) const {
     return grid_.find(p_odom);
   }
-  /// By a hole, or an obstacle that is not forgotten.
+  /// Whether a cell is blocked by a hole, or by an obstacle that is not forgotten.
   [[nodiscard]] bool is_blocked(const LocalCell& cell) const;
-  /// By the same, or because it is the edge of a hole. False outside the grid.
+  /// Whether a place is blocked by the same, or is the edge of a hole. False outside the grid.
   [[nodiscard]] bool is_blocked_at(const Eigen::Vector2d& p_odom) const;
-  /// All cells within a square, `half_size_m` to each side.
+  /// A view of all cells in a square, `half_size_m` to each side.
   [[nodiscard]] LocalView view_around(const Eigen::Vector2d& p_odom, double half_size_m) const;
   [[nodiscard]] const LocalGrid& grid() const { return grid_; }
 
   [[nodiscard]] const TrackedGround& ground() const { return ground_; }
   /// Whether floor is all that was seen in a place and in the cells around it.
   [[nodiscard]] bool is_free_floor(const Eigen::Vector2d& p_odom) const;
-  /// The same, of floor that the laser has seen: around the place where the robot was set down
-  /// floor is assumed.
+  /// The same, for floor that the laser has seen; around the place where the robot was set down
+  /// floor is only assumed.
   [[nodiscard]] bool is_seen_floor(const Eigen::Vector2d& p_odom) const;
 
-  /// The odom frame began anew.
+  /// Forgets everything, because the odom frame restarted.
   void reset();
 
  private:

@@ -11,11 +11,11 @@
 
 namespace nodmap::navigator {
 
-/// What the local map knows of the cells in a square at one moment, a byte for each. For who looks
-/// at all of them: asked one by one, each would look at four others for the edges of holes.
+/// The state of the cells of a square of the local map at one moment, one byte each. For callers
+/// that read all of them: read one by one, each cell would check four others for edges of holes.
 class LocalView {
  public:
-  /// What a cell is, as bits; 0 where nothing is known, and outside the square.
+  /// The state of a cell, as bits; 0 where nothing is known, and outside the square.
   static constexpr unsigned kFloor = 1;
   static constexpr unsigned kBlocked = 2;    ///< by an obstacle or a hole, or the edge of a hole
   static constexpr unsigned kForgotten = 4;  ///< an obstacle that does not count any more
@@ -29,9 +29,9 @@ class LocalView {
     const Eigen::Vector2i offset = index - first_;
     return is_inside(offset) ? bits_[place(offset)] : 0U;
   }
-  /// The same by a place, as in_cells() gives it.
+  /// The same at a place given by in_cells().
   [[nodiscard]] unsigned at(const Eigen::Vector2d& cells) const {
-    // What is negative is outside: a cast would round it up into the first cell.
+    // Negative values are outside; a cast would round them up into the first cell.
     return cells.x() >= 0.0 && cells.y() >= 0.0 ? at_offset(cells) : 0U;
   }
   /// A place in cells from the outer corner of the square.

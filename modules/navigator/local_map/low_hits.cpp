@@ -6,9 +6,10 @@
 namespace nodmap::navigator {
 namespace {
 
-/// Farther apart two beams have hit two things.
+/// Beams that end farther apart have hit two objects.
 constexpr double kSideBySideM = 0.1;
-/// No line is measured lower than the floor by more: 0.6 degrees at 1.3 m, when the robot brakes.
+/// A line is measured at most this much below the floor: 0.6 degrees at 1.3 m, when the robot
+/// brakes.
 constexpr double kLineErrorM = 0.015;
 /// Six standard deviations of a range.
 constexpr double kRangeErrorM = 0.06;

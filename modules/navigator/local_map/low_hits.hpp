@@ -14,27 +14,27 @@
 namespace nodmap::navigator {
 
 /// The beams of one scan that ended on the floor, or so little above it that noise may be the
-/// cause. Which of them are obstacles only the whole line tells.
+/// cause. The whole line decides which of them are obstacles.
 class LowHits {
  public:
   struct Hit {
     std::size_t beam = 0;
     Eigen::Vector3d p_odom;
     double height_m = 0.0;  ///< above the tracked ground
-    double sinking = 0.0;   ///< that the beam loses of height in a metre
+    double sinking = 0.0;   ///< height that the beam loses per metre
   };
 
   explicit LowHits(double floor_tolerance_m) : floor_tolerance_m_(floor_tolerance_m) {}
 
   void begin_scan(std::size_t num_beams);
 
-  /// Within the floor's tolerance.
+  /// Adds a hit within the floor's tolerance.
   void add_floor(const Hit& hit);
-  /// Above it.
+  /// Adds a hit above the tolerance.
   void add_low(const Hit& hit) { low_.push_back(hit); }
 
-  /// Enters floor and obstacles. `is_level`: a ramp rises out of a line, too, so that there the
-  /// line tells nothing.
+  /// Enters floor and obstacles into the grid. `is_level`: whether the ground is level; otherwise a
+  /// ramp, too, rises out of the line, and the line decides nothing.
   void end_scan(bool is_level, LocalGrid& grid, FloorEvidence& floor,
                 const ObstacleMemory& obstacles, std::uint16_t scan);
 

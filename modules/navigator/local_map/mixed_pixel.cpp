@@ -8,14 +8,15 @@
 namespace nodmap::navigator {
 namespace {
 
-/// From surface to surface it is farther than that: six standard deviations of a range, and almost
-/// three of one that is extrapolated from two others.
+/// Surfaces are at least this far apart: six standard deviations of a range, and almost three of
+/// one that is extrapolated from two others.
 constexpr double kJumpM = 0.06;
 /// Two beams on a plane that passes this near the sensor look along it: the spot, 1 to 2 cm wide
 /// where it leaves the sensor, is wider than what is seen of the plane.
 constexpr double kSpotM = 0.04;
 
-/// Of the beam so many places beside another one; empty where there is none, or nothing came back.
+/// The range of the beam this many places beside another one; empty if there is none, or nothing
+/// came back.
 std::optional<double> range_beside(const scan::Scan& scan, std::size_t beam, int places) {
   const auto index = static_cast<std::ptrdiff_t>(beam) + places;
   if (index < 0 || index >= std::ssize(scan.ranges_m) ||

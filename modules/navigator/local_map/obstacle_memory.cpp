@@ -10,10 +10,11 @@
 namespace nodmap::navigator {
 namespace {
 
-/// So near to base an obstacle ages by one decimetre in so many of travel.
+/// Within this distance of base an obstacle ages by one decimetre per this many decimetres of
+/// travel.
 constexpr double kNearM = 0.5;
 constexpr int kNearFactor = 5;
-/// So near before the end of a beam nothing is passed: noise of the range, and the cell itself.
+/// The last part of a beam counts as passing nothing: noise of the range, and the cell itself.
 constexpr double kBeforeEndM = 0.03;
 /// The stamps of cells are 16 bits of decimetres.
 constexpr double kLongestTravelM = 6553.6;

@@ -18,26 +18,26 @@ struct Beam {
   bool is_hit = false;
 };
 
-/// The obstacles of the local map's cells: hits and contacts add evidence, beams that pass through
-/// take it away, and what was not hit again for `forget_after_m` of travel is forgotten, for
-/// odometry has drifted. Travel is the path driven, and rotation by what it costs of accuracy.
+/// The obstacles in the cells of the local map. Hits and contacts add evidence, beams that pass
+/// through remove it. An obstacle that was not hit again for `forget_after_m` of travel
+/// (travel.hpp) is forgotten, because odometry has drifted.
 class ObstacleMemory {
  public:
-  /// No beam is followed farther: what lies beyond is looked at again when it is near.
+  /// Beams are followed up to this distance; what lies beyond is seen again when it is near.
   static constexpr double kFarthestPassM = 3.5;
 
   explicit ObstacleMemory(double forget_after_m) : forget_after_m_(forget_after_m) {}
 
-  /// The robot has moved; poses in odom.
+  /// The robot has moved from one pose to another, in odom.
   void move(const geometry::SE2& from, const geometry::SE2& to);
 
-  /// What is near the robot at `p_odom` grows older more slowly. The laser does not look beside and
-  /// behind the body, and the heading's error moves what is there by next to nothing. What is
-  /// forgotten stays so: its place is off by what odometry has drifted since.
+  /// Obstacles near the robot, at `p_odom`, age more slowly: the laser does not look beside and
+  /// behind the body, and the error of the heading hardly moves them. Forgotten obstacles stay
+  /// forgotten, because their places are off by the drift of odometry since.
   void keep_near(LocalGrid& grid, const Eigen::Vector2d& p_odom);
 
-  /// A beam of the scan with this number ended there. The beams of one scan have their errors of
-  /// pitch and tilt in common: they count once, but for those that are certain.
+  /// A beam of the scan number `scan` ended at `p_odom`. The beams of one scan share errors of
+  /// pitch and tilt, so they count once, except those that are certain.
   void add_hit(LocalGrid& grid, const Eigen::Vector3d& p_odom, bool is_certain,
                std::uint16_t scan) const;
 
@@ -45,14 +45,14 @@ class ObstacleMemory {
   void add_contact(LocalGrid& grid, const geometry::SE2& T_odom_base, const robot::Footprint& body,
                    bool at_front) const;
 
-  /// The cells that a beam passes over before `until_m`: an obstacle there would have ended it.
-  /// Nothing that is remembered is higher than `highest_m` in odom.
+  /// Removes evidence in the cells that a beam passes over before `until_m`, where an obstacle
+  /// would have ended it. Nothing that is remembered is higher than `highest_m` in odom.
   static void pass(LocalGrid& grid, const Beam& beam, double until_m, double highest_m,
                    std::uint16_t scan);
 
   [[nodiscard]] bool is_forgotten(const LocalCell& cell) const;
 
-  /// The travel as cells keep it: decimetres that begin anew after 6.5 km.
+  /// The travel as cells store it, in decimetres, which wrap around after 6.5 km.
   [[nodiscard]] std::uint16_t travel_dm() const;
 
  private:

@@ -9,9 +9,9 @@
 
 namespace nodmap::navigator {
 
-/// Whether something that was measured beside the known ground could be a ramp that is not known
-/// yet. Such a place is unknown until the laser has looked at it from nearer; before what is
-/// unknown the robot stops (SeenFloor). A view of the map at one moment.
+/// Decides whether something that was measured beside the known ground could be a ramp that is not
+/// known yet. Such a place is unknown until the laser has seen it from nearer; the robot stops
+/// before unknown ground (SeenFloor). A view of the map at one moment.
 class PossibleRamp {
  public:
   PossibleRamp(const LocalGrid& grid, const TrackedGround& ground, const LocalMapParams& params,

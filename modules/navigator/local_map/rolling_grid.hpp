@@ -10,8 +10,8 @@
 
 namespace nodmap::navigator {
 
-/// A square grid of cells that moves along with the robot: a cell of odom keeps its place in memory
-/// while it is inside, and one that comes in begins anew. 2^`log2_size` cells a side.
+/// A square grid that moves with the robot, 2^`log2_size` cells a side. A cell of odom keeps its
+/// place in memory while it is inside the grid; a cell that enters is reset.
 template <class Cell>
 class RollingGrid {
  public:
@@ -51,12 +51,12 @@ class RollingGrid {
     return contains(index) ? &at(index) : nullptr;
   }
 
-  /// By column and row from the first ones on.
+  /// The cell at a column and row, counted from the first ones.
   [[nodiscard]] Cell& at_offset(int column, int row) {
     return at(Eigen::Vector2i(first_.x() + column, first_.y() + row));
   }
 
-  /// Moves the grid so that `p_odom` is in its middle; cells that come in are Cell{}.
+  /// Moves the grid so that `p_odom` is in its middle; cells that enter are Cell{}.
   void center_on(const Eigen::Vector2d& p_odom) {
     const Eigen::Vector2i first = index_of(p_odom) - Eigen::Vector2i::Constant(size_ / 2);
     const Eigen::Vector2i shift = first - first_;

@@ -11,8 +11,8 @@
 namespace nodmap::navigator {
 namespace {
 
-/// Across the body the floor is looked at in columns so far apart; so many of them make it unknown,
-/// for one alone may lie between beams.
+/// Across the body the floor is checked in columns this far apart; it is unknown if this many
+/// columns are, because a single one may lie between beams.
 constexpr double kColumnM = 0.05;
 constexpr int kUnknownColumns = 2;
 /// Beyond the nearest floor that the laser sees.

@@ -25,7 +25,7 @@ class SeenFloor {
   [[nodiscard]] double distance_backwards(const geometry::SE2& T_odom_base, double curvature,
                                           double half_width_m, double max_m) const;
 
-  /// Floor there, or so near that nothing fits in between.
+  /// Whether there is floor in a cell, or so near that nothing fits in between.
   [[nodiscard]] bool is_near(const Eigen::Vector2i& index) const;
   /// See LocalMap::was_floor().
   [[nodiscard]] bool is_around(const Eigen::Vector2d& p_odom) const;

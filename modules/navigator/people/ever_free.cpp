@@ -9,14 +9,14 @@ namespace {
 
 constexpr double kCellM = 0.1;
 constexpr double kLayerM = 0.1;
-constexpr int kLog2Size = 7;
 constexpr std::uint8_t kMostFree = 12;
 /// Scans with a pass that make a layer free. At 3 m a sweep has about one line in each layer.
 constexpr std::uint8_t kEnough = 2;
 
 }  // namespace
 
-EverFree::EverFree() : grid_(kCellM, kLog2Size) {}
+EverFree::EverFree(double range_m)
+    : grid_(kCellM, static_cast<int>(std::ceil(std::log2(2.0 * range_m / kCellM + 1.0)))) {}
 
 int EverFree::layer_of(double height_m) {
   return static_cast<int>(std::floor((height_m - kLowestM) / kLayerM)) + 1;
@@ -62,21 +62,22 @@ void EverFree::pass(const Eigen::Vector2d& from_odom, double from_height_m,
   }
 }
 
-bool EverFree::is_free(const Eigen::Vector2i& index, int layer) const {
+bool EverFree::is_free(const Eigen::Vector2i& index, int lowest, int highest) const {
   if (!grid_.contains(index)) {
     return false;
   }
   const Column& column = grid_.at(index);
-  return std::all_of(column.free.begin() + layer - 1, column.free.begin() + layer + 2,
+  return std::all_of(column.free.begin() + lowest, column.free.begin() + highest + 1,
                      [](std::uint8_t free) { return free >= kEnough; });
 }
 
-bool EverFree::is_free(const Eigen::Vector2d& p_odom, double height_m) const {
+bool EverFree::is_free(const Eigen::Vector2d& p_odom, double height_m, bool laser_is_held) const {
   const int layer = std::clamp(layer_of(height_m), 1, kLayers - 2);
+  const int beside = laser_is_held ? 0 : 1;
   const Eigen::Vector2i middle = grid_.index_of(p_odom);
   for (int dx = -1; dx <= 1; ++dx) {
     for (int dy = -1; dy <= 1; ++dy) {
-      if (!is_free(middle + Eigen::Vector2i(dx, dy), layer)) {
+      if (!is_free(middle + Eigen::Vector2i(dx, dy), layer - beside, layer + beside)) {
         return false;
       }
     }

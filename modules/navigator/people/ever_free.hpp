@@ -11,7 +11,7 @@ namespace nodmap::navigator {
 
 /// Which space around the robot beams have passed through, in scan after scan: what is measured
 /// there now has moved there. After the ever-free space of Dynablox (Schmid et al., RA-L 2023),
-/// here in columns of 10 cm x 10 cm with layers of 10 cm, 12.8 m x 12.8 m in odom.
+/// here in columns of 10 cm x 10 cm with layers of 10 cm, in a square in odom that moves along.
 ///
 /// A low box is passed over before it is hit, and a table passed under: so a place is free only
 /// where the layers below and above it are, and the columns around it.
@@ -21,7 +21,9 @@ class EverFree {
   static constexpr double kLowestM = 0.2;
   static constexpr double kHighestM = 0.5;
 
-  EverFree();
+  /// `range_m`: what it is asked about is no farther away. What is left behind is forgotten, before
+  /// odometry has drifted.
+  explicit EverFree(double range_m = 0.0);
 
   /// Begins a scan, made from about `p_odom`.
   void begin_scan(const Eigen::Vector2d& p_odom);
@@ -34,7 +36,10 @@ class EverFree {
             double to_height_m);
 
   /// Whether a place, which lies between kLowestM and kHighestM, was free before.
-  [[nodiscard]] bool is_free(const Eigen::Vector2d& p_odom, double height_m) const;
+  /// `laser_is_held`: all scans are of the same height, and what is low or high is never seen; then
+  /// the place's own layer is asked alone.
+  [[nodiscard]] bool is_free(const Eigen::Vector2d& p_odom, double height_m,
+                             bool laser_is_held = false) const;
 
   /// Whether a beam of this scan has passed there at such heights.
   [[nodiscard]] bool is_passed_now(const Eigen::Vector2d& p_odom) const;
@@ -48,7 +53,8 @@ class EverFree {
   };
 
   [[nodiscard]] static int layer_of(double height_m);
-  [[nodiscard]] bool is_free(const Eigen::Vector2i& index, int layer) const;
+  /// In all of these layers.
+  [[nodiscard]] bool is_free(const Eigen::Vector2i& index, int lowest, int highest) const;
 
   RollingGrid<Column> grid_;
   std::uint32_t scan_ = 0;

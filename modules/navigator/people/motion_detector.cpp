@@ -8,8 +8,10 @@
 namespace nodmap::navigator {
 namespace {
 
-/// Nothing farther is looked for: there a person has five beams.
-constexpr double kFarthestPersonM = 5.5;
+/// Nothing farther is looked for: there a person of 0.48 m has five beams.
+constexpr double kPersonM = 0.48;
+constexpr double kBeamsOnPerson = 5.0;
+constexpr double kFarthestPersonM = 10.0;
 /// What is nearer to the mirror is the robot.
 constexpr double kNearestM = 0.1;
 /// So near to the mirror a beam has passed nothing for certain.
@@ -25,9 +27,9 @@ constexpr std::size_t kFewestBeams = 3;
 /// Who is cut by the edge of the laser's view is elsewhere than what is seen of him.
 constexpr std::size_t kEdgeBeams = 2;
 constexpr double kLeastFree = 0.6;
-constexpr double kWidestM = 0.9;
+constexpr double kWidestM = 1.4;
 constexpr double kLeastRadiusM = 0.15;
-constexpr double kMostRadiusM = 0.35;
+constexpr double kMostRadiusM = 0.7;
 /// Half a beam's distance to each side.
 constexpr double kHalfBeamM = 0.03;
 
@@ -37,13 +39,29 @@ constexpr auto is_beside = [](const auto& a, const auto& b) {
   return beams <= 2 && (a.p_odom - b.p_odom).norm() < kGapM;
 };
 
+/// Whether what a beam has hit is nearer than what is beside it, which does not hide it.
+bool is_before(const scan::Scan& scan, std::size_t beam, std::size_t beside) {
+  const auto range_m = static_cast<double>(scan.ranges_m[beside]);
+  return (scan.is_hit(beside) || range_m == std::numeric_limits<double>::infinity()) &&
+         range_m > static_cast<double>(scan.ranges_m[beam]);
+}
+
+double farthest_of(const scan::Scan& scan) {
+  return std::min(kFarthestPersonM, kPersonM / (kBeamsOnPerson * scan.angle_step_rad));
+}
+
 }  // namespace
 
 std::vector<Detection> MotionDetector::add_scan(const scan::Scan& scan,
-                                                const geometry::SE2& T_odom_base) {
+                                                const geometry::SE2& T_odom_base,
+                                                bool laser_is_held) {
   std::vector<Detection> detections;
   if (scan.ranges_m.empty()) {
     return detections;
+  }
+  if (farthest_of(scan) != farthest_m_) {
+    farthest_m_ = farthest_of(scan);
+    space_ = EverFree(farthest_m_);
   }
   space_.begin_scan(T_odom_base.translation());
   collect_hits(scan, T_odom_base);
@@ -52,7 +70,7 @@ std::vector<Detection> MotionDetector::add_scan(const scan::Scan& scan,
   for (auto first = leg_hits_.cbegin(); first != leg_hits_.cend();) {
     const auto last = std::adjacent_find(first, leg_hits_.cend(), std::not_fn(is_beside));
     const auto end = last == leg_hits_.cend() ? last : last + 1;
-    if (const auto detection = detect(first, end, sensor_odom)) {
+    if (const auto detection = detect(first, end, sensor_odom, scan, laser_is_held)) {
       detections.push_back(*detection);
     }
     first = end;
@@ -71,7 +89,7 @@ void MotionDetector::collect_hits(const scan::Scan& scan, const geometry::SE2& T
   const Eigen::Matrix2d R = T_odom_base.rotation();
   for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
     const auto range_m = static_cast<double>(scan.ranges_m[beam]);
-    if (!scan.is_hit(beam) || range_m < kNearestM || range_m > kFarthestPersonM) {
+    if (!scan.is_hit(beam) || range_m < kNearestM || range_m > farthest_m_) {
       continue;
     }
     const Eigen::Vector3d p_base = scan::point_in_base(scan, beam, range_m);
@@ -92,7 +110,7 @@ void MotionDetector::add_passes(const scan::Scan& scan, const geometry::SE2& T_o
     if (!scan.is_hit(beam) && range_m != std::numeric_limits<double>::infinity()) {
       continue;
     }
-    const double until_m = std::min(range_m - kBeforeEndM, kFarthestPersonM);
+    const double until_m = std::min(range_m - kBeforeEndM, farthest_m_);
     if (until_m <= kPassedFromM) {
       continue;
     }
@@ -121,18 +139,25 @@ std::span<const MotionDetector::Hit> MotionDetector::whole_group(const Hit& firs
 
 std::optional<Detection> MotionDetector::detect(Hits::const_iterator first,
                                                 Hits::const_iterator end,
-                                                const Eigen::Vector2d& sensor_odom) const {
+                                                const Eigen::Vector2d& sensor_odom,
+                                                const scan::Scan& scan, bool laser_is_held) const {
   const auto num = static_cast<std::size_t>(end - first);
   if (num < kFewestBeams || ((end - 1)->p_odom - first->p_odom).norm() > kWidestM) {
     return std::nullopt;
   }
-  const auto num_free = std::count_if(
-      first, end, [&](const Hit& hit) { return space_.is_free(hit.p_odom, hit.height_m); });
-  if (static_cast<double>(num_free) < kLeastFree * static_cast<double>(num)) {
+  const auto num_free = std::count_if(first, end, [&](const Hit& hit) {
+    return space_.is_free(hit.p_odom, hit.height_m, laser_is_held);
+  });
+  const double free_ratio = static_cast<double>(num_free) / static_cast<double>(num);
+  if (free_ratio < kLeastFree && !laser_is_held) {
     return std::nullopt;
   }
   const std::span<const Hit> group = whole_group(*first, *(end - 1));
   if (group.front().beam < kEdgeBeams || group.back().beam + kEdgeBeams >= num_beams_) {
+    return std::nullopt;
+  }
+  if (free_ratio < kLeastFree && (!is_before(scan, group.front().beam, group.front().beam - 1) ||
+                                  !is_before(scan, group.back().beam, group.back().beam + 1))) {
     return std::nullopt;
   }
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
@@ -150,7 +175,8 @@ std::optional<Detection> MotionDetector::detect(Hits::const_iterator first,
                    group.front().beam,
                    group.back().beam,
                    lowest.height_m,
-                   highest.height_m};
+                   highest.height_m,
+                   free_ratio};
 }
 
 }  // namespace nodmap::navigator

@@ -11,17 +11,13 @@ namespace nodmap::navigator {
 namespace {
 
 constexpr double kStepS = 0.05;
+constexpr double kForeseenS = 2.0;
 /// No point of a stationary robot moves faster than 0.05 m/s; the base follows a command to 2 cm/s.
 constexpr double kStationaryMps = 0.03;
 /// From fastest to slowest; slower than that it rather stands.
 constexpr std::array kFactors{1.0, 0.85, 0.7, 0.55, 0.4, 0.27, 0.15};
 
 }  // namespace
-
-double distance_to_body(const Eigen::Vector2d& p_base, const robot::Footprint& body) {
-  return std::hypot(std::max(0.0, std::abs(p_base.x()) - body.half_length_m),
-                    std::max(0.0, std::abs(p_base.y()) - body.half_width_m));
-}
 
 PassiveSafety::PassiveSafety(const robot::RobotParams& robot, const DriveParams& drive,
                              const PeopleParams& params)
@@ -54,6 +50,37 @@ bool PassiveSafety::is_safe(const Twist& twist, const Person& person) const {
     const double yaw_rad = kStepS * factor * twist.yaw_rate_rad_s;
     pose = pose * geometry::SE2{kStepS * factor * twist.forward_mps, 0.0, yaw_rad};
   }
+}
+
+/// Whether nobody touches a robot that goes over to the commanded motion and keeps it.
+bool PassiveSafety::keeps_clear(Twist twist, const Twist& command, const People& people) const {
+  geometry::SE2 pose;
+  for (double t = 0.0; t <= kForeseenS; t += kStepS) {
+    if (std::ranges::any_of(people, [&](const Person& person) {
+          return is_touched(body_, pose, person, t, margin_m_);
+        })) {
+      return false;
+    }
+    twist = after(twist, command, kStepS);
+    pose = pose * geometry::SE2{kStepS * twist.forward_mps, 0.0, kStepS * twist.yaw_rate_rad_s};
+  }
+  return true;
+}
+
+bool PassiveSafety::escapes(const Twist& present, const Twist& commanded,
+                            const People& people) const {
+  if (keeps_clear(present, {}, people)) {
+    return false;
+  }
+  if (is_safe(present, people)) {
+    return keeps_clear(present, commanded, people);
+  }
+  // It is too late to be stationary: what is likely counts, for braking leads to contact as well.
+  People likely = people;
+  for (Person& person : likely) {
+    person.velocity_sigma_mps = 0.0;
+  }
+  return keeps_clear(present, commanded, likely);
 }
 
 bool PassiveSafety::is_safe(const Twist& twist, const People& people) const {

@@ -4,19 +4,10 @@
 #include "common/robot/footprint.hpp"
 #include "common/robot/robot_params.hpp"
 #include "modules/navigator/params.hpp"
+#include "modules/navigator/people/foresight.hpp"
 #include "modules/navigator/people/person.hpp"
 
 namespace nodmap::navigator {
-
-/// A motion of base: forward speed and yaw rate.
-struct Twist {
-  double forward_mps = 0.0;
-  double yaw_rate_rad_s = 0.0;
-
-  [[nodiscard]] Twist scaled(double factor) const {
-    return {factor * forward_mps, factor * yaw_rate_rad_s};
-  }
-};
 
 /// Passive motion safety (Bouraine, Fraichard and Salhi, Autonomous Robots 2012): should anybody
 /// touch the robot, it is stationary by then. The robot cannot keep a person from walking into it,
@@ -31,10 +22,17 @@ class PassiveSafety {
   /// time they grow by the error of it, and those who are out of sight by what they walk. In base.
   [[nodiscard]] bool is_safe(const Twist& twist, const People& people) const;
 
+  /// Whether standing does not help, but a motion does: within two seconds somebody would touch the
+  /// robot that brakes from its present motion, and nobody one that goes over to the commanded one.
+  /// If he would touch it before it is stationary his velocity counts without its error.
+  [[nodiscard]] bool escapes(const Twist& present, const Twist& commanded,
+                             const People& people) const;
+
   /// The greatest factor from 0 to 1 with which the motion is safe.
   [[nodiscard]] double safe_factor(const Twist& twist, const People& people) const;
 
  private:
+  [[nodiscard]] bool keeps_clear(Twist twist, const Twist& command, const People& people) const;
   [[nodiscard]] bool is_safe(const Twist& twist, const Person& person) const;
 
   robot::Footprint body_;
@@ -42,8 +40,5 @@ class PassiveSafety {
   double reaction_s_;
   double margin_m_;
 };
-
-/// From a rectangle at a pose to a point, metres; 0 inside.
-[[nodiscard]] double distance_to_body(const Eigen::Vector2d& p_base, const robot::Footprint& body);
 
 }  // namespace nodmap::navigator

@@ -17,6 +17,12 @@ constexpr int kFewestSightings = 4;
 constexpr int kFewestOfNew = 3;
 constexpr time::Duration kShortest = 150ms;
 constexpr double kLeastHeightM = 0.1;
+/// So much of it lies where space was free before; of what is measured in each scan a part that no
+/// noise explains, else most.
+constexpr double kPartlyFree = 0.25;
+constexpr double kMostlyFree = 0.6;
+/// Two that touch are measured as one for a while.
+constexpr double kShrinksM = 0.005;
 constexpr double kLeastMps = 0.25;
 constexpr double kSigmas = 2.0;
 /// Slower than this a walker stands.
@@ -36,6 +42,7 @@ constexpr double kTurnsBeforeM = 0.6;
 constexpr double kMostUnseenSigmaM = 0.5;
 /// In sight is who was seen in one of the last two sweeps.
 constexpr time::Duration kInSight = 800ms;
+constexpr time::Duration kDouble = 200ms;
 /// So near to the laser he may be below its beams, or beside them.
 constexpr double kBlindRangeM = 0.5;
 constexpr int kMostContradictions = 4;
@@ -63,14 +70,16 @@ People in_base(People people, const geometry::SE2& T_odom_base) {
 
 }  // namespace
 
-Track::Track(time::Timestamp stamp, const Detection& detection, std::int64_t id)
+Track::Track(time::Timestamp stamp, const Detection& detection, std::int64_t id, bool laser_is_held)
     : id_(id),
       radius_m_(detection.radius_m),
       stamp_(stamp),
       first_seen_(stamp),
       seen_at_(stamp),
+      laser_is_held_(laser_is_held),
       lowest_m_(detection.lowest_m),
-      highest_m_(detection.highest_m) {
+      highest_m_(detection.highest_m),
+      has_come_(detection.free_ratio >= kMostlyFree) {
   state_ << detection.p_odom, Eigen::Vector2d::Zero();
   const double p = kPositionSigmaM * kPositionSigmaM;
   const double v = kVelocitySigmaMps * kVelocitySigmaMps;
@@ -98,16 +107,17 @@ void Track::update(const Detection& detection) {
   state_ += K * (detection.p_odom - state_.head<2>());
   covariance_ -= K * covariance_.topRows<2>();
   covariance_ = 0.5 * (covariance_ + covariance_.transpose()).eval();
-  radius_m_ = std::max(radius_m_, detection.radius_m);
+  radius_m_ = std::max(radius_m_ - kShrinksM, detection.radius_m);
   seen_at_ = stamp_;
   lowest_m_ = std::min(lowest_m_, detection.lowest_m);
   highest_m_ = std::max(highest_m_, detection.highest_m);
   num_contradictions_ = 0;
+  has_come_ = has_come_ || detection.free_ratio >= (laser_is_held_ ? kPartlyFree : kMostlyFree);
   ++num_sightings_;
   const double speed_mps = state_.tail<2>().norm();
   const double sigma_mps = worse_sigma(covariance_.bottomRightCorner<2, 2>());
-  const bool is_known =
-      num_sightings_ >= kFewestSightings && has_legs() && seen_at_ - first_seen_ >= kShortest;
+  const bool is_known = has_come_ && num_sightings_ >= kFewestSightings && has_legs() &&
+                        seen_at_ - first_seen_ >= kShortest;
   moves_ = moves_ ? speed_mps > kStandsMps
                   : is_known && speed_mps > std::max(kLeastMps, kSigmas * sigma_mps);
 }
@@ -116,11 +126,12 @@ void Track::update(const Detection& detection) {
 /// nowhere, too, and seems to move with the line on it: all of that is at one height. Of a leg the
 /// laser shows so much in three or four lines of a sweep.
 bool Track::has_legs() const {
-  return highest_m_ - lowest_m_ > kLeastHeightM;
+  return laser_is_held_ || highest_m_ - lowest_m_ > kLeastHeightM;
 }
 
 bool Track::is_new() const {
-  return !moves_ && num_sightings_ >= kFewestOfNew && has_legs() && stamp_ - seen_at_ < kInSight;
+  return !moves_ && has_come_ && num_sightings_ >= kFewestOfNew && has_legs() &&
+         stamp_ - seen_at_ < kInSight;
 }
 
 double Track::distance_squared(const Detection& detection) const {
@@ -149,21 +160,23 @@ void Track::turn_round() {
 }
 
 void PeopleTracker::add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base,
-                             const IsBlocked& is_blocked) {
-  const std::vector<Detection> detections = detector_.add_scan(scan, T_odom_base);
+                             const IsBlocked& is_blocked, bool laser_is_held) {
+  const std::vector<Detection> detections = detector_.add_scan(scan, T_odom_base, laser_is_held);
   const time::Timestamp stamp = scan.mid_stamp();
   is_walker_.assign(scan.ranges_m.size(), false);
   for (Track& track : tracks_) {
     track.predict(stamp);
   }
-  associate(detections, stamp);
+  associate(detections, stamp, laser_is_held);
   mark_walkers(scan, T_odom_base);
   follow_unseen(scan, T_odom_base, is_blocked);
   drop_lost(stamp);
+  drop_doubles(stamp);
 }
 
 /// Each detection goes to the track that expects it most; one that none expects begins a track.
-void PeopleTracker::associate(const std::vector<Detection>& detections, time::Timestamp stamp) {
+void PeopleTracker::associate(const std::vector<Detection>& detections, time::Timestamp stamp,
+                              bool laser_is_held) {
   const std::size_t num_known = tracks_.size();
   for (const Detection& detection : detections) {
     Track* nearest = nullptr;
@@ -178,7 +191,7 @@ void PeopleTracker::associate(const std::vector<Detection>& detections, time::Ti
     if (nearest != nullptr) {
       nearest->update(detection);
     } else {
-      tracks_.emplace_back(stamp, detection, next_id_++);
+      tracks_.emplace_back(stamp, detection, next_id_++, laser_is_held);
     }
   }
 }
@@ -205,10 +218,13 @@ void PeopleTracker::follow_unseen(const scan::Scan& scan, const geometry::SE2& T
   constexpr double kStepM = 0.05;
   const geometry::SE2 T_base_odom = T_odom_base.inverse();
   const Eigen::Vector2d mount_base = scan.T_base_mount.translation().head<2>();
+  const double last_rad = scan.angle_rad(scan.ranges_m.size() - 1);
   for (Track& track : tracks_) {
     const Person person = track.person();
     const Eigen::Vector2d p = T_base_odom * person.position - mount_base;
-    if (p.x() > 0.0 && p.norm() > kBlindRangeM) {
+    const double bearing_rad = std::atan2(p.y(), p.x());
+    const bool is_in_view = bearing_rad > scan.angle_first_rad && bearing_rad < last_rad;
+    if (is_in_view && p.norm() > kBlindRangeM) {
       continue;
     }
     track.hide(scan.mid_stamp());
@@ -251,6 +267,17 @@ People PeopleTracker::select(time::Timestamp stamp, const Select& is_wanted) con
     }
   }
   return people;
+}
+
+/// Who is not measured any more, where another one is, was the same.
+void PeopleTracker::drop_doubles(time::Timestamp stamp) {
+  const People people = select(stamp, [&](const Track& track) { return track.seen_at() == stamp; });
+  std::erase_if(tracks_, [&](const Track& track) {
+    return stamp - track.seen_at() > kDouble &&
+           std::ranges::any_of(people, [&](const Person& person) {
+             return (person.position - track.person().position).norm() < person.radius_m;
+           });
+  });
 }
 
 People PeopleTracker::people_odom(time::Timestamp stamp) const {

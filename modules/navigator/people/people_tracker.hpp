@@ -28,7 +28,9 @@ class Track {
   /// Before it is known: people walk at 1.4 m/s and less, in any direction.
   static constexpr double kVelocitySigmaMps = 1.0;
 
-  Track(time::Timestamp stamp, const Detection& detection, std::int64_t id = 0);
+  /// `laser_is_held`: it is measured at one height only, whatever it is.
+  Track(time::Timestamp stamp, const Detection& detection, std::int64_t id = 0,
+        bool laser_is_held = false);
 
   void predict(time::Timestamp stamp);
   /// After predict() to the time of the detection.
@@ -68,8 +70,10 @@ class Track {
   time::Timestamp hidden_at_{};
   int num_sightings_ = 1;
   int num_contradictions_ = 0;
+  bool laser_is_held_;
   double lowest_m_;  // heights at which he was measured
   double highest_m_;
+  bool has_come_;  // it was measured where space was free before
   bool moves_ = false;
 };
 
@@ -84,8 +88,9 @@ class PeopleTracker {
   using IsBlocked = std::function<bool(const Eigen::Vector2d& p_odom)>;
 
   /// `T_odom_base` at the middle of the scan. Without `is_blocked` nobody turns round.
+  /// `laser_is_held`: it does not nod.
   void add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base,
-                const IsBlocked& is_blocked = {});
+                const IsBlocked& is_blocked = {}, bool laser_is_held = false);
 
   /// For each beam of the last scan, whether it has hit somebody who moves, at any height.
   [[nodiscard]] const std::vector<bool>& is_walker() const { return is_walker_; }
@@ -106,11 +111,13 @@ class PeopleTracker {
  private:
   template <class Select>
   [[nodiscard]] People select(time::Timestamp stamp, const Select& is_wanted) const;
-  void associate(const std::vector<Detection>& detections, time::Timestamp stamp);
+  void associate(const std::vector<Detection>& detections, time::Timestamp stamp,
+                 bool laser_is_held);
   void mark_walkers(const scan::Scan& scan, const geometry::SE2& T_odom_base);
   void follow_unseen(const scan::Scan& scan, const geometry::SE2& T_odom_base,
                      const IsBlocked& is_blocked);
   void drop_lost(time::Timestamp stamp);
+  void drop_doubles(time::Timestamp stamp);
 
   MotionDetector detector_;
   std::vector<Track> tracks_;

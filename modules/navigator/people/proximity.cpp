@@ -16,6 +16,8 @@ constexpr double kFarthestReadingM = 2.0;
 /// has moved.
 constexpr double kSameM = 0.2;
 /// What does not move by more within such a time stands. Who comes at 0.1 m/s moves more.
+constexpr double kSameTrackM = 0.15;
+constexpr double kMostTrackErrorM = 0.3;
 constexpr double kStandsM = 0.05;
 constexpr time::Duration kStands = 600ms;
 constexpr time::Duration kHold = 500ms;
@@ -40,10 +42,18 @@ bool is_free(const Eigen::Vector2d& p_odom, const LocalMap& map) {
   return map.is_seen_floor(p_odom);
 }
 
+/// He may be elsewhere than his track by its error, but not by much: who is farther is another one.
+bool is_tracked(const Eigen::Vector2d& p_odom, const People& people_odom) {
+  return std::ranges::any_of(people_odom, [&](const Person& person) {
+    const double error_m = std::min(kMostTrackErrorM, 2.0 * person.position_sigma_m);
+    return (p_odom - person.position).norm() < person.radius_m + kSameTrackM + error_m;
+  });
+}
+
 }  // namespace
 
 void Proximity::add(time::Timestamp stamp, const Ranges& ranges_m, const geometry::SE2& T_odom_base,
-                    const LocalMap& local_map) {
+                    const LocalMap& local_map, const People& people_odom) {
   for (std::size_t i = 0; i < robot::kInfraredCount; ++i) {
     std::optional<Stranger>& stranger = strangers_[i];
     if (!(ranges_m[i] >= 0.0 && ranges_m[i] <= kFarthestReadingM)) {  // NaN, too
@@ -52,7 +62,7 @@ void Proximity::add(time::Timestamp stamp, const Ranges& ranges_m, const geometr
     }
     const Eigen::Vector2d p_odom =
         T_odom_base * (robot::kInfraredMounts[i] * Eigen::Vector2d(ranges_m[i], 0.0));
-    if (!is_free(p_odom, local_map)) {
+    if (!is_free(p_odom, local_map) || is_tracked(p_odom, people_odom)) {
       stranger.reset();
     } else if (!stranger || (stranger->p_odom - p_odom).norm() > kStandsM) {
       stranger = {p_odom, stamp};

@@ -7,6 +7,7 @@
 #include "common/geometry/se2.hpp"
 #include "common/geometry/time.hpp"
 #include "common/robot/infrared.hpp"
+#include "modules/navigator/people/person.hpp"
 
 namespace nodmap::navigator {
 
@@ -20,9 +21,9 @@ class Proximity {
   /// As in nodmap.base_sensors_t, metres; NaN: nothing in the measuring range.
   using Ranges = std::array<double, robot::kInfraredCount>;
 
-  /// `T_odom_base` at `stamp`.
+  /// `T_odom_base` at `stamp`. Who is tracked is no stranger: his track says when to stop for him.
   void add(time::Timestamp stamp, const Ranges& ranges_m, const geometry::SE2& T_odom_base,
-           const LocalMap& local_map);
+           const LocalMap& local_map, const People& people_odom);
 
   /// Whether somebody is there, or was half a second ago: between two sensors nobody is seen.
   [[nodiscard]] bool is_detected(time::Timestamp stamp) const;

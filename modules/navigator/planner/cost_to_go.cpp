@@ -14,7 +14,7 @@ namespace {
 /// A diagonal step at the highest price is still shorter than all buckets together.
 constexpr float kBucketM = 0.02F;
 constexpr std::size_t kNumBuckets = 64;
-/// The robot may be where no path leads through: the plan is asked so far around.
+/// The robot may be where no path leads through: the plan is read within this distance.
 constexpr double kSearchRadiusM = 0.3;
 constexpr float kNever = std::numeric_limits<float>::infinity();
 

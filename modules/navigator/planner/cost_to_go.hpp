@@ -17,8 +17,8 @@ class CostToGo {
  public:
   /// +infinity where there is no path, and outside.
   [[nodiscard]] double at(const Eigen::Vector2d& p_map) const;
-  /// The least cost within 0.3 m of a place, and the way there: the robot may stand where no path
-  /// leads through.
+  /// The least cost within 0.3 m of a place plus the cost of getting there, because the robot may
+  /// be where no path leads through.
   [[nodiscard]] double least_near(const Eigen::Vector2d& p_map) const;
   /// Downhill from a place to the goal, at most `max_m` long, a point for each cell.
   [[nodiscard]] std::vector<Eigen::Vector2d> path_from(const Eigen::Vector2d& p_map,
@@ -38,14 +38,14 @@ class CostSearch {
 
   CostSearch();
 
-  /// Begins anew. `price`: what a metre costs in each cell of the window, negative where it is
-  /// blocked; the same ones are to be given to advance(). All cells within the goal's tolerance are
-  /// the goal: the robot need not stand in its middle. A goal outside of the window is reached over
-  /// its border; what lies outside costs `outside_price`.
+  /// Begins a new search. `price`: the cost per metre in each cell of the window, negative where it
+  /// is blocked; must also be given to advance(). All cells within the goal's tolerance are the
+  /// goal. A goal outside the window is reached over its border; ground outside costs
+  /// `outside_price` per metre.
   void begin(const PlanWindow& window, std::span<const float> price,
              const Eigen::Vector2d& goal_map, double tolerance_m, double outside_price);
 
-  /// Where a path without a goal may end: between two distances from base, in any direction.
+  /// Where a path without a goal may end: in any direction, between two distances from base.
   struct Onward {
     geometry::SE2 T_map_base;
     double nearest_m = 0.0;
@@ -53,10 +53,10 @@ class CostSearch {
     double short_price = 0.0;  ///< of each metre by which it ends nearer than `farthest_m`
     double aside_m_rad = 0.0;  ///< cost of each radian that the end is away from ahead
   };
-  /// Begins anew without a goal. The window reaches beyond the farthest ends.
+  /// Begins a new search without a goal. The window must reach beyond the farthest ends.
   void begin_onward(const PlanWindow& window, std::span<const float> price, const Onward& onward);
 
-  /// Goes on for so many cells. False when all is done.
+  /// Continues for at most `max_cells` cells. Returns false when the search is complete.
   [[nodiscard]] bool advance(std::span<const float> price, int max_cells);
 
   /// What has been found so far.
@@ -76,8 +76,8 @@ class CostSearch {
   std::vector<std::vector<std::uint32_t>> buckets_;
   std::size_t bucket_ = 0;
   std::size_t num_queued_ = 0;
-  /// Cells whose cost is known beforehand, the cheapest last: those at the window's border for a
-  /// goal beyond it, and the ends where there is no goal.
+  /// Cells whose cost is known from the start, the cheapest last: those at the window's border for
+  /// a goal beyond it, and the ends if there is no goal.
   std::vector<std::pair<float, std::size_t>> seeds_;
 };
 

@@ -13,10 +13,10 @@ using geometry::deg_to_rad;
 
 /// The line is followed from this heading on.
 constexpr double kAlignedRad = deg_to_rad(5.0);
-/// Steepest angle at which it drives back to the line.
+/// Greatest angle at which it drives back to the line.
 constexpr double kSteepestRad = deg_to_rad(30.0);
 constexpr double kMaxCurvature = 2.5;  // 1/m: the body's rear hardly swings aside
-/// Speed for each metre that is left, and the least: five steps of the base's speed command.
+/// Speed per metre that is left, and the least speed: five steps of the base's speed command.
 constexpr double kSpeedPerMetre = 0.8;
 constexpr double kLeastMps = 0.05;
 /// What it still rolls at the least speed, half a reaction time after the command to stop.
@@ -27,11 +27,11 @@ constexpr double kYawRatePerRad = 1.2;
 constexpr double kLeastYawRate = deg_to_rad(3.0);
 constexpr double kMostYawRate = deg_to_rad(25.0);
 constexpr double kBackOffMps = 0.1;
-/// Each phase after the staging place takes less; who needs longer is in somebody's way.
+/// Each phase after the staging place takes less than this, unless somebody is in the way.
 constexpr double kPatienceS = 25.0;
 /// After it has failed.
 constexpr double kTryAgainS = 60.0;
-/// Docked, it leaves the goal only for an error of the pose that is not noise.
+/// A docked robot leaves the goal only for an error of the pose larger than noise.
 constexpr double kLeaveM = 0.1;
 constexpr double kLeaveRad = deg_to_rad(10.0);
 

@@ -11,7 +11,7 @@
 
 namespace nodmap::navigator {
 
-/// What docking asks for at one moment.
+/// The command of docking.
 struct DockingStep {
   enum class Kind : std::uint8_t {
     kPlan,    ///< drive to `staging_base` by plan
@@ -28,9 +28,10 @@ struct DockingStep {
 };
 
 /// Brings the robot to a goal with a heading, to centimetres and a degree: by plan to a staging
-/// place straight behind it, from there along the line through the goal, at the end on the spot to
-/// the heading. Its pose counts when it has been stationary for a while. What is off by too much
-/// then is tried again, from farther back where it is off sideways.
+/// place straight behind it, from there along the line through the goal, and at the end by a
+/// rotation on the spot to the heading. The pose is judged after the robot has been stationary for
+/// a while. If the error is too large, docking is tried again, from farther back if the robot is
+/// off sideways.
 class Docking {
  public:
   /// The staging place is reached within this, metres.
@@ -44,7 +45,7 @@ class Docking {
   /// `goal` has a heading.
   [[nodiscard]] DockingStep next(const GoalInBase& goal, time::Timestamp stamp);
 
-  /// Past the staging place, and not failed.
+  /// Whether it is past the staging place and has not failed.
   [[nodiscard]] bool is_docking() const {
     return phase_ != Phase::kStage && phase_ != Phase::kFailed;
   }

@@ -16,16 +16,16 @@ constexpr double kFailureM = 0.3;
 /// place that looks too narrow is gone to and looked at when there is no other path. The rollouts
 /// measure what is really free.
 constexpr double kTightPrice = 4.0;
-/// Without a goal the robot plans so far: at its fastest speed that takes more than two seconds,
-/// four plans. An end costs more by the angle that it is away from ahead, so that it turns round
-/// where there is no other way on, or one that is shorter by 2.5 m.
+/// Without a goal the robot plans this far, which takes more than two seconds, or four plans, at
+/// its fastest speed. An end costs more the more it is away from ahead, so that the robot turns
+/// round only where there is no other way on, or only one that is shorter by 2.5 m.
 constexpr double kOnwardM = 3.5;
 constexpr double kRingM = 0.1;
 /// From one plan to the next the robot drives 0.9 m at 1.5 m/s.
 constexpr double kLeftM = 1.75;
 constexpr double kAsideMPerRad = 0.8;
-/// Where no path leads so far, as in a small room, the farther it leads the better; what ends
-/// nearer than the first of these is no path at all.
+/// Where no path leads that far, as in a small room, a longer path is better; one that ends nearer
+/// than the first of these is no path.
 constexpr double kShortestM = 0.6;
 constexpr double kShortPrice = 3.0;
 /// The last resort keeps this off the middle of an occupied cell: enough not to slip through a wall
@@ -184,8 +184,7 @@ void GlobalPlanner::price_cells() {
   }
 }
 
-/// Where the robot could not go on a metre costs more. A place that looked too narrow, too, is
-/// closed.
+/// Raises the price where the robot could not go on. A place that also looked too narrow is closed.
 void GlobalPlanner::price_failures() {
   const double least_m = body_.half_width_m + params_.least_clearance_m;
   const int reach = static_cast<int>(kFailureM / window_.cell_size_m);

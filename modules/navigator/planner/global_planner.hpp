@@ -22,22 +22,22 @@ namespace nodmap::navigator {
 /// Plans to the goal on all the ground that the local map has shown. Unknown ground can be crossed
 /// at a price. The work is done in small portions, so that no decision waits for it.
 ///
-/// The robot's centre keeps half its width off what blocks; with less than the least clearance a
-/// cell costs much more, and with little more still a little. Where it cannot turn, or a place is
-/// narrower than the grid can tell, the local planner finds out: a narrow place in which the robot
-/// could not go on is closed.
+/// The robot's centre keeps half the body's width away from blocked cells. A cell with less than
+/// the least clearance costs much more, and one with little more than that a little more. The local
+/// planner finds out where the robot cannot turn, or where a place is narrower than the grid can
+/// show; a narrow place in which the robot could not go on is closed.
 class GlobalPlanner {
  public:
   GlobalPlanner(const robot::Footprint& body, const PlannerParams& params);
 
-  /// One portion of work. Starts anew every `replan_s`. No path crosses the boundary of
+  /// Does one portion of work; starts a new plan every `replan_s`. No path crosses the boundary of
   /// `geofence`; null: none.
   void step(time::Timestamp stamp, const LocalMap& local_map, const geometry::SE2& T_map_odom,
             const geometry::SE2& T_odom_base, const Eigen::Vector2d& goal_map, double tolerance_m,
             const Geofence* geofence = nullptr);
 
-  /// One portion of work without a goal: plans to wherever the robot can go on, 3.5 m away in any
-  /// direction, cheapest ahead. A planner plans either so or to goals.
+  /// Does one portion of work without a goal: plans to where the robot can go on, 3.5 m away in any
+  /// direction, cheapest ahead. One planner is used for goals or for this, not for both.
   void step_onward(time::Timestamp stamp, const LocalMap& local_map,
                    const geometry::SE2& T_map_odom, const geometry::SE2& T_odom_base,
                    const Geofence* geofence = nullptr);
@@ -45,11 +45,11 @@ class GlobalPlanner {
   /// Null before the first plan to this goal is complete.
   [[nodiscard]] const CostToGo* cost_to_go() const { return complete_ ? &*complete_ : nullptr; }
 
-  /// A place where the robot could not go on: paths through it cost more from now on.
+  /// Adds a place where the robot could not go on: paths through it cost more from now on.
   void add_failure(const Eigen::Vector2d& p_map);
   void forget_failures() { failures_.clear(); }
 
-  /// Plans anew from what the local map holds.
+  /// Forgets all ground; the next plan uses only what the local map holds.
   void forget_ground();
 
   void reset();

@@ -7,18 +7,18 @@
 namespace nodmap::navigator {
 namespace {
 
-/// Progress, and how long the robot may make none before the way ahead is given up.
+/// What counts as progress, and how long the robot may make none before the path ahead is given up.
 constexpr double kProgressM = 0.15;
 constexpr double kPatienceS = 12.0;
-/// A plan that costs so much more than the last one leads elsewhere.
+/// A plan that costs this much more than the last one leads elsewhere.
 constexpr double kNewPathM = 1.0;
-/// After so long without a path the robot looks around, and again after so long.
+/// After this long without a path the robot looks around, and again after this long.
 constexpr double kDoubtS = 1.0;
 constexpr double kLookAgainS = 30.0;
-/// The path is given up so far ahead of the robot.
+/// The path is given up this far ahead of the robot.
 constexpr double kFailureAheadM = 0.4;
 
-/// Cost of a metre at no clearance, metres: with more it would rather stand than drive on there.
+/// Cost of a metre at no clearance, metres; with a higher one the robot would rather stop.
 constexpr double kSqueezingClearanceWeight = 1.0;
 
 /// The parameters with which it squeezes past what the creep margin does not let it pass. Why that
@@ -93,7 +93,7 @@ Decision GoalDrive::dock(const Situation& now, const SeenDirections& seen,
       motion.forward_mps = step.forward_mps;
       motion.yaw_rate_rad_s = step.yaw_rate_rad_s;
       if (auto moved = motion_.drive(motion, brake_, now, seen)) {
-        // What slows it down is said instead.
+        // The reason that slows it down is given instead.
         if (moved->behaviour != Behaviour::kBrake) {
           moved->reason = step.reason;
         }
@@ -174,7 +174,7 @@ std::optional<std::vector<Eigen::Vector2d>> GoalDrive::path_map(
   return path;
 }
 
-/// Where no motion is left that keeps the creep margin.
+/// For places where no motion keeps the creep margin.
 std::optional<Decision> GoalDrive::squeeze(const Situation& now, const SeenDirections& seen) {
   if (!now.people.empty()) {
     return std::nullopt;
@@ -188,9 +188,9 @@ std::optional<Decision> GoalDrive::squeeze(const Situation& now, const SeenDirec
   return decision;
 }
 
-/// Without a path the robot looks around once more, as far as it can turn, and the plan is made
-/// anew from what the local map holds then: where the robot has been is remembered no better than
-/// 2D SLAM knew its pose, and what was seen from afar may have been wrong.
+/// Without a path the robot looks around once more, as far as it can turn, and plans again from the
+/// local map alone: remembered ground is only as accurate as the pose of 2D SLAM was, and what was
+/// seen from afar may be wrong.
 Decision GoalDrive::without_path(const Situation& now) {
   if (!no_path_since_ || seconds_since(no_path_since_, now) > kLookAgainS) {
     no_path_since_ = now.stamp;

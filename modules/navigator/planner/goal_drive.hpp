@@ -17,9 +17,9 @@
 
 namespace nodmap::navigator {
 
-/// Drives to a goal by plan: the global planner says what each place costs, the rollouts are rated
-/// by it, and Brake, which knows nothing of either, has the last word on the speed of the one that
-/// is driven. To a goal with a heading it docks (docking.hpp): Brake limits those motions as well.
+/// Drives to a goal by plan: the global planner gives the cost of each place, the rollouts are
+/// rated by it, and Brake, which uses neither, finally limits the speed of the one that is driven.
+/// To a goal with a heading the robot docks (docking.hpp); Brake limits those motions as well.
 class GoalDrive {
  public:
   explicit GoalDrive(const NavigatorParams& params);
@@ -27,8 +27,8 @@ class GoalDrive {
   [[nodiscard]] Decision decide(const Situation& now, const SeenDirections& seen,
                                 const LocalMap& local_map);
 
-  /// The planned path from the robot to the goal, frame map, a point each 20 cm, as far as the grid
-  /// reaches; without points where there is no path or docking has failed, empty before the first
+  /// The planned path from the robot to the goal, frame map, one point each 20 cm, as far as the
+  /// grid reaches. Without points if there is no path or docking has failed; empty before the first
   /// plan is complete.
   [[nodiscard]] std::optional<std::vector<Eigen::Vector2d>> path_map(
       const geometry::SE2& T_map_base) const;

@@ -7,7 +7,7 @@
 namespace nodmap::navigator {
 namespace {
 
-/// What the local map knows within this distance of the robot is taken over.
+/// The local map is copied within this distance of the robot.
 constexpr double kTakeOverM = 5.5;
 /// Nearer to the robot it also knows what the body has driven over, or has touched.
 constexpr double kBesideM = 0.6;

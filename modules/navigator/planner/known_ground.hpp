@@ -21,11 +21,11 @@ class KnownGround {
 
   KnownGround() : grid_(kCellM, kLog2Size) {}
 
-  /// Takes over what the local map knows around the robot.
+  /// Copies what the local map knows around the robot.
   void update(const LocalMap& local_map, const geometry::SE2& T_map_odom,
               const geometry::SE2& T_odom_base);
 
-  /// Everything is unknown again.
+  /// Makes everything unknown again.
   void forget();
 
   /// The cells around the robot, the goal and all that is known, as far as the grid reaches.

@@ -7,16 +7,17 @@
 namespace nodmap::navigator {
 namespace {
 
-/// Without a goal there is nothing behind the robot that it must get to: backing up at 0.15 m/s
-/// takes longer than any rotation.
+/// Cost of backing up. Without a goal the robot need not get to any place behind it, and backing up
+/// at 0.15 m/s takes longer than any rotation.
 constexpr double kReversePriceM = 1.0;
 
-/// Progress, and how long the robot may make none. A rotation by 180 degrees takes three seconds.
+/// What counts as progress, and how long the robot may make none. A rotation by 180 degrees takes
+/// three seconds.
 constexpr double kProgressM = 0.2;
 constexpr double kProgressRad = 0.7;
 constexpr time::Duration kPatience = 3s;
 constexpr time::Duration kPause = 200ms;
-/// The path is given up so far ahead of the robot, until it is so far away.
+/// The path is given up this far ahead of the robot, until the robot is this far away.
 constexpr double kFailureAheadM = 0.4;
 constexpr double kElsewhereM = 3.0;
 

@@ -16,14 +16,14 @@
 
 namespace nodmap::navigator {
 
-/// Drives on without a goal: the rollouts are rated by what it costs to get 3.5 m away, cheapest
-/// ahead, and Brake, which knows nothing of that, has the last word on the speed of the best. Where
-/// the robot makes no progress the plan is wrong about what is ahead: it leads elsewhere then.
+/// Drives without a goal: the rollouts are rated by the cost of getting 3.5 m away, cheapest ahead,
+/// and Brake, which does not use that cost, finally limits the speed of the best. If the robot
+/// makes no progress, the plan is wrong about what is ahead and leads elsewhere from then on.
 class Roaming {
  public:
   explicit Roaming(const NavigatorParams& params);
 
-  /// Empty where no motion leads on: then it is for Turn to get the robot out.
+  /// Returns the decision; empty if no motion is possible, so that Turn takes over.
   [[nodiscard]] std::optional<Decision> decide(const Situation& now, const SeenDirections& seen,
                                                const LocalMap& local_map);
 

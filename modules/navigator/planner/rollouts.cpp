@@ -7,6 +7,7 @@
 
 #include "common/geometry/angle.hpp"
 #include "modules/navigator/corridor.hpp"
+#include "modules/navigator/people/foresight.hpp"
 
 namespace nodmap::navigator {
 namespace {
@@ -23,9 +24,8 @@ constexpr double kExactReachM = 0.5;
 constexpr double kStepS = 0.1;
 constexpr int kSteps = static_cast<int>(Rollouts::kDurationS / kStepS + 0.5);
 constexpr int kFirstSteps = 8;
-/// What the base does on command, with a reserve.
-constexpr double kAccelerationMps2 = 1.5;
-constexpr double kYawAccelerationRadS2 = 6.0;
+/// People are looked at for longer: who comes at 1 m/s is 3 m away then.
+constexpr int kForeseenSteps = 30;
 /// A step of the base's speed command.
 constexpr double kStepMps = 0.01;
 /// The heading at the end is rated by the plan so far ahead of the robot.
@@ -59,10 +59,6 @@ constexpr std::array kYawRates{-1.0, -0.75, -0.55, -0.38, -0.24, -0.13, -0.05, 0
 constexpr double kSlowestRotation = 0.2;
 constexpr std::array kNextYawRates{-0.8, -0.4, -0.15, 0.0, 0.15, 0.4, 0.8};
 constexpr std::array kBackwardMps{-0.08, -0.15};
-
-double approach(double from, double to, double most) {
-  return from + std::clamp(to - from, -most, most);
-}
 
 /// From the border of a rectangle to a point, negative inside.
 double distance_m(const Eigen::Vector2d& p, const robot::Footprint& body) {
@@ -188,7 +184,7 @@ const std::vector<Rollout>& Rollouts::plan(const Situation& now, const CostToGo&
 void Rollouts::consider_forwards(double forward_mps, const Situation& now,
                                  const CostToGo& cost_to_go) {
   for (const double yaw_rate : kYawRates) {
-    const Motion motion{forward_mps, yaw_rate * drive_.max_yaw_rate_rad_s};
+    const Twist motion{forward_mps, yaw_rate * drive_.max_yaw_rate_rad_s};
     if (motion.forward_mps * std::abs(motion.yaw_rate_rad_s) > drive_.max_lateral_mps2) {
       continue;
     }
@@ -206,7 +202,7 @@ void Rollouts::consider_forwards(double forward_mps, const Situation& now,
   }
 }
 
-void Rollouts::consider(const Motion& motion, const Situation& now, const CostToGo& cost_to_go) {
+void Rollouts::consider(const Twist& motion, const Situation& now, const CostToGo& cost_to_go) {
   Progress end = start(now);
   if (advance(end, motion, kSteps, now)) {
     add(motion, motion.yaw_rate_rad_s, end, now, cost_to_go);
@@ -215,20 +211,17 @@ void Rollouts::consider(const Motion& motion, const Situation& now, const CostTo
 
 Rollouts::Progress Rollouts::start(const Situation& now) {
   Progress progress;
-  progress.forward_mps = now.forward_mps;
-  progress.yaw_rate_rad_s = now.yaw_rate_rad_s;
+  progress.twist = {now.forward_mps, now.yaw_rate_rad_s};
   return progress;
 }
 
 /// False where it touches something before.
-bool Rollouts::advance(Progress& progress, const Motion& motion, int until_step,
+bool Rollouts::advance(Progress& progress, const Twist& motion, int until_step,
                        const Situation& now) const {
   geometry::SE2& pose = progress.pose_base;
-  double& v = progress.forward_mps;
-  double& w = progress.yaw_rate_rad_s;
   while (progress.steps < until_step) {
-    v = approach(v, motion.forward_mps, kStepS * kAccelerationMps2);
-    w = approach(w, motion.yaw_rate_rad_s, kStepS * kYawAccelerationRadS2);
+    progress.twist = after(progress.twist, motion, kStepS);
+    const auto [v, w] = progress.twist;
     const double middle_yaw_rad = pose.yaw + 0.5 * kStepS * w;
     pose = {pose.x + kStepS * v * std::cos(middle_yaw_rad),
             pose.y + kStepS * v * std::sin(middle_yaw_rad), pose.yaw + kStepS * w};
@@ -240,17 +233,47 @@ bool Rollouts::advance(Progress& progress, const Motion& motion, int until_step,
     const double ample_m = params_.ample_clearance_m + params_.ample_clearance_s * std::abs(v);
     const double near = std::max(0.0, 1.0 - clearance / ample_m);
     progress.nearness_m += kStepS * std::hypot(v, kCornerM * w) * near * near;
-    progress.obstruction_s += kStepS * obstruction(pose, kStepS * progress.steps, now.people);
+    meet_people(progress, now.people);
   }
   return true;
 }
 
-void Rollouts::add(const Motion& first, double next_yaw_rate_rad_s, const Progress& end,
+/// Once somebody touches the robot all of the rest is in his way.
+void Rollouts::meet_people(Progress& progress, const People& people) const {
+  const double time_s = kStepS * progress.steps;
+  progress.is_touched =
+      progress.is_touched || std::ranges::any_of(people, [&](const Person& person) {
+        return is_touched(body_, progress.pose_base, person, time_s, people_.margin_m);
+      });
+  progress.obstruction_s +=
+      kStepS * (progress.is_touched ? 1.0 : obstruction(progress.pose_base, time_s, people));
+}
+
+/// What comes after the motion: as if it went on, or as if the robot stopped.
+double Rollouts::foreseen_obstruction_s(const Progress& end, const People& people) const {
+  if (people.empty()) {
+    return 0.0;
+  }
+  return std::min(foresee(end, false, people), foresee(end, true, people));
+}
+
+double Rollouts::foresee(Progress progress, bool stops, const People& people) const {
+  while (progress.steps < kForeseenSteps) {
+    progress.twist = stops ? after(progress.twist, {}, kStepS) : progress.twist;
+    const auto [v, w] = progress.twist;
+    progress.pose_base = progress.pose_base * geometry::SE2{kStepS * v, 0.0, kStepS * w};
+    ++progress.steps;
+    meet_people(progress, people);
+  }
+  return progress.obstruction_s;
+}
+
+void Rollouts::add(const Twist& first, double next_yaw_rate_rad_s, const Progress& end,
                    const Situation& now, const CostToGo& cost_to_go) {
   Rollout rollout{first.forward_mps, first.yaw_rate_rad_s, next_yaw_rate_rad_s, 0.0};
   rollout.cost = end_cost(now.T_map_odom * now.T_odom_base * end.pose_base, cost_to_go) +
                  params_.clearance_weight * end.nearness_m +
-                 people_.weight_mps * end.obstruction_s +
+                 people_.weight_mps * foreseen_obstruction_s(end, now.people) +
                  params_.smoothness_weight * (std::abs(first.yaw_rate_rad_s - now.yaw_rate_rad_s) +
                                               std::abs(first.forward_mps - now.forward_mps)) +
                  (first.forward_mps < 0.0 ? reverse_price_m_ : 0.0);
@@ -260,7 +283,7 @@ void Rollouts::add(const Motion& first, double next_yaw_rate_rad_s, const Progre
 }
 
 /// For a motion that is at `forward_mps` by now.
-double Rollouts::least_clearance_m(const Motion& motion, double forward_mps) const {
+double Rollouts::least_clearance_m(const Twist& motion, double forward_mps) const {
   if (motion.forward_mps <= 0.0) {
     return least_slow_clearance_m_;
   }

@@ -6,6 +6,7 @@
 #include "common/robot/footprint.hpp"
 #include "modules/navigator/decision.hpp"
 #include "modules/navigator/params.hpp"
+#include "modules/navigator/people/foresight.hpp"
 #include "modules/navigator/planner/distance_field.hpp"
 #include "modules/navigator/planner/global_planner.hpp"
 
@@ -24,6 +25,10 @@ struct Rollout {
 /// something are left out; the others cost by what the global plan says of where they end, by how
 /// near they pass obstacles, by how much they lie in the way of people, and by how much they differ
 /// from what the robot does. Where people are, to stand is one of them: speed and yaw rate are 0.
+///
+/// Each moment of the next 3 s the body is compared with where people are then. From the moment on
+/// at which somebody touches it, all of a rollout is in his way: the later, the better, and best
+/// is what gets out of his way. After a rollout the robot goes on or stops, whichever is better.
 class Rollouts {
  public:
   static constexpr double kDurationS = 1.6;
@@ -47,30 +52,29 @@ class Rollouts {
     Eigen::Vector2d center;
     double radius_m = 0.0;
   };
-  struct Motion {
-    double forward_mps = 0.0;
-    double yaw_rate_rad_s = 0.0;
-  };
 
   /// What a motion has led to after some steps.
   struct Progress {
     int steps = 0;
     geometry::SE2 pose_base;  // in base, now
-    double forward_mps = 0.0;
-    double yaw_rate_rad_s = 0.0;
+    Twist twist;
     double obstruction_s = 0.0;
+    bool is_touched = false;  // by somebody who moves
     double nearness_m = 0.0;  // metres driven, each the more the nearer it is to obstacles
   };
 
   void consider_forwards(double forward_mps, const Situation& now, const CostToGo& cost_to_go);
-  void consider(const Motion& motion, const Situation& now, const CostToGo& cost_to_go);
+  void consider(const Twist& motion, const Situation& now, const CostToGo& cost_to_go);
   [[nodiscard]] static Progress start(const Situation& now);
-  [[nodiscard]] bool advance(Progress& progress, const Motion& motion, int until_step,
+  [[nodiscard]] bool advance(Progress& progress, const Twist& motion, int until_step,
                              const Situation& now) const;
-  void add(const Motion& first, double next_yaw_rate_rad_s, const Progress& end,
+  void meet_people(Progress& progress, const People& people) const;
+  [[nodiscard]] double foreseen_obstruction_s(const Progress& end, const People& people) const;
+  [[nodiscard]] double foresee(Progress progress, bool stops, const People& people) const;
+  void add(const Twist& first, double next_yaw_rate_rad_s, const Progress& end,
            const Situation& now, const CostToGo& cost_to_go);
   [[nodiscard]] double clearance_by_cells_m(const geometry::SE2& pose_base) const;
-  [[nodiscard]] double least_clearance_m(const Motion& motion, double forward_mps) const;
+  [[nodiscard]] double least_clearance_m(const Twist& motion, double forward_mps) const;
   /// How much a pose at a time is in the way of people: 1 in the middle of somebody's path.
   [[nodiscard]] double obstruction(const geometry::SE2& pose_base, double time_s,
                                    const People& people) const;

@@ -12,9 +12,9 @@ namespace {
 
 /// Direction of an arc: where it is after so much of it.
 constexpr double kLookM = 0.5;
-/// Of the best rollouts forwards so many are offered to Brake.
+/// The number of forward rollouts, the best ones, that are offered to Brake.
 constexpr std::size_t kMostOffered = 40;
-/// Backwards the robot sees nothing but what it remembers.
+/// Fastest speed backwards, where the robot has only what it remembers.
 constexpr double kBackwardMarginM = 0.03;
 /// Odometry's noise is slower.
 constexpr double kReversingMps = 0.02;
@@ -42,7 +42,7 @@ void SafeMotion::record(const Situation& now) {
   }
 }
 
-/// The best rollout once Brake has slowed it down: what it then falls short counts as cost.
+/// The best rollout after Brake has slowed it down: the loss of speed counts as cost.
 std::optional<Decision> SafeMotion::best_of(const std::vector<Rollout>& rollouts,
                                             const Brake& brake, const Situation& now,
                                             const SeenDirections& seen) const {
@@ -122,7 +122,7 @@ std::optional<Decision> SafeMotion::drive_forwards(const Rollout& rollout, const
   const double safe_mps = std::min(arc.speed_mps, brake.speed_on_present_arc(now));
   Decision decision;
   decision.forward_mps = std::min({limit_mps, goal_mps, safe_mps});
-  // An emergency stop is no reason to try the next one: it is for all of them.
+  // An emergency stop holds for all rollouts; the next one is not tried.
   if (arc.speed_mps < kLeastSpeedMps) {
     return std::nullopt;
   }

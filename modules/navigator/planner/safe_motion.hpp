@@ -13,22 +13,22 @@
 
 namespace nodmap::navigator {
 
-/// Makes a rollout a decision, as slow as it must be to be safe: forwards as Brake allows and only
-/// where the laser has looked, backwards only over floor that was seen and on the strip that the
-/// body has driven, and on the spot as far as there is room.
+/// Turns a rollout into a decision that is as slow as safety requires: forwards as Brake allows and
+/// only where the laser has looked, backwards only over floor that was seen and on the strip that
+/// the body has driven, and on the spot as far as there is room.
 class SafeMotion {
  public:
   explicit SafeMotion(const NavigatorParams& params);
 
-  /// Where the robot is now; to be called at each decision.
+  /// Takes the pose of the robot; must be called at each decision.
   void record(const Situation& now);
 
-  /// The best of these, which are sorted by cost; empty where none can be driven.
+  /// The best of these rollouts, which are sorted by cost; empty if none can be driven.
   [[nodiscard]] std::optional<Decision> best_of(const std::vector<Rollout>& rollouts,
                                                 const Brake& brake, const Situation& now,
                                                 const SeenDirections& seen) const;
 
-  /// Empty where it cannot be driven.
+  /// Empty if the rollout cannot be driven.
   [[nodiscard]] std::optional<Decision> drive(const Rollout& rollout, const Brake& brake,
                                               const Situation& now,
                                               const SeenDirections& seen) const;

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -46,7 +47,7 @@ class Drive {
   void wait(time::Duration duration) { scan_.stamp += duration; }
 
  private:
-  PoseGuesses pose_guesses_;
+  PoseGuesses pose_guesses_{PeopleParams{}};
   LevelScan scan_;
   SE2 truth_;
   SE2 T_map_odom_;
@@ -102,6 +103,22 @@ TEST(PoseGuesses, StampsInBurstsTellNoSpeed) {
   EXPECT_EQ(drive.guesses({}).size(), 1U);
 }
 
+// But the scans were measured at an even rate: pairs of them have nearly the same stamp.
+TEST(PoseGuesses, InBurstsTheRobotGoesOnByAsMuchAScanAsItDid) {
+  Drive drive;
+  for (int i = 0; i < 8; ++i) {
+    drive.wait(i % 2 == 0 ? -kPeriod * 9 / 10 : kPeriod * 9 / 10);
+    drive.go_on(kStep);
+  }
+  drive.wait(-kPeriod * 9 / 10);
+  Drive slipping = drive;
+  EXPECT_EQ(drive.guesses(kStep).size(), 1U);  // odometry agrees
+  const auto guesses = slipping.guesses(kStep * SE2{0.5, 0.0, 0.0});
+  EXPECT_TRUE(std::any_of(guesses.begin(), guesses.end(), [&](const SE2& guess) {
+    return are_near(guess, slipping.next_truth());
+  }));
+}
+
 // Half a second on, or after a scan that fitted nowhere, nobody knows how the robot moves.
 TEST(PoseGuesses, AMotionLongAgoTellsNothing) {
   Drive drive;
@@ -118,7 +135,7 @@ TEST(PoseGuesses, AMotionLongAgoTellsNothing) {
 TEST(PoseGuesses, OnlyScansInQuickSuccessionAreFast) {
   for (const auto& [period, is_fast] :
        {std::pair{13ms, true}, {50ms, true}, {60ms, false}, {200ms, false}, {1ms, false}}) {
-    PoseGuesses pose_guesses;
+    PoseGuesses pose_guesses{PeopleParams{}};
     EXPECT_FALSE(pose_guesses.is_fast(time::Timestamp{}));
     pose_guesses.add_scan(time::Timestamp{}, {});
     EXPECT_FALSE(pose_guesses.is_fast(time::Timestamp(period)));  // how it moves is not known yet
@@ -130,9 +147,19 @@ TEST(PoseGuesses, OnlyScansInQuickSuccessionAreFast) {
   }
 }
 
+TEST(PoseGuesses, WhatIsFastIsAParameter) {
+  for (const auto& [max_scan_period_s, is_fast] :
+       {std::pair{0.0, false}, {0.05, false}, {0.25, true}}) {
+    PoseGuesses pose_guesses{PeopleParams{.max_scan_period_s = max_scan_period_s}};
+    pose_guesses.add_scan(time::Timestamp{}, {});
+    pose_guesses.add_scan(time::Timestamp(kPeriod), kStep);
+    EXPECT_EQ(pose_guesses.is_fast(time::Timestamp(2 * kPeriod)), is_fast) << max_scan_period_s;
+  }
+}
+
 // A robot that stands: by 3 cm at once, and no more in all; one that drives: half of its way.
 TEST(PoseGuesses, WheelsSlipByPartOfWhatTheyHaveTurned) {
-  PoseGuesses pose_guesses;
+  PoseGuesses pose_guesses{PeopleParams{}};
   pose_guesses.add_keyframe({}, {});
   pose_guesses.add_scan(time::Timestamp{}, {});
   LevelScan scan;

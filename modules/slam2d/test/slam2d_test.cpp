@@ -251,7 +251,7 @@ TEST(Slam2d, ARotationThatOdometryMissedIsFound) {
   const auto update =
       track(slam, scanner.scan(test::room(), truth, time::Timestamp(kPeriod)), {0.1, 0.0, 0.0});
   ASSERT_TRUE(update);
-  EXPECT_EQ(slam.metrics().searches_successful, 1);
+  EXPECT_EQ(slam.search_counts().successful, 1);
   // Measured against a map of a single scan: 5.2 mm and 0.127 degrees.
   EXPECT_LT(distance_m(update->T_map_base, truth), 0.0064);
   EXPECT_NEAR(update->T_map_base.yaw, truth.yaw, geometry::deg_to_rad(0.158));
@@ -274,7 +274,7 @@ TEST(Slam2d, FewPointsAreNotLookedForInAWideWindow) {
   const SE2 odom{0.1, 0.0, 0.0};
   const auto update = track(slam, scan, odom);
   ASSERT_TRUE(update);
-  EXPECT_EQ(slam.metrics().searches, 0);
+  EXPECT_EQ(slam.search_counts().searches, 0);
   EXPECT_NE(update->quality, PoseQuality::kTracked);
   EXPECT_EQ(update->T_map_base.x, odom.x);
 }
@@ -293,7 +293,7 @@ TEST(Slam2d, APlaceBesideThatLooksAlikeDoesNotReplaceTheOneByOdometry) {
   ASSERT_TRUE(track(slam, scanner.scan(bays, first), first));
   const auto update = track(slam, scanner.scan(bays, second, time::Timestamp(kPeriod)), second);
   ASSERT_TRUE(update);
-  EXPECT_EQ(slam.metrics().searches, 1);
+  EXPECT_EQ(slam.search_counts().searches, 1);
   EXPECT_NE(update->quality, PoseQuality::kTracked);
   EXPECT_LT(distance_m(update->T_map_base, second), 0.1);  // by odometry, or matched near it
 }
@@ -430,7 +430,7 @@ TEST(Slam2d, AScanThatFitsAfterAGapIsNotSearchedFor) {
     ASSERT_TRUE(update);
     EXPECT_EQ(update->quality, PoseQuality::kTracked);
   }
-  EXPECT_EQ(slam.metrics().searches, 0);
+  EXPECT_EQ(slam.search_counts().searches, 0);
 }
 
 TEST(Slam2d, APauseInOdometryIsTakenBackByTheScans) {

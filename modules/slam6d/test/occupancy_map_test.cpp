@@ -200,6 +200,21 @@ TEST(OccupancyMap, BeamsBeyondTheRangeOnlyFree) {
   EXPECT_GT(tree->getNumLeafNodes(), 0U);
 }
 
+// Somebody before a wall: what is known to have moved leaves the way to it free.
+TEST(OccupancyMap, NothingIsOccupiedWherePointsMoved) {
+  SweepCloud cloud;
+  cloud.points = {{1.02F, 0.0F, 0.02F}, {2.02F, 0.5F, 0.02F}};
+  cloud.lines.push_back({Eigen::Vector3f(0.0F, 0.0F, 0.02F), 2});
+  OccupancyMap map({});
+  map.insert(cloud, SE3::Identity(), {true, false});
+  const auto tree = read_bt(map);
+  EXPECT_EQ(tree->search(1.02, 0.0, 0.02), nullptr);
+  ASSERT_NE(tree->search(0.9, 0.0, 0.02), nullptr);
+  EXPECT_FALSE(tree->isNodeOccupied(tree->search(0.9, 0.0, 0.02)));
+  ASSERT_NE(tree->search(2.02, 0.5, 0.02), nullptr);
+  EXPECT_TRUE(tree->isNodeOccupied(tree->search(2.02, 0.5, 0.02)));
+}
+
 // What was seen twice is the same as what is built anew: a map holds no more than its clouds.
 TEST(OccupancyMap, SameCloudsGiveTheSameBytes) {
   OccupancyMap first({});

@@ -132,5 +132,36 @@ TEST(SweepCloud, BeamsWithoutAMeasurementGiveNoPoint) {
   EXPECT_EQ(cloud->points.size(), 1U);
 }
 
+// A scan that looks up by 20 degrees into the open, with one reading that is none: its beams are
+// free up to 5 m. One that looks down tells nothing: it may graze the floor.
+TEST(SweepCloud, BeamsUpwardsWithoutAnEchoAreFree) {
+  const auto stand = [](time::Timestamp) { return SE3::Identity(); };
+  auto scans = record({}, Room::hall(), stand, 2);
+  scans[0].pitch_first_rad = scans[0].pitch_last_rad = geometry::deg_to_rad(20.0);
+  scans[1].pitch_first_rad = scans[1].pitch_last_rad = geometry::deg_to_rad(-20.0);
+  for (scan::Scan& scan : scans) {
+    scan.ranges_m.assign(90, std::numeric_limits<float>::infinity());
+    scan.ranges_m[3] = std::numeric_limits<float>::quiet_NaN();
+    scan.ranges_m[4] = 100.0F;  // beyond what the scanner measures
+  }
+  auto cloud = deskew(scans, stand, kAnyRange);
+  ASSERT_TRUE(cloud);
+  EXPECT_TRUE(cloud->points.empty());
+  ASSERT_EQ(cloud->free_points.size(), 88U);
+  EXPECT_EQ(cloud->lines[0].free_end, 88U);
+  EXPECT_EQ(cloud->lines[1].free_end, 88U);
+  for (const Eigen::Vector3f& p : cloud->free_points) {
+    EXPECT_NEAR((p - cloud->lines[0].p_base_mirror).norm(), 5.0F, 1e-5F);
+    EXPECT_GT(p.z(), 0.4F - 1e-6F);  // those to the sides are level
+  }
+  // They move with the rest of the sweep.
+  const Eigen::Vector3f before = cloud->free_points.front();
+  cloud->correct({.translation_m = Eigen::Vector3d(0.0, 0.0, 0.1)});
+  EXPECT_NEAR((cloud->free_points.front() - before).z(), 0.1 * cloud->lines[0].time, 1e-6);
+  cloud->drop_free_points();
+  EXPECT_TRUE(cloud->free_points.empty());
+  EXPECT_EQ(cloud->lines[1].free_end, 0U);
+}
+
 }  // namespace sweep_cloud_test
 }  // namespace nodmap::slam6d

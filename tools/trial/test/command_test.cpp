@@ -34,21 +34,6 @@ TEST(Command, RefusesWhatIsNoKill) {
   }
 }
 
-TEST(Command, ARandomWorldNeedsANumber) {
-  EXPECT_FALSE(make_world("random:3").objects.empty());
-  EXPECT_THAT(error_of([] { (void)make_world("random:x"); }), HasSubstr("random:SEED"));
-}
-
-TEST(Command, WorldsByNameAndSeed) {
-  EXPECT_EQ(make_world("holes:2").name, "holes-trench");
-  EXPECT_EQ(make_world("dead-end:1").goals.size(), 1U);
-  EXPECT_THAT(error_of([] { (void)make_world("maze:x"); }), HasSubstr("maze:SEED"));
-  EXPECT_THAT(error_of([] { (void)make_world("barn:file"); }), HasSubstr("barn:FILE:INDEX"));
-  EXPECT_THAT(error_of([] { (void)make_world("barn:none:1"); }), HasSubstr("cannot open"));
-  EXPECT_THAT(error_of([] { (void)make_world("pedestrians:none:0:1"); }), HasSubstr("FRAMES"));
-  EXPECT_THAT(error_of([] { (void)make_world("nothing:1"); }), HasSubstr("nothing:1"));
-}
-
 TEST(AllParams, SetsAParameterOfAProcess) {
   AllParams params;
   params.set_assignment("slam2d.grid.publish_period_s=7");

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/world/world_file.hpp"
+#include "sim/world/world_name.hpp"
 #include "tests/support/data_dir.hpp"
 #include "tests/support/program.hpp"
 #include "tools/trial/appearing_obstacle.hpp"
@@ -23,7 +24,7 @@ class TrialTest : public ::testing::Test {
   static TrialSetup setup(const std::string& world, std::uint64_t seed, double duration_s) {
     TrialSetup setup;
     setup.world = world.find(':') != std::string::npos
-                      ? make_world(world)
+                      ? sim::make_world(world)
                       : sim::load_world(std::string(NODMAP_WORLDS) + "/" + world + ".yaml");
     setup.seed = seed;
     setup.duration = time::from_seconds(duration_s);

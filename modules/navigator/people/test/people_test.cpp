@@ -144,6 +144,87 @@ TEST(PeopleTracker, FollowsAWalkerFromSweepToSweep) {
   }
 }
 
+// A cylinder 1 m wide, which comes and passes by. Of its front the mean of beams lies pi/4 of half
+// the visible width before the centre only where all of it is seen: 0.2 m.
+TEST(PeopleTracker, FollowsWhatIsWiderThanAPerson) {
+  const Eigen::Vector2d velocity(-1.0, 0.3);
+  const Eigen::Vector2d start = Eigen::Vector2d(2.2, 0.0) - 4.0 * velocity;
+  double known_s = 0.0;
+  PeopleTracker tracker;
+  look(tracker, {{{start, 0.5, 1.7}}, 8.0}, {velocity}, 4.5, [&](double time_s) {
+    const People people = tracker.people_odom(at(time_s));
+    if (time_s > 3.3 && people.size() == 1) {
+      known_s += kScanS;
+      EXPECT_LT((people[0].position - start - time_s * velocity).norm(), 0.25) << time_s;
+      EXPECT_LT((people[0].velocity - velocity).norm(), 0.5) << time_s;
+      EXPECT_NEAR(people[0].radius_m, 0.5, 0.08) << time_s;
+    }
+  });
+  EXPECT_GT(known_s, 0.9 * 1.2);
+}
+
+/// Scans 40 times a second with a laser that is held level, of pillars that move.
+template <class Check>
+void look_level(PeopleTracker& tracker, WalkingScene scene,
+                const std::vector<Eigen::Vector2d>& velocity, double duration_s,
+                const Check& check) {
+  const std::vector<Pillar> start = scene.pillars;
+  for (double time_s = 0.0; time_s < duration_s; time_s += 0.025) {
+    for (std::size_t i = 0; i < start.size(); ++i) {
+      scene.pillars[i].center = start[i].center + time_s * velocity[i];
+    }
+    const geometry::SE2 T_odom_base{0.5 * time_s, 0.0, 0.2 * std::sin(time_s)};
+    tracker.add_scan(test::level_scan(scene, at(time_s), T_odom_base), T_odom_base, {}, true);
+    check(time_s);
+  }
+}
+
+// It shows one height only, but that 40 times a second: who comes into view from behind a pillar,
+// where no space was seen to be free, is known half a second later.
+TEST(PeopleTracker, WithALevelLaserWhoComesFromBehindAPillarIsKnownSoon) {
+  for (const double radius_m : {0.25, 0.5}) {
+    const Eigen::Vector2d start(4.5, -1.8);
+    const Eigen::Vector2d velocity(-0.3, 1.0);
+    double in_view_s = -1.0;
+    double known_s = -1.0;
+    PeopleTracker tracker;
+    look_level(tracker, {{{{3.0, -0.9}, 0.4, 1.7}, {start, radius_m, 1.7}}, 8.0},
+               {Eigen::Vector2d::Zero(), velocity}, 4.0, [&](double time_s) {
+                 const Eigen::Vector2d p = start + time_s * velocity;
+                 const Eigen::Vector2d mount(0.15 + 0.5 * time_s, 0.0);
+                 const auto bearing = [&](const Eigen::Vector2d& q) {
+                   return std::atan2(q.y() - mount.y(), q.x() - mount.x());
+                 };
+                 const double edge_rad = bearing(p) - std::asin(radius_m / (p - mount).norm());
+                 const Eigen::Vector2d post(3.0, -0.9);
+                 const double post_rad = bearing(post) + std::asin(0.4 / (post - mount).norm());
+                 if (in_view_s < 0.0 && edge_rad > post_rad) {
+                   in_view_s = time_s;
+                 }
+                 const People people = tracker.people_odom(at(time_s));
+                 if (in_view_s >= 0.0 && !people.empty()) {
+                   known_s = known_s < 0.0 ? time_s : known_s;
+                   ASSERT_EQ(people.size(), 1U);
+                   EXPECT_LT((people[0].position - p).norm(), 0.2) << time_s;
+                   EXPECT_NEAR(people[0].radius_m, radius_m, 0.1) << time_s;
+                 }
+               });
+    EXPECT_GE(known_s, 0.0);
+    EXPECT_LT(known_s - in_view_s, 0.5) << radius_m;
+  }
+}
+
+// Pillars, one of which hides another for a while, and a wall beyond: the robot drives and turns.
+TEST(PeopleTracker, WithALevelLaserWhatStandsIsNobody) {
+  PeopleTracker tracker;
+  look_level(tracker,
+             {{{{3.0, 0.6}, 0.3, 1.7}, {{4.5, 0.8}, 0.15, 1.7}, {{3.5, -0.9}, 0.5, 1.7}}, 6.0},
+             std::vector<Eigen::Vector2d>(3, Eigen::Vector2d::Zero()), 5.0, [&](double time_s) {
+               EXPECT_TRUE(tracker.people_odom(at(time_s)).empty()) << time_s;
+               EXPECT_TRUE(tracker.newcomers_odom(at(time_s)).empty()) << time_s;
+             });
+}
+
 // Within 0.6 m of the laser the tilted plane of a scan leaves the heights of legs within a person:
 // his place must not be that of the part below.
 TEST(PeopleTracker, WhoIsVeryNearIsWhereAllOfHimIs) {
@@ -184,8 +265,9 @@ class ProximityTest : public ::testing::Test {
     }
   }
 
-  [[nodiscard]] bool sees(double time_s, const Proximity::Ranges& ranges_m) {
-    proximity_.add(at(time_s), ranges_m, {1.5, 0.0, 0.0}, map_);
+  [[nodiscard]] bool sees(double time_s, const Proximity::Ranges& ranges_m,
+                          const People& tracked_odom = {}) {
+    proximity_.add(at(time_s), ranges_m, {1.5, 0.0, 0.0}, map_, tracked_odom);
     return proximity_.is_detected(at(time_s));
   }
 
@@ -207,8 +289,17 @@ TEST_F(ProximityTest, WhatTheMapHasIsNobody) {
   EXPECT_TRUE(sees(10.2, only(kRight, 0.1))) << "before it";
 }
 
+// The reading behind is 0.4 m from the body, whose rear is at 1.5 - 0.225 m.
+TEST_F(ProximityTest, WhoIsTrackedIsNoStranger) {
+  const Person him{{0.7, 0.0}, {0.5, 0.0}, 0.25, 0.1, 0.1};
+  Person elsewhere = him;
+  elsewhere.position.x() = 0.0;
+  EXPECT_FALSE(sees(10.0, only(kBack, 0.4), {him}));
+  EXPECT_TRUE(sees(10.1, only(kBack, 0.4), {elsewhere}));
+}
+
 TEST_F(ProximityTest, WhereNoFloorWasSeenSomethingMayStand) {
-  proximity_.add(at(10.0), only(kBack, 0.4), {-2.0, 0.0, 0.0}, map_);
+  proximity_.add(at(10.0), only(kBack, 0.4), {-2.0, 0.0, 0.0}, map_, {});
   EXPECT_FALSE(proximity_.is_detected(at(10.0)));
 }
 
@@ -244,7 +335,7 @@ TEST_F(ProximityTest, FloorThatIsAssumedWhereTheRobotWasSetDownIsNotKnownToBeFre
   for (std::size_t sensor = 0; sensor < robot::kInfraredCount; ++sensor) {
     for (double range_m = 0.1; range_m <= 0.8; range_m += 0.005) {
       Proximity proximity;
-      proximity.add(at(10.0), only(static_cast<robot::Infrared>(sensor), range_m), {}, map);
+      proximity.add(at(10.0), only(static_cast<robot::Infrared>(sensor), range_m), {}, map, {});
       EXPECT_FALSE(proximity.is_detected(at(10.0))) << sensor << ' ' << range_m;
     }
   }
@@ -410,6 +501,31 @@ TEST(PassiveSafety, WhoIsOutOfSightMayComeBackFromWhereHeIs) {
       EXPECT_EQ(is_safe(needed_m - 0.15, true), direction < 0.0) << "in sight he goes on";
     }
   }
+}
+
+// He comes from the side at 1 m/s, 1.2 m away. A robot that drives at 1 m/s is out of his way when
+// he is there, with 1.1 m ahead of his disc of 0.25 m; braking, it would stand in it.
+TEST(PassiveSafety, ItEscapesWhoWouldWalkIntoTheStandingRobot) {
+  const NavigatorParams params;
+  const PassiveSafety safety(params.robot, params.drive, params.people);
+  const People crossing{{{0.3, 1.2}, {0.0, -1.0}, 0.25, 0.0, 0.0}};
+  EXPECT_TRUE(safety.escapes({1.0, 0.0}, {1.0, 0.0}, crossing));
+  EXPECT_FALSE(safety.escapes({1.0, 0.0}, {0.0, 0.0}, crossing)) << "that is standing";
+  // With an error of 0.6 m/s he might be faster. At 1.5 m/s it is too late to be stationary: it
+  // goes on where he most likely is not. At 0.3 m/s it is not.
+  People uncertain = crossing;
+  uncertain[0].velocity_sigma_mps = 0.6;
+  ASSERT_FALSE(safety.is_safe({1.5, 0.0}, uncertain));
+  EXPECT_TRUE(safety.escapes({1.5, 0.0}, {1.5, 0.0}, uncertain));
+  ASSERT_TRUE(safety.is_safe({0.3, 0.0}, uncertain));
+  EXPECT_FALSE(safety.escapes({0.3, 0.0}, {1.5, 0.0}, uncertain));
+  // Standing is enough: he passes ahead.
+  const People ahead{{{1.2, 1.2}, {0.0, -1.0}, 0.25, 0.0, 0.0}};
+  EXPECT_FALSE(safety.escapes({0.3, 0.0}, {1.0, 0.0}, ahead));
+  // Nor is there any way out between two.
+  People both = crossing;
+  both.push_back({{2.0, 0.0}, {-1.0, 0.0}, 0.25, 0.0, 0.0});
+  EXPECT_FALSE(safety.escapes({1.0, 0.0}, {1.0, 0.0}, both));
 }
 
 TEST(PassiveSafety, WhereSomebodyWalksTheRobotDoesNotBackUp) {

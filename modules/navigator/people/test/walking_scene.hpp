@@ -67,6 +67,22 @@ struct WalkingScene {
   }
 };
 
+/// A scan of a laser that is held level: beams of 0.375 degrees, 270 degrees wide.
+inline scan::Scan level_scan(const WalkingScene& scene, time::Timestamp stamp,
+                             const geometry::SE2& T_odom_base) {
+  scan::Scan scan = scene.scan(stamp, T_odom_base, 0.0);
+  scan.angle_first_rad = -0.75 * geometry::kPi;
+  scan.angle_step_rad = geometry::deg_to_rad(0.375);
+  scan.ranges_m.resize(721);
+  const geometry::SE3 T_odom_mount = geometry::to_se3(T_odom_base) * scan.T_base_mount;
+  for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
+    scan.ranges_m[i] = static_cast<float>(
+        scene.range_m(T_odom_mount.translation(),
+                      T_odom_mount.linear() * scan::beam_direction(scan.angle_rad(i), 0.0)));
+  }
+  return scan;
+}
+
 /// Pitch of a head that nods between -40 and 10 degrees at 3 rad/s, at a time.
 inline double nodding_pitch_rad(double time_s) {
   const double range_rad = geometry::deg_to_rad(50.0);

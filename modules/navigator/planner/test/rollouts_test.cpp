@@ -111,5 +111,41 @@ TEST(Rollouts, StraightOnAndBackAreLeftBetweenPostsThatItPasses) {
   }
 }
 
+/// Least distance from the body to the middle of somebody within 3 s, when the robot, which stands,
+/// drives a rollout and goes on or brakes then; in steps of 10 ms.
+double least_distance_m(const Rollout& rollout, bool goes_on, const Person& person) {
+  geometry::SE2 pose;
+  double forward_mps = 0.0;
+  double yaw_rate_rad_s = 0.0;
+  double least_m = distance_m(person.position, pose);
+  for (double t = 0.0; t < 3.0; t += 0.01) {
+    const bool stops = t >= 1.6 && !goes_on;
+    const double to_rad_s = t < 0.8 ? rollout.yaw_rate_rad_s : rollout.next_yaw_rate_rad_s;
+    forward_mps += std::clamp((stops ? 0.0 : rollout.forward_mps) - forward_mps, -0.015, 0.015);
+    yaw_rate_rad_s += std::clamp((stops ? 0.0 : to_rad_s) - yaw_rate_rad_s, -0.06, 0.06);
+    pose = pose * geometry::SE2{0.01 * forward_mps, 0.0, 0.01 * yaw_rate_rad_s};
+    least_m = std::min(least_m, distance_m(person.position_after(t), pose));
+  }
+  return least_m;
+}
+
+// Something 1 m wide comes straight at the standing robot, 3.4 m away at 1 m/s: to stand is to be
+// hit after 2.7 s. The best rollout is not touched, though the plan leads straight ahead.
+TEST(Rollouts, GetOutOfTheWayOfWhatComesAtTheRobot) {
+  const GlobalPlanner planner = planner_to_ahead();
+  ASSERT_NE(planner.cost_to_go(), nullptr);
+  Rollouts rollouts(kBody, {});
+  Situation now;
+  for (const double from_y_m : {-0.2, 0.0, 0.2}) {
+    now.people = {{{3.4, from_y_m}, {-1.0, 0.0}, 0.5, 0.02, 0.05}};
+    const Rollout& best = rollouts.plan(now, *planner.cost_to_go(), 1.0).front();
+    EXPECT_LT(least_distance_m({}, true, now.people[0]), 0.5) << "standing";
+    EXPECT_GT(std::max(least_distance_m(best, true, now.people[0]),
+                       least_distance_m(best, false, now.people[0])),
+              0.5)
+        << from_y_m;
+  }
+}
+
 }  // namespace rollouts_test
 }  // namespace nodmap::navigator

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/navigator/people/foresight.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace nodmap::navigator {
+namespace {
+
+constexpr double kAccelerationMps2 = 1.5;
+constexpr double kYawAccelerationRadS2 = 6.0;
+/// Later his place is more uncertain than that, but then the robot will have seen him again.
+constexpr double kMostErrorM = 0.3;
+
+double approach(double from, double to, double most) {
+  return from + std::clamp(to - from, -most, most);
+}
+
+}  // namespace
+
+Twist after(const Twist& now, const Twist& command, double time_s) {
+  return {approach(now.forward_mps, command.forward_mps, time_s * kAccelerationMps2),
+          approach(now.yaw_rate_rad_s, command.yaw_rate_rad_s, time_s * kYawAccelerationRadS2)};
+}
+
+double distance_to_body(const Eigen::Vector2d& p_base, const robot::Footprint& body) {
+  return std::hypot(std::max(0.0, std::abs(p_base.x()) - body.half_length_m),
+                    std::max(0.0, std::abs(p_base.y()) - body.half_width_m));
+}
+
+bool is_touched(const robot::Footprint& body, const geometry::SE2& pose_base, const Person& person,
+                double time_s, double margin_m) {
+  const double error_m = std::min(
+      kMostErrorM, std::hypot(person.position_sigma_m, person.velocity_sigma_mps * time_s));
+  const double reach_m = person.radius_m + margin_m + error_m;
+  const Eigen::Vector2d p_base = person.position_after(time_s);
+  return (p_base - pose_base.translation()).norm() < reach_m + body.turning_radius_m() &&
+         distance_to_body(pose_base.inverse() * p_base, body) < reach_m;
+}
+
+}  // namespace nodmap::navigator

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/slam2d/doubt.hpp"
+
+#include <algorithm>
+
+namespace nodmap::slam2d {
+namespace {
+
+// Greatest speed of a robot without odometry.
+constexpr double kMaxSpeedMPerS = 3.0;
+
+}  // namespace
+
+void Doubt::begin(double odometry_gap_s) {
+  reach_m_ = std::min(reach_m_ + kMaxSpeedMPerS * odometry_gap_s, params_.search_distance_m);
+}
+
+void Doubt::update(const PoseUpdate& update, bool is_sure) {
+  if (update.quality == PoseQuality::kLost) {
+    reach_m_ = params_.search_distance_m;
+  } else if (update.quality <= PoseQuality::kPartly && is_sure) {
+    reach_m_ = 0.0;
+  }
+  since_ = is_there() ? std::optional(since_.value_or(update.stamp)) : std::nullopt;
+}
+
+void Doubt::end() {
+  reach_m_ = 0.0;
+  since_.reset();
+}
+
+}  // namespace nodmap::slam2d

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+
+#include "common/geometry/time.hpp"
+#include "modules/slam2d/level_scan.hpp"
+#include "modules/slam2d/params.hpp"
+
+namespace nodmap::slam2d {
+
+/// Doubt about odometry: whether the robot may be elsewhere than odometry says. Begins after a time
+/// without odometry, in which it may have been carried or have driven on, and when it is lost. Ends
+/// when its place is sure.
+class Doubt {
+ public:
+  explicit Doubt(const DoubtParams& params) : params_(params) {}
+
+  /// Begins, or increases, the doubt after a time without odometry.
+  void begin(double odometry_gap_s);
+  /// `is_sure`: every place but the pose of the update is excluded.
+  void update(const PoseUpdate& update, bool is_sure);
+  void end();
+
+  [[nodiscard]] bool is_there() const { return reach_m_ > 0.0; }
+  /// How far the robot may be from its pose by odometry, metres; 0: no doubt.
+  [[nodiscard]] double reach_m() const { return reach_m_; }
+  /// The stamp of the first scan whose place was not sure, if there was one.
+  [[nodiscard]] const std::optional<time::Timestamp>& since() const { return since_; }
+
+ private:
+  DoubtParams params_;
+  double reach_m_ = 0.0;
+  std::optional<time::Timestamp> since_;
+};
+
+}  // namespace nodmap::slam2d

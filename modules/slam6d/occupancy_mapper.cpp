@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/slam6d/occupancy_mapper.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <utility>
+
+namespace nodmap::slam6d {
+namespace {
+
+// How many scans after a keyframe its map is due: 0.8 s at 75 Hz, before the next sweep.
+constexpr int kScansUntilMapped = 60;
+// Of a keyframe that is saved, 174 kB: 3 ms.
+constexpr std::size_t kSavedKeyframesPerScan = 4;
+
+OccupancyMap::Options map_options(const OccupancyParams& params) {
+  return {.resolution_m = params.resolution_m, .max_range_m = params.max_range_m};
+}
+
+}  // namespace
+
+OccupancyMapper::OccupancyMapper(const OccupancyParams& params)
+    : params_(params), map_(map_options(params)) {}
+
+bool OccupancyMapper::has_changed(std::span<const Keyframe> keyframes, double min_motion_m) const {
+  for (std::size_t k = 0; k < mapped_.size(); ++k) {
+    const Eigen::Vector3d motion_m =
+        keyframes[k].T_map_base.translation() - mapped_[k].T_map_base.translation();
+    if (motion_m.norm() > min_motion_m || keyframes[k].is_moved != mapped_[k].is_moved) {
+      return true;
+    }
+  }
+  return false;
+}
+
+void OccupancyMapper::update(std::span<const Keyframe> keyframes, double min_motion_m,
+                             const std::function<Save()>& prepare_save) {
+  if (is_working()) {
+    return;
+  }
+  const bool is_anew =
+      mapped_.empty() || keyframes.size() < mapped_.size() || has_changed(keyframes, min_motion_m);
+  if (is_anew) {
+    mapped_.clear();
+  }
+  const std::span<const Keyframe> added = keyframes.subspan(mapped_.size());
+  if (added.empty()) {
+    return;
+  }
+  const bool is_published = begin_publishing(keyframes);
+  const auto every = static_cast<std::size_t>(params_.save_every_keyframes);
+  const bool is_saved =
+      prepare_save && every > 0 && keyframes.size() / every > mapped_.size() / every;
+  const Save save = is_saved ? prepare_save() : Save{};
+  std::vector<std::pair<std::shared_ptr<const SweepCloud>, Mapped>> clouds;
+  for (const Keyframe& keyframe : added) {
+    mapped_.push_back({keyframe.T_map_base, keyframe.is_moved});
+    clouds.emplace_back(keyframe.cloud, mapped_.back());
+  }
+  // A scan more for each cloud.
+  const std::size_t more_scans =
+      clouds.size() + (save ? keyframes.size() / kSavedKeyframesPerScan : 0);
+  work_.start(
+      [this, clouds = std::move(clouds), save, is_anew, is_published] {
+        if (is_anew) {
+          map_ = OccupancyMap(map_options(params_));
+        }
+        for (const auto& [cloud, mapped] : clouds) {
+          map_.insert(*cloud, mapped.T_map_base, mapped.is_moved);
+        }
+        Result result;
+        if (is_published) {
+          result.bt_file = map_.encode(OccupancyMap::Format::kBt);
+        }
+        if (save) {
+          result.save_error = save(map_);
+        }
+        return result;
+      },
+      kScansUntilMapped + static_cast<int>(more_scans));
+}
+
+void OccupancyMapper::save(const Save& save) {
+  work_.start([this, save] { return Result{.save_error = save(map_)}; },
+              kScansUntilMapped + static_cast<int>(mapped_.size() / kSavedKeyframesPerScan));
+}
+
+std::optional<std::error_code> OccupancyMapper::count_message() {
+  return handle(work_.count_message());
+}
+
+std::optional<std::error_code> OccupancyMapper::take() {
+  return handle(work_.take());
+}
+
+std::optional<std::error_code> OccupancyMapper::handle(const std::optional<Result>& result) {
+  if (!result) {
+    return std::nullopt;
+  }
+  if (result->bt_file) {
+    parts_.begin(published_stamp_, *result->bt_file);
+  }
+  return result->save_error;
+}
+
+// Returns whether the next map is to be handed out.
+bool OccupancyMapper::begin_publishing(std::span<const Keyframe> keyframes) {
+  const time::Timestamp stamp = keyframes.back().cloud->stamp;
+  const double age_s = time::seconds(stamp - published_stamp_);
+  // A clock set back must not silence it until it has caught up.
+  const bool is_due = published_keyframes_ == 0 || age_s < 0.0 || age_s >= params_.publish_period_s;
+  if (params_.publish_period_s <= 0.0 || !is_due || !parts_.is_empty()) {
+    return false;
+  }
+  published_stamp_ = stamp;
+  published_keyframes_ = keyframes.size();
+  return true;
+}
+
+std::optional<OctomapParts::Part> OccupancyMapper::next_part() {
+  return parts_.is_empty() ? std::nullopt : std::optional(parts_.next());
+}
+
+void OccupancyMapper::publish_last(std::span<const Keyframe> keyframes) {
+  if (params_.publish_period_s > 0.0 && published_keyframes_ < keyframes.size()) {
+    published_stamp_ = keyframes.back().cloud->stamp;
+    if (const auto bt_file = map_.encode(OccupancyMap::Format::kBt)) {
+      parts_.begin(published_stamp_, *bt_file);
+    }
+  }
+}
+
+}  // namespace nodmap::slam6d

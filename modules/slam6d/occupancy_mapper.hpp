@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "common/geometry/se3.hpp"
+#include "common/geometry/time.hpp"
+#include "common/node/background_job.hpp"
+#include "modules/slam6d/keyframe.hpp"
+#include "modules/slam6d/occupancy_map.hpp"
+#include "modules/slam6d/octomap_parts.hpp"
+#include "modules/slam6d/params.hpp"
+
+namespace nodmap::slam6d {
+
+/// Keeps the occupancy map of the keyframes beside the messages, one piece of work at a time, and
+/// hands it out in parts. A map is made anew when keyframes have moved, or when it has turned out
+/// that some of their points did.
+class OccupancyMapper {
+ public:
+  /// Saves the map, and what else belongs to it.
+  using Save = std::function<std::error_code(const OccupancyMap&)>;
+
+  explicit OccupancyMapper(const OccupancyParams& params);
+
+  [[nodiscard]] bool is_working() const { return work_.is_running(); }
+
+  /// Starts to insert what is not in the map yet, unless there is work already. Keyframes that have
+  /// moved by less than `min_motion_m` stay where they are. `prepare_save`: asked for where the map
+  /// is to be saved then; none: it is not.
+  void update(std::span<const Keyframe> keyframes, double min_motion_m,
+              const std::function<Save()>& prepare_save = {});
+  /// Starts to save the map as it is. There must be no work.
+  void save(const Save& save);
+
+  /// Counts one message, and takes the work's result when it is due; take() waits for it. Returns
+  /// what became of saving, where there was any.
+  [[nodiscard]] std::optional<std::error_code> count_message();
+  [[nodiscard]] std::optional<std::error_code> take();
+
+  /// The next part of the map that is being handed out.
+  [[nodiscard]] std::optional<OctomapParts::Part> next_part();
+  /// At the end: hands out what keyframes came within the period since the last map.
+  void publish_last(std::span<const Keyframe> keyframes);
+
+  /// While there is no work.
+  [[nodiscard]] const OccupancyMap& map() const { return map_; }
+  void wait() const { work_.wait(); }
+
+ private:
+  /// What came of a piece of work.
+  struct Result {
+    std::optional<std::string> bt_file = std::nullopt;         ///< to be handed out
+    std::optional<std::error_code> save_error = std::nullopt;  ///< where it was to be saved
+  };
+  /// As a keyframe is in the map, or on its way into it.
+  struct Mapped {
+    geometry::SE3 T_map_base;
+    std::vector<bool> is_moved;  ///< of its points
+  };
+
+  [[nodiscard]] bool has_changed(std::span<const Keyframe> keyframes, double min_motion_m) const;
+  [[nodiscard]] bool begin_publishing(std::span<const Keyframe> keyframes);
+  std::optional<std::error_code> handle(const std::optional<Result>& result);
+
+  OccupancyParams params_;
+  OccupancyMap map_;
+  std::vector<Mapped> mapped_;
+  OctomapParts parts_;
+  std::size_t published_keyframes_ = 0;  // in the map that was handed out last
+  time::Timestamp published_stamp_{};    // of that map
+  node::BackgroundJob<Result> work_;     // on `map_`; last: it ends before what it works on
+};
+
+}  // namespace nodmap::slam6d

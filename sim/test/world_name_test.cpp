@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/world/world_name.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace nodmap::sim {
+namespace world_name_test {
+
+using ::testing::HasSubstr;
+
+std::string error_of(const std::string& name) {
+  try {
+    (void)make_world(name);
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(WorldName, ARandomWorldNeedsANumber) {
+  EXPECT_FALSE(make_world("random:3").objects.empty());
+  EXPECT_THAT(error_of("random:x"), HasSubstr("random:SEED"));
+}
+
+TEST(WorldName, WorldsByNameAndSeed) {
+  EXPECT_EQ(make_world("holes:2").name, "holes-trench");
+  EXPECT_EQ(make_world("dead-end:1").goals.size(), 1U);
+  EXPECT_THAT(error_of("maze:x"), HasSubstr("maze:SEED"));
+  EXPECT_THAT(error_of("barn:file"), HasSubstr("barn:FILE:INDEX"));
+  EXPECT_THAT(error_of("barn:none:1"), HasSubstr("cannot open"));
+  EXPECT_THAT(error_of("pedestrians:none:0:1"), HasSubstr("FRAMES"));
+  EXPECT_THAT(error_of("nothing:1"), HasSubstr("nothing:1"));
+}
+
+}  // namespace world_name_test
+}  // namespace nodmap::sim
