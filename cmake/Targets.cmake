@@ -119,6 +119,12 @@ function(nodmap_add_test name)
     LABELS ${label} TIMEOUT 600 ENVIRONMENT "LCM_DEFAULT_URL=memq://")
 endfunction()
 
+# nodmap_set_process_test(NAME TIMEOUT_S): marks a test of CTest's that runs processes. It takes two of the jobs that CTest runs at once,
+# and begins before other tests, because it lasts longest.
+function(nodmap_set_process_test name timeout_s)
+  set_tests_properties(${name} PROPERTIES LABELS integration TIMEOUT ${timeout_s} SKIP_RETURN_CODE 77 PROCESSORS 2 COST 1000)
+endfunction()
+
 # nodmap_add_bench_program(NAME SOURCES x.cpp ... DEPENDS target ...): a program that measures, in bin/ beside the others, but not installed.
 function(nodmap_add_bench_program name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})

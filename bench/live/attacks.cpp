@@ -31,7 +31,7 @@ constexpr time::Duration kAhead = 45ms;  // the forged stamp, of a DRIVE that is
 constexpr double kDrivingMps = 0.5;      // the robot is on its way
 constexpr double kTimeToStopS = 2.0;     // to notice the attack and to brake
 constexpr double kStationaryM = 0.05;    // farther it does not move after that
-constexpr double kPatienceS = 60.0;  // until it drives, before and after; a busy machine is slow
+constexpr double kPatienceS = 120.0;  // until it drives, before and after; a busy machine is slow
 constexpr const char* kNeighbour = "10.9.9.9";
 
 /// Sends what a process of the robot would send, and datagrams as they are.

@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <iostream>
+#include <memory>
 
 #include "common/node/log.hpp"
 #include "common/node/program.hpp"
@@ -31,18 +32,25 @@ bool handle_until(bus::LiveBus& bus, double wait_s, const std::function<bool()>&
   return false;
 }
 
+std::set<std::string> await_processes(bus::LiveBus& bus, const std::set<std::string>& names,
+                                      double wait_s) {
+  // Shared with the subscription, which lasts as long as the bus.
+  const auto heard = std::make_shared<std::set<std::string>>();
+  bus.subscribe<nodmap::status_t>("STATUS", [names, heard](const nodmap::status_t& status) {
+    if (names.contains(status.process_name)) {
+      heard->insert(status.process_name);
+    }
+  });
+  (void)handle_until(bus, wait_s, [&] { return *heard == names; });
+  return *heard;
+}
+
 int report_request(bus::LiveBus& bus, const std::set<std::string>& names, double wait_s) {
   if (bus.counts().not_published > 0) {
     log::get().error("cannot send the request on {}", bus.url());
     return 1;
   }
-  std::set<std::string> heard;
-  bus.subscribe<nodmap::status_t>("STATUS", [&](const nodmap::status_t& status) {
-    if (names.contains(status.process_name)) {
-      heard.insert(status.process_name);
-    }
-  });
-  (void)handle_until(bus, wait_s, [&] { return heard == names; });
+  const std::set<std::string> heard = await_processes(bus, names, wait_s);
   if (heard.empty()) {
     log::get().error("nobody listens on {}: no {} runs there", bus.url(), fmt::join(names, " or "));
     return 1;

@@ -21,37 +21,38 @@ constexpr time::Duration kPause = 2s;
 /// through a door.
 constexpr double kLookoutM = 2.0;
 constexpr double kAtFrontierM = 0.4;
+/// Places nearer to each other than this fail together, and are visited together.
+constexpr double kSameFailureM = 0.7;
+constexpr double kSameVisitM = 0.4;
+/// Cost of rotating to the start of the path, in metres of driving.
+constexpr double kRotationMPerRad = 0.5;
 /// On the way home, a viewpoint must show this multiple of the minimum gain to be worth turning
 /// back.
 constexpr double kWorthGoingBack = 2.0;
-/// A waypoint must be at least this far away to be kept, so that the robot never brakes for one.
-constexpr double kNextWaypointM = 1.0;
-constexpr double kSameWaypointM = 0.5;
-/// Added to a waypoint's tolerance. A waypoint nearer than this is replaced before the navigator
-/// has arrived there and stops.
-constexpr double kReachedM = 0.2;
-/// Added to the tolerance: a waypoint is at least this far away, even around a corner.
-constexpr double kLeastAheadM = 0.5;
-/// Cells within this distance are not checked, because the robot may already be nearer to an
-/// obstacle than a path may.
-constexpr double kAroundRobotM = 0.4;
+/// Distance at which a path's direction is measured.
+constexpr double kDirectionM = 0.4;
 /// Tolerance for the navigator's newer pose.
 constexpr double kArrivalM = 0.1;
+constexpr double kNearHomeM = 0.03;
+constexpr time::Duration kNearHome = 3s;
 constexpr const char* kAtHome = "Everything has been seen; the robot is back home.";
 
-/// Whether a waypoint is on the path and far enough ahead that the robot does not brake for it.
-bool is_ahead(const std::vector<Eigen::Vector2d>& path_map, const Eigen::Vector2d& waypoint_map,
-              const Eigen::Vector2d& p_map) {
-  return (waypoint_map - p_map).norm() > kNextWaypointM &&
-         std::ranges::any_of(path_map, [&](const Eigen::Vector2d& p) {
-           return (p - waypoint_map).norm() < 0.5 * kSameWaypointM;
-         });
+/// The points of a straight line at intervals of at most `step_m`, with both ends.
+std::vector<Eigen::Vector2d> straight_path(const Eigen::Vector2d& from, const Eigen::Vector2d& to,
+                                           double step_m) {
+  const auto num_steps = static_cast<int>(std::ceil((to - from).norm() / step_m));
+  std::vector<Eigen::Vector2d> points{from};
+  for (int i = 1; i <= num_steps; ++i) {
+    points.emplace_back(from + (to - from) * (static_cast<double>(i) / num_steps));
+  }
+  return points;
 }
 
 /// The lengths of the paths; straight lines replace unknown paths.
 std::vector<double> lengths_m(const PlanningGrid& grid, const ShortestPaths& paths,
                               const Eigen::Vector2d& from_map, const std::vector<Cell>& cells) {
   std::vector<double> lengths;
+  lengths.reserve(cells.size());
   for (const Cell& cell : cells) {
     lengths.push_back(paths.is_reached(cell) ? paths.length_m(cell)
                                              : (grid.center_of(cell) - from_map).norm());
@@ -65,7 +66,9 @@ Explorer::Explorer(const ExplorerParams& params)
     : params_(params),
       grid_(0.5 * params.robot.body.width_m + params.side_margin_m),
       chooser_(params),
-      failed_places_(params.patience) {}
+      waypoints_(params.goal_tolerance_m),
+      failed_places_(params.patience.retry_s, params.patience.max_failures, kSameFailureM),
+      visited_places_(params.patience.look_s, params.patience.max_failures, kSameVisitM) {}
 
 void Explorer::start() {
   end();
@@ -76,8 +79,10 @@ void Explorer::end() {
   state_ = State::kIdle;
   home_map_.reset();
   target_map_.reset();
-  waypoint_map_.reset();
+  waypoints_.clear();
+  passing_map_.clear();
   failed_places_.clear();
+  visited_places_.clear();
 }
 
 Decision Explorer::decide(const Situation& now) {
@@ -94,6 +99,7 @@ Decision Explorer::decide(const Situation& now) {
   const Eigen::Vector2d p_map = now.T_map_base.translation();
   home_map_ = home_map_.value_or(p_map);
   paths_.compute(grid_, p_map);
+  watch_visits(now);
   watch_target(now);
   std::vector<Viewpoint> tour = find_tour(now);
   if (tour.empty() && failed_places_.forgive()) {
@@ -111,26 +117,32 @@ Decision Explorer::decide(const Situation& now) {
   return decision;
 }
 
-/// Detects that the target has failed: it is not reached, or nothing new is seen from it.
+/// Notes which viewpoints the robot has visited; what it has seen from there is not yet in the map.
+void Explorer::watch_visits(const Situation& now) {
+  const Eigen::Vector2d p_map = now.T_map_base.translation();
+  std::erase_if(passing_map_, [&](const Eigen::Vector2d& viewpoint_map) {
+    const bool is_visited = (p_map - viewpoint_map).norm() < params_.goal_tolerance_m + kArrivalM;
+    if (is_visited) {
+      visited_places_.add(viewpoint_map, now.stamp);
+    }
+    return is_visited;
+  });
+}
+
+/// Detects that the target has failed: the robot does not come nearer to it.
 void Explorer::watch_target(const Situation& now) {
   const bool has_paused = std::chrono::abs(now.stamp - std::exchange(decided_, now.stamp)) > kPause;
   if (state_ != State::kExploring || !target_map_) {
     return;
   }
-  const Eigen::Vector2d p_map = now.T_map_base.translation();
   const double length_m = paths_.length_m(grid_.cell_of(*target_map_));
   if (has_paused || length_m < least_length_m_ - kProgressM) {
     least_length_m_ = std::min(least_length_m_, length_m);
     progressed_ = now.stamp;
   }
-  if (has_paused ||
-      (!now.has_arrived && (p_map - *target_map_).norm() > params_.goal_tolerance_m)) {
-    there_since_ = now.stamp;
-  }
   const time::Duration patience =
       time::from_seconds(now.has_no_path ? params_.patience.no_path_s : params_.patience.stuck_s);
-  if (std::chrono::abs(now.stamp - progressed_) > patience ||
-      std::chrono::abs(now.stamp - there_since_) > time::from_seconds(params_.patience.look_s)) {
+  if (std::chrono::abs(now.stamp - progressed_) > patience) {
     failed_places_.add(*target_map_, now.stamp);
     target_map_.reset();
   }
@@ -141,13 +153,11 @@ std::vector<Viewpoint> Explorer::find_tour(const Situation& now) {
   const bool by_tour = params_.policy == Policy::kTour;
   std::vector<Cell> lookouts =
       frontiers_.lookouts(grid_, paths_, by_tour ? kLookoutM : kAtFrontierM);
-  // The surroundings of the robot have been seen, unless it has just arrived.
   const Eigen::Vector2d p_robot_map = now.T_map_base.translation();
   std::erase_if(lookouts, [&](const Cell& cell) {
     const Eigen::Vector2d p_map = grid_.center_of(cell);
-    const bool is_target = target_map_ && (p_map - *target_map_).norm() < params_.goal_tolerance_m;
-    return ((p_map - p_robot_map).norm() < params_.goal_tolerance_m && !is_target) ||
-           failed_places_.is_left_out(p_map, now.stamp);
+    return (p_map - p_robot_map).norm() < params_.goal_tolerance_m ||
+           failed_places_.contains(p_map, now.stamp) || visited_places_.contains(p_map, now.stamp);
   });
   std::vector<Viewpoint> found = by_tour
                                      ? chooser_.choose(grid_, paths_, lookouts, now.T_map_base.yaw)
@@ -155,7 +165,7 @@ std::vector<Viewpoint> Explorer::find_tour(const Situation& now) {
   const double least_m2 =
       params_.view.min_gain_m2 * (state_ == State::kReturning ? kWorthGoingBack : 1.0);
   std::erase_if(found, [&](const Viewpoint& v) { return v.gain_m2 < least_m2; });
-  return by_tour && !found.empty() ? in_order(std::move(found)) : found;
+  return by_tour && !found.empty() ? in_order(now, std::move(found)) : found;
 }
 
 /// The nearest viewpoint; the previous one is kept until the robot is there or nothing is left to
@@ -175,18 +185,17 @@ std::vector<Viewpoint> Explorer::nearest_frontier(const Situation& now,
 
 /// Orders the viewpoints in the best tour; it starts with the present target unless another tour is
 /// clearly better.
-std::vector<Viewpoint> Explorer::in_order(std::vector<Viewpoint> viewpoints) {
+std::vector<Viewpoint> Explorer::in_order(const Situation& now, std::vector<Viewpoint> viewpoints) {
   TourProblem problem;
+  const Eigen::Vector2d p_map = now.T_map_base.translation();
   problem.length_weight = params_.tour.home_weight_m2;
   std::vector<Cell> cells;
-  std::optional<std::size_t> present;
+  const std::optional<std::size_t> present = present_target(viewpoints);
   for (const Viewpoint& viewpoint : viewpoints) {
-    if (target_map_ && !present && (viewpoint.p_map - *target_map_).norm() < kSameViewpointM) {
-      present = cells.size();
-    }
     cells.push_back(viewpoint.cell);
     problem.weight.push_back(viewpoint.gain_m2);
-    problem.from_start.push_back(viewpoint.length_m);
+    problem.from_start.push_back(viewpoint.length_m +
+                                 kRotationMPerRad * rotation_rad(viewpoint, now.T_map_base));
   }
   for (const Viewpoint& viewpoint : viewpoints) {
     paths_between_.compute(grid_, viewpoint.p_map, cells);
@@ -194,6 +203,7 @@ std::vector<Viewpoint> Explorer::in_order(std::vector<Viewpoint> viewpoints) {
   }
   paths_between_.compute(grid_, *home_map_, cells);
   problem.to_end = lengths_m(grid_, paths_between_, *home_map_, cells);
+  problem.from_start_to_end = lengths_m(grid_, paths_, p_map, {grid_.cell_of(*home_map_)}).front();
   Tour tour = shortest_tour(problem);
   if (present && tour.order.front() != *present) {
     const Tour same = shortest_tour(problem, present);
@@ -201,6 +211,8 @@ std::vector<Viewpoint> Explorer::in_order(std::vector<Viewpoint> viewpoints) {
       tour = same;
     }
   }
+  leave_out_detours(problem, params_.tour.min_gain_m2_per_m, params_.tour.always_gain_m2,
+                    tour.order);
   std::vector<Viewpoint> ordered;
   for (const std::size_t stop : tour.order) {
     ordered.push_back(viewpoints[stop]);
@@ -208,11 +220,37 @@ std::vector<Viewpoint> Explorer::in_order(std::vector<Viewpoint> viewpoints) {
   return ordered;
 }
 
+/// The viewpoint that is the present target.
+std::optional<std::size_t> Explorer::present_target(
+    const std::vector<Viewpoint>& viewpoints) const {
+  if (!target_map_) {
+    return std::nullopt;
+  }
+  const auto from_target_m = [&](const Viewpoint& viewpoint) {
+    return (viewpoint.p_map - *target_map_).norm();
+  };
+  const auto nearest = std::ranges::min_element(viewpoints, {}, from_target_m);
+  if (nearest == viewpoints.end() || from_target_m(*nearest) >= kSameViewpointM) {
+    return std::nullopt;
+  }
+  return static_cast<std::size_t>(nearest - viewpoints.begin());
+}
+
+/// How far the robot must rotate to drive along the path to a viewpoint.
+double Explorer::rotation_rad(const Viewpoint& viewpoint, const geometry::SE2& T_map_base) const {
+  const std::vector<Eigen::Vector2d> path_map = path_to(viewpoint.cell);
+  const auto ahead = std::ranges::find_if(path_map, [&](const Eigen::Vector2d& p) {
+    return (p - T_map_base.translation()).norm() > kDirectionM;
+  });
+  const Eigen::Vector2d to =
+      (ahead == path_map.end() ? viewpoint.p_map : *ahead) - T_map_base.translation();
+  return std::abs(geometry::angle_difference(std::atan2(to.y(), to.x()), T_map_base.yaw));
+}
+
 void Explorer::set_target(const Eigen::Vector2d& p_map, double length_m, const Situation& now) {
   if (!target_map_ || (*target_map_ - p_map).norm() > kSameViewpointM) {
     least_length_m_ = length_m;
     progressed_ = now.stamp;
-    there_since_ = now.stamp;
   }
   target_map_ = p_map;
 }
@@ -221,24 +259,43 @@ void Explorer::drive_tour(const Situation& now, std::vector<Viewpoint> tour, Dec
   state_ = State::kExploring;
   set_target(tour.front().p_map, tour.front().length_m, now);
   decision.reason = "Driving to the next viewpoint.";
-  decision.path_map = path_to(tour.front().cell);
-  decision.goal = next_goal(decision.path_map, now, params_.goal_tolerance_m);
+  const Eigen::Vector2d p_map = now.T_map_base.translation();
+  const std::size_t num_passing = num_on_line(grid_, tour, p_map, params_.goal_tolerance_m);
+  passing_map_.clear();
+  for (std::size_t i = 0; i < num_passing; ++i) {
+    passing_map_.push_back(tour[i].p_map);
+  }
+  decision.path_map = num_passing == 1
+                          ? path_to(tour.front().cell)
+                          : straight_path(p_map, passing_map_.back(), grid_.cell_size_m());
+  decision.goal = waypoints_.next(grid_, decision.path_map, p_map, params_.goal_tolerance_m);
   for (const Viewpoint& viewpoint : tour) {
     decision.waiting_m2 += viewpoint.gain_m2;
   }
   decision.tour = std::move(tour);
 }
 
+/// Within home's tolerance. Just outside of it the robot may rotate without coming nearer; there it
+/// is home after a while.
+bool Explorer::is_home(const Situation& now, double distance_m) {
+  if (state_ != State::kReturning || distance_m > params_.home_tolerance_m + kNearHomeM) {
+    near_home_since_ = now.stamp;
+  }
+  return distance_m <= params_.home_tolerance_m ||
+         (now.has_arrived && distance_m <= params_.home_tolerance_m + kArrivalM) ||
+         std::chrono::abs(now.stamp - near_home_since_) > kNearHome;
+}
+
 void Explorer::drive_home(const Situation& now, Decision& decision) {
   const double distance_m = (now.T_map_base.translation() - *home_map_).norm();
-  if (distance_m <= params_.home_tolerance_m ||
-      (now.has_arrived && distance_m <= params_.home_tolerance_m + kArrivalM)) {
+  if (is_home(now, distance_m)) {
     state_ = State::kHome;
     decision.reason = kAtHome;
     return;
   }
   state_ = State::kReturning;
   target_map_.reset();
+  passing_map_.clear();
   decision.reason = "Everything has been seen: driving home.";
   // The start position was in no beam, so its cell may still be unknown.
   const auto near_home = std::ranges::min_element(paths_.cells(), {}, [&](const Cell& cell) {
@@ -248,7 +305,8 @@ void Explorer::drive_home(const Situation& now, Decision& decision) {
     decision.path_map = path_to(*near_home);
   }
   decision.path_map.push_back(*home_map_);
-  decision.goal = next_goal(decision.path_map, now, params_.home_tolerance_m);
+  decision.goal = waypoints_.next(grid_, decision.path_map, now.T_map_base.translation(),
+                                  params_.home_tolerance_m);
 }
 
 std::vector<Eigen::Vector2d> Explorer::path_to(const Cell& cell) const {
@@ -257,46 +315,6 @@ std::vector<Eigen::Vector2d> Explorer::path_to(const Cell& cell) const {
     path_map.push_back(grid_.center_of(on_path));
   }
   return path_map;
-}
-
-/// The farthest point of the path to which a straight line is free, but at least some distance
-/// ahead. The navigator knows only the surroundings of its path; when it is led around corners it
-/// need not guess what is behind walls.
-Goal Explorer::next_goal(const std::vector<Eigen::Vector2d>& path_map, const Situation& now,
-                         double last_tolerance_m) {
-  const Eigen::Vector2d p_map = now.T_map_base.translation();
-  const Eigen::Vector2d& last = path_map.back();
-  const auto farthest = std::find_if(path_map.rbegin(), path_map.rend(), [&](const auto& p) {
-    return is_line_passable(p_map, p) ||
-           (p - p_map).norm() < params_.goal_tolerance_m + kLeastAheadM;
-  });
-  if (farthest == path_map.rbegin() || farthest == path_map.rend()) {
-    waypoint_map_.reset();
-    return {last, last_tolerance_m};
-  }
-  const bool is_kept = waypoint_map_ &&
-                       (*waypoint_map_ - p_map).norm() > params_.goal_tolerance_m + kReachedM &&
-                       ((*waypoint_map_ - *farthest).norm() < kSameWaypointM ||
-                        is_ahead(path_map, *waypoint_map_, p_map));
-  if (!is_kept) {
-    waypoint_map_ = *farthest;
-  }
-  return {*waypoint_map_, params_.goal_tolerance_m};
-}
-
-/// Checks the line at intervals of one planning cell, except near the robot.
-bool Explorer::is_line_passable(const Eigen::Vector2d& from_map,
-                                const Eigen::Vector2d& to_map) const {
-  const double length_m = (to_map - from_map).norm();
-  const int num_steps = static_cast<int>(length_m / grid_.cell_size_m());
-  for (int i = 1; i <= num_steps; ++i) {
-    const double ratio = i * grid_.cell_size_m() / length_m;
-    const Eigen::Vector2d p_map = from_map + ratio * (to_map - from_map);
-    if (ratio * length_m > kAroundRobotM && !grid_.is_passable(grid_.cell_of(p_map))) {
-      return false;
-    }
-  }
-  return true;
 }
 
 }  // namespace nodmap::explorer

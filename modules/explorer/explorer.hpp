@@ -9,12 +9,13 @@
 
 #include "common/geometry/se2.hpp"
 #include "common/geometry/time.hpp"
-#include "modules/explorer/failed_places.hpp"
 #include "modules/explorer/frontiers.hpp"
+#include "modules/explorer/left_out_places.hpp"
 #include "modules/explorer/params.hpp"
 #include "modules/explorer/planning_grid.hpp"
 #include "modules/explorer/shortest_paths.hpp"
 #include "modules/explorer/viewpoints.hpp"
+#include "modules/explorer/waypoints.hpp"
 
 namespace nodmap::explorer {
 
@@ -31,12 +32,6 @@ struct Situation {
   geometry::SE2 T_map_base;
   bool has_no_path = false;  ///< the navigator finds no path to its goal
   bool has_arrived = false;  ///< the navigator is at its goal
-};
-
-/// A goal for the navigator, in map.
-struct Goal {
-  Eigen::Vector2d p_map = Eigen::Vector2d::Zero();
-  double tolerance_m = 0.3;
 };
 
 struct Decision {
@@ -73,19 +68,22 @@ class Explorer {
   [[nodiscard]] Decision decide(const Situation& now);
 
  private:
+  void watch_visits(const Situation& now);
   void watch_target(const Situation& now);
   [[nodiscard]] std::vector<Viewpoint> find_tour(const Situation& now);
   [[nodiscard]] std::vector<Viewpoint> nearest_frontier(const Situation& now,
                                                         const std::vector<Cell>& lookouts);
-  [[nodiscard]] std::vector<Viewpoint> in_order(std::vector<Viewpoint> viewpoints);
+  [[nodiscard]] std::vector<Viewpoint> in_order(const Situation& now,
+                                                std::vector<Viewpoint> viewpoints);
+  [[nodiscard]] std::optional<std::size_t> present_target(
+      const std::vector<Viewpoint>& viewpoints) const;
+  [[nodiscard]] double rotation_rad(const Viewpoint& viewpoint,
+                                    const geometry::SE2& T_map_base) const;
   void set_target(const Eigen::Vector2d& p_map, double length_m, const Situation& now);
   void drive_tour(const Situation& now, std::vector<Viewpoint> tour, Decision& decision);
+  [[nodiscard]] bool is_home(const Situation& now, double distance_m);
   void drive_home(const Situation& now, Decision& decision);
   [[nodiscard]] std::vector<Eigen::Vector2d> path_to(const Cell& cell) const;
-  [[nodiscard]] Goal next_goal(const std::vector<Eigen::Vector2d>& path_map, const Situation& now,
-                               double last_tolerance_m);
-  [[nodiscard]] bool is_line_passable(const Eigen::Vector2d& from_map,
-                                      const Eigen::Vector2d& to_map) const;
 
   ExplorerParams params_;
   PlanningGrid grid_;
@@ -93,16 +91,18 @@ class Explorer {
   ShortestPaths paths_between_;
   Frontiers frontiers_;
   ViewpointChooser chooser_;
-  FailedPlaces failed_places_;
+  Waypoints waypoints_;
+  LeftOutPlaces failed_places_;
+  LeftOutPlaces visited_places_;  // until what was seen from there is in the map
 
   State state_ = State::kIdle;
   std::optional<Eigen::Vector2d> home_map_;
   std::optional<Eigen::Vector2d> target_map_;  ///< the present viewpoint
   double least_length_m_ = 0.0;                ///< length of the path to it at progressed_
   time::Timestamp progressed_{};
-  time::Timestamp there_since_{};
   time::Timestamp decided_{};
-  std::optional<Eigen::Vector2d> waypoint_map_;
+  time::Timestamp near_home_since_{};
+  std::vector<Eigen::Vector2d> passing_map_;  ///< viewpoints on the way to the goal
 };
 
 }  // namespace nodmap::explorer

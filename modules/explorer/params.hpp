@@ -38,6 +38,8 @@ struct TourParams {
   int max_viewpoints = 8;
   double discount_per_m = 0.6;
   double home_weight_m2 = 40.0;
+  double min_gain_m2_per_m = 0.2;
+  double always_gain_m2 = 4.0;
   double hysteresis_ratio = 0.15;
 
   template <class Visitor>
@@ -51,6 +53,13 @@ struct TourParams {
     v.number("home_weight_m2", home_weight_m2, {0.0, 1000.0},
              "Weight of the tour's total length, including the path home, compared with the "
              "unknown area that waits while the robot drives.");
+    v.number(
+        "min_gain_m2_per_m", min_gain_m2_per_m, {0.0, 10.0},
+        "A part of the tour is left out when its viewpoints show less than this for each metre "
+        "that it costs.");
+    v.number("always_gain_m2", always_gain_m2, {0.0, 1000.0},
+             "A part of the tour that shows at least this much is not left out: such an area is a "
+             "room that was never seen, not a corner.");
     v.number(
         "hysteresis_ratio", hysteresis_ratio, {0.0, 1.0},
         "The present viewpoint is kept while its tour costs at most this fraction more than the "
@@ -71,15 +80,17 @@ struct PatienceParams {
              "A viewpoint has failed when the robot has not come nearer to it for this long.");
     v.number("no_path_s", no_path_s, {1.0, 300.0},
              "A viewpoint has failed when the navigator has found no path to it for this long.");
-    v.number(
-        "look_s", look_s, {0.5, 60.0},
-        "A viewpoint has failed when the robot has been there for this long and the map still does "
-        "not show what it should have seen.");
+    v.number("look_s", look_s, {0.5, 60.0},
+             "A viewpoint that the robot has visited is left out for this long, until what was "
+             "seen from "
+             "there is in the map; twice as long after each further visit.");
     v.number("retry_s", retry_s, {1.0, 3600.0},
              "The surroundings of a failed viewpoint are excluded for this long, twice as long "
              "after each further failure; they are tried again sooner when nothing else is left.");
-    v.integer("max_failures", max_failures, {1, 10},
-              "After this many failures the surroundings of a viewpoint are given up.");
+    v.integer(
+        "max_failures", max_failures, {1, 10},
+        "After this many failures the surroundings of a viewpoint are given up; a viewpoint also "
+        "after this many visits.");
   }
 };
 

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <utility>
 
 namespace nodmap::explorer {
 namespace {
@@ -10,6 +12,8 @@ namespace {
 /// The same threshold as in the images of the map. It is low because many rays only graze the cell
 /// of a wall.
 constexpr std::int8_t kOccupiedPercent = 25;
+/// The widest gap in a wall that is filled: 0.3 m where map cells are 5 cm wide.
+constexpr int kWallGapCells = 3;
 /// The grid grows in blocks of this many map cells, so that it seldom grows.
 constexpr int kBlockCells = 256;
 /// Map cells farther from the origin than this are refused, so that indices stay exact.
@@ -65,28 +69,22 @@ bool PlanningGrid::add(const MapTile& tile) {
       const Ground now = ground_of(
           tile.cells[static_cast<std::size_t>(row) * static_cast<std::size_t>(tile.width) +
                      static_cast<std::size_t>(column)]);
-      Ground& before = map_.at(cell);
-      if (now == before) {
-        continue;
+      if (set(cell, now)) {
+        low = low.cwiseMin(cell);
+        high = high.cwiseMax(cell);
       }
-      if ((now == Ground::kOccupied) != (before == Ground::kOccupied)) {
-        occupy(cell, now == Ground::kOccupied ? 1 : -1);
-      }
-      before = now;
-      low = low.cwiseMin(cell);
-      high = high.cwiseMax(cell);
     }
   }
   if (low.x() <= high.x()) {
-    // The cells within the inflation radius, and those next to them, where gaps are filled.
-    const Cell margin = Cell::Constant(near_cells_ + 2);
+    // The cells within the inflation radius, and those beside them, where gaps are filled.
+    const Cell margin = Cell::Constant(near_cells_ + 2 * kWallGapCells);
     summarise(halved(low - margin), halved(high + margin));
   }
   return true;
 }
 
 bool PlanningGrid::make_room(const MapTile& tile) {
-  const Cell margin = Cell::Constant(near_cells_ + 4);
+  const Cell margin = Cell::Constant(near_cells_ + 2 * kWallGapCells + 2);
   Cell low = tile.first - margin;
   Cell high = tile.first + Cell(tile.width - 1, tile.height - 1) + margin;
   if (map_.contains(low) && map_.contains(high)) {
@@ -122,6 +120,17 @@ void PlanningGrid::find_near_offsets() {
   }
 }
 
+/// Returns whether that changes the map cell.
+bool PlanningGrid::set(const Cell& map_cell, Ground now) {
+  const Ground before = std::exchange(map_.at(map_cell), now);
+  if (now == Ground::kOccupied && before != Ground::kOccupied) {
+    occupy(map_cell, 1);
+  } else if (now != Ground::kOccupied && before == Ground::kOccupied) {
+    occupy(map_cell, -1);
+  }
+  return now != before;
+}
+
 /// Updates the counts of near occupied cells. `change`: +1 if the map cell becomes occupied, -1 if
 /// it no longer is.
 void PlanningGrid::occupy(const Cell& map_cell, int change) {
@@ -140,13 +149,16 @@ void PlanningGrid::summarise(const Cell& low, const Cell& high) {
   }
   for (int y = low.y(); y <= high.y(); ++y) {
     for (int x = low.x(); x <= high.x(); ++x) {
-      Ground& ground = ground_.at({x, y});
-      num_free_ -= ground == Ground::kFree ? 1 : 0;
-      ground = filled_ground({x, y});
-      num_free_ += ground == Ground::kFree ? 1 : 0;
-      passable_.at({x, y}) = ground == Ground::kFree && has_room({x, y}) ? 1 : 0;
+      summarise_cell({x, y});
     }
   }
+}
+
+void PlanningGrid::summarise_cell(const Cell& cell) {
+  const Ground now = filled_ground(cell);
+  const Ground before = std::exchange(ground_.at(cell), now);
+  num_free_ += static_cast<int>(now == Ground::kFree) - static_cast<int>(before == Ground::kFree);
+  passable_.at(cell) = static_cast<std::uint8_t>(now == Ground::kFree && has_room(cell));
 }
 
 Ground PlanningGrid::raw_ground(const Cell& cell) const {
@@ -157,6 +169,8 @@ Ground PlanningGrid::raw_ground(const Cell& cell) const {
   return ground;
 }
 
+/// Unknown cells between known ones: the beams of a scan diverge. A wall seen at a grazing angle
+/// has wider gaps, through which the body does not fit.
 Ground PlanningGrid::filled_ground(const Cell& cell) const {
   const Ground raw = raw_.at(cell);
   if (raw != Ground::kUnknown) {
@@ -165,15 +179,28 @@ Ground PlanningGrid::filled_ground(const Cell& cell) const {
   static const std::array<Cell, 4> kDirections{Cell(1, 0), Cell(0, 1), Cell(1, 1), Cell(1, -1)};
   Ground filled = Ground::kUnknown;
   for (const Cell& direction : kDirections) {
-    if (!raw_.contains(cell + direction) || !raw_.contains(cell - direction)) {
-      continue;
-    }
-    const Ground one = raw_.at(cell + direction);
-    if (one == raw_.at(cell - direction)) {
-      filled = std::max(filled, one);
+    const auto [ahead, steps_ahead] = next_known(cell, direction);
+    const auto [behind, steps_behind] = next_known(cell, -direction);
+    const int gap_cells = steps_ahead + steps_behind - 1;
+    if (ahead == behind && gap_cells <= (ahead == Ground::kOccupied ? kWallGapCells : 1)) {
+      filled = std::max(filled, ahead);
     }
   }
   return filled;
+}
+
+/// The first known cell in a direction, and how many steps away it is.
+std::pair<Ground, int> PlanningGrid::next_known(const Cell& cell, const Cell& direction) const {
+  int steps = 1;
+  Ground ground = Ground::kUnknown;
+  for (; steps <= kWallGapCells; ++steps) {
+    const Cell next = cell + steps * direction;
+    ground = raw_.contains(next) ? raw_.at(next) : Ground::kUnknown;
+    if (ground != Ground::kUnknown) {
+      break;
+    }
+  }
+  return {ground, steps};
 }
 
 /// One of the four map cells suffices, so that planning does not close a door that the body fits

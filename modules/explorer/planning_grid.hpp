@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "modules/explorer/raster.hpp"
@@ -68,10 +69,13 @@ class PlanningGrid {
  private:
   [[nodiscard]] bool make_room(const MapTile& tile);
   void find_near_offsets();
+  [[nodiscard]] bool set(const Cell& map_cell, Ground now);
   void occupy(const Cell& map_cell, int change);
   void summarise(const Cell& low, const Cell& high);
+  void summarise_cell(const Cell& cell);
   [[nodiscard]] Ground raw_ground(const Cell& cell) const;
   [[nodiscard]] Ground filled_ground(const Cell& cell) const;
+  [[nodiscard]] std::pair<Ground, int> next_known(const Cell& cell, const Cell& direction) const;
   [[nodiscard]] bool has_room(const Cell& cell) const;
 
   double inflation_radius_m_;

@@ -2,12 +2,20 @@
 #include "modules/explorer/ray_caster.hpp"
 
 #include <cmath>
+#include <utility>
 
 namespace nodmap::explorer {
 namespace {
 
 /// At this distance neighbouring beams are one cell apart; farther away some cells are missed.
 constexpr double kFullDensityM = 4.0;
+
+/// Whether a step from cell to cell leads diagonally between two occupied cells.
+bool is_corner_closed(const PlanningGrid& grid, const Cell& from, const Cell& to) {
+  return from.x() != to.x() && from.y() != to.y() &&
+         grid.ground_at({from.x(), to.y()}) == Ground::kOccupied &&
+         grid.ground_at({to.x(), from.y()}) == Ground::kOccupied;
+}
 
 }  // namespace
 
@@ -39,10 +47,11 @@ void RayCaster::cast(const PlanningGrid& grid, const Eigen::Vector2d& from_map, 
   Eigen::Vector2d p = from_map / grid.cell_size_m();
   const int num_steps = static_cast<int>(params_.range_m / grid.cell_size_m());
   int unknown_left = static_cast<int>(params_.unknown_depth_m / grid.cell_size_m());
+  Cell cell = p.array().floor().cast<int>();
   for (int i = 0; i < num_steps && unknown_left > 0; ++i) {
     p += step;
-    const Cell cell(static_cast<int>(std::floor(p.x())), static_cast<int>(std::floor(p.y())));
-    if (!ground.contains(cell)) {
+    const Cell before = std::exchange(cell, p.array().floor().cast<int>());
+    if (!ground.contains(cell) || is_corner_closed(grid, before, cell)) {
       return;
     }
     const std::size_t index = ground.index_of(cell);

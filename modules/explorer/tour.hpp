@@ -13,7 +13,8 @@ struct TourProblem {
   std::vector<double> from_start;  ///< length from the start to each stop
   std::vector<double> to_end;      ///< length from each stop to the end of the tour
   std::vector<std::vector<double>> between;
-  double length_weight = 0.0;  ///< weight of the total length
+  double from_start_to_end = 0.0;  ///< length without any stop
+  double length_weight = 0.0;      ///< weight of the total length
 };
 
 struct Tour {
@@ -31,5 +32,11 @@ inline constexpr std::size_t kMaxStops = 12;
 /// beyond kMaxStops.
 [[nodiscard]] Tour shortest_tour(const TourProblem& problem,
                                  std::optional<std::size_t> first = std::nullopt);
+
+/// Takes those parts out of a tour whose stops together weigh less than `min_weight_per_m` for each
+/// metre that is saved without them, the worst first. Parts that weigh `always_weight` or more
+/// stay.
+void leave_out_detours(const TourProblem& problem, double min_weight_per_m, double always_weight,
+                       std::vector<std::size_t>& order);
 
 }  // namespace nodmap::explorer

@@ -24,7 +24,8 @@ double area_m2(const PlanningGrid& grid, std::size_t num_cells) {
 
 ViewpointChooser::ViewpointChooser(const ExplorerParams& params)
     : params_(params),
-      ray_caster_(params.view, params.robot.mount.x_m),
+      // The robot may stop before the viewpoint by the tolerance.
+      ray_caster_(params.view, params.robot.mount.x_m - params.goal_tolerance_m),
       ray_caster_around_(looking_around(params.view), 0.0) {}
 
 std::optional<Viewpoint> ViewpointChooser::nearest(const PlanningGrid& grid,

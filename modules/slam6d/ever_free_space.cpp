@@ -16,12 +16,12 @@ namespace {
 
 using geometry::SE3;
 
-// Of fewer sweeps one that is a few centimetres wrong would take floors away.
+// With fewer votes, one sweep whose pose is a few centimetres off would remove floors.
 constexpr int kMinVotes = 10;
 
 constexpr VoxelCode kInCube = (VoxelCode{1} << 3U * CloudVoxels::kLevels) - 1;
 
-/// One axis of a code, as a number.
+/// The coordinate of one axis: every third bit of a code.
 std::uint16_t compact_bits(VoxelCode code) {
   code &= 0x249249249249ULL;
   code = (code | code >> 2U) & 0x0C30C30C30C3ULL;
@@ -46,7 +46,7 @@ void for_each_key(const VoxelKey& first, const VoxelKey& last, const Use& use) {
   }
 }
 
-/// Whether one of a voxel and the 26 beside it is what is looked for.
+/// Whether `is_looked_for` is true for a voxel or for one of the 26 beside it.
 template <class IsLookedFor>
 bool has_beside(const VoxelKey& key, const IsLookedFor& is_looked_for) {
   for (int i = 0; i < 27; ++i) {
@@ -62,7 +62,7 @@ bool has_beside(const VoxelKey& key, const IsLookedFor& is_looked_for) {
 
 }  // namespace
 
-// Long before they overflow both are halved: what counts is how they compare.
+// Both are halved before they overflow, because only their ratio matters.
 void EverFreeSpace::Votes::add(int more_through, int more_hits) {
   int sum_through = through + more_through;
   int sum_hits = hits + more_hits;
@@ -112,7 +112,7 @@ void EverFreeSpace::move_keyframes(std::span<const SE3> T_map_keyframes) {
     const SE3 motion = T_map_keyframes[k] * T_map_keyframes_[k].inverse();
     const double motion_m =
         (T_map_keyframes[k].translation() - T_map_keyframes_[k].translation()).norm();
-    // On average over as far as beams reach.
+    // The mean over all distances that beams reach.
     const double by_rotation_m = 0.5 * params_.max_range_m * geometry::rotation_angle(motion);
     is_far[k] = motion_m + by_rotation_m > 0.5 * params_.voxel_size_m;
     if (is_far[k]) {
@@ -130,7 +130,8 @@ void EverFreeSpace::move_keyframes(std::span<const SE3> T_map_keyframes) {
   cubes_ = std::move(moved);
 }
 
-// Each voxel of the new place takes the votes from where it was, so that none is left out.
+// Goes through the voxels of the new place, each of which takes the votes from where it was, so
+// that no voxel is left without votes.
 void EverFreeSpace::move(const Cube& cube, VoxelCode code, const SE3& T_new_old,
                          Cubes& moved) const {
   const OctreeGrid& grid = tracer_.grid();
@@ -186,12 +187,12 @@ std::vector<bool> EverFreeSpace::moved_points(const SweepCloud& cloud, std::size
   return is_moved;
 }
 
-// What is left of somebody whom no beam passed close enough: there is nothing certain beside it,
-// and much of what there is has moved.
+// Adds the points that are left of somebody, because no beam passed close enough to them: there is
+// nothing certain beside them, and many of the points beside them have moved.
 void EverFreeSpace::add_rest(std::span<const std::optional<VoxelKey>> keys,
                              std::vector<bool>& is_moved) const {
-  constexpr int kSteps = 3;  // from voxel to voxel
-  constexpr int kOneOf = 4;  // points beside it
+  constexpr int kSteps = 3;  // number of times that it spreads to the next voxel
+  constexpr int kOneOf = 4;  // a point is added if one of so many points beside it has moved
   struct Counts {
     int moved = 0;
     int all = 0;

@@ -18,7 +18,7 @@
 
 namespace nodmap::slam6d {
 
-/// How points of people and of all else that moved are told from walls.
+/// How points on people, and on everything else that moved, are told from walls.
 struct EverFreeParams {
   bool remove_moved = true;
   double voxel_size_m = 0.07;
@@ -28,69 +28,73 @@ struct EverFreeParams {
 
   template <class Visitor>
   void describe(Visitor& v) {
-    v.flag("remove_moved", remove_moved,
-           "Leaves out of cloud.ply and of the OctoMap what was measured in space that other "
-           "sweeps saw empty: people who walked through.");
+    v.flag(
+        "remove_moved", remove_moved,
+        "Leaves points out of cloud.ply and the OctoMap if they were measured where other sweeps "
+        "saw empty space: people who walked through.");
     v.number("moved_voxel_m", voxel_size_m, {0.02, 1.0},
-             "Edge of the voxels in which sweeps vote whether space is empty.");
-    v.number("moved_range_m", max_range_m, {0.5, 100.0},
-             "Beams tell of empty space up to this length; farther away neighbouring beams are too "
-             "far apart.");
+             "Edge of the voxels for which sweeps vote whether they are empty.");
+    v.number(
+        "moved_range_m", max_range_m, {0.5, 100.0},
+        "Beams vote for empty space up to this length; farther away neighbouring beams are too "
+        "far apart.");
     v.number("moved_through_per_hit", through_per_hit, {0.1, 100.0},
-             "Space is empty where so many sweeps saw through a voxel for each one that saw "
+             "A voxel is empty if at least this many sweeps saw through it for each one that saw "
              "something in it.");
-    v.integer("moved_passing_hits", passing_hits, {0, 100},
-              "So many sweeps that saw something are not counted: as many as see somebody who "
-              "walks by.");
+    v.integer(
+        "moved_passing_hits", passing_hits, {0, 100},
+        "This many sweeps that saw something are not counted, because so many see somebody who "
+        "walks by.");
   }
 };
 
-/// Ever-free space where points were measured nevertheless: something moved there. Each sweep votes
-/// for the voxels that its beams went through, and for those that they ended in. A voxel is empty
-/// where many more sweeps saw through than saw something, apart from the few that see somebody who
-/// walks by; space is ever-free where a voxel and all 26 beside it are empty: never so in a wall or
-/// on a floor, behind which no beam ever was. What is left of somebody, beside it and beside
-/// nothing that is certain, goes as well. What stands still while the robot passes cannot be
-/// told from furniture. After Duberg et al., DUFOMap, 2024, which takes one look for enough.
+/// Finds ever-free space, and the points that were measured in it: something moved there. Each
+/// sweep votes for the voxels that its beams passed through and for those in which they ended. A
+/// voxel is empty if many more sweeps saw through it than saw something in it; the few that may
+/// have seen somebody walk by are not counted. A voxel is ever-free if it and all 26 voxels beside
+/// it are empty. A wall or a floor never is, because no beam ever passed behind it. Points beside
+/// those that moved are removed as well, unless something certain is beside them: they are the rest
+/// of the same person. Whoever stands still while the robot passes cannot be told from furniture.
+/// After Duberg et al., DUFOMap, 2024, where one look is enough.
 ///
-/// Only sums are kept: memory grows with the space, not with time.
+/// Only sums of votes are kept, so memory grows with the space, not with time.
 class EverFreeSpace {
  public:
   explicit EverFreeSpace(const EverFreeParams& params);
 
-  /// The vote of a sweep, or of one that stands for several; `keyframe`: the last one up to it,
-  /// which may be new.
+  /// Adds the votes of a sweep. `num_votes`: number of sweeps for which it stands. `keyframe`: the
+  /// sweep itself if it is a keyframe, otherwise the last one before it.
   void add_sweep(const SweepCloud& cloud, const geometry::SE3& T_map_base, std::size_t keyframe,
                  int num_votes = 1);
 
-  /// Votes move with the keyframe that saw their place last. Motions far below a voxel are left
-  /// out.
+  /// Moves votes with the keyframe that saw their place last. Motions far below the size of a voxel
+  /// are ignored.
   void move_keyframes(std::span<const geometry::SE3> T_map_keyframes);
 
-  /// Which points of a keyframe's cloud moved; empty for a keyframe that did not vote, and as long
-  /// as too few sweeps did.
+  /// For each point of a keyframe's cloud, whether it lies on something that moved. Empty if the
+  /// keyframe has not voted, or if too few sweeps have.
   [[nodiscard]] std::vector<bool> moved_points(const SweepCloud& cloud, std::size_t keyframe) const;
 
   [[nodiscard]] std::size_t memory_bytes() const;
 
  private:
-  /// Of the sweeps, for one voxel.
+  /// The votes of all sweeps for one voxel.
   struct Votes {
-    std::uint8_t through = 0;  ///< beams went through, and none ended in it
-    std::uint8_t hits = 0;     ///< a beam ended in it
+    std::uint8_t through = 0;  ///< sweeps whose beams passed through, none ending in it
+    std::uint8_t hits = 0;     ///< sweeps of which a beam ended in it
 
     void add(int more_through, int more_hits);
   };
-  /// As in CloudVoxels: 32 x 32 x 32 voxels, in the order of their codes.
+  /// 32 x 32 x 32 voxels in the order of their codes, as in CloudVoxels.
   struct Cube {
     std::array<Votes, CloudVoxels::kWords * CloudVoxels::kBitsPerWord> votes{};
-    std::size_t keyframe = 0;  ///< that saw it last
+    std::size_t keyframe = 0;  ///< the keyframe that saw the cube last
   };
   using Cubes = std::map<VoxelCode, Cube>;
 
   [[nodiscard]] const Votes* find(VoxelCode voxel) const;
   [[nodiscard]] bool is_empty(VoxelCode voxel) const;
-  /// Whether somebody who walked by may be all that was seen there.
+  /// Whether everything that was seen there may be somebody who walked by.
   [[nodiscard]] bool is_passing(VoxelCode voxel) const;
   [[nodiscard]] bool is_ever_free(const VoxelKey& key) const;
   void add_rest(std::span<const std::optional<VoxelKey>> keys, std::vector<bool>& is_moved) const;
@@ -98,10 +102,10 @@ class EverFreeSpace {
 
   EverFreeParams params_;
   CloudTracer tracer_;
-  int num_votes_ = 0;     // so far, up to as many as are needed
-  CloudVoxels of_sweep_;  // kept for its memory
+  int num_votes_ = 0;     // so far; not counted beyond what is needed
+  CloudVoxels of_sweep_;  // of the last sweep; kept to reuse its memory
   Cubes cubes_;
-  std::vector<geometry::SE3> T_map_keyframes_;  // as they voted
+  std::vector<geometry::SE3> T_map_keyframes_;  // the poses at which the votes are
 };
 
 }  // namespace nodmap::slam6d

@@ -23,15 +23,15 @@
 namespace nodmap::slam6d {
 namespace {
 
-// How many scans after its last one a sweep's pose is published: 50 ms at 75 Hz for what takes 10
-// ms.
+// A sweep's pose is published this many scans after the sweep's last one: 53 ms at 75 Hz, while
+// registration takes some 10 ms.
 constexpr int kScansUntilRegistered = 4;
-// A disk that was full may have room again: 10 s.
+// After a failed save it is tried again after 10 s, because a full disk may have room by then.
 constexpr int kScansUntilSavedAgain = 750;
-// A search of a whole saved map takes up to half a second.
+// The same number for a sweep with which a whole saved map is searched, which takes up to 0.5 s.
 constexpr int kScansUntilFound = 60;
 constexpr time::Duration kGraphPeriod = 1s;
-// Keyframes that have moved by less leave the occupancy map as it is, until the end.
+// The occupancy map is built again when a keyframe has moved by more than this.
 constexpr double kMinMapMotionM = 0.03;
 constexpr double kMinMapMotionAtEndM = 0.005;
 
@@ -43,7 +43,7 @@ Slam6dNode::Slam6dNode(node::Context& context, const Params& params)
       input_(context.counts),
       slam_(params),
       occupancy_(params.occupancy) {
-  // On a busy machine a second may pass: 75 scans and 100 odometry messages.
+  // Enough for the second that may pass on a busy machine: 75 scans and 100 odometry messages.
   constexpr int kQueue = 256;
   context.bus.subscribe<nodmap::odometry_t>(
       "ODOMETRY", [this](const nodmap::odometry_t& message) { on_odometry(message); }, kQueue);
@@ -132,7 +132,7 @@ void Slam6dNode::finish() {
   publish_rest();
 }
 
-// What becomes of a scan is known when its sweep is complete.
+// Whether a scan was used is known only when its sweep is complete.
 void Slam6dNode::count_scans() {
   const ScanCounts& scans = slam_.scan_counts();
   const std::size_t without_pose = scans.without_pose - counted_.without_pose;
@@ -168,7 +168,7 @@ void Slam6dNode::publish(const PoseUpdate& update) {
   }
 }
 
-// One with each scan, so that no queue runs over.
+// Publishes one with each scan, so that no receiver's queue overflows.
 void Slam6dNode::publish_restored_cloud() {
   if (restored_clouds_ < slam_.num_restored() && !registering_.is_running()) {
     publish_cloud(restored_clouds_++);
@@ -190,7 +190,7 @@ void Slam6dNode::publish_cloud(std::size_t k) {
   }
 }
 
-// A full disk does not end the mapping: the last map that was whole stays, and STATUS says so.
+// A full disk does not stop mapping: the last complete map stays, and STATUS reports the error.
 void Slam6dNode::answer_saved(const std::optional<std::error_code>& error) {
   if (!error) {
     return;
@@ -273,15 +273,15 @@ void Slam6dNode::write_results(const std::filesystem::path& dir) {
 nlohmann::json Slam6dNode::metrics() const {
   registering_.wait();
   occupancy_.wait();
-  nlohmann::json figures = slam_figures(slam_);
-  figures["loops"] = loop_figures(slam_.back_end());
+  nlohmann::json metrics = slam_metrics(slam_);
+  metrics["loops"] = loop_metrics(slam_.back_end());
   if (slam_.localiser()) {
-    figures["localisation"] = localisation_figures(slam_);
+    metrics["localisation"] = localisation_metrics(slam_);
   }
-  figures["occupancy_map"] = {{"nodes", occupancy_.map().num_nodes()},
+  metrics["occupancy_map"] = {{"nodes", occupancy_.map().num_nodes()},
                               {"memory_bytes", occupancy_.map().memory_bytes()},
                               {"times_saved", maps_saved_}};
-  return figures;
+  return metrics;
 }
 
 node::Health Slam6dNode::health() const {

@@ -24,19 +24,19 @@
 
 namespace nodmap::slam6d {
 
-/// SCAN and ODOMETRY in, POSE_6D for each sweep, CLOUD for each keyframe, POSE_GRAPH_6D when the
-/// graph has changed and OCTOMAP now and then out; SAVE_REQUEST writes the map. Sweeps are
-/// registered, loops are closed and the occupancy map is kept beside the messages: a scan is
-/// handled within microseconds.
+/// The node around Slam6d. It receives SCAN and ODOMETRY. It publishes POSE_6D for each sweep,
+/// CLOUD for each keyframe, POSE_GRAPH_6D when the graph has changed, and OCTOMAP every few
+/// seconds. SAVE_REQUEST writes the map. Sweeps are registered, loops closed and the occupancy map
+/// updated on other threads, so that a scan is handled within microseconds.
 ///
-/// In a saved map it carries on, or only localises: then nothing but poses and the clouds of that
-/// map is published, and nothing of it is written.
+/// With a saved map the node either continues that map or only localises the robot in it. In the
+/// second case it publishes poses and the clouds of that map, and does not write the map.
 class Slam6dNode : public node::Node {
  public:
   using Params = Slam6dParams;
 
   Slam6dNode(node::Context& context, const Params& params);
-  /// In a saved map. Throws formats::InputFileError for one that cannot be read.
+  /// Starts with a saved map. Throws formats::InputFileError if the map cannot be read.
   Slam6dNode(node::Context& context, const Params& params, const node::MapOptions& options);
 
   void finish() override;
@@ -56,12 +56,12 @@ class Slam6dNode : public node::Node {
   void publish_restored_cloud();
   void publish_graph(time::Timestamp stamp);
   void answer_saved(const std::optional<std::error_code>& error);
-  /// Returns whether there was one.
+  /// Returns whether there was a part to publish.
   bool publish_octomap_part();
   void count_scans();
-  /// While neither job runs: it reads `slam_`.
+  /// Reads `slam_`; may be called only while neither job runs.
   void start_saving();
-  /// What saves the occupancy map with the keyframes of now.
+  /// The function that saves an occupancy map together with the present keyframes.
   [[nodiscard]] OccupancyMapper::Save save_with_keyframes() const;
   [[nodiscard]] std::error_code save_map(const std::filesystem::path& dir, const OccupancyMap& map,
                                          const SavedMap& keyframes) const;
@@ -71,15 +71,15 @@ class Slam6dNode : public node::Node {
   node::SensorInput input_;
   Slam6d slam_;
   bool only_localises_ = false;
-  std::size_t restored_clouds_ = 0;  // published
-  std::int64_t graph_revision_ = 0;  // published
+  std::size_t restored_clouds_ = 0;  // number published so far
+  std::int64_t graph_revision_ = 0;  // last one published
   time::Timestamp graph_stamp_{};
   ScanCounts counted_;
   std::int64_t maps_saved_ = 0;
-  std::error_code save_error_;       // of the last try
+  std::error_code save_error_;       // of the last attempt
   int scans_until_saved_again_ = 0;  // after an error
-  // Last: they end before what they work on. `registering_` works on `slam_`, `occupancy_` on
-  // itself and on what save_map() uses.
+  // These two are declared last, so that their threads end before the data they use are destroyed:
+  // `registering_` uses `slam_`; `occupancy_` uses its own map and what save_map() reads.
   OccupancyMapper occupancy_;
   node::BackgroundJob<PoseUpdate> registering_;
 };

@@ -12,9 +12,9 @@ struct OccupancyMap::Map {
 
   double resolution_m;
   CloudTracer tracer;
-  CloudVoxels voxels;  // of the last cloud; kept for their memory
+  CloudVoxels voxels;  // of the last cloud; kept to reuse their memory
   LogOddsMap log_odds;
-  std::optional<std::size_t> num_nodes;  // where they have been counted
+  std::optional<std::size_t> num_nodes;  // empty until they are counted
 };
 
 OccupancyMap::OccupancyMap(const Options& options) : map_(std::make_unique<Map>(options)) {}

@@ -13,9 +13,9 @@
 
 namespace nodmap::slam6d {
 
-/// A 3D occupancy map (OctoMap: Hornung et al. 2013), bit by bit the one that OctoMap's
-/// insertPointCloud() makes. The octree is written when a file is asked for. The clouds stay
-/// outside: a map from corrected poses is a new one into which they are inserted again.
+/// A 3D occupancy map (OctoMap: Hornung et al. 2013). Its files are bit for bit those of a map made
+/// with OctoMap's insertPointCloud(). The octree is built only when a file is requested. The map
+/// does not keep the clouds: after poses were corrected, they are inserted into a new map.
 class OccupancyMap {
  public:
   using Options = TraceOptions;
@@ -32,18 +32,19 @@ class OccupancyMap {
   OccupancyMap(const OccupancyMap&) = delete;
   OccupancyMap& operator=(const OccupancyMap&) = delete;
 
-  /// Each voxel counts once for a cloud: occupied where a beam ends in it, else free where one goes
-  /// through. `is_moved`: points that have moved since, at which nothing is occupied; none: no
-  /// point.
+  /// Updates each voxel at most once per cloud: as occupied if a beam ends in it, otherwise as free
+  /// if a beam passes through it. `is_moved`: for each point, whether it lies on something that
+  /// moved; such a point occupies nothing. Empty: no point does.
   void insert(const SweepCloud& cloud, const geometry::SE3& T_map_base,
               const std::vector<bool>& is_moved = {});
 
-  /// The bytes of a map file. Goes through the whole map.
+  /// The bytes of a map file, or nothing if it cannot be encoded. Visits the whole map.
   [[nodiscard]] std::optional<std::string> encode(Format format) const;
 
-  /// Of the octree, inner nodes and leaves. Goes through the whole map, once after each insertion.
+  /// Number of inner nodes and leaves of the octree. The first call after an insertion visits the
+  /// whole map.
   [[nodiscard]] std::size_t num_nodes() const;
-  /// What is kept between two clouds included.
+  /// Bytes held, including buffers that are reused for the next cloud.
   [[nodiscard]] std::size_t memory_bytes() const;
 
  private:

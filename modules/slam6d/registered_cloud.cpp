@@ -8,7 +8,7 @@
 namespace nodmap::slam6d {
 namespace {
 
-// Among means of voxels of this size the nearest one is looked for.
+// A point takes the normal of the nearest voxel mean; the voxels have this size.
 constexpr double kVoxelSizeM = 0.2;
 
 }  // namespace

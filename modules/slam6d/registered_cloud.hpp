@@ -9,8 +9,8 @@
 
 namespace nodmap::slam6d {
 
-/// The points of all keyframes as they were measured, in map, with the normals of their surfaces;
-/// without those that moved.
+/// All measured points of the keyframes, in frame `map`, each with the normal of its surface.
+/// Points on something that moved are left out.
 [[nodiscard]] std::vector<drawing::DrawnPoint> registered_cloud(
     std::span<const Keyframe> keyframes);
 

@@ -46,15 +46,15 @@ const char* name_of(RegistrationStatus status) {
   return "";
 }
 
-nlohmann::json keyframe_figures(const PoseUpdate& update) {
-  nlohmann::json figures{{"utime", time::to_utime(update.stamp)},
+nlohmann::json keyframe_metrics(const PoseUpdate& update) {
+  nlohmann::json metrics{{"utime", time::to_utime(update.stamp)},
                          {"reason", name_of(*update.keyframe)},
                          {"distance_m", update.distance_m},
                          {"rotation_deg", geometry::rad_to_deg(update.rotation_rad)},
                          {"scans", update.scans_used},
                          {"points", update.num_points}};
   if (update.registration) {
-    figures["registration"] = {
+    metrics["registration"] = {
         {"status", name_of(update.registration->status)},
         {"iterations", update.registration->iterations},
         {"inlier_ratio", update.registration->inlier_ratio},
@@ -65,7 +65,7 @@ nlohmann::json keyframe_figures(const PoseUpdate& update) {
         {"sigma_deg",
          geometry::rad_to_deg(std::sqrt(update.covariance.bottomRightCorner<3, 3>().trace()))}};
   }
-  return figures;
+  return metrics;
 }
 
 /// Loops of successive keyframes with one stretch of the way.
@@ -141,7 +141,7 @@ void write_cloud(const Slam6d& slam, const std::filesystem::path& dir) {
   drawing::draw_path_on_cloud(points, path).write_png(dir / "path.png");
 }
 
-nlohmann::json loop_figures(const BackEnd& back_end) {
+nlohmann::json loop_metrics(const BackEnd& back_end) {
   const BackEndMetrics& metrics = back_end.metrics();
   return {{"tracked", metrics.loops_tracked},
           {"searched", metrics.loops_searched},
@@ -171,7 +171,7 @@ std::string describe_loops(const BackEnd& back_end) {
   return text.str();
 }
 
-nlohmann::json localisation_figures(const Slam6d& slam) {
+nlohmann::json localisation_metrics(const Slam6d& slam) {
   const Localiser::Metrics& metrics = slam.localiser()->metrics();
   return {{"keyframes_restored", slam.num_restored()},
           {"searches", metrics.searches},
@@ -180,10 +180,10 @@ nlohmann::json localisation_figures(const Slam6d& slam) {
           {"times_contradicted", metrics.times_contradicted}};
 }
 
-nlohmann::json slam_figures(const Slam6d& slam) {
+nlohmann::json slam_metrics(const Slam6d& slam) {
   nlohmann::json keyframes = nlohmann::json::array();
   for (const Keyframe& keyframe : slam.keyframes().subspan(slam.num_restored())) {
-    keyframes.push_back(keyframe_figures(slam.sweeps()[keyframe.sweep]));
+    keyframes.push_back(keyframe_metrics(slam.sweeps()[keyframe.sweep]));
   }
   const Metrics metrics = slam.metrics();
   return {{"sweeps", slam.sweeps().size()},

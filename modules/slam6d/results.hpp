@@ -17,16 +17,16 @@ void write_trajectories(const Slam6d& slam, const std::filesystem::path& dir);
 void write_cloud(const Slam6d& slam, const std::filesystem::path& dir);
 
 /// The loops that were accepted and refused.
-[[nodiscard]] nlohmann::json loop_figures(const BackEnd& back_end);
+[[nodiscard]] nlohmann::json loop_metrics(const BackEnd& back_end);
 
 /// The same as a sentence: which keyframes were recognised where.
 [[nodiscard]] std::string describe_loops(const BackEnd& back_end);
 
 /// How the robot was found in a saved map. May be called only if slam.localiser() exists.
-[[nodiscard]] nlohmann::json localisation_figures(const Slam6d& slam);
+[[nodiscard]] nlohmann::json localisation_metrics(const Slam6d& slam);
 
 /// Counts of sweeps and scans, and the keyframes, each with its reason and the quality of its
 /// registration.
-[[nodiscard]] nlohmann::json slam_figures(const Slam6d& slam);
+[[nodiscard]] nlohmann::json slam_metrics(const Slam6d& slam);
 
 }  // namespace nodmap::slam6d

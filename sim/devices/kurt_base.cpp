@@ -208,14 +208,14 @@ std::int64_t KurtBase::infrared_reading(robot::Infrared sensor) const {
 }
 
 CanFrame KurtBase::sensor_frame(std::int64_t period) const {
-  constexpr std::array kKinds = {kAdc0To3, kAdc4To7, kAdc8To11, kAdc12To15, kSpeed, kTilt, kGyro};
+  constexpr std::array kSenses = {kAdc0To3, kAdc4To7, kAdc8To11, kAdc12To15, kSpeed, kTilt, kGyro};
   const GroundTruth truth = model_.ground_truth();
   const Eigen::Matrix3d rotation = truth.T_world_base.linear();
   // Gravity along the robot's axes: left side up is a roll to the right, front up a pitch.
   const std::int64_t roll = tilt_word(rotation(2, 1));
   const std::int64_t pitch = tilt_word(rotation(2, 0));
   using robot::Infrared;
-  const std::uint16_t kind = kKinds[static_cast<std::size_t>(period) % kKinds.size()];
+  const std::uint16_t kind = kSenses[static_cast<std::size_t>(period) % kSenses.size()];
   switch (kind) {
     case kAdc0To3:
       return frame_of(kind,

@@ -21,10 +21,10 @@ namespace nodmap {
 namespace hostile_network_test {
 
 using std::chrono::milliseconds;
+using test::kPatience;
 
 constexpr const char* kUrl = "udpm://239.255.76.67:7692?ttl=0&recv_buf_size=4000000";
 constexpr std::uint16_t kPort = 7692;
-constexpr milliseconds kPatience(10'000);  // for what takes milliseconds, on a machine in use
 
 class HostileNetwork : public ::testing::Test {
  protected:

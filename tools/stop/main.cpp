@@ -9,7 +9,6 @@
 #include "common/node/clock.hpp"
 #include "common/node/program.hpp"
 #include "common/node/request.hpp"
-#include "nodmap/status_t.hpp"
 #include "nodmap/stop_t.hpp"
 
 namespace nodmap {
@@ -25,15 +24,6 @@ struct Arguments {
   bool is_go = false;
   node::RequestOptions request{.by = "nodmap-stop"};
 };
-
-/// Waits until nodmap-kurt is received, because messages sent before it listens are lost; false on
-/// timeout.
-bool await_base(bus::LiveBus& bus, double wait_s) {
-  bool is_heard = false;
-  bus.subscribe<status_t>(
-      "STATUS", [&](const status_t& status) { is_heard |= status.process_name == "nodmap-kurt"; });
-  return node::handle_until(bus, wait_s, [&is_heard] { return is_heard; });
-}
 
 void say(bus::LiveBus& bus, const Arguments& arguments) {
   stop_t message{};
@@ -52,7 +42,8 @@ void say(bus::LiveBus& bus, const Arguments& arguments) {
 
 int run(const Arguments& arguments, const std::string& lcm_url) {
   bus::LiveBus bus(lcm_url);
-  if (arguments.is_go && !await_base(bus, arguments.request.wait_s)) {
+  if (arguments.is_go &&
+      node::await_processes(bus, {"nodmap-kurt"}, arguments.request.wait_s).empty()) {
     std::cerr << "nodmap-stop: no nodmap-kurt within " << arguments.request.wait_s << " s\n";
     return 1;
   }

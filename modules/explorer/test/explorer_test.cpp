@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "modules/explorer/test/grid_world.hpp"
 
 namespace nodmap::explorer {
@@ -85,6 +87,31 @@ TEST(Explorer, ReturnsToWhereItBegan) {
             State::kHome);
 }
 
+// Just outside of the tolerance the navigator may rotate without coming nearer.
+TEST(Explorer, StandingJustOutsideOfTheToleranceItIsHomeAfterAWhile) {
+  const GridWorld room = known_room();
+  GridWorld unknown({-2.5, -2.0}, {2.5, 2.0});
+  unknown.scan({0.0, 0.0, 0.0});
+  Explorer explorer{ExplorerParams{}};
+  explorer.start();
+  ASSERT_TRUE(explorer.add(unknown.map()));
+  (void)explorer.decide({.stamp = {}, .T_map_base = {}});
+  ASSERT_TRUE(explorer.add(room.map()));
+  const auto state_at = [&](double time_s, double x_m) {
+    return explorer
+        .decide(
+            {.stamp = time::Timestamp(time::from_seconds(time_s)), .T_map_base = {x_m, 0.0, 0.0}})
+        .state;
+  };
+  for (double time_s = 0.5; time_s < 20.0; time_s += 0.5) {
+    ASSERT_EQ(state_at(time_s, 0.09), State::kReturning) << "too far away, after " << time_s;
+  }
+  for (double time_s = 20.0; time_s < 22.5; time_s += 0.5) {
+    ASSERT_EQ(state_at(time_s, 0.053), State::kReturning) << time_s;
+  }
+  EXPECT_EQ(state_at(23.0, 0.053), State::kHome);
+}
+
 /// A robot that cannot move, at the start of a corridor with much unknown ground at its end.
 class Stuck : public ::testing::Test {
  protected:
@@ -95,9 +122,9 @@ class Stuck : public ::testing::Test {
     EXPECT_TRUE(explorer_.add(world_.map()));
     explorer_.start();
   }
-  Decision decide(double time_s, bool has_no_path = false) {
+  Decision decide(double time_s, bool has_no_path = false, const geometry::SE2& T_map_base = {}) {
     return explorer_.decide({.stamp = time::Timestamp(time::from_seconds(time_s)),
-                             .T_map_base = {},
+                             .T_map_base = T_map_base,
                              .has_no_path = has_no_path});
   }
 
@@ -130,6 +157,22 @@ TEST_F(Stuck, WithoutAPathItGivesUpSooner) {
 TEST_F(Stuck, APauseIsNoFailure) {
   const Eigen::Vector2d first = decide(0.0).tour.front().p_map;
   EXPECT_EQ(decide(100.0).tour.front().p_map, first);
+  EXPECT_EQ(explorer_.num_failures(), 0U);
+}
+
+// What was seen from a viewpoint is not in the map yet when the robot drives on.
+TEST_F(Stuck, AViewpointThatWasVisitedIsLeftOutUntilTheMapShowsWhatWasSeen) {
+  const auto is_in_tour = [](const Decision& decision, const Eigen::Vector2d& p_map) {
+    return std::ranges::any_of(
+        decision.tour, [&](const Viewpoint& viewpoint) { return viewpoint.p_map == p_map; });
+  };
+  const Eigen::Vector2d first = decide(0.0).tour.front().p_map;
+  const double look_s = ExplorerParams{}.patience.look_s;
+  EXPECT_TRUE(is_in_tour(decide(0.5), first));
+  const Eigen::Vector2d beside = first - Eigen::Vector2d(0.35, 0.0);  // the tolerance is 0.3 m
+  EXPECT_FALSE(is_in_tour(decide(1.0, false, {beside.x(), beside.y(), 0.0}), first));
+  EXPECT_FALSE(is_in_tour(decide(1.0 + look_s - 0.1), first));
+  EXPECT_TRUE(is_in_tour(decide(1.0 + look_s + 0.1), first));
   EXPECT_EQ(explorer_.num_failures(), 0U);
 }
 

@@ -57,6 +57,30 @@ TEST(PlanningGrid, GapsOfOneCellBelongToWhatIsOnBothSides) {
   EXPECT_EQ(grid.ground_at({8, 5}), Ground::kUnknown);
 }
 
+// A wall seen at a grazing angle. Its ends are in two tiles: the second one changes cells of the
+// first.
+TEST(PlanningGrid, GapsOfThreeCellsInAWallAreFilledThoseOfFourAreNot) {
+  for (const int gap_cells : {1, 2, 3, 4}) {
+    Map left(Cell(-kTile, 0));
+    Map right;
+    for (Map* map : {&left, &right}) {
+      std::fill(map->cells.begin(), map->cells.end(), static_cast<std::int8_t>(-1));
+    }
+    for (int y = 0; y < kTile; y += 20) {
+      left.set(kTile - 2 * gap_cells, y, 100);  // planning cell -gap_cells
+      right.set(2, y, y == 20 ? 0 : 100);       // planning cell 1
+    }
+    PlanningGrid grid(kInflationRadiusM);
+    ASSERT_TRUE(grid.add(left.tile()));
+    ASSERT_TRUE(grid.add(right.tile()));
+    for (int x = 1 - gap_cells; x < 1; ++x) {
+      EXPECT_EQ(grid.ground_at({x, 0}), gap_cells <= 3 ? Ground::kOccupied : Ground::kUnknown)
+          << "gap of " << gap_cells << ", cell " << x;
+      EXPECT_EQ(grid.ground_at({x, 10}), Ground::kUnknown) << "a wall on one side only";
+    }
+  }
+}
+
 /// Oracle: examines all cells.
 bool is_passable(const std::vector<Map>& maps, const PlanningGrid& grid, const Cell& cell) {
   bool has_room = false;

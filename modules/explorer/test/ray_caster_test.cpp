@@ -68,6 +68,27 @@ TEST(RayCaster, WhatIsBehindAWallIsHidden) {
   EXPECT_NEAR(seen_m2(scene.grid(), params, 0.0) / wedge_m2, 1.0, 0.1);
 }
 
+// A wall at 45 degrees whose cells touch at their corners, 1.4 m ahead. What is behind it is
+// unknown.
+TEST(RayCaster, NothingIsSeenThroughAClosedCorner) {
+  constexpr int kWall = 20;  // planning cells with x + y = 20
+  Scene scene;
+  for (int y = 0; y < kCells; ++y) {
+    for (int x = 0; x < kCells; ++x) {
+      const int sum = (x - 200) / 2 + (y - 200) / 2;
+      if (x >= 200 - 40 && y >= 200 - 40 && sum <= kWall) {
+        scene.cells[static_cast<std::size_t>(y * kCells + x)] = sum == kWall ? 100 : 0;
+      }
+    }
+  }
+  ViewParams params;
+  params.half_angle_rad = geometry::deg_to_rad(40.0);
+  const PlanningGrid grid = scene.grid();
+  ASSERT_EQ(grid.ground_at({10, 10}), Ground::kOccupied);
+  ASSERT_EQ(grid.ground_at({11, 10}), Ground::kUnknown);
+  EXPECT_EQ(seen_m2(grid, params, geometry::deg_to_rad(45.0)), 0.0);
+}
+
 TEST(RayCaster, OnlyWhatIsWithinTheLasersAngleIsSeen) {
   Scene scene;
   scene.fill(-10.0, -10.0, 1.0, 10.0, 0);

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <random>
 #include <stdexcept>
+#include <utility>
 
 namespace nodmap::explorer {
 namespace tour_test {
@@ -76,6 +77,85 @@ TEST(ShortestTourDegenerate, NoStopOneStopAndTooMany) {
   EXPECT_EQ(one.order, std::vector<std::size_t>{0});
   EXPECT_EQ(shortest_tour(random_problem(kMaxStops, 1.0, 1)).order.size(), kMaxStops);
   EXPECT_THROW((void)shortest_tour(random_problem(kMaxStops + 1, 1.0, 1)), std::invalid_argument);
+}
+
+/// What a part of a tour, first and end, weighs, and the length that is saved without it.
+std::pair<double, double> part_of(const TourProblem& problem, const std::vector<std::size_t>& order,
+                                  std::size_t first, std::size_t end) {
+  const auto length_m = [&](const std::vector<std::size_t>& stops) {
+    double sum_m = stops.empty() ? problem.from_start_to_end
+                                 : problem.from_start[stops.front()] + problem.to_end[stops.back()];
+    for (std::size_t i = 1; i < stops.size(); ++i) {
+      sum_m += problem.between[stops[i - 1]][stops[i]];
+    }
+    return sum_m;
+  };
+  std::vector<std::size_t> without = order;
+  double weight = 0.0;
+  for (std::size_t i = first; i < end; ++i) {
+    weight += problem.weight[order[i]];
+  }
+  without.erase(without.begin() + static_cast<std::ptrdiff_t>(first),
+                without.begin() + static_cast<std::ptrdiff_t>(end));
+  return {weight, length_m(order) - length_m(without)};
+}
+
+class Detours : public ::testing::TestWithParam<int> {};
+
+// Oracle: the length of the whole tour with and without each part, in every step the worst part.
+TEST_P(Detours, TheWorstPartIsLeftOutUntilAllAreWorthTheirWay) {
+  constexpr double kLeastPerM = 1.5;
+  constexpr double kAlways = 12.0;
+  const TourProblem problem = random_problem(8, 0.0, static_cast<std::uint64_t>(GetParam()));
+  const std::vector<std::size_t> all = shortest_tour(problem).order;
+  std::vector<std::size_t> expected = all;
+  while (true) {
+    std::pair<std::size_t, std::size_t> worst{0, 0};
+    double least_surplus = -1e-9;  // rounding: the same lengths are added in another order
+    for (std::size_t first = 0; first < expected.size(); ++first) {
+      for (std::size_t end = first + 1; end <= expected.size(); ++end) {
+        const auto [weight, saved_m] = part_of(problem, expected, first, end);
+        if (weight < kAlways && weight - kLeastPerM * saved_m < least_surplus) {
+          least_surplus = weight - kLeastPerM * saved_m;
+          worst = {first, end};
+        }
+      }
+    }
+    if (worst.first == worst.second) {
+      break;
+    }
+    expected.erase(expected.begin() + static_cast<std::ptrdiff_t>(worst.first),
+                   expected.begin() + static_cast<std::ptrdiff_t>(worst.second));
+  }
+  std::vector<std::size_t> order = all;
+  leave_out_detours(problem, kLeastPerM, kAlways, order);
+  EXPECT_EQ(order, expected);
+  order = all;
+  leave_out_detours(problem, 0.0, kAlways, order);
+  EXPECT_EQ(order, all) << "no way is too long for no gain";
+  leave_out_detours(problem, 1e9, 0.0, order);
+  EXPECT_EQ(order, all) << "all parts weigh enough";
+}
+INSTANTIATE_TEST_SUITE_P(Seeds, Detours, ::testing::Range(0, 6));
+
+// Two stops side by side, 10 m off the way: without one of them the way is as long, without both 20
+// m shorter.
+TEST(Detour, StopsThatShareADetourAreLeftOutTogether) {
+  TourProblem problem;
+  problem.weight = {1.0, 1.0};
+  problem.from_start = {10.0, 10.0};
+  problem.to_end = {10.0, 10.0};
+  problem.between = {{0.0, 0.1}, {0.1, 0.0}};
+  problem.from_start_to_end = 0.0;
+  std::vector<std::size_t> order{0, 1};
+  leave_out_detours(problem, 0.09, 4.0, order);  // 2 / 20.1 = 0.0995
+  EXPECT_EQ(order.size(), 2U);
+  leave_out_detours(problem, 0.11, 2.0, order);
+  EXPECT_EQ(order.size(), 2U) << "together they are worth any way";
+  leave_out_detours(problem, 0.11, 4.0, order);
+  EXPECT_TRUE(order.empty());
+  leave_out_detours(problem, 0.11, 4.0, order);
+  EXPECT_TRUE(order.empty());
 }
 
 }  // namespace tour_test

@@ -75,7 +75,8 @@ TEST(ViewpointChooser, ChoosesAsBruteForceDoes) {
     params.view.min_gain_m2 = 1.5;
     std::vector<std::vector<std::uint32_t>> shows;  // by lookout
     for (const Cell& lookout : room.lookouts) {
-      RayCaster caster(params.view, params.robot.mount.x_m);
+      // The robot may stop before the viewpoint by the tolerance.
+      RayCaster caster(params.view, params.robot.mount.x_m - params.goal_tolerance_m);
       shows.push_back(caster.unknown_cells(room.grid, room.grid.center_of(lookout),
                                            room.paths.heading_rad(lookout, kYawRad)));
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The core on real and synthetic recordings, with figures of others beside them.
+// The core on real and synthetic recordings, with results of others beside them.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/explorer/left_out_places.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace nodmap::explorer {
+
+void LeftOutPlaces::add(const Eigen::Vector2d& p_map, time::Timestamp now) {
+  auto place = std::ranges::find_if(
+      places_, [&](const Place& known) { return (known.p_map - p_map).norm() < same_place_m_; });
+  if (place == places_.end()) {
+    place = places_.insert(places_.end(), {p_map, 0, {}});
+  }
+  const double pause_s = pause_s_ * std::exp2(place->num_times++);
+  place->until = now + time::from_seconds(pause_s);
+}
+
+bool LeftOutPlaces::contains(const Eigen::Vector2d& p_map, time::Timestamp now) const {
+  return std::ranges::any_of(places_, [&](const Place& place) {
+    return (place.p_map - p_map).norm() < same_place_m_ &&
+           (now < place.until || place.num_times >= max_times_);
+  });
+}
+
+bool LeftOutPlaces::forgive() {
+  bool any = false;
+  for (Place& place : places_) {
+    any = any || (place.num_times < max_times_ && place.until != time::Timestamp{});
+    place.until = {};
+  }
+  return any;
+}
+
+}  // namespace nodmap::explorer

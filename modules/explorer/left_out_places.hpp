@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "common/geometry/time.hpp"
+
+namespace nodmap::explorer {
+
+/// Places that are left out for a time, which doubles each time, until they are given up.
+class LeftOutPlaces {
+ public:
+  /// Places nearer to each other than `same_place_m` count as one.
+  LeftOutPlaces(double pause_s, int max_times, double same_place_m)
+      : pause_s_(pause_s), max_times_(max_times), same_place_m_(same_place_m) {}
+
+  void add(const Eigen::Vector2d& p_map, time::Timestamp now);
+  /// Whether a place near this one is left out at present, or given up.
+  [[nodiscard]] bool contains(const Eigen::Vector2d& p_map, time::Timestamp now) const;
+  /// Permits all places that are not given up at once; returns false if there are none.
+  bool forgive();
+  [[nodiscard]] std::size_t size() const { return places_.size(); }
+  void clear() { places_.clear(); }
+
+ private:
+  struct Place {
+    Eigen::Vector2d p_map;
+    int num_times = 0;
+    time::Timestamp until{};
+  };
+
+  double pause_s_;
+  int max_times_;
+  double same_place_m_;
+  std::vector<Place> places_;
+};
+
+}  // namespace nodmap::explorer
