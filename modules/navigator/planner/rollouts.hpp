@@ -20,7 +20,7 @@ struct Rollout {
   double cost = 0.0;                 ///< the least is best
 };
 
-/// The local planner: some thousand motions of the next 1.6 s, each an arc followed by another one,
+/// The local planner: at most 880 motions of the next 1.6 s, each an arc followed by another one,
 /// with the accelerations of the base, forwards, backwards and on the spot. Those that touch
 /// something are left out; the others cost by what the global plan says of where they end, by how
 /// near they pass obstacles, by how much they lie in the way of people, and by how much they differ
