@@ -31,13 +31,6 @@ constexpr time::Duration kFencePose = 2s;
 /// No sweep is shorter: 15 scans. A gap in the scans no longer than this is driven through slowly.
 constexpr double kShortGapS = 0.2;
 
-/// From one PATH to the next, and from one TRACKS to the next.
-constexpr time::Duration kDisplayPeriod = 100ms;
-
-/// From one LOCAL_MAP to the next, and how far it reaches to each side: 25 kB.
-constexpr time::Duration kLocalMapPeriod = 500ms;
-constexpr double kLocalMapHalfSizeM = 4.0;
-
 bool is_time(time::Timestamp stamp) {
   return stamp >= time::Timestamp{} && stamp < kLatestStamp;
 }
@@ -45,7 +38,11 @@ bool is_time(time::Timestamp stamp) {
 }  // namespace
 
 NavigatorNode::NavigatorNode(node::Context& context, const Params& params)
-    : context_(context), params_(params), input_(context.counts), navigator_(params) {
+    : context_(context),
+      params_(params),
+      input_(context.counts),
+      navigator_(params),
+      display_(context.bus) {
   if (!params.geofence.empty()) {
     geofence_.emplace(params.geofence);
   }
@@ -290,14 +287,18 @@ std::optional<Reason> NavigatorNode::reason_by_geofence() const {
   if (!geofence_->contains(T_map_odom_ * odometry_->T_odom_base.translation())) {
     return Why::kOutsideFence;
   }
-  if (goal_is_fenced_off()) {
+  if (goal_state() == GoalState::kOutsideFence) {
     return Why::kGoalOutsideFence;
   }
   return std::nullopt;
 }
 
-bool NavigatorNode::goal_is_fenced_off() const {
-  return goal_ && geofence_ && !geofence_->contains(goal_->T_map_goal.translation());
+GoalState NavigatorNode::goal_state() const {
+  if (!goal_) {
+    return GoalState::kNone;
+  }
+  const bool is_inside = !geofence_ || geofence_->contains(goal_->T_map_goal.translation());
+  return is_inside ? GoalState::kInside : GoalState::kOutsideFence;
 }
 
 Situation NavigatorNode::situation() const {
@@ -344,63 +345,6 @@ double NavigatorNode::max_forward_mps() const {
   return pitch_command_.max_forward_mps;
 }
 
-void NavigatorNode::publish_path(const Decision& decision) {
-  const bool is_old = !path_stamp_ || std::chrono::abs(time::from_utime(drive_.utime) -
-                                                       *path_stamp_) >= kDisplayPeriod;
-  if (!odometry_ || (goal_ ? !is_old : !path_stamp_)) {
-    return;
-  }
-  path_stamp_.reset();
-  nodmap::path_t message{};
-  message.state = nodmap::path_t::NO_GOAL;
-  if (goal_) {
-    const geometry::SE2& T_odom_base = odometry_->T_odom_base;
-    const auto path_map = goal_is_fenced_off() ? std::vector<Eigen::Vector2d>{}
-                                               : navigator_.path_map(T_map_odom_ * T_odom_base);
-    if (!path_map) {
-      return;  // not yet planned, or not by plan
-    }
-    path_stamp_ = time::from_utime(drive_.utime);
-    message = path_message(*path_map, T_map_odom_.inverse(), T_odom_base, decision);
-  }
-  message.utime = drive_.utime;
-  context_.bus.publish("PATH", message);
-}
-
-/// While there is anybody, and once when there is nobody any more.
-void NavigatorNode::publish_tracks() {
-  const time::Timestamp stamp = time::from_utime(drive_.utime);
-  const bool is_due = !tracks_stamp_ || std::chrono::abs(stamp - *tracks_stamp_) >= kDisplayPeriod;
-  if (!is_due) {
-    return;
-  }
-  nodmap::tracks_t message = tracks_message(navigator_.people().people_odom(stamp),
-                                            navigator_.people().newcomers_odom(stamp));
-  if (message.num_tracks == 0 && !tracks_stamp_) {
-    return;
-  }
-  tracks_stamp_.reset();
-  if (message.num_tracks > 0) {
-    tracks_stamp_ = stamp;
-  }
-  message.utime = drive_.utime;
-  context_.bus.publish("TRACKS", message);
-}
-
-void NavigatorNode::publish_local_map() {
-  const time::Timestamp stamp = time::from_utime(drive_.utime);
-  const bool is_old =
-      !local_map_stamp_ || std::chrono::abs(stamp - *local_map_stamp_) >= kLocalMapPeriod;
-  if (!is_old || !odometry_ || !navigator_.local_map().has_scan()) {
-    return;
-  }
-  local_map_stamp_ = stamp;
-  nodmap::local_map_t message = local_map_message(
-      navigator_.local_map(), odometry_->T_odom_base.translation(), kLocalMapHalfSizeM);
-  message.utime = drive_.utime;
-  context_.bus.publish("LOCAL_MAP", message);
-}
-
 void NavigatorNode::publish(const Decision& decision) {
   // Odometry comes from the host of the base driver: its stamps are the driver's own clock.
   drive_.utime = time::to_utime(stamps_.odometry.value_or(stamps_.map.value_or(time::Timestamp{})));
@@ -423,9 +367,10 @@ void NavigatorNode::publish(const Decision& decision) {
   navigation_.max_forward_mps = decision.max_forward_mps;
   context_.bus.publish("NAVIGATION", navigation_);
 
-  publish_path(decision);
-  publish_tracks();
-  publish_local_map();
+  if (odometry_) {
+    display_.publish(time::from_utime(drive_.utime), navigator_, decision, T_map_odom_,
+                     odometry_->T_odom_base, goal_state());
+  }
   ++decisions_[static_cast<std::size_t>(decision.behaviour)];
   inhibit_reason_.reset();
   if (decision.behaviour == Behaviour::kHalt) {

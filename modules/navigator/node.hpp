@@ -12,6 +12,7 @@
 #include "common/geometry/time.hpp"
 #include "common/node/message_input.hpp"
 #include "common/node/node.hpp"
+#include "modules/navigator/display.hpp"
 #include "modules/navigator/geofence.hpp"
 #include "modules/navigator/messages.hpp"
 #include "modules/navigator/navigator.hpp"
@@ -75,18 +76,16 @@ class NavigatorNode final : public node::Node {
   [[nodiscard]] Decision halt(Reason reason);
   [[nodiscard]] std::optional<Reason> reason_not_to_drive(const StalenessParams& limits) const;
   [[nodiscard]] std::optional<Reason> reason_by_geofence() const;
-  [[nodiscard]] bool goal_is_fenced_off() const;
+  [[nodiscard]] GoalState goal_state() const;
   [[nodiscard]] Situation situation() const;
   void publish(const Decision& decision);
-  void publish_path(const Decision& decision);
-  void publish_tracks();
-  void publish_local_map();
 
   node::Context& context_;
   Params params_;
   node::SensorInput input_;
   std::optional<Geofence> geofence_;
   Navigator navigator_;
+  Display display_;
   SlipMonitor slip_;
   std::int64_t num_slips_ = 0;
 
@@ -110,9 +109,6 @@ class NavigatorNode final : public node::Node {
 
   nodmap::drive_t drive_{};
   nodmap::navigation_t navigation_{};
-  std::optional<time::Timestamp> path_stamp_;  // when one with a goal was published last
-  std::optional<time::Timestamp> local_map_stamp_;
-  std::optional<time::Timestamp> tracks_stamp_;  // when one with anybody was published last
   std::int64_t next_drive_seq_ = 0;
   std::array<std::int64_t, 5> decisions_{};                                   // by behaviour
   std::optional<Reason> inhibit_reason_ = Reason(Why::kNoInput, "odometry");  // of the last one
