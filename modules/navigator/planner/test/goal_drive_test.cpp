@@ -163,5 +163,35 @@ TEST(GoalDrive, ItArrivesAtAGoalThatIsNearerThanARolloutIsLong) {
   }
 }
 
+// The explorer sends goal after goal.
+TEST(GoalDrive, ItDoesNotBrakeForANewGoal) {
+  const LocalMap map = open_floor();
+  Driver driver(map);
+  for (int i = 0; i < 200 && driver.now().forward_mps < 0.4; ++i) {
+    (void)driver.step({3.0, 0.0}, 0.3);
+  }
+  ASSERT_GE(driver.now().forward_mps, 0.4);
+  ASSERT_LT(driver.now().T_odom_base.x, 1.5);
+  Decision decision = driver.step({3.0, 1.0}, 0.3);
+  for (int i = 0; i < 60; ++i) {  // 0.8 s, more than planning takes
+    EXPECT_GT(decision.forward_mps, 0.3) << "step " << i;
+    EXPECT_NE(decision.reason, Reason(Why::kPlans));
+    decision = driver.step({3.0, 1.0}, 0.3);
+  }
+}
+
+// The goal before is no place to drive to any more.
+TEST(GoalDrive, NearlyAtTheGoalBeforeItStopsUntilThereIsAPlan) {
+  const LocalMap map = open_floor();
+  Driver driver(map);
+  for (int i = 0; i < 1000 && driver.now().T_odom_base.x < 0.7; ++i) {
+    (void)driver.step({1.1, 0.0}, 0.3);
+  }
+  ASSERT_GE(driver.now().T_odom_base.x, 0.7);
+  const Decision decision = driver.step({0.0, 1.1}, 0.3);
+  EXPECT_EQ(decision.reason, Reason(Why::kPlans));
+  EXPECT_EQ(decision.forward_mps, 0.0);
+}
+
 }  // namespace goal_drive_test
 }  // namespace nodmap::navigator
