@@ -33,8 +33,6 @@ constexpr double kWorthGoingBack = 2.0;
 constexpr double kDirectionM = 0.4;
 /// Tolerance for the navigator's newer pose.
 constexpr double kArrivalM = 0.1;
-constexpr double kNearHomeM = 0.03;
-constexpr time::Duration kNearHome = 3s;
 constexpr const char* kAtHome = "Everything has been seen; the robot is back home.";
 
 /// The points of a straight line at intervals of at most `step_m`, with both ends.
@@ -275,20 +273,10 @@ void Explorer::drive_tour(const Situation& now, std::vector<Viewpoint> tour, Dec
   decision.tour = std::move(tour);
 }
 
-/// Within home's tolerance. Just outside of it the robot may rotate without coming nearer; there it
-/// is home after a while.
-bool Explorer::is_home(const Situation& now, double distance_m) {
-  if (state_ != State::kReturning || distance_m > params_.home_tolerance_m + kNearHomeM) {
-    near_home_since_ = now.stamp;
-  }
-  return distance_m <= params_.home_tolerance_m ||
-         (now.has_arrived && distance_m <= params_.home_tolerance_m + kArrivalM) ||
-         std::chrono::abs(now.stamp - near_home_since_) > kNearHome;
-}
-
 void Explorer::drive_home(const Situation& now, Decision& decision) {
   const double distance_m = (now.T_map_base.translation() - *home_map_).norm();
-  if (is_home(now, distance_m)) {
+  if (distance_m <= params_.home_tolerance_m ||
+      (now.has_arrived && distance_m <= params_.home_tolerance_m + kArrivalM)) {
     state_ = State::kHome;
     decision.reason = kAtHome;
     return;

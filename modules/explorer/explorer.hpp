@@ -81,7 +81,6 @@ class Explorer {
                                     const geometry::SE2& T_map_base) const;
   void set_target(const Eigen::Vector2d& p_map, double length_m, const Situation& now);
   void drive_tour(const Situation& now, std::vector<Viewpoint> tour, Decision& decision);
-  [[nodiscard]] bool is_home(const Situation& now, double distance_m);
   void drive_home(const Situation& now, Decision& decision);
   [[nodiscard]] std::vector<Eigen::Vector2d> path_to(const Cell& cell) const;
 
@@ -101,7 +100,6 @@ class Explorer {
   double least_length_m_ = 0.0;                ///< length of the path to it at progressed_
   time::Timestamp progressed_{};
   time::Timestamp decided_{};
-  time::Timestamp near_home_since_{};
   std::vector<Eigen::Vector2d> passing_map_;  ///< viewpoints on the way to the goal
 };
 

@@ -13,6 +13,11 @@ namespace nodmap::explorer {
 namespace {
 
 constexpr time::Duration kDecisionPeriod = 500ms;
+/// The least time between decisions, when the navigator has just arrived.
+constexpr time::Duration kArrivalPeriod = 100ms;
+/// After this long without a pose of 2D SLAM nothing is decided. While the robot stands there is
+/// one a second.
+constexpr time::Duration kPoseTimeout = 5s;
 /// Period at which the goal is sent again, for a navigator that has missed it or was started later.
 constexpr time::Duration kGoalPeriod = 1s;
 /// A goal nearer to the last one than this counts as the same.
@@ -70,6 +75,7 @@ ExplorerNode::ExplorerNode(node::Context& context, const Params& params)
   bus::Bus& bus = context.bus;
   bus.subscribe<nodmap::grid_chunk_t>("MAP_2D", [this](const auto& m) { on_map(m); });
   bus.subscribe<nodmap::pose_t>("POSE_2D", [this](const auto& m) { on_pose(m); });
+  bus.subscribe<nodmap::odometry_t>("ODOMETRY", [this](const auto& m) { on_odometry(m); });
   bus.subscribe<nodmap::navigation_t>("NAVIGATION", [this](const auto& m) { on_navigation(m); });
   bus.subscribe<nodmap::path_t>("PATH", [this](const auto& m) { on_path(m); });
   bus.subscribe<nodmap::explore_t>("EXPLORE", [this](const auto& m) { on_explore(m); });
@@ -99,30 +105,51 @@ void ExplorerNode::on_map(const nodmap::grid_chunk_t& message) {
 }
 
 void ExplorerNode::on_pose(const nodmap::pose_t& message) {
-  const auto T_map_base = node::read_pose(message.position_m, message.orientation);
-  if (!T_map_base) {
+  const auto T_map_odom = node::read_pose(message.odom_position_m, message.odom_orientation);
+  if (!T_map_odom) {
     context_.counts.reject("implausible_pose");
     return;
   }
   context_.counts.use();
   is_lost_ = message.state == nodmap::pose_t::LOST;
-  if (is_lost_) {
+  if (!is_lost_) {
+    T_map_odom_ = geometry::to_se2(*T_map_odom);
+    posed_ = node::stamp_of(message);
+  }
+}
+
+/// Poses of 2D SLAM come with level scans, one a second when the robot is slow. Odometry says where
+/// it is in between.
+void ExplorerNode::on_odometry(const nodmap::odometry_t& message) {
+  const auto T_odom_base = node::read_odometry(message);
+  if (!T_odom_base) {
+    context_.counts.reject("implausible_odometry");
     return;
   }
-  T_map_base_ = geometry::to_se2(*T_map_base);
+  context_.counts.use();
+  if (message.odometry_seq < std::exchange(odometry_seq_, message.odometry_seq)) {
+    T_map_odom_.reset();  // the base driver was restarted: odom is another frame
+  }
   const time::Timestamp now = node::stamp_of(message);
+  if (is_lost_ || !T_map_odom_ || is_due(now, posed_, kPoseTimeout)) {
+    return;
+  }
+  T_map_base_ = *T_map_odom_ * geometry::to_se2(*T_odom_base);
   if (std::exchange(keeps_place_, false)) {
     keep_place(now);
   }
-  if (is_due(now, decided_, kDecisionPeriod)) {
+  if (is_due(now, decided_, has_just_arrived_ ? kArrivalPeriod : kDecisionPeriod)) {
     decided_ = now;
+    has_just_arrived_ = false;
     decide(now);
   }
 }
 
 void ExplorerNode::on_navigation(const nodmap::navigation_t& message) {
   context_.counts.use();
-  has_arrived_ = message.behaviour == nodmap::navigation_t::ARRIVED;
+  const bool has_arrived = message.behaviour == nodmap::navigation_t::ARRIVED;
+  has_just_arrived_ = has_just_arrived_ || (has_arrived && !has_arrived_);
+  has_arrived_ = has_arrived;
 }
 
 void ExplorerNode::on_path(const nodmap::path_t& message) {

@@ -15,15 +15,17 @@
 #include "nodmap/goal_t.hpp"
 #include "nodmap/grid_chunk_t.hpp"
 #include "nodmap/navigation_t.hpp"
+#include "nodmap/odometry_t.hpp"
 #include "nodmap/path_t.hpp"
 #include "nodmap/pose_t.hpp"
 #include "nodmap/stop_t.hpp"
 
 namespace nodmap::explorer {
 
-/// Runs the explorer twice a second on MAP_2D, POSE_2D, NAVIGATION and PATH. Publishes EXPLORATION
-/// with each decision, and GOAL when it changes and once a second. EXPLORE starts and ends it, a
-/// GOAL of another sender ends it, and during a STOP it waits.
+/// Runs the explorer twice a second, and when the navigator arrives, on MAP_2D, POSE_2D, ODOMETRY,
+/// NAVIGATION and PATH. Publishes EXPLORATION with each decision, and GOAL when it changes and once
+/// a second. EXPLORE starts and ends it, a GOAL of another sender ends it, and during a STOP it
+/// waits.
 class ExplorerNode final : public node::Node {
  public:
   using Params = ExplorerParams;
@@ -37,6 +39,7 @@ class ExplorerNode final : public node::Node {
  private:
   void on_map(const nodmap::grid_chunk_t& message);
   void on_pose(const nodmap::pose_t& message);
+  void on_odometry(const nodmap::odometry_t& message);
   void on_navigation(const nodmap::navigation_t& message);
   void on_path(const nodmap::path_t& message);
   void on_explore(const nodmap::explore_t& message);
@@ -57,11 +60,15 @@ class ExplorerNode final : public node::Node {
   Explorer explorer_;
 
   std::int64_t map_revision_ = -1;
+  std::optional<geometry::SE2> T_map_odom_;
+  std::optional<time::Timestamp> posed_;  // stamp of the last pose
   std::optional<geometry::SE2> T_map_base_;
+  std::int64_t odometry_seq_ = 0;
   bool is_lost_ = false;
   bool is_stopped_ = false;
   bool has_no_path_ = false;
   bool has_arrived_ = false;
+  bool has_just_arrived_ = false;  // since the last decision
   std::string idle_reason_ = "Waiting to be started.";
   bool keeps_place_ = false;  // the robot's next position becomes its goal
 

@@ -92,7 +92,8 @@ void add_options(CLI::App& app, Arguments& arguments) {
                  "many seconds");
   app.add_flag(
       "--explore", arguments.explore,
-      "Also run the explorer; the trial ends when everything has been seen and the robot is home");
+      "Also run the explorer, without the world's goals; the trial ends when everything has been "
+      "seen and the robot is home");
   app.add_flag("--level-laser", arguments.level_laser,
                "Also run 2D SLAM on the scans that the laser would measure if held level");
   app.add_option("--without", arguments.without, "Omit this process; repeatable")
@@ -135,6 +136,10 @@ void run(const Arguments& arguments, TrialSetup setup) {
   setup.world = sim::make_world(arguments.world);
   if (arguments.no_actors) {
     setup.world.actors.clear();
+  }
+  if (setup.explores) {
+    setup.world.goals.clear();  // a goal would end the exploration
+    setup.world.goal_heading_rad.reset();
   }
   setup.duration = time::from_seconds(duration_s(arguments, setup.world));
   if (setup.level_laser &&

@@ -87,31 +87,6 @@ TEST(Explorer, ReturnsToWhereItBegan) {
             State::kHome);
 }
 
-// Just outside of the tolerance the navigator may rotate without coming nearer.
-TEST(Explorer, StandingJustOutsideOfTheToleranceItIsHomeAfterAWhile) {
-  const GridWorld room = known_room();
-  GridWorld unknown({-2.5, -2.0}, {2.5, 2.0});
-  unknown.scan({0.0, 0.0, 0.0});
-  Explorer explorer{ExplorerParams{}};
-  explorer.start();
-  ASSERT_TRUE(explorer.add(unknown.map()));
-  (void)explorer.decide({.stamp = {}, .T_map_base = {}});
-  ASSERT_TRUE(explorer.add(room.map()));
-  const auto state_at = [&](double time_s, double x_m) {
-    return explorer
-        .decide(
-            {.stamp = time::Timestamp(time::from_seconds(time_s)), .T_map_base = {x_m, 0.0, 0.0}})
-        .state;
-  };
-  for (double time_s = 0.5; time_s < 20.0; time_s += 0.5) {
-    ASSERT_EQ(state_at(time_s, 0.09), State::kReturning) << "too far away, after " << time_s;
-  }
-  for (double time_s = 20.0; time_s < 22.5; time_s += 0.5) {
-    ASSERT_EQ(state_at(time_s, 0.053), State::kReturning) << time_s;
-  }
-  EXPECT_EQ(state_at(23.0, 0.053), State::kHome);
-}
-
 /// A robot that cannot move, at the start of a corridor with much unknown ground at its end.
 class Stuck : public ::testing::Test {
  protected:

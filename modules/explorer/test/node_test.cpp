@@ -43,7 +43,15 @@ class ExplorerNodeTest : public ::testing::Test {
         time::from_utime(utime_us_), geometry::SE3::Identity(), geometry::SE3::Identity());
     pose.state = state;
     bus_.deliver("POSE_2D", pose);
+    give_odometry(0.0);
     return bus_.last<nodmap::exploration_t>("EXPLORATION");
+  }
+  void give_odometry(double x_m) {
+    nodmap::odometry_t message = node::write_odometry(
+        time::from_utime(utime_us_),
+        geometry::SE3(Eigen::Translation3d(x_m, 0.0, 0.0)));
+    message.odometry_seq = odometry_seq_++;
+    bus_.deliver("ODOMETRY", message);
   }
   void ask(bool is_active) {
     nodmap::explore_t message{};
@@ -63,6 +71,7 @@ class ExplorerNodeTest : public ::testing::Test {
   node::Context context_{bus_, counts_, {}};
   ExplorerNode node_;
   std::int64_t utime_us_ = 0;
+  std::int64_t odometry_seq_ = 0;
 };
 
 TEST_F(ExplorerNodeTest, SendsNoGoalUntilItIsAskedTo) {
@@ -140,6 +149,59 @@ TEST_F(ExplorerNodeTest, WithoutAPoseToTrustNothingIsDecided) {
   (void)give_pose(nodmap::pose_t::LOST);
   EXPECT_EQ(bus_.count("EXPLORATION"), num_decisions);
   EXPECT_EQ(node_.health().state, node::HealthState::kDegraded);
+}
+
+// Poses of 2D SLAM come with level scans: one a second when the robot is slow.
+TEST_F(ExplorerNodeTest, BetweenPosesItDecidesByOdometry) {
+  give_map();
+  ask(true);
+  (void)give_pose();
+  const std::size_t num_decisions = bus_.count("EXPLORATION");
+  for (int i = 1; i <= 4; ++i) {
+    utime_us_ += 500'000;
+    give_odometry(0.3 * i);
+    EXPECT_EQ(bus_.count("EXPLORATION"), num_decisions + static_cast<std::size_t>(i));
+    const auto exploration = bus_.last<nodmap::exploration_t>("EXPLORATION");
+    ASSERT_GT(exploration.num_points, 0);
+    // A path begins in the middle of a planning cell.
+    EXPECT_NEAR(exploration.x_m.front(), 0.3 * i, 0.15);
+  }
+  utime_us_ += 4'000'000;
+  give_odometry(1.5);
+  EXPECT_EQ(bus_.count("EXPLORATION"), num_decisions + 4) << "there was no pose for 6 s";
+  (void)give_pose();
+  EXPECT_EQ(bus_.count("EXPLORATION"), num_decisions + 5);
+}
+
+TEST_F(ExplorerNodeTest, AfterARestartOfTheBaseDriverItWaitsForAPose) {
+  give_map();
+  ask(true);
+  (void)give_pose();
+  (void)give_pose();
+  const std::size_t num_decisions = bus_.count("EXPLORATION");
+  odometry_seq_ = 0;
+  utime_us_ += 500'000;
+  give_odometry(0.0);
+  EXPECT_EQ(bus_.count("EXPLORATION"), num_decisions);
+  (void)give_pose();
+  EXPECT_EQ(bus_.count("EXPLORATION"), num_decisions + 1);
+}
+
+TEST_F(ExplorerNodeTest, WhenTheNavigatorArrivesItDecidesAtOnce) {
+  give_map();
+  ask(true);
+  (void)give_pose();
+  const std::size_t num_decisions = bus_.count("EXPLORATION");
+  utime_us_ += 200'000;
+  give_odometry(0.1);
+  EXPECT_EQ(bus_.count("EXPLORATION"), num_decisions);
+  nodmap::navigation_t navigation{};
+  navigation.behaviour = nodmap::navigation_t::ARRIVED;
+  for (int i = 0; i < 2; ++i) {
+    bus_.deliver("NAVIGATION", navigation);
+    give_odometry(0.1);
+    EXPECT_EQ(bus_.count("EXPLORATION"), num_decisions + 1) << "once";
+  }
 }
 
 TEST_F(ExplorerNodeTest, ANewMapEndsItAndTheRobotStaysWhereItIs) {

@@ -9,6 +9,8 @@ namespace {
 
 /// Cells of a portion: some 0.5 ms.
 constexpr int kPortion = 8000;
+/// Without a plan to its goal the robot waits for it, or drives by an old one: 2 ms.
+constexpr int kFirstPortion = 4 * kPortion;
 /// Around a place where the robot could not go on.
 constexpr double kFailureM = 0.3;
 /// What a metre costs more where the grid leaves less than the least clearance. Occupied cells are
@@ -16,6 +18,8 @@ constexpr double kFailureM = 0.3;
 /// place that looks too narrow is gone to and looked at when there is no other path. The rollouts
 /// measure what is really free.
 constexpr double kTightPrice = 4.0;
+/// The ground may have changed more since an older plan.
+constexpr double kRecentS = 2.0;
 /// Without a goal the robot plans this far, which takes more than two seconds, or four plans, at
 /// its fastest speed. An end costs more the more it is away from ahead, so that the robot turns
 /// round only where there is no other way on, or only one that is shorter by 2.5 m.
@@ -57,7 +61,12 @@ void GlobalPlanner::step(time::Timestamp stamp, const LocalMap& local_map,
                          const Geofence* geofence) {
   const Eigen::Vector2d p_map = T_map_odom * T_odom_base.translation();
   if ((goal_map - goal_map_).norm() > 0.5 * tolerance_m || tolerance_m != tolerance_m_) {
-    complete_.reset();
+    const bool is_recent =
+        started_at_ && time::seconds(std::chrono::abs(stamp - *started_at_)) < kRecentS;
+    is_former_ = complete_ && is_recent;
+    if (!is_former_) {
+      complete_.reset();
+    }
     failures_.clear();
     phase_ = Phase::kIdle;
     started_at_.reset();
@@ -106,7 +115,7 @@ void GlobalPlanner::go_on(const Eigen::Vector2d& p_map, const Geofence* geofence
     measure_obstacle_distances(geofence);
     begin_search();
     phase_ = Phase::kSearch;
-  } else if (!search_.advance(price_, kPortion)) {
+  } else if (!search_.advance(price_, complete_ && !is_former_ ? kPortion : kFirstPortion)) {
     finish(p_map);
   }
 }
@@ -132,6 +141,7 @@ void GlobalPlanner::finish(const Eigen::Vector2d& p_map) {
     return;
   }
   complete_ = search_.found();
+  is_former_ = false;
   phase_ = Phase::kIdle;
 }
 

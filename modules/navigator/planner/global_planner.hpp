@@ -43,7 +43,13 @@ class GlobalPlanner {
                    const Geofence* geofence = nullptr);
 
   /// Null before the first plan to this goal is complete.
-  [[nodiscard]] const CostToGo* cost_to_go() const { return complete_ ? &*complete_ : nullptr; }
+  [[nodiscard]] const CostToGo* cost_to_go() const {
+    return complete_ && !is_former_ ? &*complete_ : nullptr;
+  }
+  /// The plan to the goal before, until there is one to this goal; null if it was not recent.
+  [[nodiscard]] const CostToGo* former_cost_to_go() const {
+    return complete_ && is_former_ ? &*complete_ : nullptr;
+  }
 
   /// Adds a place where the robot could not go on: paths through it cost more from now on.
   void add_failure(const Eigen::Vector2d& p_map);
@@ -86,6 +92,7 @@ class GlobalPlanner {
   std::vector<float> price_;          // of a metre, by cell; negative: blocked
   CostSearch search_;
   std::optional<CostToGo> complete_;
+  bool is_former_ = false;  // complete_ is the plan to the goal before
 };
 
 }  // namespace nodmap::navigator

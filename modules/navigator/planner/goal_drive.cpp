@@ -15,6 +15,8 @@ constexpr double kNewPathM = 1.0;
 /// After this long without a path the robot looks around, and again after this long.
 constexpr double kDoubtS = 1.0;
 constexpr double kLookAgainS = 30.0;
+/// With less than this left to the former goal the robot stops and plans to the new one.
+constexpr double kNearlyThereM = 0.5;
 /// The path is given up this far ahead of the robot.
 constexpr double kFailureAheadM = 0.4;
 
@@ -120,28 +122,50 @@ Decision GoalDrive::drive_by_plan(const Situation& now, const SeenDirections& se
   }
   global_.step(now.stamp, local_map, now.T_map_odom, now.T_odom_base, goal_map_,
                now.goal->tolerance_m, now.geofence);
+  if (const CostToGo* cost_to_go = global_.cost_to_go()) {
+    const double cost_m = cost_to_go->least_near(T_map_base.translation());
+    if (!std::isfinite(cost_m)) {
+      return without_path(now);
+    }
+    no_path_since_.reset();
+    looked_rad_ = 0.0;
+    watch_progress(now, cost_m);
+    return drive_by(*cost_to_go, now, seen);
+  }
+  progress_at_.reset();
+  if (const CostToGo* former = former_plan(T_map_base.translation())) {
+    return drive_by(*former, now, seen);
+  }
   Decision decision;
   decision.behaviour = Behaviour::kBrake;
-  if (global_.cost_to_go() == nullptr) {
-    progress_at_.reset();
-    decision.reason = Why::kPlans;
-    return decision;
+  decision.reason = Why::kPlans;
+  return decision;
+}
+
+/// With a new goal the robot drives on by the plan to the former one until the new plan is
+/// complete, a tenth of a second later, unless it is nearly there. That is safe, for Brake knows
+/// no plan; and near the new goal it slows down for that.
+const CostToGo* GoalDrive::former_plan(const Eigen::Vector2d& p_map) const {
+  const CostToGo* former = global_.former_cost_to_go();
+  if (former == nullptr) {
+    return nullptr;
   }
-  const double cost_m = global_.cost_to_go()->least_near(T_map_base.translation());
-  if (!std::isfinite(cost_m)) {
-    return without_path(now);
-  }
-  no_path_since_.reset();
-  looked_rad_ = 0.0;
-  watch_progress(now, cost_m);
+  const double cost_m = former->least_near(p_map);
+  return std::isfinite(cost_m) && cost_m > kNearlyThereM ? former : nullptr;
+}
+
+Decision GoalDrive::drive_by(const CostToGo& cost_to_go, const Situation& now,
+                             const SeenDirections& seen) {
   const double max_forward_mps = brake_.speed_limit(0.0, now.max_forward_mps);
-  const auto& rollouts = rollouts_.plan(now, *global_.cost_to_go(), max_forward_mps);
+  const auto& rollouts = rollouts_.plan(now, cost_to_go, max_forward_mps);
   if (const auto best = motion_.best_of(rollouts, brake_, now, seen)) {
     return *best;
   }
-  if (const auto squeezed = squeeze(now, seen)) {
+  if (const auto squeezed = squeeze(cost_to_go, now, seen)) {
     return *squeezed;
   }
+  Decision decision;
+  decision.behaviour = Behaviour::kBrake;
   decision.reason = rollouts.empty() ? Why::kNoMotion : Why::kFirstLook;
   return decision;
 }
@@ -175,12 +199,13 @@ std::optional<std::vector<Eigen::Vector2d>> GoalDrive::path_map(
 }
 
 /// For places where no motion keeps the creep margin.
-std::optional<Decision> GoalDrive::squeeze(const Situation& now, const SeenDirections& seen) {
+std::optional<Decision> GoalDrive::squeeze(const CostToGo& cost_to_go, const Situation& now,
+                                           const SeenDirections& seen) {
   if (!now.people.empty()) {
     return std::nullopt;
   }
   const double max_forward_mps = squeezing_brake_.speed_limit(0.0, now.max_forward_mps);
-  const auto& rollouts = squeezing_rollouts_.plan(now, *global_.cost_to_go(), max_forward_mps);
+  const auto& rollouts = squeezing_rollouts_.plan(now, cost_to_go, max_forward_mps);
   auto decision = motion_.best_of(rollouts, squeezing_brake_, now, seen);
   if (decision) {
     decision->reason = Why::kSqueezes;

@@ -38,7 +38,11 @@ class GoalDrive {
                                        const LocalMap& local_map);
   [[nodiscard]] Decision dock(const Situation& now, const SeenDirections& seen,
                               const LocalMap& local_map);
-  [[nodiscard]] std::optional<Decision> squeeze(const Situation& now, const SeenDirections& seen);
+  [[nodiscard]] const CostToGo* former_plan(const Eigen::Vector2d& p_map) const;
+  [[nodiscard]] Decision drive_by(const CostToGo& cost_to_go, const Situation& now,
+                                  const SeenDirections& seen);
+  [[nodiscard]] std::optional<Decision> squeeze(const CostToGo& cost_to_go, const Situation& now,
+                                                const SeenDirections& seen);
   [[nodiscard]] Decision without_path(const Situation& now);
   void watch_progress(const Situation& now, double cost_m);
 

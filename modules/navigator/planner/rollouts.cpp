@@ -219,7 +219,7 @@ Rollouts::Progress Rollouts::start(const Situation& now) {
 bool Rollouts::advance(Progress& progress, const Twist& motion, int until_step,
                        const Situation& now) const {
   geometry::SE2& pose = progress.pose_base;
-  while (progress.steps < until_step) {
+  while (progress.steps < until_step && !progress.has_arrived) {
     progress.twist = after(progress.twist, motion, kStepS);
     const auto [v, w] = progress.twist;
     const double middle_yaw_rad = pose.yaw + 0.5 * kStepS * w;
@@ -234,6 +234,8 @@ bool Rollouts::advance(Progress& progress, const Twist& motion, int until_step,
     const double near = std::max(0.0, 1.0 - clearance / ample_m);
     progress.nearness_m += kStepS * std::hypot(v, kCornerM * w) * near * near;
     meet_people(progress, now.people);
+    progress.has_arrived =
+        now.goal && (now.goal->p_base - pose.translation()).norm() <= now.goal->tolerance_m;
   }
   return true;
 }
@@ -271,7 +273,8 @@ double Rollouts::foresee(Progress progress, bool stops, const People& people) co
 void Rollouts::add(const Twist& first, double next_yaw_rate_rad_s, const Progress& end,
                    const Situation& now, const CostToGo& cost_to_go) {
   Rollout rollout{first.forward_mps, first.yaw_rate_rad_s, next_yaw_rate_rad_s, 0.0};
-  rollout.cost = end_cost(now.T_map_odom * now.T_odom_base * end.pose_base, cost_to_go) +
+  const geometry::SE2 T_map_end = now.T_map_odom * now.T_odom_base * end.pose_base;
+  rollout.cost = (end.has_arrived ? 0.0 : end_cost(T_map_end, cost_to_go)) +
                  params_.clearance_weight * end.nearness_m +
                  people_.weight_mps * foreseen_obstruction_s(end, now.people) +
                  params_.smoothness_weight * (std::abs(first.yaw_rate_rad_s - now.yaw_rate_rad_s) +

@@ -29,6 +29,9 @@ struct Rollout {
 /// Each moment of the next 3 s the body is compared with where people are then. From the moment on
 /// at which somebody touches it, all of a rollout is in his way: the later, the better, and best
 /// is what gets out of his way. After a rollout the robot goes on or stops, whichever is better.
+///
+/// A rollout that comes within the goal's tolerance ends there, as the robot will: otherwise it
+/// would seem to lead past a goal that is nearer than the slowest rollout is long.
 class Rollouts {
  public:
   static constexpr double kDurationS = 1.6;
@@ -59,8 +62,9 @@ class Rollouts {
     geometry::SE2 pose_base;  // in base, now
     Twist twist;
     double obstruction_s = 0.0;
-    bool is_touched = false;  // by somebody who moves
-    double nearness_m = 0.0;  // metres driven, each the more the nearer it is to obstacles
+    bool is_touched = false;   // by somebody who moves
+    bool has_arrived = false;  // within the goal's tolerance, where the motion ends
+    double nearness_m = 0.0;   // metres driven, each the more the nearer it is to obstacles
   };
 
   void consider_forwards(double forward_mps, const Situation& now, const CostToGo& cost_to_go);

@@ -48,6 +48,34 @@ TEST(GlobalPlanner, OverUnknownGroundTheCostIsTheDistanceAtItsPrice) {
   EXPECT_NEAR(planner.cost_to_go()->at({0.0, 0.0}), 2.0 * (6.0 - 0.14) + 0.14, 0.15);
 }
 
+// The robot drives on by the plan to the goal before until there is one to the new goal.
+TEST(GlobalPlanner, ThePlanToTheGoalBeforeIsKeptUntilThereIsANewOne) {
+  GlobalPlanner planner(kBody, {});
+  const LocalMap map({}, {});
+  const Eigen::Vector2d first(6.0, 0.0);
+  const Eigen::Vector2d second(0.0, 6.0);
+  EXPECT_EQ(planner.former_cost_to_go(), nullptr);
+  plan(planner, map, first);
+  EXPECT_EQ(planner.former_cost_to_go(), nullptr);
+  const double cost_m = planner.cost_to_go()->at({0.0, 0.0});
+  int num_steps = 0;
+  do {
+    planner.step(time::Timestamp(1s + 13'320us * num_steps), map, {}, {}, second, kToleranceM);
+    if (planner.cost_to_go() == nullptr) {
+      ASSERT_NE(planner.former_cost_to_go(), nullptr) << "after " << num_steps;
+      EXPECT_EQ(planner.former_cost_to_go()->at({0.0, 0.0}), cost_m);
+      EXPECT_LT(planner.former_cost_to_go()->at(first), 0.1);
+    }
+  } while (planner.cost_to_go() == nullptr && ++num_steps < 400);
+  EXPECT_GE(num_steps, 2) << "it is computed in portions";
+  ASSERT_NE(planner.cost_to_go(), nullptr);
+  EXPECT_LT(planner.cost_to_go()->at(second), 0.1);
+  EXPECT_EQ(planner.former_cost_to_go(), nullptr);
+  planner.step(time::Timestamp(20s), map, {}, {}, first, kToleranceM);
+  EXPECT_EQ(planner.cost_to_go(), nullptr);
+  EXPECT_EQ(planner.former_cost_to_go(), nullptr) << "it is old";
+}
+
 TEST(GlobalPlanner, LeadsAroundAWallAndKeepsOffIt) {
   const Ground ground{{{{1.5, -1.2}, {1.6, 3.0}, 0.5}}};
   GlobalPlanner planner(kBody, {});

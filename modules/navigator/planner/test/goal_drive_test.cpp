@@ -96,5 +96,102 @@ TEST(GoalDrive, ItDrivesTheMoreSlowlyTheNarrowerAPlaceIs) {
   EXPECT_EQ(between_rows(0.5 * params.squeeze_margin_m).forward_mps, 0.0);
 }
 
+/// Floor that was seen all around.
+LocalMap open_floor() {
+  LocalMap map({}, {});
+  for (int quarter = 0; quarter < 4; ++quarter) {
+    const geometry::SE2 T_odom_turned{0.0, 0.0, 0.5 * geometry::kPi * quarter};
+    for (double deg = -60.0; deg <= 2.0; deg += 3.0) {
+      map.add_scan(test::scan_of({}, T_odom_turned, geometry::deg_to_rad(deg)), T_odom_turned);
+    }
+  }
+  return map;
+}
+
+/// A robot on that floor, which does what is decided as fast as its wheels can.
+class Driver {
+ public:
+  explicit Driver(const LocalMap& map) : map_(map) {
+    now_.local_map = &map;
+    now_.max_forward_mps = 1.0;
+  }
+
+  const Situation& now() const { return now_; }
+
+  Decision step(const Eigen::Vector2d& goal_odom, double tolerance_m) {
+    now_.stamp += time::from_seconds(kStepS);
+    now_.goal = goal_in_base(now_.T_odom_base.inverse() * goal_odom, tolerance_m);
+    seen_.update(now_.T_odom_base.yaw, 2 * num_steps_++);
+    const Decision decision = drive_.decide(now_, seen_, map_);
+    const Twist twist = after({now_.forward_mps, now_.yaw_rate_rad_s},
+                              {decision.forward_mps, decision.yaw_rate_rad_s}, kStepS);
+    now_.forward_mps = twist.forward_mps;
+    now_.yaw_rate_rad_s = twist.yaw_rate_rad_s;
+    now_.T_odom_base = now_.T_odom_base * geometry::SE2{kStepS * twist.forward_mps, 0.0,
+                                                        kStepS * twist.yaw_rate_rad_s};
+    return decision;
+  }
+
+ private:
+  const LocalMap& map_;
+  GoalDrive drive_{NavigatorParams{}};
+  SeenDirections seen_{geometry::deg_to_rad(70.0)};
+  Situation now_;
+  std::int64_t num_steps_ = 0;
+};
+
+// The slowest rollout is 0.2 m long and leads past a goal that is nearer; and a cell of the plan is
+// as large as the tolerance.
+TEST(GoalDrive, ItArrivesAtAGoalThatIsNearerThanARolloutIsLong) {
+  constexpr double kToleranceM = 0.05;
+  const LocalMap map = open_floor();
+  for (const double distance_m : {0.053, 0.08, 0.15}) {
+    for (int k = 0; k < 8; ++k) {
+      const double bearing_rad = 0.1 + 0.25 * geometry::kPi * k;
+      const Eigen::Vector2d goal(distance_m * std::cos(bearing_rad),
+                                 distance_m * std::sin(bearing_rad));
+      Driver driver(map);
+      int num_steps = 0;
+      while ((driver.now().T_odom_base.translation() - goal).norm() > kToleranceM &&
+             num_steps < 1500) {  // 20 s
+        (void)driver.step(goal, kToleranceM);
+        ++num_steps;
+      }
+      EXPECT_LT(num_steps, 1000) << distance_m << " m away at " << geometry::rad_to_deg(bearing_rad)
+                                 << " degrees";
+    }
+  }
+}
+
+// The explorer sends goal after goal.
+TEST(GoalDrive, ItDoesNotBrakeForANewGoal) {
+  const LocalMap map = open_floor();
+  Driver driver(map);
+  for (int i = 0; i < 200 && driver.now().forward_mps < 0.4; ++i) {
+    (void)driver.step({3.0, 0.0}, 0.3);
+  }
+  ASSERT_GE(driver.now().forward_mps, 0.4);
+  ASSERT_LT(driver.now().T_odom_base.x, 1.5);
+  Decision decision = driver.step({3.0, 1.0}, 0.3);
+  for (int i = 0; i < 60; ++i) {  // 0.8 s, more than planning takes
+    EXPECT_GT(decision.forward_mps, 0.3) << "step " << i;
+    EXPECT_NE(decision.reason, Reason(Why::kPlans));
+    decision = driver.step({3.0, 1.0}, 0.3);
+  }
+}
+
+// The goal before is no place to drive to any more.
+TEST(GoalDrive, NearlyAtTheGoalBeforeItStopsUntilThereIsAPlan) {
+  const LocalMap map = open_floor();
+  Driver driver(map);
+  for (int i = 0; i < 1000 && driver.now().T_odom_base.x < 0.7; ++i) {
+    (void)driver.step({1.1, 0.0}, 0.3);
+  }
+  ASSERT_GE(driver.now().T_odom_base.x, 0.7);
+  const Decision decision = driver.step({0.0, 1.1}, 0.3);
+  EXPECT_EQ(decision.reason, Reason(Why::kPlans));
+  EXPECT_EQ(decision.forward_mps, 0.0);
+}
+
 }  // namespace goal_drive_test
 }  // namespace nodmap::navigator
