@@ -35,6 +35,7 @@ viewer           Beside the whole robot
 navigation       docs/benchmark-navigation.md: generated worlds
 barn             docs/benchmark-navigation.md: BARN (needs its worlds)
 exploration      docs/benchmark-navigation.md: exploration
+ablation         docs/ablation.md: what each part of the navigation is worth
 TEXT
 }
 
@@ -101,7 +102,8 @@ measure() {
     viewer) alone python3 bench/viewer.py --soak 1800 ;;
     navigation) python3 bench/navigation.py ;;
     barn) need_data barn || return 0; python3 bench/barn.py "$data/barn/worlds.txt" --every 10 ;;
-    exploration) python3 bench/exploration.py ;;
+    exploration) python3 bench/exploration.py --seeds 10 ;;
+    ablation) python3 bench/ablation.py ;;
   esac
 }
 

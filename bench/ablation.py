@@ -1,0 +1,92 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""What each part of the navigation is worth: the same worlds with and without it. Prints the tables of docs/ablation.md.
+
+    bench/ablation.py [--only PART ...] [--seeds N] [--first SEED] [--jobs N] [--out DIR] [--bin DIR]
+
+The worlds, their families and the columns are those of bench/navigation.py. A part that is taken away is not replaced: several of these robots are unsafe,
+and are for comparison only.
+"""
+import argparse
+import dataclasses
+import pathlib
+import shutil
+import sys
+import tempfile
+
+from navigation import FAMILIES, make_trials, recorded_crowds, row_of, show
+from seeds import REPORTING
+from trials import ROOT, run_all
+
+WITHOUT_LOCAL_MAP = ["navigator.local_map.use_local_map=false"]
+BEHAVIOURS = ["navigator.planner.use_planner=false", "navigator.planner.roams=false"]
+
+
+@dataclasses.dataclass
+class Ablation:
+    """One part, the families of worlds in which it matters, and the settings of each variant by its name."""
+    title: str
+    families: list
+    variants: dict
+
+
+ABLATIONS = {
+    "laser": Ablation("Nodding or level laser, by the paper's behaviours and maps alone", ["random", "sills", "drums"], {
+        "nodding": BEHAVIOURS + WITHOUT_LOCAL_MAP,
+        "level": BEHAVIOURS + WITHOUT_LOCAL_MAP + ["pitch_controller.mode=fixed"]}),
+    "local-map": Ablation("Local map", ["random", "sills", "holes", "ramps"], {
+        "with": [],
+        "without": WITHOUT_LOCAL_MAP}),
+    "planner": Ablation("Plan and rollouts, or Steer, Brake and Turn", ["random", "dense", "goals", "doors"], {
+        "plan and rollouts": [],
+        "Steer, Brake, Turn": BEHAVIOURS}),
+    "people": Ablation("Tracking of people", ["people", "reacting"], {
+        "with": [],
+        "without": ["navigator.people.use_people=false"]}),
+}
+
+
+def measure(ablation, seeds, programs, out, jobs, crowds):
+    """Rows of each family, variant by variant."""
+    groups = []
+    for family in ablation.families:
+        for variant, settings in ablation.variants.items():
+            trials, empty = make_trials(family, seeds, settings, crowds)
+            for trial in trials + empty:
+                trial.name = f"{variant.replace(' ', '-')}/{trial.name}"
+            groups.append((f"{family}, {variant}", trials, empty))
+    run_all([trial for _, trials, empty in groups for trial in trials + empty], programs, out, jobs)
+    for _, trials, empty in groups:
+        for trial in trials + empty:
+            if not trial.result:
+                print(f"{trial.name}: {trial.error[-200:]}", file=sys.stderr)
+    return [row_of(name, trials, empty) for name, trials, empty in groups]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--only", nargs="+", choices=ABLATIONS, default=list(ABLATIONS))
+    parser.add_argument("--seeds", type=int, default=10, help="of each family")
+    parser.add_argument("--first", type=int, default=REPORTING[0])
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--out", type=pathlib.Path, help="keep the results here")
+    parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build" / "release" / "bin")
+    arguments = parser.parse_args()
+    out = arguments.out or pathlib.Path(tempfile.mkdtemp(prefix="nodmap-ablation-"))
+    out.mkdir(parents=True, exist_ok=True)
+    seeds = range(arguments.first, arguments.first + arguments.seeds)
+    try:
+        crowds = recorded_crowds(out)
+        for part in arguments.only:
+            ablation = ABLATIONS[part]
+            print(f"## {ablation.title}\n")
+            (out / part).mkdir()
+            show(measure(ablation, seeds, arguments.bin, out / part, arguments.jobs, crowds), "worlds")
+            print(flush=True)
+    finally:
+        if not arguments.out:
+            shutil.rmtree(out)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
