@@ -3,6 +3,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
@@ -38,7 +39,7 @@ struct Sighting {
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  // axes of map; zero: no plane of its own
   std::uint32_t sweep = 0;
   std::uint32_t patch = 0;
-  float precision = 0.0F;
+  float precision = 0.0F;  // inverse variance, relative to that of a single point
 };
 
 /// What several sweeps saw of one plane.
@@ -121,8 +122,11 @@ class Patch {
     for (const Sighting& sighting : sightings_) {
       const Eigen::Vector3d p_map = sighting.p_map.cast<double>();
       const double height_m = height(p_map);
-      const double kernel = geman_mcclure(height_m / scale_m);
-      const double weight = kernel * static_cast<double>(sighting.precision);
+      // In standard deviations: one scale for all would refuse most single points, which alone tell
+      // of far walls, or accept dense means beside the plane.
+      const auto precision = static_cast<double>(sighting.precision);
+      const double kernel = geman_mcclure(height_m * std::sqrt(precision) / scale_m);
+      const double weight = kernel * precision;
       const Eigen::Vector3d f = in_plane(p_map);
       A_ += weight * f * f.transpose();
       b_ += weight * height_m * f;

@@ -15,7 +15,7 @@ namespace nodmap::slam6d {
 struct AdjustmentParams {
   bool use = true;
   double patch_size_m = 0.4;
-  double residual_scale_m = 0.008;
+  double residual_scale_m = 0.015;
 
   template <class Visitor>
   void describe(Visitor& v) {
@@ -23,8 +23,10 @@ struct AdjustmentParams {
            "Whether all keyframes are moved together at the end to where their planes agree best.");
     v.number("patch_size_m", patch_size_m, {0.05, 5.0},
              "Edge of the cubes within which the points of all keyframes are taken as one plane.");
-    v.number("residual_scale_m", residual_scale_m, {0.001, 1.0},
-             "Scale of the robust kernel; beyond it a point loses weight.");
+    v.number(
+        "residual_scale_m", residual_scale_m, {0.001, 1.0},
+        "Scale of the robust kernel for a single measured point, which loses weight beyond it. "
+        "The scale of a mean of many points is smaller, as its standard deviation is.");
   }
 };
 

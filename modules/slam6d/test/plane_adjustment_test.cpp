@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <random>
 #include <vector>
@@ -25,8 +26,11 @@ SE3 along(double x_m) {
   return pose;
 }
 
+using Noise = std::function<double()>;  // of a range, metres
+
 // Points of a sphere of beams, one each 2 degrees, in the frame of the pose.
-VoxelMap seen_from(const SE3& T_world_base, const Room& room) {
+VoxelMap seen_from(
+    const SE3& T_world_base, const Room& room, const Noise& noise = [] { return 0.0; }) {
   std::vector<Eigen::Vector3f> points;
   for (double pitch_deg = -79.0; pitch_deg < 80.0; pitch_deg += 2.0) {
     for (double yaw_deg = -179.0; yaw_deg < 180.0; yaw_deg += 2.0) {
@@ -36,7 +40,7 @@ VoxelMap seen_from(const SE3& T_world_base, const Room& room) {
                                  std::sin(pitch));
       const double range_m = room.range_m(T_world_base.translation(), T_world_base.linear() * beam);
       if (range_m < 30.0) {
-        points.push_back((range_m * beam).cast<float>());
+        points.push_back(((range_m + noise()) * beam).cast<float>());
       }
     }
   }
@@ -89,8 +93,31 @@ TEST(PlaneAdjustment, FindsTheTruePosesInAHall) {
   }
 }
 
+// With noise of 1 cm most walls are single points, and only the floor nearby is dense. Both count
+// by their own standard deviations: poses are 3.12 mm off, and 3.42 mm with one scale for all.
+TEST(PlaneAdjustment, SinglePointsCountByTheirOwnNoise) {
+  std::mt19937 random(7);
+  std::normal_distribution<double> noise_m(0.0, 0.01);
+  double square_sum_m2 = 0.0;
+  constexpr int kDrives = 10;
+  for (int i = 0; i < kDrives; ++i) {
+    std::vector<AdjustedSweep> sweeps = drive(Room::hall(), 1.0);
+    for (std::size_t k = 0; k < kSweeps; ++k) {
+      sweeps[k].voxels =
+          seen_from(sweeps[k].T_map_base, Room::hall(), [&] { return noise_m(random); });
+    }
+    disturb(sweeps);
+    const std::vector<SE3> adjusted = adjust_planes(sweeps, {}, {}, {});
+    for (std::size_t k = 1; k < kSweeps; ++k) {
+      square_sum_m2 += std::pow(error_m(adjusted[k], k), 2);
+    }
+  }
+  EXPECT_LT(std::sqrt(square_sum_m2 / (kDrives * (kSweeps - 1))), 3.3e-3);
+}
+
 // No plane tells the length of a bare corridor. Patches at its corners seem to: sweeps that are 4
-// mm off across it slide along it, by 9 mm at most where odometry is believed to 10 cm.
+// mm off across it slide along it, by 28 mm at most where each step of odometry is believed to 10
+// cm.
 TEST(PlaneAdjustment, SweepsHardlySlideAlongABareCorridor) {
   std::vector<AdjustedSweep> sweeps = drive(Room::corridor(), 0.1);
   for (std::size_t k = 1; k < kSweeps; ++k) {
@@ -98,7 +125,7 @@ TEST(PlaneAdjustment, SweepsHardlySlideAlongABareCorridor) {
   }
   const std::vector<SE3> adjusted = adjust_planes(sweeps, {}, {}, {});
   for (std::size_t k = 1; k < kSweeps; ++k) {
-    EXPECT_LT(error_m(adjusted[k], k), 1.25 * 0.0093) << k;
+    EXPECT_LT(error_m(adjusted[k], k), 1.25 * 0.0282) << k;
   }
 }
 
