@@ -48,8 +48,7 @@ class ExplorerNodeTest : public ::testing::Test {
   }
   void give_odometry(double x_m) {
     nodmap::odometry_t message = node::write_odometry(
-        time::from_utime(utime_us_),
-        geometry::SE3(Eigen::Translation3d(x_m, 0.0, 0.0)));
+        time::from_utime(utime_us_), geometry::SE3(Eigen::Translation3d(x_m, 0.0, 0.0)));
     message.odometry_seq = odometry_seq_++;
     bus_.deliver("ODOMETRY", message);
   }
