@@ -9,39 +9,39 @@
 
 namespace nodmap::navigator {
 
-/// Which space around the robot beams have passed through, in scan after scan: what is measured
+/// The space around the robot that beams have passed through in several scans: whatever is measured
 /// there now has moved there. After the ever-free space of Dynablox (Schmid et al., RA-L 2023),
-/// here in columns of 10 cm x 10 cm with layers of 10 cm, in a square in odom that moves along.
+/// here in columns of 10 cm x 10 cm with layers of 10 cm, in a square in odom that follows the
+/// robot.
 ///
-/// A low box is passed over before it is hit, and a table passed under: so a place is free only
-/// where the layers below and above it are, and the columns around it.
+/// Beams pass over a low box before they hit it, and under a table: so a place is free only if the
+/// layers below and above it are free, too, and so are the columns around it.
 class EverFree {
  public:
-  /// Heights that are answered for: of shins and thighs.
+  /// Range of heights for which is_free() answers: shins and thighs.
   static constexpr double kLowestM = 0.2;
   static constexpr double kHighestM = 0.5;
 
-  /// `range_m`: what it is asked about is no farther away. What is left behind is forgotten, before
-  /// odometry has drifted.
+  /// `range_m`: largest distance for which is_free() is called. Places farther away are forgotten,
+  /// before odometry has drifted.
   explicit EverFree(double range_m = 0.0);
 
   /// Begins a scan, made from about `p_odom`.
   void begin_scan(const Eigen::Vector2d& p_odom);
 
-  /// A beam of this scan has ended at a place. All its hits come before its passes.
+  /// A beam of this scan has ended at a place. All hits of a scan are added before its passes.
   void hit(const Eigen::Vector2d& p_odom, double height_m);
 
   /// A beam of this scan has passed from one place to another; heights in metres.
   void pass(const Eigen::Vector2d& from_odom, double from_height_m, const Eigen::Vector2d& to_odom,
             double to_height_m);
 
-  /// Whether a place, which lies between kLowestM and kHighestM, was free before.
-  /// `laser_is_held`: all scans are of the same height, and what is low or high is never seen; then
-  /// the place's own layer is asked alone.
+  /// Whether a place between kLowestM and kHighestM was free before. `laser_is_held`: the laser
+  /// does not nod and sees no other layer, so only the place's own layer counts.
   [[nodiscard]] bool is_free(const Eigen::Vector2d& p_odom, double height_m,
                              bool laser_is_held = false) const;
 
-  /// Whether a beam of this scan has passed there at such heights.
+  /// Whether a beam of this scan has passed there between kLowestM and kHighestM.
   [[nodiscard]] bool is_passed_now(const Eigen::Vector2d& p_odom) const;
 
  private:

@@ -17,14 +17,14 @@ struct Twist {
   }
 };
 
-/// The motion of the base after a time with a command, seconds: what it does with a reserve.
+/// The motion of the base `time_s` seconds after a command, with less than its accelerations.
 [[nodiscard]] Twist after(const Twist& now, const Twist& command, double time_s);
 
 /// From a rectangle at a pose to a point, metres; 0 inside.
 [[nodiscard]] double distance_to_body(const Eigen::Vector2d& p_base, const robot::Footprint& body);
 
-/// Whether somebody touches a body, or comes within a margin of it, that is at a pose (in base,
-/// now) after a time. He goes on at his velocity, and the error of that makes him larger.
+/// Whether a person comes within `margin_m` of a body that is at `pose_base` (in base, now) in
+/// `time_s` seconds. The person is predicted at constant velocity, and grows by its error.
 [[nodiscard]] bool is_touched(const robot::Footprint& body, const geometry::SE2& pose_base,
                               const Person& person, double time_s, double margin_m);
 

@@ -8,38 +8,40 @@
 namespace nodmap::navigator {
 namespace {
 
-/// Nothing farther is looked for: there a person of 0.48 m has five beams.
+/// Width of a person. Detection reaches as far as five beams fall on this width.
 constexpr double kPersonM = 0.48;
 constexpr double kBeamsOnPerson = 5.0;
 constexpr double kFarthestPersonM = 10.0;
-/// What is nearer to the mirror is the robot.
+/// Anything nearer to the mirror is the robot itself.
 constexpr double kNearestM = 0.1;
-/// So near to the mirror a beam has passed nothing for certain.
+/// Free space is counted from this distance from the mirror on.
 constexpr double kPassedFromM = 0.3;
-/// So near before its end a beam has passed nothing: noise, and the cell itself.
+/// Free space ends this far before the end of a beam, because of noise and the size of a cell.
 constexpr double kBeforeEndM = 0.15;
-/// What ends higher belongs to somebody beside whose legs it is measured.
-constexpr double kMaxFootM = 0.05;
-/// Beams side by side that end farther apart are on different things.
+/// Hits below this are on the floor.
+constexpr double kFloorM = 0.05;
+/// Neighbouring beams that end farther apart than this have hit different things.
 constexpr double kGapM = 0.25;
-/// Beams that one edge brings into free space, where two surfaces merge, are one or two.
+/// A detection needs this many beams: mixed pixels at an edge are one or two.
 constexpr std::size_t kFewestBeams = 3;
-/// Who is cut by the edge of the laser's view is elsewhere than what is seen of him.
+/// A group that ends within this many beams of the edge of the view may be cut off, and its centre
+/// would be wrong.
 constexpr std::size_t kEdgeBeams = 2;
 constexpr double kLeastFree = 0.6;
 constexpr double kWidestM = 1.4;
 constexpr double kLeastRadiusM = 0.15;
 constexpr double kMostRadiusM = 0.7;
-/// Half a beam's distance to each side.
+/// Half the distance between neighbouring beams.
 constexpr double kHalfBeamM = 0.03;
 
-/// Whether two hits, one after the other, are of the same thing.
+/// Whether two successive hits are on the same thing.
 constexpr auto is_beside = [](const auto& a, const auto& b) {
   const std::size_t beams = std::max(a.beam, b.beam) - std::min(a.beam, b.beam);
   return beams <= 2 && (a.p_odom - b.p_odom).norm() < kGapM;
 };
 
-/// Whether what a beam has hit is nearer than what is beside it, which does not hide it.
+/// Whether a beam has hit something nearer than the neighbouring beam has, so that the neighbour
+/// does not hide a part of it.
 bool is_before(const scan::Scan& scan, std::size_t beam, std::size_t beside) {
   const auto range_m = static_cast<double>(scan.ranges_m[beside]);
   return (scan.is_hit(beside) || range_m == std::numeric_limits<double>::infinity()) &&
@@ -93,7 +95,7 @@ void MotionDetector::collect_hits(const scan::Scan& scan, const geometry::SE2& T
       continue;
     }
     const Eigen::Vector3d p_base = scan::point_in_base(scan, beam, range_m);
-    if (p_base.z() < kMaxFootM) {
+    if (p_base.z() < kFloorM) {
       continue;
     }
     hits_.push_back({beam, R * p_base.head<2>() + T_odom_base.translation(), p_base.z()});
@@ -166,7 +168,7 @@ std::optional<Detection> MotionDetector::detect(Hits::const_iterator first,
   }
   const double width_m = (group.back().p_odom - group.front().p_odom).norm();
   const double radius_m = std::clamp(0.5 * width_m + kHalfBeamM, kLeastRadiusM, kMostRadiusM);
-  // Of a disc's front, seen by beams at equal distances, the mean lies pi/4 radius before the
+  // Equally spaced beams on the front of a disc have their mean pi/4 of the radius before its
   // centre.
   const Eigen::Vector2d away = (mean - sensor_odom).normalized();
   const auto [lowest, highest] = std::ranges::minmax(group, {}, &Hit::height_m);

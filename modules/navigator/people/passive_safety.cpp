@@ -12,9 +12,10 @@ namespace {
 
 constexpr double kStepS = 0.05;
 constexpr double kForeseenS = 2.0;
-/// No point of a stationary robot moves faster than 0.05 m/s; the base follows a command to 2 cm/s.
+/// Slower counts as stationary. The limit for a contact that the robot causes is 0.05 m/s, and the
+/// base follows a command to within 0.02 m/s.
 constexpr double kStationaryMps = 0.03;
-/// From fastest to slowest; slower than that it rather stands.
+/// Factors on the speed that are tried; below the last the robot stops.
 constexpr std::array kFactors{1.0, 0.85, 0.7, 0.55, 0.4, 0.27, 0.15};
 
 }  // namespace
@@ -40,7 +41,7 @@ bool PassiveSafety::is_safe(const Twist& twist, const Person& person) const {
     }
     const Eigen::Vector2d p =
         pose.inverse() * (person.is_in_sight ? person.position_after(t) : person.position);
-    // Out of sight he may turn round, or aside: he is anywhere within what he walks meanwhile.
+    // Out of sight, a person may turn: the prediction grows by the whole distance walked.
     const double error_m = person.is_in_sight
                                ? std::hypot(person.position_sigma_m, person.velocity_sigma_mps * t)
                                : person.position_sigma_m + person.velocity.norm() * t;
@@ -52,7 +53,7 @@ bool PassiveSafety::is_safe(const Twist& twist, const Person& person) const {
   }
 }
 
-/// Whether nobody touches a robot that goes over to the commanded motion and keeps it.
+/// Whether nobody touches a robot that changes to the commanded motion and keeps it.
 bool PassiveSafety::keeps_clear(Twist twist, const Twist& command, const People& people) const {
   geometry::SE2 pose;
   for (double t = 0.0; t <= kForeseenS; t += kStepS) {
@@ -75,7 +76,7 @@ bool PassiveSafety::escapes(const Twist& present, const Twist& commanded,
   if (is_safe(present, people)) {
     return keeps_clear(present, commanded, people);
   }
-  // It is too late to be stationary: what is likely counts, for braking leads to contact as well.
+  // Braking leads to a contact, too, so what is likely counts, and not the worst case.
   People likely = people;
   for (Person& person : likely) {
     person.velocity_sigma_mps = 0.0;
@@ -92,7 +93,7 @@ double PassiveSafety::safe_factor(const Twist& twist, const People& people) cons
     return 1.0;
   }
   if (twist.forward_mps < 0.0) {
-    // Nobody looks there, and where somebody walks others may, too.
+    // The laser does not look backwards, and where one person walks there may be others.
     return 0.0;
   }
   for (const double factor : kFactors) {

@@ -9,26 +9,27 @@
 
 namespace nodmap::navigator {
 
-/// Passive motion safety (Bouraine, Fraichard and Salhi, Autonomous Robots 2012): should anybody
-/// touch the robot, it is stationary by then. The robot cannot keep a person from walking into it,
-/// but it does not drive into one.
+/// Passive motion safety (Bouraine, Fraichard and Salhi, Autonomous Robots 2012): if a person and
+/// the robot touch, the robot is stationary by then. It cannot keep a person from walking into it,
+/// but it does not drive into anybody.
 class PassiveSafety {
  public:
   PassiveSafety(const robot::RobotParams& robot, const DriveParams& drive,
                 const PeopleParams& params);
 
-  /// Whether a robot that moves like this for the reaction time and then brakes along its arc is
-  /// stationary before anyone touches it. People are discs that go on at their velocity; with
-  /// time they grow by the error of it, and those who are out of sight by what they walk. In base.
+  /// Whether a robot that keeps its motion for the reaction time, and then brakes along its arc, is
+  /// stationary before anybody touches it. People are discs with constant velocity. They grow with
+  /// time by the error of the velocity, and out of sight by the distance walked. In base.
   [[nodiscard]] bool is_safe(const Twist& twist, const People& people) const;
 
-  /// Whether standing does not help, but a motion does: within two seconds somebody would touch the
-  /// robot that brakes from its present motion, and nobody one that goes over to the commanded one.
-  /// If he would touch it before it is stationary his velocity counts without its error.
+  /// Whether driving avoids a contact that stopping does not: within two seconds somebody would
+  /// touch the robot if it braked from its present motion, and nobody if it changed to the
+  /// commanded one. If the contact came before the robot is stationary, velocities count without
+  /// their error.
   [[nodiscard]] bool escapes(const Twist& present, const Twist& commanded,
                              const People& people) const;
 
-  /// The greatest factor from 0 to 1 with which the motion is safe.
+  /// The greatest factor on the motion, from 0 to 1, with which it is safe.
   [[nodiscard]] double safe_factor(const Twist& twist, const People& people) const;
 
  private:

@@ -8,42 +8,44 @@
 namespace nodmap::navigator {
 namespace {
 
-/// 99 % of the detections of a track lie nearer.
+/// Largest squared Mahalanobis distance of a detection from its track, the 99 % quantile for two
+/// dimensions, and largest distance.
 constexpr double kGate = 9.2;
 constexpr double kFarthestM = 1.0;
-/// Evidence for a motion: seen so often, over so long (more than one sweep), and so fast.
+/// A track moves if it was seen this often, over this long (more than one sweep), at this speed.
 constexpr int kFewestSightings = 4;
-/// Beams of one scan may be a mistake, of so many they are not: about half of a sweep's.
+/// A new track counts after this many scans, about half of a sweep's on a person.
 constexpr int kFewestOfNew = 3;
 constexpr time::Duration kShortest = 150ms;
 constexpr double kLeastHeightM = 0.1;
-/// So much of it lies where space was free before; of what is measured in each scan a part that no
-/// noise explains, else most.
+/// Least part of a detection in ever-free space. With a held laser, which measures it in each scan,
+/// a part that noise does not explain is enough; otherwise most of it.
 constexpr double kPartlyFree = 0.25;
 constexpr double kMostlyFree = 0.6;
-/// Two that touch are measured as one for a while.
+/// A radius shrinks by this much per detection, because two people who touch are measured as one.
 constexpr double kShrinksM = 0.005;
 constexpr double kLeastMps = 0.25;
 constexpr double kSigmas = 2.0;
-/// Slower than this a walker stands.
+/// A slower track is stationary.
 constexpr double kStandsMps = 0.15;
-/// What ends so near to a walker's disc is his: the error of his track.
+/// A beam that ends this near to a track's disc has hit it: the error of the track.
 constexpr double kHisM = 0.2;
 constexpr double kFloorM = 0.03;
-/// A track is kept so long without being seen, and so often with beams through its middle.
+/// A track ends after this long without a detection, or this many scans with beams through its
+/// middle.
 constexpr time::Duration kLost = 1500ms;
-/// Beside and behind the laser he is not looked for: kept for longer. People who pace through a
+/// Beside and behind the laser it cannot be detected, and lasts longer: people who pace through a
 /// room of 8 m at 1 m/s are back by then.
 constexpr time::Duration kUnseen = 12s;
-/// He turns round so far before a wall.
+/// Out of view, a track turns round this far before a wall.
 constexpr double kTurnsBeforeM = 0.6;
-/// With a greater error of his place there the robot would not move at all; it is his path that is
-/// known, and about when he comes along it.
+/// Largest position error out of view. With a larger one the robot would not move at all; what is
+/// known is the person's line, and roughly when the person comes along it.
 constexpr double kMostUnseenSigmaM = 0.5;
-/// In sight is who was seen in one of the last two sweeps.
+/// A track is in sight if it was seen in one of the last two sweeps.
 constexpr time::Duration kInSight = 800ms;
 constexpr time::Duration kDouble = 200ms;
-/// So near to the laser he may be below its beams, or beside them.
+/// This near to the laser a person may be below or beside its beams.
 constexpr double kBlindRangeM = 0.5;
 constexpr int kMostContradictions = 4;
 
@@ -122,9 +124,9 @@ void Track::update(const Detection& detection) {
                   : is_known && speed_mps > std::max(kLeastMps, kSigmas * sigma_mps);
 }
 
-/// A board or a seat, which lines have passed under and over before one met it, has come from
-/// nowhere, too, and seems to move with the line on it: all of that is at one height. Of a leg the
-/// laser shows so much in three or four lines of a sweep.
+/// Whether it was measured over a range of heights, as a leg is by three or four lines of a sweep.
+/// A board or a seat appears in ever-free space, too, when lines have passed under and over it
+/// before, and seems to move with the line on it, but is measured at one height.
 bool Track::has_legs() const {
   return laser_is_held_ || highest_m_ - lowest_m_ > kLeastHeightM;
 }
@@ -174,7 +176,7 @@ void PeopleTracker::add_scan(const scan::Scan& scan, const geometry::SE2& T_odom
   drop_doubles(stamp);
 }
 
-/// Each detection goes to the track that expects it most; one that none expects begins a track.
+/// Each detection goes to the nearest track by Mahalanobis distance; without one it begins a track.
 void PeopleTracker::associate(const std::vector<Detection>& detections, time::Timestamp stamp,
                               bool laser_is_held) {
   const std::size_t num_known = tracks_.size();
@@ -196,7 +198,7 @@ void PeopleTracker::associate(const std::vector<Detection>& detections, time::Ti
   }
 }
 
-/// Whatever ends on a walker above the floor, at any height, is his.
+/// Marks all beams that end on a moving track above the floor, at any height.
 void PeopleTracker::mark_walkers(const scan::Scan& scan, const geometry::SE2& T_odom_base) {
   const People people = people_base(scan.mid_stamp(), T_odom_base);
   for (std::size_t beam = 0; beam < scan.ranges_m.size() && !people.empty(); ++beam) {
@@ -212,7 +214,7 @@ void PeopleTracker::mark_walkers(const scan::Scan& scan, const geometry::SE2& T_
   }
 }
 
-/// Somebody beside or behind the robot cannot be seen.
+/// Predicts tracks beside and behind the robot, where they cannot be detected.
 void PeopleTracker::follow_unseen(const scan::Scan& scan, const geometry::SE2& T_odom_base,
                                   const IsBlocked& is_blocked) {
   constexpr double kStepM = 0.05;
@@ -237,7 +239,7 @@ void PeopleTracker::follow_unseen(const scan::Scan& scan, const geometry::SE2& T
       }
       return false;
     };
-    // What is nearer may be himself, as he was measured last; who is between two things goes on.
+    // What is nearer may be the person, as measured last; between two obstacles the track goes on.
     if (is_blocked && is_stopped(1.0) && !is_stopped(-1.0)) {
       track.turn_round();
     }
@@ -269,7 +271,7 @@ People PeopleTracker::select(time::Timestamp stamp, const Select& is_wanted) con
   return people;
 }
 
-/// Who is not measured any more, where another one is, was the same.
+/// Drops tracks that are no longer detected and lie on another one: they were the same person.
 void PeopleTracker::drop_doubles(time::Timestamp stamp) {
   const People people = select(stamp, [&](const Track& track) { return track.seen_at() == stamp; });
   std::erase_if(tracks_, [&](const Track& track) {

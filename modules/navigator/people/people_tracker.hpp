@@ -22,13 +22,13 @@ class Track {
  public:
   /// Spectral density of the acceleration: in a second the velocity changes by about 0.5 m/s.
   static constexpr double kAccelerationDensity = 0.3;  // m^2/s^3
-  /// Of a detection's centre: noise, and that beams do not show where a body's middle is. The scans
-  /// of one sweep have that in common, so that it counts for more than in one alone.
+  /// Error of a detection's centre: noise, and the unknown middle of the body. The scans of a sweep
+  /// share the latter, so it is larger than that of a single scan.
   static constexpr double kPositionSigmaM = 0.08;
-  /// Before it is known: people walk at 1.4 m/s and less, in any direction.
+  /// Error of the velocity before it is known: people walk at up to 1.4 m/s in any direction.
   static constexpr double kVelocitySigmaMps = 1.0;
 
-  /// `laser_is_held`: it is measured at one height only, whatever it is.
+  /// `laser_is_held`: the laser does not nod, so everything is measured at one height only.
   Track(time::Timestamp stamp, const Detection& detection, std::int64_t id = 0,
         bool laser_is_held = false);
 
@@ -42,17 +42,17 @@ class Track {
   /// At the time of the last prediction, in odom.
   [[nodiscard]] Person person() const;
 
-  /// He turns round, at the same speed.
+  /// Reverses the velocity.
   void turn_round();
 
   [[nodiscard]] time::Timestamp seen_at() const { return seen_at_; }
-  /// Beams of this many scans since then have passed through its middle.
+  /// Number of scans since then with beams that have passed through its middle.
   [[nodiscard]] int num_contradictions() const { return num_contradictions_; }
   void contradict() { ++num_contradictions_; }
-  /// When he was seen last, or could not be: beside or behind the robot.
+  /// The last time it was seen, or could not be: beside or behind the robot.
   [[nodiscard]] time::Timestamp missed_since() const { return std::max(seen_at_, hidden_at_); }
   void hide(time::Timestamp stamp) { hidden_at_ = stamp; }
-  /// Seen in two sweeps at least, at the heights of a leg, and its velocity is more than its error.
+  /// Seen in at least two sweeps, at the heights of a leg, and faster than its velocity error.
   [[nodiscard]] bool moves() const { return moves_; }
   /// Seen in a few scans of the last two sweeps, too few to say that it moves.
   [[nodiscard]] bool is_new() const;
@@ -71,37 +71,37 @@ class Track {
   int num_sightings_ = 1;
   int num_contradictions_ = 0;
   bool laser_is_held_;
-  double lowest_m_;  // heights at which he was measured
+  double lowest_m_;  // lowest and highest hit
   double highest_m_;
   bool has_come_;  // it was measured where space was free before
   bool moves_ = false;
 };
 
-/// Tracks everybody who moves in view of the laser. Somebody who stands is no track after a while,
-/// but an obstacle like any other.
+/// Tracks everything that moves in view of the laser. Somebody who stands still stops being a track
+/// after a while, and is an obstacle like any other.
 ///
-/// Who has walked out of view, beside or behind the robot, is taken to walk on as he did, and to
-/// turn round before what he cannot walk through.
+/// A person who has left the view, beside or behind the robot, is predicted to walk on and to turn
+/// round before obstacles.
 class PeopleTracker {
  public:
   /// Whether something stands at a place in odom.
   using IsBlocked = std::function<bool(const Eigen::Vector2d& p_odom)>;
 
-  /// `T_odom_base` at the middle of the scan. Without `is_blocked` nobody turns round.
-  /// `laser_is_held`: it does not nod.
+  /// `T_odom_base`: at the middle of the scan. Without `is_blocked` nobody turns round.
+  /// `laser_is_held`: the laser does not nod.
   void add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base,
                 const IsBlocked& is_blocked = {}, bool laser_is_held = false);
 
-  /// For each beam of the last scan, whether it has hit somebody who moves, at any height.
+  /// For each beam of the last scan, whether it has hit a moving track, at any height.
   [[nodiscard]] const std::vector<bool>& is_walker() const { return is_walker_; }
 
-  /// Those who move, where they are at this time; in odom.
+  /// The moving tracks, predicted to this time, in odom.
   [[nodiscard]] People people_odom(time::Timestamp stamp) const;
 
   /// The same in the axes of base now.
   [[nodiscard]] People people_base(time::Timestamp stamp, const geometry::SE2& T_odom_base) const;
 
-  /// Those who have come into view a moment ago: space was free where they are. In odom.
+  /// Tracks too new to tell a velocity, in places where space was free. In odom.
   [[nodiscard]] People newcomers_odom(time::Timestamp stamp) const;
 
   /// The same in the axes of base now.

@@ -10,24 +10,26 @@
 namespace nodmap::navigator {
 namespace {
 
-/// No such range finder sees farther; a message may say anything.
+/// No such range finder measures farther; larger readings are invalid.
 constexpr double kFarthestReadingM = 2.0;
-/// So near to what the local map has it is the same: the sensor's error, and a map that odometry
-/// has moved.
+/// A reading this near to an obstacle of the local map is that obstacle: error of the sensor and
+/// drift of odometry.
 constexpr double kSameM = 0.2;
-/// What does not move by more within such a time stands. Who comes at 0.1 m/s moves more.
+/// A reading this near to a track is the tracked person; the track's own error adds to it, at most
+/// kMostTrackErrorM. Something that moves less than kStandsM in kStands is stationary: at 0.1 m/s
+/// it would move more.
 constexpr double kSameTrackM = 0.15;
 constexpr double kMostTrackErrorM = 0.3;
 constexpr double kStandsM = 0.05;
 constexpr time::Duration kStands = 600ms;
 constexpr time::Duration kHold = 500ms;
 
-/// What was forgotten, because odometry has drifted since, is still there.
+/// An obstacle may still be there although the map has forgotten it because odometry has drifted.
 bool may_stand(const LocalCell* cell) {
   return cell != nullptr && (cell->is_obstacle() || cell->is_hole());
 }
 
-/// The laser saw floor at a place, and nothing that stands is near it.
+/// Whether the laser saw floor at a place, and no obstacle near it.
 bool is_free(const Eigen::Vector2d& p_odom, const LocalMap& map) {
   const double cell_m = map.grid().cell_size_m();
   const int reach = static_cast<int>(kSameM / cell_m);
@@ -42,7 +44,7 @@ bool is_free(const Eigen::Vector2d& p_odom, const LocalMap& map) {
   return map.is_seen_floor(p_odom);
 }
 
-/// He may be elsewhere than his track by its error, but not by much: who is farther is another one.
+/// Whether a reading is on a tracked person, within the track's error.
 bool is_tracked(const Eigen::Vector2d& p_odom, const People& people_odom) {
   return std::ranges::any_of(people_odom, [&](const Person& person) {
     const double error_m = std::min(kMostTrackErrorM, 2.0 * person.position_sigma_m);
@@ -74,7 +76,7 @@ void Proximity::add(time::Timestamp stamp, const Ranges& ranges_m, const geometr
 }
 
 bool Proximity::is_detected(time::Timestamp stamp) const {
-  // A stamp that stepped back must not prolong the wait.
+  // abs(): a stamp that stepped back must not prolong the wait.
   return detected_at_ && std::chrono::abs(stamp - *detected_at_) < kHold;
 }
 

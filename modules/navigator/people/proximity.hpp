@@ -13,23 +13,26 @@ namespace nodmap::navigator {
 
 class LocalMap;
 
-/// Somebody beside or behind the robot, where the laser does not look: what the base's infrared
-/// range finders see, up to half a metre from the body, where floor was seen and nothing stands.
-/// What stays where it is was overlooked, and is nobody who comes: it is waited for briefly.
+/// Detects people who approach beside or behind the robot, where the laser does not look: readings
+/// of the base's infrared range finders, up to half a metre from the body, in places where the
+/// local map shows free floor. The robot waits only briefly for what does not move, which the laser
+/// had overlooked.
 class Proximity {
  public:
   /// As in nodmap.base_sensors_t, metres; NaN: nothing in the measuring range.
   using Ranges = std::array<double, robot::kInfraredCount>;
 
-  /// `T_odom_base` at `stamp`. Who is tracked is no stranger: his track says when to stop for him.
+  /// `T_odom_base`: at `stamp`. Readings on a tracked person are left out: the robot stops for the
+  /// track.
   void add(time::Timestamp stamp, const Ranges& ranges_m, const geometry::SE2& T_odom_base,
            const LocalMap& local_map, const People& people_odom);
 
-  /// Whether somebody is there, or was half a second ago: between two sensors nobody is seen.
+  /// Whether somebody is there, or was within the last half second, because a person between two
+  /// sensors is not seen.
   [[nodiscard]] bool is_detected(time::Timestamp stamp) const;
 
  private:
-  /// Where a sensor sees something that the map does not have.
+  /// A reading on something that the local map does not show.
   struct Stranger {
     Eigen::Vector2d p_odom;
     time::Timestamp since{};

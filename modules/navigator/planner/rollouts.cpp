@@ -14,48 +14,46 @@ namespace {
 
 constexpr double kCellM = 0.025;
 constexpr double kReachM = 2.5;
-/// Clearance by cells is wrong by up to so much: a cell of 2.5 cm stands for any point in it, and
-/// the discs do not cover all of the body.
+/// Largest error of the clearance by cells: a cell of 2.5 cm stands for any point in it, and the
+/// discs do not cover all of the body.
 constexpr double kCellErrorM = 0.035;
-/// That is more than there is beside a body that creeps. Where cells say less than this, and the
-/// pose is so near that a slow motion comes there, the points themselves are measured.
+/// That is more than the margin of a body that creeps. Below this clearance by cells, and within
+/// kExactReachM, which a slow motion can reach, the clearance is measured to the points themselves.
 constexpr double kExactWithinM = 0.1;
 constexpr double kExactReachM = 0.5;
 constexpr double kStepS = 0.1;
 constexpr int kSteps = static_cast<int>(Rollouts::kDurationS / kStepS + 0.5);
 constexpr int kFirstSteps = 8;
-/// People are looked at for longer: who comes at 1 m/s is 3 m away then.
+/// People count for 3 s: somebody who approaches at 1 m/s is 3 m away at first.
 constexpr int kForeseenSteps = 30;
-/// A step of the base's speed command.
+/// Resolution of the base's speed command.
 constexpr double kStepMps = 0.01;
-/// The heading at the end is rated by the plan so far ahead of the robot.
+/// The heading at the end is rated by the plan's cost this far ahead of the robot.
 constexpr double kAheadM = 0.3;
 constexpr double kAheadWeight = 0.6;
-/// Where the plan has no path to the point ahead it is this much worse than the robot's own place.
+/// Without a path from that point, its cost is that of the robot's place plus this.
 constexpr double kBlockedAheadM = 0.6;
-/// A place that no path leads through, but from which one is near, is worse by this.
+/// Additional cost of a place beside all paths, but near one.
 constexpr double kOffPathM = 0.5;
-/// A rotation of 1 rad moves the corners about so far.
+/// A rotation of 1 rad moves the corners by about this.
 constexpr double kCornerM = 0.25;
-/// The points are cells of the local map, or noisy: from one moment to the next the clearance may
-/// differ by so much.
+/// Noise of the clearance from one moment to the next: points are noisy, or cells of the local map.
 constexpr double kNoiseM = 0.01;
-/// The least clearance on the spot and backwards, where the robot is slow and its exact free
-/// rotation is measured besides: a corridor of 0.7 m leaves 7 cm at the corners of a body that
-/// turns in it.
+/// Least clearance on the spot and backwards, where the robot is slow, and its free rotation is
+/// measured exactly besides. A corridor of 0.7 m leaves 7 cm at the corners of a rotating body.
 constexpr double kSlowClearanceM = 0.025;
-/// Where the robot can rotate by less to both sides it cannot turn: then driving backwards costs
-/// less than the 0.4 m it gains in 1.6 s.
+/// A robot that can rotate by less than this to both sides cannot turn: driving backwards then
+/// costs less than the 0.4 m that it gains in 1.6 s.
 constexpr double kTurnRad = geometry::deg_to_rad(60.0);
 constexpr double kCannotTurnReversePriceM = 0.2;
 
-/// Shares of the fastest speed, and of the speed at which it creeps: in a narrow place none of the
-/// first may be slow enough.
+/// Shares of the fastest speed, and of the creeping speed, because in a narrow place none of the
+/// former may be slow enough.
 constexpr std::array kSpeeds{1.0, 0.8, 0.6, 0.42, 0.27, 0.15};
 constexpr std::array kCreepSpeeds{1.0, 0.5};
 constexpr std::array kYawRates{-1.0, -0.75, -0.55, -0.38, -0.24, -0.13, -0.05, 0.0,
                                0.05, 0.13,  0.24,  0.38,  0.55,  0.75,  1.0};
-/// Slower on the spot it would rather wait than rotate.
+/// Slowest rotation on the spot, as a share of the fastest.
 constexpr double kSlowestRotation = 0.2;
 constexpr std::array kNextYawRates{-0.8, -0.4, -0.15, 0.0, 0.15, 0.4, 0.8};
 constexpr std::array kBackwardMps{-0.08, -0.15};
@@ -67,7 +65,7 @@ double distance_m(const Eigen::Vector2d& p, const robot::Footprint& body) {
   return dx > 0.0 && dy > 0.0 ? std::hypot(dx, dy) : std::max(dx, dy);
 }
 
-/// What the plan says of where a motion ends, and of the heading there.
+/// The plan's cost of a motion's end, place and heading.
 double end_cost(const geometry::SE2& T_map_end, const CostToGo& cost_to_go) {
   double here = cost_to_go.at(T_map_end.translation());
   if (!std::isfinite(here)) {
@@ -103,7 +101,7 @@ void Rollouts::measure_clearance(const Points& points_base) {
   const double near_m = kExactReachM + body_.turning_radius_m() + kExactWithinM + kCellErrorM;
   const robot::Footprint inside = body_.grown(-0.03, -0.03);
   for (const Eigen::Vector2d& p : points_base) {
-    // So deep within the body a point is an error of the map.
+    // A point this deep within the body is an error of the map.
     if (!inside.contains(p)) {
       obstacles_.occupy(p);
       if (p.norm() < near_m) {
@@ -148,7 +146,7 @@ double Rollouts::clearance_by_cells_m(const geometry::SE2& pose_base) const {
 const std::vector<Rollout>& Rollouts::plan(const Situation& now, const CostToGo& cost_to_go,
                                            double max_forward_mps) {
   measure_clearance(now.points_base);
-  // Where the robot is nearer already it may drive on, but not nearer.
+  // A robot that is nearer already may drive on, but must not come nearer.
   const double clearance_now_m = clearance_m({}) - kNoiseM;
   least_clearance_m_ = std::min(params_.least_clearance_m, clearance_now_m);
   least_creeping_clearance_m_ = std::min(least_clearance_m_, drive_.creep_margin_m);
@@ -180,7 +178,7 @@ const std::vector<Rollout>& Rollouts::plan(const Situation& now, const CostToGo&
   return rollouts_;
 }
 
-/// Motions that begin alike are rolled out together, as far as they are alike.
+/// Motions with the same first half share its rollout.
 void Rollouts::consider_forwards(double forward_mps, const Situation& now,
                                  const CostToGo& cost_to_go) {
   for (const double yaw_rate : kYawRates) {
@@ -215,7 +213,7 @@ Rollouts::Progress Rollouts::start(const Situation& now) {
   return progress;
 }
 
-/// False where it touches something before.
+/// Returns false if the body touches something.
 bool Rollouts::advance(Progress& progress, const Twist& motion, int until_step,
                        const Situation& now) const {
   geometry::SE2& pose = progress.pose_base;
@@ -240,7 +238,7 @@ bool Rollouts::advance(Progress& progress, const Twist& motion, int until_step,
   return true;
 }
 
-/// Once somebody touches the robot all of the rest is in his way.
+/// From the moment on at which somebody touches the robot, all of the rollout is an obstruction.
 void Rollouts::meet_people(Progress& progress, const People& people) const {
   const double time_s = kStepS * progress.steps;
   progress.is_touched =
@@ -251,7 +249,7 @@ void Rollouts::meet_people(Progress& progress, const People& people) const {
       kStepS * (progress.is_touched ? 1.0 : obstruction(progress.pose_base, time_s, people));
 }
 
-/// What comes after the motion: as if it went on, or as if the robot stopped.
+/// The obstruction after the rollout: the lesser of driving on and of stopping.
 double Rollouts::foreseen_obstruction_s(const Progress& end, const People& people) const {
   if (people.empty()) {
     return 0.0;
@@ -285,7 +283,7 @@ void Rollouts::add(const Twist& first, double next_yaw_rate_rad_s, const Progres
   }
 }
 
-/// For a motion that is at `forward_mps` by now.
+/// The least clearance of a motion that has reached `forward_mps`.
 double Rollouts::least_clearance_m(const Twist& motion, double forward_mps) const {
   if (motion.forward_mps <= 0.0) {
     return least_slow_clearance_m_;
@@ -298,7 +296,7 @@ double Rollouts::obstruction(const geometry::SE2& pose_base, double time_s,
                              const People& people) const {
   double most = 0.0;
   for (const Person& person : people) {
-    // Where he is then, and where he goes from there.
+    // The person's place then, and the path from there.
     const Eigen::Vector2d from = person.position_after(time_s);
     const Eigen::Vector2d along = people_.ahead_s * person.velocity;
     const Eigen::Vector2d offset = pose_base.translation() - from;

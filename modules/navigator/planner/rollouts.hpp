@@ -16,37 +16,38 @@ namespace nodmap::navigator {
 struct Rollout {
   double forward_mps = 0.0;
   double yaw_rate_rad_s = 0.0;
-  double next_yaw_rate_rad_s = 0.0;  ///< in its second half
-  double cost = 0.0;                 ///< the least is best
+  double next_yaw_rate_rad_s = 0.0;  ///< in the second half
+  double cost = 0.0;                 ///< metres; less is better
 };
 
 /// The local planner: at most 880 motions of the next 1.6 s, each an arc followed by another one,
-/// with the accelerations of the base, forwards, backwards and on the spot. Those that touch
-/// something are left out; the others cost by what the global plan says of where they end, by how
-/// near they pass obstacles, by how much they lie in the way of people, and by how much they differ
-/// from what the robot does. Where people are, to stand is one of them: speed and yaw rate are 0.
+/// within the accelerations of the base: forwards, backwards, on the spot and, when there are
+/// people, stationary. Those that touch something are left out. The cost of the others is the sum
+/// of the global plan's cost of their end, of their nearness to obstacles, of the time that they
+/// obstruct people, and of the change of motion.
 ///
-/// Each moment of the next 3 s the body is compared with where people are then. From the moment on
-/// at which somebody touches it, all of a rollout is in his way: the later, the better, and best
-/// is what gets out of his way. After a rollout the robot goes on or stops, whichever is better.
+/// The body is compared with the predicted places of people at each step of the next 3 s. From the
+/// moment on at which somebody touches it, all of a rollout obstructs: the later that is, the less
+/// it costs. After its end a rollout is continued by driving on or by stopping, whichever obstructs
+/// less.
 ///
-/// A rollout that comes within the goal's tolerance ends there, as the robot will: otherwise it
-/// would seem to lead past a goal that is nearer than the slowest rollout is long.
+/// A rollout that comes within the goal's tolerance ends there. Otherwise it would lead past a goal
+/// that is nearer than the slowest rollout is long.
 class Rollouts {
  public:
   static constexpr double kDurationS = 1.6;
 
   Rollouts(const robot::Footprint& body, const NavigatorParams& params);
 
-  /// Those that touch nothing, best first. Valid until the next call.
+  /// The rollouts that touch nothing, by increasing cost. Valid until the next call.
   [[nodiscard]] const std::vector<Rollout>& plan(const Situation& now, const CostToGo& cost_to_go,
                                                  double max_forward_mps);
 
-  /// From the border of the body at a pose (in base, now) to the nearest obstacle, metres; negative
-  /// inside. Exact below 6 cm where the pose is within 0.5 m, else to 3.5 cm.
+  /// Distance from the border of the body at a pose (in base, now) to the nearest obstacle, metres;
+  /// negative inside. Exact below 6 cm if the pose is within 0.5 m, otherwise to 3.5 cm.
   [[nodiscard]] double clearance_m(const geometry::SE2& pose_base) const;
 
-  /// Of the points in base, within 2.5 m.
+  /// Sets the obstacles: points in base, those within 2.5 m count.
   void measure_clearance(const Points& points_base);
 
  private:
@@ -56,7 +57,7 @@ class Rollouts {
     double radius_m = 0.0;
   };
 
-  /// What a motion has led to after some steps.
+  /// The state of a rollout after some steps.
   struct Progress {
     int steps = 0;
     geometry::SE2 pose_base;  // in base, now
@@ -64,7 +65,7 @@ class Rollouts {
     double obstruction_s = 0.0;
     bool is_touched = false;   // by somebody who moves
     bool has_arrived = false;  // within the goal's tolerance, where the motion ends
-    double nearness_m = 0.0;   // metres driven, each the more the nearer it is to obstacles
+    double nearness_m = 0.0;   // metres driven, weighted by their nearness to obstacles
   };
 
   void consider_forwards(double forward_mps, const Situation& now, const CostToGo& cost_to_go);
@@ -79,7 +80,7 @@ class Rollouts {
            const Situation& now, const CostToGo& cost_to_go);
   [[nodiscard]] double clearance_by_cells_m(const geometry::SE2& pose_base) const;
   [[nodiscard]] double least_clearance_m(const Twist& motion, double forward_mps) const;
-  /// How much a pose at a time is in the way of people: 1 in the middle of somebody's path.
+  /// How much a pose obstructs people at a time, from 0 to 1 in the middle of somebody's path.
   [[nodiscard]] double obstruction(const geometry::SE2& pose_base, double time_s,
                                    const People& people) const;
 
@@ -89,7 +90,7 @@ class Rollouts {
   PeopleParams people_;
   std::vector<Disc> discs_;
   DistanceField obstacles_;
-  Points near_points_base_;  // of them, those that a slow motion can come near
+  Points near_points_base_;  // the obstacles that a slow motion can come near
   double least_clearance_m_ = 0.0;
   double least_creeping_clearance_m_ = 0.0;  // forwards, no faster than Brake creeps
   double least_slow_clearance_m_ = 0.0;      // on the spot and backwards

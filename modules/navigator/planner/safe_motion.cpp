@@ -10,18 +10,18 @@
 namespace nodmap::navigator {
 namespace {
 
-/// Direction of an arc: where it is after so much of it.
+/// The direction of an arc is that of its point at this length.
 constexpr double kLookM = 0.5;
 /// The number of forward rollouts, the best ones, that are offered to Brake.
 constexpr std::size_t kMostOffered = 40;
-/// Fastest speed backwards, where the robot has only what it remembers.
+/// Margin behind the robot, where it has only what it remembers.
 constexpr double kBackwardMarginM = 0.03;
-/// Odometry's noise is slower.
+/// Faster backwards than this the robot is reversing; odometry's noise is slower.
 constexpr double kReversingMps = 0.02;
 constexpr double kRotationMarginM = 0.02;
 constexpr double kLeastRotationRad = geometry::deg_to_rad(2.0);
 
-/// Of a rollout forwards.
+/// Direction of a forward rollout, in base.
 double direction_rad(const Rollout& rollout) {
   return std::clamp(0.5 * kLookM * rollout.yaw_rate_rad_s / rollout.forward_mps, -1.2, 1.2);
 }
@@ -53,7 +53,7 @@ std::optional<Decision> SafeMotion::best_of(const std::vector<Rollout>& rollouts
     if (rollout.cost >= least_cost_m) {
       break;
     }
-    // Rotations and the path back cost next to nothing to check.
+    // Rotations and driving backwards are cheap to check.
     if (rollout.forward_mps > 0.0 && ++num_offered > kMostOffered) {
       continue;
     }
@@ -122,7 +122,7 @@ std::optional<Decision> SafeMotion::drive_forwards(const Rollout& rollout, const
   const double safe_mps = std::min(arc.speed_mps, brake.speed_on_present_arc(now));
   Decision decision;
   decision.forward_mps = std::min({limit_mps, goal_mps, safe_mps});
-  // An emergency stop holds for all rollouts; the next one is not tried.
+  // An emergency stop applies to all rollouts, so no other one is tried.
   if (arc.speed_mps < kLeastSpeedMps) {
     return std::nullopt;
   }
@@ -136,7 +136,7 @@ std::optional<Decision> SafeMotion::drive_forwards(const Rollout& rollout, const
   return decision;
 }
 
-/// Only over floor that was seen and on the strip the body has driven, and slowly: the laser does
+/// Slowly, only over floor that was seen, and on the strip that the body has driven: the laser does
 /// not look there.
 std::optional<Decision> SafeMotion::drive_backwards(const Rollout& rollout, const Brake& brake,
                                                     const Situation& now) const {
