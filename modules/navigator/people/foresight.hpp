@@ -17,12 +17,8 @@ struct Twist {
   }
 };
 
-<<<<<<< HEAD
 /// The motion of the base `time_s` seconds after a command, with accelerations that it surely
 /// reaches.
-=======
-/// The motion of the base `time_s` seconds after a command, with less than its accelerations.
->>>>>>> work-6d
 [[nodiscard]] Twist after(const Twist& now, const Twist& command, double time_s);
 
 /// From a rectangle at a pose to a point, metres; 0 inside.
