@@ -82,8 +82,7 @@ struct PatienceParams {
              "A viewpoint has failed when the navigator has found no path to it for this long.");
     v.number("look_s", look_s, {0.5, 60.0},
              "A viewpoint that the robot has visited is left out for this long, until what was "
-             "seen from "
-             "there is in the map; twice as long after each further visit.");
+             "seen from there is in the map; twice as long after each further visit.");
     v.number("retry_s", retry_s, {1.0, 3600.0},
              "The surroundings of a failed viewpoint are excluded for this long, twice as long "
              "after each further failure; they are tried again sooner when nothing else is left.");
