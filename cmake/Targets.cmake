@@ -119,29 +119,32 @@ function(nodmap_add_test name)
     LABELS ${label} TIMEOUT 600 ENVIRONMENT "LCM_DEFAULT_URL=memq://")
 endfunction()
 
-# nodmap_set_process_test(NAME TIMEOUT_S): marks a test of CTest's that runs processes. It takes two of the jobs that CTest runs at once,
-# and begins before other tests, because it lasts longest.
+# nodmap_set_process_test(NAME TIMEOUT_S [LIGHT]): marks a test of CTest's that runs processes. It counts as two of the jobs that
+# CTest runs at once, or as one if it is LIGHT: one that mostly waits. It begins before other tests, because it lasts longest.
 function(nodmap_set_process_test name timeout_s)
-  set_tests_properties(${name} PROPERTIES LABELS integration TIMEOUT ${timeout_s} SKIP_RETURN_CODE 77 PROCESSORS 2 COST 1000)
+  cmake_parse_arguments(ARG "LIGHT" "" "" ${ARGN})
+  set(jobs 2)
+  if(ARG_LIGHT)
+    set(jobs 1)
+  endif()
+  set_tests_properties(${name} PROPERTIES LABELS integration TIMEOUT ${timeout_s} SKIP_RETURN_CODE 77 PROCESSORS ${jobs} COST 1000)
 endfunction()
+
+# All programs that measure. The default target leaves them out: nobody who builds the programs or runs the tests waits for them.
+add_custom_target(benchmarks)
 
 # nodmap_add_bench_program(NAME SOURCES x.cpp ... DEPENDS target ...): a program that measures, in bin/ beside the others, but not installed.
 function(nodmap_add_bench_program name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
-  if(NOT NODMAP_BENCH)
-    return()
-  endif()
-  add_executable(${name} ${ARG_SOURCES})
+  add_executable(${name} EXCLUDE_FROM_ALL ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE nodmap_options Eigen3::Eigen ${ARG_DEPENDS})
   target_precompile_headers(${name} REUSE_FROM nodmap_pch)
+  add_dependencies(benchmarks ${name})
 endfunction()
 
 # nodmap_add_benchmark(NAME SOURCES x_bench.cpp DEPENDS target ...): a Google Benchmark program, in bench/.
 function(nodmap_add_benchmark name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
-  if(NOT NODMAP_BENCH)
-    return()
-  endif()
   nodmap_add_bench_program(${name} SOURCES ${ARG_SOURCES} DEPENDS ${ARG_DEPENDS} benchmark::benchmark_main)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bench)
 endfunction()
