@@ -8,7 +8,9 @@
 namespace nodmap::formats {
 
 InputFileError cannot_open(const std::filesystem::path& file, int error) {
-  return InputFileError(file.string() + ": cannot open: " + std::system_category().message(error));
+  InputFileError exception(file.string() +
+                           ": cannot open: " + std::system_category().message(error));
+  return exception;
 }
 
 std::ifstream open_input(const std::filesystem::path& file) {

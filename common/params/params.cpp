@@ -66,6 +66,31 @@ std::vector<std::string> split(std::string_view name) {
   return parts;
 }
 
+/// "; did you mean 'X'?", or the known names if none is similar.
+std::string help_for_unknown(std::string_view name, const std::vector<Entry>& entries) {
+  std::vector<std::string> known;
+  std::string list;
+  for (const Entry& entry : entries) {
+    known.push_back(entry.name);
+    list.append(list.empty() ? "; known are: " : ", ").append(entry.name);
+  }
+  const std::string suggestion = did_you_mean(name, known);
+  return !suggestion.empty() ? suggestion : !list.empty() ? list : "; there are none";
+}
+
+/// The value as a line of YAML, after comments with its sentence, unit and range.
+std::string yaml_lines(const Entry& entry, const std::string& key, const std::string& indent) {
+  const std::string_view unit = unit_of(entry.name);
+  return indent + "# " + entry.help + "\n" + indent + "# " + entry.allowed +
+         (unit.empty() ? "" : ", in " + std::string(unit)) + "\n" + indent + key + ": " +
+         (entry.kind == Kind::kText ? quoted(entry.get()) : entry.get()) + "\n";
+}
+
+std::string markdown_row(const Entry& entry) {
+  return "| `" + entry.name + "` | " + entry.get() + " | " + entry.allowed + " | " + entry.help +
+         " |\n";
+}
+
 /// Sets the values of a YAML map and of the maps nested in it; `prefix` is the key of this map with
 /// its dot.
 void load_map(const YAML::Node& map, const std::string& prefix, const std::string& file,
@@ -142,31 +167,26 @@ void Table::text(const std::string& name, std::string& value, std::string help) 
 }
 
 void Table::set(std::string_view name, std::string_view value, const std::string& source) {
-  const auto entry = std::find_if(entries_.begin(), entries_.end(),
-                                  [&](const Entry& e) { return e.name == name; });
+  const auto entry = std::ranges::find(entries_, name, &Entry::name);
   if (entry == entries_.end()) {
-    for (const auto& [old_name, new_name] : renamed_) {
-      if (old_name == name) {
-        throw ParamError(source + ": key '" + old_name + "' is now called '" + new_name + "'");
-      }
-    }
-    std::vector<std::string> known;
-    std::string list;
-    for (const Entry& e : entries_) {
-      known.push_back(e.name);
-      list += (list.empty() ? "" : ", ") + e.name;
-    }
-    const std::string suggestion = did_you_mean(name, known);
-    throw ParamError(source + ": unknown key '" + std::string(name) + "' with value '" +
-                     std::string(value) + "'" +
-                     (!suggestion.empty() ? suggestion
-                      : list.empty()      ? "; there are none"
-                                          : "; known are: " + list));
+    throw_unknown(name, value, source);
   }
   if (!entry->set(value)) {
     throw ParamError(source + ": key '" + std::string(name) + "': '" + std::string(value) +
                      "' is not allowed; it takes " + entry->allowed);
   }
+}
+
+void Table::throw_unknown(std::string_view name, std::string_view value,
+                          const std::string& source) const {
+  const auto renamed = std::ranges::find(
+      renamed_, name, [](const auto& names) { return std::string_view(names.first); });
+  if (renamed != renamed_.end()) {
+    throw ParamError(source + ": key '" + renamed->first + "' is now called '" + renamed->second +
+                     "'");
+  }
+  throw ParamError(source + ": unknown key '" + std::string(name) + "' with value '" +
+                   std::string(value) + "'" + help_for_unknown(name, entries_));
 }
 
 void Table::set_assignment(std::string_view assignment) {
@@ -206,11 +226,7 @@ std::string Table::to_yaml() const {
     for (; common < open.size(); ++common) {
       yaml += std::string(2 * common, ' ') + open[common] + ":\n";
     }
-    const std::string indent(2 * open.size(), ' ');
-    const std::string_view unit = unit_of(entry.name);
-    yaml += indent + "# " + entry.help + "\n" + indent + "# " + entry.allowed +
-            (unit.empty() ? "" : ", in " + std::string(unit)) + "\n" + indent + path.back() + ": " +
-            (entry.kind == Kind::kText ? quoted(entry.get()) : entry.get()) + "\n";
+    yaml += yaml_lines(entry, path.back(), std::string(2 * open.size(), ' '));
   }
   return yaml;
 }
@@ -218,8 +234,7 @@ std::string Table::to_yaml() const {
 std::string Table::to_markdown() const {
   std::string table = "| parameter | default | allowed | meaning |\n|---|---|---|---|\n";
   for (const Entry& entry : entries_) {
-    table += "| `" + entry.name + "` | " + entry.get() + " | " + entry.allowed + " | " +
-             entry.help + " |\n";
+    table += markdown_row(entry);
   }
   return table;
 }

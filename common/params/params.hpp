@@ -129,6 +129,9 @@ class Table {
   [[nodiscard]] std::string to_markdown() const;
 
  private:
+  [[noreturn]] void throw_unknown(std::string_view name, std::string_view value,
+                                  const std::string& source) const;
+
   std::string prefix_;  // of the section being described, with its dot
   std::vector<Entry> entries_;
   std::vector<std::pair<std::string, std::string>> renamed_;  // old key, new key

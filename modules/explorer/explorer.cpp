@@ -65,8 +65,8 @@ Explorer::Explorer(const ExplorerParams& params)
       grid_(0.5 * params.robot.body.width_m + params.side_margin_m),
       chooser_(params),
       waypoints_(params.goal_tolerance_m),
-      failed_places_(params.patience.retry_s, params.patience.max_failures, kSameFailureM),
-      visited_places_(params.patience.look_s, params.patience.max_failures, kSameVisitM) {}
+      failed_places_(params.patience.retry_s, params.patience.max_tries, kSameFailureM),
+      visited_places_(params.patience.look_s, params.patience.max_tries, kSameVisitM) {}
 
 void Explorer::start() {
   end();

@@ -12,21 +12,21 @@ void LeftOutPlaces::add(const Eigen::Vector2d& p_map, time::Timestamp now) {
   if (place == places_.end()) {
     place = places_.insert(places_.end(), {p_map, 0, {}});
   }
-  const double pause_s = pause_s_ * std::exp2(place->num_times++);
+  const double pause_s = pause_s_ * std::exp2(place->num_tries++);
   place->until = now + time::from_seconds(pause_s);
 }
 
 bool LeftOutPlaces::contains(const Eigen::Vector2d& p_map, time::Timestamp now) const {
   return std::ranges::any_of(places_, [&](const Place& place) {
     return (place.p_map - p_map).norm() < same_place_m_ &&
-           (now < place.until || place.num_times >= max_times_);
+           (now < place.until || place.num_tries >= max_tries_);
   });
 }
 
 bool LeftOutPlaces::forgive() {
   bool any = false;
   for (Place& place : places_) {
-    any = any || (place.num_times < max_times_ && place.until != time::Timestamp{});
+    any = any || (place.num_tries < max_tries_ && place.until != time::Timestamp{});
     place.until = {};
   }
   return any;

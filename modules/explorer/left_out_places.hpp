@@ -8,13 +8,16 @@
 
 namespace nodmap::explorer {
 
-/// Places that are left out for a time, which doubles each time, until they are given up.
+/// Places that are left out for a time, which doubles with each further try, until they are given
+/// up.
 class LeftOutPlaces {
  public:
-  /// Places nearer to each other than `same_place_m` count as one.
-  LeftOutPlaces(double pause_s, int max_times, double same_place_m)
-      : pause_s_(pause_s), max_times_(max_times), same_place_m_(same_place_m) {}
+  /// A place is given up after `max_tries`. Places nearer to each other than `same_place_m` count
+  /// as one.
+  LeftOutPlaces(double pause_s, int max_tries, double same_place_m)
+      : pause_s_(pause_s), max_tries_(max_tries), same_place_m_(same_place_m) {}
 
+  /// Adds one try of a place, which has failed or was a visit.
   void add(const Eigen::Vector2d& p_map, time::Timestamp now);
   /// Whether a place near this one is left out at present, or given up.
   [[nodiscard]] bool contains(const Eigen::Vector2d& p_map, time::Timestamp now) const;
@@ -26,12 +29,12 @@ class LeftOutPlaces {
  private:
   struct Place {
     Eigen::Vector2d p_map;
-    int num_times = 0;
+    int num_tries = 0;
     time::Timestamp until{};
   };
 
   double pause_s_;
-  int max_times_;
+  int max_tries_;
   double same_place_m_;
   std::vector<Place> places_;
 };

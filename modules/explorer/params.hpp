@@ -72,7 +72,7 @@ struct PatienceParams {
   double no_path_s = 8.0;
   double look_s = 2.0;
   double retry_s = 30.0;
-  int max_failures = 3;
+  int max_tries = 3;
 
   template <class Visitor>
   void describe(Visitor& v) {
@@ -86,10 +86,9 @@ struct PatienceParams {
     v.number("retry_s", retry_s, {1.0, 3600.0},
              "The surroundings of a failed viewpoint are excluded for this long, twice as long "
              "after each further failure; they are tried again sooner when nothing else is left.");
-    v.integer(
-        "max_failures", max_failures, {1, 10},
-        "After this many failures the surroundings of a viewpoint are given up; a viewpoint also "
-        "after this many visits.");
+    v.integer("max_tries", max_tries, {1, 10},
+              "A viewpoint is given up after this many visits, and with its surroundings after "
+              "this many failures.");
   }
 };
 
@@ -121,6 +120,7 @@ struct ExplorerParams {
     v.section("tour", tour);
     v.section("patience", patience);
     v.renamed("clearance_m", "side_margin_m");
+    v.renamed("patience.max_failures", "patience.max_tries");
   }
 };
 

@@ -1,98 +1,74 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/navigator/reason.hpp"
 
+#include <array>
+#include <cstddef>
+
 namespace nodmap::navigator {
 namespace {
 
-/// The sentence of each reason; % stands for Reason::about.
-const char* sentence_of(Why why) {
-  switch (why) {
-    case Why::kNothingToAdd:
-      return "";
-    case Why::kStopped:
-      return "Stopped by %.";
-    case Why::kLostPose:
-      return "2D SLAM is lost: the direction to the goal is not known.";
-    case Why::kNoInput:
-      return "There is no %.";
-    case Why::kStaleInput:
-      return "The % is stale.";
-    case Why::kFutureInput:
-      return "Odometry is stale, or the % is from the future.";
-    case Why::kTwoSenders:
-      return "Two processes send %.";
-    case Why::kStalledServo:
-      return "The pitch servo is stalled.";
-    case Why::kNoPoseInFence:
-      return "There is a geofence, and no pose by 2D SLAM.";
-    case Why::kOutsideFence:
-      return "The robot is outside of the geofence.";
-    case Why::kGoalOutsideFence:
-      return "The goal is outside of the geofence.";
-    case Why::kDocksByPlanOnly:
-      return "Docks only with planner.use_planner and local_map.use_local_map.";
-    case Why::kMapMisfit:
-      return "Obstacle map and odometry do not fit together.";
-    case Why::kApproach:
-      return "Something approaches: waits until it has passed.";
-    case Why::kSomebodyClose:
-      return "Somebody is close beside or behind: waits until he has passed.";
-    case Why::kGivesWay:
-      return "Gives way to somebody.";
-    case Why::kSlowsDown:
-      return "Slows down for an obstacle.";
-    case Why::kFirstLook:
-      return "Waits until the laser has looked.";
-    case Why::kNoSpeed:
-      return "The pitch controller allows no speed.";
-    case Why::kObstacleAhead:
-      return "There is an obstacle ahead.";
-    case Why::kTurnsToFree:
-      return "Turns to a free direction.";
-    case Why::kLooksAhead:
-      return "Waits until the laser has seen what is ahead.";
-    case Why::kNoFreeDirection:
-      return "No direction is free; will try again.";
-    case Why::kFreeAhead:
-      return "The direction ahead is free.";
-    case Why::kBacksUpTrail:
-      return "Cannot turn: backs up along its trail.";
-    case Why::kNoWayBack:
-      return "Cannot turn, and no path back is known to be free.";
-    case Why::kPlans:
-      return "Plans the path to the goal.";
-    case Why::kNoMotion:
-      return "No motion is free.";
-    case Why::kSqueezes:
-      return "Squeezes through a narrow place.";
-    case Why::kNoPathLooks:
-      return "There is no path to the goal: looks around.";
-    case Why::kNoPath:
-      return "There is no path to the goal.";
-    case Why::kBacksUp:
-      return "Backs up.";
-    case Why::kTurnsToPath:
-      return "Turns towards the path.";
-    case Why::kDockTurns:
-      return "Docks: turns to the heading of the goal.";
-    case Why::kDockBacksOff:
-      return "Docks: backs off for another try.";
-    case Why::kDockFailed:
-      return "Cannot dock: the last try was not exact enough, or was blocked.";
-    case Why::kDockSettles:
-      return "Docks: waits until its pose is sure.";
-    case Why::kDockBlocked:
-      return "Docks: waits until the path is free.";
-    case Why::kDocks:
-      return "Docks.";
+struct Sentence {
+  Why why;
+  const char* text;  // % stands for Reason::about
+};
+
+/// The sentence of each reason, in the order of Why.
+constexpr auto kSentences = std::to_array<Sentence>({
+    {Why::kNothingToAdd, ""},
+    {Why::kStopped, "Stopped by %."},
+    {Why::kLostPose, "2D SLAM is lost: the direction to the goal is not known."},
+    {Why::kNoInput, "There is no %."},
+    {Why::kStaleInput, "The % is stale."},
+    {Why::kFutureInput, "Odometry is stale, or the % is from the future."},
+    {Why::kTwoSenders, "Two processes send %."},
+    {Why::kStalledServo, "The pitch servo is stalled."},
+    {Why::kNoPoseInFence, "There is a geofence, and no pose by 2D SLAM."},
+    {Why::kOutsideFence, "The robot is outside of the geofence."},
+    {Why::kGoalOutsideFence, "The goal is outside of the geofence."},
+    {Why::kDocksByPlanOnly, "Docks only with planner.use_planner and local_map.use_local_map."},
+    {Why::kMapMisfit, "Obstacle map and odometry do not fit together."},
+    {Why::kApproach, "Something approaches: waits until it has passed."},
+    {Why::kSomebodyClose, "Somebody is close beside or behind: waits until he has passed."},
+    {Why::kGivesWay, "Gives way to somebody."},
+    {Why::kSlowsDown, "Slows down for an obstacle."},
+    {Why::kFirstLook, "Waits until the laser has looked."},
+    {Why::kNoSpeed, "The pitch controller allows no speed."},
+    {Why::kObstacleAhead, "There is an obstacle ahead."},
+    {Why::kTurnsToFree, "Turns to a free direction."},
+    {Why::kLooksAhead, "Waits until the laser has seen what is ahead."},
+    {Why::kNoFreeDirection, "No direction is free; will try again."},
+    {Why::kFreeAhead, "The direction ahead is free."},
+    {Why::kBacksUpTrail, "Cannot turn: backs up along its trail."},
+    {Why::kNoWayBack, "Cannot turn, and no path back is known to be free."},
+    {Why::kPlans, "Plans the path to the goal."},
+    {Why::kNoMotion, "No motion is free."},
+    {Why::kSqueezes, "Squeezes through a narrow place."},
+    {Why::kNoPathLooks, "There is no path to the goal: looks around."},
+    {Why::kNoPath, "There is no path to the goal."},
+    {Why::kBacksUp, "Backs up."},
+    {Why::kTurnsToPath, "Turns towards the path."},
+    {Why::kDockTurns, "Docks: turns to the heading of the goal."},
+    {Why::kDockBacksOff, "Docks: backs off for another try."},
+    {Why::kDockFailed, "Cannot dock: the last try was not exact enough, or was blocked."},
+    {Why::kDockSettles, "Docks: waits until its pose is sure."},
+    {Why::kDockBlocked, "Docks: waits until the path is free."},
+    {Why::kDocks, "Docks."},
+});
+
+constexpr bool is_in_order() {
+  for (std::size_t i = 0; i < kSentences.size(); ++i) {
+    if (static_cast<std::size_t>(kSentences[i].why) != i) {
+      return false;
+    }
   }
-  return "";
+  return kSentences.back().why == Why::kDocks;
 }
+static_assert(is_in_order(), "Each reason has a sentence, in the order of Why.");
 
 }  // namespace
 
 std::string to_text(const Reason& reason) {
-  std::string text = sentence_of(reason.why);
+  std::string text = kSentences.at(static_cast<std::size_t>(reason.why)).text;
   if (const auto place = text.find('%'); place != std::string::npos) {
     text.replace(place, 1, reason.about);
   }

@@ -12,6 +12,13 @@
 
 namespace nodmap::navigator::test {
 
+/// Time from one scan to the next: a mirror revolution.
+constexpr double kScanS = 0.01332;
+
+inline time::Timestamp at(double time_s) {
+  return time::Timestamp(time::from_seconds(time_s));
+}
+
 /// Upright, from the floor on.
 struct Pillar {
   Eigen::Vector2d center = Eigen::Vector2d::Zero();

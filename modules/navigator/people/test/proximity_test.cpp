@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/navigator/people/proximity.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "modules/navigator/local_map/local_map.hpp"
+#include "modules/navigator/people/test/walking_scene.hpp"
+
+namespace nodmap::navigator {
+namespace proximity_test {
+
+using test::at;
+using test::kScanS;
+using test::WalkingScene;
+
+/// What the infrared range finders see, one of them.
+Proximity::Ranges only(robot::Infrared sensor, double range_m) {
+  Proximity::Ranges ranges_m;
+  ranges_m.fill(std::numeric_limits<double>::quiet_NaN());
+  ranges_m[static_cast<std::size_t>(sensor)] = range_m;
+  return ranges_m;
+}
+
+class ProximityTest : public ::testing::Test {
+ protected:
+  static constexpr robot::Infrared kBack = robot::Infrared::kBack;
+  static constexpr robot::Infrared kRight = robot::Infrared::kRight;
+
+  /// From the origin the floor ahead and a post are seen; then the robot stands on that floor.
+  ProximityTest() {
+    const WalkingScene scene{{{{1.5, -0.6}, 0.1, 1.7}}, 6.0};
+    for (double time_s = 0.0; time_s < 3.0; time_s += kScanS) {
+      map_.add_scan(scene.scan(at(time_s), {}, test::nodding_pitch_rad(time_s)), {});
+    }
+  }
+
+  [[nodiscard]] bool sees(double time_s, const Proximity::Ranges& ranges_m,
+                          const People& tracked_odom = {}) {
+    proximity_.add(at(time_s), ranges_m, {1.5, 0.0, 0.0}, map_, tracked_odom);
+    return proximity_.is_detected(at(time_s));
+  }
+
+  LocalMap map_{{}, {}};
+  Proximity proximity_;
+};
+
+TEST_F(ProximityTest, SomebodyBehindIsDetectedUntilHalfASecondAfter) {
+  EXPECT_FALSE(sees(10.0, only(kBack, std::numeric_limits<double>::quiet_NaN())));
+  EXPECT_TRUE(sees(11.0, only(kBack, 0.4)));
+  EXPECT_TRUE(sees(11.4, only(kRight, std::numeric_limits<double>::quiet_NaN())));
+  EXPECT_FALSE(proximity_.is_detected(at(11.6)));
+  EXPECT_FALSE(proximity_.is_detected(at(9.0))) << "a clock that was set back";
+}
+
+TEST_F(ProximityTest, WhatTheMapHasIsNobody) {
+  EXPECT_FALSE(sees(10.0, only(kRight, 0.335))) << "the post";
+  EXPECT_FALSE(sees(10.1, only(kRight, 0.25))) << "by an error of the sensor";
+  EXPECT_TRUE(sees(10.2, only(kRight, 0.1))) << "before it";
+}
+
+// The reading behind is 0.4 m from the body, whose rear is at 1.5 - 0.225 m.
+TEST_F(ProximityTest, WhoIsTrackedIsNoStranger) {
+  const Person him{{0.7, 0.0}, {0.5, 0.0}, 0.25, 0.1, 0.1};
+  Person elsewhere = him;
+  elsewhere.position.x() = 0.0;
+  EXPECT_FALSE(sees(10.0, only(kBack, 0.4), {him}));
+  EXPECT_TRUE(sees(10.1, only(kBack, 0.4), {elsewhere}));
+}
+
+TEST_F(ProximityTest, WhereNoFloorWasSeenSomethingMayStand) {
+  proximity_.add(at(10.0), only(kBack, 0.4), {-2.0, 0.0, 0.0}, map_, {});
+  EXPECT_FALSE(proximity_.is_detected(at(10.0)));
+}
+
+TEST_F(ProximityTest, WhatStandsIsWaitedForBriefly) {
+  double time_s = 10.0;
+  for (; time_s < 10.55; time_s += 0.05) {
+    EXPECT_TRUE(sees(time_s, only(kBack, 0.4)));
+  }
+  for (; time_s < 11.2; time_s += 0.05) {
+    static_cast<void>(sees(time_s, only(kBack, 0.4)));
+  }
+  EXPECT_FALSE(sees(time_s, only(kBack, 0.4)));
+  EXPECT_TRUE(sees(time_s + 0.05, only(kBack, 0.3))) << "it comes";
+}
+
+TEST_F(ProximityTest, AnObstacleThatWasForgottenIsNobody) {
+  // Odometry drifts while the robot rotates, and looks elsewhere: 8 rad count as 32 m of travel.
+  for (int i = 0; i < 80; ++i) {
+    const double yaw_rad = geometry::kPi + (i % 2 == 0 ? 0.05 : -0.05);
+    map_.add_scan(WalkingScene{{}, 6.0}.scan(at(3.0 + i * kScanS), {0.0, 0.0, yaw_rad}, 0.0),
+                  {0.0, 0.0, yaw_rad});
+  }
+  ASSERT_FALSE(map_.is_blocked_at(Eigen::Vector2d(1.5, -0.5))) << "the post";
+  EXPECT_FALSE(sees(10.0, only(kRight, 0.335)));
+}
+
+/// There nothing but the body's place is known; the border is no exception.
+TEST_F(ProximityTest, FloorThatIsAssumedWhereTheRobotWasSetDownIsNotKnownToBeFree) {
+  const WalkingScene scene{{}, 6.0};
+  LocalMap map{{}, {}};
+  map.add_scan(scene.scan(at(0.0), {}, 0.0), {});
+  ASSERT_TRUE(map.is_free_floor({-0.35, 0.0}));
+  for (std::size_t sensor = 0; sensor < robot::kInfraredCount; ++sensor) {
+    for (double range_m = 0.1; range_m <= 0.8; range_m += 0.005) {
+      Proximity proximity;
+      proximity.add(at(10.0), only(static_cast<robot::Infrared>(sensor), range_m), {}, map, {});
+      EXPECT_FALSE(proximity.is_detected(at(10.0))) << sensor << ' ' << range_m;
+    }
+  }
+}
+
+}  // namespace proximity_test
+}  // namespace nodmap::navigator

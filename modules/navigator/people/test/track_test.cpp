@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "modules/navigator/people/people_tracker.hpp"
+#include "modules/navigator/people/test/walking_scene.hpp"
+
+namespace nodmap::navigator {
+namespace track_test {
+
+using test::at;
+using test::kScanS;
+
+/// Covariance of positions at two times, and of a later velocity with the position at a time:
+/// a walk with uncertain start and velocity and white acceleration.
+double cov_pp(double t, double s) {
+  const double first = std::min(t, s);
+  const double last = std::max(t, s);
+  return std::pow(Track::kPositionSigmaM, 2) + std::pow(Track::kVelocitySigmaMps, 2) * t * s +
+         Track::kAccelerationDensity * first * first * (3.0 * last - first) / 6.0;
+}
+double cov_vp(double s) {
+  return std::pow(Track::kVelocitySigmaMps, 2) * s + 0.5 * Track::kAccelerationDensity * s * s;
+}
+
+// The filter's state is that of all detections at once, conditioned as one Gaussian. The first
+// detection is the prior's mean. Rounding only.
+TEST(Track, IsTheGaussianConditionedOnAllDetections) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise_m(0.0, 0.1);
+  const std::vector<double> times_s{0.0, 0.013, 0.027, 0.3, 0.313, 0.6, 0.62, 1.1};
+  std::vector<double> z;
+  for (const double t : times_s) {
+    z.push_back(2.0 - 1.1 * t + noise_m(random));
+  }
+  Track track(time::Timestamp{}, {{z[0], 0.0}, 0.25, 0, 0});
+  for (std::size_t i = 1; i < z.size(); ++i) {
+    track.predict(at(times_s[i]));
+    track.update({{z[i], 0.0}, 0.25, 0, 0});
+  }
+  const auto n = static_cast<Eigen::Index>(z.size()) - 1;
+  Eigen::MatrixXd S(n, n);
+  Eigen::VectorXd innovation(n);
+  Eigen::RowVectorXd p(n);
+  Eigen::RowVectorXd v(n);
+  const double t_end = times_s.back();
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const double t = times_s[static_cast<std::size_t>(i) + 1];
+    innovation[i] = z[static_cast<std::size_t>(i) + 1] - z[0];
+    p[i] = cov_pp(t_end, t);
+    v[i] = cov_vp(t);
+    for (Eigen::Index j = 0; j < n; ++j) {
+      S(i, j) = cov_pp(t, times_s[static_cast<std::size_t>(j) + 1]) +
+                (i == j ? std::pow(Track::kPositionSigmaM, 2) : 0.0);
+    }
+  }
+  const Eigen::VectorXd weights = S.ldlt().solve(innovation);
+  EXPECT_NEAR(track.person().position.x(), z[0] + p.dot(weights), 1e-9);
+  EXPECT_NEAR(track.person().velocity.x(), v.dot(weights), 1e-9);
+  const double variance = cov_pp(t_end, t_end) - p.dot(S.ldlt().solve(p.transpose()));
+  EXPECT_NEAR(track.person().position_sigma_m, std::sqrt(variance), 1e-9);
+}
+
+TEST(Track, BetweenSightingsTheErrorGrows) {
+  Track track(time::Timestamp{}, {{1.0, 0.0}, 0.25, 0, 0});
+  double last_m = 0.0;
+  for (double t = 0.0; t < 1.0; t += 0.1) {
+    track.predict(at(t));
+    EXPECT_GT(track.person().position_sigma_m, last_m);
+    last_m = track.person().position_sigma_m;
+  }
+}
+
+// A board at one height, which a line has met first here and then there, is nobody, however well
+// its places fit a motion; somebody who walks the same way is.
+TEST(Track, WhatIsMeasuredAtOneHeightIsNobody) {
+  for (const double height_m : {0.04, 0.3}) {
+    Track track(time::Timestamp{}, {{2.0, 0.0}, 0.25, 0, 5, 0.44, 0.44});
+    for (int i = 1; i < 60; ++i) {
+      const double time_s = kScanS * i;
+      track.predict(at(time_s));
+      const double low_m = 0.44 - height_m * (i % 6) / 5.0;
+      track.update({{2.0 - 1.0 * time_s, 0.0}, 0.25, 0, 5, low_m, low_m});
+      if (i == 8) {
+        EXPECT_EQ(track.is_new(), height_m > 0.1);
+      }
+    }
+    EXPECT_EQ(track.moves(), height_m > 0.1);
+  }
+}
+
+}  // namespace track_test
+}  // namespace nodmap::navigator

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/navigator/brake.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace nodmap::navigator {
+namespace brake_test {
+
+using geometry::deg_to_rad;
+
+constexpr double kInf = std::numeric_limits<double>::infinity();
+
+TEST(Brake, YawRateAndLateralAccelerationLimitTheSpeedOnAnArc) {
+  NavigatorParams params;
+  params.drive.max_forward_mps = 1.5;
+  params.drive.max_yaw_rate_rad_s = 1.4;
+  params.drive.max_lateral_mps2 = 0.8;
+  const Brake brake(params);
+  EXPECT_EQ(brake.speed_limit(0.0, 2.0), 1.5);
+  EXPECT_EQ(brake.speed_limit(0.0, 0.3), 0.3);
+  EXPECT_NEAR(brake.speed_limit(0.5, 2.0), std::sqrt(1.6), 1e-12);
+  EXPECT_NEAR(brake.speed_limit(-7.0, 2.0), 0.2, 1e-12);
+  EXPECT_EQ(brake.speed_limit(0.0, -0.5), 0.0);
+}
+
+// 4.5 cm beside the body: within the side margin of 6 cm, outside the creep margin of 3 cm.
+TEST(Brake, CreepsPastWhatIsWithinTheSideMargin) {
+  const NavigatorParams params;
+  Situation now;
+  now.points_base = {{0.3, 0.5 * params.robot.body.width_m + 0.045}};
+  EXPECT_EQ(Brake(params, true).measure_arc(0.0, now).speed_mps, params.drive.creep_mps);
+  EXPECT_LT(Brake(params).measure_arc(0.0, now).speed_mps, params.drive.creep_mps);
+  now.points_base = {{0.3, 0.5 * params.robot.body.width_m + 0.02}};
+  EXPECT_LT(Brake(params, true).measure_arc(0.0, now).speed_mps, params.drive.creep_mps);
+}
+
+// 5 cm are left before what is ahead. From v it is stationary after v * 0.1 s + v^2 / 2 / 1.5; at
+// 0.2 m/s an emergency stop of 3 m/s^2 takes 6.7 mm.
+TEST(Brake, CreepsUpToFiveCentimetresBeforeAnObstacle) {
+  const NavigatorParams params;
+  const Brake brake(params, true);
+  Situation now;
+  now.forward_mps = 0.2;
+  const auto put_ahead = [&](double distance_m) {
+    now.points_base = {{0.5 * params.robot.body.length_m + 0.05 + distance_m, 0.0}};
+  };
+  put_ahead(0.02);
+  const double v = brake.measure_arc(0.0, now).speed_mps;
+  EXPECT_NEAR(v * 0.1 + v * v / 3.0, 0.02, 1e-9);
+  put_ahead(0.008);
+  EXPECT_GT(brake.speed_on_present_arc(now), 0.0);
+  put_ahead(0.006);
+  EXPECT_EQ(brake.speed_on_present_arc(now), 0.0);
+  put_ahead(-0.001);
+  EXPECT_EQ(brake.measure_arc(0.0, now).speed_mps, 0.0);
+}
+
+// The front is 0.225 m ahead, 0.15 m are left; from 2 m/s an emergency stop takes 0.67 m.
+TEST(Brake, StopsAtOnceNearerThanAnEmergencyStopNeeds) {
+  const Brake brake(NavigatorParams{});
+  const auto speed = [&](double forward_mps, double x_m) {
+    Situation now;
+    now.forward_mps = forward_mps;
+    now.points_base = {{x_m, 0.0}};
+    return brake.speed_on_present_arc(now);
+  };
+  const auto at = [&](double distance_m) { return speed(2.0, 0.225 + 0.15 + distance_m); };
+  EXPECT_EQ(at(0.66), 0.0);
+  EXPECT_GT(at(0.68), 0.0);
+  EXPECT_EQ(speed(0.05, 0.3), kInf);
+}
+
+// A body smaller by half a cell, 0.2125 m x 0.1525 m to each side, touches a place behind it at
+// radius r once that is at the angle acos(-0.2125 / r). From there on the rate is that of a
+// rotation which stops in time: 5 rad/s^2 after 0.1 s.
+TEST(Brake, RotatesSlowlyOverGroundThatIsNotKnownToBeFree) {
+  const Brake brake(NavigatorParams{});
+  const auto rotate = [&](double yaw_rate_rad_s, const Points& doubtful_base) {
+    Situation now;
+    now.doubtful_base = doubtful_base;
+    Decision decision;
+    decision.yaw_rate_rad_s = yaw_rate_rad_s;
+    brake.keep_to_known_ground(decision, now);
+    return decision.yaw_rate_rad_s;
+  };
+  const Eigen::Vector2d behind(-0.2234, 0.1158);
+  const double free_rad = std::atan2(behind.y(), behind.x()) - std::acos(-0.2125 / behind.norm());
+  EXPECT_EQ(rotate(1.0, {}), 1.0);
+  EXPECT_EQ(rotate(1.0, {{-0.3, 0.1}}), 1.0);  // outside the circle of the corners
+  EXPECT_NEAR(rotate(1.0, {behind}), std::sqrt(0.25 + 10.0 * free_rad) - 0.5, 1e-9);
+  EXPECT_NEAR(rotate(-1.0, {{0.1, -0.153}}), -deg_to_rad(10.0), 1e-12);  // 0.3 degrees
+}
+
+// An arc to the left swings the rear to the right.
+TEST(Brake, SwingsItsRearSlowlyOverGroundThatIsNotKnownToBeFree) {
+  const Brake brake(NavigatorParams{});
+  const auto drive = [&](double curvature, const Eigen::Vector2d& doubtful_base) {
+    Situation now;
+    now.doubtful_base = {doubtful_base};
+    Decision decision;
+    decision.forward_mps = 0.3;
+    decision.yaw_rate_rad_s = 0.3 * curvature;
+    brake.keep_to_known_ground(decision, now);
+    EXPECT_NEAR(decision.yaw_rate_rad_s, curvature * decision.forward_mps, 1e-12);
+    return decision.forward_mps;
+  };
+  EXPECT_NEAR(drive(4.0, {-0.15, -0.153}), deg_to_rad(10.0) / 4.0,
+              1e-12);  // touches it within 1 mm
+  EXPECT_EQ(drive(4.0, {-0.15, 0.25}), 0.3);
+  EXPECT_EQ(drive(0.0, {-0.15, -0.17}), 0.3);
+}
+
+}  // namespace brake_test
+}  // namespace nodmap::navigator

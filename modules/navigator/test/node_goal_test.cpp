@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How the node drives to a goal, and by which poses.
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <string>
+
+#include "common/node/messages.hpp"
+#include "modules/navigator/node.hpp"
+#include "modules/navigator/test/navigator_node.hpp"
+
+namespace nodmap::navigator {
+namespace node_goal_test {
+
+using test::NavigatorNodeTest;
+
+/// May not leave a square of 8 m.
+class NavigatorNodeGeofence : public NavigatorNodeTest {
+ protected:
+  NavigatorNodeGeofence() : NavigatorNodeTest(false, "POLYGON((-4 -4, 4 -4, 4 4, -4 4))") {}
+
+  void give_pose(double x_m, std::int8_t state = nodmap::pose_t::TRACKING) {
+    nodmap::pose_t pose{};
+    pose.utime = now_us_;
+    pose.state = state;
+    pose.orientation[0] = pose.odom_orientation[0] = 1.0;
+    pose.odom_position_m[0] = x_m;
+    bus_.deliver("POSE_2D", pose);
+  }
+
+  void run_with_poses(double duration_s, double x_m = 0.0) {
+    for (double t = 0.0; t < duration_s - 0.05; t += 0.1) {
+      give_pose(x_m);
+      run(0.1);
+    }
+  }
+};
+
+TEST_F(NavigatorNodeGeofence, ItDrivesOnlyWhileItKnowsWhereItIs) {
+  run(2.0);
+  EXPECT_TRUE(halts());
+  EXPECT_EQ(navigation().reason, "There is a geofence, and no pose by 2D SLAM.");
+  run_with_poses(2.0);
+  EXPECT_TRUE(drives());
+  run(1.9);
+  EXPECT_TRUE(drives()) << "the last pose is not older than 2 s";
+  run(0.2);
+  EXPECT_TRUE(halts());
+  run_with_poses(2.0);
+  EXPECT_TRUE(drives());
+  give_pose(0.0, nodmap::pose_t::LOST);
+  tick();
+  EXPECT_TRUE(halts());
+  EXPECT_EQ(navigation().reason, "There is a geofence, and no pose by 2D SLAM.");
+}
+
+TEST_F(NavigatorNodeGeofence, ItBrakesBeforeTheBoundaryAndStandsOutside) {
+  run_with_poses(2.0, 1.0);
+  ASSERT_TRUE(drives());
+  const double front_m = robot::Body{}.footprint().half_length_m;
+  EXPECT_NEAR(navigation().clear_distance_m, 4.0 - 1.0 - front_m, 0.02) << "a point each 2 cm";
+  run_with_poses(0.1, 4.1);
+  EXPECT_TRUE(halts());
+  EXPECT_EQ(navigation().reason, "The robot is outside of the geofence.");
+}
+
+TEST_F(NavigatorNodeGeofence, AGoalOutsideIsNotDrivenTo) {
+  nodmap::goal_t goal{};
+  goal.is_active = 1;
+  goal.position_m[0] = 5.0;
+  goal.tolerance_m = 0.3;
+  bus_.deliver("GOAL", goal);
+  run_with_poses(2.0);
+  EXPECT_TRUE(halts());
+  EXPECT_EQ(navigation().reason, "The goal is outside of the geofence.");
+  EXPECT_EQ(bus_.last<nodmap::path_t>("PATH").state, nodmap::path_t::NO_PATH);
+}
+
+TEST_F(NavigatorNodeTest, GoesToAGoalInTheCorrectedMap) {
+  run(1.5);
+  nodmap::goal_t goal{};
+  goal.is_active = true;
+  goal.tolerance_m = 0.2;
+  goal.position_m[0] = 3.0;
+  goal.position_m[1] = 1.0;
+  bus_.deliver("GOAL", goal);
+  // The map is 1 m to the left of odom: in odom the goal is straight ahead.
+  bus_.deliver("POSE_2D",
+               node::write_corrected_pose(time::from_utime(now_us_), geometry::to_se3({0, 1, 0}),
+                                          geometry::to_se3({0, 1, 0})));
+  tick();
+  EXPECT_NEAR(navigation().steering_angle_rad, 0.0, 1e-9);
+  x_ = 2.9;
+  odometry_seq_ = 0;  // set down there: odometry begins anew
+  run(1.5);
+  EXPECT_EQ(navigation().behaviour, nodmap::navigation_t::ARRIVED);
+  EXPECT_EQ(drive().forward_mps, 0.0);
+  goal.tolerance_m = 0.0;
+  bus_.deliver("GOAL", goal);
+  EXPECT_EQ(rejected("implausible_goal"), 1);
+  goal.is_active = false;
+  bus_.deliver("GOAL", goal);
+  run(0.1);
+  EXPECT_TRUE(drives());
+}
+
+TEST_F(NavigatorNodeTest, AGoalWithAHeadingNeedsTolerancesAndTheLocalMap) {
+  run(1.5);
+  nodmap::goal_t goal{};
+  goal.is_active = 1;
+  goal.tolerance_m = 0.02;
+  goal.has_heading = 1;
+  goal.heading_rad = std::numeric_limits<double>::quiet_NaN();
+  goal.heading_tolerance_rad = geometry::deg_to_rad(1.0);
+  bus_.deliver("GOAL", goal);
+  EXPECT_EQ(rejected("implausible_goal"), 1);
+  goal.heading_rad = 0.0;
+  goal.heading_tolerance_rad = 0.0;
+  bus_.deliver("GOAL", goal);
+  EXPECT_EQ(rejected("implausible_goal"), 2);
+  goal.heading_tolerance_rad = geometry::deg_to_rad(1.0);
+  bus_.deliver("GOAL", goal);
+  tick();
+  EXPECT_TRUE(halts());
+  EXPECT_EQ(navigation().reason,
+            "Docks only with planner.use_planner and local_map.use_local_map.");
+}
+
+// Without a goal the place in the map does not matter.
+TEST_F(NavigatorNodeTest, ToAGoalItSlowsWhenThePoseIsDegradedAndHaltsWhenItIsLost) {
+  const auto give_pose = [this](std::int8_t state, double variance_m2 = 0.0) {
+    auto pose = node::write_corrected_pose(time::from_utime(now_us_), geometry::SE3::Identity(),
+                                           geometry::SE3::Identity());
+    pose.state = state;
+    // Half a metre along a corridor that runs diagonally in map, nothing across.
+    pose.covariance[0][0] = pose.covariance[0][1] = variance_m2;
+    pose.covariance[1][0] = pose.covariance[1][1] = variance_m2;
+    bus_.deliver("POSE_2D", pose);
+    tick();
+  };
+  run(1.5);
+  give_pose(nodmap::pose_t::LOST);
+  EXPECT_TRUE(drives());
+  nodmap::goal_t goal{};
+  goal.is_active = true;
+  goal.tolerance_m = 0.2;
+  goal.position_m[0] = 100.0;
+  bus_.deliver("GOAL", goal);
+  tick();
+  EXPECT_TRUE(halts());
+  EXPECT_NE(navigation().reason.find("lost"), std::string::npos) << navigation().reason;
+  give_pose(nodmap::pose_t::TRACKING);
+  run(2.0);
+  const double fast_mps = navigation().max_forward_mps;
+  give_pose(nodmap::pose_t::DEGRADED);
+  run(2.0);
+  EXPECT_GT(drive().forward_mps, 0.0);
+  EXPECT_LE(drive().forward_mps, 0.5 * DriveParams{}.max_forward_mps);
+  EXPECT_LT(navigation().max_forward_mps, fast_mps) << "the covariance is not known";
+  give_pose(nodmap::pose_t::DEGRADED, 0.125);
+  run(1.0);
+  EXPECT_EQ(navigation().max_forward_mps, fast_mps) << "the goal is farther than three sigmas";
+  goal.position_m[0] = 1.69;
+  bus_.deliver("GOAL", goal);
+  tick();
+  EXPECT_LT(navigation().max_forward_mps, fast_mps);
+  goal.position_m[0] = 1.71;
+  bus_.deliver("GOAL", goal);
+  tick();
+  EXPECT_EQ(navigation().max_forward_mps, fast_mps);
+}
+
+}  // namespace node_goal_test
+}  // namespace nodmap::navigator

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How the node acts on inputs that are lost, late or from another time.
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <limits>
+#include <map>
+
+#include "common/node/messages.hpp"
+#include "modules/navigator/node.hpp"
+#include "modules/navigator/test/navigator_node.hpp"
+
+namespace nodmap::navigator {
+namespace node_staleness_test {
+
+using test::NavigatorNodeScans;
+using test::NavigatorNodeTest;
+
+TEST_F(NavigatorNodeTest, EachLostInputHaltsTheRobotUntilItIsBack) {
+  // The limit and one odometry period; lost odometry is noticed with the maps.
+  const std::map<int, double> limit_s{
+      {kOdometry, 0.1}, {kMap, 0.1}, {kCommand, 0.15}, {kState, 0.15}};
+  for (const auto& [lost, seconds] : limit_s) {
+    run(2.0);
+    ASSERT_TRUE(drives()) << lost;
+    run(seconds, lost);
+    EXPECT_FALSE(halts()) << lost;
+    tick(lost);
+    EXPECT_TRUE(halts()) << lost;
+    EXPECT_EQ(node_.health().state, node::HealthState::kDegraded);
+    run(2.0);
+    EXPECT_TRUE(drives()) << lost;
+  }
+}
+
+// 0.13 s without a map: it stops for what is left of them and drives on, for two sweeps of 0.35 s
+// at half of the bound of 1 m/s.
+TEST_F(NavigatorNodeTest, AfterAShortGapInTheScansItDrivesOnSlowly) {
+  run(2.0);
+  ASSERT_EQ(drive().forward_mps, 1.0);
+  run(0.13, kMap);
+  EXPECT_TRUE(halts());
+  double slowly_s = 0.0;
+  for (tick(); drive().forward_mps < 1.0 && slowly_s < 2.0; tick()) {
+    ASSERT_EQ(drive().forward_mps, 0.5);
+    slowly_s += 0.01;
+  }
+  EXPECT_GT(slowly_s, 0.35);  // one sweep and what is left of another
+  EXPECT_LE(slowly_s, 0.7);
+}
+
+// 0.13 s each half second: each place may be missed again and again, so it stands and looks.
+TEST_F(NavigatorNodeTest, GapsThatFollowOneAnotherMakeItStandAndLook) {
+  run(2.0);
+  ASSERT_TRUE(drives());
+  run(0.13, kMap);
+  run(0.37);
+  run(0.13, kMap);
+  tick();
+  EXPECT_EQ(drive().forward_mps, 0.0);
+}
+
+TEST_F(NavigatorNodeTest, AfterALongGapInTheScansItStandsAndLooks) {
+  run(2.0);
+  ASSERT_TRUE(drives());
+  run(0.25, kMap);
+  run(0.35);
+  EXPECT_EQ(drive().forward_mps, 0.0);
+}
+
+TEST_F(NavigatorNodeScans, LostScansHaltTheRobotUntilTheyAreBack) {
+  run(0.5);
+  EXPECT_TRUE(halts());
+  EXPECT_EQ(navigation().reason, "There is no scan for the local map.");
+  tick_with_scan();
+  tick_with_scan();
+  EXPECT_FALSE(halts());
+  run(0.1);
+  EXPECT_FALSE(halts());
+  tick();
+  EXPECT_TRUE(halts());
+  EXPECT_EQ(navigation().reason, "The scan for the local map is stale.");
+  tick_with_scan();
+  tick_with_scan();
+  EXPECT_FALSE(halts());
+}
+
+TEST_F(NavigatorNodeTest, WithoutAnyMapItHaltsWithTheReason) {
+  give_odometry(now_us_);
+  EXPECT_TRUE(halts());
+  EXPECT_EQ(navigation().reason, "There is no obstacle map.");
+}
+
+TEST_F(NavigatorNodeTest, MapsFromTheFutureOrThePastHaltOnlyUntilTheNextGoodOne) {
+  run(1.5);
+  bus_.deliver("OBSTACLE_MAP", empty_map(now_us_ + 3'600'000'000));
+  EXPECT_TRUE(halts());
+  bus_.deliver("OBSTACLE_MAP", empty_map(now_us_ - 3'600'000'000));
+  EXPECT_TRUE(halts());
+  run(1.5);
+  EXPECT_TRUE(drives());
+}
+
+TEST_F(NavigatorNodeTest, ClocksThatStepBackAllTogetherAreFollowed) {
+  run(1.5);
+  now_us_ -= 60'000'000;
+  tick();
+  EXPECT_TRUE(halts() || drive().forward_mps == 0.0);
+  run(2.0);
+  EXPECT_TRUE(drives());
+}
+
+TEST_F(NavigatorNodeTest, OdometryThatBeganAnewNeedsANewMap) {
+  run(1.5);
+  run(0.3, kOdometry);  // a process takes longer to start
+  odometry_seq_ = 0;
+  x_ = 100.0;
+  give_odometry(now_us_ + 10'000);
+  EXPECT_TRUE(halts());
+  bus_.deliver("OBSTACLE_MAP", empty_map(now_us_));  // made in the former frame
+  EXPECT_EQ(rejected("map_of_former_odometry"), 1);
+  run(1.5);
+  EXPECT_TRUE(drives());
+}
+
+TEST_F(NavigatorNodeTest, ABaseThatStartsAnewBeforeTheClockIsSetBackIsFollowed) {
+  run(1.5);
+  odometry_seq_ = 0;
+  tick();
+  now_us_ -= 600'000'000;
+  run(2.0);
+  EXPECT_TRUE(drives());
+}
+
+TEST_F(NavigatorNodeTest, AMapTooFarFromOdometryHalts) {
+  run(1.5);
+  x_ = 50.0;
+  give_odometry(now_us_ + 10'000);
+  EXPECT_TRUE(halts());
+}
+
+}  // namespace node_staleness_test
+}  // namespace nodmap::navigator

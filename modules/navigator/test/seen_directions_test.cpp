@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/navigator/seen_directions.hpp"
+
+#include <gtest/gtest.h>
+
+#include "common/geometry/angle.hpp"
+
+namespace nodmap::navigator {
+namespace seen_directions_test {
+
+using geometry::deg_to_rad;
+
+TEST(SeenDirections, ADirectionIsSeenAfterTwoSweeps) {
+  SeenDirections view(deg_to_rad(70));
+  view.update(0.0, 10);
+  EXPECT_FALSE(view.is_seen(0.0, 2));
+  view.update(0.0, 11);
+  EXPECT_FALSE(view.is_seen(0.0, 2));
+  view.update(0.0, 12);
+  EXPECT_TRUE(view.is_seen(0.0, 2));
+  EXPECT_TRUE(view.is_seen(deg_to_rad(-69), 2));
+  EXPECT_FALSE(view.is_seen(deg_to_rad(80), 2));
+}
+
+TEST(SeenDirections, AfterAShortGapOnlyWhatWasSeenBeforeIsStillSeen) {
+  SeenDirections view(deg_to_rad(70));
+  view.update(0.0, 0);
+  view.update(0.0, 1);
+  view.update(deg_to_rad(40), 2);
+  view.forget_unseen(2);
+  view.update(deg_to_rad(40), 3);
+  EXPECT_TRUE(view.is_seen(deg_to_rad(-40), 2));  // compass 0: for two sweeps before the gap
+  EXPECT_FALSE(view.is_seen(deg_to_rad(40), 2));  // compass 80: came into view just before it
+  view.update(deg_to_rad(40), 5);
+  EXPECT_TRUE(view.is_seen(deg_to_rad(40), 2));
+}
+
+TEST(SeenDirections, ARotationBringsNewDirectionsAndForgetsOldOnes) {
+  SeenDirections view(deg_to_rad(70));
+  view.update(0.0, 0);
+  view.update(0.0, 2);
+  view.update(deg_to_rad(100), 2);
+  EXPECT_FALSE(view.is_seen(0.0, 2));             // compass 100: new
+  EXPECT_TRUE(view.is_seen(deg_to_rad(-60), 2));  // compass 40: seen all along
+  view.update(0.0, 2);
+  EXPECT_FALSE(view.is_seen(deg_to_rad(-60), 2));  // was out of view in between
+  view.update(0.0, 0);                             // the servo driver has restarted
+  EXPECT_FALSE(view.is_seen(deg_to_rad(40), 2));
+}
+
+}  // namespace seen_directions_test
+}  // namespace nodmap::navigator

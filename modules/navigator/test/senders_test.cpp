@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/navigator/senders.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+
+#include "common/node/messages.hpp"
+#include "modules/navigator/test/navigator_node.hpp"
+
+namespace nodmap::navigator {
+namespace senders_test {
+
+using test::NavigatorNodeTest;
+
+// Somebody sends one ODOMETRY that counts anew and is stamped far ahead; later the clock is set
+// back by an hour, just after the base driver was started anew. Each costs a moment and not the
+// drive.
+TEST_F(NavigatorNodeTest, AFarStampOfAnOdometryFrameDoesNotHaltItForGood) {
+  run(1.5);
+  ASSERT_TRUE(drives());
+  auto forged =
+      node::write_odometry(time::from_utime(std::int64_t{1} << 59), geometry::SE3::Identity());
+  forged.odometry_seq = 0;
+  bus_.deliver("ODOMETRY", forged);
+  run(2.0);
+  EXPECT_TRUE(drives());
+  odometry_seq_ = 0;
+  tick();
+  now_us_ -= 900'000'000;  // the test's clock is younger than an hour
+  run(3.0);
+  EXPECT_TRUE(drives());
+}
+
+// Somebody else promises that the robot may drive at 5 m/s: which of the two means well is not
+// known.
+TEST_F(NavigatorNodeTest, TwoSendersOfPitchCommandHaltItUntilOneHasEnded) {
+  run(1.5);
+  ASSERT_TRUE(drives());
+  nodmap::pitch_command_t forged{};
+  forged.pitch_max_rad = 0.5;
+  forged.pitch_min_rad = 0.4;
+  forged.sweep_s = 1.0;
+  forged.max_forward_mps = 5.0;
+  for (int i = 0; i < 50; ++i) {
+    forged.utime = now_us_ + 1'000;
+    forged.command_seq = 100'000 + i;
+    bus_.deliver("PITCH_COMMAND", forged);
+    tick();
+    EXPECT_LE(drive().forward_mps, 1.0);
+    EXPECT_TRUE(i < 5 || halts()) << i;
+  }
+  EXPECT_EQ(navigation().reason, "Two processes send PITCH_COMMAND.");
+  EXPECT_EQ(node_.health().state, node::HealthState::kDegraded);
+  EXPECT_EQ(rejected("other_sender_of_pitch_command"), 50);
+  run(3.0);
+  EXPECT_TRUE(drives());
+}
+
+// Odometry that tells of a robot that stands would let it drive on for ever.
+TEST_F(NavigatorNodeTest, ASecondSenderOfAnySensorHaltsItUntilItHasEnded) {
+  run(1.5);
+  ASSERT_TRUE(drives());
+  const std::map<std::string, std::function<void(std::int64_t)>> forgers{
+      {"ODOMETRY",
+       [this](std::int64_t seq) {
+         auto forged = node::write_odometry(time::from_utime(now_us_), geometry::SE3::Identity());
+         forged.odometry_seq = seq;
+         bus_.deliver("ODOMETRY", forged);
+       }},
+      {"PITCH_STATE",
+       [this](std::int64_t seq) {
+         nodmap::pitch_state_t forged{};
+         forged.utime = now_us_;
+         forged.state_seq = seq;
+         bus_.deliver("PITCH_STATE", forged);
+       }},
+      {"SCAN", [this](std::int64_t seq) {
+         scan::Scan scan;
+         scan.stamp = time::from_utime(now_us_) - 10ms;
+         scan.angle_step_rad = 0.01;
+         scan.range_max_m = 30.0;
+         scan.ranges_m.assign(181, 30.0F);
+         for (const std::int64_t own_or_forged : {seq - 100'000, seq}) {
+           scan.seq = own_or_forged;
+           bus_.deliver("SCAN", node::write_scan(scan));
+         }
+       }}};
+  for (const auto& [channel, forge] : forgers) {
+    for (std::int64_t i = 0; i < 50; ++i) {
+      forge(100'000 + i);
+      tick();
+      EXPECT_TRUE(i < 5 || halts()) << channel << " " << i;
+    }
+    EXPECT_EQ(navigation().reason, "Two processes send " + channel + ".");
+    run(3.0);
+    EXPECT_TRUE(drives()) << channel;
+  }
+  EXPECT_EQ(rejected("other_sender_of_odometry"), 50);
+  EXPECT_EQ(rejected("other_sender_of_pitch_state"), 50);
+  EXPECT_EQ(rejected("other_sender_of_scan"), 50);
+}
+
+// As from somebody else on the network, while the base driver is alive.
+TEST_F(NavigatorNodeTest, OneOdometryThatBeginsAnewInTheFutureIsRefused) {
+  run(1.5);
+  auto forged =
+      node::write_odometry(time::from_utime(now_us_ + 3'600'000'000), geometry::SE3::Identity());
+  forged.odometry_seq = 0;
+  bus_.deliver("ODOMETRY", forged);
+  EXPECT_EQ(rejected("other_sender_of_odometry"), 1);
+  tick();
+  EXPECT_TRUE(drives());
+}
+
+}  // namespace senders_test
+}  // namespace nodmap::navigator
