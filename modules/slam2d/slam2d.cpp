@@ -118,9 +118,21 @@ Slam2d::FoundPlace Slam2d::find_place(const LevelScan& all_points, const Start& 
   }
   const Place place =
       place_search_.find({back_end_, moving_points_, doubt_}, scan, all_points, start);
+  // The level scans of a nod are too far apart for a speed. But those who hide the view from one of
+  // them have passed by the next, and meanwhile the robot is not elsewhere.
+  if (all_points.is_of_nod && !doubt_.is_there() && !is_by_odometry(place.match, start) &&
+      moving_points_.contradicts(all_points) && !is_hidden_for_long(scan.stamp)) {
+    return {.place = {}, .scan = scan, .is_hidden = true};
+  }
   const bool has_slipped = hidden_since_.has_value();
   hidden_since_.reset();
   return {.place = place, .scan = scan, .has_slipped = has_slipped};
+}
+
+// Whether a scan fits, at the pose by odometry or beside it.
+bool Slam2d::is_by_odometry(const Match& match, const Start& start) const {
+  return match.found() && match.score >= params_.lost.score_threshold &&
+         is_same_place(match.T_map_base, start.guesses.front());
 }
 
 bool Slam2d::is_smooth(const LevelScan& scan, const Start& start) const {

@@ -98,6 +98,7 @@ class Slam2d {
                                                          const LevelScan& all_points,
                                                          const Start& start, bool is_mostly_moving);
   [[nodiscard]] bool is_smooth(const LevelScan& scan, const Start& start) const;
+  [[nodiscard]] bool is_by_odometry(const Match& match, const Start& start) const;
   [[nodiscard]] bool is_hidden_for_long(time::Timestamp stamp);
   [[nodiscard]] PoseUpdate correct_pose(const LevelScan& scan, const FoundPlace& found) const;
   [[nodiscard]] Eigen::Matrix3d estimate_covariance(const Place& place, const PoseUpdate& update);

@@ -373,6 +373,49 @@ TEST(Slam2d, ACarriedRobotIsLostAfterASecond) {
   EXPECT_EQ(update->quality, PoseQuality::kLost);
 }
 
+/// The quality of each level scan of a nodding laser, one in half a second, of a robot that is
+/// stationary. Somebody right before the laser hides all from `from` to before `until`.
+std::vector<PoseQuality> nod_behind_somebody(int from, int until) {
+  Slam2d slam{Slam2dParams{}};
+  Scanner scanner;
+  const test::FloorPlan somebody{{{0.4, -9.0}, {0.5, 9.0}}};
+  constexpr double kStepRad = geometry::deg_to_rad(1.0);
+  std::vector<PoseQuality> qualities;
+  for (int i = 0; i < 12; ++i) {
+    const double direction = i % 2 == 0 ? 1.0 : -1.0;
+    double pitch_rad = -0.9 * direction * kStepRad;
+    for (int k = 0; k < 2; ++k) {  // of a sweep: up to the level one
+      scan::Scan scan = scanner.scan(i >= from && i < until ? somebody : test::room(), {},
+                                     time::Timestamp(500ms * i + 13ms * k));
+      scan.pitch_first_rad = pitch_rad;
+      pitch_rad += direction * kStepRad;
+      scan.pitch_last_rad = pitch_rad;
+      if (const auto update = track(slam, scan, {})) {
+        EXPECT_LT(distance_m(update->T_map_base, {}), 0.02) << i;  // twice R34's
+        qualities.push_back(update->quality);
+      }
+    }
+  }
+  return qualities;
+}
+
+// He has passed by the third: nothing but odometry tells the place until then.
+TEST(Slam2d, WithANodSomebodyWhoHidesAllForAMomentDoesNotMakeItLost) {
+  const auto qualities = nod_behind_somebody(6, 8);
+  ASSERT_EQ(qualities.size(), 12U);
+  for (std::size_t i = 0; i < qualities.size(); ++i) {
+    EXPECT_EQ(qualities[i], i >= 6 && i < 8 ? PoseQuality::kOdometry : PoseQuality::kTracked) << i;
+  }
+}
+
+// It may have been carried away.
+TEST(Slam2d, WithANodItIsLostWhenTheViewIsHiddenForASecond) {
+  const auto qualities = nod_behind_somebody(6, 12);
+  ASSERT_EQ(qualities.size(), 12U);
+  EXPECT_EQ(qualities[7], PoseQuality::kOdometry);
+  EXPECT_EQ(qualities[8], PoseQuality::kLost);
+}
+
 // Nobody is there: the walls have moved, and after a second that is believed. Pushed aside by 20 cm
 // in a quarter of a second; or the wheels spin and count half a metre.
 TEST(Slam2d, ARobotThatIsPushedOrSlipsIsFoundAgainAfterASecond) {
