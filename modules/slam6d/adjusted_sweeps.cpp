@@ -3,6 +3,7 @@
 
 #include <Eigen/LU>
 #include <cstddef>
+#include <utility>
 
 #include "modules/slam6d/odometry_prior.hpp"
 #include "modules/slam6d/sweep_voxels.hpp"
@@ -12,69 +13,122 @@ namespace {
 
 using geometry::SE3;
 
-// The motion from the last keyframe to this one, with its covariance in the axes of map.
+// The motion from a keyframe to a later sweep, with its covariance in the axes of map.
 struct Motion {
-  SE3 T_last_this = SE3::Identity();
+  SE3 T_from_this = SE3::Identity();
   Matrix6d covariance = Matrix6d::Identity();
 };
 
-Motion by_odometry(const Keyframe& last, const PoseUpdate& from, const PoseUpdate& to,
+// `from`: a keyframe.
+Motion by_odometry(const SE3& T_map_from, const PoseUpdate& from, const PoseUpdate& to,
                    const Tracker& tracker, const OdometryParams& params) {
-  const SE3 T_last_this = tracker.calibration().calibrate(
+  const SE3 T_from_to = tracker.calibration().calibrate(
       (from.T_first_odom * from.T_odom_base).inverse() * to.T_first_odom * to.T_odom_base);
-  return {T_last_this,
-          odometry_covariance(last.T_map_base,
-                              {.distance_m = T_last_this.translation().norm(),
-                               .rotation_rad = geometry::rotation_angle(T_last_this),
+  return {T_from_to,
+          odometry_covariance(T_map_from,
+                              {.distance_m = T_from_to.translation().norm(),
+                               .rotation_rad = geometry::rotation_angle(T_from_to),
                                .is_interrupted = to.keyframe == KeyframeReason::kInterruption,
                                .scatter = tracker.odometry_scatter()},
                               params)};
 }
 
 // The mean of two motions, weighted by their information.
-Motion joined(const Motion& a, const Motion& b, const SE3& T_map_last) {
-  const Eigen::Matrix3d& R_map_last = T_map_last.linear();
+Motion joined(const Motion& a, const Motion& b, const SE3& T_map_from) {
+  const Eigen::Matrix3d& R_map_from = T_map_from.linear();
   Vector6d a_to_b;  // axes of map
-  a_to_b << R_map_last * (b.T_last_this.translation() - a.T_last_this.translation()),
-      R_map_last *
-          geometry::rotation_vector(b.T_last_this.linear() * a.T_last_this.linear().transpose());
+  a_to_b << R_map_from * (b.T_from_this.translation() - a.T_from_this.translation()),
+      R_map_from *
+          geometry::rotation_vector(b.T_from_this.linear() * a.T_from_this.linear().transpose());
   const Matrix6d information_b = b.covariance.inverse();
-  Motion both{a.T_last_this, (a.covariance.inverse() + information_b).inverse()};
+  Motion both{a.T_from_this, (a.covariance.inverse() + information_b).inverse()};
   const Vector6d motion = both.covariance * information_b * a_to_b;
-  both.T_last_this.translation() += R_map_last.transpose() * motion.head<3>();
-  both.T_last_this.linear() =
-      geometry::rotation_of(R_map_last.transpose() * motion.tail<3>()) * a.T_last_this.linear();
+  both.T_from_this.translation() += R_map_from.transpose() * motion.head<3>();
+  both.T_from_this.linear() =
+      geometry::rotation_of(R_map_from.transpose() * motion.tail<3>()) * a.T_from_this.linear();
   return both;
 }
 
+// Collects the sweeps, to be added in order of time.
+class Collection {
+ public:
+  Collection(const TrackedDrive& drive, const Tracker& tracker, const Slam6dParams& params)
+      : drive_(drive), tracker_(tracker), params_(params) {}
+
+  void add_keyframe(std::size_t k) {
+    const Keyframe& keyframe = drive_.keyframes[k];
+    const VoxelMap voxels = voxelize(*keyframe.cloud, params_.voxels);
+    AdjustedSweep& sweep =
+        add(keyframe.sweep, keyframe.T_map_base, oriented_points(voxels.level(0)));
+    sweep.planes = voxels.select(0).points;
+    if (k > 0) {
+      add_motion(sweep, drive_.steps[k - 1].T_from_to);
+    }
+    last_ = {.keyframe = k, .place = all_.sweeps.size() - 1};
+  }
+
+  void add_between(const IntermediateSweep& between) {
+    const SE3& T_map_base = drive_.poses[between.sweep];
+    AdjustedSweep& sweep = add(between.sweep, T_map_base, between.points);
+    add_motion(sweep, last_keyframe().T_map_base.inverse() * T_map_base);
+  }
+
+  [[nodiscard]] AdjustedDrive take() { return std::move(all_); }
+
+ private:
+  [[nodiscard]] const Keyframe& last_keyframe() const { return drive_.keyframes[last_.keyframe]; }
+
+  AdjustedSweep& add(std::size_t place, const SE3& T_map_base, std::vector<OrientedPoint> points) {
+    all_.places.push_back(place);
+    AdjustedSweep& sweep = all_.sweeps.emplace_back(
+        AdjustedSweep{.T_map_base = T_map_base, .points = std::move(points)});
+    if (is_planar(drive_.updates[place].T_odom_base)) {
+      sweep.level = {.height_m = 0.0,
+                     .height_sigma_m = params_.odometry.level_height_m,
+                     .tilt_sigma_rad = params_.odometry.level_tilt_rad};
+    }
+    return sweep;
+  }
+
+  // The motion since the last keyframe: odometry joined with the match.
+  void add_motion(AdjustedSweep& sweep, const SE3& T_tracked) {
+    const Keyframe& from = last_keyframe();
+    const PoseUpdate& to = drive_.updates[all_.places.back()];
+    const Motion motion = joined(
+        {T_tracked, to.covariance},
+        by_odometry(from.T_map_base, drive_.updates[from.sweep], to, tracker_, params_.odometry),
+        from.T_map_base);
+    sweep.from = last_.place;
+    sweep.T_from_this = motion.T_from_this;
+    sweep.covariance = motion.covariance;
+  }
+
+  const TrackedDrive& drive_;
+  const Tracker& tracker_;
+  const Slam6dParams& params_;
+  AdjustedDrive all_;
+  struct Last {
+    std::size_t keyframe = 0;
+    std::size_t place = 0;  // in all_
+  } last_;
+};
+
 }  // namespace
 
-std::vector<AdjustedSweep> adjusted_sweeps(std::span<const Keyframe> keyframes,
-                                           std::span<const PoseUpdate> updates,
-                                           std::span<const registration::PoseEdge3d> steps,
-                                           const Tracker& tracker, const Slam6dParams& params) {
-  std::vector<AdjustedSweep> sweeps;
-  sweeps.reserve(keyframes.size());
-  for (const Keyframe& keyframe : keyframes) {
-    AdjustedSweep& sweep = sweeps.emplace_back(AdjustedSweep{
-        .T_map_base = keyframe.T_map_base, .voxels = voxelize(*keyframe.cloud, params.voxels)});
-    if (is_planar(keyframe.cloud->T_odom_base)) {
-      sweep.level = {.height_m = 0.0,
-                     .height_sigma_m = params.odometry.level_height_m,
-                     .tilt_sigma_rad = params.odometry.level_tilt_rad};
+AdjustedDrive adjusted_sweeps(const TrackedDrive& drive, const Tracker& tracker,
+                              const Slam6dParams& params) {
+  Collection collection(drive, tracker, params);
+  std::size_t b = 0;
+  for (std::size_t k = 0; k < drive.keyframes.size(); ++k) {
+    for (; b < drive.between.size() && drive.between[b].sweep < drive.keyframes[k].sweep; ++b) {
+      collection.add_between(drive.between[b]);
     }
-    if (sweeps.size() > 1) {
-      const Keyframe& last = keyframes[sweeps.size() - 2];
-      const PoseUpdate& to = updates[keyframe.sweep];
-      const Motion tracked{steps[sweeps.size() - 2].T_from_to, to.covariance};
-      const Motion motion =
-          joined(tracked, by_odometry(last, updates[last.sweep], to, tracker, params.odometry),
-                 last.T_map_base);
-      sweep.T_last_this = motion.T_last_this;
-      sweep.covariance = motion.covariance;
-    }
+    collection.add_keyframe(k);
   }
-  return sweeps;
+  for (; b < drive.between.size(); ++b) {
+    collection.add_between(drive.between[b]);
+  }
+  return collection.take();
 }
 
 }  // namespace nodmap::slam6d

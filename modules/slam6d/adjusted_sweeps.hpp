@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <vector>
 
+#include "common/geometry/se3.hpp"
 #include "common/registration/pose_graph.hpp"
 #include "modules/slam6d/keyframe.hpp"
 #include "modules/slam6d/params.hpp"
@@ -13,14 +15,26 @@
 
 namespace nodmap::slam6d {
 
-/// The input of adjust_planes() for each keyframe: its voxels, the motion since the keyframe before
+/// What was tracked until the end of a drive.
+struct TrackedDrive {
+  std::span<const Keyframe> keyframes;
+  std::span<const IntermediateSweep> between;
+  std::span<const PoseUpdate> updates;              ///< of all sweeps
+  std::span<const geometry::SE3> poses;             ///< the same sweeps, as known now
+  std::span<const registration::PoseEdge3d> steps;  ///< from keyframe to keyframe
+};
+
+/// The sweeps that are adjusted, in order of time: keyframes and those in between.
+struct AdjustedDrive {
+  std::vector<AdjustedSweep> sweeps;
+  std::vector<std::size_t> places;  ///< of their updates
+};
+
+/// The input of adjust_planes(): of each sweep its points, the motion since the keyframe before
 /// with its covariance, and whether its ground is level. The motion combines calibrated odometry
-/// with the matches with the map (`steps` of the pose graph): where two keyframes have few planes
-/// in common, as through a door, odometry alone would pull them apart by centimetres. `updates`: of
-/// all sweeps.
-[[nodiscard]] std::vector<AdjustedSweep> adjusted_sweeps(
-    std::span<const Keyframe> keyframes, std::span<const PoseUpdate> updates,
-    std::span<const registration::PoseEdge3d> steps, const Tracker& tracker,
-    const Slam6dParams& params);
+/// with the matches with the map: where two keyframes have few planes in common, as through a door,
+/// odometry alone would pull them apart by centimetres.
+[[nodiscard]] AdjustedDrive adjusted_sweeps(const TrackedDrive& drive, const Tracker& tracker,
+                                            const Slam6dParams& params);
 
 }  // namespace nodmap::slam6d

@@ -22,6 +22,8 @@ class CorrectedPoses {
  public:
   void add(const geometry::SE3& T_map_base) { poses_.push_back(T_map_base); }
 
+  [[nodiscard]] std::span<const geometry::SE3> poses() const { return poses_; }
+
   /// The new pose of a sweep.
   struct Correction {
     std::size_t sweep = 0;

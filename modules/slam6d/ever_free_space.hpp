@@ -105,7 +105,7 @@ class EverFreeSpace {
   int num_votes_ = 0;     // so far; not counted beyond what is needed
   CloudVoxels of_sweep_;  // of the last sweep; kept to reuse its memory
   Cubes cubes_;
-  std::vector<geometry::SE3> T_map_keyframes_;  // the poses at which the votes are
+  std::vector<geometry::SE3> T_voxels_keyframes_;  // the poses at which the votes are
 };
 
 }  // namespace nodmap::slam6d

@@ -24,4 +24,10 @@ struct Keyframe {
   std::vector<bool> is_moved = {};  ///< of the cloud's points, as far as known: somebody who walked
 };
 
+/// A sweep that lies between two keyframes: what the plane adjustment needs of it.
+struct IntermediateSweep {
+  std::size_t sweep = 0;              ///< place of its update
+  std::vector<OrientedPoint> points;  ///< as those of a keyframe
+};
+
 }  // namespace nodmap::slam6d

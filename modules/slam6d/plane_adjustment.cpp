@@ -192,7 +192,7 @@ class PatchGrid {
   void add_normals(const AdjustedSweep& sweep) {
     const Eigen::Isometry3f T_map_base = sweep.T_map_base.cast<float>();
     constexpr float kHardlyAny = 1e-3F;  // the means are those of the finest voxels
-    for (const OrientedPoint& point : sweep.voxels.select(0).points) {
+    for (const OrientedPoint& point : sweep.planes) {
       const std::uint32_t patch = grid_.add(T_map_base * point.p, kHardlyAny);
       if (patch != VoxelGrid::kNone) {
         grid_.add_normal(patch, T_map_base.linear() * point.normal, trust(point.p));
@@ -202,11 +202,12 @@ class PatchGrid {
 
   void add_sightings(const AdjustedSweep& sweep, std::uint32_t k) {
     const Eigen::Isometry3f T_map_base = sweep.T_map_base.cast<float>();
-    for (const Voxel& voxel : sweep.voxels.level(0).voxels()) {
-      Sighting sighting{.p_map = T_map_base * voxel.mean,
-                        .normal = T_map_base.linear() * voxel.normal,
-                        .sweep = k,
-                        .precision = trust(voxel.mean) / (1.0F / voxel.weight + kRoundingVariance)};
+    for (const OrientedPoint& point : sweep.points) {
+      Sighting sighting{
+          .p_map = T_map_base * point.p,
+          .normal = T_map_base.linear() * point.normal,
+          .sweep = k,
+          .precision = trust(point.p) / (1.0F / point.num_points + kRoundingVariance)};
       sighting.patch = grid_.add(sighting.p_map, sighting.precision);
       if (sighting.patch != VoxelGrid::kNone) {
         sightings_.push_back(sighting);
@@ -248,20 +249,21 @@ void add_patches(PoseEquations& equations, std::span<const AdjustedSweep> sweeps
   }
 }
 
-// Adds the motion from sweep `k - 1` to sweep `k`.
+// Adds the motion from an earlier sweep to sweep `k`.
 void add_odometry(PoseEquations& equations, std::span<const AdjustedSweep> sweeps, std::size_t k) {
-  const SE3& T_map_last = sweeps[k - 1].T_map_base;
+  const std::size_t from = sweeps[k].from;
+  const SE3& T_map_from = sweeps[from].T_map_base;
   const SE3& T_map_this = sweeps[k].T_map_base;
-  const SE3 T_map_counted = T_map_last * sweeps[k].T_last_this;
+  const SE3 T_map_counted = T_map_from * sweeps[k].T_from_this;
   Vector6d error;
   error << T_map_this.translation() - T_map_counted.translation(),
       geometry::rotation_vector(T_map_this.linear() * T_map_counted.linear().transpose());
   const Matrix6d information = sweeps[k].covariance.inverse();
-  const Matrix6d J_last = -moment_arm_jacobian(T_map_this.translation() - T_map_last.translation());
-  equations.block(k - 1, k - 1) += J_last.transpose() * information * J_last;
-  equations.block(k - 1, k) += J_last.transpose() * information;
+  const Matrix6d J_from = -moment_arm_jacobian(T_map_this.translation() - T_map_from.translation());
+  equations.block(from, from) += J_from.transpose() * information * J_from;
+  equations.block(from, k) += J_from.transpose() * information;
   equations.block(k, k) += information;
-  equations.gradient(k - 1) -= J_last.transpose() * information * error;
+  equations.gradient(from) -= J_from.transpose() * information * error;
   equations.gradient(k) -= information * error;
 }
 

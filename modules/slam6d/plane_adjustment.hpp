@@ -11,32 +11,42 @@
 
 namespace nodmap::slam6d {
 
-/// The joint adjustment of all keyframes at the end.
+/// The joint adjustment of keyframes and the sweeps in between at the end.
 struct AdjustmentParams {
   bool use = true;
   double patch_size_m = 0.4;
   double residual_scale_m = 0.015;
+  double sweep_distance_m = 0.2;
 
   template <class Visitor>
   void describe(Visitor& v) {
     v.flag("use_adjustment", use,
-           "Whether all keyframes are moved together at the end to where their planes agree best.");
+           "Whether all keyframes and the sweeps in between are moved together at the end to where "
+           "their planes agree best.");
     v.number("patch_size_m", patch_size_m, {0.05, 5.0},
-             "Edge of the cubes within which the points of all keyframes are taken as one plane.");
+             "Edge of the cubes within which the points of all sweeps are taken as one plane.");
     v.number(
         "residual_scale_m", residual_scale_m, {0.001, 1.0},
         "Scale of the robust kernel for a single measured point, which loses weight beyond it. "
         "The scale of a mean of many points is smaller, as its standard deviation is.");
+    v.number("sweep_distance_m", sweep_distance_m, {0.0, 1000.0},
+             "A sweep between keyframes takes part if its base pose is farther than this from the "
+             "last one that does; the others follow their neighbours.");
   }
 };
 
 /// A sweep whose pose is adjusted.
 struct AdjustedSweep {
   geometry::SE3 T_map_base = geometry::SE3::Identity();
-  VoxelMap voxels;  ///< in base
-  /// The motion from the sweep before to this one, from odometry and matches with the map, and its
+  /// Voxel means in base; normal zero where there is no plane.
+  std::vector<OrientedPoint> points = {};
+  /// The planes of all voxel sizes, in base: which way patches face. May be empty where other
+  /// sweeps saw the same.
+  std::vector<OrientedPoint> planes = {};
+  /// The motion from an earlier sweep to this one, from odometry and matches with the map, and its
   /// covariance (position in m, rotation vector in rad, axes of map). Not used for the first sweep.
-  geometry::SE3 T_last_this = geometry::SE3::Identity();
+  std::size_t from = 0;
+  geometry::SE3 T_from_this = geometry::SE3::Identity();
   Matrix6d covariance = Matrix6d::Identity();
   /// Set if the ground is level.
   std::optional<PosePrior::Level> level = std::nullopt;

@@ -24,15 +24,6 @@ bool is_blind(const VoxelMap& sweep, const RegistrationParams& params) {
   return sweep.select(0).points.size() < static_cast<std::size_t>(params.min_planes);
 }
 
-std::vector<OrientedPoint> oriented_points(const VoxelGrid& grid) {
-  std::vector<OrientedPoint> points;
-  points.reserve(grid.voxels().size());
-  for (const Voxel& voxel : grid.voxels()) {
-    points.push_back({voxel.mean, voxel.normal, voxel.weight});
-  }
-  return points;
-}
-
 }  // namespace
 
 Slam6d::Slam6d(const Slam6dParams& params)
@@ -199,6 +190,7 @@ void Slam6d::begin_anew() {
   map_ = VoxelMap(params_.voxels);
   ever_free_ = EverFreeSpace(params_.cloud);
   keyframes_.clear();
+  between_.clear();
   back_end_ = BackEnd(params_.loop, params_.registration, params_.odometry, params_.voxels);
   tracker_.forget_pose();
   counts_.sweeps_lost = 0;
@@ -242,7 +234,21 @@ void Slam6d::accept(const VoxelMap& sweep, SweepCloud& cloud, PoseUpdate& update
     const std::size_t keyframe = keyframes_.size() - (update.keyframe ? 0 : 1);
     map_.add_sweep(sweep, update.T_map_base, keyframe);
     ever_free_.add_sweep(cloud, update.T_map_base, keyframe);
+    if (!update.keyframe && is_adjusted(update)) {
+      between_.push_back({sweeps_.size(), oriented_points(sweep.level(0))});
+    }
   }
+}
+
+// Whether a sweep between keyframes is far enough from the last one that is adjusted.
+bool Slam6d::is_adjusted(const PoseUpdate& update) const {
+  if (!params_.adjustment.use || num_restored_ > 0) {
+    return false;
+  }
+  const std::size_t last =
+      std::max(keyframes_.back().sweep, between_.empty() ? 0 : between_.back().sweep);
+  return (update.T_map_base.translation() - corrected_.poses()[last].translation()).norm() >
+         params_.adjustment.sweep_distance_m;
 }
 
 // IV B: "only those whose robot base poses P_b are further than 2 m away from each other or that
@@ -303,11 +309,28 @@ void Slam6d::polish() {
   }
   // Where odometry says nothing of the way from a saved keyframe to a new one, nothing is adjusted.
   if (params_.adjustment.use && num_restored_ == 0 && !keyframes_.empty()) {
-    move_keyframes(adjust_planes(
-        adjusted_sweeps(keyframes_, sweeps_, back_end_.graph().steps(), tracker_, params_),
-        params_.voxels, params_.registration, params_.adjustment));
+    adjust();
   }
   find_moved_points();
+}
+
+void Slam6d::adjust() {
+  const AdjustedDrive drive = adjusted_sweeps(
+      {keyframes_, between_, sweeps_, corrected_.poses(), back_end_.graph().steps()}, tracker_,
+      params_);
+  const std::vector<SE3> poses =
+      adjust_planes(drive.sweeps, params_.voxels, params_.registration, params_.adjustment);
+  std::vector<SE3> T_map_keyframes;
+  std::vector<CorrectedPoses::Correction> corrections;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    corrections.push_back({drive.places[i], poses[i]});
+    if (T_map_keyframes.size() < keyframes_.size() &&
+        keyframes_[T_map_keyframes.size()].sweep == drive.places[i]) {
+      T_map_keyframes.push_back(poses[i]);
+    }
+  }
+  move_keyframes(T_map_keyframes);
+  corrected_.move(corrections);
 }
 
 void Slam6d::find_moved_points() {

@@ -114,8 +114,8 @@ class Slam6d {
   }
 
   /// At the end: moves the newest poses, too, to where they agree best with all loops, and then all
-  /// keyframes together to where their planes agree best. The voxels stay. Of all keyframes it is
-  /// told anew which of their points moved.
+  /// keyframes and the sweeps in between together to where their planes agree best. The voxels
+  /// stay. Of all keyframes it is told anew which of their points moved.
   void polish();
   [[nodiscard]] const BackEnd& back_end() const { return back_end_; }
 
@@ -131,11 +131,13 @@ class Slam6d {
   void search_own_map(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update);
   void take_back_place(const SweepCloud& cloud, PoseUpdate& update);
   void accept(const VoxelMap& sweep, SweepCloud& cloud, PoseUpdate& update);
+  [[nodiscard]] bool is_adjusted(const PoseUpdate& update) const;
   [[nodiscard]] std::optional<KeyframeReason> keyframe_reason(PoseUpdate& update) const;
   void keep(const PoseUpdate& update);
   void keep_keyframe(const VoxelMap& sweep, SweepCloud cloud);
   void close_loops(const VoxelMap& sweep);
   void move_keyframes(std::span<const geometry::SE3> T_map_keyframes);
+  void adjust();
   void find_moved_points();
 
   Slam6dParams params_;
@@ -148,6 +150,7 @@ class Slam6d {
   std::vector<PoseUpdate> sweeps_;
   CorrectedPoses corrected_;  // of sweeps_
   std::vector<Keyframe> keyframes_;
+  std::vector<IntermediateSweep> between_;  // for the adjustment at the end
   BackEnd back_end_;
   std::optional<Localiser> localiser_;  // in a saved map, or in the own one after LOST
   /// By odometry from where a robot was lost; until the place that was found instead is confirmed.

@@ -23,6 +23,15 @@ std::vector<float> mean_times(std::span<const std::uint32_t> places, std::span<c
 
 }  // namespace
 
+std::vector<OrientedPoint> oriented_points(const VoxelGrid& grid) {
+  std::vector<OrientedPoint> points;
+  points.reserve(grid.voxels().size());
+  for (const Voxel& voxel : grid.voxels()) {
+    points.push_back({voxel.mean, voxel.normal, voxel.weight});
+  }
+  return points;
+}
+
 VoxelMap::VoxelMap(const VoxelMapParams& params)
     : params_(params),
       levels_{VoxelGrid(params.voxel_size_m), VoxelGrid(2.0 * params.voxel_size_m),

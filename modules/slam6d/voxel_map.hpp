@@ -40,6 +40,9 @@ struct OrientedPoint {
   float time = 0.0F;        ///< at which they were measured, from -1 to 1 over the sweep
 };
 
+/// The means of all voxels; normal zero where there is no plane.
+[[nodiscard]] std::vector<OrientedPoint> oriented_points(const VoxelGrid& grid);
+
 /// When the points of a cloud were measured.
 struct PointTimes {
   std::vector<float> times;  ///< of each point, from -1 to 1; none: all at once, or stationary

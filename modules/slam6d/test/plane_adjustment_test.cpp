@@ -28,8 +28,8 @@ SE3 along(double x_m) {
 
 using Noise = std::function<double()>;  // of a range, metres
 
-// Points of a sphere of beams, one each 2 degrees, in the frame of the pose.
-VoxelMap seen_from(
+// What a sphere of beams, one each 2 degrees, sees from a pose.
+AdjustedSweep seen_from(
     const SE3& T_world_base, const Room& room, const Noise& noise = [] { return 0.0; }) {
   std::vector<Eigen::Vector3f> points;
   for (double pitch_deg = -79.0; pitch_deg < 80.0; pitch_deg += 2.0) {
@@ -44,19 +44,23 @@ VoxelMap seen_from(
       }
     }
   }
-  return VoxelMap::from_points(points, Eigen::Vector3f::Zero(), {});
+  const VoxelMap voxels = VoxelMap::from_points(points, Eigen::Vector3f::Zero(), {});
+  return {.T_map_base = T_world_base,
+          .points = oriented_points(voxels.level(0)),
+          .planes = voxels.select(0).points};
 }
 
 // Five sweeps 0.5 m apart with their true poses. Odometry tells the true motion to `sigma`, m and
 // rad.
-std::vector<AdjustedSweep> drive(const Room& room, double sigma) {
+std::vector<AdjustedSweep> drive(
+    const Room& room, double sigma, const Noise& noise = [] { return 0.0; }) {
   std::vector<AdjustedSweep> sweeps;
   for (std::size_t k = 0; k < kSweeps; ++k) {
-    const SE3 T_map_base = along(0.5 * static_cast<double>(k));
-    sweeps.push_back({.T_map_base = T_map_base,
-                      .voxels = seen_from(T_map_base, room),
-                      .T_last_this = along(0.0).inverse() * along(0.5),
-                      .covariance = sigma * sigma * Matrix6d::Identity()});
+    AdjustedSweep& sweep =
+        sweeps.emplace_back(seen_from(along(0.5 * static_cast<double>(k)), room, noise));
+    sweep.from = k > 0 ? k - 1 : 0;
+    sweep.T_from_this = along(0.0).inverse() * along(0.5);
+    sweep.covariance = sigma * sigma * Matrix6d::Identity();
   }
   return sweeps;
 }
@@ -101,11 +105,7 @@ TEST(PlaneAdjustment, SinglePointsCountByTheirOwnNoise) {
   double square_sum_m2 = 0.0;
   constexpr int kDrives = 10;
   for (int i = 0; i < kDrives; ++i) {
-    std::vector<AdjustedSweep> sweeps = drive(Room::hall(), 1.0);
-    for (std::size_t k = 0; k < kSweeps; ++k) {
-      sweeps[k].voxels =
-          seen_from(sweeps[k].T_map_base, Room::hall(), [&] { return noise_m(random); });
-    }
+    std::vector<AdjustedSweep> sweeps = drive(Room::hall(), 1.0, [&] { return noise_m(random); });
     disturb(sweeps);
     const std::vector<SE3> adjusted = adjust_planes(sweeps, {}, {}, {});
     for (std::size_t k = 1; k < kSweeps; ++k) {
@@ -127,6 +127,28 @@ TEST(PlaneAdjustment, SweepsHardlySlideAlongABareCorridor) {
   for (std::size_t k = 1; k < kSweeps; ++k) {
     EXPECT_LT(error_m(adjusted[k], k), 1.25 * 0.0282) << k;
   }
+}
+
+// A sweep without planes of its own, as those between keyframes are, is put right by the planes of
+// the others, and its motion may be measured from any earlier sweep.
+TEST(PlaneAdjustment, SweepsBetweenKeyframesFollowThePlanesOfTheKeyframes) {
+  std::vector<AdjustedSweep> sweeps = drive(Room::hall(), 1.0);
+  for (const std::size_t k : {1, 3}) {
+    sweeps[k].planes.clear();
+    sweeps[k + 1].from = k - 1;
+    sweeps[k + 1].T_from_this = along(0.0).inverse() * along(1.0);
+  }
+  disturb(sweeps);
+  const std::vector<SE3> adjusted = adjust_planes(sweeps, {}, {}, {});
+  for (std::size_t k = 1; k < kSweeps; ++k) {
+    EXPECT_LT(error_m(adjusted[k], k), 1e-3) << k;
+    EXPECT_LT(geometry::rotation_angle(adjusted[k]), geometry::deg_to_rad(0.02)) << k;
+  }
+  // Where no plane tells, as in space without any, the pose is that of odometry from `from`.
+  std::vector<AdjustedSweep> blind = drive(Room{}, 0.1);
+  blind[2].from = 0;
+  blind[2].T_from_this = along(0.0).inverse() * along(1.2);
+  EXPECT_NEAR(adjust_planes(blind, {}, {}, {})[2].translation().x(), 1.2, 1e-9);
 }
 
 // There is no direction or place in the method: all poses moved together by one motion give the
