@@ -27,8 +27,8 @@ class EventFinder {
   /// Describes what happened at this log event; empty if nothing.
   std::string look_at(const bus::LogEvent& event) {
     if (event.channel == "STOP" && bus::decode_into(stop_, event.data)) {
-      const bool is_new = stop_.is_stopped && !std::exchange(is_stopped_, stop_.is_stopped);
-      is_stopped_ = stop_.is_stopped;
+      const bool was_stopped = std::exchange(is_stopped_, stop_.is_stopped != 0);
+      const bool is_new = is_stopped_ && !was_stopped;
       return is_new ? "stop by " + stop_.requested_by : std::string();
     }
     if (event.channel == "STATUS" && bus::decode_into(status_, event.data)) {
