@@ -68,7 +68,7 @@ class LoopNetwork {
   struct Due {
     time::Timestamp stamp{};
     std::int64_t number = 0;
-    auto operator<=>(const Due&) const = default;
+    auto operator<=>(const Due&) const = default;  // NOLINT: clang-tidy 14 sees a null here
   };
 
   [[nodiscard]] bool send(const std::string& channel, std::span<const std::byte> bytes);

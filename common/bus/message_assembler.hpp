@@ -40,7 +40,7 @@ class MessageAssembler {
     std::uint32_t address = 0;
     std::uint16_t port = 0;
 
-    auto operator<=>(const Sender&) const = default;
+    auto operator<=>(const Sender&) const = default;  // NOLINT: clang-tidy 14 sees a null here
   };
 
   /// Both parts are valid until the next call of take().

@@ -55,7 +55,7 @@ class MessageLogReader : private boost::noncopyable {
   /// Throws if the event is not a valid message.
   template <class Message>
   [[nodiscard]] Message decode(const LogEvent& event) const {
-    Message message;
+    Message message{};
     require(decode_into(message, event.data),
             "event " + std::to_string(event.event_number) + " is not a valid " + event.channel);
     return message;

@@ -16,6 +16,11 @@
 namespace nodmap::bus {
 namespace {
 
+[[noreturn]] void throw_invalid(const std::string& part, const std::string& hosts) {
+  throw std::runtime_error("'" + part + "' of the trusted hosts '" + hosts +
+                           "' is not an address or network (examples: 10.0.0.2, 10.0.0.0/24)");
+}
+
 std::optional<std::uint32_t> parse_address(const std::string& text) {
   in_addr address{};
   if (::inet_pton(AF_INET, text.c_str(), &address) != 1) {
@@ -73,8 +78,7 @@ TrustedHosts::TrustedHosts(const std::string& hosts,
     const std::optional<std::uint32_t> mask =
         parse_mask(slash == std::string::npos ? "32" : std::string_view(part).substr(slash + 1));
     if (!address || !mask) {
-      throw std::runtime_error("'" + part + "' of the trusted hosts '" + hosts +
-                               "' is not an address or network (examples: 10.0.0.2, 10.0.0.0/24)");
+      throw_invalid(part, hosts);
     }
     networks_.push_back({*address & *mask, *mask});
   }

@@ -81,6 +81,7 @@ void PlanView::draw_grid(const Grid& grid) {
   const double cell_px = px_per_m_ * grid.cell_size_m;
   const Vector2d lower_left = to_px(grid.origin);
   std::vector<int> columns;  // for each column of the image, the column of the grid
+  columns.reserve(static_cast<std::size_t>(image_.width()));
   for (int u = 0; u < image_.width(); ++u) {
     columns.push_back(static_cast<int>(std::floor((u + 0.5 - lower_left.x()) / cell_px)));
   }

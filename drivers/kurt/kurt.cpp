@@ -103,14 +103,7 @@ void Kurt::take_sensor(const Report& report, time::SteadyTime now) {
           guard_.add(value);
         } else if constexpr (std::is_same_v<Value, RangeReadings>) {
           guard_.add(value, now);
-          for (std::size_t i = 0; i < kInfraredCount; ++i) {
-            if (value.infrared_raw[i]) {
-              sensors_.infrared_raw[i] = {*value.infrared_raw[i], now};
-            }
-          }
-          if (value.sonar_raw) {
-            sensors_.sonar_raw = {*value.sonar_raw, now};
-          }
+          take_ranges(value, now);
         } else if constexpr (std::is_same_v<Value, Tilt>) {
           guard_.add(value, now);
           sensors_.tilt = {value, now};
@@ -121,6 +114,17 @@ void Kurt::take_sensor(const Report& report, time::SteadyTime now) {
         }
       },
       report);
+}
+
+void Kurt::take_ranges(const RangeReadings& ranges, time::SteadyTime now) {
+  for (std::size_t i = 0; i < kInfraredCount; ++i) {
+    if (ranges.infrared_raw[i]) {
+      sensors_.infrared_raw[i] = {*ranges.infrared_raw[i], now};
+    }
+  }
+  if (ranges.sonar_raw) {
+    sensors_.sonar_raw = {*ranges.sonar_raw, now};
+  }
 }
 
 DriveStatus Kurt::drive(const DriveRequest& request, const time::Moment& now) {

@@ -108,6 +108,7 @@ class Kurt {
   /// Whether odometry can use these ticks, or bridge them.
   [[nodiscard]] bool is_of_use(const EncoderTicks& ticks, time::SteadyTime arrival);
   void take_sensor(const Report& report, time::SteadyTime now);
+  void take_ranges(const RangeReadings& ranges, time::SteadyTime now);
 
   SlcanParser parser_;
   SlcanSession session_;

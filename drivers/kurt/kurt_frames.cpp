@@ -45,7 +45,7 @@ std::optional<int>& of(RangeReadings& readings, Infrared sensor) {
 
 RangeReadings decode_adc0_to_3(const CanFrame& frame) {
   RangeReadings readings;
-  of(readings, Infrared::kBack) = load_big_u16(&frame.data[0]);
+  of(readings, Infrared::kBack) = load_big_u16(frame.data.data());
   of(readings, Infrared::kRightBack) = load_big_u16(&frame.data[2]);
   of(readings, Infrared::kRight) = load_big_u16(&frame.data[4]);
   return readings;
@@ -53,7 +53,7 @@ RangeReadings decode_adc0_to_3(const CanFrame& frame) {
 
 RangeReadings decode_adc4_to_7(const CanFrame& frame) {
   RangeReadings readings;
-  of(readings, Infrared::kRightFront) = load_big_u16(&frame.data[0]);
+  of(readings, Infrared::kRightFront) = load_big_u16(frame.data.data());
   readings.sonar_raw = load_big_u16(&frame.data[2]);
   of(readings, Infrared::kLeftFront) = load_big_u16(&frame.data[4]);
   of(readings, Infrared::kLeft) = load_big_u16(&frame.data[6]);
@@ -74,7 +74,7 @@ double tilt_rad(std::uint16_t raw) {
 
 Gyro decode_gyro(const CanFrame& frame) {
   const double to_rad = geometry::deg_to_rad(1.0);
-  return {load_big_s32(&frame.data[0]) / 4992511.0 * to_rad,
+  return {load_big_s32(frame.data.data()) / 4992511.0 * to_rad,
           load_big_s32(&frame.data[4]) / 10000.0 * to_rad * to_rad};
 }
 
@@ -97,13 +97,14 @@ Report decode_full(const CanFrame& frame) {
       return decode_adc8_to_11(frame);
     case kAdc12To15Id:
       return MotorCurrents{1e-3 * load_big_u16(&frame.data[2]),
-                           1e-3 * load_big_u16(&frame.data[0])};  // right comes first, in mA
+                           1e-3 * load_big_u16(frame.data.data())};  // right comes first, in mA
     case kEncoderId:
-      return EncoderTicks{load_big_s16(&frame.data[0]), load_big_s16(&frame.data[2])};
+      return EncoderTicks{load_big_s16(frame.data.data()), load_big_s16(&frame.data[2])};
     case kBumperId:
       return Bumpers{frame.data[0] != 0};
     case kTiltId:
-      return Tilt{tilt_rad(load_big_u16(&frame.data[0])), tilt_rad(load_big_u16(&frame.data[2]))};
+      return Tilt{tilt_rad(load_big_u16(frame.data.data())),
+                  tilt_rad(load_big_u16(&frame.data[2]))};
     case kGyroId:
       return decode_gyro(frame);
     default:

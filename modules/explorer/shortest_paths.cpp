@@ -40,15 +40,9 @@ void ShortestPaths::compute(const PlanningGrid& grid, const Eigen::Vector2d& fro
     buckets_[length % kNumBuckets].clear();
     num_queued_ -= open.size();
     for (const Cell& cell : open) {
-      if (steps_.at(cell) != length) {
-        continue;  // meanwhile reached by a shorter path
-      }
-      cells_.push_back(cell);
-      for (std::uint8_t i = 0; i < kNeighbours.size(); ++i) {
-        const Cell next = cell + kNeighbours.at(i);
-        if (grid.is_passable(next)) {
-          push(next, length + (i < 4 ? kStraight : kDiagonal), i);
-        }
+      if (steps_.at(cell) == length) {  // otherwise a shorter path has reached it meanwhile
+        cells_.push_back(cell);
+        push_neighbours(grid, cell, length);
       }
     }
     num_missing -= static_cast<std::size_t>(std::ranges::count_if(targets, [&](const Cell& target) {
@@ -94,10 +88,21 @@ double ShortestPaths::length_m(const Cell& cell) const {
                           : std::numeric_limits<double>::infinity();
 }
 
+void ShortestPaths::push_neighbours(const PlanningGrid& grid, const Cell& cell,
+                                    std::uint32_t length) {
+  for (std::size_t i = 0; i < kNeighbours.size(); ++i) {
+    const Cell next = cell + kNeighbours.at(i);
+    if (grid.is_passable(next)) {
+      push(next, length + (i < 4 ? kStraight : kDiagonal), static_cast<std::uint8_t>(i));
+    }
+  }
+}
+
 std::vector<Cell> ShortestPaths::path_to(const Cell& cell) const {
   std::vector<Cell> path{cell};
   while (from_.at(path.back()) != kBegins) {
-    path.push_back(path.back() - kNeighbours.at(from_.at(path.back())));
+    const Cell before = path.back() - kNeighbours.at(from_.at(path.back()));
+    path.push_back(before);
   }
   std::ranges::reverse(path);
   return path;

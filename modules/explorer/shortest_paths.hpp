@@ -39,6 +39,7 @@ class ShortestPaths {
   static constexpr int kNumBuckets = 8;
 
   void push(const Cell& cell, std::uint32_t length, std::uint8_t from);
+  void push_neighbours(const PlanningGrid& grid, const Cell& cell, std::uint32_t length);
   void seed(const PlanningGrid& grid, const Eigen::Vector2d& from_map);
 
   double cell_size_m_ = 0.1;

@@ -27,17 +27,12 @@ class EventFinder {
   /// Describes what happened at this log event; empty if nothing.
   std::string look_at(const bus::LogEvent& event) {
     if (event.channel == "STOP" && bus::decode_into(stop_, event.data)) {
-      const bool is_new = stop_.is_stopped && !std::exchange(is_stopped_, stop_.is_stopped);
-      is_stopped_ = stop_.is_stopped;
+      const bool was_stopped = std::exchange(is_stopped_, stop_.is_stopped != 0);
+      const bool is_new = is_stopped_ && !was_stopped;
       return is_new ? "stop by " + stop_.requested_by : std::string();
     }
     if (event.channel == "STATUS" && bus::decode_into(status_, event.data)) {
-      const bool fails = status_.health == nodmap::status_t::FAILED;
-      const bool is_new = fails && !failed_.contains(status_.process_name);
-      fails ? (void)failed_.insert(status_.process_name)
-            : (void)failed_.erase(status_.process_name);
-      return is_new ? "fault " + status_.process_name + ": " + status_.health_reason
-                    : std::string();
+      return status_event();
     }
     if (event.channel == "CLOUD" && bus::decode_into(chunk_, event.data)) {
       const bool is_new = chunk_.keyframe_id != std::exchange(keyframe_, chunk_.keyframe_id);
@@ -47,6 +42,14 @@ class EventFinder {
   }
 
  private:
+  /// Describes a process that has just FAILED.
+  std::string status_event() {
+    const bool fails = status_.health == nodmap::status_t::FAILED;
+    const bool is_new = fails && !failed_.contains(status_.process_name);
+    fails ? (void)failed_.insert(status_.process_name) : (void)failed_.erase(status_.process_name);
+    return is_new ? "fault " + status_.process_name + ": " + status_.health_reason : std::string();
+  }
+
   nodmap::stop_t stop_{};
   nodmap::status_t status_{};
   nodmap::cloud_chunk_t chunk_{};

@@ -152,11 +152,11 @@ Terminal open_terminal() {
 
 /// Everything that the child needs, prepared before the fork.
 struct Launch {
-  const char* terminal_name;
-  const char* program;
-  char* const* arguments;
-  char* const* environment;
-  pid_t parent;
+  const char* terminal_name = nullptr;
+  const char* program = nullptr;
+  char* const* arguments = nullptr;
+  char* const* environment = nullptr;
+  pid_t parent = -1;
   Resources resources;
 };
 

@@ -20,6 +20,7 @@ std::string deputy_program() {
 
 pid_t start(std::vector<std::string> words) {
   std::vector<char*> arguments;
+  arguments.reserve(words.size() + 1);
   for (std::string& word : words) {
     arguments.push_back(word.data());
   }

@@ -271,8 +271,8 @@ void Watch::scroll(Key key, const std::vector<ReportRow>& rows) {
 }
 
 void Watch::order(Key key, const std::vector<ReportRow>& rows) {
-  const auto asked = std::find_if(kKeyOrders.begin(), kKeyOrders.end(),
-                                  [key](const KeyOrder& order) { return order.key == key; });
+  const auto* const asked = std::find_if(kKeyOrders.begin(), kKeyOrders.end(),
+                                         [key](const KeyOrder& order) { return order.key == key; });
   if (asked == kKeyOrders.end()) {
     return;
   }

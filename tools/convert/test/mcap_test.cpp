@@ -12,6 +12,7 @@
 #include <string>
 
 #include "modules/viewer/foxglove/test/robot_log.hpp"
+#include "modules/viewer/foxglove/test/robot_messages.hpp"
 #include "tests/support/data_dir.hpp"
 #include "tools/convert/mcap_export.hpp"
 #include "tools/convert/mcap_writer.hpp"

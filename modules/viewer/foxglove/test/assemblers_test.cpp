@@ -6,7 +6,8 @@
 #include <limits>
 
 #include "common/node/messages.hpp"
-#include "modules/viewer/foxglove/test/robot_log.hpp"
+#include "modules/viewer/foxglove/test/robot_maps.hpp"
+#include "modules/viewer/foxglove/test/robot_messages.hpp"
 
 namespace nodmap::foxglove {
 namespace assemblers_test {

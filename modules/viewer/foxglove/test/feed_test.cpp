@@ -11,7 +11,8 @@
 
 #include "common/bus/live_bus.hpp"
 #include "modules/viewer/foxglove/foxglove.hpp"
-#include "modules/viewer/foxglove/test/robot_log.hpp"
+#include "modules/viewer/foxglove/test/robot_maps.hpp"
+#include "modules/viewer/foxglove/test/robot_messages.hpp"
 
 namespace nodmap::foxglove {
 namespace feed_test {

@@ -5,7 +5,7 @@
 
 #include <csignal>
 
-#include "modules/viewer/foxglove/test/robot_log.hpp"
+#include "modules/viewer/foxglove/test/robot_messages.hpp"
 
 namespace nodmap::foxglove {
 namespace process_tables_test {

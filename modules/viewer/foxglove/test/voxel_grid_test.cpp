@@ -5,7 +5,7 @@
 #include <random>
 
 #include "modules/viewer/foxglove/sensor_views.hpp"
-#include "modules/viewer/foxglove/test/robot_log.hpp"
+#include "modules/viewer/foxglove/test/robot_maps.hpp"
 
 namespace nodmap::foxglove {
 namespace voxel_grid_test {
