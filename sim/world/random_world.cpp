@@ -150,7 +150,7 @@ bool Maker::is_free(const Eigen::Vector2d& p, double free_m) const {
 Eigen::Vector2d Maker::free_place(double free_m) {
   const double reach_m = kHalfRoomM - free_m;
   for (int i = 0; i < kMostTries; ++i) {
-    const Eigen::Vector2d p(between(-reach_m, reach_m), between(-reach_m, reach_m));
+    Eigen::Vector2d p(between(-reach_m, reach_m), between(-reach_m, reach_m));
     if (is_free(p, free_m)) {
       return p;
     }

@@ -36,7 +36,7 @@ void for_each_level_scan(const std::filesystem::path& log,
   node::SensorInput messages(counts);
   slam2d::LevelScanInput input({});
   nodmap::scan_t scan_message;
-  nodmap::odometry_t odometry_message;
+  nodmap::odometry_t odometry_message{};
   scan::Scan scan;
   while (const bus::LogEvent* event = reader.next()) {
     if (event->channel == "ODOMETRY" && bus::decode_into(odometry_message, event->data)) {

@@ -99,6 +99,19 @@ std::optional<time::SteadyTime> reached(const TrialRecord& record, const sim::Wo
   return is_there ? std::optional(record.arrivals[num_goals - 1]) : std::nullopt;
 }
 
+/// Path length from the first scan until `end`; without it, to the end of the record.
+double path_until(const TrialRecord& record, std::optional<time::SteadyTime> end) {
+  double path_m = 0.0;
+  const auto first = first_from(record, *record.started);
+  for (auto sample = first; sample != record.truth.end(); ++sample) {
+    if (end && sample->instant > *end) {
+      break;
+    }
+    path_m += sample == first ? 0.0 : distance_between(*std::prev(sample), *sample);
+  }
+  return path_m;
+}
+
 }  // namespace
 
 ExplorationMetrics exploration_metrics(const TrialRecord& record,
@@ -133,13 +146,7 @@ GoalMetrics goal_metrics(const TrialRecord& record, const sim::World& world, dou
     return metrics;
   }
   metrics.reached = reached(record, world, tolerance_m);
-  const auto first = first_from(record, *record.started);
-  for (auto sample = first; sample != record.truth.end(); ++sample) {
-    if (metrics.reached && sample->instant > *metrics.reached) {
-      break;
-    }
-    metrics.path_m += sample == first ? 0.0 : distance_between(*std::prev(sample), *sample);
-  }
+  metrics.path_m = path_until(record, metrics.reached);
   if (!world.goals.empty()) {
     const Eigen::Vector2d end = record.truth.back().T_world_base.translation().head<2>();
     metrics.start_to_goal_m = (world.T_world_start.translation() - world.goals.back()).norm();

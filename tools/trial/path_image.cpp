@@ -145,7 +145,7 @@ drawing::Image draw_paths(const sim::World& world, const TrialRecord& record,
   for (const EstimatedPath& estimate : estimates) {
     std::vector<Vector2d> path;
     for (const formats::StampedPose& pose : estimate.poses) {
-      path.push_back((T_world_map * pose.pose.translation()).head<2>());
+      path.emplace_back((T_world_map * pose.pose.translation()).head<2>());
     }
     view.draw_path(path, estimate.colour, 1.0);
     legend.push_back({estimate.name, estimate.colour});
