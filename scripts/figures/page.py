@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """docs/paper.md: a section for each figure, and a table of what must hold."""
 import re
+import subprocess
 
 from trials import ROOT
 
@@ -19,6 +20,11 @@ The runs are deterministic: the same program makes the same images and numbers. 
 """
 
 
+def commit():
+    """The one that is checked out, abbreviated."""
+    return subprocess.run(["git", "-C", ROOT, "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=True).stdout.strip()
+
+
 def section(number, made):
     """One figure's part of the page, between marks by which it is found again."""
     commands = "\n".join(f"    {command}" for command in made["commands"])
@@ -26,7 +32,7 @@ def section(number, made):
                     for what, measured, target, ok in made.get("holds", []))
     note = f"\n{made['note']}\n" if made.get("note") else ""
     return (f"<!-- figure {number} -->\n## Fig. {number}: {made['title']}\n\n![{made['alt']}](pictures/paper/fig{number}.png)\n\n"
-            f"*The paper:* {made['paper']}\n\n*Here:* {made['measured']}\n{note}\n{commands}\n\n{holds}<!-- end {number} -->\n")
+            f"*The paper:* {made['paper']}\n\n*Here:* {made['measured']}\n{note}\n{commands}\n\nDrawn at commit {commit()}.\n\n{holds}<!-- end {number} -->\n")
 
 
 def read_sections():
