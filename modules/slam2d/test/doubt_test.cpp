@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "modules/slam2d/slam2d.hpp"
+#include "modules/slam2d/test/drawn_world.hpp"
+#include "modules/slam2d/test/track.hpp"
+
+namespace nodmap::slam2d {
+namespace doubt_test {
+
+using geometry::SE2;
+using test::kPeriod;
+using test::Scanner;
+using test::track;
+
+// As in logs whose stamps come in bursts: nothing has happened while odometry was missing.
+TEST(Slam2d, AScanThatFitsAfterAGapIsNotSearchedFor) {
+  Slam2d slam{Slam2dParams{}};
+  Scanner scanner;
+  for (int i = 0; i < 10; ++i) {
+    const auto update = track(slam, scanner.scan(test::room(), {}, time::Timestamp(1s * i)), {});
+    ASSERT_TRUE(update);
+    EXPECT_EQ(update->quality, PoseQuality::kTracked);
+  }
+  EXPECT_EQ(slam.search_counts().searches, 0);
+}
+
+// Nothing is recorded for a second, and odometry does not count what the robot moves meanwhile.
+TEST(Slam2d, APauseInOdometryIsTakenBackByTheScans) {
+  Slam2d slam{Slam2dParams{}};
+  Scanner scanner;
+  SE2 truth{-1.5, -0.5, 0.0};
+  const SE2 start = truth;
+  SE2 odom;
+  time::Timestamp stamp{};
+  const SE2 step{0.1, 0.0, 0.08};
+  for (int i = 0; i < 20; ++i) {
+    ASSERT_TRUE(track(slam, scanner.scan(test::room(), truth, stamp), odom));
+    truth = truth * step;
+    odom = odom * step;
+    stamp += kPeriod;
+  }
+  truth = truth * SE2{-0.9, -2.6, -0.6};  // farther than start poses are tried
+  stamp += 1s;
+  double worst_m = 0.0;
+  for (int i = 0; i < 20; ++i) {
+    const auto update = track(slam, scanner.scan(test::room(), truth, stamp), odom);
+    ASSERT_TRUE(update);
+    if (update->quality != PoseQuality::kLost) {
+      worst_m = std::max(worst_m, distance_m(update->T_map_base, start.inverse() * truth));
+    }
+    EXPECT_TRUE(i < 5 || update->quality != PoseQuality::kLost) << i;
+    const SE2 back{step.x, 0.0, -step.yaw};
+    truth = truth * back;
+    odom = odom * back;
+    stamp += kPeriod;
+  }
+  EXPECT_LT(worst_m, 0.0043);  // measured 3.5 mm, from scan noise of 1 cm
+}
+
+struct Found {
+  PoseUpdate update;
+  double error_m = 0.0;
+};
+
+/// The first scan after a pause in which the robot has moved 2.8 m, to where somebody has put a
+/// board before it: a good part of its points are of what is in no map.
+Found after_pause_before_a_board(const Slam2dParams& params) {
+  Slam2d slam{params};
+  Scanner scanner;
+  const SE2 step{0.1, 0.0, 0.08};
+  const SE2 start{-1.5, -0.5, 0.0};
+  SE2 truth = start;
+  SE2 odom;
+  time::Timestamp stamp{};
+  for (int i = 0; i < 20; ++i) {
+    EXPECT_TRUE(track(slam, scanner.scan(test::room(), truth, stamp), odom));
+    truth = truth * step;
+    odom = odom * step;
+    stamp += kPeriod;
+  }
+  truth = truth * SE2{-0.9, -2.6, -0.6};
+  test::FloorPlan plan = test::room();
+  plan.push_back({truth * Eigen::Vector2d(0.8, -0.1), truth * Eigen::Vector2d(0.7, 0.9)});
+  const auto update = track(slam, scanner.scan(plan, truth, stamp + 1s), odom);
+  EXPECT_TRUE(update);
+  return {*update, distance_m(update->T_map_base, start.inverse() * truth)};
+}
+
+TEST(Slam2d, ASearchFindsWhatFitsInPartIfMinSearchScoreAllows) {
+  Slam2dParams params;
+  const Found found = after_pause_before_a_board(params);
+  EXPECT_EQ(found.update.quality, PoseQuality::kTracked);
+  EXPECT_LT(found.update.score, params.doubt.certain_score);
+  EXPECT_LT(found.error_m, 0.02);  // two standard deviations of the scan noise
+  params.doubt.min_search_score = 0.9;
+  EXPECT_EQ(after_pause_before_a_board(params).update.quality, PoseQuality::kLost);
+}
+
+/// A corridor with a niche on either side every 2 m: each place looks like that 2 m farther on.
+test::FloorPlan corridor_with_equal_niches() {
+  test::FloorPlan plan;
+  for (const double side : {1.0, -1.0}) {
+    for (int i = -15; i < 15; ++i) {
+      const double x = 2.0 * i;
+      plan.push_back({{x, side}, {x + 1.2, side}});
+      plan.push_back({{x + 1.2, side}, {x + 1.2, 1.4 * side}});
+      plan.push_back({{x + 1.2, 1.4 * side}, {x + 2.0, 1.4 * side}});
+      plan.push_back({{x + 2.0, 1.4 * side}, {x + 2.0, side}});
+    }
+  }
+  return plan;
+}
+
+// During a second that is missing the robot has driven on by 2 m, where everything looks as it did,
+// and somebody stands before it. No scan tells where it is, nor does the map that it makes from
+// there on.
+TEST(Slam2d, AnAmbiguousPlaceAfterAPauseIsDegradedUntilALoopJoinsIt) {
+  Slam2d slam{Slam2dParams{}};
+  Scanner scanner;
+  const test::FloorPlan plan = corridor_with_equal_niches();
+  SE2 truth;
+  SE2 odom;
+  time::Timestamp stamp{};
+  const SE2 step{0.1, 0.0, 0.0};
+  std::optional<PoseUpdate> update;
+  for (int i = 0; i < 20; ++i) {
+    update = track(slam, scanner.scan(plan, truth, stamp), odom);
+    truth = truth * step;
+    odom = odom * step;
+    stamp += kPeriod;
+  }
+  ASSERT_TRUE(update);
+  EXPECT_EQ(update->quality, PoseQuality::kTracked);
+  const std::size_t submaps_before = slam.back_end().submaps().size();
+  truth = truth * SE2{2.0, 0.0, 0.0};
+  stamp += 1s;
+  for (int i = 0; i < 25; ++i) {
+    test::FloorPlan with_people = plan;
+    with_people.push_back({truth * Eigen::Vector2d(0.7, -0.5), truth * Eigen::Vector2d(0.6, 0.4)});
+    update = track(slam, scanner.scan(with_people, truth, stamp), odom);
+    ASSERT_TRUE(update);
+    EXPECT_NE(update->quality, PoseQuality::kTracked) << i;
+    truth = truth * step;
+    odom = odom * step;
+    stamp += kPeriod;
+  }
+  EXPECT_GT(slam.back_end().submaps().size(), submaps_before);
+  EXPECT_GT(update->covariance(0, 0), 1.0);
+}
+
+}  // namespace doubt_test
+}  // namespace nodmap::slam2d

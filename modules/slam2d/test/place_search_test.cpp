@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "modules/slam2d/slam2d.hpp"
+#include "modules/slam2d/test/drawn_world.hpp"
+#include "modules/slam2d/test/track.hpp"
+
+namespace nodmap::slam2d {
+namespace place_search_test {
+
+using geometry::SE2;
+using test::kPeriod;
+using test::Scanner;
+using test::track;
+
+TEST(Slam2d, ARotationThatOdometryMissedIsFound) {
+  Slam2d slam{Slam2dParams{}};
+  Scanner scanner;
+  ASSERT_TRUE(track(slam, scanner.scan(test::room(), {}), {}));
+  const SE2 truth{0.1, 0.0, geometry::deg_to_rad(50.0)};
+  const auto update =
+      track(slam, scanner.scan(test::room(), truth, time::Timestamp(kPeriod)), {0.1, 0.0, 0.0});
+  ASSERT_TRUE(update);
+  EXPECT_EQ(slam.search_counts().successful, 1);
+  // Measured against a map of a single scan: 5.2 mm and 0.127 degrees.
+  EXPECT_LT(distance_m(update->T_map_base, truth), 0.0064);
+  EXPECT_NEAR(update->T_map_base.yaw, truth.yaw, geometry::deg_to_rad(0.158));
+}
+
+// The same with a piece of a wall in view: that fits many places.
+TEST(Slam2d, FewPointsAreNotLookedForInAWideWindow) {
+  Slam2d slam{Slam2dParams{}};
+  Scanner scanner;
+  ASSERT_TRUE(track(slam, scanner.scan(test::room(), {}), {}));
+  const SE2 truth{0.1, 0.0, geometry::deg_to_rad(50.0)};
+  scan::Scan scan = scanner.scan(test::room(), truth, time::Timestamp(kPeriod));
+  constexpr std::size_t kFirst = 40;
+  constexpr std::size_t kLast = 65;
+  for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
+    if (i < kFirst || i > kLast) {
+      scan.ranges_m[i] = std::numeric_limits<float>::infinity();
+    }
+  }
+  const SE2 odom{0.1, 0.0, 0.0};
+  const auto update = track(slam, scan, odom);
+  ASSERT_TRUE(update);
+  EXPECT_EQ(slam.search_counts().searches, 0);
+  EXPECT_NE(update->quality, PoseQuality::kTracked);
+  EXPECT_EQ(update->T_map_base.x, odom.x);
+}
+
+// Two bays side by side, 1.1 m apart. In the second nearly all is new: it was hidden by the wall
+// between them, and what the robot sees would fit the first.
+TEST(Slam2d, APlaceBesideThatLooksAlikeDoesNotReplaceTheOneByOdometry) {
+  Slam2d slam{Slam2dParams{}};
+  Scanner scanner;
+  const test::FloorPlan bays{{{0.0, -1.5}, {0.0, 1.5}},
+                             {{1.1, -1.5}, {1.1, 1.5}},
+                             {{2.2, -1.5}, {2.2, 1.5}},
+                             {{0.0, -1.5}, {2.2, -1.5}}};
+  const SE2 first{0.55, 0.0, -geometry::kPi / 2};
+  const SE2 second{1.65, 0.0, -geometry::kPi / 2};
+  ASSERT_TRUE(track(slam, scanner.scan(bays, first), first));
+  const auto update = track(slam, scanner.scan(bays, second, time::Timestamp(kPeriod)), second);
+  ASSERT_TRUE(update);
+  EXPECT_EQ(slam.search_counts().searches, 1);
+  EXPECT_NE(update->quality, PoseQuality::kTracked);
+  EXPECT_LT(distance_m(update->T_map_base, second), 0.1);  // by odometry, or matched near it
+}
+
+TEST(Slam2d, WhereNothingMatchesItIsLostAndContinuesTheMapFromOdometry) {
+  Slam2d slam{Slam2dParams{}};
+  Scanner scanner;
+  ASSERT_TRUE(track(slam, scanner.scan(test::room(), {}), {}));
+  // Carried to where nothing of the map is in sight.
+  const test::FloorPlan elsewhere{{{52, -2}, {52, 2}}, {{52, 2}, {48, 3}}, {{48, -2}, {52, -2}}};
+  const SE2 carried{50.0, 0.0, 0.0};
+  const auto lost =
+      track(slam, scanner.scan(elsewhere, carried, time::Timestamp(kPeriod)), carried);
+  ASSERT_TRUE(lost);
+  EXPECT_EQ(lost->quality, PoseQuality::kLost);
+  EXPECT_EQ(lost->T_map_base.x, 50.0);
+  const auto again =
+      track(slam, scanner.scan(elsewhere, carried, time::Timestamp(2 * kPeriod)), carried);
+  ASSERT_TRUE(again);
+  // Matched, but degraded: how what it saw before lies to what it sees now is not known.
+  EXPECT_EQ(again->quality, PoseQuality::kPartly);
+  EXPECT_GT(again->covariance(0, 0), 1.0);
+}
+
+// Behind an obstacle a robot sees its back, which nothing in the map fits: 1.2 m of it, of another
+// thing than before. Odometry alone is good for a while.
+TEST(Slam2d, WhatWasNeverInViewIsAddedByOdometry) {
+  Slam2d slam{Slam2dParams{}};
+  Scanner scanner;
+  const test::FloorPlan obstacles{{{3, -1}, {3, 0}}, {{7, 1.4}, {7, 2.6}}};
+  const SE2 before;
+  ASSERT_TRUE(track(slam, scanner.scan({obstacles[0]}, before), before));
+  const SE2 behind{4.0, 2.0, 0.0};
+  const auto first = track(slam, scanner.scan(obstacles, behind, time::Timestamp(kPeriod)), behind);
+  ASSERT_TRUE(first);
+  EXPECT_EQ(first->quality, PoseQuality::kOdometry);
+  EXPECT_TRUE(first->is_keyframe);
+  EXPECT_GT(first->covariance(0, 0), 0.016 * std::hypot(4.0, 2.0) - 1e-9);
+  const auto again =
+      track(slam, scanner.scan(obstacles, behind, time::Timestamp(2 * kPeriod)), behind);
+  ASSERT_TRUE(again);
+  EXPECT_LE(again->quality, PoseQuality::kPartly);
+  EXPECT_LT(distance_m(again->T_map_base, behind), 0.02);  // measured 0
+}
+
+}  // namespace place_search_test
+}  // namespace nodmap::slam2d
