@@ -129,14 +129,17 @@ function(nodmap_add_test name)
 endfunction()
 
 # nodmap_set_process_test(NAME TIMEOUT_S [LIGHT]): marks a test of CTest's that runs processes. It counts as two of the jobs that
-# CTest runs at once, or as one if it is LIGHT: one that mostly waits. It begins before other tests, because it lasts longest.
+# CTest runs at once, or as one if it is LIGHT: one that mostly waits. The heavy ones begin first, since CTest keeps no two places free
+# for them, then the light ones, because they last longer than others.
 function(nodmap_set_process_test name timeout_s)
   cmake_parse_arguments(ARG "LIGHT" "" "" ${ARGN})
   set(jobs 2)
+  set(cost 2000)
   if(ARG_LIGHT)
     set(jobs 1)
+    set(cost 1000)
   endif()
-  set_tests_properties(${name} PROPERTIES LABELS integration TIMEOUT ${timeout_s} SKIP_RETURN_CODE 77 PROCESSORS ${jobs} COST 1000)
+  set_tests_properties(${name} PROPERTIES LABELS integration TIMEOUT ${timeout_s} SKIP_RETURN_CODE 77 PROCESSORS ${jobs} COST ${cost})
 endfunction()
 
 # All programs that measure. The default target leaves them out: nobody who builds the programs or runs the tests waits for them.
