@@ -133,7 +133,7 @@ TEST(PlaneAdjustment, SweepsHardlySlideAlongABareCorridor) {
 // the others, and its motion may be measured from any earlier sweep.
 TEST(PlaneAdjustment, SweepsBetweenKeyframesFollowThePlanesOfTheKeyframes) {
   std::vector<AdjustedSweep> sweeps = drive(Room::hall(), 1.0);
-  for (const std::size_t k : {1, 3}) {
+  for (const std::size_t k : {1U, 3U}) {
     sweeps[k].planes.clear();
     sweeps[k + 1].from = k - 1;
     sweeps[k + 1].T_from_this = along(0.0).inverse() * along(1.0);
