@@ -128,9 +128,19 @@ function(nodmap_add_test name)
     LABELS ${label} TIMEOUT 600 ENVIRONMENT "LCM_DEFAULT_URL=memq://")
 endfunction()
 
+# nodmap_test_starts(NAME program ...): the test program NAME, or CTest's test NAME, starts these programs. They are built before it, and
+# ./nodmap test runs it again when one of them has changed.
+function(nodmap_test_starts name)
+  if(TARGET ${name})
+    add_dependencies(${name} ${ARGN})
+  endif()
+  string(JOIN " " line ${name} ${ARGN})
+  set_property(GLOBAL APPEND PROPERTY NODMAP_TEST_STARTS ${line})
+endfunction()
+
 # nodmap_set_process_test(NAME TIMEOUT_S [LIGHT]): marks a test of CTest's that runs processes. It counts as two of the jobs that
 # CTest runs at once, or as one if it is LIGHT: one that mostly waits. The heavy ones begin first, since CTest keeps no two places free
-# for them, then the light ones, because they last longer than others.
+# for them, then the light ones, because they last longer than others. It may start every program, unless nodmap_test_starts() says which.
 function(nodmap_set_process_test name timeout_s)
   cmake_parse_arguments(ARG "LIGHT" "" "" ${ARGN})
   set(jobs 2)
