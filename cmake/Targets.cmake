@@ -124,7 +124,8 @@ function(nodmap_add_test name)
     add_dependencies(threaded_tests ${name})
   endif()
   # memq:// keeps every test off the network, whatever it forgets to say.
-  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES
+  # Without the values of parameters, which print as bytes: they have names.
+  gtest_discover_tests(${name} NO_PRETTY_VALUES DISCOVERY_TIMEOUT 60 PROPERTIES
     LABELS ${label} TIMEOUT 600 ENVIRONMENT "LCM_DEFAULT_URL=memq://")
 endfunction()
 

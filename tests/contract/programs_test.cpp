@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -207,6 +208,19 @@ struct ReadingCommand {
   std::vector<std::string> after;   ///< and after it
 };
 
+/// Its words, for the name of a test: letters and digits only.
+std::string name_of(const ::testing::TestParamInfo<ReadingCommand>& info) {
+  std::string name = info.param.program;
+  for (const auto* words : {&info.param.before, &info.param.after}) {
+    for (const std::string& word : *words) {
+      name += "_" + word;
+    }
+  }
+  std::ranges::replace_if(
+      name, [](unsigned char c) { return std::isalnum(c) == 0; }, '_');
+  return name;
+}
+
 class EveryCommandThatReads : public ::testing::TestWithParam<ReadingCommand> {};
 
 TEST_P(EveryCommandThatReads, SaysTheSameOfAMissingFile) {
@@ -241,7 +255,8 @@ INSTANTIATE_TEST_SUITE_P(
                       ReadingCommand{"nodmap-sim", {"--world"}, {}},
                       ReadingCommand{"nodmap-slam2d", {"--config"}, {}},
                       ReadingCommand{"nodmap-trial", {"--world"}, {"--out", "new.d"}},
-                      ReadingCommand{"nodmap-viewer", {"--replay"}, {}}));
+                      ReadingCommand{"nodmap-viewer", {"--replay"}, {}}),
+    name_of);
 
 class EveryCommandThatReadsLogs : public ::testing::TestWithParam<ReadingCommand> {
  protected:
@@ -283,7 +298,8 @@ INSTANTIATE_TEST_SUITE_P(
                       ReadingCommand{"nodmap-convert", {"mcap"}, {"new.mcap"}},
                       ReadingCommand{"nodmap-convert", {"export", "--channel", "A"}, {"new.csv"}},
                       ReadingCommand{"nodmap-convert", {"export"}, {"new.ply"}},
-                      ReadingCommand{"nodmap-latency", {"--log"}, {}}));
+                      ReadingCommand{"nodmap-latency", {"--log"}, {}}),
+    name_of);
 
 TEST(CommandLine, NamesTheSubcommandAndTheNearestWord) {
   EXPECT_EQ(run_program("nodmap-convert", {"infoo", "x"}).err,
