@@ -1,20 +1,22 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Runs clang-tidy over the sources that the build in the given folder compiles, as many at a time as there are processors.
+"""Runs clang-tidy over the translation units that the build in the given folder compiles with clang, as many at a time as there are processors.
 
 usage: run_clang_tidy.py BUILD_DIR [--all | --changed]
-    --all       the tests and benchmarks too, by tests/.clang-tidy
-    --changed   only sources that changed, or whose header of the same name did, since the branch left origin/main; on main itself in the last
-                10 commits. What is not committed counts.
+    --all       the tests too, by tests/.clang-tidy
+    --changed   only units with a source that changed, or whose header of the same name did, since the branch left origin/main; on main itself
+                in the last 10 commits. What is not committed counts.
 
-A file is checked again only when something that it is made of has changed: the key of a good run, a digest of the preprocessed
-text, of the rules and of clang-tidy's version, is kept in the user's cache ($XDG_CACHE_HOME/nodmap/clang-tidy), for every clone.
+Most of the time goes into the headers of the standard library and Eigen, so sources that are compiled as one are checked as one. A unit is
+checked again only when something that it is made of has changed: the key of a good run, a digest of the preprocessed text, of the rules and of
+clang-tidy's version, is kept in the user's cache ($XDG_CACHE_HOME/nodmap/clang-tidy), for every clone.
 """
 import concurrent.futures
 import hashlib
 import json
 import os
 import pathlib
+import re
 import shlex
 import subprocess
 import sys
@@ -24,21 +26,30 @@ GOOD = pathlib.Path(os.environ.get("XDG_CACHE_HOME") or "~/.cache").expanduser()
 VERSION = subprocess.run(["clang-tidy", "--version"], capture_output=True).stdout
 
 
+def sources_of(entry):
+    """The sources, as paths in the repository, that the unit of an entry of compile_commands.json is made of; none if it is generated."""
+    unit = pathlib.Path(entry["file"])
+    files = [unit]
+    if unit.name.startswith("unity_"):
+        files = [pathlib.Path(name) for name in re.findall(r'#include "(.*)"', unit.read_text())]
+    build = pathlib.Path(entry["directory"])
+    return [file.relative_to(ROOT) for file in files if file.is_relative_to(ROOT) and not file.is_relative_to(build)]
+
+
 def is_test(path):
     return "test" in path.parts or path.parts[0] in ("tests", "bench")
 
 
 def key_of(entry, config):
     """A digest of all that clang-tidy would see, or None where the preprocessor fails."""
-    command = [w for w in shlex.split(entry["command"])]
+    command = shlex.split(entry["command"])
     if "ccache" in command[0]:
         command = command[1:]
     out = command.index("-o")
     command = command[:out] + command[out + 2:]
-    run = subprocess.run(command + ["-E", "-P"], cwd=entry["directory"], capture_output=True)
-    # Comments hold the NOLINT marks and are gone after preprocessing: the file itself counts too.
-    source = pathlib.Path(entry["file"]).read_bytes()
-    return hashlib.sha256(run.stdout + source + config.read_bytes() + VERSION).hexdigest() if run.returncode == 0 else None
+    # With comments, which hold the NOLINT marks. What is precompiled is of the packages, whose version is clang's own.
+    run = subprocess.run(command + ["-E", "-P", "-CC"], cwd=entry["directory"], capture_output=True)
+    return hashlib.sha256(run.stdout + config.read_bytes() + VERSION).hexdigest() if run.returncode == 0 else None
 
 
 def git(*arguments):
@@ -53,37 +64,42 @@ def changed_sources():
 
 
 def check(build, entry):
-    path = pathlib.Path(entry["file"]).relative_to(ROOT)
-    config = ROOT / ("tests/.clang-tidy" if is_test(path) else ".clang-tidy")
+    """Returns what clang-tidy says of one unit: an empty text if it is good."""
+    sources = sources_of(entry)
+    config = ROOT / ("tests/.clang-tidy" if is_test(sources[0]) else ".clang-tidy")
     key = key_of(entry, config)
     if key and (GOOD / key).exists():
-        return path, True, ""
-    run = subprocess.run(["clang-tidy", "-quiet", "-p", str(build), f"--config-file={config}",
-                          "--extra-arg=-Wno-unknown-warning-option", str(ROOT / path)],
-                         capture_output=True, text=True)
-    if run.returncode == 0 and key:
+        return ""
+    # Sources that are compiled as one are included by a generated file.
+    run = subprocess.run(["clang-tidy", "-quiet", "-p", str(build), f"--config-file={config}", "--checks=-bugprone-suspicious-include",
+                          entry["file"]], capture_output=True, text=True)
+    if run.returncode != 0:
+        return run.stdout or f"{sources[0]}: clang-tidy failed: {run.stderr}"
+    if key:
         GOOD.mkdir(parents=True, exist_ok=True)
         (GOOD / key).touch()
-    return path, run.returncode == 0, run.stdout
+    return ""
 
 
 def main():
     build = pathlib.Path(sys.argv[1]).resolve()
-    entries = [e for e in json.loads((build / "compile_commands.json").read_text()) if str(build) not in e["file"]]
-    if "--all" not in sys.argv[2:]:
-        entries = [e for e in entries if not is_test(pathlib.Path(e["file"]).relative_to(ROOT))]
+    units = {}  # by file: a source may be in two programs
+    for entry in json.loads((build / "compile_commands.json").read_text()):
+        sources = sources_of(entry)
+        if sources and ("--all" in sys.argv[2:] or not is_test(sources[0])):
+            units[entry["file"]] = entry
     if "--changed" in sys.argv[2:]:
         changed = changed_sources()
-        entries = [e for e in entries if pathlib.Path(e["file"]).relative_to(ROOT).with_suffix("") in changed]
+        units = {file: unit for file, unit in units.items() if any(s.with_suffix("") in changed for s in sources_of(unit))}
     bad = 0
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-        for done, (path, good, output) in enumerate(pool.map(lambda e: check(build, e), entries), 1):
+        for done, output in enumerate(pool.map(lambda unit: check(build, unit), units.values()), 1):
             if sys.stderr.isatty():
-                print(f"\r{done}/{len(entries)}", end="", file=sys.stderr)
-            if not good:
+                print(f"\r{done}/{len(units)}", end="", file=sys.stderr)
+            if output:
                 bad += 1
-                print(output or f"{path}: clang-tidy failed")
-    print(f"clang-tidy: {len(entries)} files, {bad} with findings")
+                print(output)
+    print(f"clang-tidy: {len(units)} units, {bad} with findings")
     return 1 if bad else 0
 
 
