@@ -181,31 +181,36 @@ Decision Navigator::behave(const Situation& now) {
   }
   if (now.goal && params_.planner.use && local_map_.has_scan()) {
     turn_.end();
-    if (!has_looked(now)) {
-      return brake(now, Why::kFirstLook);
-    }
-    return goal_drive_.decide(now, seen_, local_map_);
+    return has_looked(now) ? goal_drive_.decide(now, seen_, local_map_)
+                           : brake(now, Why::kFirstLook);
   }
   const FreeSpace space = measure_free_space(now.points_base, body_, params_.drive.side_margin_m);
   if (!turn_.is_active()) {
-    if (std::min(now.max_forward_mps, params_.drive.max_forward_mps) < kLeastSpeedMps) {
-      return brake(now, Why::kNoSpeed);
-    }
-    if (params_.planner.roams && !now.goal && local_map_.has_scan()) {
-      if (!has_looked(now)) {
-        return brake(now, Why::kFirstLook);
-      }
-      if (const auto roamed = roaming_.decide(now, seen_, local_map_)) {
-        return *roamed;
-      }
-    } else if (const auto steered = steering_.steer(space, seen_, now)) {
-      return *steered;
-    }
-    if (std::abs(now.forward_mps) > kStationaryMps) {
-      return brake(now, Why::kObstacleAhead);
+    if (const auto decision = drive_ahead(space, now)) {
+      return *decision;
     }
   }
   return turn(space, now);
+}
+
+/// Roams by plan, or steers, as far as there is room; empty when the robot is stationary and must
+/// turn to go on.
+std::optional<Decision> Navigator::drive_ahead(const FreeSpace& space, const Situation& now) {
+  if (std::min(now.max_forward_mps, params_.drive.max_forward_mps) < kLeastSpeedMps) {
+    return brake(now, Why::kNoSpeed);
+  }
+  const bool roams = params_.planner.roams && !now.goal && local_map_.has_scan();
+  if (roams && !has_looked(now)) {
+    return brake(now, Why::kFirstLook);
+  }
+  if (auto decision =
+          roams ? roaming_.decide(now, seen_, local_map_) : steering_.steer(space, seen_, now)) {
+    return decision;
+  }
+  if (std::abs(now.forward_mps) > kStationaryMps) {
+    return brake(now, Why::kObstacleAhead);
+  }
+  return std::nullopt;
 }
 
 /// What the first scans show of a ramp is an obstacle: it must not turn away from that.

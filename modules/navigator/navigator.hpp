@@ -84,6 +84,7 @@ class Navigator {
   void forget_wakes(time::Timestamp stamp);
   [[nodiscard]] bool has_looked(const Situation& now);
   [[nodiscard]] Decision behave(const Situation& now);
+  [[nodiscard]] std::optional<Decision> drive_ahead(const FreeSpace& space, const Situation& now);
   void join_local_map(Situation& now) const;
   void join_geofence(Situation& now) const;
   [[nodiscard]] Decision brake(const Situation& now, Reason reason) const;

@@ -133,7 +133,8 @@ bool FacetFinder::find(bool is_above, TrackedGround& ground, const geometry::SE2
   std::ranges::sort(patches, {}, &Patch::ahead_m);
   // What lies before the ramp may be anything: it is tried from several places on.
   for (std::size_t eighth = 0; eighth < 4; ++eighth) {
-    const auto surface = surface_from(patches, eighth * patches.size() / 8);
+    const std::size_t first = eighth * patches.size() / 8;
+    const auto surface = surface_from(std::span(patches).subspan(first));
     const auto before = surface ? facet_before(*surface, is_above, ground, T_odom_base)
                                 : std::optional<std::size_t>{};
     if (before) {
@@ -147,41 +148,55 @@ bool FacetFinder::find(bool is_above, TrackedGround& ground, const geometry::SE2
   return false;
 }
 
-/// The plane through the patches from `first` on, if they form one surface.
-std::optional<FacetFinder::Surface> FacetFinder::surface_from(const std::vector<Patch>& patches,
-                                                              std::size_t first) {
+/// The surface that begins at the first of these patches, which are sorted by `ahead_m`; empty if
+/// they form none. Its plane is fitted to the nearest patches, then twice to those that lie on it.
+std::optional<FacetFinder::Surface> FacetFinder::surface_from(std::span<const Patch> patches) {
   Surface surface;
-  for (std::size_t i = first;
-       i < patches.size() && patches[i].ahead_m <= patches[first].ahead_m + kLeastLengthM; ++i) {
-    surface.fit.add(patches[i].p_odom);
+  for (const Patch& patch : patches) {
+    if (patch.ahead_m > patches.front().ahead_m + kLeastLengthM) {
+      break;
+    }
+    surface.fit.add(patch.p_odom);
   }
-  std::size_t num_within = 0;
-  double sum_square = 0.0;
   for (const double residual_m : {kFirstResidualM, kResidualM}) {
     const auto plane = surface.fit.solve();
     if (!plane) {
       return std::nullopt;
     }
-    surface = {};
-    num_within = 0;
-    sum_square = 0.0;
-    std::size_t num_others = 0;
-    for (std::size_t i = first; i < patches.size(); ++i) {
-      const Patch& patch = patches[i];
-      if (!surface.patches.empty() &&
-          patch.ahead_m > surface.patches.back().ahead_m + kWidestGapM) {
-        break;
-      }
-      const double off_m = patch.p_odom.z() - plane->at(patch.p_odom.head<2>());
-      if (std::abs(off_m) > residual_m) {
-        ++num_others;
-        continue;
-      }
-      num_within = surface.patches.size() + 1 + num_others;
-      sum_square += off_m * off_m;
-      surface.fit.add(patch.p_odom);
-      surface.patches.push_back(patch);
+    surface = surface_on(*plane, residual_m, patches);
+  }
+  if (!is_large(surface) || !is_flat(surface) || !surface.fit.solve()) {
+    return std::nullopt;
+  }
+  return surface;
+}
+
+/// The patches on a plane, up to the first gap between them.
+FacetFinder::Surface FacetFinder::surface_on(const Plane& plane, double residual_m,
+                                             std::span<const Patch> patches) {
+  Surface surface;
+  std::size_t num_others = 0;
+  for (const Patch& patch : patches) {
+    if (!surface.patches.empty() && patch.ahead_m > surface.patches.back().ahead_m + kWidestGapM) {
+      break;
     }
+    const double off_m = patch.p_odom.z() - plane.at(patch.p_odom.head<2>());
+    if (std::abs(off_m) > residual_m) {
+      ++num_others;
+      continue;
+    }
+    surface.fit.add(patch.p_odom);
+    surface.patches.push_back(patch);
+    surface.num_within = surface.patches.size() + num_others;
+    surface.sum_square_m2 += off_m * off_m;
+  }
+  return surface;
+}
+
+/// Whether a surface is long and wide enough for a facet, and was measured in enough scans.
+bool FacetFinder::is_large(const Surface& surface) {
+  if (surface.patches.size() < kLeastPatches) {
+    return false;
   }
   std::set<int> scans;
   std::set<std::size_t> columns;
@@ -189,15 +204,16 @@ std::optional<FacetFinder::Surface> FacetFinder::surface_from(const std::vector<
     scans.insert(patch.scan);
     columns.insert(patch.column);
   }
+  const double length_m = surface.patches.back().ahead_m - surface.patches.front().ahead_m;
+  return length_m >= kLeastLengthM && columns.size() >= kLeastColumns &&
+         scans.size() >= kLeastScans;
+}
+
+/// Whether a surface has no steps: its patches lie on its plane, and few others are among them.
+bool FacetFinder::is_flat(const Surface& surface) {
   const auto num_patches = static_cast<double>(surface.patches.size());
-  if (surface.patches.size() < kLeastPatches || scans.size() < kLeastScans ||
-      columns.size() < kLeastColumns ||
-      surface.patches.back().ahead_m - surface.patches.front().ahead_m < kLeastLengthM ||
-      sum_square > kRmsM * kRmsM * num_patches ||
-      num_patches < kLeastShare * static_cast<double>(num_within) || !surface.fit.solve()) {
-    return std::nullopt;
-  }
-  return surface;
+  return surface.sum_square_m2 <= kRmsM * kRmsM * num_patches &&
+         num_patches >= kLeastShare * static_cast<double>(surface.num_within);
 }
 
 /// The facet that a surface meets in a kink before it; empty if there is none, or the surface is

@@ -5,6 +5,7 @@
 #include <array>
 #include <deque>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "common/geometry/se2.hpp"
@@ -49,13 +50,18 @@ class FacetFinder {
   struct Surface {
     PlaneFit fit;
     std::vector<Patch> patches;  ///< nearest first
+    std::size_t num_within = 0;  ///< of all patches from its first to its last
+    double sum_square_m2 = 0.0;  ///< of the patches' distances from the plane they were chosen by
   };
 
   [[nodiscard]] bool add_patch(const Column& column, std::size_t number, TrackedGround& ground,
                                const geometry::SE2& T_odom_base);
   [[nodiscard]] bool find(bool is_above, TrackedGround& ground, const geometry::SE2& T_odom_base);
-  [[nodiscard]] static std::optional<Surface> surface_from(const std::vector<Patch>& patches,
-                                                           std::size_t first);
+  [[nodiscard]] static std::optional<Surface> surface_from(std::span<const Patch> patches);
+  [[nodiscard]] static Surface surface_on(const Plane& plane, double residual_m,
+                                          std::span<const Patch> patches);
+  [[nodiscard]] static bool is_large(const Surface& surface);
+  [[nodiscard]] static bool is_flat(const Surface& surface);
   [[nodiscard]] static std::optional<std::size_t> facet_before(const Surface& surface,
                                                                bool is_above,
                                                                const TrackedGround& ground,

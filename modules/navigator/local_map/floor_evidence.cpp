@@ -11,6 +11,18 @@ namespace {
 /// not matter.
 constexpr double kDenseM = 0.05;
 
+/// There is floor in a cell between beams. `is_dense`: the beams are so close together that they
+/// count against a hole.
+void fill_cell(LocalCell& cell, bool is_dense, std::uint16_t scan) {
+  if (is_dense && cell.hole > 0 && cell.scan != scan) {
+    cell.hole = evidence::less(cell.hole);
+    cell.scan = scan;
+  }
+  if (!cell.is_hole()) {
+    cell.set_floor();
+  }
+}
+
 }  // namespace
 
 void FloorEvidence::add(LocalGrid& grid, std::size_t beam, const Eigen::Vector2d& p_odom,
@@ -85,15 +97,8 @@ void FloorEvidence::fill_between(LocalGrid& grid, const Point (&corners)[4],
     for (int column = 0; column <= columns; ++column) {
       const double w = static_cast<double>(column) / columns;
       LocalCell* cell = grid.find(a + u * along + w * ((1.0 - u) * across + u * far_across));
-      if (cell == nullptr) {
-        continue;
-      }
-      if (is_dense && cell->hole > 0 && cell->scan != scan) {
-        cell->hole = evidence::less(cell->hole);
-        cell->scan = scan;
-      }
-      if (!cell->is_hole()) {
-        cell->set_floor();
+      if (cell != nullptr) {
+        fill_cell(*cell, is_dense, scan);
       }
     }
   }

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
+#include <limits>
 #include <vector>
 
 #include "modules/navigator/local_map/holes.hpp"
@@ -28,7 +28,7 @@ geometry::SE2 along_arc(double curvature, double distance_m) {
 
 }  // namespace
 
-/// In each column of the body's front floor must follow on floor.
+/// Floor must follow on floor in each column of the body's front, but for `kUnknownColumns`.
 double SeenFloor::distance(const geometry::SE2& T_odom_base, double curvature, double half_width_m,
                            double max_m, double max_gap_m, bool ends_at_obstacles) const {
   const double step_m = grid_.cell_size_m();
@@ -36,38 +36,48 @@ double SeenFloor::distance(const geometry::SE2& T_odom_base, double curvature, d
   // Rows nearer than the laser sees floor may hold an obstacle.
   const int num_blind = ends_at_obstacles ? static_cast<int>(first_m / step_m) : 0;
   const int num_rows = static_cast<int>(std::ceil((max_m + max_gap_m) / step_m));
-  // Where the middle of the front passes, and what is to the left there.
-  std::vector<std::pair<Eigen::Vector2d, Eigen::Vector2d>> rows;
-  for (int row = -num_blind; row < num_rows; ++row) {
+  std::vector<Row> rows;
+  double s_m = -step_m * num_blind;
+  for (int row = -num_blind; row < num_rows; ++row, s_m += step_m) {
     const geometry::SE2 T_odom_row = T_odom_base * along_arc(curvature, first_m + step_m * row);
     const Eigen::Matrix2d R = T_odom_row.rotation();
-    rows.emplace_back(T_odom_row.translation() + body_.half_length_m * R.col(0), R.col(1));
+    rows.push_back({s_m, T_odom_row.translation() + body_.half_length_m * R.col(0), R.col(1)});
   }
   const auto side = static_cast<int>(std::ceil(half_width_m / kColumnM));
   std::vector<double> seen_m;  // by column
   for (int column = -side; column <= side; ++column) {
-    double seen = 0.0;
-    double s = -step_m * num_blind;  // from where the laser sees floor
-    for (auto row = rows.begin(); row != rows.end(); ++row, s += step_m) {
-      const LocalCell* cell = grid_.find(row->first + half_width_m * column / side * row->second);
-      if (ends_at_obstacles && s < kHiddenM && cell != nullptr && cell->is_obstacle() &&
-          !obstacles_.is_forgotten(*cell)) {
-        seen = max_m;
-        break;
-      }
-      if (s < 0.0) {
-        continue;
-      }
-      if (cell != nullptr && cell->is_floor) {
-        seen = s;
-      } else if (s - seen > max_gap_m) {
-        break;
-      }
-    }
-    seen_m.push_back(seen);
+    const double left_m = half_width_m * column / side;
+    seen_m.push_back(distance_in_column(rows, left_m, max_gap_m, ends_at_obstacles));
   }
   std::ranges::nth_element(seen_m, seen_m.begin() + kUnknownColumns - 1);
   return std::min(seen_m[kUnknownColumns - 1], max_m);
+}
+
+/// How far floor follows on floor in a column that is `left_m` beside the middle of the front;
+/// infinite if an obstacle hides what follows.
+double SeenFloor::distance_in_column(const std::vector<Row>& rows, double left_m, double max_gap_m,
+                                     bool ends_at_obstacles) const {
+  double seen_m = 0.0;
+  for (const Row& row : rows) {
+    const LocalCell* cell = grid_.find(row.middle_odom + left_m * row.left_odom);
+    if (ends_at_obstacles && row.s_m < kHiddenM && is_obstacle(cell)) {
+      return std::numeric_limits<double>::infinity();
+    }
+    if (row.s_m < 0.0) {
+      continue;
+    }
+    if (cell != nullptr && cell->is_floor) {
+      seen_m = row.s_m;
+    } else if (row.s_m - seen_m > max_gap_m) {
+      break;
+    }
+  }
+  return seen_m;
+}
+
+/// Whether there is an obstacle that has not been forgotten.
+bool SeenFloor::is_obstacle(const LocalCell* cell) const {
+  return cell != nullptr && cell->is_obstacle() && !obstacles_.is_forgotten(*cell);
 }
 
 double SeenFloor::distance_backwards(const geometry::SE2& T_odom_base, double curvature,

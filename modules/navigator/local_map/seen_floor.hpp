@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 #include "common/geometry/se2.hpp"
 #include "common/robot/footprint.hpp"
@@ -31,6 +32,16 @@ class SeenFloor {
   [[nodiscard]] bool is_around(const Eigen::Vector2d& p_odom) const;
 
  private:
+  /// A row of places across the body, as the middle of its front passes there.
+  struct Row {
+    double s_m;  ///< along the arc, from where the laser sees floor
+    Eigen::Vector2d middle_odom;
+    Eigen::Vector2d left_odom;  ///< unit vector
+  };
+
+  [[nodiscard]] double distance_in_column(const std::vector<Row>& rows, double left_m,
+                                          double max_gap_m, bool ends_at_obstacles) const;
+  [[nodiscard]] bool is_obstacle(const LocalCell* cell) const;
   [[nodiscard]] bool is_row_seen(const geometry::SE2& T_odom_row, double half_width_m) const;
 
   const LocalGrid& grid_;

@@ -46,7 +46,10 @@ DockingStep Docking::next(const GoalInBase& goal, time::Timestamp stamp) {
   if (phase_ == Phase::kFailed && phase_s > kTryAgainS) {
     reset();
   }
-  const Phase phase = next_phase(goal, phase_s);
+  Phase phase = next_phase(goal, phase_s);
+  if (phase == phase_ && phase_s > kPatienceS) {
+    phase = phase_when_late();
+  }
   if (phase != phase_) {
     enter(phase, stamp);
   }
@@ -63,31 +66,45 @@ void Docking::enter(Phase phase, time::Timestamp stamp) {
   }
 }
 
+/// The phase after the present one if that has done its part, else the present one.
 Docking::Phase Docking::next_phase(const GoalInBase& goal, double phase_s) const {
   const geometry::SE2 T = T_goal_base(goal);
-  const bool is_late = phase_s > kPatienceS;
   switch (phase_) {
     case Phase::kStage: {
       const bool is_there = std::hypot(T.x + params_.staging_m, T.y) <= kStagingToleranceM;
-      return is_there ? Phase::kAlign : Phase::kStage;
+      return is_there ? Phase::kAlign : phase_;
     }
     case Phase::kAlign:
-      return std::abs(T.yaw) <= kAlignedRad ? Phase::kFollowLine : is_late ? Phase::kStage : phase_;
+      return std::abs(T.yaw) <= kAlignedRad ? Phase::kFollowLine : phase_;
     case Phase::kFollowLine:
-      return -T.x <= kRollsM ? Phase::kSquare : is_late ? Phase::kStage : phase_;
-    case Phase::kSquare:
-      return std::abs(T.yaw) <= kSquareRatio * goal.heading->tolerance_rad || is_late
-                 ? Phase::kSettle
-                 : phase_;
+      return -T.x <= kRollsM ? Phase::kSquare : phase_;
+    case Phase::kSquare: {
+      const bool is_square = std::abs(T.yaw) <= kSquareRatio * goal.heading->tolerance_rad;
+      return is_square ? Phase::kSettle : phase_;
+    }
     case Phase::kSettle:
-      return phase_s < params_.settle_s ? phase_ : after_settling(goal);
+      return phase_s >= params_.settle_s ? after_settling(goal) : phase_;
     case Phase::kBackOff:
-      return T.x <= -0.6 * params_.staging_m ? Phase::kAlign : is_late ? Phase::kStage : phase_;
+      return T.x <= -0.6 * params_.staging_m ? Phase::kAlign : phase_;
     case Phase::kDocked: {
       const bool has_left = goal.distance_m > goal.tolerance_m + kLeaveM ||
                             std::abs(T.yaw) > goal.heading->tolerance_rad + kLeaveRad;
       return has_left ? Phase::kStage : phase_;
     }
+    default:
+      return phase_;
+  }
+}
+
+/// The phase after one that takes too long: the heading is judged as it is, a motion starts over.
+Docking::Phase Docking::phase_when_late() const {
+  switch (phase_) {
+    case Phase::kAlign:
+    case Phase::kFollowLine:
+    case Phase::kBackOff:
+      return Phase::kStage;
+    case Phase::kSquare:
+      return Phase::kSettle;
     default:
       return phase_;
   }

@@ -64,6 +64,7 @@ class Docking {
   };
 
   [[nodiscard]] Phase next_phase(const GoalInBase& goal, double phase_s) const;
+  [[nodiscard]] Phase phase_when_late() const;
   [[nodiscard]] Phase after_settling(const GoalInBase& goal) const;
   void enter(Phase phase, time::Timestamp stamp);
   [[nodiscard]] DockingStep step(const GoalInBase& goal) const;

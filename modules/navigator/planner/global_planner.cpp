@@ -35,6 +35,25 @@ constexpr double kShortPrice = 3.0;
 /// The last resort keeps this off the middle of an occupied cell: enough not to slip through a wall
 /// whose cells touch at their corners only, or miss one or two.
 constexpr double kOccupiedM = 0.1;
+constexpr float kBlockedPrice = -1.0F;
+
+/// What a metre of path costs, by the distance of the robot's centre from obstacles.
+struct Prices {
+  double blocked_m;  // nearer than this no path leads through
+  double least_m;    // nearer than this it is tight
+  const PlannerParams& params;
+
+  [[nodiscard]] float at(double distance_m, bool is_unknown) const {
+    if (distance_m < blocked_m) {
+      return kBlockedPrice;
+    }
+    const double nearness = std::max(0.0, 1.0 - (distance_m - least_m) / params.wide_m);
+    const double tight_price = distance_m < least_m ? kTightPrice : 0.0;
+    const double unknown_price = is_unknown ? params.unknown_price : 0.0;
+    return static_cast<float>(1.0 + params.nearness_price * nearness * nearness + tight_price +
+                              unknown_price);
+  }
+};
 
 }  // namespace
 
@@ -175,21 +194,16 @@ void GlobalPlanner::occupy_boundary(const Geofence& geofence) {
 
 void GlobalPlanner::price_cells() {
   const Eigen::Vector2i first = ground_.first_of(window_);
-  const double least_m = body_.half_width_m + params_.least_clearance_m;
   const bool crosses_tight = is_last_resort_ && !onward_from_;
+  const Prices prices{crosses_tight ? kOccupiedM : body_.half_width_m,
+                      body_.half_width_m + params_.least_clearance_m, params_};
   price_.resize(window_.num_cells());
   for (int row = 0; row < window_.height; ++row) {
     for (int column = 0; column < window_.width; ++column) {
-      const double distance_m = obstacle_distances_.at(column, row);
-      const double nearness = std::max(0.0, 1.0 - (distance_m - least_m) / params_.wide_m);
       const bool is_unknown =
           ground_.at(first + Eigen::Vector2i(column, row)) == KnownGround::Kind::kUnknown;
       price_[window_.place(column, row)] =
-          distance_m < (crosses_tight ? kOccupiedM : body_.half_width_m)
-              ? -1.0F
-              : static_cast<float>(1.0 + params_.nearness_price * nearness * nearness +
-                                   (distance_m < least_m ? kTightPrice : 0.0) +
-                                   (is_unknown ? params_.unknown_price : 0.0));
+          prices.at(obstacle_distances_.at(column, row), is_unknown);
     }
   }
 }
@@ -211,7 +225,7 @@ void GlobalPlanner::price_failures() {
         float& price = price_[window_.place(column, row)];
         price =
             obstacle_distances_.at(column, row) < least_m
-                ? -1.0F
+                ? kBlockedPrice
                 : std::min(CostSearch::kHighestPrice, price + static_cast<float>(failure.price));
       }
     }
