@@ -18,14 +18,14 @@ namespace {
 
 constexpr time::Duration kStep = 1ms;
 constexpr double kStepS = time::seconds(kStep);
-/// More than 100 ms plus the lag of a device.
+/// Number of steps kept for measure(): 100 ms and the lag of a device.
 constexpr std::size_t kHistory = 128;
 /// Below this speed the robot counts as stationary: an actor that touches it has walked into it.
 constexpr double kStationaryMps = 0.05;
 /// Makes the wheels' random numbers independent of the laser's.
 constexpr std::uint64_t kSlipStream = 0x9e3779b97f4a7c15;
 
-/// The variable state at the end of one step.
+/// The state of everything that moves, at the end of one step.
 struct Step {
   time::SteadyTime instant{};
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
@@ -42,6 +42,9 @@ geometry::SE3 interpolate_pose(const Step& from, const Step& to, double fraction
   return geometry::make_se3(from.position + fraction * (to.position - from.position),
                             Eigen::Quaterniond(q).normalized());
 }
+
+/// Heights of the outermost wheels, metres: front left, front right, rear left, rear right.
+using WheelHeights = std::array<double, 4>;
 
 double interpolate(double from, double to, double fraction) {
   return from + fraction * (to - from);
@@ -67,6 +70,9 @@ struct RobotModel::State {
 
   void step();
   void drive();
+  [[nodiscard]] bool touch_obstacles(double speed_mps);
+  [[nodiscard]] std::optional<WheelHeights> roll(double speed_mps);
+  void count_collision(std::size_t contact, double speed_mps);
   void stand();
   void touch_actors(const geometry::SE2& T_world_before, double speed_mps);
   void save_step();
@@ -85,7 +91,7 @@ struct RobotModel::State {
   [[nodiscard]] double corner_m() const {
     return 0.5 * std::hypot(params.body.length_m, params.body.width_m);
   }
-  /// Contact points of the outermost wheels in base: front left and right, rear left and right.
+  /// The contact point of an outermost wheel, in base. `i` as in WheelHeights.
   [[nodiscard]] Eigen::Vector2d wheel(std::size_t i) const {
     return {(i < 2 ? 0.5 : -0.5) * params.body.wheelbase_m,
             (i % 2 == 0 ? 0.5 : -0.5) * params.drive.axis_length_m};
@@ -112,7 +118,7 @@ struct RobotModel::State {
   PitchServo servo;
   Rangefinder rangefinder;
   Support support;
-  std::array<double, 4> wheel_heights_m{};
+  WheelHeights wheel_heights_m{};
   Contacts contacts;
   Eigen::Vector2d edge_contact = Eigen::Vector2d::Zero();  // where the robot last met an edge
   std::int64_t collisions = 0;
@@ -145,43 +151,66 @@ double RobotModel::State::distance(std::size_t contact) const {
                                  : std::numeric_limits<double>::infinity();
 }
 
-/// Moves the robot, unless an obstacle blocks it.
+/// Moves the robot, unless an obstacle, a step or an edge blocks it.
 void RobotModel::State::drive() {
   const geometry::SE2 T_world_before = base.T_world_base();
   base.step(kStepS);
+  // An upper bound of the speed of all points of the body.
   const double speed_mps =
       std::abs(base.forward_mps()) + corner_m() * std::abs(base.yaw_rate_rad_s());
-
-  bool blocked = false;
-  const auto hit = [&](std::size_t contact) {
-    blocked = true;
-    if (contacts.begin(contact)) {
-      ++collisions;
-      contacts_caused += speed_mps >= kStationaryMps ? 1 : 0;
-      falls += contact == edge() || collision.is_pit(contact) ? 1 : 0;
-    }
-  };
-  for (const std::size_t obstacle : collision.touched(body_pose())) {
-    hit(obstacle);
-  }
-  std::array<double, 4> heights_m = wheel_heights_m;
-  for (std::size_t i = 0; i < heights_m.size() && !ground.is_flat(); ++i) {
-    const WheelContact contact = ground.roll(base.T_world_base() * wheel(i), wheel_heights_m[i]);
-    if (contact.blocking_object) {
-      hit(*contact.blocking_object);
-    } else if (contact.height_m < wheel_heights_m[i] - params.body.climb_height_m) {
-      hit(edge());
-      edge_contact = base.T_world_base().translation();
-    }
-    heights_m[i] = contact.height_m;
-  }
-  if (blocked) {
+  const bool touches = touch_obstacles(speed_mps);
+  const std::optional<WheelHeights> heights_m = roll(speed_mps);
+  if (touches || !heights_m) {
     base.block(T_world_before);
   } else {
-    wheel_heights_m = heights_m;
+    wheel_heights_m = *heights_m;
     stand();
   }
   touch_actors(T_world_before, speed_mps);
+}
+
+/// Counts contacts with obstacles. Returns whether the body touches any.
+bool RobotModel::State::touch_obstacles(double speed_mps) {
+  const std::vector<std::size_t> touched = collision.touched(body_pose());
+  for (const std::size_t obstacle : touched) {
+    count_collision(obstacle, speed_mps);
+  }
+  return !touched.empty();
+}
+
+/// Rolls the wheels to where the base is now, and counts contacts with steps up and edges. Returns
+/// the heights of the wheels; empty if one of them is blocked.
+std::optional<WheelHeights> RobotModel::State::roll(double speed_mps) {
+  if (ground.is_flat()) {
+    return wheel_heights_m;
+  }
+  bool is_blocked = false;
+  WheelHeights heights_m{};
+  for (std::size_t i = 0; i < heights_m.size(); ++i) {
+    const WheelContact contact = ground.roll(base.T_world_base() * wheel(i), wheel_heights_m[i]);
+    const bool is_step = contact.blocking_object.has_value();
+    const bool is_edge =
+        !is_step && contact.height_m < wheel_heights_m[i] - params.body.climb_height_m;
+    if (is_edge) {
+      edge_contact = base.T_world_base().translation();
+    }
+    if (is_step || is_edge) {
+      is_blocked = true;
+      count_collision(contact.blocking_object.value_or(edge()), speed_mps);
+    }
+    heights_m[i] = contact.height_m;
+  }
+  return is_blocked ? std::nullopt : std::optional(heights_m);
+}
+
+/// Counts a contact with an obstacle or an edge, if it is new.
+void RobotModel::State::count_collision(std::size_t contact, double speed_mps) {
+  if (!contacts.begin(contact)) {
+    return;
+  }
+  ++collisions;
+  contacts_caused += speed_mps >= kStationaryMps ? 1 : 0;
+  falls += contact == edge() || collision.is_pit(contact) ? 1 : 0;
 }
 
 /// Computes the height and tilt of the body from the heights of the wheels.
@@ -277,7 +306,7 @@ Echo RobotModel::measure(double angle_rad, time::SteadyTime fired) {
   if (fired > state_->now || fired < state_->newest - kMaxAge) {
     throw std::out_of_range("a beam can be measured only up to 100 ms after it was fired");
   }
-  // Before the start the state was the same as at the start.
+  // Before time 0 the robot was where it started.
   const State::Moment at = state_->moment(std::max(fired, time::SteadyTime{}));
   const double pitch_rad = interpolate(at.from.pitch.pitch_rad, at.to.pitch.pitch_rad, at.fraction);
   const ServoParams& servo = state_->params.servo;
@@ -285,7 +314,7 @@ Echo RobotModel::measure(double angle_rad, time::SteadyTime fired) {
   T_base_laser.translation() << servo.mount_x_m, 0.0, servo.mount_z_m;
   T_base_laser.linear() = geometry::pitch_rotation(pitch_rad);
   const geometry::SE3 T_world_laser = interpolate_pose(at.from, at.to, at.fraction) * T_base_laser;
-  // In a millisecond an actor moves less than the uncertainty of a range.
+  // Within a millisecond an actor moves less than the range's noise.
   return state_->rangefinder.measure(state_->caster, T_world_laser, angle_rad, at.to.actors);
 }
 

@@ -105,53 +105,78 @@ class FreeCells {
   std::vector<Known> cells_;
 };
 
-/// Theta* from one cell to another; returns the length in cells.
-std::optional<double> search(FreeCells& cells, const Cell& start, const Cell& goal) {
+double distance(const Cell& a, const Cell& b) {
+  return (a - b).cast<double>().norm();
+}
+
+/// Theta*: A* in which the path to a cell may come straight from its neighbour's parent, if nothing
+/// is in between.
+class ThetaStar {
+ public:
+  ThetaStar(FreeCells& cells, const Cell& goal)
+      : cells_(cells), goal_(goal), visits_(cells.size()) {}
+
+  /// The length of the path in cells; empty if there is none.
+  [[nodiscard]] std::optional<double> length_from(const Cell& start) {
+    if (!cells_.is_free(start) || !cells_.is_free(goal_)) {
+      return std::nullopt;
+    }
+    reach(start, 0.0, cells_.index_of(start));
+    while (!open_.empty()) {
+      const std::size_t index = open_.top().second;
+      open_.pop();
+      if (std::exchange(visits_[index].done, true)) {
+        continue;
+      }
+      if (cells_.cell_at(index) == goal_) {
+        return visits_[index].length;
+      }
+      expand(index);
+    }
+    return std::nullopt;
+  }
+
+ private:
   struct Visit {
     double length = kInfinity;
     std::size_t parent = 0;
     bool done = false;
   };
-  std::vector<Visit> visits(cells.size());
   using Entry = std::pair<double, std::size_t>;
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
-  const auto distance = [](const Cell& a, const Cell& b) { return (a - b).cast<double>().norm(); };
-  if (!cells.is_free(start) || !cells.is_free(goal)) {
-    return std::nullopt;
-  }
-  visits[cells.index_of(start)] = {0.0, cells.index_of(start), false};
-  open.emplace(distance(start, goal), cells.index_of(start));
-  while (!open.empty()) {
-    const std::size_t index = open.top().second;
-    open.pop();
-    if (std::exchange(visits[index].done, true)) {
-      continue;
-    }
-    const Cell cell = cells.cell_at(index);
-    if (cell == goal) {
-      return visits[index].length;
-    }
+
+  void expand(std::size_t index) {
     for (int dx = -1; dx <= 1; ++dx) {
       for (int dy = -1; dy <= 1; ++dy) {
-        const Cell next = cell + Cell(dx, dy);
-        if (next == cell || !cells.is_free(next) || visits[cells.index_of(next)].done) {
-          continue;
-        }
-        const std::size_t parent = visits[index].parent;
-        const bool straight = cells.is_line_free(cells.cell_at(parent), next);
-        const std::size_t from = straight ? parent : index;
-        const double length = visits[from].length + distance(cells.cell_at(from), next);
-        Visit& visit = visits[cells.index_of(next)];
-        if (length < visit.length) {
-          visit.length = length;
-          visit.parent = from;
-          open.emplace(length + distance(next, goal), cells.index_of(next));
+        const Cell next = cells_.cell_at(index) + Cell(dx, dy);
+        if (cells_.is_free(next) && !visits_[cells_.index_of(next)].done) {
+          go_to(next, index);
         }
       }
     }
   }
-  return std::nullopt;
-}
+
+  /// Reaches `next` from the cell beside it, or straight from that cell's parent.
+  void go_to(const Cell& next, std::size_t beside) {
+    const std::size_t parent = visits_[beside].parent;
+    const bool is_straight = cells_.is_line_free(cells_.cell_at(parent), next);
+    const std::size_t from = is_straight ? parent : beside;
+    reach(next, visits_[from].length + distance(cells_.cell_at(from), next), from);
+  }
+
+  void reach(const Cell& cell, double length, std::size_t parent) {
+    Visit& visit = visits_[cells_.index_of(cell)];
+    if (length < visit.length) {
+      visit.length = length;
+      visit.parent = parent;
+      open_.emplace(length + distance(cell, goal_), cells_.index_of(cell));
+    }
+  }
+
+  FreeCells& cells_;
+  Cell goal_;
+  std::vector<Visit> visits_;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open_;
+};
 
 }  // namespace
 
@@ -167,7 +192,7 @@ std::optional<double> shortest_path_m(const World& world, const BodyParams& body
   Cell from = cells.cell_of(world.T_world_start.translation());
   for (const Eigen::Vector2d& goal : world.goals) {
     const Cell to = cells.cell_of(goal);
-    const auto length = search(cells, from, to);
+    const auto length = ThetaStar(cells, to).length_from(from);
     if (!length) {
       return std::nullopt;
     }
