@@ -38,7 +38,7 @@ std::vector<char*> pointers(std::vector<std::string>& words) {
   return all;
 }
 
-/// The path of a program. Looked up before the fork, because that is not permitted after it.
+/// The path of a program. Must be looked up before the fork: the child may not allocate.
 std::string find_program(const std::string& name, const std::string& search_path) {
   if (name.find('/') != std::string::npos) {
     return name;
@@ -166,31 +166,40 @@ void write_error(const char* text) noexcept {
   }
 }
 
-/// If the system refuses one, the program runs without it, and its output says so.
-void take_resources(const Resources& resources) noexcept {
+bool set_realtime(int priority) noexcept {
+  const sched_param realtime{priority};
+  return ::sched_setscheduler(0, SCHED_RR, &realtime) == 0;
+}
+
+bool limit_memory(int memory_mb) noexcept {
+  const rlim_t bytes = rlim_t{1'000'000} * static_cast<rlim_t>(memory_mb);
+  const rlimit limit{bytes, bytes};
+  return ::setrlimit(RLIMIT_DATA, &limit) == 0;
+}
+
+bool pin_to(const std::vector<int>& cpus) noexcept {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  for (const int cpu : cpus) {
+    CPU_SET(cpu, &set);
+  }
+  return ::sched_setaffinity(0, sizeof(set), &set) == 0;
+}
+
+/// Applies what the command asks for. If the system refuses something, the program runs without it,
+/// and its output says so.
+void apply_resources(const Resources& resources) noexcept {
   if (resources.nice != 0 && ::setpriority(PRIO_PROCESS, 0, resources.nice) != 0) {
     write_error("nodmap-deputy: cannot set the nice value\n");
   }
-  const sched_param realtime{resources.realtime};
-  if (resources.realtime != 0 && ::sched_setscheduler(0, SCHED_RR, &realtime) != 0) {
+  if (resources.realtime != 0 && !set_realtime(resources.realtime)) {
     write_error("nodmap-deputy: real-time priority is not permitted (see RLIMIT_RTPRIO)\n");
   }
-  if (resources.memory_mb != 0) {
-    const rlim_t bytes = rlim_t{1'000'000} * static_cast<rlim_t>(resources.memory_mb);
-    const rlimit limit{bytes, bytes};
-    if (::setrlimit(RLIMIT_DATA, &limit) != 0) {
-      write_error("nodmap-deputy: cannot limit the memory\n");
-    }
+  if (resources.memory_mb != 0 && !limit_memory(resources.memory_mb)) {
+    write_error("nodmap-deputy: cannot limit the memory\n");
   }
-  if (!resources.cpus.empty()) {
-    cpu_set_t cpus;
-    CPU_ZERO(&cpus);
-    for (const int cpu : resources.cpus) {
-      CPU_SET(cpu, &cpus);
-    }
-    if (::sched_setaffinity(0, sizeof(cpus), &cpus) != 0) {
-      write_error("nodmap-deputy: this host does not have these cpus\n");
-    }
+  if (!resources.cpus.empty() && !pin_to(resources.cpus)) {
+    write_error("nodmap-deputy: this host does not have these cpus\n");
   }
 }
 
@@ -212,7 +221,7 @@ void take_resources(const Resources& resources) noexcept {
   ::dup2(fd, STDERR_FILENO);
   // LCM opens its sockets without CLOEXEC.
   ::close_range(STDERR_FILENO + 1, UINT_MAX, 0);
-  take_resources(launch.resources);
+  apply_resources(launch.resources);
   // Commands do not inherit the service's right to change other processes (CAP_SYS_NICE).
   ::prctl(PR_CAP_AMBIENT, PR_CAP_AMBIENT_CLEAR_ALL, 0, 0, 0);
   struct sigaction standard {};

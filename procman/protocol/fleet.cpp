@@ -24,18 +24,16 @@ CommandSpec spec_of(const Command& command) {
           .stop_time_allowed_s = static_cast<double>(command.stop_time_allowed_s)};
 }
 
-// Limits, because any sender on the network can name any number of hosts and commands; no robot has
-// this many.
+// Far more than any robot has. Any sender on the network can name any number of hosts and commands.
 constexpr std::size_t kMaxDeputies = 256;
 constexpr std::size_t kMaxItems = 10'000;
 
-/// The number of the next run. A deputy may report any number, so the sum must not overflow.
+/// The number of the next run. Must not overflow, because a deputy may report any number.
 std::int32_t run_after(std::int32_t run) {
   return run == std::numeric_limits<std::int32_t>::max() ? 1 : run + 1;
 }
 
-/// Whether a command ended as it should: with exit code 0, or by the signal that was sent to stop
-/// it.
+/// Whether a command ended without error: with exit code 0, or by the signal sent to stop it.
 bool is_good_end(const Fleet::Item& item) {
   const int status = item.status->wait_status;
   if (status == 0) {
@@ -46,6 +44,12 @@ bool is_good_end(const Fleet::Item& item) {
                                (signal != 0 && signal == item.spec.stop_signal));
 }
 
+/// Whether a deputy reports a command.
+bool lists(const DeputyInfo& info, const std::string& id) {
+  return std::ranges::any_of(info.commands,
+                             [&id](const CommandStatus& status) { return status.spec.id == id; });
+}
+
 CommandState state_of_running(const Fleet::Item& item) {
   if (item.force_quit) {
     return CommandState::kStopping;
@@ -54,8 +58,8 @@ CommandState state_of_running(const Fleet::Item& item) {
   return is_this_run ? CommandState::kRunning : CommandState::kRestarting;
 }
 
-/// When a sheriff started, from the end of its id (host:process:microseconds), which is the form of
-/// our and the existing sheriffs' ids; the epoch if the id has another form.
+/// When a sheriff started, from its id. Our ids and those of the existing sheriff have the form
+/// host:process:microseconds; for others the result is the epoch.
 time::Timestamp beginning_of(const std::string& sheriff_id) {
   const std::size_t colon = sheriff_id.rfind(':');
   std::int64_t number = 0;
@@ -114,26 +118,7 @@ std::vector<std::string> Fleet::reconfigure(const Config& config) {
   std::vector<std::string> changes;
   std::vector<Item> before = std::exchange(items_, {});
   for (const Command& command : config.commands) {
-    const auto known = std::ranges::find_if(before, [&command](const Item& item) {
-      return item.spec.id == command.id && item.deputy == command.deputy;
-    });
-    Item item;
-    if (known == before.end()) {
-      item.deputy = command.deputy;
-      changes.push_back(command.id + " is new");
-    } else {
-      item = std::move(*known);
-      before.erase(known);
-      if (item.spec.exec != command.exec) {
-        changes.push_back(command.id + " has changed");
-        if (item.desired_run != 0 && !item.force_quit) {
-          begin_run(item);
-        }
-      }
-    }
-    item.spec = spec_of(command);
-    item.configured = true;
-    items_.push_back(std::move(item));
+    items_.push_back(configure(take_item(before, command), command, changes));
     deputies_.try_emplace(command.deputy);
   }
   for (Item& item : before) {
@@ -144,6 +129,38 @@ std::vector<std::string> Fleet::reconfigure(const Config& config) {
     items_.push_back(std::move(item));
   }
   return changes;
+}
+
+/// Removes the item of a command from `items` and returns it; empty if there is none.
+std::optional<Fleet::Item> Fleet::take_item(std::vector<Item>& items, const Command& command) {
+  const auto found = std::ranges::find_if(items, [&command](const Item& item) {
+    return item.spec.id == command.id && item.deputy == command.deputy;
+  });
+  if (found == items.end()) {
+    return std::nullopt;
+  }
+  Item item = std::move(*found);
+  items.erase(found);
+  return item;
+}
+
+/// The item of a command as now configured. `before` is its item so far. Appends a line to
+/// `changes` if the command is new or has changed.
+Fleet::Item Fleet::configure(std::optional<Item> before, const Command& command,
+                             std::vector<std::string>& changes) {
+  if (!before) {
+    changes.push_back(command.id + " is new");
+  } else if (before->spec.exec != command.exec) {
+    changes.push_back(command.id + " has changed");
+    if (before->desired_run != 0 && !before->force_quit) {
+      begin_run(*before);
+    }
+  }
+  Item item = before ? std::move(*before) : Item{};
+  item.spec = spec_of(command);
+  item.deputy = command.deputy;
+  item.configured = true;
+  return item;
 }
 
 const Fleet::Item* Fleet::find(const std::string& id) const {
@@ -210,44 +227,43 @@ bool Fleet::take_info(const DeputyInfo& info, time::SteadyTime now) {
   const bool is_gap = !deputy || now - deputy->heard > kInfoGap;
   deputy = DeputyItem{info, now, is_gap ? now : deputy->heard_since};
   for (Item& item : items_) {
-    const bool is_listed = std::any_of(
-        info.commands.begin(), info.commands.end(),
-        [&item](const CommandStatus& status) { return status.spec.id == item.spec.id; });
-    if (item.deputy == info.deputy_id && !is_listed) {
+    if (item.deputy == info.deputy_id && !lists(info, item.spec.id)) {
       item.status.reset();
       item.adopted = true;
     }
   }
   bool is_urgent = false;
   for (const CommandStatus& status : info.commands) {
-    Item* item = find_mutable(status.spec.id);
-    if (item == nullptr) {
-      if (items_.size() >= kMaxItems) {
-        continue;
-      }
-      items_.emplace_back();
-      item = &items_.back();
-      item->spec = status.spec;
-      item->deputy = info.deputy_id;
+    Item* item = find_or_add(status.spec, info.deputy_id);
+    // Another host may have a command of this name; its own deputy reports it.
+    if (item != nullptr && item->deputy == info.deputy_id) {
+      take_status(*item, status, now);
+      is_urgent |= status.pid == 0 && !item->force_quit && item->desired_run != status.actual_run;
     }
-    if (item->deputy != info.deputy_id) {
-      continue;  // another host has a command of this name; its own deputy reports it
-    }
-    take_status(*item, status, now);
-    is_urgent |= status.pid == 0 && !item->force_quit && item->desired_run != status.actual_run;
   }
   return is_urgent;
 }
 
-/// Adopts a command that ran before this sheriff: it continues, and orders given meanwhile apply
-/// from here.
+/// The item of a command that a deputy reports; null if it is unknown and there are too many.
+Fleet::Item* Fleet::find_or_add(const CommandSpec& spec, const std::string& deputy) {
+  Item* item = find_mutable(spec.id);
+  if (item == nullptr && items_.size() < kMaxItems) {
+    item = &items_.emplace_back();
+    item->spec = spec;
+    item->deputy = deputy;
+  }
+  return item;
+}
+
+/// Takes over a command that an earlier sheriff started. It continues as it is; orders already
+/// given to this sheriff still apply.
 void Fleet::adopt(Item& item, const CommandStatus& status) {
   const bool start_wished = item.desired_run != 0 && !item.force_quit;
   const bool is_down = status.pid == 0;
   item.desired_run = start_wished && is_down ? run_after(status.actual_run) : status.actual_run;
   item.force_quit |= !start_wished && is_down;
-  // Who stopped it is unknown. An end by the stop signal is not an error; SIGKILL is: the stop
-  // signal had no effect, or the system killed it.
+  // Nobody knows who stopped it. An end by the stop signal is taken as ordered, one by SIGKILL as
+  // an error: the stop signal had no effect, or the system killed it.
   item.stop_ordered |= is_down && status.wait_status != SIGKILL;
   item.adopted = true;
 }
@@ -264,8 +280,8 @@ void Fleet::take_status(Item& item, const CommandStatus& status, time::SteadyTim
     item.num_restarts += item.running_since != time::SteadyTime{} ? 1 : 0;
     item.running_since = now;
   }
-  // A restarted deputy must not run it a second time. If it ended so quickly that no INFO reported
-  // the process, the run number reveals it.
+  // It may have run and ended between two INFOs: the run number tells. A restarted deputy must not
+  // run it a second time.
   const bool ended_unseen = pid_before == 0 && status.pid == 0 && status.actual_run != 0 &&
                             status.actual_run == item.desired_run && !item.force_quit &&
                             !item.spec.auto_respawn;

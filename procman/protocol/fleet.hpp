@@ -36,15 +36,15 @@ enum class CommandState : std::uint8_t {
 /// that their deputies report. Without clock or network.
 class Fleet {
  public:
-  /// An older INFO is not used. 30 s in the existing sheriff; here only a few may be lost, so that
-  /// a dead host is detected before anyone waits for it.
+  /// An INFO older than this is not used: four in a row may be lost. The existing sheriff waits 30
+  /// s; here a dead host is noticed before anyone waits for it.
   static constexpr time::Duration kMaxInfoAge = 5s;
-  /// If two INFOs are farther apart than this, some were lost, and STATUS may have been lost, too.
+  /// Two INFOs farther apart than this mean that some were lost, and perhaps STATUS with them.
   static constexpr time::Duration kInfoGap = 1500ms;
-  /// How long after its last orders another sheriff counts as running.
+  /// Another sheriff counts as running for this long after its last orders.
   static constexpr time::Duration kOtherSheriffTime = 3s;
 
-  /// A run of a command.
+  /// One run of a command.
   struct Run {
     std::int32_t pid = 0;
     time::SteadyTime started{};
@@ -57,21 +57,20 @@ class Fleet {
     std::int32_t desired_run = 0;
     bool force_quit = false;
     bool stop_ordered = false;  ///< an end by the stop signal is not an error
-    bool adopted = false;       ///< the first INFO, with what ran before, has been received
-    bool configured = false;    ///< in our file; other commands are left alone
+    bool adopted = false;       ///< an INFO has told what ran before this sheriff
+    bool configured = false;    ///< in our file; all other commands are left alone
     std::optional<CommandStatus> status;
     time::SteadyTime running_since{};
-    std::int64_t num_restarts = 0;    ///< counted by this sheriff: each new process after the first
-    std::optional<Run> reported_run;  ///< from PM_RUNS: the run of the present process
-    /// Wait status of the newest end with an error that was not ordered, since the last start
-    /// order.
+    std::int64_t num_restarts = 0;    ///< new processes after the first that this sheriff saw
+    std::optional<Run> reported_run;  ///< the present run, from PM_RUNS
+    /// The wait status of the newest failure since the last start order. An ordered end is none.
     std::optional<std::int32_t> failed_status;
   };
 
   struct DeputyItem {
     DeputyInfo info;
     time::SteadyTime heard{};        ///< when the newest INFO was received
-    time::SteadyTime heard_since{};  ///< INFO has been received without gaps since then
+    time::SteadyTime heard_since{};  ///< no INFO has been lost since then
   };
 
   Fleet(const Config& config, std::string sheriff_id);
@@ -87,8 +86,7 @@ class Fleet {
   void stop(const std::string& id);
   void restart(const std::string& id);
 
-  /// Takes the report of a deputy. Returns whether there are new orders for it that should not
-  /// wait.
+  /// Takes the report of a deputy. Returns whether it must be sent orders at once.
   bool take_info(const DeputyInfo& info, time::SteadyTime now);
   /// Takes the additional report that our deputies send after INFO.
   void take_runs(const Runs& runs, time::SteadyTime now);
@@ -98,8 +96,8 @@ class Fleet {
   /// Whether the configuration has commands for a deputy.
   [[nodiscard]] bool commands(const std::string& deputy) const;
 
-  /// The orders for a deputy of the configuration; empty before its first INFO, because it is
-  /// unknown what runs there.
+  /// The orders for a deputy of the configuration. Empty before its first INFO: what runs there is
+  /// not known yet.
   [[nodiscard]] std::optional<Orders> orders_for(const std::string& deputy,
                                                  time::Timestamp stamp) const;
 
@@ -110,8 +108,8 @@ class Fleet {
   /// The id of another sheriff, if one gave orders recently.
   [[nodiscard]] std::optional<std::string> other_sheriff(time::SteadyTime now) const;
 
-  /// Whether this sheriff must stop giving orders: the one that started later must, and we must if
-  /// the other's start time is unknown.
+  /// Whether this sheriff must stop giving orders. Of two sheriffs the one that started later must;
+  /// this one must, if it is not known when the other started.
   [[nodiscard]] bool must_yield(time::SteadyTime now) const;
   [[nodiscard]] const std::string& sheriff_id() const { return sheriff_id_; }
 
@@ -123,12 +121,16 @@ class Fleet {
   }
   [[nodiscard]] bool is_heard(const std::string& deputy, time::SteadyTime now) const;
 
-  /// The present run of a command as its deputy reports it; otherwise as this sheriff has observed
-  /// it.
+  /// The present run of a command: as its deputy reports it, else as this sheriff has observed it.
   [[nodiscard]] static Run run_of(const Item& item);
 
  private:
   [[nodiscard]] Item* find_mutable(const std::string& id);
+  [[nodiscard]] Item* find_or_add(const CommandSpec& spec, const std::string& deputy);
+  [[nodiscard]] static std::optional<Item> take_item(std::vector<Item>& items,
+                                                     const Command& command);
+  [[nodiscard]] static Item configure(std::optional<Item> before, const Command& command,
+                                      std::vector<std::string>& changes);
   static void begin_run(Item& item);
   static void adopt(Item& item, const CommandStatus& status);
   static void take_status(Item& item, const CommandStatus& status, time::SteadyTime now);
