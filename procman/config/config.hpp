@@ -16,8 +16,8 @@ struct Place {
   int column = 1;
 };
 
-/// When a running command is restarted because of its STATUS. An extension, written in comments
-/// that begin with `#nodmap:`, which the existing tools skip.
+/// When a running command is restarted because of its STATUS or its silence. An extension: written
+/// in comments that begin with `#nodmap:`, which the existing tools skip.
 struct HealthRule {
   std::string status_name;                ///< process_name in STATUS; empty: the exec's program
   std::optional<int> restart_silent_s;    ///< after this long without a STATUS
@@ -26,7 +26,7 @@ struct HealthRule {
   std::optional<int> restart_mute_s;      ///< after this long without output (stdout, stderr)
 };
 
-/// The resources of the host that a command may use. An extension, as the health rules.
+/// The resources of the host that a command may use. An extension, like the health rules.
 struct Resources {
   int nice = 0;           ///< 1 to 19: lower priority than ordinary processes
   int realtime = 0;       ///< 1 to 99: real-time priority (SCHED_RR)
@@ -59,8 +59,8 @@ struct Target {
   std::string name;  ///< name of the command, or path of the group
 };
 
-/// The state that a script waits for. Healthy, an extension: running, and the newest STATUS of its
-/// process is OK.
+/// The state that a script waits for. Healthy means running, and OK in the newest STATUS; it is an
+/// extension.
 enum class Wanted : std::uint8_t { kRunning, kStopped, kHealthy };
 enum class Verb : std::uint8_t { kStart, kStop, kRestart };
 
@@ -111,8 +111,8 @@ struct Config {
 /// Whether `group` is `ancestor` or below it.
 [[nodiscard]] bool is_in_group(std::string_view group, std::string_view ancestor);
 
-/// The name of the program that an exec line runs, without its folder: the first word that does not
-/// set a variable. Empty if there is none.
+/// The program that an exec line runs, without its folder: the first word that does not set a
+/// variable. Empty if there is none.
 [[nodiscard]] std::string program_of(std::string_view exec);
 
 /// The name under which a command's process publishes STATUS.

@@ -13,12 +13,12 @@ namespace nodmap::procman {
 /// Detects that a configuration file in use was edited.
 class ConfigWatch {
  public:
-  /// A change is reported when the file has been unchanged for `settle`, because editors write in
+  /// A change is reported once the file has stayed the same for `settle`, because editors write in
   /// pieces.
   ConfigWatch(std::filesystem::path file, time::Duration settle, time::SteadyTime now);
 
-  /// Returns the new content with its errors, once after each change; otherwise, or if the file
-  /// does not exist, nothing. Checks the file a few times a second at most.
+  /// The new content with its errors, once after each change; else empty. Looks at the file at most
+  /// four times a second.
   [[nodiscard]] std::optional<ParsedConfig> poll(time::SteadyTime now);
 
   [[nodiscard]] const std::filesystem::path& file() const { return file_; }

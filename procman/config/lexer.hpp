@@ -35,7 +35,7 @@ enum class TokenKind : std::uint8_t {
 
 struct Token {
   TokenKind kind = TokenKind::kEnd;
-  std::string text;  ///< for a string without quotes and escapes
+  std::string text;  ///< of a string: without quotes, escapes resolved
   Place place;
   bool is_extension = false;  ///< whether it is in a `#nodmap:` comment
 };
@@ -66,9 +66,9 @@ class Lexer {
   bool in_extension_ = false;
 };
 
-/// Reads the tokens of a configuration one by one, checking what the grammar requires: a token of
-/// some kind, one of several words, a number within limits. Otherwise throws a SyntaxError that
-/// says what was expected, what was found, and where.
+/// Reads the tokens of a configuration one by one and checks each: a token of some kind, one of
+/// several words, a number within limits. If the check fails, it throws a SyntaxError that says
+/// what was expected, what was found, and where.
 class TokenReader {
  public:
   /// `text` must outlive the reader.
@@ -83,8 +83,8 @@ class TokenReader {
   }
   void advance() { token_ = lexer_.next(); }
 
-  /// Sets whether the following tokens must be in a `#nodmap:` comment or must not be: a comment
-  /// must not change the meaning of the rest for tools that skip it.
+  /// Sets whether the following tokens must, or must not, be in a `#nodmap:` comment. Otherwise the
+  /// rest would mean something else to tools that skip comments.
   void expect_extension(bool is_extension) { is_extension_expected_ = is_extension; }
 
   /// Takes a token of this kind, described by `what`.

@@ -12,7 +12,7 @@
 namespace nodmap::procman {
 namespace {
 
-// Deeper than in any sensible file; limits the recursion.
+// Limits the recursion; no sensible file is nested so deeply.
 constexpr int kMaxGroupDepth = 64;
 constexpr int kMaxSignal = 64;          // SIGRTMAX on Linux
 constexpr int kMaxSeconds = 24 * 3600;  // more than a day is a mistake
@@ -142,7 +142,7 @@ void Parser::parse_group(const std::string& outer, int depth) {
   reader_.advance();
 }
 
-/// Returns a name for an unnamed command, the same whenever the same file is read.
+/// A name for an unnamed command; the same file always gives the same names.
 std::string Parser::free_id() {
   std::string id;
   int number = 0;

@@ -10,15 +10,15 @@
 
 namespace nodmap::procman {
 
-/// A configuration and its errors. It must be used only if there are none.
+/// A configuration and its errors. Use it only if there are none.
 struct ParsedConfig {
   Config config;
   std::vector<ConfigError> errors;
 };
 
 /// Parses the grammar of the existing procman tools (`host` and `deputy` mean the same) and our
-/// `#nodmap:` comments. Never throws because of the text. Stops at the first syntax error;
-/// otherwise reports all wrong references of scripts.
+/// `#nodmap:` comments. Never throws, whatever the text. Stops at the first syntax error; without
+/// one it reports every unknown name in the scripts.
 ///
 ///     config  = { command | group | script }
 ///     command = "cmd" [ STRING ] "{" { attribute "=" ( STRING | INTEGER ) ";" } "}"

@@ -61,10 +61,10 @@ struct Child {
 };
 
 /// Starts a program without a shell, in a session, a process group and a terminal of its own. It
-/// dies with its parent (SIGKILL) and inherits no descriptor, signal mask or handler: a signal sent
-/// to it at any moment after this returns either kills it or reaches the program's own handler,
-/// never the deputy's. If the program cannot be run, the child says so on its terminal and exits
-/// with 127. Throws std::system_error if no process can be created.
+/// dies with its parent (SIGKILL) and inherits no descriptor, signal mask or handler. A signal sent
+/// after this returns therefore kills it or reaches its own handler, never the deputy's. If the
+/// program cannot be run, the child says so on its terminal and exits with code 127. Throws
+/// std::system_error if no process can be created.
 [[nodiscard]] Child start_child(const Program& program);
 
 }  // namespace nodmap::procman

@@ -164,9 +164,9 @@ void Children::collect_exits(time::SteadyTime now) {
   }
 }
 
-/// Whether no process of a tree is left. Checks twice: the process table is not read at one
-/// instant, so a process that forks and exits meanwhile may be missed; and a process in the middle
-/// of exec has no environment for a moment, so its owner is unknown.
+/// Whether no process of a tree is left. Checks twice, because one look can miss a process: one
+/// that forks and exits while the table is read, or one in the middle of exec, whose environment
+/// cannot be read for a moment.
 bool Children::is_gone(Run& run) const {
   if (!tree(run, read_processes()).empty()) {
     return false;

@@ -18,16 +18,16 @@
 
 namespace nodmap::procman {
 
-/// The running commands of a deputy, each with its process tree. Makes this process the subreaper,
-/// so that every process that a command leaves behind is found: by its parents, by its session, or
-/// by a variable in its environment.
+/// The running commands of a deputy, each with its process tree. A process belongs to a command by
+/// its parents, its session, or a variable in its environment. Orphans become children of the
+/// deputy, which makes itself the subreaper.
 class Children : boost::noncopyable {
  public:
   /// How long a killed tree may take to disappear before its command counts as ended anyway.
   static constexpr time::Duration kMaxSweepTime = 2s;
   static constexpr time::Duration kSweepPeriod = 10ms;
-  /// Limits how much is read from a terminal, and how often: a command that writes more has to
-  /// wait.
+  /// From each terminal at most `kMaxReadBytes` are read per `kReadPeriod`; a command that writes
+  /// more has to wait.
   static constexpr time::Duration kReadPeriod = 10ms;
   static constexpr std::size_t kMaxReadBytes = std::size_t{64} * 1024;
 
@@ -47,8 +47,8 @@ class Children : boost::noncopyable {
     std::string id;
     int wait_status = 0;
   };
-  /// Returns the commands that have ended. When the first process of a command ends, the rest of
-  /// its tree is killed; the command is reported when no process of it is left.
+  /// The commands that have ended since the last call. When the first process of a command ends,
+  /// the rest of its tree is killed; the command is reported when none of its processes is left.
   [[nodiscard]] std::vector<Ended> reap(time::SteadyTime now);
 
   using OutputHandler = std::function<void(const std::string& id, std::string_view text)>;
@@ -57,16 +57,16 @@ class Children : boost::noncopyable {
 
   /// Adds the descriptors to wait on for output.
   void add_to_poll(std::vector<pollfd>& waiting, time::SteadyTime now) const;
-  /// When reap() or read_output() must be called even without new output.
+  /// When reap() or read_output() must be called next, even without new output.
   [[nodiscard]] std::optional<time::SteadyTime> due(time::SteadyTime now) const;
 
-  /// Kills processes of earlier runs that escaped at the time. To be called occasionally.
+  /// Kills processes that escaped when their run ended. Call it from time to time.
   void kill_strays() const;
 
   /// Kills all descendants of this process and waits for their end, for a limited time.
   static void kill_everything();
 
-  /// Kills the processes that a killed deputy of this name has left behind; returns their number.
+  /// Kills the processes that a killed deputy of this name left behind; returns their number.
   int kill_leftovers();
 
   [[nodiscard]] std::optional<pid_t> pid_of(const std::string& id) const;

@@ -31,28 +31,26 @@ class TokenBucket {
   std::optional<time::SteadyTime> filled_;
 };
 
-/// Collects the output of commands into messages, at most one every 10 ms unless more than 4 KiB
-/// are waiting, as the existing deputy does; in addition it limits the rate.
+/// Collects the output of commands into messages: one every 10 ms, or earlier when more than 4 KiB
+/// are waiting, as the existing deputy does. In addition it limits the rate.
 ///
-/// A command that writes more than its rate is held back for a second. Of its output in that second
-/// only the newest lines are kept; the rest is dropped, and the output says how much. So only
-/// complete lines are published, and the last line of a command always is.
+/// A command that writes more than its rate is held back for a second. Of that second only the
+/// newest lines are published, after a note of how much was dropped. So the last line of a command
+/// is never lost, and no line is cut.
 class OutputCollector {
  public:
   static constexpr time::Duration kPeriod = 10ms;
   static constexpr std::size_t kPromptBytes = 4096;
-  /// A message stays below LCM's 64 KiB for one datagram; the rest of a burst follows in messages
-  /// every 10 ms.
+  /// Fits into one LCM datagram (64 KiB). The rest of a burst follows in messages every 10 ms.
   static constexpr std::size_t kMaxMessageBytes = std::size_t{32} * 1024;
-  // Far more than anyone can read, and little compared with the 1.2 MB/s of all the robot's
-  // channels.
+  // More than anyone can read, and little beside the 1.2 MB/s of the robot's channels.
   static constexpr double kCommandBytesPerS = 64.0 * 1024.0;
   static constexpr double kCommandBurstBytes = 128.0 * 1024.0;
   static constexpr double kTotalBytesPerS = 512.0 * 1024.0;
   static constexpr double kTotalBurstBytes = 1024.0 * 1024.0;
   static constexpr std::size_t kMaxStreams = 10'000;
   static constexpr time::Duration kHoldTime = 1s;
-  /// Number of bytes kept of a command that is held back or has ended: about fifty lines.
+  /// Kept of the output of a command that is held back or has ended: about fifty lines.
   static constexpr std::size_t kTailBytes = 4096;
 
   /// Adds output of a command; an empty id means the deputy itself.

@@ -7,9 +7,9 @@
 
 namespace nodmap::procman {
 
-/// Reads the signals of the deputy from a descriptor. It uses no handlers, which a child could
-/// inherit between fork and exec. Create it before any thread is started. It also ignores SIGPIPE,
-/// because a closed log must not end the deputy.
+/// Reads the deputy's signals from a descriptor, without handlers: between fork and exec a child
+/// would inherit them. Create it before any thread. It also ignores SIGPIPE, so that a closed log
+/// does not end the deputy.
 class SignalReader {
  public:
   /// Blocks SIGCHLD, SIGINT, SIGTERM, SIGHUP and SIGQUIT. Throws std::system_error.

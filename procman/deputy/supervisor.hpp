@@ -43,17 +43,17 @@ class Supervisor {
   static constexpr time::Duration kMaxOrdersAge = 60s;
   static constexpr time::Duration kMinRespawnDelay = 10ms;
   static constexpr time::Duration kMaxRespawnDelay = 1s;
-  /// SIGKILL is repeated with this period until the tree is empty; only processes that sleep in the
-  /// kernel take longer.
+  /// SIGKILL is repeated with this period until the tree is empty. One is enough, unless a process
+  /// sleeps in the kernel.
   static constexpr time::Duration kKillPeriod = 100ms;
 
   /// Orders with more commands than this are ignored; a robot has far fewer processes.
   static constexpr std::size_t kMaxCommands = 1000;
 
-  /// With `trusts_orders` it stops and forgets commands that orders omit, and lets orders determine
-  /// how a process is stopped, as the existing procman does. Otherwise omitted commands continue
-  /// (each must be stopped by name), and processes are stopped only with signals that end them,
-  /// within a minute.
+  /// With `trusts_orders` it does as the existing procman: commands that orders omit are stopped
+  /// and forgotten, and orders determine how a process is stopped. Without it, omitted commands
+  /// continue until they are stopped by name, and a process is stopped within a minute, with a
+  /// signal that ends it.
   Supervisor(std::string deputy_id, bool trusts_orders)
       : deputy_id_(std::move(deputy_id)), trusts_orders_(trusts_orders) {}
 

@@ -9,7 +9,7 @@
 
 namespace nodmap::procman {
 
-/// The last lines of a command's output, without colours. The output may arrive in pieces that end
+/// The last lines of a command's output, without colours. The pieces in which it arrives may end
 /// anywhere.
 class Console {
  public:

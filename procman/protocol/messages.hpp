@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Conversion of the messages of package procman_lcm, and of our PM_RUNS, to values and back. Every
-// valid message of procman_lcm is encoded to the same bytes again.
+// Converts the messages of package procman_lcm, and our PM_RUNS, to values and back. A valid
+// message of procman_lcm that is converted to values and back has the same bytes again.
 #pragma once
 
 #include "nodmap/runs_t.hpp"

@@ -38,7 +38,7 @@ struct CommandOrder {
   bool operator==(const CommandOrder&) const = default;
 };
 
-/// All orders of a sheriff for a deputy. A command that is missing here is to be removed.
+/// All orders of a sheriff for a deputy. A command that is not listed is to be removed.
 struct Orders {
   time::Timestamp stamp{};
   std::string deputy_id;
@@ -80,7 +80,7 @@ struct CommandRun {
   std::string command_id;
   std::int32_t pid = 0;
   time::Duration uptime{};
-  std::int64_t num_restarts = 0;  ///< ordered or not, since its deputy has known the command
+  std::int64_t num_restarts = 0;  ///< ordered or not, since the deputy first knew the command
 
   bool operator==(const CommandRun&) const = default;
 };

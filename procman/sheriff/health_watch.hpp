@@ -27,12 +27,12 @@ struct ProcessHealth {
 
 [[nodiscard]] const char* name_of(ProcessHealth::State state);
 
-/// Assigns each STATUS to the command whose process sent it, and finds the commands that must be
-/// restarted according to the health rules of the configuration.
+/// Applies the health rules of the configuration: finds the commands that must be restarted, by the
+/// STATUS of their processes and by their output.
 class HealthWatch {
  public:
-  /// After each restart the limits of the rules double, at most this often, so that a command that
-  /// restarts cannot fix does not keep the robot busy. A minute without a fault restores them.
+  /// Each restart doubles the limits of the rules, up to this often: a command that a restart does
+  /// not fix must not keep the robot busy. A minute without a fault restores them.
   static constexpr int kMaxDoublings = 5;
   static constexpr time::Duration kForgiveTime = 60s;
 
@@ -54,8 +54,7 @@ class HealthWatch {
     std::string command_id;
     std::string reason;
   };
-  /// The running commands that must be restarted now. Each counts as restarted, so its next restart
-  /// is due later.
+  /// The running commands that must be restarted now. Each counts as restarted from here on.
   [[nodiscard]] std::vector<Restart> due_restarts(const Fleet& fleet, time::SteadyTime now);
 
  private:
@@ -68,8 +67,8 @@ class HealthWatch {
     int doublings = 0;
     time::SteadyTime restarted{};
   };
-  /// The time over which a rule observes a command: only while its deputy is received, because a
-  /// broken link is not a fault of the process.
+  /// The time over which a rule observes a command. It ends where the deputy is not received any
+  /// more: a broken link is not a fault of the process.
   struct Span {
     time::SteadyTime since{};
     time::SteadyTime until{};

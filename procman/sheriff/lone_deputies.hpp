@@ -11,8 +11,8 @@
 
 namespace nodmap::procman {
 
-/// For --lone: runs all deputies of a configuration as children of this process, on this host.
-/// However this process ends, they and their commands end with it.
+/// Runs all deputies of a configuration on this host, as children of this process (--lone). They
+/// and their commands end with this process, however it ends.
 class LoneDeputies : boost::noncopyable {
  public:
   /// Starts nodmap-deputy from the folder of this program, once for each deputy in `config`. Throws

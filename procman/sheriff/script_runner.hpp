@@ -22,13 +22,13 @@ void give_order(Fleet& fleet, const Config& config, Verb verb, const Target& tar
                                Wanted wanted, time::SteadyTime now);
 
 /// Runs a script of a configuration, action by action. A wait has no timeout, as in the existing
-/// tools, but the script fails when the wait has become hopeless, or when a command that it has
-/// started does not keep running.
+/// tools. But the script fails when what it waits for cannot happen any more, and when a command
+/// that it has started does not keep running.
 class ScriptRunner {
  public:
   /// A command that has run for this long counts as started.
   static constexpr time::Duration kLastingTime = 1s;
-  /// How long after the last action to wait for that.
+  /// The wait for that, after the last action.
   static constexpr time::Duration kSettleTimeout = 4s;
 
   using HealthTest = std::function<bool(const std::string& command)>;

@@ -24,7 +24,7 @@ class Sheriff {
  public:
   using OutputHandler = std::function<void(const std::string& command, const std::string& text)>;
 
-  /// Starts as an observer: a sheriff must look for other sheriffs before it gives orders.
+  /// Starts as an observer, because a sheriff must look for others before it gives orders.
   Sheriff(Config config, const std::string& lcm_url);
 
   /// Handles messages for at most `wait`, and sends the orders that are due.
@@ -36,12 +36,11 @@ class Sheriff {
   void observe() { is_observer_ = true; }
   [[nodiscard]] bool is_observer() const { return is_observer_; }
 
-  /// Performs the restarts that the configuration's health rules require, and returns them with
-  /// their reasons.
+  /// Does the restarts that the health rules require; returns them with their reasons.
   std::vector<HealthWatch::Restart> apply_health_rules();
 
-  /// Adopts an edited configuration; see Fleet::reconfigure(). Not while a script of the previous
-  /// one runs.
+  /// Adopts an edited configuration; see Fleet::reconfigure(). Must not be called while a script of
+  /// the one before runs.
   std::vector<std::string> reconfigure(Config config);
 
   /// Whether the present process of a command has reported OK recently.

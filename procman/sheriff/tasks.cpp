@@ -22,7 +22,7 @@ constexpr double kStartTimeS = 10.0;
 // A command that ends sooner does not count as started.
 constexpr milliseconds kSettleTime(500);
 
-/// Waits until INFO of all the deputies was received. Returns those that were not received in time.
+/// Waits for INFO of all these deputies. Returns those from which none came in time.
 std::vector<std::string> missing_deputies(Sheriff& sheriff, const std::set<std::string>& wanted) {
   const time::SteadyTime deadline = Sheriff::now() + kAnswerTime;
   std::vector<std::string> missing;

@@ -18,11 +18,11 @@ enum ExitCode : int {
   kOtherSheriff = 3,  ///< another sheriff gives orders here
 };
 
-/// How long to wait for the deputies. They answer at once, and publish INFO every second anyway.
+/// The longest wait for deputies. They answer at once, and publish INFO every second anyway.
 inline constexpr std::chrono::milliseconds kAnswerTime{2500};
 
-/// How long a sheriff looks for another one before it gives orders: longer than the period of
-/// orders.
+/// For this long a sheriff looks for others before it gives orders: longer than the period at which
+/// they send theirs.
 inline constexpr std::chrono::milliseconds kSheriffTime{1300};
 
 /// Prints the content of the configuration.

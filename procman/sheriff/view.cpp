@@ -95,7 +95,7 @@ Tone tone_of(const ReportRow& row) {
   return is_well && says_well ? Tone::kPlain : Tone::kWarning;
 }
 
-/// The table of the commands, below the names of their groups. `selected_line` becomes the line of
+/// The table of the commands, below the names of their groups. Sets `selected_line` to the line of
 /// the selected one.
 std::vector<ViewLine> table_of(const std::vector<ReportRow>& rows, std::size_t selected,
                                std::size_t& selected_line) {

@@ -10,11 +10,11 @@
 
 namespace nodmap::sim {
 
-/// Moves the actors of a world. Those that do not react follow their paths exactly. Those that
-/// react follow the social force model (Helbing, Farkas and Vicsek, Simulating dynamical features
-/// of escape panic, Nature 2000, without its contact forces; sight limited as in Helbing et al.
-/// 2005): a desired velocity towards the next waypoint, and repulsion from other actors, walls and
-/// the robot. It is not random.
+/// Moves the actors of a world, without chance. Those that do not react follow their paths exactly.
+/// Those that react follow the social force model (Helbing, Farkas and Vicsek, Simulating dynamical
+/// features of escape panic, Nature 2000, without its contact forces; sight limited as in Helbing
+/// et al. 2005): a desired velocity towards the next waypoint, and repulsion from other actors,
+/// walls and the robot.
 class Crowd {
  public:
   Crowd(const World& world, const BodyParams& robot);

@@ -9,7 +9,7 @@
 
 namespace nodmap::sim {
 
-/// The distance of what is not there.
+/// The distance of an empty polygon.
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// A convex polygon in the plane with few corners, in order; also a segment or a point.

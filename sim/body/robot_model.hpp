@@ -45,9 +45,9 @@ class RobotModel {
   void advance_to(time::SteadyTime now);
   [[nodiscard]] time::SteadyTime now() const;
 
-  /// Measures one beam at `angle_rad` in the laser's plane (0 ahead, positive left), for the time
-  /// at which it was fired, which may be up to 100 ms ago. So a whole mirror revolution can be
-  /// measured beam by beam afterwards. Throws std::out_of_range for other times.
+  /// Measures one beam at `angle_rad` in the laser's plane (0 ahead, positive left), as it was when
+  /// it was fired: up to 100 ms ago, so that a whole mirror revolution can be measured afterwards.
+  /// Throws std::out_of_range for other times.
   [[nodiscard]] Echo measure(double angle_rad, time::SteadyTime fired);
 
   void set_pitch_goal(const PitchGoal& goal);

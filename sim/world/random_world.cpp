@@ -14,9 +14,9 @@ namespace {
 
 constexpr double kHalfRoomM = 5.0;
 constexpr double kStartFreeM = 0.6;
-/// The robot's diagonal is 0.56 m: it can rotate wherever it gets,
+/// The robot can rotate wherever it gets, because its diagonal is 0.56 m;
 constexpr double kWidePassageM = 0.6;
-/// or just pass, with 8 cm on each side.
+/// here it can just pass, with 8 cm on each side.
 constexpr double kNarrowPassageM = 0.5;
 /// Free radius around a goal, in which the robot can rotate.
 constexpr double kGoalFreeM = 0.4;

@@ -163,8 +163,8 @@ void RayCaster::find_item(const Ray& ray, Nearest& nearest) const {
     double enter_m;
   };
   const Eigen::Vector3d inverse = ray.direction.cwiseInverse();
-  // Not initialised, because it is written before it is read, and clearing it would take as long as
-  // the search.
+  // Not initialised: it is written before it is read, and clearing it would take as long as the
+  // search.
   std::array<Visit, kMaxDepth> stack;  // NOLINT(cppcoreguidelines-pro-type-member-init)
   std::size_t depth = 0;
   stack[depth++] = {0, entry(nodes_[0].bounds, ray.origin, inverse, nearest.distance_m)};
