@@ -11,27 +11,28 @@ namespace {
 
 using geometry::deg_to_rad;
 
-/// The line is followed from this heading on.
+/// With a heading error below this the robot begins to follow the line.
 constexpr double kAlignedRad = deg_to_rad(5.0);
 /// Greatest angle at which it drives back to the line.
 constexpr double kSteepestRad = deg_to_rad(30.0);
 constexpr double kMaxCurvature = 2.5;  // 1/m: the body's rear hardly swings aside
-/// Speed per metre that is left, and the least speed: five steps of the base's speed command.
+/// Speed for each metre that is left, and the least speed: five steps of the base's speed command.
 constexpr double kSpeedPerMetre = 0.8;
 constexpr double kLeastMps = 0.05;
-/// What it still rolls at the least speed, half a reaction time after the command to stop.
+/// It still rolls this far at the least speed: half a reaction time after the command to stop.
 constexpr double kRollsM = 0.003;
-/// Of the tolerance: as near is the heading when it stops rotating.
+/// It stops rotating when the heading error is below this fraction of the tolerance.
 constexpr double kSquareRatio = 0.4;
 constexpr double kYawRatePerRad = 1.2;
 constexpr double kLeastYawRate = deg_to_rad(3.0);
 constexpr double kMostYawRate = deg_to_rad(25.0);
 constexpr double kBackOffMps = 0.1;
-/// Each phase after the staging place takes less than this, unless somebody is in the way.
+/// A phase after the staging place takes less than this, unless somebody is in the way.
 constexpr double kPatienceS = 25.0;
-/// After it has failed.
+/// After a failure it waits this long.
 constexpr double kTryAgainS = 60.0;
-/// A docked robot leaves the goal only for an error of the pose larger than noise.
+/// A docked robot leaves the goal only if its pose is off by more than the tolerance and this: more
+/// than noise.
 constexpr double kLeaveM = 0.1;
 constexpr double kLeaveRad = deg_to_rad(10.0);
 
@@ -46,8 +47,10 @@ DockingStep Docking::next(const GoalInBase& goal, time::Timestamp stamp) {
   if (phase_ == Phase::kFailed && phase_s > kTryAgainS) {
     reset();
   }
-  Phase phase = next_phase(goal, phase_s);
-  if (phase == phase_ && phase_s > kPatienceS) {
+  Phase phase = phase_;
+  if (is_done(goal, phase_s)) {
+    phase = next_phase(goal);
+  } else if (phase_s > kPatienceS) {
     phase = phase_when_late();
   }
   if (phase != phase_) {
@@ -66,37 +69,53 @@ void Docking::enter(Phase phase, time::Timestamp stamp) {
   }
 }
 
-/// The phase after the present one if that has done its part, else the present one.
-Docking::Phase Docking::next_phase(const GoalInBase& goal, double phase_s) const {
+/// Whether the present phase has done its part.
+bool Docking::is_done(const GoalInBase& goal, double phase_s) const {
   const geometry::SE2 T = T_goal_base(goal);
   switch (phase_) {
-    case Phase::kStage: {
-      const bool is_there = std::hypot(T.x + params_.staging_m, T.y) <= kStagingToleranceM;
-      return is_there ? Phase::kAlign : phase_;
-    }
+    case Phase::kStage:
+      return std::hypot(T.x + params_.staging_m, T.y) <= kStagingToleranceM;
     case Phase::kAlign:
-      return std::abs(T.yaw) <= kAlignedRad ? Phase::kFollowLine : phase_;
+      return std::abs(T.yaw) <= kAlignedRad;
     case Phase::kFollowLine:
-      return -T.x <= kRollsM ? Phase::kSquare : phase_;
-    case Phase::kSquare: {
-      const bool is_square = std::abs(T.yaw) <= kSquareRatio * goal.heading->tolerance_rad;
-      return is_square ? Phase::kSettle : phase_;
-    }
+      return -T.x <= kRollsM;
+    case Phase::kSquare:
+      return std::abs(T.yaw) <= kSquareRatio * goal.heading->tolerance_rad;
     case Phase::kSettle:
-      return phase_s >= params_.settle_s ? after_settling(goal) : phase_;
+      return phase_s >= params_.settle_s;
     case Phase::kBackOff:
-      return T.x <= -0.6 * params_.staging_m ? Phase::kAlign : phase_;
-    case Phase::kDocked: {
-      const bool has_left = goal.distance_m > goal.tolerance_m + kLeaveM ||
-                            std::abs(T.yaw) > goal.heading->tolerance_rad + kLeaveRad;
-      return has_left ? Phase::kStage : phase_;
-    }
+      return T.x <= -0.6 * params_.staging_m;
+    case Phase::kDocked:
+      return goal.distance_m > goal.tolerance_m + kLeaveM ||
+             std::abs(T.yaw) > goal.heading->tolerance_rad + kLeaveRad;
+    default:
+      return false;
+  }
+}
+
+/// The phase after the present one, when that is done.
+Docking::Phase Docking::next_phase(const GoalInBase& goal) const {
+  switch (phase_) {
+    case Phase::kStage:
+    case Phase::kBackOff:
+      return Phase::kAlign;
+    case Phase::kAlign:
+      return Phase::kFollowLine;
+    case Phase::kFollowLine:
+      return Phase::kSquare;
+    case Phase::kSquare:
+      return Phase::kSettle;
+    case Phase::kSettle:
+      return after_settling(goal);
+    case Phase::kDocked:
+      return Phase::kStage;
     default:
       return phase_;
   }
 }
 
-/// The phase after one that takes too long: the heading is judged as it is, a motion starts over.
+/// The phase after one that takes too long: after the last rotation the pose is checked as it is,
+/// any other motion starts over.
 Docking::Phase Docking::phase_when_late() const {
   switch (phase_) {
     case Phase::kAlign:
@@ -110,7 +129,7 @@ Docking::Phase Docking::phase_when_late() const {
   }
 }
 
-Docking::Phase Docking::after_settling(const GoalInBase& goal) const {
+Docking::Phase Docking::after_settling(const GoalInBase& goal) {
   const geometry::SE2 T = T_goal_base(goal);
   if (goal.distance_m <= goal.tolerance_m) {
     return std::abs(T.yaw) <= goal.heading->tolerance_rad ? Phase::kDocked : Phase::kSquare;

@@ -28,21 +28,20 @@ struct DockingStep {
 };
 
 /// Brings the robot to a goal with a heading, to centimetres and a degree: by plan to a staging
-/// place straight behind it, from there along the line through the goal, and at the end by a
-/// rotation on the spot to the heading. The pose is judged after the robot has been stationary for
-/// a while. If the error is too large, docking is tried again, from farther back if the robot is
-/// off sideways.
+/// place straight behind the goal, from there along the line through the goal, and at the end by a
+/// rotation on the spot to the heading. The pose is checked when the robot has been stationary for
+/// a while. If the error is too large it tries again, from farther back if it is off sideways.
 class Docking {
  public:
-  /// The staging place is reached within this, metres.
+  /// The staging place counts as reached within this distance.
   static constexpr double kStagingToleranceM = 0.15;
 
   explicit Docking(const DockingParams& params) : params_(params) {}
 
-  /// A new goal.
+  /// Begins anew, for a new goal.
   void reset() { *this = Docking(params_); }
 
-  /// `goal` has a heading.
+  /// What to do next. `goal` must have a heading.
   [[nodiscard]] DockingStep next(const GoalInBase& goal, time::Timestamp stamp);
 
   /// Whether it is past the staging place and has not failed.
@@ -63,9 +62,10 @@ class Docking {
     kFailed
   };
 
-  [[nodiscard]] Phase next_phase(const GoalInBase& goal, double phase_s) const;
+  [[nodiscard]] bool is_done(const GoalInBase& goal, double phase_s) const;
+  [[nodiscard]] Phase next_phase(const GoalInBase& goal) const;
   [[nodiscard]] Phase phase_when_late() const;
-  [[nodiscard]] Phase after_settling(const GoalInBase& goal) const;
+  [[nodiscard]] static Phase after_settling(const GoalInBase& goal);
   void enter(Phase phase, time::Timestamp stamp);
   [[nodiscard]] DockingStep step(const GoalInBase& goal) const;
   [[nodiscard]] DockingStep follow_line(const geometry::SE2& T_goal_base) const;
