@@ -19,7 +19,7 @@ constexpr time::Duration kWait = 1s;
 constexpr double kReferenceM = 0.3;
 /// Points within this distance belong to one object.
 constexpr double kOneThingM = 0.1;
-/// Somebody who comes is measured below the first of these heights and above the second.
+/// A person who approaches is measured below the first of these heights and above the second.
 constexpr double kFeetM = 0.2;
 constexpr double kLowThingM = 0.12;
 
@@ -28,10 +28,10 @@ int sector_of(double compass_rad, int sectors) {
   return (static_cast<int>(std::floor(sector)) % sectors + sectors) % sectors;
 }
 
-/// Whether something has moved to where floor was seen. The floor around a low object may have been
-/// seen before a line fell on the object itself, and under a board it still is seen: neither has
-/// moved. The laser sees the legs of somebody who comes at all heights within one sweep. Brake
-/// stops for any object.
+/// Whether something has moved to where floor was seen. The laser sees a person's legs at all
+/// heights within one sweep. Less than that has not moved: a low object, around which floor was
+/// seen before a line fell on it, or a board, under which floor is still seen. Brake stops for
+/// these as well.
 bool has_come(const Eigen::Vector2d& p_odom, const LocalMap& local_map) {
   if (!local_map.was_floor(p_odom)) {
     return false;

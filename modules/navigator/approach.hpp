@@ -17,24 +17,23 @@ class LocalMap;
 /// Detects that something comes nearer by its own motion, not by the robot's. People walk at 1 m/s
 /// and more and do not yield, so the robot waits for them.
 ///
-/// The nearest distance in each direction is compared with the earlier one. Both are measured from
-/// a reference point in odom that stays fixed while the robot moves on a little, so that the
+/// In each direction the nearest distance is compared with the one before. Both are measured from a
+/// reference point in odom that stays where it is while the robot moves on a little, so that the
 /// robot's own motion brings nothing nearer. A direction that has just come into view is not
-/// compared, and an object that was occluded from the reference point was farther away than what
-/// occluded it.
+/// compared. What comes out from behind something was farther away than that before.
 class Approach {
  public:
   explicit Approach(int sweeps_to_trust) : sweeps_(sweeps_to_trust) {}
 
-  /// Takes the obstacles at `stamp`; `seen` must have been updated before. Obstacles farther than
-  /// `reach_m` from the origin of base are ignored. With a local map only objects where floor was
-  /// seen before have approached: what comes into view behind a corner was there already.
+  /// Takes the obstacles at `stamp`, without those farther than `reach_m` from base. `seen` must be
+  /// up to date. With a local map, only what is where floor was seen before has approached: what
+  /// comes into view from behind a corner was there already.
   void update(time::Timestamp stamp, const geometry::SE2& T_odom_base, double reach_m,
               const Points& points_base, const SeenDirections& seen,
               const LocalMap* local_map = nullptr);
 
-  /// Whether something has come nearer within the last second. It may still be moving; the laser
-  /// measures it about once a second.
+  /// Whether something has come nearer within the last second: about the time from one measurement
+  /// of it to the next, so it may still be moving.
   [[nodiscard]] bool is_detected(time::Timestamp stamp) const;
 
  private:

@@ -22,9 +22,9 @@ constexpr double kMaxRotationRad = geometry::deg_to_rad(10.0);
 constexpr double kLeastRotationRad = geometry::deg_to_rad(2.0);
 /// Margin beside and behind the body over its own trail.
 constexpr double kMarginM = 0.02;
-/// Where the robot cannot rotate to the heading of its trail at all, as between the feet of people,
-/// it backs up straight if its heading is off by no more than this. Over the 8 cm to the next pose
-/// of the trail that leads it 6 cm aside, which is the clearance it kept there.
+/// If the robot cannot rotate to the heading of its trail at all, as between people's feet, it
+/// backs up straight, unless its heading is off by more than this. Over the 8 cm to the next pose
+/// of the trail this leads 6 cm aside: as much as the clearance that it kept there.
 constexpr double kObliqueRad = geometry::deg_to_rad(45.0);
 
 bool is_near(const geometry::SE2& a, const geometry::SE2& b) {

@@ -10,9 +10,9 @@
 
 namespace nodmap::navigator {
 
-/// Where the robot has just been: the only path behind it that is known to be free, because the
-/// laser does not look there. Like obstacles, it is forgotten after `forget_after_m` of travel,
-/// when odometry has drifted by more than the clearance beside the body.
+/// The poses where the robot has just been. The laser does not look behind the robot, so this is
+/// the only path back that is known to be free. Poses are forgotten after `forget_after_m` of
+/// travel, as obstacles are: odometry has then drifted by more than the clearance beside the body.
 class Trail {
  public:
   explicit Trail(double forget_after_m) : forget_after_m_(forget_after_m) {}
@@ -23,9 +23,9 @@ class Trail {
   /// Adds a pose every 3 cm or 5 degrees, and keeps those of the last 5 m.
   void record(const geometry::SE2& T_odom_base);
 
-  /// How to follow the trail back: first a rotation on the spot, positive left, to the heading at
-  /// which the robot came (0 if it has this heading), then an arc of this curvature (1/m, positive
-  /// left when driven forwards).
+  /// How to follow the trail back: a rotation on the spot to the heading at which the robot came
+  /// (radians, positive left; 0 if it has that heading), then an arc of this curvature (1/m,
+  /// positive left when driven forwards).
   struct PathBack {
     double rotation_rad = 0.0;
     double curvature = 0.0;
@@ -33,8 +33,8 @@ class Trail {
   /// Empty if the trail has ended or has a jump.
   [[nodiscard]] std::optional<PathBack> path_back(const geometry::SE2& T_odom_base) const;
 
-  /// How far the body stays on the strip that it has driven when it drives backwards on an arc of
-  /// this curvature (1/m, positive left when driven forwards). Metres, at most 0.6.
+  /// How far the robot can drive backwards on an arc before its body leaves the strip that it has
+  /// driven: metres, at most 0.6. The curvature is in 1/m, positive left when driven forwards.
   [[nodiscard]] double distance_backwards(const geometry::SE2& T_odom_base, double curvature) const;
 
   /// Forgets poses ahead of the robot while it backs up: the laser sees the path ahead.
@@ -64,8 +64,9 @@ class BackUp {
     return trail_.path_back(T_odom_base).has_value();
   }
 
-  /// Sets speed and yaw rate of `decision` for the next motion. Returns false, and has ended, if
-  /// the trail has ended, the robot cannot rotate to its heading, or it has backed up far enough.
+  /// Sets speed and yaw rate of `decision` for the next motion. Ends and returns false if the robot
+  /// has backed up far enough, if the trail has ended, or if the robot cannot rotate to the trail's
+  /// heading.
   [[nodiscard]] bool step(const Situation& now, Decision& decision);
 
   void end() { began_at_.reset(); }

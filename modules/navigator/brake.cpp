@@ -11,11 +11,11 @@
 namespace nodmap::navigator {
 namespace {
 
-/// Stop margin while creeping. At 0.25 m/s the robot is stationary after 5 cm. With the stop margin
-/// of a fast robot it would stop before each bend of a narrow place.
+/// Stop margin while creeping. At 0.25 m/s the robot is stationary after 5 cm. With the larger
+/// margin of a fast robot it would stop before each bend of a narrow place.
 constexpr double kCreepStopMarginM = 0.05;
-/// An obstacle close ahead hides floor. Towards the obstacle the robot may creep so slowly that it
-/// is stationary after 1.5 cm, with 5 cm left; it needs that to dock.
+/// An obstacle close ahead hides the floor behind it. To dock, the robot may creep towards it, so
+/// slowly that it is stationary after 1.5 cm, with 5 cm left.
 constexpr double kHiddenMps = 0.1;
 constexpr double kHiddenSeenM = 0.05;
 /// At this yaw rate the corners of KURT3D move at 5 cm/s: they do not push away what they touch.
@@ -53,10 +53,10 @@ Arc Brake::measure_corridor(double curvature, double side_margin_m, double stop_
 ///     v <= v(F(wide gap), a: braking)    and    v <= v(F(max gap), a: emergency braking)
 ///
 /// hold in every decision, for the arc chosen and for the arc it is on. F shrinks by no more than
-/// the robot drives, for what was seen stays seen; and while it brakes with a, v(F) falls no faster
-/// than v, see stopping.hpp. So a hole as long as the wide gap, in which a beam has been, is
-/// stopped for like an obstacle; one as long as the max gap with the force that the base has in
-/// reserve. Ground shorter than that between two places that are floor carries the wheels over it.
+/// the robot drives, because what was seen stays seen. While the robot brakes with a, v(F) falls no
+/// faster than v (stopping.hpp). A hole as long as the wide gap has had a beam in it: the robot
+/// stops for it as for an obstacle. For a hole as long as the max gap it stops with the force that
+/// the base has in reserve. Over a shorter one, with floor on both sides, the wheels roll.
 double Brake::speed_on_seen_floor(double curvature, double max_mps, const Situation& now) const {
   struct Rule {
     double max_gap_m;
@@ -92,8 +92,8 @@ double Brake::speed_on_present_arc(const Situation& now) const {
   return forward_mps > emergency_mps ? 0.0 : arc.speed_mps;
 }
 
-/// The laser does not look where a rotation moves the rear, so the remembered ground counts there.
-/// Ground ahead is covered by Brake's other rule, ground behind by that of the trail.
+/// The laser does not look where a rotation moves the rear, so there the remembered ground counts.
+/// Ahead speed_on_seen_floor() takes care of that, behind the robot its trail (back_up.hpp).
 void Brake::keep_to_known_ground(Decision& decision, const Situation& now) const {
   const double yaw_rate_rad_s = std::abs(decision.yaw_rate_rad_s);
   if (yaw_rate_rad_s <= kCreepRadS || decision.forward_mps < 0.0 || now.doubtful_base.empty()) {

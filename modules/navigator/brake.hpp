@@ -11,12 +11,12 @@ namespace nodmap::navigator {
 /// Slower than this the robot does not start to drive; it turns instead.
 inline constexpr double kLeastSpeedMps = 0.06;
 
-/// An arc (curvature in 1/m, positive left), how far it is free, and how fast it may be driven.
+/// An arc (curvature in 1/m, positive left): how far it is free, and how fast it may be driven.
 struct Arc {
   double curvature = 0.0;
   double free_distance_m = 0.0;
-  double stop_margin_m = 0.0;  ///< part of this distance that is left after stopping
-  double speed_mps = 0.0;      ///< greatest from which the robot stops in time
+  double stop_margin_m = 0.0;  ///< the part of this distance that is left after stopping
+  double speed_mps = 0.0;      ///< the greatest from which the robot stops in time
 };
 
 /// Brake (paper, III C): computes the greatest speed from which the robot stops before anything in
@@ -38,17 +38,17 @@ class Brake {
   /// obstacle does.
   [[nodiscard]] Arc measure_arc(double curvature, const Situation& now) const;
 
-  /// The greatest speed on the arc that the robot is on now, because it would brake on that. 0 if
-  /// it is nearer to an obstacle than even an emergency stop needs; +infinity if it hardly moves.
+  /// The greatest speed on the arc that the robot is on now, and on which it would brake. 0 if an
+  /// obstacle is nearer than even an emergency stop needs; +infinity if the robot hardly moves.
   [[nodiscard]] double speed_on_present_arc(const Situation& now) const;
 
-  /// Slows down a rotation, or an arc that swings the body's rear aside, over ground that is not
-  /// known to be free: until the corners are so slow that they count as stationary.
+  /// Slows down a rotation, or an arc that swings the rear aside, over ground that is not known to
+  /// be free, until the corners are so slow that they count as stationary.
   void keep_to_known_ground(Decision& decision, const Situation& now) const;
 
   /// Slows any motion down so far that the robot is stationary before a walking person touches it;
-  /// to 0 if the present motion is not safe any more. Not if the person would walk into the
-  /// standing robot and the motion takes the robot out of the way.
+  /// to 0 if even the present motion is not safe any more. One motion is left as it is: the one
+  /// that takes the robot out of the way of a person who would otherwise walk into it.
   void give_way(Decision& decision, const Situation& now) const;
 
   /// The speed that yaw rate and lateral acceleration allow on an arc, at most `max_forward_mps`:

@@ -16,8 +16,8 @@ using geometry::kPi;
 constexpr double kNever = std::numeric_limits<double>::infinity();
 /// Arcs flatter than this count as straight: after 5 m they are 1.2 cm beside the line.
 constexpr double kStraightCurvature = 1e-3;
-/// A point this deep within the body is an error of the map (odometry has drifted since it was
-/// seen). It is ignored, because it would block the robot for ever.
+/// A point this deep within the body is an error of the map: odometry has drifted since it was
+/// seen. It is ignored, because it would block the robot for ever.
 constexpr double kImpossibleDepthM = 0.03;
 /// The margin that remains for points that are within the margin already.
 constexpr double kTightMarginM = 0.005;

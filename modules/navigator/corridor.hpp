@@ -8,12 +8,12 @@ namespace nodmap::navigator {
 
 using robot::Footprint;
 
-/// Free distance in the virtual corridor, metres: how far the origin of base can move along the arc
-/// of this curvature (1/m, positive left) until the body, `side_margin_m` wider on each side,
-/// touches a point. +infinity where it touches none within half a circle.
+/// Free distance in the virtual corridor, metres: how far the origin of base can move along an arc
+/// (curvature in 1/m, positive left) until the body, `side_margin_m` wider on each side, touches a
+/// point. +infinity if it touches none within half a circle.
 ///
-/// For a point that is already within the margin the body itself counts, so that the robot can
-/// still drive past or away.
+/// For a point that is within the margin already, the margin does not count, so that the robot can
+/// still drive past it or away.
 [[nodiscard]] double free_distance(const Points& points_base, double curvature,
                                    const Footprint& body, double side_margin_m);
 
@@ -21,8 +21,8 @@ using robot::Footprint;
 [[nodiscard]] double free_distance_backwards(const Points& points_base, double curvature,
                                              const Footprint& body, double side_margin_m);
 
-/// How far the body, with a margin on all sides, can rotate on the spot, radians >= 0. `side`: +1
-/// left, -1 right. +infinity where nothing ends the rotation.
+/// How far the body, with a margin on all sides, can rotate on the spot: radians, not negative.
+/// `side`: +1 left, -1 right. +infinity if nothing ends the rotation.
 [[nodiscard]] double free_rotation(const Points& points_base, double side, const Footprint& body,
                                    double margin_m);
 

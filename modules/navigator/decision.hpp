@@ -20,7 +20,7 @@ class LocalMap;
 struct Situation {
   time::Timestamp stamp{};
   Points points_base;         ///< obstacles of the obstacle map and of the local map
-  Points doubtful_base;       ///< near the body and not known to be free, see LocalMap
+  Points doubtful_base;       ///< doubtful ground, see LocalMap::doubtful_points_base()
   People people;              ///< people who walk, in base
   geometry::SE2 T_odom_base;  ///< now
   geometry::SE2 T_map_odom;   ///< by 2D SLAM; identity without it
@@ -28,10 +28,10 @@ struct Situation {
   double yaw_rate_rad_s = 0.0;
   double max_forward_mps = 0.0;  ///< speed bound of the pitch controller
   std::int64_t sweep_count = 0;  ///< reversals of the head
-  bool laser_is_held = false;    ///< it does not nod: waiting brings nothing new into view
+  bool laser_is_held = false;    ///< it does not nod, so waiting brings nothing new into view
   std::optional<GoalInBase> goal;
   const Geofence* geofence = nullptr;   ///< null: none
-  const LocalMap* local_map = nullptr;  ///< where floor was seen; null: all ground counts as floor
+  const LocalMap* local_map = nullptr;  ///< says where floor was seen; null: floor is everywhere
 };
 
 enum class Behaviour : std::uint8_t { kSteer, kBrake, kTurn, kArrived, kHalt };
@@ -43,8 +43,8 @@ struct Decision {
   double forward_mps = 0.0;
   double yaw_rate_rad_s = 0.0;
   double steering_angle_rad = 0.0;
-  double free_distance_m = 0.0;  ///< in the virtual corridor ahead; +infinity: nothing in it
-  double max_forward_mps = 0.0;  ///< greatest that the limits and the free distance allow
+  double free_distance_m = 0.0;  ///< in the virtual corridor ahead; +infinity if it is empty
+  double max_forward_mps = 0.0;  ///< the greatest that the limits and the free distance allow
 };
 
 }  // namespace nodmap::navigator

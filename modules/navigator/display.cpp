@@ -15,7 +15,7 @@ constexpr time::Duration kPeriod = 100ms;
 constexpr time::Duration kLocalMapPeriod = 500ms;
 constexpr double kLocalMapHalfSizeM = 4.0;
 
-/// Also after a stamp from the future: the clock may have been set back.
+/// abs(), because the clock may have been set back.
 bool is_due(time::Timestamp stamp, const std::optional<time::Timestamp>& last,
             time::Duration period) {
   return !last || std::chrono::abs(stamp - *last) >= period;
@@ -31,7 +31,7 @@ void Display::publish(time::Timestamp stamp, const Navigator& navigator, const D
   publish_local_map(stamp, navigator.local_map(), T_odom_base);
 }
 
-/// While there is a goal, and once when there is none any more.
+/// Published while there is a goal, and once more when it has ended.
 void Display::publish_path(time::Timestamp stamp, const Navigator& navigator,
                            const Decision& decision, const geometry::SE2& T_map_odom,
                            const geometry::SE2& T_odom_base, GoalState goal) {
@@ -55,7 +55,7 @@ void Display::publish_path(time::Timestamp stamp, const Navigator& navigator,
   bus_.publish("PATH", message);
 }
 
-/// While anybody is tracked, and once when nobody is any more.
+/// Published while anybody is tracked, and once more when nobody is.
 void Display::publish_tracks(time::Timestamp stamp, const Navigator& navigator) {
   if (!is_due(stamp, tracks_stamp_, kPeriod)) {
     return;

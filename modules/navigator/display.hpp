@@ -14,8 +14,8 @@ namespace nodmap::navigator {
 
 enum class GoalState : std::uint8_t { kNone, kInside, kOutsideFence };
 
-/// Publishes what people look at: PATH, TRACKS and LOCAL_MAP. No process drives by them, so each is
-/// published less often than DRIVE.
+/// Publishes what people look at: PATH, TRACKS and LOCAL_MAP. No process depends on them, so they
+/// are published less often than DRIVE.
 class Display {
  public:
   explicit Display(bus::Bus& bus) : bus_(bus) {}

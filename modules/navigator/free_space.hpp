@@ -8,8 +8,8 @@
 
 namespace nodmap::navigator {
 
-/// How far the robot could drive straight in each direction of the half plane ahead, one for each
-/// degree from -90 to 90.
+/// How far the robot could drive straight in each direction ahead: one value for each degree from
+/// -90 to 90.
 struct FreeSpace {
   static constexpr int kHalf = 90;
 
@@ -27,8 +27,8 @@ struct FreeSpace {
   [[nodiscard]] double& at(int degree) { return distance_m[index(degree)]; }
 };
 
-/// The free distance in each direction in a corridor as wide as the body and a margin on both
-/// sides: a gap narrower than the robot is not free.
+/// Measures the free distance in each direction, in a corridor as wide as the body and a margin on
+/// both sides: a gap narrower than the robot is not free.
 [[nodiscard]] FreeSpace measure_free_space(const Points& points_base, const Footprint& body,
                                            double side_margin_m);
 
@@ -37,14 +37,14 @@ struct FreeSpace {
 ///     alpha = atan2(sum sin(phi) f(phi) g(d), sum cos(phi) f(phi) g(d))
 ///
 /// f(phi) = cos(1.2 (phi - wanted)), 0 where negative, prefers the wanted direction (ahead, or that
-/// of the goal); g(d) = 1 / (1 + exp(-(d - open_space) / 0.25 m)) is a soft threshold. Empty where
-/// there is no free space at all. Mirrored input gives exactly mirrored output: the terms of +phi
-/// and -phi are added together.
+/// of the goal); g(d) = 1 / (1 + exp(-(d - open_space) / 0.25 m)) is a soft threshold. Empty if
+/// nothing is free. Mirrored input gives exactly mirrored output, because the terms of +phi and
+/// -phi are added in pairs.
 [[nodiscard]] std::optional<double> free_space_orientation(const FreeSpace& space,
                                                            double wanted_rad, double open_space_m);
 
-/// The directions nearest to alpha, to its left and right (alpha itself: both), that are free for
-/// `needed_m`. The orientation is a mean: between two doors it points at the wall.
+/// The free directions nearest to alpha on its left and on its right; both are alpha if that is
+/// free. Needed because the orientation is a mean: between two doors it points at the wall.
 struct FreeNeighbours {
   std::optional<double> left_rad;
   std::optional<double> right_rad;

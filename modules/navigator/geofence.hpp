@@ -10,24 +10,22 @@
 namespace nodmap::navigator {
 
 /// The area that the robot does not leave: a polygon in the frame map, with holes where it must not
-/// be.
-///
-/// Its boundary counts as an obstacle that no laser sees: Brake, the rollouts and the planner keep
-/// the whole body on one side of it as they keep it off a wall.
+/// be. Its boundary is an obstacle that no laser sees: Brake, the rollouts and the planner keep the
+/// whole body off it, as off a wall.
 class Geofence {
  public:
   /// `wkt`: the polygon as well-known text (OGC), metres, frame map:
-  /// "POLYGON((x y, x y, x y, ...), (x y, x y, x y, ...))", the outer ring first, then those of
-  /// holes. Rings may run either way round and need not repeat their first corner. Throws
-  /// params::ParamError where that is no text of a polygon, edges cross, or a corner is farther
-  /// than 1000 km from the origin.
+  /// "POLYGON((x y, x y, x y, ...), (x y, x y, x y, ...))", the outer ring first, then the holes.
+  /// Rings may run either way round and need not repeat their first corner. Throws
+  /// params::ParamError if this is not the text of a polygon, if edges cross, or if a corner is
+  /// farther than 1000 km from the origin.
   explicit Geofence(const std::string& wkt);
 
   /// Whether a place lies inside. The boundary does not.
   [[nodiscard]] bool contains(const Eigen::Vector2d& p_map) const;
 
-  /// Points on the boundary within `radius_m` of a place, each 2 cm from the next on its edge:
-  /// no body fits between two. Frame map.
+  /// Points on the boundary within `radius_m` of a place, so close together (2 cm) that no body
+  /// fits between them. Frame map.
   [[nodiscard]] Points boundary_near(const Eigen::Vector2d& p_map, double radius_m) const;
 
  private:

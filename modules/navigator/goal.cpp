@@ -16,8 +16,8 @@ constexpr double kNearerM = 0.3;
 constexpr double kFarthestAside = geometry::deg_to_rad(65.0);
 /// A wall farther away is not followed.
 constexpr double kWallM = 1.2;
-/// Sufficient free distance along a wall. If more were required, the robot would keep so far off
-/// that it loses the wall.
+/// Free distance that suffices along a wall. With more the robot would keep so far off that it
+/// loses the wall.
 constexpr double kAlongWallM = 0.5;
 
 /// The direction of the nearest obstacle on the wall's side; empty: there is no wall.

@@ -8,7 +8,7 @@
 
 namespace nodmap::navigator {
 
-/// The goal, as seen from the robot.
+/// The goal as seen from the robot.
 struct GoalInBase {
   double bearing_rad = 0.0;  ///< positive left
   double distance_m = 0.0;
@@ -24,13 +24,13 @@ struct GoalInBase {
 
 [[nodiscard]] GoalInBase goal_in_base(const Eigen::Vector2d& p_goal_base, double tolerance_m);
 
-/// Whether the robot is at the goal. After arriving it counts as arrived up to 10 cm farther away,
-/// so that it does not start and stop at the border.
+/// Whether the robot is at the goal. Once it is there it stays so up to 10 cm farther away, so that
+/// it does not start and stop at the border of the tolerance.
 [[nodiscard]] bool has_arrived(const GoalInBase& goal, bool had_arrived);
 
-/// The path around an obstacle between robot and goal (after Bug2, Lumelsky and Stepanov 1987):
-/// follows the wall on the side first chosen until the direction to the goal is free and the goal
-/// is nearer than where the detour began. Without this memory the robot would leave a dead end and
+/// Leads around an obstacle between robot and goal (after Bug2, Lumelsky and Stepanov 1987): along
+/// the wall, on the side first chosen, until the direction to the goal is free and the goal is
+/// nearer than where the detour began. Without this memory the robot would leave a dead end and
 /// drive into it again.
 class Detour {
  public:
@@ -40,7 +40,7 @@ class Detour {
 
   /// The side of the detour: +1 left, -1 right, 0 none.
   [[nodiscard]] double side() const { return side_; }
-  /// Begins a detour: the robot had to turn to this side, away from an obstacle.
+  /// Begins a detour, because the robot had to turn to this side, away from an obstacle.
   void begin(double side, const GoalInBase& goal);
   void end() { side_ = 0.0; }
 

@@ -33,15 +33,15 @@ struct GoalInMap {
 /// Reads a plausible GOAL; empty if it ends the goal.
 [[nodiscard]] std::optional<GoalInMap> read_goal(const nodmap::goal_t& message);
 
-/// The standard deviation of the position in its worst direction, metres; +infinity where the
+/// The standard deviation of the position in its worst direction, metres; +infinity if the
 /// covariance is not known.
 [[nodiscard]] double position_sigma_m(const nodmap::pose_t& message);
 
 /// The number of a behaviour in navigation_t.
 [[nodiscard]] std::int8_t code_of(Behaviour behaviour);
 
-/// PATH: the planned path to the goal, and the arc that the robot drives. `path_map`: without
-/// points if there is no path.
+/// PATH: the planned path to the goal, and the arc that the robot drives. `path_map` has no points
+/// if there is no path.
 [[nodiscard]] nodmap::path_t path_message(const std::vector<Eigen::Vector2d>& path_map,
                                           const geometry::SE2& T_odom_map,
                                           const geometry::SE2& T_odom_base,
@@ -50,8 +50,8 @@ struct GoalInMap {
 /// TRACKS: the people who walk, and those who have just come into view, in odom.
 [[nodiscard]] nodmap::tracks_t tracks_message(const People& people, const People& newcomers);
 
-/// The square of `half_size_m` to each side of a place, each cell that of 2 x 2 of the local map;
-/// what lies outside the local map was not seen.
+/// LOCAL_MAP: the square that reaches `half_size_m` to each side of a place. One cell of the
+/// message stands for 2 x 2 cells of the local map; outside the local map nothing was seen.
 [[nodiscard]] nodmap::local_map_t local_map_message(const LocalMap& local_map,
                                                     const Eigen::Vector2d& p_odom,
                                                     double half_size_m);

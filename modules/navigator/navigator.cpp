@@ -11,33 +11,37 @@
 namespace nodmap::navigator {
 namespace {
 
-/// Slower than this the robot is stationary: a step of the base's speed command is 1 cm/s.
+/// Below this speed the robot is stationary: a step of the base's speed command is 1 cm/s.
 constexpr double kStationaryMps = 0.04;
-/// Within this distance it turns to the side it turned to last: the obstacle is still the same.
+/// Within this distance of its last turn the robot turns to the same side: the obstacle is the
+/// same.
 constexpr double kSameObstacleM = 0.7;
-/// The robot waits for what approaches within this distance of its turning circle: who walks at
-/// 1.5 m/s is there in 0.4 s, and a rotation stops in 0.2 s. Driving, the distance is longer by
-/// what the robot covers in the time it takes to stop from 1.5 m/s.
+/// The robot waits for what approaches within this distance of its turning circle: a person at
+/// 1.5 m/s covers it in 0.4 s, and a rotation stops in 0.2 s. While driving the distance is longer
+/// by what the robot covers in the time that it needs to stop from 1.5 m/s.
 constexpr double kApproachM = 0.6;
 constexpr double kApproachS = 0.5;
-/// Added to the turn margin while backing up, so that what then suffices still does when odometry
-/// slips a little.
+/// Added to the turn margin while backing up, so that the room still suffices if odometry slips a
+/// little.
 constexpr double kRoomToTurnM = 0.03;
 
-/// Ground so far beyond the turning circle is asked for, for arcs swing the rear out of it.
+/// Doubtful ground counts up to this far beyond the turning circle, because arcs swing the rear
+/// out.
 constexpr double kDoubtfulM = 0.1;
-/// A point so near to a walker's disc is his: the error of his track. The obstacle map still has
-/// him where he was seen in the sweeps before.
-constexpr double kHisM = 0.25;
-constexpr double kHisWakeS = 1.0;
-/// Where he walks nothing stands: so much more is the noise of a track that is seen.
-constexpr double kOnHimM = 0.1;
-/// So long after somebody walked the obstacle map may still hold him.
+/// A point this near to the disc of a person belongs to the person, by the error of the track, and
+/// so does one near to where the person was within this time: the obstacle map still has the person
+/// where earlier sweeps saw them.
+constexpr double kOnPersonM = 0.25;
+constexpr double kWakeS = 1.0;
+/// Obstacles this near to the disc of a person in sight were the person, by the noise of the track.
+constexpr double kTrackNoiseM = 0.1;
+/// For this long after somebody walked the obstacle map may still contain them.
 constexpr time::Duration kPassed = 20s;
 
 constexpr double kEndless = std::numeric_limits<double>::infinity();
 
-/// The nearer of two free directions, positive left; empty when they are as near, or there is none.
+/// The nearer of two free directions, positive left; empty if there is none or both are equally
+/// near.
 std::optional<double> nearer_direction(const FreeNeighbours& near) {
   if (near.left_rad && near.right_rad && *near.left_rad == -*near.right_rad) {
     return std::nullopt;
@@ -46,20 +50,20 @@ std::optional<double> nearer_direction(const FreeNeighbours& near) {
   return is_left ? near.left_rad : near.right_rad;
 }
 
-/// From a point to where somebody is now, and was within the last second.
+/// The distance from a point to where a person is now or was within the last second.
 double distance_to_wake(const Eigen::Vector2d& p_base, const Person& person) {
-  const Eigen::Vector2d back = -kHisWakeS * person.velocity;
+  const Eigen::Vector2d back = -kWakeS * person.velocity;
   const Eigen::Vector2d offset = p_base - person.position;
   const double share = std::clamp(offset.dot(back) / std::max(back.squaredNorm(), 1e-9), 0.0, 1.0);
   return (offset - share * back).norm();
 }
 
-/// The points that belong to nobody who is tracked: where he is in the way, and for how long, his
-/// track says.
+/// The points that belong to no tracked person. Where people are in the way, and for how long,
+/// their tracks say.
 Points without(const People& people, Points points_base) {
   std::erase_if(points_base, [&](const Eigen::Vector2d& p_base) {
     return std::ranges::any_of(people, [&](const Person& person) {
-      return person.is_in_sight && distance_to_wake(p_base, person) < person.radius_m + kHisM;
+      return person.is_in_sight && distance_to_wake(p_base, person) < person.radius_m + kOnPersonM;
     });
   });
   return points_base;
@@ -106,7 +110,7 @@ Decision Navigator::pause(Reason reason) {
 
 void Navigator::add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base,
                          bool laser_is_held) {
-  // Where the robot tilts, what stands still seems to move: nobody is tracked near ramps.
+  // Nobody is tracked near ramps: while the robot tilts, things that stand still seem to move.
   const bool tracks_people = params_.people.use && local_map_.ground().is_level();
   if (tracks_people) {
     const auto is_blocked = [this](const Eigen::Vector2d& p_odom) {
@@ -122,19 +126,19 @@ void Navigator::add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_bas
   }
 }
 
-/// Before somebody was known to walk he was an obstacle: that is taken back along his path of the
-/// last second, while he is in sight.
+/// Removes the obstacles that people were before it was known that they walk: along the path of the
+/// last second of everybody in sight.
 void Navigator::forget_wakes(time::Timestamp stamp) {
   constexpr double kStepS = 0.2;
   for (const Person& person : people_.people_odom(stamp)) {
-    for (double ago_s = 0.0; ago_s <= kHisWakeS && person.is_in_sight; ago_s += kStepS) {
-      local_map_.forget_walker(person.position_after(-ago_s), person.radius_m + kOnHimM);
+    for (double ago_s = 0.0; ago_s <= kWakeS && person.is_in_sight; ago_s += kStepS) {
+      local_map_.forget_walker(person.position_after(-ago_s), person.radius_m + kTrackNoiseM);
     }
   }
 }
 
 void Navigator::add_contact(const geometry::SE2& T_odom_base, bool at_front) {
-  // On slopes level scans meet the floor: 2D SLAM may stand still while the robot moves.
+  // On slopes level scans meet the floor, so 2D SLAM may not notice that the robot moves.
   if (local_map_.has_scan() && local_map_.ground().is_level()) {
     local_map_.add_contact(T_odom_base, at_front);
   }
@@ -155,7 +159,7 @@ Decision Navigator::decide(Situation now) {
   join_geofence(now);
   Decision decision = behave(now);
   brake_.keep_to_known_ground(decision, now);
-  // Plans are made for those who walk for certain; nobody who has just come is driven into either.
+  // Plans count only people who walk for certain; Brake also counts those who have just appeared.
   if (params_.people.use) {
     const People newcomers = people_.newcomers_base(now.stamp, now.T_odom_base);
     now.people.insert(now.people.end(), newcomers.begin(), newcomers.end());
@@ -213,7 +217,8 @@ std::optional<Decision> Navigator::drive_ahead(const FreeSpace& space, const Sit
   return std::nullopt;
 }
 
-/// What the first scans show of a ramp is an obstacle: it must not turn away from that.
+/// Whether the laser has looked ahead since the start. Before that the robot must not turn away
+/// from a ramp, which looks like an obstacle in the first scans.
 bool Navigator::has_looked(const Situation& now) {
   has_looked_ =
       has_looked_ || now.laser_is_held || seen_.is_seen(0.0, params_.steer.sweeps_to_trust);
@@ -236,17 +241,17 @@ void Navigator::observe(Situation& now) {
   approach_.update(now.stamp, now.T_odom_base, reach_m, nobodys, seen_,
                    has_local_map ? &local_map_ : nullptr);
   if (local_map_.has_scan()) {
-    now.points_base = nobodys;  // what stands beside a walker is in the local map, too
+    now.points_base = nobodys;  // what stands beside a person is also in the local map
   }
   back_up_.record(now.T_odom_base);
 }
 
-/// Why the robot need not stand and look after a gap shorter than a sweep. What it had looked at
-/// before is in its maps, and where no floor was seen Brake stops it, as ever. Only what has come
-/// since may be missed: the gap takes one look away from each place, or the two of one end of the
-/// sweep, so that no place is unseen for longer than twice the time for which the pitch
-/// controller's bound holds. At half of the bound the robot drives no farther in that time than it
-/// may without a gap. After two sweeps every place has been looked at.
+/// After a gap in the scans shorter than a sweep, halves the speed bound for two sweeps. Why the
+/// robot need not stand and look: what it had looked at before is in its maps, and where no floor
+/// was seen Brake stops it as always. Only what has come since could be missed. The gap costs each
+/// place one look, or the two at one end of the sweep. So no place is unseen for longer than twice
+/// the time for which the pitch controller's bound holds, and at half of the bound the robot drives
+/// no farther in it than it may without a gap. After two sweeps every place has been looked at.
 void Navigator::respect_gap(Situation& now) {
   constexpr double kShareOfBound = 0.5;
   if (is_in_gap_) {
@@ -262,9 +267,9 @@ void Navigator::respect_gap(Situation& now) {
   }
 }
 
-/// Where the ground is not level the obstacle map takes it for obstacles, for its heights are those
-/// above the plane the robot stands on. What the local map, made from the same scans, knows to be
-/// ground is none.
+/// Slows down near slopes, and removes points of the obstacle map that are ground. That map
+/// measures heights above the plane on which the robot stands, so it takes sloped ground for
+/// obstacles; the local map, made from the same scans, knows better.
 void Navigator::respect_slopes(Situation& now) const {
   if (!local_map_.has_scan() || local_map_.ground().is_level()) {
     return;
@@ -273,21 +278,21 @@ void Navigator::respect_slopes(Situation& now) const {
   erase_free_floor(now);
 }
 
-/// What the obstacle map holds where the local map, made from the same scans, knows floor alone: a
-/// slope, or somebody who has passed beside or behind the robot.
+/// Removes points of the obstacle map where the local map, made from the same scans, knows only
+/// floor: slopes, and people who have passed beside or behind the robot.
 void Navigator::erase_free_floor(Situation& now) const {
   std::erase_if(now.points_base, [&](const Eigen::Vector2d& p_base) {
     return local_map_.is_free_floor(now.T_odom_base * p_base);
   });
 }
 
-/// After approaching things were looked for: a low sill that is seen for the first time when it is
-/// near has not approached.
+/// Adds the obstacles of the local map. Must follow observe(): a low sill that is first seen when
+/// it is near has not approached.
 void Navigator::join_local_map(Situation& now) const {
   if (!local_map_.has_scan()) {
     return;
   }
-  // A laser that is held level sees no floor: then only its points count.
+  // A laser that is held level sees no floor, so only its points count.
   now.local_map = now.laser_is_held ? nullptr : &local_map_;
   const Points more = local_map_.points_base(now.T_odom_base, params_.local_map.range_m);
   now.points_base.insert(now.points_base.end(), more.begin(), more.end());
@@ -297,7 +302,8 @@ void Navigator::join_local_map(Situation& now) const {
   }
 }
 
-/// After approaching things were looked for: the boundary moves when the pose is corrected.
+/// Adds the boundary of the geofence. Must follow observe(), because the boundary moves when the
+/// pose is corrected.
 void Navigator::join_geofence(Situation& now) const {
   if (now.geofence == nullptr) {
     return;

@@ -29,51 +29,52 @@ namespace nodmap::navigator {
 ///     free.
 ///
 /// Obstacles and holes of the local map and the boundary of the geofence count like points of the
-/// obstacle map. To a goal it drives by plan instead (planner/goal_drive.hpp), and without one, too
-/// (planner/roaming.hpp); Turn gets it out where no plan does. Brake has the last word there, too.
+/// obstacle map. By default the robot drives by plan, with a goal (planner/goal_drive.hpp) and
+/// without one (planner/roaming.hpp). Turn gets it out where no plan does. Brake has the last word
+/// in all cases.
 ///
-/// It gives way to people who walk: whatever was decided, it is stationary before they touch it. It
-/// waits while something else approaches. Whether the inputs may be used at all is decided before
-/// (staleness.hpp): if not, halt() is called instead of decide().
+/// The robot gives way to people who walk: whatever was decided, it is stationary before they touch
+/// it. While something else approaches it waits. The caller decides whether the inputs are fresh
+/// enough (staleness.hpp); if not, it calls halt() instead of decide().
 class Navigator {
  public:
   explicit Navigator(const NavigatorParams& params);
 
-  /// A scan for the local map, with the pose at its middle.
-  /// `laser_is_held`: it does not nod.
+  /// Adds a scan to the local map. `T_odom_base`: at the middle of the scan. `laser_is_held`: the
+  /// laser does not nod.
   void add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base,
                 bool laser_is_held = false);
 
-  /// The wheels turn and the robot does not move, see LocalMap::add_contact.
+  /// The wheels rotate and the robot does not move; see LocalMap::add_contact().
   void add_contact(const geometry::SE2& T_odom_base, bool at_front);
 
-  /// What the base's range finders see, with the pose at that time.
+  /// Adds readings of the base's range finders; `T_odom_base` is the pose at `stamp`.
   void add_ranges(time::Timestamp stamp, const Proximity::Ranges& ranges_m,
                   const geometry::SE2& T_odom_base);
 
-  /// `now.points_base` are those of the obstacle map; the local map's are added.
+  /// Decides what to do. `now.points_base`: those of the obstacle map; the local map's are added.
   [[nodiscard]] Decision decide(Situation now);
 
-  /// GoalDrive::path_map(), for people to see; empty while it does not drive by plan.
+  /// GoalDrive::path_map(), for display; empty while the robot does not drive by plan.
   [[nodiscard]] std::optional<std::vector<Eigen::Vector2d>> path_map(
       const geometry::SE2& T_map_base) const {
     return params_.planner.use ? goal_drive_.path_map(T_map_base) : std::nullopt;
   }
 
-  /// Those whom it gives way to, for people to see.
+  /// The people to whom it gives way, for display.
   [[nodiscard]] const PeopleTracker& people() const { return people_; }
 
-  /// Without a scan if it does not drive by it.
+  /// Has no scan if the robot does not drive by it.
   [[nodiscard]] const LocalMap& local_map() const { return local_map_; }
 
-  /// Stops. What was seen so far may have changed when the robot drives again: it is forgotten.
+  /// Stops, and forgets what was seen: it may have changed when the robot drives again.
   [[nodiscard]] Decision halt(Reason reason);
 
-  /// Stops in a gap in the scans that is shorter than a sweep; see seen_directions.hpp for what is
-  /// still known after it. Where such gaps follow one another it is halt().
+  /// Stops in a gap in the scans that is shorter than a sweep; seen_directions.hpp says what is
+  /// still known after it. If such gaps follow one another it does the same as halt().
   [[nodiscard]] Decision pause(Reason reason);
 
-  /// The odom frame began anew: everything kept in it is forgotten.
+  /// Forgets everything, because the odom frame began anew.
   void reset();
 
  private:
@@ -108,7 +109,7 @@ class Navigator {
   GoalDrive goal_drive_;
   Roaming roaming_;
   bool is_in_gap_ = false;
-  std::optional<std::int64_t> gap_ended_at_sweep_;  ///< until the laser has looked again
+  std::optional<std::int64_t> gap_ended_at_sweep_;  ///< empty once the laser has looked again
   std::optional<time::Timestamp> saw_people_at_;
   bool arrived_ = false;
   bool has_looked_ = false;                     ///< since the start

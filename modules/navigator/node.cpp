@@ -15,7 +15,7 @@ using Input = InputSenders::Input;
 
 // A microsecond clock gets there in the year 38000; differences of stamps below never overflow.
 constexpr time::Timestamp kLatestStamp(time::kLimit / 2);
-/// A sweep shorter than this: the laser is held.
+/// A laser whose sweeps are shorter than this is held.
 constexpr double kHeldRad = geometry::deg_to_rad(0.1);
 /// The base cannot drive faster; a map farther away than that belongs to another odom frame.
 constexpr double kTopSpeedMps = 5.2;
@@ -96,7 +96,7 @@ void NavigatorNode::on_scan(const nodmap::scan_t& message) {
   navigator_.add_scan(scan_, geometry::to_se2(*T_odom_base), laser_is_held());
 }
 
-/// Not every base has range finders: without them who comes from behind is not known.
+/// Not every base has range finders. Without them nobody who comes from behind is noticed.
 void NavigatorNode::on_base_sensors(const nodmap::base_sensors_t& message) {
   const auto T_odom_base = odometry_history_.at(node::stamp_of(message));
   if (!T_odom_base) {
@@ -138,8 +138,8 @@ void NavigatorNode::on_odometry(const nodmap::odometry_t& message) {
   }
 }
 
-/// The publisher counts anew, so its odom frame began anew. The map, what the navigator remembers
-/// and the correction to the map frame belong to the former one.
+/// The publisher counts from the start again, so its odom frame is a new one. The map, the
+/// navigator's memory and the correction to the map frame belong to the old one.
 void NavigatorNode::begin_odometry_frame(time::Timestamp stamp) {
   odometry_frame_began_ = stamp;
   map_.reset();
@@ -192,9 +192,9 @@ void NavigatorNode::on_goal(const nodmap::goal_t& message) {
   goal_ = read_goal(message);
 }
 
-/// Moves the goal in odom. A stale or missing pose leads the robot to another place, but not into
-/// an obstacle: it is no reason to halt. A pose that says LOST is one while the robot drives to a
-/// goal, for the goal could be anywhere.
+/// Moves the goal in odom. A stale or missing pose is no reason to halt: it leads the robot to
+/// another place, but not into an obstacle. With a pose that is LOST the goal could be anywhere, so
+/// a robot on the way to one halts.
 void NavigatorNode::on_pose(const nodmap::pose_t& message) {
   const auto T_map_odom = node::read_pose(message.odom_position_m, message.odom_orientation);
   if (T_map_odom) {
@@ -234,7 +234,7 @@ void NavigatorNode::on_stop(const nodmap::stop_t& message) {
   }
 }
 
-/// Where nothing but a short gap in the scans is the reason, the navigator keeps what it has seen.
+/// If a short gap in the scans is the only reason, the navigator keeps what it has seen.
 Decision NavigatorNode::halt(Reason reason) {
   StalenessParams limits = params_.staleness;
   limits.map_s = std::max(limits.map_s, kShortGapS);
@@ -274,8 +274,8 @@ std::optional<Reason> NavigatorNode::reason_not_to_drive(const StalenessParams& 
   return std::nullopt;
 }
 
-/// With a geofence the robot drives only where it knows to be inside. Who has got outside of it is
-/// not led back: the way there is not known to be allowed.
+/// With a geofence the robot drives only while it knows that it is inside. If it has got outside,
+/// it does not drive back: nothing says that the path back is allowed.
 std::optional<Reason> NavigatorNode::reason_by_geofence() const {
   if (!geofence_) {
     return std::nullopt;
@@ -329,8 +329,9 @@ bool NavigatorNode::laser_is_held() const {
          pitch_command_.pitch_max_rad - pitch_command_.pitch_min_rad < kHeldRad;
 }
 
-/// By a pose that rests on odometry in a direction or in all, as along a bare corridor. Farther
-/// away its error is no reason to be slow: what stands in the way is measured, whatever the pose.
+/// Whether the goal may be this near, if the pose follows odometry in some or all directions, as
+/// along a bare corridor. Farther from the goal this error is no reason to be slow: obstacles are
+/// measured, whatever the pose.
 bool NavigatorNode::may_be_at_goal() const {
   const Eigen::Vector2d p_map = T_map_odom_ * odometry_->T_odom_base.translation();
   return (goal_->T_map_goal.translation() - p_map).norm() <

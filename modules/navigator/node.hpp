@@ -33,8 +33,8 @@
 
 namespace nodmap::navigator {
 
-/// SCAN, OBSTACLE_MAP, ODOMETRY and the state of the scanner in, DRIVE and NAVIGATION out: one for
-/// each obstacle map and, while the robot halts, one for each odometry message.
+/// Receives SCAN, OBSTACLE_MAP, ODOMETRY and the state of the scanner; publishes DRIVE and
+/// NAVIGATION: one for each obstacle map and, while the robot halts, one for each ODOMETRY.
 class NavigatorNode final : public node::Node {
  public:
   using Params = NavigatorParams;

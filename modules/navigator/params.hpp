@@ -54,9 +54,10 @@ struct SteerParams {
 
   template <class Visitor>
   void describe(Visitor& v) {
-    v.number("open_space_m", open_space_m, {0.3, 5.0},
-             "Free distance that has half of the full weight in the free-space orientation, and "
-             "suffices to steer in a direction.");
+    v.number(
+        "open_space_m", open_space_m, {0.3, 5.0},
+        "Free distance that suffices to steer in a direction. It has half of the full weight in "
+        "the free-space orientation.");
     v.number("chord_m", chord_m, {0.3, 5.0},
              "Length of the chord of the arc that leads to the steering direction.");
     v.angle(
@@ -76,7 +77,8 @@ struct TurnParams {
 
   template <class Visitor>
   void describe(Visitor& v) {
-    v.number("margin_m", margin_m, {0.0, 0.5}, "Margin around the body when it turns on the spot.");
+    v.number("margin_m", margin_m, {0.0, 0.5},
+             "Margin around the body when it rotates on the spot.");
     v.angle("rate_deg_s", rate_rad_s, {5.0, 180.0}, "Yaw rate on the spot.");
     v.number("until_free_m", until_free_m, {0.2, 5.0},
              "Turn ends when the free distance ahead is at least this.");
@@ -138,9 +140,10 @@ struct GroundParams {
     v.angle("tilt_tolerance_deg", tilt_tolerance_rad, {0.0, 5.0},
             "Error of the tilt near a ramp; replaces local_map.tilt_tolerance_deg there.");
     v.number("sloped_mps", sloped_mps, {0.05, 5.2}, "Fastest speed on and near ramps.");
-    v.number("doubt_from_m", doubt_from_m, {0.5, 10.0},
-             "Near slopes, something farther away than this that could be a ramp up is unknown, "
-             "and not an obstacle yet.");
+    v.number(
+        "doubt_from_m", doubt_from_m, {0.5, 10.0},
+        "Near slopes, something that could be a ramp up is unknown, not yet an obstacle, if it "
+        "is farther away than this.");
   }
 };
 
@@ -214,8 +217,8 @@ struct PlannerParams {
     v.number("least_clearance_m", least_clearance_m, {0.0, 0.5},
              "No path and no fast rollout brings the body nearer to an obstacle than this.");
     v.number("wide_m", wide_m, {0.05, 3.0},
-             "Up to this much more than the least clearance, a path costs more the nearer it is to "
-             "obstacles.");
+             "A path costs more the nearer it is to obstacles, up to this much more than the least "
+             "clearance.");
     v.number("nearness_price", nearness_price, {0.0, 7.0},
              "Additional cost of a metre of path at the least clearance, metres.");
     v.number("unknown_price", unknown_price, {0.0, 5.0},
@@ -270,16 +273,15 @@ struct PeopleParams {
   template <class Visitor>
   void describe(Visitor& v) {
     v.flag("use_people", use,
-           "Whether people are tracked and given way to; without it the robot only waits for what "
-           "approaches.");
+           "Whether the robot tracks people and gives way to them; otherwise it only waits for "
+           "what approaches.");
     v.number("margin_m", margin_m, {0.0, 0.5},
-             "Distance to a walking person, in addition to the errors of the track, at which the "
-             "robot is stationary.");
+             "Distance from a walking person at which the robot is stationary, in addition to the "
+             "errors of the track.");
     v.number("comfort_m", comfort_m, {0.05, 2.0},
              "A rollout that keeps more than this distance from a walking person, and from that "
              "person's path ahead, costs nothing for it.");
-    v.number("ahead_s", ahead_s, {0.0, 5.0},
-             "Length of a walking person's path ahead that counts, in time.");
+    v.number("ahead_s", ahead_s, {0.0, 5.0}, "For how long ahead a walking person's path counts.");
     v.number("weight_mps", weight_mps, {0.0, 50.0},
              "Cost of each second that a rollout spends in the middle of a walking person's path, "
              "metres.");
@@ -314,7 +316,7 @@ struct NavigatorParams {
     v.section("people", people);
     v.text("geofence", geofence,
            "The area that the robot does not leave: a polygon in the frame map, metres, such as "
-           "POLYGON((-1 -2, 8 -2, 8 5, -1 5)); further rings are holes in it. Empty: none.");
+           "POLYGON((-1 -2, 8 -2, 8 5, -1 5)); further rings are holes. Empty: none.");
     v.number("drive_valid_s", drive_valid_s, {0.05, 0.2}, "How long the base obeys a DRIVE.");
     describe_former_names(v);
   }

@@ -58,7 +58,7 @@ enum class Why : std::uint8_t {
   kDocks,
 };
 
-/// A reason, and what its sentence names: an input, a channel, who pressed the stop.
+/// A reason, and what its sentence names: an input, a channel, or who pressed the stop.
 struct Reason {
   Why why = Why::kNothingToAdd;
   std::string about;  ///< empty where the sentence names nothing

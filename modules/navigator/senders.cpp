@@ -8,8 +8,9 @@ namespace {
 
 using Input = InputSenders::Input;
 
-/// Odometry comes all the time, so its stamps serve as the clock for the other inputs; a step back
-/// begins anew. For odometry itself the readings of the servo are the clock.
+/// The time by which an input is watched. Odometry comes all the time, so its stamps are the clock
+/// of the other inputs; for odometry itself it is the readings of the servo. A step back begins
+/// anew.
 time::SteadyTime clock_of(Input input, time::Timestamp otherwise, const InputStamps& stamps) {
   const auto& newest = input == Input::kOdometry ? stamps.pitch_state : stamps.odometry;
   return time::SteadyTime(newest.value_or(otherwise).time_since_epoch());

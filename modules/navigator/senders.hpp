@@ -12,13 +12,13 @@
 
 namespace nodmap::navigator {
 
-/// Follows one sender for each input. If there are two, one is forged or a process runs twice; it
-/// is not known which of them is right.
+/// Follows one sender for each input. Two senders mean that one is forged, or that a process runs
+/// twice; which of them is right is not known.
 class InputSenders {
  public:
   enum class Input : std::uint8_t { kScan, kOdometry, kPitchCommand, kPitchState };
 
-  /// Adds a message. Returns false if it is from another sender than the one that is followed.
+  /// Takes a message. Returns false if it comes from another sender than the one that is followed.
   /// `stamps`: of the messages used so far.
   [[nodiscard]] bool follow(Input input, std::int64_t seq, time::Timestamp stamp,
                             const InputStamps& stamps);

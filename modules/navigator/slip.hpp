@@ -9,17 +9,17 @@
 
 namespace nodmap::navigator {
 
-/// Detects that the wheels turn but the robot does not move, because it pushes against something
-/// that no beam shows, such as glass. Odometry is compared with the pose of 2D SLAM over the last
+/// Detects that the wheels rotate but the robot does not move, because it pushes against something
+/// that no beam shows, such as glass. Compares odometry with the pose of 2D SLAM over the last
 /// second.
 ///
-/// Why these limits: below 12 cm in a second the errors of scan matching, 2 to 3 cm, are too large
-/// compared with the distance. Odometry that counts 3 % too much, or slips on a smooth floor while
-/// braking, is far from counting three times the distance.
+/// Why these limits: a second must have 12 cm, because scan matching errs by 2 to 3 cm. Odometry
+/// must count three times the true distance, which neither a scale error of 3 % nor braking on a
+/// smooth floor comes near.
 class SlipMonitor {
  public:
-  /// Takes a pose that 2D SLAM is sure of, and odometry at the same time. Returns true if the
-  /// wheels have turned without moving the robot; the comparison then begins again.
+  /// Takes a pose that 2D SLAM is sure of, and odometry of the same time. Returns true if the
+  /// wheels have rotated without moving the robot; the comparison then begins anew.
   [[nodiscard]] bool update(time::Timestamp stamp, const geometry::SE2& T_odom_base,
                             const geometry::SE2& T_map_base);
 

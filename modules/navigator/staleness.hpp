@@ -18,24 +18,24 @@ struct InputStamps {
   std::optional<time::Timestamp> pitch_state;
 };
 
-/// Why the robot must halt with inputs of these stamps; empty when it need not.
+/// Why the robot must halt with inputs of these stamps; empty if it need not.
 ///
 /// Odometry is the clock: 100 messages a second from the driver that also stops the wheels. An
-/// input much newer than it means that odometry itself is stale, or that a stamp is wrong: a reason
-/// to halt, too. Only the newest message of each input counts, so that one wrong stamp halts the
-/// robot only until the next message.
+/// input much newer than odometry means that odometry is stale or a stamp is wrong, so the robot
+/// halts then, too. Only the newest message of each input counts: one wrong stamp halts the robot
+/// only until the next message.
 ///
-/// Why the limits are safe: the loss of an input is noticed at most its limit and one odometry
-/// period (10 ms) after its last message. At 1.5 m/s that is 0.24 m for the longest limit, 150 ms,
-/// before the robot brakes; less than the 0.3 m and 300 ms that the whole robot is allowed. Each
-/// limit is several periods of its input, so that a late message does not stop the robot:
+/// Why the limits are safe: the loss of an input is noticed within its limit and one odometry
+/// period (10 ms) after its last message. With the longest limit, 150 ms, the robot drives 0.24 m
+/// at 1.5 m/s before it brakes; the whole robot is allowed 0.3 m and 300 ms. Each limit is several
+/// periods of its input, so that a late message does not stop the robot:
 ///   map and scan 100 ms: seven scans. The stamps are the middle of the scan, normally 13 to 25 ms
 ///     old. Without scans the local map knows no new hole and no new obstacle.
-///   odometry 100 ms: ten messages. Without any input no DRIVE goes out, and the driver stops the
-///     wheels when the last one's validity (150 ms) is over.
+///   odometry 100 ms: ten messages. Without any input no DRIVE is published, and the driver stops
+///     the wheels when the last one is no longer valid (150 ms).
 ///   speed bound of the pitch controller 150 ms: seven messages.
 ///   pitch servo 150 ms: 30 readings.
-/// `needs_scans`: the robot drives by the local map, too.
+/// `needs_scans`: whether the robot also drives by the local map.
 [[nodiscard]] std::optional<Reason> reason_to_halt(const InputStamps& stamps,
                                                    const StalenessParams& limits, bool needs_scans);
 

@@ -11,8 +11,8 @@
 
 namespace nodmap::navigator {
 
-/// Steer (paper, III C): chooses the free direction nearest to the orientation of free space, or a
-/// direction around what is between the robot and its goal, and drives an arc whose chord points
+/// Steer (paper, III C): chooses the free direction nearest to the orientation of free space, or
+/// one that leads around what is between the robot and its goal. Drives an arc whose chord points
 /// there, as fast as Brake allows.
 class Steering {
  public:
@@ -23,7 +23,7 @@ class Steering {
   [[nodiscard]] std::optional<Decision> steer(const FreeSpace& free_space,
                                               const SeenDirections& seen, const Situation& now);
 
-  /// The free space, without directions that were not seen long enough.
+  /// The free space without directions that have not been seen long enough.
   [[nodiscard]] FreeSpace seen_space(const FreeSpace& space, const SeenDirections& seen,
                                      const Situation& now) const;
   [[nodiscard]] bool is_seen(double direction_rad, const SeenDirections& seen,
@@ -45,7 +45,7 @@ class Steering {
   SteerParams params_;
   TurnParams turn_;
   Detour detour_;
-  double roaming_side_ = 0.0;  ///< on which it passes the obstacle ahead; 0: there is none
+  double roaming_side_ = 0.0;  ///< the side on which it passes the obstacle ahead; 0: none
 };
 
 }  // namespace nodmap::navigator

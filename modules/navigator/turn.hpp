@@ -14,21 +14,21 @@ struct TurnInput {
   time::Timestamp stamp{};
   double heading_rad = 0.0;  ///< of base in odom
   double yaw_rate_rad_s = 0.0;
-  /// The nearest free direction in view, positive left; empty if there is none, or if it is as near
-  /// on both sides.
+  /// The nearest free direction in view, positive left; empty if there is none, or if there is one
+  /// equally near on each side.
   std::optional<double> clear_direction_rad;
   double more_room_side = 0.0;  ///< side with more room, +1 left, -1 right; 0: the same
   bool ahead_is_free = false;   ///< no point of the map ahead
   bool ahead_is_seen = false;   ///< that direction was in view long enough
-  /// For each side: how far the body can rotate, and how far it is to the first direction without
-  /// points; +infinity if nothing ends the rotation, or if there is no such direction.
+  /// For each side: how far the body can rotate (+infinity: nothing ends the rotation), and how far
+  /// it is to the first direction without points (+infinity: there is none).
   struct Side {
     double free_rotation_rad = 0.0;
     double to_clear_direction_rad = 0.0;
   };
   Side left;
   Side right;
-  bool has_path_back = false;  ///< along its trail
+  bool has_path_back = false;  ///< whether it could back up along its trail
 };
 
 /// What Turn asks for.
@@ -46,11 +46,11 @@ struct TurnCommand {
 
 /// Turn (paper, III C): rotates to a free direction when Brake is active.
 ///
-/// The side is chosen once, that of the nearest free direction in view or else the one with more
-/// room, and kept until ahead is free. It changes at most once, where an obstacle ends the
-/// rotation. If obstacles end the rotation on both sides from the beginning, the robot first backs
-/// up. A dead end is left within one full rotation. After a full rotation without a free direction
-/// the robot waits and tries again, because obstacles may have moved.
+/// The side is chosen once and kept until ahead is free: the side of the nearest free direction in
+/// view, or else the one with more room. It changes at most once, if an obstacle ends the rotation.
+/// If obstacles end the rotation on both sides from the beginning, the robot first backs up. So it
+/// leaves a dead end within one full rotation. After a full rotation without a free direction it
+/// waits and tries again, because obstacles may have moved.
 class Turn {
  public:
   Turn(const TurnParams& params, double reaction_s) : params_(params), reaction_s_(reaction_s) {}

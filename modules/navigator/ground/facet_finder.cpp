@@ -15,38 +15,39 @@ namespace {
 constexpr double kNearestM = 0.3;
 constexpr double kFarthestM = 3.0;
 constexpr double kHalfWidthM = 0.35;
-/// A patch has at least this many points, on a line: not on a face, nor on both sides of an edge.
+/// A patch has at least this many points. They lie along a line: not on a face, nor on both sides
+/// of an edge.
 constexpr int kLeastPoints = 4;
 constexpr double kLongestPatchM = 0.25;
 constexpr double kHighestPatchM = 0.04;
-/// A patch farther than this from the ground is not part of it: its mean is twice as accurate as a
-/// point, and the error of the tilt is added.
+/// A patch farther than this from the ground is not part of it; the error of the tilt is added. The
+/// mean of its points is twice as accurate as one of them.
 constexpr double kPatchToleranceM = 0.012;
 /// About ten sweeps: each sweep sees two lines of a flat ramp 2 m ahead.
 constexpr int kOldestScans = 600;
 constexpr std::size_t kMostPatches = 256;
 /// A change of the tilt from one scan to the next that is only rounding.
 constexpr double kSteadyRad = 1e-6;
-/// What makes a surface: its extent ahead, which is twice that of a plank, without gaps, in scans
-/// of several pitches, across the width of the body.
+/// A surface extends far enough ahead, twice as far as a plank, without gaps, was measured in scans
+/// of several pitches, and is as wide as the body.
 constexpr double kLeastLengthM = 0.4;
 constexpr double kWidestGapM = 0.25;
 constexpr std::size_t kLeastPatches = 12;
 constexpr std::size_t kLeastScans = 6;
 constexpr std::size_t kLeastColumns = 3;
-/// And its flatness: a step of 3 cm in the middle of 0.4 m leaves 0.75 cm even along the best
-/// plane.
+/// A surface is flat: a step of 3 cm in the middle of 0.4 m is 0.75 cm off even the best plane.
 constexpr double kFirstResidualM = 0.02;
 constexpr double kResidualM = 0.015;
 constexpr double kRmsM = 0.007;
 constexpr double kLeastShare = 0.8;
-/// The kink lies so far before the first patch: a ramp of 5 degrees is 3 cm high there, and lines
-/// are up to 0.25 m apart. A plank of 6 cm would have to slope by 6 degrees.
+/// The kink lies no farther than this before the first patch. A ramp of 5 degrees is 3 cm high 0.35
+/// m behind its kink, and the next line on it may be 0.25 m farther. A plank 6 cm high would have
+/// to slope by 6 degrees.
 constexpr double kFarthestKinkM = 0.6;
-/// Less than the flattest ramp by the error of a measured slope.
+/// The slope of the flattest ramp, less the error of a measured slope.
 const double kLeastKink = std::tan(geometry::deg_to_rad(4.0));
-/// A surface reaches so far above or below the ground before it: farther than sills and planks do,
-/// which together with the floor around them may look like one that is flat.
+/// A surface reaches at least this far above or below the ground before it. Sills and planks, which
+/// may look flat together with the floor around them, do not.
 constexpr double kLeastRiseM = 0.07;
 
 }  // namespace
@@ -77,7 +78,8 @@ void FacetFinder::end_scan(TrackedGround& ground, const geometry::SE2& T_odom_ba
   const std::array<Column, kColumns> columns = std::exchange(columns_, {});
   const Eigen::Vector3d up_odom = ground.T_odom_base().linear().col(2);
   const double tilted_rad = (up_odom - std::exchange(up_odom_, up_odom)).norm();
-  // Over a kink the tilt is as wrong as the place of the kink; on a facet it does not change.
+  // On a facet the tilt does not change. While it does, over a kink, it is as wrong as the place of
+  // the kink.
   if (tilted_rad > kSteadyRad) {
     return;
   }
@@ -91,11 +93,11 @@ void FacetFinder::end_scan(TrackedGround& ground, const geometry::SE2& T_odom_ba
   }
   if (has_new && patches_.size() >= kLeastPatches &&
       (find(true, ground, T_odom_base) || find(false, ground, T_odom_base))) {
-    patches_.clear();  // they were compared with the ground as it was known before
+    patches_.clear();  // they were compared with the ground as known before
   }
 }
 
-/// Whether it is no known ground, but could be ground.
+/// Adds a patch that could be ground but is not known as such. Returns whether it is one.
 bool FacetFinder::add_patch(const Column& column, std::size_t number, TrackedGround& ground,
                             const geometry::SE2& T_odom_base) {
   const Eigen::Vector3d size = column.max_odom - column.min_odom;
@@ -120,7 +122,8 @@ bool FacetFinder::add_patch(const Column& column, std::size_t number, TrackedGro
   return true;
 }
 
-/// Whether a facet was found; the nearest counts.
+/// Joins the nearest new facet above, or below, the known ground to it. Returns whether there is
+/// one.
 bool FacetFinder::find(bool is_above, TrackedGround& ground, const geometry::SE2& T_odom_base) {
   const Eigen::Vector2d ahead = T_odom_base.rotation().col(0);
   std::vector<Patch> patches;
@@ -131,7 +134,7 @@ bool FacetFinder::find(bool is_above, TrackedGround& ground, const geometry::SE2
     }
   }
   std::ranges::sort(patches, {}, &Patch::ahead_m);
-  // What lies before the ramp may be anything: it is tried from several places on.
+  // Anything may lie before the ramp, so the search is begun at several places.
   for (std::size_t eighth = 0; eighth < 4; ++eighth) {
     const std::size_t first = eighth * patches.size() / 8;
     const auto surface = surface_from(std::span(patches).subspan(first));

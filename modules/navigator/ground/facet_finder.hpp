@@ -17,16 +17,16 @@ namespace nodmap::navigator {
 /// Finds the facets ahead of the robot: ramps up and down, and what is level behind them.
 ///
 /// In a strip ahead, twice as wide as the robot, the points of each scan are averaged to patches in
-/// four columns. Patches that are no known ground make a facet where a plane fits them, long and
-/// wide enough and without steps, that is not too steep and meets the known ground in a kink before
-/// them. A sill is too short, a kerb's floor and a plank meet the ground nowhere, the face of a box
+/// four columns. Patches that are not on known ground become a facet if a plane fits them that is
+/// long, wide and flat enough, not too steep, and meets the known ground in a kink before them. A
+/// sill is too short; the floor below a kerb and a plank meet the ground nowhere; the face of a box
 /// is too steep.
 class FacetFinder {
  public:
   explicit FacetFinder(const LocalMapParams& params);
 
   void reset();
-  /// Adds a hit of the present scan. `p_base` only gives its place in the strip.
+  /// Adds a hit of the present scan. `p_base` is the same point; it gives the place in the strip.
   void add(const Eigen::Vector3d& p_odom, const Eigen::Vector2d& p_base);
   /// Completes the scan: refines facets that are seen again, and joins a new one to the ground.
   void end_scan(TrackedGround& ground, const geometry::SE2& T_odom_base);
@@ -45,12 +45,12 @@ class FacetFinder {
     std::size_t column = 0;
     int scan = 0;
     bool is_above = false;
-    double ahead_m = 0.0;  ///< of base, when last sorted
+    double ahead_m = 0.0;  ///< distance ahead of base, when last sorted
   };
   struct Surface {
     PlaneFit fit;
     std::vector<Patch> patches;  ///< nearest first
-    std::size_t num_within = 0;  ///< of all patches from its first to its last
+    std::size_t num_within = 0;  ///< patches from its first to its last, also beside the plane
     double sum_square_m2 = 0.0;  ///< of the patches' distances from the plane they were chosen by
   };
 

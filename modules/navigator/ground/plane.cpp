@@ -8,7 +8,8 @@ namespace nodmap::navigator {
 
 std::optional<Plane> PlaneFit::solve() const {
   const Eigen::FullPivLU<Eigen::Matrix3d> lu(A_);
-  // A square metre of the sums' determinant is n^3: a strip of 40 cm x 20 cm has 1e-5 of it.
+  // For points spread over a square metre the determinant of the sums is about n^3; a strip of
+  // 40 cm x 20 cm has 1e-5 of that.
   if (num_points_ < 3 || !(std::abs(lu.determinant()) > 1e-8 * std::pow(num_points_, 3))) {
     return std::nullopt;
   }

@@ -18,7 +18,7 @@ struct Plane {
   }
 };
 
-/// Least squares of a plane through points, vertical residuals; kept as sums.
+/// Fits a plane to points by least squares of the vertical residuals. Keeps only sums.
 class PlaneFit {
  public:
   void add(const Eigen::Vector3d& p) {
@@ -31,7 +31,7 @@ class PlaneFit {
     b_ += p.z() * row;
   }
 
-  /// Empty for points on a line.
+  /// The plane; empty if all points lie on a line.
   [[nodiscard]] std::optional<Plane> solve() const;
 
   /// The level plane at the points' mean height.

@@ -18,7 +18,7 @@ const double kLevelSlope = std::tan(geometry::deg_to_rad(2.0));
 /// Ground within this many cells counts as ground at the robot.
 constexpr int kAroundCells = 8;
 /// Greatest change of the ground under a wheel from scan to scan: 2 cm of travel on the steepest
-/// ramp are 5 mm. A larger difference is beside the ramp that the wheel is on.
+/// ramp change it by 5 mm. A larger difference belongs to the ground beside the wheel's ramp.
 constexpr double kWheelStepM = 0.03;
 
 }  // namespace
@@ -90,9 +90,9 @@ TrackedGround::Mask TrackedGround::mask_at(const Eigen::Vector2d& p_odom) const 
   return static_cast<Mask>(mask);
 }
 
-/// Facets in the order in which they were found. At the kink where one begins it is the ground
-/// where it is higher, if it rises, or lower. Facets that meet otherwise do so at the foot of a
-/// ramp.
+/// The ground at a place where these facets were seen. A facet that rises from another one is the
+/// ground where it is higher than that; one that falls, where it is lower. Facets that meet
+/// otherwise do so at the foot of a ramp. They are in the order in which they were found.
 TrackedGround::Ground TrackedGround::ground_of(Mask mask, const Eigen::Vector2d& p_odom) const {
   if (mask == 0) {
     return {facets_[under_base_].plane.at(p_odom), under_base_};

@@ -15,17 +15,18 @@
 namespace nodmap::navigator {
 
 /// The ground that is connected with the floor under the wheels: planes (facets) that meet in
-/// kinks. Frame odom, with z from the floor that the robot was set down on, which counts as level.
+/// kinks. Frame odom; z is measured from the floor on which the robot was set down, which counts as
+/// level.
 ///
 ///                     ______  kink at the top: the lower of two facets is the ground
 ///                    /
 ///     _______ ______/         kink at the foot: the higher one
 ///
 /// A grid of 20 cm cells says where each facet was seen. The body stands on the ground under its
-/// four outermost wheels, so the ground gives the robot's height and tilt: on a facet the body's
-/// own plane is that facet, and over a kink it tilts gradually.
+/// four outermost wheels, so the ground gives the robot's height and tilt. On a facet the body is
+/// parallel to it; over a kink it tilts gradually.
 ///
-/// A facet flatter than 2 degrees is taken as level: errors of the tilt end with each ramp.
+/// A facet flatter than 2 degrees counts as level, so that errors of the tilt end with each ramp.
 class TrackedGround {
  public:
   explicit TrackedGround(const GroundParams& params);
@@ -48,8 +49,8 @@ class TrackedGround {
   [[nodiscard]] bool is_level() const { return is_level_; }
   /// Classifies a point: nearer to the ground than `tolerance_m` it is ground.
   [[nodiscard]] Place look(const Eigen::Vector3d& p_odom, double tolerance_m) const;
-  /// The height of the ground at a place; where it is not known, the ground under the robot is
-  /// extrapolated.
+  /// The height of the ground at a place. Where it is not known, the ground under the robot is
+  /// extended.
   [[nodiscard]] double height_m(const Eigen::Vector2d& p_odom) const;
   [[nodiscard]] std::size_t facet_under_base() const { return under_base_; }
   [[nodiscard]] const Plane& plane(std::size_t facet) const { return facets_[facet].plane; }
@@ -57,13 +58,13 @@ class TrackedGround {
   /// The steepest slope that the robot drives on, as a ratio.
   [[nodiscard]] double max_slope() const { return max_slope_; }
 
-  /// Extends a facet to a place where it was seen, if it was seen next to it, too.
+  /// Extends a facet to a place where it was seen, if it was also seen next to that place.
   void grow(const Eigen::Vector2d& p_odom, std::size_t facet);
   /// Makes a facet the ground at a place.
   void join(const Eigen::Vector2d& p_odom, std::size_t facet);
-  /// Improves a facet that the robot is not on yet by one more of its points.
+  /// Improves a facet by one more of its points. Has no effect once the robot is on it.
   void refine(std::size_t facet, const Eigen::Vector3d& p_odom);
-  /// Adds a facet that `rises` from the facet `before` it, or falls. Returns its index.
+  /// Adds a facet that rises (else falls) from the facet `before` it. Returns its index.
   std::size_t add_facet(const PlaneFit& fit, std::size_t before, bool rises);
 
   /// A cell that has joined a facet.
@@ -71,7 +72,7 @@ class TrackedGround {
     Eigen::Vector2d middle_odom;
     bool is_ahead = false;  ///< the robot has not been on this facet yet
   };
-  /// The cells that have joined since the last call, once there is more than the first facet.
+  /// The cells that have joined since the last call. Empty while there is only the first facet.
   [[nodiscard]] std::vector<Joined> take_joined();
   [[nodiscard]] double cell_size_m() const { return cells_.cell_size_m(); }
   [[nodiscard]] std::size_t num_facets() const { return facets_.size(); }
@@ -81,9 +82,9 @@ class TrackedGround {
   struct Facet {
     Plane plane;
     PlaneFit fit;
-    std::size_t before = 0;  ///< the facet it begins at
-    bool rises = true;       ///< from that
-    bool is_fixed = false;   ///< the robot was on it, and it gives the tilt
+    std::size_t before = 0;  ///< the facet at which it begins
+    bool rises = true;       ///< from that facet; else it falls
+    bool is_fixed = false;   ///< not refined any more: the robot was on it, and it gives the tilt
   };
   struct Ground {
     double height_m;

@@ -7,8 +7,8 @@
 namespace nodmap::navigator {
 namespace {
 
-/// Floor points no farther apart than this contradict a hole between them: such a narrow hole does
-/// not matter.
+/// Floor points no farther apart than this count against a hole between them. A hole that fits in
+/// between is too narrow to matter.
 constexpr double kDenseM = 0.05;
 
 /// There is floor in a cell between beams. `is_dense`: the beams are so close together that they

@@ -11,10 +11,10 @@
 
 namespace nodmap::navigator {
 
-/// The floor that beams have met, and the floor between them. Four beams that are neighbours, in
-/// one scan and the one before, and meet the floor no farther apart than `max_gap_m`, prove that
-/// there is floor in between: an object high enough to matter would have been hit, and so would a
-/// hole wider than the gap.
+/// The floor that beams have met, and the floor between them. Between four neighbouring beams, two
+/// of this scan and two of the last, there is floor if they met it no farther apart than
+/// `max_gap_m`: an object high enough to matter would have been hit, and so would a hole wider than
+/// the gap.
 class FloorEvidence {
  public:
   explicit FloorEvidence(const LocalMapParams& params)
@@ -22,14 +22,14 @@ class FloorEvidence {
 
   void begin_scan(std::size_t num_beams) { points_.assign(num_beams, {}); }
 
-  /// A beam of the scan number `scan` met the floor, whose height in odom is `ground_m`.
+  /// A beam of the scan number `scan` met the floor; `ground_m` is the ground's height in odom.
   void add(LocalGrid& grid, std::size_t beam, const Eigen::Vector2d& p_odom, double ground_m,
            std::uint16_t scan);
 
   /// Fills the floor between the beams of this scan, and between this one and the last.
   void end_scan(LocalGrid& grid, std::uint16_t scan);
 
-  /// The next scan has nothing in common with the last one.
+  /// Call it if the next scan has other beams than the last one.
   void forget_last_scan() { points_before_.clear(); }
 
  private:

@@ -9,17 +9,16 @@
 
 namespace nodmap::navigator {
 
-/// This many cells around a hole belong to it: a beam that passes through the floor does so beyond
-/// the edge, by up to the distance between two lines, and a beam that ends half on the edge has
-/// seen floor where there is none.
+/// This many cells around a hole belong to it. A beam passes through the floor up to a line's
+/// distance beyond the edge, and one that ends half on the edge has seen floor where there is none.
 inline constexpr int kEdgeCells = 2;
 /// Offsets from a cell to the cells on the other side of such an edge.
 inline const std::array<Eigen::Vector2i, 4> kAcrossEdge{
     Eigen::Vector2i(kEdgeCells, 0), Eigen::Vector2i(-kEdgeCells, 0), Eigen::Vector2i(0, kEdgeCells),
     Eigen::Vector2i(0, -kEdgeCells)};
 
-/// A beam of the scan number `scan` passed through the floor at `p_odom`. The beams of one scan
-/// share errors of pitch and tilt, so they count once, except those that are certain.
+/// A beam of the scan number `scan` passed through the floor at `p_odom`. All uncertain beams
+/// of a scan together count once, because they share errors of pitch and tilt.
 void add_hole(LocalGrid& grid, const Eigen::Vector2d& p_odom, bool is_certain, std::uint16_t scan,
               std::uint16_t travel_dm);
 

@@ -9,19 +9,19 @@
 
 namespace nodmap::navigator {
 
-/// How measurements count for a cell. A hit counts more than a beam that passes, for a thin leg
-/// fills its cell only in part, and before the face of a sill, and close above it, beams meet the
-/// floor: a sweep of a fast robot has one line on a low sill.
+/// How measurements count for a cell. A hit counts more than a beam that passes: a thin leg fills
+/// only a part of its cell, and close before and above a sill beams meet the floor. In a sweep of a
+/// fast robot only one line falls on a low sill.
 namespace evidence {
 
 inline constexpr std::uint8_t kHit = 4;
 inline constexpr std::uint8_t kMost = 12;
-/// One hit suffices for what is clearly higher or lower than the floor, and where the beam beside
-/// it says the same; two for what may be noise.
+/// Evidence from which on a cell counts as obstacle or hole. One hit suffices if it is clearly
+/// above or below the floor, or if the beam beside it says the same; what may be noise needs two.
 inline constexpr std::uint8_t kEnough = 5;
 inline constexpr std::uint8_t kCertain = 6;
-/// A point that exceeds the tolerance of the floor's height by this is certainly no floor, even
-/// while the robot tilts when it brakes: 0.6 degrees, 2 cm at 2 m.
+/// A point that exceeds the tolerance of the floor's height by this is certainly not floor, even
+/// while a braking robot tilts by 0.6 degrees: 2 cm at 2 m.
 inline constexpr double kCertainM = 0.03;
 
 [[nodiscard]] inline std::uint8_t more(std::uint8_t evidence, bool is_certain) {
@@ -41,7 +41,7 @@ struct LocalCell {
   std::uint8_t hole = 0;      ///< evidence of a drop
   bool is_floor = false;      ///< seen, directly or between two beams that hit the floor
   bool is_assumed = false;    ///< not seen, but floor: the robot was set down there
-  std::int16_t low_cm = 0;    ///< lowest and highest point measured of the obstacle, in odom
+  std::int16_t low_cm = 0;    ///< lowest and highest measured point of the obstacle, in odom
   std::int16_t high_cm = 0;
   std::uint16_t scan = 0;        ///< the last one in which evidence changed
   std::uint16_t seen_at_dm = 0;  ///< travel at the last hit, see ObstacleMemory
@@ -59,7 +59,7 @@ struct LocalCell {
 
 using LocalGrid = RollingGrid<LocalCell>;
 
-/// Heights are kept in whole centimetres, rounded down.
+/// Rounds a height down to whole centimetres, as cells store it.
 [[nodiscard]] inline std::int16_t to_centimetres(double height_m) {
   return static_cast<std::int16_t>(std::floor(std::clamp(100.0 * height_m, -3e4, 3e4)));
 }

@@ -14,7 +14,7 @@ namespace nodmap::navigator {
 LocalMap::LocalMap(const robot::RobotParams& robot, const LocalMapParams& params)
     : body_(robot.body.footprint()),
       top_m_(robot.corridor_top_m()),
-      // Where the beam of the lowest pitch meets the floor, plus one line.
+      // Where the lowest beam meets the floor, and one line farther.
       blind_m_(robot.mount.x_m + 1.1 * robot.mount.z_m / std::tan(-robot.head.pitch_min_rad) +
                0.05),
       params_(params),
@@ -47,8 +47,8 @@ LocalView LocalMap::view_around(const Eigen::Vector2d& p_odom, double half_size_
           static_cast<int>(half_size_m / grid_.cell_size_m())};
 }
 
-/// How far from 0 the height of a floor point may be measured: noise of range and pitch, uneven
-/// floor and the body's tilt; the latter grow with the distance.
+/// The greatest measured height, above or below 0, of a point on the floor: by noise, uneven floor,
+/// and errors of pitch and tilt, which grow with the distance.
 double LocalMap::tolerance_m(double range_m) const {
   const double tilt_rad =
       ground_.is_level() ? params_.tilt_tolerance_rad : params_.ground.tilt_tolerance_rad;
@@ -117,7 +117,7 @@ void LocalMap::move(const geometry::SE2& T_odom_base) {
   const bool is_first = !T_odom_base_;
   T_odom_base_ = T_odom_base;
   if (is_first) {
-    // The robot was set down on floor: assumed as far as the laser cannot see.
+    // The robot was set down on floor; it is assumed as far as the laser does not see.
     for (double x = -blind_m_; x <= blind_m_; x += 0.5 * grid_.cell_size_m()) {
       for (double y = -blind_m_; y <= blind_m_; y += 0.5 * grid_.cell_size_m()) {
         LocalCell& cell = *grid_.find(T_odom_base * Eigen::Vector2d(x, y));
@@ -142,7 +142,8 @@ void LocalMap::clear_under_body(const geometry::SE2& T_odom_base) {
 
 void LocalMap::classify(const Beam& beam, std::size_t index) {
   if (!beam.is_hit) {
-    // It should have met the ground within floor_return_m: where it would be 1 m farther counts.
+    // A beam that should have met the ground within floor_return_m counts as if it had ended 1 m
+    // beyond.
     constexpr double kBeyondM = 1.0;
     const std::size_t facet = ground_.facet_under_base();
     const double to_floor_m = range_to(ground_.plane(facet), beam);
@@ -189,8 +190,8 @@ double LocalMap::range_to(const Plane& plane, const Beam& beam) {
                                         : std::numeric_limits<double>::infinity();
 }
 
-/// A beam that is below a facet at `range_m`: it saw a hole where it passed through, unless there
-/// may be a ramp down.
+/// A beam is below a facet at `range_m`: it has seen a hole where it passed through the facet,
+/// unless a ramp may lead down there.
 void LocalMap::classify_below(const Beam& beam, double range_m, std::size_t facet,
                               bool is_certain) {
   const double to_floor_m = range_to(ground_.plane(facet), beam);
@@ -212,8 +213,9 @@ void LocalMap::pass(const Beam& beam, double until_m) {
   ObstacleMemory::pass(grid_, beam, until_m, highest_m, scan_);
 }
 
-/// A cell joins a facet: an obstacle there that is no higher than that was this ground. So was a
-/// hole, if it is on a facet ahead, which was not known before; it is looked at again from nearer.
+/// A cell has joined a facet. An obstacle in it that is no higher than the facet was this ground,
+/// and so was a hole on a facet ahead, which was not known before. Both are looked at again from
+/// nearer.
 void LocalMap::look_again(const TrackedGround::Joined& joined) {
   const double half_m = 0.5 * (ground_.cell_size_m() - grid_.cell_size_m());
   for (double dx = -half_m; dx <= half_m + 1e-6; dx += grid_.cell_size_m()) {

@@ -11,14 +11,15 @@
 
 namespace nodmap::navigator {
 
-/// The state of the cells of a square of the local map at one moment, one byte each. For callers
-/// that read all of them: read one by one, each cell would check four others for edges of holes.
+/// The state of all cells in a square of the local map at one moment, one byte each. Made for
+/// callers that read all of them: asked one by one, each cell would check four others for edges of
+/// holes.
 class LocalView {
  public:
   /// The state of a cell, as bits; 0 where nothing is known, and outside the square.
   static constexpr unsigned kFloor = 1;
   static constexpr unsigned kBlocked = 2;    ///< by an obstacle or a hole, or the edge of a hole
-  static constexpr unsigned kForgotten = 4;  ///< an obstacle that does not count any more
+  static constexpr unsigned kForgotten = 4;  ///< an obstacle that no longer counts
   static constexpr unsigned kCleared = 8;    ///< see LocalCell::is_cleared()
 
   /// The cells up to `reach` to each side of `middle`.
@@ -29,7 +30,7 @@ class LocalView {
     const Eigen::Vector2i offset = index - first_;
     return is_inside(offset) ? bits_[place(offset)] : 0U;
   }
-  /// The same at a place given by in_cells().
+  /// The same for a place converted by in_cells().
   [[nodiscard]] unsigned at(const Eigen::Vector2d& cells) const {
     // Negative values are outside; a cast would round them up into the first cell.
     return cells.x() >= 0.0 && cells.y() >= 0.0 ? at_offset(cells) : 0U;

@@ -27,12 +27,12 @@ void LowHits::add_floor(const Hit& hit) {
   line_floor_.add(hit.beam, hit.height_m);
 }
 
-/// What is within the tolerance is floor, but for what stands out of the line.
+/// What is within the tolerance is floor, unless it stands out of its line.
 ///
-/// Neighbouring beams have the noise of the range each for itself, and what they have in common,
-/// errors of pitch and tilt, is within the tolerance: where two side by side end above the floor,
-/// something is. So a low sill is known from a single line on it: the next one is a cell or more
-/// farther on. A brick of 3 cm has one beam on it: that one counts alone where it stands out of its
+/// Where two beams side by side end above the tolerance, there is something: the noise of their
+/// ranges is independent, and the errors of pitch and tilt that they share are within the
+/// tolerance. So a low sill is known from a single line on it; the next one is a cell or more
+/// farther on. A brick of 3 cm has only one beam on it, which counts alone if it stands out of its
 /// line by more than the noise of a range.
 void LowHits::end_scan(bool is_level, LocalGrid& grid, FloorEvidence& floor,
                        const ObstacleMemory& obstacles, std::uint16_t scan) {

@@ -13,8 +13,8 @@
 
 namespace nodmap::navigator {
 
-/// The beams of one scan that ended on the floor, or so little above it that noise may be the
-/// cause. The whole line decides which of them are obstacles.
+/// The beams of one scan that ended on the floor, or so little above it that this may be noise. The
+/// whole line decides which of them are obstacles.
 class LowHits {
  public:
   struct Hit {
@@ -33,8 +33,8 @@ class LowHits {
   /// Adds a hit above the tolerance.
   void add_low(const Hit& hit) { low_.push_back(hit); }
 
-  /// Enters floor and obstacles into the grid. `is_level`: whether the ground is level; otherwise a
-  /// ramp, too, rises out of the line, and the line decides nothing.
+  /// Enters floor and obstacles into the grid. `is_level`: whether the ground is level. If it is
+  /// not, the line decides nothing, because a ramp rises out of it as well.
   void end_scan(bool is_level, LocalGrid& grid, FloorEvidence& floor,
                 const ObstacleMemory& obstacles, std::uint16_t scan);
 

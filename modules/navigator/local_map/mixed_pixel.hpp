@@ -7,17 +7,17 @@
 
 namespace nodmap::navigator {
 
-/// Whether a beam is a mixed pixel: its spot met the edge of something near and what is behind it,
-/// so that its range is a mean of both, and nothing is where it ends. It is farther than one of the
-/// neighbouring beams, nearer than the other, and on the surface of neither. From many poses mixed
-/// pixels close the gap between the end of a wall and the next wall.
+/// Whether a beam is a mixed pixel: its spot met the edge of something near and what is behind it.
+/// Its range is a mean of both, and nothing is where it ends: farther than one neighbouring beam,
+/// nearer than the other, and on the surface of neither. Collected from many poses, mixed pixels
+/// would close the gap between the end of a wall and the next wall.
 ///
-/// Near the sensor the spot is as wide as two beams: two mixed pixels are side by side there, on a
+/// Near the sensor the spot is as wide as two beams. There two mixed pixels are side by side, on a
 /// line that leads almost through the sensor.
 ///
-/// Any other surface has two beams side by side, and a thin post stands nearer than both of its
-/// neighbours: neither is a mixed pixel. What is one beam wide and touches, as seen from here,
-/// something nearer, is taken for one, until the robot has moved on.
+/// Everything else is no mixed pixel: a surface with two beams side by side, or a thin post, which
+/// is nearer than both of its neighbours. One thing is mistaken for one until the robot has moved
+/// on: what is one beam wide and borders, as seen from here, on something nearer.
 [[nodiscard]] bool is_mixed_pixel(const scan::Scan& scan, std::size_t beam);
 
 }  // namespace nodmap::navigator

@@ -14,7 +14,7 @@ namespace {
 /// travel.
 constexpr double kNearM = 0.5;
 constexpr int kNearFactor = 5;
-/// The last part of a beam counts as passing nothing: noise of the range, and the cell itself.
+/// The last part of a beam passes nothing, because of the range's noise and the size of a cell.
 constexpr double kBeforeEndM = 0.03;
 /// The stamps of cells are 16 bits of decimetres.
 constexpr double kLongestTravelM = 6553.6;

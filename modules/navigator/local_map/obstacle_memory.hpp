@@ -18,12 +18,12 @@ struct Beam {
   bool is_hit = false;
 };
 
-/// The obstacles in the cells of the local map. Hits and contacts add evidence, beams that pass
-/// through remove it. An obstacle that was not hit again for `forget_after_m` of travel
-/// (travel.hpp) is forgotten, because odometry has drifted.
+/// The obstacles in the cells of the local map. Hits and contacts add evidence; beams that pass
+/// through remove it. An obstacle that has not been hit again for `forget_after_m` of travel
+/// (travel.hpp) is forgotten, because odometry has drifted since.
 class ObstacleMemory {
  public:
-  /// Beams are followed up to this distance; what lies beyond is seen again when it is near.
+  /// Beams are followed up to this distance; what lies beyond is seen again from nearer.
   static constexpr double kFarthestPassM = 3.5;
 
   explicit ObstacleMemory(double forget_after_m) : forget_after_m_(forget_after_m) {}
@@ -31,13 +31,13 @@ class ObstacleMemory {
   /// The robot has moved from one pose to another, in odom.
   void move(const geometry::SE2& from, const geometry::SE2& to);
 
-  /// Obstacles near the robot, at `p_odom`, age more slowly: the laser does not look beside and
-  /// behind the body, and the error of the heading hardly moves them. Forgotten obstacles stay
-  /// forgotten, because their places are off by the drift of odometry since.
+  /// Lets obstacles near the robot, which is at `p_odom`, age more slowly: the laser does not look
+  /// beside and behind the body, and an error of the heading hardly moves what is near. Forgotten
+  /// obstacles stay forgotten, because odometry has drifted since.
   void keep_near(LocalGrid& grid, const Eigen::Vector2d& p_odom);
 
-  /// A beam of the scan number `scan` ended at `p_odom`. The beams of one scan share errors of
-  /// pitch and tilt, so they count once, except those that are certain.
+  /// A beam of the scan number `scan` ended at `p_odom`. All uncertain beams of a scan
+  /// together count once, because they share errors of pitch and tilt.
   void add_hit(LocalGrid& grid, const Eigen::Vector3d& p_odom, bool is_certain,
                std::uint16_t scan) const;
 
@@ -45,8 +45,8 @@ class ObstacleMemory {
   void add_contact(LocalGrid& grid, const geometry::SE2& T_odom_base, const robot::Footprint& body,
                    bool at_front) const;
 
-  /// Removes evidence in the cells that a beam passes over before `until_m`, where an obstacle
-  /// would have ended it. Nothing that is remembered is higher than `highest_m` in odom.
+  /// Removes evidence in the cells that a beam passes over before `until_m`, if the obstacle there
+  /// would have ended the beam. No obstacle is higher than `highest_m` in odom.
   static void pass(LocalGrid& grid, const Beam& beam, double until_m, double highest_m,
                    std::uint16_t scan);
 

@@ -12,7 +12,7 @@ bool PossibleRamp::leads_up(const Eigen::Vector3d& p_odom, double height_m,
   if (ground_.is_level() || distance_m < params_.ground.doubt_from_m || grid_.find(p) == nullptr) {
     return false;
   }
-  // A ramp that is as high has begun no later than there.
+  // A ramp that is this high there has begun here at the latest.
   const double ramp_m = height_m / ground_.max_slope() + grid_.cell_size_m();
   const Eigen::Vector2d floor_odom = last_floor_before(p, std::min(ramp_m, distance_m));
   // What counts as floor may be higher by the tolerance, and the point by as much again.
@@ -28,8 +28,8 @@ bool PossibleRamp::leads_down(const Eigen::Vector3d& p_odom,
                           ground_.max_slope() * (p_odom.head<2>() - floor_odom).norm();
 }
 
-/// The nearest floor that was seen before a place, towards the robot; `farthest_m` before it if
-/// there is none.
+/// The nearest place with seen floor between a place and the robot. If there is none within
+/// `farthest_m`, the point at that distance.
 Eigen::Vector2d PossibleRamp::last_floor_before(const Eigen::Vector2d& p_odom,
                                                 double farthest_m) const {
   const Eigen::Vector2d back = robot_odom_ - p_odom;

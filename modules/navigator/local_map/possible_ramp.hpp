@@ -10,23 +10,24 @@
 namespace nodmap::navigator {
 
 /// Decides whether something that was measured beside the known ground could be a ramp that is not
-/// known yet. Such a place is unknown until the laser has seen it from nearer; the robot stops
-/// before unknown ground (SeenFloor). A view of the map at one moment.
+/// known yet. Such a place stays unknown until the laser has seen it from nearer; the robot stops
+/// before it (SeenFloor). A view of the map at one moment.
 class PossibleRamp {
  public:
   PossibleRamp(const LocalGrid& grid, const TrackedGround& ground, const LocalMapParams& params,
                const Eigen::Vector2d& robot_odom)
       : grid_(grid), ground_(ground), params_(params), robot_odom_(robot_odom) {}
 
-  /// Whether a point far away, `height_m` above the known ground, could be on a ramp that begins
-  /// behind the last floor seen before it. From nearer a ramp is known as one, and everything else
-  /// is an obstacle. So it is at once on level floor, where the robot is fast: a low sill is in
-  /// view of the narrow nod for a short time only. `tolerance_m`: of heights at that distance.
+  /// Whether a point, `height_m` above the known ground, could be on a ramp that begins behind the
+  /// last floor seen before it. `tolerance_m`: of heights at that distance. Only points far away
+  /// could: from nearer a ramp is known as one. And only near slopes: on level floor the robot is
+  /// fast, and the narrow nod has a low sill in view for a short time only, so everything there is
+  /// an obstacle at once.
   [[nodiscard]] bool leads_up(const Eigen::Vector3d& p_odom, double height_m,
                               double tolerance_m) const;
 
-  /// Whether ground could lead down to a point from the last floor that was seen before the place
-  /// where the beam passed below it: the laser has to look down there more steeply than the
+  /// Whether a ramp could lead down to a point from the last floor seen before the place where the
+  /// beam passed below the ground. It could, unless the beam looked down more steeply than the
   /// steepest ramp.
   [[nodiscard]] bool leads_down(const Eigen::Vector3d& p_odom,
                                 const Eigen::Vector2d& crossing_odom) const;

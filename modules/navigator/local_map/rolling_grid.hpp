@@ -10,8 +10,8 @@
 
 namespace nodmap::navigator {
 
-/// A square grid that moves with the robot, 2^`log2_size` cells a side. A cell of odom keeps its
-/// place in memory while it is inside the grid; a cell that enters is reset.
+/// A square grid of 2^`log2_size` cells a side that moves with the robot. A cell is a fixed square
+/// of odom and keeps its place in memory while it is inside the grid; one that enters is reset.
 template <class Cell>
 class RollingGrid {
  public:
@@ -76,7 +76,7 @@ class RollingGrid {
   }
 
  private:
-  /// Row or column; far beyond any odometry it stays the same, so that it always fits an int.
+  /// The row or column, limited far beyond any odometry, so that it always fits an int.
   [[nodiscard]] int line_of(double odom_m) const {
     constexpr double kFarthest = 1 << 28;
     return static_cast<int>(std::clamp(std::floor(odom_m / cell_size_m_), -kFarthest, kFarthest));

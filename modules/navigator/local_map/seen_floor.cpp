@@ -11,11 +11,11 @@
 namespace nodmap::navigator {
 namespace {
 
-/// Across the body the floor is checked in columns this far apart; it is unknown if this many
-/// columns are, because a single one may lie between beams.
+/// The floor is checked in columns this far apart across the body. It is unknown where this many
+/// columns are unknown; a single one may just lie between beams.
 constexpr double kColumnM = 0.05;
 constexpr int kUnknownColumns = 2;
-/// Beyond the nearest floor that the laser sees.
+/// An obstacle this near beyond the nearest floor that the laser sees hides what is behind it.
 constexpr double kHiddenM = 0.05;
 
 /// Pose of base after `distance_m` of an arc, negative backwards, in base at its beginning.

@@ -11,7 +11,7 @@
 
 namespace nodmap::navigator {
 
-/// How far the body can move over floor that was seen. A view of the map at one moment.
+/// Says how far the body can move over floor that was seen. A view of the map at one moment.
 class SeenFloor {
  public:
   /// The laser does not see floor nearer to base than `blind_m`.
@@ -26,7 +26,7 @@ class SeenFloor {
   [[nodiscard]] double distance_backwards(const geometry::SE2& T_odom_base, double curvature,
                                           double half_width_m, double max_m) const;
 
-  /// Whether there is floor in a cell, or so near that nothing fits in between.
+  /// Whether there is floor in a cell, or so near to it that nothing fits in between.
   [[nodiscard]] bool is_near(const Eigen::Vector2i& index) const;
   /// See LocalMap::was_floor().
   [[nodiscard]] bool is_around(const Eigen::Vector2d& p_odom) const;

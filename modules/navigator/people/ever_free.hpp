@@ -10,20 +10,19 @@
 namespace nodmap::navigator {
 
 /// The space around the robot that beams have passed through in several scans: whatever is measured
-/// there now has moved there. After the ever-free space of Dynablox (Schmid et al., RA-L 2023),
-/// here in columns of 10 cm x 10 cm with layers of 10 cm, in a square in odom that follows the
-/// robot.
+/// there now has moved there (the ever-free space of Dynablox, Schmid et al., RA-L 2023). Stored as
+/// columns of 10 cm x 10 cm with layers of 10 cm, in a square in odom that follows the robot.
 ///
-/// Beams pass over a low box before they hit it, and under a table: so a place is free only if the
-/// layers below and above it are free, too, and so are the columns around it.
+/// A place is free only if the layers below and above it and the columns around it are free as
+/// well, because beams pass over a low box before they hit it, and under a table.
 class EverFree {
  public:
   /// Range of heights for which is_free() answers: shins and thighs.
   static constexpr double kLowestM = 0.2;
   static constexpr double kHighestM = 0.5;
 
-  /// `range_m`: largest distance for which is_free() is called. Places farther away are forgotten,
-  /// before odometry has drifted.
+  /// `range_m`: the largest distance for which is_free() is called. Places farther away are
+  /// forgotten, before odometry has drifted.
   explicit EverFree(double range_m = 0.0);
 
   /// Begins a scan, made from about `p_odom`.
@@ -37,7 +36,7 @@ class EverFree {
             double to_height_m);
 
   /// Whether a place between kLowestM and kHighestM was free before. `laser_is_held`: the laser
-  /// does not nod and sees no other layer, so only the place's own layer counts.
+  /// does not nod and sees only one layer, so the other layers do not count.
   [[nodiscard]] bool is_free(const Eigen::Vector2d& p_odom, double height_m,
                              bool laser_is_held = false) const;
 
@@ -47,7 +46,7 @@ class EverFree {
  private:
   static constexpr int kLayers = 5;  // one below kLowestM, one above kHighestM
   struct Column {
-    std::array<std::uint8_t, kLayers> free{};  ///< scans with a pass, less those with a hit
+    std::array<std::uint8_t, kLayers> free{};  ///< scans with a pass minus scans with a hit
     std::uint32_t changed = 0;                 ///< the scan of the last change
     std::uint32_t passed = 0;                  ///< the scan of the last pass
   };

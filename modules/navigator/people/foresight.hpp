@@ -17,15 +17,16 @@ struct Twist {
   }
 };
 
-/// The motion of the base `time_s` seconds after a command, with accelerations that it surely
+/// The motion of the base `time_s` seconds after a command, with accelerations that it certainly
 /// reaches.
 [[nodiscard]] Twist after(const Twist& now, const Twist& command, double time_s);
 
-/// From a rectangle at a pose to a point, metres; 0 inside.
+/// The distance from the body to a point, metres; 0 inside.
 [[nodiscard]] double distance_to_body(const Eigen::Vector2d& p_base, const robot::Footprint& body);
 
-/// Whether a person comes within `margin_m` of a body that is at `pose_base` (in base, now) in
-/// `time_s` seconds. The person is predicted at constant velocity, and grows by its error.
+/// Whether a person will be within `margin_m` of the body in `time_s` seconds, when the body is at
+/// `pose_base` (in base, now). The person walks at constant velocity, as a disc that grows by the
+/// error of the prediction.
 [[nodiscard]] bool is_touched(const robot::Footprint& body, const geometry::SE2& pose_base,
                               const Person& person, double time_s, double margin_m);
 

@@ -11,24 +11,24 @@
 
 namespace nodmap::navigator {
 
-/// Something compact that a scan has measured.
+/// Something compact in a scan.
 struct Detection {
   Eigen::Vector2d p_odom = Eigen::Vector2d::Zero();  ///< centre of a disc with this radius
   double radius_m = 0.0;
-  std::size_t first_beam = 0;  ///< the first and the last that have hit it
+  std::size_t first_beam = 0;  ///< the first and the last beam that have hit it
   std::size_t last_beam = 0;
-  double lowest_m = 0.0;  ///< lowest and highest hit above the floor
+  double lowest_m = 0.0;  ///< height of the lowest and the highest hit above the floor
   double highest_m = 0.0;
-  double free_ratio = 1.0;  ///< the part of its hits in ever-free space
+  double free_ratio = 1.0;  ///< the fraction of its hits in ever-free space
 };
 
 /// Finds in each scan what has moved: groups of neighbouring beams that end close together at the
-/// height of legs, most of them in ever-free space. On a person who is near, the tilted plane of a
-/// scan leaves the heights of legs; place and width are then those of all neighbouring beams that
-/// end on the person.
+/// height of legs, most of them in ever-free space. On a person who is near, only a part of the
+/// tilted scan is at the height of legs. Place and width are therefore computed from all
+/// neighbouring beams that end on the person.
 ///
-/// A laser that does not nod measures at one height only: then everything compact is detected that
-/// is not partly hidden.
+/// A laser that does not nod measures at one height only. Then everything compact that is not
+/// partly hidden is detected.
 class MotionDetector {
  public:
   /// `T_odom_base`: at the middle of the scan. `laser_is_held`: the laser does not nod, so only one

@@ -76,7 +76,7 @@ bool PassiveSafety::escapes(const Twist& present, const Twist& commanded,
   if (is_safe(present, people)) {
     return keeps_clear(present, commanded, people);
   }
-  // Braking leads to a contact, too, so what is likely counts, and not the worst case.
+  // Braking leads to a contact as well, so the likely motion counts instead of the worst one.
   People likely = people;
   for (Person& person : likely) {
     person.velocity_sigma_mps = 0.0;

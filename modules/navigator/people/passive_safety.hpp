@@ -9,23 +9,23 @@
 
 namespace nodmap::navigator {
 
-/// Passive motion safety (Bouraine, Fraichard and Salhi, Autonomous Robots 2012): if a person and
-/// the robot touch, the robot is stationary by then. It cannot keep a person from walking into it,
-/// but it does not drive into anybody.
+/// Passive motion safety (Bouraine, Fraichard and Salhi, Autonomous Robots 2012): the robot is
+/// stationary before it and a person touch. It cannot keep a person from walking into it, but it
+/// does not drive into anybody.
 class PassiveSafety {
  public:
   PassiveSafety(const robot::RobotParams& robot, const DriveParams& drive,
                 const PeopleParams& params);
 
-  /// Whether a robot that keeps its motion for the reaction time, and then brakes along its arc, is
-  /// stationary before anybody touches it. People are discs with constant velocity. They grow with
-  /// time by the error of the velocity, and out of sight by the distance walked. In base.
+  /// Whether the robot is stationary before anybody touches it, if it keeps its motion for the
+  /// reaction time and then brakes along its arc. People (in base) are discs with constant
+  /// velocity; they grow with time by the error of the velocity, and out of sight by the distance
+  /// walked.
   [[nodiscard]] bool is_safe(const Twist& twist, const People& people) const;
 
-  /// Whether driving avoids a contact that stopping does not: within two seconds somebody would
-  /// touch the robot if it braked from its present motion, and nobody if it changed to the
-  /// commanded one. If the contact came before the robot is stationary, velocities count without
-  /// their error.
+  /// Whether driving avoids a contact that stopping does not. Within two seconds somebody would
+  /// touch the robot if it braked from its present motion, and nobody would if it changed to the
+  /// commanded one. Velocities count without their error if even braking comes too late.
   [[nodiscard]] bool escapes(const Twist& present, const Twist& commanded,
                              const People& people) const;
 

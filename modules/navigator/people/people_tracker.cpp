@@ -12,14 +12,14 @@ namespace {
 /// dimensions, and largest distance.
 constexpr double kGate = 9.2;
 constexpr double kFarthestM = 1.0;
-/// A track moves if it was seen this often, over this long (more than one sweep), at this speed.
+/// A track moves if it was seen this often, for this long (more than one sweep), at this speed.
 constexpr int kFewestSightings = 4;
 /// A new track counts after this many scans, about half of a sweep's on a person.
 constexpr int kFewestOfNew = 3;
 constexpr time::Duration kShortest = 150ms;
 constexpr double kLeastHeightM = 0.1;
-/// Least part of a detection in ever-free space. With a held laser, which measures it in each scan,
-/// a part that noise does not explain is enough; otherwise most of it.
+/// Least fraction of a detection in ever-free space: most of it, or, with a held laser, which
+/// measures it in each scan, as much as noise does not explain.
 constexpr double kPartlyFree = 0.25;
 constexpr double kMostlyFree = 0.6;
 /// A radius shrinks by this much per detection, because two people who touch are measured as one.
@@ -34,13 +34,13 @@ constexpr double kFloorM = 0.03;
 /// A track ends after this long without a detection, or this many scans with beams through its
 /// middle.
 constexpr time::Duration kLost = 1500ms;
-/// Beside and behind the laser it cannot be detected, and lasts longer: people who pace through a
-/// room of 8 m at 1 m/s are back by then.
+/// A track beside or behind the laser, where it cannot be detected, ends after this long: people
+/// who walk up and down a room of 8 m at 1 m/s are back by then.
 constexpr time::Duration kUnseen = 12s;
 /// Out of view, a track turns round this far before a wall.
 constexpr double kTurnsBeforeM = 0.6;
-/// Largest position error out of view. With a larger one the robot would not move at all; what is
-/// known is the person's line, and roughly when the person comes along it.
+/// Largest position error out of view. With a larger one the robot would not move at all. What is
+/// known is the line along which the person walks, and roughly when.
 constexpr double kMostUnseenSigmaM = 0.5;
 /// A track is in sight if it was seen in one of the last two sweeps.
 constexpr time::Duration kInSight = 800ms;
@@ -125,8 +125,8 @@ void Track::update(const Detection& detection) {
 }
 
 /// Whether it was measured over a range of heights, as a leg is by three or four lines of a sweep.
-/// A board or a seat appears in ever-free space, too, when lines have passed under and over it
-/// before, and seems to move with the line on it, but is measured at one height.
+/// A board or a seat is measured at one height. It, too, may appear in ever-free space, if lines
+/// have passed under and over it before, and seems to move with the line on it.
 bool Track::has_legs() const {
   return laser_is_held_ || highest_m_ - lowest_m_ > kLeastHeightM;
 }
@@ -239,7 +239,8 @@ void PeopleTracker::follow_unseen(const scan::Scan& scan, const geometry::SE2& T
       }
       return false;
     };
-    // What is nearer may be the person, as measured last; between two obstacles the track goes on.
+    // An obstacle nearer than this may be the person as last measured; between two obstacles the
+    // track goes on.
     if (is_blocked && is_stopped(1.0) && !is_stopped(-1.0)) {
       track.turn_round();
     }

@@ -10,7 +10,7 @@
 namespace nodmap::navigator {
 namespace {
 
-/// No such range finder measures farther; larger readings are invalid.
+/// No infrared range finder measures farther; larger readings are invalid.
 constexpr double kFarthestReadingM = 2.0;
 /// A reading this near to an obstacle of the local map is that obstacle: error of the sensor and
 /// drift of odometry.

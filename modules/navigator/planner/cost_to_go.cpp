@@ -14,7 +14,7 @@ namespace {
 /// A diagonal step at the highest price is still shorter than all buckets together.
 constexpr float kBucketM = 0.02F;
 constexpr std::size_t kNumBuckets = 64;
-/// The robot may be where no path leads through: the plan is read within this distance.
+/// The plan is read within this distance, because the robot may be where no path leads through.
 constexpr double kSearchRadiusM = 0.3;
 constexpr float kNever = std::numeric_limits<float>::infinity();
 
@@ -54,7 +54,8 @@ double CostToGo::least_near(const Eigen::Vector2d& p_map) const {
 
 std::vector<Eigen::Vector2d> CostToGo::path_from(const Eigen::Vector2d& p_map, double max_m) const {
   const double cell_size_m = window_.cell_size_m;
-  // From the middle of a cell to that of the next: on a border rounding would decide which it is.
+  // From the middle of one cell to the middle of the next: on a border rounding would choose the
+  // cell.
   const Eigen::Vector2d cell = ((p_map - window_.origin) / cell_size_m).array().floor();
   std::vector<Eigen::Vector2d> path{window_.origin +
                                     cell_size_m * (cell + Eigen::Vector2d(0.5, 0.5))};
@@ -165,7 +166,7 @@ void CostSearch::add_seed(std::span<const float> price, const Eigen::Vector2i& c
   }
 }
 
-/// The buckets hold a short range of costs, so seeds wait until it is their turn.
+/// Seeds wait for their turn, because the buckets hold only a short range of costs.
 void CostSearch::take_seeds() {
   const auto bucket_of = [](float cost) { return static_cast<std::size_t>(cost / kBucketM); };
   if (num_queued_ == 0 && !seeds_.empty()) {
@@ -204,7 +205,7 @@ bool CostSearch::advance(std::span<const float> price, int max_cells) {
     const std::uint32_t cell = bucket.back();
     bucket.pop_back();
     --num_queued_;
-    // Queued again since, at a lower cost: then it has been spread from already.
+    // It was queued again at a lower cost, and has been spread from already.
     const float cost = found_.cost_[cell];
     if (static_cast<std::size_t>(cost / kBucketM) < bucket_) {
       continue;

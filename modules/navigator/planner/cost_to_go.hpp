@@ -17,10 +17,10 @@ class CostToGo {
  public:
   /// +infinity where there is no path, and outside.
   [[nodiscard]] double at(const Eigen::Vector2d& p_map) const;
-  /// The least cost within 0.3 m of a place plus the cost of getting there, because the robot may
-  /// be where no path leads through.
+  /// The least sum, over all cells within 0.3 m of a place, of the cell's cost and the cost of
+  /// getting there. The robot may be in a cell through which no path leads.
   [[nodiscard]] double least_near(const Eigen::Vector2d& p_map) const;
-  /// Downhill from a place to the goal, at most `max_m` long, a point for each cell.
+  /// The path from a place downhill to the goal, at most `max_m` long, with a point for each cell.
   [[nodiscard]] std::vector<Eigen::Vector2d> path_from(const Eigen::Vector2d& p_map,
                                                        double max_m) const;
 
@@ -30,7 +30,7 @@ class CostToGo {
   std::vector<float> cost_;
 };
 
-/// Finds the cost to go from the goal outwards (Dijkstra with buckets), in portions.
+/// Computes the cost to go from the goal outwards, in portions (Dijkstra's algorithm with buckets).
 class CostSearch {
  public:
   /// The highest price for which the buckets suffice.
@@ -38,8 +38,8 @@ class CostSearch {
 
   CostSearch();
 
-  /// Begins a new search. `price`: the cost per metre in each cell of the window, negative where it
-  /// is blocked; must also be given to advance(). All cells within the goal's tolerance are the
+  /// Begins a new search. `price`: the cost per metre in each cell of the window, negative if the
+  /// cell is blocked; give the same to advance(). All cells within the goal's tolerance are the
   /// goal. A goal outside the window is reached over its border; ground outside costs
   /// `outside_price` per metre.
   void begin(const PlanWindow& window, std::span<const float> price,
@@ -50,8 +50,8 @@ class CostSearch {
     geometry::SE2 T_map_base;
     double nearest_m = 0.0;
     double farthest_m = 0.0;
-    double short_price = 0.0;  ///< of each metre by which it ends nearer than `farthest_m`
-    double aside_m_rad = 0.0;  ///< cost of each radian that the end is away from ahead
+    double short_price = 0.0;  ///< cost of each metre by which the end is nearer than `farthest_m`
+    double aside_m_rad = 0.0;  ///< cost of each radian by which the end is off ahead
   };
   /// Begins a new search without a goal. The window must reach beyond the farthest ends.
   void begin_onward(const PlanWindow& window, std::span<const float> price, const Onward& onward);
@@ -76,8 +76,8 @@ class CostSearch {
   std::vector<std::vector<std::uint32_t>> buckets_;
   std::size_t bucket_ = 0;
   std::size_t num_queued_ = 0;
-  /// Cells whose cost is known from the start, the cheapest last: those at the window's border for
-  /// a goal beyond it, and the ends if there is no goal.
+  /// Cells whose cost is known from the start, the cheapest last: at the window's border for a goal
+  /// beyond it, or the ends of a search without a goal.
   std::vector<std::pair<float, std::size_t>> seeds_;
 };
 

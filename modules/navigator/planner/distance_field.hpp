@@ -8,19 +8,19 @@
 
 namespace nodmap::navigator {
 
-/// The distance from each cell of a grid to the nearest occupied one, exact (Felzenszwalb and
-/// Huttenlocher 2012: lower envelopes of parabolas, rows first, then columns).
+/// The exact distance from each cell of a grid to the nearest occupied one (Felzenszwalb and
+/// Huttenlocher 2012: lower envelopes of parabolas, first along rows, then along columns).
 class DistanceField {
  public:
   /// `origin` is the outer corner of cell (0, 0).
   void begin(const Eigen::Vector2d& origin, double cell_size_m, int width, int height);
-  /// Ignored outside.
+  /// Ignores places outside the grid.
   void occupy(const Eigen::Vector2d& p);
   void occupy(int column, int row) { squared_[place(column, row)] = 0.0F; }
   void compute();
 
-  /// Metres, from the middle of the cell of `p` to that of the nearest occupied cell; a long one
-  /// where there is none, and outside.
+  /// Distance (m) from the middle of the cell of `p` to the middle of the nearest occupied cell;
+  /// kFarM if there is none, or if `p` is outside.
   [[nodiscard]] double at(const Eigen::Vector2d& p) const {
     const auto column = static_cast<int>(std::floor((p.x() - origin_.x()) * cells_per_m_));
     const auto row = static_cast<int>(std::floor((p.y() - origin_.y()) * cells_per_m_));

@@ -7,33 +7,34 @@
 namespace nodmap::navigator {
 namespace {
 
-/// Cells of a portion: some 0.5 ms.
+/// Cells of a portion: about 0.5 ms.
 constexpr int kPortion = 8000;
-/// Without a plan to its goal the robot waits for it, or drives by an old one: 2 ms.
+/// The same (2 ms) while the robot has no plan to its goal, and waits or drives by an old one.
 constexpr int kFirstPortion = 4 * kPortion;
-/// Around a place where the robot could not go on.
+/// The price is raised within this distance of a place where the robot could not go on.
 constexpr double kFailureM = 0.3;
-/// What a metre costs more where the grid leaves less than the least clearance. Occupied cells are
-/// up to 3.5 cm fatter than what is in them, mixed pixels and noise add to both sides of a door: a
-/// place that looks too narrow is gone to and looked at when there is no other path. The rollouts
-/// measure what is really free.
+/// Additional price where the grid leaves less than the least clearance. Such a place may be wider
+/// than it looks: an occupied cell extends up to 3.5 cm beyond the obstacle in it, and mixed pixels
+/// and noise add to both sides of a door. If there is no other path, the robot goes there; the
+/// rollouts measure what is really free.
 constexpr double kTightPrice = 4.0;
-/// The ground may have changed more since an older plan.
+/// A plan older than this is not used any more, because the ground may have changed.
 constexpr double kRecentS = 2.0;
-/// Without a goal the robot plans this far, which takes more than two seconds, or four plans, at
-/// its fastest speed. An end costs more the more it is away from ahead, so that the robot turns
-/// round only where there is no other way on, or only one that is shorter by 2.5 m.
+/// Without a goal the robot plans this far: more than two seconds, or four plans, at its fastest
+/// speed. The farther an end is from straight ahead, the more it costs, so that the robot turns
+/// round only if a path ahead would be 2.5 m shorter, or if there is none.
 constexpr double kOnwardM = 3.5;
 constexpr double kRingM = 0.1;
-/// From one plan to the next the robot drives 0.9 m at 1.5 m/s.
+/// A plan onward is dropped when the robot is farther than this from where it was made. From one
+/// plan to the next it drives 0.9 m at 1.5 m/s.
 constexpr double kLeftM = 1.75;
 constexpr double kAsideMPerRad = 0.8;
-/// Where no path leads that far, as in a small room, a longer path is better; one that ends nearer
-/// than the first of these is no path.
+/// If no path leads that far, as in a small room, a shorter one will do: at least this long, at
+/// this price for each metre that is missing.
 constexpr double kShortestM = 0.6;
 constexpr double kShortPrice = 3.0;
-/// The last resort keeps this off the middle of an occupied cell: enough not to slip through a wall
-/// whose cells touch at their corners only, or miss one or two.
+/// As a last resort a path keeps this distance from the middle of an occupied cell: enough not to
+/// slip through a wall whose cells only touch at their corners, or of which one or two are missing.
 constexpr double kOccupiedM = 0.1;
 constexpr float kBlockedPrice = -1.0F;
 
@@ -105,7 +106,7 @@ void GlobalPlanner::step_onward(time::Timestamp stamp, const LocalMap& local_map
                                 const geometry::SE2& T_map_odom, const geometry::SE2& T_odom_base,
                                 const Geofence* geofence) {
   const geometry::SE2 T_map_base = T_map_odom * T_odom_base;
-  // After a goal the last plan onward may be one around another place.
+  // The last plan onward may have been made elsewhere, before the robot drove to a goal.
   if (onward_from_ && (T_map_base.translation() - onward_from_->translation()).norm() > kLeftM) {
     complete_.reset();
     phase_ = Phase::kIdle;
@@ -151,8 +152,8 @@ void GlobalPlanner::begin_search() {
   }
 }
 
-/// Without a path the plan is made once more: to a goal over all that is not next to something
-/// occupied, onward to nearer ends.
+/// If there is no path, plans once more: to a goal over everything that is not next to an occupied
+/// cell, without a goal to nearer ends.
 void GlobalPlanner::finish(const Eigen::Vector2d& p_map) {
   if (!is_last_resort_ && !std::isfinite(search_.found().least_near(p_map))) {
     is_last_resort_ = true;

@@ -22,22 +22,22 @@ namespace nodmap::navigator {
 /// Plans to the goal on all the ground that the local map has shown. Unknown ground can be crossed
 /// at a price. The work is done in small portions, so that no decision waits for it.
 ///
-/// The robot's centre keeps half the body's width away from blocked cells. A cell with less than
-/// the least clearance costs much more, and one with little more than that a little more. The local
-/// planner finds out where the robot cannot turn, or where a place is narrower than the grid can
-/// show; a narrow place in which the robot could not go on is closed.
+/// The robot's centre stays half the body's width away from blocked cells. A cell with less than
+/// the least clearance costs much more; with a little more clearance it still costs a little more.
+/// Where the robot cannot turn, or where a place is narrower than the grid shows, the local planner
+/// finds out; a narrow place in which the robot could not go on is closed.
 class GlobalPlanner {
  public:
   GlobalPlanner(const robot::Footprint& body, const PlannerParams& params);
 
   /// Does one portion of work; starts a new plan every `replan_s`. No path crosses the boundary of
-  /// `geofence`; null: none.
+  /// `geofence` (null: none).
   void step(time::Timestamp stamp, const LocalMap& local_map, const geometry::SE2& T_map_odom,
             const geometry::SE2& T_odom_base, const Eigen::Vector2d& goal_map, double tolerance_m,
             const Geofence* geofence = nullptr);
 
-  /// Does one portion of work without a goal: plans to where the robot can go on, 3.5 m away in any
-  /// direction, cheapest ahead. One planner is used for goals or for this, not for both.
+  /// The same without a goal: plans to where the robot can go on, 3.5 m away in any direction,
+  /// cheapest ahead. Use one planner either for goals or for this.
   void step_onward(time::Timestamp stamp, const LocalMap& local_map,
                    const geometry::SE2& T_map_odom, const geometry::SE2& T_odom_base,
                    const Geofence* geofence = nullptr);
@@ -46,7 +46,7 @@ class GlobalPlanner {
   [[nodiscard]] const CostToGo* cost_to_go() const {
     return complete_ && !is_former_ ? &*complete_ : nullptr;
   }
-  /// The plan to the goal before, until there is one to this goal; null if it was not recent.
+  /// The plan to the previous goal, until there is one to this goal; null if it was not recent.
   [[nodiscard]] const CostToGo* former_cost_to_go() const {
     return complete_ && is_former_ ? &*complete_ : nullptr;
   }
@@ -82,17 +82,17 @@ class GlobalPlanner {
   std::vector<Failure> failures_;
 
   Phase phase_ = Phase::kIdle;
-  bool is_last_resort_ = false;  // only occupied cells block, for there is no other path
+  bool is_last_resort_ = false;  // only occupied cells block, because there is no other path
   std::optional<time::Timestamp> started_at_;
   Eigen::Vector2d goal_map_ = Eigen::Vector2d::Zero();
   double tolerance_m_ = 0.0;
   std::optional<geometry::SE2> onward_from_;  // T_map_base; empty: to the goal
   PlanWindow window_;
-  DistanceField obstacle_distances_;  // of the robot's centre
-  std::vector<float> price_;          // of a metre, by cell; negative: blocked
+  DistanceField obstacle_distances_;
+  std::vector<float> price_;  // of a metre of path, by cell; negative: blocked
   CostSearch search_;
   std::optional<CostToGo> complete_;
-  bool is_former_ = false;  // complete_ is the plan to the goal before
+  bool is_former_ = false;  // complete_ is the plan to the previous goal
 };
 
 }  // namespace nodmap::navigator

@@ -7,28 +7,29 @@
 namespace nodmap::navigator {
 namespace {
 
-/// What counts as progress, and how long the robot may make none before the path ahead is given up.
+/// What counts as progress, and for how long the robot may make none before it gives up the path
+/// ahead.
 constexpr double kProgressM = 0.15;
 constexpr double kPatienceS = 12.0;
 /// A plan that costs this much more than the last one leads elsewhere.
 constexpr double kNewPathM = 1.0;
-/// After this long without a path the robot looks around, and again after this long.
+/// After the first of these without a path the robot looks around, and after the second again.
 constexpr double kDoubtS = 1.0;
 constexpr double kLookAgainS = 30.0;
-/// With less than this left to the former goal the robot stops and plans to the new one.
+/// With less than this left to the previous goal the robot stops and plans to the new one.
 constexpr double kNearlyThereM = 0.5;
 /// The path is given up this far ahead of the robot.
 constexpr double kFailureAheadM = 0.4;
 
-/// Cost of a metre at no clearance, metres; with a higher one the robot would rather stop.
+/// Cost of a metre without clearance, metres. With a higher one the robot would rather stop.
 constexpr double kSqueezingClearanceWeight = 1.0;
 
-/// The parameters with which it squeezes past what the creep margin does not let it pass. Why that
-/// is safe: beside the body hundreds of points are measured, with a noise of 1 cm, and the nearest
-/// of them count, so that the surface is 2 cm farther; a post that is hit by few beams is measured
-/// until the front is beside it, each 13 ms, in which the robot drives a millimetre. A cell of the
-/// local map is 1.25 cm wrong at most, and what stands higher than a sill is in the obstacle map,
-/// too. From 0.1 m/s the robot is stationary within 2 cm, and 5 cm are kept ahead.
+/// The parameters for squeezing past what the creep margin keeps it from passing. Why that is safe:
+/// beside the body hundreds of points are measured, with a noise of 1 cm. The nearest of them
+/// counts, so the surface is 2 cm farther away. A post that only a few beams hit is measured until
+/// the front is beside it, every 13 ms, in which the robot drives a millimetre. A cell of the local
+/// map is off by 1.25 cm at most, and everything higher than a sill is in the obstacle map as well.
+/// From 0.1 m/s the robot is stationary within 2 cm, and 5 cm are kept ahead.
 NavigatorParams squeezing(NavigatorParams params) {
   params.drive.creep_margin_m =
       std::min(params.drive.creep_margin_m, params.drive.squeeze_margin_m);
@@ -142,9 +143,9 @@ Decision GoalDrive::drive_by_plan(const Situation& now, const SeenDirections& se
   return decision;
 }
 
-/// With a new goal the robot drives on by the plan to the former one until the new plan is
-/// complete, a tenth of a second later, unless it is nearly there. That is safe, for Brake knows
-/// no plan; and near the new goal it slows down for that.
+/// With a new goal the robot drives on by the plan to the previous one until the new plan is
+/// complete, a tenth of a second later, unless it is nearly there. That is safe, because Brake does
+/// not depend on the plan; and near the new goal the robot slows down for that goal.
 const CostToGo* GoalDrive::former_plan(const Eigen::Vector2d& p_map) const {
   const CostToGo* former = global_.former_cost_to_go();
   if (former == nullptr) {
@@ -213,7 +214,7 @@ std::optional<Decision> GoalDrive::squeeze(const CostToGo& cost_to_go, const Sit
   return decision;
 }
 
-/// Without a path the robot looks around once more, as far as it can turn, and plans again from the
+/// Without a path the robot looks around once, as far as it can turn, and plans again from the
 /// local map alone: remembered ground is only as accurate as the pose of 2D SLAM was, and what was
 /// seen from afar may be wrong.
 Decision GoalDrive::without_path(const Situation& now) {
@@ -244,8 +245,8 @@ Decision GoalDrive::without_path(const Situation& now) {
   return decision;
 }
 
-/// Where the robot makes no progress the plan must be wrong about what is ahead. A path that has
-/// become longer because of what was seen begins anew.
+/// Gives up the path if the robot makes no progress, because the plan must then be wrong about what
+/// is ahead. The count begins anew when new obstacles have made the path longer.
 void GoalDrive::watch_progress(const Situation& now, double cost_m) {
   if (cost_m > last_cost_m_ + kNewPathM) {
     progress_at_.reset();

@@ -17,9 +17,9 @@
 
 namespace nodmap::navigator {
 
-/// Drives to a goal by plan: the global planner gives the cost of each place, the rollouts are
-/// rated by it, and Brake, which uses neither, finally limits the speed of the one that is driven.
-/// To a goal with a heading the robot docks (docking.hpp); Brake limits those motions as well.
+/// Drives to a goal by plan. The global planner computes the cost of each place, and the rollouts
+/// are rated by it; Brake, which uses neither, limits the speed of the one that is driven. At a
+/// goal with a heading the robot docks (docking.hpp); Brake limits those motions as well.
 class GoalDrive {
  public:
   explicit GoalDrive(const NavigatorParams& params);
@@ -27,9 +27,9 @@ class GoalDrive {
   [[nodiscard]] Decision decide(const Situation& now, const SeenDirections& seen,
                                 const LocalMap& local_map);
 
-  /// The planned path from the robot to the goal, frame map, one point each 20 cm, as far as the
-  /// grid reaches. Without points if there is no path or docking has failed; empty before the first
-  /// plan is complete.
+  /// The planned path from the robot to the goal, frame map, a point every 20 cm, as far as the
+  /// grid reaches. It has no points if there is no path or docking has failed; empty before the
+  /// first plan is complete.
   [[nodiscard]] std::optional<std::vector<Eigen::Vector2d>> path_map(
       const geometry::SE2& T_map_base) const;
 
@@ -56,12 +56,12 @@ class GoalDrive {
   Docking docking_;
   std::optional<geometry::SE2> dock_map_;
   Eigen::Vector2d goal_map_ = Eigen::Vector2d::Zero();
-  double least_cost_m_ = 0.0;  // since the goal, or the last failure
+  double least_cost_m_ = 0.0;  // since the goal was given, or the last failure
   double last_cost_m_ = 0.0;
   std::optional<time::Timestamp> progress_at_;
   std::optional<time::Timestamp> no_path_since_;
-  bool has_doubted_ = false;  // the ground was forgotten since
-  double looked_rad_ = 0.0;   // rotated since there is no path
+  bool has_doubted_ = false;  // the ground has been forgotten since then
+  double looked_rad_ = 0.0;   // how far it has rotated since then
   double last_yaw_rad_ = 0.0;
 };
 

@@ -9,15 +9,15 @@ namespace {
 
 /// The local map is copied within this distance of the robot.
 constexpr double kTakeOverM = 5.5;
-/// Nearer to the robot it also knows what the body has driven over, or has touched.
+/// Within this distance it also knows what the body has driven over or touched.
 constexpr double kBesideM = 0.6;
-/// Around robot, goal and all that is known, for detours over unknown ground.
+/// Margin around robot, goal and all known ground, for detours over unknown ground.
 constexpr double kAroundM = 3.0;
 
 using Quarters = std::array<Eigen::Vector2d, 4>;
 
-/// From the middle of a cell to those of its quarters: each lies in another cell of the local map.
-/// `cells_R`: from metres in map to cells of the local map.
+/// The offsets from the middle of a cell to those of its quarters, each of which lies in another
+/// cell of the local map. `cells_R` converts metres in map to cells of the local map.
 Quarters quarters_of_cell(const Eigen::Matrix2d& cells_R) {
   constexpr double kAsideM = 0.25 * KnownGround::kCellM;
   return {
@@ -42,9 +42,9 @@ void KnownGround::forget() {
   is_empty_ = true;
 }
 
-/// What the local map does not know stays as it was; so does what it knows no better than before:
-/// what is behind the laser, for it keeps that where odometry has drifted since, and obstacles that
-/// it has forgotten for that reason.
+/// What the local map does not know stays as it was. So does what it knows no better than before,
+/// because odometry has drifted since it was seen: what is behind the laser, and obstacles that it
+/// has forgotten.
 void KnownGround::update(const LocalMap& local_map, const geometry::SE2& T_map_odom,
                          const geometry::SE2& T_odom_base) {
   const Eigen::Vector2d p_map = T_map_odom * T_odom_base.translation();
@@ -78,7 +78,7 @@ void KnownGround::update(const LocalMap& local_map, const geometry::SE2& T_map_o
   }
 }
 
-/// `bits`: of all cells of the local map that were found in it.
+/// Updates a cell from `bits`, the joined states of the cells of the local map in it.
 void KnownGround::update_cell(const Eigen::Vector2i& index, unsigned bits) {
   const bool is_blocked = (bits & LocalView::kBlocked) != 0U;
   const bool is_floor = (bits & LocalView::kFloor) != 0U && (bits & LocalView::kForgotten) == 0U;
@@ -88,7 +88,7 @@ void KnownGround::update_cell(const Eigen::Vector2i& index, unsigned bits) {
     known_max_ = known_max_.cwiseMax(q_map);
     grid_.at(index) = is_blocked ? Kind::kBlocked : Kind::kFloor;
   } else if ((bits & LocalView::kCleared) != 0U && grid_.at(index) == Kind::kBlocked) {
-    // A level laser sees no floor, but it does see through where something was.
+    // A level laser sees no floor, but it does see that an obstacle is not there any more.
     grid_.at(index) = Kind::kUnknown;
   }
 }

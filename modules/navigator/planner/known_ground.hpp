@@ -11,8 +11,8 @@
 
 namespace nodmap::navigator {
 
-/// All the ground that the local map has shown so far: a grid in map, 51 m x 51 m of 5 cm cells,
-/// around the robot.
+/// All the ground that the local map has shown so far: a grid around the robot in map, 51 m x 51 m,
+/// with cells of 5 cm.
 class KnownGround {
  public:
   static constexpr double kCellM = 0.05;
@@ -28,11 +28,11 @@ class KnownGround {
   /// Makes everything unknown again.
   void forget();
 
-  /// The cells around the robot, the goal and all that is known, as far as the grid reaches.
+  /// The window around the robot, the goal and all known ground, as far as the grid reaches.
   [[nodiscard]] PlanWindow window_around(const Eigen::Vector2d& p_map,
                                          const Eigen::Vector2d& goal_map) const;
 
-  /// The cells within a square, `half_size_m` to each side.
+  /// The window that reaches `half_size_m` to each side of a place.
   [[nodiscard]] PlanWindow window_within(const Eigen::Vector2d& p_map, double half_size_m) const;
 
   /// The grid's index of a window's cell (0, 0).

@@ -19,7 +19,7 @@ struct PlanWindow {
   [[nodiscard]] bool contains(int column, int row) const {
     return column >= 0 && row >= 0 && column < width && row < height;
   }
-  /// Row by row; only of cells inside.
+  /// The index of a cell inside; cells are stored row by row.
   [[nodiscard]] std::size_t place(int column, int row) const {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +
            static_cast<std::size_t>(column);
@@ -27,7 +27,7 @@ struct PlanWindow {
   [[nodiscard]] Eigen::Vector2d center_of(int column, int row) const {
     return origin + cell_size_m * Eigen::Vector2d(column + 0.5, row + 0.5);
   }
-  /// Column and row in which a place lies, which may be outside.
+  /// The column and row of a place, which may be outside.
   [[nodiscard]] Eigen::Vector2i cell_of(const Eigen::Vector2d& p_map) const {
     return ((p_map - origin) / cell_size_m).array().floor().cast<int>();
   }

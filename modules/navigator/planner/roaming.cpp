@@ -11,8 +11,8 @@ namespace {
 /// at 0.15 m/s takes longer than any rotation.
 constexpr double kReversePriceM = 1.0;
 
-/// What counts as progress, and how long the robot may make none. A rotation by 180 degrees takes
-/// three seconds.
+/// What counts as progress, and for how long the robot may make none. A rotation by 180 degrees
+/// takes three seconds.
 constexpr double kProgressM = 0.2;
 constexpr double kProgressRad = 0.7;
 constexpr time::Duration kPatience = 3s;
@@ -59,8 +59,8 @@ std::optional<Decision> Roaming::decide(const Situation& now, const SeenDirectio
   return motion_.best_of(rollouts_.plan(now, *cost_to_go, max_forward_mps), brake_, now, seen);
 }
 
-/// Whether it has got no farther, and has not turned round, for a while. Waiting for people is no
-/// failure, nor is what others decided.
+/// Whether the robot has neither got farther nor rotated for a while. Time in which it waited for
+/// people, or in which others decided, does not count.
 bool Roaming::is_stuck(const Situation& now) {
   const bool is_first = !decided_at_ || std::chrono::abs(now.stamp - *decided_at_) > kPause;
   decided_at_ = now.stamp;

@@ -16,9 +16,9 @@
 
 namespace nodmap::navigator {
 
-/// Drives without a goal: the rollouts are rated by the cost of getting 3.5 m away, cheapest ahead,
-/// and Brake, which does not use that cost, finally limits the speed of the best. If the robot
-/// makes no progress, the plan is wrong about what is ahead and leads elsewhere from then on.
+/// Drives without a goal. The rollouts are rated by the cost of getting 3.5 m away, cheapest ahead;
+/// Brake, which does not use that cost, limits the speed of the best. If the robot makes no
+/// progress, the plan must be wrong about what is ahead, so the next plans lead elsewhere.
 class Roaming {
  public:
   explicit Roaming(const NavigatorParams& params);
@@ -38,7 +38,7 @@ class Roaming {
   std::optional<time::Timestamp> decided_at_;
   time::Timestamp progress_at_{};
   geometry::SE2 progress_odom_;               // T_odom_base then
-  std::optional<Eigen::Vector2d> failed_at_;  // map; since then paths ahead of it cost more
+  std::optional<Eigen::Vector2d> failed_at_;  // map; paths ahead of this place cost more
 };
 
 }  // namespace nodmap::navigator

@@ -17,14 +17,15 @@ constexpr double kReachM = 2.5;
 /// Largest error of the clearance by cells: a cell of 2.5 cm stands for any point in it, and the
 /// discs do not cover all of the body.
 constexpr double kCellErrorM = 0.035;
-/// That is more than the margin of a body that creeps. Below this clearance by cells, and within
-/// kExactReachM, which a slow motion can reach, the clearance is measured to the points themselves.
+/// That error is larger than the margin of a creeping body. Below this clearance by cells, the
+/// clearance is measured to the points themselves, within kExactReachM, which a slow motion can
+/// reach.
 constexpr double kExactWithinM = 0.1;
 constexpr double kExactReachM = 0.5;
 constexpr double kStepS = 0.1;
 constexpr int kSteps = static_cast<int>(Rollouts::kDurationS / kStepS + 0.5);
 constexpr int kFirstSteps = 8;
-/// People count for 3 s: somebody who approaches at 1 m/s is 3 m away at first.
+/// People count for 3 s, so somebody who approaches at 1 m/s counts from 3 m away.
 constexpr int kForeseenSteps = 30;
 /// Resolution of the base's speed command.
 constexpr double kStepMps = 0.01;
@@ -37,28 +38,28 @@ constexpr double kBlockedAheadM = 0.6;
 constexpr double kOffPathM = 0.5;
 /// A rotation of 1 rad moves the corners by about this.
 constexpr double kCornerM = 0.25;
-/// Noise of the clearance from one moment to the next: points are noisy, or cells of the local map.
+/// Change of the clearance from one moment to the next by the noise of points and cells.
 constexpr double kNoiseM = 0.01;
-/// Least clearance on the spot and backwards, where the robot is slow, and its free rotation is
-/// measured exactly besides. A corridor of 0.7 m leaves 7 cm at the corners of a rotating body.
+/// Least clearance on the spot and backwards. The robot is slow there, and its free rotation is
+/// also measured exactly. A corridor of 0.7 m leaves 7 cm at the corners of a rotating body.
 constexpr double kSlowClearanceM = 0.025;
 /// A robot that can rotate by less than this to both sides cannot turn: driving backwards then
 /// costs less than the 0.4 m that it gains in 1.6 s.
 constexpr double kTurnRad = geometry::deg_to_rad(60.0);
 constexpr double kCannotTurnReversePriceM = 0.2;
 
-/// Shares of the fastest speed, and of the creeping speed, because in a narrow place none of the
-/// former may be slow enough.
+/// The speeds tried, as fractions of the fastest speed, and of the creeping speed: in a narrow
+/// place none of the former may be slow enough.
 constexpr std::array kSpeeds{1.0, 0.8, 0.6, 0.42, 0.27, 0.15};
 constexpr std::array kCreepSpeeds{1.0, 0.5};
 constexpr std::array kYawRates{-1.0, -0.75, -0.55, -0.38, -0.24, -0.13, -0.05, 0.0,
                                0.05, 0.13,  0.24,  0.38,  0.55,  0.75,  1.0};
-/// Slowest rotation on the spot, as a share of the fastest.
+/// Slowest rotation on the spot, as a fraction of the fastest.
 constexpr double kSlowestRotation = 0.2;
 constexpr std::array kNextYawRates{-0.8, -0.4, -0.15, 0.0, 0.15, 0.4, 0.8};
 constexpr std::array kBackwardMps{-0.08, -0.15};
 
-/// From the border of a rectangle to a point, negative inside.
+/// The distance from the border of a rectangle to a point, negative inside.
 double distance_m(const Eigen::Vector2d& p, const robot::Footprint& body) {
   const double dx = std::abs(p.x()) - body.half_length_m;
   const double dy = std::abs(p.y()) - body.half_width_m;
@@ -238,7 +239,7 @@ bool Rollouts::advance(Progress& progress, const Twist& motion, int until_step,
   return true;
 }
 
-/// From the moment on at which somebody touches the robot, all of the rollout is an obstruction.
+/// Once somebody touches the robot, all the rest of the rollout is an obstruction.
 void Rollouts::meet_people(Progress& progress, const People& people) const {
   const double time_s = kStepS * progress.steps;
   progress.is_touched =

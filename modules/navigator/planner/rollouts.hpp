@@ -20,19 +20,18 @@ struct Rollout {
   double cost = 0.0;                 ///< metres; less is better
 };
 
-/// The local planner: at most 880 motions of the next 1.6 s, each an arc followed by another one,
-/// within the accelerations of the base: forwards, backwards, on the spot and, when there are
-/// people, stationary. Those that touch something are left out. The cost of the others is the sum
-/// of the global plan's cost of their end, of their nearness to obstacles, of the time that they
-/// obstruct people, and of the change of motion.
+/// The local planner: rates up to 880 motions of the next 1.6 s. Each is an arc followed by another
+/// one, within the accelerations of the base: forwards, backwards, on the spot and, if there are
+/// people, stationary. Those that touch something are left out. The others cost the sum of four
+/// terms: the plan's cost of their end, nearness to obstacles, the time for which they obstruct
+/// people, and the change of motion.
 ///
-/// The body is compared with the predicted places of people at each step of the next 3 s. From the
-/// moment on at which somebody touches it, all of a rollout obstructs: the later that is, the less
-/// it costs. After its end a rollout is continued by driving on or by stopping, whichever obstructs
-/// less.
+/// For 3 s the body is compared at each step with the predicted places of people. Once somebody
+/// touches it, all the rest of the rollout obstructs: the later that is, the less it costs. After
+/// its end a rollout is continued by driving on or by stopping, whichever obstructs less.
 ///
-/// A rollout that comes within the goal's tolerance ends there. Otherwise it would lead past a goal
-/// that is nearer than the slowest rollout is long.
+/// A rollout that comes within the goal's tolerance ends there. Otherwise a goal that is nearer
+/// than the slowest rollout is long could not be reached.
 class Rollouts {
  public:
   static constexpr double kDurationS = 1.6;
@@ -43,11 +42,11 @@ class Rollouts {
   [[nodiscard]] const std::vector<Rollout>& plan(const Situation& now, const CostToGo& cost_to_go,
                                                  double max_forward_mps);
 
-  /// Distance from the border of the body at a pose (in base, now) to the nearest obstacle, metres;
-  /// negative inside. Exact below 6 cm if the pose is within 0.5 m, otherwise to 3.5 cm.
+  /// Distance from the body at a pose (in base, now) to the nearest obstacle, metres; negative
+  /// inside. Exact below 6 cm if the pose is within 0.5 m; otherwise it may be off by 3.5 cm.
   [[nodiscard]] double clearance_m(const geometry::SE2& pose_base) const;
 
-  /// Sets the obstacles: points in base, those within 2.5 m count.
+  /// Sets the obstacles, in base. Only those within 2.5 m count.
   void measure_clearance(const Points& points_base);
 
  private:

@@ -14,9 +14,9 @@ namespace {
 constexpr double kLookM = 0.5;
 /// The number of forward rollouts, the best ones, that are offered to Brake.
 constexpr std::size_t kMostOffered = 40;
-/// Margin behind the robot, where it has only what it remembers.
+/// Margin behind the robot, where it knows only what it remembers.
 constexpr double kBackwardMarginM = 0.03;
-/// Faster backwards than this the robot is reversing; odometry's noise is slower.
+/// A robot that moves backwards faster than this is reversing; odometry's noise is slower.
 constexpr double kReversingMps = 0.02;
 constexpr double kRotationMarginM = 0.02;
 constexpr double kLeastRotationRad = geometry::deg_to_rad(2.0);

@@ -13,9 +13,9 @@
 
 namespace nodmap::navigator {
 
-/// Turns a rollout into a decision that is as slow as safety requires: forwards as Brake allows and
-/// only where the laser has looked, backwards only over floor that was seen and on the strip that
-/// the body has driven, and on the spot as far as there is room.
+/// Turns a rollout into a decision that is as slow as safety requires. Forwards it drives as Brake
+/// allows, and only where the laser has looked; backwards only over floor that was seen, on the
+/// strip that the body has driven; on the spot it rotates as far as there is room.
 class SafeMotion {
  public:
   explicit SafeMotion(const NavigatorParams& params);
@@ -33,7 +33,7 @@ class SafeMotion {
                                               const Situation& now,
                                               const SeenDirections& seen) const;
 
-  /// On the spot; not yet slowed down for doubtful ground and people.
+  /// A rotation on the spot, not yet slowed down for doubtful ground and people.
   [[nodiscard]] std::optional<Decision> rotate(const Rollout& rollout, const Situation& now) const;
 
  private:

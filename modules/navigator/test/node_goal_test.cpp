@@ -39,7 +39,7 @@ class NavigatorNodeGeofence : public NavigatorNodeTest {
 TEST_F(NavigatorNodeGeofence, ItDrivesOnlyWhileItKnowsWhereItIs) {
   run(2.0);
   EXPECT_TRUE(halts());
-  EXPECT_EQ(navigation().reason, "There is a geofence, and no pose by 2D SLAM.");
+  EXPECT_EQ(navigation().reason, "There is a geofence, but no pose from 2D SLAM.");
   run_with_poses(2.0);
   EXPECT_TRUE(drives());
   run(1.9);
@@ -51,7 +51,7 @@ TEST_F(NavigatorNodeGeofence, ItDrivesOnlyWhileItKnowsWhereItIs) {
   give_pose(0.0, nodmap::pose_t::LOST);
   tick();
   EXPECT_TRUE(halts());
-  EXPECT_EQ(navigation().reason, "There is a geofence, and no pose by 2D SLAM.");
+  EXPECT_EQ(navigation().reason, "There is a geofence, but no pose from 2D SLAM.");
 }
 
 TEST_F(NavigatorNodeGeofence, ItBrakesBeforeTheBoundaryAndStandsOutside) {
@@ -61,7 +61,7 @@ TEST_F(NavigatorNodeGeofence, ItBrakesBeforeTheBoundaryAndStandsOutside) {
   EXPECT_NEAR(navigation().clear_distance_m, 4.0 - 1.0 - front_m, 0.02) << "a point each 2 cm";
   run_with_poses(0.1, 4.1);
   EXPECT_TRUE(halts());
-  EXPECT_EQ(navigation().reason, "The robot is outside of the geofence.");
+  EXPECT_EQ(navigation().reason, "The robot is outside the geofence.");
 }
 
 TEST_F(NavigatorNodeGeofence, AGoalOutsideIsNotDrivenTo) {
@@ -72,7 +72,7 @@ TEST_F(NavigatorNodeGeofence, AGoalOutsideIsNotDrivenTo) {
   bus_.deliver("GOAL", goal);
   run_with_poses(2.0);
   EXPECT_TRUE(halts());
-  EXPECT_EQ(navigation().reason, "The goal is outside of the geofence.");
+  EXPECT_EQ(navigation().reason, "The goal is outside the geofence.");
   EXPECT_EQ(bus_.last<nodmap::path_t>("PATH").state, nodmap::path_t::NO_PATH);
 }
 
