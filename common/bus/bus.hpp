@@ -53,8 +53,9 @@ class Bus : private boost::noncopyable {
   }
 
   /// Calls `handler` for each valid message on exactly this channel; an invalid one is counted and
-  /// dropped. The subscription lasts as long as the bus, and so must what `handler` refers to.
-  /// `handler` may throw: the exception comes out of the bus's handle(), never through LCM.
+  /// dropped. The subscription lasts as long as the bus, so everything that `handler` refers to
+  /// must outlive the bus. `handler` may throw: the exception comes out of the bus's handle(),
+  /// never through LCM.
   template <class Message, class Handler>
   void subscribe(const std::string& channel, Handler handler, int queue_capacity = kDefaultQueue) {
     // The message is kept between calls, so that its vectors are allocated once.

@@ -25,7 +25,7 @@ Number read(std::span<const std::byte> bytes, std::size_t at) {
 }
 
 /// Removes the channel and its NUL from the front of `bytes`. Empty if there is no NUL, or if the
-/// name is invalid: longer than LCM allows, or with other than printable ASCII characters.
+/// name is invalid: longer than LCM allows, or containing anything but printable ASCII characters.
 std::optional<std::string_view> take_channel(std::span<const std::byte>& bytes) {
   const auto head = bytes.first(std::min(bytes.size(), MessageAssembler::kMaxChannelLength + 1));
   const auto end = std::ranges::find(head, std::byte{0});

@@ -16,8 +16,8 @@
 
 namespace nodmap::bus {
 
-/// Assembles LCM's UDP datagrams to messages. A datagram contains a whole message or a fragment of
-/// one, all numbers big-endian:
+/// Assembles LCM's UDP datagrams into messages. A datagram contains a whole message or a fragment
+/// of one, all numbers big-endian:
 ///
 ///     whole message:  magic "LC02", sequence number (32 bits each);
 ///                     channel with terminating NUL; data

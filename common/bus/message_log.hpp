@@ -16,8 +16,8 @@
 
 namespace nodmap::bus {
 
-/// Writes a file of messages that belong together, such as a saved map: an event log that takes the
-/// place of an existing file when it is complete and on the disk, and not before.
+/// Writes an event log of messages that belong together, such as a saved map. It replaces an
+/// existing file only when it is complete and on the disk.
 class MessageLogWriter : private boost::noncopyable {
  public:
   explicit MessageLogWriter(std::filesystem::path file);
@@ -30,8 +30,8 @@ class MessageLogWriter : private boost::noncopyable {
     write_bytes(stamp, channel);
   }
 
-  /// Completes the file and puts it in the place of the existing one. Returns the first error of
-  /// any write; the existing file then stays.
+  /// Completes the file and replaces the existing one with it. Returns the first write error, if
+  /// any; the existing file then stays.
   [[nodiscard]] std::error_code replace();
 
  private:
@@ -43,8 +43,8 @@ class MessageLogWriter : private boost::noncopyable {
   std::vector<std::byte> bytes_;
 };
 
-/// Reads such a file; no part of it may be missing. Every error is a formats::InputFileError that
-/// names the file.
+/// Reads a file of a MessageLogWriter; no part of it may be missing. Every error is a
+/// formats::InputFileError that names the file.
 class MessageLogReader : private boost::noncopyable {
  public:
   explicit MessageLogReader(const std::filesystem::path& file) : file_(file), log_(file) {}

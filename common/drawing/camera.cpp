@@ -12,8 +12,8 @@
 namespace nodmap::drawing {
 namespace {
 
-// The fraction of points, at each end of an axis, that the scale ignores: a few stray points do not
-// make the rest small.
+// Fraction of the points at each end of an axis that the scale ignores, so that a few stray points
+// do not make everything else small.
 constexpr double kStrayShare = 0.004;
 constexpr double kFilled = 0.95;  // of the image, between its margins
 

@@ -9,7 +9,8 @@
 
 namespace nodmap::drawing {
 
-/// A point in an image, with its depth (m), which decides what covers what.
+/// A point in an image. Of two points in the same place, the one with the smaller depth (m) is
+/// visible.
 struct Pixel {
   double x = 0.0;
   double y = 0.0;
@@ -41,7 +42,7 @@ struct ImageSize {
   int height = 0;
 };
 
-/// A camera that looks at the building obliquely from above, so that nearly all points fill the
+/// A camera that looks obliquely down at the building, zoomed so that nearly all points fill the
 /// image.
 [[nodiscard]] Camera oblique_camera(std::span<const DrawnPoint> points, const ImageSize& size);
 

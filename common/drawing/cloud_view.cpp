@@ -26,7 +26,7 @@ Rgb lit(Rgb colour, const Eigen::Vector3f& normal) {
   return colour;
 }
 
-// Half the width of a point in pixels, so that it looks `size_m` large in the scene.
+// Half the width, in pixels, of a point that is `size_m` wide in the scene.
 int splat_radius(const Camera& camera, const Pixel& pixel, double size_m) {
   return std::clamp(static_cast<int>(0.5 * size_m * camera.pixels_per_m(pixel.depth)), 1, 4);
 }

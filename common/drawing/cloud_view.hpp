@@ -20,7 +20,7 @@ struct DrawnPath {
 /// out surfaces seen from behind, so that one can look into rooms as into a doll's house.
 [[nodiscard]] Image draw_cloud(std::span<const DrawnPoint> points, const DrawnPath& path);
 
-/// Draws the corrected path and the odometry path from above, on the cloud in pale colours.
+/// Draws the cloud from above in pale colours, and on it the corrected path and the odometry path.
 [[nodiscard]] Image draw_path_on_cloud(std::span<const DrawnPoint> points, const DrawnPath& path);
 
 }  // namespace nodmap::drawing

@@ -62,7 +62,8 @@ std::size_t DepthCanvas::index(int x, int y) const {
          static_cast<std::size_t>(x);
 }
 
-// How much nearer the neighbours are on average, metres; each counts 1 m at most.
+// How much nearer to the camera the neighbours are on average, metres. Each difference counts as at
+// most 1 m.
 double DepthCanvas::obscurance_m(int x, int y) const {
   const float depth = depths_[index(x, y)];
   if (depth == kNothing) {

@@ -85,7 +85,7 @@ void Image::write_png(const std::filesystem::path& file) const {
   header.width = static_cast<png_uint_32>(width_);
   header.height = static_cast<png_uint_32>(height_);
   header.format = PNG_FORMAT_RGB;
-  header.flags = PNG_IMAGE_FLAG_FAST;  // a process that is told to stop has a second to do so
+  header.flags = PNG_IMAGE_FLAG_FAST;  // a process that must stop has only a second
   if (png_image_write_to_file(&header, file.c_str(), 0, pixels_.data(), 0, nullptr) == 0) {
     throw std::runtime_error(file.string() + ": " + header.message);
   }

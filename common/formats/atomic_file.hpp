@@ -13,9 +13,9 @@ namespace nodmap::formats {
 [[nodiscard]] std::error_code replace_file(const std::filesystem::path& file,
                                            std::string_view bytes);
 
-/// The same in two steps, for a file too large for memory: the caller writes it under its
-/// unfinished name in the same folder and syncs it to the disk; then replace_file_by() puts it in
-/// the old one's place.
+/// The same in two steps, for a file too large for memory. The caller writes the file under its
+/// unfinished name, in the same folder, and syncs it to the disk. Then replace_file_by() replaces
+/// the old file with it.
 [[nodiscard]] std::filesystem::path unfinished_name(const std::filesystem::path& file);
 [[nodiscard]] std::error_code replace_file_by(const std::filesystem::path& file,
                                               const std::filesystem::path& unfinished);

@@ -8,9 +8,9 @@
 
 namespace nodmap::formats {
 
-/// Reads "seconds.decimals" since the epoch, exactly to the microsecond: a double holds today's
-/// epoch only to 0.2 us. Digits beyond the sixth are cut off. Empty for anything else, scientific
-/// notation included.
+/// Parses "seconds.decimals" since the epoch, exact to the microsecond. (A double would be exact
+/// only to 0.2 us today.) Digits beyond the sixth are cut off. Empty for anything else, including
+/// scientific notation.
 [[nodiscard]] std::optional<time::Timestamp> parse_stamp(std::string_view text);
 
 }  // namespace nodmap::formats

@@ -7,9 +7,9 @@
 
 namespace nodmap::node {
 
-/// Runs one piece of work at a time on a thread of its own, while messages are handled. The message
-/// at which the result is taken is fixed when the work starts and does not depend on when it is
-/// ready, so that a replay gives the same bytes on any machine. Until then nobody else may use the
+/// Runs one piece of work at a time on a thread of its own, while messages are handled. The number
+/// of messages after which the result is taken is fixed when the work starts, however long the work
+/// takes, so that a replay gives the same bytes on any machine. Until then nobody else may use the
 /// data that the work uses.
 template <class Result>
 class BackgroundJob {

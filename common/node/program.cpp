@@ -109,8 +109,8 @@ std::vector<std::string> subcommand_names(const CLI::App& app) {
   return names;
 }
 
-/// Describes what is wrong with the command line. Unknown options first, because they are the cause
-/// when their values are then left over as unexpected arguments.
+/// Describes what is wrong with the command line. Reports unknown options first: they are the cause
+/// when their values are left over as unexpected arguments.
 std::string explain(const CLI::App& command, const CLI::ParseError& error) {
   const std::vector<std::string> unused = command.remaining();
   for (const std::string& word : unused) {

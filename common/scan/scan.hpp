@@ -27,7 +27,7 @@ struct Scan {
   double pitch_last_rad = 0.0;   ///< at the last beam
   bool pitch_measured = true;    ///< false: no feedback, the pitch is the commanded one
 
-  double range_min_m = 0.0;  ///< shortest valid range; shorter ones are of the robot or the housing
+  double range_min_m = 0.0;  ///< shortest valid range; shorter ones hit the housing or the robot
   double range_max_m = 0.0;  ///< longest valid range
 
   geometry::SE3 T_base_mount = geometry::SE3::Identity();
