@@ -43,7 +43,7 @@ struct SpeedParams {
   template <class Visitor>
   void describe(Visitor& v) {
     v.number("fast_mps", fast_mps, {0.1, 5.0},
-             "Speed from which on the area of interest is only the virtual corridor.");
+             "From this speed on, the area of interest is only the virtual corridor.");
     v.number("top_mps", top_mps, {0.0, 5.0}, "Upper limit of the speed bound.");
     v.number("acceleration_mps2", acceleration_mps2, {0.05, 10.0},
              "How fast the speed bound may rise.");

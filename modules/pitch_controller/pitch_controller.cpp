@@ -97,9 +97,9 @@ void PitchController::plan_for_present_speed(time::Timestamp now) {
     const double forward_mps = std::clamp(speed_->forward_mps, 0.0, kImpossibleMps);
     planned_mps_ =
         std::max(forward_mps, planned_mps_ - params_.robot.braking.deceleration_mps2 * dt_s);
-    // The part of the area beyond the corridor is for looking around while the robot stays. In a
-    // short stop it costs more than it is worth: two wide sweeps, and twice the reaction time when
-    // the robot continues.
+    // The part of the area beyond the corridor is for looking around while the robot is stationary.
+    // During a short stop it costs more than it is worth: two wide sweeps, and twice the reaction
+    // time when the robot continues.
     looking_mps_ = std::max(planned_mps_, looking_mps_ - kWideningMps2 * dt_s);
   }
   plan_ = planner_.plan(planned_mps_, looking_mps_);

@@ -45,10 +45,10 @@ struct SweepCounts {
 ///     speed ──> SweepPlanner ──planned──> SweepRegulator ──> command
 ///     pitch ──> SweepMeter ───measured──────────^  └──> speed_bound ──> max_forward_mps
 ///
-/// The plan depends on the speed, the bound on the sweeps as MEASURED. They cannot hold each other
-/// at a low speed: a sweep planned for a speed always allows a greater one, because its lines are
-/// dense enough for 1.3 times the required distance. So the robot accelerates as the nod narrows,
-/// and not earlier.
+/// The plan depends on the speed, and the bound on the sweeps as MEASURED. They cannot trap each
+/// other at a low speed: a sweep planned for a speed always allows a greater one, because its lines
+/// are dense enough for 1.3 times the required distance. So the robot accelerates as the nod
+/// narrows, and not earlier.
 ///
 /// Times are the stamps of the messages; no clock is read.
 class PitchController {

@@ -12,7 +12,7 @@ inline constexpr double kMostScans = 500.0;
 
 /// The planned sweep for a speed.
 struct SweepPlan {
-  double d_min_m = 0.0;  ///< distance ahead of the front from which on the corridor is covered
+  double d_min_m = 0.0;  ///< distance ahead of the front beyond which the corridor is covered
   PitchInterval area;    ///< area of interest
   PitchInterval sweep;   ///< the area and one line more at both ends, within the mechanical range
   double line_spacing_rad = 0.0;  ///< largest permitted angle between neighbouring scans
@@ -31,11 +31,12 @@ struct SweepPlan {
 /// Plans sweeps from the required distance, at whose end at least one line must hit an obstacle. If
 /// an obstacle appears there just after the laser has passed, the laser hits it one period (2
 /// T_sweep) later, when the robot is nearer by 2 v T_sweep. Therefore the sweep covers the corridor
-/// from bottom to top from
+/// from bottom to top at all distances beyond
 ///
 ///     d_min = v T_processing + v^2 / 2a + margin
 ///
-/// on, with two lines on the smallest obstacle. It is as short as head and line spacing allow.
+/// and two of its lines hit the smallest obstacle at d_min. It is as short as head and line spacing
+/// allow.
 class SweepPlanner {
  public:
   SweepPlanner(const robot::RobotParams& robot, const DetectionParams& detection, double fast_mps);
@@ -43,7 +44,7 @@ class SweepPlanner {
   /// Plans the sweep for a forward speed, metres per second, >= 0.
   [[nodiscard]] SweepPlan plan(double forward_mps) const { return plan(forward_mps, forward_mps); }
 
-  /// The same with no wider an area of interest around the virtual corridor than at a greater
+  /// The same, but beyond the virtual corridor the area of interest is only as wide as at a greater
   /// speed, `looking_mps`.
   [[nodiscard]] SweepPlan plan(double forward_mps, double looking_mps) const;
 

@@ -13,7 +13,7 @@ namespace {
 constexpr double kNearestM = 0.05;
 constexpr double kSteepestRad = geometry::deg_to_rad(89.9);
 
-/// The distance from which on a line at `angle_rad` to the horizontal is at least `height_m` above
+/// The distance beyond which a line at `angle_rad` to the horizontal is at least `height_m` above
 /// or below the axis.
 double reaches_from_m(double height_m, double angle_rad) {
   if (height_m <= 0.0) {

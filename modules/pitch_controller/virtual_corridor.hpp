@@ -30,7 +30,7 @@ struct VirtualCorridor {
   /// with z the distance from the axis.
   [[nodiscard]] PitchInterval area_from(double distance_m) const;
 
-  /// The inverse, d_min: the distance from which on these pitches cover the corridor; infinite if
+  /// The inverse, d_min: the distance beyond which these pitches cover the corridor; infinite if
   /// they never do.
   [[nodiscard]] double covered_from_m(const PitchInterval& area) const;
 };

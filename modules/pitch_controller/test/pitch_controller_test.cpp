@@ -86,8 +86,9 @@ double longest_unseen(Loop& loop, double speed_mps, double height_m, double from
 }
 
 // Strips at the very bottom and top of the corridor are hit whenever the head reaches that end,
-// once in two sweeps; 10 % more for the sweep's duration and the spacing of scans. This holds from
-// d_min on, and also 5 % nearer, because the sweep extends one line beyond the area of interest.
+// once in two sweeps; 10 % more for the sweep's duration and the spacing of scans. This holds
+// beyond d_min, and also 5 % nearer, because the sweep extends one line beyond the area of
+// interest.
 TEST(PitchController, FromDMinOnTheWholeCorridorIsSeen) {
   const VirtualCorridor corridor = VirtualCorridor::of(robot::RobotParams{});
   for (const double v : {0.6, 1.0, 1.5}) {

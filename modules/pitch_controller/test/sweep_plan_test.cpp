@@ -136,8 +136,8 @@ TEST(SweepPlan, ASweepForASpeedAllowsAGreaterOne) {
   }
 }
 
-// A robot that was faster a moment ago looks around less far: the corridor is covered from d_min on
-// as before, by lines no farther apart, in a shorter time, so the permitted speed is not lower.
+// A robot that was faster a moment ago looks around less far. The corridor beyond d_min is covered
+// as before, by lines no farther apart and in a shorter time, so the permitted speed is not lower.
 TEST(SweepPlan, LookingLessFarAroundCoversTheCorridorInAShorterTime) {
   const SweepPlanner planner = default_planner();
   const VirtualCorridor corridor = VirtualCorridor::of(kParams.robot);

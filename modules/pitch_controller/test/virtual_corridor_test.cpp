@@ -130,8 +130,8 @@ TEST(ClearView, WithinItEveryObstacleIsHit) {
     for (double d = view.near_m; d <= view.far_m; d += 0.02) {
       EXPECT_TRUE(always_hit(d, dp)) << d << " m, " << dp;
     }
-    // It does not end much too early either: the obstacle is at most 0.33 m below the axis, not
-    // 0.38 m, which makes a difference of less than 10 %.
+    // Nor does it end much too early: the obstacle is at most 0.33 m below the axis instead of 0.38
+    // m, a difference of less than 10 %.
     EXPECT_FALSE(always_hit(1.1 * view.far_m, dp)) << dp << ", until " << view.far_m;
   }
 }
