@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The structure map in complete scenes: walls stay, what stands before them disappears.
+// The structure map in complete scenes: walls stay, objects in front of them disappear.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -140,7 +140,7 @@ WallShown wall_shown_behind_a_walker(NoddingScanner scanner) {
   return {static_cast<double>(on_wall) / bins, static_cast<double>(level_on_wall) / bins};
 }
 
-// Also at 1.5 m/s: the wall is remembered while the person hides it.
+// The same at 1.5 m/s: the wall is remembered while the person hides it.
 TEST(Scene, AWalkingPersonDoesNotHideTheWall) {
   for (const NoddingScanner& scanner : {scanner_when_slow(), scanner_at_speed()}) {
     const WallShown shown = wall_shown_behind_a_walker(scanner);
