@@ -17,19 +17,18 @@
 namespace nodmap::viewer {
 
 /// Executes the requests of clients with control, by their member `do`:
-///   goal  x_m, y_m, tolerance_m?    drive there (map)
-///   roam                            no goal any more
-///   explore, end_exploration        the explorer drives, until all is seen and it is home
-///   stop                            the robot stands, whatever comes, until
-///   go
+///   goal  x_m, y_m, tolerance_m?    drive to this place in map
+///   roam                            cancel the goal
+///   explore, end_exploration        start or end an exploration
+///   stop, go                        keep the robot stationary until `go` releases it
 ///   save_maps                       write the maps
 ///   start_process, stop_process, restart_process  command
 ///   start_recording, stop_recording
-///   process_output  command: the last lines that it wrote
+///   process_output  command         answer with the last lines that it wrote
 class RemoteControl {
  public:
-  /// Period at which STOP is published again. Base driver and navigator remember it; the repetition
-  /// is for a process that has missed it or was started later.
+  /// Period at which STOP is published again, for a process that has missed it or was started
+  /// later. Base driver and navigator remember a STOP.
   static constexpr time::Duration kRepeat = 200ms;
 
   /// `processes` may be null: then processes cannot be controlled. All must outlive this object.

@@ -26,7 +26,7 @@ struct Answer {
   std::string text;
 };
 
-/// The functions that a viewer offers its clients besides reading.
+/// What a viewer offers its clients in addition to reading.
 struct Services {
   std::string name;
   std::string session_id;  ///< the same for all sessions of one process
@@ -70,8 +70,8 @@ class Session {
   void receive_text(std::string_view text);
   void receive_binary(std::span<const std::byte> bytes);
 
-  /// The next frame to send, if any. Subscribed topics are served in turn. Without `with_news`,
-  /// only answers, the time and the messages of CLOUD and log are sent, of which every one is sent.
+  /// The next frame to send, if any. Subscribed topics are served in turn. Without `with_news` it
+  /// returns only answers, the time, and messages of CLOUD and log, which must all be sent.
   [[nodiscard]] std::optional<Frame> next(bool with_news = true);
 
   /// Sends the client the time of the recording before the next frames.

@@ -24,8 +24,8 @@ struct Assembled {
   bool lost = false;           ///< the previous map or cloud was incomplete and has been dropped
 };
 
-/// Assembles MAP_2D. A revision contains the tiles that have changed and some of the others in
-/// turn, so the grid is complete after each tile was received once; until then the missing cells
+/// Assembles MAP_2D. A revision contains the tiles that have changed and, in turn, some of the
+/// others. So the grid is complete once each tile has been received; until then the missing cells
 /// are unknown.
 class GridAssembler {
  public:

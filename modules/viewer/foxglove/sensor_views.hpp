@@ -49,10 +49,11 @@ struct GridView {
 /// foxglove.Grid in frame map, one field `occupancy` (INT8).
 [[nodiscard]] Json grid(const GridView& view);
 
-/// Whether it has as many cells as it says, not too many, and a place.
+/// Whether the map has as many cells as it claims, not too many, and a finite origin.
 [[nodiscard]] bool is_valid(const nodmap::local_map_t& map);
 
-/// foxglove.Grid in frame odom, one field `kind` (INT8): local_map_t's number. The map is valid.
+/// foxglove.Grid in frame odom, with one field `kind` (INT8): the cell's value in local_map_t. The
+/// map must be valid.
 [[nodiscard]] Json local_map_grid(const nodmap::local_map_t& map);
 
 /// Occupied space as a dense grid: slices along z, rows along y, x fastest.

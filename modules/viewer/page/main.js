@@ -56,7 +56,7 @@ const measuring = new Measuring(byId("measure"), view, (text) => { byId("measure
 /** Starts, stops or restarts a process; asks first if this page would lose its server. */
 async function askProcess(what, command, program) {
   const isOurs = program === "nodmap-viewer" && what !== "start";
-  if (!isOurs || await confirmed(byId("confirm"), `Really ${what} the viewer? This page, and its STOP, come from it; a new viewer prints a new address.`)) {
+  if (!isOurs || await confirmed(byId("confirm"), `Really ${what} the viewer? It serves this page and its STOP button; a new viewer prints a new address.`)) {
     control.ask({do: `${what}_process`, command});
   }
 }

@@ -65,7 +65,7 @@ export class Playback {
     this.show(positionS);
   }
 
-  /** Space pauses and resumes, comma and full stop step; Space not while an element has the focus that Space would press. */
+  /** Space pauses and resumes; comma and full stop step. Ignores Space while the focus is on an element that Space would press. */
   onKey(event) {
     if (this.form.hidden || event.ctrlKey || event.altKey || event.metaKey) {
       return;

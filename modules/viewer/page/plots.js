@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A row of plots, by dygraphs (a global, because Debian's package has no module): live, the last minute; of a recording, all of it
-// with a cursor at the present time. Missing messages leave a gap.
+// A row of plots, drawn by dygraphs (a global, because Debian's package has no module). Live, they show the last minute; for a
+// recording, all of it, with a cursor at the present time. Missing messages leave a gap.
 
 import {element} from "./element.js";
 

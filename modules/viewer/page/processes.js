@@ -33,7 +33,7 @@ function stateOf({status, manager}, newestUs) {
     return {state: "running", level: 0, reason: ""};
   }
   if (newestUs - status.utime > 1e6 * SILENT_S) {
-    return {state: "silent", level: 1, reason: "has not reported for some seconds"};
+    return {state: "silent", level: 1, reason: "has not reported for several seconds"};
   }
   return {state: HEALTH[status.health] ?? "unknown", level: status.health, reason: status.health_reason};
 }
@@ -43,7 +43,7 @@ function refused({total_corrupt: corrupt, total_rejected: rejected}) {
   return [[corrupt, "corrupt"], [rejected, "rejected"]].filter(([count]) => count > 0).map(([count, what]) => `${count} ${what}`).join(", ");
 }
 
-/** The table's body. `ask(what, command, program)` starts, stops and restarts, `showOutput(command)` shows what it wrote; the buttons are there while `canControl`. */
+/** The table's body. `ask(what, command, program)` starts, stops or restarts a command; `showOutput(command)` shows its output. There are buttons while `canControl`. */
 export class Processes {
   constructor(body, ask, showOutput) {
     this.body = body;

@@ -39,8 +39,9 @@ export function isSoftware(gl) {
 }
 
 /**
- * Puts points into `pixels` (width columns, height rows from below). `m` is the column-major matrix to the image, `up` the
- * height of a point in the world as (a, b, c, d); `unit` is the distance's step a metre; `newness`, if not null, is the colour.
+ * Puts points into `pixels` (width columns, height rows from below). `m` is the column-major matrix to the image, `up` the height
+ * of a point in the world as (a, b, c, d); `unit` is the number of distance steps per metre; `newness` (0 to 1), if not null,
+ * determines the colour instead of the height.
  */
 export function splat(points, count, m, up, {pixels, width, height, unit, ceilingM, newness}) {
   const [a0, a1, , a3, b0, b1, , b3, c0, c1, , c3, d0, d1, , d3] = m;
@@ -74,7 +75,7 @@ export function splat(points, count, m, up, {pixels, width, height, unit, ceilin
   }
 }
 
-/** An object of the scene that shows a list of three.js's Points objects, as far as their draw ranges go. */
+/** An object of the scene that shows a list of three.js's Points objects, within their draw ranges. */
 export class SplatQuad extends Mesh {
   constructor(objects) {
     super(new PlaneBufferGeometry(1, 1), new ShaderMaterial({

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Whether the schemas describe what is sent, and how messages become JSON.
+// Tests that the schemas describe what is sent, and that messages are converted to JSON correctly.
 #include <gtest/gtest.h>
 
 #include <algorithm>
