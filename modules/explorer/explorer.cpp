@@ -26,8 +26,8 @@ constexpr double kSameFailureM = 0.7;
 constexpr double kSameVisitM = 0.4;
 /// Cost of rotating to the start of the path, in metres of driving.
 constexpr double kRotationMPerRad = 0.5;
-/// On the way home, a viewpoint must show this multiple of the minimum gain to be worth turning
-/// back.
+/// On the way home, a viewpoint is worth turning back for if it shows this multiple of the minimum
+/// gain.
 constexpr double kWorthGoingBack = 2.0;
 /// Distance at which a path's direction is measured.
 constexpr double kDirectionM = 0.4;
@@ -166,8 +166,8 @@ std::vector<Viewpoint> Explorer::find_tour(const Situation& now) {
   return by_tour && !found.empty() ? in_order(now, std::move(found)) : found;
 }
 
-/// The nearest viewpoint; the previous one is kept until the robot is there or nothing is left to
-/// be seen from it.
+/// The nearest viewpoint. The previous one is kept until the robot is there, or until nothing is
+/// left to see from it.
 std::vector<Viewpoint> Explorer::nearest_frontier(const Situation& now,
                                                   const std::vector<Cell>& lookouts) {
   const Eigen::Vector2d p_map = now.T_map_base.translation();

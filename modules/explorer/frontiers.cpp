@@ -8,7 +8,7 @@ namespace nodmap::explorer {
 namespace {
 
 /// How far frontier cells may be beyond the cells that the robot's centre can reach, because the
-/// laser sees farther than the body fits.
+/// laser sees into places where the body does not fit.
 constexpr double kBesideReachM = 0.4;
 constexpr int kFrontierBlockCells = 4;
 

@@ -15,8 +15,8 @@ namespace {
 constexpr time::Duration kDecisionPeriod = 500ms;
 /// The least time between decisions, when the navigator has just arrived.
 constexpr time::Duration kArrivalPeriod = 100ms;
-/// After this long without a pose of 2D SLAM nothing is decided. While the robot stands there is
-/// one a second.
+/// After this long without a pose of 2D SLAM nothing is decided. A stationary robot gets one a
+/// second.
 constexpr time::Duration kPoseTimeout = 5s;
 /// Period at which the goal is sent again, for a navigator that has missed it or was started later.
 constexpr time::Duration kGoalPeriod = 1s;

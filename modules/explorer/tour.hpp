@@ -25,17 +25,17 @@ struct Tour {
 /// Greatest number of stops, because each one doubles the computing time.
 inline constexpr std::size_t kMaxStops = 12;
 
-/// The tour of least cost over all stops, or among those that start with the stop `first`. Each
-/// metre costs the weight of the length plus the weights of all stops not yet visited, so that
-/// heavy stops are visited early: a mix of travelling salesman and travelling repairman. Exact, by
-/// dynamic programming over the subsets of stops (Held and Karp 1962). Throws std::invalid_argument
-/// beyond kMaxStops.
+/// The tour of least cost over all stops; with `first`, the cheapest of those that start with this
+/// stop. Each metre costs the weight of the length plus the weights of all stops not yet visited,
+/// so that heavy stops are visited early: a mix of travelling salesman and travelling repairman.
+/// Exact, by dynamic programming over the subsets of stops (Held and Karp 1962). Throws
+/// std::invalid_argument beyond kMaxStops.
 [[nodiscard]] Tour shortest_tour(const TourProblem& problem,
                                  std::optional<std::size_t> first = std::nullopt);
 
-/// Takes those parts out of a tour whose stops together weigh less than `min_weight_per_m` for each
-/// metre that is saved without them, the worst first. Parts that weigh `always_weight` or more
-/// stay.
+/// Removes parts of a tour, the worst first, whose stops together weigh less than
+/// `min_weight_per_m` for each metre that leaving them out saves. Parts that weigh `always_weight`
+/// or more stay.
 void leave_out_detours(const TourProblem& problem, double min_weight_per_m, double always_weight,
                        std::vector<std::size_t>& order);
 

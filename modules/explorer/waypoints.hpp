@@ -29,7 +29,8 @@ struct Goal {
                                       const Eigen::Vector2d& from_map, double tolerance_m);
 
 /// Leads the navigator along a path, from waypoint to waypoint without stops. The navigator knows
-/// the ground only where it has been; led around corners it need not guess what is behind walls.
+/// only the ground that it has seen itself. If it is led around corners, it need not guess what is
+/// behind walls.
 class Waypoints {
  public:
   explicit Waypoints(double tolerance_m) : tolerance_m_(tolerance_m) {}

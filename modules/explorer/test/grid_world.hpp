@@ -187,7 +187,7 @@ inline Exploration explore(GridWorld& world, const ExplorerParams& params, doubl
       result.seen_ratio = world.seen_ratio(floor);
     }
     const Eigen::Vector2d p = T_map_base.translation();
-    // As the navigator, the robot stays at a goal until there is another one.
+    // Like the navigator, the robot stays at a goal until there is another one.
     if (!decision.goal || (decision.goal->p_map - p).norm() <= decision.goal->tolerance_m) {
       continue;
     }
