@@ -28,7 +28,7 @@ struct RecorderSettings {
   LogNames names = LogNames::dated("lcmlog");
   std::int64_t split_bytes = 0;  ///< 0: never
   std::int64_t quota_bytes = 0;  ///< 0: none
-  /// Bytes to keep free on the disk; the oldest logs are deleted for this, too.
+  /// Bytes to keep free on the disk; for this, too, the oldest logs are deleted.
   std::int64_t reserve_bytes = 0;
   std::function<std::int64_t(const std::filesystem::path&)> available_bytes = &free_bytes;
 };
