@@ -19,11 +19,11 @@ enum class Alarm { kBumper, kTilt, kStall };
 /// Slows or stops the robot by the base's own sensors, without laser, map or network: the last
 /// protection against obstacles that the laser does not see, such as glass.
 ///
-/// Ranges limit the speed: the robot could stop GuardParams::near_m before the obstacle at half the
-/// deceleration that the wheels are capable of. Nearer than that it creeps, so that it can still
-/// pass where the laser sees free space. A silent sensor limits nothing, because not every KURT2
-/// has these sensors. Bumper, tilt and stalled motors raise an alarm once; a person must release
-/// the robot before it drives on.
+/// Ranges limit the speed so that, at half the deceleration that the wheels are capable of, the
+/// robot can stop GuardParams::near_m before the obstacle. Nearer than that it creeps, so that it
+/// can still pass where the laser sees free space. A silent sensor limits nothing, because not
+/// every KURT2 has these sensors. Bumper, tilt and stalled motors raise an alarm once; a person
+/// must release the robot before it drives on.
 class BaseGuard {
  public:
   BaseGuard(const GuardParams& params, const SpeedLimits& limits)

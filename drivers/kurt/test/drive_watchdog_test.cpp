@@ -65,7 +65,7 @@ TEST(DriveWatchdog, ADriveFromTheFutureIsNotObeyed) {
             DriveStatus::kFromFuture);
   EXPECT_FALSE(watchdog.command(kSteady).has_value());
   EXPECT_EQ(watchdog.offer(request(0.5, kWall + 5001us), kWall, kSteady), DriveStatus::kFromFuture);
-  // Clocks that differ a little do not lengthen its life.
+  // Clocks that differ slightly do not make it valid for longer.
   EXPECT_EQ(watchdog.offer(request(0.5, kWall + 5ms), kWall, kSteady), DriveStatus::kObeyed);
   EXPECT_FALSE(watchdog.command(kSteady + kTimeout).has_value());
 }

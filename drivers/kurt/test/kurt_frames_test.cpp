@@ -92,7 +92,7 @@ TEST(KurtFrames, TiltIsTheArcSineOfTheAccelerationAndBounded) {
   const auto tilted = std::get<Tilt>(decode(frame(0x0D, {0x87, 0xAE, 0x78, 0x52, 0, 0, 0, 0})));
   EXPECT_NEAR(tilted.roll_rad, geometry::deg_to_rad(30.0), 1e-12);
   EXPECT_NEAR(tilted.pitch_rad, geometry::deg_to_rad(-30.0), 1e-12);
-  // A shock of more than 1 g has no angle; the source takes NaN from it, we the end of the scale.
+  // A shock of more than 1 g has no angle: the source returns NaN, we the end of the scale.
   const auto shock = std::get<Tilt>(decode(frame(0x0D, {0xFF, 0xFF, 0, 0, 0, 0, 0, 0})));
   EXPECT_NEAR(shock.roll_rad, 0.5 * geometry::kPi, 1e-12);
   EXPECT_NEAR(shock.pitch_rad, -0.5 * geometry::kPi, 1e-12);

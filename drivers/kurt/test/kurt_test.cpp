@@ -211,7 +211,7 @@ TEST(Kurt, ASpoiltEncoderFrameIsBridged) {
   EXPECT_NEAR(robot.samples.back().state.T_odom_base.x - before_m, 0.5, kTickM);
 }
 
-// Frames keep arriving, but none of them tells what the wheels do: as bad as no frames at all.
+// Frames keep arriving, but none of them shows what the wheels do: as bad as no frames at all.
 TEST(Kurt, ABaseThatSendsNothingPlausibleIsToldToStop) {
   Robot robot;
   robot.run_for(500ms);

@@ -132,7 +132,7 @@ TEST(SlcanParser, DropsAndCountsByCause) {
   EXPECT_EQ(parser.counts().unknown, 4);
   EXPECT_TRUE(parse(parser, "T1111222281122334455667788EA5F0\r").empty());  // one too long
   EXPECT_EQ(parser.counts().too_long, 1);
-  // A lost end glues two lines together: both are gone, the next one is not.
+  // A lost line end joins two lines: both are lost, the next one is not.
   std::string glued(100, 't');
   glued.append("\rt1230\r");
   EXPECT_EQ(parse(parser, glued).size(), 1U);
@@ -164,7 +164,7 @@ TEST(SlcanParser, AfterARestartALineBegunIsForgotten) {
   EXPECT_EQ(parse(parser, "t4563112233\r").at(0).frame.id, 0x456U);
 }
 
-// Whatever comes, every line ends up in exactly one counter, and good lines get through.
+// Whatever arrives, every line is counted exactly once, and valid lines get through.
 TEST(SlcanParser, NoiseIsSurvivedAndCounted) {
   std::mt19937 random(5);
   SlcanParser parser;

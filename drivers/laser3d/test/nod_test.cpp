@@ -208,7 +208,7 @@ TEST(Nod, AGapInTheReadingsIsNoStall) {
   Head head;
   time::SteadyTime now;
   run(dut, head, 2.2, now);
-  now += 10s;  // the servo was gone and is back where it was
+  now += 10s;  // the servo was disconnected and is back at the same position
   static_cast<void>(dut.step({now, head.pitch_rad, 0.0}, now));
   EXPECT_FALSE(dut.stalled());
 }

@@ -18,7 +18,7 @@ namespace node_test {
 
 using serial::IoStatus;
 
-/// A line in memory: what it shares with the device behind it.
+/// A line in memory: the part that it shares with the device behind it.
 struct Wire {
   std::function<Bytes(const Bytes& request, int baud)> answer;
   Bytes to_host;

@@ -53,7 +53,7 @@ TEST(SickScan, Centimetres) {
   const SickScan scan = *read_scan(telegram_of(test::kThreeCm), k8m);
   EXPECT_FLOAT_EQ(scan.ranges_m[0], 0.01F);
   EXPECT_FLOAT_EQ(scan.ranges_m[2], 0.03F);
-  EXPECT_DOUBLE_EQ(scan.range_max_m, 80.0);  // 81.82 could be told, but the optics end at 80
+  EXPECT_DOUBLE_EQ(scan.range_max_m, 80.0);  // 81.82 could be encoded, but the optics reach only 80
 }
 
 TEST(SickScan, WholeScansOfBothResolutions) {

@@ -85,7 +85,7 @@ TEST(SickParser, AnyCutGivesTheSameEvents) {
 }
 
 TEST(SickParser, FindsATelegramInsideAFalseOne) {
-  // A false start whose length reaches over two whole telegrams, which must both come out.
+  // A false start whose length spans two whole telegrams; both must be found.
   const Bytes false_start = hex("02 80 30 00 BA");
   const Bytes stream = false_start + test::kModeOk + test::kVariant180x100 + Bytes(60, 0x00);
   const std::vector<SickEvent> events = parse(stream);
@@ -213,7 +213,7 @@ TEST(SickCrc, NoticesEverySingleWrongByte) {
 }
 
 TEST(SickCrc, MissesAnErrorFollowedByItsDouble) {
-  // The known weakness, pinned so that nobody takes the checksum for more than it is.
+  // The known weakness of the checksum, recorded here so that nobody relies on more than it can do.
   Bytes frame = test::kConfig;
   const std::uint16_t crc = trailing_crc(frame);
   frame[9] ^= 0x03;
