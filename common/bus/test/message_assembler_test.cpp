@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Datagrams as bytes, those that crash liblcm among them: no network.
+// Feeds datagrams as bytes, without a network, including those that crash liblcm.
 #include "common/bus/message_assembler.hpp"
 
 #include <gtest/gtest.h>
@@ -143,8 +143,8 @@ TEST_F(Assembler, AFragmentLiesWithinItsMessage) {
   EXPECT_EQ(assembler_.pending_bytes(), 0U);
 }
 
-// Each fragment lies within the message, and together they are as long as it, but bytes 500 to 1000
-// were never received.
+// Each fragment lies within the message and their lengths add up, but bytes 500 to 1000 were never
+// received.
 TEST_F(Assembler, AMessageWithAGapIsNone) {
   EXPECT_EQ(take(fragment({.message_bytes = 1500, .count = 2},
                           std::string(kChannel) + std::string(1000, 'x'))),
@@ -221,8 +221,8 @@ TEST_F(Assembler, SendersDoNotMix) {
   EXPECT_EQ(take(fragment(second, thousand)), "SCAN=" + thousand + thousand);
 }
 
-// Whatever is received: no crash (under sanitizers: no read of bytes that were not received), no
-// memory beyond the limit.
+// Whatever is received, there is no crash (under sanitizers: no read of bytes that were not
+// received) and no memory use beyond the limit.
 TEST_F(Assembler, DamagedFragmentsOfRandomKind) {
   std::mt19937 random(5);
   const std::string thousand(1000, 'x');

@@ -21,7 +21,7 @@ concept Subtractable = requires(A a, B b) {
   a - b;
 };
 
-// What used to be one integer type can no longer be confused.
+// The types cannot be confused.
 static_assert(Comparable<Timestamp, Timestamp> && Subtractable<Timestamp, Timestamp>);
 static_assert(!Comparable<Timestamp, SteadyTime> && !Subtractable<Timestamp, SteadyTime>);
 static_assert(!std::convertible_to<Timestamp, SteadyTime>);

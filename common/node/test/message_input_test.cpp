@@ -76,14 +76,14 @@ TEST_F(SensorInputTest, OdometryThatFallsBackBeganAnew) {
     EXPECT_TRUE(input_.read(odometry).has_value());
     return input_.odometry_restarted();
   };
-  EXPECT_FALSE(began_anew(7));  // the first there is
+  EXPECT_FALSE(began_anew(7));  // the first message
   EXPECT_FALSE(began_anew(8));
-  EXPECT_FALSE(began_anew(8));   // a publisher that does not count
-  EXPECT_FALSE(began_anew(12));  // a loss is no new beginning
+  EXPECT_FALSE(began_anew(8));   // a publisher that does not number its messages
+  EXPECT_FALSE(began_anew(12));  // a loss is not a restart
   EXPECT_TRUE(began_anew(0));
   EXPECT_FALSE(began_anew(1));
 
-  // The first of the new frame cannot be used: the next one is still the first that can.
+  // The first message of the new frame cannot be used, so the next one counts as the first.
   nodmap::odometry_t no_pose{};
   no_pose.odometry_seq = 0;
   EXPECT_FALSE(input_.read(no_pose).has_value());

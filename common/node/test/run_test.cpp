@@ -23,7 +23,7 @@ struct EchoParams {
   }
 };
 
-/// Answers each odometry message; the smallest thing that is a node.
+/// Answers each odometry message: the smallest complete node.
 class EchoNode : public Node {
  public:
   using Params = EchoParams;

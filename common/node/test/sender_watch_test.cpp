@@ -55,8 +55,8 @@ TEST(SenderWatch, TwoSendersAreNoticedWhateverTheNumbersOfTheSecond) {
   }
 }
 
-// It sends the number that comes next: first a message of its own, then the right one is a
-// stranger.
+// The second sender guesses the next number, so its message is accepted and the legitimate one is
+// the stranger.
 TEST(SenderWatch, ASecondSenderThatCopiesTheNumbersIsNoticed) {
   SenderWatch watch;
   std::int64_t seq = 5000;
@@ -87,7 +87,8 @@ TEST(SenderWatch, ItIsOverASecondAfterTheSecondSenderHasEnded) {
   EXPECT_TRUE(watch.follow(seq, now));
 }
 
-// A wall clock that was an hour ahead: what it said of the future must not hold for an hour.
+// A clock that was an hour ahead is set back: the conflict noted at the later time must not last
+// for an hour.
 TEST(SenderWatch, AClockThatIsSetBackForgets) {
   SenderWatch watch;
   constexpr time::SteadyTime kLater(1h);
