@@ -24,7 +24,7 @@ constexpr std::uint8_t kStatistics = 0x0B;
 constexpr std::uint8_t kSummaryOffset = 0x0E;
 constexpr std::uint8_t kDataEnd = 0x0F;
 
-/// How much a reader has to unpack for one message: some seconds of the robot's data.
+/// How much a reader must unpack to get one message: a few seconds of the robot's data.
 constexpr std::size_t kChunkBytes = std::size_t{1} << 20U;
 
 /// Builds the content of a record: little-endian numbers, and strings preceded by their length.

@@ -19,7 +19,7 @@ struct McapChannel {
   std::string schema;  ///< JSON Schema
 };
 
-/// Writes MCAP, the container of Foxglove: messages in chunks compressed with zstd, indexes with
+/// Writes MCAP, Foxglove's container format: messages in chunks compressed with zstd, indexes by
 /// which a reader finds a time or a topic without reading the rest, and statistics. Source:
 /// https://mcap.dev/spec
 class McapWriter {

@@ -8,7 +8,7 @@
 
 namespace nodmap::convert {
 
-/// Smaller readings are not distances: a SICK sends small numbers for errors.
+/// Smaller readings are not distances: a SICK reports errors as small numbers.
 inline constexpr double kSickRangeMinM = 0.05;
 
 /// Readings from here on mean "no echo" in the measuring mode of KURT3D.

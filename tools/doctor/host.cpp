@@ -79,7 +79,7 @@ Finding check_clock(bool is_synchronized) {
     return {"clock", Status::kOk, "The clock is synchronised.", ""};
   }
   return {"clock", Status::kWarn,
-          "The clock is not synchronised, which matters as soon as there is a second host.",
+          "The clock is not synchronised, which matters when there is a second host.",
           "sudo apt install systemd-timesyncd; sudo timedatectl set-ntp true"};
 }
 

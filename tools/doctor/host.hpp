@@ -16,8 +16,7 @@ namespace nodmap::doctor {
                                     bool is_present, const std::string& purpose,
                                     const std::string& command);
 
-/// Checks whether the start script of lcm-spy works with present versions of Java. Empty: not
-/// installed.
+/// Checks whether lcm-spy's start script works with current versions of Java. Empty: not installed.
 [[nodiscard]] Finding check_spy_script(const std::optional<std::string>& script);
 
 /// Checks the disk space for recordings, and how long it lasts at our rates.

@@ -25,16 +25,16 @@ struct CloudErrors {
   double completeness = 0.0;
 };
 
-/// How well what moved was removed from a cloud, without what stays (Zhang et al., A Dynamic Points
-/// Removal Benchmark in Point Cloud Maps, 2023). What is farther than kOutlierM from every surface
-/// of the world counts as moving.
+/// How completely moving points were removed from a cloud, and static points kept (Zhang et al., A
+/// Dynamic Points Removal Benchmark in Point Cloud Maps, 2023). A point farther than kOutlierM from
+/// every surface of the world counts as moving.
 struct RemovalErrors {
-  double static_kept = 1.0;      ///< share of the points that stay (SA)
-  double dynamic_removed = 1.0;  ///< share of the points that moved (DA)
+  double static_kept = 1.0;      ///< share of the static points that were kept (SA)
+  double dynamic_removed = 1.0;  ///< share of the moving points that were removed (DA)
   double associated = 1.0;       ///< geometric mean of both (AA)
 };
 
-/// From the errors of the cloud before and after.
+/// Computed from the errors of the cloud before and after the removal.
 [[nodiscard]] RemovalErrors measure_removal(const CloudErrors& before, const CloudErrors& after);
 
 /// Measures a cloud, registered in map; all zero for an empty one.

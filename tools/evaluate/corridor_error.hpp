@@ -17,10 +17,10 @@ struct CorridorErrors {
   double heading_error_rad = 0.0;  ///< largest error of the heading, of all poses
 };
 
-/// The axis leads from the first to the last true position. The errors of a map are those of the
-/// poses at which its scans were entered, so these are measured. The bow includes the sideways
-/// error of the far end caused by a wrong first heading or a slow drift. Empty without pairs, or if
-/// the true path is too short (1 m) to define an axis.
+/// The axis leads from the first to the last true position. A map has the errors of the poses at
+/// which its scans were entered, so these poses are measured. The bow includes the sideways error
+/// of the far end caused by a wrong first heading or a slow drift. Empty without pairs, or if the
+/// true path is too short (1 m) to define an axis.
 [[nodiscard]] std::optional<CorridorErrors> measure_corridor(const std::vector<PosePair>& pairs);
 
 }  // namespace nodmap::evaluate

@@ -177,7 +177,7 @@ void add_commands(CLI::App& app, Arguments& arguments) {
 
   CLI::App* corridor = add_against_truth(
       app, arguments, "corridor",
-      "Errors of length, bow and heading of a corridor's map, from the trajectory, as JSON");
+      "Errors in length, bow and heading of a corridor's map, from the trajectory, as JSON");
   corridor->callback([&arguments] { arguments.work = [&] { print_corridor(arguments); }; });
 
   CLI::App* cloud = app.add_subcommand(
@@ -191,8 +191,9 @@ void add_commands(CLI::App& app, Arguments& arguments) {
       ->add_option("--start", arguments.start,
                    "X Y YAW_DEG: the map's origin in the world; default: the robot's start")
       ->expected(3);
-  cloud->add_option("--unfiltered", arguments.unfiltered,
-                    "The same cloud with all that moved: reports also what was kept and removed");
+  cloud->add_option(
+      "--unfiltered", arguments.unfiltered,
+      "The same cloud with its moving points: also reports what was kept and removed");
   cloud->callback([&arguments] { arguments.work = [&] { print_cloud(arguments); }; });
 
   CLI::App* relocalise =

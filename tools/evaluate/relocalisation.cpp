@@ -52,7 +52,8 @@ void for_each_level_scan(const std::filesystem::path& log,
   }
 }
 
-/// Successive level scans with their points, which each of them holds only until the next.
+/// Successive level scans with copies of their points, because a scan's points are valid only until
+/// the next scan.
 class Group {
  public:
   void add(const slam2d::LevelScan& scan) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// nodmap-explore: starts the exploration, which ends when everything has been seen and the robot is
-// back; with --end, ends it.
+// nodmap-explore: starts an exploration, which ends when everything has been seen and the robot is
+// back; with --end, ends it now.
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <iostream>

@@ -84,7 +84,7 @@ class Guide {
       bus_.handle(kLongestWait);
     }
     if (is_overruled_) {
-      std::cerr << "nodmap-goal: another process has sent a goal, to which the robot drives now\n";
+      std::cerr << "nodmap-goal: another process has sent a goal, and the robot now drives there\n";
     }
     return route_.is_over() && route_.num_missed() == 0 ? 0 : 1;
   }
@@ -166,8 +166,8 @@ int main(int argc, char** argv) {
                           "Start again after the last, until Ctrl-C; then the robot stays at the "
                           "waypoint that it drives to");
              app.add_option("--tolerance", arguments.tolerance_m,
-                            "Distance at which a waypoint is reached, metres; default 0.2, with "
-                            "--heading 0.02 for the last one")
+                            "Distance at which a waypoint counts as reached, metres; default 0.2; "
+                            "with --heading, 0.02 for the last one")
                  ->check(CLI::Range(0.01, 10.0));
              app.add_option("--heading", arguments.heading_deg,
                             "Dock at the last waypoint with this heading in map, degrees, 0 along "

@@ -17,8 +17,8 @@ class Route {
   enum class Event : std::uint8_t { kNone, kReached, kMissed };
 
   /// `waypoints_map`: at least one, metres in map. With `is_patrol` the first follows after the
-  /// last. A waypoint is missed when there was no path for `patience`, because the navigator looks
-  /// around before it gives a path up, and a door may open.
+  /// last. A waypoint is missed only after `patience` without a path, because the navigator looks
+  /// around before it gives up a path, and a door may open.
   Route(std::vector<Eigen::Vector2d> waypoints_map, bool is_patrol, time::Duration patience,
         time::SteadyTime now);
 

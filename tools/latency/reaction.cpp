@@ -92,7 +92,7 @@ void Reaction::hear_map(std::span<const std::byte> data, time::Timestamp receive
     return;  // its scan was sent before we listened
   }
   const time::Timestamp scan_received = scan->second;
-  // Earlier scans that were skipped will not be answered, either.
+  // Earlier scans that were skipped will not be answered either.
   open_scans_.erase(open_scans_.begin(), std::next(scan));
   scan_to_map_.push_back({received, received - scan_received});
   push_bounded(open_maps_, {time::from_utime(map_.utime), scan_received});

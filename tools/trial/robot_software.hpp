@@ -35,8 +35,7 @@ class Process {
   void spin_once();
 
   void start();
-  /// As kill -9: the state is lost and nothing is written. The lines of a driver must be cut
-  /// before.
+  /// Like kill -9: the state is lost and nothing is written. A driver's lines must be cut first.
   void kill() { running_.reset(); }
 
   /// Message counts and the module's own metrics, without latencies, which depend on the wall

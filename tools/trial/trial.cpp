@@ -63,7 +63,7 @@ class GoalPublisher {
   std::size_t num_reached_ = 0;
 };
 
-/// The processes to omit. The explorer runs only on request, and then starts at once.
+/// The processes to omit. The explorer runs only on request, and then begins at once.
 std::set<std::string> without(const TrialSetup& setup) {
   std::set<std::string> names = setup.without;
   if (!setup.explores) {

@@ -67,8 +67,8 @@ class Display {
   time::SteadyTime next_{};
 };
 
-/// Returns true after the full duration; false if no scan was received, it was stopped before, or
-/// the robot is not home.
+/// Returns true after the full duration; false if no scan was received, if it was stopped early, or
+/// if the robot is not home.
 bool watch(const Arguments& arguments, const std::string& lcm_url, Overview& overview) {
   bus::LiveBus bus(lcm_url);
   listen_to_all(bus, overview);

@@ -112,7 +112,7 @@ TEST(CloudError, CompletenessIsTheShareThatWasSeen) {
   EXPECT_NEAR(errors.completeness, (1.0 + 4.0 * 2.0 / 20.0) / 6.0, 1e-9);
 }
 
-// By hand: of 80 points that stay 76 are kept, of 20 that moved 5.
+// By hand: of 80 static points 76 are kept, of 20 moving points 5.
 TEST(RemovalErrors, SharesOfWhatStaysAndOfWhatMoved) {
   const RemovalErrors errors =
       measure_removal({.n = 100, .outlier_share = 0.2}, {.n = 81, .outlier_share = 5.0 / 81.0});

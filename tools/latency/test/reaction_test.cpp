@@ -91,7 +91,7 @@ TEST_F(ReactionTest, AScanWithoutAMapIsLeftOut) {
 TEST_F(ReactionTest, CountsWhatIsMissingAndWhatIsBroken) {
   hear_scan(1, 0);
   hear_scan(4, 1);
-  hear_scan(0, 2);  // started anew: nothing was lost
+  hear_scan(0, 2);  // restarted: nothing was lost
   hear_drive(3, 0, 3);
   hear_drive(5, 0, 4);
   reaction_.hear("SCAN", {}, time::from_utime(5));

@@ -120,7 +120,7 @@ struct Loss {
   }
 };
 
-// Each device and each process that driving depends on, lost at speed.
+// Loses each device and each process that driving depends on, at speed.
 class Losing : public TrialTest, public ::testing::WithParamInterface<Loss> {};
 
 TEST_P(Losing, APartStopsTheRobotAndItGoesOnAfterwards) {
@@ -136,7 +136,7 @@ TEST_P(Losing, APartStopsTheRobotAndItGoesOnAfterwards) {
   const StopMetrics stop = stop_metrics(outcome.record, loss, deceleration_mps2);
   ASSERT_GT(stop.speed_mps, 0.5) << "as fast as the floor seen ahead allows";
   ASSERT_TRUE(stop.stopped_after_s);
-  // The limit for the whole robot: it brakes within 300 ms, in which it goes on at its speed.
+  // The limit for the whole robot: it keeps its speed for at most 300 ms, then brakes.
   constexpr double kReactionS = 0.3;
   EXPECT_LE(*stop.stopped_after_s - stop.speed_mps / deceleration_mps2, kReactionS);
   EXPECT_LE(stop.distance_m - stop.braking_distance_m, kReactionS * stop.speed_mps);
@@ -159,8 +159,8 @@ TEST_F(TrialTest, SlamsKeepTheirPlaceWhenTheBaseDriverIsStartedAnew) {
   trial.without.clear();
   trial.kills.push_back({"kurt", time::SteadyTime(8s), 2s});
   const auto result = summarise(trial, run(trial), dir_.path());
-  // Odometry has lost the path before its restart. The distance in which the robot brakes without
-  // odometry is unknown to all, and along a corridor nothing reveals it.
+  // Odometry has lost the path before its restart. No process knows the distance in which the robot
+  // brakes without odometry, and along a corridor nothing reveals it.
   EXPECT_GT(result["odometry"]["end_error_m"], 2.0);
   EXPECT_LE(result["slam2d"]["end_error_m"], 0.5);
   EXPECT_LE(result["slam6d"]["end_error_m"], 0.5);

@@ -37,9 +37,9 @@ TEST(Rate, CountsTheLastSecond) {
 
 TEST(Overview, AddsUpTheDistanceWithoutJumps) {
   Overview overview;
-  overview.hear(odometry_at(5.0, 5.0, 0.0), at(0s));  // where it starts is no way
+  overview.hear(odometry_at(5.0, 5.0, 0.0), at(0s));  // the first position adds no distance
   overview.hear(odometry_at(5.3, 5.4, -1.5), at(1us));
-  overview.hear(odometry_at(0.0, 0.0, 0.0), at(2us));  // the driver was started anew
+  overview.hear(odometry_at(0.0, 0.0, 0.0), at(2us));  // the driver was restarted
   overview.hear(odometry_at(0.0, 0.1, 0.5), at(3us));
   EXPECT_NEAR(overview.distance_m(), 0.6, 1e-12);
   EXPECT_DOUBLE_EQ(overview.forward_mps(), 0.5);
