@@ -35,8 +35,8 @@ ChildProcess::ChildProcess(const std::vector<std::string>& command, const Option
   if (::pipe(pipe.data()) != 0) {
     throw std::system_error(errno, std::system_category(), "pipe");
   }
-  // Nobody reads while a test waits for something else: room for what a deputy says of 200
-  // restarts.
+  // Nobody reads while a test waits for something else, so the pipe has room for a deputy's
+  // messages about 200 restarts.
   constexpr int kPipeBytes = 1 << 20;
   ::fcntl(pipe[1], F_SETPIPE_SZ, kPipeBytes);
   pid_ = ::fork();
@@ -87,7 +87,7 @@ std::optional<int> ChildProcess::wait_for_end(milliseconds timeout) {
     if (SteadyClock::now() >= deadline) {
       return std::nullopt;
     }
-    // Also the pause between two looks, and keeps the pipe from filling up.
+    // Pauses between two checks, and keeps the pipe from filling up.
     if (!read_some(milliseconds(2))) {
       ::usleep(1000);
     }
@@ -98,7 +98,7 @@ std::optional<int> ChildProcess::wait_for_end(milliseconds timeout) {
   return exit_code_;
 }
 
-/// False when nothing came in time, or nothing can come any more.
+/// Returns false if nothing arrived in time, or if the program has closed its stderr.
 bool ChildProcess::read_some(milliseconds timeout) {
   struct pollfd waiting {
     stderr_fd_, POLLIN, 0

@@ -12,11 +12,11 @@
 
 namespace nodmap::test {
 
-/// Longest wait for an event that takes milliseconds or seconds on an idle machine. It makes no
-/// test longer, and none passes because of it.
+/// Longest wait for an event that takes milliseconds or seconds on an idle machine. A test that
+/// passes never waits this long.
 inline constexpr std::chrono::milliseconds kPatience{120'000};
 
-/// A program started by a test; killed at the end of its life if it still runs.
+/// A program started by a test. The destructor kills it if it is still running.
 class ChildProcess : private boost::noncopyable {
  public:
   struct Options {
@@ -29,13 +29,13 @@ class ChildProcess : private boost::noncopyable {
   ChildProcess(const std::vector<std::string>& command, const Options& options);
   ~ChildProcess();
 
-  /// Reads what it says on stderr until `text` is among it. False when it does not come in time.
+  /// Reads its stderr until `text` appears. Returns false if it does not appear in time.
   [[nodiscard]] bool wait_for_stderr(const std::string& text, std::chrono::milliseconds timeout);
 
   void send_signal(int signal) const;
 
-  /// Its exit code, or 128 and the signal that ended it; nothing when it does not end in time. May
-  /// be asked again.
+  /// Its exit code, or 128 plus the signal that ended it; empty if it does not end in time. May be
+  /// called again.
   [[nodiscard]] std::optional<int> wait_for_end(std::chrono::milliseconds timeout);
 
   [[nodiscard]] const std::string& said() const { return said_; }
