@@ -68,7 +68,7 @@ TEST(Codec, RoundTripsStringsAndTwoDimensions) {
 }
 
 // lcm-gen's decoder leaves an array as it was when the count is 0.
-TEST(Codec, AMessageUsedAgainKeepsNothingOfTheLast) {
+TEST(Codec, AReusedMessageKeepsNothingOfTheLast) {
   nodmap::scan_t scan{};
   ASSERT_TRUE(decode_into(scan, encoded(sample_scan())));
   ASSERT_TRUE(decode_into(scan, encoded(nodmap::scan_t{})));

@@ -160,7 +160,7 @@ TEST(EventLog, NeverOverwrites) {
 }
 
 // A limit on the size of files stands in for a disk that is full: write() fails in the same way.
-TEST(EventLog, AFullDiskIsReportedAndKeepsWhatIsWritten) {
+TEST(EventLog, AFullDiskIsReportedAndKeepsTheWrittenEvents) {
   const test::TemporaryDir dir;
   const auto file = dir.path() / "a.lcmlog";
   struct rlimit before {};

@@ -29,7 +29,7 @@ TEST(LatencyMeter, PercentilesWithinABin) {
   EXPECT_EQ(summary.count, 1000);
 }
 
-TEST(LatencyMeter, TakesZeroNegativeAndHoursInItsStride) {
+TEST(LatencyMeter, AcceptsZeroNegativeAndHours) {
   LatencyMeter meter;
   meter.record(nanoseconds(0));
   meter.record(nanoseconds(-5));
@@ -38,7 +38,7 @@ TEST(LatencyMeter, TakesZeroNegativeAndHoursInItsStride) {
   EXPECT_DOUBLE_EQ(meter.summary().max_us, 86400e6);
 }
 
-TEST(LatencyMeter, TakeStartsAfresh) {
+TEST(LatencyMeter, TakeClearsTheHistogram) {
   LatencyMeter meter;
   meter.record(microseconds(5));
   EXPECT_EQ(meter.take().count, 1);

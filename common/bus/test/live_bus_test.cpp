@@ -38,7 +38,7 @@ TEST(LiveBus, DeliversTypedMessages) {
 }
 
 // Trap: the channel given to subscribe is a regular expression.
-TEST(LiveBus, ChannelNamesAreNoPatterns) {
+TEST(LiveBus, ChannelNamesAreNotPatterns) {
   LiveBus bus("memq://");
   int seen = 0;
   for (const char* channel : {"LASER.1", "A|B", "X*", "P[0]", "Q(1)", "R\\d", "S+", "T?", "^U$"}) {
@@ -57,7 +57,7 @@ TEST(LiveBus, ChannelNamesAreNoPatterns) {
 }
 
 // Trap: an exception that leaves a handler makes the next lcm_handle() abort the process.
-TEST(LiveBus, AnExceptionComesOutOfHandleAndTheBusLivesOn) {
+TEST(LiveBus, AnExceptionLeavesHandleAndTheBusStaysUsable) {
   LiveBus bus("memq://");
   int seen = 0;
   bus.subscribe<nodmap::odometry_t>("ODOMETRY", [&](const nodmap::odometry_t& message) {
@@ -156,7 +156,7 @@ TEST(LiveBus, AFloodDoesNotKeepTheCallerForEver) {
   EXPECT_EQ(bus.handle(milliseconds(0)), 1000);
 }
 
-TEST(LiveBus, ThePollHandleTellsOfAWaitingMessage) {
+TEST(LiveBus, ThePollHandleSignalsAWaitingMessage) {
   LiveBus bus("memq://");
   bus.subscribe<nodmap::odometry_t>("ODOMETRY", [](const nodmap::odometry_t&) {});
   pollfd entry{bus.poll_handle(), POLLIN, 0};

@@ -42,7 +42,7 @@ class LogPlayerTest : public ::testing::Test {
   std::string heard_;
 };
 
-TEST_F(LogPlayerTest, HandsOverWhatHasBeenReached) {
+TEST_F(LogPlayerTest, DeliversEventsUpToThePosition) {
   LogPlayer player({log("a", {0, 100, 200}, 'a')});
   hear(player);
   EXPECT_TRUE(player.catch_up(kMany));
@@ -82,7 +82,7 @@ TEST_F(LogPlayerTest, SpeedAndPause) {
   EXPECT_EQ(player.speed(), LogPlayer::kMinSpeed);
 }
 
-TEST_F(LogPlayerTest, SeekingBackBeginsAnew) {
+TEST_F(LogPlayerTest, SeekingBackStartsAgain) {
   LogPlayer player({log("a", {0, 100, 200}, 'a')});
   hear(player);
   EXPECT_FALSE(player.seek(200us));
@@ -95,7 +95,7 @@ TEST_F(LogPlayerTest, SeekingBackBeginsAnew) {
   EXPECT_EQ(player.position(), 200us);
 }
 
-TEST_F(LogPlayerTest, MuchIsHandedOverInParts) {
+TEST_F(LogPlayerTest, ManyEventsAreDeliveredInParts) {
   LogPlayer player({log("a", {0, 1, 2, 3}, 'a')});
   hear(player);
   player.advance(10us);

@@ -134,7 +134,7 @@ TEST_F(LoopBusTest, ADestroyedBusReceivesNothing) {
   EXPECT_EQ(got_, (std::vector<std::int64_t>{1}));
 }
 
-TEST_F(LoopBusTest, CountsAndDropsWhatIsNoMessageOfTheType) {
+TEST_F(LoopBusTest, CountsAndDropsMessagesOfAnotherType) {
   note(receiver_);
   sender_.publish("DRIVE", nodmap::save_request_t{});
   network_.set_time(at(1ms));

@@ -145,7 +145,7 @@ TEST_F(Assembler, AFragmentLiesWithinItsMessage) {
 
 // Each fragment lies within the message and their lengths add up, but bytes 500 to 1000 were never
 // received.
-TEST_F(Assembler, AMessageWithAGapIsNone) {
+TEST_F(Assembler, AMessageWithAGapIsDropped) {
   EXPECT_EQ(take(fragment({.message_bytes = 1500, .count = 2},
                           std::string(kChannel) + std::string(1000, 'x'))),
             "");
@@ -192,7 +192,7 @@ TEST_F(Assembler, ManyFragmentsOfNothing) {
   EXPECT_EQ(assembler_.pending_bytes(), 0U);
 }
 
-TEST_F(Assembler, WhatWaitsIsBoundedInNumberAndBytes) {
+TEST_F(Assembler, IncompleteMessagesAreBoundedInNumberAndBytes) {
   for (std::uint16_t port = 0; port < 1000; ++port) {
     const std::size_t size = port % 2 == 0 ? MessageAssembler::kMaxMessageBytes : 3000;
     EXPECT_EQ(

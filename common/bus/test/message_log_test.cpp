@@ -67,7 +67,7 @@ TEST_F(MessageLog, TheOldFileStaysUntilTheNewOneIsComplete) {
   EXPECT_EQ(std::distance(fs::directory_iterator(dir_.path()), fs::directory_iterator()), 1);
 }
 
-TEST_F(MessageLog, WhatAKilledProcessLeftBehindIsReplaced) {
+TEST_F(MessageLog, TheFileThatAKilledProcessLeftIsReplaced) {
   std::ofstream(file_.string() + ".part") << "half of one";
   write({"a"});
   EXPECT_EQ(read(), std::vector<std::string>{"a"});
@@ -83,13 +83,13 @@ TEST_F(MessageLog, ErrorsHaveACode) {
   EXPECT_FALSE(fs::exists(file_.string() + ".part"));
 }
 
-TEST_F(MessageLog, HalfAFileIsNone) {
+TEST_F(MessageLog, ATruncatedFileIsAnError) {
   write({"a", "b"});
   fs::resize_file(file_, fs::file_size(file_) - 1);
   EXPECT_THROW((void)read(), formats::InputFileError);
 }
 
-TEST_F(MessageLog, AnotherMessageIsNamed) {
+TEST_F(MessageLog, AWrongMessageIsNamed) {
   {
     MessageLogWriter writer(file_);
     writer.write(time::from_utime(7), "SAVE_REQUEST", stop_t{});

@@ -47,7 +47,7 @@ TEST(ReplayBus, AnswersAreStampedWithTheTimeOfTheLog) {
   EXPECT_EQ(reader.next(), nullptr);
 }
 
-TEST(ReplayBus, CountsCorruptMessagesAndPassesOthersBy) {
+TEST(ReplayBus, CountsCorruptMessagesAndSkipsOtherChannels) {
   const test::TemporaryDir dir;
   {
     LogWriter writer(dir.path() / "in");

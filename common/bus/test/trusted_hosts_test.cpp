@@ -50,7 +50,7 @@ TEST(TrustedHosts, AnInterfaceThatGetsItsAddressLaterIsKnownWithinASecond) {
   EXPECT_TRUE(hosts.contains(address(10, 0, 0, 1), kStart + milliseconds(1000)));
 }
 
-TEST(TrustedHosts, WhatIsNoAddressIsAnError) {
+TEST(TrustedHosts, AnInvalidAddressIsAnError) {
   for (const char* text :
        {"robot", "10.0.0", "10.0.0.2/33", "10.0.0.2/", "10.0.0.2/-1", "10.0.0.256", ","}) {
     EXPECT_THROW(TrustedHosts{text}, std::runtime_error) << text;

@@ -15,7 +15,7 @@ TEST(UdpmUrl, ReadsAllParts) {
   EXPECT_EQ(url->receive_buffer_bytes, 100);
 }
 
-TEST(UdpmUrl, TakesLcmsDefaultsForWhatIsMissing) {
+TEST(UdpmUrl, MissingPartsGetLcmsDefaults) {
   for (const char* text : {"udpm://", "udpm://239.255.76.67", "udpm://239.255.76.67:7667",
                            "udpm://:7667", "udpm://239.255.76.67:7667?ttl=0"}) {
     const auto url = parse_udpm_url(text);
@@ -27,7 +27,7 @@ TEST(UdpmUrl, TakesLcmsDefaultsForWhatIsMissing) {
   }
 }
 
-TEST(UdpmUrl, OthersAreNone) {
+TEST(UdpmUrl, OtherUrlsAreRefused) {
   for (const char* text :
        {"", "memq://", "file:///tmp/log", "udpm://300.0.0.1:7667", "udpm://239.255.76.67:70000",
         "udpm://somewhere:7667", "udpm://239.255.76.67:99999999999999"}) {

@@ -28,7 +28,7 @@ TEST(Image, DrawsInsideAndCutsOutside) {
   EXPECT_EQ(image.at(7, 0), kWhite);
 }
 
-TEST(Image, SurvivesWhatIsNoNumber) {
+TEST(Image, SurvivesCoordinatesThatAreNotFinite) {
   Image image(4, 4);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   image.draw_line(nan, 0, 1, 1, kRed);

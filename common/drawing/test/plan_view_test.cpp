@@ -60,7 +60,7 @@ TEST(PlanView, ConvexPolygonsHaveTheirArea) {
   EXPECT_LE(count(view.image(), kRed), 41 * 21);
 }
 
-TEST(PlanView, GridCellsAreWhereTheyAre) {
+TEST(PlanView, GridCellsAreDrawnInTheirPlaces) {
   PlanView view(square(1.0), 10.0);
   view.draw_grid({.origin = {0.0, 0.0},
                   .cell_size_m = 0.5,

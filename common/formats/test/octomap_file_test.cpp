@@ -87,7 +87,7 @@ TEST(OctomapFile, AnEmptyTreeHasNone) {
   EXPECT_TRUE(space->cubes.empty());
 }
 
-TEST(OctomapFile, CutOffAnywhereItIsNone) {
+TEST(OctomapFile, TruncatedAnywhereItIsRefused) {
   octomap::OcTree tree = some_tree();
   const std::string file = file_of(tree);
   const std::size_t head = file.find("data\n") + 5;

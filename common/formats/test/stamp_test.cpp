@@ -16,7 +16,7 @@ TEST(Stamp, IsExactToTheMicrosecond) {
   EXPECT_EQ(parse_stamp("1.2345678"), time::from_utime(1'234'567));
 }
 
-TEST(Stamp, RefusesWhatIsNoDecimalNumber) {
+TEST(Stamp, RefusesAnythingButADecimalNumber) {
   for (const char* text :
        {"", "-", ".", ".5", "1e9", "nan", "12:30", "1.2.3", "--1", "+1", "1 ", "1234567890123"}) {
     EXPECT_FALSE(parse_stamp(text)) << text;

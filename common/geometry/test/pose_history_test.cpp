@@ -16,7 +16,7 @@ time::Timestamp at(time::Duration since_epoch) {
   return time::Timestamp(since_epoch);
 }
 
-TEST(PoseHistory, EmptyAnswersNothing) {
+TEST(PoseHistory, WithoutSamplesThereIsNoPose) {
   EXPECT_FALSE(PoseHistory().at(at(0s)).has_value());
 }
 

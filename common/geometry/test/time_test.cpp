@@ -55,7 +55,7 @@ TEST(Time, FineDurationsAreRoundedHalvesAwayFromZero) {
   EXPECT_EQ(rounded(SteadyTime(1s) + FineDuration(0.4)), SteadyTime(1s));
 }
 
-TEST(Time, AMomentTellsTheWallTimeOfASteadyOne) {
+TEST(Time, AMomentGivesTheWallTimeOfASteadyOne) {
   const Moment now{Timestamp(1000s), SteadyTime(3s)};
   EXPECT_EQ(now.wall_at(SteadyTime(2s)), Timestamp(999s));
 }

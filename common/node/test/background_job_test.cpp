@@ -44,7 +44,7 @@ TEST(BackgroundJob, CanBeTakenEarlyAndStartedAgain) {
   EXPECT_EQ(job.count_message(), 2);
 }
 
-TEST(BackgroundJob, WhatTheWorkThrowsComesOutWithTheResult) {
+TEST(BackgroundJob, AnExceptionOfTheWorkComesWithTheResult) {
   BackgroundJob<int> job;
   job.start([]() -> int { throw std::runtime_error("no"); }, 1);
   job.wait();

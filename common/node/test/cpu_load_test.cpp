@@ -31,7 +31,7 @@ TEST(CpuLoad, IsThatBetweenTheLastTwoSamples) {
   EXPECT_FLOAT_EQ(load.share(), 0.75F);
   EXPECT_EQ(load.elapsed_ticks(), 40U);
   load.take(CpuTicks{10, 20});
-  EXPECT_EQ(load.elapsed_ticks(), 0U) << "the counters began anew";
+  EXPECT_EQ(load.elapsed_ticks(), 0U) << "the counters restarted";
   load.take(std::nullopt);
   load.take(CpuTicks{20, 40});
   EXPECT_EQ(load.elapsed_ticks(), 0U) << "after a sample that could not be read";

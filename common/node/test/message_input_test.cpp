@@ -68,26 +68,26 @@ TEST_F(SensorInputTest, GapsInEitherStreamAreLosses) {
   EXPECT_EQ(counts_.lost(), 3);
 }
 
-TEST_F(SensorInputTest, OdometryThatFallsBackBeganAnew) {
-  const auto began_anew = [this](std::int64_t seq) {
+TEST_F(SensorInputTest, OdometryWithALowerNumberHasRestarted) {
+  const auto restarted = [this](std::int64_t seq) {
     nodmap::odometry_t odometry =
         node::write_odometry(time::from_utime(1), geometry::SE3::Identity());
     odometry.odometry_seq = seq;
     EXPECT_TRUE(input_.read(odometry).has_value());
     return input_.odometry_restarted();
   };
-  EXPECT_FALSE(began_anew(7));  // the first message
-  EXPECT_FALSE(began_anew(8));
-  EXPECT_FALSE(began_anew(8));   // a publisher that does not number its messages
-  EXPECT_FALSE(began_anew(12));  // a loss is not a restart
-  EXPECT_TRUE(began_anew(0));
-  EXPECT_FALSE(began_anew(1));
+  EXPECT_FALSE(restarted(7));  // the first message
+  EXPECT_FALSE(restarted(8));
+  EXPECT_FALSE(restarted(8));   // a publisher that does not number its messages
+  EXPECT_FALSE(restarted(12));  // a loss is not a restart
+  EXPECT_TRUE(restarted(0));
+  EXPECT_FALSE(restarted(1));
 
   // The first message of the new frame cannot be used, so the next one counts as the first.
   nodmap::odometry_t no_pose{};
   no_pose.odometry_seq = 0;
   EXPECT_FALSE(input_.read(no_pose).has_value());
-  EXPECT_TRUE(began_anew(1));
+  EXPECT_TRUE(restarted(1));
   EXPECT_EQ(counts_.lost(), 3);
 }
 

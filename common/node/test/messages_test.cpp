@@ -44,7 +44,7 @@ TEST(Messages, ScanRoundTrip) {
   EXPECT_TRUE(back.T_base_mount.isApprox(scan.T_base_mount, 1e-12));  // roundings of a quaternion
 }
 
-TEST(Messages, ScanRefusesWhatIsNoScan) {
+TEST(Messages, ImplausibleScansAreRefused) {
   scan::Scan scan;
   nodmap::scan_t message = write_scan(sample_scan());
   message.num_ranges = 2;  // does not match
@@ -60,7 +60,7 @@ TEST(Messages, ScanRefusesWhatIsNoScan) {
 }
 
 // Such values would need too much memory, or overflow cell indices of 32 bits.
-TEST(Messages, NothingFartherOrLargerThanARobotAndALaser) {
+TEST(Messages, PositionsAndScansTooLargeAreRefused) {
   scan::Scan scan;
   nodmap::scan_t message = write_scan(sample_scan());
   message.num_ranges = 1'000'000;
@@ -76,7 +76,7 @@ TEST(Messages, NothingFartherOrLargerThanARobotAndALaser) {
   EXPECT_TRUE(read_odometry(odometry));
 }
 
-TEST(Messages, ScanOfNoBeamsIsAScan) {
+TEST(Messages, AScanWithoutBeamsIsAccepted) {
   scan::Scan empty = sample_scan();
   empty.ranges_m.clear();
   scan::Scan back;

@@ -10,13 +10,13 @@ namespace progress_test {
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
 
-TEST(Progress, TellsTheRestAtThePaceSoFar) {
+TEST(Progress, EstimatesTheRemainingTimeFromThePaceSoFar) {
   EXPECT_THAT(progress_line("a.log", 0.25, 10.0), EndsWith(" 25 %, about 30 s left"));
   EXPECT_THAT(progress_line("a.log", 0.1, 60.0), EndsWith(" 10 %, about 9 min left"));
   EXPECT_THAT(progress_line("a.log", 1.0, 60.0), EndsWith("100 %, about 0 s left"));
 }
 
-TEST(Progress, TellsNoRestBeforeThePaceIsKnown) {
+TEST(Progress, GivesNoEstimateBeforeThePaceIsKnown) {
   EXPECT_THAT(progress_line("a.log", 0.0, 60.0), EndsWith("  0 %"));
   EXPECT_THAT(progress_line("a.log", 0.5, 0.1), EndsWith(" 50 %"));
 }

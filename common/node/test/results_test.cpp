@@ -20,7 +20,7 @@ TEST(ResultDir, IsMadeAndNeverOverwritten) {
   EXPECT_THROW(make_result_dir(dir.path() / "a" / "b"), std::runtime_error);
 }
 
-TEST(ResultDir, AProcessStartedAnewTakesTheNext) {
+TEST(ResultDir, ARestartedProcessTakesTheNext) {
   const test::TemporaryDir dir;
   const std::filesystem::path out = dir.path() / "slam2d";
   EXPECT_TRUE(make_next_result_dir({}).empty());

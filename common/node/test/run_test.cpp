@@ -94,7 +94,7 @@ TEST(Run, ReplayWritesResultsAndTheSameBytesTwice) {
   EXPECT_GT(result["realtime_factor"], 1.0);
 }
 
-TEST(Run, LaterConfigurationsCountAndAssignmentsMost) {
+TEST(Run, LaterConfigurationsOverrideAndAssignmentsOverrideAll) {
   const test::TemporaryDir dir;
   const std::string log = dir.path() / "in.lcmlog";
   write_log(log);
@@ -114,7 +114,7 @@ TEST(Run, LaterConfigurationsCountAndAssignmentsMost) {
   EXPECT_EQ(figures("d", {"--set", "gain=5", both[0], both[1]})["gain"], 5.0);
 }
 
-TEST(Run, ExitCodesTellWhoIsWrong) {
+TEST(Run, ExitCodesDistinguishUserErrors) {
   const test::TemporaryDir dir;
   const std::string log = dir.path() / "in.lcmlog";
   write_log(log);

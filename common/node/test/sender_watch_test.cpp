@@ -18,7 +18,7 @@ time::SteadyTime send(SenderWatch& watch, std::int64_t& seq, int count, time::St
   return now - kPeriod;
 }
 
-TEST(SenderWatch, OneSenderIsFollowedAlsoWhenMessagesAreLost) {
+TEST(SenderWatch, OneSenderIsFollowedEvenWhenMessagesAreLost) {
   SenderWatch watch;
   std::int64_t seq = 5000;
   time::SteadyTime now = send(watch, seq, 100, {});
@@ -26,7 +26,7 @@ TEST(SenderWatch, OneSenderIsFollowedAlsoWhenMessagesAreLost) {
   EXPECT_FALSE(watch.is_contested(now + 11 * kPeriod));
 }
 
-TEST(SenderWatch, ASenderThatStartsAnewIsFollowedWhenTheFormerIsGone) {
+TEST(SenderWatch, ARestartedSenderIsFollowedWhenTheFormerIsGone) {
   SenderWatch watch;
   std::int64_t seq = 5000;
   const time::SteadyTime last = send(watch, seq, 100, {});

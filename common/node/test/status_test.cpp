@@ -68,7 +68,7 @@ TEST_F(StatusTest, ADriverNeedsNoMessages) {
   EXPECT_EQ(status_.get()->health, nodmap::status_t::OK);
 }
 
-TEST_F(StatusTest, CorruptMessagesAreTold) {
+TEST_F(StatusTest, CorruptMessagesAreReported) {
   StatusReporter reporter("nodmap-test", bus_, counts_, clock_);
   node_.health_.needs_messages = false;
   for (int i = 0; i < 11; ++i) {

@@ -101,7 +101,7 @@ TEST_F(ParamsTest, MissingFileIsAnError) {
   EXPECT_THROW(table_.load_yaml(dir_.path() / "none.yaml"), formats::InputFileError);
 }
 
-TEST_F(ParamsTest, WhatIsDumpedLoadsAgain) {
+TEST_F(ParamsTest, ADumpLoadsAgain) {
   table_.set_assignment("range_m=0.1e1");
   table_.set_assignment("pitch_deg=33.3");
   table_.set_assignment("device=");

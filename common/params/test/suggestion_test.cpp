@@ -21,7 +21,7 @@ TEST(DidYouMean, TheLastPartOfANestedNameIsEnough) {
             "; did you mean 'matcher.max_iterations'?");
 }
 
-TEST(DidYouMean, NothingWhereNothingIsNear) {
+TEST(DidYouMean, SuggestsNothingIfNothingIsSimilar) {
   EXPECT_EQ(did_you_mean("something_else", kKnown), "");
   EXPECT_EQ(did_you_mean("", kKnown), "");
   EXPECT_EQ(did_you_mean("info", {}), "");

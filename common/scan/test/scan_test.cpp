@@ -77,7 +77,7 @@ TEST(Scan, ProjectorEqualsPointByPointWithPitchInterpolatedPerBeam) {
   EXPECT_NEAR(scan.pitch_rad(180), deg_to_rad(-8), 1e-15);
 }
 
-TEST(Scan, ProjectorSkipsWhatIsNoHit) {
+TEST(Scan, ProjectorSkipsBeamsWithoutAHit) {
   Scan scan = sick_scan(0, 0);
   scan.ranges_m = {1.0F,
                    std::numeric_limits<float>::quiet_NaN(),
