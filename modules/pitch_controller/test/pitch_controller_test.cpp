@@ -201,7 +201,7 @@ TEST(PitchController, AStationaryRobotMayStartAndReachItsTopSpeed) {
   EXPECT_LT(most_above_mps, 0.1);
 }
 
-TEST(PitchController, AfterBrakingTheRobotMayGoOn) {
+TEST(PitchController, AfterBrakingTheRobotMayContinue) {
   for (const double end_mps : {0.0, 0.3, 0.8, 1.5}) {
     Loop loop;
     loop.run(5.0, 0.0);

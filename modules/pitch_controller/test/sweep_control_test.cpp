@@ -84,7 +84,7 @@ TEST(SweepMeter, ASweepWithAGapIsNotComplete) {
   EXPECT_FALSE(feeder.sweep(0.2, -0.2, 0.3)->is_complete);
 }
 
-TEST(SweepMeter, ADriverThatStartedAnewIsMeasuredAnew) {
+TEST(SweepMeter, AfterARestartOfTheDriverMeasuringStartsAgain) {
   Feeder feeder;
   for (int i = 0; i < 4; ++i) {
     feeder.sweep(-0.2, 0.2, 0.3);
@@ -155,7 +155,7 @@ TEST(SweepRegulator, DoesNotWindUpAtTheServosLimit) {
   EXPECT_GT(first_s, 0.5 * (1.0 - 0.6 * 0.3 - 0.1 * 0.3) - 1e-9);
 }
 
-TEST(SweepRegulator, OneOddSweepIsNoJump) {
+TEST(SweepRegulator, OneUnusualSweepCausesNoJump) {
   SweepRegulator dut({});
   dut.add(0.5, 100.0);
   EXPECT_GE(dut.command_s(0.5, 0.01, 5.0), 0.5 * 0.5);

@@ -66,7 +66,7 @@ TEST(SweepPlan, MonotoneInTheSpeed) {
 
 // An obstacle that appears at the required distance just after the laser has passed is hit again at
 // d_min or farther.
-TEST(SweepPlan, WhatAppearsBeyondTheRequiredDistanceIsLookedAtBeforeDMin) {
+TEST(SweepPlan, AnObstacleBeyondTheRequiredDistanceIsHitBeforeDMin) {
   const SweepPlanner planner = default_planner();
   for (double v = 0.0; v < 4.0; v += kStepMps) {
     const SweepPlan plan = planner.plan(v);

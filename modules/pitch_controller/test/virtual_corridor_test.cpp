@@ -59,7 +59,7 @@ TEST(VirtualCorridor, PitchesThatNeverCoverIt) {
   EXPECT_EQ(corridor.covered_from_m({-3.0, 3.0}), 0.0);
 }
 
-TEST(VirtualCorridor, ALaserAboveTheCorridorNeedsNoLookUp) {
+TEST(VirtualCorridor, ALaserAboveTheCorridorNeedNotLookUp) {
   const VirtualCorridor corridor{0.05, 0.30, 0.38, 0.0};
   EXPECT_LT(corridor.area_from(1.0).max_rad, 0.0);
   EXPECT_NEAR(corridor.covered_from_m({-0.5, 0.0}), 0.33 / std::tan(0.5), 1e-12);
