@@ -107,7 +107,7 @@ TEST(MapServer, StructureMapRejectsBeamsThatDidNotReturn) {
   }
 }
 
-TEST(MapServer, TheRobotsOwnBodyIsNoObstacle) {
+TEST(MapServer, TheRobotsOwnBodyIsNotAnObstacle) {
   MapServer server({});
   NoddingScanner scanner;
   scan::Scan scan = scanner.scan({}, {});

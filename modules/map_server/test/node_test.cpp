@@ -119,7 +119,7 @@ TEST_F(ScannerAsBaseNodeTest, HeightsAreAboveTheGround) {
   EXPECT_NEAR(maps[0].point_z_m[270], 0.38, 2e-8);  // a float's rounding
 }
 
-TEST_F(MapServerNodeTest, OdometryThatBeganAnewStartsTheMapsAnew) {
+TEST_F(MapServerNodeTest, RestartedOdometryClearsTheMaps) {
   give_odometry(1'000'000, 50, 7.0);
   bus_.deliver("SCAN", next_scan());
   give_odometry(1'015'000, 0, 0.0);  // restarted: the same place has another pose

@@ -184,7 +184,7 @@ TEST(Scene, StaticWallOutlivesASlowNod) {
 
 // By the visibility rule an object that is taken away is removed within two sweeps, not after five
 // seconds.
-TEST(Scene, RemovedObjectGoesWithinTwoSweepsWhileDriving) {
+TEST(Scene, ARemovedObjectDisappearsWithinTwoSweepsWhileDriving) {
   const World empty = test::room(-2, 8, -2, 2);
   World occupied = empty;
   occupied.boxes.push_back({{3.5, -0.3, 0.0}, {3.8, 0.3, 0.4}});

@@ -110,7 +110,7 @@ TEST(ScanLine, ReachesAsFarAsTheWallBetweenTwoBeams) {
   }
 }
 
-TEST(ScanLine, BothBeamsMustGoOn) {
+TEST(ScanLine, BothBeamsMustReachBeyond) {
   scan::Scan scan = fan(0, 0, 5.0);
   scan.ranges_m[90] = 1.0F;
   const auto beyond = [&](std::size_t beam) {

@@ -91,7 +91,7 @@ double off_what_is_tall_m(const Eigen::Vector2d& p) {
 // At 1.5 m/s the sweeps end at 0.64 m above the floor two metres ahead: the person and the legs of
 // the table reach higher and hide the wall, in 13 of 181 directions. The chair and the table top
 // disappear.
-TEST(Scene, AtSpeedWhatIsTallerThanTheSweepStaysInTheStructureMap) {
+TEST(Scene, AtSpeedObjectsTallerThanTheSweepStayInTheStructureMap) {
   MapServer server({});
   NoddingScanner scanner = scanner_at_speed();
   stay(server, scanner, furnished_room(), 2 * scanner.scans_per_sweep());
@@ -150,7 +150,7 @@ TEST(Scene, AWalkingPersonDoesNotHideTheWall) {
 }
 
 // A door that closes replaces the wall behind it, which is no longer measured.
-TEST(Scene, StructureMapTakesAClosedDoorOver) {
+TEST(Scene, AClosedDoorReplacesTheWallBehindIt) {
   MapServer server({});
   NoddingScanner scanner;
   stay(server, scanner, test::room(-2, 5, -3, 3), 150);

@@ -280,7 +280,7 @@ TEST(VisibilityRule, ExpiresByTheTimeInViewAndNotBeforeTwoCompleteSweeps) {
 
 // A point is out of view before two sweeps are known, and if one of its heights is outside what the
 // sweeps cover. In the structure map one height in view suffices.
-TEST(VisibilityRule, WhatIsOutOfViewDoesNotChange) {
+TEST(VisibilityRule, PointsOutOfViewDoNotChange) {
   UpdateParams params;
   params.misses_to_remove = 1;
   const Look passing{.height_m = 0.2, .right = Reading::kBeyond, .left = Reading::kBeyond};
