@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Writes a C++ header that holds files as string views, so that the program needs no folder beside it.
+"""Writes a C++ header that holds files as string views, so that the program needs no other files.
 
 embed_page.py OUTPUT FILE...
 """
 import pathlib
 import sys
 
-# A string literal may be this long in every compiler.
+# Bytes per string literal; every compiler accepts this length.
 PIECE = 60
 
 

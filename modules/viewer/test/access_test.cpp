@@ -33,14 +33,14 @@ TEST(Access, KnowsTheNamesOfThisHost) {
   }
 }
 
-TEST(Access, ANameThatWasTurnedToThisHostIsRefused) {
+TEST(Access, ANameReboundToThisHostIsRefused) {
   Request rebound = request("/", "http://evil.example:8765");
   rebound.host = "evil.example:8765";
   EXPECT_EQ(decide_access(rebound, kReadOnly).refusal, Refusal::kHost);
   EXPECT_EQ(decide_access(rebound, {.loopback_only = false, .token = ""}).refusal, Refusal::kNone);
 }
 
-TEST(Access, ReadingIsFreeSteeringAPlaybackIsNot) {
+TEST(Access, ReadingIsFreeButControllingAPlaybackIsNot) {
   const Access foxglove = decide_access(request("/", "https://app.foxglove.dev"), kReadOnly);
   EXPECT_EQ(foxglove.refusal, Refusal::kNone);
   EXPECT_FALSE(foxglove.rights.play);

@@ -17,7 +17,7 @@ int due_of(Pace& pace, int turns) {
   return due;
 }
 
-TEST(Pace, EveryTurnWhileThereIsRoom) {
+TEST(Pace, EveryTurnWhileTheMachineIsFree) {
   Pace pace(20ms);
   for (int i = 0; i < 10; ++i) {
     pace.note_load(0.89F);
@@ -26,7 +26,7 @@ TEST(Pace, EveryTurnWhileThereIsRoom) {
   EXPECT_FALSE(pace.is_slowed());
 }
 
-TEST(Pace, TwiceASecondAtLastWhileTheMachineIsBusy) {
+TEST(Pace, FallsToTwiceASecondWhileTheMachineIsBusy) {
   Pace pace(20ms);
   int seconds = 0;
   for (; pace.period() < Pace::kSlowest; ++seconds) {
@@ -38,7 +38,7 @@ TEST(Pace, TwiceASecondAtLastWhileTheMachineIsBusy) {
   EXPECT_EQ(due_of(pace, 100), 4);  // of two seconds
 }
 
-TEST(Pace, ComesBackWhenThereIsRoomAgainAndStaysInBetween) {
+TEST(Pace, RecoversWhenTheMachineIsFreeAndHoldsInBetween) {
   Pace pace(20ms);
   for (int i = 0; i < 5; ++i) {
     pace.note_load(1.0F);
@@ -52,7 +52,7 @@ TEST(Pace, ComesBackWhenThereIsRoomAgainAndStaysInBetween) {
   EXPECT_EQ(due_of(pace, 10), 10);
 }
 
-TEST(Pace, ThatIsSlowAnywayStaysAsItIs) {
+TEST(Pace, ASlowPaceStaysAsItIs) {
   Pace pace(1s);
   pace.note_load(1.0F);
   EXPECT_EQ(pace.period(), 1s);

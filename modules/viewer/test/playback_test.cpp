@@ -16,7 +16,7 @@
 namespace nodmap::viewer {
 namespace playback_test {
 
-TEST(Playback, ParametersSteerIt) {
+TEST(Playback, ParametersControlIt) {
   const test::TemporaryDir dir;
   {
     bus::LogWriter log(dir.path() / "log");

@@ -102,7 +102,7 @@ TEST_F(ProcessControlTest, TheLastLinesThatACommandWroteAreKept) {
   EXPECT_FALSE(control_.output("nobody").ok);
 }
 
-TEST_F(ProcessControlTest, ARestartIsOrderedUntilItHasHappenedAndTheRestGoesOn) {
+TEST_F(ProcessControlTest, ARestartIsOrderedUntilItHasHappenedAndTheRestKeepsRunning) {
   tell(4);
   EXPECT_TRUE(control_.change(Verb::kRestart, "slam").ok);
   handle();
@@ -140,7 +140,7 @@ TEST_F(ProcessControlTest, StopsAndStarts) {
 
 // Starts from the present state, which other sheriffs may have changed: old orders would start old
 // runs again.
-TEST_F(ProcessControlTest, BeginsFromWhatTheDeputySays) {
+TEST_F(ProcessControlTest, StartsFromTheStateThatTheDeputyReports) {
   tell(4);
   EXPECT_TRUE(control_.change(Verb::kRestart, "slam").ok);
   tell(5);

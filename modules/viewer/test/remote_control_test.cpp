@@ -46,7 +46,7 @@ class RemoteControlTest : public ::testing::Test {
   std::string answer_;
 };
 
-TEST_F(RemoteControlTest, AGoalGoesOut) {
+TEST_F(RemoteControlTest, AGoalIsPublished) {
   EXPECT_TRUE(ask({{"do", "goal"}, {"x_m", 1.5}, {"y_m", -2.0}}));
   ASSERT_TRUE(goal_.get());
   EXPECT_TRUE(goal_.get()->is_active);
@@ -69,7 +69,7 @@ TEST_F(RemoteControlTest, AnExplorationIsBegunAndEnded) {
   EXPECT_FALSE(goal_.get()) << "the explorer sends the goals";
 }
 
-TEST_F(RemoteControlTest, AGoalFarAwayIsRefusedAndOneOutsideOfTheMapIsSaidToBe) {
+TEST_F(RemoteControlTest, AGoalFarAwayIsRefusedAndOneOutsideTheMapIsReported) {
   EXPECT_FALSE(ask({{"do", "goal"}, {"x_m", 1e9}, {"y_m", 0}}));
   EXPECT_NE(answer_.find("10000 m"), std::string::npos) << answer_;
   EXPECT_FALSE(goal_.get());
@@ -90,7 +90,7 @@ TEST_F(RemoteControlTest, AGoalFarAwayIsRefusedAndOneOutsideOfTheMapIsSaidToBe) 
   EXPECT_DOUBLE_EQ(goal_.get()->position_m[1], 2.1) << "it may still be explored";
 }
 
-TEST_F(RemoteControlTest, AStopIsSaidAgainUntilGo) {
+TEST_F(RemoteControlTest, AStopIsRepeatedUntilGo) {
   pass(1s);
   EXPECT_EQ(stop_.count(), 0);  // nobody has asked
   EXPECT_TRUE(ask({{"do", "stop"}}));
@@ -112,7 +112,7 @@ TEST_F(RemoteControlTest, AStopIsSaidAgainUntilGo) {
   EXPECT_EQ(stop_.count(), count);
 }
 
-TEST_F(RemoteControlTest, WhenAnotherLetsTheRobotGoItIsNotContradicted) {
+TEST_F(RemoteControlTest, AReleaseByAnotherSenderIsNotContradicted) {
   EXPECT_TRUE(ask({{"do", "stop"}}));
   nodmap::stop_t other{};
   other.utime = 76;  // from before our stop, delayed on the network

@@ -74,7 +74,7 @@ TEST_F(SessionTest, GreetsWithItselfAndItsChannels) {
 }
 
 // The layout of the specification: op, subscription, nanoseconds, payload, little-endian.
-TEST_F(SessionTest, SendsWhatWasSubscribed) {
+TEST_F(SessionTest, SendsSubscribedTopics) {
   Session session = greeted();
   post(scan_, 0x0102, "{}");
   EXPECT_FALSE(session.next());
@@ -88,7 +88,7 @@ TEST_F(SessionTest, SendsWhatWasSubscribed) {
   EXPECT_FALSE(session.next());
 }
 
-TEST_F(SessionTest, ASlowClientMissesWhatWasReplacedButNoKeyframe) {
+TEST_F(SessionTest, ASlowClientMissesReplacedMessagesButNoKeyframe) {
   Session session = greeted();
   session.receive_text(
       R"({"op":"subscribe","subscriptions":[{"id":0,"channelId":1},{"id":1,"channelId":2}]})");
@@ -263,7 +263,7 @@ TEST_F(SessionTest, WithControlCallsAreAnswered) {
   EXPECT_EQ(session.refused(), 1);
 }
 
-TEST_F(SessionTest, CallsThatAreNoneAreCountedAndAnswered) {
+TEST_F(SessionTest, InvalidCallsAreCountedAndAnswered) {
   int asked = 0;
   services_.control = [&asked](const Json&) {
     ++asked;
@@ -312,7 +312,7 @@ TEST_F(SessionTest, ParametersAreReadByAllAndSetByThoseWhoMay) {
   EXPECT_EQ(player.refused(), 0);
 }
 
-TEST_F(SessionTest, ChangedParametersAreToldToThoseWhoAsked) {
+TEST_F(SessionTest, ChangedParametersAreSentToSubscribers) {
   services_.parameters = [] { return Json::array(); };
   Session session = greeted();
   session.send_changed_parameters();
@@ -325,7 +325,7 @@ TEST_F(SessionTest, ChangedParametersAreToldToThoseWhoAsked) {
   EXPECT_FALSE(session.next());
 }
 
-TEST_F(SessionTest, TellsTheParametersThatAreAskedFor) {
+TEST_F(SessionTest, SendsTheRequestedParameters) {
   services_.parameters = [] {
     return Json::array({{{"name", "a"}, {"value", 1}}, {{"name", "b"}, {"value", 2}}});
   };
@@ -336,7 +336,7 @@ TEST_F(SessionTest, TellsTheParametersThatAreAskedFor) {
   EXPECT_EQ(text_frame(session)["parameters"].size(), 2U);
 }
 
-TEST_F(SessionTest, TellsTheNewestTimeOnce) {
+TEST_F(SessionTest, SendsTheNewestTimeOnce) {
   Session session = greeted();
   session.send_time(time::from_utime(1));
   session.send_time(time::from_utime(2));

@@ -29,7 +29,7 @@ TEST(GridAssembler, PutsTilesInTheirPlaces) {
   EXPECT_EQ(result.whole->cells[20 * 120 + 110], 100);
 }
 
-TEST(GridAssembler, ARevisionBringsOnlyWhatHasChanged) {
+TEST(GridAssembler, TilesMissingInARevisionStayAsTheyWere) {
   GridAssembler assembler;
   for (const auto& tile : foxglove::test::map_at(0.0, 1)) {
     (void)assembler.add(tile);
@@ -45,7 +45,7 @@ TEST(GridAssembler, ARevisionBringsOnlyWhatHasChanged) {
   EXPECT_EQ(result.whole->stamp, node::stamp_of(changed));
 }
 
-TEST(GridAssembler, WhatIsKnownStaysWhereItIsWhenTheGridGrows) {
+TEST(GridAssembler, KnownCellsStayInPlaceWhenTheGridGrows) {
   GridAssembler assembler;
   auto tiles = foxglove::test::map_at(0.0, 1);
   tiles[0].cells[0] = 33;  // at x = -2.0 m, y = -4.0 m
@@ -71,7 +71,7 @@ TEST(GridAssembler, WhatIsKnownStaysWhereItIsWhenTheGridGrows) {
   EXPECT_EQ(result.whole->cells[30 * 170 + 140], 100);  // and in the new one
 }
 
-TEST(GridAssembler, AMapThatBeginsAnewHoldsNothingOfTheOldOne) {
+TEST(GridAssembler, ARestartedMapContainsNothingOfTheOldOne) {
   GridAssembler assembler;
   for (const auto& tile : foxglove::test::map_at(0.0, 7)) {
     (void)assembler.add(tile);
@@ -92,7 +92,7 @@ TEST(GridAssembler, SaysThatTilesWereLost) {
   EXPECT_TRUE(assembler.add(next[1]).whole);
 }
 
-TEST(GridAssembler, RefusesATileThatLies) {
+TEST(GridAssembler, RefusesAContradictoryTile) {
   const nodmap::grid_chunk_t good = foxglove::test::map_at(0.0, 1)[0];
   const auto refused = [&good](auto change) {
     nodmap::grid_chunk_t tile = good;
@@ -130,7 +130,7 @@ TEST(CloudAssembler, JoinsThePartsInOrder) {
   EXPECT_DOUBLE_EQ(result.whole->T_frame_points.translation().x(), 1.0);
 }
 
-TEST(CloudAssembler, LeavesOutPointsThatAreNone) {
+TEST(CloudAssembler, LeavesOutInvalidPoints) {
   CloudAssembler assembler;
   auto chunks = foxglove::test::keyframe_at(0.0, 0, 10);
   chunks[0].points_m[3][1] = std::numeric_limits<float>::quiet_NaN();
@@ -148,7 +148,7 @@ TEST(CloudAssembler, CountsAKeyframeThatLostAPart) {
   EXPECT_TRUE(assembler.add(second[2]).whole);
 }
 
-TEST(CloudAssembler, RefusesAPoseThatIsNone) {
+TEST(CloudAssembler, RefusesAnInvalidPose) {
   CloudAssembler assembler;
   auto chunk = foxglove::test::keyframe_at(0.0, 0, 10)[0];
   chunk.orientation[0] = 0.0;
@@ -169,7 +169,7 @@ TEST(OctomapAssembler, JoinsThePartsAndReadsThem) {
   EXPECT_EQ(result.whole->stamp, time::from_utime(test::kBeginUs) + 2s);
 }
 
-TEST(OctomapAssembler, GivesUpWhatLostAPart) {
+TEST(OctomapAssembler, DropsAMapThatLostAPart) {
   OctomapAssembler assembler;
   const auto first = test::octomap_at(0.0, 0);
   (void)assembler.add(first[0]);
@@ -182,7 +182,7 @@ TEST(OctomapAssembler, GivesUpWhatLostAPart) {
   EXPECT_TRUE(result.whole);
 }
 
-TEST(OctomapAssembler, RefusesWhatIsNoMap) {
+TEST(OctomapAssembler, RefusesBytesThatAreNotAMap) {
   OctomapAssembler assembler;
   auto chunk = test::octomap_at(0.0, 0)[0];
   chunk.num_chunks = 1;  // cut off

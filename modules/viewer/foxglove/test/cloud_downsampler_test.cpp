@@ -38,7 +38,7 @@ std::size_t size(const CloudView& cloud) {
   return cloud.xyz_m.size() / 3;
 }
 
-TEST(CloudDownsampler, KeptPointsAreApartAndTheOthersNearOne) {
+TEST(CloudDownsampler, KeptPointsAreApartAndOthersAreNearOne) {
   CloudDownsampler downsampler(kSpacing, kAll);
   const CloudView all = random_cloud(4000, 0.4F, 1);
   CloudView kept = all;
@@ -118,7 +118,7 @@ TEST(CloudDownsampler, AfterClearEverythingIsNew) {
   EXPECT_EQ(size(again), 1U);
 }
 
-TEST(CloudDownsampler, KeepsWhatIsOutOfReach) {
+TEST(CloudDownsampler, KeepsPointsOutOfReach) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   CloudDownsampler downsampler(kSpacing, kAll);

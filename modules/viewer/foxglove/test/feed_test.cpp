@@ -198,7 +198,7 @@ TEST_F(FeedTest, TheRestOfTheChannels) {
   EXPECT_EQ(counts_.total_rejected(), 0);
 }
 
-TEST_F(FeedTest, WhatCannotBeShownIsCounted) {
+TEST_F(FeedTest, MessagesThatCannotBeShownAreCounted) {
   nodmap::odometry_t odometry = robot::odometry_at(0.0);
   odometry.position_m[0] = std::numeric_limits<double>::quiet_NaN();
   send("ODOMETRY", odometry);

@@ -16,7 +16,7 @@ TEST(Foxglove, TimeIsSecondsAndNanoseconds) {
   EXPECT_EQ(time_json(time::from_utime(-5)), Json({{"sec", 0}, {"nsec", 0}}));
 }
 
-TEST(Foxglove, BytesThatAreNoTextDoNoHarm) {
+TEST(Foxglove, BytesThatAreNotTextDoNoHarm) {
   EXPECT_TRUE(Json::accept(to_text(Json({{"name", "\xFF\xFE slam"}}))));
 }
 

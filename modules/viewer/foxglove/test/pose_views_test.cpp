@@ -19,7 +19,7 @@ TEST(Trail, KeepsPosesThatAreFarEnoughApart) {
   EXPECT_EQ(json["timestamp"], time_json(time::from_utime(3)));
 }
 
-TEST(Trail, IsToldWhenItHasGrownAndNotTooOften) {
+TEST(Trail, IsPublishedWhenItHasGrownAndNotTooOften) {
   Trail trail("odom", 0.1);
   geometry::SE3 pose = geometry::SE3::Identity();
   trail.add(time::from_utime(0), pose);

@@ -33,7 +33,7 @@ procman_lcm::deputy_info_t info(const std::string& host,
   return message;
 }
 
-TEST(CommandTable, TellsHowCommandsAre) {
+TEST(CommandTable, ReportsTheStateOfCommands) {
   CommandTable table;
   ASSERT_TRUE(table.update(info("robot", {command("d", 0, SIGTERM), command("a", 17, 0),
                                           command("b", 0, 3 << 8), command("c", 0, SIGSEGV)})));
@@ -71,7 +71,7 @@ TEST(CommandTable, ListsConfiguredCommandsOnce) {
   EXPECT_EQ(list[1]["pid"], 17);
 }
 
-TEST(CommandTable, DoesNotGrowWithMadeUpNames) {
+TEST(CommandTable, DoesNotGrowWithInventedNames) {
   CommandTable table;
   for (std::size_t i = 0; i < CommandTable::kMaxHosts; ++i) {
     EXPECT_TRUE(table.update(info("host" + std::to_string(i), {})));
@@ -98,7 +98,7 @@ TEST(ProcessTable, HoldsTheNewestOfEachInOrder) {
   EXPECT_EQ(json["processes"][0]["health"], 1);
 }
 
-TEST(ProcessTable, DoesNotGrowWithMadeUpNames) {
+TEST(ProcessTable, DoesNotGrowWithInventedNames) {
   ProcessTable table;
   nodmap::status_t status = foxglove::test::status_at(1.0);
   for (std::size_t i = 0; i < 2 * ProcessTable::kMaxProcesses; ++i) {

@@ -57,7 +57,7 @@ TEST(Scene, AGoalWithAHeadingPointsThere) {
   EXPECT_NEAR(points[1]["y"].get<double>() - points[0]["y"].get<double>(), 0.5, 1e-12);
 }
 
-TEST(Scene, APathGoesWithTheGoal) {
+TEST(Scene, APathDisappearsWithItsGoal) {
   nodmap::path_t path = foxglove::test::path();
   const Json entity = path_scene(path)["entities"][0];
   ASSERT_EQ(entity["lines"].size(), 2U);
@@ -69,7 +69,7 @@ TEST(Scene, APathGoesWithTheGoal) {
   EXPECT_EQ(path_scene(path)["deletions"][0]["id"], "path");
 }
 
-TEST(Scene, EachTrackIsARingAndTheWayOfItsNextSecond) {
+TEST(Scene, EachTrackIsARingAndItsPathOfTheNextSecond) {
   nodmap::tracks_t tracks = foxglove::test::tracks();
   const Json entity = tracks_scene(tracks)["entities"][0];
   EXPECT_EQ(entity["frame_id"], "odom");
@@ -99,7 +99,7 @@ TEST(Scene, AnExplorationShowsFrontiersAndTourUntilItEnds) {
   EXPECT_EQ(exploration_scene(exploration)["deletions"][0]["id"], "exploration");
 }
 
-TEST(Scene, ThePoseGraphShowsItsLoopsByWhatBecameOfThem) {
+TEST(Scene, ThePoseGraphShowsItsLoopsByTheirState) {
   const Json entity = pose_graph_scene(foxglove::test::pose_graph())["entities"][0];
   ASSERT_EQ(entity["lines"].size(), 3U);
   EXPECT_EQ(entity["lines"][0]["points"].size(), 3U);  // the submaps

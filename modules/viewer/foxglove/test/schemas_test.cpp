@@ -70,7 +70,7 @@ std::string misfit(const Json& value, const Json& schema, const std::string& pat
   return found;
 }
 
-TEST(Schemas, DescribeWhatIsSent) {
+TEST(Schemas, DescribeTheSentMessages) {
   const auto fits = [](const char* name, const Json& value) {
     const Json schema = Json::parse(schema_text(name));
     // As a reader receives it: values that JSON cannot express have become null.

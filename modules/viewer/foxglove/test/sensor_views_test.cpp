@@ -126,7 +126,7 @@ TEST(Grid, OfTheLocalMapIsInOdom) {
   EXPECT_DOUBLE_EQ(json["pose"]["position"]["x"], -2.0);
 }
 
-TEST(Grid, ALocalMapIsWhatItSays) {
+TEST(Grid, ALocalMapMustHaveTheCellsItClaims) {
   const nodmap::local_map_t good = foxglove::test::local_map();
   EXPECT_TRUE(is_valid(good));
   nodmap::local_map_t bad = good;

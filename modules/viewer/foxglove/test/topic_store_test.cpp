@@ -65,7 +65,7 @@ TEST(TopicStore, TextIsMadeWhenItIsWantedAndOnce) {
   EXPECT_EQ(made, 1);
 }
 
-TEST(TopicStore, AfterAClearReadersGoOnWithWhatIsNew) {
+TEST(TopicStore, AfterAClearReadersContinueWithNewPosts) {
   TopicStore store;
   const std::size_t topic = store.add({"SCAN", "s"});
   std::uint64_t cursor = 0;

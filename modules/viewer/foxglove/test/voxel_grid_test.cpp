@@ -27,7 +27,7 @@ int at(const VoxelGrid& grid, double x_m, double y_m, double z_m) {
   return grid.cells[static_cast<std::size_t>((slice * grid.rows + row) * grid.columns + column)];
 }
 
-TEST(VoxelGrid, EnclosesWhatIsOccupiedAndNothingElse) {
+TEST(VoxelGrid, EnclosesTheOccupiedVoxelsAndNothingElse) {
   const VoxelGrid grid = grid_of(0.1, {{-3, 2, 0}, {1, 5, 4}});
   EXPECT_EQ(grid.columns, 5);
   EXPECT_EQ(grid.rows, 4);
