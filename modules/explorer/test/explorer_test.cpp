@@ -34,7 +34,7 @@ TEST_P(Offices, AreSeenAndTheRobotIsBackHome) {
 INSTANTIATE_TEST_SUITE_P(Seeds, Offices, ::testing::Range(1000, 1003));
 
 // The policy that the tour is compared with (bench/exploration.py) must also work.
-TEST(Explorer, ByTheNearestFrontierAnOfficeIsSeenAsWell) {
+TEST(Explorer, TheNearestFrontierPolicyAlsoSeesTheOffice) {
   GridWorld office = make_office(4, 1000);
   const Exploration exploration = explore(office, with(Policy::kNearestFrontier), 900.0);
   EXPECT_EQ(exploration.state, State::kHome);

@@ -90,7 +90,7 @@ TEST_F(ExplorerNodeTest, SendsNoGoalUntilItIsAskedTo) {
   EXPECT_GT(std::hypot(goal.position_m[0], goal.position_m[1]), ExplorerParams{}.goal_tolerance_m);
 }
 
-TEST_F(ExplorerNodeTest, RepeatsItsGoalOnceASecondAndKnowsItAgain) {
+TEST_F(ExplorerNodeTest, RepeatsItsGoalOnceASecondAndRecognisesIt) {
   give_map();
   ask(true);
   (void)give_pose();
@@ -112,7 +112,7 @@ TEST_F(ExplorerNodeTest, YieldsToAGoalOfSomebodyElse) {
   EXPECT_EQ(bus_.count("GOAL"), 1U) << "nothing is sent against it";
 }
 
-TEST_F(ExplorerNodeTest, AStopMakesItWaitAndGoOn) {
+TEST_F(ExplorerNodeTest, AStopMakesItWaitAndThenContinue) {
   give_map();
   ask(true);
   (void)give_pose();
@@ -127,7 +127,7 @@ TEST_F(ExplorerNodeTest, AStopMakesItWaitAndGoOn) {
   EXPECT_EQ(node_.metrics()["failures"], 0);
 }
 
-TEST_F(ExplorerNodeTest, EndedItLeavesTheRobotWhereItIs) {
+TEST_F(ExplorerNodeTest, WhenEndedItLeavesTheRobotWhereItIs) {
   give_map();
   ask(true);
   (void)give_pose();

@@ -45,7 +45,7 @@ TEST(PlanningGrid, APlanningCellIsOccupiedFreeOrUnknownByItsFour) {
   EXPECT_EQ(grid.num_free(), 20 * 10 - 1 + 1);
 }
 
-TEST(PlanningGrid, GapsOfOneCellBelongToWhatIsOnBothSides) {
+TEST(PlanningGrid, GapsOfOneCellBelongToTheCellsOnBothSides) {
   Map map;
   std::fill(map.cells.begin(), map.cells.end(), static_cast<std::int8_t>(-1));
   map.set(10, 10, 0).set(14, 10, 0);      // beams: cells 5 and 7 of row 5
@@ -100,7 +100,7 @@ bool is_passable(const std::vector<Map>& maps, const PlanningGrid& grid, const C
 }
 
 // The grid follows a changing map; the oracle recomputes everything.
-TEST(PlanningGrid, WhatIsPassableIsWhatIsFarEnoughFromAllThatIsOccupied) {
+TEST(PlanningGrid, PassableCellsAreFarEnoughFromAllOccupiedOnes) {
   std::mt19937_64 engine(1000);
   std::uniform_int_distribution<int> place(0, kTile - 1);
   std::vector<Map> maps{Map(Cell(-kTile, 0)), Map(Cell(0, 0))};
@@ -143,7 +143,7 @@ TEST(PlanningGrid, TilesThatMakeNoSenseAreRefused) {
   EXPECT_EQ(grid.num_free(), kTile * kTile / 4);
 }
 
-TEST(PlanningGrid, OtherCellsBeginANewMap) {
+TEST(PlanningGrid, AnotherCellSizeStartsANewMap) {
   Map map;
   map.set(10, 10, 100);
   PlanningGrid grid(kInflationRadiusM);

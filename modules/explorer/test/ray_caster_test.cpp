@@ -50,7 +50,7 @@ TEST(RayCaster, OpenUnknownGroundIsSeenAsFarAsItsDepth) {
 }
 
 // A wall with a gap of 1 m, one metre ahead: a wedge behind it is visible.
-TEST(RayCaster, WhatIsBehindAWallIsHidden) {
+TEST(RayCaster, CellsBehindAWallAreHidden) {
   Scene scene;
   scene.fill(-2.0, -3.0, 1.0, 3.0, 0);
   scene.fill(1.0, -9.0, 1.1, 9.0, 100);
@@ -89,7 +89,7 @@ TEST(RayCaster, NothingIsSeenThroughAClosedCorner) {
   EXPECT_EQ(seen_m2(grid, params, geometry::deg_to_rad(45.0)), 0.0);
 }
 
-TEST(RayCaster, OnlyWhatIsWithinTheLasersAngleIsSeen) {
+TEST(RayCaster, OnlyTheLasersFieldOfViewIsSeen) {
   Scene scene;
   scene.fill(-10.0, -10.0, 1.0, 10.0, 0);
   ViewParams params;

@@ -46,7 +46,7 @@ TEST(NumOnLine, CountsTheViewpointsOfAPassableStraightLineInTheirOrder) {
   EXPECT_EQ(num(ground_with_wall(-6.0), {{2.0, 0.0}, {2.5, 0.0}, {5.0, 0.0}}), 2U);
 }
 
-TEST(LinePassable, AWallIsNotNorIsUnknownGround) {
+TEST(LinePassable, IsFalseForAWallAndForUnknownGround) {
   const PlanningGrid grid = ground_with_wall(0.0);
   EXPECT_TRUE(is_line_passable(grid, {0.0, 0.0}, {2.7, 0.0}));
   EXPECT_FALSE(is_line_passable(grid, {0.0, 0.0}, {5.0, 0.0}));
