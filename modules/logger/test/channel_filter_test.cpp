@@ -36,7 +36,7 @@ TEST(ChannelFilter, ManyNamesAndStrangeOnes) {
   EXPECT_TRUE(filter.wants("SCAN"));
 }
 
-TEST(ChannelFilter, WhatIsNoExpressionIsNamed) {
+TEST(ChannelFilter, AnInvalidExpressionIsNamed) {
   try {
     const ChannelFilter filter(".*", "A(");
     FAIL();

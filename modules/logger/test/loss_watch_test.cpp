@@ -37,14 +37,14 @@ TEST(LossWatch, CountsGapsForEachChannelByItself) {
   EXPECT_EQ(losses.lost_before("ODOMETRY", odometry(502)), 1);
 }
 
-TEST(LossWatch, APublisherThatBeganAgainHasLostNothing) {
+TEST(LossWatch, ARestartedPublisherHasLostNothing) {
   LossWatch losses;
   EXPECT_EQ(losses.lost_before("SCAN", scan(1000)), 0);
   EXPECT_EQ(losses.lost_before("SCAN", scan(0)), 0);
   EXPECT_EQ(losses.lost_before("SCAN", scan(1)), 0);
 }
 
-TEST(LossWatch, OtherAndDamagedMessagesAreNotLookedInto) {
+TEST(LossWatch, OtherAndDamagedMessagesAreIgnored) {
   LossWatch losses;
   std::vector<std::byte> damaged = scan(7);
   damaged.resize(damaged.size() - 1);

@@ -12,13 +12,13 @@ using ::testing::IsEmpty;
 
 const LogNames kNames = LogNames::dated("lcmlog");
 
-TEST(Quota, NothingGoesWhileAllFits) {
+TEST(Quota, NothingIsDeletedWhileEverythingFits) {
   const std::vector<SizedFile> files{{"lcmlog-2026-11-21.00", 60}, {"lcmlog-2026-11-21.01", 40}};
   EXPECT_THAT(files_over_quota(kNames, files, "lcmlog-2026-11-21.01", 100), IsEmpty());
   EXPECT_THAT(files_over_quota(kNames, {}, "", 0), IsEmpty());
 }
 
-TEST(Quota, TheOldestGoFirstAndNoMoreThanNeeded) {
+TEST(Quota, TheOldestAreDeletedFirstAndNoMoreThanNeeded) {
   const std::vector<SizedFile> files{{"lcmlog-2026-11-21.100", 30},
                                      {"lcmlog-2026-11-21.99", 30},
                                      {"lcmlog-2025-12-31.05", 30},

@@ -120,7 +120,7 @@ TEST_F(RecorderTest, SplitsBySizeAndLosesNothingBetween) {
   EXPECT_EQ(recorder.counts().files, 3);
 }
 
-TEST_F(RecorderTest, NeverTouchesWhatIsThere) {
+TEST_F(RecorderTest, NeverTouchesExistingFiles) {
   std::ofstream(dir_.path() / "lcmlog-2026-11-21.00") << "precious";
   Recorder recorder({.dir = dir_.path()}, clock_);
   EXPECT_EQ(recorder.current_file().filename(), "lcmlog-2026-11-21.01");
@@ -150,7 +150,7 @@ TEST_F(RecorderTest, TheQuotaHoldsAtEveryMoment) {
   EXPECT_THAT(stamps("lcmlog-2026-11-21.33"), ElementsAre(99));
 }
 
-TEST_F(RecorderTest, AFullDiskKeepsWhatIsWrittenAndIsReported) {
+TEST_F(RecorderTest, AFullDiskIsReportedAndKeepsTheWrittenEvents) {
   const FileSizeLimit full(2500);
   Recorder recorder({.dir = dir_.path()}, clock_);
   for (int i = 0; i < 4; ++i) {
@@ -166,7 +166,7 @@ TEST_F(RecorderTest, AFullDiskKeepsWhatIsWrittenAndIsReported) {
   EXPECT_THAT(stamps("lcmlog-2026-11-21.00"), ElementsAre(0, 1)) << "and no torn event";
 }
 
-TEST_F(RecorderTest, GoesOnInANewFileWhenThereIsRoomAgain) {
+TEST_F(RecorderTest, ContinuesInANewFileWhenThereIsSpaceAgain) {
   FileSizeLimit full(2500);
   Recorder recorder({.dir = dir_.path()}, clock_);
   for (int i = 0; i < 3; ++i) {
@@ -225,7 +225,7 @@ TEST_F(RecorderTest, AFailureInTheMiddleOfASplitIsNotForgotten) {
   EXPECT_THAT(names(), ElementsAre("lcmlog-2026-11-21.00"));
 }
 
-TEST_F(RecorderTest, AFolderThatCannotBeIsAnErrorAtTheStart) {
+TEST_F(RecorderTest, AFolderThatCannotBeMadeIsAnErrorAtTheStart) {
   std::ofstream(dir_.path() / "file") << "x";
   EXPECT_THROW(Recorder({.dir = dir_.path() / "file"}, clock_), std::exception);
 }
@@ -241,7 +241,7 @@ TEST_F(RecorderTest, AFolderThatVanishedIsMadeAgain) {
 }
 
 // The disk has 12 kB, of which 5 kB must stay free: the newest logs of 7 kB remain.
-TEST_F(RecorderTest, TheOldestLogsGoForTheReserveOfTheDisk) {
+TEST_F(RecorderTest, TheOldestLogsAreDeletedForTheReserveOfTheDisk) {
   const auto available = [this](const std::filesystem::path&) {
     std::int64_t used_bytes = 0;
     for (const std::string& name : names()) {
@@ -268,7 +268,7 @@ TEST_F(RecorderTest, TheOldestLogsGoForTheReserveOfTheDisk) {
 }
 
 // Other files fill the disk: the reserve is not used, and this is reported.
-TEST_F(RecorderTest, RecordingPausesWhenNothingOfOursFillsTheDisk) {
+TEST_F(RecorderTest, RecordingPausesWhenOtherFilesFillTheDisk) {
   std::int64_t available_bytes = 10'000;
   Recorder recorder(
       {.dir = dir_.path(),
