@@ -41,7 +41,7 @@ TEST_F(BaseGuardTest, WithoutReadingsNothingIsSlowed) {
 
 // Oracle: a drive at the limit for one reaction time, then braking at half of the wheels'
 // deceleration.
-TEST_F(BaseGuardTest, FromTheSpeedItAllowsTheRobotStopsBeforeWhatIsNear) {
+TEST_F(BaseGuardTest, FromThePermittedSpeedTheRobotStopsBeforeTheObstacle) {
   for (const double range_m : {0.3, 0.4, 0.6, 0.9, 1.2}) {
     guard_.add(sonar(sonar_raw(range_m)), now_);
     const double speed_mps = guard_.limit({5.0, 0.0}, now_).forward_mps;
@@ -83,7 +83,7 @@ TEST_F(BaseGuardTest, BehindTheInfraredCounts) {
   EXPECT_EQ(guard_.limit({-1.0, 0.0}, now_).forward_mps, -1.0);
 }
 
-TEST_F(BaseGuardTest, AnOldReadingIsNone) {
+TEST_F(BaseGuardTest, AnOldReadingDoesNotCount) {
   guard_.add(sonar(sonar_raw(0.24)), now_);
   EXPECT_EQ(guard_.limit(kFast, now_ + 501ms).forward_mps, kFast.forward_mps);
 }

@@ -40,7 +40,7 @@ TEST(DriveWatchdog, AShorterValidityHolds) {
 }
 
 // A DRIVE that was 150 ms on its way is obeyed for the 50 ms that are left.
-TEST(DriveWatchdog, TimeOnTheWayCounts) {
+TEST(DriveWatchdog, TimeInTransitCounts) {
   DriveWatchdog watchdog(kTimeout);
   ASSERT_EQ(watchdog.offer(request(0.5, kWall - 150ms), kWall, kSteady), DriveStatus::kObeyed);
   EXPECT_TRUE(watchdog.command(kSteady + 49'999us).has_value());
@@ -117,7 +117,7 @@ TEST(DriveWatchdog, TwoSendersAreNotObeyedUntilOneHasEnded) {
   EXPECT_EQ(watchdog.command(now)->forward_mps, 0.5);
 }
 
-TEST(DriveWatchdog, NonsenseRevokesWhatWasObeyed) {
+TEST(DriveWatchdog, NonsenseRevokesThePreviousCommand) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double infinity = std::numeric_limits<double>::infinity();
   for (const DriveRequest& nonsense :
@@ -131,7 +131,7 @@ TEST(DriveWatchdog, NonsenseRevokesWhatWasObeyed) {
   }
 }
 
-TEST(DriveWatchdog, AnOlderOneDoesNotReplaceANewerOneThatHolds) {
+TEST(DriveWatchdog, AnOlderCommandDoesNotReplaceANewerValidOne) {
   DriveWatchdog watchdog(kTimeout);
   ASSERT_EQ(watchdog.offer(request(0.5, kWall), kWall, kSteady), DriveStatus::kObeyed);
   EXPECT_EQ(watchdog.offer(request(0.9, kWall - 1ms), kWall, kSteady + 100us),

@@ -12,7 +12,7 @@ namespace encoder_clock_test {
 
 constexpr time::SteadyTime kStart{1s};
 
-TEST(EncoderClock, SteadyFramesAreStampedAsTheyCome) {
+TEST(EncoderClock, SteadyFramesAreStampedOnArrival) {
   EncoderClock clock;
   for (int i = 0; i < 1000; ++i) {
     const auto reading = clock.take(kStart + i * kEncoderPeriod);

@@ -32,7 +32,7 @@ TEST(KurtFrames, SpeedsAreRoundedToACentimetrePerSecond) {
   EXPECT_EQ(speed_command({-0.004, -0.006}), speed_command({0.0, -0.01}));
 }
 
-TEST(KurtFrames, WhatIsNoSpeedIsZeroAndNothingWrapsAround) {
+TEST(KurtFrames, SpeedsThatAreNotFiniteAreZeroAndNothingWrapsAround) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double infinity = std::numeric_limits<double>::infinity();
   EXPECT_EQ(speed_command({nan, infinity}), speed_command({0.0, 0.0}));
@@ -116,7 +116,7 @@ TEST(KurtFrames, MotorCurrentsInAmpere) {
   EXPECT_DOUBLE_EQ(currents.left_a, 2.0);
 }
 
-TEST(KurtFrames, OtherFramesAndPiecesSayNothing) {
+TEST(KurtFrames, OtherFramesAndTruncatedOnesAreIgnored) {
   const auto says_nothing = [](const CanFrame& f) {
     return std::holds_alternative<std::monostate>(decode(f));
   };

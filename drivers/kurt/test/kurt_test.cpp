@@ -194,7 +194,7 @@ TEST(Kurt, LostEncoderFramesAreNoticedAndFilled) {
   EXPECT_NEAR(robot.samples.back().state.T_odom_base.x - before_m, 2.0, kTickM);
 }
 
-TEST(Kurt, ASpoiltEncoderFrameIsBridged) {
+TEST(Kurt, ADamagedEncoderFrameIsBridged) {
   Robot robot;
   robot.run_for(500ms);
   robot.drive_for(1.0, 0.0, 2s);
@@ -248,7 +248,7 @@ TEST(Kurt, ABaseThatSendsNothingPlausibleIsToldToStop) {
   EXPECT_EQ(robot.base.left_cm_s(), 100);
 }
 
-TEST(Kurt, ABaseThatNeverSentAnythingPlausibleIsNone) {
+TEST(Kurt, ABaseThatNeverSentAnythingPlausibleCountsAsAbsent) {
   Robot robot;
   robot.base.wild_encoders = 1000;
   robot.drive_for(1.0, 0.0, 2s);
@@ -258,7 +258,7 @@ TEST(Kurt, ABaseThatNeverSentAnythingPlausibleIsNone) {
 }
 
 // The process was not scheduled for 80 ms: nothing is lost, and the stamps increase.
-TEST(Kurt, AHeldUpProcessLosesNothing) {
+TEST(Kurt, ADelayedProcessLosesNothing) {
   Robot robot;
   robot.run_for(500ms);
   robot.drive_for(1.0, 0.0, 2s);

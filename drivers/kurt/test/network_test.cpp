@@ -93,7 +93,7 @@ TEST(KurtNetwork, DrivesStopsWithoutDriveAndEndsWithAHardStop) {
   EXPECT_EQ(network.base.nonsense(), 0);
 }
 
-TEST(KurtNetwork, APulledPlugIsToldAndHealed) {
+TEST(KurtNetwork, APulledPlugIsReportedAndRecoveredFrom) {
   Network network;
   network.drives = true;
   ASSERT_TRUE(network.play([&] { return network.base.left_cm_s() == 50; }));

@@ -256,7 +256,7 @@ TEST(KurtNode, PublishesStopOnceASecondUntilReleased) {
 }
 
 // A second sender of DRIVE: faster, and stamped ahead of the clock.
-TEST(KurtNode, ASecondSenderOfDriveStopsTheRobotAndIsTold) {
+TEST(KurtNode, ASecondSenderOfDriveStopsTheRobotAndIsReported) {
   Bench bench;
   ASSERT_TRUE(bench.stands_ready());
   bench.drive_for(0.5, 0.0, 1s);
@@ -281,7 +281,7 @@ TEST(KurtNode, ASecondSenderOfDriveStopsTheRobotAndIsTold) {
   EXPECT_EQ(bench.base.left_cm_s(), 50);
 }
 
-TEST(KurtNode, WhatIsNotObeyedIsCountedByCause) {
+TEST(KurtNode, RefusedCommandsAreCountedByCause) {
   Bench bench;
   ASSERT_TRUE(bench.stands_ready());
   bench.publish_drive(std::numeric_limits<double>::quiet_NaN(), 0.0);
@@ -314,7 +314,7 @@ TEST(KurtNode, TheEndIsAHardStop) {
 }
 
 // As when the process ends by an exception.
-TEST(KurtNode, AnyWayOutIsAHardStop) {
+TEST(KurtNode, EveryExitIsAHardStop) {
   Bench bench;
   ASSERT_TRUE(bench.stands_ready());
   bench.drive_for(0.5, 0.0, 1s);
@@ -324,7 +324,7 @@ TEST(KurtNode, AnyWayOutIsAHardStop) {
   EXPECT_TRUE(bench.base.braked());
 }
 
-TEST(KurtNode, APulledPlugIsToldAndHealed) {
+TEST(KurtNode, APulledPlugIsReportedAndRecoveredFrom) {
   Bench bench;
   ASSERT_TRUE(bench.stands_ready());
   bench.drive_for(0.5, 0.0, 1s);
@@ -348,7 +348,7 @@ TEST(KurtNode, APulledPlugIsToldAndHealed) {
   EXPECT_EQ(bench.node->metrics()["reconnects"], 1);
 }
 
-TEST(KurtNode, ABaseThatSendsNothingPlausibleIsFailedAndNoOdometryIsTold) {
+TEST(KurtNode, ABaseThatSendsNothingPlausibleIsFailedAndNoOdometryIsPublished) {
   Bench bench;
   ASSERT_TRUE(bench.stands_ready());
   bench.drive_for(0.5, 0.0, 1s);
@@ -374,7 +374,7 @@ TEST(KurtNode, AMuteAdapterIsFailedAndThePortIsOpenedAgain) {
       [&] { return bench.node->health().state == node::HealthState::kDegraded; }, 10s));
 }
 
-TEST(KurtNode, ALineThatTakesNoBytesIsGivenUp) {
+TEST(KurtNode, ALineThatAcceptsNoBytesIsGivenUp) {
   Bench bench;
   ASSERT_TRUE(bench.stands_ready());
   // Nothing reads on the device's side, so the terminal fills up.

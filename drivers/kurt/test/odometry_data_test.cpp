@@ -12,7 +12,7 @@ namespace odometry_data_test {
 
 // Two KURTs with their wheels in the air, up to the full duty cycle: all measured ticks are
 // plausible.
-TEST(OdometryData, MeasuredWheelSpeedsAreTaken) {
+TEST(OdometryData, MeasuredWheelSpeedsArePlausible) {
   NODMAP_REQUIRE_DATA(dir, "kurt");
   for (const char* name : {"speed-pwm-leerlauf-kyoto.dat", "speed-pwm-leerlauf-osaka.dat"}) {
     std::ifstream in(dir / name);

@@ -98,7 +98,7 @@ TEST(Odometry, BackingUpReturnsToTheStart) {
   EXPECT_NEAR(odometry.state().T_odom_base.yaw, 0.0, 1e-12);
 }
 
-TEST(Odometry, LostFramesAreDrivenOnAndMakeItLessSure) {
+TEST(Odometry, LostFramesAreBridgedAndIncreaseTheUncertainty) {
   Odometry whole(millimetre_wheels(), {});
   Odometry bridged(millimetre_wheels(), {});
   for (int i = 0; i < 100; ++i) {
@@ -139,7 +139,7 @@ TEST(Odometry, TicksNoWheelCanMakeAreRefused) {
   EXPECT_EQ(odometry.state().T_odom_base.yaw, 0.0);
 }
 
-TEST(Odometry, StandingStaysSure) {
+TEST(Odometry, AStationaryRobotStaysCertain) {
   Odometry odometry(millimetre_wheels(), {});
   for (int i = 0; i < 1000; ++i) {
     ASSERT_TRUE(odometry.add({0, 0}));

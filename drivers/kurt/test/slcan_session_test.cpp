@@ -50,7 +50,7 @@ TEST(SlcanSession, ClosesSetsTheRateAndOpens) {
 }
 
 // A BEL on C says only that the channel was closed before.
-TEST(SlcanSession, RefusingToCloseWhatIsClosedIsFine) {
+TEST(SlcanSession, ARefusalToCloseAClosedBusIsFine) {
   Bench bench;
   bench.answer = [](const std::string& text) {
     return text.back() == '\r' && text.find('C') != std::string::npos
@@ -106,7 +106,7 @@ TEST(SlcanSession, AMuteBusIsOpenedAgainAndComesBack) {
   EXPECT_EQ(bench.session.restarts(), 1);
 }
 
-TEST(SlcanSession, ABusThatStaysMuteEndsWithTheUseOfThePort) {
+TEST(SlcanSession, ABusThatStaysMuteEndsWithGivingUpThePort) {
   Bench bench;
   bench.frames_come = false;
   bench.session.start({});

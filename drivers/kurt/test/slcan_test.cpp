@@ -74,7 +74,7 @@ TEST(Slcan, LowerCaseIsHexadecimalToo) {
   EXPECT_EQ(parse_frame("T12abcdef2aa55"), frame(0x12ABCDEF, {0xAA, 0x55}, true));
 }
 
-TEST(Slcan, WhatIsNoFrameIsNone) {
+TEST(Slcan, InvalidFramesAreRefused) {
   for (const char* line : {"",
                            "t",
                            "t12",
@@ -99,7 +99,7 @@ TEST(Slcan, WhatIsNoFrameIsNone) {
   }
 }
 
-TEST(SlcanParser, TellsFramesAnswersAndFlagsApart) {
+TEST(SlcanParser, DistinguishesFramesAnswersAndFlags) {
   using Kind = SlcanLine::Kind;
   SlcanParser parser;
   const auto lines = parse(parser, "\r\az\rZ\rt1230\rF85\r");

@@ -36,7 +36,7 @@ TEST(WheelSpeeds, APositiveTurnRateTurnsLeft) {
 }
 
 // The default steering: odometry measures on the wheels what DRIVE commanded.
-TEST(WheelSpeeds, OdometryMeasuresWhatWasAskedFor) {
+TEST(WheelSpeeds, OdometryMeasuresTheCommand) {
   const WheelParams params;
   const DriveCommand command{0.8, -0.6};
   const WheelSpeeds wheels = wheel_speeds(command, params);

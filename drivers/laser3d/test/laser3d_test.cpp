@@ -251,7 +251,7 @@ TEST(Laser3d, AFastNodMakesBlindnessKnownInASecondASlowOneInItsNod) {
   }
 }
 
-TEST(Laser3d, BeamsWithoutAMeasurementDegradeAndAreNoSight) {
+TEST(Laser3d, BeamsWithoutAMeasurementDegradeAndDoNotCountAsSight) {
   Rig rig;
   rig.open();
   rig.run(4.0);
@@ -272,7 +272,7 @@ TEST(Laser3d, PollutionDegrades) {
   EXPECT_EQ(rig.health().reason, "laser: the front window is dirty");
 }
 
-TEST(Laser3d, HalfADegreeComesAsTwoScansEach) {
+TEST(Laser3d, HalfADegreeGivesTwoScansEach) {
   Laser3dParams params;
   params.laser.variant = SickVariant::k180x050;
   Rig rig(params);

@@ -137,7 +137,7 @@ TEST(Nod, WithoutCommandsItFallsBack) {
   EXPECT_EQ(dut.step({at(1500ms), 0.15, 0.1}, at(1500ms)).goal_rad, 0.3);
 }
 
-TEST(Nod, CommandsThatAreNoneAreRefused) {
+TEST(Nod, InvalidCommandsAreRefused) {
   Nod dut(params(), robot());
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(dut.command({nan, 0.0, 1.0}, at(0s)));
@@ -213,7 +213,7 @@ TEST(Nod, AGapInTheReadingsIsNoStall) {
   EXPECT_FALSE(dut.stalled());
 }
 
-TEST(Nod, AServoThatStopsShortOfItsGoalStillTurns) {
+TEST(Nod, AServoThatStopsShortOfItsGoalStillReverses) {
   Nod dut(params(), robot());
   time::SteadyTime now;
   double pitch_rad = 0.0;

@@ -170,7 +170,7 @@ TEST(Laser3dNode, ObeysPitchCommandsAndRefusesOldAndBadOnes) {
 }
 
 // A second sender points the laser at the ceiling, 50 times a second.
-TEST(Laser3dNode, ASecondSenderOfPitchCommandIsRefusedAndTold) {
+TEST(Laser3dNode, ASecondSenderOfPitchCommandIsRefusedAndReported) {
   Rig rig;
   rig.run(3.0);
   nodmap::pitch_command_t own{};
@@ -201,7 +201,7 @@ TEST(Laser3dNode, ASecondSenderOfPitchCommandIsRefusedAndTold) {
   EXPECT_EQ(rig.node.health().state, node::HealthState::kOk) << rig.node.health().reason;
 }
 
-TEST(Laser3dNode, AnUnpluggedLaserEndsTheScansAndPluggedInTheyGoOn) {
+TEST(Laser3dNode, UnpluggingTheLaserEndsTheScansAndReplugsResumeThem) {
   Rig rig;
   rig.run(4.0);
   rig.laser.plugged = false;
@@ -217,7 +217,7 @@ TEST(Laser3dNode, AnUnpluggedLaserEndsTheScansAndPluggedInTheyGoOn) {
   EXPECT_EQ(rig.node.health().state, node::HealthState::kOk) << rig.node.health().reason;
 }
 
-TEST(Laser3dNode, AnUnpluggedServoEndsTheScansAndPluggedInTheyGoOn) {
+TEST(Laser3dNode, UnpluggingTheServoEndsTheScansAndReplugsResumeThem) {
   Rig rig;
   rig.run(4.0);
   rig.servo.plugged = false;

@@ -118,13 +118,13 @@ TEST(PassiveSync, TheCounterWraps) {
   EXPECT_EQ(dut.to_host(4, at(1017ms)), at(1010ms));  // ten ticks later, stamped 7 ms late
 }
 
-TEST(PassiveSync, ALongSilenceStartsAnew) {
+TEST(PassiveSync, ALongSilenceStartsAgain) {
   PassiveSync dut({1ms, 256, 0.0});
   EXPECT_EQ(dut.to_host(0, at(1s)), at(1s));
   EXPECT_EQ(dut.to_host(10, at(1200ms)), at(1200ms));
 }
 
-TEST(PassiveSync, ADeviceThatStartedAgainIsFollowed) {
+TEST(PassiveSync, ARestartedDeviceIsFollowed) {
   PassiveSync dut(kServo);
   EXPECT_EQ(dut.to_host(20'000, at(1s)), at(1s));
   EXPECT_EQ(dut.to_host(20'010, at(1010ms)), at(1010ms));

@@ -61,7 +61,7 @@ std::vector<std::string> drain(FrameScanner& scanner) {
   return contents;
 }
 
-TEST(FrameScanner, FindsTheSameFramesHoweverTheStreamIsCut) {
+TEST(FrameScanner, FindsTheSameFramesInPiecesOfAnySize) {
   const Bytes stream = framed("one") + Bytes{'#', '<', 'x'} + framed("two") + framed("");
   std::mt19937 random(1);
   for (int run = 0; run < 200; ++run) {
@@ -98,7 +98,7 @@ TEST(FrameScanner, BytesFromBeforeASilenceDoNotJoinThoseFromAfter) {
   EXPECT_EQ(scanner.errors().expired, 1);
 }
 
-TEST(FrameScanner, AfterASilenceWhatAFalseStartHidComesOut) {
+TEST(FrameScanner, AfterASilenceAFrameHiddenByAFalseStartIsFound) {
   FrameScanner scanner(kFormat, 9600);
   scanner.feed(Bytes{'<', '9'} + framed("a"), kStart);
   EXPECT_TRUE(drain(scanner).empty()) << "it may still be the start of nine bytes";
@@ -113,7 +113,7 @@ TEST(FrameScanner, TheFirstByteIsDatedBackByTheRateOfTheLine) {
   EXPECT_EQ(scanner.next()->first_byte, kStart + 97ms);
 }
 
-TEST(FrameScanner, ANewRateForgetsWhatHasCome) {
+TEST(FrameScanner, ANewRateForgetsReceivedBytes) {
   FrameScanner scanner(kFormat, 9600);
   scanner.feed(ByteView(framed("old")).first(3), kStart);
   scanner.reset(500'000);

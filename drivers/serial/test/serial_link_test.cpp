@@ -137,7 +137,7 @@ TEST(SerialLink, WritesAllBytesWithAndWithoutAPauseBetweenThem) {
   EXPECT_EQ(pty.receive_text(6), "abcabc");
 }
 
-TEST(SerialLink, ALineThatTakesNoBytesIsLost) {
+TEST(SerialLink, ALineThatAcceptsNoBytesIsLost) {
   const test::PtyPair pty;
   Rig rig(port_opener(pty.name(), 115200));
   rig.link.poll(at(0s));
@@ -148,7 +148,7 @@ TEST(SerialLink, ALineThatTakesNoBytesIsLost) {
   EXPECT_EQ(rig.lost, 1);
 }
 
-TEST(SerialLink, EndedItStaysClosed) {
+TEST(SerialLink, OnceEndedItStaysClosed) {
   const test::PtyPair pty;
   Rig rig(port_opener(pty.name(), 115200));
   rig.link.poll(at(0s));
@@ -159,7 +159,7 @@ TEST(SerialLink, EndedItStaysClosed) {
   EXPECT_FALSE(rig.link.is_open());
 }
 
-TEST(SerialLink, ANewRateDropsWhatCameAtTheOldOne) {
+TEST(SerialLink, ANewRateDropsBytesReceivedAtTheOldOne) {
   const test::PtyPair pty;
   Rig rig(port_opener(pty.name(), 9600));
   rig.link.poll(at(0s));

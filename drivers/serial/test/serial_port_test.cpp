@@ -170,7 +170,7 @@ TEST(SerialPort, DiscardsInput) {
   EXPECT_EQ(read_exactly(*port.stream, 3), (std::vector<std::uint8_t>{'n', 'e', 'w'}));
 }
 
-TEST(SerialPort, WhatIsNoPortIsRefusedInWords) {
+TEST(SerialPort, AnythingButAPortIsRefusedWithAReason) {
   const OpenResult missing = open_serial_port({"/dev/serial/by-id/no-such-device"});
   EXPECT_EQ(missing.stream, nullptr);
   EXPECT_NE(missing.error.find("/dev/serial/by-id/no-such-device"), std::string::npos);

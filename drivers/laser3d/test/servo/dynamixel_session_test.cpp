@@ -52,7 +52,7 @@ class Rig {
   Bytes on_the_line_;
 };
 
-TEST(DynamixelSession, RunsAndTellsWhereItIs) {
+TEST(DynamixelSession, RunsAndReportsItsPosition) {
   Rig rig;
   rig.open();
   rig.run(0.5);
@@ -114,7 +114,7 @@ TEST(DynamixelSession, ALostServoIsNoticedAndFoundAgain) {
   EXPECT_EQ(rig.dut.counts().connections, 2);
 }
 
-TEST(DynamixelSession, AnAlertIsToldAndTheServoRestarted) {
+TEST(DynamixelSession, AnAlertIsReportedAndTheServoRestarted) {
   Rig rig;
   rig.open();
   rig.run(0.3);
@@ -128,7 +128,7 @@ TEST(DynamixelSession, AnAlertIsToldAndTheServoRestarted) {
   EXPECT_TRUE(rig.dut.running());
 }
 
-TEST(DynamixelSession, AfterARestartItGoesOnToItsGoal) {
+TEST(DynamixelSession, AfterARestartItContinuesToItsGoal) {
   Rig rig;
   rig.open();
   rig.run(0.1);
@@ -142,7 +142,7 @@ TEST(DynamixelSession, AfterARestartItGoesOnToItsGoal) {
   EXPECT_NEAR(rig.samples.back().pitch_rad, 0.4, dynamixel_x::kRadPerStep);
 }
 
-TEST(DynamixelSession, ADamagedRequestIsAskedAgainAndOnlyManyInARowAreALoss) {
+TEST(DynamixelSession, ADamagedRequestIsRepeatedAndOnlyManyInARowAreALoss) {
   Rig rig;
   rig.open();
   rig.run(0.2);

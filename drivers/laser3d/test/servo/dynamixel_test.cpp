@@ -55,7 +55,7 @@ TEST(Dynamixel, WritesAreAsInTheManual) {
             hex("FF FF FD 00 01 0D 00 03 70 00 14 00 00 00 00 08 00 00 1A 87"));
 }
 
-TEST(Dynamixel, WhatLooksLikeAHeaderIsStuffed) {
+TEST(Dynamixel, BytesLikeAHeaderAreStuffed) {
   EXPECT_EQ(dynamixel::write(1, 116, hex("FF FF FD 00")),
             hex("FF FF FD 00 01 0A 00 03 74 00 FF FF FD FD 00 21 E7"));
 }
@@ -78,11 +78,11 @@ TEST(Dynamixel, StuffedAnswersAreUnstuffed) {
   EXPECT_EQ(parse(answer)[0].parameters, hex("FF FF FD 07"));
 }
 
-TEST(Dynamixel, OurOwnEchoIsPassedOver) {
+TEST(Dynamixel, OurOwnEchoIsSkipped) {
   EXPECT_EQ(parse(dynamixel_x::read_state(1) + kPosition2048).size(), 1U);
 }
 
-TEST(Dynamixel, AnswersAreFoundInNoiseAndInAnyCut) {
+TEST(Dynamixel, AnswersAreFoundInNoiseAndInPiecesOfAnySize) {
   std::mt19937 random(3);
   std::uniform_int_distribution<> byte(0, 255);
   for (int run = 0; run < 200; ++run) {
@@ -137,7 +137,7 @@ TEST(DynamixelX, OtherAnswersAreNoState) {
   EXPECT_FALSE(dynamixel_x::state_in(impossible));
 }
 
-TEST(DynamixelX, ZeroWouldBeWithoutLimitAndIsNeverSent) {
+TEST(DynamixelX, ZeroMeansUnlimitedAndIsNeverSent) {
   const Bytes move = dynamixel_x::move_to(1, 2048, 0.0);
   EXPECT_EQ(boost::endian::load_little_u32(&move[10]), 1U);
   const Bytes acceleration = dynamixel_x::set_acceleration(1, 0.0);

@@ -57,7 +57,7 @@ Bytes answer(int quarter_us) {
   return bytes;
 }
 
-TEST(MaestroSession, TellsTheCommandedPitchAndSaysSo) {
+TEST(MaestroSession, ReportsTheCommandedPitchAsSuch) {
   MaestroSession dut(params());
   EXPECT_FALSE(dut.measures_pitch());
   EXPECT_EQ(dut.open(at(0s)).send, hex("89 00 00 00"));
@@ -76,7 +76,7 @@ TEST(MaestroSession, SpeedComesBeforeTheTarget) {
   EXPECT_EQ(dut.poll(at(0s)).send, hex("87 00 0C 01 84 00 40 3E 90 00"));
 }
 
-TEST(MaestroSession, SilenceIsAnErrorAndTheQuestionsGoOn) {
+TEST(MaestroSession, SilenceIsAnErrorAndRequestsContinue) {
   MaestroSession dut(params());
   EXPECT_FALSE(dut.open(at(0s)).send.empty());
   int questions = 0;
@@ -89,7 +89,7 @@ TEST(MaestroSession, SilenceIsAnErrorAndTheQuestionsGoOn) {
   EXPECT_LT(questions, 12);  // with growing pauses
 }
 
-TEST(MaestroSession, AnswersThatAreTooLongOrOffAreNoPitch) {
+TEST(MaestroSession, AnswersThatAreTooLongOrOffGiveNoPitch) {
   MaestroSession dut(params());
   EXPECT_FALSE(dut.open(at(0s)).send.empty());
   EXPECT_FALSE(dut.poll(at(0s)).send.empty());

@@ -96,7 +96,7 @@ TEST(SickConfig, OldFirmwareHasTwoBytesLess) {
   EXPECT_EQ(config->bytes.size(), 32U);
 }
 
-TEST(SickConfig, OnlyWhatTheDriverDecidesIsChanged) {
+TEST(SickConfig, OnlyTheDriversOwnSettingsAreChanged) {
   SickConfig before{hex("00 00 46 00 04 00 00 00 00 02 02 00x21 02 00")};
   const SickConfig after = with_measuring(before, SickUnit::kMillimetre, {0x06});
   EXPECT_EQ(after.bytes, hex("00 00 46 00 06 06 01 00 00 02 02 00x21 02 00"));

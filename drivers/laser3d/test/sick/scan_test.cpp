@@ -194,7 +194,7 @@ TEST(MirrorRevolutions, InterlacedScansAreShifted) {
             kSent);  // it ends half a degree before the half revolution does
 }
 
-TEST(MirrorRevolutions, AnEmptyScanIsNoCrash) {
+TEST(MirrorRevolutions, AnEmptyScanDoesNotCrash) {
   EXPECT_TRUE(mirror_revolutions({}, SickVariant::k180x050, kSent).at(1).ranges_m.empty());
 }
 

@@ -125,7 +125,7 @@ TEST(SickSession, AConfigurationThatDoesNotStayIsNotWrittenForEver) {
   EXPECT_EQ(rig.dut.state(), State::kStreaming);
 }
 
-TEST(SickSession, AsksAgainWhatWasNotHeard) {
+TEST(SickSession, RepeatsUnansweredRequests) {
   Rig rig;
   rig.sensor.baud = 500000;
   rig.sensor.ignore_next = 2;
@@ -145,7 +145,7 @@ TEST(SickSession, ANakShortensTheWait) {
   EXPECT_EQ(rig.dut.state(), State::kStreaming);
 }
 
-TEST(SickSession, ARefusalIsToldAndTriedAgainLater) {
+TEST(SickSession, ARefusalIsReportedAndRetriedLater) {
   Rig rig;
   rig.sensor.deaf_to_variant = true;
   rig.open();

@@ -59,7 +59,7 @@ TEST(SickParser, ReadsEveryGoldenTelegram) {
   }
 }
 
-TEST(SickParser, AnyCutGivesTheSameEvents) {
+TEST(SickParser, PiecesOfAnySizeGiveTheSameEvents) {
   const Bytes stream = hex("06") + test::kModeOk + test::kRamp181 + hex("15 06") + test::kType;
   std::mt19937 random(1);
   for (int run = 0; run < 200; ++run) {
@@ -175,7 +175,7 @@ TEST(SickParser, FirstByteIsThatOfItsOwnChunk) {
   EXPECT_EQ(std::get<SickTelegram>(event).first_byte, kStart + 5ms - 9 * 20us);
 }
 
-TEST(SickParser, AckIsNotBelievedInsideDamage) {
+TEST(SickParser, AnAckInsideDamageIsIgnored) {
   EXPECT_TRUE(parse(hex("55 06 15 06")).empty());
 }
 
