@@ -57,7 +57,7 @@ Finding check_realtime(bool is_permitted) {
       "realtime", Status::kWarn,
       "Real-time priority is not permitted: on a busy machine the robot halts for lack of scans.",
       "echo \"$USER - rtprio 50\" | sudo tee /etc/security/limits.d/nodmap.conf  # then log in "
-      "anew"};
+      "again"};
 }
 
 Finding check_serial_workers(bool may_raise) {

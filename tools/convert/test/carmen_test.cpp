@@ -73,7 +73,7 @@ TEST(Carmen, ReadsDescribedScan) {
   EXPECT_EQ(scan.stamp, time::from_utime(12'500'000));
 }
 
-TEST(Carmen, ReadsParametersAndPassesOverTheRest) {
+TEST(Carmen, ReadsParametersAndSkipsTheRest) {
   const auto parameter =
       parse<CarmenParameter>("PARAM robot_frontlaser_offset -0.04 1071078718.462495 merci 0");
   EXPECT_EQ(parameter.name, "robot_frontlaser_offset");

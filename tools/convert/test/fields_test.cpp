@@ -34,7 +34,7 @@ TEST(Fields, RemembersAFailure) {
   EXPECT_FALSE(fields.ok());
 }
 
-TEST(Fields, FiniteAndCountRefuseWhatTheyAreNot) {
+TEST(Fields, FiniteAndCountRefuseOtherNumbers) {
   for (const char* line : {"nan", "inf", "-inf"}) {
     Fields fields(line);
     fields.finite();

@@ -91,7 +91,7 @@ TEST_F(Import, FailuresLeaveNothing) {
   }
 }
 
-TEST_F(Import, NodLinesBecomePitchedScansOfAStandingRobot) {
+TEST_F(Import, NodLinesBecomePitchedScansOfAStationaryRobot) {
   write("a.nod", "NOD 5.0 30 2 -1.5 3.0 0.02 5.6 1 2\nSLICE 0 10 2 0 90 100 200\nNOD 6.0\n");
   import_nod(file("a.nod"), file("a.lcmlog"));
   const auto messages = test::messages_of(file("a.lcmlog"));

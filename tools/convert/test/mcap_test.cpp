@@ -243,7 +243,7 @@ void expect_field(const File& file, const std::string& path) {
   }
 }
 
-TEST(McapExport, HoldsWhatTheLayoutForFoxgloveNames) {
+TEST(McapExport, ContainsEveryFieldOfTheFoxgloveLayout) {
   const nodmap::test::TemporaryDir dir;
   foxglove::test::write_robot_log(dir.path() / "robot.lcmlog", {.duration_s = 2.0});
   export_mcap(dir.path() / "robot.lcmlog", dir.path() / "robot.mcap");

@@ -65,7 +65,7 @@ TEST(TableRows, Navigation) {
   EXPECT_EQ(row_of(message), ",2,-1,2,0.5,inf,0.75");
 }
 
-TEST(TableRows, TruthEndsWithWhereTheActorsAre) {
+TEST(TableRows, TruthEndsWithThePositionsOfTheActors) {
   nodmap::truth_t message{};
   message.position_m[0] = 1.5;
   message.orientation[0] = 1.0;

@@ -7,7 +7,7 @@
 namespace nodmap::doctor {
 namespace host_test {
 
-TEST(Host, WhatIsMissingComesWithTheCommandThatGetsIt) {
+TEST(Host, AMissingProgramIsReportedWithTheCommandThatInstallsIt) {
   EXPECT_EQ(check_present("java", "java", true, "x", "get").status, Status::kOk);
   EXPECT_TRUE(check_present("java", "java", true, "x", "get").command.empty());
   const Finding missing = check_present("java", "java", false, "lcm-spy needs it", "get");
@@ -45,7 +45,7 @@ TEST(Host, WithoutRealTimePriorityTheRobotHaltsOnABusyMachine) {
   EXPECT_THAT(check_realtime(false).command, ::testing::HasSubstr("rtprio"));
 }
 
-TEST(Host, AnUnsteeredClockIsNoFailure) {
+TEST(Host, AnUnsynchronisedClockIsNotAFailure) {
   EXPECT_EQ(check_clock(true).status, Status::kOk);
   EXPECT_EQ(check_clock(false).status, Status::kWarn);
 }

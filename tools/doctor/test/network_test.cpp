@@ -45,7 +45,7 @@ TEST(MulticastRoute, ByDefaultWorksUntilTheCableIsPulled) {
   EXPECT_THAT(finding.sentence, HasSubstr("eth0"));
 }
 
-TEST(MulticastRoute, MissingIsFatalAndMended) {
+TEST(MulticastRoute, IfMissingItIsFatalAndTheFixIsNamed) {
   for (const std::string& text :
        {routes(""), std::string(), std::string("nonsense\nlo x y z 1 2 3 4\n"),
         routes("eth0\t000200C0\t00000000\t0001\t0\t0\t0\t00FFFFFF\t0\t0\t0\n")}) {
@@ -132,7 +132,7 @@ TEST(Sockets, ThatLostDatagramsAreNamed) {
   EXPECT_THAT(finding.sentence, HasSubstr("nodmap-slam2d"));
 }
 
-TEST(SelfTestFinding, TellsTheThreeOutcomes) {
+TEST(SelfTestFinding, DistinguishesTheThreeOutcomes) {
   const std::string url = "udpm://239.255.76.67:7667?ttl=0";
   EXPECT_EQ(check_self_test({}, url).status, Status::kFail);
   EXPECT_THAT(check_self_test({}, url).command, HasSubstr("ip route add"));

@@ -35,7 +35,7 @@ TEST(Probe, FindsTheOwnerOfASocket) {
   EXPECT_EQ(owners.at(info.st_ino), "doctor_test (" + std::to_string(::getpid()) + ")");
 }
 
-TEST(Probe, RoomIsThatOfTheFolderAboveWhereThereIsNoneYet) {
+TEST(Probe, FreeSpaceOfAMissingFolderIsThatOfItsParent) {
   const test::TemporaryDir dir;
   const std::int64_t there = available_bytes(dir.path());
   EXPECT_GT(there, 0);

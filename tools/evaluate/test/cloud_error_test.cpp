@@ -113,7 +113,7 @@ TEST(CloudError, CompletenessIsTheShareThatWasSeen) {
 }
 
 // By hand: of 80 static points 76 are kept, of 20 moving points 5.
-TEST(RemovalErrors, SharesOfWhatStaysAndOfWhatMoved) {
+TEST(RemovalErrors, SharesOfStaticAndOfMovingPoints) {
   const RemovalErrors errors =
       measure_removal({.n = 100, .outlier_share = 0.2}, {.n = 81, .outlier_share = 5.0 / 81.0});
   EXPECT_NEAR(errors.static_kept, 0.95, 1e-12);
@@ -121,7 +121,7 @@ TEST(RemovalErrors, SharesOfWhatStaysAndOfWhatMoved) {
   EXPECT_NEAR(errors.associated, std::sqrt(0.95 * 0.75), 1e-12);
 }
 
-TEST(RemovalErrors, WhereNothingMovedAllOfItIsRemoved) {
+TEST(RemovalErrors, WithoutMovingPointsAllOfThemAreRemoved) {
   const RemovalErrors errors = measure_removal({.n = 10}, {.n = 10});
   EXPECT_EQ(errors.static_kept, 1.0);
   EXPECT_EQ(errors.dynamic_removed, 1.0);

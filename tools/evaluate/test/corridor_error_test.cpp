@@ -83,7 +83,7 @@ TEST(CorridorError, DoesNotDependOnTheFrames) {
   EXPECT_NEAR(moved->heading_error_rad, errors->heading_error_rad, kRounding);
 }
 
-TEST(CorridorError, WithoutAWayThereIsNoCorridor) {
+TEST(CorridorError, WithoutAPathThereIsNoCorridor) {
   EXPECT_FALSE(measure_corridor({}));
   const PosePair standing{SE3::Identity(), SE3::Identity()};
   EXPECT_FALSE(measure_corridor({standing, standing}));

@@ -64,7 +64,7 @@ TEST_F(RelocalisationTest, CountsThePlacesThatWereFound) {
   EXPECT_GE(result.ms_max, result.ms_p50);
 }
 
-TEST_F(RelocalisationTest, PlacesGroupsOfScansAtTheLast) {
+TEST_F(RelocalisationTest, LocatesGroupsOfScansAtTheirLastScan) {
   const RelocalisationResult result = measure({.num_scans = 4, .every = 2});
   EXPECT_EQ(result.n, 5U);
   EXPECT_EQ(result.right, 5U);

@@ -88,7 +88,7 @@ TEST_F(ReactionTest, AScanWithoutAMapIsLeftOut) {
   EXPECT_THAT(waits(reaction_.scan_to_map()), ElementsAre(100));
 }
 
-TEST_F(ReactionTest, CountsWhatIsMissingAndWhatIsBroken) {
+TEST_F(ReactionTest, CountsMissingAndCorruptMessages) {
   hear_scan(1, 0);
   hear_scan(4, 1);
   hear_scan(0, 2);  // restarted: nothing was lost

@@ -26,7 +26,7 @@ TEST(Command, ReadsAKill) {
   EXPECT_EQ(kill.duration, 2s);
 }
 
-TEST(Command, RefusesWhatIsNoKill) {
+TEST(Command, RefusesInvalidKills) {
   for (const char* text :
        {"", "navigator", "navigator@1", "navigator@+1", "navigator@1+", "navigator@1+0",
         "navigator@-1+1", "navigator@1+nan", "nobody@1+1", "navigator@1+1s", "@1+1"}) {
@@ -42,7 +42,7 @@ TEST(AllParams, SetsAParameterOfAProcess) {
   EXPECT_EQ(params.sim.model.drive.odometry_scale_bias, 0.03);
 }
 
-TEST(AllParams, NamesWhatIsWrong) {
+TEST(AllParams, ErrorsNameTheCause) {
   AllParams params;
   EXPECT_THAT(error_of([&] { params.set_assignment("slam2d.no_such=1"); }), HasSubstr("no_such"));
   EXPECT_THAT(error_of([&] { params.set_assignment("nobody.key=1"); }), HasSubstr("navigator"));

@@ -57,7 +57,7 @@ TEST(OccupancyMetrics, AMapOfTheWallIsRight) {
   EXPECT_EQ(metrics.recall, 1.0);
 }
 
-TEST(OccupancyMetrics, WhatIsInTheAirCostsPrecisionAndWhatIsMissingRecall) {
+TEST(OccupancyMetrics, VoxelsInTheAirCostPrecisionAndMissingOnesRecall) {
   formats::OccupiedSpace map = row_at(0.99, 4);
   const formats::OccupiedSpace air = row_at(0.6, 4);
   map.cubes.insert(map.cubes.end(), air.cubes.begin(), air.cubes.end());

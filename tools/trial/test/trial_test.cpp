@@ -75,7 +75,7 @@ TEST_F(TrialTest, Fig5NoddingDoesNot) {
 
 // The laser receives no echoes. That does not mean free space, and a trial without a scan does not
 // start.
-TEST_F(TrialTest, ALaserThatSeesNothingLetsNobodyDrive) {
+TEST_F(TrialTest, WithABlindLaserTheRobotDoesNotDrive) {
   TrialSetup blind = setup("cellar", 1, 20.0);
   blind.params.set_assignment("sim.min_intensity=1");
   Trial trial(blind, dir_.path());
@@ -123,7 +123,7 @@ struct Loss {
 // Loses each device and each process that driving depends on, at speed.
 class Losing : public TrialTest, public ::testing::WithParamInterface<Loss> {};
 
-TEST_P(Losing, APartStopsTheRobotAndItGoesOnAfterwards) {
+TEST_P(Losing, APartStopsTheRobotAndItContinuesAfterwards) {
   TrialSetup trial = setup("corridor30", 3, 20.0);
   const Disturbance loss{"", time::SteadyTime(10s), time::SteadyTime(12s)};
   if (GetParam().fault != nullptr) {
@@ -154,7 +154,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Loss{nullptr, "navigator"}));
 
 // When odometry restarts at zero, the SLAMs keep their poses.
-TEST_F(TrialTest, SlamsKeepTheirPlaceWhenTheBaseDriverIsStartedAnew) {
+TEST_F(TrialTest, SlamsKeepTheirPosesWhenTheBaseDriverRestarts) {
   TrialSetup trial = setup("corridor30", 1, 16.0);
   trial.without.clear();
   trial.kills.push_back({"kurt", time::SteadyTime(8s), 2s});
@@ -229,7 +229,7 @@ TEST_F(TrialTest, ALoopRoundABlockCloses) {
 }
 
 // R37, Fig. 6: 27 m with wheels that count 3 % too much.
-TEST_F(TrialTest, CorridorIsAsLongAsItIs) {
+TEST_F(TrialTest, TheCorridorHasItsTrueLength) {
   TrialSetup trial = setup("corridor30", 1, 50.0);
   trial.params.set_assignment("sim.odometry_scale_bias=0.03");
   const auto result = summarise(trial, run(trial), dir_.path());

@@ -58,7 +58,7 @@ TEST(Overview, NearestIsOfTheNewestMap) {
   EXPECT_DOUBLE_EQ(overview.nearest_m(), 2.0);
 }
 
-TEST(Overview, SumsWhatTheProcessesLostByTheirNewestWord) {
+TEST(Overview, SumsTheLossesInTheNewestStatusOfEachProcess) {
   Overview overview;
   status_t status{};
   status.process_name = std::string("nodmap-a");
@@ -102,7 +102,7 @@ TEST(StatusLine, SaysWhatTheRobotDoes) {
   EXPECT_LE(status_line(overview, at(0s)).size(), 120U);
 }
 
-TEST(BehaviourName, OfWhatIsNone) {
+TEST(BehaviourName, IsAQuestionMarkForAnUnknownNumber) {
   EXPECT_EQ(behaviour_name(navigation_t::HALT), "HALT");
   EXPECT_EQ(behaviour_name(-1), "?");
   EXPECT_EQ(behaviour_name(17), "?");
