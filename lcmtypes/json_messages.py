@@ -3,8 +3,9 @@
 """Writes a C++ header and source that turn messages into JSON: for each type of the package nodmap its fields under the names of the
 .lcm file, its JSON Schema, and the names of its constants.
 
-Left out are arrays of variable length and of more than MAX_ELEMENTS: scans, maps and covariances are for pictures, not for
-tables and plots. A type with constants has one field of their type; that field's constant goes besides, as <field>_name, unless the field is an array.
+Arrays of variable length, or of more than MAX_ELEMENTS, are left out: scans, maps and covariances are drawn, not shown in tables and
+plots. A type with constants has one field of their type. The name of that field's constant is added as <field>_name, unless the field
+is an array.
 """
 import argparse
 import json
@@ -71,9 +72,9 @@ const std::map<std::string, std::string>& json_message_schemas() {{
 """
 
 
-def told_fields(struct):
-    """(name, JSON Schema, C++ expression) of each field that is told, and of the constant's name."""
-    told = []
+def converted_fields(struct):
+    """(name, JSON Schema, C++ expression) of each converted field, and of the constant's name."""
+    converted = []
     for kind, name, dimensions in struct.fields:
         if kind not in SIZES and kind != "string":
             raise ValueError(f"{struct.name}.{name}: messages within messages are not supported")
@@ -82,7 +83,7 @@ def told_fields(struct):
         schema = {"type": SCHEMAS.get(kind, "integer")}
         for _ in dimensions:
             schema = {"type": "array", "items": schema}
-        told.append((name, schema, f"message.{name}" + (" != 0" if kind == "boolean" else "")))
+        converted.append((name, schema, f"message.{name}" + (" != 0" if kind == "boolean" else "")))
     if struct.constants:
         kinds = {kind for kind, _, _ in struct.constants}
         named = [(name, dimensions) for kind, name, dimensions in struct.fields if kind in kinds]
@@ -90,12 +91,12 @@ def told_fields(struct):
             raise ValueError(f"{struct.name}: it is not clear which field has the constants")
         name, dimensions = named[0]
         if not dimensions:
-            told.append((f"{name}_name", {"type": "string"}, f"constant_name(message.{name})"))
-    return told
+            converted.append((f"{name}_name", {"type": "string"}, f"constant_name(message.{name})"))
+    return converted
 
 
 def functions_of(struct):
-    rows = ",\n".join(f'      {{"{name}", {value}}}' for name, _, value in told_fields(struct))
+    rows = ",\n".join(f'      {{"{name}", {value}}}' for name, _, value in converted_fields(struct))
     lines = [f"\nnlohmann::json JsonMessage<{struct.cpp_name}>::fields(const {struct.cpp_name}& message) {{", f"  return {{\n{rows}}};", "}"]
     if struct.constants:
         lines += [f"\nconst char* JsonMessage<{struct.cpp_name}>::constant_name(std::int64_t value) {{", "  switch (value) {"]
@@ -105,7 +106,7 @@ def functions_of(struct):
 
 
 def schema_of(struct):
-    schema = {"title": struct.full_name, "type": "object", "properties": {name: schema for name, schema, _ in told_fields(struct)}}
+    schema = {"title": struct.full_name, "type": "object", "properties": {name: schema for name, schema, _ in converted_fields(struct)}}
     return json.dumps(schema, sort_keys=True, separators=(",", ":"))
 
 

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Writes a C++ header with the wire layout of each type in the given .lcm files.
 
-lcm-gen's decoders resize arrays to whatever count a message claims before they look at its size. The layouts let
+lcm-gen's decoders resize arrays to the count that a message claims, before they check the message's size. The layouts let
 common/bus walk a message first and refuse one whose counts, strings or length do not add up.
 """
 import argparse
@@ -70,7 +70,7 @@ def main():
     for struct in structs:
         lines.append(f'#include "{struct.package}/{struct.name}.hpp"')
     lines += ["", "namespace nodmap::bus {"]
-    while pending:  # a struct after those it holds
+    while pending:  # a struct comes after those that it contains
         ready = [s for s in pending if all(k in SIZES or k == "string" or (k if "." in k else f"{s.package}.{k}") in done for k, _, _ in s.fields)]
         if not ready:
             raise ValueError("types hold each other or are missing: " + ", ".join(s.name for s in pending))
