@@ -118,8 +118,8 @@ void VisibilityRule::note_passing_beams(EgoPoint& point, const NewScan& scan,
 
 // Whether passing beams prove that the point is gone. This is safe because beams must have passed
 // at ALL of its heights since its last measurement: beams under a table top, or just above a box,
-// do not remove it. And because each sweep counts once: a single lost reading does not remove a
-// point, since the next sweep can measure it again.
+// do not remove it. It is also safe because each sweep counts only once: a single lost reading does
+// not remove a point, since the next sweep can measure it again.
 bool VisibilityRule::is_contradicted(const EgoPoint& point) const {
   return point.passed.missed_sweeps >= params_.misses_to_remove &&
          spans(point, point.passed.lowest_m, point.passed.highest_m);
@@ -142,7 +142,7 @@ void VisibilityRule::confirm(EgoPoint& point, double height_m, const NewScan& sc
 // In the obstacle map a single nearer reading replaces the point at once, which is the safe choice.
 // As in the paper, the stored distance is the extreme of many readings, which noise keeps about two
 // sigma on the safe side. Averaging would not be safe: as the robot approaches a box, the lowest
-// beam moves along its top away from the robot, and would take the averaged point along.
+// beam moves along its top away from the robot, and would drag the averaged point along.
 void VisibilityRule::replace(ExtendedScan& map, const HeightBand& band, const NewScan& scan) {
   for (const Hit& hit : scan.hits) {
     if (!band.contains(hit.point.height_m, hit.point.distance_m)) {
