@@ -88,8 +88,8 @@ struct GuardParams {
   template <class Visitor>
   void describe(Visitor& v) {
     v.flag("use_ranges", use_ranges,
-           "Slow down before obstacles that the sonar detects ahead, or the infrared range finder "
-           "behind.");
+           "Slow down before obstacles that the sonar detects ahead or the infrared range finder "
+           "detects behind.");
     v.number("near_m", near_m, {0.1, 1.0},
              "Distance to such an obstacle below which the robot creeps; the sonar cannot measure "
              "less than 0.23 m.");
@@ -97,8 +97,8 @@ struct GuardParams {
              "Greatest speed nearer than near_m to such an obstacle.");
     v.flag("use_bumper", use_bumper, "Stop when a bumper is touched.");
     v.angle("max_tilt_deg", max_tilt_rad, {5.0, 90.0},
-            "Stop when the base is tilted by more than this for half a second: it falls, or is "
-            "carried.");
+            "Stop when the base is tilted by more than this for half a second: it is falling or "
+            "being carried.");
     v.number("stall_s", stall_s, {0.1, 60.0},
              "Stop when both wheels should turn and neither does for this long.");
   }

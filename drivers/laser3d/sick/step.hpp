@@ -27,7 +27,7 @@ struct SickParams {
   void describe(Visitor& v) {
     v.text("device", device, "Serial line of the SICK LMS2xx.");
     v.choice("baud", baud, {{"9600", 9600}, {"19200", 19200}, {"38400", 38400}, {"500000", 500000}},
-             "Rate of the stream, bit/s; only at 500000 (RS-422) no scans are lost.");
+             "Rate of the stream, bit/s; below 500000 (RS-422) scans are lost.");
     v.choice("variant", variant,
              {{"180x1", SickVariant::k180x100},
               {"180x0.5", SickVariant::k180x050},
@@ -43,12 +43,12 @@ struct SickParams {
     v.choice("reach", reach, {{"8m", kReach8m}, {"16m", kReach16m}, {"32m", kReach32m}},
              "Measuring range if the unit is mm; with cm ten times as far, at most 80 m.");
     v.number("range_min_m", range_min_m, {0.0, 5.0},
-             "Shortest valid range; shorter ones are from the housing or the robot.");
+             "Shortest valid range; shorter readings hit the housing or the robot.");
     v.number("range_max_m", range_max_m, {1.0, 80.0}, "Longest valid range.");
     v.flag("upside_down", upside_down,
            "Whether the laser is mounted upside down: its left is the robot's right.");
     v.number("time_offset_s", time_offset_s, {-0.1, 0.1},
-             "Added to the time of every beam, to correct the constant latency. It has to be "
+             "Added to the time of every beam, to correct the constant latency, which must be "
              "measured on the robot.");
     v.integer("frozen_scans", frozen_scans, {2, 1000},
               "After this many repetitions of a scan in a row the measurement counts as frozen. "
