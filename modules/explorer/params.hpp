@@ -46,7 +46,7 @@ struct TourParams {
   void describe(Visitor& v) {
     v.integer("max_viewpoints", max_viewpoints, {1, 10},
               "Greatest number of viewpoints in a tour. They are chosen one by one, each by what "
-              "those before it would not show.");
+              "it would show in addition to the previous ones.");
     v.number(
         "discount_per_m", discount_per_m, {0.0, 5.0},
         "For this choice a viewpoint's gain is multiplied by exp(-discount_per_m x path length).");
@@ -87,8 +87,8 @@ struct PatienceParams {
              "The surroundings of a failed viewpoint are excluded for this long, twice as long "
              "after each further failure; they are tried again sooner when nothing else is left.");
     v.integer("max_tries", max_tries, {1, 10},
-              "A viewpoint is given up after this many visits, and with its surroundings after "
-              "this many failures.");
+              "A viewpoint is given up after this many visits; it and its surroundings are given "
+              "up after this many failures.");
   }
 };
 
