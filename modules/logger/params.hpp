@@ -29,8 +29,7 @@ struct LoggerParams {
              "those of earlier runs; the oldest are deleted; 0: no limit. Needs split_mb.");
     v.number("reserve_mb", reserve_mb, {0.0, 1e9},
              "Space to keep free on the disk (10^6 bytes): the oldest logs of this name are "
-             "deleted, and "
-             "if that does not suffice, recording pauses; 0: none.");
+             "deleted, and if that does not suffice, recording pauses; 0: none.");
     v.integer("queue_messages", queue_messages, {100, 1'000'000},
               "Messages that may wait while the disk is slow; beyond this the oldest is dropped.");
     v.integer("receive_buffer_kb", receive_buffer_kb, {0, 1'000'000},
