@@ -98,7 +98,7 @@ def main():
                 print(f"\r{done}/{len(units)}", end="", file=sys.stderr)
             if output:
                 bad += 1
-                print(output)
+                print(output, flush=True)
     print(f"clang-tidy: {len(units)} units, {bad} with findings")
     return 1 if bad else 0
 
