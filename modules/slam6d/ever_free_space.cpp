@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <functional>
+#include <iterator>
 #include <optional>
 #include <unordered_map>
 #include <utility>
@@ -55,18 +56,68 @@ void for_each_key(const VoxelKey& first, const VoxelKey& last, const Use& use) {
   }
 }
 
+constexpr int kBeside = 27;  // a voxel and the 26 beside it
+
+VoxelCode beside(const VoxelKey& key, int i) {
+  const auto moved = [&key](std::size_t axis, int steps) {
+    return static_cast<std::uint16_t>(key[axis] + steps - 1);
+  };
+  return code_of({moved(0, i % 3), moved(1, i / 3 % 3), moved(2, i / 9)});
+}
+
 /// Whether `is_looked_for` is true for a voxel or for one of the 26 beside it.
 template <class IsLookedFor>
 bool has_beside(const VoxelKey& key, const IsLookedFor& is_looked_for) {
-  for (int i = 0; i < 27; ++i) {
-    const auto beside = [&key](std::size_t axis, int offset) {
-      return static_cast<std::uint16_t>(key[axis] + offset - 1);
-    };
-    if (is_looked_for(code_of({beside(0, i % 3), beside(1, i / 3 % 3), beside(2, i / 9)}))) {
+  for (int i = 0; i < kBeside; ++i) {
+    if (is_looked_for(beside(key, i))) {
       return true;
     }
   }
   return false;
+}
+
+/// Of the points in each voxel: how many there are, and how many of them have moved.
+class MovedCounts {
+ public:
+  MovedCounts(std::span<const std::optional<VoxelKey>> keys, const std::vector<bool>& is_moved) {
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+      if (keys[i]) {
+        Counts& here = counts_[code_of(*keys[i])];
+        here.moved += is_moved[i] ? 1 : 0;
+        ++here.all;
+      }
+    }
+  }
+
+  void add_moved(const VoxelKey& key) { ++counts_[code_of(key)].moved; }
+
+  /// Whether at least a quarter of the points in a voxel and beside it have moved.
+  [[nodiscard]] bool have_many_moved(const VoxelKey& key) const {
+    constexpr int kOneOf = 4;
+    Counts sum;
+    for (int i = 0; i < kBeside; ++i) {
+      if (const auto found = counts_.find(beside(key, i)); found != counts_.end()) {
+        sum.moved += found->second.moved;
+        sum.all += found->second.all;
+      }
+    }
+    return sum.moved * kOneOf >= sum.all;
+  }
+
+ private:
+  struct Counts {
+    int moved = 0;
+    int all = 0;
+  };
+  std::unordered_map<VoxelCode, Counts> counts_;
+};
+
+/// Calls `use` with the place of each bit that is set, the lowest first.
+template <class Use>
+void for_each_bit(std::uint64_t bits, const Use& use) {
+  for (; bits != 0U; bits &= bits - 1) {
+    use(static_cast<std::size_t>(std::countr_zero(bits)));
+  }
 }
 
 }  // namespace
@@ -103,15 +154,19 @@ void EverFreeSpace::add_sweep(const SweepCloud& cloud, const SE3& T_map_base, st
   for (const auto& seen : of_sweep_.cubes()) {
     Cube& cube = cubes_[seen->code];
     cube.keyframe = keyframe;
-    for (std::size_t word = 0; word < CloudVoxels::kWords; ++word) {
-      const std::uint64_t hits = seen->occupied[word];
-      for (std::uint64_t rest = seen->free[word] | hits; rest != 0U; rest &= rest - 1) {
-        const auto bit = static_cast<std::size_t>(std::countr_zero(rest));
-        const bool is_hit = (hits >> bit & 1U) != 0U;
-        cube.votes[word * CloudVoxels::kBitsPerWord + bit].add(is_hit ? 0 : num_votes,
-                                                               is_hit ? num_votes : 0);
-      }
-    }
+    cube.add(*seen, num_votes);
+  }
+}
+
+// A voxel in which a beam ended counts as a hit, even if others passed through.
+void EverFreeSpace::Cube::add(const CloudVoxels::Cube& of_sweep, int num_votes) {
+  for (std::size_t word = 0; word < CloudVoxels::kWords; ++word) {
+    const std::span<Votes> in_word =
+        std::span(votes).subspan(word * CloudVoxels::kBitsPerWord, CloudVoxels::kBitsPerWord);
+    const std::uint64_t hits = of_sweep.occupied[word];
+    const std::uint64_t through = of_sweep.free[word] & ~hits;
+    for_each_bit(through, [&](std::size_t bit) { in_word[bit].add(num_votes, 0); });
+    for_each_bit(hits, [&](std::size_t bit) { in_word[bit].add(0, num_votes); });
   }
 }
 
@@ -198,48 +253,26 @@ std::vector<bool> EverFreeSpace::moved_points(const SweepCloud& cloud, std::size
   return is_moved;
 }
 
-// Adds the points that are left of somebody, because no beam passed close enough to them: there is
-// nothing certain beside them, and many of the points beside them have moved.
+// No beam passed close enough to these points to show their voxels empty. They are those with
+// nothing certain beside them, of whose neighbours many have moved.
 void EverFreeSpace::add_rest(std::span<const std::optional<VoxelKey>> keys,
                              std::vector<bool>& is_moved) const {
-  constexpr int kSteps = 3;  // number of times that it spreads to the next voxel
-  constexpr int kOneOf = 4;  // a point is added if one of so many points beside it has moved
-  struct Counts {
-    int moved = 0;
-    int all = 0;
-  };
-  std::unordered_map<VoxelCode, Counts> counts;
+  constexpr int kSteps = 3;  // each reaches one voxel farther
+  MovedCounts counts(keys, is_moved);
   std::vector<std::size_t> uncertain;
   for (std::size_t i = 0; i < keys.size(); ++i) {
-    if (keys[i]) {
-      Counts& here = counts[code_of(*keys[i])];
-      here.moved += is_moved[i] ? 1 : 0;
-      ++here.all;
-      if (!is_moved[i] && is_passing(code_of(*keys[i])) &&
-          !has_beside(*keys[i],
-                      [this](VoxelCode voxel) { return !is_passing(voxel) && !is_empty(voxel); })) {
-        uncertain.push_back(i);
-      }
+    if (keys[i] && !is_moved[i] && is_uncertain(*keys[i])) {
+      uncertain.push_back(i);
     }
   }
   for (int step = 0; step < kSteps; ++step) {
     std::vector<std::size_t> rest;
-    for (const std::size_t i : uncertain) {
-      Counts beside;
-      (void)has_beside(*keys[i], [&](VoxelCode voxel) {
-        if (const auto found = counts.find(voxel); found != counts.end()) {
-          beside.moved += found->second.moved;
-          beside.all += found->second.all;
-        }
-        return false;
-      });
-      if (!is_moved[i] && beside.moved * kOneOf >= beside.all) {
-        rest.push_back(i);
-      }
-    }
+    std::ranges::copy_if(uncertain, std::back_inserter(rest), [&](std::size_t i) {
+      return !is_moved[i] && counts.have_many_moved(*keys[i]);
+    });
     for (const std::size_t i : rest) {
       is_moved[i] = true;
-      ++counts[code_of(*keys[i])].moved;
+      counts.add_moved(*keys[i]);
     }
   }
 }
@@ -247,6 +280,13 @@ void EverFreeSpace::add_rest(std::span<const std::optional<VoxelKey>> keys,
 bool EverFreeSpace::is_ever_free(const VoxelKey& key) const {
   return is_empty(code_of(key)) &&
          !has_beside(key, [this](VoxelCode voxel) { return !is_empty(voxel); });
+}
+
+bool EverFreeSpace::is_uncertain(const VoxelKey& key) const {
+  const auto is_certain = [this](VoxelCode voxel) {
+    return !is_passing(voxel) && !is_empty(voxel);
+  };
+  return is_passing(code_of(key)) && !has_beside(key, is_certain);
 }
 
 bool EverFreeSpace::is_passing(VoxelCode voxel) const {

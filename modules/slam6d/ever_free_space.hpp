@@ -89,6 +89,8 @@ class EverFreeSpace {
   struct Cube {
     std::array<Votes, CloudVoxels::kWords * CloudVoxels::kBitsPerWord> votes{};
     std::size_t keyframe = 0;  ///< the keyframe that saw the cube last
+
+    void add(const CloudVoxels::Cube& of_sweep, int num_votes);
   };
   using Cubes = std::map<VoxelCode, Cube>;
 
@@ -97,6 +99,9 @@ class EverFreeSpace {
   /// Whether everything that was seen there may be somebody who walked by.
   [[nodiscard]] bool is_passing(VoxelCode voxel) const;
   [[nodiscard]] bool is_ever_free(const VoxelKey& key) const;
+  /// The same, and nothing beside it is certain to be a wall or furniture.
+  [[nodiscard]] bool is_uncertain(const VoxelKey& key) const;
+  /// Adds the points that are left of somebody.
   void add_rest(std::span<const std::optional<VoxelKey>> keys, std::vector<bool>& is_moved) const;
   void move(const Cube& cube, VoxelCode code, const geometry::SE3& T_new_old, Cubes& moved) const;
 

@@ -85,35 +85,41 @@ PoseEdge3d KeyframeGraph::level_edge(std::span<const SE3> T_map_keyframes,
           .may_be_wrong = true};
 }
 
-// Dijkstra's algorithm by the size of the covariance (Olson 2008, section 4.2.3). Paths are not
-// fused, so no covariance comes out too small.
-std::vector<Matrix6d> KeyframeGraph::uncertainties(std::span<const SE3> T_map_keyframes,
-                                                   std::size_t from) const {
-  struct Neighbour {
-    std::size_t keyframe;
-    Matrix6d covariance_map;  // of the step, axes of map
-  };
-  std::vector<std::vector<Neighbour>> neighbours(T_map_keyframes.size());
+KeyframeGraph::Neighbours KeyframeGraph::neighbours(std::span<const SE3> T_map_keyframes) const {
+  Neighbours neighbours(T_map_keyframes.size());
   const auto join = [&](const PoseEdge3d& edge) {
     const Matrix6d covariance =
         rotated(covariance_of(edge.information), T_map_keyframes[edge.from].linear());
     neighbours[edge.from].push_back({edge.to, covariance});
     neighbours[edge.to].push_back({edge.from, covariance});
   };
-  for (const PoseEdge3d& edge : steps_) {
-    join(edge);
-  }
+  std::ranges::for_each(steps_, join);
   for (const WeightedLoop& loop : loops_) {
     if (loop.holds()) {
       join(loop.edge);
     }
   }
-  std::vector<Matrix6d> found(T_map_keyframes.size(), Matrix6d::Identity() * 1e6);
-  std::vector<double> size(found.size(), std::numeric_limits<double>::infinity());
-  std::vector<bool> done(found.size(), false);
-  std::vector<std::pair<double, std::size_t>> open{{0.0, from}};  // a heap, the smallest on top
-  found[from].setZero();
-  size[from] = 0.0;
+  return neighbours;
+}
+
+// Dijkstra's algorithm by the size of the covariance (Olson 2008, section 4.2.3). Paths are not
+// fused, so no covariance comes out too small.
+std::vector<Matrix6d> KeyframeGraph::uncertainties(std::span<const SE3> T_map_keyframes,
+                                                   std::size_t from) const {
+  const Neighbours all = neighbours(T_map_keyframes);
+  std::vector<Matrix6d> found(all.size(), Matrix6d::Identity() * 1e6);
+  std::vector<double> size(all.size(), std::numeric_limits<double>::infinity());
+  std::vector<bool> done(all.size(), false);
+  std::vector<std::pair<double, std::size_t>> open;  // a heap, the smallest on top
+  const auto reach = [&](std::size_t keyframe, const Matrix6d& covariance) {
+    if (size_of(covariance) < size[keyframe]) {
+      size[keyframe] = size_of(covariance);
+      found[keyframe] = covariance;
+      open.emplace_back(size[keyframe], keyframe);
+      std::ranges::push_heap(open, std::greater<>());
+    }
+  };
+  reach(from, Matrix6d::Zero());
   while (!open.empty()) {
     std::ranges::pop_heap(open, std::greater<>());
     const std::size_t at = open.back().second;
@@ -122,26 +128,24 @@ std::vector<Matrix6d> KeyframeGraph::uncertainties(std::span<const SE3> T_map_ke
       continue;
     }
     done[at] = true;
-    for (const Neighbour& next : neighbours[at]) {
+    for (const Neighbour& next : all[at]) {
       const Matrix6d J = moment_arm_jacobian(T_map_keyframes[next.keyframe].translation() -
                                              T_map_keyframes[at].translation());
-      const Matrix6d covariance = J * found[at] * J.transpose() + next.covariance_map;
-      if (size_of(covariance) < size[next.keyframe]) {
-        size[next.keyframe] = size_of(covariance);
-        found[next.keyframe] = covariance;
-        open.emplace_back(size[next.keyframe], next.keyframe);
-        std::ranges::push_heap(open, std::greater<>());
-      }
+      reach(next.keyframe, J * found[at] * J.transpose() + next.covariance_map);
     }
   }
-  // On level ground both are at one height.
-  const Matrix6d level = 0.5 * level_information();
-  for (std::size_t k = 0; k < found.size(); ++k) {
-    if (is_level_[k] && is_level_[from] && k != from) {
-      found[k] = (found[k].inverse() + level).inverse();
-    }
-  }
+  hold_level(found, from);
   return found;
+}
+
+// On level ground both are at one height, and equally tilted.
+void KeyframeGraph::hold_level(std::span<Matrix6d> covariances, std::size_t from) const {
+  const Matrix6d level = 0.5 * level_information();
+  for (std::size_t k = 0; k < covariances.size(); ++k) {
+    if (is_level_[k] && is_level_[from] && k != from) {
+      covariances[k] = (covariances[k].inverse() + level).inverse();
+    }
+  }
 }
 
 }  // namespace nodmap::slam6d

@@ -59,6 +59,15 @@ class KeyframeGraph {
   [[nodiscard]] std::size_t num_contradicted() const;
 
  private:
+  /// One step away from a keyframe: along an edge, in either direction.
+  struct Neighbour {
+    std::size_t keyframe;
+    Matrix6d covariance_map;  ///< of the step, axes of map
+  };
+  using Neighbours = std::vector<std::vector<Neighbour>>;  // of each keyframe
+
+  [[nodiscard]] Neighbours neighbours(std::span<const geometry::SE3> T_map_keyframes) const;
+  void hold_level(std::span<Matrix6d> covariances, std::size_t from) const;
   [[nodiscard]] Matrix6d level_information() const;
   [[nodiscard]] registration::PoseEdge3d level_edge(std::span<const geometry::SE3> T_map_keyframes,
                                                     std::size_t keyframe) const;

@@ -37,6 +37,34 @@ Reach reach_of(const PosePrior& prior) {
           kReachSigmas * std::sqrt(variance[5])};
 }
 
+int num_steps(double length, double step) {
+  return static_cast<int>(std::ceil(length / step));
+}
+
+// Some of the keyframe's points, spread over all of them.
+std::vector<OrientedPoint> search_points(const VoxelMap& keyframe) {
+  const std::vector<OrientedPoint> all = keyframe.select(kSearchLevel).points;
+  const std::size_t stride = (all.size() + kMaxSearchPoints - 1) / kMaxSearchPoints;
+  std::vector<OrientedPoint> some;
+  for (std::size_t i = 0; i < all.size(); i += stride) {
+    some.push_back(all[i]);
+  }
+  return some;
+}
+
+// How many points have a correspondence in the voxels of the place.
+double num_correspondences(std::span<const OrientedPoint> points, const SE3& T_place_base,
+                           const VoxelGrid& place, float min_normal_cosine) {
+  const Eigen::Matrix3f R = T_place_base.linear().cast<float>();
+  const Eigen::Vector3f t = T_place_base.translation().cast<float>();
+  const auto max_m = static_cast<float>(place.voxel_size_m());
+  return static_cast<double>(std::ranges::count_if(points, [&](const OrientedPoint& point) {
+    const std::uint32_t nearest = place.nearest(R * point.p + t, max_m);
+    return nearest != VoxelGrid::kNone &&
+           (R * point.normal).dot(place.voxels()[nearest].normal) >= min_normal_cosine;
+  }));
+}
+
 // The information of a match alone: without its prior, and limited by how well two maps of one
 // place agree.
 Matrix6d information_of_match(const Registration& found, const PosePrior& prior) {
@@ -92,40 +120,25 @@ LoopAttempt LoopCloser::search(VoxelMap& keyframe, const VoxelMap& place,
   return attempt(*result.best, prior);
 }
 
-// Scores all poses within reach by how many of some points have a correspondence in the coarse
-// voxels of the place. Height, roll and pitch are the prior's; registration corrects them.
+// Scores all poses within reach, each from the prior rotated about its z axis and moved in the
+// plane. Height, roll and pitch are the prior's; registration corrects them.
 std::vector<StartPose> LoopCloser::starts(const VoxelMap& keyframe, const VoxelMap& place,
                                           const PosePrior& prior) const {
   const Reach reach = reach_of(prior);
-  const auto steps = [](double length, double step) {
-    return static_cast<int>(std::ceil(length / step));
-  };
-  const int steps_m = steps(std::min(reach.distance_m, params_.max_search_m), kStepM);
-  const int steps_rad = steps(std::min(reach.heading_rad, params_.max_search_rad), kStepRad);
-  const std::vector<OrientedPoint> all = keyframe.select(kSearchLevel).points;
-  const std::size_t stride = (all.size() + kMaxSearchPoints - 1) / kMaxSearchPoints;
+  const int steps_m = num_steps(std::min(reach.distance_m, params_.max_search_m), kStepM);
+  const int steps_rad = num_steps(std::min(reach.heading_rad, params_.max_search_rad), kStepRad);
+  const std::vector<OrientedPoint> points = search_points(keyframe);
   const VoxelGrid& grid = place.level(kSearchLevel);
-  const auto max_m = static_cast<float>(grid.voxel_size_m());
   const auto min_cosine = static_cast<float>(registration_.min_normal_cosine);
   const Eigen::Vector3d up = prior.T_map_base.linear().col(2);
   std::vector<StartPose> tried;
   for (int h = -steps_rad; h <= steps_rad; ++h) {
     SE3 T = prior.T_map_base;
     T.linear() = geometry::rotation_of(h * kStepRad * up) * T.linear();
-    const Eigen::Matrix3f R = T.linear().cast<float>();
     for (int x = -steps_m; x <= steps_m; ++x) {
       for (int y = -steps_m; y <= steps_m; ++y) {
         T.translation() = prior.T_map_base.translation() + Eigen::Vector3d(x, y, 0.0) * kStepM;
-        const Eigen::Vector3f t = T.translation().cast<float>();
-        std::size_t hits = 0;
-        for (std::size_t i = 0; i < all.size(); i += stride) {
-          const std::uint32_t nearest = grid.nearest(R * all[i].p + t, max_m);
-          hits += nearest != VoxelGrid::kNone &&
-                          (R * all[i].normal).dot(grid.voxels()[nearest].normal) >= min_cosine
-                      ? 1
-                      : 0;
-        }
-        tried.push_back({T, static_cast<double>(hits)});
+        tried.push_back({T, num_correspondences(points, T, grid, min_cosine)});
       }
     }
   }

@@ -9,9 +9,10 @@
 namespace nodmap::slam6d {
 namespace {
 
-// How many scans after a keyframe its map is due: 0.8 s at 75 Hz, before the next sweep.
+// How many scans after a keyframe its map is due, and one more for each cloud: 0.8 s at 75 Hz,
+// before the next sweep.
 constexpr int kScansUntilMapped = 60;
-// Of a keyframe that is saved, 174 kB: 3 ms.
+// To save a keyframe, 174 kB, takes 3 ms.
 constexpr std::size_t kSavedKeyframesPerScan = 4;
 
 OccupancyMap::Options map_options(const OccupancyParams& params) {
@@ -39,46 +40,50 @@ void OccupancyMapper::update(std::span<const Keyframe> keyframes, double min_mot
   if (is_working()) {
     return;
   }
-  const bool is_anew =
+  Work work;
+  work.begins_anew =
       mapped_.empty() || keyframes.size() < mapped_.size() || has_changed(keyframes, min_motion_m);
-  if (is_anew) {
+  if (work.begins_anew) {
     mapped_.clear();
   }
   const std::span<const Keyframe> added = keyframes.subspan(mapped_.size());
   if (added.empty()) {
     return;
   }
-  const bool is_published = begin_publishing(keyframes);
-  const auto every = static_cast<std::size_t>(params_.save_every_keyframes);
-  const bool is_saved =
-      prepare_save && every > 0 && keyframes.size() / every > mapped_.size() / every;
-  const Save save = is_saved ? prepare_save() : Save{};
-  std::vector<std::pair<std::shared_ptr<const SweepCloud>, Mapped>> clouds;
+  work.is_published = begin_publishing(keyframes);
+  if (prepare_save && is_save_due(keyframes.size())) {
+    work.save = prepare_save();
+  }
   for (const Keyframe& keyframe : added) {
     mapped_.push_back({keyframe.T_map_base, keyframe.is_moved});
-    clouds.emplace_back(keyframe.cloud, mapped_.back());
+    work.clouds.emplace_back(keyframe.cloud, mapped_.back());
   }
-  // A scan more for each cloud.
   const std::size_t more_scans =
-      clouds.size() + (save ? keyframes.size() / kSavedKeyframesPerScan : 0);
-  work_.start(
-      [this, clouds = std::move(clouds), save, is_anew, is_published] {
-        if (is_anew) {
-          map_ = OccupancyMap(map_options(params_));
-        }
-        for (const auto& [cloud, mapped] : clouds) {
-          map_.insert(*cloud, mapped.T_map_base, mapped.is_moved);
-        }
-        Result result;
-        if (is_published) {
-          result.bt_file = map_.encode(OccupancyMap::Format::kBt);
-        }
-        if (save) {
-          result.save_error = save(map_);
-        }
-        return result;
-      },
-      kScansUntilMapped + static_cast<int>(more_scans));
+      added.size() + (work.save ? keyframes.size() / kSavedKeyframesPerScan : 0);
+  work_.start([this, work = std::move(work)] { return execute(work); },
+              kScansUntilMapped + static_cast<int>(more_scans));
+}
+
+bool OccupancyMapper::is_save_due(std::size_t num_keyframes) const {
+  const auto every = static_cast<std::size_t>(params_.save_every_keyframes);
+  return every > 0 && num_keyframes / every > mapped_.size() / every;
+}
+
+OccupancyMapper::Result OccupancyMapper::execute(const Work& work) {
+  if (work.begins_anew) {
+    map_ = OccupancyMap(map_options(params_));
+  }
+  for (const auto& [cloud, mapped] : work.clouds) {
+    map_.insert(*cloud, mapped.T_map_base, mapped.is_moved);
+  }
+  Result result;
+  if (work.is_published) {
+    result.bt_file = map_.encode(OccupancyMap::Format::kBt);
+  }
+  if (work.save) {
+    result.save_error = work.save(map_);
+  }
+  return result;
 }
 
 void OccupancyMapper::save(const Save& save) {

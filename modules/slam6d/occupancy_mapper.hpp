@@ -3,10 +3,12 @@
 
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "common/geometry/se3.hpp"
@@ -65,8 +67,18 @@ class OccupancyMapper {
     std::vector<bool> is_moved;  ///< of its points
   };
 
+  /// A piece of work: clouds to be inserted, and what follows.
+  struct Work {
+    bool begins_anew = false;
+    std::vector<std::pair<std::shared_ptr<const SweepCloud>, Mapped>> clouds{};
+    bool is_published = false;
+    Save save{};  ///< empty: the map is not saved
+  };
+
   [[nodiscard]] bool has_changed(std::span<const Keyframe> keyframes, double min_motion_m) const;
+  [[nodiscard]] bool is_save_due(std::size_t num_keyframes) const;
   [[nodiscard]] bool begin_publishing(std::span<const Keyframe> keyframes);
+  Result execute(const Work& work);
   std::optional<std::error_code> handle(const std::optional<Result>& result);
 
   OccupancyParams params_;

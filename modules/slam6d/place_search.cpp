@@ -152,35 +152,38 @@ PosePrior PlaceSearch::prior_at(const SE3& T_map_start) const {
   return {.T_map_base = T_map_start, .covariance = sigma.cwiseAbs2().asDiagonal()};
 }
 
-// The poses at which the most points are near a wall. Every fifth point decides whether the others
+double PlaceSearch::part_near_walls(std::span<const WallPoint> walls_rotated,
+                                    const Eigen::Vector3f& p_map_base, std::size_t stride) const {
+  std::size_t num_checked = 0;
+  std::size_t num_near = 0;
+  for (std::size_t i = 0; i < walls_rotated.size(); i += stride, ++num_checked) {
+    const WallPoint& wall = walls_rotated[i];
+    num_near += cells_[wall.level].is_near_wall(wall.p + p_map_base) ? 1 : 0;
+  }
+  return static_cast<double>(num_near) / static_cast<double>(num_checked);
+}
+
+// The poses at which enough points are near a wall. Every fifth point decides whether the others
 // are checked.
 std::vector<StartPose> PlaceSearch::try_all(std::span<const WallPoint> walls_base) const {
   constexpr std::size_t kFirstLook = 5;
   std::vector<StartPose> tried;
-  std::vector<WallPoint> turned(walls_base.begin(), walls_base.end());
+  std::vector<WallPoint> rotated(walls_base.begin(), walls_base.end());
   const int num_headings =
       static_cast<int>(std::ceil(2.0 * geometry::kPi / params_.heading_step_rad));
   for (int h = 0; h < num_headings; ++h) {
     SE3 T = SE3::Identity();
     T.linear() = geometry::rotation_of({0.0, 0.0, 2.0 * geometry::kPi * h / num_headings});
     const Eigen::Matrix3f R = T.linear().cast<float>();
-    for (std::size_t i = 0; i < turned.size(); ++i) {
-      turned[i].p = R * walls_base[i].p;
+    for (std::size_t i = 0; i < rotated.size(); ++i) {
+      rotated[i].p = R * walls_base[i].p;
     }
     for (const Eigen::Vector3d& place : places_) {
       const Eigen::Vector3f t = place.cast<float>();
-      const auto part_near_walls = [&](std::size_t stride) {
-        std::size_t looked = 0;
-        std::size_t near = 0;
-        for (std::size_t i = 0; i < turned.size(); i += stride, ++looked) {
-          near += cells_[turned[i].level].is_near_wall(turned[i].p + t) ? 1 : 0;
-        }
-        return static_cast<double>(near) / static_cast<double>(looked);
-      };
-      if (part_near_walls(kFirstLook) < params_.min_inlier_ratio) {
+      if (part_near_walls(rotated, t, kFirstLook) < params_.min_inlier_ratio) {
         continue;
       }
-      if (const double part = part_near_walls(1); part >= params_.min_inlier_ratio) {
+      if (const double part = part_near_walls(rotated, t, 1); part >= params_.min_inlier_ratio) {
         T.translation() = place;
         tried.push_back({T, part});
       }

@@ -72,6 +72,9 @@ class PlaceSearch {
   };
 
   [[nodiscard]] std::vector<WallPoint> wall_points(const VoxelMap& sweep_base) const;
+  /// The fraction of wall points that are near a wall of the map; of every `stride`th point.
+  [[nodiscard]] double part_near_walls(std::span<const WallPoint> walls_rotated,
+                                       const Eigen::Vector3f& p_map_base, std::size_t stride) const;
   [[nodiscard]] std::vector<StartPose> try_all(std::span<const WallPoint> walls_base) const;
   [[nodiscard]] PosePrior prior_at(const geometry::SE3& T_map_start) const;
 

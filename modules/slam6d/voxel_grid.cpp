@@ -25,6 +25,18 @@ std::int32_t floor_to_int(float x) {
   return truncated - static_cast<std::int32_t>(x < static_cast<float>(truncated));
 }
 
+// For each axis, the step from the voxel of a point to the neighbour that the point is nearer to.
+// `p_voxels`: the point, in units of voxels.
+std::array<std::uint64_t, 3> steps_towards(const Eigen::Vector3f& p_voxels) {
+  std::array<std::uint64_t, 3> steps{};
+  for (int axis = 0; axis < 3; ++axis) {
+    const float in_voxel = p_voxels[axis] - static_cast<float>(floor_to_int(p_voxels[axis]));
+    const std::uint64_t unit = std::uint64_t{1} << (kBits * (2 - axis));
+    steps[static_cast<std::size_t>(axis)] = in_voxel < 0.5F ? std::uint64_t{0} - unit : unit;
+  }
+  return steps;
+}
+
 // Half of the 26 neighbours of a voxel, so that each pair of neighbours is looked up once.
 constexpr std::array<std::uint64_t, 13> half_neighbourhood() {
   std::array<std::uint64_t, 13> offsets{};
@@ -40,6 +52,23 @@ constexpr std::array<std::uint64_t, 13> half_neighbourhood() {
   }
   return offsets;
 }
+
+// The voxel nearest to a point, and the distance of the second nearest.
+struct NearestTwo {
+  float best_sq_m2;  // at first of the reach
+  float second_sq_m2;
+  std::uint32_t best = VoxelGrid::kNone;
+
+  void add(std::uint32_t voxel, float sq_m2) {
+    if (sq_m2 < best_sq_m2) {
+      second_sq_m2 = best_sq_m2;
+      best_sq_m2 = sq_m2;
+      best = voxel;
+    } else if (sq_m2 < second_sq_m2) {
+      second_sq_m2 = sq_m2;
+    }
+  }
+};
 
 // First and second moments of the means about a voxel, relative to its own mean.
 struct Moments {
@@ -214,39 +243,22 @@ VoxelGrid::Nearest VoxelGrid::find_nearest(const Eigen::Vector3f& p, float max_d
   if (!key) {
     return {kNone, most_slack_m};
   }
-  // For each axis, the neighbour on the side of `p`.
-  const Eigen::Vector3f scaled = p * per_m_;
-  std::array<Key, 3> side{};
-  for (int axis = 0; axis < 3; ++axis) {
-    const float in_voxel = scaled[axis] - static_cast<float>(floor_to_int(scaled[axis]));
-    const Key unit = Key{1} << (kBits * (2 - axis));
-    side[static_cast<std::size_t>(axis)] = in_voxel < 0.5F ? Key{0} - unit : unit;
-  }
-  std::uint32_t best = kNone;
-  float best_sq_m2 = max_distance_m * max_distance_m;
-  float second_sq_m2 = best_sq_m2;
+  const float reach_sq_m2 = max_distance_m * max_distance_m;
+  NearestTwo nearest{reach_sq_m2, reach_sq_m2};
+  const std::array<Key, 3> side = steps_towards(p * per_m_);
   for (unsigned corner = 0; corner < 8; ++corner) {
     const Key neighbour = *key + ((corner & 1U) != 0 ? side[0] : 0) +
                           ((corner & 2U) != 0 ? side[1] : 0) + ((corner & 4U) != 0 ? side[2] : 0);
-    const std::uint32_t voxel = find(neighbour);
-    if (voxel == kNone) {
-      continue;
-    }
-    const float sq_m2 = (voxels_[voxel].mean - p).squaredNorm();
-    if (sq_m2 < best_sq_m2) {
-      second_sq_m2 = best_sq_m2;
-      best_sq_m2 = sq_m2;
-      best = voxel;
-    } else if (sq_m2 < second_sq_m2) {
-      second_sq_m2 = sq_m2;
+    if (const std::uint32_t voxel = find(neighbour); voxel != kNone) {
+      nearest.add(voxel, (voxels_[voxel].mean - p).squaredNorm());
     }
   }
-  if (best == kNone) {
+  if (nearest.best == kNone) {
     return {kNone, most_slack_m};
   }
-  // Moved by half of the difference, `p` may be as near to the second one.
-  const float difference_m = std::sqrt(second_sq_m2) - std::sqrt(best_sq_m2);
-  return {best, std::min(0.5F * difference_m, most_slack_m)};
+  // Once `p` has moved by half of the difference, the second may be as near.
+  const float difference_m = std::sqrt(nearest.second_sq_m2) - std::sqrt(nearest.best_sq_m2);
+  return {nearest.best, std::min(0.5F * difference_m, most_slack_m)};
 }
 
 std::size_t VoxelGrid::memory_bytes() const {

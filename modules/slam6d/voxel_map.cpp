@@ -146,27 +146,39 @@ void VoxelMap::add_keyframes(const VoxelMap& map, std::span<const geometry::SE3>
 
 VoxelMap::Selection VoxelMap::select(std::size_t l) const {
   Selection selection;
-  std::vector<char> has_finer;  // for each voxel of the present level: a plane that is used already
-  for (std::size_t level = 0; level < kLevels; ++level) {
+  std::vector<char> is_covered(levels_[l].voxels().size(), 0);
+  for (std::size_t level = l; level < kLevels; ++level) {
     selection.first_of_level[level] = selection.points.size();
-    const auto voxels = levels_[level].voxels();
-    has_finer.resize(voxels.size(), 0);
-    std::vector<char> above(level + 1 < kLevels ? levels_[level + 1].voxels().size() : 0, 0);
-    for (std::size_t i = 0; level >= l && i < voxels.size(); ++i) {
-      const bool is_used = voxels[i].has_plane() && has_finer[i] == 0;
-      if (is_used) {
-        selection.points.push_back({voxels[i].mean, voxels[i].normal, voxels[i].weight,
-                                    is_moving() ? times_[level][i] : 0.0F});
-      }
-      if ((is_used || has_finer[i] != 0) && level + 1 < kLevels &&
-          coarser_[level][i] != VoxelGrid::kNone) {
-        above[coarser_[level][i]] = 1;
-      }
+    add_planes(level, is_covered, selection.points);
+    if (level + 1 < kLevels) {
+      is_covered = cover_coarser(level, is_covered);
     }
-    has_finer = std::move(above);
   }
   selection.first_of_level[kLevels] = selection.points.size();
   return selection;
+}
+
+void VoxelMap::add_planes(std::size_t level, std::vector<char>& is_covered,
+                          std::vector<OrientedPoint>& points) const {
+  const auto voxels = levels_[level].voxels();
+  for (std::size_t i = 0; i < voxels.size(); ++i) {
+    if (is_covered[i] == 0 && voxels[i].has_plane()) {
+      is_covered[i] = 1;
+      points.push_back({voxels[i].mean, voxels[i].normal, voxels[i].weight,
+                        is_moving() ? times_[level][i] : 0.0F});
+    }
+  }
+}
+
+std::vector<char> VoxelMap::cover_coarser(std::size_t level,
+                                          const std::vector<char>& is_covered) const {
+  std::vector<char> is_coarser_covered(levels_[level + 1].voxels().size(), 0);
+  for (std::size_t i = 0; i < is_covered.size(); ++i) {
+    if (is_covered[i] != 0 && coarser_[level][i] != VoxelGrid::kNone) {
+      is_coarser_covered[coarser_[level][i]] = 1;
+    }
+  }
+  return is_coarser_covered;
 }
 
 std::size_t VoxelMap::memory_bytes() const {

@@ -99,6 +99,13 @@ class VoxelMap {
 
  private:
   void assign(std::size_t level, std::uint32_t place, std::size_t keyframe);
+  /// Adds the planes of the voxels that are not covered by a finer plane, and marks these voxels as
+  /// covered.
+  void add_planes(std::size_t level, std::vector<char>& is_covered,
+                  std::vector<OrientedPoint>& points) const;
+  /// The voxels of level `level` + 1 that have a covered voxel within.
+  [[nodiscard]] std::vector<char> cover_coarser(std::size_t level,
+                                                const std::vector<char>& is_covered) const;
 
   VoxelMapParams params_;
   std::array<VoxelGrid, kLevels> levels_;
