@@ -112,7 +112,8 @@ void LikelihoodGrid::set_allowed(std::span<const Eigen::Vector2d> places) {
               static_cast<std::size_t>(cell.x())] = 1;
     }
   }
-  allowed_.assign(1, std::move(allowed));
+  allowed_.clear();
+  allowed_.push_back(std::move(allowed));
   add_windows(allowed_);
 }
 

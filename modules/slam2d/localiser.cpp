@@ -99,7 +99,7 @@ std::optional<Match> Localiser::match(const LevelScan& scan) {
   if (!is_search_due(scan)) {
     return std::nullopt;
   }
-  const auto found =
+  std::optional<Match> found =
       search_.find_better(matcher_, map_.points(), scan.points_base, {&T_map_guess, 1}, tracked);
   if (found && fits(scan, *found)) {
     failed_search_.reset();

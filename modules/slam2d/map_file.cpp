@@ -129,6 +129,11 @@ struct GreyImage {
   int width = 0;
   int height = 0;
   std::vector<float> values;
+
+  [[nodiscard]] double at(int x, int y) const {
+    return static_cast<double>(values[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+                                      static_cast<std::size_t>(x)]);
+  }
 };
 
 GreyImage read_pgm(const std::filesystem::path& file) {
@@ -195,8 +200,7 @@ TrinaryGrid read_ros_map(const std::filesystem::path& path) {
   grid.cells.reserve(image.values.size());
   for (int y = image.height - 1; y >= 0; --y) {
     for (int x = 0; x < image.width; ++x) {
-      const double value =
-          static_cast<double>(image.values[static_cast<std::size_t>(y * image.width + x)]);
+      const double value = image.at(x, y);
       const double occupied = header.negate ? value : 1.0 - value;
       grid.cells.push_back(occupied > header.occupied_threshold ? CellState::kOccupied
                            : occupied < header.free_threshold   ? CellState::kFree

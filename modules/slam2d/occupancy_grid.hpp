@@ -85,7 +85,7 @@ class OccupancyGrid {
   [[nodiscard]] std::uint64_t num_changes(std::size_t tile) const {
     return tiles_[tile].num_changes;
   }
-  [[nodiscard]] GridTile cut_tile(std::size_t tile) const;
+  [[nodiscard]] GridTile cut_tile(std::size_t number) const;
   /// The first cell of a tile in the grid.
   [[nodiscard]] Eigen::Vector2i first_cell(std::size_t tile) const {
     return kTileCells * (tiles_[tile].position - first_tile_);

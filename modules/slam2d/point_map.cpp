@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <optional>
 
 namespace nodmap::slam2d {
 namespace {
@@ -26,6 +26,46 @@ constexpr double kRoundingM = 1e-9;
 bool have_similar_normals(const Eigen::Vector2d& a, const Eigen::Vector2d& b,
                           double min_cosine = kMinNormalCosine) {
   return a.dot(b) > min_cosine || a.isZero(0.0) || b.isZero(0.0);
+}
+
+/// The nearest of some map points with a normal similar to that of `point`.
+struct NearestOf {
+  const OrientedPoint& point;
+  double nearest_m2 = 0.0;  ///< of the nearest; at first of the reach
+  const MapPoint* nearest = nullptr;
+
+  void consider(const MapPoint& map_point) {
+    const double squared_m2 = (map_point.point.p - point.p).squaredNorm();
+    if (squared_m2 <= nearest_m2 && have_similar_normals(point.normal, map_point.point.normal)) {
+      nearest_m2 = squared_m2;
+      nearest = &map_point;
+    }
+  }
+  /// Whether no map point can be nearer, or within reach, if all within `known_m` were considered.
+  [[nodiscard]] bool is_certain(double known_m) const {
+    return known_m > 0.0 && nearest_m2 <= known_m * known_m;
+  }
+};
+
+/// The nearest map point, as far as the last search tells it; empty if the map must be searched.
+std::optional<const MapPoint*> recall(const Neighbourhood& last, const OrientedPoint& point,
+                                      double max_distance_m) {
+  if (last.free_m < 0.0 ||
+      !have_similar_normals(point.normal, last.place.normal, kMinRememberedCosine)) {
+    return std::nullopt;
+  }
+  const double moved_m = (point.p - last.place.p).norm() + kRoundingM;
+  NearestOf search{.point = point, .nearest_m2 = max_distance_m * max_distance_m};
+  if (last.nearest != nullptr) {
+    search.consider(*last.nearest);
+  }
+  if (search.is_certain(last.free_m - moved_m)) {
+    return search.nearest;
+  }
+  for (const MapPoint* const known : std::span(last.known).first(last.num_known)) {
+    search.consider(*known);
+  }
+  return search.is_certain(last.known_m - moved_m) ? std::optional(search.nearest) : std::nullopt;
 }
 
 /// std::floor is a dozen instructions without SSE4.
@@ -81,12 +121,16 @@ void PointMap::enter(const Eigen::Vector2d& p, std::uint32_t index) {
     tiles_.emplace_back();
   }
   Tile& tile = tiles_[number->second];
-  const auto end_of_cell = tile.begins.begin() + kTileCells * (cell.y & (kTileCells - 1)) +
-                           (cell.x & (kTileCells - 1)) + 1;
-  const auto place = static_cast<std::ptrdiff_t>(*end_of_cell);
-  tile.places.insert(tile.places.begin() + place, p);
-  tile.indices.insert(tile.indices.begin() + place, index);
-  std::for_each(end_of_cell, tile.begins.end(), [](std::uint32_t& begin) { ++begin; });
+  const auto row = static_cast<std::size_t>(cell.y & (kTileCells - 1));
+  const auto column = static_cast<std::size_t>(cell.x & (kTileCells - 1));
+  const std::span<std::uint32_t> begins_after =
+      std::span(tile.begins).subspan(kTileCells * row + column + 1);
+  const auto end_of_cell = static_cast<std::ptrdiff_t>(begins_after.front());
+  tile.places.insert(tile.places.begin() + end_of_cell, p);
+  tile.indices.insert(tile.indices.begin() + end_of_cell, index);
+  for (std::uint32_t& begin : begins_after) {
+    ++begin;
+  }
 }
 
 template <typename Visit>
@@ -107,7 +151,7 @@ void PointMap::for_each_around(const Eigen::Vector2d& p, double radius_m, Visit 
       const std::int32_t last_column = std::min(high.x - kTileCells * index.x, kTileCells - 1);
       for (std::int32_t row = first_row; row <= last_row; ++row) {
         const std::uint32_t* const begins =
-            &tile->begins[static_cast<std::size_t>(kTileCells * row)];
+            &tile->begins[std::size_t{kTileCells} * static_cast<std::size_t>(row)];
         const std::uint32_t end = begins[last_column + 1];
         for (std::uint32_t i = begins[first_column]; i < end; ++i) {
           visit(tile->places[i], tile->indices[i]);
@@ -230,8 +274,8 @@ void PointMap::fit_line(std::uint32_t index) {
 /// One search: the nearest points found so far.
 struct PointMap::Search {
   const OrientedPoint& point;
-  double nearest_m2;  // of the nearest with a similar normal, or of the reach
-  double limit_m2;    // points beyond do not matter
+  double nearest_m2 = 0.0;  // of the nearest with a similar normal; at first of the reach
+  double limit_m2 = 0.0;    // points beyond do not matter
   const MapPoint* nearest = nullptr;
   Neighbourhood* remembered = nullptr;  // filled for the next search, if not null
   double other_m2 = 0.0;      // of the nearest point but one that is, or may become, similar
@@ -314,35 +358,8 @@ void PointMap::look_around(const OrientedPoint& point, double max_distance_m,
 
 const MapPoint* PointMap::nearest(const OrientedPoint& point, double max_distance_m,
                                   Neighbourhood& last) const {
-  if (last.free_m >= 0.0 &&
-      have_similar_normals(point.normal, last.place.normal, kMinRememberedCosine)) {
-    const double moved_m = (point.p - last.place.p).norm() + kRoundingM;
-    // No other point can be within reach, or nearer.
-    const double free_m = last.free_m - moved_m;
-    const double max_m2 = max_distance_m * max_distance_m;
-    const double nearest_m2 = last.nearest == nullptr
-                                  ? std::numeric_limits<double>::infinity()
-                                  : (last.nearest->point.p - point.p).squaredNorm();
-    const bool is_similar =
-        last.nearest != nullptr && have_similar_normals(point.normal, last.nearest->point.normal);
-    if (free_m >= max_distance_m || (is_similar && free_m > 0.0 && nearest_m2 <= free_m * free_m)) {
-      return is_similar && nearest_m2 <= max_m2 ? last.nearest : nullptr;
-    }
-    // Only the known points can be within reach.
-    const MapPoint* nearest = nullptr;
-    double known_m2 = max_m2;
-    for (std::size_t i = 0; i < last.num_known; ++i) {
-      const OrientedPoint& other = last.known[i]->point;
-      const double squared_m2 = (other.p - point.p).squaredNorm();
-      if (squared_m2 <= known_m2 && have_similar_normals(point.normal, other.normal)) {
-        known_m2 = squared_m2;
-        nearest = last.known[i];
-      }
-    }
-    const double known_m = last.known_m - moved_m;
-    if (known_m > 0.0 && known_m2 <= known_m * known_m) {
-      return nearest;
-    }
+  if (const auto recalled = recall(last, point, max_distance_m)) {
+    return *recalled;
   }
   look_around(point, max_distance_m, last);
   return last.nearest;

@@ -119,33 +119,44 @@ Relocalisation Relocaliser::join(const KnownMap& map, std::span<const LevelScan>
   return result;
 }
 
-// Each scan counts by its own place near there if it has one, or else by a match from there.
+std::optional<Peak> Relocaliser::best_near(std::span<const Peak> places,
+                                           const geometry::SE2& T_map_base) const {
+  std::optional<Peak> best;
+  for (const Peak& place : places) {
+    if (agree(place.T_map_base, T_map_base) && (!best || place.score > best->score)) {
+      best = place;
+    }
+  }
+  return best;
+}
+
+// The scan's own place near there counts if it has one, otherwise a match from there.
+Relocaliser::ScanFit Relocaliser::fit(const KnownMap& map, const LevelScan& scan,
+                                      const Places& found, const geometry::SE2& T_map_base) const {
+  const std::optional<Peak> own = best_near(found.peaks, T_map_base);
+  const bool is_sure = found.alone.status == Relocalisation::Status::kFound;
+  const bool is_sure_of_this =
+      is_sure && own && is_same_place(own->T_map_base, found.alone.T_map_base);
+  ScanFit fit{.match = own ? own : match(map, scan, T_map_base), .is_sure = is_sure_of_this};
+  fit.agrees = is_sure == is_sure_of_this && fit.match && fit.match->score >= params_.min_score &&
+               agree(fit.match->T_map_base, T_map_base);
+  return fit;
+}
+
 Relocaliser::JointFit Relocaliser::fit(const KnownMap& map, std::span<const LevelScan> scans,
                                        std::span<const Places> found,
                                        const geometry::SE2& T_map_last) const {
-  const LevelScan& last = scans.back();
   JointFit joint{.place = {T_map_last}};
   for (std::size_t i = 0; i < scans.size(); ++i) {
-    const geometry::SE2 T_map_base =
-        T_map_last * (last.T_odom_base.inverse() * scans[i].T_odom_base);
-    std::optional<Peak> place;
-    for (const Peak& peak : found[i].peaks) {
-      if (agree(peak.T_map_base, T_map_base) && (!place || peak.score > place->score)) {
-        place = peak;
-      }
+    const geometry::SE2 T_last_base = scans.back().T_odom_base.inverse() * scans[i].T_odom_base;
+    const ScanFit one = fit(map, scans[i], found[i], T_map_last * T_last_base);
+    joint.agrees = joint.agrees && one.agrees;
+    joint.is_sure = joint.is_sure || one.is_sure;
+    if (one.match) {
+      joint.place.score += one.match->score / static_cast<double>(scans.size());
     }
-    const Relocalisation& alone = found[i].alone;
-    const bool knows = alone.status == Relocalisation::Status::kFound;
-    const bool is_here = place && is_same_place(place->T_map_base, alone.T_map_base);
-    if (!place) {
-      place = match(map, scans[i], T_map_base);
-    }
-    joint.is_sure = joint.is_sure || (knows && is_here);
-    joint.agrees = joint.agrees && (!knows || is_here) && place &&
-                   place->score >= params_.min_score && agree(place->T_map_base, T_map_base);
-    joint.place.score += (place ? place->score : 0.0) / static_cast<double>(scans.size());
-    if (place && i + 1 == scans.size()) {
-      joint.place.T_map_base = place->T_map_base;
+    if (one.match && i + 1 == scans.size()) {
+      joint.place.T_map_base = one.match->T_map_base;
     }
   }
   return joint;

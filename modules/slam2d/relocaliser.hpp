@@ -50,20 +50,31 @@ class Relocaliser {
     bool is_complete = true;  ///< false: it may fit elsewhere, too
     Relocalisation alone;     ///< the result of this scan alone
   };
-  /// How all scans together fit a place of the last.
+  /// How one scan fits a place.
+  struct ScanFit {
+    std::optional<Peak> match;  ///< as the scan matches near there, if it does
+    bool agrees = false;        ///< it fits there, and is not sure of another place
+    bool is_sure = false;       ///< it alone tells that this is the place
+  };
+  /// How all scans together fit a place of the last one.
   struct JointFit {
     Peak place;            ///< as the last scan matches there; the mean score of all
     bool agrees = true;    ///< each scan fits there, and none is sure of another place
-    bool is_sure = false;  ///< one scan alone tells that it is the place
+    bool is_sure = false;  ///< one scan alone tells that this is the place
   };
-  /// Whether two places are one, but for errors of odometry.
+  /// Whether two places are the same, apart from errors of odometry.
   [[nodiscard]] bool agree(const geometry::SE2& a, const geometry::SE2& b) const;
+  /// The best of some places that agree with a pose.
+  [[nodiscard]] std::optional<Peak> best_near(std::span<const Peak> places,
+                                              const geometry::SE2& T_map_base) const;
   [[nodiscard]] Places find_places(const KnownMap& map, const LevelScan& scan) const;
   [[nodiscard]] std::optional<Peak> match(const KnownMap& map, const LevelScan& scan,
                                           const geometry::SE2& T_map_base) const;
   [[nodiscard]] Relocalisation classify(std::span<const Peak> places, bool is_complete) const;
   [[nodiscard]] Relocalisation join(const KnownMap& map, std::span<const LevelScan> scans,
                                     std::span<const Places> found) const;
+  [[nodiscard]] ScanFit fit(const KnownMap& map, const LevelScan& scan, const Places& found,
+                            const geometry::SE2& T_map_base) const;
   [[nodiscard]] JointFit fit(const KnownMap& map, std::span<const LevelScan> scans,
                              std::span<const Places> found, const geometry::SE2& T_map_last) const;
 

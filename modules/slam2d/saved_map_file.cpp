@@ -197,7 +197,7 @@ class Reader {
   }
 
   [[nodiscard]] Eigen::Matrix3d read_information(const double (&in)[3][3]) const {
-    const Eigen::Matrix3d information = read_matrix(in);
+    Eigen::Matrix3d information = read_matrix(in);
     require(information.allFinite() && information.isApprox(information.transpose(), 1e-6) &&
                 (information.diagonal().array() > 0.0).all(),
             "an edge without a valid information matrix");

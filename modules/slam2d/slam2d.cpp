@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "modules/slam2d/best_place.hpp"
+
 namespace nodmap::slam2d {
 
 Slam2d::Slam2d(const Slam2dParams& params)
