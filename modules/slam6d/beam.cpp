@@ -175,6 +175,7 @@ Beam make_beam(const OctreeGrid& grid, const Eigen::Vector3f& p_origin, const Vo
   constexpr double kNever = std::numeric_limits<double>::max();
   const Eigen::Vector3f to_end = p_end - p_origin;
   const auto length_m = static_cast<float>(length_of(to_end));
+  const auto half_voxel_m = static_cast<double>(static_cast<float>(0.5 * grid.resolution_m()));
   Beam beam;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto i = static_cast<Eigen::Index>(axis);
@@ -185,9 +186,8 @@ Beam make_beam(const OctreeGrid& grid, const Eigen::Vector3f& p_origin, const Vo
       beam.between_borders_m[axis] = kNever;
       continue;
     }
-    const auto half_voxel_m = static_cast<float>(0.5 * grid.resolution_m());
-    const double to_border_m = static_cast<double>(is_forward ? half_voxel_m : -half_voxel_m);
-    const double border_m = grid.center_m(origin[axis]) + to_border_m;
+    const double border_m =
+        grid.center_m(origin[axis]) + (is_forward ? half_voxel_m : -half_voxel_m);
     beam.next_border_m[axis] =
         (border_m - static_cast<double>(p_origin[i])) / static_cast<double>(direction);
     beam.between_borders_m[axis] = grid.resolution_m() / static_cast<double>(std::abs(direction));
@@ -211,7 +211,7 @@ void walk(Beam beam, CloudVoxels& voxels) {
 
 void walk(std::span<const Beam> beams, CloudVoxels& voxels) {
 #if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx2") != 0) {
+  if (static_cast<bool>(__builtin_cpu_supports("avx2"))) {
     for (; beams.size() >= 4; beams = beams.subspan(4)) {
       walk_four(beams.first<4>(), voxels);
     }

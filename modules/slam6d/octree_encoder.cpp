@@ -83,8 +83,8 @@ class BtWriter {
   }
   /// Removes an inner node and all that followed.
   void take_back(std::size_t at) { bytes_.resize(at); }
-  void leaf(float) {}
-  void leaves(const Siblings&) {}
+  static void leaf(float) {}
+  static void leaves(const Siblings&) {}
 
   [[nodiscard]] std::string& bytes() { return bytes_; }
 
@@ -138,11 +138,11 @@ class OtWriter {
 /// Counts the nodes only.
 class NodeCounter {
  public:
-  std::size_t begin_inner() { return 0; }
-  void end_inner(std::size_t, const Siblings&) {}
-  void take_back(std::size_t) {}
-  void leaf(float) {}
-  void leaves(const Siblings&) {}
+  static std::size_t begin_inner() { return 0; }
+  static void end_inner(std::size_t, const Siblings&) {}
+  static void take_back(std::size_t) {}
+  static void leaf(float) {}
+  static void leaves(const Siblings&) {}
 };
 
 /// From the root down, each node before its children, as OctoMap's files have them.

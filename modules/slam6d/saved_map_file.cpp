@@ -103,7 +103,7 @@ class Reader {
   }
 
   [[nodiscard]] Matrix6d read_information(const double (&in)[6][6]) const {
-    const Matrix6d information = Eigen::Map<const RowMajor6d>(&in[0][0]);
+    Matrix6d information = Eigen::Map<const RowMajor6d>(&in[0][0]);
     require(information.allFinite() && information.isApprox(information.transpose(), 1e-6) &&
                 (information.diagonal().array() >= 0.0).all(),
             "an edge without a valid information matrix");
