@@ -25,11 +25,11 @@ struct MotionEstimate {
   bool is_valid = false;  ///< false (motion zero): not finite, or prior not positive definite
 };
 
-/// Computes the most probable motion, given a measurement and a prior. The prior must be positive
-/// definite. It determines the directions that the measurement does not constrain, without a
-/// threshold, weighted by its covariance.
+/// Computes the most probable motion, given a measurement and a prior, each weighted by its
+/// information. So the prior, which must be positive definite, determines the directions that the
+/// measurement does not constrain; there is no threshold.
 ///
-/// `imitated` is false information caused by errors of the measured normals: normals of a bare
+/// `imitated`: false information caused by errors of the measured normals. The normals of a bare
 /// corridor, each slightly wrong, appear to constrain the position along the corridor. Along each
 /// eigenvector of the measurement (relative to the prior) this part is subtracted. Directions with
 /// less remaining information than the prior are degenerate.

@@ -50,8 +50,8 @@ class NormalEquations {
   [[nodiscard]] Solution solve(double min_information_ratio) const;
 
   /// The information matrix of (x, y in m, yaw in rad): the sum of w J^T J, without the degenerate
-  /// directions of `solution`, what solve() has returned. Divided by the variance of a distance it
-  /// is the inverse covariance of the pose.
+  /// directions of `solution`, which solve() returned. Divided by the variance of a distance it is
+  /// the inverse covariance of the pose.
   [[nodiscard]] Eigen::Matrix3d information(const Solution& solution) const;
 
  private:
@@ -60,7 +60,7 @@ class NormalEquations {
 
   [[nodiscard]] Eigen::Matrix3d information() const;
 
-  /// Numbers of their own, which the compiler keeps in registers from one add() to the next.
+  /// Separate numbers, which the compiler keeps in registers from one add() to the next.
   struct Sums {
     double xx = 0.0;  // of the information matrix
     double yx = 0.0;

@@ -23,7 +23,7 @@ struct PoseSpace;
 template <>
 struct PoseSpace<geometry::SE2> {
   static constexpr int kDimensions = 3;
-  /// Below this are 99 % of the residuals of correct edges (chi-squared, three degrees of freedom).
+  /// 99 % of the residuals of correct edges are below this (chi-squared, three degrees of freedom).
   static constexpr double kInlierChiSquared = 11.345;
   static geometry::SE2 identity() { return {}; }
 };

@@ -77,7 +77,7 @@ void BackEnd::add_keyframe(Keyframe keyframe, const geometry::SE2& T_local_keyfr
     ++graph_revision_;
   }
   close_loops();
-  // One at a time; as long as there are more, with the next keyframe.
+  // One per keyframe; any others follow with the next ones.
   const bool may_be_more = dropped_.has_value();
   dropped_.reset();
   if (is_finished || may_be_more) {
@@ -124,8 +124,7 @@ void BackEnd::close_loops() {
 
 void BackEnd::update_uncertainty() {
   uncertainty_ = graph_.uncertainties(submaps(), chain_.local_index());
-  // From the pose of submap 0 relative to the local one to the pose of the local one relative to
-  // submap 0.
+  // The inverse: from submap 0 relative to the local one, to the local one relative to submap 0.
   const Eigen::Matrix3d J = moment_arm_jacobian(local().T_map_submap.translation() -
                                                 submaps()[0].T_map_submap.translation());
   drift_covariance_ = J * uncertainty_[0] * J.transpose();
@@ -186,8 +185,8 @@ void BackEnd::search_loop(std::size_t submap_index, std::span<const OrientedPoin
   record(attempt.loop, attempt.state);
 }
 
-// Where places look alike, several keyframes may find the same wrong one. Views of single scans
-// then show walls that are missing or in the way.
+// Where places look alike, several keyframes may find the same wrong one. The views of single scans
+// then show walls that are missing, or walls in the way.
 void BackEnd::accept_by_consensus(Loop loop) {
   loop.is_contradicted = contradicts_views(loop);
   metrics_.refused_by_view += loop.is_contradicted ? 1 : 0;

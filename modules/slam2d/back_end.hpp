@@ -46,8 +46,8 @@ struct SubmapLoop {
 /// Keeps the map consistent: submaps of consecutive keyframes, joined by odometry and by loops in a
 /// pose graph.
 ///
-/// Its memory is bounded by the area, not by the time: a submap, and the keyframes that no other
-/// submap holds, are dropped once newer keyframes show the same places.
+/// The area bounds its memory, not the time: a submap, and the keyframes that no other submap
+/// holds, are dropped once newer keyframes show the same places.
 class BackEnd {
  public:
   BackEnd(const BackEndParams& params, const MapParams& map, const MatcherParams& matcher);
@@ -55,14 +55,13 @@ class BackEnd {
   /// Everything that restore() needs.
   [[nodiscard]] SavedMap save() const;
 
-  /// Restores a saved map; must be called before the first keyframe. The next keyframe begins a
-  /// submap of its own at its T_map_base, whose standard deviations are taken as 0.1 m and 0.02
-  /// rad.
+  /// Restores a saved map. Must be called before the first keyframe, which then begins a submap of
+  /// its own at its T_map_base, with assumed standard deviations of 0.1 m and 0.02 rad.
   void restore(SavedMap map);
 
   /// The next keyframe begins a submap of its own at its T_map_base. `sigmas`: standard deviations
-  /// (x, y in m, yaw in rad) of its pose relative to the keyframe before. The map before it and the
-  /// map from it on are two rigid pieces until loops join them.
+  /// (x, y in m, yaw in rad) of its pose relative to the previous keyframe. The map up to there and
+  /// the map from there on are two rigid pieces until loops join them.
   void begin_anew(const Eigen::Vector3d& sigmas) { chain_.begin_anew(sigmas); }
 
   /// Whether there is a submap to match scans against: once a keyframe was added.
@@ -71,12 +70,12 @@ class BackEnd {
   [[nodiscard]] const Submap& local() const { return chain_.local(); }
 
   /// The covariance (x, y in m, yaw in rad, in the axes of map) of the local submap's pose relative
-  /// to the first one: the drift since the map began, as far as loops have not taken it back.
+  /// to the first one: the drift since the map began that loops have not corrected.
   [[nodiscard]] const Eigen::Matrix3d& drift_covariance() const { return drift_covariance_; }
 
-  /// Searches the local submap for the poses at which a scan fits, to the cell. `scan`: points in
-  /// base; `window`: the poses to search, in the frame of the submap. Returns at most `max_places`
-  /// poses, each with a mean likelihood of at least `min_score`.
+  /// Searches the local submap for the poses at which a scan fits, at the resolution of a cell.
+  /// `scan`: points in base; `window`: the poses to search, in the frame of the submap. Returns at
+  /// most `max_places` poses, each with a mean likelihood of at least `min_score`.
   [[nodiscard]] CorrelativeMatch find_in_local(std::span<const OrientedPoint> scan,
                                                const SearchWindow& window, double min_score,
                                                std::size_t max_places);

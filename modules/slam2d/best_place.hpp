@@ -14,8 +14,8 @@ struct BestPlace {
   double score = 0.0;            ///< 0..1
   double runner_up_score = 0.0;  ///< at any other place; 0: there is none
 
-  /// With the misfit, 1 - score: whether the misfit at every other place is at least
-  /// `min_misfit_ratio` times the misfit here, plus a margin of 0.02.
+  /// Whether the misfit (1 - score) at every other place is at least `min_misfit_ratio` times the
+  /// misfit here, plus a margin of 0.02.
   [[nodiscard]] bool is_clear(double min_misfit_ratio) const;
 };
 

@@ -32,7 +32,7 @@ struct Peak {
 };
 
 struct CorrelativeMatch {
-  /// The best pose first. Each further peak is the best pose that is not near a peak before it.
+  /// The best pose first. Each further peak is the best pose that is not near an earlier peak.
   /// Peaks that score less than `max_runner_up_ratio` of the best are left out.
   std::vector<Peak> peaks;
   std::size_t expanded = 0;  ///< nodes of the search, for its cost

@@ -9,9 +9,9 @@
 
 namespace nodmap::slam2d {
 
-/// Doubt about odometry: whether the robot may be elsewhere than odometry says. Begins after a time
-/// without odometry, in which it may have been carried or have driven on, and when it is lost. Ends
-/// when its place is sure.
+/// Doubt about odometry: whether the robot may be elsewhere than odometry says. It begins when the
+/// robot is lost, and after a time without odometry, in which the robot may have driven on or been
+/// carried. It ends when the robot's place is sure.
 class Doubt {
  public:
   explicit Doubt(const DoubtParams& params) : params_(params) {}

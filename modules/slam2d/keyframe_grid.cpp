@@ -8,7 +8,7 @@
 namespace nodmap::slam2d {
 namespace {
 
-// A ray may be longer than its neighbours by this factor: on walls seen at a flat angle it is.
+// A ray may be longer than its neighbours by this factor, as it is on walls seen at a flat angle.
 constexpr double kMaxLengthRatio = 1.5;
 
 /// Calls `visit` with both ends of each ray in map, and whether something was hit at the second.
@@ -47,8 +47,8 @@ std::vector<double> believed_lengths(const Keyframe& keyframe) {
   for (const Eigen::Vector2f& point : keyframe.points_base) {
     lengths_m.push_back((point.cast<double>() - keyframe.sensor_origin_base).norm());
   }
-  // Morphological opening: the shortest of each three neighbours, then for each ray the longest of
-  // the threes that it is part of.
+  // Morphological opening: the shortest of every three neighbours, then for each ray the longest of
+  // the triples that contain it.
   std::vector<double> opened_m(count, 0.0);
   for (std::size_t i = 1; i + 1 < count; ++i) {
     const double shortest_m = std::min({lengths_m[i - 1], lengths_m[i], lengths_m[i + 1]});

@@ -15,13 +15,13 @@ namespace nodmap::slam2d {
 
 /// For each point of a keyframe, how far its ray is believed to be free, in metres. A ray that is
 /// much longer than the morphological opening of the lengths (over three neighbouring rays) looks
-/// through a gap or is a wrong range: it is believed as far as the opening. Any other is believed
-/// over its length.
+/// through a gap, or its range is wrong: it is believed only as far as the opening. Any other ray
+/// is believed over its whole length.
 [[nodiscard]] std::vector<double> believed_lengths(const Keyframe& keyframe);
 
-/// Draws the rays of a keyframe at the pose `T_map_base`: a ray that is believed over its length
-/// with the hit at its end, any other only as free space as far as it is believed. The cells
-/// `left_out` are not changed.
+/// Draws the rays of a keyframe at the pose `T_map_base`. A ray that is believed over its whole
+/// length is drawn with the hit at its end, any other only as free space as far as it is believed.
+/// The cells `left_out` are not changed.
 void draw(const Keyframe& keyframe, const geometry::SE2& T_map_base, OccupancyGrid& grid,
           std::span<const CellRange> left_out = {});
 

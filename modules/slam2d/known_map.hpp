@@ -45,8 +45,8 @@ struct GridFit {
   double through_walls = 0.0;  ///< were measured through an occupied cell
 };
 
-/// A finished map to localise in: the surfaces as points with normals for scan matching, as a
-/// likelihood grid for the search of a pose, and the grid itself.
+/// A finished map to localise in. It holds the surfaces twice, as points with normals for scan
+/// matching and as a likelihood grid for the search of a pose, and the grid itself.
 class KnownMap {
  public:
   KnownMap(TrinaryGrid grid, const MapParams& params);

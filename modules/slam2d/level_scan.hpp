@@ -14,22 +14,22 @@
 
 namespace nodmap::slam2d {
 
-/// A level scan as the data set D of Eq. 3, and where the robot was by odometry.
+/// A level scan: the data set D of Eq. 3, and the robot's pose by odometry.
 struct LevelScan {
   time::Timestamp stamp{};  ///< of the first beam
   geometry::SE2 T_odom_base;
   Eigen::Vector2d sensor_origin_base = Eigen::Vector2d::Zero();
   std::span<const OrientedPoint> points_base;
-  /// The longest time without odometry since the level scan before.
+  /// The longest time without odometry since the previous level scan.
   double odometry_gap_s = 0.0;
-  bool is_of_nod = false;  ///< one of each sweep; otherwise every scan is a level scan
+  bool is_of_nod = false;  ///< from a nodding scanner: one level scan in each sweep
 
-  /// Whether the robot may have moved by more than odometry has counted. Half a second is several
-  /// periods of any odometry.
+  /// Whether the robot may have moved farther than odometry has counted. Any odometry comes several
+  /// times in half a second.
   [[nodiscard]] bool has_odometry_gap() const { return odometry_gap_s > 0.5; }
-  /// Whether the points are enough to determine a pose.
+  /// Whether there are enough points to determine a pose.
   [[nodiscard]] bool has_enough_points() const { return points_base.size() >= 10; }
-  /// Whether the points are enough to search a wide window: fewer would fit somewhere by chance.
+  /// Whether there are enough points to search a wide window: fewer would fit somewhere by chance.
   [[nodiscard]] bool has_enough_to_search() const { return points_base.size() >= 30; }
 };
 
@@ -46,7 +46,7 @@ struct PoseUpdate {
   time::Timestamp stamp{};  ///< of the first beam
   geometry::SE2 T_map_base = {};
   geometry::SE2 T_map_odom = {};  ///< the correction of odometry, which itself never jumps
-  double inlier_ratio = 0.0;      ///< of the match, as the next two; 0 where there was none
+  double inlier_ratio = 0.0;      ///< of the match, like the next two; 0 without a match
   double score = 0.0;
   double rms_m = 0.0;
   /// Of T_map_base: position (m) and heading (rad) of base in the axes of map. Zero where it is not
@@ -71,14 +71,14 @@ class LevelScanInput {
   /// Takes a pose of base by odometry. Returns false, and ignores it, when it is not finite.
   bool add_odometry(time::Timestamp stamp, const geometry::SE3& T_odom_base);
 
-  /// Odometry continues in another frame: its newest pose and `T_new_odom_base` are the same place.
+  /// Continues with odometry in another frame, in which the newest pose is `T_new_odom_base`.
   /// Returns T_old_new, the new odom frame in the old one. Older odometry is dropped, so that no
   /// scan is placed between the two frames.
   geometry::SE2 change_odometry_frame(const geometry::SE3& T_new_odom_base);
 
-  /// Takes the next scan. Returns the level scan that it completes, this one or the one before,
-  /// valid until the next call; nothing, and counts why, for a scan that is not level, implausible,
-  /// or more than 50 ms from any odometry.
+  /// Takes the next scan. Returns the level scan that it completes, which is this scan or the
+  /// previous one; valid until the next call. Returns nothing, and counts why, for a scan that is
+  /// not level, implausible, or more than 50 ms from any odometry.
   [[nodiscard]] std::optional<LevelScan> add_scan(const scan::Scan& scan);
 
   [[nodiscard]] const ScanCounts& counts() const { return counts_; }

@@ -8,18 +8,18 @@
 
 namespace nodmap::slam2d {
 
-/// Whether the pitch is the same at the first and the last beam, as of a scanner that does not nod.
+/// Whether the pitch is the same at the first and the last beam: the scanner does not nod.
 [[nodiscard]] bool is_stationary(const scan::Scan& scan);
 
 /// Selects the scans taken in the horizontal position from the stream of a nodding scanner (section
-/// IV A): of each sweep the one with its mean pitch nearest to 0, which is at most half a pitch
-/// step away. Selects every scan of a scanner that is stationary and level.
+/// IV A): of each sweep the one whose mean pitch is nearest to 0, at most half a pitch step away.
+/// Selects every scan of a scanner that is stationary and level.
 class LevelScanSelector {
  public:
   explicit LevelScanSelector(const LevelScanParams& params) : params_(params) {}
 
-  /// Takes the next scan. Returns the level scan once it is known which one it is, this scan or the
-  /// one before, and null otherwise. Valid until the next call.
+  /// Takes the next scan. Returns the level scan as soon as it is known: this scan or the previous
+  /// one. Otherwise null. Valid until the next call.
   [[nodiscard]] const scan::Scan* add(const scan::Scan& scan);
 
  private:

@@ -26,7 +26,7 @@ class LikelihoodGrid {
   LikelihoodGrid(std::span<const Eigen::Vector2d> points, double cell_size_m, double max_range_m);
 
   [[nodiscard]] double cell_size_m() const { return cell_size_m_; }
-  /// The cell that a coordinate lies in, relative to the first of the grid.
+  /// The cell that a point lies in, counted from the first cell of the grid.
   [[nodiscard]] Eigen::Vector2i cell_of(const Eigen::Vector2d& p) const;
   /// The largest likelihood, 0..255, in the window of 2^level cells that begins at a cell.
   [[nodiscard]] int largest(int level, int x, int y) const {
@@ -36,8 +36,8 @@ class LikelihoodGrid {
                             static_cast<std::size_t>(x)]
                   : 0;
   }
-  /// The sum of largest() over `cells`, all shifted by (x, y). Returns early, with some value below
-  /// `min_sum`, once `min_sum` cannot be reached.
+  /// The sum of largest() over `cells`, all shifted by (x, y). As soon as `min_sum` cannot be
+  /// reached, returns some value below it.
   [[nodiscard]] int sum_of_largest(int level, std::span<const Eigen::Vector2i> cells, int x, int y,
                                    int min_sum) const;
 

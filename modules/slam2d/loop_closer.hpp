@@ -25,12 +25,12 @@ struct Loop {
   bool is_contradicted = false;  ///< by what was seen: walls where the other saw free space
 };
 
-/// What became of a loop; the values of nodmap.pose_graph_t.
+/// What became of a loop. The values are those of nodmap.pose_graph_t.
 enum class LoopState : std::uint8_t {
   kAccepted = 0,
   kAmbiguous = 1,     ///< another place fits as well
   kLowScore = 2,      ///< the scan fits nowhere near, or contradicts what was seen there
-  kInconsistent = 3,  ///< with the graph, and no other keyframes have said the same yet
+  kInconsistent = 3,  ///< with the graph, and too few other keyframes agree so far
   kOutlier = 4,       ///< accepted, but it contradicts the graph and has lost its weight
 };
 

@@ -119,7 +119,7 @@ int read_pgm_number(std::istream& in, const std::filesystem::path& file) {
   }
   int value = 0;
   if (!(in >> value) || value < 0) {
-    refuse(file, "not a whole PGM image");
+    refuse(file, "an incomplete PGM image");
   }
   return value;
 }
@@ -131,8 +131,9 @@ struct GreyImage {
   std::vector<float> values;
 
   [[nodiscard]] double at(int x, int y) const {
-    return static_cast<double>(values[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
-                                      static_cast<std::size_t>(x)]);
+    return static_cast<double>(
+        values[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+               static_cast<std::size_t>(x)]);
   }
 };
 
@@ -140,7 +141,7 @@ GreyImage read_pgm(const std::filesystem::path& file) {
   std::ifstream in = formats::open_input(file);
   std::string magic(2, ' ');
   if (!in.read(magic.data(), 2) || (magic != "P5" && magic != "P2")) {
-    refuse(file, "not a PGM image; only those are read");
+    refuse(file, "not a PGM image (P2 or P5)");
   }
   GreyImage image;
   image.width = read_pgm_number(in, file);
@@ -153,7 +154,7 @@ GreyImage read_pgm(const std::filesystem::path& file) {
   in.ignore(1);
   std::string bytes(magic == "P5" ? static_cast<std::size_t>(size) : 0, '\0');
   if (!in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()))) {
-    refuse(file, "not a whole PGM image");
+    refuse(file, "an incomplete PGM image");
   }
   image.values.reserve(static_cast<std::size_t>(size));
   for (std::int64_t i = 0; i < size; ++i) {

@@ -22,8 +22,8 @@ void write_ros_map(const std::filesystem::path& dir, const OccupancyGrid& grid);
 /// wrong.
 [[nodiscard]] TrinaryGrid read_ros_map(const std::filesystem::path& path);
 
-/// Draws the map with the path on it, y up, 1200 pixels or a pixel for each cell along its longer
-/// side; with a scale bar, a legend, and where the path starts and ends.
+/// Draws the map with the path on it, y up, with a scale bar, a legend, and marks where the path
+/// starts and ends. The longer side has 1200 pixels, or one for each cell if that is more.
 [[nodiscard]] drawing::Image draw_map(const OccupancyGrid& grid,
                                       std::span<const geometry::SE2> path);
 

@@ -15,14 +15,15 @@ namespace nodmap::slam2d {
 /// enter the map.
 ///
 /// A scan is compared with the last keyframe and, to notice slow motion, with the oldest one
-/// nearby. Not noticed: what moves straight away from the robot, or appears from behind something.
+/// nearby. What moves straight away from the robot, or appears from behind something, is not
+/// noticed.
 class MovingPointFilter {
  public:
-  /// Adds a keyframe to compare with. `scan`: with all of its points.
+  /// Adds a keyframe to compare with. `scan` has all of its points.
   void add_keyframe(const LevelScan& scan);
 
-  /// The points of a scan without those that have moved, valid until the next call. If few are
-  /// left, either people surround the robot or the robot is elsewhere.
+  /// The points of a scan without those that have moved; valid until the next call. If few are
+  /// left, either people surround the robot or it is elsewhere.
   [[nodiscard]] std::span<const OrientedPoint> stationary(const LevelScan& scan);
 
   /// Whether a scan, placed by odometry, contradicts the last keyframe: more than a quarter of the

@@ -141,7 +141,7 @@ Slam2dNode::Slam2dNode(node::Context& context, const Params& params,
   num_restored_ = slam_.keyframes().size();
   map_.draw_new(slam_.keyframes());
   search_ = std::make_unique<Search>(map_.grid(), params, options.T_map_start);
-  log::get().info("carries on with {} keyframes in {} submaps", num_restored_,
+  log::get().info("continues a map of {} keyframes in {} submaps", num_restored_,
                   slam_.back_end().submaps().size());
 }
 

@@ -30,9 +30,9 @@ struct CellRange {
   }
 };
 
-/// A 2D grid in the map frame. Counts for each cell the rays that ended in it and those that passed
-/// through. Grows to hold whatever is drawn, tile by tile: its memory follows the area that was
-/// seen, not the rectangle around it.
+/// A 2D grid in the map frame. Counts, for each cell, the rays that ended in it and those that
+/// passed through. It grows tile by tile to hold whatever is drawn, so its memory follows the area
+/// that was seen, not the rectangle around it.
 class OccupancyGrid {
  public:
   static constexpr std::int8_t kUnknown = -1;
@@ -73,7 +73,8 @@ class OccupancyGrid {
   }
   /// Per cent of the cell's rays that ended in it, or kUnknown where there were none.
   [[nodiscard]] std::int8_t occupancy(int x, int y) const;
-  /// Whether at least a quarter of the rays ended here: many only graze the cell of a wall.
+  /// Whether at least a quarter of the rays ended here. Not more, because many rays only graze the
+  /// cell of a wall.
   [[nodiscard]] bool is_occupied(int x, int y) const { return is_occupied(occupancy(x, y)); }
   [[nodiscard]] static bool is_occupied(std::int8_t occupancy) { return occupancy >= 25; }
 
@@ -124,25 +125,25 @@ class OccupancyGrid {
 };
 
 /// Chooses the tiles of a grid that are to be published: those that have changed, and a few others
-/// in turn, so that a receiver that has come late, or lost a tile, has the whole grid after a
-/// while. The cost depends on what has changed, not on the size of the grid.
+/// in turn, so that a receiver that started late or lost a tile has the whole grid after a while.
+/// The cost depends on what has changed, not on the size of the grid.
 class TileSelector {
  public:
-  /// The tiles in which a cell became known, unknown, free or occupied since they were chosen last,
+  /// The tiles in which a cell became known, unknown, free or occupied since they were last chosen,
   /// and at least one other tile in turn.
   [[nodiscard]] std::vector<GridTile> choose(const OccupancyGrid& grid);
 
-  /// All tiles that differ from what was chosen last.
+  /// All tiles that differ from what was last chosen.
   [[nodiscard]] std::vector<GridTile> choose_rest(const OccupancyGrid& grid);
 
  private:
   struct Sent {
     std::uint64_t num_changes_seen = 0;
-    std::uint64_t num_changes = 0;   ///< when it was chosen last
+    std::uint64_t num_changes = 0;   ///< when it was last chosen
     std::vector<std::int8_t> cells;  ///< as they were then
   };
   void choose_tile(const OccupancyGrid& grid, GridTile tile, std::vector<GridTile>& chosen);
-  /// The tile as it is; only cut when it has changed since it was chosen last.
+  /// The tile as it is now; cut only if it has changed since it was last chosen.
   [[nodiscard]] GridTile tile_now(const OccupancyGrid& grid, std::size_t number) const;
   void add_others_in_turn(const OccupancyGrid& grid, std::vector<GridTile>& chosen);
 

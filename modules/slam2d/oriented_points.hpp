@@ -10,8 +10,8 @@
 
 namespace nodmap::slam2d {
 
-/// A measured point of a wall or an object with its normal, in metres and in the
-/// frame that the name of the variable says.
+/// A measured point on a wall or an object, with its normal. In metres; the variable's name says in
+/// which frame.
 struct OrientedPoint {
   Eigen::Vector2d p = Eigen::Vector2d::Zero();
   /// Unit normal, towards the scanner; zero where it is not known.

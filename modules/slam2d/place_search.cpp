@@ -82,8 +82,8 @@ Place PlaceSearch::find(const Known& known, const LevelScan& scan, const LevelSc
   return *found;
 }
 
-// After a scan whose place was not sure, no match near the guess suffices, because the guess may be
-// wrong.
+// After a scan whose place was not sure, a match near the guess does not suffice, because the guess
+// may be wrong.
 bool PlaceSearch::is_good(const Match& tracked, const Doubt& doubt) const {
   if (!doubt.is_there()) {
     // Along a degenerate direction a match that does not fit surely may be off by the error of

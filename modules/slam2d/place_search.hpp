@@ -32,8 +32,8 @@ struct Place {
 };
 
 /// Finds the place of a scan in the local submap: by a match from odometry or, if that does not
-/// fit, by a search: near odometry while odometry can be trusted, otherwise wherever the robot may
-/// be.
+/// fit, by a search. The search stays near odometry while odometry can be trusted; otherwise it
+/// covers all places where the robot may be.
 class PlaceSearch {
  public:
   struct Counts {

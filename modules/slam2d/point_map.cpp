@@ -17,8 +17,8 @@ constexpr double kMinNormalCosine = 0.5;   // 60 degrees
 constexpr double kMaxLineThickness = 0.3;  // width over length
 constexpr double kMinNeighbours = 3.0;     // of a line, with the point itself
 constexpr double kRememberedM = 0.08;      // a search looks this far beyond the nearest point
-// A result holds for rotations of the point up to 0.1 rad: cosine of that, and of the angle between
-// normals that may become similar by it.
+// A result holds for rotations of the point up to 0.1 rad: the cosine of that angle, and of the
+// angle between normals that such a rotation may make similar.
 constexpr double kMinRememberedCosine = 0.9951;
 constexpr double kMinLaterCosine = 0.41;
 constexpr double kRoundingM = 1e-9;
@@ -177,7 +177,7 @@ bool PointMap::find_neighbours(const OrientedPoint& point) {
   return is_known;
 }
 
-// Lines are not needed before the last point is inserted: they are fitted once, after it.
+// Lines are fitted once, after the last point: they are not needed earlier.
 void PointMap::insert(std::span<const OrientedPoint> points) {
   for (const OrientedPoint& point : points) {
     if (!is_finite(point)) {

@@ -20,8 +20,8 @@ struct MapPoint {
   OrientedPoint point;
   /// On the line: the mean of the neighbourhood.
   Eigen::Vector2d line_point = Eigen::Vector2d::Zero();
-  /// Unit normal of the line; `point.normal` until there are enough neighbours. Zero where that is
-  /// not known either, or where the neighbourhood is no line (a corner, foliage).
+  /// Unit normal of the line; `point.normal` until there are enough neighbours. Zero if that is not
+  /// known either, or if the neighbourhood is not a line (a corner, foliage).
   Eigen::Vector2d line_normal = Eigen::Vector2d::Zero();
 
   [[nodiscard]] bool has_line() const { return !line_normal.isZero(0.0); }
@@ -44,16 +44,16 @@ struct Neighbourhood {
 
 /// The incrementally built 2D map M of section IV A, in the map frame.
 ///
-/// Each point also knows the line through everything measured around it with a similar normal. The
-/// line averages the noise of single measurements and fills the gaps between them. It is updated as
-/// points come, so that reading it costs nothing.
+/// Each point also has the line through everything that was measured around it with a similar
+/// normal. The line averages the noise of single measurements and fills the gaps between them. It
+/// is updated when points are added, so that reading it costs nothing.
 class PointMap {
  public:
   explicit PointMap(const MapParams& params) : params_(params) {}
 
-  /// Takes measured points, one after the other, by the rule of section IV A: adds a point when no
-  /// point of the map is within d_new, whatever its normal. Otherwise adds nothing, but refines the
-  /// lines around it; in the paper such a point is neglected. Ignores points that are not finite.
+  /// Takes measured points, one after the other, by the rule of section IV A: adds a point if no
+  /// point of the map is within d_new, whatever its normal. Otherwise it only refines the lines
+  /// around the point, which the paper neglects. Ignores points that are not finite.
   void insert(std::span<const OrientedPoint> points);
 
   /// Adds a point, and updates the lines around it. Ignores a point that is not finite.
@@ -68,16 +68,16 @@ class PointMap {
   [[nodiscard]] const MapPoint* nearest(const OrientedPoint& point, double max_distance_m) const;
 
   /// The same, for repeated searches with a point that moves a little each time: searches the map
-  /// only when the last result does not decide. `last`: the last result, which is updated; valid
-  /// only while the map does not change.
+  /// only if the last result is not enough. `last`: the last result, which is updated; valid only
+  /// while the map does not change.
   [[nodiscard]] const MapPoint* nearest(const OrientedPoint& point, double max_distance_m,
                                         Neighbourhood& last) const;
 
   [[nodiscard]] std::span<const MapPoint> points() const { return points_; }
 
  private:
-  /// A square of cells. The points of a row of cells, and the rows, follow one another in memory,
-  /// as a search reads them.
+  /// A square of cells. Points lie in memory in the order in which a search reads them: cell after
+  /// cell in a row, and row after row.
   static constexpr std::int32_t kTileCells = 8;
   struct Tile {
     /// Where the points of each cell begin, row by row; the last entry is where those of the last

@@ -22,7 +22,7 @@ class PoseCovariance {
   /// degenerate directions.
   void match(const Eigen::Matrix3d& information);
 
-  /// For `duration_s` nothing is known of the robot's motion.
+  /// Nothing is known of the robot's motion during `duration_s`.
   void lose_track(double duration_s);
 
   [[nodiscard]] const Eigen::Matrix3d& matrix() const { return covariance_; }

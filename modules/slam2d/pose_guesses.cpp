@@ -12,8 +12,8 @@ namespace {
 constexpr double kMaxStepS = 0.5;
 // The ratio of successive intervals must be below this: stamps that come in bursts give no speed.
 constexpr double kMaxStepRatio = 2.0;
-// But the laser has measured at an even rate: a mean over so many scans tells how far the robot
-// goes from one to the next.
+// But the laser measures at an even rate: the mean over this many scans tells how far the robot
+// moves from one to the next.
 constexpr std::size_t kMeanSteps = 8;
 // From guesses nearer than this, ICP finds the same pose. A robot that brakes at 2 m/s^2, or begins
 // to rotate at 3 rad/s^2, is this far off after about a quarter of a second.

@@ -17,13 +17,13 @@ namespace nodmap::slam2d {
 ///
 /// Normally odometry gives the only guess. But its driver may hang: it repeats a pose while the
 /// robot drives on, and later catches up in one jump. Where odometry contradicts the motion so far,
-/// that motion continued is a guess as well, and so is odometry since the last keyframe, which
+/// there are two more guesses: that motion, continued, and odometry since the last keyframe, which
 /// includes the jump.
 class PoseGuesses {
  public:
   explicit PoseGuesses(const PeopleParams& params) : params_(params) {}
 
-  /// Adds a scan whose pose has been found. `T_last_base`: its pose relative to the scan before.
+  /// Adds a scan whose pose has been found. `T_last_base`: its pose relative to the previous scan.
   void add_scan(time::Timestamp stamp, const geometry::SE2& T_last_base);
   /// Adds the last scan, taken at `T_odom_base`, as a keyframe.
   void add_keyframe(const geometry::SE2& T_map_odom, const geometry::SE2& T_odom_base) {
@@ -39,18 +39,17 @@ class PoseGuesses {
   [[nodiscard]] geometry::SE2 since_keyframe(const LevelScan& scan) const {
     return T_map_odom_keyframe_ * scan.T_odom_base;
   }
-  /// Whether the last interval between scans and the one up to `next_stamp` are so short, 5 to 50
-  /// ms, that the robot cannot leave its course by odometry in between.
+  /// Whether scans follow one another so quickly (5 to 50 ms, now and up to `next_stamp`) that the
+  /// robot cannot leave its course by odometry in between.
   [[nodiscard]] bool is_fast(time::Timestamp next_stamp) const;
-  /// Whether the pose found for a scan is farther from odometry than slipping wheels explain, from
-  /// the scan before to this one or since the last keyframe. `T_map_guess`: the pose by odometry
-  /// since the scan before. May be called only for scans that are fast.
+  /// Whether the pose found for a scan is farther from odometry than slipping wheels explain, since
+  /// the previous scan or since the last keyframe. `T_map_guess`: the pose by odometry since the
+  /// previous scan. May be called only if is_fast().
   [[nodiscard]] bool is_beyond_slip(const LevelScan& scan, const geometry::SE2& T_map_guess,
                                     const geometry::SE2& T_map_found) const;
 
-  /// Returns guesses of T_map_base of a scan, the likeliest first; a single one if all agree so
-  /// closely that matching finds the same pose from each. `T_map_odom` and `T_odom_last`: of the
-  /// last scan.
+  /// Guesses T_map_base of a scan, the likeliest first. There is only one if all agree so closely
+  /// that matching finds the same pose from each. `T_map_odom` and `T_odom_last`: of the last scan.
   [[nodiscard]] std::vector<geometry::SE2> guesses(const LevelScan& scan,
                                                    const geometry::SE2& T_map_odom,
                                                    const geometry::SE2& T_odom_last) const;

@@ -24,10 +24,10 @@ class RayWalk {
   /// The direction of the walk along each axis, -1 or 1.
   [[nodiscard]] const Eigen::Vector2i& direction() const { return direction_; }
 
-  /// How many grid lines across x and across y the ray, however long, has crossed when it first has
-  /// crossed `lines.x()` across x or `lines.y()` across y. Both must be at least 1 and, as in any
-  /// grid of 64 million cells, so few that their products with the length of the ray fit into 64
-  /// bits.
+  /// How many grid lines across x and across y the ray has crossed when it has first crossed
+  /// `lines.x()` across x or `lines.y()` across y, however long it is. Both must be at least 1 and,
+  /// as in any grid of 64 million cells, so few that their products with the length of the ray fit
+  /// into 64 bits.
   [[nodiscard]] Eigen::Vector2i crossings_until(const Eigen::Vector2i& lines) const {
     // How many lines across y come before the last of those across x.
     const std::int64_t before_last_x = next_ + (lines.x() - 1) * per_x_;

@@ -40,7 +40,7 @@ class Relocaliser {
 
   /// Locates the last of one or more successive scans. Each is placed on its own, and each place,
   /// moved by odometry, is tried for the others, too. Together the scans distinguish places that
-  /// look alike to one. A place that one of them contradicts is not believed.
+  /// look alike to a single scan. A place that one of them contradicts is not believed.
   [[nodiscard]] Relocalisation locate(const KnownMap& map, std::span<const LevelScan> scans) const;
 
  private:

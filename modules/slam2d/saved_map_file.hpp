@@ -15,8 +15,8 @@ namespace nodmap::slam2d {
                                               const SavedMap& map);
 
 /// Reads a saved map. `path` is a keyframes.lcmlog, or a folder with one. Throws
-/// formats::InputFileError, naming the file and what is wrong, also if the file is damaged,
-/// truncated or has no keyframes.
+/// formats::InputFileError, which names the file and what is wrong with it: it cannot be read, is
+/// damaged or truncated, or has no keyframes.
 [[nodiscard]] SavedMap read_saved_map(const std::filesystem::path& path);
 
 }  // namespace nodmap::slam2d

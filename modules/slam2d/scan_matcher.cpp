@@ -91,8 +91,8 @@ ScanMatcher::Correspondences ScanMatcher::find_correspondences(const PointMap& m
     }
     const double point_weight = kernel(offset.squaredNorm());
     if (!data.has_normal() || !model->point.has_normal()) {
-      // Isolated points count for the score, but not for the pose: the far ends of a corridor's
-      // walls are isolated points that move with the robot, and would hold it back.
+      // Isolated points count for the score, but not for the pose: at the far ends of a corridor's
+      // walls they move with the robot, and would hold the pose back.
       sums.score_sum += point_weight;
     } else {
       const double weight = kNoLineWeight * point_weight;

@@ -18,7 +18,7 @@ struct Match {
   double score = 0.0;         ///< mean weight w_ij of all scan points, 0 (none near the map) to 1
   double rms_m = 0.0;         ///< weighted distance of the correspondences
   int degenerate_directions = 3;  ///< of x, y, yaw, left at the guess; 3: nothing was matched
-  /// The least information on any direction, over what the correspondences could give.
+  /// The least information on any direction, as a ratio of what the correspondences could give.
   double least_information_ratio = 0.0;
   int iterations = 0;
   /// Inverse covariance of (x, y in m, yaw in rad) in the frame of the map; zero along degenerate
@@ -33,9 +33,9 @@ class ScanMatcher {
  public:
   explicit ScanMatcher(const MatcherParams& params) : params_(params) {}
 
-  /// Finds the pose of a scan, whose points are in base, from `T_map_base_guess`, the pose by
-  /// odometry. The pose stays at the guess along degenerate directions, and altogether when there
-  /// are fewer than 10 correspondences.
+  /// Finds the pose of a scan (points in base), starting at `T_map_base_guess`, the pose by
+  /// odometry. Along degenerate directions the pose stays at the guess; with fewer than 10
+  /// correspondences it stays there altogether.
   [[nodiscard]] Match match(const PointMap& map, std::span<const OrientedPoint> scan,
                             const geometry::SE2& T_map_base_guess) const;
 

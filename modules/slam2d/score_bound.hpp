@@ -12,8 +12,8 @@
 namespace nodmap::slam2d {
 
 /// Upper bounds of how well a scan fits the map, for many places of the scan at once. A point
-/// scores 1 on a map point and 0 from a maximum distance on; normals are ignored. The bound of a
-/// place takes one byte per point.
+/// scores 1 on a map point, less with distance, and 0 beyond a maximum distance; normals are
+/// ignored. To compute a bound, one byte is read per point.
 class ScoreBound {
  public:
   /// Edge of a cell: places of the scan differ by whole cells.

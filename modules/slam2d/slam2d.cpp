@@ -120,8 +120,8 @@ Slam2d::FoundPlace Slam2d::find_place(const LevelScan& all_points, const Start& 
   }
   const Place place =
       place_search_.find({back_end_, moving_points_, doubt_}, scan, all_points, start);
-  // The level scans of a nod are too far apart for a speed. But those who hide the view from one of
-  // them have passed by the next, and meanwhile the robot is not elsewhere.
+  // The level scans of a nodding laser are too far apart to give a speed. But whoever hides the
+  // view from one of them has passed by the next, and the robot is not elsewhere meanwhile.
   if (all_points.is_of_nod && !doubt_.is_there() && !is_by_odometry(place.match, start) &&
       moving_points_.contradicts(all_points) && !is_hidden_for_long(scan.stamp)) {
     return {.place = {}, .scan = scan, .is_hidden = true};
@@ -146,8 +146,8 @@ bool Slam2d::is_hidden_for_long(time::Timestamp stamp) {
   return time::seconds(std::chrono::abs(stamp - *hidden_since_)) >= params_.people.max_hidden_s;
 }
 
-// People nearby may hide all but a few walls: the remaining points determine the pose if they fit
-// surely. A match of all points would follow the people: somebody who walks ahead of a stationary
+// People nearby may hide all but a few walls. The remaining points determine the pose if they fit
+// well. A match of all points would follow the people: somebody who walks ahead of a stationary
 // robot would shift its pose. `is_mostly_moving`: few points remain.
 std::optional<Place> Slam2d::find_between_people(const LevelScan& scan, const LevelScan& all_points,
                                                  const Start& start, bool is_mostly_moving) {
@@ -181,7 +181,7 @@ PoseUpdate Slam2d::correct_pose(const LevelScan& scan, const FoundPlace& found) 
       (found.place.is_sure || match.score >= params_.doubt.certain_score)) {
     update.T_map_base = back_end_.local().T_map_submap * match.T_map_base;
   }
-  if (found.is_hidden) {  // who hides the view may have taken the pose along
+  if (found.is_hidden) {  // whoever hides the view may have dragged the pose along
     update.T_map_base = pose_guesses_.since_keyframe(scan);
   }
   return update;
@@ -222,8 +222,8 @@ PoseQuality Slam2d::classify(const LevelScan& scan, const FoundPlace& found) con
 }
 
 // Whether a scan that does not fit the map means that the robot is lost. A scan that shows only
-// what was not in view before fits nowhere. Odometry alone suffices for a while: in the open,
-// behind obstacles, there is nothing else.
+// what was not in view before fits nowhere. Odometry alone suffices for a while, because in the
+// open, behind obstacles, there is nothing else.
 bool Slam2d::is_lost(const LevelScan& scan) const {
   const Eigen::Matrix3d& covariance = pose_covariance_.matrix();
   const double max_sigma_m = params_.lost.max_sigma_m;
@@ -239,15 +239,15 @@ bool Slam2d::is_keyframe(const PoseUpdate& update, const LevelScan& scan,
   if (doubt_.is_there()) {
     return continues_in_doubt(update, scan.T_odom_base);
   }
-  // A nod gives few level scans: one that just misses the distance would leave a gap twice as long.
+  // A nodding laser gives few level scans: one that just misses the distance would leave a gap
+  // twice as long.
   return params_.keyframe.is_beyond(T_odom_keyframe_, scan.T_odom_base) ||
          (scan.is_of_nod &&
           distance_m(T_odom_keyframe_, scan.T_odom_base) > params_.keyframe.nodding_distance_m);
 }
 
 // The scan fits nowhere in the map, or its place is not sure. The map is continued from odometry
-// once the robot is far enough away, or after a while, because it might otherwise wait for ever to
-// be found.
+// once the robot is far enough away, or after a while: otherwise it might wait forever to be found.
 bool Slam2d::continues_in_doubt(const PoseUpdate& update, const geometry::SE2& T_odom_base) const {
   return distance_m(T_odom_keyframe_, T_odom_base) > params_.lost.distance_m ||
          time::seconds(std::chrono::abs(update.stamp - doubt_.since().value_or(update.stamp))) >

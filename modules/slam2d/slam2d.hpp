@@ -41,8 +41,8 @@ class Slam2d {
  public:
   explicit Slam2d(const Slam2dParams& params);
 
-  /// Restores a saved map; must be called before the first scan and followed by begin_at(): the
-  /// next level scan is added where that places the robot.
+  /// Restores a saved map. Must be called before the first scan, and followed by begin_at(), which
+  /// says where the next level scan is added.
   void restore(SavedMap map) { back_end_.restore(std::move(map)); }
 
   /// Sets T_map_odom, as found by a Localiser in the saved map.
@@ -53,9 +53,10 @@ class Slam2d {
     return input_.add_odometry(stamp, T_odom_base);
   }
 
-  /// Odometry continues in another frame, because its publisher was restarted: its newest pose and
-  /// `T_new_odom_base` are taken as the same place. The robot stays where it was in the map. Older
-  /// odometry is dropped, so that no scan is placed between the two frames.
+  /// Continues with odometry in another frame, after its publisher was restarted. The newest pose
+  /// in the old frame and `T_new_odom_base` are taken as the same place, so the robot stays where
+  /// it was in the map. Older odometry is dropped, so that no scan is placed between the two
+  /// frames.
   void change_odometry_frame(const geometry::SE3& T_new_odom_base);
 
   /// Takes the next scan of a nodding or level scanner. Returns the corrected pose when it
@@ -64,13 +65,13 @@ class Slam2d {
   /// any odometry, or the first and without points.
   std::optional<PoseUpdate> add_scan(const scan::Scan& scan);
 
-  /// The pose of each of tracked_scans(), corrected by all that is known now.
+  /// The pose of each of tracked_scans(), with all corrections known so far.
   [[nodiscard]] std::vector<geometry::SE2> trajectory() const { return path_.poses(keyframes()); }
 
-  /// Corrects all poses once more by all that is known; to be called after the last scan.
+  /// Corrects all poses once more, with everything that is known. To be called after the last scan.
   void polish() { back_end_.polish(); }
 
-  /// The submap that scans are matched against; there is one once a scan has a pose.
+  /// The submap that scans are matched against. There is one as soon as a scan has a pose.
   [[nodiscard]] const PointMap& map() const { return back_end_.local().points; }
   [[nodiscard]] const BackEnd& back_end() const { return back_end_; }
   [[nodiscard]] std::span<const Keyframe> keyframes() const { return back_end_.keyframes(); }
@@ -91,7 +92,7 @@ class Slam2d {
     Place place;
     LevelScan scan;            ///< without the points that have moved
     bool has_slipped = false;  ///< not people: odometry has been wrong for a second
-    bool is_hidden = false;    ///< people surround the robot: only odometry gives its pose
+    bool is_hidden = false;    ///< people surround the robot: its pose is by odometry alone
   };
   [[nodiscard]] FoundPlace find_place(const LevelScan& all_points, const Start& start);
   [[nodiscard]] std::optional<Place> find_between_people(const LevelScan& scan,
@@ -119,11 +120,11 @@ class Slam2d {
   PlaceSearch place_search_;
   BackEnd back_end_;
   geometry::SE2 T_map_odom_;
-  PoseCovariance pose_covariance_;  // in the local submap, but in the axes of map
+  PoseCovariance pose_covariance_;  // relative to the local submap, in the axes of map
   geometry::SE2 T_odom_last_;       // of the last level scan
   geometry::SE2 T_odom_keyframe_;   // of the last keyframe, in the present odom frame
   Doubt doubt_;
-  std::optional<time::Timestamp> hidden_since_;  // the first scan of which too little was left
+  std::optional<time::Timestamp> hidden_since_;  // the first scan of which people hide too much
   TrackedPath path_;
   Metrics metrics_;
 };

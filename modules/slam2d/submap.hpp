@@ -18,8 +18,8 @@
 
 namespace nodmap::slam2d {
 
-/// A scan that went into the map. Kept, so that its pose can be corrected later and grids be drawn
-/// from it.
+/// A scan that was added to the map. It is kept so that its pose can be corrected later, and grids
+/// can be drawn from it.
 struct Keyframe {
   time::Timestamp stamp{};
   geometry::SE2 T_odom_base;
@@ -70,14 +70,15 @@ struct NearbySubmap {
 };
 
 /// The submaps before `end_submap` that have a keyframe within `distance_m` of a place, the nearest
-/// first. Of submaps that overlap, and so show the same, only every second one is considered.
+/// first. Successive submaps overlap and show the same, so only every second one is considered.
 [[nodiscard]] std::vector<NearbySubmap> nearest_submaps(std::span<const Submap> submaps,
                                                         std::span<const Keyframe> keyframes,
                                                         const Eigen::Vector2d& place_map,
                                                         double distance_m, std::size_t end_submap);
 
-/// The oldest submap before `end_submap`, of those near the newest keyframe, that newer keyframes
-/// replace: each of its own has at least `num_newer` newer ones within 0.75 m and 30 degrees.
+/// The oldest submap near the newest keyframe that newer keyframes replace: each of its keyframes
+/// has at least `num_newer` newer ones within 0.75 m and 30 degrees. Only submaps before
+/// `end_submap` are considered.
 [[nodiscard]] std::optional<std::size_t> oldest_replaced_submap(std::span<const Submap> submaps,
                                                                 std::span<const Keyframe> keyframes,
                                                                 std::size_t end_submap,

@@ -21,8 +21,8 @@ struct DroppedKeyframes {
 
 /// The keyframes of a drive in their submaps, and the steps from each keyframe to the next.
 ///
-/// Two submaps grow at a time, each begun when the other is half full, so that there is always one
-/// with enough in it to match against (Hess et al. 2016, section IV).
+/// Two submaps grow at a time, each begun when the other is half full. So one of them always has
+/// enough points to match against (Hess et al. 2016, section IV).
 class SubmapChain {
  public:
   SubmapChain(const SubmapParams& params, const MapParams& map);
@@ -39,16 +39,16 @@ class SubmapChain {
   [[nodiscard]] const Submap& local() const { return submaps_[local_]; }
   [[nodiscard]] std::size_t local_index() const { return local_; }
 
-  /// Adds a keyframe as BackEnd::add_keyframe() says; at most one submap begins. Returns whether
-  /// the local submap is finished: then the next one is local.
+  /// Adds a keyframe; for the arguments see BackEnd::add_keyframe(). At most one submap begins.
+  /// Returns whether the local submap is finished: then the next one is local.
   bool add(Keyframe keyframe, const geometry::SE2& T_local_keyframe,
            const Eigen::Matrix3d& information);
 
-  /// The edge from the submap before to this one.
+  /// The edge from the previous submap to this one.
   [[nodiscard]] registration::PoseEdge2d step_to_submap(std::size_t submap) const;
 
-  /// Drops a submap, not the last, and the keyframes that are in no other. Those after them move
-  /// up.
+  /// Drops a submap, which must not be the last, and the keyframes that no other submap holds. The
+  /// indices of those after them move up.
   DroppedKeyframes drop_submap(std::size_t dropped);
 
   /// Moves the keyframes with their submaps.
@@ -84,8 +84,8 @@ class SubmapChain {
   std::vector<Submap> submaps_;
   std::size_t local_ = 0;
   std::size_t num_separate_ = 0;  ///< submaps before the last begin_anew()
-  /// Standard deviations of a submap's first pose after begin_anew(), relative to the keyframe
-  /// before: x, y in m, yaw in rad.
+  /// Standard deviations of a submap's first pose after begin_anew(), relative to the previous
+  /// keyframe: x, y in m, yaw in rad.
   Eigen::Vector3d begin_sigmas_ = Eigen::Vector3d::Zero();
   std::vector<registration::PoseEdge2d> steps_;  ///< from keyframe k to k + 1
 };

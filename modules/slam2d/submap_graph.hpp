@@ -13,7 +13,7 @@
 
 namespace nodmap::slam2d {
 
-/// A covariance or information matrix of (x, y, yaw), expressed in a frame in which its own frame
+/// Transforms a covariance or information matrix of (x, y, yaw) to a frame in which its own frame
 /// has the heading `yaw_rad`.
 [[nodiscard]] Eigen::Matrix3d rotated(const Eigen::Matrix3d& matrix, double yaw_rad);
 
@@ -43,7 +43,7 @@ class SubmapGraph {
   void add_loop(std::size_t from, std::size_t to, const geometry::SE2& T_from_to,
                 const Eigen::Matrix3d& information);
 
-  /// Removes a submap, not the last, from the graph; the indices of those after it move up by one.
+  /// Removes a submap, which must not be the last; the indices of those after it move up by one.
   /// The submaps before and after it are joined directly. Its loops go to the submap to which it is
   /// joined with the greatest certainty, except those that contradict the graph. `submaps`:
   /// including the one removed.

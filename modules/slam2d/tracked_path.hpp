@@ -14,7 +14,7 @@
 
 namespace nodmap::slam2d {
 
-/// A level scan, relative to a keyframe near it, with which its pose is corrected.
+/// A level scan, stored relative to a keyframe near it: its pose moves with the keyframe.
 struct TrackedScan {
   time::Timestamp stamp{};
   std::size_t keyframe = 0;  ///< index
@@ -22,8 +22,8 @@ struct TrackedScan {
   geometry::SE2 T_map_base_online;  ///< as it was known when the scan came
 };
 
-/// Where the robot was at each level scan. Of a drive that goes on for hours every second, fourth
-/// ... scan is kept.
+/// Where the robot was at each level scan. During a drive of hours only every second, then every
+/// fourth scan is kept, and so on.
 class TrackedPath {
  public:
   explicit TrackedPath(const PathParams& params) : params_(params) {}

@@ -9,7 +9,8 @@
 
 namespace nodmap::slam2d {
 
-/// What one level scan shows: points, and by direction from the sensor how far space was free.
+/// What one level scan shows: its points and, for each direction from the sensor, how far space was
+/// free.
 class View {
  public:
   View(std::vector<Eigen::Vector2d> points_base, const Eigen::Vector2d& sensor_origin_base);
@@ -17,9 +18,9 @@ class View {
   /// Whether the view shows free space as far as `p_base` and 0.3 m beyond.
   [[nodiscard]] bool saw_free(const Eigen::Vector2d& p_base) const;
 
-  /// Whether this view and another cannot both be right: more than a quarter of the points of one,
-  /// of those it can be compared by, lie where the other saw free space. `T_this_other`: base of
-  /// the other in base of this one. Views that show nothing in common contradict nothing.
+  /// Whether this view and another cannot both be right: more than a quarter of the comparable
+  /// points of one lie where the other saw free space. `T_this_other`: base of the other in base of
+  /// this one. Views that show nothing in common contradict nothing.
   [[nodiscard]] bool contradicts(const View& other, const geometry::SE2& T_this_other) const;
 
  private:

@@ -15,7 +15,7 @@
 
 namespace nodmap::slam6d {
 
-/// What was tracked until the end of a drive.
+/// Everything that was tracked in a drive.
 struct TrackedDrive {
   std::span<const Keyframe> keyframes;
   std::span<const IntermediateSweep> between;
@@ -27,7 +27,7 @@ struct TrackedDrive {
 /// The sweeps that are adjusted, in order of time: keyframes and those in between.
 struct AdjustedDrive {
   std::vector<AdjustedSweep> sweeps;
-  std::vector<std::size_t> places;  ///< of their updates
+  std::vector<std::size_t> places;  ///< indices of their updates
 };
 
 /// The input of adjust_planes(): of each sweep its points, the motion since the keyframe before

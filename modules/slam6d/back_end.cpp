@@ -12,7 +12,7 @@ namespace {
 
 using geometry::SE3;
 
-// Voxels are exchanged with the old map when this many keyframes are to be exchanged, or one within
+// Voxels are exchanged with the old map once they belong to this many keyframes, or to one within
 // reach of the scanner.
 constexpr std::ptrdiff_t kExchangedAtOnce = 10;
 constexpr double kWithinReachM = 20.0;

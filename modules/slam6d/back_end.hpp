@@ -53,14 +53,14 @@ struct RefusedLoop {
 /// Sweeps are registered against the part of the map that is certain relative to the robot. Earlier
 /// places whose relative pose has become uncertain are moved to the old map; a keyframe that is
 /// recognised there closes a loop. The correction is distributed over the whole path in between.
-/// Each voxel belongs to a keyframe and moves with it. So no wall is entered twice.
+/// Each voxel belongs to a keyframe and moves with it. Thus no wall is entered twice.
 class BackEnd {
  public:
   BackEnd(const LoopParams& loops, const RegistrationParams& registration,
           const OdometryParams& odometry, const VoxelMapParams& voxels);
 
-  /// Restores the keyframes of a saved map; must be called before the first keyframe is added,
-  /// which is then joined to the nearest of them by its match with the map.
+  /// Restores the keyframes of a saved map. Must be called before the first keyframe is added. That
+  /// keyframe is joined to the nearest restored one by its match with the map.
   void restore(const SavedMap& saved);
 
   /// Adds a keyframe whose sweep is already in `map`, and searches for it in the old map. Returns
@@ -69,8 +69,8 @@ class BackEnd {
   [[nodiscard]] std::optional<std::vector<geometry::SE3>> add_keyframe(
       const TrackedKeyframe& keyframe, const VoxelMap& sweep_base, VoxelMap& map);
 
-  /// To be called at the end: moves all keyframes, including the newest, to where they agree best
-  /// with all loops. Returns their poses; the voxels stay.
+  /// To be called at the end. Moves all keyframes, including the newest, to where they agree best
+  /// with all loops, and returns their poses. The voxels stay.
   [[nodiscard]] std::vector<geometry::SE3> polish();
 
   /// Whether an earlier place was recognised.

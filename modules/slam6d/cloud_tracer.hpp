@@ -17,16 +17,16 @@ namespace nodmap::slam6d {
 /// How clouds are converted to voxels.
 struct TraceOptions {
   double resolution_m = 0.05;  ///< edge of a voxel
-  double max_range_m = 10.0;   ///< beams enter up to this length; longer ones are free up to there
+  double max_range_m = 10.0;   ///< beams longer than this are cut off, and free up to there
   /// Traces only the first beam into each voxel, and to the middle of the voxel, which OctoMap
   /// calls discretizing. Faster for dense clouds, and less exact.
   bool discretize = false;
 };
 
 /// Marks the voxels that the beams of a cloud pass through as free, and those in which they end as
-/// occupied. Each beam starts where the sensor was when it was measured. The end of a beam that is
-/// cut off at the range, or that met something which has moved since, is not occupied. Beams that
-/// end outside of the octree (65536 voxels wide) are left out.
+/// occupied. Each beam starts where the sensor was when it was measured. The end of a beam is not
+/// occupied if the beam is cut off at the maximum range, or if it met something that has moved
+/// since. Beams that end outside of the octree (65536 voxels wide) are left out.
 class CloudTracer {
  public:
   explicit CloudTracer(const TraceOptions& options);

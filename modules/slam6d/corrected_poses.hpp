@@ -11,7 +11,8 @@
 
 namespace nodmap::slam6d {
 
-/// The pose with its rotation orthonormalised: each change of poses multiplies rounding errors.
+/// The pose with its rotation orthonormalised, because rounding errors grow with each change of a
+/// pose.
 [[nodiscard]] inline geometry::SE3 normalized(const geometry::SE3& pose) {
   return geometry::make_se3(pose.translation(), Eigen::Quaterniond(pose.linear()).normalized());
 }

@@ -12,16 +12,16 @@
 
 namespace nodmap::slam6d {
 
-/// How far correspondences are searched for along normals, metres, if odometry may be wrong by
-/// `covariance` (of position and rotation): at least as far as that. Empty where voxels of
-/// `voxel_size_m` find their correspondences without it.
+/// How far correspondences must be searched for along normals, in metres, if odometry may be wrong
+/// by `covariance` (of position and rotation). Empty if voxels of `voxel_size_m` find their
+/// correspondences without such a search.
 [[nodiscard]] std::optional<double> normal_reach_m(const Matrix6d& covariance,
                                                    const Matrix6d& prior_covariance,
                                                    double voxel_size_m);
 
 /// Finds the voxels of a map that correspond to the points of a sweep (w_ij of Eq. 3): the nearest
-/// one of the same size, if its plane faces the same way. From step to step of a registration
-/// points hardly move: the nearest voxel is looked up again only when another one may be nearest.
+/// one of the same size, if its plane faces the same way. Points hardly move from step to step of a
+/// registration, so the nearest voxel is looked up again only when another one may be nearest.
 class CorrespondenceSearch {
  public:
   CorrespondenceSearch(const VoxelMap& map, double min_normal_cosine)

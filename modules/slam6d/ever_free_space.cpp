@@ -17,9 +17,9 @@ namespace {
 
 using geometry::SE3;
 
-// From map to the frame of the voxels: the ground on which the robot starts, at height 0, lies in
-// the middle of a layer of voxels. On the border of two, its noise would reach both, and feet would
-// be taken for ground up to 14 instead of 11 cm.
+// From map to the frame of the voxels. The ground on which the robot starts, at height 0, lies in
+// the middle of a layer of voxels. On the border between two layers its noise would reach both, and
+// feet would be taken for ground up to 14 cm instead of 11.
 SE3 T_voxels_map(const EverFreeParams& params) {
   SE3 T = SE3::Identity();
   T.translation().z() = 0.5 * params.voxel_size_m;
@@ -196,8 +196,8 @@ void EverFreeSpace::move_keyframes(std::span<const SE3> T_map_keyframes) {
   cubes_ = std::move(moved);
 }
 
-// Goes through the voxels of the new place, each of which takes the votes from where it was, so
-// that no voxel is left without votes.
+// Goes through the voxels of the new place. Each takes the votes from where it was, so that no
+// voxel is left without votes.
 void EverFreeSpace::move(const Cube& cube, VoxelCode code, const SE3& T_new_old,
                          Cubes& moved) const {
   const OctreeGrid& grid = tracer_.grid();

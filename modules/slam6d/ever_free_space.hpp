@@ -18,7 +18,7 @@
 
 namespace nodmap::slam6d {
 
-/// How points on people, and on everything else that moved, are told from walls.
+/// How points on people, and on everything else that moved, are distinguished from walls.
 struct EverFreeParams {
   bool remove_moved = true;
   double voxel_size_m = 0.07;
@@ -31,7 +31,7 @@ struct EverFreeParams {
     v.flag(
         "remove_moved", remove_moved,
         "Leaves points out of cloud.ply and the OctoMap if they were measured where other sweeps "
-        "saw empty space: people who walked through.");
+        "saw empty space, as on people who walked through.");
     v.number("moved_voxel_m", voxel_size_m, {0.02, 1.0},
              "Edge of the voxels for which sweeps vote whether they are empty.");
     v.number(
@@ -43,7 +43,7 @@ struct EverFreeParams {
              "something in it.");
     v.integer(
         "moved_passing_hits", passing_hits, {0, 100},
-        "This many sweeps that saw something are not counted, because so many see somebody who "
+        "This many of the sweeps that saw something are not counted: as many as see somebody who "
         "walks by.");
   }
 };
@@ -53,17 +53,17 @@ struct EverFreeParams {
 /// voxel is empty if many more sweeps saw through it than saw something in it; the few that may
 /// have seen somebody walk by are not counted. A voxel is ever-free if it and all 26 voxels beside
 /// it are empty. A wall or a floor never is, because no beam ever passed behind it. Points beside
-/// those that moved are removed as well, unless something certain is beside them: they are the rest
-/// of the same person. Whoever stands still while the robot passes cannot be told from furniture.
-/// After Duberg et al., DUFOMap, 2024, where one look is enough.
+/// those that moved are removed as well, because they are the rest of the same person, unless
+/// something certain is beside them. Whoever stands still while the robot passes cannot be
+/// distinguished from furniture. After Duberg et al., DUFOMap, 2024, where one sighting is enough.
 ///
 /// Only sums of votes are kept, so memory grows with the space, not with time.
 class EverFreeSpace {
  public:
   explicit EverFreeSpace(const EverFreeParams& params);
 
-  /// Adds the votes of a sweep. `num_votes`: number of sweeps for which it stands. `keyframe`: the
-  /// sweep itself if it is a keyframe, otherwise the last one before it.
+  /// Adds the votes of a sweep. `num_votes`: the number of sweeps that it represents. `keyframe`:
+  /// the sweep itself if it is a keyframe, otherwise the last keyframe before it.
   void add_sweep(const SweepCloud& cloud, const geometry::SE3& T_map_base, std::size_t keyframe,
                  int num_votes = 1);
 

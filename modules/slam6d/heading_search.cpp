@@ -11,8 +11,8 @@ namespace {
 
 using geometry::SE3;
 
-// Headings at which registration starts when in doubt. It converges from some 10 degrees; starts
-// reach as far as the prior may be wrong, at most a quarter turn.
+// Headings at which registration starts when in doubt. It converges from some 10 degrees. Starts
+// reach as far as the prior may be wrong, at most 84 degrees.
 constexpr double kHeadingStepRad = geometry::deg_to_rad(12.0);
 constexpr double kHeadingSigmas = 3.0;
 constexpr double kMaxHeadingSteps = 7.0;

@@ -15,18 +15,18 @@ namespace nodmap::slam6d {
 /// Why the map keeps a sweep.
 enum class KeyframeReason { kFirst, kInterruption, kDistance, kRotation };
 
-/// A sweep that the map keeps; whole, so that the maps can be built anew from other poses.
+/// A sweep that the map keeps as a whole, so that the maps can be built again from other poses.
 struct Keyframe {
-  std::size_t sweep = 0;  ///< place of its update; 0 where a saved map has brought it
+  std::size_t sweep = 0;  ///< index of its update; 0 if it comes from a saved map
   geometry::SE3 T_map_base = geometry::SE3::Identity();
-  std::shared_ptr<const SweepCloud> cloud;  ///< in base; shared with what works beside the messages
+  std::shared_ptr<const SweepCloud> cloud;  ///< in base; shared with the occupancy map's thread
   std::vector<OrientedPoint> points;  ///< the voxel means of the cloud; normal zero where no plane
-  std::vector<bool> is_moved = {};  ///< of the cloud's points, as far as known: somebody who walked
+  std::vector<bool> is_moved = {};    ///< of the cloud's points: on people or objects that moved
 };
 
 /// A sweep that lies between two keyframes: what the plane adjustment needs of it.
 struct IntermediateSweep {
-  std::size_t sweep = 0;              ///< place of its update
+  std::size_t sweep = 0;              ///< index of its update
   std::vector<OrientedPoint> points;  ///< as those of a keyframe
 };
 

@@ -12,13 +12,13 @@
 
 namespace nodmap::slam6d {
 
-/// How level the ground is where it is level: standard deviations.
+/// How level the ground is, where it is level: standard deviations of height and tilt.
 struct LevelGround {
   double height_m = 0.005;
   double tilt_rad = 0.002;
 };
 
-/// The keyframes as nodes of a pose graph: each is joined to the next by odometry and its match,
+/// The keyframes as nodes of a pose graph. Each is joined to the next by odometry and its match,
 /// and to others by loop closures. Keyframes on level ground are held at the height, roll and pitch
 /// of the map, so that no bad loop can bend it upwards.
 class KeyframeGraph {

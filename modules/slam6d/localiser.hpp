@@ -16,7 +16,7 @@
 
 namespace nodmap::slam6d {
 
-/// When the robot is found in a map that was made before, and when it no longer is.
+/// When the robot counts as found in a map that was made before, and when the place is given up.
 struct LocaliseParams {
   PlaceSearchParams place{};
   SeenSpaceParams seen{};
@@ -61,10 +61,10 @@ struct LocaliseParams {
 /// Decides where the robot is in a map that was made before: gives the place at which tracking
 /// begins, and gives it up when sweeps do not fit.
 ///
-/// A place that was found by a search is confirmed by a sweep farther on that fits, too, because
-/// what it sees differs. Until then the first sweep that does not fit makes it give the place up.
-/// Any place, also a confirmed one, is given up when several sweeps show surfaces where the map is
-/// known to be free.
+/// A place that was found by a search is confirmed when a sweep farther on fits, too, because that
+/// sweep sees something else. Until then the place is given up at the first sweep that does not
+/// fit. Any place, even a confirmed one, is given up when several sweeps show surfaces where the
+/// map is known to be free.
 class Localiser {
  public:
   /// `T_map_start`: the pose of the robot at the first sweep, if it is known. `keyframes`: those of
@@ -82,10 +82,9 @@ class Localiser {
   [[nodiscard]] std::optional<geometry::SE3> find(const VoxelMap& sweep_base, const VoxelMap& map,
                                                   const PoseUpdate& by_odometry);
 
-  /// Confirms or doubts the place by the registration of a sweep. A pose at a place that is not
-  /// confirmed is DEGRADED, and so is that of a sweep which the map mostly does not know, unless
-  /// the place was told.
-  /// `lost_sweeps`: refused in a row up to this one.
+  /// Confirms or doubts the place by the registration of a sweep. The pose is DEGRADED as long as
+  /// the place is not confirmed, and also if most of the sweep is not in the map, unless the place
+  /// was given. `lost_sweeps`: sweeps refused in a row, including this one.
   void classify(const VoxelMap& sweep_base, PoseUpdate& update, int lost_sweeps);
 
   /// Whether too many of a sweep's surfaces stand where the map's beams went through.
@@ -95,7 +94,7 @@ class Localiser {
            params_.place.max_contradiction_ratio;
   }
 
-  /// Odometry goes on in another frame: somebody may have carried the robot.
+  /// Continues with odometry in another frame: somebody may have carried the robot.
   void change_odometry_frame() { failed_.reset(); }
 
   struct Metrics {

@@ -15,10 +15,10 @@
 
 namespace nodmap::slam6d {
 
-/// Loops are searched up to this many standard deviations from the estimated pose.
+/// Loops are searched for up to this many standard deviations from the estimated pose.
 inline constexpr double kReachSigmas = 3.0;
 
-/// When a keyframe is recognised at an earlier place.
+/// When a keyframe counts as recognised at an earlier place.
 struct LoopParams {
   bool enabled = true;
   double max_distance_m = 3.0;

@@ -10,7 +10,7 @@ namespace {
 
 using Graph = nodmap::pose_graph_6d_t;
 
-// 60 kB: with its head a part stays below 64 KiB.
+// 60 kB: with its header a part stays below 64 KiB.
 constexpr std::size_t kPointsPerChunk = 5000;
 // 48 bytes each, 1.1 km at a keyframe a metre, and 9 bytes each: 63 kB.
 constexpr std::size_t kMaxKeyframes = 1100;
@@ -21,7 +21,7 @@ std::int8_t pose_state(const PoseUpdate& update) {
     return nodmap::pose_t::LOST;
   }
   if (!update.registration) {
-    // The first sweep is the map; what is too thin to be registered follows odometry.
+    // The first sweep is the map. A sweep that is too thin to be registered follows odometry.
     return update.keyframe ? nodmap::pose_t::TRACKING : nodmap::pose_t::DEGRADED;
   }
   switch (update.registration->status) {

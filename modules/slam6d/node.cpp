@@ -28,7 +28,7 @@ namespace {
 constexpr int kScansUntilRegistered = 4;
 // After a failed save it is tried again after 10 s, because a full disk may have room by then.
 constexpr int kScansUntilSavedAgain = 750;
-// The same number for a sweep with which a whole saved map is searched, which takes up to 0.5 s.
+// The same for a sweep with which a whole saved map is searched, which takes up to 0.5 s.
 constexpr int kScansUntilFound = 60;
 constexpr time::Duration kGraphPeriod = 1s;
 // The occupancy map is built again when a keyframe has moved by more than this.
@@ -43,7 +43,7 @@ Slam6dNode::Slam6dNode(node::Context& context, const Params& params)
       input_(context.counts),
       slam_(params),
       occupancy_(params.occupancy) {
-  // Enough for the second that may pass on a busy machine: 75 scans and 100 odometry messages.
+  // Enough for a second's delay on a busy machine: 75 scans and 100 odometry messages.
   constexpr int kQueue = 256;
   context.bus.subscribe<nodmap::odometry_t>(
       "ODOMETRY", [this](const nodmap::odometry_t& message) { on_odometry(message); }, kQueue);
@@ -63,7 +63,8 @@ Slam6dNode::Slam6dNode(node::Context& context, const Params& params,
   }
   slam_.restore(read_saved_map(only_localises_ ? options.localise_in : options.map_in), T_map_start,
                 only_localises_);
-  log::get().info("{} {} keyframes", only_localises_ ? "localises in" : "carries on with",
+  log::get().info("{} {} keyframes",
+                  only_localises_ ? "localises in a map of" : "continues a map of",
                   slam_.num_restored());
 }
 

@@ -21,47 +21,49 @@
 
 namespace nodmap::slam6d {
 
-/// Keeps the occupancy map of the keyframes beside the messages, one piece of work at a time, and
-/// hands it out in parts. A map is made anew when keyframes have moved, or when it has turned out
-/// that some of their points did.
+/// Keeps the occupancy map of the keyframes. Works on a thread of its own, on one piece of work at
+/// a time, and hands the map out in parts. The map is made anew when keyframes have moved, or when
+/// points of theirs turn out to have moved.
 class OccupancyMapper {
  public:
-  /// Saves the map, and what else belongs to it.
+  /// Saves the map, together with the keyframes it was made from.
   using Save = std::function<std::error_code(const OccupancyMap&)>;
 
   explicit OccupancyMapper(const OccupancyParams& params);
 
   [[nodiscard]] bool is_working() const { return work_.is_running(); }
 
-  /// Starts to insert what is not in the map yet, unless there is work already. Keyframes that have
-  /// moved by less than `min_motion_m` stay where they are. `prepare_save`: asked for where the map
-  /// is to be saved then; none: it is not.
+  /// Starts to insert the keyframes that are not in the map yet, unless work is under way.
+  /// Keyframes that have moved by less than `min_motion_m` stay where they are. `prepare_save`:
+  /// called if it is time to save the map; returns the function that does so. Empty: the map is not
+  /// saved.
   void update(std::span<const Keyframe> keyframes, double min_motion_m,
               const std::function<Save()>& prepare_save = {});
-  /// Starts to save the map as it is. There must be no work.
+  /// Starts to save the map as it is. No work may be under way.
   void save(const Save& save);
 
   /// Counts one message, and takes the work's result when it is due; take() waits for it. Returns
-  /// what became of saving, where there was any.
+  /// the outcome of saving, if the map was saved.
   [[nodiscard]] std::optional<std::error_code> count_message();
   [[nodiscard]] std::optional<std::error_code> take();
 
   /// The next part of the map that is being handed out.
   [[nodiscard]] std::optional<OctomapParts::Part> next_part();
-  /// At the end: hands out what keyframes came within the period since the last map.
+  /// To be called at the end: hands out the map if keyframes were added since it was last handed
+  /// out.
   void publish_last(std::span<const Keyframe> keyframes);
 
-  /// While there is no work.
+  /// May be called only while no work is under way.
   [[nodiscard]] const OccupancyMap& map() const { return map_; }
   void wait() const { work_.wait(); }
 
  private:
-  /// What came of a piece of work.
+  /// The result of a piece of work.
   struct Result {
     std::optional<std::string> bt_file = std::nullopt;         ///< to be handed out
-    std::optional<std::error_code> save_error = std::nullopt;  ///< where it was to be saved
+    std::optional<std::error_code> save_error = std::nullopt;  ///< if it was to be saved
   };
-  /// As a keyframe is in the map, or on its way into it.
+  /// A keyframe as it was inserted into the map, or is about to be.
   struct Mapped {
     geometry::SE3 T_map_base;
     std::vector<bool> is_moved;  ///< of its points
@@ -85,7 +87,7 @@ class OccupancyMapper {
   OccupancyMap map_;
   std::vector<Mapped> mapped_;
   OctomapParts parts_;
-  std::size_t published_keyframes_ = 0;  // in the map that was handed out last
+  std::size_t published_keyframes_ = 0;  // in the map that was last handed out
   time::Timestamp published_stamp_{};    // of that map
   node::BackgroundJob<Result> work_;     // on `map_`; last: it ends before what it works on
 };

@@ -10,7 +10,7 @@
 
 namespace nodmap::slam6d {
 
-/// Divides a map file into parts that are sent one by one: sent at once, they would overflow a
+/// Divides a map file into parts that are sent one by one. All at once they would overflow a
 /// receiver's socket buffer (some 200 kB by default), and a map with one part missing is useless.
 class OctomapParts {
  public:

@@ -26,7 +26,7 @@ struct Node {
   float log_odds = 0.0F;
 };
 
-/// Eight siblings; in the masks a bit for each.
+/// Eight siblings. The masks have a bit for each.
 struct Siblings {
   std::array<float, 8> log_odds{};
   unsigned existing = 0;
@@ -135,7 +135,7 @@ class OtWriter {
   std::string bytes_;
 };
 
-/// Counts the nodes only.
+/// Writes nothing: only the nodes are counted.
 class NodeCounter {
  public:
   static std::size_t begin_inner() { return 0; }
@@ -165,7 +165,8 @@ class TreeWalk {
  private:
   using PlacedCube = std::pair<VoxelCode, const Cube*>;
 
-  /// A node so many levels above the cubes; these are all that it has, in the order of their codes.
+  /// Writes the node that is `levels` above the cubes and holds just these, in the order of their
+  /// codes.
   Node write_cubes(std::span<const PlacedCube> cubes, unsigned levels) {
     if (levels == 0) {
       return write_blocks(*cubes.front().second,
@@ -207,7 +208,7 @@ class TreeWalk {
     });
   }
 
-  /// The parent of eight voxels.
+  /// Writes the parent of eight voxels.
   Node write_octet(const float* log_odds, unsigned known) {
     if (known == 0U) {
       return {};

@@ -14,8 +14,8 @@ namespace nodmap::slam6d {
 using VoxelKey = std::array<std::uint16_t, 3>;
 
 /// A voxel's place as one number, its Morton code: the bits of the three keys interleaved, x
-/// lowest. In this order an octree's leaves follow one another, so that the code without its lowest
-/// 3 n bits names the voxel's ancestor n levels up.
+/// lowest. This is the order of an octree's leaves: the code without its lowest 3 n bits names the
+/// voxel's ancestor n levels up.
 using VoxelCode = std::uint64_t;
 
 inline constexpr unsigned kOctreeLevels = 16;  ///< below the root; a key has a bit for each

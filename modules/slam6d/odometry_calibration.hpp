@@ -8,11 +8,12 @@
 
 namespace nodmap::slam6d {
 
-/// A sweep that reduces the variance of a prediction by no more than this ratio teaches nothing.
+/// Nothing is learned from a sweep that reduces the variance of a prediction by no more than this
+/// ratio.
 inline constexpr double kMinGain = 0.1;
 
-/// Constant errors of the wheels before anything is learned, as standard deviations (0: not
-/// learned), and the least random error that they can be found to have.
+/// How large the constant errors of the wheels may be, as standard deviations (0: not learned), and
+/// the lower limit of the random error that is learned.
 struct CalibrationParams {
   double translation_scale = 0.05;
   double rotation_scale = 0.05;
@@ -30,7 +31,7 @@ struct CalibrationParams {
             "Standard deviation of the constant error of the heading per metre, which is learned: "
             "unequal wheels.");
     v.number("least_scatter", least_scatter, {0.01, 1.0},
-             "Least ratio to which odometry.translation_* are reduced if the wheels prove to be "
+             "Smallest ratio to which odometry.translation_* are reduced if the wheels prove to be "
              "better; 1: not learned.");
   }
 };

@@ -36,9 +36,9 @@ struct OdometryParams {
     v.number("yaw_rad_per_rad", yaw_rad_per_rad, {0.0, 10.0},
              "Error of the heading for each radian of rotation.");
     v.angle("tilt_per_m_deg", tilt_rad_per_m, {0.0, 180.0},
-            "Change of roll and pitch for each metre, of which wheels know nothing: ramps, sills.");
+            "Change of roll and pitch for each metre, which wheels do not measure: ramps, sills.");
     v.number("level_height_m", level_height_m, {0.0001, 1000.0},
-             "How level the ground is, where odometry is planar and nothing else is seen: height.");
+             "How level the ground is, if odometry is planar and nothing else is seen: height.");
     v.angle("level_tilt_deg", level_tilt_rad, {0.01, 360.0}, "The same for roll and pitch.");
     v.number("interruption_m", interruption_m, {0.0, 100.0},
              "Error of the position over an interruption of the stream.");
@@ -68,10 +68,10 @@ struct OdometryMotion {
   double scatter = 1.0;  ///< OdometryScatter::factor()
 };
 
-/// The covariance of a motion: of position (m) and rotation vector (rad) in the axes of map,
-/// including the part that a stationary robot has from sweep to sweep. Each refused sweep doubles
-/// the standard deviations, so that what is impossible at first, such as a robot that was lifted,
-/// becomes possible.
+/// The covariance of a motion: of position (m) and rotation vector (rad) in the axes of map. It
+/// includes the error that even a stationary robot has from sweep to sweep. Each refused sweep
+/// doubles the standard deviations, so that what is impossible at first, such as a robot that was
+/// lifted, becomes possible.
 [[nodiscard]] inline Matrix6d odometry_covariance(const geometry::SE3& T_map_base,
                                                   const OdometryMotion& motion,
                                                   const OdometryParams& params) {

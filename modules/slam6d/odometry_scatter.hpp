@@ -10,8 +10,8 @@ namespace nodmap::slam6d {
 /// registration determines the motion. Initially 1.
 ///
 /// In a bare corridor only odometry determines the length of the path. Errors of normals, and
-/// people who walk along, seem to determine it, too, and count as far as odometry may be wrong.
-/// OdometryParams must hold for any wheels; most are far better.
+/// people who walk along, seem to determine it, too, and the more odometry may be wrong, the more
+/// they count. OdometryParams must hold for any wheels, but most are far better.
 class OdometryScatter {
  public:
   /// `least`: the lower limit of the factor; with 1 nothing is learned.

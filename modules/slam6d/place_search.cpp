@@ -17,7 +17,7 @@ constexpr std::size_t kMaxPoints = 300;
 constexpr std::size_t kMinPoints = 60;
 // The most cells: a building of 200 m x 200 m x 5 m, 25 MB. A larger one is not searched.
 constexpr double kMaxCells = 2.5e7;
-// Number of cell sizes: from two thirds of a position step to the size for walls 37 m away.
+// Number of cell sizes: from two thirds of a position step up to the size for walls 37 m away.
 constexpr std::size_t kCellLevels = 4;
 constexpr double kCellsPerStep = 1.5;
 // Standard deviations of height and tilt relative to those when the map was made.
@@ -37,7 +37,7 @@ std::vector<Eigen::Vector3f> wall_means(const VoxelMap& map) {
   return means;
 }
 
-// A grid of positions about the keyframes, each once, at the height of the keyframe next to it.
+// A grid of positions around the keyframes, each once, at the height of a keyframe near it.
 std::vector<Eigen::Vector3d> places_about(std::span<const SE3> T_map_keyframes, double reach_m,
                                           double step_m) {
   const int reach = static_cast<int>(reach_m / step_m);
@@ -124,7 +124,7 @@ StartsResult PlaceSearch::find(const VoxelMap& sweep_base, const VoxelMap& map,
       registration_);
 }
 
-// A part of the wall points, spread over all of them.
+// Some of the wall points, spread over all of them.
 std::vector<PlaceSearch::WallPoint> PlaceSearch::wall_points(const VoxelMap& sweep_base) const {
   std::vector<Eigen::Vector3f> all;
   for (const OrientedPoint& point : sweep_base.select(kWallLevel).points) {

@@ -15,7 +15,7 @@
 
 namespace nodmap::slam6d {
 
-/// Where in a map the robot is searched for, and which place is believed.
+/// Where in a map the robot is searched for, and when a place is believed.
 struct PlaceSearchParams {
   double min_inlier_ratio = 0.5;
   double max_contradiction_ratio = 0.02;
@@ -40,9 +40,9 @@ struct PlaceSearchParams {
   }
 };
 
-/// Finds the place of a sweep in a whole map without a start pose: near all poses from which the
-/// map was made, in all headings. Height and tilt of the robot are assumed to be as they were
-/// there.
+/// Finds the place of a sweep in a whole map without a start pose. Tries positions near all poses
+/// from which the map was made, in all headings. The robot is assumed to have the height and tilt
+/// that it had there.
 class PlaceSearch {
  public:
   /// `T_map_keyframes`: the poses from which the map was made.

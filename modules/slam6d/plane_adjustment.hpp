@@ -40,8 +40,8 @@ struct AdjustedSweep {
   geometry::SE3 T_map_base = geometry::SE3::Identity();
   /// Voxel means in base; normal zero where there is no plane.
   std::vector<OrientedPoint> points = {};
-  /// The planes of all voxel sizes, in base: which way patches face. May be empty where other
-  /// sweeps saw the same.
+  /// The planes of all voxel sizes, in base. They tell which way patches face. May be empty if
+  /// other sweeps saw the same.
   std::vector<OrientedPoint> planes = {};
   /// The motion from an earlier sweep to this one, from odometry and matches with the map, and its
   /// covariance (position in m, rotation vector in rad, axes of map). Not used for the first sweep.
@@ -58,7 +58,7 @@ struct AdjustedSweep {
 /// A patch is what all sweeps saw within one cube, facing one way: one plane, whose offset and
 /// tilts are unknowns like the poses, and are eliminated (plane adjustment: Ferrer 2019, Liu and
 /// Zhang 2021). The motions between successive sweeps determine what no plane does. If the
-/// equations have no solution the poses are returned unchanged.
+/// equations have no solution, the poses are returned unchanged.
 [[nodiscard]] std::vector<geometry::SE3> adjust_planes(std::span<const AdjustedSweep> sweeps,
                                                        const VoxelMapParams& voxels,
                                                        const RegistrationParams& registration,

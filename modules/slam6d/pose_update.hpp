@@ -16,7 +16,7 @@ namespace nodmap::slam6d {
 struct PoseUpdate {
   time::Timestamp stamp{};  ///< of the base pose
   geometry::SE3 T_odom_base = geometry::SE3::Identity();
-  /// The odom frame of `T_odom_base` in the first odom frame: identity until odometry restarts.
+  /// The odom frame of `T_odom_base`, in the first odom frame: identity until odometry restarts.
   geometry::SE3 T_first_odom = geometry::SE3::Identity();
   geometry::SE3 T_map_base = geometry::SE3::Identity();  ///< as known when the sweep was complete
   /// The correction of odometry as known at the sweep's last beam, for what comes after it.

@@ -19,7 +19,7 @@ bool is_certain(const Matrix6d& covariance, const LocaliseParams& params) {
 
 }  // namespace
 
-// For a robot in a saved map. Until it is found there it has no pose.
+// For a robot in a saved map: until it is found there, it has no pose.
 void Slam6d::find_place(const VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update) {
   if (auto T_map_base = localiser_->find(sweep, map_, update)) {
     if (localiser_->is_confirmed()) {
@@ -47,8 +47,8 @@ void Slam6d::classify_place(const VoxelMap& sweep, PoseUpdate& update) {
 
 // For a robot that was lost while it maps, because it was kicked or carried away. Odometry says
 // little about its place, and walls fit walls in many places, so a place that contradicts the space
-// that was seen is refused. Where odometry excludes all other places this is not checked, because
-// of people nearby.
+// that was seen is refused. This is not checked if odometry excludes all other places, because
+// people nearby contradict that space, too.
 void Slam6d::recover(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update) {
   if (update.is_tracked() &&
       !is_certain(tracker_.extrapolate(cloud).covariance, params_.localise) &&

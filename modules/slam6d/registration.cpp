@@ -22,7 +22,7 @@ using registration::Information;
 
 constexpr double kSettledTranslationM = 1e-4;  // a hundredth of the scanner's noise
 constexpr double kSettledRotationRad = 1e-5;   // 0.1 mm at 10 m
-// Fewer upright points than this tell nothing of their own.
+// With fewer upright points than this, their inlier ratio means nothing.
 constexpr std::size_t kMinUprightPoints = 100;
 
 bool is_upright(float normal_up) {
@@ -38,7 +38,7 @@ struct InlierCount {
   }
 };
 
-// Of a stationary sweep (N = 6) or one on the move (N = 12).
+// Registers a sweep measured while the robot was stationary (N = 6) or moving (N = 12).
 template <int N>
 class SweepRegistration {
  public:
@@ -78,8 +78,8 @@ class SweepRegistration {
   using Vector = Eigen::Matrix<double, N, 1>;
 
   // A strip of floor before a wall is too narrow for planes in coarse voxels, and too far off for
-  // the finest ones: these look for it along their normals. Taken when it holds more directions
-  // and the sweep fits no worse.
+  // the finest ones. So these search for it along their normals. The result is taken if it
+  // determines more directions and the sweep fits no worse.
   void look_along_normals(double reach_m) {
     const Registration before = result_;
     std::optional<VoxelMap> sweep_before;
@@ -131,7 +131,7 @@ class SweepRegistration {
     deskew();
   }
 
-  // The planes of a sweep that is deskewed wrongly are tilted: they are found anew.
+  // In a sweep that was deskewed wrongly the planes are tilted, so they are computed again.
   void deskew() {
     if constexpr (N == 12) {
       sweep_.correct(since_deskew_);
@@ -158,7 +158,7 @@ class SweepRegistration {
   // The prior with the evidence that the ground is level, at the present pose.
   [[nodiscard]] Information<N> prior_here() const {
     Information<N> prior{prior_information_.H, prior_information_.H * prior_motion()};
-    // What is seen comes first: from coarse voxels.
+    // Not at coarser voxels: what is seen comes first.
     if (prior_.level && level_ == 0) {
       const SE3& T_map_base = result_.T_map_base;
       // From the base's z axis to that of map.
@@ -243,7 +243,7 @@ class SweepRegistration {
     return estimate.x;
   }
 
-  // About how many directions of the pose the map says less than the prior.
+  // The number of directions of the pose about which the map says less than the prior.
   [[nodiscard]] int degenerate_directions(const Matrix& covariance) const {
     const Matrix6d pose = covariance.template topLeftCorner<6, 6>();
     const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d> eigen(pose, prior_covariance_);
@@ -271,8 +271,8 @@ class SweepRegistration {
     return motion;
   }
 
-  // How much of the sweep lies on the map's planes. Floor and ceiling do at any place and heading:
-  // upright planes are counted by themselves, too.
+  // How much of the sweep lies on the map's planes. Floor and ceiling lie on them at any place and
+  // heading, so upright planes are also counted on their own.
   void count_inliers() {
     const VoxelMap::Selection selection = select(0);
     const Eigen::RowVector3f up_base = result_.T_map_base.linear().row(2).cast<float>();

@@ -108,8 +108,8 @@ struct Registration {
   Matrix6d covariance = Matrix6d::Identity();
   Matrix6d end_covariance = Matrix6d::Identity();        ///< the same at the last beam
   Matrix6d prior_end_covariance = Matrix6d::Identity();  ///< the same by the prior alone
-  /// The gain: how far the estimate follows the sweep. Identity where the prior has no weight, zero
-  /// where it determines the pose alone.
+  /// How far the estimate follows the sweep (the gain): identity if the prior has no weight, zero
+  /// if it determines the pose alone.
   Matrix6d response = Matrix6d::Identity();
   int iterations = 0;
   double inlier_ratio = 0.0;  ///< fraction of the sweep's points that lie on the map's planes
@@ -132,13 +132,14 @@ struct Registration {
 /// (symmetric objective, Rusinkiewicz 2019), weighted by a Geman-McClure kernel that narrows from
 /// level to level; a Gauss-Newton step joins the residuals with the prior
 /// (common/registration/motion_solver.hpp). Where a direction depends on a prior that may be
-/// farther off than the finest voxels reach, these search for correspondences along their normals.
+/// farther off than the finest voxels reach, correspondences are also searched for along the
+/// normals.
 ///
 /// If the robot moved during the sweep, that motion is estimated, too: as odometry plus a
 /// correction that grows linearly with time (two-pose elastic: Dellenbach 2022). The sweep is
 /// deskewed with it.
 ///
-/// Starts at `T_map_start`, which need not be the pose of the prior.
+/// Starts at `T_map_start`, which may differ from the pose of the prior.
 [[nodiscard]] Registration register_sweep_from(VoxelMap& sweep_base, const VoxelMap& map,
                                                const PosePrior& prior,
                                                const geometry::SE3& T_map_start,

@@ -53,7 +53,7 @@ class ResidualSums {
     return sums_[0](6, 6) / std::max(arms_[0](3, 3), 1e-9);
   }
 
-  // Of the motion, in units of `scale()`.
+  /// About the motion, in units of `scale()`.
   [[nodiscard]] registration::Information<N> information() const {
     registration::Information<N> information;
     for (int i = 0; i < N / 6; ++i) {
@@ -66,7 +66,7 @@ class ResidualSums {
     return information;
   }
 
-  // The information that errors of the normals by `normal_error_rad`, in random directions e, would
+  // The information that normals wrong by `normal_error_rad`, in random directions e, would
   // imitate: the mean of J J^T for J = (e, arm x e).
   [[nodiscard]] Eigen::Matrix<double, N, N> imitated_information(double normal_error_rad) const {
     Eigen::Matrix<double, N, N> H;

@@ -47,14 +47,14 @@ struct Evidence {
 };
 
 /// The space that a map's keyframes have seen: where their beams passed through, and where they
-/// ended. Registration checks that surfaces lie on surfaces, which is true in every corridor that
-/// looks alike; this checks whether they lie in free space.
+/// ended. Registration only checks that surfaces lie on surfaces, which they also do in another
+/// corridor that looks alike. This class checks whether they lie in free space.
 class SeenSpace {
  public:
   SeenSpace(const SeenSpaceParams& params, std::span<const Keyframe> keyframes);
 
   enum class Content {
-    kUnknown,  ///< all else
+    kUnknown,  ///< anything else
     kFree,     ///< beams went through here and through all 26 voxels beside, and ended in none
     kOccupied  ///< a beam ended here or in a voxel beside
   };

@@ -19,7 +19,8 @@ using geometry::SE3;
 // A saved keyframe votes for the sweeps up to the next one as well, which were not saved.
 constexpr int kVotesOfSavedKeyframe = 2;
 
-// A sweep of so few planes tells nothing for or against odometry: somebody stands before the laser.
+// A sweep with so few planes says nothing for or against odometry: somebody stands in front of the
+// laser.
 bool is_blind(const VoxelMap& sweep, const RegistrationParams& params) {
   return sweep.select(0).points.size() < static_cast<std::size_t>(params.min_planes);
 }
@@ -176,8 +177,8 @@ void Slam6d::keep_keyframe(const VoxelMap& sweep, SweepCloud cloud) {
   keyframe_is_due_ = false;
 }
 
-// The scanner was already on its way when the first sweep began, or cut short: on such a sliver no
-// whole sweep would ever fit.
+// The first sweep may be cut short, because the head was already moving when it began. No whole
+// sweep would ever fit such a sliver.
 bool Slam6d::is_better_beginning(const VoxelMap& sweep) const {
   constexpr std::size_t kCutShort = 2;
   return num_restored_ == 0 && tracker_.has_pose() &&
@@ -202,8 +203,8 @@ bool Slam6d::is_usable(const PoseUpdate& update) const {
          (update.is_stationary || !params_.keyframe.stationary_only);
 }
 
-// A robot that is stationary at first tells the latency at once, by its second sweep. Then the map
-// begins anew with the first one, which else would tilt all that follows.
+// If the robot is stationary at first, its second sweep gives the latency at once. Then the map
+// begins again with the first sweep, which would otherwise tilt everything that follows.
 void Slam6d::learn_pitch_latency_at_start(const PlacedSweep& sweep) {
   const SweepCloud cloud = tracker_.deskew(sweep);
   const PoseUpdate update = tracker_.extrapolate(cloud);
@@ -307,7 +308,7 @@ void Slam6d::polish() {
   if (back_end_.has_loops()) {
     move_keyframes(back_end_.polish());
   }
-  // Where odometry says nothing of the way from a saved keyframe to a new one, nothing is adjusted.
+  // Nothing is adjusted if odometry does not know the way from a saved keyframe to a new one.
   if (params_.adjustment.use && num_restored_ == 0 && !keyframes_.empty()) {
     adjust();
   }

@@ -57,8 +57,7 @@ class Slam6d {
   /// Whether nothing is added to the map, because the robot has not been found in it or the map is
   /// fixed.
   [[nodiscard]] bool is_map_closed() const { return is_map_closed_; }
-  /// The localiser of a robot in a saved map, or of one that was lost and is searched for in its
-  /// own map.
+  /// Localises the robot in a saved map, or in its own map after it was lost.
   [[nodiscard]] const std::optional<Localiser>& localiser() const { return localiser_; }
   /// Whether the next sweep may need a search for the robot, which takes longer.
   [[nodiscard]] bool may_search() const {
@@ -70,15 +69,15 @@ class Slam6d {
     return collector_.add_odometry(stamp, T_odom_base);
   }
 
-  /// Odometry continues in another frame: its newest pose and `T_new_odom_base` are taken as the
-  /// same place, and the robot stays where it was in the map. The running sweep ends, and its
-  /// update is returned. Older odometry is forgotten, so that no beam is placed between the frames.
-  /// The next sweep is registered as after an interruption.
+  /// Continues with odometry in another frame. The newest pose in the old frame and
+  /// `T_new_odom_base` are taken as the same place, so the robot stays where it was in the map. The
+  /// running sweep ends, and its update is returned. Older odometry is forgotten, so that no beam
+  /// is placed between the frames. The next sweep is registered as after an interruption.
   [[nodiscard]] std::optional<PoseUpdate> change_odometry_frame(
       const geometry::SE3& T_new_odom_base);
 
   /// Adds the next scan of the stream, which must be plausible (scan::is_plausible()). Returns the
-  /// pose of the sweep that it completes, if any, and if there was odometry for it.
+  /// pose of the sweep that it completes, if it completes one and there was odometry for it.
   [[nodiscard]] std::optional<PoseUpdate> add_scan(scan::Scan scan);
 
   /// Registers the unfinished sweep at the end of the stream.
@@ -99,7 +98,7 @@ class Slam6d {
 
   [[nodiscard]] std::span<const PoseUpdate> sweeps() const { return sweeps_; }
   [[nodiscard]] std::span<const Keyframe> keyframes() const { return keyframes_; }
-  /// Number of keyframes, the first ones, that come from a saved map.
+  /// The number of keyframes that come from a saved map. They are the first ones.
   [[nodiscard]] std::size_t num_restored() const { return num_restored_; }
   [[nodiscard]] const VoxelMap& map() const { return map_; }
   [[nodiscard]] const OdometryCalibration& calibration() const { return tracker_.calibration(); }
@@ -113,9 +112,9 @@ class Slam6d {
     return corrected_.trajectory(sweeps_);
   }
 
-  /// At the end: moves the newest poses, too, to where they agree best with all loops, and then all
-  /// keyframes and the sweeps in between together to where their planes agree best. The voxels
-  /// stay. Of all keyframes it is told anew which of their points moved.
+  /// To be called at the end. Moves all poses, including the newest, to where they agree best with
+  /// all loops. Then moves all keyframes and the sweeps in between together to where their planes
+  /// agree best. The voxels stay. Finds again, for all keyframes, which of their points moved.
   void polish();
   [[nodiscard]] const BackEnd& back_end() const { return back_end_; }
 
@@ -153,7 +152,8 @@ class Slam6d {
   std::vector<IntermediateSweep> between_;  // for the adjustment at the end
   BackEnd back_end_;
   std::optional<Localiser> localiser_;  // in a saved map, or in the own one after LOST
-  /// By odometry from where a robot was lost; until the place that was found instead is confirmed.
+  /// Follows odometry from where the robot was lost, until the place that was found instead is
+  /// confirmed.
   std::optional<Tracker> by_odometry_;
   std::size_t num_restored_ = 0;  // the first keyframes
   bool is_map_fixed_ = false;

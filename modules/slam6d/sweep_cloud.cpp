@@ -27,8 +27,8 @@ double time_in_sweep(const scan::Scan& scan, time::Timestamp first, time::Timest
              : 0.0;
 }
 
-// A beam without an echo met nothing up to here, unless it was black or glass. Only beams upwards
-// are believed: one that grazes the floor brings no echo, either.
+// A beam without an echo met nothing up to here, except black surfaces or glass. Only beams upwards
+// are believed, because one that grazes the floor brings no echo, either.
 constexpr double kFreeWithoutEchoM = 5.0;
 
 void append_scan(const scan::Scan& scan, const ScanMotion& motion, const RangeLimits& range,
@@ -76,8 +76,8 @@ void find_pitch_rates(std::vector<PlacedScan>& scans) {
   }
 }
 
-// Within a sweep. A tenth of the scanner's noise, near as well as at 10 m; more than wheels that
-// are held report.
+// Limits within a sweep: a tenth of the scanner's noise, near as well as at 10 m, and more than
+// stopped wheels report.
 constexpr double kStationaryM = 1e-3;
 constexpr double kStationaryRad = 1e-4;
 

@@ -56,7 +56,8 @@ struct SweepCloud {
   time::Timestamp stamp{};  ///< of the base pose P_b
   geometry::SE3 T_odom_base = geometry::SE3::Identity();
   std::vector<Eigen::Vector3f> points;
-  /// On beams that met nothing: free up to here, as far as beams without an echo are believed.
+  /// Points on beams that met nothing: space is free up to them, as far as beams without an echo
+  /// are believed.
   std::vector<Eigen::Vector3f> free_points;
   std::vector<Line> lines;
   std::size_t scans_used = 0;
@@ -66,24 +67,23 @@ struct SweepCloud {
   /// The poses of the base at the first and the last beam.
   geometry::SE3 T_base_first = geometry::SE3::Identity();
   geometry::SE3 T_base_last = geometry::SE3::Identity();
-  /// The same as odometry counted them, without its calibration.
+  /// The same as odometry counted them, before calibration.
   geometry::SE3 T_base_first_counted = geometry::SE3::Identity();
   geometry::SE3 T_base_last_counted = geometry::SE3::Identity();
 
-  /// The mirror in the middle of the sweep, within which it moves little; zero where no line is.
+  /// The mirror in the middle of the sweep, during which it moves little; zero without lines.
   [[nodiscard]] Eigen::Vector3f p_base_mirror() const {
     return lines.empty() ? Eigen::Vector3f::Zero() : lines[lines.size() / 2].p_base_mirror;
   }
   /// The robot's motion from the first to the last beam.
   [[nodiscard]] geometry::SE3 motion() const { return T_base_first.inverse() * T_base_last; }
-  /// From the base's place in the middle of the sweep to that at the last beam, on average over
-  /// both halves.
+  /// The path of the base from the middle of the sweep to the last beam: the mean of both halves.
   [[nodiscard]] Eigen::Vector3d half_path() const {
     return 0.5 * (T_base_last.translation() - T_base_first.translation());
   }
   /// Whether the robot was stationary, as far as odometry tells.
   [[nodiscard]] bool is_stationary() const;
-  /// Where only the points are needed from now on.
+  /// Frees their memory when only the points are still needed.
   void drop_free_points();
   /// Deskews again: places each point anew with the motion as it is known now.
   void correct(const MotionCorrection& correction);
@@ -115,9 +115,9 @@ struct RangeLimits {
                                                const PoseLookup& pose_at);
 
 /// Deskews a sweep (IV B: the robot's movement during the pitching movement is stripped). Each beam
-/// is placed with the pitch and the robot's pose at its own time, relative to the base pose P_b,
-/// which is the pose in the middle of the sweep's time (this minimises the longest motion to a
-/// beam). `pitch_latency_s`: how much later the pitch is stamped than the beams.
+/// is placed with the pitch and the robot's pose at its own time, relative to the base pose P_b:
+/// the pose in the middle of the sweep's time, from which the longest motion to a beam is shortest.
+/// `pitch_latency_s`: how much later the pitch is stamped than the beams.
 [[nodiscard]] SweepCloud deskew(const PlacedSweep& sweep, const RangeLimits& range,
                                 const Calibration& calibrate, double pitch_latency_s);
 

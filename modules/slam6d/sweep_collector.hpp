@@ -17,7 +17,7 @@ namespace nodmap::slam6d {
 /// Counts of the scans of complete sweeps.
 struct ScanCounts {
   std::size_t in_sweeps = 0;
-  std::size_t without_pose = 0;  ///< of these, left out
+  std::size_t without_pose = 0;  ///< of these, left out for lack of odometry
 };
 
 /// Collects the scans of a sweep, each with the pose of the robot by odometry.
@@ -31,12 +31,12 @@ class SweepCollector {
     return odometry_.add(stamp, T_odom_base);
   }
 
-  /// Odometry continues in another frame; older poses are forgotten. Returns the new frame in the
-  /// old one, chosen such that the robot stays where it was; empty without odometry.
+  /// Continues with odometry in another frame; older poses are forgotten. Returns the new frame in
+  /// the old one, chosen so that the robot stays where it was. Empty without odometry.
   std::optional<geometry::SE3> change_odometry_frame(const geometry::SE3& T_new_odom_base);
 
-  /// Adds the next scan of the stream. Returns the sweep that it completes, if any, and if there
-  /// was odometry for it.
+  /// Adds the next scan of the stream. Returns the sweep that it completes, if it completes one and
+  /// there was odometry for it.
   [[nodiscard]] std::optional<PlacedSweep> add_scan(scan::Scan scan);
 
   /// The unfinished sweep at the end of the stream.

@@ -11,7 +11,7 @@
 
 namespace nodmap::slam6d {
 
-/// The scans of one complete pitch movement (IV B), in the order in which they came.
+/// The scans of one complete pitch movement (IV B), in order of arrival.
 struct Sweep {
   enum class End {
     kTurningPoint,
@@ -42,8 +42,8 @@ struct SweepParams {
             "A sweep ends at a reversal once the pitch has come back from it by this much. Must "
             "exceed the noise of the servo.");
     v.angle("jump_back_deg", jump_back_rad, {1.0, 180.0},
-            "A single pitch step against the movement by more than this is a new start of the "
-            "sweep, not a reversal.");
+            "A single pitch step against the movement by more than this begins a new sweep in the "
+            "same direction: it is not a reversal.");
     v.number(
         "gap_s", gap_s, {0.05, 3600.0},
         "A pause of more than this between two scans interrupts the stream and ends the sweep.");

@@ -17,13 +17,13 @@
 namespace nodmap::slam6d {
 
 /// Follows the robot from sweep to sweep: odometry predicts the pose of a sweep in the map,
-/// registration measures it. The constant errors of the wheels and of the pitch's stamps are
-/// learned meanwhile.
+/// registration measures it. Meanwhile it learns the constant errors of the wheels and of the
+/// pitch's stamps.
 class Tracker {
  public:
   explicit Tracker(const Slam6dParams& params);
 
-  /// Odometry continues in another frame; the motion in between is unknown.
+  /// Continues with odometry in another frame; the motion in between is unknown.
   void change_odometry_frame(const geometry::SE3& T_old_new);
   /// The motion before the next sweep is unknown.
   void interrupt() { is_interrupted_ = true; }
@@ -40,8 +40,8 @@ class Tracker {
   /// Refuses the sweep that was just tracked, because its pose is wrong.
   void refuse();
 
-  /// Accepts a pose, from which odometry continues. The cloud is deskewed with the motion that was
-  /// found.
+  /// Accepts a pose, from which the next one is extrapolated. Deskews the cloud with the motion
+  /// that was found.
   void accept(SweepCloud& cloud, PoseUpdate& update);
 
   /// The correction of odometry since the last accepted pose.
@@ -54,9 +54,9 @@ class Tracker {
   /// The map around the robot has moved.
   void move(const geometry::SE3& T_new_old);
 
-  /// Learns the pitch latency if the robot is stationary during its first two sweeps, from how the
-  /// second, whose extrapolated pose is `update`, fits `map`, which is the first. Returns whether
-  /// it did.
+  /// Learns the pitch latency from the first two sweeps, if the robot is stationary: from how the
+  /// second one (extrapolated pose `update`) fits `map`, which is the first. Returns whether it
+  /// did.
   bool learn_pitch_latency_at_start(VoxelMap& sweep, const VoxelMap& map, const SweepCloud& cloud,
                                     const PoseUpdate& update, double first_pitch_rate_rad_s);
 

@@ -12,7 +12,7 @@
 
 namespace nodmap::slam6d {
 
-/// One cube of the grid: the mean of what was measured in it, and the plane on which it lies.
+/// One cube of the grid: the mean of the points measured in it, and the plane on which it lies.
 struct Voxel {
   Eigen::Vector3f mean = Eigen::Vector3f::Zero();
   float weight = 0.0F;  ///< of the mean: sum of the weights of its points
@@ -39,10 +39,9 @@ struct PlaneParams {
   }
 };
 
-/// Voxel means of points in a hash table, for voxel downsampling and the search for the nearest
-/// mean. Voxels are kept in the order in which they were first occupied, so that nothing depends on
-/// the hash. Points farther than 2^20 voxels from the origin (100 km at 10 cm), or not finite, are
-/// left out.
+/// Voxel means of points in a hash table, for voxel downsampling and nearest-mean search. Voxels
+/// are kept in the order in which they were first occupied, so that nothing depends on the hash.
+/// Points farther than 2^20 voxels from the origin (100 km at 10 cm), or not finite, are left out.
 class VoxelGrid {
  public:
   /// The index that stands for no voxel.
@@ -65,8 +64,8 @@ class VoxelGrid {
     }
   }
 
-  /// Finds the plane about each voxel from the means of the 27 voxels of which it is the middle.
-  /// Normals point to `p_sensor`.
+  /// Finds the plane at each voxel, from the means of the 27 voxels around it. Normals point to
+  /// `p_sensor`.
   void find_planes(const Eigen::Vector3f& p_sensor, const PlaneParams& params);
 
   /// Adds a normal to the weighted mean of the voxel's normals.

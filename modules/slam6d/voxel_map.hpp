@@ -45,11 +45,11 @@ struct OrientedPoint {
 
 /// When the points of a cloud were measured.
 struct PointTimes {
-  std::vector<float> times;  ///< of each point, from -1 to 1; none: all at once, or stationary
+  std::vector<float> times;  ///< of each point, from -1 to 1; empty if all are from one pose
   Eigen::Vector3f half_path = Eigen::Vector3f::Zero();  ///< of the base, from time 0 to 1
 };
 
-/// A point cloud as voxel means of three sizes with their planes. A scanner sees near surfaces
+/// A point cloud as voxel means of three sizes, with their planes. A scanner sees near surfaces
 /// densely and far ones sparsely: where fine voxels are too sparse for a plane, coarser ones have
 /// one.
 class VoxelMap {
@@ -67,19 +67,18 @@ class VoxelMap {
   [[nodiscard]] bool is_moving() const { return !times_[0].empty(); }
   [[nodiscard]] const Eigen::Vector3f& half_path() const { return half_path_; }
 
-  /// Fixes the motion within the cloud: it is not corrected from now on.
+  /// Fixes the motion within the cloud, which is no longer corrected.
   void hold();
 
   /// Deskews the cloud again and recomputes its planes.
   void correct(const MotionCorrection& correction);
 
-  /// Joins the voxels of a sweep into this map, as part of a keyframe. Means and normals are
-  /// weighted by inverse variance, which decreases with range, so that near sightings correct far
-  /// ones.
+  /// Adds the voxels of a sweep to this map, as part of a keyframe. Means and normals are weighted
+  /// by inverse variance, which decreases with range, so that near sightings correct far ones.
   void add_sweep(const VoxelMap& sweep_base, const geometry::SE3& T_map_base,
                  std::size_t keyframe = 0);
 
-  /// Joins the voxels of another map whose keyframe is chosen; each moves with its keyframe, by
+  /// Adds those voxels of another map whose keyframe is chosen, each moved with its keyframe by
   /// `T_new_old`. `T_new_old` and `is_chosen` have one entry per keyframe. A voxel belongs to the
   /// keyframe that saw it last.
   void add_keyframes(const VoxelMap& map, std::span<const geometry::SE3> T_new_old,

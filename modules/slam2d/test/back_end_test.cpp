@@ -30,7 +30,7 @@ void add_box(FloorPlan& plan, double x, double y, double width, double depth) {
   plan.insert(plan.end(), {{a, b}, {b, c}, {c, d}, {d, a}});
 }
 
-/// A corridor 2 m wide round a block of 12 m x 8 m, with boxes along the outer wall at distances
+/// A corridor 2 m wide around a block of 12 m x 8 m, with boxes along the outer wall at distances
 /// that do not repeat.
 FloorPlan ring() {
   FloorPlan plan;
@@ -47,7 +47,7 @@ FloorPlan ring() {
   return plan;
 }
 
-/// Two corridors alike to the last niche, 6 m apart, joined at their far ends.
+/// Two corridors that are alike to the last niche, 6 m apart, joined at their far ends.
 FloorPlan twin_corridors() {
   FloorPlan plan;
   for (const double y : {0.0, 6.0}) {
@@ -76,7 +76,8 @@ FloorPlan symmetric_hall() {
   return plan;
 }
 
-/// Along straight lines between the places, rotating on the spot; 0.1 m or 6 degrees a scan.
+/// Drives along straight lines between the places and rotates on the spot: 0.1 m or 6 degrees a
+/// scan.
 std::vector<SE2> drive_along(const std::vector<Eigen::Vector2d>& places) {
   std::vector<SE2> poses;
   for (std::size_t i = 1; i < places.size(); ++i) {
@@ -145,7 +146,7 @@ class Mapping {
   std::vector<SE2> truth_;
 };
 
-// Twice round the block: the second round lies on the first.
+// Twice around the block: the second round lies on the first.
 TEST(BackEnd, ClosesTheLoopRoundABlock) {
   Mapping mapping(ring());
   mapping.drive(drive_along({{-1, -1}, {13, -1}, {13, 9}, {-1, 9}, {-1, -1}, {13, -1}, {13, 9}}));
@@ -174,7 +175,7 @@ TEST(BackEnd, ASymmetricHallIsNotFolded) {
   EXPECT_LT(mapping.worst_error_m(), 0.0124);  // measured: 9.9 mm; folded, it would be 18 m
 }
 
-/// A room of 12 m x 8 m, and one that is the same but for a wall in its middle.
+/// A room of 12 m x 8 m, with or without a wall in its middle.
 FloorPlan room(bool has_wall) {
   FloorPlan plan;
   add_box(plan, -6.0, -4.0, 12.0, 8.0);
@@ -187,7 +188,7 @@ FloorPlan room(bool has_wall) {
   return plan;
 }
 
-/// Puts keyframes where they are in their own map.
+/// Adds keyframes at their poses in the map that they come from.
 void add_all(BackEnd& back_end, std::span<const Keyframe> keyframes) {
   for (const Keyframe& keyframe : keyframes) {
     const SE2 T_submap_base = back_end.has_local()
@@ -209,8 +210,8 @@ std::vector<SE2> path_before_wall() {
   return poses;
 }
 
-// Lost in between, the robot may be in the same room again. Most of a scan fits both rooms: the
-// wall tells.
+// After it was lost, the robot may be in the same room again. Most of a scan fits both rooms; the
+// wall makes the difference.
 TEST(BackEnd, ARoomThatLooksAlikeButForAWallIsNoLoop) {
   Mapping with_wall(room(true));
   with_wall.drive(path_before_wall());
@@ -232,11 +233,11 @@ TEST(BackEnd, AFeaturelessCorridorIsNoLoop) {
   mapping.drive(drive_along({{0, 0}, {60, 0}}));
   EXPECT_EQ(mapping.loops(), 0);
   mapping.slam().polish();
-  // As long as odometry says, which is 3 % too much. Measured: 44 mm less.
+  // As long as odometry says, which is 3 % too long. Measured: 44 mm less.
   EXPECT_NEAR(mapping.slam().keyframes().back().T_map_base.x, 60.0 * 1.03, 0.055);
 }
 
-/// Round the block of ring(), from the lower left corner and back to it.
+/// Around the block of ring(), from the lower left corner and back to it.
 std::vector<SE2> rounds(int count) {
   std::vector<Eigen::Vector2d> places{{-1, -1}};
   for (int round = 0; round < count; ++round) {
@@ -245,7 +246,7 @@ std::vector<SE2> rounds(int count) {
   return drive_along(places);
 }
 
-// Round after round the map stays as large as it is, and as good.
+// Round after round the map stays as large and as good as it is.
 TEST(BackEnd, ReplacedSubmapsAreDropped) {
   Slam2dParams params;
   params.back_end.submap.max_keyframes_per_place = 4;
@@ -254,14 +255,14 @@ TEST(BackEnd, ReplacedSubmapsAreDropped) {
   Mapping six(ring(), params);
   six.drive(rounds(6));
   EXPECT_GT(six.slam().back_end().metrics().submaps_dropped, 0);
-  // A submap that is not replaced yet, more or less.
+  // There may be one more submap that is not replaced yet.
   EXPECT_LE(six.slam().keyframes().size(), three.slam().keyframes().size() + 20);
   EXPECT_EQ(six.slam().tracked_scans().size(), rounds(6).size());  // no pose is lost
   six.slam().polish();
   EXPECT_LT(six.worst_error_m(), 0.045);  // measured: 36 mm
 }
 
-// What is left is a map like any other: it is saved, and carried on with.
+// What is left is a map like any other: it can be saved and continued.
 TEST(BackEnd, AMapWithDroppedSubmapsIsCarriedOnWith) {
   Slam2dParams params;
   params.back_end.submap.max_keyframes_per_place = 4;
@@ -282,7 +283,7 @@ TEST(BackEnd, AMapWithDroppedSubmapsIsCarriedOnWith) {
   }
 }
 
-// The submaps are built anew from the polished poses.
+// The submaps are rebuilt from the polished poses.
 TEST(BackEnd, ASecondRoundOfPolishingIsNoWorse) {
   Slam2dParams params;
   params.back_end.polish.rounds = 2;

@@ -23,7 +23,7 @@ TEST(BestPlace, ThoseThatAreTheSamePlaceDoNotCompete) {
   EXPECT_EQ(best_of(std::array{kHere, Peak{{0.4, 0.0, 0.3}, 0.79}}).runner_up_score, 0.79);
 }
 
-// At the best place 0.2 is missing to a score of 1; 1.5 times as much is 0.3, and the margin 0.02.
+// At the best place the misfit is 0.2; 1.5 times as much is 0.3, and the margin is 0.02.
 TEST(BestPlace, AnotherMustFitClearlyLess) {
   EXPECT_TRUE(best_of(std::array{Peak{{3.0, 0.0, 0.0}, 0.67}, kHere}).is_clear(1.5));
   EXPECT_FALSE(best_of(std::array{Peak{{3.0, 0.0, 0.0}, 0.69}, kHere}).is_clear(1.5));

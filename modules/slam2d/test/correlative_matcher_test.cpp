@@ -35,7 +35,7 @@ Points room() {
   return points;
 }
 
-/// What is seen from a pose, every 7th point of it.
+/// Every 7th point of what is seen from a pose.
 Points seen_from(const SE2& T_map_base, const Points& map) {
   Points seen;
   for (std::size_t i = 0; i < map.size(); i += 7) {
@@ -122,7 +122,7 @@ TEST(CorrelativeMatcher, FindsThePoseToWithinACell) {
   EXPECT_GT(match.peaks[0].score, 0.8);
 }
 
-// Turned by half, an oblong room looks the same.
+// An oblong room looks the same when rotated by 180 degrees.
 TEST(CorrelativeMatcher, ASymmetricRoomIsAmbiguous) {
   Points map;
   add_wall(map, {-4, -3}, {4, -3});
@@ -163,7 +163,7 @@ TEST(CorrelativeMatcher, NothingIsFoundWhereNothingIs) {
   EXPECT_FALSE(is_found(grid, Points{{kNan, 1e300}}));
 }
 
-// The bounds of the first squares, many at once, against their windows one by one.
+// Compares the bounds of the first squares, computed many at once, with their windows one by one.
 TEST(LikelihoodGrid, BoundsOfManyWindowsAreNoLowerThanTheirSums) {
   const Points map = room();
   const LikelihoodGrid grid(map, kCellM, 50.0);

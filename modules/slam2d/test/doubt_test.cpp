@@ -16,7 +16,7 @@ using test::kPeriod;
 using test::Scanner;
 using test::track;
 
-// As in logs whose stamps come in bursts: nothing has happened while odometry was missing.
+// As in logs whose stamps come in bursts: nothing happened while odometry was missing.
 TEST(Slam2d, AScanThatFitsAfterAGapIsNotSearchedFor) {
   Slam2d slam{Slam2dParams{}};
   Scanner scanner;
@@ -28,7 +28,7 @@ TEST(Slam2d, AScanThatFitsAfterAGapIsNotSearchedFor) {
   EXPECT_EQ(slam.search_counts().searches, 0);
 }
 
-// Nothing is recorded for a second, and odometry does not count what the robot moves meanwhile.
+// Nothing is recorded for a second, and odometry does not count how the robot moves meanwhile.
 TEST(Slam2d, APauseInOdometryIsTakenBackByTheScans) {
   Slam2d slam{Slam2dParams{}};
   Scanner scanner;
@@ -66,8 +66,8 @@ struct Found {
   double error_m = 0.0;
 };
 
-/// The first scan after a pause in which the robot has moved 2.8 m, to where somebody has put a
-/// board before it: a good part of its points are of what is in no map.
+/// The first scan after a pause in which the robot moved 2.8 m, to a place where somebody has put a
+/// board in front of it. A good part of its points are in no map.
 Found after_pause_before_a_board(const Slam2dParams& params) {
   Slam2d slam{params};
   Scanner scanner;
@@ -100,7 +100,7 @@ TEST(Slam2d, ASearchFindsWhatFitsInPartIfMinSearchScoreAllows) {
   EXPECT_EQ(after_pause_before_a_board(params).update.quality, PoseQuality::kLost);
 }
 
-/// A corridor with a niche on either side every 2 m: each place looks like that 2 m farther on.
+/// A corridor with a niche on either side every 2 m: each place looks like the one 2 m farther on.
 test::FloorPlan corridor_with_equal_niches() {
   test::FloorPlan plan;
   for (const double side : {1.0, -1.0}) {
@@ -115,9 +115,9 @@ test::FloorPlan corridor_with_equal_niches() {
   return plan;
 }
 
-// During a second that is missing the robot has driven on by 2 m, where everything looks as it did,
-// and somebody stands before it. No scan tells where it is, nor does the map that it makes from
-// there on.
+// During a second without data the robot drives on by 2 m. There everything looks the same, and
+// somebody stands in front of it. Neither its scans nor the map that it makes from there on tell
+// where it is.
 TEST(Slam2d, AnAmbiguousPlaceAfterAPauseIsDegradedUntilALoopJoinsIt) {
   Slam2d slam{Slam2dParams{}};
   Scanner scanner;

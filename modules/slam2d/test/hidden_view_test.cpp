@@ -16,8 +16,8 @@ using geometry::SE2;
 using test::Scanner;
 using test::track;
 
-/// Drives for a second among 75 scans a second, and half of that with somebody `ahead` in its way.
-/// Returns the last pose with somebody there, and the last of all.
+/// Drives for a second at 75 scans a second, half of the time with `somebody` in the way. Returns
+/// the last pose while somebody is there, and the last one of all.
 std::pair<PoseUpdate, PoseUpdate> drive_towards(Slam2d& slam, const test::FloorPlan& somebody) {
   constexpr time::Duration kFast = 13ms;
   Scanner scanner;
@@ -39,7 +39,7 @@ std::pair<PoseUpdate, PoseUpdate> drive_towards(Slam2d& slam, const test::FloorP
   return last;
 }
 
-// The rest of the scan tells the place.
+// The rest of the scan determines the place.
 TEST(Slam2d, SomebodyWhoHidesMostOfTheViewDoesNotMoveThePose) {
   Slam2d slam{Slam2dParams{}};
   const auto [hidden, after] = drive_towards(slam, {{{0.5, -1.2}, {0.6, 0.9}}});
@@ -47,7 +47,7 @@ TEST(Slam2d, SomebodyWhoHidesMostOfTheViewDoesNotMoveThePose) {
   EXPECT_EQ(after.quality, PoseQuality::kTracked);
 }
 
-// Nothing but odometry does.
+// Only odometry determines the place.
 TEST(Slam2d, SomebodyWhoHidesAllDoesNotMoveThePose) {
   Slam2d slam{Slam2dParams{}};
   const auto [hidden, after] = drive_towards(slam, {{{0.4, -9.0}, {0.5, 9.0}}});
@@ -56,7 +56,7 @@ TEST(Slam2d, SomebodyWhoHidesAllDoesNotMoveThePose) {
   EXPECT_EQ(after.quality, PoseQuality::kTracked);
 }
 
-// Its wheels do not tell, and people pass sooner.
+// The wheels do not notice that it was carried, but people would have passed by within a second.
 TEST(Slam2d, ACarriedRobotIsLostAfterASecond) {
   Slam2d slam{Slam2dParams{}};
   Scanner scanner;
@@ -71,8 +71,8 @@ TEST(Slam2d, ACarriedRobotIsLostAfterASecond) {
   EXPECT_EQ(update->quality, PoseQuality::kLost);
 }
 
-/// The quality of each level scan of a nodding laser, one in half a second, of a robot that is
-/// stationary. Somebody right before the laser hides all from `from` to before `until`.
+/// The quality of each level scan of a nodding laser, two a second, on a stationary robot. Somebody
+/// right in front of the laser hides everything in the scans from `from` to before `until`.
 std::vector<PoseQuality> nod_behind_somebody(int from, int until) {
   Slam2d slam{Slam2dParams{}};
   Scanner scanner;
@@ -97,7 +97,7 @@ std::vector<PoseQuality> nod_behind_somebody(int from, int until) {
   return qualities;
 }
 
-// He has passed by the third: nothing but odometry tells the place until then.
+// Until he has passed by, at the third scan, the pose follows odometry.
 TEST(Slam2d, WithANodSomebodyWhoHidesAllForAMomentDoesNotMakeItLost) {
   const auto qualities = nod_behind_somebody(6, 8);
   ASSERT_EQ(qualities.size(), 12U);
@@ -106,7 +106,7 @@ TEST(Slam2d, WithANodSomebodyWhoHidesAllForAMomentDoesNotMakeItLost) {
   }
 }
 
-// It may have been carried away.
+// The robot may have been carried away.
 TEST(Slam2d, WithANodItIsLostWhenTheViewIsHiddenForASecond) {
   const auto qualities = nod_behind_somebody(6, 12);
   ASSERT_EQ(qualities.size(), 12U);
@@ -114,8 +114,9 @@ TEST(Slam2d, WithANodItIsLostWhenTheViewIsHiddenForASecond) {
   EXPECT_EQ(qualities[8], PoseQuality::kLost);
 }
 
-// Nobody is there: the walls have moved, and after a second that is believed. Pushed aside by 20 cm
-// in a quarter of a second; or the wheels spin and count half a metre.
+// Nobody is there, but the walls seem to have moved, which is believed after a second. Either the
+// robot is pushed aside by 20 cm in a quarter of a second, or its wheels spin and count half a
+// metre.
 TEST(Slam2d, ARobotThatIsPushedOrSlipsIsFoundAgainAfterASecond) {
   for (const auto& [pushed, slipped] :
        {std::pair{SE2{0.0, 0.01, 0.0}, SE2{}}, {SE2{}, SE2{0.025, 0.0, 0.0}}}) {
@@ -130,7 +131,8 @@ TEST(Slam2d, ARobotThatIsPushedOrSlipsIsFoundAgainAfterASecond) {
       odom = is_moved ? odom * slipped : odom;
       update = track(slam, scanner.scan(test::room(), truth, time::Timestamp(13ms * i)), odom);
       ASSERT_TRUE(update);
-      // Until then it says that it is not sure; what is allowed is 3 cm and half of the slip.
+      // Until then the pose is not TRACKING. The limit of slip is 3 cm and half of the way that was
+      // counted.
       EXPECT_TRUE(distance_m(update->T_map_base, truth) < 0.05 ||
                   update->quality != PoseQuality::kTracked)
           << i;

@@ -10,7 +10,7 @@
 namespace nodmap::slam2d {
 namespace keyframe_grid_test {
 
-// Rays of a fan at every degree, of these lengths.
+// A fan of rays, one per degree, with these lengths.
 Keyframe fan(const std::vector<double>& lengths_m) {
   Keyframe keyframe;
   for (std::size_t i = 0; i < lengths_m.size(); ++i) {
@@ -47,7 +47,7 @@ TEST(BelievedLengths, OfAFewRaysNothingIsBelieved) {
   EXPECT_EQ(believed_lengths(fan({2.0, 2.0})), std::vector<double>(2, 0.0));
 }
 
-// What is drawn from a pose is taken back from it, the rays that are cut short, too.
+// Whatever is drawn from a pose can be erased from it, including the rays that are cut short.
 TEST(KeyframeGrid, ErasingTakesBackWhatWasDrawn) {
   const Keyframe keyframe = fan({3, 3, 3, 80, 40, 3, 3, 1, 3, 3});
   const geometry::SE2 T_map_base{1.0, -2.0, 0.7};
@@ -121,8 +121,8 @@ TEST(KeyframeGrid, WhatComesLaterIsSeenInAClearedRegion) {
   EXPECT_GT(num_known_in(map.grid(), kRegion), 100U);
 }
 
-// Loops move the keyframes, into the region and out of it: nothing of them is to be seen there, and
-// no count is left behind when they are taken back.
+// Loops move the keyframes into the region and out of it. They are not drawn there, and no count is
+// left behind when they are erased.
 TEST(KeyframeGrid, KeyframesThatMoveDoNotBringAClearedRegionBack) {
   std::vector<Keyframe> keyframes = row_of_fans(3);
   KeyframeGrid map(0.05);
@@ -148,7 +148,7 @@ TEST(KeyframeGrid, AClearedRegionGoesOnHidingTheKeyframesThatAreLeft) {
   keyframes.erase(keyframes.begin() + 1);
   ASSERT_EQ(map.cleared().size(), 1U);
   EXPECT_EQ(map.cleared().front().num_keyframes, 2U);
-  // Drawn anew, with the region as it would be saved.
+  // Drawn again, with the region as it would be saved.
   KeyframeGrid restored(0.05);
   restored.restore_cleared(map.cleared());
   restored.draw_new(keyframes);

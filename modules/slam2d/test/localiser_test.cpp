@@ -22,7 +22,7 @@ class Drive {
  public:
   Drive(const KnownMap& map, const std::optional<SE2>& start) : localiser_({}, map, start) {}
 
-  /// Drives one step and takes a scan; returns the pose that came of it.
+  /// Drives one step and takes a scan. Returns the resulting pose.
   PoseUpdate step(const SE2& motion) {
     truth = truth * motion;
     odom_ = odom_ * SE2{1.03 * motion.x, 1.03 * motion.y, motion.yaw};
@@ -78,7 +78,7 @@ TEST(Localiser, FindsItsPlaceFromNothingAndTrustsItOnceItHasDriven) {
   EXPECT_EQ(drive.metrics().relocalisations, 1);
 }
 
-// Carried away without a word from odometry.
+// The robot is carried away, which odometry does not notice.
 TEST(Localiser, AKidnappedRobotSaysThatItIsLostAndFindsItsPlaceAgain) {
   const KnownMap map = map_of_room();
   int lost = 0;
@@ -94,7 +94,7 @@ TEST(Localiser, AKidnappedRobotSaysThatItIsLostAndFindsItsPlaceAgain) {
       update = drive.step({0.04, 0.0, 0.1});
       const bool is_wrong = drive.error_m(update) > 0.25;
       said_lost = said_lost || update.quality == PoseQuality::kLost;
-      // 3 s, as the poses that do not fit say from the first on.
+      // For up to 3 s a pose may be wrong, but from the first misfit on it is not TRACKING.
       EXPECT_FALSE(is_wrong && i >= 15 && update.quality != PoseQuality::kLost) << i;
       EXPECT_FALSE(is_wrong && update.quality == PoseQuality::kTracked) << i;
     }
@@ -105,7 +105,7 @@ TEST(Localiser, AKidnappedRobotSaysThatItIsLostAndFindsItsPlaceAgain) {
   EXPECT_EQ(lost, 3);
 }
 
-// What it does not know it does not call its map.
+// Another building is never taken for the known one.
 TEST(Localiser, InAnotherBuildingItStaysLost) {
   const KnownMap map = map_of_room();
   Drive drive(map, std::nullopt);

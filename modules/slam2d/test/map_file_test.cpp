@@ -70,7 +70,7 @@ void put(const std::filesystem::path& file, const std::string& content) {
   std::ofstream(file, std::ios::binary) << content;
 }
 
-// As other programs write them: text, comments, a rotated origin, black for free.
+// Maps as other programs write them: text, comments, a rotated origin, black for free.
 TEST(MapFile, ReadsTheMapsOfOtherPrograms) {
   const nodmap::test::TemporaryDir dir;
   put(dir.path() / "hall.pgm",
@@ -103,9 +103,9 @@ TEST(MapFile, AMapThatCannotBeReadIsNamedWithTheReason) {
   };
   const std::string good = "image: map.pgm\nresolution: 0.05\norigin: [0, 0, 0]\n";
   EXPECT_EQ(reason(good, "P5\n2 1\n255\nab"), "");
-  EXPECT_NE(reason(good, "P5\n2 1\n255\na").find("map.pgm: not a whole PGM image"),
+  EXPECT_NE(reason(good, "P5\n2 1\n255\na").find("map.pgm: an incomplete PGM image"),
             std::string::npos);
-  EXPECT_NE(reason(good, "P5\n2 x").find("not a whole PGM image"), std::string::npos);
+  EXPECT_NE(reason(good, "P5\n2 x").find("an incomplete PGM image"), std::string::npos);
   EXPECT_NE(reason(good, "P5\n200000 200000\n255\n").find("64 million"), std::string::npos);
   EXPECT_NE(reason(good, "P6\n1 1\n255\nabc").find("not a PGM image"), std::string::npos);
   EXPECT_NE(reason("image: none.pgm\nresolution: 0.05\norigin: [0, 0, 0]\n", "").find("none.pgm"),
@@ -152,7 +152,7 @@ TEST(MapFile, StartEndAndOdometryAreMarked) {
   const std::vector<geometry::SE2> odometry{{0, 0, 0}, {10, 1, 0}};
   const drawing::Image one = draw_paths(path, {});
   const drawing::Image marked = draw_paths(path, odometry);
-  // Beside the line, whose half width is a pixel, where the path starts: the disc.
+  // The disc where the path starts reaches beyond the line, which is two pixels wide.
   EXPECT_NE(one.at(100, one.height() / 2 - 4), drawing::kWhite);
   EXPECT_EQ(one.at(400, one.height() / 2 - 4), drawing::kWhite);
   int grey = 0;

@@ -32,7 +32,7 @@ test::FloorPlan hall(const std::vector<Eigen::Vector2d>& people) {
 
 class MovingPoints : public testing::Test {
  protected:
-  /// What the robot sees; odometry measures from the middle of the hall.
+  /// What the robot sees. The odom frame begins in the middle of the hall.
   LevelScan look(const std::vector<Eigen::Vector2d>& people, const SE2& T_world_base = {}) {
     points_.emplace_back();
     for (const OrientedPoint& point :
@@ -62,7 +62,7 @@ TEST_F(MovingPoints, WhoWalksIntoTheViewIsLeftOut) {
   ASSERT_GT(near(later.points_base, {2.2, -1.0}), 5U);
   const auto stationary = filter_.stationary(later);
   EXPECT_EQ(near(stationary, {2.2, -1.0}), 0U);
-  // The wall that was behind the first place is seen now for the first time.
+  // The wall behind the first place is seen now for the first time.
   EXPECT_EQ(stationary.size() + near(later.points_base, {2.2, -1.0}), later.points_base.size());
 }
 
@@ -74,7 +74,7 @@ TEST_F(MovingPoints, WhatStandsStaysAlsoWhenTheRobotMoves) {
   EXPECT_EQ(filter_.stationary(later).size(), later.points_base.size());
 }
 
-// Less than the margin since the last keyframe, but not since the one before.
+// Since the last keyframe the motion is less than the margin, but since the one before it is more.
 TEST_F(MovingPoints, WhoComesSlowlyIsLeftOutToo) {
   filter_.add_keyframe(look({{3.0, 0.0}}));
   filter_.add_keyframe(look({{2.6, 0.0}}));
@@ -120,7 +120,7 @@ TEST_F(MovingPoints, WithoutAReferenceNothingMoves) {
   EXPECT_TRUE(filter_.stationary({}).empty());
 }
 
-// Six people cross a hall to and fro before a robot that drives through it.
+// Six people walk to and fro across a hall, in front of a robot that drives through it.
 TEST(Slam2dAmongPeople, TheyShapeNeitherThePoseNorTheMap) {
   Slam2d slam{Slam2dParams{}};
   test::Scanner scanner;
@@ -146,7 +146,7 @@ TEST(Slam2dAmongPeople, TheyShapeNeitherThePoseNorTheMap) {
     odom = odom * SE2{1.02 * step.x, 0.0, step.yaw + 0.0003};
   }
   EXPECT_LT(worst_m, 0.03);
-  // Map points inside of the hall are people.
+  // Map points in the interior of the hall are on people.
   std::size_t inside = 0;
   std::size_t all = 0;
   for (const Submap& submap : slam.back_end().submaps()) {

@@ -94,7 +94,7 @@ TEST_F(Slam2dNodeTest, APoseSaysHowUncertainItIs) {
   EXPECT_EQ(pose.covariance[3][3], 0.0);  // roll
 }
 
-// Twice round a room: submaps that see the same, joined by loops.
+// Twice around a room: submaps that see the same, joined by loops.
 TEST_F(Slam2dNodeTest, PublishesThePoseGraphWhenItChangesButOnceASecondAtMost) {
   geometry::SE2 truth;
   for (std::int64_t i = 0; i < 400; ++i) {
@@ -153,7 +153,7 @@ TEST_F(Slam2dNodeTest, SavesItsMapWhenAsked) {
   EXPECT_TRUE(std::filesystem::exists(context_.out_dir / "map.yaml"));
 }
 
-/// Cells of the newest tiles that are known, in a rectangle of map.
+/// The known cells of the newest tiles within a rectangle of map.
 int num_known(const std::vector<nodmap::grid_chunk_t>& chunks, const Region& region) {
   std::map<std::pair<int, int>, nodmap::grid_chunk_t> newest;
   for (const nodmap::grid_chunk_t& chunk : chunks) {
@@ -217,7 +217,8 @@ TEST_F(Slam2dNodeTest, AMapThatCannotBeSavedLeavesTheOldOneAndSaysSo) {
 }
 
 TEST_F(Slam2dNodeTest, WritesALineForEachUsedScanWithItsOwnStamp) {
-  // Stamps step back as in one of the recordings: file order counts, each keeps its stamp.
+  // Stamps step back, as in one of the recordings. Scans are taken in file order, and each keeps
+  // its stamp.
   const std::vector<time::Duration> since_epoch{1'000'001us, 1200ms, 900'003us, 1400ms};
   for (const time::Duration duration : since_epoch) {
     put_odometry(duration, {});
@@ -279,7 +280,7 @@ TEST_F(Slam2dNodeTest, SaysWhenItIsLost) {
   EXPECT_EQ(node_.health().state, node::HealthState::kDegraded);
 }
 
-// The base driver is killed and started anew: odometry counts and measures from zero again.
+// The base driver is killed and restarted: odometry counts and measures from zero again.
 TEST_F(Slam2dNodeTest, GoesOnWhereItWasWhenOdometryBeginsAnew) {
   const geometry::SE2 step{0.04, 0.0, 0.04};
   geometry::SE2 truth;
@@ -304,8 +305,8 @@ TEST_F(Slam2dNodeTest, GoesOnWhereItWasWhenOdometryBeginsAnew) {
   EXPECT_EQ(node_.metrics()["searches"], 0);
 }
 
-// A scan between the last odometry of the old frame and the first of the new has no pose: one
-// interpolated would lie anywhere between the two.
+// A scan between the last odometry of the old frame and the first of the new one has no pose: an
+// interpolated one would lie anywhere between the two.
 TEST_F(Slam2dNodeTest, PlacesNoScanBetweenTwoOdometryFrames) {
   put_odometry(0s, {3.0, 0.0, 0.0});
   put_odometry(10ms, {3.0, 0.0, 0.0});

@@ -103,7 +103,7 @@ TEST(OccupancyGrid, HoldsTilesOnlyWhereRaysWent) {
   EXPECT_GE(grid.width(), 16 * OccupancyGrid::kTileCells);  // 200 m
 }
 
-// Each cell of the grid as a receiver has it that puts the tiles it hears into their places.
+// The grid as a receiver has it that assembles the tiles it receives.
 using Received = std::vector<std::int8_t>;
 
 void receive(const OccupancyGrid& grid, const std::vector<GridTile>& tiles, Received& received) {
@@ -179,7 +179,7 @@ TEST(TileSelector, CellsThatLookAlikeWaitForTheEnd) {
   TileSelector selector;
   Received received;
   receive(grid, selector.choose(grid), received);
-  // A ray goes through the wall: it is still one, though of half of the rays.
+  // A ray goes through the wall. It is still a wall, although only half of the rays end there.
   ASSERT_TRUE(grid.add_free_ray({1.05, 1.05}, {2.15, 1.05}));
   EXPECT_EQ(selector.choose(grid).size(), 4U);
   receive(grid, selector.choose_rest(grid), received);

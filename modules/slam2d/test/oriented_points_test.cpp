@@ -34,8 +34,8 @@ TEST(OrientedPointExtractor, TheMountMovesThePoints) {
   }
 }
 
-// Each beam is measured from the pose at its time. The robot rotates by 180 deg/s to the left; half
-// a mirror revolution of a SICK takes 6.67 ms.
+// Each beam is measured from the pose at its own time. The robot rotates to the left at 180 deg/s;
+// half a mirror revolution of a SICK takes 6.67 ms.
 TEST(OrientedPointExtractor, DeskewsAScan) {
   const test::FloorPlan wall{{{2, -6}, {2, 6}}};
   const geometry::SE2 T_first_last{0.01, 0.0, geometry::deg_to_rad(1.2)};

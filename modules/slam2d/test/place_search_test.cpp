@@ -30,7 +30,7 @@ TEST(Slam2d, ARotationThatOdometryMissedIsFound) {
   EXPECT_NEAR(update->T_map_base.yaw, truth.yaw, geometry::deg_to_rad(0.158));
 }
 
-// The same with a piece of a wall in view: that fits many places.
+// The same with a piece of a wall in view, which fits many places.
 TEST(Slam2d, FewPointsAreNotLookedForInAWideWindow) {
   Slam2d slam{Slam2dParams{}};
   Scanner scanner;
@@ -52,8 +52,8 @@ TEST(Slam2d, FewPointsAreNotLookedForInAWideWindow) {
   EXPECT_EQ(update->T_map_base.x, odom.x);
 }
 
-// Two bays side by side, 1.1 m apart. In the second nearly all is new: it was hidden by the wall
-// between them, and what the robot sees would fit the first.
+// Two bays side by side, 1.1 m apart. In the second nearly everything is new, because the wall
+// between them hid it, and what the robot sees would also fit the first.
 TEST(Slam2d, APlaceBesideThatLooksAlikeDoesNotReplaceTheOneByOdometry) {
   Slam2d slam{Slam2dParams{}};
   Scanner scanner;
@@ -75,7 +75,7 @@ TEST(Slam2d, WhereNothingMatchesItIsLostAndContinuesTheMapFromOdometry) {
   Slam2d slam{Slam2dParams{}};
   Scanner scanner;
   ASSERT_TRUE(track(slam, scanner.scan(test::room(), {}), {}));
-  // Carried to where nothing of the map is in sight.
+  // Carried to a place where nothing of the map is in sight.
   const test::FloorPlan elsewhere{{{52, -2}, {52, 2}}, {{52, 2}, {48, 3}}, {{48, -2}, {52, -2}}};
   const SE2 carried{50.0, 0.0, 0.0};
   const auto lost =
@@ -86,13 +86,13 @@ TEST(Slam2d, WhereNothingMatchesItIsLostAndContinuesTheMapFromOdometry) {
   const auto again =
       track(slam, scanner.scan(elsewhere, carried, time::Timestamp(2 * kPeriod)), carried);
   ASSERT_TRUE(again);
-  // Matched, but degraded: how what it saw before lies to what it sees now is not known.
+  // Matched, but DEGRADED: how what it sees now lies relative to what it saw before is not known.
   EXPECT_EQ(again->quality, PoseQuality::kPartly);
   EXPECT_GT(again->covariance(0, 0), 1.0);
 }
 
-// Behind an obstacle a robot sees its back, which nothing in the map fits: 1.2 m of it, of another
-// thing than before. Odometry alone is good for a while.
+// Behind an obstacle the robot sees its back, 1.2 m wide, which fits nothing in the map. Odometry
+// alone is good enough for a while.
 TEST(Slam2d, WhatWasNeverInViewIsAddedByOdometry) {
   Slam2d slam{Slam2dParams{}};
   Scanner scanner;

@@ -72,7 +72,8 @@ TEST(PointMap, WhatIsRememberedDoesNotChangeWhatIsNearest) {
     map.add(point);
   }
   std::mt19937 random(8);
-  // Steps as those of ICP, some of them longer than what is free around a point; and a rotation.
+  // Steps like those of ICP, some of them longer than the free distance around a point, and a
+  // rotation.
   std::normal_distribution<double> step_m(0.0, 0.02);
   const Eigen::Matrix2d R = geometry::SE2{0.0, 0.0, 0.03}.rotation();
   for (OrientedPoint query : random_points(300, 9, 7.0)) {
@@ -105,7 +106,7 @@ TEST(PointMap, WhatIsFreeAroundANeighbourHoldsNoOtherPoint) {
   }
 }
 
-// Where there are more points than are remembered, too: forty in a square of 20 cm.
+// Also where there are more points than can be remembered: forty in a square of 20 cm.
 TEST(PointMap, WhatIsKnownAroundANeighbourHoldsAllPoints) {
   PointMap map(kParams);
   std::vector<OrientedPoint> points = random_points(1000, 13, 5.0);
@@ -240,7 +241,7 @@ TEST(PointMap, RepeatedScansOfAWallSharpenItsLinesAndAddNothing) {
     scan_wall([&](const OrientedPoint& point) { map.refine(point); });
   }
   // 50 scans divide the 3 mm and 1.1 degrees of one scan by 7. At the ends of the wall the lines
-  // have half the points over half the length; the bounds are four sigma of theirs.
+  // have half the points over half the length; the bounds are four sigma of those lines.
   EXPECT_EQ(map.points().size(), 100U);
   expect_lines_along_wall(map, 2.0, 0.0025);
 }

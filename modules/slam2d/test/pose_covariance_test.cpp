@@ -23,8 +23,8 @@ TEST(PoseCovariance, GrowsWithTheDistanceByOdometry) {
   }
   EXPECT_NEAR(once.matrix()(0, 0), 4.0 * 0.016, 1e-12);
   EXPECT_NEAR(in_steps.matrix()(0, 0), 4.0 * 0.016, 1e-9);
-  // In steps the heading's error carries the rest of the path sideways: its variance over a path s
-  // adds q s^3 / 3.
+  // An error of the heading moves the rest of the path sideways: over a path s this adds a variance
+  // of q s^3 / 3.
   EXPECT_NEAR(in_steps.matrix()(1, 1), 4.0 * 0.016 + 0.004 * 64.0 / 3.0, 2e-3);
   PoseCovariance stationary;
   stationary.move(1.0, {});
@@ -59,8 +59,8 @@ TEST(PoseCovariance, ADegenerateDirectionKeepsTheUncertaintyOfOdometry) {
   EXPECT_NEAR(covariance.matrix()(0, 0), along_m2, 1e-12);
 }
 
-/// Drives with wheels that measure 3 % too much and drift to the side, and returns the last pose's
-/// error with the covariance that was said of it.
+/// Drives with wheels that measure 3 % too much and drift to the side. Returns the error of the
+/// last pose, and its reported covariance.
 struct Outcome {
   PoseUpdate update;
   SE2 truth;
@@ -91,7 +91,7 @@ TEST(PoseCovariance, InARoomThePoseIsAsCertainAsItIsRight) {
   const Eigen::Matrix3d& covariance = end.update.covariance;
   EXPECT_LT(std::sqrt(covariance(0, 0)), 0.1);
   EXPECT_LT(std::sqrt(covariance(2, 2)), 0.05);
-  // Of three degrees of freedom, one of a thousand is beyond.
+  // With three degrees of freedom, one in a thousand is beyond.
   EXPECT_LT(error.dot(covariance.inverse() * error), 16.3);
 }
 

@@ -20,7 +20,7 @@ bool are_near(const SE2& a, const SE2& b) {
          std::abs(geometry::angle_difference(a.yaw, b.yaw)) < 1e-9;
 }
 
-/// A robot that drives on and on; odometry and map are the same until odometry hangs.
+/// A robot that drives on steadily. Odometry and map agree until odometry hangs.
 class Drive {
  public:
   Drive() {
@@ -34,7 +34,7 @@ class Drive {
     scan_.T_odom_base = T_odom_last_ * T_odom_step;
     return pose_guesses_.guesses(scan_, T_map_odom_, T_odom_last_);
   }
-  /// Matching has found that the robot went on as ever.
+  /// Matching finds that the robot went on as before.
   void go_on(const SE2& T_odom_step) {
     (void)guesses(T_odom_step);
     truth_ = truth_ * kStep;
@@ -119,7 +119,7 @@ TEST(PoseGuesses, InBurstsTheRobotGoesOnByAsMuchAScanAsItDid) {
   }));
 }
 
-// Half a second on, or after a scan that fitted nowhere, nobody knows how the robot moves.
+// Half a second later, or after a scan that fitted nowhere, the robot's motion is unknown.
 TEST(PoseGuesses, AMotionLongAgoTellsNothing) {
   Drive drive;
   drive.wait(500ms);
@@ -157,7 +157,7 @@ TEST(PoseGuesses, WhatIsFastIsAParameter) {
   }
 }
 
-// A robot that stands: by 3 cm at once, and no more in all; one that drives: half of its way.
+// A stationary robot may be 3 cm off at once, and no more in all; a moving one half of its way.
 TEST(PoseGuesses, WheelsSlipByPartOfWhatTheyHaveTurned) {
   PoseGuesses pose_guesses{PeopleParams{}};
   pose_guesses.add_keyframe({}, {});

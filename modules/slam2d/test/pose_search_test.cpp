@@ -43,7 +43,7 @@ TEST(PoseSearch, CandidatesAreDistinctAndWithinReach) {
           std::abs(geometry::angle_difference(candidates[i].yaw, candidates[j].yaw)) > 0.06);
     }
   }
-  // Where all poses score the same, the one by odometry comes first.
+  // If all poses score the same, the one by odometry comes first.
   ASSERT_FALSE(candidates.empty());
   EXPECT_EQ(candidates.front().x, 1.0);
 }

@@ -18,7 +18,7 @@ struct Ray {
   Eigen::Vector2d to;
 };
 
-/// Some along the axes and along diagonals, some that end where they begin.
+/// Rays, some of them along the axes or along diagonals, some that end where they begin.
 std::vector<Ray> rays() {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> coordinate(0.0, kSide);
@@ -47,8 +47,8 @@ std::vector<Ray> rays() {
   return rays;
 }
 
-/// The oracle: the grid lines that a ray crosses, true for those across x, each found anew from how
-/// far it is along the ray.
+/// The oracle: the grid lines that a ray crosses (true for those across x), each computed
+/// independently from its distance along the ray.
 std::vector<bool> lines_crossed(const Ray& ray) {
   constexpr std::int64_t kCell = 1 << 16;
   const auto units = [](double cells) {

@@ -65,7 +65,7 @@ TEST_F(RelocaliserTest, FindsTheRobotAnywhereInARoom) {
   EXPECT_GE(found, 18);  // measured: 22; facing a bare wall, a place cannot be told
 }
 
-// Turned by half a turn, it looks the same from the other side.
+// Rotated by 180 degrees, it looks the same from the other side.
 TEST_F(RelocaliserTest, InASymmetricHallItSaysThatItDoesNotKnow) {
   const test::FloorPlan hall{
       {{-6, -4}, {6, -4}}, {{6, -4}, {6, 4}}, {{6, 4}, {-6, 4}}, {{-6, 4}, {-6, -4}}};
@@ -162,7 +162,8 @@ TEST_F(RelocaliserTest, OdometryThatIsLateInATurnDoesNotMatter) {
   EXPECT_NEAR(found.T_map_base.yaw, last.yaw, 0.03);
 }
 
-// Each place is sure, but odometry has not seen the robot move from one to the other.
+// Each place is sure on its own, but odometry says that the robot did not move from one to the
+// other.
 TEST_F(RelocaliserTest, ScansThatContradictEachOtherFindNothing) {
   const KnownMap map(trinary(test::drawn_grid(test::room(), test::poses_in_room())), {});
   const SE2 first{-1.0, 0.5, 0.3};

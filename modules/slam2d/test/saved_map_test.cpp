@@ -29,7 +29,7 @@ double distance(const SE2& a, const SE2& b) {
   return (a.translation() - b.translation()).norm();
 }
 
-/// One run of the process in room(), with odometry that begins anywhere and is 3 % too long.
+/// One run of the process in room(). Odometry begins anywhere and is 3 % too long.
 class Session {
  public:
   Session() : node_(context_, Slam2dParams{}) {}
@@ -71,7 +71,7 @@ class Session {
   std::int64_t seq_ = 0;
 };
 
-// Map: where the first run began, at the origin of room(), in the direction of odometry.
+// The map frame is the odom frame of the first run, which began at the origin of room().
 constexpr SE2 kMapOfRoom{4.0, -7.0, 2.0};
 
 /// Half a circle of 0.75 m radius, from the origin of room().
@@ -159,7 +159,7 @@ TEST(SavedMap, IsTheSameAfterItWasRestored) {
   }
 }
 
-// The second run begins elsewhere in the room, turned, with odometry of its own.
+// The second run begins elsewhere in the room, with another heading and another odom frame.
 TEST(SavedMap, IsCarriedOnWithFromAPlaceThatIsNotTold) {
   const nodmap::test::TemporaryDir first;
   const nodmap::test::TemporaryDir second;
@@ -178,7 +178,7 @@ TEST(SavedMap, IsCarriedOnWithFromAPlaceThatIsNotTold) {
       const nodmap::pose_t pose = run.last_pose();
       EXPECT_EQ(pose.state, nodmap::pose_t::TRACKING);
       const SE2 expected = kMapOfRoom * now;
-      // A cell of the grid that it was found in.
+      // Within a cell of the grid in which it was found.
       EXPECT_NEAR(pose.position_m[0], expected.x, 0.05) << i;
       EXPECT_NEAR(pose.position_m[1], expected.y, 0.05) << i;
     }

@@ -37,8 +37,8 @@ TEST_P(ScanMatcherMetrics, R34_FindsTheRobotAgain) {
         map, points, {truth.x + error.x, truth.y + error.y, truth.yaw + error.yaw});
     EXPECT_EQ(match.degenerate_directions, 0);
     EXPECT_GT(match.inlier_ratio, 0.9);
-    // 1 cm noise on some 90 points for each axis gives 1 mm; the single scan that is the map has
-    // gaps of 10 cm and rounded corners, which point to point feels in full.
+    // 1 cm noise on some 90 points for each axis gives 1 mm. The map is a single scan, with gaps of
+    // 10 cm and rounded corners, which affect point to point fully.
     const double tolerance = GetParam() == Metric::kPointToLine ? 0.01 : 0.03;
     EXPECT_NEAR(match.T_map_base.x, truth.x, tolerance);
     EXPECT_NEAR(match.T_map_base.y, truth.y, tolerance);
@@ -56,8 +56,8 @@ TEST(ScanMatcher, R37_TheAxisOfACorridorStaysAtTheGuess) {
   const auto points = extractor.extract(scanner.scan(test::corridor(), {}), {});
   const Match match = ScanMatcher(MatcherParams{}).match(map, points, {0.3, 0.15, 0.05});
   EXPECT_EQ(match.degenerate_directions, 1);
-  // Across and in heading as exact as anywhere; along, the heading still to be found mixes at most
-  // 0.05 rad of the 0.15 m across into it.
+  // Across and in heading it is as exact as anywhere. Along, the initial heading error mixes in at
+  // most 0.05 rad of the 0.15 m across.
   EXPECT_NEAR(match.T_map_base.x, 0.3, 0.03);
   EXPECT_NEAR(match.T_map_base.y, 0.0, 0.01);
   EXPECT_NEAR(match.T_map_base.yaw, 0.0, 0.01);

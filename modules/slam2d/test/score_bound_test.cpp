@@ -32,7 +32,7 @@ PointMap map_of(const std::vector<Eigen::Vector2d>& points) {
   return map;
 }
 
-/// Mean over the points, by comparing each with each.
+/// The mean score of the points, by brute force.
 double true_score(const std::vector<Eigen::Vector2d>& map, const std::vector<Eigen::Vector2d>& scan,
                   const Eigen::Vector2d& shift_m) {
   double sum = 0.0;
@@ -55,7 +55,8 @@ TEST(ScoreBound, IsNeverBelowTheScoreAndNotFarAbove) {
     for (int y = -6; y <= 6; ++y) {
       const double score = true_score(points, scan, ScoreBound::kCellM * Eigen::Vector2d(x, y));
       EXPECT_GE(bound.at(cells, x, y), score);
-      // A point scores less than the best in its cell by at most the diagonal; and 1/255.
+      // A point scores less than the best in its cell by at most the cell's diagonal, plus 1/255 of
+      // rounding.
       EXPECT_LE(bound.at(cells, x, y),
                 score + std::sqrt(2.0) * ScoreBound::kCellM / kMaxDistanceM + 0.005);
     }

@@ -21,7 +21,7 @@ using test::kPeriod;
 using test::Scanner;
 using test::track;
 
-/// What must hold with the default metric, which is not the paper's, and with the paper's own.
+/// Must hold with the default metric, which is not the paper's, and with the paper's own.
 class Slam2dMetric : public testing::TestWithParam<Metric> {
  protected:
   [[nodiscard]] static Slam2dParams params() { return {.matcher = {.metric = GetParam()}}; }
@@ -34,9 +34,9 @@ INSTANTIATE_TEST_SUITE_P(Metrics, Slam2dMetric,
                                                                                 : "Paper";
                          });
 
-// Odometry drifts by 4 % and 8 degrees per rotation of 60 degrees, and once jumps by 0.2 m as when
-// wheels slip. The correction takes all of it, in the scans and between them; odom is never
-// touched.
+// Odometry drifts by 4 % and by 8 degrees per rotation of 60 degrees, and once jumps by 0.2 m, as
+// when wheels slip. The correction absorbs all of it, at the scans and between them; odom is never
+// changed.
 TEST_P(Slam2dMetric, R34_TheCorrectionAbsorbsDriftAndJumpsOfOdometry) {
   Slam2d slam{params()};
   Scanner scanner;
@@ -69,7 +69,7 @@ TEST_P(Slam2dMetric, R34_TheCorrectionAbsorbsDriftAndJumpsOfOdometry) {
   EXPECT_GT(distance_m(odom, truth), 0.2);
 }
 
-// A stationary robot, whose odometry trembles by 1 mm, for 60 s.
+// A robot that is stationary for 60 s, with odometry that trembles by 1 mm.
 void stay_in_place(Slam2d& slam) {
   Scanner scanner;
   for (int i = 0; i < 60 * 5; ++i) {
@@ -85,9 +85,9 @@ TEST_P(Slam2dMetric, R36_AStationaryRobotAddsNoKeyframe) {
   EXPECT_EQ(slam.keyframes().size(), 1U);
 }
 
-// Here every scan becomes a keyframe, so that nothing but d_new keeps the map from growing; the 1 %
-// of R36 rests on both rules. The noise of 300 scans moves some points beyond d_new: to the 163 of
-// the first scan they add 9 with the default metric, 10 with the paper's.
+// Here every scan becomes a keyframe, so that only d_new keeps the map from growing; the 1 % of R36
+// rests on both rules. The noise of 300 scans moves some points beyond d_new: to the 163 of the
+// first scan they add 9 with the default metric, 10 with the paper's.
 TEST_P(Slam2dMetric, R36_PointsWithACorrespondenceDoNotGrowTheMap) {
   Slam2dParams params = this->params();
   params.keyframe.distance_m = 0.0;
@@ -100,8 +100,8 @@ TEST_P(Slam2dMetric, R36_PointsWithACorrespondenceDoNotGrowTheMap) {
   EXPECT_LE(slam.map().points().size(), first.map().points().size() + 12);
 }
 
-/// How many keyframes a drive with nine level scans makes, 0.25 m one after the other, of a scanner
-/// that is held level or nods by 1 degree in a scan.
+/// How many keyframes come from a drive with nine level scans, 0.25 m apart, of a scanner that is
+/// held level or nods by 1 degree per scan.
 std::size_t num_keyframes(double pitch_step_deg) {
   Slam2d slam{Slam2dParams{}};
   Scanner scanner;
@@ -163,10 +163,10 @@ TEST(Slam2d, R37_ACorridorFollowsOdometryAlongAndTheWallsAcross) {
     odom = odom * SE2{0.103, 0.0, 0.002};  // 3 % too long, rotates by 1.1 degrees per metre
   }
   EXPECT_EQ(update->quality, PoseQuality::kPartly);
-  // The position along the axis is known by odometry alone, with its 3 %. Matching must neither
-  // pull the robot back (the classical slide) nor push it on; R37 allows 0.3 m in 30 m,
-  // 0.1 m across and 0.5 degrees.
-  // Measured: 0.4 mm along, 25 mm across and 0.053 degrees, in submaps that drift across a little.
+  // The position along the axis comes from odometry alone, which is 3 % off. Matching must neither
+  // pull the robot back (the classical slide) nor push it on. R37 allows 0.3 m in 30 m, 0.1 m
+  // across and 0.5 degrees. Measured: 0.4 mm along, 25 mm across and 0.053 degrees, in submaps that
+  // drift across a little.
   EXPECT_NEAR(update->T_map_base.x, 30.0 * 1.03, 0.0005);
   EXPECT_NEAR(update->T_map_base.y, 0.0, 0.0315);
   EXPECT_NEAR(update->T_map_base.yaw, 0.0, geometry::deg_to_rad(0.065));

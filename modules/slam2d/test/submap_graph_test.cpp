@@ -17,7 +17,7 @@ using registration::PoseEdge2d;
 
 const SE2 kFirst{2.0, -1.0, 0.7};
 const SE2 kSecond{-0.5, 3.0, -1.9};
-// Differences over 2e-6 m of functions that curve by a few per metre.
+// Central differences over 2e-6 m, of functions with a curvature of a few per metre.
 constexpr double kDifferences = 1e-6;
 
 Eigen::Matrix3d some_information(double scale) {
@@ -71,8 +71,8 @@ TEST(SubmapGraph, AComposedEdgeHasTheCovariancesOfBoth) {
   EXPECT_TRUE(a_c.information.inverse().isApprox(expected, kDifferences));
 }
 
-// Step after step along corridors that tell nothing about their direction, seen from both ends: it
-// stays unknown, and nothing that could not be a covariance comes out.
+// Step after step along corridors that do not determine their own direction, seen from both ends:
+// that direction stays unknown, and every result is a valid covariance.
 TEST(SubmapGraph, WhatIsNotKnownStaysUnknown) {
   PoseEdge2d sum = edge(0, 1, kFirst);
   sum.information = Eigen::Vector3d(0.0, 4e4, 1e6).asDiagonal();
@@ -112,15 +112,15 @@ TEST(SubmapGraph, TheLoopsOfADroppedSubmapGoToTheOneItIsJoinedToMostSurely) {
   Row row;
   row.graph.drop_submap(1, row.submaps);
   row.submaps.erase(row.submaps.begin() + 1);
-  // From 1 to 3 was the surest edge; 3 is 2 now, and the loop to 4 begins there.
+  // The edge from 1 to 3 was the most certain; 3 is 2 now, and the loop to 4 begins there.
   const std::vector<PoseEdge2d> loops = row.graph.loops();
   ASSERT_EQ(loops.size(), 1U);
   EXPECT_EQ(loops[0].from, 2U);
   EXPECT_EQ(loops[0].to, 3U);
   EXPECT_FALSE(SubmapGraph::is_outlier(loops[0], row.submaps));
-  // No surer than the way through the dropped one: covariances add up.
+  // No more certain than the way through the dropped one: covariances add up.
   EXPECT_LT(loops[0].information.trace(), some_information(1.0).trace());
-  // Poses that agreed with all edges still do: nothing moves.
+  // Poses that agreed with all edges still agree, so nothing moves.
   std::vector<Submap> moved = row.submaps;
   row.graph.optimise(moved, true);
   for (std::size_t s = 0; s < moved.size(); ++s) {

@@ -18,7 +18,7 @@ struct Box {
   Eigen::Vector2d high;
 };
 
-/// Range to the nearest box, which may contain the origin: by the slabs of each.
+/// Range to the nearest box, which may contain the origin (slab method).
 double range_m(const std::vector<Box>& boxes, const Eigen::Vector2d& origin, double angle_rad) {
   const Eigen::Vector2d ray(std::cos(angle_rad), std::sin(angle_rad));
   double nearest = std::numeric_limits<double>::infinity();
@@ -38,7 +38,8 @@ double range_m(const std::vector<Box>& boxes, const Eigen::Vector2d& origin, dou
   return nearest;
 }
 
-/// Half a circle of beams, a degree apart and off the axes, as a scanner on the robot sees a room.
+/// A half circle of beams, one degree apart and off the axes, as a scanner on the robot sees a
+/// room.
 View look(const std::vector<Box>& boxes, const geometry::SE2& T_world_base) {
   std::vector<Eigen::Vector2d> points;
   for (double deg = -89.7; deg < 90.0; deg += 1.0) {
@@ -49,7 +50,7 @@ View look(const std::vector<Box>& boxes, const geometry::SE2& T_world_base) {
   return {points, Eigen::Vector2d::Zero()};
 }
 
-/// A room of 12 m x 2.5 m with walls across that leave 0.8 m free, at either side in turn.
+/// A room of 12 m x 2.5 m with walls across it that leave 0.8 m free, alternately at either side.
 std::vector<Box> zigzag() {
   std::vector<Box> boxes{{{-1.0, -1.25}, {11.0, 1.25}}};
   for (int i = 0; i < 6; ++i) {
@@ -80,7 +81,7 @@ TEST(View, ViewsOfTheSamePlaceContradictNothing) {
 }
 
 TEST(View, AWallWhereTheOtherSawFreeSpaceIsAContradiction) {
-  // Before the wall at 1 m, and 1.5 m farther on, where the next one leaves that side free.
+  // In front of the wall at 1 m, and 1.5 m farther on, where the next one leaves that side free.
   const geometry::SE2 before_wall{1.6, -0.7, geometry::kPi};
   const geometry::SE2 before_gap{3.1, -0.7, geometry::kPi};
   const View wall = look(zigzag(), before_wall);

@@ -46,8 +46,8 @@ double adjusted_error_mm(unsigned seed, const AdjustmentParams& adjustment) {
   return 1e3 * std::sqrt(square_sum_m2 / static_cast<double>(truth.size()));
 }
 
-// Two of three sweeps lie between keyframes. If they are adjusted as well, poses get better: by 29
-// % over three drives.
+// Two of three sweeps lie between keyframes. Adjusting them as well makes the poses better, by 29 %
+// over three drives.
 TEST(AdjustedSweeps, SweepsBetweenKeyframesAreAdjustedAsWell) {
   double with_mm = 0.0;
   double without_mm = 0.0;

@@ -27,7 +27,7 @@ struct Mapping {
   std::vector<SE3> T_map_keyframes;
   std::vector<SE3> truth;
 
-  /// Tracking counts each step wrong by `error`, and says so.
+  /// Tracking measures each step with the error `error`, and with a covariance to match.
   void drive(const Room& room, const std::vector<SE3>& poses, const SE3& error,
              const Matrix6d& step_information) {
     for (const SE3& T_world_base : poses) {
@@ -79,12 +79,12 @@ TEST(BackEnd, LoopsTakeTheDriftBack) {
   Mapping run;
   run.drive(slanting_hall(), poses, error, information(0.03, deg_to_rad(0.5)));
   EXPECT_GT(run.back_end.graph().num_loops(), 10U);
-  // The first ones, which were searched for, are the least exact.
+  // The first loops, which were searched for, are the least exact.
   EXPECT_LE(5 * run.back_end.graph().num_contradicted(), run.back_end.graph().num_loops());
   EXPECT_LT(run.worst_m(), 0.1);
 }
 
-// What is certain is left alone: not a bit of a pose changes.
+// What is certain stays as it is: not one bit of a pose changes.
 TEST(BackEnd, WithoutDriftNothingMoves) {
   Mapping run;
   run.drive(slanting_hall(), circle(75), SE3::Identity(), information(0.001, deg_to_rad(0.01)));
@@ -93,7 +93,7 @@ TEST(BackEnd, WithoutDriftNothingMoves) {
   EXPECT_EQ(run.back_end.metrics().maps_arranged, 0);
 }
 
-// Two rooms of the same look, 24 m apart: the second is not taken for the first.
+// Two rooms that look the same, 24 m apart: the second is not taken for the first.
 TEST(BackEnd, EqualRoomsAreNotOne) {
   Mapping run;
   SE3 T_rooms = SE3::Identity();
@@ -124,7 +124,7 @@ SavedMap saved(const Mapping& run) {
   return map;
 }
 
-// After a restart nobody knows how the robot came from the last keyframe to where it is now.
+// After a restart it is not known how the robot moved since the last keyframe.
 TEST(BackEnd, ASavedMapIsCarriedOnFromTheNearestKeyframe) {
   Mapping before;
   before.drive(slanting_hall(), circle(75), SE3::Identity(), information(0.001, deg_to_rad(0.01)));
@@ -141,11 +141,11 @@ TEST(BackEnd, ASavedMapIsCarriedOnFromTheNearestKeyframe) {
   const registration::PoseEdge3d& step = after.graph().steps().back();
   EXPECT_EQ(step.from, 20U);
   EXPECT_EQ(step.to, 75U);
-  // What the graph knew it knows still: the way round is certain, and stays in the map.
+  // The graph still knows what it knew: the way around is certain, and stays in the map.
   EXPECT_EQ(after.metrics().maps_arranged, 0);
 }
 
-// There and back in a bare corridor: that it is the same corridor tells nothing of its length.
+// There and back in a bare corridor: recognising the corridor says nothing about its length.
 TEST(BackEnd, ABareCorridorMovesNothingAlongItself) {
   std::vector<SE3> poses;
   for (int k = 0; k < 60; ++k) {
@@ -154,7 +154,7 @@ TEST(BackEnd, ABareCorridorMovesNothingAlongItself) {
     T.linear() = geometry::rotation_of({0.0, 0.0, k < 30 ? 0.0 : geometry::kPi});
     poses.push_back(T);
   }
-  // Nothing tells the length but odometry, 10 % of a step wrong.
+  // Only odometry determines the length, with an error of 10 % of a step.
   Matrix6d match = information(0.01, deg_to_rad(0.1));
   match(0, 0) = 1.0;
   Mapping run;

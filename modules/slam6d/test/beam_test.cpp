@@ -136,7 +136,7 @@ TEST(Beam, WalksThroughTheVoxelsOfOctomap) {
   }
 }
 
-// Lanes that end at different steps, and beams left over by fours.
+// Lanes that end at different steps, and beams that are left over when groups of four are full.
 TEST(Beam, ManyWalkThroughTheVoxelsOfEach) {
   std::mt19937 random(62);
   CloudVoxels marked;
@@ -151,8 +151,8 @@ TEST(Beam, ManyWalkThroughTheVoxelsOfEach) {
   }
 }
 
-// OctoMap asks for the end after each step; the first steps of four beams do without. They may:
-// no beam ends more than three steps before its last one.
+// OctoMap checks for the end after each step; the first steps of four beams do not. This is
+// correct, because no beam ends more than three steps before its last one.
 TEST(Beam, EndsAtMostThreeStepsEarly) {
   std::mt19937 random(63);
   const octomap::OcTree tree(kResolutionM);

@@ -16,7 +16,7 @@ struct Marks {
 };
 using MarksByVoxel = std::map<VoxelCode, Marks>;
 
-// Interleaved bit by bit, as the definition says.
+// The code by its definition, interleaved bit by bit.
 VoxelCode interleave(const VoxelKey& key) {
   VoxelCode code = 0;
   for (unsigned bit = 0; bit < kOctreeLevels; ++bit) {
@@ -55,8 +55,8 @@ TEST(VoxelCode, IsTheInterleavedKey) {
   }
 }
 
-// Against a sorted map of single voxels: near ones that share cubes, ones so far apart that cubes
-// want the same slot, and more cubes than the first table has room for.
+// Compared with a sorted map of single voxels: near ones that share cubes, ones so far apart that
+// cubes need the same slot, and more cubes than the first table has room for.
 TEST(CloudVoxels, EqualsAMapOfSingleVoxels) {
   std::mt19937 random(48);
   CloudVoxels voxels;

@@ -1,5 +1,4 @@
-// SPDX-License-Identifier: BSD-3-Clause
-// People about a robot that maps.
+// SPDX-License-Identifier: BSD-3-Clause People around a robot that maps.
 #include <gtest/gtest.h>
 
 #include <utility>
@@ -25,7 +24,7 @@ Room hall_with_people() {
   return room;
 }
 
-// All that a robot sees whom somebody blocks: its surfaces fit nowhere.
+// What a robot sees while somebody blocks its view: surfaces that fit nowhere.
 Room box_about_robot(double half_width_m) {
   return {{{{1, 0, 0}, half_width_m},
            {{-1, 0, 0}, half_width_m},
@@ -33,7 +32,7 @@ Room box_about_robot(double half_width_m) {
            {{0, -1, 0}, half_width_m}}};
 }
 
-// Where the robot begins, at one end of the hall; and where it is in map.
+// The robot's start at one end of the hall, and its pose in map.
 const SE3 kWorldStart = pose(-2.5, 0.0, 0.0);
 SE3 in_map(const SE3& T_world_base) {
   return kWorldStart.inverse() * T_world_base;
@@ -55,8 +54,8 @@ void map_hall(Slam6d& slam) {
   ASSERT_GE(slam.keyframes().size(), 4U);
 }
 
-// In a crowd more than 2 % of what a robot sees stands in space that was seen empty. A sweep that
-// was refused once must not make all that follow suspect.
+// In a crowd more than 2 % of what a robot sees is in space that was seen empty. One refused sweep
+// must not make all the following ones suspect.
 TEST(Crowd, PeopleDoNotKeepARobotLost) {
   Slam6d slam({});
   map_hall(slam);
@@ -68,13 +67,13 @@ TEST(Crowd, PeopleDoNotKeepARobotLost) {
   for (unsigned seed = 21; seed < 24; ++seed) {
     update = add_sweep(slam, cloud_at(hall_with_people(), T_world_base, seed), T_world_base);
     EXPECT_TRUE(update.is_tracked()) << seed;
-    // Of 5 mm of noise hundreds of points leave less than 1 mm.
+    // Averaged over hundreds of points, 5 mm of noise leave less than 1 mm.
     EXPECT_LT((update.T_map_base.translation() - in_map(T_world_base).translation()).norm(), 0.005);
   }
   EXPECT_EQ(slam.metrics().sweeps_lost, 1U);
 }
 
-// Somebody stands so near that hardly a plane is seen: that tells nothing against odometry.
+// Somebody stands so near that hardly any plane is seen. This does not contradict odometry.
 TEST(Crowd, ASweepThatSeesNextToNothingIsNotLost) {
   Slam6d slam({});
   map_hall(slam);

@@ -21,7 +21,7 @@ constexpr int kSweepsPerKeyframe = 4;
 
 // Beside the robot's way, as tall as a child.
 constexpr float kHeightM = 1.2F;
-// One and a half voxels above the floor: below, noise of the floor is in the voxel beneath.
+// One and a half voxels above the floor. Lower down, noise of the floor reaches the voxel beneath.
 constexpr float kLowestM = 0.11F;
 
 Room hall_with_somebody() {
@@ -36,8 +36,8 @@ bool is_of_somebody(const Eigen::Vector3f& p_map) {
          p_map.z() > kLowestM && p_map.z() < kHeightM + 0.05F;
 }
 
-// A drive along the hall, four sweeps for each keyframe. Somebody is there from the first sweep of
-// `with_somebody` on, up to (without) the last.
+// A drive along the hall, four sweeps for each keyframe. Somebody is there from the first to before
+// the last sweep of `with_somebody`.
 struct Drive {
   explicit Drive(std::pair<int, int> with_somebody) {
     int i = 0;
@@ -56,7 +56,8 @@ struct Drive {
     }
   }
 
-  // The share of a keyframe's points that moved: of those of somebody, and of all others.
+  // The fractions of a keyframe's points that count as moved: of those on somebody, and of all
+  // others.
   struct Shares {
     double of_somebody = 0.0;
     double of_others = 0.0;
@@ -83,7 +84,7 @@ struct Drive {
 constexpr std::size_t kVisited = 2;  // the keyframe whose sweep and the next see somebody
 constexpr std::pair kWalksBy{kSweepsPerKeyframe * 2, kSweepsPerKeyframe * 2 + 2};
 
-// What R49 asks for: 95 % of what moved, 99.5 % of what stays kept.
+// R49 asks that 95 % of what moved goes and 99.5 % of the rest stays.
 TEST(EverFreeSpace, HoldsWhoWalkedByAndNoWall) {
   const Drive drive(kWalksBy);
   EXPECT_GT(drive.moved_of(kVisited).of_somebody, 0.95);
@@ -92,8 +93,8 @@ TEST(EverFreeSpace, HoldsWhoWalkedByAndNoWall) {
   }
 }
 
-// The floor is in the middle of a layer of voxels, so that the next layer is empty but for feet:
-// what is 11 cm above the floor goes, not only what is 14 cm above it.
+// The floor lies in the middle of a layer of voxels, so only feet are in the next layer: whatever
+// is 11 cm above the floor goes, not only what is 14 cm above it.
 TEST(EverFreeSpace, FeetGoToo) {
   const Drive drive(kWalksBy);
   const std::vector<bool> is_moved = drive.space.moved_points(drive.keyframes[kVisited], kVisited);
@@ -112,8 +113,8 @@ TEST(EverFreeSpace, FeetGoToo) {
   EXPECT_GT(moved, 0.9 * feet);
 }
 
-// The other sweeps look no higher than 8 degrees, which is lower than a head: it is not seen
-// through, and goes with what is.
+// The other sweeps look up by at most 8 degrees, which is below a head. No beam passes through its
+// place, but it goes with the rest of the person.
 TEST(EverFreeSpace, WhatIsLeftOfSomebodyGoesToo) {
   EverFreeSpace space{EverFreeParams{}};
   const SE3 T_map_base = pose(-0.5, 0.0, 0.0);
@@ -153,7 +154,8 @@ TEST(EverFreeSpace, WhatAllSweepsSeeStays) {
   }
 }
 
-// For half of the drive: not to be told from furniture that was carried away.
+// Somebody who is there for half of the drive cannot be distinguished from furniture that was
+// carried away.
 TEST(EverFreeSpace, WhoStandsLongStays) {
   const Drive drive({0, 14});
   EXPECT_LT(drive.moved_of(kVisited).of_somebody, 0.25);
@@ -168,14 +170,14 @@ TEST(EverFreeSpace, VotesMoveWithTheirKeyframes) {
     T_new_keyframes.push_back(T_new_old * T_map_base);
   }
   drive.space.move_keyframes(T_new_keyframes);
-  // Half a voxel of rounding takes some of what is beside the floor.
+  // Rounding by half a voxel removes some points beside the floor.
   EXPECT_GT(drive.moved_of(kVisited).of_somebody, 0.8);
   for (std::size_t k = 0; k < drive.keyframes.size(); ++k) {
     EXPECT_LT(drive.moved_of(k).of_others, 0.005) << k;
   }
 }
 
-// A robot that is stationary for an hour: the sums do not run over, and take no more memory.
+// A robot that is stationary for an hour: the sums do not overflow, and take no more memory.
 TEST(EverFreeSpace, DoesNotGrowWithTime) {
   EverFreeSpace space{EverFreeParams{}};
   const SweepCloud empty_hall = cloud_at(Room::hall(), SE3::Identity(), 1);
@@ -199,7 +201,7 @@ TEST(EverFreeSpace, DoesNotGrowWithTime) {
 TEST(EverFreeSpace, WithoutVotesNothingMoved) {
   const SweepCloud cloud = cloud_at(Room::hall(), SE3::Identity(), 1);
   EXPECT_TRUE(EverFreeSpace({}).moved_points(cloud, 0).empty());
-  // One look of two may be the wrong one.
+  // One of two sightings may be the wrong one.
   EverFreeSpace of_two{EverFreeParams{}};
   of_two.add_sweep(cloud, SE3::Identity(), 0);
   of_two.add_sweep(cloud, SE3::Identity(), 1);

@@ -1,5 +1,5 @@
-// SPDX-License-Identifier: BSD-3-Clause
-// What happens to a robot: a sweep is lost, the servo stalls, the wheels slip; slow scanners.
+// SPDX-License-Identifier: BSD-3-Clause Faults: a sweep is lost, the servo stalls, the wheels slip,
+// the scanner is slow.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,16 +19,16 @@ namespace faults_test {
 using geometry::deg_to_rad;
 using geometry::SE3;
 
-// A robot drives through the hall at 0.3 m/s for five sweeps, with whatever befalls it.
+// A robot drives through the hall at 0.3 m/s for five sweeps, with a fault on the way.
 class FaultyDrive {
  public:
   static constexpr std::int64_t kScansPerSweep = 80;
 
   std::int64_t num_scans = 5 * kScansPerSweep;
   std::function<bool(std::int64_t)> is_lost = [](std::int64_t) { return false; };
-  /// Of the scan whose pitch the servo has by then.
+  /// The scan whose pitch the servo has by then.
   std::function<std::int64_t(std::int64_t)> pitch_at = [](std::int64_t i) { return i; };
-  /// Of odometry's way at a scan, in m.
+  /// The distance by odometry at a scan, in m.
   std::function<double(std::int64_t)> counted_too_much_m = [](std::int64_t) { return 0.0; };
 
   void run(Slam6d& slam) const {
@@ -54,8 +54,8 @@ class FaultyDrive {
     (void)slam.flush();
   }
 
-  // Recovered, or said to be LOST: what is called tracked is right (1 cm of scan noise), and the
-  // last sweep is tracked.
+  // Poses are right or LOST: the tracked ones are right (1 cm of scan noise), and the last sweep is
+  // tracked.
   static void expect_right(const Slam6d& slam) {
     for (const PoseUpdate& update : slam.sweeps()) {
       if (update.is_tracked()) {
@@ -110,8 +110,8 @@ TEST(Faults, OdometryTenPercentOffInOneSweep) {
   EXPECT_EQ(slam.metrics().sweeps_lost, 0U);
 }
 
-// A slow laser on a slow head, 10 scans a second and 1200 from turning point to turning point: no
-// sweep is cut.
+// A slow laser on a slow head, 10 scans a second and 1200 from reversal to reversal: no sweep is
+// cut.
 TEST(Faults, SweepsOfTwoMinutesAreWhole) {
   constexpr std::int64_t kScansPerSweep = 1200;
   constexpr std::int64_t kSweeps = 3;
@@ -130,7 +130,7 @@ TEST(Faults, SweepsOfTwoMinutesAreWhole) {
   (void)slam.flush();
   ASSERT_EQ(slam.sweeps().size(), static_cast<std::size_t>(kSweeps));
   for (const PoseUpdate& update : slam.sweeps()) {
-    // A turning point is seen a scan or so late, as the head is slower than its hysteresis.
+    // A reversal is noticed about a scan late, because the head is slower than the hysteresis.
     EXPECT_NEAR(static_cast<double>(update.scans_used), static_cast<double>(kScansPerSweep), 16.0);
     EXPECT_TRUE(update.is_tracked());
     EXPECT_LT(update.T_map_base.translation().norm(), 0.005);

@@ -1,5 +1,4 @@
-// SPDX-License-Identifier: BSD-3-Clause
-// Whole sweeps of a hall in which every pose looks different.
+// SPDX-License-Identifier: BSD-3-Clause Whole sweeps in a hall where every pose looks different.
 #pragma once
 
 #include <cmath>
@@ -79,7 +78,8 @@ inline std::vector<geometry::SE3> along_hall() {
   return poses;
 }
 
-/// The same hall elsewhere in the building: only a cabinet at each wall tells it from the first.
+/// The same hall elsewhere in the building: only a cabinet at each wall distinguishes it from the
+/// first.
 inline Room look_alike_hall() {
   Room room = Room::hall();
   room.boxes = {{Eigen::Vector3d(1.0, 0.5, 0.0), Eigen::Vector3d(2.2, 1.1, 1.8)},

@@ -32,8 +32,8 @@ std::vector<SE3> rounds() {
   return poses;
 }
 
-// Steps that drift by 2 % and 0.3 degrees, 50 true loops and 22 that are metres off: 30 %. Compared
-// with the same graph without these.
+// Steps that drift by 2 % and 0.3 degrees, 50 true loops and 22 (30 %) that are metres off.
+// Compared with the same graph without the wrong ones.
 TEST(KeyframeGraph, WrongLoopsDoNotMoveTheMap) {
   const std::vector<SE3> truth = rounds();
   SE3 step_error = SE3::Identity();

@@ -46,7 +46,7 @@ TEST_F(LocaliserInAHall, APlaceIsConfirmedThreeMetresFartherOn) {
   EXPECT_TRUE(robot.is_confirmed());
 }
 
-// Whoever told the start was wrong.
+// The given start pose is wrong.
 TEST_F(LocaliserInAHall, APlaceThatOnlyLooksAlikeIsTakenBack) {
   Localiser robot = localiser(pose(-2.0, 0.0, 0.0));
   ASSERT_TRUE(robot.find(sweep_at(look_alike_hall(), pose(-2.0, 0.0, 0.0), 98), map_.voxels, {}));
@@ -62,8 +62,8 @@ TEST_F(LocaliserInAHall, APlaceThatOnlyLooksAlikeIsTakenBack) {
   EXPECT_LE(sweeps, 4);
 }
 
-// One sweep of somebody who walks by, among nine without: a cabinet's worth of surfaces is 6 to 10
-// % of one sweep, and 1 % of ten, less than the 6 % that take a confirmed place back.
+// Somebody walks by in one of ten sweeps. Surfaces of a cabinet's size are 6 to 10 % of one sweep
+// but 1 % of ten, less than the 6 % at which a confirmed place is given up.
 TEST_F(LocaliserInAHall, OneSweepDoesNotTakeAConfirmedPlaceBack) {
   Localiser robot = localiser(pose(-2.0, 0.0, 0.0));
   ASSERT_TRUE(robot.find(sweep_at(Room::hall(), pose(-2.0, 0.0, 0.0), 98), map_.voxels, {}));

@@ -24,7 +24,7 @@ VoxelKey draw_key(unsigned reach, std::mt19937& random) {
           static_cast<std::uint16_t>(kFirst + offset(random))};
 }
 
-// Each voxel's updates one by one into OctoMap's tree: the oracle.
+// The oracle: each update of a voxel, one by one, in OctoMap's tree.
 class TwoMaps {
  public:
   void update(unsigned reach, int misses, int hits, std::mt19937& random) {
@@ -95,8 +95,9 @@ TEST(LogOddsMap, EqualsOctomapsUpdates) {
   }
 }
 
-// 32 x 32 x 32 voxels that become free, then one of them not, then all again: leaves that are
-// joined, opened and joined anew. Alike, they take no more memory than the empty cube of blocks.
+// 32 x 32 x 32 voxels become free, then one of them occupied, then all free again: leaves are
+// merged, split and merged again. While all are equal, they take no more memory than the empty cube
+// of blocks.
 TEST(LogOddsMap, VoxelsThatAreAlikeAreOne) {
   TwoMaps maps;
   const std::set<VoxelKey> cube = whole_cube(32);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// When the node saves its map, and how it carries on with a saved one.
+// When the node saves its map, and how it continues a saved one.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -28,7 +28,7 @@
 namespace nodmap::slam6d {
 namespace node_test {
 
-// A drive of 4 m is mapped; then the robot begins it anew, with odometry somewhere else.
+// A drive of 4 m is mapped. Then the robot repeats it, with odometry that begins elsewhere.
 class Slam6dNodeInASavedMap : public ::testing::Test {
  protected:
   Slam6dNodeInASavedMap() {
@@ -75,7 +75,7 @@ TEST_F(Slam6dNodeInASavedMap, LocalisesAndLeavesItAsItIs) {
   EXPECT_FALSE(fs::exists(dir_.path() / "out_second" / "map.bt"));
   EXPECT_EQ(formats::read_tum(dir_.path() / "out_second" / "trajectory.tum").size(), 4U);
   EXPECT_TRUE(read(saved_ / "keyframes.lcmlog") == before);
-  // The saved keyframes, of which the page makes the cloud.
+  // The saved keyframes, from which the page makes the cloud.
   std::set<std::int64_t> ids;
   for (const auto& bytes : second.published.at("CLOUD")) {
     nodmap::cloud_chunk_t part{};
@@ -106,7 +106,7 @@ TEST_F(Slam6dNodeInASavedMap, CarriesOnWithIt) {
   EXPECT_EQ(graph.first_keyframe_id, 0);
 }
 
-// Killed as soon as a map is on the disk, whatever is being written by then.
+// The process is killed as soon as a map is on the disk, whatever is being written then.
 TEST_F(Slam6dNodeInASavedMap, AfterAKillTheLastWholeMapIsCarriedOnWith) {
   const fs::path killed = dir_.path() / "killed";
   fs::create_directories(killed);
@@ -161,7 +161,7 @@ TEST(Slam6dNode, SavesOnRequestAndEveryFewKeyframes) {
   const Outcome outcome =
       replay(dir.path(), "save",
              {.keyframe = {.distance_m = 2.0}, .occupancy = {.save_every_keyframes = 1}});
-  // The second sweep beyond 2 m is complete before the end; on request; at the end.
+  // Saved three times: when the second sweep beyond 2 m is complete, on request, and at the end.
   EXPECT_EQ(outcome.metrics["occupancy_map"]["times_saved"], 4);
 }
 

@@ -67,8 +67,8 @@ TEST(Slam6dNode, PublishesAPosePerSweepAndACloudPerKeyframe) {
   ASSERT_TRUE(bus::decode_into(pose, outcome.published["POSE_6D"][1]));
   EXPECT_EQ(pose.state, nodmap::pose_t::TRACKING);
   EXPECT_EQ(pose.utime % 1'000'000'000, pose.utime);
-  // Across a hall of 2 m x 2.5 m that is seen with noise of 1 cm the pose is known to millimetres
-  // (planes: some 1000 points, of which ten count as one), along it to what its end walls tell.
+  // Across a hall of 2 m x 2.5 m, seen with noise of 1 cm, the pose is known to millimetres
+  // (planes: some 1000 points, of which ten count as one). Along it the end walls determine it.
   for (int i = 0; i < 6; ++i) {
     EXPECT_GT(pose.covariance[i][i], 0.0) << i;
     for (int j = 0; j < 6; ++j) {
@@ -92,7 +92,7 @@ TEST(Slam6dNode, PublishesAPosePerSweepAndACloudPerKeyframe) {
   EXPECT_GT(num_points, 1000U);
 }
 
-// The parts of a revision are a file: the last one the file that is saved at the end.
+// The parts of a revision make up a file. The last one is the file that is saved at the end.
 TEST(Slam6dNode, PublishesTheOctomapThatItSaves) {
   const test::TemporaryDir dir;
   LogFile log(dir.path() / "drive.lcmlog");
@@ -106,7 +106,8 @@ TEST(Slam6dNode, PublishesTheOctomapThatItSaves) {
     ASSERT_TRUE(bus::decode_into(part, bytes));
     maps[part.map_revision].append(part.bytes.begin(), part.bytes.end());
   }
-  // The first keyframe's at once; the second, within the period, waits for the end.
+  // The map of the first keyframe is published at once; the second comes within the period, and
+  // waits for the end.
   ASSERT_EQ(maps.size(), 2U);
   EXPECT_NE(maps[0], maps[1]);
   EXPECT_TRUE(maps[1] == read(dir.path() / "out_drive" / "map.bt"));
@@ -128,7 +129,7 @@ TEST(Slam6dNode, GoesOnWhereItWasWhenOdometryBeginsAnew) {
   log.add_drive(true, kRestart);
   log.close();
   Outcome outcome = replay(dir.path(), "restart", {});
-  // The running sweep is cut there: five instead of four, and no scan of them is lost.
+  // The running sweep is cut there: five sweeps instead of four, and no scan is lost.
   ASSERT_EQ(outcome.published["POSE_6D"].size(), 5U);
   EXPECT_EQ(outcome.counts.used(), 640);
   EXPECT_EQ(outcome.metrics["keyframes"].back()["reason"], "interruption");
@@ -136,8 +137,8 @@ TEST(Slam6dNode, GoesOnWhereItWasWhenOdometryBeginsAnew) {
     nodmap::pose_t pose{};
     ASSERT_TRUE(bus::decode_into(pose, outcome.published["POSE_6D"][i]));
     const double truth_m = 1e-6 * static_cast<double>(pose.utime);
-    // The way of one scan at 1 m/s, 1.3 cm, is lost at the restart; registration in a hall with 1
-    // cm of scan noise is better than 2 cm.
+    // The motion during one scan, 1.3 cm at 1 m/s, is lost at the restart; registration in a hall
+    // with 1 cm of scan noise is better than 2 cm.
     EXPECT_NEAR(pose.position_m[0], truth_m, 0.033) << i;
     // The correction leads from the odometry of its time: from the new one after the restart.
     const double start_m =
@@ -146,7 +147,7 @@ TEST(Slam6dNode, GoesOnWhereItWasWhenOdometryBeginsAnew) {
             : time::seconds(kRestart * NoddingScanner::kPeriod);
     EXPECT_NEAR(pose.odom_position_m[0], start_m, 0.033) << i;
   }
-  // With all that is known, too.
+  // The same with all corrections.
   for (const auto& pose : formats::read_tum(dir.path() / "out_restart" / "trajectory.tum")) {
     EXPECT_NEAR(pose.pose.translation().x(), time::seconds(pose.stamp.time_since_epoch()), 0.033);
   }

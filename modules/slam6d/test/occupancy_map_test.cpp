@@ -78,7 +78,8 @@ TEST(OccupancyMap, R46_PrecisionAndRecallWithNoise) {
   EXPECT_GE(on_wall, 0.90 * (on_wall + off_wall));  // precision: 5000 x 1.2 % = 60 of 860
 }
 
-// A cloud by OctoMap's own means: its sets of keys, hits before misses, a voxel at a time.
+// A cloud inserted with OctoMap's own functions: sets of keys, hits before misses, one voxel at a
+// time.
 void insert_stock(octomap::OcTree& tree, const SweepCloud& cloud, const SE3& T_map_base,
                   const OccupancyMap::Options& options) {
   const auto to_octomap = [](const Eigen::Vector3d& p) {
@@ -134,9 +135,9 @@ void expect_same_bytes(const OccupancyMap& map, const octomap::OcTree& stock) {
   EXPECT_EQ(map.num_nodes(), stock.size());
 }
 
-// Against OctoMap's own insertion, bit by bit: clouds that overlap from different poses, so that
-// hits and misses meet in a voxel, each often enough for values to reach OctoMap's limits (five
-// hits, five misses) and for free space to be pruned and opened again.
+// Compared bit by bit with OctoMap's own insertion. Clouds from different poses overlap, so that
+// hits and misses meet in a voxel, often enough for values to reach OctoMap's limits (five hits,
+// five misses) and for free space to be pruned and expanded again.
 TEST(OccupancyMap, R46_EqualsStockInsertion) {
   for (const bool discretize : {false, true}) {
     const OccupancyMap::Options options{.max_range_m = 3.0, .discretize = discretize};
@@ -148,7 +149,7 @@ TEST(OccupancyMap, R46_EqualsStockInsertion) {
       T_map_base.translation() = Eigen::Vector3d(0.7 * place, -0.4 * place, 0.1);
       T_map_base.linear() =
           Eigen::AngleAxisd(0.3 * place, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-      // Discretized, one line: OctoMap leaves out what is double in a call, we in a cloud.
+      // Discretized, with one line: OctoMap leaves out duplicates within a call, we within a cloud.
       const SweepCloud cloud = random_cloud(discretize ? 1 : 3, random);
       for (int times = 0; times < 6; ++times) {
         map.insert(cloud, T_map_base);
@@ -160,7 +161,7 @@ TEST(OccupancyMap, R46_EqualsStockInsertion) {
   }
 }
 
-// The same where all is alike: a room so dense with beams that blocks are free as a whole.
+// The same in a room so dense with beams that whole blocks are free.
 TEST(OccupancyMap, R46_EqualsStockInsertionWhereSpaceIsFull) {
   const OccupancyMap::Options options{.resolution_m = 0.2};
   OccupancyMap map(options);
@@ -176,8 +177,8 @@ TEST(OccupancyMap, R46_EqualsStockInsertionWhereSpaceIsFull) {
   }
 }
 
-// A beam that is cut off at the range ends in the voxel in which another one hits, whichever was
-// first.
+// A beam that is cut off at the maximum range ends in a voxel in which another one hits; either may
+// come first.
 TEST(OccupancyMap, AHitCountsWhereAnotherBeamIsCutOff) {
   SweepCloud cloud;
   cloud.points = {{3.0F, 0.0F, 0.02F}, {1.99F, 0.0F, 0.02F}, {3.0F, 0.0F, 0.02F}};
@@ -200,7 +201,8 @@ TEST(OccupancyMap, BeamsBeyondTheRangeOnlyFree) {
   EXPECT_GT(tree->getNumLeafNodes(), 0U);
 }
 
-// Somebody before a wall: what is known to have moved leaves the way to it free.
+// Somebody in front of a wall: points that are known to have moved leave only the free space before
+// them.
 TEST(OccupancyMap, NothingIsOccupiedWherePointsMoved) {
   SweepCloud cloud;
   cloud.points = {{1.02F, 0.0F, 0.02F}, {2.02F, 0.5F, 0.02F}};
@@ -215,7 +217,7 @@ TEST(OccupancyMap, NothingIsOccupiedWherePointsMoved) {
   EXPECT_TRUE(tree->isNodeOccupied(tree->search(2.02, 0.5, 0.02)));
 }
 
-// What was seen twice is the same as what is built anew: a map holds no more than its clouds.
+// A map depends on its clouds alone: built again, it is the same.
 TEST(OccupancyMap, SameCloudsGiveTheSameBytes) {
   OccupancyMap first({});
   OccupancyMap second({});

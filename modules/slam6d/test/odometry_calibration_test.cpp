@@ -21,7 +21,8 @@ SE3 arc(double length_m, double turn_rad) {
   return motion;
 }
 
-// Wheels that count 4 % too much, turn 6 % too much and veer by 0.5 degrees for each metre.
+// Wheels that count 4 % too much distance and 6 % too much rotation, and veer by 0.5 degrees a
+// metre.
 SE3 counted(double length_m, double turn_rad) {
   return arc(1.04 * length_m, 1.06 * turn_rad + deg_to_rad(0.5) * length_m);
 }
@@ -56,8 +57,8 @@ TEST(OdometryCalibration, LearnsTheErrorsOfTheWheels) {
   EXPECT_LT(geometry::rotation_angle(error), deg_to_rad(0.5));
 }
 
-// Slip of 30 degrees is no calibration; a prediction that registration made no better tells
-// nothing; nothing is learned of a robot that stands, or where nothing is to be learned.
+// Nothing is learned from slip of 30 degrees, from a prediction that registration did not improve,
+// from a stationary robot, or if learning is switched off.
 TEST(OdometryCalibration, WhatTellsNothingChangesNothing) {
   OdometryCalibration calibration({});
   calibration.learn(arc(0.5, 0.1), {}, evidence(deg_to_rad(30.0), deg_to_rad(0.2)));

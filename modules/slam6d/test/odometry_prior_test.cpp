@@ -33,7 +33,7 @@ TEST(OdometryPrior, ASweepThatWasRefusedDoublesItUpToALimit) {
   EXPECT_GT(interrupted(0, 0), std::pow(OdometryParams{}.interruption_m, 2));
 }
 
-// The covariance has the axes of map: a robot that looks along y of map has its yaw about z and its
+// The covariance is in the axes of map: for a robot that looks along y of map, yaw is about z and
 // roll about y.
 TEST(OdometryPrior, IsInTheAxesOfTheMap) {
   SE3 T_map_base = SE3::Identity();

@@ -12,8 +12,8 @@ namespace odometry_scatter_test {
 constexpr double kLeast = 0.1;
 constexpr double kSigmaM = 0.06;  // of a motion, as the parameters have it
 
-// A motion that was `error_m` longer than predicted, measured to `measured_m` against a prediction
-// of `kSigmaM`: the estimate is a mean of both.
+// A motion that was `error_m` longer than predicted. The measurement has the standard deviation
+// `measured_m`, the prediction `kSigmaM`; the estimate is their weighted mean.
 MotionEvidence evidence(double error_m, double measured_m) {
   const double prior = kSigmaM * kSigmaM;
   const double gain = prior / (prior + measured_m * measured_m);
@@ -41,14 +41,15 @@ TEST(OdometryScatter, LearnsHowGoodTheWheelsAre) {
   EXPECT_DOUBLE_EQ(learned(3.0, 300, 0.005), 1.0);
 }
 
-// What is measured worse counts less, and what registration made no better, nothing.
+// A less exact measurement counts less, and one that does not improve the prediction counts
+// nothing.
 TEST(OdometryScatter, BelievesGoodWheelsOnlyWhereTheyWereMeasured) {
   EXPECT_GT(learned(0.1, 10, 0.06), learned(0.1, 10, 0.005) + 0.05);
   EXPECT_DOUBLE_EQ(learned(0.1, 300, 10.0 * kSigmaM), 1.0);
 }
 
-// One slip of 30 cm, 5 standard deviations, among 41 motions: sqrt(25 / 41) = 0.78, and less by the
-// little weight that the measurement lacks.
+// One slip of 30 cm, 5 standard deviations, among 41 motions: sqrt(25 / 41) = 0.78, or a little
+// less, because the measurement does not have its full weight.
 TEST(OdometryScatter, BelievesSlipAtOnce) {
   OdometryScatter learner(kLeast);
   for (int i = 0; i < 300; ++i) {

@@ -1,5 +1,5 @@
-// SPDX-License-Identifier: BSD-3-Clause
-// A robot that is kicked or carried away while it maps is looked for in its own map.
+// SPDX-License-Identifier: BSD-3-Clause A robot that is kicked or carried away while it maps is
+// searched for in its own map.
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -44,7 +44,7 @@ class RobotInAHall : public testing::Test {
   time::Timestamp stamp_{};
 };
 
-// 5 m away and turned by 100 degrees. The long walls fit nearly anywhere; the ends contradict.
+// 5 m away and rotated by 100 degrees. The long walls fit nearly anywhere, but the ends contradict.
 TEST_F(RobotInAHall, IsFoundWhereItWasCarried) {
   const SE3 T_hall_carried = pose(-1.8, 0.1, 100.0);
   const SE3 T_odom_hall = along_hall().back() * T_hall_carried.inverse();
@@ -54,7 +54,7 @@ TEST_F(RobotInAHall, IsFoundWhereItWasCarried) {
     EXPECT_EQ(lost.registration->status, RegistrationStatus::kLost);
     EXPECT_TRUE(slam_.may_search());
   }
-  // The fifth sweep is searched for; the place is not sure until the robot was 3 m farther on.
+  // The fifth sweep starts a search. The place is not sure until the robot is 3 m farther on.
   for (const double x_m : {-1.8, -1.0, 0.0, 1.0}) {
     const SE3 T_hall_base = pose(x_m, 0.1, 100.0);
     const PoseUpdate found = see(Room::hall(), T_hall_base, T_odom_hall * T_hall_base);
@@ -71,7 +71,7 @@ TEST_F(RobotInAHall, IsFoundWhereItWasCarried) {
   EXPECT_FALSE(slam_.may_search());
 }
 
-// Elsewhere, where only cabinets tell the hall from the one that was mapped.
+// Carried to another hall, which only cabinets distinguish from the one that was mapped.
 TEST_F(RobotInAHall, IsNotFoundElsewhere) {
   const std::size_t num_voxels = slam_.metrics().map_voxels;
   for (int i = 0; i < 12; ++i) {
@@ -83,7 +83,7 @@ TEST_F(RobotInAHall, IsNotFoundElsewhere) {
   }
 }
 
-// Turned by 30 degrees during a gap of 2 s, and from then on odometry counts 10 % too much.
+// Rotated by 30 degrees during a gap of 2 s. From then on odometry counts 10 % too much.
 TEST_F(RobotInAHall, IsRightOrLostAfterAKick) {
   SE3 T_odom_base = along_hall().back();
   SE3 T_hall_base = along_hall().back() * pose(0.3, 0.1, 30.0);

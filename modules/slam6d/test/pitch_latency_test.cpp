@@ -31,7 +31,7 @@ TEST(PitchLatency, IsLearnedFromSweepsUpAndDown) {
 TEST(PitchLatency, OneSweepOfAStationaryRobotIsEnough) {
   PitchLatency latency({});
   latency.learn(-4.0, -4.0 * kLatencyS, 1e-8);
-  // Of a prior of 2 ms the 0.025 ms of the measurement leave a 6400th.
+  // A measurement of 0.025 ms leaves a 6400th of a prior of 2 ms.
   EXPECT_NEAR(latency.seconds(), kLatencyS, 1e-6);
 }
 

@@ -52,7 +52,7 @@ TEST(PlaceSearch, AnotherBuildingIsNotFound) {
   EXPECT_TRUE(!found.best || found.best->lowest_inlier_ratio() < 0.5);
 }
 
-// Enough of the look-alike lies on the map's planes; but cabinets stand where the map is free.
+// Enough of the look-alike lies on the map's planes, but its cabinets are where the map is free.
 TEST(PlaceSearch, APlaceThatOnlyLooksAlikeIsRefused) {
   const std::vector<SE3> keyframes = along_hall();
   const TestMap map(Room::hall(), keyframes);

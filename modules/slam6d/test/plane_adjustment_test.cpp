@@ -28,7 +28,7 @@ SE3 along(double x_m) {
 
 using Noise = std::function<double()>;  // of a range, metres
 
-// What a sphere of beams, one each 2 degrees, sees from a pose.
+// What a sphere of beams, 2 degrees apart, sees from a pose.
 AdjustedSweep seen_from(
     const SE3& T_world_base, const Room& room, const Noise& noise = [] { return 0.0; }) {
   std::vector<Eigen::Vector3f> points;
@@ -65,7 +65,7 @@ std::vector<AdjustedSweep> drive(
   return sweeps;
 }
 
-// All but the first by some millimetres and up to 0.1 degrees.
+// Disturbs all poses but the first, by some millimetres and up to 0.1 degrees.
 void disturb(std::vector<AdjustedSweep>& sweeps) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> any(-1.0, 1.0);
@@ -82,8 +82,8 @@ double error_m(const SE3& pose, std::size_t k) {
   return (pose.translation() - along(0.5 * static_cast<double>(k)).translation()).norm();
 }
 
-// The truth is the closed form: without noise all planes agree there. One step leaves what the
-// voxels' rounding makes; odometry, wrong by nothing but believed to 1 m only, does not help.
+// The truth is the closed form: without noise all planes agree there. One step leaves only the
+// rounding of the voxels. Odometry is exact, but does not help, because it is trusted to 1 m only.
 TEST(PlaneAdjustment, FindsTheTruePosesInAHall) {
   std::vector<AdjustedSweep> sweeps = drive(Room::hall(), 1.0);
   disturb(sweeps);
@@ -115,9 +115,9 @@ TEST(PlaneAdjustment, SinglePointsCountByTheirOwnNoise) {
   EXPECT_LT(std::sqrt(square_sum_m2 / (kDrives * (kSweeps - 1))), 3.3e-3);
 }
 
-// No plane tells the length of a bare corridor. Patches at its corners seem to: sweeps that are 4
-// mm off across it slide along it, by 28 mm at most where each step of odometry is believed to 10
-// cm.
+// No plane determines the length of a bare corridor. Patches at its corners seem to: sweeps that
+// are 4 mm off across it slide along it, by 28 mm at most where each step of odometry is believed
+// to 10 cm.
 TEST(PlaneAdjustment, SweepsHardlySlideAlongABareCorridor) {
   std::vector<AdjustedSweep> sweeps = drive(Room::corridor(), 0.1);
   for (std::size_t k = 1; k < kSweeps; ++k) {
@@ -129,8 +129,8 @@ TEST(PlaneAdjustment, SweepsHardlySlideAlongABareCorridor) {
   }
 }
 
-// A sweep without planes of its own, as those between keyframes are, is put right by the planes of
-// the others, and its motion may be measured from any earlier sweep.
+// A sweep without planes of its own, like those between keyframes, is corrected by the planes of
+// the others. Its motion may be measured from any earlier sweep.
 TEST(PlaneAdjustment, SweepsBetweenKeyframesFollowThePlanesOfTheKeyframes) {
   std::vector<AdjustedSweep> sweeps = drive(Room::hall(), 1.0);
   for (const std::size_t k : {1U, 3U}) {
@@ -144,15 +144,15 @@ TEST(PlaneAdjustment, SweepsBetweenKeyframesFollowThePlanesOfTheKeyframes) {
     EXPECT_LT(error_m(adjusted[k], k), 1e-3) << k;
     EXPECT_LT(geometry::rotation_angle(adjusted[k]), geometry::deg_to_rad(0.02)) << k;
   }
-  // Where no plane tells, as in space without any, the pose is that of odometry from `from`.
+  // Without any plane the pose is that of odometry from `from`.
   std::vector<AdjustedSweep> blind = drive(Room{}, 0.1);
   blind[2].from = 0;
   blind[2].T_from_this = along(0.0).inverse() * along(1.2);
   EXPECT_NEAR(adjust_planes(blind, {}, {}, {})[2].translation().x(), 1.2, 1e-9);
 }
 
-// There is no direction or place in the method: all poses moved together by one motion give the
-// adjusted poses moved by it, but for the cubes, which lie elsewhere on the walls.
+// The method does not depend on the map frame: if all poses are moved by one motion, so are the
+// adjusted poses, except that the cubes lie elsewhere on the walls.
 TEST(PlaneAdjustment, FollowsAMotionOfTheWholeMap) {
   std::vector<AdjustedSweep> sweeps = drive(Room::hall(), 1.0);
   disturb(sweeps);
@@ -178,11 +178,13 @@ TEST(PlaneAdjustment, LevelGroundHoldsWhatNoPlaneTells) {
   }
   sweeps[2].T_map_base.translation().z() += 1e-3;
   const std::vector<SE3> adjusted = adjust_planes(sweeps, {}, {}, {});
-  // The kernel takes a fifth of the weight of one standard deviation; the neighbours hold nothing.
+  // The kernel takes a fifth of the weight at one standard deviation; the neighbours constrain
+  // nothing.
   EXPECT_NEAR(adjusted[2].translation().z(), 1.0, 1e-5);
 }
 
-// Without a plane in common poses are those of odometry; none and one are left alone.
+// Without a common plane the poses are those of odometry. No sweep, or a single one, is left as it
+// is.
 TEST(PlaneAdjustment, NothingInCommonAndNothingAtAll) {
   EXPECT_TRUE(adjust_planes({}, {}, {}, {}).empty());
   std::vector<AdjustedSweep> sweeps = drive(Room{}, 0.1);

@@ -1,5 +1,5 @@
-// SPDX-License-Identifier: BSD-3-Clause
-// The core on real and synthetic recordings, with results of others beside them.
+// SPDX-License-Identifier: BSD-3-Clause The core on real and synthetic recordings, compared with
+// results of others.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -117,8 +117,8 @@ TEST(Recordings, R44_Kurt3dEqualsThe3dtkResult) {
   }
 }
 
-// The scans of a .nod recording of the tilting device (tools/convert/nod.cpp), from a robot that
-// stands.
+// The scans of a .nod recording of the tilting device (tools/convert/nod.cpp), from a stationary
+// robot.
 void add_nod(const fs::path& file, Slam6d& slam) {
   std::ifstream in(file);
   for (std::string line; std::getline(in, line);) {
@@ -145,7 +145,7 @@ void add_nod(const fs::path& file, Slam6d& slam) {
   static_cast<void>(slam.flush());
 }
 
-// 432 scans a sweep at 10 Hz: not cut. The poses of a device that stands agree.
+// 432 scans a sweep at 10 Hz: not cut. The poses of a stationary device agree.
 TEST(Recordings, ATiltingDeviceThatStandsStaysWhereItIs) {
   NODMAP_REQUIRE_DATA(file, "tilting/room_240.nod");
   Slam6d slam({.assume_stationary = true});
@@ -159,8 +159,8 @@ TEST(Recordings, ATiltingDeviceThatStandsStaysWhereItIs) {
   }
 }
 
-// Nothing of it is farther than 0.5 m: by default that is the robot itself, and no sweep has a
-// point. What is wanted can be asked for.
+// All points are within 0.5 m. By default they are taken for the robot itself, and no sweep has a
+// point; a parameter changes that.
 TEST(Recordings, ASceneWithinHalfAMetreIsLeftOutOrMapped) {
   NODMAP_REQUIRE_DATA(file, "tilting/cardboard_box.nod");
   Slam6d blind({.assume_stationary = true});

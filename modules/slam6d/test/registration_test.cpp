@@ -79,13 +79,13 @@ TEST(Registration, R44_FindsSixDegreesOfFreedomInAHall) {
   EXPECT_LT(found.residual_rms_m, 0.01);
   EXPECT_LT(error_of(found, T_truth).translation().norm(), 0.005);
   EXPECT_LT(geometry::rotation_angle(error_of(found, T_truth)), deg_to_rad(0.1));
-  // The covariance tells the size of the error: within four standard deviations.
+  // The error is within four standard deviations of the covariance.
   const double sigma_m = std::sqrt(found.covariance.topLeftCorner<3, 3>().trace());
   EXPECT_LT(error_of(found, T_truth).translation().norm(), 4.0 * sigma_m);
   EXPECT_LT(sigma_m, 0.01);
 }
 
-// The start does not matter: eight guesses, one pose. They may differ by the settling threshold.
+// The start does not matter: eight guesses give one pose, to within the settling threshold.
 TEST(Registration, EveryGuessWithinReachLeadsToTheSamePose) {
   const Room room = Room::hall();
   const VoxelMap map = map_of(room);
@@ -101,7 +101,8 @@ TEST(Registration, EveryGuessWithinReachLeadsToTheSamePose) {
   }
 }
 
-// The paper's point pairs come near, too; scan lines that attract each other make it coarser.
+// The paper's point pairs come near, too, but scan lines that attract each other make the pose less
+// exact.
 TEST(Registration, R44_ThePapersMetricComesNear) {
   const Room room = Room::hall();
   const SE3 T_truth = pose(0.5, 0.1, 0.0, 0.0, 0.0, 5.0);
@@ -113,8 +114,8 @@ TEST(Registration, R44_ThePapersMetricComesNear) {
   EXPECT_LT(geometry::rotation_angle(error_of(found, T_truth)), deg_to_rad(1.0));
 }
 
-// Close before a wall the only level surface is a strip of floor, too narrow for planes in coarse
-// voxels and farther off than the finest ones look: it is found along its normals.
+// Close to a wall the only level surface is a strip of floor, too narrow for planes in coarse
+// voxels and too far off for the finest ones: it is found along its normals.
 TEST(Registration, R44_AStripOfFloorTellsTheHeight) {
   const Room room{{{{0, 0, 1}, -0.6}, {{0, 1, 0}, 1.2}, {{0, 1, 0}, -1.2}, {{1, 0, 0}, 1.45}}};
   const VoxelMap map = map_of(room);
@@ -130,8 +131,8 @@ TEST(Registration, R44_AStripOfFloorTellsTheHeight) {
   }
 }
 
-// R37, R44: along an endless corridor nothing is to be seen: the guess (odometry) stays; the other
-// five directions are found.
+// R37, R44: nothing determines the position along an endless corridor, so the guess (odometry)
+// stays; the other five directions are found.
 TEST(Registration, R37_ACorridorKeepsOdometryAlongItsAxis) {
   const Room room = Room::corridor();
   const SE3 T_truth = pose(1.0, 0.1, 0.0, 0.0, 0.0, 3.0);
@@ -145,7 +146,7 @@ TEST(Registration, R37_ACorridorKeepsOdometryAlongItsAxis) {
   EXPECT_NEAR(found.T_map_base.translation().y(), 0.1, 0.01);
   EXPECT_NEAR(found.T_map_base.translation().z(), 0.0, 0.01);
   EXPECT_LT(geometry::rotation_angle(error_of(found, T_truth)), deg_to_rad(0.2));
-  // It knows that it does not know: the prior's 0.2 m along, millimetres across.
+  // The covariance says so: the prior's 0.2 m along, millimetres across.
   EXPECT_GT(std::sqrt(found.covariance(0, 0)), 0.1);
   EXPECT_LT(std::sqrt(found.covariance(1, 1)), 0.01);
 }
@@ -165,9 +166,8 @@ TEST(Registration, R44_AFloorKeepsOdometryInItsPlane) {
   EXPECT_NEAR(found.T_map_base.linear()(2, 2), 1.0, 1e-5);  // level within 0.25 deg
 }
 
-// A sweep on the move whose odometry counts 5 cm and 3 degrees too much from its first to its last
-// beam: the motion within it is found along with the pose, and the walls of the deskewed sweep lie
-// on the map again.
+// During a sweep odometry counts 5 cm and 3 degrees too much. The motion within the sweep is found
+// along with the pose, and the walls of the deskewed sweep lie on the map again.
 TEST(Registration, R41_TheMotionWithinASweepIsCorrected) {
   const Room room = Room::hall();
   const NoddingScanner scanner{.noise_m = 0.01};
@@ -204,8 +204,8 @@ TEST(Registration, R41_TheMotionWithinASweepIsCorrected) {
   EXPECT_LT(geometry::rotation_angle(motion_error), deg_to_rad(1.25 * 0.18));
 }
 
-// The ground is believed to be level as long as the sweep does not say otherwise: a floor alone
-// that rises by 0.2 degrees is taken as level in part, one of 6 degrees not at all.
+// The ground is believed to be level unless the sweep contradicts it. If only the floor is seen,
+// one that rises by 0.2 degrees is taken as level in part, one that rises by 6 degrees not at all.
 TEST(Registration, TheGroundIsLevelUnlessItIsSeenNotToBe) {
   const Room room = Room::hall();
   PosePrior prior = loose_prior(SE3::Identity());
@@ -215,7 +215,7 @@ TEST(Registration, TheGroundIsLevelUnlessItIsSeenNotToBe) {
   ASSERT_EQ(on_ramp.status, RegistrationStatus::kTracking);
   EXPECT_LT(error_of(on_ramp, T_ramp).translation().norm(), 0.005);
   EXPECT_LT(geometry::rotation_angle(error_of(on_ramp, T_ramp)), deg_to_rad(0.1));
-  // Where nothing else is to be seen it holds height, roll and pitch.
+  // If nothing else is seen, it determines height, roll and pitch.
   const SE3 T_tilted = pose(0.0, 0.0, 0.004, 0.05, 0.05, 0.0);
   const Room far_wall{{{{1, 0, 0}, 6.0}}};
   prior.T_map_base = T_tilted;
@@ -225,8 +225,8 @@ TEST(Registration, TheGroundIsLevelUnlessItIsSeenNotToBe) {
   EXPECT_GT(held.T_map_base.linear()(2, 2), std::cos(deg_to_rad(0.02)));
 }
 
-// What fits the map, but is too far from odometry, is refused: the next bay of a hall of equal
-// bays.
+// A place that fits the map but is too far from odometry is refused: the next bay of a hall of
+// equal bays.
 TEST(Registration, APoseTooFarFromThePriorIsRefused) {
   const Room room = Room::hall();
   const SE3 T_truth = pose(0.3, 0.0, 0.0, 0.0, 0.0, 6.0);

@@ -15,7 +15,7 @@
 
 namespace nodmap::slam6d {
 
-/// A world of walls for the tests: planes, met by a beam at the nearest in its way.
+/// A world of walls for the tests: a beam ends at the nearest plane in its way.
 struct Room {
   struct Wall {
     Eigen::Vector3d normal;
@@ -50,7 +50,7 @@ struct Room {
                : std::numeric_limits<double>::infinity();
   }
 
-  /// Floor, ceiling and two side walls along x: nothing tells where along the corridor one is.
+  /// Floor, ceiling and two side walls along x: nothing determines the position along the corridor.
   [[nodiscard]] static Room corridor() {
     return {{{{0, 0, 1}, 0.0}, {{0, 0, 1}, 2.5}, {{0, 1, 0}, 1.1}, {{0, 1, 0}, -0.9}}};
   }
@@ -66,7 +66,7 @@ struct Room {
 
 using Motion = std::function<geometry::SE3(time::Timestamp stamp)>;
 
-/// A SICK that nods between two pitches: 181 beams in half a mirror turn, 75 scans a second.
+/// A SICK that nods between two pitches: 181 beams in half a mirror revolution, 75 scans a second.
 struct NoddingScanner {
   double lowest_rad = geometry::deg_to_rad(-40.0);
   double highest_rad = geometry::deg_to_rad(40.0);

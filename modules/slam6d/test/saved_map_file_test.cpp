@@ -74,7 +74,7 @@ TEST(SavedMapFile, IsReadAsItWasWritten) {
   EXPECT_EQ(map.loops[0].from, 2U);
   EXPECT_TRUE(map.loops[0].may_be_wrong);
   EXPECT_TRUE(map.loops[0].T_from_to.isApprox(written.loops[0].T_from_to, 1e-14));
-  // And written again, the same bytes but for the rounding of quaternions.
+  // Written again, it has the same bytes apart from the rounding of quaternions.
   EXPECT_EQ(read_saved_map(dir.path() / "keyframes.lcmlog").keyframes.size(), 3U);
 }
 

@@ -30,8 +30,8 @@ TEST(SeenSpace, ASweepOfTheSamePlaceContradictsNothing) {
   EXPECT_EQ(evidence.contradicted, 0.0);
 }
 
-// Of the cabinets 1.2 m x 1.8 m and 1 m x 1.8 m of their fronts and 1.1 m x 1.8 m of their sides
-// are seen, 594 voxels of 10 cm. Those within 20 cm of wall and floor do not contradict.
+// 1.2 m x 1.8 m and 1 m x 1.8 m of the cabinets' fronts and 1.1 m x 1.8 m of their sides are seen:
+// 594 voxels of 10 cm. Those within 20 cm of wall and floor do not contradict.
 TEST(SeenSpace, WhatStandsInFreeSpaceContradicts) {
   const TestMap map(Room::hall(), along_hall());
   const geometry::SE3 T_map_base = pose(0.0, 0.0, 0.0);

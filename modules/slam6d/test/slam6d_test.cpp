@@ -17,7 +17,7 @@ namespace slam6d_test {
 using geometry::deg_to_rad;
 using geometry::SE3;
 
-// Drives `num_scans` scans long through a room; odometry at each scan (it is exact but for
+// Drives through a room for `num_scans` scans, with odometry at each scan (exact apart from
 // `scale`).
 struct Drive {
   Room room = Room::hall();
@@ -56,7 +56,7 @@ TEST(Slam6d, R40_EveryScanIsInOneSweep) {
   EXPECT_EQ(slam.sweeps().size(), 7U);  // 80 scans from turning point to turning point
 }
 
-// R43: "further than 2 m", "more than 45 deg": strictly, and no sweep that says so is passed over.
+// R43: "further than 2 m", "more than 45 deg": strictly, and no such sweep is missed.
 void expect_keyframes_as_the_paper_says(const Slam6d& slam) {
   for (const PoseUpdate& sweep : slam.sweeps()) {
     const bool is_far = sweep.distance_m > 2.0;
@@ -94,7 +94,7 @@ TEST(Slam6d, R43_KeyframesBeyond45Degrees) {
   EXPECT_EQ(slam.keyframes().size(), 4U);
 }
 
-/// Share of a cloud's points that have a voxel mean of the other's within 0.15 m.
+/// The fraction of a cloud's points that have a voxel mean of the other cloud within 0.15 m.
 double overlap(const Keyframe& one, const Keyframe& other) {
   VoxelGrid others(0.1);
   for (const Eigen::Vector3f& p : other.cloud->points) {
@@ -108,8 +108,8 @@ double overlap(const Keyframe& one, const Keyframe& other) {
   return static_cast<double>(shared) / static_cast<double>(one.cloud->points.size());
 }
 
-// R43: 40 %, so that there is enough to register by. At a walking pace, the nod 80 degrees wide;
-// how little is left at full speed is told in tools/trial/README.md.
+// R43: 40 %, enough to register by. At walking pace, with a nod of 80 degrees;
+// tools/trial/README.md says how little is left at full speed.
 TEST(Slam6d, R43_ConsecutiveKeyframesOverlap) {
   Slam6d slam({});
   Drive{}.run(slam, 800);
@@ -119,7 +119,8 @@ TEST(Slam6d, R43_ConsecutiveKeyframesOverlap) {
   }
 }
 
-// R45: stop, scan and go, as before there was scanning on the move. Stands 3 s, drives 3 m in 6 s.
+// R45: stop, scan and go, as it was done before scanning on the move. Stationary for 3 s, then 3 m
+// in 6 s.
 TEST(Slam6d, R45_StandingOnlyPassesOverSweepsOnTheMove) {
   Slam6d slam({.keyframe = {.stationary_only = true}});
   const auto stop_and_go = [](time::Timestamp t) {
@@ -140,8 +141,8 @@ TEST(Slam6d, R45_StandingOnlyPassesOverSweepsOnTheMove) {
   EXPECT_FALSE(slam.sweeps()[4].is_stationary);  // from 4.3 s to 5.3 s
 }
 
-// Odometry tells 10 % too much: 50 cm after 5 m, and 5 cm within a sweep, which would shear its
-// cloud by 0.7 degrees over 4 m. Every sweep is put right, in itself, too.
+// Odometry counts 10 % too much: 50 cm after 5 m, and 5 cm within a sweep, which would shear its
+// cloud by 0.7 degrees over 4 m. Every sweep is corrected, also in itself.
 TEST(Slam6d, R44_CorrectsOdometryAgainstTheMap) {
   Slam6d slam({});
   const Drive drive{.odometry_scale = 1.1};
@@ -161,8 +162,8 @@ TEST(Slam6d, R44_CorrectsOdometryAgainstTheMap) {
 }
 
 // Data that a stationary robot takes must not make the map grow without end, nor move the pose. The
-// walls of this hall lie on borders of voxels, so that noise puts a point across now and then: ever
-// fewer of these voxels are new.
+// walls of this hall lie on borders of voxels, so that noise now and then moves a point across;
+// ever fewer of these voxels are new.
 TEST(Slam6d, R36_StandingSaturates) {
   Slam6d slam({.keyframe = {.distance_m = 0.2}});
   const auto stand = [](time::Timestamp) { return SE3::Identity(); };
@@ -180,8 +181,8 @@ TEST(Slam6d, R36_StandingSaturates) {
   }
 }
 
-// A sweep that fits nowhere is refused: pose by odometry, no keyframe, not a voxel more; and the
-// next one that fits is tracked again.
+// A sweep that fits nowhere is refused: pose by odometry, no keyframe, no new voxel. The next one
+// that fits is tracked again.
 TEST(Slam6d, ARefusedSweepLeavesNoTrace) {
   Slam6d slam({});
   std::mt19937 random(11);
@@ -197,7 +198,7 @@ TEST(Slam6d, ARefusedSweepLeavesNoTrace) {
   ASSERT_TRUE(slam.add_cloud(sweep_of(Room::hall())).is_tracked());
   ASSERT_TRUE(slam.add_cloud(sweep_of(Room::hall())).is_tracked());
   const std::size_t num_voxels = slam.metrics().map_voxels;
-  // A box about the sensor.
+  // A box around the sensor.
   const Room box{{{{1, 0, 0}, 0.9}, {{-1, 0, 0}, 0.9}, {{0, 1, 0}, 0.7}, {{0, -1, 0}, 0.7}}};
   const PoseUpdate blind = slam.add_cloud(sweep_of(box));
   ASSERT_TRUE(blind.registration);
@@ -208,7 +209,7 @@ TEST(Slam6d, ARefusedSweepLeavesNoTrace) {
   EXPECT_TRUE(slam.add_cloud(sweep_of(Room::hall())).is_tracked());
 }
 
-// The scanner is on its way when the first scan comes: 18 of a sweep's 80 scans.
+// The head is already moving when the first scan comes: 18 of a sweep's 80 scans.
 TEST(Slam6d, TheMapBeginsWithAWholeSweep) {
   Slam6d slam({});
   std::mt19937 random(7);
@@ -228,8 +229,8 @@ TEST(Slam6d, TheMapBeginsWithAWholeSweep) {
   EXPECT_EQ(slam.metrics().map_voxels, slam.map().level(0).voxels().size());
 }
 
-// Wheels that spin against something: odometry turns by 31 degrees, the robot does not. Floor and
-// ceiling fit at any heading; the walls say that it is wrong, and the search finds the right one.
+// Wheels that spin against something: odometry rotates by 31 degrees, the robot does not. Floor and
+// ceiling fit at any heading. The walls show that it is wrong, and the search finds the right one.
 TEST(Slam6d, ARotationThatNeverWasIsFoundOut) {
   Slam6d slam({});
   std::mt19937 random(12);
@@ -245,7 +246,7 @@ TEST(Slam6d, ARotationThatNeverWasIsFoundOut) {
         geometry::rotation_of(Eigen::Vector3d(0.0, 0.0, deg_to_rad(counted_deg)));
     const PoseUpdate update = slam.add_cloud(std::move(cloud));
     ASSERT_TRUE(update.is_tracked());
-    // As the sweeps of a stationary robot agree elsewhere.
+    // As exact as the sweeps of a stationary robot agree elsewhere.
     EXPECT_LT(geometry::rotation_angle(update.T_map_base), deg_to_rad(0.2));
     EXPECT_LT(update.T_map_base.translation().norm(), 0.005);
   }

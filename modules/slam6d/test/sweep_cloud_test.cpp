@@ -41,8 +41,9 @@ double plane_rms_m(const std::vector<Eigen::Vector3f>& points) {
 }
 
 // A wall across the way, seen with 1 cm noise while driving towards it at 1.5 m/s (50 scans, 1 m:
-// the paper's Fig. 8). R41 asks for 1.5 times the RMS of standing; interpolation leaves nothing, so
-// that 1.05 (noise of 9000 points) is held. Not stripped, the metre driven is in the cloud.
+// the paper's Fig. 8). R41 asks for at most 1.5 times the RMS of a stationary robot. Interpolation
+// leaves no error, so 1.05 is reached (noise of 9000 points). Without deskewing the metre driven is
+// in the cloud.
 TEST(SweepCloud, R41_MotionIsStrippedFromAWall) {
   const Room wall{{{Eigen::Vector3d(1.0, 0.2, 0.1).normalized(), 6.0}}};
   const NoddingScanner scanner{.noise_m = 0.01};
@@ -66,7 +67,7 @@ TEST(SweepCloud, R41_MotionIsStrippedFromAWall) {
   EXPECT_GT(plane_rms_m(not_stripped->points), 5.0 * plane_rms_m(standing->points));
 }
 
-// Every point back in the world is on the wall that was seen, beam by beam (float points: 1e-5).
+// Transformed to the world, every point lies on the wall that its beam saw (float points: 1e-5).
 TEST(SweepCloud, R41_PointsAreInTheFrameOfThePoseAtMidTime) {
   const Room room = Room::hall();
   const auto drive = [](time::Timestamp t) { return drive_ahead(1.5, t); };
@@ -93,7 +94,7 @@ TEST(SweepCloud, LinesTellWhereTheMirrorWas) {
   ASSERT_EQ(cloud->lines.size(), 50U);
   EXPECT_EQ(cloud->lines.front().end, 181U);
   EXPECT_EQ(cloud->lines.back().end, cloud->points.size());
-  // 49 periods at 1.5 m/s between the first and the last mirror place.
+  // 49 periods at 1.5 m/s between the first and the last position of the mirror.
   EXPECT_NEAR(cloud->lines.back().p_base_mirror.x() - cloud->lines.front().p_base_mirror.x(),
               49 * 1.5 * 0.01332, 1e-5);
   EXPECT_NEAR(cloud->lines.front().p_base_mirror.z(), 0.4, 1e-6);
@@ -132,8 +133,8 @@ TEST(SweepCloud, BeamsWithoutAMeasurementGiveNoPoint) {
   EXPECT_EQ(cloud->points.size(), 1U);
 }
 
-// A scan that looks up by 20 degrees into the open, with one reading that is none: its beams are
-// free up to 5 m. One that looks down tells nothing: it may graze the floor.
+// A scan that looks up by 20 degrees into the open, with one invalid reading: its beams are free up
+// to 5 m. A scan that looks down says nothing, because it may graze the floor.
 TEST(SweepCloud, BeamsUpwardsWithoutAnEchoAreFree) {
   const auto stand = [](time::Timestamp) { return SE3::Identity(); };
   auto scans = record({}, Room::hall(), stand, 2);

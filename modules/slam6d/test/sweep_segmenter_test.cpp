@@ -74,8 +74,8 @@ TEST(SweepSegmenter, R40_CutsAtTurningPoints) {
   EXPECT_EQ(sweeps.back().end, End::kFlushed);
 }
 
-// A servo that trembles by 0.2 degrees at steps of 0.25 degrees goes back now and then, but never
-// by the hysteresis of 1 degree.
+// A servo that trembles by 0.2 degrees, with steps of 0.25 degrees, moves back now and then, but
+// never by the hysteresis of 1 degree.
 TEST(SweepSegmenter, R40_ServoNoiseIsNoTurningPoint) {
   std::mt19937 random(40);
   std::uniform_real_distribution<double> noise_deg(-0.2, 0.2);
@@ -111,7 +111,7 @@ TEST(SweepSegmenter, R40_StandingScansBelongToTheRunningSweep) {
   EXPECT_EQ(sweeps[0].scans.size(), 71U);
 }
 
-// data/kurt3d: three upward sweeps, each from the bottom, the robot drives on in between.
+// data/kurt3d: three upward sweeps, each from the bottom; the robot drives on in between.
 TEST(SweepSegmenter, R40_OneWaySweepsWithPauses) {
   std::vector<scan::Scan> scans;
   for (int sweep = 0; sweep < 3; ++sweep) {
@@ -170,7 +170,7 @@ TEST(SweepSegmenter, R40_ASweepIsBounded) {
   EXPECT_EQ(sweeps[2].scans.size(), 50U);
 }
 
-// Whatever the pitch and the stamps do: nothing is lost, nothing doubled.
+// Whatever the pitch and the stamps do, no scan is lost and none is doubled.
 TEST(SweepSegmenter, R40_NoScanLostOrDoubledInAnyStream) {
   std::mt19937 random(41);
   std::uniform_real_distribution<double> pitch_deg(-60.0, 60.0);

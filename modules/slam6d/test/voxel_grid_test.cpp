@@ -68,7 +68,7 @@ TEST(VoxelGrid, AddingInTwoPartsIsAddingAll) {
   }
 }
 
-// Oracle: brute force. Complete up to half a voxel, and never an answer beyond the limit.
+// Oracle: brute force. Every mean within half a voxel is found, and none beyond the limit.
 TEST(VoxelGrid, NearestIsTheBruteForceNearest) {
   VoxelGrid grid(0.2);
   grid.add(random_points(4'000, 1.5F, 3));
@@ -172,7 +172,7 @@ TEST(VoxelGrid, FindsThePlaneOfAWall) {
     }
     ++num_inner;
     ASSERT_TRUE(voxel.has_plane());
-    // Nine or more means, each with 1 cm / sqrt(20 points), over +-0.1 m: 0.5 degrees; those that
+    // Nine or more means, each with 1 cm / sqrt(20 points), over +-0.1 m: 0.5 degrees. Voxels that
     // the plane cuts at a corner hold few points. The worst of some 300 errs by 3.7 degrees.
     EXPECT_GT(voxel.normal.dot(normal), std::cos(1.25F * 0.065F));
   }
@@ -201,7 +201,7 @@ TEST(VoxelGrid, MeansAndNormalsAreWeighted) {
   grid.add_normal(place, Vector3f(1.0F, 1.0F, 0.0F).normalized(), 1.0F);
   EXPECT_NEAR(std::atan2(grid.voxels()[place].normal.y(), grid.voxels()[place].normal.x()),
               std::atan(1.0F) / 2.0F, 1e-6F);
-  // The other side of a thin board: neither is right.
+  // The two sides of a thin board: neither normal is right.
   grid.add_normal(place, -grid.voxels()[place].normal, 2.0F);
   EXPECT_FALSE(grid.voxels()[place].has_plane());
 }

@@ -25,8 +25,8 @@ std::vector<Vector3f> wall(float x_m, float spacing_m, float noise_m, unsigned s
   return points;
 }
 
-// Dense points have planes at the finest level, and each place is used once; sparse ones at the
-// level at which they have neighbours.
+// Dense points have planes at the finest level, sparse ones at the level at which they have
+// neighbours; each place is used once.
 TEST(VoxelMap, EachPlaceIsUsedAtTheFinestLevelThatHasAPlane) {
   const VoxelMap dense = VoxelMap::from_points(wall(2.0F, 0.02F, 0.0F, 1), Vector3f::Zero(), {});
   const auto fine = dense.select(0);
@@ -45,8 +45,8 @@ TEST(VoxelMap, EachPlaceIsUsedAtTheFinestLevelThatHasAPlane) {
   }
 }
 
-// The same wall 2 cm off: once from 10 m away, once from 1 m. The near sighting has
-// (1 + 10^2/3^2) / (1 + 1/3^2) = 10.9 times the weight of the far one, whichever came first.
+// A wall is seen from 10 m away and, 2 cm off, from 1 m. The near sighting has (1 + 10^2/3^2) / (1
+// + 1/3^2) = 10.9 times the weight of the far one, whichever comes first.
 TEST(VoxelMap, NearSightingsCorrectFarOnes) {
   const VoxelMapParams params{.trusted_range_m = 3.0};
   const VoxelMap far =
@@ -60,7 +60,7 @@ TEST(VoxelMap, NearSightingsCorrectFarOnes) {
     map.add_sweep(is_far_first ? near : far, is_far_first ? T_map_near : SE3::Identity());
     const auto place = map.level(0).nearest({10.03F, 0.05F, 0.05F}, 0.1F);
     ASSERT_NE(place, VoxelGrid::kNone);
-    // 10.04 and 10.02, weighted 10.9 to 1 (a little less, the sightings slant).
+    // 10.04 and 10.02, weighted 10.9 to 1 (a little less, because the beams are slanted).
     EXPECT_NEAR(map.level(0).voxels()[place].mean.x(), 10.0383F, 5e-4F);
   }
 }
@@ -78,7 +78,7 @@ TEST(VoxelMap, MemoryIsBoundedByTheVolume) {
   EXPECT_LE(map.memory_bytes(), bytes);
 }
 
-// Two walls, of two keyframes: each goes where its keyframe goes, and only the chosen one.
+// Two walls of two keyframes: each moves with its keyframe, and only the chosen one is added.
 TEST(VoxelMap, VoxelsMoveWithTheirKeyframes) {
   const VoxelMapParams params;
   VoxelMap map(params);
