@@ -35,7 +35,7 @@ constexpr double kMostRadiusM = 0.7;
 constexpr double kHalfBeamM = 0.03;
 
 /// Whether two successive hits are on the same thing.
-constexpr auto is_beside = [](const auto& a, const auto& b) {
+const auto is_beside = [](const auto& a, const auto& b) {
   const std::size_t beams = std::max(a.beam, b.beam) - std::min(a.beam, b.beam);
   return beams <= 2 && (a.p_odom - b.p_odom).norm() < kGapM;
 };
