@@ -6,7 +6,7 @@ namespace {
 
 constexpr time::Duration kWindow = 1s;
 constexpr double kLeastDistanceM = 0.12;
-/// Slip: the robot has moved, by 2D SLAM, less than this fraction of the distance by the wheels.
+/// The wheels slip if, by 2D SLAM, the robot has moved less than this fraction of what they count.
 constexpr double kMovedFraction = 0.33;
 
 }  // namespace

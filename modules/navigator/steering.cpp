@@ -7,7 +7,7 @@
 namespace nodmap::navigator {
 namespace {
 
-/// A free direction on the other side must be nearer by this angle to change the side.
+/// The side changes only if a free direction on the other side is nearer by this angle.
 constexpr double kOtherSideRad = geometry::deg_to_rad(30.0);
 
 double longest_distance(const FreeSpace& space) {
@@ -52,8 +52,8 @@ FreeSpace Steering::seen_space(const FreeSpace& space, const SeenDirections& see
   return result;
 }
 
-/// Prefers corridors in which the robot can also turn; if there is none, takes those that it fits
-/// through.
+/// Prefers corridors in which the robot can also turn. If there is none, those that it fits through
+/// will do.
 FreeSpace Steering::preferred_space(const FreeSpace& free_space, const SeenDirections& seen,
                                     const Situation& now) const {
   const double turning_margin_m = body_.turning_radius_m() + turn_.margin_m - body_.half_width_m;

@@ -11,9 +11,9 @@ namespace {
 
 using Kind = TurnCommand::Kind;
 
-/// A rotation shorter than this is not begun, and one ends this far before an obstacle.
+/// A rotation ends this far before an obstacle; a shorter one is not begun.
 constexpr double kLeastRotationRad = geometry::deg_to_rad(5.0);
-/// Backs up until it can rotate this far; less has just been tried.
+/// Backs up until it can rotate this far. Less has just been tried.
 constexpr double kWorthwhileRotationRad = geometry::deg_to_rad(150.0);
 /// Deceleration of a rotation, a third of what the wheels can do.
 constexpr double kDecelerationRadS2 = 5.0;
@@ -43,13 +43,13 @@ void Turn::begin(const TurnInput& input, double preferred_side) {
   } else if (input.clear_direction_rad) {
     side_ = *input.clear_direction_rad >= 0.0 ? 1.0 : -1.0;
   } else {
-    // With the same room on both sides, to the left.
+    // With the same room on both sides it turns left.
     side_ = input.more_room_side >= 0.0 ? 1.0 : -1.0;
   }
   consider_room(input);
 }
 
-/// Chooses the other side, or to back up, where obstacles end the rotation before a free direction.
+/// Changes the side, or decides to back up, if obstacles end the rotation before a free direction.
 void Turn::consider_room(const TurnInput& input) {
   const bool here = leads_out(side_ > 0.0 ? input.left : input.right);
   const bool there = leads_out(side_ > 0.0 ? input.right : input.left);
@@ -101,7 +101,7 @@ TurnCommand Turn::rotate(const TurnInput& input) {
   }
   backs_up_ = here().free_rotation_rad < needed_rad;
   if (backs_up_) {
-    // After backing up, the place in which it could not turn is ahead: it must rotate away from it.
+    // After backing up, the place where it could not turn is ahead: it must rotate away from there.
     rotated_rad_ = 0.0;
     least_rotation_rad_ = kTurnAwayRad;
     return {Kind::kBackUp, 0.0};

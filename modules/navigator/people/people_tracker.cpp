@@ -29,7 +29,7 @@ constexpr double kSigmas = 2.0;
 /// A slower track is stationary.
 constexpr double kStandsMps = 0.15;
 /// A beam that ends this near to a track's disc has hit it: the error of the track.
-constexpr double kHisM = 0.2;
+constexpr double kOnTrackM = 0.2;
 constexpr double kFloorM = 0.03;
 /// A track ends after this long without a detection, or this many scans with beams through its
 /// middle.
@@ -208,8 +208,8 @@ void PeopleTracker::mark_walkers(const scan::Scan& scan, const geometry::SE2& T_
     const Eigen::Vector3d p =
         scan::point_in_base(scan, beam, static_cast<double>(scan.ranges_m[beam]));
     is_walker_[beam] = p.z() > kFloorM && std::ranges::any_of(people, [&](const Person& person) {
-                         return person.is_in_sight &&
-                                (p.head<2>() - person.position).norm() < person.radius_m + kHisM;
+                         return person.is_in_sight && (p.head<2>() - person.position).norm() <
+                                                          person.radius_m + kOnTrackM;
                        });
   }
 }
@@ -232,14 +232,14 @@ void PeopleTracker::follow_unseen(const scan::Scan& scan, const geometry::SE2& T
     track.hide(scan.mid_stamp());
     const auto is_stopped = [&](double side) {
       const Eigen::Vector2d ahead = side * person.velocity.normalized();
-      for (double d = person.radius_m + kHisM; d <= kTurnsBeforeM; d += kStepM) {
+      for (double d = person.radius_m + kOnTrackM; d <= kTurnsBeforeM; d += kStepM) {
         if (is_blocked(person.position + d * ahead)) {
           return true;
         }
       }
       return false;
     };
-    // An obstacle nearer than this may be the person as last measured; between two obstacles the
+    // An obstacle at the track itself may be the person as last measured. Between two obstacles the
     // track goes on.
     if (is_blocked && is_stopped(1.0) && !is_stopped(-1.0)) {
       track.turn_round();
