@@ -23,7 +23,7 @@ constexpr double kCellErrorM = 0.035;
 constexpr double kExactWithinM = 0.1;
 constexpr double kExactReachM = 0.5;
 constexpr double kStepS = 0.1;
-constexpr int kSteps = static_cast<int>(Rollouts::kDurationS / kStepS + 0.5);
+const int kSteps = static_cast<int>(std::lround(Rollouts::kDurationS / kStepS));
 constexpr int kFirstSteps = 8;
 /// People count for 3 s, so somebody who approaches at 1 m/s counts from 3 m away.
 constexpr int kForeseenSteps = 30;
