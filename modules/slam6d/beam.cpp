@@ -105,20 +105,22 @@ NODMAP_AVX2 void enter_next_voxels(FourBeams& b) {
   const __m256d is_x = _mm256_and_pd(x_before_y, _mm256_cmp_pd(b.next_x, b.next_z, _CMP_LT_OQ));
   const __m256d is_y = _mm256_andnot_pd(x_before_y, _mm256_cmp_pd(b.next_y, b.next_z, _CMP_LT_OQ));
   const __m256d is_not_z = _mm256_or_pd(is_x, is_y);
-  b.next_x = _mm256_add_pd(b.next_x, _mm256_and_pd(is_x, b.between_x));
-  b.next_y = _mm256_add_pd(b.next_y, _mm256_and_pd(is_y, b.between_y));
-  b.next_z = _mm256_add_pd(b.next_z, _mm256_andnot_pd(is_not_z, b.between_z));
+  b.next_x += _mm256_and_pd(is_x, b.between_x);
+  b.next_y += _mm256_and_pd(is_y, b.between_y);
+  b.next_z += _mm256_andnot_pd(is_not_z, b.between_z);
 
   const __m256i others = select(is_x, is_y, others_of(0), others_of(1), others_of(2));
   const __m256i step = select(is_x, is_y, b.step_x, b.step_y, b.step_z);
-  const __m256i sum = _mm256_add_epi64(_mm256_or_si256(b.voxel, others), step);
+  const __m256i sum = _mm256_or_si256(b.voxel, others) + step;
   b.voxel = _mm256_or_si256(_mm256_andnot_si256(others, sum), _mm256_and_si256(b.voxel, others));
 }
 
 /// A bit for each beam.
 NODMAP_AVX2 unsigned are_at_end(const FourBeams& b) {
-  const __m256d nearest = _mm256_min_pd(_mm256_min_pd(b.next_x, b.next_y), b.next_z);
-  const __m256d is_beyond = _mm256_cmp_pd(nearest, b.length, _CMP_GT_OQ);
+  const __m256d is_beyond =
+      _mm256_and_pd(_mm256_and_pd(_mm256_cmp_pd(b.next_x, b.length, _CMP_GT_OQ),
+                                  _mm256_cmp_pd(b.next_y, b.length, _CMP_GT_OQ)),
+                    _mm256_cmp_pd(b.next_z, b.length, _CMP_GT_OQ));
   const __m256i is_end = _mm256_cmpeq_epi64(b.voxel, b.end_voxel);
   return static_cast<unsigned>(
       _mm256_movemask_pd(_mm256_or_pd(_mm256_castsi256_pd(is_end), is_beyond)));

@@ -78,7 +78,7 @@ PlaceSearch::WallCells::WallCells(const VoxelMap& map, float edge_m) : cell_m(ed
     for (int z = cell.z() - 1; z <= cell.z() + 1; ++z) {
       for (int y = cell.y() - 1; y <= cell.y() + 1; ++y) {
         for (int x = cell.x() - 1; x <= cell.x() + 1; ++x) {
-          near_wall[static_cast<std::size_t>((z * size.y() + y) * size.x() + x)] = 1;
+          near_wall[index_of({x, y, z})] = 1;
         }
       }
     }
@@ -90,9 +90,13 @@ bool PlaceSearch::WallCells::is_near_wall(const Eigen::Vector3f& p_map) const {
   if ((at < 0.0F).any() || (at >= size.cast<float>().array()).any()) {
     return false;
   }
-  const Eigen::Vector3i cell = at.cast<int>();
-  return near_wall[static_cast<std::size_t>((cell.z() * size.y() + cell.y()) * size.x() +
-                                            cell.x())] != 0;
+  return near_wall[index_of(at.cast<int>())] != 0;
+}
+
+std::size_t PlaceSearch::WallCells::index_of(const Eigen::Vector3i& cell) const {
+  const Eigen::Matrix<std::size_t, 3, 1> at = cell.cast<std::size_t>();
+  const Eigen::Matrix<std::size_t, 3, 1> num = size.cast<std::size_t>();
+  return (at.z() * num.y() + at.y()) * num.x() + at.x();
 }
 
 PlaceSearch::PlaceSearch(const PlaceSearchParams& params, const RegistrationParams& registration,

@@ -60,6 +60,7 @@ class PlaceSearch {
   struct WallCells {
     WallCells(const VoxelMap& map, float edge_m);
     [[nodiscard]] bool is_near_wall(const Eigen::Vector3f& p_map) const;
+    [[nodiscard]] std::size_t index_of(const Eigen::Vector3i& cell) const;
 
     float cell_m;
     Eigen::Vector3f p_first = Eigen::Vector3f::Zero();  ///< lowest corner
