@@ -131,10 +131,15 @@ class Search {
     return cells;
   }
 
+  /// The cells of the points at one of the angles, from -rotations_ to rotations_.
+  [[nodiscard]] const Cells& rotated(int rotation) const {
+    return rotated_[static_cast<std::size_t>(std::int64_t{rotation} + rotations_)];
+  }
+
   /// Keeps the squares of the top level that reach the minimum; returns the best of them.
   [[nodiscard]] std::optional<Node> push_all(int rotation) {
     std::optional<Node> best;
-    const Cells& cells = rotated_[static_cast<std::size_t>(rotation + rotations_)];
+    const Cells& cells = rotated(rotation);
     for (const Eigen::Vector2i& first : allowed_chunks_) {
       const LikelihoodGrid::RowChunk bounds = grid_.top_bounds(cells, first.x(), first.y());
       for (int i = 0; i < LikelihoodGrid::kRowChunk; ++i) {
@@ -185,8 +190,7 @@ class Search {
     if (!is_allowed(level, x, y)) {
       return std::nullopt;
     }
-    const int bound = grid_.sum_of_largest(
-        level, rotated_[static_cast<std::size_t>(rotation + rotations_)], x, y, min_sum_);
+    const int bound = grid_.sum_of_largest(level, rotated(rotation), x, y, min_sum_);
     if (bound < min_sum_) {
       return std::nullopt;
     }

@@ -31,7 +31,8 @@ Eigen::Vector2i tile_of(const Eigen::Vector2i& cell) {
 }
 
 std::size_t place_in_tile(const Eigen::Vector2i& cell) {
-  return static_cast<std::size_t>(cell.y() * kTileCells + cell.x());
+  return std::size_t{kTileCells} * static_cast<std::size_t>(cell.y()) +
+         static_cast<std::size_t>(cell.x());
 }
 
 /// The grid lines across each axis from a cell of a tile to the borders in a direction.
@@ -148,8 +149,9 @@ void OccupancyGrid::clear(const CellRange& cells) {
     const Eigen::Vector2i high = (cells.high - first).cwiseMin(kTileCells - 1);
     for (int y = low.y(); y <= high.y(); ++y) {
       for (int x = low.x(); x <= high.x(); ++x) {
-        tile.passed[static_cast<std::size_t>(y * kTileCells + x)] = 0;
-        tile.ended[static_cast<std::size_t>(y * kTileCells + x)] = 0;
+        const std::size_t place = place_in_tile({x, y});
+        tile.passed[place] = 0;
+        tile.ended[place] = 0;
       }
     }
     tile.num_changes += (low.array() <= high.array()).all() ? 1 : 0;
@@ -216,10 +218,9 @@ std::int8_t OccupancyGrid::occupancy(int x, int y) const {
   const std::int32_t number = tile_numbers_[static_cast<std::size_t>(y / kTileCells) *
                                                 static_cast<std::size_t>(size_tiles_.x()) +
                                             static_cast<std::size_t>(x / kTileCells)];
-  return number == kNoTile
-             ? kUnknown
-             : occupancy(tiles_[static_cast<std::size_t>(number)],
-                         static_cast<std::size_t>((y % kTileCells) * kTileCells + x % kTileCells));
+  return number == kNoTile ? kUnknown
+                           : occupancy(tiles_[static_cast<std::size_t>(number)],
+                                       place_in_tile({x % kTileCells, y % kTileCells}));
 }
 
 // Most cells are free or unknown, which needs no division and is computed for many cells at once.

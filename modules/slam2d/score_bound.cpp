@@ -44,7 +44,8 @@ void ScoreBound::stamp(const Eigen::Vector2d& point, double max_distance_m) {
     for (int x = first_x; x <= last_x; ++x) {
       const double dx_m = to_cell(at.x(), x);
       const double score = 1.0 - std::sqrt(dx_m * dx_m + dy_m * dy_m) / max_distance_m;
-      std::uint8_t& known = scores_[static_cast<std::size_t>(y * width_ + x)];
+      std::uint8_t& known = scores_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
+                                    static_cast<std::size_t>(x)];
       known = std::max(known, static_cast<std::uint8_t>(std::ceil(255.0 * std::max(0.0, score))));
     }
   }

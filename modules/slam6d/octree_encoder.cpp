@@ -202,7 +202,7 @@ class TreeWalk {
   Node write_voxels(const Voxels& voxels) {
     return write_inner([&](unsigned word) {
       return voxels.known[word] == 0U ? Node{} : write_inner([&](unsigned byte) {
-        return write_octet(&voxels.log_odds[8 * (8 * word + byte)],
+        return write_octet(&voxels.log_odds[std::size_t{8} * (8 * word + byte)],
                            static_cast<unsigned>(voxels.known[word] >> 8U * byte) & 0xFFU);
       });
     });
