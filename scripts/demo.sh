@@ -78,8 +78,8 @@ stop_all() {
   [[ -z "$player" ]] || kill "$player" 2>/dev/null || true
   local i
   for i in "${!pids[@]}"; do kill -INT "${pids[$i]}" 2>/dev/null || true; done
-  # A process that has not ended by itself after 10 s is a fault; it is killed and said to have failed.
-  local deadline=$((SECONDS + 10)) failed=0 code
+  # A process that has not ended by itself after 30 s is a fault; it is killed and said to have failed. A busy machine saves a map more slowly.
+  local deadline=$((SECONDS + 30)) failed=0 code
   for i in "${!pids[@]}"; do
     while kill -0 "${pids[$i]}" 2>/dev/null && [[ $SECONDS -lt $deadline ]]; do sleep 0.05; done
     kill -KILL "${pids[$i]}" 2>/dev/null && { echo "${names[$i]} did not end by itself and was killed"; failed=1; }
