@@ -8,7 +8,8 @@ usage: passed_tests.py select BUILD_DIR FILE [CTEST OPTION ...]  writes the numb
 
 The inputs of a test are its command and environment, its own program, the programs that it starts (nodmap_test_starts() in
 cmake/Targets.cmake names them; a test of processes of which it says nothing may start every program), everything in the repository but Markdown
-and C++ sources (those compiled by a test count), the recordings' names, sizes and times, and the installed packages. A test that skipped itself or failed runs again.
+and C++ sources (those that tests of the package compile count), the recordings' names, sizes and times, and the installed packages. A test that skipped
+itself or failed runs again.
 """
 import functools
 import hashlib
@@ -35,7 +36,7 @@ def digest_of_surroundings():
     lines = [f"{file} {digest_of(file)}" for file in files if file.suffix not in (".cpp", ".hpp", ".md") or "packaging" in file.parts]
     data = pathlib.Path(os.environ.get("NODMAP_DATA") or ROOT.parent / "shared/data")
     for file in sorted(data.rglob("*")):
-        stat = file.stat()
+        stat = file.lstat()
         lines.append(f"{file} {stat.st_size} {stat.st_mtime_ns}")
     lines.append(digest_of(pathlib.Path("/var/lib/dpkg/status")))
     return hashlib.sha256("\n".join(lines).encode()).hexdigest()
