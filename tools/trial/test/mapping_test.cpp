@@ -23,9 +23,9 @@
 namespace nodmap::trial {
 namespace mapping_test {
 
-// A drive of 60 s has 0.99 and 0.95; this one is shorter.
-constexpr double kMinPrecision = 0.9;
-constexpr double kMinRecall = 0.8;
+// Measured: 0.991 and 0.882; 1.25 times as many wrong and missing voxels are permitted.
+constexpr double kMinPrecision = 0.988;
+constexpr double kMinRecall = 0.85;
 
 constexpr time::Duration kForever = time::kLimit;
 
@@ -84,9 +84,8 @@ class MappingTest : public ::testing::Test {
 
 // R39: "the resulting map does not rank behind" one of a laser that is mounted level. The same
 // drives, mapped by the same program from what the laser would have measured if held level. The
-// mean of eight, because a single ratio is mostly chance: they are between 0.6 and 3. 3 mm: 1.25
-// times what was measured (7.0 against 4.5 mm), a sixteenth of a cell of the map. R39's ratio of
-// 1.2 is missed: bench/REPORT.md.
+// mean of eight, because a single ratio is mostly chance: they are between 0.6 and 3. The ratio of
+// the means was 1.03 (5.0 to 4.8 mm); R39 permits 1.2.
 TEST_F(MappingTest, R39_NoddingCostsNoQualityOfThe2dMap) {
   double nodding_m = 0.0;
   double level_m = 0.0;
@@ -107,7 +106,7 @@ TEST_F(MappingTest, R39_NoddingCostsNoQualityOfThe2dMap) {
   RecordProperty("nodding_mm", std::to_string(1000.0 * nodding_m));
   RecordProperty("level_mm", std::to_string(1000.0 * level_m));
   EXPECT_GT(level_m, 0.0);
-  EXPECT_LE(nodding_m, level_m + 0.003);
+  EXPECT_LE(nodding_m, 1.2 * level_m);
 }
 
 // R46: the OctoMap of a drive against the true surfaces, to one voxel.
@@ -148,7 +147,7 @@ TEST_F(MappingTest, R42_FiftyScansOnTheMoveLieOnTheSurfaces) {
       evaluate::measure_cloud(cloud->points, truth.at(cloud->stamp).value(), trial.world);
   RecordProperty("rms_mm", std::to_string(1e3 * errors.rms_m));
   EXPECT_GT(errors.n, 5000U);
-  EXPECT_LE(errors.rms_m, 0.03);  // R42's own bound
+  EXPECT_LE(errors.rms_m, 0.0123);  // 0.0099 measured; R42 permits 0.03
 }
 
 double model_rms_m(const TrialSetup& trial, const std::filesystem::path& dir) {
@@ -169,8 +168,8 @@ TEST_F(MappingTest, R45_OnTheMoveTheModelIsOnlySlightlyMoreDistorted) {
   const double standing_m = model_rms_m(standing, folder("standing"));
   RecordProperty("moving_mm", std::to_string(1e3 * moving_m));
   RecordProperty("standing_mm", std::to_string(1e3 * standing_m));
-  EXPECT_GT(standing_m, 0.005);  // the sensor's noise is 10 mm
-  EXPECT_LE(moving_m, 1.5 * standing_m);
+  EXPECT_GT(standing_m, 0.005);            // the sensor's noise is 10 mm
+  EXPECT_LE(moving_m, 0.99 * standing_m);  // 0.79 measured; R45 permits 1.5
 }
 
 }  // namespace mapping_test
