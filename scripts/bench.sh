@@ -89,7 +89,10 @@ measure() {
       $bin/nodmap-bench-octomap "$data/nodding_seq" --resolution 0.05 --max-range 10
       $bin/nodmap-bench-octomap "$data/nodding_seq" --resolution 0.05 --max-range 10 --discretize
       ;;
-    trials) build/release/bench/sim_bench; python3 bench/trials.py --only random fig5 crowd appearing speed ;;
+    trials)
+      build/release/bench/sim_bench
+      python3 bench/trials.py --only random fig5 crowd appearing stairs warehouse corridor cellar loop occupancy clouds speed
+      ;;
     stops) python3 bench/trials.py --only stops ;;
     stops-live) live corridor30 faults ;;
     live) live cellar latency --viewer ;;
