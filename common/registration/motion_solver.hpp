@@ -8,8 +8,8 @@
 
 namespace nodmap::registration {
 
-/// A normal distribution of N unknowns in information form: inverse covariance `H` and mean `H^-1
-/// b`.
+/// A normal distribution of N unknowns in information form: `H` is the inverse covariance, and the
+/// mean is `H^-1 b`.
 template <int N>
 struct Information {
   Eigen::Matrix<double, N, N> H = Eigen::Matrix<double, N, N>::Zero();
@@ -22,17 +22,19 @@ struct MotionEstimate {
   Eigen::Matrix<double, N, N> covariance = Eigen::Matrix<double, N, N>::Zero();
   /// Number of directions about which the measurement gives less information than the prior.
   int degenerate_directions = N;
-  bool is_valid = false;  ///< false (motion zero): not finite, or prior not positive definite
+  bool is_valid = false;  ///< false, with zero motion, if the input is not finite or the prior not
+                          ///< positive definite
 };
 
 /// Computes the most probable motion, given a measurement and a prior, each weighted by its
-/// information. So the prior, which must be positive definite, determines the directions that the
-/// measurement does not constrain; there is no threshold.
+/// information. The prior, which must be positive definite, therefore determines the directions
+/// that the measurement does not constrain, without any threshold.
 ///
-/// `imitated`: false information caused by errors of the measured normals. The normals of a bare
-/// corridor, each slightly wrong, appear to constrain the position along the corridor. Along each
-/// eigenvector of the measurement (relative to the prior) this part is subtracted. Directions with
-/// less remaining information than the prior are degenerate.
+/// `imitated`: the part of the measurement's information that is false, because the measured
+/// normals have errors. In a bare corridor, for example, normals that are slightly wrong appear to
+/// constrain the position along the corridor. This part is subtracted along each eigenvector of the
+/// measurement (relative to the prior). Directions in which less information remains than the prior
+/// has are degenerate.
 template <int N>
 [[nodiscard]] MotionEstimate<N> solve_motion(const Information<N>& measurement,
                                              const Eigen::Matrix<double, N, N>& imitated,

@@ -18,8 +18,8 @@ class NormalEquations {
     /// Projects such a step onto the determined directions.
     Eigen::Matrix3d projector = Eigen::Matrix3d::Identity();
     int degenerate_directions = 0;
-    /// The smallest ratio, over all directions, of the information to what the same correspondences
-    /// could give.
+    /// The smallest ratio, over all directions, of the information to the information that the same
+    /// correspondences would give if all their normals pointed along the direction.
     double least_information_ratio = 0.0;
   };
 
@@ -43,10 +43,10 @@ class NormalEquations {
     sums_.weight += weight;
   }
 
-  /// A direction is degenerate when the information on it is below `min_information_ratio` of what
-  /// the same correspondences would give if all their normals pointed along it. In a corridor that
-  /// is the direction of its axis. Rotation is compared with translation in metres, by the root
-  /// mean square moment arm.
+  /// Computes the step. A direction is degenerate when the information about it is below
+  /// `min_information_ratio` times what the same correspondences would give if all their normals
+  /// pointed along it; in a corridor this is the direction of the corridor's axis. To compare
+  /// rotation with translation, yaw is multiplied by the root mean square moment arm.
   [[nodiscard]] Solution solve(double min_information_ratio) const;
 
   /// The information matrix of (x, y in m, yaw in rad): the sum of w J^T J, without the degenerate
@@ -60,7 +60,8 @@ class NormalEquations {
 
   [[nodiscard]] Eigen::Matrix3d information() const;
 
-  /// Separate numbers, which the compiler keeps in registers from one add() to the next.
+  /// Weighted sums over the correspondences. They are separate numbers so that the compiler can
+  /// keep them in registers from one add() to the next.
   struct Sums {
     double xx = 0.0;  // of the information matrix
     double yx = 0.0;

@@ -144,7 +144,7 @@ double PoseGraph<Pose>::widest_kernel() const {
   for (const PoseEdge<Pose>& edge : edges_) {
     largest = std::max(largest, edge.may_be_wrong ? chi_squared(edge) : 0.0);
   }
-  // From twice the largest residual on, the kernel is convex for all residuals.
+  // If it is at least twice the largest residual, the kernel is convex for all residuals.
   return std::max(1.0, 2.0 * largest / PoseSpace<Pose>::kInlierChiSquared);
 }
 

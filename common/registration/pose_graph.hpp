@@ -14,9 +14,9 @@
 
 namespace nodmap::registration {
 
-/// What a pose graph needs to know about poses of one kind. A motion of a pose is its translation
-/// (m) and its rotation (yaw, or a rotation vector, rad) about its own position, in the axes of
-/// map.
+/// The properties of a kind of pose that a pose graph needs. A motion of a pose consists of its
+/// translation (m) and its rotation (yaw, or a rotation vector, rad) about its own position, in the
+/// axes of map.
 template <class Pose>
 struct PoseSpace;
 
@@ -41,7 +41,7 @@ template <class Pose>
 using PoseMatrix =
     Eigen::Matrix<double, PoseSpace<Pose>::kDimensions, PoseSpace<Pose>::kDimensions>;
 
-/// A measured relative pose of two nodes of a graph.
+/// An edge of the graph: a measured relative pose of two nodes.
 template <class Pose>
 struct PoseEdge {
   std::size_t from = 0;
@@ -55,7 +55,8 @@ struct PoseEdge {
   bool may_be_wrong = false;
 };
 
-/// The residual of an edge at the poses of its nodes, in the frame of `edge.from`.
+/// The residual of an edge when its nodes have these poses, in the frame of `edge.from` (m and
+/// rad).
 [[nodiscard]] Eigen::Vector3d residual(const PoseEdge<geometry::SE2>& edge,
                                        const geometry::SE2& T_map_from,
                                        const geometry::SE2& T_map_to);
@@ -63,9 +64,9 @@ struct PoseEdge {
                                                    const geometry::SE3& T_map_from,
                                                    const geometry::SE3& T_map_to);
 
-/// Robust pose graph in the plane (SE2) or in space (SE3). Computes the poses that fit all measured
-/// relative poses best (Lu and Milios 1997), by Gauss-Newton on sparse normal equations (Grisetti
-/// et al. 2010).
+/// A robust pose graph in the plane (SE2) or in space (SE3). It computes the poses that fit all
+/// measured relative poses best (Lu and Milios 1997), by Gauss-Newton steps on sparse normal
+/// equations (Grisetti et al. 2010).
 ///
 /// Edges that may be wrong are weighted by the kernel of Geman and McClure. The width of the kernel
 /// starts where all residuals are inliers and shrinks to the true one (graduated non-convexity:
@@ -84,13 +85,14 @@ class PoseGraph {
   /// that are not finite.
   void add_edge(const PoseEdge<Pose>& edge);
 
-  /// Moves the nodes to the minimum. `graduated`: starts with the widest kernel; otherwise uses the
-  /// true one at once, which takes fewer iterations and suffices if little has changed.
+  /// Moves the nodes to the minimum of the cost. `graduated`: starts with the widest kernel.
+  /// Otherwise it uses the true one at once, which takes fewer iterations and suffices if little
+  /// has changed.
   Report optimise(bool graduated, int max_iterations = 60);
 
   [[nodiscard]] std::span<const Pose> nodes() const { return nodes_; }
   [[nodiscard]] std::span<const PoseEdge<Pose>> edges() const { return edges_; }
-  /// The weight of an edge at the present poses, 0..1; 1 for one that cannot be wrong.
+  /// The weight of an edge at the present poses, 0 to 1; always 1 for an edge that cannot be wrong.
   [[nodiscard]] double weight(const PoseEdge<Pose>& edge) const;
   /// Squared Mahalanobis length of the residual at the present poses.
   [[nodiscard]] double chi_squared(const PoseEdge<Pose>& edge) const;

@@ -40,8 +40,8 @@ RigidFit fit_rigid(std::span<const PointPair> pairs) {
   if (!(s[1] > kLineRatio * s[0])) {
     return fit;
   }
-  // For points in a plane, or noise, the best orthogonal matrix may be a reflection: then flip the
-  // axis of the smallest singular value.
+  // If the points lie in a plane or are noisy, the best orthogonal matrix may be a reflection. The
+  // best rotation is then found by flipping the axis of the smallest singular value.
   const Eigen::Matrix3d VU = svd.matrixV() * svd.matrixU().transpose();
   const Eigen::Vector3d no_mirror(1.0, 1.0, VU.determinant() < 0.0 ? -1.0 : 1.0);
   fit.status = FitStatus::kOk;

@@ -8,7 +8,8 @@
 
 namespace nodmap::registration {
 
-/// A correspondence of Eq. 3, w_ij = 1: point m_i of the model, point d_j of the data.
+/// A correspondence of Eq. 3 with the weight w_ij = 1: a point m_i of the model and a point d_j of
+/// the data, metres.
 struct PointPair {
   Eigen::Vector3d p_model;
   Eigen::Vector3d p_data;
@@ -17,7 +18,8 @@ struct PointPair {
 enum class FitStatus {
   kOk,
   kTooFewPairs,  ///< fewer than three
-  kDegenerate    ///< on a line, in one point, or not finite: the rotation is not determined
+  kDegenerate    ///< the points are on a line, coincide or are not finite: no rotation is
+                 ///< determined
 };
 
 struct RigidFit {
@@ -25,8 +27,9 @@ struct RigidFit {
   geometry::SE3 T_model_data = geometry::SE3::Identity();  ///< identity unless kOk
 };
 
-/// Eq. 3 for n = 3 in closed form: the rotation and translation that make the sum of squared
-/// distances of the pairs smallest (Arun, Huang, Blostein 1987; never a reflection: Umeyama 1991).
+/// Solves Eq. 3 for n = 3 in closed form: finds the rotation and translation for which the sum of
+/// the squared distances of the pairs is smallest (Arun, Huang, Blostein 1987). The result is never
+/// a reflection (Umeyama 1991).
 [[nodiscard]] RigidFit fit_rigid(std::span<const PointPair> pairs);
 
 }  // namespace nodmap::registration

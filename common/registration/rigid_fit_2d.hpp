@@ -9,12 +9,12 @@
 
 namespace nodmap::registration {
 
-/// The minimum of Eq. 3 in closed form for n = 2, with real weights w_ij in place of 0 and 1:
-/// the rotation R and the translation dt for which the weighted sum of squared distances
-/// ||m_i - (R d_j + dt)||^2 is smallest (Umeyama 1991, reduced to sums over the correspondences).
+/// Solves Eq. 3 for n = 2 in closed form, with real weights w_ij in place of 0 and 1: finds the
+/// rotation R and the translation dt with the smallest weighted sum of squared distances
+/// ||m_i - (R d_j + dt)||^2 (Umeyama 1991, reduced to sums over the correspondences).
 ///
-/// Correspondences are added one by one and not kept. In the plane, points on one line determine
-/// the transform as long as they do not all coincide (in space they do not).
+/// Correspondences are added one by one and are not stored. In the plane, points on a line
+/// determine the transform unless they all coincide; in space they do not determine it.
 class RigidFit2d {
  public:
   enum class Status : std::uint8_t {

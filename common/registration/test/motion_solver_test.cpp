@@ -19,8 +19,9 @@ Information<3> evidence(const Vector3& mean, const Vector3& sigma) {
   return information;
 }
 
-// Two normal distributions of one number: the mean weighted by inverse variance, in closed form.
-TEST(MotionSolver, JoinsTwoMeasurementsByInverseVariance) {
+// The closed form for two normal distributions of one number: the mean weighted by inverse
+// variance.
+TEST(MotionSolver, WeightsMeasurementAndPriorByInverseVariance) {
   const auto estimate =
       solve_motion(evidence({1.0, 2.0, 3.0}, {0.1, 0.2, 1.0}), Matrix3(Matrix3::Zero()),
                    evidence({0.0, 0.0, 0.0}, {0.1, 0.1, 0.5}));
@@ -61,8 +62,9 @@ TEST(MotionSolver, ADegenerateDirectionKeepsThePrior) {
   }
 }
 
-// Imitated information is subtracted: all of it leaves none, half of it leaves half.
-TEST(MotionSolver, TakesOffWhatIsImitated) {
+// In x all of the measurement's information is imitated, so that only the prior is left. In y it is
+// half of it, in z none.
+TEST(MotionSolver, SubtractsImitatedInformation) {
   const Information<3> measurement = evidence({1.0, 1.0, 1.0}, {0.1, 0.1, 0.1});
   Matrix3 imitated = Matrix3::Zero();
   imitated(0, 0) = 100.0;
@@ -77,7 +79,7 @@ TEST(MotionSolver, TakesOffWhatIsImitated) {
   EXPECT_EQ(estimate.degenerate_directions, 2);
 }
 
-TEST(MotionSolver, RefusesWhatIsNotFiniteOrHasNoPrior) {
+TEST(MotionSolver, InputThatIsNotFiniteOrWithoutPriorIsInvalid) {
   Information<3> measurement = evidence(Vector3::Ones(), Vector3::Ones());
   EXPECT_FALSE(solve_motion(measurement, Matrix3(Matrix3::Zero()), Information<3>{}).is_valid);
   measurement.b[0] = std::numeric_limits<double>::quiet_NaN();

@@ -18,7 +18,7 @@ namespace pose_graph_test {
 using geometry::SE2;
 using geometry::SE3;
 
-/// Steps of one metre on each side of the square, and on the whole square.
+/// Number of steps of one metre on a side of the square, and around the whole square.
 constexpr std::size_t kSideSteps = 10;
 constexpr std::size_t kRound = 4 * kSideSteps;
 
@@ -46,7 +46,7 @@ SE3 moved(const SE3& T, const PoseVector<SE3>& motion) {
   return result;
 }
 
-/// Node `k` of a drive around a square of 10 m x 10 m in steps of one metre.
+/// Sets T to the pose of node `k` on a drive around a square of 10 m x 10 m in steps of one metre.
 void on_square(std::size_t k, SE2& T) {
   const Eigen::Vector2d corners[] = {{0, 0}, {10, 0}, {10, 10}, {0, 10}};
   const std::size_t side = k % kRound / kSideSteps;
@@ -54,7 +54,8 @@ void on_square(std::size_t k, SE2& T) {
   const auto along = static_cast<double>(k % kSideSteps);
   T = {corners[side].x() + along * std::cos(yaw), corners[side].y() + along * std::sin(yaw), yaw};
 }
-/// The same on ground that climbs 10 cm per metre on the first side and falls on the third.
+/// The same in space: the ground rises by 10 cm per metre on the first side and falls again on the
+/// third.
 void on_square(std::size_t k, SE3& T) {
   SE2 flat;
   on_square(k, flat);
@@ -67,7 +68,8 @@ void on_square(std::size_t k, SE3& T) {
                                     : 0.0;
 }
 
-/// Standard deviations of a pose: of each translation, of each rotation.
+/// The standard deviations of a pose: `sigma_m` for each translation, `sigma_rad` for each
+/// rotation.
 template <class Pose>
 PoseVector<Pose> sigmas(double sigma_m, double sigma_rad) {
   constexpr int kTranslations = PoseSpace<Pose>::kDimensions == 3 ? 2 : 3;
@@ -81,8 +83,8 @@ PoseMatrix<Pose> information(double sigma_m, double sigma_rad) {
   return sigmas<Pose>(sigma_m, sigma_rad).cwiseAbs2().cwiseInverse().asDiagonal();
 }
 
-/// Twice around the square: noisy odometry, and a correct loop closure from each node of the second
-/// round to that of the first.
+/// A drive twice around the square, with noisy odometry and a correct loop closure from each node
+/// of the first round to the same place in the second.
 template <class Pose>
 struct Drive {
   std::vector<Pose> truth;
@@ -122,7 +124,7 @@ struct Drive {
   }
 };
 
-/// Oracle: the same cost, minimised with a numeric Jacobian and dense equations.
+/// The oracle: minimises the same cost with a numeric Jacobian and dense equations.
 template <class Pose>
 std::vector<Pose> dense_gauss_newton(const PoseGraph<Pose>& graph) {
   constexpr Eigen::Index kSize = PoseSpace<Pose>::kDimensions;
@@ -185,7 +187,7 @@ TYPED_TEST(PoseGraphTest, EqualsDenseGaussNewton) {
   }
 }
 
-TYPED_TEST(PoseGraphTest, LoopsTakeTheDriftOut) {
+TYPED_TEST(PoseGraphTest, CorrectLoopClosuresReduceTheDrift) {
   for (const unsigned seed : {1U, 2U, 3U}) {
     Drive<TypeParam> drive(seed);
     const double before_m = drive.worst_m();
@@ -196,8 +198,8 @@ TYPED_TEST(PoseGraphTest, LoopsTakeTheDriftOut) {
   }
 }
 
-// As many wrong loops as 30 % of all, from anywhere to anywhere.
-TYPED_TEST(PoseGraphTest, WrongLoopsMoveNothing) {
+// 30 % of all loop closures are wrong and join random nodes.
+TYPED_TEST(PoseGraphTest, WrongLoopClosuresHardlyMoveThePoses) {
   for (const unsigned seed : {1U, 2U, 3U}) {
     Drive<TypeParam> clean(seed);
     clean.graph.optimise(true);
@@ -226,7 +228,7 @@ TYPED_TEST(PoseGraphTest, WrongLoopsMoveNothing) {
   }
 }
 
-TYPED_TEST(PoseGraphTest, BadEdgesAreRefused) {
+TYPED_TEST(PoseGraphTest, InvalidEdgesAreRefused) {
   using Pose = TypeParam;
   const Pose identity = PoseSpace<Pose>::identity();
   PoseGraph<Pose> graph;
@@ -240,7 +242,7 @@ TYPED_TEST(PoseGraphTest, BadEdgesAreRefused) {
   EXPECT_TRUE(graph.edges().empty());
 }
 
-TYPED_TEST(PoseGraphTest, EquationsThatOverflowAreNotConverged) {
+TYPED_TEST(PoseGraphTest, EquationsThatOverflowDoNotConvergeAndLeaveThePoses) {
   using Pose = TypeParam;
   Pose T_map_node = PoseSpace<Pose>::identity();
   on_square(17, T_map_node);
@@ -257,7 +259,7 @@ TYPED_TEST(PoseGraphTest, EquationsThatOverflowAreNotConverged) {
   EXPECT_EQ(distance(graph.nodes()[1], T_map_node), 0.0);
 }
 
-TYPED_TEST(PoseGraphTest, ANodeThatHangsOnNothingStays) {
+TYPED_TEST(PoseGraphTest, ANodeWithoutEdgesKeepsItsPose) {
   using Pose = TypeParam;
   Pose loose = PoseSpace<Pose>::identity();
   on_square(17, loose);
@@ -269,8 +271,9 @@ TYPED_TEST(PoseGraphTest, ANodeThatHangsOnNothingStays) {
   EXPECT_TRUE(PoseGraph<Pose>().optimise(true).converged);
 }
 
-// On a line the problem is linear: two measurements of one pose give their weighted mean.
-TEST(PoseGraph, TwoEdgesMeetAtTheirWeightedMean) {
+// Without rotations the problem is linear: the closed form is the weighted mean of the two
+// measurements.
+TEST(PoseGraph, TwoEdgesToOneNodeGiveTheirWeightedMean) {
   PoseGraph2d graph;
   graph.add_node({});
   graph.add_node({5.0, 0.0, 0.0});
@@ -282,7 +285,7 @@ TEST(PoseGraph, TwoEdgesMeetAtTheirWeightedMean) {
 }
 
 // The information is in the frame of `from`: precise along its x axis, imprecise across it.
-TEST(PoseGraph, InformationTurnsWithTheFirstNode) {
+TEST(PoseGraph, InformationOfAnEdgeIsInTheFrameOfItsFirstNode) {
   PoseGraph2d graph;
   graph.add_node({0.0, 0.0, 0.5 * geometry::kPi});
   graph.add_node({0.0, 0.0, 0.5 * geometry::kPi});
@@ -295,7 +298,7 @@ TEST(PoseGraph, InformationTurnsWithTheFirstNode) {
 
 // At the first step, a correct loop closure that closes 3 m of drift has a larger residual than a
 // wrong one.
-TEST(PoseGraph, AGoodLoopIsKeptThoughItClosesALargeDrift) {
+TEST(PoseGraph, ACorrectLoopClosureIsKeptDespiteALargeDrift) {
   PoseGraph2d graph;
   graph.add_node({});
   const double drift_rad = 0.01;
@@ -311,8 +314,9 @@ TEST(PoseGraph, AGoodLoopIsKeptThoughItClosesALargeDrift) {
   EXPECT_LT(distance(graph.nodes()[60], graph.nodes()[0]), 0.05);
 }
 
-// Closed form: with known rotations, a drift that is equal in each step is corrected evenly.
-TEST(PoseGraph, ASquareLoopTakesItsDriftBackEvenly) {
+// The closed form: if the rotations are known, a drift that is the same in each step is corrected
+// by the same amount in each step.
+TEST(PoseGraph, ALoopClosureDistributesTheDriftEvenly) {
   const Eigen::Vector3d drift_m(0.01, -0.004, 0.006);  // of each step, in map
   const auto place = [](std::size_t k) {
     SE2 T;

@@ -43,7 +43,7 @@ double distance(const SE3& a, const SE3& b) {
   return (a.matrix() - b.matrix()).norm();
 }
 
-// 1e-9 as R33 says; the points lie within 40 m, where doubles resolve 1e-14.
+// The tolerance of 1e-9 is that of R33; the points lie within 40 m, where doubles resolve 1e-14 m.
 TEST(RigidFit, R33_FindsTheMotionOfRandomClouds) {
   RandomScene scene(33);
   for (int run = 0; run < 1000; ++run) {
@@ -58,7 +58,8 @@ TEST(RigidFit, R33_FindsTheMotionOfRandomClouds) {
   }
 }
 
-// Points in a plane fit their mirror image as well as themselves: the answer must be the rotation.
+// Points in a plane are fitted equally well by a reflection and by a rotation: the result must be
+// the rotation.
 TEST(RigidFit, R33_PointsInAPlaneAreNotMirrored) {
   RandomScene scene(34);
   for (int run = 0; run < 1000; ++run) {
@@ -75,8 +76,8 @@ TEST(RigidFit, R33_PointsInAPlaneAreNotMirrored) {
   }
 }
 
-// The model is the mirror image of the data: the best orthogonal matrix is a reflection, the best
-// rotation is a different matrix and must fit better than every rotation near it.
+// The model is the mirror image of the data, so that the best orthogonal matrix is a reflection.
+// The best rotation is another matrix; it must fit at least as well as every rotation near it.
 TEST(RigidFit, R33_MirroredPointsStillGiveARotation) {
   RandomScene scene(35);
   std::vector<PointPair> pairs(20);
@@ -102,7 +103,7 @@ TEST(RigidFit, R33_MirroredPointsStillGiveARotation) {
   }
 }
 
-TEST(RigidFit, R33_DegenerateInputHasAStatus) {
+TEST(RigidFit, R33_DegenerateInputReturnsItsStatus) {
   RandomScene scene(36);
   const SE3 T = scene.pose();
   EXPECT_EQ(fit_rigid({}).status, FitStatus::kTooFewPairs);
