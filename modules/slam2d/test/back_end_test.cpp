@@ -47,7 +47,7 @@ FloorPlan ring() {
   return plan;
 }
 
-/// Two corridors that are alike to the last niche, 6 m apart, joined at their far ends.
+/// Two corridors with the same boxes at the same places, 6 m apart and joined at their far ends.
 FloorPlan twin_corridors() {
   FloorPlan plan;
   for (const double y : {0.0, 6.0}) {
@@ -67,7 +67,7 @@ FloorPlan twin_corridors() {
   return plan;
 }
 
-/// 20 m x 12 m, the same when rotated by 180 degrees.
+/// A hall of 20 m x 12 m that looks the same when rotated by 180 degrees.
 FloorPlan symmetric_hall() {
   FloorPlan plan;
   add_box(plan, -10.0, -6.0, 20.0, 12.0);
@@ -76,8 +76,8 @@ FloorPlan symmetric_hall() {
   return plan;
 }
 
-/// Drives along straight lines between the places and rotates on the spot: 0.1 m or 6 degrees a
-/// scan.
+/// The poses of a drive along straight lines between the places, with rotations on the spot: 0.1 m
+/// or 0.1 rad from scan to scan.
 std::vector<SE2> drive_along(const std::vector<Eigen::Vector2d>& places) {
   std::vector<SE2> poses;
   for (std::size_t i = 1; i < places.size(); ++i) {
@@ -101,7 +101,8 @@ std::vector<SE2> drive_along(const std::vector<Eigen::Vector2d>& places) {
   return poses;
 }
 
-/// Wheels that report 3 % too much distance, and a heading that drifts by 0.5 degrees a metre.
+/// Maps a drive with wheels that count 3 % too much distance, and a heading by odometry that drifts
+/// by 0.5 degrees a metre.
 class Mapping {
  public:
   explicit Mapping(FloorPlan plan, const Slam2dParams& params = {})
@@ -146,8 +147,8 @@ class Mapping {
   std::vector<SE2> truth_;
 };
 
-// Twice around the block: the second round lies on the first.
-TEST(BackEnd, ClosesTheLoopRoundABlock) {
+// One and a half times around the block: the second round lies on the first.
+TEST(BackEnd, ClosesTheLoopAroundABlock) {
   Mapping mapping(ring());
   mapping.drive(drive_along({{-1, -1}, {13, -1}, {13, 9}, {-1, 9}, {-1, -1}, {13, -1}, {13, 9}}));
   EXPECT_GT(mapping.loops(), 112);             // measured: 140
@@ -160,19 +161,19 @@ TEST(BackEnd, ClosesTheLoopRoundABlock) {
   EXPECT_LT(mapping.worst_error_m(), 0.016);  // measured: 12.9 mm
 }
 
-TEST(BackEnd, TwoIdenticalCorridorsAreNoLoop) {
+TEST(BackEnd, LoopBetweenIdenticalCorridorsIsRefused) {
   Mapping mapping(twin_corridors());
   mapping.drive(drive_along({{1, 0}, {32, 0}, {32, 6}, {2, 6}}));
   mapping.slam().polish();
   EXPECT_EQ(mapping.slam().back_end().metrics().loops_searched, 0);
-  EXPECT_LT(mapping.worst_error_m(), 0.061);  // measured: 49 mm; folded, it would be 6 m
+  EXPECT_LT(mapping.worst_error_m(), 0.061);  // measured: 49 mm; 6 m with a wrong loop
 }
 
-TEST(BackEnd, ASymmetricHallIsNotFolded) {
+TEST(BackEnd, ASymmetricHallIsMappedWithoutAWrongLoop) {
   Mapping mapping(symmetric_hall());
   mapping.drive(drive_along({{-8, -4.5}, {8, -4.5}, {8, 4.5}, {-8, 4.5}, {-8, -4.5}}));
   mapping.slam().polish();
-  EXPECT_LT(mapping.worst_error_m(), 0.0124);  // measured: 9.9 mm; folded, it would be 18 m
+  EXPECT_LT(mapping.worst_error_m(), 0.0124);  // measured: 9.9 mm; 18 m with a wrong loop
 }
 
 /// A room of 12 m x 8 m, with or without a wall in its middle.
@@ -188,7 +189,7 @@ FloorPlan room(bool has_wall) {
   return plan;
 }
 
-/// Adds keyframes at their poses in the map that they come from.
+/// Adds keyframes; their relative poses are those in the map from which they come.
 void add_all(BackEnd& back_end, std::span<const Keyframe> keyframes) {
   for (const Keyframe& keyframe : keyframes) {
     const SE2 T_submap_base = back_end.has_local()
@@ -198,7 +199,8 @@ void add_all(BackEnd& back_end, std::span<const Keyframe> keyframes) {
   }
 }
 
-/// Sideways through the left half of the room and back, looking to the right.
+/// A path through the left half of the room, along y and back, on which the robot always looks
+/// along x.
 std::vector<SE2> path_before_wall() {
   std::vector<SE2> poses;
   for (int i = 0; i <= 60; ++i) {
@@ -210,9 +212,9 @@ std::vector<SE2> path_before_wall() {
   return poses;
 }
 
-// After it was lost, the robot may be in the same room again. Most of a scan fits both rooms; the
-// wall makes the difference.
-TEST(BackEnd, ARoomThatLooksAlikeButForAWallIsNoLoop) {
+// A robot that was lost begins a new piece of map, either in the same room again or in one without
+// the wall. Most of a scan fits both rooms; only the wall tells them apart.
+TEST(BackEnd, LoopBetweenRoomsThatDifferByAWallIsRefused) {
   Mapping with_wall(room(true));
   with_wall.drive(path_before_wall());
   Mapping without(room(false));
@@ -228,16 +230,18 @@ TEST(BackEnd, ARoomThatLooksAlikeButForAWallIsNoLoop) {
   }
 }
 
-TEST(BackEnd, AFeaturelessCorridorIsNoLoop) {
+TEST(BackEnd, NoLoopIsClosedInAFeaturelessCorridor) {
   Mapping mapping(test::corridor());
   mapping.drive(drive_along({{0, 0}, {60, 0}}));
   EXPECT_EQ(mapping.loops(), 0);
   mapping.slam().polish();
-  // As long as odometry says, which is 3 % too long. Measured: 44 mm less.
+  // The corridor is as long as odometry says, which is 3 % too much. Measured: 44 mm less than
+  // that.
   EXPECT_NEAR(mapping.slam().keyframes().back().T_map_base.x, 60.0 * 1.03, 0.055);
 }
 
-/// Around the block of ring(), from the lower left corner and back to it.
+/// The poses of a drive `count` times around the block of ring(), from the lower left corner and
+/// back to it.
 std::vector<SE2> rounds(int count) {
   std::vector<Eigen::Vector2d> places{{-1, -1}};
   for (int round = 0; round < count; ++round) {
@@ -246,7 +250,7 @@ std::vector<SE2> rounds(int count) {
   return drive_along(places);
 }
 
-// Round after round the map stays as large and as good as it is.
+// With further rounds the map becomes neither larger nor worse.
 TEST(BackEnd, ReplacedSubmapsAreDropped) {
   Slam2dParams params;
   params.back_end.submap.max_keyframes_per_place = 4;
@@ -262,8 +266,8 @@ TEST(BackEnd, ReplacedSubmapsAreDropped) {
   EXPECT_LT(six.worst_error_m(), 0.045);  // measured: 36 mm
 }
 
-// What is left is a map like any other: it can be saved and continued.
-TEST(BackEnd, AMapWithDroppedSubmapsIsCarriedOnWith) {
+// The remaining map is like any other: it can be saved and restored.
+TEST(BackEnd, AMapWithDroppedSubmapsCanBeSavedAndRestored) {
   Slam2dParams params;
   params.back_end.submap.max_keyframes_per_place = 4;
   Mapping mapping(ring(), params);
@@ -283,8 +287,8 @@ TEST(BackEnd, AMapWithDroppedSubmapsIsCarriedOnWith) {
   }
 }
 
-// The submaps are rebuilt from the polished poses.
-TEST(BackEnd, ASecondRoundOfPolishingIsNoWorse) {
+// Between the rounds the submaps are rebuilt from the polished poses.
+TEST(BackEnd, ASecondRoundOfPolishingIsNoWorseThanOne) {
   Slam2dParams params;
   params.back_end.polish.rounds = 2;
   Mapping mapping(ring(), params);
@@ -293,7 +297,7 @@ TEST(BackEnd, ASecondRoundOfPolishingIsNoWorse) {
   EXPECT_LT(mapping.worst_error_m(), 0.016);  // as after one
 }
 
-TEST(BackEnd, ThePolishOfNothingIsNothing) {
+TEST(BackEnd, PolishingAnEmptyMapDoesNothing) {
   BackEnd back_end({}, {}, {});
   back_end.polish();
   EXPECT_FALSE(back_end.has_local());

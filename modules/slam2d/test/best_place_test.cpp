@@ -10,21 +10,22 @@ namespace best_place_test {
 
 const Peak kHere{{0.0, 0.0, 0.0}, 0.8};
 
-TEST(BestPlace, APlaceAloneIsClear) {
+TEST(BestPlace, ASinglePlaceIsClear) {
   const BestPlace best = best_of(std::array{kHere});
   EXPECT_EQ(best.index, 0U);
   EXPECT_EQ(best.score, 0.8);
   EXPECT_TRUE(best.is_clear(1.5));
 }
 
-TEST(BestPlace, ThoseThatAreTheSamePlaceDoNotCompete) {
+TEST(BestPlace, PeaksOfTheSamePlaceDoNotCompete) {
   EXPECT_EQ(best_of(std::array{kHere, Peak{{0.4, 0.0, 0.1}, 0.79}}).runner_up_score, 0.0);
   EXPECT_EQ(best_of(std::array{kHere, Peak{{0.6, 0.0, 0.1}, 0.79}}).runner_up_score, 0.79);
   EXPECT_EQ(best_of(std::array{kHere, Peak{{0.4, 0.0, 0.3}, 0.79}}).runner_up_score, 0.79);
 }
 
-// At the best place the misfit is 0.2; 1.5 times as much is 0.3, and the margin is 0.02.
-TEST(BestPlace, AnotherMustFitClearlyLess) {
+// The misfit (1 minus the score) is 0.2 at the best place. With a ratio of 1.5 and a margin of
+// 0.02, that of another place must be at least 0.32.
+TEST(BestPlace, APlaceIsClearIfTheRunnerUpFitsMuchWorse) {
   EXPECT_TRUE(best_of(std::array{Peak{{3.0, 0.0, 0.0}, 0.67}, kHere}).is_clear(1.5));
   EXPECT_FALSE(best_of(std::array{Peak{{3.0, 0.0, 0.0}, 0.69}, kHere}).is_clear(1.5));
   EXPECT_TRUE(best_of(std::array{Peak{{3.0, 0.0, 0.0}, 0.69}, kHere}).is_clear(1.2));

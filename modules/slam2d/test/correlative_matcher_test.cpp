@@ -35,7 +35,7 @@ Points room() {
   return points;
 }
 
-/// Every 7th point of what is seen from a pose.
+/// Every 7th point of the map, as seen from a pose.
 Points seen_from(const SE2& T_map_base, const Points& map) {
   Points seen;
   for (std::size_t i = 0; i < map.size(); i += 7) {
@@ -67,7 +67,7 @@ double exhaustive_score(const LikelihoodGrid& grid, const Points& scan,
   return best / (255.0 * static_cast<double>(scan.size()));
 }
 
-TEST(LikelihoodGrid, EachLevelHoldsTheLargestOfItsWindow) {
+TEST(LikelihoodGrid, EachLevelHoldsTheLargestValueOfItsWindow) {
   const LikelihoodGrid grid(room(), kCellM, 50.0);
   for (int level = 1; level < LikelihoodGrid::kLevels; ++level) {
     const int width = 1 << level;
@@ -85,8 +85,8 @@ TEST(LikelihoodGrid, EachLevelHoldsTheLargestOfItsWindow) {
   }
 }
 
-// The oracle: branch and bound leaves nothing out.
-TEST(CorrelativeMatcher, FindsWhatAnExhaustiveSearchFinds) {
+// The oracle is an exhaustive search: branch and bound must not miss its best score.
+TEST(CorrelativeMatcher, FindsTheBestScoreOfAnExhaustiveSearch) {
   const Points map = room();
   const LikelihoodGrid grid(map, kCellM, 50.0);
   const CorrelativeMatcher matcher({.min_score = 0.1});
@@ -138,7 +138,7 @@ TEST(CorrelativeMatcher, ASymmetricRoomIsAmbiguous) {
               geometry::kPi, 0.05);  // two steps of rotation
 }
 
-TEST(CorrelativeMatcher, AlongACorridorEveryPlaceIsAsGood) {
+TEST(CorrelativeMatcher, PlacesAlongACorridorAreAmbiguous) {
   Points map;
   add_wall(map, {-20, -1}, {20, -1});
   add_wall(map, {-20, 1}, {20, 1});
@@ -150,7 +150,7 @@ TEST(CorrelativeMatcher, AlongACorridorEveryPlaceIsAsGood) {
   EXPECT_EQ(match.peaks.size(), 2U);
 }
 
-TEST(CorrelativeMatcher, NothingIsFoundWhereNothingIs) {
+TEST(CorrelativeMatcher, NothingIsFoundWithoutPointsOrOutsideTheGrid) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   const CorrelativeMatcher matcher({});
   const auto is_found = [&](const LikelihoodGrid& grid, const Points& scan) {
@@ -163,7 +163,8 @@ TEST(CorrelativeMatcher, NothingIsFoundWhereNothingIs) {
   EXPECT_FALSE(is_found(grid, Points{{kNan, 1e300}}));
 }
 
-// Compares the bounds of the first squares, computed many at once, with their windows one by one.
+// Compares the bounds of the largest windows, which are computed many at a time, with their sums
+// computed one by one.
 TEST(LikelihoodGrid, BoundsOfManyWindowsAreNoLowerThanTheirSums) {
   const Points map = room();
   const LikelihoodGrid grid(map, kCellM, 50.0);
@@ -185,7 +186,7 @@ TEST(LikelihoodGrid, BoundsOfManyWindowsAreNoLowerThanTheirSums) {
   }
 }
 
-// Mirrored in the plane of symmetry, the other half is left out.
+// In this symmetric room a scan fits two places. Only the one in the left half is allowed.
 TEST(LikelihoodGrid, OnlyAllowedPlacesAreFound) {
   Points map;
   add_wall(map, {-4, -3}, {4, -3});

@@ -16,8 +16,9 @@ using test::kPeriod;
 using test::Scanner;
 using test::track;
 
-// As in logs whose stamps come in bursts: nothing happened while odometry was missing.
-TEST(Slam2d, AScanThatFitsAfterAGapIsNotSearchedFor) {
+// Scans come once a second, with gaps in odometry between them, as in logs whose stamps come in
+// bursts. The robot has not moved in the gaps.
+TEST(Slam2d, AScanThatFitsAfterAGapStartsNoSearch) {
   Slam2d slam{Slam2dParams{}};
   Scanner scanner;
   for (int i = 0; i < 10; ++i) {
@@ -28,8 +29,8 @@ TEST(Slam2d, AScanThatFitsAfterAGapIsNotSearchedFor) {
   EXPECT_EQ(slam.search_counts().searches, 0);
 }
 
-// Nothing is recorded for a second, and odometry does not count how the robot moves meanwhile.
-TEST(Slam2d, APauseInOdometryIsTakenBackByTheScans) {
+// For a second nothing is recorded, and odometry does not count the robot's motion in this time.
+TEST(Slam2d, MotionDuringAPauseInOdometryIsFoundFromTheScans) {
   Slam2d slam{Slam2dParams{}};
   Scanner scanner;
   SE2 truth{-1.5, -0.5, 0.0};
@@ -43,7 +44,7 @@ TEST(Slam2d, APauseInOdometryIsTakenBackByTheScans) {
     odom = odom * step;
     stamp += kPeriod;
   }
-  truth = truth * SE2{-0.9, -2.6, -0.6};  // farther than start poses are tried
+  truth = truth * SE2{-0.9, -2.6, -0.6};  // beyond the start poses that are tried near odometry
   stamp += 1s;
   double worst_m = 0.0;
   for (int i = 0; i < 20; ++i) {
@@ -66,8 +67,8 @@ struct Found {
   double error_m = 0.0;
 };
 
-/// The first scan after a pause in which the robot moved 2.8 m, to a place where somebody has put a
-/// board in front of it. A good part of its points are in no map.
+/// Returns the pose of the first scan after a pause in which the robot moved by 2.8 m, to a place
+/// where a new board stands in front of it. Many of the scan's points are not in the map.
 Found after_pause_before_a_board(const Slam2dParams& params) {
   Slam2d slam{params};
   Scanner scanner;
@@ -90,7 +91,7 @@ Found after_pause_before_a_board(const Slam2dParams& params) {
   return {*update, distance_m(update->T_map_base, start.inverse() * truth)};
 }
 
-TEST(Slam2d, ASearchFindsWhatFitsInPartIfMinSearchScoreAllows) {
+TEST(Slam2d, ASearchAcceptsAPartialFitOnlyAboveMinSearchScore) {
   Slam2dParams params;
   const Found found = after_pause_before_a_board(params);
   EXPECT_EQ(found.update.quality, PoseQuality::kTracked);
@@ -115,10 +116,10 @@ test::FloorPlan corridor_with_equal_niches() {
   return plan;
 }
 
-// During a second without data the robot drives on by 2 m. There everything looks the same, and
-// somebody stands in front of it. Neither its scans nor the map that it makes from there on tell
-// where it is.
-TEST(Slam2d, AnAmbiguousPlaceAfterAPauseIsDegradedUntilALoopJoinsIt) {
+// During a second without data the robot moves on by 2 m, to a place that looks the same, and a
+// person stands in front of it. Neither its scans nor the new map that it makes from there
+// determine where it is.
+TEST(Slam2d, AnAmbiguousPlaceAfterAPauseIsNotTracked) {
   Slam2d slam{Slam2dParams{}};
   Scanner scanner;
   const test::FloorPlan plan = corridor_with_equal_niches();

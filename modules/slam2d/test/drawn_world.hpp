@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Floor plans of straight walls, and a simulated level SICK scanner at the centre of the robot.
+// Floor plans that consist of straight walls, and a simulated level SICK scanner at the centre of
+// the robot.
 #pragma once
 
 #include <cmath>
@@ -33,8 +34,8 @@ inline FloorPlan corridor() {
   return {{{-200, -1}, {200, -1}}, {{-200, 1}, {200, 1}}};
 }
 
-/// 2.2 m wide, ends at x = -1 m and 29 m, with doors 12 cm deep on either side, not opposite each
-/// other.
+/// A corridor 2.2 m wide from x = -1 m to x = 29 m. Both walls have doors, set back by 12 cm and
+/// not opposite each other.
 inline FloorPlan corridor_with_doors() {
   FloorPlan plan{{{-1, -1.1}, {-1, 1.1}}, {{29, 1.1}, {29, -1.1}}};
   for (const double side : {1.0, -1.0}) {
@@ -70,7 +71,7 @@ inline double range_to(const Wall& wall, const Eigen::Vector2d& sensor_origin,
              : std::numeric_limits<double>::infinity();
 }
 
-/// 181 beams over 180 degrees as in the paper, with the range noise of a SICK.
+/// Simulates scans of 181 beams over 180 degrees, as in the paper, with the range noise of a SICK.
 class Scanner {
  public:
   explicit Scanner(double noise_m = 0.01) : noise_(0.0, noise_m) {}
@@ -103,7 +104,7 @@ class Scanner {
   std::mt19937 random_{20081};
 };
 
-/// The grid of what is seen from some poses.
+/// Draws the occupancy grid of the scans that are taken from these poses.
 inline OccupancyGrid drawn_grid(const FloorPlan& plan, const std::vector<geometry::SE2>& poses) {
   OccupancyGrid grid(0.05);
   Scanner scanner;
@@ -117,7 +118,7 @@ inline OccupancyGrid drawn_grid(const FloorPlan& plan, const std::vector<geometr
   return grid;
 }
 
-/// Poses that see all of room().
+/// Poses from which all of room() is seen.
 inline std::vector<geometry::SE2> poses_in_room() {
   std::vector<geometry::SE2> poses;
   for (const Eigen::Vector2d& place :

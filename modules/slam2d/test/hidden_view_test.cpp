@@ -16,8 +16,9 @@ using geometry::SE2;
 using test::Scanner;
 using test::track;
 
-/// Drives for a second at 75 scans a second, half of the time with `somebody` in the way. Returns
-/// the last pose while somebody is there, and the last one of all.
+/// Drives for 1.2 s at 77 scans a second; from the 40th to before the 80th of the 90 scans the
+/// walls of `somebody` (in base, m) hide part of the view. Returns the last pose while somebody is
+/// there, and the last pose of the drive.
 std::pair<PoseUpdate, PoseUpdate> drive_towards(Slam2d& slam, const test::FloorPlan& somebody) {
   constexpr time::Duration kFast = 13ms;
   Scanner scanner;
@@ -39,16 +40,16 @@ std::pair<PoseUpdate, PoseUpdate> drive_towards(Slam2d& slam, const test::FloorP
   return last;
 }
 
-// The rest of the scan determines the place.
-TEST(Slam2d, SomebodyWhoHidesMostOfTheViewDoesNotMoveThePose) {
+// The visible part of the scan determines the pose.
+TEST(Slam2d, APersonWhoHidesMostOfTheViewDoesNotMoveThePose) {
   Slam2d slam{Slam2dParams{}};
   const auto [hidden, after] = drive_towards(slam, {{{0.5, -1.2}, {0.6, 0.9}}});
   EXPECT_LE(hidden.quality, PoseQuality::kPartly);
   EXPECT_EQ(after.quality, PoseQuality::kTracked);
 }
 
-// Only odometry determines the place.
-TEST(Slam2d, SomebodyWhoHidesAllDoesNotMoveThePose) {
+// Only odometry determines the pose.
+TEST(Slam2d, APersonWhoHidesTheWholeViewDoesNotMoveThePose) {
   Slam2d slam{Slam2dParams{}};
   const auto [hidden, after] = drive_towards(slam, {{{0.4, -9.0}, {0.5, 9.0}}});
   EXPECT_EQ(hidden.quality, PoseQuality::kOdometry);
@@ -56,8 +57,9 @@ TEST(Slam2d, SomebodyWhoHidesAllDoesNotMoveThePose) {
   EXPECT_EQ(after.quality, PoseQuality::kTracked);
 }
 
-// The wheels do not notice that it was carried, but people would have passed by within a second.
-TEST(Slam2d, ACarriedRobotIsLostAfterASecond) {
+// The wheels do not notice that the robot was carried away. For a second the new view could be that
+// of people who pass by, but no longer.
+TEST(Slam2d, ARobotThatIsCarriedAwayIsLostAfterASecond) {
   Slam2d slam{Slam2dParams{}};
   Scanner scanner;
   const test::FloorPlan elsewhere{{{0.7, -2}, {0.9, 0.5}}, {{0.9, 0.5}, {0.3, 1.5}}};
@@ -71,8 +73,9 @@ TEST(Slam2d, ACarriedRobotIsLostAfterASecond) {
   EXPECT_EQ(update->quality, PoseQuality::kLost);
 }
 
-/// The quality of each level scan of a nodding laser, two a second, on a stationary robot. Somebody
-/// right in front of the laser hides everything in the scans from `from` to before `until`.
+/// Returns the quality of the pose of each level scan, two a second, of a nodding laser on a
+/// stationary robot. In the scans from `from` to before `until` a person right in front of the
+/// laser hides everything.
 std::vector<PoseQuality> nod_behind_somebody(int from, int until) {
   Slam2d slam{Slam2dParams{}};
   Scanner scanner;
@@ -82,7 +85,7 @@ std::vector<PoseQuality> nod_behind_somebody(int from, int until) {
   for (int i = 0; i < 12; ++i) {
     const double direction = i % 2 == 0 ? 1.0 : -1.0;
     double pitch_rad = -0.9 * direction * kStepRad;
-    for (int k = 0; k < 2; ++k) {  // of a sweep: up to the level one
+    for (int k = 0; k < 2; ++k) {  // of each sweep, up to the level one
       scan::Scan scan = scanner.scan(i >= from && i < until ? somebody : test::room(), {},
                                      time::Timestamp(500ms * i + 13ms * k));
       scan.pitch_first_rad = pitch_rad;
@@ -97,8 +100,8 @@ std::vector<PoseQuality> nod_behind_somebody(int from, int until) {
   return qualities;
 }
 
-// Until he has passed by, at the third scan, the pose follows odometry.
-TEST(Slam2d, WithANodSomebodyWhoHidesAllForAMomentDoesNotMakeItLost) {
+// The pose follows odometry in the two hidden scans, and is tracked from the third one on.
+TEST(Slam2d, WithANoddingLaserOdometryBridgesABrieflyHiddenView) {
   const auto qualities = nod_behind_somebody(6, 8);
   ASSERT_EQ(qualities.size(), 12U);
   for (std::size_t i = 0; i < qualities.size(); ++i) {
@@ -106,18 +109,18 @@ TEST(Slam2d, WithANodSomebodyWhoHidesAllForAMomentDoesNotMakeItLost) {
   }
 }
 
-// The robot may have been carried away.
-TEST(Slam2d, WithANodItIsLostWhenTheViewIsHiddenForASecond) {
+// After a second the robot may also have been carried away.
+TEST(Slam2d, WithANoddingLaserAViewHiddenForASecondMakesTheRobotLost) {
   const auto qualities = nod_behind_somebody(6, 12);
   ASSERT_EQ(qualities.size(), 12U);
   EXPECT_EQ(qualities[7], PoseQuality::kOdometry);
   EXPECT_EQ(qualities[8], PoseQuality::kLost);
 }
 
-// Nobody is there, but the walls seem to have moved, which is believed after a second. Either the
-// robot is pushed aside by 20 cm in a quarter of a second, or its wheels spin and count half a
-// metre.
-TEST(Slam2d, ARobotThatIsPushedOrSlipsIsFoundAgainAfterASecond) {
+// The robot is pushed aside by 20 cm in a quarter of a second, or its wheels spin and count half a
+// metre too much. The walls then seem to have moved, which might at first be people; after a second
+// it is believed.
+TEST(Slam2d, ARobotThatIsPushedOrSlipsIsTrackedAgainAfterASecond) {
   for (const auto& [pushed, slipped] :
        {std::pair{SE2{0.0, 0.01, 0.0}, SE2{}}, {SE2{}, SE2{0.025, 0.0, 0.0}}}) {
     Slam2d slam{Slam2dParams{}};
@@ -131,8 +134,8 @@ TEST(Slam2d, ARobotThatIsPushedOrSlipsIsFoundAgainAfterASecond) {
       odom = is_moved ? odom * slipped : odom;
       update = track(slam, scanner.scan(test::room(), truth, time::Timestamp(13ms * i)), odom);
       ASSERT_TRUE(update);
-      // Until then the pose is not TRACKING. The limit of slip is 3 cm and half of the way that was
-      // counted.
+      // A pose that is wrong by 5 cm or more is not TRACKING. A match may differ from odometry by 3
+      // cm and half of the distance that was counted.
       EXPECT_TRUE(distance_m(update->T_map_base, truth) < 0.05 ||
                   update->quality != PoseQuality::kTracked)
           << i;

@@ -10,7 +10,7 @@
 namespace nodmap::slam2d {
 namespace keyframe_grid_test {
 
-// A fan of rays, one per degree, with these lengths.
+// A keyframe whose rays are one degree apart and have these lengths.
 Keyframe fan(const std::vector<double>& lengths_m) {
   Keyframe keyframe;
   for (std::size_t i = 0; i < lengths_m.size(); ++i) {
@@ -21,7 +21,7 @@ Keyframe fan(const std::vector<double>& lengths_m) {
   return keyframe;
 }
 
-TEST(BelievedLengths, ALookThroughAGapIsCutToWhatItsNeighboursSee) {
+TEST(BelievedLengths, RaysThroughANarrowGapAreCutToTheirNeighboursLength) {
   // A wall, a gap of two rays, a chair leg, and an opening of three rays.
   const std::vector<double> lengths_m{3, 3, 3, 80, 40, 3, 3, 1, 3, 3, 9, 9, 9, 3, 3};
   const std::vector<double> believed_m = believed_lengths(fan(lengths_m));
@@ -42,13 +42,14 @@ TEST(BelievedLengths, AWallSeenAtAFlatAngleIsBelieved) {
   }
 }
 
-TEST(BelievedLengths, OfAFewRaysNothingIsBelieved) {
+TEST(BelievedLengths, WithTooFewRaysNoLengthIsBelieved) {
   EXPECT_TRUE(believed_lengths({}).empty());
   EXPECT_EQ(believed_lengths(fan({2.0, 2.0})), std::vector<double>(2, 0.0));
 }
 
-// Whatever is drawn from a pose can be erased from it, including the rays that are cut short.
-TEST(KeyframeGrid, ErasingTakesBackWhatWasDrawn) {
+// A keyframe that was drawn from a pose can be erased completely from it, including the rays that
+// are cut short.
+TEST(KeyframeGrid, ErasingUndoesDrawing) {
   const Keyframe keyframe = fan({3, 3, 3, 80, 40, 3, 3, 1, 3, 3});
   const geometry::SE2 T_map_base{1.0, -2.0, 0.7};
   OccupancyGrid grid(0.05);
@@ -62,7 +63,7 @@ TEST(KeyframeGrid, ErasingTakesBackWhatWasDrawn) {
   }
 }
 
-/// The cells of a grid by their place in map; equal grids of any size are equal.
+/// The known cells of a grid with their places in map: the same for grids that differ only in size.
 std::vector<std::vector<int>> known_cells(const OccupancyGrid& grid) {
   std::vector<std::vector<int>> cells;
   const Eigen::Vector2d first = grid.origin() / grid.cell_size_m();
@@ -85,7 +86,7 @@ std::size_t num_known_in(const OccupancyGrid& grid, const Region& region) {
   }));
 }
 
-/// Fans that look in the same direction, from places a little apart.
+/// Keyframes with fans that point nearly in the same direction, from poses a little apart.
 std::vector<Keyframe> row_of_fans(int count) {
   std::vector<Keyframe> keyframes;
   for (int i = 0; i < count; ++i) {
@@ -109,7 +110,7 @@ TEST(KeyframeGrid, AClearedRegionIsUnknownAndTheRestStays) {
   EXPECT_EQ(known_cells(map.grid()), expected);
 }
 
-TEST(KeyframeGrid, WhatComesLaterIsSeenInAClearedRegion) {
+TEST(KeyframeGrid, LaterKeyframesAreDrawnInAClearedRegion) {
   const std::vector<Keyframe> keyframes = row_of_fans(4);
   KeyframeGrid map(0.05);
   map.draw_new({keyframes.data(), 3});
@@ -121,9 +122,9 @@ TEST(KeyframeGrid, WhatComesLaterIsSeenInAClearedRegion) {
   EXPECT_GT(num_known_in(map.grid(), kRegion), 100U);
 }
 
-// Loops move the keyframes into the region and out of it. They are not drawn there, and no count is
-// left behind when they are erased.
-TEST(KeyframeGrid, KeyframesThatMoveDoNotBringAClearedRegionBack) {
+// Loop closures move rays into the cleared region and out of it. The keyframes are not drawn there,
+// and when they are erased no count is left.
+TEST(KeyframeGrid, MovedKeyframesAreNotDrawnInAClearedRegion) {
   std::vector<Keyframe> keyframes = row_of_fans(3);
   KeyframeGrid map(0.05);
   map.draw_new(keyframes);
@@ -135,10 +136,10 @@ TEST(KeyframeGrid, KeyframesThatMoveDoNotBringAClearedRegionBack) {
   EXPECT_EQ(num_known_in(map.grid(), kRegion), 0U);
   map.drop({.first = 0, .keyframes = keyframes});
   EXPECT_TRUE(known_cells(map.grid()).empty());
-  EXPECT_TRUE(map.cleared().empty()) << "it hides nothing any more";
+  EXPECT_TRUE(map.cleared().empty()) << "no keyframe is left that it hides";
 }
 
-TEST(KeyframeGrid, AClearedRegionGoesOnHidingTheKeyframesThatAreLeft) {
+TEST(KeyframeGrid, AfterADropAClearedRegionStillHidesEarlierKeyframes) {
   std::vector<Keyframe> keyframes = row_of_fans(4);
   KeyframeGrid map(0.05);
   map.draw_new({keyframes.data(), 3});
@@ -148,14 +149,14 @@ TEST(KeyframeGrid, AClearedRegionGoesOnHidingTheKeyframesThatAreLeft) {
   keyframes.erase(keyframes.begin() + 1);
   ASSERT_EQ(map.cleared().size(), 1U);
   EXPECT_EQ(map.cleared().front().num_keyframes, 2U);
-  // Drawn again, with the region as it would be saved.
+  // The same grid results if it is drawn anew with the cleared region as it would be saved.
   KeyframeGrid restored(0.05);
   restored.restore_cleared(map.cleared());
   restored.draw_new(keyframes);
   EXPECT_EQ(known_cells(map.grid()), known_cells(restored.grid()));
 }
 
-TEST(KeyframeGrid, ARegionOutsideOfTheMapChangesNothing) {
+TEST(KeyframeGrid, ClearingARegionOutsideTheMapChangesNothing) {
   const std::vector<Keyframe> keyframes = row_of_fans(1);
   KeyframeGrid map(0.05);
   map.draw_new(keyframes);

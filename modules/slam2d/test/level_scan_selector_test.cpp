@@ -31,7 +31,7 @@ std::vector<std::int64_t> selected(const std::vector<double>& pitches_deg) {
 }
 
 TEST(LevelScanSelector, R35_OneScanForEachSweep) {
-  // Nodding between -21 and 6 degrees: the AOI of the paper's corridor.
+  // The laser nods between -21 and 6 degrees, the area of interest in the paper's corridor.
   for (const double step_deg : {0.25, 0.4, 1.0, 1.7}) {
     LevelScanSelector selector(LevelScanParams{});
     double pitch = -21.0;
@@ -75,7 +75,7 @@ TEST(LevelScanSelector, SelectsNothingOfAScannerThatIsNeverLevel) {
   EXPECT_TRUE(selected({-20, -15, -10, -5, -10, -15}).empty());
 }
 
-TEST(LevelScanSelector, SelectsNothingWhenTheScansBesideLevelAreFarFromIt) {
+TEST(LevelScanSelector, SelectsNothingIfTheScansNearestToLevelAreTooFarFromIt) {
   EXPECT_TRUE(selected({-10, -6, 7, 12}).empty());
 }
 

@@ -17,7 +17,7 @@ KnownMap map_of_room() {
   return {trinary(test::drawn_grid(test::room(), test::poses_in_room())), {}};
 }
 
-/// A robot that drives with odometry 3 % too long, 5 scans a second.
+/// A robot with 5 scans a second and odometry that counts 3 % too much.
 class Drive {
  public:
   Drive(const KnownMap& map, const std::optional<SE2>& start) : localiser_({}, map, start) {}
@@ -62,7 +62,7 @@ TEST(Localiser, FollowsTheRobotFromAGivenPose) {
   EXPECT_EQ(drive.metrics().tracked, 100);
 }
 
-TEST(Localiser, FindsItsPlaceFromNothingAndTrustsItOnceItHasDriven) {
+TEST(Localiser, APlaceFoundWithoutAStartPoseIsTrackedAfterDriving) {
   const KnownMap map = map_of_room();
   Drive drive(map, std::nullopt);
   drive.truth = {1.0, -0.5, 2.0};
@@ -78,8 +78,8 @@ TEST(Localiser, FindsItsPlaceFromNothingAndTrustsItOnceItHasDriven) {
   EXPECT_EQ(drive.metrics().relocalisations, 1);
 }
 
-// The robot is carried away, which odometry does not notice.
-TEST(Localiser, AKidnappedRobotSaysThatItIsLostAndFindsItsPlaceAgain) {
+// The robot is carried away, and odometry does not notice it.
+TEST(Localiser, AKidnappedRobotReportsThatItIsLostAndFindsItsPlaceAgain) {
   const KnownMap map = map_of_room();
   int lost = 0;
   for (const SE2& elsewhere : {SE2{1.0, -1.0, 2.6}, SE2{-2.0, 2.0, -1.0}, SE2{3.7, 2.5, 3.0}}) {
@@ -94,7 +94,7 @@ TEST(Localiser, AKidnappedRobotSaysThatItIsLostAndFindsItsPlaceAgain) {
       update = drive.step({0.04, 0.0, 0.1});
       const bool is_wrong = drive.error_m(update) > 0.25;
       said_lost = said_lost || update.quality == PoseQuality::kLost;
-      // For up to 3 s a pose may be wrong, but from the first misfit on it is not TRACKING.
+      // A wrong pose is never TRACKING, and after 3 s it is LOST.
       EXPECT_FALSE(is_wrong && i >= 15 && update.quality != PoseQuality::kLost) << i;
       EXPECT_FALSE(is_wrong && update.quality == PoseQuality::kTracked) << i;
     }
@@ -106,7 +106,7 @@ TEST(Localiser, AKidnappedRobotSaysThatItIsLostAndFindsItsPlaceAgain) {
 }
 
 // Another building is never taken for the known one.
-TEST(Localiser, InAnotherBuildingItStaysLost) {
+TEST(Localiser, InAnotherBuildingTheRobotIsNeverTracked) {
   const KnownMap map = map_of_room();
   Drive drive(map, std::nullopt);
   drive.plan = test::ring_corridor();
@@ -116,7 +116,7 @@ TEST(Localiser, InAnotherBuildingItStaysLost) {
   EXPECT_GT(drive.metrics().lost, 40);
 }
 
-TEST(Localiser, OdometryThatRestartsLeavesTheRobotWhereItWas) {
+TEST(Localiser, ARestartOfOdometryKeepsThePose) {
   const KnownMap map = map_of_room();
   Localiser localiser({}, map, SE2{});
   test::Scanner scanner;

@@ -23,7 +23,7 @@ std::string slurp(const std::filesystem::path& file) {
   return content.str();
 }
 
-TEST(MapFile, RosMapHasTheRobotsLeftAtTheTop) {
+TEST(MapFile, ARosMapIsWrittenWithItsYAxisUpwards) {
   const nodmap::test::TemporaryDir dir;
   OccupancyGrid grid(0.5);
   ASSERT_TRUE(grid.add_ray({0.25, 0.25}, {0.25, 1.25}));  // a wall to the left; y is up
@@ -51,7 +51,7 @@ TEST(MapFile, RosMapHasTheRobotsLeftAtTheTop) {
   EXPECT_NE(yaml.find("origin: [-64, 0, 0]\n"), std::string::npos);
 }
 
-TEST(MapFile, WhatWasWrittenIsReadAgain) {
+TEST(MapFile, AMapIsReadAsItWasWritten) {
   const nodmap::test::TemporaryDir dir;
   const OccupancyGrid grid = test::drawn_grid(test::room(), test::poses_in_room());
   write_ros_map(dir.path(), grid);
@@ -70,8 +70,9 @@ void put(const std::filesystem::path& file, const std::string& content) {
   std::ofstream(file, std::ios::binary) << content;
 }
 
-// Maps as other programs write them: text, comments, a rotated origin, black for free.
-TEST(MapFile, ReadsTheMapsOfOtherPrograms) {
+// The map has features that only other programs write: pixels as text, comments, a rotated origin,
+// and black for free.
+TEST(MapFile, MapsOfOtherProgramsAreRead) {
   const nodmap::test::TemporaryDir dir;
   put(dir.path() / "hall.pgm",
       "P2 # made by hand\n# width and height\n3 2\n100\n0 50 100\n0 0 0\n");
@@ -89,7 +90,7 @@ TEST(MapFile, ReadsTheMapsOfOtherPrograms) {
   EXPECT_NEAR(grid.middle_of(2, 0).y(), 2.0 + 1.25, 1e-9);
 }
 
-TEST(MapFile, AMapThatCannotBeReadIsNamedWithTheReason) {
+TEST(MapFile, TheErrorForAnUnreadableMapNamesTheFileAndTheReason) {
   const nodmap::test::TemporaryDir dir;
   const auto reason = [&](const std::string& yaml, const std::string& pgm) {
     put(dir.path() / "map.yaml", yaml);
@@ -117,7 +118,7 @@ TEST(MapFile, AMapThatCannotBeReadIsNamedWithTheReason) {
             std::string::npos);
 }
 
-TEST(MapFile, AFolderThatIsMissingIsNamed) {
+TEST(MapFile, TheErrorForAMissingFolderNamesTheFile) {
   try {
     write_ros_map("/nonexistent/folder", OccupancyGrid(0.05));
     FAIL();
@@ -126,17 +127,18 @@ TEST(MapFile, AFolderThatIsMissingIsNamed) {
   }
 }
 
-TEST(MapFile, ImagesOfNothingAndOfAPath) {
+TEST(MapFile, ImagesOfEmptyInputAndOfAPathAreDrawn) {
   EXPECT_GT(draw_paths({}, {}).width(), 0);
   EXPECT_GT(draw_map(OccupancyGrid(0.05), {}).width(), 0);
   const std::vector<geometry::SE2> path{{0, 0, 0}, {10, 0, 0}};
   const drawing::Image image = draw_paths(path, {});
-  // 10 m and a metre of border on either side: the path runs through the middle.
+  // The image shows the 10 m of the path and a border of 1 m on either side; the path runs through
+  // its middle.
   EXPECT_NE(image.at(image.width() / 2, image.height() / 2), drawing::kWhite);
   EXPECT_EQ(image.at(image.width() / 2, 2), drawing::kWhite);
 }
 
-TEST(MapFile, ASmallMapFillsAScreenAndALargeOneLosesNoCell) {
+TEST(MapFile, ASmallMapIsEnlargedAndALargeOneKeepsAllCells) {
   OccupancyGrid coarse(0.5);
   ASSERT_TRUE(coarse.add_ray({0.25, 0.25}, {0.25, 1.25}));
   const drawing::Image small = draw_map(coarse, {});
@@ -147,12 +149,12 @@ TEST(MapFile, ASmallMapFillsAScreenAndALargeOneLosesNoCell) {
   EXPECT_GE(large.width(), fine.width());
 }
 
-TEST(MapFile, StartEndAndOdometryAreMarked) {
+TEST(MapFile, TheStartAndOdometryAreDrawn) {
   const std::vector<geometry::SE2> path{{0, 0, 0}, {10, 0, 0}};
   const std::vector<geometry::SE2> odometry{{0, 0, 0}, {10, 1, 0}};
   const drawing::Image one = draw_paths(path, {});
   const drawing::Image marked = draw_paths(path, odometry);
-  // The disc where the path starts reaches beyond the line, which is two pixels wide.
+  // The disc at the start of the path is wider than the line, which is two pixels wide.
   EXPECT_NE(one.at(100, one.height() / 2 - 4), drawing::kWhite);
   EXPECT_EQ(one.at(400, one.height() / 2 - 4), drawing::kWhite);
   int grey = 0;

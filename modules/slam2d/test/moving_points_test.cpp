@@ -15,7 +15,8 @@ namespace moving_points_test {
 
 using geometry::SE2;
 
-/// A room of 12 m x 8 m with the robot in its middle, and people of 40 cm x 40 cm.
+/// A room of 12 m x 8 m, with its middle in the origin, and people of 40 cm x 40 cm at these
+/// places.
 test::FloorPlan hall(const std::vector<Eigen::Vector2d>& people) {
   test::FloorPlan plan{
       {{-6, -4}, {6, -4}}, {{6, -4}, {6, 4}}, {{6, 4}, {-6, 4}}, {{-6, 4}, {-6, -4}}};
@@ -32,7 +33,7 @@ test::FloorPlan hall(const std::vector<Eigen::Vector2d>& people) {
 
 class MovingPoints : public testing::Test {
  protected:
-  /// What the robot sees. The odom frame begins in the middle of the hall.
+  /// The scan that the robot takes. The origin of odom is the middle of the hall.
   LevelScan look(const std::vector<Eigen::Vector2d>& people, const SE2& T_world_base = {}) {
     points_.emplace_back();
     for (const OrientedPoint& point :
@@ -41,7 +42,7 @@ class MovingPoints : public testing::Test {
     }
     return {.T_odom_base = T_world_base, .points_base = points_.back()};
   }
-  /// Points of a scan within 40 cm of a place in base.
+  /// The number of points of a scan within 40 cm of a place in base.
   static std::size_t near(std::span<const OrientedPoint> points, const Eigen::Vector2d& p) {
     std::size_t count = 0;
     for (const OrientedPoint& point : points) {
@@ -56,17 +57,18 @@ class MovingPoints : public testing::Test {
   MovingPointFilter filter_;
 };
 
-TEST_F(MovingPoints, WhoWalksIntoTheViewIsLeftOut) {
+TEST_F(MovingPoints, PointsOfAPersonWhoWalksIntoViewAreRemoved) {
   filter_.add_keyframe(look({{3.0, 1.0}}));
   const LevelScan later = look({{2.2, -1.0}});
   ASSERT_GT(near(later.points_base, {2.2, -1.0}), 5U);
   const auto stationary = filter_.stationary(later);
   EXPECT_EQ(near(stationary, {2.2, -1.0}), 0U);
-  // The wall behind the first place is seen now for the first time.
+  // All other points are kept, also those of the wall behind the person's first place, which is
+  // seen for the first time.
   EXPECT_EQ(stationary.size() + near(later.points_base, {2.2, -1.0}), later.points_base.size());
 }
 
-TEST_F(MovingPoints, WhatStandsStaysAlsoWhenTheRobotMoves) {
+TEST_F(MovingPoints, StationaryObjectsAreKeptWhenTheRobotMoves) {
   const std::vector<Eigen::Vector2d> people{{2.0, 1.0}, {3.5, -1.5}};
   filter_.add_keyframe(look(people));
   const SE2 motion{0.3, 0.05, 0.2};
@@ -74,15 +76,16 @@ TEST_F(MovingPoints, WhatStandsStaysAlsoWhenTheRobotMoves) {
   EXPECT_EQ(filter_.stationary(later).size(), later.points_base.size());
 }
 
-// Since the last keyframe the motion is less than the margin, but since the one before it is more.
-TEST_F(MovingPoints, WhoComesSlowlyIsLeftOutToo) {
+// The person's motion since the last keyframe is less than the margin, but since the keyframe
+// before that it is more.
+TEST_F(MovingPoints, PointsOfASlowPersonAreRemoved) {
   filter_.add_keyframe(look({{3.0, 0.0}}));
   filter_.add_keyframe(look({{2.6, 0.0}}));
   const LevelScan later = look({{2.4, 0.0}});
   EXPECT_EQ(near(filter_.stationary(later), {2.4, 0.0}), 0U);
 }
 
-TEST_F(MovingPoints, AThinThingBetweenTwoBeamsStays) {
+TEST_F(MovingPoints, AThinObjectBetweenTwoBeamsIsKept) {
   filter_.add_keyframe(look({}));
   LevelScan later = look({});
   points_.back()[90].p *= 0.5;  // one beam hits something at half the distance
@@ -90,14 +93,14 @@ TEST_F(MovingPoints, AThinThingBetweenTwoBeamsStays) {
   EXPECT_EQ(filter_.stationary(later).size(), later.points_base.size());
 }
 
-TEST_F(MovingPoints, OfACarriedRobotLittleIsLeft) {
+TEST_F(MovingPoints, AfterTheRobotIsCarriedMostPointsAreRemoved) {
   filter_.add_keyframe(look({}, {-5.0, 0.0, 0.0}));
   LevelScan later = look({}, {4.0, 0.0, 0.0});
   later.T_odom_base = {-5.0, 0.0, 0.0};  // it was carried
   EXPECT_LT(2 * filter_.stationary(later).size(), later.points_base.size());
 }
 
-TEST_F(MovingPoints, ACarriedRobotContradictsWhatItSaw) {
+TEST_F(MovingPoints, AfterTheRobotIsCarriedTheScanContradictsTheKeyframe) {
   filter_.add_keyframe(look({}, {-5.0, 0.0, 0.0}));
   LevelScan later = look({}, {4.0, 0.0, 0.0});
   EXPECT_FALSE(filter_.contradicts(later));
@@ -105,7 +108,7 @@ TEST_F(MovingPoints, ACarriedRobotContradictsWhatItSaw) {
   EXPECT_TRUE(filter_.contradicts(later));
 }
 
-TEST_F(MovingPoints, WhatWasNeverInViewContradictsNothing) {
+TEST_F(MovingPoints, PointsInUnseenSpaceContradictNothing) {
   filter_.add_keyframe(look({{2.0, 0.0}}));
   LevelScan later = look({}, {5.0, 3.0, 2.0});
   const std::vector<OrientedPoint> few(later.points_base.begin(), later.points_base.begin() + 12);
@@ -114,14 +117,14 @@ TEST_F(MovingPoints, WhatWasNeverInViewContradictsNothing) {
   EXPECT_FALSE(MovingPointFilter().contradicts(later));
 }
 
-TEST_F(MovingPoints, WithoutAReferenceNothingMoves) {
+TEST_F(MovingPoints, WithoutAKeyframeAllPointsAreKept) {
   const LevelScan scan = look({{2.0, 0.0}});
   EXPECT_EQ(filter_.stationary(scan).size(), scan.points_base.size());
   EXPECT_TRUE(filter_.stationary({}).empty());
 }
 
-// Six people walk to and fro across a hall, in front of a robot that drives through it.
-TEST(Slam2dAmongPeople, TheyShapeNeitherThePoseNorTheMap) {
+// Six people walk back and forth across a hall, in front of a robot that drives through it.
+TEST(Slam2dAmongPeople, PeopleAffectNeitherThePoseNorTheMap) {
   Slam2d slam{Slam2dParams{}};
   test::Scanner scanner;
   SE2 truth{-4.5, -1.0, 0.0};
@@ -146,7 +149,7 @@ TEST(Slam2dAmongPeople, TheyShapeNeitherThePoseNorTheMap) {
     odom = odom * SE2{1.02 * step.x, 0.0, step.yaw + 0.0003};
   }
   EXPECT_LT(worst_m, 0.03);
-  // Map points in the interior of the hall are on people.
+  // There is nothing but people inside the hall, so map points there are on people.
   std::size_t inside = 0;
   std::size_t all = 0;
   for (const Submap& submap : slam.back_end().submaps()) {

@@ -80,7 +80,7 @@ TEST_F(Slam2dNodeTest, PublishesAPoseForEachLevelScanAndTheMap) {
   EXPECT_EQ(node_.health().state, node::HealthState::kOk);
 }
 
-TEST_F(Slam2dNodeTest, APoseSaysHowUncertainItIs) {
+TEST_F(Slam2dNodeTest, PublishesThePoseWithItsCovariance) {
   put_odometry(0s, {});
   put_scan(0s, {});
   put_odometry(200ms, {0.1, 0.0, 0.0});
@@ -94,8 +94,9 @@ TEST_F(Slam2dNodeTest, APoseSaysHowUncertainItIs) {
   EXPECT_EQ(pose.covariance[3][3], 0.0);  // roll
 }
 
-// Twice around a room: submaps that see the same, joined by loops.
-TEST_F(Slam2dNodeTest, PublishesThePoseGraphWhenItChangesButOnceASecondAtMost) {
+// The robot drives round and round in a room: submaps see the same walls and are joined by loop
+// closures.
+TEST_F(Slam2dNodeTest, PublishesAChangedPoseGraphAtMostOnceASecond) {
   geometry::SE2 truth;
   for (std::int64_t i = 0; i < 400; ++i) {
     put_odometry(200ms * i, truth);
@@ -140,7 +141,7 @@ TEST_F(Slam2dNodeTest, TriesAgainToSaveAMapThatCouldNotBeSaved) {
   EXPECT_EQ(node_.health().state, node::HealthState::kOk);
 }
 
-TEST_F(Slam2dNodeTest, SavesItsMapWhenAsked) {
+TEST_F(Slam2dNodeTest, SavesItsMapOnRequest) {
   const nodmap::test::TemporaryDir dir;
   put_odometry(0s, {});
   put_scan(0s, {});
@@ -153,7 +154,7 @@ TEST_F(Slam2dNodeTest, SavesItsMapWhenAsked) {
   EXPECT_TRUE(std::filesystem::exists(context_.out_dir / "map.yaml"));
 }
 
-/// The known cells of the newest tiles within a rectangle of map.
+/// The number of known cells within a rectangle of map, in the newest version of each tile.
 int num_known(const std::vector<nodmap::grid_chunk_t>& chunks, const Region& region) {
   std::map<std::pair<int, int>, nodmap::grid_chunk_t> newest;
   for (const nodmap::grid_chunk_t& chunk : chunks) {
@@ -172,7 +173,7 @@ int num_known(const std::vector<nodmap::grid_chunk_t>& chunks, const Region& reg
   return known;
 }
 
-TEST_F(Slam2dNodeTest, ClearsARegionWhenAskedAndSavesThatItDid) {
+TEST_F(Slam2dNodeTest, ClearsARegionOnRequestAndSavesItAsCleared) {
   const nodmap::test::TemporaryDir dir;
   context_.out_dir = dir.path();
   put_odometry(0s, {});
@@ -200,14 +201,15 @@ TEST_F(Slam2dNodeTest, ClearsARegionWhenAskedAndSavesThatItDid) {
   EXPECT_EQ(counts_.rejected().at("implausible_clear_request"), 1);
 }
 
-TEST_F(Slam2dNodeTest, AMapThatCannotBeSavedLeavesTheOldOneAndSaysSo) {
+TEST_F(Slam2dNodeTest, AFailedSaveLeavesTheOldMapAndIsReported) {
   const nodmap::test::TemporaryDir dir;
   put_odometry(0s, {});
   put_scan(0s, {});
   context_.out_dir = dir.path();
   bus_.deliver("SAVE_REQUEST", nodmap::save_request_t{});
   const auto size = std::filesystem::file_size(dir.path() / "map.pgm");
-  std::filesystem::create_directory(dir.path() / "map.pgm.part");  // where the new one is to go
+  // The new map is first written under this name.
+  std::filesystem::create_directory(dir.path() / "map.pgm.part");
   bus_.deliver("SAVE_REQUEST", nodmap::save_request_t{});
   EXPECT_EQ(node_.health().state, node::HealthState::kDegraded);
   EXPECT_EQ(std::filesystem::file_size(dir.path() / "map.pgm"), size);
@@ -217,8 +219,8 @@ TEST_F(Slam2dNodeTest, AMapThatCannotBeSavedLeavesTheOldOneAndSaysSo) {
 }
 
 TEST_F(Slam2dNodeTest, WritesALineForEachUsedScanWithItsOwnStamp) {
-  // Stamps step back, as in one of the recordings. Scans are taken in file order, and each keeps
-  // its stamp.
+  // Stamps step back, as in one of the recordings. Scans are used in the order in which they come,
+  // and each keeps its stamp.
   const std::vector<time::Duration> since_epoch{1'000'001us, 1200ms, 900'003us, 1400ms};
   for (const time::Duration duration : since_epoch) {
     put_odometry(duration, {});
@@ -239,7 +241,7 @@ TEST_F(Slam2dNodeTest, WritesALineForEachUsedScanWithItsOwnStamp) {
   }
 }
 
-TEST_F(Slam2dNodeTest, CountsWhatItCannotUse) {
+TEST_F(Slam2dNodeTest, CountsRejectedMessagesByCause) {
   put_scan(0s, {});  // before any odometry
   nodmap::scan_t broken = node::write_scan(scanner_.scan(test::room(), {}));
   broken.angle_step_rad = 0.0;
@@ -264,7 +266,7 @@ TEST_F(Slam2dNodeTest, CountsWhatItCannotUse) {
   EXPECT_TRUE(bus_.sent<nodmap::pose_t>("POSE_2D").empty());
 }
 
-TEST_F(Slam2dNodeTest, ResultsOfNothingAreWrittenToo) {
+TEST_F(Slam2dNodeTest, WritesResultsWithoutAnyInput) {
   node_.finish();
   const nodmap::test::TemporaryDir dir;
   node_.write_results(dir.path());
@@ -272,7 +274,7 @@ TEST_F(Slam2dNodeTest, ResultsOfNothingAreWrittenToo) {
   EXPECT_EQ(node_.metrics()["scans_used"], 0);
 }
 
-TEST_F(Slam2dNodeTest, SaysWhenItIsLost) {
+TEST_F(Slam2dNodeTest, ReportsDegradedHealthWhenLost) {
   put_odometry(0s, {});
   put_scan(0s, {});
   put_odometry(1us, {500.0, 0.0, 0.0});
@@ -280,8 +282,8 @@ TEST_F(Slam2dNodeTest, SaysWhenItIsLost) {
   EXPECT_EQ(node_.health().state, node::HealthState::kDegraded);
 }
 
-// The base driver is killed and restarted: odometry counts and measures from zero again.
-TEST_F(Slam2dNodeTest, GoesOnWhereItWasWhenOdometryBeginsAnew) {
+// The base driver is killed and restarted: its sequence numbers and its pose begin at zero again.
+TEST_F(Slam2dNodeTest, ContinuesAtItsPoseWhenOdometryRestarts) {
   const geometry::SE2 step{0.04, 0.0, 0.04};
   geometry::SE2 truth;
   geometry::SE2 odom;
@@ -295,7 +297,7 @@ TEST_F(Slam2dNodeTest, GoesOnWhereItWasWhenOdometryBeginsAnew) {
     put_scan(since_epoch, truth);
     const nodmap::pose_t pose = bus_.sent<nodmap::pose_t>("POSE_2D").back();
     EXPECT_EQ(pose.state, nodmap::pose_t::TRACKING) << i;
-    // Scan noise is 1 cm; at the restart the guess is a step behind.
+    // Scan noise is 1 cm; at the restart the guess lacks one step.
     EXPECT_NEAR(pose.position_m[0], truth.x, 0.03) << i;
     EXPECT_NEAR(pose.position_m[1], truth.y, 0.03) << i;
     truth = truth * step;
@@ -305,9 +307,9 @@ TEST_F(Slam2dNodeTest, GoesOnWhereItWasWhenOdometryBeginsAnew) {
   EXPECT_EQ(node_.metrics()["searches"], 0);
 }
 
-// A scan between the last odometry of the old frame and the first of the new one has no pose: an
-// interpolated one would lie anywhere between the two.
-TEST_F(Slam2dNodeTest, PlacesNoScanBetweenTwoOdometryFrames) {
+// A scan between the last odometry of the old frame and the first of the new one has no pose:
+// interpolation between the two frames has no meaning.
+TEST_F(Slam2dNodeTest, RejectsScansBetweenTwoOdometryFrames) {
   put_odometry(0s, {3.0, 0.0, 0.0});
   put_odometry(10ms, {3.0, 0.0, 0.0});
   put_scan(0s, {});

@@ -31,7 +31,7 @@ TEST(OccupancyGrid, ARayFreesItsCellsAndOccupiesTheLast) {
   EXPECT_EQ(occupancy_at(grid, 0.55, 0.15), OccupancyGrid::kUnknown);
 }
 
-TEST(OccupancyGrid, OccupancyIsTheRatioOfRaysThatEnded) {
+TEST(OccupancyGrid, OccupancyIsTheFractionOfRaysThatEndInTheCell) {
   OccupancyGrid grid(kCell);
   for (int i = 0; i < 3; ++i) {
     ASSERT_TRUE(grid.add_ray({0.05, 0.05}, {2.05, 0.05}));
@@ -55,7 +55,8 @@ TEST(OccupancyGrid, RaysAgreeWithDenseSampling) {
         known += grid.occupancy(x, y) != OccupancyGrid::kUnknown ? 1 : 0;
       }
     }
-    // A straight line enters one cell for each border it crosses, and the first.
+    // A straight line enters one cell for each cell border it crosses, in addition to the first
+    // cell.
     const auto cell = [](double v) { return static_cast<int>(std::floor(v / kCell)); };
     EXPECT_EQ(known, 1 + std::abs(cell(end.x()) - cell(sensor_origin.x())) +
                          std::abs(cell(end.y()) - cell(sensor_origin.y())));
@@ -66,7 +67,7 @@ TEST(OccupancyGrid, RaysAgreeWithDenseSampling) {
   }
 }
 
-TEST(OccupancyGrid, GrowingKeepsWhatWasDrawn) {
+TEST(OccupancyGrid, GrowingKeepsTheCells) {
   OccupancyGrid grid(kCell);
   ASSERT_TRUE(grid.add_ray({0.05, 0.05}, {1.05, 0.05}));
   ASSERT_TRUE(grid.add_ray({-40.0, -70.0}, {-41.0, -70.0}));
@@ -76,7 +77,7 @@ TEST(OccupancyGrid, GrowingKeepsWhatWasDrawn) {
   EXPECT_EQ(occupancy_at(grid, 90.05, 31.05), 100);
 }
 
-TEST(OccupancyGrid, RefusesWhatNoGridCanHold) {
+TEST(OccupancyGrid, RefusesRaysThatNoGridCanHold) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   OccupancyGrid grid(kCell);
   EXPECT_FALSE(grid.add_ray({0, 0}, {kNan, 0}));
@@ -86,7 +87,7 @@ TEST(OccupancyGrid, RefusesWhatNoGridCanHold) {
   EXPECT_EQ(grid.width(), 0);
 }
 
-TEST(OccupancyGrid, AFreeRayHitsNothing) {
+TEST(OccupancyGrid, AFreeRayOccupiesNoCell) {
   OccupancyGrid grid(kCell);
   ASSERT_TRUE(grid.add_free_ray({0.05, 0.05}, {1.05, 0.05}));
   EXPECT_EQ(occupancy_at(grid, 0.95, 0.05), 0);
@@ -95,7 +96,7 @@ TEST(OccupancyGrid, AFreeRayHitsNothing) {
   EXPECT_EQ(occupancy_at(grid, 0.95, 0.05), OccupancyGrid::kUnknown);
 }
 
-TEST(OccupancyGrid, HoldsTilesOnlyWhereRaysWent) {
+TEST(OccupancyGrid, HoldsTilesOnlyWhereRaysPassed) {
   OccupancyGrid grid(kCell);
   ASSERT_TRUE(grid.add_ray({1.0, 1.0}, {2.0, 1.0}));
   ASSERT_TRUE(grid.add_ray({200.0, 200.0}, {201.0, 200.0}));
@@ -103,7 +104,7 @@ TEST(OccupancyGrid, HoldsTilesOnlyWhereRaysWent) {
   EXPECT_GE(grid.width(), 16 * OccupancyGrid::kTileCells);  // 200 m
 }
 
-// The grid as a receiver has it that assembles the tiles it receives.
+// The grid as a receiver assembles it from the tiles.
 using Received = std::vector<std::int8_t>;
 
 void receive(const OccupancyGrid& grid, const std::vector<GridTile>& tiles, Received& received) {
@@ -130,7 +131,7 @@ Received whole(const OccupancyGrid& grid) {
   return cells;
 }
 
-/// Rays all over 60 m x 60 m: 100 tiles.
+/// A grid with rays all over 128 m x 128 m: at least 100 tiles.
 OccupancyGrid large_grid() {
   OccupancyGrid grid(kCell);
   for (double y = -64.0; y < 64.0; y += 6.4) {
@@ -147,7 +148,7 @@ TEST(TileSelector, TheFirstChoiceIsTheWholeGrid) {
   EXPECT_EQ(received, whole(grid));
 }
 
-TEST(TileSelector, ChoosesWhatChangedAndAFewOthersHoweverLargeTheGridIs) {
+TEST(TileSelector, ChoosesChangedTilesAndAFewOthersFromALargeGrid) {
   OccupancyGrid grid = large_grid();
   ASSERT_GE(grid.num_tiles(), 100U);
   TileSelector selector;
@@ -160,7 +161,7 @@ TEST(TileSelector, ChoosesWhatChangedAndAFewOthersHoweverLargeTheGridIs) {
   EXPECT_EQ(chosen.front().cells[10U * OccupancyGrid::kTileCells + 20U], 100);  // (2.05, 1.05)
 }
 
-TEST(TileSelector, AReceiverThatCameLateHasTheWholeGridAfterATurn) {
+TEST(TileSelector, ALateReceiverHasTheWholeGridAfterAllTilesWereRepeated) {
   const OccupancyGrid grid = large_grid();
   TileSelector selector;
   (void)selector.choose(grid);
@@ -173,13 +174,14 @@ TEST(TileSelector, AReceiverThatCameLateHasTheWholeGridAfterATurn) {
   EXPECT_EQ(received, whole(grid));
 }
 
-TEST(TileSelector, CellsThatLookAlikeWaitForTheEnd) {
+TEST(TileSelector, AChangeThatLeavesACellOccupiedIsSentAtTheEnd) {
   OccupancyGrid grid = large_grid();
   ASSERT_TRUE(grid.add_ray({1.05, 1.05}, {2.05, 1.05}));
   TileSelector selector;
   Received received;
   receive(grid, selector.choose(grid), received);
-  // A ray goes through the wall. It is still a wall, although only half of the rays end there.
+  // A ray passes through the wall. The cell is still occupied, although only half of the rays end
+  // there.
   ASSERT_TRUE(grid.add_free_ray({1.05, 1.05}, {2.15, 1.05}));
   EXPECT_EQ(selector.choose(grid).size(), 4U);
   receive(grid, selector.choose_rest(grid), received);

@@ -24,7 +24,7 @@ TEST(OrientedPointExtractor, NormalsOfAWallPointToTheScanner) {
   }
 }
 
-TEST(OrientedPointExtractor, TheMountMovesThePoints) {
+TEST(OrientedPointExtractor, PointsAreMovedByThePositionOfTheMount) {
   OrientedPointExtractor extractor;
   test::Scanner scanner(0.0);
   scan::Scan scan = scanner.scan({{{2, -1}, {2, 1}}}, {});
@@ -51,14 +51,14 @@ TEST(OrientedPointExtractor, DeskewsAScan) {
   for (const OrientedPoint& point : extractor.extract(scan, {})) {
     worst_m = std::max(worst_m, std::abs(point.p.x() - 2.0));
   }
-  EXPECT_GT(worst_m, 0.05);  // the motion left in: 6 m to the side, 1.2 deg are 12 cm
+  EXPECT_GT(worst_m, 0.05);  // not deskewed: at 6 m to the side, 1.2 degrees are 12 cm
   for (const OrientedPoint& point : extractor.extract(scan, T_first_last)) {
     EXPECT_NEAR(point.p.x(), 2.0, 1e-5);  // ranges are single precision
     ASSERT_TRUE(!point.has_normal() || std::abs(point.normal.x() + 1.0) < 1e-5);
   }
 }
 
-TEST(OrientedPointExtractor, APointBetweenJumpsHasNoNormal) {
+TEST(OrientedPointExtractor, APointBetweenTwoRangeJumpsHasNoNormal) {
   const std::vector<Eigen::Vector2d> points{{5, -0.1}, {2, 0}, {5, 0.1}, {5, 0.2}, {5, 0.3}};
   EXPECT_TRUE(estimate_normal(points, 1, {0, 0}).isZero(0.0));
   EXPECT_TRUE(estimate_normal(points, 0, {0, 0}).isZero(0.0));

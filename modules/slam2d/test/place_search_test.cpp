@@ -30,8 +30,8 @@ TEST(Slam2d, ARotationThatOdometryMissedIsFound) {
   EXPECT_NEAR(update->T_map_base.yaw, truth.yaw, geometry::deg_to_rad(0.158));
 }
 
-// The same with a piece of a wall in view, which fits many places.
-TEST(Slam2d, FewPointsAreNotLookedForInAWideWindow) {
+// The rotation is missed as above, but only a piece of a wall is in view, which fits many places.
+TEST(Slam2d, AScanWithFewPointsStartsNoSearch) {
   Slam2d slam{Slam2dParams{}};
   Scanner scanner;
   ASSERT_TRUE(track(slam, scanner.scan(test::room(), {}), {}));
@@ -52,9 +52,10 @@ TEST(Slam2d, FewPointsAreNotLookedForInAWideWindow) {
   EXPECT_EQ(update->T_map_base.x, odom.x);
 }
 
-// Two bays side by side, 1.1 m apart. In the second nearly everything is new, because the wall
-// between them hid it, and what the robot sees would also fit the first.
-TEST(Slam2d, APlaceBesideThatLooksAlikeDoesNotReplaceTheOneByOdometry) {
+// There are two bays side by side, 1.1 m apart. From the first bay the wall between them hides the
+// second, so that nearly everything that the robot sees in the second is new, and would also fit
+// the first.
+TEST(Slam2d, ASimilarPlaceNearbyDoesNotReplaceThePoseByOdometry) {
   Slam2d slam{Slam2dParams{}};
   Scanner scanner;
   const test::FloorPlan bays{{{0.0, -1.5}, {0.0, 1.5}},
@@ -71,11 +72,11 @@ TEST(Slam2d, APlaceBesideThatLooksAlikeDoesNotReplaceTheOneByOdometry) {
   EXPECT_LT(distance_m(update->T_map_base, second), 0.1);  // by odometry, or matched near it
 }
 
-TEST(Slam2d, WhereNothingMatchesItIsLostAndContinuesTheMapFromOdometry) {
+TEST(Slam2d, WithoutAnyMatchTheRobotIsLostAndTheMapContinuesFromOdometry) {
   Slam2d slam{Slam2dParams{}};
   Scanner scanner;
   ASSERT_TRUE(track(slam, scanner.scan(test::room(), {}), {}));
-  // Carried to a place where nothing of the map is in sight.
+  // The robot is carried to a place where nothing of the map is in sight.
   const test::FloorPlan elsewhere{{{52, -2}, {52, 2}}, {{52, 2}, {48, 3}}, {{48, -2}, {52, -2}}};
   const SE2 carried{50.0, 0.0, 0.0};
   const auto lost =
@@ -86,14 +87,15 @@ TEST(Slam2d, WhereNothingMatchesItIsLostAndContinuesTheMapFromOdometry) {
   const auto again =
       track(slam, scanner.scan(elsewhere, carried, time::Timestamp(2 * kPeriod)), carried);
   ASSERT_TRUE(again);
-  // Matched, but DEGRADED: how what it sees now lies relative to what it saw before is not known.
+  // The scan is matched, but the pose is DEGRADED: the relative pose of the new piece of map and
+  // the old one is not known.
   EXPECT_EQ(again->quality, PoseQuality::kPartly);
   EXPECT_GT(again->covariance(0, 0), 1.0);
 }
 
-// Behind an obstacle the robot sees its back, 1.2 m wide, which fits nothing in the map. Odometry
-// alone is good enough for a while.
-TEST(Slam2d, WhatWasNeverInViewIsAddedByOdometry) {
+// The robot drives past an obstacle and then sees another one, 1.2 m wide, which fits nothing in
+// the map. For a while odometry alone is good enough.
+TEST(Slam2d, AnAreaSeenForTheFirstTimeIsAddedByOdometry) {
   Slam2d slam{Slam2dParams{}};
   Scanner scanner;
   const test::FloorPlan obstacles{{{3, -1}, {3, 0}}, {{7, 1.4}, {7, 2.6}}};

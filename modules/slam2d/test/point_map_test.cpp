@@ -29,7 +29,8 @@ std::vector<OrientedPoint> random_points(int count, unsigned seed, double half_s
   return points;
 }
 
-/// For a wall at y = 2 m, seen from below.
+/// Expects that all lines lie on the wall y = 2 m, which was seen from smaller y: to this angle,
+/// and to this distance across it.
 void expect_lines_along_wall(const PointMap& map, double angle_deg, double across_m) {
   for (const MapPoint& map_point : map.points()) {
     ASSERT_TRUE(map_point.has_line());
@@ -66,14 +67,14 @@ TEST(PointMap, NearestAgreesWithBruteForce) {
   }
 }
 
-TEST(PointMap, WhatIsRememberedDoesNotChangeWhatIsNearest) {
+TEST(PointMap, ARememberedNeighbourhoodDoesNotChangeTheNearestPoint) {
   PointMap map(kParams);
   for (const OrientedPoint& point : random_points(3000, 7, 5.0)) {
     map.add(point);
   }
   std::mt19937 random(8);
-  // Steps like those of ICP, some of them longer than the free distance around a point, and a
-  // rotation.
+  // The query moves in steps like those of ICP, some of them longer than the free distance around a
+  // point, and rotates.
   std::normal_distribution<double> step_m(0.0, 0.02);
   const Eigen::Matrix2d R = geometry::SE2{0.0, 0.0, 0.03}.rotation();
   for (OrientedPoint query : random_points(300, 9, 7.0)) {
@@ -86,7 +87,7 @@ TEST(PointMap, WhatIsRememberedDoesNotChangeWhatIsNearest) {
   }
 }
 
-TEST(PointMap, WhatIsFreeAroundANeighbourHoldsNoOtherPoint) {
+TEST(PointMap, WithinTheFreeDistanceThereIsNoOtherPoint) {
   PointMap map(kParams);
   const std::vector<OrientedPoint> points = random_points(1000, 11, 5.0);
   for (const OrientedPoint& point : points) {
@@ -106,8 +107,8 @@ TEST(PointMap, WhatIsFreeAroundANeighbourHoldsNoOtherPoint) {
   }
 }
 
-// Also where there are more points than can be remembered: forty in a square of 20 cm.
-TEST(PointMap, WhatIsKnownAroundANeighbourHoldsAllPoints) {
+// This includes places with more points than can be remembered: forty in a square of 20 cm.
+TEST(PointMap, WithinTheKnownDistanceAllPointsAreListed) {
   PointMap map(kParams);
   std::vector<OrientedPoint> points = random_points(1000, 13, 5.0);
   const std::vector<OrientedPoint> crowd = random_points(40, 14, 0.1);
@@ -136,7 +137,7 @@ TEST(PointMap, WhatIsKnownAroundANeighbourHoldsAllPoints) {
   }
 }
 
-TEST(PointMap, InsertAddsWhatIsFarFromAllPointsOfTheMap) {
+TEST(PointMap, InsertAddsOnlyPointsFarFromAllOthers) {
   const std::vector<OrientedPoint> points = random_points(2000, 17, 1.0);
   PointMap map(kParams);
   map.insert(points);
@@ -154,7 +155,7 @@ TEST(PointMap, InsertAddsWhatIsFarFromAllPointsOfTheMap) {
   }
 }
 
-TEST(PointMap, PointsTogetherMakeTheSameLinesAsOneByOne) {
+TEST(PointMap, InsertingPointsTogetherOrOneByOneGivesTheSameLines) {
   constexpr MapParams kEveryPoint{.new_point_distance_m = 1e-9, .line_radius_m = 0.25};
   const std::vector<OrientedPoint> points = random_points(500, 10, 1.0);
   PointMap together(kEveryPoint);
@@ -174,19 +175,20 @@ TEST(PointMap, EmptyMapHasNoNeighbour) {
   EXPECT_EQ(PointMap(kParams).nearest({{0, 0}, kNoNormal}, 10.0), nullptr);
 }
 
-TEST(PointMap, PointsOfAWallFormItsLine) {
+TEST(PointMap, PointsOfAWallGiveItsLine) {
   std::mt19937 random(3);
   std::normal_distribution<double> noise(0.0, 0.01);
   PointMap map(kParams);
   for (int i = 0; i < 100; ++i) {
     map.add({{0.05 * i, 2.0 + noise(random)}, {0, -1}});
   }
-  // The line through 11 points of 1 cm noise over 0.5 m: 3 mm across, 1.1 degrees (one sigma); all
-  // hundred lines stay within four sigma.
+  // A line through 11 points with 1 cm of noise over 0.5 m has a standard deviation of 3 mm across
+  // and 1.1 degrees. Lines at the ends of the wall have half the points over half the length: 4 mm
+  // and 2.7 degrees. The bounds are about three of these standard deviations, or more.
   expect_lines_along_wall(map, 8.0, 0.02);
 }
 
-TEST(PointMap, TheTwoSidesOfAThinWallAreTwoLines) {
+TEST(PointMap, TheTwoSidesOfAThinWallGiveTwoLines) {
   PointMap map(kParams);
   for (int i = 0; i < 40; ++i) {
     map.add({{0.05 * i, 0.00}, {0, -1}});
@@ -202,7 +204,7 @@ TEST(PointMap, TheTwoSidesOfAThinWallAreTwoLines) {
   EXPECT_EQ(upper->point.p.y(), 0.08);
 }
 
-TEST(PointMap, ABlobIsNoLine) {
+TEST(PointMap, AClusterOfPointsHasNoLine) {
   PointMap map(kParams);
   for (const OrientedPoint& point : random_points(60, 4, 0.15)) {
     map.add({point.p, kNoNormal});
@@ -213,7 +215,7 @@ TEST(PointMap, ABlobIsNoLine) {
   }
 }
 
-TEST(PointMap, LinesDoNotDependOnWhereTheMapLies) {
+TEST(PointMap, LinesDoNotDependOnThePositionOfTheMap) {
   const Eigen::Vector2d far(576.5, -1234.5);  // the odometry of one recording starts like this
   PointMap here(kParams);
   PointMap there(kParams);
@@ -227,7 +229,7 @@ TEST(PointMap, LinesDoNotDependOnWhereTheMapLies) {
   }
 }
 
-TEST(PointMap, RepeatedScansOfAWallSharpenItsLinesAndAddNothing) {
+TEST(PointMap, RepeatedScansOfAWallRefineItsLinesAndAddNoPoint) {
   std::mt19937 random(6);
   std::normal_distribution<double> noise(0.0, 0.01);
   PointMap map(kParams);
@@ -240,8 +242,9 @@ TEST(PointMap, RepeatedScansOfAWallSharpenItsLinesAndAddNothing) {
   for (int i = 0; i < 49; ++i) {
     scan_wall([&](const OrientedPoint& point) { map.refine(point); });
   }
-  // 50 scans divide the 3 mm and 1.1 degrees of one scan by 7. At the ends of the wall the lines
-  // have half the points over half the length; the bounds are four sigma of those lines.
+  // 50 scans divide the standard deviations of one scan, 3 mm and 1.1 degrees, by 7. At the ends of
+  // the wall the lines have half the points over half the length; the bounds are at least four
+  // standard deviations of those lines.
   EXPECT_EQ(map.points().size(), 100U);
   expect_lines_along_wall(map, 2.0, 0.0025);
 }

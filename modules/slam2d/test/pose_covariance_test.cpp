@@ -23,8 +23,8 @@ TEST(PoseCovariance, GrowsWithTheDistanceByOdometry) {
   }
   EXPECT_NEAR(once.matrix()(0, 0), 4.0 * 0.016, 1e-12);
   EXPECT_NEAR(in_steps.matrix()(0, 0), 4.0 * 0.016, 1e-9);
-  // An error of the heading moves the rest of the path sideways: over a path s this adds a variance
-  // of q s^3 / 3.
+  // An error of the heading moves the rest of the path sideways: over a path of length s, a heading
+  // variance of q per metre adds q s^3 / 3.
   EXPECT_NEAR(in_steps.matrix()(1, 1), 4.0 * 0.016 + 0.004 * 64.0 / 3.0, 2e-3);
   PoseCovariance stationary;
   stationary.move(1.0, {});
@@ -37,14 +37,14 @@ TEST(PoseCovariance, TimeWithoutOdometryAddsAMetreAndARadianASecond) {
   EXPECT_TRUE(covariance.matrix().isApprox(4.0 * Eigen::Matrix3d::Identity()));
 }
 
-TEST(PoseCovariance, AMatchInAllDirectionsIsTheInverseOfItsInformation) {
+TEST(PoseCovariance, AMatchInAllDirectionsSetsTheInverseOfItsInformation) {
   Eigen::Matrix3d information;
   information << 400.0, 20.0, -90.0, 20.0, 900.0, 50.0, -90.0, 50.0, 2500.0;
   PoseCovariance covariance;
   covariance.move(0.3, {5.0, 0.0, 1.0});
   covariance.match(information);
   EXPECT_TRUE(covariance.matrix().isApprox(information.inverse(), 1e-9));
-  covariance.match(information);  // the same wall again tells nothing new
+  covariance.match(information);  // the same match again adds no information
   EXPECT_TRUE(covariance.matrix().isApprox(information.inverse(), 1e-9));
 }
 
@@ -59,13 +59,13 @@ TEST(PoseCovariance, ADegenerateDirectionKeepsTheUncertaintyOfOdometry) {
   EXPECT_NEAR(covariance.matrix()(0, 0), along_m2, 1e-12);
 }
 
-/// Drives with wheels that measure 3 % too much and drift to the side. Returns the error of the
-/// last pose, and its reported covariance.
+/// The last pose of a drive as it was estimated, and the true one.
 struct Outcome {
   PoseUpdate update;
   SE2 truth;
 };
 
+/// Drives with wheels that count 3 % too much distance, and a heading that drifts.
 Outcome drive(const test::FloorPlan& plan, const SE2& step, int steps) {
   Slam2d slam{Slam2dParams{}};
   test::Scanner scanner;
@@ -83,7 +83,7 @@ Outcome drive(const test::FloorPlan& plan, const SE2& step, int steps) {
   return outcome;
 }
 
-TEST(PoseCovariance, InARoomThePoseIsAsCertainAsItIsRight) {
+TEST(PoseCovariance, InARoomTheCovarianceIsConsistentWithTheError) {
   const Outcome end = drive(test::room(), {0.03, 0.0, 0.04}, 150);
   const Eigen::Vector3d error(end.update.T_map_base.x - end.truth.x,
                               end.update.T_map_base.y - end.truth.y,
@@ -91,11 +91,11 @@ TEST(PoseCovariance, InARoomThePoseIsAsCertainAsItIsRight) {
   const Eigen::Matrix3d& covariance = end.update.covariance;
   EXPECT_LT(std::sqrt(covariance(0, 0)), 0.1);
   EXPECT_LT(std::sqrt(covariance(2, 2)), 0.05);
-  // With three degrees of freedom, one in a thousand is beyond.
+  // Chi-squared with three degrees of freedom: one in a thousand is above 16.3.
   EXPECT_LT(error.dot(covariance.inverse() * error), 16.3);
 }
 
-TEST(PoseCovariance, AlongACorridorItGrowsAndHoldsTheError) {
+TEST(PoseCovariance, AlongACorridorTheCovarianceGrowsAndCoversTheError) {
   const Outcome near = drive(test::corridor(), {0.1, 0.0, 0.0}, 20);
   const Outcome far = drive(test::corridor(), {0.1, 0.0, 0.0}, 200);
   ASSERT_EQ(far.update.quality, PoseQuality::kPartly);

@@ -20,7 +20,7 @@ bool are_near(const SE2& a, const SE2& b) {
          std::abs(geometry::angle_difference(a.yaw, b.yaw)) < 1e-9;
 }
 
-/// A robot that drives on steadily. Odometry and map agree until odometry hangs.
+/// A robot that drives steadily. Odometry and map agree until odometry hangs.
 class Drive {
  public:
   Drive() {
@@ -28,13 +28,14 @@ class Drive {
     pose_guesses_.add_scan(time::Timestamp{}, {});
     go_on(kStep);
   }
-  /// The next scan; odometry has counted `T_odom_step` since the last one.
+  /// The guesses for the next scan, if odometry has counted `T_odom_step` since the last one.
   std::vector<SE2> guesses(const SE2& T_odom_step) {
     scan_.stamp += kPeriod;
     scan_.T_odom_base = T_odom_last_ * T_odom_step;
     return pose_guesses_.guesses(scan_, T_map_odom_, T_odom_last_);
   }
-  /// Matching finds that the robot went on as before.
+  /// Adds the next scan. Whatever odometry counts, matching finds that the robot has continued its
+  /// motion.
   void go_on(const SE2& T_odom_step) {
     (void)guesses(T_odom_step);
     truth_ = truth_ * kStep;
@@ -61,14 +62,14 @@ TEST(PoseGuesses, OdometryThatAgreesWithTheMotionIsTheOnlyGuess) {
   EXPECT_FALSE(are_near(guesses.front(), drive.next_truth()));  // by odometry, not by the motion
 }
 
-TEST(PoseGuesses, WhenOdometryStandsStillTheRobotMayHaveGoneOn) {
+TEST(PoseGuesses, IfOdometryReportsNoMotionASecondGuessContinuesTheLastMotion) {
   Drive drive;
   const auto guesses = drive.guesses({});
   ASSERT_EQ(guesses.size(), 2U);
   EXPECT_TRUE(are_near(guesses[1], drive.next_truth()));
 }
 
-TEST(PoseGuesses, WhatOdometryCatchesUpIsNotCountedTwice) {
+TEST(PoseGuesses, MotionThatOdometryReportsLateIsNotCountedTwice) {
   Drive drive;
   drive.go_on({});
   drive.go_on({});
@@ -77,7 +78,7 @@ TEST(PoseGuesses, WhatOdometryCatchesUpIsNotCountedTwice) {
   EXPECT_TRUE(are_near(guesses.front(), drive.next_truth())) << "since the last keyframe";
 }
 
-TEST(PoseGuesses, AnotherOdometryFrameChangesNothing) {
+TEST(PoseGuesses, ANewOdometryFrameLeavesTheGuessesUnchanged) {
   Drive drive;
   drive.go_on({});
   const SE2 T_old_new{3.0, -1.0, 0.7};
@@ -97,14 +98,15 @@ TEST(PoseGuesses, AnotherOdometryFrameChangesNothing) {
   }
 }
 
-TEST(PoseGuesses, StampsInBurstsTellNoSpeed) {
+TEST(PoseGuesses, StampsInBurstsAreNotUsedToEstimateTheSpeed) {
   Drive drive;
   drive.wait(-kPeriod * 9 / 10);  // the next scan comes 20 ms after the last
   EXPECT_EQ(drive.guesses({}).size(), 1U);
 }
 
-// But the scans were measured at an even rate: pairs of them have nearly the same stamp.
-TEST(PoseGuesses, InBurstsTheRobotGoesOnByAsMuchAScanAsItDid) {
+// Two scans at a time have nearly the same stamp, although the laser measures at an even rate. The
+// mean motion from scan to scan is therefore known.
+TEST(PoseGuesses, InBurstsAGuessRepeatsTheMeanMotionPerScan) {
   Drive drive;
   for (int i = 0; i < 8; ++i) {
     drive.wait(i % 2 == 0 ? -kPeriod * 9 / 10 : kPeriod * 9 / 10);
@@ -119,8 +121,9 @@ TEST(PoseGuesses, InBurstsTheRobotGoesOnByAsMuchAScanAsItDid) {
   }));
 }
 
-// Half a second later, or after a scan that fitted nowhere, the robot's motion is unknown.
-TEST(PoseGuesses, AMotionLongAgoTellsNothing) {
+// Half a second after the last scan, or after a scan that fitted nowhere, the robot's motion is
+// unknown.
+TEST(PoseGuesses, AnOldOrForgottenMotionGivesNoGuess) {
   Drive drive;
   drive.wait(500ms);
   EXPECT_EQ(drive.guesses({}).size(), 1U);
@@ -147,7 +150,7 @@ TEST(PoseGuesses, OnlyScansInQuickSuccessionAreFast) {
   }
 }
 
-TEST(PoseGuesses, WhatIsFastIsAParameter) {
+TEST(PoseGuesses, TheLongestScanPeriodThatIsFastIsAParameter) {
   for (const auto& [max_scan_period_s, is_fast] :
        {std::pair{0.0, false}, {0.05, false}, {0.25, true}}) {
     PoseGuesses pose_guesses{PeopleParams{.max_scan_period_s = max_scan_period_s}};
@@ -157,8 +160,10 @@ TEST(PoseGuesses, WhatIsFastIsAParameter) {
   }
 }
 
-// A stationary robot may be 3 cm off at once, and no more in all; a moving one half of its way.
-TEST(PoseGuesses, WheelsSlipByPartOfWhatTheyHaveTurned) {
+// A match may differ from odometry since the last scan by 3 cm and 1.7 degrees, plus 1 m and 60
+// degrees per second. It may differ from odometry since the last keyframe by 3 cm and 1.7 degrees,
+// plus half of the motion that odometry has counted.
+TEST(PoseGuesses, TheAllowedSlipGrowsWithTheMotionByOdometry) {
   PoseGuesses pose_guesses{PeopleParams{}};
   pose_guesses.add_keyframe({}, {});
   pose_guesses.add_scan(time::Timestamp{}, {});

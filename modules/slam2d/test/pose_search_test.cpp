@@ -24,13 +24,13 @@ TEST(PoseSearch, FindsThePoseAfterALargeRotation) {
   const SE2 guess{0.4, -0.3, geometry::deg_to_rad(70.0)};
   const auto candidates = search.candidates(map, points, {&guess, 1});
   ASSERT_FALSE(candidates.empty());
-  // The step between candidates is 0.25 m and 4 degrees; ICP does the rest.
+  // Candidates are 0.25 m and 4 degrees apart; ICP then finds the exact pose.
   EXPECT_TRUE(std::any_of(candidates.begin(), candidates.end(), [](const SE2& pose) {
     return std::hypot(pose.x, pose.y) < 0.3 && std::abs(pose.yaw) < geometry::deg_to_rad(8.0);
   }));
 }
 
-TEST(PoseSearch, CandidatesAreDistinctAndWithinReach) {
+TEST(PoseSearch, CandidatesAreDistinctAndWithinTheSearchArea) {
   const SearchParams params;
   const SE2 guess{1.0, 2.0, 3.0};
   const auto candidates = PoseSearch(params).candidates(PointMap(MapParams{}), {}, {&guess, 1});
@@ -43,7 +43,7 @@ TEST(PoseSearch, CandidatesAreDistinctAndWithinReach) {
           std::abs(geometry::angle_difference(candidates[i].yaw, candidates[j].yaw)) > 0.06);
     }
   }
-  // If all poses score the same, the one by odometry comes first.
+  // If all poses have the same score, the guess comes first.
   ASSERT_FALSE(candidates.empty());
   EXPECT_EQ(candidates.front().x, 1.0);
 }

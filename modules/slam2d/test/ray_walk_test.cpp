@@ -18,7 +18,8 @@ struct Ray {
   Eigen::Vector2d to;
 };
 
-/// Rays, some of them along the axes or along diagonals, some that end where they begin.
+/// Random rays. Some of them run along an axis, some begin and end at corners of cells, and some
+/// are so short that they hardly leave their first cell.
 std::vector<Ray> rays() {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> coordinate(0.0, kSide);
@@ -80,7 +81,7 @@ std::vector<bool> lines_crossed(const Ray& ray) {
   return crossed;
 }
 
-TEST(RayWalk, VisitsTheCellsBetweenTheLinesThatTheRayCrosses) {
+TEST(RayWalk, VisitsTheCellsBetweenTheGridLinesThatTheRayCrosses) {
   for (const Ray& ray : rays()) {
     RayWalk walk(ray.from, ray.to);
     Eigen::Vector2i cell = walk.first_cell();
@@ -100,8 +101,8 @@ TEST(RayWalk, VisitsTheCellsBetweenTheLinesThatTheRayCrosses) {
   }
 }
 
-// In a few strides, each as long as a grid of some size allows.
-TEST(RayWalk, CountsTheLinesUntilTheBorder) {
+// The walk advances in strides; each ends at a border that is a random number of cells away.
+TEST(RayWalk, CountsTheGridLinesUntilABorder) {
   std::mt19937 random(2);
   std::uniform_int_distribution<int> size(1, 128);
   for (const Ray& ray : rays()) {

@@ -57,16 +57,16 @@ TEST_F(RelocaliserTest, FindsTheRobotAnywhereInARoom) {
       continue;
     }
     ++found;
-    // Cells of 5 cm, seen over one corner or two.
+    // The tolerance is a cell of 5 cm; a scan sees only one or two corners.
     EXPECT_NEAR(result.T_map_base.x, truth.x, 0.05);
     EXPECT_NEAR(result.T_map_base.y, truth.y, 0.05);
     EXPECT_NEAR(geometry::angle_difference(result.T_map_base.yaw, truth.yaw), 0.0, 0.03);
   }
-  EXPECT_GE(found, 18);  // measured: 22; facing a bare wall, a place cannot be told
+  EXPECT_GE(found, 18);  // measured: 22; a robot that faces a bare wall cannot be found
 }
 
-// Rotated by 180 degrees, it looks the same from the other side.
-TEST_F(RelocaliserTest, InASymmetricHallItSaysThatItDoesNotKnow) {
+// The hall looks the same when rotated by 180 degrees.
+TEST_F(RelocaliserTest, ThePlaceInASymmetricHallIsAmbiguous) {
   const test::FloorPlan hall{
       {{-6, -4}, {6, -4}}, {{6, -4}, {6, 4}}, {{6, 4}, {-6, 4}}, {{-6, 4}, {-6, -4}}};
   std::vector<SE2> poses;
@@ -79,7 +79,7 @@ TEST_F(RelocaliserTest, InASymmetricHallItSaysThatItDoesNotKnow) {
   }
 }
 
-TEST_F(RelocaliserTest, SaysSoInAnotherBuildingAndWithoutPoints) {
+TEST_F(RelocaliserTest, FindsNothingInAnotherBuildingOrWithoutPoints) {
   const KnownMap map(trinary(test::drawn_grid(test::room(), test::poses_in_room())), {});
   for (const double x : {3.0, 8.0, 14.0}) {
     EXPECT_NE(locate(map, test::ring_corridor(), {x, 0.2, 0.3}).status, Status::kFound);
@@ -89,7 +89,7 @@ TEST_F(RelocaliserTest, SaysSoInAnotherBuildingAndWithoutPoints) {
   EXPECT_EQ(locate(empty, test::room(), {}).status, Status::kNowhere);
 }
 
-TEST_F(RelocaliserTest, AGroupOfOneIsAsOneScan) {
+TEST_F(RelocaliserTest, AGroupOfOneScanGivesTheSameResultAsTheScan) {
   const KnownMap map(trinary(test::drawn_grid(test::room(), test::poses_in_room())), {});
   const auto points = extractor_.extract(scanner_.scan(test::room(), {-1.0, 0.5, 0.3}), {});
   const LevelScan scan{.T_odom_base = {}, .points_base = points};
@@ -102,8 +102,8 @@ TEST_F(RelocaliserTest, AGroupOfOneIsAsOneScan) {
   EXPECT_EQ(alone.runner_up_score, group.runner_up_score);
 }
 
-// Three rooms alike but for two screens. The first has one to the right and one to the left, the
-// second has only the right one and the third only the left one.
+// Three rooms that differ only by two screens. The first room has one on the right and one on the
+// left, the second has only the right one, and the third only the left one.
 class LookAlikeRooms : public RelocaliserTest {
  protected:
   LookAlikeRooms() {
@@ -134,7 +134,7 @@ class LookAlikeRooms : public RelocaliserTest {
   std::optional<KnownMap> map_;
 };
 
-TEST_F(LookAlikeRooms, SeveralScansTellWhatNoneOfThemTellsAlone) {
+TEST_F(LookAlikeRooms, SeveralScansFindAPlaceThatNoneOfThemFindsAlone) {
   for (const SE2& truth : {right_, left_}) {
     EXPECT_EQ(locate(*map_, plan_, truth).status, Status::kAmbiguous);
   }
@@ -150,7 +150,7 @@ TEST_F(LookAlikeRooms, SeveralScansTellWhatNoneOfThemTellsAlone) {
   EXPECT_NEAR(geometry::angle_difference(found.T_map_base.yaw, left_.yaw), 0.0, 0.03);
 }
 
-TEST_F(RelocaliserTest, OdometryThatIsLateInATurnDoesNotMatter) {
+TEST_F(RelocaliserTest, OdometryThatLagsInARotationDoesNotMatter) {
   const KnownMap map(trinary(test::drawn_grid(test::room(), test::poses_in_room())), {});
   const SE2 first{-1.0, 0.5, 0.3};
   const SE2 last{-0.8, 0.5, 0.6};
@@ -162,8 +162,8 @@ TEST_F(RelocaliserTest, OdometryThatIsLateInATurnDoesNotMatter) {
   EXPECT_NEAR(found.T_map_base.yaw, last.yaw, 0.03);
 }
 
-// Each place is sure on its own, but odometry says that the robot did not move from one to the
-// other.
+// Each scan alone is found at its place, but odometry says that the robot did not move from one
+// place to the other.
 TEST_F(RelocaliserTest, ScansThatContradictEachOtherFindNothing) {
   const KnownMap map(trinary(test::drawn_grid(test::room(), test::poses_in_room())), {});
   const SE2 first{-1.0, 0.5, 0.3};
@@ -174,7 +174,7 @@ TEST_F(RelocaliserTest, ScansThatContradictEachOtherFindNothing) {
   EXPECT_EQ(locate_group(map, test::room(), {{first, {}}, {carried, {}}}).status, Status::kNowhere);
 }
 
-TEST(KnownMap, TellsPointsOnWallsFromThoseBehindThem) {
+TEST(KnownMap, DistinguishesPointsOnWallsFromPointsBehindThem) {
   TrinaryGrid grid{.cell_size_m = 0.1, .width = 50, .height = 20};
   grid.cells.assign(1000, CellState::kFree);
   for (std::size_t y = 0; y < 20; ++y) {

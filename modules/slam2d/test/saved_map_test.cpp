@@ -29,7 +29,7 @@ double distance(const SE2& a, const SE2& b) {
   return (a.translation() - b.translation()).norm();
 }
 
-/// One run of the process in room(). Odometry begins anywhere and is 3 % too long.
+/// One run of the process in room(). Odometry begins at an arbitrary pose and counts 3 % too much.
 class Session {
  public:
   Session() : node_(context_, Slam2dParams{}) {}
@@ -74,7 +74,7 @@ class Session {
 // The map frame is the odom frame of the first run, which began at the origin of room().
 constexpr SE2 kMapOfRoom{4.0, -7.0, 2.0};
 
-/// Half a circle of 0.75 m radius, from the origin of room().
+/// Saves the map of a drive on a circle of 0.75 m radius, from the origin of room().
 void map_room(const std::filesystem::path& dir) {
   Session run;
   SE2 truth;
@@ -140,7 +140,7 @@ TEST(SavedMap, IsReadAsItWasWritten) {
   EXPECT_EQ(read.cleared[0].num_keyframes, 7U);
 }
 
-TEST(SavedMap, IsTheSameAfterItWasRestored) {
+TEST(SavedMap, IsTheSameAfterRestoringAndSavingAgain) {
   const nodmap::test::TemporaryDir dir;
   map_room(dir.path());
   const SavedMap read = read_saved_map(dir.path());
@@ -154,13 +154,13 @@ TEST(SavedMap, IsTheSameAfterItWasRestored) {
   ASSERT_EQ(again.loops.size(), read.loops.size());
   for (std::size_t i = 0; i < read.loops.size(); ++i) {
     EXPECT_EQ(again.loops[i].edge.from, read.loops[i].edge.from);
-    // Its mean was rounded once.
+    // The relative pose was rounded once.
     EXPECT_LT(distance(again.loops[i].edge.T_from_to, read.loops[i].edge.T_from_to), 1e-9);
   }
 }
 
 // The second run begins elsewhere in the room, with another heading and another odom frame.
-TEST(SavedMap, IsCarriedOnWithFromAPlaceThatIsNotTold) {
+TEST(SavedMap, IsContinuedFromAnUnknownStartPose) {
   const nodmap::test::TemporaryDir first;
   const nodmap::test::TemporaryDir second;
   map_room(first.path());
@@ -178,7 +178,7 @@ TEST(SavedMap, IsCarriedOnWithFromAPlaceThatIsNotTold) {
       const nodmap::pose_t pose = run.last_pose();
       EXPECT_EQ(pose.state, nodmap::pose_t::TRACKING);
       const SE2 expected = kMapOfRoom * now;
-      // Within a cell of the grid in which it was found.
+      // The tolerance is a cell of the grid in which the place was found.
       EXPECT_NEAR(pose.position_m[0], expected.x, 0.05) << i;
       EXPECT_NEAR(pose.position_m[1], expected.y, 0.05) << i;
     }
@@ -196,7 +196,7 @@ TEST(SavedMap, IsCarriedOnWithFromAPlaceThatIsNotTold) {
   EXPECT_LT(distance(carried_on.keyframes[0].T_map_base, kMapOfRoom), 1e-9);
 }
 
-TEST(SavedMap, IsCarriedOnWithAtOnceFromAGivenPose) {
+TEST(SavedMap, IsContinuedAtOnceFromAGivenStartPose) {
   const nodmap::test::TemporaryDir dir;
   map_room(dir.path());
   const std::size_t saved = read_saved_map(dir.path()).keyframes.size();
@@ -207,7 +207,7 @@ TEST(SavedMap, IsCarriedOnWithAtOnceFromAGivenPose) {
   EXPECT_EQ(run.node().metrics()["keyframes"], saved + 1);
 }
 
-TEST(SavedMap, ThatTheRobotIsNotInStaysAsItIs) {
+TEST(SavedMap, StaysUnchangedIfTheRobotIsNotInIt) {
   const nodmap::test::TemporaryDir dir;
   map_room(dir.path());
   Session run(dir.path());
@@ -218,7 +218,8 @@ TEST(SavedMap, ThatTheRobotIsNotInStaysAsItIs) {
   EXPECT_EQ(run.node().health().state, node::HealthState::kDegraded);
 }
 
-/// Writes the keyframes of a good map after `spoil` has changed them, and returns the error.
+/// Writes the keyframes of a valid map after `spoil` has changed them, reads them and returns the
+/// error; empty if there is none.
 std::string error_after(const std::function<void(std::vector<nodmap::keyframe_2d_t>&)>& spoil) {
   const nodmap::test::TemporaryDir good;
   const nodmap::test::TemporaryDir bad;
@@ -244,7 +245,7 @@ std::string error_after(const std::function<void(std::vector<nodmap::keyframe_2d
   return "";
 }
 
-TEST(SavedMap, ThatIsImpossibleIsRefused) {
+TEST(SavedMap, WithImpossibleValuesIsRefused) {
   using Keyframes = std::vector<nodmap::keyframe_2d_t>;
   EXPECT_EQ(error_after([](Keyframes&) {}), "");
   EXPECT_NE(error_after([](Keyframes& k) { k.resize(1), k[0].first_submap = 1; }), "");
@@ -258,7 +259,7 @@ TEST(SavedMap, ThatIsImpossibleIsRefused) {
       "");
 }
 
-TEST(SavedMap, ThatWasCutOffIsRefused) {
+TEST(SavedMap, ThatIsTruncatedOrMissingIsRefused) {
   const nodmap::test::TemporaryDir dir;
   map_room(dir.path());
   const std::filesystem::path file = dir.path() / "keyframes.lcmlog";

@@ -23,7 +23,7 @@ PointMap map_of(const test::FloorPlan& plan, const SE2& seen_from) {
 
 class ScanMatcherMetrics : public testing::TestWithParam<Metric> {};
 
-TEST_P(ScanMatcherMetrics, R34_FindsTheRobotAgain) {
+TEST_P(ScanMatcherMetrics, R34_AnErrorOfTheGuessIsCorrected) {
   MatcherParams params;
   params.metric = GetParam();
   params.max_iterations = 100;
@@ -37,8 +37,9 @@ TEST_P(ScanMatcherMetrics, R34_FindsTheRobotAgain) {
         map, points, {truth.x + error.x, truth.y + error.y, truth.yaw + error.yaw});
     EXPECT_EQ(match.degenerate_directions, 0);
     EXPECT_GT(match.inlier_ratio, 0.9);
-    // 1 cm noise on some 90 points for each axis gives 1 mm. The map is a single scan, with gaps of
-    // 10 cm and rounded corners, which affect point to point fully.
+    // A noise of 1 cm on some 90 points for each axis gives an error of 1 mm. But the map is a
+    // single scan with gaps of 10 cm and rounded corners, which have their full effect on the
+    // point-to-point metric.
     const double tolerance = GetParam() == Metric::kPointToLine ? 0.01 : 0.03;
     EXPECT_NEAR(match.T_map_base.x, truth.x, tolerance);
     EXPECT_NEAR(match.T_map_base.y, truth.y, tolerance);
@@ -56,8 +57,9 @@ TEST(ScanMatcher, R37_TheAxisOfACorridorStaysAtTheGuess) {
   const auto points = extractor.extract(scanner.scan(test::corridor(), {}), {});
   const Match match = ScanMatcher(MatcherParams{}).match(map, points, {0.3, 0.15, 0.05});
   EXPECT_EQ(match.degenerate_directions, 1);
-  // Across and in heading it is as exact as anywhere. Along, the initial heading error mixes in at
-  // most 0.05 rad of the 0.15 m across.
+  // Across the corridor and in heading the pose is as exact as anywhere. Along it the pose stays at
+  // the guess, apart from the initial heading error, which mixes in at most 0.05 rad times the 0.15
+  // m across.
   EXPECT_NEAR(match.T_map_base.x, 0.3, 0.03);
   EXPECT_NEAR(match.T_map_base.y, 0.0, 0.01);
   EXPECT_NEAR(match.T_map_base.yaw, 0.0, 0.01);

@@ -32,7 +32,7 @@ PointMap map_of(const std::vector<Eigen::Vector2d>& points) {
   return map;
 }
 
-/// The mean score of the points, by brute force.
+/// The oracle: the mean score of the points, by brute force.
 double true_score(const std::vector<Eigen::Vector2d>& map, const std::vector<Eigen::Vector2d>& scan,
                   const Eigen::Vector2d& shift_m) {
   double sum = 0.0;
@@ -55,15 +55,15 @@ TEST(ScoreBound, IsNeverBelowTheScoreAndNotFarAbove) {
     for (int y = -6; y <= 6; ++y) {
       const double score = true_score(points, scan, ScoreBound::kCellM * Eigen::Vector2d(x, y));
       EXPECT_GE(bound.at(cells, x, y), score);
-      // A point scores less than the best in its cell by at most the cell's diagonal, plus 1/255 of
-      // rounding.
+      // The bound exceeds the score of a point by at most the change of the score over a cell's
+      // diagonal, plus rounding to 1/255.
       EXPECT_LE(bound.at(cells, x, y),
                 score + std::sqrt(2.0) * ScoreBound::kCellM / kMaxDistanceM + 0.005);
     }
   }
 }
 
-TEST(ScoreBound, HoldsFarFromTheMiddleToo) {
+TEST(ScoreBound, HoldsFarFromTheCentre) {
   const std::vector<Eigen::Vector2d> points{{100.0, 0.0}, {19.9, 0.0}, {-20.7, -20.7}};
   const ScoreBound bound(map_of(points), {0.0, 0.0}, kMaxDistanceM, 6);
   for (const Eigen::Vector2d& point : points) {
@@ -72,7 +72,7 @@ TEST(ScoreBound, HoldsFarFromTheMiddleToo) {
   }
 }
 
-TEST(ScoreBound, AnEmptyMapAndAnEmptyScanScoreNothing) {
+TEST(ScoreBound, AnEmptyMapAndAnEmptyScanScoreZero) {
   const ScoreBound bound(PointMap{MapParams{}}, {0.0, 0.0}, kMaxDistanceM, 2);
   const std::vector<Eigen::Vector2d> scan{{1.0, 2.0}};
   EXPECT_EQ(bound.at(bound.cells_of(scan), 2, -2), 0.0);

@@ -21,7 +21,8 @@ using test::kPeriod;
 using test::Scanner;
 using test::track;
 
-/// Must hold with the default metric, which is not the paper's, and with the paper's own.
+/// These tests must pass with the default metric, which is not the paper's, and with the paper's
+/// metric.
 class Slam2dMetric : public testing::TestWithParam<Metric> {
  protected:
   [[nodiscard]] static Slam2dParams params() { return {.matcher = {.metric = GetParam()}}; }
@@ -69,7 +70,7 @@ TEST_P(Slam2dMetric, R34_TheCorrectionAbsorbsDriftAndJumpsOfOdometry) {
   EXPECT_GT(distance_m(odom, truth), 0.2);
 }
 
-// A robot that is stationary for 60 s, with odometry that trembles by 1 mm.
+// Adds the scans of a robot that is stationary for 60 s, while its odometry jitters by 1 mm.
 void stay_in_place(Slam2d& slam) {
   Scanner scanner;
   for (int i = 0; i < 60 * 5; ++i) {
@@ -85,9 +86,10 @@ TEST_P(Slam2dMetric, R36_AStationaryRobotAddsNoKeyframe) {
   EXPECT_EQ(slam.keyframes().size(), 1U);
 }
 
-// Here every scan becomes a keyframe, so that only d_new keeps the map from growing; the 1 % of R36
-// rests on both rules. The noise of 300 scans moves some points beyond d_new: to the 163 of the
-// first scan they add 9 with the default metric, 10 with the paper's.
+// Here every scan becomes a keyframe, so that only d_new keeps the map from growing; the limit of 1
+// % in R36 is meant for this rule and that of the keyframes together. The noise of 300 scans moves
+// some points beyond d_new: they add 9 points to the 163 of the first scan with the default metric,
+// and 10 with the paper's.
 TEST_P(Slam2dMetric, R36_PointsWithACorrespondenceDoNotGrowTheMap) {
   Slam2dParams params = this->params();
   params.keyframe.distance_m = 0.0;
@@ -100,8 +102,8 @@ TEST_P(Slam2dMetric, R36_PointsWithACorrespondenceDoNotGrowTheMap) {
   EXPECT_LE(slam.map().points().size(), first.map().points().size() + 12);
 }
 
-/// How many keyframes come from a drive with nine level scans, 0.25 m apart, of a scanner that is
-/// held level or nods by 1 degree per scan.
+/// The number of keyframes of a drive with nine level scans, 0.25 m apart. The laser nods by this
+/// angle from scan to scan, or is held level if it is 0.
 std::size_t num_keyframes(double pitch_step_deg) {
   Slam2d slam{Slam2dParams{}};
   Scanner scanner;
@@ -110,7 +112,7 @@ std::size_t num_keyframes(double pitch_step_deg) {
   double pitch_rad = 1.2 * step_rad;
   for (int i = 0; i < 9; ++i) {
     const double direction = i % 2 == 0 ? -1.0 : 1.0;
-    const int num_scans = pitch_step_deg > 0.0 ? 2 : 1;  // of a sweep: up to the level one
+    const int num_scans = pitch_step_deg > 0.0 ? 2 : 1;  // of each sweep, up to the level one
     for (int k = 0; k < num_scans; ++k) {
       scan::Scan scan =
           scanner.scan(test::room(), truth, time::Timestamp(kPeriod * (num_scans * i + k)));
@@ -120,13 +122,13 @@ std::size_t num_keyframes(double pitch_step_deg) {
       const auto update = track(slam, scan, truth);
       EXPECT_EQ(update.has_value(), k + 1 == num_scans);
     }
-    pitch_rad += direction * 0.4 * step_rad;  // and on to where the next sweep comes from
+    pitch_rad += direction * 0.4 * step_rad;  // the sweep goes on to its reversal
     truth = truth * SE2{0.25, 0.0, 0.0};
   }
   return slam.keyframes().size();
 }
 
-TEST(Slam2d, EveryLevelScanOfANodBecomesAKeyframeWhereTheRobotDrives) {
+TEST(Slam2d, EveryLevelScanOfANodBecomesAKeyframeWhileDriving) {
   EXPECT_EQ(num_keyframes(1.0), 9U);
   EXPECT_EQ(num_keyframes(0.0), 5U);
 }
@@ -150,7 +152,7 @@ TEST(Slam2d, R36_NoTwoPointsOfTheMapAreNearerThanDNew) {
   }
 }
 
-TEST(Slam2d, R37_ACorridorFollowsOdometryAlongAndTheWallsAcross) {
+TEST(Slam2d, R37_InACorridorThePoseFollowsOdometryAlongAndTheWallsAcross) {
   Slam2d slam{Slam2dParams{}};
   Scanner scanner;
   SE2 truth;
@@ -163,10 +165,10 @@ TEST(Slam2d, R37_ACorridorFollowsOdometryAlongAndTheWallsAcross) {
     odom = odom * SE2{0.103, 0.0, 0.002};  // 3 % too long, rotates by 1.1 degrees per metre
   }
   EXPECT_EQ(update->quality, PoseQuality::kPartly);
-  // The position along the axis comes from odometry alone, which is 3 % off. Matching must neither
-  // pull the robot back (the classical slide) nor push it on. R37 allows 0.3 m in 30 m, 0.1 m
-  // across and 0.5 degrees. Measured: 0.4 mm along, 25 mm across and 0.053 degrees, in submaps that
-  // drift across a little.
+  // The position along the corridor comes from odometry alone, which is 3 % too long. Matching must
+  // not move the robot back, as scan matching in corridors often does, nor forward. R37 allows 0.3
+  // m in 30 m, 0.1 m across and 0.5 degrees. Measured: 0.4 mm along, 25 mm across, because submaps
+  // drift a little across, and 0.053 degrees.
   EXPECT_NEAR(update->T_map_base.x, 30.0 * 1.03, 0.0005);
   EXPECT_NEAR(update->T_map_base.y, 0.0, 0.0315);
   EXPECT_NEAR(update->T_map_base.yaw, 0.0, geometry::deg_to_rad(0.065));
@@ -187,7 +189,8 @@ double worst_heading_rad(const Slam2dParams& params) {
   return worst_rad;
 }
 
-// A line of the map that bridges the step at a door is slanted, and rotates the pose.
+// A map line that spans the step at a door frame is slanted, and scans that are matched with it
+// rotate the pose.
 TEST(Slam2d, R37_DoorFramesDoNotRotateThePose) {
   const double worst_rad = worst_heading_rad({});
   const double worst_with_wide_lines_rad = worst_heading_rad({.map = {.line_radius_m = 0.25}});
@@ -206,7 +209,8 @@ std::vector<SE2> steps_around_ring() {
   return steps;
 }
 
-// Odometry is 3 % too long, and its heading walks randomly by 1 degree over the root of a metre.
+// Odometry is 3 % too long, and the error of its heading is a random walk of 1 degree per square
+// root of a metre.
 TEST(Slam2d, R38_ALoopOf48MetresEndsWhereItBegan) {
   Slam2d slam{Slam2dParams{}};
   Scanner scanner;
@@ -276,7 +280,7 @@ TEST(Slam2d, ScansKeepTheirOrderAndStampsWhenTimeStepsBack) {
   }
 }
 
-TEST(Slam2d, TheTrajectoryIsTheOnlineOneWhileNoKeyframeHasMoved) {
+TEST(Slam2d, UntilKeyframesMoveTheTrajectoryEqualsTheOnlinePoses) {
   Slam2d slam{Slam2dParams{}};
   Scanner scanner;
   SE2 truth;

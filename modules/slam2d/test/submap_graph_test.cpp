@@ -30,7 +30,8 @@ PoseEdge2d edge(std::size_t from, std::size_t to, const SE2& T_from_to, double s
   return {from, to, T_from_to, some_information(scale), false};
 }
 
-/// How the pose that `function` returns follows (x, y, yaw) of its argument.
+/// The numeric derivative of the pose that `function` returns with respect to (x, y, yaw) of its
+/// argument.
 Eigen::Matrix3d jacobian(const SE2& at, const std::function<SE2(const SE2&)>& function) {
   constexpr double kStep = 1e-6;
   Eigen::Matrix3d J;
@@ -48,7 +49,7 @@ Eigen::Matrix3d jacobian(const SE2& at, const std::function<SE2(const SE2&)>& fu
   return J;
 }
 
-TEST(SubmapGraph, AReversedEdgeHasTheSameCovarianceSeenFromItsOtherEnd) {
+TEST(SubmapGraph, AReversedEdgeHasTheCovarianceOfTheInversePose) {
   const PoseEdge2d there = edge(3, 5, kFirst);
   const PoseEdge2d back = reversed(there);
   EXPECT_EQ(back.from, 5U);
@@ -58,7 +59,7 @@ TEST(SubmapGraph, AReversedEdgeHasTheSameCovarianceSeenFromItsOtherEnd) {
   EXPECT_TRUE(back.information.inverse().isApprox(expected, kDifferences));
 }
 
-TEST(SubmapGraph, AComposedEdgeHasTheCovariancesOfBoth) {
+TEST(SubmapGraph, AComposedEdgeHasTheSumOfBothCovariances) {
   const PoseEdge2d a_b = edge(0, 1, kFirst);
   const PoseEdge2d b_c = edge(1, 2, kSecond, 0.3);
   const PoseEdge2d a_c = composed(a_b, b_c);
@@ -71,9 +72,9 @@ TEST(SubmapGraph, AComposedEdgeHasTheCovariancesOfBoth) {
   EXPECT_TRUE(a_c.information.inverse().isApprox(expected, kDifferences));
 }
 
-// Step after step along corridors that do not determine their own direction, seen from both ends:
-// that direction stays unknown, and every result is a valid covariance.
-TEST(SubmapGraph, WhatIsNotKnownStaysUnknown) {
+// Edges along corridors, in which the position along the corridor is unknown, are composed and
+// reversed again and again. That direction stays unknown, and every result has a valid covariance.
+TEST(SubmapGraph, AnUnknownDirectionStaysUnknown) {
   PoseEdge2d sum = edge(0, 1, kFirst);
   sum.information = Eigen::Vector3d(0.0, 4e4, 1e6).asDiagonal();
   const PoseEdge2d step = sum;
@@ -108,17 +109,19 @@ struct Row {
   SubmapGraph graph;
 };
 
-TEST(SubmapGraph, TheLoopsOfADroppedSubmapGoToTheOneItIsJoinedToMostSurely) {
+TEST(SubmapGraph, LoopsOfADroppedSubmapMoveToTheOneWithTheMostCertainEdge) {
   Row row;
   row.graph.drop_submap(1, row.submaps);
   row.submaps.erase(row.submaps.begin() + 1);
-  // The edge from 1 to 3 was the most certain; 3 is 2 now, and the loop to 4 begins there.
+  // The edge from 1 to 3 was the most certain one. Submap 3 now has the number 2, and the loop to
+  // 4, now 3, begins there.
   const std::vector<PoseEdge2d> loops = row.graph.loops();
   ASSERT_EQ(loops.size(), 1U);
   EXPECT_EQ(loops[0].from, 2U);
   EXPECT_EQ(loops[0].to, 3U);
   EXPECT_FALSE(SubmapGraph::is_outlier(loops[0], row.submaps));
-  // No more certain than the way through the dropped one: covariances add up.
+  // The loop is less certain than before, because it leads through the dropped submap and
+  // covariances add up.
   EXPECT_LT(loops[0].information.trace(), some_information(1.0).trace());
   // Poses that agreed with all edges still agree, so nothing moves.
   std::vector<Submap> moved = row.submaps;
@@ -141,7 +144,7 @@ TEST(SubmapGraph, TheFirstSubmapCanBeDropped) {
   EXPECT_LT(row.graph.uncertainties(row.submaps, 0)[3](0, 0), 1.0);  // still joined
 }
 
-TEST(SubmapGraph, LoopsThatContradictTheGraphAreNotPassedOn) {
+TEST(SubmapGraph, ContradictedLoopsOfADroppedSubmapAreDiscarded) {
   Row row;
   row.graph.add_loop(0, 1, row.between(0, 1) * SE2{3.0, 0.0, 0.0}, some_information(9.0));
   ASSERT_TRUE(SubmapGraph::is_outlier(row.graph.loops()[0], row.submaps));

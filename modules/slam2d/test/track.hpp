@@ -10,7 +10,7 @@ namespace nodmap::slam2d::test {
 
 inline constexpr time::Duration kPeriod = 200ms;  // of level scans
 
-/// Adds a scan together with the odometry of the same time.
+/// Adds a scan together with odometry of the same time. Returns the pose that was found, if any.
 inline std::optional<PoseUpdate> track(Slam2d& slam, const scan::Scan& scan,
                                        const geometry::SE2& T_odom_base) {
   slam.add_odometry(scan.stamp, geometry::to_se3(T_odom_base));

@@ -38,8 +38,8 @@ double range_m(const std::vector<Box>& boxes, const Eigen::Vector2d& origin, dou
   return nearest;
 }
 
-/// A half circle of beams, one degree apart and off the axes, as a scanner on the robot sees a
-/// room.
+/// The view of a scanner on the robot: a half circle of beams, one degree apart. None of them is
+/// parallel to a side of the boxes if the robot is not rotated.
 View look(const std::vector<Box>& boxes, const geometry::SE2& T_world_base) {
   std::vector<Eigen::Vector2d> points;
   for (double deg = -89.7; deg < 90.0; deg += 1.0) {
@@ -50,7 +50,8 @@ View look(const std::vector<Box>& boxes, const geometry::SE2& T_world_base) {
   return {points, Eigen::Vector2d::Zero()};
 }
 
-/// A room of 12 m x 2.5 m with walls across it that leave 0.8 m free, alternately at either side.
+/// A room of 12 m x 2.5 m with walls across it, which leave 0.8 m free alternately on one side and
+/// on the other.
 std::vector<Box> zigzag() {
   std::vector<Box> boxes{{{-1.0, -1.25}, {11.0, 1.25}}};
   for (int i = 0; i < 6; ++i) {
@@ -61,7 +62,7 @@ std::vector<Box> zigzag() {
   return boxes;
 }
 
-TEST(View, SawFreeUpTo30CentimetresBeforeTheWall) {
+TEST(View, SpaceIsFreeUpTo30CentimetresBeforeTheWall) {
   const View view = look({{{-1.0, -2.0}, {4.0, 2.0}}}, {});
   EXPECT_TRUE(view.saw_free({3.6, 0.0}));
   EXPECT_FALSE(view.saw_free({3.8, 0.0}));
@@ -80,15 +81,17 @@ TEST(View, ViewsOfTheSamePlaceContradictNothing) {
   }
 }
 
-TEST(View, AWallWhereTheOtherSawFreeSpaceIsAContradiction) {
-  // In front of the wall at 1 m, and 1.5 m farther on, where the next one leaves that side free.
+TEST(View, AWallInTheFreeSpaceOfAnotherViewIsAContradiction) {
+  // The first pose is in front of the wall at x = 1 m. The second is 1.5 m farther on, where the
+  // next wall leaves this side free.
   const geometry::SE2 before_wall{1.6, -0.7, geometry::kPi};
   const geometry::SE2 before_gap{3.1, -0.7, geometry::kPi};
   const View wall = look(zigzag(), before_wall);
   const View gap = look(zigzag(), before_gap);
   EXPECT_TRUE(wall.contradicts(gap, {}));
-  EXPECT_TRUE(gap.contradicts(wall, {})) << "whichever is asked";
-  EXPECT_FALSE(wall.contradicts(gap, before_wall.inverse() * before_gap)) << "where it is";
+  EXPECT_TRUE(gap.contradicts(wall, {})) << "in both directions";
+  EXPECT_FALSE(wall.contradicts(gap, before_wall.inverse() * before_gap))
+      << "at the true relative pose";
 }
 
 TEST(View, NothingContradictsAnEmptyView) {
