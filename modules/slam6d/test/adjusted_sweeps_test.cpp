@@ -16,7 +16,8 @@ namespace adjusted_sweeps_test {
 
 using geometry::SE3;
 
-// RMS error of the positions of 25 sweeps in a hall, 0.4 m apart, with noisy ranges and odometry.
+// Returns the RMS error of the positions of 25 sweeps in a hall, 0.4 m apart, with noisy ranges and
+// odometry.
 double adjusted_error_mm(unsigned seed, const AdjustmentParams& adjustment) {
   const Room room = slanting_hall();
   std::mt19937 random(seed);
@@ -46,8 +47,8 @@ double adjusted_error_mm(unsigned seed, const AdjustmentParams& adjustment) {
   return 1e3 * std::sqrt(square_sum_m2 / static_cast<double>(truth.size()));
 }
 
-// Two of three sweeps lie between keyframes. Adjusting them as well makes the poses better, by 29 %
-// over three drives.
+// Two of three sweeps lie between keyframes. Measured: adjusting them as well reduces the error by
+// 29 % over three drives.
 TEST(AdjustedSweeps, SweepsBetweenKeyframesAreAdjustedAsWell) {
   double with_mm = 0.0;
   double without_mm = 0.0;

@@ -27,7 +27,8 @@ struct Mapping {
   std::vector<SE3> T_map_keyframes;
   std::vector<SE3> truth;
 
-  /// Tracking measures each step with the error `error`, and with a covariance to match.
+  /// Adds a keyframe for each pose. Tracking measures each step with this error, and with this
+  /// information.
   void drive(const Room& room, const std::vector<SE3>& poses, const SE3& error,
              const Matrix6d& step_information) {
     for (const SE3& T_world_base : poses) {
@@ -65,8 +66,8 @@ SE3 turned_by(double heading_rad) {
   return error;
 }
 
-// The pose drifts by 0.06 degrees a metre: 3.4 degrees after a round.
-TEST(BackEnd, LoopsTakeTheDriftBack) {
+// The heading drifts by 0.06 degrees a metre, which is 3.4 degrees in a round.
+TEST(BackEnd, LoopClosuresCorrectTheDrift) {
   const std::vector<SE3> poses = circle(75);
   const SE3 error = turned_by(deg_to_rad(0.06));
   SE3 T_drifted = poses[0];
@@ -79,13 +80,13 @@ TEST(BackEnd, LoopsTakeTheDriftBack) {
   Mapping run;
   run.drive(slanting_hall(), poses, error, information(0.03, deg_to_rad(0.5)));
   EXPECT_GT(run.back_end.graph().num_loops(), 10U);
-  // The first loops, which were searched for, are the least exact.
+  // The first loops, which were found by a search, are the least exact and may be contradicted.
   EXPECT_LE(5 * run.back_end.graph().num_contradicted(), run.back_end.graph().num_loops());
   EXPECT_LT(run.worst_m(), 0.1);
 }
 
-// What is certain stays as it is: not one bit of a pose changes.
-TEST(BackEnd, WithoutDriftNothingMoves) {
+// The poses are certain, so not a single bit of them may change.
+TEST(BackEnd, WithoutDriftNoPoseChanges) {
   Mapping run;
   run.drive(slanting_hall(), circle(75), SE3::Identity(), information(0.001, deg_to_rad(0.01)));
   EXPECT_GT(run.back_end.graph().num_loops(), 5U);
@@ -93,8 +94,8 @@ TEST(BackEnd, WithoutDriftNothingMoves) {
   EXPECT_EQ(run.back_end.metrics().maps_arranged, 0);
 }
 
-// Two rooms that look the same, 24 m apart: the second is not taken for the first.
-TEST(BackEnd, EqualRoomsAreNotOne) {
+// Two rooms that look the same are 24 m apart: the second must not be taken for the first.
+TEST(BackEnd, LoopBetweenIdenticalRoomsIsRefused) {
   Mapping run;
   SE3 T_rooms = SE3::Identity();
   T_rooms.translation().x() = 24.0;
@@ -124,8 +125,9 @@ SavedMap saved(const Mapping& run) {
   return map;
 }
 
-// After a restart it is not known how the robot moved since the last keyframe.
-TEST(BackEnd, ASavedMapIsCarriedOnFromTheNearestKeyframe) {
+// After a restart it is not known how the robot has moved since the last keyframe. The new one is
+// therefore joined to the nearest.
+TEST(BackEnd, ASavedMapIsContinuedFromTheNearestKeyframe) {
   Mapping before;
   before.drive(slanting_hall(), circle(75), SE3::Identity(), information(0.001, deg_to_rad(0.01)));
   BackEnd after(LoopParams{}, RegistrationParams{}, OdometryParams{}, VoxelMapParams{});
@@ -141,12 +143,14 @@ TEST(BackEnd, ASavedMapIsCarriedOnFromTheNearestKeyframe) {
   const registration::PoseEdge3d& step = after.graph().steps().back();
   EXPECT_EQ(step.from, 20U);
   EXPECT_EQ(step.to, 75U);
-  // The graph still knows what it knew: the way around is certain, and stays in the map.
+  // The edges of the saved graph are restored, too: the round is certain, so the map is not
+  // arranged anew.
   EXPECT_EQ(after.metrics().maps_arranged, 0);
 }
 
-// There and back in a bare corridor: recognising the corridor says nothing about its length.
-TEST(BackEnd, ABareCorridorMovesNothingAlongItself) {
+// The robot drives along a bare corridor and back. Recognising the corridor does not determine its
+// length.
+TEST(BackEnd, LoopClosuresDoNotChangeTheLengthOfABareCorridor) {
   std::vector<SE3> poses;
   for (int k = 0; k < 60; ++k) {
     SE3 T = SE3::Identity();
@@ -154,7 +158,8 @@ TEST(BackEnd, ABareCorridorMovesNothingAlongItself) {
     T.linear() = geometry::rotation_of({0.0, 0.0, k < 30 ? 0.0 : geometry::kPi});
     poses.push_back(T);
   }
-  // Only odometry determines the length, with an error of 10 % of a step.
+  // The match does not determine the position along the corridor: a standard deviation of 1 m for a
+  // step of 1 m.
   Matrix6d match = information(0.01, deg_to_rad(0.1));
   match(0, 0) = 1.0;
   Mapping run;

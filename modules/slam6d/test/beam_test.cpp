@@ -54,7 +54,7 @@ Voxels walk_together(const std::vector<Beam>& beams, CloudVoxels& marked) {
   return free_voxels(marked);
 }
 
-// OctoMap's own walk: the oracle.
+// The oracle: the voxels that OctoMap's own function visits.
 Voxels walk_with_octomap(const octomap::OcTree& tree, const Ends& ends) {
   const auto to_octomap = [](const Eigen::Vector3f& p) {
     return octomap::point3d(p.x(), p.y(), p.z());
@@ -68,8 +68,9 @@ Voxels walk_with_octomap(const octomap::OcTree& tree, const Ends& ends) {
   return voxels;
 }
 
-// A coordinate on which rounding decides: often on a border between voxels, in the middle of one,
-// next to either, or the same again, so that beams run along borders, edges and diagonals.
+// Draws coordinates for which rounding matters: on a border between voxels, in the middle of a
+// voxel, just beside either, or equal to the last one, so that beams run along borders, edges and
+// diagonals.
 class Coordinates {
  public:
   explicit Coordinates(float reach_m) : anywhere_(-reach_m, reach_m) {}
@@ -118,13 +119,13 @@ std::vector<Ends> draw_ends(float reach_m, int count, std::mt19937& random) {
   return drawn;
 }
 
-// Each beam alone, and four times in the four lanes.
-TEST(Beam, WalksThroughTheVoxelsOfOctomap) {
+// Each beam is walked alone, and four times at once in the four lanes.
+TEST(Beam, VisitsTheSameVoxelsAsOctomap) {
   std::mt19937 random(61);
   const octomap::OcTree tree(kResolutionM);
   CloudVoxels marked;
   for (const float reach_m : {0.2F, 2.0F, 20.0F, 1600.0F}) {
-    const int count = reach_m < 100.0F ? 2000 : 20;  // 50 000 voxels each
+    const int count = reach_m < 100.0F ? 2000 : 20;  // a beam of 1600 m visits 50 000 voxels
     for (const Ends& ends : draw_ends(reach_m, count, random)) {
       const Beam beam = make_beam(ends);
       const Voxels expected = walk_with_octomap(tree, ends);
@@ -136,8 +137,9 @@ TEST(Beam, WalksThroughTheVoxelsOfOctomap) {
   }
 }
 
-// Lanes that end at different steps, and beams that are left over when groups of four are full.
-TEST(Beam, ManyWalkThroughTheVoxelsOfEach) {
+// Beams that are walked in groups of four end at different steps, and up to three beams are left
+// over.
+TEST(Beam, ManyBeamsTogetherVisitTheVoxelsOfEach) {
   std::mt19937 random(62);
   CloudVoxels marked;
   for (int count = 0; count < 64; ++count) {
@@ -165,9 +167,9 @@ TEST(Beam, EndsAtMostThreeStepsEarly) {
   EXPECT_GT(early, 0U);
 }
 
-// The square of the distance is zero in single precision: OctoMap's directions are infinite, and
-// with two of them its walk does not end.
-TEST(Beam, EndsWhereTheDistanceHasNoSquare) {
+// The square of the distance is zero in single precision, so that OctoMap's directions are
+// infinite; if two of them are, its walk does not end. Ours must.
+TEST(Beam, EndsIfTheSquaredDistanceUnderflows) {
   const float tiny = -1e-30F;
   CloudVoxels marked;
   for (const Eigen::Vector3f& p_end : {Eigen::Vector3f(tiny, 0, 0), Eigen::Vector3f(0, tiny, tiny),

@@ -16,7 +16,7 @@ struct Marks {
 };
 using MarksByVoxel = std::map<VoxelCode, Marks>;
 
-// The code by its definition, interleaved bit by bit.
+// The oracle: computes the code by its definition, bit by bit.
 VoxelCode interleave(const VoxelKey& key) {
   VoxelCode code = 0;
   for (unsigned bit = 0; bit < kOctreeLevels; ++bit) {
@@ -55,8 +55,9 @@ TEST(VoxelCode, IsTheInterleavedKey) {
   }
 }
 
-// Compared with a sorted map of single voxels: near ones that share cubes, ones so far apart that
-// cubes need the same slot, and more cubes than the first table has room for.
+// Compared with a std::map of single voxels. Some voxels are so near that they share cubes, some so
+// far apart that their cubes compete for a slot of the table, and there are more cubes than the
+// first table has room for.
 TEST(CloudVoxels, EqualsAMapOfSingleVoxels) {
   std::mt19937 random(48);
   CloudVoxels voxels;
@@ -82,7 +83,7 @@ TEST(CloudVoxels, EqualsAMapOfSingleVoxels) {
   }
 }
 
-TEST(CloudVoxels, ClearedHoldsNothingAndKeepsItsMemory) {
+TEST(CloudVoxels, ClearingRemovesAllVoxelsAndKeepsTheMemory) {
   CloudVoxels voxels;
   EXPECT_TRUE(voxels.cubes().empty());
   voxels.mark_free(123);

@@ -20,7 +20,7 @@ PoseUpdate tracked(double x) {
   return {.T_odom_base = at(x, 0.0), .T_map_base = at(x, 0.0), .keyframe = KeyframeReason::kFirst};
 }
 
-TEST(CorrectedPoses, WhatLiesBetweenTwoKeyframesMovesEvenly) {
+TEST(CorrectedPoses, CorrectionsAreInterpolatedBetweenTwoKeyframes) {
   CorrectedPoses poses;
   std::vector<PoseUpdate> sweeps;
   for (int i = 0; i < 6; ++i) {
@@ -37,8 +37,8 @@ TEST(CorrectedPoses, WhatLiesBetweenTwoKeyframesMovesEvenly) {
   }
 }
 
-// Two moves that cancel out leave nothing behind.
-TEST(CorrectedPoses, AMoveAndItsInverseLeaveThePoses) {
+// After two moves that cancel out, the poses are as before.
+TEST(CorrectedPoses, AMoveAndItsInverseRestoreThePoses) {
   CorrectedPoses poses;
   std::vector<PoseUpdate> sweeps;
   for (int i = 0; i < 4; ++i) {

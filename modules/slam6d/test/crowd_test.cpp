@@ -1,4 +1,5 @@
-// SPDX-License-Identifier: BSD-3-Clause People around a robot that maps.
+// SPDX-License-Identifier: BSD-3-Clause
+// A robot that maps while people stand around it.
 #include <gtest/gtest.h>
 
 #include <utility>
@@ -13,7 +14,7 @@ namespace crowd_test {
 
 using geometry::SE3;
 
-// Five people who stand where the keyframes saw nobody.
+// The hall with five people in space that the keyframes have seen empty.
 Room hall_with_people() {
   Room room = Room::hall();
   for (const auto& [x_m, y_m] : std::vector<std::pair<double, double>>{
@@ -24,7 +25,8 @@ Room hall_with_people() {
   return room;
 }
 
-// What a robot sees while somebody blocks its view: surfaces that fit nowhere.
+// Four walls around the robot at this distance, as if people blocked its whole view: they fit
+// nowhere.
 Room box_about_robot(double half_width_m) {
   return {{{{1, 0, 0}, half_width_m},
            {{-1, 0, 0}, half_width_m},
@@ -32,7 +34,7 @@ Room box_about_robot(double half_width_m) {
            {{0, -1, 0}, half_width_m}}};
 }
 
-// The robot's start at one end of the hall, and its pose in map.
+// The robot starts at one end of the hall, which is the origin of map.
 const SE3 kWorldStart = pose(-2.5, 0.0, 0.0);
 SE3 in_map(const SE3& T_world_base) {
   return kWorldStart.inverse() * T_world_base;
@@ -40,11 +42,11 @@ SE3 in_map(const SE3& T_world_base) {
 
 PoseUpdate add_sweep(Slam6d& slam, SweepCloud cloud, const SE3& T_world_base) {
   cloud.T_odom_base = in_map(T_world_base);
-  cloud.scans_used = 40;  // as many as rows
+  cloud.scans_used = 40;  // more than enough for a sweep
   return slam.add_cloud(std::move(cloud));
 }
 
-// From one end of the hall to the other, so that its space has been seen empty.
+// Maps the hall from one end to the other, so that its space has been seen empty.
 void map_hall(Slam6d& slam) {
   unsigned seed = 0;
   for (const SE3& T_world_base : along_hall()) {
@@ -54,9 +56,9 @@ void map_hall(Slam6d& slam) {
   ASSERT_GE(slam.keyframes().size(), 4U);
 }
 
-// In a crowd more than 2 % of what a robot sees is in space that was seen empty. One refused sweep
-// must not make all the following ones suspect.
-TEST(Crowd, PeopleDoNotKeepARobotLost) {
+// Among people more than 2 % of what the robot sees is in space that was seen empty. After one
+// sweep was refused, this must not be held against all following ones.
+TEST(Crowd, PeopleInFreeSpaceDoNotKeepTheRobotLost) {
   Slam6d slam({});
   map_hall(slam);
   const SE3 T_world_base = along_hall().back();
@@ -73,8 +75,8 @@ TEST(Crowd, PeopleDoNotKeepARobotLost) {
   EXPECT_EQ(slam.metrics().sweeps_lost, 1U);
 }
 
-// Somebody stands so near that hardly any plane is seen. This does not contradict odometry.
-TEST(Crowd, ASweepThatSeesNextToNothingIsNotLost) {
+// A person stands so near that hardly any plane is seen. This does not contradict odometry.
+TEST(Crowd, ASweepWithHardlyAnyPlaneIsNotLost) {
   Slam6d slam({});
   map_hall(slam);
   const PoseUpdate update =

@@ -19,9 +19,10 @@ using geometry::SE3;
 
 constexpr int kSweepsPerKeyframe = 4;
 
-// Beside the robot's way, as tall as a child.
+// A person beside the robot's path, as tall as a child.
 constexpr float kHeightM = 1.2F;
-// One and a half voxels above the floor. Lower down, noise of the floor reaches the voxel beneath.
+// Points of a person count only above this height, one and a half voxels above the floor: farther
+// down, noise of the floor reaches their voxels.
 constexpr float kLowestM = 0.11F;
 
 Room hall_with_somebody() {
@@ -36,8 +37,8 @@ bool is_of_somebody(const Eigen::Vector3f& p_map) {
          p_map.z() > kLowestM && p_map.z() < kHeightM + 0.05F;
 }
 
-// A drive along the hall, four sweeps for each keyframe. Somebody is there from the first to before
-// the last sweep of `with_somebody`.
+// A drive along the hall, with four sweeps for each keyframe. A person is there from the sweep
+// `with_somebody.first` to before the sweep `with_somebody.second`.
 struct Drive {
   explicit Drive(std::pair<int, int> with_somebody) {
     int i = 0;
@@ -56,8 +57,8 @@ struct Drive {
     }
   }
 
-  // The fractions of a keyframe's points that count as moved: of those on somebody, and of all
-  // others.
+  // The fractions of a keyframe's points that count as moved: of the points on the person, and of
+  // all others.
   struct Shares {
     double of_somebody = 0.0;
     double of_others = 0.0;
@@ -81,11 +82,12 @@ struct Drive {
   std::vector<SweepCloud> keyframes;
 };
 
-constexpr std::size_t kVisited = 2;  // the keyframe whose sweep and the next see somebody
+constexpr std::size_t kVisited = 2;  // the keyframe that sees the person
 constexpr std::pair kWalksBy{kSweepsPerKeyframe * 2, kSweepsPerKeyframe * 2 + 2};
 
-// R49 asks that 95 % of what moved goes and 99.5 % of the rest stays.
-TEST(EverFreeSpace, HoldsWhoWalkedByAndNoWall) {
+// R49 requires that 95 % of the points that moved are removed, and that 99.5 % of all others are
+// kept.
+TEST(EverFreeSpace, PointsOfAPassingPersonCountAsMovedAndThoseOfWallsDoNot) {
   const Drive drive(kWalksBy);
   EXPECT_GT(drive.moved_of(kVisited).of_somebody, 0.95);
   for (std::size_t k = 0; k < drive.keyframes.size(); ++k) {
@@ -93,9 +95,9 @@ TEST(EverFreeSpace, HoldsWhoWalkedByAndNoWall) {
   }
 }
 
-// The floor lies in the middle of a layer of voxels, so only feet are in the next layer: whatever
-// is 11 cm above the floor goes, not only what is 14 cm above it.
-TEST(EverFreeSpace, FeetGoToo) {
+// The floor lies in the middle of a layer of voxels, so that only feet are in the next layer. All
+// points from 11 cm above the floor on are removed, not only those from 14 cm on.
+TEST(EverFreeSpace, FeetCountAsMoved) {
   const Drive drive(kWalksBy);
   const std::vector<bool> is_moved = drive.space.moved_points(drive.keyframes[kVisited], kVisited);
   int feet = 0;
@@ -113,9 +115,9 @@ TEST(EverFreeSpace, FeetGoToo) {
   EXPECT_GT(moved, 0.9 * feet);
 }
 
-// The other sweeps look up by at most 8 degrees, which is below a head. No beam passes through its
-// place, but it goes with the rest of the person.
-TEST(EverFreeSpace, WhatIsLeftOfSomebodyGoesToo) {
+// The other sweeps look up by at most 8 degrees, which is below the person's head. No beam passes
+// through the place of the head, but it is removed along with the rest of the person.
+TEST(EverFreeSpace, PartsOfAPersonThatNoBeamHasPassedCountAsMoved) {
   EverFreeSpace space{EverFreeParams{}};
   const SE3 T_map_base = pose(-0.5, 0.0, 0.0);
   const SweepCloud visited = cloud_at(hall_with_somebody(), T_map_base, 1);
@@ -131,7 +133,7 @@ TEST(EverFreeSpace, WhatIsLeftOfSomebodyGoesToo) {
     space.add_sweep(low, T_map_next, 0);
   }
   const std::vector<bool> is_moved = space.moved_points(visited, 0);
-  // No beam of the others passes 1.4 m ahead of the last place above this.
+  // The height above which the other sweeps have no beams at the person, who is at most 2.3 m away.
   const float seen_to_m = 0.4F + 2.3F * highest;
   int heads = 0;
   int moved = 0;
@@ -146,7 +148,7 @@ TEST(EverFreeSpace, WhatIsLeftOfSomebodyGoesToo) {
   EXPECT_GT(moved, heads / 2);
 }
 
-TEST(EverFreeSpace, WhatAllSweepsSeeStays) {
+TEST(EverFreeSpace, ObjectsThatAllSweepsSeeDoNotCountAsMoved) {
   const Drive drive({0, 1000});
   for (std::size_t k = 0; k < drive.keyframes.size(); ++k) {
     EXPECT_LT(drive.moved_of(k).of_somebody, 0.005) << k;
@@ -154,14 +156,14 @@ TEST(EverFreeSpace, WhatAllSweepsSeeStays) {
   }
 }
 
-// Somebody who is there for half of the drive cannot be distinguished from furniture that was
+// A person who is there for half of the drive cannot be distinguished from furniture that was
 // carried away.
-TEST(EverFreeSpace, WhoStandsLongStays) {
+TEST(EverFreeSpace, APersonWhoStandsLongDoesNotCountAsMoved) {
   const Drive drive({0, 14});
   EXPECT_LT(drive.moved_of(kVisited).of_somebody, 0.25);
 }
 
-// A loop has moved the keyframes: by a metre and 30 degrees.
+// A loop closure moves all keyframes by 1 m and 30 degrees.
 TEST(EverFreeSpace, VotesMoveWithTheirKeyframes) {
   Drive drive(kWalksBy);
   const SE3 T_new_old = pose(1.0, 0.3, 30.0);
@@ -170,15 +172,15 @@ TEST(EverFreeSpace, VotesMoveWithTheirKeyframes) {
     T_new_keyframes.push_back(T_new_old * T_map_base);
   }
   drive.space.move_keyframes(T_new_keyframes);
-  // Rounding by half a voxel removes some points beside the floor.
+  // Votes are rounded by half a voxel, so that some points near the floor no longer count as moved.
   EXPECT_GT(drive.moved_of(kVisited).of_somebody, 0.8);
   for (std::size_t k = 0; k < drive.keyframes.size(); ++k) {
     EXPECT_LT(drive.moved_of(k).of_others, 0.005) << k;
   }
 }
 
-// A robot that is stationary for an hour: the sums do not overflow, and take no more memory.
-TEST(EverFreeSpace, DoesNotGrowWithTime) {
+// The robot is stationary for an hour: the sums must not overflow, and must not take more memory.
+TEST(EverFreeSpace, MemoryDoesNotGrowWithTime) {
   EverFreeSpace space{EverFreeParams{}};
   const SweepCloud empty_hall = cloud_at(Room::hall(), SE3::Identity(), 1);
   const SweepCloud visited = cloud_at(hall_with_somebody(), SE3::Identity(), 2);
@@ -198,10 +200,10 @@ TEST(EverFreeSpace, DoesNotGrowWithTime) {
   EXPECT_EQ(count(space.moved_points(empty_hall, 0)), 0);
 }
 
-TEST(EverFreeSpace, WithoutVotesNothingMoved) {
+TEST(EverFreeSpace, WithoutEnoughVotesNoPointCountsAsMoved) {
   const SweepCloud cloud = cloud_at(Room::hall(), SE3::Identity(), 1);
   EXPECT_TRUE(EverFreeSpace({}).moved_points(cloud, 0).empty());
-  // One of two sightings may be the wrong one.
+  // If there are only two sightings, either of them may be the wrong one.
   EverFreeSpace of_two{EverFreeParams{}};
   of_two.add_sweep(cloud, SE3::Identity(), 0);
   of_two.add_sweep(cloud, SE3::Identity(), 1);

@@ -1,5 +1,5 @@
-// SPDX-License-Identifier: BSD-3-Clause Faults: a sweep is lost, the servo stalls, the wheels slip,
-// the scanner is slow.
+// SPDX-License-Identifier: BSD-3-Clause
+// 6D SLAM when a part fails: a sweep is lost, the servo stalls, the wheels slip, the laser is slow.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,16 +19,16 @@ namespace faults_test {
 using geometry::deg_to_rad;
 using geometry::SE3;
 
-// A robot drives through the hall at 0.3 m/s for five sweeps, with a fault on the way.
+// A drive through the hall at 0.3 m/s for five sweeps, with a fault.
 class FaultyDrive {
  public:
   static constexpr std::int64_t kScansPerSweep = 80;
 
   std::int64_t num_scans = 5 * kScansPerSweep;
   std::function<bool(std::int64_t)> is_lost = [](std::int64_t) { return false; };
-  /// The scan whose pitch the servo has by then.
+  /// The servo's pitch at a scan is that of this scan of a drive without a fault.
   std::function<std::int64_t(std::int64_t)> pitch_at = [](std::int64_t i) { return i; };
-  /// The distance by odometry at a scan, in m.
+  /// The distance (m) that odometry has counted too much at a scan.
   std::function<double(std::int64_t)> counted_too_much_m = [](std::int64_t) { return 0.0; };
 
   void run(Slam6d& slam) const {
@@ -54,8 +54,8 @@ class FaultyDrive {
     (void)slam.flush();
   }
 
-  // Poses are right or LOST: the tracked ones are right (1 cm of scan noise), and the last sweep is
-  // tracked.
+  // Expects that all tracked poses are right, with tolerances for 1 cm of scan noise, and that the
+  // last sweep is tracked.
   static void expect_right(const Slam6d& slam) {
     for (const PoseUpdate& update : slam.sweeps()) {
       if (update.is_tracked()) {
@@ -96,7 +96,7 @@ TEST(Faults, AStalledServoDoesNotBendTheMap) {
   EXPECT_EQ(slam.scan_counts().in_sweeps, static_cast<std::size_t>(drive.num_scans));
 }
 
-TEST(Faults, OdometryTenPercentOffInOneSweep) {
+TEST(Faults, OdometryTenPercentOffInOneSweepIsCorrected) {
   constexpr double kWayPerScanM = 0.3 * 0.01332;
   FaultyDrive drive;
   drive.counted_too_much_m = [](std::int64_t i) {
@@ -110,9 +110,9 @@ TEST(Faults, OdometryTenPercentOffInOneSweep) {
   EXPECT_EQ(slam.metrics().sweeps_lost, 0U);
 }
 
-// A slow laser on a slow head, 10 scans a second and 1200 from reversal to reversal: no sweep is
-// cut.
-TEST(Faults, SweepsOfTwoMinutesAreWhole) {
+// A slow laser on a slow head takes 10 scans a second, 1200 from one reversal to the next. No sweep
+// may be cut.
+TEST(Faults, SweepsOfTwoMinutesAreNotCut) {
   constexpr std::int64_t kScansPerSweep = 1200;
   constexpr std::int64_t kSweeps = 3;
   const NoddingScanner scanner{.step_rad = deg_to_rad(80.0) / static_cast<double>(kScansPerSweep),
@@ -130,7 +130,8 @@ TEST(Faults, SweepsOfTwoMinutesAreWhole) {
   (void)slam.flush();
   ASSERT_EQ(slam.sweeps().size(), static_cast<std::size_t>(kSweeps));
   for (const PoseUpdate& update : slam.sweeps()) {
-    // A reversal is noticed about a scan late, because the head is slower than the hysteresis.
+    // A sweep is cut to within a scan or two of its reversal. The tolerance is the hysteresis of 1
+    // degree, which is 15 scans of this head.
     EXPECT_NEAR(static_cast<double>(update.scans_used), static_cast<double>(kScansPerSweep), 16.0);
     EXPECT_TRUE(update.is_tracked());
     EXPECT_LT(update.T_map_base.translation().norm(), 0.005);

@@ -1,4 +1,5 @@
-// SPDX-License-Identifier: BSD-3-Clause Whole sweeps in a hall where every pose looks different.
+// SPDX-License-Identifier: BSD-3-Clause
+// Whole sweeps in halls, and maps of them.
 #pragma once
 
 #include <cmath>
@@ -16,7 +17,8 @@
 
 namespace nodmap::slam6d {
 
-/// What a scanner 0.4 m above the base sees in all directions, 2 degrees apart; 5 mm of noise.
+/// The cloud of a stationary scanner 0.4 m above the base, in base, with beams 2 degrees apart: all
+/// around, and pitched from -40 to 40 degrees. The ranges have 5 mm of noise.
 inline SweepCloud cloud_at(const Room& room, const geometry::SE3& T_world_base, unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> noise_m(0.0, 0.005);
@@ -52,7 +54,7 @@ inline geometry::SE3 pose(double x_m, double y_m, double yaw_deg) {
   return T;
 }
 
-/// A map of sweeps from some poses.
+/// A map of sweeps that are taken at these poses.
 struct TestMap {
   TestMap(const Room& room, const std::vector<geometry::SE3>& poses) {
     for (const geometry::SE3& T_map_base : poses) {
@@ -69,7 +71,7 @@ struct TestMap {
   VoxelMap voxels{VoxelMapParams{}};
 };
 
-/// Room::hall() from -2.5 to 3.5 m along it.
+/// Poses along Room::hall(), 1 m apart, from x = -2.5 m to x = 3.5 m.
 inline std::vector<geometry::SE3> along_hall() {
   std::vector<geometry::SE3> poses;
   for (double x_m = -2.5; x_m < 4.0; x_m += 1.0) {
@@ -78,8 +80,8 @@ inline std::vector<geometry::SE3> along_hall() {
   return poses;
 }
 
-/// The same hall elsewhere in the building: only a cabinet at each wall distinguishes it from the
-/// first.
+/// A hall that differs from Room::hall() only by a cabinet at each wall, as if the building had a
+/// similar hall elsewhere.
 inline Room look_alike_hall() {
   Room room = Room::hall();
   room.boxes = {{Eigen::Vector3d(1.0, 0.5, 0.0), Eigen::Vector3d(2.2, 1.1, 1.8)},
@@ -87,7 +89,8 @@ inline Room look_alike_hall() {
   return room;
 }
 
-/// 32 m x 24 m, no two walls parallel: every pose looks different.
+/// A hall of about 32 m x 24 m in which no two walls are parallel, so that it looks different from
+/// every pose.
 inline Room slanting_hall() {
   return {{{{0, 0, 1}, 0.0},
            {{0, 0, 1}, 2.5},
@@ -97,7 +100,7 @@ inline Room slanting_hall() {
            {Eigen::Vector3d(-0.05, -1.0, 0.0).normalized(), 12.0}}};
 }
 
-/// `steps` steps of 1 m, round and round on a circle with a radius of 9 m: 57 m.
+/// The poses of `steps` steps of 1 m on a circle with a radius of 9 m; one round has 57 m.
 inline std::vector<geometry::SE3> circle(std::size_t steps) {
   std::vector<geometry::SE3> poses;
   for (std::size_t k = 0; k < steps; ++k) {

@@ -19,7 +19,8 @@ Matrix6d information(double sigma_m, double sigma_rad) {
   return sigma.cwiseAbs2().cwiseInverse().asDiagonal();
 }
 
-/// Three rounds on a circle of 25 m, a keyframe for each metre.
+/// The poses of three rounds on a circle with a circumference of 25 m, with a keyframe for each
+/// metre.
 std::vector<SE3> rounds() {
   std::vector<SE3> poses;
   for (int k = 0; k < 75; ++k) {
@@ -32,9 +33,9 @@ std::vector<SE3> rounds() {
   return poses;
 }
 
-// Steps that drift by 2 % and 0.3 degrees, 50 true loops and 22 (30 %) that are metres off.
-// Compared with the same graph without the wrong ones.
-TEST(KeyframeGraph, WrongLoopsDoNotMoveTheMap) {
+// Each step drifts by 2 % and 0.3 degrees. There are 50 correct loop closures and 22 (30 % of all)
+// that are metres off. The poses are compared with those of the same graph without the wrong ones.
+TEST(KeyframeGraph, WrongLoopClosuresDoNotMoveTheKeyframes) {
   const std::vector<SE3> truth = rounds();
   SE3 step_error = SE3::Identity();
   step_error.translation().x() = 0.02;

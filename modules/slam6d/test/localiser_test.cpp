@@ -12,7 +12,7 @@ namespace localiser_test {
 
 using geometry::SE3;
 
-/// A robot in Room::hall() or in its look-alike, tracked without any error.
+/// A robot in Room::hall() or in look_alike_hall(), whose poses are tracked without any error.
 class LocaliserInAHall : public testing::Test {
  protected:
   [[nodiscard]] Localiser localiser(const std::optional<SE3>& T_map_start = std::nullopt) const {
@@ -35,7 +35,7 @@ class LocaliserInAHall : public testing::Test {
   unsigned seed_ = 99;
 };
 
-TEST_F(LocaliserInAHall, APlaceIsConfirmedThreeMetresFartherOn) {
+TEST_F(LocaliserInAHall, APlaceIsConfirmedAfterThreeMetres) {
   Localiser robot = localiser();
   ASSERT_TRUE(robot.find(sweep_at(Room::hall(), pose(-2.0, 0.0, 0.0), 98), map_.voxels, {}));
   for (const double x_m : {-2.0, -1.0, 0.0, 0.9}) {
@@ -46,8 +46,8 @@ TEST_F(LocaliserInAHall, APlaceIsConfirmedThreeMetresFartherOn) {
   EXPECT_TRUE(robot.is_confirmed());
 }
 
-// The given start pose is wrong.
-TEST_F(LocaliserInAHall, APlaceThatOnlyLooksAlikeIsTakenBack) {
+// The given start pose is wrong: the robot is in the other hall.
+TEST_F(LocaliserInAHall, APlaceThatContradictsTheMapIsGivenUp) {
   Localiser robot = localiser(pose(-2.0, 0.0, 0.0));
   ASSERT_TRUE(robot.find(sweep_at(look_alike_hall(), pose(-2.0, 0.0, 0.0), 98), map_.voxels, {}));
   ASSERT_TRUE(robot.is_confirmed());
@@ -62,9 +62,10 @@ TEST_F(LocaliserInAHall, APlaceThatOnlyLooksAlikeIsTakenBack) {
   EXPECT_LE(sweeps, 4);
 }
 
-// Somebody walks by in one of ten sweeps. Surfaces of a cabinet's size are 6 to 10 % of one sweep
-// but 1 % of ten, less than the 6 % at which a confirmed place is given up.
-TEST_F(LocaliserInAHall, OneSweepDoesNotTakeAConfirmedPlaceBack) {
+// In one of ten sweeps there are new surfaces as large as a cabinet, as when a person walks by.
+// They are 6 to 10 % of this sweep but only 1 % of all ten, which is less than the 6 % at which a
+// confirmed place is given up.
+TEST_F(LocaliserInAHall, AConfirmedPlaceIsKeptAfterOneContradictingSweep) {
   Localiser robot = localiser(pose(-2.0, 0.0, 0.0));
   ASSERT_TRUE(robot.find(sweep_at(Room::hall(), pose(-2.0, 0.0, 0.0), 98), map_.voxels, {}));
   for (int i = 0; i < 9; ++i) {
@@ -74,7 +75,7 @@ TEST_F(LocaliserInAHall, OneSweepDoesNotTakeAConfirmedPlaceBack) {
   EXPECT_TRUE(robot.is_confirmed());
 }
 
-TEST_F(LocaliserInAHall, ASweepThatTheMapMostlyDoesNotKnowIsDegradedUnlessThePlaceWasTold) {
+TEST_F(LocaliserInAHall, AMostlyUnknownSweepIsDegradedUnlessTheStartPoseWasGiven) {
   Localiser searched = localiser();
   ASSERT_TRUE(searched.find(sweep_at(Room::hall(), pose(-2.0, 0.0, 0.0), 98), map_.voxels, {}));
   EXPECT_EQ(classify(searched, Room::hall(), 1.1, 0.51), RegistrationStatus::kTracking);

@@ -15,7 +15,7 @@ namespace log_odds_map_test {
 
 constexpr double kResolutionM = 0.05;
 constexpr std::uint16_t kFirst =
-    0x8000 - 40;  // so that the octants about the origin have some each
+    0x8000 - 40;  // keys around 0x8000, so that all eight octants have some
 
 VoxelKey draw_key(unsigned reach, std::mt19937& random) {
   std::uniform_int_distribution<unsigned> offset(0, reach - 1);
@@ -24,7 +24,7 @@ VoxelKey draw_key(unsigned reach, std::mt19937& random) {
           static_cast<std::uint16_t>(kFirst + offset(random))};
 }
 
-// The oracle: each update of a voxel, one by one, in OctoMap's tree.
+// Applies the same updates to our map and, voxel by voxel, to OctoMap's tree, which is the oracle.
 class TwoMaps {
  public:
   void update(unsigned reach, int misses, int hits, std::mt19937& random) {
@@ -84,8 +84,8 @@ std::set<VoxelKey> whole_cube(std::uint16_t edge) {
   return keys;
 }
 
-// Few voxels and many clouds: values reach both limits and return from them.
-TEST(LogOddsMap, EqualsOctomapsUpdates) {
+// There are few voxels and many clouds, so that values reach both limits and leave them again.
+TEST(LogOddsMap, UpdatesEqualThoseOfOctomap) {
   std::mt19937 random(64);
   TwoMaps maps;
   for (int cloud = 0; cloud < 20; ++cloud) {
@@ -95,10 +95,9 @@ TEST(LogOddsMap, EqualsOctomapsUpdates) {
   }
 }
 
-// 32 x 32 x 32 voxels become free, then one of them occupied, then all free again: leaves are
-// merged, split and merged again. While all are equal, they take no more memory than the empty cube
-// of blocks.
-TEST(LogOddsMap, VoxelsThatAreAlikeAreOne) {
+// 32 x 32 x 32 voxels become free, then one of them is occupied, then all are free again: leaves
+// are merged, split and merged again. While all are equal, the map takes hardly any memory.
+TEST(LogOddsMap, EqualVoxelsAreMerged) {
   TwoMaps maps;
   const std::set<VoxelKey> cube = whole_cube(32);
   maps.update(cube, {});
@@ -119,7 +118,7 @@ TEST(LogOddsMap, VoxelsThatAreAlikeAreOne) {
   EXPECT_LT(maps.map().memory_bytes(), 2000U);
 }
 
-TEST(LogOddsMap, EmptyIsAnEmptyTree) {
+TEST(LogOddsMap, AnEmptyMapIsAnEmptyTree) {
   TwoMaps maps;
   maps.expect_the_same();
   EXPECT_EQ(count_nodes(maps.map()), 0U);

@@ -39,11 +39,10 @@ class LogFile {
     ASSERT_TRUE(writer_.write(time::to_utime(stamp), channel, bytes));
   }
 
-  /// 320 scans (4 sweeps) of a drive through a hall at 1 m/s: 4.3 m, so that with keyframes 2 m
-  /// apart two sweeps are registered.
-  /// From scan `restart` on odometry counts and measures from zero again, as after a restart of the
-  /// base driver.
-  /// `T_odom_world`: where odometry begins.
+  /// Adds a drive of 4.3 m through a hall at 1 m/s: 320 scans, which are 4 sweeps. From scan
+  /// `restart` on, odometry begins at zero again, with its sequence numbers and its pose, as after
+  /// a restart of the base driver. `T_odom_world` is the pose of the world in odom at the
+  /// beginning.
   void add_drive(bool with_odometry, std::int64_t restart = 0,
                  const geometry::SE3& T_odom_world = geometry::SE3::Identity()) {
     std::mt19937 random(9);
@@ -69,7 +68,7 @@ class LogFile {
   bus::LogWriter writer_;
 };
 
-/// What a node made of a recording.
+/// What a node published and measured while it replayed a recording.
 struct Outcome {
   node::MessageCounts counts;
   nlohmann::json metrics;

@@ -28,7 +28,8 @@
 namespace nodmap::slam6d {
 namespace node_test {
 
-// A drive of 4 m is mapped. Then the robot repeats it, with odometry that begins elsewhere.
+// A drive of 4 m is mapped and saved. Then the robot repeats it, with odometry that begins at
+// another pose.
 class Slam6dNodeInASavedMap : public ::testing::Test {
  protected:
   Slam6dNodeInASavedMap() {
@@ -44,7 +45,8 @@ class Slam6dNodeInASavedMap : public ::testing::Test {
     second.close();
   }
 
-  // Both drives are registered to better than 2 cm (1 cm of scan noise).
+  // With 1 cm of scan noise each drive is registered to better than 2 cm, so that both together
+  // differ by less than 4 cm along the drive.
   static void expect_at_truth(const Outcome& outcome) {
     ASSERT_EQ(outcome.published.at("POSE_6D").size(), 4U);
     for (const auto& bytes : outcome.published.at("POSE_6D")) {
@@ -62,7 +64,7 @@ class Slam6dNodeInASavedMap : public ::testing::Test {
   fs::path saved_ = dir_.path() / "out_first";
 };
 
-TEST_F(Slam6dNodeInASavedMap, LocalisesAndLeavesItAsItIs) {
+TEST_F(Slam6dNodeInASavedMap, LocalisesAndLeavesTheMapUnchanged) {
   const std::string before = read(saved_ / "keyframes.lcmlog");
   const Outcome second = replay(dir_.path(), "second", params_,
                                 node::MapOptions{saved_, {}, geometry::SE2{0.0, 0.0, 0.0}});
@@ -75,7 +77,7 @@ TEST_F(Slam6dNodeInASavedMap, LocalisesAndLeavesItAsItIs) {
   EXPECT_FALSE(fs::exists(dir_.path() / "out_second" / "map.bt"));
   EXPECT_EQ(formats::read_tum(dir_.path() / "out_second" / "trajectory.tum").size(), 4U);
   EXPECT_TRUE(read(saved_ / "keyframes.lcmlog") == before);
-  // The saved keyframes, from which the page makes the cloud.
+  // The saved keyframes are published, so that the page can show the cloud.
   std::set<std::int64_t> ids;
   for (const auto& bytes : second.published.at("CLOUD")) {
     nodmap::cloud_chunk_t part{};
@@ -85,7 +87,7 @@ TEST_F(Slam6dNodeInASavedMap, LocalisesAndLeavesItAsItIs) {
   EXPECT_EQ(ids.size(), first_.metrics["keyframes"].size());
 }
 
-TEST_F(Slam6dNodeInASavedMap, CarriesOnWithIt) {
+TEST_F(Slam6dNodeInASavedMap, ContinuesTheMap) {
   const Outcome second = replay(dir_.path(), "second", params_,
                                 node::MapOptions{{}, saved_, geometry::SE2{0.0, 0.0, 0.0}});
   expect_at_truth(second);
@@ -106,8 +108,8 @@ TEST_F(Slam6dNodeInASavedMap, CarriesOnWithIt) {
   EXPECT_EQ(graph.first_keyframe_id, 0);
 }
 
-// The process is killed as soon as a map is on the disk, whatever is being written then.
-TEST_F(Slam6dNodeInASavedMap, AfterAKillTheLastWholeMapIsCarriedOnWith) {
+// The process is killed as soon as a map is on the disk, whatever it is writing at that time.
+TEST_F(Slam6dNodeInASavedMap, AfterAKillTheLastCompleteMapCanBeContinued) {
   const fs::path killed = dir_.path() / "killed";
   fs::create_directories(killed);
   const pid_t child = ::fork();
@@ -136,7 +138,7 @@ TEST_F(Slam6dNodeInASavedMap, AfterAKillTheLastWholeMapIsCarriedOnWith) {
   EXPECT_EQ(second.metrics["localisation"]["keyframes_restored"], num_saved);
 }
 
-TEST_F(Slam6dNodeInASavedMap, ARobotThatIsNotFoundChangesNothing) {
+TEST_F(Slam6dNodeInASavedMap, ARobotThatIsNotFoundLeavesTheMapUnchanged) {
   params_.localise.place.min_inlier_ratio = 1.0;  // no place is good enough
   const Outcome second = replay(dir_.path(), "second", params_, node::MapOptions{{}, saved_, {}});
   EXPECT_EQ(second.metrics["sweeps_lost"], 4);
@@ -161,7 +163,7 @@ TEST(Slam6dNode, SavesOnRequestAndEveryFewKeyframes) {
   const Outcome outcome =
       replay(dir.path(), "save",
              {.keyframe = {.distance_m = 2.0}, .occupancy = {.save_every_keyframes = 1}});
-  // Saved three times: when the second sweep beyond 2 m is complete, on request, and at the end.
+  // Saved four times: after each of the two keyframes, on request, and at the end.
   EXPECT_EQ(outcome.metrics["occupancy_map"]["times_saved"], 4);
 }
 
@@ -181,7 +183,7 @@ TEST(Slam6dNode, TriesAgainToSaveAMapThatCouldNotBeSaved) {
     }
   };
   bus.deliver("SAVE_REQUEST", nodmap::save_request_t{});
-  put_scans(75);  // within a second it has been tried
+  put_scans(75);  // one second: the first attempt is over
   EXPECT_EQ(slam.health().state, node::HealthState::kDegraded);
   fs::create_directory(context.out_dir);
   put_scans(600);

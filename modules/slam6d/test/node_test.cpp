@@ -24,7 +24,7 @@
 namespace nodmap::slam6d {
 namespace node_test {
 
-TEST(Slam6dNode, ReplayWritesEverythingTheSameEachTime) {
+TEST(Slam6dNode, ReplayWritesTheSameFilesEachTime) {
   const test::TemporaryDir dir;
   for (const char* name : {"a", "b"}) {
     LogFile log(dir.path() / (std::string(name) + ".lcmlog"));
@@ -67,8 +67,9 @@ TEST(Slam6dNode, PublishesAPosePerSweepAndACloudPerKeyframe) {
   ASSERT_TRUE(bus::decode_into(pose, outcome.published["POSE_6D"][1]));
   EXPECT_EQ(pose.state, nodmap::pose_t::TRACKING);
   EXPECT_EQ(pose.utime % 1'000'000'000, pose.utime);
-  // Across a hall of 2 m x 2.5 m, seen with noise of 1 cm, the pose is known to millimetres
-  // (planes: some 1000 points, of which ten count as one). Along it the end walls determine it.
+  // The hall is 2 m wide and 2.5 m high, and the scan noise is 1 cm. Across the hall some 1000
+  // points on planes, of which ten count as one, determine the pose to millimetres. Along it the
+  // end walls determine the pose.
   for (int i = 0; i < 6; ++i) {
     EXPECT_GT(pose.covariance[i][i], 0.0) << i;
     for (int j = 0; j < 6; ++j) {
@@ -92,7 +93,8 @@ TEST(Slam6dNode, PublishesAPosePerSweepAndACloudPerKeyframe) {
   EXPECT_GT(num_points, 1000U);
 }
 
-// The parts of a revision make up a file. The last one is the file that is saved at the end.
+// The parts of each revision make up a file. The last revision is the file that is saved at the
+// end.
 TEST(Slam6dNode, PublishesTheOctomapThatItSaves) {
   const test::TemporaryDir dir;
   LogFile log(dir.path() / "drive.lcmlog");
@@ -113,7 +115,7 @@ TEST(Slam6dNode, PublishesTheOctomapThatItSaves) {
   EXPECT_TRUE(maps[1] == read(dir.path() / "out_drive" / "map.bt"));
 }
 
-TEST(Slam6dNode, PublishesNoOctomapWhenNoneIsWanted) {
+TEST(Slam6dNode, WithAPublishPeriodOfZeroNoOctomapIsPublished) {
   const test::TemporaryDir dir;
   LogFile log(dir.path() / "drive.lcmlog");
   log.add_drive(true);
@@ -122,14 +124,15 @@ TEST(Slam6dNode, PublishesNoOctomapWhenNoneIsWanted) {
                    .published.contains("OCTOMAP"));
 }
 
-TEST(Slam6dNode, GoesOnWhereItWasWhenOdometryBeginsAnew) {
+TEST(Slam6dNode, ContinuesAtItsPoseWhenOdometryRestarts) {
   const test::TemporaryDir dir;
   constexpr std::int64_t kRestart = 200;  // in the middle of the third sweep, 2.7 m along
   LogFile log(dir.path() / "restart.lcmlog");
   log.add_drive(true, kRestart);
   log.close();
   Outcome outcome = replay(dir.path(), "restart", {});
-  // The running sweep is cut there: five sweeps instead of four, and no scan is lost.
+  // The current sweep is cut at the restart: there are five sweeps instead of four, and no scan is
+  // lost.
   ASSERT_EQ(outcome.published["POSE_6D"].size(), 5U);
   EXPECT_EQ(outcome.counts.used(), 640);
   EXPECT_EQ(outcome.metrics["keyframes"].back()["reason"], "interruption");
@@ -140,14 +143,15 @@ TEST(Slam6dNode, GoesOnWhereItWasWhenOdometryBeginsAnew) {
     // The motion during one scan, 1.3 cm at 1 m/s, is lost at the restart; registration in a hall
     // with 1 cm of scan noise is better than 2 cm.
     EXPECT_NEAR(pose.position_m[0], truth_m, 0.033) << i;
-    // The correction leads from the odometry of its time: from the new one after the restart.
+    // The published correction refers to the odometry frame of its time: to the new one after the
+    // restart.
     const double start_m =
         node::stamp_of(pose) < time::Timestamp(kRestart * NoddingScanner::kPeriod)
             ? 0.0
             : time::seconds(kRestart * NoddingScanner::kPeriod);
     EXPECT_NEAR(pose.odom_position_m[0], start_m, 0.033) << i;
   }
-  // The same with all corrections.
+  // The same must hold for the trajectory with all corrections.
   for (const auto& pose : formats::read_tum(dir.path() / "out_restart" / "trajectory.tum")) {
     EXPECT_NEAR(pose.pose.translation().x(), time::seconds(pose.stamp.time_since_epoch()), 0.033);
   }
@@ -157,7 +161,7 @@ TEST(Slam6dNode, BadMessagesAreCountedByCause) {
   const test::TemporaryDir dir;
   LogFile log(dir.path() / "bad.lcmlog");
   log.add_drive(true);
-  nodmap::scan_t scan{};  // no orientation, no step: nothing is filled in
+  nodmap::scan_t scan{};  // no field is filled in
   log.add(time::Timestamp(5s), "SCAN", scan);
   std::mt19937 random(10);
   scan = node::write_scan(NoddingScanner{}.scan(
@@ -174,7 +178,7 @@ TEST(Slam6dNode, BadMessagesAreCountedByCause) {
   EXPECT_EQ(outcome.counts.used(), 640);
 }
 
-TEST(Slam6dNode, WithoutOdometryScansAreRejectedOrStandingIsAssumed) {
+TEST(Slam6dNode, WithoutOdometryScansAreRejectedUnlessStationaryIsAssumed) {
   const test::TemporaryDir dir;
   LogFile log(dir.path() / "still.lcmlog");
   log.add_drive(false);
@@ -183,9 +187,9 @@ TEST(Slam6dNode, WithoutOdometryScansAreRejectedOrStandingIsAssumed) {
   EXPECT_EQ(rejected.counts.rejected().at("no_odometry"), 320);
   EXPECT_EQ(rejected.health.state, node::HealthState::kDegraded);
   fs::remove_all(dir.path() / "out_still");
-  const Outcome standing = replay(dir.path(), "still", {.assume_stationary = true});
-  EXPECT_EQ(standing.counts.used(), 320);
-  EXPECT_EQ(standing.metrics["keyframes"].size(), 1U);
+  const Outcome stationary = replay(dir.path(), "still", {.assume_stationary = true});
+  EXPECT_EQ(stationary.counts.used(), 320);
+  EXPECT_EQ(stationary.metrics["keyframes"].size(), 1U);
 }
 
 }  // namespace node_test

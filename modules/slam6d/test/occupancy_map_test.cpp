@@ -15,8 +15,8 @@ namespace occupancy_map_test {
 
 using geometry::SE3;
 
-// A wall at x = 3.025 (the middle of a voxel of 5 cm), 2 m wide and 1 m high, seen from a sensor
-// that moves 0.4 m sideways over ten lines.
+// A wall at x = 3.025 m, the middle of a voxel of 5 cm; it is 2 m wide and 1 m high. The sensor
+// moves sideways by 1 cm from each of the 50 lines to the next.
 SweepCloud wall_cloud(double noise_m) {
   std::mt19937 random(46);
   std::normal_distribution<double> noise(0.0, noise_m > 0.0 ? noise_m : 1.0);
@@ -40,9 +40,9 @@ std::unique_ptr<octomap::OcTree> read_bt(const OccupancyMap& map) {
   return tree;
 }
 
-// R46: the file loads with OctoMap; its occupied voxels are those of the wall. Exact points: all of
-// them and no others.
-TEST(OccupancyMap, R46_SavedMapHasTheWall) {
+// R46: OctoMap can read the file, and its occupied voxels are those of the wall. As the points have
+// no noise, they are all of them and no others.
+TEST(OccupancyMap, R46_TheOccupiedVoxelsOfTheFileAreThoseOfTheWall) {
   OccupancyMap map({});
   map.insert(wall_cloud(0.0), SE3::Identity());
   const auto tree = read_bt(map);
@@ -56,14 +56,15 @@ TEST(OccupancyMap, R46_SavedMapHasTheWall) {
     }
   }
   EXPECT_EQ(found.size(), 40U * 20U);  // 2 m x 1 m
-  // Half way to the wall it is free, behind it unknown.
+  // Space is free half way to the wall, and unknown behind it.
   ASSERT_NE(tree->search(1.5, 0.0, 0.5), nullptr);
   EXPECT_FALSE(tree->isNodeOccupied(tree->search(1.5, 0.0, 0.5)));
   EXPECT_EQ(tree->search(3.5, 0.0, 0.5), nullptr);
 }
 
-// With 1 cm noise 1.2 % of the points (2.5 sigma) fall into the voxels before and behind.
-TEST(OccupancyMap, R46_PrecisionAndRecallWithNoise) {
+// With 1 cm of noise 1.2 % of the points (those beyond 2.5 sigma) are in the voxels in front of the
+// wall and behind it.
+TEST(OccupancyMap, R46_PrecisionAndRecallAreHighDespiteRangeNoise) {
   OccupancyMap map({});
   map.insert(wall_cloud(0.01), SE3::Identity());
   const auto tree = read_bt(map);
@@ -78,8 +79,8 @@ TEST(OccupancyMap, R46_PrecisionAndRecallWithNoise) {
   EXPECT_GE(on_wall, 0.90 * (on_wall + off_wall));  // precision: 5000 x 1.2 % = 60 of 860
 }
 
-// A cloud inserted with OctoMap's own functions: sets of keys, hits before misses, one voxel at a
-// time.
+// The oracle: inserts a cloud with OctoMap's own functions, which collect sets of keys, prefer hits
+// to misses and update one voxel at a time.
 void insert_stock(octomap::OcTree& tree, const SweepCloud& cloud, const SE3& T_map_base,
                   const OccupancyMap::Options& options) {
   const auto to_octomap = [](const Eigen::Vector3d& p) {
@@ -111,7 +112,7 @@ void insert_stock(octomap::OcTree& tree, const SweepCloud& cloud, const SE3& T_m
   }
 }
 
-// A wide blob of points around the sensor, some beyond the range.
+// A wide cluster of points around the sensor, some of them beyond the maximum range.
 SweepCloud random_cloud(std::size_t num_lines, std::mt19937& random) {
   std::normal_distribution<float> coordinate(0.0F, 1.5F);
   SweepCloud cloud;
@@ -135,10 +136,10 @@ void expect_same_bytes(const OccupancyMap& map, const octomap::OcTree& stock) {
   EXPECT_EQ(map.num_nodes(), stock.size());
 }
 
-// Compared bit by bit with OctoMap's own insertion. Clouds from different poses overlap, so that
-// hits and misses meet in a voxel, often enough for values to reach OctoMap's limits (five hits,
-// five misses) and for free space to be pruned and expanded again.
-TEST(OccupancyMap, R46_EqualsStockInsertion) {
+// Compared byte by byte with OctoMap's own insertion. Clouds from different poses overlap, so that
+// a voxel gets both hits and misses. There are enough of them for values to reach OctoMap's limits
+// (after five hits or five misses), and for free space to be pruned and expanded again.
+TEST(OccupancyMap, R46_InsertionEqualsThatOfOctomap) {
   for (const bool discretize : {false, true}) {
     const OccupancyMap::Options options{.max_range_m = 3.0, .discretize = discretize};
     std::mt19937 random(47);
@@ -149,7 +150,8 @@ TEST(OccupancyMap, R46_EqualsStockInsertion) {
       T_map_base.translation() = Eigen::Vector3d(0.7 * place, -0.4 * place, 0.1);
       T_map_base.linear() =
           Eigen::AngleAxisd(0.3 * place, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-      // Discretized, with one line: OctoMap leaves out duplicates within a call, we within a cloud.
+      // If discretized, the cloud has a single line, because OctoMap leaves out duplicates within
+      // each call, and we within each cloud.
       const SweepCloud cloud = random_cloud(discretize ? 1 : 3, random);
       for (int times = 0; times < 6; ++times) {
         map.insert(cloud, T_map_base);
@@ -161,8 +163,8 @@ TEST(OccupancyMap, R46_EqualsStockInsertion) {
   }
 }
 
-// The same in a room so dense with beams that whole blocks are free.
-TEST(OccupancyMap, R46_EqualsStockInsertionWhereSpaceIsFull) {
+// The same comparison with so many beams that whole blocks of voxels are free.
+TEST(OccupancyMap, R46_InsertionEqualsThatOfOctomapWithManyBeams) {
   const OccupancyMap::Options options{.resolution_m = 0.2};
   OccupancyMap map(options);
   octomap::OcTree stock(options.resolution_m);
@@ -177,9 +179,9 @@ TEST(OccupancyMap, R46_EqualsStockInsertionWhereSpaceIsFull) {
   }
 }
 
-// A beam that is cut off at the maximum range ends in a voxel in which another one hits; either may
-// come first.
-TEST(OccupancyMap, AHitCountsWhereAnotherBeamIsCutOff) {
+// A beam that is cut off at the maximum range ends in a voxel that another beam hits. The hit
+// counts whichever of them comes first.
+TEST(OccupancyMap, AHitCountsInAVoxelWhereAnotherBeamIsCutOff) {
   SweepCloud cloud;
   cloud.points = {{3.0F, 0.0F, 0.02F}, {1.99F, 0.0F, 0.02F}, {3.0F, 0.0F, 0.02F}};
   cloud.lines.push_back({Eigen::Vector3f(0.0F, 0.0F, 0.02F), 3});
@@ -190,7 +192,7 @@ TEST(OccupancyMap, AHitCountsWhereAnotherBeamIsCutOff) {
   EXPECT_TRUE(tree->isNodeOccupied(tree->search(1.99, 0.0, 0.02)));
 }
 
-TEST(OccupancyMap, BeamsBeyondTheRangeOnlyFree) {
+TEST(OccupancyMap, BeamsBeyondTheMaximumRangeOnlyFreeSpace) {
   OccupancyMap map({.max_range_m = 2.0});
   map.insert(wall_cloud(0.0), SE3::Identity());
   const auto tree = read_bt(map);
@@ -201,9 +203,9 @@ TEST(OccupancyMap, BeamsBeyondTheRangeOnlyFree) {
   EXPECT_GT(tree->getNumLeafNodes(), 0U);
 }
 
-// Somebody in front of a wall: points that are known to have moved leave only the free space before
-// them.
-TEST(OccupancyMap, NothingIsOccupiedWherePointsMoved) {
+// A person stands in front of a wall. Points that are known to have moved only free the space
+// before them.
+TEST(OccupancyMap, MovedPointsOccupyNoVoxel) {
   SweepCloud cloud;
   cloud.points = {{1.02F, 0.0F, 0.02F}, {2.02F, 0.5F, 0.02F}};
   cloud.lines.push_back({Eigen::Vector3f(0.0F, 0.0F, 0.02F), 2});
@@ -217,7 +219,7 @@ TEST(OccupancyMap, NothingIsOccupiedWherePointsMoved) {
   EXPECT_TRUE(tree->isNodeOccupied(tree->search(2.02, 0.5, 0.02)));
 }
 
-// A map depends on its clouds alone: built again, it is the same.
+// A map depends only on its clouds: if it is built again, the bytes are the same.
 TEST(OccupancyMap, SameCloudsGiveTheSameBytes) {
   OccupancyMap first({});
   OccupancyMap second({});
@@ -230,13 +232,13 @@ TEST(OccupancyMap, SameCloudsGiveTheSameBytes) {
   EXPECT_EQ(first.num_nodes(), second.num_nodes());
 }
 
-TEST(OccupancyMap, EmptyAndFarAway) {
+TEST(OccupancyMap, EmptyAndTooDistantCloudsAddNothing) {
   OccupancyMap map({});
   map.insert({}, SE3::Identity());
   EXPECT_EQ(map.num_nodes(), 0U);
   EXPECT_TRUE(map.encode(OccupancyMap::Format::kBt).has_value());
   SE3 beyond = SE3::Identity();
-  beyond.translation().x() = 1e7;  // OctoMap ends at 1638 m for 5 cm
+  beyond.translation().x() = 1e7;  // OctoMap's tree ends at 1638 m if voxels have 5 cm
   map.insert(wall_cloud(0.0), beyond);
   beyond.translation().x() = 1e300;
   map.insert(wall_cloud(0.0), beyond);

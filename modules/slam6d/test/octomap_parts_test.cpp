@@ -8,7 +8,7 @@ namespace octomap_parts_test {
 
 constexpr std::size_t kPart = OctomapParts::kBytesPerPart;
 
-TEST(OctomapParts, TogetherAreTheFile) {
+TEST(OctomapParts, AllPartsTogetherAreTheFile) {
   for (const std::size_t size : {std::size_t{1}, kPart - 1, kPart, kPart + 1, 3 * kPart}) {
     std::string file(size, '\0');
     for (std::size_t i = 0; i < size; ++i) {
@@ -30,12 +30,12 @@ TEST(OctomapParts, TogetherAreTheFile) {
   }
 }
 
-TEST(OctomapParts, AreNoneBeforeAndOfANewRevisionAfterwards) {
+TEST(OctomapParts, ANewFileStartsANewRevision) {
   OctomapParts parts;
   EXPECT_TRUE(parts.is_empty());
   parts.begin(time::from_utime(1), std::string(2 * kPart, 'a'));
   (void)parts.next();
-  parts.begin(time::from_utime(2), "b");  // in the middle of the other one
+  parts.begin(time::from_utime(2), "b");  // before all parts of the first one were taken
   EXPECT_EQ(parts.next().revision, 1);
   EXPECT_TRUE(parts.is_empty());
   parts.begin(time::from_utime(3), "");

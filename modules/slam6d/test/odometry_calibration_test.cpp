@@ -11,7 +11,7 @@ namespace odometry_calibration_test {
 using geometry::deg_to_rad;
 using geometry::SE3;
 
-// A motion on an arc of constant curvature.
+// The motion along an arc of constant curvature.
 SE3 arc(double length_m, double turn_rad) {
   const double curvature = turn_rad / length_m;
   SE3 motion = SE3::Identity();
@@ -21,8 +21,8 @@ SE3 arc(double length_m, double turn_rad) {
   return motion;
 }
 
-// Wheels that count 4 % too much distance and 6 % too much rotation, and veer by 0.5 degrees a
-// metre.
+// What odometry reports for the motion along an arc, if the wheels count 4 % too much distance and
+// 6 % too much rotation, and in addition 0.5 degrees a metre.
 SE3 counted(double length_m, double turn_rad) {
   return arc(1.04 * length_m, 1.06 * turn_rad + deg_to_rad(0.5) * length_m);
 }
@@ -34,8 +34,8 @@ MotionEvidence evidence(double deviation, double sigma) {
           .random_variance = sigma * sigma};
 }
 
-// 100 motions of 0.5 m, measured to 5 mm and 0.2 degrees: the errors are known to about
-// 0.005 / 0.5 / 10 = 0.1 % and 0.2 deg / 0.3 rad / 10 = 0.12 %; three times that.
+// From 100 motions of 0.5 m, measured to 5 mm and 0.2 degrees, the errors are known to about 0.1 %
+// (0.005 / 0.5 / 10) and 0.12 % (0.2 deg / 0.3 rad / 10). The tolerance is three times that.
 TEST(OdometryCalibration, LearnsTheErrorsOfTheWheels) {
   OdometryCalibration calibration({});
   std::mt19937 random(1);
@@ -57,9 +57,9 @@ TEST(OdometryCalibration, LearnsTheErrorsOfTheWheels) {
   EXPECT_LT(geometry::rotation_angle(error), deg_to_rad(0.5));
 }
 
-// Nothing is learned from slip of 30 degrees, from a prediction that registration did not improve,
-// from a stationary robot, or if learning is switched off.
-TEST(OdometryCalibration, WhatTellsNothingChangesNothing) {
+// Nothing is learned from a slip of 30 degrees, from a prediction that registration did not
+// improve, from a stationary robot, or if the prior's standard deviations are zero.
+TEST(OdometryCalibration, UninformativeMotionsChangeNothing) {
   OdometryCalibration calibration({});
   calibration.learn(arc(0.5, 0.1), {}, evidence(deg_to_rad(30.0), deg_to_rad(0.2)));
   EXPECT_TRUE(calibration.errors().isZero(0.0));

@@ -22,7 +22,7 @@ TEST(OdometryPrior, GrowsWithTheMotion) {
   EXPECT_NEAR(moved(5, 5), yaw_rad * yaw_rad, 1e-15);
 }
 
-TEST(OdometryPrior, ASweepThatWasRefusedDoublesItUpToALimit) {
+TEST(OdometryPrior, EachLostSweepDoublesTheUncertaintyUpToALimit) {
   const auto sigma = [](int lost_sweeps) {
     return std::sqrt(odometry_covariance(SE3::Identity(), {.lost_sweeps = lost_sweeps}, {})(0, 0));
   };
@@ -33,8 +33,8 @@ TEST(OdometryPrior, ASweepThatWasRefusedDoublesItUpToALimit) {
   EXPECT_GT(interrupted(0, 0), std::pow(OdometryParams{}.interruption_m, 2));
 }
 
-// The covariance is in the axes of map: for a robot that looks along y of map, yaw is about z and
-// roll about y.
+// The covariance is in the axes of map. For a base that is pitched by 90 degrees, a rotation about
+// the x axis of map is yaw, and a rotation about its z axis is roll.
 TEST(OdometryPrior, IsInTheAxesOfTheMap) {
   SE3 T_map_base = SE3::Identity();
   T_map_base.linear() =

@@ -10,10 +10,11 @@ namespace nodmap::slam6d {
 namespace odometry_scatter_test {
 
 constexpr double kLeast = 0.1;
-constexpr double kSigmaM = 0.06;  // of a motion, as the parameters have it
+constexpr double kSigmaM = 0.06;  // of a motion, by the parameters
 
-// A motion that was `error_m` longer than predicted. The measurement has the standard deviation
-// `measured_m`, the prediction `kSigmaM`; the estimate is their weighted mean.
+// The evidence of a motion that was `error_m` longer than predicted. The standard deviation of the
+// measurement is `measured_m` and that of the prediction `kSigmaM`; the estimate is their weighted
+// mean.
 MotionEvidence evidence(double error_m, double measured_m) {
   const double prior = kSigmaM * kSigmaM;
   const double gain = prior / (prior + measured_m * measured_m);
@@ -32,8 +33,9 @@ double learned(double scatter, int motions, double measured_m) {
   return learner.factor();
 }
 
-// The deviation of some 40 errors is known to 1 / sqrt(2 * 40) = 11 %; twice that.
-TEST(OdometryScatter, LearnsHowGoodTheWheelsAre) {
+// The standard deviation of some 40 errors is known to 1 / sqrt(2 * 40) = 11 %. The tolerance is
+// twice that.
+TEST(OdometryScatter, LearnsTheScatterOfTheWheelsWithinItsLimits) {
   EXPECT_DOUBLE_EQ(OdometryScatter(kLeast).factor(), 1.0);
   EXPECT_NEAR(learned(0.3, 300, 0.005), 0.3, 0.22 * 0.3);
   EXPECT_NEAR(learned(0.6, 300, 0.005), 0.6, 0.22 * 0.6);
@@ -41,16 +43,16 @@ TEST(OdometryScatter, LearnsHowGoodTheWheelsAre) {
   EXPECT_DOUBLE_EQ(learned(3.0, 300, 0.005), 1.0);
 }
 
-// A less exact measurement counts less, and one that does not improve the prediction counts
-// nothing.
-TEST(OdometryScatter, BelievesGoodWheelsOnlyWhereTheyWereMeasured) {
+// A less exact measurement counts less, and one that does not improve the prediction does not
+// count.
+TEST(OdometryScatter, LearnsLessFromImpreciseMeasurements) {
   EXPECT_GT(learned(0.1, 10, 0.06), learned(0.1, 10, 0.005) + 0.05);
   EXPECT_DOUBLE_EQ(learned(0.1, 300, 10.0 * kSigmaM), 1.0);
 }
 
-// One slip of 30 cm, 5 standard deviations, among 41 motions: sqrt(25 / 41) = 0.78, or a little
-// less, because the measurement does not have its full weight.
-TEST(OdometryScatter, BelievesSlipAtOnce) {
+// One slip of 30 cm, which is 5 standard deviations, among 41 motions gives sqrt(25 / 41) = 0.78,
+// or a little less, because the measurement does not have its full weight.
+TEST(OdometryScatter, RisesAtOnceAfterASlip) {
   OdometryScatter learner(kLeast);
   for (int i = 0; i < 300; ++i) {
     learner.learn(evidence(0.0, 0.005), kSigmaM * kSigmaM);
@@ -62,7 +64,7 @@ TEST(OdometryScatter, BelievesSlipAtOnce) {
   EXPECT_DOUBLE_EQ(learner.factor(), 1.0);
 }
 
-TEST(OdometryScatter, OneLearnsNothing) {
+TEST(OdometryScatter, WithALowerLimitOfOneNothingIsLearned) {
   OdometryScatter learner(1.0);
   for (int i = 0; i < 300; ++i) {
     learner.learn(evidence(0.0, 0.005), kSigmaM * kSigmaM);

@@ -1,5 +1,5 @@
-// SPDX-License-Identifier: BSD-3-Clause A robot that is kicked or carried away while it maps is
-// searched for in its own map.
+// SPDX-License-Identifier: BSD-3-Clause
+// A robot that is kicked or carried away while it maps searches for its pose in its own map.
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace own_map_search_test {
 
 using geometry::SE3;
 
-/// A robot that maps Room::hall() from -2.5 to 3.5 m, and then sees what it is shown.
+/// A robot that has mapped Room::hall() from x = -2.5 m to x = 3.5 m.
 class RobotInAHall : public testing::Test {
  protected:
   RobotInAHall() {
@@ -21,6 +21,7 @@ class RobotInAHall : public testing::Test {
     }
   }
 
+  /// Adds a sweep that is taken at T_map_base of `room`, `gap` later than the usual second.
   PoseUpdate see(const Room& room, const SE3& T_map_base, const SE3& T_odom_base,
                  time::Duration gap = {}) {
     SweepCloud cloud = cloud_at(room, T_map_base, ++seed_);
@@ -32,7 +33,8 @@ class RobotInAHall : public testing::Test {
     return slam_.add_cloud(std::move(cloud));
   }
 
-  // The map's frame is the hall's: odometry was right when mapping began.
+  // The map frame is the frame of the hall, because odometry was right when mapping began. The
+  // tolerance is that of registration: 5 mm of range noise.
   static void expect_right(const PoseUpdate& update, const SE3& T_hall_base) {
     const SE3 error = T_hall_base.inverse() * update.T_map_base;
     EXPECT_LT(error.translation().norm(), 0.01);
@@ -44,8 +46,9 @@ class RobotInAHall : public testing::Test {
   time::Timestamp stamp_{};
 };
 
-// 5 m away and rotated by 100 degrees. The long walls fit nearly anywhere, but the ends contradict.
-TEST_F(RobotInAHall, IsFoundWhereItWasCarried) {
+// The robot is carried 5 m away and rotated by 100 degrees. The long walls fit nearly anywhere, but
+// the end walls contradict.
+TEST_F(RobotInAHall, IsFoundAfterItWasCarriedAway) {
   const SE3 T_hall_carried = pose(-1.8, 0.1, 100.0);
   const SE3 T_odom_hall = along_hall().back() * T_hall_carried.inverse();
   const std::size_t num_voxels = slam_.metrics().map_voxels;
@@ -54,7 +57,7 @@ TEST_F(RobotInAHall, IsFoundWhereItWasCarried) {
     EXPECT_EQ(lost.registration->status, RegistrationStatus::kLost);
     EXPECT_TRUE(slam_.may_search());
   }
-  // The fifth sweep starts a search. The place is not sure until the robot is 3 m farther on.
+  // The fifth sweep starts a search. The place is confirmed only when the robot is 3 m farther on.
   for (const double x_m : {-1.8, -1.0, 0.0, 1.0}) {
     const SE3 T_hall_base = pose(x_m, 0.1, 100.0);
     const PoseUpdate found = see(Room::hall(), T_hall_base, T_odom_hall * T_hall_base);
@@ -71,8 +74,9 @@ TEST_F(RobotInAHall, IsFoundWhereItWasCarried) {
   EXPECT_FALSE(slam_.may_search());
 }
 
-// Carried to another hall, which only cabinets distinguish from the one that was mapped.
-TEST_F(RobotInAHall, IsNotFoundElsewhere) {
+// The robot is carried to another hall, which differs only by its cabinets from the one that was
+// mapped.
+TEST_F(RobotInAHall, IsNotFoundInASimilarHall) {
   const std::size_t num_voxels = slam_.metrics().map_voxels;
   for (int i = 0; i < 12; ++i) {
     const PoseUpdate update = see(look_alike_hall(), pose(-1.8 + 0.3 * i, 0.1, 100.0),
@@ -83,8 +87,9 @@ TEST_F(RobotInAHall, IsNotFoundElsewhere) {
   }
 }
 
-// Rotated by 30 degrees during a gap of 2 s. From then on odometry counts 10 % too much.
-TEST_F(RobotInAHall, IsRightOrLostAfterAKick) {
+// The robot is moved by 0.3 m and rotated by 30 degrees during a gap of 2 s. From then on odometry
+// counts 10 % too much rotation.
+TEST_F(RobotInAHall, IsNeverTrackedAtAWrongPoseAfterAKick) {
   SE3 T_odom_base = along_hall().back();
   SE3 T_hall_base = along_hall().back() * pose(0.3, 0.1, 30.0);
   PoseUpdate last;

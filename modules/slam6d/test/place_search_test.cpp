@@ -18,9 +18,9 @@ StartsResult find(const TestMap& map, const std::vector<SE3>& poses, const Voxel
   return search.find(sweep, map.voxels, SeenSpace({}, map.keyframes));
 }
 
-// Walls up to 20 m away: half a step of heading moves what is seen of them by 0.9 m. With 5 mm of
-// noise a registration is better than 1 cm and 0.1 degrees.
-TEST(PlaceSearch, AHallWithFarWallsIsRecognised) {
+// Walls are up to 20 m away, so that half a step of the searched headings moves them by 0.9 m. With
+// 5 mm of range noise a registration is exact to 1 cm and 0.1 degrees.
+TEST(PlaceSearch, APlaceInAHallWithDistantWallsIsFound) {
   const std::vector<SE3> keyframes = circle(57);
   const TestMap map(slanting_hall(), keyframes);
   for (const SE3& T_map_base : {pose(9.13, 0.4, 97.4), pose(-9.2, -0.3, -42.6)}) {
@@ -30,8 +30,8 @@ TEST(PlaceSearch, AHallWithFarWallsIsRecognised) {
   }
 }
 
-// A square hall looks the same from four sides.
-TEST(PlaceSearch, APlaceThatIsThereTwiceIsRefused) {
+// A square hall looks the same at four headings.
+TEST(PlaceSearch, APlaceThatIsThereTwiceIsAmbiguous) {
   Room square = Room::corridor();
   square.walls = {{{0, 0, 1}, 0.0},  {{0, 0, 1}, 2.5}, {{1, 0, 0}, 8.0},
                   {{-1, 0, 0}, 8.0}, {{0, 1, 0}, 8.0}, {{0, -1, 0}, 8.0}};
@@ -52,8 +52,9 @@ TEST(PlaceSearch, AnotherBuildingIsNotFound) {
   EXPECT_TRUE(!found.best || found.best->lowest_inlier_ratio() < 0.5);
 }
 
-// Enough of the look-alike lies on the map's planes, but its cabinets are where the map is free.
-TEST(PlaceSearch, APlaceThatOnlyLooksAlikeIsRefused) {
+// Enough of the similar hall lies on the map's planes, but its cabinets are in space that the map
+// knows to be free.
+TEST(PlaceSearch, APlaceThatContradictsTheMapIsRefused) {
   const std::vector<SE3> keyframes = along_hall();
   const TestMap map(Room::hall(), keyframes);
   const SE3 T_map_base = pose(0.2, -0.1, 3.0);

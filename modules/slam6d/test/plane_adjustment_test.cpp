@@ -28,7 +28,7 @@ SE3 along(double x_m) {
 
 using Noise = std::function<double()>;  // of a range, metres
 
-// What a sphere of beams, 2 degrees apart, sees from a pose.
+// The sweep of a sphere of beams, 2 degrees apart, from a pose.
 AdjustedSweep seen_from(
     const SE3& T_world_base, const Room& room, const Noise& noise = [] { return 0.0; }) {
   std::vector<Eigen::Vector3f> points;
@@ -50,8 +50,8 @@ AdjustedSweep seen_from(
           .planes = voxels.select(0).points};
 }
 
-// Five sweeps 0.5 m apart with their true poses. Odometry tells the true motion to `sigma`, m and
-// rad.
+// Five sweeps 0.5 m apart at their true poses. Odometry reports the true motion; its standard
+// deviation is `sigma` (m and rad).
 std::vector<AdjustedSweep> drive(
     const Room& room, double sigma, const Noise& noise = [] { return 0.0; }) {
   std::vector<AdjustedSweep> sweeps;
@@ -82,8 +82,8 @@ double error_m(const SE3& pose, std::size_t k) {
   return (pose.translation() - along(0.5 * static_cast<double>(k)).translation()).norm();
 }
 
-// The truth is the closed form: without noise all planes agree there. One step leaves only the
-// rounding of the voxels. Odometry is exact, but does not help, because it is trusted to 1 m only.
+// Without noise all planes agree at the true poses. One step finds them, up to an error that the
+// voxels cause. Odometry is exact, but does not help, because its standard deviation is 1 m.
 TEST(PlaneAdjustment, FindsTheTruePosesInAHall) {
   std::vector<AdjustedSweep> sweeps = drive(Room::hall(), 1.0);
   disturb(sweeps);
@@ -97,9 +97,10 @@ TEST(PlaneAdjustment, FindsTheTruePosesInAHall) {
   }
 }
 
-// With noise of 1 cm most walls are single points, and only the floor nearby is dense. Both count
-// by their own standard deviations: poses are 3.12 mm off, and 3.42 mm with one scale for all.
-TEST(PlaneAdjustment, SinglePointsCountByTheirOwnNoise) {
+// With 1 cm of noise most patches on walls consist of single points, and only the floor nearby is
+// dense. Both are weighted by their own standard deviations. Measured: an error of 3.12 mm, and of
+// 3.42 mm with the same standard deviation for all.
+TEST(PlaneAdjustment, SinglePointsAreWeightedByTheirOwnNoise) {
   std::mt19937 random(7);
   std::normal_distribution<double> noise_m(0.0, 0.01);
   double square_sum_m2 = 0.0;
@@ -115,9 +116,9 @@ TEST(PlaneAdjustment, SinglePointsCountByTheirOwnNoise) {
   EXPECT_LT(std::sqrt(square_sum_m2 / (kDrives * (kSweeps - 1))), 3.3e-3);
 }
 
-// No plane determines the length of a bare corridor. Patches at its corners seem to: sweeps that
-// are 4 mm off across it slide along it, by 28 mm at most where each step of odometry is believed
-// to 10 cm.
+// No plane determines the position along a bare corridor, but patches at its edges seem to. Sweeps
+// that are 4 mm off across the corridor therefore slide along it. Measured: at most 28 mm, if each
+// step of odometry has a standard deviation of 10 cm.
 TEST(PlaneAdjustment, SweepsHardlySlideAlongABareCorridor) {
   std::vector<AdjustedSweep> sweeps = drive(Room::corridor(), 0.1);
   for (std::size_t k = 1; k < kSweeps; ++k) {
@@ -129,8 +130,8 @@ TEST(PlaneAdjustment, SweepsHardlySlideAlongABareCorridor) {
   }
 }
 
-// A sweep without planes of its own, like those between keyframes, is corrected by the planes of
-// the others. Its motion may be measured from any earlier sweep.
+// A sweep without planes of its own, as between keyframes, is corrected by the planes of the
+// others. Its motion may be measured from any earlier sweep.
 TEST(PlaneAdjustment, SweepsBetweenKeyframesFollowThePlanesOfTheKeyframes) {
   std::vector<AdjustedSweep> sweeps = drive(Room::hall(), 1.0);
   for (const std::size_t k : {1U, 3U}) {
@@ -151,9 +152,9 @@ TEST(PlaneAdjustment, SweepsBetweenKeyframesFollowThePlanesOfTheKeyframes) {
   EXPECT_NEAR(adjust_planes(blind, {}, {}, {})[2].translation().x(), 1.2, 1e-9);
 }
 
-// The method does not depend on the map frame: if all poses are moved by one motion, so are the
-// adjusted poses, except that the cubes lie elsewhere on the walls.
-TEST(PlaneAdjustment, FollowsAMotionOfTheWholeMap) {
+// If all poses are moved by the same motion, so are the adjusted poses. There is a small
+// difference, because the cubes of the patches lie elsewhere on the walls.
+TEST(PlaneAdjustment, DoesNotDependOnTheMapFrame) {
   std::vector<AdjustedSweep> sweeps = drive(Room::hall(), 1.0);
   disturb(sweeps);
   const std::vector<SE3> adjusted = adjust_planes(sweeps, {}, {}, {});
@@ -171,21 +172,21 @@ TEST(PlaneAdjustment, FollowsAMotionOfTheWholeMap) {
   }
 }
 
-TEST(PlaneAdjustment, LevelGroundHoldsWhatNoPlaneTells) {
+TEST(PlaneAdjustment, LevelGroundDeterminesTheHeightWithoutPlanes) {
   std::vector<AdjustedSweep> sweeps = drive(Room{}, 0.1);
   for (AdjustedSweep& sweep : sweeps) {
     sweep.level = {.height_m = 1.0, .height_sigma_m = 1e-3, .tilt_sigma_rad = 1e-3};
   }
   sweeps[2].T_map_base.translation().z() += 1e-3;
   const std::vector<SE3> adjusted = adjust_planes(sweeps, {}, {}, {});
-  // The kernel takes a fifth of the weight at one standard deviation; the neighbours constrain
-  // nothing.
+  // The robust kernel reduces the weight by a fifth at one standard deviation, and the neighbours
+  // constrain hardly anything.
   EXPECT_NEAR(adjusted[2].translation().z(), 1.0, 1e-5);
 }
 
-// Without a common plane the poses are those of odometry. No sweep, or a single one, is left as it
-// is.
-TEST(PlaneAdjustment, NothingInCommonAndNothingAtAll) {
+// Without common planes the poses are those of odometry. A single sweep stays where it is, and no
+// sweep gives no pose.
+TEST(PlaneAdjustment, WithoutCommonPlanesThePosesFollowOdometry) {
   EXPECT_TRUE(adjust_planes({}, {}, {}, {}).empty());
   std::vector<AdjustedSweep> sweeps = drive(Room{}, 0.1);
   const std::vector<SE3> adjusted = adjust_planes(sweeps, {}, {}, {});
@@ -197,7 +198,7 @@ TEST(PlaneAdjustment, NothingInCommonAndNothingAtAll) {
 }
 
 // Equations that cannot be solved leave the poses as they are.
-TEST(PlaneAdjustment, PosesStayWhereThereIsNoSolution) {
+TEST(PlaneAdjustment, WithoutASolutionThePosesStay) {
   std::vector<AdjustedSweep> sweeps = drive(Room::hall(), 1.0);
   sweeps[2].covariance.setConstant(std::numeric_limits<double>::quiet_NaN());
   const std::vector<SE3> adjusted = adjust_planes(sweeps, {}, {}, {});
@@ -206,8 +207,8 @@ TEST(PlaneAdjustment, PosesStayWhereThereIsNoSolution) {
   }
 }
 
-// Against dense equations, with the first pose left out.
-TEST(PoseEquations, EqualDenseOnes) {
+// The oracle: dense equations without the first pose, which is fixed.
+TEST(PoseEquations, SolutionEqualsThatOfDenseEquations) {
   constexpr int kPoses = 4;
   std::mt19937 random(5);
   std::normal_distribution<double> any;

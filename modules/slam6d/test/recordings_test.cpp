@@ -1,5 +1,5 @@
-// SPDX-License-Identifier: BSD-3-Clause The core on real and synthetic recordings, compared with
-// results of others.
+// SPDX-License-Identifier: BSD-3-Clause
+// 6D SLAM on real and synthetic recordings, compared with ground truth and with results of others.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -21,7 +21,8 @@ namespace fs = std::filesystem;
 using geometry::deg_to_rad;
 using geometry::SE3;
 
-// 3DTK's frame is left-handed (x right, y up, z ahead; cm), ours x ahead, y left, z up (m).
+// Converts a pose from 3DTK's frame, which is left-handed (x right, y up, z forward; cm), to ours
+// (x forward, y left, z up; m).
 SE3 from_left_handed(const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation_cm) {
   Eigen::Matrix3d axes;
   axes << 0, 0, 1, -1, 0, 0, 0, 1, 0;
@@ -92,9 +93,10 @@ void add_slices(const fs::path& file, time::Timestamp first, const SE3& T_odom_b
   }
 }
 
-// Three scans in stop-scan-go: three keyframes, near 3DTK's result of 2009 (a reference, not truth;
-// how far two good registrations of a corridor differ along it: 15 cm and 1.5 deg).
-TEST(Recordings, R44_Kurt3dEqualsThe3dtkResult) {
+// The robot stopped for each of three scans, so there must be three keyframes. Their poses must be
+// near 3DTK's result of 2009. This is a reference, not the truth: two good registrations of a
+// corridor may differ by 15 cm along it and by 1.5 degrees.
+TEST(Recordings, R44_Kurt3dAgreesWithThe3dtkResult) {
   NODMAP_REQUIRE_DATA(dir, "kurt3d");
   Slam6d slam({});
   for (int k = 0; k < 3; ++k) {
@@ -117,8 +119,8 @@ TEST(Recordings, R44_Kurt3dEqualsThe3dtkResult) {
   }
 }
 
-// The scans of a .nod recording of the tilting device (tools/convert/nod.cpp), from a stationary
-// robot.
+// Adds the scans of a .nod recording of a stationary tilting device (format:
+// tools/convert/nod.cpp).
 void add_nod(const fs::path& file, Slam6d& slam) {
   std::ifstream in(file);
   for (std::string line; std::getline(in, line);) {
@@ -145,8 +147,9 @@ void add_nod(const fs::path& file, Slam6d& slam) {
   static_cast<void>(slam.flush());
 }
 
-// 432 scans a sweep at 10 Hz: not cut. The poses of a stationary device agree.
-TEST(Recordings, ATiltingDeviceThatStandsStaysWhereItIs) {
+// Each sweep has 432 scans at 10 Hz and must not be cut. The device is stationary, so all poses
+// must agree.
+TEST(Recordings, AStationaryTiltingDeviceKeepsItsPose) {
   NODMAP_REQUIRE_DATA(file, "tilting/room_240.nod");
   Slam6d slam({.assume_stationary = true});
   add_nod(file, slam);
@@ -159,9 +162,9 @@ TEST(Recordings, ATiltingDeviceThatStandsStaysWhereItIs) {
   }
 }
 
-// All points are within 0.5 m. By default they are taken for the robot itself, and no sweep has a
-// point; a parameter changes that.
-TEST(Recordings, ASceneWithinHalfAMetreIsLeftOutOrMapped) {
+// All points are within 0.5 m. By default such points count as the robot itself, so that no sweep
+// has a point; a smaller minimum range changes that.
+TEST(Recordings, ASceneWithinHalfAMetreIsMappedOnlyIfTheMinimumRangeAllows) {
   NODMAP_REQUIRE_DATA(file, "tilting/cardboard_box.nod");
   Slam6d blind({.assume_stationary = true});
   add_nod(file, blind);
@@ -216,9 +219,9 @@ SequenceError run_sequence(const fs::path& dir, const Slam6dParams& params) {
   return {std::sqrt(error.ate_m), std::sqrt(error.rotation_rad)};
 }
 
-// Odometry alone: 26.5 cm; 3DTK's best on these clouds: 7.2 cm, 0.55 deg. Measured 4.4 mm and
-// 0.03 degrees.
-TEST(Recordings, R44_SequenceIsTrackedToMillimetres) {
+// The RMS error of odometry alone is 26.5 cm; 3DTK's best result on these clouds is 7.2 cm and 0.55
+// degrees. Measured: 4.4 mm and 0.03 degrees.
+TEST(Recordings, R44_TheSequenceIsTrackedToMillimetres) {
   NODMAP_REQUIRE_DATA(dir, "nodding_seq");
   const SequenceError error = run_sequence(dir, {});
   RecordProperty("ate_mm", std::to_string(1e3 * error.ate_m));

@@ -9,7 +9,7 @@
 namespace nodmap::slam6d {
 namespace registered_cloud_test {
 
-TEST(RegisteredCloud, PointsAndNormalsAreInMap) {
+TEST(RegisteredCloud, PointsAndNormalsAreInTheMapFrame) {
   Keyframe keyframe;
   keyframe.T_map_base.translation() = Eigen::Vector3d(10, 0, 0);
   keyframe.T_map_base.linear() =
@@ -22,7 +22,7 @@ TEST(RegisteredCloud, PointsAndNormalsAreInMap) {
   ASSERT_EQ(points.size(), 2U);
   EXPECT_LT((points[0].p_map - Eigen::Vector3f(10, 1, 0)).norm(), 1e-6F);
   EXPECT_LT((points[0].normal_map - Eigen::Vector3f(0, -1, 0)).norm(), 1e-6F);
-  EXPECT_TRUE(points[1].normal_map.isZero());  // no voxel mean is near
+  EXPECT_TRUE(points[1].normal_map.isZero());  // no voxel with a normal is near
   keyframe.is_moved = {false, true};
   EXPECT_EQ(registered_cloud(std::vector<Keyframe>{keyframe}).size(), 1U);
   EXPECT_TRUE(registered_cloud({}).empty());

@@ -17,7 +17,7 @@ using geometry::SE3;
 
 const Eigen::Vector3f kMirror(0.1F, 0.0F, 0.4F);
 
-// What a stationary scanner sees at a pose, in base.
+// A sweep of a stationary scanner at a pose, in base; the ranges have 1 cm of noise.
 VoxelMap see(const Room& room, const SE3& T_world_base, unsigned seed) {
   std::mt19937 random(seed);
   const NoddingScanner scanner{.noise_m = 0.01};
@@ -49,7 +49,7 @@ SE3 pose(double x, double y, double z, double roll_deg, double pitch_deg, double
   return geometry::make_se3({x, y, z}, rotation);
 }
 
-// A guess that may be 0.2 m and 5 degrees off in any direction.
+// A prior with standard deviations of 0.2 m and 5 degrees in each direction.
 PosePrior loose_prior(const SE3& T_map_base) {
   PosePrior prior{T_map_base, Matrix6d::Zero()};
   prior.covariance.diagonal() << Eigen::Vector3d::Constant(0.04),
@@ -66,7 +66,7 @@ SE3 error_of(const Registration& registration, const SE3& T_truth) {
   return T_truth.inverse() * registration.T_map_base;
 }
 
-// R44. 1 cm noise over some thousand points leaves about a millimetre.
+// R44. Averaged over some thousand points, 1 cm of noise leaves an error of about a millimetre.
 TEST(Registration, R44_FindsSixDegreesOfFreedomInAHall) {
   const Room room = Room::hall();
   const SE3 T_truth = pose(0.8, -0.2, 0.05, 1.0, -2.0, 12.0);
@@ -85,7 +85,8 @@ TEST(Registration, R44_FindsSixDegreesOfFreedomInAHall) {
   EXPECT_LT(sigma_m, 0.01);
 }
 
-// The start does not matter: eight guesses give one pose, to within the settling threshold.
+// The result does not depend on the guess: eight guesses lead to the same pose, within the
+// threshold at which the iteration ends.
 TEST(Registration, EveryGuessWithinReachLeadsToTheSamePose) {
   const Room room = Room::hall();
   const VoxelMap map = map_of(room);
@@ -101,9 +102,8 @@ TEST(Registration, EveryGuessWithinReachLeadsToTheSamePose) {
   }
 }
 
-// The paper's point pairs come near, too, but scan lines that attract each other make the pose less
-// exact.
-TEST(Registration, R44_ThePapersMetricComesNear) {
+// With the paper's point pairs the pose is less exact, because scan lines attract each other.
+TEST(Registration, R44_ThePapersMetricIsRightToTenCentimetres) {
   const Room room = Room::hall();
   const SE3 T_truth = pose(0.5, 0.1, 0.0, 0.0, 0.0, 5.0);
   const SE3 T_guess = T_truth * pose(0.1, 0.05, 0.02, 0.5, 0.5, -2.0);
@@ -114,9 +114,10 @@ TEST(Registration, R44_ThePapersMetricComesNear) {
   EXPECT_LT(geometry::rotation_angle(error_of(found, T_truth)), deg_to_rad(1.0));
 }
 
-// Close to a wall the only level surface is a strip of floor, too narrow for planes in coarse
-// voxels and too far off for the finest ones: it is found along its normals.
-TEST(Registration, R44_AStripOfFloorTellsTheHeight) {
+// Close to a wall the only level surface is a strip of floor. It is too narrow to be a plane in
+// coarse voxels, and at first too far from the map's strip for fine ones. Its correspondences are
+// found along its normals.
+TEST(Registration, R44_AStripOfFloorDeterminesTheHeight) {
   const Room room{{{{0, 0, 1}, -0.6}, {{0, 1, 0}, 1.2}, {{0, 1, 0}, -1.2}, {{1, 0, 0}, 1.45}}};
   const VoxelMap map = map_of(room);
   const SE3 T_truth = pose(0.02, 0.05, 0.0, 0.0, 0.0, 3.0);
@@ -131,8 +132,8 @@ TEST(Registration, R44_AStripOfFloorTellsTheHeight) {
   }
 }
 
-// R37, R44: nothing determines the position along an endless corridor, so the guess (odometry)
-// stays; the other five directions are found.
+// R37, R44: nothing determines the position along an endless corridor, so that it stays at the
+// guess, which comes from odometry. The other five directions are found.
 TEST(Registration, R37_ACorridorKeepsOdometryAlongItsAxis) {
   const Room room = Room::corridor();
   const SE3 T_truth = pose(1.0, 0.1, 0.0, 0.0, 0.0, 3.0);
@@ -146,13 +147,15 @@ TEST(Registration, R37_ACorridorKeepsOdometryAlongItsAxis) {
   EXPECT_NEAR(found.T_map_base.translation().y(), 0.1, 0.01);
   EXPECT_NEAR(found.T_map_base.translation().z(), 0.0, 0.01);
   EXPECT_LT(geometry::rotation_angle(error_of(found, T_truth)), deg_to_rad(0.2));
-  // The covariance says so: the prior's 0.2 m along, millimetres across.
+  // The covariance shows it: along the corridor the standard deviation is the prior's 0.2 m, across
+  // it millimetres.
   EXPECT_GT(std::sqrt(found.covariance(0, 0)), 0.1);
   EXPECT_LT(std::sqrt(found.covariance(1, 1)), 0.01);
 }
 
-// Only the floor: height, roll and pitch come from it, x, y and yaw from odometry.
-TEST(Registration, R44_AFloorKeepsOdometryInItsPlane) {
+// Only the floor is seen: it determines height, roll and pitch, while x, y and yaw come from
+// odometry.
+TEST(Registration, R44_ABareFloorKeepsOdometryInItsPlane) {
   const Room floor{{{{0, 0, 1}, 0.0}}};
   const SE3 T_guess = pose(0.6, 0.4, 0.05, 1.0, -1.0, 10.0);
   const Registration found = registered(see(floor, pose(0.5, 0.5, 0, 0, 0, 12.0), 5), map_of(floor),
@@ -166,8 +169,8 @@ TEST(Registration, R44_AFloorKeepsOdometryInItsPlane) {
   EXPECT_NEAR(found.T_map_base.linear()(2, 2), 1.0, 1e-5);  // level within 0.25 deg
 }
 
-// During a sweep odometry counts 5 cm and 3 degrees too much. The motion within the sweep is found
-// along with the pose, and the walls of the deskewed sweep lie on the map again.
+// During a sweep odometry counts 5 cm and 3 degrees too much. Registration corrects the motion
+// within the sweep along with the pose.
 TEST(Registration, R41_TheMotionWithinASweepIsCorrected) {
   const Room room = Room::hall();
   const NoddingScanner scanner{.noise_m = 0.01};
@@ -197,16 +200,16 @@ TEST(Registration, R41_TheMotionWithinASweepIsCorrected) {
   const time::Timestamp end(79 * NoddingScanner::kPeriod + NoddingScanner::kPeriod / 2);
   const SE3 motion_error =
       (drive(time::Timestamp{}).inverse() * drive(end)).inverse() * cloud.motion();
-  // Measured 4.5 mm, 0.074 degrees; the motion 4.6 mm, 0.18 degrees.
+  // Measured errors: of the pose 4.5 mm and 0.074 degrees, of the motion 4.6 mm and 0.18 degrees.
   EXPECT_LT(error_of(found, T_truth).translation().norm(), 1.25 * 0.0045);
   EXPECT_LT(geometry::rotation_angle(error_of(found, T_truth)), deg_to_rad(1.25 * 0.074));
   EXPECT_LT(motion_error.translation().norm(), 1.25 * 0.0046);
   EXPECT_LT(geometry::rotation_angle(motion_error), deg_to_rad(1.25 * 0.18));
 }
 
-// The ground is believed to be level unless the sweep contradicts it. If only the floor is seen,
-// one that rises by 0.2 degrees is taken as level in part, one that rises by 6 degrees not at all.
-TEST(Registration, TheGroundIsLevelUnlessItIsSeenNotToBe) {
+// The prior says that the ground is level. A sweep that shows a ramp of 6 degrees overrules it; a
+// sweep in which only a wall is seen does not.
+TEST(Registration, TheGroundIsTakenAsLevelUnlessTheSweepContradicts) {
   const Room room = Room::hall();
   PosePrior prior = loose_prior(SE3::Identity());
   prior.level = PosePrior::Level{.height_sigma_m = 0.005, .tilt_sigma_rad = deg_to_rad(0.1)};
@@ -215,7 +218,7 @@ TEST(Registration, TheGroundIsLevelUnlessItIsSeenNotToBe) {
   ASSERT_EQ(on_ramp.status, RegistrationStatus::kTracking);
   EXPECT_LT(error_of(on_ramp, T_ramp).translation().norm(), 0.005);
   EXPECT_LT(geometry::rotation_angle(error_of(on_ramp, T_ramp)), deg_to_rad(0.1));
-  // If nothing else is seen, it determines height, roll and pitch.
+  // If only a wall ahead is seen, the prior determines height, roll and pitch.
   const SE3 T_tilted = pose(0.0, 0.0, 0.004, 0.05, 0.05, 0.0);
   const Room far_wall{{{{1, 0, 0}, 6.0}}};
   prior.T_map_base = T_tilted;
@@ -225,8 +228,8 @@ TEST(Registration, TheGroundIsLevelUnlessItIsSeenNotToBe) {
   EXPECT_GT(held.T_map_base.linear()(2, 2), std::cos(deg_to_rad(0.02)));
 }
 
-// A place that fits the map but is too far from odometry is refused: the next bay of a hall of
-// equal bays.
+// A pose that fits the map but is too far from odometry is refused: it might be the next bay of a
+// hall with equal bays.
 TEST(Registration, APoseTooFarFromThePriorIsRefused) {
   const Room room = Room::hall();
   const SE3 T_truth = pose(0.3, 0.0, 0.0, 0.0, 0.0, 6.0);
@@ -235,7 +238,7 @@ TEST(Registration, APoseTooFarFromThePriorIsRefused) {
   const VoxelMap map = map_of(room);
   const Registration accepted = registered(sweep, map, prior, {});
   ASSERT_EQ(accepted.status, RegistrationStatus::kTracking);
-  // 0.3 m of 0.2 and 6 degrees of 5; in closed form.
+  // In closed form: 0.3 m with a standard deviation of 0.2 m, and 6 degrees with one of 5 degrees.
   EXPECT_NEAR(accepted.prior_distance, std::hypot(1.5, 1.2), 0.02);
   const Registration refused = registered(sweep, map, prior, {.max_prior_distance = 1.5});
   EXPECT_EQ(refused.status, RegistrationStatus::kLost);
@@ -243,7 +246,7 @@ TEST(Registration, APoseTooFarFromThePriorIsRefused) {
   EXPECT_EQ(refused.covariance, prior.covariance);
 }
 
-TEST(Registration, NothingInCommonKeepsTheGuess) {
+TEST(Registration, WithoutCorrespondencesTheRobotIsLostAndTheGuessIsKept) {
   const Room room = Room::hall();
   const VoxelMap sweep = see(room, SE3::Identity(), 6);
   const VoxelMap empty{VoxelMapParams{}};
@@ -262,8 +265,9 @@ TEST(Registration, NothingInCommonKeepsTheGuess) {
   }
 }
 
-// A prior that is not finite or has no extent gives an answer: LOST.
-TEST(Registration, APriorThatIsNoneIsLost) {
+// A prior with a covariance that is zero in one direction or not finite is handled: the result is
+// not accepted.
+TEST(Registration, WithAnInvalidPriorTheRobotIsLost) {
   const Room room = Room::hall();
   PosePrior prior = loose_prior(SE3::Identity());
   prior.covariance(2, 2) = 0.0;

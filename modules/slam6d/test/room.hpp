@@ -15,7 +15,7 @@
 
 namespace nodmap::slam6d {
 
-/// A world of walls for the tests: a beam ends at the nearest plane in its way.
+/// A world of infinite planes and boxes: a beam ends at the first one it meets.
 struct Room {
   struct Wall {
     Eigen::Vector3d normal;
@@ -50,12 +50,13 @@ struct Room {
                : std::numeric_limits<double>::infinity();
   }
 
-  /// Floor, ceiling and two side walls along x: nothing determines the position along the corridor.
+  /// A corridor along x with floor, ceiling and two side walls. Nothing determines the position
+  /// along it.
   [[nodiscard]] static Room corridor() {
     return {{{{0, 0, 1}, 0.0}, {{0, 0, 1}, 2.5}, {{0, 1, 0}, 1.1}, {{0, 1, 0}, -0.9}}};
   }
 
-  /// The corridor with both ends closed and one of them slanting.
+  /// The corridor with an end wall at either end, one of them slanting.
   [[nodiscard]] static Room hall() {
     Room room = corridor();
     room.walls.push_back({Eigen::Vector3d(1.0, 0.3, 0.0).normalized(), 6.0});
@@ -66,7 +67,8 @@ struct Room {
 
 using Motion = std::function<geometry::SE3(time::Timestamp stamp)>;
 
-/// A SICK that nods between two pitches: 181 beams in half a mirror revolution, 75 scans a second.
+/// A simulated SICK that nods between two pitches: 75 scans a second, each of 181 beams in half a
+/// mirror revolution.
 struct NoddingScanner {
   double lowest_rad = geometry::deg_to_rad(-40.0);
   double highest_rad = geometry::deg_to_rad(40.0);
@@ -75,7 +77,7 @@ struct NoddingScanner {
 
   static constexpr time::Duration kPeriod = 13'320us;
 
-  /// Triangle wave that starts at the lowest pitch.
+  /// The pitch at a time: a triangle wave that starts at the lowest pitch, upwards.
   [[nodiscard]] double pitch_rad(time::Timestamp stamp) const {
     const double way = step_rad * time::ratio(stamp.time_since_epoch(), kPeriod);
     const double span = highest_rad - lowest_rad;

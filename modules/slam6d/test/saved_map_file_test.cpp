@@ -62,7 +62,7 @@ TEST(SavedMapFile, IsReadAsItWasWritten) {
     EXPECT_EQ(map.keyframes[k].cloud->lines[1].end, 2U);
     EXPECT_EQ(map.keyframes[k].cloud->lines[1].p_base_mirror,
               written.keyframes[k].cloud->lines[1].p_base_mirror);
-    // A quaternion rounds.
+    // The pose is stored as a quaternion, which rounds it.
     EXPECT_TRUE(map.keyframes[k].T_map_base.isApprox(written.keyframes[k].T_map_base, 1e-14));
     EXPECT_EQ(map.keyframes[k].is_level, k == 1);
   }
@@ -74,11 +74,11 @@ TEST(SavedMapFile, IsReadAsItWasWritten) {
   EXPECT_EQ(map.loops[0].from, 2U);
   EXPECT_TRUE(map.loops[0].may_be_wrong);
   EXPECT_TRUE(map.loops[0].T_from_to.isApprox(written.loops[0].T_from_to, 1e-14));
-  // Written again, it has the same bytes apart from the rounding of quaternions.
+  // The file may be named as well as its folder.
   EXPECT_EQ(read_saved_map(dir.path() / "keyframes.lcmlog").keyframes.size(), 3U);
 }
 
-TEST(SavedMapFile, HalfAMapIsNone) {
+TEST(SavedMapFile, ATruncatedOrMissingFileIsRefused) {
   const test::TemporaryDir dir;
   ASSERT_FALSE(write_saved_map(dir.path(), three_keyframes()));
   const std::string bytes = read(dir.path() / "keyframes.lcmlog");
@@ -92,7 +92,7 @@ TEST(SavedMapFile, HalfAMapIsNone) {
   EXPECT_THROW((void)read_saved_map(dir.path() / "none"), formats::InputFileError);
 }
 
-TEST(SavedMapFile, WhatCannotBePartOfAMapIsNamed) {
+TEST(SavedMapFile, TheErrorNamesTheImpossiblePart) {
   const test::TemporaryDir dir;
   const auto refused = [&](const SavedMap& map, const std::string& problem) {
     ASSERT_FALSE(write_saved_map(dir.path(), map));
@@ -122,8 +122,8 @@ TEST(SavedMapFile, WhatCannotBePartOfAMapIsNamed) {
   refused(map, "keyframe 2 holds an impossible pose");
 }
 
-// The old file stays until the new one is complete.
-TEST(SavedMapFile, WhatCannotBeWrittenIsSaid) {
+// The error is returned.
+TEST(SavedMapFile, AFileThatCannotBeWrittenIsReported) {
   EXPECT_TRUE(write_saved_map("/nowhere/at/all", three_keyframes()));
 }
 

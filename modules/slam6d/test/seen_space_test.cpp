@@ -11,7 +11,7 @@ namespace seen_space_test {
 using Content = SeenSpace::Content;
 
 // The left wall of the hall is at y = 1.1 m.
-TEST(SeenSpace, TellsFreeFromOccupiedFromUnknown) {
+TEST(SeenSpace, DistinguishesFreeOccupiedAndUnknownSpace) {
   const TestMap map(Room::hall(), along_hall());
   const SeenSpace seen({}, map.keyframes);
   EXPECT_EQ(seen.at({1.0F, 0.0F, 1.0F}), Content::kFree);
@@ -30,9 +30,10 @@ TEST(SeenSpace, ASweepOfTheSamePlaceContradictsNothing) {
   EXPECT_EQ(evidence.contradicted, 0.0);
 }
 
-// 1.2 m x 1.8 m and 1 m x 1.8 m of the cabinets' fronts and 1.1 m x 1.8 m of their sides are seen:
-// 594 voxels of 10 cm. Those within 20 cm of wall and floor do not contradict.
-TEST(SeenSpace, WhatStandsInFreeSpaceContradicts) {
+// The visible fronts of the cabinets are 1.2 m x 1.8 m and 1 m x 1.8 m, and their visible sides 1.1
+// m x 1.8 m: together 594 voxels of 10 cm. Those within 20 cm of wall and floor are no
+// contradictions.
+TEST(SeenSpace, ObjectsInFreeSpaceAreContradictions) {
   const TestMap map(Room::hall(), along_hall());
   const geometry::SE3 T_map_base = pose(0.0, 0.0, 0.0);
   const Evidence evidence =
@@ -42,7 +43,7 @@ TEST(SeenSpace, WhatStandsInFreeSpaceContradicts) {
   EXPECT_GT(evidence.contradiction_ratio(), 0.06);
 }
 
-TEST(SeenSpace, WhereTheMapKnowsNothingNothingCounts) {
+TEST(SeenSpace, PointsInUnknownSpaceDoNotCount) {
   const TestMap map(Room::hall(), along_hall());
   const Evidence evidence =
       SeenSpace({}, map.keyframes)

@@ -17,8 +17,8 @@ namespace slam6d_test {
 using geometry::deg_to_rad;
 using geometry::SE3;
 
-// Drives through a room for `num_scans` scans, with odometry at each scan (exact apart from
-// `scale`).
+// A drive through a room, with odometry at the beginning and at the end of each scan. Odometry is
+// exact apart from its scale. run() returns the number of sweeps.
 struct Drive {
   Room room = Room::hall();
   NoddingScanner scanner{.noise_m = 0.01};
@@ -53,10 +53,11 @@ TEST(Slam6d, R40_EveryScanIsInOneSweep) {
     scans_used += sweep.scans_used;
   }
   EXPECT_EQ(scans_used, 500U);
-  EXPECT_EQ(slam.sweeps().size(), 7U);  // 80 scans from turning point to turning point
+  EXPECT_EQ(slam.sweeps().size(), 7U);  // 80 scans from reversal to reversal
 }
 
-// R43: "further than 2 m", "more than 45 deg": strictly, and no such sweep is missed.
+// R43: every sweep that is "further than 2 m" or "more than 45 deg" from the last keyframe becomes
+// one, and no other does.
 void expect_keyframes_as_the_paper_says(const Slam6d& slam) {
   for (const PoseUpdate& sweep : slam.sweeps()) {
     const bool is_far = sweep.distance_m > 2.0;
@@ -73,14 +74,14 @@ void expect_keyframes_as_the_paper_says(const Slam6d& slam) {
   }
 }
 
-TEST(Slam6d, R43_KeyframesBeyondTwoMetres) {
+TEST(Slam6d, R43_ASweepBeyondTwoMetresBecomesAKeyframe) {
   Slam6d slam({.keyframe = {.distance_m = 2.0}});
   Drive{}.run(slam, 800);  // 5.3 m
   expect_keyframes_as_the_paper_says(slam);
   EXPECT_EQ(slam.keyframes().size(), 3U);
 }
 
-TEST(Slam6d, R43_KeyframesBeyond45Degrees) {
+TEST(Slam6d, R43_ASweepBeyond45DegreesBecomesAKeyframe) {
   Slam6d slam({});
   const auto turn = [](time::Timestamp t) {
     SE3 T = SE3::Identity();
@@ -89,7 +90,7 @@ TEST(Slam6d, R43_KeyframesBeyond45Degrees) {
             .toRotationMatrix();
     return T;
   };
-  Drive{.motion = turn}.run(slam, 800);  // 183 deg, 18.3 from sweep to sweep
+  Drive{.motion = turn}.run(slam, 800);  // 183 degrees, 18.3 from sweep to sweep
   expect_keyframes_as_the_paper_says(slam);
   EXPECT_EQ(slam.keyframes().size(), 4U);
 }
@@ -108,8 +109,8 @@ double overlap(const Keyframe& one, const Keyframe& other) {
   return static_cast<double>(shared) / static_cast<double>(one.cloud->points.size());
 }
 
-// R43: 40 %, enough to register by. At walking pace, with a nod of 80 degrees;
-// tools/trial/README.md says how little is left at full speed.
+// R43 requires an overlap of 40 %, which is enough for registration. This holds at walking pace
+// with a nod of 80 degrees; tools/trial/README.md says how small the overlap is at full speed.
 TEST(Slam6d, R43_ConsecutiveKeyframesOverlap) {
   Slam6d slam({});
   Drive{}.run(slam, 800);
@@ -119,9 +120,9 @@ TEST(Slam6d, R43_ConsecutiveKeyframesOverlap) {
   }
 }
 
-// R45: stop, scan and go, as it was done before scanning on the move. Stationary for 3 s, then 3 m
-// in 6 s.
-TEST(Slam6d, R45_StandingOnlyPassesOverSweepsOnTheMove) {
+// R45: stop, scan and go, as it was done before scanning on the move. The robot is stationary for 3
+// s, then drives 3 m in 6 s, and so on.
+TEST(Slam6d, R45_StationaryOnlyIgnoresSweepsOnTheMove) {
   Slam6d slam({.keyframe = {.stationary_only = true}});
   const auto stop_and_go = [](time::Timestamp t) {
     const double time_s = time::seconds(t.time_since_epoch());
@@ -130,7 +131,7 @@ TEST(Slam6d, R45_StandingOnlyPassesOverSweepsOnTheMove) {
     T.translation().x() = 3.0 * round + 0.5 * std::max(0.0, time_s - 9.0 * round - 3.0);
     return T;
   };
-  Drive{.motion = stop_and_go}.run(slam, 1'550);  // 20.6 s: stands at 0, 3 and 6 m
+  Drive{.motion = stop_and_go}.run(slam, 1'550);  // 20.6 s: stationary at 0, 3 and 6 m
   ASSERT_EQ(slam.keyframes().size(), 3U);
   for (std::size_t i = 0; i < 3; ++i) {
     const Keyframe& keyframe = slam.keyframes()[i];
@@ -142,7 +143,7 @@ TEST(Slam6d, R45_StandingOnlyPassesOverSweepsOnTheMove) {
 }
 
 // Odometry counts 10 % too much: 50 cm after 5 m, and 5 cm within a sweep, which would shear its
-// cloud by 0.7 degrees over 4 m. Every sweep is corrected, also in itself.
+// cloud by 0.7 degrees over 4 m. Both the pose and the motion within each sweep are corrected.
 TEST(Slam6d, R44_CorrectsOdometryAgainstTheMap) {
   Slam6d slam({});
   const Drive drive{.odometry_scale = 1.1};
@@ -161,10 +162,10 @@ TEST(Slam6d, R44_CorrectsOdometryAgainstTheMap) {
   }
 }
 
-// Data that a stationary robot takes must not make the map grow without end, nor move the pose. The
-// walls of this hall lie on borders of voxels, so that noise now and then moves a point across;
-// ever fewer of these voxels are new.
-TEST(Slam6d, R36_StandingSaturates) {
+// Sweeps of a stationary robot must neither make the map grow without end nor move the pose. The
+// walls of this hall lie on borders of voxels, so that noise sometimes moves a point to a new
+// voxel, but less and less often.
+TEST(Slam6d, R36_TheMapOfAStationaryRobotGrowsEverMoreSlowly) {
   Slam6d slam({.keyframe = {.distance_m = 0.2}});
   const auto stand = [](time::Timestamp) { return SE3::Identity(); };
   std::vector<std::size_t> num_voxels;
@@ -181,8 +182,8 @@ TEST(Slam6d, R36_StandingSaturates) {
   }
 }
 
-// A sweep that fits nowhere is refused: pose by odometry, no keyframe, no new voxel. The next one
-// that fits is tracked again.
+// A sweep that fits nowhere is refused: its pose is that of odometry, and it adds no keyframe and
+// no voxel. The next sweep that fits is tracked again.
 TEST(Slam6d, ARefusedSweepLeavesNoTrace) {
   Slam6d slam({});
   std::mt19937 random(11);
@@ -198,7 +199,7 @@ TEST(Slam6d, ARefusedSweepLeavesNoTrace) {
   ASSERT_TRUE(slam.add_cloud(sweep_of(Room::hall())).is_tracked());
   ASSERT_TRUE(slam.add_cloud(sweep_of(Room::hall())).is_tracked());
   const std::size_t num_voxels = slam.metrics().map_voxels;
-  // A box around the sensor.
+  // The refused sweep sees a box around the sensor.
   const Room box{{{{1, 0, 0}, 0.9}, {{-1, 0, 0}, 0.9}, {{0, 1, 0}, 0.7}, {{0, -1, 0}, 0.7}}};
   const PoseUpdate blind = slam.add_cloud(sweep_of(box));
   ASSERT_TRUE(blind.registration);
@@ -209,7 +210,8 @@ TEST(Slam6d, ARefusedSweepLeavesNoTrace) {
   EXPECT_TRUE(slam.add_cloud(sweep_of(Room::hall())).is_tracked());
 }
 
-// The head is already moving when the first scan comes: 18 of a sweep's 80 scans.
+// The head is already moving when the first scan comes, so that the first sweep has only 18 of its
+// 80 scans. It does not begin the map.
 TEST(Slam6d, TheMapBeginsWithAWholeSweep) {
   Slam6d slam({});
   std::mt19937 random(7);
@@ -229,9 +231,10 @@ TEST(Slam6d, TheMapBeginsWithAWholeSweep) {
   EXPECT_EQ(slam.metrics().map_voxels, slam.map().level(0).voxels().size());
 }
 
-// Wheels that spin against something: odometry rotates by 31 degrees, the robot does not. Floor and
-// ceiling fit at any heading. The walls show that it is wrong, and the search finds the right one.
-TEST(Slam6d, ARotationThatNeverWasIsFoundOut) {
+// The wheels spin: odometry reports a rotation by 31 degrees, but the robot does not move. Floor
+// and ceiling fit at any heading. The walls contradict this one, and the search finds the right
+// one.
+TEST(Slam6d, ARotationThatOnlyOdometryReportsIsCorrected) {
   Slam6d slam({});
   std::mt19937 random(12);
   const auto stand = [](time::Timestamp) { return SE3::Identity(); };
@@ -246,14 +249,15 @@ TEST(Slam6d, ARotationThatNeverWasIsFoundOut) {
         geometry::rotation_of(Eigen::Vector3d(0.0, 0.0, deg_to_rad(counted_deg)));
     const PoseUpdate update = slam.add_cloud(std::move(cloud));
     ASSERT_TRUE(update.is_tracked());
-    // As exact as the sweeps of a stationary robot agree elsewhere.
+    // The tolerances are those of the test with a stationary robot.
     EXPECT_LT(geometry::rotation_angle(update.T_map_base), deg_to_rad(0.2));
     EXPECT_LT(update.T_map_base.translation().norm(), 0.005);
   }
 }
 
-// The pitch is stamped 2 ms late: 0.15 degrees at 75 degrees a second, up and down.
-TEST(Slam6d, LearnsHowLateThePitchIs) {
+// The pitch is stamped 2 ms late, which is 0.15 degrees at 75 degrees a second, upwards and
+// downwards.
+TEST(Slam6d, LearnsTheLatencyOfThePitch) {
   constexpr double kLatencyS = 0.002;
   Slam6d slam({});
   std::mt19937 random(13);
@@ -268,7 +272,7 @@ TEST(Slam6d, LearnsHowLateThePitchIs) {
     slam.add_odometry(scan.last_stamp(), SE3::Identity());
     (void)slam.add_scan(std::move(scan));
   }
-  // A pitch is registered to 0.02 degrees, which the head passes in 0.3 ms.
+  // The robot's pitch is registered to 0.02 degrees, by which the head moves in 0.3 ms.
   EXPECT_NEAR(slam.pitch_latency_s(), kLatencyS, 0.0003);
   EXPECT_LT(geometry::rotation_angle(slam.trajectory().back()), deg_to_rad(0.1));
 }
@@ -305,12 +309,12 @@ TEST(Slam6d, ScansWithoutOdometryAreCounted) {
   EXPECT_EQ(slam.scan_counts().in_sweeps, 100U);
   EXPECT_EQ(slam.scan_counts().without_pose, 100U);
 
-  Slam6d standing({.assume_stationary = true});
+  Slam6d stationary({.assume_stationary = true});
   for (std::int64_t i = 0; i < 100; ++i) {
-    (void)standing.add_scan(NoddingScanner{}.scan(i, Room::hall(), stand, random));
+    (void)stationary.add_scan(NoddingScanner{}.scan(i, Room::hall(), stand, random));
   }
-  EXPECT_EQ(standing.keyframes().size(), 1U);
-  EXPECT_EQ(standing.scan_counts().without_pose, 0U);
+  EXPECT_EQ(stationary.keyframes().size(), 1U);
+  EXPECT_EQ(stationary.scan_counts().without_pose, 0U);
 }
 
 TEST(Slam6d, ASweepOfOneScanAndEmptyScansAreNoKeyframes) {
@@ -337,8 +341,8 @@ TEST(Slam6d, ASweepOfOneScanAndEmptyScansAreNoKeyframes) {
   EXPECT_EQ(slam.trajectory().size(), 2U);
 }
 
-// Stamps that step back, in scans and odometry: nothing is lost, nothing crashes.
-TEST(Slam6d, StampsThatStepBack) {
+// The stamps of scans and odometry step back half way.
+TEST(Slam6d, StampsThatStepBackLoseNoScan) {
   Slam6d slam({});
   Drive{}.run(slam, 200);
   Drive{}.run(slam, 200);

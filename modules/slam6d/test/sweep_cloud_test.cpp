@@ -26,7 +26,7 @@ std::vector<scan::Scan> record(const NoddingScanner& scanner, const Room& room,
   return scans;
 }
 
-// RMS distance of the points from a plane through them (least squares).
+// The RMS distance of the points from the plane that fits them best (least squares).
 double plane_rms_m(const std::vector<Eigen::Vector3f>& points) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3f& p : points) {
@@ -40,11 +40,11 @@ double plane_rms_m(const std::vector<Eigen::Vector3f>& points) {
   return std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvalues()[0]);
 }
 
-// A wall across the way, seen with 1 cm noise while driving towards it at 1.5 m/s (50 scans, 1 m:
-// the paper's Fig. 8). R41 asks for at most 1.5 times the RMS of a stationary robot. Interpolation
-// leaves no error, so 1.05 is reached (noise of 9000 points). Without deskewing the metre driven is
-// in the cloud.
-TEST(SweepCloud, R41_MotionIsStrippedFromAWall) {
+// The robot drives towards a wall at 1.5 m/s and takes 50 scans over 1 m, as in the paper's Fig. 8,
+// with 1 cm of range noise. R41 allows 1.5 times the RMS distance of a stationary robot. As
+// interpolated poses are exact here, 1.05 is reached, which is due to the noise of 9000 points.
+// Without deskewing the wall is blurred by the motion of 1 m.
+TEST(SweepCloud, R41_ADeskewedWallIsAsFlatAsThatOfAStationaryRobot) {
   const Room wall{{{Eigen::Vector3d(1.0, 0.2, 0.1).normalized(), 6.0}}};
   const NoddingScanner scanner{.noise_m = 0.01};
   const auto drive = [](time::Timestamp t) {
@@ -56,18 +56,18 @@ TEST(SweepCloud, R41_MotionIsStrippedFromAWall) {
   };
   const auto stand = [](time::Timestamp) { return SE3::Identity(); };
   const RangeLimits limits{.min_m = 0.0, .max_m = 12.0};
-  const auto moving_scans = record(scanner, wall, drive, 50);
+  const auto scans = record(scanner, wall, drive, 50);
 
-  const auto standing = deskew(record(scanner, wall, stand, 50), stand, limits);
-  const auto moving = deskew(moving_scans, drive, limits);
-  const auto not_stripped = deskew(moving_scans, stand, limits);
-  ASSERT_TRUE(standing && moving && not_stripped);
-  EXPECT_EQ(moving->scans_used, 50U);
-  EXPECT_LT(plane_rms_m(moving->points), 1.05 * plane_rms_m(standing->points));
-  EXPECT_GT(plane_rms_m(not_stripped->points), 5.0 * plane_rms_m(standing->points));
+  const auto stationary = deskew(record(scanner, wall, stand, 50), stand, limits);
+  const auto deskewed = deskew(scans, drive, limits);
+  const auto not_deskewed = deskew(scans, stand, limits);
+  ASSERT_TRUE(stationary && deskewed && not_deskewed);
+  EXPECT_EQ(deskewed->scans_used, 50U);
+  EXPECT_LT(plane_rms_m(deskewed->points), 1.05 * plane_rms_m(stationary->points));
+  EXPECT_GT(plane_rms_m(not_deskewed->points), 5.0 * plane_rms_m(stationary->points));
 }
 
-// Transformed to the world, every point lies on the wall that its beam saw (float points: 1e-5).
+// Transformed to the world, every point lies on a wall, to the 1e-5 m of single precision.
 TEST(SweepCloud, R41_PointsAreInTheFrameOfThePoseAtMidTime) {
   const Room room = Room::hall();
   const auto drive = [](time::Timestamp t) { return drive_ahead(1.5, t); };
@@ -87,14 +87,14 @@ TEST(SweepCloud, R41_PointsAreInTheFrameOfThePoseAtMidTime) {
   }
 }
 
-TEST(SweepCloud, LinesTellWhereTheMirrorWas) {
+TEST(SweepCloud, LinesHoldThePositionOfTheMirror) {
   const auto drive = [](time::Timestamp t) { return drive_ahead(1.5, t); };
   const auto cloud = deskew(record({}, Room::hall(), drive, 50), drive, kAnyRange);
   ASSERT_TRUE(cloud);
   ASSERT_EQ(cloud->lines.size(), 50U);
   EXPECT_EQ(cloud->lines.front().end, 181U);
   EXPECT_EQ(cloud->lines.back().end, cloud->points.size());
-  // 49 periods at 1.5 m/s between the first and the last position of the mirror.
+  // Between the first and the last line the robot drives for 49 periods at 1.5 m/s.
   EXPECT_NEAR(cloud->lines.back().p_base_mirror.x() - cloud->lines.front().p_base_mirror.x(),
               49 * 1.5 * 0.01332, 1e-5);
   EXPECT_NEAR(cloud->lines.front().p_base_mirror.z(), 0.4, 1e-6);
@@ -133,9 +133,10 @@ TEST(SweepCloud, BeamsWithoutAMeasurementGiveNoPoint) {
   EXPECT_EQ(cloud->points.size(), 1U);
 }
 
-// A scan that looks up by 20 degrees into the open, with one invalid reading: its beams are free up
-// to 5 m. A scan that looks down says nothing, because it may graze the floor.
-TEST(SweepCloud, BeamsUpwardsWithoutAnEchoAreFree) {
+// A scan looks up by 20 degrees without any echo, apart from one invalid reading and one beyond the
+// maximum range: its other beams are free up to 5 m. A scan that looks down gives no free beams,
+// because it may graze the floor.
+TEST(SweepCloud, UpwardBeamsWithoutAnEchoAreFree) {
   const auto stand = [](time::Timestamp) { return SE3::Identity(); };
   auto scans = record({}, Room::hall(), stand, 2);
   scans[0].pitch_first_rad = scans[0].pitch_last_rad = geometry::deg_to_rad(20.0);

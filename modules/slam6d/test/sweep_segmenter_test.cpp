@@ -44,7 +44,7 @@ std::vector<scan::Scan> stream(const std::vector<double>& pitches_deg) {
   return scans;
 }
 
-// R40: in the order of the sweeps and of the scans within them, every sequence number once.
+// R40: expects every sequence number once, in the order of the sweeps and of the scans within them.
 void expect_all_once(const std::vector<Sweep>& sweeps, std::size_t num_scans) {
   std::int64_t seq = 0;
   for (const Sweep& sweep : sweeps) {
@@ -56,7 +56,7 @@ void expect_all_once(const std::vector<Sweep>& sweeps, std::size_t num_scans) {
   EXPECT_EQ(seq, static_cast<std::int64_t>(num_scans));
 }
 
-TEST(SweepSegmenter, R40_CutsAtTurningPoints) {
+TEST(SweepSegmenter, R40_CutsAtReversals) {
   std::vector<double> pitches;
   for (int half = 0; half < 6; ++half) {
     for (int i = 0; i < 20; ++i) {
@@ -69,14 +69,14 @@ TEST(SweepSegmenter, R40_CutsAtTurningPoints) {
   for (std::size_t i = 0; i + 1 < sweeps.size(); ++i) {
     EXPECT_EQ(sweeps[i].end, End::kTurningPoint);
   }
-  EXPECT_EQ(sweeps[0].scans.size(), 21U);  // -20 .. -1 and the 0 of the turning point
+  EXPECT_EQ(sweeps[0].scans.size(), 21U);  // -20 .. -1 and the 0 of the reversal
   EXPECT_EQ(sweeps[1].scans.size(), 20U);  // -1 .. -19 and -20
   EXPECT_EQ(sweeps.back().end, End::kFlushed);
 }
 
-// A servo that trembles by 0.2 degrees, with steps of 0.25 degrees, moves back now and then, but
-// never by the hysteresis of 1 degree.
-TEST(SweepSegmenter, R40_ServoNoiseIsNoTurningPoint) {
+// A servo with steps of 0.25 degrees and 0.2 degrees of noise sometimes moves back, but never by
+// the hysteresis of 1 degree.
+TEST(SweepSegmenter, R40_ServoNoiseIsNoReversal) {
   std::mt19937 random(40);
   std::uniform_real_distribution<double> noise_deg(-0.2, 0.2);
   std::vector<double> pitches;
@@ -92,7 +92,7 @@ TEST(SweepSegmenter, R40_ServoNoiseIsNoTurningPoint) {
   }
 }
 
-TEST(SweepSegmenter, R40_StandingScansBelongToTheRunningSweep) {
+TEST(SweepSegmenter, R40_ScansOfAStationaryHeadBelongToTheCurrentSweep) {
   std::vector<double> pitches;
   for (int i = 0; i <= 20; ++i) {
     pitches.push_back(i);
@@ -101,7 +101,7 @@ TEST(SweepSegmenter, R40_StandingScansBelongToTheRunningSweep) {
   for (int i = 19; i >= 10; --i) {
     pitches.push_back(i);
   }
-  pitches.insert(pitches.end(), 50, 10.0);  // and on its way
+  pitches.insert(pitches.end(), 50, 10.0);  // and in the middle of the sweep
   for (int i = 9; i >= 0; --i) {
     pitches.push_back(i);
   }
@@ -111,8 +111,9 @@ TEST(SweepSegmenter, R40_StandingScansBelongToTheRunningSweep) {
   EXPECT_EQ(sweeps[0].scans.size(), 71U);
 }
 
-// data/kurt3d: three upward sweeps, each from the bottom; the robot drives on in between.
-TEST(SweepSegmenter, R40_OneWaySweepsWithPauses) {
+// As in the recording kurt3d: three upward sweeps, each from the lowest pitch. The robot drives on
+// between them.
+TEST(SweepSegmenter, R40_OneWaySweepsAreCutAtThePausesBetweenThem) {
   std::vector<scan::Scan> scans;
   for (int sweep = 0; sweep < 3; ++sweep) {
     for (int i = 0; i < 226; ++i) {
@@ -132,7 +133,7 @@ TEST(SweepSegmenter, R40_OneWaySweepsWithPauses) {
   EXPECT_TRUE(sweeps[2].follows_interruption);
 }
 
-TEST(SweepSegmenter, R40_OneWaySweepsWithoutPauses) {
+TEST(SweepSegmenter, R40_OneWaySweepsWithoutPausesAreCutAtTheJumpBack) {
   std::vector<double> pitches;
   for (int i = 0; i < 90; ++i) {
     pitches.push_back(-15.0 + i % 30);
@@ -147,7 +148,7 @@ TEST(SweepSegmenter, R40_OneWaySweepsWithoutPauses) {
   EXPECT_EQ(sweeps[0].end, End::kJumpBack);
 }
 
-TEST(SweepSegmenter, R40_StampsThatStepBackInterrupt) {
+TEST(SweepSegmenter, R40_AStampThatStepsBackInterruptsTheSweep) {
   auto scans = stream({0, 1, 2, 3, 4, 5, 6, 7});
   for (std::size_t i = 4; i < scans.size(); ++i) {
     scans[i].stamp -= 30ms;
@@ -160,7 +161,7 @@ TEST(SweepSegmenter, R40_StampsThatStepBackInterrupt) {
   EXPECT_TRUE(sweeps[1].follows_interruption);
 }
 
-TEST(SweepSegmenter, R40_ASweepIsBounded) {
+TEST(SweepSegmenter, R40_ASweepHasAMaximumNumberOfScans) {
   const std::vector<double> level(1050, 0.0);
   const auto sweeps = segment(stream(level), {.max_scans = 500});
   expect_all_once(sweeps, level.size());
@@ -170,8 +171,8 @@ TEST(SweepSegmenter, R40_ASweepIsBounded) {
   EXPECT_EQ(sweeps[2].scans.size(), 50U);
 }
 
-// Whatever the pitch and the stamps do, no scan is lost and none is doubled.
-TEST(SweepSegmenter, R40_NoScanLostOrDoubledInAnyStream) {
+// Pitch and stamps change at random: no scan may be lost, and none may be in two sweeps.
+TEST(SweepSegmenter, R40_EveryScanOfAnyStreamIsInExactlyOneSweep) {
   std::mt19937 random(41);
   std::uniform_real_distribution<double> pitch_deg(-60.0, 60.0);
   std::normal_distribution<double> step_deg(0.0, 4.0);
@@ -190,7 +191,7 @@ TEST(SweepSegmenter, R40_NoScanLostOrDoubledInAnyStream) {
   }
 }
 
-TEST(SweepSegmenter, NothingAndOneScan) {
+TEST(SweepSegmenter, NoScanGivesNoSweepAndOneScanGivesOne) {
   EXPECT_TRUE(segment({}).empty());
   const auto sweeps = segment(stream({5.0}));
   ASSERT_EQ(sweeps.size(), 1U);

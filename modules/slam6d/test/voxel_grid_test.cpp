@@ -24,8 +24,8 @@ std::vector<Vector3f> random_points(std::size_t n, float extent_m, unsigned seed
   return points;
 }
 
-// Oracle: a std::map of the floored coordinates.
-TEST(VoxelGrid, MeansAreThoseOfAnOrderedMap) {
+// The oracle: a std::map from the floored coordinates to the sum and the number of points.
+TEST(VoxelGrid, MeansEqualThoseOfAnOrderedMap) {
   const auto points = random_points(20'000, 2.0F, 1);
   VoxelGrid grid(0.25);  // a power of two: no rounding at the borders
   grid.add(points);
@@ -44,12 +44,12 @@ TEST(VoxelGrid, MeansAreThoseOfAnOrderedMap) {
     const auto& [sum, count] =
         expected.at({index(voxel.mean.x()), index(voxel.mean.y()), index(voxel.mean.z())});
     EXPECT_EQ(voxel.weight, static_cast<float>(count));
-    // Some 5 floats of up to 2 m are added: a few ulps.
+    // Some 5 floats of up to 2 m are added, which rounds by a few units in the last place.
     EXPECT_LT((voxel.mean.cast<double>() - sum / count).norm(), 2e-6);
   }
 }
 
-TEST(VoxelGrid, AddingInTwoPartsIsAddingAll) {
+TEST(VoxelGrid, AddingInPartsEqualsAddingAtOnce) {
   const auto points = random_points(5'000, 1.0F, 2);
   VoxelGrid whole(0.1);
   whole.add(points);
@@ -68,7 +68,7 @@ TEST(VoxelGrid, AddingInTwoPartsIsAddingAll) {
   }
 }
 
-// Oracle: brute force. Every mean within half a voxel is found, and none beyond the limit.
+// The oracle: brute force. Every mean within half a voxel must be found, and none beyond the limit.
 TEST(VoxelGrid, NearestIsTheBruteForceNearest) {
   VoxelGrid grid(0.2);
   grid.add(random_points(4'000, 1.5F, 3));
@@ -89,8 +89,8 @@ TEST(VoxelGrid, NearestIsTheBruteForceNearest) {
   EXPECT_GT(num_found, 500U);
 }
 
-// Oracle: brute force. Within the slack the answer stays the nearest, complete up to 0.4 of a
-// voxel; beyond it others become the nearest.
+// The oracle: brute force up to 0.4 of a voxel. If the point moves by less than the slack, the same
+// mean stays the nearest; if it moves farther, another one may become the nearest.
 TEST(VoxelGrid, WithinTheSlackTheNearestStaysTheSame) {
   VoxelGrid grid(0.2);
   grid.add(random_points(4'000, 1.5F, 3));
@@ -130,7 +130,7 @@ TEST(VoxelGrid, WithinTheSlackTheNearestStaysTheSame) {
   EXPECT_GT(num_changed_beyond, 10U);
 }
 
-TEST(VoxelGrid, WhatIsNotFiniteOrTooFarIsLeftOut) {
+TEST(VoxelGrid, PointsThatAreNotFiniteOrTooFarAreLeftOut) {
   VoxelGrid grid(0.1);
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const float infinity = std::numeric_limits<float>::infinity();
@@ -147,8 +147,8 @@ TEST(VoxelGrid, WhatIsNotFiniteOrTooFarIsLeftOut) {
   EXPECT_EQ(grid.voxels().size(), 1U);
 }
 
-// A slanting plane with the noise of a scanner: every voxel away from its rim has the plane's
-// normal, on the side of the sensor.
+// A slanting plane with 1 cm of noise: every voxel away from its edges must have the plane's
+// normal, towards the sensor.
 TEST(VoxelGrid, FindsThePlaneOfAWall) {
   std::mt19937 random(5);
   std::uniform_real_distribution<float> along(-1.0F, 1.0F);
@@ -172,8 +172,9 @@ TEST(VoxelGrid, FindsThePlaneOfAWall) {
     }
     ++num_inner;
     ASSERT_TRUE(voxel.has_plane());
-    // Nine or more means, each with 1 cm / sqrt(20 points), over +-0.1 m: 0.5 degrees. Voxels that
-    // the plane cuts at a corner hold few points. The worst of some 300 errs by 3.7 degrees.
+    // A normal comes from nine or more means over +-0.1 m, each with 1 cm / sqrt(20 points) of
+    // noise: 0.5 degrees. But where the plane cuts the corner of a voxel there are few points.
+    // Measured: the worst of some 300 normals is off by 3.7 degrees.
     EXPECT_GT(voxel.normal.dot(normal), std::cos(1.25F * 0.065F));
   }
   EXPECT_GT(num_inner, 200U);
@@ -190,7 +191,7 @@ TEST(VoxelGrid, AClusterInSpaceHasNoPlane) {
   EXPECT_EQ(num_planes, 0U);
 }
 
-// Inverse-variance means: the closed form for two values.
+// The closed form for two values: their mean, weighted by inverse variance.
 TEST(VoxelGrid, MeansAndNormalsAreWeighted) {
   VoxelGrid grid(1.0);
   const std::uint32_t place = grid.add({0.2F, 0.5F, 0.5F}, 1.0F);
@@ -201,7 +202,7 @@ TEST(VoxelGrid, MeansAndNormalsAreWeighted) {
   grid.add_normal(place, Vector3f(1.0F, 1.0F, 0.0F).normalized(), 1.0F);
   EXPECT_NEAR(std::atan2(grid.voxels()[place].normal.y(), grid.voxels()[place].normal.x()),
               std::atan(1.0F) / 2.0F, 1e-6F);
-  // The two sides of a thin board: neither normal is right.
+  // Voxels with the two sides of a thin board have opposite normals, of which neither is right.
   grid.add_normal(place, -grid.voxels()[place].normal, 2.0F);
   EXPECT_FALSE(grid.voxels()[place].has_plane());
 }

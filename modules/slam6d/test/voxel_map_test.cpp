@@ -12,7 +12,8 @@ namespace voxel_map_test {
 using Eigen::Vector3f;
 using geometry::SE3;
 
-// A wall at x = `x_m` of 4 m x 4 m on a grid of `spacing_m`.
+// The points of a wall of 4 m x 4 m at x = `x_m`, on a grid with this spacing; the noise is along
+// x.
 std::vector<Vector3f> wall(float x_m, float spacing_m, float noise_m, unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<float> noise(0.0F, 1.0F);
@@ -25,8 +26,8 @@ std::vector<Vector3f> wall(float x_m, float spacing_m, float noise_m, unsigned s
   return points;
 }
 
-// Dense points have planes at the finest level, sparse ones at the level at which they have
-// neighbours; each place is used once.
+// Dense points have planes at the finest level, and sparse ones at the first level at which they
+// have neighbours. Each place is used only once.
 TEST(VoxelMap, EachPlaceIsUsedAtTheFinestLevelThatHasAPlane) {
   const VoxelMap dense = VoxelMap::from_points(wall(2.0F, 0.02F, 0.0F, 1), Vector3f::Zero(), {});
   const auto fine = dense.select(0);
@@ -45,9 +46,9 @@ TEST(VoxelMap, EachPlaceIsUsedAtTheFinestLevelThatHasAPlane) {
   }
 }
 
-// A wall is seen from 10 m away and, 2 cm off, from 1 m. The near sighting has (1 + 10^2/3^2) / (1
-// + 1/3^2) = 10.9 times the weight of the far one, whichever comes first.
-TEST(VoxelMap, NearSightingsCorrectFarOnes) {
+// A wall is measured from a distance of 10 m and, 2 cm off, from 1 m. The near measurement has (1 +
+// 10^2/3^2) / (1 + 1/3^2) = 10.9 times the weight of the far one, whichever comes first.
+TEST(VoxelMap, NearMeasurementsOutweighFarOnes) {
   const VoxelMapParams params{.trusted_range_m = 3.0};
   const VoxelMap far =
       VoxelMap::from_points(wall(10.02F, 0.05F, 0.0F, 1), Vector3f::Zero(), params);
@@ -60,13 +61,14 @@ TEST(VoxelMap, NearSightingsCorrectFarOnes) {
     map.add_sweep(is_far_first ? near : far, is_far_first ? T_map_near : SE3::Identity());
     const auto place = map.level(0).nearest({10.03F, 0.05F, 0.05F}, 0.1F);
     ASSERT_NE(place, VoxelGrid::kNone);
-    // 10.04 and 10.02, weighted 10.9 to 1 (a little less, because the beams are slanted).
+    // The mean of 10.04 m and 10.02 m with weights of 10.9 and 1; the ratio is a little smaller,
+    // because the beams are slanted.
     EXPECT_NEAR(map.level(0).voxels()[place].mean.x(), 10.0383F, 5e-4F);
   }
 }
 
-// A map of the same place does not grow with the sweeps: memory is bounded by the mapped volume.
-TEST(VoxelMap, MemoryIsBoundedByTheVolume) {
+// Memory is bounded by the mapped volume, not by the number of sweeps.
+TEST(VoxelMap, MemoryDoesNotGrowWithSweepsOfTheSamePlace) {
   const VoxelMapParams params;
   VoxelMap map(params);
   std::size_t bytes = 0;
@@ -78,7 +80,8 @@ TEST(VoxelMap, MemoryIsBoundedByTheVolume) {
   EXPECT_LE(map.memory_bytes(), bytes);
 }
 
-// Two walls of two keyframes: each moves with its keyframe, and only the chosen one is added.
+// There are two walls from two keyframes. Each wall moves with its keyframe, and only those of
+// chosen keyframes are added.
 TEST(VoxelMap, VoxelsMoveWithTheirKeyframes) {
   const VoxelMapParams params;
   VoxelMap map(params);
@@ -108,7 +111,7 @@ TEST(VoxelMap, VoxelsMoveWithTheirKeyframes) {
   EXPECT_EQ(walls({false, true}), (std::vector<float>{4.55F}));
 }
 
-TEST(VoxelMap, NothingIsMadeOfNothing) {
+TEST(VoxelMap, AnEmptySweepAddsNothing) {
   const VoxelMap empty = VoxelMap::from_points({}, Vector3f::Zero(), {});
   EXPECT_TRUE(empty.select(0).points.empty());
   VoxelMap map{VoxelMapParams{}};
