@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Fig. 3: the sequence of pitch angles over time, and the area of interest that bounds it."""
+"""Fig. 3: the pitch over time, and the area of interest that bounds it."""
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -11,14 +11,14 @@ SPEEDS_MPS = [0.5, 1.0, 1.5]
 SCAN_S = 0.01332
 WINDOW_S = 2.4
 
-STANDING = Trial("fig3-standing", "corridor30", 1, 8, "--without", "navigator", "--no-slam6d")
+STATIONARY = Trial("fig3-standing", "corridor30", 1, 8, "--without", "navigator", "--no-slam6d")
 DRIVES = [Trial(f"fig3-{speed}", "corridor30", 1, 12, "--set", f"navigator.drive.max_forward_mps={speed}", "--no-slam6d")
           for speed in SPEEDS_MPS]
-TRIALS = [STANDING, *DRIVES]
+TRIALS = [STATIONARY, *DRIVES]
 
 
 class Nod:
-    """The nod of one run within a window of even speed."""
+    """The nod of one run, within a window of constant speed."""
 
     def __init__(self, trial, speed_mps):
         pitch, command = formats.read_table(trial.table("PITCH_STATE")), formats.read_table(trial.table("PITCH_COMMAND"))
@@ -36,9 +36,9 @@ class Nod:
         return {**{name: column[inside] for name, column in table.items()}, "time_s": time_s[inside]}
 
     def sweep_time(self):
-        """The mean time from one turning point to the next."""
-        turns = np.flatnonzero(np.diff(self.pitch["sweep_count"]) > 0)
-        return np.diff(self.pitch["time_s"][turns]).mean()
+        """The mean time from one reversal to the next."""
+        reversals = np.flatnonzero(np.diff(self.pitch["sweep_count"]) > 0)
+        return np.diff(self.pitch["time_s"][reversals]).mean()
 
     def span_deg(self):
         return np.degrees(self.pitch["pitch_rad"].min()), np.degrees(self.pitch["pitch_rad"].max())
@@ -47,7 +47,7 @@ class Nod:
         return self.sweep_s / SCAN_S
 
     def step_deg(self):
-        """From scan to scan, on average: the paper's pitch rate."""
+        """The mean change of the pitch from scan to scan, which the paper calls pitch rate."""
         low, high = self.span_deg()
         return (high - low) / self.scans()
 
@@ -72,18 +72,18 @@ def draw(nods):
 def make():
     nods = [Nod(trial, speed) for trial, speed in zip(TRIALS, [0.0, *SPEEDS_MPS])]
     draw(nods)
-    rows = "\n".join(f"| {'standing' if n.speed_mps < 0.01 else f'{n.speed_mps:.2f} m/s'} | {n.span_deg()[0]:.0f}° to {n.span_deg()[1]:.0f}° "
+    rows = "\n".join(f"| {'stationary' if n.speed_mps < 0.01 else f'{n.speed_mps:.2f} m/s'} | {n.span_deg()[0]:.0f}° to {n.span_deg()[1]:.0f}° "
                      f"| {n.sweep_s:.2f} s | {n.scans():.0f} | {n.step_deg():.2f}° |" for n in nods)
     slowest, fastest = nods[0], nods[-1]
     return {
         "title": "the nod",
         "alt": "Pitch angle over time at four speeds, with the bounds of the area of interest",
-        "paper": "The scanner pitches to and fro between the bounds of the area of interest (AOI). Bounds and pitch rate follow the "
-                 "robot's speed by a PI controller: the whole 120° when it stands, the bare virtual corridor when it drives fast. A "
-                 "point cloud consists of 15 to 500 scans.",
-        "measured": "The measured pitch at even speed, in the corridor of Fig. 6:\n\n"
-                    "| speed | pitch | sweep | scans in a sweep | pitch from scan to scan |\n|---|---|---|---|---|\n" + rows + "\n\n"
-                    f"From standing to {fastest.speed_mps:.1f} m/s the sweep becomes {slowest.sweep_s / fastest.sweep_s:.1f} times as "
-                    "fast. The servo is the limit when the robot stands: it takes a second for the 120°, where the paper's fine scans "
-                    "(0.25° steps, 480 scans) take six.",
+        "paper": "The scanner nods up and down between the bounds of the area of interest (AOI). A PI controller adapts the bounds and the pitch "
+                 "rate to the robot's speed: the AOI covers the whole 120° when the robot is stationary, and only the virtual corridor when it "
+                 "drives fast. A point cloud consists of 15 to 500 scans.",
+        "measured": "The measured pitch at constant speed, in the corridor of Fig. 6:\n\n"
+                    "| speed | pitch | sweep duration | scans in a sweep | pitch from scan to scan |\n|---|---|---|---|---|\n" + rows + "\n\n"
+                    f"At {fastest.speed_mps:.1f} m/s a sweep takes 1/{slowest.sweep_s / fastest.sweep_s:.1f} of the time that it takes when the robot is "
+                    "stationary. When the robot is stationary, the servo is the limit: a sweep over the 120° takes a second. A sweep of the paper's "
+                    "fine scans (480 scans, 0.25° apart) takes six.",
     }

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Fig. 4: a scene, its obstacle map and its structure map, for a robot that stands and nods."""
+"""Fig. 4: a scene, its obstacle map and its structure map, for a stationary robot that nods."""
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.patches import Polygon
@@ -11,13 +11,13 @@ from trials import Trial
 
 TRIAL = Trial("fig4", "fig4", 1, 9, "--without", "navigator", "--no-slam6d")
 TRIALS = [TRIAL]
-NEAR_M = 0.05  # R15: a point of the structure map this near to a wall is on it
-# The inside of the four walls: sim/worlds/fig4.yaml.
+NEAR_M = 0.05  # R15: a point of the structure map that is this near to a wall counts as on it
+# The corners of the inside of the four walls, as in sim/worlds/fig4.yaml.
 ROOM = np.array([[-1.45, -2.15], [4.45, -2.15], [4.45, 2.15], [-1.45, 2.15]])
 
 
 def wall_distance(points):
-    """From the nearest side of the room, m; the robot stands in the world's origin."""
+    """The distance of points (in base, m) from the nearest wall of the room, m; base is the world's origin."""
     inward = np.stack([points[:, 0] - ROOM[0, 0], ROOM[1, 0] - points[:, 0], points[:, 1] - ROOM[0, 1], ROOM[2, 1] - points[:, 1]])
     return np.abs(inward).min(axis=0)
 
@@ -59,12 +59,12 @@ def make():
     in_front = (wall_distance(obstacles) > 0.15).sum()
     return {
         "title": "obstacle map and structure map",
-        "alt": "A room with chair, table and person; the obstacle map shows all three, the structure map the walls alone",
-        "paper": "The obstacle map holds the nearest point in each direction that lies in the virtual corridor, the structure map the "
-                 "farthest: chair, table and person are in the one and vanish from the other.",
-        "measured": f"The robot stands and nods; the maps are those at the end of the run. {in_front} of the obstacle map's "
-                    f"{len(obstacles)} points belong to chair, table and person rather than to a wall. The table's top (0.74 m) is "
-                    "above the robot, so the obstacle map leaves it out; its legs are in the map. "
+        "alt": "A room with a chair, a table and a person: the obstacle map shows all three, the structure map only the walls",
+        "paper": "In each direction the obstacle map holds the nearest point in the virtual corridor, and the structure map the farthest point. "
+                 "Chair, table and person are in the obstacle map and disappear from the structure map.",
+        "measured": f"The robot is stationary and nods; the maps are those at the end of the run. {in_front} of the obstacle map's "
+                    f"{len(obstacles)} points belong to chair, table and person, and the others to walls. The table's top, at 0.74 m, is above "
+                    "the robot, so that only its legs are in the obstacle map. "
                     f"{100 * on_walls:.1f} % of the structure map's {len(structure)} points lie within 5 cm of a true wall "
                     "(target 95 %).",
         "holds": [("structure map on the walls", f"{100 * on_walls:.1f} %", "≥ 95 %", on_walls >= 0.95)],

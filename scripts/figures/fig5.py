@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Fig. 5: the same room and seeds with the laser fixed level, and nodding."""
+"""Fig. 5: the same room and seeds, with the laser fixed level and with the laser nodding."""
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -54,17 +54,18 @@ def make():
     way = np.median([r["distance_m"] for r in nodding])
     clearance = min(r["min_clearance_m"] for r in nodding)
     n = len(SEEDS)
-    when = f" It hits the first thing after {np.median(first):.1f} s in the median, and the run ends there." if first else ""
+    when = f" With the fixed laser the collision comes after {np.median(first):.1f} s (median) and ends the run." if first else ""
     return {
         "title": "obstacle avoidance, fixed and nodding",
-        "alt": "The drive with a fixed laser ends at a box; the drive with the nodding laser goes round all of them",
-        "paper": "With the laser fixed level the robot does not perceive obstacles below or above the scan plane, and runs into them; "
-                 "nodding it perceives and avoids them.",
-        "measured": f"Boxes 10 to 30 cm high, table tops at 40 to 46 cm; the fixed laser looks level at 38 cm. {n} seeds of 60 s each: "
-                    f"with the fixed laser **{hit_fixed} of {n}** runs collide, nodding **{hit_nodding} of {n}**.{when} Nodding, the "
-                    f"robot drives {way:.0f} m in the median and never comes nearer to anything than {100 * clearance:.0f} cm. "
-                    f"The image shows seed {SHOWN}: brown what stands below the level laser's plane, blue the tops above it.",
-        "holds": [(f"runs of {n} with a collision, fixed", hit_fixed, "most", hit_fixed > n / 2),
-                  (f"runs of {n} with a collision, nodding", hit_nodding, "0", hit_nodding == 0)],
+        "alt": "With the laser fixed level the robot hits a box; with the laser nodding it drives around all of them",
+        "paper": "With the laser fixed level the robot does not perceive obstacles below or above the scan plane, and collides "
+                 "with them. With the laser nodding it perceives and avoids them.",
+        "measured": f"The room holds boxes 10 to 30 cm high and table tops at 40 to 46 cm; the fixed laser measures in a level plane at "
+                    f"38 cm. Each laser was tried in {n} runs of 60 s, with the same seeds. With the fixed laser **{hit_fixed} of {n}** runs have a collision, "
+                    f"with the nodding laser **{hit_nodding} of {n}**.{when} With the nodding laser the robot drives {way:.0f} m "
+                    f"(median) and never comes nearer than {100 * clearance:.0f} cm to anything. "
+                    f"The image shows seed {SHOWN}: objects below the level laser's plane are brown, the table tops above it are blue.",
+        "holds": [(f"runs of {n} with a collision, laser fixed", hit_fixed, "most", hit_fixed > n / 2),
+                  (f"runs of {n} with a collision, laser nodding", hit_nodding, "0", hit_nodding == 0)],
         "commands": [FIXED[shown].command(), NODDING[shown].command()],
     }

@@ -10,7 +10,7 @@ from trials import ODOMETRY_NOISE, REPORTING, Trial, evaluate
 BRAKING_S = 1.5
 TRIAL = Trial("fig6", "corridor30", 1, 60, *ODOMETRY_NOISE, "--no-slam6d")
 MORE = [Trial(f"fig6-{seed}", "corridor30", seed, 60, *ODOMETRY_NOISE, "--no-slam6d", keep_log=False) for seed in REPORTING[2:11]]
-# The same drives with the laser nodding and held level.
+# Each of these drives is mapped from the nodding laser and from the same laser held level.
 LEVEL = [Trial(f"fig6-level-{seed}", "office", seed, 25, *ODOMETRY_NOISE, "--no-slam6d", "--level-laser", keep_log=False) for seed in REPORTING[1:11]]
 TRIALS = [TRIAL, *MORE, *LEVEL]
 
@@ -20,7 +20,7 @@ def errors_of(trial):
 
 
 def heading_before_the_end(trial):
-    """The greatest error of the heading (degrees) but for the last stretch before the end wall."""
+    """The greatest error of the heading (degrees), without the last BRAKING_S seconds before the end wall."""
     source, target = trial.dir / "slam2d" / "trajectory.tum", trial.dir / "before_end.tum"
     lines = source.read_text().splitlines(True)
     end_s = float(lines[-1].split()[0]) - BRAKING_S
@@ -62,18 +62,19 @@ def make():
     level_rows = "".join(f"| {trial.seed} | {trial.result['distance_m']:.0f} m | {1000 * n:.1f} mm | {1000 * l:.1f} mm | {n / l:.2f} |\n"
                          for trial, n, l in zip(LEVEL, nodding, level))
     return {
-        "note": f"Until {BRAKING_S} s before the end the greatest error of the heading in all {len(every)} runs is {early_deg:.2f}°. "
-                "The rest comes just before the end wall, where little of the side walls is still in view.",
+        "note": f"Without the last {BRAKING_S} s of each run, the greatest error of the heading in all {len(every)} runs is {early_deg:.2f}°. "
+                "The heading is less certain just before the end wall, where little of the side walls is in view.",
         "title": "2D map of a 30 m corridor",
-        "alt": "Occupancy grid of a long corridor with the trajectories of truth, odometry and 2D SLAM",
-        "paper": "A 2D map of a 30 m long corridor from the level scans of the nod; \"the resulting map does not rank behind 2D maps\" of "
+        "alt": "Occupancy grid of a long corridor, with the true trajectory and those of odometry and 2D SLAM",
+        "paper": "A 2D map of a 30 m long corridor, made from the level scans of the nod; \"the resulting map does not rank behind 2D maps\" of "
                  "fixed scanners.",
         "measured": f"Each wheel counts 3 % too much, and the heading drifts by 1° after 1 m. The robot drives {shown['length_m']:.1f} m along the corridor. "
-                    "`nodmap-evaluate corridor` measures the error along the corridor, the greatest error across it and the greatest error of "
-                    "the heading:\n\n"
+                    "`nodmap-evaluate corridor` measures the error of the length, the greatest error across the corridor (bow) and the greatest "
+                    "error of the heading:\n\n"
                     f"| | this run | worst of {len(every)} seeds | odometry, this run | target |\n|---|---|---|---|---|\n" + rows +
-                    "\nWhat nodding costs: drives in an office, each mapped twice, from the scans of the nodding laser and from those that the same "
-                    "laser would have measured held level, deskewed and stamped by the same program (`--level-laser`). RMS error of the trajectory:\n\n"
+                    "\nThe next table compares the nodding laser with a level one. Each drive in an office is mapped twice: from the scans of the nodding "
+                    "laser, and from those that the same laser would have measured if it had been held level (`--level-laser`). Both are deskewed and stamped by the "
+                    "same program. The errors are RMS errors of the trajectory:\n\n"
                     "| seed | driven | nodding | level | ratio |\n|---|---|---|---|---|\n" + level_rows,
         "holds": [(f"{name}, the run in the image", form.format(unit * abs(shown[key])), target, abs(shown[key]) <= limit)
                   for name, key, limit, unit, form, target in targets] +

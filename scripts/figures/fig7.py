@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Fig. 7: the 2D map of a cluttered loop of more than 40 m that ends where it began."""
+"""Fig. 7: the 2D map of a cluttered loop of at least 40 m, which ends where it begins."""
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -33,7 +33,7 @@ def draw(trial):
 def make():
     rounds = [trial for trial in TRIALS if trial.result["goal_reached"]]
     if not rounds:
-        raise RuntimeError("Fig. 7: no run went round the block")
+        raise RuntimeError("Fig. 7: no run went around the block")
     trial = rounds[0]
     draw(trial)
     loop_m = trial.result["distance_m"]
@@ -42,17 +42,17 @@ def make():
     form = "{:.1f} cm, {:.2f}°"
     slam, odometry = (form.format(100 * end["end_error_m"], end["end_error_deg"])
                       for end in (trial.result["slam2d"], trial.result["odometry"]))
-    rows = (f"| once round, {loop_m:.0f} m | {slam} | {odometry} | ≤ 10 cm, 1° |\n"
+    rows = (f"| once around the block, {loop_m:.0f} m | {slam} | {odometry} | ≤ 10 cm, 1° |\n"
             f"| worst of {len(ends)} runs | {form.format(100 * worst_m, worst_deg)} | | ≤ 10 cm, 1° |\n")
     return {
         "title": "2D map of a cluttered loop",
-        "alt": "Occupancy grid of a ring round a block; the SLAM trajectory lies on the truth, the odometry beside it",
+        "alt": "Occupancy grid of a ring around a block: the trajectory of 2D SLAM lies on the true one, that of odometry beside it",
         "paper": "\"Due to the online re-localization the scan matching trajectory is corrected and thus reflects that the robot drove "
                  "back to its starting position.\"",
-        "measured": "The robot drives once round the block, by goals. Each wheel counts 3 % too much, and the heading drifts by 1° after 1 m. "
-                    "Error of the last pose (a square marks it for each estimate):\n\n"
+        "measured": "The robot drives once around the block, from goal to goal. Each wheel counts 3 % too much, and the heading drifts by 1° after 1 m. "
+                    "The table shows the error of the last pose, which a square marks in the image:\n\n"
                     "| | 2D SLAM | odometry | target |\n|---|---|---|---|\n" + rows,
-        "holds": [("runs that went round the block", f"{len(rounds)} of {len(TRIALS)}", "all", len(rounds) == len(TRIALS)),
+        "holds": [("runs that went around the block", f"{len(rounds)} of {len(TRIALS)}", "all", len(rounds) == len(TRIALS)),
                   (f"end pose, worst of {len(ends)} runs", form.format(100 * worst_m, worst_deg), "≤ 10 cm, 1°",
                    worst_m <= 0.10 and worst_deg <= 1.0), ("length of the loop", f"{loop_m:.0f} m", "≥ 40 m", loop_m >= 40)],
         "commands": [trial.command()],

@@ -13,7 +13,7 @@ from trials import Trial, call
 
 TRIAL = Trial("fig8", "cellar", 1, 60, "--no-slam6d")
 TRIALS = [TRIAL]
-VIEW = (-0.44, 0.28)  # lower and upper edge; the half width is 1
+VIEW = (-0.44, 0.28)  # lower and upper edge of the images, in units of their half width
 
 
 def in_view(axes):
@@ -27,7 +27,7 @@ def in_view(axes):
 
 
 def draw(points, pose):
-    """The same camera three times: above and behind the robot."""
+    """Draws the scene, the cloud and the depth image, all seen by a camera above and behind the robot."""
     x, y, yaw = pose
     camera, at, view_deg = np.array([-1.0, 0.0, 0.9]), np.array([4.0, 0.0, 0.25]), 80.0
     turn = np.array([[math.cos(yaw), -math.sin(yaw), 0], [math.sin(yaw), math.cos(yaw), 0], [0, 0, 1]])
@@ -65,12 +65,12 @@ def make():
     return {
         "title": "one cloud taken on the move",
         "alt": "The scene, the cloud of 50 scans coloured by height, and the same cloud as a depth image",
-        "paper": "A point cloud constructed from 50 consecutive scans while moving approximately 1 m forward (0.67 s: 1.5 m/s), and the "
-                 "same cloud as a depth image.",
-        "measured": f"{SCANS} scans at {SPEED_MPS} m/s, deskewed by odometry, with the cloud placed at the robot's true pose. Its {shown['n']} points are "
-                    f"off the true surfaces of the world by **{1000 * shown['rms_m']:.1f} mm RMS**, 95 % of them by less than "
-                    f"{1000 * shown['p95_m']:.0f} mm; the worst of {len(clouds)} such clouds on this drive has {1000 * worst['rms_m']:.1f} mm "
-                    "(target 30 mm). The clouds show what the AOI covers at this speed: the virtual corridor.",
+        "paper": "A point cloud from 50 consecutive scans, taken while the robot moves forward by approximately 1 m (in 0.67 s, at 1.5 m/s), and "
+                 "the same cloud as a depth image.",
+        "measured": f"The cloud consists of {SCANS} scans at {SPEED_MPS} m/s. It is deskewed by odometry and placed at the robot's true pose. The RMS "
+                    f"distance of its {shown['n']} points from the true surfaces of the world is **{1000 * shown['rms_m']:.1f} mm**; 95 % of them are nearer "
+                    f"than {1000 * shown['p95_m']:.0f} mm. The worst of {len(clouds)} such clouds on this drive has {1000 * worst['rms_m']:.1f} mm (target "
+                    "30 mm). At this speed the AOI, and therefore the cloud, covers only the virtual corridor.",
         "holds": [(f"residual at {SPEED_MPS} m/s, worst of {len(clouds)} clouds", f"{1000 * worst['rms_m']:.1f} mm", "≤ 30 mm",
                    worst["rms_m"] <= 0.03)],
         "commands": [TRIAL.command(), f"nodmap-convert export logs/figures/fig8/trial.lcmlog cloud.ply --start-s {straightest['start_s']:.3f} "

@@ -7,7 +7,7 @@ import numpy as np
 
 
 def read_tum(path):
-    """Stamps (s), positions (n x 3, m) and headings (rad) of a trajectory."""
+    """Reads a trajectory: stamps (s), positions (n x 3, m) and headings (rad)."""
     rows = np.loadtxt(path, ndmin=2)
     x, y, z, w = rows[:, 4:8].T
     yaw = np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
@@ -15,7 +15,7 @@ def read_tum(path):
 
 
 def read_table(path):
-    """Columns of a CSV by name; time_s counts from the first row. A list at the end is left out."""
+    """Reads the columns of a CSV by name, without a list at the end of each row. Adds time_s, seconds since the first row."""
     with open(path, newline="") as file:
         rows = csv.reader(file)
         names = next(rows)
@@ -26,7 +26,7 @@ def read_table(path):
 
 
 def read_last_map(path):
-    """The points of the last message of an egocentric map: n x 3, m, in base."""
+    """Reads the points of the last message of an egocentric map: n x 3, m, in base."""
     with open(path) as file:
         names = next(file).strip().split(",")
         for line in file:
@@ -37,7 +37,7 @@ def read_last_map(path):
 
 
 def read_ply(path):
-    """Points of a binary PLY with x, y, z, red, green, blue: n x 3, m."""
+    """Reads the points (n x 3, m) of a binary PLY with x, y, z, red, green, blue."""
     data = path.read_bytes()
     head, body = data.split(b"end_header\n", 1)
     count = int(next(line for line in head.splitlines() if line.startswith(b"element vertex")).split()[2])
@@ -46,7 +46,7 @@ def read_ply(path):
 
 
 def read_grid(yaml_path):
-    """A ROS map: image (rows from the top, 0 occupied .. 255 free) and its extent (left, right, bottom, top) in m."""
+    """Reads a ROS map: the image (rows from the top; 0 is occupied, 255 free) and its extent (left, right, bottom, top; m)."""
     fields = dict(line.split(":", 1) for line in yaml_path.read_text().splitlines() if ":" in line)
     resolution_m = float(fields["resolution"])
     left, bottom = [float(word) for word in fields["origin"].strip(" []").split(",")[:2]]
@@ -57,7 +57,7 @@ def read_grid(yaml_path):
 
 
 def to_start(positions, yaw):
-    """A trajectory as seen from its first pose, in the plane: n x 2, m; headings in rad."""
+    """Transforms a trajectory to the frame of its first pose, in the plane: positions n x 2 (m), headings (rad)."""
     c, s = np.cos(yaw[0]), np.sin(yaw[0])
     moved = positions[:, :2] - positions[0, :2]
     return moved @ np.array([[c, -s], [s, c]]), np.angle(np.exp(1j * (yaw - yaw[0])))

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Single clouds taken on the move (Fig. 8): when in a run the robot drives fast, and how far each cloud is from the true surfaces.
+"""Single clouds taken on the move (Fig. 8): finds when the robot drives fast in a run, and how far each cloud is from the true surfaces.
 
-Nothing but Python's own library, so that bench/trials.py, too, measures what fig8.py shows.
+Uses only Python's standard library, so that bench/trials.py can measure what fig8.py shows.
 """
 import bisect
 import csv
@@ -15,13 +15,13 @@ EVERY_S = 2.0  # from one cloud to the next that is measured
 
 
 def read_poses(path):
-    """Stamp (s), x, y (m) and yaw (rad) of each line of a trajectory in the plane."""
+    """Reads stamp (s), x, y (m) and yaw (rad) of each line of a trajectory in the plane."""
     rows = [[float(word) for word in line.split()] for line in path.read_text().splitlines() if not line.startswith("#")]
     return [(row[0], row[1], row[2], 2.0 * math.atan2(row[6], row[7])) for row in rows]
 
 
 def pose_at(poses, stamp):
-    """x, y (m), yaw (rad) between the two poses around a stamp."""
+    """x, y (m) and yaw (rad) at a stamp, interpolated between the two poses around it."""
     after = min(max(bisect.bisect(poses, (stamp,)), 1), len(poses) - 1)
     (t0, x0, y0, yaw0), (t1, x1, y1, yaw1) = poses[after - 1], poses[after]
     share = min(max((stamp - t0) / (t1 - t0), 0.0), 1.0)
@@ -29,19 +29,19 @@ def pose_at(poses, stamp):
 
 
 def read_motions(folder, call):
-    """Time (s after the first scan), forward speed (m/s) and turn rate (rad/s) of each TRUTH after the first scan."""
+    """Time (s since the first scan), forward speed (m/s) and yaw rate (rad/s) of each TRUTH after the first scan."""
     table = folder / "TRUTH.csv"
     if not table.exists():
         call("nodmap-convert", "export", folder / "trial.lcmlog", table, "--channel", "TRUTH")
     with open(table, newline="") as file:
         rows = [(1e-6 * float(row["utime_us"]), float(row["forward_mps"]), float(row["yaw_rate_rad_s"])) for row in csv.DictReader(file)]
-    # The trajectory begins with the run, the scans come when laser and servo have been found.
+    # The trajectory begins with the run, but the first scan comes only when laser and servo are ready.
     first_scan_s = read_poses(folder / "truth.tum")[0][0] + json.loads((folder / "result.json").read_text())["first_scan_s"]
     return [(time_s - first_scan_s, *motion) for time_s, *motion in rows if time_s > first_scan_s]
 
 
 def fast_windows(motions):
-    """Starts (s after the first scan) of windows in which the robot drives at 1.5 m/s (to 3 %) throughout, with the turn in each (degrees)."""
+    """The windows in which the robot always drives at 1.5 m/s (to 3 %): their starts (s since the first scan) and the rotation in each (degrees)."""
     times = [motion[0] for motion in motions]
     windows = []
     for i, start_s in enumerate(times):
@@ -53,7 +53,7 @@ def fast_windows(motions):
 
 
 def measure(folder, world, call):
-    """Every such cloud of a trial that has kept its log, laid at the robot's true place. `call` runs a program and gives what it prints."""
+    """Measures each such cloud of a trial that has kept its log, placed at the robot's true pose. `call` runs a program and returns what it prints."""
     truth = read_poses(folder / "truth.tum")
     clouds = []
     for start_s, turn_deg in fast_windows(read_motions(folder, call)):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""docs/paper.md: a section for each figure, and a table of what must hold."""
+"""Writes docs/paper.md: a section for each figure, and a table of the requirements."""
 import re
 import subprocess
 
@@ -8,25 +8,25 @@ from trials import ROOT
 PAGE = ROOT / "docs" / "paper.md"
 HEAD = """# The paper's figures, reproduced
 
-Figures of *Continuous 3D Sensing for Navigation and SLAM in Cluttered and Dynamic Environments* (Holz, Lörken, Surmann 2008), each from a
-run of the whole robot in a simulated world: device emulators, drivers, pitch controller, maps, navigator and SLAM in one closed loop on
-simulated time (`nodmap-trial`). The scenes are drawn from the simulated worlds; there are no photographs.
+This page shows the figures 3 to 9 of *Continuous 3D Sensing for Navigation and SLAM in Cluttered and Dynamic Environments* (Holz, Lörken,
+Surmann 2008). Each is drawn from a run of the whole robot in a simulated world (`nodmap-trial`): emulated devices, drivers, pitch controller, maps,
+navigator and SLAM in one closed loop on simulated time. There are no photographs; the scenes are drawn from the simulated worlds.
 
-    ./nodmap figures          all of them, and this page
-    ./nodmap figures 5 8      these only
+    ./nodmap figures          draws all figures and writes this page
+    ./nodmap figures 5 8      draws only these figures
 
-The runs are deterministic: the same program makes the same images and numbers. The programs below are in `build/release/bin/`; results go to
-`logs/figures/`.
+The runs are deterministic: the same program makes the same images and numbers. The programs in the commands below are in `build/release/bin/`, and
+the results are written to `logs/figures/`.
 """
 
 
 def commit():
-    """The one that is checked out, abbreviated."""
+    """The commit that is checked out, abbreviated."""
     return subprocess.run(["git", "-C", ROOT, "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=True).stdout.strip()
 
 
 def section(number, made):
-    """One figure's part of the page, between marks by which it is found again."""
+    """A figure's section of the page, between marks by which it is found again."""
     commands = "\n".join(f"    {command}" for command in made["commands"])
     holds = "".join(f"<!-- row {number} | {what} | {measured} | {target} | {'yes' if ok else '**no**'} -->\n"
                     for what, measured, target, ok in made.get("holds", []))
@@ -41,7 +41,7 @@ def read_sections():
 
 
 def write(made):
-    """Puts the new sections in their places; those of other figures stay."""
+    """Replaces the sections of these figures and keeps those of the others."""
     sections = read_sections()
     sections.update({number: section(number, each) for number, each in made.items()})
     rows = "".join(f"| [{number}](#fig-{number}-{anchor(sections[number])}) | {row} |\n" for number in sorted(sections)

@@ -13,7 +13,7 @@ FIGURES = [3, 4, 5, 6, 7, 8, 9]
 
 
 def run_trials(figures, jobs):
-    """All runs, `jobs` at a time."""
+    """Runs all trials, `jobs` at a time."""
     trials = [trial for figure in figures.values() for trial in figure.TRIALS]
     with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
         running = {pool.submit(trial.run): trial for trial in trials}
@@ -23,7 +23,7 @@ def run_trials(figures, jobs):
 
 
 def show(text):
-    """On a terminal one line that changes; elsewhere a line each."""
+    """Shows progress: on a terminal in one line that is overwritten, elsewhere in a line each."""
     if sys.stdout.isatty():
         print(f"\r\033[K{text}", end="", flush=True)
     else:
@@ -32,8 +32,8 @@ def show(text):
 
 def main():
     parser = argparse.ArgumentParser(prog="./nodmap figures", description=__doc__)
-    parser.add_argument("figures", metavar="N", nargs="*", type=int, help=f"numbers of figures, of {FIGURES}; default all")
-    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="runs at a time; default all processors")
+    parser.add_argument("figures", metavar="N", nargs="*", type=int, help=f"the figures to draw, of {FIGURES}; default: all")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="how many trials run at the same time; default: one for each processor")
     arguments = parser.parse_args()
     wanted = sorted(set(arguments.figures)) or FIGURES
     unknown = set(wanted) - set(FIGURES)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A simulated world as a person sees it: an image from a camera, or a plan. Boxes, walls and cylinders; what else a world may
-hold is left out."""
+"""Draws a simulated world as a camera sees it, or as a plan. Only boxes, walls and cylinders are drawn; a world's other objects are
+left out."""
 import math
 
 import numpy as np
@@ -12,7 +12,7 @@ LIGHT = np.array([0.45, 0.35, 0.82]) / np.linalg.norm([0.45, 0.35, 0.82])
 
 
 class Solid:
-    """A box (half sizes, yaw) or an upright cylinder (radius in half[0]) with its centre in world, metres."""
+    """A box (half sizes and yaw) or an upright cylinder (radius in half[0], half the height in half[2]), with its centre in world; metres."""
 
     def __init__(self, center, half, yaw_rad=0.0, is_round=False, colour=(0.8, 0.8, 0.8)):
         self.center, self.half, self.is_round = np.array(center, float), np.array(half, float), is_round
@@ -23,12 +23,12 @@ class Solid:
         return self.center[2] + self.half[2]
 
     def outline(self):
-        """Its ground plan: 4 corners, 4 x 2 m."""
+        """The four corners of its ground plan: 4 x 2, m."""
         signs = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]])
         return self.center[:2] + (signs * self.half[:2]) @ self.axes[:2, :2]
 
     def cast(self, origin, rays):
-        """Way to the first hit and the normal there, for each ray; infinity where there is none."""
+        """The distance to the first hit and the normal there, for each ray; infinity where there is none."""
         o, d = self.axes @ (origin - self.center), rays @ self.axes.T
         near, far, normal = self._slabs(o, d) if not self.is_round else self._tube(o, d)
         way = np.where((near <= far) & (near > 1e-6), near, np.inf)
@@ -60,7 +60,7 @@ class Solid:
 
 
 def load(path, ceiling=True):
-    """The solids of a world; without its ceiling when it is to be looked into."""
+    """Reads the solids of a world, if wanted without its ceiling, so that a camera above sees the inside."""
     world = yaml.safe_load(path.read_text())
     solids = [solid_of(item) for item in world["objects"] if set(item) & {"box", "wall", "cylinder"}]
     return [solid for solid in solids if ceiling or solid.center[2] - solid.half[2] < 2.55], world
@@ -86,15 +86,15 @@ def person(x, y, radius=0.22, height=1.75):
 
 
 def robot(x, y, yaw_rad):
-    """KURT3D: body, and scanner on top."""
+    """The robot KURT3D: its body, and the scanner on top of it."""
     return [Solid([x, y, 0.14], [0.225, 0.165, 0.12], yaw_rad, colour=(0.20, 0.35, 0.65)),
             Solid([x + 0.08 * math.cos(yaw_rad), y + 0.08 * math.sin(yaw_rad), 0.365], [0.08, 0.08, 0.105], yaw_rad,
                   colour=(0.25, 0.25, 0.28))]
 
 
 def photograph(solids, camera, at, width=640, height=400, view_deg=60.0, see_through=False):
-    """What a camera at `camera` that looks at `at` sees: height x width x 3. `see_through` leaves out the sides of walls that face
-    away from the room, as a doll's house has none."""
+    """Renders what a camera at `camera` sees when it is directed at `at`: height x width x 3. `see_through` leaves out the walls between
+    the two."""
     camera, at = np.array(camera, float), np.array(at, float)
     ahead = (at - camera) / np.linalg.norm(at - camera)
     right = np.cross(ahead, [0, 0, 1])
@@ -121,7 +121,7 @@ def photograph(solids, camera, at, width=640, height=400, view_deg=60.0, see_thr
 
 
 def project(points, camera, at, view_deg):
-    """Image coordinates (the half width is 1) and distance of the points before the camera, far ones first."""
+    """Image coordinates (in units of the half width), distances and indices of the points in front of the camera, the farthest first."""
     ahead = (at - camera) / np.linalg.norm(at - camera)
     right = np.cross(ahead, [0, 0, 1])
     right /= np.linalg.norm(right)
@@ -133,7 +133,7 @@ def project(points, camera, at, view_deg):
 
 
 def inside_out(solid, camera, at):
-    """Whether a wall stands between the camera and what it looks at."""
+    """Whether a wall is between the camera and the point at which it is directed."""
     thin = int(np.argmin(solid.half[:2]))
     axis = solid.axes[thin]
     a, b = axis @ (camera - solid.center), axis @ (at - solid.center)
@@ -141,12 +141,12 @@ def inside_out(solid, camera, at):
 
 
 def plan_colour(bottom_m):
-    """Brown what stands on the floor, blue what hangs above the plane of a level laser."""
+    """Brown for objects that stand on the floor, blue for objects above the plane of a level laser."""
     return "#8FB3CC" if bottom_m > 0.38 else "#C9A66B"
 
 
 def draw_plan(axes, solids, below_m=0.47, alpha=1.0):
-    """Ground plans: walls dark, what the robot can run into coloured, what it passes below outlined."""
+    """Draws ground plans: walls dark, objects that the robot can hit coloured, and objects below which it passes as outlines."""
     for solid in sorted(solids, key=Solid.top_m):
         bottom_m = solid.center[2] - solid.half[2]
         is_wall = solid.half[2] > 1.0

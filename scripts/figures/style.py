@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""How the figures look: one look for all."""
+"""The common style of all figures."""
 import pathlib
 
 import matplotlib
@@ -11,7 +11,7 @@ import matplotlib.pyplot as plt  # noqa: E402  (after the choice of where to dra
 
 PICTURES = pathlib.Path(__file__).resolve().parent.parent.parent / "docs" / "pictures" / "paper"
 
-# Okabe and Ito's colours, which the colour-blind tell apart.
+# Okabe and Ito's colours, which colour-blind people can distinguish.
 TRUTH, SLAM, ODOMETRY, NODDING, FIXED, GREY = "#000000", "#0072B2", "#E69F00", "#009E73", "#D55E00", "#777777"
 HEIGHT_MAP = "viridis"
 
@@ -24,7 +24,7 @@ plt.rcParams.update({
 
 
 def save(figure, name, colours=256):
-    """Writes the image with a few colours of its own: small, and the same figure gives the same bytes."""
+    """Writes the image with a palette of a few colours, which keeps it small. The same figure gives the same bytes."""
     PICTURES.mkdir(parents=True, exist_ok=True)
     figure.canvas.draw()
     image = Image.fromarray(np.asarray(figure.canvas.buffer_rgba())).convert("RGB").quantize(colours, dither=Image.Dither.NONE)
@@ -36,7 +36,7 @@ def save(figure, name, colours=256):
 
 
 def as_plan(axes, scale_m=1.0):
-    """A view from above: equal scales, no axes, a bar below it."""
+    """Shows a view from above: with equal scales, without axes, and with a scale bar below it."""
     axes.set_aspect("equal")
     axes.axis("off")
     left, right = axes.get_xlim()

@@ -15,7 +15,7 @@ from seeds import ODOMETRY_NOISE, REPORTING  # noqa: F401, for the figures
 
 
 def call(program, *arguments):
-    """Returns what the program prints; raises with its error."""
+    """Runs a program and returns what it prints; raises RuntimeError with its error message."""
     words = [str(BIN / program), *(str(argument) for argument in arguments)]
     done = subprocess.run(words, capture_output=True, text=True)
     if done.returncode != 0:
@@ -28,7 +28,7 @@ def evaluate(*arguments):
 
 
 class Trial:
-    """One run in a world of sim/worlds; the same arguments give the same result."""
+    """One run in a world of sim/worlds. The same arguments give the same result."""
 
     def __init__(self, name, world, seed, duration_s, *options, keep_log=True):
         self.name, self.seed, self.keep_log = name, seed, keep_log
@@ -37,7 +37,7 @@ class Trial:
         self.arguments = ["--seed", seed, "--duration", duration_s, *options]
 
     def command(self):
-        """As a person would type it in the project's folder."""
+        """The command as a person would type it in the project's folder."""
         words = ["nodmap-trial", "--world", self.world.relative_to(ROOT), *self.arguments, "--out", self.dir.relative_to(ROOT)]
         return " ".join(str(word) for word in words)
 
@@ -53,7 +53,7 @@ class Trial:
         return json.loads((self.dir / "result.json").read_text())
 
     def table(self, channel):
-        """The path of a channel's CSV."""
+        """The CSV file of a channel, which is exported from the log if it does not exist yet."""
         path = self.dir / f"{channel}.csv"
         if not path.exists():
             call("nodmap-convert", "export", self.dir / "trial.lcmlog", path, "--channel", channel)
