@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Writes the simulator's larger worlds, sim/worlds/{corridor30,cellar,office,crowd,loop,ring,warehouse}.yaml; the same bytes on every run.
+"""Writes the simulator's larger worlds, sim/worlds/{corridor30,cellar,office,crowd,loop,ring,warehouse}.yaml. Every run writes the same bytes.
 
 usage: scripts/make_worlds.py
 """
@@ -21,7 +21,7 @@ def numbers(values):
 
 
 class World:
-    """Collects the lines of a WORLD.yaml."""
+    """Collects the lines of a WORLD.yaml. Lengths are in metres, angles in degrees; x, y and z are in world."""
 
     def __init__(self, name, about):
         self.head = ["# SPDX-License-Identifier: BSD-3-Clause", f"# {about}", "# Made by scripts/make_worlds.py.", f"name: {name}"]
@@ -53,7 +53,7 @@ class World:
         self.box((x0 + x1) / 2, (y0 + y1) / 2, CEILING, CEILING + 0.1, x1 - x0 + 0.2, y1 - y0 + 0.2)
 
     def placed(self, x, y, yaw, dx, dy):
-        """A point of a thing at x, y, turned by yaw degrees."""
+        """The place in world of a point dx, dy of an object that is at x, y and is rotated by yaw."""
         c, s = math.cos(math.radians(yaw)), math.sin(math.radians(yaw))
         return x + c * dx - s * dy, y + s * dx + c * dy
 
@@ -65,7 +65,7 @@ class World:
                 self.cylinder(*leg, 0, top - 0.03, 0.02)
 
     def chair(self, x, y, yaw):
-        """An office chair that looks along yaw: seat, back, column and a foot of two bars."""
+        """Adds an office chair that faces along yaw: seat, back, column and a foot of two bars."""
         self.box(x, y, 0.43, 0.49, 0.46, 0.46, yaw, 0.3)
         self.box(*self.placed(x, y, yaw, -0.22, 0), 0.55, 0.95, 0.04, 0.42, yaw, 0.3)
         self.cylinder(x, y, 0.08, 0.43, 0.025)
@@ -73,7 +73,7 @@ class World:
         self.box(x, y, 0.02, 0.08, 0.56, 0.05, yaw + 120, 0.1)
 
     def shelf(self, x, y, length, depth, yaw=0, height=1.8, boards=4, lowest=0.1):
-        """Posts and boards."""
+        """Adds a shelf of four posts and some boards."""
         for dx in (-1, 1):
             for dy in (-1, 1):
                 self.box(*self.placed(x, y, yaw, dx * (length / 2 - 0.02), dy * (depth / 2 - 0.02)), 0, height, 0.04, 0.04, yaw)
@@ -82,7 +82,7 @@ class World:
             self.box(x, y, z, z + 0.03, length, depth, yaw)
 
     def walker(self, points, speed, radius=0.25, height=1.75):
-        """Round through the points and back to the first."""
+        """Adds a person who walks from point to point and back to the first, again and again, at this speed (m/s)."""
         time, path = 0.0, []
         for here, there in zip(points, points[1:] + points[:1]):
             path.append((time, *here))
@@ -97,7 +97,7 @@ class World:
 
 
 def corridor30():
-    """Walls in pieces: doors lie 0.12 m back in them, niches 0.6 m."""
+    """A corridor whose walls have doors, set back by 0.12 m, and niches 0.6 m deep."""
     w = World("corridor30", "The paper's Fig. 6: a corridor of 30 m inside, from x = -1 m to 29 m, 2.2 m wide.")
     half = 1.1
     w.note("The ends and the ceiling.")
@@ -121,7 +121,7 @@ def corridor30():
                 for end in (at, at + width):
                     w.wall(end, side * half, end, side * (half + depth + 0.1), thickness=0.04)
             x = at + width
-    w.note("What stands and hangs there: radiators, extinguishers, a cupboard, bins, notice boards, a bench.")
+    w.note("Furniture: radiators, extinguishers, a cupboard, bins, notice boards, a bench.")
     for x, side, z0, z1, length, depth in ((3.0, 1, 0.12, 0.72, 1.0, 0.10), (14.6, 1, 0.12, 0.72, 1.0, 0.10),
                                            (25.0, 1, 0.12, 0.72, 1.0, 0.10), (9.3, -1, 0, 1.9, 0.9, 0.40),
                                            (17.4, 1, 1.2, 1.9, 1.2, 0.04), (2.6, -1, 1.2, 1.9, 1.0, 0.04),
@@ -135,8 +135,8 @@ def corridor30():
 
 
 def cellar():
-    """A ring of about 28 m round a block, 2.6 m wide between walls; at least 1.3 m is left free."""
-    w = World("cellar", "The paper's Figs. 7 and 9: a cluttered cellar, a way round a central block.")
+    """A ring of about 28 m around a block. It is 2.6 m wide between the walls, and at least 1.3 m of this is free."""
+    w = World("cellar", "The paper's Figs. 7 and 9: a cluttered cellar with a ring around a central block.")
     w.note("The walls, the block in the middle.")
     w.room(-5.5, -4.0, 5.5, 4.0)
     w.box(0, 0, 0, CEILING, 5.6, 2.8)
@@ -213,7 +213,7 @@ def office():
 
 
 def furnish(w, rng, left, width, side, y1, door_x, desks):
-    """One or two desks at the window with chairs, a shelf beside the door where there is room, small things."""
+    """Adds one or two desks with chairs at the window, a shelf beside the door where there is room, and small objects."""
     right = left + width
     for x in (left + 1.0, right - 1.0)[:desks]:
         w.table(x, side * (y1 - 0.5), 1.5, 0.75, rng.choice((0, 0, 2, -3)), rng.choice((0.72, 0.74)))
@@ -227,7 +227,7 @@ def furnish(w, rng, left, width, side, y1, door_x, desks):
 
 
 def crowd():
-    """An open hall with columns, benches and people who walk their rounds."""
+    """An open hall with columns, benches and people who walk in rounds."""
     w = World("crowd", "A hall with 14 walking people.")
     rng = random.Random(7)
     w.note("The hall, 16 m x 12 m.")
@@ -248,7 +248,7 @@ def crowd():
         points = [(rng.uniform(-1.3, 12.0), rng.uniform(-5.0, 5.0)) for _ in range(rng.choice((2, 3, 4)))]
         legs = list(zip(points, points[1:] + points[:1]))
         clear = all(distance_to_leg(c, leg) > c[2] for c in free_of for leg in legs)
-        # Nobody is at the robot's start when it begins.
+        # Nobody begins near the robot's start.
         if clear and all(math.dist(a, b) > 2.5 for a, b in legs) and math.dist(points[0], (0, 0)) > 2.0:
             w.walker(points, rng.uniform(0.5, 1.3), rng.choice((0.2, 0.25, 0.3)), rng.choice((1.2, 1.65, 1.75, 1.85)))
     w.tail = ["robot: {start: [0, 0, 0]}", "goal: [11.5, 0]"]
@@ -256,8 +256,8 @@ def crowd():
 
 
 def loop():
-    """A ring of 42 m round a block, 2.5 m wide between walls; at least 1.3 m is left free. The goals lead once round it."""
-    w = World("loop", "A cluttered ring of 42 m round a block, driven once round: does the map close?")
+    """A ring of 42 m around a block. It is 2.5 m wide between the walls, and at least 1.3 m of this is free. The goals lead once around it."""
+    w = World("loop", "A cluttered ring of 42 m around a block, to be driven once around: does the map close?")
     rng = random.Random(40)
     w.note("The walls, the block in the middle.")
     w.room(-7, -6, 7, 6)
@@ -290,8 +290,8 @@ def loop():
 
 
 def ring():
-    """Corridors 4 m wide round a block of 56 x 36 m, a hall in the south, 25 m without any object in the north. The goals lead twice round."""
-    w = World("ring", "A ring of 200 m with a hall and a bare corridor, driven twice round: does the map close, and is it straight?")
+    """Corridors 4 m wide around a block of 56 m x 36 m, with a hall in the south and 25 m without any object in the north. The goals lead twice around."""
+    w = World("ring", "A ring of 200 m with a hall and a bare corridor, to be driven twice around: does the map close, and is it straight?")
     rng = random.Random(60)
     w.note("The outer walls, with a hall of 20 x 8 m in the south; the block in the middle.")
     corners = ((-32, -22), (-10, -22), (-10, -30), (10, -30), (10, -22), (32, -22), (32, 22), (-32, 22), (-32, -22))
@@ -326,12 +326,12 @@ def ring():
 
 
 def warehouse():
-    """A hall longer than the laser sees, with things that it hardly sees or that dazzle it."""
-    w = World("warehouse", "A hall of 70 m with dark and dazzling things on the way; its far end is out of the laser's range.")
-    w.note("The hall; its walls are far from the way, and no ceiling is in reach.")
+    """A hall that is longer than the laser's range, with objects that the laser hardly sees or that dazzle it."""
+    w = World("warehouse", "A hall of 70 m with dark and dazzling objects on the robot's path; its far end is beyond the laser's range.")
+    w.note("The hall; its walls are far from the robot's path, and there is no ceiling.")
     for a, b in (((-10, -9), (60, -9)), ((60, -9), (60, 9)), ((60, 9), (-10, 9)), ((-10, 9), (-10, -9))):
         w.wall(*a, *b, z=(0, 8))
-    w.note("Black: rubber mats on edge, tyres, cabinets. The last is the darkest: seen from 2.5 m on.")
+    w.note("Black: rubber mats on edge, tyres, cabinets. The last one is the darkest: the laser sees it from 2.5 m on.")
     w.box(4.0, 0.3, 0, 0.5, 0.3, 0.9, 10, 0.02)
     w.cylinder(7.5, -0.9, 0, 0.25, 0.35, 0.03)
     w.box(11.0, -0.4, 0, 1.2, 0.5, 0.8, -8, 0.02)
