@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""What each part of the navigation is worth: the same worlds with and without it. Prints the tables of docs/ablation.md.
+"""Measures what each part of the navigation contributes: drives the same worlds with and without it, and prints the tables of docs/ablation.md.
 
     bench/ablation.py [--only PART ...] [--seeds N] [--first SEED] [--jobs N] [--out DIR] [--bin DIR]
 
-The worlds, their families and the columns are those of bench/navigation.py. A part that is taken away is not replaced: several of these robots are unsafe,
-and are for comparison only.
+The worlds, their families and the columns are those of bench/navigation.py. A part that is removed is not replaced: several of these robots are unsafe
+and are driven for comparison only.
 """
 import argparse
 import dataclasses
@@ -24,14 +24,14 @@ BEHAVIOURS = ["navigator.planner.use_planner=false", "navigator.planner.roams=fa
 
 @dataclasses.dataclass
 class Ablation:
-    """One part, the families of worlds in which it matters, and the settings of each variant by its name."""
+    """A part of the navigation, the families of worlds in which it matters, and the settings of each variant by the variant's name."""
     title: str
     families: list
     variants: dict
 
 
 ABLATIONS = {
-    "laser": Ablation("Nodding or level laser, by the paper's behaviours and maps alone", ["random", "sills", "drums"], {
+    "laser": Ablation("Nodding or level laser, with the paper's behaviours and maps only", ["random", "sills", "drums"], {
         "nodding": BEHAVIOURS + WITHOUT_LOCAL_MAP,
         "level": BEHAVIOURS + WITHOUT_LOCAL_MAP + ["pitch_controller.mode=fixed"]}),
     "local-map": Ablation("Local map", ["random", "sills", "holes", "ramps"], {
@@ -47,7 +47,7 @@ ABLATIONS = {
 
 
 def measure(ablation, seeds, programs, out, jobs, crowds):
-    """Rows of each family, variant by variant."""
+    """Runs all trials of an ablation and returns a row for each family and variant."""
     groups = []
     for family in ablation.families:
         for variant, settings in ablation.variants.items():
@@ -66,10 +66,10 @@ def measure(ablation, seeds, programs, out, jobs, crowds):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--only", nargs="+", choices=ABLATIONS, default=list(ABLATIONS))
-    parser.add_argument("--seeds", type=int, default=10, help="of each family")
+    parser.add_argument("--seeds", type=int, default=10, help="number of seeds in each family")
     parser.add_argument("--first", type=int, default=REPORTING[0])
     parser.add_argument("--jobs", type=int, default=2)
-    parser.add_argument("--out", type=pathlib.Path, help="keep the results here")
+    parser.add_argument("--out", type=pathlib.Path, help="folder in which the results are kept; default: a temporary one")
     parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build" / "release" / "bin")
     arguments = parser.parse_args()
     out = arguments.out or pathlib.Path(tempfile.mkdtemp(prefix="nodmap-ablation-"))

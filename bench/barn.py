@@ -4,14 +4,15 @@
 
     bench/barn.py FILE [--robot kurt3d|jackal] [--runs N] [--worlds I ...] [--every K] [--jobs N] [--set KEY=VALUE ...] [--out DIR] [--bin DIR]
 
-FILE holds the worlds as text (sim/world/barn_file.hpp); the lengths of the reference paths are in optimal.txt beside it. No map is given, the run
-ends at the first contact, within 1 m of the goal, or 100 s after the robot has moved by 0.1 m. A run scores
+FILE holds the worlds as text (sim/world/barn_file.hpp); optimal.txt beside it holds the lengths of the reference paths. The robot has no map. A run ends
+at the first contact, within 1 m of the goal, or 100 s after the robot has moved by 0.1 m. Its score is
 
-    s = success * OT / clip(T, 2 OT, 8 OT),      OT = reference path / 2 m/s, T from the first 0.1 m on,
+    s = success * OT / clip(T, 2 OT, 8 OT),
 
-and the result is the mean over the runs of a world, then over the worlds; 0.5 is the most. The dynamic worlds hold nothing but
-what moves, so that 2D SLAM has nothing to go by: there the robot drives by odometry. These are the public worlds in our own simulator: the
-robot's motion, the laser's noise and the latencies are those of nodmap-trial, not of the challenge's Gazebo. Each run is deterministic by its seed.
+where OT is the time for the reference path at 2 m/s, and T the time since the robot has moved by 0.1 m. The result is the mean over the runs of each
+world, and then over the worlds; the highest possible score is 0.5. The dynamic worlds contain nothing but moving objects, which gives 2D SLAM nothing to
+map; in them the robot drives by odometry. The worlds are the public ones, but the simulator is ours: the robot's motion, the laser's noise and the
+latencies are those of nodmap-trial, not those of the challenge's Gazebo. A run is determined by its seed.
 """
 import argparse
 import concurrent.futures
@@ -31,7 +32,7 @@ def world_indices(file):
 
 
 def run(arguments, out, index, seed):
-    """result.json of one run."""
+    """Runs a world with a seed and returns its result.json."""
     folder = out / f"{index}-{seed}"
     command = [arguments.bin / "nodmap-trial", "--world", f"barn:{arguments.file}:{index}", "--seed", str(seed), "--out", folder, "--no-slam6d",
                "--robot", arguments.robot]
@@ -49,7 +50,7 @@ def run(arguments, out, index, seed):
 
 
 def outcome_of(result):
-    """Outcome, time and score of one run by the rules of the challenge."""
+    """The outcome, time (s) and score of a run by the rules of the challenge."""
     goal = result["goal"]
     if result["collisions"] or result["bumped"]:
         return "collision", None, 0.0
@@ -65,7 +66,7 @@ def mean(values):
 
 
 def summary(worlds):
-    """`worlds`: for each world the (outcome, time, score, robot-caused contact) of its runs."""
+    """Means over the runs. `worlds`: for each world a list of (outcome, time, score, whether the robot caused a contact), one for each run."""
     runs = [run for world in worlds.values() for run in world]
     share = {name: mean([run[0] == name for run in runs]) for name in ("success", "collision", "timeout")}
     return {"n": len(runs), "score": mean([mean([run[2] for run in world]) for world in worlds.values()]), **share,
@@ -76,12 +77,12 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("file", type=pathlib.Path)
     parser.add_argument("--robot", choices=["kurt3d", "jackal"], default="kurt3d")
-    parser.add_argument("--runs", type=int, default=1, help="of each world, with the seeds 0, 1, ..")
-    parser.add_argument("--worlds", type=int, nargs="+", help="only these")
-    parser.add_argument("--every", type=int, default=1, help="only each K-th world")
+    parser.add_argument("--runs", type=int, default=1, help="runs of each world, with the seeds 0, 1, ...")
+    parser.add_argument("--worlds", type=int, nargs="+", help="indices of the worlds; default: all")
+    parser.add_argument("--every", type=int, default=1, help="drive only every K-th world")
     parser.add_argument("--jobs", type=int, default=2)
-    parser.add_argument("--set", action="append", default=[], help="a parameter, as nodmap-trial's --set")
-    parser.add_argument("--out", type=pathlib.Path, help="keep all results here")
+    parser.add_argument("--set", action="append", default=[], help="a parameter, as for nodmap-trial --set")
+    parser.add_argument("--out", type=pathlib.Path, help="folder in which all results are kept; default: a temporary one")
     parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build" / "release" / "bin")
     arguments = parser.parse_args()
     arguments.is_dynamic = "\nC " in arguments.file.read_text()

@@ -12,9 +12,9 @@
 
 namespace nodmap::bench {
 
-/// The usual alternative to the paper's map, in a straightforward implementation: a square grid of
-/// 5 cm cells in odom that moves along with the robot; each beam clears the cells it crosses
-/// (Bresenham) and marks the cell of its end point if that is at the robot's height.
+/// A straightforward implementation of the usual alternative to the paper's maps: a square grid of
+/// 5 cm cells in odom, which moves along with the robot. Each beam clears the cells it crosses
+/// (Bresenham) and marks the cell of its end point if this is at the robot's height.
 class CostmapBaseline {
  public:
   static constexpr double kCellM = 0.05;

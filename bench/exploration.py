@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Explores generated office buildings of ten rooms, by the tour and by the nearest frontier, and prints one table: what docs/benchmark-navigation.md shows.
+"""Explores generated office buildings of ten rooms, with the tour and with the nearest frontier, and prints a table for docs/benchmark-navigation.md.
 
     bench/exploration.py [--seeds N] [--first SEED] [--duration S] [--jobs N] [--set KEY=VALUE ...] [--json] [--out DIR] [--bin DIR]
 
-Seeds 0 to 999 are for reporting, 1000 to 1999 for choosing parameters (bench/seeds.py). The columns: metres driven and seconds until 90 % of the floor was in
-the 2D map; the share of the floor in it at the end; seconds until the robot said that it is home, metres driven in all, and its true distance from the
-start then; collisions. The last lines: the mean of the ways to 90 % of both, and their ratio.
+Seeds 0 to 999 are for reporting, 1000 to 1999 for choosing parameters (bench/seeds.py). The columns are: the distance driven (m) and the time (s) until the
+2D map showed 90 % of the floor; the fraction of the floor that it showed at the end; the time (s) until the robot reported that it was home, the whole
+distance driven (m), and its true distance from the start then (m); the number of collisions. The last lines compare the mean distance to 90 % of the floor
+of both policies.
 """
 import argparse
 import json
@@ -41,7 +42,7 @@ def row_of(seed, policy, result):
 
 
 def show(rows):
-    """As rows of Markdown, to be pasted into the document."""
+    """Prints the rows as a Markdown table, to be copied into the document."""
     print("| " + " | ".join(COLUMNS) + " |")
     print("|---" * len(COLUMNS) + "|")
     for row in rows:
@@ -49,23 +50,24 @@ def show(rows):
 
 
 def show_ratio(rows):
-    """Over the buildings of which both have seen 90 %."""
+    """Prints the mean distances and their ratio, over the buildings in which both policies have seen 90 % of the floor."""
     to_90_m = {policy: {row["seed"]: row["to_90_m"] for row in rows if row["policy"] == policy and row["to_90_m"]} for policy in POLICIES}
     both = sorted(set(to_90_m["tour"]) & set(to_90_m["nearest_frontier"]))
     means = [sum(to_90_m[policy][seed] for seed in both) / max(1, len(both)) for policy in POLICIES]
     if both:
-        print(f"\nway to 90 % in {len(both)} buildings: tour {means[0]:.1f} m, nearest frontier {means[1]:.1f} m, ratio {means[0] / means[1]:.2f}")
+        print(f"\nmean distance until 90 % was seen, over {len(both)} buildings: tour {means[0]:.1f} m, nearest frontier {means[1]:.1f} m; "
+              f"ratio {means[0] / means[1]:.2f}")
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--seeds", type=int, default=10)
-    parser.add_argument("--first", type=int, default=REPORTING[0], help=f"first seed; {CHOOSING[0]} and more to choose parameters")
-    parser.add_argument("--duration", type=float, default=600.0, help="longest exploration, seconds")
+    parser.add_argument("--first", type=int, default=REPORTING[0], help=f"first seed; from {CHOOSING[0]} on for choosing parameters")
+    parser.add_argument("--duration", type=float, default=600.0, help="longest time of an exploration, seconds")
     parser.add_argument("--jobs", type=int, default=2)
-    parser.add_argument("--set", action="append", default=[], help="a parameter, as nodmap-trial's --set")
-    parser.add_argument("--json", action="store_true", help="one JSON object for each exploration instead of the table")
-    parser.add_argument("--out", type=pathlib.Path, help="keep the results here")
+    parser.add_argument("--set", action="append", default=[], help="a parameter, as for nodmap-trial --set")
+    parser.add_argument("--json", action="store_true", help="print a JSON object for each exploration instead of the table")
+    parser.add_argument("--out", type=pathlib.Path, help="folder in which the results are kept; default: a temporary one")
     parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build" / "release" / "bin")
     arguments = parser.parse_args()
     out = arguments.out or pathlib.Path(tempfile.mkdtemp(prefix="nodmap-exploration-"))

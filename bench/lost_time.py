@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""What keeps the robot from its fastest speed in clutter: drives worlds without a goal, and prints the seconds lost by what set the command of each decision.
+"""Measures what keeps the robot from its fastest speed in clutter: drives worlds without a goal, and prints the seconds lost to each cause.
 
     bench/lost_time.py [--seeds N] [--first SEED] [--only SCENARIO ...] [--fastest MPS] [--jobs N] [--set KEY=VALUE ...] [--out DIR] [--bin DIR]
 
-A decision that commands v until the next one dt later loses dt (1 - v / fastest): the losses of a run add up to what its mean commanded speed falls short.
-Which rule set v is told by the reason in NAVIGATION, and of a robot that steers by which limit it drives at: the pitch controller's bound in PITCH_COMMAND
-or the fastest speed; if at neither, by a bend (lateral acceleration, yaw rate) or the motion it chose. The last line counts how often the robot came to a
-standstill, from 0.15 m/s or more to less than 0.03.
+A decision that commands the speed v, and that the next decision follows dt later, loses the time dt (1 - v / fastest). The sum over a run is the time that
+the robot would save at its fastest speed. The cause is the rule that set v. Usually the reason in NAVIGATION names it. For a robot that steers it follows
+from the speed: if this is the pitch controller's bound in PITCH_COMMAND or the fastest speed, the bound is the cause, otherwise a bend (lateral acceleration,
+yaw rate) or the rollout that the robot chose. The last row counts how often the robot came to a standstill: from 0.15 m/s or more to less than 0.03 m/s.
 """
 import argparse
 import collections
@@ -22,13 +22,13 @@ from trials import ROOT, Trial, run_all
 
 SYNC = 0xEDA1DA01
 STEER, TURN = 0, 2
-# From here on a rotation on the spot is no creeping: Brake lets it creep at 0.17 rad/s over doubtful ground.
+# Below this a rotation on the spot counts as slow: Brake allows 0.17 rad/s over doubtful ground.
 CREEPING_RAD_S = 0.2
-# The bound of the decision may be one message younger than the one before it in the log: it rises by 1 cm/s in 20 ms.
+# The bound that a decision has used may be one message newer than the last one before it in the log. It rises by 1 cm/s in 20 ms.
 SAME_MPS = 0.03
 START = "start: laser and servo"
-# By a part of the reason's sentence (modules/navigator/reason.cpp).
-BY_REASON = [("approaches", '"something approaches", where nothing moves'), ("Somebody is close", "somebody close"), ("Gives way", "giving way"),
+# Pairs of a part of a reason's sentence (modules/navigator/reason.cpp) and the cause.
+BY_REASON = [("approaches", '"something approaches", where nothing moves'), ("Somebody is close", "a person is close"), ("Gives way", "giving way"),
              ("laser has", "waiting until the laser has looked"), ("no speed", "the pitch controller's bound"),
              ("Slows down", "Brake: obstacles, ground not seen, the arc it is on"), ("obstacle ahead", "Brake: obstacles, ground not seen, the arc it is on"),
              ("acks up", "backing up"), ("No direction", "no motion is free"), ("No motion", "no motion is free"), ("no path", "no motion is free"),
@@ -36,13 +36,13 @@ BY_REASON = [("approaches", '"something approaches", where nothing moves'), ("So
 
 
 def events(path, channels):
-    """(microseconds since the first event of the log, channel, message without its fingerprint) of these channels."""
+    """Yields the events of these channels: microseconds since the first event of the log, channel, message without its fingerprint."""
     first_us = None
     with open(path, "rb") as log:
         while len(head := log.read(28)) == 28:
             sync, _, stamp_us, channel_size, size = struct.unpack(">IqqII", head)
             if sync != SYNC:
-                raise ValueError(f"{path}: no event log")
+                raise ValueError(f"{path}: not an event log")
             channel, message = log.read(channel_size).decode(), log.read(size)
             first_us = stamp_us if first_us is None else first_us
             if channel in channels:
@@ -50,7 +50,7 @@ def events(path, channels):
 
 
 def decisions(path):
-    """Of each DRIVE: when, forward speed, yaw rate, the pitch controller's bound, behaviour and reason. And when the log ends, seconds."""
+    """Reads of each DRIVE: time, forward speed, yaw rate, the pitch controller's bound, behaviour and reason. Also returns when the log ends (s)."""
     found, motions, bound_mps, now_us = [], {}, 0.0, 0
     for now_us, channel, message in events(path, ("DRIVE", "NAVIGATION", "PITCH_COMMAND", "ODOMETRY")):
         if channel == "PITCH_COMMAND":
@@ -71,16 +71,16 @@ def cause_of(forward_mps, yaw_rate_rad_s, bound_mps, behaviour, reason, fastest_
         if part in reason:
             return cause
     if behaviour == TURN and forward_mps <= 0.0:
-        return "rotation on the spot" if abs(yaw_rate_rad_s) > CREEPING_RAD_S else "rotation on the spot that creeps over doubtful ground, or stands"
+        return "rotation on the spot" if abs(yaw_rate_rad_s) > CREEPING_RAD_S else "slow rotation on the spot over doubtful ground, or a standstill"
     if behaviour == STEER:
         if forward_mps >= min(bound_mps, fastest_mps) - SAME_MPS:
             return "the pitch controller's bound"
-        return "bends, and slower motions that it chose"
+        return "bends, and slower rollouts that it chose"
     return reason or "other"
 
 
 def lost_seconds(path, fastest_mps):
-    """By cause, and the number of standstills."""
+    """The seconds lost to each cause, the number of standstills, and the length of the log (s)."""
     lost, num_stops, is_moving = collections.Counter(), 0, False
     found, end_s = decisions(path)
     lost[START] = found[0][0] if found else end_s
@@ -97,14 +97,14 @@ def lost_seconds(path, fastest_mps):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--seeds", type=int, default=4, help="of each scenario")
+    parser.add_argument("--seeds", type=int, default=4, help="number of seeds in each scenario")
     parser.add_argument("--first", type=int, default=CHOOSING[1], help="first seed")
     parser.add_argument("--only", nargs="+", default=["dense", "random"], help="scenarios without a goal")
-    parser.add_argument("--fastest", type=float, default=1.5, help="speed against which time is lost, m/s")
-    parser.add_argument("--duration", type=float, default=60.0, help="of a run from the first scan on, seconds")
+    parser.add_argument("--fastest", type=float, default=1.5, help="speed relative to which time is lost, m/s")
+    parser.add_argument("--duration", type=float, default=60.0, help="length of a run from the first scan on, seconds")
     parser.add_argument("--jobs", type=int, default=2)
-    parser.add_argument("--set", action="append", default=[], help="a parameter, as nodmap-trial's --set")
-    parser.add_argument("--out", type=pathlib.Path, help="keep results and logs here")
+    parser.add_argument("--set", action="append", default=[], help="a parameter, as for nodmap-trial --set")
+    parser.add_argument("--out", type=pathlib.Path, help="folder in which results and logs are kept; default: a temporary one")
     parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build" / "release" / "bin")
     arguments = parser.parse_args()
     out = arguments.out or pathlib.Path(tempfile.mkdtemp(prefix="nodmap-lost-time-"))
@@ -135,7 +135,7 @@ def main():
 
 
 def show(columns):
-    """As rows of Markdown; percent of the time, and what they add up to."""
+    """Prints a Markdown table: the seconds lost to each cause in each scenario, and their totals."""
     totals = ("seconds", "mean_mps", "collisions", "standstills")
     causes = sorted({cause for column in columns.values() for cause in column if cause not in totals},
                     key=lambda cause: -sum(column[cause] / column["seconds"] for column in columns.values()))

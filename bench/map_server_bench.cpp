@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Measures the time for one scan of 181 beams, motion included: both egocentric maps together,
-// compared with a grid with ray clearing. Counters: percentiles over single scans (us).
+// Measures the time to add one scan of 181 beams, including the robot's motion, to both egocentric
+// maps together, and to a grid with ray clearing for comparison. The counters are percentiles over
+// single scans (us).
 #include <benchmark/benchmark.h>
 
 #include <algorithm>

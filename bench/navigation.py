@@ -1,13 +1,20 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Drives the generated worlds, family by family, and prints one table: what docs/benchmark-navigation.md shows.
+"""Drives the generated worlds, family by family, and prints a table for docs/benchmark-navigation.md.
 
     bench/navigation.py [--seeds N] [--first SEED] [--only FAMILY ...] [--jobs N] [--set KEY=VALUE ...] [--label TEXT] [--json] [--out DIR] [--bin DIR]
 
-Seeds 0 to 999 are for reporting, 1000 to 1999 for choosing parameters (bench/seeds.py). The columns: runs; collisions, and how many of them the robot
-caused (it moved at 0.05 m/s or more); falls; bumps by people into the standing robot; runs that reached the goal without a collision; SPL and median time of the
-goals reached; mean speed; least clearance; seconds nearer than 0.45 m to a person. `people` are families with their progress towards the goal relative
-to the same worlds without anybody. `docks` have their median and worst distance and angle to the goal.
+Seeds 0 to 999 are for reporting, 1000 to 1999 for choosing parameters (bench/seeds.py). The columns are:
+  n                      runs
+  collisions, caused     contacts of the robot, and how many of them it caused: it moved at 0.05 m/s or more
+  falls                  runs in which the robot fell into a hole
+  bumped                 how often a person walked into the stationary robot
+  reached                runs that reached the goal without a collision
+  spl, time_s            success weighted by path length; median time of the runs that reached the goal
+  mean_mps, clearance_m  mean speed; least clearance of all runs
+  close_s                seconds with a person nearer than 0.45 m, over all runs (families with people)
+  progress               speed towards the goal, relative to the same worlds without people (families with people)
+  off_cm, off_deg        true distance and angle from a goal with a heading after docking: median and worst
 """
 import argparse
 import json
@@ -22,7 +29,7 @@ import tempfile
 from seeds import CHOOSING, REPORTING
 from trials import ROOT, Trial, run_all
 
-# Family: its scenarios and the seconds a run may take.
+# For each family its scenarios, and the seconds that a run may take.
 FAMILIES = {"random": (["random"], 60), "dense": (["dense"], 60), "holes": (["holes"], 120), "goals": (["goals"], 120),
             "mazes": (["maze", "zigzag", "dead-end", "slot"], 180), "doors": (["doors", "office"], 180),
             "people": (["people"], 60), "reacting": (["reacting"], 60), "recorded": (["eth", "zara01"], 60),
@@ -31,12 +38,12 @@ FAMILIES = {"random": (["random"], 60), "dense": (["dense"], 60), "holes": (["ho
 WITH_PEOPLE = ["people", "reacting", "recorded"]
 FRAMES_PER_S = {"eth": 15, "zara01": 2.5}
 COLUMNS = ["family", "n", "collisions", "caused", "falls", "bumped", "reached", "spl", "time_s", "mean_mps", "clearance_m", "close_s", "progress"]
-# Of families with a heading at the goal.
+# For families whose goals have a heading.
 DOCKING_COLUMNS = ["off_cm", "worst_off_cm", "off_deg", "worst_off_deg"]
 
 
 def recorded_crowds(folder):
-    """The recordings in NODMAP_DATA as text files in `folder`, by name."""
+    """Unpacks the recordings in NODMAP_DATA to text files in `folder`, and returns these by name."""
     data = os.environ.get("NODMAP_DATA")
     files = {}
     for name in FRAMES_PER_S:
@@ -54,13 +61,13 @@ def world_name(scenario, seed, crowds):
 
 
 def make_trials(family, seeds, settings, crowds):
-    """The trials of a family; with people each world a second time without them."""
+    """The trials of a family, and for families with people the same trials without them."""
     scenarios, duration_s = FAMILIES[family]
     options = ["--no-slam6d", *(word for setting in settings for word in ("--set", setting))]
     trials, empty = [], []
     for scenario in scenarios:
         if scenario in FRAMES_PER_S and scenario not in crowds:
-            print(f"{scenario}: left out, there is no recording in NODMAP_DATA", file=sys.stderr)
+            print(f"{scenario}: left out, because its recording is not in NODMAP_DATA", file=sys.stderr)
             continue
         for seed in seeds:
             world = world_name(scenario, seed, crowds)
@@ -79,7 +86,7 @@ def rounded(value, digits):
 
 
 def progress(results):
-    """Metres a second towards the goal, in the mean over the runs."""
+    """The mean speed towards the goal over the runs, m/s."""
     rates = []
     for result in results:
         goal = result["goal"]
@@ -110,7 +117,7 @@ def row_of(family, trials, empty):
 
 
 def add_docking(row, goals):
-    """How far from its goal, and from its heading, the robot says that it has docked: median and worst."""
+    """Adds the distance and the angle from the goal at which the robot reported that it had docked: median and worst."""
     goals = [goal for goal in goals if goal["heading_error_deg"] is not None]
     if goals:
         off_cm = [100 * goal["remaining_m"] for goal in goals]
@@ -120,7 +127,7 @@ def add_docking(row, goals):
 
 
 def show(rows, label):
-    """As rows of Markdown, to be pasted into the document."""
+    """Prints the rows as a Markdown table, to be copied into the document."""
     columns = COLUMNS + [column for column in DOCKING_COLUMNS if any(column in row for row in rows)]
     print(f"| {label} | " + " | ".join(columns[1:]) + " |")
     print("|---|" + "---|" * (len(columns) - 1))
@@ -130,14 +137,14 @@ def show(rows, label):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--seeds", type=int, default=10, help="of each scenario")
-    parser.add_argument("--first", type=int, default=REPORTING[0], help=f"first seed; {CHOOSING[0]} and more to choose parameters")
+    parser.add_argument("--seeds", type=int, default=10, help="number of seeds in each scenario")
+    parser.add_argument("--first", type=int, default=REPORTING[0], help=f"first seed; from {CHOOSING[0]} on for choosing parameters")
     parser.add_argument("--only", nargs="+", choices=FAMILIES, default=list(FAMILIES))
     parser.add_argument("--jobs", type=int, default=2)
-    parser.add_argument("--set", action="append", default=[], help="a parameter, as nodmap-trial's --set")
+    parser.add_argument("--set", action="append", default=[], help="a parameter, as for nodmap-trial --set")
     parser.add_argument("--label", default="family", help="heading of the table's first column")
-    parser.add_argument("--json", action="store_true", help="one JSON object for each family instead of the table")
-    parser.add_argument("--out", type=pathlib.Path, help="keep the results here")
+    parser.add_argument("--json", action="store_true", help="print a JSON object for each family instead of the table")
+    parser.add_argument("--out", type=pathlib.Path, help="folder in which the results are kept; default: a temporary one")
     parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build" / "release" / "bin")
     arguments = parser.parse_args()
     out = arguments.out or pathlib.Path(tempfile.mkdtemp(prefix="nodmap-navigation-"))

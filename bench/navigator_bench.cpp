@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Measures the time for one decision of the navigator on a full map of 361 points (moving the
-// points, Steer, Brake and Turn, or plan and rollouts), and for one scan in the local map.
-// Counters: percentiles over single decisions (us), in CPU time of the thread, which other load on
-// the machine does not affect.
+// Measures the time for one decision of the navigator on a full map of 361 points, by Steer, Brake
+// and Turn or by plan and rollouts, and for one scan in the local map. The counters are percentiles
+// over single decisions or scans (us), in CPU time of the thread, which other load on the machine
+// hardly affects.
 #include <benchmark/benchmark.h>
 #include <time.h>
 
@@ -44,7 +44,7 @@ void report(benchmark::State& state, std::vector<double> durations_us) {
   state.counters["p99_us"] = percentile(0.99);
 }
 
-/// A sweep of 40 scans of 181 beams on flat floor with a pillar every 20 beams.
+/// A sweep of 40 scans of 181 beams over a flat floor with a pillar every 20 beams.
 std::vector<scan::Scan> sweep() {
   std::vector<scan::Scan> scans;
   for (double deg = -40.0; deg < 10.0; deg += 1.25) {
@@ -67,7 +67,7 @@ std::vector<scan::Scan> sweep() {
   return scans;
 }
 
-/// One scan in the local map, at 1 m/s.
+/// Adds one scan to the local map, while the robot drives at 1 m/s.
 void LocalMapScan(benchmark::State& state) {
   const std::vector<scan::Scan> scans = sweep();
   LocalMap map({}, {});
@@ -83,7 +83,8 @@ void LocalMapScan(benchmark::State& state) {
   report(state, std::move(scan_us));
 }
 
-/// `scans`: input of the local map; if empty, the behaviours drive.
+/// Measures decisions. `scans` are the input of the local map; if there are none, the paper's
+/// behaviours drive.
 void decide(benchmark::State& state, const Points& points, bool has_goal,
             const std::vector<scan::Scan>& scans = {}) {
   Navigator navigator{{}};

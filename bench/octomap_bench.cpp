@@ -83,7 +83,7 @@ void Ours(benchmark::State& state) {
       benchmark::Counter(kSweeps, benchmark::Counter::kIsIterationInvariantRate);
 }
 
-// Every beam, and discretized.
+// The argument is 0 if every beam is inserted, and 1 if only one beam for each voxel that is hit.
 BENCHMARK(Stock)->ArgName("discretize")->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
 BENCHMARK(Ours)->ArgName("discretize")->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// nodmap-bench-octomap DIR: inserts a sequence of clouds with stock OctoMap and with our insertion,
-// in one run, and compares time, memory and file size, encoding time included as a separate value.
+// Compares our insertion into an OctoMap with stock OctoMap's, in one run: the time to insert a
+// sequence of clouds, the time to encode the files, and memory. Also checks that the files are the
+// same. Prints one JSON object.
+//   nodmap-bench-octomap DIR
 // DIR holds NNN.bin (uint64 count, then float32 x y z in the sensor's frame, m) and NNN_gt.txt (4x4
 // T_world_sensor).
 #include <octomap/octomap.h>
@@ -75,7 +77,7 @@ void insert_stock(octomap::OcTree& tree, const PlacedCloud& placed,
                         options.max_range_m, false, options.discretize);
 }
 
-/// CPU time of this process, which other load on the machine does not affect.
+/// CPU time of this process. Other load on the machine hardly affects it.
 double cpu_ms() {
   return 1e3 * static_cast<double>(std::clock()) / static_cast<double>(CLOCKS_PER_SEC);
 }
@@ -96,9 +98,9 @@ OccupancyMap insert_ours(const std::vector<PlacedCloud>& clouds,
   return map;
 }
 
-/// Runs ours both before and after stock, so that a change of the machine's speed affects both. The
-/// two do not alternate cloud by cloud: a large allocation of one would consolidate the many small
-/// blocks that the other has freed.
+/// Runs our insertion both before and after the stock one, so that a change of the machine's speed
+/// affects both. They do not alternate cloud by cloud, because a large allocation of one would
+/// consolidate the many small blocks that the other has freed.
 nlohmann::ordered_json compare(const std::vector<PlacedCloud>& clouds,
                                const OccupancyMap::Options& options) {
   OccupancyMap ours(options);
@@ -145,7 +147,7 @@ int main(int argc, char** argv) {
     app.add_option("--resolution", options.resolution_m, "edge of a voxel (m)")
         ->check(CLI::Range(0.01, 1.0))
         ->capture_default_str();
-    app.add_option("--max-range", options.max_range_m, "beams enter up to this length (m)")
+    app.add_option("--max-range", options.max_range_m, "beams are inserted up to this length (m)")
         ->check(CLI::Range(0.5, 100.0))
         ->capture_default_str();
     app.add_flag("--discretize", options.discretize, "one beam for each voxel that is hit");

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""How the demo's robot drives while a browser opens the page on a busy machine.
+"""Measures how the demo's robot drives while a browser opens the page on a busy machine.
 
   python3 bench/page_under_load.py [--busy LOOPS] [--no-page] [--out DIR] [--bin DIR]
 
-Runs `./nodmap demo --duration 90` beside so many busy loops. 12 s after the robot was released headless Chromium starts and opens the page; when it shows data
-it stays for 20 s. Prints one JSON object: what the robot drove in the 10 s before, while the browser started and while the page was open, by TRUTH, and
-what was lost.
+Runs `./nodmap demo --duration 90` beside LOOPS busy loops. Headless Chromium starts 12 s after the robot was released, opens the page, and stays open for
+20 s once the page shows data. Prints one JSON object: how far the robot drove (by TRUTH) in the 10 s before, while the browser started and while the page
+was open, and how many messages were lost.
 """
 import argparse
 import csv
@@ -25,12 +25,12 @@ import webdriver  # noqa: E402
 
 UNTIL_OPENED_S = 12
 OPEN_S = 20
-DURATION_S = 90  # of the demo: a browser has taken 35 s until it showed data
-STATIONARY = 0.02  # m/s, and rad/s
+DURATION_S = 90  # of the demo; a browser may take 35 s until it shows data
+STATIONARY = 0.02  # limit for the sum of the speeds in m/s and rad/s
 
 
 def start_demo(out, log):
-    """Returns once the robot drives."""
+    """Starts the demo; returns once the robot drives."""
     environment = {key: value for key, value in os.environ.items() if key != "LCM_DEFAULT_URL"}
     demo = subprocess.Popen([ROOT / "nodmap", "demo", "--duration", str(DURATION_S), "--out", out], cwd=ROOT, env=environment,
                             stdout=log.open("w"), stderr=subprocess.STDOUT)
@@ -42,7 +42,7 @@ def start_demo(out, log):
 
 
 def open_page(log):
-    """For OPEN_S; returns when the first data came, in seconds since 1970."""
+    """Opens the page for OPEN_S; returns when the first data came, in seconds since 1970."""
     address = re.search(r"http://\S*/#token=[0-9a-f]*", log.read_text()).group(0)
     with webdriver.Browser() as browser:
         browser.open(address)
@@ -61,7 +61,7 @@ def truth(out, programs):
 
 
 def driven(rows, begin_s, end_s):
-    """By the wall clock, on which the demo's simulation runs."""
+    """How far the robot drove between two times of the wall clock, which the demo's simulation follows."""
     rows = [row for row in rows if begin_s <= 1e-6 * row["utime_us"] < end_s]
     still = sum(abs(row["forward_mps"]) + abs(row["yaw_rate_rad_s"]) < STATIONARY for row in rows)
     way_m = sum(((b["x_m"] - a["x_m"]) ** 2 + (b["y_m"] - a["y_m"]) ** 2) ** 0.5 for a, b in zip(rows, rows[1:]))
@@ -70,9 +70,9 @@ def driven(rows, begin_s, end_s):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--busy", type=int, default=4, help="busy loops")
-    parser.add_argument("--no-page", action="store_true", help="for comparison")
-    parser.add_argument("--out", type=pathlib.Path, help="folder of the demo's results; made, and never overwritten")
+    parser.add_argument("--busy", type=int, default=4, help="number of busy loops")
+    parser.add_argument("--no-page", action="store_true", help="open no page, for comparison")
+    parser.add_argument("--out", type=pathlib.Path, help="new folder for the demo's results; an existing one is never overwritten")
     parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build" / "release" / "bin")
     arguments = parser.parse_args()
     out = (arguments.out or pathlib.Path(tempfile.mkdtemp(prefix="nodmap-page-")) / "demo").resolve()
@@ -92,7 +92,7 @@ def main():
             spans = {"browser_starts": (opened_s, first_s), "page_open": (first_s, first_s + OPEN_S)}
         load.append(os.getloadavg()[0])
         if demo.poll() is not None:
-            sys.exit("page_under_load: the demo was over before the page; fewer busy loops?")
+            sys.exit("page_under_load: the demo ended before the page was closed; try fewer busy loops")
         demo.wait()
     finally:
         for loop in loops:

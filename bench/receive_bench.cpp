@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Measures the cost of receiving over LCM's multicast: UdpmReceiver and stock liblcm in turn, in
-// one run, with the same messages. Prints one JSON object; cpu_us: CPU time of the process for each
-// handled message, sending included; send_us: CPU time of sending without a receiver. Needs a
-// multicast route:
+// Measures the cost of receiving over LCM's multicast with our UdpmReceiver and with stock liblcm,
+// in turn and with the same messages. Prints JSON: `*_cpu_us` is the CPU time of the process for
+// each handled message, sending included, and `send_us` the CPU time of sending without a receiver.
+// Needs a multicast route:
 //   tests/support/private_network.sh nodmap-bench-receive
 #include <sys/resource.h>
 
@@ -19,7 +19,7 @@ namespace {
 
 constexpr const char* kUrl = "udpm://239.255.76.67:7693?ttl=0&recv_buf_size=4000000";
 constexpr const char* kChannel = "SCAN";
-constexpr int kBurst = 20;  // fits into a socket's buffer with the default rmem_max
+constexpr int kBurst = 20;  // these fit into a socket's buffer with the default rmem_max
 constexpr int kQueue = 1000;
 constexpr int kRounds = 10;
 
@@ -32,7 +32,7 @@ double cpu_us() {
   return us(usage.ru_utime) + us(usage.ru_stime);
 }
 
-/// CPU time for each message if `handle_burst` is called after each burst.
+/// CPU time (us) for each message. `handle_burst` is called after each burst.
 template <class Handle>
 double measure(lcm::LCM& sender, const std::vector<char>& message, int bursts,
                Handle handle_burst) {

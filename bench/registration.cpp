@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// nodmap-bench-registration pairs DIR | sequence DIR | generate DIR --seed N Measures the core of
-// the 6D registration on clouds with known true poses. `pairs` registers each NAME_src.bin on
-// NAME_tgt.bin from NAME_init.txt and NAME_inite.txt; `sequence` tracks NNN.bin with odometry
-// NNN_odo.txt; truth is in *_gt.txt. `generate` makes such folders (DIR/pairs, DIR/seq) in floors
-// of its own.
+// Measures the core of the 6D registration on clouds with known true poses. Prints JSON.
+//   nodmap-bench-registration pairs DIR
+//   nodmap-bench-registration sequence DIR
+//   nodmap-bench-registration generate DIR --seed N
+// `pairs` registers each NAME_src.bin on NAME_tgt.bin from the guesses NAME_init.txt (hard) and
+// NAME_inite.txt (easy). `sequence` tracks the clouds NNN.bin with the odometry NNN_odo.txt. The
+// true poses are in *_gt.txt. `generate` writes such folders (DIR/pairs, DIR/seq) from a simulated
+// floor.
 #include "modules/slam6d/registration.hpp"
 
 #include <CLI/CLI.hpp>
@@ -40,7 +43,7 @@ using nodmap::test::read_matrix_file;
 
 constexpr int kRepeats = 5;  // registrations of each pair; the median time is reported
 
-/// CPU time of this process, which other load on the machine does not affect.
+/// CPU time of this process. Other load on the machine hardly affects it.
 double cpu_ms() {
   timespec time{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
@@ -235,8 +238,8 @@ std::string number(std::size_t k) {
   return std::string(3 - std::min<std::size_t>(3, digits.size()), '0') + digits;
 }
 
-/// Two poses 1 m and up to 15 degrees apart; one guess with an error of 5 cm and 1.3 degrees, one
-/// with 0.2 m and 5 degrees.
+/// Writes the clouds of two poses, 0.5 m and up to 12 degrees apart, and two guesses: one with an
+/// error of about 5 cm and 1.3 degrees, one of about 0.2 m and 5 degrees.
 void generate_pair(const fs::path& base, const nodmap::sim::RayCaster& world,
                    const SE3& T_world_target, const nodmap::bench::SweepShape& shape,
                    std::mt19937_64& random) {
@@ -254,7 +257,7 @@ void generate_pair(const fs::path& base, const nodmap::sim::RayCaster& world,
   write_cloud_file(base.string() + "_src.bin",
                    nodmap::bench::nodding_sweep(world, T_world_target * truth, shape, random));
   write_matrix_file(base.string() + "_gt.txt", truth);
-  // Three directions together: a factor of sqrt(3).
+  // The errors of the three directions together are larger by a factor of sqrt(3).
   write_matrix_file(base.string() + "_inite.txt",
                     nodmap::bench::disturbed(truth, 0.029, geometry::deg_to_rad(0.75), random));
   write_matrix_file(base.string() + "_init.txt",
@@ -305,7 +308,7 @@ void generate(const fs::path& dir, std::uint64_t seed, int num_pairs, int num_sw
 
 int main(int argc, char** argv) {
   try {
-    CLI::App app("The core of the 6D registration on clouds whose true poses are known.");
+    CLI::App app("Measures the core of the 6D registration on clouds whose true poses are known.");
     std::string dir;
     std::uint64_t seed = 1;
     int num_pairs = 10;
@@ -314,7 +317,8 @@ int main(int argc, char** argv) {
     pairs->add_option("DIR", dir)->required()->check(CLI::ExistingDirectory);
     auto* sequence = app.add_subcommand("sequence", "tracks a sequence of clouds");
     sequence->add_option("DIR", dir)->required()->check(CLI::ExistingDirectory);
-    auto* make = app.add_subcommand("generate", "makes pairs and a sequence in a furnished floor");
+    auto* make = app.add_subcommand(
+        "generate", "writes pairs and a sequence of clouds from a simulated furnished floor");
     make->add_option("DIR", dir)->required();
     make->add_option("--seed", seed)->capture_default_str();
     make->add_option("--pairs", num_pairs)->capture_default_str()->check(CLI::Range(0, 1000));

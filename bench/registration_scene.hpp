@@ -15,8 +15,8 @@ namespace nodmap::bench {
 /// cabinets, beams and columns. The same seed gives the same floor.
 [[nodiscard]] sim::World furnished_floor(std::uint64_t seed);
 
-/// One sweep of a nodding scanner: `lines` lines of `beams` beams over 180 degrees, pitched evenly
-/// from -50 to 40 degrees.
+/// The shape of a sweep of a nodding scanner: `lines` scan lines of `beams` beams over 180 degrees,
+/// evenly spaced in pitch from -50 to 40 degrees.
 struct SweepShape {
   int lines = 120;
   int beams = 181;
@@ -33,7 +33,8 @@ struct SweepShape {
 [[nodiscard]] std::vector<geometry::SE3> drive_on_floor(std::size_t num_poses,
                                                         std::mt19937_64& random);
 
-/// The pose with independent normally distributed errors in each direction.
+/// The pose with independent, normally distributed errors in each direction (standard deviations in
+/// m and rad).
 [[nodiscard]] geometry::SE3 disturbed(const geometry::SE3& pose, double sigma_m, double sigma_rad,
                                       std::mt19937_64& random);
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Measures the latency of bytes through a pseudo-terminal compared with a pipe, with the kernel's
-// workers at their normal and at raised priority. Prints one JSON object, times in microseconds:
-// `wake_us` is how late the writer woke up, the others are from write to read. The difference shows
-// on a busy machine:
+// Measures the latency of bytes through a pseudo-terminal and through a pipe, with the kernel's
+// workers at their normal and at raised priority. Prints one JSON object with times in
+// microseconds: `wake_us` is how late the writer woke up, `us` the time from write to read. They
+// differ only on a busy machine:
 //   for i in 1 2 3 4 5 6; do while :; do :; done & done; nodmap-bench-serial 20
 #include <fcntl.h>
 #include <sched.h>

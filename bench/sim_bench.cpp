@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Measures the time for one simulated scan of 181 beams (nodding, robot in the middle of the
-// world), and for one second of the whole model (1000 steps and 75 scans).
+// Measures the time for one simulated scan of 181 beams while the laser nods, and for one second of
+// the whole model (1000 steps and 75 scans).
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -42,7 +42,7 @@ void Scan(benchmark::State& state, const char* name) {
   }
 }
 
-/// The robot turns on the spot.
+/// The robot rotates on the spot.
 void RobotSecond(benchmark::State& state, const char* name) {
   RobotModel model(world(name), {}, 1);
   model.set_wheel_speeds({-0.3, 0.3});

@@ -1,16 +1,17 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Whether POSE_2D is right after a recording was damaged, and if not, whether it says so.
+"""Measures whether POSE_2D is right after a recording was damaged, and if not, whether POSE_2D says so.
 
 bench/slam2d_after_damage.py --data DIR [--bin DIR] [--logs NAME ...] [--kinds KIND ...] [--seeds N ...] [--set KEY=VALUE ...]
 
-Damages a log as bench/slam2d_damage.py does, but each damage alone: in a piece of the log from 40 s before it to 15 s after it. The poses after the
-damage, relative to the last one before it, are held against those of the whole log as it is. A pose is wrong when it is off by more than 25 cm in the
-first 4 s (50 cm afterwards, for short pieces drift), or by 4 degrees. Prints a row for each log and kind:
-  right   no pose is wrong for a second or longer
-  said    some are, and POSE_2D says DEGRADED or LOST
-  silent  some are, and it says TRACKING for a second or longer
-  cost    how many of all poses after a damage are not TRACKING
+Damages a log as bench/slam2d_damage.py does, but tries each damage alone, in the piece of the log from 40 s before it to 15 s after it. The poses after
+the damage, relative to the last pose before it, are compared with those of the undamaged log. A pose is wrong if it is off by more than 25 cm in the first
+4 s, by more than 50 cm afterwards (because the map of a short piece drifts), or by more than 4 degrees. Prints a row for each log and kind of damage, with
+the number of damages after which POSE_2D is
+  right   never wrong for a second or longer
+  said    wrong, but DEGRADED or LOST meanwhile
+  silent  wrong, and TRACKING for a second or longer
+and the percentage of the poses after a damage that are not TRACKING, which is the cost.
 """
 import bisect
 import math
@@ -27,7 +28,7 @@ LONG_SCANS = 5  # a second of the slowest log
 
 
 def published_poses(log):
-    """(time in s, (x, y, yaw), state) of each POSE_2D in an LCM event log."""
+    """Reads (time in s, (x, y, yaw), state) of each POSE_2D in an LCM event log."""
     data, at, poses = log.read_bytes(), 0, []
     while at + 28 <= len(data):
         channel_size, size = struct.unpack(">II", data[at + 20:at + 28])
@@ -40,7 +41,7 @@ def published_poses(log):
 
 
 def difference(a, b, c, d):
-    """Between the steps from a to b and from c to d: m, rad."""
+    """The difference (m, rad) between the motion from a to b and that from c to d."""
     x, y, yaw = compose(inverse(compose(inverse(a), b)), compose(inverse(c), d))
     return math.hypot(x, y), abs(math.remainder(yaw, 2.0 * math.pi))
 
@@ -51,7 +52,7 @@ class Bench:
         self.settings = [word for value in settings for word in ("--set", value)]
 
     def map(self, text):
-        """The poses that are published, and those corrected at the end: by time."""
+        """Maps a CARMEN log: the published poses, and the poses corrected at the end by their time in ms."""
         with tempfile.TemporaryDirectory() as made:
             folder = pathlib.Path(made)
             (folder / "log.clf").write_text(text)
@@ -62,7 +63,7 @@ class Bench:
             return published_poses(folder / "out" / "out.lcmlog"), corrected
 
     def outcome(self, published, truth, begin_s, end_s):
-        """right, said or silent, and how many poses after the damage are not TRACKING, of how many."""
+        """The outcome (right, said or silent), how many poses after the damage are not TRACKING, and how many there are."""
         known = [(time_s, pose, state, truth[round(1e3 * time_s)]) for time_s, pose, state in published if round(1e3 * time_s) in truth]
         first = bisect.bisect_right([row[0] for row in known], begin_s) - 1
         after = [row for row in known if row[0] >= end_s]
@@ -98,7 +99,7 @@ class Bench:
 def main():
     options = parse_arguments(__doc__, list(KINDS))
     bench = Bench(options.bin, options.data, options.settings)
-    print("| log | damage | right | said | silent | not TRACKING afterwards |\n|---|---|---|---|---|---|")
+    print("| log | damage | right | said | silent | not TRACKING in the 15 s afterwards |\n|---|---|---|---|---|---|")
     for name in options.logs:
         truth = bench.truth(name)
         for kind in options.kinds:

@@ -1,16 +1,16 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""2D SLAM on recordings that were damaged: what it does when odometry stands still, jumps or is missing for a while.
+"""Maps damaged recordings with 2D SLAM: measures the error when odometry stands still, jumps or is missing for a while.
 
 bench/slam2d_damage.py --data DIR [--bin DIR] [--logs NAME ...] [--kinds KIND ...] [--seeds N ...] [--set KEY=VALUE ...]
 
-DIR holds NAME.clf and NAME.relations (docs/benchmark-2d.md). About twice a minute, at a moment at which the robot moves, a log is damaged in one way:
-  stall   odometry repeats a pose for 0.5 to 1.5 s, and then catches up: a driver that hangs
+DIR holds NAME.clf and NAME.relations (docs/benchmark-2d.md). About twice a minute, while the robot moves, a log is damaged in one of these ways:
+  stall   odometry repeats a pose for 0.5 to 1.5 s and then catches up, as with a driver that hangs
   gap     nothing is recorded for 1 to 5 s
-  kick    odometry jumps by up to 0.5 m and 60 degrees, and never takes it back: wheels that slip
-  pause   nothing is recorded for 0.5 to 1.5 s, and odometry does not count what the robot has moved meanwhile
-Prints a row for each log and kind: error of translation and rotation over all relations for each seed, first of the log as it is. Seeds below
-1000 report, others are for choosing parameters (bench/seeds.py).
+  kick    odometry jumps by up to 0.5 m and 60 degrees and does not return, as with wheels that slip
+  pause   nothing is recorded for 0.5 to 1.5 s, and odometry does not count the motion during that time
+Prints a row for each log and kind of damage: the error of translation and rotation over all relations for each seed; the first row is the undamaged log.
+Seeds below 1000 are for reporting, others for choosing parameters (bench/seeds.py).
 """
 import argparse
 import json
@@ -36,7 +36,7 @@ def run(*command):
 
 
 def compose(a, b):
-    """SE(2): (x, y, yaw) of b, given in the frame of a."""
+    """Composes two poses (x, y, yaw): transforms b from the frame of a to the frame in which a is given."""
     c, s = math.cos(a[2]), math.sin(a[2])
     return (a[0] + c * b[0] - s * b[1], a[1] + s * b[0] + c * b[1], a[2] + b[2])
 
@@ -47,7 +47,7 @@ def inverse(a):
 
 
 class Line:
-    """A line of a CARMEN log with a pose by odometry: fields `first` to `first` + 2."""
+    """A line of a CARMEN log that has a pose by odometry, in the fields `first` to `first` + 2."""
     def __init__(self, text):
         self.words = text.split()
         self.first = int(self.words[1]) + 5 if self.words[0] == "FLASER" else 1
@@ -75,13 +75,13 @@ def moments(lines, kind, generator):
 
 
 def damaged(lines, kind, seed):
-    """The lines of a log with a pose, damaged."""
+    """Damages the lines of a log that have a pose."""
     generator = random.Random(f"{kind} {seed}")
     return damaged_at(moments(lines, kind, generator), lines, kind, generator)
 
 
 def damaged_at(places, lines, kind, generator):
-    """`places`: (begin, end) of each damage, seconds."""
+    """Damages the lines at these places: (begin, end) of each damage, seconds."""
     places = list(places)
     correction, before, out = (0.0, 0.0, 0.0), lines[0].pose, []
     for line in lines:
@@ -127,7 +127,7 @@ class Bench:
 
 
 def parse_arguments(description, kinds):
-    """The options of this bench and of slam2d_after_damage.py; `kinds`: the damages without --kinds."""
+    """Reads the options of this script and of slam2d_after_damage.py. `kinds`: the kinds of damage if --kinds is not given."""
     parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--data", type=pathlib.Path, required=True)
     parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build" / "release" / "bin")
@@ -141,7 +141,7 @@ def parse_arguments(description, kinds):
 def main():
     options = parse_arguments(__doc__, ["as it is", *KINDS])
     bench = Bench(options.bin, options.data, options.settings)
-    print("| log | damage | error of each seed: translation, rotation |\n|---|---|---|")
+    print("| log | damage | error for each seed: translation, rotation |\n|---|---|---|")
     for name in options.logs:
         for kind in options.kinds:
             cells = [f"{errors['trans_mean_m']:.4f} m, {errors['rot_mean_deg']:.3f}°" for errors in bench.row(name, kind, options.seeds)]

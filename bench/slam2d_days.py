@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Whether 2D SLAM lives with its map for days: pacing one corridor and standing, for hours of log time.
+"""Measures whether 2D SLAM's costs stay constant for days: the robot drives up and down one corridor, for hours of log time.
 
 bench/slam2d_days.py [--bin DIR] [--hours H ...] [--set KEY=VALUE ...]
 
-Writes a CARMEN log of a robot that paces a corridor of 24 m with doors, and stands for a minute at either end: a level laser with 181 beams and a
-range noise of 1 cm, a scan every 0.3 s while the robot drives and every 5 s while it stands, wheels that drift. Maps a log of H hours for each H and
-prints a row: CPU time of a scan, peak memory without the log, and what the map holds. With flat costs all rows are alike.
+For each H it writes a CARMEN log of H hours and maps it. In the log a robot drives up and down a corridor of 24 m with doors, and stops for a minute at each
+end. It has a level laser with 181 beams and a range noise of 1 cm, takes a scan every 0.3 s while it drives and every 5 s while it is stationary, and its
+wheels drift. Prints a row for each H: the CPU time of a scan, the peak memory without the log, and the size of the map. If the costs are constant, all rows
+are alike.
 """
 import argparse
 import json
@@ -23,7 +24,7 @@ BEAMS, MAX_RANGE_M = 181, 30.0
 
 
 def walls():
-    """Segments (x0, y0, x1, y1): two walls with doors 20 cm deep that are not opposite each other, and the ends."""
+    """The walls as segments (x0, y0, x1, y1): two walls with doors, which are set back by 20 cm and not opposite each other, and the end walls."""
     segments = [(-2.0, -HALF_WIDTH_M, -2.0, HALF_WIDTH_M), (LENGTH_M + 2.0, -HALF_WIDTH_M, LENGTH_M + 2.0, HALF_WIDTH_M)]
     for side, first in ((1.0, 0.5), (-1.0, 2.1)):
         x, y, depth = -2.0, side * HALF_WIDTH_M, side * (HALF_WIDTH_M + 0.2)
@@ -54,7 +55,7 @@ def ranges_m(segments, x, y, yaw):
 
 
 def lap():
-    """Poses and the time to the next: there, round, back and round."""
+    """The poses of one lap, each with the time to the next: along the corridor, rotate, back, and rotate."""
     poses = []
     steps = round(LENGTH_M / STEP_M)
     for heading, xs in ((0.0, range(steps + 1)), (math.pi, range(steps, -1, -1))):
@@ -97,7 +98,7 @@ def main():
     parser.add_argument("--set", nargs="*", default=[], help="parameters of nodmap-slam2d")
     options = parser.parse_args()
     settings = [word for value in options.set for word in ("--set", value)]
-    print("| hours | scans | CPU of a scan | memory | keyframes | submaps | whole map |\n|---|---|---|---|---|---|---|", flush=True)
+    print("| hours | scans | CPU time of a scan | memory | keyframes | submaps | whole map |\n|---|---|---|---|---|---|---|", flush=True)
     for hours in options.hours:
         with tempfile.TemporaryDirectory(prefix="nodmap-days-") as name:
             folder = pathlib.Path(name)
@@ -109,7 +110,7 @@ def main():
             process = subprocess.run(["/usr/bin/time", "-f", "%M", *command], check=True, capture_output=True, text=True)
             after = resource.getrusage(resource.RUSAGE_CHILDREN)
             cpu_s = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-            # The log is mapped and counts as memory, but is none of the map.
+            # The log is mapped into memory and therefore counted; it is subtracted, because it is not part of the map.
             memory_b = 1024 * int(process.stderr.strip().splitlines()[-1]) - (folder / "days.lcmlog").stat().st_size
             metrics = json.loads((folder / "out" / "result.json").read_text(encoding="utf-8"))["metrics"]
             size = (folder / "out" / "keyframes.lcmlog").stat().st_size

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""What 2D SLAM's parameters are worth: the same simulated drives, mapped with one setting after the other.
+"""Measures how the parameters of 2D SLAM affect its errors: maps the same simulated drives with different parameters.
 
 bench/slam2d_drives.py [--out DIR] [--bin DIR] [--setting "key=value ..." ...]
 
-Drives 30 times through the corridor of Fig. 6 (60 s) and 20 times through the cellar of Fig. 7 (120 s), with the odometry noise and the seeds for
-choosing of bench/seeds.py; the figures show other seeds. A drive that is in DIR already is taken from there. One row of the worst
-errors for each setting; the first has none.
+Drives 30 times through the corridor of Fig. 6 (60 s) and 20 times through the cellar (120 s), a loop like that of Fig. 7, with the odometry
+noise and the seeds for choosing of bench/seeds.py; the figures show other seeds. A drive that is already in DIR is used again. Prints a row with the worst
+errors for each setting; the first setting is the default parameters.
 """
 import argparse
 import concurrent.futures
@@ -43,7 +43,7 @@ class Drives:
         return folder
 
     def errors(self, run, setting):
-        """Of the corridor or the end pose, as nodmap-evaluate tells them."""
+        """The errors along the corridor or at the end of the drive, as nodmap-evaluate prints them."""
         folder = self.drive(run)
         words = [word for value in setting.split() for word in ("--set", value)]
         with tempfile.TemporaryDirectory() as made:
@@ -60,9 +60,9 @@ class Drives:
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--out", type=pathlib.Path, help="folder for the drives (5 GB), to be kept; default a temporary one")
+    parser.add_argument("--out", type=pathlib.Path, help="folder in which the drives (5 GB) are kept; default: a temporary one")
     parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build" / "release" / "bin")
-    parser.add_argument("--setting", nargs="+", default=SETTINGS, help="parameters of nodmap-slam2d, one row each")
+    parser.add_argument("--setting", nargs="+", default=SETTINGS, help="parameters of nodmap-slam2d; a row for each setting")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory(prefix="nodmap-drives-") as temporary:
         drives = Drives(options.out or pathlib.Path(temporary), options.bin)

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// nodmap-bench-slam2d-match DIR Measures the time of 2D SLAM's scan matching alone. DIR: output
-// folder of nodmap-slam2d --out. Each keyframe is matched with a submap of the twenty keyframes
-// before it, starting from its odometry pose.
+// Measures the time of 2D SLAM's scan matching alone. Each keyframe is matched with a submap of the
+// twenty keyframes before it, starting from its pose by odometry. Call (DIR is the output folder of
+// nodmap-slam2d --out):
+//   nodmap-bench-slam2d-match DIR
 #include <algorithm>
 #include <cstdio>
 #include <ctime>
@@ -20,7 +21,7 @@ using nodmap::geometry::SE2;
 
 constexpr std::size_t kKeyframes = 20;
 
-/// CPU time of this process, which other load on the machine does not affect.
+/// CPU time of this process. Other load on the machine hardly affects it.
 double cpu_ms() {
   timespec time{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);

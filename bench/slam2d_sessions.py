@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Maps each public log in one session, and in two: the second half of the log with --map-in on the map of the first.
+"""Maps each public log in one session and in two, where the second half is mapped with --map-in on the map of the first half.
 
 bench/slam2d_sessions.py --data DIR [--bin DIR]
 
-DIR holds NAME.clf and NAME.relations of intel, fr079 and mit-csail (docs/benchmark-2d.md). Prints a table of the errors over all relations, also those
-between the sessions, and of how many have no pose: those of the seconds until the robot is found.
+DIR holds NAME.clf and NAME.relations of intel, fr079 and mit-csail (docs/benchmark-2d.md). Prints a table of the errors over all relations, including
+those between the sessions, and of how many relations have no pose because the robot had not been found yet.
 """
 import argparse
 import json
@@ -25,7 +25,7 @@ def run(*command):
 
 
 def split(log, first, second):
-    """Each half with the PARAM lines, which a CARMEN log begins with."""
+    """Writes the two halves of a CARMEN log, each with the PARAM lines at its beginning."""
     lines = log.read_text(errors="replace").splitlines(keepends=True)
     head = [line for line in lines if line.startswith("PARAM")]
     middle = len(lines) // 2
@@ -51,7 +51,7 @@ def main():
     parser.add_argument("--data", type=pathlib.Path, required=True)
     parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build" / "release" / "bin")
     arguments = parser.parse_args()
-    print("| log | one session | two sessions | without a pose |\n|---|---|---|---|")
+    print("| log | one session | two sessions | relations without a pose |\n|---|---|---|---|")
     for name in LOGS:
         with tempfile.TemporaryDirectory() as work:
             folder = pathlib.Path(work)

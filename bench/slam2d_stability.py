@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""How much 2D SLAM's error depends on its parameters: each by -10 % and +10 %, one at a time, on the three public logs.
+"""Measures how much 2D SLAM's error depends on its parameters: changes each of them by -10 % and +10 %, one at a time, on the three public logs.
 
 bench/slam2d_stability.py --data DIR [--bin DIR] [--only KEY ...] [--logs NAME ...]
 
-DIR holds NAME.clf and NAME.relations of intel, fr079 and mit-csail (docs/benchmark-2d.md). One process at a time, so that it may run beside other
-work; a row takes as long as the three logs. Prints a table: relative error of translation against the defaults' for each log, the worst in
-bold where it is above 1.25. Whole numbers change by one at least.
+DIR holds NAME.clf and NAME.relations of intel, fr079 and mit-csail (docs/benchmark-2d.md). Only one process runs at a time, so that other work may run
+beside it; a row takes as long as mapping the three logs. Prints a table of the translation error of each log, relative to the error with the default
+parameters. Ratios above 1.25 are in bold. Whole numbers change by at least one.
 """
 import argparse
 import json
@@ -16,7 +16,7 @@ import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 LOGS = ("intel", "fr079", "mit-csail")
-# Not of the trajectory: how often the map goes out, its cells, and what only --localise uses.
+# Parameters that do not affect the trajectory: publishing of the map, its cells, and those that only --localise uses.
 WITHOUT_EFFECT = ("grid.", "localise.", "relocalise.")
 
 
@@ -33,7 +33,7 @@ class Stability:
         return done.stdout
 
     def parameters(self):
-        """Numeric parameters and their defaults, by name: int where only whole numbers are allowed."""
+        """The numeric parameters by name, with their defaults; int where only whole numbers are allowed."""
         found, sections, kind = {}, [], ""
         for line in self.call("nodmap-slam2d", "--dump-params").splitlines():
             words = line.strip()
@@ -68,7 +68,7 @@ def main():
     options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     options.add_argument("--data", type=pathlib.Path, required=True)
     options.add_argument("--bin", type=pathlib.Path, default=ROOT / "build" / "release" / "bin")
-    options.add_argument("--only", nargs="*", help="these parameters; default: all numeric ones")
+    options.add_argument("--only", nargs="*", help="the parameters to change; default: all numeric ones")
     options.add_argument("--logs", nargs="*", default=LOGS, choices=LOGS)
     options = options.parse_args()
     with tempfile.TemporaryDirectory() as folder:
@@ -83,7 +83,7 @@ def main():
                 try:
                     ratios = [error_m / reference_m for error_m, reference_m in
                               zip(bench.errors_m(("--set", f"{key}={value}")), base_m)]
-                except RuntimeError as error:  # beyond what is allowed
+                except RuntimeError as error:  # the value is not allowed
                     print(f"| `{key}` | {value} | not allowed |" + " |" * (len(options.logs) - 1), flush=True)
                     if "allowed" not in str(error):
                         raise

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Measures how long 6D SLAM blocks the handling of messages: CPU time of the handling thread for
-// each SCAN of a recording. Prints JSON.
+// Measures how long 6D SLAM blocks the handling of messages: the CPU time of the handling thread
+// for each SCAN of a recording. Prints one JSON object, times in ms.
 #include <time.h>
 #include <unistd.h>
 

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""How well 6D SLAM follows simulated drives, with one setting after the other.
+"""Measures how exactly 6D SLAM follows simulated drives, with different parameters.
 
 bench/slam6d_drives.py [--out DIR] [--bin DIR] [--choose] [--setting "key=value ..." ...]
 
-Drives for 100 s through office, cellar, loop and the corridor of Fig. 6, with the odometry noise of bench/seeds.py. Reports two seeds of
-each; --choose takes two others, with which parameters may be chosen. A drive that is in DIR already is taken from there. One table for each
-setting: error of all poses against the truth, the first agreeing, of 6D SLAM and of 2D SLAM on the same drive.
+The drives take 100 s through office, cellar, loop and the corridor of Fig. 6, with the odometry noise of bench/seeds.py. Two seeds of each world are for
+reporting; --choose takes two others, on which parameters may be chosen. A drive that is already in DIR is used again. Prints a table for each setting: the
+error of all poses of 6D SLAM relative to the truth, with the first poses aligned, and that of 2D SLAM on the same drive.
 """
 import argparse
 import json
@@ -31,17 +31,17 @@ def errors(drives, folder, setting):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--out", type=pathlib.Path, help="folder for the drives (1 GB), to be kept; default a temporary one")
+    parser.add_argument("--out", type=pathlib.Path, help="folder in which the drives (1 GB) are kept; default: a temporary one")
     parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build" / "release" / "bin")
-    parser.add_argument("--choose", action="store_true", help="seeds with which parameters may be chosen")
-    parser.add_argument("--setting", nargs="+", default=[""], help="parameters of nodmap-slam6d, one table each")
+    parser.add_argument("--choose", action="store_true", help="use seeds on which parameters may be chosen")
+    parser.add_argument("--setting", nargs="+", default=[""], help="parameters of nodmap-slam6d; a table for each setting")
     options = parser.parse_args()
     some_seeds = seeds.CHOOSING[1:3] if options.choose else seeds.REPORTING[101:103]
     with tempfile.TemporaryDirectory(prefix="nodmap-drives-") as temporary:
         drives = Drives(options.out or pathlib.Path(temporary), options.bin)
         drives.out.mkdir(parents=True, exist_ok=True)
         for setting in options.setting:
-            print(f"{setting or 'defaults'}:\n\n| drive | ATE | worst | rotation | 2D SLAM | sweeps | refused |\n|---|---|---|---|---|---|---|")
+            print(f"{setting or 'defaults'}:\n\n| drive | ATE | worst | rotation | ATE of 2D SLAM | sweeps | refused |\n|---|---|---|---|---|---|---|")
             for world in WORLDS:
                 for seed in some_seeds:
                     folder = drives.drive((world, seed, DURATION_S))

@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Puts the robot into a saved map without telling it where: does 6D SLAM find it, and does it say so where it does not?
+"""Starts the robot in a saved map without a start pose: does 6D SLAM find the robot, and does it report where it does not?
 
 bench/slam6d_sessions.py DRIVE ... [--bin DIR]
 
-A DRIVE is a folder WORLD-SEED with trial.lcmlog and truth.tum, as nodmap-trial writes it. The first half of each drive is mapped. Into that map comes
-the robot of its second half, which may leave the map, and of the first half of the next drive through the same world, which does not. Nothing but the
-map tells where the robot is: odometry begins anywhere. Prints a table for `--localise` and `--map-in`: when the robot is found first, the median error of the
-poses that are right (within 0.5 m and 5 degrees of the truth), and how many poses are right, wrong and called DEGRADED, wrong and called TRACKING, or LOST.
+A DRIVE is a folder WORLD-SEED with trial.lcmlog and truth.tum, as nodmap-trial writes it. The first half of each drive is mapped. Two robots are then started
+in this map: that of the second half of the drive, which may leave the map, and that of the first half of the next drive through the same world, which does
+not leave it. Odometry begins at an arbitrary pose, so only the map can show where the robot is. Prints a table for `--localise` and for `--map-in`: when the
+robot is first found; the median error of the poses that are right (within 0.5 m and 5 degrees of the truth); and how many poses are right, wrong and
+DEGRADED, wrong and TRACKING, or LOST.
 """
 import argparse
 import bisect
@@ -20,7 +21,7 @@ import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 HEADER = struct.Struct(">IqqII")  # sync, number, time, lengths of channel and data
-POSE = struct.Struct(">8xq3d4d")  # of a pose_t: fingerprint, utime, position, orientation; its last byte is the state
+POSE = struct.Struct(">8xq3d4d")  # the fields of a pose_t after its fingerprint: utime, position, orientation; the last byte of the message is the state
 TRACKING, DEGRADED, LOST = range(3)
 MAX_ERROR_M, MAX_ERROR_RAD = 0.5, math.radians(5.0)
 
@@ -33,7 +34,7 @@ def run(*command):
 
 
 def events(log):
-    """All events of a log: time, channel, data and all bytes."""
+    """Yields all events of a log: time, channel, data, and the bytes of the whole event."""
     data = memoryview(log.read_bytes())
     at = 0
     while at + HEADER.size <= len(data):
@@ -67,7 +68,7 @@ def inverse(a):
 
 
 class Truth:
-    """Where the robot was in the world, as x, y and yaw."""
+    """The true poses of the robot in the world, as x, y and yaw."""
     def __init__(self, file):
         rows = [[float(word) for word in line.split()] for line in file.read_text().splitlines() if line and not line.startswith("#")]
         self.times = [row[0] for row in rows]
@@ -78,7 +79,7 @@ class Truth:
 
 
 def poses(log):
-    """Of POSE_6D: time in seconds, x, y and yaw, state."""
+    """Yields each POSE_6D: time in seconds, (x, y, yaw), state."""
     for _, channel, data, _ in events(log):
         if channel == b"POSE_6D":
             utime, x, y, _, *orientation = POSE.unpack_from(data)
@@ -92,7 +93,7 @@ def session(programs, log, out, *options):
 
 
 def judge(found, truth, T_map_world):
-    """Counts of right, wrong and DEGRADED, wrong and TRACKING, LOST; errors of the right ones; when the first one was found."""
+    """The numbers of poses that are right, wrong and DEGRADED, wrong and TRACKING, and LOST; the errors (m) of the right ones; the time of the first of them."""
     counts, errors, first = [0, 0, 0, 0], [], None
     for time_s, pose, state in found:
         if state == LOST:
@@ -111,7 +112,7 @@ def judge(found, truth, T_map_world):
 def row(programs, folder, map_dir, T_map_world, drive, half, names):
     truth = Truth(drive / "truth.tum")
     cells = []
-    for name, option in (("localises", "--localise"), ("carries on", "--map-in")):
+    for name, option in (("localises", "--localise"), ("continues", "--map-in")):
         with tempfile.TemporaryDirectory() as out:
             found = session(programs, folder / f"{half}.lcmlog", pathlib.Path(out) / "out", option, map_dir)
         counts, errors, first = judge(found, truth, T_map_world)
@@ -126,7 +127,7 @@ def main():
     parser.add_argument("drives", type=pathlib.Path, nargs="+", metavar="DRIVE")
     parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build" / "release" / "bin")
     arguments = parser.parse_args()
-    print("| map, robot | | found after | median error | right, wrong DEGRADED, wrong TRACKING, LOST |\n|---|---|---|---|---|")
+    print("| map, robot | | found after | median error | poses: right; wrong, DEGRADED; wrong, TRACKING; LOST |\n|---|---|---|---|---|")
     with tempfile.TemporaryDirectory() as work:
         folders = {drive: pathlib.Path(work) / drive.name for drive in arguments.drives}
         for drive, folder in folders.items():

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Runs the closed-loop trials that show what must hold, and prints one table with the targets.
+"""Runs the closed-loop trials that check the requirements on the whole robot, and prints a table of results and targets.
 
     bench/trials.py [--jobs N] [--quick] [--only GROUP ...] [--out DIR] [--bin DIR]
 
-Each group is a function that names its trials and adds the rows of its results. Every trial is deterministic; the table is the same on
-every machine but for the last column's times. Exit code 1 when a target is missed.
+Each group is a function that defines its trials and adds rows with their results. Every trial is deterministic, so that the table is the same on every
+machine, apart from the times that the group `speed` measures. The exit code is 1 if a target is missed.
 """
 import argparse
 import concurrent.futures
@@ -26,7 +26,7 @@ sys.path.insert(0, str(ROOT / "scripts" / "figures"))
 import moving_clouds  # Fig. 8 shows what is measured here
 from seeds import ODOMETRY_NOISE, REPORTING
 
-# 300 ms and 0.3 m: what any loss may cost beyond braking (the whole robot's limits).
+# After the loss of any part the robot may need this much more time and distance than braking takes.
 REACTION_S, REACTION_M = 0.3, 0.3
 FAULTS = ["laser:unplug", "laser:silent", "laser:freeze", "servo:unplug", "servo:silent", "servo:stall", "base:unplug",
           "base:silent"]
@@ -34,7 +34,7 @@ PROCESSES = ["kurt", "laser3d", "pitch_controller", "map_server", "navigator"]
 
 
 class Trial:
-    """One run of nodmap-trial, and what came of it."""
+    """One run of nodmap-trial and its result."""
 
     def __init__(self, name, world, seed, duration_s, *options, keep_log=False):
         self.name, self.world, self.seed, self.duration_s, self.options = name, world, seed, duration_s, options
@@ -57,7 +57,7 @@ class Trial:
 
 
 class Table:
-    """Rows of what was measured beside what is asked for."""
+    """Rows of measured values and their targets."""
 
     def __init__(self):
         self.rows = []
@@ -90,7 +90,7 @@ def collided(results):
     return sum(result["collisions"] > 0 for result in results)
 
 
-# The groups: (trials, add_rows).
+# Each group returns its trials, and a function that adds their rows to the table.
 
 def random_clutter(quick):
     trials = [Trial(f"random-{s}", f"random:{s}", s, 20 if quick else 60, "--no-slam6d") for s in REPORTING[:2 if quick else 100]]
@@ -100,7 +100,7 @@ def random_clutter(quick):
         speeds = [result["mean_speed_mps"] for result in results]
         table.add(f"random clutter, {len(results)} worlds: collisions", sum(r["collisions"] for r in results), "0",
                   collided(results) == 0)
-        table.add("random clutter: mean speed, m/s (least of all worlds)",
+        table.add("random clutter: mean speed (lowest of all worlds), m/s",
                   f"{sum(speeds) / len(speeds):.2f} ({min(speeds):.2f})", ">= 0.5", sum(speeds) / len(speeds) >= 0.5)
         table.add("random clutter: least clearance, m", f"{min(r['min_clearance_m'] for r in results):.3f}", "> 0",
                   min(r["min_clearance_m"] for r in results) > 0)
@@ -126,7 +126,7 @@ def crowd(quick):
     def add_rows(table, _):
         results = results_of(trials)
         table.add(f"crowd, {len(results)} runs: collisions", sum(r["collisions"] for r in results), "0", collided(results) == 0)
-        table.add("crowd: people who walked into the standing robot; metres driven in a run",
+        table.add("crowd: people who walked into the stationary robot; metres driven in a run",
                   f"{sum(r['bumped'] for r in results)}; {min(r['distance_m'] for r in results):.1f} to "
                   f"{max(r['distance_m'] for r in results):.1f}", "", True)
     return trials, add_rows
@@ -137,7 +137,7 @@ def nearest_rank(values, share):
 
 
 def appearing(quick):
-    # The robot brakes for about half of them and steers past the rest: so many give 100 that are measured.
+    # The robot brakes in about half of the trials and steers past the obstacle in the others: this number gives at least 100 brakings.
     n = 3 if quick else 250
     trials = [Trial(f"appear-{s}", f"random:{s}", s, 16, "--no-slam6d", "--appear", 6 + s % 5) for s in REPORTING[:n]]
 
@@ -150,17 +150,17 @@ def appearing(quick):
         table.add(f"appearing obstacle, {len(results)} trials: collisions", sum(r["collisions"] for r in results), "0",
                   collided(results) == 0)
         braked = sum(bool(l["events"]) for l in latencies)
-        table.add(f"appearing: trials in which it braked ({sum(l['evaded'] for l in latencies)} times it steered past)", braked,
+        table.add(f"appearing: trials in which the robot braked (times it steered past: {sum(l['evaded'] for l in latencies)})", braked,
                   ">= 100", braked >= (0 if quick else 100))
-        table.add("appearing: never answered", unanswered, "0", unanswered == 0)
+        table.add("appearing: obstacles to which the robot never reacted", unanswered, "0", unanswered == 0)
         if events:
             values = [event["latency_ms"] for event in events]
             shares = [event["latency_ms"] / event["limit_ms"] for event in events]
             table.add("appearing: brake latency p50/p99/max, ms",
                       f"{nearest_rank(values, 0.5):.0f}/{nearest_rank(values, 0.99):.0f}/{max(values):.0f}", "", True)
-            table.add("appearing: answered within two sweeps of that moment, a scan and 20 ms", f"{within} of {len(events)}",
+            table.add("appearing: brakings within the limit: two sweeps of that moment, a scan and 20 ms", f"{within} of {len(events)}",
                       "all", within == len(events))
-            table.add("appearing: share of that limit used, p50/p99/max",
+            table.add("appearing: fraction of this limit, p50/p99/max",
                       f"{nearest_rank(shares, 0.5):.2f}/{nearest_rank(shares, 0.99):.2f}/{max(shares):.2f}", "<= 1",
                       max(shares) <= 1.0)
     return trials, add_rows
@@ -182,14 +182,14 @@ def stops(quick):
             resumed = stop["resumed_after_s"]
             holds = (stopped and stop["reaction_s"] <= REACTION_S and beyond_m <= REACTION_M and resumed is not None
                      and trial.result["collisions"] == 0)
-            table.add(f"{stop['what']} at {stop['speed_mps']:.1f} m/s: beyond braking; goes on after",
-                      (f"{1000 * stop['reaction_s']:.0f} ms, {beyond_m:.2f} m" if stopped else "does not stop") +
+            table.add(f"{stop['what']} at {stop['speed_mps']:.1f} m/s: time and distance beyond braking; drives on after",
+                      (f"{1000 * stop['reaction_s']:.0f} ms, {beyond_m:.2f} m" if stopped else "did not stop") +
                       (f"; {resumed:.1f} s" if resumed is not None else "; never"), "300 ms, 0.30 m", holds)
     return trials, add_rows
 
 
 def call(programs, program, *arguments):
-    """What the program prints; its error is ours."""
+    """Runs a program and returns what it prints; raises RuntimeError with its error message."""
     done = subprocess.run([str(programs / program), *(str(argument) for argument in arguments)], capture_output=True, text=True)
     if done.returncode != 0:
         raise RuntimeError(f"{program}: {done.stderr.strip()}")
@@ -209,9 +209,9 @@ def corridor(quick):
         length_percent, bow_m, heading_deg = (abs(errors[key]) for key in ("length_error_percent", "bow_m", "heading_error_deg"))
         table.add(f"Fig. 6, {errors['length_m']:.1f} m, odometry with 3 % bias and 1 deg/m: length error", f"{length_percent:.2f} %", "<= 1 %",
                   length_percent <= 1.0)
-        table.add("Fig. 6: bow (odometry's end error)", f"{bow_m:.3f} m ({odometry['end_error_m']:.2f} m)", "<= 0.10 m",
+        table.add("Fig. 6: greatest error across the corridor (end error of odometry)", f"{bow_m:.3f} m ({odometry['end_error_m']:.2f} m)", "<= 0.10 m",
                   bow_m <= 0.10)
-        table.add("Fig. 6: heading", f"{heading_deg:.2f} deg", "<= 0.5 deg", heading_deg <= 0.5)
+        table.add("Fig. 6: greatest error of the heading", f"{heading_deg:.2f} deg", "<= 0.5 deg", heading_deg <= 0.5)
     return [trial], add_rows
 
 
@@ -220,10 +220,10 @@ def cellar(quick):
 
     def add_rows(table, _):
         slam, odometry = trial.result["slam2d"], trial.result["odometry"]
-        table.add(f"Fig. 7, {trial.result['distance_m']:.0f} m in the cellar, odometry with 3 % bias and 1 deg/m: end pose",
+        table.add(f"Fig. 7, {trial.result['distance_m']:.0f} m in the cellar, odometry with 3 % bias and 1 deg/m: error of the end pose",
                   f"{slam['end_error_m']:.3f} m, {slam['end_error_deg']:.2f} deg", "<= 0.10 m, 1 deg",
                   slam["end_error_m"] <= 0.10 and slam["end_error_deg"] <= 1.0)
-        table.add("Fig. 7: odometry's end pose, for comparison",
+        table.add("Fig. 7: error of the end pose by odometry, for comparison",
                   f"{odometry['end_error_m']:.2f} m, {odometry['end_error_deg']:.1f} deg", "", True)
         table.add("cellar: collisions", trial.result["collisions"], "0", trial.result["collisions"] == 0)
     return [trial], add_rows
@@ -237,10 +237,11 @@ def loop(quick):
             ends = [result[name] for result in results_of(trials)]
             worst_m, worst_deg = (max(end[key] for end in ends) for key in ("end_error_m", "end_error_deg"))
             holds = worst_m <= 0.10 and worst_deg <= 1.0
-            table.add(f"loop, once round, {min(r['distance_m'] for r in results_of(trials)):.0f} m at least, {name}: end pose, worst of {len(trials)}",
+            least_m = min(result["distance_m"] for result in results_of(trials))
+            table.add(f"loop, once around, at least {least_m:.0f} m, {name}: error of the end pose, worst of {len(trials)}",
                       f"{worst_m:.3f} m, {worst_deg:.2f} deg", "" if name == "odometry" else "<= 0.10 m, 1 deg", name == "odometry" or holds)
         rounds = sum(result["goal_reached"] for result in results_of(trials))
-        table.add(f"loop: runs of {len(trials)} that came back to the start", rounds, "all", rounds == len(trials))
+        table.add(f"loop: runs of {len(trials)} that returned to the start", rounds, "all", rounds == len(trials))
     return trials, add_rows
 
 
@@ -249,7 +250,7 @@ def level_laser(quick):
 
     def add_rows(table, _):
         nodding, level = ([result[name]["ate_rmse_m"] for result in results_of(trials)] for name in ("slam2d", "slam2d_level"))
-        table.add(f"2D map nodding / level laser on the same {len(trials)} drives, ATE: sum of all (least, greatest ratio)",
+        table.add(f"ATE of 2D SLAM, nodding / level laser, mean of {len(trials)} drives (lowest, highest ratio)",
                   f"{1000 * sum(nodding) / len(nodding):.1f} / {1000 * sum(level) / len(level):.1f} mm = {sum(nodding) / sum(level):.2f} "
                   f"({min(n / l for n, l in zip(nodding, level)):.2f}, {max(n / l for n, l in zip(nodding, level)):.2f})", "<= 1.2",
                   sum(nodding) <= 1.2 * sum(level))
@@ -261,7 +262,7 @@ def drive_to_goal(world, seeds, duration_s):
 
     def add_rows(table, _):
         results = results_of(trials)
-        table.add(f"{world}, {len(results)} runs: collisions (of them falls)",
+        table.add(f"{world}, {len(results)} runs: collisions (of these, falls)",
                   f"{sum(r['collisions'] for r in results)} ({sum(r['falls'] for r in results)})", "0", collided(results) == 0)
         table.add(f"{world}: goals reached; metres driven in a run",
                   f"{sum(r['goal_reached'] for r in results)} of {len(results)}; {min(r['distance_m'] for r in results):.1f} to "
@@ -283,7 +284,7 @@ def occupancy(quick):
     def add_rows(table, _):
         for trial in trials:
             occupancy = trial.result["occupancy"]
-            table.add(f"OctoMap of {trial.world}, {trial.result['distance_m']:.0f} m: precision, recall to one voxel of 5 cm",
+            table.add(f"OctoMap of {trial.world}, {trial.result['distance_m']:.0f} m: precision and recall, to one voxel of 5 cm",
                       f"{occupancy['precision']:.3f}, {occupancy['recall']:.3f}", "", True)
     return trials, add_rows
 
@@ -295,21 +296,21 @@ def map_error(trial, programs):
 def clouds(quick):
     fast = Trial("fig8", "cellar", 1, 60, "--no-slam6d", keep_log=True)
     corridor_moving = Trial("corridor-moving", "corridor30", 2, 12 if quick else 25)
-    standing = Trial("fig9-standing", "cellar", 2, 12, "--without", "navigator")
+    stationary = Trial("fig9-standing", "cellar", 2, 12, "--without", "navigator")
     cellar_moving = Trial("fig9-moving", "cellar", 2, 20 if quick else 40)
 
     def add_rows(table, programs):
         single = moving_clouds.measure(fast.dir, WORLDS / "cellar.yaml", functools.partial(call, programs))
         worst_m = max(cloud["errors"]["rms_m"] for cloud in single)
-        table.add(f"Fig. 8, one cloud at {moving_clouds.SPEED_MPS} m/s, worst of {len(single)}: residual to the true surfaces",
-                  f"{1000 * worst_m:.1f} mm rms", "<= 30 mm", worst_m <= 0.03)
-        table.add(f"3D map of {corridor_moving.result['distance_m']:.0f} m of corridor, all clouds by 6D SLAM: residual to the true surfaces",
-                  f"{1000 * map_error(corridor_moving, programs)['rms_m']:.1f} mm rms", "", True)
-        still, moved = map_error(standing, programs), map_error(cellar_moving, programs)
+        table.add(f"Fig. 8, one cloud at {moving_clouds.SPEED_MPS} m/s, worst of {len(single)}: distance from the true surfaces",
+                  f"{1000 * worst_m:.1f} mm RMS", "<= 30 mm", worst_m <= 0.03)
+        table.add(f"3D map of {corridor_moving.result['distance_m']:.0f} m of corridor by 6D SLAM: distance from the true surfaces",
+                  f"{1000 * map_error(corridor_moving, programs)['rms_m']:.1f} mm RMS", "", True)
+        still, moved = map_error(stationary, programs), map_error(cellar_moving, programs)
         ratio = moved["rms_m"] / still["rms_m"]
-        table.add("Fig. 9: moving / standing", f"{ratio:.2f} ({1000 * moved['rms_m']:.1f} / {1000 * still['rms_m']:.1f} mm)",
+        table.add("Fig. 9: distance from the true surfaces, moving / stationary", f"{ratio:.2f} ({1000 * moved['rms_m']:.1f} / {1000 * still['rms_m']:.1f} mm)",
                   "<= 1.5", ratio <= 1.5)
-    return [fast, corridor_moving, standing, cellar_moving], add_rows
+    return [fast, corridor_moving, stationary, cellar_moving], add_rows
 
 
 def speed(quick):
@@ -319,7 +320,7 @@ def speed(quick):
         for trial in trials:
             result = trial.result
             per_cpu_s = result["realtime_factor"] * result["wall_s"] / result["cpu_s"]
-            table.add(f"{trial.world}, whole robot with both SLAMs: simulated seconds in a second of one core", f"{per_cpu_s:.1f}",
+            table.add(f"{trial.world}, whole robot with both SLAMs: simulated seconds per second of CPU time", f"{per_cpu_s:.1f}",
                       ">= 10", per_cpu_s >= 10.0)
     return trials, add_rows
 
@@ -344,9 +345,9 @@ def run_all(trials, programs, out, jobs):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
-    parser.add_argument("--quick", action="store_true", help="a few short trials of each group")
+    parser.add_argument("--quick", action="store_true", help="run only a few short trials of each group")
     parser.add_argument("--only", nargs="+", choices=GROUPS, default=list(GROUPS))
-    parser.add_argument("--out", type=pathlib.Path, help="keep the results here; default a folder that is removed")
+    parser.add_argument("--out", type=pathlib.Path, help="folder in which the results are kept; default: a temporary one")
     parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build" / "release" / "bin")
     arguments = parser.parse_args()
     out = arguments.out or pathlib.Path(tempfile.mkdtemp(prefix="nodmap-trials-"))
@@ -362,7 +363,7 @@ def main():
                 add_rows(table, arguments.bin)
         factors = [result["realtime_factor"] for result in results_of(trials)]
         table.show()
-        print(f"{len(factors)} trials; faster than real time by {min(factors):.0f} to {max(factors):.0f}")
+        print(f"{len(factors)} trials; {min(factors):.0f} to {max(factors):.0f} times as fast as real time")
     finally:
         if not arguments.out:
             shutil.rmtree(out)

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""What nodmap-viewer takes with the whole (simulated) robot live, and what its clients and its death do to the robot.
+"""Measures what nodmap-viewer costs while the whole simulated robot runs live, and what its clients and its end do to the robot.
 
   tests/support/private_network.sh python3 bench/viewer.py [--window S] [--soak S] [--bin DIR] [--world WORLD.yaml]
 
-Prints one JSON object. In each window: the viewer's share of one core, its memory, and the robot's rates and latencies as its own
-STATUS tells them, heard by a second viewer that is there all the time.
+Prints one JSON object. It holds for each window the viewer's share of one core, its memory, and the rates and latencies that the robot's processes report in
+STATUS. A second viewer, which runs all the time, receives the STATUS messages.
 """
 import argparse
 import json
@@ -30,7 +30,7 @@ ROBOT = ("nodmap-laser3d", "nodmap-map-server", "nodmap-navigator", "nodmap-slam
 
 
 class Robot:
-    """The processes of procman/sim.pmd, by the process manager."""
+    """The processes of procman/sim.pmd, started by the process manager."""
 
     def __init__(self, programs, world, folder):
         environment = {**os.environ, "NODMAP_WORLD": world, "NODMAP_RUN": folder, "NODMAP_PORT": "0", "PATH": programs + os.pathsep + os.environ["PATH"]}
@@ -51,7 +51,7 @@ class Robot:
 
 
 class Reader(threading.Thread):
-    """A client of every topic that takes what comes and looks at none of it."""
+    """A client that subscribes to every topic and counts the bytes it receives."""
 
     def __init__(self, port):
         super().__init__(daemon=True)
@@ -68,7 +68,7 @@ class Reader(threading.Thread):
                 self.bytes += len(self.client.socket.socket.recv(1 << 20))
             except OSError:
                 return
-            if time.monotonic() - alive > 5:  # so that it does not count as idle
+            if time.monotonic() - alive > 5:  # keeps the connection from being closed as idle
                 self.client.socket.send(b"", PONG)
                 alive = time.monotonic()
 
@@ -79,7 +79,7 @@ class Reader(threading.Thread):
 
 
 class Gaps(threading.Thread):
-    """A client of PITCH_STATE that notes the times between messages."""
+    """A client that measures the times between messages of PITCH_STATE."""
 
     def __init__(self, port):
         super().__init__(daemon=True)
@@ -106,7 +106,7 @@ class Gaps(threading.Thread):
 
 
 def robot_status(observer, duration_s):
-    """Medians of what the robot's processes say of themselves over this time."""
+    """The medians of the rates and latencies in STATUS of the robot's processes over this time."""
     client = Client(observer.port)
     client.subscribe("STATUS")
     rows, end = {}, time.monotonic() + duration_s
@@ -126,7 +126,7 @@ def window(viewer, observer, duration_s):
     return {"viewer_cpu_percent": round(100 * share, 1), "viewer_memory_mb": round(viewer.memory_kb() / 1024, 1), "robot": robot}
 
 
-# When the page has first been seen to draw the robot and its cloud: seconds since it was opened.
+# Waits until the page first draws the robot and its cloud: seconds since it was opened.
 FIRST_PICTURE = """
 return new Promise((done) => {
   const render = nodmap.view.render.bind(nodmap.view);
@@ -141,7 +141,7 @@ return new Promise((done) => {
 
 
 def first_image_s(port, times=5):
-    """What a person waits for a page in headless Chromium, without a graphics card; none without Chromium."""
+    """How long the page takes until its first image, in headless Chromium without a graphics card; None without Chromium."""
     if not webdriver.is_installed():
         return None
     waited_s = []
@@ -154,7 +154,7 @@ def first_image_s(port, times=5):
 
 
 def first_data_s(port):
-    """From the connection to all that a page begins with: body, pose, map and the whole cloud so far."""
+    """The time from the connection until a client has body, pose, map and the whole cloud so far."""
     begin = time.monotonic()
     client = Client(port)
     client.subscribe("scene/robot", "tf/base", "MAP_2D", "CLOUD", "OCTOMAP")
@@ -164,7 +164,7 @@ def first_data_s(port):
 
 
 def huge_message(port):
-    """Announces 100 MB and sends as long as it is let; how much was taken, in MB."""
+    """Announces a message of 100 MB and sends until the connection is closed; returns how much the viewer took, in MB."""
     client = WebSocket(port)
     sent = 0
     try:
@@ -179,7 +179,7 @@ def huge_message(port):
 
 
 def many_connections(port, count):
-    """Opens so many, holding the newest 400; seconds it took."""
+    """Opens this number of connections, keeping the newest 400 open; returns the seconds it took."""
     begin, held = time.monotonic(), []
     for _ in range(count):
         held.append(socket.create_connection(("127.0.0.1", port), timeout=30))
@@ -199,7 +199,7 @@ def hostile(viewer):
 
 
 def fastest_mps(client, duration_s):
-    """The robot's fastest speed by TRUTH over this time."""
+    """The robot's highest speed over this time, by TRUTH."""
     end, fastest = time.monotonic() + duration_s, 0.0
     while time.monotonic() < end:
         fastest = max(fastest, abs(client.receive()[2]["forward_mps"]))
@@ -207,7 +207,7 @@ def fastest_mps(client, duration_s):
 
 
 def stop_and_go(observer):
-    """Stops the driving robot, kills the viewer that did, and lets the robot go by another one."""
+    """Stops the driving robot, kills the viewer that stopped it, and releases the robot by another viewer."""
     truth = Client(observer.port)
     truth.subscribe("TRUTH")
     truth.collect(lambda m: m and m["TRUTH"][-1][1]["forward_mps"] > 0.3, timeout_s=120)
@@ -227,7 +227,7 @@ def stop_and_go(observer):
 
 
 def soak(viewer, duration_s):
-    """One client for so long; the viewer's memory at five moments."""
+    """Runs one client for this time; returns the viewer's memory at five moments."""
     reader, memory_mb = Reader(viewer.port), []
     for moment in range(5):
         time.sleep(duration_s / 4 if moment else 0)
@@ -268,8 +268,8 @@ def measure(arguments):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
-    parser.add_argument("--window", type=float, default=20.0, help="seconds of each window")
-    parser.add_argument("--soak", type=float, default=0.0, help="seconds with one client for the growth of memory")
+    parser.add_argument("--window", type=float, default=20.0, help="length of each window, seconds")
+    parser.add_argument("--soak", type=float, default=0.0, help="how long the growth of memory with one client is measured, seconds")
     parser.add_argument("--bin", default=os.path.join(ROOT, "build", "release", "bin"))
     parser.add_argument("--world", default=os.path.join(ROOT, "sim", "worlds", "cellar.yaml"))
     arguments = parser.parse_args()

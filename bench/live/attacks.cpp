@@ -25,16 +25,16 @@
 namespace nodmap::bench {
 namespace {
 
-constexpr std::uint16_t kPort = 7667;  // of LCM, where nothing else is said
+constexpr std::uint16_t kPort = 7667;  // LCM's default port
 constexpr double kRateHz = 100.0;
-constexpr time::Duration kAhead = 45ms;  // the forged stamp, of a DRIVE that is to look newest
-constexpr double kDrivingMps = 0.5;      // the robot is on its way
+constexpr time::Duration kAhead = 45ms;  // forged stamps are ahead, to look newest
+constexpr double kDrivingMps = 0.5;      // from this speed on the robot is driving
 constexpr double kTimeToStopS = 2.0;     // to notice the attack and to brake
-constexpr double kStationaryM = 0.05;    // farther it does not move after that
-constexpr double kPatienceS = 120.0;  // until it drives, before and after; a busy machine is slow
+constexpr double kStationaryM = 0.05;    // greatest distance of a robot that has stopped
+constexpr double kPatienceS = 120.0;     // wait for it to drive; a busy machine is slow
 constexpr const char* kNeighbour = "10.9.9.9";
 
-/// Sends what a process of the robot would send, and datagrams as they are.
+/// Sends messages as a process of the robot would, and raw datagrams.
 class Forger {
  public:
   [[nodiscard]] std::int64_t next_seq() { return seq_++; }
@@ -70,7 +70,7 @@ time::Timestamp now() {
   return time::SystemClock().now();
 }
 
-/// Full speed ahead.
+/// Commands full speed ahead.
 nodmap::drive_t forged_drive(Forger& forger, time::Duration ahead) {
   nodmap::drive_t drive{};
   drive.utime = time::to_utime(now() + ahead);
@@ -80,7 +80,7 @@ nodmap::drive_t forged_drive(Forger& forger, time::Duration ahead) {
   return drive;
 }
 
-/// The laser looks up, and the way is said to be free at any speed.
+/// Makes the laser look up and allows any speed.
 nodmap::pitch_command_t forged_pitch_command(Forger& forger) {
   nodmap::pitch_command_t command{};
   command.utime = time::to_utime(now());
@@ -92,7 +92,7 @@ nodmap::pitch_command_t forged_pitch_command(Forger& forger) {
   return command;
 }
 
-/// The robot has not moved since its start.
+/// Reports that the robot has not moved since its start.
 nodmap::odometry_t forged_odometry(Forger& forger, time::Duration ahead) {
   nodmap::odometry_t odometry{};
   odometry.utime = time::to_utime(now() + ahead);
@@ -106,10 +106,11 @@ enum class Promise { kStationary, kDrivesOn };
 struct Attack {
   std::string name;
   Promise promise = Promise::kStationary;
-  std::string teller;  ///< the process that tells of it on STATUS; empty: nobody has to
+  std::string teller;  ///< the process that must report the attack in STATUS; empty: none
   std::function<void(Forger&)> strike;
   double rate_hz = kRateHz;            ///< 0: once
-  bool restarts_stopped_pair = false;  ///< STOP, then base driver and navigator are killed
+  bool restarts_stopped_pair = false;  ///< STOP is sent, then base driver and navigator are killed
+                                       ///< and restarted
 };
 
 std::vector<Attack> attacks() {
@@ -145,7 +146,7 @@ struct Outcome {
   bool drove_before = false;
   bool drove_after = false;
   std::int64_t collisions = 0;
-  double driven_m = 0.0;  ///< later than kTimeToStopS after the beginning
+  double driven_m = 0.0;  ///< from kTimeToStopS after the beginning on
   std::map<std::string, std::string> complaints;
   std::vector<std::string> dead;
 };
@@ -160,8 +161,7 @@ double driven_m(const std::vector<Motion>& motions, time::Timestamp from) {
   return sum_m;
 }
 
-/// Strikes for `duration_s`, and on until `is_answered`: what a busy machine does late is not
-/// missed.
+/// Attacks for `duration_s`, and then until `is_answered`, because a busy machine may react late.
 void strike_until(const Attack& attack, GroundTruthMonitor& monitor, double duration_s,
                   const std::function<bool()>& is_answered) {
   using Clock = std::chrono::steady_clock;
@@ -228,7 +228,8 @@ bool keeps_promise(const Attack& attack, const Outcome& outcome) {
          (attack.teller.empty() || outcome.complaints.contains(attack.teller));
 }
 
-/// What the processes complained of: each reason with who gave it, or how many.
+/// The reasons of the processes that were not OK, each with the process that gave it, or their
+/// number.
 std::string summarize(const std::map<std::string, std::string>& complaints) {
   std::map<std::string, std::vector<std::string>> names_by_reason;
   for (const auto& [name, reason] : complaints) {
@@ -259,7 +260,8 @@ void print(const Attack& attack, const Outcome& outcome) {
 
 int run_attacks(RobotProcesses::Options options, const std::string& only, double duration_s) {
   std::printf(
-      "| attack | collisions | driven later than %.0f s | goes on | ended | STATUS | |\n"
+      "| attack | collisions | driven after the first %.0f s | drives on afterwards | ended | "
+      "STATUS | |\n"
       "|---|---|---|---|---|---|---|\n",
       kTimeToStopS);
   int missed = 0;

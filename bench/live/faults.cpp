@@ -15,7 +15,7 @@
 namespace nodmap::bench {
 namespace {
 
-constexpr double kDecelerationMps2 = 3.0;  // of the base driver's ramp when commanded to stop
+constexpr double kDecelerationMps2 = 3.0;  // of the base driver when it is commanded to stop
 constexpr double kMaxExcessS = 0.3;        // promised by SAFETY.md
 constexpr double kMaxExcessM = 0.3;
 constexpr double kFaultAtS = 12.0;  // after the simulator's start: the robot is driving
@@ -102,15 +102,15 @@ bool keeps_promise(const Case& what, const Outcome& outcome) {
 void print(const Case& what, const Outcome& outcome) {
   std::printf("%-26s", what.name.c_str());
   if (!what.stops) {
-    std::printf(" %36s", "drives on");
+    std::printf(" %50s", "drives on");
   } else if (outcome.stop) {
-    std::printf(" from %4.2f m/s: %5.0f ms and %5.2f m beyond", outcome.stop->speed_mps,
+    std::printf(" from %4.2f m/s: %5.0f ms and %5.2f m beyond braking", outcome.stop->speed_mps,
                 1e3 * outcome.stop->excess_time_s(kDecelerationMps2),
                 outcome.stop->excess_distance_m(kDecelerationMps2));
   } else {
-    std::printf(" %36s", "did not stop");
+    std::printf(" %50s", "did not stop");
   }
-  std::printf("  %s  collisions %lld  %s\n", outcome.goes_on ? "goes on" : "STAYS  ",
+  std::printf("  %s  collisions %lld  %s\n", outcome.goes_on ? "drives on    " : "STAYS STOPPED",
               static_cast<long long>(outcome.collisions),
               keeps_promise(what, outcome) ? "ok" : "MISS");
   std::fflush(stdout);

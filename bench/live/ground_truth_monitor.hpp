@@ -15,7 +15,7 @@
 
 namespace nodmap::bench {
 
-/// Records TRUTH, the true state of the simulated robot, and what its processes complain of.
+/// Records TRUTH, the true state of the simulated robot, and the processes whose health is not OK.
 class GroundTruthMonitor {
  public:
   GroundTruthMonitor() : bus_("") {
@@ -31,7 +31,7 @@ class GroundTruthMonitor {
     });
   }
 
-  /// Listens until `done` or for `seconds`; whether it was done.
+  /// Listens until `done()`, or for `seconds`. Returns whether it was done.
   template <class Done>
   bool listen(double seconds, Done done) {
     using Clock = std::chrono::steady_clock;
@@ -52,7 +52,7 @@ class GroundTruthMonitor {
   }
   [[nodiscard]] const std::vector<Motion>& motions() const { return motions_; }
   [[nodiscard]] std::int64_t collisions() const { return collisions_; }
-  /// By process the first reason for which it was not OK, since they were last taken.
+  /// For each process the first reason for which it was not OK, since the reasons were last taken.
   [[nodiscard]] const std::map<std::string, std::string>& complaints() const { return complaints_; }
   [[nodiscard]] std::map<std::string, std::string> take_complaints() {
     return std::exchange(complaints_, {});

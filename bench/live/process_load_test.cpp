@@ -9,7 +9,7 @@
 namespace nodmap::bench {
 namespace process_load_test {
 
-TEST(ProcessLoad, IsReadBehindANameWithBracketsAndBlanks) {
+TEST(ProcessLoad, IsParsedAfterANameWithBracketsAndBlanks) {
   const std::string stat =
       "42 (a ) b (c) S 1 42 42 0 -1 4194560 100 0 0 0 250 50 7 7 20 0 3 0 1000 123456789 512 "
       "18446744073709551615 1";
@@ -19,7 +19,7 @@ TEST(ProcessLoad, IsReadBehindANameWithBracketsAndBlanks) {
   EXPECT_DOUBLE_EQ(load->resident_mib, 2.0);
 }
 
-TEST(ProcessLoad, OfNoProcessIsNothing) {
+TEST(ProcessLoad, OfAMalformedLineOrAMissingProcessIsNothing) {
   EXPECT_FALSE(parse_load("", 0.01, 4096.0));
   EXPECT_FALSE(parse_load("42 (short) S 1 42", 0.01, 4096.0));
   EXPECT_FALSE(
@@ -28,13 +28,13 @@ TEST(ProcessLoad, OfNoProcessIsNothing) {
   EXPECT_FALSE(read_load(-1));
 }
 
-TEST(ProcessLoad, OfThisProcessIsSomething) {
+TEST(ProcessLoad, OfThisProcessHasMemory) {
   const auto load = read_load(::getpid());
   ASSERT_TRUE(load);
   EXPECT_GT(load->resident_mib, 0.1);
 }
 
-TEST(UdpQueues, AreAddedUp) {
+TEST(UdpQueues, AreSummedOverAllSockets) {
   std::istringstream table(
       "   sl  local_address rem_address   st tx_queue rx_queue tr tm->when retrnsmt   uid  timeout "
       "inode ref pointer drops\n"

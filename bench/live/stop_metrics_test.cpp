@@ -10,7 +10,7 @@ time::Timestamp at(time::Duration since_epoch) {
   return time::Timestamp(since_epoch);
 }
 
-// 1.5 m/s until 1 s + 100 ms, then 3 m/s^2: stands 500 ms later.
+// The robot drives at 1.5 m/s until 1.1 s, then brakes at 3 m/s^2 and is stationary 500 ms later.
 std::vector<Motion> braking() {
   std::vector<Motion> motions;
   double x_m = 0.0;
@@ -23,11 +23,11 @@ std::vector<Motion> braking() {
   return motions;
 }
 
-TEST(StopMetrics, AreTimeAndDistanceBeyondBrakingAtOnce) {
+TEST(StopMetrics, AreTimeAndDistanceBeyondImmediateBraking) {
   const auto stop = stop_metrics(braking(), at(1s));
   ASSERT_TRUE(stop);
   EXPECT_DOUBLE_EQ(stop->speed_mps, 1.5);
-  // Below 2 cm/s is stationary: 7 ms early; a step of 1 ms.
+  // The robot counts as stationary below 2 cm/s, which is 7 ms early; motions come every 1 ms.
   EXPECT_NEAR(stop->excess_time_s(3.0), 0.1, 0.009);
   EXPECT_NEAR(stop->excess_distance_m(3.0), 0.15, 0.002);
 }
@@ -40,7 +40,7 @@ TEST(StopMetrics, ARobotThatRotatesOnTheSpotHasNotStopped) {
   EXPECT_FALSE(stop_metrics(motions, at(1s)));
 }
 
-TEST(StopMetrics, NeedTheEnd) {
+TEST(StopMetrics, DoNotExistBeforeTheRobotIsStationary) {
   std::vector<Motion> motions = braking();
   motions.resize(1300);
   EXPECT_FALSE(stop_metrics(motions, at(1s)));

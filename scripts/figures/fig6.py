@@ -73,8 +73,8 @@ def make():
                     "error of the heading:\n\n"
                     f"| | this run | worst of {len(every)} seeds | odometry, this run | target |\n|---|---|---|---|---|\n" + rows +
                     "\nThe next table compares the nodding laser with a level one. Each drive in an office is mapped twice: from the scans of the nodding "
-                    "laser, and from those that the same laser would have measured if it had been held level (`--level-laser`). Both are deskewed and stamped by the "
-                    "same program. The errors are RMS errors of the trajectory:\n\n"
+                    "laser, and from those that the same laser would have measured if it had been held level (`--level-laser`). Both are deskewed and "
+                    "stamped by the same program. The errors are RMS errors of the trajectory:\n\n"
                     "| seed | driven | nodding | level | ratio |\n|---|---|---|---|---|\n" + level_rows,
         "holds": [(f"{name}, the run in the image", form.format(unit * abs(shown[key])), target, abs(shown[key]) <= limit)
                   for name, key, limit, unit, form, target in targets] +
