@@ -20,13 +20,13 @@ SeenDirections seen_ahead() {
   return view;
 }
 
-TEST(Approach, DetectsWhatComesNearerAndOnlyWhileItDoes) {
+TEST(Approach, APointIsDetectedWhileItComesNearerAndNotAfterItHasStopped) {
   Approach approach(2);
   const SeenDirections view = seen_ahead();
   time::Timestamp stamp{};
   for (double x_m = 2.0; x_m > 0.3; x_m -= 0.01, stamp += 10ms) {  // 1 m/s
     approach.update(stamp, {}, 0.9, {{x_m, 0.1}, {0.0, 0.4}}, view);
-    // Detected 6 cm nearer than before, so up to 6 cm within the reach.
+    // It is detected once it has come 6 cm nearer, so up to 6 cm inside the reach of 0.9 m.
     if (x_m > 0.91) {
       EXPECT_FALSE(approach.is_detected(stamp)) << x_m;
     } else if (x_m < 0.83) {
@@ -36,10 +36,10 @@ TEST(Approach, DetectsWhatComesNearerAndOnlyWhileItDoes) {
   for (int i = 0; i < 101; ++i, stamp += 10ms) {
     approach.update(stamp, {}, 0.9, {{0.3, 0.1}, {0.0, 0.4}}, view);
   }
-  EXPECT_FALSE(approach.is_detected(stamp));  // it stays
+  EXPECT_FALSE(approach.is_detected(stamp));  // it has stopped for a second
 }
 
-TEST(Approach, ARotationOfTheRobotIsNoApproach) {
+TEST(Approach, ARotationOfTheRobotIsNotAnApproach) {
   // A wall and a pole at half a metre, seen from headings a degree apart, with 2 cm of noise.
   Approach approach(2);
   SeenDirections view(deg_to_rad(70));
@@ -60,7 +60,7 @@ TEST(Approach, ARotationOfTheRobotIsNoApproach) {
   }
 }
 
-TEST(Approach, WhatComesIntoViewIsNoApproach) {
+TEST(Approach, APointThatComesIntoViewIsNotAnApproach) {
   Approach approach(2);
   const SeenDirections view = seen_ahead();
   approach.update(time::Timestamp(0s), {}, 0.9, {}, view);
@@ -72,8 +72,9 @@ TEST(Approach, WhatComesIntoViewIsNoApproach) {
   EXPECT_TRUE(approach.is_detected(time::Timestamp(20ms)));
 }
 
-// A wall, a pole and a doorway that is looked through, passed at 1 m/s with 1 cm of noise.
-TEST(Approach, DrivingIsNotAnApproach) {
+// The robot drives at 1 m/s past a wall, a pole and a doorway, behind which there is another wall;
+// the noise is 1 cm.
+TEST(Approach, DrivingPastAWallIsNotAnApproach) {
   Approach approach(2);
   const SeenDirections view = seen_ahead();
   test::World world;
@@ -105,8 +106,8 @@ TEST(Approach, APersonWhoCrossesThePathIsDetected) {
   EXPECT_TRUE(approach.is_detected(time::Timestamp(990ms)));
 }
 
-/// Whether something at (1.0, 0) is an approach once the laser has looked at it: first the floor
-/// there is seen, then what has come.
+/// Whether something at (1.0, 0) counts as an approach: the laser first sees free floor there, then
+/// `after`.
 bool is_approach(const test::Ground& after) {
   LocalMap map({}, {});
   const auto look = [&](const test::Ground& ground) {
@@ -123,8 +124,9 @@ bool is_approach(const test::Ground& after) {
   return approach.is_detected(time::Timestamp(10ms));
 }
 
-// Two legs side by side have come. A plank of 6 cm was there before, and no line had fallen on it.
-TEST(Approach, WhatIsLowHasNotCome) {
+// Two legs side by side have come. A plank of 6 cm may have been there before, between two scan
+// lines.
+TEST(Approach, ALegIsAnApproachALowPlankIsNot) {
   EXPECT_TRUE(is_approach({{{{0.98, -0.1}, {1.15, 0.1}, 1.7}}}));
   EXPECT_FALSE(is_approach({{{{0.98, -0.1}, {1.15, 0.1}, 0.06}}}));
 }

@@ -21,19 +21,19 @@ TEST(Trail, LeadsBackAlongThePathOfTheRobot) {
   const auto back = trail.path_back(pose);
   ASSERT_TRUE(back);
   EXPECT_EQ(back->rotation_rad, 0.0);
-  EXPECT_NEAR(back->curvature, 1.0, 0.02);  // chord for arc
+  EXPECT_NEAR(back->curvature, 1.0, 0.02);  // each step is a chord of the arc
 }
 
-TEST(Trail, BackwardsTheBodyStaysOnTheStripItHasDriven) {
+TEST(Trail, BackwardsTheBodyStaysWhereItHasBeen) {
   Trail trail(20.0);
   for (int i = 0; i <= 30; ++i) {
     trail.record({0.01 * i, 0.0, 0.0});  // 0.3 m straight ahead
   }
-  // 5 cm beyond the first pose the body may still be; the steps are of 3 cm.
+  // The body may move back to 5 cm behind its first pose; the distance is found in steps of 3 cm.
   EXPECT_NEAR(trail.distance_backwards({0.3, 0.0, 0.0}, 0.0), 0.33, 0.031);
-  // A radius of 0.2 m turns by 10 degrees within 3.5 cm.
+  // On a radius of 0.2 m the heading has changed by 10 degrees after 3.5 cm.
   EXPECT_LE(trail.distance_backwards({0.3, 0.0, 0.0}, 5.0), 0.05);
-  // It has rotated: the way back is another one.
+  // Once the robot has rotated by 90 degrees, it has not been behind itself.
   for (int i = 0; i <= 18; ++i) {
     trail.record({0.3, 0.0, geometry::deg_to_rad(5.0 * i)});
   }
@@ -41,7 +41,7 @@ TEST(Trail, BackwardsTheBodyStaysOnTheStripItHasDriven) {
   EXPECT_EQ(Trail(20.0).distance_backwards({}, 0.0), 0.0);
 }
 
-TEST(Trail, FirstRotatesToTheHeadingAtWhichItCame) {
+TEST(Trail, ThePathBackBeginsWithARotationToTheHeadingOfTheWayIn) {
   Trail trail(20.0);
   for (int i = 0; i <= 10; ++i) {
     trail.record({0.05 * i, 0, 0});
@@ -51,7 +51,7 @@ TEST(Trail, FirstRotatesToTheHeadingAtWhichItCame) {
   EXPECT_NEAR(back->rotation_rad, deg_to_rad(-60), 1e-9);
 }
 
-TEST(Trail, EndsAndJumpsAreNoPath) {
+TEST(Trail, ThereIsNoPathBackAtTheStartOfTheTrailOrFarFromIt) {
   Trail trail(20.0);
   trail.record({0, 0, 0});
   EXPECT_FALSE(trail.path_back({0.02, 0, 0}));
@@ -61,7 +61,8 @@ TEST(Trail, EndsAndJumpsAreNoPath) {
   EXPECT_FALSE(trail.path_back({0.05, 0, 0}));
 }
 
-// Odometry drifts: what was driven long ago is not where it was, however short the way back is.
+// Odometry drifts: after much travel the way driven is not where odometry says, however short it
+// is.
 TEST(Trail, IsForgottenAfterMuchTravel) {
   Trail trail(20.0);
   const geometry::SE2 end{0.5, 0.0, 0.0};
@@ -71,7 +72,7 @@ TEST(Trail, IsForgottenAfterMuchTravel) {
   }
   const double strip_m = trail.distance_backwards(end, 0.0);
   EXPECT_GT(strip_m, 0.4);
-  // To and fro on the spot: 8 m, and 8 m again.
+  // To and fro on the spot: each round counts as 8 m of travel.
   for (int turns = 1; turns <= 3; ++turns) {
     trail.move({0.5, 0.0, 1.0});
     trail.move(end);

@@ -26,8 +26,9 @@ TEST(Brake, YawRateAndLateralAccelerationLimitTheSpeedOnAnArc) {
   EXPECT_EQ(brake.speed_limit(0.0, -0.5), 0.0);
 }
 
-// 4.5 cm beside the body: within the side margin of 6 cm, outside the creep margin of 3 cm.
-TEST(Brake, CreepsPastWhatIsWithinTheSideMargin) {
+// The wall is 4.5 cm beside the body: within the side margin of 6 cm, outside the creep margin of 3
+// cm.
+TEST(Brake, CreepsPastAnObstacleWithinTheSideMargin) {
   const NavigatorParams params;
   Situation now;
   now.points_base = {{0.3, 0.5 * params.robot.body.width_m + 0.045}};
@@ -37,8 +38,8 @@ TEST(Brake, CreepsPastWhatIsWithinTheSideMargin) {
   EXPECT_LT(Brake(params, true).measure_arc(0.0, now).speed_mps, params.drive.creep_mps);
 }
 
-// 5 cm are left before what is ahead. From v it is stationary after v * 0.1 s + v^2 / 2 / 1.5; at
-// 0.2 m/s an emergency stop of 3 m/s^2 takes 6.7 mm.
+// 5 cm remain before the obstacle ahead. From v the robot is stationary after v * 0.1 s + v^2 / 2 /
+// 1.5; at 0.2 m/s an emergency stop of 3 m/s^2 takes 6.7 mm.
 TEST(Brake, CreepsUpToFiveCentimetresBeforeAnObstacle) {
   const NavigatorParams params;
   const Brake brake(params, true);
@@ -58,8 +59,8 @@ TEST(Brake, CreepsUpToFiveCentimetresBeforeAnObstacle) {
   EXPECT_EQ(brake.measure_arc(0.0, now).speed_mps, 0.0);
 }
 
-// The front is 0.225 m ahead, 0.15 m are left; from 2 m/s an emergency stop takes 0.67 m.
-TEST(Brake, StopsAtOnceNearerThanAnEmergencyStopNeeds) {
+// The front is at 0.225 m, so 0.15 m remain; from 2 m/s an emergency stop takes 0.67 m.
+TEST(Brake, StopsAtOnceIfEvenAnEmergencyStopWouldBeTooLong) {
   const Brake brake(NavigatorParams{});
   const auto speed = [&](double forward_mps, double x_m) {
     Situation now;
@@ -74,8 +75,8 @@ TEST(Brake, StopsAtOnceNearerThanAnEmergencyStopNeeds) {
 }
 
 // A body smaller by half a cell, 0.2125 m x 0.1525 m to each side, touches a place behind it at
-// radius r once that is at the angle acos(-0.2125 / r). From there on the rate is that of a
-// rotation which stops in time: 5 rad/s^2 after 0.1 s.
+// radius r after a rotation to the angle acos(-0.2125 / r). The allowed yaw rate is that at which
+// the robot stops before that angle: 5 rad/s^2, after a reaction time of 0.1 s.
 TEST(Brake, RotatesSlowlyOverGroundThatIsNotKnownToBeFree) {
   const Brake brake(NavigatorParams{});
   const auto rotate = [&](double yaw_rate_rad_s, const Points& doubtful_base) {
@@ -89,9 +90,9 @@ TEST(Brake, RotatesSlowlyOverGroundThatIsNotKnownToBeFree) {
   const Eigen::Vector2d behind(-0.2234, 0.1158);
   const double free_rad = std::atan2(behind.y(), behind.x()) - std::acos(-0.2125 / behind.norm());
   EXPECT_EQ(rotate(1.0, {}), 1.0);
-  EXPECT_EQ(rotate(1.0, {{-0.3, 0.1}}), 1.0);  // outside the circle of the corners
+  EXPECT_EQ(rotate(1.0, {{-0.3, 0.1}}), 1.0);  // the corners do not reach it
   EXPECT_NEAR(rotate(1.0, {behind}), std::sqrt(0.25 + 10.0 * free_rad) - 0.5, 1e-9);
-  EXPECT_NEAR(rotate(-1.0, {{0.1, -0.153}}), -deg_to_rad(10.0), 1e-12);  // 0.3 degrees
+  EXPECT_NEAR(rotate(-1.0, {{0.1, -0.153}}), -deg_to_rad(10.0), 1e-12);  // 0.3 degrees remain
 }
 
 // An arc to the left swings the rear to the right.
@@ -108,7 +109,7 @@ TEST(Brake, SwingsItsRearSlowlyOverGroundThatIsNotKnownToBeFree) {
     return decision.forward_mps;
   };
   EXPECT_NEAR(drive(4.0, {-0.15, -0.153}), deg_to_rad(10.0) / 4.0,
-              1e-12);  // touches it within 1 mm
+              1e-12);  // touched after 1 mm
   EXPECT_EQ(drive(4.0, {-0.15, 0.25}), 0.3);
   EXPECT_EQ(drive(0.0, {-0.15, -0.17}), 0.3);
 }

@@ -28,7 +28,7 @@ struct RotationMonitor {
   int reversals = 0;
 };
 
-TEST(ClosedLoop, DrivesNowhereBeforeItHasSeenTheDirection) {
+TEST(ClosedLoop, DoesNotDriveInADirectionBeforeTheLaserHasSeenIt) {
   ClosedLoop loop({}, {});
   loop.run(0.6);  // the head has reversed once, at 0.35 s
   EXPECT_EQ(loop.driven_m, 0.0);
@@ -40,17 +40,17 @@ TEST(ClosedLoop, StopsBeforeAWallAtTheStopMargin) {
   World world;
   world.add_wall({2, -3}, {2, 3});
   NavigatorParams params;
-  params.steer.view_half_rad = geometry::deg_to_rad(10.0);  // nowhere else to steer to
+  params.steer.view_half_rad = geometry::deg_to_rad(10.0);  // too narrow to steer past the wall
   ClosedLoop loop(world, {}, params);
   while (loop.decision.behaviour != Behaviour::kTurn || loop.driven_m == 0.0) {
     loop.cycle();
     ASSERT_LT(loop.time_s, 20.0);
   }
-  // It does not drive slower than 6 cm/s: within the last 1.5 cm.
+  // It does not drive slower than 6 cm/s, so it may stop 1.5 cm off.
   EXPECT_NEAR(loop.min_clearance_m, 0.15, 0.015);
 }
 
-// Obstacles that appear beyond v^2 / 2a + v T are never hit, whatever the robot is doing.
+// An obstacle that appears beyond v^2 / 2a + v T is never hit, whatever the robot is doing.
 TEST(ClosedLoop, AnObstacleThatAppearsBeyondTheStoppingDistanceIsNotHit) {
   std::mt19937 random(29);
   std::uniform_real_distribution<double> aside(-0.25, 0.25);
@@ -76,8 +76,8 @@ TEST(ClosedLoop, AnObstacleThatAppearsBeyondTheStoppingDistanceIsNotHit) {
   EXPECT_GT(least_m, 0.0);
 }
 
-// The first decision after the map shows it.
-TEST(ClosedLoop, AnObstacleThatAppearsIsAnsweredWithTheNextMap) {
+// The first decision after the map that shows it is to brake.
+TEST(ClosedLoop, BrakesForAnObstacleInTheFirstDecisionAfterItsMap) {
   ClosedLoop loop({}, {});
   loop.run(3.0);
   ASSERT_EQ(loop.decision.behaviour, Behaviour::kSteer);
@@ -88,7 +88,7 @@ TEST(ClosedLoop, AnObstacleThatAppearsIsAnsweredWithTheNextMap) {
   EXPECT_EQ(loop.decision.forward_mps, 0.0);
 }
 
-TEST(ClosedLoop, ADeadEndIsLeftWithinOneRotationWithoutReversals) {
+TEST(ClosedLoop, LeavesADeadEndWithinOneRotationAndAtMostTwoReversals) {
   for (const double half_width_m : {0.36, 0.4, 0.6, 1.0}) {
     World world;
     world.add_wall({-1, half_width_m}, {2, half_width_m});
@@ -113,7 +113,7 @@ TEST(ClosedLoop, ADeadEndIsLeftWithinOneRotationWithoutReversals) {
   }
 }
 
-TEST(ClosedLoop, WhereItCannotTurnItBacksUpAlongItsTrail) {
+TEST(ClosedLoop, BacksUpAlongItsTrailWhereItIsTooNarrowToTurn) {
   World world;
   for (const double side : {1.0, -1.0}) {
     world.add_wall({-1, side * 0.4}, {1, side * 0.4});
@@ -132,7 +132,7 @@ TEST(ClosedLoop, WhereItCannotTurnItBacksUpAlongItsTrail) {
   EXPECT_FALSE(loop.collided);
 }
 
-TEST(ClosedLoop, TurningItWaitsWhileAPersonWalksUpToIt) {
+TEST(ClosedLoop, StopsTurningWhileAPersonWalksUpToIt) {
   World world;
   world.add_wall({-2, 0.6}, {0.42, 0.6});
   world.add_wall({-2, -0.6}, {0.42, -0.6});
@@ -143,7 +143,7 @@ TEST(ClosedLoop, TurningItWaitsWhileAPersonWalksUpToIt) {
     loop.cycle();
     ASSERT_LT(loop.time_s, 5.0);
   }
-  // From the left ahead, 1 m/s, up to the turning circle and its margin.
+  // The person comes from the left ahead at 1 m/s, up to the margin around the turning circle.
   const std::size_t walls = loop.world.points_odom.size();
   const Eigen::Vector2d start = loop.robot.T_odom_base * Eigen::Vector2d(0.45, 0.78);
   const Eigen::Vector2d path = loop.robot.T_odom_base.translation() - start;
@@ -152,18 +152,18 @@ TEST(ClosedLoop, TurningItWaitsWhileAPersonWalksUpToIt) {
     loop.world.points_odom.emplace_back(start + gone_m * path.normalized());
     loop.cycle();
   }
-  // The corner moves slower than what counts as stationary, 5 cm/s.
+  // 5 cm/s at the corner counts as stationary.
   EXPECT_LT(std::abs(loop.robot.yaw_rate_rad_s), 0.05 / 0.28);
   EXPECT_FALSE(loop.collided);
 }
 
-TEST(ClosedLoop, BackingUpItWaitsWhileAPersonWalksUpToIt) {
+TEST(ClosedLoop, StopsBackingUpWhileAPersonWalksUpToIt) {
   World world;
   world.add_wall({-1, 0.26}, {2, 0.26});  // narrower than the body's diagonal
   world.add_wall({-1, -0.26}, {2, -0.26});
   world.add_wall({2, -0.26}, {2, 0.26});
   ClosedLoop loop(world, {});
-  // Far enough from the end for the view ahead to be clear.
+  // The robot has backed up so far that the view ahead is clear.
   while (loop.robot.forward_mps > -0.09 || loop.robot.T_odom_base.x > 1.0) {
     loop.cycle();
     ASSERT_LT(loop.time_s, 30.0);
@@ -179,8 +179,9 @@ TEST(ClosedLoop, BackingUpItWaitsWhileAPersonWalksUpToIt) {
   EXPECT_FALSE(loop.collided);
 }
 
-// A person has touched it while it turned: points of him are left at its border.
-TEST(ClosedLoop, TouchedWhileTurningItBacksUpStraightAndGoesOn) {
+// A person touched the robot while it turned: some of the person's points remain at the body's
+// border.
+TEST(ClosedLoop, AfterATouchWhileTurningItBacksUpAndGoesOn) {
   World world;
   world.add_wall({-3, 1.0}, {1, 1.0});
   world.add_wall({-3, -1.0}, {1, -1.0});
@@ -202,7 +203,7 @@ TEST(ClosedLoop, TouchedWhileTurningItBacksUpStraightAndGoesOn) {
   }
 }
 
-TEST(ClosedLoop, BoxedInItWaitsWithAReasonAndGoesOnWhenThereIsRoom) {
+TEST(ClosedLoop, EnclosedItWaitsWithAReasonAndGoesOnWhenThereIsRoom) {
   World world;
   world.add_room(-0.5, 0.5, -0.5, 0.5);
   ClosedLoop loop(world, {});
@@ -255,7 +256,7 @@ TEST(ClosedLoop, RoamsThroughClutterWithoutACollision) {
   EXPECT_GT(driven_m / (8 * 30.0), 0.5);  // m/s in the mean
 }
 
-TEST(ClosedLoop, ABoundOfZeroFromThePitchControllerStopsIt) {
+TEST(ClosedLoop, ASpeedBoundOfZeroFromThePitchControllerStopsIt) {
   ClosedLoop loop({}, {});
   loop.run(2.0);
   loop.max_forward_mps = 0.0;

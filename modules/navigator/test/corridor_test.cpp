@@ -16,7 +16,7 @@ namespace corridor_test {
 constexpr double kInf = std::numeric_limits<double>::infinity();
 const Footprint kBody{0.225, 0.165};
 
-/// The body is moved on in small steps until it covers the point.
+/// Oracle: moves the body in small steps until it covers the point.
 double stepped_distance(const Eigen::Vector2d& p, double curvature, const Footprint& shape) {
   constexpr double kStepM = 0.0005;
   geometry::SE2 T_start_base;
@@ -26,7 +26,7 @@ double stepped_distance(const Eigen::Vector2d& p, double curvature, const Footpr
     if (shape.contains(T_start_base.inverse() * p)) {
       return distance_m;
     }
-    // Half the turn before and after each step: an arc to third order.
+    // Half of the rotation before each step and half after it: an arc, up to errors of third order.
     T_start_base = T_start_base * geometry::SE2{0, 0, 0.5 * curvature * kStepM} *
                    geometry::SE2{kStepM, 0, 0} * geometry::SE2{0, 0, 0.5 * curvature * kStepM};
   }
@@ -41,8 +41,9 @@ TEST(FreeDistance, StraightIsTheDistanceFromTheFront) {
   EXPECT_EQ(free_distance({}, 0.0, kBody, 0.06), kInf);
 }
 
-// The corridor's faces ahead and beside, to a millimetre; its top and bottom are the map server's.
-TEST(FreeDistance, FacesOfTheVirtualCorridor) {
+// The virtual corridor's front and sides, to a millimetre; its top and bottom are tested with the
+// map server.
+TEST(FreeDistance, TheFrontAndSidesOfTheCorridorAreAtTheirMargins) {
   constexpr double kMarginM = 0.06;
   constexpr double kMm = 0.001;
   const double side_m = kBody.half_width_m + kMarginM;
@@ -71,7 +72,7 @@ TEST(FreeDistance, OnArcsEqualsMovingTheBodyInSteps) {
     }
     const double exact_m = free_distance({p}, curvature, kBody, 0.06);
     const double stepped_m = stepped_distance(p, curvature, grown);
-    // A point that only grazes the body between two steps is found by the exact distance alone.
+    // The steps miss a point that grazes the body between two of them; the exact distance does not.
     if (std::isinf(stepped_m)) {
       const double grazing_m = stepped_distance(p, curvature, grown.grown(0.002, 0.002));
       EXPECT_TRUE(std::isinf(exact_m) || std::isfinite(grazing_m)) << p.transpose();
@@ -85,8 +86,9 @@ TEST(FreeDistance, OnArcsEqualsMovingTheBodyInSteps) {
   EXPECT_GT(touched, 80);
 }
 
-TEST(FreeDistance, TheTailSwingsOutIntoAWallBesideIt) {
-  // Straight on the wall on the right is passed, turning left the rear right corner meets it.
+TEST(FreeDistance, TurningAwayFromAWallSwingsTheRearIntoIt) {
+  // Driving straight on, the robot passes the wall on its right; turning left, its rear right
+  // corner hits it.
   const Points wall{{-0.2, -0.24}, {-0.1, -0.24}, {0.0, -0.24}};
   EXPECT_EQ(free_distance(wall, 0.0, kBody, 0.06), kInf);
   EXPECT_LT(free_distance(wall, 2.0, kBody, 0.06), 0.2);
@@ -94,17 +96,17 @@ TEST(FreeDistance, TheTailSwingsOutIntoAWallBesideIt) {
 
 TEST(FreeDistance, APointWithinTheMarginDoesNotBlockTheRobot) {
   const Points beside{{0.0, 0.2}};
-  EXPECT_EQ(free_distance(beside, 0.0, kBody, 0.06), kInf);  // past it
-  EXPECT_LT(free_distance(beside, -2.0, kBody, 0.06), 0.5);  // but not with the tail into it
+  EXPECT_EQ(free_distance(beside, 0.0, kBody, 0.06), kInf);  // drives past it
+  EXPECT_LT(free_distance(beside, -2.0, kBody, 0.06), 0.5);  // but would swing the rear into it
   const Points touching{{0.1, 0.167}};
-  EXPECT_EQ(free_distance(touching, -2.0, kBody, 0.06), kInf);  // away
+  EXPECT_EQ(free_distance(touching, -2.0, kBody, 0.06), kInf);  // drives away from it
   EXPECT_EQ(free_distance(touching, 2.0, kBody, 0.06), 0.0);
   const Points at_front{{0.226, 0.0}};
   EXPECT_LE(free_distance(at_front, 0.0, kBody, 0.06), 0.0011);
   EXPECT_EQ(free_distance_backwards(at_front, 0.0, kBody, 0.06), kInf);
 }
 
-TEST(FreeDistance, WhatIsUnderTheBodyIsNoObstacle) {
+TEST(FreeDistance, APointUnderTheBodyIsNotAnObstacle) {
   EXPECT_EQ(free_distance({{0.05, 0.05}}, 0.0, kBody, 0.06), kInf);
   EXPECT_EQ(free_rotation({{0.05, 0.05}}, 1.0, kBody, 0.04), kInf);
 }
@@ -124,7 +126,7 @@ TEST(FreeDistance, MirroredPointsGiveExactlyTheSame) {
 
 TEST(FreeDistanceBackwards, IsTheFreeDistanceOfAReversedRobot) {
   EXPECT_DOUBLE_EQ(free_distance_backwards({{-1.0, 0.1}}, 0.0, kBody, 0.02), 0.775);
-  // Backwards along an arc to the left the robot comes to its left rear.
+  // Driving backwards along an arc to the left moves the robot to its left rear.
   EXPECT_LT(free_distance_backwards({{-0.8, 0.4}}, 1.0, kBody, 0.02), kInf);
   EXPECT_EQ(free_distance_backwards({{-0.8, 0.4}}, -1.0, kBody, 0.02), kInf);
 }
@@ -148,7 +150,7 @@ TEST(FreeRotation, EqualsRotatingTheBodyInSteps) {
     }
     if (stepped_rad < 2.0 * geometry::kPi) {
       ++touched;
-      // Meeting a corner, half a millimetre of radius is up to a few hundredths of a radian.
+      // Four steps of the brute force.
       EXPECT_NEAR(exact_rad, stepped_rad, 0.002);
     } else {
       EXPECT_GT(p.norm(), std::hypot(0.265, 0.205) - 1e-4);

@@ -19,13 +19,14 @@ TEST_F(NavigatorNodeScans, ThePathToAGoalIsPublishedUntilThereIsNone) {
   goal.tolerance_m = 0.2;
   goal.position_m[0] = 3.0;
   bus_.deliver("GOAL", goal);
-  for (int i = 0; i < 150; ++i) {  // it plans once the laser has looked: two sweeps of 0.35 s
+  for (int i = 0; i < 150; ++i) {  // it plans after two sweeps of 0.35 s
     tick_with_scan();
   }
   const auto path = bus_.last<nodmap::path_t>("PATH");
   EXPECT_EQ(path.state, nodmap::path_t::PLANNED);
   ASSERT_GT(path.num_points, 10);
-  // From the robot on; to the nearest of the cells that are the goal, 0.7 tolerances around it.
+  // The path begins at the robot and ends in the nearest goal cell; these are the cells within 0.7
+  // tolerances.
   EXPECT_NEAR(path.x_m.front(), 0.0, 0.1);
   EXPECT_NEAR(path.x_m.back(), 3.0, 0.2);
   EXPECT_NEAR(path.y_m.back(), 0.0, 0.2);
@@ -38,8 +39,8 @@ TEST_F(NavigatorNodeScans, ThePathToAGoalIsPublishedUntilThereIsNone) {
   EXPECT_EQ(bus_.last<nodmap::path_t>("PATH").state, nodmap::path_t::NO_GOAL);
 }
 
-// Somebody crosses 2.2 m ahead, out of the room. His track lies on him, to the tolerances of
-// PeopleTracker's own test, and a message without anybody ends it.
+// Somebody crosses 2.2 m ahead and leaves the room. The published track is where he is, within the
+// tolerances of PeopleTracker's own test; a message without tracks follows when he is gone.
 TEST_F(NavigatorNodeScans, TracksArePublishedUntilThereIsNobody) {
   std::int64_t num_on_him = 0;
   test::WalkingScene scene{{{}}, 8.0};

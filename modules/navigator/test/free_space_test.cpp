@@ -46,7 +46,8 @@ TEST(FreeSpace, EachDirectionEqualsAStraightCorridorInARotatedFrame) {
   std::mt19937 random(1);
   for (int round = 0; round < 50; ++round) {
     Points points = random_clutter(random);
-    // Next to the body the two differ on purpose: what is beside it is no obstacle to a direction.
+    // Next to the body the two differ on purpose: a point beside the body does not block a
+    // direction.
     std::erase_if(points, [](const Eigen::Vector2d& p) { return p.norm() < 0.5; });
     const FreeSpace space = measure(points);
     for (int degree = -90; degree <= 90; degree += 7) {
@@ -69,7 +70,7 @@ TEST(FreeSpace, AGapNarrowerThanTheRobotIsNotFree) {
   EXPECT_EQ(measure({{1.0, 0.24}, {1.0, -0.24}}).at(0), kInf);
 }
 
-TEST(Steer, ASymmetricCorridorIsDrivenStraight) {
+TEST(Steer, DrivesStraightInASymmetricCorridor) {
   test::World world;
   world.add_wall({-2, 0.6}, {8, 0.6});
   world.add_wall({-2, -0.6}, {8, -0.6});
@@ -78,7 +79,7 @@ TEST(Steer, ASymmetricCorridorIsDrivenStraight) {
   EXPECT_LT(std::abs(*alpha), deg_to_rad(1.0));  // R28
 }
 
-TEST(Steer, GoesToTheOpenSide) {
+TEST(Steer, SteersAwayFromAWallToTheOpenSide) {
   test::World world;
   world.add_wall({-2, -0.5}, {8, -0.5});  // on the right
   const auto alpha = free_space_orientation(measure(test::ideal_map(world, {})), 0.0, kOpenSpaceM);
@@ -112,7 +113,8 @@ TEST(Steer, MirroredInputGivesExactlyMirroredOutput) {
 
 TEST(Steer, WithoutFreeSpaceThereIsNoOrientation) {
   FreeSpace space;  // no free distance anywhere
-  // g(0) is 0.018 in every direction: still an orientation. Farther below the threshold: none.
+  // With no free distance g(0) is 0.018 in every direction, which still gives an orientation. Below
+  // the threshold there is none.
   EXPECT_TRUE(free_space_orientation(space, 0.0, 1.0));
   EXPECT_FALSE(free_space_orientation(space, 0.0, 4.0));
 }

@@ -14,8 +14,8 @@ namespace geofence_test {
 
 using test::ClosedLoop;
 
-/// A square of 4 m with a square hole of 1 m; the first ring open, the second against the usual
-/// direction.
+/// A square of 4 m with a square hole of 1 m. The first ring is not closed, the second has the
+/// reverse of the usual orientation.
 const char* const kWithHole =
     "POLYGON((-2 -2, 2 -2, 2 2, -2 2), (0.5 0.5, 1.5 0.5, 1.5 1.5, 0.5 1.5, 0.5 0.5))";
 
@@ -23,7 +23,7 @@ bool is_in_square(const Eigen::Vector2d& p, double low, double high) {
   return (p.array() > low).all() && (p.array() < high).all();
 }
 
-TEST(Geofence, ContainsWhatIsInTheRingAndInNoHole) {
+TEST(Geofence, ContainsPointsInsideTheOuterRingAndOutsideTheHoles) {
   const Geofence fence(kWithHole);
   std::mt19937 random(7);
   std::uniform_real_distribution<double> uniform(-3.0, 3.0);
@@ -35,10 +35,10 @@ TEST(Geofence, ContainsWhatIsInTheRingAndInNoHole) {
   EXPECT_FALSE(fence.contains({std::nan(""), 0.0}));
 }
 
-TEST(Geofence, BoundaryNearAPlaceIsThatOfTheWholeBoundary) {
+TEST(Geofence, TheBoundaryNearAPlaceIsThePartWithinTheRadius) {
   const Geofence fence(kWithHole);
   const Points whole = fence.boundary_near({0.0, 0.0}, 100.0);
-  EXPECT_EQ(whole.size(), 4U * 200U + 4U * 50U) << "16 and 4 m";
+  EXPECT_EQ(whole.size(), 4U * 200U + 4U * 50U) << "16 m and 4 m, a point each 2 cm";
   std::mt19937 random(8);
   std::uniform_real_distribution<double> uniform(-4.0, 4.0);
   for (int i = 0; i < 100; ++i) {
@@ -47,7 +47,7 @@ TEST(Geofence, BoundaryNearAPlaceIsThatOfTheWholeBoundary) {
     const Points near = fence.boundary_near(p, radius_m);
     std::size_t expected = 0;
     for (const Eigen::Vector2d& q : whole) {
-      // Rounding decides what lies on the circle itself.
+      // Rounding decides about points on the circle itself.
       const double distance_m = (q - p).norm();
       expected += distance_m < radius_m - 1e-9 ? 1U : 0U;
       EXPECT_TRUE(std::abs(distance_m - radius_m) > 1e-9);
@@ -56,7 +56,7 @@ TEST(Geofence, BoundaryNearAPlaceIsThatOfTheWholeBoundary) {
   }
 }
 
-TEST(Geofence, SaysWhatIsWrongWithAText) {
+TEST(Geofence, AnInvalidTextIsAnError) {
   for (const char* bad :
        {"", "POLYGON", "POLYGON((0 0, 1 0))", "POLYGON((0 0, 1 0, 2 0))", "POINT(1 2)",
         "POLYGON((0 0, 2 0, 0 2, 2 2))", "POLYGON((0 0, 1 0, 1 nan))", "POLYGON((0 0, 1e9 0, 1 1))",
@@ -66,7 +66,7 @@ TEST(Geofence, SaysWhatIsWrongWithAText) {
   }
 }
 
-/// The corners of the body.
+/// Whether all corners of the body are inside the fence.
 bool is_within(const Geofence& fence, const geometry::SE2& T_map_base,
                const robot::Footprint& body) {
   for (const double x : {body.half_length_m, -body.half_length_m}) {
@@ -79,7 +79,7 @@ bool is_within(const Geofence& fence, const geometry::SE2& T_map_base,
   return true;
 }
 
-// Nothing else is there to drive round.
+// There is nothing in the world but the fence.
 TEST(Geofence, TheWholeBodyStaysInsideWhileItRoams) {
   const Geofence fence(kWithHole);
   const robot::Footprint body = robot::Body{}.footprint();

@@ -28,7 +28,8 @@ TEST(Detour, BeginsAtAnObstacleAndEndsNearerToTheGoal) {
   }
   EXPECT_EQ(detour.direction(space, {}, goal_in_base({3, 0}, 0.2), 1.0), deg_to_rad(31));
   EXPECT_EQ(detour.side(), 1.0);
-  // Free again, but no nearer: along the wall on the right.
+  // The way is free again, but the robot is no nearer to the goal: it follows the wall on the
+  // right.
   space.distance_m.fill(5.0);
   const Points wall{{0.3, -0.5}};
   const auto along = detour.direction(space, wall, goal_in_base({3.5, 0}, 0.2), 1.0);
@@ -39,7 +40,7 @@ TEST(Detour, BeginsAtAnObstacleAndEndsNearerToTheGoal) {
   EXPECT_EQ(detour.side(), 0.0);
 }
 
-TEST(Detour, NothingBeyondTheGoalBlocksThePath) {
+TEST(Detour, AnObstacleBeyondTheGoalDoesNotBlockThePath) {
   FreeSpace space;
   space.distance_m.fill(0.6);
   Detour detour;

@@ -43,8 +43,8 @@ TEST(LocalMapMessage, ShowsFloorBoxAndPitWhereTheyAre) {
   EXPECT_EQ(kind_at(message, -1.0, 0.0), local_map_t::NOT_SEEN);
 }
 
-// Each of its cells by brute force: the worst of the four cells of the local map in it. Around a
-// place at the edge of the local map half of them are outside.
+// Oracle: each cell of the message is the worst of the four cells of the local map in it. Around a
+// place at the edge of the local map half of the cells are outside.
 TEST(LocalMapMessage, ACellIsTheWorstOfTheFourThatItHolds) {
   const LocalMap map = scanned_map();
   const double cell_m = map.grid().cell_size_m();
@@ -71,8 +71,8 @@ TEST(LocalMapMessage, ACellIsTheWorstOfTheFourThatItHolds) {
   }
 }
 
-// So that what is drawn does not flicker while the robot moves.
-TEST(LocalMapMessage, ACellIsTheSameGroundInTheNextMessage) {
+// Otherwise the drawn map would flicker while the robot moves.
+TEST(LocalMapMessage, ACellCoversTheSameGroundInTheNextMessage) {
   const LocalMap map = scanned_map();
   for (double x_m = -0.1; x_m < 0.1; x_m += 0.013) {
     const local_map_t message = local_map_message(map, {x_m, 2.0 * x_m}, 1.0);
@@ -80,7 +80,7 @@ TEST(LocalMapMessage, ACellIsTheSameGroundInTheNextMessage) {
       const double cells = corner_m / message.cell_size_m;
       EXPECT_NEAR(cells, std::round(cells), 1e-9);  // rounding of a product and a quotient
     }
-    // The robot is within the two cells in the middle, to 2.5 cm.
+    // The robot is within the two middle cells, to 2.5 cm.
     EXPECT_NEAR(message.origin_m[0] + 1.0, x_m, 0.05);
   }
 }

@@ -20,7 +20,7 @@ class NavigatorNodeTest : public ::testing::Test {
  protected:
   enum Input { kOdometry, kMap, kCommand, kState };
 
-  /// Without the local map, by the obstacle map alone, which tick() delivers.
+  /// Drives by the obstacle map alone, which tick() delivers, without the local map.
   explicit NavigatorNodeTest(bool use_local_map = false, const char* geofence = "")
       : node_{context_, params(use_local_map, geofence)} {}
 
@@ -121,12 +121,12 @@ class NavigatorNodeTest : public ::testing::Test {
   double x_ = 0.0;
 };
 
-/// Drives by the local map, too.
+/// Drives by the local map as well.
 class NavigatorNodeScans : public NavigatorNodeTest {
  protected:
   NavigatorNodeScans() : NavigatorNodeTest(true) {}
 
-  /// A scan of flat ground whose middle is at the next tick, then that tick.
+  /// Delivers a scan of flat ground, measured around the time of the next tick, then that tick.
   void tick_with_scan() { tick_with(scan_of({}, {}, geometry::deg_to_rad(-20.0))); }
 
   void tick_with(scan::Scan scan) {

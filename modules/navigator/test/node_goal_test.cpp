@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How the node drives to a goal, and by which poses.
+// How the node drives to a goal, and which poses it uses for that.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -14,7 +14,7 @@ namespace node_goal_test {
 
 using test::NavigatorNodeTest;
 
-/// May not leave a square of 8 m.
+/// A navigator with a geofence: a square of 8 m.
 class NavigatorNodeGeofence : public NavigatorNodeTest {
  protected:
   NavigatorNodeGeofence() : NavigatorNodeTest(false, "POLYGON((-4 -4, 4 -4, 4 4, -4 4))") {}
@@ -36,7 +36,7 @@ class NavigatorNodeGeofence : public NavigatorNodeTest {
   }
 };
 
-TEST_F(NavigatorNodeGeofence, ItDrivesOnlyWhileItKnowsWhereItIs) {
+TEST_F(NavigatorNodeGeofence, DrivesOnlyWhileThePoseIsAtMostTwoSecondsOld) {
   run(2.0);
   EXPECT_TRUE(halts());
   EXPECT_EQ(navigation().reason, "There is a geofence, but no pose from 2D SLAM.");
@@ -54,7 +54,7 @@ TEST_F(NavigatorNodeGeofence, ItDrivesOnlyWhileItKnowsWhereItIs) {
   EXPECT_EQ(navigation().reason, "There is a geofence, but no pose from 2D SLAM.");
 }
 
-TEST_F(NavigatorNodeGeofence, ItBrakesBeforeTheBoundaryAndStandsOutside) {
+TEST_F(NavigatorNodeGeofence, BrakesBeforeTheBoundaryAndHaltsOutside) {
   run_with_poses(2.0, 1.0);
   ASSERT_TRUE(drives());
   const double front_m = robot::Body{}.footprint().half_length_m;
@@ -64,7 +64,7 @@ TEST_F(NavigatorNodeGeofence, ItBrakesBeforeTheBoundaryAndStandsOutside) {
   EXPECT_EQ(navigation().reason, "The robot is outside the geofence.");
 }
 
-TEST_F(NavigatorNodeGeofence, AGoalOutsideIsNotDrivenTo) {
+TEST_F(NavigatorNodeGeofence, DoesNotDriveToAGoalOutside) {
   nodmap::goal_t goal{};
   goal.is_active = 1;
   goal.position_m[0] = 5.0;
@@ -91,7 +91,7 @@ TEST_F(NavigatorNodeTest, GoesToAGoalInTheCorrectedMap) {
   tick();
   EXPECT_NEAR(navigation().steering_angle_rad, 0.0, 1e-9);
   x_ = 2.9;
-  odometry_seq_ = 0;  // set down there: odometry begins anew
+  odometry_seq_ = 0;  // the robot is set down there, odometry begins anew
   run(1.5);
   EXPECT_EQ(navigation().behaviour, nodmap::navigation_t::ARRIVED);
   EXPECT_EQ(drive().forward_mps, 0.0);
@@ -126,13 +126,13 @@ TEST_F(NavigatorNodeTest, AGoalWithAHeadingNeedsTolerancesAndTheLocalMap) {
             "Docks only with planner.use_planner and local_map.use_local_map.");
 }
 
-// Without a goal the place in the map does not matter.
-TEST_F(NavigatorNodeTest, ToAGoalItSlowsWhenThePoseIsDegradedAndHaltsWhenItIsLost) {
+// Without a goal the pose in the map does not matter.
+TEST_F(NavigatorNodeTest, OnTheWayToAGoalADegradedPoseSlowsItAndALostOneHaltsIt) {
   const auto give_pose = [this](std::int8_t state, double variance_m2 = 0.0) {
     auto pose = node::write_corrected_pose(time::from_utime(now_us_), geometry::SE3::Identity(),
                                            geometry::SE3::Identity());
     pose.state = state;
-    // Half a metre along a corridor that runs diagonally in map, nothing across.
+    // Half a metre along a corridor that runs diagonally in map; no error across it.
     pose.covariance[0][0] = pose.covariance[0][1] = variance_m2;
     pose.covariance[1][0] = pose.covariance[1][1] = variance_m2;
     bus_.deliver("POSE_2D", pose);

@@ -17,7 +17,7 @@ using test::NavigatorNodeScans;
 using test::NavigatorNodeTest;
 
 TEST_F(NavigatorNodeTest, EachLostInputHaltsTheRobotUntilItIsBack) {
-  // The limit and one odometry period; lost odometry is noticed with the maps.
+  // The limit and one period of odometry. Missing odometry is noticed when the next map comes.
   const std::map<int, double> limit_s{
       {kOdometry, 0.1}, {kMap, 0.1}, {kCommand, 0.15}, {kState, 0.15}};
   for (const auto& [lost, seconds] : limit_s) {
@@ -33,8 +33,8 @@ TEST_F(NavigatorNodeTest, EachLostInputHaltsTheRobotUntilItIsBack) {
   }
 }
 
-// 0.13 s without a map: it stops for what is left of them and drives on, for two sweeps of 0.35 s
-// at half of the bound of 1 m/s.
+// 0.13 s without a map: the robot stops until the next map, then drives at half of the bound of 1
+// m/s for two sweeps of 0.35 s.
 TEST_F(NavigatorNodeTest, AfterAShortGapInTheScansItDrivesOnSlowly) {
   run(2.0);
   ASSERT_EQ(drive().forward_mps, 1.0);
@@ -45,12 +45,13 @@ TEST_F(NavigatorNodeTest, AfterAShortGapInTheScansItDrivesOnSlowly) {
     ASSERT_EQ(drive().forward_mps, 0.5);
     slowly_s += 0.01;
   }
-  EXPECT_GT(slowly_s, 0.35);  // one sweep and what is left of another
+  EXPECT_GT(slowly_s, 0.35);  // one sweep and the rest of another
   EXPECT_LE(slowly_s, 0.7);
 }
 
-// 0.13 s each half second: each place may be missed again and again, so it stands and looks.
-TEST_F(NavigatorNodeTest, GapsThatFollowOneAnotherMakeItStandAndLook) {
+// A gap of 0.13 s every half second: the same place may be missed each time, so the robot stops and
+// looks.
+TEST_F(NavigatorNodeTest, RepeatedGapsInTheScansMakeItStopAndLook) {
   run(2.0);
   ASSERT_TRUE(drives());
   run(0.13, kMap);
@@ -60,7 +61,7 @@ TEST_F(NavigatorNodeTest, GapsThatFollowOneAnotherMakeItStandAndLook) {
   EXPECT_EQ(drive().forward_mps, 0.0);
 }
 
-TEST_F(NavigatorNodeTest, AfterALongGapInTheScansItStandsAndLooks) {
+TEST_F(NavigatorNodeTest, AfterALongGapInTheScansItStopsAndLooks) {
   run(2.0);
   ASSERT_TRUE(drives());
   run(0.25, kMap);
@@ -101,7 +102,7 @@ TEST_F(NavigatorNodeTest, MapsFromTheFutureOrThePastHaltOnlyUntilTheNextGoodOne)
   EXPECT_TRUE(drives());
 }
 
-TEST_F(NavigatorNodeTest, ClocksThatStepBackAllTogetherAreFollowed) {
+TEST_F(NavigatorNodeTest, DrivesOnAfterAllClocksHaveSteppedBackTogether) {
   run(1.5);
   now_us_ -= 60'000'000;
   tick();
@@ -110,9 +111,9 @@ TEST_F(NavigatorNodeTest, ClocksThatStepBackAllTogetherAreFollowed) {
   EXPECT_TRUE(drives());
 }
 
-TEST_F(NavigatorNodeTest, OdometryThatBeganAnewNeedsANewMap) {
+TEST_F(NavigatorNodeTest, AfterOdometryHasRestartedItWaitsForANewMap) {
   run(1.5);
-  run(0.3, kOdometry);  // a process takes longer to start
+  run(0.3, kOdometry);  // a process takes at least as long to start
   odometry_seq_ = 0;
   x_ = 100.0;
   give_odometry(now_us_ + 10'000);
@@ -123,7 +124,7 @@ TEST_F(NavigatorNodeTest, OdometryThatBeganAnewNeedsANewMap) {
   EXPECT_TRUE(drives());
 }
 
-TEST_F(NavigatorNodeTest, ABaseThatStartsAnewBeforeTheClockIsSetBackIsFollowed) {
+TEST_F(NavigatorNodeTest, DrivesOnAfterTheBaseDriverHasRestartedAndThenTheClockIsSetBack) {
   run(1.5);
   odometry_seq_ = 0;
   tick();
@@ -132,7 +133,7 @@ TEST_F(NavigatorNodeTest, ABaseThatStartsAnewBeforeTheClockIsSetBackIsFollowed) 
   EXPECT_TRUE(drives());
 }
 
-TEST_F(NavigatorNodeTest, AMapTooFarFromOdometryHalts) {
+TEST_F(NavigatorNodeTest, AMapTooFarFromOdometryHaltsIt) {
   run(1.5);
   x_ = 50.0;
   give_odometry(now_us_ + 10'000);

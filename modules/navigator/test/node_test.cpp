@@ -93,7 +93,7 @@ TEST_F(NavigatorNodeTest, ObeysThePitchControllersBound) {
   EXPECT_EQ(drive().forward_mps, 0.3);
 }
 
-TEST_F(NavigatorNodeTest, RangesOfTheBaseNeedOdometryAndMayBeAnything) {
+TEST_F(NavigatorNodeTest, InfraredRangesAreRefusedWithoutOdometryAndOtherwiseTakenAsTheyAre) {
   nodmap::base_sensors_t message{};
   message.utime = now_us_;
   bus_.deliver("BASE_SENSORS", message);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// For tests in closed loop: a world of points, an ideal obstacle map of it, and a robot with the
-// limits of the KURT's wheels. Of the navigator only its value types are used.
+// For closed-loop tests: a world of points, an ideal obstacle map of it, and a robot with the
+// limits of the KURT's wheels. Of the navigator it uses the value types only.
 #pragma once
 
 #include <algorithm>
@@ -65,8 +65,8 @@ inline Points ideal_map(const World& world, const geometry::SE2& T_odom_base) {
   return points;
 }
 
-/// The base: wheels that gain 1.5 m/s2 and lose 3 m/s2, commands that take effect 40 ms after they
-/// were decided (bus, 10 ms period of the driver, controller of the motors).
+/// The base: its wheels accelerate by 1.5 m/s2 and decelerate by 3 m/s2; a command takes effect 40
+/// ms after the decision (bus, 10 ms period of the driver, controller of the motors).
 class Robot {
  public:
   static constexpr double kStepS = 0.001;

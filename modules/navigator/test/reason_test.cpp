@@ -8,7 +8,7 @@
 namespace nodmap::navigator {
 namespace reason_test {
 
-TEST(Reason, EachHasItsOwnSentence) {
+TEST(Reason, EveryReasonHasItsOwnSentence) {
   std::set<std::string> texts;
   for (int why = 0; why <= static_cast<int>(Why::kDocks); ++why) {
     const std::string text = to_text(Reason(static_cast<Why>(why), "x"));
@@ -18,7 +18,7 @@ TEST(Reason, EachHasItsOwnSentence) {
   }
 }
 
-TEST(Reason, NamesWhatItIsAbout) {
+TEST(Reason, TheSentenceNamesTheCause) {
   EXPECT_EQ(to_text({Why::kStopped, "a 100% sure test"}), "Stopped by a 100% sure test.");
   EXPECT_EQ(to_text({Why::kTwoSenders, "SCAN"}), "Two processes send SCAN.");
   EXPECT_EQ(to_text(Why::kNothingToAdd), "");

@@ -22,15 +22,15 @@ TEST(SeenDirections, ADirectionIsSeenAfterTwoSweeps) {
   EXPECT_FALSE(view.is_seen(deg_to_rad(80), 2));
 }
 
-TEST(SeenDirections, AfterAShortGapOnlyWhatWasSeenBeforeIsStillSeen) {
+TEST(SeenDirections, AfterAShortGapOnlyDirectionsSeenForTwoSweepsBeforeItCountAsSeen) {
   SeenDirections view(deg_to_rad(70));
   view.update(0.0, 0);
   view.update(0.0, 1);
   view.update(deg_to_rad(40), 2);
   view.forget_unseen(2);
   view.update(deg_to_rad(40), 3);
-  EXPECT_TRUE(view.is_seen(deg_to_rad(-40), 2));  // compass 0: for two sweeps before the gap
-  EXPECT_FALSE(view.is_seen(deg_to_rad(40), 2));  // compass 80: came into view just before it
+  EXPECT_TRUE(view.is_seen(deg_to_rad(-40), 2));  // compass 0: seen for two sweeps before the gap
+  EXPECT_FALSE(view.is_seen(deg_to_rad(40), 2));  // compass 80: in view only just before it
   view.update(deg_to_rad(40), 5);
   EXPECT_TRUE(view.is_seen(deg_to_rad(40), 2));
 }
@@ -43,7 +43,7 @@ TEST(SeenDirections, ARotationBringsNewDirectionsAndForgetsOldOnes) {
   EXPECT_FALSE(view.is_seen(0.0, 2));             // compass 100: new
   EXPECT_TRUE(view.is_seen(deg_to_rad(-60), 2));  // compass 40: seen all along
   view.update(0.0, 2);
-  EXPECT_FALSE(view.is_seen(deg_to_rad(-60), 2));  // was out of view in between
+  EXPECT_FALSE(view.is_seen(deg_to_rad(-60), 2));  // it was out of view in between
   view.update(0.0, 0);                             // the servo driver has restarted
   EXPECT_FALSE(view.is_seen(deg_to_rad(40), 2));
 }

@@ -16,10 +16,10 @@ namespace senders_test {
 
 using test::NavigatorNodeTest;
 
-// Somebody sends one ODOMETRY that counts anew and is stamped far ahead; later the clock is set
-// back by an hour, just after the base driver was started anew. Each costs a moment and not the
-// drive.
-TEST_F(NavigatorNodeTest, AFarStampOfAnOdometryFrameDoesNotHaltItForGood) {
+// Another sender sends one ODOMETRY whose sequence begins anew and whose stamp is far in the
+// future. Later the base driver restarts and the clock is set back by a quarter of an hour. After
+// each of them the robot drives on within seconds.
+TEST_F(NavigatorNodeTest, OneOdometryWithAFarFutureStampDoesNotHaltItForGood) {
   run(1.5);
   ASSERT_TRUE(drives());
   auto forged =
@@ -35,8 +35,7 @@ TEST_F(NavigatorNodeTest, AFarStampOfAnOdometryFrameDoesNotHaltItForGood) {
   EXPECT_TRUE(drives());
 }
 
-// Somebody else promises that the robot may drive at 5 m/s: which of the two means well is not
-// known.
+// A second sender allows 5 m/s. The navigator cannot know which of the two is legitimate.
 TEST_F(NavigatorNodeTest, TwoSendersOfPitchCommandHaltItUntilOneHasEnded) {
   run(1.5);
   ASSERT_TRUE(drives());
@@ -60,7 +59,7 @@ TEST_F(NavigatorNodeTest, TwoSendersOfPitchCommandHaltItUntilOneHasEnded) {
   EXPECT_TRUE(drives());
 }
 
-// Odometry that tells of a robot that stands would let it drive on for ever.
+// A false ODOMETRY of a stationary robot, for example, would let it drive on for ever.
 TEST_F(NavigatorNodeTest, ASecondSenderOfAnySensorHaltsItUntilItHasEnded) {
   run(1.5);
   ASSERT_TRUE(drives());
@@ -104,8 +103,8 @@ TEST_F(NavigatorNodeTest, ASecondSenderOfAnySensorHaltsItUntilItHasEnded) {
   EXPECT_EQ(rejected("other_sender_of_scan"), 50);
 }
 
-// As from somebody else on the network, while the base driver is alive.
-TEST_F(NavigatorNodeTest, OneOdometryThatBeginsAnewInTheFutureIsRefused) {
+// Somebody else on the network sends it while the base driver runs.
+TEST_F(NavigatorNodeTest, OneOdometryThatBeginsAnewWithAFutureStampIsRefused) {
   run(1.5);
   auto forged =
       node::write_odometry(time::from_utime(now_us_ + 3'600'000'000), geometry::SE3::Identity());

@@ -9,8 +9,8 @@
 namespace nodmap::navigator {
 namespace slip_test {
 
-/// Four poses a second at this speed by the wheels, of which a part is driven. Returns when it is
-/// noticed, seconds; negative: never within 10 s.
+/// Four poses a second. The wheels measure `wheels_mps`, of which the robot drives a fraction.
+/// Returns after how many seconds slip is reported; negative if never within 10 s.
 double noticed_after_s(double wheels_mps, double driven_fraction) {
   SlipMonitor monitor;
   std::mt19937 random(11);
@@ -25,7 +25,7 @@ double noticed_after_s(double wheels_mps, double driven_fraction) {
   return -1.0;
 }
 
-TEST(SlipMonitor, NoticesWheelsThatTurnForNothing) {
+TEST(SlipMonitor, IsReportedWhenTheWheelsTurnButTheRobotHardlyMoves) {
   for (const double mps : {0.15, 0.3, 1.0}) {
     const double after_s = noticed_after_s(mps, 0.0);
     EXPECT_GT(after_s, 0.0) << mps;

@@ -22,7 +22,7 @@ TEST(Staleness, EachInputHasItsLimit) {
   EXPECT_TRUE(with(&InputStamps::scan, time::from_utime(899'999)));
   EXPECT_TRUE(with(&InputStamps::pitch_command, time::from_utime(849'999)));
   EXPECT_TRUE(with(&InputStamps::pitch_state, time::from_utime(849'999)));
-  // Odometry that stays behind, or an input from the future.
+  // Odometry behind the other inputs, or an input from the future.
   EXPECT_TRUE(with(&InputStamps::odometry, time::from_utime(880'000)));
   EXPECT_TRUE(with(&InputStamps::map, time::from_utime(1'100'001)));
   for (const auto member : {&InputStamps::odometry, &InputStamps::map, &InputStamps::scan,

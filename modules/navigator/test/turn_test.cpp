@@ -31,7 +31,7 @@ TEST(Turn, KeepsTheSideItChose) {
   EXPECT_LT(turn.step(input, 1.0).yaw_rate_rad_s, 0.0);
 }
 
-TEST(Turn, ChoosesTheFreeDirectionThenTheRoomThenLeft) {
+TEST(Turn, ChoosesTheSideByFreeDirectionThenByRoomAndElseLeft) {
   const auto first_side = [](double free_deg, double room, double preferred) {
     Turn turn({}, kReactionS);
     TurnInput input = free_to_turn(0.0);
@@ -47,7 +47,7 @@ TEST(Turn, ChoosesTheFreeDirectionThenTheRoomThenLeft) {
   EXPECT_EQ(first_side(-40, -1, 1), 1);
 }
 
-TEST(Turn, EndsOnlyWhenAheadIsSeenAndTheRobotStationary) {
+TEST(Turn, EndsOnlyWhenTheWayAheadIsSeenAndTheRobotIsStationary) {
   using Kind = TurnCommand::Kind;
   Turn turn({}, kReactionS);
   TurnInput input = free_to_turn(0.0);
@@ -70,7 +70,7 @@ TEST(Turn, AfterAFullRotationItWaitsAndTriesAgain) {
     input.heading_rad = geometry::normalize_angle(input.heading_rad + deg_to_rad(1));
     ++steps;
   }
-  EXPECT_NEAR(steps, 360, 1);  // a degree each; rounding
+  EXPECT_NEAR(steps, 360, 1);  // steps of a degree; rounding
   input.stamp = time::from_utime(4'900'000);
   EXPECT_EQ(turn.step(input, 0.0).kind, Kind::kWait);
   input.stamp = time::from_utime(5'100'000);
@@ -88,7 +88,7 @@ TEST(Turn, BlockedOnOneSideItTriesTheOtherOnceThenBacksUp) {
   input.left.free_rotation_rad = 1.0;
   input.right.free_rotation_rad = 0.01;
   EXPECT_EQ(turn.step(input, 1.0).kind, Kind::kBackUp);
-  input.right.free_rotation_rad = 1.0;  // no better than what was tried
+  input.right.free_rotation_rad = 1.0;  // no more than was tried before
   EXPECT_EQ(turn.step(input, 1.0).kind, Kind::kBackUp);
   input.right.free_rotation_rad = kInf;
   EXPECT_EQ(turn.step(input, 1.0).kind, Kind::kTurn);
@@ -101,11 +101,11 @@ TEST(Turn, BacksUpFirstWhereNeitherSideLeadsOut) {
   input.right.free_rotation_rad = deg_to_rad(80);
   input.has_path_back = true;
   EXPECT_EQ(Turn({}, kReactionS).step(input, 1.0).kind, Kind::kBackUp);
-  // 150 degrees, or as far as a free direction, is enough.
+  // A side is good enough if the robot can rotate 150 degrees, or as far as a free direction.
   TurnInput reachable = input;
   reachable.right.to_clear_direction_rad = deg_to_rad(60);
   EXPECT_LT(Turn({}, kReactionS).step(reachable, 1.0).yaw_rate_rad_s, 0.0);
-  // No path back: it turns as far as it can.
+  // Without a path back it turns as far as it can.
   input.has_path_back = false;
   EXPECT_GT(Turn({}, kReactionS).step(input, 1.0).yaw_rate_rad_s, 0.0);
 }

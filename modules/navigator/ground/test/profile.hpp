@@ -13,7 +13,7 @@
 
 namespace nodmap::navigator::test {
 
-/// Straight lines between knots (x, z); two knots at one x are a step.
+/// Straight lines between knots (x, z); two knots at the same x are a step.
 struct Profile {
   std::vector<Eigen::Vector2d> knots;
 
@@ -28,7 +28,8 @@ struct Profile {
     return knots.back().y();
   }
 
-  /// The nearest of the ray's intersections with the lines, closed form; +infinity without one.
+  /// Distance to the first intersection of a ray with the lines, in closed form; +infinity without
+  /// one.
   [[nodiscard]] double range_m(const Eigen::Vector3d& origin, const Eigen::Vector3d& ray) const {
     double nearest = std::numeric_limits<double>::infinity();
     for (std::size_t i = 1; i < knots.size(); ++i) {
@@ -45,7 +46,7 @@ struct Profile {
     return nearest;
   }
 
-  /// Of base, heading along x: on wheels 0.15 m before and behind it.
+  /// Pose of base heading along x, on wheels 0.15 m before and behind it.
   [[nodiscard]] geometry::SE3 pose_at(double x) const {
     const double front = height_m(x + 0.15);
     const double rear = height_m(x - 0.15);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The ground as the local map tracks it, on profiles whose heights are known in closed form.
+// The ground that the local map tracks, compared with profiles whose heights are known in closed
+// form.
 #include "modules/navigator/ground/tracked_ground.hpp"
 
 #include <gtest/gtest.h>
@@ -21,7 +22,7 @@ constexpr double kRangeSigmaM = 0.01;  // of the LMS200
 constexpr int kTwoSweeps = 146;
 constexpr double kFar = 40.0;
 
-/// What went on while the robot drove over a profile.
+/// What was measured while the robot drove over a profile.
 struct Drive {
   double tilt_error_rad = 0.0;   // worst
   double height_error_m = 0.0;   // worst
@@ -29,7 +30,7 @@ struct Drive {
   std::size_t facets = 0;
 };
 
-/// Stands for two sweeps, and drives on to `end_x`.
+/// The robot stands for two sweeps, then drives to `end_x`.
 Drive drive(NoddingRobot robot, double end_x) {
   LocalMap map({}, {});
   Drive result;
@@ -62,7 +63,7 @@ Profile ramp_down(double slope_deg) {
   return {{{-kFar, 0.0}, {1.4, 0.0}, {3.4, -rise}, {kFar, -rise}}};
 }
 
-TEST(TrackedGround, RampsAreGround) {
+TEST(TrackedGround, RampsOfUpToTwelveDegreesAreGround) {
   struct Case {
     const char* name;
     Profile (*make)(double);
@@ -87,8 +88,8 @@ TEST(TrackedGround, FlatFloorIsExactlyFlat) {
   EXPECT_EQ(result.points_ahead, 0U);
 }
 
-// All of these block the way before the robot is there, and are no ground.
-TEST(TrackedGround, SillsKerbsStairsAndSteepRampsAreNoGround) {
+// Each of these blocks the way before the robot reaches it, and does not become ground.
+TEST(TrackedGround, SillsKerbsStairsAndSteepRampsBlockTheWay) {
   const double steep = std::tan(deg_to_rad(20.0));
   struct Case {
     const char* name;
@@ -122,14 +123,15 @@ TEST(TrackedGround, SillsKerbsStairsAndSteepRampsAreNoGround) {
            {kFar, 0.51}}}},
         {"20 degrees up", {{{-kFar, 0.0}, {1.5, 0.0}, {2.5, steep}, {kFar, steep}}}},
         {"20 degrees down", {{{-kFar, 0.0}, {1.5, 0.0}, {2.5, -steep}, {kFar, -steep}}}}}) {
-    // The body's front is 0.25 m before it then.
+    // The drive ends when the body's front is 0.25 m before it.
     const Drive result = drive({c.profile, kRangeSigmaM}, 1.0);
     EXPECT_EQ(result.facets, 1U) << c.name;
     EXPECT_GT(result.points_ahead, 0U) << c.name;
   }
 }
 
-/// A ramp of 0.2 m a metre from x = 1 to 3, y within 0.5, on ground that is known around it.
+/// A ramp that rises 0.2 m per metre, x from 1 to 3 and |y| < 0.5, on level ground that is known
+/// around it.
 TrackedGround ground_with_ramp() {
   TrackedGround ground{GroundParams{}};
   ground.move({});
@@ -147,9 +149,8 @@ TrackedGround ground_with_ramp() {
   return ground;
 }
 
-// The wheels' heights in closed form: with the front wheels 0.1 m behind the foot they are 2 cm
-// high, over a wheelbase of 0.3 m.
-TEST(TrackedGround, TheBodyStandsOnItsWheels) {
+// In closed form: the front wheels are 0.1 m up the ramp, so 2 cm high, and the wheelbase is 0.3 m.
+TEST(TrackedGround, TheBodysTiltFollowsFromTheHeightsOfItsWheels) {
   TrackedGround ground = ground_with_ramp();
   for (int cm = 0; cm <= 95; ++cm) {
     ground.move({0.01 * cm, 0.0, 0.0});
@@ -158,7 +159,7 @@ TEST(TrackedGround, TheBodyStandsOnItsWheels) {
   EXPECT_NEAR(ground.T_odom_base().translation().z(), 0.5 * front_m, 1e-9);
   const Eigen::Vector3d forward = ground.T_odom_base().linear().col(0);
   EXPECT_NEAR(forward.z() / forward.x(), front_m / 0.3, 1e-9);
-  // Across the slope it rolls: its left side, downhill, is lower.
+  // Across the slope the body rolls: its left side, which is downhill, is lower.
   for (int cm = 95; cm <= 200; ++cm) {
     ground.move({0.01 * cm, 0.0, 0.0});
   }
@@ -170,8 +171,8 @@ TEST(TrackedGround, TheBodyStandsOnItsWheels) {
   EXPECT_NEAR(ground.T_odom_base().linear().col(0).z(), 0.0, 1e-9);
 }
 
-// Beside a ramp of 0.2 m: from the floor, the floor is ground and the ramp's side an obstacle; from
-// the ramp, both are a drop.
+// Seen from the floor, the floor beside the ramp is ground and the ramp's side is an obstacle. Seen
+// from the ramp, 0.2 m up, both are a drop.
 TEST(TrackedGround, TheSideOfARampIsAnObstacleFromBelowAndADropFromAbove) {
   using Kind = TrackedGround::Place::Kind;
   TrackedGround ground = ground_with_ramp();

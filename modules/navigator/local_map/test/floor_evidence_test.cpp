@@ -6,7 +6,7 @@
 namespace nodmap::navigator {
 namespace floor_evidence_test {
 
-/// Two scans of two beams each, which meet the floor at the corners of a rectangle.
+/// The floor after two scans of two beams each, which hit it at the corners of a rectangle.
 LocalGrid floor_between(double length_m, double width_m) {
   LocalGrid grid(0.025, 9);
   grid.center_on({0.0, 0.0});
@@ -21,7 +21,7 @@ LocalGrid floor_between(double length_m, double width_m) {
   return grid;
 }
 
-TEST(FloorEvidence, FillsWhatLiesBetweenFourBeams) {
+TEST(FloorEvidence, FillsTheFloorBetweenFourBeams) {
   const LocalGrid grid = floor_between(0.14, 0.1);
   for (double x = 1.0; x <= 1.14; x += 0.01) {
     for (double y = 0.0; y <= 0.1; y += 0.01) {
@@ -34,11 +34,11 @@ TEST(FloorEvidence, FillsWhatLiesBetweenFourBeams) {
 
 TEST(FloorEvidence, LeavesAGapThatIsWiderThanAllowed) {
   EXPECT_FALSE(floor_between(0.16, 0.1).find({1.08, 0.05})->is_floor);
-  EXPECT_TRUE(floor_between(0.16, 0.1).find({1.0, 0.05})->is_floor);  // of one scan
+  EXPECT_TRUE(floor_between(0.16, 0.1).find({1.0, 0.05})->is_floor);  // in one scan
   EXPECT_FALSE(floor_between(0.16, 0.16).find({1.0, 0.08})->is_floor);
 }
 
-TEST(FloorEvidence, ScansThatHaveNothingInCommonAreNotFilled) {
+TEST(FloorEvidence, DoesNotFillTheFloorBetweenScansWithoutCommonBeams) {
   LocalGrid grid(0.025, 9);
   grid.center_on({0.0, 0.0});
   FloorEvidence floor(LocalMapParams{});
@@ -53,8 +53,9 @@ TEST(FloorEvidence, ScansThatHaveNothingInCommonAreNotFilled) {
   EXPECT_FALSE(grid.find({1.05, 0.05})->is_floor);
 }
 
-// Floor where an obstacle was measured speaks against it, below a table top it does not.
-TEST(FloorEvidence, SpeaksAgainstObstaclesOnTheFloorAlone) {
+// Floor seen where an obstacle was measured counts against the obstacle; floor seen below a table
+// top does not count against the table.
+TEST(FloorEvidence, CountsAgainstObstaclesOnTheFloorOnly) {
   LocalGrid grid(0.025, 9);
   grid.center_on({0.0, 0.0});
   LocalCell& box = *grid.find({1.0, 0.0});

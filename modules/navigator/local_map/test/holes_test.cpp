@@ -19,10 +19,10 @@ TEST(Holes, OneCertainBeamOrTwoInTwoScansMakeAHole) {
   EXPECT_TRUE(grid.find(p)->is_hole());
   add_hole(grid, -p, true, 1, 0);
   EXPECT_TRUE(grid.find(-p)->is_hole());
-  add_hole(grid, {1e6, 0.0}, true, 1, 0);  // outside: nothing
+  add_hole(grid, {1e6, 0.0}, true, 1, 0);  // outside the grid: ignored
 }
 
-// Around one hole those cells are its edge that lie two cells beside it, along the axes.
+// Around one hole the edge is the cells up to two cells away along the axes.
 TEST(Holes, TheEdgeIsTwoCellsWide) {
   LocalGrid grid(0.025, 9);
   grid.center_on({0.0, 0.0});

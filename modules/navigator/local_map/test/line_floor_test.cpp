@@ -8,11 +8,11 @@
 namespace nodmap::navigator {
 namespace line_floor_test {
 
-// A line that is measured 1.2 cm too high by a tilt, with a noise of 4 mm, and a brick on it: the
-// lower quartile of a normal distribution is 0.67 standard deviations below its mean, and of 51
-// values it is off by 0.19 of them, of the 26 at the end of the line by 1.4 times as much; four
-// times that is allowed.
-TEST(LineFloor, IsTheFloorBesideABrick) {
+// A line with a brick on it, measured 1.2 cm too high because of a tilt, with a noise of 4 mm. The
+// lower quartile of a normal distribution is 0.67 standard deviations below its mean. The quartile
+// of 51 values has an error of 0.19 standard deviations, that of the 26 values at the end of the
+// line 1.4 times as much; the tolerance is four times that.
+TEST(LineFloor, FindsTheHeightOfTheFloorBesideABrick) {
   constexpr double kTiltM = 0.012;
   constexpr double kNoiseM = 0.004;
   std::mt19937 engine(7);
@@ -30,7 +30,7 @@ TEST(LineFloor, IsTheFloorBesideABrick) {
   }
 }
 
-TEST(LineFloor, FewBeamsSayNothing) {
+TEST(LineFloor, TooFewBeamsGiveNoHeight) {
   LineFloor line;
   line.begin_scan(181);
   for (std::size_t beam = 90; beam < 101; ++beam) {

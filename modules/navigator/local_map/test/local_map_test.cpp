@@ -18,7 +18,7 @@ using test::Ground;
 
 constexpr double kCellM = 0.025;
 
-/// A sweep from 60 degrees down to level, and back.
+/// Sweeps from 60 degrees down to level, then back up.
 void sweep(LocalMap& map, const Ground& ground, const geometry::SE2& T_odom_base, int times = 2) {
   for (int i = 0; i < times; ++i) {
     for (double deg = -60.0; deg <= 5.0; deg += 1.5) {
@@ -36,7 +36,7 @@ double nearest_m(const Points& points) {
   return nearest;
 }
 
-/// Nothing was measured.
+/// A scan without any measurement.
 scan::Scan blind_scan() {
   scan::Scan scan = test::scan_of({}, {}, 0.0);
   std::ranges::fill(scan.ranges_m, std::numeric_limits<float>::quiet_NaN());
@@ -47,12 +47,13 @@ TEST(LocalMap, FlatFloorHasNoPointsAndIsSeen) {
   LocalMap map({}, {});
   sweep(map, {}, {});
   EXPECT_TRUE(map.points_base({}, 3.0).empty());
-  // At 1.5 degrees between lines they are 15 cm apart 1.5 m ahead: so far it is filled.
+  // Lines 1.5 degrees apart are 15 cm apart at 1.5 m: the floor is seen without gaps up to there.
   EXPECT_GT(map.seen_distance({}, 0.0, 0.165, 1.0, 0.15), 0.7);
 }
 
-// Every obstacle cell is within half a cell's diagonal of a block that rises from the floor, every
-// hole within that of a pit or on its edge, two cells wide, and the near edge of each is found.
+// Every obstacle cell is within half a cell's diagonal of a block that rises from the floor. Every
+// hole is that close to a pit, or on the edge around it, two cells wide. The near edge of each is
+// found.
 TEST(LocalMap, FindsSillsBoxesAndPitsWhereTheyAre) {
   struct Case {
     Block block;
@@ -65,7 +66,7 @@ TEST(LocalMap, FindsSillsBoxesAndPitsWhereTheyAre) {
     const Ground ground{{c.block}};
     sweep(map, ground, {});
     const Points points = map.points_base({}, 2.0);
-    // Lines are 4 cm apart on the floor 1 m ahead: the edge of a pit lies between two.
+    // Lines are 4 cm apart on the floor 1 m ahead, and the edge of a pit may be between two.
     EXPECT_NEAR(nearest_m(points), c.nearest_m, 0.05) << c.block.height_m;
     for (const Eigen::Vector2d& p : points) {
       const Eigen::Vector2d nearest = p.cwiseMax(c.block.min).cwiseMin(c.block.max);
@@ -76,10 +77,10 @@ TEST(LocalMap, FindsSillsBoxesAndPitsWhereTheyAre) {
   }
 }
 
-// Beams pass through the floor beyond the edge, by up to the 4 cm between two lines: what is
-// blocked must begin before it, so that a body that keeps its clearance from points keeps it from
-// the edge.
-TEST(LocalMap, AHoleIsBlockedFromItsEdgeOn) {
+// Beams pass over the edge and hit the ground up to 4 cm beyond it, the distance between two lines.
+// Blocked cells must begin before the edge: then a body that keeps its clearance from points also
+// keeps it from the edge.
+TEST(LocalMap, AHoleIsBlockedFromItsEdge) {
   for (const double edge_m : {0.900, 0.907, 0.914, 0.921}) {
     LocalMap map({}, {});
     sweep(map, {{{{edge_m, -1.0}, {2.0, 1.0}, -0.5}}}, {});
@@ -89,9 +90,9 @@ TEST(LocalMap, AHoleIsBlockedFromItsEdgeOn) {
   }
 }
 
-// 29 cm are 28.999 in centimetres of floating point: the beams that pass are as high as those that
-// hit.
-TEST(LocalMap, ALevelLaserClearsWhatItSeesThrough) {
+// 29 cm in floating point are 28.999 cm: the beams that pass must count as being at the same height
+// as those that hit.
+TEST(LocalMap, ALevelLaserClearsAnObstacleThatItSeesThrough) {
   LocalMap map({}, {});
   const auto look = [&](const Ground& ground, int times) {
     for (int i = 0; i < times; ++i) {
@@ -102,14 +103,15 @@ TEST(LocalMap, ALevelLaserClearsWhatItSeesThrough) {
   };
   look({{{{1.0, -0.2}, {1.2, 0.2}, 0.5}}}, 4);
   EXPECT_FALSE(map.points_base({}, 1.5).empty());
-  // Evidence is 12 at most; each scan takes one from it.
+  // The evidence is at most 12, and each scan takes away one.
   look({{{{3.0, -3.0}, {3.2, 3.0}, 0.5}}}, 12);
   EXPECT_TRUE(map.points_base({}, 1.5).empty());
   EXPECT_TRUE(map.cell_at({1.01, 0.0})->is_cleared());
 }
 
-// Sweeps up and down put their lines at other pitches: half of 1.5 degrees apart in places, that is
-// 15 cm apart about 2 m ahead of the axis, and 30 cm about 2.9 m. Measured: 1.58 m and 2.25 m.
+// Lines of sweeps up and down are at different pitches, in places half of 1.5 degrees apart: they
+// are then 15 cm apart about 2 m ahead of the axis, and 30 cm apart at 2.9 m. Measured: floor up to
+// 1.58 m and 2.25 m.
 TEST(LocalMap, FloorIsSeenFartherWhereWiderGapsAreAllowed) {
   LocalMap map({}, {});
   sweep(map, {}, {});
@@ -121,7 +123,7 @@ TEST(LocalMap, FloorIsSeenFartherWhereWiderGapsAreAllowed) {
   EXPECT_LT(wide_m, 2.7);
 }
 
-TEST(LocalMap, WhatTheLaserDidNotSeeIsUnknown) {
+TEST(LocalMap, GroundThatTheLaserDidNotSeeIsUnknown) {
   LocalMap map({}, {});
   const Ground ground{{{{1.0, -0.5}, {1.1, 0.5}, 0.3}}};
   sweep(map, ground, {});
@@ -132,7 +134,7 @@ TEST(LocalMap, WhatTheLaserDidNotSeeIsUnknown) {
   EXPECT_LT(map.seen_distance({}, 0.0, 0.165, 2.0, 0.15), 1.0 - 0.225);
 }
 
-TEST(LocalMap, RemembersWhatIsBesideAndBehindTheRobot) {
+TEST(LocalMap, RemembersObstaclesBesideAndBehindTheRobot) {
   LocalMap map({}, {});
   const Ground ground{{{{0.8, 0.25}, {0.9, 0.35}, 0.08}}};
   sweep(map, ground, {});
@@ -143,15 +145,15 @@ TEST(LocalMap, RemembersWhatIsBesideAndBehindTheRobot) {
   }
   const Points points = map.points_base({1.5, 0.0, 0.0}, 2.0);
   ASSERT_FALSE(points.empty());
-  // The block reaches 5 cm to each side of its middle, and its outermost cells 2 cm farther.
+  // The block reaches 5 cm to each side of its middle, and its outermost cells reach 2 cm farther.
   for (const Eigen::Vector2d& p : points) {
     EXPECT_NEAR(p.x(), 0.85 - 1.5, 0.07);
     EXPECT_NEAR(p.y(), 0.3, 0.07);
   }
 }
 
-// A wall that was seen on the way in, and lies behind and beside the robot now. It rotates to and
-// fro before it, 20 rad in all, and never looks there again: as much as 80 m of driving.
+// The wall was seen on the way in; now it is behind and beside the robot. The robot rotates to and
+// fro, 20 rad in all, without looking at the wall again: that counts as 80 m of driving.
 TEST(LocalMap, AWallBesideARobotThatRotatesOnTheSpotIsRemembered) {
   LocalMap map({}, {});
   const Ground ground{{{{-0.5, -1.0}, {-0.4, 1.0}, 0.5}}};
@@ -170,8 +172,8 @@ TEST(LocalMap, AWallBesideARobotThatRotatesOnTheSpotIsRemembered) {
   EXPECT_EQ(behind(), before);
 }
 
-// A low sill is hit by a line of one sweep and of the next; in between lines meet the floor in the
-// cells of its face. Three of those are outweighed, for good the floor wins.
+// A low sill is hit by one line of each sweep; other lines hit the floor in the cells of its face.
+// It outweighs three of those; but when many lines hit the floor, the floor wins.
 TEST(LocalMap, ALowSillThatWasHitTwiceOutweighsThreeLinesOnTheFloor) {
   LocalMap map({}, {});
   const Ground sill{{{{0.9, -0.6}, {1.0, 0.6}, 0.05}}};
@@ -191,8 +193,8 @@ TEST(LocalMap, ALowSillThatWasHitTwiceOutweighsThreeLinesOnTheFloor) {
   EXPECT_LT(points(), before);
 }
 
-// The lines of one sweep at 1.3 m/s are farther apart than the cells, so that each cell of the sill
-// is hit by one: most of its width is known all the same.
+// At 1.3 m/s the lines of one sweep are farther apart than the cells, so that each cell of the sill
+// is hit at most once. Even so, most of its width is known.
 TEST(LocalMap, ALowSillIsKnownFromOneSweepOfAFastRobot) {
   LocalMap map({}, {});
   const Ground sill{{{{1.5, -0.6}, {1.6, 0.6}, 0.037}}};
@@ -202,7 +204,7 @@ TEST(LocalMap, ALowSillIsKnownFromOneSweepOfAFastRobot) {
     map.add_scan(test::scan_of(sill, T_odom_base, deg_to_rad(deg)), T_odom_base);
     x_m += 0.0173;
   }
-  // In strips of 5 cm: on the sill a beam is 2.5 cm beside the next one, and more aside.
+  // In strips of 5 cm: beams are 2.5 cm apart in the middle of the sill, and more at its ends.
   int known = 0;
   for (double y = -0.5; y < 0.44; y += 0.05) {
     bool is_blocked = false;
@@ -213,12 +215,12 @@ TEST(LocalMap, ALowSillIsKnownFromOneSweepOfAFastRobot) {
     }
     known += is_blocked ? 1 : 0;
   }
-  EXPECT_GE(known, 12);  // of 19 there are 14
+  EXPECT_GE(known, 12);  // measured: 14 of 19
 }
 
-// One beam alone that ends a little above the floor is noise until the next scan says the same: so
-// steeply five standard deviations of its range are that much height.
-TEST(LocalMap, ASingleBeamAboveTheFloorIsNoObstacle) {
+// A single beam that ends a little above the floor counts as noise until the next scan confirms it:
+// at this steep pitch five standard deviations of its range are that much height.
+TEST(LocalMap, ASingleBeamALittleAboveTheFloorIsNotAnObstacle) {
   LocalMap map({}, {});
   scan::Scan scan = test::scan_of({}, {}, deg_to_rad(-50.0));
   scan.ranges_m[90] -= 0.05F;  // 3.8 cm above the floor
@@ -229,8 +231,9 @@ TEST(LocalMap, ASingleBeamAboveTheFloorIsNoObstacle) {
   EXPECT_FALSE(map.points_base({}, 2.0).empty());
 }
 
-// A brick of 3 cm has one beam on it. Ten standard deviations of its range are no noise.
-TEST(LocalMap, ASingleBeamFarOutOfTheLineIsAnObstacle) {
+// A brick of 3 cm is hit by one beam, whose range is ten standard deviations too short: that is not
+// noise.
+TEST(LocalMap, ASingleBeamFarOffTheLineOnTheFloorIsAnObstacle) {
   LocalMap map({}, {});
   scan::Scan scan = test::scan_of({}, {}, deg_to_rad(-15.0));
   scan.ranges_m[90] -= 0.1F;  // 2.6 cm above the floor
@@ -238,11 +241,11 @@ TEST(LocalMap, ASingleBeamFarOutOfTheLineIsAnObstacle) {
   EXPECT_FALSE(map.points_base({}, 2.0).empty());
 }
 
-// A brick of 2.8 cm at 1.8 m, 8 cm wide, within the tolerance of 3.3 cm there. The floor beside it
-// says how high it is, also where the whole line is measured 1 cm too high or too low.
-TEST(LocalMap, WhatStandsOutOfTheLineIsAnObstacle) {
+// A brick at 1.8 m, 2.8 cm high and 8 cm wide; the tolerance there is 3.3 cm. It is found by the
+// floor beside it, even where the whole line is measured 1 cm too high or too low.
+TEST(LocalMap, ABrickIsFoundByTheFloorOnTheSameLine) {
   const test::Ground ground{{{{1.8, -0.04}, {1.9, 0.04}, 0.028}}};
-  // The line falls on the brick's top.
+  // The line crosses the brick's top.
   const double pitch_rad = -std::atan2(0.38 - 0.028, 1.82 - 0.15);
   for (const double error_deg : {0.0, 0.3, -0.3}) {
     scan::Scan scan = test::scan_of(ground, {}, pitch_rad);
@@ -252,15 +255,15 @@ TEST(LocalMap, WhatStandsOutOfTheLineIsAnObstacle) {
     const Points points = map.points_base({}, 2.5);
     ASSERT_FALSE(points.empty()) << error_deg;
     for (const Eigen::Vector2d& p : points) {
-      EXPECT_NEAR(p.x(), 1.82, 0.05) << error_deg;  // a cell, and 1 cm of height on the line
+      EXPECT_NEAR(p.x(), 1.82, 0.05) << error_deg;  // a cell, and the error of 1 cm in height
       EXPECT_NEAR(p.y(), 0.0, 0.06) << error_deg;
     }
   }
 }
 
-// A wall that was last seen 40 m of driving ago, twice as far as obstacles are remembered: where it
-// is by odometry says nothing any more, also for a robot that comes near.
-TEST(LocalMap, WhatIsForgottenDoesNotComeBackNearTheRobot) {
+// The wall was last seen 40 m of driving ago, twice as far as obstacles are remembered. Odometry no
+// longer tells where it is, even if the robot comes close to it.
+TEST(LocalMap, AForgottenObstacleDoesNotComeBackNearTheRobot) {
   LocalMap map({}, {});
   sweep(map, {{{{1.5, -1.0}, {1.6, 1.0}, 0.5}}}, {});
   ASSERT_FALSE(map.points_base({}, 2.0).empty());
@@ -274,13 +277,13 @@ TEST(LocalMap, WhatIsForgottenDoesNotComeBackNearTheRobot) {
   }
 }
 
-// A disc of 0.4 m around the robot, by the definition: what is not under the body and is neither
-// floor nor as near to floor as two cells.
+// By definition, doubtful ground is what is within 0.4 m of the robot, not under its body, and
+// neither floor nor within two cells of floor.
 TEST(LocalMap, GroundThatWasNotSeenIsDoubtful) {
   LocalMap map({}, {});
   sweep(map, {}, {});
-  EXPECT_TRUE(map.doubtful_points_base({}, 0.4).empty());  // it was set down there
-  // 2 m to the left of everything that was seen.
+  EXPECT_TRUE(map.doubtful_points_base({}, 0.4).empty());  // the robot was set down here
+  // 2 m to the left of all the ground that was seen.
   const Points points = map.doubtful_points_base({-2.0, 2.0, 0.3}, 0.4);
   const robot::Footprint body = robot::Body{}.footprint();
   const double area_m2 = geometry::kPi * 0.16 - 4.0 * body.half_length_m * body.half_width_m;
@@ -291,7 +294,7 @@ TEST(LocalMap, GroundThatWasNotSeenIsDoubtful) {
   }
 }
 
-TEST(LocalMap, SomebodyWhoWalksIsNoPartOfTheGround) {
+TEST(LocalMap, PointsOfAWalkerAreNotAddedToTheMap) {
   LocalMap map({}, {});
   const Ground ground{{{{0.9, -0.2}, {1.1, 0.2}, 0.45}}};
   for (double deg = -60.0; deg <= 5.0; deg += 1.5) {
@@ -306,8 +309,8 @@ TEST(LocalMap, SomebodyWhoWalksIsNoPartOfTheGround) {
   EXPECT_TRUE(map.points_base({}, 2.0).empty());
 }
 
-// Somebody who has come onto floor that was seen; and a box that has always been there.
-TEST(LocalMap, WhatAWalkerLeftOnKnownFloorIsTakenBack) {
+// A person has walked onto floor that was seen before; a box has always been there.
+TEST(LocalMap, ForgetsAWalkerOnKnownFloorButNoBoxThatWasAlwaysThere) {
   const Ground ground{{{{0.9, -0.2}, {1.1, 0.2}, 0.45}}};
   LocalMap came({}, {});
   sweep(came, {}, {});
@@ -322,7 +325,7 @@ TEST(LocalMap, WhatAWalkerLeftOnKnownFloorIsTakenBack) {
   EXPECT_EQ(always_there.points_base({}, 2.0).size(), num_points);
 }
 
-TEST(LocalMap, ForgetsWhatBeamsPassThrough) {
+TEST(LocalMap, ForgetsAnObstacleThatBeamsPassThrough) {
   LocalMap map({}, {});
   sweep(map, {{{{0.9, -0.2}, {1.1, 0.2}, 0.4}}}, {});
   ASSERT_FALSE(map.points_base({}, 2.0).empty());
@@ -338,7 +341,7 @@ TEST(LocalMap, AHoleThatIsClosedBecomesFloor) {
   EXPECT_TRUE(map.points_base({}, 1.1).empty());
 }
 
-TEST(LocalMap, SurvivesReadingsAndPosesThatMakeNoSense) {
+TEST(LocalMap, IgnoresInvalidReadingsAndPoses) {
   LocalMap map({}, {});
   scan::Scan scan = test::scan_of({}, {}, deg_to_rad(-30.0));
   std::ranges::fill(scan.ranges_m, std::numeric_limits<float>::quiet_NaN());
@@ -349,7 +352,7 @@ TEST(LocalMap, SurvivesReadingsAndPosesThatMakeNoSense) {
   EXPECT_TRUE(map.points_base({}, 2.0).empty());
 }
 
-TEST(RollingGrid, CellsKeepTheirPlaceInOdomAndNewOnesBeginAnew) {
+TEST(RollingGrid, CellsKeepTheirPlaceInOdomAndNewOnesAreEmpty) {
   RollingGrid<int> grid(0.1, 5);
   grid.center_on({0.0, 0.0});
   grid.at(grid.index_of({0.55, -0.35})) = 7;

@@ -10,7 +10,7 @@
 namespace nodmap::navigator {
 namespace local_view_test {
 
-/// Obstacles, old and new, and holes here and there, up to the border of the grid.
+/// A grid with some obstacles, old and new, and some holes, up to its border.
 LocalGrid cluttered(const ObstacleMemory& memory) {
   std::mt19937 random(7);
   std::uniform_int_distribution<int> kind(0, 39);
@@ -44,8 +44,8 @@ LocalGrid cluttered(const ObstacleMemory& memory) {
   return grid;
 }
 
-// Cell by cell, by the definition; within the grid, across its border, and outside.
-TEST(LocalView, ShowsEachCellAsItIsAlone) {
+// Oracle: each cell by the definition, within the grid, across its border and outside.
+TEST(LocalView, EqualsTheDefinitionCellByCell) {
   ObstacleMemory memory(1.0);
   memory.move({}, {5.0, 0.0, 0.0});
   const LocalGrid grid = cluttered(memory);

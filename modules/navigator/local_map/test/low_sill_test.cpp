@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Does the robot stop before low sills? By brute force: sills of 3 to 4 cm, anywhere across the
-// path and at any moment of the nod, measured with the noise of the laser and of the body's tilt.
+// Tests that the robot stops before low sills of 3 to 4 cm, anywhere across its path and at any
+// moment of the nod, with the noise of the laser and of the body's tilt.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -17,15 +17,15 @@ using geometry::deg_to_rad;
 constexpr double kScanS = 0.01332;
 constexpr double kRangeSigmaM = 0.01;         // SICK LMS200
 const double kTiltRad = deg_to_rad(0.1);      // standard deviation on uneven ground
-const double kTiltPerMps2 = deg_to_rad(0.1);  // of the body on its tyres
+const double kTiltPerMps2 = deg_to_rad(0.1);  // the body tilts on its tyres
 
-/// A box on the floor, turned about its middle.
+/// A box on the floor, rotated about its middle.
 struct Sill {
   geometry::SE2 T_odom_sill;
   Eigen::Vector2d half_m;
   double height_m;
 
-  /// Range at which a ray meets the sill; +infinity beside it.
+  /// Range at which a ray hits the sill; +infinity if it misses.
   [[nodiscard]] double range_m(const Eigen::Vector3d& origin, const Eigen::Vector3d& ray) const {
     const geometry::SE2 T_sill_odom = T_odom_sill.inverse();
     const Eigen::Vector2d o = T_sill_odom * Eigen::Vector2d(origin.head<2>());
@@ -44,7 +44,7 @@ struct Sill {
     return enters <= leaves ? enters : std::numeric_limits<double>::infinity();
   }
 
-  /// Where it begins for a body that comes along x, `half_width_m` to both sides of the axis.
+  /// The smallest x of the sill within `half_width_m` of the x axis, along which the body drives.
   [[nodiscard]] double begins_m(double half_width_m) const {
     double x = std::numeric_limits<double>::infinity();
     for (double u = -1.0; u <= 1.0; u += 0.004) {
@@ -59,7 +59,7 @@ struct Sill {
   }
 };
 
-/// The sweeps that the pitch controller commands for a speed (its README), in between linear.
+/// The sweeps that the pitch controller commands for a speed (from its README; linear in between).
 struct Nod {
   double low_deg;
   double high_deg;
@@ -87,17 +87,19 @@ class Approach {
     step_ = engine_() % 2 == 0 ? 1.0 : -1.0;
   }
 
-  /// Metres from the body's front to the sill when it stands, or after 10 s; 0 or less: touched.
+  /// Distance from the body's front to the sill when the robot stops, or after 10 s, metres; 0 or
+  /// less: it was touched.
   double drive() {
     const double end_m = sill_.begins_m(body_.half_width_m) - body_.half_length_m;
     for (int i = 0; i < 750 && x_m_ < end_m; ++i) {
       scan_once();
       Situation now;
       now.T_odom_base = {x_m_, 0.0, 0.0};
-      now.points_base = map_.points_base(now.T_odom_base, 1.6);  // a stop takes 1 m
+      now.points_base = map_.points_base(now.T_odom_base, 1.6);  // a stop takes up to 1 m
       now.local_map = &map_;
       now.forward_mps = v_mps_;
-      // The robot has come from where floor was seen: it begins to brake a second later.
+      // The robot has come over floor that it had seen: Brake limits its speed only after the first
+      // second.
       double wanted_mps = limit_mps_;
       if (i >= 75) {
         wanted_mps = std::min(
@@ -123,7 +125,7 @@ class Approach {
       step_ = 1.0;
     }
     pitch_deg_ += step_ * nod.line_deg;
-    // Uneven ground changes every 20 cm.
+    // The tilt changes with the uneven ground, about every 20 cm.
     const double keep = std::exp(-v_mps_ * kScanS / 0.2);
     tilt_rad_ = keep * tilt_rad_ + std::sqrt(1.0 - keep * keep) * kTiltRad * normal_(engine_);
     const double up_rad = tilt_rad_ + kTiltPerMps2 * acceleration_mps2_;
@@ -162,16 +164,16 @@ class Approach {
   double tilt_rad_ = 0.0;
 };
 
-/// Half widths of what lies in the way, metres.
+/// Range of the half width of a sill, metres.
 struct Widths {
   double least_m;
   double most_m;
 };
 
-// If each cell needed two hits, four of these sills would be driven into: at these speeds the lines
-// of a sweep are farther apart than cells. By heights above the ground alone 2 of 400 such sills
-// were, and 14 of 400 such bricks: only beside the floor of the same line they are high enough.
-TEST(LowSill, IsStoppedForAtAnySpeedAndMomentOfTheNod) {
+// At these speeds the lines of a sweep are farther apart than cells. If each cell needed two hits,
+// the robot would hit four of these sills. By heights above the ground alone it would hit 2 of 400
+// sills and 14 of 400 bricks: only compared with the floor on the same line are they high enough.
+TEST(LowSill, TheRobotStopsBeforeItAtAnySpeedAndMomentOfTheNod) {
   std::mt19937 engine(1);
   const auto between = [&](double a, double b) {
     return std::uniform_real_distribution(a, b)(engine);
@@ -181,7 +183,7 @@ TEST(LowSill, IsStoppedForAtAnySpeedAndMomentOfTheNod) {
     const double speed_mps = between(1.0, 1.5);
     const double yaw_rad = between(-0.5, 0.5);
     const double half_width_m = between(widths.least_m, widths.most_m);
-    // It is in the way of 8 cm of the body's width or more.
+    // It covers at least 8 cm of the body's width.
     const double aside_m = between(0.0, half_width_m + 0.085) * (run % 2 == 0 ? 1.0 : -1.0);
     const double x_m = between(2.5, 4.0);
     const double half_depth_m = 0.5 * between(0.02, 0.25);

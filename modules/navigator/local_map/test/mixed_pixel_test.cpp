@@ -36,21 +36,21 @@ std::vector<std::size_t> mixed_pixels(const scan::Scan& scan) {
 
 using Beams = std::vector<std::size_t>;
 
-TEST(MixedPixel, LiesBetweenTwoSurfaces) {
+TEST(MixedPixel, IsASingleBeamBetweenTwoSurfaces) {
   EXPECT_EQ(mixed_pixels(scan_of({1, 1, 1, 1.5, 2, 2, 2})), Beams{3});
   EXPECT_EQ(mixed_pixels(scan_of({2, 2, 2, 1.1F, 1, 1, 1})), Beams{3});
 }
 
-// As the end of a wall is seen from beside it: the spot is as wide as two beams.
-TEST(MixedPixel, NearTheSensorTwoAreSideBySide) {
+// The end of a wall, seen from the side and so close that the spot is as wide as two beams.
+TEST(MixedPixel, NearTheSensorTwoBeamsSideBySideAreMixed) {
   EXPECT_EQ(mixed_pixels(scan_of({1.45F, 1.43F, 1.45F, 0.78F, 0.43F, 0.29F, 0.29F, 0.28F})),
             (Beams{3, 4}));
   EXPECT_EQ(mixed_pixels(scan_of({0.33F, 0.32F, 0.33F, 0.46F, 0.73F, 0.91F, 0.9F, 0.86F})),
             (Beams{3, 4}));
 }
 
-// A wall 5 cm beside the sensor, farther than the spot is wide, that begins a metre ahead.
-TEST(MixedPixel, AWallAlongTheBeamsIsNone) {
+// A wall 5 cm beside the sensor, farther away than the spot is wide, begins a metre ahead.
+TEST(MixedPixel, BeamsThatGrazeAWallAreNotMixed) {
   std::vector<float> ranges_m(3, 4.0F);
   for (double degree = 1.0; degree < 3.0; degree += 0.5) {
     ranges_m.push_back(static_cast<float>(0.05 / std::sin(geometry::deg_to_rad(degree))));
@@ -61,14 +61,14 @@ TEST(MixedPixel, AWallAlongTheBeamsIsNone) {
   EXPECT_EQ(mixed_pixels(scan), Beams{});
 }
 
-TEST(MixedPixel, ASurfaceIsNone) {
+TEST(MixedPixel, BeamsOnASurfaceAreNotMixed) {
   EXPECT_EQ(mixed_pixels(scan_of({1, 1, 1, 2, 2, 2})), Beams{}) << "an edge";
   EXPECT_EQ(mixed_pixels(scan_of({2, 2, 2, 1, 2, 2, 2})), Beams{}) << "a post, one beam wide";
   EXPECT_EQ(mixed_pixels(scan_of({1, 1, 1, 1.5, 1.5, 2, 2})), Beams{}) << "two beams wide";
   EXPECT_EQ(mixed_pixels(scan_of({1, 1, 1, 1.05F, 2, 2, 2})), Beams{}) << "within the noise";
 }
 
-TEST(MixedPixel, WithoutANeighbourNothingIsKnown) {
+TEST(MixedPixel, ABeamWithoutMeasuredNeighboursIsNotMixed) {
   const float none = std::numeric_limits<float>::infinity();
   const float bad = std::numeric_limits<float>::quiet_NaN();
   EXPECT_EQ(mixed_pixels(scan_of({})), Beams{});
@@ -78,9 +78,9 @@ TEST(MixedPixel, WithoutANeighbourNothingIsKnown) {
   EXPECT_EQ(mixed_pixels(scan_of({1, none, 2})), Beams{});
 }
 
-// A plane at any distance, from straight ahead to beams that graze it: with the scanner's noise, 1
-// cm, not one beam of these is taken for a mixed pixel.
-TEST(MixedPixel, APlaneHasNoneAtAnyAngle) {
+// A plane at any distance, hit from head on to grazing, with the laser's noise of 1 cm: no beam
+// counts as a mixed pixel.
+TEST(MixedPixel, NoBeamOnAPlaneIsMixedAtAnyAngle) {
   std::mt19937 engine(1);
   std::normal_distribution<double> noise_m(0.0, 0.01);
   int beams = 0;
@@ -96,8 +96,8 @@ TEST(MixedPixel, APlaneHasNoneAtAnyAngle) {
   EXPECT_GT(beams, 6000);
 }
 
-// A wall ends before another one; each scan has a mixed pixel where it ends.
-TEST(MixedPixel, IsNoObstacle) {
+// A wall ends before a farther wall; each scan has a mixed pixel where the near one ends.
+TEST(MixedPixel, AMixedPixelIsNotAnObstacle) {
   const test::Ground walls{{{{1.0, -2.0}, {1.1, 0.0}, 0.5}, {{2.0, -2.0}, {2.1, 2.0}, 0.5}}};
   LocalMap map({}, {});
   int mixed = 0;

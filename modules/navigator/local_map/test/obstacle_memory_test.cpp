@@ -17,12 +17,13 @@ LocalGrid grid_around_origin() {
   return grid;
 }
 
-/// From a level laser at the origin, along x.
+/// A beam along x, from a level laser above the origin.
 Beam level_beam(double height_m) {
   return {{0.0, 0.0, height_m}, {1.0, 0.0, 0.0}, std::numeric_limits<double>::infinity(), false};
 }
 
-// One certain hit, or two that may be noise, in two scans: those of one scan count once.
+// An obstacle needs one certain hit, or two uncertain ones in two scans: several in one scan count
+// once.
 TEST(ObstacleMemory, TwoUncertainHitsOrOneCertainMakeAnObstacle) {
   const ObstacleMemory memory(20.0);
   LocalGrid grid = grid_around_origin();
@@ -36,8 +37,9 @@ TEST(ObstacleMemory, TwoUncertainHitsOrOneCertainMakeAnObstacle) {
   EXPECT_TRUE(grid.find({-1.0, 0.0})->is_obstacle());
 }
 
-// Each scan takes one from the evidence; beams above what was measured take none.
-TEST(ObstacleMemory, BeamsTakeAwayWhatTheyPassThrough) {
+// Each scan whose beams pass through an obstacle takes away one unit of evidence. Beams above what
+// was measured do not count.
+TEST(ObstacleMemory, ABeamThroughAnObstacleTakesEvidenceAwayOncePerScan) {
   const ObstacleMemory memory(20.0);
   LocalGrid grid = grid_around_origin();
   memory.add_hit(grid, {1.0, 0.0, 0.20}, true, 1);
@@ -51,7 +53,7 @@ TEST(ObstacleMemory, BeamsTakeAwayWhatTheyPassThrough) {
   EXPECT_EQ(cell.obstacle, evidence::kCertain - 1);
 }
 
-TEST(ObstacleMemory, NoBeamTakesAwayAContact) {
+TEST(ObstacleMemory, BeamsDoNotRemoveAContact) {
   const ObstacleMemory memory(20.0);
   LocalGrid grid = grid_around_origin();
   const robot::Footprint body{0.225, 0.165};
@@ -64,7 +66,7 @@ TEST(ObstacleMemory, NoBeamTakesAwayAContact) {
   EXPECT_TRUE(touched.is_obstacle());
 }
 
-// 1 m of driving counts as such, 1 rad of rotation as 4 m.
+// Travel: each metre counts as 1 m, each radian of rotation as 4 m.
 TEST(ObstacleMemory, ForgetsAfterTravel) {
   ObstacleMemory memory(20.0);
   LocalGrid grid = grid_around_origin();
@@ -77,9 +79,8 @@ TEST(ObstacleMemory, ForgetsAfterTravel) {
   EXPECT_TRUE(memory.is_forgotten(cell));
 }
 
-// Near the robot a metre of travel ages an obstacle by a fifth, and by the last one in full: 95 m
-// are 18.8 m and 1 m.
-TEST(ObstacleMemory, WhatIsNearAgesFiveTimesMoreSlowly) {
+// Near the robot, travel counts a fifth, except for the last metre: 95 m count as 18.8 m and 1 m.
+TEST(ObstacleMemory, AnObstacleNearTheRobotAgesFiveTimesMoreSlowly) {
   ObstacleMemory memory(20.0);
   LocalGrid grid = grid_around_origin();
   memory.add_hit(grid, {0.4, 0.0, 0.2}, true, 1);

@@ -8,7 +8,7 @@
 namespace nodmap::navigator {
 namespace possible_ramp_test {
 
-/// Floor was seen up to x = 1 m.
+/// A grid whose floor was seen up to x = 1 m.
 class PossibleRampTest : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -26,9 +26,10 @@ class PossibleRampTest : public ::testing::Test {
   TrackedGround ground_{params_.ground};
 };
 
-// A kerb of 8 cm is a hole from where the beam comes down more steeply than a ramp of 14 degrees;
-// what lies that much lower farther away may be at the end of one.
-TEST_F(PossibleRampTest, LeadsDownNoMoreSteeplyThanTheSteepestRamp) {
+// The ground beyond the floor's end may be a ramp if it is no lower than a ramp of 14 degrees would
+// be. A kerb of 8 cm is lower than that close to the edge; the same height farther away may be the
+// end of a ramp.
+TEST_F(PossibleRampTest, GroundBelowTheSteepestRampIsNotARampDown) {
   const PossibleRamp ramp(grid_, ground_, params_, {0.0, 0.0});
   const double steepest = std::tan(params_.ground.max_slope_rad);
   const Eigen::Vector2d crossing(1.1, 0.0);
@@ -40,8 +41,8 @@ TEST_F(PossibleRampTest, LeadsDownNoMoreSteeplyThanTheSteepestRamp) {
   }
 }
 
-// Away from slopes all that is higher is an obstacle at once.
-TEST_F(PossibleRampTest, LeadsUpNowhereOnLevelGround) {
+// Away from slopes anything that is higher counts as an obstacle at once.
+TEST_F(PossibleRampTest, OnLevelGroundNothingIsARampUp) {
   const PossibleRamp ramp(grid_, ground_, params_, {0.0, 0.0});
   ASSERT_TRUE(ground_.is_level());
   EXPECT_FALSE(ramp.leads_up({2.0, 0.0, 0.05}, 0.05, 0.03));

@@ -13,7 +13,7 @@
 
 namespace nodmap::navigator::test {
 
-/// Upright, along the axes of odom; of a pit `height_m` is negative.
+/// A box along the axes of odom that stands on the floor; a pit if `height_m` is negative.
 struct Block {
   Eigen::Vector2d min;
   Eigen::Vector2d max;
@@ -27,7 +27,7 @@ struct Block {
 struct Ground {
   std::vector<Block> blocks;
 
-  /// Height at a place, by the definition alone.
+  /// Oracle: height at a place, by the definition.
   [[nodiscard]] double height_m(const Eigen::Vector2d& p) const {
     double height = 0.0;
     for (const Block& block : blocks) {
@@ -36,7 +36,8 @@ struct Ground {
     return height;
   }
 
-  /// Range to the surface by stepping 1 mm at a time; +infinity beyond 8 m, or below 2 m.
+  /// Range to the surface, found in steps of 1 mm; +infinity beyond 8 m or lower than 2 m below the
+  /// floor.
   [[nodiscard]] double range_m(const Eigen::Vector3d& origin, const Eigen::Vector3d& ray) const {
     for (double range = 0.1; range < 8.0; range += 0.001) {
       const Eigen::Vector3d p = origin + range * ray;

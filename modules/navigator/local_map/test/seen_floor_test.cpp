@@ -11,7 +11,7 @@ const robot::Footprint kBody{0.225, 0.165};
 constexpr double kBlindM = 0.31;  // no row of the front lies on a border of cells
 const ObstacleMemory kObstacles(20.0);
 
-/// Floor everywhere but in a strip across the way ahead, or behind.
+/// A grid of floor, except for a strip across the way ahead or behind.
 LocalGrid floor_without(double from_x, double to_x) {
   LocalGrid grid(kCellM, 8);
   grid.center_on({0.0, 0.0});
@@ -23,7 +23,8 @@ LocalGrid floor_without(double from_x, double to_x) {
   return grid;
 }
 
-// Up to where the strip begins: the robot's front is at 0.225 m, floor counts from 0.31 m on.
+// Floor is seen up to the beginning of the strip. The robot's front is at 0.225 m, and floor counts
+// from 0.31 m.
 TEST(SeenFloor, EndsWhereAGapIsLongerThanAllowed) {
   const LocalGrid grid = floor_without(1.3, 1.55);
   const SeenFloor floor(grid, kObstacles, kBody, kBlindM);
@@ -32,7 +33,7 @@ TEST(SeenFloor, EndsWhereAGapIsLongerThanAllowed) {
   EXPECT_EQ(floor.distance({}, 0.0, 0.165, 0.5, 0.15, false), 0.5);
 }
 
-/// A wall across the way ahead, two cells thick: the noise of the laser.
+/// A wall across the way ahead; two cells thick, as with the laser's noise.
 void add_wall(LocalGrid& grid, double x) {
   for (double y = -1.0; y < 1.0; y += 0.5 * kCellM) {
     grid.find({x, y})->obstacle = evidence::kMost;
@@ -40,8 +41,9 @@ void add_wall(LocalGrid& grid, double x) {
   }
 }
 
-// The robot's front is at 0.225 m, floor counts from 0.31 m on, and what is hidden up to 0.36 m.
-TEST(SeenFloor, AnObstacleNearerThanTheLaserSeesFloorEndsTheColumn) {
+// The robot's front is at 0.225 m. Floor counts from 0.31 m. An obstacle before 0.36 m hides the
+// ground behind it.
+TEST(SeenFloor, GroundBehindAnObstacleNearerThanAllSeenFloorDoesNotCountAsUnknown) {
   for (const double wall_m : {0.28, 0.34}) {
     LocalGrid grid = floor_without(wall_m - 0.01, 3.0);
     EXPECT_LT(SeenFloor(grid, kObstacles, kBody, kBlindM).distance({}, 0.0, 0.165, 0.5, 0.15, true),
@@ -55,7 +57,7 @@ TEST(SeenFloor, AnObstacleNearerThanTheLaserSeesFloorEndsTheColumn) {
   }
 }
 
-TEST(SeenFloor, WhatAFartherObstacleHidesIsUnknown) {
+TEST(SeenFloor, GroundBehindAFartherObstacleCountsAsUnknown) {
   LocalGrid grid = floor_without(0.41, 3.0);
   add_wall(grid, 0.42);
   EXPECT_NEAR(SeenFloor(grid, kObstacles, kBody, kBlindM).distance({}, 0.0, 0.165, 0.5, 0.15, true),
@@ -71,14 +73,14 @@ TEST(SeenFloor, AForgottenObstacleCountsAsUnknown) {
             0.0);
 }
 
-TEST(SeenFloor, BackwardsNothingMayBeMissing) {
+TEST(SeenFloor, BackwardsAnyGapEndsTheSeenFloor) {
   const LocalGrid grid = floor_without(-0.5, -0.4);
   const SeenFloor floor(grid, kObstacles, kBody, kBlindM);
   EXPECT_NEAR(floor.distance_backwards({}, 0.0, 0.165, 0.3), 0.4 - 0.225, kCellM);
   EXPECT_EQ(floor.distance_backwards({}, 0.0, 0.165, 0.1), 0.1);
 }
 
-TEST(SeenFloor, WhatTheRobotWasSetDownOnDoesNotCountBackwards) {
+TEST(SeenFloor, BackwardsAssumedFloorDoesNotCount) {
   LocalGrid grid = floor_without(10.0, 10.0);
   for (double x = -1.0; x < 0.0; x += 0.5 * kCellM) {
     for (double y = -1.0; y < 1.0; y += 0.5 * kCellM) {
@@ -89,7 +91,7 @@ TEST(SeenFloor, WhatTheRobotWasSetDownOnDoesNotCountBackwards) {
             0.0);
 }
 
-TEST(SeenFloor, IsAroundWithinTheFloorAndNearUpToItsBorder) {
+TEST(SeenFloor, IsAroundIsTrueOnFloorAndIsNearUpToACellBesideIt) {
   const LocalGrid grid = floor_without(1.0, 2.0);
   const SeenFloor floor(grid, kObstacles, kBody, kBlindM);
   EXPECT_TRUE(floor.is_around({0.9, 0.0}));

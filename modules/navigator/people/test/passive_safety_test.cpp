@@ -6,10 +6,10 @@
 namespace nodmap::navigator {
 namespace passive_safety_test {
 
-// Head on: with reaction time T and deceleration a, the robot needs T + (v - 0.05) / a, and drives
-// v T + (v^2 - 0.05^2) / 2a meanwhile; the walker comes nearer by his speed. Steps of 50 ms at 2
-// m/s and more: 0.15 m.
-TEST(PassiveSafety, HeadOnItIsStationaryOnContact) {
+// The walker comes head on. With reaction time T and deceleration a, the robot is stationary (5
+// cm/s) after T + (v - 0.05) / a, and has driven v T + (v^2 - 0.05^2) / 2a by then; the walker has
+// walked his speed times that. Tolerance: steps of 50 ms at 2 m/s and more, 0.15 m.
+TEST(PassiveSafety, AMotionIsSafeIfTheRobotIsStationaryBeforeAWalkerTouchesIt) {
   const NavigatorParams params;
   const PassiveSafety safety(params.robot, params.drive, params.people);
   const double a = params.robot.braking.deceleration_mps2;
@@ -28,21 +28,22 @@ TEST(PassiveSafety, HeadOnItIsStationaryOnContact) {
   }
 }
 
-TEST(PassiveSafety, StandingIsSafeAndAWalkerWhoLeavesIsNoReasonToStop) {
+TEST(PassiveSafety, StandingIsSafeAndSoIsDrivingBehindAWalkerWhoLeaves) {
   const NavigatorParams params;
   const PassiveSafety safety(params.robot, params.drive, params.people);
   EXPECT_TRUE(safety.is_safe({}, {{{0.3, 0.0}, {-1.0, 0.0}, 0.25, 0.1, 0.3}}));
   EXPECT_EQ(safety.safe_factor({0.8, 0.0}, {{{1.2, 0.0}, {1.5, 0.0}, 0.25, 0.05, 0.2}}), 1.0);
-  // He crosses ahead, and is gone before the robot is there.
+  // He crosses ahead and is gone before the robot gets there.
   EXPECT_EQ(safety.safe_factor({0.5, 0.0}, {{{1.0, 0.6}, {0.0, 1.2}, 0.25, 0.05, 0.2}}), 1.0);
-  // The corners of a robot that rotates beside somebody count, too.
+  // The corners of a robot that rotates beside a person count as well.
   const double factor = safety.safe_factor({0.0, 1.0}, {{{0.0, 0.5}, {0.0, -0.8}, 0.2, 0.0, 0.0}});
   EXPECT_LT(factor * params.robot.body.footprint().turning_radius_m(), 0.05);  // stationary
 }
 
-// A rotation at w is over after T + (r w - 0.05) / a, r to the corners: by then somebody out of
-// sight has walked his speed times that, in whatever direction. Steps of 50 ms at 1.5 m/s: 8 cm.
-TEST(PassiveSafety, WhoIsOutOfSightMayComeBackFromWhereHeIs) {
+// A rotation at w is over after T + (r w - 0.05) / a, where r reaches to the corners. By then
+// somebody out of sight may have walked his speed times that, in any direction. Tolerance: steps of
+// 50 ms at 1.5 m/s, 8 cm.
+TEST(PassiveSafety, SomebodyOutOfSightMayWalkInAnyDirection) {
   const NavigatorParams params;
   const PassiveSafety safety(params.robot, params.drive, params.people);
   const double corner_m = params.robot.body.footprint().turning_radius_m();
@@ -56,48 +57,50 @@ TEST(PassiveSafety, WhoIsOutOfSightMayComeBackFromWhereHeIs) {
         return safety.is_safe(
             {0.0, w}, {{{-distance_m, 0.0}, {1.5 * direction, 0.0}, 0.25, 0.3, 0.0, is_in_sight}});
       };
-      // The corners reach farther than half the length, by the body's half diagonal at most.
+      // The corners reach farther than half the body's length; the tolerance of 0.15 m covers that.
       EXPECT_TRUE(is_safe(needed_m + 0.15, false)) << w;
       EXPECT_FALSE(is_safe(needed_m - 0.08, false)) << w;
-      EXPECT_EQ(is_safe(needed_m - 0.15, true), direction < 0.0) << "in sight he goes on";
+      EXPECT_EQ(is_safe(needed_m - 0.15, true), direction < 0.0) << "in sight he walks straight on";
     }
   }
 }
 
-// He comes from the side at 1 m/s, 1.2 m away. A robot that drives at 1 m/s is out of his way when
-// he is there, with 1.1 m ahead of his disc of 0.25 m; braking, it would stand in it.
-TEST(PassiveSafety, ItEscapesWhoWouldWalkIntoTheStandingRobot) {
+// A walker comes from the side at 1 m/s and is 1.2 m away. A robot that drives on at 1 m/s has
+// passed before he is there: it is then 1.1 m beyond his disc of 0.25 m. If it braked, it would
+// stop in his way.
+TEST(PassiveSafety, DrivingOnEscapesAWalkerWhoWouldWalkIntoTheStoppedRobot) {
   const NavigatorParams params;
   const PassiveSafety safety(params.robot, params.drive, params.people);
   const People crossing{{{0.3, 1.2}, {0.0, -1.0}, 0.25, 0.0, 0.0}};
   EXPECT_TRUE(safety.escapes({1.0, 0.0}, {1.0, 0.0}, crossing));
-  EXPECT_FALSE(safety.escapes({1.0, 0.0}, {0.0, 0.0}, crossing)) << "that is standing";
-  // With an error of 0.6 m/s he might be faster. At 1.5 m/s it is too late to be stationary: it
-  // goes on where he most likely is not. At 0.3 m/s it is not.
+  EXPECT_FALSE(safety.escapes({1.0, 0.0}, {0.0, 0.0}, crossing)) << "to stop is no escape";
+  // With an error of 0.6 m/s he might be faster. At 1.5 m/s the robot can no longer stop in time,
+  // so the error does not count: it drives on where he most likely is not. At 0.3 m/s it can stop,
+  // so the error counts.
   People uncertain = crossing;
   uncertain[0].velocity_sigma_mps = 0.6;
   ASSERT_FALSE(safety.is_safe({1.5, 0.0}, uncertain));
   EXPECT_TRUE(safety.escapes({1.5, 0.0}, {1.5, 0.0}, uncertain));
   ASSERT_TRUE(safety.is_safe({0.3, 0.0}, uncertain));
   EXPECT_FALSE(safety.escapes({0.3, 0.0}, {1.5, 0.0}, uncertain));
-  // Standing is enough: he passes ahead.
+  // If the robot stops, he passes ahead of it: there is nothing to escape from.
   const People ahead{{{1.2, 1.2}, {0.0, -1.0}, 0.25, 0.0, 0.0}};
   EXPECT_FALSE(safety.escapes({0.3, 0.0}, {1.0, 0.0}, ahead));
-  // Nor is there any way out between two.
+  // Between two walkers there is no escape.
   People both = crossing;
   both.push_back({{2.0, 0.0}, {-1.0, 0.0}, 0.25, 0.0, 0.0});
   EXPECT_FALSE(safety.escapes({1.0, 0.0}, {1.0, 0.0}, both));
 }
 
-TEST(PassiveSafety, WhereSomebodyWalksTheRobotDoesNotBackUp) {
+TEST(PassiveSafety, DoesNotBackUpWhileAPersonIsTracked) {
   const NavigatorParams params;
   const PassiveSafety safety(params.robot, params.drive, params.people);
   EXPECT_EQ(safety.safe_factor({-0.15, 0.0}, {}), 1.0);
   EXPECT_EQ(safety.safe_factor({-0.15, 0.0}, {{{4.0, 0.0}, {0.0, 1.0}, 0.25, 0.0, 0.0}}), 0.0);
 }
 
-// Whatever is near, a slower motion is no less safe.
-TEST(PassiveSafety, WhatIsSafeIsSafeMoreSlowlyHeadOn) {
+// The walker comes head on: the farther away he is, the faster the robot may drive.
+TEST(PassiveSafety, TheSafeSpeedGrowsWithTheDistanceOfAWalkerHeadOn) {
   const NavigatorParams params;
   const PassiveSafety safety(params.robot, params.drive, params.people);
   double last = 0.0;

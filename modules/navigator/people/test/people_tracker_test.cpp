@@ -17,7 +17,7 @@ using test::kScanS;
 using test::Pillar;
 using test::WalkingScene;
 
-/// Nods at a scene in which pillars move, for so long; calls `check(time_s)` after each scan.
+/// Nods at a scene in which pillars move, for `duration_s`; calls `check(time_s)` after each scan.
 template <class Check>
 void look(PeopleTracker& tracker, WalkingScene scene, const std::vector<Eigen::Vector2d>& velocity,
           double duration_s, const Check& check) {
@@ -31,12 +31,12 @@ void look(PeopleTracker& tracker, WalkingScene scene, const std::vector<Eigen::V
   }
 }
 
-// A person of 0.25 m radius; the disc seen of him is up to half a beam wider. Measured: 0.11 m,
-// 0.32 m/s after the first second.
+// A person of 0.25 m radius; the disc that is seen is up to half a beam wider. Measured: errors of
+// 0.11 m and 0.32 m/s after the first second.
 TEST(PeopleTracker, FollowsAWalkerFromSweepToSweep) {
   for (const Eigen::Vector2d& velocity :
        {Eigen::Vector2d(-1.2, 0.1), Eigen::Vector2d(0.0, 1.0), Eigen::Vector2d(-0.4, -0.5)}) {
-    // The space must have been seen free before somebody comes.
+    // The laser must have seen free space before the person comes.
     PeopleTracker tracker;
     const Eigen::Vector2d start = Eigen::Vector2d(2.2, 0.0) - 4.0 * velocity;
     double seen_s = 0.0;
@@ -58,9 +58,9 @@ TEST(PeopleTracker, FollowsAWalkerFromSweepToSweep) {
   }
 }
 
-// A cylinder 1 m wide, which comes and passes by. Of its front the mean of beams lies pi/4 of half
-// the visible width before the centre only where all of it is seen: 0.2 m.
-TEST(PeopleTracker, FollowsWhatIsWiderThanAPerson) {
+// A cylinder 1 m wide comes and passes by. The centre lies pi/4 of half the visible width behind
+// the mean of the beams, but only where the whole front is seen: tolerance 0.2 m.
+TEST(PeopleTracker, FollowsAnObjectThatIsWiderThanAPerson) {
   const Eigen::Vector2d velocity(-1.0, 0.3);
   const Eigen::Vector2d start = Eigen::Vector2d(2.2, 0.0) - 4.0 * velocity;
   double known_s = 0.0;
@@ -77,7 +77,7 @@ TEST(PeopleTracker, FollowsWhatIsWiderThanAPerson) {
   EXPECT_GT(known_s, 0.9 * 1.2);
 }
 
-/// Scans 40 times a second with a laser that is held level, of pillars that move.
+/// Scans 40 times a second with a level laser at a scene in which pillars move.
 template <class Check>
 void look_level(PeopleTracker& tracker, WalkingScene scene,
                 const std::vector<Eigen::Vector2d>& velocity, double duration_s,
@@ -93,9 +93,9 @@ void look_level(PeopleTracker& tracker, WalkingScene scene,
   }
 }
 
-// It shows one height only, but that 40 times a second: who comes into view from behind a pillar,
-// where no space was seen to be free, is known half a second later.
-TEST(PeopleTracker, WithALevelLaserWhoComesFromBehindAPillarIsKnownSoon) {
+// A level laser sees one height only, but 40 times a second. Somebody comes into view from behind a
+// pillar, where no space was seen to be free, and is tracked half a second later.
+TEST(PeopleTracker, WithALevelLaserAPersonFromBehindAPillarIsTrackedWithinHalfASecond) {
   for (const double radius_m : {0.25, 0.5}) {
     const Eigen::Vector2d start(4.5, -1.8);
     const Eigen::Vector2d velocity(-0.3, 1.0);
@@ -128,8 +128,8 @@ TEST(PeopleTracker, WithALevelLaserWhoComesFromBehindAPillarIsKnownSoon) {
   }
 }
 
-// Pillars, one of which hides another for a while, and a wall beyond: the robot drives and turns.
-TEST(PeopleTracker, WithALevelLaserWhatStandsIsNobody) {
+// Pillars, one of which hides another for a while, before a wall; the robot drives and rotates.
+TEST(PeopleTracker, WithALevelLaserStationaryObjectsAreNotPeople) {
   PeopleTracker tracker;
   look_level(tracker,
              {{{{3.0, 0.6}, 0.3, 1.7}, {{4.5, 0.8}, 0.15, 1.7}, {{3.5, -0.9}, 0.5, 1.7}}, 6.0},
@@ -139,9 +139,9 @@ TEST(PeopleTracker, WithALevelLaserWhatStandsIsNobody) {
              });
 }
 
-// Within 0.6 m of the laser the tilted plane of a scan leaves the heights of legs within a person:
-// his place must not be that of the part below.
-TEST(PeopleTracker, WhoIsVeryNearIsWhereAllOfHimIs) {
+// Within 0.6 m of the laser a tilted scan crosses a person from the legs upwards. His position must
+// not be that of his lower part alone.
+TEST(PeopleTracker, APersonVeryNearIsLocatedByAllHisPoints) {
   const Eigen::Vector2d start(0.85, 4.0);
   const Eigen::Vector2d velocity(0.0, -1.0);
   double worst_m = 0.0;
@@ -158,8 +158,8 @@ TEST(PeopleTracker, WhoIsVeryNearIsWhereAllOfHimIs) {
   EXPECT_LT(worst_m, 0.17);
 }
 
-/// A walker passes the robot and goes on behind it, where nobody looks; `check(time_s, p, people)`
-/// for each scan from then on, until `duration_s` after it.
+/// A walker passes the robot and walks on behind it, out of view. Calls `check(time_s, p, people)`
+/// for each scan from then on, for `duration_s`.
 template <class Check>
 void walk_out_of_view(const PeopleTracker::IsBlocked& is_blocked, double duration_s,
                       const Check& check) {
@@ -177,8 +177,8 @@ void walk_out_of_view(const PeopleTracker::IsBlocked& is_blocked, double duratio
   }
 }
 
-// Measured: 0.5 m, 2.5 s after he was seen last.
-TEST(PeopleTracker, WhoWalksOutOfViewGoesOnForTwelveSeconds) {
+// Measured: an error of 0.5 m, 2.5 s after he was last seen.
+TEST(PeopleTracker, AWalkerOutOfViewIsExpectedToWalkOnForTwelveSeconds) {
   walk_out_of_view({}, 13.0, [](double time_s, const Eigen::Vector2d& p, const People& people) {
     if (time_s < 2.5) {
       ASSERT_EQ(people.size(), 1U) << time_s;
@@ -191,9 +191,10 @@ TEST(PeopleTracker, WhoWalksOutOfViewGoesOnForTwelveSeconds) {
   });
 }
 
-// A wall at x = -3, before which he turns by 0.6 m: then he is where the mirror image of his walk
-// is. Twice the error of 10 cm of the wall's steps, and that of the track.
-TEST(PeopleTracker, WhoIsOutOfViewTurnsRoundBeforeAWall) {
+// A wall is at x = -3, and he turns round 0.6 m before it: from then on he is where the mirror
+// image of his walk is. Tolerance: twice the 10 cm steps in which the wall is looked for, and the
+// error of the track.
+TEST(PeopleTracker, AWalkerOutOfViewTurnsRoundBeforeAWall) {
   int num_back = 0;
   walk_out_of_view([](const Eigen::Vector2d& p_odom) { return p_odom.x() < -3.0; }, 3.2,
                    [&](double time_s, const Eigen::Vector2d& p, const People& people) {
@@ -205,13 +206,13 @@ TEST(PeopleTracker, WhoIsOutOfViewTurnsRoundBeforeAWall) {
   EXPECT_GT(num_back, 30);
 }
 
-// What is measured within his own disc does not turn him round, nor what is on both sides of him.
-TEST(PeopleTracker, WhoIsOutOfViewIsNotStoppedByHimself) {
+// Obstacles within his own disc do not make him turn round, nor do obstacles on both sides of him.
+TEST(PeopleTracker, AWalkerOutOfViewIsNotStoppedByHisOwnPoints) {
   const auto is_on_him = [](double time_s, const Eigen::Vector2d& p_odom) {
     const double x = 0.15 - 0.25 - 1.3 * time_s;
     return (p_odom - Eigen::Vector2d(x, 0.9)).norm() < 0.3;
   };
-  double now_s = -1.0;  // while he is in view: far behind him
+  double now_s = -1.0;  // while he is in view, his points count as far behind him
   walk_out_of_view([&](const Eigen::Vector2d& p_odom) { return is_on_him(now_s, p_odom); }, 2.0,
                    [&](double time_s, const Eigen::Vector2d& /*p*/, const People& people) {
                      now_s = time_s;
@@ -220,8 +221,8 @@ TEST(PeopleTracker, WhoIsOutOfViewIsNotStoppedByHimself) {
                    });
 }
 
-// At all heights, and the floor around him is nobody.
-TEST(PeopleTracker, WhatEndsOnAWalkerIsHis) {
+// All points on the walker are his, at any height; none of the floor around him is.
+TEST(PeopleTracker, BeamsThatHitAWalkerAreAssignedToHim) {
   PeopleTracker tracker;
   WalkingScene scene{{{{5.0, -3.0}, 0.25, 1.7}}, 6.0};
   std::size_t num_low = 0;
@@ -250,8 +251,9 @@ TEST(PeopleTracker, WhatEndsOnAWalkerIsHis) {
   EXPECT_GT(static_cast<double>(num_found), 0.95 * static_cast<double>(num_his));
 }
 
-// A low box is passed over before it is hit, a pillar stands, and the robot turns before a wall.
-TEST(PeopleTracker, WhatStandsIsNobody) {
+// Beams first pass over a low box and then hit it; a pillar stands beside it, and the robot rotates
+// before a wall.
+TEST(PeopleTracker, StationaryObjectsAreNotPeople) {
   PeopleTracker tracker;
   WalkingScene scene{{{{2.0, 0.5}, 0.3, 0.27}, {{2.0, -0.8}, 0.15, 1.7}}, 4.0};
   for (double time_s = 0.0; time_s < 5.0; time_s += kScanS) {

@@ -15,7 +15,7 @@ using test::at;
 using test::kScanS;
 using test::WalkingScene;
 
-/// What the infrared range finders see, one of them.
+/// The ranges of the infrared range finders when only one of them measures something.
 Proximity::Ranges only(robot::Infrared sensor, double range_m) {
   Proximity::Ranges ranges_m;
   ranges_m.fill(std::numeric_limits<double>::quiet_NaN());
@@ -28,7 +28,7 @@ class ProximityTest : public ::testing::Test {
   static constexpr robot::Infrared kBack = robot::Infrared::kBack;
   static constexpr robot::Infrared kRight = robot::Infrared::kRight;
 
-  /// From the origin the floor ahead and a post are seen; then the robot stands on that floor.
+  /// From the origin the robot sees the floor ahead and a post; then it stands on that floor.
   ProximityTest() {
     const WalkingScene scene{{{{1.5, -0.6}, 0.1, 1.7}}, 6.0};
     for (double time_s = 0.0; time_s < 3.0; time_s += kScanS) {
@@ -46,7 +46,7 @@ class ProximityTest : public ::testing::Test {
   Proximity proximity_;
 };
 
-TEST_F(ProximityTest, SomebodyBehindIsDetectedUntilHalfASecondAfter) {
+TEST_F(ProximityTest, SomebodyBehindIsDetectedUntilHalfASecondAfterTheLastReading) {
   EXPECT_FALSE(sees(10.0, only(kBack, std::numeric_limits<double>::quiet_NaN())));
   EXPECT_TRUE(sees(11.0, only(kBack, 0.4)));
   EXPECT_TRUE(sees(11.4, only(kRight, std::numeric_limits<double>::quiet_NaN())));
@@ -54,14 +54,14 @@ TEST_F(ProximityTest, SomebodyBehindIsDetectedUntilHalfASecondAfter) {
   EXPECT_FALSE(proximity_.is_detected(at(9.0))) << "a clock that was set back";
 }
 
-TEST_F(ProximityTest, WhatTheMapHasIsNobody) {
+TEST_F(ProximityTest, AReadingOfAnObstacleInTheMapIsNotAPerson) {
   EXPECT_FALSE(sees(10.0, only(kRight, 0.335))) << "the post";
-  EXPECT_FALSE(sees(10.1, only(kRight, 0.25))) << "by an error of the sensor";
-  EXPECT_TRUE(sees(10.2, only(kRight, 0.1))) << "before it";
+  EXPECT_FALSE(sees(10.1, only(kRight, 0.25))) << "the post, with an error of the sensor";
+  EXPECT_TRUE(sees(10.2, only(kRight, 0.1))) << "something before the post";
 }
 
-// The reading behind is 0.4 m from the body, whose rear is at 1.5 - 0.225 m.
-TEST_F(ProximityTest, WhoIsTrackedIsNoStranger) {
+// The reading is 0.4 m behind the body, whose rear is at 1.5 - 0.225 m.
+TEST_F(ProximityTest, AReadingOfATrackedPersonIsNotAnotherPerson) {
   const Person him{{0.7, 0.0}, {0.5, 0.0}, 0.25, 0.1, 0.1};
   Person elsewhere = him;
   elsewhere.position.x() = 0.0;
@@ -69,12 +69,12 @@ TEST_F(ProximityTest, WhoIsTrackedIsNoStranger) {
   EXPECT_TRUE(sees(10.1, only(kBack, 0.4), {elsewhere}));
 }
 
-TEST_F(ProximityTest, WhereNoFloorWasSeenSomethingMayStand) {
+TEST_F(ProximityTest, AReadingWhereNoFloorWasSeenIsNotAPerson) {
   proximity_.add(at(10.0), only(kBack, 0.4), {-2.0, 0.0, 0.0}, map_, {});
   EXPECT_FALSE(proximity_.is_detected(at(10.0)));
 }
 
-TEST_F(ProximityTest, WhatStandsIsWaitedForBriefly) {
+TEST_F(ProximityTest, AConstantReadingIsIgnoredAfterAWhileAndANearerOneIsNot) {
   double time_s = 10.0;
   for (; time_s < 10.55; time_s += 0.05) {
     EXPECT_TRUE(sees(time_s, only(kBack, 0.4)));
@@ -83,11 +83,11 @@ TEST_F(ProximityTest, WhatStandsIsWaitedForBriefly) {
     static_cast<void>(sees(time_s, only(kBack, 0.4)));
   }
   EXPECT_FALSE(sees(time_s, only(kBack, 0.4)));
-  EXPECT_TRUE(sees(time_s + 0.05, only(kBack, 0.3))) << "it comes";
+  EXPECT_TRUE(sees(time_s + 0.05, only(kBack, 0.3))) << "it comes nearer";
 }
 
-TEST_F(ProximityTest, AnObstacleThatWasForgottenIsNobody) {
-  // Odometry drifts while the robot rotates, and looks elsewhere: 8 rad count as 32 m of travel.
+TEST_F(ProximityTest, AReadingOfAForgottenObstacleIsNotAPerson) {
+  // Odometry drifts while the robot rotates, looking elsewhere: 8 rad count as 32 m of travel.
   for (int i = 0; i < 80; ++i) {
     const double yaw_rad = geometry::kPi + (i % 2 == 0 ? 0.05 : -0.05);
     map_.add_scan(WalkingScene{{}, 6.0}.scan(at(3.0 + i * kScanS), {0.0, 0.0, yaw_rad}, 0.0),
@@ -97,8 +97,8 @@ TEST_F(ProximityTest, AnObstacleThatWasForgottenIsNobody) {
   EXPECT_FALSE(sees(10.0, only(kRight, 0.335)));
 }
 
-/// There nothing but the body's place is known; the border is no exception.
-TEST_F(ProximityTest, FloorThatIsAssumedWhereTheRobotWasSetDownIsNotKnownToBeFree) {
+/// Only the ground under the body is known here, and its border is no exception.
+TEST_F(ProximityTest, AReadingOnFloorThatIsOnlyAssumedIsNotAPerson) {
   const WalkingScene scene{{}, 6.0};
   LocalMap map{{}, {}};
   map.add_scan(scene.scan(at(0.0), {}, 0.0), {});

@@ -16,8 +16,8 @@ namespace track_test {
 using test::at;
 using test::kScanS;
 
-/// Covariance of positions at two times, and of a later velocity with the position at a time:
-/// a walk with uncertain start and velocity and white acceleration.
+/// Covariances of the motion model (a start and a velocity with errors, and white acceleration): of
+/// the positions at two times, and of a velocity with an earlier position.
 double cov_pp(double t, double s) {
   const double first = std::min(t, s);
   const double last = std::max(t, s);
@@ -28,9 +28,9 @@ double cov_vp(double s) {
   return std::pow(Track::kVelocitySigmaMps, 2) * s + 0.5 * Track::kAccelerationDensity * s * s;
 }
 
-// The filter's state is that of all detections at once, conditioned as one Gaussian. The first
-// detection is the prior's mean. Rounding only.
-TEST(Track, IsTheGaussianConditionedOnAllDetections) {
+// Oracle: the state conditioned on all detections at once, as one Gaussian whose prior mean is the
+// first detection. Tolerance: rounding.
+TEST(Track, EqualsTheGaussianConditionedOnAllDetections) {
   std::mt19937 random(3);
   std::normal_distribution<double> noise_m(0.0, 0.1);
   const std::vector<double> times_s{0.0, 0.013, 0.027, 0.3, 0.313, 0.6, 0.62, 1.1};
@@ -66,7 +66,7 @@ TEST(Track, IsTheGaussianConditionedOnAllDetections) {
   EXPECT_NEAR(track.person().position_sigma_m, std::sqrt(variance), 1e-9);
 }
 
-TEST(Track, BetweenSightingsTheErrorGrows) {
+TEST(Track, TheErrorGrowsBetweenSightings) {
   Track track(time::Timestamp{}, {{1.0, 0.0}, 0.25, 0, 0});
   double last_m = 0.0;
   for (double t = 0.0; t < 1.0; t += 0.1) {
@@ -76,9 +76,10 @@ TEST(Track, BetweenSightingsTheErrorGrows) {
   }
 }
 
-// A board at one height, which a line has met first here and then there, is nobody, however well
-// its places fit a motion; somebody who walks the same way is.
-TEST(Track, WhatIsMeasuredAtOneHeightIsNobody) {
+// A board at one height, hit by scan lines in one place after another, is not a person, however
+// well these places fit a motion. Somebody who moves the same way and is measured at several
+// heights is.
+TEST(Track, AnObjectMeasuredAtOneHeightIsNotAPerson) {
   for (const double height_m : {0.04, 0.3}) {
     Track track(time::Timestamp{}, {{2.0, 0.0}, 0.25, 0, 5, 0.44, 0.44});
     for (int i = 1; i < 60; ++i) {

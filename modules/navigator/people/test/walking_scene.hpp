@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// For tests: a floor with a wall and people, and the scans an ideal nodding laser makes of them.
+// For tests: a floor with a wall and people, and the scans that an ideal nodding laser takes of
+// them.
 #pragma once
 
 #include <cmath>
@@ -19,7 +20,7 @@ inline time::Timestamp at(double time_s) {
   return time::Timestamp(time::from_seconds(time_s));
 }
 
-/// Upright, from the floor on.
+/// An upright cylinder on the floor.
 struct Pillar {
   Eigen::Vector2d center = Eigen::Vector2d::Zero();
   double radius_m = 0.25;
@@ -28,9 +29,9 @@ struct Pillar {
 
 struct WalkingScene {
   std::vector<Pillar> pillars;
-  double wall_x_m = 6.0;  ///< a wall across, as high as the room
+  double wall_x_m = 6.0;  ///< a wall across the way, endlessly high
 
-  /// Range to the first surface, by the closed forms of plane and cylinder.
+  /// Range to the first surface, by the closed forms of plane and cylinder; +infinity without one.
   [[nodiscard]] double range_m(const Eigen::Vector3d& origin, const Eigen::Vector3d& ray) const {
     double range = std::numeric_limits<double>::infinity();
     if (ray.z() < 0.0) {
@@ -74,7 +75,7 @@ struct WalkingScene {
   }
 };
 
-/// A scan of a laser that is held level: beams of 0.375 degrees, 270 degrees wide.
+/// A scan of a level laser: beams 0.375 degrees apart, 270 degrees wide.
 inline scan::Scan level_scan(const WalkingScene& scene, time::Timestamp stamp,
                              const geometry::SE2& T_odom_base) {
   scan::Scan scan = scene.scan(stamp, T_odom_base, 0.0);
@@ -90,7 +91,7 @@ inline scan::Scan level_scan(const WalkingScene& scene, time::Timestamp stamp,
   return scan;
 }
 
-/// Pitch of a head that nods between -40 and 10 degrees at 3 rad/s, at a time.
+/// Pitch, at a time, of a head that nods between -40 and 10 degrees at 3 rad/s.
 inline double nodding_pitch_rad(double time_s) {
   const double range_rad = geometry::deg_to_rad(50.0);
   const double phase = std::fmod(3.0 * time_s, 2.0 * range_rad);

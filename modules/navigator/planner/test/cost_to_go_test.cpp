@@ -17,7 +17,7 @@ constexpr double kNever = std::numeric_limits<double>::infinity();
 constexpr double kToleranceM = 0.2;
 constexpr double kOutsidePrice = 2.0;
 
-/// 3 m x 2 m of random prices up to the highest; a third of the cells is blocked.
+/// A window of 3 m x 2 m with random prices; a third of the cells is blocked.
 struct Prices {
   explicit Prices(std::uint64_t seed) {
     std::mt19937_64 engine(seed);
@@ -40,7 +40,7 @@ struct Prices {
   std::vector<float> price;
 };
 
-/// Bellman and Ford: relaxes all edges from these costs until nothing changes.
+/// Oracle: Bellman-Ford. Starts from these costs and relaxes all edges until nothing changes.
 std::vector<double> relax(const Prices& prices, std::vector<double> cost) {
   const PlanWindow& window = prices.window;
   for (bool has_changed = true; has_changed;) {
@@ -75,7 +75,8 @@ CostToGo search(const Prices& prices, const Eigen::Vector2d& goal_map, int porti
   return dut.found();
 }
 
-/// The search keeps a cost that is at most 0.1 mm too high at each step, and rounds to 1e-6 of it.
+/// Tolerance: at each step the search may keep a cost that is 0.1 mm too high, and it rounds costs
+/// to 1e-6 of their value.
 void expect_costs(const CostToGo& found, const std::vector<double>& expected,
                   const Prices& prices) {
   constexpr double kStepErrorM = 1e-4;
@@ -96,7 +97,7 @@ void expect_costs(const CostToGo& found, const std::vector<double>& expected,
   EXPECT_GT(num_reached, 300);
 }
 
-TEST(CostSearch, CostsAreThoseOfBruteForce) {
+TEST(CostSearch, CostsEqualThoseOfBruteForce) {
   for (std::uint64_t seed = 1000; seed < 1006; ++seed) {
     const Prices prices(seed);
     const Eigen::Vector2d goal_map(0.3, 0.4);
@@ -106,7 +107,8 @@ TEST(CostSearch, CostsAreThoseOfBruteForce) {
       for (double dx = -radius_m; dx <= radius_m; dx += 0.05) {
         const Eigen::Vector2i cell = prices.window.cell_of(goal_map + Eigen::Vector2d(dx, dy));
         if (dx * dx + dy * dy <= radius_m * radius_m && prices.at(cell.x(), cell.y()) >= 0.0) {
-          // Offsets are not multiples of a cell: the last one of a cell counts.
+          // Seeds are not at the centres of cells: a later one of the same cell replaces an earlier
+          // one.
           seeds[prices.window.place(cell.x(), cell.y())] = std::hypot(dx, dy);
         }
       }
@@ -115,8 +117,9 @@ TEST(CostSearch, CostsAreThoseOfBruteForce) {
   }
 }
 
-// Ends cost what their angle from ahead does, and what they are too near.
-TEST(CostSearch, OnwardTheCellsBetweenTwoDistancesAreTheEnds) {
+// The ends of onward paths are the cells 0.4 to 0.6 m from the robot. An end costs more the farther
+// it is from straight ahead, and the nearer it is.
+TEST(CostSearch, OnwardPathsEndInTheCellsBetweenTwoDistances) {
   for (std::uint64_t seed = 1000; seed < 1006; ++seed) {
     const Prices prices(seed);
     const geometry::SE2 T_map_base{prices.middle(15, 15).x(), prices.middle(15, 15).y(), 0.7};
@@ -138,8 +141,8 @@ TEST(CostSearch, OnwardTheCellsBetweenTwoDistancesAreTheEnds) {
   }
 }
 
-// The border's cells cost what the straight line from them to the goal does.
-TEST(CostSearch, AGoalOutsideIsReachedOverTheBorder) {
+// A cell at the border costs as much as the straight line from it to the goal.
+TEST(CostSearch, AGoalOutsideTheWindowIsReachedAcrossItsBorder) {
   for (std::uint64_t seed = 1000; seed < 1006; ++seed) {
     const Prices prices(seed);
     const Eigen::Vector2d goal_map(4.0, 1.0);
@@ -158,7 +161,7 @@ TEST(CostSearch, AGoalOutsideIsReachedOverTheBorder) {
   }
 }
 
-TEST(CostSearch, PortionsDoNotMatter) {
+TEST(CostSearch, TheResultDoesNotDependOnTheSizeOfThePortions) {
   const Prices prices(1000);
   const CostToGo at_once = search(prices, {0.3, 0.4}, 1 << 20);
   const CostToGo bit_by_bit = search(prices, {0.3, 0.4}, 7);
@@ -182,7 +185,7 @@ TEST(CostToGo, ThePathGoesDownhillFromCellToCellAndEndsAtTheGoal) {
     const auto path = cost_to_go.path_from(start, 50.0);
     for (std::size_t i = 1; i < path.size(); ++i) {
       EXPECT_LT(cost_to_go.at(path[i]), cost_to_go.at(path[i - 1]));
-      // A diagonal step, and rounding.
+      // The length of a diagonal step, with rounding.
       EXPECT_LT((path[i] - path[i - 1]).norm(), 0.0708);
     }
     EXPECT_LT((path.back() - goal_map).norm(), kToleranceM);
@@ -191,13 +194,13 @@ TEST(CostToGo, ThePathGoesDownhillFromCellToCellAndEndsAtTheGoal) {
   EXPECT_GT(num_paths, 3);
 }
 
-TEST(CostToGo, OutsideThereIsNoPathAndNearACellThereIs) {
+TEST(CostToGo, FarOutsideTheWindowThereIsNoPathAndJustOutsideThereIsOne) {
   const Prices prices(1000);
   const CostToGo cost_to_go = search(prices, {0.3, 0.4}, 1 << 20);
   EXPECT_EQ(cost_to_go.at({-1.01, 0.0}), kNever);
   EXPECT_EQ(cost_to_go.at({0.0, 1.51}), kNever);
   EXPECT_EQ(CostToGo().at({0.0, 0.0}), kNever);
-  // 0.2 m outside: 0.3 m around are looked at.
+  // 0.2 m outside: cells within 0.3 m are considered.
   EXPECT_TRUE(std::isfinite(cost_to_go.least_near({0.0, 1.7})));
   EXPECT_FALSE(std::isfinite(cost_to_go.least_near({0.0, 1.9})));
 }

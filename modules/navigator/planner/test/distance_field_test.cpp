@@ -10,7 +10,7 @@
 namespace nodmap::navigator {
 namespace distance_field_test {
 
-// Oracle: the least distance to any occupied cell, cell by cell.
+// Oracle: the smallest distance to any occupied cell, by brute force.
 TEST(DistanceField, EqualsTheDistanceToTheNearestOccupiedCell) {
   constexpr int kWidth = 37;
   constexpr int kHeight = 23;
@@ -33,14 +33,14 @@ TEST(DistanceField, EqualsTheDistanceToTheNearestOccupiedCell) {
         for (const Eigen::Vector2i& cell : occupied) {
           nearest = std::min(nearest, (cell - Eigen::Vector2i(x, y)).cast<double>().norm());
         }
-        // Single precision.
+        // The field is in single precision.
         EXPECT_NEAR(field.at(x, y), kCellM * nearest, 1e-6);
       }
     }
   }
 }
 
-TEST(DistanceField, WithoutOccupiedCellsAndOutsideItIsFar) {
+TEST(DistanceField, TheDistanceIsGreatWithoutOccupiedCellsAndOutsideTheField) {
   DistanceField field;
   field.begin({0.0, 0.0}, 0.1, 10, 10);
   field.occupy({-5.0, 3.0});

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Docking without obstacles, in closed loop with a unicycle whose speeds are those asked for.
+// Docking without obstacles, in closed loop with a unicycle that drives exactly at the commanded
+// speeds.
 #include "modules/navigator/planner/docking.hpp"
 
 #include <gtest/gtest.h>
@@ -17,8 +18,8 @@ constexpr double kStepS = 0.01332;
 constexpr double kToleranceM = 0.02;
 constexpr double kToleranceRad = deg_to_rad(1.0);
 
-/// A robot at `T_goal_base`, and the docking that drives it. Where docking asks for a plan the
-/// robot is set to the border of the staging place: the plan is not under test.
+/// A robot at `T_goal_base` and the docking that drives it. Where docking asks for a plan, the
+/// robot is set down at the border of the staging place: the planner is not tested here.
 struct Dock {
   explicit Dock(const geometry::SE2& start) : T_goal_base(start) {}
 
@@ -27,10 +28,10 @@ struct Dock {
   DockingStep step;
   double time_s = 0.0;
   int num_plans = 0;
-  /// What the wheels make of a motion, as factors of both speeds.
+  /// What the wheels do, as a fraction of the commanded speeds.
   double forward_ratio = 1.0;
   double yaw_ratio = 1.0;
-  /// Of the pose that docking is told.
+  /// Error of the pose that docking is given.
   geometry::SE2 pose_error{};
 
   void cycle() {
@@ -63,20 +64,20 @@ struct Dock {
   }
 };
 
-TEST(Docking, DocksFromAnywhereAtItsFirstTry) {
+TEST(Docking, DocksAtTheFirstTryFromAnyHeading) {
   for (const double yaw_deg : {0.0, 170.0, -90.0}) {
     Dock dock({-3.0, 2.0, deg_to_rad(yaw_deg)});
-    // 0.8 m at 0.15 m/s, the last of it at 0.05, and two rotations.
+    // It drives 0.8 m at 0.15 m/s, the last part at 0.05 m/s, and rotates twice.
     dock.run_until(Kind::kDocked, 25.0);
     EXPECT_EQ(dock.num_plans, 1);
-    // It ends 3 mm early; of 13 cm aside at the staging place (0.8 - 0.1) / 0.12 decay lengths
-    // leave less than 1 cm.
+    // It stops 3 mm early. It is 13 cm aside at the staging place; after (0.8 - 0.1) / 0.12 decay
+    // lengths less than 1 cm of that remains.
     EXPECT_LT(dock.T_goal_base.translation().norm(), 0.01);
     EXPECT_LT(std::abs(dock.T_goal_base.yaw), 0.5 * kToleranceRad);
   }
 }
 
-TEST(Docking, BiasedWheelsAreCorrectedFor) {
+TEST(Docking, DocksWithinToleranceWithBiasedWheels) {
   Dock dock({-2.0, 0.0, 0.0});
   dock.forward_ratio = 0.95;
   dock.yaw_ratio = 1.1;
@@ -84,7 +85,7 @@ TEST(Docking, BiasedWheelsAreCorrectedFor) {
   EXPECT_LT(dock.T_goal_base.translation().norm(), kToleranceM);
 }
 
-TEST(Docking, APoseThatTurnsOutToBeWrongSidewaysIsCorrectedFromFartherBack) {
+TEST(Docking, BacksOffAndTriesAgainWhenThePoseTurnsOutToBeWrongSideways) {
   Dock dock({-2.0, 0.0, 0.0});
   dock.pose_error = {0.0, 0.06, 0.0};
   while (std::abs(dock.T_goal_base.x) > 0.01 || dock.step.kind != Kind::kStay) {
@@ -102,7 +103,7 @@ TEST(Docking, APoseThatTurnsOutToBeWrongSidewaysIsCorrectedFromFartherBack) {
   EXPECT_LT(dock.T_goal_base.translation().norm(), kToleranceM);
 }
 
-TEST(Docking, DockedItStaysUntilItsPoseIsClearlyElsewhere) {
+TEST(Docking, StaysDockedUntilItsPoseIsClearlyElsewhere) {
   Dock dock({-2.0, 0.0, 0.0});
   dock.run_until(Kind::kDocked, 25.0);
   dock.pose_error = {0.0, 0.1, deg_to_rad(8.0)};
@@ -113,13 +114,13 @@ TEST(Docking, DockedItStaysUntilItsPoseIsClearlyElsewhere) {
   EXPECT_EQ(dock.step.kind, Kind::kPlan);
 }
 
-// Its corrections do not bring the robot any nearer: the wheels do not obey.
-TEST(Docking, GivesUpAfterItsTriesAndBeginsAgainLater) {
+// The wheels do not move, so no correction brings the robot nearer.
+TEST(Docking, GivesUpAfterFiveTriesAndBeginsAgainLater) {
   Dock dock({-2.0, 0.0, 0.0});
   dock.run_until(Kind::kMove, 1.0);
   dock.forward_ratio = 0.0;
   dock.yaw_ratio = 0.0;
-  // Five tries, each until its patience of 25 s has ended.
+  // Five tries, each given up after 25 s.
   dock.run_until(Kind::kFailed, 5 * 26.0 + 1.0);
   EXPECT_TRUE(dock.docking.has_failed());
   dock.forward_ratio = 1.0;

@@ -17,7 +17,7 @@ using test::Ground;
 const robot::Footprint kBody = robot::Body{}.footprint();
 constexpr double kToleranceM = 0.2;
 
-/// A map of the ground as seen from a pose, all around.
+/// A local map of the ground, seen all around from a pose.
 LocalMap look(const Ground& ground, const geometry::SE2& T_odom_base) {
   LocalMap map({}, {});
   for (int quarter = 0; quarter < 4; ++quarter) {
@@ -30,26 +30,26 @@ LocalMap look(const Ground& ground, const geometry::SE2& T_odom_base) {
   return map;
 }
 
-/// Steps until a plan is complete.
+/// Calls step() until a plan is complete.
 void plan(GlobalPlanner& planner, const LocalMap& map, const Eigen::Vector2d& goal) {
   for (int i = 0; i < 400 && planner.cost_to_go() == nullptr; ++i) {
     planner.step(time::Timestamp(13'320us * i), map, {}, {}, goal, kToleranceM);
   }
 }
 
-TEST(GlobalPlanner, OverUnknownGroundTheCostIsTheDistanceAtItsPrice) {
+TEST(GlobalPlanner, OverUnknownGroundTheCostIsTheDistanceTimesThePrice) {
   PlannerParams params;
   params.unknown_price = 1.0;
   GlobalPlanner planner(kBody, params);
   plan(planner, LocalMap({}, {}), {6.0, 0.0});
   ASSERT_NE(planner.cost_to_go(), nullptr);
-  // From the border of the goal on; the grid's metric is 8 % too long at worst, exact along an
-  // axis.
+  // The distance counts up to the border of the goal. Distances on the grid are 8 % too long at
+  // worst, and exact along an axis.
   EXPECT_NEAR(planner.cost_to_go()->at({0.0, 0.0}), 2.0 * (6.0 - 0.14) + 0.14, 0.15);
 }
 
-// The robot drives on by the plan to the goal before until there is one to the new goal.
-TEST(GlobalPlanner, ThePlanToTheGoalBeforeIsKeptUntilThereIsANewOne) {
+// Until there is a plan to the new goal, the robot drives on by the plan to the previous one.
+TEST(GlobalPlanner, ThePlanToThePreviousGoalIsKeptUntilThereIsANewOne) {
   GlobalPlanner planner(kBody, {});
   const LocalMap map({}, {});
   const Eigen::Vector2d first(6.0, 0.0);
@@ -85,25 +85,26 @@ TEST(GlobalPlanner, LeadsAroundAWallAndKeepsOffIt) {
   EXPECT_LT((path.back() - Eigen::Vector2d(3.0, 0.0)).norm(), kToleranceM);
   for (const Eigen::Vector2d& p : path) {
     const Eigen::Vector2d nearest = p.cwiseMax(ground.blocks[0].min).cwiseMin(ground.blocks[0].max);
-    // A cell of the grid may be occupied by something in its farthest corner: 3.5 cm.
+    // A cell counts as occupied even if the obstacle is in its farthest corner, 3.5 cm away.
     EXPECT_GT((p - nearest).norm(), kBody.half_width_m + PlannerParams{}.least_clearance_m - 0.035);
   }
 }
 
-TEST(GlobalPlanner, AGoalBeyondTheGridIsHeadedFor) {
+TEST(GlobalPlanner, PlansTowardsAGoalBeyondTheGrid) {
   GlobalPlanner planner(kBody, {});
   const Eigen::Vector2d goal(80.0, 30.0);
   plan(planner, LocalMap({}, {}), goal);
   ASSERT_NE(planner.cost_to_go(), nullptr);
   const double price = 1.0 + PlannerParams{}.unknown_price;
-  // The distance at the price of unknown ground; the grid's metric is 8 % too long at worst.
+  // The distance times the price of unknown ground; distances on the grid are 8 % too long at
+  // worst.
   EXPECT_NEAR(planner.cost_to_go()->at({0.0, 0.0}), price * goal.norm(),
               0.08 * price * goal.norm());
   const auto path = planner.cost_to_go()->path_from({0.0, 0.0}, 100.0);
   EXPECT_LT((goal - path.back()).norm(), goal.norm() - 20.0) << "up to the border, 25 m away";
 }
 
-TEST(GlobalPlanner, AGoalBeyondTheGridIsBehindAClosedFence) {
+TEST(GlobalPlanner, AGoalBeyondTheGridCannotBeReachedThroughAClosedFence) {
   const Ground ground{{{{1.0, -1.1}, {1.1, 1.1}, 0.5},
                        {{-1.1, -1.1}, {-1.0, 1.1}, 0.5},
                        {{-1.1, 1.0}, {1.1, 1.1}, 0.5},
@@ -114,7 +115,7 @@ TEST(GlobalPlanner, AGoalBeyondTheGridIsBehindAClosedFence) {
   EXPECT_FALSE(std::isfinite(planner.cost_to_go()->least_near({0.0, 0.0})));
 }
 
-TEST(GlobalPlanner, LeadsAroundAHoleInTheGeofenceAndNowhereOutOfIt) {
+TEST(GlobalPlanner, LeadsAroundAHoleInTheGeofenceAndNeverOutOfTheGeofence) {
   const Geofence fence("POLYGON((-2 -3, 6 -3, 6 3, -2 3), (1 -1, 2 -1, 2 2, 1 2))");
   const LocalMap map({}, {});
   GlobalPlanner planner(kBody, {});
@@ -130,7 +131,7 @@ TEST(GlobalPlanner, LeadsAroundAHoleInTheGeofenceAndNowhereOutOfIt) {
   for (const Eigen::Vector2d& p : path) {
     const Eigen::Vector2d nearest =
         p.cwiseMax(Eigen::Vector2d(1, -1)).cwiseMin(Eigen::Vector2d(2, 2));
-    // A cell of the grid may be occupied by something in its farthest corner: 3.5 cm.
+    // A cell counts as occupied even if the obstacle is in its farthest corner, 3.5 cm away.
     EXPECT_GT((p - nearest).norm(), kBody.half_width_m + PlannerParams{}.least_clearance_m - 0.035);
   }
   plan_within({8.0, 0.0});
@@ -146,7 +147,7 @@ void rotate_blindly(LocalMap& map) {
   }
 }
 
-/// Plans again with the robot looking to all sides, which is `start_s` later and more.
+/// Plans again while the robot looks to all four sides, from `start_s` on.
 void plan_looking_around(GlobalPlanner& planner, const LocalMap& map, const Eigen::Vector2d& goal,
                          std::int64_t start_s) {
   for (int i = 0; i < 400; ++i) {
@@ -156,8 +157,9 @@ void plan_looking_around(GlobalPlanner& planner, const LocalMap& map, const Eige
   }
 }
 
-// Odometry drifts, so the local map forgets what is not measured again; the pose in map does not.
-TEST(GlobalPlanner, WallsStayThatTheLocalMapHasForgotten) {
+// Odometry drifts, so the local map forgets what is not measured again; the pose in map does not
+// drift.
+TEST(GlobalPlanner, KeepsWallsThatTheLocalMapHasForgottenUntilTheyAreSeenToBeGone) {
   const Eigen::Vector2d goal(3.0, 0.0);
   const Ground fence{{{{1.0, -1.1}, {1.1, 1.1}, 0.5},
                       {{-1.1, -1.1}, {-1.0, 1.1}, 0.5},
@@ -170,11 +172,11 @@ TEST(GlobalPlanner, WallsStayThatTheLocalMapHasForgotten) {
   ASSERT_TRUE(map.points_base({}, 3.0).empty());
   plan_looking_around(planner, map, goal, 10);
   EXPECT_FALSE(std::isfinite(planner.cost_to_go()->least_near({0.0, 0.0})));
-  // Who has not seen them before does not know of them.
+  // A planner that never saw the walls does not know about them.
   GlobalPlanner other(kBody, {});
   plan(other, map, goal);
   EXPECT_TRUE(std::isfinite(other.cost_to_go()->least_near({0.0, 0.0})));
-  // Now the fence is gone, and is seen to be.
+  // Now the fence is gone, and the laser sees that.
   for (int i = 0; i < 3; ++i) {
     for (double deg = -60.0; deg <= 0.0; deg += 0.5) {
       map.add_scan(test::scan_of({}, {}, geometry::deg_to_rad(deg)), {});
@@ -184,9 +186,10 @@ TEST(GlobalPlanner, WallsStayThatTheLocalMapHasForgotten) {
   EXPECT_TRUE(std::isfinite(planner.cost_to_go()->least_near({0.0, 0.0})));
 }
 
-// 2D SLAM turns odometry by 20 degrees. What is behind the robot stays where it was when it was
-// seen, until it is looked at again: then it is a quarter of a metre farther away here.
-TEST(GlobalPlanner, WhatIsBehindTheLaserDoesNotMoveWithOdometry) {
+// 2D SLAM corrects the heading of odometry by 20 degrees. A wall behind the robot stays where it
+// was when it was seen, until the robot looks at it again: then it is a quarter of a metre farther
+// away.
+TEST(GlobalPlanner, AWallOutOfViewStaysInPlaceWhenThePoseIsCorrected) {
   const Ground wall{{{{-1.3, -2.0}, {-1.2, 2.0}, 0.5}}};
   const Eigen::Vector2d on_wall(-1.25, 0.6);
   const Eigen::Vector2d goal(-4.0, 0.0);
@@ -209,7 +212,7 @@ TEST(GlobalPlanner, WhatIsBehindTheLaserDoesNotMoveWithOdometry) {
   }
 }
 
-TEST(GlobalPlanner, SaysWhenThereIsNoPath) {
+TEST(GlobalPlanner, WithinAClosedFenceThereIsNoPath) {
   // A fence all around the robot.
   const Ground ground{{{{1.0, -1.1}, {1.1, 1.1}, 0.5},
                        {{-1.1, -1.1}, {-1.0, 1.1}, 0.5},
@@ -221,7 +224,7 @@ TEST(GlobalPlanner, SaysWhenThereIsNoPath) {
   EXPECT_FALSE(std::isfinite(planner.cost_to_go()->least_near({0.0, 0.0})));
 }
 
-/// A fence all around the robot but for a gap ahead.
+/// A fence all around the robot, with a gap ahead.
 Ground fence_with_gap(double gap_m) {
   return {{{{1.0, -1.1}, {1.1, -0.5 * gap_m}, 0.5},
            {{1.0, 0.5 * gap_m}, {1.1, 1.1}, 0.5},
@@ -230,12 +233,13 @@ Ground fence_with_gap(double gap_m) {
            {{-1.1, -1.1}, {1.1, -1.0}, 0.5}}};
 }
 
-// The body is 33 cm wide: through 55 cm it fits with its clearance, and through 36 cm it would with
-// none. What is so narrow cannot be told from afar, so it is a path as long as it was not tried.
-TEST(GlobalPlanner, ANarrowGapIsAPathUntilTheRobotCouldNotGoOnThere) {
+// The body is 33 cm wide: it fits through 55 cm with its clearance, and through 36 cm with none.
+// From afar such a narrow gap may be free, so it counts as a path until the robot has tried it in
+// vain.
+TEST(GlobalPlanner, ANarrowGapIsAPathUntilTheRobotHasFailedToPassIt) {
   for (const double gap_m : {0.36, 0.45, 0.55}) {
     const LocalMap map = look(fence_with_gap(gap_m), {});
-    for (const double yaw_rad : {0.0, 0.3, 0.7}) {  // of the planner's cells against the walls
+    for (const double yaw_rad : {0.0, 0.3, 0.7}) {  // between cells and walls
       const geometry::SE2 T_map_odom{0.01, 0.02, yaw_rad};
       const Eigen::Vector2d goal = T_map_odom * Eigen::Vector2d(3.0, 0.0);
       GlobalPlanner planner(kBody, {});
@@ -255,7 +259,7 @@ TEST(GlobalPlanner, ANarrowGapIsAPathUntilTheRobotCouldNotGoOnThere) {
   }
 }
 
-TEST(GlobalPlanner, AFailureMakesItTakeTheOtherSide) {
+TEST(GlobalPlanner, AfterFailuresOnOneSideOfAWallThePathLeadsAroundTheOtherSide) {
   const Ground ground{{{{1.5, -0.9}, {1.6, 1.0}, 0.5}}};
   const LocalMap map = look(ground, {});
   GlobalPlanner planner(kBody, {});

@@ -12,7 +12,7 @@ namespace goal_drive_test {
 
 constexpr double kStepS = 0.01332;
 
-/// A map of a fence of 2.2 m around the robot, as seen from where it is.
+/// A local map of a square fence of 2.2 m, seen from the robot in its middle.
 LocalMap fenced() {
   const test::Ground fence{{{{1.0, -1.1}, {1.1, 1.1}, 0.5},
                             {{-1.1, -1.1}, {-1.0, 1.1}, 0.5},
@@ -28,7 +28,7 @@ LocalMap fenced() {
   return map;
 }
 
-TEST(GoalDrive, WithoutAPathItLooksAroundOnceAndThenSaysSoAndStays) {
+TEST(GoalDrive, WithoutAPathItLooksAroundOnceAndThenStaysWithAReason) {
   const LocalMap map = fenced();
   GoalDrive drive({});
   SeenDirections seen(geometry::deg_to_rad(70.0));
@@ -49,12 +49,13 @@ TEST(GoalDrive, WithoutAPathItLooksAroundOnceAndThenSaysSoAndStays) {
   }
   EXPECT_EQ(decision.reason, Reason(Why::kNoPath));
   EXPECT_EQ(decision.yaw_rate_rad_s, 0.0);
-  // Once around; it begins after one step more or less, of 0.7 degrees each.
+  // One full rotation. It may begin or end a step of 0.7 degrees earlier or later.
   EXPECT_NEAR(rotated_rad, 2.0 * geometry::kPi, 0.05);
 }
 
-/// Of a robot on floor that it has seen, 2 m before its goal, between two rows of points that are
-/// `beside_m` beside its body and as long as that and half a metre more.
+/// The decision of a robot on floor that it has seen, 2 m before its goal, between two rows of
+/// points. These are `beside_m` beside its body, and reach from its rear to half a metre ahead of
+/// it.
 Decision between_rows(double beside_m) {
   LocalMap map({}, {});
   for (double deg = -60.0; deg <= 2.0; deg += 3.0) {
@@ -82,7 +83,7 @@ Decision between_rows(double beside_m) {
   return decision;
 }
 
-TEST(GoalDrive, ItDrivesTheMoreSlowlyTheNarrowerAPlaceIs) {
+TEST(GoalDrive, DrivesMoreSlowlyInANarrowerPlace) {
   const DriveParams params;
   const double creep_m = 0.5 * (params.side_margin_m + params.creep_margin_m);
   const double squeeze_m = 0.5 * (params.creep_margin_m + params.squeeze_margin_m);
@@ -96,7 +97,7 @@ TEST(GoalDrive, ItDrivesTheMoreSlowlyTheNarrowerAPlaceIs) {
   EXPECT_EQ(between_rows(0.5 * params.squeeze_margin_m).forward_mps, 0.0);
 }
 
-/// Floor that was seen all around.
+/// A local map of free floor, seen all around.
 LocalMap open_floor() {
   LocalMap map({}, {});
   for (int quarter = 0; quarter < 4; ++quarter) {
@@ -108,7 +109,7 @@ LocalMap open_floor() {
   return map;
 }
 
-/// A robot on that floor, which does what is decided as fast as its wheels can.
+/// A robot on that floor, which follows each decision as fast as its wheels can.
 class Driver {
  public:
   explicit Driver(const LocalMap& map) : map_(map) {
@@ -140,9 +141,9 @@ class Driver {
   std::int64_t num_steps_ = 0;
 };
 
-// The slowest rollout is 0.2 m long and leads past a goal that is nearer; and a cell of the plan is
-// as large as the tolerance.
-TEST(GoalDrive, ItArrivesAtAGoalThatIsNearerThanARolloutIsLong) {
+// The slowest rollout is 0.2 m long and leads past a nearer goal. A cell of the plan is as large as
+// the tolerance.
+TEST(GoalDrive, ArrivesAtAGoalThatIsNearerThanTheShortestRollout) {
   constexpr double kToleranceM = 0.05;
   const LocalMap map = open_floor();
   for (const double distance_m : {0.053, 0.08, 0.15}) {
@@ -164,7 +165,7 @@ TEST(GoalDrive, ItArrivesAtAGoalThatIsNearerThanARolloutIsLong) {
 }
 
 // The explorer sends goal after goal.
-TEST(GoalDrive, ItDoesNotBrakeForANewGoal) {
+TEST(GoalDrive, DoesNotBrakeWhenItGetsANewGoal) {
   const LocalMap map = open_floor();
   Driver driver(map);
   for (int i = 0; i < 200 && driver.now().forward_mps < 0.4; ++i) {
@@ -180,8 +181,8 @@ TEST(GoalDrive, ItDoesNotBrakeForANewGoal) {
   }
 }
 
-// The goal before is no place to drive to any more.
-TEST(GoalDrive, NearlyAtTheGoalBeforeItStopsUntilThereIsAPlan) {
+// The robot has almost arrived at the previous goal, so there is no way to go on towards it.
+TEST(GoalDrive, CloseToThePreviousGoalItStopsUntilThereIsANewPlan) {
   const LocalMap map = open_floor();
   Driver driver(map);
   for (int i = 0; i < 1000 && driver.now().T_odom_base.x < 0.7; ++i) {

@@ -10,7 +10,7 @@
 namespace nodmap::navigator {
 namespace roaming_test {
 
-/// What the nodding laser sees from one place; `quarters` of a rotation, a look at each.
+/// What the nodding laser sees from one place, looking in this many of the four directions.
 LocalMap seen_from_start(const test::Ground& ground, int quarters = 1) {
   LocalMap map({}, {});
   for (int quarter = 0; quarter < quarters; ++quarter) {
@@ -36,9 +36,9 @@ CostToGo onward(const test::Ground& ground, int quarters = 1) {
   return planner.cost_to_go() == nullptr ? CostToGo() : *planner.cost_to_go();
 }
 
-// The way on is straight ahead, and the floor there is seen: a metre costs a metre, but for the
-// bend of the ring and the grid's metric.
-TEST(PlanOnward, InTheOpenItLeadsAhead) {
+// Ahead there is floor that was seen, where a metre costs a metre. The tolerance is for the curve
+// of the ring where paths end, and for the distances on the grid.
+TEST(PlanOnward, LeadsStraightAheadInTheOpen) {
   const CostToGo cost = onward({});
   EXPECT_NEAR(cost.at({0.5, 0.0}) - cost.at({1.5, 0.0}), 1.0, 0.05);
   EXPECT_GT(cost.at({0.0, 1.0}), cost.at({1.0, 0.0}));
@@ -58,7 +58,7 @@ TEST(PlanOnward, LeadsPastAPocketAndNotIntoIt) {
 }
 
 // A closed room of 4 m x 3 m: the path ends before the wall, and is finite.
-TEST(PlanOnward, InASmallRoomItLeadsToItsFarEnd) {
+TEST(PlanOnward, InASmallRoomItLeadsToTheFarEnd) {
   const CostToGo cost = onward({{{{-1.0, 1.5}, {3.0, 1.6}, 0.8},
                                  {{-1.0, -1.6}, {3.0, -1.5}, 0.8},
                                  {{3.0, -1.6}, {3.1, 1.6}, 0.8},
@@ -70,8 +70,8 @@ TEST(PlanOnward, InASmallRoomItLeadsToItsFarEnd) {
   EXPECT_LT(path.back().x(), 2.9);
 }
 
-// As after a goal that led the robot away: what was planned around the place before says nothing.
-TEST(PlanOnward, APlanAroundAnotherPlaceIsGivenUp) {
+// After a goal has led the robot away, a plan made around its former place is of no use.
+TEST(PlanOnward, APlanMadeAroundAFormerPlaceIsDropped) {
   const LocalMap map = seen_from_start({});
   GlobalPlanner planner(NavigatorParams().robot.body.footprint(), {});
   for (int i = 0; i < 40; ++i) {
@@ -88,7 +88,8 @@ TEST(PlanOnward, APlanAroundAnotherPlaceIsGivenUp) {
 }
 
 struct RoamingTest : testing::Test {
-  /// The last of so many decisions of a robot that stays where it is, though it moves.
+  /// Decides this many times with the robot in one place, though its wheels turn; returns the last
+  /// decision.
   std::optional<Decision> decide(const test::Ground& ground, double forward_mps,
                                  int num_decisions) {
     const LocalMap map = seen_from_start(ground);
@@ -112,25 +113,26 @@ struct RoamingTest : testing::Test {
   Roaming roaming{{}};
 };
 
-// A wall 1.2 m ahead with its end 0.3 m to the left of the robot's middle: it bends to the left at
-// more than half of its speed, and neither stops nor turns.
-TEST_F(RoamingTest, PassesTheEndOfAWallWithoutAStop) {
+// A wall is 1.2 m ahead and ends 0.3 m to the left of the robot's middle. The robot drives round it
+// on the left at more than half of its speed, and neither stops nor turns on the spot.
+TEST_F(RoamingTest, PassesTheEndOfAWallWithoutStopping) {
   const auto decision = decide({{{{1.4, -2.5}, {1.5, 0.3}, 0.5}}}, 0.6, 20);
   ASSERT_TRUE(decision);
   EXPECT_GT(decision->forward_mps, 0.3);
   EXPECT_GT(decision->yaw_rate_rad_s, 0.0);
 }
 
-TEST_F(RoamingTest, PlansFirst) {
+TEST_F(RoamingTest, WaitsForItsFirstPlan) {
   const auto decision = decide({}, 0.0, 1);
   ASSERT_TRUE(decision);
   EXPECT_EQ(decision->forward_mps, 0.0);
   EXPECT_EQ(decision->reason.why, Why::kPlans);
 }
 
-// In the open it drives straight on, slowly. After four seconds, longer than it may take without
-// progress, and the time of a plan, the path 0.4 m ahead costs more: it bends around that.
-TEST_F(RoamingTest, WithoutProgressThePathIsGivenUp) {
+// In the open the robot drives straight on, slowly. It makes no progress for four seconds, which is
+// longer than allowed. Then the path 0.4 m ahead costs more, and after one more plan it bends
+// around that place.
+TEST_F(RoamingTest, WithoutProgressItTakesAnotherPath) {
   max_forward_mps = 0.2;
   const auto first = decide({}, 0.0, 40);
   ASSERT_TRUE(first);

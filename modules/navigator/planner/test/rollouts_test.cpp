@@ -12,7 +12,8 @@ namespace rollouts_test {
 
 const robot::Footprint kBody = robot::Body{}.footprint();
 
-/// Signed distance of a point from the body at a pose, by the definition of a rectangle.
+/// Oracle: the signed distance of a point from the body at a pose, by the definition of a
+/// rectangle.
 double distance_m(const Eigen::Vector2d& p, const geometry::SE2& pose) {
   const Eigen::Vector2d q = pose.inverse() * p;
   const double dx = std::abs(q.x()) - kBody.half_length_m;
@@ -21,9 +22,9 @@ double distance_m(const Eigen::Vector2d& p, const geometry::SE2& pose) {
                                 : std::hypot(std::max(dx, 0.0), std::max(dy, 0.0));
 }
 
-// Near the body, and near the robot, it is measured exactly. Else a cell of 2.5 cm stands for any
-// point in it: 1.8 cm; and between its discs the cover of the body leaves 1.1 cm, which is counted
-// as clearance that is not there.
+// Clearance is exact near the body and near the robot. Elsewhere a cell of 2.5 cm stands for any
+// point in it, an error of up to 1.8 cm; and the discs that cover the body leave out up to 1.1 cm
+// between them, which counts as clearance.
 TEST(Rollouts, ClearanceIsThatOfTheRectangle) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> place_m(-1.0, 1.0);
@@ -44,7 +45,7 @@ TEST(Rollouts, ClearanceIsThatOfTheRectangle) {
   EXPECT_GT(near, 100);
 }
 
-/// To a goal 6 m ahead, over unknown ground.
+/// A plan to a goal 6 m ahead, over unknown ground.
 GlobalPlanner planner_to_ahead() {
   GlobalPlanner planner(kBody, {});
   for (int i = 0; i < 400 && planner.cost_to_go() == nullptr; ++i) {
@@ -53,7 +54,7 @@ GlobalPlanner planner_to_ahead() {
   return planner;
 }
 
-/// Walls beside the body on both sides.
+/// Walls on both sides of the body.
 Points walls(double from_x_m, double clearance_m) {
   Points points;
   for (double x = from_x_m; x < 2.4; x += 0.02) {
@@ -63,10 +64,10 @@ Points walls(double from_x_m, double clearance_m) {
   return points;
 }
 
-// Walls 4.75 cm beside the body: less than the 6 cm of fast rollouts, more than the 3 cm of those
-// that creep. In the open nothing forbids to be fast. 15 % of 2 m/s, the slowest share of what a
-// fast robot may drive, would be faster than it creeps.
-TEST(Rollouts, PassANarrowPlaceOnlyCreeping) {
+// The walls are 4.75 cm beside the body: too close for fast rollouts, which need 6 cm, but not for
+// creeping ones, which need 3 cm. In the open any speed is allowed. The slowest share of a fast
+// robot's speed, 15 % of 2 m/s, would be faster than creeping.
+TEST(Rollouts, OnlyCreepingRolloutsPassANarrowPlace) {
   const GlobalPlanner planner = planner_to_ahead();
   ASSERT_NE(planner.cost_to_go(), nullptr);
   Rollouts rollouts(kBody, {});
@@ -86,10 +87,10 @@ TEST(Rollouts, PassANarrowPlaceOnlyCreeping) {
   }
 }
 
-// Between two posts 3.1 cm beside the body, straight on and straight back keep that clearance,
-// wherever the posts are along the body, and in the cells: the robot does not stand, unable to
-// move, where it could drive to. What is 5 cm before the body is no reason not to back up.
-TEST(Rollouts, StraightOnAndBackAreLeftBetweenPostsThatItPasses) {
+// Two posts are 3.1 cm beside the body. Straight on and straight back keep that clearance, wherever
+// along the body and in a cell the posts are; so the robot can always leave a place that it could
+// reach. A point 5 cm before the body does not forbid backing up.
+TEST(Rollouts, StraightOnAndStraightBackArePossibleBetweenTwoNarrowPosts) {
   const GlobalPlanner planner = planner_to_ahead();
   ASSERT_NE(planner.cost_to_go(), nullptr);
   Rollouts rollouts(kBody, {});
@@ -111,8 +112,8 @@ TEST(Rollouts, StraightOnAndBackAreLeftBetweenPostsThatItPasses) {
   }
 }
 
-/// Least distance from the body to the middle of somebody within 3 s, when the robot, which stands,
-/// drives a rollout and goes on or brakes then; in steps of 10 ms.
+/// Smallest distance from the body to a person's centre within 3 s. The robot starts from rest,
+/// drives the rollout and then goes on or brakes. In steps of 10 ms.
 double least_distance_m(const Rollout& rollout, bool goes_on, const Person& person) {
   geometry::SE2 pose;
   double forward_mps = 0.0;
@@ -129,9 +130,10 @@ double least_distance_m(const Rollout& rollout, bool goes_on, const Person& pers
   return least_m;
 }
 
-// Something 1 m wide comes straight at the standing robot, 3.4 m away at 1 m/s: to stand is to be
-// hit after 2.7 s. The best rollout is not touched, though the plan leads straight ahead.
-TEST(Rollouts, GetOutOfTheWayOfWhatComesAtTheRobot) {
+// Something 1 m wide comes straight at the stationary robot at 1 m/s from 3.4 m away: if the robot
+// stays, it is hit after 2.7 s. The best rollout is not touched, although the plan leads straight
+// ahead.
+TEST(Rollouts, TheBestRolloutAvoidsAPersonWhoComesStraightAtTheRobot) {
   const GlobalPlanner planner = planner_to_ahead();
   ASSERT_NE(planner.cost_to_go(), nullptr);
   Rollouts rollouts(kBody, {});
