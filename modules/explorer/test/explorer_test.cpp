@@ -24,7 +24,7 @@ ExplorerParams with(Policy policy) {
 class Offices : public ::testing::TestWithParam<int> {};
 
 // A corridor of 16 m with four rooms on each side.
-TEST_P(Offices, AreSeenAndTheRobotIsBackHome) {
+TEST_P(Offices, AreSeenCompletelyAndTheRobotReturnsHome) {
   GridWorld office = make_office(4, static_cast<std::uint64_t>(GetParam()));
   const Exploration exploration = explore(office, with(Policy::kTour), 900.0);
   EXPECT_EQ(exploration.state, State::kHome);
@@ -33,7 +33,7 @@ TEST_P(Offices, AreSeenAndTheRobotIsBackHome) {
 }
 INSTANTIATE_TEST_SUITE_P(Seeds, Offices, ::testing::Range(1000, 1003));
 
-// The policy that the tour is compared with (bench/exploration.py) must also work.
+// The policy that the tour is compared with (bench/exploration.py) must work as well.
 TEST(Explorer, TheNearestFrontierPolicyAlsoSeesTheOffice) {
   GridWorld office = make_office(4, 1000);
   const Exploration exploration = explore(office, with(Policy::kNearestFrontier), 900.0);
@@ -54,7 +54,7 @@ GridWorld known_room() {
   return room;
 }
 
-TEST(Explorer, InAKnownRoomItIsHomeAtOnce) {
+TEST(Explorer, InAKnownRoomItEndsAtOnce) {
   const GridWorld room = known_room();
   Explorer explorer{ExplorerParams{}};
   EXPECT_EQ(explorer.decide({}).state, State::kIdle);
@@ -67,7 +67,7 @@ TEST(Explorer, InAKnownRoomItIsHomeAtOnce) {
   EXPECT_NEAR(decision.seen_m2, 3.9 * 2.9, 0.8);  // walls take up to a planning cell more
 }
 
-TEST(Explorer, ReturnsToWhereItBegan) {
+TEST(Explorer, ReturnsToThePlaceWhereItBegan) {
   const GridWorld room = known_room();
   GridWorld unknown({-2.5, -2.0}, {2.5, 2.0});
   unknown.scan({-1.0, 0.0, 0.0});
@@ -107,7 +107,7 @@ class Stuck : public ::testing::Test {
   Explorer explorer_{ExplorerParams{}};
 };
 
-TEST_F(Stuck, GivesAViewpointUpForAnotherOne) {
+TEST_F(Stuck, GivesUpAViewpointThatItDoesNotReachForAnotherOne) {
   const Eigen::Vector2d first = decide(0.0).tour.front().p_map;
   const double stuck_s = ExplorerParams{}.patience.stuck_s;
   for (double time_s = 0.5; time_s <= stuck_s; time_s += 0.5) {
@@ -129,13 +129,13 @@ TEST_F(Stuck, WithoutAPathItGivesUpSooner) {
 }
 
 // While the robot is stopped, no decisions are made.
-TEST_F(Stuck, APauseIsNoFailure) {
+TEST_F(Stuck, APauseDoesNotCountAsAFailure) {
   const Eigen::Vector2d first = decide(0.0).tour.front().p_map;
   EXPECT_EQ(decide(100.0).tour.front().p_map, first);
   EXPECT_EQ(explorer_.num_failures(), 0U);
 }
 
-// What was seen from a viewpoint is not in the map yet when the robot drives on.
+// The map does not yet show what was seen from a viewpoint when the robot drives on.
 TEST_F(Stuck, AViewpointThatWasVisitedIsLeftOutUntilTheMapShowsWhatWasSeen) {
   const auto is_in_tour = [](const Decision& decision, const Eigen::Vector2d& p_map) {
     return std::ranges::any_of(
@@ -151,7 +151,7 @@ TEST_F(Stuck, AViewpointThatWasVisitedIsLeftOutUntilTheMapShowsWhatWasSeen) {
   EXPECT_EQ(explorer_.num_failures(), 0U);
 }
 
-TEST_F(Stuck, ComesToAnEnd) {
+TEST_F(Stuck, GivesUpAllViewpointsInTheEnd) {
   double time_s = 0.0;
   while (explorer_.state() == State::kExploring && time_s < 1e5) {
     time_s += 1.0;

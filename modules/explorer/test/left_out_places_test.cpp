@@ -28,7 +28,7 @@ TEST(LeftOutPlaces, APlaceIsLeftOutForATimeThatDoubles) {
   EXPECT_TRUE(places.contains(kPlace, at_s(1'000'000))) << "given up";
 }
 
-TEST(LeftOutPlaces, PlacesNotGivenUpAreForgivenOnce) {
+TEST(LeftOutPlaces, PlacesThatAreNotGivenUpAreForgivenOnce) {
   LeftOutPlaces places(30.0, 2, 0.7);
   EXPECT_FALSE(places.forgive()) << "there is nothing";
   places.add(kPlace, at_s(100));

@@ -36,7 +36,7 @@ class ExplorerNodeTest : public ::testing::Test {
     message.cells.assign(tile.cells.begin(), tile.cells.end());
     bus_.deliver("MAP_2D", message);
   }
-  /// Advances by half a second and gives a pose.
+  /// Lets half a second pass and delivers a pose.
   nodmap::exploration_t give_pose(std::int8_t state = nodmap::pose_t::TRACKING) {
     utime_us_ += 500'000;
     nodmap::pose_t pose = node::write_corrected_pose(
@@ -90,7 +90,7 @@ TEST_F(ExplorerNodeTest, SendsNoGoalUntilItIsAskedTo) {
   EXPECT_GT(std::hypot(goal.position_m[0], goal.position_m[1]), ExplorerParams{}.goal_tolerance_m);
 }
 
-TEST_F(ExplorerNodeTest, RepeatsItsGoalOnceASecondAndRecognisesIt) {
+TEST_F(ExplorerNodeTest, RepeatsItsGoalOnceASecondAndRecognisesItAsItsOwn) {
   give_map();
   ask(true);
   (void)give_pose();
@@ -127,7 +127,7 @@ TEST_F(ExplorerNodeTest, AStopMakesItWaitAndThenContinue) {
   EXPECT_EQ(node_.metrics()["failures"], 0);
 }
 
-TEST_F(ExplorerNodeTest, WhenEndedItLeavesTheRobotWhereItIs) {
+TEST_F(ExplorerNodeTest, EndedByTheUserItLeavesTheRobotWhereItIs) {
   give_map();
   ask(true);
   (void)give_pose();
@@ -140,7 +140,7 @@ TEST_F(ExplorerNodeTest, WhenEndedItLeavesTheRobotWhereItIs) {
   EXPECT_EQ(exploration.reason, "Ended by somebody.");
 }
 
-TEST_F(ExplorerNodeTest, WithoutAPoseToTrustNothingIsDecided) {
+TEST_F(ExplorerNodeTest, DecidesNothingWithoutATrustworthyPose) {
   give_map();
   ask(true);
   (void)give_pose();
@@ -151,7 +151,7 @@ TEST_F(ExplorerNodeTest, WithoutAPoseToTrustNothingIsDecided) {
 }
 
 // Poses of 2D SLAM come with level scans: one a second when the robot is slow.
-TEST_F(ExplorerNodeTest, BetweenPosesItDecidesByOdometry) {
+TEST_F(ExplorerNodeTest, DecidesByOdometryBetweenPoses) {
   give_map();
   ask(true);
   (void)give_pose();
@@ -172,7 +172,7 @@ TEST_F(ExplorerNodeTest, BetweenPosesItDecidesByOdometry) {
   EXPECT_EQ(bus_.count("EXPLORATION"), num_decisions + 5);
 }
 
-TEST_F(ExplorerNodeTest, AfterARestartOfTheBaseDriverItWaitsForAPose) {
+TEST_F(ExplorerNodeTest, WaitsForAPoseAfterTheBaseDriverHasRestarted) {
   give_map();
   ask(true);
   (void)give_pose();
@@ -186,7 +186,7 @@ TEST_F(ExplorerNodeTest, AfterARestartOfTheBaseDriverItWaitsForAPose) {
   EXPECT_EQ(bus_.count("EXPLORATION"), num_decisions + 1);
 }
 
-TEST_F(ExplorerNodeTest, WhenTheNavigatorArrivesItDecidesAtOnce) {
+TEST_F(ExplorerNodeTest, DecidesAtOnceWhenTheNavigatorHasArrived) {
   give_map();
   ask(true);
   (void)give_pose();
@@ -203,7 +203,7 @@ TEST_F(ExplorerNodeTest, WhenTheNavigatorArrivesItDecidesAtOnce) {
   }
 }
 
-TEST_F(ExplorerNodeTest, ANewMapEndsItAndTheRobotStaysWhereItIs) {
+TEST_F(ExplorerNodeTest, ANewMapEndsTheExplorationAndTheRobotStaysWhereItIs) {
   give_map(7);
   ask(true);
   (void)give_pose();

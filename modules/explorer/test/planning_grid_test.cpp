@@ -26,7 +26,7 @@ struct Map {
   std::vector<std::int8_t> cells;
 };
 
-TEST(PlanningGrid, APlanningCellIsOccupiedFreeOrUnknownByItsFour) {
+TEST(PlanningGrid, APlanningCellIsOccupiedFreeOrUnknownByItsFourMapCells) {
   Map map;
   for (int x = 0; x < kTile; ++x) {
     for (int y = 20; y < kTile; ++y) {
@@ -59,7 +59,7 @@ TEST(PlanningGrid, GapsOfOneCellBelongToTheCellsOnBothSides) {
 
 // A wall seen at a grazing angle. Its ends are in two tiles: the second one changes cells of the
 // first.
-TEST(PlanningGrid, GapsOfThreeCellsInAWallAreFilledThoseOfFourAreNot) {
+TEST(PlanningGrid, GapsOfUpToThreeCellsInAWallAreFilledAndThoseOfFourAreNot) {
   for (const int gap_cells : {1, 2, 3, 4}) {
     Map left(Cell(-kTile, 0));
     Map right;
@@ -81,7 +81,7 @@ TEST(PlanningGrid, GapsOfThreeCellsInAWallAreFilledThoseOfFourAreNot) {
   }
 }
 
-/// Oracle: examines all cells.
+/// Oracle: looks at all cells.
 bool is_passable(const std::vector<Map>& maps, const PlanningGrid& grid, const Cell& cell) {
   bool has_room = false;
   for (int i = 0; i < 4; ++i) {
@@ -125,7 +125,7 @@ TEST(PlanningGrid, PassableCellsAreFarEnoughFromAllOccupiedOnes) {
   }
 }
 
-TEST(PlanningGrid, TilesThatMakeNoSenseAreRefused) {
+TEST(PlanningGrid, InvalidTilesAreRefused) {
   const Map map;
   PlanningGrid grid(kInflationRadiusM);
   MapTile tile = map.tile();

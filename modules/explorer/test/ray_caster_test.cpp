@@ -39,7 +39,7 @@ double seen_m2(const PlanningGrid& grid, const ViewParams& params, double headin
 
 // Nothing is known: the beams cover a half disc whose radius is the depth that a beam may pass
 // through.
-TEST(RayCaster, OpenUnknownGroundIsSeenAsFarAsItsDepth) {
+TEST(RayCaster, UnknownGroundIsSeenUpToTheDepthThatABeamMayPass) {
   Scene scene;
   scene.fill(-0.1, -0.1, 0.1, 0.1, 0);
   ViewParams params;

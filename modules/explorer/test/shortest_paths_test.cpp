@@ -27,7 +27,8 @@ PlanningGrid hall(std::uint64_t seed) {
   return grid;
 }
 
-/// Oracle: Bellman-Ford, which relaxes all edges until nothing changes. Fifths of a cell.
+/// Oracle: Bellman-Ford, which relaxes all edges until nothing changes. Lengths are in fifths of a
+/// cell.
 std::vector<std::vector<double>> all_lengths(const PlanningGrid& grid, const Cell& from) {
   constexpr double kNever = std::numeric_limits<double>::infinity();
   std::vector<std::vector<double>> lengths(40, std::vector<double>(60, kNever));
@@ -54,7 +55,7 @@ std::vector<std::vector<double>> all_lengths(const PlanningGrid& grid, const Cel
   return lengths;
 }
 
-TEST(ShortestPaths, LengthsAreTheShortestAndPathsAreAsLong) {
+TEST(ShortestPaths, LengthsAreThoseOfBellmanFordAndOfThePaths) {
   for (std::uint64_t seed = 1000; seed < 1003; ++seed) {
     const PlanningGrid grid = hall(seed);
     ShortestPaths paths;
@@ -81,7 +82,7 @@ TEST(ShortestPaths, LengthsAreTheShortestAndPathsAreAsLong) {
   }
 }
 
-TEST(ShortestPaths, EndsWithItsTargets) {
+TEST(ShortestPaths, EndsWhenItsTargetsAreReached) {
   const PlanningGrid grid = hall(1000);
   ShortestPaths all;
   all.compute(grid, {5.5, 3.5});
@@ -104,7 +105,7 @@ TEST(ShortestPaths, WithoutRoomAroundTheRobotNothingIsReached) {
   EXPECT_TRUE(paths.cells().empty());
 }
 
-TEST(ShortestPaths, TheHeadingIsThatOfThePathsEnd) {
+TEST(ShortestPaths, TheHeadingIsThatAtTheEndOfThePath) {
   const PlanningGrid grid = hall(1000);
   ShortestPaths paths;
   paths.compute(grid, {5.0, 3.5});

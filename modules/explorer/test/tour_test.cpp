@@ -71,7 +71,7 @@ TEST_P(ShortestTour, IsTheBestOfAllOrders) {
 }
 INSTANTIATE_TEST_SUITE_P(Seeds, ShortestTour, ::testing::Range(0, 6));
 
-TEST(ShortestTourDegenerate, NoStopOneStopAndTooMany) {
+TEST(ShortestTourDegenerate, HandlesNoStopOneStopAndTooManyStops) {
   EXPECT_TRUE(shortest_tour({}).order.empty());
   const Tour one = shortest_tour(random_problem(1, 1.0, 1));
   EXPECT_EQ(one.order, std::vector<std::size_t>{0});
@@ -79,7 +79,8 @@ TEST(ShortestTourDegenerate, NoStopOneStopAndTooMany) {
   EXPECT_THROW((void)shortest_tour(random_problem(kMaxStops + 1, 1.0, 1)), std::invalid_argument);
 }
 
-/// What a part of a tour, first and end, weighs, and the length that is saved without it.
+/// What a part of a tour, from `first` to `end`, weighs, and how much shorter the tour is without
+/// it.
 std::pair<double, double> part_of(const TourProblem& problem, const std::vector<std::size_t>& order,
                                   std::size_t first, std::size_t end) {
   const auto length_m = [&](const std::vector<std::size_t>& stops) {
@@ -102,8 +103,9 @@ std::pair<double, double> part_of(const TourProblem& problem, const std::vector<
 
 class Detours : public ::testing::TestWithParam<int> {};
 
-// Oracle: the length of the whole tour with and without each part, in every step the worst part.
-TEST_P(Detours, TheWorstPartIsLeftOutUntilAllAreWorthTheirWay) {
+// Oracle: computes the length of the whole tour with and without each part, and leaves out the
+// worst part in every step.
+TEST_P(Detours, TheWorstPartIsLeftOutUntilEachPartIsWorthItsWay) {
   constexpr double kLeastPerM = 1.5;
   constexpr double kAlways = 12.0;
   const TourProblem problem = random_problem(8, 0.0, static_cast<std::uint64_t>(GetParam()));
@@ -138,8 +140,8 @@ TEST_P(Detours, TheWorstPartIsLeftOutUntilAllAreWorthTheirWay) {
 }
 INSTANTIATE_TEST_SUITE_P(Seeds, Detours, ::testing::Range(0, 6));
 
-// Two stops side by side, 10 m off the way: without one of them the way is as long, without both 20
-// m shorter.
+// Two stops side by side, 10 m off the way. Without one of them the tour is hardly shorter, without
+// both it is 20 m shorter.
 TEST(Detour, StopsThatShareADetourAreLeftOutTogether) {
   TourProblem problem;
   problem.weight = {1.0, 1.0};

@@ -65,7 +65,7 @@ struct Room {
 
 // Oracle: chooses viewpoints one by one, each among all lookouts, by the cells that none of the
 // previous ones shows.
-TEST(ViewpointChooser, ChoosesAsBruteForceDoes) {
+TEST(ViewpointChooser, ChoosesTheSameAsBruteForce) {
   constexpr double kYawRad = 0.3;
   std::size_t num_chosen = 0;
   for (std::uint64_t seed = 1000; seed < 1006; ++seed) {
@@ -121,7 +121,7 @@ TEST(ViewpointChooser, ChoosesAsBruteForceDoes) {
 
 // The minimum gain is the median of what the lookouts show in all directions, so half of them show
 // enough.
-TEST(ViewpointChooser, TheNearestShowsEnoughAndNoneBeforeItDoes) {
+TEST(ViewpointChooser, NearestIsTheFirstLookoutThatShowsEnough) {
   std::ptrdiff_t num_skipped = 0;
   for (std::uint64_t seed = 1000; seed < 1006; ++seed) {
     const Room room(seed);
@@ -149,8 +149,8 @@ TEST(ViewpointChooser, TheNearestShowsEnoughAndNoneBeforeItDoes) {
   EXPECT_GT(num_skipped, 0) << "the first was always enough";
 }
 
-// 200 lookouts are rated; the next 200 only if these show nothing.
-TEST(ViewpointChooser, FartherLookoutsCountWhereTheNearerShowNothing) {
+// 200 lookouts are rated; 200 more only if these show nothing.
+TEST(ViewpointChooser, FartherLookoutsAreRatedOnlyIfTheNearerOnesShowNothing) {
   const Room room(1000);
   ExplorerParams params;
   ViewpointChooser dut(params);
@@ -171,7 +171,7 @@ TEST(ViewpointChooser, FartherLookoutsCountWhereTheNearerShowNothing) {
   }
 }
 
-TEST(ViewpointChooser, WithoutLookoutsOrUnknownGroundThereIsNone) {
+TEST(ViewpointChooser, WithoutLookoutsOrUnknownGroundThereIsNoViewpoint) {
   const Room room(1000);
   ViewpointChooser dut({});
   EXPECT_TRUE(dut.choose(room.grid, room.paths, {}, 0.0).empty());

@@ -67,7 +67,7 @@ std::vector<Eigen::Vector2d> path_around_the_wall(double from_m) {
   return path;
 }
 
-TEST(Waypoints, LeadAroundACornerWithoutAHaltToTheEnd) {
+TEST(Waypoints, LeadAroundACornerToTheEndWithoutAHalt) {
   const PlanningGrid grid = ground_with_wall(0.0);
   Waypoints dut(kToleranceM);
   std::vector<Eigen::Vector2d> places{{0.0, -0.5}};
