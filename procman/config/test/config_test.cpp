@@ -17,7 +17,7 @@ std::vector<std::string> ids(const std::vector<const Command*>& commands) {
   return all;
 }
 
-TEST(Config, AGroupMeansItsSubgroupsButNotItsNamesakes) {
+TEST(Config, AGroupIncludesItsSubgroupsButNotGroupsOfTheSameNameElsewhere) {
   const auto parsed = parse_config(R"(
       cmd "top" { exec = "t"; }
       group "a" { cmd "x" { exec = "x"; } group "b" { cmd "y" { exec = "y"; } } }
@@ -38,7 +38,7 @@ TEST(Config, NormalizesGroupPaths) {
   EXPECT_EQ(normalized_group(""), "");
 }
 
-TEST(ProgramOf, IsTheFirstWordThatSetsNothing) {
+TEST(ProgramOf, IsTheFirstWordThatIsNotAnAssignment) {
   EXPECT_EQ(program_of("nodmap-slam2d"), "nodmap-slam2d");
   EXPECT_EQ(program_of("A=1 B=2 bin/nodmap-sim --x"), "nodmap-sim");
   EXPECT_EQ(program_of(""), "");

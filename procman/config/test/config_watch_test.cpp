@@ -14,7 +14,7 @@ class ConfigWatchTest : public ::testing::Test {
  protected:
   void write(const std::string& text) {
     std::ofstream(file_) << text;
-    // Two edits in one tick of the file system's clock are two all the same.
+    // So that two edits within one tick of the file system's clock count as two.
     edited_ += std::chrono::seconds(1);
     std::filesystem::last_write_time(file_, edited_);
   }
@@ -30,12 +30,12 @@ class ConfigWatchTest : public ::testing::Test {
   std::optional<ConfigWatch> watch_;
 };
 
-TEST_F(ConfigWatchTest, TellsAnEditOnceWhenTheFileHasSettled) {
+TEST_F(ConfigWatchTest, ReportsAnEditOnceWhenTheFileIsNoLongerChanging) {
   write("cmd \"a\" { exec = \"x\"; }");
   watch_.emplace(file_, 1s, now_);
-  EXPECT_FALSE(poll_after(10s)) << "as it was";
+  EXPECT_FALSE(poll_after(10s)) << "unchanged";
   write("cmd \"b\" { exec");
-  EXPECT_FALSE(poll_after(1s)) << "just seen";
+  EXPECT_FALSE(poll_after(1s)) << "seen only now";
   write("cmd \"b\" { exec = \"x\"; }");
   EXPECT_FALSE(poll_after(900ms)) << "changed again";
   EXPECT_FALSE(poll_after(900ms));
@@ -46,7 +46,7 @@ TEST_F(ConfigWatchTest, TellsAnEditOnceWhenTheFileHasSettled) {
   EXPECT_FALSE(poll_after(10s));
 }
 
-TEST_F(ConfigWatchTest, TellsErrorsAndWaitsForAFileThatIsGone) {
+TEST_F(ConfigWatchTest, ReportsErrorsAndWaitsForAFileThatWasDeleted) {
   write("cmd \"a\" { exec = \"x\"; }");
   watch_.emplace(file_, 1s, now_);
   std::filesystem::remove(file_);

@@ -65,7 +65,7 @@ TEST(Lexer, ReadsOurCommentsUpToTheEndOfTheirLine) {
   EXPECT_FALSE(all[5].is_extension);
 }
 
-TEST(Lexer, TellsWhereItCannotRead) {
+TEST(Lexer, NamesTheLineAndColumnThatItCannotRead) {
   for (const std::string text : {"a\n \"open", "a\n \"open\n\"", "a\n \"open\\", "a\n \"open\\\n",
                                  "a\n -", "a\n \x80", "a\n ?"}) {
     try {

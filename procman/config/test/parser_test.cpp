@@ -56,7 +56,7 @@ TEST(Parser, HasTheDefaultsOfTheExistingTools) {
   EXPECT_EQ(command.group, "");
 }
 
-TEST(Parser, TakesDeputyForHost) {
+TEST(Parser, DeputyMeansTheSameAsHost) {
   EXPECT_EQ(parsed("cmd \"a\" { exec = \"x\"; deputy = \"d\"; }").commands.at(0).deputy, "d");
 }
 
@@ -73,7 +73,7 @@ TEST(Parser, OnlyTrueAndYesRespawn) {
   }
 }
 
-TEST(Parser, NamesTheUnnamed) {
+TEST(Parser, NumbersCommandsWithoutAName) {
   const Config config = parsed("cmd { exec = \"x\"; } cmd { exec = \"y\"; }");
   EXPECT_EQ(config.commands[0].id, "unnamed-1");
   EXPECT_EQ(config.commands[1].id, "unnamed-2");
@@ -83,7 +83,7 @@ TEST(Parser, NestsAndMergesGroups) {
   const Config config = parsed(R"(
       group "a" { group "b" { cmd "x" { exec = "x"; group = "elsewhere"; } } }
       group "a" { cmd "y" { exec = "y"; } })");
-  EXPECT_EQ(config.commands[0].group, "a/b") << "the enclosing group overwrites the attribute";
+  EXPECT_EQ(config.commands[0].group, "a/b") << "the enclosing group replaces the attribute";
   EXPECT_EQ(config.commands[1].group, "a");
   EXPECT_TRUE(config.has_group("a"));
   EXPECT_TRUE(config.has_group("/a/b/"));
@@ -177,8 +177,8 @@ TEST(Parser, ReadsHealthRulesFromComments) {
   EXPECT_EQ(config.commands[0].deputy, "h");
 }
 
-// A tool that skips comments must read the same commands.
-TEST(Parser, OurCommentsHoldNothingButWholeRules) {
+// A tool that skips these comments must read the same commands.
+TEST(Parser, OurCommentsMayContainOnlyCompleteRules) {
   for (const char* rule : {"host = \"h\";", "}", "restart_silent_s =", "restart_silent_s = 5", "{",
                            "restart_soon_s = 5;", "restart_silent_s = 0;"}) {
     const std::string text = std::string("cmd \"a\" { exec = \"x\";\n#nodmap: ") + rule + "\n; }";
@@ -188,7 +188,7 @@ TEST(Parser, OurCommentsHoldNothingButWholeRules) {
   EXPECT_FALSE(parse_config("#nodmap: cmd \"a\" { exec = \"x\"; }").errors.empty());
 }
 
-TEST(Parser, NamesPlaceAndCauseOfAnError) {
+TEST(Parser, AnErrorNamesItsPlaceAndCause) {
   EXPECT_EQ(error_of("cmd \"a\" {\n  exe = \"x\";\n}"), "f:2:3: unrecognized attribute exe");
   EXPECT_EQ(error_of("cmd \"a\" { }"), "f:1:11: the command \"a\" has no exec");
   EXPECT_EQ(error_of("cmd \"a/b\" { exec = \"x\"; }"),
@@ -209,7 +209,7 @@ TEST(Parser, NamesPlaceAndCauseOfAnError) {
   EXPECT_THAT(error_of("host"), HasSubstr("f:1:1: expected cmd, group, script, found 'host'"));
 }
 
-TEST(Parser, ChecksWhatScriptsName) {
+TEST(Parser, UnknownNamesInScriptsAreErrors) {
   const auto result = parse_config(R"(script "s" {
       start cmd "none";
       wait group "none" status "running";
@@ -228,10 +228,10 @@ TEST(Parser, RefusesScriptsThatRunThemselves) {
   const auto result = parse_config(R"(
       script "a" { run_script "b"; } script "b" { run_script "c"; } script "c" { run_script "a"; }
       script "d" { run_script "a"; })");
-  EXPECT_EQ(result.errors.size(), 3U) << "all of the circle, but not who only calls it";
+  EXPECT_EQ(result.errors.size(), 3U) << "all scripts of the circle, but not d, which calls it";
 }
 
-TEST(Parser, RefusesWrongWords) {
+TEST(Parser, RefusesInvalidSyntax) {
   for (const char* text :
        {"script \"s\" { start; }", "script \"s\" { launch everything; }",
         "script \"s\" { start everything wait \"done\"; }", "script \"s\" { wait ms \"5\"; }",
@@ -242,7 +242,7 @@ TEST(Parser, RefusesWrongWords) {
   }
 }
 
-TEST(Parser, GroupsThatNestTooDeeplyAreAnError) {
+TEST(Parser, GroupsNestedTooDeeplyAreAnError) {
   std::string text;
   for (int i = 0; i < 100000; ++i) {
     text += "group \"g\" {";
@@ -257,7 +257,7 @@ TEST(Parser, AnEmptyFileIsAnEmptyConfiguration) {
 
 class RealConfig : public ::testing::TestWithParam<const char*> {};
 
-TEST_P(RealConfig, IsRightAndSurvivesEveryCut) {
+TEST_P(RealConfig, IsValidAndTruncatedAnywhereItIsReadWithoutACrash) {
   const std::string text = test::slurp(std::string(NODMAP_PMD_DIR) + "/" + GetParam());
   parsed(text);
   int num_errors = 0;
@@ -272,8 +272,9 @@ TEST_P(RealConfig, IsRightAndSurvivesEveryCut) {
   EXPECT_GT(num_errors, 0);
 }
 
-// The existing tools have known `deputy` only since 2015.
-TEST_P(RealConfig, SaysDeputyAsTheExistingToolsDo) {
+// `host` is the name that the existing tools used before 2015; our configurations use the present
+// one.
+TEST_P(RealConfig, UsesTheWordDeputyAsTheExistingToolsDo) {
   std::istringstream text(test::slurp(std::string(NODMAP_PMD_DIR) + "/" + GetParam()));
   int num_deputies = 0;
   for (std::string line; std::getline(text, line);) {
@@ -287,7 +288,7 @@ TEST_P(RealConfig, SaysDeputyAsTheExistingToolsDo) {
 INSTANTIATE_TEST_SUITE_P(All, RealConfig,
                          ::testing::Values("robot.pmd", "sim.pmd", "replay.pmd", "two_hosts.pmd"));
 
-TEST(Parser, ReadsAFileOrSaysEverythingThatIsWrong) {
+TEST(Parser, ReadsAFileOrNamesAllItsErrors) {
   const test::TemporaryDir dir;
   EXPECT_THROW(static_cast<void>(load_config(dir.path() / "none.pmd")), std::runtime_error);
   const std::filesystem::path file = dir.path() / "bad.pmd";
@@ -301,7 +302,7 @@ TEST(Parser, ReadsAFileOrSaysEverythingThatIsWrong) {
   }
 }
 
-TEST(Parser, PriorityAndHealthAreOurs) {
+TEST(Parser, ReadsResourcesAndHealthFromOurComments) {
   const ParsedConfig parsed = parse_config(R"(
     cmd "a" { exec = "x";
       #nodmap: nice = 10; realtime = 20; restart_degraded_s = 30;
@@ -323,7 +324,7 @@ TEST(Parser, PriorityAndHealthAreOurs) {
   EXPECT_EQ(std::get<WaitStatus>(actions[1].what).target.name, "a");
 }
 
-TEST(Parser, RefusesWhatIsNoListOfProcessors) {
+TEST(Parser, RefusesAnInvalidListOfProcessors) {
   for (const char* cpus : {"", "a", "1,", "3-1", "-1", "1024", "0-", "0 1"}) {
     const ParsedConfig parsed = parse_config(
         std::string("cmd \"a\" { exec = \"x\";\n#nodmap: cpus = \"") + cpus + "\";\n}");
@@ -332,8 +333,8 @@ TEST(Parser, RefusesWhatIsNoListOfProcessors) {
   }
 }
 
-// The existing tools could not read them.
-TEST(Parser, WhatIsOursStandsInAComment) {
+// The existing tools could not read these outside a comment.
+TEST(Parser, OurExtensionsAreAllowedInCommentsOnly) {
   const std::string head = "cmd \"a\" { exec = \"x\"; } script \"s\" { ";
   EXPECT_FALSE(parse_config(head + "wait cmd \"a\" status \"healthy\"; }").errors.empty());
   EXPECT_FALSE(parse_config(head + "\n#nodmap: stop cmd \"a\";\n }").errors.empty());

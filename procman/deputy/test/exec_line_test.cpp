@@ -16,7 +16,7 @@ ExecLine parsed(std::string_view line) {
   });
 }
 
-TEST(ExecLine, SplitsAtBlanksAndKeepsQuotedOnes) {
+TEST(ExecLine, SplitsAtBlanksThatAreNotQuoted) {
   EXPECT_THAT(parsed("  prog  a 'b c' \"d 'e'\" f\\ g x'y z'w ").arguments,
               ElementsAre("prog", "a", "b c", "d 'e'", "f g", "xy zw"));
   EXPECT_THAT(parsed("prog '' \"\"").arguments, ElementsAre("prog", "", ""));
@@ -34,15 +34,15 @@ TEST(ExecLine, ReplacesVariablesThatAreSet) {
       ElementsAre("prog", "/home/me/x", "/home/mey", "$NONE", "${NONE}", "$", "${HOME", "$1"));
 }
 
-// Both existing deputies crash on these.
-TEST(ExecLine, MayNameNoProgram) {
+// Both existing deputies crash on these lines.
+TEST(ExecLine, ALineWithoutAProgramGivesNoArguments) {
   for (const char* line : {"", "   ", "A=1", "A= ", "A=1 B=2"}) {
     EXPECT_TRUE(parsed(line).arguments.empty()) << line;
   }
   EXPECT_THAT(parsed("=x").arguments, ElementsAre("=x"));
 }
 
-TEST(ExecLine, TakesWhatIsNotClosedToTheEnd) {
+TEST(ExecLine, AnOpenQuoteExtendsToTheEnd) {
   EXPECT_THAT(parsed("prog 'a b").arguments, ElementsAre("prog", "a b"));
   EXPECT_THAT(parsed("prog a\\").arguments, ElementsAre("prog", "a\\"));
 }

@@ -27,7 +27,7 @@ std::string everything_of(OutputCollector& output) {
   return text;
 }
 
-TEST(OutputCollector, JoinsWhatComesWithinTenMilliseconds) {
+TEST(OutputCollector, JoinsOutputThatComesWithinTenMilliseconds) {
   OutputCollector output;
   output.add("a", "1", at(1s));
   EXPECT_THAT(output.take(at(1s)), ElementsAre(CommandOutput{"a", "1"}));
@@ -41,7 +41,7 @@ TEST(OutputCollector, JoinsWhatComesWithinTenMilliseconds) {
   EXPECT_FALSE(output.due().has_value());
 }
 
-TEST(OutputCollector, DoesNotWaitWithMoreThanFourKilobytes) {
+TEST(OutputCollector, PublishesMoreThanFourKilobytesWithoutWaiting) {
   OutputCollector output;
   output.add("a", "1", at(1s));
   static_cast<void>(output.take(at(1s)));
@@ -49,8 +49,8 @@ TEST(OutputCollector, DoesNotWaitWithMoreThanFourKilobytes) {
   EXPECT_EQ(output.take(at(1001ms)).size(), 1U);
 }
 
-// 100 MB/s for ten seconds, in pieces as they are read.
-TEST(OutputCollector, LimitsAFloodCountsItAndSaysSo) {
+// 100 MB/s for ten seconds, in the pieces in which it is read.
+TEST(OutputCollector, LimitsAFloodCountsTheDroppedBytesAndReportsThem) {
   OutputCollector output;
   const std::string piece(100'000, 'x');
   std::int64_t published = 0;
@@ -69,14 +69,14 @@ TEST(OutputCollector, LimitsAFloodCountsItAndSaysSo) {
   }
   const double limit =
       OutputCollector::kCommandBurstBytes + 10 * OutputCollector::kCommandBytesPerS;
-  EXPECT_LE(static_cast<double>(published), limit + 11 * 80) << "and a line each second";
+  EXPECT_LE(static_cast<double>(published), limit + 11 * 80) << "and one line each second";
   EXPECT_GT(static_cast<double>(published), 0.9 * limit);
-  EXPECT_EQ(reports, 9) << "each time after a second";
+  EXPECT_EQ(reports, 9) << "one each second";
   EXPECT_GT(output.dropped_bytes(), kSteps * 100'000 - published - 11 * 80 -
                                         static_cast<std::int64_t>(OutputCollector::kTailBytes));
 }
 
-TEST(OutputCollector, AFloodTakesNothingFromTheOthers) {
+TEST(OutputCollector, AFloodDoesNotReduceTheOutputOfOtherCommands) {
   OutputCollector output;
   int heard = 0;
   for (std::int64_t step = 0; step < 1'000; ++step) {
@@ -90,7 +90,7 @@ TEST(OutputCollector, AFloodTakesNothingFromTheOthers) {
   EXPECT_EQ(heard, 1'000);
 }
 
-TEST(OutputCollector, AllTogetherHaveALimitToo) {
+TEST(OutputCollector, AllCommandsTogetherHaveALimitAsWell) {
   OutputCollector output;
   std::size_t published = 0;
   for (std::int64_t step = 0; step < 1'000; ++step) {
@@ -102,13 +102,13 @@ TEST(OutputCollector, AllTogetherHaveALimitToo) {
       published += part.text.size();
     }
   }
-  // 10 s; and the lines of 50 commands, 80 bytes each second.
+  // The limit for 10 s, and for each of 50 commands a line of 80 bytes per second.
   EXPECT_LE(
       static_cast<double>(published),
       OutputCollector::kTotalBurstBytes + 10 * OutputCollector::kTotalBytesPerS + 50 * 11 * 80);
 }
 
-TEST(OutputCollector, ABurstGoesInMessagesOfOneDatagramEach) {
+TEST(OutputCollector, ABurstIsSplitIntoMessagesOfOneDatagramEach) {
   OutputCollector output;
   std::string burst;
   for (int i = 0; i < 20'000; ++i) {
@@ -132,23 +132,23 @@ TEST(OutputCollector, ABurstGoesInMessagesOfOneDatagramEach) {
   }
   EXPECT_EQ(messages, 3) << "80 kB in pieces of 32";
   EXPECT_EQ(now, at(1s) + 2 * OutputCollector::kPeriod);
-  EXPECT_EQ(got, burst + burst + burst + burst) << "whole, in order";
+  EXPECT_EQ(got, burst + burst + burst + burst) << "complete and in order";
 }
 
-TEST(OutputCollector, AForgottenCommandBeginsAnew) {
+TEST(OutputCollector, AForgottenCommandStartsWithItsFirstBurstOnly) {
   OutputCollector output;
   const auto limit = static_cast<std::size_t>(OutputCollector::kCommandBurstBytes);
   output.add("a", std::string(limit, 'x') + "last\n", at(1s));
   output.forget("a");
   const std::string all = everything_of(output);
-  EXPECT_TRUE(all.ends_with("last\n")) << "what was held back is not lost";
-  // The old limit has not recovered yet, so what passes is the burst of a new command.
+  EXPECT_TRUE(all.ends_with("last\n")) << "output that was still held back is not lost";
+  // The old limit has not recovered yet, so only the burst of a new command is published.
   output.add("a", std::string(limit, 'y'), at(2'000'001us));
   EXPECT_EQ(everything_of(output), std::string(limit, 'y'));
 }
 
-// Lines of 20 bytes, 6 MB/s for two seconds, in pieces that end anywhere.
-TEST(OutputCollector, EveryLineArrivesWholeAndTheLastOneAlways) {
+// Lines of 20 bytes, 6 MB/s for two seconds, cut into pieces anywhere.
+TEST(OutputCollector, LinesArriveWholeOrNotAtAllAndTheLastOneAlwaysArrives) {
   OutputCollector output;
   constexpr int kLines = 600'000;
   std::string written;
@@ -186,7 +186,7 @@ TEST(OutputCollector, EveryLineArrivesWholeAndTheLastOneAlways) {
   EXPECT_GT(dropped, 0);
 }
 
-TEST(OutputCollector, DropsZeroBytesWhichWouldEndTheText) {
+TEST(OutputCollector, DropsZeroBytesBecauseTheyWouldEndTheText) {
   OutputCollector output;
   output.add("a", std::string_view("a\0b", 3), at(1s));
   EXPECT_THAT(output.take(at(1s)), ElementsAre(CommandOutput{"a", "ab"}));
@@ -200,7 +200,7 @@ TEST(OutputCollector, RepeatsTheNewestLinesOnce) {
   }
   output.add("a", all, at(1s));
   EXPECT_EQ(everything_of(output), all);
-  for (int i = 0; i < 2; ++i) {  // what is repeated does not count as written
+  for (int i = 0; i < 2; ++i) {  // repeated lines do not count as new output
     output.repeat("a", at(2s));
     const std::string repeated = everything_of(output);
     EXPECT_TRUE(repeated.starts_with("line "));

@@ -12,7 +12,7 @@ constexpr std::string_view kStat =
     "4242 (a (b) c) S 17 4242 99 34816 4242 4194304 100 0 0 0 30 12 0 0 20 0 1 0 123456 4464640 "
     "739 18446744073709551615 1 1 0 0 0 0 0 0 65536 0 0 0 17 0 0 0 0 0 0";
 
-TEST(ProcessTable, ReadsALineWhateverTheName) {
+TEST(ProcessTable, ReadsALineWithAnyProcessName) {
   const auto row = parse_process(kStat);
   ASSERT_TRUE(row.has_value());
   EXPECT_EQ(row->pid, 4242);
@@ -25,15 +25,15 @@ TEST(ProcessTable, ReadsALineWhateverTheName) {
   EXPECT_EQ(row->rss_pages, 739);
 }
 
-TEST(ProcessTable, ALineCutShortIsNone) {
-  // Up to the last digit of the last field that is read.
+TEST(ProcessTable, ATruncatedLineIsRefused) {
+  // Up to the last digit of the last field that is used.
   const std::size_t needed = kStat.find(" 739") + 2;
   for (std::size_t size = 0; size < needed; ++size) {
     EXPECT_FALSE(parse_process(kStat.substr(0, size)).has_value()) << size;
   }
 }
 
-TEST(ProcessTable, HoldsThisProcess) {
+TEST(ProcessTable, ContainsThisProcess) {
   const auto row = read_process(::getpid());
   ASSERT_TRUE(row.has_value());
   EXPECT_EQ(row->parent, ::getppid());
@@ -43,7 +43,7 @@ TEST(ProcessTable, HoldsThisProcess) {
                           [](const ProcessRow& other) { return other.pid == ::getpid(); }));
 }
 
-TEST(ProcessTable, FindsATreeInAnyOrder) {
+TEST(ProcessTable, FindsAllProcessesOfATreeInAnyOrder) {
   const auto row = [](pid_t pid, pid_t parent, char state = 'S') {
     ProcessRow made;
     made.pid = pid;
@@ -51,7 +51,7 @@ TEST(ProcessTable, FindsATreeInAnyOrder) {
     made.state = state;
     return made;
   };
-  // 10 -> 20 -> 5 -> 7, and 20 -> 6 (dead); 30 is not in the tree.
+  // 10 is the parent of 20, 20 of 5 and of 6 (dead), and 5 of 7; 30 is not in the tree.
   const std::vector<ProcessRow> table{row(7, 5),   row(5, 20),      row(30, 1),
                                       row(20, 10), row(6, 20, 'Z'), row(10, 1)};
   const auto is = [](pid_t pid) {
@@ -62,7 +62,7 @@ TEST(ProcessTable, FindsATreeInAnyOrder) {
   EXPECT_TRUE(tree_of(table, is(99)).empty());
 }
 
-TEST(ProcessTable, ReadsAVariableOfAProcess) {
+TEST(ProcessTable, ReadsAnEnvironmentVariableOfAProcess) {
   EXPECT_EQ(variable_of(::getpid(), "LCM_DEFAULT_URL"), "memq://") << "set by ctest";
   EXPECT_FALSE(variable_of(::getpid(), "LCM_DEFAULT").has_value());
   EXPECT_FALSE(variable_of(-1, "PATH").has_value());

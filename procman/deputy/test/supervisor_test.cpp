@@ -15,7 +15,7 @@ using ::testing::IsEmpty;
 
 constexpr int kExit3 = 3 << 8;
 
-/// The actions as words, without PublishInfo.
+/// The actions as text, without PublishInfo.
 std::vector<std::string> words(const SupervisorActions& actions) {
   std::vector<std::string> all;
   for (const SupervisorAction& action : actions) {
@@ -62,42 +62,42 @@ class SupervisorTest : public ::testing::Test {
   time::SteadyTime now_{1000s};
 };
 
-TEST_F(SupervisorTest, StartsWhatIsWantedOnce) {
+TEST_F(SupervisorTest, StartsAWantedCommandOnce) {
   start_a();
   EXPECT_EQ(status().pid, 100);
   EXPECT_EQ(status().actual_run, 1);
   EXPECT_THAT(words(take({order(1)})), IsEmpty());
 }
 
-TEST_F(SupervisorTest, LeavesAloneWhatWasNeverWanted) {
+TEST_F(SupervisorTest, DoesNothingAboutACommandThatWasNeverStarted) {
   const SupervisorActions actions = take({order(0)});
   EXPECT_THAT(words(actions), IsEmpty());
-  EXPECT_TRUE(tells(actions)) << "that it is known";
+  EXPECT_TRUE(tells(actions)) << "the command is reported as known";
   EXPECT_THAT(words(take({order(1, true)})), IsEmpty());
-  EXPECT_EQ(status().actual_run, 1) << "as the existing deputy has it";
+  EXPECT_EQ(status().actual_run, 1) << "as in the existing deputy";
 }
 
-TEST_F(SupervisorTest, StopsAndKillsByItsOwnTimer) {
+TEST_F(SupervisorTest, KillsAStoppedCommandAfterItsGraceTime) {
   CommandOrder wanted = order(1);
   wanted.spec.stop_signal = SIGTERM;
   wanted.spec.stop_time_allowed_s = 3.0;
   start_a(wanted);
   wanted.force_quit = true;
   EXPECT_THAT(words(take({wanted})), ElementsAre("signal a 15"));
-  EXPECT_THAT(words(take({wanted})), IsEmpty()) << "once";
+  EXPECT_THAT(words(take({wanted})), IsEmpty()) << "signalled once only";
   EXPECT_EQ(supervisor_.next_due(), now_ + 3s);
   EXPECT_THAT(words(supervisor_.poll(now_ + 3s - 1us)), IsEmpty());
   EXPECT_THAT(words(supervisor_.poll(now_ + 3s)), ElementsAre("signal a 9"));
   EXPECT_THAT(words(supervisor_.poll(now_ + 3s + Supervisor::kKillPeriod)),
               ElementsAre("signal a 9"))
-      << "again, while it lives";
+      << "again, as long as it runs";
   EXPECT_THAT(words(supervisor_.ended("a", SIGKILL, now_)), ElementsAre("say a: Killed\n"));
   EXPECT_EQ(status().wait_status, SIGKILL);
   EXPECT_EQ(status().pid, 0);
   EXPECT_FALSE(supervisor_.next_due().has_value());
 }
 
-TEST_F(SupervisorTest, RestartStopsNowAndStartsByALaterOrder) {
+TEST_F(SupervisorTest, ARestartStopsTheCommandAndALaterOrderStartsIt) {
   CommandOrder wanted = order(1);
   wanted.spec.auto_respawn = true;
   start_a(wanted);
@@ -110,14 +110,14 @@ TEST_F(SupervisorTest, RestartStopsNowAndStartsByALaterOrder) {
   EXPECT_EQ(status().actual_run, 2);
 }
 
-TEST_F(SupervisorTest, KeepsAnEndThatNobodyOrdered) {
+TEST_F(SupervisorTest, ACommandThatHasEndedByItselfIsNotStartedAgain) {
   start_a();
   EXPECT_THAT(words(supervisor_.ended("a", kExit3, now_)), IsEmpty());
   EXPECT_EQ(status().wait_status, 768);
-  EXPECT_THAT(words(take({order(1)})), IsEmpty()) << "this run has been";
+  EXPECT_THAT(words(take({order(1)})), IsEmpty()) << "this run is over";
 }
 
-TEST_F(SupervisorTest, RespawnsEverSlower) {
+TEST_F(SupervisorTest, RespawnsWithDelaysThatDouble) {
   CommandOrder wanted = order(1);
   wanted.spec.auto_respawn = true;
   start_a(wanted);
@@ -133,12 +133,12 @@ TEST_F(SupervisorTest, RespawnsEverSlower) {
   }
   EXPECT_THAT(delays_ms, ElementsAre(10, 20, 40, 80, 160, 320, 640, 1000, 1000, 1000));
   EXPECT_EQ(status().actual_run, 1);
-  now_ += 3s;  // three seconds of life forgive three doublings
+  now_ += 3s;  // after three seconds the delay is halved three times
   static_cast<void>(supervisor_.ended("a", kExit3, now_));
   EXPECT_EQ(supervisor_.next_due().value() - now_, 125ms);
 }
 
-TEST_F(SupervisorTest, ARunHasItsAgeAndTheNumberOfStartsBefore) {
+TEST_F(SupervisorTest, ReportsTheAgeOfARunAndTheNumberOfRestarts) {
   EXPECT_THAT(supervisor_.runs(now_), IsEmpty());
   CommandOrder wanted = order(1);
   wanted.spec.auto_respawn = true;
@@ -151,7 +151,7 @@ TEST_F(SupervisorTest, ARunHasItsAgeAndTheNumberOfStartsBefore) {
   EXPECT_THAT(supervisor_.runs(now_ + 9s), ElementsAre(CommandRun{"a", 101, 2s, 1}));
 }
 
-TEST_F(SupervisorTest, WhatIsStoppedDoesNotRespawn) {
+TEST_F(SupervisorTest, AStoppedCommandDoesNotRespawn) {
   CommandOrder wanted = order(1);
   wanted.spec.auto_respawn = true;
   start_a(wanted);
@@ -161,16 +161,16 @@ TEST_F(SupervisorTest, WhatIsStoppedDoesNotRespawn) {
   EXPECT_FALSE(supervisor_.next_due().has_value());
 }
 
-TEST_F(SupervisorTest, ForgetsWhatIsNotInTheOrders) {
+TEST_F(SupervisorTest, StopsAndForgetsACommandThatIsNotInTheOrders) {
   start_a();
   EXPECT_THAT(words(take({})), ElementsAre("signal a 2"));
   EXPECT_THAT(words(supervisor_.ended("a", 0, now_)), ElementsAre("forget a"));
   EXPECT_THAT(supervisor_.statuses(), IsEmpty());
   static_cast<void>(take({order(0)}));
-  EXPECT_THAT(words(take({})), ElementsAre("forget a")) << "at once, where nothing runs";
+  EXPECT_THAT(words(take({})), ElementsAre("forget a")) << "at once if it does not run";
 }
 
-TEST_F(SupervisorTest, AChangedExecWaitsForTheNextStart) {
+TEST_F(SupervisorTest, AChangedExecTakesEffectAtTheNextStart) {
   start_a();
   CommandOrder changed = order(1);
   changed.spec.exec = "other";
@@ -183,7 +183,7 @@ TEST_F(SupervisorTest, AChangedExecWaitsForTheNextStart) {
   EXPECT_THAT(words(take({changed})), ElementsAre("start a: other"));
 }
 
-TEST_F(SupervisorTest, IgnoresOrdersForOthersAndOldOnes) {
+TEST_F(SupervisorTest, IgnoresOldOrdersAndThoseForOtherDeputies) {
   EXPECT_THAT(words(supervisor_.take_orders({{}, "other", "s", {order(1)}}, 0s, now_)), IsEmpty());
   const SupervisorActions actions = take({order(1)}, Supervisor::kMaxOrdersAge + 1us);
   EXPECT_THAT(words(actions),
@@ -193,19 +193,20 @@ TEST_F(SupervisorTest, IgnoresOrdersForOthersAndOldOnes) {
   EXPECT_THAT(words(take({order(1)}, Supervisor::kMaxOrdersAge)), ElementsAre("start a: prog"));
 }
 
-TEST_F(SupervisorTest, MakesWildNumbersHarmless) {
+TEST_F(SupervisorTest, InvalidSignalsAndGraceTimesAreReplaced) {
   CommandOrder wild = order(1);
   wild.spec.stop_signal = -5;
   wild.spec.stop_time_allowed_s = std::numeric_limits<double>::quiet_NaN();
   start_a(wild);
   wild.force_quit = true;
   EXPECT_THAT(words(take({wild})), ElementsAre("signal a 2"));
-  EXPECT_EQ(supervisor_.next_due(), now_) << "no grace time is none";
+  EXPECT_EQ(supervisor_.next_due(), now_) << "an invalid grace time counts as none";
 }
 
-// Empty orders of another sender, a signal that freezes, a grace time of a day: the running process
-// continues, and ends when it is stopped by name.
-TEST_F(SupervisorTest, OrdersThatAreNotTrustedDoNotStopByLeavingOut) {
+// Another sender gives orders without the running command, with a signal that freezes it, and with
+// a grace time of a day: the process continues to run, and ends within a minute when it is stopped
+// by name.
+TEST_F(SupervisorTest, UntrustedOrdersDoNotStopACommandThatTheyOmit) {
   supervisor_ = Supervisor("rover", false);
   start_a();
   EXPECT_THAT(words(take({})), IsEmpty());
@@ -219,7 +220,7 @@ TEST_F(SupervisorTest, OrdersThatAreNotTrustedDoNotStopByLeavingOut) {
   EXPECT_THAT(words(supervisor_.poll(now_)), ElementsAre("signal a " + std::to_string(SIGKILL)));
 }
 
-TEST_F(SupervisorTest, OrdersOfMoreCommandsThanARobotHasAreIgnored) {
+TEST_F(SupervisorTest, OrdersWithTooManyCommandsAreIgnored) {
   std::vector<CommandOrder> many;
   for (std::size_t i = 0; i <= Supervisor::kMaxCommands; ++i) {
     many.push_back(order(1, false, std::to_string(i)));
@@ -229,7 +230,7 @@ TEST_F(SupervisorTest, OrdersOfMoreCommandsThanARobotHasAreIgnored) {
   EXPECT_EQ(words(take(many)).size(), Supervisor::kMaxCommands);
 }
 
-TEST_F(SupervisorTest, WhatCannotBeStartedHasEndedWith127) {
+TEST_F(SupervisorTest, ACommandThatCannotBeStartedHasEndedWithExitCode127) {
   ASSERT_THAT(words(take({order(1)})), ElementsAre("start a: prog"));
   EXPECT_THAT(words(supervisor_.not_started("a", "no such file", now_)),
               ElementsAre("say a: no such file\n"));
@@ -238,7 +239,7 @@ TEST_F(SupervisorTest, WhatCannotBeStartedHasEndedWith127) {
   EXPECT_THAT(words(take({order(1)})), IsEmpty());
 }
 
-TEST_F(SupervisorTest, ShutsDownEachByItsGraceTimeAndTakesNoMoreOrders) {
+TEST_F(SupervisorTest, AtShutDownCommandsHaveTheirGraceTimeAndOrdersAreIgnored) {
   start_a();
   EXPECT_THAT(words(supervisor_.shut_down(now_)), ElementsAre("signal a 2"));
   EXPECT_THAT(words(take({order(2)})), IsEmpty());
@@ -248,7 +249,7 @@ TEST_F(SupervisorTest, ShutsDownEachByItsGraceTimeAndTakesNoMoreOrders) {
   EXPECT_TRUE(supervisor_.is_idle());
 }
 
-TEST_F(SupervisorTest, ASecondShutDownKillsAtOnce) {
+TEST_F(SupervisorTest, ASecondShutDownKillsCommandsAtOnce) {
   start_a();
   static_cast<void>(supervisor_.shut_down(now_));
   static_cast<void>(supervisor_.shut_down(now_));

@@ -16,13 +16,13 @@ TEST(SystemLoad, ReadsMemoryLines) {
   EXPECT_EQ(parse_memory_bytes("", "MemFree"), 0);
 }
 
-TEST(SystemLoad, KnowsTheMemoryOfThisProcess) {
+TEST(SystemLoad, ReportsTheMemoryOfThisProcess) {
   SystemLoad load;
   load.sample({::getpid()});
   CommandStatus status;
   status.pid = ::getpid();
   load.describe_process(status);
-  EXPECT_GT(status.rss_bytes, 100 * 1024) << "no program is smaller";
+  EXPECT_GT(status.rss_bytes, 100 * 1024) << "every program needs more";
   EXPECT_GT(status.vsize_bytes, status.rss_bytes);
   CommandStatus stopped;
   load.describe_process(stopped);

@@ -10,7 +10,7 @@ namespace console_test {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-TEST(Console, JoinsPiecesThatEndAnywhere) {
+TEST(Console, JoinsPiecesOfLines) {
   const std::string text = "one\r\ntwo\r\n\r\nthree";
   Console whole;
   whole.take(text);
@@ -24,7 +24,7 @@ TEST(Console, JoinsPiecesThatEndAnywhere) {
   EXPECT_EQ(pieces.last(), "three and more");
 }
 
-TEST(Console, TheLastLineIsTheNewestThatHoldsAnything) {
+TEST(Console, LastIsTheNewestLineThatIsNotBlank) {
   Console console;
   EXPECT_EQ(console.last(), "");
   console.take("said\n\n  \n");
@@ -37,7 +37,7 @@ TEST(Console, AProgressBarIsOneLine) {
   EXPECT_THAT(console.lines(), ElementsAre("100 %", "done"));
 }
 
-TEST(Console, LeavesColoursOut) {
+TEST(Console, LeavesOutColourCodes) {
   const std::string text = "a \x1B[32minfo\x1B[m: b\n\x1B[1;31mred\x1B[0m\x1B(\x1B[3\nnext";
   Console console;
   for (const char c : text) {
@@ -46,7 +46,7 @@ TEST(Console, LeavesColoursOut) {
   EXPECT_THAT(console.lines(), ElementsAre("a info: b", "red", "next"));
 }
 
-TEST(Console, KeepsNoMoreThanItMay) {
+TEST(Console, LimitsTheNumberOfLinesAndTheirLength) {
   Console console;
   EXPECT_THAT(console.lines(), IsEmpty());
   console.take(std::string(10 * Console::kMaxLineBytes, 'x'));

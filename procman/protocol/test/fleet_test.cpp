@@ -50,7 +50,7 @@ class FleetTest : public ::testing::Test {
   }
 };
 
-TEST_F(FleetTest, SaysNothingToADeputyThatWasNotHeard) {
+TEST_F(FleetTest, SendsNoOrdersToADeputyBeforeItsFirstInfo) {
   EXPECT_FALSE(fleet_.orders_for("h", {}).has_value());
   EXPECT_EQ(state("a"), "Unknown");
   hear({});
@@ -59,12 +59,12 @@ TEST_F(FleetTest, SaysNothingToADeputyThatWasNotHeard) {
   EXPECT_EQ(orders->stamp, time::Timestamp(42us));
   EXPECT_EQ(orders->deputy_id, "h");
   EXPECT_EQ(orders->sheriff_id, "me:1:1000");
-  EXPECT_EQ(orders->commands.size(), 2U) << "those of this host";
+  EXPECT_EQ(orders->commands.size(), 2U) << "the commands of this host";
   EXPECT_EQ(order("a").desired_run, 0);
   EXPECT_EQ(state("a"), "Stopped (OK)");
 }
 
-TEST_F(FleetTest, AnEditedConfigurationTouchesOnlyWhatHasChanged) {
+TEST_F(FleetTest, AnEditedConfigurationAffectsOnlyChangedCommands) {
   hear({status("a", 7, 1), status("r", 8, 1)});
   const Config edited = parse_config(R"(
       cmd "new" { exec = "n"; host = "h"; }
@@ -77,14 +77,14 @@ TEST_F(FleetTest, AnEditedConfigurationTouchesOnlyWhatHasChanged) {
   EXPECT_TRUE(order("a").force_quit);
   EXPECT_EQ(order("r").desired_run, 2) << "restarted";
   EXPECT_EQ(order("r").spec.exec, "y --faster");
-  EXPECT_EQ(order("new").desired_run, 0) << "waits to be started";
+  EXPECT_EQ(order("new").desired_run, 0) << "not started yet";
   EXPECT_EQ(fleet_.items().front().spec.id, "new") << "in the order of the file";
   EXPECT_THAT(fleet_.reconfigure(edited), ::testing::IsEmpty());
   EXPECT_EQ(order("r").desired_run, 2);
 }
 
 // An edit does not start a stopped command; moving a command to another host stops it on the first.
-TEST_F(FleetTest, AnEditStartsNoCommand) {
+TEST_F(FleetTest, AnEditOfTheConfigurationStartsNoCommand) {
   hear({status("a", 0, 0), status("r", 8, 1)});
   const Config edited = parse_config(R"(
       cmd "a" { exec = "x --new"; host = "h"; }
@@ -101,16 +101,16 @@ TEST_F(FleetTest, StartsRestartsAndStops) {
   hear({});
   fleet_.start("a");
   fleet_.start("a");
-  EXPECT_EQ(order("a").desired_run, 1) << "a start that is under way is one";
+  EXPECT_EQ(order("a").desired_run, 1) << "the start under way is not repeated";
   EXPECT_EQ(state("a"), "Starting (Command Sent)");
   hear({status("a", 7, 1)});
   EXPECT_EQ(state("a"), "Running");
   fleet_.start("a");
-  EXPECT_EQ(order("a").desired_run, 1) << "it runs";
+  EXPECT_EQ(order("a").desired_run, 1) << "it runs already";
   fleet_.restart("a");
   EXPECT_EQ(order("a").desired_run, 2);
   EXPECT_EQ(state("a"), "Restarting (Command Sent)");
-  EXPECT_TRUE(hear({status("a", 0, 1, SIGINT)})) << "the order that starts it should not wait";
+  EXPECT_TRUE(hear({status("a", 0, 1, SIGINT)})) << "the order that starts it must be sent at once";
   EXPECT_EQ(state("a"), "Starting (Command Sent)");
   EXPECT_FALSE(hear({status("a", 8, 2)}));
   EXPECT_EQ(fleet_.find("a")->num_restarts, 1);
@@ -124,7 +124,7 @@ TEST_F(FleetTest, StartsRestartsAndStops) {
   EXPECT_FALSE(order("a").force_quit);
 }
 
-TEST_F(FleetTest, WhatEndsByItselfIsNotStartedAnew) {
+TEST_F(FleetTest, ACommandThatEndsByItselfIsNotStartedAgain) {
   hear({});
   fleet_.start("a");
   hear({status("a", 7, 1)});
@@ -132,12 +132,12 @@ TEST_F(FleetTest, WhatEndsByItselfIsNotStartedAnew) {
   EXPECT_EQ(state("a"), "Stopped (Error)");
   EXPECT_TRUE(order("a").force_quit);
   fleet_.start("a");
-  hear({status("a", 0, 2, 0)});  // so quick that no INFO saw it run
+  hear({status("a", 0, 2, 0)});  // it ended before an INFO could report it
   EXPECT_EQ(state("a"), "Stopped (OK)");
   EXPECT_TRUE(order("a").force_quit);
 }
 
-TEST_F(FleetTest, AKillThatNobodyOrderedIsAnError) {
+TEST_F(FleetTest, ACommandKilledByNobodysOrderIsAnError) {
   hear({});
   fleet_.start("a");
   hear({status("a", 7, 1)});
@@ -145,7 +145,7 @@ TEST_F(FleetTest, AKillThatNobodyOrderedIsAnError) {
   EXPECT_EQ(state("a"), "Stopped (Error)");
 }
 
-TEST_F(FleetTest, WhatRespawnsStaysWanted) {
+TEST_F(FleetTest, ARespawningCommandStaysWanted) {
   hear({});
   fleet_.start("r");
   hear({status("r", 7, 1)});
@@ -156,17 +156,18 @@ TEST_F(FleetTest, WhatRespawnsStaysWanted) {
   EXPECT_EQ(fleet_.find("r")->num_restarts, 1);
 }
 
-TEST_F(FleetTest, AdoptsWhatRan) {
+TEST_F(FleetTest, TakesOverTheCommandsOfADeputyAsTheyAre) {
   hear({status("a", 7, 5), status("r", 0, 3, SIGINT), status("unheard-of", 9, 2)});
   EXPECT_EQ(order("a").desired_run, 5);
   EXPECT_FALSE(order("a").force_quit);
   EXPECT_EQ(order("r").desired_run, 3);
   EXPECT_TRUE(order("r").force_quit);
-  EXPECT_EQ(state("r"), "Stopped (OK)") << "who stopped it is not known";
-  EXPECT_EQ(order("unheard-of").desired_run, 2) << "left as it is, for it would be removed";
+  EXPECT_EQ(state("r"), "Stopped (OK)") << "it is not known who stopped it";
+  EXPECT_EQ(order("unheard-of").desired_run, 2)
+      << "a command left out of the orders would be stopped";
 }
 
-TEST_F(FleetTest, NumbersOfRunsThatNobodyCanCountToAreHarmless) {
+TEST_F(FleetTest, TheGreatestRunNumberIsFollowedByOne) {
   constexpr int kLast = std::numeric_limits<std::int32_t>::max();
   fleet_.start("r");
   hear({status("a", 7, kLast), status("r", 0, kLast)});
@@ -175,7 +176,7 @@ TEST_F(FleetTest, NumbersOfRunsThatNobodyCanCountToAreHarmless) {
   EXPECT_EQ(order("r").desired_run, 1);
 }
 
-TEST_F(FleetTest, HostsAndCommandsWithoutEndAreNotKept) {
+TEST_F(FleetTest, TheNumberOfUnknownHostsAndCommandsIsLimited) {
   for (int i = 0; i < 300; ++i) {
     std::vector<CommandStatus> commands;
     for (int k = 0; k < 100; ++k) {
@@ -187,7 +188,7 @@ TEST_F(FleetTest, HostsAndCommandsWithoutEndAreNotKept) {
   EXPECT_FALSE(fleet_.orders_for("299", {}).has_value());
 }
 
-TEST_F(FleetTest, WishesBeforeTheFirstInfoCountFromThere) {
+TEST_F(FleetTest, AStartBeforeTheFirstInfoContinuesItsRunNumbers) {
   fleet_.start("a");
   fleet_.start("r");
   hear({status("a", 7, 5), status("r", 0, 3)});
@@ -196,7 +197,7 @@ TEST_F(FleetTest, WishesBeforeTheFirstInfoCountFromThere) {
   EXPECT_FALSE(order("r").force_quit);
 }
 
-TEST_F(FleetTest, ADeputyThatLostItsMemoryGetsBackWhatRan) {
+TEST_F(FleetTest, ARestartedDeputyIsToldToStartWhatRan) {
   hear({});
   fleet_.start("a");
   hear({status("a", 7, 1)});
@@ -206,7 +207,7 @@ TEST_F(FleetTest, ADeputyThatLostItsMemoryGetsBackWhatRan) {
   EXPECT_EQ(state("a"), "Starting (Command Sent)");
 }
 
-TEST_F(FleetTest, NothingIsKnownOfASilentHost) {
+TEST_F(FleetTest, CommandsOfASilentHostAreUnknown) {
   hear({status("a", 7, 1)});
   now_ += Fleet::kMaxInfoAge;
   EXPECT_EQ(state("a"), "Running");
@@ -215,19 +216,19 @@ TEST_F(FleetTest, NothingIsKnownOfASilentHost) {
   EXPECT_FALSE(fleet_.has_reached("a", Wanted::kStopped, now_));
 }
 
-TEST_F(FleetTest, ACommandOfTheSameNameElsewhereIsNotOurs) {
+TEST_F(FleetTest, ACommandOfTheSameNameOnAnotherHostIsIgnored) {
   hear({status("a", 7, 1)}, "other");
   EXPECT_EQ(state("a"), "Unknown");
 }
 
-TEST_F(FleetTest, LeavesTheHostsOfOthersAlone) {
+TEST_F(FleetTest, IgnoresHostsThatAreNotInTheConfiguration) {
   hear({status("b", 7, 1)}, "stranger");
   EXPECT_FALSE(fleet_.orders_for("stranger", {}).has_value());
   fleet_.take_orders({{}, "stranger", "you:2:1", {}}, now_);
-  EXPECT_FALSE(fleet_.other_sheriff(now_).has_value()) << "who commands there is their business";
+  EXPECT_FALSE(fleet_.other_sheriff(now_).has_value()) << "its sheriff does not concern us";
 }
 
-TEST_F(FleetTest, NoticesAnotherSheriffForAWhile) {
+TEST_F(FleetTest, NoticesAnotherSheriffAndYieldsToTheOlderOne) {
   fleet_.take_orders({{}, "h", "me:1:1000", {}}, now_);
   EXPECT_FALSE(fleet_.other_sheriff(now_).has_value()) << "that is us";
   fleet_.take_orders({{}, "h", "you:2:999", {}}, now_);
@@ -240,22 +241,22 @@ TEST_F(FleetTest, NoticesAnotherSheriffForAWhile) {
   EXPECT_TRUE(fleet_.must_yield(now_));
 }
 
-TEST(DescribeEnd, TellsExitsFromSignals) {
+TEST(DescribeEnd, DistinguishesExitsFromSignals) {
   EXPECT_EQ(describe_end(0), "");
   EXPECT_EQ(describe_end(3 << 8), "exit 3");
   EXPECT_EQ(describe_end(SIGKILL), "killed by signal 9 (Killed)");
 }
 
-TEST_F(FleetTest, ARunIsAsOldAsItsDeputySays) {
+TEST_F(FleetTest, TheAgeOfARunIsThatReportedByItsDeputy) {
   hear({status("a", 10, 1)});
   const auto run = [this] { return Fleet::run_of(*fleet_.find("a")); };
-  EXPECT_EQ(run().started, now_) << "as far as this sheriff has seen";
+  EXPECT_EQ(run().started, now_) << "when this sheriff first heard of it";
   fleet_.take_runs({{}, "h", {{"a", 10, 3600s, 4}, {"unknown", 1, 1s, 1}}}, now_);
   EXPECT_EQ(run().started, now_ - 3600s);
   EXPECT_EQ(run().num_restarts, 4);
   fleet_.take_runs({{}, "elsewhere", {{"a", 10, 1s, 9}}}, now_);
-  EXPECT_EQ(run().num_restarts, 4) << "what another deputy says of this name";
-  // The next process is another run, until its deputy reports more.
+  EXPECT_EQ(run().num_restarts, 4) << "another deputy's report does not count";
+  // The next process is a new run, of which nothing more is known until its deputy reports it.
   now_ += 1s;
   hear({status("a", 11, 1)});
   EXPECT_EQ(run().started, now_);

@@ -37,7 +37,7 @@ void expect_damage_refused(std::span<const std::byte> bytes) {
   }
 }
 
-TEST(ProcmanMessages, OfTheExistingToolsComeBackByteByByte) {
+TEST(ProcmanMessages, MessagesOfTheExistingToolsAreEncodedAgainToTheSameBytes) {
   NODMAP_REQUIRE_DATA(file, "procman/golden.lcmlog");
   bus::LogReader log(file);
   std::map<std::string, int> counts;
@@ -63,7 +63,7 @@ TEST(ProcmanMessages, OfTheExistingToolsComeBackByteByByte) {
   EXPECT_EQ(counts[kOutputChannel], 8);
 }
 
-TEST(ProcmanMessages, RunsComeBackAndWhatIsNoneIsLeftOut) {
+TEST(ProcmanMessages, RunsRoundTripAndInvalidOnesAreLeftOut) {
   const Runs runs{time::Timestamp(5us), "h", {{"a", 17, 90s, 2}, {"b", 18, 1us, 0}}};
   nodmap::runs_t message = to_message(runs);
   EXPECT_EQ(from_message(message), runs);

@@ -57,7 +57,7 @@ class HealthWatchTest : public ::testing::Test {
   std::string reason_;
 };
 
-TEST_F(HealthWatchTest, KnowsACommandByItsProgram) {
+TEST_F(HealthWatchTest, AStatusBelongsToTheCommandWithItsProgram) {
   EXPECT_EQ(status_name(config_.commands[0]), "nodmap-a");
   Command named = config_.commands[0];
   named.health.status_name = "other";
@@ -71,31 +71,31 @@ TEST_F(HealthWatchTest, KnowsACommandByItsProgram) {
   EXPECT_EQ(watch_.last_status_of("a")->received, now_);
 }
 
-TEST_F(HealthWatchTest, RestartsWhatStaysDegradedWhereARuleSaysSo) {
+TEST_F(HealthWatchTest, RestartsADegradedCommandIfItHasARuleForThat) {
   hear_deputy();
   const auto degraded = [this] { speak(ProcessHealth::State::kDegraded); };
   EXPECT_EQ(seconds_to_verdict(60, degraded), 0) << "no rule";
   config_.commands[0].health.restart_degraded_s = 20;
-  EXPECT_EQ(seconds_to_verdict(1, degraded), 1) << "it has been so for a minute";
+  EXPECT_EQ(seconds_to_verdict(1, degraded), 1) << "it has been degraded for a minute";
   EXPECT_THAT(reason_, HasSubstr("DEGRADED for"));
   EXPECT_THAT(reason_, HasSubstr("no scans"));
   speak(ProcessHealth::State::kOk);
   EXPECT_EQ(seconds_to_verdict(41, degraded), 0) << "twice as long after a restart";
 }
 
-TEST_F(HealthWatchTest, RestartsWhatFallsSilent) {
+TEST_F(HealthWatchTest, RestartsACommandThatStopsSendingStatus) {
   hear_deputy();
   EXPECT_EQ(seconds_to_verdict(60, [this] { speak(ProcessHealth::State::kOk); }), 0);
   EXPECT_EQ(seconds_to_verdict(60, [] {}), 6) << "more than five";
   EXPECT_THAT(reason_, HasSubstr("no STATUS for 6 s"));
 }
 
-TEST_F(HealthWatchTest, RestartsWhatNeverSpeaks) {
+TEST_F(HealthWatchTest, RestartsACommandThatNeverSendsStatus) {
   hear_deputy();
   EXPECT_EQ(seconds_to_verdict(60, [] {}), 6);
 }
 
-TEST(HealthWatchMute, RestartsWhatWritesNothing) {
+TEST(HealthWatchMute, RestartsACommandThatWritesNoOutput) {
   const Config config = parse_config(R"(cmd "a" { exec = "x"; host = "h";
       #nodmap: restart_mute_s = 5;
     })")
@@ -126,14 +126,14 @@ TEST(HealthWatchMute, RestartsWhatWritesNothing) {
   EXPECT_EQ(restarts[0].reason, "no output for 6 s");
 }
 
-TEST_F(HealthWatchTest, RestartsWhatHasFailedForLong) {
+TEST_F(HealthWatchTest, RestartsACommandThatHasFailedForLong) {
   hear_deputy();
   EXPECT_EQ(seconds_to_verdict(60, [this] { speak(ProcessHealth::State::kFailed); }), 12)
-      << "more than ten after the first";
+      << "more than ten after the first FAILED";
   EXPECT_THAT(reason_, HasSubstr("FAILED for 11 s: no scans"));
 }
 
-TEST_F(HealthWatchTest, AFailureThatPassesIsForgiven) {
+TEST_F(HealthWatchTest, AShortFailureCausesNoRestart) {
   hear_deputy();
   int second = 0;
   EXPECT_EQ(seconds_to_verdict(60,
@@ -144,7 +144,7 @@ TEST_F(HealthWatchTest, AFailureThatPassesIsForgiven) {
             0);
 }
 
-TEST_F(HealthWatchTest, HasMorePatienceEachTimeUpToALimit) {
+TEST_F(HealthWatchTest, WaitsLongerBeforeEachRestartUpToALimit) {
   hear_deputy();
   std::vector<int> seconds;
   for (int i = 0; i < 8; ++i) {
@@ -152,11 +152,11 @@ TEST_F(HealthWatchTest, HasMorePatienceEachTimeUpToALimit) {
   }
   EXPECT_THAT(seconds, ::testing::ElementsAre(6, 11, 21, 41, 81, 161, 161, 161));
   EXPECT_EQ(seconds_to_verdict(62, [this] { speak(ProcessHealth::State::kOk); }), 0);
-  EXPECT_EQ(seconds_to_verdict(60, [] {}), 6) << "as at first after a good minute";
+  EXPECT_EQ(seconds_to_verdict(60, [] {}), 6) << "as short as at first after a minute in health";
 }
 
-// The link to the host was silent, not the process.
-TEST_F(HealthWatchTest, ABrokenLinkIsNoFaultOfTheProcess) {
+// The link to the host failed, not the process.
+TEST_F(HealthWatchTest, ABrokenLinkCausesNoRestart) {
   hear_deputy();
   EXPECT_EQ(seconds_to_verdict(10, [this] { speak(ProcessHealth::State::kOk); }), 0);
   for (int second = 0; second < 10; ++second) {
@@ -168,7 +168,7 @@ TEST_F(HealthWatchTest, ABrokenLinkIsNoFaultOfTheProcess) {
   EXPECT_EQ(seconds_to_verdict(10, [this] { speak(ProcessHealth::State::kOk); }), 0);
 }
 
-TEST_F(HealthWatchTest, LeavesAloneWhatDoesNotRun) {
+TEST_F(HealthWatchTest, DoesNotRestartACommandThatDoesNotRun) {
   hear_deputy(0);
   now_ += 100s;
   hear_deputy(0);

@@ -50,7 +50,7 @@ class ReportTest : public ::testing::Test {
   HealthWatch health_{config_};
 };
 
-TEST_F(ReportTest, ShowsWhatIsKnown) {
+TEST_F(ReportTest, ShowsStateHealthAndOutputOfEachCommand) {
   const auto table = to_table(rows(3725ms));
   ASSERT_EQ(table.size(), 4U);
   EXPECT_THAT(table[1], HasSubstr("Stopped (Error), exit 3"));
@@ -61,12 +61,12 @@ TEST_F(ReportTest, ShowsWhatIsKnown) {
   }
 }
 
-TEST_F(ReportTest, WhatWasSaidLongAgoIsNoHealth) {
+TEST_F(ReportTest, ACommandWithoutARecentStatusIsSilent) {
   EXPECT_THAT(rows(4400ms).back().health, HasSubstr("FAILED"));
   EXPECT_EQ(rows(4600ms).back().health, "SILENT: no STATUS for 3 s");
 }
 
-TEST_F(ReportTest, IsJsonForPrograms) {
+TEST_F(ReportTest, IsAvailableAsJson) {
   const nlohmann::json json = to_json(rows(0s), fleet_, {});
   EXPECT_EQ(json["commands"].size(), 3U);
   EXPECT_EQ(json["commands"][2]["command"], "a");
@@ -78,13 +78,13 @@ TEST_F(ReportTest, IsJsonForPrograms) {
   EXPECT_NO_THROW(static_cast<void>(json.dump()));
 }
 
-TEST(Printable, LeavesNothingThatSteersATerminal) {
+TEST(Printable, ReplacesControlCharactersAndInvalidUtf8) {
   EXPECT_EQ(printable("a\x1B[31m\r\n\x7F"), "a?[31m???");
   EXPECT_EQ(printable("gr\xC3\xBC\xC3\x9F \xE2\x82\xAC"), "gr\xC3\xBC\xC3\x9F \xE2\x82\xAC");
   EXPECT_EQ(printable("\xC3"), "?");
   EXPECT_EQ(printable("\xFF\xC2\x9B!"), std::string(3, '?') + "!");
-  // A surrogate, a slash in two and in three bytes, a code beyond the last code point, and the last
-  // code point.
+  // A surrogate; a slash encoded in two and in three bytes; a code beyond the last code point; the
+  // last code point.
   EXPECT_EQ(printable("\xED\xA0\x80"), std::string(3, '?'));
   EXPECT_EQ(printable("\xC0\xAF\xE0\x80\xAF"), std::string(5, '?'));
   EXPECT_EQ(printable("\xF4\x90\x80\x80"), std::string(4, '?'));

@@ -13,7 +13,7 @@
 namespace nodmap::procman {
 namespace script_runner_test {
 
-/// A fleet on one host whose deputy executes orders at once.
+/// A fleet on one host, whose deputy carries out orders at once.
 class ScriptRunnerTest : public ::testing::Test {
  protected:
   Config config_ = parse_config(R"(
@@ -43,7 +43,7 @@ class ScriptRunnerTest : public ::testing::Test {
     return healthy_.contains(id);
   };
 
-  /// Executes the orders for these commands.
+  /// Carries out the orders for these commands.
   void obey(const std::vector<std::string>& ids) {
     const Orders orders = fleet_.orders_for("h", {}).value();
     for (const CommandOrder& order : orders.commands) {
@@ -77,14 +77,14 @@ class ScriptRunnerTest : public ::testing::Test {
   }
 };
 
-TEST_F(ScriptRunnerTest, GoesOnWhenWhatItWaitsForIsSo) {
+TEST_F(ScriptRunnerTest, ContinuesWhenAConditionThatItWaitsForIsMet) {
   ScriptRunner runner(config_, *config_.find_script("all"), is_healthy_);
   tell();
   runner.step(fleet_, now_);
   EXPECT_EQ(runner.waiting_for(), "group \"g\" to be running");
   obey({"a"});
   runner.step(fleet_, now_);
-  EXPECT_EQ(runner.waiting_for(), "group \"g\" to be running") << "not all of it runs";
+  EXPECT_EQ(runner.waiting_for(), "group \"g\" to be running") << "not all of the group runs";
   obey({"b"});
   runner.step(fleet_, now_);
   EXPECT_EQ(runner.waiting_for(), "a moment") << "in the inner script";
@@ -97,7 +97,7 @@ TEST_F(ScriptRunnerTest, GoesOnWhenWhatItWaitsForIsSo) {
   runner.step(fleet_, now_);
   EXPECT_EQ(runner.waiting_for(), "cmd \"a\" to be running");
   runner.step(fleet_, now_);
-  EXPECT_EQ(runner.waiting_for(), "cmd \"a\" to be running") << "the old run does not count";
+  EXPECT_EQ(runner.waiting_for(), "cmd \"a\" to be running") << "the former run does not count";
   obey({"a"});
   obey({"a"});
   runner.step(fleet_, now_);
@@ -111,7 +111,7 @@ TEST_F(ScriptRunnerTest, GoesOnWhenWhatItWaitsForIsSo) {
   EXPECT_TRUE(runner.is_over());
 }
 
-TEST_F(ScriptRunnerTest, AnEmptyScriptIsDone) {
+TEST_F(ScriptRunnerTest, AnEmptyScriptIsOverAtOnce) {
   const Script empty;
   ScriptRunner runner(config_, empty, is_healthy_);
   runner.step(fleet_, now_);
@@ -119,7 +119,7 @@ TEST_F(ScriptRunnerTest, AnEmptyScriptIsDone) {
   EXPECT_EQ(runner.failure(), "");
 }
 
-TEST_F(ScriptRunnerTest, IsOverWhenAllThatItStartedKeepsRunning) {
+TEST_F(ScriptRunnerTest, IsOverWhenAllStartedCommandsKeepRunning) {
   ScriptRunner runner(config_, *config_.find_script("up"), is_healthy_);
   tell();
   runner.step(fleet_, now_);
@@ -132,7 +132,7 @@ TEST_F(ScriptRunnerTest, IsOverWhenAllThatItStartedKeepsRunning) {
   EXPECT_EQ(runner.failure(), "");
 }
 
-TEST_F(ScriptRunnerTest, FailsWhenSomethingThatItStartedEndsWithAnError) {
+TEST_F(ScriptRunnerTest, FailsWhenAStartedCommandEndsWithAnError) {
   ScriptRunner runner(config_, *config_.find_script("up"), is_healthy_);
   tell();
   runner.step(fleet_, now_);
@@ -145,7 +145,7 @@ TEST_F(ScriptRunnerTest, FailsWhenSomethingThatItStartedEndsWithAnError) {
   EXPECT_EQ(runner.failure(), "b has ended (exit 2)");
 }
 
-TEST_F(ScriptRunnerTest, DoesNotWaitForWhatHasEndedToRun) {
+TEST_F(ScriptRunnerTest, FailsAtOnceWhenACommandThatItWaitsForHasEnded) {
   ScriptRunner runner(config_, *config_.find_script("up"), is_healthy_);
   tell();
   runner.step(fleet_, now_);
@@ -156,8 +156,8 @@ TEST_F(ScriptRunnerTest, DoesNotWaitForWhatHasEndedToRun) {
   EXPECT_EQ(runner.failure(), "a has ended (killed by signal 11 (Segmentation fault))");
 }
 
-// Its deputy respawns it again and again.
-TEST_F(ScriptRunnerTest, FailsWhenARespawnedCommandNeverLasts) {
+// The deputy respawns the command again and again.
+TEST_F(ScriptRunnerTest, FailsWhenARespawningCommandDoesNotKeepRunning) {
   ScriptRunner runner(config_, *config_.find_script("respawned"), is_healthy_);
   tell();
   runner.step(fleet_, now_);
@@ -175,7 +175,7 @@ TEST_F(ScriptRunnerTest, FailsWhenARespawnedCommandNeverLasts) {
   EXPECT_EQ(runner.failure(), "d does not keep running (exit 2)");
 }
 
-TEST_F(ScriptRunnerTest, WhatEndsWellIsNoFailure) {
+TEST_F(ScriptRunnerTest, ACommandThatEndsWithoutAnErrorIsNotAFailure) {
   ScriptRunner runner(config_, *config_.find_script("inner"), is_healthy_);
   tell();
   runner.step(fleet_, now_);
@@ -187,7 +187,7 @@ TEST_F(ScriptRunnerTest, WhatEndsWellIsNoFailure) {
   EXPECT_EQ(runner.failure(), "");
 }
 
-TEST_F(ScriptRunnerTest, WaitsUntilWhatRunsIsHealthy) {
+TEST_F(ScriptRunnerTest, WaitsUntilARunningCommandIsHealthy) {
   ScriptRunner runner(config_, *config_.find_script("healthy"), is_healthy_);
   healthy_ = {"d"};  // an old STATUS: it does not run yet
   tell();

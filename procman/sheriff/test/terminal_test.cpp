@@ -6,7 +6,7 @@
 namespace nodmap::procman {
 namespace terminal_test {
 
-TEST(Keys, AreTakenOneByOne) {
+TEST(Keys, AreReadOneByOne) {
   std::string typed = "x\x1B[A\x1B[BsSqr";
   EXPECT_EQ(take_key(typed), Key::kUp);
   EXPECT_EQ(take_key(typed), Key::kDown);
@@ -26,8 +26,8 @@ TEST(Keys, DigitsAreScriptsAndPagesScroll) {
   EXPECT_FALSE(take_key(typed).has_value());
 }
 
-// Otherwise F5 would start scripts 1 and 5, also when its bytes arrive one by one.
-TEST(Keys, AFunctionKeyIsNotTheDigitsThatItSends) {
+// Otherwise F5 would start scripts 1 and 5. Its bytes may arrive one by one.
+TEST(Keys, AFunctionKeyIsNotReadAsDigits) {
   std::string typed;
   for (const char* key : {"\x1B[15~", "\x1B[1;5A", "\x1BOS", "\x1B[3~"}) {
     for (const char* byte = key; *byte != '\0'; ++byte) {

@@ -40,7 +40,7 @@ std::ptrdiff_t count(const std::vector<ViewLine>& view, const std::string& text)
   });
 }
 
-TEST(View, ShowsEverythingOfARunningCommandOn80Columns) {
+TEST(View, ShowsAllColumnsOfARunningCommandIn80Characters) {
   const auto view = to_view(robot(), nullptr, {1, "title", "message"}, 80, 24);
   ASSERT_EQ(view.size(), 24U);
   EXPECT_EQ(view[0].text, "title");
@@ -51,7 +51,7 @@ TEST(View, ShowsEverythingOfARunningCommandOn80Columns) {
   for (const char* part : {"robot", "Running", "DEGRADED", "4242", "12.5", "30.2", "1h2m", "2"}) {
     EXPECT_THAT(selected.text, HasSubstr(part));
   }
-  EXPECT_EQ(count(view, "10.drivers"), 1) << "a group's name once";
+  EXPECT_EQ(count(view, "10.drivers"), 1) << "a group's name is shown once";
   EXPECT_EQ(count(view, "--- laser3d: Running; DEGRADED: no scans (75/s, p50 100 us)"), 1);
   EXPECT_EQ(view[21].text, "message");
   EXPECT_THAT(view[23].text, HasSubstr("q quit"));
@@ -63,7 +63,7 @@ TEST(View, ShowsTheEndOfTheSelectedCommandsOutput) {
     console.take("line " + std::to_string(i) + "\r\n");
   }
   const auto view = to_view(robot(), &console, {0, "", ""}, 80, 24);
-  EXPECT_THAT(view[20].text, "line 99") << "the newest above the message";
+  EXPECT_THAT(view[20].text, "line 99") << "the newest line is above the message";
   EXPECT_EQ(count(view, "line "), 24 - 4 - 7 - 1) << "all the room that the table leaves";
 }
 
@@ -77,7 +77,7 @@ TEST(View, ScrollsThroughTheOutput) {
   };
   EXPECT_EQ(last_shown(0), "line 99");
   EXPECT_EQ(last_shown(30), "line 69");
-  EXPECT_EQ(last_shown(1000), "line 11") << "the first twelve: no farther";
+  EXPECT_EQ(last_shown(1000), "line 11") << "scrolled to the first twelve lines";
   EXPECT_EQ(count(to_view(robot(), &console, {0, "", "", 30}, 80, 24), "30 lines below"), 1);
   EXPECT_EQ(count(to_view(robot(), nullptr, {0, "", "", 30}, 80, 24), "lines below"), 0);
 }
@@ -114,7 +114,7 @@ TEST(View, FitsAnySizeAndFollowsTheSelection) {
   }
 }
 
-TEST(View, CutsBetweenCharactersNotWithinThem) {
+TEST(View, TruncatesLinesBetweenCharactersOnly) {
   auto rows = robot();
   rows[0].last_output = "\xC3\xA4\xC3\xB6\xC3\xBC";
   for (std::size_t width = 1; width < 140; ++width) {
@@ -124,7 +124,7 @@ TEST(View, CutsBetweenCharactersNotWithinThem) {
   }
 }
 
-TEST(View, WhatIsNotWellStandsOut) {
+TEST(View, FailedAndStoppedCommandsAreHighlighted) {
   auto rows = robot();
   rows[0].health = "OK (100/s)";
   rows[1].health = "FAILED: no device";
@@ -144,7 +144,7 @@ TEST(View, WhatIsNotWellStandsOut) {
   EXPECT_EQ(count(ended, "--- pitch-controller: Stopped (Error), exit 3"), 1);
 }
 
-TEST(View, NamesThatSteerATerminalDoNot) {
+TEST(View, ControlCharactersInNamesAreNotShown) {
   auto rows = robot();
   rows[0].id = "a\x1B[2J";
   rows[0].group = "\x1B]0;x\x07";
@@ -153,7 +153,7 @@ TEST(View, NamesThatSteerATerminalDoNot) {
   }
 }
 
-TEST(View, NothingIsAViewToo) {
+TEST(View, WithoutCommandsTheFrameIsShown) {
   EXPECT_EQ(to_view({}, nullptr, {0, "title", "message"}, 80, 24).size(), 5U)
       << "title, columns, message, scripts, keys";
 }
