@@ -22,8 +22,8 @@ Object box(double x, double z_min, double z_max) {
   return {Box{{x, 0.0, 0.5 * (z_min + z_max)}, {0.2, 0.2, z_max - z_min}, 0.0}};
 }
 
-TEST(Collision, TruthTable) {
-  // The front is at 0.225 m, the box reaches 0.1 m from its middle.
+TEST(Collision, ABodyTouchesAnObjectOnlyWithinItsLengthWidthAndHeight) {
+  // The front is at 0.225 m, and the box reaches 0.1 m from its middle.
   EXPECT_TRUE(hits(box(0.325 - kMm, 0.0, 1.0)));
   EXPECT_FALSE(hits(box(0.325 + kMm, 0.0, 1.0)));
   // Side: half of 0.33 m.
@@ -38,7 +38,7 @@ TEST(Collision, TruthTable) {
   EXPECT_TRUE(hits(box(0.0, 0.0, 0.03 + kMm)));
   EXPECT_TRUE(hits(box(0.0, 0.47 - kMm, 0.6)));
   EXPECT_FALSE(hits(box(0.0, 0.47 + kMm, 0.6)));
-  // The same from a platform of 0.4 m.
+  // The same for a body on a platform of 0.4 m.
   EXPECT_FALSE(hits(box(0.0, 0.0, 0.43 - kMm), {{}, 0.4}));
   EXPECT_TRUE(hits(box(0.0, 0.0, 0.43 + kMm), {{}, 0.4}));
   EXPECT_TRUE(hits(box(0.0, 0.87 - kMm, 1.0), {{}, 0.4}));
@@ -51,12 +51,12 @@ TEST(Collision, RampsAreGroundUpToTheSlopeLimit) {
     return Object{Ramp{{0.1, 0.0, 0.0}, {3.1, 0.0, height}, 2.0}};
   };
   EXPECT_FALSE(hits(ramp(0.6)));
-  EXPECT_FALSE(hits(ramp(0.6), {{2.1, 0.0, 0.0}, 0.4}));  // on it
-  EXPECT_TRUE(hits(ramp(0.6), {{2.1, 0.0, 0.0}, 0.0}));   // under it
+  EXPECT_FALSE(hits(ramp(0.6), {{2.1, 0.0, 0.0}, 0.4}));  // the body is on it
+  EXPECT_TRUE(hits(ramp(0.6), {{2.1, 0.0, 0.0}, 0.0}));   // the body is under it
   EXPECT_TRUE(hits(ramp(3.0)));
 }
 
-TEST(Collision, PitsCatchWhateverStandsOnTheFloor) {
+TEST(Collision, APitIsTouchedByABodyOnTheFloor) {
   World world;
   world.pits.push_back({{0.5, -1.0}, {1.0, 1.0}, 0.3});
   const Collision collision(world, {});
@@ -65,7 +65,7 @@ TEST(Collision, PitsCatchWhateverStandsOnTheFloor) {
   EXPECT_NEAR(collision.clearance_m({{0.0, 0.0, 0.0}, 0.0}), 0.275, 1e-12);
 }
 
-TEST(Collision, NothingIsInfinitelyFar) {
+TEST(Collision, InAnEmptyWorldTheClearanceIsInfinite) {
   EXPECT_EQ(Collision({}, {}).clearance_m({}), std::numeric_limits<double>::infinity());
 }
 
@@ -128,8 +128,8 @@ struct Sampled {
   int points = 0;
 };
 
-/// Smallest horizontal distance to the body among sampled points of the object within the body's
-/// height.
+/// Oracle: the smallest horizontal distance from the body to sampled points of the object that are
+/// within the body's height.
 Sampled sampled_distance(const Object& object, const BodyPose& body, Random& random) {
   const geometry::SE2 T_base_world = body.T_world_base.inverse();
   Sampled sampled;
@@ -146,7 +146,7 @@ Sampled sampled_distance(const Object& object, const BodyPose& body, Random& ran
   return sampled;
 }
 
-TEST(Collision, AgreesWithSampledPoints) {
+TEST(Collision, TheClearanceAgreesWithSampledPoints) {
   Random random;
   int overlaps = 0;
   int apart = 0;
@@ -159,10 +159,10 @@ TEST(Collision, AgreesWithSampledPoints) {
     world.objects.push_back(object);
     const double distance_m = Collision(world, {}).distance(0, body);
     const Sampled sampled = sampled_distance(object, body, random);
-    // No point of the object is nearer than the distance,
+    // No point of the object is nearer than the clearance,
     ASSERT_GE(sampled.distance_m, distance_m - 1e-9) << i;
     // and some point is about as near: a thousand points in less than a square metre leave gaps of
-    // up to 2.4 cm. If only a small part is within the height, there are too few points.
+    // up to 2.4 cm. There are fewer points if only a small part of the object is within the height.
     if (sampled.points > 1000) {
       EXPECT_NEAR(sampled.distance_m, distance_m, 0.03) << i;
     }
@@ -173,7 +173,7 @@ TEST(Collision, AgreesWithSampledPoints) {
   EXPECT_GT(apart, 100);
 }
 
-TEST(Contacts, CountOnceUntilApart) {
+TEST(Contacts, AContactCountsOnceUntilTheBodiesAreApart) {
   Contacts contacts;
   EXPECT_TRUE(contacts.begin(3));
   EXPECT_FALSE(contacts.begin(3));

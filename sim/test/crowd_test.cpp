@@ -9,7 +9,7 @@
 namespace nodmap::sim {
 namespace crowd_test {
 
-/// Far from everything.
+/// A robot far from everything.
 const geometry::SE2 kAway{100.0, 100.0, 0.0};
 
 Actor walker(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double speed_mps) {
@@ -19,7 +19,7 @@ Actor walker(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double spee
   return actor;
 }
 
-/// Advances in milliseconds, as the robot model does.
+/// Advances the crowd in steps of a millisecond, as the robot model does.
 void advance(Crowd& crowd, double from_s, double to_s, const geometry::SE2& robot = kAway) {
   for (int i = 1; i <= std::lround(1e3 * (to_s - from_s)); ++i) {
     crowd.advance(from_s + 1e-3 * i, robot);
@@ -35,7 +35,7 @@ TEST(Crowd, AnActorThatDoesNotReactFollowsItsPath) {
   EXPECT_EQ(crowd.state(0).position, world.actors[0].position(3.0));
 }
 
-// v = v0 (1 - exp(-t / tau)), tau = 0.5 s: 1 m/s for 4 s is 3.5 m.
+// v = v0 (1 - exp(-t / tau)) with tau = 0.5 s: at 1 m/s he has walked 3.5 m after 4 s.
 TEST(Crowd, AnUndisturbedWalkerReachesItsDesiredSpeedAndStopsAtTheEnd) {
   World world;
   world.actors.push_back(walker({0.0, 0.0}, {8.0, 0.0}, 1.0));
@@ -44,7 +44,7 @@ TEST(Crowd, AnUndisturbedWalkerReachesItsDesiredSpeedAndStopsAtTheEnd) {
   EXPECT_NEAR(crowd.state(0).position.x(), 3.5, 0.02);  // steps of 20 ms
   EXPECT_EQ(crowd.state(0).position.y(), 0.0);
   advance(crowd, 4.0, 15.0);
-  EXPECT_NEAR(crowd.state(0).position.x(), 8.0, 0.35);  // arrived within 0.3 m, and a step
+  EXPECT_NEAR(crowd.state(0).position.x(), 8.0, 0.35);  // he arrives within 0.3 m, and a step
 }
 
 TEST(Crowd, WalkersMakeWayForTheStationaryRobot) {
@@ -62,7 +62,7 @@ TEST(Crowd, WalkersMakeWayForTheStationaryRobot) {
   EXPECT_GT(crowd.state(0).position.x(), 7.5);
 }
 
-TEST(Crowd, TwoWhoMeetPassEachOther) {
+TEST(Crowd, TwoWalkersWhoMeetPassEachOther) {
   World world;
   world.actors.push_back(walker({0.0, 0.0}, {8.0, 0.0}, 1.0));
   world.actors.push_back(walker({8.0, 0.1}, {0.0, 0.1}, 1.0));
@@ -77,7 +77,7 @@ TEST(Crowd, TwoWhoMeetPassEachOther) {
   EXPECT_LT(crowd.state(1).position.x(), 0.5);
 }
 
-TEST(Crowd, NobodyWalksIntoAWall) {
+TEST(Crowd, AWalkerDoesNotWalkIntoAWall) {
   World world;
   world.objects.push_back({Box{{4.0, 0.0, 1.0}, {0.2, 4.0, 2.0}, 0.3}});
   world.actors.push_back(walker({0.0, 0.0}, {8.0, 0.0}, 1.5));
@@ -88,7 +88,7 @@ TEST(Crowd, NobodyWalksIntoAWall) {
   EXPECT_LT(local.x(), -0.1);
 }
 
-TEST(Crowd, RoundsGoOn) {
+TEST(Crowd, AWalkerOnALoopBeginsItAgain) {
   World world;
   Actor actor = walker({0.0, 0.0}, {2.0, 0.0}, 1.0);
   actor.path.push_back({4.0, {0.0, 0.0}});

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Packets as the vendor prints them, or as they were computed from its rules by an independent
-// script; instructions in, answers out.
+// Packets as the vendor documents them, or as an independent script computed them from its rules;
+// tests send instructions and check the answers.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -32,7 +32,7 @@ const Bytes kGoalMinusOne = hex("FF FF FD 00 01 09 00 03 74 00 FF FF FF FF C8 89
 constexpr time::Duration kBootTime = 500ms;
 constexpr time::Duration kAnswerTime = 5ms;
 
-/// Any instruction, with its checksum; nothing in it needs stuffing.
+/// Any instruction, with its checksum. Its bytes must not need stuffing.
 Bytes instruction(std::uint8_t code, const Bytes& parameters, std::uint8_t id = 1) {
   Bytes bytes = hex("FF FF FD 00");
   bytes.push_back(id);
@@ -54,7 +54,7 @@ int error_of(const Bytes& answer) {
   return answer.size() > 8 ? answer[8] : -1;
 }
 
-TEST(DynamixelPacket, StatusAsPrinted) {
+TEST(DynamixelPacket, AStatusPacketIsAsInTheManual) {
   EXPECT_THAT(dynamixel_status(1, DynamixelError::kNone, false, {}), ElementsAreArray(kOk));
   EXPECT_THAT(dynamixel_status(1, DynamixelError::kNone, false, hex("00 08 00 00")),
               ElementsAreArray(kAtLevel));
@@ -62,7 +62,7 @@ TEST(DynamixelPacket, StatusAsPrinted) {
               ElementsAreArray(hex("FF FF FD 00 01 08 00 55 00 A6 00 00 00 8C C0")));
 }
 
-TEST(DynamixelPacket, WhatLooksLikeAHeaderIsStuffed) {
+TEST(DynamixelPacket, BytesLikeAHeaderAreStuffed) {
   const Bytes status = dynamixel_status(1, DynamixelError::kNone, false, hex("FF FF FD 07"));
   EXPECT_EQ(status[5], 9);
   EXPECT_THAT(Bytes(status.begin() + 9, status.begin() + 14),
@@ -88,7 +88,7 @@ TEST(DynamixelPacket, AnInstructionIsFoundInNoiseAndInPieces) {
   EXPECT_FALSE(instruction->damaged);
 }
 
-/// On a bench: nothing in the world but the floor.
+/// The servo on a bench: there is nothing in the world but the floor.
 class DynamixelTest : public ::testing::Test {
  protected:
   explicit DynamixelTest(const DynamixelParams& params = {})
@@ -119,7 +119,7 @@ class DynamixelTest : public ::testing::Test {
   Host host_;
 };
 
-TEST_F(DynamixelTest, AnswersAsPrinted) {
+TEST_F(DynamixelTest, AnswersAreAsInTheManual) {
   EXPECT_THAT(ask(kPing), ElementsAreArray(kPingAnswer));
   EXPECT_THAT(ask(kPositionMode), ElementsAreArray(kOk));
   EXPECT_THAT(ask(kTorqueOn), ElementsAreArray(kOk));
@@ -136,11 +136,11 @@ TEST_F(DynamixelTest, WaitsItsReturnDelayBeforeItAnswers) {
   host_.send(kPing);
   const auto portions = host_.portions_until(host_.now() + kAnswerTime);
   ASSERT_EQ(portions.size(), 1U);
-  // 500 us as delivered, and 14 bytes of 10 us.
+  // 500 us, the default, and 14 bytes of 10 us.
   EXPECT_EQ(portions[0].received, test::at(kBootTime + 500us + 140us));
 }
 
-TEST_F(DynamixelTest, MovesAsItsProfileSays) {
+TEST_F(DynamixelTest, MovesAtTheRateOfItsProfile) {
   start();
   // 60 units of 0.229 rpm are 1.439 rad/s; 40 degrees up are 455 steps.
   EXPECT_THAT(ask(write_u32(112, 60)), ElementsAreArray(kOk));
@@ -158,9 +158,10 @@ TEST_F(DynamixelTest, MovesAsItsProfileSays) {
 TEST_F(DynamixelTest, ItsClockCountsMilliseconds) {
   const std::uint32_t first = read(120, 2);
   host_.bytes_for(1s - kAnswerTime);
-  EXPECT_NEAR(read(120, 2), first + 1000.0, 1.0) << "a millisecond may begin between";
+  EXPECT_NEAR(read(120, 2), first + 1000.0, 1.0) << "a millisecond may begin in between";
   host_.bytes_for(32'768ms - 1s - kAnswerTime);
-  EXPECT_NEAR(read(120, 2), first, 3.0) << "wraps at 32768; 30 ppm of 33 s are 1 ms";
+  EXPECT_NEAR(read(120, 2), first, 3.0)
+      << "it wraps at 32768 ms; a drift of 30 ppm is 1 ms in 33 s";
 }
 
 TEST_F(DynamixelTest, MemoryIsLockedWhileTheTorqueIsOn) {
@@ -170,13 +171,13 @@ TEST_F(DynamixelTest, MemoryIsLockedWhileTheTorqueIsOn) {
   EXPECT_EQ(error_of(ask(kPositionMode)), 0);
 }
 
-TEST_F(DynamixelTest, RefusesWithTheRightNumber) {
+TEST_F(DynamixelTest, RefusalsHaveTheRightErrorNumber) {
   start();
   EXPECT_EQ(error_of(ask(kGoalMinusOne)), 6) << "beyond the limits of the position";
   EXPECT_EQ(error_of(ask(hex("FF FF FD 00 01 0A 00 03 74 00 FF FF FD FD 00 21 E7"))), 6);
   EXPECT_EQ(error_of(ask(write_u32(132, 0))), 7) << "the present position is read only";
   EXPECT_EQ(error_of(ask(instruction(0x03, hex("74 00 00 08")))), 5) << "half a register";
-  EXPECT_EQ(error_of(ask(instruction(0x03, hex("42 00 01")))), 7) << "no register there";
+  EXPECT_EQ(error_of(ask(instruction(0x03, hex("42 00 01")))), 7) << "there is no register";
   EXPECT_EQ(error_of(ask(instruction(0x02, hex("90 00 10 00")))), 4) << "beyond the table";
   EXPECT_EQ(error_of(ask(instruction(0x04, {}))), 2);
   Bytes damaged = kPing;
@@ -194,7 +195,7 @@ TEST_F(DynamixelTest, AnswersOnlyWhatItsReturnLevelAllows) {
   EXPECT_FALSE(ask(kPing).empty());
 }
 
-TEST_F(DynamixelTest, TheWatchdogStopsAHeadNobodySteers) {
+TEST_F(DynamixelTest, TheWatchdogStopsTheHeadWhenInstructionsStop) {
   start();
   ask(write_u32(112, 20));
   ask(hex("FF FF FD 00 01 06 00 03 62 00 0A 4A E4"));  // 200 ms
@@ -216,14 +217,14 @@ TEST_F(DynamixelTest, AnAlertEndsOnlyWithARestart) {
   EXPECT_EQ(error_of(ask(kTorqueOn)), 0x80);
   ask(kReadPosition);
   EXPECT_EQ(ask(hex("FF FF FD 00 01 03 00 08 2F 4E")).size(), kOk.size());
-  EXPECT_THAT(ask(kPing), IsEmpty()) << "restarting";
+  EXPECT_THAT(ask(kPing), IsEmpty()) << "no answer during the restart";
   host_.bytes_for(kBootTime);
   EXPECT_THAT(ask(kPing), ElementsAreArray(kPingAnswer));
-  EXPECT_EQ(read(64, 1), 0U) << "without torque";
-  EXPECT_EQ(read(11, 1), 3U) << "memory outlives it";
+  EXPECT_EQ(read(64, 1), 0U) << "the torque is off";
+  EXPECT_EQ(read(11, 1), 3U) << "its memory is unchanged";
 }
 
-TEST_F(DynamixelTest, AnotherRateIsNoise) {
+TEST_F(DynamixelTest, AtAnotherBaudRateItHearsOnlyNoise) {
   host_.set_baud(57'600);
   EXPECT_THAT(ask(kPing), IsEmpty());
 }
@@ -233,14 +234,14 @@ class InvertedDynamixelTest : public DynamixelTest {
   InvertedDynamixelTest() : DynamixelTest({.inverted = true, .echo = true}) {}
 };
 
-TEST_F(InvertedDynamixelTest, LargerPositionsLookDownAndRequestsComeBack) {
+TEST_F(InvertedDynamixelTest, LargerPositionsLookDownAndRequestsAreEchoed) {
   const Bytes heard = ask(kPing);
   EXPECT_THAT(Bytes(heard.begin(), heard.begin() + 10), ElementsAreArray(kPing));
   EXPECT_THAT(Bytes(heard.begin() + 10, heard.end()), ElementsAreArray(kPingAnswer));
   ask(kTorqueOn);
   ask(write_u32(116, 2048 + 200));
   host_.bytes_for(1s);
-  // Rounding: it goes in whole steps.
+  // Rounding: the servo moves in whole steps.
   EXPECT_NEAR(model_.pitch_rad(), -200.0 * 2.0 * geometry::kPi / 4096.0, 1e-9);
 }
 

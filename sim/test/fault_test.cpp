@@ -18,7 +18,7 @@ using ::testing::ElementsAreArray;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-TEST(Fault, IsReadFromText) {
+TEST(Fault, ReadsEveryKindFromText) {
   const Fault unplug = parse_fault("laser:unplug@10+2");
   EXPECT_EQ(unplug.part, Part::kLaser);
   EXPECT_EQ(unplug.kind, FaultKind::kUnplug);
@@ -33,7 +33,7 @@ TEST(Fault, IsReadFromText) {
   EXPECT_EQ(corrupt.amount, 0.01);
 }
 
-TEST(Fault, WrongTextsSayWhatIsAllowed) {
+TEST(Fault, ErrorsNameWhatIsAllowed) {
   const std::vector<std::pair<const char*, const char*>> wrong = {
       {"", "':' is missing"},
       {"nose:drop@1+1=0.5", "laser, servo, base"},
@@ -59,7 +59,7 @@ TEST(Fault, WrongTextsSayWhatIsAllowed) {
   }
 }
 
-/// Sends one numbered byte every millisecond, and records the received bytes.
+/// A device that sends one numbered byte every millisecond and records the received bytes.
 class Counter : public SerialDevice {
  public:
   Bytes heard;
@@ -95,7 +95,7 @@ class FaultyDeviceTest : public ::testing::Test {
   std::optional<FaultyDevice> line_;
 };
 
-TEST_F(FaultyDeviceTest, OutsideOfItsTimeNothingIsAmiss) {
+TEST_F(FaultyDeviceTest, HasNoEffectOutsideItsTime) {
   start("base:drop@0.1+0.05=1");
   Host host(*line_, 9600);
   EXPECT_THAT(host.bytes_for(99'999us), ElementsAreArray(numbers(1, 99)));
@@ -103,16 +103,16 @@ TEST_F(FaultyDeviceTest, OutsideOfItsTimeNothingIsAmiss) {
   EXPECT_THAT(host.bytes_for(50'001us), ElementsAreArray(numbers(150, 200)));
 }
 
-TEST_F(FaultyDeviceTest, DropsAShareInBothDirections) {
+TEST_F(FaultyDeviceTest, DropsThisFractionOfBytesInBothDirections) {
   start("base:drop@0+100=0.25");
   Host host(*line_, 9600);
-  // 10000 draws: the standard deviation is 43.
+  // 10000 draws: their standard deviation is 43.
   EXPECT_NEAR(static_cast<double>(host.bytes_for(10s).size()), 7500.0, 200.0);
   host.send(Bytes(10'000, 7));
   EXPECT_NEAR(static_cast<double>(counter_.heard.size()), 7500.0, 200.0);
 }
 
-TEST_F(FaultyDeviceTest, CorruptsABitInAShare) {
+TEST_F(FaultyDeviceTest, CorruptsOneBitInThisFractionOfBytes) {
   start("base:corrupt@0+100=0.1");
   Host host(*line_, 9600);
   const Bytes heard = host.bytes_for(10s);
@@ -126,18 +126,18 @@ TEST_F(FaultyDeviceTest, CorruptsABitInAShare) {
   EXPECT_NEAR(wrong, 1000, 150);  // standard deviation 30
 }
 
-TEST_F(FaultyDeviceTest, DelaysWithoutOvertaking) {
+TEST_F(FaultyDeviceTest, DelaysBytesWithoutChangingTheirOrder) {
   start("base:delay@0.05+0.05=0.02");
   Host host(*line_, 9600);
   EXPECT_THAT(host.bytes_for(49'999us), ElementsAreArray(numbers(1, 49)));
   EXPECT_THAT(host.bytes_for(20ms), IsEmpty());
   EXPECT_THAT(host.bytes_for(10'001us), ElementsAreArray(numbers(50, 60)));
-  // Bytes sent after the fault wait for the last delayed one, of 99 ms.
+  // Bytes sent after the fault wait for the last delayed byte, that of 99 ms.
   EXPECT_THAT(host.bytes_for(38ms), ElementsAreArray(numbers(61, 98)));
   EXPECT_THAT(host.bytes_for(2ms), ElementsAreArray(numbers(99, 120)));
 }
 
-TEST_F(FaultyDeviceTest, UnpluggedNothingPassesEitherWay) {
+TEST_F(FaultyDeviceTest, UnpluggedItPassesNoBytesInEitherDirection) {
   start("base:unplug@0.1+0.1");
   Host host(*line_, 9600);
   host.bytes_for(99'999us);
@@ -151,7 +151,7 @@ TEST_F(FaultyDeviceTest, UnpluggedNothingPassesEitherWay) {
   EXPECT_THAT(counter_.heard, ElementsAreArray(Bytes{4}));
 }
 
-TEST_F(FaultyDeviceTest, SilentItStillReceives) {
+TEST_F(FaultyDeviceTest, SilentItReceivesButDoesNotSend) {
   start("base:silent@0+1");
   Host host(*line_, 9600);
   EXPECT_THAT(host.bytes_for(500ms), IsEmpty());
@@ -171,7 +171,7 @@ TEST(FreezeFault, RepeatsTheLastMeasurementOfEachAngle) {
   EXPECT_EQ(beam(0.5, at(2s)).range_m, 2.5);
 }
 
-TEST(SimulatedRobot, AStalledServoStays) {
+TEST(SimulatedRobot, AStalledServoDoesNotMove) {
   SimulatedRobot robot(World{}, {}, {parse_fault("servo:stall@1+1")}, 1);
   Host host(robot.device(Part::kServo), 1'000'000);
   host.before_each([&robot](time::SteadyTime now) { robot.advance_to(now); });

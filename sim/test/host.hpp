@@ -23,14 +23,14 @@ constexpr time::SteadyTime at(time::Duration since_start) {
   return time::SteadyTime(since_start);
 }
 
-/// A burst of bytes from a device, and when transmit() returned it.
+/// Bytes that a device sent together, and when transmit() returned them.
 struct Portion {
   time::SteadyTime received{};
   Bytes bytes;
 };
 
-/// The host's end of a device's line, on simulated time. Calls transmit() only when the device is
-/// due.
+/// The host's end of a device's line, on simulated time. It calls transmit() only when the device
+/// has something to send.
 class Host {
  public:
   Host(SerialDevice& device, int baud) : device_(device), baud_(baud) {}

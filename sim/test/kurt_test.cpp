@@ -32,14 +32,14 @@ std::string answers(SlcanAdapter& adapter, const std::string& said) {
   return answer;
 }
 
-TEST(SlcanAdapter, AnswersAsTheManualSays) {
+TEST(SlcanAdapter, AnswersAreAsInTheManual) {
   int frames = 0;
   SlcanAdapter adapter([&frames](const CanFrame& /*frame*/) { ++frames; });
-  EXPECT_EQ(answers(adapter, "\r\r\rC\r"), "\r\r\r\a") << "closed already";
+  EXPECT_EQ(answers(adapter, "\r\r\rC\r"), "\r\r\r\a") << "the bus is closed already";
   EXPECT_EQ(answers(adapter, "V\rN\r"), "V1013\rN4242\r");
-  EXPECT_EQ(answers(adapter, "O\r"), "\a") << "no rate";
+  EXPECT_EQ(answers(adapter, "O\r"), "\a") << "no rate has been set";
   EXPECT_EQ(answers(adapter, "S9\rS8\rZ0\r"), "\a\r\r");
-  EXPECT_EQ(answers(adapter, kZero), "\a") << "closed";
+  EXPECT_EQ(answers(adapter, kZero), "\a") << "the bus is closed";
   EXPECT_EQ(answers(adapter, "O\rS8\rF\r"), "\r\aF00\r");
   EXPECT_EQ(answers(adapter, kZero), "z\r");
   EXPECT_EQ(frames, 1);
@@ -48,7 +48,7 @@ TEST(SlcanAdapter, AnswersAsTheManualSays) {
   EXPECT_EQ(answers(adapter, "C\rX0\rO\rt1230\r"), "\r\r\r\r") << "without auto poll";
 }
 
-TEST(SlcanAdapter, RefusesBrokenLines) {
+TEST(SlcanAdapter, RefusesInvalidLines) {
   SlcanAdapter adapter([](const CanFrame& /*frame*/) { ADD_FAILURE(); });
   answers(adapter, "S8\rO\r");
   for (const char* line : {"t\r", "t12\r", "t1239\r", "t1232AA\r", "t1231GG\r", "t12311122\r",
@@ -63,21 +63,22 @@ TEST(SlcanAdapter, AListenerSendsNothing) {
   EXPECT_EQ(adapter.from_bus({0x009, 0, {}}, at(0s)), "t0090\r");
 }
 
-TEST(SlcanAdapter, AtAnotherRateTheBusIsMute) {
+TEST(SlcanAdapter, AtAnotherCanRateNoFramesArrive) {
   SlcanAdapter adapter([](const CanFrame& /*frame*/) { ADD_FAILURE(); });
   EXPECT_EQ(answers(adapter, std::string("S6\rO\r") + kZero + "F\r"), "\r\rz\rF80\r");
   EXPECT_EQ(adapter.from_bus({}, at(0s)), "");
 }
 
-TEST(SlcanAdapter, TellsFramesAsPrinted) {
+TEST(SlcanAdapter, FramesAreWrittenAsInTheManual) {
   SlcanAdapter adapter([](const CanFrame& /*frame*/) {});
   const CanFrame encoders{0x009, 8, {0x00, 0x64, 0xFF, 0x9C, 0, 0, 0, 0}};
-  EXPECT_EQ(adapter.from_bus(encoders, at(0s)), "") << "closed";
+  EXPECT_EQ(adapter.from_bus(encoders, at(0s)), "") << "the bus is closed";
   answers(adapter, "S8\rO\r");
   EXPECT_EQ(adapter.from_bus(encoders, at(1234ms)), "t00980064FF9C00000000\r");
   answers(adapter, "C\rZ1\rO\r");
   EXPECT_EQ(adapter.from_bus(encoders, at(1234ms)), "t00980064FF9C0000000004D2\r");
-  EXPECT_EQ(adapter.from_bus({0x009, 0, {}}, at(60'001ms)), "t00900001\r") << "wraps at a minute";
+  EXPECT_EQ(adapter.from_bus({0x009, 0, {}}, at(60'001ms)), "t00900001\r")
+      << "the stamp wraps at a minute";
 }
 
 class KurtTest : public ::testing::Test {
@@ -128,17 +129,17 @@ class KurtTest : public ::testing::Test {
   std::string heard_;
 };
 
-TEST_F(KurtTest, SendsItsEncodersEveryTenMilliseconds) {
+TEST_F(KurtTest, SendsEncoderFramesEveryTenMilliseconds) {
   drive(kZero, 10s);
-  EXPECT_EQ(frames("009").size(), 999U) << "a clock 20 ppm slow misses the end by 0.2 ms";
+  EXPECT_EQ(frames("009").size(), 999U) << "its clock is 20 ppm slow: 0.2 ms in 10 s";
   for (const char* id : {"005", "006", "007", "008", "00C", "00D", "00E"}) {
-    EXPECT_NEAR(static_cast<double>(frames(id).size()), 1000.0 / 7.0, 1.0) << id << ", whole ones";
+    EXPECT_NEAR(static_cast<double>(frames(id).size()), 1000.0 / 7.0, 1.0) << id;
   }
 }
 
-// No tick is lost or invented: the sum of all reported ticks is the distance of the wheels.
-TEST_F(KurtTest, EncodersCarryTheRemainder) {
-  drive("t00180002000700030001\r", 5s);  // 7 and 3 cm/s: parts of a tick in each period
+// No tick is lost or added: the sum of all reported ticks is the distance of the wheels.
+TEST_F(KurtTest, RemaindersOfTicksAreCarriedToTheNextFrame) {
+  drive("t00180002000700030001\r", 5s);  // 7 and 3 cm/s: no whole ticks per period
   std::int64_t left = 0;
   std::int64_t right = 0;
   std::set<int> deltas;
@@ -151,34 +152,34 @@ TEST_F(KurtTest, EncodersCarryTheRemainder) {
   EXPECT_NEAR(static_cast<double>(left), model_.wheel_travel().left_m / kMPerTick, 42.0);
   EXPECT_NEAR(static_cast<double>(right), model_.wheel_travel().right_m / kMPerTick, 42.0);
   EXPECT_GT(left, 10'000);
-  EXPECT_GT(deltas.size(), 1U) << "17.4 ticks are sometimes 17, sometimes 18";
+  EXPECT_GT(deltas.size(), 1U) << "17.4 ticks are reported as 17 or 18";
 }
 
-TEST_F(KurtTest, GoesAsFastAsItIsTold) {
-  constexpr double kRounding = 1e-9;  // after 3 s nothing is left of the motors' lag
+TEST_F(KurtTest, DrivesAtTheCommandedSpeed) {
+  constexpr double kRounding = 1e-9;  // after 3 s the motors' lag is over
   drive(kHalfMps, 3s);
   EXPECT_NEAR(model_.wheel_speeds().left_mps, 0.5, kRounding);
   EXPECT_NEAR(model_.wheel_speeds().right_mps, 0.5, kRounding);
   drive(kTurn, 3s);
   EXPECT_NEAR(model_.wheel_speeds().left_mps, -0.2, kRounding);
   EXPECT_NEAR(model_.wheel_speeds().right_mps, 0.2, kRounding);
-  drive("t00180001001D001D0000\r", 3s);  // 29 ticks in a period
+  drive("t00180001001D001D0000\r", 3s);  // 29 ticks per period
   EXPECT_NEAR(model_.wheel_speeds().left_mps, 29 * kMPerTick / 0.01, kRounding);
-  // Duty 103 of 1023, backward on the left, forward on the right; full duty is 5.2 m/s.
+  // Duty 103 of 1023, left wheel backwards, right wheel forwards; full duty is 5.2 m/s.
   drive("t00180000020398000398\r", 3s);
   EXPECT_NEAR(model_.wheel_speeds().left_mps, -5.2 * 103.0 / 1023.0, kRounding);
   EXPECT_NEAR(model_.wheel_speeds().right_mps, 5.2 * 103.0 / 1023.0, kRounding);
 }
 
-TEST_F(KurtTest, BrakesOnTheHardStop) {
+TEST_F(KurtTest, BrakesOnAHardStop) {
   drive(kHalfMps, 2s);
   drive(kHardStop, 1s);
   EXPECT_EQ(model_.wheel_speeds().left_mps, 0.0);
 }
 
-TEST_F(KurtTest, DropsOutWhenNobodySteersIt) {
+TEST_F(KurtTest, StopsWhenCommandsStop) {
   drive(kHalfMps, 2s);
-  listen(80ms);  // 90 ms since the last word
+  listen(80ms);  // 90 ms since the last command
   EXPECT_NEAR(model_.wheel_speeds().left_mps, 0.5, 1e-12);
   listen(1500ms);
   EXPECT_NEAR(model_.wheel_speeds().left_mps, 0.0, 1e-13);  // the motors' lag leaves 5e-14
@@ -196,19 +197,19 @@ TEST_F(KurtTest, AResetStopsTheMotorsAndSilencesTheBaseForAWhile) {
   EXPECT_NEAR(model_.wheel_speeds().left_mps, 0.0, 1.3e-9);
 }
 
-TEST_F(KurtTest, ReadingsOfAQuietRobot) {
+TEST_F(KurtTest, AStationaryRobotReportsPlausibleReadings) {
   drive(kZero, 1s);
   for (const auto& tilt : frames("00D")) {
     EXPECT_EQ(tilt[0], 32'768);
     EXPECT_EQ(tilt[1], 32'768);
   }
   for (const auto& ranges : frames("006")) {
-    EXPECT_LT(ranges[0], 100) << "below 100: nothing in sight";
+    EXPECT_LT(ranges[0], 100) << "below 100 means nothing in view";
     EXPECT_GT(ranges[1], 1000);
   }
 }
 
-TEST_F(KurtTest, TheGyroTurnsWithTheRobot) {
+TEST_F(KurtTest, TheGyroFollowsTheRobotsRotation) {
   drive(kTurn, 1s);
   const auto angle = frames("00E").back();
   const auto raw = static_cast<std::int32_t>(static_cast<std::uint32_t>(angle[0]) << 16U |
@@ -220,7 +221,7 @@ TEST_F(KurtTest, TheGyroTurnsWithTheRobot) {
   EXPECT_GT(yaw_deg, 5.0);
 }
 
-TEST_F(KurtTest, AnotherRateIsNoise) {
+TEST_F(KurtTest, AtAnotherBaudRateItHearsOnlyNoise) {
   host_.set_baud(115'200);
   heard_.clear();
   listen(100ms);
@@ -232,9 +233,9 @@ TEST_F(KurtTest, AnotherRateIsNoise) {
   EXPECT_EQ(frames("009").size(), 10U) << "the channel is still open";
 }
 
-// A box behind, one beside and a person behind on the right, read as the base's manual says. A
-// reading is a whole number: 0.25 cm at 45 cm.
-TEST(Kurt, InfraredRangeFindersSeeWhatIsNear) {
+// A box behind, a box on the left and a person behind on the right; readings are converted as in
+// the base's manual. A reading is a whole number, so 0.25 cm at 45 cm.
+TEST(Kurt, InfraredRangeFindersMeasureNearObjects) {
   World world;
   world.objects.push_back({Box{{-0.217 - 0.4 - 0.5, 0.0, 0.5}, {1.0, 0.2, 1.0}, 0.0}});
   world.objects.push_back({Box{{0.0, 0.165 + 0.2 + 0.5, 0.5}, {0.2, 1.0, 1.0}, 0.0}});
@@ -260,11 +261,11 @@ TEST(Kurt, InfraredRangeFindersSeeWhatIsNear) {
   EXPECT_NEAR(range_m(words[0x005][1]), 0.3, kToleranceM) << "back on the right";
   EXPECT_NEAR(range_m(words[0x006][3]), 0.2, kToleranceM) << "left";
   for (const int far : {words[0x005][2], words[0x006][0], words[0x006][2], words[0x007][1]}) {
-    EXPECT_LT(far, 100) << "below 100: nothing in sight";
+    EXPECT_LT(far, 100) << "below 100 means nothing in view";
   }
 }
 
-TEST(Kurt, TheSameSaidTwiceGivesTheSameTwice) {
+TEST(Kurt, TheSameCommandsGiveTheSameFrames) {
   const auto run = [] {
     RobotModel model(World{}, {}, 7);
     SlcanKurtBase kurt({}, model);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Telegrams as the manual prints them, or as they were computed from its rules by an independent
-// script; requests in, answers out.
+// Telegrams as the manual prints them, or as an independent script computed them from its rules;
+// tests send requests and check the answers.
 #include "sim/devices/lms200.hpp"
 
 #include <gmock/gmock.h>
@@ -34,7 +34,8 @@ const Bytes kPowerOn =
 const Bytes kWriteConfig = hex("02 00 23 00 77 00 00 70 00 02 06 01 00 00 02 02 00x21 02 00 51 49");
 
 constexpr time::Duration kBootTime = 1s;
-/// The answer to a mode begins after 50 ms, and no scan before its nine bytes have left.
+/// The answer to a change of mode begins after 50 ms, and scans begin when its nine bytes have been
+/// sent.
 constexpr time::Duration kModeTime = 50'190us;
 
 Echo flat(double /*angle_rad*/, time::SteadyTime /*fired*/) {
@@ -54,7 +55,7 @@ Bytes words(int count, int first, int step) {
   return bytes;
 }
 
-/// A started sensor at 500 kbaud from power-on, without drift by default.
+/// A started sensor at 500 kbaud, from power-on, by default without drift.
 class Lms200Test : public ::testing::Test {
  protected:
   static Lms200Params params() {
@@ -75,7 +76,7 @@ class Lms200Test : public ::testing::Test {
     return host_->ask(hex(request), duration);
   }
 
-  /// The times of the first bytes of the telegrams of a running stream within a duration.
+  /// The times of the first bytes of the stream's telegrams within a duration.
   std::vector<time::SteadyTime> telegram_starts(std::size_t size, time::Duration duration) {
     std::vector<time::SteadyTime> starts;
     std::size_t count = 0;
@@ -94,14 +95,14 @@ class Lms200Test : public ::testing::Test {
   std::unique_ptr<Host> host_;
 };
 
-TEST_F(Lms200Test, SaysNothingBeforeItHasStarted) {
+TEST_F(Lms200Test, SendsNothingBeforeItHasStarted) {
   Lms200 laser(params(), flat);
   Host host(laser, 500'000);
   EXPECT_THAT(host.ask(kStop, kBootTime - 1us), IsEmpty());
   EXPECT_THAT(host.bytes_for(10ms), ElementsAreArray(kPowerOn));
 }
 
-TEST_F(Lms200Test, AnswersAsPrinted) {
+TEST_F(Lms200Test, AnswersAreAsInTheManual) {
   const std::vector<std::pair<const char*, const char*>> talk = {
       {"02 00 02 00 20 25 35 08", "02 80 03 00 A0 00 10 16 0A"},
       {"02 00 02 00 20 10 00 08", "02 80 03 00 A0 00 10 16 0A"},
@@ -119,7 +120,7 @@ TEST_F(Lms200Test, AnswersAsPrinted) {
   }
 }
 
-TEST_F(Lms200Test, RefusesWhatTheRealOneRefuses) {
+TEST_F(Lms200Test, RefusesInvalidRequestsAsTheRealSensorDoes) {
   start();
   Bytes wrong_password = hex("02 00 0A 00 20 00 53 49 43 4B 5F 4C 4D 54");
   append_little_endian(wrong_password, lms_checksum(wrong_password), 2);
@@ -133,10 +134,10 @@ TEST_F(Lms200Test, RefusesWhatTheRealOneRefuses) {
               ElementsAreArray(kAck + hex("02 80 07 00 BB 00 B4 00 64 00 10 7B 20")))
       << "180 degrees at 0.25 exist only as partial scans";
   EXPECT_THAT(ask("02 00 06 00 20 27 1B 00 2B 01 FF FE"), ElementsAreArray(kAck + kNotAccepted))
-      << "sub-ranges are not emulated, and it says so";
+      << "sub-ranges are not emulated, so they are refused";
 }
 
-TEST_F(Lms200Test, TakesAConfigurationInInstallationModeOnly) {
+TEST_F(Lms200Test, AcceptsAConfigurationInInstallationModeOnly) {
   Lms200Params as_delivered = params();
   as_delivered.config = hex("00 00 46 00 00 00 01 00 00 02 02 00x21 02 00");
   start(as_delivered, flat);
@@ -150,7 +151,7 @@ TEST_F(Lms200Test, TakesAConfigurationInInstallationModeOnly) {
                                           "02 00 10 B9 F9")));
 }
 
-TEST_F(Lms200Test, AnsweresDamageWithNakAndStrangersNotAtAll) {
+TEST_F(Lms200Test, AnswersDamagedRequestsWithNakAndIgnoresOtherAddresses) {
   start();
   EXPECT_THAT(ask("02 00 02 00 20 25 35 09"), ElementsAreArray(hex("15")));
   Bytes for_another = hex("02 05 02 00 20 25");
@@ -161,7 +162,7 @@ TEST_F(Lms200Test, AnsweresDamageWithNakAndStrangersNotAtAll) {
   EXPECT_THAT(host_->ask(kStop), ElementsAreArray(kAck + kModeOk));
 }
 
-TEST_F(Lms200Test, AnswersUnderItsOwnAddress) {
+TEST_F(Lms200Test, AnswersWithItsOwnAddress) {
   Lms200Params first = params();
   first.address = 1;
   laser_ = std::make_unique<Lms200>(first, flat);
@@ -170,12 +171,12 @@ TEST_F(Lms200Test, AnswersUnderItsOwnAddress) {
   EXPECT_THAT(host_->ask(kStop), ElementsAreArray(kAck + hex("02 81 03 00 A0 00 10 36 1A")));
 }
 
-TEST_F(Lms200Test, HearsAndIsHeardOnlyAtItsRate) {
+TEST_F(Lms200Test, CommunicatesOnlyAtItsBaudRate) {
   Lms200Params at_9600 = params();
   at_9600.baud = 9600;
   start(at_9600, flat);
   host_->set_baud(500'000);
-  EXPECT_THAT(host_->ask(kStop), IsEmpty()) << "nothing it could understand";
+  EXPECT_THAT(host_->ask(kStop), IsEmpty()) << "it cannot read this";
   host_->set_baud(9600);
   host_->send(kStop);
   host_->set_baud(500'000);
@@ -184,7 +185,7 @@ TEST_F(Lms200Test, HearsAndIsHeardOnlyAtItsRate) {
   EXPECT_THAT(noise, ::testing::Not(ElementsAreArray(kAck + kModeOk)));
 }
 
-TEST_F(Lms200Test, ChangesItsRateAfterAnsweringAtTheOldOne) {
+TEST_F(Lms200Test, ChangesItsBaudRateAfterAnsweringAtTheOldOne) {
   Lms200Params at_9600 = params();
   at_9600.baud = 9600;
   start(at_9600, flat);
@@ -192,14 +193,14 @@ TEST_F(Lms200Test, ChangesItsRateAfterAnsweringAtTheOldOne) {
   EXPECT_EQ(laser_->baud(), 500'000);
   host_->set_baud(500'000);
   EXPECT_THAT(host_->ask(kStop), ElementsAreArray(kAck + kModeOk));
-  // A restart sets it back to 9600, because the rate was not made permanent.
+  // After a restart it is at 9600 again, because the rate was not made permanent.
   EXPECT_THAT(ask("02 00 01 00 10 34 12", 500ms),
               ElementsAreArray(kAck + hex("02 80 02 00 91 10 79 30")));
   host_->set_baud(9600);
   EXPECT_THAT(host_->bytes_for(2 * kBootTime), ElementsAreArray(kPowerOn));
 }
 
-TEST_F(Lms200Test, APermanentRateOutlivesARestart) {
+TEST_F(Lms200Test, APermanentBaudRateIsKeptAfterARestart) {
   Lms200Params at_9600 = params();
   at_9600.baud = 9600;
   start(at_9600, flat);
@@ -210,7 +211,7 @@ TEST_F(Lms200Test, APermanentRateOutlivesARestart) {
   EXPECT_THAT(host_->bytes_for(2 * kBootTime), ElementsAreArray(kPowerOn));
 }
 
-TEST_F(Lms200Test, SendsMeasuredValuesAsComputed) {
+TEST_F(Lms200Test, TelegramsOfMeasuredValuesAreAsComputed) {
   Lms200Params no_indices = params();
   no_indices.config[4] = 0;
   start(no_indices, flat);
@@ -228,7 +229,7 @@ TEST_F(Lms200Test, SendsMeasuredValuesAsComputed) {
       ElementsAreArray(kAck + hex("02 80 D6 02 B0 69 41") + words(361, 1000, 0) + hex("10 55 F1")));
 }
 
-TEST_F(Lms200Test, CodesWhatIsNoRange) {
+TEST_F(Lms200Test, EncodesReadingsThatAreNotRanges) {
   const LmsFormat near{0x00, true};
   const LmsFormat far{0x06, true};
   const LmsFormat coarse{0x00, false};
@@ -240,7 +241,7 @@ TEST_F(Lms200Test, CodesWhatIsNoRange) {
   EXPECT_EQ(lms_word(nothing, far), 32759);
   EXPECT_EQ(lms_word(dazzled, {0x02, true}), 8190);
   EXPECT_EQ(lms_word(dazzled, far), 32766);
-  EXPECT_EQ(lms_word(dazzled, near), 0x8000 | 8190) << "mode 0 has a flag for it, too";
+  EXPECT_EQ(lms_word(dazzled, near), 0x8000 | 8190) << "mode 0 also has a flag for it";
   EXPECT_EQ(lms_word(range(8.1824), near), 8182) << "the last range in this mode";
   EXPECT_EQ(lms_word(range(9.0), near), 8183);
   EXPECT_EQ(lms_word(range(9.0), far), 9000);
@@ -259,8 +260,8 @@ TEST_F(Lms200Test, StreamsEachRevolutionAtTheEndOfItsMeasuringHalf) {
                          static_cast<double>(starts.size() - 1);
   EXPECT_NEAR(mean_us, 13'320.0, 1.0);
   for (const time::SteadyTime start : starts) {
-    // Revolutions start every 13.32 ms from power-on at 0; their measuring half lasts 6.66 ms.
-    // Rounding the byte's duration and the revolution to microseconds costs up to 2 us.
+    // Revolutions start every 13.32 ms from power-on at time 0; their measuring half lasts 6.66 ms.
+    // Rounding the duration of a byte and of a revolution to microseconds costs up to 2 us.
     EXPECT_NEAR(std::remainder(time::FineDuration(start - test::at(6660us)).count(), 13'320.0), 0.0,
                 2.0);
   }
@@ -274,7 +275,7 @@ TEST_F(Lms200Test, HalfDegreesTakeTwoRevolutions) {
   ASSERT_GT(starts.size(), 150U);
   const double mean_us = time::FineDuration(starts.back() - starts.front()).count() /
                          static_cast<double>(starts.size() - 1);
-  // Starts are rounded to microseconds; the mean is over more than 150 of them.
+  // Start times are rounded to microseconds; the mean is over more than 150 of them.
   EXPECT_NEAR(mean_us, 26'640.0, 0.02);
 }
 
@@ -292,7 +293,7 @@ TEST_F(Lms200Test, EachBeamIsMeasuredAtItsOwnTime) {
   EXPECT_NEAR(beams[180].first, 90.0, 1e-9);
   EXPECT_NEAR(beams[181].first, -89.5, 1e-9);
   EXPECT_NEAR(beams.back().first, 89.5, 1e-9);
-  EXPECT_EQ(beams[180].second - beams[0].second, 6660us) << "half a turn";
+  EXPECT_EQ(beams[180].second - beams[0].second, 6660us) << "half a revolution";
   // The second revolution starts 13.32 ms after the first, shifted by half a degree (18.5 us).
   EXPECT_NEAR(time::FineDuration(beams[181].second - beams[0].second).count(), 13'338.5, 1.0);
 }
@@ -310,7 +311,7 @@ TEST_F(Lms200Test, CountsRevolutionsAndTelegrams) {
   }
 }
 
-TEST_F(Lms200Test, SlowLinesSkipRevolutions) {
+TEST_F(Lms200Test, OnASlowLineRevolutionsAreSkipped) {
   Lms200Params slow = params();
   slow.baud = 38'400;
   start(slow, flat);
@@ -322,11 +323,11 @@ TEST_F(Lms200Test, SlowLinesSkipRevolutions) {
     steps.insert(
         static_cast<int>(std::lround((starts[i] - starts[i - 1]) / time::FineDuration(13'320.0))));
   }
-  // 374 bytes take 97.4 ms: the line is free again within the eighth revolution.
+  // 374 bytes take 97.4 ms: the line is free again during the eighth revolution.
   EXPECT_THAT(steps, ::testing::ElementsAre(8));
 }
 
-TEST_F(Lms200Test, PartialScansComeEveryRevolutionShiftedInTurn) {
+TEST_F(Lms200Test, PartialScansComeEveryRevolutionEachShifted) {
   start(params(), ramp);
   ask("02 00 05 00 3B 64 00 19 00 E7 72");
   ask("02 00 02 00 20 2A 3A 08", kModeTime);
@@ -356,10 +357,11 @@ TEST_F(Lms200Test, ARequestInterruptsATelegram) {
   ASSERT_GT(last.size(), kModeOk.size());
   EXPECT_THAT(Bytes(last.end() - static_cast<std::ptrdiff_t>(kModeOk.size()), last.end()),
               ElementsAreArray(kModeOk));
-  EXPECT_NE((partly.size() + last.size() - kModeOk.size() - 1) % 374, 0U) << "one was cut off";
+  EXPECT_NE((partly.size() + last.size() - kModeOk.size() - 1) % 374, 0U)
+      << "one telegram was cut off";
 }
 
-TEST_F(Lms200Test, TellsThatItsWindowIsDirty) {
+TEST_F(Lms200Test, ReportsADirtyWindow) {
   Lms200Params dirty = params();
   dirty.polluted = true;
   laser_ = std::make_unique<Lms200>(dirty, flat);
@@ -368,7 +370,7 @@ TEST_F(Lms200Test, TellsThatItsWindowIsDirty) {
   EXPECT_EQ(host_->ask(kStop)[7], 0x90);
 }
 
-TEST_F(Lms200Test, StatusHasItsFieldsWhereTheyAre) {
+TEST_F(Lms200Test, StatusFieldsAreAtTheirOffsets) {
   start();
   host_->ask(kVariant180x050);
   const Bytes answer = ask("02 00 01 00 31 15 12");

@@ -9,7 +9,7 @@
 namespace nodmap::sim {
 namespace pitch_servo_test {
 
-TEST(PitchServo, TrapezoidTakesDistanceBySpeedPlusSpeedByAcceleration) {
+TEST(PitchServo, ALongMovementIsATrapezoidOfSpeed) {
   PitchServo servo({});
   servo.set_goal({0.8, 1.0, 20.0}, 0.0);
   const double end_s = 0.8 / 1.0 + 1.0 / 20.0;
@@ -19,11 +19,11 @@ TEST(PitchServo, TrapezoidTakesDistanceBySpeedPlusSpeedByAcceleration) {
   // In the middle of a symmetric movement, at full speed.
   EXPECT_NEAR(servo.at(0.5 * end_s).pitch_rad, 0.4, 1e-12);
   EXPECT_NEAR(servo.at(0.5 * end_s).rate_rad_s, 1.0, 1e-12);
-  // While it gains speed: a t^2 / 2.
+  // While it accelerates: a t^2 / 2.
   EXPECT_NEAR(servo.at(0.03).pitch_rad, 0.5 * 20.0 * 0.03 * 0.03, 1e-12);
 }
 
-TEST(PitchServo, ShortWayIsATriangle) {
+TEST(PitchServo, AShortMovementIsATriangleOfSpeed) {
   PitchServo servo({});
   servo.set_goal({-0.1, 3.0, 10.0}, 0.0);
   const double end_s = 2.0 * std::sqrt(0.1 / 10.0);
@@ -31,7 +31,7 @@ TEST(PitchServo, ShortWayIsATriangle) {
   EXPECT_NEAR(servo.at(end_s).pitch_rad, -0.1, 1e-12);
 }
 
-TEST(PitchServo, GoesBeyondNoLimit) {
+TEST(PitchServo, NeverMovesBeyondItsLimits) {
   const ServoParams params;
   PitchServo servo(params);
   servo.set_goal({10.0, 100.0, 0.0}, 0.0);
@@ -44,7 +44,7 @@ TEST(PitchServo, GoesBeyondNoLimit) {
   EXPECT_EQ(servo.at(2.0).pitch_rad, params.pitch_limit_rad);
 }
 
-TEST(PitchServo, AnyGoalsAtAnyTimeMoveItSmoothlyAndArrive) {
+TEST(PitchServo, ItMovesSmoothlyToAnyGoalGivenAtAnyTime) {
   std::mt19937_64 engine(3);
   const auto between = [&](double a, double b) {
     return std::uniform_real_distribution<double>(a, b)(engine);
@@ -59,7 +59,7 @@ TEST(PitchServo, AnyGoalsAtAnyTimeMoveItSmoothlyAndArrive) {
     servo.set_goal(next, t);
     for (const double end = t + between(0.0, 0.3); t < end; t += kDt) {
       const PitchState now = servo.at(t + kDt);
-      // Neither rate nor pitch may jump.
+      // Rate and pitch must not jump.
       ASSERT_LE(std::abs(now.rate_rad_s - before.rate_rad_s),
                 params.acceleration_rad_s2 * kDt + 1e-9);
       ASSERT_NEAR(now.pitch_rad - before.pitch_rad,
@@ -76,7 +76,7 @@ TEST(PitchServo, WithoutTorqueItComesToRestAndIgnoresGoals) {
   servo.set_goal({0.8, 1.0, 20.0}, 0.0);
   servo.set_torque(false, 0.4);
   const double rest = servo.at(5.0).pitch_rad;
-  // On for v^2 / 2a at the servo's own acceleration.
+  // It moves on for v^2 / 2a at the servo's own deceleration.
   EXPECT_NEAR(rest, servo.at(0.4).pitch_rad + 0.5 / ServoParams().acceleration_rad_s2, 1e-9);
   servo.set_goal({-0.5, 1.0, 20.0}, 5.0);
   EXPECT_EQ(servo.at(9.0).pitch_rad, rest);
@@ -86,7 +86,7 @@ TEST(PitchServo, WithoutTorqueItComesToRestAndIgnoresGoals) {
   EXPECT_EQ(servo.at(20.0).pitch_rad, -0.5);
 }
 
-TEST(PitchServo, JammedItStandsAndFreeItGoesOn) {
+TEST(PitchServo, JammedItStopsAndFreedItContinues) {
   PitchServo servo({});
   servo.set_goal({0.8, 1.0, 20.0}, 0.0);
   const double stuck = servo.at(0.3).pitch_rad;

@@ -22,7 +22,7 @@ geometry::SE3 laser() {
   return T_world_laser;
 }
 
-/// A wall across the x axis at `x_m`, from `y_min` on to the left.
+/// A wall across the x axis at `x_m`, from `y_min` to the left.
 Object wall(double x_m, double reflectivity, double y_min = -50.0) {
   return {Box{{x_m + 0.05, y_min + 50.0, 1.0}, {0.1, 100.0, 2.0}, 0.0}, reflectivity};
 }
@@ -39,8 +39,8 @@ TEST(Rangefinder, MeasuresWallsAtAnyAngle) {
     const Echo echo = look(world, without_noise(), deg_to_rad(deg));
     ASSERT_EQ(echo.kind, Echo::Kind::kRange);
     const double range_m = 3.0 / std::cos(deg_to_rad(deg));
-    // On an oblique wall the mean over the spot is too long, to second order in the spot's angle
-    // over the incidence: below 1e-3 at 75 degrees.
+    // On an oblique wall the mean over the spot is too long, by a term of second order in the
+    // spot's angle; below 1e-3 at 75 degrees.
     EXPECT_NEAR(echo.range_m / range_m, 1.0, 1e-3) << deg;
   }
 }
@@ -65,17 +65,18 @@ TEST(Rangefinder, NoiseHasItsSigmaAndBias) {
   EXPECT_NEAR(std::sqrt(sum_sq / kShots) / params.range_sigma_m, 1.0, 0.02);
 }
 
-TEST(Rangefinder, DarkThingsAreSeenLessFar) {
+TEST(Rangefinder, DarkSurfacesHaveAShorterRange) {
   const LaserParams params = without_noise();
   for (const double reflectivity : {0.1, 0.4, 0.75, 1.0}) {
-    // Lambert at a right angle: rho / d^2 = least. The spot's tilt costs less than 1e-4.
+    // Lambert's law head on: rho / d^2 is the least intensity. The spot's width costs less than
+    // 1e-4.
     const double reach_m = std::sqrt(reflectivity / params.min_intensity);
     for (const double share : {0.99, 1.01}) {
       World world;
       world.objects.push_back(wall(share * reach_m, reflectivity));
       EXPECT_EQ(look(world, params).kind, share < 1.0 ? Echo::Kind::kRange : Echo::Kind::kNothing);
     }
-    // The figures of the data sheet: 10 m at 10 %, 30 m at 75 %.
+    // From the data sheet: 10 m at 10 %, 30 m at 75 %.
     EXPECT_GT(reach_m, reflectivity >= 0.75 ? 30.0 : 10.0);
   }
 }
@@ -84,16 +85,17 @@ TEST(Rangefinder, IntensityFallsWithIncidenceAndDistance) {
   World world;
   world.objects.push_back(wall(4.0, 0.8));
   const LaserParams params = without_noise();
-  // rho cos(a) / (d / cos(a))^2; 1.25 times what the spot's other rays are measured to change.
+  // rho cos(a) / (d / cos(a))^2. The tolerance is 1.25 times the measured effect of the spot's
+  // other rays.
   EXPECT_NEAR(look(world, params).intensity, 0.8 / 16.0, 2.2e-7);
   const double c = std::cos(deg_to_rad(60.0));
   EXPECT_NEAR(look(world, params, deg_to_rad(60.0)).intensity / (0.8 * c * c * c / 16.0), 1.0,
               1.7e-5);
 }
 
-TEST(Rangefinder, EdgeGivesARangeInBetweenByLight) {
-  // The front wall begins just beside y = 0: the beam hits it with the left ray only, and not with
-  // the three rays in the middle line.
+TEST(Rangefinder, AtAnEdgeTheRangeIsTheMeanWeightedByLight) {
+  // The front wall begins just beside y = 0: the left ray of the spot hits it, the three rays in
+  // the middle line do not.
   const LaserParams params = without_noise();
   for (const double back_reflectivity : {0.8, 0.4}) {
     World world;
@@ -115,24 +117,24 @@ TEST(Rangefinder, SurfacesFarApartDoNotMix) {
   world.objects.push_back(wall(3.0 + 2.0 * params.pulse_length_m, 0.8));
   // The rays at the spot's edge are 4 um longer.
   EXPECT_NEAR(look(world, params).range_m, 3.0, 6e-6);
-  // Too dark for an echo of its own, so the surface behind is measured.
+  // Too dark for an echo of its own, so the surface behind it is measured.
   world.objects[0].reflectivity = 1e-3;
   EXPECT_NEAR(look(world, params).range_m, 3.0 + 2.0 * params.pulse_length_m, 8e-6);
 }
 
 TEST(Rangefinder, SpotGrowsWithDistance) {
-  // A pole of 1 cm beside the beam's axis is hit where the spot is wide enough.
+  // A pole of 1 cm beside the beam's axis is hit only where the spot is wide enough.
   const LaserParams params = without_noise();
   const auto meets = [&](double x_m) {
     World world;
     world.objects.push_back({Cylinder{{x_m, 0.02, 1.0}, 0.005, 2.0}});
     return look(world, params).kind == Echo::Kind::kRange;
   };
-  EXPECT_FALSE(meets(2.0));  // 5 mm + 2 m * 2.2 mrad = 9 mm: not yet 15 mm
-  EXPECT_TRUE(meets(8.0));   // its ring at 0.77 * (5 mm + 8 m * 2.2 mrad) = 17 mm
+  EXPECT_FALSE(meets(2.0));  // 5 mm + 2 m * 2.2 mrad = 9 mm, less than 15 mm
+  EXPECT_TRUE(meets(8.0));   // the outer ring is at 0.77 * (5 mm + 8 m * 2.2 mrad) = 17 mm
 }
 
-TEST(Rangefinder, ReflectorDazzlesNearAndHeadOnOnly) {
+TEST(Rangefinder, AReflectorDazzlesOnlyFromNearAndHeadOn) {
   const LaserParams params = without_noise();
   World world;
   world.objects.push_back(wall(1.5, 5.0));
@@ -140,11 +142,11 @@ TEST(Rangefinder, ReflectorDazzlesNearAndHeadOnOnly) {
   EXPECT_EQ(look(world, params, deg_to_rad(40.0)).kind, Echo::Kind::kRange);
   world.objects[0] = wall(6.0, 5.0);
   EXPECT_EQ(look(world, params).kind, Echo::Kind::kRange);
-  world.objects[0] = wall(0.5, 1.0);  // white, however near
+  world.objects[0] = wall(0.5, 1.0);  // white does not dazzle at any distance
   EXPECT_EQ(look(world, params).kind, Echo::Kind::kRange);
 }
 
-TEST(Rangefinder, BlackGivesNothing) {
+TEST(Rangefinder, ABlackSurfaceGivesNoEcho) {
   LaserParams params = without_noise();
   params.min_intensity = 0.0;
   World world;

@@ -13,8 +13,8 @@ namespace ray_caster_test {
 using Vec2 = Eigen::Vector2d;
 using Vec3 = Eigen::Vector3d;
 
-/// Oracle: each surface separately, as a bounded plane or a quadratic equation, without slabs, tree
-/// or Moeller-Trumbore.
+/// Oracle: each surface alone, as a bounded plane or a quadratic equation; without slabs, tree or
+/// Moeller-Trumbore.
 class BruteForce {
  public:
   explicit BruteForce(const Ray& ray) : ray_(ray) {}
@@ -155,7 +155,7 @@ World random_world(Random& random) {
   }
   world.objects.push_back({mesh, 0.7});
   world.objects.push_back({Ramp{{-3, -3, 0}, {1, -2, 0.8}, 1.5}, 0.9});
-  // Steps, one pit inside another, one alone.
+  // Three pits side by side like steps, one pit inside another, and one alone.
   world.pits = {{{-5, 1}, {-4, 3}, 0.2}, {{-4, 1}, {-3, 3}, 0.4}, {{-3, 1}, {-1, 3}, 0.6},
                 {{2, 2}, {5, 5}, 0.3},   {{3, 3}, {4, 4}, 1.0},   {{1, -5}, {3, -4}, 0.5}};
   return world;
@@ -200,8 +200,8 @@ TEST(RayCaster, AgreesWithBruteForce) {
     ASSERT_EQ(hit.has_value(), oracle.nearest <= kMaxRangeM) << "ray " << i;
     if (hit) {
       ++hits;
-      // Two computations with doubles of about 10; a thousand times their rounding error, for
-      // grazing rays. Pits are entered a nanometre late.
+      // Both are computed with doubles of about 10; the tolerance is a thousand times their
+      // rounding error because of grazing rays. Pits are entered a nanometre late.
       ASSERT_NEAR(hit->distance_m, oracle.nearest, 1e-8) << "ray " << i;
       ASSERT_NEAR((hit->normal - oracle.normal).norm(), 0.0, 1e-6) << "ray " << i;
     }
@@ -209,7 +209,7 @@ TEST(RayCaster, AgreesWithBruteForce) {
   EXPECT_GT(hits, 50'000);
 }
 
-TEST(RayCaster, TellsReflectivityOfWhatWasHit) {
+TEST(RayCaster, ReportsTheReflectivityOfTheSurfaceHit) {
   World world;
   world.objects.push_back({Box{{2, 0, 1}, {0.2, 2, 2}, 0}, 0.1});
   world.objects.push_back({Cylinder{{-2, 0, 1}, 0.5, 2}, 3.0});
@@ -219,8 +219,8 @@ TEST(RayCaster, TellsReflectivityOfWhatWasHit) {
   EXPECT_EQ(caster.cast({{0, 0, 1}, -Vec3::UnitZ()}, 10)->reflectivity, kDefaultReflectivity);
 }
 
-TEST(RayCaster, AxisAlignedRaysAndFlatThings) {
-  World world;  // zero components, and a box of a tree without thickness
+TEST(RayCaster, HandlesAxisAlignedRaysAndFlatObjects) {
+  World world;  // zero components, and a flat bounding box
   world.objects.push_back({Ramp{{1, 0, 0.5}, {3, 0, 0.5}, 1.0}});
   world.objects.push_back({Box{{5, 0, 1}, {1, 1, 2}, 0}});
   world.objects.push_back({Box{{-5, 0, 1}, {1, 1, 2}, 0}});
@@ -232,7 +232,7 @@ TEST(RayCaster, AxisAlignedRaysAndFlatThings) {
   EXPECT_FALSE(caster.cast({{0, 0, 1}, Vec3::UnitX()}, 4.4).has_value());
 }
 
-TEST(RayCaster, EmptyWorldHasAFloor) {
+TEST(RayCaster, AnEmptyWorldHasAFloor) {
   const RayCaster caster(World{});
   EXPECT_NEAR(caster.cast({{0, 0, 1}, -Vec3::UnitZ()}, 10)->distance_m, 1.0, 1e-12);
   EXPECT_FALSE(caster.cast({{0, 0, 1}, Vec3::UnitZ()}, 10).has_value());

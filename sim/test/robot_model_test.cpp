@@ -58,12 +58,12 @@ std::vector<double> drive(std::uint64_t seed) {
   return numbers;
 }
 
-TEST(RobotModel, SameSeedSameNumbersOtherSeedOthers) {
+TEST(RobotModel, TheSameSeedGivesTheSameNumbersAndAnotherSeedOthers) {
   EXPECT_EQ(drive(7), drive(7));
   EXPECT_NE(drive(7), drive(8));
 }
 
-TEST(RobotModel, StandingRobotStaysAndCountsNothing) {
+TEST(RobotModel, AStationaryRobotCountsNoTravelAndNoCollision) {
   RobotModel model(wall_ahead(2.0), {}, 1);
   model.advance_to(at(10s));
   EXPECT_EQ(model.wheel_travel().left_m, 0.0);
@@ -72,25 +72,28 @@ TEST(RobotModel, StandingRobotStaysAndCountsNothing) {
   EXPECT_EQ(model.ground_truth().collisions, 0);
 }
 
-TEST(RobotModel, MeasuresFromThePitchAxis) {
+TEST(RobotModel, RangesAreMeasuredFromThePitchAxis) {
   RobotModel model(wall_ahead(3.0), exact_params(), 1);
   model.advance_to(at(100ms));
-  // 2.85 m from the axis; the spot's rim is further by 2.85 * (0.25 / 2 degrees)^2 / 2 = 7 um.
+  // 2.85 m from the axis; the spot's border is farther away by 2.85 * (0.25 / 2 degrees)^2 / 2 = 7
+  // um.
   EXPECT_NEAR(model.measure(0.0, at(100ms)).range_m, 2.85, 7e-6);
-  // 1.25 times what is measured, here and below: an oblique spot's mean is longer.
+  // Here and below the tolerance is 1.25 times the measured error: the mean over an oblique spot is
+  // longer.
   EXPECT_NEAR(model.measure(deg_to_rad(60.0), at(100ms)).range_m, 5.7, 8.8e-5);
   model.set_pitch_goal({deg_to_rad(-20.0), 0.0, 0.0});
   model.advance_to(at(1s));
-  // The floor; the range is the mean over a spot that lies flat.
+  // The floor: the range is the mean over a spot that is long and flat.
   EXPECT_NEAR(model.measure(0.0, at(1s)).range_m, 0.38 / std::sin(deg_to_rad(20.0)), 2.3e-4);
 }
 
-TEST(RobotModel, MeasuresThePast) {
+TEST(RobotModel, MeasuresTheWorldAtAPastTime) {
   RobotModel model(wall_ahead(10.0), exact_params(), 1);
   model.set_wheel_speeds({1.0, 1.0});
   model.advance_to(at(3s));
   const double now_m = model.measure(0.0, at(3s)).range_m;
-  // 1 m/s, long after the motors' lag; the spot's mean is longer by 1.1 um per metre.
+  // The robot drives at 1 m/s; the motors' lag is over. The mean over the spot is longer by 1.1 um
+  // per metre.
   EXPECT_NEAR(model.measure(0.0, at(3s - 100ms)).range_m, now_m + 0.1, 1.5e-7);
   EXPECT_NEAR(model.measure(0.0, at(3s - 12'345us)).range_m, now_m + 0.012345, 1.5e-7);
   EXPECT_THROW(static_cast<void>(model.measure(0.0, at(3s + 1us))), std::out_of_range);
@@ -98,18 +101,18 @@ TEST(RobotModel, MeasuresThePast) {
   EXPECT_THROW(model.advance_to(at(1s)), std::invalid_argument);
 }
 
-TEST(RobotModel, SeesActorsWhereTheyWere) {
+TEST(RobotModel, MeasuresActorsWhereTheyWereAtThatTime) {
   World world;
   world.actors.push_back(walker({{0.0, {4.0, -2.0}}, {4.0, {4.0, 2.0}}}));
   RobotModel model(world, exact_params(), 1);
   model.advance_to(at(2s));
-  // Some rays of the spot hit the round actor beside its nearest line: 0.08 mm farther.
+  // Some rays of the spot hit the round actor beside its nearest line, 0.08 mm farther away.
   EXPECT_NEAR(model.measure(0.0, at(2s)).range_m, 4.0 - 0.25 - 0.15, 1.1e-4);
   model.advance_to(at(2s + 500ms));
   EXPECT_EQ(model.measure(0.0, at(2s + 500ms)).kind, Echo::Kind::kNothing);
 }
 
-TEST(RobotModel, WallStopsTheRobotAndCountsOnce) {
+TEST(RobotModel, AWallStopsTheRobotAndCountsAsOneCollision) {
   RobotModelParams params = exact_params();
   params.drive.tilt_per_mps2_rad = deg_to_rad(0.1);
   RobotModel model(wall_ahead(1.0), params, 1);
@@ -117,12 +120,12 @@ TEST(RobotModel, WallStopsTheRobotAndCountsOnce) {
   model.advance_to(at(5s));
   const GroundTruth truth = model.ground_truth();
   EXPECT_EQ(truth.collisions, 1);
-  // A step at 0.5 m/s is half a millimetre.
+  // A step at 0.5 m/s is half a millimetre long.
   EXPECT_NEAR(truth.T_world_base.translation().x(), 1.0 - 0.225, 6e-4);
   EXPECT_NEAR(truth.clearance_m, 0.0, 6e-4);
   EXPECT_EQ(truth.forward_mps, 0.0);
   EXPECT_GT(model.wheel_travel().left_m, 2.0);                // the wheels slip
-  EXPECT_NEAR(truth.T_world_base.linear()(2, 2), 1.0, 1e-6);  // and the body stands level
+  EXPECT_NEAR(truth.T_world_base.linear()(2, 2), 1.0, 1e-6);  // and the body is level
 
   model.set_wheel_speeds({-0.5, -0.5});
   model.advance_to(at(7s));
@@ -132,7 +135,7 @@ TEST(RobotModel, WallStopsTheRobotAndCountsOnce) {
   EXPECT_EQ(model.ground_truth().collisions, 2);
 }
 
-TEST(RobotModel, ActorWhoWalksIntoTheStandingRobotBumps) {
+TEST(RobotModel, AnActorWhoWalksIntoTheStationaryRobotCountsAsABump) {
   World world;
   world.actors.push_back(walker({{1.0, {2.0, 0.0}}, {4.0, {0.3, 0.0}}, {7.0, {2.0, 0.0}}}));
   RobotModel standing(world, exact_params(), 1);
@@ -163,7 +166,7 @@ TEST(RobotModel, ActorsAppearAndVanish) {
   EXPECT_TRUE(model.ground_truth().actors.empty());
 }
 
-TEST(RobotModel, PitStopsTheRobotAsACollision) {
+TEST(RobotModel, APitStopsTheRobotAndCountsAsACollision) {
   World world;
   world.pits.push_back({{1.0, -1.0}, {3.0, 1.0}, 0.5});
   RobotModel model(world, exact_params(), 1);
@@ -172,11 +175,11 @@ TEST(RobotModel, PitStopsTheRobotAsACollision) {
   EXPECT_EQ(model.ground_truth().collisions, 1);
   EXPECT_EQ(model.ground_truth().falls, 1);
   EXPECT_EQ(model.ground_truth().contacts_caused, 1);
-  // A millisecond's step at 0.5 m/s.
+  // A step of a millisecond at 0.5 m/s.
   EXPECT_NEAR(model.ground_truth().T_world_base.translation().x(), 1.0 - 0.225, 5e-4);
 }
 
-TEST(RobotModel, FollowsARampAndDoesNotFallOffItsEnd) {
+TEST(RobotModel, DrivesUpARampAndStopsAtItsEnd) {
   World world;
   world.objects.push_back({Ramp{{1.0, 0.0, 0.0}, {4.0, 0.0, 0.5}, 2.0}});
   RobotModel model(world, exact_params(), 1);
@@ -185,13 +188,14 @@ TEST(RobotModel, FollowsARampAndDoesNotFallOffItsEnd) {
   const GroundTruth truth = model.ground_truth();
   EXPECT_EQ(truth.collisions, 0);
   const Eigen::Vector3d p = truth.T_world_base.translation();
-  // On the slope, and tilted with it. Chord and ramp differ only at its foot.
+  // On the slope, and tilted like it. The line between the wheels differs from the ramp only at its
+  // foot.
   EXPECT_NEAR(p.z(), (p.x() - 1.0) / 6.0, 1e-6);
   EXPECT_NEAR(truth.T_world_base.linear()(2, 0), 0.5 / std::hypot(3.0, 0.5), 1e-6);
   model.advance_to(at(10s));
   EXPECT_EQ(model.ground_truth().falls, 1);
-  // The front wheels, half of the wheelbase ahead of base, stop at the edge; a step at 1 m/s is
-  // 1 mm.
+  // The front wheels, half of the wheelbase ahead of base, stop at the edge. Tolerance: a step at 1
+  // m/s, 1 mm.
   EXPECT_NEAR(model.ground_truth().T_world_base.translation().x(), 4.0 - 0.15, 1e-3);
 }
 
@@ -210,11 +214,11 @@ TEST(RobotModel, PitchGrowsWhileTheWheelsRollOntoARamp) {
   const GroundTruth truth = model.ground_truth();
   const double front_m = slope * (truth.T_world_base.translation().x() + 0.15 - 1.0);
   EXPECT_NEAR(truth.T_world_base.linear()(2, 0), std::sin(std::atan2(front_m, 0.3)), 1e-12);
-  EXPECT_NEAR(truth.T_world_base.translation().z(), 0.5 * front_m, 1e-12);  // rounding, both
+  EXPECT_NEAR(truth.T_world_base.translation().z(), 0.5 * front_m, 1e-12);  // rounding
   EXPECT_EQ(truth.collisions, 0);
 }
 
-TEST(RobotModel, AWheelOverTheSideOfARampIsAFall) {
+TEST(RobotModel, AWheelBeyondTheSideOfARampCountsAsAFall) {
   World world;
   world.objects.push_back({Ramp{{1.0, 0.0, 0.0}, {5.0, 0.0, 0.7}, 1.0}});
   RobotModel model(world, exact_params(), 1);
@@ -227,7 +231,7 @@ TEST(RobotModel, AWheelOverTheSideOfARampIsAFall) {
 
 TEST(RobotModel, TheSideOfARampIsAnObstacle) {
   World world;
-  // Beside the start; 10 cm high where the robot comes.
+  // The ramp is beside the start, and 10 cm high where the robot hits it.
   world.objects.push_back({Ramp{{-2.0, 1.0, 0.0}, {2.0, 1.0, 0.2}, 1.0}});
   world.T_world_start.yaw = 0.5 * geometry::kPi;
   RobotModel model(world, exact_params(), 1);
@@ -238,7 +242,7 @@ TEST(RobotModel, TheSideOfARampIsAnObstacle) {
   EXPECT_LT(model.ground_truth().T_world_base.translation().y(), 0.5);
 }
 
-// s = v^2 / 2 (mu cos +- sin) g along the slope.
+// s = v^2 / (2 (mu cos +- sin) g) along the slope.
 TEST(RobotModel, BrakingTakesLongerDownhill) {
   const double slope_rad = deg_to_rad(12.0);
   for (const double direction : {1.0, -1.0}) {
@@ -260,34 +264,34 @@ TEST(RobotModel, BrakingTakesLongerDownhill) {
   }
 }
 
-TEST(RobotModel, GlassReturnsNothing) {
+TEST(RobotModel, GlassGivesNoEcho) {
   World world = wall_ahead(3.0);
   world.objects.push_back({Box{{2.0, 0.0, 1.0}, {0.02, 0.5, 2.0}, 0.0}, 0.0});
   RobotModel model(world, exact_params(), 1);
   model.advance_to(at(100ms));
   EXPECT_EQ(model.measure(0.0, at(100ms)).kind, Echo::Kind::kNothing);
-  // Beyond its edge, at 0.25 / 1.84 = 8 degrees, the wall is measured.
+  // Beyond the glass's edge, at 0.25 / 1.84 = 8 degrees, the wall is measured.
   EXPECT_EQ(model.measure(deg_to_rad(10.0), at(100ms)).kind, Echo::Kind::kRange);
   model.set_wheel_speeds({0.5, 0.5});
   model.advance_to(at(6s));
   EXPECT_EQ(model.ground_truth().collisions, 1);
 }
 
-// Down over the edge of a pit: the laser at 0.38 m measures the far wall in the direction of the
-// missing floor.
+// Over the edge of a pit the laser, at 0.38 m, measures the pit's far wall where the floor is
+// missing.
 TEST(RobotModel, MeasuresIntoAPit) {
   World world;
   world.pits.push_back({{1.0, -2.0}, {1.6, 2.0}, 1.0});
   RobotModel model(world, exact_params(), 1);
   model.set_pitch_goal({deg_to_rad(-20.0), 0.0, 0.0});
   model.advance_to(at(1s));
-  // The beam would hit the floor 1.04 m ahead of the axis, at x = 1.19 m, which is over the pit.
-  // The far wall is at 1.6 - 0.15 = 1.45 m, lower than the floor by 1.45 tan 20 - 0.38 = 0.15 m.
-  // 1.25 times what is measured: the spot's mean.
+  // Without the pit the beam would hit the floor 1.04 m ahead of the axis, at x = 1.19 m. It hits
+  // the pit's far wall at 1.6 - 0.15 = 1.45 m, below the floor by 1.45 tan 20 - 0.38 = 0.15 m. The
+  // tolerance is 1.25 times the measured error of the mean over the spot.
   EXPECT_NEAR(model.measure(0.0, at(1s)).range_m, 1.45 / std::cos(deg_to_rad(20.0)), 1.4e-6);
 }
 
-TEST(RobotModel, NodsBackWhenItGainsSpeed) {
+TEST(RobotModel, TheBodyTiltsBackWhenItAcceleratesAndForwardWhenItBrakes) {
   RobotModelParams params = exact_params();
   params.drive.tilt_per_mps2_rad = deg_to_rad(0.1);
   RobotModel model({}, params, 1);

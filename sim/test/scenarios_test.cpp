@@ -24,7 +24,7 @@
 namespace nodmap::sim {
 namespace scenarios_test {
 
-/// A body as wide as the circle in which KURT3D rotates.
+/// A square body as wide as the circle in which KURT3D rotates.
 BodyParams turning_circle() {
   BodyParams body;
   body.length_m = body.width_m = std::hypot(body.length_m, body.width_m);
@@ -35,7 +35,7 @@ Eigen::Vector2d nearest_point(const Pit& pit, const Eigen::Vector2d& p) {
   return p.cwiseMax(pit.min).cwiseMin(pit.max);
 }
 
-/// The world with the robot looking at the nearest hole.
+/// The world with the robot heading for the nearest hole.
 World looking_at_hole(World world) {
   const Eigen::Vector2d start = world.T_world_start.translation();
   Eigen::Vector2d nearest = nearest_point(world.pits.front(), start);
@@ -49,7 +49,7 @@ World looking_at_hole(World world) {
 
 class Holes : public ::testing::TestWithParam<std::uint64_t> {};
 
-TEST_P(Holes, ARobotThatDrivesStraightOnFalls) {
+TEST_P(Holes, ARobotThatDrivesStraightOnFallsIn) {
   RobotModel model(looking_at_hole(make_holes(GetParam())), {}, 1);
   model.set_wheel_speeds({0.5, 0.5});
   model.advance_to(test::at(10s));
@@ -57,7 +57,7 @@ TEST_P(Holes, ARobotThatDrivesStraightOnFalls) {
   EXPECT_EQ(model.ground_truth().collisions, 1);
 }
 
-TEST_P(Holes, AndTheGoalIsReachedAroundThem) {
+TEST_P(Holes, TheGoalCanBeReachedAroundThem) {
   const World world = make_holes(GetParam());
   const auto length_m = shortest_path_m(world, turning_circle());
   ASSERT_TRUE(length_m);
@@ -70,8 +70,8 @@ INSTANTIATE_TEST_SUITE_P(Seeds, Holes, ::testing::Range<std::uint64_t>(0, 24));
 
 class Ramps : public ::testing::TestWithParam<std::uint64_t> {};
 
-// Straight over the ramp: no contact, and the robot's pitch is that of the ramp.
-TEST_P(Ramps, ARobotThatDrivesStraightOnArrives) {
+// Driving straight over the ramp causes no contact, and the robot's pitch is that of the ramp.
+TEST_P(Ramps, ARobotThatDrivesStraightOverThemArrives) {
   const World world = make_ramps(GetParam());
   RobotModelParams params;
   params.drive.slip_heading_rad = params.drive.slip_turning_rad = 0.0;
@@ -96,7 +96,7 @@ INSTANTIATE_TEST_SUITE_P(Seeds, Ramps, ::testing::Range<std::uint64_t>(0, 18));
 
 class Scenarios : public ::testing::TestWithParam<Scenario> {};
 
-TEST_P(Scenarios, StartIsFreeAndGoalsCanBeReached) {
+TEST_P(Scenarios, TheStartIsFreeAndTheGoalsCanBeReached) {
   for (std::uint64_t seed = 0; seed < 12; ++seed) {
     const World world = GetParam().make(seed);
     RobotModel model(world, {}, 1);
@@ -105,14 +105,14 @@ TEST_P(Scenarios, StartIsFreeAndGoalsCanBeReached) {
     EXPECT_GT(model.ground_truth().clearance_m, 0.0) << seed;
     BodyParams body;
     body.width_m = 0.45;
-    // The slot is narrower than that.
+    // The slot is narrower than the wider body.
     EXPECT_EQ(shortest_path_m(world, world.name == "slot" ? BodyParams{} : body).has_value(),
               !world.goals.empty())
         << seed;
   }
 }
 
-TEST_P(Scenarios, SameSeedSameWorldOtherSeedAnother) {
+TEST_P(Scenarios, TheSameSeedGivesTheSameWorldAndAnotherSeedAnotherWorld) {
   const auto numbers = [](const World& world) {
     std::vector<double> all{world.T_world_start.yaw};
     for (const Object& object : world.objects) {
@@ -137,9 +137,9 @@ INSTANTIATE_TEST_SUITE_P(All, Scenarios,
                            return name;
                          });
 
-// Beside a disc of radius R the shortest path is two tangents and an arc of radius r = R + half of
-// the width.
-TEST(ShortestPath, RoundADiscIsTwoTangentsAndAnArc) {
+// Around a disc of radius R the shortest path is two tangents and an arc of radius r = R + half the
+// body's width.
+TEST(ShortestPath, AroundADiscItIsTwoTangentsAndAnArc) {
   World world;
   world.objects.push_back({Cylinder{{2.0, 0.0, 0.5}, 0.8, 1.0}});
   world.goals.emplace_back(4.0, 0.0);
@@ -147,12 +147,12 @@ TEST(ShortestPath, RoundADiscIsTwoTangentsAndAnArc) {
   const double r = 0.8 + 0.5 * body.width_m;
   const double expected_m =
       2.0 * std::sqrt(4.0 - r * r) + r * (geometry::kPi - 2.0 * std::acos(r / 2.0));
-  // A cell and a half at each side.
+  // One and a half cells on each side.
   EXPECT_NEAR(shortest_path_m(world, body).value(), expected_m, 0.1);
   EXPECT_GE(shortest_path_m(world, body).value(), expected_m - 0.02);
 }
 
-TEST(ShortestPath, OverSeveralGoalsIsTheSumAndBehindAWallThereIsNone) {
+TEST(ShortestPath, OverSeveralGoalsItIsTheSumAndBehindAWallThereIsNone) {
   World world;
   world.goals = {{3.0, 0.0}, {3.0, 4.0}, {0.0, 0.0}};
   EXPECT_NEAR(shortest_path_m(world, {}).value(), 12.0, 1e-9);  // rounding
@@ -163,7 +163,7 @@ TEST(ShortestPath, OverSeveralGoalsIsTheSumAndBehindAWallThereIsNone) {
   EXPECT_FALSE(shortest_path_m({}, {}));
 }
 
-TEST(Builder, AMirroredWorldTurnsEverything) {
+TEST(Builder, AMirroredWorldMirrorsAllItsParts) {
   Builder builder("mirrored", 1);
   builder.start(1.0, 2.0, 0.3);
   builder.goal(4.0, 1.0);
@@ -220,7 +220,7 @@ TEST_F(BarnFile, MovingCylindersFollowASpline) {
   EXPECT_EQ(world.T_world_start.x, 11.0);
 }
 
-TEST_F(BarnFile, RefusesWhatIsBroken) {
+TEST_F(BarnFile, RefusesInvalidFiles) {
   for (const char* text :
        {"", "W 1 2\n0 0\n", "W 1 1\n0\n", "W 1 -1\n", "V 1 1\n0 0\n", "W 1 1\nnan 0\n",
         "W 1 1\nC 0.5 4 2 name\n1 0 0\n1 0 0\n", "W 1 99999999\n"}) {
@@ -229,9 +229,10 @@ TEST_F(BarnFile, RefusesWhatIsBroken) {
   EXPECT_THROW(static_cast<void>(load_barn_world(dir_.path() / "none", 1)), std::runtime_error);
 }
 
-// The challenge's own worlds. The lengths are those of data/barn/bottleneck.txt, for a half width
-// of 0.215 m on a grid of 2.5 cm, whose steps in eight directions are up to 8 % longer.
-TEST_F(BarnFile, ShortestPathsThroughTheChallengesWorlds) {
+// The challenge's own worlds. The lengths are those of data/barn/bottleneck.txt: they are for a
+// half width of 0.215 m, and for a grid of 2.5 cm, on which paths in eight directions are up to 8 %
+// longer.
+TEST_F(BarnFile, ShortestPathsAreThoseOfTheChallenge) {
   NODMAP_REQUIRE_DATA(file, "barn/worlds.txt");
   const World first = load_barn_world(file, 2);
   EXPECT_EQ(first.objects.size(), 234U);
@@ -247,7 +248,7 @@ TEST_F(BarnFile, ShortestPathsThroughTheChallengesWorlds) {
   }
 }
 
-TEST_F(BarnFile, RecordedPedestriansAreWhereTheyWere) {
+TEST_F(BarnFile, PedestriansFollowTheirRecording) {
   const auto file = write("0 7 0 0\n10 7 1 2\n5 9 4 4\n15 9 6 4\n");
   const World world = load_pedestrians(file, 2.5, 1);
   ASSERT_EQ(world.actors.size(), 2U);

@@ -23,8 +23,9 @@ Bytes all_bytes() {
   return bytes;
 }
 
-TEST(Uart, SmallDifferencesOfRateDoNoHarm) {
-  // The last sample is 9.5 bits after the edge and must hit the stop bit: 9 < 9.5 r < 10.
+TEST(Uart, SmallDifferencesOfTheBaudRateDoNoHarm) {
+  // The last sample is 9.5 receiver bits after the edge and must be in the sender's stop bit: 9 <
+  // 9.5 r < 10.
   for (const int baud : {96'000, 99'000, 100'000, 101'000, 104'000}) {
     EXPECT_THAT(received_bytes(100'000, all_bytes(), baud), ElementsAreArray(all_bytes())) << baud;
   }
@@ -32,16 +33,16 @@ TEST(Uart, SmallDifferencesOfRateDoNoHarm) {
               ::testing::Not(ElementsAreArray(all_bytes())));
 }
 
-// Computed by hand: a receiver at half the rate samples at 3, 5, 7, ... of the sender's bit times:
+// By hand: a receiver at half the rate samples at 3, 5, 7, ... of the sender's bit times, which are
 // bits 2, 4, 6 and the stop bit, then those of the next byte.
-TEST(Uart, AtHalfTheRateEverySecondBitIsSeen) {
-  // 0x54 = bits 2, 4, 6 set; sender's line: 0 00101010 1. Samples at 3, 5, 7, 9 give 1 1 1 1, and
-  // the idle line ones from there.
+TEST(Uart, AtHalfTheBaudRateEverySecondBitIsSampled) {
+  // 0x54 has bits 2, 4 and 6 set; the sender's line is 0 00101010 1. The samples at 3, 5, 7 and 9
+  // are 1, and so is the idle line after them.
   EXPECT_THAT(received_bytes(50'000, hex("54"), 100'000), ElementsAre(0xFF));
 }
 
-TEST(Uart, SlowBytesAreBreaksToAFastReceiver) {
-  // A zero at 9600 is nine low bits: one break, no stop bit in sight.
+TEST(Uart, AFastReceiverReadsASlowZeroAsABreak) {
+  // A zero at 9600 baud is nine low bits: for the receiver a break without a stop bit.
   EXPECT_THAT(received_bytes(500'000, hex("00"), 9600), ElementsAre(0x00));
   EXPECT_THAT(received_bytes(0, hex("00"), 9600), IsEmpty());
 }
@@ -58,7 +59,7 @@ TEST(SerialOutput, BytesLeaveAtTheRateOfTheLine) {
   output.take(at(1ms + 3720us), 500'000, line);
   EXPECT_EQ(line.size(), 186U);
   output.send(Bytes(1, 0x55), 500'000, at(2ms));
-  EXPECT_EQ(output.idle_from(), at(1ms + 7460us)) << "one after the other";
+  EXPECT_EQ(output.idle_from(), at(1ms + 7460us)) << "sent one after the other";
   output.clear();
   EXPECT_EQ(output.next_due(), kNever);
 }

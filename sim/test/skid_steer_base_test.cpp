@@ -44,7 +44,7 @@ TEST(SkidSteerBase, NeverExceedsTopSpeed) {  // R6
   }
 }
 
-TEST(SkidSteerBase, PowerLimitsTheGainOfSpeed) {
+TEST(SkidSteerBase, ThePowerOfTheMotorsLimitsTheAcceleration) {
   const DriveParams params = without_slip();
   SkidSteerBase body(params, {}, 1);
   body.set_wheel_speeds({5.2, 5.2});
@@ -54,13 +54,13 @@ TEST(SkidSteerBase, PowerLimitsTheGainOfSpeed) {
     body.step(kDt);
     t += kDt;
     energy_j = 0.5 * params.mass_kg * body.forward_mps() * body.forward_mps();
-    // The energy supplied by two motors, plus that of one step.
+    // At most the energy that two motors supply, and that of one step more.
     EXPECT_LE(energy_j, 2.0 * params.motor_power_w * (t + kDt));
   }
-  EXPECT_GT(energy_j, 0.5 * 2.0 * params.motor_power_w);  // and they do work
+  EXPECT_GT(energy_j, 0.5 * 2.0 * params.motor_power_w);  // the motors do supply power
 }
 
-TEST(SkidSteerBase, BrakingDistanceIsThatOfGrip) {
+TEST(SkidSteerBase, TheBrakingDistanceIsThatOfFullGrip) {
   const DriveParams params = without_slip();
   for (const double v : {0.5, 1.5, 4.0}) {
     SkidSteerBase body(params, {}, 1);
@@ -71,7 +71,7 @@ TEST(SkidSteerBase, BrakingDistanceIsThatOfGrip) {
     body.brake();
     run(body, 5.0);
     EXPECT_EQ(body.forward_mps(), 0.0);
-    // The distance of one step of 1 ms, v dt.
+    // Tolerance: the distance of one step of 1 ms, v dt.
     EXPECT_NEAR(body.T_world_base().x - start_m, v * v / (2.0 * params.friction * 9.81), v * kDt);
   }
 }
@@ -90,12 +90,12 @@ TEST(SkidSteerBase, NeverChangesSpeedFasterThanGripAllows) {
   }
 }
 
-TEST(SkidSteerBase, FollowsWithFirstOrderLag) {
+TEST(SkidSteerBase, FollowsACommandWithAFirstOrderLag) {
   const DriveParams params = without_slip();
   SkidSteerBase body(params, {}, 1);
   body.set_wheel_speeds({0.1, 0.1});  // so slow that no limit applies
   run(body, params.motor_lag_s);
-  // 1 - 1/e; Euler's steps of 1 ms in 50 ms are off by a percent.
+  // 1 - 1/e; Euler's method in steps of 1 ms has an error of one percent over 50 ms.
   EXPECT_NEAR(body.wheel_speeds().left_mps, 0.1 * (1.0 - std::exp(-1.0)), 0.001);
 }
 
@@ -122,14 +122,14 @@ TEST(SkidSteerBase, CalibratedOdometryIsUnbiased) {
   SkidSteerBase body(params, {}, 1);
   body.set_wheel_speeds({0.4, 0.6});
   const geometry::SE2 estimate = odometry(body, params, 10.0);
-  // Odometry takes the chord of each 10 ms' arc: 1.6 um in 5 m.
+  // Odometry takes the chord of each arc of 10 ms: 1.6 um in 5 m.
   EXPECT_NEAR(estimate.x, body.T_world_base().x, 2e-6);
   EXPECT_NEAR(estimate.y, body.T_world_base().y, 2e-6);
   EXPECT_NEAR(estimate.yaw, body.T_world_base().yaw, 1e-9);
   EXPECT_GT(std::abs(estimate.yaw), 1.0);
 }
 
-TEST(SkidSteerBase, ScaleBiasMakesTheWheelsCountTooMuch) {
+TEST(SkidSteerBase, AScaleBiasLengthensTheMeasuredTravel) {
   DriveParams params = without_slip();
   params.odometry_scale_bias = 0.03;
   SkidSteerBase body(params, {}, 1);
@@ -138,8 +138,8 @@ TEST(SkidSteerBase, ScaleBiasMakesTheWheelsCountTooMuch) {
   EXPECT_NEAR(body.travel().left_m / body.T_world_base().x, 1.03, 1e-9);
 }
 
-// A wheel that counts too much does so in rotations, too.
-TEST(SkidSteerBase, ScaleBiasActsOnRotations) {
+// A wheel that measures too much also does so in rotations.
+TEST(SkidSteerBase, AScaleBiasAlsoActsOnRotations) {
   DriveParams params = without_slip();
   params.odometry_scale_bias = 0.03;
   SkidSteerBase body(params, {}, 1);
@@ -151,10 +151,10 @@ TEST(SkidSteerBase, ScaleBiasActsOnRotations) {
   EXPECT_NEAR(counted_rad / body.T_world_base().yaw, 1.03, 1e-9);
 }
 
-// If the left wheels count 1 % too much and the right ones 1 % too little, a drive that counts as
-// straight is an arc to the left: a difference of 0.02 m per m over the axis length, reduced by
+// If the left wheels measure 1 % too much and the right ones 1 % too little, a drive that measures
+// as straight is an arc to the left: a difference of 0.02 m per m over the axis length, reduced by
 // skidding.
-TEST(SkidSteerBase, UnequalWheelsDriveAnArc) {
+TEST(SkidSteerBase, UnequalWheelsMakeTheRobotDriveAnArc) {
   DriveParams params = without_slip();
   params.odometry_scale_difference = 0.02;
   SkidSteerBase body(params, {}, 1);
@@ -178,8 +178,8 @@ TEST(SkidSteerBase, GroundTiltHasTheStatedDeviationAndNoMean) {
     sum += body.tilt_up_rad();
     sum_sq += body.tilt_up_rad() * body.tilt_up_rad();
   }
-  // 500 m at a correlation of 0.2 m are 1250 independent values: 3 % of deviation for the mean, 2 %
-  // for the deviation; four times that.
+  // 500 m with a correlation of 0.2 m are 1250 independent values: the standard error of the mean
+  // is 3 % of the deviation, that of the deviation 2 %. The tolerance is four times that.
   EXPECT_NEAR(sum / kSteps, 0.0, 0.12 * params.ground_tilt_rad);
   EXPECT_NEAR(std::sqrt(sum_sq / kSteps) / params.ground_tilt_rad, 1.0, 0.08);
 }
@@ -195,21 +195,21 @@ TEST(SkidSteerBase, SlipIsARandomWalkOfTheStatedSize) {
     body.set_wheel_speeds({1.0, 1.0});
     run(body, 9.0);
     travel_m = body.travel().left_m;
-    // Compared with the true path length, not with x: headings of a few degrees always shorten x by
-    // a few tenths of a percent.
+    // Compared with the length of the true path, not with x: headings of a few degrees always make
+    // x a few tenths of a percent shorter.
     const double way_m = std::hypot(body.T_world_base().x, body.T_world_base().y);
     sum_way_sq += (way_m - travel_m) * (way_m - travel_m);
     sum_yaw_sq += body.T_world_base().yaw * body.T_world_base().yaw;
   }
-  // The deviation of 400 runs is uncertain by 1/sqrt(800) = 3.5 %; four times that. A correlation
-  // of 0.2 m in 9 m takes away 1 %.
+  // The deviation of 400 runs has a standard error of 1/sqrt(800) = 3.5 %; the tolerance is four
+  // times that. A correlation of 0.2 m in 9 m takes away 1 %.
   EXPECT_NEAR(std::sqrt(sum_yaw_sq / kRuns) / (params.slip_heading_rad * std::sqrt(travel_m)), 1.0,
               0.15);
   EXPECT_NEAR(std::sqrt(sum_way_sq / kRuns) / (params.slip_distance_m * std::sqrt(travel_m)), 1.0,
               0.15);
 }
 
-TEST(SkidSteerBase, TurnSlipIsARandomWalkOfTheStatedSize) {
+TEST(SkidSteerBase, SlipInRotationsIsARandomWalkOfTheStatedSize) {
   const DriveParams params;
   double sum_sq = 0.0;
   double turned_rad = 0.0;
@@ -230,7 +230,7 @@ TEST(SkidSteerBase, TurnSlipIsARandomWalkOfTheStatedSize) {
               0.16);
 }
 
-TEST(SkidSteerBase, StandingWheelsDoNotSlip) {
+TEST(SkidSteerBase, StationaryWheelsDoNotSlip) {
   SkidSteerBase body({}, {1.0, 2.0, 0.5}, 1);
   run(body, 10.0);
   EXPECT_EQ(body.travel().left_m, 0.0);

@@ -54,7 +54,7 @@ class WorldFile : public testing::Test {
 
 const std::string kTail = "robot: {start: [0, 0, 0]}\n";
 
-TEST_F(WorldFile, ReadsEveryKindOfThing) {
+TEST_F(WorldFile, ReadsEveryKindOfObject) {
   write("chair.ply",
         "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
         "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
@@ -176,7 +176,7 @@ TEST_F(WorldFile, ErrorsNameTheLine) {
   EXPECT_THROW(static_cast<void>(load_world(folder_ / "missing.yaml")), formats::InputFileError);
 }
 
-TEST_F(WorldFile, ErrorsOfActors) {
+TEST_F(WorldFile, ErrorsInActorsNameTheLine) {
   const auto actor = [](const std::string& rest) {
     return "name: x\nactors:\n  - {cylinder: {radius: 0.2, height: 1}, " + rest + "}\n" + kTail;
   };

@@ -18,12 +18,12 @@ std::string error_of(const std::string& name) {
   return "";
 }
 
-TEST(WorldName, ARandomWorldNeedsANumber) {
+TEST(WorldName, ARandomWorldNeedsASeed) {
   EXPECT_FALSE(make_world("random:3").objects.empty());
   EXPECT_THAT(error_of("random:x"), HasSubstr("random:SEED"));
 }
 
-TEST(WorldName, WorldsByNameAndSeed) {
+TEST(WorldName, NamesAWorldByKindAndSeed) {
   EXPECT_EQ(make_world("holes:2").name, "holes-trench");
   EXPECT_EQ(make_world("dead-end:1").goals.size(), 1U);
   EXPECT_THAT(error_of("maze:x"), HasSubstr("maze:SEED"));

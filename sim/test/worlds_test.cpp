@@ -18,7 +18,7 @@ namespace worlds_test {
 
 constexpr double kCellM = 0.1;
 
-/// The places that the robot can reach from its start on flat ground with room to rotate
+/// The places that the robot can reach from its start on flat ground, with room to rotate
 /// everywhere.
 class Reached {
  public:
@@ -68,7 +68,7 @@ std::string file_of(const std::string& name) {
   return NODMAP_SOURCE_DIR "/sim/worlds/" + name + ".yaml";
 }
 
-TEST(Worlds, AllLoadAndLeaveTheStartFree) {
+TEST(Worlds, AllCanBeLoadedAndTheirStartsAreFree) {
   int count = 0;
   for (const auto& entry : std::filesystem::directory_iterator(NODMAP_SOURCE_DIR "/sim/worlds")) {
     if (entry.path().extension() != ".yaml") {
@@ -90,7 +90,7 @@ TEST(Worlds, AllLoadAndLeaveTheStartFree) {
   EXPECT_GE(count, 9);
 }
 
-TEST(Worlds, CellarIsARing) {
+TEST(Worlds, TheCorridorsOfTheCellarFormARing) {
   const Reached reached(load_world(file_of("cellar")));
   for (const Eigen::Vector2d& p :
        {Eigen::Vector2d(4.0, 0.0), {0.0, 2.4}, Eigen::Vector2d(-4.0, 0.0)}) {
@@ -98,7 +98,7 @@ TEST(Worlds, CellarIsARing) {
   }
 }
 
-TEST(Worlds, RoomsOfTheOfficeAreOpen) {
+TEST(Worlds, AllRoomsOfTheOfficeCanBeReached) {
   const Reached reached(load_world(file_of("office")));
   for (int room = 0; room < 5; ++room) {
     for (const double side : {-1.0, 1.0}) {
@@ -107,7 +107,7 @@ TEST(Worlds, RoomsOfTheOfficeAreOpen) {
   }
 }
 
-TEST(Worlds, RampOfTheStairsLeadsToThePlatform) {
+TEST(Worlds, TheRampBesideTheStairsLeadsToThePlatform) {
   World world = load_world(file_of("stairs"));
   world.T_world_start = {2.0, -2.8, 0.0};
   RobotModel model(world, {}, 1);
@@ -117,7 +117,7 @@ TEST(Worlds, RampOfTheStairsLeadsToThePlatform) {
   EXPECT_NEAR(model.ground_truth().T_world_base.translation().z(), 0.4, 1e-9);
 }
 
-TEST(Worlds, LevelLaserOfFig5SeesNoneOfItsTraps) {
+TEST(Worlds, ALevelLaserSeesNoneOfTheObstaclesOfFig5) {
   const World world = load_world(file_of("fig5"));
   const RobotModelParams params;
   for (const Object& object : world.objects) {
@@ -144,10 +144,10 @@ int obstacles_of(const World& world) {
     cylinders += box == nullptr ? 1 : 0;
     plates += box != nullptr && box->center.z() - 0.5 * box->size.z() > 0.01 ? 1 : 0;
   }
-  return boxes - 4 + cylinders - 4 * plates;  // without walls; a plate has four legs
+  return boxes - 4 + cylinders - 4 * plates;  // without the four walls; a plate has four legs
 }
 
-TEST(RandomWorld, HasItsNumberOfObstaclesAndRoomBetweenThem) {
+TEST(RandomWorld, HasTheStatedNumberOfObstaclesAndRoomBetweenThem) {
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     const World world = random_clutter(seed);
     EXPECT_GE(obstacles_of(world), 25) << seed;
@@ -156,13 +156,14 @@ TEST(RandomWorld, HasItsNumberOfObstaclesAndRoomBetweenThem) {
     model.advance_to(test::at(1ms));
     EXPECT_GT(model.ground_truth().clearance_m, 0.6 - 0.28) << seed;
     if (seed < 10) {
-      // Of 100 m^2, the obstacles and a border of half the robot's width around each are excluded.
+      // Of 100 m^2, this leaves out the obstacles and a border of half the robot's width around
+      // each.
       EXPECT_GT(Reached(world).area_m2(), 30.0) << seed;
     }
   }
 }
 
-TEST(RandomWorld, SameSeedSameWorld) {
+TEST(RandomWorld, TheSameSeedGivesTheSameWorld) {
   const auto numbers = [](std::uint64_t seed) {
     std::vector<double> all;
     for (const Object& object : random_clutter(seed).objects) {
