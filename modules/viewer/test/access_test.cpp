@@ -15,7 +15,7 @@ Request request(const std::string& target, const std::string& origin = "") {
 const AccessPolicy kReadOnly{.loopback_only = true, .token = ""};
 const AccessPolicy kWithControl{.loopback_only = true, .token = "secret"};
 
-TEST(Access, EchoesTheProtocolThatIsOffered) {
+TEST(Access, ChoosesAnOfferedProtocol) {
   EXPECT_EQ(choose_protocol(kV1), kV1);
   EXPECT_EQ(choose_protocol("foxglove.sdk.v1"), "foxglove.sdk.v1");
   EXPECT_EQ(choose_protocol("chat, foxglove.sdk.v1 ,foxglove.websocket.v1"), "foxglove.sdk.v1");
@@ -23,7 +23,7 @@ TEST(Access, EchoesTheProtocolThatIsOffered) {
   EXPECT_FALSE(choose_protocol("foxglove.websocket.v10, ,"));
 }
 
-TEST(Access, KnowsTheNamesOfThisHost) {
+TEST(Access, AcceptsTheNamesOfThisHost) {
   for (const char* host : {"localhost", "localhost:8765", "127.0.0.1:1", "[::1]:8765", "[::1]"}) {
     EXPECT_TRUE(is_this_host(host)) << host;
   }
@@ -40,7 +40,7 @@ TEST(Access, ANameReboundToThisHostIsRefused) {
   EXPECT_EQ(decide_access(rebound, {.loopback_only = false, .token = ""}).refusal, Refusal::kNone);
 }
 
-TEST(Access, ReadingIsFreeButControllingAPlaybackIsNot) {
+TEST(Access, AnyOriginMayReadButOnlyOurPageMayControlAPlayback) {
   const Access foxglove = decide_access(request("/", "https://app.foxglove.dev"), kReadOnly);
   EXPECT_EQ(foxglove.refusal, Refusal::kNone);
   EXPECT_FALSE(foxglove.rights.play);
@@ -51,7 +51,7 @@ TEST(Access, ReadingIsFreeButControllingAPlaybackIsNot) {
   EXPECT_FALSE(decide_access(request("/", "null"), kReadOnly).rights.play);
 }
 
-TEST(Access, ControlNeedsTokenAndOrigin) {
+TEST(Access, ControlNeedsTheTokenAndOurOwnOrigin) {
   EXPECT_TRUE(decide_access(request("/?token=secret"), kWithControl).rights.control);
   EXPECT_TRUE(decide_access(request("/?a=b&token=secret&c", "http://127.0.0.1:8765"), kWithControl)
                   .rights.control);

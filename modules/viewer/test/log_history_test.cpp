@@ -34,11 +34,11 @@ TEST(Series, KeepsTheExtremesOfEachInterval) {
     const double b = samples[2 * k + 1][1];
     EXPECT_EQ(std::min(a, b), *least);
     EXPECT_EQ(std::max(a, b), *greatest);
-    EXPECT_LT(samples[2 * k][0], samples[2 * k + 1][0]) << "in the order of time";
+    EXPECT_LT(samples[2 * k][0], samples[2 * k + 1][0]) << "in order of time";
   }
 }
 
-TEST(Series, AGapIsAGap) {
+TEST(Series, AGapInTheValuesStaysAGap) {
   Series series(0.0, 1.0);
   for (const double time_s : {0.0, 1.0, 2.5, 3.0}) {
     series.add(time_s, 7.0);
@@ -55,7 +55,7 @@ TEST(Series, WithoutValuesIsEmpty) {
   EXPECT_EQ(series.samples(), Json::array());
 }
 
-TEST(LogHistory, GoesThroughAllLogsInTheOrderOfTime) {
+TEST(LogHistory, ReadsAllLogsInOrderOfTime) {
   const test::TemporaryDir dir;
   const auto write = [&](const char* file, std::int64_t first_s) {
     bus::LogWriter log(dir.path() / file);

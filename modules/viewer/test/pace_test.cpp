@@ -8,7 +8,7 @@ namespace pace_test {
 
 constexpr time::SteadyTime kStart{10s};
 
-/// How many of `turns` turns, 20 ms apart, send an update.
+/// In how many of `turns` turns, 20 ms apart, an update is sent.
 int due_of(Pace& pace, int turns) {
   int due = 0;
   for (int i = 0; i < turns; ++i) {
@@ -17,7 +17,7 @@ int due_of(Pace& pace, int turns) {
   return due;
 }
 
-TEST(Pace, EveryTurnWhileTheMachineIsFree) {
+TEST(Pace, SendsInEveryTurnWhileTheMachineIsFree) {
   Pace pace(20ms);
   for (int i = 0; i < 10; ++i) {
     pace.note_load(0.89F);
@@ -35,10 +35,10 @@ TEST(Pace, FallsToTwiceASecondWhileTheMachineIsBusy) {
   EXPECT_EQ(seconds, 5);  // 40, 80, 160, 320, 500 ms
   pace.note_load(1.0F);
   EXPECT_EQ(pace.period(), Pace::kSlowest);
-  EXPECT_EQ(due_of(pace, 100), 4);  // of two seconds
+  EXPECT_EQ(due_of(pace, 100), 4);  // in two seconds
 }
 
-TEST(Pace, RecoversWhenTheMachineIsFreeAndHoldsInBetween) {
+TEST(Pace, RecoversWhenTheMachineIsFreeAndElseKeepsItsPace) {
   Pace pace(20ms);
   for (int i = 0; i < 5; ++i) {
     pace.note_load(1.0F);
@@ -52,7 +52,7 @@ TEST(Pace, RecoversWhenTheMachineIsFreeAndHoldsInBetween) {
   EXPECT_EQ(due_of(pace, 10), 10);
 }
 
-TEST(Pace, ASlowPaceStaysAsItIs) {
+TEST(Pace, APaceThatIsSlowFromTheStartDoesNotChange) {
   Pace pace(1s);
   pace.note_load(1.0F);
   EXPECT_EQ(pace.period(), 1s);

@@ -16,7 +16,7 @@
 namespace nodmap::viewer {
 namespace playback_test {
 
-TEST(Playback, ParametersControlIt) {
+TEST(Playback, IsControlledByParameters) {
   const test::TemporaryDir dir;
   {
     bus::LogWriter log(dir.path() / "log");
@@ -35,10 +35,10 @@ TEST(Playback, ParametersControlIt) {
   EXPECT_NE(set_playback_parameter(player, "playback.duration_s", 1).refusal, "");
   EXPECT_EQ(playback_parameters(player)[1]["value"], 2.0);
   EXPECT_EQ(playback_parameters(player)[2], Json({{"name", "playback.begin_s"}, {"value", 0.0}}))
-      << "wherever it plays";
+      << "whatever is being played";
 }
 
-TEST(Playback, EventsAreWhatBegins) {
+TEST(Playback, EventsMarkTheBeginningsOfStopsKeyframesAndFaults) {
   const test::TemporaryDir dir;
   {
     bus::LogWriter log(dir.path() / "log");
@@ -55,7 +55,7 @@ TEST(Playback, EventsAreWhatBegins) {
     add(0.0, "STOP", stop);
     stop.is_stopped = true;
     add(1.0, "STOP", stop);
-    add(1.5, "STOP", stop);  // still
+    add(1.5, "STOP", stop);  // the same stop
     chunk.keyframe_id = 7;
     add(2.0, "CLOUD", chunk);
     add(2.1, "CLOUD", chunk);  // its second part

@@ -82,7 +82,7 @@ class ProcessControlTest : public ::testing::Test {
   ProcessControl control_{bus_, config(), [this] { return now_; }};
 };
 
-TEST_F(ProcessControlTest, TheLastLinesThatACommandWroteAreKept) {
+TEST_F(ProcessControlTest, KeepsTheLastLinesOfACommandsOutput) {
   EXPECT_EQ(control_.output("slam").text, "");
   const auto say = [this](const std::string& deputy, const std::string& command,
                           const std::string& text) {
@@ -102,7 +102,7 @@ TEST_F(ProcessControlTest, TheLastLinesThatACommandWroteAreKept) {
   EXPECT_FALSE(control_.output("nobody").ok);
 }
 
-TEST_F(ProcessControlTest, ARestartIsOrderedUntilItHasHappenedAndTheRestKeepsRunning) {
+TEST_F(ProcessControlTest, OrdersARestartUntilItHasHappenedAndKeepsOtherCommandsRunning) {
   tell(4);
   EXPECT_TRUE(control_.change(Verb::kRestart, "slam").ok);
   handle();
@@ -115,7 +115,7 @@ TEST_F(ProcessControlTest, ARestartIsOrderedUntilItHasHappenedAndTheRestKeepsRun
   EXPECT_FALSE(ordered("other").force_quit);
   pass(1s);
   EXPECT_EQ(orders_.size(), 2U);
-  tell(4, false);  // stopped: the deputy starts it with the next orders, which do not wait
+  tell(4, false);  // stopped: the orders that start it are sent at once
   EXPECT_EQ(orders_.size(), 3U);
   tell(5);
   pass(1us);
@@ -124,7 +124,7 @@ TEST_F(ProcessControlTest, ARestartIsOrderedUntilItHasHappenedAndTheRestKeepsRun
   EXPECT_EQ(orders_.size(), 3U);
 }
 
-TEST_F(ProcessControlTest, StopsAndStarts) {
+TEST_F(ProcessControlTest, StopsAndStartsACommand) {
   tell(4);
   EXPECT_TRUE(control_.change(Verb::kStop, "slam").ok);
   handle();
@@ -138,9 +138,9 @@ TEST_F(ProcessControlTest, StopsAndStarts) {
   EXPECT_FALSE(ordered("slam").force_quit);
 }
 
-// Starts from the present state, which other sheriffs may have changed: old orders would start old
-// runs again.
-TEST_F(ProcessControlTest, StartsFromTheStateThatTheDeputyReports) {
+// It begins with the present state, which another sheriff may have changed: with old orders it
+// would start old runs again.
+TEST_F(ProcessControlTest, BeginsWithTheStateThatTheDeputyReports) {
   tell(4);
   EXPECT_TRUE(control_.change(Verb::kRestart, "slam").ok);
   tell(5);
@@ -155,7 +155,7 @@ TEST_F(ProcessControlTest, StartsFromTheStateThatTheDeputyReports) {
   EXPECT_EQ(ordered("log").desired_run, 1);
 }
 
-TEST_F(ProcessControlTest, GivesWayToAnotherSheriff) {
+TEST_F(ProcessControlTest, YieldsToAnotherSheriff) {
   tell(4);
   other_sheriff_orders();
   EXPECT_FALSE(control_.change(Verb::kStop, "slam").ok);
@@ -166,7 +166,7 @@ TEST_F(ProcessControlTest, GivesWayToAnotherSheriff) {
   EXPECT_FALSE(control_.is_sheriff());
 }
 
-TEST_F(ProcessControlTest, LeavesInTimeWhenNothingHappens) {
+TEST_F(ProcessControlTest, StopsBeingTheSheriffIfACommandDoesNotStart) {
   tell(4);
   EXPECT_TRUE(control_.change(Verb::kStop, "slam").ok);
   for (int i = 0; i < 11; ++i) {
@@ -178,7 +178,7 @@ TEST_F(ProcessControlTest, LeavesInTimeWhenNothingHappens) {
   EXPECT_FALSE(control_.is_sheriff());
 }
 
-TEST_F(ProcessControlTest, RefusesWhatItCannotDo) {
+TEST_F(ProcessControlTest, RefusesCommandsThatAreNotConfiguredOrNotHeardOf) {
   EXPECT_FALSE(control_.change(Verb::kStart, "slam").ok);  // no INFO of its deputy was received
   tell(4);
   EXPECT_FALSE(control_.change(Verb::kStart, "slam6d").ok);

@@ -59,7 +59,7 @@ TEST_F(RemoteControlTest, AGoalIsPublished) {
   EXPECT_EQ(goal_.get()->goal_seq, 1);
 }
 
-TEST_F(RemoteControlTest, AnExplorationIsBegunAndEnded) {
+TEST_F(RemoteControlTest, AnExplorationIsStartedAndEnded) {
   EXPECT_TRUE(ask({{"do", "explore"}}));
   ASSERT_TRUE(explore_.get());
   EXPECT_TRUE(explore_.get()->is_active);
@@ -90,7 +90,7 @@ TEST_F(RemoteControlTest, AGoalFarAwayIsRefusedAndOneOutsideTheMapIsReported) {
   EXPECT_DOUBLE_EQ(goal_.get()->position_m[1], 2.1) << "it may still be explored";
 }
 
-TEST_F(RemoteControlTest, AStopIsRepeatedUntilGo) {
+TEST_F(RemoteControlTest, AStopIsRepeatedUntilTheRobotIsReleased) {
   pass(1s);
   EXPECT_EQ(stop_.count(), 0);  // nobody has asked
   EXPECT_TRUE(ask({{"do", "stop"}}));
@@ -102,7 +102,7 @@ TEST_F(RemoteControlTest, AStopIsRepeatedUntilGo) {
   pass(1us);
   EXPECT_EQ(stop_.count(), 2);
   EXPECT_EQ(stop_.get()->stop_seq, 1);
-  EXPECT_TRUE(ask({{"do", "goal"}, {"x_m", 1}, {"y_m", 1}}));  // does not let it go
+  EXPECT_TRUE(ask({{"do", "goal"}, {"x_m", 1}, {"y_m", 1}}));  // does not release it
   pass(RemoteControl::kRepeat);
   EXPECT_TRUE(stop_.get()->is_stopped);
   EXPECT_TRUE(ask({{"do", "go"}}));
@@ -112,7 +112,7 @@ TEST_F(RemoteControlTest, AStopIsRepeatedUntilGo) {
   EXPECT_EQ(stop_.count(), count);
 }
 
-TEST_F(RemoteControlTest, AReleaseByAnotherSenderIsNotContradicted) {
+TEST_F(RemoteControlTest, AReleaseByAnotherSenderEndsTheRepetition) {
   EXPECT_TRUE(ask({{"do", "stop"}}));
   nodmap::stop_t other{};
   other.utime = 76;  // from before our stop, delayed on the network
@@ -127,13 +127,13 @@ TEST_F(RemoteControlTest, AReleaseByAnotherSenderIsNotContradicted) {
   EXPECT_FALSE(stop_.get()->is_stopped);
 }
 
-TEST_F(RemoteControlTest, MapsAreSaved) {
+TEST_F(RemoteControlTest, ARequestToSaveMapsIsPublished) {
   EXPECT_TRUE(ask({{"do", "save_maps"}}));
   ASSERT_TRUE(save_.get());
   EXPECT_EQ(save_.get()->requested_by, "nodmap-viewer");
 }
 
-TEST_F(RemoteControlTest, NonsenseIsRefused) {
+TEST_F(RemoteControlTest, InvalidRequestsAreRefused) {
   for (const Json& request :
        {Json({{"do", "goal"}}), Json({{"do", "goal"}, {"x_m", 1}}),
         Json({{"do", "goal"}, {"x_m", "1"}, {"y_m", 1}}),
@@ -153,13 +153,13 @@ TEST_F(RemoteControlTest, WithoutAConfigurationThereIsNoControlOverProcesses) {
   }
 }
 
-TEST_F(RemoteControlTest, ProcessesAreAskedFor) {
+TEST_F(RemoteControlTest, ProcessCommandsArePassedToProcessControl) {
   ProcessControl processes(
       bus_,
       procman::parse_config(R"(cmd "slam2d" { exec = "nodmap-slam2d"; host = "robot"; })").config,
       [] { return time::Moment{}; });
   RemoteControl control(bus_, clock_, &processes);
-  // The rest is tested with ProcessControl.
+  // All else is tested with ProcessControl.
   EXPECT_EQ(control.answer({{"do", "restart_process"}, {"command", "slam2d"}}).text,
             "The deputy robot does not answer.");
   EXPECT_EQ(control.answer({{"do", "start_process"}, {"command", "nobody"}}).text,

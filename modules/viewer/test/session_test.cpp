@@ -40,7 +40,7 @@ class SessionTest : public ::testing::Test {
     return frame && !frame->is_binary ? Json::parse(frame->head) : Json();
   }
 
-  /// A service call with number 7.
+  /// A service call with the id 7.
   static std::string call(const std::string& payload, char service = 1,
                           const std::string& encoding = "json") {
     return std::string{2, service, 0, 0, 0, 7, 0, 0, 0, static_cast<char>(encoding.size()),
@@ -58,7 +58,7 @@ class SessionTest : public ::testing::Test {
   std::size_t cloud_ = 0;
 };
 
-TEST_F(SessionTest, GreetsWithItselfAndItsChannels) {
+TEST_F(SessionTest, BeginsWithServerInfoAndTheListOfChannels) {
   Session session(store_, services_, {});
   const Json info = text_frame(session);
   EXPECT_EQ(info["op"], "serverInfo");
@@ -73,7 +73,7 @@ TEST_F(SessionTest, GreetsWithItselfAndItsChannels) {
   EXPECT_FALSE(session.next());
 }
 
-// The layout of the specification: op, subscription, nanoseconds, payload, little-endian.
+// The layout of the specification: op, subscription, nanoseconds, payload; little-endian.
 TEST_F(SessionTest, SendsSubscribedTopics) {
   Session session = greeted();
   post(scan_, 0x0102, "{}");
@@ -103,7 +103,7 @@ TEST_F(SessionTest, ASlowClientMissesReplacedMessagesButNoKeyframe) {
   EXPECT_THAT(sent, ::testing::UnorderedElementsAre("scan2", "cloud0", "cloud1", "cloud2"));
 }
 
-TEST_F(SessionTest, TopicsTakeTurns) {
+TEST_F(SessionTest, TopicsAreSentInTurn) {
   Session session = greeted();
   session.receive_text(
       R"({"op":"subscribe","subscriptions":[{"id":0,"channelId":1},{"id":1,"channelId":2}]})");
@@ -117,7 +117,7 @@ TEST_F(SessionTest, TopicsTakeTurns) {
   EXPECT_NE(first, second);
 }
 
-TEST_F(SessionTest, NewsWaitBetweenTwoSendingsButAnswersDoNot) {
+TEST_F(SessionTest, MessagesWaitForTheNextUpdateButAnswersDoNot) {
   Session session = greeted();
   session.receive_text(R"({"op":"subscribe","subscriptions":[{"id":0,"channelId":1}]})");
   post(scan_, 1, "old");
@@ -130,12 +130,12 @@ TEST_F(SessionTest, NewsWaitBetweenTwoSendingsButAnswersDoNot) {
   const auto frame = session.next(true);
   ASSERT_TRUE(frame && frame->post);
   EXPECT_EQ(frame->post->text(), "new");
-  EXPECT_FALSE(session.next(true)) << "what was replaced meanwhile is not sent";
+  EXPECT_FALSE(session.next(true)) << "the replaced message is not sent";
 }
 
-// A client forgets everything when the time goes back, so a history sent before the time would be
+// A client forgets everything when the time steps back: a history sent before the new time would be
 // lost.
-TEST_F(SessionTest, TheTimeGoesBeforeAHistory) {
+TEST_F(SessionTest, TheTimeIsSentBeforeAHistory) {
   Session session = greeted();
   session.receive_text(R"({"op":"subscribe","subscriptions":[{"id":1,"channelId":2}]})");
   post(cloud_, 1, "cloud");
@@ -148,7 +148,7 @@ TEST_F(SessionTest, TheTimeGoesBeforeAHistory) {
   EXPECT_EQ(cloud->post->text(), "cloud");
 }
 
-TEST_F(SessionTest, AHistoryIsSentBetweenTwoSendingsToo) {
+TEST_F(SessionTest, AHistoryIsAlsoSentBetweenTwoUpdates) {
   Session session = greeted();
   session.receive_text(
       R"({"op":"subscribe","subscriptions":[{"id":0,"channelId":1},{"id":1,"channelId":2}]})");
@@ -163,7 +163,7 @@ TEST_F(SessionTest, AHistoryIsSentBetweenTwoSendingsToo) {
   EXPECT_THAT(sent, ::testing::ElementsAre("cloud0", "cloud1", "cloud2"));
 }
 
-TEST_F(SessionTest, UnsubscribedIsSilent) {
+TEST_F(SessionTest, AfterUnsubscribingNothingIsSent) {
   Session session = greeted();
   session.receive_text(R"({"op":"subscribe","subscriptions":[{"id":7,"channelId":1}]})");
   session.receive_text(R"({"op":"unsubscribe","subscriptionIds":[7]})");
@@ -197,13 +197,13 @@ INSTANTIATE_TEST_SUITE_P(
         R"({"op":"setParameters","parameters":[{"name":"x","value":1}]})",
         "{\"op\":\"subscribe\xFF\"}"));
 
-TEST_F(SessionTest, DeepNestingIsNoTrouble) {
+TEST_F(SessionTest, DeeplyNestedJsonIsRefused) {
   Session session = greeted();
   session.receive_text(std::string(60'000, '['));
   EXPECT_EQ(session.refused(), 1);
 }
 
-TEST_F(SessionTest, SubscriptionsHaveALimit) {
+TEST_F(SessionTest, TheNumberOfSubscriptionsIsLimited) {
   Session session = greeted();
   for (std::size_t i = 0; i <= Session::kMaxSubscriptions; ++i) {
     session.receive_text(R"({"op":"subscribe","subscriptions":[{"id":)" + std::to_string(i) +
@@ -212,7 +212,7 @@ TEST_F(SessionTest, SubscriptionsHaveALimit) {
   EXPECT_EQ(session.refused(), 1);
 }
 
-TEST_F(SessionTest, AnswersNobodyReadsDoNotPileUp) {
+TEST_F(SessionTest, TheNumberOfUnreadAnswersIsLimited) {
   Session session = greeted();
   for (int i = 0; i < 1000; ++i) {
     session.receive_text("nonsense");
@@ -225,7 +225,7 @@ TEST_F(SessionTest, AnswersNobodyReadsDoNotPileUp) {
   EXPECT_EQ(session.refused(), 1000);
 }
 
-TEST_F(SessionTest, WithoutControlNothingIsDone) {
+TEST_F(SessionTest, WithoutControlCallsAreRefused) {
   int asked = 0;
   services_.control = [&asked](const Json&) {
     ++asked;
@@ -276,7 +276,7 @@ TEST_F(SessionTest, InvalidCallsAreCountedAndAnswered) {
   receive(session, call("{}", 2));  // another service
   receive(session, call("{}", 1, "cdr"));
   const std::string good = call("{}");
-  for (std::size_t size = 0; size < 17; ++size) {  // cut off before the payload
+  for (std::size_t size = 0; size < 17; ++size) {  // truncated before the payload
     receive(session, good.substr(0, size));
   }
   receive(session, "\x01" + good.substr(1));
@@ -287,7 +287,7 @@ TEST_F(SessionTest, InvalidCallsAreCountedAndAnswered) {
   EXPECT_EQ(session.refused(), 4 + 17 + 2);
 }
 
-TEST_F(SessionTest, ParametersAreReadByAllAndSetByThoseWhoMay) {
+TEST_F(SessionTest, ParametersAreReadByAllAndSetOnlyByClientsWithTheRight) {
   double speed = 1.0;
   services_.parameters = [&speed] {
     return Json::array({{{"name", "playback.speed"}, {"value", speed}}});

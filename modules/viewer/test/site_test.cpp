@@ -8,7 +8,7 @@
 namespace nodmap::viewer {
 namespace site_test {
 
-TEST(Site, ServesThePageAndWhatItUses) {
+TEST(Site, ServesThePageAndItsFiles) {
   const Site site;
   ASSERT_NE(site.find("/"), nullptr);
   EXPECT_EQ(site.find("/")->content_type, "text/html; charset=utf-8");
@@ -18,7 +18,7 @@ TEST(Site, ServesThePageAndWhatItUses) {
   EXPECT_NE(site.find("/three/build/three.module.js"), nullptr);
 }
 
-TEST(Site, KnowsNoOtherPath) {
+TEST(Site, FindsNoOtherPath) {
   const Site site;
   for (const char* target :
        {"", "main.js", "/../../etc/passwd", "/%2e%2e/etc/passwd", "//etc/passwd",
@@ -30,7 +30,7 @@ TEST(Site, KnowsNoOtherPath) {
 TEST(Site, AMissingPackageIsNamed) {
   try {
     const Site site("/nonexistent");
-    FAIL() << "a site without its packages";
+    FAIL() << "a site without its packages was made";
   } catch (const std::runtime_error& error) {
     EXPECT_NE(std::string(error.what()).find("libjs-three"), std::string::npos) << error.what();
   }

@@ -67,8 +67,8 @@ TEST(GridAssembler, KnownCellsStayInPlaceWhenTheGridGrows) {
   EXPECT_EQ(result.whole->width, 170);
   EXPECT_EQ(result.whole->cells[10 * 170 + 30], 33);
   EXPECT_EQ(result.whole->cells[0], -1);
-  EXPECT_EQ(result.whole->cells[30 * 170 + 40], 100);   // the wall, in the previous tile
-  EXPECT_EQ(result.whole->cells[30 * 170 + 140], 100);  // and in the new one
+  EXPECT_EQ(result.whole->cells[30 * 170 + 40], 100);   // the wall, from a previous tile
+  EXPECT_EQ(result.whole->cells[30 * 170 + 140], 100);  // the wall, from a new tile
 }
 
 TEST(GridAssembler, ARestartedMapContainsNothingOfTheOldOne) {
@@ -84,7 +84,7 @@ TEST(GridAssembler, ARestartedMapContainsNothingOfTheOldOne) {
   EXPECT_EQ(result.whole->cells[20 * 120 + 10], -1);
 }
 
-TEST(GridAssembler, SaysThatTilesWereLost) {
+TEST(GridAssembler, ReportsLostTiles) {
   GridAssembler assembler;
   EXPECT_FALSE(assembler.add(foxglove::test::map_at(0.0, 1)[0]).lost);
   const auto next = foxglove::test::map_at(1.0, 2);
@@ -110,7 +110,7 @@ TEST(GridAssembler, RefusesAContradictoryTile) {
   EXPECT_TRUE(refused([](auto& t) { t.grid_width = t.grid_height = 2'000'000'000; }));
 }
 
-TEST(GridAssembler, RefusesATileTwice) {
+TEST(GridAssembler, RefusesATileThatItHasAlready) {
   GridAssembler assembler;
   const auto tile = foxglove::test::map_at(0.0, 1)[0];
   EXPECT_FALSE(assembler.add(tile).refused);
@@ -185,7 +185,7 @@ TEST(OctomapAssembler, DropsAMapThatLostAPart) {
 TEST(OctomapAssembler, RefusesBytesThatAreNotAMap) {
   OctomapAssembler assembler;
   auto chunk = test::octomap_at(0.0, 0)[0];
-  chunk.num_chunks = 1;  // cut off
+  chunk.num_chunks = 1;  // truncated
   EXPECT_TRUE(assembler.add(chunk).refused);
   chunk.num_chunks = OctomapAssembler::kMaxChunks + 1;
   EXPECT_TRUE(assembler.add(chunk).refused);

@@ -38,7 +38,7 @@ std::size_t size(const CloudView& cloud) {
   return cloud.xyz_m.size() / 3;
 }
 
-TEST(CloudDownsampler, KeptPointsAreApartAndOthersAreNearOne) {
+TEST(CloudDownsampler, KeptPointsAreFarApartAndDroppedOnesAreNearAKeptOne) {
   CloudDownsampler downsampler(kSpacing, kAll);
   const CloudView all = random_cloud(4000, 0.4F, 1);
   CloudView kept = all;
@@ -59,7 +59,7 @@ TEST(CloudDownsampler, KeptPointsAreApartAndOthersAreNearOne) {
   }
 }
 
-TEST(CloudDownsampler, TheSameCloudAgainIsLeftOutWhereverItsPoseSaysItIs) {
+TEST(CloudDownsampler, TheSamePointsAgainAreDroppedWhateverTheBasePose) {
   CloudDownsampler downsampler(kSpacing, kAll);
   const CloudView all = random_cloud(1000, 1.0F, 2);
   CloudView first = all;
@@ -80,14 +80,14 @@ TEST(CloudDownsampler, TheSameCloudAgainIsLeftOutWhereverItsPoseSaysItIs) {
   EXPECT_GT(size(elsewhere), size(first) / 2);
 }
 
-TEST(CloudDownsampler, NoSpacingKeepsAll) {
+TEST(CloudDownsampler, WithoutASpacingOnlyEqualPointsAreDropped) {
   CloudDownsampler downsampler(0.0, kAll);
   CloudView cloud = cloud_of({1, 2, 3, 1, 2, 3});
   downsampler.downsample(cloud);
   EXPECT_EQ(size(cloud), 2U);
 }
 
-TEST(CloudDownsampler, ShowsAgainWhatIsGone) {
+TEST(CloudDownsampler, KeepsAPointAgainAfterItWasForgotten) {
   CloudDownsampler downsampler(kSpacing, 100);
   const CloudView place = cloud_of({0, 0, 0});
   CloudView first = place;
@@ -108,7 +108,7 @@ TEST(CloudDownsampler, ShowsAgainWhatIsGone) {
   EXPECT_EQ(size(again), 1U);
 }
 
-TEST(CloudDownsampler, AfterClearEverythingIsNew) {
+TEST(CloudDownsampler, KeepsAllPointsAgainAfterClear) {
   CloudDownsampler downsampler(kSpacing, kAll);
   CloudView first = cloud_of({1, 2, 3});
   downsampler.downsample(first);
@@ -118,7 +118,7 @@ TEST(CloudDownsampler, AfterClearEverythingIsNew) {
   EXPECT_EQ(size(again), 1U);
 }
 
-TEST(CloudDownsampler, KeepsPointsOutOfReach) {
+TEST(CloudDownsampler, KeepsPointsThatAreTooFarAwayOrInvalid) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   CloudDownsampler downsampler(kSpacing, kAll);

@@ -86,7 +86,7 @@ TEST_F(FeedTest, EveryTopicHasASchemaAndANameOfItsOwn) {
   }
 }
 
-TEST_F(FeedTest, OdometryGivesFrameTrailAndBody) {
+TEST_F(FeedTest, OdometryGivesTheBaseFrameTheTrailAndTheBody) {
   send("ODOMETRY", robot::odometry_at(2.0));
   EXPECT_DOUBLE_EQ(newest("ODOMETRY")["forward_mps"], 0.5);
   EXPECT_DOUBLE_EQ(newest("tf/base")["translation"]["x"], 1.0);
@@ -95,7 +95,7 @@ TEST_F(FeedTest, OdometryGivesFrameTrailAndBody) {
   EXPECT_EQ(newest("scene/robot")["entities"][0]["id"], "robot");
 }
 
-TEST_F(FeedTest, TheSecondMapHangsBelowOdometry) {
+TEST_F(FeedTest, TheFrameOfThe6dMapIsAChildOfOdom) {
   send("POSE_2D", robot::pose_at(10.0));
   send("POSE_6D", robot::pose_at(10.0));
   EXPECT_EQ(newest("tf/map")["child_frame_id"], "odom");
@@ -104,7 +104,7 @@ TEST_F(FeedTest, TheSecondMapHangsBelowOdometry) {
   EXPECT_DOUBLE_EQ(newest("tf/map_6d")["translation"]["y"], -0.1);
 }
 
-TEST_F(FeedTest, MapsAndClouds) {
+TEST_F(FeedTest, ConvertsMapsAndClouds) {
   for (const auto& tile : robot::map_at(0.0, 1)) {
     send("MAP_2D", tile);
   }
@@ -125,7 +125,7 @@ TEST_F(FeedTest, MapsAndClouds) {
 }
 
 // A loop closure also moves keyframes shown before; pages find each cloud by its time.
-TEST_F(FeedTest, AClosedLoopMovesTheKeyframes) {
+TEST_F(FeedTest, ALoopClosureMovesTheKeyframes) {
   for (const auto& chunk : robot::keyframe_at(0.0, 0, 10)) {
     send("CLOUD", chunk);
   }
@@ -141,7 +141,7 @@ TEST_F(FeedTest, AClosedLoopMovesTheKeyframes) {
   EXPECT_EQ(newest("scene/pose_graph_6d")["entities"].size(), 1U);
 }
 
-TEST_F(FeedTest, AKeyframeOfAPlaceShownBeforeIsShownToo) {
+TEST_F(FeedTest, AKeyframeOfAPlaceShownBeforeIsShownAsWell) {
   send_keyframe_twice();
   EXPECT_EQ(count_posts("CLOUD"), 2U);
 }
@@ -156,7 +156,7 @@ TEST_F(DownsampledFeedTest, AKeyframeOfAPlaceShownBeforeIsCountedButNotShown) {
   EXPECT_EQ(count_posts("CLOUD"), 1U);
 }
 
-TEST_F(FeedTest, TheRestOfTheChannels) {
+TEST_F(FeedTest, ConvertsAllOtherChannels) {
   send("SCAN", robot::scan_at(0.0));
   send("PITCH_STATE", robot::pitch_state_at(0.3));
   send("PITCH_COMMAND", robot::pitch_command_at(0.0));
@@ -210,7 +210,7 @@ TEST_F(FeedTest, MessagesThatCannotBeShownAreCounted) {
   EXPECT_EQ(newest("ODOMETRY"), Json());
 }
 
-TEST_F(FeedTest, AResetForgets) {
+TEST_F(FeedTest, AResetDropsTrailsAndMaps) {
   send("ODOMETRY", robot::odometry_at(0.0));
   feed_.reset();
   store_.clear();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// make_robot_log FILE [DURATION_S [POINTS_PER_KEYFRAME]]: writes a log of an invented robot for the
-// process tests.
+// make_robot_log FILE [DURATION_S [POINTS_PER_KEYFRAME]]: writes the log of an imaginary robot for
+// the process tests.
 #include <cstdio>
 #include <cstdlib>
 #include <exception>

@@ -61,7 +61,8 @@ TEST(CommandTable, ListsConfiguredCommandsOnce) {
     command.deputy = "robot";
   }
   table.set_configured(config);
-  EXPECT_EQ(table.commands()["commands"][0]["state"], "no deputy") << "not heard yet";
+  EXPECT_EQ(table.commands()["commands"][0]["state"], "no deputy")
+      << "its deputy was not heard yet";
   ASSERT_TRUE(table.update(info("robot", {command("a", 17, 0)})));
   const Json list = table.commands()["commands"];
   ASSERT_EQ(list.size(), 2U);
@@ -82,7 +83,7 @@ TEST(CommandTable, DoesNotGrowWithInventedNames) {
       info("host0", std::vector<procman_lcm::cmd_status_t>(CommandTable::kMaxCommands + 1))));
 }
 
-TEST(ProcessTable, HoldsTheNewestOfEachInOrder) {
+TEST(ProcessTable, KeepsTheNewestStatusOfEachProcessSortedByName) {
   ProcessTable table;
   nodmap::status_t status = foxglove::test::status_at(1.0);
   status.process_name = "b";

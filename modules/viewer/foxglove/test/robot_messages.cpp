@@ -126,7 +126,7 @@ nodmap::pose_t pose_at(double time_s) {
   nodmap::pose_t message{};
   message.utime = utime(time_s);
   stand_at(message, kSpeedMps * time_s);
-  message.position_m[1] = 0.1 * time_s / 10.0;  // what odometry has missed
+  message.position_m[1] = 0.1 * time_s / 10.0;  // the error of odometry
   message.odom_position_m[1] = message.position_m[1];
   message.odom_orientation[0] = 1.0;
   message.inlier_ratio = 0.9;

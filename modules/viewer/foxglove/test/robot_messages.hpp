@@ -43,7 +43,7 @@ inline constexpr double kHalfWidthM = 2.0;
 [[nodiscard]] nodmap::truth_t truth_at(double time_s);
 [[nodiscard]] nodmap::goal_t goal();
 [[nodiscard]] nodmap::path_t path();
-/// Somebody who walks, and somebody out of sight.
+/// A person who walks in view, and one who is out of sight.
 [[nodiscard]] nodmap::tracks_t tracks();
 [[nodiscard]] nodmap::exploration_t exploration();
 [[nodiscard]] nodmap::stop_t stop();

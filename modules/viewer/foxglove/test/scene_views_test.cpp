@@ -19,13 +19,13 @@ TEST(Scene, TheCorridorBeginsAtTheRobotsFront) {
   ASSERT_EQ(update["entities"].size(), 1U);
   const Json& cube = update["entities"][0]["cubes"][0];
   EXPECT_DOUBLE_EQ(cube["size"]["x"], 1.5);
-  // Half the body, then half the corridor.
+  // Half of the body's length, then half of the corridor's.
   EXPECT_DOUBLE_EQ(cube["pose"]["position"]["x"], 0.225 + 0.75);
   EXPECT_EQ(update["entities"][0]["texts"][0]["text"], "STEER");
 }
 
-// From 0.4 m above the ground, 30 degrees down: the ray meets the ground after 0.8 m, 0.8 cos 30
-// ahead.
+// From 0.4 m above the ground, 30 degrees down: the ray hits the ground after 0.8 m, that is 0.8
+// cos 30 ahead.
 TEST(Scene, TheAreaOfInterestEndsOnTheGround) {
   nodmap::pitch_command_t command{};
   command.pitch_min_rad = -std::numbers::pi / 6.0;
@@ -46,7 +46,7 @@ TEST(Scene, AnEndedGoalIsDeleted) {
   EXPECT_EQ(goal_scene(goal)["deletions"][0]["id"], "goal");
 }
 
-TEST(Scene, AGoalWithAHeadingPointsThere) {
+TEST(Scene, AGoalWithAHeadingHasAnArrow) {
   nodmap::goal_t goal = foxglove::test::goal();
   EXPECT_TRUE(goal_scene(goal)["entities"][0]["lines"].empty());
   goal.has_heading = 1;
@@ -69,7 +69,7 @@ TEST(Scene, APathDisappearsWithItsGoal) {
   EXPECT_EQ(path_scene(path)["deletions"][0]["id"], "path");
 }
 
-TEST(Scene, EachTrackIsARingAndItsPathOfTheNextSecond) {
+TEST(Scene, EachTrackIsARingAndALineForItsNextSecond) {
   nodmap::tracks_t tracks = foxglove::test::tracks();
   const Json entity = tracks_scene(tracks)["entities"][0];
   EXPECT_EQ(entity["frame_id"], "odom");
@@ -89,7 +89,7 @@ TEST(Scene, AnExplorationShowsFrontiersAndTourUntilItEnds) {
   nodmap::exploration_t exploration = foxglove::test::exploration();
   const Json entity = exploration_scene(exploration)["entities"][0];
   ASSERT_EQ(entity["lines"].size(), 2U);
-  EXPECT_EQ(entity["lines"][0]["points"].size(), 2U);  // a stroke
+  EXPECT_EQ(entity["lines"][0]["points"].size(), 2U);  // a line for the frontier
   EXPECT_EQ(entity["lines"][1]["points"].size(), 5U);  // path, then the viewpoints
   EXPECT_EQ(entity["lines"][1]["points"][4]["x"], 5.0);
   EXPECT_EQ(entity["cylinders"].size(), 2U);
@@ -99,18 +99,18 @@ TEST(Scene, AnExplorationShowsFrontiersAndTourUntilItEnds) {
   EXPECT_EQ(exploration_scene(exploration)["deletions"][0]["id"], "exploration");
 }
 
-TEST(Scene, ThePoseGraphShowsItsLoopsByTheirState) {
+TEST(Scene, ThePoseGraphShowsAcceptedAndRefusedLoops) {
   const Json entity = pose_graph_scene(foxglove::test::pose_graph())["entities"][0];
   ASSERT_EQ(entity["lines"].size(), 3U);
-  EXPECT_EQ(entity["lines"][0]["points"].size(), 3U);  // the submaps
+  EXPECT_EQ(entity["lines"][0]["points"].size(), 3U);  // the path over the submaps
   const Json& accepted = entity["lines"][1]["points"];
   ASSERT_EQ(accepted.size(), 2U);
   EXPECT_EQ(accepted[0]["x"], 0.0);
   EXPECT_EQ(accepted[1]["x"], 2.0);
-  EXPECT_EQ(entity["lines"][2]["points"].size(), 2U);  // the one refused
+  EXPECT_EQ(entity["lines"][2]["points"].size(), 2U);  // the refused one
 }
 
-TEST(Scene, ALoopBetweenSubmapsThatAreNotThereIsNotDrawn) {
+TEST(Scene, ALoopBetweenMissingSubmapsIsNotDrawn) {
   nodmap::pose_graph_t graph = foxglove::test::pose_graph();
   graph.from_submap[0] = -1;
   graph.to_submap[1] = 3;
@@ -124,7 +124,7 @@ TEST(Scene, ThePoseGraphOf6dSlamShowsItsKeyframesInSpace) {
   EXPECT_EQ(entity["frame_id"], "map_6d");
   EXPECT_EQ(entity["lines"][0]["points"][1]["x"], 3.0);
   EXPECT_EQ(entity["lines"][1]["points"].size(), 2U);
-  EXPECT_TRUE(entity["lines"][2]["points"].empty());  // from a keyframe that is not there
+  EXPECT_TRUE(entity["lines"][2]["points"].empty());  // the loop of a missing keyframe
 }
 
 }  // namespace scene_views_test

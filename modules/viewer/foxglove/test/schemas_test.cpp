@@ -17,7 +17,7 @@
 namespace nodmap::foxglove {
 namespace schemas_test {
 
-TEST(JsonMessage, NamesConstantsAndWhatIsNone) {
+TEST(JsonMessage, NamesConstantsAndUnknownValues) {
   using Navigation = JsonMessage<nodmap::navigation_t>;
   EXPECT_STREQ(Navigation::constant_name(-1), "UNKNOWN");
   EXPECT_STREQ(Navigation::constant_name(5), "UNKNOWN");
@@ -35,8 +35,8 @@ TEST(JsonMessage, LeavesOutLongAndVariableArrays) {
                    .contains("actor_position_m"));
 }
 
-/// Checks a value against a schema, for the part of JSON Schema that our schemas use. Empty if it
-/// fits and no described property is missing.
+/// Compares a value with a schema, for the part of JSON Schema that our schemas use. Empty if it
+/// fits and every property is described.
 std::string misfit(const Json& value, const Json& schema, const std::string& path = "$") {
   const Json& type = schema["type"];
   const auto is = [&value](const std::string& name) {
@@ -70,7 +70,7 @@ std::string misfit(const Json& value, const Json& schema, const std::string& pat
   return found;
 }
 
-TEST(Schemas, DescribeTheSentMessages) {
+TEST(Schemas, DescribeTheMessagesThatAreSent) {
   const auto fits = [](const char* name, const Json& value) {
     const Json schema = Json::parse(schema_text(name));
     // As a reader receives it: values that JSON cannot express have become null.

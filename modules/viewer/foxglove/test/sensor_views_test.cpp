@@ -17,7 +17,7 @@
 namespace nodmap::foxglove {
 namespace sensor_views_test {
 
-/// An independent decoder, by table look-up for 4 characters at a time.
+/// An independent base64 decoder: a table, 4 characters at a time.
 std::vector<std::uint8_t> decoded(const std::string& text) {
   const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::vector<std::uint8_t> bytes;
@@ -56,7 +56,7 @@ scan::Scan level_scan() {
   return scan;
 }
 
-TEST(LaserScan, HasTheFanAndZeroWhereThereIsNoReading) {
+TEST(LaserScan, HasTheFanOfTheScanAndZeroForMissingReadings) {
   const Json json = laser_scan(level_scan());
   EXPECT_EQ(json["ranges"], Json({1.5, 0.0, 0.0}));
   EXPECT_DOUBLE_EQ(json["start_angle"], -0.5);
@@ -67,7 +67,7 @@ TEST(LaserScan, HasTheFanAndZeroWhereThereIsNoReading) {
 
 // The page and Foxglove draw p_base = pose * (r cos a, r sin a, 0): the same as Eq. 1 when the
 // pitch does not change during the scan.
-TEST(LaserScan, PlacesABeamWhereTheEquationDoes) {
+TEST(LaserScan, PlacesABeamWhereEquation1Does) {
   scan::Scan scan = level_scan();
   scan.pitch_first_rad = scan.pitch_last_rad = 0.3;
   scan.T_base_mount.translation() = Eigen::Vector3d(0.1, 0.0, 0.4);
@@ -83,7 +83,7 @@ TEST(LaserScan, PlacesABeamWhereTheEquationDoes) {
   EXPECT_TRUE(end.isApprox(scan::point_in_base(scan, 0, 1.5), 1e-12));
 }
 
-TEST(EgomapCloud, HoldsThePointsThatAreThere) {
+TEST(EgomapCloud, ContainsTheMeasuredPointsOnly) {
   nodmap::egomap_t map = foxglove::test::egomap_at(1.0);
   const Json json = egomap_cloud(map, geometry::SE3::Identity());
   const std::vector<float> values = floats_in(json);
@@ -110,7 +110,7 @@ TEST(PointCloud, KeepsFloatsBitByBit) {
   EXPECT_EQ(json["fields"][1], Json({{"name", "y"}, {"offset", 4}, {"type", 7}}));
 }
 
-TEST(Grid, KeepsCellsAndCorner) {
+TEST(Grid, HasTheCellsAndTheCornerOfTheMap) {
   const Json json = grid({time::from_utime(9), 0.05, -1.0, 2.0, 2, 1, {-1, 100}});
   EXPECT_EQ(decoded(json["data"]), (std::vector<std::uint8_t>{255, 100}));
   EXPECT_EQ(json["column_count"], 2);
@@ -126,18 +126,18 @@ TEST(Grid, OfTheLocalMapIsInOdom) {
   EXPECT_DOUBLE_EQ(json["pose"]["position"]["x"], -2.0);
 }
 
-TEST(Grid, ALocalMapMustHaveTheCellsItClaims) {
+TEST(Grid, ALocalMapMustHaveAsManyCellsAsItStates) {
   const nodmap::local_map_t good = foxglove::test::local_map();
   EXPECT_TRUE(is_valid(good));
   nodmap::local_map_t bad = good;
   bad.width = 81;
   EXPECT_FALSE(is_valid(bad));
   bad = good;
-  bad.width = bad.height = -80;  // their product is right
+  bad.width = bad.height = -80;  // only their product is right
   EXPECT_FALSE(is_valid(bad));
   bad = good;
   bad.width = 1;
-  bad.height = bad.num_cells;  // longer than what is drawn
+  bad.height = bad.num_cells;  // longer than a map may be
   EXPECT_FALSE(is_valid(bad));
   bad = good;
   bad.cell_size_m = 0.0;

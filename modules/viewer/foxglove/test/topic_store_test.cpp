@@ -10,7 +10,7 @@ Post::Encode says(const std::string& text) {
   return [text] { return text; };
 }
 
-TEST(TopicStore, AReaderSeesTheNewestOnly) {
+TEST(TopicStore, AReaderGetsOnlyTheNewestMessage) {
   TopicStore store;
   const std::size_t topic = store.add({"POSE", "s"});
   std::uint64_t cursor = 0;
@@ -23,7 +23,7 @@ TEST(TopicStore, AReaderSeesTheNewestOnly) {
   EXPECT_EQ(store.next(topic, cursor)->text(), "c");
 }
 
-TEST(TopicStore, ALateReaderGetsEverythingOfACollection) {
+TEST(TopicStore, ALateReaderGetsTheWholeCollection) {
   TopicStore store;
   const std::size_t topic = store.add({"CLOUD", "s", Keep::kAll, 100});
   store.post(topic, time::from_utime(1), says("a"));
@@ -47,7 +47,7 @@ TEST(TopicStore, ACollectionStaysWithinItsLimit) {
   EXPECT_EQ(store.dropped(), 3);
 }
 
-TEST(TopicStore, TextIsMadeWhenItIsWantedAndOnce) {
+TEST(TopicStore, TextIsProducedOnDemandAndOnlyOnce) {
   TopicStore store;
   const std::size_t topic = store.add({"SCAN", "s"});
   int made = 0;
@@ -77,7 +77,7 @@ TEST(TopicStore, AfterAClearReadersContinueWithNewPosts) {
   EXPECT_EQ(store.next(topic, cursor)->text(), "new");
 }
 
-TEST(TopicStore, AListenerMissesNothing) {
+TEST(TopicStore, AListenerGetsEveryMessage) {
   TopicStore store;
   const std::size_t topic = store.add({"SCAN", "s"});
   std::string heard;

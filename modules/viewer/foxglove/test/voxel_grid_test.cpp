@@ -41,7 +41,7 @@ TEST(VoxelGrid, EnclosesTheOccupiedVoxelsAndNothingElse) {
 
 // Random voxels in a space so large that cells must be coarser: each is in an occupied cell, and
 // every occupied cell contains one.
-TEST(VoxelGrid, IsCoarserWhereSpaceIsLarge) {
+TEST(VoxelGrid, HasLargerCellsForALargeSpace) {
   std::mt19937 random(5);
   std::uniform_int_distribution<int> place(-700, 700);
   std::vector<std::array<int, 3>> voxels;
@@ -63,14 +63,14 @@ TEST(VoxelGrid, IsCoarserWhereSpaceIsLarge) {
   EXPECT_EQ(std::accumulate(left.cells.begin(), left.cells.end(), 0), 0);
 }
 
-TEST(VoxelGrid, ALeafOfManyVoxelsFillsItsCube) {
+TEST(VoxelGrid, ALeafOfManyVoxelsOccupiesItsWholeCube) {
   const VoxelGrid grid =
       to_voxel_grid({0.1, {{{32768, 32768, 32768}, 2}, {{32776, 32768, 32768}, 0}}});
   EXPECT_EQ(grid.columns, 9);
   EXPECT_EQ(std::accumulate(grid.cells.begin(), grid.cells.end(), 0), 64 + 1);
 }
 
-TEST(VoxelGrid, AllOfSpaceIsOneCellAndNothingIsOneFreeCell) {
+TEST(VoxelGrid, AFullSpaceIsOneOccupiedCellAndAnEmptyOneIsOneFreeCell) {
   const VoxelGrid all = to_voxel_grid({0.1, {{{0, 0, 0}, 16}, {{65535, 65535, 65535}, 0}}});
   EXPECT_LE(static_cast<std::int64_t>(all.cells.size()), VoxelGrid::kMaxCells);
   EXPECT_EQ(std::accumulate(all.cells.begin(), all.cells.end(), std::size_t{0}), all.cells.size());
