@@ -48,7 +48,7 @@ const EgoPoint* point_towards(const EgoMap& map, double bearing_rad) {
   return point.valid ? &point : nullptr;
 }
 
-/// Records what it finds at each step: the distance of the single point ahead.
+/// Records the distance of the single point ahead before each step.
 class NotingRule final : public UpdateRule {
  public:
   explicit NotingRule(std::vector<std::string>& notes) : notes_(&notes) {}
@@ -76,7 +76,7 @@ EgoMap noting_map(std::vector<std::string>& notes) {
           std::make_unique<NotingRule>(notes)};
 }
 
-// Each step is recognised by what it finds: the point moved by step 1, its bin emptied by step 2.
+// Each step is recognised by the point that it finds: step 1 has moved it, step 2 has removed it.
 TEST(EgoMap, TransformRemoveReplaceInThisOrderForEveryScan) {
   std::vector<std::string> notes;
   EgoMap map = noting_map(notes);
@@ -88,7 +88,7 @@ TEST(EgoMap, TransformRemoveReplaceInThisOrderForEveryScan) {
                                  "remove, finds 4 m", "replace, finds nothing"));
 }
 
-TEST(EgoMap, StandingSkipsTransformationAndRemoval) {
+TEST(EgoMap, WhileStationaryTransformationAndRemovalAreSkipped) {
   std::vector<std::string> notes;
   EgoMap map = noting_map(notes);
   const HitsOnly hits(map, {EgoPoint::at({5.0, 0.0}, 0.2)});
@@ -97,7 +97,7 @@ TEST(EgoMap, StandingSkipsTransformationAndRemoval) {
   EXPECT_THAT(notes, ElementsAre("replace, finds nothing", "replace, finds 5 m"));
 }
 
-// The distances differ by half a metre, more than any tolerance.
+// The distances differ by half a metre, which is more than any tolerance.
 TEST(ObstacleMap, ReplacementTruthTable) {
   for (const RemovalRule rule : {RemovalRule::kPaper, RemovalRule::kVisibility}) {
     for (const auto& [hit_m, expected_m] : {std::pair{1.5, 1.5}, {2.0, 2.0}, {2.5, 2.0}}) {

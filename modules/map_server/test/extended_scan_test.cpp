@@ -16,7 +16,7 @@ AngleBins bins(double aperture_deg, double resolution_deg) {
   return {deg_to_rad(aperture_deg), deg_to_rad(resolution_deg)};
 }
 
-TEST(AngleBins, NumberOfBins) {
+TEST(AngleBins, TheNumberOfBinsFollowsFromApertureAndStep) {
   EXPECT_EQ(bins(180, 1).size(), 181U);
   EXPECT_EQ(bins(180, 0.5).size(), 361U);
   EXPECT_EQ(bins(360, 0.5).size(), 720U);
@@ -24,7 +24,7 @@ TEST(AngleBins, NumberOfBins) {
   EXPECT_EQ(bins(270, 0.25).size(), 1081U);
 }
 
-TEST(AngleBins, IndexOfAngleRoundTrip) {
+TEST(AngleBins, TheAngleOfABinHasTheIndexOfThatBin) {
   for (const AngleBins& b : {bins(180, 1), bins(360, 0.5), bins(90, 0.25), bins(360, 7)}) {
     for (std::size_t i = 0; i < b.size(); ++i) {
       EXPECT_EQ(b.index(geometry::normalize_angle(b.angle_rad(i))), i);
@@ -41,7 +41,7 @@ TEST(AngleBins, OutsideTheApertureThereIsNoBin) {
   EXPECT_EQ(bins(180, 1).index(deg_to_rad(180)), std::nullopt);
 }
 
-TEST(AngleBins, BothSidesOfStraightBackShareABin) {
+TEST(AngleBins, BothSidesOfStraightBackAreInOneBin) {
   const AngleBins b = bins(360, 1);
   EXPECT_EQ(b.index(deg_to_rad(179.9)), b.index(deg_to_rad(-179.9)));
   EXPECT_EQ(b.index(geometry::kPi), b.index(-geometry::kPi));
@@ -113,7 +113,7 @@ std::vector<SE2> square_drive() {
   return poses;
 }
 
-TEST(ExtendedScan, SquareDriveBringsPointsBack) {
+TEST(ExtendedScan, AfterARectangularDrivePointsAreBackInPlace) {
   ExtendedScan map(AngleBins(deg_to_rad(360), deg_to_rad(1)), Relevance::kNearest);
   // Outside the rectangle, so far apart that no two of them share a bin during the drive.
   const std::vector<Eigen::Vector2d> walls = {{7, 0.5}, {2, 4}, {-3, 0.5}, {2, -3}};
@@ -142,7 +142,7 @@ TEST(ExtendedScan, SquareDriveBringsPointsBack) {
 
 // Eq. 2 applied with the robot's own rotation and displacement moves the map in the wrong
 // direction.
-TEST(ExtendedScan, TheNaiveSignOfEquation2IsMetresOff) {
+TEST(ExtendedScan, TheNaiveSignOfEquation2IsWrongByMetres) {
   ExtendedScan map(AngleBins(deg_to_rad(360), deg_to_rad(1)), Relevance::kNearest);
   ExtendedScan naive = map;
   const SE2 T_odom_start{0, 0, 0};
@@ -159,7 +159,7 @@ TEST(ExtendedScan, TheNaiveSignOfEquation2IsMetresOff) {
   EXPECT_LT((only_point(map) - truth).norm(), 1e-9);
   // A turn to the right moves a point ahead to the left.
   EXPECT_GT(only_point(map).y(), 0.1);
-  // Off by twice the distance driven and twice the rotation.
+  // Wrong by twice the distance driven and twice the rotation.
   EXPECT_GT((only_point(naive) - truth).norm(), 1.0);
 }
 
@@ -185,14 +185,14 @@ void expect_merge_as_oracle(Relevance relevance) {
       EXPECT_EQ(map[bin].distance_m, map.dummy().distance_m);
     }
   }
-  EXPECT_LT(count_valid(map), map.size());  // there were collisions and empty bins
+  EXPECT_LT(count_valid(map), map.size());  // there were bins with several points, and empty ones
 }
 
-TEST(ExtendedScan, CollisionsKeepTheNearestHolesGetDummies) {
+TEST(ExtendedScan, OfPointsInOneBinTheNearestIsKeptAndEmptyBinsGetDummies) {
   expect_merge_as_oracle(Relevance::kNearest);
 }
 
-TEST(ExtendedScan, CollisionsKeepTheFarthestHolesGetDummies) {
+TEST(ExtendedScan, OfPointsInOneBinTheFarthestIsKeptAndEmptyBinsGetDummies) {
   expect_merge_as_oracle(Relevance::kFarthest);
 }
 
@@ -204,7 +204,7 @@ TEST(ExtendedScan, PointsThatLeaveTheApertureAreDropped) {
   EXPECT_EQ(count_valid(map), 1U);
 }
 
-TEST(ExtendedScan, ANonFiniteShiftLeavesNoPointsBehind) {
+TEST(ExtendedScan, ANonFiniteShiftRemovesAllPoints) {
   ExtendedScan map = circle_of_points(Relevance::kNearest, 2.0);
   map.transform({std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0});
   EXPECT_EQ(count_valid(map), 0U);

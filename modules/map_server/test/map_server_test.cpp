@@ -114,7 +114,7 @@ TEST(MapServer, TheRobotsOwnBodyIsNotAnObstacle) {
   scan.pitch_first_rad = scan.pitch_last_rad = deg_to_rad(-40);
   std::ranges::fill(scan.ranges_m, std::numeric_limits<float>::infinity());
   scan.ranges_m[0] = 0.10F;
-  scan.ranges_m[180] = 0.17F;  // half a centimetre outside
+  scan.ranges_m[180] = 0.17F;  // half a centimetre outside the body
   server.add_scan(scan, SE3::Identity());
   const ExtendedScan& map = server.obstacle_map().scan();
   EXPECT_FALSE(map[*map.bins().index(deg_to_rad(-90))].valid);
@@ -122,7 +122,7 @@ TEST(MapServer, TheRobotsOwnBodyIsNotAnObstacle) {
 }
 
 // A shift below a micrometre counts as none, but many add up.
-TEST(MapServer, TinyShiftsAddUp) {
+TEST(MapServer, ShiftsBelowAMicrometreAddUp) {
   MapServer server({});
   NoddingScanner scanner;
   scanner.step_rad = 0.0;
@@ -144,7 +144,7 @@ TEST(MapServer, TinyShiftsAddUp) {
   EXPECT_NEAR(before - ahead(), 5e-3, 1e-6);
 }
 
-TEST(MapServer, AnEmptyOrImpossibleScanIsRefused) {
+TEST(MapServer, AnEmptyOrInvalidScanIsRefused) {
   MapServer server({});
   NoddingScanner scanner;
   scan::Scan scan = scanner.scan(test::room(-2, 5, -3, 3), {});
@@ -166,7 +166,7 @@ TEST(MapServer, AnEmptyOrImpossibleScanIsRefused) {
   EXPECT_FALSE(refused(scan));
 }
 
-TEST(MapServer, ImpossiblePosesLeaveTheMapsAsTheyAre) {
+TEST(MapServer, InvalidPosesDoNotChangeTheMaps) {
   MapServer server({});
   NoddingScanner scanner;
   const test::World world = test::room(-2, 5, -3, 3);
@@ -196,7 +196,7 @@ TEST(MapServer, ImpossiblePosesLeaveTheMapsAsTheyAre) {
 }
 
 // A stamp that steps back leaves the ages unchanged.
-TEST(MapServer, StampsThatStepBack) {
+TEST(MapServer, AStampThatStepsBackDoesNotChangeTheAges) {
   MapServer server({});
   NoddingScanner scanner;
   const test::World world = test::room(-2, 5, -3, 3);
@@ -216,7 +216,7 @@ TEST(MapServer, StampsThatStepBack) {
   EXPECT_EQ(server.add_scan(scan, SE3::Identity()), ScanStatus::kUsed);
 }
 
-TEST(MapServer, ResetForgets) {
+TEST(MapServer, AResetClearsTheMaps) {
   MapServer server({});
   NoddingScanner scanner;
   server.add_scan(scanner.scan(test::room(-2, 5, -3, 3), {}), SE3::Identity());

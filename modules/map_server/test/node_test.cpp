@@ -57,7 +57,7 @@ TEST_F(MapServerNodeTest, PublishesBothMapsAfterEveryScan) {
   EXPECT_EQ(maps[0].utime, scan.utime + scan.beam_duration_us / 2);
   EXPECT_EQ(maps[0].num_bins, 360);
   EXPECT_EQ(maps[0].orientation[0], 1.0);
-  // The lowest line of the nod meets the floor: no obstacle ahead, but walls to the sides.
+  // The lowest line of the nod hits the floor: no obstacle ahead, but walls at the sides.
   EXPECT_EQ(maps[0].distance_m[180], std::numeric_limits<float>::infinity());
   EXPECT_TRUE(std::isnan(maps[0].point_x_m[180]));
   EXPECT_TRUE(std::isnan(maps[0].age_s[180]));
@@ -74,7 +74,7 @@ TEST_F(MapServerNodeTest, WithoutOdometryNothingIsPublished) {
   EXPECT_EQ(node_.health().state, node::HealthState::kDegraded);
 }
 
-TEST_F(MapServerNodeTest, OdometryThatEndedIsNoOdometry) {
+TEST_F(MapServerNodeTest, PublishesNothingAfterOdometryHasEnded) {
   give_odometry(1'000'000, 0);
   for (int i = 0; i < 20; ++i) {
     bus_.deliver("SCAN", next_scan());
@@ -94,7 +94,7 @@ class StationaryNodeTest : public MapServerNodeTest {
         }()) {}
 };
 
-TEST_F(StationaryNodeTest, RecordingsWithoutOdometry) {
+TEST_F(StationaryNodeTest, PublishesWithoutOdometryIfTheRobotIsAssumedStationary) {
   bus_.deliver("SCAN", next_scan());
   EXPECT_EQ(maps_on("OBSTACLE_MAP").size(), 1U);
 }
@@ -119,7 +119,7 @@ TEST_F(ScannerAsBaseNodeTest, HeightsAreAboveTheGround) {
   EXPECT_NEAR(maps[0].point_z_m[270], 0.38, 2e-8);  // a float's rounding
 }
 
-TEST_F(MapServerNodeTest, RestartedOdometryClearsTheMaps) {
+TEST_F(MapServerNodeTest, ARestartOfOdometryClearsTheMaps) {
   give_odometry(1'000'000, 50, 7.0);
   bus_.deliver("SCAN", next_scan());
   give_odometry(1'015'000, 0, 0.0);  // restarted: the same place has another pose
@@ -132,7 +132,7 @@ TEST_F(MapServerNodeTest, RestartedOdometryClearsTheMaps) {
   EXPECT_TRUE(std::ranges::none_of(maps[1].distance_m, [](float d) { return std::isfinite(d); }));
 }
 
-TEST_F(MapServerNodeTest, BadScansAreCountedAndNothingElse) {
+TEST_F(MapServerNodeTest, InvalidScansAreCountedAndNotUsed) {
   give_odometry(1'000'000, 0);
   nodmap::scan_t empty = next_scan();
   empty.num_ranges = 0;
@@ -168,7 +168,7 @@ TEST_F(MapServerNodeTest, RandomBytesAreCountedAsCorrupt) {
   EXPECT_TRUE(maps_on("OBSTACLE_MAP").empty());
 }
 
-TEST_F(MapServerNodeTest, LostScansAreNoticed) {
+TEST_F(MapServerNodeTest, LostScansAreCounted) {
   give_odometry(1'000'000, 0);
   bus_.deliver("SCAN", next_scan());
   static_cast<void>(next_scan());
@@ -203,7 +203,7 @@ bool is_bluish(drawing::Rgb c) {
 
 // Points at 4.5 m give an image of 5 m to each side: 100 pixels a metre. Ahead is up, left is
 // left.
-TEST(MapDrawing, AheadIsUpAndLeftIsLeft) {
+TEST(MapDrawing, AheadIsDrawnUpwardsAndLeftOnTheLeft) {
   const drawing::Image image =
       draw_maps(map_with(Relevance::kNearest, {2.0, 0.0}),
                 map_with(Relevance::kFarthest, {0.0, 4.5}), robot::Body{}.footprint());
@@ -214,7 +214,7 @@ TEST(MapDrawing, AheadIsUpAndLeftIsLeft) {
   EXPECT_EQ(image.at(900, 640), drawing::kWhite);
 }
 
-TEST(MapDrawing, EmptyMapsAreDrawnToo) {
+TEST(MapDrawing, EmptyMapsAreDrawnAsWell) {
   const ExtendedScan none(AngleBins(1.0, 0.1), Relevance::kNearest);
   EXPECT_GT(draw_maps(none, none, {}).width(), 0);
 }

@@ -36,7 +36,7 @@ TEST(Scene, OneScanReplacesAllDummiesAhead) {
 }
 
 // There are no walls, so every obstacle would be floor.
-TEST(Scene, FlatFloorIsNoObstacle) {
+TEST(Scene, FlatFloorIsNotAnObstacle) {
   MapServer server({});
   NoddingScanner scanner;
   scanner.range_sigma_m = 0.01;
@@ -168,7 +168,7 @@ TEST(Scene, AStaticWallIsNeverRemoved) {
 
 // A sweep of 120 degrees at 0.25 degrees per scan takes 6.4 s, longer than expiry_s. Nothing may be
 // removed between two sweeps over it.
-TEST(Scene, StaticWallOutlivesASlowNod) {
+TEST(Scene, AStaticWallStaysWithASlowNod) {
   const World world = test::room(-2, 6, -2, 2);
   MapServer server(with_rule(RemovalRule::kVisibility));
   NoddingScanner scanner;
@@ -206,7 +206,7 @@ TEST(Scene, ARemovedObjectDisappearsWithinTwoSweepsWhileDriving) {
 }
 
 // A scanner that does not nod, as in a 2D recording: every scan is a sweep.
-TEST(Scene, LevelScannerClearsWithinTwoScans) {
+TEST(Scene, ALevelScannerRemovesAnObjectWithinTwoScans) {
   const World empty = test::room(-2, 5, -3, 3);
   World occupied = empty;
   occupied.cylinders.push_back({{1.8, 0.0}, 0.25, 1.75});

@@ -64,14 +64,14 @@ TEST(ScanLine, FollowsThePitchThroughTheScan) {
   }
 }
 
-TEST(ScanLine, OutsideTheFanIsNotSeen) {
+TEST(ScanLine, APlaceOutsideTheFanIsNotSeen) {
   const scan::Scan scan = fan(0, 0, 5.0);
   EXPECT_FALSE(ScanLine(scan).crossing_at({-1.0, 0.5}));
   EXPECT_FALSE(ScanLine(scan).crossing_at({-1.0, -0.5}));
   EXPECT_TRUE(ScanLine(scan).crossing_at({1.0, 0.5}));
 }
 
-TEST(ScanLine, FansThatCountToTheRightOrAllAround) {
+TEST(ScanLine, HandlesFansThatCountToTheRightOrGoAllAround) {
   const double tolerance = 2e-6 / deg_to_rad(1);  // angles are to 2e-6 rad
   scan::Scan scan = fan(0, 0, 5.0);
   scan.angle_first_rad = deg_to_rad(90);

@@ -57,7 +57,7 @@ bool is_on_wall(const EgoPoint& p, double tolerance_m) {
 
 // The paper's Fig. 4: objects that do not extend over the whole height disappear from the structure
 // map and stay in the obstacle map.
-TEST(Scene, FurnitureVanishesFromTheStructureMap) {
+TEST(Scene, FurnitureDisappearsFromTheStructureMap) {
   for (const RemovalRule rule : {RemovalRule::kPaper, RemovalRule::kVisibility}) {
     MapServer server(with_rule(rule));
     NoddingScanner scanner = scanner_when_slow();
@@ -77,7 +77,8 @@ TEST(Scene, FurnitureVanishesFromTheStructureMap) {
   }
 }
 
-/// Distance of a place to the nearer of person and table legs in furnished_room().
+/// Distance of a place to the nearest of the tall objects in furnished_room(): the person and the
+/// table legs.
 double off_what_is_tall_m(const Eigen::Vector2d& p) {
   double nearest_m = std::abs((p - Eigen::Vector2d(3.2, -1.5)).norm() - 0.25);
   for (const double x : {2.025, 2.975}) {
@@ -164,7 +165,7 @@ TEST(Scene, AClosedDoorReplacesTheWallBehindIt) {
 }
 
 // The wheels slip by 5 degrees of yaw. The walls appear twice, for at most five seconds.
-TEST(Scene, WallsDoubledByASlipBecomeOneAgain) {
+TEST(Scene, AfterASlipDoubledWallsBecomeOneWithinFiveSeconds) {
   for (const RemovalRule rule : {RemovalRule::kPaper, RemovalRule::kVisibility}) {
     const World world = test::room(-2, 6, -2, 2);
     MapServer server(with_rule(rule));

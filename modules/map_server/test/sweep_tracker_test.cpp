@@ -34,7 +34,7 @@ TEST(SweepTracker, CountsReversals) {
   }
 }
 
-TEST(SweepTracker, KnowsTheWedgeAfterTwoSweeps) {
+TEST(SweepTracker, KnowsTheRangeOfPitchAfterTwoSweeps) {
   SweepTracker tracker;
   nod(tracker, -20, 10, 2);
   EXPECT_FALSE(tracker.covered());
@@ -56,7 +56,7 @@ TEST(SweepTracker, TakesTheNarrowerOfTwoSweeps) {
       << "one wide sweep is not two";
 }
 
-TEST(SweepTracker, NoiseOfThePitchIsNoReversal) {
+TEST(SweepTracker, NoiseOfThePitchDoesNotCountAsAReversal) {
   SweepTracker tracker;
   std::mt19937 random(3);
   std::uniform_real_distribution<double> noise(-0.08, 0.08);
@@ -67,7 +67,7 @@ TEST(SweepTracker, NoiseOfThePitchIsNoReversal) {
   EXPECT_EQ(tracker.sweep(), 0);
 }
 
-TEST(SweepTracker, AScannerThatHoldsStillMakesEveryScanASweep) {
+TEST(SweepTracker, WithALevelScannerEveryScanIsASweep) {
   SweepTracker tracker;
   for (int i = 0; i < 100; ++i) {
     tracker.add(0.0, 0.0);

@@ -146,7 +146,7 @@ constexpr std::array kReadings{Reading::kBefore, Reading::kOnIt, Reading::kBeyon
 
 // All pairs of readings: a reading of the nearer beam on the point confirms it, two readings beyond
 // it remove it, an edge between the beams proves nothing, and in all other cases it ages.
-TEST(VisibilityRule, OneScanAgainstTheTable) {
+TEST(VisibilityRule, OneScanConfirmsRemovesOrAgesAPointAsInTheTable) {
   UpdateParams params;
   params.misses_to_remove = 1;
   for (const double between : {0.2, 0.8}) {
