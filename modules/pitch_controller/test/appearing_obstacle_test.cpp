@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Checks the purpose of the speed bound by brute force: a robot in closed loop with the nod drives
-// as fast as permitted, and a box of 10 cm appears ahead at every moment, at the required distance
+// Tests the purpose of the speed bound by brute force: a robot in closed loop with the nod drives
+// as fast as permitted, and at every moment a box of 10 cm appears ahead, at the required distance
+// or farther.
 // or farther.
 #include <gtest/gtest.h>
 
@@ -150,7 +151,7 @@ double least_left_m(const Drive& drive, const PitchControllerParams& params) {
   return least_m;
 }
 
-TEST(AppearingObstacle, OfTenCentimetresAtAnyMomentIsStoppedFor) {
+TEST(AppearingObstacle, TheRobotStopsBeforeABoxOfTenCentimetresAtAnyMoment) {
   const PitchControllerParams params;
   for (unsigned seed = 1; seed <= 4; ++seed) {
     const Drive driven = drive(params, seed, 60.0, 1.5);
@@ -160,8 +161,8 @@ TEST(AppearingObstacle, OfTenCentimetresAtAnyMomentIsStoppedFor) {
   }
 }
 
-// The same check detects a robot that assumes better brakes than it has.
-TEST(AppearingObstacle, IsHitByARobotThatTrustsItsBrakesTooMuch) {
+// The same test detects a robot that assumes better brakes than it has.
+TEST(AppearingObstacle, ARobotThatOverestimatesItsBrakesHitsIt) {
   PitchControllerParams trusting;
   trusting.robot.braking.deceleration_mps2 = 6.0;
   const Drive driven = drive(trusting, 1, 60.0, 1.5);

@@ -71,7 +71,7 @@ class PitchControllerNodeTest : public ::testing::Test {
   std::int64_t state_seq_ = 0;
 };
 
-TEST_F(PitchControllerNodeTest, CommandsTheNodAndTheSpeed) {
+TEST_F(PitchControllerNodeTest, CommandsTheNodAndTheSpeedBound) {
   run(5.0, 0.0);
   ASSERT_FALSE(commands().empty());
   const nodmap::pitch_command_t last = commands().back();
@@ -89,7 +89,7 @@ TEST_F(PitchControllerNodeTest, CommandsTheNodAndTheSpeed) {
   EXPECT_EQ(node_.metrics()["commands"], commands().size());
 }
 
-TEST_F(PitchControllerNodeTest, WithoutOneInputTheOtherInhibitsDriving) {
+TEST_F(PitchControllerNodeTest, AMissingInputInhibitsDriving) {
   give_odometry(0.0);
   ASSERT_EQ(commands().size(), 1U);
   EXPECT_EQ(commands().back().max_forward_mps, 0.0);
@@ -101,7 +101,7 @@ TEST_F(PitchControllerNodeTest, WithoutOneInputTheOtherInhibitsDriving) {
   EXPECT_NE(node_.health().reason.find("ODOMETRY"), std::string::npos);
 }
 
-TEST_F(PitchControllerNodeTest, BadMessagesAreCountedAndChangeNothing) {
+TEST_F(PitchControllerNodeTest, InvalidMessagesAreCountedAndChangeNothing) {
   run(5.0, 0.0);
   const std::size_t before = commands().size();
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -121,7 +121,7 @@ TEST_F(PitchControllerNodeTest, BadMessagesAreCountedAndChangeNothing) {
   EXPECT_EQ(rejected("implausible_pitch_state"), 3);
 }
 
-TEST_F(PitchControllerNodeTest, SaysWhenTheServoStallsOrIsNotMeasured) {
+TEST_F(PitchControllerNodeTest, ReportsAStalledServoAndAPitchThatIsNotMeasured) {
   run(5.0, 0.0);
   now_us_ += 20'000;
   nodmap::pitch_state_t state = next_state();
@@ -137,7 +137,7 @@ TEST_F(PitchControllerNodeTest, SaysWhenTheServoStallsOrIsNotMeasured) {
   EXPECT_EQ(node_.health().state, node::HealthState::kDegraded);
 }
 
-TEST_F(PitchControllerNodeTest, GapsAreLosses) {
+TEST_F(PitchControllerNodeTest, GapsInSequenceNumbersAreCountedAsLosses) {
   run(1.0, 0.0);
   state_seq_ += 3;
   bus_.deliver("PITCH_STATE", next_state());
@@ -154,7 +154,7 @@ class FixedNodeTest : public PitchControllerNodeTest {
         }()) {}
 };
 
-TEST_F(FixedNodeTest, SaysThatItIsBlind) {
+TEST_F(FixedNodeTest, ReportsThatALevelLaserSeesNoLowObstacles) {
   nodmap::pitch_state_t state = next_state();
   state.pitch_rad = 0.0;
   bus_.deliver("PITCH_STATE", state);

@@ -89,7 +89,7 @@ double longest_unseen(Loop& loop, double speed_mps, double height_m, double from
 // once in two sweeps; 10 % more for the sweep's duration and the spacing of scans. This holds
 // beyond d_min, and also 5 % nearer, because the sweep extends one line beyond the area of
 // interest.
-TEST(PitchController, FromDMinOnTheWholeCorridorIsSeen) {
+TEST(PitchController, BeyondDMinTheWholeCorridorIsSeen) {
   const VirtualCorridor corridor = VirtualCorridor::of(robot::RobotParams{});
   for (const double v : {0.6, 1.0, 1.5}) {
     for (const double of_d_min : {0.95, 1.02}) {
@@ -104,7 +104,7 @@ TEST(PitchController, FromDMinOnTheWholeCorridorIsSeen) {
 
 // A strip is no longer hit where the outermost line of the sweep misses it completely: a closed
 // form of the plan. From 1 m/s on this happens first to the bottom strip, 12 to 14 % before d_min.
-TEST(PitchController, NearerThanItsOutermostLineTheCorridorIsNotSeen) {
+TEST(PitchController, NearerThanTheOutermostLineTheCorridorIsNotSeen) {
   const VirtualCorridor corridor = VirtualCorridor::of(robot::RobotParams{});
   for (const double v : {1.0, 1.5, 2.0}) {
     Loop loop;
@@ -139,7 +139,7 @@ TEST(PitchController, AStepOfTheSpeedIsFollowedInTwoSweeps) {
   }
 }
 
-TEST(PitchController, AFaultOfTheServoLeavesNoError) {
+TEST(PitchController, AServoAtAWrongRateLeavesNoErrorOfTheDuration) {
   for (const double gain : {0.8, 1.2}) {
     Loop loop;
     loop.head.speed_gain = gain;
@@ -278,7 +278,7 @@ TEST(PitchController, StalePitchInhibitsDriving) {
   EXPECT_EQ(loop.decision.max_forward_mps, 0.0);
 }
 
-TEST(PitchController, AStampFromTheFutureIsNotFresh) {
+TEST(PitchController, InputsWithAFutureStampInhibitDriving) {
   Loop loop;
   loop.run(5.0, 0.5);
   loop.give_speed = false;
@@ -313,7 +313,7 @@ TEST(PitchController, AHeadThatMovesButNeverReversesInhibitsDriving) {
   EXPECT_EQ(loop.decision.max_forward_mps, 0.0);
 }
 
-TEST(PitchController, DecidesAtFiftyHertzAndAtEachReversal) {
+TEST(PitchController, DecidesFiftyTimesASecondAndAtEachReversal) {
   Loop loop;
   loop.run(2.0, 1.0);
   loop.decisions.clear();
@@ -324,7 +324,7 @@ TEST(PitchController, DecidesAtFiftyHertzAndAtEachReversal) {
   EXPECT_LE(loop.decisions.size(), 500U + loop.sweeps.size());
 }
 
-TEST(PitchController, FixedHoldsTheLaserLevel) {
+TEST(PitchController, WithFixedPitchTheLaserIsHeldLevel) {
   PitchControllerParams params;
   params.mode = Mode::kFixed;
   params.speed.top_mps = 5.0;

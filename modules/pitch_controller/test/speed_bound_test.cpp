@@ -12,17 +12,17 @@ namespace speed_bound_test {
 const robot::Braking kBraking;
 const DetectionParams kDetection;
 
-TEST(SpeedBound, IsTheStoppingSpeedWhereTheViewIsLong) {
+TEST(SpeedBound, WithALongViewItIsTheSpeedFromWhichTheRobotCanStop) {
   EXPECT_DOUBLE_EQ(speed_bound({0.0, 2.0}, 0.35, kBraking, kDetection),
                    kBraking.permitted_mps(2.0, 0.75));
 }
 
-TEST(SpeedBound, NoObstaclePassesThroughAShortViewUnseen) {
+TEST(SpeedBound, AtTheBoundNoObstaclePassesThroughAShortViewUnseen) {
   // A clear view of 0.2 m, and 0.8 s from one measurement to the next.
   EXPECT_DOUBLE_EQ(speed_bound({3.8, 4.0}, 0.4, kBraking, kDetection), 0.25);
 }
 
-TEST(SpeedBound, WithoutClearViewThereIsNoSpeed) {
+TEST(SpeedBound, WithoutAClearViewItIsZero) {
   EXPECT_EQ(speed_bound({2.0, 2.0}, 0.3, kBraking, kDetection), 0.0);
   EXPECT_EQ(speed_bound({std::numeric_limits<double>::infinity(), 4.0}, 0.3, kBraking, kDetection),
             0.0);

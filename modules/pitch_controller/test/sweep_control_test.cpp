@@ -57,7 +57,7 @@ TEST(SweepMeter, TheLastTwoSweepsAreBothComplete) {
   EXPECT_NEAR(sweeps->span.max_rad, 0.2, 1e-12);
 }
 
-TEST(SweepMeter, APresentSweepThatTakesLongerCountsAtOnce) {
+TEST(SweepMeter, APresentSweepThatTakesLongerThanTheLastCountsAtOnce) {
   Feeder feeder;
   for (int i = 0; i < 3; ++i) {
     feeder.sweep(-0.2, 0.2, 0.3);
@@ -112,14 +112,14 @@ double error_after(SweepRegulator regulator, double gain, int sweeps) {
   return measured_s / 0.5 - 1.0;
 }
 
-TEST(SweepRegulator, NoSteadyErrorWithAGainFault) {
+TEST(SweepRegulator, AGainFaultLeavesNoSteadyError) {
   for (const double gain : {0.8, 1.2, 1.25, 1.5}) {
     // The error falls by a factor of 0.73 per sweep (the slowest root): 0.2 % after 20 sweeps.
     EXPECT_NEAR(error_after(SweepRegulator({0.1, 0.6}), gain, 20), 0.0, 2e-3) << gain;
   }
 }
 
-TEST(SweepRegulator, WithoutTheIntegralTheErrorStays) {
+TEST(SweepRegulator, WithoutTheIntegralAGainFaultLeavesAnError) {
   EXPECT_NEAR(error_after(SweepRegulator({0.0, 0.0}), 1.25, 50), 0.25, 1e-12);
   EXPECT_GT(error_after(SweepRegulator({0.1, 0.0}), 1.25, 50), 0.15);
 }
@@ -133,7 +133,7 @@ TEST(SweepRegulator, OvershootIsBelowTenPercent) {
   }
 }
 
-TEST(SweepRegulator, WhatItLearntHoldsForOtherSetPoints) {
+TEST(SweepRegulator, ItsCorrectionHoldsForOtherSetPoints) {
   SweepRegulator dut({});
   for (int i = 0; i < 30; ++i) {
     dut.add(1.0, 1.25 * dut.command_s(1.0, 0.1, 5.0));
@@ -155,7 +155,7 @@ TEST(SweepRegulator, DoesNotWindUpAtTheServosLimit) {
   EXPECT_GT(first_s, 0.5 * (1.0 - 0.6 * 0.3 - 0.1 * 0.3) - 1e-9);
 }
 
-TEST(SweepRegulator, OneUnusualSweepCausesNoJump) {
+TEST(SweepRegulator, OneUnusualSweepCausesNoJumpOfTheCommand) {
   SweepRegulator dut({});
   dut.add(0.5, 100.0);
   EXPECT_GE(dut.command_s(0.5, 0.01, 5.0), 0.5 * 0.5);

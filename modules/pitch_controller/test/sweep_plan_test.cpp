@@ -19,12 +19,12 @@ SweepPlanner default_planner() {
   return {kParams.robot, kParams.detection, kParams.speed.fast_mps};
 }
 
-TEST(SweepPlan, SpacingOfTheReference) {
+TEST(SweepPlan, TheSpacingIsThatOfTheReferenceTable) {
   // 0.10 m at 1 m from 0.38 m: 2.5 degrees (rounded).
   EXPECT_NEAR(rad_to_deg(spacing_for(0.10, 2, 1.0, 0.38)), 2.5, 0.05);
 }
 
-TEST(SweepPlan, SpacingPutsTheLinesOnTheObstacle) {
+TEST(SweepPlan, WithThisSpacingEnoughLinesHitTheObstacle) {
   // Brute force: whatever the phase of the lines, at least two hit an obstacle above the floor.
   const double dp = spacing_for(0.05, 2, 1.2, 0.38);
   for (double phase = 0.0; phase < 1.0; phase += 0.01) {
@@ -37,7 +37,7 @@ TEST(SweepPlan, SpacingPutsTheLinesOnTheObstacle) {
   }
 }
 
-TEST(SweepPlan, TheWholeRangeAtStandstillTheCorridorWhenFast) {
+TEST(SweepPlan, CoversTheWholeRangeWhileStationaryAndTheCorridorAtSpeed) {
   const SweepPlanner planner = default_planner();
   const SweepPlan stationary = planner.plan(0.0);
   // To the finest step of the scanner, 0.25 degrees.
@@ -52,7 +52,7 @@ TEST(SweepPlan, TheWholeRangeAtStandstillTheCorridorWhenFast) {
   }
 }
 
-TEST(SweepPlan, MonotoneInTheSpeed) {
+TEST(SweepPlan, ChangesMonotonicallyWithTheSpeed) {
   const SweepPlanner planner = default_planner();
   SweepPlan before = planner.plan(0.0);
   for (double v = kStepMps; v < 4.0; v += kStepMps) {
@@ -76,7 +76,7 @@ TEST(SweepPlan, AnObstacleBeyondTheRequiredDistanceIsHitBeforeDMin) {
   }
 }
 
-TEST(SweepPlan, OverscansByALineWithinTheMechanics) {
+TEST(SweepPlan, ExtendsOneLineBeyondTheAreaWithinTheHeadsLimits) {
   const SweepPlanner planner = default_planner();
   for (double v = 0.0; v < 4.0; v += kStepMps) {
     const SweepPlan plan = planner.plan(v);
@@ -91,7 +91,7 @@ TEST(SweepPlan, OverscansByALineWithinTheMechanics) {
   }
 }
 
-TEST(SweepPlan, From15To500ScansPerSweepWithinTheLimitsOfTheHead) {
+TEST(SweepPlan, Has15To500ScansPerSweepWithinTheHeadsLimits) {
   const SweepPlanner planner = default_planner();
   for (double v = 0.0; v < 4.0; v += kStepMps) {
     const SweepPlan plan = planner.plan(v);
@@ -103,7 +103,7 @@ TEST(SweepPlan, From15To500ScansPerSweepWithinTheLimitsOfTheHead) {
   }
 }
 
-TEST(SweepPlan, NoShorterSweepKeepsTheSpacingAndTheHead) {
+TEST(SweepPlan, IsTheShortestSweepWithThisSpacingAndHead) {
   const SweepPlanner planner = default_planner();
   for (double v = 0.0; v < 2.0; v += 0.1) {
     const SweepPlan plan = planner.plan(v);
@@ -121,7 +121,7 @@ TEST(SweepPlan, NoShorterSweepKeepsTheSpacingAndTheHead) {
   }
 }
 
-TEST(SweepPlan, ASweepForASpeedAllowsAGreaterOne) {
+TEST(SweepPlan, ASweepForASpeedAllowsAHigherSpeed) {
   // So speed and nod never block each other, and the speed does not oscillate at the top speed.
   const SweepPlanner planner = default_planner();
   const VirtualCorridor corridor = VirtualCorridor::of(kParams.robot);
@@ -138,7 +138,7 @@ TEST(SweepPlan, ASweepForASpeedAllowsAGreaterOne) {
 
 // A robot that was faster a moment ago looks around less far. The corridor beyond d_min is covered
 // as before, by lines no farther apart and in a shorter time, so the permitted speed is not lower.
-TEST(SweepPlan, LookingLessFarAroundCoversTheCorridorInAShorterTime) {
+TEST(SweepPlan, ANarrowerSweepCoversTheCorridorInAShorterTime) {
   const SweepPlanner planner = default_planner();
   const VirtualCorridor corridor = VirtualCorridor::of(kParams.robot);
   const auto bound_of = [&](const SweepPlan& plan) {

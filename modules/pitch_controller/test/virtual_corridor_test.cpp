@@ -10,7 +10,7 @@ namespace virtual_corridor_test {
 
 using geometry::rad_to_deg;
 
-TEST(VirtualCorridor, AnglesOfTheReferenceTable) {
+TEST(VirtualCorridor, AnglesAreThoseOfTheReferenceTable) {
   // Measured from the axis, corridor from the floor to 0.47 m, laser at 0.38 m. The table has a
   // resolution of 0.1 degrees.
   const VirtualCorridor corridor{0.0, 0.47, 0.38, 0.0};
@@ -35,14 +35,14 @@ TEST(VirtualCorridor, LinesAtTheEndsPassThroughTheCornersOfTheCorridor) {
   }
 }
 
-TEST(VirtualCorridor, CoveredFromIsTheInverse) {
+TEST(VirtualCorridor, CoveredFromIsTheInverseOfAreaFrom) {
   const VirtualCorridor corridor = VirtualCorridor::of(robot::RobotParams{});
   for (double d = 0.05; d < 6.0; d += 0.05) {
     EXPECT_NEAR(corridor.covered_from_m(corridor.area_from(d)), d, 1e-9);
   }
 }
 
-TEST(VirtualCorridor, TheWorseEndDecides) {
+TEST(VirtualCorridor, TheEndThatCoversLessDecides) {
   const VirtualCorridor corridor = VirtualCorridor::of(robot::RobotParams{});
   const PitchInterval one = corridor.area_from(1.0);
   const PitchInterval two = corridor.area_from(2.0);
@@ -50,7 +50,7 @@ TEST(VirtualCorridor, TheWorseEndDecides) {
   EXPECT_NEAR(corridor.covered_from_m({two.min_rad, one.max_rad}), 2.0, 1e-9);
 }
 
-TEST(VirtualCorridor, PitchesThatNeverCoverIt) {
+TEST(VirtualCorridor, SomePitchesNeverCoverIt) {
   const VirtualCorridor corridor = VirtualCorridor::of(robot::RobotParams{});
   EXPECT_TRUE(std::isinf(corridor.covered_from_m({0.0, 0.5})));   // never the bottom
   EXPECT_TRUE(std::isinf(corridor.covered_from_m({-0.5, 0.0})));  // never the top
@@ -59,13 +59,13 @@ TEST(VirtualCorridor, PitchesThatNeverCoverIt) {
   EXPECT_EQ(corridor.covered_from_m({-3.0, 3.0}), 0.0);
 }
 
-TEST(VirtualCorridor, ALaserAboveTheCorridorNeedNotLookUp) {
+TEST(VirtualCorridor, ALaserAboveTheCorridorDoesNotLookUp) {
   const VirtualCorridor corridor{0.05, 0.30, 0.38, 0.0};
   EXPECT_LT(corridor.area_from(1.0).max_rad, 0.0);
   EXPECT_NEAR(corridor.covered_from_m({-0.5, 0.0}), 0.33 / std::tan(0.5), 1e-12);
 }
 
-TEST(VirtualCorridor, AFrontBehindTheLaserIsNoDivisionByZero) {
+TEST(VirtualCorridor, AFrontBehindTheLaserCausesNoDivisionByZero) {
   const VirtualCorridor corridor{0.05, 0.5, 0.38, -0.3};
   EXPECT_TRUE(std::isfinite(corridor.area_from(0.3).min_rad));
   EXPECT_GT(corridor.area_from(0.0).max_rad, corridor.area_from(1.0).max_rad);
@@ -74,7 +74,7 @@ TEST(VirtualCorridor, AFrontBehindTheLaserIsNoDivisionByZero) {
 constexpr PitchInterval kCorridorArea{-0.3, 0.1};
 constexpr PitchInterval kMechanics{-1.0, 0.9};
 
-TEST(AreaOfInterest, EndValuesAreExact) {
+TEST(AreaOfInterest, AtStandstillAndAtTopSpeedItsEndsAreExact) {
   const PitchInterval stationary = area_of_interest(0.0, 1.0, kCorridorArea, kMechanics);
   EXPECT_DOUBLE_EQ(stationary.min_rad, -1.0);
   EXPECT_DOUBLE_EQ(stationary.max_rad, 0.9);
@@ -95,13 +95,13 @@ TEST(AreaOfInterest, BothEndsCloseAsTheSpeedGrows) {
   }
 }
 
-TEST(AreaOfInterest, NeverBeyondTheMechanics) {
+TEST(AreaOfInterest, IsNeverBeyondTheLimitsOfTheHead) {
   const PitchInterval area = area_of_interest(5.0, 1.0, {-2.0, 2.0}, kMechanics);
   EXPECT_EQ(area.min_rad, -1.0);
   EXPECT_EQ(area.max_rad, 0.9);
 }
 
-TEST(AreaOfInterest, BackwardsIsAsAtStandstill) {
+TEST(AreaOfInterest, BackwardsItIsAsAtStandstill) {
   EXPECT_DOUBLE_EQ(area_of_interest(-0.5, 1.0, kCorridorArea, kMechanics).min_rad, -1.0);
 }
 
@@ -123,7 +123,7 @@ bool always_hit(double distance_m, double spacing_rad) {
   return true;
 }
 
-TEST(ClearView, WithinItEveryObstacleIsHit) {
+TEST(ClearView, EveryObstacleWithinItIsHit) {
   for (const double dp : {0.01, 0.02, 0.03}) {
     const ClearView view = clear_view(kCorridorAtTheAxis, kWide, dp, 0.05, 10.0);
     ASSERT_GT(view.far_m, view.near_m);
@@ -136,11 +136,11 @@ TEST(ClearView, WithinItEveryObstacleIsHit) {
   }
 }
 
-TEST(ClearView, EndsWithTheLookAhead) {
+TEST(ClearView, EndsAtTheLookAheadDistance) {
   EXPECT_EQ(clear_view(kCorridorAtTheAxis, kWide, 0.005, 0.05, 4.0).far_m, 4.0);
 }
 
-TEST(ClearView, LinesTooFarApartShowNothing) {
+TEST(ClearView, WithLinesTooFarApartThereIsNone) {
   const ClearView view = clear_view(kCorridorAtTheAxis, kWide, 0.2, 0.05, 4.0);
   EXPECT_LE(view.far_m, view.near_m);
   const ClearView still = clear_view(kCorridorAtTheAxis, kWide, 0.0, 0.05, 4.0);
