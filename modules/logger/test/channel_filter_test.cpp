@@ -16,7 +16,7 @@ TEST(ChannelFilter, MatchesWholeNames) {
   EXPECT_TRUE(filter.wants("POSE_2D"));
   EXPECT_FALSE(filter.wants("SCAN_RAW"));
   EXPECT_FALSE(filter.wants("MY_SCAN"));
-  EXPECT_FALSE(filter.wants("SCAN_RAW")) << "the second time it is remembered";
+  EXPECT_FALSE(filter.wants("SCAN_RAW")) << "the second time the answer is remembered";
 }
 
 TEST(ChannelFilter, ExclusionWins) {
@@ -26,7 +26,7 @@ TEST(ChannelFilter, ExclusionWins) {
   EXPECT_FALSE(filter.wants("LCM_SELF_TEST"));
 }
 
-TEST(ChannelFilter, ManyNamesAndStrangeOnes) {
+TEST(ChannelFilter, HandlesManyNamesAndUnusualOnes) {
   ChannelFilter filter("SCAN", "");
   for (int i = 0; i < 3000; ++i) {
     EXPECT_FALSE(filter.wants("NOISE_" + std::to_string(i)));

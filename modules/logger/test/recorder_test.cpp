@@ -225,12 +225,12 @@ TEST_F(RecorderTest, AFailureInTheMiddleOfASplitIsNotForgotten) {
   EXPECT_THAT(names(), ElementsAre("lcmlog-2026-11-21.00"));
 }
 
-TEST_F(RecorderTest, AFolderThatCannotBeMadeIsAnErrorAtTheStart) {
+TEST_F(RecorderTest, AFolderThatCannotBeCreatedIsAnErrorAtTheStart) {
   std::ofstream(dir_.path() / "file") << "x";
   EXPECT_THROW(Recorder({.dir = dir_.path() / "file"}, clock_), std::exception);
 }
 
-TEST_F(RecorderTest, AFolderThatVanishedIsMadeAgain) {
+TEST_F(RecorderTest, ADeletedFolderIsCreatedAgain) {
   const auto dir = dir_.path() / "logs";
   Recorder recorder({.dir = dir, .split_bytes = 1000}, clock_);
   record(recorder);
@@ -264,7 +264,7 @@ TEST_F(RecorderTest, TheOldestLogsAreDeletedForTheReserveOfTheDisk) {
   EXPECT_EQ(recorder.counts().dropped, 0);
   EXPECT_GT(recorder.counts().deleted_files, 0);
   EXPECT_EQ(recorder.health().state, node::HealthState::kOk);
-  EXPECT_EQ(stamps(names().back()).back(), 29) << "the last minutes are always there";
+  EXPECT_EQ(stamps(names().back()).back(), 29) << "the newest events are kept";
 }
 
 // Other files fill the disk: the reserve is not used, and this is reported.

@@ -12,7 +12,7 @@ namespace rotation_test {
 constexpr time::Duration kDay = 24h;
 constexpr time::Timestamp kNoon(1'795'262'400s);  // 2026-11-21 12:00:00 UTC, by date(1)
 
-TEST(Rotation, DatesAreUtcDays) {
+TEST(Rotation, DatesAreThoseOfUtc) {
   EXPECT_EQ(utc_date(kNoon), "2026-11-21");
   EXPECT_EQ(utc_date(kNoon + kDay / 2 - 1us), "2026-11-21");
   EXPECT_EQ(utc_date(kNoon + kDay / 2), "2026-11-22");
@@ -28,7 +28,7 @@ TEST(Rotation, TheFirstNamesOfADay) {
   EXPECT_EQ(names.next(kNoon + kDay, existing), "lcmlog-2026-11-22.00");
 }
 
-TEST(Rotation, ANameThatWasDeletedIsNotTakenAgain) {
+TEST(Rotation, TheNameOfADeletedFileIsNotUsedAgain) {
   const std::vector<std::string> existing{"lcmlog-2026-11-21.07", "lcmlog-2026-11-21.03"};
   EXPECT_EQ(LogNames::dated("lcmlog").next(kNoon, existing), "lcmlog-2026-11-21.08");
 }
@@ -41,12 +41,12 @@ TEST(Rotation, NumbersGoBeyondTwoDigits) {
   EXPECT_GT(names.order_of(next), names.order_of(existing[0]));
 }
 
-TEST(Rotation, AClockSetBackDoesNotTurnTheOrderRound) {
+TEST(Rotation, AfterAClockIsSetBackNamesStillAscend) {
   const std::vector<std::string> existing{"lcmlog-2026-11-21.02"};
   EXPECT_EQ(LogNames::dated("lcmlog").next({}, existing), "lcmlog-2026-11-21.03");
 }
 
-TEST(Rotation, AGivenNameIsTheFirst) {
+TEST(Rotation, AGivenNameIsUsedForTheFirstFile) {
   const LogNames names = LogNames::fixed("run.lcmlog");
   std::vector<std::string> existing;
   for (const char* expected : {"run.lcmlog", "run.lcmlog.01", "run.lcmlog.02"}) {
