@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A type that has left the house is never edited: a changed field makes every old log unreadable.
-// Whoever changes one adds a new type instead and a line here.
+// A message type that has been released is never edited: a changed field makes every old log
+// unreadable. To change one, add a new type, and a line here.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -20,15 +20,15 @@ std::map<std::string, std::int64_t> fingerprints() {
   return all;
 }
 
-TEST(Fingerprints, AreThoseThatWereReleased) {
+TEST(Fingerprints, ReleasedTypesHaveTheirReleasedFingerprints) {
   const std::map<std::string, std::int64_t> released{
 #include "tests/contract/released_fingerprints.inc"
   };
   EXPECT_EQ(fingerprints(), released);
 }
 
-// lcm-spy tells types by their fingerprints alone.
-TEST(Fingerprints, AreDistinct) {
+// lcm-spy distinguishes types by their fingerprints alone.
+TEST(Fingerprints, NoTwoTypesHaveTheSameFingerprint) {
   std::set<std::int64_t> distinct;
   for (const auto& [name, fingerprint] : fingerprints()) {
     EXPECT_TRUE(distinct.insert(fingerprint).second) << name;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What every program promises on its command line.
+// The command line that every program has in common.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -25,7 +25,7 @@ using ::testing::Not;
 using ::testing::StartsWith;
 
 // clang-format off
-// Everything that is installed,
+// All programs that are installed.
 constexpr const char* kPrograms[] = {
     "nodmap-clear",
     "nodmap-convert",
@@ -52,7 +52,7 @@ constexpr const char* kPrograms[] = {
     "nodmap-viewer",
     "nodmap-watch",
 };
-// of that, what runs on the robot, with parameters,
+// Those of them that run on the robot and have parameters.
 constexpr const char* kProcesses[] = {
     "nodmap-explorer",
     "nodmap-kurt",
@@ -66,7 +66,7 @@ constexpr const char* kProcesses[] = {
     "nodmap-slam6d",
     "nodmap-viewer",
 };
-// and of that, what works on a recording, too.
+// Those of them that also work on a recording.
 constexpr const char* kModules[] = {
     "nodmap-explorer",
     "nodmap-map-server",
@@ -77,7 +77,7 @@ constexpr const char* kModules[] = {
 };
 // clang-format on
 
-/// A log of so many events that no module listens to.
+/// Writes a log of this many events, on a channel to which no module subscribes.
 void write_log(const std::filesystem::path& file, int num_events) {
   bus::LogWriter log(file);
   const std::array<std::byte, 20> bytes{};
@@ -88,7 +88,7 @@ void write_log(const std::filesystem::path& file, int num_events) {
 
 class EveryProgram : public ::testing::TestWithParam<const char*> {};
 
-TEST_P(EveryProgram, SaysWhatItIsAndWhichVersion) {
+TEST_P(EveryProgram, DescribesItselfAndItsVersion) {
   const auto help = run_program(GetParam(), {"--help"});
   EXPECT_EQ(help.exit_code, 0);
   EXPECT_THAT(help.out, HasSubstr("--help"));
@@ -103,8 +103,9 @@ TEST_P(EveryProgram, RefusesAnUnknownOptionInOneLine) {
   EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
 }
 
-// Wherever there are parameters, and nowhere else: --config names no file of another kind.
-TEST_P(EveryProgram, TakesConfigAndSetForParametersOnly) {
+// Programs with parameters have --config and --set. All others do not use --config for files of
+// another kind.
+TEST_P(EveryProgram, HasConfigAndSetOnlyIfItHasParameters) {
   const bool has_parameters = std::ranges::count(kProcesses, std::string_view(GetParam())) > 0;
   const std::string help = run_program(GetParam(), {"--help"}).out;
   // The parameters of the closed loop are those of the processes in it.
@@ -119,7 +120,7 @@ INSTANTIATE_TEST_SUITE_P(All, EveryProgram, ::testing::ValuesIn(kPrograms));
 
 class EveryProcess : public ::testing::TestWithParam<const char*> {};
 
-TEST_P(EveryProcess, RefusesAWrongParameterWithCode2) {
+TEST_P(EveryProcess, RefusesAnUnknownParameterWithExitCode2) {
   const auto result = run_program(GetParam(), {"--set", "no_such_key=1"});
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_THAT(result.err, HasSubstr("no_such_key"));
@@ -130,7 +131,7 @@ TEST_P(EveryProcess, DumpsParametersThatItLoadsAgain) {
   const test::TemporaryDir dir;
   const auto dump = run_program(GetParam(), {"--dump-params"});
   ASSERT_EQ(dump.exit_code, 0);
-  EXPECT_THAT(dump.out, HasSubstr("# "));  // the sentence of a parameter
+  EXPECT_THAT(dump.out, HasSubstr("# "));  // the description of a parameter
   const std::string file = dir.path() / "params.yaml";
   FILE* out = std::fopen(file.c_str(), "w");
   std::fputs(dump.out.c_str(), out);
@@ -144,8 +145,9 @@ INSTANTIATE_TEST_SUITE_P(All, EveryProcess, ::testing::ValuesIn(kProcesses));
 
 class EveryProcessThatKnowsTheRobot : public ::testing::TestWithParam<const char*> {};
 
-// The file says KURT3D, and so do the defaults: what it changes would be a mistake in one of them.
-TEST_P(EveryProcessThatKnowsTheRobot, TakesTheFileOfTheRobot) {
+// The file describes the KURT3D, and so do the defaults: a difference would be an error in one of
+// them.
+TEST_P(EveryProcessThatKnowsTheRobot, LoadingTheFileOfTheRobotChangesNoDefault) {
   const auto defaults = run_program(GetParam(), {"--dump-params"});
   const auto told =
       run_program(GetParam(), {"--config", NODMAP_KURT3D "/robot.yaml", "--dump-params"});
@@ -177,7 +179,7 @@ TEST_P(EveryModule, AMissingRecordingIsAnError) {
   EXPECT_FALSE(std::filesystem::exists(dir.path() / "out"));
 }
 
-TEST_P(EveryModule, AFileThatIsNoRecordingIsAnError) {
+TEST_P(EveryModule, AFileThatIsNotARecordingIsAnError) {
   const test::TemporaryDir dir;
   const std::filesystem::path text = dir.path() / "notes.txt";
   std::ofstream(text) << "Nothing that LCM has written.\n";
@@ -187,7 +189,7 @@ TEST_P(EveryModule, AFileThatIsNoRecordingIsAnError) {
   EXPECT_FALSE(std::filesystem::exists(dir.path() / "out"));
 }
 
-TEST_P(EveryModule, ACutRecordingIsUsedWithAWarning) {
+TEST_P(EveryModule, ATruncatedRecordingIsUsedWithAWarning) {
   const test::TemporaryDir dir;
   const std::filesystem::path log = dir.path() / "cut.lcmlog";
   write_log(log, 3);
@@ -197,18 +199,18 @@ TEST_P(EveryModule, ACutRecordingIsUsedWithAWarning) {
   EXPECT_THAT(
       result.err,
       HasSubstr("bytes are not part of a complete event: the file is damaged or truncated"));
-  EXPECT_THAT(result.err, Not(HasSubstr("\033"))) << "colours, and this is no terminal";
+  EXPECT_THAT(result.err, Not(HasSubstr("\033"))) << "no colours, because this is not a terminal";
 }
 
 INSTANTIATE_TEST_SUITE_P(All, EveryModule, ::testing::ValuesIn(kModules));
 
 struct ReadingCommand {
   const char* program;
-  std::vector<std::string> before;  ///< the arguments before the file,
-  std::vector<std::string> after;   ///< and after it
+  std::vector<std::string> before;  ///< the arguments before the file
+  std::vector<std::string> after;   ///< the arguments after the file
 };
 
-/// Its words, for the name of a test: letters and digits only.
+/// The words of the command, for the name of a test: letters and digits only.
 std::string name_of(const ::testing::TestParamInfo<ReadingCommand>& info) {
   std::string name = info.param.program;
   for (const auto* words : {&info.param.before, &info.param.after}) {
@@ -223,7 +225,7 @@ std::string name_of(const ::testing::TestParamInfo<ReadingCommand>& info) {
 
 class EveryCommandThatReads : public ::testing::TestWithParam<ReadingCommand> {};
 
-TEST_P(EveryCommandThatReads, SaysTheSameOfAMissingFile) {
+TEST_P(EveryCommandThatReads, ReportsAMissingFileInTheSameWords) {
   const test::TemporaryDir dir;
   const std::string missing = dir.path() / "missing";
   std::vector<std::string> arguments = GetParam().before;
@@ -273,7 +275,7 @@ class EveryCommandThatReadsLogs : public ::testing::TestWithParam<ReadingCommand
   test::TemporaryDir dir_;
 };
 
-TEST_P(EveryCommandThatReadsLogs, WarnsOfACutOne) {
+TEST_P(EveryCommandThatReadsLogs, WarnsOfATruncatedLog) {
   const std::filesystem::path log = dir_.path() / "cut.lcmlog";
   write_log(log, 3);
   std::filesystem::resize_file(log, std::filesystem::file_size(log) - 1);
@@ -282,7 +284,7 @@ TEST_P(EveryCommandThatReadsLogs, WarnsOfACutOne) {
       HasSubstr("bytes are not part of a complete event: the file is damaged or truncated"));
 }
 
-TEST_P(EveryCommandThatReadsLogs, RefusesATextFileAndLeavesNothing) {
+TEST_P(EveryCommandThatReadsLogs, RefusesATextFileAndWritesNothing) {
   const std::filesystem::path text = dir_.path() / "notes.txt";
   std::ofstream(text) << "Nothing that LCM has written.\n";
   const auto result = run_on(text);
@@ -301,13 +303,13 @@ INSTANTIATE_TEST_SUITE_P(
                       ReadingCommand{"nodmap-latency", {"--log"}, {}}),
     name_of);
 
-TEST(CommandLine, NamesTheSubcommandAndTheNearestWord) {
+TEST(CommandLine, AnErrorNamesTheSubcommandAndTheNearestValidWord) {
   EXPECT_EQ(run_program("nodmap-convert", {"infoo", "x"}).err,
             "nodmap-convert: unknown subcommand 'infoo'; did you mean 'info'? (see nodmap-convert "
             "--help)\n");
   EXPECT_THAT(run_program("nodmap-convert", {"info"}).err,
               StartsWith("nodmap-convert info: IN is required"));
-  // The message names the wrong option, not its value, which has become an argument.
+  // The message names the wrong option, and not its value, which counts as an argument.
   EXPECT_THAT(
       run_program("nodmap-convert", {"export", "--chanel", "X", "in", "out.csv"}).err,
       StartsWith("nodmap-convert export: unknown option '--chanel'; did you mean '--channel'?"));
@@ -337,7 +339,7 @@ TEST(Clear, SaysWhenNobodyListens) {
   EXPECT_THAT(result.err, HasSubstr("nobody listens"));
 }
 
-TEST(Clear, NeedsTwoCorners) {
+TEST(Clear, RefusesARectangleWithoutTwoCorners) {
   const auto result = run_program("nodmap-clear", {"--lcm-url", "memq://", "1", "-2", "0"});
   EXPECT_EQ(result.exit_code, 2);
 }

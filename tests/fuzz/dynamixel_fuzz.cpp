@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Any bytes, in any pieces, with any pauses, through the servo's parser and its conversation; and
-// the conversation again with answers of any content whose checksums are right, which single
-// changed bits would never be.
+// Any bytes, in any pieces and with any pauses, through the servo's parser and its session. Then
+// the session again, with answers of any content whose checksums are correct, because random bytes
+// hardly ever have a correct checksum.
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -27,7 +27,7 @@ void check(const ServoOutput& output, time::SteadyTime now) {
   require(!output.sample || output.sample->stamp <= now);
 }
 
-/// An answer of the servo: error and parameters, in a whole frame.
+/// An answer of the servo, error and parameters, in a complete frame.
 std::vector<std::uint8_t> answer_of(ByteView content) {
   const std::size_t length = content.size() + 3;  // instruction and checksum
   std::vector<std::uint8_t> frame{0xFF,
@@ -44,7 +44,7 @@ std::vector<std::uint8_t> answer_of(ByteView content) {
   return frame;
 }
 
-/// The first byte of each answer tells how long it is, and how late.
+/// The first byte of each answer determines its length and its delay.
 void answer(const std::uint8_t* data, std::size_t size) {
   DynamixelSession session({}, 40.0);
   time::SteadyTime now;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Any bytes as UDP datagrams from four senders, each behind its length: what comes out are messages
-// of channels that have a name, memory stays bounded, and the decoders behind take or refuse them.
+// Any bytes as UDP datagrams from four senders, each behind its length. Messages that come out have
+// a channel name, memory stays bounded, and the decoders accept or refuse them.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -23,7 +23,7 @@ void require(bool condition) {
   }
 }
 
-/// Who can be decoded is what its bytes say: encoded again, it is the same size.
+/// A message that can be decoded is encoded to the same size again.
 template <class Message>
 void decode(std::span<const std::byte> bytes) {
   Message message{};
@@ -36,7 +36,7 @@ void check(const bus::MessageAssembler::Message& message) {
   require(message.channel.size() <= bus::MessageAssembler::kMaxChannelLength);
   unsigned int sum = 0;
   for (const std::byte b : message.data) {
-    sum += static_cast<unsigned int>(b);  // each byte is there
+    sum += static_cast<unsigned int>(b);  // reads each byte
   }
   require(sum <= 255U * message.data.size());
   decode<nodmap::scan_t>(message.data);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Bytes as a file that is nowhere on a disk, for readers that want a path.
+// Bytes as a file that is not on a disk, for readers that need a path.
 #pragma once
 
 #include <sys/mman.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Any bytes as an OctoMap file: they are none, or leaves that lie in the tree; and a grid of them
-// stays within its limit.
+// Any bytes as an OctoMap file: an error, or leaves that are within the tree; and a voxel grid of
+// them stays within its limit.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>

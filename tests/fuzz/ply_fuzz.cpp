@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Any bytes as a PLY file, read as a cloud and as a mesh: points and faces, or an error in words.
+// Any bytes as a PLY file, read as a cloud and as a mesh: points and faces, or an error message.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Any bytes as a configuration: it is one, or has errors with places in it; and what it says of
-// itself holds together.
+// Any bytes as a process configuration: it is valid and consistent, or has errors with their
+// places.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Any bytes as a recording of another program; the first byte says of which: CARMEN's, a nodding
-// scanner's, 3DTK's. An event log, or an error in words.
+// Any bytes as a recording of another program; the first byte chooses between CARMEN, a nodding
+// scanner and 3DTK. The result is an event log or an error message.
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -34,7 +34,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     return 0;
   }
   const std::string_view text(reinterpret_cast<const char*>(data + 1), size - 1);
-  // A scan and the pose after it, for 3DTK.
+  // For 3DTK: a scan, followed by its pose.
   const std::size_t middle = std::min(text.size(), text.find('P'));
   std::ofstream(kDir.path() / "scan000.3d") << text.substr(0, middle);
   std::ofstream(kDir.path() / "scan000.pose")

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Any bytes, in any pieces, with any pauses, through the laser's parser and the decoders behind it.
+// Any bytes, in any pieces and with any pauses, through the laser's parser and its decoders.
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -45,7 +45,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static_cast<void>(session.open(now));
   std::size_t at = 0;
   while (at < size) {
-    // One byte steers: how much comes at once, and after how long.
+    // One byte determines how many bytes come at once, and after how long.
     const std::size_t count = std::min<std::size_t>(size - at, 1U + (data[at] & 0x3FU) * 16U);
     now += (data[at] & 0x40U) != 0 ? 300ms : 1ms;
     parser.feed(ByteView(data + at, count), now);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Any bytes on the line: the parser never fails, loses no line without counting it, and what it
-// takes for a frame is one: written again and read again it is the same.
+// Any bytes on the line: the parser never fails and counts every line that it drops. A frame that
+// it accepts is the same after writing and reading it again.
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>

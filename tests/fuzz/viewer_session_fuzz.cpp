@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Any bytes as what a client of the viewer sends, frames between newlines, text where the first
-// byte is T: the session lives on, answers with JSON, and what waits for the client stays bounded.
+// Any bytes as the frames of a client of the viewer, separated by newlines; text if the first byte
+// is T. The session stays usable and answers with JSON, and what waits for the client stays
+// bounded.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Any bytes as what a browser sends to the viewer's port: as they are, or, where the first byte is
-// odd, as frames after a good handshake. The server goes on serving.
+// Any bytes as what a browser sends to the viewer's port: as they are, or, if the first byte is
+// odd, as frames after a valid handshake. The server stays usable.
 #include <arpa/inet.h>
 #include <netinet/in.h>
 #include <sys/socket.h>

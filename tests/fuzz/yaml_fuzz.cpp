@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Any bytes as a configuration, and as a world: taken, or an error in words.
+// Any bytes as a configuration and as a world: accepted, or an error message.
 #include <cstddef>
 #include <cstdint>
 #include <stdexcept>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The drivers' cores against the simulator's devices, which share no code with them: every byte
-// between them, on simulated time. What the drivers say is compared with what really was.
+// The drivers connected to the simulator's devices, which share no code with them: every byte is
+// exchanged, on simulated time. What the drivers publish is compared with the true state.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,10 +17,9 @@
 namespace nodmap {
 namespace drivers_on_devices_test {
 
-constexpr time::Duration kPollPeriod =
-    2ms;  // how often a driver's process looks after its time-outs
+constexpr time::Duration kPollPeriod = 2ms;  // how often a driver's process checks its time-outs
 
-/// Four walls, so that every level beam has something to hit, at ranges that vary.
+/// Four walls, so that every level beam hits something, at various ranges.
 sim::World room() {
   sim::World world;
   for (const double side : {-1.0, 1.0}) {
@@ -34,7 +33,8 @@ time::SteadyTime at(time::Duration since_start) {
   return time::SteadyTime(since_start);
 }
 
-/// A driver's line, as the adapter's driver gives it: at `baud`, bytes as soon as they have left.
+/// A driver's serial line as an adapter provides it: at `baud`, bytes arrive as soon as they have
+/// been sent.
 struct Cable {
   sim::SerialDevice& device;
   int baud;
@@ -46,7 +46,7 @@ struct Cable {
   }
 };
 
-/// The scanner's driver on its two devices.
+/// The scanner's driver, connected to its two devices.
 class ScannerRun {
  public:
   ScannerRun(const laser3d::Laser3dParams& params, const sim::Lms200Params& laser,
@@ -77,7 +77,7 @@ class ScannerRun {
     }
   }
 
-  /// How far the stamp of a scan is from the time its first beam was fired.
+  /// Difference between the stamp of a scan and the time at which its first beam was fired.
   [[nodiscard]] time::Duration stamp_error(const scan::Scan& scan) const {
     const std::vector<time::SteadyTime>& fired = fired_.at(std::lround(1e4 * scan.angle_first_rad));
     const time::SteadyTime stamp = first_beam(scan);
@@ -102,7 +102,7 @@ class ScannerRun {
   const laser3d::Laser3d& driver() const { return driver_; }
 
  private:
-  /// The scans' stamps are of the devices' clock here.
+  /// Here the stamps of the scans are on the clock of the devices.
   static time::SteadyTime first_beam(const scan::Scan& scan) {
     return at(scan.stamp.time_since_epoch());
   }
@@ -156,15 +156,16 @@ laser3d::Laser3dParams with(laser3d::SickVariant variant, bool interlaced, laser
 
 class DriversOnDevices : public ::testing::TestWithParam<Case> {};
 
-// R1, and the passive synchronisation: the mirror is 50 ppm slow, the servo's clock 30 ppm fast.
-TEST_P(DriversOnDevices, ScansTellWhenAndWhereTheyWereMeasured) {
+// R1 and the passive synchronisation: the mirror is 50 ppm slow, and the servo's clock is 30 ppm
+// fast.
+TEST_P(DriversOnDevices, ScansHaveTheTimeAndPitchOfTheirMeasurement) {
   ScannerRun run(GetParam().params, sim::Lms200Params{});
   run.run_until(at(15s));
   ASSERT_EQ(run.driver().health(at(15s)).reason, "");
   run.scans.clear();
   run.run_until(at(45s));
   const double rate = static_cast<double>(run.scans.size()) / 30.0;
-  EXPECT_NEAR(rate, GetParam().scans_per_s, 0.1) << "a scan or two at the ends";
+  EXPECT_NEAR(rate, GetParam().scans_per_s, 0.1) << "one or two scans at the ends";
   ASSERT_GT(run.scans.size(), 1000U);
   const double period_ms = 1e3 * time::seconds(run.scans.back().stamp - run.scans.front().stamp) /
                            static_cast<double>(run.scans.size() - 1);
@@ -209,7 +210,7 @@ sim::World wall() {
   return world;
 }
 
-/// RMS distance of what is seen of the wall, up to 60 degrees aside, from its surface.
+/// RMS distance of the wall's points, up to 60 degrees aside, from its surface.
 double wall_rms_m(const std::vector<scan::Scan>& scans) {
   double sum = 0.0;
   std::size_t n = 0;
@@ -236,9 +237,9 @@ std::vector<scan::Scan> scans_of_the_wall(double pitch_min_deg, double pitch_max
   return run.scans;
 }
 
-// R2: a wall seen while nodding by a degree from scan to scan is as flat as one seen by a laser at
-// rest, since each beam has its own pitch. With one pitch for all of a scan it is not: during the
-// half revolution of the mirror the head moves by half of the degree.
+// R2: a wall seen while nodding by one degree per scan is as flat as one seen by a laser at rest,
+// because each beam has its own pitch. With one pitch for the whole scan it is not: during the
+// mirror's half revolution the head moves by half of that degree.
 TEST(LaserOnDevice, R2_TheWallIsFlatWhileTheLaserNods) {
   const double still_m = wall_rms_m(scans_of_the_wall(35.0, 35.0, 1.0));
   std::vector<scan::Scan> scans = scans_of_the_wall(15.0, 55.0, 40.0 / 75.0);
@@ -247,7 +248,7 @@ TEST(LaserOnDevice, R2_TheWallIsFlatWhileTheLaserNods) {
     scan.pitch_first_rad = scan.pitch_last_rad = scan.pitch_mid_rad();
   }
   const double not_interpolated_m = wall_rms_m(scans);
-  // 1 cm of noise along the beams, of which 0.82 (35 degrees up) times 0.84 (RMS of the cosine up
+  // 1 cm of noise along the beams. Of that, 0.82 (35 degrees up) times 0.84 (RMS of the cosine up
   // to 60 degrees aside) is across the wall; 90 000 points.
   EXPECT_NEAR(still_m, 0.0069, 0.0003);
   EXPECT_LT(nodding_m, 1.2 * still_m);
@@ -257,8 +258,8 @@ TEST(LaserOnDevice, R2_TheWallIsFlatWhileTheLaserNods) {
   RecordProperty("not_interpolated_mm", std::to_string(1e3 * not_interpolated_m));
 }
 
-// R3: half of the scanner's step of 0.25 degrees, over its whole range.
-TEST(LaserOnDevice, R3_ThePitchThatIsHeldIsThePitchThatWasAskedFor) {
+// R3: tolerance of half of the scanner's step of 0.25 degrees, over its whole range.
+TEST(LaserOnDevice, R3_ThePitchThatIsHeldIsTheCommandedPitch) {
   for (const double pitch_deg : {-60.0, -33.3, 0.0, 12.7, 60.0}) {
     laser3d::Laser3dParams params;
     params.nod.fallback.min_rad = params.nod.fallback.max_rad = geometry::deg_to_rad(pitch_deg);
@@ -282,7 +283,7 @@ TEST(LaserOnDevice, AFactoryNewSensorAt9600IsConfiguredOnce) {
   EXPECT_GT(run.scans.size(), 100U);
 }
 
-/// The base's driver on its device, driven at constant speed.
+/// The base's driver, connected to its device and driven at constant speed.
 class BaseRun {
  public:
   static constexpr time::Duration kValidity = 100ms;
@@ -325,15 +326,15 @@ class BaseRun {
   Cable cable_{device_, 1'000'000};
 };
 
-TEST(BaseOnDevice, OdometryComesEveryTenMillisecondsAndMeasuresTheWay) {
+TEST(BaseOnDevice, OdometryComesEveryTenMillisecondsAndMeasuresTheDistance) {
   BaseRun run;
   run.run_until(at(10s), 0.5);
-  EXPECT_NEAR(static_cast<double>(run.samples.size()), 990.0, 3.0) << "after the adapter's start";
-  // A tick of 17 um more or less in 10 ms.
+  EXPECT_NEAR(static_cast<double>(run.samples.size()), 990.0, 3.0) << "minus the adapter's start";
+  // One tick of 17 um more or less in 10 ms.
   EXPECT_NEAR(run.samples.back().state.forward_mps, 0.5, 1.7e-3);
   const double way_m =
       0.5 * (run.model().wheel_travel().left_m + run.model().wheel_travel().right_m);
-  // What was rolled before the driver listened, and the last period.
+  // Missing: what was driven before the driver listened, and the last period.
   EXPECT_NEAR(run.samples.back().state.T_odom_base.translation().norm(), way_m, 0.02);
   EXPECT_EQ(run.driver().counts().encoder_lost, 0);
   EXPECT_EQ(run.driver().slcan_counts().malformed, 0);

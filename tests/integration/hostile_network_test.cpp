@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What somebody on the network can do with single datagrams: nodmap-logger hears every channel, so
-// it stands for all that receive. Run by tests/support/private_network.sh, whose user may forge
-// sources.
+// What a host on the network can do with single datagrams. nodmap-logger receives every channel, so
+// it stands for all receiving processes. Run by tests/support/private_network.sh, whose user may
+// forge source addresses.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sched.h>
@@ -31,8 +31,8 @@ class HostileNetwork : public ::testing::Test {
   void SetUp() override { ASSERT_NE(std::getenv("NODMAP_LOGGER"), nullptr) << "set by ctest"; }
   void TearDown() override { ::unsetenv("NODMAP_TRUSTED_HOSTS"); }
 
-  /// A logger hears what `attack` sends, then a message of ours, and is asked to end. How many
-  /// messages of each channel it has recorded.
+  /// Starts a logger, sends what `attack` sends and a message of ours, and ends the logger. Returns
+  /// how many messages of each channel it has recorded.
   template <class Attack>
   std::map<std::string, int> record(Attack attack) {
     test::ChildProcess logger({std::getenv("NODMAP_LOGGER"), "--lcm-url", kUrl, "--out",
@@ -40,7 +40,7 @@ class HostileNetwork : public ::testing::Test {
     EXPECT_TRUE(logger.wait_for_stderr("listening", kPatience)) << logger.said();
     attack();
     bus_.publish_bytes("OURS", std::as_bytes(std::span("data")));
-    // Once a second: by then all that was sent before has been taken.
+    // STATUS comes once a second: after two of them all that was sent before has been handled.
     const std::int64_t told = status_.count();
     for (int i = 0; i < 100 && status_.count() < told + 2; ++i) {
       bus_.handle(milliseconds(100));
@@ -61,7 +61,7 @@ class HostileNetwork : public ::testing::Test {
   bus::Latest<nodmap::status_t> status_{bus_, "STATUS"};
 };
 
-TEST_F(HostileNetwork, TwoFragmentsDoNotEndAProcess) {
+TEST_F(HostileNetwork, TwoOverlappingFragmentsDoNotEndTheLogger) {
   const std::map<std::string, int> recorded = record([&] {
     for (const std::string& datagram : test::two_fragments_that_wrap("SCAN")) {
       attacker_.send(datagram);
@@ -72,15 +72,15 @@ TEST_F(HostileNetwork, TwoFragmentsDoNotEndAProcess) {
   EXPECT_GT(status_.get()->total_corrupt, 0);
 }
 
-// liblcm takes the data of such a datagram for 2^32 - 1 bytes long.
-TEST_F(HostileNetwork, AChannelWithoutEndDoesNotEndALogger) {
+// liblcm assumes that the data of such a datagram are 2^32 - 1 bytes long.
+TEST_F(HostileNetwork, AChannelNameWithoutAnEndDoesNotEndTheLogger) {
   const std::map<std::string, int> recorded =
       record([&] { attacker_.send(test::datagram("SCAN")); });
   EXPECT_EQ(recorded.count("SCAN"), 0U);
   EXPECT_EQ(recorded.at("OURS"), 1);
 }
 
-TEST_F(HostileNetwork, AnotherHostIsNotHeardAndIsNamed) {
+TEST_F(HostileNetwork, MessagesOfAnotherHostAreRefusedAndItsAddressIsReported) {
   const std::map<std::string, int> recorded = record(
       [&] { attacker_.send_as("10.9.9.9", test::datagram(std::string("DRIVE\0data", 10))); });
   EXPECT_EQ(recorded.count("DRIVE"), 0U);
@@ -88,15 +88,15 @@ TEST_F(HostileNetwork, AnotherHostIsNotHeardAndIsNamed) {
   EXPECT_GT(status_.get()->total_rejected, 0);
 }
 
-TEST_F(HostileNetwork, AHostThatIsTrustedIsHeard) {
+TEST_F(HostileNetwork, MessagesOfATrustedHostAreRecorded) {
   ::setenv("NODMAP_TRUSTED_HOSTS", "10.9.9.0/24", 1);
   const std::map<std::string, int> recorded = record(
       [&] { attacker_.send_as("10.9.9.9", test::datagram(std::string("DRIVE\0data", 10))); });
   EXPECT_EQ(recorded.at("DRIVE"), 1);
 }
 
-// Our own sender, and fragments as the kernel delivers them.
-TEST_F(HostileNetwork, ALargeMessageComesWhole) {
+// Sent by our own sender, in fragments as the kernel delivers them.
+TEST_F(HostileNetwork, ALargeMessageArrivesComplete) {
   std::vector<std::byte> large(200'000);
   for (std::size_t i = 0; i < large.size(); ++i) {
     large[i] = static_cast<std::byte>(i * 7 % 251);
@@ -109,7 +109,7 @@ TEST_F(HostileNetwork, ALargeMessageComesWhole) {
   EXPECT_EQ(heard, large);
 }
 
-// What a robot that has fallen behind needs is what is new.
+// A robot that has fallen behind needs the newest messages.
 TEST_F(HostileNetwork, AFullQueueDropsItsOldestMessages) {
   std::vector<int> heard;
   bus_.subscribe_bytes(

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// nodmap-logger as a process on a real network: what it must not lose, and how fast it must be.
+// nodmap-logger as a process on a real network: that it loses nothing, and how fast it writes.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -34,7 +34,7 @@ std::vector<std::byte> numbered(int number) {
   return {view.begin(), view.end()};
 }
 
-/// The numbers on channel NUMBER, read by LCM's own reader.
+/// The numbers published on channel NUMBER, read with LCM's own reader.
 std::vector<int> numbers_in(const std::filesystem::path& file) {
   lcm::LogFile log(file.string(), "r");
   std::vector<int> numbers;
@@ -66,7 +66,7 @@ class LoggerProcess : public ::testing::Test {
     return words;
   }
 
-  /// About one message each millisecond, as several sensors and maps make together.
+  /// About one message per millisecond, as many as several sensors and maps publish together.
   void publish_at_1_khz(int count) {
     auto due = SteadyClock::now();
     for (int i = 0; i < count; ++i) {
@@ -81,7 +81,7 @@ class LoggerProcess : public ::testing::Test {
   bus::LiveBus bus_{kUrl};
 };
 
-TEST_F(LoggerProcess, LosesNothingThatCameBeforeTheSignal) {
+TEST_F(LoggerProcess, RecordsEverythingSentBeforeTheSignal) {
   for (const int signal : {SIGTERM, SIGINT}) {
     std::filesystem::remove(log_);
     ChildProcess logger(command());
@@ -93,8 +93,8 @@ TEST_F(LoggerProcess, LosesNothingThatCameBeforeTheSignal) {
   }
 }
 
-// A burst as long as the socket's buffer holds (2 s of all our channels), while the logger sleeps.
-TEST_F(LoggerProcess, TakesWhatWaitsInTheKernelWhenTheSignalComes) {
+// A burst that the socket's buffer can hold (2 s of all our channels), while the logger sleeps.
+TEST_F(LoggerProcess, RecordsMessagesThatAreStillInTheKernelAtTheSignal) {
   ChildProcess logger(command());
   ASSERT_TRUE(logger.wait_for_stderr("listening", kPatience)) << logger.said();
   logger.send_signal(SIGSTOP);
@@ -108,9 +108,9 @@ TEST_F(LoggerProcess, TakesWhatWaitsInTheKernelWhenTheSignalComes) {
   EXPECT_EQ(numbers_in(log_), zero_to(kBurst));
 }
 
-// Whether or not the receiver's thread has had a processor since: else what is read at the end of a
-// recording depends on the load.
-TEST(LiveBus, WhatThisHostHasReceivedIsHandledAtOnce) {
+// This must not depend on whether the receiving thread has run since: else what is handled at the
+// end of a recording would depend on the load.
+TEST(LiveBus, MessagesReceivedByTheKernelAreHandledAtOnce) {
   bus::LiveBus sender(kUrl);
   bus::LiveBus receiver(kUrl);
   std::vector<int> numbers;
@@ -129,15 +129,15 @@ TEST(LiveBus, WhatThisHostHasReceivedIsHandledAtOnce) {
     receiver.handle(milliseconds(0));
     at_once += !numbers.empty() && numbers.back() == i ? 1 : 0;
   }
-  // On a busy machine the kernel passes some on a moment later; without the second look nearly all
-  // are missed.
+  // On a busy machine the kernel passes some of them on a moment later. Without the second look
+  // nearly all are missed.
   EXPECT_GT(at_once, 0.9 * kTimes);
   while (receiver.handle(milliseconds(100)) > 0) {
   }
   EXPECT_EQ(numbers, zero_to(kTimes));
 }
 
-TEST_F(LoggerProcess, EndsWithinASecondThoughOthersGoOnSending) {
+TEST_F(LoggerProcess, EndsWithinASecondWhileOthersContinueToSend) {
   ChildProcess logger(command());
   ASSERT_TRUE(logger.wait_for_stderr("listening", kPatience)) << logger.said();
   std::atomic<bool> done = false;
@@ -173,10 +173,10 @@ TEST_F(LoggerProcess, AnEventIsInTheFileAfter100Milliseconds) {
   std::sort(delays_ms.begin(), delays_ms.end());
   RecordProperty("median_ms", std::to_string(delays_ms[10]));
   RecordProperty("max_ms", std::to_string(delays_ms[20]));
-  EXPECT_LE(delays_ms[10], 100.0) << "median: one slow turn may be the machine's";
+  EXPECT_LE(delays_ms[10], 100.0) << "the median: the machine may cause single delays";
 }
 
-TEST_F(LoggerProcess, LcmLogplayerPlaysIt) {
+TEST_F(LoggerProcess, LcmLogplayerPlaysTheLog) {
   {
     ChildProcess logger(command({"--set", "split_mb=0.03"}));
     ASSERT_TRUE(logger.wait_for_stderr("listening", kPatience)) << logger.said();
@@ -206,7 +206,7 @@ TEST_F(LoggerProcess, LcmLogplayerPlaysIt) {
   EXPECT_EQ(played, zero_to(kNumMessages));
 }
 
-TEST_F(LoggerProcess, AFullDiskIsToldInStatusAndByTheExitCode) {
+TEST_F(LoggerProcess, AFullDiskIsReportedInStatusAndByTheExitCode) {
   bus::Latest<nodmap::status_t> status(bus_, "STATUS");
   ChildProcess logger(command(), {.max_file_bytes = 5000});
   ASSERT_TRUE(logger.wait_for_stderr("listening", kPatience)) << logger.said();
@@ -228,7 +228,7 @@ TEST_F(LoggerProcess, AFullDiskIsToldInStatusAndByTheExitCode) {
   EXPECT_EQ(kept, zero_to(static_cast<int>(kept.size())));
 }
 
-TEST_F(LoggerProcess, RefusesToOverwriteAndToGuess) {
+TEST_F(LoggerProcess, RefusesToOverwriteAndInvalidParameters) {
   std::ofstream(log_) << "precious";
   ChildProcess existing(command());
   EXPECT_EQ(existing.wait_for_end(kPatience), 1);

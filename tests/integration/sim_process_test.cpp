@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// nodmap-sim and the drivers as processes: pseudo-terminals between them, a real network around.
+// nodmap-sim and the drivers as processes, connected by pseudo-terminals, on a real network.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -45,7 +45,7 @@ struct Stamps {
   std::vector<std::int64_t> utimes;
 
   void clear() { utimes.clear(); }
-  /// By the median of the intervals: what a busy machine loses does not count.
+  /// From the median of the intervals, so that losses on a busy machine do not count.
   [[nodiscard]] double rate_hz() const {
     std::vector<std::int64_t> intervals;
     for (std::size_t i = 1; i < utimes.size(); ++i) {
@@ -124,7 +124,7 @@ class SimProcess : public ::testing::Test {
   std::optional<ChildProcess> base_;
 };
 
-TEST_F(SimProcess, TheDriversFindTheirDevicesAndTheirRates) {
+TEST_F(SimProcess, TheDriversFindTheirDevicesAndPublishAtTheirRates) {
   const auto out = dir_.path() / "out";
   ChildProcess sim(sim_command({"--out", out.string()}));
   ASSERT_TRUE(sim.wait_for_stderr("devices in", kPatience)) << sim.said();
@@ -136,16 +136,16 @@ TEST_F(SimProcess, TheDriversFindTheirDevicesAndTheirRates) {
     return scans_.utimes.size() > 350 && odometry_.utimes.size() > 350 &&
            truths_.utimes.size() > 200 && pitches_.utimes.size() > 350;
   }));
-  // The clocks of mirror and base are slow on purpose.
+  // The clocks of mirror and base are slightly slow on purpose.
   EXPECT_NEAR(scans_.rate_hz(), 1e6 / 13'320.0, 0.5);
   EXPECT_NEAR(odometry_.rate_hz(), 100.0, 1.0);
   EXPECT_NEAR(truths_.rate_hz(), 50.0, 0.5);
-  // Each reading is one request: a machine in use stretches some.
+  // Each reading is a request and an answer; on a busy machine some take longer.
   EXPECT_GT(pitches_.rate_hz(), 100.0);
   sim.send_signal(SIGINT);
   EXPECT_EQ(sim.wait_for_end(kPatience), 0);
   EXPECT_THAT(sim.said(), HasSubstr("0 collisions"));
-  EXPECT_FALSE(std::filesystem::exists(links_)) << "links and folder are gone";
+  EXPECT_FALSE(std::filesystem::exists(links_)) << "links and folder have been removed";
   nlohmann::json result;
   std::ifstream(out / "result.json") >> result;
   EXPECT_EQ(result["collisions"], 0);
@@ -154,7 +154,7 @@ TEST_F(SimProcess, TheDriversFindTheirDevicesAndTheirRates) {
 }
 
 TEST_F(SimProcess, TheDriversRecoverWhenTheirPortsComeBack) {
-  // Every ten seconds, for the drivers may need any number of seconds until they read.
+  // Every ten seconds, because it can take the drivers any number of seconds until they read.
   std::vector<std::string> faults;
   for (const char* window : {":unplug@6+2", ":unplug@16+2", ":unplug@26+2", ":unplug@36+2"}) {
     for (const std::string part : {"laser", "base", "servo"}) {
@@ -166,7 +166,7 @@ TEST_F(SimProcess, TheDriversRecoverWhenTheirPortsComeBack) {
   start_drivers();
   ASSERT_TRUE(listen_until([this] { return !scans_.utimes.empty() && !odometry_.utimes.empty(); }));
   ASSERT_TRUE(listen_until([this] { return !std::filesystem::exists(links_ / "laser"); }))
-      << "unplugged, its link is gone";
+      << "the link of an unplugged device is removed";
   listen_for(milliseconds(500));
   forget();
   listen_for(milliseconds(500));
@@ -178,15 +178,15 @@ TEST_F(SimProcess, TheDriversRecoverWhenTheirPortsComeBack) {
   EXPECT_EQ(sim.wait_for_end(kPatience), 0);
 }
 
-TEST_F(SimProcess, SaysHowItIs) {
+TEST_F(SimProcess, PublishesStatus) {
   bus::Latest<nodmap::status_t> status(bus_, "STATUS");
   ChildProcess sim(sim_command({"--duration", "3"}));
   ASSERT_TRUE(listen_until([&status] { return status.get().has_value(); }));
   EXPECT_EQ(status.get()->process_name, "nodmap-sim");
-  EXPECT_EQ(sim.wait_for_end(kPatience), 0) << "its time is over";
+  EXPECT_EQ(sim.wait_for_end(kPatience), 0) << "it ends after its duration";
 }
 
-TEST_F(SimProcess, TouchesNothingThatIsNotItsOwn) {
+TEST_F(SimProcess, LeavesForeignFilesAndTheLinksOfAnotherSimulatorAlone) {
   std::filesystem::create_directory(links_);
   std::ofstream(links_ / "servo") << "precious";
   ChildProcess sim(sim_command());
@@ -194,7 +194,7 @@ TEST_F(SimProcess, TouchesNothingThatIsNotItsOwn) {
   EXPECT_THAT(sim.said(), HasSubstr("servo: exists and is not a link of the simulator"));
   EXPECT_EQ(std::filesystem::file_size(links_ / "servo"), 8U);
   std::filesystem::remove(links_ / "servo");
-  // What a killed simulator leaves is taken over, what a living one has is not.
+  // It replaces the links of a simulator that was killed, but not those of one that runs.
   std::filesystem::create_symlink("/dev/pts/1000000", links_ / "laser");
   ChildProcess first(sim_command());
   ASSERT_TRUE(first.wait_for_stderr("devices in", kPatience)) << first.said();
@@ -204,7 +204,7 @@ TEST_F(SimProcess, TouchesNothingThatIsNotItsOwn) {
   EXPECT_TRUE(std::filesystem::is_symlink(links_ / "laser"));
 }
 
-TEST_F(SimProcess, RefusesWhatItDoesNotUnderstand) {
+TEST_F(SimProcess, RefusesUnknownFaultsAndInvalidWorlds) {
   ChildProcess fault(sim_command({"--fault", "laser:melt@1+1"}));
   EXPECT_EQ(fault.wait_for_end(kPatience), 2);
   EXPECT_THAT(fault.said(), HasSubstr("'melt' is not one of drop"));

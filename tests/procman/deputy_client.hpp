@@ -16,24 +16,25 @@ namespace nodmap::test {
 
 inline constexpr const char* kProcmanUrl = "udpm://239.255.76.67:7692?ttl=0&recv_buf_size=2000000";
 
-/// A sheriff by hand: sends orders to one deputy, and keeps what comes back.
+/// Acts as a sheriff: sends orders to one deputy and keeps its messages.
 class DeputyClient {
  public:
   explicit DeputyClient(std::string deputy_id);
 
   void order(std::vector<procman::CommandOrder> commands);
 
-  /// Listens until the condition holds. False when it does not in time.
+  /// Handles messages until the condition holds. False if it does not hold in time.
   bool wait_until(const std::function<bool()>& condition,
                   std::chrono::milliseconds timeout = kPatience);
-  /// Listens until `count` more INFOs have come: the deputy sends one a second and at each change.
+  /// Handles messages until `count` more INFOs have come: the deputy sends one a second, and one at
+  /// each change.
   bool wait_for_infos(std::size_t count);
 
-  /// How a command is by the newest INFO; a default one where it is unknown.
+  /// The status of a command in the newest INFO; a default one if it is unknown.
   [[nodiscard]] procman::CommandStatus status(const std::string& id) const;
   [[nodiscard]] bool runs(const std::string& id) const { return status(id).pid != 0; }
   [[nodiscard]] const std::vector<procman::DeputyInfo>& infos() const { return infos_; }
-  /// All that a command wrote.
+  /// The whole output of a command.
   [[nodiscard]] const std::string& output(const std::string& id) { return outputs_[id]; }
   [[nodiscard]] bus::LiveBus& bus() { return bus_; }
 
@@ -45,14 +46,14 @@ class DeputyClient {
   std::map<std::string, std::string> outputs_;
 };
 
-/// A command for an order.
+/// An order for a command.
 [[nodiscard]] procman::CommandOrder wanted(const std::string& id, const std::string& exec, int run,
                                            bool force_quit = false);
 
-/// The living processes whose environment holds NODMAP_TEST=`mark`.
+/// The running processes whose environment contains NODMAP_TEST=`mark`.
 [[nodiscard]] std::vector<pid_t> processes_marked(const std::string& mark);
 
-/// Whether a process with exactly these words lives.
+/// Whether a process with exactly this command line is running.
 [[nodiscard]] bool is_running(const std::vector<std::string>& words);
 
 }  // namespace nodmap::test

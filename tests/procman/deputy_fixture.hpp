@@ -14,8 +14,8 @@
 
 namespace nodmap::test {
 
-/// A deputy `rover` and a client that orders from it. What the deputy starts is marked by marked(),
-/// and a test fails when any of it outlives it.
+/// A deputy `rover` and a client that gives it orders. Processes that the deputy starts are marked
+/// by marked(); a test fails if any of them is left at its end.
 class DeputyFixture : public ::testing::Test {
  protected:
   void TearDown() override {
@@ -39,7 +39,7 @@ class DeputyFixture : public ::testing::Test {
     return std::make_unique<ChildProcess>(command);
   }
 
-  /// An exec line whose processes are found again.
+  /// The exec line with a mark by which its processes are found.
   [[nodiscard]] std::string marked(const std::string& exec) const {
     return "NODMAP_TEST=" + mark_ + " " + exec;
   }

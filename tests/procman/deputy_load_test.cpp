@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// nodmap-deputy with much to do: many processes, floods of output, messages of more than a
-// datagram.
+// nodmap-deputy under load: many processes, floods of output, messages larger than a datagram.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -23,7 +22,7 @@ using DeputyLoad = test::DeputyFixture;
 
 constexpr std::size_t kDatagramBytes = 64 * 1024;
 
-TEST_F(DeputyLoad, AFloodIsLimitedCountedAndBlocksNobody) {
+TEST_F(DeputyLoad, AFloodOfOutputIsLimitedAndDelaysNoOtherCommand) {
   begin();
   const auto begun = SteadyClock::now();
   client_.order(
@@ -33,12 +32,12 @@ TEST_F(DeputyLoad, AFloodIsLimitedCountedAndBlocksNobody) {
   ASSERT_TRUE(client_.wait_until([this] {
     return client_.output("flood").size() > 192U * 1024U &&
            client_.output("flood").find("bytes of output dropped") != std::string::npos;
-  })) << "more than the burst, and what is left out is counted";
-  EXPECT_TRUE(client_.wait_for_infos(2)) << "still speaks";
+  })) << "more than the burst is published, the rest is counted";
+  EXPECT_TRUE(client_.wait_for_infos(2)) << "the deputy still sends INFO";
   EXPECT_TRUE(client_.wait_until([this] { return client_.output("tick").size() > 20U * 6U; }))
-      << "the quiet one is heard";
+      << "the output of the other command is published";
   EXPECT_THAT(client_.output("tick"), ::testing::Not(HasSubstr("dropped")));
-  // The deputy's bucket fills up by the same clock; what was dropped is said in a line a second.
+  // The deputy's limit is by the same clock. What was dropped is reported in a line each second.
   const double elapsed_s = std::chrono::duration<double>(SteadyClock::now() - begun).count();
   EXPECT_LE(static_cast<double>(client_.output("flood").size()),
             128.0 * 1024.0 + elapsed_s * (64.0 * 1024.0 + 80.0));
@@ -47,7 +46,7 @@ TEST_F(DeputyLoad, AFloodIsLimitedCountedAndBlocksNobody) {
   end_cleanly();
 }
 
-/// How many bytes a command's output says were dropped.
+/// The number of bytes that were dropped, according to the command's output.
 std::int64_t bytes_dropped(const std::string& output) {
   static const std::string kBegin = "[nodmap-deputy: ";
   static const std::string kEnd = " bytes of output dropped]";
@@ -61,7 +60,7 @@ std::int64_t bytes_dropped(const std::string& output) {
   return sum;
 }
 
-TEST_F(DeputyLoad, AFloodThatEndsIsCountedToTheByte) {
+TEST_F(DeputyLoad, TheDroppedBytesOfAFloodThatEndsAreCountedExactly) {
   begin();
   constexpr std::int64_t kWritten = 30'000'000;
   const auto begun = SteadyClock::now();
@@ -70,11 +69,11 @@ TEST_F(DeputyLoad, AFloodThatEndsIsCountedToTheByte) {
                                " /dev/zero | tr [:cntrl:] x; exit 7'"),
                         1)});
   ASSERT_TRUE(client_.wait_until([this] { return client_.status("flood").wait_status == 7 << 8; }))
-      << "is slowed, and not blocked for ever";
+      << "it is slowed down, but not blocked for ever";
   const double took_s = std::chrono::duration<double>(SteadyClock::now() - begun).count();
   const auto heard = [this] {
     const std::string& output = client_.output("flood");
-    // The complaint has no such letter.
+    // The report of dropped bytes does not contain this letter.
     return static_cast<std::int64_t>(std::count(output.begin(), output.end(), 'x'));
   };
   EXPECT_TRUE(client_.wait_until([&] {
@@ -87,9 +86,9 @@ TEST_F(DeputyLoad, AFloodThatEndsIsCountedToTheByte) {
   end_cleanly();
 }
 
-// The protocol knows no parts: what is larger than a datagram goes as one message of several LCM
-// fragments, which every existing sheriff and deputy puts together.
-TEST_F(DeputyLoad, OrdersAndInfoOfMoreThanADatagramArriveWhole) {
+// The protocol has no parts: a message larger than a datagram is one message of several LCM
+// fragments, which every existing sheriff and deputy can receive.
+TEST_F(DeputyLoad, OrdersAndInfoLargerThanADatagramArriveComplete) {
   begin();
   std::vector<CommandOrder> orders;
   for (int i = 0; i < 300; ++i) {
@@ -113,7 +112,7 @@ TEST_F(DeputyLoad, OrdersAndInfoOfMoreThanADatagramArriveWhole) {
   end_cleanly();
 }
 
-TEST_F(DeputyLoad, AHundredProcessesRunAndEndTogether) {
+TEST_F(DeputyLoad, AHundredProcessesRunAndAreStoppedTogether) {
   begin();
   std::vector<CommandOrder> orders;
   for (int i = 0; i < 100; ++i) {

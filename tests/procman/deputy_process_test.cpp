@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// nodmap-deputy as a process: what it must never leave behind, and what must never stop it.
+// nodmap-deputy as a process: that it leaves no process behind, and that nothing stops it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <linux/capability.h>
@@ -30,8 +30,8 @@ using ::testing::IsEmpty;
 
 using DeputyProcess = test::DeputyFixture;
 
-// The existing deputies die in this, or leave a child alive.
-TEST_F(DeputyProcess, StartAndStopWithinFourMilliseconds200Times) {
+// The existing deputies crash here, or leave a child running.
+TEST_F(DeputyProcess, StartedAndStoppedWithinFourMilliseconds200TimesNothingIsLeft) {
   begin();
   const std::string exec = marked("sleep 1000");
   for (int run = 1; run <= 200; ++run) {
@@ -65,7 +65,7 @@ TEST_F(DeputyProcess, GivesACommandTheResourcesOfItsConfiguration) {
   end_cleanly();
 }
 
-/// Gives this process, and what it starts, a right as the deputy's service does.
+/// Gives this process and its children a capability, as the deputy's service does.
 bool take_ambient_right(unsigned capability) {
   __user_cap_header_struct header{_LINUX_CAPABILITY_VERSION_3, 0};
   std::array<__user_cap_data_struct, 2> rights{};
@@ -77,7 +77,7 @@ bool take_ambient_right(unsigned capability) {
          ::prctl(PR_CAP_AMBIENT, PR_CAP_AMBIENT_RAISE, capability, 0, 0) == 0;
 }
 
-TEST_F(DeputyProcess, KeepsItsRightOverOtherProcessesToItself) {
+TEST_F(DeputyProcess, ItsCapabilityIsNotInheritedByItsCommands) {
   if (!take_ambient_right(CAP_SYS_NICE)) {
     GTEST_SKIP() << "needs the right to change other processes' priority (CAP_SYS_NICE)";
   }
@@ -91,14 +91,14 @@ TEST_F(DeputyProcess, KeepsItsRightOverOtherProcessesToItself) {
   end_cleanly();
 }
 
-TEST_F(DeputyProcess, RestartWithinFourMilliseconds200Times) {
+TEST_F(DeputyProcess, RestartedWithinFourMilliseconds200TimesThereIsOneProcess) {
   begin();
   const std::string exec = marked("sleep 1000");
   ASSERT_TRUE(comes_to_run(wanted("a", exec, 1)));
   for (int run = 2; run <= 201; ++run) {
     client_.order({wanted("a", exec, run)});
     ::usleep(static_cast<useconds_t>(run % 5) * 1000);
-    // A sheriff repeats its orders; the one after the end of the old run starts the new.
+    // A sheriff repeats its orders; the order after the end of the old run starts the new one.
     ASSERT_TRUE(client_.wait_until([&] {
       const auto status = client_.status("a");
       if (status.pid == 0) {
@@ -112,10 +112,10 @@ TEST_F(DeputyProcess, RestartWithinFourMilliseconds200Times) {
   end_cleanly();
 }
 
-TEST_F(DeputyProcess, AStubbornTreeIsGoneAfterItsGraceTime) {
+TEST_F(DeputyProcess, ATreeThatIgnoresTheSignalIsKilledAfterItsGraceTime) {
   begin();
-  // Ignores the signal, and has grandchildren: one in its session, one that left it, one whose
-  // parent has gone.
+  // The tree ignores the signal and has grandchildren: one in its session, one in a session of its
+  // own, and one whose parent has ended.
   const std::string script =
       "bash -c 'trap \"\" INT TERM HUP; sleep 1001 & setsid sleep 1002 & "
       "(setsid bash -c \"sleep 1003 & sleep 1004\" &) ; while true; do sleep 0.1; done'";
@@ -125,16 +125,17 @@ TEST_F(DeputyProcess, AStubbornTreeIsGoneAfterItsGraceTime) {
   ASSERT_TRUE(client_.wait_until([this] { return processes_marked(mark_).size() >= 5; }));
   order.force_quit = true;
   const auto stopped = SteadyClock::now();
-  client_.order({order});  // once: the deputy needs no reminder
+  client_.order({order});  // once: the deputy needs no repetition
   ASSERT_TRUE(client_.wait_until([this] { return client_.status("tree").wait_status != 0; }));
-  EXPECT_THAT(processes_marked(mark_), IsEmpty()) << "reported when nothing is left";
+  EXPECT_THAT(processes_marked(mark_), IsEmpty()) << "the end is reported when no process is left";
   EXPECT_EQ(client_.status("tree").wait_status, SIGKILL);
   EXPECT_GE(SteadyClock::now() - stopped, milliseconds(1000)) << "not before its grace time";
   end_cleanly();
 }
 
-// Many times: what is left behind may be between fork, setsid and exec when its parent ends.
-TEST_F(DeputyProcess, WhatACommandLeavesBehindEndsWithIt) {
+// Many times, because a process that is left may be between fork, setsid and exec when its parent
+// ends.
+TEST_F(DeputyProcess, ProcessesThatACommandLeavesAreEndedWithIt) {
   begin();
   for (int run = 1; run <= 100; ++run) {
     client_.order({wanted("a", marked("bash -c 'setsid sleep 1000 & exit 3'"), run)});
@@ -163,9 +164,9 @@ TEST_F(DeputyProcess, AKilledChildIsReportedAndRespawned) {
   end_cleanly();
 }
 
-TEST_F(DeputyProcess, ItsCleanEndLeavesNothing) {
+TEST_F(DeputyProcess, EndingCleanlyItLeavesNoProcess) {
   begin();
-  // One of them hides all that it could be known by: parent, session and environment.
+  // One of them hides everything by which it could be found: parent, session and environment.
   const std::string hidden = std::to_string(100'000 + ::getpid());
   ASSERT_TRUE(comes_to_run(wanted("a",
                                   marked("bash -c '(setsid sleep 1000 &); (env -i setsid sleep " +
@@ -179,7 +180,7 @@ TEST_F(DeputyProcess, ItsCleanEndLeavesNothing) {
   EXPECT_FALSE(test::is_running({"sleep", hidden}));
 }
 
-TEST_F(DeputyProcess, ASecondSignalDoesNotWaitForGraceTimes) {
+TEST_F(DeputyProcess, ASecondSignalEndsItWithoutWaitingForGraceTimes) {
   begin();
   CommandOrder order =
       wanted("a", marked("bash -c 'trap \"\" INT; echo ready; sleep 1000; sleep 1000'"), 1);
@@ -187,16 +188,16 @@ TEST_F(DeputyProcess, ASecondSignalDoesNotWaitForGraceTimes) {
   ASSERT_TRUE(comes_to_run(order));
   ASSERT_TRUE(client_.wait_until([this] { return client_.output("a") == "ready\r\n"; }));
   deputy_->send_signal(SIGINT);
-  EXPECT_TRUE(deputy_->wait_for_stderr("a: signal 2", kPatience)) << "asked to stop";
+  EXPECT_TRUE(deputy_->wait_for_stderr("a: signal 2", kPatience)) << "the command is asked to stop";
   EXPECT_TRUE(client_.wait_for_infos(1));
-  EXPECT_TRUE(client_.runs("a")) << "it has an hour";
+  EXPECT_TRUE(client_.runs("a")) << "its grace time is an hour";
   deputy_->send_signal(SIGINT);
   EXPECT_EQ(deputy_->wait_for_end(kPatience), 0);
 }
 
-// What SIGKILL leaves: the commands die with their deputy, at once; what they had started is hung
-// up, and what survives that goes when the deputy is started again.
-TEST_F(DeputyProcess, ItsViolentEndIsSeenToByTheNextOne) {
+// After SIGKILL the deputy's commands end at once. Their own processes get SIGHUP, and those that
+// survive it end when the deputy is started again.
+TEST_F(DeputyProcess, KilledItsCommandsEndAndTheRestEndsWhenItIsStartedAgain) {
   begin();
   ASSERT_TRUE(comes_to_run(
       wanted("a", marked("bash -c 'trap \"\" HUP; setsid sleep 1000 & sleep 1000; true'"), 1)));
@@ -213,7 +214,7 @@ TEST_F(DeputyProcess, ItsViolentEndIsSeenToByTheNextOne) {
   end_cleanly();
 }
 
-TEST_F(DeputyProcess, RunsOnlyWhatItsConfigurationNames) {
+TEST_F(DeputyProcess, RunsOnlyCommandsOfItsConfiguration) {
   const test::TemporaryDir dir;
   const std::string file = dir.path() / "robot.pmd";
   const std::string good = marked("sleep 1000");
@@ -233,7 +234,7 @@ TEST_F(DeputyProcess, RunsOnlyWhatItsConfigurationNames) {
   end_cleanly();
 }
 
-TEST_F(DeputyProcess, RefusesToServeNobodyOrTwice) {
+TEST_F(DeputyProcess, RefusesToStartWithoutAConfigurationOrTwice) {
   EXPECT_EQ(launch({})->wait_for_end(kPatience), 2)
       << "neither a configuration nor --trust-network";
   begin();
@@ -243,7 +244,7 @@ TEST_F(DeputyProcess, RefusesToServeNobodyOrTwice) {
   end_cleanly();
 }
 
-TEST_F(DeputyProcess, SaysWhatCannotBeRun) {
+TEST_F(DeputyProcess, ReportsCommandsThatCannotBeRun) {
   begin();
   client_.order({wanted("none", "/no/such/program", 1), wanted("empty", "A=1", 1)});
   ASSERT_TRUE(client_.wait_until([this] {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The recorded orders of the existing sheriff drive our deputy through the states of the existing
-// one: its INFO and OUTPUT are the recorded ones but for pids, times, loads.
+// Sends the recorded orders of the existing sheriff to our deputy. Its INFO and OUTPUT must be the
+// recorded ones of the existing deputy, except for pids, times and loads.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -35,7 +35,7 @@ void PrintTo(const Seen& seen, std::ostream* out) {
        << ", status " << seen.wait_status;
 }
 
-/// The states each command went through, without repetitions.
+/// The states through which each command went, without repetitions.
 std::map<std::string, std::vector<Seen>> histories(const std::vector<DeputyInfo>& infos) {
   std::map<std::string, std::vector<Seen>> all;
   for (const DeputyInfo& info : infos) {
@@ -60,7 +60,7 @@ bool has_reached(const std::vector<DeputyInfo>& infos, const std::vector<DeputyI
   });
 }
 
-/// The lines without repetitions: how often a loop prints its line is a matter of time.
+/// The lines without repetitions: how often a loop prints its line depends on the time.
 std::vector<std::string> lines_of(const std::string& text) {
   std::istringstream in(text);
   std::vector<std::string> lines;
@@ -76,7 +76,7 @@ struct Recording {
   struct Sent {
     time::Timestamp received{};
     procman::Orders orders;
-    std::size_t num_infos = 0;  ///< INFOs recorded before
+    std::size_t num_infos = 0;  ///< number of INFOs recorded before
   };
   std::vector<Sent> orders;
   std::vector<DeputyInfo> infos;
@@ -117,8 +117,8 @@ TEST(Golden, OurDeputyGoesThroughTheRecordedStates) {
       {NODMAP_BIN "/nodmap-deputy", "--lcm-url", test::kProcmanUrl, config.string()});
   ASSERT_TRUE(deputy.wait_for_stderr("serving", test::kPatience)) << deputy.said();
   ASSERT_TRUE(client.wait_until([&] { return !client.infos().empty(); }));
-  // Each order as long after the one before as was recorded, and not before the deputy is where the
-  // existing one was by then.
+  // Each order follows the previous one after the recorded time, and not before the deputy is in
+  // the state in which the existing one was by then.
   time::Timestamp before = recording.orders.front().received;
   auto sent = SteadyClock::now();
   for (const auto& [received, orders, num_infos] : recording.orders) {

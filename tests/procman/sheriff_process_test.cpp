@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// nodmap-sheriff and nodmap-deputy together, as people and scripts use them.
+// nodmap-sheriff and nodmap-deputy together, used as by people and scripts.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -89,7 +89,7 @@ class SheriffProcess : public ::testing::Test {
   std::unique_ptr<ChildProcess> sheriff_;
 };
 
-TEST_F(SheriffProcess, RunsScriptsAndGoesWhileTheRobotStays) {
+TEST_F(SheriffProcess, RunsAScriptAndEndsWhileTheCommandsKeepRunning) {
   begin_deputy();
   const auto up = sheriff({"--script", "up", "--timeout", "60"});
   EXPECT_EQ(up.exit_code, 0) << up.out << up.err;
@@ -101,7 +101,7 @@ TEST_F(SheriffProcess, RunsScriptsAndGoesWhileTheRobotStays) {
   EXPECT_THAT(test::processes_marked(mark_), IsEmpty());
 }
 
-TEST_F(SheriffProcess, AScriptThatCannotEndFailsInTime) {
+TEST_F(SheriffProcess, AScriptThatCannotBeCompletedFailsAfterItsTimeout) {
   begin_deputy();
   const auto never = sheriff({"--script", "never", "--timeout", "3"});
   EXPECT_EQ(never.exit_code, 1);
@@ -109,7 +109,7 @@ TEST_F(SheriffProcess, AScriptThatCannotEndFailsInTime) {
   EXPECT_EQ(sheriff({"--script", "none"}).exit_code, 2);
 }
 
-TEST_F(SheriffProcess, AScriptFailsOverCommandsThatHaveEnded) {
+TEST_F(SheriffProcess, AScriptFailsIfAStartedCommandHasEnded) {
   begin_deputy();
   const auto dead = sheriff({"--script", "dead", "--timeout", "60"});
   EXPECT_EQ(dead.exit_code, 1) << dead.out << dead.err;
@@ -126,12 +126,12 @@ TEST_F(SheriffProcess, StartsStopsAndRestartsByName) {
   EXPECT_EQ(restart.exit_code, 0) << restart.out << restart.err;
   ASSERT_TRUE(client_.wait_until(
       [&] { return client_.runs("sleeper") && client_.status("sleeper").pid != pid; }));
-  EXPECT_TRUE(client_.runs("talker")) << "left as it was";
+  EXPECT_TRUE(client_.runs("talker")) << "the other command still runs";
   const auto stop = sheriff({"--stop", "talker"});
   EXPECT_EQ(stop.exit_code, 0) << stop.out << stop.err;
   EXPECT_TRUE(client_.wait_until([this] { return !client_.runs("talker"); }));
   EXPECT_TRUE(client_.wait_for_infos(3));
-  EXPECT_FALSE(client_.runs("talker")) << "stays stopped";
+  EXPECT_FALSE(client_.runs("talker")) << "it stays stopped";
   EXPECT_TRUE(client_.runs("sleeper"));
   const auto wrong = sheriff({"--start", "wrong"});
   EXPECT_EQ(wrong.exit_code, 1);
@@ -142,11 +142,11 @@ TEST_F(SheriffProcess, StartsStopsAndRestartsByName) {
   EXPECT_THAT(far.err, HasSubstr("absent does not answer"));
 }
 
-TEST_F(SheriffProcess, TellsTheStatusToPeopleAndPrograms) {
+TEST_F(SheriffProcess, PrintsTheStatusAsATableAndAsJson) {
   begin_deputy();
   ASSERT_EQ(sheriff({"--start", "talker"}).exit_code, 0);
   const auto table = sheriff({"--status"});
-  EXPECT_EQ(table.exit_code, 1) << "a host is missing";
+  EXPECT_EQ(table.exit_code, 1) << "one host does not answer";
   EXPECT_THAT(table.out, HasSubstr("g/talker"));
   EXPECT_THAT(table.out, HasSubstr("Running"));
   const auto json = nlohmann::json::parse(sheriff({"--status", "--json"}).out);
@@ -159,8 +159,8 @@ TEST_F(SheriffProcess, TellsTheStatusToPeopleAndPrograms) {
   }
 }
 
-// A sheriff that comes later has seen neither the start nor the restart.
-TEST_F(SheriffProcess, KnowsSinceWhenACommandRunsAndHowOftenItWasStartedAnew) {
+// A sheriff that starts later has seen neither the start nor the restart.
+TEST_F(SheriffProcess, ReportsTheAgeOfARunAndTheNumberOfRestarts) {
   begin_deputy();
   ASSERT_EQ(sheriff({"--start", "talker"}).exit_code, 0);
   const auto before_restart = std::chrono::steady_clock::now();
@@ -169,7 +169,7 @@ TEST_F(SheriffProcess, KnowsSinceWhenACommandRunsAndHowOftenItWasStartedAnew) {
   const auto seconds_since = [](std::chrono::steady_clock::time_point moment) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - moment).count();
   };
-  ASSERT_EQ(sheriff({"--status"}).exit_code, 1);  // some seconds go by, unseen by the next one
+  ASSERT_EQ(sheriff({"--status"}).exit_code, 1);  // takes some seconds
   const double least_s = seconds_since(after_restart);
   const auto json = nlohmann::json::parse(sheriff({"--status", "--json"}).out);
   const double most_s = seconds_since(before_restart);
@@ -182,7 +182,7 @@ TEST_F(SheriffProcess, KnowsSinceWhenACommandRunsAndHowOftenItWasStartedAnew) {
   }
 }
 
-TEST_F(SheriffProcess, FollowsOutput) {
+TEST_F(SheriffProcess, PrintsTheOutputOfACommandAsItComes) {
   begin_deputy();
   ASSERT_EQ(sheriff({"--start", "talker"}).exit_code, 0);
   const std::string out = dir_.path() / "out";
@@ -198,7 +198,7 @@ TEST_F(SheriffProcess, FollowsOutput) {
   EXPECT_EQ(follower.wait_for_end(kPatience), 0);
 }
 
-TEST_F(SheriffProcess, TheSecondSheriffGivesWay) {
+TEST_F(SheriffProcess, ASecondSheriffYields) {
   begin_deputy();
   begin_sheriff({"--script", "up", "--on-script-complete", "stay"});
   ASSERT_TRUE(
@@ -212,8 +212,8 @@ TEST_F(SheriffProcess, TheSecondSheriffGivesWay) {
   EXPECT_EQ(sheriff_->wait_for_end(kPatience), 0);
 }
 
-// The robot goes on; whoever comes next finds it as it is.
-TEST_F(SheriffProcess, ItsViolentEndStopsNothing) {
+// The commands keep running, and the next sheriff finds them as they are.
+TEST_F(SheriffProcess, KillingItStopsNoCommand) {
   begin_deputy();
   begin_sheriff({"--script", "up", "--on-script-complete", "stay"});
   ASSERT_TRUE(
@@ -225,10 +225,10 @@ TEST_F(SheriffProcess, ItsViolentEndStopsNothing) {
   EXPECT_EQ(client_.status("sleeper").pid, pid);
   const auto up = sheriff({"--script", "up", "--timeout", "60"});
   EXPECT_EQ(up.exit_code, 0);
-  EXPECT_EQ(client_.status("sleeper").pid, pid) << "adopted, not started anew";
+  EXPECT_EQ(client_.status("sleeper").pid, pid) << "taken over, not started again";
 }
 
-TEST_F(SheriffProcess, AnEditedConfigurationIsTakenUpWithoutStoppingWhatHasNotChanged) {
+TEST_F(SheriffProcess, AnEditedConfigurationIsReadAndUnchangedCommandsKeepRunning) {
   begin_deputy();
   begin_sheriff({"--script", "up", "--on-script-complete", "stay"});
   ASSERT_TRUE(
@@ -248,10 +248,10 @@ TEST_F(SheriffProcess, AnEditedConfigurationIsTakenUpWithoutStoppingWhatHasNotCh
   EXPECT_FALSE(client_.runs("new"));
   sheriff_->send_signal(SIGTERM);
   EXPECT_EQ(sheriff_->wait_for_end(kPatience), 0);
-  EXPECT_EQ(sheriff({"--start", "new"}).exit_code, 0) << "the deputy has read it, too";
+  EXPECT_EQ(sheriff({"--start", "new"}).exit_code, 0) << "the deputy has read it as well";
 }
 
-TEST_F(SheriffProcess, RestartsWhatSaysThatItHasFailed) {
+TEST_F(SheriffProcess, RestartsACommandWhoseStatusIsFailed) {
   begin_deputy();
   begin_sheriff({"--script", "up", "--on-script-complete", "stay"});
   ASSERT_TRUE(client_.wait_until([this] { return client_.runs("sleeper"); }));
@@ -269,7 +269,7 @@ TEST_F(SheriffProcess, RestartsWhatSaysThatItHasFailed) {
   EXPECT_EQ(sheriff_->wait_for_end(kPatience), 0);
 }
 
-/// A program on a terminal of its own of 80 x 24; what it draws is collected.
+/// A program on a terminal of its own, of 80 x 24 characters; what it draws is collected.
 class OnATerminal : boost::noncopyable {
  public:
   explicit OnATerminal(std::vector<std::string> command) {
@@ -299,7 +299,7 @@ class OnATerminal : boost::noncopyable {
   void type(const std::string& keys) {
     EXPECT_EQ(::write(fd_, keys.data(), keys.size()), static_cast<ssize_t>(keys.size()));
   }
-  /// All that was drawn so far.
+  /// Everything that was drawn so far.
   const std::string& drawn() {
     std::array<char, 4096> buffer{};
     for (ssize_t size = 1; size > 0;) {
@@ -323,10 +323,10 @@ class OnATerminal : boost::noncopyable {
   std::string drawn_;
 };
 
-TEST_F(SheriffProcess, TheLiveViewTakesKeysAndGivesTheTerminalBack) {
+TEST_F(SheriffProcess, TheLiveViewObeysKeysAndRestoresTheTerminal) {
   begin_deputy();
   OnATerminal view({NODMAP_BIN "/nodmap-sheriff", file_, "--lcm-url", kProcmanUrl});
-  // Reads what is drawn all the while: a terminal that nobody reads stops the program.
+  // Reads what is drawn all the time, because a terminal that nobody reads blocks the program.
   const auto becomes = [&](const std::function<bool()>& condition) {
     return client_.wait_until([&] {
       view.drawn();
@@ -337,17 +337,17 @@ TEST_F(SheriffProcess, TheLiveViewTakesKeysAndGivesTheTerminalBack) {
     return becomes([&] { return view.drawn().find(text) != std::string::npos; });
   };
   ASSERT_TRUE(shows("looking for other sheriffs"));
-  view.type("jj");  // down to the group's first
+  view.type("jj");  // down to the first command of the group
   EXPECT_TRUE(becomes([&] {
-    view.type("S");  // until orders are given
+    view.type("S");  // until it gives orders
     return client_.wait_for_infos(1) && client_.runs("sleeper") && client_.runs("talker");
-  })) << "the whole group of the selected command";
+  })) << "starts the whole group of the selected command";
   EXPECT_TRUE(shows("--- sleeper: Running"));
   view.type("j");
   EXPECT_TRUE(shows("--- talker: Running"));
   EXPECT_TRUE(shows("word")) << "its output";
   EXPECT_TRUE(becomes([&] {
-    view.type("\x1B[5~");  // until there is more output than room
+    view.type("\x1B[5~");  // until there is more output than lines
     return view.drawn().find("lines below") != std::string::npos;
   })) << "scrolled back";
   const int pid = client_.status("talker").pid;
@@ -363,10 +363,10 @@ TEST_F(SheriffProcess, TheLiveViewTakesKeysAndGivesTheTerminalBack) {
   view.type("q");
   EXPECT_TRUE(becomes([&] { return view.has_ended_with(0); }));
   EXPECT_THAT(view.drawn(), ::testing::EndsWith("\x1B[?25h\x1B[?1049l"));
-  EXPECT_TRUE(client_.runs("sleeper")) << "all goes on";
+  EXPECT_TRUE(client_.runs("sleeper")) << "the commands keep running";
 }
 
-TEST_F(SheriffProcess, AnObserversKeysGiveNoOrders) {
+TEST_F(SheriffProcess, KeysOfAnObserverGiveNoOrders) {
   begin_deputy();
   OnATerminal view({NODMAP_BIN "/nodmap-sheriff", file_, "--lcm-url", kProcmanUrl, "--observe"});
   EXPECT_TRUE(client_.wait_until([&] {
@@ -377,7 +377,7 @@ TEST_F(SheriffProcess, AnObserversKeysGiveNoOrders) {
   EXPECT_THAT(test::processes_marked(mark_), IsEmpty());
 }
 
-TEST(SheriffCheck, PrintsWhatThereIsOrWhatIsWrong) {
+TEST(SheriffCheck, PrintsTheConfigurationOrItsErrors) {
   const test::TemporaryDir dir;
   const std::string file = dir.path() / "x.pmd";
   std::ofstream(file) << "group \"g\" { cmd \"a\" { exec = \"x\"; } }\nscript \"s\" { }\n";

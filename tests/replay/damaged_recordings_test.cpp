@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Recordings as they come off a bad day. Whatever is in them, every module ends with 0 and counts
-// in result.json what it could not use.
+// Damaged recordings. Whatever is in them, every module ends with exit code 0 and counts in
+// result.json what it could not use.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -46,7 +46,7 @@ scan::Scan scan_number(int i) {
   return scan;
 }
 
-/// The recording with `damage` done to each scan before it is written.
+/// Writes the recording; `damage` changes each scan before it is written.
 void record(const std::filesystem::path& file,
             const std::function<void(int, scan::Scan&)>& damage) {
   test::Recording recording(file);
@@ -73,7 +73,7 @@ class DamagedRecording : public ::testing::TestWithParam<const char*> {
   test::TemporaryDir dir_;
 };
 
-TEST_P(DamagedRecording, CutOffLastEvent) {
+TEST_P(DamagedRecording, ATruncatedLastEventIsSkipped) {
   record(log(), [](int, scan::Scan&) {});
   std::filesystem::resize_file(log(), std::filesystem::file_size(log()) - 100);
   const auto result = replay();
@@ -82,7 +82,7 @@ TEST_P(DamagedRecording, CutOffLastEvent) {
   EXPECT_EQ(result["messages"]["corrupt"], 0);
 }
 
-TEST_P(DamagedRecording, NanRanges) {
+TEST_P(DamagedRecording, RangesThatAreNotNumbersAreIgnored) {
   record(log(), [](int i, scan::Scan& scan) {
     for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
       if (i % 7 == 0 || beam % 3 == 0) {
@@ -93,7 +93,7 @@ TEST_P(DamagedRecording, NanRanges) {
   EXPECT_GT(replay()["messages"]["used"], 0);
 }
 
-TEST_P(DamagedRecording, ScansOfNoBeams) {
+TEST_P(DamagedRecording, ScansWithoutBeamsAreRefused) {
   record(log(), [](int i, scan::Scan& scan) {
     if (i % 2 == 0) {
       scan.ranges_m.clear();
@@ -104,7 +104,7 @@ TEST_P(DamagedRecording, ScansOfNoBeams) {
   EXPECT_EQ(result["messages"]["rejected"]["empty_scan"], kNumScans / 2);
 }
 
-TEST_P(DamagedRecording, StampsThatStepBack) {
+TEST_P(DamagedRecording, AfterStampsThatStepBackScansAreStillUsed) {
   record(log(), [](int i, scan::Scan& scan) {
     if (i % 50 == 49) {
       scan.stamp -= 900ms;
@@ -115,7 +115,7 @@ TEST_P(DamagedRecording, StampsThatStepBack) {
   EXPECT_EQ(result["messages"]["read"], 2 * kNumScans);
 }
 
-TEST_P(DamagedRecording, NonsenseGeometry) {
+TEST_P(DamagedRecording, ScansWithAnInvalidGeometryAreRefused) {
   record(log(), [](int i, scan::Scan& scan) {
     if (i % 10 == 0) {
       scan.pitch_first_rad = std::numeric_limits<double>::quiet_NaN();
@@ -126,7 +126,7 @@ TEST_P(DamagedRecording, NonsenseGeometry) {
   EXPECT_EQ(replay()["messages"]["rejected"]["implausible_scan"], kNumScans / 5);
 }
 
-TEST_P(DamagedRecording, NoOdometryAtAll) {
+TEST_P(DamagedRecording, WithoutOdometryNoScanIsUsed) {
   {
     test::Recording recording(log());
     for (int i = 0; i < kNumScans; ++i) {
@@ -138,7 +138,7 @@ TEST_P(DamagedRecording, NoOdometryAtAll) {
   EXPECT_EQ(result["messages"]["used"], 0);
 }
 
-TEST_P(DamagedRecording, AMillionRandomBytesOnScan) {
+TEST_P(DamagedRecording, AMillionRandomBytesOnScanAreCorruptMessages) {
   {
     test::Recording recording(log());
     std::mt19937 random(5);
@@ -155,11 +155,11 @@ TEST_P(DamagedRecording, AMillionRandomBytesOnScan) {
   EXPECT_EQ(result["messages"]["read"], 0);
 }
 
-TEST_P(DamagedRecording, AnEmptyLog) {
+TEST_P(DamagedRecording, AnEmptyLogIsNotARecording) {
   { const bus::LogWriter empty(log()); }
   const auto out = dir_.path() / "out";
   const auto run = test::run_program(GetParam(), {"--replay", log(), "--out", out});
-  EXPECT_EQ(run.exit_code, 2) << "a file without an event is no recording: " << run.err;
+  EXPECT_EQ(run.exit_code, 2) << "a file without an event is not a recording: " << run.err;
   EXPECT_FALSE(std::filesystem::exists(out));
 }
 

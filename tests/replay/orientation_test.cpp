@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// R5: what leaves the house is not mirrored. The robot stands in a world that reads as the letter F
-// from above, its stem along the way ahead on the right, both arms to the left; every exported map
-// must read as F, too.
+// R5: no exported map is mirrored. The robot stands in a world that has the shape of the letter F,
+// seen from above: the stem points ahead on the right, and both arms point to the left. Every
+// exported map must show an F as well.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -22,15 +22,15 @@ struct Wall {
   Eigen::Vector2d to;
 };
 
-// x ahead, y left, metres, as the robot at the origin sees it: the stem to its right, the long arm
-// at the top (far), the short arm nearer.
+// The letter in base (x ahead, y left, metres), with the robot at the origin: the stem on its
+// right, the long arm at the far end, the short arm nearer.
 const std::vector<Wall>& letter_f() {
   static const std::vector<Wall> walls{
       {{1.0, -1.0}, {5.0, -1.0}}, {{5.0, -1.0}, {5.0, 2.0}}, {{3.0, -1.0}, {3.0, 0.2}}};
   return walls;
 }
 
-/// Range along a ray from the origin in the plane, infinity where it meets no wall.
+/// Range of a ray from the origin in the plane; infinity if it hits no wall.
 double cast(const Eigen::Vector2d& ray) {
   double nearest = std::numeric_limits<double>::infinity();
   for (const Wall& wall : letter_f()) {
@@ -115,7 +115,7 @@ TEST_F(Orientation, R5_OccupancyGridReadsAsF) {
   const std::string pixels =
       pgm.substr(pgm.size() - static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
   // ROS: the first row of the image is the farthest to the left of the robot; black is occupied.
-  // Within two cells.
+  // Tolerance: two cells.
   expect_reads_as_f([&](double x, double y) {
     const int column = static_cast<int>((x - origin_x) / cell_m);
     const int row = height - 1 - static_cast<int>((y - origin_y) / cell_m);
@@ -135,7 +135,7 @@ TEST_F(Orientation, R5_OccupancyGridReadsAsF) {
 TEST_F(Orientation, R5_CloudReadsAsF) {
   const auto points = formats::read_ply(replay("nodmap-slam6d") / "cloud.ply");
   ASSERT_FALSE(points.empty());
-  // The map begins at the base pose, so that map and base are one here. Within 10 cm.
+  // The map begins at the first pose of base, so map and base coincide here. Tolerance: 10 cm.
   expect_reads_as_f([&](double x, double y) {
     return std::ranges::any_of(points, [&](const Eigen::Vector3f& p) {
       return std::hypot(static_cast<double>(p.x()) - x, static_cast<double>(p.y()) - y) < 0.1;

@@ -17,7 +17,7 @@
 
 namespace nodmap::test {
 
-/// Writes a made-up recording, message by message.
+/// Writes an artificial recording, message by message.
 class Recording {
  public:
   explicit Recording(const std::filesystem::path& file) : writer_(file) {}

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The modules on real recordings: how right they are, and that they are so twice with the same
-// bytes.
+// The modules on real recordings: how accurate they are, and that two runs give the same bytes.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -41,9 +40,9 @@ struct Log2d {
 
 class Slam2dOnRecording : public ::testing::TestWithParam<Log2d> {};
 
-// The bounds are 1.25 times what is measured: 0.0126 m and 0.206 degrees, 0.0300 m and 0.420,
-// 0.0267 m and 0.328. Plain scan matching reached 0.22, 0.26 and 0.11 m in Kuemmerle et al. 2009.
-TEST_P(Slam2dOnRecording, RelationsWithinBound) {
+// The bounds are 1.25 times the measured errors: 0.0126 m and 0.206 degrees, 0.0300 m and 0.420,
+// 0.0267 m and 0.328. Plain scan matching had 0.22, 0.26 and 0.11 m in Kuemmerle et al. 2009.
+TEST_P(Slam2dOnRecording, ErrorsOfTheRelationsAreWithinTheBounds) {
   const std::string name = GetParam().name;
   NODMAP_REQUIRE_DATA(clf, "slam2d/" + name + ".clf");
   const test::TemporaryDir dir;
@@ -115,7 +114,7 @@ TEST_F(Slam6dOnKurt3d, ThreeKeyframesAndTheSameBytesTwice) {
   }
 }
 
-/// The third number behind each "planes hit" and "median" of plane_residual's two lines.
+/// The number of plane hits and the median distance in each of plane_residual's two lines.
 struct Residual {
   double planes_hit = 0.0;
   double median_cm = 0.0;
@@ -136,8 +135,8 @@ std::vector<Residual> parse_residuals(const std::string& text) {
   return residuals;
 }
 
-// The judge is independent of our code: it is compiled from beside the data.
-TEST_F(Slam6dOnKurt3d, ScansAgreeAtLeastAsWellAs3dtksOf2009) {
+// plane_residual is independent of our code: it is compiled from sources beside the data.
+TEST_F(Slam6dOnKurt3d, ScansAgreeAtLeastAsWellAsIn3dtksResultOf2009) {
   NODMAP_REQUIRE_DATA(scans, "kurt3d");
   NODMAP_REQUIRE_DATA(judge, "../tools/plane_residual.cpp");
   convert_and_replay(scans);
@@ -154,7 +153,7 @@ TEST_F(Slam6dOnKurt3d, ScansAgreeAtLeastAsWellAs3dtksOf2009) {
   EXPECT_GE(residuals[1].planes_hit, 0.46);
 }
 
-/// A pose of 3DTK's frames file: its last line, 16 numbers column by column, left-handed,
+/// A pose from a frames file of 3DTK: the last line, 16 numbers column by column, left-handed, in
 /// centimetres.
 geometry::SE3 read_frames(const fs::path& file) {
   std::istringstream lines(slurp(file));
@@ -175,7 +174,7 @@ geometry::SE3 read_frames(const fs::path& file) {
   return pose;
 }
 
-TEST_F(Slam6dOnKurt3d, PosesAreNear3dtks) {
+TEST_F(Slam6dOnKurt3d, PosesAreNearThoseOf3dtk) {
   NODMAP_REQUIRE_DATA(scans, "kurt3d");
   convert_and_replay(scans);
   const auto trajectory = formats::read_tum(out_ / "trajectory.tum");
@@ -184,7 +183,7 @@ TEST_F(Slam6dOnKurt3d, PosesAreNear3dtks) {
     const geometry::SE3 theirs =
         read_frames(scans / ("scan00" + std::to_string(i) + ".frames.4cc29d4c"));
     const geometry::SE3 difference = theirs.inverse() * trajectory[i].pose;
-    // 15 cm and 1.5 degrees: theirs is a reference of 2009, not the truth.
+    // 15 cm and 1.5 degrees, because 3DTK's result of 2009 is a reference, not the truth.
     EXPECT_LE(difference.translation().norm(), 0.15) << "scan " << i;
     EXPECT_LE(geometry::rad_to_deg(geometry::rotation_angle(difference)), 1.5) << "scan " << i;
   }
