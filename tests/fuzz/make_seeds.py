@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Writes the corpus seeds for the fuzz targets: every golden frame in the unit tests, one file each."""
+"""Writes the first inputs of the fuzz targets: one file for each golden frame in the unit tests."""
 import pathlib
 import re
 import sys
@@ -10,12 +10,12 @@ SLCAN_LINE = re.compile(r'"([tTrR][0-9A-F]{4,30})"')
 TESTS = ROOT / "drivers" / "laser3d" / "test"
 LITERAL = re.compile(r'hex\(\s*((?:"[0-9A-Fx ]+"\s*)+)\)')
 
-# What no configuration of ours uses.
+# Attributes that none of our configurations uses.
 PMD = [b'cmd { exec = "A=1 x"; deputy = "d"; group = "a/b"; }', b'group "a" { group "b" { cmd "x" { exec = "\\n\\""; } } }',
        b'script "s" { restart everything wait "stopped"; wait cmd "x" status "running"; run_script "s"; }']
 
 OCTOMAP_HEAD = b"# Octomap OcTree binary file\nid OcTree\nsize 17\nres 0.05\ndata\n"
-# A branch to one voxel, one that ends in large leaves, and an empty tree.
+# A branch to a single voxel, one that ends in large leaves, and an empty tree.
 OCTOMAP = [OCTOMAP_HEAD + b"\x03\x00" * 15 + b"\x02\x00", OCTOMAP_HEAD + b"\x0F\xA6" + b"\xAA\x56" * 2, OCTOMAP_HEAD]
 CALL = b"\x02\x01\0\0\0\x07\0\0\0\x04\0\0\0json"
 VIEWER_SESSION = [b'T{"op":"subscribe","subscriptions":[{"id":0,"channelId":1}]}\nT{"op":"unsubscribe","subscriptionIds":[0]}',
@@ -27,7 +27,7 @@ WHOLE, FRAGMENT = b"LC02\0\0\0\1", b"LC03\0\0\0\1"
 
 
 def datagrams(*parts):
-    """Each behind its length, all of one sender."""
+    """The datagrams, each behind its length, all from one sender."""
     return b"".join(len(part).to_bytes(2, "big") + part for part in parts)
 
 
@@ -50,7 +50,7 @@ FRAMES = [HELLO, b"\x01\x81\x82\0\0\0\0{}", b"\x01\x89\x80\0\0\0\0", b"\x01\x88\
 
 
 def slcan_lines():
-    """The golden lines of the SLCAN test, each with its end, and what an adapter answers."""
+    """The golden lines of the SLCAN test with their line ends, and the answers of an adapter."""
     text = (ROOT / "drivers" / "kurt" / "test" / "slcan_test.cpp").read_text()
     lines = [line.encode() + b"\r" for line in SLCAN_LINE.findall(text)]
     # The base's other sensors: ranges, tilt, gyro.
@@ -74,7 +74,7 @@ def write_seeds(directory, seeds):
 
 
 def sick_scan(count, first, step):
-    """A telegram of measured values as the sensor sends it, built apart from the driver."""
+    """A telegram of measured values as the sensor sends it; built without the driver's code."""
     body = bytes([0xB0]) + (0x4000 | count).to_bytes(2, "little")
     body += b"".join((first + i * step).to_bytes(2, "little") for i in range(count)) + b"\x10"
     frame = b"\x02\x80" + len(body).to_bytes(2, "little") + body

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# The whole robot live while messages and datagrams are forged, a few seconds for each attack: nothing is hit, nothing dies, the robot stands
-# or drives on as SAFETY.md says, and STATUS tells.
-#   attacks_test.sh BENCH_LIVE WORLD        in a network of its own (private_network.sh)
+# Forges messages and datagrams while the whole robot runs live, a few seconds for each attack: the robot hits nothing, no process ends, the
+# robot halts or drives on as SAFETY.md says, and STATUS reports the attack.
+#   attacks_test.sh BENCH_LIVE WORLD        in a network namespace of its own (private_network.sh)
 set -euo pipefail
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# What ./nodmap demo says of its arguments, before it builds or starts anything; how a build is shown; no colours in files.
+# How ./nodmap demo treats its arguments, before it builds or starts anything; how it shows a build; no colours in files.
 set -euo pipefail
 cd "$(dirname "$(readlink -f "$0")")/../.."
 work=$(mktemp -d)
@@ -32,7 +32,7 @@ timeout 10 ./nodmap explore --help | grep -qF "sim/worlds/office.yaml" || fail "
 code=0
 timeout 10 ./nodmap explore --duration 0 >"$work/out" 2>&1 || code=$?
 [[ $code -eq 2 ]] || fail "explore takes a duration of 0"
-# An event log is known by what is in it.
+# An event log is recognised by its contents.
 printf '\xed\xa1\xda\x01' >"$work/recording"
 scripts/demo.sh --check-arguments "$work/recording" --out "$work/new"
 [[ ! -e "$work/new" ]] || fail "a check has made a folder"

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# The demo in the simulator, and that it leaves no process behind however it ends.
+# The demo in the simulator. However it ends, it leaves no process behind.
 #   demo_sim_test.sh BIN_DIR
 set -euo pipefail
 cd "$(dirname "$(readlink -f "$0")")/../.."
@@ -11,7 +11,7 @@ trap 'rm -rf "$work"' EXIT
 unset LCM_DEFAULT_URL
 fail() { echo "FAILED: $*"; exit 1; }
 
-# Every process of a demo has its folder in the environment.
+# Every process of a demo has the demo's folder in its environment.
 left_over() { grep -lsz "^NODMAP_RUN=$1\$" /proc/[0-9]*/environ 2>/dev/null | cut -d/ -f3; }
 expect_nothing_left() {
   local pid left
@@ -19,8 +19,8 @@ expect_nothing_left() {
   for pid in $left; do tr '\0' ' ' <"/proc/$pid/cmdline" 2>/dev/null && echo; done
   [[ -z "$left" ]] || fail "$2 leaves processes behind"
 }
-# As a terminal would: a process group of its own, and Ctrl-C to all of it. Until the script itself runs, the signal would
-# not reach it: what a shell starts in the background ignores it. start_demo NAME DURATION
+# start_demo NAME DURATION: starts it as a terminal would, in a process group of its own, and Ctrl-C goes to all of the group. Until the script
+# itself runs, the signal would have no effect: a process that a shell starts in the background ignores it.
 start_demo() {
   out=$work/$1
   setsid env --default-signal=INT,HUP bash scripts/demo_sim.sh --duration "$2" --out "$out" >"$out.log" 2>&1 &
@@ -31,13 +31,13 @@ start_demo() {
   done
   fail "the demo does not start"
 }
-# The demo's stages, by what it says. wait_for TEXT
+# wait_for TEXT: waits until the demo has printed this text.
 wait_for() {
   for _ in $(seq 1200); do grep -q "$1" "$out.log" && return; sleep 0.05; done
   cat "$out.log"
   fail "the demo never said '$1'"
 }
-# The demo ends and leaves nothing behind. expect_an_end WHAT
+# expect_an_end WHAT: the demo ends and leaves no process behind.
 expect_an_end() {
   code=0
   wait "$demo" 2>/dev/null || code=$?
@@ -60,7 +60,7 @@ kill_sheriff() {
   fail "there was no sheriff to kill"
 }
 
-# The page that its first lines name is there.
+# The page named in its first lines can be loaded.
 page_answers() {
   local address
   address=$(grep -o -m 1 'http://[^ ]*/' "$1") || return 1
@@ -74,7 +74,7 @@ page_answers "$work/done.log" || fail "the demo's page does not answer"
 wait "$demo" || { cat "$work/done.log"; fail "the demo failed"; }
 grep -q '/#token=' "$work/done.log" || fail "the demo does not name its controls"
 expect_nothing_left "$work/done" "the demo"
-# What it says last can be copied: its own programs, its own recording.
+# The commands that it prints at the end can be copied: they name its own programs and its own recording.
 again=$(sed -n 's/^to see it again: \(.*\), and a browser on.*/\1/p' "$work/done.log")
 [[ "$again" == "build/release/bin/nodmap-viewer --replay $work/done/logger/lcmlog-"* ]] || fail "the demo does not name how to replay it"
 # shellcheck disable=SC2086  # a command line
@@ -84,7 +84,7 @@ for _ in $(seq 400); do grep -q "page on http" "$work/again.log" && break; sleep
 kill "$viewer" && wait "$viewer" || true
 grep -q "page on http" "$work/again.log" || { cat "$work/again.log"; fail "that does not replay it"; }
 
-# Ctrl-C in the moment in which a command of the script ends by itself.
+# Ctrl-C at the moment when a command of the script ends by itself.
 mkdir "$work/stub"
 printf '#!/bin/sh\n/bin/mkdir "$@"\nkill -INT "$PPID"\n' >"$work/stub/mkdir"
 chmod +x "$work/stub/mkdir"
@@ -102,7 +102,7 @@ for seconds in 0 1 2; do
   start_demo "interrupted-at-the-end-$seconds" 1
   wait_for "stopping the processes"
   sleep "$seconds"
-  kill -INT -- "-$demo" 2>/dev/null || true  # it may be over by then
+  kill -INT -- "-$demo" 2>/dev/null || true  # it may have ended already
   expect_an_end "Ctrl-C $seconds s into stopping"
 done
 for signal in HUP TERM; do
@@ -121,7 +121,7 @@ wait_for "stopping the processes"
 kill_sheriff
 expect_a_failure "kill -9 of the sheriff that stops"
 
-# Nobody is left to wait for the end of what goes by itself then.
+# Then nobody waits for the end of processes that end by themselves.
 start_demo killed 30
 wait_for "driving for"
 sleep 1  # past the moment between fork and setpriv

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# The demo on the KURT3D recording: every process live on LCM, the log played by lcm-logplayer at real speed. What the live
-# processes found must be what --replay finds, message by message, and nothing may be left running.
+# The demo on the KURT3D recording: every process runs live on LCM, and lcm-logplayer plays the log at real speed. The results must be those of
+# --replay, message by message, and no process may be left running.
 #   demo_test.sh BIN_DIR
 set -euo pipefail
 cd "$(dirname "$(readlink -f "$0")")/../.."
@@ -24,7 +24,7 @@ for module in slam2d slam6d; do
   cmp "$work/demo/$module/online.tum" "$work/$module/online.tum" || fail "$module: live and replay differ online"
 done
 convert_octree "$work/demo/slam6d/map.bt" "$work/map.ot" || fail "stock OctoMap does not load map.bt"
-# The log of the run holds every scan that was played.
+# The log of the run contains every scan that was played.
 scans() { "$bin/nodmap-convert" info "$1" | awk '$1 == "SCAN" {print $3}'; }
 played=$(scans "$work/demo/recording.lcmlog")
 logged=$(scans "$(ls "$work"/demo/logger/lcmlog-*)")

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""R47 in short: the whole robot live with both SLAMs and the viewer, by the program that measures it for ten minutes.
+"""R47 in short: runs the whole robot live with both SLAMs and the viewer, with the program that otherwise measures it for ten minutes.
 
-Whether the measurement is whole; no assertion on times and lost messages, which are of the machine.
+Tests that the measurement is complete. Does not test times and lost messages, which depend on the machine.
 Environment: NODMAP_BENCH_LIVE (program), NODMAP_WORLD (file).
 """
 import json
@@ -24,14 +24,14 @@ class Endurance(unittest.TestCase):
         self.assertEqual(report["collisions"], 0)
         self.assertEqual(report["ended_badly"], [])
         for name, process in report["processes"].items():
-            if name != "nodmap-viewer":  # what the page has missed, the robot has not
+            if name != "nodmap-viewer":  # messages missed by the page alone do not matter
                 self.assertEqual(process["corrupt"], 0, name)
-        # Scans that the laser driver has lost never were messages: they do not count.
+        # Scans that the laser driver lost were never messages, so they do not count.
         has_lost = any(process["lost"] for name, process in report["processes"].items() if name not in ("nodmap-viewer", "nodmap-laser3d"))
         self.assertEqual(done.returncode, 1 if has_lost or report["lost"] else 0, done.stderr + done.stdout)
         for reaction in ("scan_to_obstacle_map", "scan_to_drive"):
             for part in (report[reaction], report[reaction]["without_viewer"], report[reaction]["with_viewer"]):
-                # 75 scans a second in ten seconds, or in five; a machine that is busy may take most of them away.
+                # 75 scans a second in ten seconds, or in five; a busy machine may lose most of them.
                 self.assertGreater(part["n"], 50)
                 self.assertGreater(part["p99_us"], 0)
         for name in PROCESSES:

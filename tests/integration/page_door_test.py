@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""The demo's page is reached from outside although the demo runs in a network of its own.
+"""The demo's page can be reached from outside although the demo runs in a network namespace of its own.
 
 page_door_test.py TOOLS_DIR
 """
@@ -11,7 +11,7 @@ import sys
 import unittest
 
 DOOR = [sys.executable, os.path.join(sys.argv.pop(), "page_door.py")]
-# Inside: a server that answers with its own name for the network, behind the guard. It ends when its standard input does.
+# Inside: a server behind the guard, which answers with its name for the network. It ends when its standard input is closed.
 INSIDE = """
 ip link set lo up
 "$1" "$2" guard &
@@ -40,7 +40,7 @@ class PageDoor(unittest.TestCase):
         with subprocess.Popen([*DOOR, "open", "unshare", "-rn", "sh", "-c", INSIDE, "sh", *DOOR], stdin=subprocess.PIPE,
                               stdout=subprocess.PIPE, text=True) as inside:
             port = int(inside.stdout.readline())
-            # The door was open before the guard was in it: this waits for it, and is no race.
+            # The door was open before the guard was in it: this only waits for the guard, so it is no race.
             for _ in range(3):
                 with socket.create_connection(("127.0.0.1", port), timeout=20) as visitor:
                     visitor.sendall(b"from outside: ")

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# The Debian package: built by CPack, installed by apt on top of this machine (an overlay that nobody else sees), used from
-# there, purged.
-#   deb_test.sh BUILD_DIR        exits 77 (skipped) without root, where the machine gives no overlay, and for another LCM than Debian's
+# The Debian package: built by CPack, installed by apt on top of this machine (in an overlay that no other process sees), used from there, and
+# purged.
+#   deb_test.sh BUILD_DIR        exits 77 (skipped) without root, without overlay mounts, and with another LCM than Debian's
 set -euo pipefail
 here=$(dirname "$(readlink -f "$0")")
 fail() { echo "FAILED: $*"; exit 1; }
@@ -19,7 +19,7 @@ if [[ "${1:-}" != --inside ]]; then
   cpack --config "$1/CPackConfig.cmake" -B "$work/package" >"$work/log" 2>&1 || { cat "$work/log"; fail "cpack"; }
   cp "$work"/package/*.deb "$work/upper/nodmap.deb"
   cp -r "$here" "$work/upper/packaging"
-  # A network of its own, too: the deputy is to speak to nobody else's.
+  # Also in a network namespace of its own: the deputy must not send messages to others.
   unshare -m -n bash -c '
     set -e
     mount -t overlay overlay -o "$1" "$2"
@@ -30,11 +30,11 @@ if [[ "${1:-}" != --inside ]]; then
   exit
 fi
 
-# From here on in the overlay.
+# From here on everything happens in the overlay.
 cd /
 unset LCM_DEFAULT_URL
 dpkg-deb --field nodmap.deb Package Version Architecture Depends Recommends
-# What no program is linked to, and the build machine has: the page is made of it.
+# Packages that no program is linked to but that the build machine has: the page consists of them.
 for package in libjs-three libjs-dygraphs; do
   dpkg-deb --field nodmap.deb Depends | grep -qw "$package" || fail "the package does not depend on $package"
 done
@@ -60,7 +60,7 @@ if command -v systemd-analyze >/dev/null; then
     { cat log; fail "a unit"; }
   grep nodmap log && fail "a unit"
 fi
-# What the unit starts, by its own lines: its account, its environment, its command.
+# Starts what the unit starts, with the account, environment and command of its lines.
 set -a
 source /etc/nodmap/deputy.conf
 set +a
@@ -68,7 +68,7 @@ setpriv --reuid nodmap --regid nodmap --init-groups nodmap-deputy "$NODMAP_CONFI
 deputy=$!
 for _ in $(seq 100); do grep -q serving deputy.log && break; sleep 0.1; done
 nodmap-sheriff "$NODMAP_CONFIG" --status >log || { cat log deputy.log; fail "the deputy does not answer"; }
-# And what the boot service starts.
+# The same for the boot service.
 setpriv --reuid nodmap --regid nodmap --init-groups nodmap-sheriff "$NODMAP_CONFIG" --script "$NODMAP_STOP_SCRIPT" --on-script-complete exit \
   --timeout 30 >log 2>&1 || { cat log; fail "the sheriff's script"; }
 kill -TERM "$deputy"
@@ -87,10 +87,10 @@ else
   echo "no types for lcm-spy in this build: it had no Java"
 fi
 
-# An upgrade says what goes on with the old programs.
+# An upgrade names the processes that still run the old programs.
 /var/lib/dpkg/info/nodmap.postinst configure 0.0.9 | grep -q "systemctl restart nodmap-deputy" || fail "an upgrade says nothing"
 
 DEBIAN_FRONTEND=noninteractive apt-get purge -y nodmap >log 2>&1 || { cat log; fail "purge"; }
-after=$(find /etc /usr /var /opt -name '*nodmap*' -not -path '/var/cache/man/*' | sort)  # man's own cache of what somebody has read
+after=$(find /etc /usr /var /opt -name '*nodmap*' -not -path '/var/cache/man/*' | sort)  # man caches pages that were read
 [[ "$before" == "$after" ]] || fail "left after the purge: $(comm -13 <(echo "$before") <(echo "$after"))"
 echo "${#programs[@]} programs installed, used and purged"

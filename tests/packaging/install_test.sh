@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Installs into a folder, moves the folder, and uses it from there: the programs run, another project finds the types,
-# and the simulated robot drives.
+# Installs into a folder, moves the folder and uses it from there: the programs run, another project finds the message types, and the simulated
+# robot drives.
 #   install_test.sh BUILD_DIR
 set -euo pipefail
 cd "$(dirname "$(readlink -f "$0")")"
@@ -14,7 +14,7 @@ mv "$work/first" "$work/moved"
 "$work/moved/bin/nodmap-sheriff" "$work/moved/share/nodmap/procman/robot.pmd" --check
 fail() { cat "$work/log"; echo "FAILED: $*"; exit 1; }
 
-# Another project, with the LCM of this build. configure_consumer ARGUMENT ...
+# configure_consumer ARGUMENT ...: configures another project, with the LCM of this build.
 prefixes=$(sed -n 's/^CMAKE_PREFIX_PATH:[^=]*=//p' "$build/CMakeCache.txt")
 configure_consumer() {
   rm -rf "$work/consumer"
@@ -29,7 +29,7 @@ configure_consumer || fail "another project does not find the types"
 cmake --build "$work/consumer" >"$work/log" 2>&1 || fail "another project does not build"
 "$work/consumer/consumer"
 
-# The simulated robot from there, by the lines of docs/quickstart.md: it drives when it is released, and Ctrl-C ends everything.
+# Runs the simulated robot from there, with the commands of docs/quickstart.md: it drives when it is released, and Ctrl-C ends everything.
 cat >"$work/demo.sh" <<'SH'
 set -e
 nodmap-sheriff procman/sim.pmd --lone --script demo --on-script-complete stay &

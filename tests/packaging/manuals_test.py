@@ -17,7 +17,7 @@ SOURCE, BIN, PROGRAMS = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2]), sy
 
 
 def complete(file, *words):
-    """What bash offers at the end of a line of these words."""
+    """The completions that bash offers for the last of these words."""
     script = f"""source {file}; COMP_WORDS=({' '.join(f"'{word}'" for word in words)}); COMP_CWORD={len(words) - 1}
 compopt() {{ :; }}
 $(complete -p {words[0]} | sed 's/.*-F \\([^ ]*\\).*/\\1/'); printf '%s\\n' "${{COMPREPLY[@]}}" """

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Headers of one LCM and the generator of another: said by CMake, not by the compiler. What belongs together is found together.
+# With the headers of one LCM and the generator of another, CMake (and not only the compiler) reports an error. Parts of the same LCM are found
+# together.
 #   mixed_lcm_test.sh SOURCE_DIR
 set -euo pipefail
 source=$1
@@ -8,7 +9,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 fail() { cat "$work/log"; echo "FAILED: $*"; exit 1; }
 
-# An LCM 99.1 as LCM installs itself since 1.4: PREFIX/lib/lcm/cmake, and its generator in PREFIX/bin.
+# An LCM 99.1, laid out as LCM installs itself since 1.4: PREFIX/lib/lcm/cmake, and its generator in PREFIX/bin.
 prefix=$work/lcm99
 package=$prefix/lib/lcm/cmake
 mkdir -p "$package" "$prefix/bin"
@@ -17,7 +18,7 @@ printf 'set(PACKAGE_VERSION 99.1.0)\nset(PACKAGE_VERSION_COMPATIBLE TRUE)\n' >"$
 printf '#!/bin/sh\necho lcm-gen 99.1.0\n' >"$work/lcm-gen"
 chmod +x "$work/lcm-gen"
 
-# configure ARGUMENT ...   in a fresh folder, by a user of whom CMake remembers nothing but what stands in $work/home
+# configure ARGUMENT ...: in a fresh folder, as a user whose CMake registry contains only what is in $work/home
 mkdir "$work/home"
 configure() {
   rm -rf "$work/build"
@@ -25,7 +26,7 @@ configure() {
 }
 found() { grep -q "^NODMAP_LCM_GEN:FILEPATH=$1\$" "$work/build/CMakeCache.txt" || fail "the generator is not $1"; }
 
-# CMake puts line breaks where it likes.
+# CMake breaks lines anywhere.
 is_told() { tr -s '\n ' ' ' <"$work/log" | grep -q "two installations of LCM are mixed"; }
 configure -DNODMAP_LCM_GEN="$work/lcm-gen" && fail "another generator is taken"
 is_told || fail "not said why, of another generator"
@@ -36,7 +37,7 @@ cp "$work/lcm-gen" "$prefix/bin"
 configure -Dlcm_DIR="$package" || fail "a whole LCM is refused"
 found "$prefix/bin/lcm-gen"
 
-# A build folder of LCM, as `cmake` in LCM's sources leaves it in the user's registry.
+# A build folder of LCM, as `cmake` in LCM's sources registers it for the user.
 mkdir -p "$work/home/.cmake/packages/lcm"
 echo "$package" >"$work/home/.cmake/packages/lcm/0123456789abcdef0123456789abcdef"
 configure || fail "a build folder of LCM disturbs"

@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# kill -9 of each process of the simulated robot in turn: the deputy starts it anew, and its STATUS says that it works again;
-# the simulator, which has no auto_respawn, is told as ended by the signal. Nothing else is started anew. And what hangs (SIGSTOP)
-# is started anew by the sheriff, by the rules in sim.pmd.
-#   killed_children_test.sh BIN_DIR        in a network of its own (private_network.sh)
+# Kills each process of the simulated robot in turn (kill -9): the deputy starts it again, and its STATUS is OK again. The simulator, which has
+# no auto_respawn, is reported as ended by the signal. No other process is started again. A process that hangs (SIGSTOP) is restarted by the
+# sheriff, by the rules in sim.pmd.
+#   killed_children_test.sh BIN_DIR        in a network namespace of its own (private_network.sh)
 set -euo pipefail
 cd "$(dirname "$(readlink -f "$0")")/../.."
 bin=$(readlink -f "$1")
@@ -33,13 +33,13 @@ field() { awk -v name="$1" -v n="$2" '$1 == name {print $n}'; }
 
 "$bin/nodmap-deputy" procman/sim.pmd >"$work/deputy.log" 2>&1 & pids+=($!)
 "$bin/nodmap-sheriff" procman/sim.pmd --script demo --on-script-complete stay >"$work/sheriff.log" 2>&1 & pids+=($!)
-# wait_for TEXT: the sheriff says it.
+# wait_for TEXT: waits until the sheriff has printed this text.
 wait_for() {
   for _ in $(seq 1200); do grep -q "$1" "$work/sheriff.log" && return; sleep 0.1; done
   fail "the sheriff never said '$1'"
 }
 wait_for "script demo is done"
-# wait_until_well: every process runs, and says that it is well.
+# wait_until_well: waits until every process runs and its health is OK.
 wait_until_well() {
   for _ in $(seq 60); do
     look >"$work/now"
@@ -53,7 +53,7 @@ wait_until_well "the robot does not come to work"
 for name in kurt laser3d pitch-controller map-server slam2d slam6d navigator explorer logger viewer; do
   cp "$work/now" "$work/before"
   kill -KILL "$(field $name 2 <"$work/before")"
-  [[ "$name" != kurt ]] || "$bin/nodmap-stop" --go # it stands after each start
+  [[ "$name" != kurt ]] || "$bin/nodmap-stop" --go # it is stopped after each start
   wait_until_well "$name does not come back"
   [[ "$(field $name 2 <"$work/now")" != "$(field $name 2 <"$work/before")" ]] || fail "$name was not started anew"
   diff <(cut -d' ' -f1,2 "$work/before" | grep -v "^$name ") <(cut -d' ' -f1,2 "$work/now" | grep -v "^$name ") ||

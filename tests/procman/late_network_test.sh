@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# A host whose network comes late: without a multicast route deputy and sheriff end with 1, for which their units start them again for as
-# long as it takes; with the route they run.
-#   late_network_test.sh BIN_DIR        in a network of its own (private_network.sh)
+# A host whose network comes late. Without a multicast route, deputy and sheriff end with exit code 1, after which their units start them again
+# for as long as it takes; with the route they run.
+#   late_network_test.sh BIN_DIR        in a network namespace of its own (private_network.sh)
 set -euo pipefail
 cd "$(dirname "$(readlink -f "$0")")/../.."
 bin=$(readlink -f "$1")
@@ -17,7 +17,7 @@ for unit in procman/systemd/nodmap-deputy.service procman/systemd/nodmap-robot.s
   done
 done
 
-# As systemd does it: started again after each failure, unless it ends with 2.
+# As systemd does: starts it again after each failure, unless it ends with exit code 2.
 deputy() {
   local code=1
   while [[ $code -eq 1 ]]; do

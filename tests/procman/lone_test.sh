@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# nodmap-sheriff --lone: one command starts deputy, sheriff and script; Ctrl-C, SIGTERM and kill -9 end everything. Then what a command that
-# has ended wrote, for a sheriff that comes later.
+# nodmap-sheriff --lone: one command starts deputy, sheriff and script; Ctrl-C, SIGTERM and kill -9 end all of them. Also: a sheriff that starts
+# later shows the output of a command that has already ended.
 #   lone_test.sh BIN_DIR
 set -euo pipefail
 bin=$1
@@ -18,7 +18,7 @@ script "up" { start cmd "sleeper" wait "running"; }
 script "fail" { start cmd "failing"; }
 PMD
 
-# The processes of this test that are called so; some end while they are looked at.
+# The pids of this test's processes with this command line; some may end meanwhile.
 mine() { { grep -lsz "^NODMAP_LONE=$work\$" /proc/[0-9]*/environ | cut -d/ -f3 | while read -r pid; do
   [[ "$(tr '\0' ' ' <"/proc/$pid/cmdline")" == $1 ]] && echo "$pid"
 done; } 2>/dev/null || true; }
@@ -47,7 +47,7 @@ done
 "$bin/nodmap-deputy" "$work/a.pmd" --id here 2>"$work/deputy.log" &
 deputy=$!
 wait_for grep -q serving "$work/deputy.log"
-# A sheriff that stays gives its orders again to a deputy that was killed and started anew.
+# A sheriff that stays repeats its orders to a deputy that was killed and started again.
 "$bin/nodmap-sheriff" "$work/a.pmd" --script up --on-script-complete stay >"$work/stay.log" 2>&1 &
 sheriff=$!
 wait_for grep -q "script up is done" "$work/stay.log"
@@ -62,7 +62,7 @@ wait "$sheriff" || true
 echo "a killed deputy takes up its commands again"
 
 "$bin/nodmap-sheriff" "$work/a.pmd" --script fail --on-script-complete exit --timeout 20 >"$work/fail.log" 2>&1 && fail "a failing command is no failure"
-# Nobody was listening for it then.
+# The command wrote its output when nobody was listening.
 "$bin/nodmap-sheriff" "$work/a.pmd" --output failing >"$work/output.log" 2>&1 &
 listener=$!
 wait_for grep -q "/no/such/file" "$work/output.log"

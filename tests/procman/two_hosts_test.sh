@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Two hosts as two network namespaces joined by a cable (veth): simulator, drivers, maps and navigation of sim.pmd on A, its
-# 6D SLAM and logger on B, the sheriff on A. The cable is pulled while the robot drives. A must drive on and hit
-# nothing, B must hear again, and nothing may be started anew.
+# Two hosts as two network namespaces joined by a cable (veth): simulator, drivers, maps and navigation of sim.pmd run on A, 6D SLAM and logger
+# on B, the sheriff on A. The cable is pulled while the robot drives. A must drive on and hit nothing, B must receive messages again afterwards,
+# and no process may be started again.
 #   two_hosts_test.sh BIN_DIR        exits 77 (skipped) where the machine does not allow it
 set -euo pipefail
 cd "$(dirname "$(readlink -f "$0")")/../.."
@@ -27,7 +27,7 @@ end() {
 trap end EXIT
 fail() { echo "FAILED: $*"; tail -n 20 "$work"/*.log; exit 1; }
 
-# A host, or the switch between the two, is the network of a process that does nothing else; `on PID command` runs one there.
+# A host, and the switch between them, is the network namespace of a process that only sleeps; `on PID command` runs a command in it.
 new_network() {
   unshare -n sleep 1000 &
   network=$!
@@ -56,11 +56,11 @@ for host in $$ "$host_b"; do
   on "$host" ip link set cable up
   on "$host" ip route add 224.0.0.0/4 dev cable
 done
-# Pulled at the switch: each host loses the carrier, and keeps address and route, as with a real cable.
+# The cable is pulled at the switch: each host loses the carrier but keeps address and route, as with a real cable.
 cable() { on "$switch" ip link set to_a "$1"; on "$switch" ip link set to_b "$1"; }
 export LCM_DEFAULT_URL='udpm://239.255.76.67:7694?ttl=1&recv_buf_size=2000000' NODMAP_TRUSTED_HOSTS=10.0.0.1,10.0.0.2
 
-# sim.pmd, with what needs much computing or disk on the second host.
+# sim.pmd, with the processes that need much CPU time or disk space on the second host.
 awk '/cmd "(slam6d|logger)"/ {far = 1} /deputy = / && far {sub(/"sim"/, "\"mapper\""); far = 0} {print}' procman/sim.pmd |
   sed 's/"sim";/"robot";/' >"$work/two.pmd"
 export NODMAP_WORLD=sim/worlds/cellar.yaml NODMAP_RUN=$work NODMAP_PORT=8765
@@ -68,7 +68,7 @@ export NODMAP_WORLD=sim/worlds/cellar.yaml NODMAP_RUN=$work NODMAP_PORT=8765
 nsenter -t "$host_b" -n -- "$bin/nodmap-deputy" "$work/two.pmd" --id mapper >"$work/mapper.log" 2>&1 & pids+=($!)
 "$bin/nodmap-sheriff" "$work/two.pmd" --script demo --on-script-complete stay >"$work/sheriff.log" 2>&1 & sheriff=$!; pids+=($sheriff)
 
-# state COMMAND KEY: by a second look from host A
+# state COMMAND KEY: by a second sheriff on host A
 state() {
   "$bin/nodmap-sheriff" "$work/two.pmd" --status --json 2>/dev/null |
     python3 -c "import json, sys; print(*[str(c['$2']) for c in json.load(sys.stdin)['commands'] if c['command'] == '$1'])" || true
@@ -82,7 +82,7 @@ pids_of_commands() {
     python3 -c 'import json, sys; print(*[c["command"] + ":" + str(c["pid"]) for c in json.load(sys.stdin)["commands"]])'
 }
 scans_logged() { cat "$work"/logger/* 2>/dev/null | grep -a -o SCAN | wc -l; }
-# until COMMAND: asks again until it is true; a busy machine takes its time.
+# until COMMAND: repeats the command until it succeeds; on a busy machine this takes longer.
 until_true() {
   for _ in $(seq 300); do "$@" && return; sleep 0.2; done
   fail "never: $*"
@@ -121,7 +121,7 @@ processes = watch["processes"]
 print(f"without the cable: {watch['distance_m']:.1f} m driven, {watch['max_forward_mps']:.2f} m/s at most, {watch['lost']} messages lost on A;",
       f"in all {truth['distance_m']:.1f} m driven, {truth['collisions']} collisions")
 assert watch["max_forward_mps"] > 0.1 and watch["distance_m"] > 0.5 and truth["collisions"] == 0
-# A host that could not talk to itself would have none; how many a busy machine loses is not the question here.
+# A host that cannot send to itself would have received none. How many a busy machine loses is not tested here.
 assert watch["scans"] > 0
 for name in ("nodmap-kurt", "nodmap-laser3d", "nodmap-map-server", "nodmap-navigator"):
     assert processes[name]["health"] != 2 and processes[name]["handled"] > 0, (name, processes[name])

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Which tests scripts/passed_tests.py lets run again, in a made-up build folder whose programs are shell scripts.
+"""Which tests scripts/passed_tests.py runs again, in an artificial build folder whose programs are shell scripts.
 
 usage: passed_tests_test.py SOURCE_DIR
 """
@@ -47,7 +47,7 @@ class MadeUpBuild:
         return run.stdout
 
     def run(self, *options):
-        """Runs the tests that must run. Returns their names."""
+        """Runs the tests that must run again; returns their names."""
         selection, report = self.folder / "now.selection", self.folder / "now.xml"
         must_run, left_out = map(int, self.script("select", self.folder, selection, *options).split())
         if must_run == 0:

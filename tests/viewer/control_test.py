@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Control over a live viewer, on LCM in a network of its own: with the token only, each request answered, processes by a real deputy.
+"""Control through a live viewer: only with the token, each request is answered, and a real deputy controls processes.
 
 Environment: NODMAP_VIEWER, NODMAP_DEPUTY, NODMAP_SHERIFF (programs).
 """
@@ -33,7 +33,7 @@ def master(viewer):
 
 
 class TheToken(unittest.TestCase):
-    def test_a_wrong_one_is_refused_counted_and_logged(self):
+    def test_a_wrong_token_is_refused_counted_and_logged(self):
         with Viewer("--control") as viewer:
             for options in ({"target": "/?token=0123456789abcdef0123456789abcdef"}, {"target": f"/?token={viewer.token[:-1]}"},
                             {"target": f"/?token={viewer.token}", "headers": {"Origin": "http://evil.example"}}):
@@ -44,14 +44,14 @@ class TheToken(unittest.TestCase):
             self.assertIn("refused a client: wrong_token", viewer.said())
             self.assertIn("refused to clients: 3 wrong_token", viewer.said())
 
-    def test_without_it_nothing_is_done(self):
+    def test_without_a_token_no_request_is_carried_out(self):
         with Viewer("--control") as viewer:
             reader, watcher = Client(viewer.port), Client(viewer.port)
             self.assertNotIn("services", reader.info["capabilities"])
             watcher.subscribe("GOAL", "STOP")
             for request in REQUESTS:
                 self.assertEqual(reader.call(request)["message"], "this connection may only read", request)
-            # What the token's owner asks for afterwards is the first that anyone hears.
+            # The first messages are those for which the token's owner asks afterwards.
             driver = master(viewer)
             self.assertTrue(driver.call({"do": "goal", "x_m": 2.5, "y_m": -1.0})["ok"])
             messages = watcher.collect(lambda m: "GOAL" in m)
@@ -60,25 +60,25 @@ class TheToken(unittest.TestCase):
             viewer.stop()
             self.assertIn(f"refused to clients: {len(REQUESTS)} request_not_allowed", viewer.said())
 
-    def test_without_control_there_is_none(self):
+    def test_without_control_a_token_is_refused(self):
         with Viewer() as viewer, self.assertRaises(Refused):
             WebSocket(viewer.port, target="/?token=0123456789abcdef0123456789abcdef")
 
 
 class Requests(unittest.TestCase):
-    def test_stop_is_said_until_go(self):
+    def test_stop_is_repeated_until_the_robot_is_released(self):
         with Viewer("--control") as viewer:
             driver = master(viewer)
             self.assertIn("services", driver.info["capabilities"])
             driver.subscribe("STOP")
             self.assertEqual(driver.call({"do": "stop"}), {"ok": True, "text": "Stopped until you say go."})
-            # Four are three repetitions.
+            # Four messages are three repetitions.
             stops = driver.collect(lambda m: len(m.get("STOP", [])) >= 4)["STOP"]
             self.assertTrue(all(stop["is_stopped"] for _, stop in stops))
             self.assertTrue(driver.call({"do": "go"})["ok"])
             driver.collect(lambda m: m and not m["STOP"][-1][1]["is_stopped"])
 
-    def test_what_cannot_be_done_is_said(self):
+    def test_an_impossible_request_is_answered_with_the_reason(self):
         with Viewer("--control") as viewer:
             driver = master(viewer)
             for request in ({"do": "goal", "x_m": "far"}, {"do": "fly"}, {}, {"do": "start_process", "command": "slam2d"}):
@@ -100,7 +100,7 @@ class Processes(unittest.TestCase):
         self.driver = master(self.viewer)
         self.assertEqual(self.driver.info["metadata"]["process_control"], "true")
         self.driver.subscribe("PM_INFO")
-        # The deputy is heard: until then nothing can be asked of it.
+        # The deputy has been heard; before that it cannot be asked for anything.
         self.driver.collect(lambda m: m and m["PM_INFO"][-1][1]["hosts"])
 
     def ask(self, **request):
@@ -108,7 +108,7 @@ class Processes(unittest.TestCase):
         self.assertTrue(answer["ok"], answer["text"])
 
     def await_command(self, name, wanted):
-        """What is told of a command, once it is as wanted."""
+        """The row of a command, as soon as it fulfils the condition."""
         def command(messages):
             rows = messages["PM_INFO"][-1][1]["commands"] if messages else []
             return next((row for row in rows if row["command"] == name), None)
@@ -116,7 +116,7 @@ class Processes(unittest.TestCase):
         found = self.driver.collect(lambda m: command(m) is not None and wanted(command(m)))
         return command(found)
 
-    def test_start_restart_stop(self):
+    def test_a_process_is_started_restarted_and_stopped(self):
         self.await_command("sleeper", lambda row: row["state"] == "stopped")
         self.ask(do="start_process", command="sleeper")
         first = self.await_command("sleeper", lambda row: row["state"] == "running")
@@ -127,14 +127,14 @@ class Processes(unittest.TestCase):
         self.await_command("sleeper", lambda row: row["pid"] not in (0, first["pid"]))
         self.ask(do="stop_process", command="sleeper")
         self.await_command("sleeper", lambda row: row["state"] == "stopped" and row["pid"] == 0)
-        # Nothing of this touched the other one, nor does the viewer's end.
+        # Neither the other command nor the viewer's end is affected by this.
         self.viewer.stop()
         os.kill(other["pid"], 0)
 
-    def test_recording(self):
+    def test_a_recording_is_started_and_stopped(self):
         self.ask(do="start_recording")
         self.driver.subscribe("STATUS")
-        # Its first STATUS comes when its files are open.
+        # The logger's first STATUS comes when its files are open.
         self.driver.collect(lambda m: any(p["process_name"] == "nodmap-logger" for p in m.get("STATUS", [[0, {"processes": []}]])[-1][1]["processes"]))
         self.ask(do="save_maps")
         self.ask(do="stop_recording")

@@ -8,7 +8,7 @@ from websocket import PATIENCE_S
 
 
 class Deputy:
-    """The deputy "here". `commands` is the text of a .pmd file, in which OUT stands for the folder `logs`."""
+    """The deputy "here". `commands` is the text of a .pmd file, in which OUT means the folder `logs`."""
 
     def __init__(self, commands):
         self.folder = tempfile.TemporaryDirectory()

@@ -15,7 +15,7 @@ class Client:
         self.topics = {}
         self.time_ns = None
         self.calls = 0
-        self.others = []  # text messages that receive() met
+        self.others = []  # text messages that receive() has read
 
     def _text(self):
         kind, payload = self.socket.receive()
@@ -44,7 +44,7 @@ class Client:
                 self.time_ns, = struct.unpack_from("<Q", payload, 1)
 
     def collect(self, wanted, timeout_s=PATIENCE_S):
-        """Messages by topic until wanted(messages) is true."""
+        """Collects messages, by topic, until wanted(messages) is true."""
         messages, end = {}, time.monotonic() + timeout_s
         while not wanted(messages):
             assert time.monotonic() < end, f"only {({t: len(m) for t, m in messages.items()})} after {timeout_s} s"
@@ -70,7 +70,7 @@ class Client:
         return self.answer(lambda m: m["op"] == "status")
 
     def call(self, request, service=1, encoding=b"json"):
-        """Calls a service; its answer, or the message that there is none."""
+        """Calls a service; returns its answer, or the failure message."""
         self.calls += 1
         self.socket.send(struct.pack("<BIII", 2, service, self.calls, len(encoding)) + encoding + json.dumps(request).encode(), BINARY)
         while True:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""LCM event logs and the messages the test compares, read byte by byte from the format's description."""
+"""Reads LCM event logs and the messages that the test compares, byte by byte, by the description of the format."""
 import struct
 
 SYNC = 0xEDA1DA01
@@ -40,7 +40,7 @@ def octomap_chunk(data):
 
 
 def octomap_voxels(file):
-    """The edge of a voxel and the occupied voxels, as places from the origin, of an OctoMap file whose leaves are all single voxels."""
+    """The size of a voxel and the occupied voxels (indices from the origin) of an OctoMap file whose leaves are all single voxels."""
     head, nodes = file.split(b"\ndata\n", 1)
     edge = next(float(line.split()[1]) for line in head.split(b"\n") if line.startswith(b"res "))
     voxels, at = set(), 0

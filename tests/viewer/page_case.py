@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the tests of the page share: a recording, a viewer, a browser."""
+"""What the tests of the page have in common: a recording, a viewer, a browser."""
 import functools
 import os
 import sys
@@ -10,7 +10,7 @@ import webdriver
 from protocol_test import make_log
 from viewer_process import Viewer
 
-# the pixels of an image that is drawn for it.
+# The pixels of an image that is drawn for this.
 PIXELS = """
   const {view, layers} = window.nodmap;
   const pixels = () => {
@@ -21,7 +21,7 @@ PIXELS = """
     return new Uint32Array(bytes.buffer);
   };
 """
-# How many pixels of the canvas differ from an empty scene with the same camera: everything is hidden for one image.
+# How many pixels of the canvas differ from an empty scene with the same camera: all layers are hidden for one image.
 COUNT_DRAWN = PIXELS + """
   const full = pixels();
   const shown = [...layers.values()].map(({layer}) => layer.group.visible);
@@ -43,7 +43,7 @@ def kept_log(duration_s, points):
 
 class PageCase(unittest.TestCase):
     def play(self, *arguments, duration_s=60, points=12000):
-        """A viewer that plays a recording long enough for a slow machine not to be at its end too soon."""
+        """A viewer that plays a recording, long enough that it does not end too soon on a slow machine."""
         viewer = Viewer("--replay", kept_log(duration_s, points), "--set", "cloud_spacing_m=0", *arguments)
         self.addCleanup(viewer.stop)
         return viewer
@@ -70,12 +70,12 @@ class PageCase(unittest.TestCase):
         self.settle(browser)
 
     def settle(self, browser):
-        """What was on its way has come, and the still image is refined: from now on it stays as it is."""
+        """Waits until all messages have come and the still image is refined: from then on it does not change."""
         self.assertIsNotNone(browser.wait_for(
             "!nodmap.view.isTouched && performance.now() - nodmap.detail.changedMs > 1000 && nodmap.cloud.drawn === nodmap.cloud.total"))
 
     def show_only(self, browser, *topics):
-        """While it is paused."""
+        """Shows these topics only; the playback must be paused."""
         browser.run("""document.querySelectorAll('#layers input').forEach((box) => {
             if (box.checked !== arguments[0].includes(box.dataset.topic)) { box.click(); }
         })""", topics)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""The page's controls against the real server, live: every button is answered, and nothing is shown to who has no token.
+"""The page's controls with the real server, live: every button gets an answer, and without a token there are no buttons.
 
 Environment: NODMAP_VIEWER (program).
 """
@@ -14,7 +14,7 @@ from deputy_process import Deputy  # noqa: E402
 from page_case import main  # noqa: E402
 from viewer_process import Viewer  # noqa: E402
 
-# Presses at one place of the canvas and lets go at another; shares of its width and height.
+# Presses the pointer at one place of the canvas and releases it at another; places are fractions of width and height.
 POINT = """
   const {canvas} = nodmap.view;
   const box = canvas.getBoundingClientRect();
@@ -52,7 +52,7 @@ class Page(unittest.TestCase):
         self.assertIsNotNone(self.browser.wait_for("!document.getElementById('control').hidden"))
 
     def press(self, button):
-        """Presses a button; the answer, as soon as there is one."""
+        """Presses a button; returns the answer as soon as there is one."""
         self.browser.run(f"{ANSWER} = ''; document.querySelector(arguments[0]).click()", button)
         self.assertIsNotNone(self.browser.wait_for(f"{ANSWER} && {ANSWER} !== 'Asked.'"), button)
         return self.browser.run(f"return {ANSWER}")
@@ -63,23 +63,24 @@ class Control(Page):
         self.open("")
         self.assertIsNone(self.browser.wait_for("!document.getElementById('control').hidden", 1))
 
-    def test_stop_and_go(self):
+    def test_the_robot_is_stopped_and_released(self):
         self.open_with_token()
         self.assertFalse(self.press("#stop").startswith("Refused"))
         self.assertIsNotNone(self.browser.wait_for(f"{BANNER}.includes('STOPPED')"))
-        # Told once, not five times a second.
+        # Announced once, not five times a second.
         self.assertIn("STOPPED", self.browser.run("return document.getElementById('announcement').textContent"))
         self.assertFalse(self.press("#go").startswith("Refused"))
         self.assertIsNotNone(self.browser.wait_for(f"!{BANNER}.includes('STOPPED')"))
 
-    def test_goals_by_numbers_and_by_a_click(self):
+    def test_a_goal_is_given_by_numbers_or_by_a_click(self):
         self.open_with_token()
         self.browser.run("document.getElementById('goal-x').value = 2.5; document.getElementById('goal-y').value = -1")
         said = self.press("#control [type=submit]")
         self.assertIn("2.50", said)
         self.assertIn("-1.00", said)
         self.assertIsNotNone(self.browser.wait_for("nodmap.layers.get('scene/goal').layer.group.children.length > 0"))
-        # Not picking: a click is nothing. Picking: a drag turns the camera, a click is the goal, and the next one nothing again.
+        # While no goal is being chosen, a click does nothing. While one is, a drag turns the camera and a click is the goal; the next click does
+        # nothing again.
         self.browser.run(f"{ANSWER} = ''")
         middle, aside = [0.5, 0.6], [0.7, 0.6]
         self.browser.run(POINT, middle, middle)
@@ -92,12 +93,12 @@ class Control(Page):
         self.assertFalse(self.press("#roam").startswith("Refused"))
         self.assertIsNotNone(self.browser.wait_for("nodmap.layers.get('scene/goal').layer.group.children.length === 0"))
 
-    def test_an_exploration_is_begun_and_ended(self):
+    def test_an_exploration_is_started_and_ended(self):
         self.open_with_token()
         self.assertTrue(self.press("#explore").startswith("Exploring"))
         self.assertIn("stays", self.press("#explore-end"))
 
-    def test_an_empty_field_is_no_goal(self):
+    def test_an_empty_field_gives_no_goal(self):
         self.open_with_token()
         for x, y in (("", "1"), ("1", ""), ("", "")):
             self.browser.run("document.getElementById('goal-x').value = arguments[0]; document.getElementById('goal-y').value = arguments[1]", x, y)
@@ -121,7 +122,7 @@ class Control(Page):
             self.assertIsNotNone(self.browser.wait_for(f"{ANSWER}.startsWith('Stopped')"), focus)
         self.assertFalse(self.press("#go").startswith("Refused"))
 
-    def test_stop_stays_where_it_is(self):
+    def test_the_stop_button_stays_in_place(self):
         self.open_with_token()
         place = "const box = document.getElementById('stop').getBoundingClientRect(); return [box.left, box.top, box.right, box.bottom]"
         for width, height in ((1920, 1080), (1280, 720), (390, 844)):
@@ -136,7 +137,7 @@ class Control(Page):
             self.assertEqual(self.browser.run(place), at_first, "scrolled to the end")
             self.browser.run("window.scrollTo(0, 0)")
 
-    def test_a_stale_token_is_told_and_the_page_can_be_read(self):
+    def test_an_old_token_is_reported_and_the_page_can_be_read(self):
         self.browser.open(f"http://127.0.0.1:{self.viewer.port}/#token={'0' * 32}")
         self.assertIsNotNone(self.browser.wait_for("window.nodmap && !document.getElementById('token-refused').hidden"))
         self.browser.run("document.getElementById('read-only').click()")
@@ -144,7 +145,7 @@ class Control(Page):
         self.assertTrue(self.browser.run("return document.getElementById('token-refused').hidden"))
         self.assertTrue(self.browser.run("return document.getElementById('stop-bar').hidden"))
 
-    def test_maps_are_asked_for(self):
+    def test_saving_the_maps_is_requested(self):
         self.open_with_token()
         self.assertFalse(self.press("#save").startswith("Refused"))
 
@@ -152,7 +153,7 @@ class Control(Page):
         self.open_with_token()
         self.assertEqual(self.browser.run("return [...document.querySelectorAll('.process-control, .buttons')].filter((b) => !b.hidden).length"), 0)
 
-    def test_what_can_be_pressed_has_a_name(self):
+    def test_every_control_has_a_name(self):
         self.open_with_token()
         nameless = self.browser.run("""return [...document.querySelectorAll('#stop-bar button, #control button, #control input')]
             .filter((e) => !(e.textContent.trim() || e.labels?.[0]?.textContent.trim())).map((e) => e.outerHTML)""")
@@ -160,7 +161,7 @@ class Control(Page):
 
 
 class ProcessOutput(Page):
-    """With a process manager, one of whose commands says something and then ends."""
+    """With a process manager, one of whose commands writes some output and then ends."""
 
     def setUp(self):
         super().setUp()
@@ -170,7 +171,7 @@ class ProcessOutput(Page):
         self.viewer = Viewer("--control", "--procman", self.deputy.config)
         self.addCleanup(self.viewer.stop)
 
-    def test_what_a_process_wrote_is_shown_on_a_click(self):
+    def test_the_output_of_a_process_is_shown_on_a_click(self):
         self.open_with_token()
         row = "document.querySelector('#processes tr[data-command=talker]')"
         self.assertIsNotNone(self.browser.wait_for(f"{row} && !{row}.querySelector('.buttons').hidden && !{row}.querySelector('[data-do=start]').disabled"))
@@ -179,9 +180,9 @@ class ProcessOutput(Page):
         text = "document.querySelector('#output pre').textContent"
         self.assertIsNotNone(self.browser.wait_for(f"document.getElementById('output').open && {text}.includes('the laser is warm')"))
         self.assertIn("talker", self.browser.run("return document.getElementById('output-title').textContent"))
-        # It follows the process while it is open.
+        # It shows new output as long as it is open.
         self.assertIsNotNone(self.browser.wait_for(f"{text}.includes('farther')"))
-        # STOP stays within reach.
+        # STOP can still be reached.
         self.assertTrue(self.browser.run("""const box = document.getElementById('stop').getBoundingClientRect();
             return document.elementFromPoint((box.left + box.right) / 2, (box.top + box.bottom) / 2).id === 'stop'"""))
         self.browser.run(KEY, "Escape", "#output pre")
@@ -207,7 +208,7 @@ class WhatThisPageDependsOn(Page):
         self.press(f"#processes tr[data-command={command}] [data-do=start]")
         self.assertIsNotNone(self.browser.wait_for(f"!{row}.querySelector('[data-do=stop]').disabled"))
 
-    def test_to_stop_the_viewer_is_asked_for_once_more(self):
+    def test_stopping_the_viewer_needs_a_confirmation(self):
         self.open_with_token()
         self.start("viewer")
         stop = "document.querySelector('#processes tr[data-command=viewer] [data-do=stop]')"
@@ -215,7 +216,7 @@ class WhatThisPageDependsOn(Page):
         self.browser.run(f"{ANSWER} = ''; {stop}.click()")
         self.assertIsNotNone(self.browser.wait_for(f"{question}.open"))
         self.assertIn("STOP", self.browser.run(f"return {question}.querySelector('p').textContent"))
-        # STOP stays within reach; No asks the viewer for nothing.
+        # STOP can still be reached; with No the viewer gets no request.
         self.assertTrue(self.browser.run("""const box = document.getElementById('stop').getBoundingClientRect();
             return document.elementFromPoint((box.left + box.right) / 2, (box.top + box.bottom) / 2).id === 'stop'"""))
         self.browser.run(f"{question}.querySelector('[value=no]').click()")
@@ -234,7 +235,7 @@ class WhatThisPageDependsOn(Page):
         self.assertEqual(self.press("#record-end"), "logger: stop asked.")
         self.assertIsNotNone(self.browser.wait_for(f"/^logger stopped: \\d+ events in 1 files/.test({results})"))
 
-    def test_of_saved_maps_the_last_word_counts(self):
+    def test_the_last_message_about_a_saved_map_is_shown(self):
         self.open_with_token()
         said = self.browser.run("""return import("./results.js").then(({lastTold}) => [
             lastTold("nodmap-slam2d", ["12:00 info: nodmap-viewer asked to save the map", "12:00 info: map saved in logs/slam2d", "later"]),
@@ -244,17 +245,17 @@ class WhatThisPageDependsOn(Page):
 
 
 class WithoutWebGl(Control):
-    """The same page in a browser that draws no 3D scene."""
+    """The same page in a browser without 3D graphics."""
 
     def setUp(self):
         self.viewer = Viewer("--control")
         self.addCleanup(self.viewer.stop)
         self.browser = webdriver.shared_browser(more_flags=["--disable-3d-apis"])
 
-    def test_it_says_so(self):
+    def test_it_says_that_the_browser_has_no_webgl(self):
         self.open_with_token()
         self.assertFalse(self.browser.run("return document.getElementById('no-webgl').hidden"))
-        # three.js says so itself; nothing else may fail.
+        # three.js reports this itself; there must be no other errors.
         errors = [line for line in self.browser.console() if line["level"] == "SEVERE" and "Error creating WebGL context" not in line["message"]]
         self.assertEqual(errors, [])
 

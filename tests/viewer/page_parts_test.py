@@ -12,8 +12,8 @@ import sys
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from page_case import COUNT_DRAWN, PIXELS, PageCase, main  # noqa: E402
 
-# How the budget of points settles on a machine whose image takes `ms(points)`: [points drawn, ms an image] at last, then how
-# many more images a still scene gets, and the points of the last of them.
+# How the number of points settles on a machine whose image takes `ms(points)`: finally [points drawn, ms per image], then how many more images a
+# still scene gets, and the number of points in the last of them.
 SETTLE = """
 return import("/detail.js").then(({Detail}) => {
   const detail = new Detail(20000);
@@ -46,18 +46,18 @@ def voxel_grid(columns, rows, cells, edge_m=0.1):
 
 class Voxels(PageCase):
     def be_alone(self, browser):
-        """From now on nothing comes but what the test makes up."""
+        """From now on only messages made by the test arrive."""
         self.pause(browser)
         browser.run("nodmap.connection.handlers.message = () => {}")
 
     def show(self, browser, grid):
-        """[(x, y, z) of the voxel's centre, face] of each face drawn, and the voxels' edge."""
+        """[(x, y, z) of the voxel's centre, face] of each face that is drawn, and the size of a voxel."""
         browser.run("nodmap.layers.get('OCTOMAP').layer.clear(); nodmap.take('OCTOMAP', arguments[0], 1)", grid)
         mesh = "nodmap.layers.get('OCTOMAP').layer.group.children[0]"
         self.assertIsNotNone(browser.wait_for(mesh))
         free, edge, corners = browser.run(f"""const {{geometry, userData}} = {mesh};
             return [userData.free, userData.edgeM, [...geometry.attributes.position.array]]""")
-        # Two triangles of each face; no corner is further from the centre than half the cube's diagonal, all lie in the face.
+        # Each face is two triangles. No corner is farther from the centre than half the cube's diagonal, and all are in the face.
         self.assertEqual(len(corners), len(free) * 6 * 3)
         for i, (x, y, z, face) in enumerate(free):
             axis, sign = [(2, 1), (0, 1), (0, -1), (1, 1), (1, -1)][face]
@@ -70,7 +70,7 @@ class Voxels(PageCase):
     def test_occupied_voxels_are_cubes_at_their_places(self):
         browser = self.browse(self.play())
         self.be_alone(browser)
-        # Hidden at first: nothing is made of what nobody sees, and then of the newest.
+        # Hidden at first: nothing is drawn while hidden, and then the newest map.
         browser.run("nodmap.take('OCTOMAP', arguments[0], 1)", voxel_grid(2, 2, [1] * 8))
         self.assertIsNone(browser.wait_for("nodmap.layers.get('OCTOMAP').layer.group.children.length > 0", 1))
         browser.run("document.querySelector('[data-topic=OCTOMAP]').click()")
@@ -79,14 +79,14 @@ class Voxels(PageCase):
         grid = voxel_grid(3, 2, [1, 0, 0, 0, 0, 1, 0, 1, 0, 0, 0, 0], 0.5)
         grid["pose"]["position"]["x"] += browser.run("return nodmap.view.robot.x")  # where the camera looks
         faces, edge = self.show(browser, grid)
-        places = [(0.25, 0.25, 0.25), (1.25, 0.75, 0.25), (0.75, 0.25, 0.75)]  # halves of halves: exact
-        # They touch at edges only: each has all its faces but the lower one.
+        places = [(0.25, 0.25, 0.25), (1.25, 0.75, 0.25), (0.75, 0.25, 0.75)]  # exact in binary
+        # The voxels touch at edges only, so each shows all its faces but the lower one.
         self.assertEqual(faces, [(place, face) for place in places for face in range(5)])
         self.assertEqual(edge, 0.5)
         self.show_only(browser)
         self.assertEqual(browser.run(COUNT_DRAWN), 0)
         self.show_only(browser, "OCTOMAP")
-        # Three cubes of half a metre, some metres away.
+        # Three cubes of half a metre, a few metres away.
         self.assertGreater(browser.run(COUNT_DRAWN), 500)
         self.assert_quiet(browser)
 
@@ -94,22 +94,23 @@ class Voxels(PageCase):
         browser = self.browse(self.play())
         self.be_alone(browser)
         browser.run("document.querySelector('[data-topic=OCTOMAP]').click()")
-        # Two side by side along x: the front of the first and the back of the second touch.
+        # Two side by side along x: the front of the first touches the back of the second.
         faces, _ = self.show(browser, voxel_grid(2, 1, [1, 1], 0.5))
         first, second = (0.25, 0.25, 0.25), (0.75, 0.25, 0.25)
         self.assertEqual(set(faces), {(first, face) for face in (0, 2, 3, 4)} | {(second, face) for face in (0, 1, 3, 4)})
 
-    def test_too_many_are_drawn_coarser(self):
+    def test_too_many_voxels_are_drawn_coarser(self):
         browser = self.browse(self.play())
         self.be_alone(browser)
         browser.run("document.querySelector('[data-topic=OCTOMAP]').click()")
         faces, edge = self.show(browser, voxel_grid(101, 100, [1] * (101 * 100 * 6)))
-        # Top and sides of this block are 101 * 100 + 2 * (101 + 100) * 6 = 12512 faces, more than 12000; by twos it is 51 x 50 x 3.
+        # Top and sides of this block are 101 * 100 + 2 * (101 + 100) * 6 = 12512 faces, more than 12000; with cells of double size it is 51 x 50
+        # x 3.
         self.assertEqual(len(faces), 51 * 50 + 2 * (51 + 50) * 3)
         self.assertAlmostEqual(edge, 0.2)
         self.assertAlmostEqual(faces[0][0][0], 0.1, places=6)  # floats
 
-    def test_nothing_occupied_is_no_cube(self):
+    def test_a_map_without_occupied_voxels_draws_no_cube(self):
         browser = self.browse(self.play())
         self.be_alone(browser)
         browser.run("document.querySelector('[data-topic=OCTOMAP]').click()")
@@ -132,7 +133,7 @@ class SceneExplainsItself(PageCase):
         browser.run("document.querySelector('[data-camera=top]').click()")
         browser.run("nodmap.view.touch()")
         self.settle(browser)
-        # Two places on the floor so far apart as the bar is wide, seen from the top.
+        # Two places on the floor, as far apart as the bar is wide, seen from the top.
         text, apart = browser.run("""
             const bar = document.getElementById('scale-bar');
             const box = nodmap.view.canvas.getBoundingClientRect();
@@ -141,11 +142,11 @@ class SceneExplainsItself(PageCase):
             return [bar.textContent, at(middle).distanceTo(at(middle + bar.getBoundingClientRect().width))]""")
         value, unit = text.split()
         metres = float(value) / (100 if unit == "cm" else 1)
-        self.assertAlmostEqual(apart / metres, 1, delta=0.1)  # the bar's border is 4 of some 100 pixels
+        self.assertAlmostEqual(apart / metres, 1, delta=0.1)  # the bar's border is 4 of about 100 pixels
         browser.run("nodmap.view.camera.position.z *= 4; nodmap.view.touch()")
         self.assertIsNotNone(browser.wait_for(f"document.getElementById('scale-bar').textContent !== '{text}'"))
 
-    def test_two_clicks_measure(self):
+    def test_two_clicks_measure_a_distance(self):
         browser = self.browse(self.play())
         self.pause(browser)
         browser.run("document.querySelector('[data-camera=top]').click(); document.getElementById('measure').click()")
@@ -165,11 +166,11 @@ class SceneExplainsItself(PageCase):
         self.assertEqual(browser.run("return document.getElementById('measured').value"), "")
         self.assertEqual(browser.run("return document.getElementById('measure').getAttribute('aria-pressed')"), "false")
 
-    def test_a_click_tells_what_a_point_is_and_when_it_was_seen(self):
+    def test_a_click_shows_what_a_point_is_and_when_it_was_seen(self):
         browser = self.browse(self.play())
         self.pause(browser)
         self.show_only(browser, "CLOUD")
-        # Pressed on a point of the cloud, in the left half of the image; where it is, by the page's own matrices.
+        # Clicks on a point of the cloud in the left half of the image, whose place is computed with the page's own matrices.
         place, point, seen = browser.run("""
             const {view, cloud, playback} = nodmap;
             view.scene.updateMatrixWorld(true);
@@ -186,7 +187,7 @@ class SceneExplainsItself(PageCase):
         self.click(browser, *place)
         words = re.fullmatch(r"point cloud: x (\S+), y (\S+), z (\S+) m, seen at (\d+):(\d\d)", browser.run("return document.getElementById('told').value"))
         self.assertIsNotNone(words)
-        # Another point may lie before it, on nearly the same line of sight: the walls are 2 m away.
+        # Another point on nearly the same line of sight may be in front of it: the walls are 2 m away.
         told = [float(words[i]) for i in (1, 2, 3)]
         self.assertLess(sum((a - b) ** 2 for a, b in zip(told, point)) ** 0.5, 1)
         self.assertLessEqual(60 * int(words[4]) + int(words[5]), browser.run("return nodmap.playback.positionS"))
@@ -194,7 +195,7 @@ class SceneExplainsItself(PageCase):
         self.show_only(browser)
         self.click(browser, *place)
         self.assertTrue(browser.run("return document.getElementById('told').value").startswith("floor: "))
-        # A click that measures is no question.
+        # A click that measures a distance shows nothing about the point.
         browser.run("document.getElementById('told').value = ''; document.getElementById('measure').click()")
         self.click(browser, *place)
         self.assertEqual(browser.run("return document.getElementById('told').value"), "")
@@ -206,7 +207,7 @@ class SceneExplainsItself(PageCase):
               nodmap.view.canvas.dispatchEvent(new PointerEvent(type, {clientX: arguments[0], clientY: arguments[1], pointerId: 1, bubbles: true}));
             }""", x, y)
 
-    def test_labels_are_as_large_from_afar(self):
+    def test_labels_have_the_same_size_from_afar(self):
         browser = self.browse(self.play())
         self.pause(browser)
         self.show_only(browser)
@@ -241,7 +242,7 @@ class SceneExplainsItself(PageCase):
         browser = self.browse(self.play())
         self.pause(browser)
         browser.run("nodmap.connection.handlers.message = () => {}; document.querySelector('[data-topic=OCTOMAP]').click()")
-        # A block of voxels around robot and camera's line of sight.
+        # A block of voxels around the robot and the camera's line of sight.
         grid = voxel_grid(30, 30, [1] * (30 * 30 * 12))
         at = browser.run("return nodmap.view.robot.toArray()")
         grid["pose"]["position"] = {"x": at[0] - 1.5, "y": at[1] - 1.5, "z": 0}
@@ -280,10 +281,10 @@ class SceneExplainsItself(PageCase):
         browser.run("const s = document.getElementById('theme'); s.value = arguments[0]; s.dispatchEvent(new Event('change'))", theme)
 
     def lightness(self, browser, selector, which="backgroundColor"):
-        """Of 255, of the green in it."""
+        """The green part of a colour, 0 to 255."""
         return int(browser.run("return getComputedStyle(document.querySelector(arguments[0]))[arguments[1]]", selector, which).split(",")[1])
 
-    def test_nothing_lies_over_something_else(self):
+    def test_no_box_covers_another(self):
         viewer = self.play()
         for width, height in ((390, 844), (1280, 800), (1920, 1080)):
             browser = self.browse(viewer, width, height)
@@ -329,7 +330,7 @@ class Look(PageCase):
         browser = self.browse(self.play())
         self.pause(browser)
         self.show_only(browser, "CLOUD")
-        # The image is kept in the page, and the next one compared with it.
+        # The image is kept in the page and compared with the next one.
         keep = PIXELS + "window.kept = pixels();"
         changed = PIXELS + "return pixels().reduce((count, pixel, i) => count + (pixel !== window.kept[i]), 0);"
         browser.run(keep)
@@ -341,7 +342,7 @@ class Look(PageCase):
         self.assertEqual(browser.run(changed), 0)
         self.assert_quiet(browser)
 
-    def test_what_is_high_is_cut(self):
+    def test_points_above_the_ceiling_height_are_not_drawn(self):
         browser = self.browse(self.play())
         self.pause(browser)
         self.show_only(browser, "CLOUD")
@@ -354,21 +355,21 @@ class Look(PageCase):
 
 
 class LevelOfDetail(PageCase):
-    def test_it_settles_at_a_good_rate_and_refines_what_is_still(self):
+    def test_the_number_of_points_settles_and_a_still_image_is_refined(self):
         browser = self.browse(self.play())
-        # Points a millisecond: a slow machine draws few, at 20 images a second or more; a fast one all of them.
+        # Points per millisecond: a slow machine draws few, at 20 images a second or more; a fast one draws all.
         for points_per_ms, all_of_them in ((2000, False), (10000, False), (100000, True)):
             moving, ms, refined, still = browser.run(SETTLE, points_per_ms)
             self.assertLess(ms, 50)
             self.assertEqual(moving == 1e6, all_of_them)
             self.assertEqual(still, 1e6)
-            # Then nothing is drawn any more: a page that nobody moves costs nothing.
+            # Then nothing more is drawn: a page that does not change costs nothing.
             self.assertLess(refined, 10)
 
 
 class Splats(PageCase):
     def splat(self, browser, points, ceiling_m=2, newness=None):
-        """{pixel: (distance in steps of 1 cm, colour)} of an image of 10 x 10, looking along x, y to the right, 90 degrees wide."""
+        """{pixel: (distance in steps of 1 cm, colour)} of an image of 10 x 10 pixels, 90 degrees wide; the camera looks along x, and y is to the right."""
         return {int(at): (value >> 8, value & 255) for at, value in browser.run("""
             return import("/splat.js").then(({splat}) => {
               const pixels = new Uint32Array(100).fill(0xffffffff);
@@ -378,18 +379,18 @@ class Splats(PageCase):
               return Object.entries(pixels).filter(([, value]) => value !== 0xffffffff);
             });""", points, ceiling_m, newness)}
 
-    def test_points_come_where_they_belong(self):
+    def test_points_are_drawn_in_their_places(self):
         browser = self.browse(self.play())
-        # 8 m away, 4 m right, 1 m up: half and an eighth of the way from the middle, which is at 5; halfway up the colours.
+        # 8 m ahead, 4 m to the right, 1 m up: half and an eighth of the way from the middle, which is at pixel 5; halfway up the colours.
         self.assertEqual(self.splat(browser, [[8, 4, 1]]), {57: (800, 127)})
         self.assertEqual(self.splat(browser, [[8, 4, 1], [16, 8, 2]]), {57: (800, 127)})  # behind the first one
         self.assertEqual(self.splat(browser, [[16, 8, 2], [8, 4, 1]]), {57: (800, 127)})
-        self.assertEqual(self.splat(browser, [[-8, 4, 1], [8, 9, 1], [8, 4, 1.01]], 1), {})  # behind us, beside the image, cut
+        self.assertEqual(self.splat(browser, [[-8, 4, 1], [8, 9, 1], [8, 4, 1.01]], 1), {})  # behind the camera, beside the image, above the ceiling height
         self.assertEqual(self.splat(browser, [[8, 4, 1]], 2, 1), {57: (800, 255)})  # the newest
-        # Near by, four pixels.
+        # Near the camera a point covers four pixels.
         self.assertEqual(set(self.splat(browser, [[2, 0, 0]])), {55, 56, 65, 66})
 
-    def test_webgl_draws_the_same(self):
+    def test_webgl_draws_the_same_points(self):
         browser = self.browse(self.play())
         self.pause(browser)
         self.show_only(browser, "CLOUD")
@@ -405,7 +406,7 @@ class Splats(PageCase):
           return [count((pixel, i) => webgl[i] !== pixel && splats[i] !== pixel), count((pixel, i) => webgl[i] !== pixel),
                   count((pixel, i) => splats[i] !== pixel)];
         """)
-        # The points are round about as large, not equally: 1.5 to 5 pixels, and blocks of 2 or 4.
+        # Points are only roughly equal in size: 1.5 to 5 pixels, and blocks of 2 or 4 pixels.
         self.assertGreater(by_webgl, 2000)
         self.assertGreater(both, 0.6 * by_webgl)
         self.assertGreater(both, 0.4 * by_splats)

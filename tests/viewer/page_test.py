@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""The page in a real browser: headless Chromium with software rendering, on a recording.
+"""The page in a real browser: headless Chromium with software rendering, with a recording.
 
 Environment: NODMAP_VIEWER, NODMAP_MAKE_ROBOT_LOG (programs); NODMAP_SCREENSHOTS (a folder, if images are wanted).
 """
@@ -21,21 +21,21 @@ class Page(PageCase):
     def test_it_shows_the_robot_and_its_maps(self):
         viewer = self.play()
         browser = self.browse(viewer)
-        # The cloud alone covers some thousand pixels of this window; an empty scene has none.
+        # The cloud alone covers thousands of pixels of this window; an empty scene has none.
         self.assertGreater(browser.run(COUNT_DRAWN), 5000)
         for topic in ("scene/robot", "SCAN", "CLOUD", "MAP_2D", "OBSTACLE_MAP", "STRUCTURE_MAP", "scene/corridor", "scene/area_of_interest",
                       "trail/odometry", "trail/2d", "trail/6d", "keyframes", "scene/goal", "scene/people"):
             self.assertIsNotNone(browser.wait_for(f"nodmap.layers.get('{topic}').layer.group.children.length > 0"), topic)
         self.assertIsNotNone(browser.wait_for("document.getElementById('processes').innerText.includes('slam2d')"))
         self.assertIsNotNone(browser.wait_for("document.getElementById('facts').innerText.includes('0.50 m/s')"))
-        # A machine that is busy may stall for two seconds: the banner is right then, and goes.
+        # A busy machine may stall for two seconds: then the banner is shown, and disappears again.
         self.assertIsNotNone(browser.wait_for("document.getElementById('banner').hidden"))
         self.assertTrue(browser.run("return document.getElementById('control').hidden"))
         self.assertEqual(browser.run(HOSTS), [f"127.0.0.1:{viewer.port}"])
         self.save_image(browser, "page.png")
         self.assert_quiet(browser)
 
-    def test_layers_go_off_and_on(self):
+    def test_layers_can_be_hidden_and_shown(self):
         browser = self.browse(self.play())
         self.pause(browser)
         boxes = "[...document.querySelectorAll('#layers input')]"
@@ -49,7 +49,7 @@ class Page(PageCase):
         self.assertGreater(browser.run(COUNT_DRAWN), without_cloud)
         self.assert_quiet(browser)
 
-    def test_cameras(self):
+    def test_each_camera_shows_its_view(self):
         browser = self.browse(self.play())
         for mode in ("top", "free", "follow"):
             browser.run(f"document.querySelector('[data-camera={mode}]').click()")
@@ -59,16 +59,16 @@ class Page(PageCase):
         self.assertGreater(browser.run("const v = nodmap.view; return v.camera.position.z - v.robot.z"), 10)
         self.save_image(browser, "top.png")
 
-    def test_the_time_line(self):
+    def test_the_time_line_seeks_and_pauses(self):
         browser = self.browse(self.play())
         self.pause(browser)
         move = "const p = document.getElementById('position'); p.value = arguments[0]; p.dispatchEvent(new Event('change'))"
         browser.run(move, 18)
         self.assertIsNotNone(browser.wait_for("nodmap.cloud.keyframes.size === 19"))
         browser.run(move, 2)
-        # Back: what had not happened yet is gone.
+        # After a seek back, what has not happened yet is no longer shown.
         self.assertIsNotNone(browser.wait_for("nodmap.cloud.keyframes.size === 3"))
-        # A pause is no loss of data.
+        # A pause does not count as a loss of data.
         self.assertIsNone(browser.wait_for("!document.getElementById('banner').hidden", 4))
         self.assert_quiet(browser)
 
@@ -77,7 +77,7 @@ class Page(PageCase):
 
     def test_the_clock_is_right_after_a_seek(self):
         browser = self.browse(self.play())
-        # Looked at in every message, so that no moment is missed.
+        # Checked at every message, so that no moment is missed.
         browser.run("""
           window.clocks = [];
           const {show} = nodmap.playback.constructor.prototype;
@@ -88,18 +88,18 @@ class Page(PageCase):
         self.assertTrue(browser.run("return window.clocks.every((s) => s >= -0.001 && s <= nodmap.playback.durationS + 0.001)"))
         self.assertRegex(browser.run("return document.getElementById('clock').textContent"), r"^0:\d\d / (0:\d\d|1:00)$")
 
-    def test_the_slider_goes_on_with_the_focus(self):
+    def test_the_slider_moves_on_while_it_has_the_focus(self):
         browser = self.browse(self.play())
         browser.run("document.getElementById('position').focus()")
         begin = float(browser.run("return document.getElementById('position').value"))
         self.assertIsNotNone(browser.wait_for(f"Number(document.getElementById('position').value) > {begin} + 0.5"))
 
-    def test_marks_tell_what_happened_and_lead_there(self):
+    def test_marks_name_events_and_seek_to_them(self):
         browser = self.browse(self.play())
         self.assertIsNotNone(browser.wait_for("document.querySelectorAll('#marks > *').length > 0"))
         kinds = browser.run("return [...new Set([...document.querySelectorAll('#marks > *')].map((mark) => mark.dataset.kind))]")
         self.assertIn("keyframe", kinds)
-        # Each mark stands where the slider's knob is at its time.
+        # Each mark is where the slider's knob is at that time.
         self.pause(browser)
         browser.run("nodmap.playback.marks.replaceChildren(); nodmap.playback.showEvents(['30.000 stop by me'])")
         mark = "document.querySelector('#marks [data-kind=stop]')"
@@ -119,7 +119,7 @@ class Page(PageCase):
         self.assertIsNotNone(browser.wait_for(f"{speed}.graph && {speed}.window"))
         begin, end = browser.run(f"return {speed}.graph.xAxisRange()")
         self.assertAlmostEqual((end - begin) / 1000, browser.run("return nodmap.playback.durationS"), delta=1e-3)
-        # Samples to the end, though only the first seconds have been played; and they stay when it goes back.
+        # The samples reach to the end although only the first seconds have been played, and they stay after a seek back.
         last = f"return {speed}.samples[0][{speed}.samples[0].length - 1]"
         for position_s in (50, 3):
             self.seek(browser, position_s)
@@ -127,13 +127,13 @@ class Page(PageCase):
             time_s, speed_mps = browser.run(last)
             self.assertAlmostEqual(time_s, end / 1000, delta=0.2)
             self.assertEqual(speed_mps, 0.5)
-            # The cursor is at its share of the time axis, which begins right of the numbers.
+            # The cursor is at its fraction of the time axis, which begins to the right of the numbers.
             area = f"{speed}.graph.getArea()"
             self.assertIsNotNone(browser.wait_for(
                 f"Math.abs(parseFloat({speed}.cursor.style.left) - {area}.x - {position_s} / nodmap.playback.durationS * {area}.w) < 1"))
         self.assert_quiet(browser)
 
-    def test_gaps_are_gaps_in_the_plots(self):
+    def test_gaps_in_the_data_are_gaps_in_the_plots(self):
         browser = self.browse(self.play())
         live, recorded = browser.run("""
             return import("./plots.js").then(({Plots}) => {
@@ -154,7 +154,7 @@ class Page(PageCase):
         self.assertEqual(live, [[1, "0.5"], [1.5, "0.5"], [1.5, "NaN"], [4, "0.5"], [4.5, "0.5"]])
         self.assertEqual(recorded, [[1, "0.5"], [1.5, "0.25"], [1.5, "NaN"], [4, "0.5"]])
 
-    def test_play_at_the_end_begins_anew(self):
+    def test_play_at_the_end_starts_from_the_beginning(self):
         browser = self.browse(self.play(duration_s=20))
         self.seek(browser, 19.9)
         self.assertIsNotNone(browser.wait_for("nodmap.playback.isAtEnd"))
@@ -176,23 +176,23 @@ class Page(PageCase):
         self.assertIsNotNone(browser.wait_for("Math.abs(nodmap.playback.positionS - 10.2) < 1e-3"))
         browser.run(press, " ", "#canvas")
         self.assertIsNotNone(browser.wait_for("!nodmap.playback.paused"))
-        # Where Space presses something itself, it does not pause besides.
+        # Where Space presses a control, it does not pause as well.
         browser.run(press, " ", "#speed")
         self.assertFalse(browser.run("return nodmap.playback.paused"))
 
-    def test_the_banner_tells_when_nothing_comes(self):
+    def test_the_banner_is_shown_when_no_messages_arrive(self):
         viewer = self.play()
         browser = self.browse(viewer)
-        # A machine that is busy may stall for two seconds: the banner is right then, and goes.
+        # A busy machine may stall for two seconds: then the banner is shown, and disappears again.
         self.assertIsNotNone(browser.wait_for("document.getElementById('banner').hidden"))
         viewer.stop()
         self.assertIsNotNone(browser.wait_for("document.getElementById('banner').textContent.includes('No connection')"))
         self.assertFalse(browser.run("return document.getElementById('banner').hidden"))
 
-    def test_the_banner_tells_since_when_nothing_came(self):
+    def test_the_banner_names_the_time_of_the_last_message(self):
         browser = self.browse(self.play())
         self.assertIsNotNone(browser.wait_for("document.getElementById('banner').hidden"))
-        # Still connected; but whatever comes is lost.
+        # Still connected, but every message is lost.
         browser.run("nodmap.connection.handlers.message = () => {}")
         self.assertIsNotNone(browser.wait_for("document.getElementById('banner').textContent.includes('since')"))
         self.assertFalse(browser.run("return document.getElementById('banner').hidden"))
@@ -208,13 +208,13 @@ class Page(PageCase):
               ({processList}) => processList(said, commands).map(({name, state, level}) => [name, state, level]));""")
         self.assertEqual(rows, [["logger-a on a", "OK", 0], ["logger-b on b", "failed", 2], ["nodmap-slam2d", "DEGRADED", 1]])
 
-    def test_on_a_phone(self):
+    def test_the_page_fits_on_a_phone(self):
         browser = self.browse(self.play(), 400, 800)
         # Nothing is wider than the screen.
         self.assertLessEqual(browser.run("return document.documentElement.scrollWidth - document.documentElement.clientWidth"), 0)
         self.save_image(browser, "phone.png")
 
-    def test_what_can_be_pressed_has_a_name(self):
+    def test_every_control_has_a_name(self):
         browser = self.browse(self.play())
         nameless = browser.run("""return [...document.querySelectorAll('button, input, select, #canvas, [role=img]')]
             .filter((e) => !e.closest('.plot') || e.matches('.plot'))  // what dygraphs makes inside is hidden
@@ -224,12 +224,12 @@ class Page(PageCase):
 
 
 class LiveWithoutData(unittest.TestCase):
-    def test_the_banner_says_so(self):
+    def test_the_banner_says_that_there_is_no_robot(self):
         browser = webdriver.shared_browser()
         with Viewer() as viewer:
             browser.open(f"http://127.0.0.1:{viewer.port}/")
             self.assertIsNotNone(browser.wait_for("document.getElementById('banner').textContent.startsWith('No data')"))
-            # The viewer's own STATUS is no sign of a robot.
+            # The viewer's own STATUS does not count as a robot's.
             self.assertIsNotNone(browser.wait_for("document.getElementById('processes').innerText.includes('viewer')"))
             self.assertIsNone(browser.wait_for("document.getElementById('banner').hidden", 2))
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""The whole process against an independent client: the numbers of the LCM messages come out, and hostile clients do no harm.
+"""The whole process with an independent client: it sends the numbers of the LCM messages, and hostile clients do no harm.
 
 Environment: NODMAP_VIEWER, NODMAP_MAKE_ROBOT_LOG (programs).
 """
@@ -52,7 +52,7 @@ class WithLog(unittest.TestCase):
 
 
 class TheNumbersComeOut(WithLog):
-    def test_clouds_and_maps(self):
+    def test_clouds_and_maps_are_those_of_the_log(self):
         chunks, tiles = {}, {}
         for _, channel, data in lcm_log.events(self.log):
             if channel == "CLOUD":
@@ -85,7 +85,7 @@ class TheNumbersComeOut(WithLog):
                     self.assertEqual((grid["pose"]["position"]["x"], grid["pose"]["position"]["y"]), tile["origin"])
                     self.assertEqual(grid["cell_size"]["x"], tile["cell_size"])
 
-    def test_voxels(self):
+    def test_voxels_are_those_of_the_log(self):
         chunks = {}
         for _, channel, data in lcm_log.events(self.log):
             if channel == "OCTOMAP":
@@ -106,7 +106,7 @@ class TheNumbersComeOut(WithLog):
             self.assertGreater(len(occupied), 1000)
             self.assertEqual(found, occupied)
 
-    def test_every_channel_is_described_and_speaks(self):
+    def test_every_channel_is_described_and_has_messages(self):
         with Viewer("--replay", self.log) as viewer:
             client = Client(viewer.port, protocols="foxglove.sdk.v1")
             self.assertIn("Sec-WebSocket-Protocol: foxglove.sdk.v1", client.socket.head)
@@ -127,7 +127,7 @@ class TheNumbersComeOut(WithLog):
             messages = late.collect(lambda m: len(m.get("CLOUD", [])) == 4 and "scene/robot" in m and "GOAL" in m)
             self.assertEqual(len({n for n, _ in messages["CLOUD"]}), 4)
 
-    def test_playback(self):
+    def test_a_playback_is_controlled_by_parameters(self):
         with Viewer("--replay", self.log) as viewer:
             client = Client(viewer.port)
             self.assertIn("parameters", client.info["capabilities"])
@@ -140,12 +140,12 @@ class TheNumbersComeOut(WithLog):
             self.assertAlmostEqual(values["playback.position_s"], 3.0)
             messages = client.collect(lambda m: m and max(n for n, _ in m["ODOMETRY"]) % 10**10 // 10**9 >= 3)
             self.assertTrue(messages)
-            # Back: the same odometry is told once more.
+            # After a seek back the same odometry is sent again.
             client.send(op="setParameters", parameters=[{"name": "playback.position_s", "value": 1.0}])
             begin = messages["ODOMETRY"][-1][0]
             client.collect(lambda m: m and m["ODOMETRY"][-1][0] < begin - 10**9)
 
-    def test_on_a_busy_machine_clients_get_what_is_new_twice_a_second(self):
+    def test_on_a_busy_machine_clients_get_messages_twice_a_second(self):
         log = make_log(self.folder.name, duration_s=120, points=100)
         busy = [subprocess.Popen(["nice", "-n", "19", sys.executable, "-c", "while True: pass"]) for _ in range(os.cpu_count())]
         try:
@@ -154,11 +154,11 @@ class TheNumbersComeOut(WithLog):
                 client.subscribe("ODOMETRY")  # 100 a second
 
                 def are_far_apart(messages):
-                    """Whether the last five are half a second apart, by the recording's time; but for a turn or two."""
+                    """Whether the last five are half a second apart in the recording's time, within one or two turns."""
                     stamps = [nanoseconds for nanoseconds, _ in messages.get("ODOMETRY", [])][-5:]
                     return len(stamps) == 5 and all(b - a > 450e6 for a, b in zip(stamps, stamps[1:]))
                 client.collect(are_far_apart, timeout_s=100)
-                # Answers do not wait.
+                # Answers are sent at once.
                 client.send(op="getParameters", parameterNames=["playback.speed"], id="now")
                 self.assertEqual(client.answer(lambda m: m.get("id") == "now")["parameters"][0]["value"], 1.0)
         finally:
@@ -166,7 +166,7 @@ class TheNumbersComeOut(WithLog):
                 process.kill()
                 process.wait()
 
-    def test_who_comes_from_another_origin_reads_but_does_not_steer(self):
+    def test_a_client_from_another_origin_reads_but_does_not_control(self):
         with Viewer("--replay", self.log) as viewer:
             client = Client(viewer.port, headers={"Origin": "https://app.foxglove.dev"})
             client.send(op="setParameters", parameters=[{"name": "playback.paused", "value": True}])
@@ -179,7 +179,7 @@ class HostileClients(WithLog):
         self.addCleanup(self.viewer.stop)
 
     def refusals(self):
-        """Ends the viewer; what it refused, by cause."""
+        """Ends the viewer; returns how much it refused, by cause."""
         self.assertEqual(self.viewer.stop(), 0)
         lines = [line.split("refused to clients: ")[1].split() for line in self.viewer.said().splitlines() if "refused to clients" in line]
         return {cause: int(count) for count, cause in lines}
@@ -190,7 +190,7 @@ class HostileClients(WithLog):
         client.collect(lambda m: "scene/robot" in m)
         client.close()
 
-    def test_paths_lead_nowhere(self):
+    def test_paths_outside_the_page_are_not_found(self):
         for target in ("/../../../etc/passwd", "/%2e%2e/%2e%2e/etc/passwd", "/three/../../etc/passwd", "//etc/passwd", "/three/", "/.git/config"):
             self.assertEqual(get(self.viewer.port, target)[0], 404, target)
         self.assertEqual(get(self.viewer.port, "/")[0], 200)
@@ -199,7 +199,7 @@ class HostileClients(WithLog):
         causes = self.refusals()
         self.assertEqual((causes["no_such_file"], causes["method_not_allowed"], causes["foreign_host"]), (6, 1, 1))
 
-    def test_handshakes(self):
+    def test_invalid_handshakes_are_refused(self):
         for options, status in (({"protocols": None}, 400), ({"protocols": "chat"}, 400), ({"host": "evil.example"}, 403),
                                 ({"target": "/?token=guess"}, 403)):
             with self.assertRaises(Refused) as refused:
@@ -209,7 +209,7 @@ class HostileClients(WithLog):
         causes = self.refusals()
         self.assertEqual((causes["unknown_subprotocol"], causes["foreign_host"], causes["wrong_token"]), (2, 1, 1))
 
-    def test_a_huge_message_ends_its_connection_only(self):
+    def test_a_huge_message_ends_only_its_own_connection(self):
         memory_kb = self.viewer.memory_kb()
         client = WebSocket(self.viewer.port)
         # 100 MB are announced, and sent as long as they are taken.
@@ -222,7 +222,7 @@ class HostileClients(WithLog):
         self.assertLess(self.viewer.memory_kb() - memory_kb, 30_000)
         self.assertEqual(self.refusals()["message_too_big"], 1)
 
-    def test_malformed_frames(self):
+    def test_malformed_frames_end_their_connection(self):
         for frame in (b"\x83\x80mask", b"\xF1\x80mask", b"\x81\x05hello", b"\x89\xFE\x01\x00mask" + bytes(256), b"\x80\x80mask"):
             client = WebSocket(self.viewer.port)
             client.socket.sendall(frame)
@@ -233,7 +233,7 @@ class HostileClients(WithLog):
         self.still_serves()
         self.assertEqual(self.refusals()["malformed_frame"], 5)
 
-    def test_nonsense_in_good_frames(self):
+    def test_invalid_requests_are_answered_and_counted(self):
         client = Client(self.viewer.port)
         for text in ("nonsense", "[]", '{"op":"explode"}', '{"op":"subscribe","subscriptions":[{"id":1,"channelId":9999}]}', "[" * 60000):
             client.socket.send(text)
@@ -242,7 +242,7 @@ class HostileClients(WithLog):
         self.still_serves()
         self.assertEqual(self.refusals()["request_not_allowed"], 6)
 
-    def test_no_http_at_all(self):
+    def test_bytes_that_are_not_http_are_refused(self):
         for noise in (b"\x00\xFF" * 100 + b"\r\n\r\n", b"GET / HTTP/1.1\r\n" + b"X: " + b"y" * 20000 + b"\r\n\r\n"):
             with socket.create_connection(("127.0.0.1", self.viewer.port), timeout=PATIENCE_S) as raw:
                 raw.sendall(noise)
@@ -250,7 +250,7 @@ class HostileClients(WithLog):
         self.still_serves()
         self.assertEqual(self.refusals()["bad_request"], 2)
 
-    def test_half_requests_keep_nobody_out(self):
+    def test_incomplete_requests_do_not_keep_others_out(self):
         halves = []
         for _ in range(300):
             half = socket.create_connection(("127.0.0.1", self.viewer.port), timeout=PATIENCE_S)
@@ -262,7 +262,7 @@ class HostileClients(WithLog):
         for half in halves:
             half.close()
 
-    def test_ten_thousand_connections_at_once(self):
+    def test_ten_thousand_connections_do_no_harm(self):
         """All 10^4 are held open by this side; the viewer serves 40 of them at a time, closes the others, and stays able to serve."""
         needed = 10_000 + 100
         soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
@@ -284,7 +284,7 @@ class HostileClients(WithLog):
         # One that sends nothing keeps its place until a newcomer wants it.
         self.assertGreater(self.refusals()["slow_request"], 9000)
 
-    def test_a_client_that_does_not_read_delays_nobody(self):
+    def test_a_client_that_does_not_read_delays_no_other(self):
         stuck = [Client(self.viewer.port, receive_buffer=4096) for _ in range(5)]
         for client in stuck:
             client.subscribe(*client.channels)
