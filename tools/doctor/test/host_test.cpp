@@ -15,7 +15,7 @@ TEST(Host, AMissingProgramIsReportedWithTheCommandThatInstallsIt) {
   EXPECT_EQ(missing.command, "get");
 }
 
-TEST(Host, TheSpyScriptOfDebianDoesNotStart) {
+TEST(Host, RecognisesDebiansSpyScriptThatDoesNotStart) {
   // From liblcm-bin 1.3.1+repack1-3.
   const char* debian =
       "#!/bin/sh\nexec java -server -Djava.net.preferIPv4Stack=true -Xincgc -Xmx128m -Xms64m -ea "
@@ -26,20 +26,20 @@ TEST(Host, TheSpyScriptOfDebianDoesNotStart) {
   EXPECT_EQ(check_spy_script(std::nullopt).status, Status::kWarn);
 }
 
-TEST(Host, DiskIsJudgedByHowLongItLasts) {
+TEST(Host, DiskSpaceIsRatedByTheRecordingTimeThatItAllows) {
   EXPECT_EQ(check_disk("logs", 100'000'000'000).status, Status::kOk);
   EXPECT_EQ(check_disk("logs", 1'000'000'000).status, Status::kWarn);
   EXPECT_EQ(check_disk("logs", 0).status, Status::kFail);
   EXPECT_THAT(check_disk("logs", 1'000'000'000).sentence, ::testing::HasSubstr("1000 MB"));
 }
 
-TEST(Host, SerialBytesComeLateWhereTheKernelsThreadsMayNotBeRaised) {
+TEST(Host, WarnsIfTheKernelsSerialThreadsMayNotBeRaised) {
   EXPECT_EQ(check_serial_workers(true).status, Status::kOk);
   EXPECT_EQ(check_serial_workers(false).status, Status::kWarn);
   EXPECT_THAT(check_serial_workers(false).command, ::testing::HasSubstr("CAP_SYS_NICE"));
 }
 
-TEST(Host, WithoutRealTimePriorityTheRobotHaltsOnABusyMachine) {
+TEST(Host, WarnsIfThereIsNoRealTimePriority) {
   EXPECT_EQ(check_realtime(true).status, Status::kOk);
   EXPECT_EQ(check_realtime(false).status, Status::kWarn);
   EXPECT_THAT(check_realtime(false).command, ::testing::HasSubstr("rtprio"));

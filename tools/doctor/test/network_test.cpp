@@ -31,21 +31,21 @@ std::string routes(const std::string& lines) {
   return kHeader + lines;
 }
 
-TEST(MulticastRoute, OfItsOwnIsFine) {
+TEST(MulticastRoute, ARouteOfItsOwnIsOk) {
   const Finding finding =
       check_multicast_route(routes(std::string(kDefaultRoute) + kMulticastRoute), {}, kInterfaces);
   EXPECT_EQ(finding.status, Status::kOk);
-  EXPECT_THAT(finding.sentence, HasSubstr("over lo")) << "the more special one";
+  EXPECT_THAT(finding.sentence, HasSubstr("over lo")) << "the more specific route";
   EXPECT_TRUE(finding.command.empty());
 }
 
-TEST(MulticastRoute, ByDefaultWorksUntilTheCableIsPulled) {
+TEST(MulticastRoute, TheDefaultRouteIsAWarningBecauseItFailsWithoutACable) {
   const Finding finding = check_multicast_route(routes(kDefaultRoute), {}, kInterfaces);
   EXPECT_EQ(finding.status, Status::kWarn);
   EXPECT_THAT(finding.sentence, HasSubstr("eth0"));
 }
 
-TEST(MulticastRoute, IfMissingItIsFatalAndTheFixIsNamed) {
+TEST(MulticastRoute, AMissingRouteFailsAndTheFixIsNamed) {
   for (const std::string& text :
        {routes(""), std::string(), std::string("nonsense\nlo x y z 1 2 3 4\n"),
         routes("eth0\t000200C0\t00000000\t0001\t0\t0\t0\t00FFFFFF\t0\t0\t0\n")}) {
@@ -56,7 +56,7 @@ TEST(MulticastRoute, IfMissingItIsFatalAndTheFixIsNamed) {
   }
 }
 
-TEST(MulticastRoute, ThatIsDownOrRefusesIsNone) {
+TEST(MulticastRoute, ARouteThatIsDownOrRejectsCountsAsMissing) {
   for (const char* flags : {"0000", "0201"}) {
     const std::string line =
         std::string("lo\t000000E0\t00000000\t") + flags + "\t0\t0\t0\t000000F0\t0\t0\t0\n";
@@ -64,7 +64,7 @@ TEST(MulticastRoute, ThatIsDownOrRefusesIsNone) {
   }
 }
 
-TEST(MulticastRoute, InterfaceMustBeUpAndCarryMulticast) {
+TEST(MulticastRoute, TheInterfaceMustBeUpAndSupportMulticast) {
   const Finding down = check_multicast_route(routes(kMulticastRoute), {}, {{"lo", IFF_LOOPBACK}});
   EXPECT_EQ(down.status, Status::kFail);
   EXPECT_EQ(down.command, "sudo ip link set lo up");
@@ -73,7 +73,7 @@ TEST(MulticastRoute, InterfaceMustBeUpAndCarryMulticast) {
   EXPECT_EQ(deaf.command, "sudo ip link set eth0 multicast on");
 }
 
-TEST(ReceiveBuffer, IsJudgedByWhatOurChannelsNeed) {
+TEST(ReceiveBuffer, IsComparedWithTheRatesOfOurChannels) {
   const auto status = [](std::int64_t bytes) {
     return check_rmem_default(std::to_string(bytes) + "\n").status;
   };
@@ -83,11 +83,11 @@ TEST(ReceiveBuffer, IsJudgedByWhatOurChannelsNeed) {
   EXPECT_EQ(status(full_buffer_bytes()), Status::kOk);
 }
 
-TEST(ReceiveBuffer, LinuxDefaultIsTooSmallForBursts) {
+TEST(ReceiveBuffer, TheDefaultOfLinuxIsTooSmallForBursts) {
   const Finding finding = check_rmem_max("212992\n");
   EXPECT_EQ(finding.status, Status::kWarn);
   EXPECT_THAT(finding.command, HasSubstr("sudo sysctl -w net.core.rmem_max=2097152"));
-  EXPECT_EQ(check_rmem_max("2097152\n").status, Status::kOk) << "what was advised is enough";
+  EXPECT_EQ(check_rmem_max("2097152\n").status, Status::kOk) << "the advised value is enough";
   EXPECT_EQ(check_rmem_max("").status, Status::kWarn);
   EXPECT_EQ(check_rmem_max("many\n").status, Status::kWarn);
 }
@@ -102,7 +102,7 @@ constexpr const char* kSockets =
     " 2010: 00000000:DE1C 00000000:0000 07 00000000:00000000 00:00000000 00000000     0        0 "
     "41172 2 000000004d2833b4 0         \n";
 
-TEST(Sockets, AreRead) {
+TEST(Sockets, AreReadFromTheKernelsTable) {
   const std::vector<UdpSocket> sockets = parse_udp_sockets(kSockets);
   ASSERT_EQ(sockets.size(), 2U);
   EXPECT_EQ(sockets[0].port, 7699);
@@ -113,7 +113,7 @@ TEST(Sockets, AreRead) {
   EXPECT_TRUE(parse_udp_sockets("a b c d e f g h i j k l m n\n").empty());
 }
 
-TEST(Sockets, OfOthersOnThePortAreNamed) {
+TEST(Sockets, OtherProcessesOnThePortAreNamed) {
   const auto sockets = parse_udp_sockets(kSockets);
   EXPECT_EQ(check_port_users(sockets, {{41173, "nodmap-slam2d (7)"}}, 7699).status, Status::kOk);
   EXPECT_EQ(check_port_users(sockets, {}, 7667).status, Status::kOk);
@@ -123,7 +123,7 @@ TEST(Sockets, OfOthersOnThePortAreNamed) {
   EXPECT_THAT(check_port_users(sockets, {}, 7699).sentence, HasSubstr("another user"));
 }
 
-TEST(Sockets, ThatLostDatagramsAreNamed) {
+TEST(Sockets, SocketsThatLostDatagramsAreNamed) {
   const auto sockets = parse_udp_sockets(kSockets);
   EXPECT_EQ(check_drops(sockets, {}, 7667).status, Status::kOk);
   const Finding finding = check_drops(sockets, {{41173, "nodmap-slam2d (7)"}}, 7699);
@@ -144,7 +144,7 @@ TEST(SelfTestFinding, DistinguishesTheThreeOutcomes) {
   EXPECT_EQ(check_self_test(test, url).status, Status::kOk);
 }
 
-TEST(Traffic, OfOthersIsNamedAndAvoided) {
+TEST(Traffic, TrafficOfOthersIsReportedAndAnotherPortIsSuggested) {
   EXPECT_EQ(check_traffic({}, {1, 2}, {}).status, Status::kOk);
   EXPECT_EQ(check_traffic({{"SCAN", 1, 75}}, {1, 2}, {}).status, Status::kOk);
   const Finding foreign = check_traffic({{"SCAN", 1, 75}, {"CAMERA", 9, 30}}, {1, 2}, {});
@@ -154,7 +154,7 @@ TEST(Traffic, OfOthersIsNamedAndAvoided) {
   EXPECT_EQ(foreign.command, "export LCM_DEFAULT_URL='udpm://239.255.76.67:7668?ttl=0'");
 }
 
-TEST(TrustedHosts, AreNamedWhereOthersAreMeant) {
+TEST(TrustedHosts, WarnsIfTheUrlReachesOtherHostsAndNoneIsTrusted) {
   EXPECT_EQ(check_trusted_hosts("", {}).status, Status::kOk);
   bus::UdpmUrl network;
   network.ttl = 1;

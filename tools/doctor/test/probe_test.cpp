@@ -19,7 +19,7 @@ TEST(Probe, ReadsWhatTheSystemShows) {
   EXPECT_FALSE(find_program("no-such-program"));
 }
 
-TEST(Probe, TheLoopbackIsThere) {
+TEST(Probe, FindsTheLoopbackInterface) {
   const auto flags = interface_flags();
   ASSERT_TRUE(flags.contains("lo"));
   EXPECT_NE(flags.at("lo") & IFF_LOOPBACK, 0U);

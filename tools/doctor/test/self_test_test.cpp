@@ -6,14 +6,14 @@
 namespace nodmap::doctor {
 namespace self_test_test {
 
-TEST(SelfTest, ComesBackWithoutANetwork) {
+TEST(SelfTest, ReceivesItsMessageWithoutANetwork) {
   const SelfTest test = run_self_test("memq://");
   EXPECT_TRUE(test.opened);
   EXPECT_TRUE(test.latency_ms.has_value());
   EXPECT_TRUE(test.heard.empty());
 }
 
-TEST(SelfTest, OfNoProviderIsNotOpened) {
+TEST(SelfTest, AnUnknownProviderIsNotOpened) {
   EXPECT_FALSE(run_self_test("nonsense://x").opened);
 }
 
