@@ -101,7 +101,7 @@ TEST_F(BaseGuardTest, ABumperRaisesTheAlarmOnce) {
   EXPECT_FALSE(deaf.take_alarm());
 }
 
-TEST_F(BaseGuardTest, ShakingIsNoTilt) {
+TEST_F(BaseGuardTest, ShakingDoesNotCountAsTilt) {
   guard_.add(Tilt{0.0, 1.2}, now_);
   guard_.add(Tilt{0.0, 0.1}, now_ + 300ms);
   guard_.add(Tilt{-1.2, 0.0}, now_ + 400ms);

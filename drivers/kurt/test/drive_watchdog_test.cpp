@@ -117,7 +117,7 @@ TEST(DriveWatchdog, TwoSendersAreNotObeyedUntilOneHasEnded) {
   EXPECT_EQ(watchdog.command(now)->forward_mps, 0.5);
 }
 
-TEST(DriveWatchdog, NonsenseRevokesThePreviousCommand) {
+TEST(DriveWatchdog, AnImplausibleDriveRevokesThePreviousCommand) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double infinity = std::numeric_limits<double>::infinity();
   for (const DriveRequest& nonsense :
@@ -143,7 +143,7 @@ TEST(DriveWatchdog, AnOlderCommandDoesNotReplaceANewerValidOne) {
             DriveStatus::kObeyed);
 }
 
-TEST(DriveWatchdog, RevokedIsRevokedUntilTheNext) {
+TEST(DriveWatchdog, AfterARevocationNothingIsObeyedUntilTheNextDrive) {
   DriveWatchdog watchdog(kTimeout);
   ASSERT_EQ(watchdog.offer(request(0.5, kWall), kWall, kSteady), DriveStatus::kObeyed);
   watchdog.revoke();

@@ -48,7 +48,7 @@ TEST(KurtFrames, EncoderTicksAreSigned) {
   EXPECT_TRUE(std::holds_alternative<EncoderTicks>(decode(frame(9, {0, 0, 0, 0}))));
 }
 
-TEST(KurtFrames, AnyBumperIsATouch) {
+TEST(KurtFrames, AnyBumperCountsAsATouch) {
   EXPECT_FALSE(std::get<Bumpers>(decode(frame(10, {0, 0xFF})))
                    .is_touched);  // the other byte: remote control
   EXPECT_TRUE(std::get<Bumpers>(decode(frame(10, {0x04, 0}))).is_touched);
@@ -98,7 +98,7 @@ TEST(KurtFrames, TiltIsTheArcSineOfTheAccelerationAndBounded) {
   EXPECT_NEAR(shock.pitch_rad, -0.5 * geometry::kPi, 1e-12);
 }
 
-TEST(KurtFrames, GyroInDegreesOfTheBase) {
+TEST(KurtFrames, TheGyroIsConvertedFromTheBasesDegrees) {
   // 4992511 = 0x004C2DFF is one degree; 10000 = 0x2710 one square degree.
   const auto gyro =
       std::get<Gyro>(decode(frame(0x0E, {0x00, 0x4C, 0x2D, 0xFF, 0x00, 0x00, 0x27, 0x10})));

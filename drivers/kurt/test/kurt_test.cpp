@@ -118,7 +118,7 @@ TEST(Kurt, WithoutDriveTheWheelsStopWithinTheTimeoutAndOneFrame) {
   EXPECT_LE(robot.base.left_cm_s(), 2);
 }
 
-TEST(Kurt, NonsenseStopsAtTheNextFrame) {
+TEST(Kurt, ADriveThatIsNotFiniteStopsTheRobotWithTheNextFrame) {
   Robot robot;
   robot.run_for(500ms);
   robot.drive_for(1.0, 0.0, 1s);

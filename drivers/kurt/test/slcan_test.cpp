@@ -139,7 +139,7 @@ TEST(SlcanParser, DropsAndCountsByCause) {
   EXPECT_EQ(parser.counts().too_long, 2);
 }
 
-TEST(SlcanParser, PiecesDoNotMatter) {
+TEST(SlcanParser, LinesInPiecesGiveTheSameFrames) {
   std::string text;
   for (const auto& [line, expected] : kGolden) {
     text += line + "\r";

@@ -20,7 +20,7 @@ using test::operator+;  // NOLINT(misc-unused-using-decls): an operator is used
 constexpr SickMeasuringMode k8m{0x00};
 constexpr SickMeasuringMode k32m{0x06};
 
-TEST(SickScan, MillimetresAndCodes) {
+TEST(SickScan, ReadsMillimetresAndCodes) {
   const SickScan scan = *read_scan(telegram_of(test::kThreeMm), k8m);
   ASSERT_EQ(scan.ranges_m.size(), 3U);
   EXPECT_FLOAT_EQ(scan.ranges_m[0], 1.0F);
@@ -41,7 +41,7 @@ TEST(SickScan, TheSameValuesAreRangesInTheWideMode) {
   EXPECT_DOUBLE_EQ(scan.range_max_m, 32.758);
 }
 
-TEST(SickScan, Indices) {
+TEST(SickScan, ReadsTheIndicesOfScanAndTelegram) {
   const SickScan scan = *read_scan(telegram_of(test::kThreeMmIndexed), k8m);
   ASSERT_TRUE(scan.indices);
   EXPECT_EQ(scan.indices->scan, 0x2A);
@@ -49,7 +49,7 @@ TEST(SickScan, Indices) {
   EXPECT_EQ(scan.ranges_m.size(), 3U);
 }
 
-TEST(SickScan, Centimetres) {
+TEST(SickScan, ReadsCentimetres) {
   const SickScan scan = *read_scan(telegram_of(test::kThreeCm), k8m);
   EXPECT_FLOAT_EQ(scan.ranges_m[0], 0.01F);
   EXPECT_FLOAT_EQ(scan.ranges_m[2], 0.03F);
@@ -65,7 +65,7 @@ TEST(SickScan, WholeScansOfBothResolutions) {
   }
 }
 
-TEST(SickScan, PartialScansWithAndWithoutTheirMark) {
+TEST(SickScan, ReadsPartialScansWithAndWithoutAMark) {
   for (const Bytes* frame : {&test::kPartial50, &test::kPartial50Marked}) {
     const SickScan scan = *read_scan(telegram_of(*frame), kInterlacedMode);
     EXPECT_EQ(scan.quarter, 2);
@@ -124,7 +124,7 @@ TEST(SickScan, ReflectivityIsNoRange) {
   EXPECT_FALSE(read_scan(telegram_of(test::kModeOk), k8m));
 }
 
-TEST(SickScan, StatusByte) {
+TEST(SickScan, ReadsTheStatusByte) {
   const auto frame = test::sick_frame(hex("B0 01 40 E8 03"), 0xB2);
   const SickScan scan = *read_scan(telegram_of(frame), k8m);
   EXPECT_EQ(scan.status.severity(), 2);
@@ -175,7 +175,7 @@ TEST(MirrorRevolutions, R1_EveryBeamOfEveryVariantKeepsItsAngle) {
   }
 }
 
-TEST(MirrorRevolutions, OfOneScanLieAPeriodApart) {
+TEST(MirrorRevolutions, ThoseOfOneScanAreAPeriodApart) {
   const auto revolutions = mirror_revolutions(numbered(401), SickVariant::k100x025, kSent);
   ASSERT_EQ(revolutions.size(), 4U);
   for (std::size_t k = 1; k < 4; ++k) {
