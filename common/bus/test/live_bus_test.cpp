@@ -147,7 +147,7 @@ TEST(LiveBus, LatestHoldsTheNewestOfABurst) {
   EXPECT_EQ(latest.count(), 50);
 }
 
-TEST(LiveBus, AFloodDoesNotKeepTheCallerForEver) {
+TEST(LiveBus, HandleReturnsDuringAFlood) {
   LiveBus bus("memq://");
   bus.subscribe<nodmap::odometry_t>("ECHO", [&](const nodmap::odometry_t& message) {
     bus.publish("ECHO", message);  // each message causes the next

@@ -184,7 +184,7 @@ TEST_F(Assembler, AnotherMessageOfTheSenderEndsAnIncompleteOne) {
   EXPECT_EQ(assembler_.pending_bytes(), 0U);
 }
 
-TEST_F(Assembler, ManyFragmentsOfNothing) {
+TEST_F(Assembler, InvalidNumbersOfFragmentsAreMalformed) {
   EXPECT_EQ(take(fragment({.message_bytes = 1000, .count = 65535}, kChannel)), "");
   EXPECT_EQ(take(fragment({.message_bytes = 1000, .count = 0}, kChannel)), "");
   EXPECT_EQ(take(fragment({.message_bytes = 0xFFFFFFFF, .count = 65535}, kChannel)), "");
@@ -223,7 +223,7 @@ TEST_F(Assembler, SendersDoNotMix) {
 
 // Whatever is received, there is no crash (under sanitizers: no read of bytes that were not
 // received) and no memory use beyond the limit.
-TEST_F(Assembler, DamagedFragmentsOfRandomKind) {
+TEST_F(Assembler, RandomlyDamagedFragmentsStayWithinTheMemoryLimit) {
   std::mt19937 random(5);
   const std::string thousand(1000, 'x');
   for (int i = 0; i < 100'000; ++i) {

@@ -36,7 +36,7 @@ double share_painted(const Image& image) {
 
 // The floor is visible through the ceiling: the painted pixels have colours of the low half of the
 // scale (only there is blue above green), and much of the image is painted.
-TEST(CloudView, MapOpensTheCeiling) {
+TEST(CloudView, TheFloorIsVisibleThroughTheCeiling) {
   const std::vector<Eigen::Vector3d> way{{1, 1, 0}, {3, 1, 0}};
   const Image image = draw_cloud(floor_and_ceiling(), {way, way, way});
   EXPECT_GT(share_painted(image), 0.3);
@@ -44,7 +44,7 @@ TEST(CloudView, MapOpensTheCeiling) {
   EXPECT_GT(middle_of_top[2], middle_of_top[1]);
 }
 
-TEST(CloudView, SameCloudSameImage) {
+TEST(CloudView, TheSameCloudGivesTheSameImage) {
   const Image first = draw_path_on_cloud(floor_and_ceiling(), {});
   const Image second = draw_path_on_cloud(floor_and_ceiling(), {});
   ASSERT_EQ(first.height(), second.height());
@@ -55,7 +55,7 @@ TEST(CloudView, SameCloudSameImage) {
   }
 }
 
-TEST(CloudView, NothingAndOnePoint) {
+TEST(CloudView, DrawsAnEmptyCloudAndASinglePoint) {
   EXPECT_GT(draw_cloud({}, {}).width(), 0);
   EXPECT_GT(draw_path_on_cloud({}, {}).width(), 0);
   const std::vector<DrawnPoint> one{{{1, 2, 3}, {0, 0, 0}}};

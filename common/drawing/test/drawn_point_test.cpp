@@ -8,7 +8,7 @@
 namespace nodmap::drawing {
 namespace drawn_point_test {
 
-TEST(DrawnPoint, QuantilesAndHeights) {
+TEST(DrawnPoint, TheHeightRangeIgnoresStrayPoints) {
   EXPECT_EQ(quantile({}, 0.5), 0.0F);
   EXPECT_EQ(quantile({3.0F, 1.0F, 2.0F}, 0.0), 1.0F);
   EXPECT_EQ(quantile({3.0F, 1.0F, 2.0F}, 0.5), 2.0F);

@@ -58,7 +58,7 @@ TEST(Image, PngReadsBack) {
   EXPECT_THROW(image.write_png(dir.path() / "no" / "such" / "a.png"), std::runtime_error);
 }
 
-TEST(ColourScale, EndsAndClamps) {
+TEST(ColourScale, HasItsEndColoursAndClampsValuesOutside) {
   EXPECT_EQ(colour_scale(0.0), (Rgb{68, 1, 84}));
   EXPECT_EQ(colour_scale(1.0), (Rgb{253, 231, 37}));
   EXPECT_EQ(colour_scale(-5.0), colour_scale(0.0));

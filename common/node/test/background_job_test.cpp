@@ -20,7 +20,7 @@ TEST(BackgroundJob, GivesItsResultAtTheMessageThatWasFixed) {
   EXPECT_FALSE(job.count_message());
 }
 
-TEST(BackgroundJob, ASlowOneIsWaitedForWhenItIsDue) {
+TEST(BackgroundJob, ASlowJobIsWaitedForWhenItsResultIsDue) {
   std::promise<void> may_end;
   BackgroundJob<int> job;
   job.start(

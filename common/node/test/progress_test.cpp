@@ -21,7 +21,7 @@ TEST(Progress, GivesNoEstimateBeforeThePaceIsKnown) {
   EXPECT_THAT(progress_line("a.log", 0.5, 0.1), EndsWith(" 50 %"));
 }
 
-TEST(Progress, BarOfFortyWhateverIsGiven) {
+TEST(Progress, TheBarHasFortyCharactersForAnyFraction) {
   EXPECT_THAT(progress_line("a", 0.5, 0.0),
               HasSubstr("[" + std::string(20, '#') + std::string(20, ' ') + "]"));
   EXPECT_THAT(progress_line("a", 7.0, 0.0), HasSubstr("[" + std::string(40, '#') + "]"));
