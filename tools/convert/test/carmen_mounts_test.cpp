@@ -27,7 +27,7 @@ CarmenScan scan_at(const geometry::SE2& T_odom_base, const geometry::SE2& T_base
   return scan;
 }
 
-TEST(CarmenMounts, FromTheScansThemselves) {
+TEST(CarmenMounts, AreTheOffsetsBetweenThePosesOfTheScanLines) {
   CarmenMounts mounts;
   for (int i = 0; i < 20; ++i) {
     mounts.add(scan_at({0.1 * i, 100.0 + i, 0.7 * i}, {-0.04, 0.0, 0.0}, kFront));
@@ -42,7 +42,7 @@ TEST(CarmenMounts, FromTheScansThemselves) {
   EXPECT_EQ(mounts.mount(kRear).yaw, geometry::kPi);
 }
 
-TEST(CarmenMounts, CorrectedPosesAreNoMount) {
+TEST(CarmenMounts, OffsetsThatDifferAreNotAMount) {
   CarmenMounts mounts;
   mounts.add(CarmenParameter{"robot_frontlaser_offset", "0.12"});
   mounts.add(scan_at({}, {0.0, 0.0, 0.0}, kFront));
@@ -51,7 +51,7 @@ TEST(CarmenMounts, CorrectedPosesAreNoMount) {
   EXPECT_EQ(mounts.mount(kFront).x, 0.12);
 }
 
-TEST(CarmenMounts, AnotherFrameIsNoMount) {
+TEST(CarmenMounts, AnImpossibleOffsetIsNotAMount) {
   CarmenMounts mounts;
   mounts.add(scan_at({}, {50.0, 0.0, 0.0}, kFront));
   mounts.add(scan_at({}, {0.0, 0.0, 0.0}, kRear));  // a rear scanner that looks ahead

@@ -66,7 +66,7 @@ TEST_F(Import, CarmenScansFollowTheirOdometry) {
   EXPECT_TRUE(std::isinf(scan.ranges_m[1]));
 }
 
-TEST_F(Import, CarmenGoesRound) {
+TEST_F(Import, CarmenRoundTrip) {
   write("a.clf", kCarmenLog);
   import_carmen(file("a.clf"), file("a.lcmlog"));
   export_carmen(file("a.lcmlog"), file("b.clf"));
@@ -117,7 +117,7 @@ std::string tiny_uos_scan() {
   return text;
 }
 
-TEST_F(Import, UosStopsAndGoes) {
+TEST_F(Import, UosScansAreTakenStationaryWithDrivesBetweenThem) {
   for (const char* name : {"scan000.3d", "scan001.3d", "scan002.3d"}) {
     write(name, tiny_uos_scan() + "x\n");
   }
@@ -152,7 +152,7 @@ TEST_F(Import, UosWithoutAPoseIsAnErrorThatNamesTheFile) {
   }
 }
 
-TEST_F(Import, TablesOfAChannel) {
+TEST_F(Import, ExportsTablesOfAChannel) {
   write("a.clf", kCarmenLog);
   import_carmen(file("a.clf"), file("a.lcmlog"));
   export_tum(file("a.lcmlog"), file("a.tum"), "ODOMETRY");

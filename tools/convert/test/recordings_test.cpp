@@ -43,7 +43,7 @@ TEST_P(CarmenRecordings, RawOdometryHasTheKnownError) {
   EXPECT_NEAR(errors.trans_mean_m, known.odometry_error_m, 0.01);
 }
 
-TEST_P(CarmenRecordings, NothingIsLostAndScansGoRound) {
+TEST_P(CarmenRecordings, NothingIsLostAndScansRoundTrip) {
   const PublicLog& known = GetParam();
   NODMAP_REQUIRE_DATA(clf, std::filesystem::path("slam2d") / (std::string(known.name) + ".clf"));
   const test::TemporaryDir dir;

@@ -62,7 +62,7 @@ void expect_same(const std::vector<UosSlice>& found, const std::vector<UosSlice>
   }
 }
 
-TEST(Uos, FramesByHand) {
+TEST(Uos, ConvertsFramesAsComputedByHand) {
   // One metre to the right, two up, three ahead.
   EXPECT_TRUE(from_uos({100.0, 200.0, 300.0}).isApprox(Eigen::Vector3d(3.0, -1.0, 2.0)));
   const geometry::SE3 moved = from_uos_pose({100.0, 200.0, 300.0}, {0.0, 0.0, 0.0});
@@ -126,7 +126,7 @@ TEST(Uos, FarReadingsAreNoReturn) {
   EXPECT_TRUE(std::isinf(slices[0].ranges_m[5]));
 }
 
-TEST(Uos, DegenerateInput) {
+TEST(Uos, DegenerateInputHasNoSlices) {
   EXPECT_TRUE(find_slices({}).empty());
   const std::vector<Eigen::Vector3d> one = {{1.0, 0.0, 0.0}};
   EXPECT_TRUE(find_slices(one).empty());

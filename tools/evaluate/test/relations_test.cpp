@@ -43,7 +43,7 @@ TEST(Relations, PerfectTrajectoryHasNoErrorWhereverItsMapLies) {
             1e-7);  // an angle near zero from a matrix: square root of rounding
 }
 
-TEST(Relations, MeasuresByHand) {
+TEST(Relations, ErrorsAreAsComputedByHand) {
   const formats::Trajectory trajectory = {{at(0), to_se3({0.0, 0.0, 0.0})},
                                           {at(1), to_se3({1.3, 0.4, 0.1})},
                                           {at(2), to_se3({2.0, 0.0, 0.0})}};
@@ -67,7 +67,7 @@ TEST(Relations, FirstPoseOfAStampCounts) {
   EXPECT_EQ(measure_relations(trajectory, relations).trans_max_m, 0.0);
 }
 
-TEST(Relations, NothingInNothingOut) {
+TEST(Relations, WithoutPosesThereAreNoErrors) {
   EXPECT_EQ(measure_relations({}, {}).n, 0U);
   const std::vector<Relation> relations = {{at(0), at(1), to_se3({})}};
   const RelationErrors errors = measure_relations({}, relations);

@@ -46,7 +46,7 @@ TEST(TrajectoryError, IsZeroForTheTruthInAnotherFrame) {
   }
 }
 
-TEST(TrajectoryError, MeasuresByHand) {
+TEST(TrajectoryError, ErrorsAreAsComputedByHand) {
   // Three poses along x; the estimate is 0.3 m to the left at the second, and 0.4 m and rotated at
   // the third.
   const std::vector<PosePair> pairs = {{to_se3({0.0, 0.0, 0.0}), to_se3({0.0, 0.0, 0.0})},
@@ -100,7 +100,7 @@ TEST(TrajectoryError, AssociatesWithinToleranceOnly) {
             1.0);  // the first of two
 }
 
-TEST(TrajectoryError, DegenerateInput) {
+TEST(TrajectoryError, HandlesEmptyTrajectoriesAndSinglePoses) {
   EXPECT_TRUE(associate({}, circle(3), 0s).empty());
   EXPECT_TRUE(associate(circle(3), {}, 0s).empty());
   EXPECT_EQ(measure_trajectory({}, Alignment::kLeastSquares).n, 0U);
