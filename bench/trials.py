@@ -182,7 +182,7 @@ def stops(quick):
             resumed = stop["resumed_after_s"]
             holds = (stopped and stop["reaction_s"] <= REACTION_S and beyond_m <= REACTION_M and resumed is not None
                      and trial.result["collisions"] == 0)
-            table.add(f"{stop['what']} at {stop['speed_mps']:.1f} m/s: time and distance beyond braking; drives on after",
+            table.add(f"{stop['what']} at {stop['speed_mps']:.1f} m/s: time and distance beyond braking; at half of that speed again after",
                       (f"{1000 * stop['reaction_s']:.0f} ms, {beyond_m:.2f} m" if stopped else "did not stop") +
                       (f"; {resumed:.1f} s" if resumed is not None else "; never"), "300 ms, 0.30 m", holds)
     return trials, add_rows

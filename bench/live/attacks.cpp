@@ -28,10 +28,10 @@ namespace {
 constexpr std::uint16_t kPort = 7667;  // LCM's default port
 constexpr double kRateHz = 100.0;
 constexpr time::Duration kAhead = 45ms;  // forged stamps are ahead, to look newest
-constexpr double kDrivingMps = 0.5;      // from this speed on the robot is driving
-constexpr double kTimeToStopS = 2.0;     // to notice the attack and to brake
-constexpr double kStationaryM = 0.05;    // greatest distance of a robot that has stopped
-constexpr double kPatienceS = 120.0;     // wait for it to drive; a busy machine is slow
+constexpr double kDrivingMps = 0.5;    // from this speed on the robot is driving, before and after
+constexpr double kTimeToStopS = 2.0;   // to notice the attack and to brake
+constexpr double kStationaryM = 0.05;  // greatest distance of a robot that has stopped
+constexpr double kPatienceS = 120.0;   // wait for it to drive; a busy machine is slow
 constexpr const char* kNeighbour = "10.9.9.9";
 
 /// Sends messages as a process of the robot would, and raw datagrams.
@@ -215,7 +215,7 @@ Outcome examine(const Attack& attack, const RobotProcesses::Options& options, do
   if (attack.restarts_stopped_pair) {
     robot.release();
   }
-  outcome.drove_after = monitor.listen(kPatienceS, [&] { return monitor.driving(0.1); });
+  outcome.drove_after = monitor.listen(kPatienceS, [&] { return monitor.driving(kDrivingMps); });
   outcome.collisions = monitor.collisions();
   outcome.dead = robot.take_dead();
   return outcome;

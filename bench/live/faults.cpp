@@ -21,6 +21,8 @@ constexpr double kMaxExcessM = 0.3;
 constexpr double kFaultAtS = 12.0;  // after the simulator's start: the robot is driving
 constexpr double kFaultForS = 3.0;
 constexpr double kDrivingMps = 1.2;
+constexpr double kDrivesOnMps = kDrivingMps / 2;  // afterwards, within kDrivesOnWithinS
+constexpr double kDrivesOnWithinS = 20.0;
 
 struct Case {
   std::string name;
@@ -84,7 +86,8 @@ Outcome examine(const Case& what, RobotProcesses::Options options) {
   Outcome outcome;
   if (at) {
     outcome.stop = stop_metrics(monitor.motions(), *at);
-    outcome.goes_on = monitor.listen(20.0, [&] { return monitor.driving(0.1); });
+    outcome.goes_on =
+        monitor.listen(kDrivesOnWithinS, [&] { return monitor.driving(kDrivesOnMps); });
   }
   outcome.collisions = monitor.collisions();
   return outcome;

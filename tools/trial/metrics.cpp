@@ -195,9 +195,10 @@ StopMetrics stop_metrics(const TrialRecord& record, const Disturbance& disturban
       break;
     }
   }
-  const auto resumed = std::find_if(end, record.truth.end(), [](const TruthSample& sample) {
-    // A rotation on the spot is motion, too.
-    return !is_stationary(sample) || std::abs(sample.yaw_rate_rad_s) > 0.05;
+  const bool was_stationary = is_stationary(*first);
+  const double resumed_mps = 0.5 * std::abs(stop.speed_mps);
+  const auto resumed = std::find_if(end, record.truth.end(), [&](const TruthSample& sample) {
+    return was_stationary ? is_moving(sample) : std::abs(sample.forward_mps) >= resumed_mps;
   });
   if (resumed != record.truth.end()) {
     stop.resumed_after_s = seconds(resumed->instant - disturbance.ended);

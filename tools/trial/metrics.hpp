@@ -97,7 +97,9 @@ struct StopMetrics {
   std::optional<double> stopped_after_s;  ///< empty: not before the disturbance ended
   double distance_m = 0.0;                ///< until it stopped
   double braking_distance_m = 0.0;        ///< v^2 / 2a
-  std::optional<double> resumed_after_s;  ///< after the end of the disturbance; empty: never
+  /// From the end of the disturbance until it drives at least half as fast as before; if it was
+  /// stationary, until it moves. Empty: never.
+  std::optional<double> resumed_after_s;
 };
 
 /// Below this speed the robot counts as stationary; allows for encoder noise and the end of a

@@ -133,6 +133,27 @@ TEST(TrialMetrics, StopIsTimedFromTheDisturbance) {
   EXPECT_NEAR(*stop.resumed_after_s, 0.5, 1e-9);
 }
 
+// By hand: at 2.5 s it drives at 0.5 m/s, half of what it drove before.
+TEST(TrialMetrics, ARobotHasResumedAtHalfOfItsSpeedBefore) {
+  TrialRecord record = braking_record();
+  for (std::size_t i = 200; i < 250; ++i) {
+    record.truth[i].forward_mps = 0.49;
+    record.truth[i].yaw_rate_rad_s = 1.0;
+  }
+  const Disturbance disturbance{"test", at(900ms), at(2s)};
+  EXPECT_NEAR(*stop_metrics(record, disturbance, 2.0).resumed_after_s, 0.5, 1e-9);
+  record.truth.resize(250);
+  EXPECT_FALSE(stop_metrics(record, disturbance, 2.0).resumed_after_s);
+}
+
+TEST(TrialMetrics, AStationaryRobotHasResumedWhenItMoves) {
+  TrialRecord record = braking_record();
+  const Disturbance disturbance{"test", at(1600ms), at(2s)};
+  EXPECT_NEAR(*stop_metrics(record, disturbance, 2.0).resumed_after_s, 0.5, 1e-9);
+  record.truth[220].yaw_rate_rad_s = 0.1;  // it rotates on the spot
+  EXPECT_NEAR(*stop_metrics(record, disturbance, 2.0).resumed_after_s, 0.2, 1e-9);
+}
+
 TEST(TrialMetrics, ARobotThatDrivesOnHasNotStopped) {
   EXPECT_FALSE(stop_metrics(braking_record(), {"test", at(100ms), at(800ms)}, 2.0).stopped_after_s);
 }
