@@ -69,7 +69,7 @@ page_answers() {
 
 scripts/demo_sim.sh --duration 20 --out "$work/done" >"$work/done.log" 2>&1 &
 demo=$!
-for _ in $(seq 150); do page_answers "$work/done.log" && break; sleep 0.1; done
+while ! page_answers "$work/done.log" && kill -0 "$demo" 2>/dev/null; do sleep 0.1; done
 page_answers "$work/done.log" || fail "the demo's page does not answer"
 wait "$demo" || { cat "$work/done.log"; fail "the demo failed"; }
 grep -q '/#token=' "$work/done.log" || fail "the demo does not name its controls"

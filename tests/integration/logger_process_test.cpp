@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// nodmap-logger as a process on a real network: that it loses nothing, and how fast it writes.
+// nodmap-logger as a process on a real network: what it must not lose.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -137,7 +137,7 @@ TEST(LiveBus, MessagesReceivedByTheKernelAreHandledAtOnce) {
   EXPECT_EQ(numbers, zero_to(kTimes));
 }
 
-TEST_F(LoggerProcess, EndsWithinASecondWhileOthersContinueToSend) {
+TEST_F(LoggerProcess, EndsWhileOthersContinueToSend) {
   ChildProcess logger(command());
   ASSERT_TRUE(logger.wait_for_stderr("listening", kPatience)) << logger.said();
   std::atomic<bool> done = false;
@@ -155,25 +155,15 @@ TEST_F(LoggerProcess, EndsWithinASecondWhileOthersContinueToSend) {
   sender.join();
 }
 
-TEST_F(LoggerProcess, AnEventIsInTheFileAfter100Milliseconds) {
+TEST_F(LoggerProcess, AnEventReachesTheFileWhileTheLoggerRuns) {
   ChildProcess logger(command({"--channel", "NUMBER"}));
   ASSERT_TRUE(logger.wait_for_stderr("listening", kPatience)) << logger.said();
-  std::vector<double> delays_ms;
-  for (int i = 0; i < 21; ++i) {
-    const auto sent = SteadyClock::now();
-    const auto size_before = std::filesystem::file_size(log_);
-    bus_.publish_bytes("NUMBER", numbered(i));
-    while (std::filesystem::file_size(log_) == size_before &&
-           SteadyClock::now() - sent < kPatience) {
-      std::this_thread::sleep_for(milliseconds(1));
-    }
-    delays_ms.push_back(
-        std::chrono::duration<double, std::milli>(SteadyClock::now() - sent).count());
+  bus_.publish_bytes("NUMBER", numbered(0));
+  const auto deadline = SteadyClock::now() + kPatience;
+  while (numbers_in(log_).empty() && SteadyClock::now() < deadline) {
+    std::this_thread::sleep_for(milliseconds(1));
   }
-  std::sort(delays_ms.begin(), delays_ms.end());
-  RecordProperty("median_ms", std::to_string(delays_ms[10]));
-  RecordProperty("max_ms", std::to_string(delays_ms[20]));
-  EXPECT_LE(delays_ms[10], 100.0) << "the median: the machine may cause single delays";
+  EXPECT_EQ(numbers_in(log_), zero_to(1));
 }
 
 TEST_F(LoggerProcess, LcmLogplayerPlaysTheLog) {

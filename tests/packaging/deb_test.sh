@@ -66,7 +66,7 @@ source /etc/nodmap/deputy.conf
 set +a
 setpriv --reuid nodmap --regid nodmap --init-groups nodmap-deputy "$NODMAP_CONFIG" --id "$NODMAP_DEPUTY_ID" >deputy.log 2>&1 &
 deputy=$!
-for _ in $(seq 100); do grep -q serving deputy.log && break; sleep 0.1; done
+while ! grep -q serving deputy.log && kill -0 "$deputy" 2>/dev/null; do sleep 0.1; done
 nodmap-sheriff "$NODMAP_CONFIG" --status >log || { cat log deputy.log; fail "the deputy does not answer"; }
 # The same for the boot service.
 setpriv --reuid nodmap --regid nodmap --init-groups nodmap-sheriff "$NODMAP_CONFIG" --script "$NODMAP_STOP_SCRIPT" --on-script-complete exit \

@@ -91,11 +91,13 @@ TEST(Laser3d, R1_PublishesPitchedScansAt75Hz) {
   rig.open();
   rig.run(4.0);
   const std::size_t before = rig.scans.size();
+  const std::size_t num_pitches_before = rig.pitch.size();
   rig.run(10.0);
   // 750.75 revolutions: one more or less at either end.
   EXPECT_NEAR(static_cast<double>(rig.scans.size() - before), 750.0, 1.0);
   EXPECT_EQ(rig.health().condition, Condition::kOk) << rig.health().reason;
   EXPECT_EQ(rig.dut.counts().scans_without_pitch, 0);
+  EXPECT_GT(rig.pitch.size() - num_pitches_before, 1000U) << "a reading each 10 ms or sooner";
   for (std::size_t i = before; i < rig.scans.size(); ++i) {
     const scan::Scan& scan = rig.scans[i];
     EXPECT_TRUE(scan::is_plausible(scan));

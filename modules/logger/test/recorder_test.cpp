@@ -89,6 +89,29 @@ TEST_F(RecorderTest, AnEventIsInTheFileWithinTheFlushPeriod) {
   EXPECT_THAT(stamps("lcmlog-2026-11-21.00"), ElementsAre(0));
 }
 
+// Events at any time, ticks as often as the logger makes them. The logger promises 100 ms; its two
+// periods make it 60.
+TEST_F(RecorderTest, EachEventIsInTheFileWithin100MillisecondsOfItsStamp) {
+  constexpr time::Duration kTickPeriod = 20ms;  // the logger's longest wait for a message
+  Recorder recorder({.dir = dir_.path()}, clock_);
+  const time::Timestamp start = clock_.now();
+  std::vector<time::Timestamp> recorded;
+  for (time::Duration t = 0ms; t <= 1s; t += 1ms) {
+    clock_.set(start + t);
+    if (t % 7ms == 0ms) {
+      record(recorder);
+      recorded.push_back(clock_.now());
+    }
+    if (t % kTickPeriod == 0ms) {
+      recorder.tick();
+    }
+    const std::size_t num_in_file = stamps("lcmlog-2026-11-21.00").size();
+    EXPECT_TRUE(num_in_file == recorded.size() || clock_.now() - recorded[num_in_file] < 100ms)
+        << "at " << t / 1ms << " ms";
+  }
+  EXPECT_GT(stamps("lcmlog-2026-11-21.00").size(), 100U);
+}
+
 TEST_F(RecorderTest, AClockSetBackDoesNotStopTheFlush) {
   Recorder recorder({.dir = dir_.path()}, clock_);
   record(recorder);
