@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "common/bus/live_bus.hpp"
+#include "common/geometry/time.hpp"
 #include "nodmap/odometry_t.hpp"
 #include "nodmap/pitch_state_t.hpp"
 #include "nodmap/scan_t.hpp"
@@ -42,23 +43,23 @@ robot: {start: [0, 0, 0]}
 
 /// The stamps of a stream of messages.
 struct Stamps {
-  std::vector<std::int64_t> utimes;
+  std::vector<time::Timestamp> stamps;
 
-  void clear() { utimes.clear(); }
+  void clear() { stamps.clear(); }
   /// From the median of the intervals, so that losses on a busy machine do not count.
   [[nodiscard]] double rate_hz() const {
-    std::vector<std::int64_t> sorted = intervals();
+    std::vector<time::Duration> sorted = intervals();
     const auto median = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
     std::ranges::nth_element(sorted, median);
-    return 1e6 / static_cast<double>(*median);
+    return 1.0 / time::seconds(*median);
   }
   [[nodiscard]] double longest_gap_s() const {
-    return 1e-6 * static_cast<double>(std::ranges::max(intervals()));
+    return time::seconds(std::ranges::max(intervals()));
   }
-  [[nodiscard]] std::vector<std::int64_t> intervals() const {
-    std::vector<std::int64_t> intervals;
-    for (std::size_t i = 1; i < utimes.size(); ++i) {
-      intervals.push_back(utimes[i] - utimes[i - 1]);
+  [[nodiscard]] std::vector<time::Duration> intervals() const {
+    std::vector<time::Duration> intervals;
+    for (std::size_t i = 1; i < stamps.size(); ++i) {
+      intervals.push_back(stamps[i] - stamps[i - 1]);
     }
     return intervals;
   }
@@ -78,9 +79,10 @@ class SimProcess : public ::testing::Test {
   }
 
   template <class Message>
-  void stamp(const std::string& channel, Stamps& stamps) {
-    bus_.subscribe<Message>(
-        channel, [&stamps](const Message& message) { stamps.utimes.push_back(message.utime); });
+  void stamp(const std::string& channel, Stamps& stream) {
+    bus_.subscribe<Message>(channel, [&stream](const Message& message) {
+      stream.stamps.push_back(time::from_utime(message.utime));
+    });
   }
 
   [[nodiscard]] std::vector<std::string> sim_command(std::vector<std::string> more = {}) const {
@@ -132,11 +134,11 @@ TEST_F(SimProcess, TheDriversFindTheirDevicesAndPublishAtTheirRates) {
   ASSERT_TRUE(sim.wait_for_stderr("devices in", kPatience)) << sim.said();
   start_drivers();
   ASSERT_TRUE(
-      listen_until([this] { return scans_.utimes.size() > 10 && !odometry_.utimes.empty(); }));
+      listen_until([this] { return scans_.stamps.size() > 10 && !odometry_.stamps.empty(); }));
   forget();
   ASSERT_TRUE(listen_until([this] {
-    return scans_.utimes.size() > 350 && odometry_.utimes.size() > 350 &&
-           truths_.utimes.size() > 200 && pitches_.utimes.size() > 350;
+    return scans_.stamps.size() > 350 && odometry_.stamps.size() > 350 &&
+           truths_.stamps.size() > 200 && pitches_.stamps.size() > 350;
   }));
   // The clocks of mirror and base are slightly slow on purpose.
   EXPECT_NEAR(scans_.rate_hz(), 1e6 / 13'320.0, 0.5);
@@ -164,14 +166,14 @@ TEST_F(SimProcess, TheDriversRecoverWhenTheirPortsComeBack) {
   ChildProcess sim(sim_command(faults));
   ASSERT_TRUE(sim.wait_for_stderr("devices in", kPatience)) << sim.said();
   start_drivers();
-  ASSERT_TRUE(listen_until([this] { return !scans_.utimes.empty() && !odometry_.utimes.empty(); }));
+  ASSERT_TRUE(listen_until([this] { return !scans_.stamps.empty() && !odometry_.stamps.empty(); }));
   const auto is_plugged = [this] { return std::filesystem::exists(links_ / "laser"); };
   ASSERT_TRUE(listen_until([&] { return !is_plugged(); })) << "unplugged, its link is gone";
   ASSERT_TRUE(listen_until(is_plugged));
-  const std::size_t num_scans = scans_.utimes.size();
-  const std::size_t num_odometry = odometry_.utimes.size();
+  const std::size_t num_scans = scans_.stamps.size();
+  const std::size_t num_odometry = odometry_.stamps.size();
   ASSERT_TRUE(listen_until([&] {
-    return scans_.utimes.size() > num_scans + 100 && odometry_.utimes.size() > num_odometry + 100;
+    return scans_.stamps.size() > num_scans + 100 && odometry_.stamps.size() > num_odometry + 100;
   }));
   // By the stamps, in which the 2 s without devices are less than 0.1 s shorter.
   EXPECT_GT(scans_.longest_gap_s(), 1.9);
@@ -196,7 +198,7 @@ TEST_F(SimProcess, LeavesForeignFilesAndTheLinksOfAnotherSimulatorAlone) {
   EXPECT_THAT(sim.said(), HasSubstr("servo: exists and is not a link of the simulator"));
   EXPECT_EQ(std::filesystem::file_size(links_ / "servo"), 8U);
   std::filesystem::remove(links_ / "servo");
-  // It replaces the links of a simulator that was killed, but not those of one that runs.
+  // What a killed simulator leaves is taken over, what a living one has is not.
   std::filesystem::create_symlink("/dev/pts/1000000", links_ / "laser");
   ChildProcess first(sim_command());
   ASSERT_TRUE(first.wait_for_stderr("devices in", kPatience)) << first.said();
@@ -206,7 +208,7 @@ TEST_F(SimProcess, LeavesForeignFilesAndTheLinksOfAnotherSimulatorAlone) {
   EXPECT_TRUE(std::filesystem::is_symlink(links_ / "laser"));
 }
 
-TEST_F(SimProcess, RefusesUnknownFaultsAndInvalidWorlds) {
+TEST_F(SimProcess, RefusesWhatItDoesNotUnderstand) {
   ChildProcess fault(sim_command({"--fault", "laser:melt@1+1"}));
   EXPECT_EQ(fault.wait_for_end(kPatience), 2);
   EXPECT_THAT(fault.said(), HasSubstr("'melt' is not one of drop"));
