@@ -198,7 +198,7 @@ TEST_F(SimProcess, LeavesForeignFilesAndTheLinksOfAnotherSimulatorAlone) {
   EXPECT_THAT(sim.said(), HasSubstr("servo: exists and is not a link of the simulator"));
   EXPECT_EQ(std::filesystem::file_size(links_ / "servo"), 8U);
   std::filesystem::remove(links_ / "servo");
-  // What a killed simulator leaves is taken over, what a living one has is not.
+  // It replaces the links of a simulator that was killed, but not those of one that runs.
   std::filesystem::create_symlink("/dev/pts/1000000", links_ / "laser");
   ChildProcess first(sim_command());
   ASSERT_TRUE(first.wait_for_stderr("devices in", kPatience)) << first.said();
@@ -208,7 +208,7 @@ TEST_F(SimProcess, LeavesForeignFilesAndTheLinksOfAnotherSimulatorAlone) {
   EXPECT_TRUE(std::filesystem::is_symlink(links_ / "laser"));
 }
 
-TEST_F(SimProcess, RefusesWhatItDoesNotUnderstand) {
+TEST_F(SimProcess, RefusesUnknownFaultsAndInvalidWorlds) {
   ChildProcess fault(sim_command({"--fault", "laser:melt@1+1"}));
   EXPECT_EQ(fault.wait_for_end(kPatience), 2);
   EXPECT_THAT(fault.said(), HasSubstr("'melt' is not one of drop"));

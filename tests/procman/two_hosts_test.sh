@@ -120,7 +120,8 @@ watch, truth = (json.load(open(f"{sys.argv[1]}/{name}")) for name in ("watch.jso
 processes = watch["processes"]
 print(f"without the cable: {watch['distance_m']:.1f} m driven, {watch['max_forward_mps']:.2f} m/s at most, {watch['lost']} messages lost on A;",
       f"in all {truth['distance_m']:.1f} m driven, {truth['collisions']} collisions")
-assert watch["max_forward_mps"] > 0.1 and watch["distance_m"] > 0.5 and truth["collisions"] == 0
+# It drives on: at least half as fast as in this cellar with the cable, 1.5 m/s.
+assert watch["max_forward_mps"] >= 0.75 and watch["distance_m"] > 0.5 and truth["collisions"] == 0
 # A host that cannot send to itself would have received none. How many a busy machine loses is not tested here.
 assert watch["scans"] > 0
 for name in ("nodmap-kurt", "nodmap-laser3d", "nodmap-map-server", "nodmap-navigator"):
