@@ -9,7 +9,7 @@ namespace nodmap::slam6d {
 namespace {
 
 // Within this fraction of the hysteresis from the extreme, the servo counts as at its reversal.
-constexpr double kTurningPart = 0.1;
+constexpr double kReversalFraction = 0.1;
 
 }  // namespace
 
@@ -29,7 +29,7 @@ std::optional<Sweep> SweepSegmenter::add(scan::Scan scan) {
   if (direction_ == 0) {
     direction_ = static_cast<int>(is_up) - static_cast<int>(is_down);
   } else if (direction_ > 0 ? is_down : is_up) {
-    complete = cut((direction_ > 0 ? highest_ : lowest_).num_scans, Sweep::End::kTurningPoint);
+    complete = cut((direction_ > 0 ? highest_ : lowest_).num_scans, Sweep::End::kReversal);
     direction_ = -direction_;
   }
   return complete;
@@ -83,11 +83,11 @@ void SweepSegmenter::track(double pitch_rad, std::size_t num_scans) {
     highest_ = lowest_ = {pitch_rad, 1};
     return;
   }
-  const double turning_rad = kTurningPart * params_.reversal_hysteresis_rad;
-  if (pitch_rad >= highest_.pitch_rad - turning_rad) {
+  const double reversal_rad = kReversalFraction * params_.reversal_hysteresis_rad;
+  if (pitch_rad >= highest_.pitch_rad - reversal_rad) {
     highest_ = {std::max(pitch_rad, highest_.pitch_rad), num_scans};
   }
-  if (pitch_rad <= lowest_.pitch_rad + turning_rad) {
+  if (pitch_rad <= lowest_.pitch_rad + reversal_rad) {
     lowest_ = {std::min(pitch_rad, lowest_.pitch_rad), num_scans};
   }
 }

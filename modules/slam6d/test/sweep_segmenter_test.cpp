@@ -67,7 +67,7 @@ TEST(SweepSegmenter, R40_CutsAtReversals) {
   expect_all_once(sweeps, pitches.size());
   ASSERT_EQ(sweeps.size(), 6U);
   for (std::size_t i = 0; i + 1 < sweeps.size(); ++i) {
-    EXPECT_EQ(sweeps[i].end, End::kTurningPoint);
+    EXPECT_EQ(sweeps[i].end, End::kReversal);
   }
   EXPECT_EQ(sweeps[0].scans.size(), 21U);  // -20 .. -1 and the 0 of the reversal
   EXPECT_EQ(sweeps[1].scans.size(), 20U);  // -1 .. -19 and -20
