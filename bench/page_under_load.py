@@ -64,8 +64,8 @@ def driven(rows, begin_s, end_s):
     """How far the robot drove between two times of the wall clock, which the demo's simulation follows."""
     rows = [row for row in rows if begin_s <= 1e-6 * row["utime_us"] < end_s]
     still = sum(abs(row["forward_mps"]) + abs(row["yaw_rate_rad_s"]) < STATIONARY for row in rows)
-    way_m = sum(((b["x_m"] - a["x_m"]) ** 2 + (b["y_m"] - a["y_m"]) ** 2) ** 0.5 for a, b in zip(rows, rows[1:]))
-    return {"seconds": round(end_s - begin_s, 1), "driven_m": round(way_m, 1), "stationary_percent": round(100 * still / max(1, len(rows)))}
+    distance_m = sum(((b["x_m"] - a["x_m"]) ** 2 + (b["y_m"] - a["y_m"]) ** 2) ** 0.5 for a, b in zip(rows, rows[1:]))
+    return {"seconds": round(end_s - begin_s, 1), "driven_m": round(distance_m, 1), "stationary_percent": round(100 * still / max(1, len(rows)))}
 
 
 def main():

@@ -9,7 +9,7 @@ FILES = [
     ("map-server/map.png", "obstacle and structure map at the end"),
     ("slam2d/map.png", "2D map of what was driven through"),
     ("slam2d/map.yaml", "the same for ROS's map_server"),
-    ("slam2d/path.png", "the way driven, corrected"),
+    ("slam2d/path.png", "the path driven, corrected"),
     ("slam6d/map.png", "3D cloud, an image"),
     ("slam6d/cloud.ply", "3D cloud"),
     ("slam6d/map.bt", "OctoMap (octovis map.bt)"),

@@ -58,11 +58,11 @@ void paint(const DepthCanvas& canvas, Image& image, int top, double shade_per_m)
   }
 }
 
-void draw_way(Image& image, const Camera& camera, int top, std::span<const Eigen::Vector3d> way,
-              Rgb colour) {
-  for (std::size_t i = 1; i < way.size(); ++i) {
-    const auto from = camera.project(way[i - 1]);
-    const auto to = camera.project(way[i]);
+void draw_path(Image& image, const Camera& camera, int top, std::span<const Eigen::Vector3d> path,
+               Rgb colour) {
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    const auto from = camera.project(path[i - 1]);
+    const auto to = camera.project(path[i]);
     if (from && to) {
       image.draw_line(from->x, top + from->y, to->x, top + to->y, colour, 3.0);
     }
@@ -94,14 +94,14 @@ Image draw_cloud(std::span<const DrawnPoint> points, const DrawnPath& path) {
   DepthCanvas upper(kObliqueSize, kBackground);
   draw_points(upper, oblique, points);
   paint(upper, image, 0, 2.0);
-  draw_way(image, oblique, 0, path.corrected, kPathColour);
+  draw_path(image, oblique, 0, path.corrected, kPathColour);
   draw_keyframes(image, oblique, 0, path.keyframes);
 
   const Camera top = top_camera(points, kTopSize);
   DepthCanvas lower(kTopSize, kBackground);
   draw_points(lower, top, points);
   paint(lower, image, kObliqueSize.height, 1.0);
-  draw_way(image, top, kObliqueSize.height, path.corrected, kPathColour);
+  draw_path(image, top, kObliqueSize.height, path.corrected, kPathColour);
   draw_keyframes(image, top, kObliqueSize.height, path.keyframes);
   draw_scale(image, top, height, kWhite);
   return image;
@@ -115,8 +115,8 @@ Image draw_path_on_cloud(std::span<const DrawnPoint> points, const DrawnPath& pa
       image.set(static_cast<int>(pixel->x), static_cast<int>(pixel->y), kPaleColour);
     }
   }
-  draw_way(image, camera, 0, path.odometry, kOdometryColour);
-  draw_way(image, camera, 0, path.corrected, kPathColour);
+  draw_path(image, camera, 0, path.odometry, kOdometryColour);
+  draw_path(image, camera, 0, path.corrected, kPathColour);
   draw_keyframes(image, camera, 0, path.keyframes);
   draw_scale(image, camera, image.height(), kBlack);
   return image;

@@ -35,8 +35,8 @@ TEST(SkidSteerBase, NeverExceedsTopSpeed) {  // R6
     for (int i = 0; i < 30'000; ++i) {
       body.step(kDt);
       const geometry::SE2 now = body.T_world_base();
-      const double way_m = (now.translation() - before.translation()).norm();
-      fastest = std::max({fastest, way_m / kDt, body.wheel_speeds().left_mps});
+      const double distance_m = (now.translation() - before.translation()).norm();
+      fastest = std::max({fastest, distance_m / kDt, body.wheel_speeds().left_mps});
       before = now;
     }
     EXPECT_LE(fastest, 5.2 + 1e-9);
@@ -109,9 +109,9 @@ geometry::SE2 odometry(SkidSteerBase& body, const DriveParams& params, double du
     const double left_m = now.left_m - before.left_m;
     const double right_m = now.right_m - before.right_m;
     const double turn_rad = (right_m - left_m) / params.axis_length_m * params.turning_adaptation;
-    const double way_m = 0.5 * (left_m + right_m);
-    pose = pose * geometry::SE2{way_m * std::cos(0.5 * turn_rad), way_m * std::sin(0.5 * turn_rad),
-                                turn_rad};
+    const double distance_m = 0.5 * (left_m + right_m);
+    pose = pose * geometry::SE2{distance_m * std::cos(0.5 * turn_rad),
+                                distance_m * std::sin(0.5 * turn_rad), turn_rad};
     before = now;
   }
   return pose;
@@ -186,7 +186,7 @@ TEST(SkidSteerBase, GroundTiltHasTheStatedDeviationAndNoMean) {
 
 TEST(SkidSteerBase, SlipIsARandomWalkOfTheStatedSize) {
   const DriveParams params;
-  double sum_way_sq = 0.0;
+  double sum_distance_sq = 0.0;
   double sum_yaw_sq = 0.0;
   constexpr int kRuns = 400;
   double travel_m = 0.0;
@@ -197,16 +197,16 @@ TEST(SkidSteerBase, SlipIsARandomWalkOfTheStatedSize) {
     travel_m = body.travel().left_m;
     // Compared with the length of the true path, not with x: headings of a few degrees always make
     // x a few tenths of a percent shorter.
-    const double way_m = std::hypot(body.T_world_base().x, body.T_world_base().y);
-    sum_way_sq += (way_m - travel_m) * (way_m - travel_m);
+    const double distance_m = std::hypot(body.T_world_base().x, body.T_world_base().y);
+    sum_distance_sq += (distance_m - travel_m) * (distance_m - travel_m);
     sum_yaw_sq += body.T_world_base().yaw * body.T_world_base().yaw;
   }
   // The deviation of 400 runs has a standard error of 1/sqrt(800) = 3.5 %; the tolerance is four
   // times that. A correlation of 0.2 m in 9 m takes away 1 %.
   EXPECT_NEAR(std::sqrt(sum_yaw_sq / kRuns) / (params.slip_heading_rad * std::sqrt(travel_m)), 1.0,
               0.15);
-  EXPECT_NEAR(std::sqrt(sum_way_sq / kRuns) / (params.slip_distance_m * std::sqrt(travel_m)), 1.0,
-              0.15);
+  EXPECT_NEAR(std::sqrt(sum_distance_sq / kRuns) / (params.slip_distance_m * std::sqrt(travel_m)),
+              1.0, 0.15);
 }
 
 TEST(SkidSteerBase, SlipInRotationsIsARandomWalkOfTheStatedSize) {

@@ -206,8 +206,8 @@ std::optional<Hit> RayCaster::cast_ground(const Ray& ray, double max_range_m) co
   if (ray.direction.z() >= 0.0) {
     return std::nullopt;
   }
-  double way_m = -ray.origin.z() / ray.direction.z();
-  if (way_m <= 0.0 || way_m > max_range_m) {
+  double distance_m = -ray.origin.z() / ray.direction.z();
+  if (distance_m <= 0.0 || distance_m > max_range_m) {
     return std::nullopt;
   }
   constexpr double kTouchM = 1e-9;
@@ -221,20 +221,20 @@ std::optional<Hit> RayCaster::cast_ground(const Ray& ray, double max_range_m) co
           Box{{center.x(), center.y(), -0.5 * pit.depth_m}, {size.x(), size.y(), pit.depth_m}});
       // The distance to the exit from this pit, measured from a point slightly ahead, if that is in
       // it.
-      const Ray onward{ray.origin + (way_m + kTouchM) * ray.direction, ray.direction};
+      const Ray onward{ray.origin + (distance_m + kTouchM) * ray.direction, ray.direction};
       const Eigen::Vector3d within = (onward.origin - air.center).cwiseAbs() - air.half;
       const double more_m = within.maxCoeff() < 0.0 ? distance_to(air, onward) : 0.0;
       if (more_m > kTouchM && more_m < kNoHit) {
-        way_m += kTouchM + more_m;
-        normal = normal_at(air, ray.origin + way_m * ray.direction);
+        distance_m += kTouchM + more_m;
+        normal = normal_at(air, ray.origin + distance_m * ray.direction);
         deeper = true;
       }
     }
   }
-  if (way_m > max_range_m) {
+  if (distance_m > max_range_m) {
     return std::nullopt;
   }
-  return make_hit(way_m, normal, kDefaultReflectivity, ray);
+  return make_hit(distance_m, normal, kDefaultReflectivity, ray);
 }
 
 }  // namespace nodmap::sim

@@ -332,7 +332,7 @@ TEST(BaseOnDevice, OdometryComesEveryTenMillisecondsAndMeasuresTheDistance) {
   EXPECT_NEAR(static_cast<double>(run.samples.size()), 990.0, 3.0) << "minus the adapter's start";
   // One tick of 17 um more or less in 10 ms.
   EXPECT_NEAR(run.samples.back().state.forward_mps, 0.5, 1.7e-3);
-  const double way_m =
+  const double distance_m =
       0.5 * (run.model().wheel_travel().left_m + run.model().wheel_travel().right_m);
   // Missing: what was driven before the driver listened, and the last period.
   EXPECT_NEAR(run.samples.back().state.T_odom_base.translation().norm(), way_m, 0.02);

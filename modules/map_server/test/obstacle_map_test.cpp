@@ -82,8 +82,8 @@ bool holds_until_passed(RemovalRule rule, const Box& box, double speed_mps) {
   scanner.range_sigma_m = 0.01;
   bool seen = false;
   bool lost = false;
-  const double way_m = box.low.x() - 0.225;
-  drive(server, scanner, world, speed_mps, way_m / speed_mps, [&](const SE2& pose) {
+  const double distance_m = box.low.x() - 0.225;
+  drive(server, scanner, world, speed_mps, distance_m / speed_mps, [&](const SE2& pose) {
     const Eigen::Vector2d front(box.low.x() - pose.x, 0.0);
     // Ten centimetres: the width of the gaps between neighbouring points at this distance.
     const bool held = has_point_near(server.obstacle_map(), front, 0.10);

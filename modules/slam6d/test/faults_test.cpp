@@ -97,12 +97,12 @@ TEST(Faults, AStalledServoDoesNotBendTheMap) {
 }
 
 TEST(Faults, OdometryTenPercentOffInOneSweepIsCorrected) {
-  constexpr double kWayPerScanM = 0.3 * 0.01332;
+  constexpr double kDistancePerScanM = 0.3 * 0.01332;
   FaultyDrive drive;
   drive.counted_too_much_m = [](std::int64_t i) {
     const std::int64_t within = std::clamp<std::int64_t>(i - 2 * FaultyDrive::kScansPerSweep, 0,
                                                          FaultyDrive::kScansPerSweep);
-    return 0.1 * kWayPerScanM * static_cast<double>(within);
+    return 0.1 * kDistancePerScanM * static_cast<double>(within);
   };
   Slam6d slam({});
   drive.run(slam);

@@ -27,9 +27,10 @@ scan::Scan scan_at(time::Timestamp stamp) {
   scan.angle_step_rad = 0.1;
   scan.range_min_m = 0.01;
   scan.range_max_m = 80.0;
-  const double way_m = kSpeedMps * time::seconds(stamp.time_since_epoch());
+  const double distance_m = kSpeedMps * time::seconds(stamp.time_since_epoch());
   for (std::size_t beam = 0; beam < 11; ++beam) {
-    scan.ranges_m.push_back(static_cast<float>((kWallM - way_m) / std::cos(scan.angle_rad(beam))));
+    scan.ranges_m.push_back(
+        static_cast<float>((kWallM - distance_m) / std::cos(scan.angle_rad(beam))));
   }
   return scan;
 }
