@@ -127,7 +127,7 @@ def window(viewer, observer, duration_s):
 
 
 # Waits until the page first draws the robot and its cloud: seconds since it was opened.
-FIRST_PICTURE = """
+FIRST_IMAGE = """
 return new Promise((done) => {
   const render = nodmap.view.render.bind(nodmap.view);
   nodmap.view.render = () => {
@@ -148,7 +148,7 @@ def first_image_s(port, times=5):
     with webdriver.Browser() as browser:
         for _ in range(times):
             browser.open(f"http://127.0.0.1:{port}/")
-            waited_s.append(round(browser.run(FIRST_PICTURE), 2))
+            waited_s.append(round(browser.run(FIRST_IMAGE), 2))
             browser.open("about:blank")
     return waited_s
 

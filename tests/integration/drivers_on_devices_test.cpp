@@ -335,7 +335,7 @@ TEST(BaseOnDevice, OdometryComesEveryTenMillisecondsAndMeasuresTheDistance) {
   const double distance_m =
       0.5 * (run.model().wheel_travel().left_m + run.model().wheel_travel().right_m);
   // Missing: what was driven before the driver listened, and the last period.
-  EXPECT_NEAR(run.samples.back().state.T_odom_base.translation().norm(), way_m, 0.02);
+  EXPECT_NEAR(run.samples.back().state.T_odom_base.translation().norm(), distance_m, 0.02);
   EXPECT_EQ(run.driver().counts().encoder_lost, 0);
   EXPECT_EQ(run.driver().slcan_counts().malformed, 0);
 }

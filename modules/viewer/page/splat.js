@@ -106,9 +106,9 @@ export class SplatQuad extends Mesh {
     const {pixels, width, height} = this;
     for (const object of this.objects()) {
       const world = object.matrixWorld;
-      const toPicture = world.clone().premultiply(camera.matrixWorldInverse).premultiply(camera.projectionMatrix);
+      const toImage = world.clone().premultiply(camera.matrixWorldInverse).premultiply(camera.projectionMatrix);
       const e = world.elements;
-      splat(object.geometry.attributes.position.array, object.geometry.drawRange.count, toPicture.elements, [e[2], e[6], e[10], e[14]], {
+      splat(object.geometry.attributes.position.array, object.geometry.drawRange.count, toImage.elements, [e[2], e[6], e[10], e[14]], {
         pixels, width, height, unit: MAX_DISTANCE / camera.far, ceilingM: shared.ceilingM.value,
         newness: shared.byAge.value ? object.material.uniforms.newness.value : null});
     }
