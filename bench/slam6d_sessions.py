@@ -92,7 +92,7 @@ def session(programs, log, out, *options):
     return list(poses(out / "out.lcmlog"))
 
 
-def judge(found, truth, T_map_world):
+def evaluate(found, truth, T_map_world):
     """The numbers of poses that are right, wrong and DEGRADED, wrong and TRACKING, and LOST; the errors (m) of the right ones; the time of the first of them."""
     counts, errors, first = [0, 0, 0, 0], [], None
     for time_s, pose, state in found:
@@ -115,7 +115,7 @@ def row(programs, folder, map_dir, T_map_world, drive, half, names):
     for name, option in (("localises", "--localise"), ("continues", "--map-in")):
         with tempfile.TemporaryDirectory() as out:
             found = session(programs, folder / f"{half}.lcmlog", pathlib.Path(out) / "out", option, map_dir)
-        counts, errors, first = judge(found, truth, T_map_world)
+        counts, errors, first = evaluate(found, truth, T_map_world)
         when = f"{first - found[0][0]:.1f} s" if first else "never"
         error = f"{100 * statistics.median(errors):.1f} cm" if errors else ""
         cells.append(f"| {names} | {name} | {when} | {error} | {', '.join(map(str, counts))} |")

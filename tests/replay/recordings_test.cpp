@@ -138,11 +138,11 @@ std::vector<Residual> parse_residuals(const std::string& text) {
 // plane_residual is independent of our code: it is compiled from sources beside the data.
 TEST_F(Slam6dOnKurt3d, ScansAgreeAtLeastAsWellAsIn3dtksResultOf2009) {
   NODMAP_REQUIRE_DATA(scans, "kurt3d");
-  NODMAP_REQUIRE_DATA(judge, "../tools/plane_residual.cpp");
+  NODMAP_REQUIRE_DATA(source, "../tools/plane_residual.cpp");
   convert_and_replay(scans);
   const std::string program = dir_.path() / "plane_residual";
   expect_ok(
-      run_program("g++", {"-O2", "-std=c++17", "-I/usr/include/eigen3", judge, "-o", program}));
+      run_program("g++", {"-O2", "-std=c++17", "-I/usr/include/eigen3", source, "-o", program}));
   const auto run = run_program(program, {scans, out_ / "trajectory.tum"});
   expect_ok(run);
   const auto residuals = parse_residuals(run.out);

@@ -41,7 +41,7 @@ class HealthWatchTest : public ::testing::Test {
   }
   /// Seconds until the restart, at most `limit`; 0 if there is none.
   template <class Each>
-  int seconds_to_verdict(int limit, Each each) {
+  int seconds_to_restart(int limit, Each each) {
     for (int second = 1; second <= limit; ++second) {
       now_ += 1s;
       each();
@@ -74,25 +74,25 @@ TEST_F(HealthWatchTest, AStatusBelongsToTheCommandWithItsProgram) {
 TEST_F(HealthWatchTest, RestartsADegradedCommandIfItHasARuleForThat) {
   hear_deputy();
   const auto degraded = [this] { speak(ProcessHealth::State::kDegraded); };
-  EXPECT_EQ(seconds_to_verdict(60, degraded), 0) << "no rule";
+  EXPECT_EQ(seconds_to_restart(60, degraded), 0) << "no rule";
   config_.commands[0].health.restart_degraded_s = 20;
-  EXPECT_EQ(seconds_to_verdict(1, degraded), 1) << "it has been degraded for a minute";
+  EXPECT_EQ(seconds_to_restart(1, degraded), 1) << "it has been degraded for a minute";
   EXPECT_THAT(reason_, HasSubstr("DEGRADED for"));
   EXPECT_THAT(reason_, HasSubstr("no scans"));
   speak(ProcessHealth::State::kOk);
-  EXPECT_EQ(seconds_to_verdict(41, degraded), 0) << "twice as long after a restart";
+  EXPECT_EQ(seconds_to_restart(41, degraded), 0) << "twice as long after a restart";
 }
 
 TEST_F(HealthWatchTest, RestartsACommandThatStopsSendingStatus) {
   hear_deputy();
-  EXPECT_EQ(seconds_to_verdict(60, [this] { speak(ProcessHealth::State::kOk); }), 0);
-  EXPECT_EQ(seconds_to_verdict(60, [] {}), 6) << "more than five";
+  EXPECT_EQ(seconds_to_restart(60, [this] { speak(ProcessHealth::State::kOk); }), 0);
+  EXPECT_EQ(seconds_to_restart(60, [] {}), 6) << "more than five";
   EXPECT_THAT(reason_, HasSubstr("no STATUS for 6 s"));
 }
 
 TEST_F(HealthWatchTest, RestartsACommandThatNeverSendsStatus) {
   hear_deputy();
-  EXPECT_EQ(seconds_to_verdict(60, [] {}), 6);
+  EXPECT_EQ(seconds_to_restart(60, [] {}), 6);
 }
 
 TEST(HealthWatchMute, RestartsACommandThatWritesNoOutput) {
@@ -103,7 +103,7 @@ TEST(HealthWatchMute, RestartsACommandThatWritesNoOutput) {
   Fleet fleet(config, "me:1:1");
   HealthWatch watch(config);
   const auto at = [](int second) { return time::SteadyTime(second * 1s); };
-  const auto verdicts_at = [&](int second) {
+  const auto restarts_at = [&](int second) {
     DeputyInfo info;
     info.deputy_id = "h";
     info.commands.resize(1);
@@ -115,20 +115,20 @@ TEST(HealthWatchMute, RestartsACommandThatWritesNoOutput) {
   };
   for (int second = 1; second <= 20; ++second) {
     watch.take_output("a", at(second));
-    EXPECT_THAT(verdicts_at(second), IsEmpty());
+    EXPECT_THAT(restarts_at(second), IsEmpty());
   }
   for (int second = 21; second <= 25; ++second) {
     watch.take_output("b", at(second));  // of another command, and of an unknown one
-    EXPECT_THAT(verdicts_at(second), IsEmpty());
+    EXPECT_THAT(restarts_at(second), IsEmpty());
   }
-  const auto restarts = verdicts_at(26);
+  const auto restarts = restarts_at(26);
   ASSERT_EQ(restarts.size(), 1U);
   EXPECT_EQ(restarts[0].reason, "no output for 6 s");
 }
 
 TEST_F(HealthWatchTest, RestartsACommandThatHasFailedForLong) {
   hear_deputy();
-  EXPECT_EQ(seconds_to_verdict(60, [this] { speak(ProcessHealth::State::kFailed); }), 12)
+  EXPECT_EQ(seconds_to_restart(60, [this] { speak(ProcessHealth::State::kFailed); }), 12)
       << "more than ten after the first FAILED";
   EXPECT_THAT(reason_, HasSubstr("FAILED for 11 s: no scans"));
 }
@@ -136,7 +136,7 @@ TEST_F(HealthWatchTest, RestartsACommandThatHasFailedForLong) {
 TEST_F(HealthWatchTest, AShortFailureCausesNoRestart) {
   hear_deputy();
   int second = 0;
-  EXPECT_EQ(seconds_to_verdict(60,
+  EXPECT_EQ(seconds_to_restart(60,
                                [&] {
                                  speak(++second % 10 == 0 ? ProcessHealth::State::kOk
                                                           : ProcessHealth::State::kFailed);
@@ -148,24 +148,24 @@ TEST_F(HealthWatchTest, WaitsLongerBeforeEachRestartUpToALimit) {
   hear_deputy();
   std::vector<int> seconds;
   for (int i = 0; i < 8; ++i) {
-    seconds.push_back(seconds_to_verdict(1000, [] {}));
+    seconds.push_back(seconds_to_restart(1000, [] {}));
   }
   EXPECT_THAT(seconds, ::testing::ElementsAre(6, 11, 21, 41, 81, 161, 161, 161));
-  EXPECT_EQ(seconds_to_verdict(62, [this] { speak(ProcessHealth::State::kOk); }), 0);
-  EXPECT_EQ(seconds_to_verdict(60, [] {}), 6) << "as short as at first after a minute in health";
+  EXPECT_EQ(seconds_to_restart(62, [this] { speak(ProcessHealth::State::kOk); }), 0);
+  EXPECT_EQ(seconds_to_restart(60, [] {}), 6) << "as short as at first after a minute in health";
 }
 
 // The link to the host failed, not the process.
 TEST_F(HealthWatchTest, ABrokenLinkCausesNoRestart) {
   hear_deputy();
-  EXPECT_EQ(seconds_to_verdict(10, [this] { speak(ProcessHealth::State::kOk); }), 0);
+  EXPECT_EQ(seconds_to_restart(10, [this] { speak(ProcessHealth::State::kOk); }), 0);
   for (int second = 0; second < 10; ++second) {
     now_ += 1s;
     EXPECT_THAT(watch_.due_restarts(fleet_, now_), IsEmpty());
   }
   hear_deputy();
   EXPECT_THAT(watch_.due_restarts(fleet_, now_), IsEmpty()) << "INFO came before STATUS";
-  EXPECT_EQ(seconds_to_verdict(10, [this] { speak(ProcessHealth::State::kOk); }), 0);
+  EXPECT_EQ(seconds_to_restart(10, [this] { speak(ProcessHealth::State::kOk); }), 0);
 }
 
 TEST_F(HealthWatchTest, DoesNotRestartACommandThatDoesNotRun) {
