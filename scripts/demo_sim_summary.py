@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Says how a demo in the simulator went: what was driven, heard and lost, and the files. Exits 1 when something is not as it should be."""
+"""Says how a demo in the simulator went: what was driven, received and lost, and the files. Exits 1 when something is not as it should be."""
 import json
 import pathlib
 import sys

@@ -102,7 +102,7 @@ bool Endurance::is_sound() const {
 }
 
 void Endurance::on_message(const bus::LiveBus::RawMessage& message) {
-  reaction_.hear(message.channel, message.data, message.received);
+  reaction_.add(message.channel, message.data, message.received);
   constexpr std::string_view kNotOurs = "LCM_SELF_TEST";  // by LCM, at the start of a process
   if (!is_measured(message.received) || message.channel == kNotOurs) {
     return;

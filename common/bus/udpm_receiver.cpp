@@ -35,7 +35,9 @@ struct UdpmReceiver::Impl {
     std::size_t capacity = 1;
     std::size_t num_queued = 0;
 
-    [[nodiscard]] bool hears(std::string_view name) const { return !channel || *channel == name; }
+    [[nodiscard]] bool receives(std::string_view name) const {
+      return !channel || *channel == name;
+    }
   };
   struct Queued {
     Subscription* subscription = nullptr;
@@ -118,8 +120,8 @@ struct UdpmReceiver::Impl {
   }
 
   [[nodiscard]] bool is_wanted(std::string_view channel) const {
-    return std::ranges::any_of(subscriptions,
-                               [channel](const Subscription& each) { return each.hears(channel); });
+    return std::ranges::any_of(
+        subscriptions, [channel](const Subscription& each) { return each.receives(channel); });
   }
 
   /// Queues a message for each subscription to its channel; they share one copy of the bytes.
@@ -127,7 +129,7 @@ struct UdpmReceiver::Impl {
     const std::size_t size = message.data.size();
     std::shared_ptr<std::byte[]> bytes;  // NOLINT(modernize-avoid-c-arrays): sized at run time
     for (Subscription& each : subscriptions) {
-      if (!each.hears(message.channel)) {
+      if (!each.receives(message.channel)) {
         continue;
       }
       if (each.num_queued >= each.capacity) {

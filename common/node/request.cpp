@@ -35,14 +35,14 @@ bool handle_until(bus::LiveBus& bus, double wait_s, const std::function<bool()>&
 std::set<std::string> await_processes(bus::LiveBus& bus, const std::set<std::string>& names,
                                       double wait_s) {
   // Shared with the subscription, which lasts as long as the bus.
-  const auto heard = std::make_shared<std::set<std::string>>();
-  bus.subscribe<nodmap::status_t>("STATUS", [names, heard](const nodmap::status_t& status) {
+  const auto running = std::make_shared<std::set<std::string>>();
+  bus.subscribe<nodmap::status_t>("STATUS", [names, running](const nodmap::status_t& status) {
     if (names.contains(status.process_name)) {
-      heard->insert(status.process_name);
+      running->insert(status.process_name);
     }
   });
-  (void)handle_until(bus, wait_s, [&] { return *heard == names; });
-  return *heard;
+  (void)handle_until(bus, wait_s, [&] { return *running == names; });
+  return *running;
 }
 
 int report_request(bus::LiveBus& bus, const std::set<std::string>& names, double wait_s) {
@@ -50,12 +50,12 @@ int report_request(bus::LiveBus& bus, const std::set<std::string>& names, double
     log::get().error("cannot send the request on {}", bus.url());
     return 1;
   }
-  const std::set<std::string> heard = await_processes(bus, names, wait_s);
-  if (heard.empty()) {
+  const std::set<std::string> running = await_processes(bus, names, wait_s);
+  if (running.empty()) {
     log::get().error("nobody listens on {}: no {} runs there", bus.url(), fmt::join(names, " or "));
     return 1;
   }
-  std::cout << fmt::format("asked {}\n", fmt::join(heard, " and "));
+  std::cout << fmt::format("asked {}\n", fmt::join(running, " and "));
   return 0;
 }
 

@@ -39,15 +39,15 @@ class SenderWatch {
   }
 
  private:
-  struct Heard {
+  struct Received {
     std::int64_t seq = 0;
     time::SteadyTime at;
   };
 
   void count_stranger(time::SteadyTime now);
 
-  std::optional<Heard> followed_;  // the last message of the accepted sender
-  int strangers_ = 0;              // since the start of the present one-second window
+  std::optional<Received> followed_;  // the last message of the accepted sender
+  int strangers_ = 0;                 // since the start of the present one-second window
   time::SteadyTime window_begin_;
   std::optional<time::SteadyTime> contested_since_;
 };

@@ -46,22 +46,22 @@ void ProcessControl::on_info(const procman::DeputyInfo& info) {
   const bool is_ours =
       std::any_of(config_.commands.begin(), config_.commands.end(),
                   [&](const auto& command) { return command.deputy == info.deputy_id; });
-  if (!is_ours || (!heard_.contains(info.deputy_id) && heard_.size() >= kMaxDeputies)) {
+  if (!is_ours || (!reports_.contains(info.deputy_id) && reports_.size() >= kMaxDeputies)) {
     return;
   }
   const time::Moment now = clock_();
-  heard_[info.deputy_id] = {info, now.steady};
+  reports_[info.deputy_id] = {info, now.steady};
   if (fleet_ && fleet_->take_info(info, now.steady)) {
     give_orders(now);
   }
 }
 
 void ProcessControl::on_orders(const procman::Orders& orders) {
-  if (orders.sheriff_id.starts_with(id_) || !heard_.contains(orders.deputy_id)) {
+  if (orders.sheriff_id.starts_with(id_) || !reports_.contains(orders.deputy_id)) {
     return;
   }
   other_sheriff_ = orders.sheriff_id;
-  other_heard_ = clock_().steady;
+  other_received_ = clock_().steady;
   fleet_.reset();  // it started later and will stay longer than we do
 }
 
@@ -89,17 +89,17 @@ Answer ProcessControl::output(const std::string& command) const {
   return answer;
 }
 
-bool ProcessControl::is_heard(const std::string& deputy, time::SteadyTime now) const {
-  const auto found = heard_.find(deputy);
-  return found != heard_.end() && now - found->second.received <= Fleet::kMaxInfoAge;
+bool ProcessControl::is_reporting(const std::string& deputy, time::SteadyTime now) const {
+  const auto found = reports_.find(deputy);
+  return found != reports_.end() && now - found->second.received <= Fleet::kMaxInfoAge;
 }
 
 void ProcessControl::begin(const time::Moment& now) {
   fleet_.emplace(config_, id_ + std::to_string(time::to_utime(now.wall)));
   open_.clear();
-  for (const auto& [deputy, heard] : heard_) {
-    if (is_heard(deputy, now.steady)) {
-      (void)fleet_->take_info(heard.info, heard.received);
+  for (const auto& [deputy, report] : reports_) {
+    if (is_reporting(deputy, now.steady)) {
+      (void)fleet_->take_info(report.info, report.received);
     }
   }
 }
@@ -110,10 +110,10 @@ Answer ProcessControl::change(Verb verb, const std::string& command) {
     return no_such_command(command);
   }
   const time::Moment now = clock_();
-  if (!other_sheriff_.empty() && now.steady - other_heard_ <= Fleet::kOtherSheriffTime) {
+  if (!other_sheriff_.empty() && now.steady - other_received_ <= Fleet::kOtherSheriffTime) {
     return {.ok = false, .text = "The sheriff " + other_sheriff_ + " is running: use that one."};
   }
-  if (!is_heard(found->deputy, now.steady)) {
+  if (!is_reporting(found->deputy, now.steady)) {
     return {.ok = false, .text = "The deputy " + found->deputy + " does not answer."};
   }
   if (!fleet_) {
@@ -153,7 +153,7 @@ void ProcessControl::turn() {
 
 void ProcessControl::give_orders(const time::Moment& now) {
   orders_due_ = now.steady + kOrdersPeriod;
-  for (const auto& [deputy, heard] : fleet_->deputies()) {
+  for (const auto& [deputy, item] : fleet_->deputies()) {
     if (const auto orders = fleet_->orders_for(deputy, now.wall)) {
       bus_.publish(procman::kOrdersChannel, procman::to_message(*orders));
     }

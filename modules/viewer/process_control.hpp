@@ -50,7 +50,7 @@ class ProcessControl {
   [[nodiscard]] const procman::Config& config() const { return config_; }
 
  private:
-  struct Heard {
+  struct Report {
     procman::DeputyInfo info;
     time::SteadyTime received{};
   };
@@ -60,16 +60,16 @@ class ProcessControl {
   void on_output(const procman::Output& output);
   void begin(const time::Moment& now);
   void give_orders(const time::Moment& now);
-  [[nodiscard]] bool is_heard(const std::string& deputy, time::SteadyTime now) const;
+  [[nodiscard]] bool is_reporting(const std::string& deputy, time::SteadyTime now) const;
 
   bus::Bus& bus_;
   procman::Config config_;
   Clock clock_;
-  std::string id_;  // our id as a sheriff, without the start time
-  std::map<std::string, Heard> heard_;
+  std::string id_;                                    // our id as a sheriff, without the start time
+  std::map<std::string, Report> reports_;             // the newest of each deputy
   std::map<std::string, procman::Console> consoles_;  // by command, ours only
   std::string other_sheriff_;
-  time::SteadyTime other_heard_{};
+  time::SteadyTime other_received_{};
   std::optional<procman::Fleet> fleet_;  // while we are a sheriff
   std::map<std::string, procman::Wanted> open_;
   time::SteadyTime leave_{};

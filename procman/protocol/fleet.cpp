@@ -224,8 +224,8 @@ bool Fleet::take_info(const DeputyInfo& info, time::SteadyTime now) {
     return false;
   }
   std::optional<DeputyItem>& deputy = deputies_[info.deputy_id];
-  const bool is_gap = !deputy || now - deputy->heard > kInfoGap;
-  deputy = DeputyItem{info, now, is_gap ? now : deputy->heard_since};
+  const bool is_gap = !deputy || now - deputy->received > kInfoGap;
+  deputy = DeputyItem{info, now, is_gap ? now : deputy->reporting_since};
   for (Item& item : items_) {
     if (item.deputy == info.deputy_id && !lists(info, item.spec.id)) {
       item.status.reset();
@@ -311,7 +311,7 @@ Fleet::Run Fleet::run_of(const Item& item) {
 void Fleet::take_orders(const Orders& orders, time::SteadyTime now) {
   if (orders.sheriff_id != sheriff_id_ && commands(orders.deputy_id)) {
     other_sheriff_ = orders.sheriff_id;
-    other_heard_ = now;
+    other_received_ = now;
   }
 }
 
@@ -335,14 +335,14 @@ std::optional<Orders> Fleet::orders_for(const std::string& deputy, time::Timesta
   return orders;
 }
 
-bool Fleet::is_heard(const std::string& deputy, time::SteadyTime now) const {
+bool Fleet::is_reporting(const std::string& deputy, time::SteadyTime now) const {
   const auto found = deputies_.find(deputy);
-  return found != deputies_.end() && found->second && now - found->second->heard <= kMaxInfoAge;
+  return found != deputies_.end() && found->second && now - found->second->received <= kMaxInfoAge;
 }
 
 CommandState Fleet::state_of(const std::string& id, time::SteadyTime now) const {
   const Item* item = find(id);
-  if (item == nullptr || !is_heard(item->deputy, now)) {
+  if (item == nullptr || !is_reporting(item->deputy, now)) {
     return CommandState::kUnknown;
   }
   if (item->status && item->status->pid != 0) {
@@ -366,7 +366,7 @@ bool Fleet::has_reached(const std::string& id, Wanted wanted, time::SteadyTime n
 }
 
 std::optional<std::string> Fleet::other_sheriff(time::SteadyTime now) const {
-  if (other_sheriff_.empty() || now - other_heard_ > kOtherSheriffTime) {
+  if (other_sheriff_.empty() || now - other_received_ > kOtherSheriffTime) {
     return std::nullopt;
   }
   return other_sheriff_;

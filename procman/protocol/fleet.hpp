@@ -69,8 +69,8 @@ class Fleet {
 
   struct DeputyItem {
     DeputyInfo info;
-    time::SteadyTime heard{};        ///< when the newest INFO was received
-    time::SteadyTime heard_since{};  ///< no INFO has been lost since then
+    time::SteadyTime received{};         ///< when the newest INFO arrived
+    time::SteadyTime reporting_since{};  ///< no INFO has been lost since then
   };
 
   Fleet(const Config& config, std::string sheriff_id);
@@ -119,7 +119,8 @@ class Fleet {
   [[nodiscard]] const std::map<std::string, std::optional<DeputyItem>>& deputies() const {
     return deputies_;
   }
-  [[nodiscard]] bool is_heard(const std::string& deputy, time::SteadyTime now) const;
+  /// Whether INFO of a deputy was received recently.
+  [[nodiscard]] bool is_reporting(const std::string& deputy, time::SteadyTime now) const;
 
   /// The present run of a command: as its deputy reports it, else as this sheriff has observed it.
   [[nodiscard]] static Run run_of(const Item& item);
@@ -139,7 +140,7 @@ class Fleet {
   std::vector<Item> items_;
   std::map<std::string, std::optional<DeputyItem>> deputies_;
   std::string other_sheriff_;
-  time::SteadyTime other_heard_{};
+  time::SteadyTime other_received_{};
 };
 
 }  // namespace nodmap::procman

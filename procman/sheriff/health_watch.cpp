@@ -104,8 +104,8 @@ std::vector<HealthWatch::Restart> HealthWatch::due_restarts(const Fleet& fleet,
     }
     const Fleet::DeputyItem& deputy = fleet.deputies().at(item->deputy).value();
     Patience& patience = patience_[command.id];
-    const Span observed{std::max({item->running_since, patience.restarted, deputy.heard_since}),
-                        deputy.heard};
+    const Span observed{std::max({item->running_since, patience.restarted, deputy.reporting_since}),
+                        deputy.received};
     std::string reason = restart_reason(command, observed, 1 << patience.doublings);
     if (!reason.empty()) {
       patience.doublings = std::min(kMaxDoublings, patience.doublings + 1);

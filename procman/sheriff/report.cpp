@@ -184,7 +184,7 @@ nlohmann::json to_json(const std::vector<ReportRow>& rows, const Fleet& fleet,
   }
   nlohmann::json hosts = nlohmann::json::array();
   for (const auto& [id, deputy] : fleet.deputies()) {
-    nlohmann::json host{{"host", printable(id)}, {"heard", fleet.is_heard(id, now)}};
+    nlohmann::json host{{"host", printable(id)}, {"reporting", fleet.is_reporting(id, now)}};
     if (deputy) {
       host["cpu_load"] = deputy->info.cpu_load;
       host["memory_total_mb"] = static_cast<double>(deputy->info.memory_total_bytes) * 1e-6;

@@ -30,7 +30,7 @@ std::vector<std::string> missing_deputies(Sheriff& sheriff, const std::set<std::
     sheriff.work(kWait);
     missing.clear();
     for (const std::string& id : wanted) {
-      if (!sheriff.fleet().is_heard(id, Sheriff::now())) {
+      if (!sheriff.fleet().is_reporting(id, Sheriff::now())) {
         missing.push_back(id);
       }
     }

@@ -44,7 +44,7 @@ TEST(SlcanAdapter, AnswersAreAsInTheManual) {
   EXPECT_EQ(answers(adapter, kZero), "z\r");
   EXPECT_EQ(frames, 1);
   EXPECT_EQ(answers(adapter, "T12ABCDEF2AA55\rr1230\rt1230\rt4563112233\r"), "Z\rz\rz\rz\r");
-  EXPECT_EQ(frames, 3) << "the base hears data frames with short identifiers only";
+  EXPECT_EQ(frames, 3) << "the base accepts data frames with short identifiers only";
   EXPECT_EQ(answers(adapter, "C\rX0\rO\rt1230\r"), "\r\r\r\r") << "without auto poll";
 }
 

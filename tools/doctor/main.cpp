@@ -51,7 +51,7 @@ std::vector<Finding> examine_network(const std::string& url) {
   const SelfTest test = run_self_test(url);
   findings.push_back(check_self_test(test, url));
   if (udpm && test.opened) {
-    findings.push_back(check_traffic(test.heard, our_fingerprints(), *udpm));
+    findings.push_back(check_traffic(test.received, our_fingerprints(), *udpm));
   }
   return findings;
 }

@@ -250,12 +250,12 @@ Finding check_self_test(const SelfTest& test, const std::string& url) {
   return {check, Status::kOk, "A message sent on " + url + " " + text.data(), ""};
 }
 
-Finding check_traffic(const std::vector<HeardChannel>& heard,
+Finding check_traffic(const std::vector<ReceivedChannel>& received,
                       const std::set<std::int64_t>& our_fingerprints, const bus::UdpmUrl& url) {
   std::int64_t num_ours = 0;
   std::int64_t num_foreign = 0;
   std::set<std::string> foreign;
-  for (const HeardChannel& channel : heard) {
+  for (const ReceivedChannel& channel : received) {
     if (our_fingerprints.contains(channel.fingerprint)) {
       num_ours += channel.count;
     } else {

@@ -46,7 +46,7 @@ struct UdpSocket {
                                   std::uint16_t port);
 
 /// The messages on one channel while the doctor listened.
-struct HeardChannel {
+struct ReceivedChannel {
   std::string channel;
   std::int64_t fingerprint = 0;
   std::int64_t count = 0;
@@ -55,15 +55,15 @@ struct HeardChannel {
 /// The result of sending a message and waiting for it.
 struct SelfTest {
   bool opened = false;
-  std::optional<double> latency_ms;  ///< empty if the message was not received in time
-  std::vector<HeardChannel> heard;   ///< other messages
+  std::optional<double> latency_ms;       ///< empty if the message was not received in time
+  std::vector<ReceivedChannel> received;  ///< other messages
 };
 
 [[nodiscard]] Finding check_self_test(const SelfTest& test, const std::string& url);
 
 /// Checks whether other programs use the port: LCM 1.3.1 binds to every address, so it receives all
 /// multicast groups of its port.
-[[nodiscard]] Finding check_traffic(const std::vector<HeardChannel>& heard,
+[[nodiscard]] Finding check_traffic(const std::vector<ReceivedChannel>& received,
                                     const std::set<std::int64_t>& our_fingerprints,
                                     const bus::UdpmUrl& url);
 

@@ -50,11 +50,11 @@ SelfTest listen_and_send(const std::string& url) {
           return;
         }
         const std::int64_t fingerprint = bus::fingerprint_of(message.data);
-        auto known = std::ranges::find_if(test.heard, [&](const HeardChannel& heard) {
-          return heard.channel == message.channel && heard.fingerprint == fingerprint;
+        auto known = std::ranges::find_if(test.received, [&](const ReceivedChannel& other) {
+          return other.channel == message.channel && other.fingerprint == fingerprint;
         });
-        if (known == test.heard.end()) {
-          known = test.heard.insert(known, {message.channel, fingerprint, 0});
+        if (known == test.received.end()) {
+          known = test.received.insert(known, {message.channel, fingerprint, 0});
         }
         ++known->count;
       },
@@ -67,13 +67,13 @@ SelfTest listen_and_send(const std::string& url) {
 }
 
 std::string to_text(const SelfTest& test) {
-  nlohmann::json heard = nlohmann::json::array();
-  for (const HeardChannel& channel : test.heard) {
-    heard.push_back({channel.channel, channel.fingerprint, channel.count});
+  nlohmann::json received = nlohmann::json::array();
+  for (const ReceivedChannel& channel : test.received) {
+    received.push_back({channel.channel, channel.fingerprint, channel.count});
   }
   // A negative time means none. Channel names are bytes from the network and may be invalid UTF-8.
-  return nlohmann::json{{"latency_ms", test.latency_ms.value_or(-1.0)}, {"heard", heard}}.dump(
-      -1, ' ', false, nlohmann::json::error_handler_t::replace);
+  return nlohmann::json{{"latency_ms", test.latency_ms.value_or(-1.0)}, {"received", received}}
+      .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 SelfTest from_text(const std::string& text) {
@@ -86,8 +86,8 @@ SelfTest from_text(const std::string& text) {
   if (json["latency_ms"] >= 0.0) {
     test.latency_ms = json["latency_ms"].get<double>();
   }
-  for (const nlohmann::json& row : json["heard"]) {
-    test.heard.push_back({row[0], row[1], row[2]});
+  for (const nlohmann::json& row : json["received"]) {
+    test.received.push_back({row[0], row[1], row[2]});
   }
   return test;
 }

@@ -60,11 +60,11 @@ class Guide {
         route_(read_waypoints(arguments.coordinates_m), arguments.is_patrol,
                time::from_seconds(arguments.patience_s), time::steady_now()) {
     bus_.subscribe<navigation_t>("NAVIGATION", [this](const navigation_t& m) {
-      is_heard_ = true;
-      tell(route_.hear_arrival(m.behaviour == navigation_t::ARRIVED, time::steady_now()));
+      has_navigator_ = true;
+      tell(route_.take_arrival(m.behaviour == navigation_t::ARRIVED, time::steady_now()));
     });
     bus_.subscribe<path_t>("PATH", [this](const path_t& m) {
-      tell(route_.hear_path(m.state != path_t::NO_PATH, time::steady_now()));
+      tell(route_.take_path(m.state != path_t::NO_PATH, time::steady_now()));
     });
     bus_.subscribe<goal_t>(
         "GOAL", [this](const goal_t& m) { is_overruled_ |= !own_stamps_.contains(m.utime); });
@@ -74,7 +74,7 @@ class Guide {
   int run() {
     const time::SteadyTime begin = time::steady_now();
     while (!route_.is_over() && !is_overruled_ && !node::stop_requested()) {
-      if (!is_heard_ && time::steady_now() - begin > time::from_seconds(arguments_.wait_s)) {
+      if (!has_navigator_ && time::steady_now() - begin > time::from_seconds(arguments_.wait_s)) {
         std::cerr << "nodmap-goal: no nodmap-navigator within " << arguments_.wait_s << " s\n";
         return 1;
       }
@@ -136,7 +136,7 @@ class Guide {
   std::set<std::int64_t> own_stamps_;  // stamps of our goals, which we also receive
   std::int64_t next_seq_ = 0;
   std::size_t told_index_ = 0;
-  bool is_heard_ = false;
+  bool has_navigator_ = false;
   bool is_overruled_ = false;
 };
 

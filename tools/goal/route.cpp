@@ -22,7 +22,7 @@ bool Route::is_settled(time::SteadyTime now) const {
   return !is_over_ && now - target_since_ >= kSettled;
 }
 
-Route::Event Route::hear_arrival(bool has_arrived, time::SteadyTime now) {
+Route::Event Route::take_arrival(bool has_arrived, time::SteadyTime now) {
   if (!has_arrived || !is_settled(now)) {
     return Event::kNone;
   }
@@ -31,7 +31,7 @@ Route::Event Route::hear_arrival(bool has_arrived, time::SteadyTime now) {
   return Event::kReached;
 }
 
-Route::Event Route::hear_path(bool has_path, time::SteadyTime now) {
+Route::Event Route::take_path(bool has_path, time::SteadyTime now) {
   if (has_path || !is_settled(now)) {
     no_path_since_.reset();
     return Event::kNone;

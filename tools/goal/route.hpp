@@ -24,10 +24,10 @@ class Route {
 
   /// Takes the navigator's report whether it is at its goal. Reports within the first half second
   /// are about the previous waypoint.
-  Event hear_arrival(bool has_arrived, time::SteadyTime now);
+  Event take_arrival(bool has_arrived, time::SteadyTime now);
 
   /// Takes the navigator's report whether it knows a path to its goal.
-  Event hear_path(bool has_path, time::SteadyTime now);
+  Event take_path(bool has_path, time::SteadyTime now);
 
   /// Whether no waypoint is left; on patrol, whether all were missed in turn.
   [[nodiscard]] bool is_over() const { return is_over_; }

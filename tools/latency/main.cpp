@@ -23,7 +23,7 @@ void listen(const std::string& url, double duration_s, Reaction& reaction) {
   bus::LiveBus bus(url);
   bus.subscribe_all(
       [&reaction](const bus::LiveBus::RawMessage& message) {
-        reaction.hear(message.channel, message.data, message.received);
+        reaction.add(message.channel, message.data, message.received);
       },
       kQueue);
   const auto end = Clock::now() + std::chrono::duration<double>(duration_s);
@@ -36,7 +36,7 @@ void read_log(const std::string& file, Reaction& reaction) {
   bus::LogReader reader(file);
   reader.require_event();
   while (const bus::LogEvent* event = reader.next()) {
-    reaction.hear(event->channel, event->data, time::from_utime(event->log_utime_us));
+    reaction.add(event->channel, event->data, time::from_utime(event->log_utime_us));
   }
   if (reader.skipped_bytes() > 0) {
     log::get().warn("{}", reader.damage());

@@ -58,20 +58,20 @@ std::vector<std::int64_t> p99_us_over_time(std::span<const Sample> samples, std:
   return p99;
 }
 
-void Reaction::hear(std::string_view channel, std::span<const std::byte> data,
-                    time::Timestamp received) {
+void Reaction::add(std::string_view channel, std::span<const std::byte> data,
+                   time::Timestamp received) {
   if (channel == "SCAN") {
-    hear_scan(data, received);
+    add_scan(data, received);
   } else if (channel == "OBSTACLE_MAP") {
-    hear_map(data, received);
+    add_map(data, received);
   } else if (channel == "DRIVE") {
-    hear_drive(data, received);
+    add_drive(data, received);
   } else if (channel == "ODOMETRY") {
-    hear_odometry(data);
+    add_odometry(data);
   }
 }
 
-void Reaction::hear_scan(std::span<const std::byte> data, time::Timestamp received) {
+void Reaction::add_scan(std::span<const std::byte> data, time::Timestamp received) {
   if (!bus::decode_into(scan_, data)) {
     ++corrupt_;
     return;
@@ -81,7 +81,7 @@ void Reaction::hear_scan(std::span<const std::byte> data, time::Timestamp receiv
   push_bounded(open_scans_, {scan_.scan_seq, received});
 }
 
-void Reaction::hear_map(std::span<const std::byte> data, time::Timestamp received) {
+void Reaction::add_map(std::span<const std::byte> data, time::Timestamp received) {
   if (!bus::decode_into(map_, data)) {
     ++corrupt_;
     return;
@@ -98,7 +98,7 @@ void Reaction::hear_map(std::span<const std::byte> data, time::Timestamp receive
   push_bounded(open_maps_, {time::from_utime(map_.utime), scan_received});
 }
 
-void Reaction::hear_drive(std::span<const std::byte> data, time::Timestamp received) {
+void Reaction::add_drive(std::span<const std::byte> data, time::Timestamp received) {
   if (!bus::decode_into(drive_, data)) {
     ++corrupt_;
     return;
@@ -110,7 +110,7 @@ void Reaction::hear_drive(std::span<const std::byte> data, time::Timestamp recei
   }
 }
 
-void Reaction::hear_odometry(std::span<const std::byte> data) {
+void Reaction::add_odometry(std::span<const std::byte> data) {
   if (!bus::decode_into(odometry_, data)) {
     ++corrupt_;
     return;

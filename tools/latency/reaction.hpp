@@ -50,7 +50,7 @@ struct Summary {
 class Reaction {
  public:
   /// Adds a received message; ignores other channels and types.
-  void hear(std::string_view channel, std::span<const std::byte> data, time::Timestamp received);
+  void add(std::string_view channel, std::span<const std::byte> data, time::Timestamp received);
 
   [[nodiscard]] const std::vector<Sample>& scan_to_map() const { return scan_to_map_; }
   [[nodiscard]] const std::vector<Sample>& scan_to_drive() const { return scan_to_drive_; }
@@ -66,10 +66,10 @@ class Reaction {
     time::Timestamp scan_received{};
   };
 
-  void hear_scan(std::span<const std::byte> data, time::Timestamp received);
-  void hear_map(std::span<const std::byte> data, time::Timestamp received);
-  void hear_drive(std::span<const std::byte> data, time::Timestamp received);
-  void hear_odometry(std::span<const std::byte> data);
+  void add_scan(std::span<const std::byte> data, time::Timestamp received);
+  void add_map(std::span<const std::byte> data, time::Timestamp received);
+  void add_drive(std::span<const std::byte> data, time::Timestamp received);
+  void add_odometry(std::span<const std::byte> data);
   void count_gap(const std::string& channel, std::int64_t seq);
 
   nodmap::scan_t scan_{};

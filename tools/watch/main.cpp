@@ -30,7 +30,7 @@ struct Arguments {
 template <class Message>
 void listen(bus::Bus& bus, const char* channel, Overview& overview) {
   bus.subscribe<Message>(
-      channel, [&overview](const Message& message) { overview.hear(message, time::steady_now()); });
+      channel, [&overview](const Message& message) { overview.add(message, time::steady_now()); });
 }
 
 void listen_to_all(bus::Bus& bus, Overview& overview) {

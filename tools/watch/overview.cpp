@@ -30,11 +30,11 @@ double Rate::per_second(time::SteadyTime now) const {
       std::ranges::count_if(received_, [now](time::SteadyTime stamp) { return stamp > now - 1s; }));
 }
 
-void Overview::hear(const nodmap::scan_t& /*message*/, time::SteadyTime now) {
+void Overview::add(const nodmap::scan_t& /*message*/, time::SteadyTime now) {
   scans_.add(now);
 }
 
-void Overview::hear(const nodmap::odometry_t& message, time::SteadyTime now) {
+void Overview::add(const nodmap::odometry_t& message, time::SteadyTime now) {
   odometry_.add(now);
   forward_mps_ = message.forward_mps;
   max_forward_mps_ = std::max(max_forward_mps_, std::abs(message.forward_mps));
@@ -48,38 +48,38 @@ void Overview::hear(const nodmap::odometry_t& message, time::SteadyTime now) {
   last_y_m_ = message.position_m[1];
 }
 
-void Overview::hear(const nodmap::exploration_t& message, time::SteadyTime /*now*/) {
+void Overview::add(const nodmap::exploration_t& message, time::SteadyTime /*now*/) {
   is_home_ = message.state == nodmap::exploration_t::HOME;
   seen_m2_ = message.seen_m2;
 }
 
-void Overview::hear(const nodmap::pitch_state_t& message, time::SteadyTime /*now*/) {
+void Overview::add(const nodmap::pitch_state_t& message, time::SteadyTime /*now*/) {
   pitch_rad_ = message.pitch_rad;
 }
 
-void Overview::hear(const nodmap::egomap_t& obstacle_map, time::SteadyTime /*now*/) {
+void Overview::add(const nodmap::egomap_t& obstacle_map, time::SteadyTime /*now*/) {
   nearest_m_ = std::numeric_limits<double>::infinity();
   for (const float distance_m : obstacle_map.distance_m) {
     nearest_m_ = std::min(nearest_m_, static_cast<double>(distance_m));
   }
 }
 
-void Overview::hear(const nodmap::navigation_t& message, time::SteadyTime /*now*/) {
+void Overview::add(const nodmap::navigation_t& message, time::SteadyTime /*now*/) {
   behaviour_ = message.behaviour;
   reason_ = message.reason;
 }
 
-void Overview::hear(const nodmap::cloud_chunk_t& message, time::SteadyTime /*now*/) {
+void Overview::add(const nodmap::cloud_chunk_t& message, time::SteadyTime /*now*/) {
   keyframes_ = std::max(keyframes_, message.keyframe_id + 1);
 }
 
-void Overview::hear(const nodmap::status_t& message, time::SteadyTime now) {
+void Overview::add(const nodmap::status_t& message, time::SteadyTime now) {
   processes_[message.process_name] = {
       message.health,        message.health_reason,  message.total_handled,  message.total_lost,
       message.total_corrupt, message.total_rejected, message.latency_p99_us, now};
 }
 
-void Overview::hear(const nodmap::truth_t& message, time::SteadyTime /*now*/) {
+void Overview::add(const nodmap::truth_t& message, time::SteadyTime /*now*/) {
   collisions_ = message.collisions;
   bumps_ = message.bumps;
 }

@@ -47,15 +47,15 @@ struct ProcessView {
 /// Summarises the robot's state from its messages. Times are those of their reception.
 class Overview {
  public:
-  void hear(const nodmap::scan_t& message, time::SteadyTime now);
-  void hear(const nodmap::odometry_t& message, time::SteadyTime now);
-  void hear(const nodmap::pitch_state_t& message, time::SteadyTime now);
-  void hear(const nodmap::egomap_t& obstacle_map, time::SteadyTime now);
-  void hear(const nodmap::navigation_t& message, time::SteadyTime now);
-  void hear(const nodmap::cloud_chunk_t& message, time::SteadyTime now);
-  void hear(const nodmap::exploration_t& message, time::SteadyTime now);
-  void hear(const nodmap::status_t& message, time::SteadyTime now);
-  void hear(const nodmap::truth_t& message, time::SteadyTime now);
+  void add(const nodmap::scan_t& message, time::SteadyTime now);
+  void add(const nodmap::odometry_t& message, time::SteadyTime now);
+  void add(const nodmap::pitch_state_t& message, time::SteadyTime now);
+  void add(const nodmap::egomap_t& obstacle_map, time::SteadyTime now);
+  void add(const nodmap::navigation_t& message, time::SteadyTime now);
+  void add(const nodmap::cloud_chunk_t& message, time::SteadyTime now);
+  void add(const nodmap::exploration_t& message, time::SteadyTime now);
+  void add(const nodmap::status_t& message, time::SteadyTime now);
+  void add(const nodmap::truth_t& message, time::SteadyTime now);
 
   [[nodiscard]] double forward_mps() const { return forward_mps_; }
   [[nodiscard]] double pitch_rad() const { return pitch_rad_; }

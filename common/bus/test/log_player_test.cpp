@@ -32,40 +32,40 @@ class LogPlayerTest : public ::testing::Test {
     return path;
   }
 
-  void hear(LogPlayer& player) {
+  void receive_from(LogPlayer& player) {
     player.subscribe_bytes("A", [this](std::span<const std::byte> bytes) {
-      heard_.push_back(static_cast<char>(bytes[0]));
+      received_.push_back(static_cast<char>(bytes[0]));
     });
   }
 
   nodmap::test::TemporaryDir dir_;
-  std::string heard_;
+  std::string received_;
 };
 
 TEST_F(LogPlayerTest, DeliversEventsUpToThePosition) {
   LogPlayer player({log("a", {0, 100, 200}, 'a')});
-  hear(player);
+  receive_from(player);
   EXPECT_TRUE(player.catch_up(kMany));
-  EXPECT_EQ(heard_, "a");
+  EXPECT_EQ(received_, "a");
   player.advance(99us);
   player.catch_up(kMany);
-  EXPECT_EQ(heard_, "a");
+  EXPECT_EQ(received_, "a");
   player.advance(1us);
   player.catch_up(kMany);
-  EXPECT_EQ(heard_, "ab");
+  EXPECT_EQ(received_, "ab");
   player.advance(10ms);
   player.catch_up(kMany);
-  EXPECT_EQ(heard_, "abc");
+  EXPECT_EQ(received_, "abc");
   EXPECT_TRUE(player.at_end());
   EXPECT_EQ(player.now(), time::Timestamp(1'000'200us));
 }
 
 TEST_F(LogPlayerTest, MergesLogsByTime) {
   LogPlayer player({log("a", {0, 100, 200}, 'a'), log("b", {50, 100, 150}, 'x')});
-  hear(player);
+  receive_from(player);
   player.advance(200us);
   player.catch_up(kMany);
-  EXPECT_EQ(heard_, "axbyzc");
+  EXPECT_EQ(received_, "axbyzc");
 }
 
 TEST_F(LogPlayerTest, SpeedAndPause) {
@@ -84,25 +84,25 @@ TEST_F(LogPlayerTest, SpeedAndPause) {
 
 TEST_F(LogPlayerTest, SeekingBackStartsAgain) {
   LogPlayer player({log("a", {0, 100, 200}, 'a')});
-  hear(player);
+  receive_from(player);
   EXPECT_FALSE(player.seek(200us));
   player.catch_up(kMany);
-  EXPECT_EQ(heard_, "abc");
+  EXPECT_EQ(received_, "abc");
   EXPECT_TRUE(player.seek(100us));
   player.catch_up(kMany);
-  EXPECT_EQ(heard_, "abcab");
+  EXPECT_EQ(received_, "abcab");
   EXPECT_FALSE(player.seek(5ms));
   EXPECT_EQ(player.position(), 200us);
 }
 
 TEST_F(LogPlayerTest, ManyEventsAreDeliveredInParts) {
   LogPlayer player({log("a", {0, 1, 2, 3}, 'a')});
-  hear(player);
+  receive_from(player);
   player.advance(10us);
   EXPECT_FALSE(player.catch_up(3));
-  EXPECT_EQ(heard_, "abc");
+  EXPECT_EQ(received_, "abc");
   EXPECT_TRUE(player.catch_up(3));
-  EXPECT_EQ(heard_, "abcd");
+  EXPECT_EQ(received_, "abcd");
 }
 
 TEST_F(LogPlayerTest, SendsNothingAnywhere) {

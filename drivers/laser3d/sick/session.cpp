@@ -89,7 +89,7 @@ SickOutput SickSession::take(const SickTelegram& telegram, time::SteadyTime now)
   if (step_ == Step::kClosed) {
     return {};
   }
-  heard_ = true;
+  is_answering_ = true;
   if (telegram.reply == SickReply::kPowerOn) {
     ++counts_.power_ons;
     const auto here = std::find(candidates_.begin(), candidates_.end(), baud_);
@@ -120,7 +120,7 @@ void SickSession::take_nak(time::SteadyTime now) {
 time::Duration SickSession::timeout() const {
   switch (step_) {
     case Step::kSearch:
-      return heard_ ? kModeChangeTimeout : kSearchTimeout;
+      return is_answering_ ? kModeChangeTimeout : kSearchTimeout;
     case Step::kWriteConfig:
       return kConfigWriteTimeout;
     case Step::kReadConfig:
@@ -182,7 +182,7 @@ SickOutput SickSession::retry(time::SteadyTime now) {
 SickOutput SickSession::search_from(std::size_t candidate, time::SteadyTime now) {
   candidate_ = candidate;
   baud_ = candidates_[candidate];
-  heard_ = false;
+  is_answering_ = false;
   SickOutput output = enter(Step::kSearch, now);
   output.baud = baud_;
   return output;

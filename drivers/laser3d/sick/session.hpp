@@ -87,7 +87,7 @@ class SickSession {
   Step step_ = Step::kClosed;
   int attempts_ = 0;
   bool refused_ = false;
-  bool heard_ = false;  // a complete telegram was received at this rate
+  bool is_answering_ = false;  // a complete telegram was received at this rate
   time::SteadyTime deadline_;
   std::optional<SickConfig> config_;
   int writes_since_wanted_ = 0;  // of the configuration, since it was last read as wanted

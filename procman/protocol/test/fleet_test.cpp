@@ -30,7 +30,7 @@ class FleetTest : public ::testing::Test {
     made.wait_status = wait_status;
     return made;
   }
-  bool hear(std::vector<CommandStatus> commands, const std::string& deputy = "h") {
+  bool report(std::vector<CommandStatus> commands, const std::string& deputy = "h") {
     DeputyInfo info;
     info.deputy_id = deputy;
     info.commands = std::move(commands);
@@ -53,7 +53,7 @@ class FleetTest : public ::testing::Test {
 TEST_F(FleetTest, SendsNoOrdersToADeputyBeforeItsFirstInfo) {
   EXPECT_FALSE(fleet_.orders_for("h", {}).has_value());
   EXPECT_EQ(state("a"), "Unknown");
-  hear({});
+  report({});
   const auto orders = fleet_.orders_for("h", time::Timestamp(42us));
   ASSERT_TRUE(orders.has_value());
   EXPECT_EQ(orders->stamp, time::Timestamp(42us));
@@ -65,7 +65,7 @@ TEST_F(FleetTest, SendsNoOrdersToADeputyBeforeItsFirstInfo) {
 }
 
 TEST_F(FleetTest, AnEditedConfigurationAffectsOnlyChangedCommands) {
-  hear({status("a", 7, 1), status("r", 8, 1)});
+  report({status("a", 7, 1), status("r", 8, 1)});
   const Config edited = parse_config(R"(
       cmd "new" { exec = "n"; host = "h"; }
       cmd "r" { exec = "y --faster"; host = "h"; auto_respawn = "true"; }
@@ -85,7 +85,7 @@ TEST_F(FleetTest, AnEditedConfigurationAffectsOnlyChangedCommands) {
 
 // An edit does not start a stopped command; moving a command to another host stops it on the first.
 TEST_F(FleetTest, AnEditOfTheConfigurationStartsNoCommand) {
-  hear({status("a", 0, 0), status("r", 8, 1)});
+  report({status("a", 0, 0), status("r", 8, 1)});
   const Config edited = parse_config(R"(
       cmd "a" { exec = "x --new"; host = "h"; }
       cmd "r" { exec = "y"; host = "other"; })")
@@ -93,31 +93,32 @@ TEST_F(FleetTest, AnEditOfTheConfigurationStartsNoCommand) {
   (void)fleet_.reconfigure(edited);
   EXPECT_EQ(order("a").desired_run, 0);
   EXPECT_TRUE(order("r").force_quit);
-  hear({}, "other");
+  report({}, "other");
   EXPECT_EQ(fleet_.orders_for("other", {})->commands.front().desired_run, 0);
 }
 
 TEST_F(FleetTest, StartsRestartsAndStops) {
-  hear({});
+  report({});
   fleet_.start("a");
   fleet_.start("a");
   EXPECT_EQ(order("a").desired_run, 1) << "the start under way is not repeated";
   EXPECT_EQ(state("a"), "Starting (Command Sent)");
-  hear({status("a", 7, 1)});
+  report({status("a", 7, 1)});
   EXPECT_EQ(state("a"), "Running");
   fleet_.start("a");
   EXPECT_EQ(order("a").desired_run, 1) << "it runs already";
   fleet_.restart("a");
   EXPECT_EQ(order("a").desired_run, 2);
   EXPECT_EQ(state("a"), "Restarting (Command Sent)");
-  EXPECT_TRUE(hear({status("a", 0, 1, SIGINT)})) << "the order that starts it must be sent at once";
+  EXPECT_TRUE(report({status("a", 0, 1, SIGINT)}))
+      << "the order that starts it must be sent at once";
   EXPECT_EQ(state("a"), "Starting (Command Sent)");
-  EXPECT_FALSE(hear({status("a", 8, 2)}));
+  EXPECT_FALSE(report({status("a", 8, 2)}));
   EXPECT_EQ(fleet_.find("a")->num_restarts, 1);
   fleet_.stop("a");
   EXPECT_TRUE(order("a").force_quit);
   EXPECT_EQ(state("a"), "Stopping (Command Sent)");
-  hear({status("a", 0, 2, SIGINT)});
+  report({status("a", 0, 2, SIGINT)});
   EXPECT_EQ(state("a"), "Stopped (OK)");
   fleet_.start("a");
   EXPECT_EQ(order("a").desired_run, 3);
@@ -125,39 +126,39 @@ TEST_F(FleetTest, StartsRestartsAndStops) {
 }
 
 TEST_F(FleetTest, ACommandThatEndsByItselfIsNotStartedAgain) {
-  hear({});
+  report({});
   fleet_.start("a");
-  hear({status("a", 7, 1)});
-  hear({status("a", 0, 1, 3 << 8)});
+  report({status("a", 7, 1)});
+  report({status("a", 0, 1, 3 << 8)});
   EXPECT_EQ(state("a"), "Stopped (Error)");
   EXPECT_TRUE(order("a").force_quit);
   fleet_.start("a");
-  hear({status("a", 0, 2, 0)});  // it ended before an INFO could report it
+  report({status("a", 0, 2, 0)});  // it ended before an INFO could report it
   EXPECT_EQ(state("a"), "Stopped (OK)");
   EXPECT_TRUE(order("a").force_quit);
 }
 
 TEST_F(FleetTest, ACommandKilledByNobodysOrderIsAnError) {
-  hear({});
+  report({});
   fleet_.start("a");
-  hear({status("a", 7, 1)});
-  hear({status("a", 0, 1, SIGKILL)});
+  report({status("a", 7, 1)});
+  report({status("a", 0, 1, SIGKILL)});
   EXPECT_EQ(state("a"), "Stopped (Error)");
 }
 
 TEST_F(FleetTest, ARespawningCommandStaysWanted) {
-  hear({});
+  report({});
   fleet_.start("r");
-  hear({status("r", 7, 1)});
-  hear({status("r", 0, 1, SIGSEGV)});
+  report({status("r", 7, 1)});
+  report({status("r", 0, 1, SIGSEGV)});
   EXPECT_FALSE(order("r").force_quit);
-  hear({status("r", 8, 1)});
+  report({status("r", 8, 1)});
   EXPECT_EQ(state("r"), "Running");
   EXPECT_EQ(fleet_.find("r")->num_restarts, 1);
 }
 
 TEST_F(FleetTest, TakesOverTheCommandsOfADeputyAsTheyAre) {
-  hear({status("a", 7, 5), status("r", 0, 3, SIGINT), status("unheard-of", 9, 2)});
+  report({status("a", 7, 5), status("r", 0, 3, SIGINT), status("unheard-of", 9, 2)});
   EXPECT_EQ(order("a").desired_run, 5);
   EXPECT_FALSE(order("a").force_quit);
   EXPECT_EQ(order("r").desired_run, 3);
@@ -170,7 +171,7 @@ TEST_F(FleetTest, TakesOverTheCommandsOfADeputyAsTheyAre) {
 TEST_F(FleetTest, TheGreatestRunNumberIsFollowedByOne) {
   constexpr int kLast = std::numeric_limits<std::int32_t>::max();
   fleet_.start("r");
-  hear({status("a", 7, kLast), status("r", 0, kLast)});
+  report({status("a", 7, kLast), status("r", 0, kLast)});
   fleet_.restart("a");
   EXPECT_EQ(order("a").desired_run, 1);
   EXPECT_EQ(order("r").desired_run, 1);
@@ -182,7 +183,7 @@ TEST_F(FleetTest, TheNumberOfUnknownHostsAndCommandsIsLimited) {
     for (int k = 0; k < 100; ++k) {
       commands.push_back(status(std::to_string(100 * i + k), 1, 1));
     }
-    hear(std::move(commands), std::to_string(i));
+    report(std::move(commands), std::to_string(i));
   }
   EXPECT_LE(fleet_.items().size(), 10'000U);
   EXPECT_FALSE(fleet_.orders_for("299", {}).has_value());
@@ -191,24 +192,24 @@ TEST_F(FleetTest, TheNumberOfUnknownHostsAndCommandsIsLimited) {
 TEST_F(FleetTest, AStartBeforeTheFirstInfoContinuesItsRunNumbers) {
   fleet_.start("a");
   fleet_.start("r");
-  hear({status("a", 7, 5), status("r", 0, 3)});
+  report({status("a", 7, 5), status("r", 0, 3)});
   EXPECT_EQ(order("a").desired_run, 5) << "it runs already";
   EXPECT_EQ(order("r").desired_run, 4);
   EXPECT_FALSE(order("r").force_quit);
 }
 
 TEST_F(FleetTest, ARestartedDeputyIsToldToStartWhatRan) {
-  hear({});
+  report({});
   fleet_.start("a");
-  hear({status("a", 7, 1)});
-  hear({});
+  report({status("a", 7, 1)});
+  report({});
   EXPECT_EQ(order("a").desired_run, 1);
   EXPECT_FALSE(order("a").force_quit);
   EXPECT_EQ(state("a"), "Starting (Command Sent)");
 }
 
 TEST_F(FleetTest, CommandsOfASilentHostAreUnknown) {
-  hear({status("a", 7, 1)});
+  report({status("a", 7, 1)});
   now_ += Fleet::kMaxInfoAge;
   EXPECT_EQ(state("a"), "Running");
   now_ += 1us;
@@ -217,12 +218,12 @@ TEST_F(FleetTest, CommandsOfASilentHostAreUnknown) {
 }
 
 TEST_F(FleetTest, ACommandOfTheSameNameOnAnotherHostIsIgnored) {
-  hear({status("a", 7, 1)}, "other");
+  report({status("a", 7, 1)}, "other");
   EXPECT_EQ(state("a"), "Unknown");
 }
 
 TEST_F(FleetTest, IgnoresHostsThatAreNotInTheConfiguration) {
-  hear({status("b", 7, 1)}, "stranger");
+  report({status("b", 7, 1)}, "stranger");
   EXPECT_FALSE(fleet_.orders_for("stranger", {}).has_value());
   fleet_.take_orders({{}, "stranger", "you:2:1", {}}, now_);
   EXPECT_FALSE(fleet_.other_sheriff(now_).has_value()) << "its sheriff does not concern us";
@@ -248,7 +249,7 @@ TEST(DescribeEnd, DistinguishesExitsFromSignals) {
 }
 
 TEST_F(FleetTest, TheAgeOfARunIsThatReportedByItsDeputy) {
-  hear({status("a", 10, 1)});
+  report({status("a", 10, 1)});
   const auto run = [this] { return Fleet::run_of(*fleet_.find("a")); };
   EXPECT_EQ(run().started, now_) << "when this sheriff first heard of it";
   fleet_.take_runs({{}, "h", {{"a", 10, 3600s, 4}, {"unknown", 1, 1s, 1}}}, now_);
@@ -258,7 +259,7 @@ TEST_F(FleetTest, TheAgeOfARunIsThatReportedByItsDeputy) {
   EXPECT_EQ(run().num_restarts, 4) << "another deputy's report does not count";
   // The next process is a new run, of which nothing more is known until its deputy reports it.
   now_ += 1s;
-  hear({status("a", 11, 1)});
+  report({status("a", 11, 1)});
   EXPECT_EQ(run().started, now_);
   fleet_.take_runs({{}, "h", {{"a", 11, 0s, 5}}}, now_);
   EXPECT_EQ(run().num_restarts, 5);

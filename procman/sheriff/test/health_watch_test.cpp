@@ -23,7 +23,7 @@ class HealthWatchTest : public ::testing::Test {
   HealthWatch watch_{config_};
   time::SteadyTime now_{1000s};
 
-  void hear_deputy(int pid = 7) {
+  void report(int pid = 7) {
     DeputyInfo info;
     info.deputy_id = "h";
     CommandStatus status;
@@ -45,7 +45,7 @@ class HealthWatchTest : public ::testing::Test {
     for (int second = 1; second <= limit; ++second) {
       now_ += 1s;
       each();
-      hear_deputy();
+      report();
       const auto restarts = watch_.due_restarts(fleet_, now_);
       if (!restarts.empty()) {
         reason_ = restarts[0].reason;
@@ -72,7 +72,7 @@ TEST_F(HealthWatchTest, AStatusBelongsToTheCommandWithItsProgram) {
 }
 
 TEST_F(HealthWatchTest, RestartsADegradedCommandIfItHasARuleForThat) {
-  hear_deputy();
+  report();
   const auto degraded = [this] { speak(ProcessHealth::State::kDegraded); };
   EXPECT_EQ(seconds_to_restart(60, degraded), 0) << "no rule";
   config_.commands[0].health.restart_degraded_s = 20;
@@ -84,14 +84,14 @@ TEST_F(HealthWatchTest, RestartsADegradedCommandIfItHasARuleForThat) {
 }
 
 TEST_F(HealthWatchTest, RestartsACommandThatStopsSendingStatus) {
-  hear_deputy();
+  report();
   EXPECT_EQ(seconds_to_restart(60, [this] { speak(ProcessHealth::State::kOk); }), 0);
   EXPECT_EQ(seconds_to_restart(60, [] {}), 6) << "more than five";
   EXPECT_THAT(reason_, HasSubstr("no STATUS for 6 s"));
 }
 
 TEST_F(HealthWatchTest, RestartsACommandThatNeverSendsStatus) {
-  hear_deputy();
+  report();
   EXPECT_EQ(seconds_to_restart(60, [] {}), 6);
 }
 
@@ -127,14 +127,14 @@ TEST(HealthWatchMute, RestartsACommandThatWritesNoOutput) {
 }
 
 TEST_F(HealthWatchTest, RestartsACommandThatHasFailedForLong) {
-  hear_deputy();
+  report();
   EXPECT_EQ(seconds_to_restart(60, [this] { speak(ProcessHealth::State::kFailed); }), 12)
       << "more than ten after the first FAILED";
   EXPECT_THAT(reason_, HasSubstr("FAILED for 11 s: no scans"));
 }
 
 TEST_F(HealthWatchTest, AShortFailureCausesNoRestart) {
-  hear_deputy();
+  report();
   int second = 0;
   EXPECT_EQ(seconds_to_restart(60,
                                [&] {
@@ -145,7 +145,7 @@ TEST_F(HealthWatchTest, AShortFailureCausesNoRestart) {
 }
 
 TEST_F(HealthWatchTest, WaitsLongerBeforeEachRestartUpToALimit) {
-  hear_deputy();
+  report();
   std::vector<int> seconds;
   for (int i = 0; i < 8; ++i) {
     seconds.push_back(seconds_to_restart(1000, [] {}));
@@ -157,21 +157,21 @@ TEST_F(HealthWatchTest, WaitsLongerBeforeEachRestartUpToALimit) {
 
 // The link to the host failed, not the process.
 TEST_F(HealthWatchTest, ABrokenLinkCausesNoRestart) {
-  hear_deputy();
+  report();
   EXPECT_EQ(seconds_to_restart(10, [this] { speak(ProcessHealth::State::kOk); }), 0);
   for (int second = 0; second < 10; ++second) {
     now_ += 1s;
     EXPECT_THAT(watch_.due_restarts(fleet_, now_), IsEmpty());
   }
-  hear_deputy();
+  report();
   EXPECT_THAT(watch_.due_restarts(fleet_, now_), IsEmpty()) << "INFO came before STATUS";
   EXPECT_EQ(seconds_to_restart(10, [this] { speak(ProcessHealth::State::kOk); }), 0);
 }
 
 TEST_F(HealthWatchTest, DoesNotRestartACommandThatDoesNotRun) {
-  hear_deputy(0);
+  report(0);
   now_ += 100s;
-  hear_deputy(0);
+  report(0);
   EXPECT_THAT(watch_.due_restarts(fleet_, now_), IsEmpty());
 }
 

@@ -73,7 +73,7 @@ TEST_F(ReportTest, IsAvailableAsJson) {
   EXPECT_EQ(json["commands"][2]["state"], "Running");
   EXPECT_EQ(json["commands"][0]["end"], "exit 3");
   EXPECT_EQ(json["hosts"][0]["host"], "far");
-  EXPECT_EQ(json["hosts"][0]["heard"], false);
+  EXPECT_EQ(json["hosts"][0]["reporting"], false);
   EXPECT_EQ(json["hosts"][1]["cpu_load"], 0.25);
   EXPECT_NO_THROW(static_cast<void>(json.dump()));
 }

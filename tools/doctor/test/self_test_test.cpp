@@ -10,7 +10,7 @@ TEST(SelfTest, ReceivesItsMessageWithoutANetwork) {
   const SelfTest test = run_self_test("memq://");
   EXPECT_TRUE(test.opened);
   EXPECT_TRUE(test.latency_ms.has_value());
-  EXPECT_TRUE(test.heard.empty());
+  EXPECT_TRUE(test.received.empty());
 }
 
 TEST(SelfTest, AnUnknownProviderIsNotOpened) {

@@ -15,28 +15,28 @@ using ::testing::IsEmpty;
 class ReactionTest : public ::testing::Test {
  protected:
   template <class Message>
-  void hear(const char* channel, const Message& message, std::int64_t received_utime) {
+  void add(const char* channel, const Message& message, std::int64_t received_utime) {
     std::vector<std::byte> bytes;
     bus::encode_into(bytes, message);
-    reaction_.hear(channel, bytes, time::from_utime(received_utime));
+    reaction_.add(channel, bytes, time::from_utime(received_utime));
   }
 
-  void hear_scan(std::int64_t seq, std::int64_t received_utime) {
+  void add_scan(std::int64_t seq, std::int64_t received_utime) {
     scan_t scan{};
     scan.scan_seq = seq;
-    hear("SCAN", scan, received_utime);
+    add("SCAN", scan, received_utime);
   }
-  void hear_map(std::int64_t seq, std::int64_t utime, std::int64_t received_utime) {
+  void add_map(std::int64_t seq, std::int64_t utime, std::int64_t received_utime) {
     egomap_t map{};
     map.scan_seq = seq;
     map.utime = utime;
-    hear("OBSTACLE_MAP", map, received_utime);
+    add("OBSTACLE_MAP", map, received_utime);
   }
-  void hear_drive(std::int64_t seq, std::int64_t utime, std::int64_t received_utime) {
+  void add_drive(std::int64_t seq, std::int64_t utime, std::int64_t received_utime) {
     drive_t drive{};
     drive.drive_seq = seq;
     drive.utime = utime;
-    hear("DRIVE", drive, received_utime);
+    add("DRIVE", drive, received_utime);
   }
 
   static std::vector<std::int64_t> waits(const std::vector<Sample>& samples) {
@@ -51,50 +51,50 @@ class ReactionTest : public ::testing::Test {
 };
 
 TEST_F(ReactionTest, IsFromTheScanToItsMapAndToTheCommandAfterIt) {
-  hear_scan(7, 1000);
-  hear_map(7, 900, 1300);
-  hear_drive(0, 900, 1500);
-  hear_scan(8, 14000);
-  hear_map(8, 13900, 14100);
-  hear_drive(1, 13900, 14900);
+  add_scan(7, 1000);
+  add_map(7, 900, 1300);
+  add_drive(0, 900, 1500);
+  add_scan(8, 14000);
+  add_map(8, 13900, 14100);
+  add_drive(1, 13900, 14900);
   EXPECT_THAT(waits(reaction_.scan_to_map()), ElementsAre(300, 100));
   EXPECT_THAT(waits(reaction_.scan_to_drive()), ElementsAre(500, 900));
 }
 
 TEST_F(ReactionTest, ACommandOnOlderDataIsNoAnswer) {
-  hear_scan(7, 1000);
-  hear_map(7, 900, 1300);
-  hear_drive(0, 850, 1400);
+  add_scan(7, 1000);
+  add_map(7, 900, 1300);
+  add_drive(0, 850, 1400);
   EXPECT_THAT(reaction_.scan_to_drive(), IsEmpty());
-  hear_drive(1, 900, 2400);
+  add_drive(1, 900, 2400);
   EXPECT_THAT(waits(reaction_.scan_to_drive()), ElementsAre(1400));
 }
 
 // If a navigator uses two maps at once, the first one had to wait.
 TEST_F(ReactionTest, OneCommandAnswersAllMapsBeforeIt) {
-  hear_scan(1, 0);
-  hear_map(1, 10, 100);
-  hear_scan(2, 13000);
-  hear_map(2, 13010, 13100);
-  hear_drive(0, 13010, 13500);
+  add_scan(1, 0);
+  add_map(1, 10, 100);
+  add_scan(2, 13000);
+  add_map(2, 13010, 13100);
+  add_drive(0, 13010, 13500);
   EXPECT_THAT(waits(reaction_.scan_to_drive()), ElementsAre(13500, 500));
 }
 
 TEST_F(ReactionTest, AScanWithoutAMapIsLeftOut) {
-  hear_scan(1, 0);
-  hear_scan(2, 13000);
-  hear_map(2, 13010, 13100);
-  hear_map(1, 10, 14000);
+  add_scan(1, 0);
+  add_scan(2, 13000);
+  add_map(2, 13010, 13100);
+  add_map(1, 10, 14000);
   EXPECT_THAT(waits(reaction_.scan_to_map()), ElementsAre(100));
 }
 
 TEST_F(ReactionTest, CountsMissingAndCorruptMessages) {
-  hear_scan(1, 0);
-  hear_scan(4, 1);
-  hear_scan(0, 2);  // restarted: nothing was lost
-  hear_drive(3, 0, 3);
-  hear_drive(5, 0, 4);
-  reaction_.hear("SCAN", {}, time::from_utime(5));
+  add_scan(1, 0);
+  add_scan(4, 1);
+  add_scan(0, 2);  // restarted: nothing was lost
+  add_drive(3, 0, 3);
+  add_drive(5, 0, 4);
+  reaction_.add("SCAN", {}, time::from_utime(5));
   EXPECT_EQ(reaction_.lost().at("SCAN"), 2);
   EXPECT_EQ(reaction_.lost().at("DRIVE"), 1);
   EXPECT_EQ(reaction_.corrupt(), 1);

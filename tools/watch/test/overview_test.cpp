@@ -37,10 +37,10 @@ TEST(Rate, CountsTheLastSecond) {
 
 TEST(Overview, AddsUpTheDistanceWithoutJumps) {
   Overview overview;
-  overview.hear(odometry_at(5.0, 5.0, 0.0), at(0s));  // the first position adds no distance
-  overview.hear(odometry_at(5.3, 5.4, -1.5), at(1us));
-  overview.hear(odometry_at(0.0, 0.0, 0.0), at(2us));  // the driver was restarted
-  overview.hear(odometry_at(0.0, 0.1, 0.5), at(3us));
+  overview.add(odometry_at(5.0, 5.0, 0.0), at(0s));  // the first position adds no distance
+  overview.add(odometry_at(5.3, 5.4, -1.5), at(1us));
+  overview.add(odometry_at(0.0, 0.0, 0.0), at(2us));  // the driver was restarted
+  overview.add(odometry_at(0.0, 0.1, 0.5), at(3us));
   EXPECT_NEAR(overview.distance_m(), 0.6, 1e-12);
   EXPECT_DOUBLE_EQ(overview.forward_mps(), 0.5);
   EXPECT_DOUBLE_EQ(overview.max_forward_mps(), 1.5);
@@ -51,10 +51,10 @@ TEST(Overview, NearestIsOfTheNewestMap) {
   EXPECT_TRUE(std::isinf(overview.nearest_m()));
   egomap_t map{};
   map.distance_m = {INFINITY, 0.5F, 2.0F};
-  overview.hear(map, at(0s));
+  overview.add(map, at(0s));
   EXPECT_DOUBLE_EQ(overview.nearest_m(), 0.5);
   map.distance_m = {INFINITY, INFINITY, 2.0F};
-  overview.hear(map, at(1us));
+  overview.add(map, at(1us));
   EXPECT_DOUBLE_EQ(overview.nearest_m(), 2.0);
 }
 
@@ -63,12 +63,12 @@ TEST(Overview, SumsTheLossesInTheNewestStatusOfEachProcess) {
   status_t status{};
   status.process_name = std::string("nodmap-a");
   status.total_lost = 3;
-  overview.hear(status, at(0s));
+  overview.add(status, at(0s));
   status.total_lost = 5;
-  overview.hear(status, at(1us));
+  overview.add(status, at(1us));
   status.process_name = std::string("nodmap-b");
   status.total_corrupt = 1;
-  overview.hear(status, at(2us));
+  overview.add(status, at(2us));
   EXPECT_EQ(overview.lost(), 11);
 }
 
@@ -77,7 +77,7 @@ TEST(Overview, CountsKeyframesNotTheirParts) {
   cloud_chunk_t chunk{};
   for (const std::int64_t id : {0, 0, 1, 1, 1}) {
     chunk.keyframe_id = id;
-    overview.hear(chunk, at(0s));
+    overview.add(chunk, at(0s));
   }
   EXPECT_EQ(overview.keyframes(), 2);
 }
@@ -86,18 +86,18 @@ TEST(StatusLine, SaysWhatTheRobotDoes) {
   Overview overview;
   navigation_t navigation{};
   navigation.behaviour = navigation_t::TURN;
-  overview.hear(navigation, at(0s));
+  overview.add(navigation, at(0s));
   pitch_state_t pitch{};
   pitch.pitch_rad = -0.5;
-  overview.hear(pitch, at(0s));
-  overview.hear(odometry_at(0, 0, 1.25), at(0s));
+  overview.add(pitch, at(0s));
+  overview.add(odometry_at(0, 0, 1.25), at(0s));
   EXPECT_THAT(status_line(overview, at(0s)), HasSubstr("TURN"));
   EXPECT_THAT(status_line(overview, at(0s)), HasSubstr("1.25 m/s"));
   EXPECT_THAT(status_line(overview, at(0s)), HasSubstr("-28.6 deg"));
   EXPECT_THAT(status_line(overview, at(0s)), Not(HasSubstr("collisions")));
   truth_t truth{};
   truth.collisions = 2;
-  overview.hear(truth, at(0s));
+  overview.add(truth, at(0s));
   EXPECT_THAT(status_line(overview, at(0s)), HasSubstr("collisions 2"));
   EXPECT_LE(status_line(overview, at(0s)).size(), 120U);
 }
