@@ -224,7 +224,7 @@ TEST_F(DynamixelTest, AnAlertEndsOnlyWithARestart) {
   EXPECT_EQ(read(11, 1), 3U) << "its memory is unchanged";
 }
 
-TEST_F(DynamixelTest, AtAnotherBaudRateItHearsOnlyNoise) {
+TEST_F(DynamixelTest, AtAnotherBaudRateItReceivesOnlyNoise) {
   host_.set_baud(57'600);
   EXPECT_THAT(ask(kPing), IsEmpty());
 }

@@ -221,7 +221,7 @@ TEST_F(KurtTest, TheGyroFollowsTheRobotsRotation) {
   EXPECT_GT(yaw_deg, 5.0);
 }
 
-TEST_F(KurtTest, AtAnotherBaudRateItHearsOnlyNoise) {
+TEST_F(KurtTest, AtAnotherBaudRateItReceivesOnlyNoise) {
   host_.set_baud(115'200);
   heard_.clear();
   listen(100ms);
