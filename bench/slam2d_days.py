@@ -77,8 +77,8 @@ def write_log(path, hours, seed=1):
         while time_s < 1.6e9 + 3600.0 * hours:
             for pose, scan in zip(poses, scans):
                 ahead = math.hypot(pose[0] - last[0], pose[1] - last[1])
-                turn = (pose[2] - last[2] + math.pi) % (2.0 * math.pi) - math.pi
-                yaw += turn * 1.01 + 0.003 * ahead * noise.gauss(1.0, 1.0)
+                rotation = (pose[2] - last[2] + math.pi) % (2.0 * math.pi) - math.pi
+                yaw += rotation * 1.01 + 0.003 * ahead * noise.gauss(1.0, 1.0)
                 x += 1.01 * ahead * math.cos(yaw)
                 y += 1.01 * ahead * math.sin(yaw)
                 last = pose

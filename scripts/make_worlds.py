@@ -219,8 +219,8 @@ def furnish(w, rng, left, width, side, y1, door_x, desks):
         w.table(x, side * (y1 - 0.5), 1.5, 0.75, rng.choice((0, 0, 2, -3)), rng.choice((0.72, 0.74)))
         w.chair(x + rng.uniform(-0.3, 0.3), side * (y1 - 1.25 - rng.uniform(0, 0.3)), side * 90 + rng.uniform(-40, 40))
     w.box(left + rng.uniform(0.4, 0.7), side * (y1 - 0.45), 0, 0.42, 0.2, 0.45, rng.uniform(-5, 5), 0.2)
-    wall_x, turn = (right - 0.3, 90) if door_x < (left + right) / 2 else (left + 0.3, 90)
-    w.box(wall_x, side * 2.4, 0, rng.choice((1.2, 1.9)), 1.0, 0.42, turn)
+    wall_x, yaw = (right - 0.3, 90) if door_x < (left + right) / 2 else (left + 0.3, 90)
+    w.box(wall_x, side * 2.4, 0, rng.choice((1.2, 1.9)), 1.0, 0.42, yaw)
     w.cylinder(rng.choice((left + 0.35, right - 0.35)), side * 3.4, 0, 0.32, 0.13)
     w.box((left + right) / 2 + rng.uniform(-0.5, 0.5), side * rng.uniform(3.0, 3.4), 0, rng.choice((0.1, 0.25, 0.3)),
           0.4, 0.3, rng.uniform(0, 90))

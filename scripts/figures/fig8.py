@@ -30,10 +30,10 @@ def draw(points, pose):
     """Draws the scene, the cloud and the depth image, all seen by a camera above and behind the robot."""
     x, y, yaw = pose
     camera, at, view_deg = np.array([-1.0, 0.0, 0.9]), np.array([4.0, 0.0, 0.25]), 80.0
-    turn = np.array([[math.cos(yaw), -math.sin(yaw), 0], [math.sin(yaw), math.cos(yaw), 0], [0, 0, 1]])
+    rotation = np.array([[math.cos(yaw), -math.sin(yaw), 0], [math.sin(yaw), math.cos(yaw), 0], [0, 0, 1]])
     shift = np.array([x, y, 0])
     solids, _ = scene.load(TRIAL.world)
-    photo = scene.photograph(solids + scene.robot(x, y, yaw), shift + turn @ camera, shift + turn @ at, 720, 360, view_deg)
+    photo = scene.photograph(solids + scene.robot(x, y, yaw), shift + rotation @ camera, shift + rotation @ at, 720, 360, view_deg)
     figure, axes = plt.subplots(3, 1, figsize=(5.2, 5.6), constrained_layout=True)
     axes[0].imshow(photo, extent=(-1, 1, -0.5, 0.5))
     uv, depth, order = scene.project(points, camera, at, view_deg)
@@ -58,7 +58,7 @@ def make():
     for old in TRIAL.dir.glob("cloud*"):
         old.unlink()
     clouds = measure(TRIAL.dir, TRIAL.world, call)
-    straightest = min(clouds, key=lambda cloud: cloud["turn_deg"])
+    straightest = min(clouds, key=lambda cloud: cloud["rotation_deg"])
     pose = straightest["pose"]
     draw(formats.read_ply(straightest["path"]), pose)
     shown, worst = straightest["errors"], max((cloud["errors"] for cloud in clouds), key=lambda errors: errors["rms_m"])

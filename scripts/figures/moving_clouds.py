@@ -56,12 +56,12 @@ def measure(folder, world, call):
     """Measures each such cloud of a trial that has kept its log, placed at the robot's true pose. `call` runs a program and returns what it prints."""
     truth = read_poses(folder / "truth.tum")
     clouds = []
-    for start_s, turn_deg in fast_windows(read_motions(folder, call)):
+    for start_s, rotation_deg in fast_windows(read_motions(folder, call)):
         path = folder / f"cloud{len(clouds)}.ply"
         call("nodmap-convert", "export", folder / "trial.lcmlog", path, "--start-s", f"{start_s:.3f}", "--scans", SCANS)
         x, y, yaw = pose = pose_at(truth, read_poses(path.with_suffix(".tum"))[0][0])
         errors = json.loads(call("nodmap-evaluate", "cloud", path, world, f"--start={x:.6f}", f"{y:.6f}", f"{math.degrees(yaw):.6f}"))
-        clouds.append({"path": path, "pose": pose, "start_s": start_s, "turn_deg": turn_deg, "errors": errors})
+        clouds.append({"path": path, "pose": pose, "start_s": start_s, "rotation_deg": rotation_deg, "errors": errors})
     if not clouds:
         raise RuntimeError(f"{folder}: the robot never drives at {SPEED_MPS} m/s")
     return clouds

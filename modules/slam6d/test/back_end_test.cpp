@@ -60,7 +60,7 @@ struct Mapping {
   }
 };
 
-SE3 turned_by(double heading_rad) {
+SE3 rotated_by(double heading_rad) {
   SE3 error = SE3::Identity();
   error.linear() = geometry::rotation_of({0.0, 0.0, heading_rad});
   return error;
@@ -69,7 +69,7 @@ SE3 turned_by(double heading_rad) {
 // The heading drifts by 0.06 degrees a metre, which is 3.4 degrees in a round.
 TEST(BackEnd, LoopClosuresCorrectTheDrift) {
   const std::vector<SE3> poses = circle(75);
-  const SE3 error = turned_by(deg_to_rad(0.06));
+  const SE3 error = rotated_by(deg_to_rad(0.06));
   SE3 T_drifted = poses[0];
   double drift_m = 0.0;
   for (std::size_t k = 1; k < poses.size(); ++k) {

@@ -45,9 +45,9 @@ TEST(CorrectedPoses, AMoveAndItsInverseRestoreThePoses) {
     sweeps.push_back(tracked(i));
     poses.add(sweeps.back().T_map_base);
   }
-  SE3 turned = at(0.0, 1.0);
-  turned.linear() = geometry::rotation_of({0.0, 0.0, 0.3});
-  poses.move(std::vector<CorrectedPoses::Correction>{{0, turned}, {3, turned * at(3.0, 0.0)}});
+  SE3 rotated = at(0.0, 1.0);
+  rotated.linear() = geometry::rotation_of({0.0, 0.0, 0.3});
+  poses.move(std::vector<CorrectedPoses::Correction>{{0, rotated}, {3, rotated * at(3.0, 0.0)}});
   EXPECT_GT(poses.trajectory(sweeps)[2].translation().y(), 1.5);  // 1 + 2 sin 0.3
   poses.move(std::vector<CorrectedPoses::Correction>{{0, at(0.0, 0.0)}, {3, at(3.0, 0.0)}});
   for (std::size_t i = 0; i < 4; ++i) {

@@ -12,19 +12,19 @@ using geometry::deg_to_rad;
 using geometry::SE3;
 
 // The motion along an arc of constant curvature.
-SE3 arc(double length_m, double turn_rad) {
-  const double curvature = turn_rad / length_m;
+SE3 arc(double length_m, double rotation_rad) {
+  const double curvature = rotation_rad / length_m;
   SE3 motion = SE3::Identity();
-  motion.translation() << std::sin(turn_rad) / curvature, (1.0 - std::cos(turn_rad)) / curvature,
-      0.0;
-  motion.linear() = geometry::rotation_of({0.0, 0.0, turn_rad});
+  motion.translation() << std::sin(rotation_rad) / curvature,
+      (1.0 - std::cos(rotation_rad)) / curvature, 0.0;
+  motion.linear() = geometry::rotation_of({0.0, 0.0, rotation_rad});
   return motion;
 }
 
 // What odometry reports for the motion along an arc, if the wheels count 4 % too much distance and
 // 6 % too much rotation, and in addition 0.5 degrees a metre.
-SE3 counted(double length_m, double turn_rad) {
-  return arc(1.04 * length_m, 1.06 * turn_rad + deg_to_rad(0.5) * length_m);
+SE3 counted(double length_m, double rotation_rad) {
+  return arc(1.04 * length_m, 1.06 * rotation_rad + deg_to_rad(0.5) * length_m);
 }
 
 MotionEvidence evidence(double deviation, double sigma) {
@@ -40,11 +40,11 @@ TEST(OdometryCalibration, LearnsTheErrorsOfTheWheels) {
   OdometryCalibration calibration({});
   std::mt19937 random(1);
   std::normal_distribution<double> noise(0.0, 1.0);
-  std::uniform_real_distribution<double> turn(-0.5, 0.5);
+  std::uniform_real_distribution<double> rotation(-0.5, 0.5);
   for (int i = 0; i < 100; ++i) {
-    const double turn_rad = turn(random);
-    const SE3 motion = counted(0.5, turn_rad);
-    const SE3 deviation = calibration.calibrate(motion).inverse() * arc(0.5, turn_rad);
+    const double rotation_rad = rotation(random);
+    const SE3 motion = counted(0.5, rotation_rad);
+    const SE3 deviation = calibration.calibrate(motion).inverse() * arc(0.5, rotation_rad);
     calibration.learn(motion, evidence(deviation.translation().x() + 0.005 * noise(random), 0.005),
                       evidence(geometry::rotation_vector(deviation.linear()).z() +
                                    deg_to_rad(0.2) * noise(random),

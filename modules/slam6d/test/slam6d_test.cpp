@@ -61,12 +61,12 @@ TEST(Slam6d, R40_EveryScanIsInOneSweep) {
 void expect_keyframes_as_the_paper_says(const Slam6d& slam) {
   for (const PoseUpdate& sweep : slam.sweeps()) {
     const bool is_far = sweep.distance_m > 2.0;
-    const bool is_turned = sweep.rotation_rad > deg_to_rad(45.0);
+    const bool is_rotated = sweep.rotation_rad > deg_to_rad(45.0);
     if (&sweep == slam.sweeps().data()) {
       EXPECT_EQ(sweep.keyframe, KeyframeReason::kFirst);
     } else if (is_far) {
       EXPECT_EQ(sweep.keyframe, KeyframeReason::kDistance);
-    } else if (is_turned) {
+    } else if (is_rotated) {
       EXPECT_EQ(sweep.keyframe, KeyframeReason::kRotation);
     } else {
       EXPECT_FALSE(sweep.keyframe);
@@ -83,14 +83,14 @@ TEST(Slam6d, R43_ASweepBeyondTwoMetresBecomesAKeyframe) {
 
 TEST(Slam6d, R43_ASweepBeyond45DegreesBecomesAKeyframe) {
   Slam6d slam({});
-  const auto turn = [](time::Timestamp t) {
+  const auto rotate = [](time::Timestamp t) {
     SE3 T = SE3::Identity();
     T.linear() =
         Eigen::AngleAxisd(0.3 * time::seconds(t.time_since_epoch()), Eigen::Vector3d::UnitZ())
             .toRotationMatrix();
     return T;
   };
-  Drive{.motion = turn}.run(slam, 800);  // 183 degrees, 18.3 from sweep to sweep
+  Drive{.motion = rotate}.run(slam, 800);  // 183 degrees, 18.3 from sweep to sweep
   expect_keyframes_as_the_paper_says(slam);
   EXPECT_EQ(slam.keyframes().size(), 4U);
 }

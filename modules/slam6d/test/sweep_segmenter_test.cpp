@@ -58,9 +58,9 @@ void expect_all_once(const std::vector<Sweep>& sweeps, std::size_t num_scans) {
 
 TEST(SweepSegmenter, R40_CutsAtReversals) {
   std::vector<double> pitches;
-  for (int half = 0; half < 6; ++half) {
+  for (int sweep = 0; sweep < 6; ++sweep) {
     for (int i = 0; i < 20; ++i) {
-      pitches.push_back(half % 2 == 0 ? -20.0 + i : -i);
+      pitches.push_back(sweep % 2 == 0 ? -20.0 + i : -i);
     }
   }
   const auto sweeps = segment(stream(pitches));
