@@ -16,7 +16,6 @@ import hashlib
 import json
 import os
 import pathlib
-import re
 import subprocess
 import sys
 import xml.etree.ElementTree as ElementTree
@@ -69,8 +68,13 @@ def ctest(build, *options):
     return subprocess.run(["ctest", "--test-dir", build, *options], capture_output=True, check=True, text=True).stdout
 
 
-def tests_of(build):
-    return json.loads(ctest(build, "--show-only=json-v1"))["tests"]
+def tests_of(build, *options):
+    return json.loads(ctest(build, "--show-only=json-v1", *options))["tests"]
+
+
+def identity(test):
+    """Tells two tests of the same name in two programs apart."""
+    return test["name"], tuple(test.get("command", []))
 
 
 def known_passes(build):
@@ -80,8 +84,11 @@ def known_passes(build):
 
 def select(build, selection, *options):
     inputs, known = Inputs(build), known_passes(build)
-    keys = [inputs.key(test) for test in tests_of(build)]
-    asked = [int(number) for number in re.findall(r"Test +#(\d+):", ctest(build, "-N", *options))]
+    tests = tests_of(build)
+    keys = [inputs.key(test) for test in tests]
+    # With -E or -R CTest counts anew, but -I FILE means the numbers without them.
+    number_of = {identity(test): number for number, test in enumerate(tests, 1)}
+    asked = [number_of[identity(test)] for test in tests_of(build, *options)]
     must_run = [number for number in asked if keys[number - 1] not in known]
     # Start, end and stride come first; with a stride of 0 they select nothing.
     selection.write_text(",".join(map(str, [0, 0, 0, *must_run])) + "\n")

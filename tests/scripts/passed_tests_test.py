@@ -80,6 +80,7 @@ def main():
         expect(build.run("-E", "skips"), {"starts_one", "processes"}, "a program that one starts changed")
         build.write("bin/two", "exit 3")
         expect(build.run("-E", "skips"), {"processes"}, "a program that none names changed")
+        expect(build.run("-E", "alone|starts_one|processes"), {"skips"}, "the tests before it are left out")
 
 
 if __name__ == "__main__":
