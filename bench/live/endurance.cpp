@@ -58,13 +58,10 @@ Json to_json(const std::vector<Sample>& samples) {
 /// The timestamp of an encoded message: every nodmap_*_t begins with it, in network byte order,
 /// after the eight bytes of the type's fingerprint. The epoch if the message is too short.
 time::Timestamp stamp_of(std::span<const std::byte> data) {
-  constexpr std::size_t kBegin = 8;
-  constexpr std::size_t kEnd = 16;
-  std::uint64_t utime = 0;
-  for (std::size_t i = kBegin; i < std::min(data.size(), kEnd); ++i) {
-    utime = utime << 8U | std::to_integer<std::uint64_t>(data[i]);
-  }
-  return time::from_utime(data.size() < kEnd ? 0 : static_cast<std::int64_t>(utime));
+  constexpr std::size_t kBegin = bus::kFingerprintBytes;
+  constexpr std::size_t kEnd = kBegin + sizeof(std::int64_t);
+  return time::from_utime(data.size() < kEnd ? 0
+                                             : bus::read_big_endian<std::int64_t>(data, kBegin));
 }
 
 }  // namespace

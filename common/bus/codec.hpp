@@ -16,14 +16,7 @@ inline constexpr std::size_t kFingerprintBytes = 8;
 
 /// The fingerprint at the start of an encoded message, or 0 if there is none.
 [[nodiscard]] inline std::int64_t fingerprint_of(std::span<const std::byte> bytes) {
-  if (bytes.size() < kFingerprintBytes) {
-    return 0;
-  }
-  std::uint64_t value = 0;
-  for (const std::byte b : bytes.first(kFingerprintBytes)) {
-    value = (value << 8U) | static_cast<std::uint64_t>(b);
-  }
-  return static_cast<std::int64_t>(value);
+  return bytes.size() < kFingerprintBytes ? 0 : read_big_endian<std::int64_t>(bytes);
 }
 
 /// Decodes bytes that are exactly one valid message. Returns false and leaves `message` unchanged

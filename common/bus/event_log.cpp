@@ -8,11 +8,14 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/core/noncopyable.hpp>
+#include <boost/endian/conversion.hpp>
 #include <cerrno>
 #include <cstring>
 #include <stdexcept>
 #include <system_error>
 
+#include "common/bus/wire_layout.hpp"
 #include "common/formats/input_file.hpp"
 
 namespace nodmap::bus {
@@ -26,20 +29,11 @@ constexpr std::uint32_t kMaxChannelBytes = 1000;
 constexpr std::uint32_t kMaxDataBytes = 1U << 28U;
 constexpr std::size_t kPendingLimit = 65536;
 
-template <class Unsigned>
-Unsigned read_big_endian(std::span<const std::byte> bytes) {
-  Unsigned value = 0;
-  for (std::size_t i = 0; i < sizeof(Unsigned); ++i) {
-    value = static_cast<Unsigned>((value << 8U) | static_cast<Unsigned>(bytes[i]));
-  }
-  return value;
-}
-
-template <class Unsigned>
-void append_big_endian(std::vector<std::byte>& bytes, Unsigned value) {
-  for (std::size_t i = sizeof(Unsigned); i > 0; --i) {
-    bytes.push_back(static_cast<std::byte>((value >> (8 * (i - 1))) & 0xFFU));
-  }
+template <class Number>
+void append_big_endian(std::vector<std::byte>& bytes, Number value) {
+  boost::endian::native_to_big_inplace(value);
+  const auto encoded = std::as_bytes(std::span(&value, 1));
+  bytes.insert(bytes.end(), encoded.begin(), encoded.end());
 }
 
 std::runtime_error file_error(const std::filesystem::path& path, const char* what) {
@@ -49,15 +43,10 @@ std::runtime_error file_error(const std::filesystem::path& path, const char* wha
 
 }  // namespace
 
-struct LogReader::Mapping {
+struct LogReader::Mapping : private boost::noncopyable {
   void* address = MAP_FAILED;
   std::size_t size = 0;
 
-  Mapping() = default;
-  Mapping(const Mapping&) = delete;
-  Mapping& operator=(const Mapping&) = delete;
-  Mapping(Mapping&&) = delete;
-  Mapping& operator=(Mapping&&) = delete;
   ~Mapping() {
     if (address != MAP_FAILED) {
       ::munmap(address, size);
@@ -67,16 +56,15 @@ struct LogReader::Mapping {
 
 LogReader::LogReader(const std::filesystem::path& path)
     : path_(path), mapping_(std::make_unique<Mapping>()) {
-  const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (fd < 0) {
+  const formats::FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (!file.is_open()) {
     throw formats::cannot_open(path, errno);
   }
   struct stat info {};
-  if (::fstat(fd, &info) == 0 && S_ISREG(info.st_mode) && info.st_size > 0) {
+  if (::fstat(file.get(), &info) == 0 && S_ISREG(info.st_mode) && info.st_size > 0) {
     mapping_->size = static_cast<std::size_t>(info.st_size);
-    mapping_->address = ::mmap(nullptr, mapping_->size, PROT_READ, MAP_PRIVATE, fd, 0);
+    mapping_->address = ::mmap(nullptr, mapping_->size, PROT_READ, MAP_PRIVATE, file.get(), 0);
   }
-  ::close(fd);
   if (!S_ISREG(info.st_mode)) {
     throw formats::InputFileError(path.string() + ": cannot open: not a regular file");
   }
@@ -122,16 +110,14 @@ bool LogReader::read_event_here() {
   if (read_big_endian<std::uint32_t>(header) != kSync) {
     return false;
   }
-  const auto channel_size = read_big_endian<std::uint32_t>(header.subspan(20));
-  const auto data_size = read_big_endian<std::uint32_t>(header.subspan(24));
+  const auto channel_size = read_big_endian<std::uint32_t>(header, 20);
+  const auto data_size = read_big_endian<std::uint32_t>(header, 24);
   if (channel_size == 0 || channel_size > kMaxChannelBytes || data_size > kMaxDataBytes ||
       channel_size + std::uint64_t{data_size} > bytes_.size() - at_ - kHeaderBytes) {
     return false;
   }
-  event_.event_number =
-      static_cast<std::int64_t>(read_big_endian<std::uint64_t>(header.subspan(4)));
-  event_.log_utime_us =
-      static_cast<std::int64_t>(read_big_endian<std::uint64_t>(header.subspan(12)));
+  event_.event_number = read_big_endian<std::int64_t>(header, 4);
+  event_.log_utime_us = read_big_endian<std::int64_t>(header, 12);
   const auto body = bytes_.subspan(at_ + kHeaderBytes, channel_size + data_size);
   event_.channel.assign(reinterpret_cast<const char*>(body.data()), channel_size);
   event_.data = body.subspan(channel_size);
@@ -141,7 +127,7 @@ bool LogReader::read_event_here() {
 
 LogWriter::LogWriter(const std::filesystem::path& path)
     : fd_(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666)) {
-  if (fd_ < 0) {
+  if (!fd_.is_open()) {
     throw std::system_error(errno, std::system_category(), path.string() + ": cannot create");
   }
   pending_.reserve(2 * kPendingLimit);
@@ -150,7 +136,6 @@ LogWriter::LogWriter(const std::filesystem::path& path)
 LogWriter::~LogWriter() {
   // A failure cannot be reported from here. Callers that must know call flush() first.
   [[maybe_unused]] const bool flushed = drain();
-  ::close(fd_);
 }
 
 std::int64_t LogWriter::event_bytes(const std::string& channel, std::span<const std::byte> data) {
@@ -163,8 +148,8 @@ bool LogWriter::write(std::int64_t log_utime_us, const std::string& channel,
     return false;
   }
   append_big_endian(pending_, kSync);
-  append_big_endian(pending_, static_cast<std::uint64_t>(num_events_));
-  append_big_endian(pending_, static_cast<std::uint64_t>(log_utime_us));
+  append_big_endian(pending_, num_events_);
+  append_big_endian(pending_, log_utime_us);
   append_big_endian(pending_, static_cast<std::uint32_t>(channel.size()));
   append_big_endian(pending_, static_cast<std::uint32_t>(data.size()));
   const auto name = std::as_bytes(std::span(channel));
@@ -180,7 +165,7 @@ bool LogWriter::flush() {
 }
 
 bool LogWriter::sync() {
-  if (!failure_ && ::fdatasync(fd_) != 0 &&
+  if (!failure_ && ::fdatasync(fd_.get()) != 0 &&
       errno != EINVAL) {  // EINVAL: a pipe, which cannot be synced
     failure_.assign(errno, std::system_category());
     size_bytes_ = flushed_bytes_;
@@ -191,7 +176,7 @@ bool LogWriter::sync() {
 bool LogWriter::drain() {
   std::size_t done = 0;
   while (!failure_ && done < pending_.size()) {
-    const ssize_t written = ::write(fd_, pending_.data() + done, pending_.size() - done);
+    const ssize_t written = ::write(fd_.get(), pending_.data() + done, pending_.size() - done);
     if (written > 0) {
       done += static_cast<std::size_t>(written);
     } else if (errno != EINTR) {

@@ -13,6 +13,8 @@
 #include <system_error>
 #include <vector>
 
+#include "common/formats/file_descriptor.hpp"
+
 namespace nodmap::bus {
 
 /// One event of an LCM log. `data` is valid until the next one is read.
@@ -93,7 +95,7 @@ class LogWriter : private boost::noncopyable {
  private:
   [[nodiscard]] bool drain();
 
-  int fd_ = -1;
+  formats::FileDescriptor fd_;
   std::error_code failure_;
   std::vector<std::byte> pending_;
   std::int64_t size_bytes_ = 0;

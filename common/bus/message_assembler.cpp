@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/bus/wire_layout.hpp"
+
 namespace nodmap::bus {
 namespace {
 
@@ -13,16 +15,6 @@ constexpr std::size_t kWholeHeaderBytes = 8;
 constexpr std::size_t kFragmentHeaderBytes = 20;
 /// No sender makes smaller fragments, except for the first and the last of a message.
 constexpr std::size_t kMinFragmentBytes = 512;
-
-/// A big-endian number; the caller has checked that it lies within `bytes`.
-template <class Number>
-Number read(std::span<const std::byte> bytes, std::size_t at) {
-  Number value = 0;
-  for (const std::byte b : bytes.subspan(at, sizeof(Number))) {
-    value = static_cast<Number>((value << 8U) | static_cast<Number>(b));
-  }
-  return value;
-}
 
 /// Removes the channel and its NUL from the front of `bytes`. Empty if there is no NUL, or if the
 /// name is invalid: longer than LCM allows, or containing anything but printable ASCII characters.
@@ -48,18 +40,18 @@ std::optional<MessageAssembler::Message> MessageAssembler::take(
   if (datagram.size() < kWholeHeaderBytes) {
     return refuse();
   }
-  const auto magic = read<std::uint32_t>(datagram, 0);
+  const auto magic = read_big_endian<std::uint32_t>(datagram, 0);
   if (magic == kWholeMagic) {
     return take_whole(datagram.subspan(kWholeHeaderBytes));
   }
   if (magic != kFragmentMagic || datagram.size() < kFragmentHeaderBytes) {
     return refuse();
   }
-  return take_fragment(sender, {.seq = read<std::uint32_t>(datagram, 4),
-                                .message_bytes = read<std::uint32_t>(datagram, 8),
-                                .offset = read<std::uint32_t>(datagram, 12),
-                                .number = read<std::uint16_t>(datagram, 16),
-                                .count = read<std::uint16_t>(datagram, 18),
+  return take_fragment(sender, {.seq = read_big_endian<std::uint32_t>(datagram, 4),
+                                .message_bytes = read_big_endian<std::uint32_t>(datagram, 8),
+                                .offset = read_big_endian<std::uint32_t>(datagram, 12),
+                                .number = read_big_endian<std::uint16_t>(datagram, 16),
+                                .count = read_big_endian<std::uint16_t>(datagram, 18),
                                 .payload = datagram.subspan(kFragmentHeaderBytes)});
 }
 

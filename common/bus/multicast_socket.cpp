@@ -5,7 +5,9 @@
 #include <sys/socket.h>
 
 #include <bit>
+#include <cerrno>
 #include <cstdint>
+#include <system_error>
 
 namespace nodmap::bus {
 namespace {
@@ -19,8 +21,8 @@ void set_option(int socket, int level, int name, const Value& value, const char*
 
 }  // namespace
 
-FileDescriptor open_multicast_socket(const UdpmUrl& url) {
-  FileDescriptor socket(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0), "socket");
+formats::FileDescriptor open_multicast_socket(const UdpmUrl& url) {
+  formats::FileDescriptor socket(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0), "socket");
   set_option(socket.get(), SOL_SOCKET, SO_REUSEADDR, 1, "SO_REUSEADDR");
   set_option(socket.get(), SOL_SOCKET, SO_TIMESTAMP, 1, "SO_TIMESTAMP");
   set_option(socket.get(), SOL_SOCKET, SO_RXQ_OVFL, 1, "SO_RXQ_OVFL");

@@ -61,7 +61,7 @@ struct UdpmReceiver::Impl {
   }
 
   void start() {
-    socket.emplace(open_multicast_socket(url));
+    socket = open_multicast_socket(url);
     // The new thread blocks all signals, so that the thread that created it gets them.
     sigset_t all;
     sigset_t before;
@@ -72,7 +72,7 @@ struct UdpmReceiver::Impl {
   }
 
   void receive_until_stopped() {
-    std::array<pollfd, 2> entries{{{socket->get(), POLLIN, 0}, {stop.get(), POLLIN, 0}}};
+    std::array<pollfd, 2> entries{{{socket.get(), POLLIN, 0}, {stop.get(), POLLIN, 0}}};
     while (entries[1].revents == 0) {
       if (::poll(entries.data(), entries.size(), -1) > 0 && entries[0].revents != 0) {
         const std::lock_guard lock(mutex);
@@ -85,7 +85,7 @@ struct UdpmReceiver::Impl {
   /// any message now waits for its handler.
   bool catch_up() {
     const std::lock_guard lock(mutex);
-    for (int i = 0; i < kMaxBatches && socket && queue.empty() && take_batch() > 0; ++i) {
+    for (int i = 0; i < kMaxBatches && socket.is_open() && queue.empty() && take_batch() > 0; ++i) {
     }
     return !queue.empty();
   }
@@ -93,7 +93,7 @@ struct UdpmReceiver::Impl {
   /// Moves datagrams from the socket into the queue without blocking and returns their number. The
   /// mutex must be locked, so that each datagram is seen either in the socket or in the queue.
   std::size_t take_batch() {
-    const auto count = static_cast<std::size_t>(std::max(0, batch.receive(socket->get())));
+    const auto count = static_cast<std::size_t>(std::max(0, batch.receive(socket.get())));
     const bool was_empty = queue.empty();
     const auto now = std::chrono::steady_clock::now();
     for (std::size_t i = 0; i < count; ++i) {
@@ -175,9 +175,9 @@ struct UdpmReceiver::Impl {
   }
 
   UdpmUrl url;
-  FileDescriptor waiting{::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK), "eventfd"};
-  FileDescriptor stop{::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK), "eventfd"};
-  std::optional<FileDescriptor> socket;
+  formats::FileDescriptor waiting{::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK), "eventfd"};
+  formats::FileDescriptor stop{::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK), "eventfd"};
+  formats::FileDescriptor socket;  // none before the first subscription
 
   std::mutex mutex;  // guards the members below
   DatagramBatch batch;
@@ -208,7 +208,7 @@ void UdpmReceiver::subscribe(std::optional<std::string> channel, RawHandler hand
          .capacity = static_cast<std::size_t>(std::max(1, queue_capacity)),
          .num_queued = 0});
   }
-  if (!impl_->socket) {
+  if (!impl_->socket.is_open()) {
     impl_->start();
   }
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <boost/core/noncopyable.hpp>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -42,17 +43,13 @@ struct ReceiverCounts {
 /// new message is dropped. The socket is opened with the first subscription and bound to the
 /// multicast group. (LCM binds to every address, and so also receives other groups and unicast on
 /// its port.)
-class UdpmReceiver {
+class UdpmReceiver : private boost::noncopyable {
  public:
   static constexpr std::size_t kMaxQueuedBytes = std::size_t{64} << 20U;
 
   /// `trusted_hosts`: see TrustedHosts.
   UdpmReceiver(const UdpmUrl& url, const std::string& trusted_hosts);
   ~UdpmReceiver();
-  UdpmReceiver(const UdpmReceiver&) = delete;
-  UdpmReceiver& operator=(const UdpmReceiver&) = delete;
-  UdpmReceiver(UdpmReceiver&&) = delete;
-  UdpmReceiver& operator=(UdpmReceiver&&) = delete;
 
   /// Subscribes to a channel, or to all. Throws std::system_error if the socket cannot be opened.
   void subscribe(std::optional<std::string> channel, RawHandler handler, int queue_capacity);

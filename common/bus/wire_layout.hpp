@@ -1,12 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <boost/endian/conversion.hpp>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <string_view>
 
 namespace nodmap::bus {
+
+/// The number at this place, in network byte order as on the wire and in event logs; `bytes` must
+/// reach to its end.
+template <class Number>
+[[nodiscard]] Number read_big_endian(std::span<const std::byte> bytes, std::size_t at = 0) {
+  Number value{};
+  std::memcpy(&value, bytes.subspan(at, sizeof(value)).data(), sizeof(value));
+  return boost::endian::big_to_native(value);
+}
 
 enum class WireForm : std::uint8_t { kPlain, kString, kStruct };
 

@@ -5,7 +5,8 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <utility>
+
+#include "common/formats/file_descriptor.hpp"
 
 namespace nodmap::formats {
 namespace {
@@ -17,15 +18,10 @@ std::error_code last_error() {
 class File {
  public:
   File(const std::filesystem::path& path, int flags) : fd_(::open(path.c_str(), flags, 0644)) {}
-  File(const File&) = delete;
-  File& operator=(const File&) = delete;
-  File(File&&) = delete;
-  File& operator=(File&&) = delete;
-  ~File() { static_cast<void>(close()); }
 
   [[nodiscard]] std::error_code write(std::string_view bytes) const {
     while (!bytes.empty()) {
-      const ssize_t written = ::write(fd_, bytes.data(), bytes.size());
+      const ssize_t written = ::write(fd_.get(), bytes.data(), bytes.size());
       if (written < 0 && errno != EINTR) {
         return last_error();
       }
@@ -35,19 +31,19 @@ class File {
   }
 
   [[nodiscard]] std::error_code sync() const {
-    return ::fsync(fd_) == 0 ? std::error_code() : last_error();
+    return ::fsync(fd_.get()) == 0 ? std::error_code() : last_error();
   }
 
   // Some file systems report a full disk only here.
   [[nodiscard]] std::error_code close() {
-    const int fd = std::exchange(fd_, -1);
+    const int fd = fd_.release();
     return fd < 0 || ::close(fd) == 0 ? std::error_code() : last_error();
   }
 
-  [[nodiscard]] bool is_open() const { return fd_ >= 0; }
+  [[nodiscard]] bool is_open() const { return fd_.is_open(); }
 
  private:
-  int fd_;
+  FileDescriptor fd_;
 };
 
 std::error_code write_new(const std::filesystem::path& path, std::string_view bytes) {

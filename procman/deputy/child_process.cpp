@@ -134,13 +134,13 @@ std::string expanded(std::string_view word, const Lookup& lookup) {
 }
 
 struct Terminal {
-  Descriptor ours;
+  formats::FileDescriptor ours;
   std::array<char, 128> name{};
 };
 
 Terminal open_terminal() {
   Terminal terminal;
-  terminal.ours = Descriptor(::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC));
+  terminal.ours = formats::FileDescriptor(::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC));
   const int fd = terminal.ours.get();
   if (fd < 0 || ::grantpt(fd) != 0 || ::unlockpt(fd) != 0 ||
       ::ptsname_r(fd, terminal.name.data(), terminal.name.size()) != 0 ||
@@ -244,21 +244,6 @@ void apply_resources(const Resources& resources) noexcept {
 }
 
 }  // namespace
-
-Descriptor::~Descriptor() {
-  if (fd_ >= 0) {
-    ::close(fd_);
-  }
-}
-
-Descriptor& Descriptor::operator=(Descriptor&& other) noexcept {
-  std::swap(fd_, other.fd_);
-  return *this;
-}
-
-int Descriptor::release() {
-  return std::exchange(fd_, -1);
-}
 
 ExecLine parse_exec_line(std::string_view line, const Lookup& lookup) {
   ExecLine exec;

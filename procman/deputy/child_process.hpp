@@ -10,26 +10,10 @@
 #include <utility>
 #include <vector>
 
+#include "common/formats/file_descriptor.hpp"
 #include "procman/config/config.hpp"
 
 namespace nodmap::procman {
-
-/// Owns a file descriptor and closes it.
-class Descriptor {
- public:
-  explicit Descriptor(int fd = -1) : fd_(fd) {}
-  ~Descriptor();
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  Descriptor(Descriptor&& other) noexcept : fd_(other.release()) {}
-  Descriptor& operator=(Descriptor&& other) noexcept;
-
-  [[nodiscard]] int get() const { return fd_; }
-  [[nodiscard]] int release();
-
- private:
-  int fd_;
-};
 
 /// The parts of an exec line: `NAME=VALUE ... program arguments ...`.
 struct ExecLine {
@@ -57,7 +41,7 @@ struct Program {
 
 struct Child {
   pid_t pid = -1;
-  Descriptor terminal;  ///< our side of its stdin, stdout and stderr; does not block
+  formats::FileDescriptor terminal;  ///< our side of its stdin, stdout and stderr; does not block
 };
 
 /// Starts a program without a shell, in a session, a process group and a terminal of its own. It

@@ -75,7 +75,7 @@ class Children : boost::noncopyable {
   struct Run {
     pid_t pid = 0;
     std::string mark;
-    Descriptor terminal;
+    formats::FileDescriptor terminal;
     bool hung_up = false;
     time::SteadyTime next_read{};
     std::optional<int> wait_status;  // set when the first process has ended

@@ -10,7 +10,7 @@
 #include <memory>
 #include <set>
 
-#include "procman/deputy/child_process.hpp"
+#include "common/formats/file_descriptor.hpp"
 
 namespace nodmap::procman {
 namespace {
@@ -34,11 +34,11 @@ bool read_number(std::string_view text, Number& value) {
 }
 
 std::string read_whole(const std::string& file) {
-  const Descriptor in(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
+  const formats::FileDescriptor in(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
   std::string text;
   std::array<char, 4096> buffer{};
   ssize_t size = 0;
-  while (in.get() >= 0 && (size = ::read(in.get(), buffer.data(), buffer.size())) > 0) {
+  while (in.is_open() && (size = ::read(in.get(), buffer.data(), buffer.size())) > 0) {
     text.append(buffer.data(), static_cast<std::size_t>(size));
   }
   return text;

@@ -4,9 +4,7 @@
 #include <sys/signalfd.h>
 #include <unistd.h>
 
-#include <cerrno>
 #include <csignal>
-#include <system_error>
 
 namespace nodmap::procman {
 
@@ -18,11 +16,7 @@ SignalReader::SignalReader() {
   }
   ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   std::signal(SIGPIPE, SIG_IGN);
-  const int fd = ::signalfd(-1, &signals, SFD_CLOEXEC | SFD_NONBLOCK);
-  if (fd < 0) {
-    throw std::system_error(errno, std::system_category(), "signalfd");
-  }
-  descriptor_ = Descriptor(fd);
+  descriptor_ = {::signalfd(-1, &signals, SFD_CLOEXEC | SFD_NONBLOCK), "signalfd"};
 }
 
 std::optional<int> SignalReader::next() {

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "procman/deputy/child_process.hpp"
+#include "common/formats/file_descriptor.hpp"
 
 namespace nodmap::procman {
 
@@ -21,7 +21,7 @@ class SignalReader {
   [[nodiscard]] std::optional<int> next();
 
  private:
-  Descriptor descriptor_;
+  formats::FileDescriptor descriptor_;
 };
 
 }  // namespace nodmap::procman

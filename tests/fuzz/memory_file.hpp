@@ -11,27 +11,24 @@
 #include <filesystem>
 #include <string>
 
+#include "common/formats/file_descriptor.hpp"
+
 namespace nodmap::fuzz {
 
 class MemoryFile {
  public:
   MemoryFile(const std::uint8_t* data, std::size_t size) : fd_(::memfd_create("fuzz", 0)) {
-    if (fd_ < 0 || ::write(fd_, data, size) != static_cast<ssize_t>(size)) {
+    if (!fd_.is_open() || ::write(fd_.get(), data, size) != static_cast<ssize_t>(size)) {
       std::abort();
     }
   }
-  ~MemoryFile() { ::close(fd_); }
-  MemoryFile(const MemoryFile&) = delete;
-  MemoryFile& operator=(const MemoryFile&) = delete;
-  MemoryFile(MemoryFile&&) = delete;
-  MemoryFile& operator=(MemoryFile&&) = delete;
 
   [[nodiscard]] std::filesystem::path path() const {
-    return "/proc/self/fd/" + std::to_string(fd_);
+    return "/proc/self/fd/" + std::to_string(fd_.get());
   }
 
  private:
-  int fd_;
+  formats::FileDescriptor fd_;
 };
 
 }  // namespace nodmap::fuzz

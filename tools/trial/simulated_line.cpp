@@ -19,10 +19,6 @@ class SimulatedLine::Stream final : public serial::ByteStream {
       line_->stream_ = nullptr;
     }
   }
-  Stream(const Stream&) = delete;
-  Stream& operator=(const Stream&) = delete;
-  Stream(Stream&&) = delete;
-  Stream& operator=(Stream&&) = delete;
 
   void disconnect() { line_ = nullptr; }
 

@@ -42,6 +42,14 @@ void put_int32(Bytes& bytes, std::size_t offset, std::int32_t value) {
   }
 }
 
+TEST(Codec, NumbersAreReadInNetworkByteOrder) {
+  const Bytes bytes{std::byte{0x7F}, std::byte{0x01}, std::byte{0x02}, std::byte{0xFF},
+                    std::byte{0xFF}, std::byte{0xFF}, std::byte{0xFE}};
+  EXPECT_EQ(read_big_endian<std::uint16_t>(bytes, 1), 0x0102U);
+  EXPECT_EQ(read_big_endian<std::uint32_t>(bytes), 0x7F0102FFU);
+  EXPECT_EQ(read_big_endian<std::int32_t>(bytes, 3), -2);
+}
+
 TEST(Codec, RoundTripsEveryField) {
   nodmap::scan_t back{};
   ASSERT_TRUE(decode_into(back, encoded(sample_scan())));

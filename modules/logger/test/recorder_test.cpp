@@ -6,6 +6,7 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <boost/core/noncopyable.hpp>
 #include <csignal>
 #include <fstream>
 
@@ -21,7 +22,7 @@ constexpr std::int64_t kStartUs = 1'795'262'400'000'000;  // 2026-11-21 12:00:00
 constexpr std::size_t kDataBytes = 968;                   // with header and "DATA": 1000 bytes
 
 /// A limit on the size of files stands in for a disk that is full: write() fails in the same way.
-class FileSizeLimit {
+class FileSizeLimit : private boost::noncopyable {
  public:
   explicit FileSizeLimit(std::uint64_t bytes) {
     EXPECT_EQ(::getrlimit(RLIMIT_FSIZE, &before_), 0);
@@ -29,10 +30,6 @@ class FileSizeLimit {
     set(bytes);
   }
   ~FileSizeLimit() { ::setrlimit(RLIMIT_FSIZE, &before_); }
-  FileSizeLimit(const FileSizeLimit&) = delete;
-  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
-  FileSizeLimit(FileSizeLimit&&) = delete;
-  FileSizeLimit& operator=(FileSizeLimit&&) = delete;
 
   void set(std::uint64_t bytes) {
     const struct rlimit limit { bytes, before_.rlim_max };
