@@ -157,7 +157,8 @@ TEST_P(EveryProcessThatKnowsTheRobot, LoadingTheFileOfTheRobotChangesNoDefault) 
 
 INSTANTIATE_TEST_SUITE_P(All, EveryProcessThatKnowsTheRobot,
                          ::testing::Values("nodmap-explorer", "nodmap-laser3d", "nodmap-map-server",
-                                           "nodmap-navigator", "nodmap-pitch-controller"));
+                                           "nodmap-navigator", "nodmap-pitch-controller",
+                                           "nodmap-viewer"));
 
 class EveryModule : public ::testing::TestWithParam<const char*> {};
 

@@ -54,7 +54,8 @@ Feed::Feed(bus::Bus& bus, TopicStore& store, node::MessageCounts& counts, const 
       odometry_trail_(frames::kOdom, params.trail_spacing_m),
       trail_2d_(frames::kMap, params.trail_spacing_m),
       trail_6d_(frames::kMap6d, params.trail_spacing_m),
-      cloud_downsampler_(params.cloud_spacing_m, max_cloud_points(params)) {
+      cloud_downsampler_(params.cloud_spacing_m, max_cloud_points(params)),
+      p_base_mount_(params.robot.mount.x_m, params.robot.mount.y_m, params.robot.mount.z_m) {
   subscribe_sensors(bus);
   subscribe_odometry(bus);
   subscribe_decisions(bus);
@@ -177,7 +178,7 @@ void Feed::subscribe_odometry(bus::Bus& bus) {
     });
     post_trail(trail, odometry_trail_, stamp, *T_odom_base);
     if (!std::exchange(body_posted_, true)) {
-      post(robot, stamp, [stamp, body = body_] { return body_scene(stamp, body); });
+      post(robot, stamp, [stamp, body = params_.robot.body] { return body_scene(stamp, body); });
     }
   });
 }
@@ -191,16 +192,17 @@ void Feed::subscribe_decisions(bus::Bus& bus) {
        corridor = add_scene_topic("corridor")](const auto& message) {
         post_fields(message);
         post(corridor, node::stamp_of(message),
-             [message, body = body_] { return corridor_scene(message, body); });
+             [message, body = params_.robot.body] { return corridor_scene(message, body); });
       });
   subscribe<nodmap::pitch_command_t>(
       bus, "PITCH_COMMAND",
       [this, post_fields = add_fields_topic<nodmap::pitch_command_t>("PITCH_COMMAND"),
        area = add_scene_topic("area_of_interest")](const auto& message) {
         post_fields(message);
-        post(area, node::stamp_of(message), [message, p = p_base_mount_, body = body_] {
-          return area_of_interest_scene(message, p, body);
-        });
+        post(area, node::stamp_of(message),
+             [message, p = p_base_mount_, body = params_.robot.body] {
+               return area_of_interest_scene(message, p, body);
+             });
       });
   subscribe<nodmap::goal_t>(bus, "GOAL",
                             [this, post_fields = add_fields_topic<nodmap::goal_t>("GOAL"),

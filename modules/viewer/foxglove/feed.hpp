@@ -8,6 +8,7 @@
 #include "common/bus/bus.hpp"
 #include "common/geometry/time.hpp"
 #include "common/node/message_counts.hpp"
+#include "common/robot/robot_params.hpp"
 #include "modules/viewer/foxglove/assemblers.hpp"
 #include "modules/viewer/foxglove/cloud_downsampler.hpp"
 #include "modules/viewer/foxglove/pose_views.hpp"
@@ -17,11 +18,12 @@
 
 namespace nodmap::foxglove {
 
-/// How much is kept of clouds and trails.
+/// How much is kept of clouds and trails, and the robot to draw.
 struct FeedParams {
   int max_cloud_points = 2'000'000;
   double cloud_spacing_m = 0.03;
   double trail_spacing_m = 0.1;
+  robot::RobotParams robot{};
 
   template <class Visitor>
   void describe(Visitor& v) {
@@ -33,6 +35,7 @@ struct FeedParams {
              "so that memory grows with the size of the building, not with time; 0 shows all.");
     v.number("trail_spacing_m", trail_spacing_m, {0.001, 10.0},
              "Spacing of the poses of trails; the newest 2000 of each trail are kept.");
+    robot.describe(v);
   }
 };
 
@@ -83,7 +86,6 @@ class Feed {
   TopicStore& store_;
   node::MessageCounts& counts_;
   FeedParams params_;
-  Body body_;
   Trail odometry_trail_;
   Trail trail_2d_;
   Trail trail_6d_;
@@ -94,7 +96,7 @@ class Feed {
   OctomapAssembler octomap_;
   std::optional<ProcessFeed> processes_;  // constructed where its topics are due
   bool body_posted_ = false;
-  Eigen::Vector3d p_base_mount_{0.0, 0.0, 0.4};  // until the first scan
+  Eigen::Vector3d p_base_mount_;  // of the newest scan; of the parameters before the first
 };
 
 }  // namespace nodmap::foxglove

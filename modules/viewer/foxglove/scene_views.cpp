@@ -131,7 +131,7 @@ Json graph_lines(const std::vector<Eigen::Vector3d>& nodes, const std::vector<st
 
 }  // namespace
 
-Json body_scene(time::Timestamp stamp, const Body& body) {
+Json body_scene(time::Timestamp stamp, const robot::Body& body) {
   Json robot = entity(stamp, frames::kBase, "robot");
   // The chassis, and on it the narrower scanner at the front.
   const double chassis_m = 0.6 * body.height_m;
@@ -143,7 +143,7 @@ Json body_scene(time::Timestamp stamp, const Body& body) {
   return one(std::move(robot));
 }
 
-Json corridor_scene(const nodmap::navigation_t& navigation, const Body& body) {
+Json corridor_scene(const nodmap::navigation_t& navigation, const robot::Body& body) {
   const double length_m = std::max(navigation.corridor_length_m, 0.0);
   const double front_m = 0.5 * body.length_m;
   const Color color = behaviour_color(navigation.behaviour);
@@ -165,7 +165,7 @@ Json corridor_scene(const nodmap::navigation_t& navigation, const Body& body) {
 }
 
 Json area_of_interest_scene(const nodmap::pitch_command_t& command,
-                            const Eigen::Vector3d& p_base_mount, const Body& body) {
+                            const Eigen::Vector3d& p_base_mount, const robot::Body& body) {
   constexpr double kReachM = 3.0;
   std::vector<Eigen::Vector3d> points;
   for (const double pitch_rad : {command.pitch_min_rad, command.pitch_max_rad}) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "common/geometry/time.hpp"
+#include "common/robot/robot_params.hpp"
 #include "modules/viewer/foxglove/foxglove.hpp"
 #include "nodmap/exploration_t.hpp"
 #include "nodmap/goal_t.hpp"
@@ -16,24 +17,18 @@
 
 namespace nodmap::foxglove {
 
-/// The body of the robot with its scanner, metres. It stands on the ground, centred above base.
-struct Body {
-  double length_m = 0.45;
-  double width_m = 0.33;
-  double height_m = 0.47;
-};
-
 /// Draws the body, in base.
-[[nodiscard]] Json body_scene(time::Timestamp stamp, const Body& body);
+[[nodiscard]] Json body_scene(time::Timestamp stamp, const robot::Body& body);
 
 /// Draws the virtual corridor ahead of the robot, coloured by the behaviour, with the behaviour's
 /// name; in base.
-[[nodiscard]] Json corridor_scene(const nodmap::navigation_t& navigation, const Body& body);
+[[nodiscard]] Json corridor_scene(const nodmap::navigation_t& navigation, const robot::Body& body);
 
 /// The area of interest (paper, Fig. 2): the wedge between the ends of the sweep, from the pitch
 /// axis at `p_base_mount` to the ground below, or 3 m; in base.
 [[nodiscard]] Json area_of_interest_scene(const nodmap::pitch_command_t& command,
-                                          const Eigen::Vector3d& p_base_mount, const Body& body);
+                                          const Eigen::Vector3d& p_base_mount,
+                                          const robot::Body& body);
 
 /// Draws the goal, in map; deletes the drawing if there is none.
 [[nodiscard]] Json goal_scene(const nodmap::goal_t& goal);

@@ -95,6 +95,31 @@ TEST_F(FeedTest, OdometryGivesTheBaseFrameTheTrailAndTheBody) {
   EXPECT_EQ(newest("scene/robot")["entities"][0]["id"], "robot");
 }
 
+FeedParams other_robot() {
+  FeedParams params;
+  params.robot.body.length_m = 0.8;
+  params.robot.body.width_m = 0.6;
+  params.robot.mount.x_m = 0.3;
+  params.robot.mount.z_m = 0.9;
+  return params;
+}
+
+class OtherRobotFeedTest : public FeedTest {
+ protected:
+  OtherRobotFeedTest() : FeedTest(other_robot()) {}
+};
+
+TEST_F(OtherRobotFeedTest, IsDrawnByItsParameters) {
+  send("ODOMETRY", robot::odometry_at(2.0));
+  const Json chassis = newest("scene/robot")["entities"][0]["cubes"][0];
+  EXPECT_EQ(chassis["size"]["x"], 0.8);
+  EXPECT_EQ(chassis["size"]["y"], 0.6);
+  send("PITCH_COMMAND", robot::pitch_command_at(0.0));  // before the first scan
+  const Json axis = newest("scene/area_of_interest")["entities"][0]["lines"][0]["points"][0];
+  EXPECT_EQ(axis["x"], 0.3);
+  EXPECT_EQ(axis["z"], 0.9);
+}
+
 TEST_F(FeedTest, TheFrameOfThe6dMapIsAChildOfOdom) {
   send("POSE_2D", robot::pose_at(10.0));
   send("POSE_6D", robot::pose_at(10.0));

@@ -14,13 +14,12 @@ namespace nodmap::foxglove {
 namespace scene_views_test {
 
 TEST(Scene, TheCorridorBeginsAtTheRobotsFront) {
-  const Body body;
-  const Json update = corridor_scene(foxglove::test::navigation_at(0.0), body);
+  const Json update = corridor_scene(foxglove::test::navigation_at(0.0), {.length_m = 0.6});
   ASSERT_EQ(update["entities"].size(), 1U);
   const Json& cube = update["entities"][0]["cubes"][0];
   EXPECT_DOUBLE_EQ(cube["size"]["x"], 1.5);
   // Half of the body's length, then half of the corridor's.
-  EXPECT_DOUBLE_EQ(cube["pose"]["position"]["x"], 0.225 + 0.75);
+  EXPECT_DOUBLE_EQ(cube["pose"]["position"]["x"], 0.3 + 0.75);
   EXPECT_EQ(update["entities"][0]["texts"][0]["text"], "STEER");
 }
 
@@ -30,7 +29,7 @@ TEST(Scene, TheAreaOfInterestEndsOnTheGround) {
   nodmap::pitch_command_t command{};
   command.pitch_min_rad = -std::numbers::pi / 6.0;
   command.pitch_max_rad = 0.0;
-  const Json update = area_of_interest_scene(command, {0.1, 0.0, 0.4}, Body{});
+  const Json update = area_of_interest_scene(command, {0.1, 0.0, 0.4}, {});
   const Json& points = update["entities"][0]["lines"][0]["points"];
   EXPECT_NEAR(points[1]["x"], 0.1 + 0.8 * std::cos(std::numbers::pi / 6.0), 1e-12);
   EXPECT_NEAR(points[1]["z"], 0.0, 1e-12);

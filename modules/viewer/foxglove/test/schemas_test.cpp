@@ -91,10 +91,10 @@ TEST(Schemas, DescribeTheMessagesThatAreSent) {
   fits("foxglove.Grid", local_map_grid(robot::local_map()));
   fits("foxglove.FrameTransform", frame_transform({}, "a", "b", pose));
   fits("foxglove.PosesInFrame", trail.poses_in_frame());
-  fits("foxglove.SceneUpdate", body_scene({}, Body{}));
-  fits("foxglove.SceneUpdate", corridor_scene(robot::navigation_at(0.0), Body{}));
+  fits("foxglove.SceneUpdate", body_scene({}, nodmap::robot::Body{}));
+  fits("foxglove.SceneUpdate", corridor_scene(robot::navigation_at(0.0), nodmap::robot::Body{}));
   fits("foxglove.SceneUpdate",
-       area_of_interest_scene(robot::pitch_command_at(0.0), {0, 0, 0.4}, Body{}));
+       area_of_interest_scene(robot::pitch_command_at(0.0), {0, 0, 0.4}, nodmap::robot::Body{}));
   fits("foxglove.SceneUpdate", goal_scene(robot::goal()));
   fits("foxglove.SceneUpdate", goal_scene(nodmap::goal_t{}));
   fits("foxglove.SceneUpdate", path_scene(robot::path()));
