@@ -7,8 +7,9 @@
 #include "common/geometry/time.hpp"
 #include "modules/pitch_controller/params.hpp"
 #include "modules/pitch_controller/speed_bound.hpp"
-#include "modules/pitch_controller/sweep_control.hpp"
+#include "modules/pitch_controller/sweep_meter.hpp"
 #include "modules/pitch_controller/sweep_plan.hpp"
+#include "modules/pitch_controller/sweep_regulator.hpp"
 
 namespace nodmap::pitch_controller {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "modules/pitch_controller/sweep_control.hpp"
+#include "modules/pitch_controller/sweep_meter.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,11 +10,6 @@ namespace {
 // Readings come every 5 ms, every 50 ms at worst: after a longer gap a reversal may have been
 // missed.
 constexpr time::Duration kGap = 60ms;
-
-// A servo that deviates by more than this is broken, not mistuned. The limit also prevents a jump
-// after a single unusual sweep.
-constexpr double kMostTrim = 0.5;
-constexpr double kMostError = 0.5;
 
 }  // namespace
 
@@ -64,25 +59,6 @@ void SweepMeter::extend(const PitchReading& reading) {
   present_.span.min_rad = std::min(present_.span.min_rad, reading.pitch_rad);
   present_.span.max_rad = std::max(present_.span.max_rad, reading.pitch_rad);
   present_.peak_rate_rad_s = std::max(present_.peak_rate_rad_s, std::abs(reading.rate_rad_s));
-}
-
-void SweepRegulator::add(double wanted_s, double measured_s) {
-  error_ = std::clamp((wanted_s - measured_s) / wanted_s, -kMostError, kMostError);
-  // Anti-windup: at the limit of the servo the integral does not grow beyond the limit.
-  const bool beyond =
-      (limit_ == Limit::kFastest && error_ < 0.0) || (limit_ == Limit::kSlowest && error_ > 0.0);
-  if (!beyond) {
-    integral_ = std::clamp(integral_ + gains_.i * error_, -kMostTrim, kMostTrim);
-  }
-}
-
-double SweepRegulator::command_s(double wanted_s, double fastest_s, double slowest_s) {
-  const double trim = std::clamp(gains_.p * error_ + integral_, -kMostTrim, kMostTrim);
-  const double command_s = wanted_s * (1.0 + trim);
-  limit_ = command_s < fastest_s   ? Limit::kFastest
-           : command_s > slowest_s ? Limit::kSlowest
-                                   : Limit::kNone;
-  return std::clamp(command_s, fastest_s, slowest_s);
 }
 
 }  // namespace nodmap::pitch_controller
