@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstddef>
-#include <set>
 #include <variant>
 #include <vector>
 
@@ -71,25 +70,6 @@ class Collision {
   Rectangle body_;
   std::size_t num_objects_;
   std::vector<Obstacle> obstacles_;
-};
-
-/// Counts each contact once, until the two have separated.
-class Contacts {
- public:
-  /// Separation after which a contact can begin again.
-  static constexpr double kSeparatedM = 0.03;
-
-  /// True if this contact is new.
-  bool begin(std::size_t contact) { return touching_.insert(contact).second; }
-
-  /// Ends the contacts that have separated. `distance(contact)` is in metres.
-  template <class Distance>
-  void end_separated(const Distance& distance) {
-    std::erase_if(touching_, [&](std::size_t contact) { return distance(contact) > kSeparatedM; });
-  }
-
- private:
-  std::set<std::size_t> touching_;
 };
 
 }  // namespace nodmap::sim

@@ -9,46 +9,21 @@
 #include <utility>
 
 #include "sim/body/collision.hpp"
+#include "sim/body/contacts.hpp"
 #include "sim/body/crowd.hpp"
 #include "sim/body/ground.hpp"
+#include "sim/body/motion_history.hpp"
 #include "sim/world/ray_caster.hpp"
 
 namespace nodmap::sim {
 namespace {
 
-constexpr time::Duration kStep = 1ms;
-constexpr double kStepS = time::seconds(kStep);
-/// Number of steps kept for measure(): 100 ms and the lag of a device.
-constexpr std::size_t kHistory = 128;
-/// Below this speed the robot counts as stationary: an actor that touches it has walked into it.
-constexpr double kStationaryMps = 0.05;
+constexpr double kStepS = time::seconds(MotionHistory::kStep);
 /// Makes the wheels' random numbers independent of the laser's.
 constexpr std::uint64_t kSlipStream = 0x9e3779b97f4a7c15;
 
-/// The state of everything that moves, at the end of one step.
-struct Step {
-  time::SteadyTime instant{};
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();
-  Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();
-  PitchState pitch;
-  WheelTravel travel;
-  std::vector<ActorState> actors;  // only those that are present
-};
-
-geometry::SE3 interpolate_pose(const Step& from, const Step& to, double fraction) {
-  // Within a millisecond the chord is as accurate as the arc.
-  const Eigen::Vector4d q =
-      from.orientation.coeffs() + fraction * (to.orientation.coeffs() - from.orientation.coeffs());
-  return geometry::make_se3(from.position + fraction * (to.position - from.position),
-                            Eigen::Quaterniond(q).normalized());
-}
-
 /// Heights of the outermost wheels, metres: front left, front right, rear left, rear right.
 using WheelHeights = std::array<double, 4>;
-
-double interpolate(double from, double to, double fraction) {
-  return from + fraction * (to - from);
-}
 
 }  // namespace
 
@@ -62,31 +37,25 @@ struct RobotModel::State {
         crowd(world, params.body),
         base(params.drive, world.T_world_start, seed ^ kSlipStream),
         servo(params.servo),
-        rangefinder(params.laser, seed) {
+        rangefinder(params.laser, seed),
+        contacts(collision, crowd) {
     wheel_heights_m.fill(world.start_height_m);
     stand();
-    save_step();
+    save_step({});
   }
 
   void step();
   void drive();
   [[nodiscard]] bool touch_obstacles(double speed_mps);
   [[nodiscard]] std::optional<WheelHeights> roll(double speed_mps);
-  void count_collision(std::size_t contact, double speed_mps);
   void stand();
   void touch_actors(const geometry::SE2& T_world_before, double speed_mps);
-  void save_step();
+  void save_step(time::SteadyTime instant);
   [[nodiscard]] Eigen::Quaterniond orientation() const;
-  // Contacts are numbered: obstacles, the edge of the ground that the robot drives on, actors.
-  [[nodiscard]] std::size_t edge() const { return collision.size(); }
-  [[nodiscard]] double distance(std::size_t contact) const;
-  [[nodiscard]] double newest_s() const { return time::seconds(newest.time_since_epoch()); }
-  /// The number of the last step that ended by this time; the start is number 0.
-  [[nodiscard]] static std::int64_t number(time::SteadyTime instant) {
-    return instant.time_since_epoch() / kStep;
-  }
-  [[nodiscard]] const Step& step_at(time::SteadyTime instant) const {
-    return history[static_cast<std::size_t>(number(instant)) % kHistory];
+  [[nodiscard]] Moment present() const { return history.at(now); }
+  /// The end of the last step, the first full millisecond that is not before now.
+  [[nodiscard]] double newest_s() const {
+    return time::seconds(history.newest().time_since_epoch());
   }
   [[nodiscard]] double corner_m() const {
     return 0.5 * std::hypot(params.body.length_m, params.body.width_m);
@@ -100,13 +69,6 @@ struct RobotModel::State {
     const double slope = support.normal.head<2>().norm() / support.normal.z();
     return {base.T_world_base(), support.height_m, corner_m() * slope};
   }
-  /// The steps before and after a time, and the fraction of the step that has passed.
-  struct Moment {
-    const Step& from;
-    const Step& to;
-    double fraction;
-  };
-  [[nodiscard]] Moment moment(time::SteadyTime instant) const;
 
   World world;
   RobotModelParams params;
@@ -120,35 +82,17 @@ struct RobotModel::State {
   Support support;
   WheelHeights wheel_heights_m{};
   Contacts contacts;
-  Eigen::Vector2d edge_contact = Eigen::Vector2d::Zero();  // where the robot last met an edge
-  std::int64_t collisions = 0;
-  std::int64_t bumps = 0;
-  std::int64_t contacts_caused = 0;
-  std::int64_t falls = 0;
   time::SteadyTime now{};
-  time::SteadyTime newest{};  // the first full millisecond that is not before now
   WheelTravel travel_now;
-  std::array<Step, kHistory> history;
+  MotionHistory history;
 };
 
 void RobotModel::State::step() {
-  newest += kStep;
-  crowd.advance(newest_s(), base.T_world_base());
+  const time::SteadyTime instant = history.newest() + MotionHistory::kStep;
+  crowd.advance(time::seconds(instant.time_since_epoch()), base.T_world_base());
   drive();
-  contacts.end_separated([this](std::size_t contact) { return distance(contact); });
-  save_step();
-}
-
-double RobotModel::State::distance(std::size_t contact) const {
-  if (contact < collision.size()) {
-    return collision.distance(contact, body_pose());
-  }
-  if (contact == edge()) {
-    return (base.T_world_base().translation() - edge_contact).norm();
-  }
-  const std::size_t actor = contact - edge() - 1;
-  return crowd.is_present(actor) ? collision.distance(crowd.state(actor), body_pose())
-                                 : std::numeric_limits<double>::infinity();
+  contacts.end_separated(body_pose());
+  save_step(instant);
 }
 
 /// Moves the robot, unless an obstacle, a step or an edge blocks it.
@@ -173,7 +117,7 @@ void RobotModel::State::drive() {
 bool RobotModel::State::touch_obstacles(double speed_mps) {
   const std::vector<std::size_t> touched = collision.touched(body_pose());
   for (const std::size_t obstacle : touched) {
-    count_collision(obstacle, speed_mps);
+    contacts.touch_obstacle(obstacle, speed_mps);
   }
   return !touched.empty();
 }
@@ -188,29 +132,16 @@ std::optional<WheelHeights> RobotModel::State::roll(double speed_mps) {
   WheelHeights heights_m{};
   for (std::size_t i = 0; i < heights_m.size(); ++i) {
     const WheelContact contact = ground.roll(base.T_world_base() * wheel(i), wheel_heights_m[i]);
-    const bool is_step = contact.blocking_object.has_value();
-    const bool is_edge =
-        !is_step && contact.height_m < wheel_heights_m[i] - params.body.climb_height_m;
-    if (is_edge) {
-      edge_contact = base.T_world_base().translation();
-    }
-    if (is_step || is_edge) {
+    if (contact.blocking_object) {
       is_blocked = true;
-      count_collision(contact.blocking_object.value_or(edge()), speed_mps);
+      contacts.touch_obstacle(*contact.blocking_object, speed_mps);
+    } else if (contact.height_m < wheel_heights_m[i] - params.body.climb_height_m) {
+      is_blocked = true;
+      contacts.touch_edge(base.T_world_base(), speed_mps);
     }
     heights_m[i] = contact.height_m;
   }
   return is_blocked ? std::nullopt : std::optional(heights_m);
-}
-
-/// Counts a contact with an obstacle or an edge, if it is new.
-void RobotModel::State::count_collision(std::size_t contact, double speed_mps) {
-  if (!contacts.begin(contact)) {
-    return;
-  }
-  ++collisions;
-  contacts_caused += speed_mps >= kStationaryMps ? 1 : 0;
-  falls += contact == edge() || collision.is_pit(contact) ? 1 : 0;
 }
 
 /// Computes the height and tilt of the body from the heights of the wheels.
@@ -238,11 +169,7 @@ void RobotModel::State::touch_actors(const geometry::SE2& T_world_before, double
     if (collision.distance(state, body_pose()) > 0.0) {
       continue;
     }
-    if (contacts.begin(edge() + 1 + i)) {
-      const bool is_bump = speed_mps < kStationaryMps;
-      ++(is_bump ? bumps : collisions);
-      contacts_caused += is_bump ? 0 : 1;
-    }
+    contacts.touch_actor(i, speed_mps);
     // The robot may move away from an actor, but not into it.
     const double before_m = (T_world_before.translation() - state.position).norm();
     const double after_m = (base.T_world_base().translation() - state.position).norm();
@@ -260,23 +187,14 @@ Eigen::Quaterniond RobotModel::State::orientation() const {
   return geometry::rotation_between(Eigen::Vector3d::UnitZ(), support.normal) * yaw * pitch * roll;
 }
 
-void RobotModel::State::save_step() {
-  Step& step = history[static_cast<std::size_t>(number(newest)) % kHistory];
+void RobotModel::State::save_step(time::SteadyTime instant) {
+  Step& step = history.add(instant);
   const geometry::SE2& T_world_base = base.T_world_base();
-  step.instant = newest;
   step.position = {T_world_base.x, T_world_base.y, support.height_m};
   step.orientation = orientation();
   step.pitch = servo.at(newest_s());
   step.travel = base.travel();
   crowd.copy_present(step.actors);
-}
-
-RobotModel::State::Moment RobotModel::State::moment(time::SteadyTime instant) const {
-  const time::SteadyTime after = std::min(newest, time::SteadyTime((number(instant) + 1) * kStep));
-  const Step& to = step_at(after);
-  const Step& from = after > time::SteadyTime{} ? step_at(after - kStep) : to;
-  const double fraction = 1e-3 * time::FineDuration(instant - from.instant).count();
-  return {from, to, fraction};
 }
 
 RobotModel::RobotModel(const World& world, const RobotModelParams& params, std::uint64_t seed)
@@ -289,12 +207,10 @@ void RobotModel::advance_to(time::SteadyTime now) {
     throw std::invalid_argument("simulated time must not go back");
   }
   state_->now = now;
-  while (state_->newest < now) {
+  while (state_->history.newest() < now) {
     state_->step();
   }
-  const auto [from, to, fraction] = state_->moment(now);
-  state_->travel_now = {interpolate(from.travel.left_m, to.travel.left_m, fraction),
-                        interpolate(from.travel.right_m, to.travel.right_m, fraction)};
+  state_->travel_now = state_->history.at(now).travel();
 }
 
 time::SteadyTime RobotModel::now() const {
@@ -302,20 +218,18 @@ time::SteadyTime RobotModel::now() const {
 }
 
 Echo RobotModel::measure(double angle_rad, time::SteadyTime fired) {
-  constexpr time::Duration kMaxAge = (kHistory - 2) * kStep;
-  if (fired > state_->now || fired < state_->newest - kMaxAge) {
+  const MotionHistory& history = state_->history;
+  if (fired > state_->now || fired < history.oldest()) {
     throw std::out_of_range("a beam can be measured only up to 100 ms after it was fired");
   }
   // Before time 0 the robot was where it started.
-  const State::Moment at = state_->moment(std::max(fired, time::SteadyTime{}));
-  const double pitch_rad = interpolate(at.from.pitch.pitch_rad, at.to.pitch.pitch_rad, at.fraction);
+  const Moment moment = history.at(std::max(fired, time::SteadyTime{}));
   const ServoParams& servo = state_->params.servo;
   geometry::SE3 T_base_laser = geometry::SE3::Identity();
   T_base_laser.translation() << servo.mount_x_m, 0.0, servo.mount_z_m;
-  T_base_laser.linear() = geometry::pitch_rotation(pitch_rad);
-  const geometry::SE3 T_world_laser = interpolate_pose(at.from, at.to, at.fraction) * T_base_laser;
-  // Within a millisecond an actor moves less than the range's noise.
-  return state_->rangefinder.measure(state_->caster, T_world_laser, angle_rad, at.to.actors);
+  T_base_laser.linear() = geometry::pitch_rotation(moment.pitch().pitch_rad);
+  return state_->rangefinder.measure(state_->caster, moment.T_world_base() * T_base_laser,
+                                     angle_rad, moment.actors());
 }
 
 void RobotModel::set_pitch_goal(const PitchGoal& goal) {
@@ -331,13 +245,11 @@ void RobotModel::set_pitch_jammed(bool jammed) {
 }
 
 double RobotModel::pitch_rad() const {
-  const State::Moment now = state_->moment(state_->now);
-  return interpolate(now.from.pitch.pitch_rad, now.to.pitch.pitch_rad, now.fraction);
+  return state_->present().pitch().pitch_rad;
 }
 
 double RobotModel::pitch_rate_rad_s() const {
-  const State::Moment now = state_->moment(state_->now);
-  return interpolate(now.from.pitch.rate_rad_s, now.to.pitch.rate_rad_s, now.fraction);
+  return state_->present().pitch().rate_rad_s;
 }
 
 void RobotModel::set_wheel_speeds(const WheelSpeeds& goal) {
@@ -358,27 +270,28 @@ WheelSpeeds RobotModel::wheel_speeds() const {
 
 std::optional<double> RobotModel::distance_from(const Eigen::Vector3d& p_base, double yaw_rad,
                                                 double max_range_m) const {
-  const State::Moment now = state_->moment(state_->now);
-  const geometry::SE3 T_world_base = interpolate_pose(now.from, now.to, now.fraction);
+  const Moment now = state_->present();
+  const geometry::SE3 T_world_base = now.T_world_base();
   const Eigen::Vector3d ahead(std::cos(yaw_rad), std::sin(yaw_rad), 0.0);
   const std::optional<Hit> hit = state_->caster.cast(
-      {T_world_base * p_base, T_world_base.linear() * ahead}, max_range_m, now.to.actors);
+      {T_world_base * p_base, T_world_base.linear() * ahead}, max_range_m, now.actors());
   return hit ? std::optional(hit->distance_m) : std::nullopt;
 }
 
 GroundTruth RobotModel::ground_truth() const {
-  const State::Moment now = state_->moment(state_->now);
+  const Moment now = state_->present();
+  const ContactCounts& counts = state_->contacts.counts();
   GroundTruth truth;
-  truth.T_world_base = interpolate_pose(now.from, now.to, now.fraction);
+  truth.T_world_base = now.T_world_base();
   truth.forward_mps = state_->base.forward_mps();
   truth.yaw_rate_rad_s = state_->base.yaw_rate_rad_s();
-  truth.pitch_rad = pitch_rad();
-  truth.pitch_rate_rad_s = pitch_rate_rad_s();
-  truth.collisions = state_->collisions;
-  truth.bumps = state_->bumps;
-  truth.contacts_caused = state_->contacts_caused;
-  truth.falls = state_->falls;
-  truth.actors = now.to.actors;
+  truth.pitch_rad = now.pitch().pitch_rad;
+  truth.pitch_rate_rad_s = now.pitch().rate_rad_s;
+  truth.collisions = counts.collisions;
+  truth.bumps = counts.bumps;
+  truth.contacts_caused = counts.contacts_caused;
+  truth.falls = counts.falls;
+  truth.actors = now.actors();
   truth.person_clearance_m = std::numeric_limits<double>::infinity();
   for (const ActorState& actor : truth.actors) {
     truth.person_clearance_m =

@@ -173,17 +173,5 @@ TEST(Collision, TheClearanceAgreesWithSampledPoints) {
   EXPECT_GT(apart, 100);
 }
 
-TEST(Contacts, AContactCountsOnceUntilTheBodiesAreApart) {
-  Contacts contacts;
-  EXPECT_TRUE(contacts.begin(3));
-  EXPECT_FALSE(contacts.begin(3));
-  EXPECT_TRUE(contacts.begin(4));
-  contacts.end_separated([](std::size_t) { return 0.5 * Contacts::kSeparatedM; });
-  EXPECT_FALSE(contacts.begin(3));
-  contacts.end_separated([](std::size_t i) { return i == 3 ? 2.0 * Contacts::kSeparatedM : 0.0; });
-  EXPECT_TRUE(contacts.begin(3));
-  EXPECT_FALSE(contacts.begin(4));
-}
-
 }  // namespace collision_test
 }  // namespace nodmap::sim
