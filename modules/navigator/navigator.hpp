@@ -5,18 +5,14 @@
 #include <string>
 
 #include "common/geometry/time.hpp"
-#include "modules/navigator/approach.hpp"
 #include "modules/navigator/back_up.hpp"
 #include "modules/navigator/brake.hpp"
 #include "modules/navigator/decision.hpp"
-#include "modules/navigator/local_map/local_map.hpp"
 #include "modules/navigator/params.hpp"
-#include "modules/navigator/people/people_tracker.hpp"
-#include "modules/navigator/people/proximity.hpp"
 #include "modules/navigator/planner/goal_drive.hpp"
 #include "modules/navigator/planner/roaming.hpp"
-#include "modules/navigator/seen_directions.hpp"
 #include "modules/navigator/steering.hpp"
+#include "modules/navigator/surroundings.hpp"
 #include "modules/navigator/turn.hpp"
 
 namespace nodmap::navigator {
@@ -40,17 +36,23 @@ class Navigator {
  public:
   explicit Navigator(const NavigatorParams& params);
 
-  /// Adds a scan to the local map. `T_odom_base`: at the middle of the scan. `laser_is_held`: the
-  /// laser does not nod.
+  /// Adds a scan to the local map and to the tracks of people. `T_odom_base`: at the middle of the
+  /// scan. `laser_is_held`: the laser does not nod.
   void add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base,
-                bool laser_is_held = false);
+                bool laser_is_held = false) {
+    surroundings_.add_scan(scan, T_odom_base, laser_is_held);
+  }
 
   /// The wheels rotate and the robot does not move; see LocalMap::add_contact().
-  void add_contact(const geometry::SE2& T_odom_base, bool at_front);
+  void add_contact(const geometry::SE2& T_odom_base, bool at_front) {
+    surroundings_.add_contact(T_odom_base, at_front);
+  }
 
   /// Adds readings of the base's range finders; `T_odom_base` is the pose at `stamp`.
   void add_ranges(time::Timestamp stamp, const Proximity::Ranges& ranges_m,
-                  const geometry::SE2& T_odom_base);
+                  const geometry::SE2& T_odom_base) {
+    surroundings_.add_ranges(stamp, ranges_m, T_odom_base);
+  }
 
   /// Decides what to do. `now.points_base`: those of the obstacle map; the local map's are added.
   [[nodiscard]] Decision decide(Situation now);
@@ -62,10 +64,10 @@ class Navigator {
   }
 
   /// The people to whom it gives way, for display.
-  [[nodiscard]] const PeopleTracker& people() const { return people_; }
+  [[nodiscard]] const PeopleTracker& people() const { return surroundings_.people(); }
 
   /// Has no scan if the robot does not drive by it.
-  [[nodiscard]] const LocalMap& local_map() const { return local_map_; }
+  [[nodiscard]] const LocalMap& local_map() const { return surroundings_.local_map(); }
 
   /// Stops, and forgets what was seen: it may have changed when the robot drives again.
   [[nodiscard]] Decision halt(Reason reason);
@@ -78,16 +80,10 @@ class Navigator {
   void reset();
 
  private:
-  void respect_gap(Situation& now);
-  void respect_slopes(Situation& now) const;
-  void erase_free_floor(Situation& now) const;
-  void observe(Situation& now);
-  void forget_wakes(time::Timestamp stamp);
+  [[nodiscard]] const SeenDirections& seen() const { return surroundings_.seen(); }
   [[nodiscard]] bool has_looked(const Situation& now);
   [[nodiscard]] Decision behave(const Situation& now);
   [[nodiscard]] std::optional<Decision> drive_ahead(const FreeSpace& space, const Situation& now);
-  void join_local_map(Situation& now) const;
-  void join_geofence(Situation& now) const;
   [[nodiscard]] Decision brake(const Situation& now, Reason reason) const;
   [[nodiscard]] Decision wait(const Situation& now, Reason reason) const;
   [[nodiscard]] Decision turn(const FreeSpace& space, const Situation& now);
@@ -97,20 +93,13 @@ class Navigator {
 
   NavigatorParams params_;
   robot::Footprint body_;
-  SeenDirections seen_;
-  Approach approach_;
+  Surroundings surroundings_;
   Steering steering_;
   Brake brake_;
   Turn turn_;
   BackUp back_up_;
-  LocalMap local_map_;
-  PeopleTracker people_;
-  Proximity proximity_;
   GoalDrive goal_drive_;
   Roaming roaming_;
-  bool is_in_gap_ = false;
-  std::optional<std::int64_t> gap_ended_at_sweep_;  ///< empty once the laser has looked again
-  std::optional<time::Timestamp> saw_people_at_;
   bool arrived_ = false;
   bool has_looked_ = false;                     ///< since the start
   std::optional<geometry::SE2> turn_ended_at_;  ///< T_odom_base

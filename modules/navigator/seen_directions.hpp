@@ -14,8 +14,7 @@ namespace nodmap::navigator {
 /// Directions are kept in odom. While the robot drives straight, what is ahead stays in view; a
 /// rotation brings new directions into view, and those that leave it are forgotten. A gap in the
 /// scans hides the sweeps that end in it. After a long gap everything is forgotten; after one
-/// shorter than a sweep only what had not been seen before it (Navigator::respect_gap() says why
-/// that is safe).
+/// shorter than a sweep only what had not been seen before it (scan_gap.hpp says why that is safe).
 class SeenDirections {
  public:
   /// `view_half_rad`: directions up to this angle from ahead are in view.

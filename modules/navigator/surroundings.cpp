@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/navigator/surroundings.hpp"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "modules/navigator/geofence.hpp"
+#include "modules/navigator/people/wake.hpp"
+
+namespace nodmap::navigator {
+namespace {
+
+/// The robot waits for what approaches within this distance of its turning circle: a person at
+/// 1.5 m/s covers it in 0.4 s, and a rotation stops in 0.2 s. While driving the distance is longer
+/// by what the robot covers in the time that it needs to stop from 1.5 m/s.
+constexpr double kApproachM = 0.6;
+constexpr double kApproachS = 0.5;
+/// Doubtful ground counts up to this far beyond the turning circle, because arcs swing the rear
+/// out.
+constexpr double kDoubtfulM = 0.1;
+/// For this long after somebody walked the obstacle map may still contain them.
+constexpr time::Duration kPassed = 20s;
+
+}  // namespace
+
+Surroundings::Surroundings(const NavigatorParams& params)
+    : params_(params),
+      body_(params.robot.body.footprint()),
+      local_map_(params.robot, params.local_map),
+      seen_(params.steer.view_half_rad),
+      approach_(params.steer.sweeps_to_trust),
+      gap_(params.steer.sweeps_to_trust) {}
+
+void Surroundings::add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base,
+                            bool laser_is_held) {
+  // Nobody is tracked near ramps: while the robot tilts, things that stand still seem to move.
+  const bool tracks_people = params_.people.use && local_map_.ground().is_level();
+  if (tracks_people) {
+    const auto is_blocked = [this](const Eigen::Vector2d& p_odom) {
+      const LocalCell* cell = local_map_.cell_at(p_odom);
+      return cell != nullptr && cell->is_obstacle();
+    };
+    people_.add_scan(scan, T_odom_base, is_blocked, laser_is_held);
+  }
+  if (params_.local_map.use) {
+    local_map_.add_scan(scan, T_odom_base,
+                        tracks_people ? people_.is_walker() : std::vector<bool>{});
+    forget_wakes(people_.people_odom(scan.mid_stamp()), local_map_);
+  }
+}
+
+void Surroundings::add_contact(const geometry::SE2& T_odom_base, bool at_front) {
+  // On slopes level scans meet the floor, so 2D SLAM may not notice that the robot moves.
+  if (local_map_.has_scan() && local_map_.ground().is_level()) {
+    local_map_.add_contact(T_odom_base, at_front);
+  }
+}
+
+void Surroundings::add_ranges(time::Timestamp stamp, const Proximity::Ranges& ranges_m,
+                              const geometry::SE2& T_odom_base) {
+  if (params_.people.use && params_.local_map.use && local_map_.has_scan()) {
+    proximity_.add(stamp, ranges_m, T_odom_base, local_map_, people_.people_odom(stamp));
+  }
+}
+
+void Surroundings::forget_seen() {
+  seen_.forget();
+  gap_ = ScanGap(params_.steer.sweeps_to_trust);
+}
+
+void Surroundings::miss_scans() {
+  if (gap_.begin()) {
+    seen_.forget_unseen(params_.steer.sweeps_to_trust);
+  } else {
+    forget_seen();
+  }
+}
+
+void Surroundings::complete(Situation& now) {
+  seen_.update(now.T_odom_base.yaw, now.sweep_count);
+  respect_gap(now);
+  respect_slopes(now);
+  respect_people(now);
+  join_local_map(now);
+  join_geofence(now);
+}
+
+void Surroundings::add_newcomers(Situation& now) const {
+  if (params_.people.use) {
+    const People newcomers = people_.newcomers_base(now.stamp, now.T_odom_base);
+    now.people.insert(now.people.end(), newcomers.begin(), newcomers.end());
+  }
+}
+
+std::optional<Reason> Surroundings::reason_to_wait(time::Timestamp stamp) const {
+  if (approach_.is_detected(stamp)) {
+    return Why::kApproach;
+  }
+  if (proximity_.is_detected(stamp)) {
+    return Why::kSomebodyClose;
+  }
+  return std::nullopt;
+}
+
+/// Slows down after a gap in the scans.
+void Surroundings::respect_gap(Situation& now) {
+  gap_.update(now.sweep_count);
+  now.max_forward_mps *= gap_.speed_ratio();
+}
+
+/// Slows down near slopes, and removes points of the obstacle map that are ground. That map
+/// measures heights above the plane on which the robot stands, so it takes sloped ground for
+/// obstacles; the local map, made from the same scans, knows better.
+void Surroundings::respect_slopes(Situation& now) const {
+  if (!local_map_.has_scan() || local_map_.ground().is_level()) {
+    return;
+  }
+  now.max_forward_mps = std::min(now.max_forward_mps, params_.local_map.ground.sloped_mps);
+  erase_free_floor(now);
+}
+
+/// Adds the people who walk, and removes points of the obstacle map that they are or have left
+/// behind. Watches what else approaches.
+void Surroundings::respect_people(Situation& now) {
+  now.people = people_.people_base(now.stamp, now.T_odom_base);
+  if (!now.people.empty()) {
+    saw_people_at_ = now.stamp;
+  }
+  if (sees_floor(now) && saw_people_at_ &&
+      std::chrono::abs(now.stamp - *saw_people_at_) < kPassed) {
+    erase_free_floor(now);
+  }
+  Points nobodys = without_wakes(now.people, now.points_base);
+  watch_approach(now, nobodys);
+  if (local_map_.has_scan()) {
+    now.points_base = std::move(nobodys);  // what stands beside a person is also in the local map
+  }
+}
+
+void Surroundings::watch_approach(const Situation& now, const Points& points_base) {
+  const double reach_m =
+      body_.turning_radius_m() + kApproachM + kApproachS * std::max(0.0, now.forward_mps);
+  approach_.update(now.stamp, now.T_odom_base, reach_m, points_base, seen_,
+                   sees_floor(now) ? &local_map_ : nullptr);
+}
+
+/// Adds the obstacles of the local map. Must follow watch_approach(): a low sill that is first seen
+/// when it is near has not approached.
+void Surroundings::join_local_map(Situation& now) const {
+  if (!local_map_.has_scan()) {
+    return;
+  }
+  const Points more = local_map_.points_base(now.T_odom_base, params_.local_map.range_m);
+  now.points_base.insert(now.points_base.end(), more.begin(), more.end());
+  if (sees_floor(now)) {
+    now.local_map = &local_map_;
+    now.doubtful_base =
+        local_map_.doubtful_points_base(now.T_odom_base, body_.turning_radius_m() + kDoubtfulM);
+  }
+}
+
+/// Adds the boundary of the geofence. Must follow watch_approach(), because the boundary moves when
+/// the pose is corrected.
+void Surroundings::join_geofence(Situation& now) const {
+  if (now.geofence == nullptr) {
+    return;
+  }
+  // Far enough to stop before it from the fastest speed.
+  const double reach_m = body_.turning_radius_m() + params_.local_map.range_m +
+                         params_.robot.braking.required_distance_m(params_.drive.max_forward_mps,
+                                                                   params_.drive.reaction_s);
+  const geometry::SE2 T_map_base = now.T_map_odom * now.T_odom_base;
+  const geometry::SE2 T_base_map = T_map_base.inverse();
+  for (const auto& p_map : now.geofence->boundary_near(T_map_base.translation(), reach_m)) {
+    now.points_base.push_back(T_base_map * p_map);
+  }
+}
+
+/// Removes points of the obstacle map where the local map, made from the same scans, knows only
+/// floor: slopes, and people who have passed beside or behind the robot.
+void Surroundings::erase_free_floor(Situation& now) const {
+  std::erase_if(now.points_base, [&](const Eigen::Vector2d& p_base) {
+    return local_map_.is_free_floor(now.T_odom_base * p_base);
+  });
+}
+
+/// A laser that is held level sees no floor, so only its points count.
+bool Surroundings::sees_floor(const Situation& now) const {
+  return local_map_.has_scan() && !now.laser_is_held;
+}
+
+}  // namespace nodmap::navigator

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+
+#include "common/geometry/se2.hpp"
+#include "common/geometry/time.hpp"
+#include "common/robot/footprint.hpp"
+#include "common/scan/scan.hpp"
+#include "modules/navigator/approach.hpp"
+#include "modules/navigator/decision.hpp"
+#include "modules/navigator/local_map/local_map.hpp"
+#include "modules/navigator/params.hpp"
+#include "modules/navigator/people/people_tracker.hpp"
+#include "modules/navigator/people/proximity.hpp"
+#include "modules/navigator/reason.hpp"
+#include "modules/navigator/scan_gap.hpp"
+#include "modules/navigator/seen_directions.hpp"
+
+namespace nodmap::navigator {
+
+/// What the navigator knows of the robot's surroundings: the local map, the people who walk, what
+/// approaches, and which directions the laser has seen. From a Situation that has only the obstacle
+/// map it makes one that has all of these, before the navigator decides.
+class Surroundings {
+ public:
+  explicit Surroundings(const NavigatorParams& params);
+
+  // As in Navigator.
+  void add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base, bool laser_is_held);
+  void add_contact(const geometry::SE2& T_odom_base, bool at_front);
+  void add_ranges(time::Timestamp stamp, const Proximity::Ranges& ranges_m,
+                  const geometry::SE2& T_odom_base);
+
+  /// Forgets which directions were seen.
+  void forget_seen();
+  /// The same in a gap in the scans that is shorter than a sweep, as far as it is necessary.
+  void miss_scans();
+
+  /// Completes a situation that contains the points of the obstacle map: removes those that are
+  /// ground or people, and adds people, the local map's obstacles and the geofence.
+  void complete(Situation& now);
+
+  /// Adds the people of whom it is not certain yet that they walk.
+  void add_newcomers(Situation& now) const;
+
+  /// Why the robot must wait: something approaches, or somebody is close.
+  [[nodiscard]] std::optional<Reason> reason_to_wait(time::Timestamp stamp) const;
+
+  /// Has no scan if the robot does not drive by it.
+  [[nodiscard]] const LocalMap& local_map() const { return local_map_; }
+  [[nodiscard]] const PeopleTracker& people() const { return people_; }
+  [[nodiscard]] const SeenDirections& seen() const { return seen_; }
+
+ private:
+  void respect_gap(Situation& now);
+  void respect_slopes(Situation& now) const;
+  void respect_people(Situation& now);
+  void watch_approach(const Situation& now, const Points& points_base);
+  void join_local_map(Situation& now) const;
+  void join_geofence(Situation& now) const;
+  void erase_free_floor(Situation& now) const;
+  [[nodiscard]] bool sees_floor(const Situation& now) const;
+
+  NavigatorParams params_;
+  robot::Footprint body_;
+  LocalMap local_map_;
+  PeopleTracker people_;
+  Proximity proximity_;
+  SeenDirections seen_;
+  Approach approach_;
+  ScanGap gap_;
+  std::optional<time::Timestamp> saw_people_at_;
+};
+
+}  // namespace nodmap::navigator
