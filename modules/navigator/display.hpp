@@ -1,18 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstdint>
 #include <optional>
 
 #include "common/bus/bus.hpp"
 #include "common/geometry/se2.hpp"
 #include "common/geometry/time.hpp"
 #include "modules/navigator/decision.hpp"
+#include "modules/navigator/inputs.hpp"
 #include "modules/navigator/navigator.hpp"
 
 namespace nodmap::navigator {
-
-enum class GoalState : std::uint8_t { kNone, kInside, kOutsideFence };
 
 /// Publishes what people look at: PATH, TRACKS and LOCAL_MAP. No process depends on them, so they
 /// are published less often than DRIVE.

@@ -4,9 +4,17 @@
 #include <Eigen/Core>
 #include <optional>
 
+#include "common/geometry/se2.hpp"
 #include "modules/navigator/free_space.hpp"
 
 namespace nodmap::navigator {
+
+/// The goal of a GOAL message.
+struct GoalInMap {
+  geometry::SE2 T_map_goal;  ///< its yaw is used only with a heading tolerance
+  double tolerance_m = 0.0;
+  std::optional<double> heading_tolerance_rad;
+};
 
 /// The goal as seen from the robot.
 struct GoalInBase {

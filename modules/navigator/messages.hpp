@@ -7,6 +7,7 @@
 
 #include "common/geometry/se2.hpp"
 #include "modules/navigator/decision.hpp"
+#include "modules/navigator/goal.hpp"
 #include "modules/navigator/local_map/local_map.hpp"
 #include "modules/navigator/people/person.hpp"
 #include "nodmap/goal_t.hpp"
@@ -19,13 +20,6 @@
 namespace nodmap::navigator {
 
 // Converts messages to the navigator's values and back.
-
-/// The goal of a GOAL message.
-struct GoalInMap {
-  geometry::SE2 T_map_goal;  ///< its yaw is used only with a heading tolerance
-  double tolerance_m = 0.0;
-  std::optional<double> heading_tolerance_rad;
-};
 
 /// Whether a GOAL message is plausible: a goal, or the end of one.
 [[nodiscard]] bool is_plausible(const nodmap::goal_t& message);

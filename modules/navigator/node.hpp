@@ -14,6 +14,7 @@
 #include "common/node/node.hpp"
 #include "modules/navigator/display.hpp"
 #include "modules/navigator/geofence.hpp"
+#include "modules/navigator/inputs.hpp"
 #include "modules/navigator/messages.hpp"
 #include "modules/navigator/navigator.hpp"
 #include "modules/navigator/senders.hpp"
@@ -46,17 +47,6 @@ class NavigatorNode final : public node::Node {
   [[nodiscard]] node::Health health() const override;
 
  private:
-  struct Odometry {
-    std::int64_t seq = 0;
-    geometry::SE2 T_odom_base;
-    double forward_mps = 0.0;
-    double yaw_rate_rad_s = 0.0;
-  };
-  struct ObstacleMap {
-    geometry::SE2 T_odom_map;  // of base at the map's stamp
-    Points points_map;
-  };
-
   void on_map(const nodmap::egomap_t& message);
   void on_scan(const nodmap::scan_t& message);
   void on_base_sensors(const nodmap::base_sensors_t& message);
@@ -68,22 +58,16 @@ class NavigatorNode final : public node::Node {
   void on_stop(const nodmap::stop_t& message);
 
   void watch_slip(const nodmap::pose_t& message);
-  [[nodiscard]] bool may_be_at_goal() const;
-  [[nodiscard]] bool laser_is_held() const;
-  /// The fastest speed that the pitch controller and the pose allow.
-  [[nodiscard]] double max_forward_mps() const;
   void begin_odometry_frame(time::Timestamp stamp);
   [[nodiscard]] Decision halt(Reason reason);
   [[nodiscard]] std::optional<Reason> reason_not_to_drive(const StalenessParams& limits) const;
-  [[nodiscard]] std::optional<Reason> reason_by_geofence() const;
-  [[nodiscard]] GoalState goal_state() const;
-  [[nodiscard]] Situation situation() const;
   void publish(const Decision& decision);
 
   node::Context& context_;
   Params params_;
   node::SensorInput input_;
   std::optional<Geofence> geofence_;
+  Inputs newest_;
   Navigator navigator_;
   Display display_;
   SlipMonitor slip_;
@@ -92,20 +76,9 @@ class NavigatorNode final : public node::Node {
   node::SequenceCounter pitch_commands_watch_;
   InputSenders senders_;
   node::SequenceCounter pitch_states_watch_;
-  InputStamps stamps_;
   time::Timestamp odometry_frame_began_{};
-  std::optional<ObstacleMap> map_;
-  std::optional<Odometry> odometry_;
   geometry::PoseHistory odometry_history_{1s};
   scan::Scan scan_;  // reused from message to message
-  nodmap::pitch_command_t pitch_command_{};
-  nodmap::pitch_state_t pitch_state_{};
-  std::optional<GoalInMap> goal_;
-  std::optional<std::string> stopped_by_;
-  geometry::SE2 T_map_odom_;
-  std::int8_t pose_state_ = nodmap::pose_t::TRACKING;  // of the last POSE_2D
-  double pose_sigma_m_ = 0.0;                          // in its worst direction
-  std::optional<time::Timestamp> pose_stamp_;          // by odometry, when it was used
 
   nodmap::drive_t drive_{};
   nodmap::navigation_t navigation_{};
