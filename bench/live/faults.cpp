@@ -11,12 +11,14 @@
 #include "bench/live/ground_truth_monitor.hpp"
 #include "bench/live/stop_metrics.hpp"
 #include "common/node/clock.hpp"
+#include "drivers/kurt/params.hpp"
 
 namespace nodmap::bench {
 namespace {
 
-constexpr double kDecelerationMps2 = 3.0;  // of the base driver when it is commanded to stop
-constexpr double kMaxExcessS = 0.3;        // promised by SAFETY.md
+// Of the base driver when it is commanded to stop.
+constexpr double kDecelerationMps2 = kurt::SpeedLimits{}.max_deceleration_mps2;
+constexpr double kMaxExcessS = 0.3;  // promised by SAFETY.md
 constexpr double kMaxExcessM = 0.3;
 constexpr double kFaultAtS = 12.0;  // after the simulator's start: the robot is driving
 constexpr double kFaultForS = 3.0;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/geometry/time.hpp"
+#include "procman/config/config.hpp"
 
 namespace nodmap::procman {
 
@@ -23,8 +24,8 @@ struct CommandSpec {
   std::string exec;
   std::string group;
   bool auto_respawn = false;
-  int stop_signal = 2;
-  double stop_time_allowed_s = 7.0;
+  int stop_signal = Command::kDefaultStopSignal;
+  double stop_time_allowed_s = Command::kDefaultStopTimeS;
 
   bool operator==(const CommandSpec&) const = default;
 };

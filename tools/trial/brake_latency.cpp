@@ -23,8 +23,7 @@ bool brakes(double drive_mps, double speed_mps) {
 }  // namespace
 
 double StoppingZone::length_m(double forward_mps, double sweep_s) const {
-  const double v = std::max(0.0, forward_mps);
-  return v * (2.0 * sweep_s + processing_s) + v * v / (2.0 * deceleration_mps2) + margin_m;
+  return braking.required_distance_m(std::max(0.0, forward_mps), detection.reaction_s(sweep_s));
 }
 
 void BrakeLatencyMonitor::update(const State& state) {
@@ -33,8 +32,8 @@ void BrakeLatencyMonitor::update(const State& state) {
   for (std::size_t i = 0; i < actors_.size(); ++i) {
     TrackedActor& tracked = actors_[i];
     const auto& actor = state.visible_actors[i];
-    const bool now = actor && touches(*actor, state.T_world_base, 0.5 * zone_.body_length_m,
-                                      length_m, 0.5 * zone_.body_width_m);
+    const bool now = actor && touches(*actor, state.T_world_base, zone_.footprint.half_length_m,
+                                      length_m, zone_.footprint.half_width_m);
     if (now && !tracked.in_zone && state.forward_mps >= kMinSpeedMps) {
       tracked.open_event =
           BrakeEvent{state.instant, state.forward_mps, state.sweep_s, std::nullopt};

@@ -7,6 +7,8 @@
 
 #include "common/geometry/se2.hpp"
 #include "common/geometry/time.hpp"
+#include "common/robot/robot_params.hpp"
+#include "modules/pitch_controller/params.hpp"
 #include "sim/world/world.hpp"
 
 namespace nodmap::trial {
@@ -14,14 +16,12 @@ namespace nodmap::trial {
 /// The strip ahead of the robot's front, as wide as the body, in which an obstacle must make it
 /// brake at once.
 struct StoppingZone {
-  double body_length_m = 0.45;
-  double body_width_m = 0.33;
-  double deceleration_mps2 = 1.5;
-  double processing_s = 0.05;  ///< in addition to two sweeps
-  double margin_m = 0.15;      ///< distance left when the robot has stopped
+  robot::Footprint footprint = robot::Body{}.footprint();
+  robot::Braking braking;
+  pitch_controller::DetectionParams detection;
 
-  /// Length of the strip: v (2 sweep_s + processing_s) + v^2 / 2a + margin_m, because the laser may
-  /// need two sweeps to detect a new obstacle.
+  /// Length of the strip: the required distance, with a reaction time of two sweeps and processing,
+  /// because the laser may need two sweeps to detect a new obstacle.
   [[nodiscard]] double length_m(double forward_mps, double sweep_s) const;
 };
 

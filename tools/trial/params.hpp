@@ -26,7 +26,6 @@ struct LoopParams {
   double goal_tolerance_m = 0.3;
   double docking_tolerance_m = 0.02;
   double docking_tolerance_rad = geometry::deg_to_rad(1.0);
-  double deceleration_mps2 = 1.5;
 
   template <class Visitor>
   void describe(Visitor& v) {
@@ -39,8 +38,6 @@ struct LoopParams {
              "Tolerance of a goal with a heading.");
     v.angle("docking_tolerance_deg", docking_tolerance_rad, {0.1, 45.0},
             "Tolerance of the heading there.");
-    v.number("deceleration_mps2", deceleration_mps2, {0.1, 10.0},
-             "Deceleration from which the length of the stopping zone is computed.");
   }
 };
 

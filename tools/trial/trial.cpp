@@ -193,9 +193,10 @@ TrialOutcome Trial::finish() {
 }
 
 StoppingZone stopping_zone(const TrialSetup& setup) {
-  return {.body_length_m = setup.params.sim.model.body.length_m,
-          .body_width_m = setup.params.sim.model.body.width_m,
-          .deceleration_mps2 = setup.params.loop.deceleration_mps2};
+  const sim::BodyParams& body = setup.params.sim.model.body;
+  return {.footprint = {.half_length_m = 0.5 * body.length_m, .half_width_m = 0.5 * body.width_m},
+          .braking = setup.params.navigator.robot.braking,
+          .detection = setup.params.pitch_controller.detection};
 }
 
 }  // namespace nodmap::trial

@@ -36,6 +36,15 @@ TEST_F(BrakeLatencyTest, TheZoneIsAsWideAsTheBody) {
   EXPECT_EQ(monitor_.events().size(), 1U);
 }
 
+TEST_F(BrakeLatencyTest, TheZoneIsWhatTheRobotsParametersRequire) {
+  StoppingZone zone;
+  EXPECT_NEAR(zone.length_m(1.0, 0.3), kEndM - 0.225, 1e-12);
+  zone.braking = {.deceleration_mps2 = 1.0, .stop_margin_m = 0.2};
+  zone.detection.processing_s = 0.1;
+  EXPECT_NEAR(zone.length_m(1.0, 0.3), 0.7 + 0.5 + 0.2, 1e-12);
+  EXPECT_NEAR(zone.length_m(-1.0, 0.3), 0.2, 1e-12);
+}
+
 TEST_F(BrakeLatencyTest, AnObstacleBesideTheBodyIsNotInTheZone) {
   update(1ms, {0.225 - 0.1 - 0.001, 0.0});
   EXPECT_TRUE(monitor_.events().empty());
