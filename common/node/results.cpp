@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/node/results.hpp"
 
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
+#include <system_error>
+
+#include "common/formats/atomic_file.hpp"
 
 namespace nodmap::node {
 
@@ -32,11 +34,8 @@ std::filesystem::path make_next_result_dir(const std::filesystem::path& dir) {
 
 void write_result_json(const std::filesystem::path& dir, const nlohmann::json& result) {
   const std::filesystem::path file = dir / "result.json";
-  std::ofstream out(file);
-  out << result.dump(2) << "\n";
-  out.flush();
-  if (!out) {
-    throw std::runtime_error(file.string() + ": cannot write");
+  if (const auto error = formats::replace_file(file, result.dump(2) + "\n")) {
+    throw std::system_error(error, file.string() + ": cannot write");
   }
 }
 

@@ -9,7 +9,6 @@
 #include <fstream>
 #include <limits>
 #include <sstream>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -66,12 +65,6 @@ std::string yaml_of(const OccupancyGrid& grid) {
        << "occupied_thresh: 0.65\n"
        << "free_thresh: 0.196\n";
   return text.str();
-}
-
-void write(const std::filesystem::path& file, const std::string& bytes) {
-  if (const auto error = formats::replace_file(file, bytes)) {
-    throw std::runtime_error(file.string() + ": " + error.message());
-  }
 }
 
 [[noreturn]] void refuse(const std::filesystem::path& file, const std::string& reason) {
@@ -184,9 +177,9 @@ void draw_ends(PlanView& view, const std::vector<Eigen::Vector2d>& path) {
 
 }  // namespace
 
-void write_ros_map(const std::filesystem::path& dir, const OccupancyGrid& grid) {
-  write(dir / "map.pgm", pgm_of(grid));
-  write(dir / "map.yaml", yaml_of(grid));
+std::error_code write_ros_map(const std::filesystem::path& dir, const OccupancyGrid& grid) {
+  const auto error = formats::replace_file(dir / "map.pgm", pgm_of(grid));
+  return error ? error : formats::replace_file(dir / "map.yaml", yaml_of(grid));
 }
 
 TrinaryGrid read_ros_map(const std::filesystem::path& path) {

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <system_error>
 
 #include "common/drawing/image.hpp"
 #include "common/geometry/se2.hpp"
@@ -14,8 +15,9 @@
 namespace nodmap::slam2d {
 
 /// Writes map.pgm and map.yaml as the ROS map_server reads them. An existing file stays in place
-/// until the new one is complete. Throws std::runtime_error naming the file.
-void write_ros_map(const std::filesystem::path& dir, const OccupancyGrid& grid);
+/// until the new one is complete.
+[[nodiscard]] std::error_code write_ros_map(const std::filesystem::path& dir,
+                                            const OccupancyGrid& grid);
 
 /// Reads a map as the ROS map_server does: `path` is a map.yaml, or a folder with one. The image
 /// it names is a PGM file (P2 or P5). Throws formats::InputFileError naming the file and what is

@@ -189,7 +189,7 @@ void Slam2dNode::on_scan(const nodmap::scan_t& message) {
   if (is_due(update->stamp, last_map_stamp_, params_.grid.publish_period_s)) {
     publish_map(update->stamp, tile_selector_.choose(map_.grid()));
   }
-  if (!save_error_.empty() && is_due(update->stamp, last_save_stamp_, kSaveRetryPeriodS)) {
+  if (save_error_ && is_due(update->stamp, last_save_stamp_, kSaveRetryPeriodS)) {
     try_to_save();
   }
 }
@@ -252,7 +252,7 @@ void Slam2dNode::on_clear_request(const nodmap::clear_request_t& message) {
 void Slam2dNode::on_save_request(const nodmap::save_request_t& message) {
   if (node::accept_save_request(message, context_)) {
     try_to_save();
-    if (save_error_.empty()) {
+    if (!save_error_) {
       log::get().info("map saved in {}", context_.out_dir.string());
     }
   }
@@ -262,24 +262,20 @@ void Slam2dNode::on_save_request(const nodmap::save_request_t& message) {
 // it is tried again.
 void Slam2dNode::try_to_save() {
   last_save_stamp_ = last_stamp_;
-  try {
-    save(context_.out_dir);
-    save_error_.clear();
-  } catch (const std::runtime_error& error) {
-    save_error_ = error.what();
-    log::get().warn("map not saved: {}", save_error_);
+  save_error_ = save(context_.out_dir);
+  if (save_error_) {
+    log::get().warn("{}: map not saved: {}", context_.out_dir.string(), save_error_.message());
   }
 }
 
-void Slam2dNode::save(const std::filesystem::path& dir) const {
-  write_ros_map(dir, map_.grid());
-  if (!slam_.keyframes().empty()) {
-    SavedMap saved = slam_.back_end().save();
-    saved.cleared = map_.cleared();
-    if (const auto error = write_saved_map(dir, saved)) {
-      throw std::system_error(error, dir.string());
-    }
+std::error_code Slam2dNode::save(const std::filesystem::path& dir) const {
+  const auto error = write_ros_map(dir, map_.grid());
+  if (error || slam_.keyframes().empty()) {
+    return error;
   }
+  SavedMap saved = slam_.back_end().save();
+  saved.cleared = map_.cleared();
+  return write_saved_map(dir, saved);
 }
 
 void Slam2dNode::finish() {
@@ -337,7 +333,9 @@ void Slam2dNode::write_results(const std::filesystem::path& dir) {
   }
   formats::write_tum(dir / "trajectory.tum", corrected);
   formats::write_tum(dir / "online.tum", online);
-  save(dir);
+  if (const auto error = save(dir)) {
+    throw std::system_error(error, dir.string());
+  }
   draw_map(map_.grid(), path).write_png(dir / "map.png");
   draw_paths(path, odometry).write_png(dir / "path.png");
 }
@@ -373,8 +371,9 @@ nlohmann::json Slam2dNode::metrics() const {
 }
 
 node::Health Slam2dNode::health() const {
-  if (!save_error_.empty()) {
-    return {node::HealthState::kDegraded, "The map cannot be saved: " + save_error_ + "."};
+  if (save_error_) {
+    return {node::HealthState::kDegraded,
+            "The map cannot be saved: " + save_error_.message() + "."};
   }
   if (search_ && last_quality_ != PoseQuality::kTracked) {
     return {node::HealthState::kDegraded, "The robot has not been found in the saved map yet."};

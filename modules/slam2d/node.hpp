@@ -4,6 +4,7 @@
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <system_error>
 #include <vector>
 
 #include "common/geometry/time.hpp"
@@ -52,7 +53,7 @@ class Slam2dNode : public node::Node {
   void on_save_request(const nodmap::save_request_t& message);
   void find_in_saved_map();
   void try_to_save();
-  void save(const std::filesystem::path& dir) const;
+  [[nodiscard]] std::error_code save(const std::filesystem::path& dir) const;
   void count_rejected(const ScanCounts& before, std::int64_t without_points_before);
   void update_grid(const PoseUpdate& update);
   void publish_graph(time::Timestamp stamp);
@@ -84,7 +85,7 @@ class Slam2dNode : public node::Node {
   std::int64_t graph_revision_published_ = 0;
   PoseQuality last_quality_ = PoseQuality::kTracked;
   std::optional<time::Timestamp> last_save_stamp_;  // when it was tried
-  std::string save_error_;                          // of the last attempt; empty when it succeeded
+  std::error_code save_error_;                      // of the last attempt
 };
 
 }  // namespace nodmap::slam2d

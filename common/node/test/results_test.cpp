@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <string>
 
 #include "tests/support/data_dir.hpp"
 
@@ -33,6 +35,23 @@ TEST(ResultDir, ARestartedProcessTakesTheNext) {
   std::ofstream(second / "result.json") << "{}";
   EXPECT_EQ(make_next_result_dir(out), dir.path() / "slam2d.3");
   EXPECT_EQ(make_next_result_dir(out.string() + "/"), dir.path() / "slam2d.3");
+}
+
+TEST(ResultJson, OneThatCannotBeWrittenLeavesTheOldOneAndIsNamed) {
+  const test::TemporaryDir dir;
+  const auto written = [&dir] {
+    return nlohmann::json::parse(std::ifstream(dir.path() / "result.json"));
+  };
+  write_result_json(dir.path(), {{"run", 1}});
+  EXPECT_EQ(written()["run"], 1);
+  std::filesystem::create_directory(dir.path() / "result.json.part");  // where the new one is to go
+  try {
+    write_result_json(dir.path(), {{"run", 2}});
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("result.json"), std::string::npos);
+  }
+  EXPECT_EQ(written()["run"], 1);
 }
 
 }  // namespace results_test
