@@ -12,6 +12,8 @@ constexpr double kLineRatio = 1e-10;
 
 }  // namespace
 
+// Eigen::umeyama() computes the same, but does not return the singular values, without which points
+// on a line cannot be told.
 RigidFit fit_rigid(std::span<const PointPair> pairs) {
   if (pairs.size() < 3) {
     return {};

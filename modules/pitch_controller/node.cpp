@@ -11,10 +11,11 @@ namespace nodmap::pitch_controller {
 namespace {
 
 // Limit for stamps, as for other inputs, so that their sums and differences never overflow.
-constexpr std::int64_t kLatestUtimeUs = std::int64_t{1} << 60;
+constexpr time::Timestamp kLatestStamp(time::kLimit / 2);
 
 bool is_plausible(const nodmap::pitch_state_t& message) {
-  return message.utime >= 0 && message.utime < kLatestUtimeUs && message.sweep_count >= 0 &&
+  const time::Timestamp stamp = time::from_utime(message.utime);
+  return stamp >= time::Timestamp{} && stamp < kLatestStamp && message.sweep_count >= 0 &&
          std::abs(message.pitch_rad) <= geometry::kPi && std::isfinite(message.pitch_rate_rad_s);
 }
 
