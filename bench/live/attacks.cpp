@@ -27,6 +27,9 @@ namespace {
 
 constexpr std::uint16_t kPort = 7667;  // LCM's default port
 constexpr double kRateHz = 100.0;
+/// One message a little later than a sender may be silent.
+constexpr double kListenerHz = 1.0 / 0.21;
+constexpr std::int64_t kSkippedByListener = 100;
 constexpr time::Duration kAhead = 45ms;  // forged stamps are ahead, to look newest
 constexpr double kDrivingMps = 0.5;    // from this speed on the robot is driving, before and after
 constexpr double kTimeToStopS = 2.0;   // to notice the attack and to brake
@@ -34,10 +37,37 @@ constexpr double kStationaryM = 0.05;  // greatest distance of a robot that has 
 constexpr double kPatienceS = 120.0;   // wait for it to drive; a busy machine is slow
 constexpr const char* kNeighbour = "10.9.9.9";
 
+/// Chooses the numbers of a sender that listens: each is ahead of the legitimate sender's.
+class NumbersAhead {
+ public:
+  void receive(std::int64_t seq) { last_ = seq == forged_ ? last_ : seq; }
+  [[nodiscard]] std::int64_t next() { return forged_ = last_ + kSkippedByListener; }
+
+ private:
+  std::int64_t last_ = 0;
+  std::int64_t forged_ = 0;  // is received as well
+};
+
 /// Sends messages as a process of the robot would, and raw datagrams.
 class Forger {
  public:
+  Forger() {
+    bus_.subscribe<nodmap::drive_t>(
+        "DRIVE", [this](const nodmap::drive_t& drive) { drives_.receive(drive.drive_seq); });
+    bus_.subscribe<nodmap::odometry_t>("ODOMETRY", [this](const nodmap::odometry_t& odometry) {
+      odometry_.receive(odometry.odometry_seq);
+    });
+  }
+
   [[nodiscard]] std::int64_t next_seq() { return seq_++; }
+  [[nodiscard]] std::int64_t drive_seq_ahead() {
+    bus_.handle(std::chrono::milliseconds(0));
+    return drives_.next();
+  }
+  [[nodiscard]] std::int64_t odometry_seq_ahead() {
+    bus_.handle(std::chrono::milliseconds(0));
+    return odometry_.next();
+  }
 
   template <class Message>
   void publish(const std::string& channel, const Message& message) {
@@ -64,6 +94,8 @@ class Forger {
   bus::LiveBus bus_{""};
   test::Attacker attacker_{kPort};
   std::int64_t seq_ = 0;
+  NumbersAhead drives_;
+  NumbersAhead odometry_;
 };
 
 time::Timestamp now() {
@@ -101,6 +133,19 @@ nodmap::odometry_t forged_odometry(Forger& forger, time::Duration ahead) {
   return odometry;
 }
 
+/// The same with numbers that the legitimate sender has not reached yet.
+void publish_drive_of_listener(Forger& forger) {
+  nodmap::drive_t drive = forged_drive(forger, 0us);
+  drive.drive_seq = forger.drive_seq_ahead();
+  forger.publish("DRIVE", drive);
+}
+
+void publish_odometry_of_listener(Forger& forger) {
+  nodmap::odometry_t odometry = forged_odometry(forger, 0us);
+  odometry.odometry_seq = forger.odometry_seq_ahead();
+  forger.publish("ODOMETRY", odometry);
+}
+
 enum class Promise { kStationary, kDrivesOn };
 
 struct Attack {
@@ -136,6 +181,10 @@ std::vector<Attack> attacks() {
       {"ODOMETRY", Promise::kStationary, "nodmap-navigator",
        [](Forger& forger) { forger.publish("ODOMETRY", forged_odometry(forger, 0us)); }},
       {"one ODOMETRY, a day ahead", Promise::kDrivesOn, "", one_odometry, 0.0},
+      {"DRIVE that skips numbers", Promise::kStationary, "nodmap-kurt", publish_drive_of_listener,
+       kListenerHz},
+      {"ODOMETRY that skips numbers", Promise::kStationary, "nodmap-navigator",
+       publish_odometry_of_listener, kListenerHz},
       {"two datagrams that wrap", Promise::kDrivesOn, "nodmap-navigator", fragments},
       {"a neighbour's DRIVE, ODOMETRY", Promise::kDrivesOn, "nodmap-kurt", neighbour},
       {"base and navigator killed", Promise::kStationary, "", {}, 0.0, true},

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/node/sender_watch.hpp"
 
+#include <algorithm>
 #include <limits>
 
 namespace nodmap::node {
@@ -19,21 +20,56 @@ bool continues(std::int64_t last, std::int64_t seq) {
 }  // namespace
 
 bool SenderWatch::follow(std::int64_t seq, time::SteadyTime now) {
-  if (followed_ && now < followed_->at) {
-    *this = SenderWatch();
+  if (!is_alive(now)) {
+    strangers_ = 0;  // they were messages of the newly accepted sender
+    skipped_after_ = seq;
+    refused_.reset();
+    followed_ = {seq, now};
+    return true;
   }
-  const bool is_alive = followed_ && now - followed_->at < kSilence;
-  if (is_alive && !continues(followed_->seq, seq)) {
-    count_stranger(now);
+  if (!continues(followed_->seq, seq)) {
+    refuse_stranger(seq, now);
     return false;
   }
-  if (!is_alive) {
-    strangers_ = 0;  // they were messages of the newly accepted sender
-  } else if (now - window_begin_ < kWindow && strangers_ >= kStrangersOfASecondSender) {
-    contested_since_ = now;
+  if (refused_ && seq <= *refused_) {
+    count_stranger(now);
+  }
+  refused_.reset();
+  contest_if_several(now);
+  if (now - skipped_at_ >= kWindow) {
+    skipped_after_ = followed_->seq;
+  }
+  if (seq - 1 > followed_->seq) {
+    skipped_at_ = now;
   }
   followed_ = {seq, now};
   return true;
+}
+
+void SenderWatch::refuse(std::int64_t seq, time::SteadyTime now) {
+  if (!is_alive(now)) {
+    return;
+  }
+  if (continues(followed_->seq, seq)) {
+    refused_ = std::max(refused_.value_or(seq), seq);
+  } else {
+    refuse_stranger(seq, now);
+  }
+}
+
+/// Whether a sender is accepted and has been heard recently.
+bool SenderWatch::is_alive(time::SteadyTime now) {
+  if (followed_ && now < followed_->at) {
+    *this = SenderWatch();
+  }
+  return followed_ && now - followed_->at < kSilence;
+}
+
+void SenderWatch::refuse_stranger(std::int64_t seq, time::SteadyTime now) {
+  count_stranger(now);
+  if (seq > skipped_after_ && seq <= followed_->seq) {
+    contest_if_several(now);
+  }
 }
 
 void SenderWatch::count_stranger(time::SteadyTime now) {
@@ -42,6 +78,12 @@ void SenderWatch::count_stranger(time::SteadyTime now) {
     strangers_ = 0;
   }
   ++strangers_;
+}
+
+void SenderWatch::contest_if_several(time::SteadyTime now) {
+  if (now - window_begin_ < kWindow && strangers_ >= kStrangersOfASecondSender) {
+    contested_since_ = now;
+  }
 }
 
 }  // namespace nodmap::node

@@ -8,17 +8,20 @@
 
 namespace nodmap::node {
 
-/// Accepts the commands of one sender, and detects a second sender.
+/// Accepts the messages of one sender, and detects a second sender.
 ///
 /// The sequence numbers of one sender increase, with small gaps where messages were lost. While the
 /// accepted sender is alive, a message whose number does not continue its sequence is from a
 /// stranger. A single one may have been duplicated or overtaken on the network. Several within a
-/// second, while the accepted sender continues, mean that there are two senders; the numbers do not
-/// tell which one is legitimate. A new or restarted sender is accepted once the old one has been
-/// silent for kSilence.
+/// second mean that there are two senders; the numbers do not tell which one is legitimate. That is
+/// certain at once if the accepted sender has skipped these numbers: a second sender has listened
+/// and jumped ahead. Otherwise it is certain only when the accepted sender continues, because a
+/// process that has restarted counts from 0. A new or restarted sender is accepted once the old one
+/// has been silent for kSilence.
 ///
 /// All times must be of one clock; if it steps back, the watch starts again. It does not protect
-/// against a sender that is alone, or one that stops the legitimate sender first.
+/// against a sender that is alone, one that stops the legitimate sender first, or one that jumps
+/// ahead for less than kStrangersOfASecondSender messages a second.
 class SenderWatch {
  public:
   /// After this much silence the accepted sender is considered gone, and another may be accepted.
@@ -33,6 +36,10 @@ class SenderWatch {
   /// Adds a message; returns whether it is from the accepted sender.
   [[nodiscard]] bool follow(std::int64_t seq, time::SteadyTime now);
 
+  /// Adds a message that is refused for another reason, such as its stamp. It does not continue the
+  /// sequence, but several may reveal a second sender: after each of them, lower numbers follow.
+  void refuse(std::int64_t seq, time::SteadyTime now);
+
   /// Whether two senders are alive, or were a moment ago.
   [[nodiscard]] bool is_contested(time::SteadyTime now) const {
     return contested_since_ && now >= *contested_since_ && now < *contested_since_ + kContested;
@@ -44,10 +51,18 @@ class SenderWatch {
     time::SteadyTime at;
   };
 
+  [[nodiscard]] bool is_alive(time::SteadyTime now);
+  void refuse_stranger(std::int64_t seq, time::SteadyTime now);
   void count_stranger(time::SteadyTime now);
+  void contest_if_several(time::SteadyTime now);
 
   std::optional<Received> followed_;  // the last message of the accepted sender
-  int strangers_ = 0;                 // since the start of the present one-second window
+  // Numbers were skipped after this one. It is kept until none has been skipped for a second, so
+  // that a second jump ahead does not hide the first.
+  std::int64_t skipped_after_ = 0;
+  time::SteadyTime skipped_at_;          // when numbers were skipped last
+  std::optional<std::int64_t> refused_;  // greatest number refused since the last message
+  int strangers_ = 0;                    // since the start of the present one-second window
   time::SteadyTime window_begin_;
   std::optional<time::SteadyTime> contested_since_;
 };

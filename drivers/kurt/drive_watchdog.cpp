@@ -60,8 +60,13 @@ DriveStatus DriveWatchdog::classify(const DriveRequest& request, time::Timestamp
 
 DriveStatus DriveWatchdog::offer(const DriveRequest& request, time::Timestamp wall,
                                  time::SteadyTime now) {
-  const bool is_followed = sender_.follow(request.seq, now);
   const DriveStatus status = classify(request, wall, now);
+  bool is_followed = true;
+  if (status == DriveStatus::kObeyed) {
+    is_followed = sender_.follow(request.seq, now);
+  } else {
+    sender_.refuse(request.seq, now);
+  }
   const bool is_nonsense = status == DriveStatus::kNotFinite || status == DriveStatus::kImplausible;
   if (is_nonsense || sender_.is_contested(now)) {
     revoke();

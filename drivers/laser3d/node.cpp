@@ -103,6 +103,7 @@ void Laser3dNode::on_command(const nodmap::pitch_command_t& message) {
   const time::Moment now = clock_();
   const double age_s = time::seconds(now.wall - time::from_utime(message.utime));
   if (std::abs(age_s) > params_.nod.command_timeout_s) {
+    sender_.refuse(message.command_seq, now.steady);
     context_.counts.reject("stale");
     return;
   }

@@ -62,6 +62,10 @@ void NavigatorNode::on_map(const nodmap::egomap_t& message) {
     context_.counts.reject("map_of_former_odometry");
     return;
   }
+  if (!senders_.follow(Input::kObstacleMap, message.scan_seq, node::stamp_of(message), stamps_)) {
+    context_.counts.reject("other_sender_of_obstacle_map");
+    return;
+  }
   context_.counts.use();
   newest_.map = {geometry::to_se2(*T_odom_map), std::move(*points_map)};
   newest_.stamps.map = node::stamp_of(message);
@@ -94,6 +98,11 @@ void NavigatorNode::on_base_sensors(const nodmap::base_sensors_t& message) {
     context_.counts.reject("base_sensors_without_odometry");
     return;
   }
+  if (!senders_.follow(Input::kBaseSensors, message.sensors_seq, node::stamp_of(message),
+                       stamps_)) {
+    context_.counts.reject("other_sender_of_base_sensors");
+    return;
+  }
   context_.counts.use();
   Proximity::Ranges ranges_m;
   std::ranges::copy(message.infrared_m, ranges_m.begin());
@@ -103,6 +112,7 @@ void NavigatorNode::on_base_sensors(const nodmap::base_sensors_t& message) {
 void NavigatorNode::on_odometry(const nodmap::odometry_t& message) {
   const auto T_odom_base = input_.read(message);
   if (!T_odom_base) {
+    senders_.refuse(Input::kOdometry, message.odometry_seq, node::stamp_of(message), stamps_);
     return;
   }
   if (!std::isfinite(message.forward_mps) || !std::isfinite(message.yaw_rate_rad_s)) {

@@ -23,11 +23,18 @@ bool InputSenders::follow(Input input, std::int64_t seq, time::Timestamp stamp,
   return watches_[static_cast<std::size_t>(input)].follow(seq, clock_of(input, stamp, stamps));
 }
 
+void InputSenders::refuse(Input input, std::int64_t seq, time::Timestamp stamp,
+                          const InputStamps& stamps) {
+  watches_[static_cast<std::size_t>(input)].refuse(seq, clock_of(input, stamp, stamps));
+}
+
 std::optional<std::string> InputSenders::contested_channel(const InputStamps& stamps) const {
   for (const auto& [input, channel] : {std::pair(Input::kPitchCommand, "PITCH_COMMAND"),
                                        {Input::kPitchState, "PITCH_STATE"},
                                        {Input::kScan, "SCAN"},
-                                       {Input::kOdometry, "ODOMETRY"}}) {
+                                       {Input::kOdometry, "ODOMETRY"},
+                                       {Input::kObstacleMap, "OBSTACLE_MAP"},
+                                       {Input::kBaseSensors, "BASE_SENSORS"}}) {
     const node::SenderWatch& watch = watches_[static_cast<std::size_t>(input)];
     if (watch.is_contested(clock_of(input, {}, stamps))) {
       return channel;

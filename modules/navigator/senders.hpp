@@ -16,18 +16,28 @@ namespace nodmap::navigator {
 /// twice; which of them is right is not known.
 class InputSenders {
  public:
-  enum class Input : std::uint8_t { kScan, kOdometry, kPitchCommand, kPitchState };
+  enum class Input : std::uint8_t {
+    kScan,
+    kOdometry,
+    kPitchCommand,
+    kPitchState,
+    kObstacleMap,
+    kBaseSensors
+  };
 
   /// Takes a message. Returns false if it comes from another sender than the one that is followed.
   /// `stamps`: of the messages used so far.
   [[nodiscard]] bool follow(Input input, std::int64_t seq, time::Timestamp stamp,
                             const InputStamps& stamps);
 
+  /// Takes a message that is refused for another reason: it may reveal a second sender.
+  void refuse(Input input, std::int64_t seq, time::Timestamp stamp, const InputStamps& stamps);
+
   /// The channel of an input that two processes send; empty if there is none.
   [[nodiscard]] std::optional<std::string> contested_channel(const InputStamps& stamps) const;
 
  private:
-  std::array<node::SenderWatch, 4> watches_;  // by input
+  std::array<node::SenderWatch, 6> watches_;  // by input
 };
 
 }  // namespace nodmap::navigator

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <random>
 
 namespace nodmap::node {
 namespace sender_watch_test {
@@ -68,6 +69,109 @@ TEST(SenderWatch, ASecondSenderThatCopiesTheNumbersIsNoticed) {
     static_cast<void>(watch.follow(seq, now));
   }
   EXPECT_LE(periods, 4);
+}
+
+/// For how much of the time a message of the second sender is in force, if no message is used while
+/// the watch is contested. The second sender listens: every `pause` it sends `count` messages that
+/// skip `step` numbers each.
+double ratio_in_force(time::Duration pause, int count, std::int64_t step) {
+  SenderWatch watch;
+  std::int64_t seq = 5000;
+  std::int64_t last = seq;
+  time::SteadyTime now = send(watch, seq, 100, {});
+  time::SteadyTime next = now;
+  bool is_forged = false;
+  int num_forged = 0;
+  constexpr int kPeriods = 2000;
+  for (int i = 0; i < kPeriods; ++i, ++seq) {
+    now += kPeriod;
+    if (watch.follow(seq, now)) {
+      last = seq;
+      is_forged = false;
+    }
+    if (now >= next) {
+      next = now + pause;
+      for (int k = 0; k < count; ++k) {
+        is_forged = watch.follow(last + step, now + 1ms) || is_forged;
+        last += step;
+      }
+    }
+    num_forged += is_forged && !watch.is_contested(now + 1ms) ? 1 : 0;
+  }
+  return static_cast<double>(num_forged) / kPeriods;
+}
+
+// At 210 ms each message comes when the former has been in force for as long as a sender may be
+// silent.
+TEST(SenderWatch, ASecondSenderThatListensAndJumpsAheadIsNoticed) {
+  for (const std::int64_t step : {1, 2, 3, 50, 100}) {
+    for (const int count : {1, 2}) {
+      EXPECT_LT(ratio_in_force(210ms, count, step), 0.02) << count << " " << step;
+      // Too seldom to be contested all the time: at most three messages of 75 in force.
+      EXPECT_LT(ratio_in_force(1100ms, count, step), 0.04) << count << " " << step;
+    }
+  }
+}
+
+TEST(SenderWatch, AMessageThatIsRefusedDoesNotContinueTheSequence) {
+  SenderWatch watch;
+  std::int64_t seq = 5000;
+  const time::SteadyTime now = send(watch, seq, 100, {}) + kPeriod;
+  watch.refuse(seq + 50, now);
+  EXPECT_TRUE(watch.follow(seq, now));
+  EXPECT_FALSE(watch.is_contested(now));
+}
+
+TEST(SenderWatch, ASecondSenderWhoseMessagesAreRefusedIsNoticed) {
+  SenderWatch watch;
+  std::int64_t seq = 5000;
+  time::SteadyTime now = send(watch, seq, 100, {});
+  for (int i = 0; i < 4; ++i, ++seq) {
+    now += kPeriod;
+    watch.refuse(seq + 50, now - kPeriod / 2);
+    EXPECT_TRUE(watch.follow(seq, now));
+  }
+  EXPECT_TRUE(watch.is_contested(now));
+}
+
+// Its clock differs, or it was frozen: none of its messages can be used for a while.
+TEST(SenderWatch, OneSenderWithRefusedMessagesIsNoSecondSender) {
+  SenderWatch watch;
+  std::int64_t seq = 5000;
+  time::SteadyTime now = send(watch, seq, 100, {});
+  for (int i = 0; i < 50; ++i) {
+    now += kPeriod;
+    i % 7 == 0 ? static_cast<void>(watch.follow(seq++, now)) : watch.refuse(seq++, now);
+    EXPECT_FALSE(watch.is_contested(now));
+  }
+}
+
+// A fifth of the messages is lost, at random.
+TEST(SenderWatch, ALossyNetworkIsNoSecondSender) {
+  SenderWatch watch;
+  std::mt19937 random(1);
+  time::SteadyTime now;
+  for (std::int64_t seq = 0; seq < 10'000; ++seq, now += kPeriod) {
+    if (random() % 5 != 0) {
+      EXPECT_TRUE(watch.follow(seq, now));
+      EXPECT_FALSE(watch.is_contested(now));
+    }
+  }
+}
+
+// It counts from 0 while the former is still believed to be alive.
+TEST(SenderWatch, ASenderThatRestartsAtOnceIsNoSecondSender) {
+  SenderWatch watch;
+  std::int64_t seq = 0;
+  time::SteadyTime now = send(watch, seq, 5000, {});
+  const time::SteadyTime last = now;
+  for (seq = 0; now < last + SenderWatch::kSilence; ++seq) {
+    now += kPeriod;
+    EXPECT_EQ(watch.follow(seq, now), now - last >= SenderWatch::kSilence);
+    EXPECT_FALSE(watch.is_contested(now));
+  }
+  send(watch, seq, 100, now + kPeriod);
+  EXPECT_FALSE(watch.is_contested(now + 100 * kPeriod));
 }
 
 TEST(SenderWatch, ItIsOverASecondAfterTheSecondSenderHasEnded) {

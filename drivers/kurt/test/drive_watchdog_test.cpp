@@ -117,6 +117,37 @@ TEST(DriveWatchdog, TwoSendersAreNotObeyedUntilOneHasEnded) {
   EXPECT_EQ(watchdog.command(now)->forward_mps, 0.5);
 }
 
+// Every 210 ms a second sender sends one command of 5 m/s, whose number is 100 after the newest.
+TEST(DriveWatchdog, ASecondSenderThatListensIsNotObeyed) {
+  DriveWatchdog watchdog(kTimeout);
+  std::int64_t seq = 5000;
+  int num_forged = 0;
+  for (time::SteadyTime now = kSteady; now < kSteady + 10s; now += 1ms) {
+    const time::Timestamp wall = kWall + (now - kSteady);
+    if ((now - kSteady) % 13ms == 0ms) {
+      static_cast<void>(watchdog.offer({{0.5, 0.0}, wall, 1s, seq++}, wall, now));
+    }
+    if (now >= kSteady + 1s && (now - kSteady) % 210ms == 0ms) {
+      static_cast<void>(watchdog.offer({{5.0, 0.0}, wall, 1s, seq + 99}, wall, now));
+    }
+    const auto command = watchdog.command(now);
+    num_forged += command && command->forward_mps == 5.0 ? 1 : 0;
+  }
+  EXPECT_LE(num_forged, 40);  // until the third command of the first sender: 3 * 13 ms
+  EXPECT_TRUE(watchdog.is_contested(kSteady + 10s));
+}
+
+// One command that will be refused has a number that the sender has not reached yet.
+TEST(DriveWatchdog, ARefusedDriveDoesNotKeepTheSenderOut) {
+  for (const time::Duration ahead : {45ms, -300ms}) {
+    DriveWatchdog watchdog(kTimeout);
+    ASSERT_EQ(watchdog.offer({{0.5, 0.0}, kWall, 1s, 10}, kWall, kSteady), DriveStatus::kObeyed);
+    EXPECT_NE(watchdog.offer({{5.0, 0.0}, kWall + ahead, 1s, 50}, kWall, kSteady),
+              DriveStatus::kObeyed);
+    EXPECT_EQ(watchdog.offer({{0.7, 0.0}, kWall, 1s, 11}, kWall, kSteady), DriveStatus::kObeyed);
+  }
+}
+
 TEST(DriveWatchdog, AnImplausibleDriveRevokesThePreviousCommand) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double infinity = std::numeric_limits<double>::infinity();

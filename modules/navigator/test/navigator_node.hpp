@@ -37,8 +37,9 @@ class NavigatorNodeTest : public ::testing::Test {
     bus_.deliver("ODOMETRY", message);
   }
 
-  static nodmap::egomap_t empty_map(std::int64_t utime_us) {
+  nodmap::egomap_t empty_map(std::int64_t utime_us) {
     nodmap::egomap_t map{};
+    map.scan_seq = map_seq_++;
     map.utime = utime_us;
     map.bin_first_rad = -geometry::kPi;
     map.bin_step_rad = geometry::deg_to_rad(1);
@@ -116,6 +117,7 @@ class NavigatorNodeTest : public ::testing::Test {
   NavigatorNode node_;
   std::int64_t now_us_ = 1'000'000'000;
   std::int64_t odometry_seq_ = 0;
+  std::int64_t map_seq_ = 0;
   std::int64_t command_seq_ = 0;
   std::int64_t state_seq_ = 0;
   double x_ = 0.0;

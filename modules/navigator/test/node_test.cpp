@@ -103,6 +103,7 @@ TEST_F(NavigatorNodeTest, InfraredRangesAreRefusedWithoutOdometryAndOtherwiseTak
                               std::numeric_limits<float>::infinity(), 0.3F}) {
     const std::int64_t used = counts_.used();
     std::ranges::fill(message.infrared_m, range_m);
+    ++message.sensors_seq;
     bus_.deliver("BASE_SENSORS", message);
     EXPECT_EQ(counts_.used(), used + 1) << range_m;
   }

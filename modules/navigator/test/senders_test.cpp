@@ -77,7 +77,8 @@ TEST_F(NavigatorNodeTest, ASecondSenderOfAnySensorHaltsItUntilItHasEnded) {
          forged.state_seq = seq;
          bus_.deliver("PITCH_STATE", forged);
        }},
-      {"SCAN", [this](std::int64_t seq) {
+      {"SCAN",
+       [this](std::int64_t seq) {
          scan::Scan scan;
          scan.stamp = time::from_utime(now_us_) - 10ms;
          scan.angle_step_rad = 0.01;
@@ -86,6 +87,20 @@ TEST_F(NavigatorNodeTest, ASecondSenderOfAnySensorHaltsItUntilItHasEnded) {
          for (const std::int64_t own_or_forged : {seq - 100'000, seq}) {
            scan.seq = own_or_forged;
            bus_.deliver("SCAN", node::write_scan(scan));
+         }
+       }},
+      {"OBSTACLE_MAP",
+       [this](std::int64_t seq) {
+         auto forged = empty_map(now_us_);
+         forged.scan_seq = seq;
+         bus_.deliver("OBSTACLE_MAP", forged);
+       }},
+      {"BASE_SENSORS", [this](std::int64_t seq) {
+         nodmap::base_sensors_t sensors{};
+         sensors.utime = now_us_;
+         for (const std::int64_t own_or_forged : {seq - 100'000, seq}) {
+           sensors.sensors_seq = own_or_forged;
+           bus_.deliver("BASE_SENSORS", sensors);
          }
        }}};
   for (const auto& [channel, forge] : forgers) {
@@ -101,6 +116,26 @@ TEST_F(NavigatorNodeTest, ASecondSenderOfAnySensorHaltsItUntilItHasEnded) {
   EXPECT_EQ(rejected("other_sender_of_odometry"), 50);
   EXPECT_EQ(rejected("other_sender_of_pitch_state"), 50);
   EXPECT_EQ(rejected("other_sender_of_scan"), 50);
+  EXPECT_EQ(rejected("other_sender_of_obstacle_map"), 50);
+  EXPECT_EQ(rejected("other_sender_of_base_sensors"), 50);
+}
+
+// It sends seldom, but with numbers that the base driver has not reached yet: 20 ms after the
+// third message that is refused the robot halts.
+TEST_F(NavigatorNodeTest, ASecondSenderOfOdometryThatListensHaltsIt) {
+  run(1.5);
+  ASSERT_TRUE(drives());
+  for (int i = 0; i < 50; ++i) {
+    auto forged = node::write_odometry(time::from_utime(now_us_), geometry::SE3::Identity());
+    forged.odometry_seq = odometry_seq_ + 99;
+    bus_.deliver("ODOMETRY", forged);
+    run(0.05);
+    EXPECT_TRUE(halts()) << i;
+    EXPECT_EQ(navigation().reason, "Two processes send ODOMETRY.");
+    run(0.16);
+  }
+  run(3.0);
+  EXPECT_TRUE(drives());
 }
 
 // Somebody else on the network sends it while the base driver runs.
