@@ -52,7 +52,7 @@ bool accept_save_request(const nodmap::save_request_t& request, const Context& c
     return false;
   }
   context.counts.use();
-  log::get().info("{} asked to save the map", request.requested_by);
+  log::get().info("{} asked to save the map", read_name(request.requested_by));
   return true;
 }
 

@@ -12,6 +12,7 @@ namespace {
 constexpr double kFarthestM = 1e6;
 /// Planar lasers have at most some thousand beams.
 constexpr std::size_t kMaxRanges = 16'384;
+constexpr std::size_t kMaxNameLength = 100;
 
 }  // namespace
 
@@ -87,6 +88,13 @@ nodmap::scan_t write_scan(const scan::Scan& scan) {
 
 std::optional<geometry::SE3> read_odometry(const nodmap::odometry_t& message) {
   return read_pose(message.position_m, message.orientation);
+}
+
+std::string read_name(std::string_view name) {
+  std::string text(name.substr(0, kMaxNameLength));
+  std::ranges::replace_if(
+      text, [](char c) { return c < ' ' || c > '~'; }, '?');
+  return text;
 }
 
 nodmap::odometry_t write_odometry(time::Timestamp stamp, const geometry::SE3& T_odom_base) {

@@ -5,6 +5,8 @@
 #pragma once
 
 #include <optional>
+#include <string>
+#include <string_view>
 
 #include "common/geometry/se3.hpp"
 #include "common/geometry/time.hpp"
@@ -35,6 +37,11 @@ void write_pose(const geometry::SE3& pose, double (&position_m)[3], double (&ori
 [[nodiscard]] time::Timestamp stamp_of(const auto& message) {
   return time::from_utime(message.utime);
 }
+
+/// The name of a requester as it may be logged and repeated: any process can send a name of any
+/// length and with any bytes. At most 100 characters; those that are not printable ASCII become
+/// '?'.
+[[nodiscard]] std::string read_name(std::string_view name);
 
 /// Makes an odometry message with unknown covariance; speed and yaw rate are zero.
 [[nodiscard]] nodmap::odometry_t write_odometry(time::Timestamp stamp,

@@ -21,7 +21,6 @@ constexpr time::Duration kSensorLife = 500ms;
 constexpr time::Duration kRepeatStop = 1s;
 constexpr const char* kName = "nodmap-kurt";
 constexpr const char* kItsStart = "its start";
-constexpr std::size_t kMaxNameLength = 100;
 /// A command is 22 bytes; a line that does not accept them in this time is stuck.
 constexpr time::Duration kWriteTimeout = 5ms;
 constexpr time::Duration kShutdownTimeout = 50ms;
@@ -187,10 +186,10 @@ void KurtNode::on_drive(const nodmap::drive_t& message) {
 }
 
 void KurtNode::on_stop(const nodmap::stop_t& message) {
-  const std::string by = message.requested_by.substr(0, kMaxNameLength);
-  if (by.starts_with(kName)) {
+  if (message.is_stopped != 0 && message.requested_by == repeated_name_) {
     return;  // our own repetition, which may arrive after a newer STOP of another sender
   }
+  const std::string by = node::read_name(message.requested_by);
   context_.counts.use();
   const bool was_stopped = stopped_by_.has_value();
   stopped_by_ = message.is_stopped != 0 ? std::optional(by) : std::nullopt;
@@ -222,7 +221,7 @@ void KurtNode::repeat_stop(const time::Moment& now) {
   message.utime = time::to_utime(now.wall);
   message.stop_seq = stop_seq_++;
   message.is_stopped = 1;
-  message.requested_by = std::string(kName) + ", for " + *stopped_by_;
+  message.requested_by = repeated_name_ = std::string(kName) + ", for " + *stopped_by_;
   context_.bus.publish("STOP", message);
 }
 

@@ -63,6 +63,7 @@ class KurtNode final : public node::DeviceNode {
   std::optional<std::string> stopped_by_;
   std::optional<time::SteadyTime> next_stop_;
   std::int64_t stop_seq_ = 0;
+  std::string repeated_name_;  // in the last STOP that this driver published
   KurtState logged_state_ = KurtState::kNoLine;
   time::SteadyTime next_control_;
   time::SteadyTime next_sensors_;

@@ -160,12 +160,12 @@ void ExplorerNode::on_path(const nodmap::path_t& message) {
 void ExplorerNode::on_explore(const nodmap::explore_t& message) {
   context_.counts.use();
   if (message.is_active != 0 && explorer_.state() == State::kIdle) {
-    log::get().info("{} starts the exploration", message.requested_by);
+    log::get().info("{} starts the exploration", node::read_name(message.requested_by));
     start();
   } else if (message.is_active != 0 && explorer_.state() == State::kHome) {
     start();
   } else if (message.is_active == 0 && explorer_.state() != State::kIdle) {
-    end("Ended by " + message.requested_by + ".");
+    end("Ended by " + node::read_name(message.requested_by) + ".");
     if (T_map_base_) {
       keep_place(node::stamp_of(message));
     }

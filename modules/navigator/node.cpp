@@ -234,7 +234,7 @@ void NavigatorNode::on_stop(const nodmap::stop_t& message) {
   context_.counts.use();
   newest_.stopped_by.reset();
   if (message.is_stopped != 0) {
-    newest_.stopped_by = message.requested_by;
+    newest_.stopped_by = node::read_name(message.requested_by);
   }
 }
 

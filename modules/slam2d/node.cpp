@@ -245,8 +245,8 @@ void Slam2dNode::on_clear_request(const nodmap::clear_request_t& message) {
   context_.counts.use();
   map_.clear(region);
   log::get().info("{} cleared the map from ({:.2f}, {:.2f}) to ({:.2f}, {:.2f}) m",
-                  message.requested_by, region.low.x(), region.low.y(), region.high.x(),
-                  region.high.y());
+                  node::read_name(message.requested_by), region.low.x(), region.low.y(),
+                  region.high.x(), region.high.y());
 }
 
 void Slam2dNode::on_save_request(const nodmap::save_request_t& message) {

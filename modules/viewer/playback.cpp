@@ -10,6 +10,7 @@
 
 #include "common/bus/codec.hpp"
 #include "common/bus/event_log.hpp"
+#include "common/node/messages.hpp"
 #include "nodmap/cloud_chunk_t.hpp"
 #include "nodmap/status_t.hpp"
 #include "nodmap/stop_t.hpp"
@@ -29,7 +30,7 @@ class EventFinder {
     if (event.channel == "STOP" && bus::decode_into(stop_, event.data)) {
       const bool was_stopped = std::exchange(is_stopped_, stop_.is_stopped != 0);
       const bool is_new = is_stopped_ && !was_stopped;
-      return is_new ? "stop by " + stop_.requested_by : std::string();
+      return is_new ? "stop by " + node::read_name(stop_.requested_by) : std::string();
     }
     if (event.channel == "STATUS" && bus::decode_into(status_, event.data)) {
       return status_event();

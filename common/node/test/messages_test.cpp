@@ -106,5 +106,12 @@ TEST(Messages, CorrectedPoseCarriesBothFrames) {
       read_pose(message.odom_position_m, message.odom_orientation)->isApprox(T_map_odom, 1e-12));
 }
 
+// Any process can send any bytes as its name; they are logged, and repeated in other messages.
+TEST(Messages, NamesOfRequestersAreShortAndPrintable) {
+  EXPECT_EQ(read_name("nodmap-stop, for ~ me"), "nodmap-stop, for ~ me");
+  EXPECT_EQ(read_name("a\n\x1b[2J\xff\x7f"), "a??[2J??");
+  EXPECT_EQ(read_name(std::string(250'000, 'x')), std::string(100, 'x'));
+}
+
 }  // namespace messages_test
 }  // namespace nodmap::node

@@ -255,6 +255,23 @@ TEST(KurtNode, PublishesStopOnceASecondUntilReleased) {
   EXPECT_EQ(bench.base.left_cm_s(), 50);
 }
 
+// Names that resemble the driver's own stop it as well, and their length is not repeated.
+TEST(KurtNode, AStopByAnyNameStopsIt) {
+  for (const std::string& by :
+       {std::string("nodmap-kurt"), "nodmap-kurt, for " + std::string(250'000, 'x')}) {
+    Bench bench;
+    ASSERT_TRUE(bench.stands_ready());
+    const bus::Latest<nodmap::stop_t> stop(bench.bus, "STOP");
+    bench.drive_for(0.5, 0.0, 1s);
+    ASSERT_EQ(bench.base.left_cm_s(), 50);
+    bench.publish_stop(true, by);
+    bench.drive_for(0.5, 0.0, 3s);
+    EXPECT_EQ(bench.base.left_cm_s(), 0);
+    EXPECT_LE(stop.count(), 4) << "once a second";
+    EXPECT_LT(stop.get()->requested_by.size(), 150U);
+  }
+}
+
 // A second sender of DRIVE: faster, and stamped ahead of the clock.
 TEST(KurtNode, ASecondSenderOfDriveStopsTheRobotAndIsReported) {
   Bench bench;

@@ -150,5 +150,17 @@ TEST_F(NavigatorNodeTest, OneOdometryThatBeginsAnewWithAFutureStampIsRefused) {
   EXPECT_TRUE(drives());
 }
 
+// The name is repeated in each NAVIGATION.
+TEST_F(NavigatorNodeTest, AStopWithALongNameIsNotRepeatedAtThatLength) {
+  run(1.5);
+  nodmap::stop_t stop{};
+  stop.is_stopped = 1;
+  stop.requested_by = std::string(250'000, 'x');
+  bus_.deliver("STOP", stop);
+  run(0.1);
+  EXPECT_TRUE(halts());
+  EXPECT_LT(navigation().reason.size(), 200U);
+}
+
 }  // namespace senders_test
 }  // namespace nodmap::navigator
