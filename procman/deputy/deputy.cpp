@@ -16,6 +16,7 @@
 #include "common/bus/live_bus.hpp"
 #include "common/node/clock.hpp"
 #include "common/node/log.hpp"
+#include "common/node/messages.hpp"
 #include "common/node/serial_workers.hpp"
 #include "common/node/status.hpp"
 #include "procman/config/config_watch.hpp"
@@ -34,6 +35,8 @@ constexpr time::Duration kDiscoverPeriod = 200ms;
 constexpr time::Duration kInfoPeriod = 1s;
 constexpr time::Duration kLongestWait = 200ms;
 constexpr time::Duration kConfigSettles = 500ms;
+/// STATUS reports a refusal for this long.
+constexpr time::Duration kRefusalShown = 10s;
 
 std::string own_folder() {
   std::error_code error;
@@ -84,6 +87,8 @@ class Deputy {
   void repeat_last_words();
   void log_end(const Children::Ended& end);
   void carry_out(const SupervisorActions& actions);
+  void refuse(const RefuseOrder& refusal);
+  [[nodiscard]] node::Health health(time::SteadyTime now) const;
   void start(const StartCommand& action);
   void publish_output(time::SteadyTime now);
   void publish_info();
@@ -109,6 +114,8 @@ class Deputy {
   time::SteadyTime info_due_{};
   bool serving_ = false;
   bool info_changed_ = false;
+  std::string refusal_;  // the reason of the last one
+  std::optional<time::SteadyTime> refused_;
   std::optional<int> exit_code_;
 };
 
@@ -221,9 +228,7 @@ void Deputy::work() {
     publish_info();
   }
   publish_output(now);
-  node::Health health;
-  health.needs_messages = false;  // a deputy without a sheriff is healthy
-  status_.publish_if_due(health);
+  status_.publish_if_due(health(now));
   if (supervisor_.is_shutting_down() && supervisor_.is_idle()) {
     exit_code_ = exit_code_.value_or(0);
   }
@@ -272,6 +277,8 @@ void Deputy::carry_out(const SupervisorActions& actions) {
       children_.signal(signal->id, signal->signal);
     } else if (const auto* begin = std::get_if<StartCommand>(&action)) {
       start(*begin);
+    } else if (const auto* refusal = std::get_if<RefuseOrder>(&action)) {
+      refuse(*refusal);
     } else if (const auto* forget = std::get_if<ForgetCommand>(&action)) {
       output_.forget(forget->id);
       info_changed_ = true;
@@ -279,6 +286,27 @@ void Deputy::carry_out(const SupervisorActions& actions) {
       info_changed_ = true;
     }
   }
+}
+
+/// Logs the first refusal after a while without any: a flood of orders must not fill the journal.
+void Deputy::refuse(const RefuseOrder& refusal) {
+  const time::SteadyTime now = time::steady_now();
+  counts_.reject(refusal.cause);
+  refusal_ = node::read_name(refusal.reason);
+  if (!refused_ || now - *refused_ >= kRefusalShown) {
+    log::get().warn("{}", refusal_);
+  }
+  refused_ = now;
+}
+
+node::Health Deputy::health(time::SteadyTime now) const {
+  node::Health health;
+  health.needs_messages = false;  // a deputy without a sheriff is healthy
+  if (refused_ && now - *refused_ < kRefusalShown) {
+    health.state = node::HealthState::kDegraded;
+    health.reason = refusal_;
+  }
+  return health;
 }
 
 void Deputy::start(const StartCommand& action) {

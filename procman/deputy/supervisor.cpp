@@ -18,6 +18,13 @@ constexpr double kMaxGraceS = 24.0 * 3600.0;
 
 constexpr double kMaxUntrustedGraceS = 60.0;
 
+/// Of a command in PM_INFO: its numbers, and the lengths and ends of its texts.
+constexpr std::size_t kNumberBytes = 128;
+
+std::size_t text_bytes(const CommandSpec& spec) {
+  return spec.id.size() + spec.exec.size() + spec.group.size();
+}
+
 /// Whether a process ends at this signal unless it handles it.
 bool is_end(int signal) {
   return signal == SIGINT || signal == SIGTERM || signal == SIGHUP || signal == SIGQUIT ||
@@ -55,9 +62,17 @@ SupervisorActions Supervisor::take_orders(const Orders& orders, time::Duration a
 
 void Supervisor::carry_out(const CommandOrder& order, time::SteadyTime now,
                            SupervisorActions& actions) {
-  const auto [found, is_new] = commands_.try_emplace(order.spec.id);
-  Entry& entry = found->second;
-  if (update_spec(entry, order.spec) || is_new) {
+  const bool is_new = !commands_.contains(order.spec.id);
+  const bool has_room = has_room_for(order.spec);
+  if (!has_room) {
+    actions.emplace_back(
+        RefuseOrder{"too_many_commands", "too many commands, or too long ones: some are refused"});
+    if (is_new) {
+      return;
+    }
+  }
+  Entry& entry = commands_[order.spec.id];
+  if ((has_room && update_spec(entry, order.spec)) || is_new) {
     actions.emplace_back(PublishInfo{});
   }
   entry.removed = false;
@@ -74,6 +89,22 @@ void Supervisor::carry_out(const CommandOrder& order, time::SteadyTime now,
   } else if (order.desired_run != 0) {
     entry.actual_run = order.desired_run;
   }
+}
+
+/// Whether PM_INFO stays short enough with a new or changed description.
+bool Supervisor::has_room_for(const CommandSpec& spec) const {
+  const auto known = commands_.find(spec.id);
+  const bool is_new = known == commands_.end();
+  const std::size_t count = commands_.size() + (is_new ? 1 : 0);
+  const std::size_t replaced = is_new ? 0 : text_bytes(known->second.spec);
+  const std::size_t bytes = text_bytes_ - replaced + text_bytes(spec) + count * kNumberBytes;
+  return count <= kMaxCommands && (bytes <= kMaxInfoBytes || text_bytes(spec) <= replaced);
+}
+
+std::map<std::string, Supervisor::Entry>::iterator Supervisor::forget(
+    std::map<std::string, Entry>::iterator at) {
+  text_bytes_ -= text_bytes(at->second.spec);
+  return commands_.erase(at);
 }
 
 /// Makes a description from the network safe: a valid signal and grace time.
@@ -97,6 +128,7 @@ bool Supervisor::update_spec(Entry& entry, const CommandSpec& spec) {
   if (entry.spec == wanted) {
     return false;
   }
+  text_bytes_ += text_bytes(wanted) - text_bytes(entry.spec);
   entry.spec = std::move(wanted);
   return true;
 }
@@ -119,7 +151,7 @@ void Supervisor::remove_missing(const Orders& orders, time::SteadyTime now,
       ++at;
     } else {
       actions.emplace_back(ForgetCommand{at->first});
-      at = commands_.erase(at);
+      at = forget(at);
     }
   }
 }
@@ -176,7 +208,7 @@ SupervisorActions Supervisor::ended(const std::string& id, int wait_status, time
   }
   if (entry.removed) {
     actions.emplace_back(ForgetCommand{id});
-    commands_.erase(id);
+    forget(commands_.find(id));
   } else if (entry.spec.auto_respawn && entry.wanted && !shutting_down_) {
     schedule_respawn(entry, now);
   }

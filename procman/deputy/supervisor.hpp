@@ -30,9 +30,13 @@ struct ForgetCommand {
   std::string id;  ///< not running, and no longer wanted
 };
 struct PublishInfo {};
+struct RefuseOrder {
+  const char* cause = "";  ///< the name under which it is counted
+  std::string reason;      ///< a sentence for people
+};
 
 using SupervisorAction =
-    std::variant<StartCommand, SignalCommand, WriteOutput, ForgetCommand, PublishInfo>;
+    std::variant<StartCommand, SignalCommand, WriteOutput, ForgetCommand, PublishInfo, RefuseOrder>;
 using SupervisorActions = std::vector<SupervisorAction>;
 
 /// The logic of a deputy as a pure state machine: orders, process ends and time in, actions out.
@@ -47,8 +51,11 @@ class Supervisor {
   /// sleeps in the kernel.
   static constexpr time::Duration kKillPeriod = 100ms;
 
-  /// Orders with more commands than this are ignored; a robot has far fewer processes.
+  /// More commands than this, in one message or in all together, are refused; a robot has far fewer
+  /// processes.
   static constexpr std::size_t kMaxCommands = 1000;
+  /// Longest PM_INFO, by a cautious estimate. Receivers refuse messages longer than 256 KiB.
+  static constexpr std::size_t kMaxInfoBytes = std::size_t{200} << 10U;
 
   /// With `trusts_orders` it does as the existing procman: commands that orders omit are stopped
   /// and forgotten, and orders determine how a process is stopped. Without it, omitted commands
@@ -104,9 +111,11 @@ class Supervisor {
   };
 
   void carry_out(const CommandOrder& order, time::SteadyTime now, SupervisorActions& actions);
+  [[nodiscard]] bool has_room_for(const CommandSpec& spec) const;
   [[nodiscard]] CommandSpec checked(CommandSpec spec) const;
   bool update_spec(Entry& entry, const CommandSpec& spec);
   void remove_missing(const Orders& orders, time::SteadyTime now, SupervisorActions& actions);
+  std::map<std::string, Entry>::iterator forget(std::map<std::string, Entry>::iterator at);
   static void start(Entry& entry, std::int32_t run, time::SteadyTime now,
                     SupervisorActions& actions);
   static void schedule_respawn(Entry& entry, time::SteadyTime now);
@@ -115,6 +124,7 @@ class Supervisor {
   std::string deputy_id_;
   bool trusts_orders_;
   std::map<std::string, Entry> commands_;
+  std::size_t text_bytes_ = 0;  // of all descriptions
   bool shutting_down_ = false;
 };
 

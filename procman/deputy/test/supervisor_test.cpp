@@ -4,8 +4,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <csignal>
 #include <limits>
+
+#include "common/bus/codec.hpp"
+#include "procman/protocol/messages.hpp"
 
 namespace nodmap::procman {
 namespace supervisor_test {
@@ -228,6 +232,56 @@ TEST_F(SupervisorTest, OrdersWithTooManyCommandsAreIgnored) {
   EXPECT_THAT(words(take(many)), IsEmpty());
   many.pop_back();
   EXPECT_EQ(words(take(many)).size(), Supervisor::kMaxCommands);
+}
+
+/// The bytes of PM_INFO.
+std::size_t info_bytes(const Supervisor& supervisor) {
+  DeputyInfo info;
+  info.commands = supervisor.statuses();
+  std::vector<std::byte> bytes;
+  bus::encode_into(bytes, to_message(info));
+  return bytes.size();
+}
+
+std::size_t num_refused(const SupervisorActions& actions) {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      actions, [](const auto& action) { return std::holds_alternative<RefuseOrder>(action); }));
+}
+
+// Each message names other commands; some have long names. Receivers refuse PM_INFO of more than
+// 256 KiB, so that the sheriff would receive nothing from this deputy any more.
+TEST_F(SupervisorTest, TheNumberOfCommandsIsLimitedInAllOrdersTogether) {
+  for (const std::size_t length : {4U, 200U}) {
+    supervisor_ = Supervisor("rover", false);
+    start_a();
+    std::size_t num_refusals = 0;
+    for (int message = 0; message < 5; ++message) {
+      std::vector<CommandOrder> many;
+      for (int i = 0; i < 1000; ++i) {
+        many.push_back(
+            order(0, true, std::to_string(message * 1000 + i) + std::string(length, 'x')));
+      }
+      num_refusals += num_refused(take(std::move(many)));
+    }
+    EXPECT_EQ(supervisor_.statuses().size() + num_refusals, 5001U);
+    EXPECT_LE(supervisor_.statuses().size(), Supervisor::kMaxCommands);
+    EXPECT_LE(info_bytes(supervisor_), Supervisor::kMaxInfoBytes);
+    CommandOrder longer = order(1, true);
+    longer.spec.exec = std::string(200'000, 'x');
+    EXPECT_THAT(words(take({longer})), ElementsAre("signal a 2")) << "it can still be stopped";
+    EXPECT_LE(info_bytes(supervisor_), Supervisor::kMaxInfoBytes);
+  }
+}
+
+TEST_F(SupervisorTest, ForgottenCommandsMakeRoomForOthers) {
+  for (int message = 0; message < 3; ++message) {
+    std::vector<CommandOrder> many;
+    for (int i = 0; i < 1000; ++i) {
+      many.push_back(order(0, true, std::to_string(message * 1000 + i)));
+    }
+    EXPECT_EQ(num_refused(take(many)), message == 0 ? 0U : 1000U);
+    EXPECT_EQ(num_refused(take(many)), 0U) << "the omitted ones were forgotten";
+  }
 }
 
 TEST_F(SupervisorTest, ACommandThatCannotBeStartedHasEndedWithExitCode127) {
