@@ -374,7 +374,8 @@ std::optional<std::string> Fleet::other_sheriff(time::SteadyTime now) const {
 
 bool Fleet::must_yield(time::SteadyTime now) const {
   const auto other = other_sheriff(now);
-  return other && beginning_of(*other) <= beginning_of(sheriff_id_);
+  const bool is_new_here = !commands_since_ || now - *commands_since_ < kYieldTime;
+  return other && is_new_here && beginning_of(*other) <= beginning_of(sheriff_id_);
 }
 
 }  // namespace nodmap::procman
