@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/logger/quota.hpp"
 
+#include <algorithm>
 #include <map>
 
 namespace nodmap::logger {
 
 std::vector<std::string> files_over_quota(const LogNames& names,
                                           const std::vector<SizedFile>& files,
-                                          std::string_view current, std::int64_t quota_bytes) {
+                                          const std::vector<std::string>& kept,
+                                          std::int64_t quota_bytes) {
   std::int64_t total_bytes = 0;
   std::map<LogOrder, const SizedFile*> oldest_first;
   for (const SizedFile& file : files) {
@@ -16,7 +18,7 @@ std::vector<std::string> files_over_quota(const LogNames& names,
       continue;
     }
     total_bytes += file.size_bytes;
-    if (file.name != current) {
+    if (std::ranges::find(kept, file.name) == kept.end()) {
       oldest_first.emplace(*order, &file);
     }
   }

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "modules/logger/rotation.hpp"
@@ -17,10 +16,10 @@ struct SizedFile {
 
 /// Selects the files of a folder to delete, oldest first, so that all files of the family `names`
 /// together take at most `quota_bytes`. Files with other names are neither counted nor deleted;
-/// `current`, the file being written, is counted but never deleted.
+/// `kept` are counted but never deleted.
 [[nodiscard]] std::vector<std::string> files_over_quota(const LogNames& names,
                                                         const std::vector<SizedFile>& files,
-                                                        std::string_view current,
+                                                        const std::vector<std::string>& kept,
                                                         std::int64_t quota_bytes);
 
 }  // namespace nodmap::logger

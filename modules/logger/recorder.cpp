@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -112,10 +113,10 @@ bool Recorder::flush() {
     flushed_bytes_ = writer_->size_bytes();
     back_off_ = kFirstBackOff;
     failure_.clear();
-  }
-  if (settings_.quota_bytes > 0 && deletable_bytes_ > 0 &&
-      deletable_bytes_ + flushed_bytes_ > settings_.quota_bytes) {
-    keep_quota();
+    if (settings_.quota_bytes > 0 && deletable_bytes_ > 0 &&
+        deletable_bytes_ + flushed_bytes_ > settings_.quota_bytes) {
+      keep_quota();
+    }
   }
   return true;
 }
@@ -193,9 +194,9 @@ void Recorder::keep_quota() {
   if (settings_.quota_bytes == 0 && settings_.reserve_bytes == 0) {
     return;
   }
-  const std::string current = writer_ ? file_.filename().string() : "";
+  const std::vector<SizedFile> files = files_in_folder();
   for (const std::string& name :
-       files_over_quota(settings_.names, files_in_folder(), current, allowed_bytes())) {
+       files_over_quota(settings_.names, files, kept_files(files), allowed_bytes())) {
     std::error_code error;
     if (std::filesystem::remove(settings_.dir / name, error)) {
       ++counts_.deleted_files;
@@ -204,10 +205,27 @@ void Recorder::keep_quota() {
       log::get().warn("cannot delete {} to make room: {}", name, error.message());
     }
   }
+  const std::string current = writer_ ? file_.filename().string() : "";
   for (const SizedFile& file : files_in_folder()) {
     const bool is_ours = settings_.names.order_of(file.name).has_value() && file.name != current;
     deletable_bytes_ += is_ours ? file.size_bytes : 0;
   }
+}
+
+/// The files that are never deleted: the one being written and, while that has no events or there
+/// is none, the newest one with events.
+std::vector<std::string> Recorder::kept_files(const std::vector<SizedFile>& files) const {
+  const std::string current = writer_ ? file_.filename().string() : "";
+  std::optional<LogOrder> newest;
+  std::string newest_name;
+  for (const SizedFile& file : files) {
+    const std::optional<LogOrder> order = settings_.names.order_of(file.name);
+    if (order && file.size_bytes > 0 && file.name != current && order > newest) {
+      newest = order;
+      newest_name = file.name;
+    }
+  }
+  return writer_ && flushed_bytes_ > 0 ? std::vector{current} : std::vector{current, newest_name};
 }
 
 /// The total size that the logs of this name may have.

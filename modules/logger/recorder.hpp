@@ -79,6 +79,7 @@ class Recorder : private boost::noncopyable {
   void keep_what_is_whole();
   void keep_quota();
   [[nodiscard]] std::int64_t allowed_bytes() const;
+  [[nodiscard]] std::vector<std::string> kept_files(const std::vector<SizedFile>& files) const;
   [[nodiscard]] std::vector<SizedFile> files_in_folder() const;
 
   RecorderSettings settings_;

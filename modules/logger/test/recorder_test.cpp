@@ -307,7 +307,8 @@ TEST_F(RecorderTest, RecordingPausesWhenOtherFilesFillTheDisk) {
   }
   EXPECT_EQ(recorder.health().state, node::HealthState::kFailed);
   EXPECT_NE(recorder.health().reason.find("reserve"), std::string::npos);
-  EXPECT_LE(names().size(), 1U);
+  EXPECT_THAT(names(), ElementsAre("lcmlog-2026-11-21.00"));
+  EXPECT_THAT(stamps("lcmlog-2026-11-21.00"), ElementsAre(0)) << "the last events before it";
   available_bytes = 6000;
   clock_.advance(Recorder::kMaxBackOff);
   recorder.tick();
@@ -315,6 +316,34 @@ TEST_F(RecorderTest, RecordingPausesWhenOtherFilesFillTheDisk) {
   clock_.advance(Recorder::kFlushPeriod);
   recorder.tick();
   EXPECT_EQ(recorder.health().state, node::HealthState::kOk);
+}
+
+// The disk is full for a moment after the logger has started again: the recording of the last run
+// is worth more than the new file, which is still empty.
+TEST_F(RecorderTest, ANewFileWithoutEventsDoesNotReplaceTheLastRecording) {
+  Recorder first({.dir = dir_.path()}, clock_);
+  record(first);
+  first.close();
+  std::int64_t available_bytes = 4000;
+  Recorder second(
+      {.dir = dir_.path(),
+       .quota_bytes = 500,
+       .reserve_bytes = 5000,
+       .available_bytes = [&](const std::filesystem::path&) { return available_bytes; }},
+      clock_);
+  for (int i = 0; i < 5; ++i) {
+    clock_.advance(Recorder::kMaxBackOff);
+    second.tick();
+  }
+  EXPECT_THAT(names(), ElementsAre("lcmlog-2026-11-21.00"));
+  EXPECT_EQ(second.health().state, node::HealthState::kFailed);
+  available_bytes = 6000;
+  clock_.advance(Recorder::kMaxBackOff);
+  second.tick();
+  record(second);
+  clock_.advance(Recorder::kFlushPeriod);
+  second.tick();
+  EXPECT_THAT(names(), ElementsAre("lcmlog-2026-11-21.01")) << "now the quota holds";
 }
 
 }  // namespace recorder_test
