@@ -62,7 +62,8 @@ void NavigatorNode::on_map(const nodmap::egomap_t& message) {
     context_.counts.reject("map_of_former_odometry");
     return;
   }
-  if (!senders_.follow(Input::kObstacleMap, message.scan_seq, node::stamp_of(message), stamps_)) {
+  if (!senders_.follow(Input::kObstacleMap, message.scan_seq, node::stamp_of(message),
+                       newest_.stamps)) {
     context_.counts.reject("other_sender_of_obstacle_map");
     return;
   }
@@ -99,7 +100,7 @@ void NavigatorNode::on_base_sensors(const nodmap::base_sensors_t& message) {
     return;
   }
   if (!senders_.follow(Input::kBaseSensors, message.sensors_seq, node::stamp_of(message),
-                       stamps_)) {
+                       newest_.stamps)) {
     context_.counts.reject("other_sender_of_base_sensors");
     return;
   }
@@ -112,7 +113,8 @@ void NavigatorNode::on_base_sensors(const nodmap::base_sensors_t& message) {
 void NavigatorNode::on_odometry(const nodmap::odometry_t& message) {
   const auto T_odom_base = input_.read(message);
   if (!T_odom_base) {
-    senders_.refuse(Input::kOdometry, message.odometry_seq, node::stamp_of(message), stamps_);
+    senders_.refuse(Input::kOdometry, message.odometry_seq, node::stamp_of(message),
+                    newest_.stamps);
     return;
   }
   if (!std::isfinite(message.forward_mps) || !std::isfinite(message.yaw_rate_rad_s)) {
