@@ -55,8 +55,8 @@ constexpr std::array<std::uint64_t, 13> half_neighbourhood() {
 
 // The voxel nearest to a point, and the distance of the second nearest.
 struct NearestTwo {
-  float best_sq_m2;  // at first of the reach
-  float second_sq_m2;
+  float best_sq_m2 = 0.0F;  // at first of the reach
+  float second_sq_m2 = 0.0F;
   std::uint32_t best = VoxelGrid::kNone;
 
   void add(std::uint32_t voxel, float sq_m2) {
