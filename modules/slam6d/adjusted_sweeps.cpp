@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "modules/slam6d/odometry_prior.hpp"
+#include "modules/slam6d/pose_edges.hpp"
 #include "modules/slam6d/sweep_voxels.hpp"
 
 namespace nodmap::slam6d {
@@ -61,8 +62,10 @@ class Collection {
     AdjustedSweep& sweep =
         add(keyframe.sweep, keyframe.T_map_base, oriented_points(voxels.level(0)));
     sweep.planes = voxels.select(0).points;
-    if (k > 0) {
+    if (k > 0 && keyframe.id == last_keyframe().id + 1) {
       add_motion(sweep, drive_.steps[k - 1].T_from_to);
+    } else if (k > 0) {
+      add_step(sweep, drive_.steps[k - 1]);
     }
     last_ = {.keyframe = k, .place = all_.sweeps.size() - 1};
   }
@@ -101,6 +104,14 @@ class Collection {
     sweep.from = last_.place;
     sweep.T_from_this = motion.T_from_this;
     sweep.covariance = motion.covariance;
+  }
+
+  // The same where keyframes in between were dropped: the step is the sum of all that they knew.
+  void add_step(AdjustedSweep& sweep, const registration::PoseEdge3d& step) {
+    sweep.from = last_.place;
+    sweep.T_from_this = step.T_from_to;
+    sweep.covariance =
+        rotated(covariance_of(step.information), last_keyframe().T_map_base.linear());
   }
 
   const TrackedDrive& drive_;

@@ -94,6 +94,32 @@ bool BackEnd::correct(std::span<const SE3> T_map_moved, VoxelMap& map) {
   return false;
 }
 
+void BackEnd::drop_keyframe(const ReplacedKeyframe& replaced, VoxelMap& map) {
+  graph_.drop_keyframe(replaced.index);
+  closer_.drop_keyframe(replaced);
+  map.drop_keyframe(replaced);
+  old_map_.drop_keyframe(replaced);
+  const auto erase = [&replaced](auto& values) {
+    if (replaced.index < values.size()) {  // without loops there are no uncertainties
+      values.erase(values.begin() + static_cast<std::ptrdiff_t>(replaced.index));
+    }
+  };
+  erase(T_map_keyframes_);
+  erase(path_m_);
+  erase(uncertainty_);
+  erase(is_in_map_);
+  num_restored_ -= replaced.index < num_restored_ ? 1 : 0;
+  std::erase_if(refused_, [&replaced](const RefusedLoop& loop) {
+    return loop.from == replaced.index || loop.to == replaced.index;
+  });
+  for (RefusedLoop& loop : refused_) {
+    loop.from = replaced.renumbered(loop.from);
+    loop.to = replaced.renumbered(loop.to);
+  }
+  ++graph_revision_;
+  ++metrics_.keyframes_dropped;
+}
+
 std::vector<SE3> BackEnd::polish() {
   ++graph_revision_;
   return optimise();

@@ -12,6 +12,7 @@
 #include "modules/slam6d/keyframe_graph.hpp"
 #include "modules/slam6d/loop_closer.hpp"
 #include "modules/slam6d/odometry_prior.hpp"
+#include "modules/slam6d/replaced_keyframe.hpp"
 #include "modules/slam6d/saved_map.hpp"
 #include "modules/slam6d/voxel_map.hpp"
 
@@ -26,7 +27,8 @@ struct BackEndMetrics {
   std::int64_t refused_match = 0;
   std::int64_t corrections = 0;
   std::int64_t maps_arranged = 0;
-  double largest_correction_m = 0.0;  ///< of the newest keyframe
+  double largest_correction_m = 0.0;   ///< of the newest keyframe
+  std::int64_t keyframes_dropped = 0;  ///< newer ones have replaced them
 };
 
 /// A keyframe as tracking found it.
@@ -68,6 +70,15 @@ class BackEnd {
   /// and voxels have been exchanged with the old map.
   [[nodiscard]] std::optional<std::vector<geometry::SE3>> add_keyframe(
       const TrackedKeyframe& keyframe, const VoxelMap& sweep_base, VoxelMap& map);
+
+  /// The oldest keyframe at the place of the newest that at least `num_newer` newer ones have
+  /// replaced.
+  [[nodiscard]] std::optional<ReplacedKeyframe> replaced_keyframe(int num_newer) const {
+    return oldest_replaced_keyframe(T_map_keyframes_, is_in_map_, num_newer);
+  }
+  /// Drops a keyframe; the indices of those after it move up. Its voxels in `map` go to the
+  /// keyframe that replaces it, its loops to others near it.
+  void drop_keyframe(const ReplacedKeyframe& replaced, VoxelMap& map);
 
   /// To be called at the end. Moves all keyframes, including the newest, to where they agree best
   /// with all loops, and returns their poses. The voxels stay.

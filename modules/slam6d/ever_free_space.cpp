@@ -196,6 +196,17 @@ void EverFreeSpace::move_keyframes(std::span<const SE3> T_map_keyframes) {
   cubes_ = std::move(moved);
 }
 
+void EverFreeSpace::drop_keyframe(const ReplacedKeyframe& replaced) {
+  if (replaced.index >= T_voxels_keyframes_.size()) {
+    return;  // no keyframe has voted
+  }
+  T_voxels_keyframes_.erase(T_voxels_keyframes_.begin() +
+                            static_cast<std::ptrdiff_t>(replaced.index));
+  for (auto& [code, cube] : cubes_) {
+    cube.keyframe = replaced.renumbered(cube.keyframe);
+  }
+}
+
 // Goes through the voxels of the new place. Each takes the votes from where it was, so that no
 // voxel is left without votes.
 void EverFreeSpace::move(const Cube& cube, VoxelCode code, const SE3& T_new_old,

@@ -14,6 +14,7 @@
 #include "modules/slam6d/cloud_tracer.hpp"
 #include "modules/slam6d/cloud_voxels.hpp"
 #include "modules/slam6d/octree_grid.hpp"
+#include "modules/slam6d/replaced_keyframe.hpp"
 #include "modules/slam6d/sweep_cloud.hpp"
 
 namespace nodmap::slam6d {
@@ -70,6 +71,9 @@ class EverFreeSpace {
   /// Moves votes with the keyframe that saw their place last. Motions far below the size of a voxel
   /// are ignored.
   void move_keyframes(std::span<const geometry::SE3> T_map_keyframes);
+
+  /// Gives the votes of a dropped keyframe to the one that replaces it, and renumbers the others.
+  void drop_keyframe(const ReplacedKeyframe& replaced);
 
   /// For each point of a keyframe's cloud, whether it lies on something that moved. Empty if the
   /// keyframe has not voted, or if too few sweeps have.

@@ -17,6 +17,7 @@ enum class KeyframeReason { kFirst, kInterruption, kDistance, kRotation };
 
 /// A sweep that the map keeps as a whole, so that the maps can be built again from other poses.
 struct Keyframe {
+  std::size_t id = 0;     ///< counts the keyframes from 0; stays when others are dropped
   std::size_t sweep = 0;  ///< index of its update; 0 if it comes from a saved map
   geometry::SE3 T_map_base = geometry::SE3::Identity();
   std::shared_ptr<const SweepCloud> cloud;  ///< in base; shared with the occupancy map's thread

@@ -7,6 +7,8 @@
 #include <limits>
 #include <utility>
 
+#include "modules/slam6d/pose_edges.hpp"
+
 namespace nodmap::slam6d {
 namespace {
 
@@ -17,17 +19,12 @@ using registration::PoseGraph3d;
 // Iterations: few suffice after a small change; after a large one the kernel must narrow.
 constexpr int kFewIterations = 5;
 constexpr int kManyIterations = 60;
+// The kernel's weight of a loop whose residual exceeds those of 99 % of correct ones.
+constexpr double kOutlierWeight = 0.25;
 
-// The inverse of an information matrix, finite also along degenerate directions.
-Matrix6d covariance_of(const Matrix6d& information) {
-  return (information + 1e-6 * Matrix6d::Identity()).inverse();
-}
-
-// The size of a covariance as one number: the variance of a point 5 m away.
-double size_of(const Matrix6d& covariance) {
-  constexpr double kMomentArmM = 5.0;
-  return covariance.topLeftCorner<3, 3>().trace() +
-         kMomentArmM * kMomentArmM * covariance.bottomRightCorner<3, 3>().trace();
+// Covariances are finite, also along degenerate directions.
+bool is_surer(const PoseEdge3d& a, const PoseEdge3d& b) {
+  return size_of(covariance_of(a.information)) < size_of(covariance_of(b.information));
 }
 
 }  // namespace
@@ -58,6 +55,77 @@ std::vector<SE3> KeyframeGraph::optimise(std::span<const SE3> T_map_keyframes, b
 std::size_t KeyframeGraph::num_contradicted() const {
   return static_cast<std::size_t>(std::ranges::count_if(
       loops_, [](const WeightedLoop& loop) { return loop.is_contradicted(); }));
+}
+
+// All loops of a keyframe, each from it to the other; they are no longer in the graph. Outliers are
+// left out.
+std::vector<KeyframeGraph::WeightedLoop> KeyframeGraph::take_loops_of(std::size_t keyframe) {
+  std::vector<WeightedLoop> taken;
+  std::erase_if(loops_, [&](const WeightedLoop& loop) {
+    const bool is_of = loop.edge.from == keyframe || loop.edge.to == keyframe;
+    if (is_of && loop.weight.value_or(1.0) > kOutlierWeight) {
+      taken.push_back({loop.edge.from == keyframe ? loop.edge : reversed(loop.edge), loop.weight});
+    }
+    return is_of;
+  });
+  return taken;
+}
+
+PoseEdge3d KeyframeGraph::surest_edge_from(std::size_t keyframe,
+                                           std::span<const WeightedLoop> its_loops) const {
+  PoseEdge3d surest = reversed(steps_[keyframe - 1]);
+  const auto choose = [&surest](const PoseEdge3d& edge) {
+    surest = is_surer(edge, surest) ? edge : surest;
+  };
+  for (const PoseEdge3d& step : steps_) {
+    if (step.from == keyframe) {
+      choose(step);
+    }
+  }
+  for (const WeightedLoop& loop : its_loops) {
+    choose(loop.edge);
+  }
+  return surest;
+}
+
+// Of two loops between the same keyframes the more certain one is kept, because fusing them could
+// count the same loop repeatedly.
+void KeyframeGraph::join(const WeightedLoop& loop) {
+  WeightedLoop forward{loop.edge.from < loop.edge.to ? loop.edge : reversed(loop.edge),
+                       loop.weight};
+  forward.edge.may_be_wrong = true;
+  const auto same = std::ranges::find_if(loops_, [&forward](const WeightedLoop& other) {
+    return other.edge.from == forward.edge.from && other.edge.to == forward.edge.to;
+  });
+  if (same == loops_.end()) {
+    loops_.push_back(forward);
+  } else if (is_surer(forward.edge, same->edge)) {
+    *same = forward;
+  }
+}
+
+void KeyframeGraph::drop_keyframe(std::size_t dropped) {
+  const std::vector<WeightedLoop> loops = take_loops_of(dropped);
+  const PoseEdge3d back = reversed(surest_edge_from(dropped, loops));
+  for (const WeightedLoop& loop : loops) {
+    if (loop.edge.to != back.from) {
+      join({composed(back, loop.edge), loop.weight});
+    }
+  }
+  const PoseEdge3d step_to_dropped = steps_[dropped - 1];
+  steps_.erase(steps_.begin() + static_cast<std::ptrdiff_t>(dropped) - 1);
+  is_level_.erase(is_level_.begin() + static_cast<std::ptrdiff_t>(dropped));
+  const auto renumber = [dropped](PoseEdge3d& edge) {
+    edge.from -= edge.from > dropped ? 1 : 0;
+    edge.to -= edge.to > dropped ? 1 : 0;
+  };
+  for (PoseEdge3d& step : steps_) {
+    step = step.from == dropped ? composed(step_to_dropped, step) : step;
+    renumber(step);
+  }
+  for (WeightedLoop& loop : loops_) {
+    renumber(loop.edge);
+  }
 }
 
 // The information of height, roll and pitch, axes of map.

@@ -31,6 +31,11 @@ class KeyframeGraph {
   /// Adds a loop closure; it has a weight after the next optimise().
   void add_loop(const registration::PoseEdge3d& edge) { loops_.push_back({edge}); }
 
+  /// Drops a keyframe, which must not be the first; the indices of those after it move up. The step
+  /// to it and the one from it become one. Its loops go to the keyframe to which it is joined with
+  /// the greatest certainty. Covariances are added, so no edge becomes too certain.
+  void drop_keyframe(std::size_t dropped);
+
   /// The poses that fit all edges best, starting from `T_map_keyframes`; the first one stays.
   /// `graduated`: the drift may be large.
   [[nodiscard]] std::vector<geometry::SE3> optimise(std::span<const geometry::SE3> T_map_keyframes,
@@ -66,6 +71,10 @@ class KeyframeGraph {
   };
   using Neighbours = std::vector<std::vector<Neighbour>>;  // of each keyframe
 
+  [[nodiscard]] std::vector<WeightedLoop> take_loops_of(std::size_t keyframe);
+  [[nodiscard]] registration::PoseEdge3d surest_edge_from(
+      std::size_t keyframe, std::span<const WeightedLoop> its_loops) const;
+  void join(const WeightedLoop& loop);
   [[nodiscard]] Neighbours neighbours(std::span<const geometry::SE3> T_map_keyframes) const;
   void hold_level(std::span<Matrix6d> covariances, std::size_t from) const;
   [[nodiscard]] Matrix6d level_information() const;

@@ -173,4 +173,14 @@ std::vector<Loop> LoopCloser::add_pending(const Loop& loop, std::span<const SE3>
   return consensus;
 }
 
+void LoopCloser::drop_keyframe(const ReplacedKeyframe& replaced) {
+  std::erase_if(pending_, [&replaced](const Loop& loop) {
+    return loop.from == replaced.index || loop.to == replaced.index;
+  });
+  for (Loop& loop : pending_) {
+    loop.from = replaced.renumbered(loop.from);
+    loop.to = replaced.renumbered(loop.to);
+  }
+}
+
 }  // namespace nodmap::slam6d

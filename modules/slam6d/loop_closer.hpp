@@ -10,6 +10,7 @@
 #include "common/geometry/se3.hpp"
 #include "modules/slam6d/pose_covariance.hpp"
 #include "modules/slam6d/registration.hpp"
+#include "modules/slam6d/replaced_keyframe.hpp"
 #include "modules/slam6d/start_poses.hpp"
 #include "modules/slam6d/voxel_map.hpp"
 
@@ -105,6 +106,8 @@ class LoopCloser {
   /// otherwise returns none.
   [[nodiscard]] std::vector<Loop> add_pending(const Loop& loop,
                                               std::span<const geometry::SE3> T_map_keyframes);
+  /// Forgets the pending loops of a dropped keyframe, and renumbers the others.
+  void drop_keyframe(const ReplacedKeyframe& replaced);
 
  private:
   [[nodiscard]] LoopAttempt attempt(const Registration& found, const PosePrior& prior) const;

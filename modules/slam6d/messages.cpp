@@ -92,12 +92,12 @@ nodmap::pose_t write_pose(const PoseUpdate& update) {
   return message;
 }
 
-std::vector<nodmap::cloud_chunk_t> write_cloud_chunks(const Keyframe& keyframe, std::size_t k) {
+std::vector<nodmap::cloud_chunk_t> write_cloud_chunks(const Keyframe& keyframe) {
   const std::vector<OrientedPoint>& points = keyframe.points;
   std::vector<nodmap::cloud_chunk_t> chunks;
   nodmap::cloud_chunk_t message{};
   message.utime = time::to_utime(keyframe.cloud->stamp);
-  message.keyframe_id = static_cast<std::int64_t>(k);
+  message.keyframe_id = static_cast<std::int64_t>(keyframe.id);
   message.num_chunks =
       static_cast<std::int32_t>((points.size() + kPointsPerChunk - 1) / kPointsPerChunk);
   node::write_pose(keyframe.T_map_base, message.position_m, message.orientation);
@@ -120,7 +120,7 @@ nodmap::pose_graph_6d_t write_graph(time::Timestamp stamp, std::span<const Keyfr
   const std::size_t first = keyframes.size() - std::min(keyframes.size(), kMaxKeyframes);
   Graph message{};
   message.utime = time::to_utime(stamp);
-  message.first_keyframe_id = static_cast<std::int64_t>(first);
+  message.first_keyframe_id = static_cast<std::int64_t>(keyframes[first].id);
   for (const Keyframe& keyframe : keyframes.subspan(first)) {
     const Eigen::Vector3d& p = keyframe.T_map_base.translation();
     const Eigen::Quaternionf q(keyframe.T_map_base.linear().cast<float>());

@@ -16,9 +16,8 @@ namespace nodmap::slam6d {
 
 [[nodiscard]] nodmap::pose_t write_pose(const PoseUpdate& update);
 
-/// The voxel means of keyframe number `k`, in parts of less than 64 KiB.
-[[nodiscard]] std::vector<nodmap::cloud_chunk_t> write_cloud_chunks(const Keyframe& keyframe,
-                                                                    std::size_t k);
+/// The voxel means of a keyframe, in parts of less than 64 KiB.
+[[nodiscard]] std::vector<nodmap::cloud_chunk_t> write_cloud_chunks(const Keyframe& keyframe);
 
 /// All keyframes and loops, or the newest that fit into one message.
 [[nodiscard]] nodmap::pose_graph_6d_t write_graph(time::Timestamp stamp,

@@ -156,7 +156,7 @@ void Slam6dNode::answer(const std::optional<PoseUpdate>& update) {
 void Slam6dNode::publish(const PoseUpdate& update) {
   context_.bus.publish("POSE_6D", write_pose(update));
   if (update.keyframe) {
-    publish_cloud(slam_.keyframes().size() - 1);
+    publish_cloud(slam_.keyframes().back());
   }
   if (std::chrono::abs(update.stamp - graph_stamp_) >= kGraphPeriod) {
     publish_graph(update.stamp);
@@ -171,8 +171,14 @@ void Slam6dNode::publish(const PoseUpdate& update) {
 
 // Publishes one with each scan, so that no receiver's queue overflows.
 void Slam6dNode::publish_restored_cloud() {
-  if (restored_clouds_ < slam_.num_restored() && !registering_.is_running()) {
-    publish_cloud(restored_clouds_++);
+  if (registering_.is_running()) {
+    return;
+  }
+  const auto restored = slam_.keyframes().first(slam_.num_restored());
+  const auto next = std::ranges::lower_bound(restored, next_restored_id_, {}, &Keyframe::id);
+  if (next != restored.end()) {
+    publish_cloud(*next);
+    next_restored_id_ = next->id + 1;
   }
 }
 
@@ -185,8 +191,8 @@ void Slam6dNode::publish_graph(time::Timestamp stamp) {
   graph_stamp_ = stamp;
 }
 
-void Slam6dNode::publish_cloud(std::size_t k) {
-  for (const nodmap::cloud_chunk_t& chunk : write_cloud_chunks(slam_.keyframes()[k], k)) {
+void Slam6dNode::publish_cloud(const Keyframe& keyframe) {
+  for (const nodmap::cloud_chunk_t& chunk : write_cloud_chunks(keyframe)) {
     context_.bus.publish("CLOUD", chunk);
   }
 }

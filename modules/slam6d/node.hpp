@@ -52,7 +52,7 @@ class Slam6dNode : public node::Node {
   void register_sweep(PlacedSweep sweep);
   void answer(const std::optional<PoseUpdate>& update);
   void publish(const PoseUpdate& update);
-  void publish_cloud(std::size_t k);
+  void publish_cloud(const Keyframe& keyframe);
   void publish_restored_cloud();
   void publish_graph(time::Timestamp stamp);
   void answer_saved(const std::optional<std::error_code>& error);
@@ -71,8 +71,8 @@ class Slam6dNode : public node::Node {
   node::SensorInput input_;
   Slam6d slam_;
   bool only_localises_ = false;
-  std::size_t restored_clouds_ = 0;  // number published so far
-  std::int64_t graph_revision_ = 0;  // last one published
+  std::size_t next_restored_id_ = 0;  // of the next keyframe of a saved map to be published
+  std::int64_t graph_revision_ = 0;   // last one published
   time::Timestamp graph_stamp_{};
   ScanCounts counted_;
   std::int64_t maps_saved_ = 0;

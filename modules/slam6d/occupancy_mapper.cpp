@@ -19,10 +19,24 @@ OccupancyMap::Options map_options(const OccupancyParams& params) {
   return {.resolution_m = params.resolution_m, .max_range_m = params.max_range_m};
 }
 
+// How many keyframes there were so far, those that were dropped included.
+std::size_t number_of(std::span<const Keyframe> keyframes) {
+  return keyframes.empty() ? 0 : keyframes.back().id + 1;
+}
+
 }  // namespace
 
 OccupancyMapper::OccupancyMapper(const OccupancyParams& params)
     : params_(params), map_(map_options(params)) {}
+
+// Keyframes that newer ones have replaced. Both are in the order of their ids.
+void OccupancyMapper::forget_dropped(std::span<const Keyframe> keyframes) {
+  auto keyframe = keyframes.begin();
+  std::erase_if(mapped_, [&](const Mapped& mapped) {
+    keyframe = std::ranges::lower_bound(keyframe, keyframes.end(), mapped.id, {}, &Keyframe::id);
+    return keyframe == keyframes.end() || keyframe->id != mapped.id;
+  });
+}
 
 bool OccupancyMapper::has_changed(std::span<const Keyframe> keyframes, double min_motion_m) const {
   for (std::size_t k = 0; k < mapped_.size(); ++k) {
@@ -40,9 +54,9 @@ void OccupancyMapper::update(std::span<const Keyframe> keyframes, double min_mot
   if (is_working()) {
     return;
   }
+  forget_dropped(keyframes);
   Work work;
-  work.begins_anew =
-      mapped_.empty() || keyframes.size() < mapped_.size() || has_changed(keyframes, min_motion_m);
+  work.begins_anew = mapped_.empty() || has_changed(keyframes, min_motion_m);
   if (work.begins_anew) {
     mapped_.clear();
   }
@@ -51,11 +65,11 @@ void OccupancyMapper::update(std::span<const Keyframe> keyframes, double min_mot
     return;
   }
   work.is_published = begin_publishing(keyframes);
-  if (prepare_save && is_save_due(keyframes.size())) {
+  if (prepare_save && is_save_due(number_of(keyframes))) {
     work.save = prepare_save();
   }
   for (const Keyframe& keyframe : added) {
-    mapped_.push_back({keyframe.T_map_base, keyframe.is_moved});
+    mapped_.push_back({keyframe.id, keyframe.T_map_base, keyframe.is_moved});
     work.clouds.emplace_back(keyframe.cloud, mapped_.back());
   }
   const std::size_t more_scans =
@@ -66,7 +80,8 @@ void OccupancyMapper::update(std::span<const Keyframe> keyframes, double min_mot
 
 bool OccupancyMapper::is_save_due(std::size_t num_keyframes) const {
   const auto every = static_cast<std::size_t>(params_.save_every_keyframes);
-  return every > 0 && num_keyframes / every > mapped_.size() / every;
+  const std::size_t num_mapped = mapped_.empty() ? 0 : mapped_.back().id + 1;
+  return every > 0 && num_keyframes / every > num_mapped / every;
 }
 
 OccupancyMapper::Result OccupancyMapper::execute(const Work& work) {
@@ -119,7 +134,7 @@ bool OccupancyMapper::begin_publishing(std::span<const Keyframe> keyframes) {
     return false;
   }
   published_stamp_ = stamp;
-  published_keyframes_ = keyframes.size();
+  published_keyframes_ = number_of(keyframes);
   return true;
 }
 
@@ -128,7 +143,7 @@ std::optional<OctomapParts::Part> OccupancyMapper::next_part() {
 }
 
 void OccupancyMapper::publish_last(std::span<const Keyframe> keyframes) {
-  if (params_.publish_period_s > 0.0 && published_keyframes_ < keyframes.size()) {
+  if (params_.publish_period_s > 0.0 && published_keyframes_ < number_of(keyframes)) {
     published_stamp_ = keyframes.back().cloud->stamp;
     if (const auto bt_file = map_.encode(OccupancyMap::Format::kBt)) {
       parts_.begin(published_stamp_, *bt_file);

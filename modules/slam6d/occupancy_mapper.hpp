@@ -23,7 +23,7 @@ namespace nodmap::slam6d {
 
 /// Keeps the occupancy map of the keyframes. Works on a thread of its own, on one piece of work at
 /// a time, and hands the map out in parts. The map is made anew when keyframes have moved, or when
-/// points of theirs turn out to have moved.
+/// points of theirs turn out to have moved. Until then it keeps what dropped keyframes have seen.
 class OccupancyMapper {
  public:
   /// Saves the map, together with the keyframes it was made from.
@@ -65,6 +65,7 @@ class OccupancyMapper {
   };
   /// A keyframe as it was inserted into the map, or is about to be.
   struct Mapped {
+    std::size_t id;  ///< of the keyframe
     geometry::SE3 T_map_base;
     std::vector<bool> is_moved;  ///< of its points
   };
@@ -77,6 +78,7 @@ class OccupancyMapper {
     Save save{};  ///< empty: the map is not saved
   };
 
+  void forget_dropped(std::span<const Keyframe> keyframes);
   [[nodiscard]] bool has_changed(std::span<const Keyframe> keyframes, double min_motion_m) const;
   [[nodiscard]] bool is_save_due(std::size_t num_keyframes) const;
   [[nodiscard]] bool begin_publishing(std::span<const Keyframe> keyframes);
@@ -87,7 +89,7 @@ class OccupancyMapper {
   OccupancyMap map_;
   std::vector<Mapped> mapped_;
   OctomapParts parts_;
-  std::size_t published_keyframes_ = 0;  // in the map that was last handed out
+  std::size_t published_keyframes_ = 0;  // up to the last one in the map that was handed out
   time::Timestamp published_stamp_{};    // of that map
   node::BackgroundJob<Result> work_;     // on `map_`; last: it ends before what it works on
 };

@@ -21,6 +21,7 @@ struct KeyframeParams {
   double distance_m = 1.0;
   double rotation_rad = geometry::deg_to_rad(45.0);
   bool stationary_only = false;
+  int max_per_place = 6;
 
   template <class Visitor>
   void describe(Visitor& v) {
@@ -32,6 +33,9 @@ struct KeyframeParams {
             "than this.");
     v.flag("stationary_only", stationary_only,
            "Uses only sweeps during which the robot was stationary: stop, scan and go.");
+    v.integer("max_per_place", max_per_place, {0, 10000},
+              "A keyframe is dropped once this many newer ones are at its place: within 0.75 m and "
+              "30 degrees. All other sweeps there are dropped as well. 0: none is dropped.");
   }
 };
 

@@ -199,6 +199,8 @@ nlohmann::json slam_metrics(const Slam6d& slam) {
           {"pitch_latency_s", slam.pitch_latency_s()},
           {"map_voxels", metrics.map_voxels},
           {"map_memory_bytes", metrics.map_memory_bytes},
+          {"keyframe_memory_bytes", metrics.keyframe_memory_bytes},
+          {"keyframes_dropped", slam.back_end().metrics().keyframes_dropped},
           {"keyframes", keyframes}};
 }
 

@@ -56,7 +56,7 @@ void Slam6d::restore(const SavedMap& saved, const std::optional<SE3>& T_map_star
     map_.add_sweep(sweep, keyframe.T_map_base, keyframes_.size());
     ever_free_.add_sweep(*keyframe.cloud, keyframe.T_map_base, keyframes_.size(),
                          kVotesOfSavedKeyframe);
-    keyframes_.push_back({.sweep = 0,
+    keyframes_.push_back({.id = keyframes_.size(),
                           .T_map_base = keyframe.T_map_base,
                           .cloud = keyframe.cloud,
                           .points = oriented_points(sweep.level(0))});
@@ -139,6 +139,7 @@ PoseUpdate Slam6d::add_cloud(SweepCloud cloud) {
   if (update.keyframe) {
     keep_keyframe(sweep, std::move(cloud));
     close_loops(sweep);
+    drop_replaced_keyframes();
   }
   return sweeps_.back();
 }
@@ -169,9 +170,11 @@ void Slam6d::keep(const PoseUpdate& update) {
 
 void Slam6d::keep_keyframe(const VoxelMap& sweep, SweepCloud cloud) {
   cloud.drop_free_points();
-  keyframes_.push_back({sweeps_.size() - 1, sweeps_.back().T_map_base,
-                        std::make_shared<const SweepCloud>(std::move(cloud)),
-                        oriented_points(sweep.level(0))});
+  keyframes_.push_back({.id = keyframes_.empty() ? 0 : keyframes_.back().id + 1,
+                        .sweep = sweeps_.size() - 1,
+                        .T_map_base = sweeps_.back().T_map_base,
+                        .cloud = std::make_shared<const SweepCloud>(std::move(cloud)),
+                        .points = oriented_points(sweep.level(0))});
   Keyframe& keyframe = keyframes_.back();
   keyframe.is_moved = ever_free_.moved_points(*keyframe.cloud, keyframes_.size() - 1);
   keyframe_is_due_ = false;
@@ -192,6 +195,7 @@ void Slam6d::begin_anew() {
   ever_free_ = EverFreeSpace(params_.cloud);
   keyframes_.clear();
   between_.clear();
+  dropped_.clear();
   back_end_ = BackEnd(params_.loop, params_.registration, params_.odometry, params_.voxels);
   tracker_.forget_pose();
   counts_.sweeps_lost = 0;
@@ -283,6 +287,13 @@ Metrics Slam6d::metrics() const {
   Metrics metrics = counts_;
   metrics.map_voxels = map_.level(0).voxels().size();
   metrics.map_memory_bytes = map_.memory_bytes();
+  for (const Keyframe& keyframe : keyframes_) {
+    metrics.keyframe_memory_bytes += keyframe.cloud->points.size() * sizeof(Eigen::Vector3f) +
+                                     keyframe.points.size() * sizeof(OrientedPoint);
+  }
+  for (const IntermediateSweep& sweep : between_) {
+    metrics.keyframe_memory_bytes += sweep.points.size() * sizeof(OrientedPoint);
+  }
   return metrics;
 }
 
@@ -302,6 +313,40 @@ void Slam6d::close_loops(const VoxelMap& sweep) {
     update.T_map_base = keyframe.T_map_base;
     update.T_map_odom = tracker_.T_map_odom();
   }
+}
+
+// The mapped volume bounds the memory, not the length of the path: where the robot drives again and
+// again, newer keyframes show all that old ones showed.
+void Slam6d::drop_replaced_keyframes() {
+  const int num_newer = params_.keyframe.max_per_place;
+  if (num_newer == 0) {
+    return;
+  }
+  while (const auto replaced = back_end_.replaced_keyframe(num_newer)) {
+    drop_keyframe(*replaced);
+  }
+}
+
+void Slam6d::drop_keyframe(const ReplacedKeyframe& replaced) {
+  const std::size_t first_sweep = keyframes_[replaced.index].sweep;
+  const std::size_t end_sweep = keyframes_[replaced.index + 1].sweep;
+  const SE3 T_map_place = keyframes_[replaced.index].T_map_base;
+  // Where there are so many keyframes, those alone determine the planes.
+  std::erase_if(between_, [&](const IntermediateSweep& sweep) {
+    return (first_sweep < sweep.sweep && sweep.sweep < end_sweep) ||
+           is_same_place(corrected_.poses()[sweep.sweep], T_map_place);
+  });
+  if (replaced.index < num_restored_) {
+    --num_restored_;  // none of these sweeps is from a saved map
+  } else {
+    dropped_.push_back({first_sweep, replaced.index});
+  }
+  for (DroppedSweep& dropped : dropped_) {
+    dropped.keyframe = replaced.renumbered(dropped.keyframe);
+  }
+  keyframes_.erase(keyframes_.begin() + static_cast<std::ptrdiff_t>(replaced.index));
+  ever_free_.drop_keyframe(replaced);
+  back_end_.drop_keyframe(replaced, map_);
 }
 
 void Slam6d::polish() {
@@ -343,12 +388,18 @@ void Slam6d::find_moved_points() {
 void Slam6d::move_keyframes(std::span<const SE3> T_map_keyframes) {
   const SE3 T_new_old = normalized(T_map_keyframes.back() * keyframes_.back().T_map_base.inverse());
   std::vector<CorrectedPoses::Correction> corrections;
+  for (const DroppedSweep& dropped : dropped_) {
+    corrections.push_back({dropped.sweep, T_map_keyframes[dropped.keyframe] *
+                                              keyframes_[dropped.keyframe].T_map_base.inverse() *
+                                              corrected_.poses()[dropped.sweep]});
+  }
   for (std::size_t k = 0; k < keyframes_.size(); ++k) {
     keyframes_[k].T_map_base = T_map_keyframes[k];
     if (k >= num_restored_) {
       corrections.push_back({keyframes_[k].sweep, T_map_keyframes[k]});
     }
   }
+  std::ranges::sort(corrections, {}, &CorrectedPoses::Correction::sweep);
   corrected_.move(corrections);
   ever_free_.move_keyframes(T_map_keyframes);
   tracker_.move(T_new_old);

@@ -33,6 +33,7 @@ struct Metrics {
   std::size_t sweeps_lost = 0;
   std::size_t map_voxels = 0;
   std::size_t map_memory_bytes = 0;
+  std::size_t keyframe_memory_bytes = 0;  ///< of their clouds, and of the sweeps in between
 
   void count(RegistrationStatus status) {
     sweeps_tracked += status == RegistrationStatus::kTracking ? 1 : 0;
@@ -136,6 +137,8 @@ class Slam6d {
   void keep_keyframe(const VoxelMap& sweep, SweepCloud cloud);
   void close_loops(const VoxelMap& sweep);
   void move_keyframes(std::span<const geometry::SE3> T_map_keyframes);
+  void drop_replaced_keyframes();
+  void drop_keyframe(const ReplacedKeyframe& replaced);
   void adjust();
   void find_moved_points();
 
@@ -150,6 +153,12 @@ class Slam6d {
   CorrectedPoses corrected_;  // of sweeps_
   std::vector<Keyframe> keyframes_;
   std::vector<IntermediateSweep> between_;  // for the adjustment at the end
+  /// The sweep of a dropped keyframe, which moves with the keyframe that replaces it.
+  struct DroppedSweep {
+    std::size_t sweep;
+    std::size_t keyframe;
+  };
+  std::vector<DroppedSweep> dropped_;
   BackEnd back_end_;
   std::optional<Localiser> localiser_;  // in a saved map, or in the own one after LOST
   /// Follows odometry from where the robot was lost, until the place that was found instead is

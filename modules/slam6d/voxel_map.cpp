@@ -144,6 +144,14 @@ void VoxelMap::add_keyframes(const VoxelMap& map, std::span<const geometry::SE3>
   }
 }
 
+void VoxelMap::drop_keyframe(const ReplacedKeyframe& replaced) {
+  for (std::vector<std::uint32_t>& keyframes : keyframes_) {
+    for (std::uint32_t& keyframe : keyframes) {
+      keyframe = static_cast<std::uint32_t>(replaced.renumbered(keyframe));
+    }
+  }
+}
+
 VoxelMap::Selection VoxelMap::select(std::size_t l) const {
   Selection selection;
   std::vector<char> is_covered(levels_[l].voxels().size(), 0);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/geometry/se3.hpp"
+#include "modules/slam6d/replaced_keyframe.hpp"
 #include "modules/slam6d/sweep_cloud.hpp"
 #include "modules/slam6d/voxel_grid.hpp"
 
@@ -83,6 +84,9 @@ class VoxelMap {
   /// keyframe that saw it last.
   void add_keyframes(const VoxelMap& map, std::span<const geometry::SE3> T_new_old,
                      const std::vector<bool>& is_chosen);
+
+  /// Gives the voxels of a dropped keyframe to the one that replaces it, and renumbers the others.
+  void drop_keyframe(const ReplacedKeyframe& replaced);
 
   [[nodiscard]] const VoxelGrid& level(std::size_t l) const { return levels_[l]; }
 

@@ -179,6 +179,23 @@ TEST(EverFreeSpace, VotesMoveWithTheirKeyframes) {
   }
 }
 
+// A keyframe is dropped: the votes still move with those that are left.
+TEST(EverFreeSpace, VotesOfADroppedKeyframeGoToTheOneThatReplacesIt) {
+  Drive drive(kWalksBy);
+  drive.space.drop_keyframe({.index = kVisited - 1, .by = kVisited});
+  drive.T_map_keyframes.erase(drive.T_map_keyframes.begin() + kVisited - 1);
+  drive.keyframes.erase(drive.keyframes.begin() + kVisited - 1);
+  std::vector<SE3> T_new_keyframes;
+  for (const SE3& T_map_base : drive.T_map_keyframes) {
+    T_new_keyframes.push_back(pose(1.0, 0.3, 30.0) * T_map_base);
+  }
+  drive.space.move_keyframes(T_new_keyframes);
+  EXPECT_GT(drive.moved_of(kVisited - 1).of_somebody, 0.8);
+  for (std::size_t k = 0; k < drive.keyframes.size(); ++k) {
+    EXPECT_LT(drive.moved_of(k).of_others, 0.005) << k;
+  }
+}
+
 // The robot is stationary for an hour: the sums must not overflow, and must not take more memory.
 TEST(EverFreeSpace, MemoryDoesNotGrowWithTime) {
   EverFreeSpace space{EverFreeParams{}};

@@ -111,6 +111,25 @@ TEST(VoxelMap, VoxelsMoveWithTheirKeyframes) {
   EXPECT_EQ(walls({false, true}), (std::vector<float>{4.55F}));
 }
 
+// The second of three keyframes is dropped: its wall moves with the third.
+TEST(VoxelMap, VoxelsOfADroppedKeyframeGoToTheOneThatReplacesIt) {
+  const VoxelMapParams params;
+  VoxelMap map(params);
+  for (std::size_t k = 0; k < 3; ++k) {
+    map.add_sweep(VoxelMap::from_points(wall(2.05F + 2.0F * static_cast<float>(k), 0.05F, 0.0F, 1),
+                                        Vector3f::Zero(), params),
+                  SE3::Identity(), k);
+  }
+  map.drop_keyframe({.index = 1, .by = 2});
+  std::vector<SE3> motions(2, SE3::Identity());
+  motions[1].translation().x() = 0.5;
+  VoxelMap moved(params);
+  moved.add_keyframes(map, motions, {true, true});
+  for (const float x_m : {2.05F, 4.55F, 6.55F}) {
+    EXPECT_NE(moved.level(0).nearest({x_m, 0.05F, 0.05F}, 0.05F), VoxelGrid::kNone) << x_m;
+  }
+}
+
 TEST(VoxelMap, AnEmptySweepAddsNothing) {
   const VoxelMap empty = VoxelMap::from_points({}, Vector3f::Zero(), {});
   EXPECT_TRUE(empty.select(0).points.empty());

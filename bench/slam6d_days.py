@@ -1,0 +1,180 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Whether 6D SLAM lives with its map for days: pacing one corridor and standing, for hours of log time.
+
+bench/slam6d_days.py [--bin DIR] [--hours H ...] [--set KEY=VALUE ...]
+
+Writes the recording of a robot that paces the corridor of bench/slam2d_days.py and stands for a minute at either end: a nodding laser with 181 beams
+and a range noise of 1 cm, 75 scans a second, wheels that drift. Maps a recording of H hours for each H and prints a row: CPU time of a sweep, peak
+memory without the recording, what the map holds, and the error of all poses. With flat costs all rows are alike.
+"""
+import argparse
+import json
+import math
+import pathlib
+import random
+import re
+import resource
+import struct
+import subprocess
+import tempfile
+
+from slam2d_days import BEAMS, LENGTH_M, MAX_RANGE_M, ROOT, walls
+
+PERIOD_US, SPEED_MPS, TURN_RAD_S, STAND_S = 13320, 0.6, 0.6, 60.0
+NOD_SCANS, HIGHEST_DEG = 160, 40.0  # down and up again
+CEILING_M, LASER_M, NOISE_M = 2.5, 0.5, 0.01
+
+
+def lap():
+    """Poses (x, y, yaw) of all scans of one lap, which is a whole number of nods: there, stand, round; back, stand, round."""
+    poses = []
+    steps = round(LENGTH_M / (SPEED_MPS * PERIOD_US * 1e-6))
+    for there in (True, False):
+        for k in range(steps):
+            x = LENGTH_M * (k if there else steps - k) / steps
+            poses.append((x, 0.2 * math.sin(0.5 * x), math.atan(0.1 * math.cos(0.5 * x)) + (0.0 if there else math.pi)))
+        x, y, yaw = LENGTH_M if there else 0.0, 0.2 * math.sin(0.5 * LENGTH_M) if there else 0.0, poses[-1][2]
+        yaw = math.atan(0.1 * math.cos(0.5 * x)) + (0.0 if there else math.pi)
+        poses += [(x, y, yaw)] * round(STAND_S / (PERIOD_US * 1e-6))
+        turns = round(math.pi / (TURN_RAD_S * PERIOD_US * 1e-6))
+        poses += [(x, y, yaw + math.pi * k / turns) for k in range(turns)]
+    return poses + [(poses[-1][0], poses[-1][1], yaw + math.pi)] * (-len(poses) % NOD_SCANS)
+
+
+def pitch_rad(scan):
+    phase = scan % NOD_SCANS / NOD_SCANS
+    return math.radians(HIGHEST_DEG * (4.0 * abs(phase - 0.5) - 1.0))
+
+
+def wall_m(segments, x, y, angle):
+    """Horizontal distance to the nearest wall."""
+    dx, dy = math.cos(angle), math.sin(angle)
+    nearest = math.inf
+    for x0, y0, x1, y1 in segments:
+        det = dx * (y1 - y0) - dy * (x1 - x0)
+        if det != 0.0:
+            distance = ((x0 - x) * (y1 - y0) - (y0 - y) * (x1 - x0)) / det
+            if 0.0 < distance < nearest and 0.0 <= ((x0 - x) * dy - (y0 - y) * dx) / det <= 1.0:
+                nearest = distance
+    return nearest
+
+
+def ranges_m(segments, pose, pitch):
+    ranges = []
+    for beam in range(BEAMS):
+        angle = math.radians(beam - 90)
+        ahead, left, up = math.cos(angle) * math.cos(pitch), math.sin(angle), math.cos(angle) * math.sin(pitch)
+        level_m = (CEILING_M - LASER_M) / up if up > 1e-9 else LASER_M / -up if up < -1e-9 else math.inf
+        wall = wall_m(segments, pose[0], pose[1], pose[2] + math.atan2(left, ahead)) / math.hypot(ahead, left)
+        ranges.append(min(wall, level_m, MAX_RANGE_M))
+    return ranges
+
+
+def cast_lap(poses):
+    """The noiseless ranges of each scan of a lap. A stationary robot sees the same in every nod."""
+    segments, seen, scans = walls(), {}, []
+    for k, pose in enumerate(poses):
+        key = (pose, k % NOD_SCANS)
+        if key not in seen:
+            seen[key] = ranges_m(segments, pose, pitch_rad(k))
+        scans.append(seen[key])
+    return scans
+
+
+class Wheels:
+    """Odometry: 1 % too long and too far round, and a heading that drifts."""
+
+    def __init__(self, pose):
+        self.noise, self.last, (self.x, self.y, self.yaw) = random.Random(1), pose, pose
+
+    def count(self, pose):
+        ahead = math.hypot(pose[0] - self.last[0], pose[1] - self.last[1])
+        turn = (pose[2] - self.last[2] + math.pi) % (2.0 * math.pi) - math.pi
+        self.last = pose
+        self.yaw += 1.01 * turn + 0.003 * ahead + 0.004 * math.sqrt(ahead) * self.noise.gauss(0.0, 1.0)
+        self.x += 1.01 * ahead * math.cos(self.yaw)
+        self.y += 1.01 * ahead * math.sin(self.yaw)
+        return self.x, self.y, self.yaw
+
+
+class Recording:
+    """An LCM log of SCAN and ODOMETRY."""
+
+    def __init__(self, path):
+        known = (ROOT / "tests" / "contract" / "released_fingerprints.inc").read_text(encoding="utf-8")
+        self.fingerprints = {name: int(value) for name, value in re.findall(r'\{"nodmap\.(\w+)", (-?\d+)\}', known)}
+        self.log, self.events = path.open("wb"), 0
+
+    def write(self, utime, channel, data):
+        self.log.write(struct.pack(">IqqII", 0xEDA1DA01, self.events, utime, len(channel), len(data)) + channel + data)
+        self.events += 1
+
+    def odometry(self, utime, seq, pose):
+        x, y, yaw = pose
+        self.write(utime, b"ODOMETRY", struct.pack(">qqq7d2d36d", self.fingerprints["odometry_t"], utime, seq, x, y, 0.0, math.cos(0.5 * yaw), 0.0, 0.0,
+                                                   math.sin(0.5 * yaw), 0.0, 0.0, *[math.nan] * 36))
+
+    def scan(self, utime, seq, pitch, ranges):
+        self.write(utime, b"SCAN", struct.pack(f">qqqq4d?2d10di{BEAMS}fi", self.fingerprints["scan_t"], utime, 0, seq, math.radians(-90.0), math.radians(1.0),
+                                               pitch, pitch, True, 0.05, 80.0, 0.0, 0.0, LASER_M, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, BEAMS, *ranges, 0))
+
+
+def write_recording(folder, hours, poses, scans):
+    """days.lcmlog and truth.tum. Returns the number of sweeps."""
+    noise = random.Random(2)
+    errors = [noise.gauss(0.0, NOISE_M) for _ in range(100003)]
+    recording, wheels = Recording(folder / "days.lcmlog"), Wheels(poses[0])
+    count = len(poses) * max(1, round(3600e6 * hours / (PERIOD_US * len(poses))))
+    with (folder / "truth.tum").open("w", encoding="ascii") as truth:
+        for seq in range(count):
+            utime = 1_600_000_000_000_000 + PERIOD_US * seq
+            pose = poses[seq % len(poses)]
+            first = noise.randrange(len(errors) - BEAMS)
+            recording.odometry(utime, seq, wheels.count(pose))
+            recording.scan(utime, seq, pitch_rad(seq), [r + e if r < MAX_RANGE_M else math.inf
+                                                        for r, e in zip(scans[seq % len(scans)], errors[first:first + BEAMS])])
+            if seq % 4 == 0:
+                truth.write(f"{1e-6 * utime:.6f} {pose[0]:.5f} {pose[1]:.5f} 0 0 0 {math.sin(0.5 * pose[2]):.8f} {math.cos(0.5 * pose[2]):.8f}\n")
+    recording.log.close()
+    return 2 * count / NOD_SCANS
+
+
+def measure(options, folder, sweeps):
+    """CPU time (s), peak memory without the recording (bytes), metrics, and errors of all poses."""
+    settings = [word for value in options.set for word in ("--set", value)]
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    command = [options.bin / "nodmap-slam6d", "--replay", folder / "days.lcmlog", "--out", folder / "out", *settings]
+    process = subprocess.run(["/usr/bin/time", "-f", "%M", *command], check=True, capture_output=True, text=True)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    cpu_s = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    # The recording is mapped and counts as memory, but is none of the map.
+    memory_b = 1024 * int(process.stderr.strip().splitlines()[-1]) - (folder / "days.lcmlog").stat().st_size
+    metrics = json.loads((folder / "out" / "result.json").read_text(encoding="utf-8"))["metrics"]
+    evaluated = subprocess.run([options.bin / "nodmap-evaluate", "trajectory", folder / "out" / "trajectory.tum", folder / "truth.tum"], check=True,
+                               capture_output=True, text=True)
+    return 1e3 * cpu_s / sweeps, memory_b, metrics, json.loads(evaluated.stdout)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build" / "release" / "bin")
+    parser.add_argument("--hours", type=float, nargs="+", default=[1, 2, 4])
+    parser.add_argument("--set", nargs="*", default=[], help="parameters of nodmap-slam6d")
+    options = parser.parse_args()
+    poses = lap()
+    scans = cast_lap(poses)
+    print("| hours | sweeps | CPU of a sweep | memory | keyframes | their clouds | keyframes.lcmlog | ATE, worst |\n|---|---|---|---|---|---|---|---|", flush=True)
+    for hours in options.hours:
+        with tempfile.TemporaryDirectory(prefix="nodmap-days-") as name:
+            folder = pathlib.Path(name)
+            sweeps = write_recording(folder, hours, poses, scans)
+            cpu_ms, memory_b, metrics, errors = measure(options, folder, sweeps)
+            size = (folder / "out" / "keyframes.lcmlog").stat().st_size
+            clouds_b = metrics.get("keyframe_memory_bytes", math.nan)
+            print(f"| {hours:g} | {sweeps:.0f} | {cpu_ms:.1f} ms | {memory_b / 1e6:.0f} MB | {len(metrics['keyframes'])} | {clouds_b / 1e6:.0f} MB "
+                  f"| {size / 1e6:.0f} MB | {100 * errors['ate_rmse_m']:.2f}, {100 * errors['ate_max_m']:.1f} cm |", flush=True)
+
+
+if __name__ == "__main__":
+    main()
