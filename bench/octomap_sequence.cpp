@@ -30,6 +30,7 @@ namespace fs = std::filesystem;
 namespace geometry = nodmap::geometry;
 using nodmap::slam6d::OccupancyMap;
 using nodmap::slam6d::SweepCloud;
+using nodmap::slam6d::TraceParams;
 
 struct PlacedCloud {
   SweepCloud cloud;
@@ -63,8 +64,7 @@ std::vector<PlacedCloud> read_sequence(const fs::path& dir) {
   return clouds;
 }
 
-void insert_stock(octomap::OcTree& tree, const PlacedCloud& placed,
-                  const OccupancyMap::Options& options) {
+void insert_stock(octomap::OcTree& tree, const PlacedCloud& placed, const TraceParams& params) {
   const auto to_octomap = [](const Eigen::Vector3d& p) {
     return octomap::point3d(static_cast<float>(p.x()), static_cast<float>(p.y()),
                             static_cast<float>(p.z()));
@@ -73,8 +73,8 @@ void insert_stock(octomap::OcTree& tree, const PlacedCloud& placed,
   for (const Eigen::Vector3f& p : placed.cloud.points) {
     points.push_back(to_octomap(placed.T_world_sensor * p.cast<double>()));
   }
-  tree.insertPointCloud(points, to_octomap(placed.T_world_sensor.translation()),
-                        options.max_range_m, false, options.discretize);
+  tree.insertPointCloud(points, to_octomap(placed.T_world_sensor.translation()), params.max_range_m,
+                        false, params.discretize);
 }
 
 /// CPU time of this process. Other load on the machine hardly affects it.
@@ -89,9 +89,8 @@ double time_ms(const Work& work) {
   return cpu_ms() - start_ms;
 }
 
-OccupancyMap insert_ours(const std::vector<PlacedCloud>& clouds,
-                         const OccupancyMap::Options& options) {
-  OccupancyMap map(options);
+OccupancyMap insert_ours(const std::vector<PlacedCloud>& clouds, const TraceParams& params) {
+  OccupancyMap map(params);
   for (const PlacedCloud& placed : clouds) {
     map.insert(placed.cloud, placed.T_world_sensor);
   }
@@ -101,17 +100,16 @@ OccupancyMap insert_ours(const std::vector<PlacedCloud>& clouds,
 /// Runs our insertion both before and after the stock one, so that a change of the machine's speed
 /// affects both. They do not alternate cloud by cloud, because a large allocation of one would
 /// consolidate the many small blocks that the other has freed.
-nlohmann::ordered_json compare(const std::vector<PlacedCloud>& clouds,
-                               const OccupancyMap::Options& options) {
-  OccupancyMap ours(options);
-  double ours_ms = time_ms([&] { ours = insert_ours(clouds, options); });
-  octomap::OcTree stock(options.resolution_m);
+nlohmann::ordered_json compare(const std::vector<PlacedCloud>& clouds, const TraceParams& params) {
+  OccupancyMap ours(params);
+  double ours_ms = time_ms([&] { ours = insert_ours(clouds, params); });
+  octomap::OcTree stock(params.resolution_m);
   const double stock_ms = time_ms([&] {
     for (const PlacedCloud& placed : clouds) {
-      insert_stock(stock, placed, options);
+      insert_stock(stock, placed, params);
     }
   });
-  ours_ms = 0.5 * (ours_ms + time_ms([&] { ours = insert_ours(clouds, options); }));
+  ours_ms = 0.5 * (ours_ms + time_ms([&] { ours = insert_ours(clouds, params); }));
 
   std::ostringstream bt;
   std::ostringstream ot;
@@ -140,19 +138,19 @@ int main(int argc, char** argv) {
   try {
     CLI::App app("Compares our insertion into an OctoMap with OctoMap's own.");
     std::string dir;
-    OccupancyMap::Options options;
+    TraceParams params;
     app.add_option("DIR", dir, "clouds NNN.bin with their true poses NNN_gt.txt")
         ->required()
         ->check(CLI::ExistingDirectory);
-    app.add_option("--resolution", options.resolution_m, "edge of a voxel (m)")
+    app.add_option("--resolution", params.resolution_m, "edge of a voxel (m)")
         ->check(CLI::Range(0.01, 1.0))
         ->capture_default_str();
-    app.add_option("--max-range", options.max_range_m, "beams are inserted up to this length (m)")
+    app.add_option("--max-range", params.max_range_m, "beams are inserted up to this length (m)")
         ->check(CLI::Range(0.5, 100.0))
         ->capture_default_str();
-    app.add_flag("--discretize", options.discretize, "one beam for each voxel that is hit");
+    app.add_flag("--discretize", params.discretize, "one beam for each voxel that is hit");
     CLI11_PARSE(app, argc, argv);
-    std::cout << compare(read_sequence(dir), options).dump(2) << "\n";
+    std::cout << compare(read_sequence(dir), params).dump(2) << "\n";
   } catch (const std::exception& error) {
     std::fprintf(stderr, "nodmap-bench-octomap: %s\n", error.what());
     return 1;

@@ -18,8 +18,7 @@ bool is_near(const Eigen::Vector3f& p) {
 
 }  // namespace
 
-CloudTracer::CloudTracer(const TraceOptions& options)
-    : options_(options), grid_(options.resolution_m) {
+CloudTracer::CloudTracer(const TraceParams& params) : params_(params), grid_(params.resolution_m) {
   beams_.reserve(kBeamsAtOnce);
 }
 
@@ -38,7 +37,7 @@ void CloudTracer::trace(const SweepCloud& cloud, const SE3& T_map_base, CloudVox
         continue;
       }
       const bool has_moved = !is_moved.empty() && is_moved[i];
-      if (!options_.discretize || has_moved) {
+      if (!params_.discretize || has_moved) {
         add_beam(p_map, has_moved, voxels);
       } else if (const VoxelKey end = grid_.wrapped_key_of(p_map);
                  ends_.mark_occupied(code_of(end))) {
@@ -78,11 +77,11 @@ bool CloudTracer::begin_line(const SweepCloud::Line& line, const SE3& T_map_base
 void CloudTracer::add_beam(const Eigen::Vector3f& p_map, bool is_moved, CloudVoxels& voxels) {
   const Eigen::Vector3f beam = p_map - p_map_origin_;
   const double length_m = length_of(beam);
-  const bool ends_inside = length_m <= options_.max_range_m;
+  const bool ends_inside = length_m <= params_.max_range_m;
   const Eigen::Vector3f p_map_end =
       ends_inside ? p_map
                   : p_map_origin_ + beam / static_cast<float>(length_m) *
-                                        static_cast<float>(options_.max_range_m);
+                                        static_cast<float>(params_.max_range_m);
   const auto end = grid_.key_of(p_map_end);
   if (!end) {
     return;

@@ -15,12 +15,19 @@
 namespace nodmap::slam6d {
 
 /// How clouds are converted to voxels.
-struct TraceOptions {
-  double resolution_m = 0.05;  ///< edge of a voxel
-  double max_range_m = 10.0;   ///< beams longer than this are cut off, and free up to there
+struct TraceParams {
+  double resolution_m = 0.05;
+  double max_range_m = 10.0;  ///< beams longer than this are cut off, and free up to there
   /// Traces only the first beam into each voxel, and to the middle of the voxel, which OctoMap
-  /// calls discretizing. Faster for dense clouds, and less exact.
+  /// calls discretizing. Faster for dense clouds, and less exact. For measurements only.
   bool discretize = false;
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.number("resolution_m", resolution_m, {0.01, 1.0}, "Edge of an OctoMap voxel.");
+    v.number("max_range_m", max_range_m, {0.5, 100.0},
+             "Beams are entered into the OctoMap up to this length.");
+  }
 };
 
 /// Marks the voxels that the beams of a cloud pass through as free, and those in which they end as
@@ -29,7 +36,7 @@ struct TraceOptions {
 /// since. Beams that end outside of the octree (65536 voxels wide) are left out.
 class CloudTracer {
  public:
-  explicit CloudTracer(const TraceOptions& options);
+  explicit CloudTracer(const TraceParams& params);
 
   /// `is_moved`: of the cloud's points; none: nothing has moved.
   void trace(const SweepCloud& cloud, const geometry::SE3& T_map_base, CloudVoxels& voxels,
@@ -46,7 +53,7 @@ class CloudTracer {
   bool begin_line(const SweepCloud::Line& line, const geometry::SE3& T_map_base);
   void walk_beams(CloudVoxels& voxels);
 
-  TraceOptions options_;
+  TraceParams params_;
   OctreeGrid grid_;
   CloudVoxels ends_;                                        // of the beams of this cloud
   std::vector<Beam> beams_;                                 // not yet walked

@@ -8,7 +8,7 @@
 namespace nodmap::slam6d {
 
 struct OccupancyMap::Map {
-  explicit Map(const Options& options) : resolution_m(options.resolution_m), tracer(options) {}
+  explicit Map(const TraceParams& params) : resolution_m(params.resolution_m), tracer(params) {}
 
   double resolution_m;
   CloudTracer tracer;
@@ -17,7 +17,7 @@ struct OccupancyMap::Map {
   std::optional<std::size_t> num_nodes;  // empty until they are counted
 };
 
-OccupancyMap::OccupancyMap(const Options& options) : map_(std::make_unique<Map>(options)) {}
+OccupancyMap::OccupancyMap(const TraceParams& params) : map_(std::make_unique<Map>(params)) {}
 OccupancyMap::~OccupancyMap() = default;
 OccupancyMap::OccupancyMap(OccupancyMap&&) noexcept = default;
 OccupancyMap& OccupancyMap::operator=(OccupancyMap&&) noexcept = default;

@@ -18,19 +18,15 @@ namespace nodmap::slam6d {
 /// does not keep the clouds: after poses were corrected, they are inserted into a new map.
 class OccupancyMap {
  public:
-  using Options = TraceOptions;
-
   enum class Format {
     kBt,  ///< occupied or free, compact
     kOt   ///< with probabilities
   };
 
-  explicit OccupancyMap(const Options& options);
+  explicit OccupancyMap(const TraceParams& params);
   ~OccupancyMap();
   OccupancyMap(OccupancyMap&&) noexcept;
   OccupancyMap& operator=(OccupancyMap&&) noexcept;
-  OccupancyMap(const OccupancyMap&) = delete;
-  OccupancyMap& operator=(const OccupancyMap&) = delete;
 
   /// Updates each voxel at most once per cloud: as occupied if a beam ends in it, otherwise as free
   /// if a beam passes through it. `is_moved`: for each point, whether it lies on something that

@@ -15,10 +15,6 @@ constexpr int kScansUntilMapped = 60;
 // To save a keyframe, 174 kB, takes 3 ms.
 constexpr std::size_t kSavedKeyframesPerScan = 4;
 
-OccupancyMap::Options map_options(const OccupancyParams& params) {
-  return {.resolution_m = params.resolution_m, .max_range_m = params.max_range_m};
-}
-
 // How many keyframes there were so far, those that were dropped included.
 std::size_t number_of(std::span<const Keyframe> keyframes) {
   return keyframes.empty() ? 0 : keyframes.back().id + 1;
@@ -27,7 +23,7 @@ std::size_t number_of(std::span<const Keyframe> keyframes) {
 }  // namespace
 
 OccupancyMapper::OccupancyMapper(const OccupancyParams& params)
-    : params_(params), map_(map_options(params)) {}
+    : params_(params), map_(params.trace) {}
 
 // Keyframes that newer ones have replaced. Both are in the order of their ids.
 void OccupancyMapper::forget_dropped(std::span<const Keyframe> keyframes) {
@@ -86,7 +82,7 @@ bool OccupancyMapper::is_save_due(std::size_t num_keyframes) const {
 
 OccupancyMapper::Result OccupancyMapper::execute(const Work& work) {
   if (work.begins_anew) {
-    map_ = OccupancyMap(map_options(params_));
+    map_ = OccupancyMap(params_.trace);
   }
   for (const auto& [cloud, mapped] : work.clouds) {
     map_.insert(*cloud, mapped.T_map_base, mapped.is_moved);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "common/geometry/angle.hpp"
+#include "modules/slam6d/cloud_tracer.hpp"
 #include "modules/slam6d/ever_free_space.hpp"
 #include "modules/slam6d/localiser.hpp"
 #include "modules/slam6d/loop_closer.hpp"
@@ -41,17 +42,14 @@ struct KeyframeParams {
 
 /// The occupancy map and how often it is saved and published.
 struct OccupancyParams {
-  double resolution_m = 0.05;
-  double max_range_m = 10.0;
+  TraceParams trace{};
   int save_every_keyframes = 10;
   double publish_period_s = 5.0;
   bool save_ot = false;
 
   template <class Visitor>
   void describe(Visitor& v) {
-    v.number("resolution_m", resolution_m, {0.01, 1.0}, "Edge of an OctoMap voxel.");
-    v.number("max_range_m", max_range_m, {0.5, 100.0},
-             "Beams are entered into the OctoMap up to this length.");
+    trace.describe(v);
     v.integer("save_every_keyframes", save_every_keyframes, {0, 100000},
               "The map is saved each time this many keyframes were added; 0: only at the end and "
               "on request.");

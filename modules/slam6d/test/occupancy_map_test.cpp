@@ -82,7 +82,7 @@ TEST(OccupancyMap, R46_PrecisionAndRecallAreHighDespiteRangeNoise) {
 // The oracle: inserts a cloud with OctoMap's own functions, which collect sets of keys, prefer hits
 // to misses and update one voxel at a time.
 void insert_stock(octomap::OcTree& tree, const SweepCloud& cloud, const SE3& T_map_base,
-                  const OccupancyMap::Options& options) {
+                  const TraceParams& params) {
   const auto to_octomap = [](const Eigen::Vector3d& p) {
     return octomap::point3d(static_cast<float>(p.x()), static_cast<float>(p.y()),
                             static_cast<float>(p.z()));
@@ -96,10 +96,10 @@ void insert_stock(octomap::OcTree& tree, const SweepCloud& cloud, const SE3& T_m
       points.push_back(to_octomap(T_map_base * cloud.points[i].cast<double>()));
     }
     const auto origin = to_octomap(T_map_base * line.p_base_mirror.cast<double>());
-    if (options.discretize) {
-      tree.computeDiscreteUpdate(points, origin, free, occupied, options.max_range_m);
+    if (params.discretize) {
+      tree.computeDiscreteUpdate(points, origin, free, occupied, params.max_range_m);
     } else {
-      tree.computeUpdate(points, origin, free, occupied, options.max_range_m);
+      tree.computeUpdate(points, origin, free, occupied, params.max_range_m);
     }
   }
   for (const octomap::OcTreeKey& key : free) {
@@ -141,10 +141,10 @@ void expect_same_bytes(const OccupancyMap& map, const octomap::OcTree& stock) {
 // (after five hits or five misses), and for free space to be pruned and expanded again.
 TEST(OccupancyMap, R46_InsertionEqualsThatOfOctomap) {
   for (const bool discretize : {false, true}) {
-    const OccupancyMap::Options options{.max_range_m = 3.0, .discretize = discretize};
+    const TraceParams params{.max_range_m = 3.0, .discretize = discretize};
     std::mt19937 random(47);
-    OccupancyMap map(options);
-    octomap::OcTree stock(options.resolution_m);
+    OccupancyMap map(params);
+    octomap::OcTree stock(params.resolution_m);
     for (int place = 0; place < 3; ++place) {
       SE3 T_map_base = SE3::Identity();
       T_map_base.translation() = Eigen::Vector3d(0.7 * place, -0.4 * place, 0.1);
@@ -155,7 +155,7 @@ TEST(OccupancyMap, R46_InsertionEqualsThatOfOctomap) {
       const SweepCloud cloud = random_cloud(discretize ? 1 : 3, random);
       for (int times = 0; times < 6; ++times) {
         map.insert(cloud, T_map_base);
-        insert_stock(stock, cloud, T_map_base, options);
+        insert_stock(stock, cloud, T_map_base, params);
       }
       expect_same_bytes(map, stock);
     }
@@ -165,16 +165,16 @@ TEST(OccupancyMap, R46_InsertionEqualsThatOfOctomap) {
 
 // The same comparison with so many beams that whole blocks of voxels are free.
 TEST(OccupancyMap, R46_InsertionEqualsThatOfOctomapWithManyBeams) {
-  const OccupancyMap::Options options{.resolution_m = 0.2};
-  OccupancyMap map(options);
-  octomap::OcTree stock(options.resolution_m);
+  const TraceParams params{.resolution_m = 0.2};
+  OccupancyMap map(params);
+  octomap::OcTree stock(params.resolution_m);
   for (int times = 0; times < 3; ++times) {
     map.insert(wall_cloud(0.01), SE3::Identity());
-    insert_stock(stock, wall_cloud(0.01), SE3::Identity(), options);
+    insert_stock(stock, wall_cloud(0.01), SE3::Identity(), params);
     std::mt19937 random(49);
     const SweepCloud cloud = random_cloud(10, random);
     map.insert(cloud, SE3::Identity());
-    insert_stock(stock, cloud, SE3::Identity(), options);
+    insert_stock(stock, cloud, SE3::Identity(), params);
     expect_same_bytes(map, stock);
   }
 }
