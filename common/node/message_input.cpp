@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/node/message_input.hpp"
 
+#include <chrono>
+#include <string>
 #include <utility>
 
 #include "common/geometry/time.hpp"
@@ -46,13 +48,24 @@ std::optional<geometry::SE3> SensorInput::read(const nodmap::odometry_t& message
   return T_odom_base;
 }
 
-bool accept_save_request(const nodmap::save_request_t& request, const Context& context) {
+bool SaveRequests::accept(const nodmap::save_request_t& request, const Context& context,
+                          time::Timestamp now) {
   if (context.out_dir.empty()) {
     context.counts.reject("save_request_without_out_dir");
     return false;
   }
+  const std::string name = read_name(request.requested_by);
+  if (accepted_ && std::chrono::abs(now - *accepted_) < kPeriod) {
+    context.counts.reject("save_request_too_soon");
+    if (!std::exchange(has_logged_refusal_, true)) {
+      log::get().warn("{} asked to save the map again within {} s: refused", name, kPeriod / 1s);
+    }
+    return false;
+  }
+  accepted_ = now;
+  has_logged_refusal_ = false;
   context.counts.use();
-  log::get().info("{} asked to save the map", read_name(request.requested_by));
+  log::get().info("{} asked to save the map", name);
   return true;
 }
 

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "common/geometry/se3.hpp"
+#include "common/geometry/time.hpp"
 #include "common/node/message_counts.hpp"
 #include "common/node/node.hpp"
 #include "common/scan/scan.hpp"
@@ -41,9 +42,21 @@ class SensorInput {
   bool odometry_restarted_ = false;
 };
 
-/// Whether to carry out a SAVE_REQUEST. If the process has no folder for its map, the request is
-/// rejected (`save_request_without_out_dir`). Logs the requester.
-[[nodiscard]] bool accept_save_request(const nodmap::save_request_t& request,
-                                       const Context& context);
+/// Decides whether to carry out a SAVE_REQUEST. Saving takes a large part of a second, so a flood
+/// of requests would leave no time for the scans.
+class SaveRequests {
+ public:
+  static constexpr time::Duration kPeriod = 10s;
+
+  /// Whether to carry out a request at `now`, by the stamps of the sensor data. Rejects it
+  /// (`save_request_without_out_dir`, `save_request_too_soon`) if the process has no folder for its
+  /// map, or has accepted a request less than kPeriod ago. Logs the requester.
+  [[nodiscard]] bool accept(const nodmap::save_request_t& request, const Context& context,
+                            time::Timestamp now);
+
+ private:
+  std::optional<time::Timestamp> accepted_;
+  bool has_logged_refusal_ = false;  // since then
+};
 
 }  // namespace nodmap::node

@@ -250,7 +250,7 @@ void Slam2dNode::on_clear_request(const nodmap::clear_request_t& message) {
 }
 
 void Slam2dNode::on_save_request(const nodmap::save_request_t& message) {
-  if (node::accept_save_request(message, context_)) {
+  if (save_requests_.accept(message, context_, last_stamp_)) {
     try_to_save();
     if (!save_error_) {
       log::get().info("map saved in {}", context_.out_dir.string());

@@ -84,6 +84,7 @@ class Slam2dNode : public node::Node {
   std::optional<time::Timestamp> last_graph_stamp_;
   std::int64_t graph_revision_published_ = 0;
   PoseQuality last_quality_ = PoseQuality::kTracked;
+  node::SaveRequests save_requests_;
   std::optional<time::Timestamp> last_save_stamp_;  // when it was tried
   std::error_code save_error_;                      // of the last attempt
 };

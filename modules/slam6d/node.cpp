@@ -87,6 +87,7 @@ void Slam6dNode::on_scan(const nodmap::scan_t& message) {
   if (!input_.read(message, scan)) {
     return;
   }
+  last_stamp_ = scan.stamp;
   answer(registering_.count_message());
   answer_saved(occupancy_.count_message());
   if (save_error_ && --scans_until_saved_again_ <= 0 && !occupancy_.is_working() &&
@@ -229,7 +230,7 @@ bool Slam6dNode::publish_octomap_part() {
 }
 
 void Slam6dNode::on_save_request(const nodmap::save_request_t& message) {
-  if (!only_localises_ && node::accept_save_request(message, context_)) {
+  if (!only_localises_ && save_requests_.accept(message, context_, last_stamp_)) {
     answer(registering_.take());
     answer_saved(occupancy_.take());
     start_saving();

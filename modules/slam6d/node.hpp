@@ -69,12 +69,14 @@ class Slam6dNode : public node::Node {
   node::Context& context_;
   Params params_;
   node::SensorInput input_;
+  node::SaveRequests save_requests_;
   Slam6d slam_;
   bool only_localises_ = false;
   std::size_t next_restored_id_ = 0;  // of the next keyframe of a saved map to be published
   std::int64_t graph_revision_ = 0;   // last one published
   time::Timestamp graph_stamp_{};
   ScanCounts counted_;
+  time::Timestamp last_stamp_{};  // of SCAN
   std::int64_t maps_saved_ = 0;
   std::error_code save_error_;       // of the last attempt
   int scans_until_saved_again_ = 0;  // after an error

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "common/node/messages.hpp"
+#include "tests/support/memory_bus.hpp"
 
 namespace nodmap::node {
 namespace message_input_test {
@@ -89,6 +90,29 @@ TEST_F(SensorInputTest, OdometryWithALowerNumberHasRestarted) {
   EXPECT_FALSE(input_.read(no_pose).has_value());
   EXPECT_TRUE(restarted(1));
   EXPECT_EQ(counts_.lost(), 3);
+}
+
+TEST(SaveRequests, OneInTenSecondsIsCarriedOut) {
+  test::MemoryBus bus;
+  node::MessageCounts counts;
+  const Context context{bus, counts, "somewhere"};
+  SaveRequests requests;
+  const time::Timestamp start = time::Timestamp(24h);
+  const nodmap::save_request_t request{};
+  EXPECT_TRUE(requests.accept(request, context, start));
+  for (int i = 0; i < 1000; ++i) {
+    EXPECT_FALSE(requests.accept(request, context, start + i * 9ms));
+  }
+  EXPECT_EQ(counts.rejected().at("save_request_too_soon"), 1000);
+  EXPECT_TRUE(requests.accept(request, context, start + SaveRequests::kPeriod));
+  EXPECT_TRUE(requests.accept(request, context, start - 1h)) << "the clock was set back";
+}
+
+TEST(SaveRequests, WithoutAFolderNoneIsCarriedOut) {
+  test::MemoryBus bus;
+  node::MessageCounts counts;
+  EXPECT_FALSE(SaveRequests().accept({}, Context{bus, counts, {}}, {}));
+  EXPECT_EQ(counts.rejected().at("save_request_without_out_dir"), 1);
 }
 
 }  // namespace message_input_test

@@ -210,12 +210,32 @@ TEST_F(Slam2dNodeTest, AFailedSaveLeavesTheOldMapAndIsReported) {
   const auto size = std::filesystem::file_size(dir.path() / "map.pgm");
   // The new map is first written under this name.
   std::filesystem::create_directory(dir.path() / "map.pgm.part");
+  put_odometry(10s, {});
+  put_scan(10s, {});
   bus_.deliver("SAVE_REQUEST", nodmap::save_request_t{});
   EXPECT_EQ(node_.health().state, node::HealthState::kDegraded);
   EXPECT_EQ(std::filesystem::file_size(dir.path() / "map.pgm"), size);
   std::filesystem::remove(dir.path() / "map.pgm.part");
+  put_odometry(20s, {});
+  put_scan(20s, {});
   bus_.deliver("SAVE_REQUEST", nodmap::save_request_t{});
   EXPECT_EQ(node_.health().state, node::HealthState::kOk);
+}
+
+TEST_F(Slam2dNodeTest, SavesAtMostOnceEveryTenSeconds) {
+  const nodmap::test::TemporaryDir dir;
+  const std::filesystem::path map = dir.path() / "map.pgm";
+  context_.out_dir = dir.path();
+  int num_saved = 0;
+  for (int decis = 0; decis < 200; ++decis) {
+    put_odometry(100ms * decis, {});
+    put_scan(100ms * decis, {});
+    std::filesystem::remove(map);
+    bus_.deliver("SAVE_REQUEST", nodmap::save_request_t{});
+    num_saved += std::filesystem::exists(map) ? 1 : 0;
+  }
+  EXPECT_EQ(num_saved, 2);
+  EXPECT_EQ(counts_.rejected().at("save_request_too_soon"), 198);
 }
 
 TEST_F(Slam2dNodeTest, WritesALineForEachUsedScanWithItsOwnStamp) {
