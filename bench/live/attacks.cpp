@@ -140,8 +140,8 @@ void publish_drive_of_listener(Forger& forger) {
   forger.publish("DRIVE", drive);
 }
 
-void publish_odometry_of_listener(Forger& forger) {
-  nodmap::odometry_t odometry = forged_odometry(forger, 0us);
+void publish_odometry_of_listener(Forger& forger, time::Duration ahead) {
+  nodmap::odometry_t odometry = forged_odometry(forger, ahead);
   odometry.odometry_seq = forger.odometry_seq_ahead();
   forger.publish("ODOMETRY", odometry);
 }
@@ -184,7 +184,9 @@ std::vector<Attack> attacks() {
       {"DRIVE that skips numbers", Promise::kStationary, "nodmap-kurt", publish_drive_of_listener,
        kListenerHz},
       {"ODOMETRY that skips numbers", Promise::kStationary, "nodmap-navigator",
-       publish_odometry_of_listener, kListenerHz},
+       [](Forger& forger) { publish_odometry_of_listener(forger, 0us); }, kListenerHz},
+      {"ODOMETRY a day ahead that skips numbers, once a second", Promise::kDrivesOn, "",
+       [](Forger& forger) { publish_odometry_of_listener(forger, 24h); }, 1.0},
       {"two datagrams that wrap", Promise::kDrivesOn, "nodmap-navigator", fragments},
       {"a neighbour's DRIVE, ODOMETRY", Promise::kDrivesOn, "nodmap-kurt", neighbour},
       {"base and navigator killed", Promise::kStationary, "", {}, 0.0, true},

@@ -58,9 +58,6 @@ class SequenceCounter {
     return gap;
   }
 
-  /// Whether a publisher that now sends `seq` has restarted since the last message.
-  [[nodiscard]] bool falls_back(std::int64_t seq) const { return started_ && seq < last_; }
-
  private:
   bool started_ = false;
   std::int64_t last_ = 0;

@@ -16,9 +16,17 @@ namespace {
 constexpr time::Timestamp kLatestStamp(time::kLimit / 2);
 // Far above the duration of any laser's mirror revolution.
 constexpr time::Duration kLongestScan = 60s;
+// Far above the period of any odometry. Smaller errors of a stamp harm no more than the one
+// message.
+constexpr time::Duration kLongestGap = 10s;
 
 bool is_plausible(time::Timestamp stamp) {
   return stamp >= time::Timestamp{} && stamp < kLatestStamp;
+}
+
+/// Whether two successive messages of one driver can have these stamps, if no clock was set.
+bool is_near(time::Timestamp stamp, time::Timestamp other) {
+  return std::chrono::abs(stamp - other) <= kLongestGap;
 }
 
 }  // namespace
@@ -37,15 +45,42 @@ bool SensorInput::read(const nodmap::scan_t& message, scan::Scan& scan) {
 }
 
 std::optional<geometry::SE3> SensorInput::read(const nodmap::odometry_t& message) {
-  sequence_fell_ = sequence_fell_ || odometry_.falls_back(message.odometry_seq);
   counts_.lose(odometry_.lost_before(message.odometry_seq));
   auto T_odom_base = read_odometry(message);
-  if (!T_odom_base || !is_plausible(time::from_utime(message.utime))) {
+  const Odometry odometry{message.odometry_seq, time::from_utime(message.utime)};
+  if (!T_odom_base || !is_plausible(odometry.stamp)) {
     counts_.reject("implausible_odometry");
     return std::nullopt;
   }
-  odometry_restarted_ = std::exchange(sequence_fell_, false);
+  if (!accept(odometry)) {
+    counts_.reject("unconfirmed_odometry");
+    return std::nullopt;
+  }
   return T_odom_base;
+}
+
+bool SensorInput::accept(const Odometry& odometry) {
+  const bool continues_last = !last_odometry_ || continues(odometry);
+  const bool continues_new = new_odometry_ && odometry.seq >= new_odometry_->seq &&
+                             is_near(odometry.stamp, new_odometry_->stamp);
+  if (!continues_last && !continues_new) {
+    new_odometry_ = odometry;
+    return false;
+  }
+  // A driver that restarts after a few messages soon has the number of the last one again.
+  odometry_restarted_ = continues_new && new_odometry_->seq < last_odometry_->seq &&
+                        (!continues_last || odometry.seq == last_odometry_->seq);
+  new_odometry_.reset();
+  seq_before_ = last_odometry_ ? last_odometry_->seq : odometry.seq;
+  last_odometry_ = odometry;
+  return true;
+}
+
+/// Whether a message is of the same sequence as the last one. A number between those of the last
+/// two was overtaken: by a message that came early, or that somebody else sent.
+bool SensorInput::continues(const Odometry& odometry) const {
+  const bool is_next = odometry.seq >= last_odometry_->seq || odometry.seq > seq_before_;
+  return is_next && is_near(odometry.stamp, last_odometry_->stamp);
 }
 
 bool SaveRequests::accept(const nodmap::save_request_t& request, const Context& context,

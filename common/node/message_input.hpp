@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <optional>
 
 #include "common/geometry/se3.hpp"
@@ -18,7 +19,8 @@ namespace nodmap::node {
 /// messages and rejects unusable ones. An accepted message is not yet counted as used.
 ///
 /// Causes of rejection: `implausible_scan` (geometry, stamp or counts that make no sense),
-/// `empty_scan` (no beams), `implausible_odometry`.
+/// `empty_scan` (no beams), `implausible_odometry`, `unconfirmed_odometry` (another sequence or far
+/// from the last stamp, and the message before was not).
 class SensorInput {
  public:
   explicit SensorInput(node::MessageCounts& counts) : counts_(counts) {}
@@ -27,6 +29,10 @@ class SensorInput {
   [[nodiscard]] bool read(const nodmap::scan_t& message, scan::Scan& scan);
 
   /// T_odom_base at the message's utime; empty when the message was rejected.
+  ///
+  /// A message that begins a new sequence, or is stamped more than 10 s before or after the last
+  /// one, is not used: anybody can send one. If the next message continues it, the driver has
+  /// restarted, or its clock was set.
   [[nodiscard]] std::optional<geometry::SE3> read(const nodmap::odometry_t& message);
 
   /// Whether the last accepted odometry is the first of a new odom frame. Its sequence number has
@@ -38,7 +44,17 @@ class SensorInput {
   node::MessageCounts& counts_;
   node::SequenceCounter scans_;
   node::SequenceCounter odometry_;
-  bool sequence_fell_ = false;  // since the last accepted odometry
+  struct Odometry {
+    std::int64_t seq = 0;
+    time::Timestamp stamp;
+  };
+
+  [[nodiscard]] bool accept(const Odometry& odometry);
+  [[nodiscard]] bool continues(const Odometry& odometry) const;
+
+  std::optional<Odometry> last_odometry_;  // last accepted
+  std::int64_t seq_before_ = 0;            // of the odometry accepted before that
+  std::optional<Odometry> new_odometry_;   // rejected; becomes usable when the next continues it
   bool odometry_restarted_ = false;
 };
 

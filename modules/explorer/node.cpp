@@ -71,7 +71,7 @@ std::size_t stride(std::size_t count, std::size_t most) {
 }  // namespace
 
 ExplorerNode::ExplorerNode(node::Context& context, const Params& params)
-    : context_(context), params_(params), explorer_(params) {
+    : context_(context), params_(params), input_(context.counts), explorer_(params) {
   bus::Bus& bus = context.bus;
   bus.subscribe<nodmap::grid_chunk_t>("MAP_2D", [this](const auto& m) { on_map(m); });
   bus.subscribe<nodmap::pose_t>("POSE_2D", [this](const auto& m) { on_pose(m); });
@@ -121,13 +121,12 @@ void ExplorerNode::on_pose(const nodmap::pose_t& message) {
 /// Poses of 2D SLAM come with level scans, one a second when the robot is slow. Odometry says where
 /// it is in between.
 void ExplorerNode::on_odometry(const nodmap::odometry_t& message) {
-  const auto T_odom_base = node::read_odometry(message);
+  const auto T_odom_base = input_.read(message);
   if (!T_odom_base) {
-    context_.counts.reject("implausible_odometry");
     return;
   }
   context_.counts.use();
-  if (message.odometry_seq < std::exchange(odometry_seq_, message.odometry_seq)) {
+  if (input_.odometry_restarted()) {
     T_map_odom_.reset();  // the base driver was restarted: odom is another frame
   }
   const time::Timestamp now = node::stamp_of(message);

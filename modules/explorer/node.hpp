@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 
+#include "common/node/message_input.hpp"
 #include "common/node/node.hpp"
 #include "modules/explorer/explorer.hpp"
 #include "nodmap/exploration_t.hpp"
@@ -57,13 +58,13 @@ class ExplorerNode final : public node::Node {
 
   node::Context& context_;
   Params params_;
+  node::SensorInput input_;
   Explorer explorer_;
 
   std::int64_t map_revision_ = -1;
   std::optional<geometry::SE2> T_map_odom_;
   std::optional<time::Timestamp> posed_;  // stamp of the last pose
   std::optional<geometry::SE2> T_map_base_;
-  std::int64_t odometry_seq_ = 0;
   bool is_lost_ = false;
   bool is_stopped_ = false;
   bool has_no_path_ = false;

@@ -69,27 +69,74 @@ TEST_F(SensorInputTest, GapsInEitherStreamAreLosses) {
   EXPECT_EQ(counts_.lost(), 3);
 }
 
-TEST_F(SensorInputTest, OdometryWithALowerNumberHasRestarted) {
-  const auto restarted = [this](std::int64_t seq) {
-    nodmap::odometry_t odometry =
-        node::write_odometry(time::from_utime(1), geometry::SE3::Identity());
-    odometry.odometry_seq = seq;
-    EXPECT_TRUE(input_.read(odometry).has_value());
-    return input_.odometry_restarted();
-  };
-  EXPECT_FALSE(restarted(7));  // the first message
-  EXPECT_FALSE(restarted(8));
-  EXPECT_FALSE(restarted(8));   // a publisher that does not number its messages
-  EXPECT_FALSE(restarted(12));  // a loss is not a restart
-  EXPECT_TRUE(restarted(0));
-  EXPECT_FALSE(restarted(1));
+class OdometryInputTest : public SensorInputTest {
+ public:
+  static constexpr time::Timestamp kDay{24h};
 
-  // The first message of the new frame cannot be used, so the next one counts as the first.
+ protected:
+  bool read(std::int64_t seq, time::Timestamp stamp = kDay) {
+    nodmap::odometry_t odometry = node::write_odometry(stamp, geometry::SE3::Identity());
+    odometry.odometry_seq = seq;
+    return input_.read(odometry).has_value();
+  }
+  /// Whether the message is used as the first of a new frame, or of the same one.
+  bool restarts(std::int64_t seq, time::Timestamp stamp = kDay) {
+    EXPECT_TRUE(read(seq, stamp)) << seq;
+    return input_.odometry_restarted();
+  }
+};
+
+TEST_F(OdometryInputTest, LowerNumbersAreThoseOfARestartedDriver) {
+  EXPECT_FALSE(restarts(7));  // the first message
+  EXPECT_FALSE(restarts(8));
+  EXPECT_FALSE(restarts(8));   // a publisher that does not number its messages
+  EXPECT_FALSE(restarts(12));  // a loss is not a restart
+  EXPECT_FALSE(read(0)) << "not until the next message confirms it";
+  EXPECT_TRUE(restarts(1));
+  EXPECT_FALSE(restarts(50));
+  EXPECT_FALSE(restarts(51));
+
+  // The first message of the new frame cannot be used, so the next ones count.
   nodmap::odometry_t no_pose{};
   no_pose.odometry_seq = 0;
   EXPECT_FALSE(input_.read(no_pose).has_value());
-  EXPECT_TRUE(restarted(1));
-  EXPECT_EQ(counts_.lost(), 3);
+  EXPECT_FALSE(read(1));
+  EXPECT_TRUE(restarts(2));
+  EXPECT_EQ(counts_.lost(), 3 + 48);
+  EXPECT_EQ(counts_.rejected().at("unconfirmed_odometry"), 2);
+}
+
+TEST_F(OdometryInputTest, ADriverMayRestartAfterItsFirstMessages) {
+  EXPECT_FALSE(restarts(0));
+  EXPECT_FALSE(restarts(1));
+  EXPECT_FALSE(read(0));
+  EXPECT_TRUE(restarts(1));
+  EXPECT_FALSE(restarts(2));
+}
+
+TEST_F(OdometryInputTest, OneForgedMessageCostsNoOther) {
+  std::int64_t seq = 5000;
+  time::Timestamp stamp = kDay;
+  ASSERT_FALSE(restarts(seq, stamp));
+  for (const int ahead : {-4000, 1, 2, 100, 1'000'000}) {
+    for (const time::Timestamp forged : {time::Timestamp{}, stamp, kDay + 24h}) {
+      static_cast<void>(read(seq + ahead, forged));
+      EXPECT_FALSE(restarts(++seq, stamp += 10ms)) << ahead << " " << time::to_utime(forged);
+      EXPECT_FALSE(restarts(++seq, stamp += 10ms)) << ahead << " " << time::to_utime(forged);
+    }
+    EXPECT_FALSE(read(seq + ahead, kDay + 24h));
+    EXPECT_FALSE(restarts(++seq, stamp += 10ms));
+  }
+}
+
+// The clock of the driver's host is set.
+TEST_F(OdometryInputTest, AStepOfTheClockCostsOneMessage) {
+  ASSERT_FALSE(restarts(1, kDay));
+  EXPECT_FALSE(read(2, kDay + 1h));
+  EXPECT_FALSE(restarts(3, kDay + 1h + 10ms));
+  EXPECT_FALSE(read(4, kDay));
+  EXPECT_FALSE(restarts(5, kDay + 10ms));
+  EXPECT_FALSE(restarts(6, kDay + 9s)) << "the driver was frozen";
 }
 
 TEST(SaveRequests, OneInTenSecondsIsCarriedOut) {
@@ -97,7 +144,7 @@ TEST(SaveRequests, OneInTenSecondsIsCarriedOut) {
   node::MessageCounts counts;
   const Context context{bus, counts, "somewhere"};
   SaveRequests requests;
-  const time::Timestamp start = time::Timestamp(24h);
+  const time::Timestamp start = OdometryInputTest::kDay;
   const nodmap::save_request_t request{};
   EXPECT_TRUE(requests.accept(request, context, start));
   for (int i = 0; i < 1000; ++i) {

@@ -179,7 +179,9 @@ TEST_F(ExplorerNodeTest, WaitsForAPoseAfterTheBaseDriverHasRestarted) {
   (void)give_pose();
   const std::size_t num_decisions = bus_.count("EXPLORATION");
   odometry_seq_ = 0;
-  utime_us_ += 500'000;
+  utime_us_ += 490'000;
+  give_odometry(0.0);
+  utime_us_ += 10'000;
   give_odometry(0.0);
   EXPECT_EQ(bus_.count("EXPLORATION"), num_decisions);
   (void)give_pose();

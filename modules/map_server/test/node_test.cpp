@@ -122,7 +122,8 @@ TEST_F(ScannerAsBaseNodeTest, HeightsAreAboveTheGround) {
 TEST_F(MapServerNodeTest, ARestartOfOdometryClearsTheMaps) {
   give_odometry(1'000'000, 50, 7.0);
   bus_.deliver("SCAN", next_scan());
-  give_odometry(1'015'000, 0, 0.0);  // restarted: the same place has another pose
+  give_odometry(1'010'000, 0, 0.0);  // restarted: the same place has another pose
+  give_odometry(1'015'000, 1, 0.0);
   nodmap::scan_t blind = next_scan();
   blind.ranges_m.assign(blind.ranges_m.size(), std::numeric_limits<float>::quiet_NaN());
   bus_.deliver("SCAN", blind);
@@ -130,6 +131,26 @@ TEST_F(MapServerNodeTest, ARestartOfOdometryClearsTheMaps) {
   ASSERT_EQ(maps.size(), 2U);
   EXPECT_TRUE(std::ranges::any_of(maps[0].distance_m, [](float d) { return std::isfinite(d); }));
   EXPECT_TRUE(std::ranges::none_of(maps[1].distance_m, [](float d) { return std::isfinite(d); }));
+}
+
+// From another sender, stamped a day ahead: with the number of a driver that has restarted, and
+// with one that the driver has not reached yet.
+TEST_F(MapServerNodeTest, OneForgedOdometryCostsNoMap) {
+  constexpr std::int64_t kDayUs = 86'400'000'000;
+  give_odometry(1'000'000, 50, 7.0);
+  bus_.deliver("SCAN", next_scan());
+  give_odometry(kDayUs, 0, 0.0);
+  give_odometry(1'005'000, 51, 7.0);
+  give_odometry(kDayUs, 151, 0.0);
+  give_odometry(1'010'000, 52, 7.0);
+  give_odometry(1'015'000, 53, 7.0);
+  nodmap::scan_t blind = next_scan();
+  blind.ranges_m.assign(blind.ranges_m.size(), std::numeric_limits<float>::quiet_NaN());
+  bus_.deliver("SCAN", blind);
+  const auto maps = maps_on("STRUCTURE_MAP");
+  ASSERT_EQ(maps.size(), 2U);
+  EXPECT_TRUE(std::ranges::any_of(maps[1].distance_m, [](float d) { return std::isfinite(d); }));
+  EXPECT_EQ(rejected("unconfirmed_odometry"), 2);
 }
 
 TEST_F(MapServerNodeTest, InvalidScansAreCountedAndNotUsed) {

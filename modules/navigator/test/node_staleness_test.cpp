@@ -116,9 +116,10 @@ TEST_F(NavigatorNodeTest, AfterOdometryHasRestartedItWaitsForANewMap) {
   run(0.3, kOdometry);  // a process takes at least as long to start
   odometry_seq_ = 0;
   x_ = 100.0;
+  give_odometry(now_us_);
   give_odometry(now_us_ + 10'000);
   EXPECT_TRUE(halts());
-  bus_.deliver("OBSTACLE_MAP", empty_map(now_us_));  // made in the former frame
+  bus_.deliver("OBSTACLE_MAP", empty_map(now_us_ - 10'000));  // made in the former frame
   EXPECT_EQ(rejected("map_of_former_odometry"), 1);
   run(1.5);
   EXPECT_TRUE(drives());

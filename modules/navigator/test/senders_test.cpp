@@ -145,7 +145,7 @@ TEST_F(NavigatorNodeTest, OneOdometryThatBeginsAnewWithAFutureStampIsRefused) {
       node::write_odometry(time::from_utime(now_us_ + 3'600'000'000), geometry::SE3::Identity());
   forged.odometry_seq = 0;
   bus_.deliver("ODOMETRY", forged);
-  EXPECT_EQ(rejected("other_sender_of_odometry"), 1);
+  EXPECT_EQ(rejected("unconfirmed_odometry"), 1);
   tick();
   EXPECT_TRUE(drives());
 }

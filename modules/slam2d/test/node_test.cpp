@@ -312,6 +312,7 @@ TEST_F(Slam2dNodeTest, ContinuesAtItsPoseWhenOdometryRestarts) {
     if (i == 15) {
       odometry_seq_ = 0;
       odom = {};
+      put_odometry(since_epoch - 10ms, odom);
     }
     put_odometry(since_epoch, odom);
     put_scan(since_epoch, truth);
@@ -334,6 +335,7 @@ TEST_F(Slam2dNodeTest, RejectsScansBetweenTwoOdometryFrames) {
   put_odometry(10ms, {3.0, 0.0, 0.0});
   put_scan(0s, {});
   odometry_seq_ = 0;
+  put_odometry(390ms, {});
   put_odometry(400ms, {});
   put_scan(200ms, {});
   EXPECT_EQ(counts_.rejected().at("no_odometry"), 1);
