@@ -11,6 +11,9 @@
 namespace nodmap::navigator {
 namespace {
 
+/// As for poses: farther than any robot drives, and small enough for cell indices of 32 bits.
+constexpr double kFarthestM = 1e6;
+
 /// Length of the arc that is shown.
 constexpr double kArcS = 1.6;
 constexpr int kArcSteps = 8;
@@ -52,9 +55,10 @@ std::int8_t kind_of(const LocalMap& local_map, const LocalCell& cell) {
 }  // namespace
 
 bool is_plausible(const nodmap::goal_t& message) {
-  const auto is_tolerance = [](double value) { return std::isfinite(value) && value > 0.0; };
-  const bool is_place = std::isfinite(message.position_m[0]) &&
-                        std::isfinite(message.position_m[1]) && is_tolerance(message.tolerance_m);
+  const auto is_tolerance = [](double value) { return value > 0.0 && value <= kFarthestM; };
+  const bool is_place = std::abs(message.position_m[0]) <= kFarthestM &&
+                        std::abs(message.position_m[1]) <= kFarthestM &&
+                        is_tolerance(message.tolerance_m);
   const bool is_heading = message.has_heading == 0 || (std::isfinite(message.heading_rad) &&
                                                        is_tolerance(message.heading_tolerance_rad));
   return message.is_active == 0 || (is_place && is_heading);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include "common/geometry/angle.hpp"
 #include "modules/navigator/local_map/test/scanned_ground.hpp"
@@ -83,6 +84,31 @@ TEST(LocalMapMessage, ACellCoversTheSameGroundInTheNextMessage) {
     // The robot is within the two middle cells, to 2.5 cm.
     EXPECT_NEAR(message.origin_m[0] + 1.0, x_m, 0.05);
   }
+}
+
+nodmap::goal_t goal_at(double x_m, double y_m, double tolerance_m) {
+  nodmap::goal_t goal{};
+  goal.is_active = 1;
+  goal.position_m[0] = x_m;
+  goal.position_m[1] = y_m;
+  goal.tolerance_m = tolerance_m;
+  return goal;
+}
+
+// Cell indices have 32 bits.
+TEST(GoalMessage, IsNotFartherAwayThanAnyRobotDrives) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double infinity = std::numeric_limits<double>::infinity();
+  EXPECT_TRUE(is_plausible(goal_at(1e6, -1e6, 0.5)));
+  for (const double wrong : {1.1e6, -1.1e6, 1e300, -1e300, nan, infinity, -infinity}) {
+    EXPECT_FALSE(is_plausible(goal_at(wrong, 0.0, 0.5))) << wrong;
+    EXPECT_FALSE(is_plausible(goal_at(0.0, wrong, 0.5))) << wrong;
+    EXPECT_FALSE(is_plausible(goal_at(0.0, 0.0, wrong))) << wrong;
+  }
+  EXPECT_FALSE(is_plausible(goal_at(0.0, 0.0, 0.0)));
+  nodmap::goal_t cancelled = goal_at(nan, nan, nan);
+  cancelled.is_active = 0;
+  EXPECT_TRUE(is_plausible(cancelled));
 }
 
 }  // namespace messages_test

@@ -141,6 +141,11 @@ Assembled<CloudView> CloudAssembler::add(const nodmap::cloud_chunk_t& chunk) {
   if (place.is_first) {
     cloud_ = {time::from_utime(chunk.utime), frames::kMap6d, *pose, {}};
   }
+  if (cloud_.xyz_m.size() / 3 + chunk.points_m.size() > kMaxPoints) {
+    *this = CloudAssembler();
+    result.refused = true;
+    return result;
+  }
   for (const std::vector<float>& p : chunk.points_m) {
     if (std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2])) {
       cloud_.xyz_m.insert(cloud_.xyz_m.end(), p.begin(), p.end());

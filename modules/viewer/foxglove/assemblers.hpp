@@ -69,8 +69,10 @@ class PartsInOrder {
 /// dropped and counted, because a cloud with gaps would look like free space.
 class CloudAssembler {
  public:
-  /// 64 KiB each: more than two million points.
   static constexpr std::int32_t kMaxChunks = 512;
+  /// Several times what a sweep of any robot measures: 24 MB. Anybody can send chunks that are
+  /// larger than those of 6D SLAM.
+  static constexpr std::size_t kMaxPoints = 2'000'000;
 
   [[nodiscard]] Assembled<CloudView> add(const nodmap::cloud_chunk_t& chunk);
 

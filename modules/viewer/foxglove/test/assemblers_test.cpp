@@ -148,6 +148,27 @@ TEST(CloudAssembler, CountsAKeyframeThatLostAPart) {
   EXPECT_TRUE(assembler.add(second[2]).whole);
 }
 
+// As many points as one message can have, in each of as many parts as allowed: 11 million.
+TEST(CloudAssembler, RefusesMorePointsThanARobotMeasures) {
+  CloudAssembler assembler;
+  auto chunk = foxglove::test::keyframe_at(0.0, 0, 10)[0];
+  chunk.points_m.assign(21'800, {1.0F, 2.0F, 3.0F});
+  chunk.num_points = 21'800;
+  chunk.num_chunks = CloudAssembler::kMaxChunks;
+  std::size_t num_taken = 0;
+  for (bool is_refused = false; !is_refused; ++chunk.chunk_index) {
+    ASSERT_LT(chunk.chunk_index, chunk.num_chunks);
+    is_refused = assembler.add(chunk).refused;
+    num_taken += is_refused ? 0 : chunk.points_m.size();
+  }
+  EXPECT_LE(num_taken, CloudAssembler::kMaxPoints);
+  EXPECT_FALSE(assembler.add(chunk).whole);
+  const auto next = foxglove::test::keyframe_at(1.0, 1, 12'000);
+  (void)assembler.add(next[0]);
+  (void)assembler.add(next[1]);
+  EXPECT_TRUE(assembler.add(next[2]).whole);
+}
+
 TEST(CloudAssembler, RefusesAnInvalidPose) {
   CloudAssembler assembler;
   auto chunk = foxglove::test::keyframe_at(0.0, 0, 10)[0];
