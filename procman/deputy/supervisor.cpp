@@ -48,12 +48,6 @@ SupervisorActions Supervisor::take_orders(const Orders& orders, time::Duration a
     }
     return actions;
   }
-  if (!trusts_orders_ && !follow(orders.sheriff_id, now)) {
-    actions.emplace_back(RefuseOrder{"other_sheriff", "orders of the sheriff " + orders.sheriff_id +
-                                                          " are refused, because " + sheriff_ +
-                                                          " gives orders here"});
-    return actions;
-  }
   for (const CommandOrder& order : orders.commands) {
     carry_out(order, now, actions);
   }
@@ -95,18 +89,6 @@ void Supervisor::carry_out(const CommandOrder& order, time::SteadyTime now,
   } else if (order.desired_run != 0) {
     entry.actual_run = order.desired_run;
   }
-}
-
-/// Whether orders come from the sheriff that is followed. Another one is followed once that one has
-/// been silent. One process is one sheriff, even if it begins anew with another time.
-bool Supervisor::follow(const std::string& sheriff_id, time::SteadyTime now) {
-  const std::string process = sheriff_id.substr(0, sheriff_id.rfind(':'));
-  if (process != sheriff_ && sheriff_received_ && now - *sheriff_received_ < kSheriffSilence) {
-    return false;
-  }
-  sheriff_ = process;
-  sheriff_received_ = now;
-  return true;
 }
 
 /// Whether PM_INFO stays short enough with a new or changed description.

@@ -56,13 +56,11 @@ class Supervisor {
   static constexpr std::size_t kMaxCommands = 1000;
   /// Longest PM_INFO, by a cautious estimate. Receivers refuse messages longer than 256 KiB.
   static constexpr std::size_t kMaxInfoBytes = std::size_t{200} << 10U;
-  /// A sheriff is followed until it has been silent for this long: three of its orders.
-  static constexpr time::Duration kSheriffSilence = 3s;
 
   /// With `trusts_orders` it does as the existing procman: commands that orders omit are stopped
   /// and forgotten, and orders determine how a process is stopped. Without it, omitted commands
   /// continue until they are stopped by name, and a process is stopped within a minute, with a
-  /// signal that ends it; and it follows one sheriff, so that nobody else contradicts it.
+  /// signal that ends it.
   Supervisor(std::string deputy_id, bool trusts_orders)
       : deputy_id_(std::move(deputy_id)), trusts_orders_(trusts_orders) {}
 
@@ -113,7 +111,6 @@ class Supervisor {
   };
 
   void carry_out(const CommandOrder& order, time::SteadyTime now, SupervisorActions& actions);
-  [[nodiscard]] bool follow(const std::string& sheriff_id, time::SteadyTime now);
   [[nodiscard]] bool has_room_for(const CommandSpec& spec) const;
   [[nodiscard]] CommandSpec checked(CommandSpec spec) const;
   bool update_spec(Entry& entry, const CommandSpec& spec);
@@ -128,8 +125,6 @@ class Supervisor {
   bool trusts_orders_;
   std::map<std::string, Entry> commands_;
   std::size_t text_bytes_ = 0;  // of all descriptions
-  std::string sheriff_;         // the one that is followed, without the time of its start
-  std::optional<time::SteadyTime> sheriff_received_;
   bool shutting_down_ = false;
 };
 

@@ -374,8 +374,7 @@ std::optional<std::string> Fleet::other_sheriff(time::SteadyTime now) const {
 
 bool Fleet::must_yield(time::SteadyTime now) const {
   const auto other = other_sheriff(now);
-  const bool is_new_here = !commands_since_ || now - *commands_since_ < kYieldTime;
-  return other && is_new_here && beginning_of(*other) <= beginning_of(sheriff_id_);
+  return other && beginning_of(*other) <= beginning_of(sheriff_id_);
 }
 
 }  // namespace nodmap::procman

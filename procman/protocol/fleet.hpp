@@ -44,10 +44,6 @@ class Fleet {
   /// Another sheriff counts as running for this long after its last orders.
   static constexpr time::Duration kOtherSheriffTime = 3s;
 
-  /// A sheriff that has given orders for this long does not yield. Another one then has not looked
-  /// for it, or its network was divided; and anybody can send a message that looks like one.
-  static constexpr time::Duration kYieldTime = 10s;
-
   /// One run of a command.
   struct Run {
     std::int32_t pid = 0;
@@ -112,11 +108,8 @@ class Fleet {
   /// The id of another sheriff, if one gave orders recently.
   [[nodiscard]] std::optional<std::string> other_sheriff(time::SteadyTime now) const;
 
-  /// This sheriff gives orders from now on.
-  void begin_command(time::SteadyTime now) { commands_since_ = now; }
-  /// Whether this sheriff must stop giving orders. Of two sheriffs that begin to give orders at the
-  /// same time the one that started later must; this one must, if it is not known when the other
-  /// started.
+  /// Whether this sheriff must stop giving orders. Of two sheriffs the one that started later must;
+  /// this one must, if it is not known when the other started.
   [[nodiscard]] bool must_yield(time::SteadyTime now) const;
   [[nodiscard]] const std::string& sheriff_id() const { return sheriff_id_; }
 
@@ -148,7 +141,6 @@ class Fleet {
   std::map<std::string, std::optional<DeputyItem>> deputies_;
   std::string other_sheriff_;
   time::SteadyTime other_received_{};
-  std::optional<time::SteadyTime> commands_since_;
 };
 
 }  // namespace nodmap::procman

@@ -28,9 +28,8 @@ class ScriptRunner {
  public:
   /// A command that has run for this long counts as started.
   static constexpr time::Duration kLastingTime = 1s;
-  /// The wait for that, after the last action. A deputy that has followed another sheriff obeys
-  /// only 3 s after its end (Supervisor::kSheriffSilence), and orders are repeated each second.
-  static constexpr time::Duration kSettleTimeout = 8s;
+  /// The wait for that, after the last action.
+  static constexpr time::Duration kSettleTimeout = 4s;
 
   using HealthTest = std::function<bool(const std::string& command)>;
 

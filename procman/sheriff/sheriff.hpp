@@ -32,10 +32,7 @@ class Sheriff {
 
   /// Sends the orders at once, because the requested states have changed.
   void give_orders();
-  void command() {
-    is_observer_ = false;
-    fleet_.begin_command(now());
-  }
+  void command() { is_observer_ = false; }
   void observe() { is_observer_ = true; }
   [[nodiscard]] bool is_observer() const { return is_observer_; }
 

@@ -212,26 +212,6 @@ TEST_F(SheriffProcess, ASecondSheriffYields) {
   EXPECT_EQ(sheriff_->wait_for_end(kPatience), 0);
 }
 
-// Orders of a sheriff that is older by its id, and that never comes again: they stop nothing, and
-// this sheriff is back at its work soon.
-TEST_F(SheriffProcess, OneMessageOfAnotherSheriffDoesNotEndItsCommand) {
-  begin_deputy();
-  begin_sheriff({"--script", "up", "--on-script-complete", "stay"});
-  ASSERT_TRUE(
-      client_.wait_until([this] { return client_.runs("sleeper") && client_.runs("talker"); }));
-  ASSERT_TRUE(client_.wait_for_infos(3));  // its script is over
-  const int pid = client_.status("sleeper").pid;
-  client_.bus().publish(
-      procman::kOrdersChannel,
-      to_message(procman::Orders{
-          time::SystemClock().now(), "rover", "x:1:1", {test::wanted("sleeper", "x", 0, true)}}));
-  // By now it has either yielded, and takes the command again, or it never did.
-  EXPECT_TRUE(client_.wait_for_infos(5));
-  EXPECT_EQ(client_.status("sleeper").pid, pid);
-  const auto second = sheriff({"--stop", "g"});
-  EXPECT_EQ(second.exit_code, 3) << "it gives orders: " << second.out << second.err;
-}
-
 // The commands keep running, and the next sheriff finds them as they are.
 TEST_F(SheriffProcess, KillingItStopsNoCommand) {
   begin_deputy();

@@ -284,33 +284,6 @@ TEST_F(SupervisorTest, ForgottenCommandsMakeRoomForOthers) {
   }
 }
 
-TEST_F(SupervisorTest, UntrustedOrdersOfASecondSheriffAreRefusedUntilTheFirstIsSilent) {
-  supervisor_ = Supervisor("rover", false);
-  start_a();
-  const auto second = [this] {
-    return supervisor_.take_orders({{}, "rover", "evil:1:1", {order(1, true)}}, 0s, now_);
-  };
-  for (int s = 0; s < 10; ++s) {
-    now_ += 1s;
-    EXPECT_EQ(num_refused(second()), 1U);
-    EXPECT_THAT(words(take({order(1)})), IsEmpty());
-  }
-  EXPECT_EQ(status().pid, 100);
-  now_ += Supervisor::kSheriffSilence;
-  EXPECT_THAT(words(second()), ElementsAre("signal a 2"));
-}
-
-// A sheriff that is started again within one process, as by the viewer, differs in its time only.
-TEST_F(SupervisorTest, AProcessMayBecomeASheriffAgain) {
-  supervisor_ = Supervisor("rover", false);
-  const auto orders_of = [this](const char* id) {
-    return num_refused(supervisor_.take_orders({{}, "rover", id, {}}, 0s, now_));
-  };
-  EXPECT_EQ(orders_of("host:7:1000"), 0U);
-  EXPECT_EQ(orders_of("host:7:2000"), 0U);
-  EXPECT_EQ(orders_of("host:8:1000"), 1U);
-}
-
 TEST_F(SupervisorTest, ACommandThatCannotBeStartedHasEndedWithExitCode127) {
   ASSERT_THAT(words(take({order(1)})), ElementsAre("start a: prog"));
   EXPECT_THAT(words(supervisor_.not_started("a", "no such file", now_)),

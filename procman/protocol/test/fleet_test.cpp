@@ -242,17 +242,6 @@ TEST_F(FleetTest, NoticesAnotherSheriffAndYieldsToTheOlderOne) {
   EXPECT_TRUE(fleet_.must_yield(now_));
 }
 
-// A message with an old id can come from anybody.
-TEST_F(FleetTest, ASheriffThatHasGivenOrdersForLongDoesNotYield) {
-  fleet_.begin_command(now_);
-  fleet_.take_orders({{}, "h", "you:2:1", {}}, now_);
-  EXPECT_TRUE(fleet_.must_yield(now_));
-  now_ += Fleet::kYieldTime;
-  fleet_.take_orders({{}, "h", "you:2:1", {}}, now_);
-  EXPECT_EQ(fleet_.other_sheriff(now_), "you:2:1");
-  EXPECT_FALSE(fleet_.must_yield(now_));
-}
-
 TEST(DescribeEnd, DistinguishesExitsFromSignals) {
   EXPECT_EQ(describe_end(0), "");
   EXPECT_EQ(describe_end(3 << 8), "exit 3");
