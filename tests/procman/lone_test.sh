@@ -6,7 +6,8 @@
 set -euo pipefail
 bin=$1
 work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
+# Nothing is left running, also when the test fails.
+trap 'jobs -p | xargs -r kill 2>/dev/null || true; wait; rm -rf "$work"' EXIT
 fail() { echo "FAILED: $*"; cat "$work"/*.log 2>/dev/null; exit 1; }
 export NODMAP_LONE=$work
 cat >"$work/a.pmd" <<'PMD'
