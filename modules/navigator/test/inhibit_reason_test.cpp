@@ -14,8 +14,8 @@ class InhibitReasonTest : public ::testing::Test {
   InhibitReasonTest() {
     const time::Timestamp now(100s);
     inputs_.stamps = {now, now, now, now, now};
-    inputs_.odometry.emplace();
-    inputs_.map.emplace();
+    inputs_.odometry = Inputs::Odometry{};
+    inputs_.map = Inputs::ObstacleMap{};
   }
 
   [[nodiscard]] std::optional<Reason> reason(
