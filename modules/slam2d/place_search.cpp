@@ -130,6 +130,7 @@ Place PlaceSearch::find_anywhere(const Known& known, const LevelScan& scan,
     matches.push_back(matcher_.match(map, scan.points_base, peak.T_map_base));
   }
   std::vector<Peak> places;
+  places.reserve(matches.size());
   for (const Match& match : matches) {
     places.push_back({match.T_map_base, match.score});
   }
