@@ -53,8 +53,9 @@ class Inputs:
     def key(self, test):
         """A digest of everything that may change the outcome of a test, as ctest --show-only=json-v1 describes it."""
         properties = {p["name"]: p["value"] for p in test["properties"]}
-        words = test["command"] + properties.get("ENVIRONMENT", [])
-        programs = {self.build / "tests" / p.name for p in map(pathlib.Path, test["command"]) if p.parent == self.build / "tests"}
+        command = test.get("command", [])  # none if its program has not been built
+        words = command + properties.get("ENVIRONMENT", [])
+        programs = {self.build / "tests" / p.name for p in map(pathlib.Path, command) if p.parent == self.build / "tests"}
         declared = [self.starts[name] for name in [test["name"], *(p.name for p in programs)] if name in self.starts]
         started = [name for names in declared for name in names]
         if not declared and "integration" in properties.get("LABELS", []):

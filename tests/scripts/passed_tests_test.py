@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Which tests scripts/passed_tests.py runs again, in an artificial build folder whose programs are shell scripts.
+"""Which tests scripts/passed_tests.py runs again, in an artificial build folder whose programs are shell scripts, of which one is missing.
 
 usage: passed_tests_test.py SOURCE_DIR
 """
@@ -21,6 +21,7 @@ add_test(NAME alone COMMAND ${CMAKE_BINARY_DIR}/tests/alone)
 add_test(NAME starts_one COMMAND ${CMAKE_BINARY_DIR}/tests/starts_one)
 add_test(NAME processes COMMAND true)
 add_test(NAME skips COMMAND false)
+add_test(NAME not_built COMMAND ${CMAKE_BINARY_DIR}/tests/not_built)
 set_tests_properties(processes skips PROPERTIES LABELS integration)
 set_tests_properties(skips PROPERTIES SKIP_RETURN_CODE 1)
 """
@@ -69,18 +70,18 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         build = MadeUpBuild(pathlib.Path(folder))
         expect(build.run("-R", "alone"), {"alone"}, "an option of CTest")
-        expect(build.run(), {"starts_one", "processes", "skips"}, "the others")
-        expect(build.run(), {"skips"}, "nothing changed")
+        expect(build.run(), {"starts_one", "processes", "skips", "not_built"}, "the others")
+        expect(build.run(), {"skips", "not_built"}, "nothing changed")
         build.write("tests/alone", "exit 1")
-        expect(build.run(), {"alone", "skips"}, "its own program changed, and it fails")
-        expect(build.run(), {"alone", "skips"}, "it failed before")
+        expect(build.run(), {"alone", "skips", "not_built"}, "its own program changed, and it fails")
+        expect(build.run(), {"alone", "skips", "not_built"}, "it failed before")
         build.write("tests/alone", "exit 0")
         expect(build.run("-R", "alone"), {"alone"}, "it failed, and its program is as it was when it passed")
         build.write("bin/one", "exit 3")
-        expect(build.run("-E", "skips"), {"starts_one", "processes"}, "a program that one starts changed")
+        expect(build.run("-E", "skips"), {"starts_one", "processes", "not_built"}, "a program that one starts changed")
         build.write("bin/two", "exit 3")
-        expect(build.run("-E", "skips"), {"processes"}, "a program that none names changed")
-        expect(build.run("-E", "alone|starts_one|processes"), {"skips"}, "the tests before it are left out")
+        expect(build.run("-E", "skips"), {"processes", "not_built"}, "a program that none names changed")
+        expect(build.run("-E", "alone|starts_one|processes"), {"skips", "not_built"}, "the tests before it are left out")
 
 
 if __name__ == "__main__":
