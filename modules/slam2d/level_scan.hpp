@@ -35,10 +35,27 @@ struct LevelScan {
 
 /// How a pose was found.
 enum class PoseQuality : std::uint8_t {
-  kTracked = 0,   ///< by matching, in all directions
-  kPartly = 1,    ///< by matching, and by odometry along degenerate directions or since it was lost
+  kTracking = 0,  ///< by matching, in all directions
+  kDegraded = 1,  ///< by matching, and by odometry along degenerate directions or since it was lost
   kOdometry = 2,  ///< by odometry: the scan has too few points, or shows only what is new
   kLost = 3,      ///< by odometry, in doubt: the scan contradicts the map
+};
+
+/// Level scans with a pose.
+struct ScansByQuality {
+  std::int64_t all = 0;  ///< the sum of the next four
+  std::int64_t tracked = 0;
+  std::int64_t degraded = 0;
+  std::int64_t by_odometry = 0;
+  std::int64_t lost = 0;
+
+  void count(PoseQuality quality) {
+    ++all;
+    tracked += quality == PoseQuality::kTracking ? 1 : 0;
+    degraded += quality == PoseQuality::kDegraded ? 1 : 0;
+    by_odometry += quality == PoseQuality::kOdometry ? 1 : 0;
+    lost += quality == PoseQuality::kLost ? 1 : 0;
+  }
 };
 
 /// The robot's pose at the first beam of a level scan.

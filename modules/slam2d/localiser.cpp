@@ -63,7 +63,7 @@ std::optional<PoseUpdate> Localiser::add_scan(const scan::Scan& scan) {
   if (update.quality != PoseQuality::kLost) {
     update.covariance = covariance_.matrix();
   }
-  count(update);
+  metrics_.scans.count(update.quality);
   return update;
 }
 
@@ -83,8 +83,8 @@ PoseUpdate Localiser::track(const LevelScan& scan) {
   covariance_.match(match->information);
   confirm(scan);
   update.quality = state_ == State::kLocated && match->degenerate_directions == 0
-                       ? PoseQuality::kTracked
-                       : PoseQuality::kPartly;
+                       ? PoseQuality::kTracking
+                       : PoseQuality::kDegraded;
   return update;
 }
 
@@ -147,13 +147,13 @@ PoseUpdate Localiser::search_whole_map(const LevelScan& scan) {
   if (!scan.has_enough_points() || !is_search_due(scan)) {
     return update;
   }
-  ++metrics_.relocalisations;
+  ++metrics_.searches;
   const Relocalisation found = relocaliser_.locate(map_, scan);
   if (found.status != Relocalisation::Status::kFound) {
     failed_search_ = FailedSearch{scan.stamp, scan.T_odom_base};
     return update;
   }
-  ++metrics_.relocalisations_found;
+  ++metrics_.found;
   state_ = State::kUnconfirmed;
   T_map_odom_ = found.T_map_base * scan.T_odom_base.inverse();
   T_odom_found_ = scan.T_odom_base;
@@ -164,14 +164,6 @@ bool Localiser::is_search_due(const LevelScan& scan) const {
   return !failed_search_ ||
          is_beyond(failed_search_->T_odom_base, scan.T_odom_base, kSearchAgainM, kSearchAgainRad) ||
          seconds_between(failed_search_->stamp, scan.stamp) >= kSearchAgainS;
-}
-
-void Localiser::count(const PoseUpdate& update) {
-  ++metrics_.scans;
-  metrics_.tracked += update.quality == PoseQuality::kTracked ? 1 : 0;
-  metrics_.partly += update.quality == PoseQuality::kPartly ? 1 : 0;
-  metrics_.odometry_only += update.quality == PoseQuality::kOdometry ? 1 : 0;
-  metrics_.lost += update.quality == PoseQuality::kLost ? 1 : 0;
 }
 
 }  // namespace nodmap::slam2d

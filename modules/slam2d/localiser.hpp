@@ -16,13 +16,9 @@
 namespace nodmap::slam2d {
 
 struct LocaliserMetrics {
-  std::int64_t scans = 0;  ///< level scans with a pose: the sum of the next four
-  std::int64_t tracked = 0;
-  std::int64_t partly = 0;
-  std::int64_t odometry_only = 0;
-  std::int64_t lost = 0;
-  std::int64_t relocalisations = 0;  ///< searches of the whole map
-  std::int64_t relocalisations_found = 0;
+  ScansByQuality scans;
+  std::int64_t searches = 0;  ///< of the whole map
+  std::int64_t found = 0;     ///< searches that found the place
   std::int64_t times_lost = 0;
 };
 
@@ -64,7 +60,6 @@ class Localiser {
   void confirm(const LevelScan& scan);
   void doubt(const LevelScan& scan, PoseUpdate& update);
   [[nodiscard]] bool is_search_due(const LevelScan& scan) const;
-  void count(const PoseUpdate& update);
 
   Slam2dParams params_;
   const KnownMap& map_;

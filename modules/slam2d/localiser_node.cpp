@@ -70,16 +70,12 @@ void LocaliserNode::write_results(const std::filesystem::path& dir) {
 
 nlohmann::json LocaliserNode::metrics() const {
   const LocaliserMetrics& metrics = localiser_.metrics();
-  return {{"scans_used", metrics.scans},
-          {"scans_not_level", localiser_.scan_counts().not_level},
-          {"map_points", map_.points().points().size()},
-          {"tracked", metrics.tracked},
-          {"partly", metrics.partly},
-          {"odometry_only", metrics.odometry_only},
-          {"lost", metrics.lost},
-          {"times_lost", metrics.times_lost},
-          {"relocalisations", metrics.relocalisations},
-          {"relocalisations_found", metrics.relocalisations_found}};
+  nlohmann::json result = scan_metrics(metrics.scans, localiser_.scan_counts());
+  result["map_points"] = map_.points().points().size();
+  result["localisation"] = {{"searches", metrics.searches},
+                            {"searches_found", metrics.found},
+                            {"times_lost", metrics.times_lost}};
+  return result;
 }
 
 node::Health LocaliserNode::health() const {
@@ -91,8 +87,8 @@ node::Health LocaliserNode::health() const {
       return {node::HealthState::kDegraded, "Lost: the place in the map is not known."};
     case PoseQuality::kOdometry:
       return {node::HealthState::kDegraded, "Odometry only: the scan does not fit the map."};
-    case PoseQuality::kTracked:
-    case PoseQuality::kPartly:
+    case PoseQuality::kTracking:
+    case PoseQuality::kDegraded:
       break;
   }
   return {};

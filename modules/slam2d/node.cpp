@@ -27,9 +27,9 @@ static_assert(static_cast<int>(LoopState::kOutlier) == nodmap::pose_graph_t::OUT
 
 std::int8_t pose_state(PoseQuality quality) {
   switch (quality) {
-    case PoseQuality::kTracked:
+    case PoseQuality::kTracking:
       return nodmap::pose_t::TRACKING;
-    case PoseQuality::kPartly:
+    case PoseQuality::kDegraded:
     case PoseQuality::kOdometry:
       return nodmap::pose_t::DEGRADED;
     case PoseQuality::kLost:
@@ -220,7 +220,7 @@ void Slam2dNode::find_in_saved_map() {
   last_quality_ = update->quality;
   last_stamp_ = update->stamp;
   context_.bus.publish("POSE_2D", write_pose(*update));
-  if (update->quality == PoseQuality::kTracked) {
+  if (update->quality == PoseQuality::kTracking) {
     slam_.begin_at(update->T_map_odom);
     search_.reset();
   }
@@ -340,34 +340,36 @@ void Slam2dNode::write_results(const std::filesystem::path& dir) {
   draw_paths(path, odometry).write_png(dir / "path.png");
 }
 
+nlohmann::json scan_metrics(const ScansByQuality& scans, const ScanCounts& rejected) {
+  return {{"scans_used", scans.all},          {"scans_tracked", scans.tracked},
+          {"scans_degraded", scans.degraded}, {"scans_by_odometry", scans.by_odometry},
+          {"scans_lost", scans.lost},         {"scans_not_level", rejected.not_level}};
+}
+
 nlohmann::json Slam2dNode::metrics() const {
   const Metrics& metrics = slam_.metrics();
   const BackEndMetrics& back_end = slam_.back_end().metrics();
-  const double scans = static_cast<double>(std::max<std::int64_t>(1, metrics.scans));
-  return {{"scans_used", metrics.scans},
-          {"scans_not_level", slam_.scan_counts().not_level},
-          {"map_points", slam_.back_end().num_points()},
-          {"keyframes", slam_.keyframes().size()},
-          {"keyframes_restored", num_restored_},
-          {"tracked", metrics.tracked},
-          {"partly", metrics.partly},
-          {"odometry_only", metrics.odometry_only},
-          {"lost", metrics.lost},
-          {"searches", slam_.search_counts().searches},
-          {"searches_successful", slam_.search_counts().successful},
-          {"mean_inlier_ratio", metrics.inlier_ratio_sum / scans},
-          {"mean_score", metrics.score_sum / scans},
-          {"submaps", slam_.back_end().submaps().size()},
-          {"loops_tracked", back_end.loops_tracked},
-          {"loops_searched", back_end.loops_searched},
-          {"loop_searches", back_end.searches},
-          {"loops_refused_ambiguous", back_end.refused_ambiguous},
-          {"loops_refused_match", back_end.refused_match},
-          {"loops_refused_by_graph", back_end.refused_by_graph},
-          {"loops_refused_by_view", back_end.refused_by_view},
-          {"optimisations", back_end.optimisations},
-          {"submaps_dropped", back_end.submaps_dropped},
-          {"maps_published", maps_published_}};
+  const double scans = static_cast<double>(std::max<std::int64_t>(1, metrics.scans.all));
+  nlohmann::json result = scan_metrics(metrics.scans, slam_.scan_counts());
+  result.update({{"mean_inlier_ratio", metrics.inlier_ratio_sum / scans},
+                 {"mean_score", metrics.score_sum / scans},
+                 {"map_points", slam_.back_end().num_points()},
+                 {"maps_published", maps_published_},
+                 {"keyframes", slam_.keyframes().size()},
+                 {"submaps", slam_.back_end().submaps().size()},
+                 {"submaps_dropped", back_end.submaps_dropped}});
+  result["localisation"] = {{"keyframes_restored", num_restored_},
+                            {"searches", slam_.search_counts().searches},
+                            {"searches_found", slam_.search_counts().found}};
+  result["loops"] = {{"tracked", back_end.loops_tracked},
+                     {"searched", back_end.loops_searched},
+                     {"searches", back_end.searches},
+                     {"refused_ambiguous", back_end.refused_ambiguous},
+                     {"refused_match", back_end.refused_match},
+                     {"refused_by_graph", back_end.refused_by_graph},
+                     {"refused_by_view", back_end.refused_by_view},
+                     {"optimisations", back_end.optimisations}};
+  return result;
 }
 
 node::Health Slam2dNode::health() const {
@@ -375,7 +377,7 @@ node::Health Slam2dNode::health() const {
     return {node::HealthState::kDegraded,
             "The map cannot be saved: " + save_error_.message() + "."};
   }
-  if (search_ && last_quality_ != PoseQuality::kTracked) {
+  if (search_ && last_quality_ != PoseQuality::kTracking) {
     return {node::HealthState::kDegraded, "The robot has not been found in the saved map yet."};
   }
   if (last_quality_ == PoseQuality::kLost) {

@@ -30,6 +30,9 @@ namespace nodmap::slam2d {
 
 [[nodiscard]] nodmap::pose_graph_t write_graph(time::Timestamp stamp, const BackEnd& back_end);
 
+/// The counts of scans in result.json.
+[[nodiscard]] nlohmann::json scan_metrics(const ScansByQuality& scans, const ScanCounts& rejected);
+
 /// Runs 2D SLAM: subscribes to SCAN and ODOMETRY, and publishes POSE_2D, MAP_2D and POSE_GRAPH.
 /// Saves the map at SAVE_REQUEST and clears a region of it at CLEAR_REQUEST. To continue a saved
 /// map, a Localiser first finds the robot in it; until then nothing is added.
@@ -83,7 +86,7 @@ class Slam2dNode : public node::Node {
   time::Timestamp last_stamp_{};
   std::optional<time::Timestamp> last_graph_stamp_;
   std::int64_t graph_revision_published_ = 0;
-  PoseQuality last_quality_ = PoseQuality::kTracked;
+  PoseQuality last_quality_ = PoseQuality::kTracking;
   node::SaveRequests save_requests_;
   std::optional<time::Timestamp> last_save_stamp_;  // when it was tried
   std::error_code save_error_;                      // of the last attempt

@@ -77,7 +77,7 @@ Place PlaceSearch::find(const Known& known, const LevelScan& scan, const LevelSc
     T_odom_failed_ = scan.T_odom_base;
     return found.value_or(Place{tracked});
   }
-  ++counts_.successful;
+  ++counts_.found;
   T_odom_failed_.reset();
   return *found;
 }

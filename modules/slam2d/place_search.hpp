@@ -38,7 +38,7 @@ class PlaceSearch {
  public:
   struct Counts {
     std::int64_t searches = 0;
-    std::int64_t successful = 0;
+    std::int64_t found = 0;
   };
   /// The state at the time of a scan.
   struct Known {

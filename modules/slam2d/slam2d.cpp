@@ -83,7 +83,7 @@ std::optional<PoseUpdate> Slam2d::begin_map(const LevelScan& scan) {
   }
   PoseUpdate update{.stamp = scan.stamp,
                     .T_map_base = T_map_odom_ * scan.T_odom_base,
-                    .quality = PoseQuality::kTracked};
+                    .quality = PoseQuality::kTracking};
   add_keyframe(scan, {}, update);
   correct_odometry(scan, update);
   record(update);
@@ -177,7 +177,7 @@ PoseUpdate Slam2d::correct_pose(const LevelScan& scan, const FoundPlace& found) 
                     .score = match.score,
                     .rms_m = match.rms_m,
                     .quality = classify(scan, found)};
-  if (update.quality <= PoseQuality::kPartly &&
+  if (update.quality <= PoseQuality::kDegraded &&
       (found.place.is_sure || match.score >= params_.doubt.certain_score)) {
     update.T_map_base = back_end_.local().T_map_submap * match.T_map_base;
   }
@@ -194,7 +194,7 @@ Eigen::Matrix3d Slam2d::estimate_covariance(const Place& place, const PoseUpdate
     return Eigen::Matrix3d::Zero();
   }
   const geometry::SE2& T_map_submap = back_end_.local().T_map_submap;
-  if (update.quality <= PoseQuality::kPartly && place.is_sure) {
+  if (update.quality <= PoseQuality::kDegraded && place.is_sure) {
     pose_covariance_.match(rotated(place.match.information, T_map_submap.yaw));
   }
   const Eigen::Matrix3d J =
@@ -217,8 +217,8 @@ PoseQuality Slam2d::classify(const LevelScan& scan, const FoundPlace& found) con
   const double max_sigma_m = params_.lost.max_drift_sigma_m;
   const bool has_drifted = std::max(drift(0, 0), drift(1, 1)) > max_sigma_m * max_sigma_m;
   return match.degenerate_directions > 0 || has_drifted || !found.place.is_sure
-             ? PoseQuality::kPartly
-             : PoseQuality::kTracked;
+             ? PoseQuality::kDegraded
+             : PoseQuality::kTracking;
 }
 
 // Whether a scan that does not fit the map means that the robot is lost. A scan that shows only
@@ -274,7 +274,7 @@ void Slam2d::add_keyframe(const LevelScan& scan, const Match& match, PoseUpdate&
   const geometry::SE2 T_submap_base =
       back_end_.has_local() ? back_end_.local().T_map_submap.inverse() * update.T_map_base
                             : geometry::SE2{};
-  const bool is_matched = update.quality <= PoseQuality::kPartly;
+  const bool is_matched = update.quality <= PoseQuality::kDegraded;
   back_end_.add_keyframe(std::move(keyframe), T_submap_base,
                          is_matched ? match.information : Eigen::Matrix3d::Zero());
   update.T_map_base = keyframes().back().T_map_base;
@@ -296,11 +296,7 @@ void Slam2d::correct_odometry(const LevelScan& scan, PoseUpdate& update) {
 
 void Slam2d::record(const PoseUpdate& update) {
   path_.add(update, keyframes());
-  ++metrics_.scans;
-  metrics_.tracked += update.quality == PoseQuality::kTracked ? 1 : 0;
-  metrics_.partly += update.quality == PoseQuality::kPartly ? 1 : 0;
-  metrics_.odometry_only += update.quality == PoseQuality::kOdometry ? 1 : 0;
-  metrics_.lost += update.quality == PoseQuality::kLost ? 1 : 0;
+  metrics_.scans.count(update.quality);
   metrics_.inlier_ratio_sum += update.inlier_ratio;
   metrics_.score_sum += update.score;
 }

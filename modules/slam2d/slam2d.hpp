@@ -23,14 +23,10 @@
 namespace nodmap::slam2d {
 
 struct Metrics {
-  std::int64_t scans = 0;  ///< level scans with a pose: the sum of the next four
-  std::int64_t tracked = 0;
-  std::int64_t partly = 0;
-  std::int64_t odometry_only = 0;
-  std::int64_t lost = 0;
+  ScansByQuality scans;
   std::int64_t scans_without_points = 0;  ///< too few to begin a map
-  double inlier_ratio_sum = 0.0;          ///< over `scans`
-  double score_sum = 0.0;                 ///< over `scans`
+  double inlier_ratio_sum = 0.0;          ///< over all `scans`
+  double score_sum = 0.0;                 ///< over all `scans`
 };
 
 /// 3DOF-SLAM (section IV A): level scans are matched against an incrementally built point map, and

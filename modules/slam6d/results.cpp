@@ -148,7 +148,7 @@ nlohmann::json loop_metrics(const BackEnd& back_end) {
           {"searches", metrics.searches},
           {"refused_ambiguous", metrics.refused_ambiguous},
           {"refused_match", metrics.refused_match},
-          {"contradicted", back_end.graph().num_contradicted()},
+          {"refused_by_graph", back_end.graph().num_contradicted()},
           {"corrections", metrics.corrections},
           {"largest_correction_m", metrics.largest_correction_m},
           {"maps_arranged", metrics.maps_arranged}};

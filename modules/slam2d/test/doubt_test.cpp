@@ -24,7 +24,7 @@ TEST(Slam2d, AScanThatFitsAfterAGapStartsNoSearch) {
   for (int i = 0; i < 10; ++i) {
     const auto update = track(slam, scanner.scan(test::room(), {}, time::Timestamp(1s * i)), {});
     ASSERT_TRUE(update);
-    EXPECT_EQ(update->quality, PoseQuality::kTracked);
+    EXPECT_EQ(update->quality, PoseQuality::kTracking);
   }
   EXPECT_EQ(slam.search_counts().searches, 0);
 }
@@ -94,7 +94,7 @@ Found after_pause_before_a_board(const Slam2dParams& params) {
 TEST(Slam2d, ASearchAcceptsAPartialFitOnlyAboveMinSearchScore) {
   Slam2dParams params;
   const Found found = after_pause_before_a_board(params);
-  EXPECT_EQ(found.update.quality, PoseQuality::kTracked);
+  EXPECT_EQ(found.update.quality, PoseQuality::kTracking);
   EXPECT_LT(found.update.score, params.doubt.certain_score);
   EXPECT_LT(found.error_m, 0.02);  // two standard deviations of the scan noise
   params.doubt.min_search_score = 0.9;
@@ -135,7 +135,7 @@ TEST(Slam2d, AnAmbiguousPlaceAfterAPauseIsNotTracked) {
     stamp += kPeriod;
   }
   ASSERT_TRUE(update);
-  EXPECT_EQ(update->quality, PoseQuality::kTracked);
+  EXPECT_EQ(update->quality, PoseQuality::kTracking);
   const std::size_t submaps_before = slam.back_end().submaps().size();
   truth = truth * SE2{2.0, 0.0, 0.0};
   stamp += 1s;
@@ -144,7 +144,7 @@ TEST(Slam2d, AnAmbiguousPlaceAfterAPauseIsNotTracked) {
     with_people.push_back({truth * Eigen::Vector2d(0.7, -0.5), truth * Eigen::Vector2d(0.6, 0.4)});
     update = track(slam, scanner.scan(with_people, truth, stamp), odom);
     ASSERT_TRUE(update);
-    EXPECT_NE(update->quality, PoseQuality::kTracked) << i;
+    EXPECT_NE(update->quality, PoseQuality::kTracking) << i;
     truth = truth * step;
     odom = odom * step;
     stamp += kPeriod;

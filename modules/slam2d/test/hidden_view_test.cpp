@@ -44,8 +44,8 @@ std::pair<PoseUpdate, PoseUpdate> drive_towards(Slam2d& slam, const test::FloorP
 TEST(Slam2d, APersonWhoHidesMostOfTheViewDoesNotMoveThePose) {
   Slam2d slam{Slam2dParams{}};
   const auto [hidden, after] = drive_towards(slam, {{{0.5, -1.2}, {0.6, 0.9}}});
-  EXPECT_LE(hidden.quality, PoseQuality::kPartly);
-  EXPECT_EQ(after.quality, PoseQuality::kTracked);
+  EXPECT_LE(hidden.quality, PoseQuality::kDegraded);
+  EXPECT_EQ(after.quality, PoseQuality::kTracking);
 }
 
 // Only odometry determines the pose.
@@ -54,7 +54,7 @@ TEST(Slam2d, APersonWhoHidesTheWholeViewDoesNotMoveThePose) {
   const auto [hidden, after] = drive_towards(slam, {{{0.4, -9.0}, {0.5, 9.0}}});
   EXPECT_EQ(hidden.quality, PoseQuality::kOdometry);
   EXPECT_FALSE(hidden.is_keyframe);
-  EXPECT_EQ(after.quality, PoseQuality::kTracked);
+  EXPECT_EQ(after.quality, PoseQuality::kTracking);
 }
 
 // The wheels do not notice that the robot was carried away. For a second the new view could be that
@@ -68,7 +68,7 @@ TEST(Slam2d, ARobotThatIsCarriedAwayIsLostAfterASecond) {
     update = track(
         slam, scanner.scan(i < 40 ? test::room() : elsewhere, {}, time::Timestamp(13ms * i)), {});
     ASSERT_TRUE(update);
-    EXPECT_TRUE(i < 40 || update->quality != PoseQuality::kTracked) << i;
+    EXPECT_TRUE(i < 40 || update->quality != PoseQuality::kTracking) << i;
   }
   EXPECT_EQ(update->quality, PoseQuality::kLost);
 }
@@ -105,7 +105,7 @@ TEST(Slam2d, WithANoddingLaserOdometryBridgesABrieflyHiddenView) {
   const auto qualities = nod_behind_somebody(6, 8);
   ASSERT_EQ(qualities.size(), 12U);
   for (std::size_t i = 0; i < qualities.size(); ++i) {
-    EXPECT_EQ(qualities[i], i >= 6 && i < 8 ? PoseQuality::kOdometry : PoseQuality::kTracked) << i;
+    EXPECT_EQ(qualities[i], i >= 6 && i < 8 ? PoseQuality::kOdometry : PoseQuality::kTracking) << i;
   }
 }
 
@@ -137,10 +137,10 @@ TEST(Slam2d, ARobotThatIsPushedOrSlipsIsTrackedAgainAfterASecond) {
       // A pose that is wrong by 5 cm or more is not TRACKING. A match may differ from odometry by 3
       // cm and half of the distance that was counted.
       EXPECT_TRUE(distance_m(update->T_map_base, truth) < 0.05 ||
-                  update->quality != PoseQuality::kTracked)
+                  update->quality != PoseQuality::kTracking)
           << i;
     }
-    EXPECT_EQ(update->quality, PoseQuality::kTracked);
+    EXPECT_EQ(update->quality, PoseQuality::kTracking);
     EXPECT_LT(distance_m(update->T_map_base, truth), 0.02);  // twice R34's
   }
 }

@@ -55,11 +55,11 @@ TEST(Localiser, FollowsTheRobotFromAGivenPose) {
   Drive drive(map, SE2{0.1, -0.1, 0.05});  // roughly given
   for (int i = 0; i < 100; ++i) {
     const PoseUpdate update = drive.step({0.04, 0.0, 0.06});
-    EXPECT_EQ(update.quality, PoseQuality::kTracked);
+    EXPECT_EQ(update.quality, PoseQuality::kTracking);
     EXPECT_LT(drive.error_m(update), kMaxErrorM) << i;
   }
-  EXPECT_EQ(drive.metrics().relocalisations, 0);
-  EXPECT_EQ(drive.metrics().tracked, 100);
+  EXPECT_EQ(drive.metrics().searches, 0);
+  EXPECT_EQ(drive.metrics().scans.tracked, 100);
 }
 
 TEST(Localiser, APlaceFoundWithoutAStartPoseIsTrackedAfterDriving) {
@@ -67,15 +67,15 @@ TEST(Localiser, APlaceFoundWithoutAStartPoseIsTrackedAfterDriving) {
   Drive drive(map, std::nullopt);
   drive.truth = {1.0, -0.5, 2.0};
   const PoseUpdate first = drive.stand();
-  EXPECT_EQ(first.quality, PoseQuality::kPartly);
+  EXPECT_EQ(first.quality, PoseQuality::kDegraded);
   EXPECT_LT(drive.error_m(first), kMaxErrorM);
   PoseUpdate update;
   for (int i = 0; i < 15; ++i) {  // 0.6 m
     update = drive.step({0.04, 0.0, 0.03});
     EXPECT_LT(drive.error_m(update), kMaxErrorM);
   }
-  EXPECT_EQ(update.quality, PoseQuality::kTracked);
-  EXPECT_EQ(drive.metrics().relocalisations, 1);
+  EXPECT_EQ(update.quality, PoseQuality::kTracking);
+  EXPECT_EQ(drive.metrics().searches, 1);
 }
 
 // The robot is carried away, and odometry does not notice it.
@@ -85,7 +85,7 @@ TEST(Localiser, AKidnappedRobotReportsThatItIsLostAndFindsItsPlaceAgain) {
   for (const SE2& elsewhere : {SE2{1.0, -1.0, 2.6}, SE2{-2.0, 2.0, -1.0}, SE2{3.7, 2.5, 3.0}}) {
     Drive drive(map, SE2{});
     for (int i = 0; i < 10; ++i) {
-      ASSERT_EQ(drive.step({0.04, 0.0, 0.05}).quality, PoseQuality::kTracked);
+      ASSERT_EQ(drive.step({0.04, 0.0, 0.05}).quality, PoseQuality::kTracking);
     }
     drive.truth = elsewhere;
     bool said_lost = false;
@@ -96,10 +96,10 @@ TEST(Localiser, AKidnappedRobotReportsThatItIsLostAndFindsItsPlaceAgain) {
       said_lost = said_lost || update.quality == PoseQuality::kLost;
       // A wrong pose is never TRACKING, and after 3 s it is LOST.
       EXPECT_FALSE(is_wrong && i >= 15 && update.quality != PoseQuality::kLost) << i;
-      EXPECT_FALSE(is_wrong && update.quality == PoseQuality::kTracked) << i;
+      EXPECT_FALSE(is_wrong && update.quality == PoseQuality::kTracking) << i;
     }
     lost += said_lost ? 1 : 0;
-    EXPECT_EQ(update.quality, PoseQuality::kTracked);
+    EXPECT_EQ(update.quality, PoseQuality::kTracking);
     EXPECT_LT(drive.error_m(update), kMaxErrorM);
   }
   EXPECT_EQ(lost, 3);
@@ -111,9 +111,9 @@ TEST(Localiser, InAnotherBuildingTheRobotIsNeverTracked) {
   Drive drive(map, std::nullopt);
   drive.plan = test::ring_corridor();
   for (int i = 0; i < 50; ++i) {
-    EXPECT_NE(drive.step({0.1, 0.0, 0.0}).quality, PoseQuality::kTracked);
+    EXPECT_NE(drive.step({0.1, 0.0, 0.0}).quality, PoseQuality::kTracking);
   }
-  EXPECT_GT(drive.metrics().lost, 40);
+  EXPECT_GT(drive.metrics().scans.lost, 40);
 }
 
 TEST(Localiser, ARestartOfOdometryKeepsThePose) {
@@ -126,7 +126,7 @@ TEST(Localiser, ARestartOfOdometryKeepsThePose) {
   localiser.add_odometry(time::Timestamp(200ms), geometry::to_se3({5.0, 5.0, 1.0}));
   const auto update = localiser.add_scan(scanner.scan(test::room(), {}, time::Timestamp(200ms)));
   ASSERT_TRUE(update);
-  EXPECT_EQ(update->quality, PoseQuality::kTracked);
+  EXPECT_EQ(update->quality, PoseQuality::kTracking);
   EXPECT_LT(update->T_map_base.translation().norm(), kMaxErrorM);
 }
 

@@ -325,7 +325,7 @@ TEST_F(Slam2dNodeTest, ContinuesAtItsPoseWhenOdometryRestarts) {
     odom = odom * step;
   }
   EXPECT_GT(truth.translation().norm(), 0.5);  // far from where odometry began anew
-  EXPECT_EQ(node_.metrics()["searches"], 0);
+  EXPECT_EQ(node_.metrics()["localisation"]["searches"], 0);
 }
 
 // A scan between the last odometry of the old frame and the first of the new one has no pose:

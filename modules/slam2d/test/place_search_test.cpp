@@ -24,7 +24,7 @@ TEST(Slam2d, ARotationThatOdometryMissedIsFound) {
   const auto update =
       track(slam, scanner.scan(test::room(), truth, time::Timestamp(kPeriod)), {0.1, 0.0, 0.0});
   ASSERT_TRUE(update);
-  EXPECT_EQ(slam.search_counts().successful, 1);
+  EXPECT_EQ(slam.search_counts().found, 1);
   // Measured against a map of a single scan: 5.2 mm and 0.127 degrees.
   EXPECT_LT(distance_m(update->T_map_base, truth), 0.0064);
   EXPECT_NEAR(update->T_map_base.yaw, truth.yaw, geometry::deg_to_rad(0.158));
@@ -48,7 +48,7 @@ TEST(Slam2d, AScanWithFewPointsStartsNoSearch) {
   const auto update = track(slam, scan, odom);
   ASSERT_TRUE(update);
   EXPECT_EQ(slam.search_counts().searches, 0);
-  EXPECT_NE(update->quality, PoseQuality::kTracked);
+  EXPECT_NE(update->quality, PoseQuality::kTracking);
   EXPECT_EQ(update->T_map_base.x, odom.x);
 }
 
@@ -68,7 +68,7 @@ TEST(Slam2d, ASimilarPlaceNearbyDoesNotReplaceThePoseByOdometry) {
   const auto update = track(slam, scanner.scan(bays, second, time::Timestamp(kPeriod)), second);
   ASSERT_TRUE(update);
   EXPECT_EQ(slam.search_counts().searches, 1);
-  EXPECT_NE(update->quality, PoseQuality::kTracked);
+  EXPECT_NE(update->quality, PoseQuality::kTracking);
   EXPECT_LT(distance_m(update->T_map_base, second), 0.1);  // by odometry, or matched near it
 }
 
@@ -89,7 +89,7 @@ TEST(Slam2d, WithoutAnyMatchTheRobotIsLostAndTheMapContinuesFromOdometry) {
   ASSERT_TRUE(again);
   // The scan is matched, but the pose is DEGRADED: the relative pose of the new piece of map and
   // the old one is not known.
-  EXPECT_EQ(again->quality, PoseQuality::kPartly);
+  EXPECT_EQ(again->quality, PoseQuality::kDegraded);
   EXPECT_GT(again->covariance(0, 0), 1.0);
 }
 
@@ -110,7 +110,7 @@ TEST(Slam2d, AnAreaSeenForTheFirstTimeIsAddedByOdometry) {
   const auto again =
       track(slam, scanner.scan(obstacles, behind, time::Timestamp(2 * kPeriod)), behind);
   ASSERT_TRUE(again);
-  EXPECT_LE(again->quality, PoseQuality::kPartly);
+  EXPECT_LE(again->quality, PoseQuality::kDegraded);
   EXPECT_LT(distance_m(again->T_map_base, behind), 0.02);  // measured 0
 }
 

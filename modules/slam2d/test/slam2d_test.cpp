@@ -51,7 +51,7 @@ TEST_P(Slam2dMetric, R34_TheCorrectionAbsorbsDriftAndJumpsOfOdometry) {
     const auto update =
         track(slam, scanner.scan(test::room(), truth, time::Timestamp(kPeriod * i)), odom);
     ASSERT_TRUE(update);
-    EXPECT_EQ(update->quality, PoseQuality::kTracked);
+    EXPECT_EQ(update->quality, PoseQuality::kTracking);
     worst_m = std::max(worst_m, distance_m(update->T_map_base, truth));
     truth = truth * half_step;
     odom = odom * half_step;
@@ -164,7 +164,7 @@ TEST(Slam2d, R37_InACorridorThePoseFollowsOdometryAlongAndTheWallsAcross) {
     truth.x += 0.1;
     odom = odom * SE2{0.103, 0.0, 0.002};  // 3 % too long, rotates by 1.1 degrees per metre
   }
-  EXPECT_EQ(update->quality, PoseQuality::kPartly);
+  EXPECT_EQ(update->quality, PoseQuality::kDegraded);
   // The position along the corridor comes from odometry alone, which is 3 % too long. Matching must
   // not move the robot back, as scan matching in corridors often does, nor forward. R37 allows 0.3
   // m in 30 m, 0.1 m across and 0.5 degrees. Measured: 0.4 mm along, 25 mm across, because submaps
