@@ -28,7 +28,7 @@ live             The robot live
 attacks          The robot live under attack
 busy-page        The page opened while the demo runs
 receive          Receiving over LCM
-serial           Devices on serial lines
+serial           The page opened while the demo runs: the kernel's threads
 deputy           Deputy
 page             Images per second
 viewer           Beside the whole robot
