@@ -47,9 +47,9 @@ struct TourParams {
     v.integer("max_viewpoints", max_viewpoints, {1, 10},
               "Greatest number of viewpoints in a tour. They are chosen one by one, each by what "
               "it would show in addition to the previous ones.");
-    v.number(
-        "discount_per_m", discount_per_m, {0.0, 5.0},
-        "For this choice a viewpoint's gain is multiplied by exp(-discount_per_m x path length).");
+    v.number("discount_per_m", discount_per_m, {0.0, 5.0},
+             "When viewpoints are chosen, each gain is multiplied by exp(-discount_per_m x path "
+             "length).");
     v.number("home_weight_m2", home_weight_m2, {0.0, 1000.0},
              "Weight of the tour's total length, including the path home, compared with the "
              "unknown area that waits while the robot drives.");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Line-wise recordings of a nodding scanner (.nod), in two forms.
+// Line-by-line recordings of a nodding scanner (.nod), in two forms.
 //
 //   NOD stamp_s tilt_deg n angle_min_rad angle_inc_rad range_min_m range_max_m r0..rn-1
 //     a Hokuyo on a stepper; ranges in metres, inf or nan: no return. The tilt counts downwards,
