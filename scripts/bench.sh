@@ -21,7 +21,7 @@ kurt3d           KURT3D (needs the recordings)
 registration     clouds whose poses are known: docs/benchmark-3d.md (needs the recordings)
 slam6d-scan      A scan in 6D SLAM
 octomap          OctoMap (needs the recordings)
-trials           Trials, The simulator
+trials           Trials, Stairs and a warehouse, The simulator
 stops            How the robot stops when a part fails: in trials
 stops-live       How the robot stops when a part fails: live
 live             The robot live
