@@ -2,7 +2,7 @@
 #include "tests/procman/deputy_client.hpp"
 
 #include <fstream>
-#include <iterator>
+#include <sstream>
 
 #include "procman/deputy/process_table.hpp"
 #include "procman/protocol/messages.hpp"
@@ -85,7 +85,9 @@ bool is_running(const std::vector<std::string>& words) {
   }
   for (const procman::ProcessRow& row : procman::read_processes()) {
     std::ifstream in("/proc/" + std::to_string(row.pid) + "/cmdline", std::ios::binary);
-    if (!row.is_dead() && std::string{std::istreambuf_iterator<char>(in), {}} == line) {
+    std::ostringstream text;
+    text << in.rdbuf();  // an iterator would throw if the process ended meanwhile
+    if (!row.is_dead() && text.str() == line) {
       return true;
     }
   }

@@ -10,7 +10,6 @@
 #include <charconv>
 #include <cstdlib>
 #include <fstream>
-#include <iterator>
 #include <sstream>
 #include <system_error>
 #include <thread>
@@ -48,7 +47,9 @@ std::optional<std::string> read_text(const fs::path& file) {
   if (!in) {
     return std::nullopt;
   }
-  return std::string(std::istreambuf_iterator<char>(in), {});
+  std::ostringstream text;
+  text << in.rdbuf();  // an iterator would throw if a process ends while its file is read
+  return text.str();
 }
 
 std::map<std::string, unsigned int> interface_flags() {
