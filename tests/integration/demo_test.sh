@@ -6,6 +6,7 @@
 set -euo pipefail
 cd "$(dirname "$(readlink -f "$0")")/../.."
 bin=$1
+[[ "$(readlink -f build/release/bin)" == "$(readlink -f "$bin")" ]] || { echo "skipped: the demo runs what is in build/release/bin"; exit 77; }
 data=${NODMAP_DATA:-../shared/data}/kurt3d
 if [[ ! -d "$data" ]]; then
   echo "missing data: kurt3d (set NODMAP_DATA)"
