@@ -15,6 +15,7 @@
 
 #include "common/bus/codec.hpp"
 #include "common/bus/latency.hpp"
+#include "common/bus/sender.hpp"
 
 namespace nodmap::bus {
 
@@ -80,6 +81,9 @@ class Bus : private boost::noncopyable {
     listen(channel, std::move(handler), queue_capacity);
   }
 
+  /// Where the message being handled came from.
+  [[nodiscard]] const Origin& origin() const { return origin_; }
+
   [[nodiscard]] virtual BusCounts counts() const { return counts_; }
 
   /// Durations of the handlers, by the wall clock: for reports only, never for results.
@@ -90,11 +94,13 @@ class Bus : private boost::noncopyable {
   virtual bool send(const std::string& channel, std::span<const std::byte> bytes) = 0;
   virtual void listen(const std::string& channel, BytesHandler handler, int queue_capacity) = 0;
   void count_received() { ++counts_.received; }
+  void set_origin(const Origin& origin) { origin_ = origin; }
 
  private:
   void count_publish(bool sent) { ++(sent ? counts_.published : counts_.not_published); }
 
   BusCounts counts_;
+  Origin origin_;
   LatencyMeter latency_;
   std::vector<std::byte> encode_buffer_;
 };

@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "common/bus/message_assembler.hpp"
+#include "common/bus/sender.hpp"
 #include "common/geometry/time.hpp"
 
 namespace nodmap::bus {
@@ -25,7 +25,7 @@ class DatagramBatch {
   [[nodiscard]] std::span<const std::byte> datagram(std::size_t i) const {
     return std::span(bytes_).subspan(i * kMaxDatagramBytes, headers_.at(i).msg_len);
   }
-  [[nodiscard]] MessageAssembler::Sender sender(std::size_t i) const {
+  [[nodiscard]] Sender sender(std::size_t i) const {
     return {ntohl(from_.at(i).sin_addr.s_addr), ntohs(from_.at(i).sin_port)};
   }
   /// The kernel's time of arrival; the present time if the kernel gave none.

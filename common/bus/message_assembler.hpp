@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -13,6 +12,8 @@
 #include <string_view>
 #include <utility>
 #include <vector>
+
+#include "common/bus/sender.hpp"
 
 namespace nodmap::bus {
 
@@ -36,13 +37,6 @@ namespace nodmap::bus {
 /// names the channel.
 class MessageAssembler {
  public:
-  struct Sender {
-    std::uint32_t address = 0;
-    std::uint16_t port = 0;
-
-    auto operator<=>(const Sender&) const = default;  // NOLINT: clang-tidy 14 sees a null here
-  };
-
   /// Both parts are valid until the next call of take().
   struct Message {
     std::string_view channel;

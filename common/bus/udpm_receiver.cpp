@@ -45,7 +45,7 @@ struct UdpmReceiver::Impl {
     std::shared_ptr<const std::byte[]>
         bytes;  // NOLINT(modernize-avoid-c-arrays): sized at run time
     std::size_t size = 0;
-    time::Timestamp received{};
+    Origin origin;
   };
 
   Impl(const UdpmUrl& its_url, const std::string& trusted_hosts)
@@ -97,14 +97,14 @@ struct UdpmReceiver::Impl {
     const bool was_empty = queue.empty();
     const auto now = std::chrono::steady_clock::now();
     for (std::size_t i = 0; i < count; ++i) {
-      const MessageAssembler::Sender sender = batch.sender(i);
+      const Sender sender = batch.sender(i);
       if (!hosts.contains(sender.address, now)) {
         ++counts.refused;
         refused_address = sender.address;
         continue;
       }
       if (const auto message = assembler.take(sender, batch.datagram(i))) {
-        enqueue(*message, batch.received(i));
+        enqueue(*message, {sender, batch.received(i)});
       }
     }
     if (count > 0) {
@@ -125,7 +125,7 @@ struct UdpmReceiver::Impl {
   }
 
   /// Queues a message for each subscription to its channel; they share one copy of the bytes.
-  void enqueue(const MessageAssembler::Message& message, time::Timestamp received) {
+  void enqueue(const MessageAssembler::Message& message, const Origin& origin) {
     const std::size_t size = message.data.size();
     std::shared_ptr<std::byte[]> bytes;  // NOLINT(modernize-avoid-c-arrays): sized at run time
     for (Subscription& each : subscriptions) {
@@ -146,7 +146,7 @@ struct UdpmReceiver::Impl {
       }
       ++each.num_queued;
       queued_bytes += size;
-      queue.push_back({&each, std::string(message.channel), bytes, size, received});
+      queue.push_back({&each, std::string(message.channel), bytes, size, origin});
     }
   }
 
@@ -225,8 +225,10 @@ int UdpmReceiver::handle(std::chrono::milliseconds timeout, int max) {
       break;
     }
     ++handled;
-    message->subscription->handler(
-        {message->channel, {message->bytes.get(), message->size}, message->received});
+    message->subscription->handler({message->channel,
+                                    {message->bytes.get(), message->size},
+                                    message->origin.received,
+                                    message->origin.sender});
   }
   return handled;
 }

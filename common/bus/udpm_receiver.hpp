@@ -12,6 +12,7 @@
 #include <span>
 #include <string>
 
+#include "common/bus/sender.hpp"
 #include "common/bus/udpm_url.hpp"
 #include "common/geometry/time.hpp"
 
@@ -22,6 +23,7 @@ struct RawMessage {
   std::string channel;
   std::span<const std::byte> data;  ///< valid during the call
   time::Timestamp received{};       ///< when this host received it, before it was queued
+  Sender sender{};
 };
 using RawHandler = std::function<void(const RawMessage&)>;
 

@@ -32,6 +32,9 @@ bool is_near(time::Timestamp stamp, time::Timestamp other) {
 }  // namespace
 
 bool SensorInput::read(const nodmap::scan_t& message, scan::Scan& scan) {
+  if (!follows(scan_sender_, "other_sender_of_scan")) {
+    return false;
+  }
   counts_.lose(scans_.lost_before(message.scan_seq));
   if (!read_scan(message, scan) || !is_plausible(scan.stamp) || scan.duration > kLongestScan) {
     counts_.reject("implausible_scan");
@@ -45,6 +48,9 @@ bool SensorInput::read(const nodmap::scan_t& message, scan::Scan& scan) {
 }
 
 std::optional<geometry::SE3> SensorInput::read(const nodmap::odometry_t& message) {
+  if (!follows(odometry_sender_, "other_sender_of_odometry")) {
+    return std::nullopt;
+  }
   counts_.lose(odometry_.lost_before(message.odometry_seq));
   auto T_odom_base = read_odometry(message);
   const Odometry odometry{message.odometry_seq, time::from_utime(message.utime)};
@@ -57,6 +63,16 @@ std::optional<geometry::SE3> SensorInput::read(const nodmap::odometry_t& message
     return std::nullopt;
   }
   return T_odom_base;
+}
+
+/// Whether the message being handled is from the followed sender of its channel.
+bool SensorInput::follows(bus::FollowedSender& sender, const char* cause) {
+  const bus::Origin origin = bus_ != nullptr ? bus_->origin() : bus::Origin{};
+  if (sender.follow(origin.sender, time::SteadyTime(origin.received.time_since_epoch()))) {
+    return true;
+  }
+  counts_.reject(cause);
+  return false;
 }
 
 bool SensorInput::accept(const Odometry& odometry) {

@@ -4,10 +4,13 @@
 #include <cstdint>
 #include <optional>
 
+#include "common/bus/bus.hpp"
+#include "common/bus/followed_sender.hpp"
 #include "common/geometry/se3.hpp"
 #include "common/geometry/time.hpp"
 #include "common/node/message_counts.hpp"
 #include "common/node/node.hpp"
+#include "common/node/sender_watch.hpp"
 #include "common/scan/scan.hpp"
 #include "nodmap/odometry_t.hpp"
 #include "nodmap/save_request_t.hpp"
@@ -16,14 +19,18 @@
 namespace nodmap::node {
 
 /// Converts SCAN and ODOMETRY messages to values, in the same way for every module. Counts lost
-/// messages and rejects unusable ones. An accepted message is not yet counted as used.
+/// messages and rejects unusable ones, including all but those of one sender on each channel. An
+/// accepted message is not yet counted as used.
 ///
-/// Causes of rejection: `implausible_scan` (geometry, stamp or counts that make no sense),
-/// `empty_scan` (no beams), `implausible_odometry`, `unconfirmed_odometry` (another sequence or far
-/// from the last stamp, and the message before was not).
+/// Causes of rejection: `other_sender_of_scan`, `other_sender_of_odometry`, `implausible_scan`
+/// (geometry, stamp or counts that make no sense), `empty_scan` (no beams), `implausible_odometry`,
+/// `unconfirmed_odometry` (another sequence or far from the last stamp, and the message before was
+/// not).
 class SensorInput {
  public:
-  explicit SensorInput(node::MessageCounts& counts) : counts_(counts) {}
+  /// `bus`: delivers the messages, and knows their senders; null if nobody does.
+  explicit SensorInput(node::MessageCounts& counts, const bus::Bus* bus = nullptr)
+      : counts_(counts), bus_(bus) {}
 
   /// Reads into `scan`, reusing its memory; false when the message was rejected.
   [[nodiscard]] bool read(const nodmap::scan_t& message, scan::Scan& scan);
@@ -42,6 +49,9 @@ class SensorInput {
 
  private:
   node::MessageCounts& counts_;
+  const bus::Bus* bus_;
+  bus::FollowedSender scan_sender_{SenderWatch::kSilence};
+  bus::FollowedSender odometry_sender_{SenderWatch::kSilence};
   node::SequenceCounter scans_;
   node::SequenceCounter odometry_;
   struct Odometry {
@@ -49,6 +59,7 @@ class SensorInput {
     time::Timestamp stamp;
   };
 
+  [[nodiscard]] bool follows(bus::FollowedSender& sender, const char* cause);
   [[nodiscard]] bool accept(const Odometry& odometry);
   [[nodiscard]] bool continues(const Odometry& odometry) const;
 

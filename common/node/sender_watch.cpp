@@ -19,15 +19,15 @@ bool continues(std::int64_t last, std::int64_t seq) {
 
 }  // namespace
 
-bool SenderWatch::follow(std::int64_t seq, time::SteadyTime now) {
+bool SenderWatch::follow(std::int64_t seq, time::SteadyTime now, const bus::Sender& sender) {
   if (!is_alive(now)) {
     strangers_ = 0;  // they were messages of the newly accepted sender
     skipped_after_ = seq;
     refused_.reset();
-    followed_ = {seq, now};
+    followed_ = {seq, now, sender};
     return true;
   }
-  if (!continues(followed_->seq, seq)) {
+  if (!is_next(seq, sender)) {
     refuse_stranger(seq, now);
     return false;
   }
@@ -42,15 +42,15 @@ bool SenderWatch::follow(std::int64_t seq, time::SteadyTime now) {
   if (seq - 1 > followed_->seq) {
     skipped_at_ = now;
   }
-  followed_ = {seq, now};
+  followed_ = {seq, now, sender};
   return true;
 }
 
-void SenderWatch::refuse(std::int64_t seq, time::SteadyTime now) {
+void SenderWatch::refuse(std::int64_t seq, time::SteadyTime now, const bus::Sender& sender) {
   if (!is_alive(now)) {
     return;
   }
-  if (continues(followed_->seq, seq)) {
+  if (is_next(seq, sender)) {
     refused_ = std::max(refused_.value_or(seq), seq);
   } else {
     refuse_stranger(seq, now);
@@ -63,6 +63,11 @@ bool SenderWatch::is_alive(time::SteadyTime now) {
     *this = SenderWatch();
   }
   return followed_ && now - followed_->at < kSilence;
+}
+
+/// Whether a message can be from the accepted sender, which is alive.
+bool SenderWatch::is_next(std::int64_t seq, const bus::Sender& sender) const {
+  return sender == followed_->sender && continues(followed_->seq, seq);
 }
 
 void SenderWatch::refuse_stranger(std::int64_t seq, time::SteadyTime now) {

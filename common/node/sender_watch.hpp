@@ -4,24 +4,27 @@
 #include <cstdint>
 #include <optional>
 
+#include "common/bus/sender.hpp"
 #include "common/geometry/time.hpp"
 
 namespace nodmap::node {
 
 /// Accepts the messages of one sender, and detects a second sender.
 ///
-/// The sequence numbers of one sender increase, with small gaps where messages were lost. While the
-/// accepted sender is alive, a message whose number does not continue its sequence is from a
-/// stranger. A single one may have been duplicated or overtaken on the network. Several within a
-/// second mean that there are two senders; the numbers do not tell which one is legitimate. That is
-/// certain at once if the accepted sender has skipped these numbers: a second sender has listened
-/// and jumped ahead. Otherwise it is certain only when the accepted sender continues, because a
-/// process that has restarted counts from 0. A new or restarted sender is accepted once the old one
-/// has been silent for kSilence.
+/// While the accepted sender is alive, a message from another socket is from a stranger, whatever
+/// its number. Where sockets are not known, the sequence numbers tell: those of one sender
+/// increase, with small gaps where messages were lost, so a message whose number does not continue
+/// the sequence is from a stranger, too. A single one may have been duplicated or overtaken on the
+/// network. Several within a second mean that there are two senders; which one is legitimate is not
+/// known. That is certain at once if the accepted sender has skipped their numbers: a second sender
+/// has listened and jumped ahead. Otherwise it is certain only when the accepted sender continues,
+/// because a process that has restarted has a new socket and counts from 0. A new or restarted
+/// sender is accepted once the old one has been silent for kSilence.
 ///
 /// All times must be of one clock; if it steps back, the watch starts again. It does not protect
-/// against a sender that is alone, one that stops the legitimate sender first, or one that jumps
-/// ahead for less than kStrangersOfASecondSender messages a second.
+/// against a sender that is alone or that stops the legitimate sender first, nor, where sockets are
+/// not known, against one that jumps ahead for less than kStrangersOfASecondSender messages a
+/// second.
 class SenderWatch {
  public:
   /// After this much silence the accepted sender is considered gone, and another may be accepted.
@@ -34,11 +37,11 @@ class SenderWatch {
   static constexpr time::Duration kContested = 1s;
 
   /// Adds a message; returns whether it is from the accepted sender.
-  [[nodiscard]] bool follow(std::int64_t seq, time::SteadyTime now);
+  [[nodiscard]] bool follow(std::int64_t seq, time::SteadyTime now, const bus::Sender& sender = {});
 
   /// Adds a message that is refused for another reason, such as its stamp. It does not continue the
   /// sequence, but several may reveal a second sender: after each of them, lower numbers follow.
-  void refuse(std::int64_t seq, time::SteadyTime now);
+  void refuse(std::int64_t seq, time::SteadyTime now, const bus::Sender& sender = {});
 
   /// Whether two senders are alive, or were a moment ago.
   [[nodiscard]] bool is_contested(time::SteadyTime now) const {
@@ -49,9 +52,11 @@ class SenderWatch {
   struct Received {
     std::int64_t seq = 0;
     time::SteadyTime at;
+    bus::Sender sender;
   };
 
   [[nodiscard]] bool is_alive(time::SteadyTime now);
+  [[nodiscard]] bool is_next(std::int64_t seq, const bus::Sender& sender) const;
   void refuse_stranger(std::int64_t seq, time::SteadyTime now);
   void count_stranger(time::SteadyTime now);
   void contest_if_several(time::SteadyTime now);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "common/bus/sender.hpp"
 #include "common/geometry/time.hpp"
 #include "common/node/sender_watch.hpp"
 #include "drivers/kurt/speed_limiter.hpp"
@@ -16,6 +17,7 @@ struct DriveRequest {
   time::Timestamp stamp;      ///< when it was decided
   time::Duration validity{};  ///< how long it is valid from then on
   std::int64_t seq = 0;       ///< sequence number of the sender
+  bus::Sender sender{};
 };
 
 /// Whether a DRIVE is obeyed; if not, why.

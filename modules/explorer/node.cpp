@@ -71,7 +71,7 @@ std::size_t stride(std::size_t count, std::size_t most) {
 }  // namespace
 
 ExplorerNode::ExplorerNode(node::Context& context, const Params& params)
-    : context_(context), params_(params), input_(context.counts), explorer_(params) {
+    : context_(context), params_(params), input_(context.counts, &context.bus), explorer_(params) {
   bus::Bus& bus = context.bus;
   bus.subscribe<nodmap::grid_chunk_t>("MAP_2D", [this](const auto& m) { on_map(m); });
   bus.subscribe<nodmap::pose_t>("POSE_2D", [this](const auto& m) { on_pose(m); });

@@ -34,7 +34,7 @@ nlohmann::json metrics_of(const EgoMap& map) {
 }  // namespace
 
 MapServerNode::MapServerNode(node::Context& context, const Params& params)
-    : context_(context), params_(params), input_(context.counts), server_(params) {
+    : context_(context), params_(params), input_(context.counts, &context.bus), server_(params) {
   context.bus.subscribe<nodmap::scan_t>(
       "SCAN", [this](const nodmap::scan_t& message) { on_scan(message); });
   context.bus.subscribe<nodmap::odometry_t>(

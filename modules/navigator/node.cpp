@@ -31,7 +31,7 @@ bool is_time(time::Timestamp stamp) {
 NavigatorNode::NavigatorNode(node::Context& context, const Params& params)
     : context_(context),
       params_(params),
-      input_(context.counts),
+      input_(context.counts, &context.bus),
       navigator_(params),
       display_(context.bus) {
   if (!params.geofence.empty()) {
@@ -51,6 +51,20 @@ NavigatorNode::NavigatorNode(node::Context& context, const Params& params)
   bus.subscribe<nodmap::stop_t>("STOP", [this](const auto& m) { on_stop(m); });
 }
 
+InputSenders::Message NavigatorNode::from_bus(std::int64_t seq, time::Timestamp stamp) const {
+  return {seq, stamp, context_.bus.origin().sender};
+}
+
+/// Whether the message being handled is from the sender that is followed. Counts it otherwise.
+bool NavigatorNode::is_followed(InputSenders::Input input, std::int64_t seq,
+                                time::Timestamp stamp) {
+  if (senders_.follow(input, from_bus(seq, stamp), newest_.stamps)) {
+    return true;
+  }
+  context_.counts.reject(InputSenders::cause_of(input));
+  return false;
+}
+
 void NavigatorNode::on_map(const nodmap::egomap_t& message) {
   const auto T_odom_map = node::read_pose(message.position_m, message.orientation);
   auto points_map = read_points(message.distance_m, message.point_x_m, message.point_y_m);
@@ -62,9 +76,7 @@ void NavigatorNode::on_map(const nodmap::egomap_t& message) {
     context_.counts.reject("map_of_former_odometry");
     return;
   }
-  if (!senders_.follow(Input::kObstacleMap, message.scan_seq, node::stamp_of(message),
-                       newest_.stamps)) {
-    context_.counts.reject("other_sender_of_obstacle_map");
+  if (!is_followed(Input::kObstacleMap, message.scan_seq, node::stamp_of(message))) {
     return;
   }
   context_.counts.use();
@@ -76,6 +88,8 @@ void NavigatorNode::on_map(const nodmap::egomap_t& message) {
 
 void NavigatorNode::on_scan(const nodmap::scan_t& message) {
   if (!input_.read(message, scan_)) {
+    senders_.refuse(Input::kScan, from_bus(message.scan_seq, node::stamp_of(message)),
+                    newest_.stamps);
     return;
   }
   const auto T_odom_base = odometry_history_.at(scan_.mid_stamp());
@@ -83,8 +97,7 @@ void NavigatorNode::on_scan(const nodmap::scan_t& message) {
     context_.counts.reject("scan_without_odometry");
     return;
   }
-  if (!senders_.follow(Input::kScan, message.scan_seq, node::stamp_of(message), newest_.stamps)) {
-    context_.counts.reject("other_sender_of_scan");
+  if (!is_followed(Input::kScan, message.scan_seq, node::stamp_of(message))) {
     return;
   }
   context_.counts.use();
@@ -99,9 +112,7 @@ void NavigatorNode::on_base_sensors(const nodmap::base_sensors_t& message) {
     context_.counts.reject("base_sensors_without_odometry");
     return;
   }
-  if (!senders_.follow(Input::kBaseSensors, message.sensors_seq, node::stamp_of(message),
-                       newest_.stamps)) {
-    context_.counts.reject("other_sender_of_base_sensors");
+  if (!is_followed(Input::kBaseSensors, message.sensors_seq, node::stamp_of(message))) {
     return;
   }
   context_.counts.use();
@@ -113,7 +124,7 @@ void NavigatorNode::on_base_sensors(const nodmap::base_sensors_t& message) {
 void NavigatorNode::on_odometry(const nodmap::odometry_t& message) {
   const auto T_odom_base = input_.read(message);
   if (!T_odom_base) {
-    senders_.refuse(Input::kOdometry, message.odometry_seq, node::stamp_of(message),
+    senders_.refuse(Input::kOdometry, from_bus(message.odometry_seq, node::stamp_of(message)),
                     newest_.stamps);
     return;
   }
@@ -121,9 +132,7 @@ void NavigatorNode::on_odometry(const nodmap::odometry_t& message) {
     context_.counts.reject("implausible_odometry");
     return;
   }
-  if (!senders_.follow(Input::kOdometry, message.odometry_seq, node::stamp_of(message),
-                       newest_.stamps)) {
-    context_.counts.reject("other_sender_of_odometry");
+  if (!is_followed(Input::kOdometry, message.odometry_seq, node::stamp_of(message))) {
     return;
   }
   if (newest_.odometry && message.odometry_seq < newest_.odometry->seq) {
@@ -159,9 +168,7 @@ void NavigatorNode::on_pitch_command(const nodmap::pitch_command_t& message) {
     context_.counts.reject("implausible_pitch_command");
     return;
   }
-  if (!senders_.follow(Input::kPitchCommand, message.command_seq, node::stamp_of(message),
-                       newest_.stamps)) {
-    context_.counts.reject("other_sender_of_pitch_command");
+  if (!is_followed(Input::kPitchCommand, message.command_seq, node::stamp_of(message))) {
     return;
   }
   context_.counts.use();
@@ -176,9 +183,7 @@ void NavigatorNode::on_pitch_state(const nodmap::pitch_state_t& message) {
     context_.counts.reject("implausible_pitch_state");
     return;
   }
-  if (!senders_.follow(Input::kPitchState, message.state_seq, node::stamp_of(message),
-                       newest_.stamps)) {
-    context_.counts.reject("other_sender_of_pitch_state");
+  if (!is_followed(Input::kPitchState, message.state_seq, node::stamp_of(message))) {
     return;
   }
   context_.counts.use();

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "common/bus/sender.hpp"
 #include "common/geometry/time.hpp"
 #include "common/node/sender_watch.hpp"
 #include "modules/navigator/staleness.hpp"
@@ -25,13 +26,21 @@ class InputSenders {
     kBaseSensors
   };
 
+  struct Message {
+    std::int64_t seq = 0;
+    time::Timestamp stamp;
+    bus::Sender sender;
+  };
+
   /// Takes a message. Returns false if it comes from another sender than the one that is followed.
   /// `stamps`: of the messages used so far.
-  [[nodiscard]] bool follow(Input input, std::int64_t seq, time::Timestamp stamp,
-                            const InputStamps& stamps);
+  [[nodiscard]] bool follow(Input input, const Message& message, const InputStamps& stamps);
 
   /// Takes a message that is refused for another reason: it may reveal a second sender.
-  void refuse(Input input, std::int64_t seq, time::Timestamp stamp, const InputStamps& stamps);
+  void refuse(Input input, const Message& message, const InputStamps& stamps);
+
+  /// The name under which messages of other senders are counted.
+  [[nodiscard]] static const char* cause_of(Input input);
 
   /// The channel of an input that two processes send; empty if there is none.
   [[nodiscard]] std::optional<std::string> contested_channel(const InputStamps& stamps) const;

@@ -40,7 +40,10 @@ const char* describe(InhibitReason reason) {
 }  // namespace
 
 PitchControllerNode::PitchControllerNode(node::Context& context, const Params& params)
-    : context_(context), params_(params), input_(context.counts), controller_(params) {
+    : context_(context),
+      params_(params),
+      input_(context.counts, &context.bus),
+      controller_(params) {
   context.bus.subscribe<nodmap::odometry_t>(
       "ODOMETRY", [this](const nodmap::odometry_t& message) { on_odometry(message); });
   context.bus.subscribe<nodmap::pitch_state_t>(

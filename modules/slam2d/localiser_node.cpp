@@ -15,7 +15,7 @@ namespace nodmap::slam2d {
 LocaliserNode::LocaliserNode(node::Context& context, const Slam2dParams& params,
                              const node::MapOptions& options)
     : context_(context),
-      input_(context.counts),
+      input_(context.counts, &context.bus),
       map_(read_ros_map(options.localise_in), params.map),
       localiser_(params, map_, options.T_map_start) {
   if (map_.points().points().empty()) {

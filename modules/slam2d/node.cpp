@@ -118,7 +118,7 @@ nodmap::pose_graph_t write_graph(time::Timestamp stamp, const BackEnd& back_end)
 Slam2dNode::Slam2dNode(node::Context& context, const Params& params)
     : context_(context),
       params_(params),
-      input_(context.counts),
+      input_(context.counts, &context.bus),
       slam_(params),
       map_(params.grid.cell_size_m) {
   context_.bus.subscribe<nodmap::odometry_t>(

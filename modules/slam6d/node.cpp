@@ -40,7 +40,7 @@ constexpr double kMinMapMotionAtEndM = 0.005;
 Slam6dNode::Slam6dNode(node::Context& context, const Params& params)
     : context_(context),
       params_(params),
-      input_(context.counts),
+      input_(context.counts, &context.bus),
       slam_(params),
       occupancy_(params.occupancy) {
   // Enough for a second's delay on a busy machine: 75 scans and 100 odometry messages.

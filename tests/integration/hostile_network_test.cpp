@@ -95,6 +95,26 @@ TEST_F(HostileNetwork, MessagesOfATrustedHostAreRecorded) {
   EXPECT_EQ(recorded.at("DRIVE"), 1);
 }
 
+// Each keeps its socket, for small messages and for large ones in fragments.
+TEST_F(HostileNetwork, TheSendersOfMessagesAreKnown) {
+  bus::LiveBus other(kUrl);
+  std::vector<bus::Sender> senders;
+  bus_.subscribe_bytes("ANY", [&](std::span<const std::byte> /*bytes*/) {
+    senders.push_back(bus_.origin().sender);
+  });
+  for (const std::size_t size : {std::size_t{1}, std::size_t{200'000}}) {
+    for (bus::LiveBus* const sender : {&bus_, &other}) {
+      sender->publish_bytes("ANY", std::vector<std::byte>(size));
+      EXPECT_EQ(bus_.handle(kPatience), 1);
+    }
+  }
+  ASSERT_EQ(senders.size(), 4U);
+  EXPECT_NE(senders[0], senders[1]);
+  EXPECT_EQ(senders[0], senders[2]);
+  EXPECT_EQ(senders[1], senders[3]);
+  EXPECT_NE(senders[0].port, 0);
+}
+
 // Sent by our own sender, in fragments as the kernel delivers them.
 TEST_F(HostileNetwork, ALargeMessageArrivesComplete) {
   std::vector<std::byte> large(200'000);

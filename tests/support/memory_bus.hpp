@@ -26,6 +26,8 @@ class MemoryBus final : public bus::Bus {
     bus::encode_into(bytes, message);
     deliver_bytes(channel, bytes);
   }
+  /// Where all further messages come from.
+  using Bus::set_origin;
   void deliver_bytes(const std::string& channel, std::span<const std::byte> bytes) {
     handlers_.at(channel)(bytes);
   }

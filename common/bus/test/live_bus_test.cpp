@@ -37,6 +37,18 @@ TEST(LiveBus, DeliversTypedMessages) {
   EXPECT_EQ(bus.latency().summary().count, 1);
 }
 
+// There is no socket.
+TEST(LiveBus, TheSenderOfAMessageInMemoryIsUnknown) {
+  LiveBus bus("memq://");
+  Origin origin{{1, 1}, {}};
+  bus.subscribe<nodmap::odometry_t>("ODOMETRY",
+                                    [&](const nodmap::odometry_t&) { origin = bus.origin(); });
+  bus.publish("ODOMETRY", odometry_at(1));
+  handle_all(bus);
+  EXPECT_EQ(origin.sender, Sender{});
+  EXPECT_GT(origin.received, time::Timestamp{});
+}
+
 // Trap: the channel given to subscribe is a regular expression.
 TEST(LiveBus, ChannelNamesAreNotPatterns) {
   LiveBus bus("memq://");

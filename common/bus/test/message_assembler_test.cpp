@@ -11,7 +11,7 @@ namespace message_assembler_test {
 
 using Bytes = std::vector<std::byte>;
 
-constexpr MessageAssembler::Sender kSender{0x7F000001, 40'000};
+constexpr Sender kSender{0x7F000001, 40'000};
 
 void append_number(Bytes& bytes, std::uint64_t value, int size) {
   for (int i = size - 1; i >= 0; --i) {
@@ -66,7 +66,7 @@ constexpr std::string_view kChannel{"SCAN\0", 5};
 class Assembler : public ::testing::Test {
  protected:
   /// "CHANNEL=data" of the message that is complete now; empty: none.
-  std::string take(const Bytes& datagram, const MessageAssembler::Sender& sender = kSender) {
+  std::string take(const Bytes& datagram, const Sender& sender = kSender) {
     const auto message = assembler_.take(sender, datagram);
     return message ? std::string(message->channel) + "=" + text_of(message->data) : "";
   }
@@ -210,7 +210,7 @@ TEST_F(Assembler, IncompleteMessagesAreBoundedInNumberAndBytes) {
 TEST_F(Assembler, SendersDoNotMix) {
   const std::string thousand(1000, 'x');
   const std::string others(1000, 'y');
-  const MessageAssembler::Sender other{kSender.address, 40'001};
+  const Sender other{kSender.address, 40'001};
   const Header second{.message_bytes = 2000, .offset = 1000, .number = 1, .count = 2};
   EXPECT_EQ(take(fragment({.message_bytes = 2000, .count = 2}, std::string(kChannel) + thousand)),
             "");

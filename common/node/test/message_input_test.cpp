@@ -23,8 +23,9 @@ nodmap::scan_t good_scan(std::int64_t seq) {
 
 class SensorInputTest : public ::testing::Test {
  protected:
+  test::MemoryBus bus_;
   node::MessageCounts counts_;
-  SensorInput input_{counts_};
+  SensorInput input_{counts_, &bus_};
   scan::Scan scan_;
 };
 
@@ -67,6 +68,32 @@ TEST_F(SensorInputTest, GapsInEitherStreamAreLosses) {
   odometry.odometry_seq = 2;
   EXPECT_TRUE(input_.read(odometry).has_value());
   EXPECT_EQ(counts_.lost(), 3);
+}
+
+// Every second message is of another process, which knows the next number.
+TEST_F(SensorInputTest, OneSocketIsFollowedUntilItIsSilent) {
+  const bus::Sender own{0x7F000001, 40'000};
+  const bus::Sender other{0x7F000001, 40'001};
+  time::Timestamp now{24h};
+  const auto reads = [&](const bus::Sender& sender, std::int64_t seq) {
+    bus_.set_origin({sender, now});
+    nodmap::odometry_t odometry = node::write_odometry(now, geometry::SE3::Identity());
+    odometry.odometry_seq = seq;
+    const bool reads_scan = input_.read(good_scan(seq), scan_);
+    EXPECT_EQ(input_.read(odometry).has_value(), reads_scan);
+    return reads_scan;
+  };
+  for (std::int64_t seq = 0; seq < 100; ++seq, now += 10ms) {
+    EXPECT_TRUE(reads(own, seq));
+    EXPECT_FALSE(reads(other, seq + 1));
+  }
+  EXPECT_EQ(counts_.rejected().at("other_sender_of_scan"), 100);
+  EXPECT_EQ(counts_.rejected().at("other_sender_of_odometry"), 100);
+  EXPECT_EQ(counts_.lost(), 0);
+  now += SenderWatch::kSilence - 11ms;
+  EXPECT_FALSE(reads(other, 100));
+  now += 1ms;
+  EXPECT_TRUE(reads(other, 100));
 }
 
 class OdometryInputTest : public SensorInputTest {

@@ -101,6 +101,46 @@ double ratio_in_force(time::Duration pause, int count, std::int64_t step) {
   return static_cast<double>(num_forged) / kPeriods;
 }
 
+constexpr bus::Sender kOwn{0x7F000001, 40'000};
+constexpr bus::Sender kOther{0x7F000001, 40'001};
+
+// Of each message that is sent, the second sender knows the number of the next one.
+TEST(SenderWatch, ASecondSocketIsRefusedWhateverItsNumbers) {
+  SenderWatch watch;
+  time::SteadyTime now;
+  int contested = 0;
+  for (std::int64_t seq = 0; seq < 1000; ++seq, now += kPeriod) {
+    EXPECT_TRUE(watch.follow(seq, now, kOwn));
+    EXPECT_FALSE(watch.follow(seq + 1, now + kPeriod / 2, kOther));
+    contested += watch.is_contested(now) ? 1 : 0;
+  }
+  EXPECT_GE(contested, 996);
+}
+
+// Two messages a second are too few to be sure of a second sender; none is used.
+TEST(SenderWatch, ASecondSocketThatSendsSeldomHasNoEffect) {
+  SenderWatch watch;
+  time::SteadyTime now;
+  for (std::int64_t seq = 0; seq < 1000; ++seq, now += kPeriod) {
+    EXPECT_TRUE(watch.follow(seq, now, kOwn));
+    if (seq % 38 == 0) {
+      EXPECT_FALSE(watch.follow(seq + 1, now, kOther));
+    }
+    EXPECT_FALSE(watch.is_contested(now));
+  }
+}
+
+TEST(SenderWatch, ASenderThatRestartsOnAnotherSocketIsFollowedWhenTheFormerIsGone) {
+  SenderWatch watch;
+  time::SteadyTime now;
+  EXPECT_TRUE(watch.follow(4999, now, kOwn));
+  for (std::int64_t seq = 5000; now < time::SteadyTime{1s}; ++seq) {
+    now += kPeriod;
+    EXPECT_EQ(watch.follow(seq, now, kOther), now >= time::SteadyTime{SenderWatch::kSilence});
+    EXPECT_FALSE(watch.is_contested(now));
+  }
+}
+
 // At 210 ms each message comes when the former has been in force for as long as a sender may be
 // silent.
 TEST(SenderWatch, ASecondSenderThatListensAndJumpsAheadIsNoticed) {

@@ -137,6 +137,28 @@ TEST(DriveWatchdog, ASecondSenderThatListensIsNotObeyed) {
   EXPECT_TRUE(watchdog.is_contested(kSteady + 10s));
 }
 
+// A second process knows everything of each command that is sent: it sends the next one first, with
+// 5 m/s.
+TEST(DriveWatchdog, ASecondProcessThatCopiesTheNumbersIsNotObeyed) {
+  for (const time::Duration pause : {13ms, 520ms}) {
+    DriveWatchdog watchdog(kTimeout);
+    std::int64_t seq = 5000;
+    for (time::SteadyTime now = kSteady; now < kSteady + 10s; now += 13ms) {
+      const time::Timestamp wall = kWall + (now - kSteady);
+      static_cast<void>(
+          watchdog.offer({{0.5, 0.0}, wall, 1s, seq++, {0x7F000001, 40'000}}, wall, now));
+      if ((now - kSteady) % pause == 0ms) {
+        EXPECT_EQ(watchdog.offer({{5.0, 0.0}, wall, 1s, seq, {0x7F000001, 40'001}}, wall, now),
+                  DriveStatus::kOtherSender);
+      }
+      const auto command = watchdog.command(now);
+      EXPECT_TRUE(!command || command->forward_mps == 0.5);
+    }
+    // Twice a second is too seldom to matter.
+    EXPECT_EQ(watchdog.is_contested(kSteady + 10s), pause == 13ms);
+  }
+}
+
 // One command that will be refused has a number that the sender has not reached yet.
 TEST(DriveWatchdog, ARefusedDriveDoesNotKeepTheSenderOut) {
   for (const time::Duration ahead : {45ms, -300ms}) {

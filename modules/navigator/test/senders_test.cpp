@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <tuple>
 
 #include "common/node/messages.hpp"
 #include "modules/navigator/test/navigator_node.hpp"
@@ -136,6 +137,50 @@ TEST_F(NavigatorNodeTest, ASecondSenderOfOdometryThatListensHaltsIt) {
   }
   run(3.0);
   EXPECT_TRUE(drives());
+}
+
+// A second process repeats all messages of the first, with the next numbers, and reports that
+// nothing is near and that the robot stands still. At each message that it gets in, its numbers
+// would be right.
+TEST_F(NavigatorNodeTest, ASecondProcessThatCopiesTheNumbersHaltsItAndIsNotBelieved) {
+  const bus::Origin own{{0x7F000001, 40'000}, {}};
+  const bus::Origin other{{0x7F000001, 40'001}, {}};
+  bus_.set_origin(own);
+  run(1.5);
+  ASSERT_TRUE(drives());
+  for (int i = 0; i < 50; ++i) {
+    bus_.set_origin(other);
+    const auto [odometry, map, command, state] =
+        std::tuple(odometry_seq_, map_seq_, command_seq_, state_seq_);
+    tick();
+    std::tie(odometry_seq_, map_seq_, command_seq_, state_seq_) =
+        std::tuple(odometry, map, command, state);
+    bus_.set_origin(own);
+    tick();
+    EXPECT_TRUE(i < 5 || halts()) << i;
+  }
+  for (const char* cause : {"other_sender_of_odometry", "other_sender_of_obstacle_map",
+                            "other_sender_of_pitch_command", "other_sender_of_pitch_state"}) {
+    EXPECT_EQ(rejected(cause), 50) << cause;
+  }
+  run(3.0);
+  EXPECT_TRUE(drives());
+}
+
+// Too seldom to be noticed: nothing of it is used.
+TEST_F(NavigatorNodeTest, ASecondProcessThatSendsSeldomHasNoEffect) {
+  const bus::Origin own{{0x7F000001, 40'000}, {}};
+  bus_.set_origin(own);
+  run(1.5);
+  for (int i = 0; i < 5; ++i) {
+    bus_.set_origin({{0x7F000001, 40'001}, {}});
+    give_command(now_us_, 0.1);
+    --command_seq_;
+    bus_.set_origin(own);
+    run(1.0);
+    EXPECT_TRUE(drives()) << i;
+  }
+  EXPECT_EQ(rejected("other_sender_of_pitch_command"), 5);
 }
 
 // Somebody else on the network sends it while the base driver runs.
