@@ -50,7 +50,12 @@ void ProcessControl::on_info(const procman::DeputyInfo& info) {
     return;
   }
   const time::Moment now = clock_();
-  reports_[info.deputy_id] = {info, now.steady};
+  Report& report = reports_[info.deputy_id];
+  if (!report.sender.follow(bus_.origin().sender, now.steady)) {
+    return;
+  }
+  report.info = info;
+  report.received = now.steady;
   if (fleet_ && fleet_->take_info(info, now.steady)) {
     give_orders(now);
   }
@@ -144,8 +149,12 @@ void ProcessControl::turn() {
     return fleet_->has_reached(wish.first, wish.second, now.steady);
   });
   if (open_.empty() || now.steady >= leave_) {
+    const std::string sheriff_id = fleet_->sheriff_id();
     fleet_.reset();
     leave_ = {};
+    // Tells the deputies to obey the next sheriff at once.
+    bus_.publish(procman::kDiscoverChannel,
+                 procman::to_message(procman::Discovery{now.wall, sheriff_id, 0}));
   } else if (now.steady >= orders_due_) {
     give_orders(now);
   }

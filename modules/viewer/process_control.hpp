@@ -8,6 +8,7 @@
 #include <string>
 
 #include "common/bus/bus.hpp"
+#include "common/bus/followed_sender.hpp"
 #include "common/geometry/time.hpp"
 #include "modules/viewer/session.hpp"
 #include "procman/config/config.hpp"
@@ -53,6 +54,7 @@ class ProcessControl {
   struct Report {
     procman::DeputyInfo info;
     time::SteadyTime received{};
+    bus::FollowedSender sender{procman::Fleet::kDeputySilence};
   };
 
   void on_info(const procman::DeputyInfo& info);

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/bus/followed_sender.hpp"
 #include "common/bus/live_bus.hpp"
 #include "common/node/clock.hpp"
 #include "common/node/log.hpp"
@@ -35,6 +36,8 @@ constexpr time::Duration kDiscoverPeriod = 200ms;
 constexpr time::Duration kInfoPeriod = 1s;
 constexpr time::Duration kLongestWait = 200ms;
 constexpr time::Duration kConfigSettles = 500ms;
+/// A sheriff is followed until it has been silent for this long: three of its orders.
+constexpr time::Duration kSheriffSilence = 3s;
 /// STATUS reports a refusal for this long.
 constexpr time::Duration kRefusalShown = 10s;
 
@@ -84,6 +87,8 @@ class Deputy {
   void work_discovery(time::SteadyTime now);
   void begin_service(time::SteadyTime now);
   void meet(const Discovery& discovery);
+  void on_orders(const procman_lcm::orders_t& message);
+  [[nodiscard]] bool obeys(const std::string& sheriff_id);
   void repeat_last_words();
   void log_end(const Children::Ended& end);
   void carry_out(const SupervisorActions& actions);
@@ -103,6 +108,7 @@ class Deputy {
   bus::LiveBus bus_;
   Children children_;
   Supervisor supervisor_;
+  bus::FollowedSender sheriff_{kSheriffSilence};
   OutputCollector output_;
   SystemLoad load_;
   std::optional<node::SerialWorkers> serial_workers_;
@@ -128,17 +134,35 @@ void Deputy::subscribe() {
       exit_code_ = 2;
     }
   });
-  bus_.subscribe<procman_lcm::orders_t>(kOrdersChannel, [this](const auto& message) {
-    if (serving_) {
-      counts_.use();
-      const time::Duration age = clock_.now() - time::from_utime(message.utime);
-      if (message.ncmds > static_cast<int>(Supervisor::kMaxCommands)) {
-        counts_.reject("too_many_commands");
-        return;
-      }
-      carry_out(supervisor_.take_orders(from_message(message), age, time::steady_now()));
-    }
-  });
+  bus_.subscribe<procman_lcm::orders_t>(kOrdersChannel,
+                                        [this](const auto& message) { on_orders(message); });
+}
+
+void Deputy::on_orders(const procman_lcm::orders_t& message) {
+  if (!serving_) {
+    return;
+  }
+  counts_.use();
+  const time::Duration age = clock_.now() - time::from_utime(message.utime);
+  if (message.ncmds > static_cast<int>(Supervisor::kMaxCommands)) {
+    counts_.reject("too_many_commands");
+    return;
+  }
+  const bool is_for_us = message.deputy_id == settings_.id && age <= Supervisor::kMaxOrdersAge;
+  if (!is_for_us || obeys(message.sheriff_id)) {
+    carry_out(supervisor_.take_orders(from_message(message), age, time::steady_now()));
+  }
+}
+
+/// Whether the orders being handled are obeyed: not those of a second sheriff, which would
+/// contradict the first. It may call itself as it likes, but not send from the first one's socket.
+bool Deputy::obeys(const std::string& sheriff_id) {
+  const bool is_followed = sheriff_.follow(bus_.origin().sender, time::steady_now());
+  if (is_followed || settings_.trusts_orders) {
+    return true;
+  }
+  refuse({"other_sheriff", "orders of a second sheriff are refused: " + sheriff_id});
+  return false;
 }
 
 void Deputy::meet(const Discovery& discovery) {
@@ -147,7 +171,8 @@ void Deputy::meet(const Discovery& discovery) {
   }
   if (serving_) {
     info_changed_ = true;
-    if (discovery.nonce == 0) {  // sent by a sheriff
+    // A sheriff sends it when it begins and when it ends.
+    if (discovery.nonce == 0 && !sheriff_.end(bus_.origin().sender)) {
       repeat_last_words();
     }
   } else if (discovery.transmitter_id == settings_.id) {

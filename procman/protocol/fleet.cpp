@@ -219,8 +219,12 @@ void Fleet::begin_run(Item& item) {
   item.failed_status.reset();
 }
 
-bool Fleet::take_info(const DeputyInfo& info, time::SteadyTime now) {
+bool Fleet::take_info(const DeputyInfo& info, time::SteadyTime now, const bus::Sender& sender) {
   if (!deputies_.contains(info.deputy_id) && deputies_.size() >= kMaxDeputies) {
+    return false;
+  }
+  const auto followed = deputy_senders_.try_emplace(info.deputy_id, kDeputySilence).first;
+  if (!followed->second.follow(sender, now)) {
     return false;
   }
   std::optional<DeputyItem>& deputy = deputies_[info.deputy_id];
@@ -293,7 +297,11 @@ void Fleet::take_status(Item& item, const CommandStatus& status, time::SteadyTim
   item.force_quit |= ended_by_itself || ended_unseen;
 }
 
-void Fleet::take_runs(const Runs& runs, time::SteadyTime now) {
+void Fleet::take_runs(const Runs& runs, time::SteadyTime now, const bus::Sender& sender) {
+  const auto followed = deputy_senders_.find(runs.deputy_id);
+  if (followed != deputy_senders_.end() && !followed->second.follow(sender, now)) {
+    return;
+  }
   for (const CommandRun& run : runs.runs) {
     Item* item = find_mutable(run.command_id);
     if (item != nullptr && item->deputy == runs.deputy_id) {
@@ -374,7 +382,8 @@ std::optional<std::string> Fleet::other_sheriff(time::SteadyTime now) const {
 
 bool Fleet::must_yield(time::SteadyTime now) const {
   const auto other = other_sheriff(now);
-  return other && beginning_of(*other) <= beginning_of(sheriff_id_);
+  const bool is_new_here = !commands_since_ || now - *commands_since_ < kYieldTime;
+  return other && is_new_here && beginning_of(*other) <= beginning_of(sheriff_id_);
 }
 
 }  // namespace nodmap::procman

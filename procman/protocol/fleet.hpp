@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "common/bus/followed_sender.hpp"
 #include "common/geometry/time.hpp"
 #include "procman/config/config.hpp"
 #include "procman/protocol/values.hpp"
@@ -41,8 +42,14 @@ class Fleet {
   static constexpr time::Duration kMaxInfoAge = 5s;
   /// Two INFOs farther apart than this mean that some were lost, and perhaps STATUS with them.
   static constexpr time::Duration kInfoGap = 1500ms;
+  /// Reports of a deputy are taken from one sender until it has missed two of them.
+  static constexpr time::Duration kDeputySilence = 2s;
   /// Another sheriff counts as running for this long after its last orders.
   static constexpr time::Duration kOtherSheriffTime = 3s;
+
+  /// A sheriff that has given orders for this long does not yield. Another one then has not looked
+  /// for it, or its network was divided; and anybody can send a message that looks like one.
+  static constexpr time::Duration kYieldTime = 10s;
 
   /// One run of a command.
   struct Run {
@@ -86,10 +93,11 @@ class Fleet {
   void stop(const std::string& id);
   void restart(const std::string& id);
 
-  /// Takes the report of a deputy. Returns whether it must be sent orders at once.
-  bool take_info(const DeputyInfo& info, time::SteadyTime now);
+  /// Takes the report of a deputy, unless another sender reports for it already. Returns whether it
+  /// must be sent orders at once.
+  bool take_info(const DeputyInfo& info, time::SteadyTime now, const bus::Sender& sender = {});
   /// Takes the additional report that our deputies send after INFO.
-  void take_runs(const Runs& runs, time::SteadyTime now);
+  void take_runs(const Runs& runs, time::SteadyTime now, const bus::Sender& sender = {});
   /// Takes orders received from the network: ours, or another sheriff's.
   void take_orders(const Orders& orders, time::SteadyTime now);
 
@@ -108,8 +116,11 @@ class Fleet {
   /// The id of another sheriff, if one gave orders recently.
   [[nodiscard]] std::optional<std::string> other_sheriff(time::SteadyTime now) const;
 
-  /// Whether this sheriff must stop giving orders. Of two sheriffs the one that started later must;
-  /// this one must, if it is not known when the other started.
+  /// This sheriff gives orders from now on.
+  void begin_command(time::SteadyTime now) { commands_since_ = now; }
+  /// Whether this sheriff must stop giving orders. Of two sheriffs that begin to give orders at the
+  /// same time the one that started later must; this one must, if it is not known when the other
+  /// started.
   [[nodiscard]] bool must_yield(time::SteadyTime now) const;
   [[nodiscard]] const std::string& sheriff_id() const { return sheriff_id_; }
 
@@ -139,8 +150,10 @@ class Fleet {
   std::string sheriff_id_;
   std::vector<Item> items_;
   std::map<std::string, std::optional<DeputyItem>> deputies_;
+  std::map<std::string, bus::FollowedSender> deputy_senders_;
   std::string other_sheriff_;
   time::SteadyTime other_received_{};
+  std::optional<time::SteadyTime> commands_since_;
 };
 
 }  // namespace nodmap::procman

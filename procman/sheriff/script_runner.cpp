@@ -155,8 +155,10 @@ void ScriptRunner::settle(const Fleet& fleet, time::SteadyTime now) {
         state == CommandState::kRunning && now - item.running_since >= kLastingTime;
     const bool is_dead = state == CommandState::kStoppedError && !item.spec.auto_respawn;
     is_clear = is_clear && (has_lasted || is_dead || state == CommandState::kStoppedOk);
-    if (item.failed_status && !has_lasted) {
-      failed += (failed.empty() ? "" : ", ") + describe_failure(item);
+    const bool is_waiting = state == CommandState::kUnknown || state == CommandState::kStarting;
+    if (!has_lasted && (item.failed_status || is_waiting)) {
+      failed += (failed.empty() ? "" : ", ") +
+                (is_waiting ? id + " has not been started" : describe_failure(item));
     }
   }
   if (is_clear || now - *done_ >= kSettleTimeout) {

@@ -28,8 +28,9 @@ class ScriptRunner {
  public:
   /// A command that has run for this long counts as started.
   static constexpr time::Duration kLastingTime = 1s;
-  /// The wait for that, after the last action.
-  static constexpr time::Duration kSettleTimeout = 4s;
+  /// The longest wait for that, after the last action. A deputy may refuse orders for 3 s after the
+  /// sheriff before has been killed.
+  static constexpr time::Duration kSettleTimeout = 8s;
 
   using HealthTest = std::function<bool(const std::string& command)>;
 

@@ -38,12 +38,18 @@ Sheriff::Sheriff(Config config, const std::string& lcm_url)
   discover();
 }
 
+Sheriff::~Sheriff() {
+  if (has_given_orders_) {
+    discover();
+  }
+}
+
 void Sheriff::subscribe() {
   bus_.subscribe<nodmap::runs_t>(kRunsChannel, [this](const auto& message) {
-    fleet_.take_runs(from_message(message), now());
+    fleet_.take_runs(from_message(message), now(), bus_.origin().sender);
   });
   bus_.subscribe<procman_lcm::deputy_info_t>(kInfoChannel, [this](const auto& message) {
-    orders_wanted_ |= fleet_.take_info(from_message(message), now());
+    orders_wanted_ |= fleet_.take_info(from_message(message), now(), bus_.origin().sender);
   });
   bus_.subscribe<procman_lcm::orders_t>(kOrdersChannel, [this](const auto& message) {
     fleet_.take_orders(from_message(message), now());
@@ -85,6 +91,7 @@ void Sheriff::give_orders() {
   if (is_observer_) {
     return;
   }
+  has_given_orders_ = true;
   for (const auto& [id, deputy] : fleet_.deputies()) {
     if (const auto orders = fleet_.orders_for(id, clock_.now())) {
       bus_.publish(kOrdersChannel, to_message(*orders));

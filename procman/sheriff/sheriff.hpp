@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <boost/core/noncopyable.hpp>
 #include <chrono>
 #include <functional>
 #include <map>
@@ -20,19 +21,24 @@ namespace nodmap::procman {
 
 /// Connects a fleet to the network: receives the deputies' reports and sends them orders, once a
 /// second and on changes. An observer sends none.
-class Sheriff {
+class Sheriff : boost::noncopyable {
  public:
   using OutputHandler = std::function<void(const std::string& command, const std::string& text)>;
 
   /// Starts as an observer, because a sheriff must look for others before it gives orders.
   Sheriff(Config config, const std::string& lcm_url);
+  /// Tells the deputies that it has ended, so that they obey the next sheriff at once.
+  ~Sheriff();
 
   /// Handles messages for at most `wait`, and sends the orders that are due.
   void work(std::chrono::milliseconds wait);
 
   /// Sends the orders at once, because the requested states have changed.
   void give_orders();
-  void command() { is_observer_ = false; }
+  void command() {
+    is_observer_ = false;
+    fleet_.begin_command(now());
+  }
   void observe() { is_observer_ = true; }
   [[nodiscard]] bool is_observer() const { return is_observer_; }
 
@@ -69,6 +75,7 @@ class Sheriff {
   std::map<std::string, Console> consoles_;
   OutputHandler output_handler_;
   bool is_observer_ = true;
+  bool has_given_orders_ = false;
   bool orders_wanted_ = false;
   time::SteadyTime orders_due_{};
 };

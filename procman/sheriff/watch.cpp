@@ -78,6 +78,7 @@ class Watch {
   void end_script();
   void reload_config();
   void look_for_other_sheriff();
+  void yield_to(const std::string& other);
   void notify(const std::string& text);
   void show();
   void press(Key key, const std::vector<ReportRow>& rows);
@@ -101,6 +102,8 @@ class Watch {
   time::SteadyTime begin_{};
   time::SteadyTime reminded_{};
   bool has_failed_ = false;  // the script has failed
+  bool has_yielded_ = false;
+  bool knows_other_ = false;  // it was reported that another one gives orders as well
 };
 
 void Watch::notify(const std::string& text) {
@@ -198,15 +201,29 @@ void Watch::look_for_other_sheriff() {
   const auto other = sheriff_.fleet().other_sheriff(now);
   const bool is_new_here = command_due_.has_value();
   if (other && (is_new_here || (!sheriff_.is_observer() && sheriff_.fleet().must_yield(now)))) {
-    command_due_.reset();
-    sheriff_.observe();
-    notify("the sheriff " + *other + " gives orders here: observing only");
-    if (runner_ && !runner_->is_over()) {
-      exit_code_ = kOtherSheriff;
-    }
+    yield_to(*other);
   } else if (is_new_here && now >= *command_due_) {
     command_due_.reset();
     sheriff_.command();
+  } else if (has_yielded_ && !other) {
+    has_yielded_ = false;
+    sheriff_.command();
+    notify("the other sheriff has ended: giving orders again");
+  } else if (!sheriff_.is_observer() && other.has_value() != knows_other_) {
+    knows_other_ = other.has_value();
+    notify(other ? "the sheriff " + *other + " gives orders here as well: two sheriffs"
+                 : "no other sheriff gives orders any more");
+  }
+}
+
+/// A sheriff that has given orders takes the command again when the other one has ended.
+void Watch::yield_to(const std::string& other) {
+  has_yielded_ = !command_due_;
+  command_due_.reset();
+  sheriff_.observe();
+  notify("the sheriff " + other + " gives orders here: observing only");
+  if (runner_ && !runner_->is_over()) {
+    exit_code_ = kOtherSheriff;
   }
 }
 

@@ -212,6 +212,40 @@ TEST_F(SheriffProcess, ASecondSheriffYields) {
   EXPECT_EQ(sheriff_->wait_for_end(kPatience), 0);
 }
 
+// Orders of a sheriff that is older by its id, and that never comes again: they stop nothing, and
+// this sheriff is back at its work soon.
+TEST_F(SheriffProcess, OrdersOfASecondSheriffAreRefused) {
+  begin_deputy();
+  begin_sheriff({"--script", "up", "--on-script-complete", "stay"});
+  ASSERT_TRUE(
+      client_.wait_until([this] { return client_.runs("sleeper") && client_.runs("talker"); }));
+  ASSERT_TRUE(client_.wait_for_infos(3));  // its script is over
+  const bus::Latest<nodmap::status_t> status(client_.bus(), "STATUS");
+  const int pid = client_.status("sleeper").pid;
+  const procman::Orders forged{
+      time::SystemClock().now(), "rover", "x:1:1", {test::wanted("sleeper", "x", 0, true)}};
+  client_.bus().publish(procman::kOrdersChannel, to_message(forged));
+  EXPECT_TRUE(client_.wait_until([&] {
+    return status.get() && status.get()->health_reason.find("second sheriff") != std::string::npos;
+  }));
+  // By now it has either yielded, and takes the command again, or it never did.
+  EXPECT_TRUE(client_.wait_for_infos(5));
+  EXPECT_EQ(client_.status("sleeper").pid, pid);
+  const auto second = sheriff({"--stop", "g"});
+  EXPECT_EQ(second.exit_code, 3) << "it gives orders: " << second.out << second.err;
+}
+
+// It need not wait until the deputy takes the first one for dead.
+TEST_F(SheriffProcess, TheNextSheriffIsObeyedAtOnce) {
+  begin_deputy();
+  const bus::Latest<nodmap::status_t> status(client_.bus(), "STATUS");
+  EXPECT_EQ(sheriff({"--start", "sleeper"}).exit_code, 0);
+  EXPECT_EQ(sheriff({"--stop", "sleeper"}).exit_code, 0);
+  const std::int64_t count = status.count();
+  ASSERT_TRUE(client_.wait_until([&] { return status.count() > count; }));
+  EXPECT_EQ(status.get()->total_rejected, 0);
+}
+
 // The commands keep running, and the next sheriff finds them as they are.
 TEST_F(SheriffProcess, KillingItStopsNoCommand) {
   begin_deputy();

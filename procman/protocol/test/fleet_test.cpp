@@ -242,6 +242,39 @@ TEST_F(FleetTest, NoticesAnotherSheriffAndYieldsToTheOlderOne) {
   EXPECT_TRUE(fleet_.must_yield(now_));
 }
 
+// It reports that nothing runs.
+TEST_F(FleetTest, AForgedInfoIsNotBelievedWhileTheDeputyReports) {
+  const bus::Sender own{0x7F000001, 40'000};
+  const bus::Sender other{0x7F000001, 40'001};
+  DeputyInfo info;
+  info.deputy_id = "h";
+  info.commands = {status("a", 10, 1)};
+  DeputyInfo forged = info;
+  forged.commands = {status("a", 0, 1)};
+  for (int s = 0; s < 10; ++s, now_ += 1s) {
+    fleet_.take_info(info, now_, own);
+    fleet_.take_info(forged, now_ + 500ms, other);
+    fleet_.take_runs({{}, "h", {{"a", 10, 0s, 99}}}, now_ + 500ms, other);
+    EXPECT_EQ(fleet_.state_of("a", now_ + 500ms), CommandState::kRunning);
+    EXPECT_EQ(Fleet::run_of(*fleet_.find("a")).num_restarts, 0);
+  }
+  // The deputy has been started again.
+  now_ += Fleet::kDeputySilence;
+  fleet_.take_info(forged, now_, other);
+  EXPECT_NE(fleet_.state_of("a", now_), CommandState::kRunning);
+}
+
+// A message with an old id can come from anybody.
+TEST_F(FleetTest, ASheriffThatHasGivenOrdersForLongDoesNotYield) {
+  fleet_.begin_command(now_);
+  fleet_.take_orders({{}, "h", "you:2:1", {}}, now_);
+  EXPECT_TRUE(fleet_.must_yield(now_));
+  now_ += Fleet::kYieldTime;
+  fleet_.take_orders({{}, "h", "you:2:1", {}}, now_);
+  EXPECT_EQ(fleet_.other_sheriff(now_), "you:2:1");
+  EXPECT_FALSE(fleet_.must_yield(now_));
+}
+
 TEST(DescribeEnd, DistinguishesExitsFromSignals) {
   EXPECT_EQ(describe_end(0), "");
   EXPECT_EQ(describe_end(3 << 8), "exit 3");

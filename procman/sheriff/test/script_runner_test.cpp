@@ -175,6 +175,21 @@ TEST_F(ScriptRunnerTest, FailsWhenARespawningCommandDoesNotKeepRunning) {
   EXPECT_EQ(runner.failure(), "d does not keep running (exit 2)");
 }
 
+// It follows another sheriff, for example.
+TEST_F(ScriptRunnerTest, FailsWhenTheDeputyDoesNotObey) {
+  ScriptRunner runner(config_, *config_.find_script("respawned"), is_healthy_);
+  const time::SteadyTime stop = now_ + ScriptRunner::kSettleTimeout;
+  for (; now_ < stop; now_ += 1s) {
+    tell();
+    runner.step(fleet_, now_);
+    EXPECT_FALSE(runner.is_over());
+  }
+  tell();
+  runner.step(fleet_, now_);
+  EXPECT_TRUE(runner.is_over());
+  EXPECT_EQ(runner.failure(), "d has not been started");
+}
+
 TEST_F(ScriptRunnerTest, ACommandThatEndsWithoutAnErrorIsNotAFailure) {
   ScriptRunner runner(config_, *config_.find_script("inner"), is_healthy_);
   tell();
