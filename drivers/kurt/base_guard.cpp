@@ -19,9 +19,15 @@ constexpr double kReactionS = 0.1;
 constexpr time::Duration kTiltedFor = 500ms;
 /// At slower commands a wheel may stand still although nothing blocks it.
 constexpr double kSurelyTurningMps = 0.05;
+/// An encoder at rest may count one tick back and forth. A wheel has turned after more.
+constexpr int kAtRestTicks = 1;
 
 constexpr int kSonarNearest = 100;     // raw; a nearer obstacle gives a smaller value
 constexpr int kInfraredNearest = 800;  // raw; a nearer obstacle gives a larger value
+
+bool is_too_near_to_measure(int infrared_raw) {
+  return infrared_raw > kInfraredNearest;
+}
 
 }  // namespace
 
@@ -32,7 +38,7 @@ const char* name_of(Alarm alarm) {
     case Alarm::kTilt:
       return "its tilt sensor";
     case Alarm::kStall:
-      return "its motors, which were stalled";
+      return "a stalled motor";
   }
   return "";
 }
@@ -47,10 +53,16 @@ void BaseGuard::add(const RangeReadings& readings, time::SteadyTime now) {
       ahead_.reset();
     }
   }
+  for (const auto& [sensor, corner] :
+       {std::pair(Infrared::kLeftFront, &left_corner_), {Infrared::kRightFront, &right_corner_}}) {
+    if (const auto& raw = readings.infrared_raw[static_cast<std::size_t>(sensor)]) {
+      *corner = is_too_near_to_measure(*raw) ? std::optional(Seen{0.0, now}) : std::nullopt;
+    }
+  }
   if (const auto& raw = readings.infrared_raw[static_cast<std::size_t>(Infrared::kBack)]) {
     if (const auto range_m = infrared_range_m(*raw)) {
       behind_ = {*range_m, now};
-    } else if (*raw > kInfraredNearest) {
+    } else if (is_too_near_to_measure(*raw)) {
       behind_ = {0.0, now};
     } else {
       behind_.reset();
@@ -76,20 +88,32 @@ void BaseGuard::add(const Bumpers& bumpers) {
 }
 
 void BaseGuard::add(const EncoderTicks& ticks, const WheelSpeeds& commanded, time::SteadyTime now) {
-  const bool should_turn =
-      std::min(std::abs(commanded.left_mps), std::abs(commanded.right_mps)) >= kSurelyTurningMps;
-  if (!should_turn || ticks.left != 0 || ticks.right != 0) {
-    stalled_since_.reset();
-    return;
-  }
-  stalled_since_ = stalled_since_.value_or(now);
-  if (now - *stalled_since_ >= time::from_seconds(params_.stall_s)) {
+  const time::Duration longest = std::max(left_wheel_.add(ticks.left, commanded.left_mps, now),
+                                          right_wheel_.add(ticks.right, commanded.right_mps, now));
+  if (longest >= time::from_seconds(params_.stall_s)) {
     alarm_ = Alarm::kStall;
   }
 }
 
+time::Duration BaseGuard::TurningWheel::add(int ticks, double commanded_mps, time::SteadyTime now) {
+  ticks_ += ticks;
+  if (std::abs(commanded_mps) < kSurelyTurningMps) {
+    since_.reset();
+    return {};
+  }
+  if (!since_ || std::abs(ticks_) > kAtRestTicks) {
+    since_ = now;
+    ticks_ = 0;
+  }
+  return now - *since_;
+}
+
 DriveCommand BaseGuard::limit(const DriveCommand& command, time::SteadyTime now) const {
-  const double safe_mps = safe_speed_mps(command.forward_mps > 0.0 ? ahead_ : behind_, now);
+  const double safe_mps =
+      command.forward_mps > 0.0
+          ? std::min({safe_speed_mps(ahead_, now), safe_speed_mps(left_corner_, now),
+                      safe_speed_mps(right_corner_, now)})
+          : safe_speed_mps(behind_, now);
   const double speed_mps = std::abs(command.forward_mps);
   if (!params_.use_ranges || speed_mps <= safe_mps) {
     return command;

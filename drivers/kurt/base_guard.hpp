@@ -21,9 +21,11 @@ enum class Alarm { kBumper, kTilt, kStall };
 ///
 /// Ranges limit the speed so that, at half the deceleration that the wheels are capable of, the
 /// robot can stop GuardParams::near_m before the obstacle. Nearer than that it creeps, so that it
-/// can still pass where the laser sees free space. A silent sensor limits nothing, because not
-/// every KURT2 has these sensors. Bumper, tilt and stalled motors raise an alarm once; a person
-/// must release the robot before it drives on.
+/// can still pass where the laser sees free space. Ahead the sonar measures; the two infrared range
+/// finders at the front look 45 degrees aside, so they count only if something is too near to be
+/// measured, at a corner of the body. A silent sensor limits nothing, because not every KURT2 has
+/// these sensors. Bumper, tilt and a stalled motor raise an alarm once; a person must release the
+/// robot before it drives on.
 class BaseGuard {
  public:
   BaseGuard(const GuardParams& params, const SpeedLimits& limits)
@@ -48,14 +50,28 @@ class BaseGuard {
     time::SteadyTime at;
   };
 
+  /// A wheel that should turn.
+  class TurningWheel {
+   public:
+    /// Returns for how long it has not turned.
+    time::Duration add(int ticks, double commanded_mps, time::SteadyTime now);
+
+   private:
+    std::optional<time::SteadyTime> since_;
+    int ticks_ = 0;  // since then
+  };
+
   [[nodiscard]] double safe_speed_mps(const std::optional<Seen>& seen, time::SteadyTime now) const;
 
   GuardParams params_;
   double deceleration_mps2_;
   std::optional<Seen> ahead_;
+  std::optional<Seen> left_corner_;
+  std::optional<Seen> right_corner_;
   std::optional<Seen> behind_;
   std::optional<time::SteadyTime> tilted_since_;
-  std::optional<time::SteadyTime> stalled_since_;
+  TurningWheel left_wheel_;
+  TurningWheel right_wheel_;
   std::optional<Alarm> alarm_;
 };
 

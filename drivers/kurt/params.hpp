@@ -87,9 +87,10 @@ struct GuardParams {
 
   template <class Visitor>
   void describe(Visitor& v) {
-    v.flag("use_ranges", use_ranges,
-           "Slow down before obstacles that the sonar detects ahead or the infrared range finder "
-           "detects behind.");
+    v.flag(
+        "use_ranges", use_ranges,
+        "Slow down before obstacles that the sonar or the infrared range finders detect ahead or "
+        "behind.");
     v.number("near_m", near_m, {0.1, 1.0},
              "Distance to such an obstacle below which the robot creeps; the sonar cannot measure "
              "less than 0.23 m.");
@@ -100,7 +101,7 @@ struct GuardParams {
             "Stop when the base is tilted by more than this for half a second: it is falling or "
             "being carried.");
     v.number("stall_s", stall_s, {0.1, 60.0},
-             "Stop when both wheels should turn and neither does for this long.");
+             "Stop when a wheel should turn and does not for this long.");
   }
 };
 

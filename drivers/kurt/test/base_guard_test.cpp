@@ -14,10 +14,14 @@ RangeReadings sonar(int raw) {
   return {.infrared_raw = {}, .sonar_raw = raw};
 }
 
-RangeReadings infrared_back(int raw) {
+RangeReadings infrared(Infrared sensor, int raw) {
   RangeReadings readings;
-  readings.infrared_raw[static_cast<std::size_t>(Infrared::kBack)] = raw;
+  readings.infrared_raw[static_cast<std::size_t>(sensor)] = raw;
   return readings;
+}
+
+RangeReadings infrared_back(int raw) {
+  return infrared(Infrared::kBack, raw);
 }
 
 /// The sonar's raw reading at this range: the inverse of the sensor's formula.
@@ -83,6 +87,21 @@ TEST_F(BaseGuardTest, BehindTheInfraredCounts) {
   EXPECT_EQ(guard_.limit({-1.0, 0.0}, now_).forward_mps, -1.0);
 }
 
+TEST_F(BaseGuardTest, SomethingAtAFrontCornerMakesItCreepAhead) {
+  for (const Infrared sensor : {Infrared::kLeftFront, Infrared::kRightFront}) {
+    guard_.add(infrared(sensor, 790), now_);  // 9 cm away, beside its way
+    EXPECT_EQ(guard_.limit(kFast, now_).forward_mps, kFast.forward_mps);
+    guard_.add(infrared(sensor, 900), now_);  // nearer than it can measure
+    EXPECT_EQ(guard_.limit(kFast, now_).forward_mps, params_.creep_mps);
+    EXPECT_EQ(guard_.limit({-1.0, 0.0}, now_).forward_mps, -1.0);
+    guard_.add(sonar(1100), now_);  // the other frame's sensors say nothing about it
+    EXPECT_EQ(guard_.limit(kFast, now_).forward_mps, params_.creep_mps);
+    EXPECT_EQ(guard_.limit(kFast, now_ + 501ms).forward_mps, kFast.forward_mps);
+    guard_.add(infrared(sensor, 60), now_);  // nothing there
+    EXPECT_EQ(guard_.limit(kFast, now_).forward_mps, kFast.forward_mps);
+  }
+}
+
 TEST_F(BaseGuardTest, AnOldReadingDoesNotCount) {
   guard_.add(sonar(sonar_raw(0.24)), now_);
   EXPECT_EQ(guard_.limit(kFast, now_ + 501ms).forward_mps, kFast.forward_mps);
@@ -110,17 +129,33 @@ TEST_F(BaseGuardTest, ShakingDoesNotCountAsTilt) {
   EXPECT_EQ(guard_.take_alarm(), Alarm::kTilt);
 }
 
-TEST_F(BaseGuardTest, WheelsThatShouldTurnAndDoNotAreStalled) {
+/// What the wheels do, every 10 ms.
+struct Wheels {
+  WheelSpeeds commanded;
+  EncoderTicks even;  ///< in every second period
+  EncoderTicks odd;   ///< in the others
+};
+
+TEST_F(BaseGuardTest, AWheelThatShouldTurnAndDoesNotIsStalled) {
+  const auto is_stalled_after = [this](const Wheels& wheels, time::Duration duration) {
+    BaseGuard guard(params_, limits_);
+    for (time::Duration t{}; t <= duration; t += 10ms) {
+      guard.add(t % 20ms == 0ms ? wheels.even : wheels.odd, wheels.commanded, now_ + t);
+    }
+    return guard.take_alarm().has_value();
+  };
   const WheelSpeeds fast{0.5, 0.5};
-  guard_.add(EncoderTicks{0, 0}, fast, now_);
-  guard_.add(EncoderTicks{0, 1}, fast, now_ + 1500ms);  // one wheel turns
-  guard_.add(EncoderTicks{0, 0}, fast, now_ + 1600ms);
-  guard_.add(EncoderTicks{0, 0}, {0.5, 0.0}, now_ + 2s);  // one wheel is commanded to stand still
-  guard_.add(EncoderTicks{0, 0}, fast, now_ + 2100ms);
-  guard_.add(EncoderTicks{0, 0}, fast, now_ + 4s);
-  EXPECT_FALSE(guard_.take_alarm());
-  guard_.add(EncoderTicks{0, 0}, fast, now_ + 4100ms);
-  EXPECT_EQ(guard_.take_alarm(), Alarm::kStall);
+  for (const Wheels& stalled : {Wheels{fast, {0, 0}, {0, 0}}, Wheels{fast, {0, 100}, {0, 100}},
+                                Wheels{fast, {100, 0}, {100, 0}}, Wheels{fast, {1, 1}, {-1, -1}},
+                                Wheels{{-0.5, 0.5}, {-100, 0}, {-100, 0}}}) {
+    EXPECT_FALSE(is_stalled_after(stalled, 1990ms));
+    EXPECT_TRUE(is_stalled_after(stalled, 2000ms));
+  }
+  for (const Wheels& turning :
+       {Wheels{fast, {100, 100}, {100, 100}}, Wheels{fast, {0, 0}, {1, 1}},
+        Wheels{{0.5, 0.0}, {100, 0}, {100, 0}}, Wheels{{0.04, -0.04}, {0, 0}, {0, 0}}}) {
+    EXPECT_FALSE(is_stalled_after(turning, 10s));
+  }
 }
 
 }  // namespace base_guard_test
