@@ -16,6 +16,7 @@
 #include <system_error>
 
 #include "common/bus/wire_layout.hpp"
+#include "common/formats/atomic_file.hpp"
 #include "common/formats/input_file.hpp"
 
 namespace nodmap::bus {
@@ -126,7 +127,8 @@ bool LogReader::read_event_here() {
 }
 
 LogWriter::LogWriter(const std::filesystem::path& path)
-    : fd_(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666)) {
+    : unsynced_name_(path),
+      fd_(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666)) {
   if (!fd_.is_open()) {
     throw std::system_error(errno, std::system_category(), path.string() + ": cannot create");
   }
@@ -165,12 +167,30 @@ bool LogWriter::flush() {
 }
 
 bool LogWriter::sync() {
-  if (!failure_ && ::fdatasync(fd_.get()) != 0 &&
-      errno != EINVAL) {  // EINVAL: a pipe, which cannot be synced
-    failure_.assign(errno, std::system_category());
-    size_bytes_ = flushed_bytes_;
+  if (failure_) {
+    return false;
   }
-  return !failure_;
+  if (::fdatasync(fd_.get()) == 0) {
+    ++num_syncs_;
+  } else if (errno != EINVAL) {  // EINVAL: a pipe, which cannot be synced
+    fail({errno, std::system_category()});
+    return false;
+  }
+  if (!unsynced_name_.empty()) {
+    const std::error_code error = formats::sync_folder_of(unsynced_name_);
+    if (error && error != std::errc::invalid_argument) {  // a file system that cannot do it
+      fail(error);
+      return false;
+    }
+    ++num_syncs_;
+    unsynced_name_.clear();
+  }
+  return true;
+}
+
+void LogWriter::fail(const std::error_code& error) {
+  failure_ = error;
+  size_bytes_ = flushed_bytes_;
 }
 
 bool LogWriter::drain() {

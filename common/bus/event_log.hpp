@@ -76,9 +76,11 @@ class LogWriter : private boost::noncopyable {
   /// Flushes everything to the operating system. False as for write().
   [[nodiscard]] bool flush();
 
-  /// Waits until everything flushed is on the disk, so that it survives a power cut. False as for
-  /// write().
+  /// Waits until everything flushed is on the disk, so that it survives a power cut; the first time
+  /// also the file's name. False as for write().
   [[nodiscard]] bool sync();
+  /// How often the system has put the file, or its name, on the disk.
+  [[nodiscard]] std::int64_t num_syncs() const { return num_syncs_; }
 
   /// Number of bytes that an event takes in a file.
   [[nodiscard]] static std::int64_t event_bytes(const std::string& channel,
@@ -94,13 +96,16 @@ class LogWriter : private boost::noncopyable {
 
  private:
   [[nodiscard]] bool drain();
+  void fail(const std::error_code& error);
 
+  std::filesystem::path unsynced_name_;  // empty once it is on the disk
   formats::FileDescriptor fd_;
   std::error_code failure_;
   std::vector<std::byte> pending_;
   std::int64_t size_bytes_ = 0;
   std::int64_t flushed_bytes_ = 0;
   std::int64_t num_events_ = 0;
+  std::int64_t num_syncs_ = 0;
 };
 
 }  // namespace nodmap::bus

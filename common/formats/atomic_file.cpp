@@ -75,7 +75,10 @@ std::error_code replace_file_by(const std::filesystem::path& file,
     std::filesystem::remove(unfinished, ignored);
     return error;
   }
-  // The new name is an entry of the folder, so the folder must be synced as well.
+  return sync_folder_of(file);
+}
+
+std::error_code sync_folder_of(const std::filesystem::path& file) {
   const File folder(file.has_parent_path() ? file.parent_path() : ".",
                     O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   return folder.is_open() ? folder.sync() : last_error();

@@ -20,4 +20,8 @@ namespace nodmap::formats {
 [[nodiscard]] std::error_code replace_file_by(const std::filesystem::path& file,
                                               const std::filesystem::path& unfinished);
 
+/// Waits until the name of a new file is on the disk. It is an entry of the folder, so syncing the
+/// file alone does not keep it over a power cut.
+[[nodiscard]] std::error_code sync_folder_of(const std::filesystem::path& file);
+
 }  // namespace nodmap::formats

@@ -125,10 +125,12 @@ bool Recorder::flush() {
 /// reserve free.
 void Recorder::sync() {
   synced_ = clock_.now();
+  const std::int64_t syncs_before = writer_->num_syncs();
   if (!writer_->sync()) {
     fail(writer_->failure().message());
     return;
   }
+  counts_.syncs += writer_->num_syncs() > syncs_before ? 1 : 0;
   if (!has_room()) {
     keep_quota();
     if (!has_room()) {

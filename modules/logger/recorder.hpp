@@ -38,6 +38,7 @@ struct RecorderCounts {
   std::int64_t dropped = 0;  ///< events for which the disk had no room
   std::int64_t files = 0;
   std::int64_t deleted_files = 0;  ///< files deleted for quota and reserve
+  std::int64_t syncs = 0;          ///< waits until the disk had everything
 };
 
 /// Writes events into a sequence of log files. If the disk is full, the complete events written so

@@ -152,6 +152,26 @@ TEST(EventLog, EmptyAndMissingFiles) {
   EXPECT_THROW(LogReader(dir.path()), std::runtime_error);
 }
 
+// After a power cut a file whose name did not reach the disk is gone.
+TEST(EventLog, SyncPutsTheFileAndOnceItsNameOnTheDisk) {
+  const test::TemporaryDir dir;
+  LogWriter writer(dir.path() / "log");
+  EXPECT_EQ(writer.num_syncs(), 0);
+  EXPECT_TRUE(writer.sync());
+  EXPECT_EQ(writer.num_syncs(), 2);
+  EXPECT_TRUE(writer.sync());
+  EXPECT_EQ(writer.num_syncs(), 3);
+}
+
+TEST(EventLog, AFileWhoseNameCannotReachTheDiskIsReported) {
+  const test::TemporaryDir dir;
+  std::filesystem::create_directory(dir.path() / "logs");
+  LogWriter writer(dir.path() / "logs" / "log");
+  std::filesystem::remove_all(dir.path() / "logs");
+  EXPECT_FALSE(writer.sync());
+  EXPECT_TRUE(writer.failure());
+}
+
 TEST(EventLog, NeverOverwrites) {
   const test::TemporaryDir dir;
   spill(dir.path() / "precious", "x");

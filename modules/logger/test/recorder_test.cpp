@@ -117,6 +117,18 @@ TEST_F(RecorderTest, AClockSetBackDoesNotStopTheFlush) {
   EXPECT_THAT(stamps("lcmlog-2026-11-21.00"), ElementsAre(0));
 }
 
+TEST_F(RecorderTest, TheDiskHasEverythingOnceASecondAndAtTheEnd) {
+  Recorder recorder({.dir = dir_.path()}, clock_);
+  for (int i = 0; i < 100; ++i) {
+    clock_.advance(100ms);
+    record(recorder);
+    recorder.tick();
+  }
+  EXPECT_EQ(recorder.counts().syncs, 10);
+  recorder.close();
+  EXPECT_EQ(recorder.counts().syncs, 11);
+}
+
 TEST_F(RecorderTest, ClosingWritesTheRest) {
   Recorder recorder({.dir = dir_.path() / "made" / "here"}, clock_);
   record(recorder);
