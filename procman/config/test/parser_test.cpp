@@ -285,6 +285,19 @@ TEST_P(RealConfig, UsesTheWordDeputyAsTheExistingToolsDo) {
             load_config(std::string(NODMAP_PMD_DIR) + "/" + GetParam()).commands.size());
 }
 
+// While somebody forges DRIVE it is FAILED; it would be restarted, and a person would have to
+// release the robot.
+TEST_P(RealConfig, TheBaseDriverIsRestartedOnlyWhenItIsSilent) {
+  const Config config = load_config(std::string(NODMAP_PMD_DIR) + "/" + GetParam());
+  for (const Command& command : config.commands) {
+    if (program_of(command.exec) == "nodmap-kurt") {
+      EXPECT_FALSE(command.health.restart_failed_s);
+      EXPECT_FALSE(command.health.restart_degraded_s);
+      EXPECT_TRUE(command.health.restart_silent_s);
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(All, RealConfig,
                          ::testing::Values("robot.pmd", "sim.pmd", "replay.pmd", "two_hosts.pmd"));
 
