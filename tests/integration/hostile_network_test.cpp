@@ -4,7 +4,9 @@
 // forge source addresses.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
 #include <sched.h>
+#include <sys/socket.h>
 
 #include <csignal>
 #include <cstdlib>
@@ -12,6 +14,7 @@
 
 #include "common/bus/event_log.hpp"
 #include "common/bus/live_bus.hpp"
+#include "common/formats/file_descriptor.hpp"
 #include "nodmap/status_t.hpp"
 #include "tests/support/attacker.hpp"
 #include "tests/support/child_process.hpp"
@@ -113,6 +116,26 @@ TEST_F(HostileNetwork, TheSendersOfMessagesAreKnown) {
   EXPECT_EQ(senders[0], senders[2]);
   EXPECT_EQ(senders[1], senders[3]);
   EXPECT_NE(senders[0].port, 0);
+}
+
+// While a sender lives, no other process can take its port, and so send as it would.
+TEST_F(HostileNetwork, NobodyElseCanSendFromTheSameSocket) {
+  bus_.subscribe_bytes("ANY", [](std::span<const std::byte> /*bytes*/) {});
+  bus_.publish_bytes("ANY", {});
+  ASSERT_EQ(bus_.handle(kPatience), 1);
+  const bus::Sender own = bus_.origin().sender;
+  for (const std::uint32_t address : {std::uint32_t{INADDR_ANY}, own.address}) {
+    const formats::FileDescriptor thief(::socket(AF_INET, SOCK_DGRAM, 0));
+    const int yes = 1;
+    for (const int option : {SO_REUSEADDR, SO_REUSEPORT}) {
+      ASSERT_EQ(::setsockopt(thief.get(), SOL_SOCKET, option, &yes, sizeof(yes)), 0);
+    }
+    sockaddr_in at{};
+    at.sin_family = AF_INET;
+    at.sin_addr.s_addr = htonl(address);
+    at.sin_port = htons(own.port);
+    EXPECT_NE(::bind(thief.get(), reinterpret_cast<const sockaddr*>(&at), sizeof(at)), 0);
+  }
 }
 
 // Sent by our own sender, in fragments as the kernel delivers them.
