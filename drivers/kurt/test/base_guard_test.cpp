@@ -89,7 +89,7 @@ TEST_F(BaseGuardTest, BehindTheInfraredCounts) {
 
 TEST_F(BaseGuardTest, SomethingAtAFrontCornerMakesItCreepAhead) {
   for (const Infrared sensor : {Infrared::kLeftFront, Infrared::kRightFront}) {
-    guard_.add(infrared(sensor, 790), now_);  // 9 cm away, beside its way
+    guard_.add(infrared(sensor, 790), now_);  // 3.5 cm away, beside its way
     EXPECT_EQ(guard_.limit(kFast, now_).forward_mps, kFast.forward_mps);
     guard_.add(infrared(sensor, 900), now_);  // nearer than it can measure
     EXPECT_EQ(guard_.limit(kFast, now_).forward_mps, params_.creep_mps);
