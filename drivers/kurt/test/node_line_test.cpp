@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The driver's end, and a line or a base that fails.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "drivers/kurt/node.hpp"
+#include "drivers/kurt/test/node_bench.hpp"
+
+namespace nodmap::kurt {
+namespace node_test {
+
+TEST(KurtNode, TheEndIsAHardStop) {
+  Bench bench;
+  ASSERT_TRUE(bench.becomes_ready());
+  bench.drive_for(0.5, 0.0, 1s);
+  ASSERT_FALSE(bench.base.braked());
+  bench.node->finish();
+  bench.base.take(bench.pty->receive_text(kCommandBytes));
+  EXPECT_TRUE(bench.base.braked());
+  EXPECT_EQ(bench.node->poll_handles()[0], -1);
+  bench.node->spin_once();  // does not open it again
+  EXPECT_EQ(bench.node->poll_handles()[0], -1);
+}
+
+// As when the process ends by an exception.
+TEST(KurtNode, EveryExitIsAHardStop) {
+  Bench bench;
+  ASSERT_TRUE(bench.becomes_ready());
+  bench.drive_for(0.5, 0.0, 1s);
+  ASSERT_FALSE(bench.base.braked());
+  bench.node.reset();
+  bench.base.take(bench.pty->receive_text(kCommandBytes));
+  EXPECT_TRUE(bench.base.braked());
+}
+
+TEST(KurtNode, APulledPlugIsReportedAndRecoveredFrom) {
+  Bench bench;
+  ASSERT_TRUE(bench.becomes_ready());
+  bench.drive_for(0.5, 0.0, 1s);
+  bench.pty.reset();
+  bench.drive_for(0.5, 0.0, 20ms);
+  EXPECT_EQ(bench.node->health().state, node::HealthState::kFailed);
+  EXPECT_EQ(bench.node->health().reason, "the line is disconnected");
+  bench.drive_for(0.5, 0.0, 1s);
+  EXPECT_EQ(bench.node->health().reason, "/dev/kurt: No such file or directory");
+  EXPECT_EQ(bench.status.get()->health, nodmap::status_t::FAILED);
+  EXPECT_EQ(bench.status.get()->process_name, "nodmap-kurt");
+
+  bench.base = {};
+  bench.pty.emplace();
+  // The pause between attempts is at most 1.6 s after 1 s, the opening takes 0.2 s.
+  ASSERT_TRUE(bench.step_until(
+      [&] { return bench.node->health().state == node::HealthState::kDegraded; }, 2s));
+  EXPECT_EQ(bench.base.left_cm_s(), 0);  // waits for a new DRIVE
+  bench.drive_for(0.5, 0.0, 1s);
+  EXPECT_EQ(bench.base.left_cm_s(), 50);
+  EXPECT_EQ(bench.node->metrics()["reconnects"], 1);
+}
+
+TEST(KurtNode, ABaseThatSendsNothingPlausibleIsFailedAndNoOdometryIsPublished) {
+  Bench bench;
+  ASSERT_TRUE(bench.becomes_ready());
+  bench.drive_for(0.5, 0.0, 1s);
+  bench.base.wild_encoders = 1000;
+  bench.drive_for(0.5, 0.0, 250ms);
+  EXPECT_EQ(bench.node->health().state, node::HealthState::kFailed);
+  EXPECT_EQ(bench.base.left_cm_s(), 0);
+  const auto told = bench.odometry.count();
+  bench.drive_for(0.5, 0.0, 1s);
+  EXPECT_EQ(bench.odometry.count(), told);
+  EXPECT_EQ(bench.base.left_cm_s(), 0);
+}
+
+TEST(KurtNode, AMuteAdapterIsFailedAndThePortIsOpenedAgain) {
+  Bench bench;
+  ASSERT_TRUE(bench.becomes_ready());
+  bench.base.mute_adapter = true;
+  ASSERT_TRUE(bench.step_until(
+      [&] { return bench.node->health().state == node::HealthState::kFailed; }, 500ms));
+  ASSERT_TRUE(bench.step_until([&] { return bench.node->metrics()["reconnects"] >= 1; }, 4s));
+  bench.base.mute_adapter = false;
+  EXPECT_TRUE(bench.step_until(
+      [&] { return bench.node->health().state == node::HealthState::kDegraded; }, 10s));
+}
+
+TEST(KurtNode, ALineThatAcceptsNoBytesIsGivenUp) {
+  Bench bench;
+  ASSERT_TRUE(bench.becomes_ready());
+  // Nothing reads on the device's side, so the terminal fills up.
+  for (int i = 0; i < 5000 && bench.node->poll_handles()[0] >= 0; ++i) {
+    bench.now += 10ms;
+    bench.clock.advance(10ms);
+    bench.pty->send(bench.base.tick());
+    await_input(bench.node->poll_handles()[0], 1);
+    bench.node->spin_once();
+  }
+  EXPECT_EQ(bench.node->health().state, node::HealthState::kFailed);
+  EXPECT_EQ(bench.node->health().reason, "the line does not accept bytes");
+}
+
+}  // namespace node_test
+}  // namespace nodmap::kurt
