@@ -17,12 +17,12 @@
 #include "common/bus/live_bus.hpp"
 #include "common/node/clock.hpp"
 #include "common/node/log.hpp"
-#include "common/node/messages.hpp"
 #include "common/node/serial_workers.hpp"
 #include "common/node/status.hpp"
 #include "procman/config/config_watch.hpp"
 #include "procman/deputy/children.hpp"
 #include "procman/deputy/output_collector.hpp"
+#include "procman/deputy/refusals.hpp"
 #include "procman/deputy/signal_reader.hpp"
 #include "procman/deputy/supervisor.hpp"
 #include "procman/deputy/system_load.hpp"
@@ -38,8 +38,6 @@ constexpr time::Duration kLongestWait = 200ms;
 constexpr time::Duration kConfigSettles = 500ms;
 /// A sheriff is followed until it has been silent for this long: three of its orders.
 constexpr time::Duration kSheriffSilence = 3s;
-/// STATUS reports a refusal for this long.
-constexpr time::Duration kRefusalShown = 10s;
 
 std::string own_folder() {
   std::error_code error;
@@ -92,7 +90,6 @@ class Deputy {
   void repeat_last_words();
   void log_end(const Children::Ended& end);
   void carry_out(const SupervisorActions& actions);
-  void refuse(const RefuseOrder& refusal);
   [[nodiscard]] node::Health health(time::SteadyTime now) const;
   void start(const StartCommand& action);
   void publish_output(time::SteadyTime now);
@@ -120,8 +117,7 @@ class Deputy {
   time::SteadyTime info_due_{};
   bool serving_ = false;
   bool info_changed_ = false;
-  std::string refusal_;  // the reason of the last one
-  std::optional<time::SteadyTime> refused_;
+  Refusals refusals_{counts_};
   std::optional<int> exit_code_;
 };
 
@@ -161,7 +157,8 @@ bool Deputy::obeys(const std::string& sheriff_id) {
   if (is_followed || settings_.trusts_orders) {
     return true;
   }
-  refuse({"other_sheriff", "orders of a second sheriff are refused: " + sheriff_id});
+  refusals_.add({"other_sheriff", "orders of a second sheriff are refused: " + sheriff_id},
+                time::steady_now());
   return false;
 }
 
@@ -303,7 +300,7 @@ void Deputy::carry_out(const SupervisorActions& actions) {
     } else if (const auto* begin = std::get_if<StartCommand>(&action)) {
       start(*begin);
     } else if (const auto* refusal = std::get_if<RefuseOrder>(&action)) {
-      refuse(*refusal);
+      refusals_.add(*refusal, time::steady_now());
     } else if (const auto* forget = std::get_if<ForgetCommand>(&action)) {
       output_.forget(forget->id);
       info_changed_ = true;
@@ -313,24 +310,9 @@ void Deputy::carry_out(const SupervisorActions& actions) {
   }
 }
 
-/// Logs the first refusal after a while without any: a flood of orders must not fill the journal.
-void Deputy::refuse(const RefuseOrder& refusal) {
-  const time::SteadyTime now = time::steady_now();
-  counts_.reject(refusal.cause);
-  refusal_ = node::read_name(refusal.reason);
-  if (!refused_ || now - *refused_ >= kRefusalShown) {
-    log::get().warn("{}", refusal_);
-  }
-  refused_ = now;
-}
-
 node::Health Deputy::health(time::SteadyTime now) const {
-  node::Health health;
+  node::Health health = refusals_.health(now);
   health.needs_messages = false;  // a deputy without a sheriff is healthy
-  if (refused_ && now - *refused_ < kRefusalShown) {
-    health.state = node::HealthState::kDegraded;
-    health.reason = refusal_;
-  }
   return health;
 }
 
