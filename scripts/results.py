@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Runs what README.md claims and writes its tables between their markers, with the commit they were measured at. With --check only
 compares, and fails when a number in README.md is not what the programs reach now: by more than the last digit printed, and by more than
-2 %, for another processor's square roots and sines may round in another way.
+2 %, for another processor's square roots and sines may round in another way. The simulated drives, which take minutes, are not checked.
 
 usage: results.py BIN_DIR [--check]
 
@@ -17,6 +17,8 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT / "bench"))
+from seeds import ODOMETRY_NOISE, REPORTING
 DATA = pathlib.Path(os.environ.get("NODMAP_DATA", ROOT.parent / "shared" / "data"))
 README = ROOT / "README.md"
 PEERS = json.loads((ROOT / "docs" / "peers.json").read_text())
@@ -51,7 +53,42 @@ def table_kurt3d(bin_dir, work):
     return rows
 
 
-TABLES = {"2d": table_2d, "kurt3d": table_kurt3d}
+# What is driven, and nodmap-trial's worlds for it.
+DRIVES = {
+    "random clutter, objects of 10 cm and more": "random:{seed}",
+    "an office": "office.yaml",
+    "a corridor of 30 m": "corridor30.yaml",
+    "a cellar": "cellar.yaml",
+}
+
+
+def drive(bin_dir, world, seed, out):
+    """A minute of the whole robot, with the errors of odometry that mapping is reported with."""
+    world = world.format(seed=seed) if ":" in world else ROOT / "sim" / "worlds" / world
+    run(bin_dir / "nodmap-trial", "--world", world, "--seed", seed, "--duration", 60, *ODOMETRY_NOISE, "--out", out)
+    result = json.loads((out / "result.json").read_text())
+    (out / "trial.lcmlog").unlink()  # 20 MB
+    return result
+
+
+def table_drives(bin_dir, work):
+    """Contacts, speed and the errors of both maps in simulated drives."""
+    seeds = REPORTING[200:205]
+    rows = [f"| simulated drives of 60 s ({len(seeds)} each) | contacts | speed | 2D SLAM | 6D SLAM | odometry |", "|---|---|---|---|---|---|"]
+    for name, world in DRIVES.items():
+        results = [drive(bin_dir, world, seed, work / f"{name}-{seed}") for seed in seeds]
+
+        def mean(value):
+            return sum(value(result) for result in results) / len(results)
+
+        errors = [f"{100 * mean(lambda result, key=key: result[key]['ate_rmse_m']):.1f} cm" for key in ("slam2d", "slam6d", "odometry")]
+        rows.append(f"| {name} | {sum(result['collisions'] for result in results)} | {mean(lambda result: result['mean_speed_mps']):.2f} m/s | "
+                    + " | ".join(errors) + " |")
+    return rows
+
+
+QUICK_TABLES = {"2d": table_2d, "kurt3d": table_kurt3d}
+TABLES = QUICK_TABLES | {"drives": table_drives}
 
 
 def block(name):
@@ -79,7 +116,7 @@ def main():
     text = README.read_text()
     stale = []
     with tempfile.TemporaryDirectory() as work:
-        for name, make in TABLES.items():
+        for name, make in (QUICK_TABLES if check else TABLES).items():
             rows = make(bin_dir, pathlib.Path(work))
             print("\n".join(rows))
             fresh = "\n".join(rows) + f"\n\nWritten by `./nodmap results` at commit {commit}.\n"
