@@ -5,8 +5,10 @@
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 
+#include "common/bus/followed_sender.hpp"
 #include "common/node/message_input.hpp"
 #include "common/node/node.hpp"
+#include "common/node/sender_watch.hpp"
 #include "modules/pitch_controller/pitch_controller.hpp"
 #include "nodmap/odometry_t.hpp"
 #include "nodmap/pitch_state_t.hpp"
@@ -35,6 +37,7 @@ class PitchControllerNode final : public node::Node {
   node::Context& context_;
   Params params_;
   node::SensorInput input_;
+  bus::FollowedSender pitch_state_sender_{node::SenderWatch::kSilence};
   node::SequenceCounter pitch_states_;
   PitchController controller_;
   InhibitReason inhibited_ = InhibitReason::kNone;

@@ -121,6 +121,19 @@ TEST_F(PitchControllerNodeTest, InvalidMessagesAreCountedAndChangeNothing) {
   EXPECT_EQ(rejected("implausible_pitch_state"), 3);
 }
 
+TEST_F(PitchControllerNodeTest, PitchStatesOfASecondProcessAreNotUsed) {
+  const auto give = [this](std::uint16_t port, bool is_stalled) {
+    auto state = next_state();
+    state.is_stalled = is_stalled ? 1 : 0;
+    bus_.set_origin({{0x7F000001, port}, time::from_utime(state.utime)});
+    bus_.deliver("PITCH_STATE", state);
+  };
+  give(40'000, false);
+  give(40'001, true);
+  EXPECT_EQ(rejected("other_sender_of_pitch_state"), 1);
+  EXPECT_EQ(counts_.used(), 1);
+}
+
 TEST_F(PitchControllerNodeTest, ReportsAStalledServoAndAPitchThatIsNotMeasured) {
   run(5.0, 0.0);
   now_us_ += 20'000;
