@@ -16,9 +16,13 @@
 #include "bench/live/stop_metrics.hpp"
 #include "common/bus/live_bus.hpp"
 #include "common/node/clock.hpp"
+#include "nodmap/base_sensors_t.hpp"
 #include "nodmap/drive_t.hpp"
+#include "nodmap/egomap_t.hpp"
 #include "nodmap/odometry_t.hpp"
 #include "nodmap/pitch_command_t.hpp"
+#include "nodmap/pitch_state_t.hpp"
+#include "nodmap/scan_t.hpp"
 #include "nodmap/stop_t.hpp"
 #include "tests/support/attacker.hpp"
 
@@ -30,6 +34,7 @@ constexpr double kRateHz = 100.0;
 /// One message a little later than a sender may be silent.
 constexpr double kListenerHz = 1.0 / 0.21;
 constexpr std::int64_t kSkippedByListener = 100;
+constexpr double kSeldomHz = 2.0;        // too seldom to be noticed
 constexpr time::Duration kAhead = 45ms;  // forged stamps are ahead, to look newest
 constexpr double kDrivingMps = 0.5;    // from this speed on the robot is driving, before and after
 constexpr double kTimeToStopS = 2.0;   // to notice the attack and to brake
@@ -37,36 +42,41 @@ constexpr double kStationaryM = 0.05;  // greatest distance of a robot that has 
 constexpr double kPatienceS = 120.0;   // wait for it to drive; a busy machine is slow
 constexpr const char* kNeighbour = "10.9.9.9";
 
-/// Chooses the numbers of a sender that listens: each is ahead of the legitimate sender's.
-class NumbersAhead {
- public:
-  void receive(std::int64_t seq) { last_ = seq == forged_ ? last_ : seq; }
-  [[nodiscard]] std::int64_t next() { return forged_ = last_ + kSkippedByListener; }
-
- private:
-  std::int64_t last_ = 0;
-  std::int64_t forged_ = 0;  // is received as well
-};
-
-/// Sends messages as a process of the robot would, and raw datagrams.
+/// Sends messages as a process of the robot would, and raw datagrams. It also listens to what the
+/// robot's processes send.
 class Forger {
  public:
   Forger() {
-    bus_.subscribe<nodmap::drive_t>(
-        "DRIVE", [this](const nodmap::drive_t& drive) { drives_.receive(drive.drive_seq); });
-    bus_.subscribe<nodmap::odometry_t>("ODOMETRY", [this](const nodmap::odometry_t& odometry) {
-      odometry_.receive(odometry.odometry_seq);
-    });
+    bus_.subscribe_bytes("FORGER", [this](auto) { own_ = bus_.origin().sender; });
+    bus_.publish_bytes("FORGER", {});
+    while (own_ == bus::Sender{}) {
+      bus_.handle(std::chrono::milliseconds(100));
+    }
+    listen("DRIVE", &nodmap::drive_t::drive_seq);
+    listen("ODOMETRY", &nodmap::odometry_t::odometry_seq);
+    listen("SCAN", &nodmap::scan_t::scan_seq);
+    listen("PITCH_STATE", &nodmap::pitch_state_t::state_seq);
+    listen("OBSTACLE_MAP", &nodmap::egomap_t::scan_seq);
+    listen("BASE_SENSORS", &nodmap::base_sensors_t::sensors_seq);
   }
 
   [[nodiscard]] std::int64_t next_seq() { return seq_++; }
-  [[nodiscard]] std::int64_t drive_seq_ahead() {
+
+  /// The newest number of the legitimate sender.
+  [[nodiscard]] std::int64_t heard_seq(const std::string& channel) {
     bus_.handle(std::chrono::milliseconds(0));
-    return drives_.next();
+    return heard_seqs_[channel];
   }
-  [[nodiscard]] std::int64_t odometry_seq_ahead() {
+
+  /// Sends what has been heard on all these channels again, with the numbers that come next.
+  void repeat(const std::vector<std::string>& channels) {
     bus_.handle(std::chrono::milliseconds(0));
-    return odometry_.next();
+    for (const std::string& channel : channels) {
+      if (const auto found = heard_.find(channel); found != heard_.end()) {
+        bus_.publish_bytes(channel, found->second);
+      }
+    }
+    heard_.clear();
   }
 
   template <class Message>
@@ -91,11 +101,24 @@ class Forger {
   }
 
  private:
+  template <class Message>
+  void listen(const std::string& channel, std::int64_t Message::*seq) {
+    bus_.subscribe<Message>(channel, [this, channel, seq](const Message& message) {
+      if (bus_.origin().sender != own_) {
+        heard_seqs_[channel] = message.*seq;
+        Message next = message;
+        ++(next.*seq);
+        bus::encode_into(heard_[channel], next);
+      }
+    });
+  }
+
   bus::LiveBus bus_{""};
+  bus::Sender own_;
   test::Attacker attacker_{kPort};
   std::int64_t seq_ = 0;
-  NumbersAhead drives_;
-  NumbersAhead odometry_;
+  std::map<std::string, std::int64_t> heard_seqs_;       // by channel
+  std::map<std::string, std::vector<std::byte>> heard_;  // the newest message, with the next number
 };
 
 time::Timestamp now() {
@@ -134,15 +157,15 @@ nodmap::odometry_t forged_odometry(Forger& forger, time::Duration ahead) {
 }
 
 /// The same with numbers that the legitimate sender has not reached yet.
-void publish_drive_of_listener(Forger& forger) {
+void publish_drive_of_listener(Forger& forger, std::int64_t step) {
   nodmap::drive_t drive = forged_drive(forger, 0us);
-  drive.drive_seq = forger.drive_seq_ahead();
+  drive.drive_seq = forger.heard_seq("DRIVE") + step;
   forger.publish("DRIVE", drive);
 }
 
 void publish_odometry_of_listener(Forger& forger, time::Duration ahead) {
   nodmap::odometry_t odometry = forged_odometry(forger, ahead);
-  odometry.odometry_seq = forger.odometry_seq_ahead();
+  odometry.odometry_seq = forger.heard_seq("ODOMETRY") + kSkippedByListener;
   forger.publish("ODOMETRY", odometry);
 }
 
@@ -181,8 +204,16 @@ std::vector<Attack> attacks() {
       {"ODOMETRY", Promise::kStationary, "nodmap-navigator",
        [](Forger& forger) { forger.publish("ODOMETRY", forged_odometry(forger, 0us)); }},
       {"one ODOMETRY, a day ahead", Promise::kDrivesOn, "", one_odometry, 0.0},
-      {"DRIVE that skips numbers", Promise::kStationary, "nodmap-kurt", publish_drive_of_listener,
-       kListenerHz},
+      {"DRIVE that skips numbers", Promise::kStationary, "nodmap-kurt",
+       [](Forger& forger) { publish_drive_of_listener(forger, kSkippedByListener); }, kListenerHz},
+      {"DRIVE with the next numbers", Promise::kStationary, "nodmap-kurt",
+       [](Forger& forger) { publish_drive_of_listener(forger, 1); }},
+      {"DRIVE with the next number, twice a second", Promise::kDrivesOn, "",
+       [](Forger& forger) { publish_drive_of_listener(forger, 1); }, kSeldomHz},
+      {"the sensors' messages with the next numbers", Promise::kStationary, "nodmap-navigator",
+       [](Forger& forger) {
+         forger.repeat({"SCAN", "PITCH_STATE", "OBSTACLE_MAP", "BASE_SENSORS"});
+       }},
       {"ODOMETRY that skips numbers", Promise::kStationary, "nodmap-navigator",
        [](Forger& forger) { publish_odometry_of_listener(forger, 0us); }, kListenerHz},
       {"ODOMETRY a day ahead that skips numbers, once a second", Promise::kDrivesOn, "",
