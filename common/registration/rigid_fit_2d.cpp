@@ -9,27 +9,7 @@ namespace {
 // A spread below this, relative to the squared coordinates, is rounding error.
 constexpr double kRelativeRounding = 1e-12;
 
-double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
-
 }  // namespace
-
-void RigidFit2d::add(const Eigen::Vector2d& model, const Eigen::Vector2d& data, double weight) {
-  if (!(weight > 0.0) || !model.allFinite() || !data.allFinite()) {
-    return;
-  }
-  const Eigen::Vector2d m = model - reference_;
-  const Eigen::Vector2d d = data - reference_;
-  ++correspondences_;
-  weight_ += weight;
-  model_ += weight * m;
-  data_ += weight * d;
-  model_squared_ += weight * m.squaredNorm();
-  data_squared_ += weight * d.squaredNorm();
-  dot_ += weight * d.dot(m);
-  cross_ += weight * cross(d, m);
-}
 
 RigidFit2d::Solution RigidFit2d::solve() const {
   if (correspondences_ < 2) {

@@ -35,11 +35,29 @@ class RigidFit2d {
 
   /// Adds the correspondence of `data` (d_j) with `model` (m_i), metres. Ignored when a coordinate
   /// is not finite or the weight is not positive.
-  void add(const Eigen::Vector2d& model, const Eigen::Vector2d& data, double weight = 1.0);
+  void add(const Eigen::Vector2d& model, const Eigen::Vector2d& data, double weight = 1.0) {
+    if (!(weight > 0.0) || !model.allFinite() || !data.allFinite()) {
+      return;
+    }
+    const Eigen::Vector2d m = model - reference_;
+    const Eigen::Vector2d d = data - reference_;
+    ++correspondences_;
+    weight_ += weight;
+    model_ += weight * m;
+    data_ += weight * d;
+    model_squared_ += weight * m.squaredNorm();
+    data_squared_ += weight * d.squaredNorm();
+    dot_ += weight * d.dot(m);
+    cross_ += weight * cross(d, m);
+  }
 
   [[nodiscard]] Solution solve() const;
 
  private:
+  [[nodiscard]] static double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+    return a.x() * b.y() - a.y() * b.x();
+  }
+
   Eigen::Vector2d reference_;
   int correspondences_ = 0;
   double weight_ = 0.0;

@@ -13,60 +13,11 @@ constexpr double kCellSizeM = 0.25;
 // factor.
 constexpr double kFirstReachM = 0.125;
 constexpr double kReachGrowth = 2.0;
-constexpr double kMinNormalCosine = 0.5;   // 60 degrees
 constexpr double kMaxLineThickness = 0.3;  // width over length
 constexpr double kMinNeighbours = 3.0;     // of a line, with the point itself
 constexpr double kRememberedM = 0.08;      // a search looks this far beyond the nearest point
-// A result holds for rotations of the point up to 0.1 rad: the cosine of that angle, and of the
-// angle between normals that such a rotation may make similar.
-constexpr double kMinRememberedCosine = 0.9951;
+// The cosine of the angle between normals that a rotation by 0.1 rad may make similar.
 constexpr double kMinLaterCosine = 0.41;
-constexpr double kRoundingM = 1e-9;
-
-bool have_similar_normals(const Eigen::Vector2d& a, const Eigen::Vector2d& b,
-                          double min_cosine = kMinNormalCosine) {
-  return a.dot(b) > min_cosine || a.isZero(0.0) || b.isZero(0.0);
-}
-
-/// The nearest of some map points with a normal similar to that of `point`.
-struct NearestOf {
-  const OrientedPoint& point;
-  double nearest_m2 = 0.0;  ///< of the nearest; at first of the reach
-  const MapPoint* nearest = nullptr;
-
-  void consider(const MapPoint& map_point) {
-    const double squared_m2 = (map_point.point.p - point.p).squaredNorm();
-    if (squared_m2 <= nearest_m2 && have_similar_normals(point.normal, map_point.point.normal)) {
-      nearest_m2 = squared_m2;
-      nearest = &map_point;
-    }
-  }
-  /// Whether no map point can be nearer, or within reach, if all within `known_m` were considered.
-  [[nodiscard]] bool is_certain(double known_m) const {
-    return known_m > 0.0 && nearest_m2 <= known_m * known_m;
-  }
-};
-
-/// The nearest map point, as far as the last search tells it; empty if the map must be searched.
-std::optional<const MapPoint*> recall(const Neighbourhood& last, const OrientedPoint& point,
-                                      double max_distance_m) {
-  if (last.free_m < 0.0 ||
-      !have_similar_normals(point.normal, last.place.normal, kMinRememberedCosine)) {
-    return std::nullopt;
-  }
-  const double moved_m = (point.p - last.place.p).norm() + kRoundingM;
-  NearestOf search{.point = point, .nearest_m2 = max_distance_m * max_distance_m};
-  if (last.nearest != nullptr) {
-    search.consider(*last.nearest);
-  }
-  if (search.is_certain(last.free_m - moved_m)) {
-    return search.nearest;
-  }
-  for (const MapPoint* const known : std::span(last.known).first(last.num_known)) {
-    search.consider(*known);
-  }
-  return search.is_certain(last.known_m - moved_m) ? std::optional(search.nearest) : std::nullopt;
-}
 
 /// std::floor is a dozen instructions without SSE4.
 std::int32_t floor_to_int(double value) {
@@ -278,11 +229,14 @@ struct PointMap::Search {
   double limit_m2 = 0.0;    // points beyond do not matter
   const MapPoint* nearest = nullptr;
   Neighbourhood* remembered = nullptr;  // filled for the next search, if not null
-  double other_m2 = 0.0;      // of the nearest point but one that is, or may become, similar
-  double forgotten_m2 = 0.0;  // of the nearest point that did not fit into `known`, or of the reach
+  double other_m2 = 0.0;  // of the nearest point but one that is, or may become, similar
+  double forgotten_m2 =
+      0.0;  // of the nearest point that did not fit into `others`, or of the reach
 
   void found(const MapPoint& map_point, double squared_m2) {
-    other_m2 = std::min(other_m2, nearest_m2);
+    if (nearest != nullptr) {
+      remember(*nearest, nearest_m2);
+    }
     nearest_m2 = squared_m2;
     nearest = &map_point;
     const double limit_m = std::sqrt(squared_m2) + (remembered != nullptr ? kRememberedM : 0.0);
@@ -290,10 +244,14 @@ struct PointMap::Search {
   }
 
   void remember(const MapPoint& map_point, double squared_m2) {
-    if (remembered->num_known == Neighbourhood::kMaxKnown) {
+    if (remembered == nullptr) {
+      return;
+    }
+    other_m2 = std::min(other_m2, squared_m2);
+    if (remembered->num_others == Neighbourhood::kMaxOthers) {
       forgotten_m2 = std::min(forgotten_m2, squared_m2);
     } else {
-      remembered->known[remembered->num_known++] = &map_point;
+      remembered->others[remembered->num_others++] = &map_point;
     }
   }
 };
@@ -308,15 +266,10 @@ void PointMap::search_within(double reach_m, Search& search) const {
     }
     const MapPoint& map_point = points_[index];
     const Eigen::Vector2d& other_normal = map_point.point.normal;
-    const bool is_nearest =
-        squared_m2 <= search.nearest_m2 && have_similar_normals(normal, other_normal);
-    if (search.remembered != nullptr &&
-        (is_nearest || have_similar_normals(normal, other_normal, kMinLaterCosine))) {
-      search.remember(map_point, squared_m2);
-      search.other_m2 = is_nearest ? search.other_m2 : std::min(search.other_m2, squared_m2);
-    }
-    if (is_nearest) {
+    if (squared_m2 <= search.nearest_m2 && have_similar_normals(normal, other_normal)) {
       search.found(map_point, squared_m2);
+    } else if (have_similar_normals(normal, other_normal, kMinLaterCosine)) {
+      search.remember(map_point, squared_m2);
     }
   });
 }
@@ -339,7 +292,7 @@ void PointMap::look_around(const OrientedPoint& point, double max_distance_m,
   for (double reach_m = std::min(kFirstReachM, max_distance_m);;
        reach_m = std::min(kReachGrowth * reach_m, max_distance_m)) {
     const double reach_m2 = reach_m * reach_m;
-    around.num_known = 0;
+    around.num_others = 0;
     Search search{.point = point,
                   .nearest_m2 = reach_m2,
                   .limit_m2 = reach_m2,
@@ -354,15 +307,6 @@ void PointMap::look_around(const OrientedPoint& point, double max_distance_m,
       return;
     }
   }
-}
-
-const MapPoint* PointMap::nearest(const OrientedPoint& point, double max_distance_m,
-                                  Neighbourhood& last) const {
-  if (const auto recalled = recall(last, point, max_distance_m)) {
-    return *recalled;
-  }
-  look_around(point, max_distance_m, last);
-  return last.nearest;
 }
 
 }  // namespace nodmap::slam2d

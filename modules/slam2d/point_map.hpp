@@ -7,6 +7,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -15,8 +16,9 @@
 
 namespace nodmap::slam2d {
 
-/// A point of the map, with the line through its neighbourhood.
-struct MapPoint {
+/// A point of the map, with the line through its neighbourhood. It fills one line of the
+/// processor's cache.
+struct alignas(64) MapPoint {
   OrientedPoint point;
   /// On the line: the mean of the neighbourhood.
   Eigen::Vector2d line_point = Eigen::Vector2d::Zero();
@@ -27,19 +29,35 @@ struct MapPoint {
   [[nodiscard]] bool has_line() const { return !line_normal.isZero(0.0); }
 };
 
-/// The result of a search for the nearest map point, kept for the next search nearby.
-struct Neighbourhood {
-  static constexpr std::size_t kMaxKnown = 12;
+constexpr double kMinNormalCosine = 0.5;  // of similar normals: 60 degrees
+
+/// Whether the angle between two normals has a cosine above `min_cosine`. An unknown normal is
+/// similar to all.
+inline bool have_similar_normals(const Eigen::Vector2d& a, const Eigen::Vector2d& b,
+                                 double min_cosine = kMinNormalCosine) {
+  return a.dot(b) > min_cosine || a.isZero(0.0) || b.isZero(0.0);
+}
+
+/// The result of a search for the nearest map point, kept for the next search nearby. It fills two
+/// lines of the processor's cache.
+struct alignas(64) Neighbourhood {
+  static constexpr std::size_t kMaxOthers = 7;
 
   const MapPoint* nearest = nullptr;  ///< with a similar normal; null if there is none in reach
   OrientedPoint place;
   /// Within this distance of `place` there is no map point but `nearest`. Points whose normals
   /// would not be similar even after a small rotation do not count. Negative: not searched yet.
   double free_m = -1.0;
-  /// Within this distance there are no map points but those in `known`, with the same exception.
+  /// Within this distance there are no map points but `nearest` and those in `others`, with the
+  /// same exception.
   double known_m = -1.0;
-  std::size_t num_known = 0;
-  std::array<const MapPoint*, kMaxKnown> known{};
+  std::size_t num_others = 0;
+  std::array<const MapPoint*, kMaxOthers> others{};
+
+  /// The map point nearest to `point` within `max_distance_m`, or null, as far as this result tells
+  /// it; empty if the map must be searched.
+  [[nodiscard]] std::optional<const MapPoint*> recall(const OrientedPoint& point,
+                                                      double max_distance_m) const;
 };
 
 /// The incrementally built 2D map M of section IV A, in the map frame.
@@ -71,7 +89,13 @@ class PointMap {
   /// only if the last result is not enough. `last`: the last result, which is updated; valid only
   /// while the map does not change.
   [[nodiscard]] const MapPoint* nearest(const OrientedPoint& point, double max_distance_m,
-                                        Neighbourhood& last) const;
+                                        Neighbourhood& last) const {
+    if (const auto recalled = last.recall(point, max_distance_m)) {
+      return *recalled;
+    }
+    look_around(point, max_distance_m, last);
+    return last.nearest;
+  }
 
   [[nodiscard]] std::span<const MapPoint> points() const { return points_; }
 
@@ -137,5 +161,47 @@ class PointMap {
   // Number of each tile by its index. Never iterated, because its order is arbitrary.
   tsl::robin_map<CellIndex, std::uint32_t, CellHash> tile_numbers_;
 };
+
+/// The nearest of some map points with a normal similar to that of `point`.
+struct NearestOf {
+  const OrientedPoint& point;
+  double nearest_m2 = 0.0;  ///< of the nearest; at first of the reach
+  const MapPoint* nearest = nullptr;
+
+  void consider(const MapPoint& map_point) {
+    const double squared_m2 = (map_point.point.p - point.p).squaredNorm();
+    if (squared_m2 <= nearest_m2 && have_similar_normals(point.normal, map_point.point.normal)) {
+      nearest_m2 = squared_m2;
+      nearest = &map_point;
+    }
+  }
+  /// Whether no map point can be nearer, or within reach, if all within `known_m` were considered.
+  [[nodiscard]] bool is_certain(double known_m) const {
+    return known_m > 0.0 && nearest_m2 <= known_m * known_m;
+  }
+};
+
+// Here, so that the compiler can merge it with the loop over all points of a scan.
+inline std::optional<const MapPoint*> Neighbourhood::recall(const OrientedPoint& point,
+                                                            double max_distance_m) const {
+  // A result holds for rotations of the point up to 0.1 rad.
+  constexpr double kMinCosine = 0.9951;
+  constexpr double kRoundingM = 1e-9;
+  if (free_m < 0.0 || !have_similar_normals(point.normal, place.normal, kMinCosine)) {
+    return std::nullopt;
+  }
+  const double moved_m = (point.p - place.p).norm() + kRoundingM;
+  NearestOf search{.point = point, .nearest_m2 = max_distance_m * max_distance_m};
+  if (nearest != nullptr) {
+    search.consider(*nearest);
+  }
+  if (search.is_certain(free_m - moved_m)) {
+    return search.nearest;
+  }
+  for (const MapPoint* const other : std::span(others).first(num_others)) {
+    search.consider(*other);
+  }
+  return search.is_certain(known_m - moved_m) ? std::optional(search.nearest) : std::nullopt;
+}
 
 }  // namespace nodmap::slam2d

@@ -127,9 +127,10 @@ TEST(PointMap, WithinTheKnownDistanceAllPointsAreListed) {
           !point.has_normal() || !query.has_normal() ||
           point.normal.dot(query.normal) > std::cos(geometry::deg_to_rad(65.0));
       const bool is_known =
-          std::any_of(around.known.begin(),
-                      around.known.begin() + static_cast<std::ptrdiff_t>(around.num_known),
-                      [&](const MapPoint* known) { return known->point.p == point.p; });
+          (around.nearest != nullptr && around.nearest->point.p == point.p) ||
+          std::any_of(around.others.begin(),
+                      around.others.begin() + static_cast<std::ptrdiff_t>(around.num_others),
+                      [&](const MapPoint* other) { return other->point.p == point.p; });
       if (may_be_similar && !is_known) {
         EXPECT_GE((point.p - query.p).norm(), around.known_m - 1e-12);  // rounding
       }
