@@ -21,9 +21,9 @@ constexpr double kFixedRad = geometry::deg_to_rad(0.5);
 constexpr double kLongestSweepS = 3600.0;
 
 constexpr time::Duration kStarting = 100ms;
-// A change of pitch by this much is movement: six steps of the servo's encoder, more than its
+// A change of pitch by this much is movement: three steps of the servo's encoder, more than its
 // jitter.
-constexpr double kMovedRad = geometry::deg_to_rad(0.5);
+constexpr double kMovedRad = geometry::deg_to_rad(0.25);
 // Eight readings at 200 per second. Short, because until a stall is detected the robot drives
 // towards what the laser does not see.
 constexpr time::Duration kMovePatience = 40ms;
@@ -128,9 +128,15 @@ time::Duration Nod::patience(const PitchSample& where) const {
   const double braking_rad = speed * speed / (2.0 * robot_.head.pitch_acceleration_rad_s2);
   const bool reverses = moved_->stamp <= reversed_ ||
                         std::abs(aim_.goal_rad - where.pitch_rad) <= braking_rad + kMovedRad;
-  const double reversal_s =
-      reverses ? 2.0 * speed / robot_.head.pitch_acceleration_rad_s2 + kReversalDelayS : 0.0;
-  return kMovePatience + time::from_seconds(moving_s + reversal_s);
+  return kMovePatience + time::from_seconds(moving_s + (reverses ? reversal_s(speed) : 0.0));
+}
+
+/// How much longer a reversal takes. If the head was last seen moving kMovedRad before the end, it
+/// comes to rest over that angle and moves away over twice that angle, with constant acceleration.
+double Nod::reversal_s(double speed_rad_s) const {
+  const double a = robot_.head.pitch_acceleration_rad_s2;
+  const double to_rest_s = std::sqrt(2.0 * kMovedRad / a);
+  return std::min(2.0 * speed_rad_s / a, (1.0 + std::sqrt(2.0)) * to_rest_s) + kReversalDelayS;
 }
 
 void Nod::reverse(time::SteadyTime stamp) {

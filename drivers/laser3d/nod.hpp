@@ -59,8 +59,7 @@ class Nod {
   /// The goal and speed for the servo, given the measured pitch.
   [[nodiscard]] Aim step(const PitchSample& where, time::SteadyTime now);
 
-  /// Whether the head does not move although commanded to. Detected within 130 ms at the speeds of
-  /// a robot that drives (up to 1 rad/s), within 220 ms at 3 rad/s.
+  /// Whether the head does not move although commanded to. Detected within 115 ms.
   [[nodiscard]] bool stalled() const { return stalled_; }
   /// The period of the nod, two sweeps; 0 when the laser is held.
   [[nodiscard]] time::Duration nod_period(time::SteadyTime now) const;
@@ -74,9 +73,10 @@ class Nod {
   [[nodiscard]] double speed_for(const AreaOfInterest& area) const;
   [[nodiscard]] bool has_arrived(const PitchSample& where, const AreaOfInterest& area) const;
   void watch_for_stall(const PitchSample& where);
-  /// How long the head may stay within half a degree: twice the time needed for that angle, the
-  /// reversal at an end, and a reserve.
+  /// How long the head may stay within a quarter of a degree: twice the time needed for that angle,
+  /// the reversal at an end, and a reserve.
   [[nodiscard]] time::Duration patience(const PitchSample& where) const;
+  [[nodiscard]] double reversal_s(double speed_rad_s) const;
   void reverse(time::SteadyTime stamp);
 
   NodParams params_;

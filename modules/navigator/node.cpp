@@ -187,9 +187,14 @@ void NavigatorNode::on_pitch_state(const nodmap::pitch_state_t& message) {
     return;
   }
   context_.counts.use();
+  const bool has_stalled = message.is_stalled != 0 && !newest_.servo_is_stalled;
   newest_.sweep_count = message.sweep_count;
   newest_.servo_is_stalled = message.is_stalled != 0;
   newest_.stamps.pitch_state = node::stamp_of(message);
+  // At once: until the next map or odometry a fast robot would drive another 2 cm.
+  if (auto reason = has_stalled ? reason_not_to_drive(params_.staleness) : std::nullopt) {
+    publish(halt(std::move(*reason)));
+  }
 }
 
 void NavigatorNode::on_goal(const nodmap::goal_t& message) {

@@ -29,10 +29,17 @@ TEST_F(NavigatorNodeTest, OneDecisionForEachMapWhenAllInputsAreFresh) {
   EXPECT_NEAR(navigation().corridor_width_m, 0.45, 1e-9);
 }
 
-TEST_F(NavigatorNodeTest, AStalledServoHaltsWithTheNextOdometry) {
+TEST_F(NavigatorNodeTest, AStalledServoHaltsAtOnce) {
   run(1.5);
-  give_state(now_us_, true);
+  ASSERT_TRUE(drives());
+  give_state(now_us_ + 5'000, true);
+  EXPECT_TRUE(halts());
+  // While it stays stalled, odometry sets the pace.
+  const auto count = bus_.count("DRIVE");
+  give_state(now_us_ + 9'000, true);
+  EXPECT_EQ(bus_.count("DRIVE"), count);
   give_odometry(now_us_ + 10'000);
+  EXPECT_EQ(bus_.count("DRIVE"), count + 1);
   EXPECT_TRUE(halts());
 }
 
