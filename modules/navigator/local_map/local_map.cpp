@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "modules/navigator/local_map/dazzled_surface.hpp"
 #include "modules/navigator/local_map/holes.hpp"
 #include "modules/navigator/local_map/mixed_pixel.hpp"
 #include "modules/navigator/local_map/possible_ramp.hpp"
@@ -65,6 +66,7 @@ void LocalMap::add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base
   low_hits_.begin_scan(n);
   const geometry::SE3 T_odom_mount = ground_.T_odom_base() * scan.T_base_mount;
   const Eigen::Matrix3d R = T_odom_mount.linear();
+  const std::vector<std::optional<double>> dazzled_m = dazzled_ranges(scan);
   for (std::size_t i = 0; i < n; ++i) {
     const double pitch_rad = scan.pitch_rad(i);
     const double c = std::cos(pitch_rad);
@@ -74,12 +76,15 @@ void LocalMap::add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base
       continue;
     }
     const auto range_m = static_cast<double>(scan.ranges_m[i]);
-    const Beam beam{T_odom_mount * Eigen::Vector3d(c * offset.x() - s * offset.z(), offset.y(),
-                                                   s * offset.x() + c * offset.z()),
-                    R * Eigen::Vector3d(c * fan_[i].x(), fan_[i].y(), s * fan_[i].x()), range_m,
-                    scan.is_hit(i)};
+    Beam beam{T_odom_mount * Eigen::Vector3d(c * offset.x() - s * offset.z(), offset.y(),
+                                             s * offset.x() + c * offset.z()),
+              R * Eigen::Vector3d(c * fan_[i].x(), fan_[i].y(), s * fan_[i].x()), range_m,
+              scan.is_hit(i)};
     if (beam.is_hit || range_m == std::numeric_limits<double>::infinity()) {
       classify(beam, i);
+    } else if (dazzled_m[i]) {
+      beam.range_m = *dazzled_m[i];
+      add_dazzled(beam);
     }
   }
   low_hits_.end_scan(ground_.is_level(), grid_, floor_, obstacles_, scan_);
@@ -179,6 +184,16 @@ void LocalMap::classify(const Beam& beam, std::size_t index) {
     } else {
       low_hits_.add_low({index, p_odom, place.height_m, -beam.direction.z()});
     }
+  }
+}
+
+/// Only where the surface would be something that the body hits: on the floor, or high above it,
+/// nothing is assumed.
+void LocalMap::add_dazzled(const Beam& beam) {
+  const Eigen::Vector3d p_odom = beam.origin + beam.range_m * beam.direction;
+  const TrackedGround::Place place = ground_.look(p_odom, tolerance_m(beam.range_m));
+  if (place.kind == TrackedGround::Place::Kind::kAbove && place.height_m <= top_m_) {
+    obstacles_.add_hit(grid_, p_odom, true, scan_);
   }
 }
 

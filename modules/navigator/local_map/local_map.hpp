@@ -121,6 +121,7 @@ class LocalMap {
   void pass(const Beam& beam, double until_m);
   [[nodiscard]] static double range_to(const Plane& plane, const Beam& beam);
   void look_again(const TrackedGround::Joined& joined);
+  void add_dazzled(const Beam& beam);
   [[nodiscard]] double tolerance_m(double range_m) const;
   [[nodiscard]] bool is_floor_around(const Eigen::Vector2d& p_odom, bool may_be_assumed) const;
   /// Calls `visit(index, p_base)` for the cells within `range_m` of base; p_base() computes the
