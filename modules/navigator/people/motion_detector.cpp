@@ -49,7 +49,7 @@ bool is_before(const scan::Scan& scan, std::size_t beam, std::size_t beside) {
 }
 
 double farthest_of(const scan::Scan& scan) {
-  return std::min(kFarthestPersonM, kPersonM / (kBeamsOnPerson * scan.angle_step_rad));
+  return std::min(kFarthestPersonM, kPersonM / (kBeamsOnPerson * std::abs(scan.angle_step_rad)));
 }
 
 }  // namespace

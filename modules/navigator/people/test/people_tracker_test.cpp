@@ -58,6 +58,33 @@ TEST(PeopleTracker, FollowsAWalkerFromSweepToSweep) {
   }
 }
 
+// Its beams come in the opposite order, as those of a laser that is mounted upside down.
+TEST(PeopleTracker, AClockwiseLaserSeesTheSamePeople) {
+  PeopleTracker tracker;
+  PeopleTracker clockwise;
+  const Eigen::Vector2d velocity(-1.2, 0.1);
+  WalkingScene scene{{{Eigen::Vector2d(7.0, -0.4), 0.25, 1.7}}, 8.0};
+  std::size_t num_seen = 0;
+  for (double time_s = 0.0; time_s < 4.5; time_s += kScanS) {
+    scene.pillars[0].center = Eigen::Vector2d(7.0, -0.4) + time_s * velocity;
+    scan::Scan scan = scene.scan(at(time_s), {}, test::nodding_pitch_rad(time_s));
+    tracker.add_scan(scan, {});
+    scan.angle_first_rad = scan.angle_rad(scan.ranges_m.size() - 1);
+    scan.angle_step_rad = -scan.angle_step_rad;
+    std::ranges::reverse(scan.ranges_m);
+    clockwise.add_scan(scan, {});
+    const People people = tracker.people_odom(at(time_s));
+    const People same = clockwise.people_odom(at(time_s));
+    ASSERT_EQ(people.size(), same.size()) << time_s;
+    for (std::size_t i = 0; i < people.size(); ++i) {
+      ++num_seen;
+      // 1 mm: the sums are rounded in another order.
+      EXPECT_LT((people[i].position - same[i].position).norm(), 1e-3) << time_s;
+    }
+  }
+  EXPECT_GT(num_seen, 50U);
+}
+
 // A cylinder 1 m wide comes and passes by. The centre lies pi/4 of half the visible width behind
 // the mean of the beams, but only where the whole front is seen: tolerance 0.2 m.
 TEST(PeopleTracker, FollowsAnObjectThatIsWiderThanAPerson) {
