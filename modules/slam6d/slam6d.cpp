@@ -323,30 +323,12 @@ void Slam6d::drop_replaced_keyframes() {
     return;
   }
   while (const auto replaced = back_end_.replaced_keyframe(num_newer)) {
-    drop_keyframe(*replaced);
+    const bool is_restored = replaced->index < num_restored_;
+    dropped_.drop(*replaced, is_restored, corrected_.poses(), keyframes_, between_);
+    num_restored_ -= is_restored ? 1 : 0;
+    ever_free_.drop_keyframe(*replaced);
+    back_end_.drop_keyframe(*replaced, map_);
   }
-}
-
-void Slam6d::drop_keyframe(const ReplacedKeyframe& replaced) {
-  const std::size_t first_sweep = keyframes_[replaced.index].sweep;
-  const std::size_t end_sweep = keyframes_[replaced.index + 1].sweep;
-  const SE3 T_map_place = keyframes_[replaced.index].T_map_base;
-  // Where there are so many keyframes, those alone determine the planes.
-  std::erase_if(between_, [&](const IntermediateSweep& sweep) {
-    return (first_sweep < sweep.sweep && sweep.sweep < end_sweep) ||
-           is_same_place(corrected_.poses()[sweep.sweep], T_map_place);
-  });
-  if (replaced.index < num_restored_) {
-    --num_restored_;  // none of these sweeps is from a saved map
-  } else {
-    dropped_.push_back({first_sweep, replaced.index});
-  }
-  for (DroppedSweep& dropped : dropped_) {
-    dropped.keyframe = replaced.renumbered(dropped.keyframe);
-  }
-  keyframes_.erase(keyframes_.begin() + static_cast<std::ptrdiff_t>(replaced.index));
-  ever_free_.drop_keyframe(replaced);
-  back_end_.drop_keyframe(replaced, map_);
 }
 
 void Slam6d::polish() {
@@ -387,12 +369,8 @@ void Slam6d::find_moved_points() {
 
 void Slam6d::move_keyframes(std::span<const SE3> T_map_keyframes) {
   const SE3 T_new_old = normalized(T_map_keyframes.back() * keyframes_.back().T_map_base.inverse());
-  std::vector<CorrectedPoses::Correction> corrections;
-  for (const DroppedSweep& dropped : dropped_) {
-    corrections.push_back({dropped.sweep, T_map_keyframes[dropped.keyframe] *
-                                              keyframes_[dropped.keyframe].T_map_base.inverse() *
-                                              corrected_.poses()[dropped.sweep]});
-  }
+  std::vector<CorrectedPoses::Correction> corrections =
+      dropped_.corrections(keyframes_, T_map_keyframes, corrected_.poses());
   for (std::size_t k = 0; k < keyframes_.size(); ++k) {
     keyframes_[k].T_map_base = T_map_keyframes[k];
     if (k >= num_restored_) {

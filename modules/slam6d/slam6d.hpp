@@ -13,6 +13,7 @@
 #include "common/scan/scan.hpp"
 #include "modules/slam6d/back_end.hpp"
 #include "modules/slam6d/corrected_poses.hpp"
+#include "modules/slam6d/dropped_keyframes.hpp"
 #include "modules/slam6d/ever_free_space.hpp"
 #include "modules/slam6d/keyframe.hpp"
 #include "modules/slam6d/localiser.hpp"
@@ -138,7 +139,6 @@ class Slam6d {
   void close_loops(const VoxelMap& sweep);
   void move_keyframes(std::span<const geometry::SE3> T_map_keyframes);
   void drop_replaced_keyframes();
-  void drop_keyframe(const ReplacedKeyframe& replaced);
   void adjust();
   void find_moved_points();
 
@@ -153,12 +153,7 @@ class Slam6d {
   CorrectedPoses corrected_;  // of sweeps_
   std::vector<Keyframe> keyframes_;
   std::vector<IntermediateSweep> between_;  // for the adjustment at the end
-  /// The sweep of a dropped keyframe, which moves with the keyframe that replaces it.
-  struct DroppedSweep {
-    std::size_t sweep;
-    std::size_t keyframe;
-  };
-  std::vector<DroppedSweep> dropped_;
+  DroppedKeyframes dropped_;
   BackEnd back_end_;
   std::optional<Localiser> localiser_;  // in a saved map, or in the own one after LOST
   /// Follows odometry from where the robot was lost, until the place that was found instead is

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "common/geometry/se3.hpp"
+#include "modules/slam6d/corrected_poses.hpp"
+#include "modules/slam6d/keyframe.hpp"
+#include "modules/slam6d/replaced_keyframe.hpp"
+
+namespace nodmap::slam6d {
+
+/// The sweeps whose keyframes were dropped. Each moves with the keyframe that replaces its own, so
+/// the trajectory stays whole.
+class DroppedKeyframes {
+ public:
+  /// Drops a keyframe, the sweeps between it and the next one, and those at its place: where there
+  /// are so many keyframes, those alone determine the planes. `poses`: of all sweeps.
+  /// `is_restored`: the keyframe comes from a saved map, so it has no sweep in this drive.
+  void drop(const ReplacedKeyframe& replaced, bool is_restored,
+            std::span<const geometry::SE3> poses, std::vector<Keyframe>& keyframes,
+            std::vector<IntermediateSweep>& between);
+
+  /// The new poses of these sweeps when the keyframes move to `T_map_keyframes`.
+  [[nodiscard]] std::vector<CorrectedPoses::Correction> corrections(
+      std::span<const Keyframe> keyframes, std::span<const geometry::SE3> T_map_keyframes,
+      std::span<const geometry::SE3> poses) const;
+
+  void clear() { sweeps_.clear(); }
+
+ private:
+  struct Sweep {
+    std::size_t sweep;
+    std::size_t keyframe;  ///< that it moves with
+  };
+  std::vector<Sweep> sweeps_;
+};
+
+}  // namespace nodmap::slam6d
