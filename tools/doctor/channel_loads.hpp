@@ -18,7 +18,7 @@ struct ChannelLoad {
 inline constexpr std::array<ChannelLoad, 8> kChannelLoads{{
     {"SCAN", 75, 3'100},  // 361 ranges and intensities; 1.6 kB with 181
     {"ODOMETRY", 100, 400},
-    {"PITCH_STATE", 100, 100},
+    {"PITCH_STATE", 200, 100},
     {"OBSTACLE_MAP", 75, 7'500},
     {"STRUCTURE_MAP", 75, 7'500},
     {"POSE_2D", 75, 500},

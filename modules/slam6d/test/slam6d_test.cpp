@@ -109,8 +109,8 @@ double overlap(const Keyframe& one, const Keyframe& other) {
   return static_cast<double>(shared) / static_cast<double>(one.cloud->points.size());
 }
 
-// R43 requires an overlap of 40 %, which is enough for registration. This holds at walking pace
-// with a nod of 80 degrees; tools/trial/README.md says how small the overlap is at full speed.
+// R43 requires an overlap of 40 %, which is enough for registration. This is at walking pace with a
+// nod of 80 degrees; at full speed, where the nod is smaller, so is the overlap.
 TEST(Slam6d, R43_ConsecutiveKeyframesOverlap) {
   Slam6d slam({});
   Drive{}.run(slam, 800);
