@@ -129,12 +129,13 @@ std::vector<SE3> BackEnd::optimise() {
   return graph_.optimise(T_map_keyframes_, std::exchange(has_searched_loops_, false));
 }
 
-void BackEnd::add_loop(const Loop& loop) {
+void BackEnd::add_loop(const Loop& loop, std::optional<double> weight) {
   graph_.add_loop({.from = loop.from,
                    .to = loop.to,
                    .T_from_to = loop.T_from_to,
                    .information = loop.information,
-                   .may_be_wrong = true});
+                   .may_be_wrong = true},
+                  weight);
 }
 
 // The edge from the last keyframe to this one.
@@ -179,7 +180,7 @@ void BackEnd::join_to_restored(const TrackedKeyframe& keyframe) {
 }
 
 // Where the map against which the keyframe was registered shows an earlier place, that match was a
-// loop closure: the two keyframes are tied together.
+// loop closure: the two keyframes are tied together. The present poses agree with it.
 void BackEnd::tie_to_map(const TrackedKeyframe& keyframe) {
   const auto nearest = nearest_keyframe(false);
   if (!nearest || keyframe.information.isZero(0.0)) {
@@ -189,7 +190,8 @@ void BackEnd::tie_to_map(const TrackedKeyframe& keyframe) {
   add_loop({.from = *nearest,
             .to = newest(),
             .T_from_to = T_map_nearest.inverse() * keyframe.T_map_base,
-            .information = rotated(keyframe.information, T_map_nearest.linear().transpose())});
+            .information = rotated(keyframe.information, T_map_nearest.linear().transpose())},
+           1.0);
 }
 
 // The nearest earlier keyframe, in the old map or in the one that is registered against, if it may

@@ -100,7 +100,7 @@ class BackEnd {
   [[nodiscard]] std::size_t newest() const { return T_map_keyframes_.size() - 1; }
   void add_step(const TrackedKeyframe& keyframe);
   void join_to_restored(const TrackedKeyframe& keyframe);
-  void add_loop(const Loop& loop);
+  void add_loop(const Loop& loop, std::optional<double> weight = std::nullopt);
   /// The poses of all keyframes that fit all edges best.
   [[nodiscard]] std::vector<geometry::SE3> optimise();
   void tie_to_map(const TrackedKeyframe& keyframe);

@@ -28,8 +28,11 @@ class KeyframeGraph {
   void add_keyframe(bool is_level) { is_level_.push_back(is_level); }
   /// The edge from a keyframe to the next one.
   void add_step(const registration::PoseEdge3d& edge) { steps_.push_back(edge); }
-  /// Adds a loop closure; it has a weight after the next optimise().
-  void add_loop(const registration::PoseEdge3d& edge) { loops_.push_back({edge}); }
+  /// Adds a loop closure. `weight`: until the next optimise(); none if it is not known yet whether
+  /// the other edges agree.
+  void add_loop(const registration::PoseEdge3d& edge, std::optional<double> weight = std::nullopt) {
+    loops_.push_back({edge, weight});
+  }
 
   /// Drops a keyframe, which must not be the first; the indices of those after it move up. The step
   /// to it and the one from it become one. Its loops go to the keyframe to which it is joined with

@@ -132,5 +132,33 @@ TEST(KeyframeGraph, WithoutSomeKeyframesTheOthersStay) {
   }
 }
 
+// The robot was tracked against the place of its first round: this is known before the graph is
+// optimised.
+TEST(KeyframeGraph, ALoopWithAWeightCountsAtOnce) {
+  const std::vector<SE3> poses = rounds();
+  KeyframeGraph graph({});
+  for (std::size_t k = 0; k < poses.size(); ++k) {
+    graph.add_keyframe(false);
+    if (k > 0) {
+      graph.add_step({.from = k - 1,
+                      .to = k,
+                      .T_from_to = poses[k - 1].inverse() * poses[k],
+                      .information = information(0.01, 0.002)});
+    }
+  }
+  const std::size_t last = poses.size() - 1;
+  const registration::PoseEdge3d loop{.from = 0,
+                                      .to = last,
+                                      .T_from_to = poses[0].inverse() * poses[last],
+                                      .information = information(0.01, 0.002),
+                                      .may_be_wrong = true};
+  const Matrix6d without = graph.uncertainties(poses, last)[0];
+  graph.add_loop(loop);
+  EXPECT_EQ(graph.uncertainties(poses, last)[0], without);
+  graph.add_loop(loop, 1.0);
+  EXPECT_NEAR(graph.uncertainties(poses, last)[0](0, 0), 1e-4, 1e-7);
+  EXPECT_GT(without(0, 0), 70e-4);
+}
+
 }  // namespace keyframe_graph_test
 }  // namespace nodmap::slam6d
