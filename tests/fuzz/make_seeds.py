@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """Writes the first inputs of the fuzz targets: one file for each golden frame in the unit tests."""
+import math
 import pathlib
 import re
+import struct
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
@@ -22,6 +24,13 @@ VIEWER_SESSION = [b'T{"op":"subscribe","subscriptions":[{"id":0,"channelId":1}]}
                   b'T{"op":"getParameters","parameterNames":[],"id":"x"}\nT{"op":"subscribeParameterUpdates","parameterNames":[]}',
                   b'T{"op":"setParameters","parameters":[{"name":"playback.speed","value":2}],"id":"y"}', CALL + b'{"do":"stop"}', CALL + b"[]"]
 
+
+# Kinds of messages_fuzz.cpp: what a robot that drives receives in a period; a GOAL and the rest; values that are hard to compute with.
+PERIOD = bytes([10, 1, 2, 0, 3, 4])
+WILD = [struct.pack(">d", value) for value in (math.nan, math.inf, -math.inf, 1e300, -1e9, 5e8)]
+MESSAGES = [PERIOD * 20, PERIOD * 5 + bytes([5, 6]) + PERIOD * 20, PERIOD * 10 + bytes([7, 8, 9, 9]) + PERIOD * 3]
+MESSAGES += [PERIOD * 3 + b"".join(bytes([0x10 | kind]) + offset.to_bytes(2, "big") + value for offset in range(16, 120, 8)) + PERIOD * 2
+             for kind in range(11) for value in WILD]
 
 WHOLE, FRAGMENT = b"LC02\0\0\0\1", b"LC03\0\0\0\1"
 
@@ -95,6 +104,7 @@ def main():
     write_seeds(out / "pmd", [file.read_bytes() for file in sorted((ROOT / "procman").glob("*.pmd"))] + PMD)
     write_seeds(out / "octomap", OCTOMAP)
     write_seeds(out / "lcm", LCM)
+    write_seeds(out / "messages", MESSAGES)
     write_seeds(out / "event_log", EVENT_LOG)
     write_seeds(out / "ply", PLY)
     worlds = sorted((ROOT / "sim" / "worlds").glob("*.yaml"))[:5]
