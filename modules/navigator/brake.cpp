@@ -18,6 +18,10 @@ constexpr double kCreepStopMarginM = 0.05;
 /// slowly that it is stationary after 1.5 cm, with 5 cm left.
 constexpr double kHiddenMps = 0.1;
 constexpr double kHiddenSeenM = 0.05;
+/// Margin beside what may be the corner of a hole, in addition to the side margin. A beam that ends
+/// 3 cm below the floor counts as floor at 1.2 m: to this beam the last 9 cm of a hole look like
+/// floor.
+constexpr double kCornerMarginM = 0.1;
 /// At this yaw rate the corners of KURT3D move at 5 cm/s: they do not push away what they touch.
 constexpr double kCreepRadS = geometry::deg_to_rad(10.0);
 
@@ -37,6 +41,7 @@ Arc Brake::measure_arc(double curvature, const Situation& now) const {
     const double limit_mps = std::min(arc.speed_mps, drive_.max_forward_mps);
     arc.speed_mps = std::min(arc.speed_mps, speed_on_seen_floor(curvature, limit_mps, now));
   }
+  arc.speed_mps = std::min(arc.speed_mps, speed_before_corners(curvature, now));
   return arc;
 }
 
@@ -44,6 +49,14 @@ Arc Brake::measure_corridor(double curvature, double side_margin_m, double stop_
                             const Situation& now) const {
   const double distance_m = free_distance(now.points_base, curvature, body_, side_margin_m);
   return {curvature, distance_m, stop_margin_m, stoppable_mps(distance_m - stop_margin_m)};
+}
+
+/// The corner of a hole is narrower than any gap that speed_on_seen_floor() bridges. So an arc is
+/// blocked where beams passed through the floor beside a hole, also where that could be a ramp.
+double Brake::speed_before_corners(double curvature, const Situation& now) const {
+  const double distance_m =
+      free_distance(now.hole_corners_base, curvature, body_, drive_.side_margin_m + kCornerMarginM);
+  return stoppable_mps(distance_m - braking_.stop_margin_m);
 }
 
 /// Why the robot never drives faster than it can stop on floor that was seen. Let F(g) be how far

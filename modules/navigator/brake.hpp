@@ -61,6 +61,7 @@ class Brake {
  private:
   [[nodiscard]] Arc measure_corridor(double curvature, double side_margin_m, double stop_margin_m,
                                      const Situation& now) const;
+  [[nodiscard]] double speed_before_corners(double curvature, const Situation& now) const;
   /// At most `max_mps`.
   [[nodiscard]] double speed_on_seen_floor(double curvature, double max_mps,
                                            const Situation& now) const;

@@ -21,6 +21,7 @@ struct Situation {
   time::Timestamp stamp{};
   Points points_base;         ///< obstacles of the obstacle map and of the local map
   Points doubtful_base;       ///< doubtful ground, see LocalMap::doubtful_points_base()
+  Points hole_corners_base;   ///< see LocalMap::hole_corners_base()
   People people;              ///< people who walk, in base
   geometry::SE2 T_odom_base;  ///< now
   geometry::SE2 T_map_odom;   ///< by 2D SLAM; identity without it

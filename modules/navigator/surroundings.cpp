@@ -157,6 +157,7 @@ void Surroundings::join_local_map(Situation& now) const {
     now.local_map = &local_map_;
     now.doubtful_base =
         local_map_.doubtful_points_base(now.T_odom_base, body_.turning_radius_m() + kDoubtfulM);
+    now.hole_corners_base = local_map_.hole_corners_base(now.T_odom_base, longest_stop_m());
   }
 }
 
@@ -166,15 +167,19 @@ void Surroundings::join_geofence(Situation& now) const {
   if (now.geofence == nullptr) {
     return;
   }
-  // Far enough to stop before it from the fastest speed.
-  const double reach_m = body_.turning_radius_m() + params_.local_map.range_m +
-                         params_.robot.braking.required_distance_m(params_.drive.max_forward_mps,
-                                                                   params_.drive.reaction_s);
+  const double reach_m = params_.local_map.range_m + longest_stop_m();
   const geometry::SE2 T_map_base = now.T_map_odom * now.T_odom_base;
   const geometry::SE2 T_base_map = T_map_base.inverse();
   for (const auto& p_map : now.geofence->boundary_near(T_map_base.translation(), reach_m)) {
     now.points_base.push_back(T_base_map * p_map);
   }
+}
+
+/// How far from base an obstacle must count, so that the robot stops before it from its fastest
+/// speed.
+double Surroundings::longest_stop_m() const {
+  return body_.turning_radius_m() + params_.robot.braking.required_distance_m(
+                                        params_.drive.max_forward_mps, params_.drive.reaction_s);
 }
 
 /// Removes points of the obstacle map where the local map, made from the same scans, knows only

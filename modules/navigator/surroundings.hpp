@@ -60,6 +60,7 @@ class Surroundings {
   void join_local_map(Situation& now) const;
   void join_geofence(Situation& now) const;
   void erase_free_floor(Situation& now) const;
+  [[nodiscard]] double longest_stop_m() const;
   [[nodiscard]] bool sees_floor(const Situation& now) const;
 
   NavigatorParams params_;

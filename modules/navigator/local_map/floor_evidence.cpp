@@ -18,6 +18,9 @@ void fill_cell(LocalCell& cell, bool is_dense, std::uint16_t scan) {
     cell.hole = evidence::less(cell.hole);
     cell.scan = scan;
   }
+  if (is_dense) {
+    cell.may_be_ramp = false;
+  }
   if (!cell.is_hole()) {
     cell.set_floor();
   }
@@ -32,6 +35,7 @@ void FloorEvidence::add(LocalGrid& grid, std::size_t beam, const Eigen::Vector2d
     return;
   }
   cell->set_floor();
+  cell->may_be_ramp = false;
   if (cell->scan != scan) {
     cell->hole = evidence::less(cell->hole);
     // Floor below a table top is no contradiction.

@@ -19,6 +19,12 @@ void add_hole(LocalGrid& grid, const Eigen::Vector2d& p_odom, bool is_certain, s
   cell->seen_at_dm = travel_dm;
 }
 
+void add_possible_ramp(LocalGrid& grid, const Eigen::Vector2d& p_odom) {
+  if (LocalCell* cell = grid.find(p_odom)) {
+    cell->may_be_ramp = true;
+  }
+}
+
 bool is_edge_of_hole(const LocalGrid& grid, const Eigen::Vector2i& index) {
   return std::ranges::any_of(kAcrossEdge, [&](const Eigen::Vector2i& step) {
     return grid.contains(index + step) && grid.at(index + step).is_hole();

@@ -22,6 +22,9 @@ inline const std::array<Eigen::Vector2i, 4> kAcrossEdge{
 void add_hole(LocalGrid& grid, const Eigen::Vector2d& p_odom, bool is_certain, std::uint16_t scan,
               std::uint16_t travel_dm);
 
+/// A beam passed through the floor at `p_odom`, but ended no lower than a ramp down could be.
+void add_possible_ramp(LocalGrid& grid, const Eigen::Vector2d& p_odom);
+
 /// Whether a hole is so near that a cell of the grid may be its edge.
 [[nodiscard]] bool is_edge_of_hole(const LocalGrid& grid, const Eigen::Vector2i& index);
 

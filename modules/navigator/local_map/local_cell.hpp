@@ -37,11 +37,13 @@ inline constexpr double kCertainM = 0.03;
 
 /// What is known of one cell of the ground.
 struct LocalCell {
-  std::uint8_t obstacle = 0;  ///< evidence of something the body would hit
-  std::uint8_t hole = 0;      ///< evidence of a drop
-  bool is_floor = false;      ///< seen, directly or between two beams that hit the floor
-  bool is_assumed = false;    ///< not seen, but floor: the robot was set down there
-  std::int16_t low_cm = 0;    ///< lowest and highest measured point of the obstacle, in odom
+  std::uint8_t obstacle = 0;    ///< evidence of something the body would hit
+  std::uint8_t hole = 0;        ///< evidence of a drop
+  bool is_floor : 1 = false;    ///< seen, directly or between two beams that hit the floor
+  bool is_assumed : 1 = false;  ///< not seen, but floor: the robot was set down there
+  /// A beam passed through the floor, down to what may be a ramp, and none has met the floor since.
+  bool may_be_ramp : 1 = false;
+  std::int16_t low_cm = 0;  ///< lowest and highest measured point of the obstacle, in odom
   std::int16_t high_cm = 0;
   std::uint16_t scan = 0;        ///< the last one in which evidence changed
   std::uint16_t seen_at_dm = 0;  ///< travel at the last hit, see ObstacleMemory

@@ -216,7 +216,9 @@ void LocalMap::classify_below(const Beam& beam, double range_m, std::size_t face
   }
   const Eigen::Vector2d crossing_odom = (beam.origin + to_floor_m * beam.direction).head<2>();
   const PossibleRamp ramp(grid_, ground_, params_, T_odom_base_->translation());
-  if (!ramp.leads_down(beam.origin + range_m * beam.direction, crossing_odom)) {
+  if (ramp.leads_down(beam.origin + range_m * beam.direction, crossing_odom)) {
+    add_possible_ramp(grid_, crossing_odom);
+  } else {
     add_hole(grid_, crossing_odom, is_certain, scan_, obstacles_.travel_dm());
   }
 }
@@ -242,6 +244,7 @@ void LocalMap::look_again(const TrackedGround::Joined& joined) {
       }
       if (joined.is_ahead) {
         cell->hole = 0;
+        cell->may_be_ramp = false;
       }
       const double range_m = (p_odom - T_odom_base_->translation()).norm();
       if (cell->high_cm <= to_centimetres(ground_.height_m(p_odom) + tolerance_m(range_m))) {
@@ -334,6 +337,27 @@ Points LocalMap::doubtful_points_base(const geometry::SE2& T_odom_base, double r
     }
   });
   return points;
+}
+
+Points LocalMap::hole_corners_base(const geometry::SE2& T_odom_base, double range_m) const {
+  // From beside a flight of stairs the last 20 cm before its far corner look like a ramp.
+  constexpr double kBesideM = 0.2;
+  Points corners;
+  Points holes;
+  visit_cells(T_odom_base, range_m, [&](const Eigen::Vector2i& index, const auto& p_base) {
+    const LocalCell& cell = grid_.at(index);
+    if (cell.is_hole()) {
+      holes.push_back(p_base());
+    } else if (cell.may_be_ramp) {
+      corners.push_back(p_base());
+    }
+  });
+  std::erase_if(corners, [&](const Eigen::Vector2d& p) {
+    return std::ranges::none_of(holes, [&](const Eigen::Vector2d& hole) {
+      return (hole - p).squaredNorm() < kBesideM * kBesideM;
+    });
+  });
+  return corners;
 }
 
 bool LocalMap::is_free_floor(const Eigen::Vector2d& p_odom) const {

@@ -78,6 +78,10 @@ class LocalMap {
   /// since. The ground on which the robot was set down counts as seen.
   [[nodiscard]] Points doubtful_points_base(const geometry::SE2& T_odom_base, double range_m) const;
 
+  /// Places within `range_m` of base, in base, that may be the corner of a hole: beams have passed
+  /// through the floor there, to what could be a ramp down if there were no hole beside it.
+  [[nodiscard]] Points hole_corners_base(const geometry::SE2& T_odom_base, double range_m) const;
+
   /// Whether floor was seen at a place and around it, whatever is there now. At the foot of
   /// something that has always been there, half of the cells around were never floor.
   [[nodiscard]] bool was_floor(const Eigen::Vector2d& p_odom) const;
@@ -117,11 +121,11 @@ class LocalMap {
   void move(const geometry::SE2& T_odom_base);
   void clear_under_body(const geometry::SE2& T_odom_base);
   void classify(const Beam& beam, std::size_t index);
+  void add_dazzled(const Beam& beam);
   void classify_below(const Beam& beam, double range_m, std::size_t facet, bool is_certain);
   void pass(const Beam& beam, double until_m);
   [[nodiscard]] static double range_to(const Plane& plane, const Beam& beam);
   void look_again(const TrackedGround::Joined& joined);
-  void add_dazzled(const Beam& beam);
   [[nodiscard]] double tolerance_m(double range_m) const;
   [[nodiscard]] bool is_floor_around(const Eigen::Vector2d& p_odom, bool may_be_assumed) const;
   /// Calls `visit(index, p_base)` for the cells within `range_m` of base; p_base() computes the

@@ -74,6 +74,22 @@ TEST(Brake, StopsAtOnceIfEvenAnEmergencyStopWouldBeTooLong) {
   EXPECT_EQ(speed(0.05, 0.3), kInf);
 }
 
+// The corridor is 0.165 m + 0.06 m + 0.1 m wide to each side. The front is at 0.225 m, and 0.15 m
+// remain.
+TEST(Brake, StopsBeforeWhatMayBeTheCornerOfAHole) {
+  const NavigatorParams params;
+  Situation now;
+  for (const bool creeps : {false, true}) {
+    const Brake brake(params, creeps);
+    now.hole_corners_base = {{1.0, 0.32}};
+    EXPECT_EQ(brake.measure_arc(0.0, now).speed_mps, brake.stoppable_mps(1.0 - 0.225 - 0.15));
+    now.hole_corners_base = {{1.0, 0.33}, {-0.5, 0.0}};
+    EXPECT_EQ(brake.measure_arc(0.0, now).speed_mps, kInf);
+    now.hole_corners_base = {{0.37, 0.1}};
+    EXPECT_EQ(brake.measure_arc(0.0, now).speed_mps, 0.0);
+  }
+}
+
 // A body smaller by half a cell, 0.2125 m x 0.1525 m to each side, touches a place behind it at
 // radius r after a rotation to the angle acos(-0.2125 / r). The allowed yaw rate is that at which
 // the robot stops before that angle: 5 rad/s^2, after a reaction time of 0.1 s.

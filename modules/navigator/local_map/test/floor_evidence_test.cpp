@@ -53,6 +53,28 @@ TEST(FloorEvidence, DoesNotFillTheFloorBetweenScansWithoutCommonBeams) {
   EXPECT_FALSE(grid.find({1.05, 0.05})->is_floor);
 }
 
+// Two lines meet the floor 10 cm apart, and a beam has passed through the floor between them. Only
+// lines so close together that they count against a hole do so against a possible ramp.
+TEST(FloorEvidence, LinesFarApartSayNothingOfAPossibleRampBetweenThem) {
+  for (const double gap_m : {0.1, 0.04}) {
+    LocalGrid grid(0.025, 9);
+    grid.center_on({0.0, 0.0});
+    LocalCell& between = *grid.find({1.0, 0.02});
+    between.may_be_ramp = true;
+    FloorEvidence floor(LocalMapParams{});
+    std::uint16_t scan = 1;
+    for (const double x : {1.0 - 0.5 * gap_m, 1.0 + 0.5 * gap_m}) {
+      floor.begin_scan(2);
+      floor.add(grid, 0, {x, 0.0}, 0.0, scan);
+      floor.add(grid, 1, {x, 0.04}, 0.0, scan);
+      floor.end_scan(grid, scan);
+      ++scan;
+    }
+    EXPECT_TRUE(between.is_floor);
+    EXPECT_EQ(between.may_be_ramp, gap_m > 0.05) << gap_m;
+  }
+}
+
 // Floor seen where an obstacle was measured counts against the obstacle; floor seen below a table
 // top does not count against the table.
 TEST(FloorEvidence, CountsAgainstObstaclesOnTheFloorOnly) {

@@ -22,6 +22,18 @@ TEST(Holes, OneCertainBeamOrTwoInTwoScansMakeAHole) {
   add_hole(grid, {1e6, 0.0}, true, 1, 0);  // outside the grid: ignored
 }
 
+TEST(Holes, APossibleRampIsNoHoleAndLeavesFloorAsItIs) {
+  LocalGrid grid(0.025, 9);
+  grid.center_on({0.0, 0.0});
+  LocalCell& cell = *grid.find({1.0, 0.5});
+  cell.set_floor();
+  add_possible_ramp(grid, {1.0, 0.5});
+  EXPECT_TRUE(cell.may_be_ramp);
+  EXPECT_TRUE(cell.is_floor);
+  EXPECT_FALSE(cell.is_hole());
+  add_possible_ramp(grid, {1e6, 0.0});  // outside the grid: ignored
+}
+
 // Around one hole the edge is the cells up to two cells away along the axes.
 TEST(Holes, TheEdgeIsTwoCellsWide) {
   LocalGrid grid(0.025, 9);

@@ -90,6 +90,43 @@ TEST(LocalMap, AHoleIsBlockedFromItsEdge) {
   }
 }
 
+// Looking along the side of a flight of stairs, the laser sees the far wall of the first step just
+// below its edge, no lower than a ramp could be. So the last 20 cm before the corner are no hole,
+// but they count as its corner, all but the 9 cm that look like floor within the tolerance.
+TEST(LocalMap, TheFarCornerOfAHoleIsKnown) {
+  LocalMap map({}, {});
+  const Ground stairs{{{{5.0, 0.6}, {5.3, 2.4}, -0.17}, {{5.3, 0.6}, {5.6, 2.4}, -0.34}}};
+  const geometry::SE2 T_odom_base{4.43, 1.35, 1.09};
+  sweep(map, stairs, T_odom_base);
+  Points known = map.points_base(T_odom_base, 2.0);
+  const Points corners = map.hole_corners_base(T_odom_base, 2.0);
+  EXPECT_FALSE(corners.empty());
+  for (const Eigen::Vector2d& p : corners) {
+    EXPECT_LT(stairs.height_m(T_odom_base * p), 0.0) << p.transpose();
+  }
+  known.insert(known.end(), corners.begin(), corners.end());
+  for (double y = 1.6; y < 2.4 - 0.09; y += 0.02) {
+    const Eigen::Vector2d p_base = T_odom_base.inverse() * Eigen::Vector2d(5.05, y);
+    double nearest_m = 1.0;
+    for (const Eigen::Vector2d& p : known) {
+      nearest_m = std::min(nearest_m, (p - p_base).norm());
+    }
+    EXPECT_LT(nearest_m, 2.0 * kCellM + 0.02) << y;
+  }
+}
+
+// A kerb of 8 cm, 1.2 m away, could be a ramp. Nothing beside it is certainly a hole.
+TEST(LocalMap, APossibleRampWithoutAHoleBesideItIsNoCorner) {
+  LocalMap map({}, {});
+  sweep(map, {{{{1.2, -1.0}, {3.0, 1.0}, -0.08}}}, {});
+  int num_possible = 0;
+  for (double x = 1.2; x < 1.6; x += kCellM) {
+    num_possible += map.cell_at({x, 0.0})->may_be_ramp ? 1 : 0;
+  }
+  EXPECT_GT(num_possible, 0);
+  EXPECT_TRUE(map.hole_corners_base({}, 2.0).empty());
+}
+
 // 29 cm in floating point are 28.999 cm: the beams that pass must count as being at the same height
 // as those that hit.
 TEST(LocalMap, ALevelLaserClearsAnObstacleThatItSeesThrough) {
