@@ -10,6 +10,7 @@
 
 #include "common/registration/motion_solver.hpp"
 #include "common/registration/rigid_fit.hpp"
+#include "modules/slam6d/bend_sums.hpp"
 #include "modules/slam6d/correspondence_search.hpp"
 #include "modules/slam6d/residual_sums.hpp"
 #include "modules/slam6d/sweep_motion.hpp"
@@ -22,6 +23,8 @@ using registration::Information;
 
 constexpr double kSettledTranslationM = 1e-4;  // a hundredth of the scanner's noise
 constexpr double kSettledRotationRad = 1e-5;   // 0.1 mm at 10 m
+// Scale of the robust kernel of the evidence that the wheels do not slip, in standard deviations.
+constexpr double kSlipKernel = 2.0;
 // With fewer upright points than this, their inlier ratio means nothing.
 constexpr std::size_t kMinUprightPoints = 100;
 
@@ -128,7 +131,27 @@ class SweepRegistration {
         break;
       }
     }
+    if constexpr (N == 12) {
+      if (level_ == 0 && params_.metric == Metric::kPlanes && params_.bend_rad > 0.0) {
+        bend(selection);
+      }
+    }
     deskew();
+  }
+
+  // Ground and heading change within a sweep, so its rotation is not steady. The pose in the middle
+  // of the sweep is then another than the mean one.
+  void bend(const VoxelMap::Selection& selection) {
+    BendSums sums;
+    for_each_residual(selection, [&](const Residual& residual) {
+      sums.add(residual.arm.cross(residual.normal), residual.distance_m, residual.time,
+               residual.kernel * residual.precision);
+    });
+    const Bend bend_map = sums.solve(unit_information_, params_.bend_rad);
+    const Eigen::Vector3d middle = bend_map.col(kBendKnots / 2);
+    since_deskew_.bend_rad =
+        result_.T_map_base.linear().transpose() * (bend_map.colwise() - middle);
+    result_.T_map_base.linear() = geometry::rotation_of(middle) * result_.T_map_base.linear();
   }
 
   // In a sweep that was deskewed wrongly the planes are tilted, so they are computed again.
@@ -137,6 +160,7 @@ class SweepRegistration {
       sweep_.correct(since_deskew_);
       result_.correction.translation_m += since_deskew_.translation_m;
       result_.correction.rotation_rad += since_deskew_.rotation_rad;
+      result_.correction.bend_rad += since_deskew_.bend_rad;
       since_deskew_ = {};
     }
   }
@@ -155,11 +179,25 @@ class SweepRegistration {
     return motion;
   }
 
-  // The prior with the evidence that the ground is level, at the present pose.
+  // The prior with all other evidence, at the present pose. Not at coarser voxels: what is seen
+  // comes first.
   [[nodiscard]] Information<N> prior_here() const {
-    Information<N> prior{prior_information_.H, prior_information_.H * prior_motion()};
-    // Not at coarser voxels: what is seen comes first.
-    if (prior_.level && level_ == 0) {
+    const Vector motion = prior_motion();
+    Information<N> prior{prior_information_.H, prior_information_.H * motion};
+    if (level_ > 0) {
+      return prior;
+    }
+    if constexpr (N == 12) {
+      // The robot has turned as odometry counted, unless the wheels slip. A sweep that followed the
+      // map alone would take over its twist, and the map would be twisted further with each sweep.
+      const auto turn = motion.template segment<3>(9);
+      const double relative = turn.norm() / (kSlipKernel * params_.slip_rad);
+      const double root_kernel = 1.0 / (1.0 + relative * relative);  // Geman-McClure
+      const double information = root_kernel * root_kernel / (params_.slip_rad * params_.slip_rad);
+      prior.H.template block<3, 3>(9, 9).diagonal().array() += information;
+      prior.b.template segment<3>(9) += information * turn;
+    }
+    if (prior_.level) {
       const SE3& T_map_base = result_.T_map_base;
       // From the base's z axis to that of map.
       const Eigen::Vector3d tilt = T_map_base.linear().col(2).cross(Eigen::Vector3d::UnitZ());
@@ -207,12 +245,22 @@ class SweepRegistration {
     }
   }
 
-  Vector plane_step(const VoxelMap::Selection& selection) {
+  // The distance of a point from the plane of its correspondence.
+  struct Residual {
+    Eigen::Vector3f normal;
+    Eigen::Vector3f arm;  // from where the base was at that time
+    float distance_m;
+    float time;
+    float kernel;     // its robust weight
+    float precision;  // inverse variance, relative to that of single points
+  };
+
+  template <class Use>
+  void for_each_residual(const VoxelMap::Selection& selection, const Use& use) {
     const Eigen::Vector3f p_base = result_.T_map_base.translation().cast<float>();
     const Eigen::Vector3f half_path =
         result_.T_map_base.linear().cast<float>() * sweep_.half_path();
     const float per_sq_scale = 1.0F / (scale_m_ * scale_m_);
-    ResidualSums<N> sums;
     for_each_correspondence(selection, [&](const OrientedPoint& point, const Eigen::Vector3f& p_map,
                                            const Eigen::Vector3f& normal_map, const Voxel& voxel) {
       const Eigen::Vector3f normal = (normal_map + voxel.normal).normalized();
@@ -221,13 +269,24 @@ class SweepRegistration {
       // Means of many points are known better, but no better than the voxels' rounding.
       const float variance = 1.0F / point.num_points + 1.0F / voxel.weight + kRoundingVariance;
       const float root_kernel = 1.0F / (1.0F + relative_sq);  // Geman-McClure
-      // From where the base was at that time.
-      const Eigen::Vector3f arm = p_map - p_base - point.time * half_path;
-      sums.add(normal, arm, residual_m, point.time, root_kernel * root_kernel, 1.0F / variance);
+      use(Residual{.normal = normal,
+                   .arm = p_map - p_base - point.time * half_path,
+                   .distance_m = residual_m,
+                   .time = point.time,
+                   .kernel = root_kernel * root_kernel,
+                   .precision = 1.0F / variance});
+    });
+  }
+
+  Vector plane_step(const VoxelMap::Selection& selection) {
+    ResidualSums<N> sums;
+    for_each_residual(selection, [&](const Residual& residual) {
+      sums.add(residual.normal, residual.arm, residual.distance_m, residual.time, residual.kernel,
+               residual.precision);
     });
     sums.flush();
     result_.residual_rms_m = std::sqrt(sums.mean_square_m2());
-    const double scale = sums.scale(params_.residual_correlation);
+    const double scale = unit_information_ = sums.scale(params_.residual_correlation);
     Information<N> measurement = sums.information();
     measurement.H *= scale;
     measurement.b *= scale;
@@ -324,6 +383,7 @@ class SweepRegistration {
   CorrespondenceSearch correspondences_;
   std::size_t level_ = 0;
   float scale_m_ = 0.0F;
+  double unit_information_ = 0.0;  // of the residuals' weights
   bool is_valid_ = false;
 };
 

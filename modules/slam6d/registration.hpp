@@ -43,6 +43,8 @@ struct RegistrationParams {
   double min_inlier_ratio = 0.2;
   double good_inlier_ratio = 0.4;
   double max_prior_distance = 6.0;
+  double slip_rad = geometry::deg_to_rad(0.3);
+  double bend_rad = geometry::deg_to_rad(0.2);
 
   template <class Visitor>
   void describe(Visitor& v) {
@@ -77,6 +79,12 @@ struct RegistrationParams {
     v.number("max_prior_distance", max_prior_distance, {0.0, 1000.0},
              "A pose farther from odometry than this many standard deviations (Mahalanobis) is "
              "refused.");
+    v.angle("slip_deg", slip_rad, {0.001, 360.0},
+            "Error of the rotation that odometry counts within half a sweep, unless the wheels "
+            "spin or the ground changes: evidence that keeps the map from being twisted.");
+    v.angle("bend_deg", bend_rad, {0.0, 45.0},
+            "How far the rotation within a sweep departs from a steady one (standard deviation); "
+            "0: it is taken as steady.");
   }
 };
 
@@ -136,8 +144,8 @@ struct Registration {
 /// normals.
 ///
 /// If the robot moved during the sweep, that motion is estimated, too: as odometry plus a
-/// correction that grows linearly with time (two-pose elastic: Dellenbach 2022). The sweep is
-/// deskewed with it.
+/// correction that grows linearly with time (two-pose elastic: Dellenbach 2022), and at last a bend
+/// of the rotation. The sweep is deskewed with it.
 ///
 /// Starts at `T_map_start`, which may differ from the pose of the prior.
 [[nodiscard]] Registration register_sweep_from(VoxelMap& sweep_base, const VoxelMap& map,

@@ -88,10 +88,20 @@ bool SweepCloud::is_stationary() const {
          geometry::rotation_angle(motion()) < kStationaryRad;
 }
 
+BendKnot knot_at(double time) {
+  constexpr double kIntervals = kBendKnots - 1;
+  const double place = 0.5 * kIntervals * (std::clamp(time, -1.0, 1.0) + 1.0);
+  const double index = std::min(std::floor(place), kIntervals - 1.0);
+  return {static_cast<int>(index), place - index};
+}
+
 SE3 MotionCorrection::correct(const SE3& T_base_then, double time) const {
   SE3 corrected = T_base_then;
   corrected.translation() += time * translation_m;
-  corrected.linear() = geometry::rotation_of(time * rotation_rad) * T_base_then.linear();
+  const BendKnot knot = knot_at(time);
+  const Eigen::Vector3d bend = (1.0 - knot.fraction) * bend_rad.col(knot.index) +
+                               knot.fraction * bend_rad.col(knot.index + 1);
+  corrected.linear() = geometry::rotation_of(time * rotation_rad + bend) * T_base_then.linear();
   return corrected;
 }
 

@@ -15,12 +15,25 @@
 
 namespace nodmap::slam6d {
 
+/// Rotation vectors (rad) at evenly spaced times from -1 to 1, linear in between.
+inline constexpr int kBendKnots = 9;
+using Bend = Eigen::Matrix<double, 3, kBendKnots>;
+
+/// The knot before a time, and how far it is to the next one, from 0 to 1.
+struct BendKnot {
+  int index = 0;
+  double fraction = 0.0;
+};
+[[nodiscard]] BendKnot knot_at(double time);
+
 /// The part of the robot's motion within a sweep that odometry missed. It grows linearly with time,
 /// from P_b in the middle of the sweep (time 0) to the first and the last beam (times -1 and 1). In
 /// the frame of P_b.
 struct MotionCorrection {
   Eigen::Vector3d translation_m = Eigen::Vector3d::Zero();  ///< of the base at time 1
   Eigen::Vector3d rotation_rad = Eigen::Vector3d::Zero();   ///< about the base, rotation vector
+  /// Rotations besides: ground and heading change within a sweep. Zero in the middle.
+  Bend bend_rad = Bend::Zero();
 
   /// The pose of the base at `time`, corrected.
   [[nodiscard]] geometry::SE3 correct(const geometry::SE3& T_base_then, double time) const;

@@ -4,9 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
+#include <random>
 #include <vector>
 
 #include "modules/slam6d/odometry_prior.hpp"
+#include "modules/slam6d/sweep_voxels.hpp"
 #include "modules/slam6d/test/room.hpp"
 
 namespace nodmap::slam6d {
@@ -205,6 +208,67 @@ TEST(Registration, R41_TheMotionWithinASweepIsCorrected) {
   EXPECT_LT(geometry::rotation_angle(error_of(found, T_truth)), deg_to_rad(1.25 * 0.074));
   EXPECT_LT(motion_error.translation().norm(), 1.25 * 0.0046);
   EXPECT_LT(geometry::rotation_angle(motion_error), deg_to_rad(1.25 * 0.18));
+}
+
+// A sweep of a robot that drives ahead at 0.5 m/s, while its heading, by `heading_deg`, changes
+// within the second that it takes. Odometry counts the distance alone.
+struct TurningRobot {
+  std::function<double(double)> heading_deg;
+
+  [[nodiscard]] SE3 T_world_base(time::Timestamp t) const {
+    return drive_ahead(0.5, t) *
+           pose(0, 0, 0, 0, 0, heading_deg(time::seconds(t.time_since_epoch())));
+  }
+
+  [[nodiscard]] SweepCloud cloud() const {
+    const Room room = Room::hall();
+    const NoddingScanner scanner{.noise_m = 0.01};
+    std::mt19937 random(8);
+    std::vector<scan::Scan> scans;
+    for (int i = 0; i < 80; ++i) {
+      scans.push_back(scanner.scan(
+          i, room, [this](time::Timestamp t) { return T_world_base(t); }, random));
+    }
+    return deskew(scans, [](time::Timestamp t) { return drive_ahead(0.5, t); }, {.max_m = 15.0})
+        .value();
+  }
+
+  static Registration registered(const SweepCloud& cloud, const RegistrationParams& params) {
+    VoxelMap sweep = voxelize(cloud, {});
+    PosePrior prior = loose_prior(drive_ahead(0.5, cloud.stamp));
+    prior.motion_covariance = prior.covariance;
+    return register_sweep(sweep, map_of(Room::hall()), prior, params);
+  }
+};
+
+// The heading swings by 0.5 degrees to either side. In the middle of the sweep it is 0.5 degrees
+// off that of a steady rotation.
+TEST(Registration, R41_ASwingOfTheHeadingWithinASweepIsFound) {
+  const TurningRobot robot{[](double t) { return 0.5 * std::cos(2.0 * geometry::kPi * t); }};
+  SweepCloud cloud = robot.cloud();
+  const SE3 T_truth = robot.T_world_base(cloud.stamp);
+  const Registration steady = TurningRobot::registered(cloud, {.bend_rad = 0.0});
+  const Registration bent = TurningRobot::registered(cloud, {});
+  const double steady_rad = geometry::rotation_angle(error_of(steady, T_truth));
+  const double bent_rad = geometry::rotation_angle(error_of(bent, T_truth));
+  EXPECT_LT(bent_rad, 0.75 * steady_rad);
+  cloud.correct(bent.correction);
+  EXPECT_EQ(bent.correction.bend_rad.col(kBendKnots / 2), Eigen::Vector3d::Zero());
+  EXPECT_EQ(steady.correction.bend_rad, Bend::Zero());
+}
+
+// Odometry does not count a rotation by 4 degrees: the wheels slip. However far odometry is
+// believed
+// (`slip_deg`), the rotation is found. A sweep tells the motion within it to 0.1 degrees.
+TEST(Registration, R41_ARotationThatOdometryMissesIsFound) {
+  const auto found_deg = [](double true_deg, double slip_deg) {
+    const TurningRobot robot{[true_deg](double t) { return 2.0 * true_deg * (t - 0.5); }};
+    const Registration found =
+        TurningRobot::registered(robot.cloud(), {.slip_rad = deg_to_rad(slip_deg)});
+    return geometry::rad_to_deg(found.correction.rotation_rad.z());
+  };
+  EXPECT_NEAR(found_deg(0.2, 360.0), 0.2, 0.15);
+  EXPECT_NEAR(found_deg(2.0, 0.02), 2.0, 0.2);
 }
 
 // The prior says that the ground is level. A sweep that shows a ramp of 6 degrees overrules it; a
