@@ -12,9 +12,6 @@ namespace {
 
 constexpr double kLikelihoodCellM = 0.1;
 constexpr double kNormalRadiusM = 0.15;
-// A point within this distance of an occupied cell counts as on the wall: poses are off by a few
-// centimetres, and walls in grids are a cell or two thick.
-constexpr double kNearWallM = 0.12;
 // The last part of a ray is not checked: it may graze the wall at which it ends.
 constexpr double kFreeBeforeHitM = 0.4;
 
@@ -56,6 +53,39 @@ PointMap surfaces_of(const TrinaryGrid& grid, const MapParams& params) {
   return points;
 }
 
+// One sweep forwards and one backwards, each over the neighbours that it has visited.
+std::vector<std::uint8_t> steps_to_occupied(const TrinaryGrid& grid) {
+  constexpr int kMax = 255;
+  std::vector<std::uint8_t> steps(grid.cells.size(), kMax);
+  const auto at = [&](int x, int y) -> std::uint8_t& {
+    return steps[static_cast<std::size_t>(y) * static_cast<std::size_t>(grid.width) +
+                 static_cast<std::size_t>(x)];
+  };
+  const auto visit = [&](int x, int y, int back) {
+    int nearest = grid.at(x, y) == CellState::kOccupied ? 0 : int{at(x, y)};
+    const auto step_from = [&](int from_x, int from_y) {
+      const bool inside = from_x >= 0 && from_y >= 0 && from_x < grid.width && from_y < grid.height;
+      nearest = inside ? std::min(nearest, at(from_x, from_y) + 1) : nearest;
+    };
+    step_from(x + back, y);
+    for (int dx = -1; dx <= 1; ++dx) {
+      step_from(x + dx, y + back);
+    }
+    at(x, y) = static_cast<std::uint8_t>(nearest);
+  };
+  for (int y = 0; y < grid.height; ++y) {
+    for (int x = 0; x < grid.width; ++x) {
+      visit(x, y, -1);
+    }
+  }
+  for (int y = grid.height - 1; y >= 0; --y) {
+    for (int x = grid.width - 1; x >= 0; --x) {
+      visit(x, y, 1);
+    }
+  }
+  return steps;
+}
+
 LikelihoodGrid likelihood_of(const PointMap& map) {
   std::vector<Eigen::Vector2d> points;
   points.reserve(map.points().size());
@@ -84,6 +114,7 @@ TrinaryGrid trinary(const OccupancyGrid& grid) {
 
 KnownMap::KnownMap(TrinaryGrid grid, const MapParams& params)
     : grid_(std::move(grid)),
+      steps_to_occupied_(steps_to_occupied(grid_)),
       points_(surfaces_of(grid_, params)),
       likelihood_(likelihood_of(points_)) {
   std::vector<Eigen::Vector2d> places;
@@ -104,39 +135,40 @@ KnownMap::KnownMap(TrinaryGrid grid, const MapParams& params)
   window_.rotation_rad = geometry::kPi;
 }
 
-GridFit KnownMap::fit(std::span<const OrientedPoint> scan,
-                      const Eigen::Vector2d& sensor_origin_base,
-                      const geometry::SE2& T_map_base) const {
+double KnownMap::through_walls(std::span<const OrientedPoint> scan,
+                               const Eigen::Vector2d& sensor_origin_base,
+                               const geometry::SE2& T_map_base) const {
   const geometry::SE2 T_grid_base = grid_.T_map_grid.inverse() * T_map_base;
   const Eigen::Vector2d origin = T_grid_base * sensor_origin_base;
-  const auto state_at = [this](const Eigen::Vector2d& p_grid) {
-    const Eigen::Vector2d cell = p_grid / grid_.cell_size_m;
-    return grid_.at(static_cast<int>(std::floor(cell.x())), static_cast<int>(std::floor(cell.y())));
-  };
-  const int reach = static_cast<int>(std::ceil(kNearWallM / grid_.cell_size_m));
-  double on_walls = 0.0;
   double through_walls = 0.0;
   for (const OrientedPoint& point : scan) {
-    const Eigen::Vector2d end = T_grid_base * point.p;
-    bool is_on_wall = false;
-    for (int dy = -reach; dy <= reach && !is_on_wall; ++dy) {
-      for (int dx = -reach; dx <= reach && !is_on_wall; ++dx) {
-        is_on_wall =
-            state_at(end + grid_.cell_size_m * Eigen::Vector2d(dx, dy)) == CellState::kOccupied;
-      }
-    }
-    on_walls += is_on_wall ? 1.0 : 0.0;
-    const double range_m = (end - origin).norm();
-    const Eigen::Vector2d ray = (end - origin) / std::max(range_m, 1e-9);
-    for (double at_m = 0.0; at_m < range_m - kFreeBeforeHitM; at_m += grid_.cell_size_m) {
-      if (state_at(origin + at_m * ray) == CellState::kOccupied) {
-        through_walls += 1.0;
-        break;
-      }
-    }
+    const Eigen::Vector2d ray = T_grid_base * point.p - origin;
+    const double range_m = ray.norm();
+    const bool is_blocked =
+        this->is_blocked(origin / grid_.cell_size_m, ray / std::max(range_m, 1e-9),
+                         (range_m - kFreeBeforeHitM) / grid_.cell_size_m);
+    through_walls += is_blocked ? 1.0 : 0.0;
   }
-  const double n = std::max<double>(1.0, static_cast<double>(scan.size()));
-  return {on_walls / n, through_walls / n};
+  return through_walls / std::max<double>(1.0, static_cast<double>(scan.size()));
+}
+
+// In steps of one cell. None of as many steps as the nearest occupied cell is away can end in one.
+bool KnownMap::is_blocked(const Eigen::Vector2d& origin, const Eigen::Vector2d& direction,
+                          double length) const {
+  for (double at = 0.0; at < length;) {
+    const double x = origin.x() + at * direction.x();
+    const double y = origin.y() + at * direction.y();
+    const bool inside = x >= 0.0 && y >= 0.0 && x < grid_.width && y < grid_.height;
+    const int steps = inside ? steps_to_occupied_[static_cast<std::size_t>(y) *
+                                                      static_cast<std::size_t>(grid_.width) +
+                                                  static_cast<std::size_t>(x)]
+                             : 1;
+    if (steps == 0) {
+      return true;
+    }
+    at += steps;
+  }
+  return false;
 }
 
 }  // namespace nodmap::slam2d

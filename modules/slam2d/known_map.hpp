@@ -39,12 +39,6 @@ struct TrinaryGrid {
 
 [[nodiscard]] TrinaryGrid trinary(const OccupancyGrid& grid);
 
-/// How well a scan fits the grid, as fractions of its points.
-struct GridFit {
-  double on_walls = 0.0;       ///< end at an occupied cell
-  double through_walls = 0.0;  ///< were measured through an occupied cell
-};
-
 /// A finished map to localise in. It holds the surfaces twice, as points with normals for scan
 /// matching and as a likelihood grid for the search of a pose, and the grid itself.
 class KnownMap {
@@ -59,13 +53,21 @@ class KnownMap {
   /// The smallest window that holds all free places.
   [[nodiscard]] const SearchWindow& window() const { return window_; }
 
-  /// How well a scan fits the grid at a pose. `scan`: points in base.
-  [[nodiscard]] GridFit fit(std::span<const OrientedPoint> scan,
-                            const Eigen::Vector2d& sensor_origin_base,
-                            const geometry::SE2& T_map_base) const;
+  /// The fraction of a scan's points that were measured through an occupied cell if the robot is at
+  /// `T_map_base`. `scan`: points in base.
+  [[nodiscard]] double through_walls(std::span<const OrientedPoint> scan,
+                                     const Eigen::Vector2d& sensor_origin_base,
+                                     const geometry::SE2& T_map_base) const;
 
  private:
+  /// Whether a ray meets an occupied cell. In cells of the grid; `direction` has length 1.
+  [[nodiscard]] bool is_blocked(const Eigen::Vector2d& origin, const Eigen::Vector2d& direction,
+                                double length) const;
+
   TrinaryGrid grid_;
+  /// For each cell the number of steps to the nearest occupied one, diagonals count as one; at most
+  /// 255.
+  std::vector<std::uint8_t> steps_to_occupied_;
   PointMap points_;
   LikelihoodGrid likelihood_;
   SearchWindow window_;

@@ -111,8 +111,8 @@ std::optional<Match> Localiser::match(const LevelScan& scan) {
 
 bool Localiser::fits(const LevelScan& scan, const Match& match) const {
   return match.found() && match.score >= params_.localise.min_score &&
-         match.score - map_.fit(scan.points_base, scan.sensor_origin_base, match.T_map_base)
-                           .through_walls >=
+         match.score -
+                 map_.through_walls(scan.points_base, scan.sensor_origin_base, match.T_map_base) >=
              params_.localise.min_score;
 }
 

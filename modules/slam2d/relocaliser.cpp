@@ -70,8 +70,9 @@ std::optional<Peak> Relocaliser::match(const KnownMap& map, const LevelScan& sca
   if (!match.found()) {
     return std::nullopt;
   }
-  const GridFit fit = map.fit(scan.points_base, scan.sensor_origin_base, match.T_map_base);
-  return Peak{match.T_map_base, match.score - fit.through_walls};
+  const double through_walls =
+      map.through_walls(scan.points_base, scan.sensor_origin_base, match.T_map_base);
+  return Peak{match.T_map_base, match.score - through_walls};
 }
 
 Relocalisation Relocaliser::classify(std::span<const Peak> places, bool is_complete) const {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <optional>
 #include <random>
 #include <vector>
@@ -174,7 +175,7 @@ TEST_F(RelocaliserTest, ScansThatContradictEachOtherFindNothing) {
   EXPECT_EQ(locate_group(map, test::room(), {{first, {}}, {carried, {}}}).status, Status::kNowhere);
 }
 
-TEST(KnownMap, DistinguishesPointsOnWallsFromPointsBehindThem) {
+TEST(KnownMap, PointsBehindAWallWereMeasuredThroughIt) {
   TrinaryGrid grid{.cell_size_m = 0.1, .width = 50, .height = 20};
   grid.cells.assign(1000, CellState::kFree);
   for (std::size_t y = 0; y < 20; ++y) {
@@ -183,9 +184,41 @@ TEST(KnownMap, DistinguishesPointsOnWallsFromPointsBehindThem) {
   const KnownMap map(grid, {});
   const std::vector<OrientedPoint> scan{
       {{1.0, 0.0}, {}}, {{0.5, 0.0}, {}}, {{3.0, 0.0}, {}}, {{1.05, 0.1}, {}}};
-  const GridFit fit = map.fit(scan, {0.0, 0.0}, {1.02, 1.0, 0.0});
-  EXPECT_DOUBLE_EQ(fit.on_walls, 0.5);        // the first and the last
-  EXPECT_DOUBLE_EQ(fit.through_walls, 0.25);  // the third
+  EXPECT_DOUBLE_EQ(map.through_walls(scan, {0.0, 0.0}, {1.02, 1.0, 0.0}), 0.25);  // the third
+}
+
+// The rays that the map looks along in long steps are compared with rays looked along cell by cell.
+TEST(KnownMap, ARayIsBlockedByEachOccupiedCellOnItsWay) {
+  constexpr int kSize = 60;
+  constexpr double kCellM = 0.1;
+  std::mt19937 random(1);
+  TrinaryGrid grid{.cell_size_m = kCellM, .width = kSize, .height = kSize};
+  for (int i = 0; i < kSize * kSize; ++i) {
+    grid.cells.push_back(random() % 60 == 0 ? CellState::kOccupied : CellState::kFree);
+  }
+  const KnownMap map(grid, {});
+  std::uniform_real_distribution<double> inside_m(0.5, 5.5);
+  std::uniform_real_distribution<double> outside_m(-2.0, 8.0);
+  int blocked = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const Eigen::Vector2d from(inside_m(random), inside_m(random));
+    const Eigen::Vector2d to(outside_m(random), outside_m(random));
+    const double range_m = (to - from).norm();
+    bool is_blocked = false;
+    for (int step = 0; step * kCellM < range_m - 0.4; ++step) {
+      const Eigen::Vector2d cell = (from + step * kCellM / range_m * (to - from)) / kCellM;
+      is_blocked =
+          is_blocked || grid.at(static_cast<int>(std::floor(cell.x())),
+                                static_cast<int>(std::floor(cell.y()))) == CellState::kOccupied;
+    }
+    blocked += is_blocked ? 1 : 0;
+    OrientedPoint point;
+    point.p = to - from;
+    EXPECT_EQ(map.through_walls({&point, 1}, {0.0, 0.0}, {from.x(), from.y(), 0.0}),
+              is_blocked ? 1.0 : 0.0);
+  }
+  EXPECT_GT(blocked, 100);
+  EXPECT_LT(blocked, 900);
 }
 
 }  // namespace relocaliser_test
