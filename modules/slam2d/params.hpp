@@ -166,7 +166,8 @@ struct PeopleParams {
              "robot may have been pushed in between. 0: all scans are.");
     v.number(
         "min_scan_period_s", min_scan_period_s, {0.0, 1.0},
-        "So are scans nearer together than this: their stamps come in bursts and give no speed.");
+        "Scans nearer together than this are matched that way, too: their stamps come in bursts "
+        "and give no speed.");
     v.number("max_hidden_s", max_hidden_s, {0.0, 3600.0},
              "People pass within this time. If the view is hidden for longer, the robot was "
              "carried to another place.");
@@ -190,9 +191,10 @@ struct KeyframeParams {
     v.number("distance_m", distance_m, {0.0, 10.0},
              "A scan becomes a keyframe, and goes into the map, beyond this distance from the last "
              "keyframe by odometry.");
-    v.number("nodding_distance_m", nodding_distance_m, {0.0, 10.0},
-             "The same for the level scans of a nodding scanner: it gives so few that all of them "
-             "are needed where the robot drives.");
+    v.number(
+        "nodding_distance_m", nodding_distance_m, {0.0, 10.0},
+        "The distance beyond which a level scan of a nodding scanner becomes a keyframe: there "
+        "are so few that all of them are needed where the robot drives.");
     v.angle("rotation_deg", rotation_rad, {0.0, 180.0},
             "A scan also becomes a keyframe beyond this rotation from the last keyframe.");
   }
