@@ -22,7 +22,8 @@ std::optional<geometry::SE3> read_pose(const double (&position_m)[3],
   Eigen::Quaterniond rotation(orientation[0], orientation[1], orientation[2], orientation[3]);
   const double length = rotation.norm();
   // An error of more than 1 % is not rounding: the message was never filled in.
-  if (!(position.cwiseAbs().maxCoeff() <= kFarthestM) || !(std::abs(length - 1.0) < 0.01)) {
+  if (!position.allFinite() || position.cwiseAbs().maxCoeff() > kFarthestM ||
+      !(std::abs(length - 1.0) < 0.01)) {
     return std::nullopt;
   }
   rotation.normalize();

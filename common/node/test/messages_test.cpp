@@ -76,6 +76,15 @@ TEST(Messages, PositionsAndScansTooLargeAreRefused) {
   EXPECT_TRUE(read_odometry(odometry));
 }
 
+// Whichever component it is: a comparison with the greatest one may pass over it.
+TEST(Messages, APositionThatIsNotANumberIsRefused) {
+  for (int axis = 0; axis < 3; ++axis) {
+    nodmap::odometry_t odometry = write_odometry(time::from_utime(1), SE3::Identity());
+    odometry.position_m[axis] = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_FALSE(read_odometry(odometry)) << axis;
+  }
+}
+
 TEST(Messages, AScanWithoutBeamsIsAccepted) {
   scan::Scan empty = sample_scan();
   empty.ranges_m.clear();
