@@ -123,6 +123,19 @@ Bytes reboot(std::uint8_t id) {
   return packet(id, kReboot, {});
 }
 
+std::size_t num_answer_parameters(ByteView instruction) {
+  constexpr std::size_t kCountAt = kInstructionAt + 3;
+  constexpr std::size_t kModelAndFirmware = 3;
+  switch (instruction[kInstructionAt]) {
+    case kPing:
+      return kModelAndFirmware;
+    case kRead:
+      return load_little_u16(&instruction[kCountAt]);
+    default:
+      return 0;
+  }
+}
+
 }  // namespace dynamixel
 
 DynamixelParser::DynamixelParser(int baud) : scanner_({start_of_packet, checksum_holds}, baud) {}

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 
@@ -23,6 +24,9 @@ namespace dynamixel {
 [[nodiscard]] Bytes read(std::uint8_t id, std::uint16_t address, std::uint16_t count);
 [[nodiscard]] Bytes write(std::uint8_t id, std::uint16_t address, ByteView values);
 [[nodiscard]] Bytes reboot(std::uint8_t id);
+
+/// The number of parameters in the answer to an instruction that succeeds.
+[[nodiscard]] std::size_t num_answer_parameters(ByteView instruction);
 
 }  // namespace dynamixel
 

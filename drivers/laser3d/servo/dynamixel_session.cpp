@@ -93,13 +93,19 @@ ServoOutput DynamixelSession::poll(time::SteadyTime now) {
 
 ServoOutput DynamixelSession::receive(ByteView bytes, time::SteadyTime now) {
   parser_.feed(bytes, now);
-  ServoOutput output;
+  std::optional<ServoOutput> output;
   while (const auto answer = parser_.next()) {
-    if (answer->id == id_ && waiting_) {
+    // Only one: what has arrived already cannot answer the request that is sent next.
+    if (!output && waiting_ && is_expected(*answer)) {
       output = take(*answer, now);
     }
   }
-  return output;
+  return output.value_or(ServoOutput{});
+}
+
+bool DynamixelSession::is_expected(const DynamixelStatus& answer) const {
+  return answer.id == id_ &&
+         (answer.error_code() != 0 || answer.parameters.size() == expected_parameters_);
 }
 
 ServoOutput DynamixelSession::run(time::SteadyTime now) {
@@ -155,6 +161,7 @@ ServoOutput DynamixelSession::enter(Step step, time::SteadyTime now) {
 
 ServoOutput DynamixelSession::ask(Bytes bytes, time::SteadyTime now) {
   waiting_ = !bytes.empty();
+  expected_parameters_ = waiting_ ? dynamixel::num_answer_parameters(bytes) : 0;
   deadline_ = now + kAnswerTimeout;
   return {.send = std::move(bytes), .sample = std::nullopt};
 }

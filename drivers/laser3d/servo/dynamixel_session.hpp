@@ -57,6 +57,10 @@ class DynamixelSession : public ServoSession {
   };
 
   [[nodiscard]] Bytes request() const;
+  /// Whether it can be the answer to the present request, by its number of parameters, because an
+  /// answer does not say which request it belongs to. Others may come first: those to the driver
+  /// that ran before this one, or to a request that was repeated.
+  [[nodiscard]] bool is_expected(const DynamixelStatus& answer) const;
   [[nodiscard]] ServoOutput enter(Step step, time::SteadyTime now);
   [[nodiscard]] ServoOutput ask(Bytes bytes, time::SteadyTime now);
   [[nodiscard]] ServoOutput run(time::SteadyTime now);
@@ -77,6 +81,7 @@ class DynamixelSession : public ServoSession {
   serial::BackOff back_off_;
   Step step_ = Step::kClosed;
   bool waiting_ = false;  // for an answer
+  std::size_t expected_parameters_ = 0;
   time::SteadyTime deadline_;
   time::SteadyTime next_reading_;
   int misses_ = 0;                           // in a row

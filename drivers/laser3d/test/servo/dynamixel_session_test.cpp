@@ -28,7 +28,7 @@ class Rig {
     const time::SteadyTime end = now + time::from_seconds(seconds);
     for (; now < end; now += 1ms) {
       servo.step_ms(static_cast<int>(now.time_since_epoch() / 1ms));
-      const Bytes arrived = std::exchange(on_the_line_, {});
+      const Bytes arrived = std::exchange(on_the_line_, std::exchange(delayed_, {}));
       handle(dut.receive(arrived, now));
       handle(dut.poll(now));
     }
@@ -38,11 +38,23 @@ class Rig {
   FakeServo servo;
   time::SteadyTime now;
   std::vector<PitchSample> samples;
+  struct {
+    Bytes bytes;
+    int before_answer = -1;  // to the n-th request, from 0
+    bool arrives_with_it = false;
+  } stale;  // an answer to an earlier request
 
  private:
   void handle(const ServoOutput& output) {
     if (!output.send.empty()) {
-      on_the_line_ = on_the_line_ + servo.answer(output.send);
+      Bytes answer = servo.answer(output.send);
+      if (num_requests_++ == stale.before_answer) {
+        on_the_line_ = on_the_line_ + stale.bytes;
+        if (!stale.arrives_with_it) {
+          delayed_ = std::exchange(answer, {});
+        }
+      }
+      on_the_line_ = on_the_line_ + answer;
     }
     if (output.sample) {
       samples.push_back(*output.sample);
@@ -50,6 +62,8 @@ class Rig {
   }
 
   Bytes on_the_line_;
+  Bytes delayed_;  // by a millisecond
+  int num_requests_ = 0;
 };
 
 TEST(DynamixelSession, RunsAndReportsItsPosition) {
@@ -61,6 +75,33 @@ TEST(DynamixelSession, RunsAndReportsItsPosition) {
   EXPECT_EQ(rig.samples.back().pitch_rad, 0.0);
   EXPECT_EQ(rig.servo.registers[64], 1);   // torque
   EXPECT_EQ(rig.servo.registers[98], 10);  // watchdog, 200 ms
+}
+
+// The driver before this one was killed while the servo answered, or the servo answered a request
+// so late that it was repeated.
+TEST(DynamixelSession, NoRequestIsLeftOutBecauseOfAStaleAnswer) {
+  const Bytes written = test::hex("FF FF FD 00 01 04 00 55 00 A1 0C");
+  const Bytes reading = FakeServo().answer(dynamixel_x::read_state(1));
+  for (const Bytes& stale : {written, reading}) {
+    for (const bool together : {true, false}) {
+      for (int request = 0; request < 12; ++request) {
+        SCOPED_TRACE(::testing::Message()
+                     << (stale == written ? "written" : "reading") << " before answer " << request
+                     << (together ? ", together" : ""));
+        Rig rig;
+        rig.stale = {stale, request, together};
+        rig.servo.registers[98] = 0xFF;  // the watchdog triggered after the last session
+        rig.dut.aim(0.5, 1.0);
+        rig.open();
+        rig.run(1.0);
+        EXPECT_EQ(rig.servo.registers[64], 1);   // torque
+        EXPECT_EQ(rig.servo.registers[98], 10);  // watchdog, 200 ms
+        EXPECT_EQ(boost::endian::load_little_u32(&rig.servo.registers[108]), 107U);  // 40 rad/s^2
+        EXPECT_NEAR(rig.servo.position, 2048.0 + 0.5 / dynamixel_x::kRadPerStep, 1.0);
+        EXPECT_TRUE(rig.dut.running());
+      }
+    }
+  }
 }
 
 TEST(DynamixelSession, MovesAtTheSpeedAsked) {

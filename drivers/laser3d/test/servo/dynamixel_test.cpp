@@ -37,6 +37,14 @@ TEST(Dynamixel, InstructionsAreAsInTheManual) {
   EXPECT_EQ(dynamixel_x::read_state(1), hex("FF FF FD 00 01 07 00 02 78 00 10 00 35 5D"));
 }
 
+TEST(Dynamixel, TheNumberOfParametersInAnAnswerIsKnown) {
+  using dynamixel::num_answer_parameters;
+  EXPECT_EQ(num_answer_parameters(dynamixel::ping(1)), parse(kPingReply).at(0).parameters.size());
+  EXPECT_EQ(num_answer_parameters(dynamixel::read(1, 132, 4)), 4U);
+  EXPECT_EQ(num_answer_parameters(dynamixel_x::write_byte(1, 64, 1)), 0U);
+  EXPECT_EQ(num_answer_parameters(dynamixel::reboot(1)), 0U);
+}
+
 TEST(Dynamixel, WritesAreAsInTheManual) {
   using dynamixel_x::write_byte;
   EXPECT_EQ(write_byte(1, 64, 1), hex("FF FF FD 00 01 06 00 03 40 00 01 DB 66"));
