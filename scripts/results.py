@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Runs what README.md claims and writes its tables between their markers, with the commit they were measured at. With --check only
-compares, and fails when a number in README.md is not what the programs reach now: by more than the last digit printed, and by more than
+"""Runs what the documents claim and writes their tables between the markers, with the commit they were measured at. With --check only
+compares, and fails when a number there is not what the programs reach now: by more than the last digit printed, and by more than
 2 %, for another processor's square roots and sines may round in another way. The simulated drives, which take minutes, are not checked.
 
 usage: results.py BIN_DIR [--check]
@@ -9,6 +9,7 @@ usage: results.py BIN_DIR [--check]
 The recordings are looked for in $NODMAP_DATA, else ../shared/data; where they are missing nothing is written, and --check says so.
 """
 import concurrent.futures
+import functools
 import json
 import os
 import pathlib
@@ -21,7 +22,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "bench"))
 from seeds import ODOMETRY_NOISE, REPORTING
 DATA = pathlib.Path(os.environ.get("NODMAP_DATA", ROOT.parent / "shared" / "data"))
-README = ROOT / "README.md"
+DOCUMENTS = [ROOT / "README.md", ROOT / "docs" / "benchmark-2d.md", ROOT / "docs" / "benchmark-3d.md"]
 PEERS = json.loads((ROOT / "docs" / "peers.json").read_text())
 
 
@@ -29,15 +30,32 @@ def run(*command):
     return subprocess.run([str(part) for part in command], capture_output=True, text=True, check=True).stdout
 
 
+@functools.cache
+def relations(bin_dir, work, log, trajectory):
+    """Relative pose errors on a public log, Kuemmerle et al. 2009."""
+    out = work / log
+    if not out.exists():
+        run(bin_dir / "nodmap-convert", "carmen", DATA / "slam2d" / f"{log}.clf", work / f"{log}.lcmlog")
+        run(bin_dir / "nodmap-slam2d", "--replay", work / f"{log}.lcmlog", "--out", out)
+    return json.loads(run(bin_dir / "nodmap-evaluate", "relations", out / trajectory, DATA / "slam2d" / f"{log}.relations"))
+
+
 def table_2d(bin_dir, work):
-    """Relative pose errors on the public logs, Kuemmerle et al. 2009."""
+    """The errors of the public logs beside the best of others."""
     rows = ["| log | translation | rotation | best other result (published, or measured by us) |", "|---|---|---|---|"]
-    for name, peer in PEERS["2d"].items():
-        log, out = work / f"{name}.lcmlog", work / name
-        run(bin_dir / "nodmap-convert", "carmen", DATA / "slam2d" / f"{name}.clf", log)
-        run(bin_dir / "nodmap-slam2d", "--replay", log, "--out", out)
-        errors = json.loads(run(bin_dir / "nodmap-evaluate", "relations", out / "trajectory.tum", DATA / "slam2d" / f"{name}.relations"))
-        rows.append(f"| {name} | {errors['trans_mean_m']:.4f} m | {errors['rot_mean_deg']:.2f}° | {peer} |")
+    for log, peer in PEERS["2d"].items():
+        errors = relations(bin_dir, work, log, "trajectory.tum")
+        rows.append(f"| {log} | {errors['trans_mean_m']:.4f} m | {errors['rot_mean_deg']:.2f}° | {peer} |")
+    return rows
+
+
+def table_2d_online(bin_dir, work):
+    """The errors of the poses at the end and of those published meanwhile."""
+    logs = list(PEERS["2d"])
+    rows = ["| nodmap | " + " | ".join(logs) + " |", "|---|" + "---|" * len(logs)]
+    for name, trajectory in {"trajectory.tum": "trajectory.tum", "online.tum: each pose as published at its time": "online.tum"}.items():
+        errors = [relations(bin_dir, work, log, trajectory) for log in logs]
+        rows.append(f"| {name} | " + " | ".join(f"{error['trans_mean_m']:.4f} m, {error['rot_mean_deg']:.3f}°" for error in errors) + " |")
     return rows
 
 
@@ -89,7 +107,7 @@ def table_drives(bin_dir, work):
     return rows
 
 
-QUICK_TABLES = {"2d": table_2d, "kurt3d": table_kurt3d}
+QUICK_TABLES = {"2d": table_2d, "2d_online": table_2d_online, "kurt3d": table_kurt3d}
 TABLES = QUICK_TABLES | {"drives": table_drives}
 
 
@@ -115,20 +133,23 @@ def main():
         print("results: skipped, no recordings (set NODMAP_DATA)")
         return 0
     commit = run("git", "-C", ROOT, "rev-parse", "--short", "HEAD").strip()
-    text = README.read_text()
+    texts = {document: document.read_text() for document in DOCUMENTS}
     stale = []
     with tempfile.TemporaryDirectory() as work:
         for name, make in (QUICK_TABLES if check else TABLES).items():
             rows = make(bin_dir, pathlib.Path(work))
             print("\n".join(rows))
             fresh = "\n".join(rows) + f"\n\nWritten by `./nodmap results` at commit {commit}.\n"
-            if not agree(numbers(block(name).search(text).group(1)), numbers(fresh)):
-                stale.append(name)
-            text = block(name).sub(lambda _: f"<!-- results: {name} -->\n{fresh}<!-- /results -->", text)
+            for document, text in texts.items():
+                for table in block(name).findall(text):
+                    if not agree(numbers(table), numbers(fresh)):
+                        stale.append(f"{name} in {document.name}")
+                texts[document] = block(name).sub(lambda _: f"<!-- results: {name} -->\n{fresh}<!-- /results -->", text)
     if check:
-        print(f"README.md is stale ({', '.join(stale)}): run ./nodmap results" if stale else "README.md agrees")
+        print(f"documents are stale ({', '.join(stale)}): run ./nodmap results" if stale else "the documents agree")
         return 1 if stale else 0
-    README.write_text(text)
+    for document, text in texts.items():
+        document.write_text(text)
     return 0
 
 
