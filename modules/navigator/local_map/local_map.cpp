@@ -58,29 +58,22 @@ double LocalMap::tolerance_m(double range_m) const {
 
 void LocalMap::add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base,
                         const std::vector<bool>& is_walker) {
-  prepare_fan(scan);
+  if (fan_.take(scan)) {
+    floor_.forget_last_scan();
+  }
   move(T_odom_base);
   ++scan_;
   const std::size_t n = scan.ranges_m.size();
   floor_.begin_scan(n);
   low_hits_.begin_scan(n);
   const geometry::SE3 T_odom_mount = ground_.T_odom_base() * scan.T_base_mount;
-  const Eigen::Matrix3d R = T_odom_mount.linear();
   const std::vector<std::optional<double>> dazzled_m = dazzled_ranges(scan);
   for (std::size_t i = 0; i < n; ++i) {
-    const double pitch_rad = scan.pitch_rad(i);
-    const double c = std::cos(pitch_rad);
-    const double s = std::sin(pitch_rad);
-    const Eigen::Vector3d& offset = scan.mirror_offset_m;
     if ((is_walker.size() == n && is_walker[i]) || is_mixed_pixel(scan, i)) {
       continue;
     }
-    const auto range_m = static_cast<double>(scan.ranges_m[i]);
-    Beam beam{T_odom_mount * Eigen::Vector3d(c * offset.x() - s * offset.z(), offset.y(),
-                                             s * offset.x() + c * offset.z()),
-              R * Eigen::Vector3d(c * fan_[i].x(), fan_[i].y(), s * fan_[i].x()), range_m,
-              scan.is_hit(i)};
-    if (beam.is_hit || range_m == std::numeric_limits<double>::infinity()) {
+    Beam beam = fan_.beam(scan, i, T_odom_mount);
+    if (beam.is_hit || beam.range_m == std::numeric_limits<double>::infinity()) {
       classify(beam, i);
     } else if (dazzled_m[i]) {
       beam.range_m = *dazzled_m[i];
@@ -94,21 +87,6 @@ void LocalMap::add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base
   }
   floor_.end_scan(grid_, scan_);
   clear_under_body(T_odom_base);
-}
-
-void LocalMap::prepare_fan(const scan::Scan& scan) {
-  const std::size_t n = scan.ranges_m.size();
-  if (fan_.size() == n && fan_first_rad_ == scan.angle_first_rad &&
-      fan_step_rad_ == scan.angle_step_rad) {
-    return;
-  }
-  fan_first_rad_ = scan.angle_first_rad;
-  fan_step_rad_ = scan.angle_step_rad;
-  fan_.resize(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    fan_[i] = {std::cos(scan.angle_rad(i)), std::sin(scan.angle_rad(i))};
-  }
-  floor_.forget_last_scan();
 }
 
 void LocalMap::move(const geometry::SE2& T_odom_base) {
@@ -258,36 +236,39 @@ void LocalMap::add_contact(const geometry::SE2& T_odom_base, bool at_front) {
   obstacles_.add_contact(grid_, T_odom_base, body_, at_front);
 }
 
-void LocalMap::forget_walker(const Eigen::Vector2d& p_odom, double radius_m) {
+template <class Visit>
+void LocalMap::visit_disc(const Eigen::Vector2d& p_odom, double radius_m,
+                          const Visit& visit) const {
   const auto reach = static_cast<int>(radius_m / grid_.cell_size_m());
   const Eigen::Vector2i middle = grid_.index_of(p_odom);
   for (int dy = -reach; dy <= reach; ++dy) {
     for (int dx = -reach; dx <= reach; ++dx) {
       const Eigen::Vector2i index = middle + Eigen::Vector2i(dx, dy);
-      if (dx * dx + dy * dy <= reach * reach && grid_.contains(index) &&
-          grid_.at(index).is_obstacle() && was_floor(grid_.center_of(index))) {
-        grid_.at(index).obstacle = 0;
+      if (dx * dx + dy * dy <= reach * reach && grid_.contains(index)) {
+        visit(index);
       }
     }
   }
 }
 
+void LocalMap::forget_walker(const Eigen::Vector2d& p_odom, double radius_m) {
+  visit_disc(p_odom, radius_m, [this](const Eigen::Vector2i& index) {
+    if (grid_.at(index).is_obstacle() && was_floor(grid_.center_of(index))) {
+      grid_.at(index).obstacle = 0;
+    }
+  });
+}
+
 std::optional<LocalMap::Span> LocalMap::obstacle_span(const Eigen::Vector2d& p_odom,
                                                       double radius_m) const {
-  const auto reach = static_cast<int>(radius_m / grid_.cell_size_m());
-  const Eigen::Vector2i middle = grid_.index_of(p_odom);
   int low_cm = std::numeric_limits<int>::max();
   int high_cm = std::numeric_limits<int>::lowest();
-  for (int dy = -reach; dy <= reach; ++dy) {
-    for (int dx = -reach; dx <= reach; ++dx) {
-      const Eigen::Vector2i index = middle + Eigen::Vector2i(dx, dy);
-      if (dx * dx + dy * dy <= reach * reach && grid_.contains(index) &&
-          grid_.at(index).is_obstacle()) {
-        low_cm = std::min<int>(low_cm, grid_.at(index).low_cm);
-        high_cm = std::max<int>(high_cm, grid_.at(index).high_cm);
-      }
+  visit_disc(p_odom, radius_m, [&](const Eigen::Vector2i& index) {
+    if (grid_.at(index).is_obstacle()) {
+      low_cm = std::min<int>(low_cm, grid_.at(index).low_cm);
+      high_cm = std::max<int>(high_cm, grid_.at(index).high_cm);
     }
-  }
+  });
   if (low_cm > high_cm) {
     return std::nullopt;
   }
@@ -300,18 +281,11 @@ void LocalMap::visit_cells(const geometry::SE2& T_odom_base, double range_m,
                            const Visit& visit) const {
   const geometry::SE2 T_base_odom = T_odom_base.inverse();
   const Eigen::Matrix2d R_base_odom = T_base_odom.rotation();
-  const auto reach = static_cast<int>(range_m / grid_.cell_size_m());
-  const Eigen::Vector2i middle = grid_.index_of(T_odom_base.translation());
-  for (int dy = -reach; dy <= reach; ++dy) {
-    for (int dx = -reach; dx <= reach; ++dx) {
-      const Eigen::Vector2i index = middle + Eigen::Vector2i(dx, dy);
-      if (dx * dx + dy * dy <= reach * reach && grid_.contains(index)) {
-        visit(index, [&] {
-          return Eigen::Vector2d(R_base_odom * grid_.center_of(index) + T_base_odom.translation());
-        });
-      }
-    }
-  }
+  visit_disc(T_odom_base.translation(), range_m, [&](const Eigen::Vector2i& index) {
+    visit(index, [&] {
+      return Eigen::Vector2d(R_base_odom * grid_.center_of(index) + T_base_odom.translation());
+    });
+  });
 }
 
 Points LocalMap::points_base(const geometry::SE2& T_odom_base, double range_m) const {

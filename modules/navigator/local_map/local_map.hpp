@@ -10,6 +10,7 @@
 #include "common/scan/scan.hpp"
 #include "modules/navigator/ground/facet_finder.hpp"
 #include "modules/navigator/ground/tracked_ground.hpp"
+#include "modules/navigator/local_map/fan.hpp"
 #include "modules/navigator/local_map/floor_evidence.hpp"
 #include "modules/navigator/local_map/local_cell.hpp"
 #include "modules/navigator/local_map/local_view.hpp"
@@ -117,7 +118,6 @@ class LocalMap {
   void reset();
 
  private:
-  void prepare_fan(const scan::Scan& scan);
   void move(const geometry::SE2& T_odom_base);
   void clear_under_body(const geometry::SE2& T_odom_base);
   void classify(const Beam& beam, std::size_t index);
@@ -128,6 +128,9 @@ class LocalMap {
   void look_again(const TrackedGround::Joined& joined);
   [[nodiscard]] double tolerance_m(double range_m) const;
   [[nodiscard]] bool is_floor_around(const Eigen::Vector2d& p_odom, bool may_be_assumed) const;
+  /// Calls `visit(index)` for the cells within `radius_m` of a place.
+  template <class Visit>
+  void visit_disc(const Eigen::Vector2d& p_odom, double radius_m, const Visit& visit) const;
   /// Calls `visit(index, p_base)` for the cells within `range_m` of base; p_base() computes the
   /// cell's middle in base.
   template <class Visit>
@@ -147,9 +150,7 @@ class LocalMap {
   ObstacleMemory obstacles_;
   LowHits low_hits_;
   std::uint16_t scan_ = 0;
-  std::vector<Eigen::Vector2d> fan_;  // cos and sin of each beam's angle
-  double fan_first_rad_ = 0.0;
-  double fan_step_rad_ = 0.0;
+  Fan fan_;
 };
 
 }  // namespace nodmap::navigator
