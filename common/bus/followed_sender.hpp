@@ -16,14 +16,21 @@ class FollowedSender {
   /// Adds a message; returns whether it is from the sender that is followed. All times must be of
   /// one clock; if it steps back, the sender of this message is followed.
   [[nodiscard]] bool follow(const Sender& sender, time::SteadyTime now) {
-    const bool is_alive = last_ && now >= *last_ && now - *last_ < silence_;
-    if (is_alive && sender != sender_) {
+    if (is_alive(now) && sender != sender_) {
       return false;
     }
     sender_ = sender;
     last_ = now;
     return true;
   }
+
+  /// Whether a sender is followed and has been heard recently.
+  [[nodiscard]] bool is_alive(time::SteadyTime now) const {
+    return last_ && now >= *last_ && now - *last_ < silence_;
+  }
+
+  /// The sender that is followed, or was before it was silent.
+  [[nodiscard]] const Sender& sender() const { return sender_; }
 
   /// Adds that a sender has ended; returns whether it was followed. The next one to send then takes
   /// its place.

@@ -14,11 +14,19 @@ void LoopNetwork::deliver() {
   while (!deliveries_.empty() && deliveries_.begin()->first.stamp <= now_) {
     const Delivery delivery = std::move(deliveries_.begin()->second);
     deliveries_.erase(deliveries_.begin());
+    delivery.owner->set_origin({delivery.sender, now_});
     (*delivery.handler)(*delivery.bytes);
   }
 }
 
-bool LoopNetwork::send(const std::string& channel, std::span<const std::byte> bytes) {
+/// Another one than all before.
+Sender LoopNetwork::new_sender() {
+  constexpr std::uint32_t kThisHost = 0x7F000001;
+  return {kThisHost, ++num_senders_};
+}
+
+bool LoopNetwork::send(const Sender& sender, const std::string& channel,
+                       std::span<const std::byte> bytes) {
   log_complete_ = log_.write(time::to_utime(now_), channel, bytes) && log_complete_;
   const auto found = listeners_.find(channel);
   if (found == listeners_.end()) {
@@ -29,7 +37,7 @@ bool LoopNetwork::send(const std::string& channel, std::span<const std::byte> by
     time::Timestamp& last_due = listener.owner->last_due_;
     last_due = std::max(last_due, now_ + delay_.min + jitter());
     deliveries_.emplace(Due{last_due, num_deliveries_++},
-                        Delivery{listener.owner, &listener.handler, copy});
+                        Delivery{listener.owner, &listener.handler, sender, copy});
   }
   return log_complete_;
 }

@@ -60,8 +60,9 @@ class LoopNetwork {
   };
   /// A message on its way to one handler.
   struct Delivery {
-    const LoopBus* owner;
+    LoopBus* owner;
     const Bus::BytesHandler* handler;
+    Sender sender;
     std::shared_ptr<const std::vector<std::byte>> bytes;
   };
   /// Deliveries due at the same time are made in the order of publishing.
@@ -71,7 +72,9 @@ class LoopNetwork {
     auto operator<=>(const Due&) const = default;  // NOLINT: clang-tidy 14 sees a null here
   };
 
-  [[nodiscard]] bool send(const std::string& channel, std::span<const std::byte> bytes);
+  [[nodiscard]] Sender new_sender();
+  [[nodiscard]] bool send(const Sender& sender, const std::string& channel,
+                          std::span<const std::byte> bytes);
   void listen(LoopBus* owner, const std::string& channel, Bus::BytesHandler handler);
   void leave(const LoopBus* owner);
   [[nodiscard]] time::Duration jitter();
@@ -82,21 +85,23 @@ class LoopNetwork {
   std::mt19937_64 engine_;
   time::Timestamp now_{};
   std::int64_t num_deliveries_ = 0;
+  std::uint16_t num_senders_ = 0;
   std::map<Due, Delivery> deliveries_;
   // Lists, because deliveries point to listeners.
   std::map<std::string, std::list<Listener>, std::less<>> listeners_;
 };
 
-/// The bus of one process on a LoopNetwork, which must outlive it. Its destructor ends its
-/// subscriptions; do not destroy it within a handler.
+/// The bus of one process on a LoopNetwork, which must outlive it. It is a sender of its own, as a
+/// process with its socket is. Its destructor ends its subscriptions; do not destroy it within a
+/// handler.
 class LoopBus : public Bus {
  public:
-  explicit LoopBus(LoopNetwork& network) : network_(network) {}
+  explicit LoopBus(LoopNetwork& network) : network_(network), sender_(network.new_sender()) {}
   ~LoopBus() override { network_.leave(this); }
 
  private:
   bool send(const std::string& channel, std::span<const std::byte> bytes) override {
-    return network_.send(channel, bytes);
+    return network_.send(sender_, channel, bytes);
   }
   void listen(const std::string& channel, BytesHandler handler, int /*queue_capacity*/) override {
     network_.listen(this, channel, std::move(handler));
@@ -105,6 +110,7 @@ class LoopBus : public Bus {
   friend class LoopNetwork;
 
   LoopNetwork& network_;
+  Sender sender_;
   time::Timestamp last_due_{};
 };
 

@@ -20,8 +20,8 @@ struct Sender {
 
 /// Where a message came from, and when.
 struct Origin {
-  Sender sender;               ///< unknown in replay, in trials and with memq://
-  time::Timestamp received{};  ///< when this host received it; the epoch in replay and trials
+  Sender sender;               ///< unknown in replay and with memq://: then all are one
+  time::Timestamp received{};  ///< when this host received it; the epoch in replay
 };
 
 }  // namespace nodmap::bus

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstdint>
+#include <algorithm>
 #include <optional>
 
+#include "common/bus/followed_sender.hpp"
 #include "common/bus/sender.hpp"
 #include "common/geometry/time.hpp"
 
@@ -12,63 +13,54 @@ namespace nodmap::node {
 /// Accepts the messages of one sender, and detects a second sender.
 ///
 /// While the accepted sender is alive, a message from another socket is from a stranger, whatever
-/// its number. Where sockets are not known, the sequence numbers tell: those of one sender
-/// increase, with small gaps where messages were lost, so a message whose number does not continue
-/// the sequence is from a stranger, too. A single one may have been duplicated or overtaken on the
-/// network. Several within a second mean that there are two senders; which one is legitimate is not
-/// known. That is certain at once if the accepted sender has skipped their numbers: a second sender
-/// has listened and jumped ahead. Otherwise it is certain only when the accepted sender continues,
-/// because a process that has restarted has a new socket and counts from 0. A new or restarted
-/// sender is accepted once the old one has been silent for kSilence.
+/// it contains. Several of them mean that there are two senders; which one is legitimate is not
+/// known. That is certain only when the accepted sender continues, because a process that has
+/// restarted has a new socket. A new or restarted sender is accepted once the old one has been
+/// silent.
 ///
 /// All times must be of one clock; if it steps back, the watch starts again. It does not protect
-/// against a sender that is alone or that stops the legitimate sender first, nor, where sockets are
-/// not known, against one that jumps ahead for less than kStrangersOfASecondSender messages a
-/// second.
+/// against a sender that is alone or that stops the legitimate sender first.
 class SenderWatch {
  public:
   /// After this much silence the accepted sender is considered gone, and another may be accepted.
   static constexpr time::Duration kSilence = 200ms;
-  /// Largest gap in the numbers of a living sender: 0.2 s at 500 messages per second.
-  static constexpr std::int64_t kLargestStep = 100;
-  /// This many strangers in a second cannot be duplicates or reordering by the network.
+  /// This many strangers in a second are worth stopping for. Fewer have no effect.
   static constexpr int kStrangersOfASecondSender = 3;
-  /// How long after the last conflict two senders are still assumed.
+  /// Strangers are counted over this time, and for this long after the last one two senders are
+  /// still assumed.
   static constexpr time::Duration kContested = 1s;
 
-  /// Adds a message; returns whether it is from the accepted sender.
-  [[nodiscard]] bool follow(std::int64_t seq, time::SteadyTime now, const bus::Sender& sender = {});
+  SenderWatch() = default;
+  /// For reports that come once a second: they need a longer silence, and one stranger is enough.
+  explicit SenderWatch(time::Duration silence)
+      : followed_(silence), contested_(std::max(kContested, silence)), strangers_needed_(1) {}
 
-  /// Adds a message that is refused for another reason, such as its stamp. It does not continue the
-  /// sequence, but several may reveal a second sender: after each of them, lower numbers follow.
-  void refuse(std::int64_t seq, time::SteadyTime now, const bus::Sender& sender = {});
+  /// Adds a message; returns whether it is from the accepted sender.
+  [[nodiscard]] bool follow(const bus::Sender& sender, time::SteadyTime now);
+
+  /// Adds a message that is refused for another reason, such as its stamp. It does not show that
+  /// its sender is alive, but it may reveal a second sender.
+  void refuse(const bus::Sender& sender, time::SteadyTime now);
+
+  /// The accepted sender, while it is alive.
+  [[nodiscard]] std::optional<bus::Sender> accepted(time::SteadyTime now) const {
+    return followed_.is_alive(now) ? std::optional(followed_.sender()) : std::nullopt;
+  }
 
   /// Whether two senders are alive, or were a moment ago.
   [[nodiscard]] bool is_contested(time::SteadyTime now) const {
-    return contested_since_ && now >= *contested_since_ && now < *contested_since_ + kContested;
+    return contested_since_ && now >= *contested_since_ && now < *contested_since_ + contested_;
   }
 
  private:
-  struct Received {
-    std::int64_t seq = 0;
-    time::SteadyTime at;
-    bus::Sender sender;
-  };
-
-  [[nodiscard]] bool is_alive(time::SteadyTime now);
-  [[nodiscard]] bool is_next(std::int64_t seq, const bus::Sender& sender) const;
-  void refuse_stranger(std::int64_t seq, time::SteadyTime now);
   void count_stranger(time::SteadyTime now);
-  void contest_if_several(time::SteadyTime now);
 
-  std::optional<Received> followed_;  // the last message of the accepted sender
-  // Numbers were skipped after this one. It is kept until none has been skipped for a second, so
-  // that a second jump ahead does not hide the first.
-  std::int64_t skipped_after_ = 0;
-  time::SteadyTime skipped_at_;          // when numbers were skipped last
-  std::optional<std::int64_t> refused_;  // greatest number refused since the last message
-  int strangers_ = 0;                    // since the start of the present one-second window
+  bus::FollowedSender followed_{kSilence};
+  time::Duration contested_ = kContested;
+  int strangers_needed_ = kStrangersOfASecondSender;
+  int strangers_ = 0;  // since window_begin_
   time::SteadyTime window_begin_;
+  time::SteadyTime last_stranger_;
   std::optional<time::SteadyTime> contested_since_;
 };
 

@@ -63,9 +63,9 @@ DriveStatus DriveWatchdog::offer(const DriveRequest& request, time::Timestamp wa
   const DriveStatus status = classify(request, wall, now);
   bool is_followed = true;
   if (status == DriveStatus::kObeyed) {
-    is_followed = sender_.follow(request.seq, now, request.sender);
+    is_followed = sender_.follow(request.sender, now);
   } else {
-    sender_.refuse(request.seq, now, request.sender);
+    sender_.refuse(request.sender, now);
   }
   const bool is_nonsense = status == DriveStatus::kNotFinite || status == DriveStatus::kImplausible;
   if (is_nonsense || sender_.is_contested(now)) {

@@ -16,7 +16,6 @@ struct DriveRequest {
   DriveCommand command;
   time::Timestamp stamp;      ///< when it was decided
   time::Duration validity{};  ///< how long it is valid from then on
-  std::int64_t seq = 0;       ///< sequence number of the sender
   bus::Sender sender{};
 };
 

@@ -176,8 +176,7 @@ void KurtNode::on_drive(const nodmap::drive_t& message) {
   const DriveCommand wanted =
       stopped_by_ ? DriveCommand{} : DriveCommand{message.forward_mps, message.yaw_rate_rad_s};
   const DriveRequest request{wanted, time::from_utime(message.utime),
-                             time::from_us(message.valid_us), message.drive_seq,
-                             context_.bus.origin().sender};
+                             time::from_us(message.valid_us), context_.bus.origin().sender};
   const DriveStatus status = kurt_.drive(request, clock_());
   if (status == DriveStatus::kObeyed) {
     context_.counts.use();

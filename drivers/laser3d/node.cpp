@@ -104,12 +104,11 @@ void Laser3dNode::on_command(const nodmap::pitch_command_t& message) {
   const bus::Sender& sender = context_.bus.origin().sender;
   const double age_s = time::seconds(now.wall - time::from_utime(message.utime));
   if (std::abs(age_s) > params_.nod.command_timeout_s) {
-    sender_.refuse(message.command_seq, now.steady, sender);
+    sender_.refuse(sender, now.steady);
     context_.counts.reject("stale");
     return;
   }
-  if (!sender_.follow(message.command_seq, now.steady, sender) ||
-      sender_.is_contested(now.steady)) {
+  if (!sender_.follow(sender, now.steady) || sender_.is_contested(now.steady)) {
     context_.counts.reject("other_sender");
     return;
   }

@@ -51,14 +51,13 @@ NavigatorNode::NavigatorNode(node::Context& context, const Params& params)
   bus.subscribe<nodmap::stop_t>("STOP", [this](const auto& m) { on_stop(m); });
 }
 
-InputSenders::Message NavigatorNode::from_bus(std::int64_t seq, time::Timestamp stamp) const {
-  return {seq, stamp, context_.bus.origin().sender};
+InputSenders::Message NavigatorNode::from_bus(time::Timestamp stamp) const {
+  return {stamp, context_.bus.origin().sender};
 }
 
 /// Whether the message being handled is from the sender that is followed. Counts it otherwise.
-bool NavigatorNode::is_followed(InputSenders::Input input, std::int64_t seq,
-                                time::Timestamp stamp) {
-  if (senders_.follow(input, from_bus(seq, stamp), newest_.stamps)) {
+bool NavigatorNode::is_followed(InputSenders::Input input, time::Timestamp stamp) {
+  if (senders_.follow(input, from_bus(stamp), newest_.stamps)) {
     return true;
   }
   context_.counts.reject(InputSenders::cause_of(input));
@@ -76,7 +75,7 @@ void NavigatorNode::on_map(const nodmap::egomap_t& message) {
     context_.counts.reject("map_of_former_odometry");
     return;
   }
-  if (!is_followed(Input::kObstacleMap, message.scan_seq, node::stamp_of(message))) {
+  if (!is_followed(Input::kObstacleMap, node::stamp_of(message))) {
     return;
   }
   context_.counts.use();
@@ -88,8 +87,7 @@ void NavigatorNode::on_map(const nodmap::egomap_t& message) {
 
 void NavigatorNode::on_scan(const nodmap::scan_t& message) {
   if (!input_.read(message, scan_)) {
-    senders_.refuse(Input::kScan, from_bus(message.scan_seq, node::stamp_of(message)),
-                    newest_.stamps);
+    senders_.refuse(Input::kScan, from_bus(node::stamp_of(message)), newest_.stamps);
     return;
   }
   const auto T_odom_base = odometry_history_.at(scan_.mid_stamp());
@@ -97,7 +95,7 @@ void NavigatorNode::on_scan(const nodmap::scan_t& message) {
     context_.counts.reject("scan_without_odometry");
     return;
   }
-  if (!is_followed(Input::kScan, message.scan_seq, node::stamp_of(message))) {
+  if (!is_followed(Input::kScan, node::stamp_of(message))) {
     return;
   }
   context_.counts.use();
@@ -112,7 +110,7 @@ void NavigatorNode::on_base_sensors(const nodmap::base_sensors_t& message) {
     context_.counts.reject("base_sensors_without_odometry");
     return;
   }
-  if (!is_followed(Input::kBaseSensors, message.sensors_seq, node::stamp_of(message))) {
+  if (!is_followed(Input::kBaseSensors, node::stamp_of(message))) {
     return;
   }
   context_.counts.use();
@@ -124,15 +122,14 @@ void NavigatorNode::on_base_sensors(const nodmap::base_sensors_t& message) {
 void NavigatorNode::on_odometry(const nodmap::odometry_t& message) {
   const auto T_odom_base = input_.read(message);
   if (!T_odom_base) {
-    senders_.refuse(Input::kOdometry, from_bus(message.odometry_seq, node::stamp_of(message)),
-                    newest_.stamps);
+    senders_.refuse(Input::kOdometry, from_bus(node::stamp_of(message)), newest_.stamps);
     return;
   }
   if (!std::isfinite(message.forward_mps) || !std::isfinite(message.yaw_rate_rad_s)) {
     context_.counts.reject("implausible_odometry");
     return;
   }
-  if (!is_followed(Input::kOdometry, message.odometry_seq, node::stamp_of(message))) {
+  if (!is_followed(Input::kOdometry, node::stamp_of(message))) {
     return;
   }
   if (newest_.odometry && message.odometry_seq < newest_.odometry->seq) {
@@ -168,7 +165,7 @@ void NavigatorNode::on_pitch_command(const nodmap::pitch_command_t& message) {
     context_.counts.reject("implausible_pitch_command");
     return;
   }
-  if (!is_followed(Input::kPitchCommand, message.command_seq, node::stamp_of(message))) {
+  if (!is_followed(Input::kPitchCommand, node::stamp_of(message))) {
     return;
   }
   context_.counts.use();
@@ -183,7 +180,7 @@ void NavigatorNode::on_pitch_state(const nodmap::pitch_state_t& message) {
     context_.counts.reject("implausible_pitch_state");
     return;
   }
-  if (!is_followed(Input::kPitchState, message.state_seq, node::stamp_of(message))) {
+  if (!is_followed(Input::kPitchState, node::stamp_of(message))) {
     return;
   }
   context_.counts.use();

@@ -57,9 +57,8 @@ class NavigatorNode final : public node::Node {
   void on_pose(const nodmap::pose_t& message);
   void on_stop(const nodmap::stop_t& message);
 
-  [[nodiscard]] InputSenders::Message from_bus(std::int64_t seq, time::Timestamp stamp) const;
-  [[nodiscard]] bool is_followed(InputSenders::Input input, std::int64_t seq,
-                                 time::Timestamp stamp);
+  [[nodiscard]] InputSenders::Message from_bus(time::Timestamp stamp) const;
+  [[nodiscard]] bool is_followed(InputSenders::Input input, time::Timestamp stamp);
   void watch_slip(const nodmap::pose_t& message);
   void begin_odometry_frame(time::Timestamp stamp);
   [[nodiscard]] Decision halt(Reason reason);

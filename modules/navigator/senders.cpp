@@ -29,13 +29,13 @@ time::SteadyTime clock_of(Input input, time::Timestamp otherwise, const InputSta
 }  // namespace
 
 bool InputSenders::follow(Input input, const Message& message, const InputStamps& stamps) {
-  return watches_[static_cast<std::size_t>(input)].follow(
-      message.seq, clock_of(input, message.stamp, stamps), message.sender);
+  return watches_[static_cast<std::size_t>(input)].follow(message.sender,
+                                                          clock_of(input, message.stamp, stamps));
 }
 
 void InputSenders::refuse(Input input, const Message& message, const InputStamps& stamps) {
-  watches_[static_cast<std::size_t>(input)].refuse(
-      message.seq, clock_of(input, message.stamp, stamps), message.sender);
+  watches_[static_cast<std::size_t>(input)].refuse(message.sender,
+                                                   clock_of(input, message.stamp, stamps));
 }
 
 const char* InputSenders::cause_of(Input input) {

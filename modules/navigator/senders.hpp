@@ -27,7 +27,6 @@ class InputSenders {
   };
 
   struct Message {
-    std::int64_t seq = 0;
     time::Timestamp stamp;
     bus::Sender sender;
   };

@@ -301,7 +301,7 @@ class BaseRun {
       }
       if (now_ >= next_control_) {
         next_control_ += 10ms;
-        driver_.drive({{forward_mps, 0.0}, moment().wall, kValidity, drive_seq_++}, moment());
+        driver_.drive({{forward_mps, 0.0}, moment().wall, kValidity}, moment());
         const std::string line = driver_.control(moment());
         device_.receive(sim::Bytes(line.begin(), line.end()), cable_.baud, now_);
       }
@@ -319,7 +319,6 @@ class BaseRun {
 
   time::SteadyTime now_{};
   time::SteadyTime next_control_{};
-  std::int64_t drive_seq_ = 0;
   sim::RobotModel model_{sim::World{}, {}, 1};
   kurt::Kurt driver_{kurt::KurtParams{}};
   sim::SlcanKurtBase device_{{}, model_};

@@ -26,6 +26,14 @@ class MemoryBus final : public bus::Bus {
     bus::encode_into(bytes, message);
     deliver_bytes(channel, bytes);
   }
+  /// The same for a message of another process.
+  template <class Message>
+  void deliver_from(const bus::Sender& sender, const std::string& channel, const Message& message) {
+    const bus::Origin own = origin();
+    set_origin({sender, own.received});
+    deliver(channel, message);
+    set_origin(own);
+  }
   /// Where all further messages come from.
   using Bus::set_origin;
   void deliver_bytes(const std::string& channel, std::span<const std::byte> bytes) {

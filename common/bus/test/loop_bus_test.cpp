@@ -7,7 +7,9 @@
 #include <array>
 #include <memory>
 #include <numeric>
+#include <set>
 #include <stdexcept>
+#include <vector>
 
 #include "nodmap/drive_t.hpp"
 #include "nodmap/save_request_t.hpp"
@@ -156,6 +158,23 @@ TEST_F(LoopBusTest, AnExceptionComesOutAndTheNextMessageIsDelivered) {
   EXPECT_THROW(network_.deliver(), std::runtime_error);
   network_.deliver();
   EXPECT_EQ(got_, (std::vector<std::int64_t>{2}));
+}
+
+TEST_F(LoopBusTest, EachBusIsASenderOfItsOwn) {
+  std::vector<Origin> origins;
+  receiver_.subscribe_bytes("DRIVE", [&](auto) { origins.push_back(receiver_.origin()); });
+  for (LoopBus* const sender : {&sender_, &receiver_, &sender_}) {
+    sender->publish("DRIVE", drive(1));
+  }
+  LoopBus restarted(network_);
+  restarted.publish("DRIVE", drive(1));
+  network_.set_time(at(1ms));
+  network_.deliver();
+  ASSERT_EQ(origins.size(), 4U);
+  EXPECT_EQ(origins[0].sender, origins[2].sender);
+  const std::set<Sender> distinct{{}, origins[0].sender, origins[1].sender, origins[3].sender};
+  EXPECT_EQ(distinct.size(), 4U);
+  EXPECT_EQ(origins[0].received, at(1ms));
 }
 
 TEST_F(LoopBusTest, LogsEverythingWhenItWasSent) {

@@ -12,10 +12,11 @@ constexpr time::Duration kTimeout = 200ms;
 constexpr time::SteadyTime kSteady{5s};
 constexpr time::Timestamp kWall{1'700'000'000s};
 
-/// The next DRIVE of one sender.
+constexpr bus::Sender kOwn{0x7F000001, 40'000};
+constexpr bus::Sender kOther{0x7F000001, 40'001};
+
 DriveRequest request(double forward_mps, time::Timestamp stamp, time::Duration validity = 1s) {
-  static std::int64_t seq = 0;
-  return {{forward_mps, 0.1}, stamp, validity, seq++};
+  return {{forward_mps, 0.1}, stamp, validity, kOwn};
 }
 
 TEST(DriveWatchdog, IsStationaryUntilTheFirstDrive) {
@@ -84,13 +85,13 @@ TEST(DriveWatchdog, AStampAheadOfOurClockDoesNotMakeLaterCommandsOlder) {
 // second and stamped 4 ms ahead, so that each of its commands looks newer than those of the first.
 TEST(DriveWatchdog, TwoSendersAreNotObeyedUntilOneHasEnded) {
   DriveWatchdog watchdog(kTimeout);
-  auto own = [&watchdog, seq = std::int64_t{5000}](time::SteadyTime now) mutable {
-    return watchdog.offer({{0.5, 0.0}, kWall + (now - kSteady), 1s, seq++}, kWall + (now - kSteady),
-                          now);
+  const auto own = [&watchdog](time::SteadyTime now) {
+    const time::Timestamp wall = kWall + (now - kSteady);
+    return watchdog.offer({{0.5, 0.0}, wall, 1s, kOwn}, wall, now);
   };
-  auto forged = [&watchdog, seq = std::int64_t{0}](time::SteadyTime now) mutable {
-    return watchdog.offer({{5.0, 0.0}, kWall + (now - kSteady) + 4ms, 1s, seq++},
-                          kWall + (now - kSteady), now);
+  const auto forged = [&watchdog](time::SteadyTime now) {
+    const time::Timestamp wall = kWall + (now - kSteady);
+    return watchdog.offer({{5.0, 0.0}, wall + 4ms, 1s, kOther}, wall, now);
   };
   time::SteadyTime now = kSteady;
   const auto run_until = [&](time::SteadyTime end, bool is_attacked) {
@@ -117,56 +118,31 @@ TEST(DriveWatchdog, TwoSendersAreNotObeyedUntilOneHasEnded) {
   EXPECT_EQ(watchdog.command(now)->forward_mps, 0.5);
 }
 
-// Every 210 ms a second sender sends one command of 5 m/s, whose number is 100 after the newest.
-TEST(DriveWatchdog, ASecondSenderThatListensIsNotObeyed) {
-  DriveWatchdog watchdog(kTimeout);
-  std::int64_t seq = 5000;
-  int num_forged = 0;
-  for (time::SteadyTime now = kSteady; now < kSteady + 10s; now += 1ms) {
-    const time::Timestamp wall = kWall + (now - kSteady);
-    if ((now - kSteady) % 13ms == 0ms) {
-      static_cast<void>(watchdog.offer({{0.5, 0.0}, wall, 1s, seq++}, wall, now));
-    }
-    if (now >= kSteady + 1s && (now - kSteady) % 210ms == 0ms) {
-      static_cast<void>(watchdog.offer({{5.0, 0.0}, wall, 1s, seq + 99}, wall, now));
-    }
-    const auto command = watchdog.command(now);
-    num_forged += command && command->forward_mps == 5.0 ? 1 : 0;
-  }
-  EXPECT_LE(num_forged, 40);  // until the third command of the first sender: 3 * 13 ms
-  EXPECT_TRUE(watchdog.is_contested(kSteady + 10s));
-}
-
-// A second process knows everything of each command that is sent: it sends the next one first, with
-// 5 m/s.
-TEST(DriveWatchdog, ASecondProcessThatCopiesTheNumbersIsNotObeyed) {
+// Twice a second is too seldom to be worth stopping for, and without effect.
+TEST(DriveWatchdog, NoCommandOfASecondSenderIsObeyed) {
   for (const time::Duration pause : {13ms, 520ms}) {
     DriveWatchdog watchdog(kTimeout);
-    std::int64_t seq = 5000;
     for (time::SteadyTime now = kSteady; now < kSteady + 10s; now += 13ms) {
       const time::Timestamp wall = kWall + (now - kSteady);
-      static_cast<void>(
-          watchdog.offer({{0.5, 0.0}, wall, 1s, seq++, {0x7F000001, 40'000}}, wall, now));
+      static_cast<void>(watchdog.offer({{0.5, 0.0}, wall, 1s, kOwn}, wall, now));
       if ((now - kSteady) % pause == 0ms) {
-        EXPECT_EQ(watchdog.offer({{5.0, 0.0}, wall, 1s, seq, {0x7F000001, 40'001}}, wall, now),
+        EXPECT_EQ(watchdog.offer({{5.0, 0.0}, wall, 1s, kOther}, wall, now),
                   DriveStatus::kOtherSender);
       }
       const auto command = watchdog.command(now);
       EXPECT_TRUE(!command || command->forward_mps == 0.5);
     }
-    // Twice a second is too seldom to matter.
     EXPECT_EQ(watchdog.is_contested(kSteady + 10s), pause == 13ms);
   }
 }
 
-// One command that will be refused has a number that the sender has not reached yet.
 TEST(DriveWatchdog, ARefusedDriveDoesNotKeepTheSenderOut) {
   for (const time::Duration ahead : {45ms, -300ms}) {
     DriveWatchdog watchdog(kTimeout);
-    ASSERT_EQ(watchdog.offer({{0.5, 0.0}, kWall, 1s, 10}, kWall, kSteady), DriveStatus::kObeyed);
-    EXPECT_NE(watchdog.offer({{5.0, 0.0}, kWall + ahead, 1s, 50}, kWall, kSteady),
+    ASSERT_EQ(watchdog.offer(request(0.5, kWall), kWall, kSteady), DriveStatus::kObeyed);
+    EXPECT_NE(watchdog.offer({{5.0, 0.0}, kWall + ahead, 1s, kOther}, kWall, kSteady),
               DriveStatus::kObeyed);
-    EXPECT_EQ(watchdog.offer({{0.7, 0.0}, kWall, 1s, 11}, kWall, kSteady), DriveStatus::kObeyed);
+    EXPECT_EQ(watchdog.offer(request(0.7, kWall), kWall, kSteady), DriveStatus::kObeyed);
   }
 }
 
@@ -175,8 +151,9 @@ TEST(DriveWatchdog, AnImplausibleDriveRevokesThePreviousCommand) {
   const double infinity = std::numeric_limits<double>::infinity();
   for (const DriveRequest& nonsense :
        {request(nan, kWall), request(-infinity, kWall), request(11.0, kWall),
-        request(0.5, kWall, 0us), request(0.5, kWall, -1us), DriveRequest{{0.5, nan}, kWall, 100ms},
-        DriveRequest{{0.5, 19.0}, kWall, 100ms}}) {
+        request(0.5, kWall, 0us), request(0.5, kWall, -1us),
+        DriveRequest{{0.5, nan}, kWall, 100ms, kOwn},
+        DriveRequest{{0.5, 19.0}, kWall, 100ms, kOwn}}) {
     DriveWatchdog watchdog(kTimeout);
     ASSERT_EQ(watchdog.offer(request(0.5, kWall), kWall, kSteady), DriveStatus::kObeyed);
     EXPECT_NE(watchdog.offer(nonsense, kWall, kSteady + 1ms), DriveStatus::kObeyed);

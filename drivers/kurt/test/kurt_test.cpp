@@ -45,7 +45,7 @@ class Robot {
   }
 
   DriveStatus drive(double forward_mps, double yaw_rate_rad_s) {
-    return kurt.drive({{forward_mps, yaw_rate_rad_s}, moment().wall, 1s, drive_seq++}, moment());
+    return kurt.drive({{forward_mps, yaw_rate_rad_s}, moment().wall, 1s}, moment());
   }
 
   /// Drives as a navigator does, with a DRIVE every 10 ms.
@@ -59,7 +59,6 @@ class Robot {
   Kurt kurt{KurtParams{}};
   test::KurtEmulator base;
   time::SteadyTime now;
-  std::int64_t drive_seq = 0;
   int held_up_periods = 0;
   std::string to_driver;
   std::vector<OdometrySample> samples;

@@ -8,13 +8,14 @@
 #include <optional>
 #include <string>
 
-#include "common/bus/live_bus.hpp"
+#include "common/bus/loop_bus.hpp"
 #include "common/node/status.hpp"
 #include "drivers/kurt/node.hpp"
 #include "drivers/kurt/test/kurt_emulator.hpp"
 #include "nodmap/base_sensors_t.hpp"
 #include "nodmap/odometry_t.hpp"
 #include "nodmap/status_t.hpp"
+#include "tests/support/data_dir.hpp"
 #include "tests/support/pty_pair.hpp"
 
 namespace nodmap::kurt {
@@ -34,9 +35,9 @@ inline void await_input(int fd, std::size_t count) {
   }
 }
 
-/// The whole driver in one process: messages over memq://, bytes over a pseudo-terminal, the
-/// emulated base behind it. The test sets the time; it waits only for bytes to pass through the
-/// terminal.
+/// The whole driver in one process: messages over a simulated network, bytes over a
+/// pseudo-terminal, the emulated base behind it. The test sets the time; it waits only for bytes to
+/// pass through the terminal.
 class Bench {
  public:
   Bench() : odometry(bus, "ODOMETRY"), sensors(bus, "BASE_SENSORS"), status(bus, "STATUS") {}
@@ -50,10 +51,10 @@ class Bench {
       pty->send(to_driver);
       await_input(node->poll_handles()[0], to_driver.size());
     }
-    bus.handle(std::chrono::milliseconds(0));
+    network.deliver();
     node->spin_once();
     reporter.publish_if_due(*node);
-    bus.handle(std::chrono::milliseconds(0));
+    network.deliver();
     if (pty) {
       // Once the bus is open there is a command in every period.
       const bool command_comes = base.channel_open() && node->poll_handles()[0] >= 0;
@@ -111,7 +112,9 @@ class Bench {
   time::ManualClock clock{kStart};
   std::optional<test::PtyPair> pty{std::in_place};
   test::KurtEmulator base;
-  bus::LiveBus bus{"memq://"};
+  test::TemporaryDir dir;
+  bus::LoopNetwork network{dir.path() / "log", {}};
+  bus::LoopBus bus{network};
   bus::Latest<nodmap::odometry_t> odometry;
   bus::Latest<nodmap::base_sensors_t> sensors;
   bus::Latest<nodmap::status_t> status;

@@ -7,11 +7,12 @@
 #include <nlohmann/json.hpp>
 
 #include "common/bus/bus.hpp"
-#include "common/bus/live_bus.hpp"
+#include "common/bus/loop_bus.hpp"
 #include "drivers/laser3d/test/fake_sensor.hpp"
 #include "drivers/laser3d/test/fake_servo.hpp"
 #include "nodmap/pitch_state_t.hpp"
 #include "nodmap/scan_t.hpp"
+#include "tests/support/data_dir.hpp"
 
 namespace nodmap::laser3d {
 namespace node_test {
@@ -75,8 +76,7 @@ serial::SerialLink::Opener opener(Wire& wire) {
 class Rig {
  public:
   Rig()
-      : bus("memq://"),
-        context{bus, counts, {}},
+      : context{bus, counts, {}},
         scans(bus, "SCAN"),
         pitch(bus, "PITCH_STATE"),
         node(context, Laser3dParams(), {opener(laser), opener(servo)}, [this] { return now; }) {
@@ -107,8 +107,7 @@ class Rig {
         serial::append(laser.to_host, sensor.next_scan());
       }
       node.spin_once();
-      while (bus.handle(std::chrono::milliseconds(0)) > 0) {
-      }
+      network.deliver();
     }
   }
 
@@ -117,7 +116,9 @@ class Rig {
   test::FakeSensor sensor;
   test::FakeServo head;
   time::Moment now{time::Timestamp(1'700'000'000s), time::SteadyTime(1s)};
-  bus::LiveBus bus;
+  nodmap::test::TemporaryDir dir;
+  bus::LoopNetwork network{dir.path() / "log", {}};
+  bus::LoopBus bus{network};
   node::MessageCounts counts;
   node::Context context;
   bus::Latest<nodmap::scan_t> scans;
@@ -179,23 +180,24 @@ TEST(Laser3dNode, ASecondSenderOfPitchCommandIsRefusedAndReported) {
   own.sweep_s = 0.5;
   nodmap::pitch_command_t forged = own;
   forged.pitch_min_rad = forged.pitch_max_rad = 0.5;
-  forged.command_seq = 100'000;
-  const auto send = [&rig](nodmap::pitch_command_t& command) {
+  bus::LoopBus other(rig.network);
+  auto send = [&rig, seq = std::int64_t{0}](bus::Bus& bus,
+                                            nodmap::pitch_command_t& command) mutable {
     command.utime = time::to_utime(rig.now.wall);
-    ++command.command_seq;
-    rig.bus.publish("PITCH_COMMAND", command);
+    command.command_seq = seq++;
+    bus.publish("PITCH_COMMAND", command);
   };
   for (int i = 0; i < 100; ++i) {
-    send(own);
+    send(rig.bus, own);
     rig.run(0.01);
-    send(forged);
+    send(other, forged);
     rig.run(0.01);
     EXPECT_LT(rig.pitch.get()->goal_pitch_rad, 0.4);
   }
   EXPECT_EQ(rig.node.health().state, node::HealthState::kFailed);
   EXPECT_NE(rig.node.health().reason.find("two processes send PITCH_COMMAND"), std::string::npos);
   for (int i = 0; i < 100; ++i) {
-    send(own);
+    send(rig.bus, own);
     rig.run(0.02);
   }
   EXPECT_EQ(rig.node.health().state, node::HealthState::kOk) << rig.node.health().reason;
