@@ -65,9 +65,11 @@ void ProcessControl::on_orders(const procman::Orders& orders) {
   if (orders.sheriff_id.starts_with(id_) || !reports_.contains(orders.deputy_id)) {
     return;
   }
-  other_sheriff_ = orders.sheriff_id;
-  other_received_ = clock_().steady;
-  fleet_.reset();  // it started later and will stay longer than we do
+  const time::SteadyTime now = clock_().steady;
+  other_sheriffs_.take(orders.sheriff_id, bus_.origin().sender, now);
+  if (other_sheriffs_.running(now)) {
+    fleet_.reset();  // it started later and will stay longer than we do
+  }
 }
 
 /// Keeps output of commands in the configuration only; invented names must not use memory.
@@ -115,8 +117,8 @@ Answer ProcessControl::change(Verb verb, const std::string& command) {
     return no_such_command(command);
   }
   const time::Moment now = clock_();
-  if (!other_sheriff_.empty() && now.steady - other_received_ <= Fleet::kOtherSheriffTime) {
-    return {.ok = false, .text = "The sheriff " + other_sheriff_ + " is running: use that one."};
+  if (const auto other = other_sheriffs_.heard(now.steady)) {
+    return {.ok = false, .text = "The sheriff " + *other + " is running: use that one."};
   }
   if (!is_reporting(found->deputy, now.steady)) {
     return {.ok = false, .text = "The deputy " + found->deputy + " does not answer."};

@@ -14,6 +14,7 @@
 #include "procman/config/config.hpp"
 #include "procman/protocol/console.hpp"
 #include "procman/protocol/fleet.hpp"
+#include "procman/protocol/other_sheriffs.hpp"
 #include "procman/protocol/values.hpp"
 
 namespace nodmap::viewer {
@@ -70,8 +71,7 @@ class ProcessControl {
   std::string id_;                                    // our id as a sheriff, without the start time
   std::map<std::string, Report> reports_;             // the newest of each deputy
   std::map<std::string, procman::Console> consoles_;  // by command, ours only
-  std::string other_sheriff_;
-  time::SteadyTime other_received_{};
+  procman::OtherSheriffs other_sheriffs_;
   std::optional<procman::Fleet> fleet_;  // while we are a sheriff
   std::map<std::string, procman::Wanted> open_;
   time::SteadyTime leave_{};

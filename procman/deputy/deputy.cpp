@@ -85,6 +85,7 @@ class Deputy {
   void work_discovery(time::SteadyTime now);
   void begin_service(time::SteadyTime now);
   void meet(const Discovery& discovery);
+  void on_info(const std::string& deputy_id);
   void on_orders(const procman_lcm::orders_t& message);
   [[nodiscard]] bool obeys(const std::string& sheriff_id);
   void repeat_last_words();
@@ -112,6 +113,7 @@ class Deputy {
   bool serial_workers_refused_ = false;
   node::StatusReporter status_;
   std::int64_t nonce_;
+  std::optional<bus::Sender> own_sender_;
   time::SteadyTime started_;
   time::SteadyTime discover_due_{};
   time::SteadyTime info_due_{};
@@ -124,14 +126,24 @@ class Deputy {
 void Deputy::subscribe() {
   bus_.subscribe<procman_lcm::discovery_t>(
       kDiscoverChannel, [this](const auto& message) { meet(from_message(message)); });
-  bus_.subscribe<procman_lcm::deputy_info_t>(kInfoChannel, [this](const auto& message) {
-    if (!serving_ && message.deputy_id == settings_.id) {
-      log::get().error("a deputy {} is already running", settings_.id);
-      exit_code_ = 2;
-    }
-  });
+  bus_.subscribe<procman_lcm::deputy_info_t>(
+      kInfoChannel, [this](const auto& message) { on_info(message.deputy_id); });
   bus_.subscribe<procman_lcm::orders_t>(kOrdersChannel,
                                         [this](const auto& message) { on_orders(message); });
+}
+
+/// Takes the report of a deputy, which may be our own.
+void Deputy::on_info(const std::string& deputy_id) {
+  if (deputy_id != settings_.id) {
+    return;
+  }
+  if (!serving_) {
+    log::get().error("a deputy {} is already running", settings_.id);
+    exit_code_ = 2;
+  } else if (own_sender_ && bus_.origin().sender != *own_sender_) {
+    refusals_.add({"other_deputy", "another process reports as the deputy " + deputy_id},
+                  time::steady_now());
+  }
 }
 
 void Deputy::on_orders(const procman_lcm::orders_t& message) {
@@ -164,6 +176,7 @@ bool Deputy::obeys(const std::string& sheriff_id) {
 
 void Deputy::meet(const Discovery& discovery) {
   if (discovery.transmitter_id == settings_.id && discovery.nonce == nonce_) {
+    own_sender_ = own_sender_.value_or(bus_.origin().sender);
     return;  // our own message
   }
   if (serving_) {

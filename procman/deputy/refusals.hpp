@@ -11,7 +11,8 @@
 
 namespace nodmap::procman {
 
-/// The orders that the deputy has refused: counts them by cause, and reports the last one.
+/// What the deputy has refused, orders and reports in its own name: counts it by cause, and reports
+/// the last one.
 class Refusals {
  public:
   explicit Refusals(node::MessageCounts& counts) : counts_(counts) {}

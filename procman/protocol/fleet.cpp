@@ -316,11 +316,25 @@ Fleet::Run Fleet::run_of(const Item& item) {
   return is_reported ? *item.reported_run : Run{pid, item.running_since, item.num_restarts};
 }
 
-void Fleet::take_orders(const Orders& orders, time::SteadyTime now) {
+void Fleet::take_orders(const Orders& orders, time::SteadyTime now, const bus::Sender& sender) {
   if (orders.sheriff_id != sheriff_id_ && commands(orders.deputy_id)) {
-    other_sheriff_ = orders.sheriff_id;
-    other_received_ = now;
+    other_sheriffs_.take(orders.sheriff_id, sender, now);
   }
+}
+
+std::optional<bus::Sender> Fleet::sender_of(const std::string& deputy, time::SteadyTime now) const {
+  const auto found = deputy_senders_.find(deputy);
+  return found == deputy_senders_.end() ? std::nullopt : found->second.accepted(now);
+}
+
+std::vector<std::string> Fleet::contested_deputies(time::SteadyTime now) const {
+  std::vector<std::string> contested;
+  for (const auto& [deputy, senders] : deputy_senders_) {
+    if (senders.is_contested(now)) {
+      contested.push_back(deputy);
+    }
+  }
+  return contested;
 }
 
 bool Fleet::commands(const std::string& deputy) const {
@@ -373,15 +387,8 @@ bool Fleet::has_reached(const std::string& id, Wanted wanted, time::SteadyTime n
   return state == CommandState::kStoppedOk || state == CommandState::kStoppedError;
 }
 
-std::optional<std::string> Fleet::other_sheriff(time::SteadyTime now) const {
-  if (other_sheriff_.empty() || now - other_received_ > kOtherSheriffTime) {
-    return std::nullopt;
-  }
-  return other_sheriff_;
-}
-
 bool Fleet::must_yield(time::SteadyTime now) const {
-  const auto other = other_sheriff(now);
+  const auto other = other_sheriffs_.running(now);
   const bool is_new_here = !commands_since_ || now - *commands_since_ < kYieldTime;
   return other && is_new_here && beginning_of(*other) <= beginning_of(sheriff_id_);
 }

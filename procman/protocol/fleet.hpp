@@ -7,9 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "common/bus/followed_sender.hpp"
+#include "common/bus/sender.hpp"
 #include "common/geometry/time.hpp"
+#include "common/node/sender_watch.hpp"
 #include "procman/config/config.hpp"
+#include "procman/protocol/other_sheriffs.hpp"
 #include "procman/protocol/values.hpp"
 
 namespace nodmap::procman {
@@ -44,8 +46,6 @@ class Fleet {
   static constexpr time::Duration kInfoGap = 1500ms;
   /// Reports of a deputy are taken from one sender until it has missed two of them.
   static constexpr time::Duration kDeputySilence = 2s;
-  /// Another sheriff counts as running for this long after its last orders.
-  static constexpr time::Duration kOtherSheriffTime = 3s;
 
   /// A sheriff that has given orders for this long does not yield. Another one then has not looked
   /// for it, or its network was divided; and anybody can send a message that looks like one.
@@ -99,7 +99,13 @@ class Fleet {
   /// Takes the additional report that our deputies send after INFO.
   void take_runs(const Runs& runs, time::SteadyTime now, const bus::Sender& sender = {});
   /// Takes orders received from the network: ours, or another sheriff's.
-  void take_orders(const Orders& orders, time::SteadyTime now);
+  void take_orders(const Orders& orders, time::SteadyTime now, const bus::Sender& sender = {});
+
+  /// Where a deputy sends from; empty while it does not report.
+  [[nodiscard]] std::optional<bus::Sender> sender_of(const std::string& deputy,
+                                                     time::SteadyTime now) const;
+  /// The deputies in whose name a second process reports.
+  [[nodiscard]] std::vector<std::string> contested_deputies(time::SteadyTime now) const;
 
   /// Whether the configuration has commands for a deputy.
   [[nodiscard]] bool commands(const std::string& deputy) const;
@@ -113,8 +119,8 @@ class Fleet {
   /// Whether a command has reached the state that a script waits for.
   [[nodiscard]] bool has_reached(const std::string& id, Wanted wanted, time::SteadyTime now) const;
 
-  /// The id of another sheriff, if one gave orders recently.
-  [[nodiscard]] std::optional<std::string> other_sheriff(time::SteadyTime now) const;
+  /// The other sheriffs that give orders to our deputies.
+  [[nodiscard]] const OtherSheriffs& other_sheriffs() const { return other_sheriffs_; }
 
   /// This sheriff gives orders from now on.
   void begin_command(time::SteadyTime now) { commands_since_ = now; }
@@ -150,9 +156,8 @@ class Fleet {
   std::string sheriff_id_;
   std::vector<Item> items_;
   std::map<std::string, std::optional<DeputyItem>> deputies_;
-  std::map<std::string, bus::FollowedSender> deputy_senders_;
-  std::string other_sheriff_;
-  time::SteadyTime other_received_{};
+  std::map<std::string, node::SenderWatch> deputy_senders_;
+  OtherSheriffs other_sheriffs_;
   std::optional<time::SteadyTime> commands_since_;
 };
 

@@ -4,10 +4,13 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
+#include "common/bus/sender.hpp"
 #include "common/geometry/time.hpp"
+#include "common/node/sender_watch.hpp"
 #include "procman/config/config.hpp"
 #include "procman/protocol/fleet.hpp"
 
@@ -29,6 +32,10 @@ struct ProcessHealth {
 
 /// Applies the health rules of the configuration: finds the commands that must be restarted, by the
 /// STATUS of their processes and by their output.
+///
+/// The STATUS of a command's process is taken from one socket of its host: from the first that
+/// sends it after the process was started, until that has been silent for kStatusSilence. So no
+/// other process can have it restarted, or hide that it fails.
 class HealthWatch {
  public:
   /// Each restart doubles the limits of the rules, up to this often: a command that a restart does
@@ -36,10 +43,13 @@ class HealthWatch {
   static constexpr int kMaxDoublings = 5;
   static constexpr time::Duration kForgiveTime = 60s;
 
+  /// Three STATUS are missing.
+  static constexpr time::Duration kStatusSilence = 3500ms;
+
   explicit HealthWatch(const Config& config) : config_(config) {}
 
-  void take_status(const std::string& process_name, const ProcessHealth& health,
-                   time::SteadyTime now);
+  void take_status(const std::string& process_name, const ProcessHealth& health, const Fleet& fleet,
+                   time::SteadyTime now, const bus::Sender& sender = {});
   /// To be called when a command has written output.
   void take_output(const std::string& command_id, time::SteadyTime now);
 
@@ -50,6 +60,9 @@ class HealthWatch {
   /// The newest STATUS of a command's process; empty if none was received.
   [[nodiscard]] std::optional<LastStatus> last_status_of(const std::string& command_id) const;
 
+  /// The process names under which a second process sends STATUS.
+  [[nodiscard]] std::set<std::string> contested_names(time::SteadyTime now) const;
+
   struct Restart {
     std::string command_id;
     std::string reason;
@@ -59,9 +72,10 @@ class HealthWatch {
 
  private:
   struct Process {
-    LastStatus last;
+    std::optional<LastStatus> last;
     std::optional<time::SteadyTime> failed_since;
     std::optional<time::SteadyTime> degraded_since;  // or failed
+    node::SenderWatch sender{kStatusSilence};
   };
   struct Patience {
     int doublings = 0;
@@ -73,10 +87,12 @@ class HealthWatch {
     time::SteadyTime since{};
     time::SteadyTime until{};
   };
+  [[nodiscard]] Process* process_of(const std::string& process_name, const Fleet& fleet,
+                                    time::SteadyTime now, const bus::Sender& sender);
   [[nodiscard]] std::string restart_reason(const Command& command, Span observed, int factor) const;
 
   const Config& config_;
-  std::map<std::string, Process> processes_;         // by process name
+  std::map<std::string, Process> processes_;         // by command
   std::map<std::string, time::SteadyTime> written_;  // by command: when it last wrote output
   std::map<std::string, Patience> patience_;
 };

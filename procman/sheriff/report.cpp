@@ -10,8 +10,6 @@
 namespace nodmap::procman {
 namespace {
 
-constexpr time::Duration kSilentAfter = 3500ms;  // three STATUS are missing
-
 std::string health_text(const ProcessHealth& health) {
   std::string text = name_of(health.state);
   if (!health.reason.empty()) {
@@ -30,8 +28,9 @@ std::string health_cell(const std::optional<HealthWatch::LastStatus>& status,
     return {};
   }
   const time::Duration silent = now - status->received;
-  return silent > kSilentAfter ? "SILENT: no STATUS for " + std::to_string(silent / 1s) + " s"
-                               : printable(health_text(status->health));
+  return silent > HealthWatch::kStatusSilence
+             ? "SILENT: no STATUS for " + std::to_string(silent / 1s) + " s"
+             : printable(health_text(status->health));
 }
 
 /// Length of the UTF-8 sequence that begins with this byte; 0 if none does.
@@ -144,6 +143,18 @@ std::vector<ReportRow> report(const Fleet& fleet, const HealthWatch& health,
   return rows;
 }
 
+std::vector<std::string> warnings(const Fleet& fleet, const HealthWatch& health,
+                                  time::SteadyTime now) {
+  std::vector<std::string> all;
+  for (const std::string& deputy : fleet.contested_deputies(now)) {
+    all.push_back("another process reports as the deputy " + deputy + ": it is not believed");
+  }
+  for (const std::string& name : health.contested_names(now)) {
+    all.push_back("another process sends STATUS as " + name + ": it is not believed");
+  }
+  return all;
+}
+
 std::vector<std::string> to_table(const std::vector<ReportRow>& rows) {
   std::vector<Line> lines{{"COMMAND", "HOST", "STATE", "PID", "CPU %", "MEM MB", "UP", "RESTARTS",
                            "HEALTH", "LAST OUTPUT"}};
@@ -166,8 +177,8 @@ std::vector<std::string> to_table(const std::vector<ReportRow>& rows) {
   return table;
 }
 
-nlohmann::json to_json(const std::vector<ReportRow>& rows, const Fleet& fleet,
-                       time::SteadyTime now) {
+nlohmann::json to_json(const std::vector<ReportRow>& rows, const std::vector<std::string>& warnings,
+                       const Fleet& fleet, time::SteadyTime now) {
   nlohmann::json commands = nlohmann::json::array();
   for (const ReportRow& row : rows) {
     commands.push_back({{"command", printable(row.id)},
@@ -182,6 +193,8 @@ nlohmann::json to_json(const std::vector<ReportRow>& rows, const Fleet& fleet,
                         {"restarts", row.restarts},
                         {"health", row.health}});
   }
+  nlohmann::json printable_warnings = nlohmann::json::array();
+  std::ranges::transform(warnings, std::back_inserter(printable_warnings), printable);
   nlohmann::json hosts = nlohmann::json::array();
   for (const auto& [id, deputy] : fleet.deputies()) {
     nlohmann::json host{{"host", printable(id)}, {"reporting", fleet.is_reporting(id, now)}};
@@ -194,7 +207,8 @@ nlohmann::json to_json(const std::vector<ReportRow>& rows, const Fleet& fleet,
   }
   return {{"commands", std::move(commands)},
           {"hosts", std::move(hosts)},
-          {"other_sheriff", printable(fleet.other_sheriff(now).value_or(""))}};
+          {"other_sheriff", printable(fleet.other_sheriffs().running(now).value_or(""))},
+          {"warnings", std::move(printable_warnings)}};
 }
 
 }  // namespace nodmap::procman

@@ -35,11 +35,16 @@ struct ReportRow {
                                             const std::map<std::string, Console>& consoles,
                                             time::SteadyTime now);
 
+/// A sentence for each process that reports in the name of another, and is not believed.
+[[nodiscard]] std::vector<std::string> warnings(const Fleet& fleet, const HealthWatch& health,
+                                                time::SteadyTime now);
+
 /// Formats a table for people, one line per command.
 [[nodiscard]] std::vector<std::string> to_table(const std::vector<ReportRow>& rows);
 
 /// Formats JSON for programs.
-[[nodiscard]] nlohmann::json to_json(const std::vector<ReportRow>& rows, const Fleet& fleet,
+[[nodiscard]] nlohmann::json to_json(const std::vector<ReportRow>& rows,
+                                     const std::vector<std::string>& warnings, const Fleet& fleet,
                                      time::SteadyTime now);
 
 /// Makes text safe for a terminal: control characters and invalid UTF-8 become '?'.

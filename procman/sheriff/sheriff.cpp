@@ -52,12 +52,13 @@ void Sheriff::subscribe() {
     orders_wanted_ |= fleet_.take_info(from_message(message), now(), bus_.origin().sender);
   });
   bus_.subscribe<procman_lcm::orders_t>(kOrdersChannel, [this](const auto& message) {
-    fleet_.take_orders(from_message(message), now());
+    fleet_.take_orders(from_message(message), now(), bus_.origin().sender);
   });
   bus_.subscribe<procman_lcm::output_t>(
       kOutputChannel, [this](const auto& message) { take_output(from_message(message)); });
   bus_.subscribe<nodmap::status_t>("STATUS", [this](const auto& message) {
-    health_.take_status(message.process_name, health_of(message), now());
+    health_.take_status(message.process_name, health_of(message), fleet_, now(),
+                        bus_.origin().sender);
   });
 }
 
@@ -66,6 +67,10 @@ void Sheriff::discover() {
 }
 
 void Sheriff::take_output(const Output& output) {
+  const std::optional<bus::Sender> deputy = fleet_.sender_of(output.deputy_id, now());
+  if (deputy && *deputy != bus_.origin().sender) {
+    return;
+  }
   for (const CommandOutput& part : output.outputs) {
     if (output_handler_) {
       output_handler_(part.command_id, part.text);
@@ -130,6 +135,10 @@ bool Sheriff::is_healthy(const std::string& command) const {
 const Console* Sheriff::console(const std::string& command) const {
   const auto found = consoles_.find(command);
   return found == consoles_.end() ? nullptr : &found->second;
+}
+
+std::vector<std::string> Sheriff::warnings() const {
+  return procman::warnings(fleet_, health_, now());
 }
 
 std::vector<ReportRow> Sheriff::report() const {

@@ -57,6 +57,7 @@ class Sheriff : boost::noncopyable {
   [[nodiscard]] Fleet& fleet() { return fleet_; }
   [[nodiscard]] const Config& config() const { return config_; }
   [[nodiscard]] std::vector<ReportRow> report() const;
+  [[nodiscard]] std::vector<std::string> warnings() const;
   /// The output of a command since this sheriff was started; null if there is none.
   [[nodiscard]] const Console* console(const std::string& command) const;
   /// The time used for the fleet.

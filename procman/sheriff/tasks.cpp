@@ -18,6 +18,7 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr milliseconds kWait(50);
+constexpr milliseconds kLookingTime(1300);
 constexpr double kStartTimeS = 10.0;
 // A command that ends sooner does not count as started.
 constexpr milliseconds kSettleTime(500);
@@ -52,10 +53,10 @@ std::set<std::string> deputies_of(const std::vector<const Command*>& commands) {
 /// Whether no other sheriff gives orders. Two sheriffs would give contradictory orders, so the
 /// second one ends.
 bool is_alone(Sheriff& sheriff) {
-  const time::SteadyTime deadline = Sheriff::now() + kSheriffTime;
-  while (Sheriff::now() < deadline && !node::stop_requested()) {
+  const time::SteadyTime begin = Sheriff::now();
+  while (is_looking_for_others(sheriff.fleet(), begin, Sheriff::now()) && !node::stop_requested()) {
     sheriff.work(kWait);
-    if (const auto other = sheriff.fleet().other_sheriff(Sheriff::now())) {
+    if (const auto other = sheriff.fleet().other_sheriffs().running(Sheriff::now())) {
       std::cerr << "nodmap-sheriff: the sheriff " << printable(*other)
                 << " gives orders here already (use that one, or --observe)\n";
       return false;
@@ -96,6 +97,10 @@ bool is_as_wanted(const Fleet& fleet, const Command& command, Verb verb) {
 
 }  // namespace
 
+bool is_looking_for_others(const Fleet& fleet, time::SteadyTime begin, time::SteadyTime now) {
+  return now - begin < (fleet.other_sheriffs().heard(now) ? 2 : 1) * kLookingTime;
+}
+
 int print_config(const std::string& file, const Config& config) {
   std::printf("%s: %zu commands, %zu groups, %zu scripts\n", file.c_str(), config.commands.size(),
               config.groups.size(), config.scripts.size());
@@ -129,18 +134,21 @@ std::vector<std::string> command_names(const Config& config) {
 int print_status(Sheriff& sheriff, bool as_json) {
   const auto missing = missing_deputies(sheriff, deputies_of(sheriff.config().commands_of({})));
   // STATUS and another sheriff's orders are published once a second.
-  const time::SteadyTime deadline = Sheriff::now() + kSheriffTime;
-  while (Sheriff::now() < deadline && !node::stop_requested()) {
+  const time::SteadyTime begin = Sheriff::now();
+  while (is_looking_for_others(sheriff.fleet(), begin, Sheriff::now()) && !node::stop_requested()) {
     sheriff.work(kWait);
   }
   const std::vector<ReportRow> rows = sheriff.report();
   if (as_json) {
-    std::cout << to_json(rows, sheriff.fleet(), Sheriff::now())
+    std::cout << to_json(rows, sheriff.warnings(), sheriff.fleet(), Sheriff::now())
                      .dump(2, ' ', false, nlohmann::json::error_handler_t::replace)
               << "\n";
   } else {
     for (const std::string& line : to_table(rows)) {
       std::cout << line << "\n";
+    }
+    for (const std::string& warning : sheriff.warnings()) {
+      std::cout << printable(warning) << "\n";
     }
   }
   return missing.empty() ? kDone : kFailed;

@@ -21,9 +21,11 @@ enum ExitCode : int {
 /// The longest wait for deputies. They answer at once, and publish INFO every second anyway.
 inline constexpr std::chrono::milliseconds kAnswerTime{2500};
 
-/// For this long a sheriff looks for others before it gives orders: longer than the period at which
-/// they send theirs.
-inline constexpr std::chrono::milliseconds kSheriffTime{1300};
+/// Whether a sheriff that started at `begin` still looks for others before it gives orders: for
+/// longer than the period at which they send theirs, and for as long again if it has received any,
+/// to know whether they are repeated.
+[[nodiscard]] bool is_looking_for_others(const Fleet& fleet, time::SteadyTime begin,
+                                         time::SteadyTime now);
 
 /// Prints the content of the configuration.
 int print_config(const std::string& file, const Config& config);

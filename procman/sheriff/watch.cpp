@@ -51,9 +51,7 @@ class Watch {
       terminal_ = std::make_unique<Terminal>();
     }
     begin_ = reminded_ = Sheriff::now();
-    if (!options.observe) {
-      command_due_ = begin_ + kSheriffTime;
-    }
+    is_looking_ = !options.observe;
   }
 
   int run() {
@@ -65,6 +63,7 @@ class Watch {
       for (const HealthWatch::Restart& restart : sheriff_.apply_health_rules()) {
         notify("restarting " + restart.command_id + ": " + restart.reason);
       }
+      warn();
       terminal_ ? show() : print_changes();
     }
     const bool is_cut_short = runner_ && !runner_->is_over();
@@ -79,6 +78,7 @@ class Watch {
   void reload_config();
   void look_for_other_sheriff();
   void yield_to(const std::string& other);
+  void warn();
   void notify(const std::string& text);
   void show();
   void press(Key key, const std::vector<ReportRow>& rows);
@@ -97,14 +97,24 @@ class Watch {
   ViewState view_;
   std::map<std::string, std::string> printed_;
   std::optional<int> exit_code_;
-  std::optional<time::SteadyTime>
-      command_due_;  // when it may give orders, after looking for other sheriffs
+  bool is_looking_ = false;  // for other sheriffs, and gives no orders yet
   time::SteadyTime begin_{};
   time::SteadyTime reminded_{};
   bool has_failed_ = false;  // the script has failed
   bool has_yielded_ = false;
-  bool knows_other_ = false;  // it was reported that another one gives orders as well
+  bool knows_other_ = false;           // it was reported that another one gives orders as well
+  std::vector<std::string> warnings_;  // that were reported
 };
+
+void Watch::warn() {
+  std::vector<std::string> warnings = sheriff_.warnings();
+  for (const std::string& warning : warnings) {
+    if (std::ranges::find(warnings_, warning) == warnings_.end()) {
+      notify(warning);
+    }
+  }
+  warnings_ = std::move(warnings);
+}
 
 void Watch::notify(const std::string& text) {
   if (terminal_) {
@@ -198,12 +208,11 @@ void Watch::reload_config() {
 /// One of two sheriffs must stop giving orders, because they would contradict each other.
 void Watch::look_for_other_sheriff() {
   const time::SteadyTime now = Sheriff::now();
-  const auto other = sheriff_.fleet().other_sheriff(now);
-  const bool is_new_here = command_due_.has_value();
-  if (other && (is_new_here || (!sheriff_.is_observer() && sheriff_.fleet().must_yield(now)))) {
+  const auto other = sheriff_.fleet().other_sheriffs().running(now);
+  if (other && (is_looking_ || (!sheriff_.is_observer() && sheriff_.fleet().must_yield(now)))) {
     yield_to(*other);
-  } else if (is_new_here && now >= *command_due_) {
-    command_due_.reset();
+  } else if (is_looking_ && !is_looking_for_others(sheriff_.fleet(), begin_, now)) {
+    is_looking_ = false;
     sheriff_.command();
   } else if (has_yielded_ && !other) {
     has_yielded_ = false;
@@ -218,8 +227,8 @@ void Watch::look_for_other_sheriff() {
 
 /// A sheriff that has given orders takes the command again when the other one has ended.
 void Watch::yield_to(const std::string& other) {
-  has_yielded_ = !command_due_;
-  command_due_.reset();
+  has_yielded_ = !is_looking_;
+  is_looking_ = false;
   sheriff_.observe();
   notify("the sheriff " + other + " gives orders here: observing only");
   if (runner_ && !runner_->is_over()) {
@@ -229,7 +238,7 @@ void Watch::yield_to(const std::string& other) {
 
 std::string Watch::title() const {
   std::string title = "nodmap-sheriff";
-  if (command_due_) {
+  if (is_looking_) {
     title += ": looking for other sheriffs";
   } else if (sheriff_.is_observer()) {
     title += ": observing only";
@@ -270,7 +279,7 @@ void Watch::press(Key key, const std::vector<ReportRow>& rows) {
   } else if (key == Key::kQuit) {
     exit_code_ = kDone;
   } else if (sheriff_.is_observer()) {
-    notify(command_due_ ? "not yet: looking for other sheriffs" : "observing only: no orders");
+    notify(is_looking_ ? "not yet: looking for other sheriffs" : "observing only: no orders");
   } else if (key >= Key::kFirstScript && key <= Key::kLastScript) {
     begin_script_of(key);
   } else if (!rows.empty()) {

@@ -15,10 +15,7 @@
 #include <nlohmann/json.hpp>
 
 #include "nodmap/status_t.hpp"
-#include "procman/protocol/messages.hpp"
-#include "tests/procman/deputy_client.hpp"
-#include "tests/support/data_dir.hpp"
-#include "tests/support/program.hpp"
+#include "tests/procman/sheriff_fixture.hpp"
 
 namespace nodmap {
 namespace sheriff_process_test {
@@ -27,67 +24,9 @@ using test::ChildProcess;
 using test::kPatience;
 using test::kProcmanUrl;
 using test::run_program;
+using test::SheriffProcess;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-
-class SheriffProcess : public ::testing::Test {
- protected:
-  void SetUp() override {
-    std::ofstream(file_) << R"(
-      group "g" {
-        cmd "sleeper" { exec = ")"
-                         << marked("sleep 1000") << R"("; host = "rover"; auto_respawn = "true";
-                        #nodmap: status_name = "sleeper"; restart_failed_s = 1;
-                      }
-        cmd "talker" { exec = ")"
-                         << marked("bash -c 'while true; do echo word; sleep 0.1; done'")
-                         << R"("; host = "rover"; }
-      }
-      cmd "wrong" { exec = ")"
-                         << marked("bash -c 'exit 3'") << R"("; host = "rover"; }
-      cmd "far" { exec = "x"; host = "absent"; }
-      script "up" { start group "g" wait "running"; }
-      script "down" { stop group "g" wait "stopped"; }
-      script "never" { start cmd "far" wait "running"; }
-      script "dead" { start group "g" wait "running"; start cmd "wrong"; }
-    )";
-  }
-  void TearDown() override {
-    sheriff_.reset();
-    if (deputy_) {
-      deputy_->send_signal(SIGTERM);
-      EXPECT_EQ(deputy_->wait_for_end(kPatience), 0) << deputy_->said();
-    }
-    EXPECT_THAT(test::processes_marked(mark_), IsEmpty());
-  }
-
-  [[nodiscard]] std::string marked(const std::string& exec) const {
-    return "NODMAP_TEST=" + mark_ + " " + exec;
-  }
-  void begin_deputy() {
-    deputy_ = std::make_unique<ChildProcess>(std::vector<std::string>{
-        NODMAP_BIN "/nodmap-deputy", "--lcm-url", kProcmanUrl, file_, "--id", "rover"});
-    ASSERT_TRUE(deputy_->wait_for_stderr("serving", kPatience)) << deputy_->said();
-    ASSERT_TRUE(client_.wait_until([this] { return !client_.infos().empty(); }));
-  }
-  [[nodiscard]] test::ProgramResult sheriff(std::vector<std::string> arguments) const {
-    arguments.insert(arguments.begin(), {file_, "--lcm-url", kProcmanUrl});
-    return run_program("nodmap-sheriff", arguments);
-  }
-  void begin_sheriff(std::vector<std::string> more) {
-    std::vector<std::string> command{NODMAP_BIN "/nodmap-sheriff", file_, "--lcm-url", kProcmanUrl};
-    command.insert(command.end(), more.begin(), more.end());
-    sheriff_ = std::make_unique<ChildProcess>(command);
-  }
-
-  std::string mark_ = std::to_string(::getpid()) + "-" +
-                      ::testing::UnitTest::GetInstance()->current_test_info()->name();
-  test::TemporaryDir dir_;
-  std::string file_ = dir_.path() / "robot.pmd";
-  test::DeputyClient client_{"rover"};
-  std::unique_ptr<ChildProcess> deputy_;
-  std::unique_ptr<ChildProcess> sheriff_;
-};
 
 TEST_F(SheriffProcess, RunsAScriptAndEndsWhileTheCommandsKeepRunning) {
   begin_deputy();
@@ -198,60 +137,9 @@ TEST_F(SheriffProcess, PrintsTheOutputOfACommandAsItComes) {
   EXPECT_EQ(follower.wait_for_end(kPatience), 0);
 }
 
-TEST_F(SheriffProcess, ASecondSheriffYields) {
-  begin_deputy();
-  begin_sheriff({"--script", "up", "--on-script-complete", "stay"});
-  ASSERT_TRUE(
-      client_.wait_until([this] { return client_.runs("sleeper") && client_.runs("talker"); }));
-  const auto second = sheriff({"--stop", "g"});
-  EXPECT_EQ(second.exit_code, 3);
-  EXPECT_THAT(second.err, HasSubstr("gives orders here already"));
-  EXPECT_EQ(sheriff({"--script", "down"}).exit_code, 3);
-  EXPECT_TRUE(client_.runs("sleeper"));
-  sheriff_->send_signal(SIGTERM);
-  EXPECT_EQ(sheriff_->wait_for_end(kPatience), 0);
-}
-
-// Orders of a sheriff that is older by its id, and that never comes again: they stop nothing, and
-// this sheriff is back at its work soon.
-TEST_F(SheriffProcess, OrdersOfASecondSheriffAreRefused) {
-  begin_deputy();
-  begin_sheriff({"--script", "up", "--on-script-complete", "stay"});
-  ASSERT_TRUE(
-      client_.wait_until([this] { return client_.runs("sleeper") && client_.runs("talker"); }));
-  ASSERT_TRUE(client_.wait_for_infos(3));  // its script is over
-  const bus::Latest<nodmap::status_t> status(client_.bus(), "STATUS");
-  const int pid = client_.status("sleeper").pid;
-  const procman::Orders forged{
-      time::SystemClock().now(), "rover", "x:1:1", {test::wanted("sleeper", "x", 0, true)}};
-  client_.bus().publish(procman::kOrdersChannel, to_message(forged));
-  EXPECT_TRUE(client_.wait_until([&] {
-    return status.get() && status.get()->health_reason.find("second sheriff") != std::string::npos;
-  }));
-  // By now it has either yielded, and takes the command again, or it never did.
-  EXPECT_TRUE(client_.wait_for_infos(5));
-  EXPECT_EQ(client_.status("sleeper").pid, pid);
-  const auto second = sheriff({"--stop", "g"});
-  EXPECT_EQ(second.exit_code, 3) << "it gives orders: " << second.out << second.err;
-}
-
-// It need not wait until the deputy takes the first one for dead.
-TEST_F(SheriffProcess, TheNextSheriffIsObeyedAtOnce) {
-  begin_deputy();
-  const bus::Latest<nodmap::status_t> status(client_.bus(), "STATUS");
-  EXPECT_EQ(sheriff({"--start", "sleeper"}).exit_code, 0);
-  EXPECT_EQ(sheriff({"--stop", "sleeper"}).exit_code, 0);
-  const std::int64_t count = status.count();
-  ASSERT_TRUE(client_.wait_until([&] { return status.count() > count; }));
-  EXPECT_EQ(status.get()->total_rejected, 0);
-}
-
 // The commands keep running, and the next sheriff finds them as they are.
 TEST_F(SheriffProcess, KillingItStopsNoCommand) {
-  begin_deputy();
-  begin_sheriff({"--script", "up", "--on-script-complete", "stay"});
-  ASSERT_TRUE(
-      client_.wait_until([this] { return client_.runs("sleeper") && client_.runs("talker"); }));
+  begin_both();
   const int pid = client_.status("sleeper").pid;
   sheriff_->send_signal(SIGKILL);
   ASSERT_EQ(sheriff_->wait_for_end(kPatience), 128 + SIGKILL);
@@ -263,10 +151,7 @@ TEST_F(SheriffProcess, KillingItStopsNoCommand) {
 }
 
 TEST_F(SheriffProcess, AnEditedConfigurationIsReadAndUnchangedCommandsKeepRunning) {
-  begin_deputy();
-  begin_sheriff({"--script", "up", "--on-script-complete", "stay"});
-  ASSERT_TRUE(
-      client_.wait_until([this] { return client_.runs("sleeper") && client_.runs("talker"); }));
+  begin_both();
   const int sleeper = client_.status("sleeper").pid;
   const int talker = client_.status("talker").pid;
   std::ofstream(file_) << R"(cmd "sleeper" { exec = ")" << marked("sleep 1000")
@@ -286,9 +171,7 @@ TEST_F(SheriffProcess, AnEditedConfigurationIsReadAndUnchangedCommandsKeepRunnin
 }
 
 TEST_F(SheriffProcess, RestartsACommandWhoseStatusIsFailed) {
-  begin_deputy();
-  begin_sheriff({"--script", "up", "--on-script-complete", "stay"});
-  ASSERT_TRUE(client_.wait_until([this] { return client_.runs("sleeper"); }));
+  begin_both();
   const int pid = client_.status("sleeper").pid;
   nodmap::status_t status{};
   status.process_name = "sleeper";

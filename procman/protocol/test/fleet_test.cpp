@@ -45,6 +45,15 @@ class FleetTest : public ::testing::Test {
     }
     return {};
   }
+  /// Another sheriff gives orders, and repeats them a second later.
+  void receive_orders(const std::string& sheriff_id, const std::string& deputy = "h") {
+    fleet_.take_orders({{}, deputy, sheriff_id, {}}, now_);
+    now_ += 1s;
+    fleet_.take_orders({{}, deputy, sheriff_id, {}}, now_);
+  }
+  [[nodiscard]] std::optional<std::string> other_sheriff() const {
+    return fleet_.other_sheriffs().running(now_);
+  }
   [[nodiscard]] std::string state(const std::string& id) const {
     return name_of(fleet_.state_of(id, now_));
   }
@@ -225,21 +234,22 @@ TEST_F(FleetTest, ACommandOfTheSameNameOnAnotherHostIsIgnored) {
 TEST_F(FleetTest, IgnoresHostsThatAreNotInTheConfiguration) {
   report({status("b", 7, 1)}, "stranger");
   EXPECT_FALSE(fleet_.orders_for("stranger", {}).has_value());
-  fleet_.take_orders({{}, "stranger", "you:2:1", {}}, now_);
-  EXPECT_FALSE(fleet_.other_sheriff(now_).has_value()) << "its sheriff does not concern us";
+  receive_orders("you:2:1", "stranger");
+  EXPECT_FALSE(other_sheriff()) << "its sheriff does not concern us";
 }
 
 TEST_F(FleetTest, NoticesAnotherSheriffAndYieldsToTheOlderOne) {
-  fleet_.take_orders({{}, "h", "me:1:1000", {}}, now_);
-  EXPECT_FALSE(fleet_.other_sheriff(now_).has_value()) << "that is us";
-  fleet_.take_orders({{}, "h", "you:2:999", {}}, now_);
-  EXPECT_EQ(fleet_.other_sheriff(now_), "you:2:999");
+  receive_orders("me:1:1000");
+  EXPECT_FALSE(other_sheriff()) << "that is us";
+  receive_orders("you:2:999");
+  EXPECT_EQ(other_sheriff(), "you:2:999");
   EXPECT_TRUE(fleet_.must_yield(now_)) << "it was there first";
-  EXPECT_FALSE(fleet_.other_sheriff(now_ + Fleet::kOtherSheriffTime + 1us).has_value());
-  fleet_.take_orders({{}, "h", "you:2:1001", {}}, now_);
+  receive_orders("you:2:1001");
   EXPECT_FALSE(fleet_.must_yield(now_));
-  fleet_.take_orders({{}, "h", "who", {}}, now_);
+  receive_orders("who");
   EXPECT_TRUE(fleet_.must_yield(now_));
+  now_ += OtherSheriffs::kSilence + 1us;
+  EXPECT_FALSE(fleet_.must_yield(now_));
 }
 
 // It reports that nothing runs.
@@ -257,21 +267,34 @@ TEST_F(FleetTest, AForgedInfoIsNotBelievedWhileTheDeputyReports) {
     fleet_.take_runs({{}, "h", {{"a", 10, 0s, 99}}}, now_ + 500ms, other);
     EXPECT_EQ(fleet_.state_of("a", now_ + 500ms), CommandState::kRunning);
     EXPECT_EQ(Fleet::run_of(*fleet_.find("a")).num_restarts, 0);
+    EXPECT_EQ(fleet_.sender_of("h", now_), own);
+    EXPECT_EQ(fleet_.contested_deputies(now_).size(), s == 0 ? 0U : 1U)
+        << "known when the deputy continues";
   }
   // The deputy has been started again.
   now_ += Fleet::kDeputySilence;
   fleet_.take_info(forged, now_, other);
   EXPECT_NE(fleet_.state_of("a", now_), CommandState::kRunning);
+  EXPECT_TRUE(fleet_.contested_deputies(now_ + Fleet::kDeputySilence).empty());
+}
+
+// Anybody can send one message.
+TEST_F(FleetTest, ASheriffDoesNotYieldToOneOrder) {
+  fleet_.begin_command(now_);
+  for (std::uint16_t port = 1; port < 10; ++port, now_ += 1s) {
+    fleet_.take_orders({{}, "h", "you:2:1", {}}, now_, {0x7F000001, port});
+    EXPECT_FALSE(fleet_.must_yield(now_));
+  }
 }
 
 // A message with an old id can come from anybody.
 TEST_F(FleetTest, ASheriffThatHasGivenOrdersForLongDoesNotYield) {
   fleet_.begin_command(now_);
-  fleet_.take_orders({{}, "h", "you:2:1", {}}, now_);
+  receive_orders("you:2:1");
   EXPECT_TRUE(fleet_.must_yield(now_));
   now_ += Fleet::kYieldTime;
-  fleet_.take_orders({{}, "h", "you:2:1", {}}, now_);
-  EXPECT_EQ(fleet_.other_sheriff(now_), "you:2:1");
+  receive_orders("you:2:1");
+  EXPECT_EQ(other_sheriff(), "you:2:1");
   EXPECT_FALSE(fleet_.must_yield(now_));
 }
 

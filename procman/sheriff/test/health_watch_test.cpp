@@ -12,6 +12,11 @@ namespace health_watch_test {
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
+constexpr std::uint32_t kHost = 0x7F000001;
+constexpr bus::Sender kOwn{kHost, 40'000};
+constexpr bus::Sender kOther{kHost, 40'001};
+constexpr bus::Sender kOtherHost{0x7F000002, 40'000};
+
 class HealthWatchTest : public ::testing::Test {
  protected:
   Config config_ = parse_config(R"(cmd "a" {
@@ -31,13 +36,13 @@ class HealthWatchTest : public ::testing::Test {
     status.pid = pid;
     status.actual_run = 1;
     info.commands = {status};
-    fleet_.take_info(info, now_);
+    fleet_.take_info(info, now_, {kHost, 1});
   }
-  void speak(ProcessHealth::State state) {
+  void speak(ProcessHealth::State state, const bus::Sender& sender = kOwn) {
     ProcessHealth health;
     health.state = state;
     health.reason = "no scans";
-    watch_.take_status("nodmap-a", health, now_);
+    watch_.take_status("nodmap-a", health, fleet_, now_, sender);
   }
   /// Seconds until the restart, at most `limit`; 0 if there is none.
   template <class Each>
@@ -166,6 +171,98 @@ TEST_F(HealthWatchTest, ABrokenLinkCausesNoRestart) {
   report();
   EXPECT_THAT(watch_.due_restarts(fleet_, now_), IsEmpty()) << "INFO came before STATUS";
   EXPECT_EQ(seconds_to_restart(10, [this] { speak(ProcessHealth::State::kOk); }), 0);
+}
+
+// They say that all is well, on the same host and on another one, more often than the process.
+TEST_F(HealthWatchTest, AStatusOfAnotherProcessHidesNoFailure) {
+  report();
+  speak(ProcessHealth::State::kFailed);
+  const auto forge = [this] {
+    speak(ProcessHealth::State::kOk, kOther);
+    speak(ProcessHealth::State::kOk, kOtherHost);
+  };
+  EXPECT_EQ(seconds_to_restart(60,
+                               [&] {
+                                 forge();
+                                 speak(ProcessHealth::State::kFailed);
+                                 forge();
+                               }),
+            11);
+}
+
+TEST_F(HealthWatchTest, AForgedFailureRestartsNothingAndIsReported) {
+  report();
+  speak(ProcessHealth::State::kOk);
+  EXPECT_THAT(watch_.contested_names(now_), IsEmpty());
+  EXPECT_EQ(seconds_to_restart(60,
+                               [this] {
+                                 speak(ProcessHealth::State::kFailed, kOther);
+                                 speak(ProcessHealth::State::kOk);
+                               }),
+            0);
+  EXPECT_EQ(watch_.last_status_of("a")->health.state, ProcessHealth::State::kOk);
+  EXPECT_THAT(watch_.contested_names(now_), ::testing::ElementsAre("nodmap-a"));
+  EXPECT_THAT(watch_.contested_names(now_ + 10s), IsEmpty()) << "when it is over";
+}
+
+TEST_F(HealthWatchTest, AProcessThatWasStartedAgainIsBelievedAtOnce) {
+  report();
+  speak(ProcessHealth::State::kFailed);
+  now_ += 100ms;
+  report(8);
+  now_ += 1s;
+  speak(ProcessHealth::State::kOk, kOther);
+  EXPECT_EQ(watch_.last_status_of("a")->health.state, ProcessHealth::State::kOk);
+  EXPECT_THAT(watch_.contested_names(now_), IsEmpty());
+}
+
+// A script that starts its program again has the same process number.
+TEST_F(HealthWatchTest, AnotherSocketIsBelievedWhenTheFirstIsSilent) {
+  report();
+  speak(ProcessHealth::State::kFailed);
+  now_ += HealthWatch::kStatusSilence - 1us;
+  report();
+  speak(ProcessHealth::State::kOk, kOther);
+  EXPECT_EQ(watch_.last_status_of("a")->health.state, ProcessHealth::State::kFailed);
+  now_ += 1us;
+  speak(ProcessHealth::State::kOk, kOther);
+  EXPECT_EQ(watch_.last_status_of("a")->health.state, ProcessHealth::State::kOk);
+}
+
+// Two commands of one host, of which one does not run, and one on another host.
+TEST(HealthWatchProgram, CommandsOfTheSameProgramHaveTheirOwnStatus) {
+  const Config config = parse_config(R"(
+    cmd "idle" { exec = "log --b"; host = "h"; } cmd "a" { exec = "log"; host = "h"; }
+    cmd "b" { exec = "log"; host = "h"; } cmd "far" { exec = "log"; host = "other"; })")
+                            .config;
+  Fleet fleet(config, "me:1:1");
+  HealthWatch watch(config);
+  const time::SteadyTime now(100s);
+  const auto tell = [&](const std::string& deputy, std::uint32_t address,
+                        const std::vector<std::pair<std::string, int>>& pids) {
+    DeputyInfo info;
+    info.deputy_id = deputy;
+    for (const auto& [id, pid] : pids) {
+      info.commands.emplace_back();
+      info.commands.back().spec.id = id;
+      info.commands.back().pid = pid;
+    }
+    fleet.take_info(info, now, {address, 1});
+  };
+  tell("h", kHost, {{"idle", 0}, {"a", 7}, {"b", 8}});
+  tell("other", kOtherHost.address, {{"far", 9}});
+  for (int i = 0; i < 3; ++i) {
+    for (const bus::Sender& sender : {kOtherHost, kOther, kOwn}) {
+      ProcessHealth health;
+      health.lost = sender.port + (sender == kOtherHost ? 1000 : 0);
+      watch.take_status("log", health, fleet, now, sender);
+    }
+  }
+  EXPECT_FALSE(watch.last_status_of("idle"));
+  EXPECT_EQ(watch.last_status_of("a")->health.lost, kOther.port);
+  EXPECT_EQ(watch.last_status_of("b")->health.lost, kOwn.port);
+  EXPECT_EQ(watch.last_status_of("far")->health.lost, kOtherHost.port + 1000);
+  EXPECT_THAT(watch.contested_names(now), IsEmpty());
 }
 
 TEST_F(HealthWatchTest, DoesNotRestartACommandThatDoesNotRun) {

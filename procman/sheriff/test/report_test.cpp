@@ -34,7 +34,7 @@ class ReportTest : public ::testing::Test {
     ProcessHealth health;
     health.state = ProcessHealth::State::kFailed;
     health.reason = "no\x1B[2J scans";
-    health_.take_status("prog", health, time::SteadyTime(1s));
+    health_.take_status("prog", health, fleet_, time::SteadyTime(1s));
   }
   [[nodiscard]] std::vector<ReportRow> rows(time::Duration now) const {
     Console console;
@@ -67,7 +67,7 @@ TEST_F(ReportTest, ACommandWithoutARecentStatusIsSilent) {
 }
 
 TEST_F(ReportTest, IsAvailableAsJson) {
-  const nlohmann::json json = to_json(rows(0s), fleet_, {});
+  const nlohmann::json json = to_json(rows(0s), {"a\x1B"}, fleet_, {});
   EXPECT_EQ(json["commands"].size(), 3U);
   EXPECT_EQ(json["commands"][2]["command"], "a");
   EXPECT_EQ(json["commands"][2]["state"], "Running");
@@ -75,6 +75,7 @@ TEST_F(ReportTest, IsAvailableAsJson) {
   EXPECT_EQ(json["hosts"][0]["host"], "far");
   EXPECT_EQ(json["hosts"][0]["reporting"], false);
   EXPECT_EQ(json["hosts"][1]["cpu_load"], 0.25);
+  EXPECT_EQ(json["warnings"], nlohmann::json({"a?"}));
   EXPECT_NO_THROW(static_cast<void>(json.dump()));
 }
 
