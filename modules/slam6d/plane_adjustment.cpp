@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "modules/slam6d/corrected_poses.hpp"
+#include "modules/slam6d/evidence.hpp"
 #include "modules/slam6d/pose_equations.hpp"
 
 namespace nodmap::slam6d {
@@ -27,11 +28,6 @@ constexpr double kMinResidualM = 2e-3;
 // A point without a plane of its own is added only to patches that it does not see at a grazing
 // angle.
 constexpr float kMinViewCosine = 0.1F;
-
-double geman_mcclure(double relative) {
-  const double root = 1.0 / (1.0 + relative * relative);
-  return root * root;
-}
 
 /// A voxel mean of a sweep.
 struct Sighting {
@@ -125,7 +121,8 @@ class Patch {
       // In standard deviations: one scale for all would refuse most single points, which alone tell
       // of far walls, or accept dense means beside the plane.
       const auto precision = static_cast<double>(sighting.precision);
-      const double kernel = geman_mcclure(height_m * std::sqrt(precision) / scale_m);
+      const double relative = height_m * std::sqrt(precision) / scale_m;
+      const double kernel = geman_mcclure(relative * relative);
       const double weight = kernel * precision;
       const Eigen::Vector3d f = in_plane(p_map);
       A_ += weight * f * f.transpose();
@@ -267,18 +264,6 @@ void add_odometry(PoseEquations& equations, std::span<const AdjustedSweep> sweep
   equations.gradient(k) -= information * error;
 }
 
-void add_level(PoseEquations& equations, const AdjustedSweep& sweep, std::size_t k) {
-  const Eigen::Vector3d tilt = sweep.T_map_base.linear().col(2).cross(Eigen::Vector3d::UnitZ());
-  const auto add = [&](int i, double deviation, double sigma) {
-    const double information = geman_mcclure(deviation / (kLevelKernel * sigma)) / (sigma * sigma);
-    equations.block(k, k)(i, i) += information;
-    equations.gradient(k)(i) += information * deviation;
-  };
-  add(2, sweep.level->height_m - sweep.T_map_base.translation().z(), sweep.level->height_sigma_m);
-  add(3, tilt.x(), sweep.level->tilt_sigma_rad);
-  add(4, tilt.y(), sweep.level->tilt_sigma_rad);
-}
-
 }  // namespace
 
 std::vector<SE3> adjust_planes(std::span<const AdjustedSweep> sweeps, const VoxelMapParams& voxels,
@@ -300,7 +285,9 @@ std::vector<SE3> adjust_planes(std::span<const AdjustedSweep> sweeps, const Voxe
   for (std::size_t k = 1; k < sweeps.size(); ++k) {
     add_odometry(equations, sweeps, k);
     if (sweeps[k].level) {
-      add_level(equations, sweeps[k], k);
+      const auto level = level_evidence(*sweeps[k].level, sweeps[k].T_map_base);
+      equations.block(k, k) += level.H;
+      equations.gradient(k) += level.b;
     }
   }
   const auto motions = equations.solve();

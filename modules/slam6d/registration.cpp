@@ -12,6 +12,7 @@
 #include "common/registration/rigid_fit.hpp"
 #include "modules/slam6d/bend_sums.hpp"
 #include "modules/slam6d/correspondence_search.hpp"
+#include "modules/slam6d/evidence.hpp"
 #include "modules/slam6d/residual_sums.hpp"
 #include "modules/slam6d/sweep_motion.hpp"
 
@@ -191,27 +192,14 @@ class SweepRegistration {
       // The robot has turned as odometry counted, unless the wheels slip. A sweep that followed the
       // map alone would take over its twist, and the map would be twisted further with each sweep.
       const auto turn = motion.template segment<3>(9);
-      const double relative = turn.norm() / (kSlipKernel * params_.slip_rad);
-      const double root_kernel = 1.0 / (1.0 + relative * relative);  // Geman-McClure
-      const double information = root_kernel * root_kernel / (params_.slip_rad * params_.slip_rad);
+      const double information = robust_information(turn.norm(), params_.slip_rad, kSlipKernel);
       prior.H.template block<3, 3>(9, 9).diagonal().array() += information;
       prior.b.template segment<3>(9) += information * turn;
     }
     if (prior_.level) {
-      const SE3& T_map_base = result_.T_map_base;
-      // From the base's z axis to that of map.
-      const Eigen::Vector3d tilt = T_map_base.linear().col(2).cross(Eigen::Vector3d::UnitZ());
-      const double height_m = prior_.level->height_m - T_map_base.translation().z();
-      const auto add = [&prior](int i, double deviation, double sigma) {
-        const double relative = deviation / (kLevelKernel * sigma);
-        const double root_kernel = 1.0 / (1.0 + relative * relative);  // Geman-McClure
-        const double information = root_kernel * root_kernel / (sigma * sigma);
-        prior.H(i, i) += information;
-        prior.b(i) += information * deviation;
-      };
-      add(2, height_m, prior_.level->height_sigma_m);
-      add(3, tilt.x(), prior_.level->tilt_sigma_rad);
-      add(4, tilt.y(), prior_.level->tilt_sigma_rad);
+      const Information<6> level = level_evidence(*prior_.level, result_.T_map_base);
+      prior.H.template topLeftCorner<6, 6>() += level.H;
+      prior.b.template head<6>() += level.b;
     }
     return prior;
   }
@@ -268,12 +256,11 @@ class SweepRegistration {
       const float relative_sq = residual_m * residual_m * per_sq_scale;
       // Means of many points are known better, but no better than the voxels' rounding.
       const float variance = 1.0F / point.num_points + 1.0F / voxel.weight + kRoundingVariance;
-      const float root_kernel = 1.0F / (1.0F + relative_sq);  // Geman-McClure
       use(Residual{.normal = normal,
                    .arm = p_map - p_base - point.time * half_path,
                    .distance_m = residual_m,
                    .time = point.time,
-                   .kernel = root_kernel * root_kernel,
+                   .kernel = geman_mcclure(relative_sq),
                    .precision = 1.0F / variance});
     });
   }
