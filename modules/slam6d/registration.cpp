@@ -176,6 +176,12 @@ class SweepRegistration {
           -R_map_base * (result_.correction.translation_m + since_deskew_.translation_m);
       motion.template segment<3>(9) =
           -R_map_base * (result_.correction.rotation_rad + since_deskew_.rotation_rad);
+      // The prior is about the first and the last beam, where the bend counts as well.
+      const Bend& bend_rad = result_.correction.bend_rad;
+      const Eigen::Vector3d first = R_map_base * bend_rad.col(0);
+      const Eigen::Vector3d last = R_map_base * bend_rad.col(kBendKnots - 1);
+      motion.template segment<3>(3) -= 0.5 * (last + first);
+      motion.template segment<3>(9) -= 0.5 * (last - first);
     }
     return motion;
   }

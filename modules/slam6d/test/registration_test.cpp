@@ -257,9 +257,28 @@ TEST(Registration, R41_ASwingOfTheHeadingWithinASweepIsFound) {
   EXPECT_EQ(steady.correction.bend_rad, Bend::Zero());
 }
 
+// The heading swings by half a degree and back. Odometry, with a standard deviation of 0.1 degrees,
+// is right at the first and the last beam, but not in the middle, where the pose is. If it were
+// compared with the middle, the result would be as many standard deviations away as the middle is.
+TEST(Registration, R41_ASwingWithinASweepDoesNotContradictOdometry) {
+  const TurningRobot robot{
+      [](double t) { return 0.25 * (std::cos(2.0 * geometry::kPi * t) - 1.0); }};
+  const SweepCloud cloud = robot.cloud();
+  VoxelMap sweep = voxelize(cloud, {});
+  PosePrior prior = loose_prior(drive_ahead(0.5, cloud.stamp));
+  const double sigma_rad = deg_to_rad(0.1);
+  prior.covariance.diagonal().tail<3>().setConstant(sigma_rad * sigma_rad);
+  prior.motion_covariance = prior.covariance;
+  const Registration found = register_sweep(sweep, map_of(Room::hall()), prior, {});
+  ASSERT_EQ(found.status, RegistrationStatus::kTracking);
+  const double middle_rad = geometry::rotation_angle(prior.T_map_base.inverse() * found.T_map_base);
+  const double middle_sigma_rad = std::hypot(1.0, 0.5) * sigma_rad;  // half of the motion later
+  EXPECT_GT(middle_rad, 3.0 * middle_sigma_rad);
+  EXPECT_LT(found.prior_distance, 0.75 * middle_rad / middle_sigma_rad);
+}
+
 // Odometry does not count a rotation by 4 degrees: the wheels slip. However far odometry is
-// believed
-// (`slip_deg`), the rotation is found. A sweep tells the motion within it to 0.1 degrees.
+// believed (`slip_deg`), the rotation is found. A sweep tells the motion within it to 0.1 degrees.
 TEST(Registration, R41_ARotationThatOdometryMissesIsFound) {
   const auto found_deg = [](double true_deg, double slip_deg) {
     const TurningRobot robot{[true_deg](double t) { return 2.0 * true_deg * (t - 0.5); }};
