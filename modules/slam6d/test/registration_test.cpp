@@ -18,6 +18,10 @@ namespace registration_test {
 using geometry::deg_to_rad;
 using geometry::SE3;
 
+// Errors are compared with those that were measured: noise has fixed seeds, so only another
+// compiler or another algorithm changes them.
+constexpr double kMargin = 1.25;
+
 const Eigen::Vector3f kMirror(0.1F, 0.0F, 0.4F);
 
 // A sweep of a stationary scanner at a pose, in base; the ranges have 1 cm of noise.
@@ -79,17 +83,17 @@ TEST(Registration, R44_FindsSixDegreesOfFreedomInAHall) {
   ASSERT_EQ(found.status, RegistrationStatus::kTracking);
   EXPECT_EQ(found.degenerate_directions, 0);
   EXPECT_GT(found.inlier_ratio, 0.5);
-  EXPECT_LT(found.residual_rms_m, 0.01);
-  EXPECT_LT(error_of(found, T_truth).translation().norm(), 0.005);
-  EXPECT_LT(geometry::rotation_angle(error_of(found, T_truth)), deg_to_rad(0.1));
+  EXPECT_LT(found.residual_rms_m, kMargin * 0.0051);
+  EXPECT_LT(error_of(found, T_truth).translation().norm(), kMargin * 0.0026);
+  EXPECT_LT(geometry::rotation_angle(error_of(found, T_truth)), deg_to_rad(kMargin * 0.05));
   // The error is within four standard deviations of the covariance.
   const double sigma_m = std::sqrt(found.covariance.topLeftCorner<3, 3>().trace());
   EXPECT_LT(error_of(found, T_truth).translation().norm(), 4.0 * sigma_m);
-  EXPECT_LT(sigma_m, 0.01);
+  EXPECT_LT(sigma_m, kMargin * 0.0028);
 }
 
-// The result does not depend on the guess: eight guesses lead to the same pose, within the
-// threshold at which the iteration ends.
+// The result does not depend on the guess: eight guesses lead to the same pose, within about the
+// 0.1 mm at which the iteration ends.
 TEST(Registration, EveryGuessWithinReachLeadsToTheSamePose) {
   const Room room = Room::hall();
   const VoxelMap map = map_of(room);
@@ -101,20 +105,21 @@ TEST(Registration, EveryGuessWithinReachLeadsToTheSamePose) {
     const SE3 T_guess = T_truth * pose(0.15 * sign(1), 0.15 * sign(2), 0.05 * sign(4), sign(1),
                                        -sign(2), 4.0 * sign(4));
     const Registration found = registered(sweep, map, loose_prior(T_guess), {});
-    EXPECT_LT((reference.inverse() * found.T_map_base).translation().norm(), 2e-3) << corner;
+    EXPECT_LT((reference.inverse() * found.T_map_base).translation().norm(), kMargin * 1.3e-4)
+        << corner;
   }
 }
 
 // With the paper's point pairs the pose is less exact, because scan lines attract each other.
-TEST(Registration, R44_ThePapersMetricIsRightToTenCentimetres) {
+TEST(Registration, R44_ThePapersMetricIsRightToTwoCentimetres) {
   const Room room = Room::hall();
   const SE3 T_truth = pose(0.5, 0.1, 0.0, 0.0, 0.0, 5.0);
   const SE3 T_guess = T_truth * pose(0.1, 0.05, 0.02, 0.5, 0.5, -2.0);
   const Registration found = registered(see(room, T_truth, 3), map_of(room), loose_prior(T_guess),
                                         {.metric = Metric::kPaper, .iterations_per_level = 60});
   ASSERT_TRUE(found.is_accepted());
-  EXPECT_LT(error_of(found, T_truth).translation().norm(), 0.10);
-  EXPECT_LT(geometry::rotation_angle(error_of(found, T_truth)), deg_to_rad(1.0));
+  EXPECT_LT(error_of(found, T_truth).translation().norm(), kMargin * 0.019);
+  EXPECT_LT(geometry::rotation_angle(error_of(found, T_truth)), deg_to_rad(kMargin * 0.45));
 }
 
 // Close to a wall the only level surface is a strip of floor. It is too narrow to be a plane in
@@ -130,8 +135,9 @@ TEST(Registration, R44_AStripOfFloorDeterminesTheHeight) {
     const Registration found = registered(sweep, map, loose_prior(T_guess), {});
     ASSERT_EQ(found.status, RegistrationStatus::kTracking) << off_m;
     // A few dozen planes with 1 cm of noise.
-    EXPECT_LT(error_of(found, T_truth).translation().norm(), 0.01) << off_m;
-    EXPECT_LT(geometry::rotation_angle(error_of(found, T_truth)), deg_to_rad(0.5)) << off_m;
+    EXPECT_LT(error_of(found, T_truth).translation().norm(), kMargin * 0.003) << off_m;
+    EXPECT_LT(geometry::rotation_angle(error_of(found, T_truth)), deg_to_rad(kMargin * 0.048))
+        << off_m;
   }
 }
 
@@ -146,14 +152,14 @@ TEST(Registration, R37_ACorridorKeepsOdometryAlongItsAxis) {
       registered(see(room, T_truth, 4), map_of(room), loose_prior(T_guess), {});
   ASSERT_EQ(found.status, RegistrationStatus::kDegraded);
   EXPECT_EQ(found.degenerate_directions, 1);
-  EXPECT_NEAR(found.T_map_base.translation().x(), 1.2, 0.02);
-  EXPECT_NEAR(found.T_map_base.translation().y(), 0.1, 0.01);
-  EXPECT_NEAR(found.T_map_base.translation().z(), 0.0, 0.01);
-  EXPECT_LT(geometry::rotation_angle(error_of(found, T_truth)), deg_to_rad(0.2));
+  EXPECT_NEAR(found.T_map_base.translation().x(), 1.2, kMargin * 4e-4);
+  EXPECT_NEAR(found.T_map_base.translation().y(), 0.1, kMargin * 4e-4);
+  EXPECT_NEAR(found.T_map_base.translation().z(), 0.0, kMargin * 4.3e-4);
+  EXPECT_LT(geometry::rotation_angle(error_of(found, T_truth)), deg_to_rad(kMargin * 0.0095));
   // The covariance shows it: along the corridor the standard deviation is the prior's 0.2 m, across
   // it millimetres.
   EXPECT_GT(std::sqrt(found.covariance(0, 0)), 0.1);
-  EXPECT_LT(std::sqrt(found.covariance(1, 1)), 0.01);
+  EXPECT_LT(std::sqrt(found.covariance(1, 1)), kMargin * 0.0016);
 }
 
 // Only the floor is seen: it determines height, roll and pitch, while x, y and yaw come from
@@ -165,11 +171,12 @@ TEST(Registration, R44_ABareFloorKeepsOdometryInItsPlane) {
                                         loose_prior(T_guess), {});
   ASSERT_EQ(found.status, RegistrationStatus::kDegraded);
   EXPECT_EQ(found.degenerate_directions, 3);
-  EXPECT_NEAR(found.T_map_base.translation().x(), 0.6, 0.02);
-  EXPECT_NEAR(found.T_map_base.translation().y(), 0.4, 0.02);
-  EXPECT_NEAR(found.T_map_base.translation().z(), 0.0, 0.01);
-  EXPECT_NEAR(geometry::to_se2(found.T_map_base).yaw, deg_to_rad(10.0), deg_to_rad(0.5));
-  EXPECT_NEAR(found.T_map_base.linear()(2, 2), 1.0, 1e-5);  // level within 0.25 deg
+  EXPECT_NEAR(found.T_map_base.translation().x(), 0.6, kMargin * 4e-4);
+  EXPECT_NEAR(found.T_map_base.translation().y(), 0.4, kMargin * 4e-4);
+  EXPECT_NEAR(found.T_map_base.translation().z(), 0.0, kMargin * 5.1e-4);
+  EXPECT_NEAR(geometry::to_se2(found.T_map_base).yaw, deg_to_rad(10.0),
+              deg_to_rad(kMargin * 0.009));
+  EXPECT_GT(found.T_map_base.linear()(2, 2), std::cos(deg_to_rad(kMargin * 0.03)));
 }
 
 // During a sweep odometry counts 5 cm and 3 degrees too much. Registration corrects the motion
@@ -203,11 +210,10 @@ TEST(Registration, R41_TheMotionWithinASweepIsCorrected) {
   const time::Timestamp end(79 * NoddingScanner::kPeriod + NoddingScanner::kPeriod / 2);
   const SE3 motion_error =
       (drive(time::Timestamp{}).inverse() * drive(end)).inverse() * cloud.motion();
-  // Measured errors: of the pose 4.5 mm and 0.074 degrees, of the motion 4.6 mm and 0.18 degrees.
-  EXPECT_LT(error_of(found, T_truth).translation().norm(), 1.25 * 0.0045);
-  EXPECT_LT(geometry::rotation_angle(error_of(found, T_truth)), deg_to_rad(1.25 * 0.074));
-  EXPECT_LT(motion_error.translation().norm(), 1.25 * 0.0046);
-  EXPECT_LT(geometry::rotation_angle(motion_error), deg_to_rad(1.25 * 0.18));
+  EXPECT_LT(error_of(found, T_truth).translation().norm(), kMargin * 0.0045);
+  EXPECT_LT(geometry::rotation_angle(error_of(found, T_truth)), deg_to_rad(kMargin * 0.066));
+  EXPECT_LT(motion_error.translation().norm(), kMargin * 0.0037);
+  EXPECT_LT(geometry::rotation_angle(motion_error), deg_to_rad(kMargin * 0.18));
 }
 
 // A sweep of a robot that drives ahead at 0.5 m/s, while its heading, by `heading_deg`, changes
@@ -286,8 +292,8 @@ TEST(Registration, R41_ARotationThatOdometryMissesIsFound) {
         TurningRobot::registered(robot.cloud(), {.slip_rad = deg_to_rad(slip_deg)});
     return geometry::rad_to_deg(found.correction.rotation_rad.z());
   };
-  EXPECT_NEAR(found_deg(0.2, 360.0), 0.2, 0.15);
-  EXPECT_NEAR(found_deg(2.0, 0.02), 2.0, 0.2);
+  EXPECT_NEAR(found_deg(0.2, 360.0), 0.2, kMargin * 0.1);
+  EXPECT_NEAR(found_deg(2.0, 0.02), 2.0, kMargin * 0.15);
 }
 
 // The prior says that the ground is level. A sweep that shows a ramp of 6 degrees overrules it; a
@@ -299,8 +305,8 @@ TEST(Registration, TheGroundIsTakenAsLevelUnlessTheSweepContradicts) {
   const SE3 T_ramp = pose(0.3, 0.0, 0.08, 0.0, -6.0, 2.0);
   const Registration on_ramp = registered(see(room, T_ramp, 4), map_of(room), prior, {});
   ASSERT_EQ(on_ramp.status, RegistrationStatus::kTracking);
-  EXPECT_LT(error_of(on_ramp, T_ramp).translation().norm(), 0.005);
-  EXPECT_LT(geometry::rotation_angle(error_of(on_ramp, T_ramp)), deg_to_rad(0.1));
+  EXPECT_LT(error_of(on_ramp, T_ramp).translation().norm(), kMargin * 0.0034);
+  EXPECT_LT(geometry::rotation_angle(error_of(on_ramp, T_ramp)), deg_to_rad(kMargin * 0.078));
   // If only a wall ahead is seen, the prior determines height, roll and pitch.
   const SE3 T_tilted = pose(0.0, 0.0, 0.004, 0.05, 0.05, 0.0);
   const Room far_wall{{{{1, 0, 0}, 6.0}}};
@@ -322,7 +328,7 @@ TEST(Registration, APoseTooFarFromThePriorIsRefused) {
   const Registration accepted = registered(sweep, map, prior, {});
   ASSERT_EQ(accepted.status, RegistrationStatus::kTracking);
   // In closed form: 0.3 m with a standard deviation of 0.2 m, and 6 degrees with one of 5 degrees.
-  EXPECT_NEAR(accepted.prior_distance, std::hypot(1.5, 1.2), 0.02);
+  EXPECT_NEAR(accepted.prior_distance, std::hypot(1.5, 1.2), kMargin * 0.0075);
   const Registration refused = registered(sweep, map, prior, {.max_prior_distance = 1.5});
   EXPECT_EQ(refused.status, RegistrationStatus::kLost);
   EXPECT_EQ(refused.T_map_base.matrix(), SE3::Identity().matrix());
