@@ -29,6 +29,8 @@ constexpr std::size_t kMaxPathPoints = 500;
 constexpr std::size_t kMaxFrontierPoints = 2000;
 /// Tiles farther away than this are refused, so that cell indices stay exact.
 constexpr double kFarthestM = 10'000.0;
+/// Grids with more cells to a side are refused, so that cell indices do not overflow.
+constexpr int kMostCells = 1 << 20;
 
 bool is_due(time::Timestamp now, const std::optional<time::Timestamp>& last,
             time::Duration period) {
@@ -54,8 +56,8 @@ std::optional<MapTile> read_tile(const nodmap::grid_chunk_t& message) {
   const Eigen::Vector2d origin_m(message.origin_x_m, message.origin_y_m);
   if (!(message.cell_size_m > 0.001) || !std::isfinite(message.cell_size_m) ||
       !origin_m.allFinite() || origin_m.cwiseAbs().maxCoeff() > kFarthestM || message.tile_x < 0 ||
-      message.tile_y < 0 || message.tile_x > message.grid_width ||
-      message.tile_y > message.grid_height) {
+      message.tile_y < 0 || message.tile_x > std::min(message.grid_width, kMostCells) ||
+      message.tile_y > std::min(message.grid_height, kMostCells)) {
     return std::nullopt;
   }
   const Cell origin = (origin_m / message.cell_size_m).array().round().cast<int>();

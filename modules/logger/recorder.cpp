@@ -41,6 +41,9 @@ void Recorder::record(time::Timestamp received, const std::string& channel,
   const std::int64_t event_bytes = bus::LogWriter::event_bytes(channel, data);
   if (writer_ && must_split(writer_->size_bytes(), event_bytes, settings_.split_bytes)) {
     if (flush()) {
+      sync();
+    }
+    if (writer_) {
       try_again();
     }
   }

@@ -16,6 +16,8 @@ constexpr double kGoalSigmas = 3.0;
 
 void Inputs::forget_odom_frame() {
   map.reset();
+  // A goal in map could be anywhere in the new frame, until the next pose.
+  pose.is_lost = pose.is_lost || pose.stamp;
   pose.stamp.reset();
   stamps.map.reset();
   stamps.scan.reset();

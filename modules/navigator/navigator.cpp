@@ -73,9 +73,11 @@ Decision Navigator::decide(Situation now) {
 }
 
 Decision Navigator::behave(const Situation& now) {
-  arrived_ = now.goal && !now.goal->heading && has_arrived(*now.goal, arrived_);
-  if (arrived_) {
-    turn_.end();
+  if (!now.goal) {
+    goal_drive_.forget_goal();
+  }
+  if (is_at_goal(now)) {
+    end_turn();
     steering_.detour().end();
     Decision decision = brake(now, Why::kNothingToAdd);
     decision.behaviour = Behaviour::kArrived;
@@ -85,7 +87,7 @@ Decision Navigator::behave(const Situation& now) {
     return wait(now, std::move(*reason));
   }
   if (now.goal && params_.planner.use && local_map().has_scan()) {
-    turn_.end();
+    end_turn();
     return has_looked(now) ? goal_drive_.decide(now, seen(), local_map())
                            : brake(now, Why::kFirstLook);
   }
@@ -116,6 +118,26 @@ std::optional<Decision> Navigator::drive_ahead(const FreeSpace& space, const Sit
     return brake(now, Why::kObstacleAhead);
   }
   return std::nullopt;
+}
+
+/// A dock is reached otherwise. At another goal the robot must arrive anew.
+bool Navigator::is_at_goal(const Situation& now) {
+  if (!now.goal || now.goal->heading) {
+    arrived_map_.reset();
+    return false;
+  }
+  constexpr double kSameM = 1e-3;  // rounding, by the motion since
+  const Eigen::Vector2d goal_map = now.T_map_odom * (now.T_odom_base * now.goal->p_base);
+  const bool had_arrived = arrived_map_ && (goal_map - *arrived_map_).norm() < kSameM;
+  const bool is_there = has_arrived(*now.goal, had_arrived);
+  arrived_map_ = is_there ? std::optional(goal_map) : std::nullopt;
+  return is_there;
+}
+
+/// A goal takes over.
+void Navigator::end_turn() {
+  turn_.end();
+  back_up_.end();  // otherwise the trail would not be recorded
 }
 
 /// Whether the laser has looked ahead since the start. Before that the robot must not turn away

@@ -81,6 +81,8 @@ class Navigator {
 
  private:
   [[nodiscard]] const SeenDirections& seen() const { return surroundings_.seen(); }
+  [[nodiscard]] bool is_at_goal(const Situation& now);
+  void end_turn();
   [[nodiscard]] bool has_looked(const Situation& now);
   [[nodiscard]] Decision behave(const Situation& now);
   [[nodiscard]] std::optional<Decision> drive_ahead(const FreeSpace& space, const Situation& now);
@@ -100,7 +102,7 @@ class Navigator {
   BackUp back_up_;
   GoalDrive goal_drive_;
   Roaming roaming_;
-  bool arrived_ = false;
+  std::optional<Eigen::Vector2d> arrived_map_;  // the goal at which the robot is
   bool has_looked_ = false;                     ///< since the start
   std::optional<geometry::SE2> turn_ended_at_;  ///< T_odom_base
 };

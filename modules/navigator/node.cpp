@@ -121,6 +121,7 @@ void NavigatorNode::on_base_sensors(const nodmap::base_sensors_t& message) {
 
 void NavigatorNode::on_odometry(const nodmap::odometry_t& message) {
   const auto T_odom_base = input_.read(message);
+  odom_frame_is_new_ = odom_frame_is_new_ || input_.odometry_restarted();
   if (!T_odom_base) {
     senders_.refuse(Input::kOdometry, from_bus(node::stamp_of(message)), newest_.stamps);
     return;
@@ -132,7 +133,7 @@ void NavigatorNode::on_odometry(const nodmap::odometry_t& message) {
   if (!is_followed(Input::kOdometry, node::stamp_of(message))) {
     return;
   }
-  if (newest_.odometry && message.odometry_seq < newest_.odometry->seq) {
+  if (std::exchange(odom_frame_is_new_, false)) {
     begin_odometry_frame(node::stamp_of(message));
   }
   // The frame began no later than any of its odometry: an earlier stamp means that the first one

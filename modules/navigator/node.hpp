@@ -79,6 +79,7 @@ class NavigatorNode final : public node::Node {
   InputSenders senders_;
   node::SequenceCounter pitch_states_watch_;
   time::Timestamp odometry_frame_began_{};
+  bool odom_frame_is_new_ = false;  // since the odometry used last
   geometry::PoseHistory odometry_history_{1s};
   scan::Scan scan_;  // reused from message to message
 

@@ -165,7 +165,7 @@ struct LocalMapParams {
     v.flag("use_local_map", use,
            "Whether the robot also drives by the local map; without it holes and low obstacles are "
            "not seen.");
-    v.number("cell_size_m", cell_size_m, {0.01, 0.1}, "Edge of a cell.");
+    v.number("cell_size_m", cell_size_m, {0.015, 0.1}, "Edge of a cell.");
     v.number("range_m", range_m, {0.5, 5.0},
              "Obstacles and holes of the local map count up to this distance.");
     v.number("floor_tolerance_m", floor_tolerance_m, {0.005, 0.2},

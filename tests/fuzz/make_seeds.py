@@ -28,9 +28,9 @@ VIEWER_SESSION = [b'T{"op":"subscribe","subscriptions":[{"id":0,"channelId":1}]}
 # Kinds of messages_fuzz.cpp: what a robot that drives receives in a period; a GOAL and the rest; values that are hard to compute with.
 PERIOD = bytes([10, 1, 2, 0, 3, 4])
 WILD = [struct.pack(">d", value) for value in (math.nan, math.inf, -math.inf, 1e300, -1e9, 5e8)]
-MESSAGES = [PERIOD * 20, PERIOD * 5 + bytes([5, 6]) + PERIOD * 20, PERIOD * 10 + bytes([7, 8, 9, 9]) + PERIOD * 3]
+MESSAGES = [PERIOD * 20, PERIOD * 5 + bytes([5, 11, 6, 11]) + PERIOD * 20, PERIOD * 10 + bytes([7, 8, 9, 9]) + PERIOD * 3]
 MESSAGES += [PERIOD * 3 + b"".join(bytes([0x10 | kind]) + offset.to_bytes(2, "big") + value for offset in range(16, 120, 8)) + PERIOD * 2
-             for kind in range(11) for value in WILD]
+             for kind in range(12) for value in WILD]
 
 WHOLE, FRAGMENT = b"LC02\0\0\0\1", b"LC03\0\0\0\1"
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Valid messages with wild values, handled by navigator, map server, 2D SLAM and a deputy's
-// supervisor. Each message is a plausible one of which bytes are replaced: its kind, the number of
-// replacements, and for each of them an offset and eight bytes. Nothing may throw, every DRIVE must
-// be finite, and PM_INFO must stay short enough to be received.
+// Valid messages with wild values, handled by navigator, explorer, map server, 2D SLAM and a
+// deputy's supervisor. Each message is a plausible one of which bytes are replaced: its kind, the
+// number of replacements, and for each of them an offset and eight bytes. Nothing may throw, every
+// DRIVE must be finite, and PM_INFO must stay short enough to be received.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -20,6 +20,7 @@
 #include "common/bus/live_bus.hpp"
 #include "common/node/log.hpp"
 #include "common/node/messages.hpp"
+#include "modules/explorer/node.hpp"
 #include "modules/map_server/node.hpp"
 #include "modules/navigator/node.hpp"
 #include "modules/slam2d/node.hpp"
@@ -110,7 +111,7 @@ class Messages {
   std::pair<std::string, Bytes> next(unsigned int kind) {
     ++seq_;
     stamp_ += kPeriod;
-    switch (kind % 11) {
+    switch (kind % 12) {
       case 0:
         return {"SCAN", encoded(scan())};
       case 1:
@@ -134,6 +135,8 @@ class Messages {
                 encoded(nodmap::clear_request_t{time::to_utime(stamp_), "x", {0, 0}, {1, 1}})};
       case 9:
         return {procman::kOrdersChannel, encoded(orders())};
+      case 11:
+        return {"MAP_2D", encoded(map_tile())};
       default:
         return {"ODOMETRY", encoded(odometry())};
     }
@@ -179,6 +182,20 @@ class Messages {
     map.point_x_m = map.point_y_m = map.point_z_m = map.age_s =
         std::vector<float>(36, std::numeric_limits<float>::quiet_NaN());
     return stamped(map, &nodmap::egomap_t::scan_seq);
+  }
+
+  nodmap::grid_chunk_t map_tile() const {
+    constexpr std::int32_t kSide = 40;
+    nodmap::grid_chunk_t tile{};
+    tile.utime = time::to_utime(stamp_);
+    tile.map_revision = seq_;
+    tile.num_chunks = 1;
+    tile.cell_size_m = 0.05;
+    tile.origin_x_m = tile.origin_y_m = -1.0;
+    tile.grid_width = tile.grid_height = tile.tile_width = tile.tile_height = kSide;
+    tile.num_cells = kSide * kSide;
+    tile.cells.assign(static_cast<std::size_t>(tile.num_cells), 0);
+    return tile;
   }
 
   nodmap::goal_t goal() const {
@@ -246,6 +263,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   node::MessageCounts counts;
   node::Context context{bus, counts, {}};
   navigator::NavigatorNode navigator(context, navigator_params(size % 2 != 0));
+  explorer::ExplorerNode::Params exploration;
+  exploration.start = true;
+  const explorer::ExplorerNode explorer(context, exploration);
   map_server::MapServerNode map_server(context, {});
   slam2d::Slam2dNode slam2d(context, slam2d::Slam2dParams{});
   const FakeDeputy deputy(bus);

@@ -224,6 +224,20 @@ TEST_F(ExplorerNodeTest, ANewMapEndsTheExplorationAndTheRobotStaysWhereItIs) {
   EXPECT_EQ(bus_.count("GOAL"), num_goals + 1);
 }
 
+// The tile's first cell is 2^31, which would be -2^31, far before the grid's memory.
+TEST_F(ExplorerNodeTest, ATileWhoseCellsCannotBeCountedIsRefused) {
+  give_map();
+  nodmap::grid_chunk_t tile{};
+  tile.num_chunks = 1;
+  tile.cell_size_m = world_.map().cell_size_m;
+  tile.origin_x_m = tile.cell_size_m;
+  tile.grid_width = tile.tile_x = std::numeric_limits<std::int32_t>::max();
+  tile.grid_height = tile.tile_width = tile.tile_height = tile.num_cells = 1;
+  tile.cells = {0};
+  bus_.deliver("MAP_2D", tile);
+  EXPECT_EQ(counts_.rejected().at("implausible_map_tile"), 1);
+}
+
 TEST_F(ExplorerNodeTest, ImplausibleMessagesAreCounted) {
   nodmap::grid_chunk_t tile{};
   tile.cell_size_m = 0.05;

@@ -150,6 +150,7 @@ TEST_F(RecorderTest, SplitsBySizeAndLosesNothingBetween) {
   EXPECT_THAT(stamps("lcmlog-2026-11-21.02"), ElementsAre(6, 7));
   EXPECT_EQ(recorder.counts().written, 8);
   EXPECT_EQ(recorder.counts().files, 3);
+  EXPECT_EQ(recorder.counts().syncs, 3) << "of each file at its end";
 }
 
 TEST_F(RecorderTest, NeverTouchesExistingFiles) {

@@ -103,8 +103,10 @@ void LocalMap::move(const geometry::SE2& T_odom_base) {
     // The robot was set down on floor; it is assumed as far as the laser does not see.
     for (double x = -blind_m_; x <= blind_m_; x += 0.5 * grid_.cell_size_m()) {
       for (double y = -blind_m_; y <= blind_m_; y += 0.5 * grid_.cell_size_m()) {
-        LocalCell& cell = *grid_.find(T_odom_base * Eigen::Vector2d(x, y));
-        cell.is_floor = cell.is_assumed = true;
+        // A laser that cannot look down steeply is blind beyond the grid.
+        if (LocalCell* cell = grid_.find(T_odom_base * Eigen::Vector2d(x, y))) {
+          cell->is_floor = cell->is_assumed = true;
+        }
       }
     }
   }

@@ -24,6 +24,9 @@ class GoalDrive {
  public:
   explicit GoalDrive(const NavigatorParams& params);
 
+  /// The robot has no goal any more: the same dock is then approached from the beginning.
+  void forget_goal() { dock_map_.reset(); }
+
   [[nodiscard]] Decision decide(const Situation& now, const SeenDirections& seen,
                                 const LocalMap& local_map);
 

@@ -35,6 +35,16 @@ TEST(Inputs, TheSituationIsInBaseNow) {
       << "it has driven 0.5 m since the map was made";
 }
 
+TEST(Inputs, InANewOdomFrameAKnownPlaceInMapIsLost) {
+  Inputs given = inputs();
+  given.forget_odom_frame();
+  EXPECT_FALSE(given.pose.is_lost) << "there was no pose: map and odom are the same";
+  given.pose.stamp = time::Timestamp(5s);
+  given.forget_odom_frame();
+  EXPECT_TRUE(given.pose.is_lost);
+  EXPECT_FALSE(given.pose.stamp);
+}
+
 // In map the robot is at (8, 1) and heads along -x.
 TEST(Inputs, TheGoalIsSeenFromTheRobot) {
   Inputs given = inputs();

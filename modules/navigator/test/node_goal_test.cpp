@@ -85,14 +85,20 @@ TEST_F(NavigatorNodeTest, GoesToAGoalInTheCorrectedMap) {
   goal.position_m[1] = 1.0;
   bus_.deliver("GOAL", goal);
   // The map is 1 m to the left of odom: in odom the goal is straight ahead.
-  bus_.deliver("POSE_2D",
-               node::write_corrected_pose(time::from_utime(now_us_), geometry::to_se3({0, 1, 0}),
-                                          geometry::to_se3({0, 1, 0})));
+  const auto give_pose = [this] {
+    bus_.deliver("POSE_2D",
+                 node::write_corrected_pose(time::from_utime(now_us_), geometry::to_se3({0, 1, 0}),
+                                            geometry::to_se3({0, 1, 0})));
+  };
+  give_pose();
   tick();
   EXPECT_NEAR(navigation().steering_angle_rad, 0.0, 1e-9);
   x_ = 2.9;
   odometry_seq_ = 0;  // the robot is set down there, odometry begins anew
   run(1.5);
+  EXPECT_TRUE(halts()) << "where the goal is in the new frame is not known yet";
+  give_pose();
+  run(0.1);
   EXPECT_EQ(navigation().behaviour, nodmap::navigation_t::ARRIVED);
   EXPECT_EQ(drive().forward_mps, 0.0);
   goal.tolerance_m = 0.0;
@@ -102,6 +108,26 @@ TEST_F(NavigatorNodeTest, GoesToAGoalInTheCorrectedMap) {
   bus_.deliver("GOAL", goal);
   run(0.1);
   EXPECT_TRUE(drives());
+}
+
+// The robot has arrived within 5 cm, and stays so up to 15 cm; a goal 12 cm ahead is another one.
+TEST_F(NavigatorNodeTest, AnotherGoalNearbyIsDrivenToAfterArriving) {
+  run(1.5);
+  nodmap::goal_t goal{};
+  goal.is_active = true;
+  goal.tolerance_m = 0.05;
+  goal.position_m[0] = x_ + 0.02;
+  bus_.deliver("GOAL", goal);
+  run(0.1);
+  ASSERT_EQ(navigation().behaviour, nodmap::navigation_t::ARRIVED);
+  x_ -= 0.1;
+  run(0.1);
+  EXPECT_EQ(navigation().behaviour, nodmap::navigation_t::ARRIVED);
+  ++goal.goal_seq;
+  goal.position_m[0] = x_ + 0.12;
+  bus_.deliver("GOAL", goal);
+  run(0.1);
+  EXPECT_NE(navigation().behaviour, nodmap::navigation_t::ARRIVED);
 }
 
 TEST_F(NavigatorNodeTest, AGoalWithAHeadingNeedsTolerancesAndTheLocalMap) {

@@ -66,6 +66,26 @@ TEST_F(NavigatorNodeTest, AStopHaltsWithTheNextOdometryUntilItIsReleased) {
   EXPECT_TRUE(drives());
 }
 
+// Datagrams 101, 103, 102: the robot drives on, as nothing was forgotten. After a restart of the
+// driver, which is believed from its second message on, the robot first looks at two sweeps.
+TEST_F(NavigatorNodeTest, OdometryThatWasOvertakenIsNoNewFrame) {
+  run(1.5);
+  ASSERT_TRUE(drives());
+  odometry_seq_ += 1;
+  give_odometry(now_us_ + 2'000);
+  odometry_seq_ -= 2;
+  give_odometry(now_us_ + 1'000);
+  odometry_seq_ += 1;
+  tick();
+  EXPECT_TRUE(drives());
+  odometry_seq_ = 0;
+  tick();
+  tick();
+  EXPECT_FALSE(drives());
+  run(1.5);
+  EXPECT_TRUE(drives());
+}
+
 TEST_F(NavigatorNodeTest, ACorruptMapIsRefused) {
   run(1.5);
   const auto count = bus_.count("DRIVE");

@@ -378,6 +378,18 @@ TEST(LocalMap, AHoleThatIsClosedBecomesFloor) {
   EXPECT_TRUE(map.points_base({}, 1.1).empty());
 }
 
+// Mounted 1 m high and never looking down by more than 10 degrees, the laser sees the floor 6.6 m
+// ahead, beyond the corners of the grid.
+TEST(LocalMap, ABlindAreaLargerThanTheGridIsNoError) {
+  robot::RobotParams robot;
+  robot.mount.z_m = 1.0;
+  robot.head.pitch_min_rad = deg_to_rad(-10.0);
+  LocalMap map(robot, {});
+  const geometry::SE2 T_odom_base(0.0, 0.0, 0.25 * geometry::kPi);
+  map.add_scan(test::scan_of({}, T_odom_base, 0.0), T_odom_base);
+  EXPECT_TRUE(map.is_free_floor({5.0, 0.0}));
+}
+
 TEST(LocalMap, IgnoresInvalidReadingsAndPoses) {
   LocalMap map({}, {});
   scan::Scan scan = test::scan_of({}, {}, deg_to_rad(-30.0));
