@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 namespace nodmap::slam2d {
@@ -14,6 +15,12 @@ constexpr double kLikelihoodCellM = 0.1;
 constexpr double kNormalRadiusM = 0.15;
 // The last part of a ray is not checked: it may graze the wall at which it ends.
 constexpr double kFreeBeforeHitM = 0.4;
+// What blocks a ray blocks its parallels at this distance, too. The error of a pose or of an edge
+// in the map is smaller.
+constexpr double kParallelM = 0.06;
+// A point this near to an occupied cell lies on the wall. Noise of the laser, of the map and of a
+// match together are smaller.
+constexpr double kOnWallM = 0.05;
 
 /// Towards the free cells around an occupied one; zero where they are on all sides or on none.
 Eigen::Vector2d normal_at(const TrinaryGrid& grid, int x, int y) {
@@ -142,27 +149,49 @@ double KnownMap::through_walls(std::span<const OrientedPoint> scan,
   const Eigen::Vector2d origin = T_grid_base * sensor_origin_base;
   double through_walls = 0.0;
   for (const OrientedPoint& point : scan) {
-    const Eigen::Vector2d ray = T_grid_base * point.p - origin;
-    const double range_m = ray.norm();
-    const bool is_blocked =
-        this->is_blocked(origin / grid_.cell_size_m, ray / std::max(range_m, 1e-9),
-                         (range_m - kFreeBeforeHitM) / grid_.cell_size_m);
-    through_walls += is_blocked ? 1.0 : 0.0;
+    through_walls += is_blocked(origin, T_grid_base * point.p) ? 1.0 : 0.0;
   }
   return through_walls / std::max<double>(1.0, static_cast<double>(scan.size()));
 }
 
+double KnownMap::on_walls(std::span<const OrientedPoint> scan,
+                          const geometry::SE2& T_map_base) const {
+  const int max_steps = std::max(1, static_cast<int>(std::lround(kOnWallM / grid_.cell_size_m)));
+  const geometry::SE2 T_grid_base = grid_.T_map_grid.inverse() * T_map_base;
+  double on_walls = 0.0;
+  for (const OrientedPoint& point : transformed(T_grid_base, scan)) {
+    const std::optional<int> steps = steps_to_occupied_at(point.p / grid_.cell_size_m);
+    on_walls += steps && *steps <= max_steps ? 1.0 : 0.0;
+  }
+  return on_walls / std::max<double>(1.0, static_cast<double>(scan.size()));
+}
+
+bool KnownMap::is_blocked(const Eigen::Vector2d& origin, const Eigen::Vector2d& point) const {
+  const Eigen::Vector2d ray = point - origin;
+  const double range_m = ray.norm();
+  const Eigen::Vector2d direction = ray / std::max(range_m, 1e-9);
+  const Eigen::Vector2d aside = kParallelM * Eigen::Vector2d(-direction.y(), direction.x());
+  const auto meets_occupied = [&](const Eigen::Vector2d& from) {
+    return this->meets_occupied(from / grid_.cell_size_m, direction,
+                                (range_m - kFreeBeforeHitM) / grid_.cell_size_m);
+  };
+  return meets_occupied(origin) && meets_occupied(origin + aside) && meets_occupied(origin - aside);
+}
+
+std::optional<int> KnownMap::steps_to_occupied_at(const Eigen::Vector2d& cell) const {
+  if (!(cell.x() >= 0.0 && cell.y() >= 0.0 && cell.x() < grid_.width && cell.y() < grid_.height)) {
+    return std::nullopt;
+  }
+  return steps_to_occupied_[static_cast<std::size_t>(cell.y()) *
+                                static_cast<std::size_t>(grid_.width) +
+                            static_cast<std::size_t>(cell.x())];
+}
+
 // In steps of one cell. None of as many steps as the nearest occupied cell is away can end in one.
-bool KnownMap::is_blocked(const Eigen::Vector2d& origin, const Eigen::Vector2d& direction,
-                          double length) const {
+bool KnownMap::meets_occupied(const Eigen::Vector2d& origin, const Eigen::Vector2d& direction,
+                              double length) const {
   for (double at = 0.0; at < length;) {
-    const double x = origin.x() + at * direction.x();
-    const double y = origin.y() + at * direction.y();
-    const bool inside = x >= 0.0 && y >= 0.0 && x < grid_.width && y < grid_.height;
-    const int steps = inside ? steps_to_occupied_[static_cast<std::size_t>(y) *
-                                                      static_cast<std::size_t>(grid_.width) +
-                                                  static_cast<std::size_t>(x)]
-                             : 1;
+    const int steps = steps_to_occupied_at(origin + at * direction).value_or(1);
     if (steps == 0) {
       return true;
     }

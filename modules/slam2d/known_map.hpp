@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -53,16 +54,27 @@ class KnownMap {
   /// The smallest window that holds all free places.
   [[nodiscard]] const SearchWindow& window() const { return window_; }
 
-  /// The fraction of a scan's points that were measured through an occupied cell if the robot is at
-  /// `T_map_base`. `scan`: points in base.
+  /// The fraction of a scan's points that lie on walls if the robot is at `T_map_base`: in an
+  /// occupied cell or within 5 cm of one, so that noise in the map hardly changes it. `scan`:
+  /// points in base.
+  [[nodiscard]] double on_walls(std::span<const OrientedPoint> scan,
+                                const geometry::SE2& T_map_base) const;
+
+  /// The fraction of a scan's points that were measured through a wall: there are occupied cells in
+  /// the way of the ray and of its parallels 6 cm to the left and to the right. A ray that grazes
+  /// an edge or a post is not blocked.
   [[nodiscard]] double through_walls(std::span<const OrientedPoint> scan,
                                      const Eigen::Vector2d& sensor_origin_base,
                                      const geometry::SE2& T_map_base) const;
 
  private:
+  /// From a place in the grid, in cells; empty outside.
+  [[nodiscard]] std::optional<int> steps_to_occupied_at(const Eigen::Vector2d& cell) const;
   /// Whether a ray meets an occupied cell. In cells of the grid; `direction` has length 1.
-  [[nodiscard]] bool is_blocked(const Eigen::Vector2d& origin, const Eigen::Vector2d& direction,
-                                double length) const;
+  [[nodiscard]] bool meets_occupied(const Eigen::Vector2d& origin, const Eigen::Vector2d& direction,
+                                    double length) const;
+  /// Whether a ray from the sensor to a point passes through a wall. Both in the grid, metres.
+  [[nodiscard]] bool is_blocked(const Eigen::Vector2d& origin, const Eigen::Vector2d& point) const;
 
   TrinaryGrid grid_;
   /// For each cell the number of steps to the nearest occupied one, diagonals count as one; at most

@@ -16,6 +16,10 @@ constexpr std::size_t kMaxPeaks = 256;
 constexpr double kMaxCorrespondenceDistanceM = 0.4;   // the search is off by up to a cell of 10 cm
 constexpr double kMinCorrespondenceDistanceM = 0.15;  // wrong places fit only roughly
 
+// Nearer than that, two poses count as the same place; a place that is this far off is wrong.
+constexpr double kBesideM = 0.3;
+constexpr int kNumBeside = 8;
+
 LoopSearchParams search_params(const RelocaliserParams& params) {
   return {.min_score = params.min_search_score, .max_runner_up_ratio = params.min_peak_ratio};
 }
@@ -26,6 +30,20 @@ MatcherParams matcher_params(MatcherParams params) {
   params.min_correspondence_distance_m =
       std::min(params.min_correspondence_distance_m, kMinCorrespondenceDistanceM);
   return params;
+}
+
+/// How well scans lie on the walls of the map, and not behind walls, if the last one was taken at
+/// `T_map_last` and odometry is right.
+double mean_wall_score(const KnownMap& map, std::span<const LevelScan> scans,
+                       const geometry::SE2& T_map_last) {
+  double sum = 0.0;
+  for (const LevelScan& scan : scans) {
+    const geometry::SE2 T_map_base =
+        T_map_last * (scans.back().T_odom_base.inverse() * scan.T_odom_base);
+    sum += map.on_walls(scan.points_base, T_map_base) -
+           map.through_walls(scan.points_base, scan.sensor_origin_base, T_map_base);
+  }
+  return sum / static_cast<double>(scans.size());
 }
 
 }  // namespace
@@ -55,36 +73,68 @@ Relocaliser::Places Relocaliser::find_places(const KnownMap& map, const LevelSca
       map.likelihood(), points_to_search(scan.points_base), map.window(), kMaxPeaks);
   Places found;
   for (const Peak& peak : search.peaks) {
-    if (const std::optional<Peak> place = match(map, scan, peak.T_map_base)) {
-      found.peaks.push_back(*place);
+    if (const std::optional<Place> place = match(map, scan, peak.T_map_base)) {
+      found.places.push_back(*place);
     }
   }
   found.is_complete = search.complete && search.peaks.size() < kMaxPeaks;
-  found.alone = classify(found.peaks, found.is_complete);
+  found.alone = classify(map, {&scan, 1}, found.places, found.is_complete);
   return found;
 }
 
-std::optional<Peak> Relocaliser::match(const KnownMap& map, const LevelScan& scan,
-                                       const geometry::SE2& T_map_base) const {
+std::optional<Relocaliser::Place> Relocaliser::match(const KnownMap& map, const LevelScan& scan,
+                                                     const geometry::SE2& T_map_base) const {
   const Match match = matcher_.match(map.points(), scan.points_base, T_map_base);
   if (!match.found()) {
     return std::nullopt;
   }
   const double through_walls =
       map.through_walls(scan.points_base, scan.sensor_origin_base, match.T_map_base);
-  return Peak{match.T_map_base, match.score - through_walls};
+  return Place{match.T_map_base, match.score - through_walls,
+               map.on_walls(scan.points_base, match.T_map_base) - through_walls};
 }
 
-Relocalisation Relocaliser::classify(std::span<const Peak> places, bool is_complete) const {
+std::size_t Relocaliser::best_of(std::span<const Place> places) {
+  const auto best = std::max_element(
+      places.begin(), places.end(),
+      [](const Place& a, const Place& b) { return a.match_score < b.match_score; });
+  return static_cast<std::size_t>(best - places.begin());
+}
+
+// Elsewhere is any other place, and beside the best one: along a corridor with few features a scan
+// fits as well a little farther on.
+BestPlace Relocaliser::compare(const KnownMap& map, std::span<const LevelScan> scans,
+                               std::span<const Place> places) {
+  const std::size_t index = best_of(places);
+  const geometry::SE2& T_map_best = places[index].T_map_base;
+  BestPlace best{.index = index, .score = places[index].wall_score};
+  for (const Place& place : places) {
+    if (!is_same_place(place.T_map_base, T_map_best)) {
+      best.runner_up_score = std::max(best.runner_up_score, place.wall_score);
+    }
+  }
+  for (int i = 0; i < kNumBeside; ++i) {
+    const double direction_rad = 2.0 * geometry::kPi * i / kNumBeside;
+    const geometry::SE2 T_map_beside{T_map_best.x + kBesideM * std::cos(direction_rad),
+                                     T_map_best.y + kBesideM * std::sin(direction_rad),
+                                     T_map_best.yaw};
+    best.runner_up_score =
+        std::max(best.runner_up_score, mean_wall_score(map, scans, T_map_beside));
+  }
+  return best;
+}
+
+Relocalisation Relocaliser::classify(const KnownMap& map, std::span<const LevelScan> scans,
+                                     std::span<const Place> places, bool is_complete) const {
   Relocalisation result;
   if (places.empty()) {
     return result;
   }
-  const BestPlace best = best_of(places);
+  const BestPlace best = compare(map, scans, places);
   result.T_map_base = places[best.index].T_map_base;
   result.score = best.score;
   result.runner_up_score = best.runner_up_score;
-  if (result.score < params_.min_score) {
+  if (places[best.index].match_score < params_.min_score) {
     result.status = Relocalisation::Status::kNowhere;
   } else if (!best.is_clear(params_.min_misfit_ratio) || !is_complete) {
     result.status = Relocalisation::Status::kAmbiguous;
@@ -97,21 +147,21 @@ Relocalisation Relocaliser::classify(std::span<const Peak> places, bool is_compl
 Relocalisation Relocaliser::join(const KnownMap& map, std::span<const LevelScan> scans,
                                  std::span<const Places> found) const {
   std::vector<JointFit> fits;
-  std::vector<Peak> places;
+  std::vector<Place> places;
   bool is_complete = false;
   for (std::size_t i = 0; i < scans.size(); ++i) {
     const geometry::SE2 T_base_last = scans[i].T_odom_base.inverse() * scans.back().T_odom_base;
-    for (const Peak& peak : found[i].peaks) {
-      fits.push_back(fit(map, scans, found, peak.T_map_base * T_base_last));
+    for (const Place& place : found[i].places) {
+      fits.push_back(fit(map, scans, found, place.T_map_base * T_base_last));
       places.push_back(fits.back().place);
     }
     is_complete = is_complete || found[i].is_complete;
   }
-  Relocalisation result = classify(places, is_complete);
+  Relocalisation result = classify(map, scans, places, is_complete);
   if (places.empty()) {
     return result;
   }
-  const JointFit& best = fits[best_of(places).index];
+  const JointFit& best = fits[best_of(places)];
   if (!best.agrees) {
     result.status = Relocalisation::Status::kNowhere;
   } else if (best.is_sure) {
@@ -120,11 +170,11 @@ Relocalisation Relocaliser::join(const KnownMap& map, std::span<const LevelScan>
   return result;
 }
 
-std::optional<Peak> Relocaliser::best_near(std::span<const Peak> places,
-                                           const geometry::SE2& T_map_base) const {
-  std::optional<Peak> best;
-  for (const Peak& place : places) {
-    if (agree(place.T_map_base, T_map_base) && (!best || place.score > best->score)) {
+std::optional<Relocaliser::Place> Relocaliser::best_near(std::span<const Place> places,
+                                                         const geometry::SE2& T_map_base) const {
+  std::optional<Place> best;
+  for (const Place& place : places) {
+    if (agree(place.T_map_base, T_map_base) && (!best || place.match_score > best->match_score)) {
       best = place;
     }
   }
@@ -134,12 +184,13 @@ std::optional<Peak> Relocaliser::best_near(std::span<const Peak> places,
 // The scan's own place near there counts if it has one, otherwise a match from there.
 Relocaliser::ScanFit Relocaliser::fit(const KnownMap& map, const LevelScan& scan,
                                       const Places& found, const geometry::SE2& T_map_base) const {
-  const std::optional<Peak> own = best_near(found.peaks, T_map_base);
+  const std::optional<Place> own = best_near(found.places, T_map_base);
   const bool is_sure = found.alone.status == Relocalisation::Status::kFound;
   const bool is_sure_of_this =
       is_sure && own && is_same_place(own->T_map_base, found.alone.T_map_base);
   ScanFit fit{.match = own ? own : match(map, scan, T_map_base), .is_sure = is_sure_of_this};
-  fit.agrees = is_sure == is_sure_of_this && fit.match && fit.match->score >= params_.min_score &&
+  fit.agrees = is_sure == is_sure_of_this && fit.match &&
+               fit.match->match_score >= params_.min_score &&
                agree(fit.match->T_map_base, T_map_base);
   return fit;
 }
@@ -154,7 +205,8 @@ Relocaliser::JointFit Relocaliser::fit(const KnownMap& map, std::span<const Leve
     joint.agrees = joint.agrees && one.agrees;
     joint.is_sure = joint.is_sure || one.is_sure;
     if (one.match) {
-      joint.place.score += one.match->score / static_cast<double>(scans.size());
+      joint.place.match_score += one.match->match_score / static_cast<double>(scans.size());
+      joint.place.wall_score += one.match->wall_score / static_cast<double>(scans.size());
     }
     if (one.match && i + 1 == scans.size()) {
       joint.place.T_map_base = one.match->T_map_base;

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "modules/slam2d/best_place.hpp"
 #include "modules/slam2d/correlative_matcher.hpp"
 #include "modules/slam2d/known_map.hpp"
 #include "modules/slam2d/level_scan.hpp"
@@ -24,13 +26,13 @@ struct Relocalisation {
 
   Status status = Status::kNowhere;
   geometry::SE2 T_map_base;  ///< of the best place, whatever the status; not valid for kNowhere
-  double score = 0.0;        ///< of the best place, 0..1
+  double score = 0.0;        ///< of the best place: how much of the scan lies on walls, 0..1
   double runner_up_score = 0.0;
 };
 
 /// Finds the robot in a known map without a start pose: the best of all poses by branch and bound,
-/// each matched exactly and checked for walls that its rays pass through. The best is believed only
-/// when it fits clearly better than any other place.
+/// each matched exactly. The best match is believed only when more of the scan lies on the walls of
+/// the map there, and less was measured through walls, than at any other place.
 class Relocaliser {
  public:
   Relocaliser(const RelocaliserParams& params, const MatcherParams& matcher);
@@ -44,33 +46,45 @@ class Relocaliser {
   [[nodiscard]] Relocalisation locate(const KnownMap& map, std::span<const LevelScan> scans) const;
 
  private:
+  /// A pose at which a scan was matched.
+  struct Place {
+    geometry::SE2 T_map_base;
+    double match_score = 0.0;  ///< less the part measured through walls; tells the best place
+    double wall_score = 0.0;   ///< tells how clear it is: noise in the map hardly changes it
+  };
   /// Where one scan fits.
   struct Places {
-    std::vector<Peak> peaks;
+    std::vector<Place> places;
     bool is_complete = true;  ///< false: it may fit elsewhere, too
     Relocalisation alone;     ///< the result of this scan alone
   };
   /// How one scan fits a place.
   struct ScanFit {
-    std::optional<Peak> match;  ///< as the scan matches near there, if it does
-    bool agrees = false;        ///< it fits there, and is not sure of another place
-    bool is_sure = false;       ///< it alone tells that this is the place
+    std::optional<Place> match;  ///< as the scan matches near there, if it does
+    bool agrees = false;         ///< it fits there, and is not sure of another place
+    bool is_sure = false;        ///< it alone tells that this is the place
   };
   /// How all scans together fit a place of the last one.
   struct JointFit {
-    Peak place;            ///< as the last scan matches there; the mean score of all
+    Place place;           ///< as the last scan matches there; the mean scores of all
     bool agrees = true;    ///< each scan fits there, and none is sure of another place
     bool is_sure = false;  ///< one scan alone tells that this is the place
   };
   /// Whether two places are the same, apart from errors of odometry.
   [[nodiscard]] bool agree(const geometry::SE2& a, const geometry::SE2& b) const;
   /// The best of some places that agree with a pose.
-  [[nodiscard]] std::optional<Peak> best_near(std::span<const Peak> places,
-                                              const geometry::SE2& T_map_base) const;
+  [[nodiscard]] std::optional<Place> best_near(std::span<const Place> places,
+                                               const geometry::SE2& T_map_base) const;
   [[nodiscard]] Places find_places(const KnownMap& map, const LevelScan& scan) const;
-  [[nodiscard]] std::optional<Peak> match(const KnownMap& map, const LevelScan& scan,
-                                          const geometry::SE2& T_map_base) const;
-  [[nodiscard]] Relocalisation classify(std::span<const Peak> places, bool is_complete) const;
+  [[nodiscard]] std::optional<Place> match(const KnownMap& map, const LevelScan& scan,
+                                           const geometry::SE2& T_map_base) const;
+  /// The index of the best of some places, which must not be empty.
+  [[nodiscard]] static std::size_t best_of(std::span<const Place> places);
+  /// How well the scans fit the best place and elsewhere. `places`: of the last scan, not empty.
+  [[nodiscard]] static BestPlace compare(const KnownMap& map, std::span<const LevelScan> scans,
+                                         std::span<const Place> places);
+  [[nodiscard]] Relocalisation classify(const KnownMap& map, std::span<const LevelScan> scans,
+                                        std::span<const Place> places, bool is_complete) const;
   [[nodiscard]] Relocalisation join(const KnownMap& map, std::span<const LevelScan> scans,
                                     std::span<const Places> found) const;
   [[nodiscard]] ScanFit fit(const KnownMap& map, const LevelScan& scan, const Places& found,
