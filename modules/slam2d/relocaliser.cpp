@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/slam2d/relocaliser.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -16,9 +18,9 @@ constexpr std::size_t kMaxPeaks = 256;
 constexpr double kMaxCorrespondenceDistanceM = 0.4;   // the search is off by up to a cell of 10 cm
 constexpr double kMinCorrespondenceDistanceM = 0.15;  // wrong places fit only roughly
 
-// Nearer than that, two poses count as the same place; a place that is this far off is wrong.
-constexpr double kBesideM = 0.3;
-constexpr int kNumBeside = 8;
+// Along the direction that a match determines least. Farther off is another place; a pose that is
+// nearer is right.
+constexpr std::array kBesideM{-0.45, -0.35, -0.25, 0.25, 0.35, 0.45};
 
 LoopSearchParams search_params(const RelocaliserParams& params) {
   return {.min_score = params.min_search_score, .max_runner_up_ratio = params.min_peak_ratio};
@@ -90,8 +92,11 @@ std::optional<Relocaliser::Place> Relocaliser::match(const KnownMap& map, const 
   }
   const double through_walls =
       map.through_walls(scan.points_base, scan.sensor_origin_base, match.T_map_base);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(
+      match.information.topLeftCorner<2, 2>());
   return Place{match.T_map_base, match.score - through_walls,
-               map.on_walls(scan.points_base, match.T_map_base) - through_walls};
+               map.on_walls(scan.points_base, match.T_map_base) - through_walls,
+               solver.eigenvectors().col(0)};
 }
 
 std::size_t Relocaliser::best_of(std::span<const Place> places) {
@@ -101,25 +106,30 @@ std::size_t Relocaliser::best_of(std::span<const Place> places) {
   return static_cast<std::size_t>(best - places.begin());
 }
 
-// Elsewhere is any other place, and beside the best one: along a corridor with few features a scan
-// fits as well a little farther on.
+// Along a corridor with few features a scan fits as well a little farther on.
+double Relocaliser::score_beside(const KnownMap& map, std::span<const LevelScan> scans,
+                                 const Place& place) {
+  double score = 0.0;
+  for (const double distance_m : kBesideM) {
+    const Eigen::Vector2d beside =
+        place.T_map_base.translation() + distance_m * place.least_determined;
+    score = std::max(score,
+                     mean_wall_score(map, scans, {beside.x(), beside.y(), place.T_map_base.yaw}));
+  }
+  return score;
+}
+
+// Elsewhere is any other place, and beside the best one.
 BestPlace Relocaliser::compare(const KnownMap& map, std::span<const LevelScan> scans,
                                std::span<const Place> places) {
   const std::size_t index = best_of(places);
-  const geometry::SE2& T_map_best = places[index].T_map_base;
-  BestPlace best{.index = index, .score = places[index].wall_score};
+  BestPlace best{.index = index,
+                 .score = places[index].wall_score,
+                 .runner_up_score = score_beside(map, scans, places[index])};
   for (const Place& place : places) {
-    if (!is_same_place(place.T_map_base, T_map_best)) {
+    if (!is_same_place(place.T_map_base, places[index].T_map_base)) {
       best.runner_up_score = std::max(best.runner_up_score, place.wall_score);
     }
-  }
-  for (int i = 0; i < kNumBeside; ++i) {
-    const double direction_rad = 2.0 * geometry::kPi * i / kNumBeside;
-    const geometry::SE2 T_map_beside{T_map_best.x + kBesideM * std::cos(direction_rad),
-                                     T_map_best.y + kBesideM * std::sin(direction_rad),
-                                     T_map_best.yaw};
-    best.runner_up_score =
-        std::max(best.runner_up_score, mean_wall_score(map, scans, T_map_beside));
   }
   return best;
 }
@@ -164,7 +174,9 @@ Relocalisation Relocaliser::join(const KnownMap& map, std::span<const LevelScan>
   const JointFit& best = fits[best_of(places)];
   if (!best.agrees) {
     result.status = Relocalisation::Status::kNowhere;
-  } else if (best.is_sure) {
+  } else if (best.is_sure && BestPlace{.score = best.place.wall_score,
+                                       .runner_up_score = score_beside(map, scans, best.place)}
+                                 .is_clear(params_.min_misfit_ratio)) {
     result.status = Relocalisation::Status::kFound;
   }
   return result;
@@ -210,6 +222,7 @@ Relocaliser::JointFit Relocaliser::fit(const KnownMap& map, std::span<const Leve
     }
     if (one.match && i + 1 == scans.size()) {
       joint.place.T_map_base = one.match->T_map_base;
+      joint.place.least_determined = one.match->least_determined;
     }
   }
   return joint;

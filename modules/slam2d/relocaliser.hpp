@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -51,6 +52,7 @@ class Relocaliser {
     geometry::SE2 T_map_base;
     double match_score = 0.0;  ///< less the part measured through walls; tells the best place
     double wall_score = 0.0;   ///< tells how clear it is: noise in the map hardly changes it
+    Eigen::Vector2d least_determined = Eigen::Vector2d::UnitX();  ///< direction, by the match
   };
   /// Where one scan fits.
   struct Places {
@@ -80,6 +82,9 @@ class Relocaliser {
                                            const geometry::SE2& T_map_base) const;
   /// The index of the best of some places, which must not be empty.
   [[nodiscard]] static std::size_t best_of(std::span<const Place> places);
+  /// How well the scans fit a few decimetres from a place of the last scan.
+  [[nodiscard]] static double score_beside(const KnownMap& map, std::span<const LevelScan> scans,
+                                           const Place& place);
   /// How well the scans fit the best place and elsewhere. `places`: of the last scan, not empty.
   [[nodiscard]] static BestPlace compare(const KnownMap& map, std::span<const LevelScan> scans,
                                          std::span<const Place> places);
