@@ -42,8 +42,6 @@ void Recorder::record(time::Timestamp received, const std::string& channel,
   if (writer_ && must_split(writer_->size_bytes(), event_bytes, settings_.split_bytes)) {
     if (flush()) {
       sync();
-    }
-    if (writer_) {
       try_again();
     }
   }

@@ -106,11 +106,11 @@ TEST_F(NavigatorNodeTest, GoesToAGoalInTheCorrectedMap) {
   EXPECT_EQ(rejected("implausible_goal"), 1);
   goal.is_active = false;
   bus_.deliver("GOAL", goal);
-  run(0.1);
+  run(1.5);
   EXPECT_TRUE(drives());
 }
 
-// The robot has arrived within 5 cm, and stays so up to 15 cm; a goal 12 cm ahead is another one.
+// The robot has arrived within 5 cm, and stays so up to 15 cm; a goal 14 cm ahead is another one.
 TEST_F(NavigatorNodeTest, AnotherGoalNearbyIsDrivenToAfterArriving) {
   run(1.5);
   nodmap::goal_t goal{};
@@ -124,7 +124,7 @@ TEST_F(NavigatorNodeTest, AnotherGoalNearbyIsDrivenToAfterArriving) {
   run(0.1);
   EXPECT_EQ(navigation().behaviour, nodmap::navigation_t::ARRIVED);
   ++goal.goal_seq;
-  goal.position_m[0] = x_ + 0.12;
+  goal.position_m[0] = x_ + 0.14;
   bus_.deliver("GOAL", goal);
   run(0.1);
   EXPECT_NE(navigation().behaviour, nodmap::navigation_t::ARRIVED);
