@@ -22,7 +22,9 @@ constexpr double kSurelyTurningMps = 0.05;
 /// An encoder at rest may count one tick back and forth. A wheel has turned after more.
 constexpr int kAtRestTicks = 1;
 
-constexpr int kSonarNearest = 100;     // raw; a nearer obstacle gives a smaller value
+constexpr int kSonarNearest = 100;  // raw; a nearer obstacle gives a smaller value
+/// By which an obstacle approaches between two readings of the sonar, at 2 m/s.
+constexpr double kApproachM = 0.15;
 constexpr int kInfraredNearest = 800;  // raw; a nearer obstacle gives a larger value
 
 bool is_too_near_to_measure(int infrared_raw) {
@@ -47,8 +49,9 @@ void BaseGuard::add(const RangeReadings& readings, time::SteadyTime now) {
   if (readings.sonar_raw) {
     if (const auto range_m = sonar_range_m(*readings.sonar_raw)) {
       ahead_ = {*range_m, now};
-    } else if (*readings.sonar_raw < kSonarNearest && ahead_ && ahead_->range_m < params_.near_m) {
-      ahead_->at = now;  // the obstacle is now too near to be measured
+    } else if (*readings.sonar_raw < kSonarNearest && ahead_ &&
+               ahead_->range_m < params_.near_m + kApproachM) {
+      ahead_ = {0.0, now};  // the obstacle is now too near to be measured
     } else {
       ahead_.reset();
     }

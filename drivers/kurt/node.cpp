@@ -186,7 +186,8 @@ void KurtNode::on_drive(const nodmap::drive_t& message) {
 }
 
 void KurtNode::on_stop(const nodmap::stop_t& message) {
-  if (message.is_stopped != 0 && message.requested_by == repeated_name_) {
+  if (message.is_stopped != 0 && !repeated_name_.empty() &&
+      message.requested_by == repeated_name_) {
     return;  // our own repetition, which may arrive after a newer STOP of another sender
   }
   const std::string by = node::read_name(message.requested_by);

@@ -91,7 +91,7 @@ struct GuardParams {
         "use_ranges", use_ranges,
         "Slow down before obstacles that the sonar or the infrared range finders detect ahead or "
         "behind.");
-    v.number("near_m", near_m, {0.1, 1.0},
+    v.number("near_m", near_m, {0.23, 1.0},
              "Distance to such an obstacle below which the robot creeps; the sonar cannot measure "
              "less than 0.23 m.");
     v.number("creep_mps", creep_mps, {0.0, 1.0},

@@ -79,6 +79,21 @@ TEST_F(BaseGuardTest, NearItCreepsAndMayStillRotateAndBackOut) {
   EXPECT_EQ(guard_.limit(kFast, now_).forward_mps, kFast.forward_mps);
 }
 
+// A person steps in front of it: the next reading is below what the sonar can measure.
+TEST_F(BaseGuardTest, AnObstacleThatApproachesWithinAReadingMakesItCreep) {
+  for (const double last_seen_m : {0.24, 0.27, 0.39}) {
+    guard_.add(sonar(sonar_raw(last_seen_m)), now_);
+    for (int i = 0; i < 3; ++i) {
+      guard_.add(sonar(50), now_);
+      EXPECT_EQ(guard_.limit(kFast, now_).forward_mps, params_.creep_mps) << last_seen_m;
+    }
+  }
+  // A sonar that reads this although nothing was near is none.
+  guard_.add(sonar(sonar_raw(1.0)), now_);
+  guard_.add(sonar(50), now_);
+  EXPECT_EQ(guard_.limit(kFast, now_).forward_mps, kFast.forward_mps);
+}
+
 TEST_F(BaseGuardTest, BehindTheInfraredCounts) {
   guard_.add(infrared_back(900), now_);  // nearer than it can measure
   EXPECT_EQ(guard_.limit({-1.0, 0.0}, now_).forward_mps, -params_.creep_mps);

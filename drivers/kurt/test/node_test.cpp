@@ -151,6 +151,17 @@ TEST(KurtNode, AStopByAnyNameStopsIt) {
   }
 }
 
+// In the first second the driver has not repeated STOP itself yet.
+TEST(KurtNode, AStopWithoutANameStopsItSoonAfterTheStart) {
+  Bench bench;
+  ASSERT_TRUE(bench.becomes_ready());
+  bench.drive_for(0.5, 0.0, 500ms);
+  ASSERT_EQ(bench.base.left_cm_s(), 50);
+  bench.publish_stop(true, "");
+  bench.drive_for(0.5, 0.0, 500ms);
+  EXPECT_EQ(bench.base.left_cm_s(), 0);
+}
+
 // A second sender of DRIVE: faster, and stamped ahead of the clock.
 TEST(KurtNode, ASecondSenderOfDriveStopsTheRobotAndIsReported) {
   Bench bench;

@@ -50,8 +50,8 @@ TEST(KurtProgram, EndsWithThePlugPulledOut) {
 TEST(KurtProgram, WrongConfigurationIsExitCodeTwo) {
   test::PtyPair pty;
   test::KurtEmulator base;
-  for (const char* wrong :
-       {"device=", "limits.max_speed_mps=5.3", "drive_timeout_s=0.3", "no_such_key=1"}) {
+  for (const char* wrong : {"device=", "limits.max_speed_mps=5.3", "guard.near_m=0.22",
+                            "drive_timeout_s=0.3", "no_such_key=1"}) {
     test::ChildProcess process({NODMAP_KURT_PROGRAM, "--set", wrong});
     ASSERT_TRUE(test::play(pty, base, [&] { return process.wait_for_end(kNoWait).has_value(); }));
     EXPECT_EQ(process.wait_for_end(kNoWait), 2);
