@@ -177,8 +177,7 @@ bool LogWriter::sync() {
     return false;
   }
   if (!unsynced_name_.empty()) {
-    const std::error_code error = formats::sync_folder_of(unsynced_name_);
-    if (error && error != std::errc::invalid_argument) {  // a file system that cannot do it
+    if (const std::error_code error = formats::sync_folder_of(unsynced_name_)) {
       fail(error);
       return false;
     }

@@ -81,7 +81,8 @@ std::error_code replace_file_by(const std::filesystem::path& file,
 std::error_code sync_folder_of(const std::filesystem::path& file) {
   const File folder(file.has_parent_path() ? file.parent_path() : ".",
                     O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  return folder.is_open() ? folder.sync() : last_error();
+  const std::error_code error = folder.is_open() ? folder.sync() : last_error();
+  return error == std::errc::invalid_argument ? std::error_code() : error;
 }
 
 std::error_code replace_file(const std::filesystem::path& file, std::string_view bytes) {

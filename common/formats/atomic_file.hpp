@@ -21,7 +21,8 @@ namespace nodmap::formats {
                                               const std::filesystem::path& unfinished);
 
 /// Waits until the name of a new file is on the disk. It is an entry of the folder, so syncing the
-/// file alone does not keep it over a power cut.
+/// file alone does not keep it over a power cut. Some file systems cannot sync a folder: then it
+/// does nothing, and that is no error.
 [[nodiscard]] std::error_code sync_folder_of(const std::filesystem::path& file);
 
 }  // namespace nodmap::formats

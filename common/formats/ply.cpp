@@ -199,6 +199,12 @@ bool is_coordinate(const Element& element, const Property& property) {
          name[0] <= 'z';
 }
 
+void require_finite(const Eigen::Vector3d& vertex) {
+  if (!vertex.allFinite()) {
+    throw std::runtime_error("a vertex that is not finite");
+  }
+}
+
 std::vector<Eigen::Vector3f> read_points(std::istream& in) {
   std::vector<Eigen::Vector3f> points;
   Eigen::Vector3d p = Eigen::Vector3d::Zero();
@@ -211,6 +217,7 @@ std::vector<Eigen::Vector3f> read_points(std::istream& in) {
       },
       [&](const Element& element) {
         if (element.name == "vertex") {
+          require_finite(p);
           points.emplace_back(p.cast<float>());
         }
       });
@@ -247,9 +254,7 @@ TriangleMesh read_mesh(std::istream& in) {
       },
       [&](const Element& element) {
         if (element.name == "vertex") {
-          if (!p.allFinite()) {
-            throw std::runtime_error("a vertex that is not finite");
-          }
+          require_finite(p);
           mesh.vertices.push_back(p);
         }
       });

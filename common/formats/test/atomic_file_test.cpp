@@ -62,5 +62,14 @@ TEST(AtomicFile, R46_AFailingFolderKeepsTheOldFile) {
   EXPECT_EQ(files_in(dir.path()), 1U);
 }
 
+// /proc is a file system that cannot sync a folder.
+TEST(AtomicFile, R46_AFolderThatCannotBeSyncedIsNoError) {
+  if (!fs::exists("/proc/self")) {
+    GTEST_SKIP() << "no /proc on this system";
+  }
+  EXPECT_FALSE(sync_folder_of("/proc/map.bt"));
+  EXPECT_EQ(sync_folder_of("/proc/missing/map.bt"), std::errc::no_such_file_or_directory);
+}
+
 }  // namespace atomic_file_test
 }  // namespace nodmap::formats

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <limits>
 #include <string>
 
 #include "tests/support/data_dir.hpp"
@@ -43,6 +44,16 @@ TEST(Ply, EmptyCutOffAndForeignFiles) {
   EXPECT_THROW((void)read_ply(dir.path() / "endless.ply"), std::runtime_error);
   std::ofstream(dir.path() / "text.ply") << "hello\n";
   EXPECT_THROW((void)read_ply(dir.path() / "text.ply"), std::runtime_error);
+}
+
+TEST(Ply, AVertexThatIsNotFiniteIsRefused) {
+  const test::TemporaryDir dir;
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  for (const Eigen::Vector3f& p : {Eigen::Vector3f(kNan, 0, 0), Eigen::Vector3f(0, 0, kInfinity)}) {
+    write_ply(dir.path() / "a.ply", {{{1, 2, 3}, {}}, {p, {}}});
+    EXPECT_THROW((void)read_ply(dir.path() / "a.ply"), std::runtime_error);
+  }
 }
 
 TEST(Ply, FacesBecomeFansOfTriangles) {
