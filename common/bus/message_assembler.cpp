@@ -16,14 +16,15 @@ constexpr std::size_t kFragmentHeaderBytes = 20;
 /// No sender makes smaller fragments, except for the first and the last of a message.
 constexpr std::size_t kMinFragmentBytes = 512;
 
-/// Removes the channel and its NUL from the front of `bytes`. Empty if there is no NUL, or if the
-/// name is invalid: longer than LCM allows, or containing anything but printable ASCII characters.
+/// Removes the channel and its NUL from the front of `bytes`. Nothing if there is no NUL, or if the
+/// name is invalid: empty, longer than LCM allows, or containing anything but printable ASCII
+/// characters.
 std::optional<std::string_view> take_channel(std::span<const std::byte>& bytes) {
   const auto head = bytes.first(std::min(bytes.size(), MessageAssembler::kMaxChannelLength + 1));
   const auto end = std::ranges::find(head, std::byte{0});
   const bool is_printable = std::all_of(
       head.begin(), end, [](std::byte b) { return b >= std::byte{' '} && b <= std::byte{'~'}; });
-  if (end == head.end() || !is_printable) {
+  if (end == head.begin() || end == head.end() || !is_printable) {
     return std::nullopt;
   }
   const auto length = static_cast<std::size_t>(end - head.begin());

@@ -92,6 +92,13 @@ TEST_F(Assembler, AChannelEndsWithinTheDatagram) {
   EXPECT_EQ(take(whole(std::string(63, 'A') + '\0')), std::string(63, 'A') + "=");
 }
 
+// A log with a message without a channel counts as damaged, also for lcm-logplayer.
+TEST_F(Assembler, AChannelHasAName) {
+  EXPECT_EQ(take(whole(std::string_view("\0data", 5))), "");
+  EXPECT_EQ(take(fragment({.message_bytes = 4, .count = 1}, std::string_view("\0data", 5))), "");
+  EXPECT_EQ(assembler_.malformed(), 2);
+}
+
 TEST_F(Assembler, ShortAndForeignDatagramsAreMalformed) {
   const Bytes message = fragment({.message_bytes = 4, .count = 1}, std::string(kChannel) + "data");
   for (std::size_t size = 0; size < message.size(); ++size) {
