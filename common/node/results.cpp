@@ -34,7 +34,9 @@ std::filesystem::path make_next_result_dir(const std::filesystem::path& dir) {
 
 void write_result_json(const std::filesystem::path& dir, const nlohmann::json& result) {
   const std::filesystem::path file = dir / "result.json";
-  if (const auto error = formats::replace_file(file, result.dump(2) + "\n")) {
+  // Names of files and processes may be any bytes, but JSON is UTF-8.
+  const std::string text = result.dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
+  if (const auto error = formats::replace_file(file, text + "\n")) {
     throw std::system_error(error, file.string() + ": cannot write");
   }
 }

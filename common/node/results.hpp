@@ -14,8 +14,9 @@ void make_result_dir(const std::filesystem::path& dir);
 /// returns the first of DIR.2, DIR.3, ... that contains none. Returns an empty name unchanged.
 [[nodiscard]] std::filesystem::path make_next_result_dir(const std::filesystem::path& dir);
 
-/// Writes DIR/result.json; an older one stays in place until the new one is complete. Throws
-/// std::runtime_error, naming the file, if it cannot be written.
+/// Writes DIR/result.json; an older one stays in place until the new one is complete. Bytes that
+/// are not UTF-8 become U+FFFD. Throws std::runtime_error, naming the file, if it cannot be
+/// written.
 void write_result_json(const std::filesystem::path& dir, const nlohmann::json& result);
 
 }  // namespace nodmap::node

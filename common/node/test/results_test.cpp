@@ -54,5 +54,14 @@ TEST(ResultJson, OneThatCannotBeWrittenLeavesTheOldOneAndIsNamed) {
   EXPECT_EQ(written()["run"], 1);
 }
 
+// A replayed log's name in Latin-1.
+TEST(ResultJson, ANameThatIsNotUtf8LosesNothingElse) {
+  const test::TemporaryDir dir;
+  write_result_json(dir.path(), {{"file", "caf\xE9.lcmlog"}, {"run", 1}});
+  const auto result = nlohmann::json::parse(std::ifstream(dir.path() / "result.json"));
+  EXPECT_EQ(result["file"], "caf\uFFFD.lcmlog");
+  EXPECT_EQ(result["run"], 1);
+}
+
 }  // namespace results_test
 }  // namespace nodmap::node
