@@ -51,8 +51,9 @@ Laser3dNode::Laser3dNode(node::Context& context, const Laser3dParams& params, Op
 }
 
 void Laser3dNode::spin_once() {
+  laser_.poll(clock_());
+  // A request to the laser may have taken milliseconds, and the servo's bytes are stamped.
   const time::Moment now = clock_();
-  laser_.poll(now);
   servo_.poll(now);
   carry_out(driver_.poll(now.steady), now);
   const std::int64_t lost =
