@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/convert/carmen_writer.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cinttypes>
 #include <cmath>
@@ -70,6 +71,15 @@ bool fits_plain_line(const CarmenScan& scan) {
          std::abs(scan.angle_step_rad - fan.angle_step_rad) < kSameAngleRad;
 }
 
+/// The same scan, from its last beam to its first.
+CarmenScan reversed(CarmenScan scan) {
+  scan.angle_first_rad += scan.angle_step_rad * static_cast<double>(scan.ranges_m.size() - 1);
+  scan.angle_step_rad = -scan.angle_step_rad;
+  std::ranges::reverse(scan.ranges_m);
+  std::ranges::reverse(scan.intensities);
+  return scan;
+}
+
 }  // namespace
 
 std::string write_carmen_line(const CarmenOdometry& odometry, time::Timestamp start) {
@@ -82,6 +92,9 @@ std::string write_carmen_line(const CarmenOdometry& odometry, time::Timestamp st
 }
 
 std::string write_carmen_line(const CarmenScan& scan, time::Timestamp start) {
+  if (scan.angle_step_rad < 0.0 && !scan.ranges_m.empty()) {  // a laser that is upside down
+    return write_carmen_line(reversed(scan), start);          // CARMEN's beams go to the left
+  }
   if (fits_plain_line(scan)) {
     LineWriter line(scan.side == LaserSide::kFront ? "FLASER" : "RLASER");
     line.ranges(scan, kNoReturnMarkerM);

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/convert/mcap_export.hpp"
 
-#include <limits>
+#include <cstdint>
 #include <stdexcept>
 
 #include "common/bus/log_player.hpp"
 #include "common/node/log.hpp"
+#include "common/node/program.hpp"
 #include "modules/viewer/foxglove/feed.hpp"
 #include "modules/viewer/foxglove/foxglove.hpp"
 #include "modules/viewer/foxglove/topic_store.hpp"
@@ -18,6 +19,8 @@ namespace {
 /// Coarser than on the screen: each message contains a whole trail, so trails would otherwise be
 /// most of the file.
 constexpr double kTrailSpacingM = 1.0;
+/// Between two looks whether to stop.
+constexpr std::int64_t kEventsAtOnce = 10'000;
 
 std::uint64_t nanoseconds(time::Timestamp stamp) {
   const std::int64_t utime = time::to_utime(stamp);
@@ -45,7 +48,11 @@ void export_mcap(const std::filesystem::path& log, const std::filesystem::path& 
                  nanoseconds(post.stamp()), post.text());
   });
   (void)player.seek(player.duration());
-  (void)player.catch_up(std::numeric_limits<std::int64_t>::max());
+  while (!player.catch_up(kEventsAtOnce)) {
+    if (node::stop_requested()) {
+      throw std::runtime_error("stopped; nothing was written");
+    }
+  }
   if (writer.num_messages() == 0) {
     throw std::runtime_error(log.string() + ": contains no message of ours");
   }

@@ -140,5 +140,29 @@ TEST(CarmenWriter, OtherFansGoIntoADescribedLine) {
   EXPECT_EQ(back.intensities, scan.intensities);
 }
 
+// A laser that is mounted upside down: its beams go to the right.
+TEST(CarmenWriter, AScanFromLeftToRightIsWrittenFromRightToLeft) {
+  CarmenScan scan;
+  scan.angle_first_rad = 1.5;
+  scan.angle_step_rad = -0.5;
+  scan.range_max_m = 5.6;
+  scan.ranges_m = {1.0F, kInfinity, 2.0F};
+  scan.intensities = {7.0F, 8.0F, 9.0F};
+  const auto back = parse<CarmenScan>(write_carmen_line(scan, {}));
+  EXPECT_EQ(back.angle_first_rad, 0.5);
+  EXPECT_EQ(back.angle_step_rad, 0.5);
+  EXPECT_EQ(back.ranges_m, (std::vector<float>{2.0F, kInfinity, 1.0F}));
+  EXPECT_EQ(back.intensities, (std::vector<float>{9.0F, 8.0F, 7.0F}));
+  // The fan of a SICK gets its usual line.
+  const CarmenFan fan = carmen_fan(3);
+  scan.angle_first_rad = -fan.angle_first_rad;
+  scan.angle_step_rad = -fan.angle_step_rad;
+  scan.range_max_m = kCarmenNoReturnM;
+  scan.intensities = {};
+  const std::string line = write_carmen_line(scan, {});
+  EXPECT_TRUE(line.starts_with("FLASER ")) << line;
+  EXPECT_EQ(parse<CarmenScan>(line).ranges_m, back.ranges_m);
+}
+
 }  // namespace carmen_test
 }  // namespace nodmap::convert
