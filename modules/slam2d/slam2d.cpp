@@ -50,8 +50,9 @@ std::optional<PoseUpdate> Slam2d::add_scan(const scan::Scan& scan) {
   // The same transform corrects the pose.
   PoseUpdate update = correct_pose(*all_points, found);
   update.covariance = estimate_covariance(found.place, update);
+  const bool was_in_doubt = doubt_.is_there();
   const bool has_moved_unseen =
-      doubt_.is_there() &&
+      was_in_doubt &&
       params_.keyframe.is_beyond(T_map_odom_ * all_points->T_odom_base, update.T_map_base);
   doubt_.update(update, found.place.is_sure);
   pose_guesses_.add_scan(update.stamp, (T_map_odom_ * T_odom_last_).inverse() * update.T_map_base);
@@ -69,7 +70,8 @@ std::optional<PoseUpdate> Slam2d::add_scan(const scan::Scan& scan) {
     moving_points_.add_keyframe(*all_points);
   }
   correct_odometry(*all_points, update);
-  if (found.has_slipped) {
+  // Odometry since the last keyframe does not contain what the robot has moved unseen.
+  if (found.has_slipped || (was_in_doubt && !doubt_.is_there())) {
     pose_guesses_.add_keyframe(T_map_odom_, all_points->T_odom_base);
   }
   record(update);

@@ -62,6 +62,40 @@ TEST(Slam2d, MotionDuringAPauseInOdometryIsFoundFromTheScans) {
   EXPECT_LT(worst_m, 0.0043);  // measured 3.5 mm, from scan noise of 1 cm
 }
 
+// As above, but the scans follow one another within milliseconds, and the robot stands still after
+// the pause. The last keyframe is from before it: odometry since then does not tell where the robot
+// is.
+TEST(Slam2d, APlaceFoundAfterAPauseInOdometryIsKept) {
+  for (const SE2& unseen : {SE2{0.2, 0.0, 0.0}, SE2{-0.9, -2.6, -0.6}}) {
+    Slam2d slam{Slam2dParams{}};
+    Scanner scanner;
+    const SE2 start{-1.5, -0.5, 0.0};
+    SE2 truth = start;
+    SE2 odom;
+    time::Timestamp stamp{};
+    const SE2 step{0.1, 0.0, 0.08};
+    auto update = track(slam, scanner.scan(test::room(), truth, stamp), odom);
+    for (int i = 0; i < 20 || !update->is_keyframe; ++i) {
+      truth = truth * step;
+      odom = odom * step;
+      stamp += kPeriod;
+      update = track(slam, scanner.scan(test::room(), truth, stamp), odom);
+      ASSERT_TRUE(update);
+    }
+    truth = truth * unseen;
+    stamp += 1s;
+    for (int i = 0; i < 10; ++i) {
+      update = track(slam, scanner.scan(test::room(), truth, stamp), odom);
+      ASSERT_TRUE(update);
+      EXPECT_FALSE(update->is_keyframe);
+      EXPECT_EQ(update->quality, PoseQuality::kTracking) << unseen.x << " m, scan " << i;
+      // Two standard deviations of the scan noise.
+      EXPECT_LT(distance_m(update->T_map_base, start.inverse() * truth), 0.02) << i;
+      stamp += 13ms;
+    }
+  }
+}
+
 struct Found {
   PoseUpdate update;
   double error_m = 0.0;
