@@ -62,9 +62,12 @@ sim::Actor place_appearing_obstacle(const TrialSetup& setup, double from_s,
   {
     Trial trial(setup, dir);
     sample = find_appearance(trial, from_s);
-    sweeps_s = sweep_times_s(trial.record());
+    sweeps_s = trial.record().sweep_times_s;
   }
-  std::filesystem::remove(dir / "trial.lcmlog");
+  // Written by the same setup in full: another listener would change the delays of the messages.
+  for (const char* log : {"trial.lcmlog", "level-laser.lcmlog"}) {
+    std::filesystem::remove(dir / log);
+  }
   const double sweep_s = sweeps_s.empty() ? 0.0 : sweeps_s.back();
   return make_actor(setup, sample, stopping_zone(setup).length_m(sample.forward_mps, sweep_s));
 }

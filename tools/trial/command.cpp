@@ -58,4 +58,13 @@ Kill parse_kill(const std::string& text) {
   return {text.substr(0, at), time::SteadyTime(whole_steps(*time_s)), whole_steps(*duration_s)};
 }
 
+void check_kills(const TrialSetup& setup) {
+  const std::set<std::string> omitted = omitted_processes(setup);
+  for (const Kill& kill : setup.kills) {
+    if (omitted.contains(kill.process)) {
+      throw CommandError("--kill: " + kill.process + " does not run in this trial");
+    }
+  }
+}
+
 }  // namespace nodmap::trial

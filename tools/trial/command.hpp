@@ -21,4 +21,7 @@ void check_process(std::string_view process, const std::string& source);
 /// Parses "PROCESS@T+D", seconds. Throws CommandError.
 [[nodiscard]] Kill parse_kill(const std::string& text);
 
+/// Throws CommandError if a process is to be killed that does not run.
+void check_kills(const TrialSetup& setup);
+
 }  // namespace nodmap::trial

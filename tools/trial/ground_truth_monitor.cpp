@@ -63,8 +63,14 @@ void GroundTruthMonitor::on_scan(const nodmap::scan_t& message) {
 }
 
 void GroundTruthMonitor::on_pitch_state(const nodmap::pitch_state_t& message) {
-  if (sweep_ && message.sweep_count != *sweep_) {
-    record_.sweep_ends.push_back(kStart.steady + (time::from_utime(message.utime) - kStart.wall));
+  if (sweep_ && message.sweep_count < *sweep_) {
+    reversed_.reset();  // the driver has been restarted
+  } else if (sweep_ && message.sweep_count > *sweep_) {
+    const time::Timestamp stamp = time::from_utime(message.utime);
+    if (reversed_) {
+      record_.sweep_times_s.push_back(time::seconds(stamp - *reversed_));
+    }
+    reversed_ = stamp;
   }
   sweep_ = message.sweep_count;
 }
@@ -131,9 +137,7 @@ void GroundTruthMonitor::update_brake_latency(const sim::GroundTruth& truth) {
   state.instant = model_.now();
   state.T_world_base = geometry::to_se2(truth.T_world_base);
   state.forward_mps = truth.forward_mps;
-  const std::size_t n = record_.sweep_ends.size();
-  state.sweep_s =
-      n < 2 ? 0.0 : time::seconds(record_.sweep_ends[n - 1] - record_.sweep_ends[n - 2]);
+  state.sweep_s = record_.sweep_times_s.empty() ? 0.0 : record_.sweep_times_s.back();
   state.visible_actors.resize(world_.actors.size());
   for (const sim::ActorState& actor : truth.actors) {
     if (is_visible(actor, truth)) {

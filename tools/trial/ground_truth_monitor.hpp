@@ -50,6 +50,7 @@ class GroundTruthMonitor {
   geometry::PoseHistory T_world_base_;
   ObservedVoxels observed_voxels_;
   std::optional<std::int64_t> sweep_;
+  std::optional<time::Timestamp> reversed_;  // when sweep_ began, unless the head came from rest
   bool at_goal_ = false;
   std::int64_t truth_seq_ = 0;
 };

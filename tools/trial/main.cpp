@@ -126,6 +126,7 @@ TrialSetup make_setup(const Arguments& arguments) {
     setup.without.insert(process);
   }
   setup.explores = arguments.explore;
+  check_kills(setup);
   setup.level_laser = arguments.level_laser;
   setup.seed = arguments.seed;
   return setup;

@@ -170,14 +170,6 @@ GoalMetrics goal_metrics(const TrialRecord& record, const sim::World& world, dou
   return metrics;
 }
 
-std::vector<double> sweep_times_s(const TrialRecord& record) {
-  std::vector<double> times;
-  for (std::size_t i = 1; i < record.sweep_ends.size(); ++i) {
-    times.push_back(seconds(record.sweep_ends[i] - record.sweep_ends[i - 1]));
-  }
-  return times;
-}
-
 StopMetrics stop_metrics(const TrialRecord& record, const Disturbance& disturbance,
                          double deceleration_mps2) {
   StopMetrics stop;

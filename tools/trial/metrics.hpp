@@ -81,9 +81,6 @@ struct ExplorationMetrics {
 [[nodiscard]] GoalMetrics goal_metrics(const TrialRecord& record, const sim::World& world,
                                        double tolerance_m, std::optional<double> shortest_path_m);
 
-/// Durations of the sweeps in seconds, without the movement from the servo's rest position.
-[[nodiscard]] std::vector<double> sweep_times_s(const TrialRecord& record);
-
 /// A fault or kill that must stop the robot.
 struct Disturbance {
   std::string what;

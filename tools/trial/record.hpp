@@ -35,13 +35,15 @@ struct TruthSample {
 
 /// The data of a trial from which its metrics are computed.
 struct TrialRecord {
-  std::vector<TruthSample> truth;            ///< every 10 ms from 0 on
-  std::vector<time::SteadyTime> sweep_ends;  ///< when the pitch reversed
-  formats::Trajectory odometry;              ///< as published
-  std::optional<time::SteadyTime> started;   ///< the first SCAN; metrics count from here
-  std::optional<time::SteadyTime> moved;     ///< when the robot had moved by 0.1 m from its start
-  std::vector<time::SteadyTime> arrivals;    ///< when the navigator reported its arrival at a goal
-  std::optional<time::SteadyTime> reached;   ///< within Task::arrival_radius_m of the last goal
+  std::vector<TruthSample> truth;  ///< every 10 ms from 0 on
+  /// From one reversal of the pitch to the next: without the movement from the servo's rest
+  /// position.
+  std::vector<double> sweep_times_s;
+  formats::Trajectory odometry;             ///< as published
+  std::optional<time::SteadyTime> started;  ///< the first SCAN; metrics count from here
+  std::optional<time::SteadyTime> moved;    ///< when the robot had moved by 0.1 m from its start
+  std::vector<time::SteadyTime> arrivals;   ///< when the navigator reported its arrival at a goal
+  std::optional<time::SteadyTime> reached;  ///< within Task::arrival_radius_m of the last goal
 };
 
 }  // namespace nodmap::trial

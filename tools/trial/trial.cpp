@@ -63,15 +63,7 @@ class GoalPublisher {
   std::size_t num_reached_ = 0;
 };
 
-/// The processes to omit. The explorer runs only on request, and then begins at once.
-std::set<std::string> without(const TrialSetup& setup) {
-  std::set<std::string> names = setup.without;
-  if (!setup.explores) {
-    names.insert("explorer");
-  }
-  return names;
-}
-
+/// The explorer begins at once.
 AllParams params_of(const TrialSetup& setup) {
   AllParams params = setup.params;
   params.explorer.start = true;
@@ -88,7 +80,7 @@ struct Trial::Parts {
                       .seed = setup.seed}),
         monitor(setup.world, hardware.model(), network, stopping_zone(setup)),
         goal(setup.world, setup.params.loop, network),
-        robot(hardware, network, params_of(setup), setup.robot, without(setup)) {
+        robot(hardware, network, params_of(setup), setup.robot, omitted_processes(setup)) {
     if (setup.level_laser) {
       level_laser.emplace(setup.world, setup.params, setup.seed + kLevelLaserSeed,
                           monitor.T_world_base(), network,
@@ -190,6 +182,14 @@ TrialOutcome Trial::finish() {
               parts_->exploration ? std::optional(parts_->exploration->record()) : std::nullopt,
           .num_evaded = parts_->monitor.brake_latency().num_evaded(),
           .processes = parts_->robot.report()};
+}
+
+std::set<std::string> omitted_processes(const TrialSetup& setup) {
+  std::set<std::string> names = setup.without;
+  if (!setup.explores) {
+    names.insert("explorer");
+  }
+  return names;
 }
 
 StoppingZone stopping_zone(const TrialSetup& setup) {

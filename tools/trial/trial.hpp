@@ -90,6 +90,9 @@ class Trial {
   time::SteadyTime now_{};
 };
 
+/// The processes that do not run: those of `without`, and the explorer unless it is requested.
+[[nodiscard]] std::set<std::string> omitted_processes(const TrialSetup& setup);
+
 /// The stopping zone for measuring the brake latency.
 [[nodiscard]] StoppingZone stopping_zone(const TrialSetup& setup);
 

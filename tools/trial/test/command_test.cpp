@@ -34,6 +34,16 @@ TEST(Command, RefusesInvalidKills) {
   }
 }
 
+TEST(Command, RefusesToKillAProcessThatDoesNotRun) {
+  TrialSetup setup;
+  setup.kills = {parse_kill("navigator@1+1"), parse_kill("explorer@1+1")};
+  EXPECT_THAT(error_of([&] { check_kills(setup); }), HasSubstr("explorer"));
+  setup.explores = true;
+  EXPECT_EQ(error_of([&] { check_kills(setup); }), "");
+  setup.without = {"navigator"};
+  EXPECT_THAT(error_of([&] { check_kills(setup); }), HasSubstr("navigator"));
+}
+
 TEST(AllParams, SetsAParameterOfAProcess) {
   AllParams params;
   params.set_assignment("slam2d.grid.publish_period_s=7");

@@ -92,7 +92,8 @@ TEST_F(TrialTest, WithABlindLaserTheRobotDoesNotDrive) {
     }
   };
   EXPECT_THROW(drive(), std::runtime_error);
-  EXPECT_EQ(drive_metrics(trial.record()).collisions, 0);
+  EXPECT_FALSE(trial.record().moved);
+  EXPECT_EQ(trial.record().truth.back().collisions, 0);
 }
 
 class RandomClutter : public TrialTest, public ::testing::WithParamInterface<std::uint64_t> {};
@@ -125,6 +126,13 @@ TEST_P(Appearing, ObstacleBeyondTheStoppingDistanceIsNotHit) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, Appearing, ::testing::Values(42, 72, 101, 102));
+
+TEST_F(TrialTest, AnObstacleAlsoAppearsWithALevelLaser) {
+  TrialSetup trial = setup("random:42", 42, 12.0);
+  trial.level_laser = true;
+  trial.world.actors.push_back(place_appearing_obstacle(trial, 6.0, dir_.path()));
+  EXPECT_NO_THROW(Trial(trial, dir_.path()));  // no log is in its way
+}
 
 struct Loss {
   const char* fault;
