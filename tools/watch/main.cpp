@@ -135,12 +135,14 @@ int run(const Arguments& arguments, const std::string& lcm_url) {
   }
   if (!arguments.out.empty()) {
     std::ofstream file(arguments.out);
-    file << summary(overview).dump(2) << "\n";
+    // Names of processes may be any bytes, but JSON is UTF-8.
+    file << summary(overview).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
     if (!file.flush()) {
       throw std::runtime_error(arguments.out + ": cannot write");
     }
   }
-  return done || (arguments.duration_s == 0.0 && overview.scans().total() > 0) ? 0 : 1;
+  const bool may_be_stopped = arguments.duration_s == 0.0 && !arguments.until_home;
+  return done || (may_be_stopped && overview.scans().total() > 0) ? 0 : 1;
 }
 
 }  // namespace
