@@ -94,6 +94,8 @@ class BackEnd {
   [[nodiscard]] std::span<const RefusedLoop> refused_loops() const { return refused_; }
   /// Counts the changes of keyframes and loops.
   [[nodiscard]] std::int64_t graph_revision() const { return graph_revision_; }
+  /// To be called at first if this replaces a back end, with its graph_revision().
+  void count_revisions_from(std::int64_t graph_revision) { graph_revision_ = graph_revision; }
   [[nodiscard]] const VoxelMap& old_map() const { return old_map_; }
 
  private:

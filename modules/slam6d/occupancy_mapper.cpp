@@ -38,7 +38,8 @@ bool OccupancyMapper::has_changed(std::span<const Keyframe> keyframes, double mi
   for (std::size_t k = 0; k < mapped_.size(); ++k) {
     const Eigen::Vector3d motion_m =
         keyframes[k].T_map_base.translation() - mapped_[k].T_map_base.translation();
-    if (motion_m.norm() > min_motion_m || keyframes[k].is_moved != mapped_[k].is_moved) {
+    if (motion_m.norm() > min_motion_m || keyframes[k].cloud != mapped_[k].cloud ||
+        keyframes[k].is_moved != mapped_[k].is_moved) {
       return true;
     }
   }
@@ -65,8 +66,8 @@ void OccupancyMapper::update(std::span<const Keyframe> keyframes, double min_mot
     work.save = prepare_save();
   }
   for (const Keyframe& keyframe : added) {
-    mapped_.push_back({keyframe.id, keyframe.T_map_base, keyframe.is_moved});
-    work.clouds.emplace_back(keyframe.cloud, mapped_.back());
+    mapped_.push_back({keyframe.id, keyframe.cloud, keyframe.T_map_base, keyframe.is_moved});
+    work.keyframes.push_back(mapped_.back());
   }
   const std::size_t more_scans =
       added.size() + (work.save ? keyframes.size() / kSavedKeyframesPerScan : 0);
@@ -84,8 +85,8 @@ OccupancyMapper::Result OccupancyMapper::execute(const Work& work) {
   if (work.begins_anew) {
     map_ = OccupancyMap(params_.trace);
   }
-  for (const auto& [cloud, mapped] : work.clouds) {
-    map_.insert(*cloud, mapped.T_map_base, mapped.is_moved);
+  for (const Mapped& keyframe : work.keyframes) {
+    map_.insert(*keyframe.cloud, keyframe.T_map_base, keyframe.is_moved);
   }
   Result result;
   if (work.is_published) {

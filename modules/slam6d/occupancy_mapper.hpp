@@ -22,8 +22,9 @@
 namespace nodmap::slam6d {
 
 /// Keeps the occupancy map of the keyframes. Works on a thread of its own, on one piece of work at
-/// a time, and hands the map out in parts. The map is made anew when keyframes have moved, or when
-/// points of theirs turn out to have moved. Until then it keeps what dropped keyframes have seen.
+/// a time, and hands the map out in parts. The map is made anew when keyframes have moved or have
+/// another cloud, or when points of theirs turn out to have moved. Until then it keeps what dropped
+/// keyframes have seen.
 class OccupancyMapper {
  public:
   /// Saves the map, together with the keyframes it was made from.
@@ -66,14 +67,15 @@ class OccupancyMapper {
   /// A keyframe as it was inserted into the map, or is about to be.
   struct Mapped {
     std::size_t id;  ///< of the keyframe
+    std::shared_ptr<const SweepCloud> cloud;
     geometry::SE3 T_map_base;
     std::vector<bool> is_moved;  ///< of its points
   };
 
-  /// A piece of work: clouds to be inserted, and what follows.
+  /// A piece of work: keyframes to be inserted, and what follows.
   struct Work {
     bool begins_anew = false;
-    std::vector<std::pair<std::shared_ptr<const SweepCloud>, Mapped>> clouds{};
+    std::vector<Mapped> keyframes{};
     bool is_published = false;
     Save save{};  ///< empty: the map is not saved
   };

@@ -196,7 +196,9 @@ void Slam6d::begin_anew() {
   keyframes_.clear();
   between_.clear();
   dropped_.clear();
+  const std::int64_t graph_revision = back_end_.graph_revision();
   back_end_ = BackEnd(params_.loop, params_.registration, params_.odometry, params_.voxels);
+  back_end_.count_revisions_from(graph_revision);
   tracker_.forget_pose();
   counts_.sweeps_lost = 0;
 }

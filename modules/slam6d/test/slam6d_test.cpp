@@ -225,6 +225,7 @@ TEST(Slam6d, TheMapBeginsWithAWholeSweep) {
   (void)slam.flush();
   ASSERT_EQ(slam.keyframes().size(), 1U);
   EXPECT_EQ(slam.keyframes()[0].sweep, 1U);
+  EXPECT_EQ(slam.back_end().graph_revision(), 2) << "the graphs of the first sweep and the second";
   EXPECT_FALSE(slam.sweeps()[0].is_tracked());
   EXPECT_EQ(slam.metrics().sweeps_lost, 0U);
   EXPECT_EQ(slam.metrics().sweeps_tracked, slam.sweeps().size() - 2);

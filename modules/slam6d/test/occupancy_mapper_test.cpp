@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/slam6d/occupancy_mapper.hpp"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace nodmap::slam6d {
+namespace occupancy_mapper_test {
+
+/// A keyframe that sees a wall 3 m ahead, `num_lines` scans high.
+Keyframe keyframe_before_a_wall(int num_lines) {
+  SweepCloud cloud;
+  for (int line = 0; line < num_lines; ++line) {
+    for (int i = 0; i < 100; ++i) {
+      cloud.points.emplace_back(3.025F, -0.99F + 0.02F * static_cast<float>(i),
+                                0.01F + 0.02F * static_cast<float>(line));
+    }
+    cloud.lines.push_back({Eigen::Vector3f(0.0F, 0.0F, 0.5F), cloud.points.size()});
+  }
+  Keyframe keyframe;
+  keyframe.cloud = std::make_shared<const SweepCloud>(std::move(cloud));
+  return keyframe;
+}
+
+std::string map_file(const OccupancyMapper& mapper) {
+  return mapper.map().encode(OccupancyMap::Format::kOt).value();
+}
+
+// The first sweep was cut short, and the map began anew with the next one while the robot was
+// stationary: the new first keyframe has the number and the pose of the old one.
+TEST(OccupancyMapper, AKeyframeWithAnotherCloudIsInsertedAnew) {
+  const std::vector<Keyframe> whole{keyframe_before_a_wall(50)};
+  OccupancyMapper mapper({});
+  mapper.update(std::vector{keyframe_before_a_wall(5)}, 0.1);
+  EXPECT_FALSE(mapper.take());
+  mapper.update(whole, 0.1);
+  EXPECT_FALSE(mapper.take());
+  OccupancyMapper expected({});
+  expected.update(whole, 0.1);
+  EXPECT_FALSE(expected.take());
+  EXPECT_TRUE(map_file(mapper) == map_file(expected));
+}
+
+TEST(OccupancyMapper, AnUnchangedKeyframeIsInsertedOnce) {
+  const std::vector<Keyframe> keyframes{keyframe_before_a_wall(5)};
+  OccupancyMapper mapper({});
+  mapper.update(keyframes, 0.1);
+  EXPECT_FALSE(mapper.take());
+  mapper.update(keyframes, 0.1);
+  EXPECT_FALSE(mapper.is_working());
+}
+
+}  // namespace occupancy_mapper_test
+}  // namespace nodmap::slam6d
