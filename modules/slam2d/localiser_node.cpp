@@ -11,13 +11,13 @@
 #include "modules/slam2d/node.hpp"
 
 namespace nodmap::slam2d {
-
 LocaliserNode::LocaliserNode(node::Context& context, const Slam2dParams& params,
                              const node::MapOptions& options)
     : context_(context),
       input_(context.counts, &context.bus),
       map_(read_ros_map(options.localise_in), params.map),
-      localiser_(params, map_, options.T_map_start) {
+      localiser_(params, map_, options.T_map_start),
+      path_(params.path) {
   if (map_.points().points().empty()) {
     throw formats::InputFileError(options.localise_in.string() +
                                   ": a map without any wall beside free space");
@@ -54,15 +54,17 @@ void LocaliserNode::on_scan(const nodmap::scan_t& message) {
   }
   context_.counts.use();
   context_.bus.publish("POSE_2D", write_pose(*update));
-  updates_.push_back(*update);
+  quality_ = update->quality;
+  if (update->quality != PoseQuality::kLost) {
+    const Keyframe map_frame;  // as the map never changes
+    path_.add(*update, {&map_frame, 1});
+  }
 }
 
 void LocaliserNode::write_results(const std::filesystem::path& dir) {
   formats::Trajectory trajectory;
-  for (const PoseUpdate& update : updates_) {
-    if (update.quality != PoseQuality::kLost) {
-      trajectory.push_back({update.stamp, geometry::to_se3(update.T_map_base)});
-    }
+  for (const TrackedScan& scan : path_.scans()) {
+    trajectory.push_back({scan.stamp, geometry::to_se3(scan.T_map_base_online)});
   }
   formats::write_tum(dir / "trajectory.tum", trajectory);
   formats::write_tum(dir / "online.tum", trajectory);
@@ -79,10 +81,7 @@ nlohmann::json LocaliserNode::metrics() const {
 }
 
 node::Health LocaliserNode::health() const {
-  if (updates_.empty()) {
-    return {};
-  }
-  switch (updates_.back().quality) {
+  switch (quality_) {
     case PoseQuality::kLost:
       return {node::HealthState::kDegraded, "Lost: the place in the map is not known."};
     case PoseQuality::kOdometry:

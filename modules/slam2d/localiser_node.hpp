@@ -2,12 +2,12 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
-#include <vector>
 
 #include "common/node/map_options.hpp"
 #include "common/node/message_input.hpp"
 #include "common/node/node.hpp"
 #include "modules/slam2d/localiser.hpp"
+#include "modules/slam2d/tracked_path.hpp"
 #include "nodmap/odometry_t.hpp"
 #include "nodmap/scan_t.hpp"
 
@@ -33,8 +33,9 @@ class LocaliserNode : public node::Node {
   node::SensorInput input_;
   KnownMap map_;
   Localiser localiser_;
-  scan::Scan scan_;  // the last one; a member to reuse its memory
-  std::vector<PoseUpdate> updates_;
+  scan::Scan scan_;                               // the last one; a member to reuse its memory
+  PoseQuality quality_ = PoseQuality::kTracking;  // of the last pose; before it nothing is wrong
+  TrackedPath path_;                              // without the scans while it was lost
 };
 
 }  // namespace nodmap::slam2d

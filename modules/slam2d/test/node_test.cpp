@@ -14,6 +14,8 @@
 
 #include "common/formats/tum.hpp"
 #include "common/node/messages.hpp"
+#include "modules/slam2d/localiser_node.hpp"
+#include "modules/slam2d/map_file.hpp"
 #include "modules/slam2d/test/drawn_world.hpp"
 #include "nodmap/clear_request_t.hpp"
 #include "nodmap/grid_chunk_t.hpp"
@@ -300,6 +302,36 @@ TEST_F(Slam2dNodeTest, ReportsDegradedHealthWhenLost) {
   put_odometry(1us, {500.0, 0.0, 0.0});
   put_scan(1us, {});
   EXPECT_EQ(node_.health().state, node::HealthState::kDegraded);
+}
+
+// In a map that is only read, the path is bounded as it is while mapping.
+TEST_F(Slam2dNodeTest, ALocaliserKeepsAtMostMaxScansOfThePath) {
+  const nodmap::test::TemporaryDir dir;
+  ASSERT_FALSE(write_ros_map(dir.path(), test::drawn_grid(test::room(), test::poses_in_room())));
+  nodmap::test::MemoryBus bus;
+  node::MessageCounts counts;
+  node::Context context{bus, counts, {}};
+  LocaliserNode localiser{
+      context, Slam2dParams{.path = {.max_scans = 4}}, {dir.path(), {}, geometry::SE2{}}};
+  for (std::int64_t i = 0; i < 10; ++i) {
+    const time::Timestamp stamp(200ms * i);
+    const geometry::SE2 truth{0.05 * static_cast<double>(i), 0.0, 0.0};
+    auto odometry = node::write_odometry(stamp, geometry::to_se3(truth));
+    odometry.odometry_seq = i;
+    bus.deliver("ODOMETRY", odometry);
+    scan::Scan scan = scanner_.scan(test::room(), truth, stamp);
+    scan.seq = i;
+    bus.deliver("SCAN", node::write_scan(scan));
+  }
+  ASSERT_EQ(localiser.metrics()["scans_tracked"], 10);
+  localiser.write_results(dir.path());
+  const formats::Trajectory trajectory = formats::read_tum(dir.path() / "trajectory.tum");
+  ASSERT_EQ(trajectory.size(), 3U);  // every fourth
+  for (std::size_t i = 0; i < trajectory.size(); ++i) {
+    EXPECT_EQ(trajectory[i].stamp, time::Timestamp(800ms * i));
+    EXPECT_NEAR(trajectory[i].pose.translation().x(), 0.2 * static_cast<double>(i),
+                0.05);  // a cell
+  }
 }
 
 // The base driver is killed and restarted: its sequence numbers and its pose begin at zero again.
