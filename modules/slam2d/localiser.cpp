@@ -41,7 +41,9 @@ void Localiser::change_odometry_frame(const geometry::SE3& T_new_odom_base) {
   const geometry::SE2 T_old_new = input_.change_odometry_frame(T_new_odom_base);
   T_map_odom_ = T_map_odom_ * T_old_new;
   T_odom_found_ = T_old_new.inverse() * T_odom_found_;
-  T_odom_last_ = T_old_new.inverse() * T_odom_last_;
+  if (T_odom_last_) {
+    T_odom_last_ = T_old_new.inverse() * *T_odom_last_;
+  }
   failed_search_.reset();
 }
 
@@ -55,8 +57,10 @@ std::optional<PoseUpdate> Localiser::add_scan(const scan::Scan& scan) {
     T_map_start_.reset();
     state_ = State::kLocated;
   }
-  covariance_.move(T_map_odom_.yaw + T_odom_last_.yaw,
-                   T_odom_last_.inverse() * level_scan->T_odom_base);
+  if (T_odom_last_) {
+    covariance_.move(T_map_odom_.yaw + T_odom_last_->yaw,
+                     T_odom_last_->inverse() * level_scan->T_odom_base);
+  }
   T_odom_last_ = level_scan->T_odom_base;
   PoseUpdate update = state_ == State::kLost ? search_whole_map(*level_scan) : track(*level_scan);
   update.T_map_odom = T_map_odom_;

@@ -71,8 +71,8 @@ class Localiser {
   std::optional<geometry::SE2> T_map_start_;
   geometry::SE2 T_map_odom_;
   PoseCovariance covariance_;
-  geometry::SE2 T_odom_last_;   // of the last level scan
-  geometry::SE2 T_odom_found_;  // where the place was found
+  std::optional<geometry::SE2> T_odom_last_;  // of the last level scan
+  geometry::SE2 T_odom_found_;                // where the place was found
   std::optional<time::Timestamp> misfit_since_;
   /// The last search that found nothing, in the whole map or around odometry.
   std::optional<FailedSearch> failed_search_;

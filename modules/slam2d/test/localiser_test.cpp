@@ -130,5 +130,16 @@ TEST(Localiser, ARestartOfOdometryKeepsThePose) {
   EXPECT_LT(update->T_map_base.translation().norm(), kMaxErrorM);
 }
 
+// What odometry counted before the first scan is no motion.
+TEST(Localiser, WhereOdometryBeginsDoesNotChangeTheCovariance) {
+  const KnownMap map = map_of_room();
+  const auto first_covariance = [&map](const SE2& T_odom_base) {
+    Localiser localiser({}, map, SE2{});
+    localiser.add_odometry(time::Timestamp{}, geometry::to_se3(T_odom_base));
+    return localiser.add_scan(test::Scanner().scan(test::room(), {})).value().covariance;
+  };
+  EXPECT_TRUE(first_covariance({100.0, 0.0, 0.0}).isApprox(first_covariance({}), 1e-6));
+}
+
 }  // namespace localiser_test
 }  // namespace nodmap::slam2d
