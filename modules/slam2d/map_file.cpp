@@ -71,6 +71,12 @@ std::string yaml_of(const OccupancyGrid& grid) {
   throw formats::InputFileError(file.string() + ": " + reason);
 }
 
+/// `negate` of map.yaml: a number, as ROS writes it, or a boolean.
+bool read_negate(const YAML::Node& negate) {
+  int number = 0;
+  return YAML::convert<int>::decode(negate, number) ? number != 0 : negate.as<bool>();
+}
+
 /// What map.yaml says.
 struct MapHeader {
   std::filesystem::path image;
@@ -86,13 +92,15 @@ MapHeader read_header(const std::filesystem::path& file) {
   try {
     std::ifstream in = formats::open_input(file);
     const YAML::Node yaml = YAML::Load(in);
+    if (yaml["mode"].as<std::string>("trinary") == "raw") {
+      refuse(file, "mode raw is not supported, only trinary and scale");
+    }
     header.image = file.parent_path() / yaml["image"].as<std::string>();
     header.cell_size_m = yaml["resolution"].as<double>();
     const YAML::Node origin = yaml["origin"];
     header.T_map_grid = {origin[0].as<double>(), origin[1].as<double>(),
                          origin.size() > 2 ? origin[2].as<double>() : 0.0};
-    header.negate = yaml["negate"] && yaml["negate"].as<std::string>() != "0" &&
-                    yaml["negate"].as<std::string>() != "false";
+    header.negate = yaml["negate"] && read_negate(yaml["negate"]);
     header.occupied_threshold = yaml["occupied_thresh"].as<double>(header.occupied_threshold);
     header.free_threshold = yaml["free_thresh"].as<double>(header.free_threshold);
   } catch (const YAML::Exception& error) {

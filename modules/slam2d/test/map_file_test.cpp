@@ -51,6 +51,25 @@ TEST(MapFile, ARosMapIsWrittenWithItsYAxisUpwards) {
   EXPECT_NE(yaml.find("origin: [-64, 0, 0]\n"), std::string::npos);
 }
 
+TEST(MapFile, NegateMayBeANumberOrABoolean) {
+  const nodmap::test::TemporaryDir dir;
+  std::ofstream(dir.path() / "map.pgm") << "P2\n1 1\n255\n0\n";  // black
+  const auto cell = [&](const std::string& line) {
+    std::ofstream(dir.path() / "map.yaml") << "image: map.pgm\nresolution: 0.5\norigin: [0, 0, 0]\n"
+                                           << line << "\n";
+    return read_ros_map(dir.path()).cells.at(0);
+  };
+  for (const char* no : {"", "negate: 0", "negate: false", "negate: False", "negate: FALSE",
+                         "negate: no", "negate: off", "mode: scale"}) {
+    EXPECT_EQ(cell(no), CellState::kOccupied) << no;
+  }
+  for (const char* yes : {"negate: 1", "negate: true", "negate: True", "negate: yes"}) {
+    EXPECT_EQ(cell(yes), CellState::kFree) << yes;
+  }
+  EXPECT_THROW(cell("negate: maybe"), std::runtime_error);
+  EXPECT_THROW(cell("mode: raw"), std::runtime_error);  // its values are percentages
+}
+
 TEST(MapFile, AMapIsReadAsItWasWritten) {
   const nodmap::test::TemporaryDir dir;
   const OccupancyGrid grid = test::drawn_grid(test::room(), test::poses_in_room());
