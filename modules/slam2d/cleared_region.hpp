@@ -18,6 +18,12 @@ struct Region {
          (region.low.array() < region.high.array()).all();
 }
 
+/// Whether `inner` lies inside `outer`; its sides may be the same.
+[[nodiscard]] inline bool contains(const Region& outer, const Region& inner) {
+  return (outer.low.array() <= inner.low.array()).all() &&
+         (inner.high.array() <= outer.high.array()).all();
+}
+
 /// A region that was cleared on request: keyframes from before the request no longer draw in it.
 struct ClearedRegion {
   Region region;

@@ -137,11 +137,19 @@ void KeyframeGrid::drop(const DroppedKeyframes& dropped) {
 
 // The keyframes drawn so far leave the region out from now on, both when they are drawn and when
 // they are erased.
-void KeyframeGrid::clear(const Region& region) {
+bool KeyframeGrid::clear(const Region& region) {
+  const auto is_replaced = [&region](const ClearedRegion& cleared) {
+    return contains(region, cleared.region);
+  };
+  if (cleared_.size() >= kMaxCleared && std::ranges::none_of(cleared_, is_replaced)) {
+    return false;
+  }
+  std::erase_if(cleared_, is_replaced);
   grid_.clear(grid_.cells_of(region));
   if (!drawn_at_.empty()) {
     cleared_.push_back({region, drawn_at_.size()});
   }
+  return true;
 }
 
 std::vector<CellRange> KeyframeGrid::left_out(std::size_t keyframe) const {

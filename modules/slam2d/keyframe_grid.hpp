@@ -49,9 +49,12 @@ class KeyframeGrid {
   /// Erases keyframes that the back end has dropped; objects that only they saw vanish with them.
   void drop(const DroppedKeyframes& dropped);
 
+  /// How many cleared regions are kept: each keyframe that is drawn checks them for each cell.
+  static constexpr std::size_t kMaxCleared = 100;
   /// Makes the cells of a region unknown; only later keyframes draw there. The region stays in
-  /// place when loops move keyframes.
-  void clear(const Region& region);
+  /// place when loops move keyframes, and replaces those that lie inside it. Returns false, and
+  /// changes nothing, if it would be one more than kMaxCleared.
+  [[nodiscard]] bool clear(const Region& region);
 
   /// The cleared regions in which some keyframes are not drawn.
   [[nodiscard]] const std::vector<ClearedRegion>& cleared() const { return cleared_; }

@@ -242,8 +242,11 @@ void Slam2dNode::on_clear_request(const nodmap::clear_request_t& message) {
     context_.counts.reject("implausible_clear_request");
     return;
   }
+  if (!map_.clear(region)) {
+    context_.counts.reject("too_many_cleared_regions");
+    return;
+  }
   context_.counts.use();
-  map_.clear(region);
   log::get().info("{} cleared the map from ({:.2f}, {:.2f}) to ({:.2f}, {:.2f}) m",
                   node::read_name(message.requested_by), region.low.x(), region.low.y(),
                   region.high.x(), region.high.y());

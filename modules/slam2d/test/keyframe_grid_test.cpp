@@ -106,7 +106,7 @@ TEST(KeyframeGrid, AClearedRegionIsUnknownAndTheRestStays) {
   ASSERT_GT(num_known_in(map.grid(), kRegion), 100U);
   const CellRange cells = map.grid().cells_of(kRegion);
   std::erase_if(expected, [&](const auto& cell) { return cells.has({cell[0], cell[1]}); });
-  map.clear(kRegion);
+  ASSERT_TRUE(map.clear(kRegion));
   EXPECT_EQ(known_cells(map.grid()), expected);
 }
 
@@ -114,7 +114,7 @@ TEST(KeyframeGrid, LaterKeyframesAreDrawnInAClearedRegion) {
   const std::vector<Keyframe> keyframes = row_of_fans(4);
   KeyframeGrid map(0.05);
   map.draw_new({keyframes.data(), 3});
-  map.clear(kRegion);
+  ASSERT_TRUE(map.clear(kRegion));
   map.draw_new(keyframes);
   KeyframeGrid last(0.05);  // only the last of them
   last.draw_new({keyframes.data() + 3, 1});
@@ -128,7 +128,7 @@ TEST(KeyframeGrid, MovedKeyframesAreNotDrawnInAClearedRegion) {
   std::vector<Keyframe> keyframes = row_of_fans(3);
   KeyframeGrid map(0.05);
   map.draw_new(keyframes);
-  map.clear(kRegion);
+  ASSERT_TRUE(map.clear(kRegion));
   for (Keyframe& keyframe : keyframes) {
     keyframe.T_map_base = geometry::SE2{0.4, 0.3, 0.1} * keyframe.T_map_base;
   }
@@ -143,7 +143,7 @@ TEST(KeyframeGrid, AfterADropAClearedRegionStillHidesEarlierKeyframes) {
   std::vector<Keyframe> keyframes = row_of_fans(4);
   KeyframeGrid map(0.05);
   map.draw_new({keyframes.data(), 3});
-  map.clear(kRegion);
+  ASSERT_TRUE(map.clear(kRegion));
   map.draw_new(keyframes);
   map.drop({.first = 1, .keyframes = {keyframes[1]}});
   keyframes.erase(keyframes.begin() + 1);
@@ -156,13 +156,44 @@ TEST(KeyframeGrid, AfterADropAClearedRegionStillHidesEarlierKeyframes) {
   EXPECT_EQ(known_cells(map.grid()), known_cells(restored.grid()));
 }
 
+TEST(KeyframeGrid, AClearedRegionReplacesThoseInsideIt) {
+  std::vector<Keyframe> keyframes = row_of_fans(3);
+  KeyframeGrid map(0.05);
+  map.draw_new({keyframes.data(), 2});
+  for (int i = 0; i < 1000; ++i) {
+    ASSERT_TRUE(map.clear({{0.9, 1.0}, {1.5, 2.0}}));
+  }
+  map.draw_new(keyframes);
+  ASSERT_TRUE(map.clear(kRegion));
+  ASSERT_EQ(map.cleared().size(), 1U);
+  EXPECT_EQ(map.cleared().front().num_keyframes, 3U);
+  keyframes[0].T_map_base = geometry::SE2{0.4, 0.3, 0.1} * keyframes[0].T_map_base;
+  map.redraw_all_moved(keyframes);
+  EXPECT_EQ(num_known_in(map.grid(), kRegion), 0U);
+}
+
+TEST(KeyframeGrid, ClearsNoMoreThanTheGreatestNumberOfRegions) {
+  const std::vector<Keyframe> keyframes = row_of_fans(1);
+  KeyframeGrid map(0.05);
+  map.draw_new(keyframes);
+  for (std::size_t i = 0; i < KeyframeGrid::kMaxCleared; ++i) {
+    const double y = 10.0 + static_cast<double>(i);
+    ASSERT_TRUE(map.clear({{0.0, y}, {1.0, y + 1.0}}));
+  }
+  const auto before = known_cells(map.grid());
+  EXPECT_FALSE(map.clear(kRegion));
+  EXPECT_EQ(known_cells(map.grid()), before);
+  EXPECT_TRUE(map.clear({{0.0, 10.0}, {1.0, 12.0}})) << "two regions become one";
+  EXPECT_TRUE(map.clear(kRegion));
+}
+
 TEST(KeyframeGrid, ClearingARegionOutsideTheMapChangesNothing) {
   const std::vector<Keyframe> keyframes = row_of_fans(1);
   KeyframeGrid map(0.05);
   map.draw_new(keyframes);
   const auto before = known_cells(map.grid());
-  map.clear({{1e300, -1.0}, {1.5e300, 1.0}});
-  map.clear({{-50.0, -50.0}, {-40.0, -40.0}});
+  ASSERT_TRUE(map.clear({{1e300, -1.0}, {1.5e300, 1.0}}));
+  ASSERT_TRUE(map.clear({{-50.0, -50.0}, {-40.0, -40.0}}));
   EXPECT_EQ(known_cells(map.grid()), before);
 }
 
