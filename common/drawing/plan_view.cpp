@@ -59,8 +59,9 @@ Extent or_square_metre(Extent extent) {
   return extent;
 }
 
+constexpr double kMaxPx = 20'000.0;  // of a side
+
 int pixels(double size_m, double px_per_m) {
-  constexpr double kMaxPx = 20'000.0;
   return static_cast<int>(std::ceil(std::clamp(px_per_m * size_m, 1.0, kMaxPx)));
 }
 
@@ -73,9 +74,9 @@ double fitting_scale(const Extent& extent, double max_px, double max_px_per_m) {
 
 PlanView::PlanView(const Extent& extent, double px_per_m, Rgb background)
     : low_(or_square_metre(extent).low),
-      px_per_m_(px_per_m),
-      image_(pixels(or_square_metre(extent).size().x(), px_per_m),
-             pixels(or_square_metre(extent).size().y(), px_per_m), background) {}
+      px_per_m_(fitting_scale(extent, kMaxPx, px_per_m)),
+      image_(pixels(or_square_metre(extent).size().x(), px_per_m_),
+             pixels(or_square_metre(extent).size().y(), px_per_m_), background) {}
 
 void PlanView::draw_grid(const Grid& grid) {
   const double cell_px = px_per_m_ * grid.cell_size_m;

@@ -51,7 +51,8 @@ struct LegendEntry {
 /// An image in metres, seen from above: x to the right, y up. What lies outside is cut off.
 class PlanView {
  public:
-  /// Shows `extent`; an empty one becomes a square metre about the origin.
+  /// Shows `extent`; an empty one becomes a square metre about the origin. The scale is smaller
+  /// than `px_per_m` if the longer side would have more than 20,000 pixels.
   PlanView(const Extent& extent, double px_per_m, Rgb background = drawing::kWhite);
 
   void draw_grid(const Grid& grid);

@@ -29,6 +29,17 @@ int count(const Image& image, Rgb colour) {
   return pixels;
 }
 
+TEST(PlanView, AMapThatIsTooLargeForTheScaleIsShownWhole) {
+  Extent extent;
+  extent.add({-1000.0, -5.0});
+  extent.add({3000.0, 5.0});
+  PlanView view(extent, 20.0);  // 80,000 pixels
+  EXPECT_EQ(view.px_per_m(), 5.0);
+  EXPECT_EQ(view.image().width(), 20'000);
+  EXPECT_EQ(view.image().height(), 50);
+  EXPECT_EQ(view.to_px(extent.high), Vector2d(20'000.0, 0.0));
+}
+
 TEST(PlanView, XIsToTheRightAndYIsUp) {
   PlanView view(square(5.0), 10.0);
   ASSERT_EQ(view.image().width(), 100);
