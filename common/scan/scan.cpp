@@ -7,6 +7,7 @@ namespace nodmap::scan {
 
 bool is_plausible(const Scan& scan) {
   constexpr double kFarthestRangeM = 1000.0;  // farther than any laser that pitches
+  constexpr double kFarthestMirrorM = 10.0;   // from the pitch axis: larger than any robot
   const auto within = [](double value, double limit) { return std::abs(value) <= limit; };
   return within(scan.angle_first_rad, 2 * geometry::kPi) &&
          within(scan.angle_step_rad, geometry::kPi) && scan.angle_step_rad != 0.0 &&
@@ -14,7 +15,8 @@ bool is_plausible(const Scan& scan) {
          within(scan.pitch_last_rad, geometry::kPi) && scan.range_min_m >= 0.0 &&
          within(scan.range_max_m, kFarthestRangeM) && scan.range_max_m > scan.range_min_m &&
          scan.duration >= 0us && scan.T_base_mount.matrix().allFinite() &&
-         scan.mirror_offset_m.allFinite();
+         scan.mirror_offset_m.allFinite() &&
+         scan.mirror_offset_m.cwiseAbs().maxCoeff() <= kFarthestMirrorM;
 }
 
 Eigen::Vector3d beam_direction(double angle_rad, double pitch_rad) {

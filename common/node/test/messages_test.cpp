@@ -69,6 +69,9 @@ TEST(Messages, PositionsAndScansTooLargeAreRefused) {
   message = write_scan(sample_scan());
   message.range_max_m = 1e30;
   EXPECT_FALSE(read_scan(message, scan));
+  message = write_scan(sample_scan());
+  message.mirror_offset_m[1] = -1e63;
+  EXPECT_FALSE(read_scan(message, scan));
   nodmap::odometry_t odometry = write_odometry(time::from_utime(1), SE3::Identity());
   odometry.position_m[1] = -5e8;
   EXPECT_FALSE(read_odometry(odometry));
