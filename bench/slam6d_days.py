@@ -4,22 +4,20 @@
 
 bench/slam6d_days.py [--bin DIR] [--hours H ...] [--set KEY=VALUE ...]
 
-Writes the recording of a robot that paces the corridor of bench/slam2d_days.py and stands for a minute at either end: a nodding laser with 181 beams
+Writes the recording of a robot that paces the corridor of bench/days.py and stands for a minute at either end: a nodding laser with 181 beams
 and a range noise of 1 cm, 75 scans a second, wheels that drift. Maps a recording of H hours for each H and prints a row: CPU time of a sweep, peak
 memory without the recording, what the map holds, and the error of all poses. With flat costs all rows are alike.
 """
-import argparse
 import json
 import math
 import pathlib
 import random
 import re
-import resource
 import struct
 import subprocess
 import tempfile
 
-from slam2d_days import BEAMS, LENGTH_M, MAX_RANGE_M, ROOT, walls
+from days import BEAMS, LENGTH_M, MAX_RANGE_M, ROOT, map_recording, parser, wall_m, walls
 
 PERIOD_US, SPEED_MPS, TURN_RAD_S, STAND_S = 13320, 0.6, 0.6, 60.0
 NOD_SCANS, HIGHEST_DEG = 160, 40.0  # down and up again
@@ -45,19 +43,6 @@ def lap():
 def pitch_rad(scan):
     phase = scan % NOD_SCANS / NOD_SCANS
     return math.radians(HIGHEST_DEG * (4.0 * abs(phase - 0.5) - 1.0))
-
-
-def wall_m(segments, x, y, angle):
-    """Horizontal distance to the nearest wall."""
-    dx, dy = math.cos(angle), math.sin(angle)
-    nearest = math.inf
-    for x0, y0, x1, y1 in segments:
-        det = dx * (y1 - y0) - dy * (x1 - x0)
-        if det != 0.0:
-            distance = ((x0 - x) * (y1 - y0) - (y0 - y) * (x1 - x0)) / det
-            if 0.0 < distance < nearest and 0.0 <= ((x0 - x) * dy - (y0 - y) * dx) / det <= 1.0:
-                nearest = distance
-    return nearest
 
 
 def ranges_m(segments, pose, pitch):
@@ -140,28 +125,15 @@ def write_recording(folder, hours, poses, scans):
     return 2 * count / NOD_SCANS
 
 
-def measure(options, folder, sweeps):
-    """CPU time (s), peak memory without the recording (bytes), metrics, and errors of all poses."""
-    settings = [word for value in options.set for word in ("--set", value)]
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    command = [options.bin / "nodmap-slam6d", "--replay", folder / "days.lcmlog", "--out", folder / "out", *settings]
-    process = subprocess.run(["/usr/bin/time", "-f", "%M", *command], check=True, capture_output=True, text=True)
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    cpu_s = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-    # The recording is mapped and counts as memory, but is none of the map.
-    memory_b = 1024 * int(process.stderr.strip().splitlines()[-1]) - (folder / "days.lcmlog").stat().st_size
-    metrics = json.loads((folder / "out" / "result.json").read_text(encoding="utf-8"))["metrics"]
+def errors_of(options, folder):
+    """The errors of all poses."""
     evaluated = subprocess.run([options.bin / "nodmap-evaluate", "trajectory", folder / "out" / "trajectory.tum", folder / "truth.tum"], check=True,
                                capture_output=True, text=True)
-    return 1e3 * cpu_s / sweeps, memory_b, metrics, json.loads(evaluated.stdout)
+    return json.loads(evaluated.stdout)
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build" / "release" / "bin")
-    parser.add_argument("--hours", type=float, nargs="+", default=[1, 2, 4])
-    parser.add_argument("--set", nargs="*", default=[], help="parameters of nodmap-slam6d")
-    options = parser.parse_args()
+    options = parser(__doc__, [1, 2, 4], "nodmap-slam6d").parse_args()
     poses = lap()
     scans = cast_lap(poses)
     print("| hours | sweeps | CPU of a sweep | memory | keyframes | their clouds | keyframes.lcmlog | ATE, worst |\n|---|---|---|---|---|---|---|---|", flush=True)
@@ -169,10 +141,11 @@ def main():
         with tempfile.TemporaryDirectory(prefix="nodmap-days-") as name:
             folder = pathlib.Path(name)
             sweeps = write_recording(folder, hours, poses, scans)
-            cpu_ms, memory_b, metrics, errors = measure(options, folder, sweeps)
+            cpu_s, memory_b, metrics = map_recording(options, "nodmap-slam6d", folder)
+            errors = errors_of(options, folder)
             size = (folder / "out" / "keyframes.lcmlog").stat().st_size
             clouds_b = metrics.get("keyframe_memory_bytes", math.nan)
-            print(f"| {hours:g} | {sweeps:.0f} | {cpu_ms:.1f} ms | {memory_b / 1e6:.0f} MB | {len(metrics['keyframes'])} | {clouds_b / 1e6:.0f} MB "
+            print(f"| {hours:g} | {sweeps:.0f} | {1e3 * cpu_s / sweeps:.1f} ms | {memory_b / 1e6:.0f} MB | {len(metrics['keyframes'])} | {clouds_b / 1e6:.0f} MB "
                   f"| {size / 1e6:.0f} MB | {100 * errors['ate_rmse_m']:.2f}, {100 * errors['ate_max_m']:.1f} cm |", flush=True)
 
 

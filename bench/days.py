@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What slam2d_days.py and slam6d_days.py share: the corridor that the robot paces for days, and what a map of it costs."""
+import argparse
+import json
+import math
+import pathlib
+import resource
+import subprocess
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+LENGTH_M, HALF_WIDTH_M = 24.0, 1.1
+BEAMS, MAX_RANGE_M = 181, 30.0
+
+
+def walls():
+    """The walls as segments (x0, y0, x1, y1): two walls with doors, which are set back by 20 cm and not opposite each other, and the end walls."""
+    segments = [(-2.0, -HALF_WIDTH_M, -2.0, HALF_WIDTH_M), (LENGTH_M + 2.0, -HALF_WIDTH_M, LENGTH_M + 2.0, HALF_WIDTH_M)]
+    for side, first in ((1.0, 0.5), (-1.0, 2.1)):
+        x, y, depth = -2.0, side * HALF_WIDTH_M, side * (HALF_WIDTH_M + 0.2)
+        for k in range(6):
+            door = first + 3.9 * k + 0.3 * (k % 3)
+            segments += [(x, y, door, y), (door, y, door, depth), (door, depth, door + 1.0, depth), (door + 1.0, depth, door + 1.0, y)]
+            x = door + 1.0
+        segments.append((x, y, LENGTH_M + 2.0, y))
+    return segments
+
+
+def wall_m(segments, x, y, angle):
+    """Horizontal distance to the nearest wall."""
+    dx, dy = math.cos(angle), math.sin(angle)
+    nearest = math.inf
+    for x0, y0, x1, y1 in segments:
+        det = dx * (y1 - y0) - dy * (x1 - x0)
+        if det != 0.0:
+            distance = ((x0 - x) * (y1 - y0) - (y0 - y) * (x1 - x0)) / det
+            if 0.0 < distance < nearest and 0.0 <= ((x0 - x) * dy - (y0 - y) * dx) / det <= 1.0:
+                nearest = distance
+    return nearest
+
+
+def parser(description, hours, program):
+    """The arguments that both have."""
+    arguments = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
+    arguments.add_argument("--bin", type=pathlib.Path, default=ROOT / "build" / "release" / "bin")
+    arguments.add_argument("--hours", type=float, nargs="+", default=hours)
+    arguments.add_argument("--set", nargs="*", default=[], help=f"parameters of {program}")
+    return arguments
+
+
+def map_recording(options, program, folder):
+    """Maps FOLDER/days.lcmlog into FOLDER/out; returns CPU time (s), peak memory without the recording (bytes) and the metrics."""
+    settings = [word for value in options.set for word in ("--set", value)]
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    command = [options.bin / program, "--replay", folder / "days.lcmlog", "--out", folder / "out", *settings]
+    process = subprocess.run(["/usr/bin/time", "-f", "%M", *command], check=True, capture_output=True, text=True)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    cpu_s = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    # The recording is mapped into memory and therefore counted; it is subtracted, because it is not part of the map.
+    memory_b = 1024 * int(process.stderr.strip().splitlines()[-1]) - (folder / "days.lcmlog").stat().st_size
+    metrics = json.loads((folder / "out" / "result.json").read_text(encoding="utf-8"))["metrics"]
+    return cpu_s, memory_b, metrics
