@@ -6,6 +6,9 @@
 #include <cerrno>
 #include <fstream>
 #include <string>
+#include <utility>
+
+#include "common/node/log.hpp"
 
 namespace nodmap::node {
 namespace {
@@ -67,12 +70,26 @@ bool SerialWorkers::raise() {
   return !workers.empty();
 }
 
-SerialWorkers::~SerialWorkers() {
+void SerialWorkers::restore() {
+  if (raised_.empty()) {
+    return;
+  }
   const sched_param ordinary{};
   for (const pid_t pid : serial_workers()) {
     if (raised_.contains(pid)) {
       ::sched_setscheduler(pid, SCHED_OTHER, &ordinary);
     }
+  }
+  raised_.clear();
+}
+
+void SerialWorkers::keep_raised(bool wanted) {
+  if (!wanted) {
+    restore();
+  } else if (!raise() && !std::exchange(refused_, true)) {
+    log::get().warn(
+        "not permitted to raise the priority of the kernel's serial workers (CAP_SYS_NICE): on a "
+        "busy machine bytes of serial ports will be late");
   }
 }
 

@@ -27,15 +27,22 @@ namespace nodmap::node {
 /// of the kernel (writing files) cannot delay them.
 class SerialWorkers : private boost::noncopyable {
  public:
-  /// Restores the ordinary priority of the workers that were raised.
-  ~SerialWorkers();
+  SerialWorkers() = default;
+  ~SerialWorkers() { restore(); }
 
-  /// Raises the workers that are not raised yet; returns false if that is not permitted. Call it
-  /// once a second, because the kernel creates new workers as needed.
+  /// Raises the workers that are not raised yet; returns false if that is not permitted.
   bool raise();
+
+  /// Gives those that were raised their ordinary priority back.
+  void restore();
+
+  /// Raises them if they are wanted, otherwise restores them; logs once if raising is not
+  /// permitted. Call it once a second, because the kernel creates new workers as needed.
+  void keep_raised(bool wanted);
 
  private:
   std::set<pid_t> raised_;
+  bool refused_ = false;
 };
 
 }  // namespace nodmap::node

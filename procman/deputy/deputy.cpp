@@ -10,10 +10,8 @@
 #include <filesystem>
 #include <sstream>
 #include <system_error>
-#include <utility>
 #include <vector>
 
-#include "common/bus/followed_sender.hpp"
 #include "common/bus/live_bus.hpp"
 #include "common/node/clock.hpp"
 #include "common/node/log.hpp"
@@ -23,6 +21,7 @@
 #include "procman/deputy/children.hpp"
 #include "procman/deputy/output_collector.hpp"
 #include "procman/deputy/refusals.hpp"
+#include "procman/deputy/senders.hpp"
 #include "procman/deputy/signal_reader.hpp"
 #include "procman/deputy/supervisor.hpp"
 #include "procman/deputy/system_load.hpp"
@@ -36,8 +35,6 @@ constexpr time::Duration kDiscoverPeriod = 200ms;
 constexpr time::Duration kInfoPeriod = 1s;
 constexpr time::Duration kLongestWait = 200ms;
 constexpr time::Duration kConfigSettles = 500ms;
-/// A sheriff is followed until it has been silent for this long: three of its orders.
-constexpr time::Duration kSheriffSilence = 3s;
 
 std::string own_folder() {
   std::error_code error;
@@ -51,8 +48,8 @@ class Deputy {
         bus_(settings.lcm_url),
         children_(settings.id, own_folder()),
         supervisor_(settings.id, settings.trusts_orders),
+        senders_(settings.id, (time::to_utime(clock_.now()) << 22U) + ::getpid()),
         status_("nodmap-deputy", bus_, counts_, clock_),
-        nonce_((time::to_utime(clock_.now()) << 22U) + ::getpid()),
         started_(time::steady_now()) {
     if (!settings.config_file.empty()) {
       config_watch_.emplace(settings.config_file, kConfigSettles, started_);
@@ -106,14 +103,11 @@ class Deputy {
   bus::LiveBus bus_;
   Children children_;
   Supervisor supervisor_;
-  bus::FollowedSender sheriff_{kSheriffSilence};
+  Senders senders_;
   OutputCollector output_;
   SystemLoad load_;
-  std::optional<node::SerialWorkers> serial_workers_;
-  bool serial_workers_refused_ = false;
+  node::SerialWorkers serial_workers_;
   node::StatusReporter status_;
-  std::int64_t nonce_;
-  std::optional<bus::Sender> own_sender_;
   time::SteadyTime started_;
   time::SteadyTime discover_due_{};
   time::SteadyTime info_due_{};
@@ -140,7 +134,7 @@ void Deputy::on_info(const std::string& deputy_id) {
   if (!serving_) {
     log::get().error("a deputy {} is already running", settings_.id);
     exit_code_ = 2;
-  } else if (own_sender_ && bus_.origin().sender != *own_sender_) {
+  } else if (senders_.is_impostor(bus_.origin().sender)) {
     refusals_.add({"other_deputy", "another process reports as the deputy " + deputy_id},
                   time::steady_now());
   }
@@ -163,9 +157,9 @@ void Deputy::on_orders(const procman_lcm::orders_t& message) {
 }
 
 /// Whether the orders being handled are obeyed: not those of a second sheriff, which would
-/// contradict the first. It may call itself as it likes, but not send from the first one's socket.
+/// contradict the first.
 bool Deputy::obeys(const std::string& sheriff_id) {
-  const bool is_followed = sheriff_.follow(bus_.origin().sender, time::steady_now());
+  const bool is_followed = senders_.follow_sheriff(bus_.origin().sender, time::steady_now());
   if (is_followed || settings_.trusts_orders) {
     return true;
   }
@@ -175,14 +169,13 @@ bool Deputy::obeys(const std::string& sheriff_id) {
 }
 
 void Deputy::meet(const Discovery& discovery) {
-  if (discovery.transmitter_id == settings_.id && discovery.nonce == nonce_) {
-    own_sender_ = own_sender_.value_or(bus_.origin().sender);
-    return;  // our own message
+  if (senders_.is_own(discovery, bus_.origin().sender)) {
+    return;
   }
   if (serving_) {
     info_changed_ = true;
     // A sheriff sends it when it begins and when it ends.
-    if (discovery.nonce == 0 && !sheriff_.end(bus_.origin().sender)) {
+    if (discovery.nonce == 0 && !senders_.end_sheriff(bus_.origin().sender)) {
       repeat_last_words();
     }
   } else if (discovery.transmitter_id == settings_.id) {
@@ -289,7 +282,8 @@ void Deputy::work_discovery(time::SteadyTime now) {
     begin_service(now);
   } else if (now >= discover_due_) {
     discover_due_ = now + kDiscoverPeriod;
-    bus_.publish(kDiscoverChannel, to_message(Discovery{clock_.now(), settings_.id, nonce_}));
+    bus_.publish(kDiscoverChannel,
+                 to_message(Discovery{clock_.now(), settings_.id, senders_.nonce()}));
   }
 }
 
@@ -380,18 +374,7 @@ void Deputy::raise_serial_workers() {
     return status.pid != 0 && settings_.resources_of &&
            settings_.resources_of(status.spec.id).realtime != 0;
   });
-  if (!wanted) {
-    serial_workers_.reset();
-    return;
-  }
-  if (!serial_workers_) {
-    serial_workers_.emplace();
-  }
-  if (!serial_workers_->raise() && !std::exchange(serial_workers_refused_, true)) {
-    log::get().warn(
-        "not permitted to raise the priority of the kernel's serial workers (CAP_SYS_NICE): on a "
-        "busy machine bytes of serial ports will be late");
-  }
+  serial_workers_.keep_raised(wanted);
 }
 
 std::vector<pid_t> Deputy::pids() const {
