@@ -110,7 +110,8 @@ void print_json(const std::vector<Finding>& findings) {
                     {"sentence", finding.sentence},
                     {"command", finding.command}});
   }
-  std::cout << rows.dump(2) << "\n";
+  // Names of files, processes and channels may be any bytes, but JSON is UTF-8.
+  std::cout << rows.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
 }
 
 struct Arguments {
