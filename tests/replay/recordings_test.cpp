@@ -8,7 +8,6 @@
 #include <string>
 
 #include "common/formats/tum.hpp"
-#include "common/geometry/angle.hpp"
 #include "tests/support/data_dir.hpp"
 #include "tests/support/program.hpp"
 
@@ -151,42 +150,6 @@ TEST_F(Slam6dOnKurt3d, ScansAgreeAtLeastAsWellAsIn3dtksResultOf2009) {
   EXPECT_LE(residuals[1].median_cm, 2.10);
   EXPECT_GE(residuals[0].planes_hit, 0.35);
   EXPECT_GE(residuals[1].planes_hit, 0.46);
-}
-
-/// A pose from a frames file of 3DTK: the last line, 16 numbers column by column, left-handed, in
-/// centimetres.
-geometry::SE3 read_frames(const fs::path& file) {
-  std::istringstream lines(slurp(file));
-  std::string last;
-  for (std::string line; std::getline(lines, line);) {
-    last = line.size() > 10 ? line : last;
-  }
-  std::istringstream numbers(last);
-  Eigen::Matrix4d m;
-  for (int i = 0; i < 16; ++i) {
-    numbers >> m(i % 4, i / 4);
-  }
-  Eigen::Matrix3d axes;  // x right, y up, z ahead to x forward, y left, z up
-  axes << 0, 0, 1, -1, 0, 0, 0, 1, 0;
-  geometry::SE3 pose = geometry::SE3::Identity();
-  pose.linear() = axes * m.topLeftCorner<3, 3>() * axes.transpose();
-  pose.translation() = axes * m.topRightCorner<3, 1>() / 100.0;
-  return pose;
-}
-
-TEST_F(Slam6dOnKurt3d, PosesAreNearThoseOf3dtk) {
-  NODMAP_REQUIRE_DATA(scans, "kurt3d");
-  convert_and_replay(scans);
-  const auto trajectory = formats::read_tum(out_ / "trajectory.tum");
-  ASSERT_EQ(trajectory.size(), 3U);
-  for (std::size_t i = 0; i < 3; ++i) {
-    const geometry::SE3 theirs =
-        read_frames(scans / ("scan00" + std::to_string(i) + ".frames.4cc29d4c"));
-    const geometry::SE3 difference = theirs.inverse() * trajectory[i].pose;
-    // 15 cm and 1.5 degrees, because 3DTK's result of 2009 is a reference, not the truth.
-    EXPECT_LE(difference.translation().norm(), 0.15) << "scan " << i;
-    EXPECT_LE(geometry::rad_to_deg(geometry::rotation_angle(difference)), 1.5) << "scan " << i;
-  }
 }
 
 }  // namespace recordings_test
