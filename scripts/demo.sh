@@ -15,7 +15,7 @@ usage: ./nodmap demo RECORDING [--speed FACTOR] [--out DIR]
 
 Plays a recording over LCM to the real processes, which map it.
 
-  RECORDING       a folder of 3DTK scans (scan000.3d, ...), a CARMEN log (.clf), a line-wise nodding recording (.nod) or an
+  RECORDING       a folder of 3DTK scans (scan000.3d, ...), a CARMEN log (.clf), a line-by-line nodding recording (.nod) or an
                   LCM event log
   --speed FACTOR  how many times as fast as it was recorded (1)
   --out DIR       a new folder for the results (logs/demo-DATE-TIME)

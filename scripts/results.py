@@ -37,7 +37,10 @@ def relations(bin_dir, work, log, trajectory):
     if not out.exists():
         run(bin_dir / "nodmap-convert", "carmen", DATA / "slam2d" / f"{log}.clf", work / f"{log}.lcmlog")
         run(bin_dir / "nodmap-slam2d", "--replay", work / f"{log}.lcmlog", "--out", out)
-    return json.loads(run(bin_dir / "nodmap-evaluate", "relations", out / trajectory, DATA / "slam2d" / f"{log}.relations"))
+    errors = json.loads(run(bin_dir / "nodmap-evaluate", "relations", out / trajectory, DATA / "slam2d" / f"{log}.relations"))
+    if errors["missing"]:  # whoever gives no pose where it is difficult must not look better
+        raise SystemExit(f"{log}, {trajectory}: {errors['missing']} relations are without a pose")
+    return errors
 
 
 def table_2d(bin_dir, work):
@@ -74,7 +77,7 @@ def table_kurt3d(bin_dir, work):
 
 # What is driven, and nodmap-trial's worlds for it.
 DRIVES = {
-    "random clutter, objects of 10 cm and more": "random:{seed}",
+    "random clutter, objects of 3 cm and more": "random:{seed}",
     "an office": "office.yaml",
     "a corridor of 30 m": "corridor30.yaml",
     "a cellar": "cellar.yaml",

@@ -81,5 +81,5 @@ def make():
                  [(f"{name}, worst of {len(every)} seeds", form.format(unit * worst[key]), target, worst[key] <= limit)
                   for name, key, limit, unit, form, target in targets] +
                  [(f"trajectory error nodding / level, {len(LEVEL)} drives", f"{ratio:.2f}", "≤ 1.2", ratio <= 1.2)],
-        "commands": [TRIAL.command(), LEVEL[0].command(), f"nodmap-evaluate corridor {TRIAL.dir.name}/slam2d/trajectory.tum {TRIAL.dir.name}/truth.tum"],
+        "commands": [TRIAL.command(), LEVEL[0].command(), f"nodmap-evaluate corridor logs/figures/{TRIAL.dir.name}/slam2d/trajectory.tum logs/figures/{TRIAL.dir.name}/truth.tum"],
     }
