@@ -47,7 +47,7 @@ ABLATIONS = {
 
 
 def measure(ablation, seeds, programs, out, jobs, crowds):
-    """Runs all trials of an ablation and returns a row for each family and variant."""
+    """Runs all trials of an ablation; returns a row for each family and variant, and the number of trials without a result."""
     groups = []
     for family in ablation.families:
         for variant, settings in ablation.variants.items():
@@ -56,11 +56,10 @@ def measure(ablation, seeds, programs, out, jobs, crowds):
                 trial.name = f"{variant.replace(' ', '-')}/{trial.name}"
             groups.append((f"{family}, {variant}", trials, empty))
     run_all([trial for _, trials, empty in groups for trial in trials + empty], programs, out, jobs)
-    for _, trials, empty in groups:
-        for trial in trials + empty:
-            if not trial.result:
-                print(f"{trial.name}: {trial.error[-200:]}", file=sys.stderr)
-    return [row_of(name, trials, empty) for name, trials, empty in groups]
+    failed = [trial for _, trials, empty in groups for trial in trials + empty if not trial.result]
+    for trial in failed:
+        print(f"{trial.name}: {trial.error[-200:]}", file=sys.stderr)
+    return [row_of(name, trials, empty) for name, trials, empty in groups], len(failed)
 
 
 def main():
@@ -75,17 +74,21 @@ def main():
     out = arguments.out or pathlib.Path(tempfile.mkdtemp(prefix="nodmap-ablation-"))
     out.mkdir(parents=True, exist_ok=True)
     seeds = range(arguments.first, arguments.first + arguments.seeds)
+    failed = 0
     try:
         crowds = recorded_crowds(out)
         for part in arguments.only:
             ablation = ABLATIONS[part]
             print(f"## {ablation.title}\n")
             (out / part).mkdir()
-            show(measure(ablation, seeds, arguments.bin, out / part, arguments.jobs, crowds), "worlds")
+            rows, num_failed = measure(ablation, seeds, arguments.bin, out / part, arguments.jobs, crowds)
+            failed += num_failed
+            show(rows, "worlds")
             print(flush=True)
     finally:
         if not arguments.out:
             shutil.rmtree(out)
+    return 1 if failed else 0
 
 
 if __name__ == "__main__":

@@ -4,8 +4,10 @@ import argparse
 import json
 import math
 import pathlib
+import re
 import resource
 import subprocess
+import time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 LENGTH_M, HALF_WIDTH_M = 24.0, 1.1
@@ -47,15 +49,27 @@ def parser(description, hours, program):
     return arguments
 
 
+def peak_memory_b(command, errors):
+    """Runs a command; returns the most memory of its own, sampled: the pages of a mapped recording come and go and are not its own."""
+    peak_b = 0
+    with errors.open("w") as stderr, subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=stderr) as process:
+        status = pathlib.Path(f"/proc/{process.pid}/status")
+        while process.poll() is None:
+            own = re.search(r"RssAnon:\s+(\d+) kB", status.read_text())
+            peak_b = max(peak_b, 1024 * int(own.group(1)) if own else 0)
+            time.sleep(0.05)
+    if process.returncode != 0:
+        raise SystemExit(errors.read_text())
+    return peak_b
+
+
 def map_recording(options, program, folder):
-    """Maps FOLDER/days.lcmlog into FOLDER/out; returns CPU time (s), peak memory without the recording (bytes) and the metrics."""
+    """Maps FOLDER/days.lcmlog into FOLDER/out; returns CPU time (s), peak memory (bytes) and the metrics."""
     settings = [word for value in options.set for word in ("--set", value)]
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     command = [options.bin / program, "--replay", folder / "days.lcmlog", "--out", folder / "out", *settings]
-    process = subprocess.run(["/usr/bin/time", "-f", "%M", *command], check=True, capture_output=True, text=True)
+    memory_b = peak_memory_b(command, folder / "errors.txt")
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     cpu_s = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-    # The recording is mapped into memory and therefore counted; it is subtracted, because it is not part of the map.
-    memory_b = 1024 * int(process.stderr.strip().splitlines()[-1]) - (folder / "days.lcmlog").stat().st_size
     metrics = json.loads((folder / "out" / "result.json").read_text(encoding="utf-8"))["metrics"]
     return cpu_s, memory_b, metrics

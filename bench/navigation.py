@@ -103,6 +103,9 @@ def row_of(family, trials, empty):
     goals = [result for result in results if result["goal"]]
     reached = [result for result in goals if result["goal"]["reached"] and not result["collisions"]]
     row["reached"] = f"{len(reached)}/{len(goals)}" if goals else None
+    without_path = [trial.name for trial in trials if trial.result in goals and not trial.result["goal"]["shortest_path_m"]]
+    if without_path:
+        print(f"no path for a disc, so not in SPL: {' '.join(without_path)}", file=sys.stderr)
     spl = [result["goal"]["spl"] if result in reached else 0.0 for result in goals if result["goal"]["shortest_path_m"]]
     row["spl"] = rounded(mean(spl), 2)
     row["time_s"] = rounded(statistics.median(r["goal"]["time_s"] for r in reached), 1) if reached else None

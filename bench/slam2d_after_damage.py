@@ -63,7 +63,7 @@ class Bench:
             return published_poses(folder / "out" / "out.lcmlog"), corrected
 
     def outcome(self, published, truth, begin_s, end_s):
-        """The outcome (right, said or silent), how many poses after the damage are not TRACKING, and how many there are."""
+        """The outcome (right, said, silent, or none without poses), how many poses after the damage are not TRACKING, and how many there are."""
         known = [(time_s, pose, state, truth[round(1e3 * time_s)]) for time_s, pose, state in published if round(1e3 * time_s) in truth]
         first = bisect.bisect_right([row[0] for row in known], begin_s) - 1
         after = [row for row in known if row[0] >= end_s]
@@ -73,14 +73,14 @@ class Bench:
             if off_m > (WRONG_M if time_s < end_s + DRIFT_S else WRONG_WITH_DRIFT_M) or off_rad > WRONG_RAD:
                 wrong += 1
                 silent += state == 0
-        name = "silent" if silent >= LONG_SCANS else "said" if wrong >= LONG_SCANS else "right"
+        name = "none" if len(after) < LONG_SCANS else "silent" if silent >= LONG_SCANS else "said" if wrong >= LONG_SCANS else "right"
         return name, sum(row[2] != 0 for row in after), len(after)
 
     def row(self, name, kind, numbers, truth):
         every = (self.data / f"{name}.clf").read_text(errors="replace").splitlines(keepends=True)
         head = "".join(line for line in every if line.startswith("PARAM"))
         lines = [Line(text) for text in every if text.startswith(("ODOM", "FLASER"))]
-        counts = dict.fromkeys(("right", "said", "silent"), 0)
+        counts = dict.fromkeys(("right", "said", "silent", "none"), 0)
         not_tracking = scans = 0
         for seed in numbers:
             for begin_s, end_s in moments(lines, kind, random.Random(f"{kind} {seed}")):
@@ -99,7 +99,7 @@ class Bench:
 def main():
     options = parse_arguments(__doc__, list(KINDS))
     bench = Bench(options.bin, options.data, options.settings)
-    print("| log | damage | right | said | silent | not TRACKING in the 15 s afterwards |\n|---|---|---|---|---|---|")
+    print("| log | damage | right | said | silent | no pose | not TRACKING in the 15 s afterwards |\n|---|---|---|---|---|---|---|")
     for name in options.logs:
         truth = bench.truth(name)
         for kind in options.kinds:

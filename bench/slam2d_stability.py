@@ -10,6 +10,7 @@ parameters. Ratios above 1.25 are in bold. Whole numbers change by at least one.
 """
 import argparse
 import json
+import math
 import pathlib
 import subprocess
 import tempfile
@@ -53,8 +54,9 @@ class Stability:
             with tempfile.TemporaryDirectory() as made:
                 out = pathlib.Path(made) / "out"
                 self.call("nodmap-slam2d", "--replay", self.folder / f"{name}.lcmlog", "--out", out, *setting)
-                relations = self.call("nodmap-evaluate", "relations", out / "trajectory.tum", self.data / f"{name}.relations")
-                errors.append(json.loads(relations)["trans_mean_m"])
+                relations = json.loads(self.call("nodmap-evaluate", "relations", out / "trajectory.tum", self.data / f"{name}.relations"))
+                # Whoever gives no pose where it is difficult must not look better.
+                errors.append(math.inf if relations["missing"] else relations["trans_mean_m"])
         return errors
 
 

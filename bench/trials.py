@@ -180,7 +180,8 @@ def stops(quick):
             beyond_m = stop["distance_m"] - stop["braking_distance_m"]
             stopped = stop["stopped_after_s"] is not None
             resumed = stop["resumed_after_s"]
-            holds = (stopped and stop["reaction_s"] <= REACTION_S and beyond_m <= REACTION_M and resumed is not None
+            # A robot that did not drive has nothing to stop.
+            holds = (stop["speed_mps"] >= 0.5 and stopped and stop["reaction_s"] <= REACTION_S and beyond_m <= REACTION_M and resumed is not None
                      and trial.result["collisions"] == 0)
             table.add(f"{stop['what']} at {stop['speed_mps']:.1f} m/s: time and distance beyond braking; at half of that speed again after",
                       (f"{1000 * stop['reaction_s']:.0f} ms, {beyond_m:.2f} m" if stopped else "did not stop") +

@@ -39,7 +39,9 @@ constexpr time::Duration kAhead = 45ms;  // forged stamps are ahead, to look new
 constexpr double kDrivingMps = 0.5;    // from this speed on the robot is driving, before and after
 constexpr double kTimeToStopS = 2.0;   // to notice the attack and to brake
 constexpr double kStationaryM = 0.05;  // greatest distance of a robot that has stopped
-constexpr double kPatienceS = 120.0;   // wait for it to drive; a busy machine is slow
+// Least mean speed of a robot that drives on: one that stops again and again has 0.18 m/s.
+constexpr double kDrivesOnMps = 0.3;
+constexpr double kPatienceS = 120.0;  // wait for it to drive; a busy machine is slow
 constexpr const char* kNeighbour = "10.9.9.9";
 
 /// Sends messages as a process of the robot would, and raw datagrams. It also listens to what the
@@ -229,6 +231,7 @@ struct Outcome {
   bool drove_after = false;
   std::int64_t collisions = 0;
   double driven_m = 0.0;  ///< from kTimeToStopS after the beginning on
+  bool is_kept = false;   ///< whether this is as promised
   std::map<std::string, std::string> complaints;
   std::vector<std::string> dead;
 };
@@ -241,6 +244,15 @@ double driven_m(const std::vector<Motion>& motions, time::Timestamp from) {
     }
   }
   return sum_m;
+}
+
+/// Whether the robot has been since `from` as promised.
+bool is_kept(Promise promise, const std::vector<Motion>& motions, time::Timestamp from) {
+  const double distance_m = driven_m(motions, from);
+  return promise == Promise::kStationary
+             ? distance_m < kStationaryM
+             : !motions.empty() &&
+                   distance_m >= kDrivesOnMps * time::seconds(motions.back().stamp - from);
 }
 
 /// Attacks for `duration_s`, and then until `is_answered`, because a busy machine may react late.
@@ -288,11 +300,11 @@ Outcome examine(const Attack& attack, const RobotProcesses::Options& options, do
   }
   strike_until(attack, monitor, duration_s, [&] {
     const bool is_told = attack.teller.empty() || monitor.complaints().contains(attack.teller);
-    const bool is_kept =
-        attack.promise == Promise::kStationary || driven_m(monitor.motions(), from) >= kStationaryM;
-    return is_told && is_kept;
+    return is_told && (attack.promise == Promise::kStationary ||
+                       is_kept(attack.promise, monitor.motions(), from));
   });
   outcome.driven_m = driven_m(monitor.motions(), from);
+  outcome.is_kept = is_kept(attack.promise, monitor.motions(), from);
   outcome.complaints = monitor.take_complaints();
   if (attack.restarts_stopped_pair) {
     robot.release();
@@ -304,9 +316,8 @@ Outcome examine(const Attack& attack, const RobotProcesses::Options& options, do
 }
 
 bool keeps_promise(const Attack& attack, const Outcome& outcome) {
-  const bool is_stationary = outcome.driven_m < kStationaryM;
-  return outcome.drove_before && outcome.drove_after && outcome.collisions == 0 &&
-         outcome.dead.empty() && is_stationary == (attack.promise == Promise::kStationary) &&
+  return outcome.drove_before && outcome.drove_after && outcome.is_kept &&
+         outcome.collisions == 0 && outcome.dead.empty() &&
          (attack.teller.empty() || outcome.complaints.contains(attack.teller));
 }
 

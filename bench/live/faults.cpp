@@ -87,7 +87,7 @@ Outcome examine(const Case& what, RobotProcesses::Options options) {
                                        : kill_and_restart(robot, monitor, what.process);
   Outcome outcome;
   if (at) {
-    outcome.stop = stop_metrics(monitor.motions(), *at);
+    outcome.stop = stop_metrics(monitor.motions(), *at);  // until the fault's end
     outcome.goes_on =
         monitor.listen(kDrivesOnWithinS, [&] { return monitor.driving(kDrivesOnMps); });
   }
@@ -104,15 +104,18 @@ bool keeps_promise(const Case& what, const Outcome& outcome) {
   if (!outcome.goes_on || outcome.collisions > 0) {
     return false;
   }
-  return !what.stops || (outcome.stop && was_driving(*outcome.stop) &&
-                         outcome.stop->excess_time_s(kDecelerationMps2) <= kMaxExcessS &&
-                         outcome.stop->excess_distance_m(kDecelerationMps2) <= kMaxExcessM);
+  if (!what.stops) {
+    return !outcome.stop;
+  }
+  return outcome.stop && was_driving(*outcome.stop) &&
+         outcome.stop->excess_time_s(kDecelerationMps2) <= kMaxExcessS &&
+         outcome.stop->excess_distance_m(kDecelerationMps2) <= kMaxExcessM;
 }
 
 void print(const Case& what, const Outcome& outcome) {
   std::printf("%-26s", what.name.c_str());
   if (!what.stops) {
-    std::printf(" %50s", "drives on");
+    std::printf(" %50s", outcome.stop ? "stopped" : "drives on");
   } else if (outcome.stop && !was_driving(*outcome.stop)) {
     std::printf(" %50s", "was not driving");
   } else if (outcome.stop) {

@@ -29,18 +29,23 @@ void Contacts::count_collision(std::size_t contact, double speed_mps) {
   counts_.falls += contact == edge() || collision_.is_pit(contact) ? 1 : 0;
 }
 
-void Contacts::touch_actor(std::size_t actor, double speed_mps) {
-  if (!begin(edge() + 1 + actor)) {
-    return;
+void Contacts::touch_actor(std::size_t actor, double speed_mps, bool approaches) {
+  const std::size_t contact = edge() + 1 + actor;
+  const bool is_new = begin(contact);
+  const bool is_stationary = speed_mps < kStationaryMps;
+  if (is_new && is_stationary) {
+    ++counts_.bumps;
+    bumped_.insert(contact);
+  } else if (is_new || (!is_stationary && approaches && bumped_.erase(contact) > 0)) {
+    ++counts_.collisions;
+    ++counts_.contacts_caused;
   }
-  const bool is_bump = speed_mps < kStationaryMps;
-  ++(is_bump ? counts_.bumps : counts_.collisions);
-  counts_.contacts_caused += is_bump ? 0 : 1;
 }
 
 void Contacts::end_separated(const BodyPose& body) {
   std::erase_if(touching_,
                 [&](std::size_t contact) { return distance(contact, body) > kSeparatedM; });
+  std::erase_if(bumped_, [&](std::size_t contact) { return !touching_.contains(contact); });
 }
 
 double Contacts::distance(std::size_t contact, const BodyPose& body) const {

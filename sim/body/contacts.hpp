@@ -20,7 +20,7 @@ struct ContactCounts {
 };
 
 /// Counts the contacts of the robot with obstacles, actors, and the edge of the ground that it
-/// drives on. Each counts once, until the two have separated.
+/// drives on. Each counts once as what it is, until the two have separated.
 class Contacts {
  public:
   /// Separation after which a contact can begin again.
@@ -34,7 +34,9 @@ class Contacts {
   /// An obstacle by its number in Collision.
   void touch_obstacle(std::size_t obstacle, double speed_mps);
   void touch_edge(const geometry::SE2& T_world_base, double speed_mps);
-  void touch_actor(std::size_t actor, double speed_mps);
+  /// Of a stationary robot it is a bump; of one that then drives towards the actor (`approaches`),
+  /// also a collision.
+  void touch_actor(std::size_t actor, double speed_mps, bool approaches);
 
   /// Ends the contacts that have separated.
   void end_separated(const BodyPose& body);
@@ -53,6 +55,7 @@ class Contacts {
   const Collision& collision_;
   const Crowd& crowd_;
   std::set<std::size_t> touching_;
+  std::set<std::size_t> bumped_;  // of these, the bumps into which the robot has not driven
   Eigen::Vector2d edge_contact_ = Eigen::Vector2d::Zero();  // where the robot last met an edge
   ContactCounts counts_;
 };

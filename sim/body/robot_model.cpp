@@ -169,10 +169,10 @@ void RobotModel::State::touch_actors(const geometry::SE2& T_world_before, double
     if (collision.distance(state, body_pose()) > 0.0) {
       continue;
     }
-    contacts.touch_actor(i, speed_mps);
-    // The robot may move away from an actor, but not into it.
     const double before_m = (T_world_before.translation() - state.position).norm();
     const double after_m = (base.T_world_base().translation() - state.position).norm();
+    contacts.touch_actor(i, speed_mps, after_m < before_m);
+    // The robot may move away from an actor, but not into it.
     if (after_m <= before_m) {
       base.block(T_world_before);
     }

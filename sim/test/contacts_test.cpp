@@ -7,6 +7,7 @@ namespace nodmap::sim {
 namespace contacts_test {
 
 constexpr double kFast = 0.3;
+constexpr bool kApproaches = true;
 constexpr double kStationary = 0.049;
 
 /// Two boxes, 1 m ahead and 1 m behind, a pit on the left, and somebody who stands on the right.
@@ -77,12 +78,21 @@ TEST_F(ContactsTest, PitsAndEdgesAreFalls) {
 }
 
 TEST_F(ContactsTest, SomebodyWhoTouchesTheStationaryRobotBumps) {
-  contacts_.touch_actor(0, kStationary);
-  contacts_.touch_actor(0, kFast);
+  contacts_.touch_actor(0, kStationary, kApproaches);
+  contacts_.touch_actor(0, kFast, !kApproaches);  // the robot moves away
   EXPECT_EQ(counts().bumps, 1);
   EXPECT_EQ(counts().collisions, 0);
   stand_at(0.0, 0.0);  // the actor is 1.6 m away
-  contacts_.touch_actor(0, kFast);
+  contacts_.touch_actor(0, kFast, !kApproaches);
+  EXPECT_EQ(counts().bumps, 1);
+  EXPECT_EQ(counts().collisions, 1);
+  EXPECT_EQ(counts().contacts_caused, 1);
+}
+
+TEST_F(ContactsTest, ARobotThatDrivesIntoSomebodyWhoBumpedItCollides) {
+  contacts_.touch_actor(0, kStationary, kApproaches);
+  contacts_.touch_actor(0, kFast, kApproaches);
+  contacts_.touch_actor(0, kFast, kApproaches);  // still the same collision
   EXPECT_EQ(counts().bumps, 1);
   EXPECT_EQ(counts().collisions, 1);
   EXPECT_EQ(counts().contacts_caused, 1);

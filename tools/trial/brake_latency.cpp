@@ -32,8 +32,10 @@ void BrakeLatencyMonitor::update(const State& state) {
   for (std::size_t i = 0; i < actors_.size(); ++i) {
     TrackedActor& tracked = actors_[i];
     const auto& actor = state.visible_actors[i];
+    // A robot that slows down a little does not make the obstacle new again.
+    const double reach_m = tracked.in_zone ? std::max(length_m, tracked.reach_m) : length_m;
     const bool now = actor && touches(*actor, state.T_world_base, zone_.footprint.half_length_m,
-                                      length_m, zone_.footprint.half_width_m);
+                                      reach_m, zone_.footprint.half_width_m);
     if (now && !tracked.in_zone && state.forward_mps >= kMinSpeedMps) {
       tracked.open_event =
           BrakeEvent{state.instant, state.forward_mps, state.sweep_s, std::nullopt};
@@ -42,6 +44,7 @@ void BrakeLatencyMonitor::update(const State& state) {
       tracked.open_event.reset();
     }
     tracked.in_zone = now;
+    tracked.reach_m = reach_m;
   }
 }
 

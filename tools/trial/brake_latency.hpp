@@ -40,7 +40,8 @@ struct BrakeEvent {
 /// It starts when an actor that a beam could hit (it is present, and nothing is between it and the
 /// mirror) first touches the stopping zone. It ends with the first DRIVE that is 10 %, and at least
 /// 0.1 m/s, below the robot's speed at the start. An actor that leaves the zone before (because it
-/// moved on, or the robot turned away) counts as evaded. Below 0.3 m/s nothing is measured, because
+/// moved on, or the robot turned away) counts as evaded; for an actor inside, the zone does not
+/// become shorter when the robot slows down. Below 0.3 m/s nothing is measured, because
 /// braking could not be distinguished from noise.
 class BrakeLatencyMonitor {
  public:
@@ -67,6 +68,7 @@ class BrakeLatencyMonitor {
  private:
   struct TrackedActor {
     bool in_zone = false;
+    double reach_m = 0.0;  // the longest zone since it entered
     std::optional<BrakeEvent> open_event;
   };
 

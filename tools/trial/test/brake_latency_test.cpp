@@ -58,6 +58,17 @@ TEST_F(BrakeLatencyTest, AnObstacleThatLeavesTheZoneUnansweredWasEvaded) {
   EXPECT_EQ(monitor_.num_evaded(), 1);
 }
 
+// At 0.97 m/s the zone is 4 cm shorter, so that the obstacle at its end would be outside.
+TEST_F(BrakeLatencyTest, AnObstacleIsNotNewAgainWhenTheRobotSlowsDownALittle) {
+  update(1ms, {kEndM, 0.0});
+  update(2ms, {kEndM + 0.09, 0.0}, 0.97);
+  update(3ms, {kEndM, 0.0});
+  monitor_.add_drive_command(time::SteadyTime(5ms), 0.5);
+  ASSERT_EQ(monitor_.events().size(), 1U);
+  EXPECT_EQ(monitor_.events()[0].started, time::SteadyTime(1ms));
+  EXPECT_EQ(monitor_.num_evaded(), 0);
+}
+
 TEST_F(BrakeLatencyTest, AnEventThatIsNeverAnsweredIsKept) {
   update(1ms, {1.0, 0.0});
   ASSERT_EQ(monitor_.events().size(), 1U);
