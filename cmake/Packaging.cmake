@@ -9,7 +9,8 @@ install(DIRECTORY ${PROJECT_BINARY_DIR}/lcmtypes/include/nodmap ${PROJECT_BINARY
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*_t.hpp")
 install(FILES procman/robot.pmd procman/replay.pmd procman/sim.pmd procman/two_hosts.pmd
   DESTINATION ${CMAKE_INSTALL_DATADIR}/nodmap/procman)
-install(DIRECTORY config/ DESTINATION ${CMAKE_INSTALL_DATADIR}/nodmap/config)
+install(DIRECTORY config/ DESTINATION ${CMAKE_INSTALL_DATADIR}/nodmap/config PATTERN *.rules EXCLUDE)
+install(FILES config/kurt3d/nodmap.rules DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples)
 # With procman/sim.pmd: the simulated robot without the sources.
 install(DIRECTORY sim/worlds DESTINATION ${CMAKE_INSTALL_DATADIR}/nodmap/sim)
 install(FILES README.md docs/frames.md docs/multi-host.md DESTINATION ${CMAKE_INSTALL_DOCDIR})

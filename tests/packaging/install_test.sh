@@ -13,6 +13,9 @@ cmake --install "$build" --prefix "$work/first" >/dev/null
 mv "$work/first" "$work/moved"
 "$work/moved/bin/nodmap-sheriff" "$work/moved/share/nodmap/procman/robot.pmd" --check
 fail() { cat "$work/log"; echo "FAILED: $*"; exit 1; }
+# The robot's settings name devices: the example of udev rules gives exactly these names.
+diff <(sed -n 's|.*: */dev/||p' "$work"/moved/share/nodmap/config/kurt3d/*.yaml | sort) \
+  <(sed -n 's/.*SYMLINK+="\(.*\)".*/\1/p' "$work/moved/share/doc/nodmap/examples/nodmap.rules" | sort) >"$work/log" || fail "names of devices"
 
 # configure_consumer ARGUMENT ...: configures another project, with the LCM of this build.
 prefixes=$(sed -n 's/^CMAKE_PREFIX_PATH:[^=]*=//p' "$build/CMakeCache.txt")
