@@ -66,6 +66,7 @@ source /etc/nodmap/deputy.conf
 set +a
 setpriv --reuid nodmap --regid nodmap --init-groups nodmap-deputy "$NODMAP_CONFIG" --id "$NODMAP_DEPUTY_ID" >deputy.log 2>&1 &
 deputy=$!
+trap 'kill -TERM "$deputy" 2>/dev/null || true; wait' EXIT  # also when the test fails
 while ! grep -q serving deputy.log && kill -0 "$deputy" 2>/dev/null; do sleep 0.1; done
 nodmap-sheriff "$NODMAP_CONFIG" --status >log || { cat log deputy.log; fail "the deputy does not answer"; }
 # The same for the boot service.
@@ -73,6 +74,7 @@ setpriv --reuid nodmap --regid nodmap --init-groups nodmap-sheriff "$NODMAP_CONF
   --timeout 30 >log 2>&1 || { cat log; fail "the sheriff's script"; }
 kill -TERM "$deputy"
 wait "$deputy" || { cat deputy.log; fail "the deputy does not end well"; }
+trap - EXIT
 
 cmake -S packaging/consumer -B consumer >log 2>&1 || { cat log; fail "find_package(nodmap)"; }
 cmake --build consumer >log 2>&1 || { cat log; fail "another project does not build"; }

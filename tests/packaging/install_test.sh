@@ -37,6 +37,7 @@ cat >"$work/demo.sh" <<'SH'
 set -e
 nodmap-sheriff procman/sim.pmd --lone --script demo --on-script-complete stay &
 sheriff=$!
+trap 'kill -TERM "$sheriff" 2>/dev/null || true; wait' EXIT
 nodmap-stop --go --wait 60
 nodmap-watch --duration 5
 kill -TERM "$sheriff"

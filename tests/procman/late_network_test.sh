@@ -7,7 +7,9 @@ set -euo pipefail
 cd "$(dirname "$(readlink -f "$0")")/../.."
 bin=$(readlink -f "$1")
 work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
+supervisor=
+# Nothing is left running, also when the test fails.
+trap '[[ -z "$supervisor" ]] || kill "$supervisor" 2>/dev/null || true; rm -rf "$work"' EXIT
 fail() { echo "FAILED: $*"; cat "$work"/log 2>/dev/null; exit 1; }
 echo 'cmd "sleeper" { exec = "sleep 1000"; deputy = "here"; } script "up" { start cmd "sleeper" wait "running"; }' >"$work/a.pmd"
 
@@ -17,13 +19,13 @@ for unit in procman/systemd/nodmap-deputy.service procman/systemd/nodmap-robot.s
   done
 done
 
-# As systemd does: starts it again after each failure, unless it ends with exit code 2.
+# As systemd does: starts it again after each failure, unless it ends with exit code 2. If this is killed, the deputy ends as well.
 deputy() {
   local code=1
   while [[ $code -eq 1 ]]; do
     echo start
     code=0
-    "$bin/nodmap-deputy" "$work/a.pmd" || code=$?
+    setpriv --pdeathsig TERM "$bin/nodmap-deputy" "$work/a.pmd" || code=$?
     sleep 0.2
   done
 }
@@ -42,4 +44,5 @@ ip route add 224.0.0.0/4 dev lo
   { cat "$work/sheriff.log"; fail "with a network nothing starts"; }
 pkill -TERM -P "$supervisor" nodmap-deputy
 wait "$supervisor" || fail "the deputy does not end well"
+supervisor=
 echo "a late network is waited for"
