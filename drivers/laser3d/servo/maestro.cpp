@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "common/geometry/angle.hpp"
 
@@ -77,6 +78,8 @@ namespace {
 constexpr time::Duration kReadingTimeout = 50ms;
 constexpr int kMissedReadingsAllowed = 3;
 constexpr std::size_t kAnswerBytes = 2;
+// More than any head can turn.
+constexpr double kLargestPitchRad = 2.0 * std::numbers::pi;
 
 }  // namespace
 
@@ -116,13 +119,8 @@ ServoOutput MaestroSession::poll(time::SteadyTime now) {
     return {};
   }
   if (waiting_) {
-    waiting_ = false;
-    if (++misses_ > kMissedReadingsAllowed) {
-      last_error_ = "the servo controller does not answer";
-      last_.reset();
-      back_off_.failed(now);
-      next_ = now + back_off_.wait(now);
-    }
+    ++counts_.unanswered;
+    miss(now);
   }
   ServoOutput output;
   if (now < next_) {
@@ -145,6 +143,17 @@ ServoOutput MaestroSession::poll(time::SteadyTime now) {
   return output;
 }
 
+/// Ends a reading without a usable answer.
+void MaestroSession::miss(time::SteadyTime now) {
+  waiting_ = false;
+  if (++misses_ > kMissedReadingsAllowed) {
+    last_error_ = "the servo controller does not answer";
+    last_.reset();
+    back_off_.failed(now);
+    next_ = now + back_off_.wait(now);
+  }
+}
+
 ServoOutput MaestroSession::receive(ByteView bytes, time::SteadyTime now) {
   if (!waiting_) {
     return {};
@@ -153,11 +162,13 @@ ServoOutput MaestroSession::receive(ByteView bytes, time::SteadyTime now) {
   if (answer_.size() < kAnswerBytes) {
     return {};
   }
-  waiting_ = false;
   // Answers are unframed, so one that is too long is invalid.
   if (answer_.size() > kAnswerBytes) {
+    ++counts_.implausible;
+    miss(now);
     return {};
   }
+  waiting_ = false;
   return {.send = {}, .sample = sample_in(answer_, now)};
 }
 
@@ -165,17 +176,24 @@ std::optional<PitchSample> MaestroSession::sample_in(ByteView answer, time::Stea
   // Shorter than any servo's; 0 means that the channel is off.
   constexpr double kShortestPulseUs = 64.0;
   const double pulse_us = maestro::pulse_us_in(answer);
-  misses_ = 0;
   if (pulse_us < kShortestPulseUs) {
+    misses_ = 0;
     move_pending_ = true;  // the controller has been restarted
     return std::nullopt;
   }
+  const double pitch_rad = (pulse_us - level_us_) / us_per_rad_;
+  if (std::abs(pitch_rad) > kLargestPitchRad) {
+    ++counts_.implausible;
+    miss(now);
+    return std::nullopt;
+  }
+  misses_ = 0;
   last_error_.clear();
   back_off_.succeeded();
   PitchSample sample;
   // The pulse was read at some time between request and answer.
   sample.stamp = asked_ + (now - asked_) / 2;
-  sample.pitch_rad = (pulse_us - level_us_) / us_per_rad_;
+  sample.pitch_rad = pitch_rad;
   if (last_ && sample.stamp > last_->stamp) {
     sample.rate_rad_s =
         (sample.pitch_rad - last_->pitch_rad) / time::seconds(sample.stamp - last_->stamp);

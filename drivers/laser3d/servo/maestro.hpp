@@ -45,9 +45,11 @@ class MaestroSession : public ServoSession {
 
   [[nodiscard]] bool running() const override { return open_ && last_error_.empty(); }
   [[nodiscard]] bool measures_pitch() const override { return false; }
+  [[nodiscard]] ServoCounts line_counts() const override { return counts_; }
   [[nodiscard]] const std::string& last_error() const override { return last_error_; }
 
  private:
+  void miss(time::SteadyTime now);
   [[nodiscard]] std::optional<PitchSample> sample_in(ByteView answer, time::SteadyTime now);
 
   int channel_;
@@ -59,7 +61,8 @@ class MaestroSession : public ServoSession {
   time::SteadyTime asked_;
   time::SteadyTime next_;
   bool waiting_ = false;
-  int misses_ = 0;
+  int misses_ = 0;  // readings in a row without a usable answer
+  ServoCounts counts_;
   Bytes answer_;
   std::optional<PitchSample> last_;
   double goal_rad_ = 0.0;

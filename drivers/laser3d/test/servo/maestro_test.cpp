@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <memory>
 
 #include "common/geometry/angle.hpp"
 #include "drivers/laser3d/test/golden.hpp"
@@ -96,6 +97,28 @@ TEST(MaestroSession, AnswersThatAreTooLongOrOffGiveNoPitch) {
   EXPECT_FALSE(dut.receive(hex("70 17 00"), at(1ms)).sample);
   EXPECT_FALSE(dut.poll(at(20ms)).send.empty());
   EXPECT_FALSE(dut.receive(answer(0), at(21ms)).sample);
+}
+
+/// The session after it has received only this answer, for a second.
+std::unique_ptr<MaestroSession> session_that_receives(const Bytes& bytes) {
+  auto dut = std::make_unique<MaestroSession>(params());
+  (void)dut->open(at(0s));
+  for (time::SteadyTime now; now < at(1s); now += 1ms) {
+    if (!dut->poll(now).send.empty()) {
+      EXPECT_FALSE(dut->receive(bytes, now).sample);
+    }
+  }
+  return dut;
+}
+
+TEST(MaestroSession, AControllerThatOnlySendsNonsenseDoesNotAnswer) {
+  // Too long; and 6.4 radians from level.
+  for (const Bytes& nonsense : {hex("70 17 00"), answer(4 * (1500 + 3200))}) {
+    const auto dut = session_that_receives(nonsense);
+    EXPECT_EQ(dut->last_error(), "the servo controller does not answer");
+    EXPECT_GT(dut->line_counts().implausible, 4);
+    EXPECT_LT(dut->line_counts().implausible, 12) << "with growing pauses";
+  }
 }
 
 }  // namespace maestro_test
