@@ -35,8 +35,8 @@ constexpr double kReversalDelayS = 0.020;  // until the servo has received the c
 
 bool Nod::command(const AreaOfInterest& area, time::SteadyTime now) {
   const bool valid = std::isfinite(area.min_rad) && std::isfinite(area.max_rad) &&
-                     area.min_rad <= area.max_rad && std::isfinite(area.sweep_s) &&
-                     area.sweep_s > 0.0;
+                     area.min_rad <= area.max_rad && area.sweep_s > 0.0 &&
+                     area.sweep_s <= kLongestSweepS;
   if (valid) {
     commanded_ = area;
     commanded_at_ = now;

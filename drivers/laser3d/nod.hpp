@@ -52,8 +52,8 @@ class Nod {
   Nod(const NodParams& params, const robot::RobotParams& robot) : params_(params), robot_(robot) {}
 
   /// Nods over `area` from now on, until another command or until this one is too old. Limits it to
-  /// what the mechanics can do. Returns false and changes nothing if it is invalid: not finite, or
-  /// min above max.
+  /// what the mechanics can do. Returns false and changes nothing if it is invalid: not finite, min
+  /// above max, or a sweep of more than an hour.
   bool command(const AreaOfInterest& area, time::SteadyTime now);
 
   /// The goal and speed for the servo, given the measured pitch.

@@ -144,6 +144,7 @@ TEST(Nod, InvalidCommandsAreRefused) {
   EXPECT_FALSE(dut.command({0.5, -0.5, 1.0}, at(0s)));
   EXPECT_FALSE(dut.command({-0.5, 0.5, 0.0}, at(0s)));
   EXPECT_FALSE(dut.command({-0.5, 0.5, nan}, at(0s)));
+  EXPECT_FALSE(dut.command({-0.5, 0.5, 1e300}, at(0s)));  // its square is infinite
 }
 
 TEST(Nod, EqualEndsHoldTheLaser) {
