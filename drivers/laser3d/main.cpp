@@ -19,6 +19,11 @@ int main(int argc, char** argv) {
     if (params.servo.maestro.us_per_deg == 0.0) {
       throw node::UsageError("servo.maestro.us_per_deg: must not be 0");
     }
+    constexpr int kLastMaestroChannel = 23;  // of the largest Maestro
+    if (params.servo.kind == laser3d::ServoKind::kMaestro &&
+        params.servo.id > kLastMaestroChannel) {
+      throw node::UsageError("servo.id: the last channel of a Maestro is 23");
+    }
   };
   return node::run_device_node(
       argc, argv,

@@ -16,6 +16,7 @@ TEST(Laser3dProgram, ParametersThatContradictEachOtherAreExitCodeTwo) {
            std::vector<std::string>{"nod.default_min_deg=20", "nod.default_max_deg=15"},
            {"laser.range_min_m=2", "laser.range_max_m=2"},
            {"servo.maestro.us_per_deg=0"},
+           {"servo.id=24", "servo.kind=maestro"},
        }) {
     std::vector<std::string> command{NODMAP_LASER3D_PROGRAM, "--lcm-url", "memq://"};
     for (const std::string& assignment : wrong) {
