@@ -8,6 +8,7 @@
 #include <charconv>
 #include <cmath>
 #include <numbers>
+#include <set>
 
 #include "common/formats/input_file.hpp"
 #include "common/params/suggestion.hpp"
@@ -91,21 +92,36 @@ std::string markdown_row(const Entry& entry) {
          " |\n";
 }
 
-/// Sets the values of a YAML map and of the maps nested in it; `prefix` is the key of this map with
-/// its dot.
-void load_map(const YAML::Node& map, const std::string& prefix, const std::string& file,
-              Table& table) {
-  for (const auto& item : map) {
-    const std::string where = file + ":" + std::to_string(item.first.Mark().line + 1);
-    if (item.first.IsScalar() && item.second.IsMap()) {
-      load_map(item.second, prefix + item.first.Scalar() + ".", file, table);
-    } else if (item.first.IsScalar() && item.second.IsScalar()) {
-      table.set(prefix + item.first.Scalar(), item.second.Scalar(), where);
-    } else {
-      throw ParamError(where + ": expected 'key: value' with a single value");
+/// Sets the parameters that a YAML file contains.
+class YamlLoader {
+ public:
+  YamlLoader(std::string file, Table& table) : file_(std::move(file)), table_(table) {}
+
+  /// Sets the values of a map and of the maps nested in it; `prefix` is the key of this map with
+  /// its dot.
+  void load(const YAML::Node& map, const std::string& prefix) {
+    for (const auto& item : map) {
+      const std::string where = file_ + ":" + std::to_string(item.first.Mark().line + 1);
+      if (item.first.IsScalar() && item.second.IsMap()) {
+        load(item.second, prefix + item.first.Scalar() + ".");
+      } else if (item.first.IsScalar() && item.second.IsScalar()) {
+        const std::string key = prefix + item.first.Scalar();
+        // Of two values that contradict each other, neither is known to be the one that is meant.
+        if (!keys_.insert(key).second) {
+          throw ParamError(where + ": key '" + key + "' is already set in this file");
+        }
+        table_.set(key, item.second.Scalar(), where);
+      } else {
+        throw ParamError(where + ": expected 'key: value' with a single value");
+      }
     }
   }
-}
+
+ private:
+  std::string file_;
+  Table& table_;
+  std::set<std::string> keys_;  // set so far
+};
 
 }  // namespace
 
@@ -198,19 +214,22 @@ void Table::set_assignment(std::string_view assignment) {
 }
 
 void Table::load_yaml(const std::filesystem::path& file) {
-  YAML::Node root;
+  std::vector<YAML::Node> documents;
   try {
-    root = YAML::Load(formats::read_input(file));
+    documents = YAML::LoadAll(formats::read_input(file));
   } catch (const YAML::Exception& error) {
     throw ParamError(file.string() + ": " + error.what());
   }
-  if (root.IsNull()) {
+  if (documents.size() > 1) {
+    throw ParamError(file.string() + ": contains several YAML documents; '---' begins another one");
+  }
+  if (documents.empty() || documents.front().IsNull()) {
     return;
   }
-  if (!root.IsMap()) {
+  if (!documents.front().IsMap()) {
     throw ParamError(file.string() + ": expected lines of the form 'key: value'");
   }
-  load_map(root, "", file.string(), *this);
+  YamlLoader(file.string(), *this).load(documents.front(), "");
 }
 
 std::string Table::to_yaml() const {

@@ -89,6 +89,20 @@ TEST_F(ParamsTest, ErrorsNameFileLineKeyValueAndWhatIsAllowed) {
   EXPECT_THAT(error_of_yaml("just words\n"), HasSubstr("key: value"));
 }
 
+TEST_F(ParamsTest, AKeyIsSetOnceInAFileButAgainByTheNextFile) {
+  EXPECT_THAT(error_of_yaml("range_m: 4\ncount: 4\nrange_m: 5\n"),
+              AllOf(HasSubstr("p.yaml:3"), HasSubstr("'range_m' is already set in this file")));
+  EXPECT_EQ(error_of_yaml("range_m: 6\n"), "");
+  EXPECT_EQ(error_of_yaml("range_m: 7\n"), "");
+  EXPECT_EQ(params_.range_m, 7.0);
+}
+
+TEST_F(ParamsTest, ASecondDocumentIsRefused) {
+  EXPECT_EQ(error_of_yaml("---\nrange_m: 4\n...\n"), "");
+  EXPECT_THAT(error_of_yaml("range_m: 6\n---\ncount: 4\n"), HasSubstr("several YAML documents"));
+  EXPECT_EQ(params_.range_m, 4.0) << "neither is used";
+}
+
 TEST_F(ParamsTest, ARefusedValueChangesNothing) {
   EXPECT_THROW(table_.set_assignment("count=6"), ParamError);
   EXPECT_THROW(table_.set_assignment("pitch_deg=91"), ParamError);
@@ -176,6 +190,14 @@ TEST(NestedTable, LoadsWhatItWritesAndDottedKeys) {
   EXPECT_EQ(table.to_yaml(), yaml);
   table.load_yaml(dir.path() / "dotted.yaml");
   EXPECT_EQ(loaded.near.gain, 4.0);
+}
+
+TEST(NestedTable, NestedAndDottedKeysAreTheSameKey) {
+  const test::TemporaryDir dir;
+  NestedParams params;
+  Table table(params);
+  std::ofstream(dir.path() / "twice.yaml") << "near:\n  gain: 2\nfar:\n  gain: 3\nnear.gain: 4\n";
+  EXPECT_THROW(table.load_yaml(dir.path() / "twice.yaml"), ParamError);
 }
 
 TEST(NestedTable, NamesTheNewKeyOfARenamedOne) {
