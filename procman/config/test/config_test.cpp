@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "procman/config/parser.hpp"
+#include "tests/support/program.hpp"
 
 namespace nodmap::procman {
 namespace config_test {
@@ -36,6 +37,23 @@ TEST(Config, NormalizesGroupPaths) {
   EXPECT_EQ(normalized_group("//a///b/"), "a/b");
   EXPECT_EQ(normalized_group("/"), "");
   EXPECT_EQ(normalized_group(""), "");
+}
+
+/// A configuration's groups and scripts, without its introduction.
+std::string groups_and_scripts(const std::string& name) {
+  const std::string text = test::slurp(std::string(NODMAP_PMD_DIR) + "/" + name);
+  return text.substr(text.find("\ngroup "));
+}
+
+TEST(TwoHosts, IsTheRobotExceptForTheHosts) {
+  std::string two_hosts = groups_and_scripts("two_hosts.pmd");
+  const std::string elsewhere = "deputy = \"mapper\"";
+  int moved = 0;
+  for (std::size_t at = 0; (at = two_hosts.find(elsewhere)) != std::string::npos; ++moved) {
+    two_hosts.replace(at, elsewhere.size(), "deputy = \"robot\"");
+  }
+  EXPECT_EQ(moved, 2);
+  EXPECT_EQ(two_hosts, groups_and_scripts("robot.pmd"));
 }
 
 TEST(ProgramOf, IsTheFirstWordThatIsNotAnAssignment) {
