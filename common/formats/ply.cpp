@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/formats/ply.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstring>
@@ -111,6 +112,26 @@ Header read_header(std::istream& in) {
   throw std::runtime_error("the header has no end");
 }
 
+bool is_coordinate(const Element& element, const Property& property) {
+  const std::string& name = property.name;
+  return element.name == "vertex" && !property.is_list && name.size() == 1 && name[0] >= 'x' &&
+         name[0] <= 'z';
+}
+
+/// Throws unless the file has vertices with all three coordinates, each once.
+void require_coordinates(const Header& header) {
+  std::string found;
+  for (const Element& element : header.elements) {
+    for (const Property& property : element.properties) {
+      found += is_coordinate(element, property) ? property.name : "";
+    }
+  }
+  std::ranges::sort(found);
+  if (found != "xyz") {
+    throw std::runtime_error("no element 'vertex' with the properties x, y and z");
+  }
+}
+
 template <class Value>
 double read_binary(std::istream& in) {
   std::array<char, sizeof(Value)> bytes{};
@@ -178,6 +199,7 @@ void read_values(std::istream& in, const Property& property, bool binary,
 template <class OnValue, class OnItem>
 void read_items(std::istream& in, const std::string& last, OnValue&& on_value, OnItem&& on_item) {
   const Header header = read_header(in);
+  require_coordinates(header);
   std::vector<double> values;
   for (const Element& element : header.elements) {
     for (std::size_t i = 0; i < element.count; ++i) {
@@ -191,12 +213,6 @@ void read_items(std::istream& in, const std::string& last, OnValue&& on_value, O
       return;
     }
   }
-}
-
-bool is_coordinate(const Element& element, const Property& property) {
-  const std::string& name = property.name;
-  return element.name == "vertex" && !property.is_list && name.size() == 1 && name[0] >= 'x' &&
-         name[0] <= 'z';
 }
 
 void require_finite(const Eigen::Vector3d& vertex) {

@@ -37,7 +37,8 @@ TEST(Ply, EmptyCutOffAndForeignFiles) {
   write_ply(dir.path() / "empty.ply", {});
   EXPECT_TRUE(read_ply(dir.path() / "empty.ply").empty());
   std::ofstream(dir.path() / "cut.ply")
-      << "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nend_header\n1\n";
+      << "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n"
+         "property float z\nend_header\n1\n";
   EXPECT_THROW((void)read_ply(dir.path() / "cut.ply"), std::runtime_error);
   std::ofstream(dir.path() / "endless.ply")
       << "ply\nformat ascii 1.0\nelement vertex 9223372036854775808\nend_header\n1\n";
@@ -53,6 +54,24 @@ TEST(Ply, AVertexThatIsNotFiniteIsRefused) {
   for (const Eigen::Vector3f& p : {Eigen::Vector3f(kNan, 0, 0), Eigen::Vector3f(0, 0, kInfinity)}) {
     write_ply(dir.path() / "a.ply", {{{1, 2, 3}, {}}, {p, {}}});
     EXPECT_THROW((void)read_ply(dir.path() / "a.ply"), std::runtime_error);
+  }
+}
+
+TEST(Ply, WithoutAllThreeCoordinatesOfAVertexItIsRefused) {
+  const test::TemporaryDir dir;
+  const std::string vertex = "element vertex 1\n";
+  const std::string x = "property float x\n";
+  const std::string y = "property float y\n";
+  const std::string z = "property float z\n";
+  const std::string face = "element face 1\nproperty list uchar int vertex_indices\n";
+  for (const std::string& elements :
+       {vertex + x + y + face, vertex + "property float X\n" + y + z + face,
+        vertex + x + y + "property list uchar float z\n" + face, vertex + x + y + z + z + face,
+        "element point 1\n" + x + y + z + face, face}) {
+    std::ofstream(dir.path() / "a.ply") << "ply\nformat ascii 1.0\n"
+                                        << elements << "end_header\n1 2 3\n3 0 0 0\n";
+    EXPECT_THROW((void)read_ply(dir.path() / "a.ply"), std::runtime_error) << elements;
+    EXPECT_THROW((void)read_ply_mesh(dir.path() / "a.ply"), std::runtime_error) << elements;
   }
 }
 
