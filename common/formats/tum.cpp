@@ -4,6 +4,7 @@
 #include <cinttypes>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
@@ -23,11 +24,12 @@ void write_tum(const std::filesystem::path& file, const Trajectory& trajectory) 
       q.coeffs() = -q.coeffs();
     }
     const std::int64_t utime = time::to_utime(stamped.stamp);
+    const std::int64_t magnitude = std::abs(utime);
     char line[256];
-    const int length =
-        std::snprintf(line, sizeof line, "%" PRId64 ".%06d %.9f %.9f %.9f %.9f %.9f %.9f %.9f\n",
-                      utime / 1'000'000, static_cast<int>(utime % 1'000'000), p.x(), p.y(), p.z(),
-                      q.x(), q.y(), q.z(), q.w());
+    const int length = std::snprintf(
+        line, sizeof line, "%s%" PRId64 ".%06d %.9f %.9f %.9f %.9f %.9f %.9f %.9f\n",
+        utime < 0 ? "-" : "", magnitude / 1'000'000, static_cast<int>(magnitude % 1'000'000), p.x(),
+        p.y(), p.z(), q.x(), q.y(), q.z(), q.w());
     out.write(line, length);
   }
   out.flush();

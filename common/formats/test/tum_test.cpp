@@ -13,7 +13,8 @@ namespace tum_test {
 TEST(Tum, StampsSurviveToTheMicrosecond) {
   const test::TemporaryDir dir;
   Trajectory trajectory;
-  for (const std::int64_t utime : {0LL, 1LL, 999'999LL, 976052857337284LL, 1071078718462310LL}) {
+  for (const std::int64_t utime :
+       {-1'500'000LL, -1LL, 0LL, 1LL, 999'999LL, 976052857337284LL, 1071078718462310LL}) {
     trajectory.push_back({time::from_utime(utime), geometry::to_se3({1.0 / 3.0, -2, 3.0})});
   }
   write_tum(dir.path() / "a.tum", trajectory);
