@@ -23,12 +23,12 @@ void add_request_options(CLI::App& app, RequestOptions& options, const std::stri
 
 bool handle_until(bus::LiveBus& bus, double wait_s, const std::function<bool()>& is_done) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(wait_s);
-  while (!stop_requested() && std::chrono::steady_clock::now() < end) {
+  do {  // also with --wait 0: what has arrived is handled
     bus.handle(std::chrono::milliseconds(100));
     if (is_done()) {
       return true;
     }
-  }
+  } while (!stop_requested() && std::chrono::steady_clock::now() < end);
   return false;
 }
 
