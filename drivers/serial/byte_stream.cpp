@@ -101,6 +101,7 @@ IoStatus DescriptorStream::write(std::span<const std::uint8_t> bytes, time::Dura
     }
     std::array<pollfd, 1> entry{{{fd_, POLLOUT, 0}}};
     if (poll_until(entry, deadline) == 0) {
+      ::tcflush(fd_, TCOFLUSH);  // close() would wait up to 30 s until it is sent
       return IoStatus::kTimeout;
     }
   }

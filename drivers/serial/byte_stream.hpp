@@ -32,8 +32,9 @@ class ByteStream : private boost::noncopyable {
   /// raised stop event ends the wait at once.
   [[nodiscard]] virtual ReadResult read(std::span<std::uint8_t> buffer, time::Duration timeout) = 0;
 
-  /// Writes all of `bytes`, or as many as the device accepts within `timeout`. The stop event does
-  /// not interrupt a write, because the last thing that a driver writes is the stop command.
+  /// Writes all of `bytes`, or as many as the device accepts within `timeout`; after a time-out,
+  /// what it has not sent yet is dropped. The stop event does not interrupt a write, because the
+  /// last thing that a driver writes is the stop command.
   [[nodiscard]] virtual IoStatus write(std::span<const std::uint8_t> bytes,
                                        time::Duration timeout) = 0;
 
