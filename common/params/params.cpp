@@ -102,6 +102,9 @@ class YamlLoader {
   void load(const YAML::Node& map, const std::string& prefix) {
     for (const auto& item : map) {
       const std::string where = file_ + ":" + std::to_string(item.first.Mark().line + 1);
+      if (std::ranges::count(prefix, '.') > kMaxSections) {
+        throw ParamError(where + ": too many sections within each other");
+      }
       if (item.first.IsScalar() && item.second.IsMap()) {
         load(item.second, prefix + item.first.Scalar() + ".");
       } else if (item.first.IsScalar() && item.second.IsScalar()) {
@@ -118,6 +121,9 @@ class YamlLoader {
   }
 
  private:
+  // Far more than any table has. By an alias, a section can contain itself.
+  static constexpr int kMaxSections = 20;
+
   std::string file_;
   Table& table_;
   std::set<std::string> keys_;  // set so far

@@ -108,7 +108,7 @@ def main():
     write_seeds(out / "event_log", EVENT_LOG)
     write_seeds(out / "ply", PLY)
     worlds = sorted((ROOT / "sim" / "worlds").glob("*.yaml"))[:5]
-    write_seeds(out / "yaml", [file.read_bytes() for file in worlds + sorted((ROOT / "config").rglob("*.yaml"))])
+    write_seeds(out / "yaml", [file.read_bytes() for file in worlds + sorted((ROOT / "config").rglob("*.yaml"))] + [b"a: &a\n  b: *a\n"])
     nod = [b"\x01" + line.encode() for line in re.findall(r'"([^"\\]{20,})\\n"', (ROOT / "tools" / "convert" / "test" / "nod_test.cpp").read_text())]
     write_seeds(out / "recording", [b"\x00" + CLF, UOS] + nod)
     write_seeds(out / "websocket", FRAMES)

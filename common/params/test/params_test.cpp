@@ -103,6 +103,10 @@ TEST_F(ParamsTest, ASecondDocumentIsRefused) {
   EXPECT_EQ(params_.range_m, 4.0) << "neither is used";
 }
 
+TEST_F(ParamsTest, ASectionThatContainsItselfIsRefused) {
+  EXPECT_THAT(error_of_yaml("near: &near\n  far: *near\n"), HasSubstr("too many sections"));
+}
+
 TEST_F(ParamsTest, ARefusedValueChangesNothing) {
   EXPECT_THROW(table_.set_assignment("count=6"), ParamError);
   EXPECT_THROW(table_.set_assignment("pitch_deg=91"), ParamError);
