@@ -66,8 +66,7 @@ class Watch {
       warn();
       terminal_ ? show() : print_changes();
     }
-    const bool is_cut_short = runner_ && !runner_->is_over();
-    return exit_code_.value_or(is_cut_short || has_failed_ ? kFailed : kDone);
+    return exit_code_.value_or(code_of_stop());
   }
 
  private:
@@ -75,6 +74,7 @@ class Watch {
   void begin_script_of(Key key);
   void step_script();
   void end_script();
+  [[nodiscard]] int code_of_stop() const;
   void reload_config();
   void look_for_other_sheriff();
   void yield_to(const std::string& other);
@@ -184,6 +184,14 @@ void Watch::end_script() {
   } else if (options_.after_script == AfterScript::kObserve) {
     sheriff_.observe();
   }
+}
+
+/// The exit code after a signal. A sheriff that was to stay has ended as it should, whatever became
+/// of its script: systemd runs a service's stop script only if its program did not fail.
+int Watch::code_of_stop() const {
+  const bool is_cut_short = runner_ && !runner_->is_over();
+  const bool stays = options_.after_script == AfterScript::kStay;
+  return !stays && (is_cut_short || has_failed_) ? kFailed : kDone;
 }
 
 /// Not while a script runs, because it refers to the previous configuration.

@@ -17,6 +17,8 @@ cmd "sleeper" { exec = "sleep 1000"; deputy = "here";
 cmd "failing" { exec = "ls /no/such/file"; deputy = "here"; }
 script "up" { start cmd "sleeper" wait "running"; }
 script "fail" { start cmd "failing"; }
+script "half" { start cmd "failing"; start cmd "sleeper" wait "running"; }
+script "endless" { restart cmd "sleeper" wait "stopped"; }
 PMD
 
 # The pids of this test's processes with this command line; some may end meanwhile.
@@ -61,6 +63,17 @@ wait_for is_up
 kill -TERM "$sheriff"
 wait "$sheriff" || true
 echo "a killed deputy takes up its commands again"
+
+# nodmap-robot.service runs its stop script only if its sheriff ends with exit code 0 when it is stopped.
+for stop in "half has failed" "endless sleeper: Restarting"; do
+  read -r script said <<<"$stop"
+  "$bin/nodmap-sheriff" "$work/a.pmd" --script "$script" --on-script-complete stay >"$work/$script.log" 2>&1 &
+  sheriff=$!
+  wait_for grep -q "$said" "$work/$script.log"
+  kill -TERM "$sheriff"
+  wait "$sheriff" || fail "a sheriff that is stopped after '$said' ends with exit code $?"
+done
+echo "a sheriff that was to stay ends well when it is stopped, whatever became of its script"
 
 "$bin/nodmap-sheriff" "$work/a.pmd" --script fail --on-script-complete exit --timeout 20 >"$work/fail.log" 2>&1 && fail "a failing command is no failure"
 # The command wrote its output when nobody was listening.
