@@ -131,7 +131,7 @@ watched=0
 run "$bin/nodmap-watch" "${watch[@]}" || watched=$?
 
 say "stopping the processes"
-run "$bin/nodmap-sheriff" "$config" --script stop_all --on-script-complete exit --timeout 30 >>"$out/sheriff.log" || die "not every process stopped; see $out/sheriff.log"
+run "$bin/nodmap-sheriff" "$config" --script stop_all --on-script-complete exit --timeout 60 >>"$out/sheriff.log" || die "not every process stopped; see $out/sheriff.log"
 "$bin/nodmap-sheriff" "$config" --status --json >"$out/status.json" || true
 end_deputy || die "the deputy did not end cleanly; see $out/deputy.log"
 if [[ $watched -ne 0 ]]; then

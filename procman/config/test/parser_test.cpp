@@ -6,11 +6,9 @@
 
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 #include <string>
 
 #include "tests/support/data_dir.hpp"
-#include "tests/support/program.hpp"
 
 namespace nodmap::procman {
 namespace parser_test {
@@ -254,52 +252,6 @@ TEST(Parser, AnEmptyFileIsAnEmptyConfiguration) {
   EXPECT_TRUE(parsed("").commands.empty());
   EXPECT_TRUE(parsed(" # nothing\n").commands.empty());
 }
-
-class RealConfig : public ::testing::TestWithParam<const char*> {};
-
-TEST_P(RealConfig, IsValidAndTruncatedAnywhereItIsReadWithoutACrash) {
-  const std::string text = test::slurp(std::string(NODMAP_PMD_DIR) + "/" + GetParam());
-  parsed(text);
-  int num_errors = 0;
-  for (std::size_t size = 0; size < text.size(); ++size) {
-    const ParsedConfig cut = parse_config(std::string_view(text).substr(0, size));
-    num_errors += cut.errors.empty() ? 0 : 1;
-    for (const ConfigError& error : cut.errors) {
-      EXPECT_GE(error.place.line, 1);
-      EXPECT_GE(error.place.column, 1);
-    }
-  }
-  EXPECT_GT(num_errors, 0);
-}
-
-// `host` is the name that the existing tools used before 2015; our configurations use the present
-// one.
-TEST_P(RealConfig, UsesTheWordDeputyAsTheExistingToolsDo) {
-  std::istringstream text(test::slurp(std::string(NODMAP_PMD_DIR) + "/" + GetParam()));
-  int num_deputies = 0;
-  for (std::string line; std::getline(text, line);) {
-    EXPECT_EQ(line.find("host = "), std::string::npos) << line;
-    num_deputies += line.find("deputy = ") != std::string::npos ? 1 : 0;
-  }
-  EXPECT_EQ(static_cast<std::size_t>(num_deputies),
-            load_config(std::string(NODMAP_PMD_DIR) + "/" + GetParam()).commands.size());
-}
-
-// While somebody forges DRIVE it is FAILED; it would be restarted, and a person would have to
-// release the robot.
-TEST_P(RealConfig, TheBaseDriverIsRestartedOnlyWhenItIsSilent) {
-  const Config config = load_config(std::string(NODMAP_PMD_DIR) + "/" + GetParam());
-  for (const Command& command : config.commands) {
-    if (program_of(command.exec) == "nodmap-kurt") {
-      EXPECT_FALSE(command.health.restart_failed_s);
-      EXPECT_FALSE(command.health.restart_degraded_s);
-      EXPECT_TRUE(command.health.restart_silent_s);
-    }
-  }
-}
-
-INSTANTIATE_TEST_SUITE_P(All, RealConfig,
-                         ::testing::Values("robot.pmd", "sim.pmd", "replay.pmd", "two_hosts.pmd"));
 
 TEST(Parser, ReadsAFileOrNamesAllItsErrors) {
   const test::TemporaryDir dir;
