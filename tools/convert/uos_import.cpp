@@ -79,7 +79,9 @@ std::map<int, std::filesystem::path> find_scans(const std::filesystem::path& dir
     const std::string stem = entry.path().stem().string();
     int number = -1;
     if (entry.path().extension() == ".3d" && stem.starts_with("scan")) {
-      std::from_chars(stem.data() + 4, stem.data() + stem.size(), number);
+      const char* end = stem.data() + stem.size();
+      const bool is_whole = std::from_chars(stem.data() + 4, end, number).ptr == end;
+      number = is_whole ? number : -1;  // scan001_old.3d is none
     }
     if (number >= std::max(0, range.first) && number <= range.last) {
       scans.emplace(number, entry.path());

@@ -142,6 +142,19 @@ TEST_F(Import, UosScansAreTakenStationaryWithDrivesBetweenThem) {
   EXPECT_EQ(messages.odometry.back().position_m[0], 2.0);
 }
 
+// Copies that somebody keeps beside the scans: one has no pose, which would be an error.
+TEST_F(Import, UosTakesNoFileWhoseNameOnlyBeginsLikeThatOfAScan) {
+  for (const char* name : {"scan000.3d", "scan000_old.3d", "scan001b.3d"}) {
+    write(name, tiny_uos_scan());
+  }
+  write("scan000.pose", "0 0 0\n0 0 0\n");
+  write("scan000_old.pose", "0 0 900\n0 0 0\n");
+  import_uos(dir_.path(), file("a.lcmlog"), {});
+  const auto messages = test::messages_of(file("a.lcmlog"));
+  EXPECT_EQ(messages.scans.size(), 2U);
+  EXPECT_EQ(messages.odometry.back().position_m[0], 0.0);
+}
+
 TEST_F(Import, UosWithoutAPoseIsAnErrorThatNamesTheFile) {
   write("scan000.3d", tiny_uos_scan());
   try {
