@@ -20,8 +20,6 @@
 namespace nodmap {
 namespace {
 
-/// Period at which the goal is sent again, for a navigator that has missed it or was restarted.
-constexpr std::chrono::seconds kRepeat(1);
 constexpr std::chrono::milliseconds kLongestWait(100);
 constexpr double kToleranceM = 0.2;
 constexpr double kDockingToleranceM = 0.02;
@@ -91,7 +89,7 @@ class Guide {
 
  private:
   void send_goal() {
-    goal_due_ = time::steady_now() + kRepeat;
+    goal_due_ = time::steady_now() + Route::kRepeat;
     goal_t goal{};
     goal.utime = time::to_utime(time::SystemClock().now());
     goal.goal_seq = next_seq_++;

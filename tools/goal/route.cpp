@@ -4,12 +4,6 @@
 #include <utility>
 
 namespace nodmap {
-namespace {
-
-/// After this time the navigator has received the goal, and its earlier reports have arrived.
-constexpr time::Duration kSettled = std::chrono::milliseconds(500);
-
-}  // namespace
 
 Route::Route(std::vector<Eigen::Vector2d> waypoints_map, bool is_patrol, time::Duration patience,
              time::SteadyTime now)

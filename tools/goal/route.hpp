@@ -16,14 +16,20 @@ class Route {
  public:
   enum class Event : std::uint8_t { kNone, kReached, kMissed };
 
+  /// The goal is sent again with this period, for a navigator that has missed it or was restarted.
+  static constexpr time::Duration kRepeat = 1s;
+  /// After this time the navigator knows the goal, even if the first two messages were lost, and
+  /// its earlier reports have arrived.
+  static constexpr time::Duration kSettled = 2 * kRepeat + 500ms;
+
   /// `waypoints_map`: at least one, metres in map. With `is_patrol` the first follows after the
   /// last. A waypoint is missed only after `patience` without a path, because the navigator looks
   /// around before it gives up a path, and a door may open.
   Route(std::vector<Eigen::Vector2d> waypoints_map, bool is_patrol, time::Duration patience,
         time::SteadyTime now);
 
-  /// Takes the navigator's report whether it is at its goal. Reports within the first half second
-  /// are about the previous waypoint.
+  /// Takes the navigator's report whether it is at its goal. Reports before kSettled may be about
+  /// the previous waypoint.
   Event take_arrival(bool has_arrived, time::SteadyTime now);
 
   /// Takes the navigator's report whether it knows a path to its goal.

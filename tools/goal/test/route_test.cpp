@@ -29,26 +29,28 @@ TEST(Route, LeadsFromOneWaypointToTheNextAndIsOverAfterTheLast) {
   EXPECT_EQ(route.take_arrival(true, at(40.0)), Event::kNone) << "once only";
 }
 
-// The navigator still reports that it is at the previous waypoint.
+// The navigator still reports that it is at the previous waypoint. Two of its goals were lost.
 TEST(Route, AnArrivalCountsForTheWaypointItBelongsTo) {
   Route route(kThree, false, time::from_seconds(10), at(0));
-  EXPECT_EQ(route.take_arrival(true, at(0.4)), Event::kNone);
-  EXPECT_EQ(route.take_arrival(true, at(0.6)), Event::kReached) << "where it stands already";
-  EXPECT_EQ(route.take_arrival(true, at(0.9)), Event::kNone);
+  const time::SteadyTime third_goal = at(0) + 2 * Route::kRepeat;
+  EXPECT_EQ(route.take_arrival(true, third_goal + 400ms), Event::kNone);
+  EXPECT_EQ(route.take_arrival(true, third_goal + 600ms), Event::kReached)
+      << "where it stands already";
+  EXPECT_EQ(route.take_arrival(true, third_goal + 900ms), Event::kNone);
   EXPECT_EQ(route.index(), 1U);
 }
 
 TEST(Route, AWaypointIsMissedAfterALongTimeWithoutAPath) {
   Route route(kThree, false, time::from_seconds(10), at(0));
-  EXPECT_EQ(route.take_path(false, at(1)), Event::kNone);
-  EXPECT_EQ(route.take_path(false, at(10.9)), Event::kNone);
-  EXPECT_EQ(route.take_path(true, at(10.95)), Event::kNone) << "a door has opened";
-  EXPECT_EQ(route.take_path(false, at(12)), Event::kNone);
-  EXPECT_EQ(route.take_path(false, at(21.9)), Event::kNone);
-  EXPECT_EQ(route.take_path(false, at(22)), Event::kMissed);
+  EXPECT_EQ(route.take_path(false, at(3)), Event::kNone);
+  EXPECT_EQ(route.take_path(false, at(12.9)), Event::kNone);
+  EXPECT_EQ(route.take_path(true, at(12.95)), Event::kNone) << "a door has opened";
+  EXPECT_EQ(route.take_path(false, at(14)), Event::kNone);
+  EXPECT_EQ(route.take_path(false, at(23.9)), Event::kNone);
+  EXPECT_EQ(route.take_path(false, at(24)), Event::kMissed);
   EXPECT_EQ(route.index(), 1U);
   EXPECT_EQ(route.num_missed(), 1);
-  EXPECT_EQ(route.take_path(false, at(22.1)), Event::kNone) << "of the waypoint before";
+  EXPECT_EQ(route.take_path(false, at(24.1)), Event::kNone) << "of the waypoint before";
 }
 
 TEST(Route, APatrolGoesRoundUntilEveryWaypointIsMissedInTurn) {
@@ -60,7 +62,7 @@ TEST(Route, APatrolGoesRoundUntilEveryWaypointIsMissedInTurn) {
   EXPECT_EQ(route.index(), 1U);
   for (int i = 0; i < 3; ++i) {
     EXPECT_FALSE(route.is_over());
-    EXPECT_EQ(route.take_path(false, at(now_s += 1.0)), Event::kNone);
+    EXPECT_EQ(route.take_path(false, at(now_s += 3.0)), Event::kNone);
     EXPECT_EQ(route.take_path(false, at(now_s += 1.0)), Event::kMissed);
   }
   EXPECT_TRUE(route.is_over());
