@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "procman/protocol/fleet.hpp"
 
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <csignal>
-#include <cstring>
 #include <limits>
 #include <utility>
+
+#include "procman/protocol/wait_status.hpp"
 
 namespace nodmap::procman {
 namespace {
@@ -36,12 +36,14 @@ std::int32_t run_after(std::int32_t run) {
 /// Whether a command ended without error: with exit code 0, or by the signal sent to stop it.
 bool is_good_end(const Fleet::Item& item) {
   const int status = item.status->wait_status;
-  if (status == 0) {
-    return true;
-  }
-  const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
-  return item.stop_ordered && (signal == SIGTERM || signal == SIGINT || signal == SIGKILL ||
-                               (signal != 0 && signal == item.spec.stop_signal));
+  return status == 0 || (item.stop_ordered && may_be_a_stop(status, item.spec.stop_signal));
+}
+
+/// Whether a deputy will start a command again that it reports as not running, as far as that can
+/// be seen: it has ended with an error, and not as one that was stopped.
+bool will_respawn(const CommandStatus& status) {
+  return status.pid == 0 && status.actual_run != 0 && status.spec.auto_respawn &&
+         !may_be_a_stop(status.wait_status, status.spec.stop_signal);
 }
 
 /// Whether a deputy reports a command.
@@ -88,19 +90,6 @@ const char* name_of(CommandState state) {
     default:
       return "Unknown";
   }
-}
-
-std::string describe_end(int wait_status) {
-  if (wait_status == 0) {
-    return {};
-  }
-  if (WIFSIGNALED(wait_status)) {
-    const int signal = WTERMSIG(wait_status);
-    const char* name = ::sigdescr_np(signal);
-    return "killed by signal " + std::to_string(signal) +
-           (name != nullptr ? " (" + std::string(name) + ")" : "");
-  }
-  return "exit " + std::to_string(WEXITSTATUS(wait_status));
 }
 
 // The same form as the existing sheriff's id: host, process, time.
@@ -217,6 +206,7 @@ void Fleet::begin_run(Item& item) {
   item.desired_run = run_after(item.desired_run);
   item.force_quit = item.stop_ordered = false;
   item.failed_status.reset();
+  item.respawns_until.reset();
 }
 
 bool Fleet::take_info(const DeputyInfo& info, time::SteadyTime now, const bus::Sender& sender) {
@@ -261,20 +251,24 @@ Fleet::Item* Fleet::find_or_add(const CommandSpec& spec, const std::string& depu
 
 /// Takes over a command that an earlier sheriff started. It continues as it is; orders already
 /// given to this sheriff still apply.
-void Fleet::adopt(Item& item, const CommandStatus& status) {
+void Fleet::adopt(Item& item, const CommandStatus& status, time::SteadyTime now) {
   const bool start_wished = item.desired_run != 0 && !item.force_quit;
   const bool is_down = status.pid == 0;
   item.desired_run = start_wished && is_down ? run_after(status.actual_run) : status.actual_run;
+  item.adopted = true;
+  if (!start_wished && will_respawn(status)) {
+    item.respawns_until = now + kRespawnTime;
+    return;
+  }
   item.force_quit |= !start_wished && is_down;
   // Nobody knows who stopped it. An end by the stop signal is taken as ordered, one by SIGKILL as
   // an error: the stop signal had no effect, or the system killed it.
   item.stop_ordered |= is_down && status.wait_status != SIGKILL;
-  item.adopted = true;
 }
 
 void Fleet::take_status(Item& item, const CommandStatus& status, time::SteadyTime now) {
   if (!item.adopted) {
-    adopt(item, status);
+    adopt(item, status, now);
   }
   const std::int32_t pid_before = item.status ? item.status->pid : 0;
   const bool ended_by_itself = item.status && pid_before != 0 && status.pid == 0 &&
@@ -294,7 +288,11 @@ void Fleet::take_status(Item& item, const CommandStatus& status, time::SteadyTim
   if (is_this_run && item.desired_run != 0 && !item.force_quit && !is_good_end(item)) {
     item.failed_status = status.wait_status;
   }
-  item.force_quit |= ended_by_itself || ended_unseen;
+  if (status.pid != 0) {
+    item.respawns_until.reset();
+  }
+  const bool was_stopped = item.respawns_until && now > *item.respawns_until;
+  item.force_quit |= ended_by_itself || ended_unseen || was_stopped;
 }
 
 void Fleet::take_runs(const Runs& runs, time::SteadyTime now, const bus::Sender& sender) {

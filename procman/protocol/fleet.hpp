@@ -29,9 +29,6 @@ enum class CommandState : std::uint8_t {
 /// The text for people, as in the existing sheriff: "Running", "Stopped (Error)", ...
 [[nodiscard]] const char* name_of(CommandState state);
 
-/// Describes a wait status: "exit 3", "killed by signal 9 (Killed)"; empty for a clean end.
-[[nodiscard]] std::string describe_end(int wait_status);
-
 /// The id of a sheriff in this process, without the start time at its end: "host:process:".
 [[nodiscard]] std::string sheriff_id_prefix();
 
@@ -46,6 +43,9 @@ class Fleet {
   static constexpr time::Duration kInfoGap = 1500ms;
   /// Reports of a deputy are taken from one sender until it has missed two of them.
   static constexpr time::Duration kDeputySilence = 2s;
+
+  /// A deputy starts a command again after a second at most; one more INFO may be lost.
+  static constexpr time::Duration kRespawnTime = 3s;
 
   /// A sheriff that has given orders for this long does not yield. Another one then has not looked
   /// for it, or its network was divided; and anybody can send a message that looks like one.
@@ -72,6 +72,9 @@ class Fleet {
     std::optional<Run> reported_run;  ///< the present run, from PM_RUNS
     /// The wait status of the newest failure since the last start order. An ordered end is none.
     std::optional<std::int32_t> failed_status;
+    /// Of a command that was adopted between its end and its respawn: if it does not run again by
+    /// then, somebody has stopped it.
+    std::optional<time::SteadyTime> respawns_until;
   };
 
   struct DeputyItem {
@@ -150,7 +153,7 @@ class Fleet {
   [[nodiscard]] static Item configure(std::optional<Item> before, const Command& command,
                                       std::vector<std::string>& changes);
   static void begin_run(Item& item);
-  static void adopt(Item& item, const CommandStatus& status);
+  static void adopt(Item& item, const CommandStatus& status, time::SteadyTime now);
   static void take_status(Item& item, const CommandStatus& status, time::SteadyTime now);
 
   std::string sheriff_id_;

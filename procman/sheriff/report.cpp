@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
+#include "procman/protocol/wait_status.hpp"
+
 namespace nodmap::procman {
 namespace {
 

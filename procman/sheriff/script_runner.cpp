@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "procman/protocol/wait_status.hpp"
+
 namespace nodmap::procman {
 namespace {
 

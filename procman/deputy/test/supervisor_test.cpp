@@ -165,6 +165,18 @@ TEST_F(SupervisorTest, AStoppedCommandDoesNotRespawn) {
   EXPECT_FALSE(supervisor_.next_due().has_value());
 }
 
+// A sheriff that has just begun orders what it has found.
+TEST_F(SupervisorTest, AnOrderForTheSameRunLeavesTheRespawnDue) {
+  CommandOrder wanted = order(1);
+  wanted.spec.auto_respawn = true;
+  start_a(wanted);
+  static_cast<void>(supervisor_.ended("a", kExit3, now_));
+  const auto due = supervisor_.next_due();
+  EXPECT_THAT(words(take({wanted})), IsEmpty());
+  EXPECT_EQ(supervisor_.next_due(), due);
+  EXPECT_TRUE(due.has_value());
+}
+
 TEST_F(SupervisorTest, StopsAndForgetsACommandThatIsNotInTheOrders) {
   start_a();
   EXPECT_THAT(words(take({})), ElementsAre("signal a 2"));

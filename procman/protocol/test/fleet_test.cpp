@@ -167,7 +167,9 @@ TEST_F(FleetTest, ARespawningCommandStaysWanted) {
 }
 
 TEST_F(FleetTest, TakesOverTheCommandsOfADeputyAsTheyAre) {
-  report({status("a", 7, 5), status("r", 0, 3, SIGINT), status("unheard-of", 9, 2)});
+  CommandStatus stopped = status("r", 0, 3, SIGINT);
+  stopped.spec.auto_respawn = true;
+  report({status("a", 7, 5), stopped, status("unheard-of", 9, 2)});
   EXPECT_EQ(order("a").desired_run, 5);
   EXPECT_FALSE(order("a").force_quit);
   EXPECT_EQ(order("r").desired_run, 3);
@@ -175,6 +177,40 @@ TEST_F(FleetTest, TakesOverTheCommandsOfADeputyAsTheyAre) {
   EXPECT_EQ(state("r"), "Stopped (OK)") << "it is not known who stopped it";
   EXPECT_EQ(order("unheard-of").desired_run, 2)
       << "a command left out of the orders would be stopped";
+}
+
+// A command that ends at once is between two runs most of the time.
+TEST_F(FleetTest, ACommandTakenOverBetweenTwoRunsIsStartedAgain) {
+  CommandStatus down = status("r", 0, 3, 1 << 8);
+  down.spec.auto_respawn = true;
+  report({down});
+  EXPECT_FALSE(order("r").force_quit) << "it would never be started again";
+  EXPECT_EQ(order("r").desired_run, 3);
+  EXPECT_EQ(state("r"), "Stopped (Error)");
+  now_ += 1s;
+  report({status("r", 8, 3)});
+  EXPECT_EQ(state("r"), "Running");
+  now_ += Fleet::kRespawnTime + 1us;
+  down.wait_status = SIGTERM;
+  report({down});
+  EXPECT_FALSE(order("r").force_quit);
+  EXPECT_EQ(state("r"), "Stopped (Error)") << "nobody has stopped it";
+}
+
+// Some programs end with an error when they are stopped. A restarted deputy must not start them.
+TEST_F(FleetTest, ACommandTakenOverThatDoesNotRunAgainInTimeWasStopped) {
+  CommandStatus down = status("r", 0, 3, 1 << 8);
+  down.spec.auto_respawn = true;
+  report({down});
+  now_ += Fleet::kRespawnTime;
+  report({down});
+  EXPECT_FALSE(order("r").force_quit);
+  now_ += 1us;
+  report({down});
+  EXPECT_TRUE(order("r").force_quit);
+  fleet_.start("r");
+  report({down});
+  EXPECT_FALSE(order("r").force_quit) << "an order counts for longer";
 }
 
 TEST_F(FleetTest, TheGreatestRunNumberIsFollowedByOne) {
@@ -296,12 +332,6 @@ TEST_F(FleetTest, ASheriffThatHasGivenOrdersForLongDoesNotYield) {
   receive_orders("you:2:1");
   EXPECT_EQ(other_sheriff(), "you:2:1");
   EXPECT_FALSE(fleet_.must_yield(now_));
-}
-
-TEST(DescribeEnd, DistinguishesExitsFromSignals) {
-  EXPECT_EQ(describe_end(0), "");
-  EXPECT_EQ(describe_end(3 << 8), "exit 3");
-  EXPECT_EQ(describe_end(SIGKILL), "killed by signal 9 (Killed)");
 }
 
 TEST_F(FleetTest, TheAgeOfARunIsThatReportedByItsDeputy) {
