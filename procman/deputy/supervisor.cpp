@@ -48,11 +48,15 @@ SupervisorActions Supervisor::take_orders(const Orders& orders, time::Duration a
     }
     return actions;
   }
+  std::set<std::string_view> ordered;
   for (const CommandOrder& order : orders.commands) {
-    carry_out(order, now, actions);
+    // A command that is listed again, in another run, would be started twice: it does not run yet.
+    if (ordered.insert(order.spec.id).second) {
+      carry_out(order, now, actions);
+    }
   }
   if (trusts_orders_) {
-    remove_missing(orders, now, actions);
+    remove_missing(ordered, now, actions);
   }
   if (!actions.empty()) {
     actions.emplace_back(PublishInfo{});
@@ -133,12 +137,8 @@ bool Supervisor::update_spec(Entry& entry, const CommandSpec& spec) {
   return true;
 }
 
-void Supervisor::remove_missing(const Orders& orders, time::SteadyTime now,
+void Supervisor::remove_missing(const std::set<std::string_view>& ordered, time::SteadyTime now,
                                 SupervisorActions& actions) {
-  std::set<std::string_view> ordered;
-  for (const CommandOrder& order : orders.commands) {
-    ordered.insert(order.spec.id);
-  }
   for (auto at = commands_.begin(); at != commands_.end();) {
     const bool is_ordered = ordered.contains(at->first);
     Entry& entry = at->second;

@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -114,7 +116,8 @@ class Supervisor {
   [[nodiscard]] bool has_room_for(const CommandSpec& spec) const;
   [[nodiscard]] CommandSpec checked(CommandSpec spec) const;
   bool update_spec(Entry& entry, const CommandSpec& spec);
-  void remove_missing(const Orders& orders, time::SteadyTime now, SupervisorActions& actions);
+  void remove_missing(const std::set<std::string_view>& ordered, time::SteadyTime now,
+                      SupervisorActions& actions);
   std::map<std::string, Entry>::iterator forget(std::map<std::string, Entry>::iterator at);
   static void start(Entry& entry, std::int32_t run, time::SteadyTime now,
                     SupervisorActions& actions);

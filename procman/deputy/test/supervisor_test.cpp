@@ -73,6 +73,11 @@ TEST_F(SupervisorTest, StartsAWantedCommandOnce) {
   EXPECT_THAT(words(take({order(1)})), IsEmpty());
 }
 
+TEST_F(SupervisorTest, ACommandThatIsListedTwiceIsStartedOnce) {
+  EXPECT_THAT(words(take({order(1), order(2)})), ElementsAre("start a: prog"));
+  EXPECT_EQ(status().actual_run, 1) << "the first one counts";
+}
+
 TEST_F(SupervisorTest, DoesNothingAboutACommandThatWasNeverStarted) {
   const SupervisorActions actions = take({order(0)});
   EXPECT_THAT(words(actions), IsEmpty());
