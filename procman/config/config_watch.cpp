@@ -39,11 +39,16 @@ std::optional<ParsedConfig> ConfigWatch::poll(time::SteadyTime now) {
   if (!stamp || stamp == in_use_ || now - seen_since_ < settle_) {
     return std::nullopt;
   }
-  in_use_ = stamp;
   try {
-    return parse_config(formats::read_input(file_));
-  } catch (const formats::InputFileError&) {
-    return std::nullopt;  // it has been removed, or made unreadable, meanwhile
+    ParsedConfig parsed = parse_config(formats::read_input(file_));
+    in_use_ = stamp;
+    return parsed;
+  } catch (const formats::InputFileError& error) {
+    if (unreadable_ == stamp) {
+      return std::nullopt;
+    }
+    unreadable_ = stamp;
+    return ParsedConfig{{}, {{{}, error.what()}}};
   }
 }
 

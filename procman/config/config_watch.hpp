@@ -17,8 +17,9 @@ class ConfigWatch {
   /// pieces.
   ConfigWatch(std::filesystem::path file, time::Duration settle, time::SteadyTime now);
 
-  /// The new content with its errors, once after each change; else empty. Looks at the file at most
-  /// four times a second.
+  /// The new content with its errors, once after each change; else empty. Of a file that cannot be
+  /// read (its owner may still allow it) it reports that error once, and tries again. Looks at the
+  /// file at most four times a second.
   [[nodiscard]] std::optional<ParsedConfig> poll(time::SteadyTime now);
 
   [[nodiscard]] const std::filesystem::path& file() const { return file_; }
@@ -36,6 +37,7 @@ class ConfigWatch {
   std::filesystem::path file_;
   time::Duration settle_;
   std::optional<Stamp> in_use_;
+  std::optional<Stamp> unreadable_;  // could not be read, which was reported
   std::optional<Stamp> seen_;
   time::SteadyTime seen_since_;
   time::SteadyTime look_due_;

@@ -1,14 +1,28 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "procman/config/config_watch.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/fsuid.h>
 
+#include <boost/core/noncopyable.hpp>
 #include <fstream>
 
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::procman {
 namespace config_watch_test {
+
+/// Opens files as another user, because root may read any file.
+class OtherUser : private boost::noncopyable {
+ public:
+  OtherUser() : before_(static_cast<uid_t>(::setfsuid(kNobody))) {}
+  ~OtherUser() { ::setfsuid(before_); }
+
+ private:
+  static constexpr uid_t kNobody = 65534;
+  uid_t before_;
+};
 
 class ConfigWatchTest : public ::testing::Test {
  protected:
@@ -57,6 +71,33 @@ TEST_F(ConfigWatchTest, ReportsErrorsAndWaitsForAFileThatWasDeleted) {
   const auto parsed = poll_after(1s);
   ASSERT_TRUE(parsed);
   EXPECT_FALSE(parsed->errors.empty());
+}
+
+// Somebody copies it as root, who alone may read it then, and permits everybody to read it later:
+// that changes neither its time nor its size.
+TEST_F(ConfigWatchTest, ReportsOnceThatAFileCannotBeReadAndTriesAgain) {
+  using std::filesystem::perms;
+  std::filesystem::permissions(dir_.path(), perms::group_exec | perms::others_exec,
+                               std::filesystem::perm_options::add);
+  write("cmd \"a\" { exec = \"x\"; }");
+  watch_.emplace(file_, 1s, now_);
+  write("cmd \"b\" { exec = \"x\"; }");
+  std::filesystem::permissions(file_, perms::none);
+  {
+    const OtherUser user;
+    EXPECT_FALSE(poll_after(1s));
+    const auto unread = poll_after(1s);
+    ASSERT_TRUE(unread);
+    ASSERT_EQ(unread->errors.size(), 1U);
+    EXPECT_THAT(unread->errors[0].text, ::testing::HasSubstr("Permission denied"));
+    EXPECT_FALSE(poll_after(1s)) << "once";
+  }
+  std::filesystem::permissions(file_, perms::all);
+  const auto parsed = poll_after(1s);
+  ASSERT_TRUE(parsed);
+  EXPECT_TRUE(parsed->errors.empty());
+  EXPECT_NE(parsed->config.find_command("b"), nullptr);
+  EXPECT_FALSE(poll_after(10s));
 }
 
 }  // namespace config_watch_test
