@@ -227,6 +227,7 @@ void Deputy::reload_config() {
   }
   if (parsed->errors.empty()) {
     const bool names_any = allow(settings_, parsed->config);
+    supervisor_.retry_refused(time::steady_now());
     log::get().info("{} was reloaded{}", settings_.config_file,
                     names_any ? "" : " but has no command for this deputy any more");
   }
@@ -326,9 +327,8 @@ node::Health Deputy::health(time::SteadyTime now) const {
 void Deputy::start(const StartCommand& action) {
   const time::SteadyTime now = time::steady_now();
   if (!settings_.may_run(action.exec)) {
-    log::get().warn("{}: refused: {}", action.id, action.exec);
-    counts_.reject("not_allowed");
-    carry_out(supervisor_.not_started(action.id, settings_.refusal, now));
+    refusals_.add({"not_allowed", action.id + ": refused: " + action.exec}, now);
+    carry_out(supervisor_.refused(action.id, settings_.refusal, now));
     return;
   }
   try {

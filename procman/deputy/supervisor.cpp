@@ -162,6 +162,7 @@ void Supervisor::start(Entry& entry, std::int32_t run, time::SteadyTime now,
   entry.started = now;
   entry.actual_run = run;
   entry.wait_status = 0;
+  entry.is_refused = false;
   entry.kill_due.reset();
   actions.emplace_back(StartCommand{entry.spec.id, entry.spec.exec});
 }
@@ -192,6 +193,20 @@ SupervisorActions Supervisor::not_started(const std::string& id, const std::stri
   return actions;
 }
 
+SupervisorActions Supervisor::refused(const std::string& id, const std::string& reason,
+                                      time::SteadyTime now) {
+  commands_.at(id).is_refused = true;
+  return not_started(id, reason, now);
+}
+
+void Supervisor::retry_refused(time::SteadyTime now) {
+  for (auto& [id, entry] : commands_) {
+    if (entry.is_refused && entry.wanted && entry.spec.auto_respawn) {
+      entry.respawn_due = now;
+    }
+  }
+}
+
 SupervisorActions Supervisor::ended(const std::string& id, int wait_status, time::SteadyTime now) {
   SupervisorActions actions;
   Entry& entry = commands_.at(id);
@@ -209,7 +224,7 @@ SupervisorActions Supervisor::ended(const std::string& id, int wait_status, time
   if (entry.removed) {
     actions.emplace_back(ForgetCommand{id});
     forget(commands_.find(id));
-  } else if (entry.spec.auto_respawn && entry.wanted && !shutting_down_) {
+  } else if (entry.spec.auto_respawn && entry.wanted && !entry.is_refused && !shutting_down_) {
     schedule_respawn(entry, now);
   }
   actions.emplace_back(PublishInfo{});

@@ -42,8 +42,8 @@ using SupervisorAction =
 using SupervisorActions = std::vector<SupervisorAction>;
 
 /// The logic of a deputy as a pure state machine: orders, process ends and time in, actions out.
-/// The deputy performs the actions in order, and answers each StartCommand with started() or
-/// not_started().
+/// The deputy performs the actions in order, and answers each StartCommand with started(),
+/// not_started() or refused().
 class Supervisor {
  public:
   static constexpr time::Duration kMaxOrdersAge = 60s;
@@ -75,6 +75,13 @@ class Supervisor {
   [[nodiscard]] SupervisorActions not_started(const std::string& id, const std::string& reason,
                                               time::SteadyTime now);
 
+  /// The exec line is not permitted. The same as not_started(), but the command is not started
+  /// again before retry_refused() or another order: it would be refused, and reported, each time.
+  [[nodiscard]] SupervisorActions refused(const std::string& id, const std::string& reason,
+                                          time::SteadyTime now);
+  /// Other exec lines are permitted now: refused commands that respawn are due.
+  void retry_refused(time::SteadyTime now);
+
   /// The process of a command and its whole tree have ended.
   [[nodiscard]] SupervisorActions ended(const std::string& id, int wait_status,
                                         time::SteadyTime now);
@@ -105,6 +112,7 @@ class Supervisor {
     int wait_status = 0;
     bool wanted = false;   // should run, so it respawns
     bool removed = false;  // to be forgotten when it has ended
+    bool is_refused = false;
     time::SteadyTime started{};
     std::int64_t num_starts = 0;
     time::Duration respawn_delay = kMinRespawnDelay;

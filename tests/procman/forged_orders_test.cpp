@@ -12,7 +12,17 @@
 namespace nodmap {
 namespace forged_orders_test {
 
+using test::kPatience;
 using test::SheriffProcess;
+
+/// How often a text contains a word.
+std::size_t count(const std::string& text, const std::string& word) {
+  std::size_t found = 0;
+  for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) {
+    ++found;
+  }
+  return found;
+}
 
 class ForgedOrders : public SheriffProcess {
  protected:
@@ -55,6 +65,25 @@ TEST_F(ForgedOrders, AStopSignalThatFreezesIsReplaced) {
                                  std::chrono::milliseconds(70'000)))
       << "within a minute";
   EXPECT_TRUE(client_.runs("sleeper"));
+}
+
+// They are to run again whenever they end.
+TEST_F(ForgedOrders, AThousandUnknownCommandsDoNotFillTheJournal) {
+  begin_deputy();
+  std::vector<procman::CommandOrder> orders(1000);
+  for (std::size_t i = 0; i < orders.size(); ++i) {
+    orders[i].spec.id = std::to_string(i);
+    orders[i].spec.exec = "made up";
+    orders[i].spec.auto_respawn = true;
+    orders[i].desired_run = 1;
+  }
+  client_.order(std::move(orders));
+  ASSERT_TRUE(client_.wait_until([this] { return client_.status("999").wait_status != 0; }));
+  ASSERT_TRUE(client_.wait_for_infos(3)) << "one a second";
+  deputy_->send_signal(SIGTERM);
+  EXPECT_EQ(deputy_->wait_for_end(kPatience), 0);
+  EXPECT_EQ(count(deputy_->said(), "refused"), 1U) << deputy_->said();
+  deputy_.reset();
 }
 
 }  // namespace forged_orders_test

@@ -310,6 +310,33 @@ TEST_F(SupervisorTest, ACommandThatCannotBeStartedHasEndedWithExitCode127) {
   EXPECT_THAT(words(take({order(1)})), IsEmpty());
 }
 
+// It would be refused once a second, for ever.
+TEST_F(SupervisorTest, ARefusedCommandIsStartedAgainOnlyWhenOtherExecLinesArePermitted) {
+  CommandOrder wanted = order(1);
+  wanted.spec.auto_respawn = true;
+  ASSERT_THAT(words(take({wanted})), ElementsAre("start a: prog"));
+  EXPECT_THAT(words(supervisor_.refused("a", "no", now_)), ElementsAre("say a: no\n"));
+  EXPECT_EQ(status().wait_status, 127 << 8);
+  EXPECT_FALSE(supervisor_.next_due().has_value());
+  EXPECT_THAT(words(take({wanted})), IsEmpty());
+  supervisor_.retry_refused(now_);
+  EXPECT_THAT(words(supervisor_.poll(now_)), ElementsAre("start a: prog"));
+  EXPECT_THAT(words(supervisor_.not_started("a", "no program", now_)),
+              ElementsAre("say a: no program\n"));
+  EXPECT_TRUE(supervisor_.next_due().has_value()) << "now it respawns as any other";
+}
+
+TEST_F(SupervisorTest, ARefusedCommandThatWasStoppedIsNotStartedAgain) {
+  CommandOrder wanted = order(1);
+  wanted.spec.auto_respawn = true;
+  ASSERT_THAT(words(take({wanted})), ElementsAre("start a: prog"));
+  static_cast<void>(supervisor_.refused("a", "no", now_));
+  wanted.force_quit = true;
+  static_cast<void>(take({wanted}));
+  supervisor_.retry_refused(now_);
+  EXPECT_THAT(words(supervisor_.poll(now_)), IsEmpty());
+}
+
 TEST_F(SupervisorTest, AtShutDownCommandsHaveTheirGraceTimeAndOrdersAreIgnored) {
   start_a();
   EXPECT_THAT(words(supervisor_.shut_down(now_)), ElementsAre("signal a 2"));
