@@ -34,6 +34,10 @@ std::int64_t free_bytes(const std::filesystem::path& dir) {
 Recorder::Recorder(RecorderSettings settings, const time::Clock& clock)
     : settings_(std::move(settings)), clock_(clock) {
   begin_file();
+  // Already now: after its first events the new file would be kept instead of the last recording.
+  if (!make_room()) {
+    fail(kReserveReached);
+  }
 }
 
 void Recorder::record(time::Timestamp received, const std::string& channel,
@@ -132,11 +136,8 @@ void Recorder::sync() {
     return;
   }
   counts_.syncs += writer_->num_syncs() > syncs_before ? 1 : 0;
-  if (!has_room()) {
-    keep_quota();
-    if (!has_room()) {
-      fail(kReserveReached);
-    }
+  if (!make_room()) {
+    fail(kReserveReached);
   }
 }
 
@@ -145,11 +146,16 @@ bool Recorder::has_room() const {
          settings_.available_bytes(settings_.dir) >= settings_.reserve_bytes;
 }
 
-void Recorder::try_again() {
+/// Deletes old files if the disk's reserve is used; returns whether it is free then.
+bool Recorder::make_room() {
   if (!has_room()) {
     keep_quota();
   }
-  if (!has_room()) {
+  return has_room();
+}
+
+void Recorder::try_again() {
+  if (!make_room()) {
     fail(kReserveReached);
     return;
   }

@@ -52,7 +52,8 @@ class Recorder : private boost::noncopyable {
   static constexpr time::Duration kMaxBackOff = 30s;
 
   /// Creates the first file. Throws std::runtime_error if that fails, for example because the
-  /// folder's name is mistyped; otherwise users would believe that they are recording.
+  /// folder's name is mistyped; otherwise users would believe that they are recording. If the
+  /// disk is full except for its reserve, it is FAILED from the start.
   Recorder(RecorderSettings settings, const time::Clock& clock);
   ~Recorder() = default;
 
@@ -76,6 +77,7 @@ class Recorder : private boost::noncopyable {
   void sync();
   void try_again();
   [[nodiscard]] bool has_room() const;
+  [[nodiscard]] bool make_room();
   void fail(const std::string& cause);
   void keep_what_is_whole();
   void keep_quota();

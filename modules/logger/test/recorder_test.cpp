@@ -332,7 +332,7 @@ TEST_F(RecorderTest, RecordingPausesWhenOtherFilesFillTheDisk) {
 }
 
 // The disk is full for a moment after the logger has started again: the recording of the last run
-// is worth more than the new file, which is still empty.
+// is worth more than the first second of the new one.
 TEST_F(RecorderTest, ANewFileWithoutEventsDoesNotReplaceTheLastRecording) {
   Recorder first({.dir = dir_.path()}, clock_);
   record(first);
@@ -345,10 +345,13 @@ TEST_F(RecorderTest, ANewFileWithoutEventsDoesNotReplaceTheLastRecording) {
        .available_bytes = [&](const std::filesystem::path&) { return available_bytes; }},
       clock_);
   for (int i = 0; i < 5; ++i) {
+    record(second);
     clock_.advance(Recorder::kMaxBackOff);
     second.tick();
   }
   EXPECT_THAT(names(), ElementsAre("lcmlog-2026-11-21.00"));
+  EXPECT_THAT(stamps("lcmlog-2026-11-21.00"), ElementsAre(0));
+  EXPECT_EQ(second.counts().dropped, 5);
   EXPECT_EQ(second.health().state, node::HealthState::kFailed);
   available_bytes = 6000;
   clock_.advance(Recorder::kMaxBackOff);

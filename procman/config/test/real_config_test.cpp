@@ -106,6 +106,16 @@ TEST_P(RealConfig, SystemdWaitsLongerForADeputyThanAnyCommandMayTake) {
   }
 }
 
+// It is FAILED while the disk is full, and tries again by itself. Each start begins a new file.
+TEST_P(RealConfig, TheLoggerIsNotRestartedWhenItHasFailed) {
+  for (const Command& command : config_.commands) {
+    if (program_of(command.exec) == "nodmap-logger") {
+      EXPECT_FALSE(command.health.restart_failed_s);
+      EXPECT_FALSE(command.health.restart_degraded_s);
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(All, RealConfig,
                          ::testing::Values("robot.pmd", "sim.pmd", "replay.pmd", "two_hosts.pmd"));
 
