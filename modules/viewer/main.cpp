@@ -26,6 +26,7 @@
 #include "modules/viewer/process_control.hpp"
 #include "modules/viewer/remote_control.hpp"
 #include "modules/viewer/server.hpp"
+#include "procman/config/config_watch.hpp"
 #include "procman/config/parser.hpp"
 
 namespace nodmap::viewer {
@@ -135,7 +136,27 @@ std::optional<procman::Config> load_procman(const std::filesystem::path& file) {
   }
 }
 
+/// Adopts the configuration if it was edited. Not while a request is open, because that refers to
+/// the previous one.
+void reload_procman(procman::ConfigWatch& watch, ProcessControl& processes, foxglove::Feed& feed) {
+  const auto parsed = processes.is_sheriff() ? std::nullopt : watch.poll(time::steady_now());
+  if (!parsed) {
+    return;
+  }
+  for (const procman::ConfigError& error : parsed->errors) {
+    log::get().error("{} (configuration unchanged)",
+                     procman::describe(watch.file().string(), error));
+  }
+  if (parsed->errors.empty()) {
+    processes.set_config(parsed->config);
+    feed.set_configured_commands(parsed->config);
+    log::get().info("{} was reloaded", watch.file().string());
+  }
+}
+
 void run_live(const Options& options, const ViewerParams& params) {
+  procman::ConfigWatch config_watch(options.procman, procman::ConfigWatch::kSheriffSettle,
+                                    time::steady_now());
   const auto config = load_procman(options.procman);
   bus::LiveBus bus(options.lcm_url);
   const time::SystemClock clock;
@@ -171,6 +192,7 @@ void run_live(const Options& options, const ViewerParams& params) {
     control.turn();
     if (processes) {
       processes->turn();
+      reload_procman(config_watch, *processes, feed);
     }
     viewer.turn();
     status.publish_if_due(node::Health{});

@@ -2,7 +2,6 @@
 #include "modules/viewer/process_control.hpp"
 
 #include <algorithm>
-#include <utility>
 
 #include "procman/protocol/messages.hpp"
 

@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "common/bus/bus.hpp"
 #include "common/bus/followed_sender.hpp"
@@ -47,6 +48,9 @@ class ProcessControl {
   /// Sends the orders that are due, and stops being a sheriff when no request is open. To be called
   /// often.
   void turn();
+
+  /// Adopts an edited configuration; not while is_sheriff(). Running commands continue.
+  void set_config(procman::Config config) { config_ = std::move(config); }
 
   [[nodiscard]] bool is_sheriff() const { return fleet_.has_value(); }
   [[nodiscard]] const procman::Config& config() const { return config_; }

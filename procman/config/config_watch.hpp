@@ -13,6 +13,11 @@ namespace nodmap::procman {
 /// Detects that a configuration file in use was edited.
 class ConfigWatch {
  public:
+  /// How long deputies wait, and how long those who give them orders: the deputies must know a new
+  /// exec line before it is ordered.
+  static constexpr time::Duration kDeputySettle = 500ms;
+  static constexpr time::Duration kSheriffSettle = 2s;
+
   /// A change is reported once the file has stayed the same for `settle`, because editors write in
   /// pieces.
   ConfigWatch(std::filesystem::path file, time::Duration settle, time::SteadyTime now);

@@ -34,7 +34,6 @@ constexpr time::Duration kDiscoveryTime = 500ms;
 constexpr time::Duration kDiscoverPeriod = 200ms;
 constexpr time::Duration kInfoPeriod = 1s;
 constexpr time::Duration kLongestWait = 200ms;
-constexpr time::Duration kConfigSettles = 500ms;
 
 std::string own_folder() {
   std::error_code error;
@@ -52,7 +51,7 @@ class Deputy {
         status_("nodmap-deputy", bus_, counts_, clock_),
         started_(time::steady_now()) {
     if (!settings.config_file.empty()) {
-      config_watch_.emplace(settings.config_file, kConfigSettles, started_);
+      config_watch_.emplace(settings.config_file, ConfigWatch::kDeputySettle, started_);
     }
   }
 

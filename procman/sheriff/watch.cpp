@@ -18,8 +18,6 @@ constexpr std::chrono::milliseconds kKeyWait(50);
 constexpr std::size_t kScrollLines = 5;
 constexpr std::size_t kMaxScripts = 9;  // the number of keys
 constexpr time::Duration kReminderPeriod = 5s;
-/// Longer than the deputies wait, so that they know a new exec line before it is ordered.
-constexpr time::Duration kConfigSettles = 2s;
 
 /// The order of a key, for the selected command or for its whole group.
 struct KeyOrder {
@@ -43,7 +41,7 @@ class Watch {
   Watch(Sheriff& sheriff, const WatchOptions& options)
       : sheriff_(sheriff),
         options_(options),
-        config_watch_(options.config_file, kConfigSettles, Sheriff::now()) {
+        config_watch_(options.config_file, ConfigWatch::kSheriffSettle, Sheriff::now()) {
     if (options.script != nullptr) {
       begin_script(*options.script);
     }

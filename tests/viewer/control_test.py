@@ -131,6 +131,15 @@ class Processes(unittest.TestCase):
         self.viewer.stop()
         os.kill(other["pid"], 0)
 
+    def test_an_edited_configuration_is_used(self):
+        self.ask(do="start_process", command="sleeper")
+        first = self.await_command("sleeper", lambda row: row["state"] == "running")
+        self.deputy.rewrite(CONFIG.replace('"sleeper"', '"dozer"').replace("sleep 1000", "sleep 1002"))
+        self.await_command("dozer", lambda row: row["state"] == "stopped")
+        self.ask(do="start_process", command="dozer")
+        self.await_command("dozer", lambda row: row["state"] == "running")
+        os.kill(first["pid"], 0)  # goes on, though nobody configures it any more
+
     def test_a_recording_is_started_and_stopped(self):
         self.ask(do="start_recording")
         self.driver.subscribe("STATUS")

@@ -14,11 +14,15 @@ class Deputy:
         self.folder = tempfile.TemporaryDirectory()
         self.config = os.path.join(self.folder.name, "test.pmd")
         self.logs = os.path.join(self.folder.name, "logs")
-        with open(self.config, "w", encoding="ascii") as out:
-            out.write(commands.replace("OUT", self.logs))
+        self.rewrite(commands)
         path = os.pathsep.join([os.path.dirname(os.environ["NODMAP_DEPUTY"]), os.environ["PATH"]])
         self.process = subprocess.Popen([os.environ["NODMAP_DEPUTY"], self.config, "--id", "here"], stdout=subprocess.DEVNULL,
                                         stderr=subprocess.DEVNULL, env={**os.environ, "PATH": path})
+
+    def rewrite(self, commands):
+        """Writes the file anew, which deputy and viewer notice."""
+        with open(self.config, "w", encoding="ascii") as out:
+            out.write(commands.replace("OUT", self.logs))
 
     def stop(self):
         self.process.terminate()

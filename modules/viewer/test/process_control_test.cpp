@@ -160,6 +160,19 @@ TEST_F(ProcessControlTest, BeginsWithTheStateThatTheDeputyReports) {
   EXPECT_EQ(ordered("log").desired_run, 1);
 }
 
+// With the old exec line the deputy, which reads the same file, would stop it and not start it.
+TEST_F(ProcessControlTest, OrdersWhatTheEditedConfigurationSays) {
+  tell(4);
+  control_.set_config(procman::parse_config(R"(
+    cmd "slam" { exec = "nodmap-slam2d --set x=1"; host = "robot"; })")
+                          .config);
+  EXPECT_TRUE(control_.change(Verb::kRestart, "slam").ok);
+  handle();
+  EXPECT_EQ(ordered("slam").spec.exec, "nodmap-slam2d --set x=1");
+  EXPECT_EQ(ordered("slam").desired_run, 5);
+  EXPECT_FALSE(control_.change(Verb::kStart, "log").ok) << "no longer configured";
+}
+
 TEST_F(ProcessControlTest, YieldsToAnotherSheriff) {
   tell(4);
   other_sheriff_orders();
