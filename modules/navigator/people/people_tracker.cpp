@@ -220,12 +220,15 @@ void PeopleTracker::follow_unseen(const scan::Scan& scan, const geometry::SE2& T
   constexpr double kStepM = 0.05;
   const geometry::SE2 T_base_odom = T_odom_base.inverse();
   const Eigen::Vector2d mount_base = scan.T_base_mount.translation().head<2>();
-  const double last_rad = scan.angle_rad(scan.ranges_m.size() - 1);
+  const double half_span_rad =
+      0.5 * static_cast<double>(scan.ranges_m.size() - 1) * scan.angle_step_rad;
+  const double middle_rad = scan.angle_first_rad + half_span_rad;
   for (Track& track : tracks_) {
     const Person person = track.person();
     const Eigen::Vector2d p = T_base_odom * person.position - mount_base;
-    const double bearing_rad = std::atan2(p.y(), p.x());
-    const bool is_in_view = bearing_rad > scan.angle_first_rad && bearing_rad < last_rad;
+    const double from_middle_rad = geometry::angle_difference(std::atan2(p.y(), p.x()), middle_rad);
+    // The beams of a laser that is mounted upside down are in clockwise order.
+    const bool is_in_view = std::abs(from_middle_rad) < std::abs(half_span_rad);
     if (is_in_view && p.norm() > kBlindRangeM) {
       continue;
     }
