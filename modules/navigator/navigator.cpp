@@ -86,6 +86,9 @@ Decision Navigator::behave(const Situation& now) {
   if (auto reason = surroundings_.reason_to_wait(now.stamp)) {
     return wait(now, std::move(*reason));
   }
+  if (now.max_forward_mps < kLeastSpeedMps) {
+    return wait(now, Why::kNoSpeed);
+  }
   if (now.goal && params_.planner.use && local_map().has_scan()) {
     end_turn();
     return has_looked(now) ? goal_drive_.decide(now, seen(), local_map())
@@ -103,9 +106,6 @@ Decision Navigator::behave(const Situation& now) {
 /// Roams by plan, or steers, as far as there is room; empty when the robot is stationary and must
 /// turn to go on.
 std::optional<Decision> Navigator::drive_ahead(const FreeSpace& space, const Situation& now) {
-  if (std::min(now.max_forward_mps, params_.drive.max_forward_mps) < kLeastSpeedMps) {
-    return brake(now, Why::kNoSpeed);
-  }
   const bool roams = params_.planner.roams && !now.goal && local_map().has_scan();
   if (roams && !has_looked(now)) {
     return brake(now, Why::kFirstLook);

@@ -25,7 +25,8 @@ struct DriveParams {
     v.number("side_margin_m", side_margin_m, {0.0, 0.5},
              "Margin on each side of the body. The virtual corridor is as wide as the body and "
              "both margins.");
-    v.number("max_forward_mps", max_forward_mps, {0.05, 5.2},
+    // With half of it, as near a goal while the pose is DEGRADED, the robot still drives.
+    v.number("max_forward_mps", max_forward_mps, {0.12, 5.2},
              "Fastest forward speed, however long the free distance is.");
     v.angle("max_yaw_rate_deg_s", max_yaw_rate_rad_s, {5.0, 180.0},
             "Fastest yaw rate while driving.");
@@ -139,7 +140,7 @@ struct GroundParams {
     v.number("track_m", track_m, {0.05, 5.0}, "Distance from the left to the right wheels.");
     v.angle("tilt_tolerance_deg", tilt_tolerance_rad, {0.0, 5.0},
             "Error of the tilt near a ramp; replaces local_map.tilt_tolerance_deg there.");
-    v.number("sloped_mps", sloped_mps, {0.05, 5.2}, "Fastest speed on and near ramps.");
+    v.number("sloped_mps", sloped_mps, {0.06, 5.2}, "Fastest speed on and near ramps.");
     v.number(
         "doubt_from_m", doubt_from_m, {0.5, 10.0},
         "Near slopes, something that could be a ramp up is unknown, not yet an obstacle, if it "

@@ -265,5 +265,23 @@ TEST(ClosedLoop, ASpeedBoundOfZeroFromThePitchControllerStopsIt) {
   EXPECT_EQ(loop.decision.behaviour, Behaviour::kBrake);
 }
 
+// The head may not be sweeping, and the laser would not see what the rotation brings ahead.
+TEST(ClosedLoop, ASpeedBoundOfZeroFromThePitchControllerStopsARotation) {
+  World world;
+  world.add_wall({0.5, -3}, {0.5, 3});
+  ClosedLoop loop(world, {});
+  while (std::abs(loop.robot.yaw_rate_rad_s) < 0.5) {
+    loop.cycle();
+    ASSERT_LT(loop.time_s, 5.0);
+  }
+  loop.max_forward_mps = 0.0;
+  loop.run(0.5);
+  EXPECT_EQ(loop.robot.yaw_rate_rad_s, 0.0);
+  EXPECT_EQ(loop.decision.reason, Reason(Why::kNoSpeed));
+  loop.max_forward_mps = 1.2;
+  loop.run(0.5);
+  EXPECT_GT(std::abs(loop.robot.yaw_rate_rad_s), 0.5) << "it goes on";
+}
+
 }  // namespace closed_loop_test
 }  // namespace nodmap::navigator
