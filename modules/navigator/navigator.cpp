@@ -64,6 +64,8 @@ Decision Navigator::pause(Reason reason) {
 Decision Navigator::decide(Situation now) {
   surroundings_.complete(now);
   back_up_.record(now.T_odom_base);
+  goal_drive_.record(now);
+  roaming_.record(now);
   Decision decision = behave(now);
   brake_.keep_to_known_ground(decision, now);
   // Plans count only people who walk for certain; Brake also counts those who have just appeared.

@@ -64,7 +64,6 @@ GoalDrive::GoalDrive(const NavigatorParams& params)
 
 Decision GoalDrive::decide(const Situation& now, const SeenDirections& seen,
                            const LocalMap& local_map) {
-  motion_.record(now);
   if (now.goal->heading) {
     return dock(now, seen, local_map);
   }

@@ -27,6 +27,9 @@ class GoalDrive {
   /// The robot has no goal any more: the same dock is then approached from the beginning.
   void forget_goal() { dock_map_.reset(); }
 
+  /// Takes the pose of the robot; must be called at each decision, whoever decides.
+  void record(const Situation& now) { motion_.record(now); }
+
   [[nodiscard]] Decision decide(const Situation& now, const SeenDirections& seen,
                                 const LocalMap& local_map);
 

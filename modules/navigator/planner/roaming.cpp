@@ -36,7 +36,6 @@ Roaming::Roaming(const NavigatorParams& params)
 
 std::optional<Decision> Roaming::decide(const Situation& now, const SeenDirections& seen,
                                         const LocalMap& local_map) {
-  motion_.record(now);
   planner_.step_onward(now.stamp, local_map, now.T_map_odom, now.T_odom_base, now.geofence);
   const CostToGo* cost_to_go = planner_.cost_to_go();
   if (cost_to_go == nullptr) {

@@ -25,22 +25,41 @@ struct NavigatorTest : testing::Test {
   }
 
   /// One decision, a scan later. In the meantime the laser has seen what is ahead.
-  Decision decide(const Eigen::Vector2d& goal_odom) {
+  Decision decide(const std::optional<Eigen::Vector2d>& goal_odom) {
+    const geometry::SE2 T_base_odom = now.T_odom_base.inverse();
     now.stamp += time::from_seconds(kStepS);
     now.sweep_count += 2;
-    now.goal = goal_in_base(now.T_odom_base.inverse() * goal_odom, 0.1);
+    now.goal.reset();
+    if (goal_odom) {
+      now.goal = goal_in_base(T_base_odom * *goal_odom, 0.1);
+    }
+    now.points_base.clear();
+    for (const Eigen::Vector2d& p_odom : points_odom) {
+      now.points_base.push_back(T_base_odom * p_odom);
+    }
     return navigator.decide(now);
   }
 
-  Navigator navigator{NavigatorParams{}};
+  /// Drives as decided, exactly.
+  void drive(const std::optional<Eigen::Vector2d>& goal_odom) {
+    const Decision decision = decide(goal_odom);
+    now.forward_mps = decision.forward_mps;
+    now.yaw_rate_rad_s = decision.yaw_rate_rad_s;
+    now.T_odom_base = now.T_odom_base * geometry::SE2{kStepS * decision.forward_mps, 0.0,
+                                                      kStepS * decision.yaw_rate_rad_s};
+  }
+
+  NavigatorParams params;
+  Navigator navigator{params};
   Situation now;
+  Points points_odom;
 };
 
 // The goal is behind the robot, so it would rotate.
 TEST_F(NavigatorTest, WithoutASpeedFromThePitchControllerItDoesNotMoveToAGoal) {
   now.max_forward_mps = 0.0;
   for (int i = 0; i < 60; ++i) {  // 0.8 s, more than planning takes
-    const Decision decision = decide({-2.0, 0.0});
+    const Decision decision = decide(Eigen::Vector2d(-2.0, 0.0));
     EXPECT_EQ(decision.forward_mps, 0.0);
     EXPECT_EQ(decision.yaw_rate_rad_s, 0.0);
     EXPECT_EQ(decision.reason, Reason(Why::kNoSpeed));
@@ -48,9 +67,51 @@ TEST_F(NavigatorTest, WithoutASpeedFromThePitchControllerItDoesNotMoveToAGoal) {
   now.max_forward_mps = 1.0;
   Decision decision;
   for (int i = 0; i < 60; ++i) {
-    decision = decide({-2.0, 0.0});
+    decision = decide(Eigen::Vector2d(-2.0, 0.0));
   }
   EXPECT_GT(std::abs(decision.yaw_rate_rad_s), 0.1);
+}
+
+/// Where the robot ends that has driven 0.8 m straight to the origin, perhaps rotates there, and
+/// then gets a goal 0.5 m behind it. It is between two rows of points and before a third one, so it
+/// can neither rotate nor drive on.
+struct BackwardsTest : NavigatorTest {
+  double end_x(bool rotates) {
+    for (int i = 0; i <= 40; ++i) {
+      now.T_odom_base = {-0.8 + 0.02 * i, 0.0, 0.0};
+      navigator.add_scan(test::scan_of({}, now.T_odom_base, geometry::deg_to_rad(-60.0)),
+                         now.T_odom_base);
+      (void)decide(Eigen::Vector2d(3.0, 0.0));
+    }
+    for (double rad = 0.0; rotates && rad < 2.0 * geometry::kPi; rad += 0.1) {
+      now.T_odom_base = {0.0, 0.0, rad};
+      (void)decide({});
+    }
+    now.T_odom_base = {};
+    const robot::Footprint body = params.robot.body.footprint();
+    const double aside_m = body.half_width_m + 0.04;
+    for (double x = -1.5; x < body.half_length_m; x += 0.01) {
+      points_odom.emplace_back(x, aside_m);
+      points_odom.emplace_back(x, -aside_m);
+    }
+    for (double y = -aside_m; y < aside_m; y += 0.01) {
+      points_odom.emplace_back(body.half_length_m + 0.06, y);
+    }
+    for (int i = 0; i < 300; ++i) {  // 4 s
+      drive(Eigen::Vector2d(-0.5, 0.0));
+    }
+    return now.T_odom_base.x;
+  }
+};
+
+TEST_F(BackwardsTest, ItBacksUpOnTheStripThatItHasDriven) {
+  EXPECT_LT(end_x(false), -0.3);
+}
+
+// A full rotation counts as 25 m of travel, whatever decides meanwhile. What is left of the strip
+// is where the body is.
+TEST_F(BackwardsTest, ItDoesNotBackUpWhereItHasDrivenLongAgo) {
+  EXPECT_GT(end_x(true), -0.1);
 }
 
 }  // namespace navigator_test
