@@ -42,6 +42,8 @@ void Surroundings::add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_
       return cell != nullptr && cell->is_obstacle();
     };
     people_.add_scan(scan, T_odom_base, is_blocked, laser_is_held);
+  } else {
+    people_.add_blind_scan(scan.mid_stamp());
   }
   if (params_.local_map.use) {
     local_map_.add_scan(scan, T_odom_base,

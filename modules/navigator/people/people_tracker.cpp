@@ -172,8 +172,16 @@ void PeopleTracker::add_scan(const scan::Scan& scan, const geometry::SE2& T_odom
   associate(detections, stamp, laser_is_held);
   mark_walkers(scan, T_odom_base);
   follow_unseen(scan, T_odom_base, is_blocked);
+  contradict_passed();
   drop_lost(stamp);
   drop_doubles(stamp);
+}
+
+void PeopleTracker::add_blind_scan(time::Timestamp stamp) {
+  for (Track& track : tracks_) {
+    track.predict(stamp);
+  }
+  drop_lost(stamp);
 }
 
 /// Each detection goes to the nearest track by Mahalanobis distance; without one it begins a track.
@@ -250,12 +258,16 @@ void PeopleTracker::follow_unseen(const scan::Scan& scan, const geometry::SE2& T
   }
 }
 
-void PeopleTracker::drop_lost(time::Timestamp stamp) {
+/// Beams have passed through the middle of a track.
+void PeopleTracker::contradict_passed() {
   for (Track& track : tracks_) {
     if (detector_.space().is_passed_now(track.person().position)) {
       track.contradict();
     }
   }
+}
+
+void PeopleTracker::drop_lost(time::Timestamp stamp) {
   std::erase_if(tracks_, [&](const Track& track) {
     return std::chrono::abs(stamp - track.missed_since()) > kLost ||
            std::chrono::abs(stamp - track.seen_at()) > (track.moves() ? kUnseen : kLost) ||

@@ -90,6 +90,10 @@ class PeopleTracker {
   void add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base,
                 const IsBlocked& is_blocked = {}, bool laser_is_held = false);
 
+  /// A scan was taken in which nobody can be detected: tracks are predicted, and end when they are
+  /// lost.
+  void add_blind_scan(time::Timestamp stamp);
+
   /// For each beam of the last scan, whether it has hit a moving track, at any height.
   [[nodiscard]] const std::vector<bool>& is_walker() const { return is_walker_; }
 
@@ -114,6 +118,7 @@ class PeopleTracker {
   void mark_walkers(const scan::Scan& scan, const geometry::SE2& T_odom_base);
   void follow_unseen(const scan::Scan& scan, const geometry::SE2& T_odom_base,
                      const IsBlocked& is_blocked);
+  void contradict_passed();
   void drop_lost(time::Timestamp stamp);
   void drop_doubles(time::Timestamp stamp);
 

@@ -120,6 +120,37 @@ TEST(Surroundings, PeopleAreTracksAndNoPoints) {
   EXPECT_TRUE(has_point_near(now.points_base, {4.0, 0.0}, 1e-9));
 }
 
+// Somebody crosses. Then the robot is before a ramp, where nobody is tracked.
+TEST(Surroundings, WhoeverIsNotTrackedBeforeARampIsLost) {
+  Surroundings surroundings{{}};
+  test::WalkingScene scene{{{{2.2, -3.5}, 0.25, 1.7}}, 4.0};
+  double time_s = 0.0;
+  for (; time_s < 3.8; time_s += test::kScanS) {
+    surroundings.add_scan(scene.scan(at(time_s), {}, test::nodding_pitch_rad(time_s)), {}, false);
+    scene.pillars[0].center.y() += test::kScanS;
+  }
+  const auto complete = [&] {
+    Situation now = with({});
+    now.stamp = at(time_s);
+    surroundings.complete(now);
+    return now;
+  };
+  ASSERT_EQ(complete().people.size(), 1U);
+  const double rise_m = 2.0 * std::tan(deg_to_rad(12.0));
+  test::NoddingRobot robot({{{-40.0, 0.0}, {1.4, 0.0}, {3.4, rise_m}, {40.0, rise_m}}}, 0.01);
+  double since_ramp_s = 0.0;
+  for (const double end_s = time_s + 25.0; time_s < end_s; time_s += test::kScanS) {
+    scan::Scan scan = robot.step(robot.x() < 0.5 && time_s > 6.0 ? 0.3 : 0.0);
+    scan.stamp = at(time_s);
+    surroundings.add_scan(scan, robot.T_odom_base(), false);
+    if (!surroundings.local_map().ground().is_level()) {
+      since_ramp_s += test::kScanS;
+    }
+  }
+  ASSERT_GT(since_ramp_s, 15.0);
+  EXPECT_TRUE(complete().people.empty());
+}
+
 TEST(Surroundings, ItWaitsForASecondAfterSomethingHasComeNearer) {
   Surroundings surroundings{{}};
   for (const std::int64_t sweep : {0, 2}) {  // all directions ahead are seen
