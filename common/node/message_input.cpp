@@ -2,6 +2,7 @@
 #include "common/node/message_input.hpp"
 
 #include <chrono>
+#include <cmath>
 #include <string>
 #include <utility>
 
@@ -20,8 +21,18 @@ constexpr time::Duration kLongestScan = 60s;
 // message.
 constexpr time::Duration kLongestGap = 10s;
 
+// Beyond what any of our bases can do: 5.2 m/s, and a body that spins eight times a second.
+constexpr double kFastestMps = 20.0;
+constexpr double kFastestRadS = 50.0;
+
 bool is_plausible(time::Timestamp stamp) {
   return stamp >= time::Timestamp{} && stamp < kLatestStamp;
+}
+
+/// False for speeds that are not finite, too.
+bool has_plausible_speeds(const nodmap::odometry_t& message) {
+  return std::abs(message.forward_mps) <= kFastestMps &&
+         std::abs(message.yaw_rate_rad_s) <= kFastestRadS;
 }
 
 /// Whether two successive messages of one driver can have these stamps, if no clock was set.
@@ -54,7 +65,7 @@ std::optional<geometry::SE3> SensorInput::read(const nodmap::odometry_t& message
   counts_.lose(odometry_.lost_before(message.odometry_seq));
   auto T_odom_base = read_odometry(message);
   const Odometry odometry{message.odometry_seq, time::from_utime(message.utime)};
-  if (!T_odom_base || !is_plausible(odometry.stamp)) {
+  if (!T_odom_base || !is_plausible(odometry.stamp) || !has_plausible_speeds(message)) {
     counts_.reject("implausible_odometry");
     return std::nullopt;
   }

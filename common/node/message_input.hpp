@@ -23,9 +23,9 @@ namespace nodmap::node {
 /// accepted message is not yet counted as used.
 ///
 /// Causes of rejection: `other_sender_of_scan`, `other_sender_of_odometry`, `implausible_scan`
-/// (geometry, stamp or counts that make no sense), `empty_scan` (no beams), `implausible_odometry`,
-/// `unconfirmed_odometry` (another sequence or far from the last stamp, and the message before was
-/// not).
+/// (geometry, stamp or counts that make no sense), `empty_scan` (no beams), `implausible_odometry`
+/// (pose, stamp or speeds that make no sense), `unconfirmed_odometry` (another sequence or far from
+/// the last stamp, and the message before was not).
 class SensorInput {
  public:
   /// `bus`: delivers the messages, and knows their senders; null if nobody does.

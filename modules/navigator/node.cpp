@@ -126,10 +126,6 @@ void NavigatorNode::on_odometry(const nodmap::odometry_t& message) {
     senders_.refuse(Input::kOdometry, from_bus(node::stamp_of(message)), newest_.stamps);
     return;
   }
-  if (!std::isfinite(message.forward_mps) || !std::isfinite(message.yaw_rate_rad_s)) {
-    context_.counts.reject("implausible_odometry");
-    return;
-  }
   if (!is_followed(Input::kOdometry, node::stamp_of(message))) {
     return;
   }

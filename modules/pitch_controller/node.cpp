@@ -54,10 +54,6 @@ void PitchControllerNode::on_odometry(const nodmap::odometry_t& message) {
   if (!input_.read(message)) {
     return;
   }
-  if (!std::isfinite(message.forward_mps)) {
-    context_.counts.reject("implausible_odometry");
-    return;
-  }
   context_.counts.use();
   controller_.add_speed(time::from_utime(message.utime), message.forward_mps);
   decide(time::from_utime(message.utime));

@@ -55,7 +55,17 @@ TEST_F(SensorInputTest, CausesAreCounted) {
   EXPECT_FALSE(input_.read(scan, scan_));
   EXPECT_EQ(counts_.rejected().at("implausible_scan"), 4);
   EXPECT_FALSE(input_.read(nodmap::odometry_t{}).has_value());  // never filled in
-  EXPECT_EQ(counts_.rejected().at("implausible_odometry"), 1);
+  const nodmap::odometry_t good =
+      node::write_odometry(time::from_utime(1), geometry::SE3::Identity());
+  for (const double speed : {1e9, -1e9, std::numeric_limits<double>::quiet_NaN()}) {
+    nodmap::odometry_t odometry = good;
+    odometry.forward_mps = speed;
+    EXPECT_FALSE(input_.read(odometry).has_value());
+    odometry = good;
+    odometry.yaw_rate_rad_s = speed;
+    EXPECT_FALSE(input_.read(odometry).has_value());
+  }
+  EXPECT_EQ(counts_.rejected().at("implausible_odometry"), 7);
 }
 
 TEST_F(SensorInputTest, GapsInEitherStreamAreLosses) {

@@ -12,6 +12,8 @@ namespace {
 
 constexpr double kStepS = 0.05;
 constexpr double kForeseenS = 2.0;
+/// A motion that takes longer to stop than this is not one of a robot's, and not safe.
+constexpr double kLongestStopS = 60.0;
 /// Slower counts as stationary. The limit for a contact that the robot causes is 0.05 m/s, and the
 /// base follows a command to within 0.02 m/s.
 constexpr double kStationaryMps = 0.03;
@@ -33,7 +35,7 @@ bool PassiveSafety::is_safe(const Twist& twist, const Person& person) const {
   // Linear and angular speed decrease together; the faster of the wheels takes the longest.
   const double braking_s = speed_mps / deceleration_mps2_;
   geometry::SE2 pose;
-  for (double t = 0.0;; t += kStepS) {
+  for (double t = 0.0; t < kLongestStopS; t += kStepS) {
     const double factor =
         t <= reaction_s_ ? 1.0 : 1.0 - (t - reaction_s_) / std::max(braking_s, 1e-6);
     if (factor * speed_mps < kStationaryMps) {
@@ -51,6 +53,7 @@ bool PassiveSafety::is_safe(const Twist& twist, const Person& person) const {
     const double yaw_rad = kStepS * factor * twist.yaw_rate_rad_s;
     pose = pose * geometry::SE2{kStepS * factor * twist.forward_mps, 0.0, yaw_rad};
   }
+  return false;
 }
 
 /// Whether nobody touches a robot that changes to the commanded motion and keeps it.

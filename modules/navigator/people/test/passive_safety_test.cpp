@@ -92,6 +92,14 @@ TEST(PassiveSafety, DrivingOnEscapesAWalkerWhoWouldWalkIntoTheStoppedRobot) {
   EXPECT_FALSE(safety.escapes({1.0, 0.0}, {1.0, 0.0}, both));
 }
 
+// A speed that no robot has: it would brake for more than a week.
+TEST(PassiveSafety, ARobotThatCannotStopWithinAMinuteIsNotSafe) {
+  const NavigatorParams params;
+  const PassiveSafety safety(params.robot, params.drive, params.people);
+  EXPECT_FALSE(safety.is_safe({1e6, 0.0}, {{{0.0, -100.0}, {0.0, 0.0}, 0.25, 0.0, 0.0}}));
+  EXPECT_FALSE(safety.is_safe({0.0, 1e6}, {{{0.0, -100.0}, {0.0, 0.0}, 0.25, 0.0, 0.0}}));
+}
+
 TEST(PassiveSafety, DoesNotBackUpWhileAPersonIsTracked) {
   const NavigatorParams params;
   const PassiveSafety safety(params.robot, params.drive, params.people);
