@@ -22,6 +22,8 @@ constexpr double kMaxRotationRad = geometry::deg_to_rad(10.0);
 constexpr double kLeastRotationRad = geometry::deg_to_rad(2.0);
 /// Margin beside and behind the body over its own trail.
 constexpr double kMarginM = 0.02;
+/// With less than this beyond the margin the robot would not move.
+constexpr double kLeastDistanceM = 0.01;
 /// If the robot cannot rotate to the heading of its trail at all, as between people's feet, it
 /// backs up straight, unless its heading is off by more than this. Over the 8 cm to the next pose
 /// of the trail this leads 6 cm aside: as much as the clearance that it kept there.
@@ -138,6 +140,10 @@ bool BackUp::step(const Situation& now, Decision& decision) {
   trail_.forget_ahead(now.T_odom_base);
   const double distance_m =
       free_distance_backwards(now.points_base, path->curvature, body_, kMarginM) - kMarginM;
+  if (distance_m < kLeastDistanceM) {
+    end();
+    return false;
+  }
   decision.forward_mps =
       -std::min(params_.speed_mps,
                 robot::stoppable_speed(distance_m, reaction_s_, braking_.deceleration_mps2));

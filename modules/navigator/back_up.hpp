@@ -65,8 +65,8 @@ class BackUp {
   }
 
   /// Sets speed and yaw rate of `decision` for the next motion. Ends and returns false if the robot
-  /// has backed up far enough, if the trail has ended, or if the robot cannot rotate to the trail's
-  /// heading.
+  /// has backed up far enough, if the trail has ended, if something is right behind the robot, or
+  /// if it cannot rotate to the trail's heading.
   [[nodiscard]] bool step(const Situation& now, Decision& decision);
 
   void end() { began_at_.reset(); }

@@ -81,5 +81,28 @@ TEST(Trail, IsForgottenAfterMuchTravel) {
   }
 }
 
+/// A robot half a metre ahead of its start.
+Situation half_a_metre_ahead() {
+  Situation now;
+  now.T_odom_base = {0.5, 0.0, 0.0};
+  return now;
+}
+
+TEST(BackUp, EndsBeforeWhatIsBehind) {
+  const NavigatorParams params;
+  BackUp back_up(params);
+  for (int i = 0; i <= 50; ++i) {
+    back_up.record({0.01 * i, 0.0, 0.0});
+  }
+  const double rear_m = params.robot.body.footprint().half_length_m;
+  Situation now = half_a_metre_ahead();
+  now.points_base = {{-rear_m - 0.3, 0.0}};
+  Decision decision;
+  EXPECT_TRUE(back_up.step(now, decision));
+  EXPECT_LT(decision.forward_mps, -0.05);
+  now.points_base = {{-rear_m - 0.02, 0.0}};
+  EXPECT_FALSE(back_up.step(now, decision));
+}
+
 }  // namespace back_up_test
 }  // namespace nodmap::navigator
