@@ -97,6 +97,12 @@ Decision Explorer::decide(const Situation& now) {
   const Eigen::Vector2d p_map = now.T_map_base.translation();
   home_map_ = home_map_.value_or(p_map);
   paths_.compute(grid_, p_map);
+  if (paths_.cells().empty()) {
+    // Tiles of the map come one after the other, and the robot's may be missing.
+    decision.state = state_;
+    decision.reason = "The 2D map does not show free ground around the robot.";
+    return decision;
+  }
   watch_visits(now);
   watch_target(now);
   std::vector<Viewpoint> tour = find_tour(now);

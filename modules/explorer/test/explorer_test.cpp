@@ -67,6 +67,22 @@ TEST(Explorer, InAKnownRoomItEndsAtOnce) {
   EXPECT_NEAR(decision.seen_m2, 3.9 * 2.9, 0.8);  // walls take up to a planning cell more
 }
 
+// The tile that shows the robot's place comes later.
+TEST(Explorer, WaitsUntilTheMapShowsFreeGroundAroundTheRobot) {
+  const GridWorld room = known_room();
+  Explorer explorer{ExplorerParams{}};
+  explorer.start();
+  MapTile elsewhere = room.map();
+  elsewhere.first += Cell(400, 0);
+  ASSERT_TRUE(explorer.add(elsewhere));
+  const Decision decision = explorer.decide({.stamp = {}, .T_map_base = {}});
+  EXPECT_EQ(decision.state, State::kExploring);
+  EXPECT_FALSE(decision.goal);
+  EXPECT_EQ(decision.reason, "The 2D map does not show free ground around the robot.");
+  ASSERT_TRUE(explorer.add(room.map()));
+  EXPECT_EQ(explorer.decide({.stamp = time::Timestamp(1s), .T_map_base = {}}).state, State::kHome);
+}
+
 TEST(Explorer, ReturnsToThePlaceWhereItBegan) {
   const GridWorld room = known_room();
   GridWorld unknown({-2.5, -2.0}, {2.5, 2.0});
