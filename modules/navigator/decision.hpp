@@ -16,6 +16,10 @@ namespace nodmap::navigator {
 class Geofence;
 class LocalMap;
 
+/// Whoever has not decided for longer than this was not asked: the robot was stopped, or somebody
+/// else decided. That is no time without progress.
+inline constexpr time::Duration kLongestPeriod = 200ms;
+
 /// The inputs of a decision.
 struct Situation {
   time::Timestamp stamp{};

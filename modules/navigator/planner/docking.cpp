@@ -43,6 +43,11 @@ geometry::SE2 T_goal_base(const GoalInBase& goal) {
 }  // namespace
 
 DockingStep Docking::next(const GoalInBase& goal, time::Timestamp stamp) {
+  const time::Duration period = stamp - decided_at_;
+  if (std::chrono::abs(period) > kLongestPeriod) {
+    phase_began_ += period;
+  }
+  decided_at_ = stamp;
   const double phase_s = time::seconds(std::chrono::abs(stamp - phase_began_));
   if (phase_ == Phase::kFailed && phase_s > kTryAgainS) {
     reset();

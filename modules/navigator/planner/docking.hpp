@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "common/geometry/time.hpp"
+#include "modules/navigator/decision.hpp"
 #include "modules/navigator/goal.hpp"
 #include "modules/navigator/params.hpp"
 #include "modules/navigator/reason.hpp"
@@ -72,7 +73,8 @@ class Docking {
 
   DockingParams params_;
   Phase phase_ = Phase::kStage;
-  time::Timestamp phase_began_{};
+  time::Timestamp phase_began_{};  ///< later by the pauses since then
+  time::Timestamp decided_at_{};
   int num_tries_ = 0;
 };
 

@@ -64,6 +64,10 @@ GoalDrive::GoalDrive(const NavigatorParams& params)
 
 Decision GoalDrive::decide(const Situation& now, const SeenDirections& seen,
                            const LocalMap& local_map) {
+  if (decided_at_ && std::chrono::abs(now.stamp - *decided_at_) > kLongestPeriod) {
+    progress_at_.reset();
+  }
+  decided_at_ = now.stamp;
   if (now.goal->heading) {
     return dock(now, seen, local_map);
   }

@@ -64,6 +64,7 @@ class GoalDrive {
   Eigen::Vector2d goal_map_ = Eigen::Vector2d::Zero();
   double least_cost_m_ = 0.0;  // since the goal was given, or the last failure
   double last_cost_m_ = 0.0;
+  std::optional<time::Timestamp> decided_at_;
   std::optional<time::Timestamp> progress_at_;
   std::optional<time::Timestamp> no_path_since_;
   bool has_doubted_ = false;  // the ground has been forgotten since then

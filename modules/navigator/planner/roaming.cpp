@@ -16,7 +16,6 @@ constexpr double kReversePriceM = 1.0;
 constexpr double kProgressM = 0.2;
 constexpr double kProgressRad = 0.7;
 constexpr time::Duration kPatience = 3s;
-constexpr time::Duration kPause = 200ms;
 /// The path is given up this far ahead of the robot, until the robot is this far away.
 constexpr double kFailureAheadM = 0.4;
 constexpr double kElsewhereM = 3.0;
@@ -61,7 +60,7 @@ std::optional<Decision> Roaming::decide(const Situation& now, const SeenDirectio
 /// Whether the robot has neither got farther nor rotated for a while. Time in which it waited for
 /// people, or in which others decided, does not count.
 bool Roaming::is_stuck(const Situation& now) {
-  const bool is_first = !decided_at_ || std::chrono::abs(now.stamp - *decided_at_) > kPause;
+  const bool is_first = !decided_at_ || std::chrono::abs(now.stamp - *decided_at_) > kLongestPeriod;
   decided_at_ = now.stamp;
   const geometry::SE2 moved = progress_odom_.inverse() * now.T_odom_base;
   if (is_first || !now.people.empty() || moved.translation().norm() > kProgressM ||

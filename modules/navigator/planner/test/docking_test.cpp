@@ -128,5 +128,16 @@ TEST(Docking, GivesUpAfterFiveTriesAndBeginsAgainLater) {
   dock.run_until(Kind::kDocked, dock.time_s + 60.0 + 25.0);
 }
 
+// Somebody has pressed the stop: the robot has had less time than the 25 s of a phase.
+TEST(Docking, APauseBetweenItsDecisionsDoesNotMakeItLate) {
+  Dock dock({-2.0, 0.0, 0.0});
+  for (int i = 0; i < 4; ++i) {
+    dock.time_s += 100.0;
+    dock.run_until(Kind::kMove, dock.time_s + 1.0);
+  }
+  dock.run_until(Kind::kDocked, dock.time_s + 25.0);
+  EXPECT_EQ(dock.num_plans, 1);
+}
+
 }  // namespace docking_test
 }  // namespace nodmap::navigator

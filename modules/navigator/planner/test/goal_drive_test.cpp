@@ -118,12 +118,21 @@ class Driver {
   }
 
   const Situation& now() const { return now_; }
+  std::vector<Eigen::Vector2d> path() const {
+    return drive_.path_map(now_.T_odom_base).value_or(std::vector<Eigen::Vector2d>());
+  }
+  /// Nothing is decided for this long.
+  void pause(time::Duration duration) { now_.stamp += duration; }
 
-  Decision step(const Eigen::Vector2d& goal_odom, double tolerance_m) {
+  Decision decide(const Eigen::Vector2d& goal_odom, double tolerance_m) {
     now_.stamp += time::from_seconds(kStepS);
     now_.goal = goal_in_base(now_.T_odom_base.inverse() * goal_odom, tolerance_m);
     seen_.update(now_.T_odom_base.yaw, 2 * num_steps_++);
-    const Decision decision = drive_.decide(now_, seen_, map_);
+    return drive_.decide(now_, seen_, map_);
+  }
+
+  Decision step(const Eigen::Vector2d& goal_odom, double tolerance_m) {
+    const Decision decision = decide(goal_odom, tolerance_m);
     const Twist twist = after({now_.forward_mps, now_.yaw_rate_rad_s},
                               {decision.forward_mps, decision.yaw_rate_rad_s}, kStepS);
     now_.forward_mps = twist.forward_mps;
@@ -192,6 +201,22 @@ TEST(GoalDrive, CloseToThePreviousGoalItStopsUntilThereIsANewPlan) {
   const Decision decision = driver.step({0.0, 1.1}, 0.3);
   EXPECT_EQ(decision.reason, Reason(Why::kPlans));
   EXPECT_EQ(decision.forward_mps, 0.0);
+}
+
+// The time in which the robot is stopped is no time without progress: the path stays where it is.
+TEST(GoalDrive, APauseBetweenItsDecisionsIsNoFailureOfThePath) {
+  const LocalMap map = open_floor();
+  Driver driver(map);
+  const auto plan = [&] {
+    for (int i = 0; i < 60; ++i) {  // 0.8 s, so that there is a new plan
+      (void)driver.decide({3.0, 0.0}, 0.3);
+    }
+    return driver.path();
+  };
+  const std::vector<Eigen::Vector2d> before = plan();
+  EXPECT_GT(before.size(), 3U);
+  driver.pause(100s);
+  EXPECT_EQ(plan(), before);
 }
 
 }  // namespace goal_drive_test
