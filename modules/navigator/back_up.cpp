@@ -109,9 +109,11 @@ BackUp::BackUp(const NavigatorParams& params)
       params_(params.back_up),
       trail_(params.local_map.forget_after_m) {}
 
-void BackUp::record(const geometry::SE2& T_odom_base) {
+void BackUp::record(const geometry::SE2& T_odom_base, double forward_mps) {
   trail_.move(T_odom_base);
-  if (!began_at_) {
+  if (forward_mps < -kReversingMps) {
+    trail_.forget_ahead(T_odom_base);
+  } else if (!began_at_) {
     trail_.record(T_odom_base);
   }
 }

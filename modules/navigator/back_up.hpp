@@ -10,6 +10,9 @@
 
 namespace nodmap::navigator {
 
+/// A robot that moves backwards faster than this is reversing; odometry's noise is slower.
+inline constexpr double kReversingMps = 0.02;
+
 /// The poses where the robot has just been. The laser does not look behind the robot, so this is
 /// the only path back that is known to be free. Poses are forgotten after `forget_after_m` of
 /// travel, as obstacles are: odometry has then drifted by more than the clearance beside the body.
@@ -57,8 +60,9 @@ class BackUp {
  public:
   explicit BackUp(const NavigatorParams& params);
 
-  /// Records a pose; must be called with every pose. While backing up the trail is not extended.
-  void record(const geometry::SE2& T_odom_base);
+  /// Records a pose; must be called with every pose. While the robot backs up, whoever decided
+  /// that, the trail becomes shorter.
+  void record(const geometry::SE2& T_odom_base, double forward_mps);
 
   [[nodiscard]] bool has_path(const geometry::SE2& T_odom_base) const {
     return trail_.path_back(T_odom_base).has_value();

@@ -63,7 +63,7 @@ Decision Navigator::pause(Reason reason) {
 
 Decision Navigator::decide(Situation now) {
   surroundings_.complete(now);
-  back_up_.record(now.T_odom_base);
+  back_up_.record(now.T_odom_base, now.forward_mps);
   goal_drive_.record(now);
   roaming_.record(now);
   Decision decision = behave(now);

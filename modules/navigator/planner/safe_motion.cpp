@@ -16,8 +16,6 @@ constexpr double kLookM = 0.5;
 constexpr std::size_t kMostOffered = 40;
 /// Margin behind the robot, where it knows only what it remembers.
 constexpr double kBackwardMarginM = 0.03;
-/// A robot that moves backwards faster than this is reversing; odometry's noise is slower.
-constexpr double kReversingMps = 0.02;
 constexpr double kRotationMarginM = 0.02;
 constexpr double kLeastRotationRad = geometry::deg_to_rad(2.0);
 

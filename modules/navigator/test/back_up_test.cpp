@@ -81,27 +81,39 @@ TEST(Trail, IsForgottenAfterMuchTravel) {
   }
 }
 
-/// A robot half a metre ahead of its start.
-Situation half_a_metre_ahead() {
-  Situation now;
-  now.T_odom_base = {0.5, 0.0, 0.0};
-  return now;
-}
-
-TEST(BackUp, EndsBeforeWhatIsBehind) {
-  const NavigatorParams params;
-  BackUp back_up(params);
-  for (int i = 0; i <= 50; ++i) {
-    back_up.record({0.01 * i, 0.0, 0.0});
+/// After half a metre straight ahead.
+struct BackUpTest : testing::Test {
+  BackUpTest() {
+    for (int i = 0; i <= 50; ++i) {
+      back_up.record({0.01 * i, 0.0, 0.0}, 0.5);
+    }
+    now.T_odom_base = {0.5, 0.0, 0.0};
   }
-  const double rear_m = params.robot.body.footprint().half_length_m;
-  Situation now = half_a_metre_ahead();
-  now.points_base = {{-rear_m - 0.3, 0.0}};
+
+  NavigatorParams params;
+  BackUp back_up{params};
+  Situation now;
   Decision decision;
+};
+
+TEST_F(BackUpTest, EndsBeforeWhatIsBehind) {
+  const double rear_m = params.robot.body.footprint().half_length_m;
+  now.points_base = {{-rear_m - 0.3, 0.0}};
   EXPECT_TRUE(back_up.step(now, decision));
   EXPECT_LT(decision.forward_mps, -0.05);
   now.points_base = {{-rear_m - 0.02, 0.0}};
   EXPECT_FALSE(back_up.step(now, decision));
+}
+
+// The plan has reversed 20 cm. What is ahead now is not the way back.
+TEST_F(BackUpTest, ThePathBackIsBehindARobotThatHasReversedByPlan) {
+  for (int i = 50; i >= 30; --i) {
+    now.T_odom_base = {0.01 * i, 0.0, 0.0};
+    back_up.record(now.T_odom_base, -0.15);
+  }
+  ASSERT_TRUE(back_up.step(now, decision));
+  EXPECT_LT(decision.forward_mps, -0.05);
+  EXPECT_EQ(decision.yaw_rate_rad_s, 0.0);
 }
 
 }  // namespace back_up_test
