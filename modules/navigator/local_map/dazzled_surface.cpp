@@ -2,6 +2,7 @@
 #include "modules/navigator/local_map/dazzled_surface.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace nodmap::navigator {
@@ -9,8 +10,13 @@ namespace {
 
 constexpr double kNothing = std::numeric_limits<double>::infinity();
 
+/// A reflector dazzles within 15 degrees of a right angle.
+constexpr double kWidestRad = geometry::deg_to_rad(30.0);
+
+/// Whether a beam has no range, or one that is too short. A range beyond the longest one, such as
+/// +infinity, says that nothing is near.
 bool is_unmeasured(const scan::Scan& scan, std::size_t beam) {
-  return !scan.is_hit(beam) && scan.ranges_m[beam] != std::numeric_limits<float>::infinity();
+  return !(static_cast<double>(scan.ranges_m[beam]) >= scan.range_min_m);
 }
 
 double range_m(const scan::Scan& scan, std::size_t beam) {
@@ -33,7 +39,8 @@ std::vector<std::optional<double>> dazzled_ranges(const scan::Scan& scan) {
     }
     const double before_m = first > 0 ? range_m(scan, first - 1) : kNothing;
     const double nearest_m = std::min(before_m, range_m(scan, end));
-    if (nearest_m < kNothing) {
+    const double width_rad = std::abs(scan.angle_step_rad) * static_cast<double>(end - first - 1);
+    if (nearest_m < kNothing && width_rad < kWidestRad + 0.5 * std::abs(scan.angle_step_rad)) {
       std::fill(assumed_m.begin() + static_cast<std::ptrdiff_t>(first),
                 assumed_m.begin() + static_cast<std::ptrdiff_t>(end), nearest_m);
     }

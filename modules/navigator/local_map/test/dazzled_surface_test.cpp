@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -37,6 +38,21 @@ TEST(DazzledSurface, WithoutASurfaceBesideItIsNowhere) {
   EXPECT_EQ(ranges_of({kNaN, kNaN}), (Ranges{{}, {}}));
   EXPECT_EQ(ranges_of({2, kFree, kNaN, kFree, 2}), Ranges(5));
   EXPECT_EQ(ranges_of({}), Ranges());
+}
+
+// A reflector dazzles within 15 degrees of a right angle, which is 30 degrees of a scan.
+TEST(DazzledSurface, ThatIsWiderThanAReflectorCanBeIsNowhere) {
+  for (const std::size_t width : {31U, 32U}) {
+    std::vector<float> ranges_m(width + 2, kNaN);
+    ranges_m.front() = ranges_m.back() = 2.0F;
+    const Ranges assumed_m = ranges_of(ranges_m);
+    EXPECT_EQ(std::ranges::count(assumed_m, std::optional(2.0)), width == 31U ? 31 : 0);
+  }
+}
+
+// A driver may use only ranges that are shorter than the laser's longest.
+TEST(DazzledSurface, ARangeBeyondTheLongestOneIsNotDazzled) {
+  EXPECT_EQ(ranges_of({2, 9, 9, kNaN, 2}), (Ranges{{}, {}, {}, 2, {}}));
 }
 
 // A reflecting board across the way, 1 m ahead of the laser. Within 15 degrees of a right angle,
