@@ -74,7 +74,7 @@ void LocalMap::add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base
     }
     Beam beam = fan_.beam(scan, i, T_odom_mount);
     if (beam.is_hit || beam.range_m == std::numeric_limits<double>::infinity()) {
-      classify(beam, i);
+      classify(beam, i, scan.range_max_m);
     } else if (dazzled_m[i]) {
       beam.range_m = *dazzled_m[i];
       add_dazzled(beam);
@@ -125,17 +125,18 @@ void LocalMap::clear_under_body(const geometry::SE2& T_odom_base) {
   }
 }
 
-void LocalMap::classify(const Beam& beam, std::size_t index) {
+/// Without an echo there is nothing up to `range_max_m`.
+void LocalMap::classify(const Beam& beam, std::size_t index, double range_max_m) {
   if (!beam.is_hit) {
     // A beam that should have met the ground within floor_return_m counts as if it had ended 1 m
     // beyond.
     constexpr double kBeyondM = 1.0;
     const std::size_t facet = ground_.facet_under_base();
     const double to_floor_m = range_to(ground_.plane(facet), beam);
-    if (to_floor_m < params_.floor_return_m) {
+    if (to_floor_m < std::min(params_.floor_return_m, range_max_m)) {
       classify_below(beam, to_floor_m + kBeyondM, facet, true);
     } else {
-      pass(beam, ObstacleMemory::kFarthestPassM);
+      pass(beam, range_max_m);
     }
     return;
   }

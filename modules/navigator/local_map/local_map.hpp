@@ -120,7 +120,7 @@ class LocalMap {
  private:
   void move(const geometry::SE2& T_odom_base);
   void clear_under_body(const geometry::SE2& T_odom_base);
-  void classify(const Beam& beam, std::size_t index);
+  void classify(const Beam& beam, std::size_t index, double range_max_m);
   void add_dazzled(const Beam& beam);
   void classify_below(const Beam& beam, double range_m, std::size_t facet, bool is_certain);
   void pass(const Beam& beam, double until_m);

@@ -112,7 +112,8 @@ void MotionDetector::add_passes(const scan::Scan& scan, const geometry::SE2& T_o
     if (!scan.is_hit(beam) && range_m != std::numeric_limits<double>::infinity()) {
       continue;
     }
-    const double until_m = std::min(range_m - kBeforeEndM, farthest_m_);
+    // Without an echo space is free up to range_max_m.
+    const double until_m = std::min({range_m - kBeforeEndM, farthest_m_, scan.range_max_m});
     if (until_m <= kPassedFromM) {
       continue;
     }

@@ -43,6 +43,30 @@ scan::Scan blind_scan() {
   return scan;
 }
 
+// The front of a box is 1.15 m from the laser, and beams 30 degrees down meet the floor after 0.76
+// m. Those without an echo say something about either only if the laser measures that far.
+TEST(LocalMap, ABeamWithoutAnEchoSaysNothingBeyondTheLongestRange) {
+  const Ground ground{{{{1.3, -0.3}, {1.6, 0.3}, 0.3}}};
+  for (const double range_max_m : {80.0, 0.6}) {
+    LocalMap map({}, {});
+    sweep(map, ground, {});
+    const Eigen::Vector2d on_box(1.31, 0.0);
+    ASSERT_TRUE(map.is_blocked_at(on_box));
+    scan::Scan scan = test::scan_of({}, {}, 0.0);
+    std::ranges::fill(scan.ranges_m, std::numeric_limits<float>::infinity());
+    scan.range_max_m = range_max_m;
+    for (const double deg : {-30.0, -10.0}) {
+      scan.pitch_first_rad = scan.pitch_last_rad = deg_to_rad(deg);
+      for (int i = 0; i < 20; ++i) {
+        map.add_scan(scan, {});
+      }
+    }
+    EXPECT_EQ(map.is_blocked_at(on_box), range_max_m < 1.0);
+    const Eigen::Vector2d before_box(0.15 + 0.38 / std::tan(deg_to_rad(30.0)), 0.01);
+    EXPECT_EQ(map.is_blocked_at(before_box), range_max_m > 1.0) << "a hole";
+  }
+}
+
 TEST(LocalMap, FlatFloorHasNoPointsAndIsSeen) {
   LocalMap map({}, {});
   sweep(map, {}, {});
