@@ -13,6 +13,8 @@ constexpr int kPortion = 8000;
 constexpr int kFirstPortion = 4 * kPortion;
 /// The price is raised within this distance of a place where the robot could not go on.
 constexpr double kFailureM = 0.3;
+/// So many of them are remembered: with each the robot has made no progress for some seconds.
+constexpr std::size_t kMostFailures = 50;
 /// Additional price where the grid leaves less than the least clearance. Such a place may be wider
 /// than it looks: an occupied cell extends up to 3.5 cm beyond the obstacle in it, and mixed pixels
 /// and noise add to both sides of a door. If there is no other path, the robot goes there; the
@@ -66,6 +68,9 @@ void GlobalPlanner::reset() {
 }
 
 void GlobalPlanner::add_failure(const Eigen::Vector2d& p_map) {
+  if (failures_.size() == kMostFailures) {
+    failures_.pop_front();
+  }
   failures_.push_back({p_map, params_.failure_price});
 }
 

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <vector>
 
@@ -51,7 +52,8 @@ class GlobalPlanner {
     return complete_ && is_former_ ? &*complete_ : nullptr;
   }
 
-  /// Adds a place where the robot could not go on: paths through it cost more from now on.
+  /// Adds a place where the robot could not go on: paths through it cost more from now on, until 50
+  /// more have been added.
   void add_failure(const Eigen::Vector2d& p_map);
   void forget_failures() { failures_.clear(); }
 
@@ -79,7 +81,7 @@ class GlobalPlanner {
   robot::Footprint body_;
   PlannerParams params_;
   KnownGround ground_;
-  std::vector<Failure> failures_;
+  std::deque<Failure> failures_;  // the oldest first
 
   Phase phase_ = Phase::kIdle;
   bool is_last_resort_ = false;  // only occupied cells block, because there is no other path

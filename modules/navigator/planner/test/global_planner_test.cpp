@@ -259,6 +259,29 @@ TEST(GlobalPlanner, ANarrowGapIsAPathUntilTheRobotHasFailedToPassIt) {
   }
 }
 
+// The oldest failure is forgotten, so that a robot that is shut in for days does not slow down.
+TEST(GlobalPlanner, RemembersTheLastFiftyFailures) {
+  GlobalPlanner planner(kBody, {});
+  const LocalMap map({}, {});
+  int num_seconds = 0;
+  const auto cost_m = [&] {
+    num_seconds += 10;
+    for (int i = 0; i < 100; ++i) {
+      planner.step(time::Timestamp(num_seconds * 1s + 13'320us * i), map, {}, {}, {3.0, 0.0},
+                   kToleranceM);
+    }
+    return planner.cost_to_go()->at({1.5, 0.0});
+  };
+  const double before_m = cost_m();
+  planner.add_failure({1.5, 0.0});
+  for (int i = 0; i < 49; ++i) {
+    planner.add_failure({100.0, 0.0});
+  }
+  EXPECT_GT(cost_m(), before_m + 0.3);
+  planner.add_failure({100.0, 0.0});
+  EXPECT_EQ(cost_m(), before_m);
+}
+
 TEST(GlobalPlanner, AfterFailuresOnOneSideOfAWallThePathLeadsAroundTheOtherSide) {
   const Ground ground{{{{1.5, -0.9}, {1.6, 1.0}, 0.5}}};
   const LocalMap map = look(ground, {});
