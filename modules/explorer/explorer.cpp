@@ -33,6 +33,7 @@ constexpr double kWorthGoingBack = 2.0;
 constexpr double kDirectionM = 0.4;
 /// Tolerance for the navigator's newer pose.
 constexpr double kArrivalM = 0.1;
+constexpr const char* kNoPathHome = "Everything has been seen, but there is no path home.";
 constexpr const char* kAtHome = "Everything has been seen; the robot is back home.";
 
 /// The points of a straight line at intervals of at most `step_m`, with both ends.
@@ -136,6 +137,9 @@ void Explorer::watch_visits(const Situation& now) {
 /// Detects that the target has failed: the robot does not come nearer to it.
 void Explorer::watch_target(const Situation& now) {
   const bool has_paused = std::chrono::abs(now.stamp - std::exchange(decided_, now.stamp)) > kPause;
+  if (has_paused) {
+    no_path_home_since_.reset();
+  }
   if (state_ != State::kExploring || !target_map_) {
     return;
   }
@@ -287,6 +291,11 @@ void Explorer::drive_home(const Situation& now, Decision& decision) {
     decision.reason = kAtHome;
     return;
   }
+  if (has_no_path_home(now)) {
+    end();
+    decision.reason = kNoPathHome;
+    return;
+  }
   state_ = State::kReturning;
   target_map_.reset();
   passing_map_.clear();
@@ -301,6 +310,18 @@ void Explorer::drive_home(const Situation& now, Decision& decision) {
   decision.path_map.push_back(*home_map_);
   decision.goal = waypoints_.next(grid_, decision.path_map, now.T_map_base.translation(),
                                   params_.home_tolerance_m);
+}
+
+/// Whether the navigator has found no path home for so long that it has also looked around, and
+/// planned anew.
+bool Explorer::has_no_path_home(const Situation& now) {
+  if (state_ != State::kReturning || !now.has_no_path) {
+    no_path_home_since_.reset();
+    return false;
+  }
+  no_path_home_since_ = no_path_home_since_.value_or(now.stamp);
+  return std::chrono::abs(now.stamp - *no_path_home_since_) >
+         time::from_seconds(params_.patience.stuck_s);
 }
 
 std::vector<Eigen::Vector2d> Explorer::path_to(const Cell& cell) const {

@@ -213,11 +213,14 @@ void ExplorerNode::decide(time::Timestamp now) {
     publish(waits, now);
     return;
   }
+  const bool was_idle = explorer_.state() == State::kIdle;
   Decision decision = explorer_.decide({.stamp = now,
                                         .T_map_base = *T_map_base_,
                                         .has_no_path = has_no_path_,
                                         .has_arrived = has_arrived_});
-  if (decision.state == State::kIdle) {
+  if (decision.state == State::kIdle && !was_idle) {
+    end(decision.reason);
+  } else if (decision.state == State::kIdle) {
     decision.reason = idle_reason_;
   } else {
     ++num_decisions_;

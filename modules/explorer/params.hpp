@@ -76,8 +76,10 @@ struct PatienceParams {
 
   template <class Visitor>
   void describe(Visitor& v) {
-    v.number("stuck_s", stuck_s, {2.0, 300.0},
-             "A viewpoint has failed when the robot has not come nearer to it for this long.");
+    v.number(
+        "stuck_s", stuck_s, {2.0, 300.0},
+        "A viewpoint has failed when the robot has not come nearer to it for this long, and the "
+        "way home when there is no path for this long.");
     v.number("no_path_s", no_path_s, {1.0, 300.0},
              "A viewpoint has failed when the navigator has found no path to it for this long.");
     v.number("look_s", look_s, {0.5, 60.0},

@@ -103,6 +103,35 @@ TEST(Explorer, ReturnsToThePlaceWhereItBegan) {
             State::kHome);
 }
 
+// A door has been closed. A pause, as during a STOP, does not count.
+TEST(Explorer, EndsWhenThereIsNoPathHome) {
+  const GridWorld room = known_room();
+  GridWorld unknown({-2.5, -2.0}, {2.5, 2.0});
+  unknown.scan({-1.0, 0.0, 0.0});
+  Explorer explorer{ExplorerParams{}};
+  explorer.start();
+  ASSERT_TRUE(explorer.add(unknown.map()));
+  (void)explorer.decide({.stamp = {}, .T_map_base = {-1.0, 0.0, 0.0}});
+  ASSERT_TRUE(explorer.add(room.map()));
+  const auto decide = [&](double time_s, bool has_no_path) {
+    return explorer.decide({.stamp = time::Timestamp(time::from_seconds(time_s)),
+                            .T_map_base = {1.0, 0.5, 0.0},
+                            .has_no_path = has_no_path});
+  };
+  (void)decide(0.5, false);
+  ASSERT_EQ(explorer.state(), State::kReturning);
+  (void)decide(1.0, true);
+  (void)decide(100.0, true);
+  const double stuck_s = ExplorerParams{}.patience.stuck_s;
+  for (double time_s = 100.5; time_s <= 100.0 + stuck_s; time_s += 0.5) {
+    ASSERT_EQ(decide(time_s, true).state, State::kReturning) << time_s;
+  }
+  const Decision decision = decide(100.5 + stuck_s, true);
+  EXPECT_EQ(decision.state, State::kIdle);
+  EXPECT_EQ(decision.reason, "Everything has been seen, but there is no path home.");
+  EXPECT_FALSE(decision.goal);
+}
+
 /// A robot that cannot move, at the start of a corridor with much unknown ground at its end.
 class Stuck : public ::testing::Test {
  protected:
