@@ -131,11 +131,11 @@ void ExplorerNode::on_odometry(const nodmap::odometry_t& message) {
   if (input_.odometry_restarted()) {
     T_map_odom_.reset();  // the base driver was restarted: odom is another frame
   }
+  T_odom_base_ = geometry::to_se2(*T_odom_base);
   const time::Timestamp now = node::stamp_of(message);
   if (is_lost_ || !T_map_odom_ || is_due(now, posed_, kPoseTimeout)) {
     return;
   }
-  T_map_base_ = *T_map_odom_ * geometry::to_se2(*T_odom_base);
   if (std::exchange(keeps_place_, false)) {
     keep_place(now);
   }
@@ -167,7 +167,8 @@ void ExplorerNode::on_explore(const nodmap::explore_t& message) {
     start();
   } else if (message.is_active == 0 && explorer_.state() != State::kIdle) {
     end("Ended by " + node::read_name(message.requested_by) + ".");
-    if (T_map_base_) {
+    keeps_place_ = !T_map_base();
+    if (!keeps_place_) {
       keep_place(node::stamp_of(message));
     }
   }
@@ -200,8 +201,12 @@ void ExplorerNode::end(const std::string& reason) {
   explorer_.end();
 }
 
+std::optional<geometry::SE2> ExplorerNode::T_map_base() const {
+  return T_map_odom_ && T_odom_base_ ? std::optional(*T_map_odom_ * *T_odom_base_) : std::nullopt;
+}
+
 void ExplorerNode::keep_place(time::Timestamp now) {
-  send_goal({T_map_base_->translation(), params_.goal_tolerance_m}, now);
+  send_goal({T_map_base()->translation(), params_.goal_tolerance_m}, now);
 }
 
 void ExplorerNode::decide(time::Timestamp now) {
@@ -215,7 +220,7 @@ void ExplorerNode::decide(time::Timestamp now) {
   }
   const bool was_idle = explorer_.state() == State::kIdle;
   Decision decision = explorer_.decide({.stamp = now,
-                                        .T_map_base = *T_map_base_,
+                                        .T_map_base = *T_map_base(),
                                         .has_no_path = has_no_path_,
                                         .has_arrived = has_arrived_});
   if (decision.state == State::kIdle && !was_idle) {

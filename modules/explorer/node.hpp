@@ -52,6 +52,9 @@ class ExplorerNode final : public node::Node {
   /// Sends the robot's present position as the goal, because without a goal the robot would roam.
   void keep_place(time::Timestamp now);
   void decide(time::Timestamp now);
+  /// Where the robot is, as far as is known: by the newest odometry and the last pose, however old
+  /// that is.
+  [[nodiscard]] std::optional<geometry::SE2> T_map_base() const;
   void send_goal(const Goal& goal, time::Timestamp now);
   [[nodiscard]] bool is_own(const nodmap::goal_t& message) const;
   void publish(const Decision& decision, time::Timestamp now);
@@ -64,7 +67,7 @@ class ExplorerNode final : public node::Node {
   std::int64_t map_revision_ = -1;
   std::optional<geometry::SE2> T_map_odom_;
   std::optional<time::Timestamp> posed_;  // stamp of the last pose
-  std::optional<geometry::SE2> T_map_base_;
+  std::optional<geometry::SE2> T_odom_base_;
   bool is_lost_ = false;
   bool is_stopped_ = false;
   bool has_no_path_ = false;

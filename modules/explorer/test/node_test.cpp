@@ -140,6 +140,17 @@ TEST_F(ExplorerNodeTest, EndedByTheUserItLeavesTheRobotWhereItIs) {
   EXPECT_EQ(exploration.reason, "Ended by somebody.");
 }
 
+// It has driven 2 m since the last pose of 2D SLAM, 6 s ago.
+TEST_F(ExplorerNodeTest, EndedByTheUserItLeavesTheRobotWhereItIsByTheNewestOdometry) {
+  give_map();
+  ask(true);
+  (void)give_pose();
+  utime_us_ += 6'000'000;
+  give_odometry(2.0);
+  ask(false);
+  EXPECT_EQ(bus_.last<nodmap::goal_t>("GOAL").position_m[0], 2.0);
+}
+
 TEST_F(ExplorerNodeTest, DecidesNothingWithoutATrustworthyPose) {
   give_map();
   ask(true);
