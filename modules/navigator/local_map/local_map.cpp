@@ -228,7 +228,9 @@ void LocalMap::look_again(const TrackedGround::Joined& joined) {
         cell->may_be_ramp = false;
       }
       const double range_m = (p_odom - T_odom_base_->translation()).norm();
-      if (cell->high_cm <= to_centimetres(ground_.height_m(p_odom) + tolerance_m(range_m))) {
+      const bool is_contact = cell->low_cm > cell->high_cm;
+      if (!is_contact &&
+          cell->high_cm <= to_centimetres(ground_.height_m(p_odom) + tolerance_m(range_m))) {
         cell->obstacle = 0;
       }
     }

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "modules/navigator/ground/test/profile.hpp"
 #include "modules/navigator/local_map/test/scanned_ground.hpp"
 
 namespace nodmap::navigator {
@@ -65,6 +66,23 @@ TEST(LocalMap, ABeamWithoutAnEchoSaysNothingBeyondTheLongestRange) {
     const Eigen::Vector2d before_box(0.15 + 0.38 / std::tan(deg_to_rad(30.0)), 0.01);
     EXPECT_EQ(map.is_blocked_at(before_box), range_max_m > 1.0) << "a hole";
   }
+}
+
+// The robot has touched glass 15 cm before a ramp, which is then found.
+TEST(LocalMap, AContactStaysWhenItsPlaceJoinsARamp) {
+  const double rise_m = 2.0 * std::tan(deg_to_rad(12.0));
+  test::NoddingRobot robot({{{-40.0, 0.0}, {1.4, 0.0}, {3.4, rise_m}, {40.0, rise_m}}}, 0.01);
+  LocalMap map({}, {});
+  const geometry::SE2 T_odom_touched{1.0, 0.0, 0.0};
+  const Eigen::Vector2d glass(1.0 + robot::Body{}.footprint().half_length_m + kCellM, 0.0);
+  map.add_scan(robot.step(0.0), robot.T_odom_base());
+  map.add_contact(T_odom_touched, true);
+  ASSERT_TRUE(map.is_blocked_at(glass));
+  for (int i = 0; robot.x() < 0.5; ++i) {
+    map.add_scan(robot.step(i < 146 ? 0.0 : 0.3), robot.T_odom_base());
+  }
+  ASSERT_GT(map.ground().num_facets(), 1U);
+  EXPECT_TRUE(map.is_blocked_at(glass));
 }
 
 TEST(LocalMap, FlatFloorHasNoPointsAndIsSeen) {
