@@ -12,7 +12,6 @@ namespace {
 
 constexpr double kCellM = 0.2;
 constexpr int kLog2Size = 6;
-constexpr std::size_t kMostFacets = 16;
 /// A facet flatter than this counts as level: twice the error of a ramp's tilt.
 const double kLevelSlope = std::tan(geometry::deg_to_rad(2.0));
 /// Ground within this many cells counts as ground at the robot.
@@ -219,10 +218,13 @@ std::size_t TrackedGround::drop_facet_other_than(std::size_t kept) {
     ++dropped;
   }
   facets_.erase(facets_.begin() + static_cast<std::ptrdiff_t>(dropped));
-  const auto close_up = [&](std::size_t& facet) { facet -= facet > dropped ? 1 : 0; };
-  close_up(under_base_);
+  under_base_ -= under_base_ > dropped ? 1 : 0;
   for (Facet& facet : facets_) {
-    close_up(facet.before);
+    if (facet.before == dropped) {
+      facet.before = kNone;
+    } else if (facet.before != kNone) {
+      facet.before -= facet.before > dropped ? 1 : 0;
+    }
   }
   for (int row = 0; row < cells_.size(); ++row) {
     for (int column = 0; column < cells_.size(); ++column) {

@@ -79,12 +79,14 @@ class TrackedGround {
 
  private:
   using Mask = std::uint16_t;
+  static constexpr std::size_t kMostFacets = 16;
+  static constexpr std::size_t kNone = kMostFacets;  ///< in no mask
   struct Facet {
     Plane plane;
     PlaneFit fit;
-    std::size_t before = 0;  ///< the facet at which it begins
-    bool rises = true;       ///< from that facet; else it falls
-    bool is_fixed = false;   ///< not refined any more: the robot was on it, and it gives the tilt
+    std::size_t before = kNone;  ///< the facet at which it begins, until that is dropped
+    bool rises = true;           ///< from that facet; else it falls
+    bool is_fixed = false;  ///< not refined any more: the robot was on it, and it gives the tilt
   };
   struct Ground {
     double height_m;

@@ -149,6 +149,36 @@ TrackedGround ground_with_ramp() {
   return ground;
 }
 
+/// A level plane.
+PlaneFit level_at(double height_m) {
+  PlaneFit fit;
+  for (const Eigen::Vector2d& p : {Eigen::Vector2d(0.0, 0.0), {1.0, 0.0}, {0.0, 1.0}}) {
+    fit.add({p.x(), p.y(), height_m});
+  }
+  return fit;
+}
+
+// Of two facets that do not begin at each other the higher one is the ground. This holds as well
+// when the facet at which one of them begins has been dropped, because there are too many.
+TEST(TrackedGround, AFacetBeginsNowhereOnceTheOneBeforeItIsDropped) {
+  TrackedGround ground{GroundParams{}};
+  ground.move({});
+  const std::size_t dropped = ground.add_facet(level_at(0.4), 0, true);
+  const std::size_t low = ground.add_facet(level_at(0.1), 0, true);
+  const std::size_t high = ground.add_facet(level_at(0.2), dropped, false);
+  const Eigen::Vector2d p_odom(3.0, 0.0);
+  ground.join(p_odom, low);
+  ground.join(p_odom, high);
+  ASSERT_NEAR(ground.height_m(p_odom), 0.2, 1e-9);
+  const std::size_t most = 16;
+  while (ground.num_facets() < most) {
+    ground.add_facet(level_at(0.3), 0, true);
+  }
+  ground.add_facet(level_at(0.3), 0, true);
+  EXPECT_EQ(ground.num_facets(), most);
+  EXPECT_NEAR(ground.height_m(p_odom), 0.2, 1e-9);
+}
+
 // In closed form: the front wheels are 0.1 m up the ramp, so 2 cm high, and the wheelbase is 0.3 m.
 TEST(TrackedGround, TheBodysTiltFollowsFromTheHeightsOfItsWheels) {
   TrackedGround ground = ground_with_ramp();
