@@ -25,7 +25,8 @@ WebSocketClient::WebSocketClient(beast::tcp_stream stream, Hub& hub, std::unique
     : socket_(std::move(stream)),
       hub_(hub),
       ticket_(std::move(ticket)),
-      session_(hub.store, hub.services, access.rights) {
+      session_(hub.store, hub.services, access.rights),
+      rest_(socket_.get_executor(), boost::asio::steady_timer::time_point::max()) {
   set_options(access.protocol);
 }
 
@@ -58,12 +59,17 @@ void WebSocketClient::on_accept(ErrorCode error) {
 
 void WebSocketClient::turn() {
   reads_left_ = kReadsPerTurn;
+  rest_.cancel();
   read();
   write();
 }
 
 void WebSocketClient::read() {
-  if (!is_open_ || is_reading_ || reads_left_ <= 0) {
+  if (!is_open_ || is_reading_) {
+    return;
+  }
+  if (reads_left_ <= 0) {
+    rest_.async_wait([self = shared_from_this()](ErrorCode) {});  // until the next turn
     return;
   }
   is_reading_ = true;

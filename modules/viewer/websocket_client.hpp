@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http/empty_body.hpp>
@@ -45,6 +46,7 @@ class WebSocketClient : public std::enable_shared_from_this<WebSocketClient> {
   Hub& hub_;
   std::unique_ptr<Ticket> ticket_;
   Session session_;
+  boost::asio::steady_timer rest_;  // holds this object while it neither reads nor sends
   boost::beast::flat_buffer input_;
   std::optional<Frame> frame_;  // being sent
   bool is_open_ = false;

@@ -242,6 +242,13 @@ class HostileClients(WithLog):
         self.still_serves()
         self.assertEqual(self.refusals()["request_not_allowed"], 6)
 
+    def test_many_messages_at_once_are_all_read(self):
+        client = Client(self.viewer.port)
+        for _ in range(1000):  # several times as many as the server reads at once
+            client.send(op="unsubscribe", subscriptionIds=[])
+        client.send(op="explode")
+        self.assertEqual(client.status()["level"], 2)
+
     def test_bytes_that_are_not_http_are_refused(self):
         for noise in (b"\x00\xFF" * 100 + b"\r\n\r\n", b"GET / HTTP/1.1\r\n" + b"X: " + b"y" * 20000 + b"\r\n\r\n"):
             with socket.create_connection(("127.0.0.1", self.viewer.port), timeout=PATIENCE_S) as raw:
