@@ -173,8 +173,8 @@ void run_live(const Options& options, const ViewerParams& params) {
                  .parameters = {},
                  .set_parameter = {},
                  .control =
-                     [&control](const Json& request) {
-                       Answer answer = control.answer(request);
+                     [&control](const Json& request, time::Duration age) {
+                       Answer answer = control.answer(request, age);
                        log::get().info("asked for {}: {}", foxglove::to_text(request), answer.text);
                        return answer;
                      },

@@ -45,8 +45,11 @@ RemoteControl::RemoteControl(bus::Bus& bus, const time::Clock& clock, ProcessCon
   bus.subscribe<nodmap::grid_chunk_t>("MAP_2D", [this](const auto& message) { on_map(message); });
 }
 
-Answer RemoteControl::answer(const Json& request) {
+Answer RemoteControl::answer(const Json& request, time::Duration age) {
   const std::string what = text_in(request, "do");
+  if (age > kMaxAge && what != "stop" && what != "save_maps" && what != "process_output") {
+    return {.ok = false, .text = "Too old: not done."};
+  }
   if (what == "goal") {
     return do_goal(request);
   }

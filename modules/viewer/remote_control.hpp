@@ -31,11 +31,16 @@ class RemoteControl {
   /// later. Base driver and navigator remember a STOP.
   static constexpr time::Duration kRepeat = 200ms;
 
+  /// A request that may be older is not carried out, because the robot must not move when the link
+  /// returns and nobody expects it any more; except `stop`, and what neither moves the robot nor
+  /// starts or ends anything.
+  static constexpr time::Duration kMaxAge = 2s;
+
   /// `processes` may be null: then processes cannot be controlled. All must outlive this object.
   RemoteControl(bus::Bus& bus, const time::Clock& clock, ProcessControl* processes);
 
-  /// Executes a request if possible.
-  [[nodiscard]] Answer answer(const Json& request);
+  /// Executes a request if possible. `age`: the greatest that it can have.
+  [[nodiscard]] Answer answer(const Json& request, time::Duration age);
 
   /// Publishes STOP again when that is due. To be called often.
   void turn();

@@ -171,15 +171,15 @@ void Session::unsubscribe(const Json& message) {
   }
 }
 
-void Session::receive_binary(std::span<const std::byte> bytes) {
+void Session::receive_binary(std::span<const std::byte> bytes, time::Duration age) {
   if (const auto call = read_service_call(bytes)) {
-    answer(*call);
+    answer(*call, age);
   } else {
     refuse("unknown binary op");
   }
 }
 
-void Session::answer(const ServiceCall& call) {
+void Session::answer(const ServiceCall& call, time::Duration age) {
   if (!rights_.control || !services_.control) {
     fail(call, "this connection may only read");
     return;
@@ -189,7 +189,7 @@ void Session::answer(const ServiceCall& call) {
     return;
   }
   const Json request = Json::parse(call.payload, nullptr, false);
-  const Answer answer = request.is_object() ? services_.control(request)
+  const Answer answer = request.is_object() ? services_.control(request, age)
                                             : Answer{.ok = false, .text = "Not a JSON object."};
   refused_ += answer.ok ? 0 : 1;
   send(Frame{.is_binary = true,

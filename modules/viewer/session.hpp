@@ -36,8 +36,8 @@ struct Services {
   std::function<Json()> parameters;
   /// Sets a parameter; returns why this was refused, or an empty text.
   std::function<std::string(const std::string& name, const Json& value)> set_parameter;
-  /// Executes a request of a client with control, and answers it.
-  std::function<Answer(const Json& request)> control;
+  /// Executes a request of a client with control, which is at most `age` old, and answers it.
+  std::function<Answer(const Json& request, time::Duration age)> control;
   /// Whether requests may also control processes and recordings.
   bool controls_processes = false;
 };
@@ -68,7 +68,8 @@ class Session {
   Session(const foxglove::TopicStore& store, const Services& services, Rights rights);
 
   void receive_text(std::string_view text);
-  void receive_binary(std::span<const std::byte> bytes);
+  /// `age`: the greatest that the message can have.
+  void receive_binary(std::span<const std::byte> bytes, time::Duration age);
 
   /// The next frame to send, if any. Subscribed topics are served in turn. Without `with_news` it
   /// returns only answers, the time, and messages of CLOUD and log, which must all be sent.
@@ -98,7 +99,7 @@ class Session {
   void unsubscribe(const Json& message);
   void send_parameters(const Json& message);
   void set_parameters(const Json& message);
-  void answer(const ServiceCall& call);
+  void answer(const ServiceCall& call, time::Duration age);
   void fail(const ServiceCall& call, const std::string& reason);
 
   const foxglove::TopicStore& store_;

@@ -6,6 +6,8 @@
 #include <chrono>
 #include <utility>
 
+#include "common/node/clock.hpp"
+
 namespace nodmap::viewer {
 namespace {
 
@@ -26,7 +28,8 @@ WebSocketClient::WebSocketClient(beast::tcp_stream stream, Hub& hub, std::unique
       hub_(hub),
       ticket_(std::move(ticket)),
       session_(hub.store, hub.services, access.rights),
-      rest_(socket_.get_executor(), boost::asio::steady_timer::time_point::max()) {
+      rest_(socket_.get_executor(), boost::asio::steady_timer::time_point::max()),
+      heartbeat_(time::steady_now()) {
   set_options(access.protocol);
 }
 
@@ -39,6 +42,11 @@ void WebSocketClient::set_options(const std::string& protocol) {
       }));
   socket_.read_message_max(kMaxMessageBytes);
   socket_.auto_fragment(false);
+  socket_.control_callback([this](websocket::frame_type kind, beast::string_view payload) {
+    if (kind == websocket::frame_type::pong) {
+      heartbeat_.take_pong({payload.data(), payload.size()});
+    }
+  });
 }
 
 void WebSocketClient::start(const HttpRequest& request) {
@@ -62,6 +70,7 @@ void WebSocketClient::turn() {
   rest_.cancel();
   read();
   write();
+  ping();
 }
 
 void WebSocketClient::read() {
@@ -94,7 +103,8 @@ void WebSocketClient::on_read(ErrorCode error) {
   if (socket_.got_text()) {
     session_.receive_text({static_cast<const char*>(data.data()), data.size()});
   } else {
-    session_.receive_binary({static_cast<const std::byte*>(data.data()), data.size()});
+    session_.receive_binary({static_cast<const std::byte*>(data.data()), data.size()},
+                            heartbeat_.max_age(time::steady_now()));
   }
   input_.consume(input_.size());
   count_refusals();
@@ -105,6 +115,17 @@ void WebSocketClient::on_read(ErrorCode error) {
 void WebSocketClient::count_refusals() {
   for (; refusals_counted_ < session_.refused(); ++refusals_counted_) {
     hub_.refuse("request_not_allowed");
+  }
+}
+
+void WebSocketClient::ping() {
+  if (!is_open_ || is_pinging_) {
+    return;
+  }
+  if (const auto payload = heartbeat_.next_ping(time::steady_now())) {
+    is_pinging_ = true;
+    socket_.async_ping({payload->data(), payload->size()},
+                       [self = shared_from_this()](ErrorCode) { self->is_pinging_ = false; });
   }
 }
 

@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 
+#include "modules/viewer/heartbeat.hpp"
 #include "modules/viewer/hub.hpp"
 
 namespace nodmap::viewer {
@@ -40,6 +41,7 @@ class WebSocketClient : public std::enable_shared_from_this<WebSocketClient> {
   void on_read(ErrorCode error);
   void write();
   void on_write(ErrorCode error);
+  void ping();
   void count_refusals();
 
   boost::beast::websocket::stream<boost::beast::tcp_stream> socket_;
@@ -49,7 +51,9 @@ class WebSocketClient : public std::enable_shared_from_this<WebSocketClient> {
   boost::asio::steady_timer rest_;  // holds this object while it neither reads nor sends
   boost::beast::flat_buffer input_;
   std::optional<Frame> frame_;  // being sent
+  Heartbeat heartbeat_;
   bool is_open_ = false;
+  bool is_pinging_ = false;
   bool is_reading_ = false;
   int reads_left_ = 0;
   std::int64_t refusals_counted_ = 0;

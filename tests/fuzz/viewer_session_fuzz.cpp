@@ -24,7 +24,7 @@ void receive(Session& session, std::string_view frame) {
   if (frame.starts_with('T')) {
     session.receive_text(frame.substr(1));
   } else {
-    session.receive_binary(std::as_bytes(std::span(frame)));
+    session.receive_binary(std::as_bytes(std::span(frame)), 0s);
   }
 }
 
@@ -45,7 +45,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   Services services;
   services.parameters = [] { return Json::array(); };
   services.set_parameter = [](const std::string&, const Json&) { return std::string(); };
-  services.control = [](const Json& request) {
+  services.control = [](const Json& request, time::Duration) {
     require(request.is_object());
     return Answer{.ok = request.contains("do"), .text = "said"};
   };

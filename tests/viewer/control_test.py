@@ -7,6 +7,7 @@ Environment: NODMAP_VIEWER, NODMAP_DEPUTY, NODMAP_SHERIFF (programs).
 import os
 import subprocess
 import sys
+import time
 import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
@@ -77,6 +78,23 @@ class Requests(unittest.TestCase):
             self.assertTrue(all(stop["is_stopped"] for _, stop in stops))
             self.assertTrue(driver.call({"do": "go"})["ok"])
             driver.collect(lambda m: m and not m["STOP"][-1][1]["is_stopped"])
+
+    def test_a_request_that_may_be_old_is_refused_unless_it_is_a_stop(self):
+        with Viewer("--control") as viewer:
+            driver, watcher = master(viewer), Client(viewer.port)
+            self.assertTrue(driver.call({"do": "explore"})["ok"])
+            driver.socket.answers_pings = False  # as while the link is down
+            driver.subscribe("STATUS")
+            end = time.monotonic() + PATIENCE_S
+            while driver.call({"do": "end_exploration"})["ok"]:
+                self.assertLess(time.monotonic(), end)
+                driver.collect(bool)  # the viewer's next STATUS, once a second
+            watcher.subscribe("GOAL", "STOP")
+            for request in ({"do": "go"}, {"do": "roam"}, {"do": "explore"}, {"do": "goal", "x_m": 1, "y_m": 1}):
+                self.assertEqual(driver.call(request), {"ok": False, "text": "Too old: not done."})
+            self.assertTrue(driver.call({"do": "stop"})["ok"])
+            messages = watcher.collect(bool)
+            self.assertTrue(messages["STOP"][0][1]["is_stopped"], "and nothing before it")
 
     def test_an_impossible_request_is_answered_with_the_reason(self):
         with Viewer("--control") as viewer:

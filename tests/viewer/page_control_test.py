@@ -5,6 +5,7 @@
 Environment: NODMAP_VIEWER (program).
 """
 import os
+import signal
 import sys
 import unittest
 
@@ -144,6 +145,17 @@ class Control(Page):
         self.assertIsNotNone(self.browser.wait_for("document.getElementById('summary').textContent.startsWith('Connected')"))
         self.assertTrue(self.browser.run("return document.getElementById('token-refused').hidden"))
         self.assertTrue(self.browser.run("return document.getElementById('stop-bar').hidden"))
+
+    def test_what_is_asked_while_the_link_is_down_is_not_done_except_stop(self):
+        """A stopped viewer is like a link that is down: the connection stays, and requests wait in it."""
+        self.open_with_token()
+        for button, answer in (("explore", "Refused: Too old: not done."), ("stop", "Stopped until you say go.")):
+            self.viewer.process.send_signal(signal.SIGSTOP)
+            self.addCleanup(self.viewer.process.send_signal, signal.SIGCONT)
+            self.browser.run("document.getElementById(arguments[0]).click()", button)
+            self.assertIsNotNone(self.browser.wait_for(f"{ANSWER} === 'No answer yet.'"), button)
+            self.viewer.process.send_signal(signal.SIGCONT)
+            self.assertIsNotNone(self.browser.wait_for(f"{ANSWER} === '{answer}'"), button)
 
     def test_saving_the_maps_is_requested(self):
         self.open_with_token()

@@ -28,6 +28,7 @@ class WebSocket:
             lines["Sec-WebSocket-Protocol"] = protocols
         self.socket.sendall((f"GET {target} HTTP/1.1\r\n" + "".join(f"{k}: {v}\r\n" for k, v in lines.items()) + "\r\n").encode())
         self.input = b""
+        self.answers_pings = True
         while b"\r\n\r\n" not in self.input:
             self._more()
         head, self.input = self.input.split(b"\r\n\r\n", 1)
@@ -82,7 +83,8 @@ class WebSocket:
             payload = self._take(size)
             opcode = first & 0x0F
             if opcode == PING:
-                self.send(payload, PONG)
+                if self.answers_pings:
+                    self.send(payload, PONG)
             elif opcode == CLOSE:
                 raise ConnectionError(f"closed with code {int.from_bytes(payload[:2], 'big')}")
             elif opcode != PONG:

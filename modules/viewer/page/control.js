@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Stop, goals, processes, recordings and saving, for users with the token. The server answers every request with a text.
 
+// An answer comes at once unless the link is down; later, the server carries out nothing but STOP (RemoteControl::kMaxAge).
+const LATE_MS = 2000;
+
 export class Control {
   /** `stopBar` holds STOP and "Go on", `form` everything else. */
   constructor(stopBar, form, view, connection) {
@@ -61,7 +64,9 @@ export class Control {
 
   async ask(request) {
     this.showAnswer(true, "Asked.");
+    const late = setTimeout(() => this.showAnswer(false, "No answer yet."), LATE_MS);
     const {ok, text} = await this.connection().call("control", request);
+    clearTimeout(late);
     this.showAnswer(ok, ok ? text : `Refused: ${text}`);
   }
 

@@ -22,8 +22,8 @@ class RemoteControlTest : public ::testing::Test {
     }
   }
 
-  bool ask(const Json& request) {
-    const Answer answer = control_.answer(request);
+  bool ask(const Json& request, time::Duration age = 0s) {
+    const Answer answer = control_.answer(request, age);
     EXPECT_FALSE(answer.text.empty());
     answer_ = answer.text;
     handle();
@@ -133,6 +133,27 @@ TEST_F(RemoteControlTest, ARequestToSaveMapsIsPublished) {
   EXPECT_EQ(save_.get()->requested_by, "nodmap-viewer");
 }
 
+// The link was down, and the operator has walked to the robot.
+TEST_F(RemoteControlTest, AnOldRequestIsRefusedUnlessItStopsTheRobot) {
+  const Json goal = {{"do", "goal"}, {"x_m", 1}, {"y_m", 1}};
+  for (const Json& request :
+       {goal, Json({{"do", "roam"}}), Json({{"do", "explore"}}), Json({{"do", "end_exploration"}}),
+        Json({{"do", "go"}}), Json({{"do", "start_process"}, {"command", "navigator"}})}) {
+    EXPECT_FALSE(ask(request, 5s));
+    EXPECT_EQ(answer_, "Too old: not done.") << request;
+  }
+  EXPECT_EQ(goal_.count() + explore_.count() + stop_.count(), 0);
+  EXPECT_TRUE(ask({{"do", "stop"}}, 5s));
+  ASSERT_TRUE(stop_.get());
+  EXPECT_TRUE(stop_.get()->is_stopped);
+  EXPECT_FALSE(ask({{"do", "go"}}, RemoteControl::kMaxAge + 1us));
+  EXPECT_TRUE(stop_.get()->is_stopped);
+  EXPECT_TRUE(ask({{"do", "go"}}, RemoteControl::kMaxAge));
+  EXPECT_FALSE(stop_.get()->is_stopped);
+  EXPECT_TRUE(ask({{"do", "save_maps"}}, 5s));
+  EXPECT_EQ(save_.count(), 1);
+}
+
 TEST_F(RemoteControlTest, InvalidRequestsAreRefused) {
   for (const Json& request :
        {Json({{"do", "goal"}}), Json({{"do", "goal"}, {"x_m", 1}}),
@@ -160,13 +181,13 @@ TEST_F(RemoteControlTest, ProcessCommandsArePassedToProcessControl) {
       [] { return time::Moment{}; });
   RemoteControl control(bus_, clock_, &processes);
   // All else is tested with ProcessControl.
-  EXPECT_EQ(control.answer({{"do", "restart_process"}, {"command", "slam2d"}}).text,
+  EXPECT_EQ(control.answer({{"do", "restart_process"}, {"command", "slam2d"}}, 0s).text,
             "The deputy robot does not answer.");
-  EXPECT_EQ(control.answer({{"do", "start_process"}, {"command", "nobody"}}).text,
+  EXPECT_EQ(control.answer({{"do", "start_process"}, {"command", "nobody"}}, 0s).text,
             "There is no command \"nobody\".");
-  EXPECT_EQ(control.answer({{"do", "process_output"}, {"command", "nobody"}}).text,
+  EXPECT_EQ(control.answer({{"do", "process_output"}, {"command", "nobody"}}, 0s).text,
             "There is no command \"nobody\".");
-  EXPECT_EQ(control.answer({{"do", "start_recording"}}).text,
+  EXPECT_EQ(control.answer({{"do", "start_recording"}}, 0s).text,
             "The process configuration has no nodmap-logger.");
 }
 

@@ -15,6 +15,9 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
+/// Of all calls.
+constexpr time::Duration kAge = 300ms;
+
 class SessionTest : public ::testing::Test {
  protected:
   SessionTest() {
@@ -49,7 +52,7 @@ class SessionTest : public ::testing::Test {
   }
 
   static void receive(Session& session, const std::string& message) {
-    session.receive_binary(std::as_bytes(std::span(message)));
+    session.receive_binary(std::as_bytes(std::span(message)), kAge);
   }
 
   foxglove::TopicStore store_;
@@ -227,7 +230,7 @@ TEST_F(SessionTest, TheNumberOfUnreadAnswersIsLimited) {
 
 TEST_F(SessionTest, WithoutControlCallsAreRefused) {
   int asked = 0;
-  services_.control = [&asked](const Json&) {
+  services_.control = [&asked](const Json&, time::Duration) {
     ++asked;
     return Answer{.ok = true, .text = ""};
   };
@@ -242,7 +245,8 @@ TEST_F(SessionTest, WithoutControlCallsAreRefused) {
 }
 
 TEST_F(SessionTest, WithControlCallsAreAnswered) {
-  services_.control = [](const Json& request) {
+  services_.control = [](const Json& request, time::Duration age) {
+    EXPECT_EQ(age, kAge);
     return Answer{.ok = request["do"] == "stop", .text = "CommandOutput."};
   };
   services_.controls_processes = true;
@@ -265,7 +269,7 @@ TEST_F(SessionTest, WithControlCallsAreAnswered) {
 
 TEST_F(SessionTest, InvalidCallsAreCountedAndAnswered) {
   int asked = 0;
-  services_.control = [&asked](const Json&) {
+  services_.control = [&asked](const Json&, time::Duration) {
     ++asked;
     return Answer{.ok = true, .text = ""};
   };
