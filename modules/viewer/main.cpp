@@ -19,6 +19,7 @@
 #include "common/node/status.hpp"
 #include "common/params/params.hpp"
 #include "modules/viewer/foxglove/feed.hpp"
+#include "modules/viewer/json.hpp"
 #include "modules/viewer/log_history.hpp"
 #include "modules/viewer/pace.hpp"
 #include "modules/viewer/params.hpp"
@@ -175,7 +176,11 @@ void run_live(const Options& options, const ViewerParams& params) {
                  .control =
                      [&control](const Json& request, time::Duration age) {
                        Answer answer = control.answer(request, age);
-                       log::get().info("asked for {}: {}", foxglove::to_text(request), answer.text);
+                       // A page asks for the output of processes every second.
+                       if (text_in(request, "do") != "process_output") {
+                         log::get().info("asked for {}: {}", foxglove::to_text(request),
+                                         answer.text);
+                       }
                        return answer;
                      },
                  .controls_processes = processes.has_value()});

@@ -158,6 +158,13 @@ class Processes(unittest.TestCase):
         self.await_command("dozer", lambda row: row["state"] == "running")
         os.kill(first["pid"], 0)  # goes on, though nobody configures it any more
 
+    def test_what_a_process_writes_is_not_written_to_the_log_of_the_viewer(self):
+        self.ask(do="process_output", command="sleeper")
+        self.ask(do="save_maps")
+        self.viewer.stop()
+        self.assertIn("save_maps", self.viewer.said())
+        self.assertNotIn("process_output", self.viewer.said())
+
     def test_a_recording_is_started_and_stopped(self):
         self.ask(do="start_recording")
         self.driver.subscribe("STATUS")
