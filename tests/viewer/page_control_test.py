@@ -146,6 +146,16 @@ class Control(Page):
         self.assertTrue(self.browser.run("return document.getElementById('token-refused').hidden"))
         self.assertTrue(self.browser.run("return document.getElementById('stop-bar').hidden"))
 
+    def test_a_new_token_in_the_address_is_used(self):
+        self.browser.open(f"http://127.0.0.1:{self.viewer.port}/#token={'0' * 32}")
+        self.assertIsNotNone(self.browser.wait_for("window.nodmap && !document.getElementById('token-refused').hidden"))
+        self.browser.run("location.hash = arguments[0]", f"token={self.viewer.token}")
+        self.assertIsNotNone(self.browser.wait_for("window.nodmap && !document.getElementById('control').hidden"))
+        # A link has no token; the page keeps its own.
+        self.browser.run("window.isSame = true; location.hash = 'camera=1,-5,3,1,0,0'")
+        self.assertIsNotNone(self.browser.wait_for("nodmap.view.mode === 'free'"))
+        self.assertTrue(self.browser.run("return window.isSame && !document.getElementById('control').hidden"))
+
     def test_what_is_asked_while_the_link_is_down_is_not_done_except_stop(self):
         """A stopped viewer is like a link that is down: the connection stays, and requests wait in it."""
         self.open_with_token()

@@ -9,6 +9,11 @@ const TIME = 2;
 const SERVICE_REQUEST = 2;
 const SERVICE_RESPONSE = 3;
 
+/** The token in an address; null if there is none. */
+export function tokenIn(hash) {
+  return new URLSearchParams(hash.slice(1)).get("token");
+}
+
 /**
  * Subscribes to every topic of the server that the page came from, and connects again when the connection is lost.
  * handlers: open(serverInfo), close(), tokenRefused(), message(topic, read, timeS), time(timeS), parameters(map).
@@ -18,7 +23,7 @@ export class Connection {
   constructor(handlers) {
     this.handlers = handlers;
     // After '#', so that browsers do not send it; only the WebSocket gets it.
-    this.token = new URLSearchParams(location.hash.slice(1)).get("token");
+    this.token = tokenIn(location.hash);
     this.decoder = new TextDecoder();
     this.connect();
   }

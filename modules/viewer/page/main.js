@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The page: messages in, images and texts out.
-import {Connection} from "./connection.js";
+import {Connection, tokenIn} from "./connection.js";
 import {confirmed} from "./confirm.js";
 import {Control} from "./control.js";
 import {pointsOf} from "./decode.js";
@@ -164,7 +164,15 @@ function followLink() {
 function showMode() {
   document.querySelectorAll("[data-camera]").forEach((button) => button.setAttribute("aria-pressed", button.dataset.camera === view.mode));
 }
-window.addEventListener("hashchange", () => { followLink(); playback.seekWanted(); });
+window.addEventListener("hashchange", () => {
+  const token = tokenIn(location.hash);
+  if (token && token !== connection.token) {
+    location.reload();  // a browser does not load an address again of which only the part after '#' is new
+    return;
+  }
+  followLink();
+  playback.seekWanted();
+});
 if (isLink(location.hash)) {
   followLink();
 }
