@@ -165,6 +165,26 @@ class Labels(PageCase):
         self.assertAlmostEqual(near, far, delta=2)  # whole pixels
 
 
+class Clouds(PageCase):
+    def test_a_new_map_replaces_the_former_one(self):
+        browser = self.browse(self.play())
+        begin = """return import("/cloud.js").then(({Cloud}) => {
+          const cloud = new Cloud(false);
+          const time = (sec) => ({sec, nsec: 0});
+          const pose = {position: {x: 0, y: 0, z: 0}, orientation: {x: 0, y: 0, z: 0, w: 1}};
+          const add = (sec) => cloud.add({timestamp: time(sec), pose, point_stride: 12, data: btoa("\\0".repeat(12))});
+          const move = (...secs) => cloud.move({times: secs.map(time), poses: secs.map(() => pose)});
+          add(10);
+          move(10, 11);
+          add(11);
+          move(11, 12);  // the server keeps a limited number of poses
+          add(20);       // its pose may come later
+        """
+        shown = "return [[...cloud.keyframes.values()].map(({timeS}) => timeS), cloud.total]; })"
+        self.assertEqual(browser.run(begin + shown), [[10, 11, 20], 3])
+        self.assertEqual(browser.run(begin + "move(20);" + shown), [[20], 1])
+
+
 class Look(PageCase):
     def choose(self, browser, name, value):
         browser.run("const s = document.getElementById(arguments[0]); s.value = arguments[1]; s.dispatchEvent(new Event('change'))", name, value)

@@ -298,7 +298,10 @@ void Feed::subscribe_cloud(bus::Bus& bus) {
   const std::size_t topic =
       store_.add({"CLOUD", kPointCloud, Keep::kAll, max_cloud_points(params_)});
   const std::size_t keyframes = store_.add({"keyframes", kPoses});
-  subscribe<nodmap::cloud_chunk_t>(bus, "CLOUD", [=, this](const auto& message) {
+  subscribe<nodmap::cloud_chunk_t>(bus, "CLOUD", [=, this, &bus](const auto& message) {
+    if (!follow_cloud(topic, bus.origin().sender)) {
+      return;
+    }
     auto cloud = take(cloud_.add(message), "cloud_part_not_valid");
     if (!cloud) {
       return;
@@ -315,12 +318,32 @@ void Feed::subscribe_cloud(bus::Bus& bus) {
   });
   subscribe<nodmap::pose_graph_6d_t>(
       bus, "POSE_GRAPH_6D",
-      [=, this, scene = add_scene_topic("pose_graph_6d")](const auto& message) {
+      [=, this, &bus, scene = add_scene_topic("pose_graph_6d")](const auto& message) {
+        if (!follow_cloud(topic, bus.origin().sender)) {
+          return;
+        }
         counts_.use();
         take_keyframe_poses(message);
         post(keyframes, node::stamp_of(message), [this] { return keyframes_.poses_in_frame(); });
         post(scene, node::stamp_of(message), [message] { return pose_graph_6d_scene(message); });
       });
+}
+
+// A 6D SLAM that was started again begins another map in another frame.
+// Without the former one, two that send at the same time would take the map from each other.
+bool Feed::follow_cloud(std::size_t topic, const bus::Sender& sender) {
+  if (sender == former_cloud_sender_) {
+    counts_.reject("former_sender_of_cloud");
+    return false;
+  }
+  if (cloud_sender_ && *cloud_sender_ != sender) {
+    former_cloud_sender_ = cloud_sender_;
+    store_.clear(topic);
+    keyframes_.clear();
+    cloud_downsampler_.clear();
+  }
+  cloud_sender_ = sender;
+  return true;
 }
 
 // Updates the poses of all keyframes, because a loop closure has moved them.

@@ -64,6 +64,9 @@ class Feed {
   void subscribe_slam_pose(bus::Bus& bus, const SlamChannel& slam);
   void subscribe_maps(bus::Bus& bus);
   void subscribe_cloud(bus::Bus& bus);
+  /// Whether a message of this sender belongs to the map that is shown; forgets the cloud if the
+  /// sender is a 6D SLAM that was started since.
+  [[nodiscard]] bool follow_cloud(std::size_t topic, const bus::Sender& sender);
   void take_keyframe_poses(const nodmap::pose_graph_6d_t& graph);
   void subscribe_truth(bus::Bus& bus);
 
@@ -89,6 +92,8 @@ class Feed {
   Trail odometry_trail_;
   Trail trail_2d_;
   Trail trail_6d_;
+  std::optional<bus::Sender> cloud_sender_;         // of CLOUD and POSE_GRAPH_6D
+  std::optional<bus::Sender> former_cloud_sender_;  // the one before it
   KeyframePoses keyframes_;
   GridAssembler grid_;
   CloudAssembler cloud_;

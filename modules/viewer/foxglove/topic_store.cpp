@@ -50,10 +50,14 @@ std::shared_ptr<Post> TopicStore::next(std::size_t topic, std::uint64_t& cursor)
 }
 
 void TopicStore::clear() {
-  for (Queue& queue : queues_) {
-    queue.posts.clear();
-    queue.weight = 0;
+  for (std::size_t topic = 0; topic < queues_.size(); ++topic) {
+    clear(topic);
   }
+}
+
+void TopicStore::clear(std::size_t topic) {
+  queues_[topic].posts.clear();
+  queues_[topic].weight = 0;
 }
 
 }  // namespace nodmap::foxglove

@@ -67,6 +67,8 @@ class TopicStore {
 
   /// Forgets all posts, because a recording starts again. Cursors stay valid.
   void clear();
+  /// Forgets the posts of one topic.
+  void clear(std::size_t topic);
 
   /// Sets a function that is called with every post, for a reader that must not miss any.
   void listen(Listener listener) { listener_ = std::move(listener); }

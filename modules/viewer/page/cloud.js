@@ -64,9 +64,13 @@ export class Cloud {
     this.budget = Infinity;
   }
 
-  /** Moves keyframes, including those not yet received, to their present poses. */
+  /** Moves keyframes, including those not yet received, to their present poses. If none of them is known, 6D SLAM has begun another map. */
   move({times, poses}) {
-    this.poses = new Map(times.map((time, i) => [keyOf(time), poses[i]]));
+    const keys = times.map(keyOf);
+    if (this.poses.size > 0 && !keys.some((key) => this.poses.has(key))) {
+      this.forgetAllBut(new Set(keys));
+    }
+    this.poses = new Map(keys.map((key, i) => [key, poses[i]]));
     this.keyframes.forEach((object, key) => {
       if (this.poses.has(key)) {
         setPose(object, this.poses.get(key));
@@ -112,7 +116,11 @@ export class Cloud {
 
   clear() {
     this.poses.clear();
-    [...this.keyframes.keys()].forEach((key) => this.remove(key));
+    this.forgetAllBut(new Set());
+  }
+
+  forgetAllBut(keys) {
+    [...this.keyframes.keys()].filter((key) => !keys.has(key)).forEach((key) => this.remove(key));
   }
 
   /** Computes the age of each keyframe: 0 the oldest, 1 the newest. */

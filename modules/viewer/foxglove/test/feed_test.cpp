@@ -8,11 +8,14 @@
 #include <limits>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "common/bus/live_bus.hpp"
+#include "common/bus/loop_bus.hpp"
 #include "modules/viewer/foxglove/foxglove.hpp"
 #include "modules/viewer/foxglove/test/robot_maps.hpp"
 #include "modules/viewer/foxglove/test/robot_messages.hpp"
+#include "tests/support/data_dir.hpp"
 
 namespace nodmap::foxglove {
 namespace feed_test {
@@ -179,6 +182,80 @@ TEST_F(DownsampledFeedTest, AKeyframeOfAPlaceShownBeforeIsCountedButNotShown) {
   store_.clear();
   send_keyframe_twice();
   EXPECT_EQ(count_posts("CLOUD"), 1U);
+}
+
+/// 6D SLAM and the one that is started after it, each with a socket of its own.
+class RestartedSlam6d : public ::testing::Test {
+ protected:
+  /// A keyframe of 1000 points that were measured at this time; all see the same places.
+  void send_keyframe(bus::Bus& sender, std::int64_t time_s) {
+    for (auto chunk : robot::keyframe_at(0.0, 0, 1000)) {
+      chunk.utime = 1'000'000 * time_s;
+      sender.publish("CLOUD", chunk);
+    }
+    network_.deliver();
+  }
+
+  /// The times of all messages that a topic keeps, seconds.
+  [[nodiscard]] std::vector<std::int64_t> kept(const std::string& name) const {
+    std::vector<std::int64_t> times;
+    for (std::size_t i = 0; i < store_.topics().size(); ++i) {
+      std::uint64_t cursor = 0;
+      while (const auto post = store_.topics()[i].name == name ? store_.next(i, cursor) : nullptr) {
+        times.push_back(time::to_utime(post->stamp()) / 1'000'000);
+      }
+    }
+    return times;
+  }
+
+  /// The times of the keyframes whose poses are shown, seconds.
+  [[nodiscard]] std::vector<std::int64_t> shown_poses() const {
+    std::vector<std::int64_t> times;
+    for (std::size_t i = 0; i < store_.topics().size(); ++i) {
+      std::uint64_t cursor = 0;
+      if (store_.topics()[i].name == "keyframes") {
+        const Json poses = Json::parse(store_.next(i, cursor)->text());
+        for (const Json& stamp : poses["times"]) {
+          times.push_back(stamp["sec"]);
+        }
+      }
+    }
+    return times;
+  }
+
+  using Times = std::vector<std::int64_t>;
+  nodmap::test::TemporaryDir dir_;
+  bus::LoopNetwork network_{dir_.path() / "log", {}};
+  bus::LoopBus bus_{network_};
+  bus::LoopBus first_{network_};
+  bus::LoopBus second_{network_};
+  TopicStore store_;
+  node::MessageCounts counts_;
+  Feed feed_{bus_, store_, counts_, {.cloud_spacing_m = 0.05}};
+};
+
+TEST_F(RestartedSlam6d, BeginsAnotherMap) {
+  send_keyframe(first_, 10);
+  send_keyframe(second_, 20);
+  EXPECT_EQ(kept("CLOUD"), Times{20}) << "also where the first one had measured points";
+  EXPECT_EQ(shown_poses(), Times{20});
+  send_keyframe(first_, 30);  // it has not ended, or its message was delayed
+  EXPECT_EQ(kept("CLOUD"), Times{20});
+  EXPECT_EQ(shown_poses(), Times{20});
+  EXPECT_EQ(counts_.rejected().at("former_sender_of_cloud"), 1);
+}
+
+// The graph of a saved map comes before its clouds.
+TEST_F(RestartedSlam6d, BeginsAnotherMapWithItsPoseGraph) {
+  send_keyframe(first_, 10);
+  nodmap::pose_graph_6d_t graph = robot::pose_graph_6d();
+  graph.keyframe_utime = {20'000'000, 21'000'000};
+  second_.publish("POSE_GRAPH_6D", graph);
+  network_.deliver();
+  EXPECT_EQ(kept("CLOUD"), Times{});
+  EXPECT_EQ(shown_poses(), (Times{20, 21}));
+  send_keyframe(second_, 20);
+  EXPECT_EQ(shown_poses(), (Times{20, 21}));
 }
 
 TEST_F(FeedTest, ConvertsAllOtherChannels) {
