@@ -48,7 +48,9 @@ class EventFinder {
     const bool fails = status_.health == nodmap::status_t::FAILED;
     const bool is_new = fails && !failed_.contains(status_.process_name);
     fails ? (void)failed_.insert(status_.process_name) : (void)failed_.erase(status_.process_name);
-    return is_new ? "fault " + status_.process_name + ": " + status_.health_reason : std::string();
+    return is_new ? "fault " + node::read_name(status_.process_name) + ": " +
+                        node::read_name(status_.health_reason)
+                  : std::string();
   }
 
   nodmap::stop_t stop_{};

@@ -190,5 +190,15 @@ class Keys(PageCase):
         self.assertLess(length(browser.run(offset)), 0.95 * length(before))
 
 
+class EventsOnTheTimeLine(PageCase):
+    def test_a_text_of_several_lines_is_one_event(self):
+        browser = self.browse(self.play())
+        titles = browser.run("""nodmap.playback.showEvents(arguments[0]);
+            return [...document.querySelectorAll('#marks button')].map((mark) => mark.title)""",
+                             ["1.000 stop by me", "2.000 fault nodmap-kurt: no\nanswer", "nonsense"])
+        self.assertEqual(titles, ["0:01 stop by me", "0:02 fault nodmap-kurt: no\nanswer"])
+        self.assert_quiet(browser)
+
+
 if __name__ == "__main__":
     main()

@@ -100,11 +100,11 @@ export class Playback {
 
   /** Shows a mark for each event, "SECONDS KIND TEXT"; a click on a stop or a fault seeks to just before it. */
   showEvents(events) {
-    if (this.marks.childElementCount === events.length) {
+    const found = events.map((event) => /^(\S+) (\S+) (.*)$/s.exec(event)).filter(Boolean);
+    if (this.marks.childElementCount === found.length) {
       return;
     }
-    this.marks.replaceChildren(...events.map((event) => {
-      const [, seconds, kind, words] = /^(\S+) (\S+) (.*)$/.exec(event);
+    this.marks.replaceChildren(...found.map(([, seconds, kind, words]) => {
       const what = `${clockText(Number(seconds))} ${kind} ${words}`;
       const mark = kind === "keyframe" ? element("span", "", {"data-kind": kind})
         : element("button", "", {type: "button", "data-kind": kind, title: what, "aria-label": `to ${what}`});
