@@ -190,6 +190,27 @@ class Keys(PageCase):
         self.assertLess(length(browser.run(offset)), 0.95 * length(before))
 
 
+class OutputDialog(PageCase):
+    def test_it_shows_the_output_of_the_process_pressed_last(self):
+        browser = self.browse(self.play())
+        # The first answer comes when the second process is shown already.
+        browser.run("""return import("/output.js").then(({Output}) => {
+          window.asked = [];
+          let answer;
+          const late = new Promise((done) => { answer = done; });
+          const output = new Output(document.getElementById("output"), (command) => {
+            asked.push(command);
+            return command === "first" ? late : Promise.resolve({text: "said by the second"});
+          });
+          output.show("first");
+          output.show("second");
+          answer({text: "said by the first"});
+        })""")
+        self.assertIsNotNone(browser.wait_for("asked.filter((command) => command === 'second').length === 3"))
+        self.assertEqual(browser.run("return document.querySelector('#output pre').textContent"), "said by the second")
+        self.assertEqual(browser.run("return asked.filter((command) => command === 'first').length"), 1)
+
+
 class EventsOnTheTimeLine(PageCase):
     def test_a_text_of_several_lines_is_one_event(self):
         browser = self.browse(self.play())

@@ -15,14 +15,19 @@ export class Output {
     this.dialog.querySelector("h2").textContent = `What ${command} wrote`;
     this.text.textContent = "";
     this.dialog.show();
-    while (this.dialog.open) {
-      await this.update(command);
+    // The dialog may show another command before the answer about this one comes.
+    const mine = this.mine = {};
+    while (this.dialog.open && this.mine === mine) {
+      await this.update(command, mine);
       await new Promise((done) => setTimeout(done, PERIOD_MS));
     }
   }
 
-  async update(command) {
+  async update(command, mine) {
     const {text} = await this.ask(command);
+    if (this.mine !== mine) {
+      return;
+    }
     const words = text || "Nothing since the viewer was started.";
     if (words === this.text.textContent) {
       return;
