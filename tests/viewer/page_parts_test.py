@@ -211,6 +211,19 @@ class OutputDialog(PageCase):
         self.assertEqual(browser.run("return asked.filter((command) => command === 'first').length"), 1)
 
 
+class PlotsOverTime(PageCase):
+    def test_they_begin_again_when_the_clock_was_set_back(self):
+        browser = self.browse(self.play())
+        samples = """return import("/plots.js").then(({Plots}) => {
+          const plots = new Plots(document.createElement("div"));
+          arguments[0].forEach(([topic, timeS]) => plots.add(topic, {forward_mps: timeS, max_forward_mps: timeS}, timeS));
+          return plots.plots[0].samples.map((line) => line.map(([timeS]) => timeS));
+        })"""
+        before = [("NAVIGATION", 1000), ("ODOMETRY", 1000), ("ODOMETRY", 1000.5), ("ODOMETRY", 1000.25)]  # the last one came by a longer way
+        self.assertEqual(browser.run(samples, before), [[1000, 1000.5], [1000]])
+        self.assertEqual(browser.run(samples, [*before, ("ODOMETRY", 400), ("ODOMETRY", 400.5)]), [[400, 400.5], []])
+
+
 class EventsOnTheTimeLine(PageCase):
     def test_a_text_of_several_lines_is_one_event(self):
         browser = self.browse(self.play())

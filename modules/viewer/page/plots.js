@@ -96,6 +96,10 @@ class Plot {
   }
 
   addSample(samples, timeS, value) {
+    if (samples.length && timeS < samples[samples.length - 1][0] - this.gapS) {
+      // The clock was set back; a message that is only a little older than the last one came by a longer way.
+      this.samples.forEach((line) => { line.length = 0; });
+    }
     const lastS = samples.length ? samples[samples.length - 1][0] : -Infinity;
     if (!Number.isFinite(value) || timeS - lastS < SAMPLE_S) {
       return;
