@@ -5,6 +5,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <system_error>
 #include <vector>
 
 #include "common/bus/live_bus.hpp"
@@ -55,14 +56,29 @@ nlohmann::json common_result(const ProgramInfo& info, bus::Bus& bus, const Messa
       {"message_us", {{"p50", latency.p50_us}, {"p99", latency.p99_us}, {"max", latency.max_us}}}};
 }
 
+/// Makes the node of a replay. If that fails, because a map cannot be read, the folder must not be
+/// left with a log in it: the corrected command would be refused.
+std::unique_ptr<Node> make_or_clean_up(const NodeFactory& make_node, Context& context,
+                                       const std::filesystem::path& out_log) {
+  try {
+    return make_node(context);
+  } catch (...) {
+    std::error_code ignored;
+    std::filesystem::remove(out_log, ignored);
+    std::filesystem::remove(context.out_dir, ignored);
+    throw;
+  }
+}
+
 void run_replay(const ProgramInfo& info, const Options& options, const NodeFactory& make_node) {
   const std::filesystem::path dir = options.out;
   bus::LogReader(options.replay).require_event();  // before the folder is created
   make_result_dir(dir);
-  bus::ReplayBus bus(options.replay, dir / "out.lcmlog");
+  const std::filesystem::path out_log = dir / "out.lcmlog";
+  bus::ReplayBus bus(options.replay, out_log);
   MessageCounts counts;
   Context context{bus, counts, dir};
-  const std::unique_ptr<Node> node = make_node(context);
+  const std::unique_ptr<Node> node = make_or_clean_up(make_node, context, out_log);
 
   const auto start = SteadyClock::now();
   time::Timestamp first{};
@@ -89,7 +105,7 @@ void run_replay(const ProgramInfo& info, const Options& options, const NodeFacto
   result["metrics"] = node->metrics();
   write_result_json(dir, result);
   if (!bus.flush() || bus.counts().not_published > 0) {
-    throw std::runtime_error((dir / "out.lcmlog").string() + ": cannot write; is the disk full?");
+    throw std::runtime_error(out_log.string() + ": cannot write; is the disk full?");
   }
   if (bus.reader().skipped_bytes() > 0) {
     log::get().warn("{}", bus.reader().damage());

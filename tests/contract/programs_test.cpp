@@ -180,6 +180,26 @@ TEST_P(EveryModule, AMissingRecordingIsAnError) {
   EXPECT_FALSE(std::filesystem::exists(dir.path() / "out"));
 }
 
+class EveryModuleWithAMap : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(EveryModuleWithAMap, AfterAMissingMapTheCorrectedCommandSucceeds) {
+  const test::TemporaryDir dir;
+  const std::filesystem::path log = dir.path() / "in.lcmlog";
+  write_log(log, 3);
+  for (const char* option : {"--localise", "--map-in"}) {
+    const std::filesystem::path out = dir.path() / option;
+    const auto wrong = run_program(
+        GetParam(), {"--replay", log, "--out", out, option, dir.path() / "none.lcmlog"});
+    EXPECT_EQ(wrong.exit_code, 2);
+    EXPECT_THAT(wrong.err, HasSubstr("none.lcmlog"));
+    const auto corrected = run_program(GetParam(), {"--replay", log, "--out", out});
+    EXPECT_EQ(corrected.exit_code, 0) << corrected.err;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, EveryModuleWithAMap,
+                         ::testing::Values("nodmap-slam2d", "nodmap-slam6d"));
+
 TEST_P(EveryModule, AFileThatIsNotARecordingIsAnError) {
   const test::TemporaryDir dir;
   const std::filesystem::path text = dir.path() / "notes.txt";
