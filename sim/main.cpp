@@ -136,6 +136,7 @@ int run_sim(int argc, char** argv) {
        .summary = "Simulates KURT3D in a world, with its devices on pseudo-terminals.",
        .params = &table,
        .uses_lcm = true,
+       .outlives_its_readers = true,
        .add_options = [&options](CLI::App& app) { add_options(app, options); },
        .check = [&] { scenario = load_scenario(options); },
        .run = [&](const std::string& lcm_url) { return run(options, params, scenario, lcm_url); }});

@@ -67,6 +67,7 @@ int run_device_node(int argc, char** argv, const ProgramInfo& info, params::Tabl
                       .summary = info.summary,
                       .params = &table,
                       .uses_lcm = true,
+                      .outlives_its_readers = true,
                       .check = check,
                       .run = [&](const std::string& lcm_url) {
                         run_loop(info, lcm_url, make_node);

@@ -195,6 +195,9 @@ int run_program(int argc, char** argv, const Program& program) {
     return *code;
   }
   catch_stop_signals();
+  if (program.outlives_its_readers) {
+    std::signal(SIGPIPE, SIG_IGN);
+  }
   try {
     return program.run(options.lcm_url);
   } catch (const UsageError& error) {

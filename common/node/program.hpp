@@ -28,6 +28,9 @@ struct Program {
   params::Table* params = nullptr;  ///< adds --config, --set, --dump-params and flags
   bool uses_lcm = false;            ///< adds --lcm-url
   std::string log_level = "info";   ///< default of --log-level
+  /// Goes on when nobody reads its stdout and stderr any more, because it still has to save
+  /// something or to stop a device. Other programs end then (SIGPIPE), as in `... | head`.
+  bool outlives_its_readers = false;
   std::function<void(CLI::App&)> add_options = nullptr;  ///< its own options and subcommands
   /// Checks the combination of options and parameters before `run`. Throws UsageError.
   std::function<void()> check = nullptr;

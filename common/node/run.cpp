@@ -159,6 +159,7 @@ int run_with(int argc, char** argv, const ProgramInfo& info, params::Table& tabl
                       .summary = info.summary,
                       .params = &table,
                       .uses_lcm = true,
+                      .outlives_its_readers = true,
                       .add_options = add_options,
                       .run = [&](const std::string& lcm_url) {
                         options.replay.empty() ? run_live(info, options, lcm_url, make_node)

@@ -194,6 +194,7 @@ int run(int argc, char** argv) {
        .summary = "Records every LCM channel into event logs that lcm-logplayer plays.",
        .params = &table,
        .uses_lcm = true,
+       .outlives_its_readers = true,
        .add_options = [&options](CLI::App& app) { add_options(app, options); },
        .check = [&] { assign_options(options, table); },
        .run =

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -13,6 +14,7 @@
 #include <vector>
 
 #include "common/bus/event_log.hpp"
+#include "tests/support/child_process.hpp"
 #include "tests/support/data_dir.hpp"
 #include "tests/support/program.hpp"
 
@@ -178,6 +180,19 @@ TEST_P(EveryModule, AMissingRecordingIsAnError) {
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_THAT(result.err, HasSubstr("none.lcmlog: cannot open: No such file or directory"));
   EXPECT_FALSE(std::filesystem::exists(dir.path() / "out"));
+}
+
+// Ctrl-C also ends the `tee` to which a process writes.
+TEST_P(EveryModule, WritesItsResultsAlsoWhenNobodyReadsItsLog) {
+  const test::TemporaryDir dir;
+  const std::filesystem::path out = dir.path() / "out";
+  test::ChildProcess process(
+      {NODMAP_BIN "/" + std::string(GetParam()), "--lcm-url", "memq://", "--out", out});
+  ASSERT_TRUE(process.wait_for_stderr("listening on", test::kPatience)) << process.said();
+  process.stop_reading();
+  process.send_signal(SIGTERM);
+  EXPECT_EQ(process.wait_for_end(test::kPatience), 0);
+  EXPECT_TRUE(std::filesystem::exists(out / "result.json"));
 }
 
 class EveryModuleWithAMap : public ::testing::TestWithParam<const char*> {};

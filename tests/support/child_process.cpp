@@ -60,7 +60,7 @@ ChildProcess::~ChildProcess() {
     ::kill(pid_, SIGKILL);
     ::waitpid(pid_, nullptr, 0);
   }
-  ::close(stderr_fd_);
+  stop_reading();
 }
 
 bool ChildProcess::wait_for_stderr(const std::string& text, milliseconds timeout) {
@@ -71,6 +71,13 @@ bool ChildProcess::wait_for_stderr(const std::string& text, milliseconds timeout
     }
   }
   return true;
+}
+
+void ChildProcess::stop_reading() {
+  if (stderr_fd_ >= 0) {
+    ::close(stderr_fd_);
+  }
+  stderr_fd_ = -1;  // poll() ignores it
 }
 
 void ChildProcess::send_signal(int signal) const {

@@ -32,6 +32,9 @@ class ChildProcess : private boost::noncopyable {
   /// Reads its stderr until `text` appears. Returns false if it does not appear in time.
   [[nodiscard]] bool wait_for_stderr(const std::string& text, std::chrono::milliseconds timeout);
 
+  /// Closes our end of its stderr, like a reader that has ended.
+  void stop_reading();
+
   void send_signal(int signal) const;
 
   /// Its exit code, or 128 plus the signal that ended it; empty if it does not end in time. May be
