@@ -218,6 +218,12 @@ void catch_stop_signals() {
   // Without SA_RESTART, so that a wait for messages ends at once.
   ::sigaction(SIGINT, &action, nullptr);
   ::sigaction(SIGTERM, &action, nullptr);
+  // A terminal or ssh session that closes asks for the same, but not of a program under nohup.
+  struct sigaction inherited {};
+  ::sigaction(SIGHUP, nullptr, &inherited);
+  if (inherited.sa_handler != SIG_IGN) {
+    ::sigaction(SIGHUP, &action, nullptr);
+  }
 }
 
 bool stop_requested() {

@@ -40,17 +40,17 @@ struct Program {
 };
 
 /// main() of every program: reads the command line; loads --config, --set and flags into the
-/// parameters, in this order; starts the log; makes SIGINT and SIGTERM request the end; and calls
-/// `run`. Returns the exit code: 2 for a wrong command line or configuration, a UsageError or a
-/// formats::InputFileError, and 1 for any other exception of `run`, each after one line on stderr;
-/// 0 after --help and --version; otherwise the result of `run`.
+/// parameters, in this order; starts the log; makes SIGINT, SIGTERM and SIGHUP request the end; and
+/// calls `run`. Returns the exit code: 2 for a wrong command line or configuration, a UsageError or
+/// a formats::InputFileError, and 1 for any other exception of `run`, each after one line on
+/// stderr; 0 after --help and --version; otherwise the result of `run`.
 int run_program(int argc, char** argv, const Program& program);
 
-/// Makes SIGINT and SIGTERM request the end of the process instead of killing it. run_program()
-/// calls this before `run`.
+/// Makes SIGINT, SIGTERM and SIGHUP request the end of the process instead of killing it; SIGHUP
+/// only if it was not ignored (nohup). run_program() calls this before `run`.
 void catch_stop_signals();
 
-/// Whether SIGINT or SIGTERM has been received.
+/// Whether one of these signals has been received.
 [[nodiscard]] bool stop_requested();
 
 }  // namespace nodmap::node

@@ -195,6 +195,17 @@ TEST_P(EveryModule, WritesItsResultsAlsoWhenNobodyReadsItsLog) {
   EXPECT_TRUE(std::filesystem::exists(out / "result.json"));
 }
 
+TEST_P(EveryModule, WritesItsResultsWhenItsTerminalCloses) {
+  const test::TemporaryDir dir;
+  const std::filesystem::path out = dir.path() / "out";
+  test::ChildProcess process(
+      {NODMAP_BIN "/" + std::string(GetParam()), "--lcm-url", "memq://", "--out", out});
+  ASSERT_TRUE(process.wait_for_stderr("listening on", test::kPatience)) << process.said();
+  process.send_signal(SIGHUP);
+  EXPECT_EQ(process.wait_for_end(test::kPatience), 0);
+  EXPECT_TRUE(std::filesystem::exists(out / "result.json"));
+}
+
 class EveryModuleWithAMap : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(EveryModuleWithAMap, AfterAMissingMapTheCorrectedCommandSucceeds) {

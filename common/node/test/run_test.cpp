@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <csignal>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -8,6 +9,7 @@
 #include "common/bus/codec.hpp"
 #include "common/bus/event_log.hpp"
 #include "common/node/node.hpp"
+#include "common/node/program.hpp"
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::node {
@@ -130,6 +132,24 @@ TEST(Run, ExitCodesDistinguishUserErrors) {
   EXPECT_EQ(run_echo({"--replay", dir.path() / "none", "--out", dir.path() / "c"}), 2);
   std::ofstream(dir.path() / "precious") << "x";
   EXPECT_EQ(run_echo({"--replay", log, "--out", dir.path()}), 1);  // not empty
+}
+
+TEST(StopSignals, EachOfThemRequestsTheEnd) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    catch_stop_signals();
+    EXPECT_FALSE(stop_requested());
+    std::raise(signal);
+    EXPECT_TRUE(stop_requested()) << signal;
+  }
+  catch_stop_signals();  // forgets the last one
+}
+
+TEST(StopSignals, UnderNohupAClosedTerminalIsNone) {
+  std::signal(SIGHUP, SIG_IGN);
+  catch_stop_signals();
+  std::raise(SIGHUP);
+  EXPECT_FALSE(stop_requested());
+  std::signal(SIGHUP, SIG_DFL);
 }
 
 }  // namespace run_test

@@ -20,7 +20,9 @@ std::vector<std::string> arguments_for(const test::PtyPair& pty) {
           "device=" + pty.name(), "--log-level", "off"};
 }
 
-TEST(KurtProgram, StartsStationaryAndEndsWithAHardStop) {
+class KurtProgramSignals : public ::testing::TestWithParam<int> {};
+
+TEST_P(KurtProgramSignals, StartsStationaryAndEndsWithAHardStop) {
   test::PtyPair pty;
   test::KurtEmulator base;
   test::ChildProcess process(arguments_for(pty));
@@ -28,12 +30,14 @@ TEST(KurtProgram, StartsStationaryAndEndsWithAHardStop) {
   EXPECT_FALSE(base.braked());
   EXPECT_EQ(base.left_cm_s(), 0);
   EXPECT_EQ(pty.baud(), 1'000'000);
-  process.send_signal(SIGTERM);
+  process.send_signal(GetParam());
   ASSERT_TRUE(test::play(
       pty, base, [&] { return process.wait_for_end(kNoWait).has_value() && base.braked(); }));
   EXPECT_EQ(process.wait_for_end(kNoWait), 0);
   EXPECT_EQ(base.nonsense(), 0);
 }
+
+INSTANTIATE_TEST_SUITE_P(All, KurtProgramSignals, ::testing::Values(SIGTERM, SIGHUP));
 
 TEST(KurtProgram, EndsWithThePlugPulledOut) {
   test::PtyPair pty;
