@@ -77,9 +77,14 @@ class SaveRequests {
 
   /// Whether to carry out a request at `now`, by the stamps of the sensor data. Rejects it
   /// (`save_request_without_out_dir`, `save_request_too_soon`) if the process has no folder for its
-  /// map, or has accepted a request less than kPeriod ago. Logs the requester.
+  /// map, or has accepted a request less than kPeriod ago, unless forget() was called since. Logs
+  /// the requester.
   [[nodiscard]] bool accept(const nodmap::save_request_t& request, const Context& context,
                             time::Timestamp now);
+
+  /// To be called when the map could not be saved: the next request is carried out at once. After
+  /// the last scan no time passes, so it would otherwise be refused for ever.
+  void forget() { accepted_.reset(); }
 
  private:
   std::optional<time::Timestamp> accepted_;

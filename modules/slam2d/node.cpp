@@ -167,6 +167,10 @@ void Slam2dNode::on_scan(const nodmap::scan_t& message) {
   if (!input_.read(message, scan_)) {
     return;
   }
+  last_scan_stamp_ = scan_.stamp;
+  if (save_error_ && is_due(last_scan_stamp_, last_save_stamp_, kSaveRetryPeriodS)) {
+    try_to_save();
+  }
   if (search_) {
     find_in_saved_map();
     return;
@@ -188,9 +192,6 @@ void Slam2dNode::on_scan(const nodmap::scan_t& message) {
   }
   if (is_due(update->stamp, last_map_stamp_, params_.grid.publish_period_s)) {
     publish_map(update->stamp, tile_selector_.choose(map_.grid()));
-  }
-  if (save_error_ && is_due(update->stamp, last_save_stamp_, kSaveRetryPeriodS)) {
-    try_to_save();
   }
 }
 
@@ -253,7 +254,7 @@ void Slam2dNode::on_clear_request(const nodmap::clear_request_t& message) {
 }
 
 void Slam2dNode::on_save_request(const nodmap::save_request_t& message) {
-  if (save_requests_.accept(message, context_, last_stamp_)) {
+  if (save_requests_.accept(message, context_, last_scan_stamp_)) {
     try_to_save();
     if (!save_error_) {
       log::get().info("map saved in {}", context_.out_dir.string());
@@ -264,9 +265,10 @@ void Slam2dNode::on_save_request(const nodmap::save_request_t& message) {
 // A full disk does not end the mapping: the last complete map stays, STATUS reports the error, and
 // it is tried again.
 void Slam2dNode::try_to_save() {
-  last_save_stamp_ = last_stamp_;
+  last_save_stamp_ = last_scan_stamp_;
   save_error_ = save(context_.out_dir);
   if (save_error_) {
+    save_requests_.forget();
     log::get().warn("{}: map not saved: {}", context_.out_dir.string(), save_error_.message());
   }
 }

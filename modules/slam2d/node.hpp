@@ -83,7 +83,8 @@ class Slam2dNode : public node::Node {
   scan::Scan scan_;  // the last one; a member to reuse its memory
   std::int64_t maps_published_ = 0;
   std::optional<time::Timestamp> last_map_stamp_;
-  time::Timestamp last_stamp_{};
+  time::Timestamp last_stamp_{};       // of a scan that was used
+  time::Timestamp last_scan_stamp_{};  // of any scan
   std::optional<time::Timestamp> last_graph_stamp_;
   std::int64_t graph_revision_published_ = 0;
   PoseQuality last_quality_ = PoseQuality::kTracking;

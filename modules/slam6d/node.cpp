@@ -207,6 +207,7 @@ void Slam6dNode::answer_saved(const std::optional<std::error_code>& error) {
   scans_until_saved_again_ = kScansUntilSavedAgain;
   maps_saved_ += save_error_ ? 0 : 1;
   if (save_error_) {
+    save_requests_.forget();
     log::get().warn("{}: map not saved: {}", context_.out_dir.string(), save_error_.message());
   } else {
     log::get().info("map saved in {}", context_.out_dir.string());
@@ -230,7 +231,11 @@ bool Slam6dNode::publish_octomap_part() {
 }
 
 void Slam6dNode::on_save_request(const nodmap::save_request_t& message) {
-  if (!only_localises_ && save_requests_.accept(message, context_, last_stamp_)) {
+  if (only_localises_) {
+    return;
+  }
+  answer_saved(occupancy_.take());  // a save that failed after the last scan
+  if (save_requests_.accept(message, context_, last_stamp_)) {
     answer(registering_.take());
     answer_saved(occupancy_.take());
     start_saving();

@@ -192,6 +192,18 @@ TEST(SaveRequests, OneInTenSecondsIsCarriedOut) {
   EXPECT_TRUE(requests.accept(request, context, start - 1h)) << "the clock was set back";
 }
 
+TEST(SaveRequests, AFailedSaveDoesNotCount) {
+  test::MemoryBus bus;
+  node::MessageCounts counts;
+  const Context context{bus, counts, "somewhere"};
+  SaveRequests requests;
+  const time::Timestamp start = OdometryInputTest::kDay;
+  EXPECT_TRUE(requests.accept({}, context, start));
+  requests.forget();
+  EXPECT_TRUE(requests.accept({}, context, start));
+  EXPECT_FALSE(requests.accept({}, context, start));
+}
+
 TEST(SaveRequests, WithoutAFolderNoneIsCarriedOut) {
   test::MemoryBus bus;
   node::MessageCounts counts;

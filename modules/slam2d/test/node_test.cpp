@@ -143,6 +143,38 @@ TEST_F(Slam2dNodeTest, TriesAgainToSaveAMapThatCouldNotBeSaved) {
   EXPECT_EQ(node_.health().state, node::HealthState::kOk);
 }
 
+TEST_F(Slam2dNodeTest, TriesAgainToSaveAlsoWhileTheRobotHasNotBeenFound) {
+  const nodmap::test::TemporaryDir dir;
+  put_odometry(0s, {});
+  put_scan(0s, {});
+  const std::filesystem::path first = dir.path() / "first";
+  std::filesystem::create_directory(first);
+  node_.write_results(first);
+  nodmap::test::MemoryBus bus;
+  node::Context context{bus, counts_, dir.path() / "not_there_yet"};
+  const Slam2dNode next{context, Slam2dParams{}, {{}, first, std::nullopt}};
+  bus.deliver("SAVE_REQUEST", nodmap::save_request_t{});
+  EXPECT_EQ(next.health().state, node::HealthState::kDegraded);
+  std::filesystem::create_directory(context.out_dir);
+  // Without odometry no scan can be placed.
+  bus.deliver("SCAN", node::write_scan(scanner_.scan(test::room(), {}, time::Timestamp(9s))));
+  EXPECT_FALSE(std::filesystem::exists(context.out_dir / "map.pgm")) << "not at once";
+  bus.deliver("SCAN", node::write_scan(scanner_.scan(test::room(), {}, time::Timestamp(10s))));
+  EXPECT_TRUE(std::filesystem::exists(context.out_dir / "map.pgm"));
+}
+
+TEST_F(Slam2dNodeTest, AfterAFailedSaveARequestIsCarriedOutAtOnce) {
+  const nodmap::test::TemporaryDir dir;
+  context_.out_dir = dir.path() / "not_there_yet";
+  put_odometry(0s, {});
+  put_scan(0s, {});  // the last one
+  bus_.deliver("SAVE_REQUEST", nodmap::save_request_t{});
+  std::filesystem::create_directory(context_.out_dir);
+  bus_.deliver("SAVE_REQUEST", nodmap::save_request_t{});
+  EXPECT_TRUE(std::filesystem::exists(context_.out_dir / "map.pgm"));
+  EXPECT_EQ(node_.health().state, node::HealthState::kOk);
+}
+
 TEST_F(Slam2dNodeTest, SavesItsMapOnRequest) {
   const nodmap::test::TemporaryDir dir;
   put_odometry(0s, {});

@@ -193,5 +193,22 @@ TEST(Slam6dNode, TriesAgainToSaveAMapThatCouldNotBeSaved) {
   EXPECT_EQ(slam.health().state, node::HealthState::kOk) << slam.health().reason;
 }
 
+TEST(Slam6dNode, AfterAFailedSaveARequestIsCarriedOutAtOnce) {
+  const test::TemporaryDir dir;
+  test::MemoryBus bus;
+  node::MessageCounts counts;
+  node::Context context{bus, counts, dir.path() / "not_there_yet"};
+  const Slam6dNode slam(context, {.assume_stationary = true});
+  bus.deliver("SAVE_REQUEST", nodmap::save_request_t{});
+  // Each request first waits for the outcome of the attempt before, and this one begins another.
+  bus.deliver("SAVE_REQUEST", nodmap::save_request_t{});
+  EXPECT_EQ(slam.health().state, node::HealthState::kDegraded);
+  fs::create_directory(context.out_dir);
+  bus.deliver("SAVE_REQUEST", nodmap::save_request_t{});
+  bus.deliver("SAVE_REQUEST", nodmap::save_request_t{});
+  EXPECT_TRUE(fs::exists(context.out_dir / "map.bt"));
+  EXPECT_EQ(slam.health().state, node::HealthState::kOk) << slam.health().reason;
+}
+
 }  // namespace node_test
 }  // namespace nodmap::slam6d
