@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/node/results.hpp"
 
+#include <exception>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
@@ -30,6 +31,20 @@ std::filesystem::path make_next_result_dir(const std::filesystem::path& dir) {
   }
   make_result_dir(next);
   return next;
+}
+
+void write_each(std::initializer_list<std::function<void()>> writers) {
+  std::exception_ptr first;
+  for (const std::function<void()>& write : writers) {
+    try {
+      write();
+    } catch (const std::exception&) {
+      first = first ? first : std::current_exception();
+    }
+  }
+  if (first) {
+    std::rethrow_exception(first);
+  }
 }
 
 void write_result_json(const std::filesystem::path& dir, const nlohmann::json& result) {

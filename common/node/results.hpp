@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <initializer_list>
 #include <nlohmann/json_fwd.hpp>
 
 namespace nodmap::node {
@@ -13,6 +15,10 @@ void make_result_dir(const std::filesystem::path& dir);
 /// The same for a live process, which may be restarted: if `dir` contains results, creates and
 /// returns the first of DIR.2, DIR.3, ... that contains none. Returns an empty name unchanged.
 [[nodiscard]] std::filesystem::path make_next_result_dir(const std::filesystem::path& dir);
+
+/// Calls all of these, each of which writes one result: one that cannot be written does not prevent
+/// the others. Afterwards throws what the first of those that failed has thrown.
+void write_each(std::initializer_list<std::function<void()>> writers);
 
 /// Writes DIR/result.json; an older one stays in place until the new one is complete. Bytes that
 /// are not UTF-8 become U+FFFD. Throws std::runtime_error, naming the file, if it cannot be

@@ -13,6 +13,7 @@
 #include "common/node/log.hpp"
 #include "common/node/message_input.hpp"
 #include "common/node/messages.hpp"
+#include "common/node/results.hpp"
 #include "modules/slam2d/map_file.hpp"
 #include "modules/slam2d/saved_map_file.hpp"
 #include "nodmap/grid_chunk_t.hpp"
@@ -336,13 +337,16 @@ void Slam2dNode::write_results(const std::filesystem::path& dir) {
   for (const Keyframe& keyframe : slam_.keyframes().subspan(num_restored_)) {
     odometry.push_back(keyframe.T_odom_base);
   }
-  formats::write_tum(dir / "trajectory.tum", corrected);
-  formats::write_tum(dir / "online.tum", online);
-  if (const auto error = save(dir)) {
-    throw std::system_error(error, dir.string());
-  }
-  draw_map(map_.grid(), path).write_png(dir / "map.png");
-  draw_paths(path, odometry).write_png(dir / "path.png");
+  const auto save_map = [&] {
+    if (const auto error = save(dir)) {
+      throw std::system_error(error, dir.string());
+    }
+  };
+  node::write_each({save_map,  // first what cannot be had again
+                    [&] { formats::write_tum(dir / "trajectory.tum", corrected); },
+                    [&] { formats::write_tum(dir / "online.tum", online); },
+                    [&] { draw_map(map_.grid(), path).write_png(dir / "map.png"); },
+                    [&] { draw_paths(path, odometry).write_png(dir / "path.png"); }});
 }
 
 nlohmann::json scan_metrics(const ScansByQuality& scans, const ScanCounts& rejected) {

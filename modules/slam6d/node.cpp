@@ -15,6 +15,7 @@
 #include "common/node/log.hpp"
 #include "common/node/message_input.hpp"
 #include "common/node/messages.hpp"
+#include "common/node/results.hpp"
 #include "modules/slam6d/messages.hpp"
 #include "modules/slam6d/results.hpp"
 #include "modules/slam6d/saved_map_file.hpp"
@@ -272,15 +273,18 @@ std::error_code Slam6dNode::save_map(const std::filesystem::path& dir, const Occ
 }
 
 void Slam6dNode::write_results(const std::filesystem::path& dir) {
-  write_trajectories(slam_, dir);
   if (only_localises_) {
+    write_trajectories(slam_, dir);
     return;
   }
-  if (const auto error = save_map(dir, occupancy_.map(), slam_.save())) {
-    throw std::system_error(error, dir.string());
-  }
-  ++maps_saved_;
-  write_cloud(slam_, dir);
+  const auto save = [&] {
+    if (const auto error = save_map(dir, occupancy_.map(), slam_.save())) {
+      throw std::system_error(error, dir.string());
+    }
+    ++maps_saved_;
+  };
+  node::write_each({save,  // first what cannot be had again
+                    [&] { write_trajectories(slam_, dir); }, [&] { write_cloud(slam_, dir); }});
 }
 
 nlohmann::json Slam6dNode::metrics() const {

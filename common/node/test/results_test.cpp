@@ -22,6 +22,18 @@ TEST(ResultDir, IsMadeAndNeverOverwritten) {
   EXPECT_THROW(make_result_dir(dir.path() / "a" / "b"), std::runtime_error);
 }
 
+TEST(WriteEach, GoesOnAfterAnErrorAndThrowsTheFirst) {
+  std::string written;
+  try {
+    write_each({[&] { written += "a"; }, [] { throw std::runtime_error("first"); },
+                [] { throw std::runtime_error("second"); }, [&] { written += "b"; }});
+    FAIL() << "the errors were lost";
+  } catch (const std::runtime_error& error) {
+    EXPECT_STREQ(error.what(), "first");
+  }
+  EXPECT_EQ(written, "ab");
+}
+
 TEST(ResultDir, ARestartedProcessTakesTheNext) {
   const test::TemporaryDir dir;
   const std::filesystem::path out = dir.path() / "slam2d";

@@ -295,6 +295,19 @@ TEST_F(Slam2dNodeTest, WritesALineForEachUsedScanWithItsOwnStamp) {
   }
 }
 
+TEST_F(Slam2dNodeTest, AResultThatCannotBeWrittenCostsNoOther) {
+  put_odometry(0s, {});
+  put_scan(0s, {});
+  node_.finish();
+  const nodmap::test::TemporaryDir dir;
+  std::filesystem::create_directory(dir.path() / "trajectory.tum");
+  EXPECT_THROW(node_.write_results(dir.path()), std::runtime_error);
+  for (const char* name :
+       {"map.pgm", "map.yaml", "keyframes.lcmlog", "online.tum", "map.png", "path.png"}) {
+    EXPECT_TRUE(std::filesystem::exists(dir.path() / name)) << name;
+  }
+}
+
 TEST_F(Slam2dNodeTest, CountsRejectedMessagesByCause) {
   put_scan(0s, {});  // before any odometry
   nodmap::scan_t broken = node::write_scan(scanner_.scan(test::room(), {}));

@@ -210,5 +210,24 @@ TEST(Slam6dNode, AfterAFailedSaveARequestIsCarriedOutAtOnce) {
   EXPECT_EQ(slam.health().state, node::HealthState::kOk) << slam.health().reason;
 }
 
+TEST(Slam6dNode, AResultThatCannotBeWrittenCostsNoOther) {
+  const test::TemporaryDir dir;
+  test::MemoryBus bus;
+  node::MessageCounts counts;
+  node::Context context{bus, counts, dir.path()};
+  Slam6dNode slam(context, {.assume_stationary = true});
+  std::mt19937 random(9);
+  const auto still = [](time::Timestamp) { return geometry::SE3::Identity(); };
+  for (std::int64_t i = 0; i < 160; ++i) {  // two sweeps
+    bus.deliver("SCAN", node::write_scan(NoddingScanner{}.scan(i, Room::hall(), still, random)));
+  }
+  slam.finish();
+  fs::create_directory(dir.path() / "trajectory.tum");
+  EXPECT_THROW(slam.write_results(dir.path()), std::runtime_error);
+  for (const char* name : {"map.bt", "keyframes.lcmlog", "cloud.ply"}) {
+    EXPECT_TRUE(fs::exists(dir.path() / name)) << name;
+  }
+}
+
 }  // namespace node_test
 }  // namespace nodmap::slam6d
