@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "common/geometry/angle.hpp"
+#include "modules/slam6d/keyframe.hpp"
 
 namespace nodmap::slam6d {
 namespace {
@@ -175,14 +176,10 @@ void EverFreeSpace::move_keyframes(std::span<const SE3> T_map_keyframes) {
   std::vector<bool> is_far(T_voxels_keyframes_.size());
   for (std::size_t k = 0; k < T_voxels_keyframes_.size(); ++k) {
     const SE3 T_voxels_keyframe = T_voxels_map(params_) * T_map_keyframes[k];
-    const SE3 motion = T_voxels_keyframe * T_voxels_keyframes_[k].inverse();
-    const double motion_m =
-        (T_voxels_keyframe.translation() - T_voxels_keyframes_[k].translation()).norm();
-    // The mean over all distances that beams reach.
-    const double by_rotation_m = 0.5 * params_.max_range_m * geometry::rotation_angle(motion);
-    is_far[k] = motion_m + by_rotation_m > 0.5 * params_.voxel_size_m;
+    is_far[k] = motion_of_points_m(T_voxels_keyframes_[k], T_voxels_keyframe, params_.max_range_m) >
+                0.5 * params_.voxel_size_m;
     if (is_far[k]) {
-      T_new_old[k] = motion;
+      T_new_old[k] = T_voxels_keyframe * T_voxels_keyframes_[k].inverse();
       T_voxels_keyframes_[k] = T_voxels_keyframe;
     }
   }

@@ -25,6 +25,14 @@ struct Keyframe {
   std::vector<bool> is_moved = {};    ///< of the cloud's points: on people or objects that moved
 };
 
+/// How far a sweep's points move when its base pose changes from `T_old` to `T_new`: the mean over
+/// all distances from the base up to `max_range_m`.
+[[nodiscard]] inline double motion_of_points_m(const geometry::SE3& T_old,
+                                               const geometry::SE3& T_new, double max_range_m) {
+  return (T_new.translation() - T_old.translation()).norm() +
+         0.5 * max_range_m * geometry::rotation_angle(T_new * T_old.inverse());
+}
+
 /// A sweep that lies between two keyframes: what the plane adjustment needs of it.
 struct IntermediateSweep {
   std::size_t sweep = 0;              ///< index of its update

@@ -32,7 +32,7 @@ constexpr int kScansUntilSavedAgain = 750;
 // The same for a sweep with which a whole saved map is searched, which takes up to 0.5 s.
 constexpr int kScansUntilFound = 60;
 constexpr time::Duration kGraphPeriod = 1s;
-// The occupancy map is built again when a keyframe has moved by more than this.
+// The occupancy map is built again when a keyframe's points have moved by more than this.
 constexpr double kMinMapMotionM = 0.03;
 constexpr double kMinMapMotionAtEndM = 0.005;
 

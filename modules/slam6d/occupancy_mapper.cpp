@@ -36,9 +36,9 @@ void OccupancyMapper::forget_dropped(std::span<const Keyframe> keyframes) {
 
 bool OccupancyMapper::has_changed(std::span<const Keyframe> keyframes, double min_motion_m) const {
   for (std::size_t k = 0; k < mapped_.size(); ++k) {
-    const Eigen::Vector3d motion_m =
-        keyframes[k].T_map_base.translation() - mapped_[k].T_map_base.translation();
-    if (motion_m.norm() > min_motion_m || keyframes[k].cloud != mapped_[k].cloud ||
+    const double motion_m = motion_of_points_m(mapped_[k].T_map_base, keyframes[k].T_map_base,
+                                               params_.trace.max_range_m);
+    if (motion_m > min_motion_m || keyframes[k].cloud != mapped_[k].cloud ||
         keyframes[k].is_moved != mapped_[k].is_moved) {
       return true;
     }

@@ -8,6 +8,9 @@
 #include <utility>
 #include <vector>
 
+#include "common/geometry/angle.hpp"
+#include "common/geometry/se3.hpp"
+
 namespace nodmap::slam6d {
 namespace occupancy_mapper_test {
 
@@ -41,6 +44,21 @@ TEST(OccupancyMapper, AKeyframeWithAnotherCloudIsInsertedAnew) {
   EXPECT_FALSE(mapper.take());
   OccupancyMapper expected({});
   expected.update(whole, 0.1);
+  EXPECT_FALSE(expected.take());
+  EXPECT_TRUE(map_file(mapper) == map_file(expected));
+}
+
+// The wall, 3 m away, moves by 2.6 cm.
+TEST(OccupancyMapper, AKeyframeThatOnlyRotatedIsInsertedAnew) {
+  std::vector<Keyframe> keyframes{keyframe_before_a_wall(50)};
+  OccupancyMapper mapper({});
+  mapper.update(keyframes, 0.03);
+  EXPECT_FALSE(mapper.take());
+  keyframes[0].T_map_base.linear() = geometry::rotation_of({0.0, 0.0, geometry::deg_to_rad(0.5)});
+  mapper.update(keyframes, 0.03);
+  EXPECT_FALSE(mapper.take());
+  OccupancyMapper expected({});
+  expected.update(keyframes, 0.03);
   EXPECT_FALSE(expected.take());
   EXPECT_TRUE(map_file(mapper) == map_file(expected));
 }
