@@ -61,7 +61,7 @@ void OccupancyMapper::update(std::span<const Keyframe> keyframes, double min_mot
   if (added.empty()) {
     return;
   }
-  work.is_published = begin_publishing(keyframes);
+  work.is_published = is_published_ = begin_publishing(keyframes);
   if (prepare_save && is_save_due(number_of(keyframes))) {
     work.save = prepare_save();
   }
@@ -116,7 +116,7 @@ std::optional<std::error_code> OccupancyMapper::handle(const std::optional<Resul
     return std::nullopt;
   }
   if (result->bt_file) {
-    parts_.begin(published_stamp_, *result->bt_file);
+    parts_.begin(*published_stamp_, *result->bt_file);
   }
   return result->save_error;
 }
@@ -124,14 +124,13 @@ std::optional<std::error_code> OccupancyMapper::handle(const std::optional<Resul
 // Returns whether the next map is to be handed out.
 bool OccupancyMapper::begin_publishing(std::span<const Keyframe> keyframes) {
   const time::Timestamp stamp = keyframes.back().cloud->stamp;
-  const double age_s = time::seconds(stamp - published_stamp_);
+  const double age_s = published_stamp_ ? time::seconds(stamp - *published_stamp_) : 0.0;
   // A clock set back must not silence it until it has caught up.
-  const bool is_due = published_keyframes_ == 0 || age_s < 0.0 || age_s >= params_.publish_period_s;
+  const bool is_due = !published_stamp_ || age_s < 0.0 || age_s >= params_.publish_period_s;
   if (params_.publish_period_s <= 0.0 || !is_due || !parts_.is_empty()) {
     return false;
   }
   published_stamp_ = stamp;
-  published_keyframes_ = number_of(keyframes);
   return true;
 }
 
@@ -140,10 +139,11 @@ std::optional<OctomapParts::Part> OccupancyMapper::next_part() {
 }
 
 void OccupancyMapper::publish_last(std::span<const Keyframe> keyframes) {
-  if (params_.publish_period_s > 0.0 && published_keyframes_ < number_of(keyframes)) {
+  if (params_.publish_period_s > 0.0 && !is_published_) {
     published_stamp_ = keyframes.back().cloud->stamp;
+    is_published_ = true;
     if (const auto bt_file = map_.encode(OccupancyMap::Format::kBt)) {
-      parts_.begin(published_stamp_, *bt_file);
+      parts_.begin(*published_stamp_, *bt_file);
     }
   }
 }

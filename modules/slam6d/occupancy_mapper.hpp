@@ -50,8 +50,7 @@ class OccupancyMapper {
 
   /// The next part of the map that is being handed out.
   [[nodiscard]] std::optional<OctomapParts::Part> next_part();
-  /// To be called at the end: hands out the map if keyframes were added since it was last handed
-  /// out.
+  /// To be called at the end: hands out the map unless it has been handed out as it is now.
   void publish_last(std::span<const Keyframe> keyframes);
 
   /// May be called only while no work is under way.
@@ -91,9 +90,9 @@ class OccupancyMapper {
   OccupancyMap map_;
   std::vector<Mapped> mapped_;
   OctomapParts parts_;
-  std::size_t published_keyframes_ = 0;  // up to the last one in the map that was handed out
-  time::Timestamp published_stamp_{};    // of that map
-  node::BackgroundJob<Result> work_;     // on `map_`; last: it ends before what it works on
+  std::optional<time::Timestamp> published_stamp_;  // of the last map that was handed out
+  bool is_published_ = true;                        // whether that is the map as it is now
+  node::BackgroundJob<Result> work_;  // on `map_`; last: it ends before what it works on
 };
 
 }  // namespace nodmap::slam6d

@@ -33,6 +33,15 @@ std::string map_file(const OccupancyMapper& mapper) {
   return mapper.map().encode(OccupancyMap::Format::kOt).value();
 }
 
+// The bytes of all parts that are handed out.
+std::string handed_out(OccupancyMapper& mapper) {
+  std::string file;
+  while (const auto part = mapper.next_part()) {
+    file += part->bytes;
+  }
+  return file;
+}
+
 // The first sweep was cut short, and the map began anew with the next one while the robot was
 // stationary: the new first keyframe has the number and the pose of the old one.
 TEST(OccupancyMapper, AKeyframeWithAnotherCloudIsInsertedAnew) {
@@ -61,6 +70,25 @@ TEST(OccupancyMapper, AKeyframeThatOnlyRotatedIsInsertedAnew) {
   expected.update(keyframes, 0.03);
   EXPECT_FALSE(expected.take());
   EXPECT_TRUE(map_file(mapper) == map_file(expected));
+}
+
+// At the end all keyframes are adjusted, and there is no new one.
+TEST(OccupancyMapper, TheLastMapIsHandedOutAgainIfKeyframesHaveMoved) {
+  std::vector<Keyframe> keyframes{keyframe_before_a_wall(50)};
+  OccupancyMapper mapper({});
+  mapper.update(keyframes, 0.005);
+  EXPECT_FALSE(mapper.take());
+  const std::string at_first = handed_out(mapper);
+  EXPECT_TRUE(at_first == mapper.map().encode(OccupancyMap::Format::kBt));
+  mapper.publish_last(keyframes);
+  EXPECT_FALSE(mapper.next_part()) << "it has been handed out";
+  keyframes[0].T_map_base.translation().x() = 0.2;
+  mapper.update(keyframes, 0.005);
+  EXPECT_FALSE(mapper.take());
+  mapper.publish_last(keyframes);
+  const std::string at_last = handed_out(mapper);
+  EXPECT_TRUE(at_last == mapper.map().encode(OccupancyMap::Format::kBt));
+  EXPECT_FALSE(at_last == at_first);
 }
 
 TEST(OccupancyMapper, AnUnchangedKeyframeIsInsertedOnce) {
