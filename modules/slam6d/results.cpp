@@ -114,6 +114,25 @@ void write_trajectories(const Slam6d& slam, const std::filesystem::path& dir) {
   formats::write_tum(dir / "online.tum", online);
 }
 
+DrivenPath driven_path(const Slam6d& slam) {
+  const std::vector<SE3> corrected = slam.trajectory();
+  DrivenPath path;
+  SE3 T_map_first_odom = SE3::Identity();
+  for (std::size_t i = 0; i < corrected.size(); ++i) {
+    const PoseUpdate& sweep = slam.sweeps()[i];
+    if (!sweep.is_place_known) {
+      continue;
+    }
+    const SE3 T_first_base = sweep.T_first_odom * sweep.T_odom_base;
+    if (path.odometry.empty()) {
+      T_map_first_odom = corrected[i] * T_first_base.inverse();
+    }
+    path.corrected.emplace_back(corrected[i].translation());
+    path.odometry.emplace_back(T_map_first_odom * T_first_base.translation());
+  }
+  return path;
+}
+
 void write_cloud(const Slam6d& slam, const std::filesystem::path& dir) {
   const std::vector<drawing::DrawnPoint> points = registered_cloud(slam.keyframes());
   const drawing::HeightRange heights = drawing::height_range(points);
@@ -124,19 +143,12 @@ void write_cloud(const Slam6d& slam, const std::filesystem::path& dir) {
   }
   formats::write_ply(dir / "cloud.ply", coloured);
 
-  std::vector<Eigen::Vector3d> corrected;
-  std::vector<Eigen::Vector3d> odometry;
+  const DrivenPath driven = driven_path(slam);
   std::vector<Eigen::Vector3d> keyframes;
-  for (const SE3& T_map_base : slam.trajectory()) {
-    corrected.emplace_back(T_map_base.translation());
-  }
-  for (const PoseUpdate& sweep : slam.sweeps()) {
-    odometry.emplace_back(sweep.T_odom_base.translation());
-  }
   for (const Keyframe& keyframe : slam.keyframes()) {
     keyframes.emplace_back(keyframe.T_map_base.translation());
   }
-  const drawing::DrawnPath path{corrected, odometry, keyframes};
+  const drawing::DrawnPath path{driven.corrected, driven.odometry, keyframes};
   drawing::draw_cloud(points, path).write_png(dir / "map.png");
   drawing::draw_path_on_cloud(points, path).write_png(dir / "path.png");
 }

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
 #include "modules/slam6d/slam6d.hpp"
 
@@ -12,6 +14,14 @@ namespace nodmap::slam6d {
 /// trajectory.tum (with all that is known at the end) and online.tum (as known at the time). Throws
 /// std::runtime_error.
 void write_trajectories(const Slam6d& slam, const std::filesystem::path& dir);
+
+/// Where the robot was at each sweep, in map. Without the sweeps before it was found in a saved
+/// map.
+struct DrivenPath {
+  std::vector<Eigen::Vector3d> corrected;
+  std::vector<Eigen::Vector3d> odometry;  ///< by odometry alone since the first of these sweeps
+};
+[[nodiscard]] DrivenPath driven_path(const Slam6d& slam);
 
 /// cloud.ply, map.png and path.png. Throws std::runtime_error.
 void write_cloud(const Slam6d& slam, const std::filesystem::path& dir);
