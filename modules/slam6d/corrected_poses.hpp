@@ -22,6 +22,7 @@ namespace nodmap::slam6d {
 class CorrectedPoses {
  public:
   void add(const geometry::SE3& T_map_base) { poses_.push_back(T_map_base); }
+  void replace(std::size_t sweep, const geometry::SE3& T_map_base) { poses_[sweep] = T_map_base; }
 
   [[nodiscard]] std::span<const geometry::SE3> poses() const { return poses_; }
 

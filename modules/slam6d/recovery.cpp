@@ -70,6 +70,7 @@ void Slam6d::search_own_map(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate
     return;
   }
   by_odometry_ = tracker_;
+  first_at_place_ = sweeps_.size();
   is_map_closed_ = keyframe_is_due_ = true;
   tracker_.begin_at(*T_map_base, cloud);
   update = tracker_.extrapolate(cloud);
@@ -78,11 +79,21 @@ void Slam6d::search_own_map(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate
 }
 
 // The place that was found is wrong: odometry continues from where the robot was lost, and so does
-// the search.
+// the search. The sweeps that were registered there (DEGRADED, because the place was not confirmed)
+// follow odometry, too.
 void Slam6d::take_back_place(const SweepCloud& cloud, PoseUpdate& update) {
   tracker_ = *std::exchange(by_odometry_, std::nullopt);
   tracker_.interrupt();
   is_map_closed_ = false;
+  for (std::size_t i = first_at_place_; i < sweeps_.size(); ++i) {
+    PoseUpdate& sweep = sweeps_[i];
+    if (sweep.is_tracked()) {
+      sweep.registration->status = RegistrationStatus::kLost;
+      --counts_.sweeps_degraded;
+      ++counts_.sweeps_lost;
+    }
+    corrected_.replace(i, tracker_.extrapolate(sweep.T_first_odom * sweep.T_odom_base));
+  }
   update = tracker_.extrapolate(cloud);
   update.registration = Registration{};
 }

@@ -159,7 +159,8 @@ class Slam6d {
   /// Follows odometry from where the robot was lost, until the place that was found instead is
   /// confirmed.
   std::optional<Tracker> by_odometry_;
-  std::size_t num_restored_ = 0;  // the first keyframes
+  std::size_t first_at_place_ = 0;  // the sweep with which that place was found
+  std::size_t num_restored_ = 0;    // the first keyframes
   bool is_map_fixed_ = false;
   bool is_map_closed_ = false;
   Metrics counts_;

@@ -33,6 +33,10 @@ class Tracker {
 
   /// The pose of the robot by odometry since the last accepted pose.
   [[nodiscard]] PoseUpdate extrapolate(const SweepCloud& cloud) const;
+  /// The same for the pose alone. `T_first_base`: as odometry counted it, in the first odom frame.
+  [[nodiscard]] geometry::SE3 extrapolate(const geometry::SE3& T_first_base) const {
+    return T_map_end_ * calibration_.calibrate(T_first_end_.inverse() * T_first_base);
+  }
 
   /// Registers the sweep of an extrapolated pose with the map.
   void track(VoxelMap& sweep, const VoxelMap& map, const SweepCloud& cloud, PoseUpdate& update);

@@ -2,6 +2,7 @@
 // A robot that is kicked or carried away while it maps searches for its pose in its own map.
 #include <gtest/gtest.h>
 
+#include <cstddef>
 #include <cstdint>
 
 #include "modules/slam6d/slam6d.hpp"
@@ -85,6 +86,37 @@ TEST_F(RobotInAHall, IsNotFoundInASimilarHall) {
     EXPECT_EQ(update.registration->status, RegistrationStatus::kLost) << i;
     EXPECT_EQ(slam_.metrics().map_voxels, num_voxels) << i;
   }
+}
+
+// The robot is carried to another hall, which looks like a place 5 m away until its cabinets come
+// into view. The poses that were registered at that place are taken back, also when the robot has
+// been brought back to its true place.
+TEST_F(RobotInAHall, FollowsOdometryWhereAPlaceProvedWrong) {
+  const SE3 T_odom_base = along_hall().back();
+  const SE3 T_hall_similar = pose(-1.8, 0.1, 100.0);
+  const auto expect_near_odometry = [this] {
+    const auto trajectory = slam_.trajectory();
+    for (std::size_t i = 0; i < trajectory.size(); ++i) {
+      EXPECT_LT((trajectory[i].translation() - slam_.sweeps()[i].T_odom_base.translation()).norm(),
+                0.1)
+          << i;
+    }
+  };
+  const std::size_t lost_at_first = 4;
+  for (std::size_t i = 0; i < lost_at_first + 3; ++i) {
+    const PoseUpdate update = see(Room::hall(), T_hall_similar, T_odom_base);
+    EXPECT_EQ(update.is_tracked(), i >= lost_at_first) << i;
+  }
+  PoseUpdate update;
+  do {
+    update = see(look_alike_hall(), T_hall_similar, T_odom_base);
+    ASSERT_LT(slam_.sweeps().size(), 20U);
+  } while (update.is_tracked());
+  EXPECT_EQ(slam_.localiser()->metrics().times_lost, 1);
+  EXPECT_EQ(slam_.metrics().sweeps_degraded, 0U);
+  expect_near_odometry();
+  EXPECT_TRUE(see(Room::hall(), T_odom_base, T_odom_base).is_tracked());
+  expect_near_odometry();
 }
 
 // The robot is moved by 0.3 m and rotated by 30 degrees during a gap of 2 s. From then on odometry
