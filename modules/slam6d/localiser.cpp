@@ -106,9 +106,14 @@ bool Localiser::is_contradicted() const {
 }
 
 void Localiser::give_up() {
+  forget_place();
+  ++metrics_.times_lost;
+}
+
+void Localiser::forget_place() {
   state_ = State::kUnknown;
   evidence_ = {};
-  ++metrics_.times_lost;
+  failed_.reset();
 }
 
 }  // namespace nodmap::slam6d

@@ -94,6 +94,9 @@ class Localiser {
            params_.place.max_contradiction_ratio;
   }
 
+  /// Forgets where the robot was: it has been lost again.
+  void forget_place();
+
   /// Continues with odometry in another frame: somebody may have carried the robot.
   void change_odometry_frame() { failed_.reset(); }
 

@@ -2,6 +2,7 @@
 // The part of Slam6d that finds the robot while its place is unknown: in a saved map, or in its own
 // map after LOST.
 #include <cmath>
+#include <cstdint>
 #include <optional>
 #include <utility>
 
@@ -52,7 +53,7 @@ void Slam6d::classify_place(const VoxelMap& sweep, PoseUpdate& update) {
 void Slam6d::recover(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update) {
   if (update.is_tracked() &&
       !is_certain(tracker_.extrapolate(cloud).covariance, params_.localise) &&
-      localiser_->is_contradicted_at(sweep, update.T_map_base)) {
+      localiser_in_own_map().is_contradicted_at(sweep, update.T_map_base)) {
     tracker_.refuse();
     update = tracker_.extrapolate(cloud);
     update.registration = Registration{};
@@ -62,10 +63,21 @@ void Slam6d::recover(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& updat
   }
 }
 
+// Made only when it is needed, and again only if keyframes have changed: to trace the beams of all
+// keyframes takes some 2 ms for each, and poses wait for it.
+Localiser& Slam6d::localiser_in_own_map() {
+  const std::int64_t revision = back_end_.graph_revision();
+  if (!localiser_ || localiser_revision_ != revision) {
+    localiser_.emplace(params_.localise, params_.registration, keyframes_, map_, std::nullopt);
+    localiser_revision_ = revision;
+  }
+  return *localiser_;
+}
+
 // Searches as in a saved map. Nothing enters its own map until the place is confirmed.
 void Slam6d::search_own_map(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update) {
   VoxelMap as_measured = voxelize(cloud, params_.voxels);
-  const auto T_map_base = localiser_->find(as_measured, map_, update);
+  const auto T_map_base = localiser_in_own_map().find(as_measured, map_, update);
   if (!T_map_base) {
     return;
   }

@@ -64,6 +64,7 @@ void Slam6d::restore(const SavedMap& saved, const std::optional<SE3>& T_map_star
   find_moved_points();
   back_end_.restore(saved);
   localiser_.emplace(params_.localise, params_.registration, keyframes_, map_, T_map_start);
+  localiser_revision_ = back_end_.graph_revision();
   num_restored_ = keyframes_.size();
   is_map_fixed_ = is_fixed;
   is_map_closed_ = keyframe_is_due_ = true;
@@ -149,8 +150,8 @@ void Slam6d::track(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update)
   const int lost_before = tracker_.lost_sweeps();
   tracker_.track(sweep, map_, cloud, update);
   if (!is_map_closed_ && lost_before > 0) {
-    if (lost_before == 1) {
-      localiser_.emplace(params_.localise, params_.registration, keyframes_, map_, std::nullopt);
+    if (lost_before == 1 && localiser_) {
+      localiser_->forget_place();
     }
     recover(sweep, cloud, update);
   }

@@ -59,7 +59,8 @@ class Slam6d {
   /// Whether nothing is added to the map, because the robot has not been found in it or the map is
   /// fixed.
   [[nodiscard]] bool is_map_closed() const { return is_map_closed_; }
-  /// Localises the robot in a saved map, or in its own map after it was lost.
+  /// Localises the robot in a saved map, or in its own map after it was lost. Empty before it is
+  /// needed.
   [[nodiscard]] const std::optional<Localiser>& localiser() const { return localiser_; }
   /// Whether the next sweep may need a search for the robot, which takes longer.
   [[nodiscard]] bool may_search() const {
@@ -129,6 +130,7 @@ class Slam6d {
   void track(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update);
   void classify_place(const VoxelMap& sweep, PoseUpdate& update);
   void recover(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update);
+  [[nodiscard]] Localiser& localiser_in_own_map();
   void search_own_map(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update);
   void take_back_place(const SweepCloud& cloud, PoseUpdate& update);
   void accept(const VoxelMap& sweep, SweepCloud& cloud, PoseUpdate& update);
@@ -155,7 +157,8 @@ class Slam6d {
   std::vector<IntermediateSweep> between_;  // for the adjustment at the end
   DroppedKeyframes dropped_;
   BackEnd back_end_;
-  std::optional<Localiser> localiser_;  // in a saved map, or in the own one after LOST
+  std::optional<Localiser> localiser_;   // in a saved map, or in the own one after LOST
+  std::int64_t localiser_revision_ = 0;  // of the graph from which it was made
   /// Follows odometry from where the robot was lost, until the place that was found instead is
   /// confirmed.
   std::optional<Tracker> by_odometry_;
