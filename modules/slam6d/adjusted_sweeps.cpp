@@ -60,10 +60,10 @@ class Collection {
     const Keyframe& keyframe = drive_.keyframes[k];
     const VoxelMap voxels = voxelize(*keyframe.cloud, params_.voxels);
     AdjustedSweep& sweep =
-        add(keyframe.sweep, keyframe.T_map_base, oriented_points(voxels.level(0)));
+        add(keyframe.sweep, keyframe.update, keyframe.T_map_base, oriented_points(voxels.level(0)));
     sweep.planes = voxels.select(0).points;
     if (k > 0 && keyframe.id == last_keyframe().id + 1) {
-      add_motion(sweep, drive_.steps[k - 1].T_from_to);
+      add_motion(sweep, keyframe.update, drive_.steps[k - 1].T_from_to);
     } else if (k > 0) {
       add_step(sweep, drive_.steps[k - 1]);
     }
@@ -71,9 +71,9 @@ class Collection {
   }
 
   void add_between(const IntermediateSweep& between) {
-    const SE3& T_map_base = drive_.poses[between.sweep];
-    AdjustedSweep& sweep = add(between.sweep, T_map_base, between.points);
-    add_motion(sweep, last_keyframe().T_map_base.inverse() * T_map_base);
+    const SE3& T_map_base = drive_.poses.pose_of(between.sweep);
+    AdjustedSweep& sweep = add(between.sweep, between.update, T_map_base, between.points);
+    add_motion(sweep, between.update, last_keyframe().T_map_base.inverse() * T_map_base);
   }
 
   [[nodiscard]] AdjustedDrive take() { return std::move(all_); }
@@ -81,11 +81,12 @@ class Collection {
  private:
   [[nodiscard]] const Keyframe& last_keyframe() const { return drive_.keyframes[last_.keyframe]; }
 
-  AdjustedSweep& add(std::size_t place, const SE3& T_map_base, std::vector<OrientedPoint> points) {
+  AdjustedSweep& add(std::size_t place, const PoseUpdate& update, const SE3& T_map_base,
+                     std::vector<OrientedPoint> points) {
     all_.places.push_back(place);
     AdjustedSweep& sweep = all_.sweeps.emplace_back(
         AdjustedSweep{.T_map_base = T_map_base, .points = std::move(points)});
-    if (is_planar(drive_.updates[place].T_odom_base)) {
+    if (is_planar(update.T_odom_base)) {
       sweep.level = {.height_m = 0.0,
                      .height_sigma_m = params_.odometry.level_height_m,
                      .tilt_sigma_rad = params_.odometry.level_tilt_rad};
@@ -94,13 +95,11 @@ class Collection {
   }
 
   // The motion since the last keyframe: odometry joined with the match.
-  void add_motion(AdjustedSweep& sweep, const SE3& T_tracked) {
+  void add_motion(AdjustedSweep& sweep, const PoseUpdate& to, const SE3& T_tracked) {
     const Keyframe& from = last_keyframe();
-    const PoseUpdate& to = drive_.updates[all_.places.back()];
     const Motion motion = joined(
         {T_tracked, to.covariance},
-        by_odometry(from.T_map_base, drive_.updates[from.sweep], to, tracker_, params_.odometry),
-        from.T_map_base);
+        by_odometry(from.T_map_base, from.update, to, tracker_, params_.odometry), from.T_map_base);
     sweep.from = last_.place;
     sweep.T_from_this = motion.T_from_this;
     sweep.covariance = motion.covariance;

@@ -5,12 +5,11 @@
 #include <span>
 #include <vector>
 
-#include "common/geometry/se3.hpp"
 #include "common/registration/pose_graph.hpp"
+#include "modules/slam6d/corrected_poses.hpp"
 #include "modules/slam6d/keyframe.hpp"
 #include "modules/slam6d/params.hpp"
 #include "modules/slam6d/plane_adjustment.hpp"
-#include "modules/slam6d/pose_update.hpp"
 #include "modules/slam6d/tracker.hpp"
 
 namespace nodmap::slam6d {
@@ -19,15 +18,14 @@ namespace nodmap::slam6d {
 struct TrackedDrive {
   std::span<const Keyframe> keyframes;
   std::span<const IntermediateSweep> between;
-  std::span<const PoseUpdate> updates;              ///< of all sweeps
-  std::span<const geometry::SE3> poses;             ///< the same sweeps, as known now
+  const CorrectedPoses& poses;
   std::span<const registration::PoseEdge3d> steps;  ///< from keyframe to keyframe
 };
 
 /// The sweeps that are adjusted, in order of time: keyframes and those in between.
 struct AdjustedDrive {
   std::vector<AdjustedSweep> sweeps;
-  std::vector<std::size_t> places;  ///< indices of their updates
+  std::vector<std::size_t> places;  ///< the numbers of these sweeps
 };
 
 /// The input of adjust_planes(): of each sweep its points, the motion since the keyframe before

@@ -3,58 +3,118 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 namespace nodmap::slam6d {
+namespace {
 
 using geometry::SE3;
+
+// How far `sweep` is on the way from one sweep to another, by their numbers.
+double fraction_of(std::size_t from, std::size_t sweep, std::size_t to) {
+  return static_cast<double>(sweep - from) / static_cast<double>(to - from);
+}
+
+}  // namespace
+
+void CorrectedPoses::add(const PoseUpdate& update) {
+  sweeps_.push_back({.sweep = num_added_++,
+                     .stamp = update.stamp,
+                     .T_first_base = update.T_first_odom * update.T_odom_base,
+                     .T_map_base_online = update.T_map_base,
+                     .T_map_base = update.T_map_base,
+                     .is_tracked = update.is_tracked(),
+                     .is_place_known = update.is_place_known});
+}
+
+std::vector<SweepPose>::const_iterator CorrectedPoses::find(std::size_t sweep) const {
+  return std::ranges::lower_bound(sweeps_, sweep, {}, &SweepPose::sweep);
+}
+
+std::span<SweepPose> CorrectedPoses::from(std::size_t sweep) {
+  return std::span(sweeps_).subspan(static_cast<std::size_t>(find(sweep) - sweeps_.begin()));
+}
+
+bool CorrectedPoses::contains(std::size_t sweep) const {
+  const auto found = find(sweep);
+  return found != sweeps_.end() && found->sweep == sweep;
+}
+
+const SE3& CorrectedPoses::pose_of(std::size_t sweep) const {
+  return find(sweep)->T_map_base;
+}
 
 void CorrectedPoses::move(std::span<const Correction> corrections) {
   if (corrections.empty()) {
     return;
   }
-  const auto change = [this](const Correction& correction) -> SE3 {
-    return correction.T_map_base * poses_[correction.sweep].inverse();
-  };
-  std::vector<SE3> moved = poses_;
-  for (std::size_t i = 0; i < corrections.front().sweep; ++i) {
-    moved[i] = change(corrections.front()) * poses_[i];
+  std::vector<SE3> T_new_old;
+  for (const Correction& correction : corrections) {
+    T_new_old.emplace_back(correction.T_map_base * pose_of(correction.sweep).inverse());
   }
-  for (std::size_t c = 0; c < corrections.size(); ++c) {
-    const std::size_t first = corrections[c].sweep;
-    const bool is_last = c + 1 == corrections.size();
-    const std::size_t end = is_last ? poses_.size() : corrections[c + 1].sweep;
-    const SE3 T_new_old = change(corrections[c]);
-    for (std::size_t i = first; i < end; ++i) {
-      moved[i] = T_new_old * poses_[i];
-      if (!is_last) {
-        const double fraction = static_cast<double>(i - first) / static_cast<double>(end - first);
-        moved[i] =
-            geometry::interpolate(moved[i], change(corrections[c + 1]) * poses_[i], fraction);
-      }
+  std::size_t c = 0;  // the last one up to the sweep
+  for (SweepPose& pose : sweeps_) {
+    while (c + 1 < corrections.size() && corrections[c + 1].sweep <= pose.sweep) {
+      ++c;
     }
+    SE3 moved = T_new_old[c] * pose.T_map_base;
+    if (c + 1 < corrections.size() && corrections[c].sweep <= pose.sweep) {
+      moved = geometry::interpolate(
+          moved, T_new_old[c + 1] * pose.T_map_base,
+          fraction_of(corrections[c].sweep, pose.sweep, corrections[c + 1].sweep));
+    }
+    pose.T_map_base = normalized(moved);
   }
-  std::ranges::transform(moved, poses_.begin(), normalized);
 }
 
-std::vector<SE3> CorrectedPoses::trajectory(std::span<const PoseUpdate> sweeps) const {
-  const auto first_base = [&sweeps](std::size_t i) -> SE3 {
-    return sweeps[i].T_first_odom * sweeps[i].T_odom_base;
+std::size_t CorrectedPoses::take_back(std::size_t first) {
+  std::size_t num_tracked = 0;
+  for (SweepPose& pose : from(first)) {
+    num_tracked += std::exchange(pose.is_tracked, false) ? 1 : 0;
+  }
+  return num_tracked;
+}
+
+void CorrectedPoses::place(std::size_t first,
+                           const std::function<SE3(const SE3& T_first_base)>& T_map_base_at) {
+  for (SweepPose& pose : from(first)) {
+    pose.T_map_base = T_map_base_at(pose.T_first_base);
+  }
+}
+
+void CorrectedPoses::drop_sweeps(std::span<const std::size_t> used) {
+  const auto drop = [&] {
+    std::erase_if(sweeps_, [&](const SweepPose& pose) {
+      return pose.sweep % keep_every_ != 0 && !std::ranges::binary_search(used, pose.sweep);
+    });
   };
+  max_sweeps_ = std::max(max_sweeps_, 2 * used.size());
+  drop();
+  // A quarter becomes free, so that this is done seldom.
+  while (4 * sweeps_.size() > 3 * max_sweeps_) {
+    keep_every_ *= 2;
+    drop();
+  }
+}
+
+std::vector<SE3> CorrectedPoses::trajectory() const {
   std::vector<SE3> poses;
-  poses.reserve(sweeps.size());
+  poses.reserve(sweeps_.size());
   std::optional<std::size_t> tracked;  // the last one so far
-  for (std::size_t i = 0; i < sweeps.size(); ++i) {
-    poses.push_back(poses_[i]);
-    if (!sweeps[i].is_tracked()) {
+  for (std::size_t i = 0; i < sweeps_.size(); ++i) {
+    poses.push_back(sweeps_[i].T_map_base);
+    if (!sweeps_[i].is_tracked) {
       continue;
     }
     for (std::size_t j = tracked.value_or(i) + 1; j < i; ++j) {
+      const SweepPose& last = sweeps_[*tracked];
       // The correction by the registration of the later sweep, in its base frame.
-      const SE3 T_map_first = poses_[*tracked] * first_base(*tracked).inverse();
-      const SE3 correction = (T_map_first * first_base(i)).inverse() * poses_[i];
-      const double fraction = static_cast<double>(j - *tracked) / static_cast<double>(i - *tracked);
-      poses[j] = T_map_first * first_base(j) *
-                 geometry::interpolate(SE3::Identity(), correction, fraction);
+      const SE3 T_map_first = last.T_map_base * last.T_first_base.inverse();
+      const SE3 correction =
+          (T_map_first * sweeps_[i].T_first_base).inverse() * sweeps_[i].T_map_base;
+      poses[j] = T_map_first * sweeps_[j].T_first_base *
+                 geometry::interpolate(SE3::Identity(), correction,
+                                       fraction_of(last.sweep, sweeps_[j].sweep, sweeps_[i].sweep));
     }
     tracked = i;
   }

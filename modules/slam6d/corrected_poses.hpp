@@ -3,10 +3,12 @@
 
 #include <Eigen/Geometry>
 #include <cstddef>
+#include <functional>
 #include <span>
 #include <vector>
 
 #include "common/geometry/se3.hpp"
+#include "common/geometry/time.hpp"
 #include "modules/slam6d/pose_update.hpp"
 
 namespace nodmap::slam6d {
@@ -17,14 +19,49 @@ namespace nodmap::slam6d {
   return geometry::make_se3(pose.translation(), Eigen::Quaterniond(pose.linear()).normalized());
 }
 
-/// The poses of all sweeps as they are known now. (A PoseUpdate keeps the pose known when its sweep
-/// was complete.)
+/// How much of the robot's path is kept.
+struct PathParams {
+  int max_sweeps = 131'072;
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.integer("max_sweeps", max_sweeps, {10, 100'000'000},
+              "Maximum number of sweeps whose poses are kept, 0.4 kB each. Beyond it, apart from "
+              "the newest, every second sweep is kept, then every fourth; keyframes always are.");
+  }
+};
+
+/// Where the robot was at one sweep.
+struct SweepPose {
+  std::size_t sweep = 0;  ///< counts all sweeps from 0
+  time::Timestamp stamp{};
+  geometry::SE3 T_first_base = geometry::SE3::Identity();  ///< by odometry, in the first odom frame
+  geometry::SE3 T_map_base_online = geometry::SE3::Identity();  ///< when the sweep was complete
+  geometry::SE3 T_map_base = geometry::SE3::Identity();         ///< as known now
+  bool is_tracked = false;                                      ///< PoseUpdate::is_tracked()
+  bool is_place_known = true;
+};
+
+/// Where the robot was at each sweep. All that is kept of a sweep that is no keyframe: during a
+/// drive of days only every second sweep is kept, then every fourth, and so on.
 class CorrectedPoses {
  public:
-  void add(const geometry::SE3& T_map_base) { poses_.push_back(T_map_base); }
-  void replace(std::size_t sweep, const geometry::SE3& T_map_base) { poses_[sweep] = T_map_base; }
+  explicit CorrectedPoses(const PathParams& params = {})
+      : max_sweeps_(static_cast<std::size_t>(params.max_sweeps)) {}
 
-  [[nodiscard]] std::span<const geometry::SE3> poses() const { return poses_; }
+  /// Adds the next sweep.
+  void add(const PoseUpdate& update);
+  /// The newest sweep's pose in the end, when loops have been closed with it.
+  void set_online(const geometry::SE3& T_map_base) {
+    sweeps_.back().T_map_base_online = T_map_base;
+  }
+
+  [[nodiscard]] std::span<const SweepPose> sweeps() const { return sweeps_; }
+  /// The number of sweeps that were added, which is that of the next one.
+  [[nodiscard]] std::size_t num_added() const { return num_added_; }
+  [[nodiscard]] bool contains(std::size_t sweep) const;
+  /// The pose of a sweep that is kept, as known now.
+  [[nodiscard]] const geometry::SE3& pose_of(std::size_t sweep) const;
 
   /// The new pose of a sweep.
   struct Correction {
@@ -34,13 +71,31 @@ class CorrectedPoses {
   /// Moves these sweeps, in order of time, to their new poses. The corrections of sweeps between
   /// two of them are interpolated.
   void move(std::span<const Correction> corrections);
+  /// Sweep `first` and those after it were not tracked after all. Returns how many of them were.
+  std::size_t take_back(std::size_t first);
+  /// Places sweep `first` and those after it by odometry. `T_map_base_at`: the pose in map of a
+  /// pose in the first odom frame.
+  void place(std::size_t first,
+             const std::function<geometry::SE3(const geometry::SE3& T_first_base)>& T_map_base_at);
 
-  /// The poses of all sweeps: tracked sweeps as add() and move() set them, those between two of
-  /// them by odometry with an interpolated correction. `sweeps`: as many as were added.
-  [[nodiscard]] std::vector<geometry::SE3> trajectory(std::span<const PoseUpdate> sweeps) const;
+  [[nodiscard]] bool is_full() const { return sweeps_.size() >= max_sweeps_; }
+  /// Drops sweeps, evenly over the whole path, so that it is full no longer. `used`: sweeps that
+  /// are kept, in order.
+  void drop_sweeps(std::span<const std::size_t> used);
+
+  /// The pose of each of sweeps(): tracked sweeps as add() and move() set them, those between two
+  /// of them by odometry with an interpolated correction.
+  [[nodiscard]] std::vector<geometry::SE3> trajectory() const;
 
  private:
-  std::vector<geometry::SE3> poses_;
+  /// The first that is kept from sweep `sweep` on.
+  [[nodiscard]] std::vector<SweepPose>::const_iterator find(std::size_t sweep) const;
+  [[nodiscard]] std::span<SweepPose> from(std::size_t sweep);
+
+  std::size_t max_sweeps_;
+  std::vector<SweepPose> sweeps_;
+  std::size_t num_added_ = 0;
+  std::size_t keep_every_ = 1;  // older sweeps
 };
 
 }  // namespace nodmap::slam6d

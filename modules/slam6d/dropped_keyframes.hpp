@@ -17,17 +17,18 @@ namespace nodmap::slam6d {
 class DroppedKeyframes {
  public:
   /// Drops a keyframe, the sweeps between it and the next one, and those at its place: where there
-  /// are so many keyframes, those alone determine the planes. `poses`: of all sweeps.
-  /// `is_restored`: the keyframe comes from a saved map, so it has no sweep in this drive.
-  void drop(const ReplacedKeyframe& replaced, bool is_restored,
-            std::span<const geometry::SE3> poses, std::vector<Keyframe>& keyframes,
-            std::vector<IntermediateSweep>& between);
+  /// are so many keyframes, those alone determine the planes. `is_restored`: the keyframe comes
+  /// from a saved map, so it has no sweep in this drive.
+  void drop(const ReplacedKeyframe& replaced, bool is_restored, const CorrectedPoses& poses,
+            std::vector<Keyframe>& keyframes, std::vector<IntermediateSweep>& between);
 
   /// The new poses of these sweeps when the keyframes move to `T_map_keyframes`.
   [[nodiscard]] std::vector<CorrectedPoses::Correction> corrections(
       std::span<const Keyframe> keyframes, std::span<const geometry::SE3> T_map_keyframes,
-      std::span<const geometry::SE3> poses) const;
+      const CorrectedPoses& poses) const;
 
+  /// Forgets the sweeps that `poses` does not keep.
+  void forget_sweeps_not_in(const CorrectedPoses& poses);
   void clear() { sweeps_.clear(); }
 
  private:

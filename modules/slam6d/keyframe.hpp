@@ -6,23 +6,21 @@
 #include <vector>
 
 #include "common/geometry/se3.hpp"
-#include "modules/slam6d/pose_covariance.hpp"
+#include "modules/slam6d/pose_update.hpp"
 #include "modules/slam6d/sweep_cloud.hpp"
 #include "modules/slam6d/voxel_map.hpp"
 
 namespace nodmap::slam6d {
 
-/// Why the map keeps a sweep.
-enum class KeyframeReason { kFirst, kInterruption, kDistance, kRotation };
-
 /// A sweep that the map keeps as a whole, so that the maps can be built again from other poses.
 struct Keyframe {
   std::size_t id = 0;     ///< counts the keyframes from 0; stays when others are dropped
-  std::size_t sweep = 0;  ///< index of its update; 0 if it comes from a saved map
+  std::size_t sweep = 0;  ///< its number; 0 if it comes from a saved map
   geometry::SE3 T_map_base = geometry::SE3::Identity();
   std::shared_ptr<const SweepCloud> cloud;  ///< in base; shared with the occupancy map's thread
   std::vector<OrientedPoint> points;  ///< the voxel means of the cloud; normal zero where no plane
   std::vector<bool> is_moved = {};    ///< of the cloud's points: on people or objects that moved
+  PoseUpdate update = {};             ///< how it was found; empty if it comes from a saved map
 };
 
 /// How far a sweep's points move when its base pose changes from `T_old` to `T_new`: the mean over
@@ -35,8 +33,9 @@ struct Keyframe {
 
 /// A sweep that lies between two keyframes: what the plane adjustment needs of it.
 struct IntermediateSweep {
-  std::size_t sweep = 0;              ///< index of its update
+  std::size_t sweep = 0;              ///< its number
   std::vector<OrientedPoint> points;  ///< as those of a keyframe
+  PoseUpdate update = {};             ///< how it was found
 };
 
 }  // namespace nodmap::slam6d

@@ -156,6 +156,7 @@ void Slam6dNode::answer(const std::optional<PoseUpdate>& update) {
 }
 
 void Slam6dNode::publish(const PoseUpdate& update) {
+  last_update_ = update;
   context_.bus.publish("POSE_6D", write_pose(update));
   if (update.keyframe) {
     publish_cloud(slam_.keyframes().back());
@@ -307,17 +308,20 @@ node::Health Slam6dNode::health() const {
   if (save_error_) {
     return {HealthState::kDegraded, "The map cannot be saved: " + save_error_.message() + "."};
   }
-  if (slam_.scan_counts().in_sweeps > 0 && slam_.sweeps().empty()) {
+  if (slam_.scan_counts().in_sweeps > 0 && slam_.num_sweeps() == 0) {
     return {HealthState::kDegraded, "There are scans, but no odometry for them."};
   }
-  if (!slam_.sweeps().empty() && !slam_.sweeps().back().is_place_known) {
+  if (!last_update_) {
+    return {};
+  }
+  if (!last_update_->is_place_known) {
     return {HealthState::kDegraded, "The robot has not been found in the saved map yet."};
   }
-  if (!slam_.sweeps().empty() && slam_.sweeps().back().num_points == 0) {
+  if (last_update_->num_points == 0) {
     return {HealthState::kDegraded,
             "The last sweep has no point between range.min_m and range.max_m."};
   }
-  if (!slam_.sweeps().empty() && write_pose(slam_.sweeps().back()).state == nodmap::pose_t::LOST) {
+  if (write_pose(*last_update_).state == nodmap::pose_t::LOST) {
     return {HealthState::kDegraded, "The last sweep does not fit the map."};
   }
   return {};

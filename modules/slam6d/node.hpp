@@ -17,6 +17,7 @@
 #include "common/node/node.hpp"
 #include "modules/slam6d/occupancy_mapper.hpp"
 #include "modules/slam6d/params.hpp"
+#include "modules/slam6d/pose_update.hpp"
 #include "modules/slam6d/slam6d.hpp"
 #include "nodmap/odometry_t.hpp"
 #include "nodmap/save_request_t.hpp"
@@ -77,6 +78,7 @@ class Slam6dNode : public node::Node {
   time::Timestamp graph_stamp_{};
   ScanCounts counted_;
   time::Timestamp last_stamp_{};  // of SCAN
+  std::optional<PoseUpdate> last_update_;
   std::int64_t maps_saved_ = 0;
   std::error_code save_error_;       // of the last attempt
   int scans_until_saved_again_ = 0;  // after an error

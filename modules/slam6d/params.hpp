@@ -3,6 +3,7 @@
 
 #include "common/geometry/angle.hpp"
 #include "modules/slam6d/cloud_tracer.hpp"
+#include "modules/slam6d/corrected_poses.hpp"
 #include "modules/slam6d/ever_free_space.hpp"
 #include "modules/slam6d/localiser.hpp"
 #include "modules/slam6d/loop_closer.hpp"
@@ -70,6 +71,7 @@ struct Slam6dParams {
   VoxelMapParams voxels{};
   RegistrationParams registration{};
   KeyframeParams keyframe{};
+  PathParams path{};
   LoopParams loop{};
   AdjustmentParams adjustment{};
   LocaliseParams localise{};
@@ -88,6 +90,7 @@ struct Slam6dParams {
     v.section("voxels", voxels);
     v.section("registration", registration);
     v.section("keyframe", keyframe);
+    v.section("path", path);
     v.section("loop", loop);
     v.section("adjustment", adjustment);
     v.section("localise", localise);

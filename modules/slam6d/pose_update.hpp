@@ -7,10 +7,13 @@
 
 #include "common/geometry/se3.hpp"
 #include "common/geometry/time.hpp"
-#include "modules/slam6d/keyframe.hpp"
+#include "modules/slam6d/pose_covariance.hpp"
 #include "modules/slam6d/registration.hpp"
 
 namespace nodmap::slam6d {
+
+/// Why the map keeps a sweep.
+enum class KeyframeReason { kFirst, kInterruption, kDistance, kRotation };
 
 /// The robot's pose in the middle of one sweep, and how it was found.
 struct PoseUpdate {

@@ -82,7 +82,7 @@ void Slam6d::search_own_map(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate
     return;
   }
   by_odometry_ = tracker_;
-  first_at_place_ = sweeps_.size();
+  first_at_place_ = corrected_.num_added();
   is_map_closed_ = keyframe_is_due_ = true;
   tracker_.begin_at(*T_map_base, cloud);
   update = tracker_.extrapolate(cloud);
@@ -97,15 +97,12 @@ void Slam6d::take_back_place(const SweepCloud& cloud, PoseUpdate& update) {
   tracker_ = *std::exchange(by_odometry_, std::nullopt);
   tracker_.interrupt();
   is_map_closed_ = false;
-  for (std::size_t i = first_at_place_; i < sweeps_.size(); ++i) {
-    PoseUpdate& sweep = sweeps_[i];
-    if (sweep.is_tracked()) {
-      sweep.registration->status = RegistrationStatus::kLost;
-      --counts_.sweeps_degraded;
-      ++counts_.sweeps_lost;
-    }
-    corrected_.replace(i, tracker_.extrapolate(sweep.T_first_odom * sweep.T_odom_base));
-  }
+  const std::size_t num_tracked = corrected_.take_back(first_at_place_);
+  counts_.sweeps_degraded -= num_tracked;
+  counts_.sweeps_lost += num_tracked;
+  corrected_.place(first_at_place_, [this](const geometry::SE3& T_first_base) {
+    return tracker_.extrapolate(T_first_base);
+  });
   update = tracker_.extrapolate(cloud);
   update.registration = Registration{};
 }

@@ -103,12 +103,12 @@ void write_trajectories(const Slam6d& slam, const std::filesystem::path& dir) {
   formats::Trajectory trajectory;
   formats::Trajectory online;
   for (std::size_t i = 0; i < corrected.size(); ++i) {
-    const PoseUpdate& sweep = slam.sweeps()[i];
+    const SweepPose& sweep = slam.sweeps()[i];
     if (!sweep.is_place_known) {
       continue;
     }
     trajectory.push_back({sweep.stamp, corrected[i]});
-    online.push_back({sweep.stamp, sweep.T_map_base});
+    online.push_back({sweep.stamp, sweep.T_map_base_online});
   }
   formats::write_tum(dir / "trajectory.tum", trajectory);
   formats::write_tum(dir / "online.tum", online);
@@ -119,16 +119,15 @@ DrivenPath driven_path(const Slam6d& slam) {
   DrivenPath path;
   SE3 T_map_first_odom = SE3::Identity();
   for (std::size_t i = 0; i < corrected.size(); ++i) {
-    const PoseUpdate& sweep = slam.sweeps()[i];
+    const SweepPose& sweep = slam.sweeps()[i];
     if (!sweep.is_place_known) {
       continue;
     }
-    const SE3 T_first_base = sweep.T_first_odom * sweep.T_odom_base;
     if (path.odometry.empty()) {
-      T_map_first_odom = corrected[i] * T_first_base.inverse();
+      T_map_first_odom = corrected[i] * sweep.T_first_base.inverse();
     }
     path.corrected.emplace_back(corrected[i].translation());
-    path.odometry.emplace_back(T_map_first_odom * T_first_base.translation());
+    path.odometry.emplace_back(T_map_first_odom * sweep.T_first_base.translation());
   }
   return path;
 }
@@ -195,10 +194,10 @@ nlohmann::json localisation_metrics(const Slam6d& slam) {
 nlohmann::json slam_metrics(const Slam6d& slam) {
   nlohmann::json keyframes = nlohmann::json::array();
   for (const Keyframe& keyframe : slam.keyframes().subspan(slam.num_restored())) {
-    keyframes.push_back(keyframe_metrics(slam.sweeps()[keyframe.sweep]));
+    keyframes.push_back(keyframe_metrics(keyframe.update));
   }
   const Metrics metrics = slam.metrics();
-  return {{"sweeps", slam.sweeps().size()},
+  return {{"sweeps", slam.num_sweeps()},
           {"sweeps_tracked", metrics.sweeps_tracked},
           {"sweeps_degraded", metrics.sweeps_degraded},
           {"sweeps_lost", metrics.sweeps_lost},

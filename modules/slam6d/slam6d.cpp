@@ -33,6 +33,7 @@ Slam6d::Slam6d(const Slam6dParams& params)
       tracker_(params),
       map_(params.voxels),
       ever_free_(params.cloud),
+      corrected_(params.path),
       back_end_(params.loop, params.registration, params.odometry, params.voxels) {}
 
 std::optional<PoseUpdate> Slam6d::change_odometry_frame(const SE3& T_new_odom_base) {
@@ -100,7 +101,7 @@ PoseUpdate Slam6d::add_sweep(const PlacedSweep& sweep) {
   if (first_sweep_) {
     learn_pitch_latency_at_start(sweep);
     first_sweep_.reset();
-  } else if (sweeps_.empty()) {
+  } else if (corrected_.num_added() == 0) {
     first_sweep_ = sweep;
   }
   return add_cloud(tracker_.deskew(sweep));
@@ -138,11 +139,11 @@ PoseUpdate Slam6d::add_cloud(SweepCloud cloud) {
   }
   keep(update);
   if (update.keyframe) {
-    keep_keyframe(sweep, std::move(cloud));
-    close_loops(sweep);
+    keep_keyframe(sweep, std::move(cloud), update);
+    close_loops(sweep, update);
     drop_replaced_keyframes();
   }
-  return sweeps_.back();
+  return update;
 }
 
 // IV B: "registered into an incrementally built 3D model".
@@ -165,17 +166,26 @@ void Slam6d::track(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update)
 }
 
 void Slam6d::keep(const PoseUpdate& update) {
-  sweeps_.push_back(update);
-  corrected_.add(update.T_map_base);
+  if (corrected_.is_full()) {
+    std::vector<std::size_t> used;
+    const auto use = [&used](const auto& kept) { used.push_back(kept.sweep); };
+    std::ranges::for_each(keyframes_, use);
+    std::ranges::for_each(between_, use);
+    std::ranges::sort(used);
+    corrected_.drop_sweeps(used);
+    dropped_.forget_sweeps_not_in(corrected_);
+  }
+  corrected_.add(update);
 }
 
-void Slam6d::keep_keyframe(const VoxelMap& sweep, SweepCloud cloud) {
+void Slam6d::keep_keyframe(const VoxelMap& sweep, SweepCloud cloud, const PoseUpdate& update) {
   cloud.drop_free_points();
   keyframes_.push_back({.id = keyframes_.empty() ? 0 : keyframes_.back().id + 1,
-                        .sweep = sweeps_.size() - 1,
-                        .T_map_base = sweeps_.back().T_map_base,
+                        .sweep = corrected_.num_added() - 1,
+                        .T_map_base = update.T_map_base,
                         .cloud = std::make_shared<const SweepCloud>(std::move(cloud)),
-                        .points = oriented_points(sweep.level(0))});
+                        .points = oriented_points(sweep.level(0)),
+                        .update = update});
   Keyframe& keyframe = keyframes_.back();
   keyframe.is_moved = ever_free_.moved_points(*keyframe.cloud, keyframes_.size() - 1);
   keyframe_is_due_ = false;
@@ -191,7 +201,7 @@ bool Slam6d::is_better_beginning(const VoxelMap& sweep) const {
 }
 
 void Slam6d::begin_anew() {
-  sweeps_[keyframes_.front().sweep].keyframe.reset();
+  corrected_.take_back(keyframes_.front().sweep);
   map_ = VoxelMap(params_.voxels);
   ever_free_ = EverFreeSpace(params_.cloud);
   keyframes_.clear();
@@ -216,8 +226,8 @@ void Slam6d::learn_pitch_latency_at_start(const PlacedSweep& sweep) {
   const SweepCloud cloud = tracker_.deskew(sweep);
   const PoseUpdate update = tracker_.extrapolate(cloud);
   if (!tracker_.has_pose() || num_restored_ > 0 || keyframes_.size() != 1 || !is_usable(update) ||
-      !update.is_stationary || !sweeps_.front().is_stationary || sweep.follows_interruption ||
-      !is_planar(cloud.T_odom_base)) {
+      !update.is_stationary || !keyframes_.front().cloud->is_stationary() ||
+      sweep.follows_interruption || !is_planar(cloud.T_odom_base)) {
     return;
   }
   Keyframe& first = keyframes_.front();
@@ -243,7 +253,7 @@ void Slam6d::accept(const VoxelMap& sweep, SweepCloud& cloud, PoseUpdate& update
     map_.add_sweep(sweep, update.T_map_base, keyframe);
     ever_free_.add_sweep(cloud, update.T_map_base, keyframe);
     if (!update.keyframe && is_adjusted(update)) {
-      between_.push_back({sweeps_.size(), oriented_points(sweep.level(0))});
+      between_.push_back({corrected_.num_added(), oriented_points(sweep.level(0)), update});
     }
   }
 }
@@ -255,7 +265,7 @@ bool Slam6d::is_adjusted(const PoseUpdate& update) const {
   }
   const std::size_t last =
       std::max(keyframes_.back().sweep, between_.empty() ? 0 : between_.back().sweep);
-  return (update.T_map_base.translation() - corrected_.poses()[last].translation()).norm() >
+  return (update.T_map_base.translation() - corrected_.pose_of(last).translation()).norm() >
          params_.adjustment.sweep_distance_m;
 }
 
@@ -300,9 +310,8 @@ Metrics Slam6d::metrics() const {
   return metrics;
 }
 
-void Slam6d::close_loops(const VoxelMap& sweep) {
+void Slam6d::close_loops(const VoxelMap& sweep, PoseUpdate& update) {
   const Keyframe& keyframe = keyframes_.back();
-  PoseUpdate& update = sweeps_.back();
   TrackedKeyframe tracked{.T_map_base = keyframe.T_map_base,
                           .follows_interruption = update.keyframe == KeyframeReason::kInterruption,
                           .odometry_scatter = tracker_.odometry_scatter(),
@@ -315,6 +324,7 @@ void Slam6d::close_loops(const VoxelMap& sweep) {
     move_keyframes(*T_map_keyframes);
     update.T_map_base = keyframe.T_map_base;
     update.T_map_odom = tracker_.T_map_odom();
+    corrected_.set_online(update.T_map_base);
   }
 }
 
@@ -327,7 +337,7 @@ void Slam6d::drop_replaced_keyframes() {
   }
   while (const auto replaced = back_end_.replaced_keyframe(num_newer)) {
     const bool is_restored = replaced->index < num_restored_;
-    dropped_.drop(*replaced, is_restored, corrected_.poses(), keyframes_, between_);
+    dropped_.drop(*replaced, is_restored, corrected_, keyframes_, between_);
     num_restored_ -= is_restored ? 1 : 0;
     ever_free_.drop_keyframe(*replaced);
     back_end_.drop_keyframe(*replaced, map_);
@@ -347,8 +357,7 @@ void Slam6d::polish() {
 
 void Slam6d::adjust() {
   const AdjustedDrive drive = adjusted_sweeps(
-      {keyframes_, between_, sweeps_, corrected_.poses(), back_end_.graph().steps()}, tracker_,
-      params_);
+      {keyframes_, between_, corrected_, back_end_.graph().steps()}, tracker_, params_);
   const std::vector<SE3> poses =
       adjust_planes(drive.sweeps, params_.voxels, params_.registration, params_.adjustment);
   std::vector<SE3> T_map_keyframes;
@@ -373,7 +382,7 @@ void Slam6d::find_moved_points() {
 void Slam6d::move_keyframes(std::span<const SE3> T_map_keyframes) {
   const SE3 T_new_old = normalized(T_map_keyframes.back() * keyframes_.back().T_map_base.inverse());
   std::vector<CorrectedPoses::Correction> corrections =
-      dropped_.corrections(keyframes_, T_map_keyframes, corrected_.poses());
+      dropped_.corrections(keyframes_, T_map_keyframes, corrected_);
   for (std::size_t k = 0; k < keyframes_.size(); ++k) {
     keyframes_[k].T_map_base = T_map_keyframes[k];
     if (k >= num_restored_) {

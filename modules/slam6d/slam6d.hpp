@@ -99,7 +99,9 @@ class Slam6d {
   /// The same for a cloud that is deskewed already.
   PoseUpdate add_cloud(SweepCloud cloud);
 
-  [[nodiscard]] std::span<const PoseUpdate> sweeps() const { return sweeps_; }
+  /// Where the robot was at each sweep. During a drive of days some sweeps are left out.
+  [[nodiscard]] std::span<const SweepPose> sweeps() const { return corrected_.sweeps(); }
+  [[nodiscard]] std::size_t num_sweeps() const { return corrected_.num_added(); }
   [[nodiscard]] std::span<const Keyframe> keyframes() const { return keyframes_; }
   /// The number of keyframes that come from a saved map. They are the first ones.
   [[nodiscard]] std::size_t num_restored() const { return num_restored_; }
@@ -109,11 +111,9 @@ class Slam6d {
   [[nodiscard]] const ScanCounts& scan_counts() const { return collector_.counts(); }
   [[nodiscard]] Metrics metrics() const;
 
-  /// The pose of every sweep, as known now: tracked sweeps as registered and moved with their
+  /// The pose of each of sweeps(), as known now: tracked sweeps as registered and moved with their
   /// keyframes, those in between with an interpolated correction.
-  [[nodiscard]] std::vector<geometry::SE3> trajectory() const {
-    return corrected_.trajectory(sweeps_);
-  }
+  [[nodiscard]] std::vector<geometry::SE3> trajectory() const { return corrected_.trajectory(); }
 
   /// To be called at the end. Moves all poses, including the newest, to where they agree best with
   /// all loops. Then moves all keyframes and the sweeps in between together to where their planes
@@ -137,8 +137,8 @@ class Slam6d {
   [[nodiscard]] bool is_adjusted(const PoseUpdate& update) const;
   [[nodiscard]] std::optional<KeyframeReason> keyframe_reason(PoseUpdate& update) const;
   void keep(const PoseUpdate& update);
-  void keep_keyframe(const VoxelMap& sweep, SweepCloud cloud);
-  void close_loops(const VoxelMap& sweep);
+  void keep_keyframe(const VoxelMap& sweep, SweepCloud cloud, const PoseUpdate& update);
+  void close_loops(const VoxelMap& sweep, PoseUpdate& update);
   void move_keyframes(std::span<const geometry::SE3> T_map_keyframes);
   void drop_replaced_keyframes();
   void adjust();
@@ -151,8 +151,7 @@ class Slam6d {
   VoxelMap map_;
   EverFreeSpace ever_free_;
   bool keyframe_is_due_ = false;  // there was an interruption since the last keyframe
-  std::vector<PoseUpdate> sweeps_;
-  CorrectedPoses corrected_;  // of sweeps_
+  CorrectedPoses corrected_;
   std::vector<Keyframe> keyframes_;
   std::vector<IntermediateSweep> between_;  // for the adjustment at the end
   DroppedKeyframes dropped_;

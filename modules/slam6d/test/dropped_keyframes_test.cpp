@@ -18,17 +18,22 @@ SE3 at(double x, double y = 0.0) {
 
 // Ten sweeps go from 0 to 4 m and back again; those at even metres are keyframes.
 struct Drive {
-  std::vector<SE3> poses{at(0.0), at(1.0), at(2.0), at(3.0), at(4.0),
-                         at(3.0), at(2.0), at(1.0), at(0.0), at(-1.0)};
+  CorrectedPoses poses;
   std::vector<Keyframe> keyframes;
   std::vector<IntermediateSweep> between;
   DroppedKeyframes dropped;
 
   Drive() {
-    for (std::size_t i = 0; i < poses.size(); ++i) {
+    const std::vector<SE3> T_map_sweeps{at(0.0), at(1.0), at(2.0), at(3.0), at(4.0),
+                                        at(3.0), at(2.0), at(1.0), at(0.0), at(-1.0)};
+    for (std::size_t i = 0; i < T_map_sweeps.size(); ++i) {
+      poses.add({.T_map_base = T_map_sweeps[i]});
       if (i % 2 == 0) {
-        keyframes.push_back(
-            {.id = i / 2, .sweep = i, .T_map_base = poses[i], .cloud = nullptr, .points = {}});
+        keyframes.push_back({.id = i / 2,
+                             .sweep = i,
+                             .T_map_base = T_map_sweeps[i],
+                             .cloud = nullptr,
+                             .points = {}});
       } else {
         between.push_back({i, {}});
       }
@@ -75,6 +80,17 @@ TEST(DroppedKeyframes, ReplacementsAreReplaced) {
   ASSERT_EQ(corrections.size(), 2U);
   EXPECT_TRUE(corrections[0].T_map_base.isApprox(at(2.0, 0.5), 1e-12));
   EXPECT_TRUE(corrections[1].T_map_base.isApprox(at(2.0, 0.5), 1e-12));
+}
+
+// The path has been thinned out, and keeps the sweep no longer.
+TEST(DroppedKeyframes, ASweepThatIsNotKeptIsForgotten) {
+  Drive drive;
+  drive.dropped.drop({.index = 1, .by = 3}, false, drive.poses, drive.keyframes, drive.between);
+  const std::vector<SE3> moved(4, at(0.0));
+  drive.dropped.forget_sweeps_not_in(drive.poses);
+  EXPECT_EQ(drive.dropped.corrections(drive.keyframes, moved, drive.poses).size(), 1U);
+  drive.dropped.forget_sweeps_not_in(CorrectedPoses());
+  EXPECT_TRUE(drive.dropped.corrections(drive.keyframes, moved, drive.poses).empty());
 }
 
 TEST(DroppedKeyframes, AKeyframeOfASavedMapLeavesNoSweep) {

@@ -97,7 +97,7 @@ TEST_F(RobotInAHall, FollowsOdometryWhereAPlaceProvedWrong) {
   const auto expect_near_odometry = [this] {
     const auto trajectory = slam_.trajectory();
     for (std::size_t i = 0; i < trajectory.size(); ++i) {
-      EXPECT_LT((trajectory[i].translation() - slam_.sweeps()[i].T_odom_base.translation()).norm(),
+      EXPECT_LT((trajectory[i].translation() - slam_.sweeps()[i].T_first_base.translation()).norm(),
                 0.1)
           << i;
     }

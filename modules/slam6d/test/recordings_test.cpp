@@ -113,8 +113,9 @@ TEST(Recordings, R44_Kurt3dAgreesWithThe3dtkResult) {
     EXPECT_LT(error.translation().norm(), 0.15) << k;
     EXPECT_LT(geometry::rotation_angle(error), deg_to_rad(1.5)) << k;
     if (k > 0) {
-      EXPECT_EQ(slam.sweeps()[k].keyframe, KeyframeReason::kInterruption);
-      EXPECT_EQ(slam.sweeps()[k].registration->status, RegistrationStatus::kTracking);
+      const PoseUpdate& update = slam.keyframes()[k].update;
+      EXPECT_EQ(update.keyframe, KeyframeReason::kInterruption);
+      EXPECT_EQ(update.registration->status, RegistrationStatus::kTracking);
     }
   }
 }
@@ -155,7 +156,7 @@ TEST(Recordings, AStationaryTiltingDeviceKeepsItsPose) {
   add_nod(file, slam);
   slam.polish();
   ASSERT_EQ(slam.sweeps().size(), 2U);
-  EXPECT_TRUE(slam.sweeps().back().is_tracked());
+  EXPECT_TRUE(slam.sweeps().back().is_tracked);
   for (const SE3& pose : slam.trajectory()) {
     EXPECT_LT(pose.translation().norm(), 0.005);
     EXPECT_LT(geometry::rotation_angle(pose), deg_to_rad(0.3));
@@ -169,15 +170,14 @@ TEST(Recordings, ASceneWithinHalfAMetreIsMappedOnlyIfTheMinimumRangeAllows) {
   Slam6d blind({.assume_stationary = true});
   add_nod(file, blind);
   EXPECT_TRUE(blind.keyframes().empty());
-  for (const PoseUpdate& update : blind.sweeps()) {
-    EXPECT_EQ(update.num_points, 0U);
-    EXPECT_FALSE(update.is_tracked());
+  for (const SweepPose& pose : blind.sweeps()) {
+    EXPECT_FALSE(pose.is_tracked);
   }
   Slam6d near(
       {.range = {.min_m = 0.05}, .assume_stationary = true, .voxels = {.voxel_size_m = 0.02}});
   add_nod(file, near);
   ASSERT_EQ(near.sweeps().size(), 2U);
-  EXPECT_TRUE(near.sweeps().back().is_tracked());
+  EXPECT_TRUE(near.sweeps().back().is_tracked);
   for (const SE3& pose : near.trajectory()) {
     EXPECT_LT(pose.translation().norm(), 0.005);
     EXPECT_LT(geometry::rotation_angle(pose), deg_to_rad(0.3));

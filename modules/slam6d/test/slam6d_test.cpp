@@ -4,8 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <limits>
+#include <optional>
 #include <random>
+#include <span>
 #include <vector>
 
 #include "modules/slam6d/test/room.hpp"
@@ -18,16 +22,21 @@ using geometry::deg_to_rad;
 using geometry::SE3;
 
 // A drive through a room, with odometry at the beginning and at the end of each scan. Odometry is
-// exact apart from its scale. run() returns the number of sweeps.
+// exact apart from its scale. run() returns the updates of the sweeps.
 struct Drive {
   Room room = Room::hall();
   NoddingScanner scanner{.noise_m = 0.01};
   Motion motion = [](time::Timestamp t) { return drive_ahead(0.5, t); };
   double odometry_scale = 1.0;
 
-  std::size_t run(Slam6d& slam, std::int64_t num_scans) const {
+  std::vector<PoseUpdate> run(Slam6d& slam, std::int64_t num_scans) const {
     std::mt19937 random(6);
-    std::size_t num_records = 0;
+    std::vector<PoseUpdate> updates;
+    const auto keep = [&updates](const std::optional<PoseUpdate>& update) {
+      if (update) {
+        updates.push_back(*update);
+      }
+    };
     for (std::int64_t i = 0; i < num_scans; ++i) {
       for (const std::int64_t part : {0, 1}) {
         const time::Timestamp stamp(i * NoddingScanner::kPeriod + part * 6'660us);
@@ -35,22 +44,22 @@ struct Drive {
         T_odom_base.translation() *= odometry_scale;
         slam.add_odometry(stamp, T_odom_base);
       }
-      num_records += slam.add_scan(scanner.scan(i, room, motion, random)) ? 1U : 0U;
+      keep(slam.add_scan(scanner.scan(i, room, motion, random)));
     }
-    num_records += slam.flush() ? 1U : 0U;
-    return num_records;
+    keep(slam.flush());
+    return updates;
   }
 };
 
 TEST(Slam6d, R40_EveryScanIsInOneSweep) {
   Slam6d slam({});
-  const std::size_t num_records = Drive{}.run(slam, 500);
-  EXPECT_EQ(num_records, slam.sweeps().size());
+  const std::vector<PoseUpdate> updates = Drive{}.run(slam, 500);
+  EXPECT_EQ(updates.size(), slam.num_sweeps());
   EXPECT_EQ(slam.scan_counts().in_sweeps, 500U);
   EXPECT_EQ(slam.scan_counts().without_pose, 0U);
   std::size_t scans_used = 0;
-  for (const PoseUpdate& sweep : slam.sweeps()) {
-    scans_used += sweep.scans_used;
+  for (const PoseUpdate& update : updates) {
+    scans_used += update.scans_used;
   }
   EXPECT_EQ(scans_used, 500U);
   EXPECT_EQ(slam.sweeps().size(), 7U);  // 80 scans from reversal to reversal
@@ -58,11 +67,11 @@ TEST(Slam6d, R40_EveryScanIsInOneSweep) {
 
 // R43: every sweep that is "further than 2 m" or "more than 45 deg" from the last keyframe becomes
 // one, and no other does.
-void expect_keyframes_as_the_paper_says(const Slam6d& slam) {
-  for (const PoseUpdate& sweep : slam.sweeps()) {
+void expect_keyframes_as_the_paper_says(std::span<const PoseUpdate> sweeps) {
+  for (const PoseUpdate& sweep : sweeps) {
     const bool is_far = sweep.distance_m > 2.0;
     const bool is_rotated = sweep.rotation_rad > deg_to_rad(45.0);
-    if (&sweep == slam.sweeps().data()) {
+    if (&sweep == sweeps.data()) {
       EXPECT_EQ(sweep.keyframe, KeyframeReason::kFirst);
     } else if (is_far) {
       EXPECT_EQ(sweep.keyframe, KeyframeReason::kDistance);
@@ -76,8 +85,7 @@ void expect_keyframes_as_the_paper_says(const Slam6d& slam) {
 
 TEST(Slam6d, R43_ASweepBeyondTwoMetresBecomesAKeyframe) {
   Slam6d slam({.keyframe = {.distance_m = 2.0}});
-  Drive{}.run(slam, 800);  // 5.3 m
-  expect_keyframes_as_the_paper_says(slam);
+  expect_keyframes_as_the_paper_says(Drive{}.run(slam, 800));  // 5.3 m
   EXPECT_EQ(slam.keyframes().size(), 3U);
 }
 
@@ -90,8 +98,8 @@ TEST(Slam6d, R43_ASweepBeyond45DegreesBecomesAKeyframe) {
             .toRotationMatrix();
     return T;
   };
-  Drive{.motion = rotate}.run(slam, 800);  // 183 degrees, 18.3 from sweep to sweep
-  expect_keyframes_as_the_paper_says(slam);
+  // 183 degrees, 18.3 from sweep to sweep
+  expect_keyframes_as_the_paper_says(Drive{.motion = rotate}.run(slam, 800));
   EXPECT_EQ(slam.keyframes().size(), 4U);
 }
 
@@ -131,15 +139,15 @@ TEST(Slam6d, R45_StationaryOnlyIgnoresSweepsOnTheMove) {
     T.translation().x() = 3.0 * round + 0.5 * std::max(0.0, time_s - 9.0 * round - 3.0);
     return T;
   };
-  Drive{.motion = stop_and_go}.run(slam, 1'550);  // 20.6 s: stationary at 0, 3 and 6 m
+  // 20.6 s: stationary at 0, 3 and 6 m.
+  const std::vector<PoseUpdate> updates = Drive{.motion = stop_and_go}.run(slam, 1'550);
   ASSERT_EQ(slam.keyframes().size(), 3U);
   for (std::size_t i = 0; i < 3; ++i) {
-    const Keyframe& keyframe = slam.keyframes()[i];
-    EXPECT_TRUE(slam.sweeps()[keyframe.sweep].is_stationary);
-    EXPECT_EQ(slam.sweeps()[keyframe.sweep].T_odom_base.translation().x(),
-              3.0 * static_cast<double>(i));
+    const PoseUpdate& update = slam.keyframes()[i].update;
+    EXPECT_TRUE(update.is_stationary);
+    EXPECT_EQ(update.T_odom_base.translation().x(), 3.0 * static_cast<double>(i));
   }
-  EXPECT_FALSE(slam.sweeps()[4].is_stationary);  // from 4.3 s to 5.3 s
+  EXPECT_FALSE(updates[4].is_stationary);  // from 4.3 s to 5.3 s
 }
 
 // Odometry counts 10 % too much: 50 cm after 5 m, and 5 cm within a sweep, which would shear its
@@ -151,7 +159,7 @@ TEST(Slam6d, R44_CorrectsOdometryAgainstTheMap) {
   EXPECT_EQ(slam.metrics().sweeps_lost, 0U);
   EXPECT_EQ(slam.metrics().sweeps_tracked + 1, slam.sweeps().size());
   const SE3 T_world_map =
-      drive.motion(slam.sweeps()[0].stamp) * slam.sweeps()[0].T_map_base.inverse();
+      drive.motion(slam.sweeps()[0].stamp) * slam.sweeps()[0].T_map_base_online.inverse();
   const auto trajectory = slam.trajectory();
   ASSERT_EQ(trajectory.size(), slam.sweeps().size());
   for (std::size_t i = 0; i < trajectory.size(); ++i) {
@@ -226,7 +234,7 @@ TEST(Slam6d, TheMapBeginsWithAWholeSweep) {
   ASSERT_EQ(slam.keyframes().size(), 1U);
   EXPECT_EQ(slam.keyframes()[0].sweep, 1U);
   EXPECT_EQ(slam.back_end().graph_revision(), 2) << "the graphs of the first sweep and the second";
-  EXPECT_FALSE(slam.sweeps()[0].is_tracked());
+  EXPECT_FALSE(slam.sweeps()[0].is_tracked);
   EXPECT_EQ(slam.metrics().sweeps_lost, 0U);
   EXPECT_EQ(slam.metrics().sweeps_tracked, slam.sweeps().size() - 2);
   EXPECT_EQ(slam.metrics().map_voxels, slam.map().level(0).voxels().size());
@@ -295,8 +303,8 @@ TEST(Slam6d, R43_AnInterruptionMakesAKeyframe) {
   (void)slam.flush();
   ASSERT_EQ(slam.sweeps().size(), 3U);
   ASSERT_EQ(slam.keyframes().size(), 3U);
-  EXPECT_EQ(slam.sweeps()[1].keyframe, KeyframeReason::kInterruption);
-  EXPECT_EQ(slam.sweeps()[2].keyframe, KeyframeReason::kInterruption);
+  EXPECT_EQ(slam.keyframes()[1].update.keyframe, KeyframeReason::kInterruption);
+  EXPECT_EQ(slam.keyframes()[2].update.keyframe, KeyframeReason::kInterruption);
 }
 
 TEST(Slam6d, ScansWithoutOdometryAreCounted) {
@@ -349,6 +357,29 @@ TEST(Slam6d, StampsThatStepBackLoseNoScan) {
   Drive{}.run(slam, 200);
   EXPECT_EQ(slam.scan_counts().in_sweeps, 400U);
   EXPECT_EQ(slam.trajectory().size(), slam.sweeps().size());
+}
+
+// A path of which only the keyframes and a few other sweeps are kept gives the same map.
+TEST(Slam6d, APathThatIsThinnedOutGivesTheSameMap) {
+  Slam6d thinned({.path = {.max_sweeps = 10}, .adjustment = {.sweep_distance_m = 1000.0}});
+  Slam6d expected({.adjustment = {.sweep_distance_m = 1000.0}});
+  const Drive drive{.scanner = {.step_rad = deg_to_rad(4.0), .noise_m = 0.01}};
+  drive.run(thinned, 800);
+  drive.run(expected, 800);
+  thinned.polish();
+  expected.polish();
+  ASSERT_EQ(thinned.num_sweeps(), expected.num_sweeps());
+  ASSERT_GT(expected.sweeps().size(), 30U);
+  EXPECT_LE(thinned.sweeps().size(), 15U) << "ten, or twice the keyframes";
+  ASSERT_EQ(thinned.keyframes().size(), expected.keyframes().size());
+  for (std::size_t k = 0; k < expected.keyframes().size(); ++k) {
+    EXPECT_EQ(thinned.keyframes()[k].T_map_base.matrix(),
+              expected.keyframes()[k].T_map_base.matrix());
+  }
+  const auto trajectory = expected.trajectory();
+  for (std::size_t i = 0; i < thinned.sweeps().size(); ++i) {
+    EXPECT_TRUE(thinned.trajectory()[i].isApprox(trajectory[thinned.sweeps()[i].sweep], 1e-9)) << i;
+  }
 }
 
 TEST(Slam6d, SameInputGivesTheSameBytes) {
