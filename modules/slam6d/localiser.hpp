@@ -107,6 +107,8 @@ class Localiser {
     std::int64_t times_contradicted = 0;  ///< of those lost
   };
   [[nodiscard]] const Metrics& metrics() const { return metrics_; }
+  /// To be called at first if this replaces a localiser, with its metrics().
+  void count_from(const Metrics& metrics) { metrics_ = metrics; }
 
  private:
   enum class State { kUnknown, kUnconfirmed, kConfirmed, kTold };

@@ -68,7 +68,9 @@ void Slam6d::recover(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& updat
 Localiser& Slam6d::localiser_in_own_map() {
   const std::int64_t revision = back_end_.graph_revision();
   if (!localiser_ || localiser_revision_ != revision) {
+    const auto metrics = localiser_ ? localiser_->metrics() : Localiser::Metrics{};
     localiser_.emplace(params_.localise, params_.registration, keyframes_, map_, std::nullopt);
+    localiser_->count_from(metrics);
     localiser_revision_ = revision;
   }
   return *localiser_;

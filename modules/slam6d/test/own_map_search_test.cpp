@@ -73,6 +73,13 @@ TEST_F(RobotInAHall, IsFoundAfterItWasCarriedAway) {
   expect_right(confirmed, T_hall_base);
   EXPECT_FALSE(slam_.is_map_closed());
   EXPECT_FALSE(slam_.may_search());
+  // When it is carried away and lost again, the first search still counts.
+  ASSERT_EQ(slam_.localiser()->metrics().found, 1);
+  for (int i = 0; i < 2; ++i) {
+    const PoseUpdate lost = see(Room::hall(), pose(-2.5, 0.1, 0.0), T_odom_hall * T_hall_base);
+    EXPECT_EQ(lost.registration->status, RegistrationStatus::kLost);
+  }
+  EXPECT_EQ(slam_.localiser()->metrics().found, 1);
 }
 
 // The robot is carried to another hall, which differs only by its cabinets from the one that was
