@@ -124,14 +124,14 @@ void Slam6dNode::finish() {
     return;
   }
   answer_saved(occupancy_.take());
-  occupancy_.update(slam_.keyframes(), kMinMapMotionAtEndM);
+  occupancy_.update(slam_.keyframes(), last_stamp_, kMinMapMotionAtEndM);
   const auto publish_rest = [this] {
     answer_saved(occupancy_.take());
     while (publish_octomap_part()) {
     }
   };
   publish_rest();
-  occupancy_.publish_last(slam_.keyframes());
+  occupancy_.publish_last();
   publish_rest();
 }
 
@@ -167,7 +167,7 @@ void Slam6dNode::publish(const PoseUpdate& update) {
   if (!only_localises_) {
     const auto prepare_save = [this] { return save_with_keyframes(); };
     occupancy_.update(
-        slam_.keyframes(), kMinMapMotionM,
+        slam_.keyframes(), last_stamp_, kMinMapMotionM,
         context_.out_dir.empty() ? std::function<OccupancyMapper::Save()>() : prepare_save);
   }
 }

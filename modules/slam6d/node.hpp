@@ -27,8 +27,8 @@ namespace nodmap::slam6d {
 
 /// The node around Slam6d. It receives SCAN and ODOMETRY. It publishes POSE_6D for each sweep,
 /// CLOUD for each keyframe, POSE_GRAPH_6D when the graph has changed, and OCTOMAP every few
-/// seconds. SAVE_REQUEST writes the map. Sweeps are registered, loops closed and the occupancy map
-/// updated on other threads, so that a scan is handled within microseconds.
+/// seconds while it changes. SAVE_REQUEST writes the map. Sweeps are registered, loops closed and
+/// the occupancy map updated on other threads, so that a scan is handled within microseconds.
 ///
 /// With a saved map the node either continues that map or only localises the robot in it. In the
 /// second case it publishes poses and the clouds of that map, and does not write the map.

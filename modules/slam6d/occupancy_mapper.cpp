@@ -12,6 +12,8 @@ namespace {
 // How many scans after a keyframe its map is due, and one more for each cloud: 0.8 s at 75 Hz,
 // before the next sweep.
 constexpr int kScansUntilMapped = 60;
+// A map that has not changed is handed out again after this many periods.
+constexpr double kPeriodsUntilRepeated = 12.0;
 // To save a keyframe, 174 kB, takes 3 ms.
 constexpr std::size_t kSavedKeyframesPerScan = 4;
 
@@ -46,9 +48,9 @@ bool OccupancyMapper::has_changed(std::span<const Keyframe> keyframes, double mi
   return false;
 }
 
-void OccupancyMapper::update(std::span<const Keyframe> keyframes, double min_motion_m,
-                             const std::function<Save()>& prepare_save) {
-  if (is_working()) {
+void OccupancyMapper::update(std::span<const Keyframe> keyframes, time::Timestamp now,
+                             double min_motion_m, const std::function<Save()>& prepare_save) {
+  if (is_working() || keyframes.empty()) {
     return;
   }
   forget_dropped(keyframes);
@@ -58,10 +60,11 @@ void OccupancyMapper::update(std::span<const Keyframe> keyframes, double min_mot
     mapped_.clear();
   }
   const std::span<const Keyframe> added = keyframes.subspan(mapped_.size());
-  if (added.empty()) {
+  has_changed_since_ = has_changed_since_ || !added.empty();
+  work.is_published = begin_publishing(now);
+  if (added.empty() && !work.is_published) {
     return;
   }
-  work.is_published = is_published_ = begin_publishing(keyframes);
   if (prepare_save && is_save_due(number_of(keyframes))) {
     work.save = prepare_save();
   }
@@ -116,21 +119,24 @@ std::optional<std::error_code> OccupancyMapper::handle(const std::optional<Resul
     return std::nullopt;
   }
   if (result->bt_file) {
-    parts_.begin(*published_stamp_, *result->bt_file);
+    parts_.begin(newest_stamp(), *result->bt_file);
   }
   return result->save_error;
 }
 
-// Returns whether the next map is to be handed out.
-bool OccupancyMapper::begin_publishing(std::span<const Keyframe> keyframes) {
-  const time::Timestamp stamp = keyframes.back().cloud->stamp;
-  const double age_s = published_stamp_ ? time::seconds(stamp - *published_stamp_) : 0.0;
-  // A clock set back must not silence it until it has caught up.
-  const bool is_due = !published_stamp_ || age_s < 0.0 || age_s >= params_.publish_period_s;
-  if (params_.publish_period_s <= 0.0 || !is_due || !parts_.is_empty()) {
+// Returns whether the map is to be handed out now.
+bool OccupancyMapper::begin_publishing(time::Timestamp now) {
+  if (params_.publish_period_s <= 0.0 || !parts_.is_empty()) {
     return false;
   }
-  published_stamp_ = stamp;
+  const double period_s =
+      (has_changed_since_ ? 1.0 : kPeriodsUntilRepeated) * params_.publish_period_s;
+  // A clock set back must not silence it until it has caught up.
+  if (published_at_ && now >= *published_at_ && time::seconds(now - *published_at_) < period_s) {
+    return false;
+  }
+  published_at_ = now;
+  has_changed_since_ = false;
   return true;
 }
 
@@ -138,14 +144,18 @@ std::optional<OctomapParts::Part> OccupancyMapper::next_part() {
   return parts_.is_empty() ? std::nullopt : std::optional(parts_.next());
 }
 
-void OccupancyMapper::publish_last(std::span<const Keyframe> keyframes) {
-  if (params_.publish_period_s > 0.0 && !is_published_) {
-    published_stamp_ = keyframes.back().cloud->stamp;
-    is_published_ = true;
-    if (const auto bt_file = map_.encode(OccupancyMap::Format::kBt)) {
-      parts_.begin(*published_stamp_, *bt_file);
-    }
+void OccupancyMapper::publish_last() {
+  if (params_.publish_period_s <= 0.0 || !has_changed_since_) {
+    return;
   }
+  if (const auto bt_file = map_.encode(OccupancyMap::Format::kBt)) {
+    parts_.begin(newest_stamp(), *bt_file);
+  }
+}
+
+// Of the measurements in the map.
+time::Timestamp OccupancyMapper::newest_stamp() const {
+  return mapped_.back().cloud->stamp;
 }
 
 }  // namespace nodmap::slam6d

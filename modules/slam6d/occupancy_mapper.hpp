@@ -22,7 +22,8 @@
 namespace nodmap::slam6d {
 
 /// Keeps the occupancy map of the keyframes. Works on a thread of its own, on one piece of work at
-/// a time, and hands the map out in parts. The map is made anew when keyframes have moved or have
+/// a time, and hands the map out in parts: when it has changed, and again from time to time for
+/// receivers that have started since. The map is made anew when keyframes have moved or have
 /// another cloud, or when points of theirs turn out to have moved. Until then it keeps what dropped
 /// keyframes have seen.
 class OccupancyMapper {
@@ -34,11 +35,11 @@ class OccupancyMapper {
 
   [[nodiscard]] bool is_working() const { return work_.is_running(); }
 
-  /// Starts to insert the keyframes that are not in the map yet, unless work is under way.
-  /// Keyframes whose points have moved by less than `min_motion_m` stay where they are.
-  /// `prepare_save`: called if it is time to save the map; returns the function that does so.
-  /// Empty: the map is not saved.
-  void update(std::span<const Keyframe> keyframes, double min_motion_m,
+  /// Starts to insert the keyframes that are not in the map yet, and to hand out the map if that
+  /// is due, unless work is under way. Keyframes whose points have moved by less than `min_motion_m`
+  /// stay where they are. `prepare_save`: called if it is time to save the map; returns the function
+  /// that does so. Empty: the map is not saved.
+  void update(std::span<const Keyframe> keyframes, time::Timestamp now, double min_motion_m,
               const std::function<Save()>& prepare_save = {});
   /// Starts to save the map as it is. No work may be under way.
   void save(const Save& save);
@@ -50,8 +51,8 @@ class OccupancyMapper {
 
   /// The next part of the map that is being handed out.
   [[nodiscard]] std::optional<OctomapParts::Part> next_part();
-  /// To be called at the end: hands out the map unless it has been handed out as it is now.
-  void publish_last(std::span<const Keyframe> keyframes);
+  /// To be called at the end: hands out the map if it has changed since it was last handed out.
+  void publish_last();
 
   /// May be called only while no work is under way.
   [[nodiscard]] const OccupancyMap& map() const { return map_; }
@@ -82,7 +83,8 @@ class OccupancyMapper {
   void forget_dropped(std::span<const Keyframe> keyframes);
   [[nodiscard]] bool has_changed(std::span<const Keyframe> keyframes, double min_motion_m) const;
   [[nodiscard]] bool is_save_due(std::size_t num_keyframes) const;
-  [[nodiscard]] bool begin_publishing(std::span<const Keyframe> keyframes);
+  [[nodiscard]] bool begin_publishing(time::Timestamp now);
+  [[nodiscard]] time::Timestamp newest_stamp() const;
   Result execute(const Work& work);
   std::optional<std::error_code> handle(const std::optional<Result>& result);
 
@@ -90,9 +92,9 @@ class OccupancyMapper {
   OccupancyMap map_;
   std::vector<Mapped> mapped_;
   OctomapParts parts_;
-  std::optional<time::Timestamp> published_stamp_;  // of the last map that was handed out
-  bool is_published_ = true;                        // whether that is the map as it is now
-  node::BackgroundJob<Result> work_;  // on `map_`; last: it ends before what it works on
+  std::optional<time::Timestamp> published_at_;  // when the map was last handed out
+  bool has_changed_since_ = false;               // what it contains
+  node::BackgroundJob<Result> work_;             // on `map_`; last: it ends before what it works on
 };
 
 }  // namespace nodmap::slam6d

@@ -55,8 +55,8 @@ struct OccupancyParams {
               "The map is saved each time this many keyframes were added; 0: only at the end and "
               "on request.");
     v.number("publish_period_s", publish_period_s, {0.0, 3600.0},
-             "Shortest time between two publications of the OctoMap, which follow a keyframe; 0: "
-             "never published.");
+             "Shortest time between two publications of the OctoMap. If it has not changed it is "
+             "published again after twelve times this time; 0: never published.");
     v.flag("save_ot", save_ot, "Saves map.ot, with probabilities, beside map.bt.");
   }
 };

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <memory>
 #include <string>
 #include <utility>
@@ -33,7 +34,13 @@ std::string map_file(const OccupancyMapper& mapper) {
   return mapper.map().encode(OccupancyMap::Format::kOt).value();
 }
 
-// The bytes of all parts that are handed out.
+/// Updates the map of this keyframe, at a time in seconds, and waits until that is done.
+void update(OccupancyMapper& mapper, const Keyframe& keyframe, int now_s) {
+  mapper.update(std::vector{keyframe}, time::Timestamp(std::chrono::seconds(now_s)), 0.1);
+  EXPECT_FALSE(mapper.take());
+}
+
+/// What is handed out: a whole file, or nothing.
 std::string handed_out(OccupancyMapper& mapper) {
   std::string file;
   while (const auto part = mapper.next_part()) {
@@ -45,15 +52,12 @@ std::string handed_out(OccupancyMapper& mapper) {
 // The first sweep was cut short, and the map began anew with the next one while the robot was
 // stationary: the new first keyframe has the number and the pose of the old one.
 TEST(OccupancyMapper, AKeyframeWithAnotherCloudIsInsertedAnew) {
-  const std::vector<Keyframe> whole{keyframe_before_a_wall(50)};
+  const Keyframe whole = keyframe_before_a_wall(50);
   OccupancyMapper mapper({});
-  mapper.update(std::vector{keyframe_before_a_wall(5)}, 0.1);
-  EXPECT_FALSE(mapper.take());
-  mapper.update(whole, 0.1);
-  EXPECT_FALSE(mapper.take());
+  update(mapper, keyframe_before_a_wall(5), 0);
+  update(mapper, whole, 1);
   OccupancyMapper expected({});
-  expected.update(whole, 0.1);
-  EXPECT_FALSE(expected.take());
+  update(expected, whole, 0);
   EXPECT_TRUE(map_file(mapper) == map_file(expected));
 }
 
@@ -61,13 +65,13 @@ TEST(OccupancyMapper, AKeyframeWithAnotherCloudIsInsertedAnew) {
 TEST(OccupancyMapper, AKeyframeThatOnlyRotatedIsInsertedAnew) {
   std::vector<Keyframe> keyframes{keyframe_before_a_wall(50)};
   OccupancyMapper mapper({});
-  mapper.update(keyframes, 0.03);
+  mapper.update(keyframes, {}, 0.03);
   EXPECT_FALSE(mapper.take());
   keyframes[0].T_map_base.linear() = geometry::rotation_of({0.0, 0.0, geometry::deg_to_rad(0.5)});
-  mapper.update(keyframes, 0.03);
+  mapper.update(keyframes, time::Timestamp(1s), 0.03);
   EXPECT_FALSE(mapper.take());
   OccupancyMapper expected({});
-  expected.update(keyframes, 0.03);
+  expected.update(keyframes, {}, 0.03);
   EXPECT_FALSE(expected.take());
   EXPECT_TRUE(map_file(mapper) == map_file(expected));
 }
@@ -76,28 +80,64 @@ TEST(OccupancyMapper, AKeyframeThatOnlyRotatedIsInsertedAnew) {
 TEST(OccupancyMapper, TheLastMapIsHandedOutAgainIfKeyframesHaveMoved) {
   std::vector<Keyframe> keyframes{keyframe_before_a_wall(50)};
   OccupancyMapper mapper({});
-  mapper.update(keyframes, 0.005);
+  mapper.update(keyframes, {}, 0.005);
   EXPECT_FALSE(mapper.take());
   const std::string at_first = handed_out(mapper);
   EXPECT_TRUE(at_first == mapper.map().encode(OccupancyMap::Format::kBt));
-  mapper.publish_last(keyframes);
+  mapper.publish_last();
   EXPECT_FALSE(mapper.next_part()) << "it has been handed out";
   keyframes[0].T_map_base.translation().x() = 0.2;
-  mapper.update(keyframes, 0.005);
+  mapper.update(keyframes, time::Timestamp(1s), 0.005);
   EXPECT_FALSE(mapper.take());
-  mapper.publish_last(keyframes);
+  mapper.publish_last();
   const std::string at_last = handed_out(mapper);
   EXPECT_TRUE(at_last == mapper.map().encode(OccupancyMap::Format::kBt));
   EXPECT_FALSE(at_last == at_first);
 }
 
 TEST(OccupancyMapper, AnUnchangedKeyframeIsInsertedOnce) {
-  const std::vector<Keyframe> keyframes{keyframe_before_a_wall(5)};
+  const Keyframe keyframe = keyframe_before_a_wall(5);
   OccupancyMapper mapper({});
-  mapper.update(keyframes, 0.1);
-  EXPECT_FALSE(mapper.take());
-  mapper.update(keyframes, 0.1);
+  update(mapper, keyframe, 0);
+  mapper.update(std::vector{keyframe}, time::Timestamp(1s), 0.1);
   EXPECT_FALSE(mapper.is_working());
+}
+
+// The same stationary robot: no other keyframe follows that would publish the new map.
+TEST(OccupancyMapper, AChangedMapIsHandedOutAfterThePeriodWithoutANewKeyframe) {
+  const Keyframe whole = keyframe_before_a_wall(50);
+  OccupancyMapper mapper({.publish_period_s = 5.0});
+  update(mapper, keyframe_before_a_wall(5), 100);
+  const std::string first = handed_out(mapper);
+  EXPECT_FALSE(first.empty());
+  for (const int now_s : {101, 104}) {
+    update(mapper, whole, now_s);
+    EXPECT_EQ(handed_out(mapper), "") << now_s;
+  }
+  update(mapper, whole, 105);
+  EXPECT_TRUE(handed_out(mapper) == mapper.map().encode(OccupancyMap::Format::kBt).value());
+}
+
+// A receiver that has started in between would else wait until the robot drives on.
+TEST(OccupancyMapper, AnUnchangedMapIsHandedOutAgainAfterTwelvePeriods) {
+  const Keyframe keyframe = keyframe_before_a_wall(5);
+  OccupancyMapper mapper({.publish_period_s = 5.0});
+  update(mapper, keyframe, 100);
+  const std::string first = handed_out(mapper);
+  update(mapper, keyframe, 159);
+  EXPECT_EQ(handed_out(mapper), "");
+  update(mapper, keyframe, 160);
+  EXPECT_TRUE(handed_out(mapper) == first);
+}
+
+TEST(OccupancyMapper, AtTheEndAMapThatHasChangedIsHandedOutAtOnce) {
+  const Keyframe whole = keyframe_before_a_wall(50);
+  OccupancyMapper mapper({.publish_period_s = 5.0});
+  update(mapper, keyframe_before_a_wall(5), 100);
+  EXPECT_FALSE(handed_out(mapper).empty());
+  update(mapper, whole, 101);
+  mapper.publish_last();
+  EXPECT_TRUE(handed_out(mapper) == mapper.map().encode(OccupancyMap::Format::kBt).value());
 }
 
 }  // namespace occupancy_mapper_test
