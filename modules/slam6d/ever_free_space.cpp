@@ -57,21 +57,22 @@ void for_each_key(const VoxelKey& first, const VoxelKey& last, const Use& use) {
   }
 }
 
-constexpr int kBeside = 27;  // a voxel and the 26 beside it
-
-VoxelCode beside(const VoxelKey& key, int i) {
-  const auto moved = [&key](std::size_t axis, int steps) {
-    return static_cast<std::uint16_t>(key[axis] + steps - 1);
-  };
-  return code_of({moved(0, i % 3), moved(1, i / 3 % 3), moved(2, i / 9)});
-}
-
 /// Whether `is_looked_for` is true for a voxel or for one of the 26 beside it.
 template <class IsLookedFor>
 bool has_beside(const VoxelKey& key, const IsLookedFor& is_looked_for) {
-  for (int i = 0; i < kBeside; ++i) {
-    if (is_looked_for(beside(key, i))) {
-      return true;
+  std::array<std::array<VoxelCode, 3>, 3> bits{};  // by axis and step
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    for (unsigned step = 0; step < 3; ++step) {
+      bits[axis][step] = spread_bits(static_cast<std::uint16_t>(key[axis] + step - 1)) << axis;
+    }
+  }
+  for (const VoxelCode z : bits[2]) {
+    for (const VoxelCode y : bits[1]) {
+      for (const VoxelCode x : bits[0]) {
+        if (is_looked_for(x | y | z)) {
+          return true;
+        }
+      }
     }
   }
   return false;
@@ -80,14 +81,10 @@ bool has_beside(const VoxelKey& key, const IsLookedFor& is_looked_for) {
 /// Of the points in each voxel: how many there are, and how many of them have moved.
 class MovedCounts {
  public:
-  MovedCounts(std::span<const std::optional<VoxelKey>> keys, const std::vector<bool>& is_moved) {
-    for (std::size_t i = 0; i < keys.size(); ++i) {
-      if (keys[i]) {
-        Counts& here = counts_[code_of(*keys[i])];
-        here.moved += is_moved[i] ? 1 : 0;
-        ++here.all;
-      }
-    }
+  void add(VoxelCode voxel, bool is_moved) {
+    Counts& here = counts_[voxel];
+    here.moved += is_moved ? 1 : 0;
+    ++here.all;
   }
 
   void add_moved(const VoxelKey& key) { ++counts_[code_of(key)].moved; }
@@ -96,12 +93,13 @@ class MovedCounts {
   [[nodiscard]] bool have_many_moved(const VoxelKey& key) const {
     constexpr int kOneOf = 4;
     Counts sum;
-    for (int i = 0; i < kBeside; ++i) {
-      if (const auto found = counts_.find(beside(key, i)); found != counts_.end()) {
+    has_beside(key, [&](VoxelCode voxel) {
+      if (const auto found = counts_.find(voxel); found != counts_.end()) {
         sum.moved += found->second.moved;
         sum.all += found->second.all;
       }
-    }
+      return false;
+    });
     return sum.moved * kOneOf >= sum.all;
   }
 
@@ -250,10 +248,11 @@ std::vector<bool> EverFreeSpace::moved_points(const SweepCloud& cloud, std::size
   keys.reserve(cloud.points.size());
   std::vector<bool> is_moved;
   is_moved.reserve(cloud.points.size());
+  Lookup lookup(cubes_);
   for (const Eigen::Vector3f& p : cloud.points) {
     keys.push_back(
         tracer_.grid().key_of((T_voxels_keyframes_[keyframe] * p.cast<double>()).cast<float>()));
-    is_moved.push_back(keys.back() && is_ever_free(*keys.back()));
+    is_moved.push_back(keys.back() && is_ever_free(*keys.back(), lookup));
   }
   if (std::ranges::find(is_moved, true) != is_moved.end()) {
     add_rest(keys, is_moved);
@@ -262,14 +261,20 @@ std::vector<bool> EverFreeSpace::moved_points(const SweepCloud& cloud, std::size
 }
 
 // No beam passed close enough to these points to show their voxels empty. They are those with
-// nothing certain beside them, of whose neighbours many have moved.
+// nothing certain beside them, of whose neighbours many have moved. Points in certain voxels,
+// nearly all, are beside none of them and need not be counted.
 void EverFreeSpace::add_rest(std::span<const std::optional<VoxelKey>> keys,
                              std::vector<bool>& is_moved) const {
   constexpr int kSteps = 3;  // each reaches one voxel farther
-  MovedCounts counts(keys, is_moved);
+  Lookup lookup(cubes_);
+  MovedCounts counts;
   std::vector<std::size_t> uncertain;
   for (std::size_t i = 0; i < keys.size(); ++i) {
-    if (keys[i] && !is_moved[i] && is_uncertain(*keys[i])) {
+    if (!keys[i] || is_certain(lookup.find(code_of(*keys[i])))) {
+      continue;
+    }
+    counts.add(code_of(*keys[i]), is_moved[i]);
+    if (!is_moved[i] && is_uncertain(*keys[i], lookup)) {
       uncertain.push_back(i);
     }
   }
@@ -285,32 +290,36 @@ void EverFreeSpace::add_rest(std::span<const std::optional<VoxelKey>> keys,
   }
 }
 
-bool EverFreeSpace::is_ever_free(const VoxelKey& key) const {
-  return is_empty(code_of(key)) &&
-         !has_beside(key, [this](VoxelCode voxel) { return !is_empty(voxel); });
+bool EverFreeSpace::is_ever_free(const VoxelKey& key, Lookup& lookup) const {
+  return is_empty(lookup.find(code_of(key))) &&
+         !has_beside(key, [&](VoxelCode voxel) { return !is_empty(lookup.find(voxel)); });
 }
 
-bool EverFreeSpace::is_uncertain(const VoxelKey& key) const {
-  const auto is_certain = [this](VoxelCode voxel) {
-    return !is_passing(voxel) && !is_empty(voxel);
-  };
-  return is_passing(code_of(key)) && !has_beside(key, is_certain);
+bool EverFreeSpace::is_uncertain(const VoxelKey& key, Lookup& lookup) const {
+  return is_passing(lookup.find(code_of(key))) &&
+         !has_beside(key, [&](VoxelCode voxel) { return is_certain(lookup.find(voxel)); });
 }
 
-bool EverFreeSpace::is_passing(VoxelCode voxel) const {
-  const Votes* votes = find(voxel);
+bool EverFreeSpace::is_certain(const Votes* votes) const {
+  return !is_passing(votes) && !is_empty(votes);
+}
+
+bool EverFreeSpace::is_passing(const Votes* votes) const {
   return votes == nullptr || votes->hits <= params_.passing_hits;
 }
 
-bool EverFreeSpace::is_empty(VoxelCode voxel) const {
-  const Votes* votes = find(voxel);
+bool EverFreeSpace::is_empty(const Votes* votes) const {
   return votes != nullptr && votes->through > 0 &&
          votes->through >= params_.through_per_hit * (votes->hits - params_.passing_hits);
 }
 
-const EverFreeSpace::Votes* EverFreeSpace::find(VoxelCode voxel) const {
-  const auto cube = cubes_.find(voxel >> 3U * CloudVoxels::kLevels);
-  return cube == cubes_.end() ? nullptr : &cube->second.votes[voxel & kInCube];
+const EverFreeSpace::Votes* EverFreeSpace::Lookup::find(VoxelCode voxel) {
+  if (const VoxelCode code = voxel >> 3U * CloudVoxels::kLevels; code != code_) {
+    const auto found = cubes_.find(code);
+    code_ = code;
+    cube_ = found == cubes_.end() ? nullptr : &found->second;
+  }
+  return cube_ == nullptr ? nullptr : &cube_->votes[voxel & kInCube];
 }
 
 std::size_t EverFreeSpace::memory_bytes() const {

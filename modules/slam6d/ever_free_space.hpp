@@ -98,13 +98,27 @@ class EverFreeSpace {
   };
   using Cubes = std::map<VoxelCode, Cube>;
 
-  [[nodiscard]] const Votes* find(VoxelCode voxel) const;
-  [[nodiscard]] bool is_empty(VoxelCode voxel) const;
+  /// Finds the votes for a voxel; null if there are none. It keeps the cube of the last voxel,
+  /// which is mostly that of the next one, too.
+  class Lookup {
+   public:
+    explicit Lookup(const Cubes& cubes) : cubes_(cubes) {}
+    [[nodiscard]] const Votes* find(VoxelCode voxel);
+
+   private:
+    const Cubes& cubes_;
+    VoxelCode code_ = ~VoxelCode{0};  // of the last cube: none
+    const Cube* cube_ = nullptr;
+  };
+
+  [[nodiscard]] bool is_empty(const Votes* votes) const;
   /// Whether everything that was seen there may be somebody who walked by.
-  [[nodiscard]] bool is_passing(VoxelCode voxel) const;
-  [[nodiscard]] bool is_ever_free(const VoxelKey& key) const;
-  /// The same, and nothing beside it is certain to be a wall or furniture.
-  [[nodiscard]] bool is_uncertain(const VoxelKey& key) const;
+  [[nodiscard]] bool is_passing(const Votes* votes) const;
+  /// Whether a wall or furniture is there.
+  [[nodiscard]] bool is_certain(const Votes* votes) const;
+  [[nodiscard]] bool is_ever_free(const VoxelKey& key, Lookup& lookup) const;
+  /// Whether a point there may be what is left of somebody: nothing is certain there or beside it.
+  [[nodiscard]] bool is_uncertain(const VoxelKey& key, Lookup& lookup) const;
   /// Adds the points that are left of somebody.
   void add_rest(std::span<const std::optional<VoxelKey>> keys, std::vector<bool>& is_moved) const;
   void move(const Cube& cube, VoxelCode code, const geometry::SE3& T_new_old, Cubes& moved) const;
