@@ -10,6 +10,7 @@
 #include <limits>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -28,6 +29,10 @@ using drawing::PlanView;
 constexpr std::uint8_t kOccupiedGrey = 0;
 constexpr std::uint8_t kUnknownGrey = 205;
 constexpr std::uint8_t kFreeGrey = 254;
+
+// The first line of map.yaml; the second while the image is being replaced.
+constexpr std::string_view kImageLine = "image: map.pgm\n";
+constexpr std::string_view kPreviousImageLine = "image: map.previous.pgm\n";
 
 constexpr drawing::Rgb kPathColour{214, 69, 65};
 constexpr drawing::Rgb kOdometryColour{170, 170, 170};
@@ -57,14 +62,32 @@ std::string pgm_of(const OccupancyGrid& grid) {
 
 std::string yaml_of(const OccupancyGrid& grid) {
   std::ostringstream text;
-  text << "image: map.pgm\n"
-       << "mode: trinary\n"
+  text << kImageLine << "mode: trinary\n"
        << "resolution: " << grid.cell_size_m() << "\n"
        << "origin: [" << grid.origin().x() << ", " << grid.origin().y() << ", 0]\n"
        << "negate: 0\n"
        << "occupied_thresh: 0.65\n"
        << "free_thresh: 0.196\n";
   return text.str();
+}
+
+std::string contents_of(const std::filesystem::path& file) {
+  std::ostringstream contents;
+  contents << std::ifstream(file, std::ios::binary).rdbuf();
+  return contents.str();
+}
+
+/// Lets an existing map.yaml name a copy of its image, so that map.pgm can be replaced before
+/// map.yaml is. Needs to do nothing if map.yaml stays as it is, or names another image already.
+std::error_code keep_previous_image(const std::filesystem::path& dir, std::string_view new_yaml) {
+  std::string yaml = contents_of(dir / "map.yaml");
+  if (yaml == new_yaml || !yaml.starts_with(kImageLine) ||
+      !std::filesystem::exists(dir / "map.pgm")) {
+    return {};
+  }
+  const auto error = formats::replace_file(dir / "map.previous.pgm", contents_of(dir / "map.pgm"));
+  yaml.replace(0, kImageLine.size(), kPreviousImageLine);
+  return error ? error : formats::replace_file(dir / "map.yaml", yaml);
 }
 
 [[noreturn]] void refuse(const std::filesystem::path& file, const std::string& reason) {
@@ -186,8 +209,19 @@ void draw_ends(PlanView& view, const std::vector<Eigen::Vector2d>& path) {
 }  // namespace
 
 std::error_code write_ros_map(const std::filesystem::path& dir, const OccupancyGrid& grid) {
-  const auto error = formats::replace_file(dir / "map.pgm", pgm_of(grid));
-  return error ? error : formats::replace_file(dir / "map.yaml", yaml_of(grid));
+  const std::string yaml = yaml_of(grid);
+  if (const auto error = keep_previous_image(dir, yaml)) {
+    return error;
+  }
+  if (const auto error = formats::replace_file(dir / "map.pgm", pgm_of(grid))) {
+    return error;
+  }
+  if (const auto error = formats::replace_file(dir / "map.yaml", yaml)) {
+    return error;
+  }
+  std::error_code ignored;  // nothing reads it any more
+  std::filesystem::remove(dir / "map.previous.pgm", ignored);
+  return {};
 }
 
 TrinaryGrid read_ros_map(const std::filesystem::path& path) {

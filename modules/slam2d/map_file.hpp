@@ -14,8 +14,9 @@
 
 namespace nodmap::slam2d {
 
-/// Writes map.pgm and map.yaml as the ROS map_server reads them. An existing file stays in place
-/// until the new one is complete.
+/// Writes map.pgm and map.yaml as the ROS map_server reads them. At every moment an existing
+/// map.yaml names a complete image that belongs to it: while the files are replaced, that is a copy
+/// of the old one, map.previous.pgm.
 [[nodiscard]] std::error_code write_ros_map(const std::filesystem::path& dir,
                                             const OccupancyGrid& grid);
 

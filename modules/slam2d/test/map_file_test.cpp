@@ -85,6 +85,31 @@ TEST(MapFile, AMapIsReadAsItWasWritten) {
   }
 }
 
+// A folder under the name that a new file has until it is complete makes writing it fail. The two
+// saves of the larger map end before the image is replaced, and between the image and map.yaml.
+TEST(MapFile, AfterAnInterruptedSaveTheImageStillBelongsToTheYaml) {
+  const nodmap::test::TemporaryDir dir;
+  OccupancyGrid grid(0.5);
+  ASSERT_TRUE(grid.add_ray({0.25, 0.25}, {0.25, 1.25}));
+  ASSERT_FALSE(write_ros_map(dir.path(), grid));
+  const TrinaryGrid old = read_ros_map(dir.path());
+  ASSERT_TRUE(grid.add_ray({0.25, 0.25}, {0.25, -100.0}));  // moves the origin
+  for (const char* name : {"map.pgm.part", "map.yaml.part"}) {
+    std::filesystem::create_directory(dir.path() / name);
+    EXPECT_TRUE(write_ros_map(dir.path(), grid)) << name;
+    std::filesystem::remove(dir.path() / name);
+    const TrinaryGrid read = read_ros_map(dir.path());
+    EXPECT_EQ(read.cells, old.cells) << name;
+    EXPECT_EQ(read.T_map_grid.y, old.T_map_grid.y) << name;
+  }
+  ASSERT_FALSE(write_ros_map(dir.path(), grid));
+  const TrinaryGrid read = read_ros_map(dir.path());
+  EXPECT_EQ(read.cells, trinary(grid).cells);
+  EXPECT_LT(read.T_map_grid.y, old.T_map_grid.y);
+  EXPECT_EQ(slurp(dir.path() / "map.yaml").find("image: map.pgm\n"), 0U);
+  EXPECT_FALSE(std::filesystem::exists(dir.path() / "map.previous.pgm"));
+}
+
 void put(const std::filesystem::path& file, const std::string& content) {
   std::ofstream(file, std::ios::binary) << content;
 }
