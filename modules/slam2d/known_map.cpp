@@ -142,28 +142,21 @@ KnownMap::KnownMap(TrinaryGrid grid, const MapParams& params)
   window_.rotation_rad = geometry::kPi;
 }
 
-double KnownMap::through_walls(std::span<const OrientedPoint> scan,
-                               const Eigen::Vector2d& sensor_origin_base,
-                               const geometry::SE2& T_map_base) const {
-  const geometry::SE2 T_grid_base = grid_.T_map_grid.inverse() * T_map_base;
-  const Eigen::Vector2d origin = T_grid_base * sensor_origin_base;
-  double through_walls = 0.0;
-  for (const OrientedPoint& point : scan) {
-    through_walls += is_blocked(origin, T_grid_base * point.p) ? 1.0 : 0.0;
-  }
-  return through_walls / std::max<double>(1.0, static_cast<double>(scan.size()));
-}
-
-double KnownMap::on_walls(std::span<const OrientedPoint> scan,
-                          const geometry::SE2& T_map_base) const {
+WallFit KnownMap::fit_walls(std::span<const OrientedPoint> scan,
+                            const Eigen::Vector2d& sensor_origin_base,
+                            const geometry::SE2& T_map_base) const {
   const int max_steps = std::max(1, static_cast<int>(std::lround(kOnWallM / grid_.cell_size_m)));
   const geometry::SE2 T_grid_base = grid_.T_map_grid.inverse() * T_map_base;
-  double on_walls = 0.0;
+  const Eigen::Vector2d origin = T_grid_base * sensor_origin_base;
+  int on_walls = 0;
+  int through_walls = 0;
   for (const OrientedPoint& point : transformed(T_grid_base, scan)) {
     const std::optional<int> steps = steps_to_occupied_at(point.p / grid_.cell_size_m);
-    on_walls += steps && *steps <= max_steps ? 1.0 : 0.0;
+    on_walls += steps && *steps <= max_steps ? 1 : 0;
+    through_walls += is_blocked(origin, point.p) ? 1 : 0;
   }
-  return on_walls / std::max<double>(1.0, static_cast<double>(scan.size()));
+  const double num_points = std::max<double>(1.0, static_cast<double>(scan.size()));
+  return {on_walls / num_points, through_walls / num_points};
 }
 
 bool KnownMap::is_blocked(const Eigen::Vector2d& origin, const Eigen::Vector2d& point) const {

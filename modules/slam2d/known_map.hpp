@@ -40,6 +40,18 @@ struct TrinaryGrid {
 
 [[nodiscard]] TrinaryGrid trinary(const OccupancyGrid& grid);
 
+/// How a scan lies on the walls of a map, as fractions of its points.
+struct WallFit {
+  /// In an occupied cell or within 5 cm of one, so that noise in the map hardly changes it.
+  double on_walls = 0.0;
+  /// Measured through a wall: there are occupied cells in the way of the ray and of its parallels
+  /// 6 cm to the left and to the right. A ray that grazes an edge or a post is not blocked.
+  double through_walls = 0.0;
+
+  /// 1 if all points lie on walls, and none behind one.
+  [[nodiscard]] double score() const { return on_walls - through_walls; }
+};
+
 /// A finished map to localise in. It holds the surfaces twice, as points with normals for scan
 /// matching and as a likelihood grid for the search of a pose, and the grid itself.
 class KnownMap {
@@ -54,18 +66,10 @@ class KnownMap {
   /// The smallest window that holds all free places.
   [[nodiscard]] const SearchWindow& window() const { return window_; }
 
-  /// The fraction of a scan's points that lie on walls if the robot is at `T_map_base`: in an
-  /// occupied cell or within 5 cm of one, so that noise in the map hardly changes it. `scan`:
-  /// points in base.
-  [[nodiscard]] double on_walls(std::span<const OrientedPoint> scan,
-                                const geometry::SE2& T_map_base) const;
-
-  /// The fraction of a scan's points that were measured through a wall: there are occupied cells in
-  /// the way of the ray and of its parallels 6 cm to the left and to the right. A ray that grazes
-  /// an edge or a post is not blocked.
-  [[nodiscard]] double through_walls(std::span<const OrientedPoint> scan,
-                                     const Eigen::Vector2d& sensor_origin_base,
-                                     const geometry::SE2& T_map_base) const;
+  /// How a scan lies on the walls if the robot is at `T_map_base`. `scan`: points in base.
+  [[nodiscard]] WallFit fit_walls(std::span<const OrientedPoint> scan,
+                                  const Eigen::Vector2d& sensor_origin_base,
+                                  const geometry::SE2& T_map_base) const;
 
  private:
   /// From a place in the grid, in cells; empty outside.

@@ -114,10 +114,11 @@ std::optional<Match> Localiser::match(const LevelScan& scan) {
 }
 
 bool Localiser::fits(const LevelScan& scan, const Match& match) const {
-  return match.found() && match.score >= params_.localise.min_score &&
-         match.score -
-                 map_.through_walls(scan.points_base, scan.sensor_origin_base, match.T_map_base) >=
-             params_.localise.min_score;
+  if (!match.found() || match.score < params_.localise.min_score) {
+    return false;
+  }
+  const WallFit walls = map_.fit_walls(scan.points_base, scan.sensor_origin_base, match.T_map_base);
+  return match.score - walls.through_walls >= params_.localise.min_score;
 }
 
 void Localiser::confirm(const LevelScan& scan) {

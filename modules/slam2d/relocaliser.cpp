@@ -42,8 +42,7 @@ double mean_wall_score(const KnownMap& map, std::span<const LevelScan> scans,
   for (const LevelScan& scan : scans) {
     const geometry::SE2 T_map_base =
         T_map_last * (scans.back().T_odom_base.inverse() * scan.T_odom_base);
-    sum += map.on_walls(scan.points_base, T_map_base) -
-           map.through_walls(scan.points_base, scan.sensor_origin_base, T_map_base);
+    sum += map.fit_walls(scan.points_base, scan.sensor_origin_base, T_map_base).score();
   }
   return sum / static_cast<double>(scans.size());
 }
@@ -90,12 +89,10 @@ std::optional<Relocaliser::Place> Relocaliser::match(const KnownMap& map, const 
   if (!match.found()) {
     return std::nullopt;
   }
-  const double through_walls =
-      map.through_walls(scan.points_base, scan.sensor_origin_base, match.T_map_base);
+  const WallFit walls = map.fit_walls(scan.points_base, scan.sensor_origin_base, match.T_map_base);
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(
       match.information.topLeftCorner<2, 2>());
-  return Place{match.T_map_base, match.score - through_walls,
-               map.on_walls(scan.points_base, match.T_map_base) - through_walls,
+  return Place{match.T_map_base, match.score - walls.through_walls, walls.score(),
                solver.eigenvectors().col(0)};
 }
 

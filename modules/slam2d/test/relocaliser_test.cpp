@@ -206,7 +206,8 @@ TEST(KnownMap, PointsBehindAWallWereMeasuredThroughIt) {
   const KnownMap map(grid, {});
   const std::vector<OrientedPoint> scan{
       {{1.0, 0.0}, {}}, {{0.5, 0.0}, {}}, {{3.0, 0.0}, {}}, {{1.05, 0.1}, {}}};
-  EXPECT_DOUBLE_EQ(map.through_walls(scan, {0.0, 0.0}, {1.02, 1.0, 0.0}), 0.25);  // the third
+  // The third.
+  EXPECT_DOUBLE_EQ(map.fit_walls(scan, {0.0, 0.0}, {1.02, 1.0, 0.0}).through_walls, 0.25);
 }
 
 TEST(KnownMap, PointsWithinACellOfAnOccupiedCellAreOnTheWall) {
@@ -218,8 +219,10 @@ TEST(KnownMap, PointsWithinACellOfAnOccupiedCellAreOnTheWall) {
   const KnownMap map(grid, {});
   const std::vector<OrientedPoint> scan{
       {{2.02, 0.0}, {}}, {{2.09, 0.0}, {}}, {{2.11, 0.0}, {}}, {{1.94, 0.0}, {}}};
-  EXPECT_DOUBLE_EQ(map.on_walls(scan, {0.0, 1.0, 0.0}), 0.5);  // the first two
-  EXPECT_EQ(map.on_walls({}, {}), 0.0);
+  const WallFit walls = map.fit_walls(scan, {0.0, 0.0}, {0.0, 1.0, 0.0});
+  EXPECT_DOUBLE_EQ(walls.on_walls, 0.5);  // the first two
+  EXPECT_DOUBLE_EQ(walls.score(), walls.on_walls - walls.through_walls);
+  EXPECT_EQ(map.fit_walls({}, {0.0, 0.0}, {}).on_walls, 0.0);
 }
 
 // The rays that the map looks along in long steps are compared with rays looked along cell by cell.
@@ -255,7 +258,7 @@ TEST(KnownMap, ARayIsBlockedByOccupiedCellsOnItsWayAndOnBothSides) {
     blocked += is_blocked ? 1 : 0;
     OrientedPoint point;
     point.p = to - from;
-    EXPECT_EQ(map.through_walls({&point, 1}, {0.0, 0.0}, {from.x(), from.y(), 0.0}),
+    EXPECT_EQ(map.fit_walls({&point, 1}, {0.0, 0.0}, {from.x(), from.y(), 0.0}).through_walls,
               is_blocked ? 1.0 : 0.0);
   }
   EXPECT_GT(blocked, 100);
