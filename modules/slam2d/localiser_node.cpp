@@ -8,6 +8,7 @@
 #include "common/node/log.hpp"
 #include "common/node/messages.hpp"
 #include "modules/slam2d/map_file.hpp"
+#include "modules/slam2d/messages.hpp"
 #include "modules/slam2d/node.hpp"
 
 namespace nodmap::slam2d {

@@ -2,7 +2,6 @@
 #include "modules/slam2d/node.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <system_error>
@@ -15,30 +14,10 @@
 #include "common/node/messages.hpp"
 #include "common/node/results.hpp"
 #include "modules/slam2d/map_file.hpp"
+#include "modules/slam2d/messages.hpp"
 #include "modules/slam2d/saved_map_file.hpp"
-#include "nodmap/grid_chunk_t.hpp"
 
 namespace nodmap::slam2d {
-
-static_assert(static_cast<int>(LoopState::kAccepted) == nodmap::pose_graph_t::ACCEPTED);
-static_assert(static_cast<int>(LoopState::kAmbiguous) == nodmap::pose_graph_t::AMBIGUOUS);
-static_assert(static_cast<int>(LoopState::kLowScore) == nodmap::pose_graph_t::LOW_SCORE);
-static_assert(static_cast<int>(LoopState::kInconsistent) == nodmap::pose_graph_t::INCONSISTENT);
-static_assert(static_cast<int>(LoopState::kOutlier) == nodmap::pose_graph_t::OUTLIER);
-
-std::int8_t pose_state(PoseQuality quality) {
-  switch (quality) {
-    case PoseQuality::kTracking:
-      return nodmap::pose_t::TRACKING;
-    case PoseQuality::kDegraded:
-    case PoseQuality::kOdometry:
-      return nodmap::pose_t::DEGRADED;
-    case PoseQuality::kLost:
-      return nodmap::pose_t::LOST;
-  }
-  return nodmap::pose_t::LOST;
-}
-
 namespace {
 
 // Limits of the work on the grid with each scan.
@@ -47,7 +26,6 @@ constexpr std::size_t kMaxRedrawnPerScan = 2;
 
 constexpr double kGraphPeriodS = 1.0;
 constexpr double kSaveRetryPeriodS = 10.0;
-constexpr std::size_t kMaxGraphLoops = 2000;  // 26 kB
 
 /// Whether it is time for the next message. Uses the magnitude of the time since the last, so that
 /// a stamp that steps far back does not silence the channel.
@@ -56,65 +34,7 @@ bool is_due(time::Timestamp stamp, const std::optional<time::Timestamp>& last_st
   return !last_stamp || time::seconds(std::chrono::abs(stamp - *last_stamp)) >= period_s;
 }
 
-nodmap::grid_chunk_t write_tile(const OccupancyGrid& grid, GridTile tile) {
-  nodmap::grid_chunk_t message{};
-  message.cell_size_m = grid.cell_size_m();
-  message.origin_x_m = grid.origin().x();
-  message.origin_y_m = grid.origin().y();
-  message.grid_width = grid.width();
-  message.grid_height = grid.height();
-  message.tile_x = tile.x;
-  message.tile_y = tile.y;
-  message.tile_width = OccupancyGrid::kTileCells;
-  message.tile_height = OccupancyGrid::kTileCells;
-  message.num_cells = static_cast<std::int32_t>(tile.cells.size());
-  message.cells = std::move(tile.cells);
-  return message;
-}
-
 }  // namespace
-
-nodmap::pose_t write_pose(const PoseUpdate& update) {
-  nodmap::pose_t message = node::write_corrected_pose(
-      update.stamp, geometry::to_se3(update.T_map_base), geometry::to_se3(update.T_map_odom));
-  message.inlier_ratio = update.inlier_ratio;
-  message.inlier_rms_m = update.rms_m;
-  message.state = pose_state(update.quality);
-  constexpr std::array<std::size_t, 3> kAxes{0, 1, 5};  // x, y, yaw
-  for (std::size_t row = 0; row < kAxes.size(); ++row) {
-    for (std::size_t column = 0; column < kAxes.size(); ++column) {
-      message.covariance[kAxes[row]][kAxes[column]] =
-          update.covariance(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(column));
-    }
-  }
-  return message;
-}
-
-nodmap::pose_graph_t write_graph(time::Timestamp stamp, const BackEnd& back_end) {
-  nodmap::pose_graph_t message{};
-  message.utime = time::to_utime(stamp);
-  for (const Submap& submap : back_end.submaps()) {
-    message.x_m.push_back(submap.T_map_submap.x);
-    message.y_m.push_back(submap.T_map_submap.y);
-    message.yaw_rad.push_back(submap.T_map_submap.yaw);
-  }
-  message.num_submaps = static_cast<std::int32_t>(message.x_m.size());
-  std::vector<SubmapLoop> loops = back_end.loops();
-  if (loops.size() > kMaxGraphLoops) {
-    std::stable_sort(loops.begin(), loops.end(), [](const SubmapLoop& a, const SubmapLoop& b) {
-      return a.to > b.to;  // the newest first
-    });
-    loops.resize(kMaxGraphLoops);
-  }
-  for (const SubmapLoop& loop : loops) {
-    message.from_submap.push_back(static_cast<std::int32_t>(loop.from));
-    message.to_submap.push_back(static_cast<std::int32_t>(loop.to));
-    message.loop_state.push_back(static_cast<std::int8_t>(loop.state));
-    message.loop_score.push_back(static_cast<float>(loop.score));
-  }
-  message.num_loops = static_cast<std::int32_t>(message.from_submap.size());
-  return message;
-}
 
 Slam2dNode::Slam2dNode(node::Context& context, const Params& params)
     : context_(context),

@@ -19,16 +19,10 @@
 #include "modules/slam2d/slam2d.hpp"
 #include "nodmap/clear_request_t.hpp"
 #include "nodmap/odometry_t.hpp"
-#include "nodmap/pose_graph_t.hpp"
-#include "nodmap/pose_t.hpp"
 #include "nodmap/save_request_t.hpp"
 #include "nodmap/scan_t.hpp"
 
 namespace nodmap::slam2d {
-
-[[nodiscard]] nodmap::pose_t write_pose(const PoseUpdate& update);
-
-[[nodiscard]] nodmap::pose_graph_t write_graph(time::Timestamp stamp, const BackEnd& back_end);
 
 /// The counts of scans in result.json.
 [[nodiscard]] nlohmann::json scan_metrics(const ScansByQuality& scans, const ScanCounts& rejected);

@@ -36,9 +36,9 @@ class OccupancyMapper {
   [[nodiscard]] bool is_working() const { return work_.is_running(); }
 
   /// Starts to insert the keyframes that are not in the map yet, and to hand out the map if that
-  /// is due, unless work is under way. Keyframes whose points have moved by less than `min_motion_m`
-  /// stay where they are. `prepare_save`: called if it is time to save the map; returns the function
-  /// that does so. Empty: the map is not saved.
+  /// is due, unless work is under way. Keyframes whose points have moved by less than
+  /// `min_motion_m` stay where they are. `prepare_save`: called if it is time to save the map;
+  /// returns the function that does so. Empty: the map is not saved.
   void update(std::span<const Keyframe> keyframes, time::Timestamp now, double min_motion_m,
               const std::function<Save()>& prepare_save = {});
   /// Starts to save the map as it is. No work may be under way.

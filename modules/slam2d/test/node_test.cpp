@@ -16,38 +16,17 @@
 #include "common/node/messages.hpp"
 #include "modules/slam2d/localiser_node.hpp"
 #include "modules/slam2d/map_file.hpp"
-#include "modules/slam2d/test/drawn_world.hpp"
+#include "modules/slam2d/test/slam2d_node_fixture.hpp"
 #include "nodmap/clear_request_t.hpp"
 #include "nodmap/grid_chunk_t.hpp"
 #include "nodmap/pose_graph_t.hpp"
 #include "nodmap/save_request_t.hpp"
 #include "tests/support/data_dir.hpp"
-#include "tests/support/memory_bus.hpp"
 
 namespace nodmap::slam2d {
 namespace node_test {
 
-class Slam2dNodeTest : public testing::Test {
- protected:
-  void put_scan(time::Duration since_epoch, const geometry::SE2& truth) {
-    scan::Scan scan = scanner_.scan(test::room(), truth, time::Timestamp(since_epoch));
-    scan.seq = seq_++;
-    bus_.deliver("SCAN", node::write_scan(scan));
-  }
-  void put_odometry(time::Duration since_epoch, const geometry::SE2& pose) {
-    auto message = node::write_odometry(time::Timestamp(since_epoch), geometry::to_se3(pose));
-    message.odometry_seq = odometry_seq_++;
-    bus_.deliver("ODOMETRY", message);
-  }
-
-  nodmap::test::MemoryBus bus_;
-  node::MessageCounts counts_;
-  node::Context context_{bus_, counts_, {}};
-  Slam2dNode node_{context_, Slam2dParams{}};
-  test::Scanner scanner_;
-  std::int64_t seq_ = 0;
-  std::int64_t odometry_seq_ = 0;
-};
+using test::Slam2dNodeTest;
 
 TEST_F(Slam2dNodeTest, PublishesAPoseForEachLevelScanAndTheMap) {
   geometry::SE2 truth;
@@ -126,68 +105,6 @@ TEST_F(Slam2dNodeTest, PublishesAChangedPoseGraphAtMostOnceASecond) {
   EXPECT_EQ(bus_.sent<nodmap::pose_graph_t>("POSE_GRAPH").size(), count) << "nothing has changed";
 }
 
-TEST_F(Slam2dNodeTest, TriesAgainToSaveAMapThatCouldNotBeSaved) {
-  const nodmap::test::TemporaryDir dir;
-  context_.out_dir = dir.path() / "not_there_yet";
-  put_odometry(0s, {});
-  put_scan(0s, {});
-  bus_.deliver("SAVE_REQUEST", nodmap::save_request_t{});
-  EXPECT_EQ(node_.health().state, node::HealthState::kDegraded);
-  std::filesystem::create_directory(context_.out_dir);
-  put_odometry(9s, {});
-  put_scan(9s, {});
-  EXPECT_FALSE(std::filesystem::exists(context_.out_dir / "map.pgm")) << "not at once";
-  put_odometry(10s, {});
-  put_scan(10s, {});
-  EXPECT_TRUE(std::filesystem::exists(context_.out_dir / "map.pgm"));
-  EXPECT_EQ(node_.health().state, node::HealthState::kOk);
-}
-
-TEST_F(Slam2dNodeTest, TriesAgainToSaveAlsoWhileTheRobotHasNotBeenFound) {
-  const nodmap::test::TemporaryDir dir;
-  put_odometry(0s, {});
-  put_scan(0s, {});
-  const std::filesystem::path first = dir.path() / "first";
-  std::filesystem::create_directory(first);
-  node_.write_results(first);
-  nodmap::test::MemoryBus bus;
-  node::Context context{bus, counts_, dir.path() / "not_there_yet"};
-  const Slam2dNode next{context, Slam2dParams{}, {{}, first, std::nullopt}};
-  bus.deliver("SAVE_REQUEST", nodmap::save_request_t{});
-  EXPECT_EQ(next.health().state, node::HealthState::kDegraded);
-  std::filesystem::create_directory(context.out_dir);
-  // Without odometry no scan can be placed.
-  bus.deliver("SCAN", node::write_scan(scanner_.scan(test::room(), {}, time::Timestamp(9s))));
-  EXPECT_FALSE(std::filesystem::exists(context.out_dir / "map.pgm")) << "not at once";
-  bus.deliver("SCAN", node::write_scan(scanner_.scan(test::room(), {}, time::Timestamp(10s))));
-  EXPECT_TRUE(std::filesystem::exists(context.out_dir / "map.pgm"));
-}
-
-TEST_F(Slam2dNodeTest, AfterAFailedSaveARequestIsCarriedOutAtOnce) {
-  const nodmap::test::TemporaryDir dir;
-  context_.out_dir = dir.path() / "not_there_yet";
-  put_odometry(0s, {});
-  put_scan(0s, {});  // the last one
-  bus_.deliver("SAVE_REQUEST", nodmap::save_request_t{});
-  std::filesystem::create_directory(context_.out_dir);
-  bus_.deliver("SAVE_REQUEST", nodmap::save_request_t{});
-  EXPECT_TRUE(std::filesystem::exists(context_.out_dir / "map.pgm"));
-  EXPECT_EQ(node_.health().state, node::HealthState::kOk);
-}
-
-TEST_F(Slam2dNodeTest, SavesItsMapOnRequest) {
-  const nodmap::test::TemporaryDir dir;
-  put_odometry(0s, {});
-  put_scan(0s, {});
-  bus_.deliver("SAVE_REQUEST", nodmap::save_request_t{});
-  EXPECT_EQ(counts_.rejected().at("save_request_without_out_dir"), 1);
-  context_.out_dir = dir.path();
-  bus_.deliver("SAVE_REQUEST", nodmap::save_request_t{});
-  EXPECT_EQ(node_.health().state, node::HealthState::kOk);
-  EXPECT_GT(std::filesystem::file_size(context_.out_dir / "map.pgm"), 1000U);
-  EXPECT_TRUE(std::filesystem::exists(context_.out_dir / "map.yaml"));
-}
-
 /// The number of known cells within a rectangle of map, in the newest version of each tile.
 int num_known(const std::vector<nodmap::grid_chunk_t>& chunks, const Region& region) {
   std::map<std::pair<int, int>, nodmap::grid_chunk_t> newest;
@@ -233,43 +150,6 @@ TEST_F(Slam2dNodeTest, ClearsARegionOnRequestAndSavesItAsCleared) {
   request.low_m[0] = std::numeric_limits<double>::quiet_NaN();
   bus_.deliver("CLEAR_REQUEST", request);
   EXPECT_EQ(counts_.rejected().at("implausible_clear_request"), 1);
-}
-
-TEST_F(Slam2dNodeTest, AFailedSaveLeavesTheOldMapAndIsReported) {
-  const nodmap::test::TemporaryDir dir;
-  put_odometry(0s, {});
-  put_scan(0s, {});
-  context_.out_dir = dir.path();
-  bus_.deliver("SAVE_REQUEST", nodmap::save_request_t{});
-  const auto size = std::filesystem::file_size(dir.path() / "map.pgm");
-  // The new map is first written under this name.
-  std::filesystem::create_directory(dir.path() / "map.pgm.part");
-  put_odometry(10s, {});
-  put_scan(10s, {});
-  bus_.deliver("SAVE_REQUEST", nodmap::save_request_t{});
-  EXPECT_EQ(node_.health().state, node::HealthState::kDegraded);
-  EXPECT_EQ(std::filesystem::file_size(dir.path() / "map.pgm"), size);
-  std::filesystem::remove(dir.path() / "map.pgm.part");
-  put_odometry(20s, {});
-  put_scan(20s, {});
-  bus_.deliver("SAVE_REQUEST", nodmap::save_request_t{});
-  EXPECT_EQ(node_.health().state, node::HealthState::kOk);
-}
-
-TEST_F(Slam2dNodeTest, SavesAtMostOnceEveryTenSeconds) {
-  const nodmap::test::TemporaryDir dir;
-  const std::filesystem::path map = dir.path() / "map.pgm";
-  context_.out_dir = dir.path();
-  int num_saved = 0;
-  for (int decis = 0; decis < 200; ++decis) {
-    put_odometry(100ms * decis, {});
-    put_scan(100ms * decis, {});
-    std::filesystem::remove(map);
-    bus_.deliver("SAVE_REQUEST", nodmap::save_request_t{});
-    num_saved += std::filesystem::exists(map) ? 1 : 0;
-  }
-  EXPECT_EQ(num_saved, 2);
-  EXPECT_EQ(counts_.rejected().at("save_request_too_soon"), 198);
 }
 
 TEST_F(Slam2dNodeTest, WritesALineForEachUsedScanWithItsOwnStamp) {

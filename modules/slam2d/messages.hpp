@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "common/geometry/time.hpp"
+#include "modules/slam2d/back_end.hpp"
+#include "modules/slam2d/occupancy_grid.hpp"
+#include "modules/slam2d/slam2d.hpp"
+#include "nodmap/grid_chunk_t.hpp"
+#include "nodmap/pose_graph_t.hpp"
+#include "nodmap/pose_t.hpp"
+
+namespace nodmap::slam2d {
+
+[[nodiscard]] nodmap::pose_t write_pose(const PoseUpdate& update);
+
+/// Of more than 2000 loops only the newest.
+[[nodiscard]] nodmap::pose_graph_t write_graph(time::Timestamp stamp, const BackEnd& back_end);
+
+/// A tile of the map; the stamp, the revision and the number of the chunk are left to the caller.
+[[nodiscard]] nodmap::grid_chunk_t write_tile(const OccupancyGrid& grid, GridTile tile);
+
+}  // namespace nodmap::slam2d
