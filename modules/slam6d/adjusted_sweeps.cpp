@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/slam6d/adjusted_sweeps.hpp"
 
-#include <Eigen/LU>
 #include <cstddef>
 #include <utility>
 
@@ -41,8 +40,9 @@ Motion joined(const Motion& a, const Motion& b, const SE3& T_map_from) {
   a_to_b << R_map_from * (b.T_from_this.translation() - a.T_from_this.translation()),
       R_map_from *
           geometry::rotation_vector(b.T_from_this.linear() * a.T_from_this.linear().transpose());
-  const Matrix6d information_b = b.covariance.inverse();
-  Motion both{a.T_from_this, (a.covariance.inverse() + information_b).inverse()};
+  const Matrix6d information_b = registration::inverse(b.covariance);
+  Motion both{a.T_from_this,
+              registration::inverse(registration::inverse(a.covariance) + information_b)};
   const Vector6d motion = both.covariance * information_b * a_to_b;
   both.T_from_this.translation() += R_map_from.transpose() * motion.head<3>();
   both.T_from_this.linear() =

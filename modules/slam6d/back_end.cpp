@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/slam6d/back_end.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -154,12 +153,13 @@ void BackEnd::add_step(const TrackedKeyframe& keyframe) {
                               .rotation_rad = geometry::rotation_angle(T_last_this),
                               .is_interrupted = keyframe.follows_interruption,
                               .scatter = keyframe.odometry_scatter};
+  const Matrix6d by_odometry =
+      registration::inverse(odometry_covariance(T_map_last, motion, odometry_));
   graph_.add_step(
       {.from = newest() - 1,
        .to = newest(),
        .T_from_to = T_last_this,
-       .information = rotated(kStepInformationFactor * keyframe.information +
-                                  odometry_covariance(T_map_last, motion, odometry_).inverse(),
+       .information = rotated(kStepInformationFactor * keyframe.information + by_odometry,
                               T_map_last.linear().transpose())});
   path_m_.push_back(path_m_.back() + motion.distance_m);
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/slam6d/keyframe_graph.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <functional>
 #include <limits>
@@ -211,7 +210,7 @@ void KeyframeGraph::hold_level(std::span<Matrix6d> covariances, std::size_t from
   const Matrix6d level = 0.5 * level_information();
   for (std::size_t k = 0; k < covariances.size(); ++k) {
     if (is_level_[k] && is_level_[from] && k != from) {
-      covariances[k] = (covariances[k].inverse() + level).inverse();
+      covariances[k] = registration::inverse(registration::inverse(covariances[k]) + level);
     }
   }
 }

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/slam6d/loop_closer.hpp"
 
-#include <Eigen/Dense>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -68,16 +66,16 @@ double num_correspondences(std::span<const OrientedPoint> points, const SE3& T_p
 // The information of a match alone: without its prior, and limited by how well two maps of one
 // place agree.
 Matrix6d information_of_match(const Registration& found, const PosePrior& prior) {
-  const Matrix6d difference = found.covariance.inverse() - prior.covariance.inverse();
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(0.5 * (difference + difference.transpose()));
-  const Matrix6d information = eigen.eigenvectors() *
-                               eigen.eigenvalues().cwiseMax(0.0).asDiagonal() *
-                               eigen.eigenvectors().transpose();
+  const Matrix6d difference =
+      registration::inverse(found.covariance) - registration::inverse(prior.covariance);
+  const auto [values, vectors] =
+      registration::eigensystem(0.5 * (difference + difference.transpose()));
+  const Matrix6d information = vectors * values.cwiseMax(0.0).asDiagonal() * vectors.transpose();
   Matrix6d floor = Matrix6d::Zero();
   floor.diagonal() << Eigen::Vector3d::Constant(kLoopSigmaM * kLoopSigmaM),
       Eigen::Vector3d::Constant(kLoopSigmaRad * kLoopSigmaRad);
   const Matrix6d bounded =
-      (Matrix6d::Identity() + information * floor).partialPivLu().solve(information);
+      registration::solve(Matrix6d::Identity() + information * floor, information);
   return 0.5 * (bounded + bounded.transpose());
 }
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/slam6d/plane_adjustment.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -255,7 +256,7 @@ void add_odometry(PoseEquations& equations, std::span<const AdjustedSweep> sweep
   Vector6d error;
   error << T_map_this.translation() - T_map_counted.translation(),
       geometry::rotation_vector(T_map_this.linear() * T_map_counted.linear().transpose());
-  const Matrix6d information = sweeps[k].covariance.inverse();
+  const Matrix6d information = registration::inverse(sweeps[k].covariance);
   const Matrix6d J_from = -moment_arm_jacobian(T_map_this.translation() - T_map_from.translation());
   equations.block(from, from) += J_from.transpose() * information * J_from;
   equations.block(from, k) += J_from.transpose() * information;

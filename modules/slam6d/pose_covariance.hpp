@@ -3,10 +3,12 @@
 
 #include <Eigen/Core>
 
+#include "common/registration/dense_solvers.hpp"
+
 namespace nodmap::slam6d {
 
-using Vector6d = Eigen::Matrix<double, 6, 1>;
-using Matrix6d = Eigen::Matrix<double, 6, 6>;
+using registration::Matrix6d;
+using registration::Vector6d;
 
 /// The matrix with skew(v) * w = v x w.
 [[nodiscard]] inline Eigen::Matrix3d skew(const Eigen::Vector3d& v) {

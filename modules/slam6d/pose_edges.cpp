@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/slam6d/pose_edges.hpp"
 
-#include <Eigen/Dense>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 
 namespace nodmap::slam6d {
@@ -13,19 +11,20 @@ namespace {
 // The inverse of covariance_of(): directions that were unknown are unknown again.
 Matrix6d information_of(const Matrix6d& covariance) {
   constexpr double kUnknown = 1e4;  // covariance_of() gives 1e6 for a degenerate direction
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(0.5 * (covariance + covariance.transpose()));
+  const auto [values, vectors] =
+      registration::eigensystem(0.5 * (covariance + covariance.transpose()));
   Vector6d information = Vector6d::Zero();
   for (int k = 0; k < 6; ++k) {
-    const double variance = eigen.eigenvalues()[k];
+    const double variance = values[k];
     information[k] = variance < kUnknown ? 1.0 / std::max(variance, 1e-9) : 0.0;
   }
-  return eigen.eigenvectors() * information.asDiagonal() * eigen.eigenvectors().transpose();
+  return vectors * information.asDiagonal() * vectors.transpose();
 }
 
 }  // namespace
 
 Matrix6d covariance_of(const Matrix6d& information) {
-  return (information + 1e-6 * Matrix6d::Identity()).inverse();
+  return registration::inverse(information + 1e-6 * Matrix6d::Identity());
 }
 
 double size_of(const Matrix6d& covariance) {

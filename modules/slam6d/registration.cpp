@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/slam6d/registration.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -57,7 +56,7 @@ class SweepRegistration {
     const Matrix covariance =
         motion_covariance<N>(prior.covariance, prior.motion_covariance,
                              prior.T_map_base.linear() * sweep.half_path().template cast<double>());
-    prior_information_.H = covariance.llt().solve(Matrix::Identity());
+    prior_information_.H = registration::inverse_definite<N>(covariance);
     prior_covariance_ = covariance.template topLeftCorner<6, 6>();
     result_.prior_end_covariance = end_covariance<N>(covariance);
   }
@@ -298,8 +297,8 @@ class SweepRegistration {
   // The number of directions of the pose about which the map says less than the prior.
   [[nodiscard]] int degenerate_directions(const Matrix& covariance) const {
     const Matrix6d pose = covariance.template topLeftCorner<6, 6>();
-    const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d> eigen(pose, prior_covariance_);
-    return static_cast<int>((eigen.eigenvalues().array() > 0.5).count());
+    const auto relative = registration::relative_eigenvalues(pose, prior_covariance_);
+    return static_cast<int>((relative.array() > 0.5).count());
   }
 
   // Eq. 3 as printed: the closed form knows no prior.

@@ -318,7 +318,7 @@ void Slam6d::close_loops(const VoxelMap& sweep, PoseUpdate& update) {
                           .is_level = is_planar(keyframe.cloud->T_odom_base) &&
                                       is_level(keyframe.T_map_base, params_.odometry)};
   if (update.registration) {
-    tracked.information = update.covariance.inverse();
+    tracked.information = registration::inverse(update.covariance);
   }
   if (const auto T_map_keyframes = back_end_.add_keyframe(tracked, sweep, map_)) {
     move_keyframes(*T_map_keyframes);
