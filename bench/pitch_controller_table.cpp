@@ -25,7 +25,8 @@ void print_plans(const PitchControllerParams& params) {
     const SweepPlan plan = planner.plan(v);
     const ClearView view = clear_view(corridor, plan.sweep, plan.line_spacing_rad,
                                       detection.visible_obstacle_m, detection.look_ahead_m);
-    const double bound_mps = speed_bound(view, plan.sweep_s, params.robot.braking, detection);
+    const double bound_mps =
+        speed_bound({view, plan.nod}, {}, corridor, params.robot.braking, detection);
     std::printf("| %.1f | %.2f | %.1f .. %.1f | %.2f | %.2f (%.0f) | %.2f | %.2f .. %.2f | ", v,
                 plan.d_min_m, rad_to_deg(plan.area.min_rad), rad_to_deg(plan.area.max_rad),
                 rad_to_deg(plan.line_spacing_rad), plan.sweep_s,

@@ -38,7 +38,7 @@ struct DetectionParams {
 struct SpeedParams {
   double fast_mps = 1.0;
   double top_mps = 2.0;
-  double acceleration_mps2 = 0.5;
+  double acceleration_mps2 = 1.0;
 
   template <class Visitor>
   void describe(Visitor& v) {

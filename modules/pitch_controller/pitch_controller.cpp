@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace nodmap::pitch_controller {
 namespace {
@@ -27,6 +28,10 @@ constexpr double kSameRad = geometry::deg_to_rad(1.0);
 constexpr double kLevelRad = geometry::deg_to_rad(2.0);
 constexpr double kHoldS = 1.0;
 
+// What appears nearer than the required distance of this speed, 0.9 m, may be touched by a robot
+// that starts: it may get there before the laser has passed again.
+constexpr double kLeastProtectedMps = 0.5;
+
 bool is_same(const SweepPlan& a, const SweepPlan& b) {
   return std::abs(a.sweep_s - b.sweep_s) < kSameTime * b.sweep_s &&
          std::abs(a.sweep.min_rad - b.sweep.min_rad) < kSameRad &&
@@ -43,6 +48,7 @@ PitchController::PitchController(const PitchControllerParams& params)
       rising_(params.speed.acceleration_mps2),
       plan_(planner_.plan(0.0)),
       commanded_s_(plan_.sweep_s),
+      follow_(plan_, params.robot.head.pitch_acceleration_rad_s2),
       plan_at_reversal_(plan_) {}
 
 void PitchController::add_speed(time::Timestamp stamp, double forward_mps) {
@@ -50,9 +56,14 @@ void PitchController::add_speed(time::Timestamp stamp, double forward_mps) {
 }
 
 void PitchController::add_pitch(const PitchReading& reading) {
+  turned_rad_ += pitch_ ? std::abs(reading.pitch_rad - pitch_->pitch_rad) : 0.0;
   pitch_ = reading;
   if (const auto sweep = meter_.add(reading)) {
+    turned_rad_ += plan_.nod.rate_rad_s * plan_.nod.reversal_s;
     count(*sweep);
+    if (sweep->is_complete) {
+      follow_.add(*sweep);
+    }
     regulate(*sweep);
     has_reversed_ = true;
   }
@@ -79,7 +90,7 @@ std::optional<PitchDecision> PitchController::decide(time::Timestamp now) {
   const double dt_s = std::clamp(time::seconds(since), 0.0, 1.0);
   const double present_mps = speed_ ? std::clamp(speed_->forward_mps, 0.0, kImpossibleMps) : 0.0;
   decision.max_forward_mps =
-      rising_.limit(may_drive ? bound_of_measured_sweeps() : 0.0, present_mps, dt_s);
+      rising_.limit(may_drive ? bound_of_coming_sweeps() : 0.0, present_mps, dt_s);
   commanded_s_ = regulator_.command_s(plan_.sweep_s, plan_.fastest_s, plan_.slowest_s);
   decision.sweep = plan_.sweep;
   decision.sweep_s = commanded_s_;
@@ -102,8 +113,21 @@ void PitchController::plan_for_present_speed(time::Timestamp now) {
     // time when the robot continues.
     looking_mps_ = std::max(planned_mps_, looking_mps_ - kWideningMps2 * dt_s);
   }
+  add_unseen_place(now);
   plan_ = planner_.plan(planned_mps_, looking_mps_);
+  follow_.set_plan(plan_);
   plan_held_ = plan_held_ && is_same(plan_, plan_at_reversal_);
+}
+
+void PitchController::add_unseen_place(time::Timestamp now) {
+  const double dt_s = decided_ ? std::clamp(time::seconds(now - *decided_), 0.0, 1.0) : 0.0;
+  const double forward_mps = speed_ ? std::clamp(speed_->forward_mps, 0.0, kImpossibleMps) : 0.0;
+  const double protected_mps = std::max(forward_mps, kLeastProtectedMps);
+  const NodMotion nod = follow_.motion(plan_, meter_.present());
+  unseen_.advance(dt_s * forward_mps, std::exchange(turned_rad_, 0.0));
+  unseen_.add(params_.robot.braking.required_distance_m(
+      protected_mps, params_.detection.reaction_s(planner_.plan(protected_mps).sweep_s)));
+  unseen_.forget_measured(nod, revisit_s(corridor_, nod, unseen_.least_protected_m(), forward_mps));
 }
 
 void PitchController::count(const MeasuredSweep& sweep) {
@@ -150,15 +174,17 @@ InhibitReason PitchController::inhibit_reason(time::Timestamp now) const {
   return meter_.last_two_sweeps() && !late ? InhibitReason::kNone : InhibitReason::kNotNodding;
 }
 
-double PitchController::bound_of_measured_sweeps() const {
+/// The bound of the sweeps to come. What the laser has measured counts no more for what appears
+/// from now on; it shows how the servo follows the plan.
+double PitchController::bound_of_coming_sweeps() const {
   const DetectionParams& detection = params_.detection;
-  const MeasuredSweep sweeps = *meter_.last_two_sweeps();
-  ClearView view =
-      clear_view(corridor_, sweeps.span, sweeps.peak_rate_rad_s * detection.scan_period_s,
-                 detection.visible_obstacle_m, detection.look_ahead_m);
-  // If the nod has narrowed since, the next sweeps no longer see what the last ones saw.
-  view.near_m = std::max(view.near_m, corridor_.covered_from_m(plan_.area));
-  return std::min(speed_bound(view, sweeps.duration_s, params_.robot.braking, detection),
+  ComingSweeps sweeps;
+  sweeps.view = clear_view(corridor_, follow_.reached(plan_),
+                           follow_.peak_rate_rad_s(plan_) * detection.scan_period_s,
+                           detection.visible_obstacle_m, detection.look_ahead_m);
+  sweeps.nod = follow_.motion(plan_, meter_.present());
+  sweeps.short_of_m = std::max(0.0, sweeps.view.near_m - plan_.d_min_m);
+  return std::min(speed_bound(sweeps, unseen_, corridor_, params_.robot.braking, detection),
                   params_.speed.top_mps);
 }
 

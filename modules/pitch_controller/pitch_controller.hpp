@@ -6,10 +6,12 @@
 
 #include "common/geometry/time.hpp"
 #include "modules/pitch_controller/params.hpp"
+#include "modules/pitch_controller/servo_follow.hpp"
 #include "modules/pitch_controller/speed_bound.hpp"
 #include "modules/pitch_controller/sweep_meter.hpp"
 #include "modules/pitch_controller/sweep_plan.hpp"
 #include "modules/pitch_controller/sweep_regulator.hpp"
+#include "modules/pitch_controller/unseen_places.hpp"
 
 namespace nodmap::pitch_controller {
 
@@ -44,12 +46,15 @@ struct SweepCounts {
 /// detect in time:
 ///
 ///     speed ──> SweepPlanner ──planned──> SweepRegulator ──> command
-///     pitch ──> SweepMeter ───measured──────────^  └──> speed_bound ──> max_forward_mps
+///                      └──────┐                 ^
+///     pitch ──> SweepMeter ───┼──measured───────┤
+///                             └──> ServoFollow ─┴──> speed_bound ──> max_forward_mps
+///     speed, pitch ──> UnseenPlaces ───────────────────^
 ///
-/// The plan depends on the speed, and the bound on the sweeps as MEASURED. They cannot trap each
-/// other at a low speed: a sweep planned for a speed always allows a greater one, because its lines
-/// are dense enough for 1.3 times the required distance. So the robot accelerates as the nod
-/// narrows, and not earlier.
+/// The plan depends on the speed, and the bound on the sweeps to come: those of the plan, as the
+/// servo has followed it so far. They cannot trap each other at a low speed: a sweep planned for a
+/// speed always allows a greater one, because its lines are dense enough for 1.3 times the required
+/// distance. The robot accelerates as the laser measures what may have appeared before.
 ///
 /// Times are the stamps of the messages; no clock is read.
 class PitchController {
@@ -74,11 +79,12 @@ class PitchController {
   };
 
   void plan_for_present_speed(time::Timestamp now);
+  void add_unseen_place(time::Timestamp now);
   void count(const MeasuredSweep& sweep);
   void regulate(const MeasuredSweep& sweep);
   [[nodiscard]] bool is_fresh(time::Timestamp stamp, time::Timestamp now) const;
   [[nodiscard]] InhibitReason inhibit_reason(time::Timestamp now) const;
-  [[nodiscard]] double bound_of_measured_sweeps() const;
+  [[nodiscard]] double bound_of_coming_sweeps() const;
   [[nodiscard]] double bound_of_level_laser() const;
 
   PitchControllerParams params_;
@@ -96,6 +102,9 @@ class PitchController {
   double looking_mps_ = 0.0;  // the area of interest is at most as wide as at this speed
   SweepPlan plan_;
   double commanded_s_ = 0.0;
+  ServoFollow follow_;
+  UnseenPlaces unseen_;
+  double turned_rad_ = 0.0;     // the head's way since the last decision, up and down
   SweepPlan plan_at_reversal_;  // the plan at the start of the present sweep
   bool plan_held_ = false;      // the plan has not changed since then
   bool has_reversed_ = false;   // since the last decision

@@ -2,24 +2,38 @@
 #pragma once
 
 #include "modules/pitch_controller/params.hpp"
+#include "modules/pitch_controller/unseen_places.hpp"
 #include "modules/pitch_controller/virtual_corridor.hpp"
 
 namespace nodmap::pitch_controller {
 
-/// The greatest speed at which the robot can stop in time before any obstacle that the sweeps
-/// detect, metres per second, >= 0. `sweep_s` is the duration of the longest sweep.
-///
-/// In the worst case an obstacle appears at the far end of the clear view just after the laser has
-/// passed. The laser hits it one period (two sweeps) later, unless the robot has moved so far that
-/// the obstacle is no longer in the clear view. The remaining distance must suffice to react and
-/// brake.
-[[nodiscard]] double speed_bound(const ClearView& view, double sweep_s,
-                                 const robot::Braking& braking, const DetectionParams& detection);
+/// The sweeps to come, as the servo follows their plan.
+struct ComingSweeps {
+  ClearView view;
+  NodMotion nod;
+  double short_of_m = 0.0;  ///< the clear view begins this much farther ahead than planned
+};
 
-/// Limits how fast the speed bound rises; it may fall at once. An obstacle that appeared while the
-/// robot was slower may be at the end of a shorter required distance, and the laser may not have
-/// seen it yet. appearing_obstacle_test checks this by brute force for the default rise; it does
-/// not show which rise would be too fast.
+/// The greatest speed at which the robot can stop in time before any obstacle that the sweeps
+/// detect, metres per second, >= 0. See README.md for why it is safe. At this speed v both hold:
+///
+/// 1. What comes into the clear view, F ahead, just after the laser has passed is measured R(F, v)
+///    later (revisit_s()). It is still in the clear view then, and far enough away to react and
+///    brake with half of the brakes' force:
+///
+///        F - v R(F, v) >= max(N, v T_processing + v^2 / 2a + margin)
+///
+/// 2. The robot may have been slower a moment ago, and its protected distance shorter. Each place
+///    where something may have appeared since then and was not measured yet is, when it is measured
+///    at last, still met by the sweeps planned for v, and far enough away to react and brake with
+///    all of the brakes' force. So a robot accelerates only as its sweeps prove that nothing has
+///    appeared.
+[[nodiscard]] double speed_bound(const ComingSweeps& sweeps, const UnseenPlaces& unseen,
+                                 const VirtualCorridor& corridor, const robot::Braking& braking,
+                                 const DetectionParams& detection);
+
+/// Limits how fast the speed bound rises, as the base cannot follow any faster; it may fall at
+/// once.
 class RisingBound {
  public:
   explicit RisingBound(double acceleration_mps2) : acceleration_mps2_(acceleration_mps2) {}

@@ -13,6 +13,11 @@ constexpr time::Duration kGap = 60ms;
 
 }  // namespace
 
+double MeasuredSweep::mean_rate_rad_s(double acceleration_rad_s2) const {
+  const double reversal_s = peak_rate_rad_s / acceleration_rad_s2;
+  return span.range_rad() / std::max(duration_s - reversal_s, 1e-3);
+}
+
 std::optional<MeasuredSweep> SweepMeter::add(const PitchReading& reading) {
   if (newest_ && (reading.stamp < newest_->stamp || reading.sweep < newest_->sweep)) {
     *this = SweepMeter();
@@ -29,6 +34,7 @@ std::optional<MeasuredSweep> SweepMeter::add(const PitchReading& reading) {
   if (!reversed) {
     return std::nullopt;
   }
+  present_.is_upwards = 2.0 * reading.pitch_rad > present_.span.min_rad + present_.span.max_rad;
   before_last_ = last_;
   last_ = present_;
   begin(reading, no_gap);
@@ -44,13 +50,14 @@ std::optional<MeasuredSweep> SweepMeter::last_two_sweeps() const {
       {std::min(last_->span.min_rad, before_last_->span.min_rad),
        std::max(last_->span.max_rad, before_last_->span.max_rad)},
       std::max({last_->peak_rate_rad_s, before_last_->peak_rate_rad_s, present_.peak_rate_rad_s}),
-      true};
+      true,
+      false};
 }
 
 void SweepMeter::begin(const PitchReading& reading, bool at_its_end) {
   newest_ = reading;
   began_ = reading.stamp;
-  present_ = {0.0, {reading.pitch_rad, reading.pitch_rad}, 0.0, at_its_end};
+  present_ = {0.0, {reading.pitch_rad, reading.pitch_rad}, 0.0, at_its_end, false};
   extend(reading);
 }
 

@@ -26,6 +26,11 @@ struct MeasuredSweep {
   PitchInterval span;
   double peak_rate_rad_s = 0.0;  ///< >= 0
   bool is_complete = false;      ///< both ends were measured
+  bool is_upwards = false;       ///< it ended nearer to its upper end
+
+  /// The rate at which the head covers this span in this time, with half a reversal of
+  /// `acceleration_rad_s2` at each end.
+  [[nodiscard]] double mean_rate_rad_s(double acceleration_rad_s2) const;
 };
 
 /// Measures the duration, pitches and rate of the actual sweeps, as opposed to the commanded ones.
@@ -40,7 +45,8 @@ class SweepMeter {
   /// present one. Empty before two complete sweeps.
   [[nodiscard]] std::optional<MeasuredSweep> last_two_sweeps() const;
 
-  /// Duration of the present sweep so far, seconds.
+  /// The present sweep so far.
+  [[nodiscard]] const MeasuredSweep& present() const { return present_; }
   [[nodiscard]] double present_sweep_s() const { return present_.duration_s; }
 
  private:

@@ -9,8 +9,9 @@ namespace {
 
 // Number of lines on the smallest obstacle at d_min, where it is hit for the last time.
 constexpr int kLinesOnObstacle = 2;
-// One line hits the smallest obstacle out to this many required distances. The speed bound of a
-// sweep is then above the speed that it is planned for; otherwise the robot could never accelerate.
+// One line hits the smallest obstacle out to this many times the distance at which it may appear.
+// The speed bound of a sweep is then above the speed that it is planned for; otherwise the robot
+// could never accelerate.
 constexpr double kReserve = 1.3;
 
 // The finest step of the scanner (paper, II).
@@ -19,6 +20,14 @@ constexpr double kFinestSpacingRad = geometry::deg_to_rad(0.25);
 // Each iteration reduces the error of the sweep duration to a third or less at all speeds of the
 // robot; this many iterations are exact to a microsecond.
 constexpr int kIterations = 16;
+
+/// The rate of a sweep that takes `sweep_s`: the inverse of HeadLimits::sweep_s().
+double rate_of(double range_rad, double sweep_s, const robot::HeadLimits& head) {
+  const double a = head.pitch_acceleration_rad_s2;
+  const double root = sweep_s * sweep_s - 4.0 * range_rad / a;
+  return root < 0.0 ? head.best_rate_rad_s(range_rad)
+                    : std::min(0.5 * a * (sweep_s - std::sqrt(root)), head.pitch_rate_rad_s);
+}
 
 }  // namespace
 
@@ -35,24 +44,24 @@ SweepPlanner::SweepPlanner(const robot::RobotParams& robot, const DetectionParam
       corridor_(VirtualCorridor::of(robot)) {}
 
 SweepPlan SweepPlanner::plan(double forward_mps, double looking_mps) const {
-  // Fixed-point iteration: required distance and sweep duration depend on each other.
+  // Fixed-point iteration: the distance at which an obstacle may appear and the duration of the
+  // sweep depend on each other.
   SweepPlan plan;
+  double appears_m = 0.0;
   for (int i = 0; i < kIterations; ++i) {
-    const double reaction_s = detection_.reaction_s(plan.sweep_s);
-    plan = plan_from(robot_.braking.required_distance_m(forward_mps, reaction_s), forward_mps,
-                     looking_mps);
+    plan = plan_from(appears_m, forward_mps, looking_mps);
+    appears_m = plan.d_min_m + forward_mps * revisit_s(corridor_, plan.nod, appears_m, forward_mps);
   }
   return plan;
 }
 
-SweepPlan SweepPlanner::plan_from(double required_distance_m, double forward_mps,
-                                  double looking_mps) const {
+SweepPlan SweepPlanner::plan_from(double appears_m, double forward_mps, double looking_mps) const {
   const PitchInterval mechanics = robot_.head.pitch();
   SweepPlan plan;
   plan.d_min_m = robot_.braking.required_distance_m(forward_mps, detection_.processing_s);
   plan.area =
       area_of_interest(looking_mps, fast_mps_, corridor_.area_from(plan.d_min_m), mechanics);
-  plan.line_spacing_rad = line_spacing_rad(plan.d_min_m, required_distance_m);
+  plan.line_spacing_rad = line_spacing_rad(plan.d_min_m, appears_m);
   plan.sweep = {std::max(plan.area.min_rad - plan.line_spacing_rad, mechanics.min_rad),
                 std::min(plan.area.max_rad + plan.line_spacing_rad, mechanics.max_rad)};
 
@@ -67,15 +76,18 @@ SweepPlan SweepPlanner::plan_from(double required_distance_m, double forward_mps
       std::min(head.sweep_s(range_rad, kFinestSpacingRad / period_s), kMostScans * period_s));
   plan.sweep_s = std::clamp(head.sweep_s(range_rad, rate_rad_s), kFewestScans * period_s,
                             kMostScans * period_s);
+  plan.nod = {plan.sweep, rate_of(range_rad, plan.sweep_s, head), 0.0};
+  plan.nod.reversal_s = plan.nod.rate_rad_s / head.pitch_acceleration_rad_s2;
   return plan;
 }
 
-double SweepPlanner::line_spacing_rad(double d_min_m, double required_distance_m) const {
+double SweepPlanner::line_spacing_rad(double d_min_m, double appears_m) const {
   const double resolved_rad = std::min(
       spacing_for(detection_.visible_obstacle_m, kLinesOnObstacle, corridor_.from_axis_m(d_min_m),
                   corridor_.axis_height_m),
       spacing_for(detection_.visible_obstacle_m, 1,
-                  corridor_.from_axis_m(kReserve * required_distance_m), corridor_.axis_height_m));
+                  corridor_.from_axis_m(std::min(kReserve * appears_m, detection_.look_ahead_m)),
+                  corridor_.axis_height_m));
   const double head_rad = robot_.head.pitch_rate_rad_s * detection_.scan_period_s;
   return std::max(std::min(resolved_rad, head_rad), kFinestSpacingRad);
 }

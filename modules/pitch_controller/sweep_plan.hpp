@@ -16,6 +16,7 @@ struct SweepPlan {
   PitchInterval area;    ///< area of interest
   PitchInterval sweep;   ///< the area and one line more at both ends, within the mechanical range
   double line_spacing_rad = 0.0;  ///< largest permitted angle between neighbouring scans
+  NodMotion nod;                  ///< the head's motion in such sweeps
   double sweep_s = 0.0;           ///< T_sweep: the shortest duration of `sweep`
 
   double fastest_s = 0.0;  ///< duration of `sweep` at the head's highest rate
@@ -28,15 +29,14 @@ struct SweepPlan {
 [[nodiscard]] double spacing_for(double obstacle_m, int lines, double distance_m,
                                  double axis_height_m);
 
-/// Plans sweeps from the required distance, at whose end at least one line must hit an obstacle. If
-/// an obstacle appears there just after the laser has passed, the laser hits it one period (2
-/// T_sweep) later, when the robot is nearer by 2 v T_sweep. Therefore the sweep covers the corridor
-/// from bottom to top at all distances beyond
+/// Plans sweeps for what appears just after the laser has passed. The laser hits it R later
+/// (revisit_s()), when the robot is nearer by v R. Therefore the sweep covers the corridor from
+/// bottom to top at all distances beyond
 ///
 ///     d_min = v T_processing + v^2 / 2a + margin
 ///
-/// and two of its lines hit the smallest obstacle at d_min. It is as short as head and line spacing
-/// allow.
+/// and two of its lines hit the smallest obstacle at d_min, and one of them 1.3 (d_min + v R)
+/// ahead. It is as short as head and line spacing allow.
 class SweepPlanner {
  public:
   SweepPlanner(const robot::RobotParams& robot, const DetectionParams& detection, double fast_mps);
@@ -49,9 +49,8 @@ class SweepPlanner {
   [[nodiscard]] SweepPlan plan(double forward_mps, double looking_mps) const;
 
  private:
-  [[nodiscard]] SweepPlan plan_from(double required_distance_m, double forward_mps,
-                                    double looking_mps) const;
-  [[nodiscard]] double line_spacing_rad(double d_min_m, double required_distance_m) const;
+  [[nodiscard]] SweepPlan plan_from(double appears_m, double forward_mps, double looking_mps) const;
+  [[nodiscard]] double line_spacing_rad(double d_min_m, double appears_m) const;
 
   robot::RobotParams robot_;
   DetectionParams detection_;

@@ -11,6 +11,7 @@ namespace {
 // Smallest distance, used where the front is at the axis or behind it: any steep pitch covers it,
 // and there is no division by zero.
 constexpr double kNearestM = 0.05;
+constexpr int kRevisitIterations = 12;
 constexpr double kSteepestRad = geometry::deg_to_rad(89.9);
 
 /// The distance beyond which a line at `angle_rad` to the horizontal is at least `height_m` above
@@ -47,6 +48,14 @@ double VirtualCorridor::covered_from_m(const PitchInterval& area) const {
   return std::max(std::max(low, high) - axis_behind_front_m, 0.0);
 }
 
+double VirtualCorridor::met_from_m(double covered_from_m, double obstacle_m) const {
+  const double below_m = axis_height_m - bottom_m;
+  const double above_m = top_m - axis_height_m;
+  const double share = std::max(below_m > 0.0 ? 1.0 - obstacle_m / below_m : 0.0,
+                                above_m > 0.0 ? 1.0 - obstacle_m / above_m : 0.0);
+  return std::max(0.0, share) * from_axis_m(covered_from_m) - axis_behind_front_m;
+}
+
 PitchInterval area_of_interest(double forward_mps, double fast_mps,
                                const PitchInterval& corridor_area, const PitchInterval& mechanics) {
   const double slowness = std::clamp(1.0 - forward_mps / fast_mps, 0.0, 1.0);
@@ -55,6 +64,21 @@ PitchInterval area_of_interest(double forward_mps, double fast_mps,
   const double max_rad = std::min(corridor_area.max_rad, mechanics.max_rad);
   return {min_rad + surplus * (mechanics.min_rad - min_rad),
           max_rad + surplus * (mechanics.max_rad - max_rad)};
+}
+
+double revisit_s(const VirtualCorridor& corridor, const NodMotion& nod, double from_m,
+                 double forward_mps) {
+  const PitchInterval before = corridor.area_from(from_m);
+  double time_s = 0.0;
+  // The nearer the obstacle, the nearer to the end of the sweep it is seen: the time rises to its
+  // fixed point from below.
+  for (int i = 0; i < kRevisitIterations; ++i) {
+    const PitchInterval after = corridor.area_from(std::max(0.0, from_m - forward_mps * time_s));
+    const double above_rad = 2.0 * nod.ends.max_rad - before.min_rad - after.min_rad;
+    const double below_rad = before.max_rad + after.max_rad - 2.0 * nod.ends.min_rad;
+    time_s = nod.reversal_s + std::max(above_rad, below_rad) / nod.rate_rad_s;
+  }
+  return time_s;
 }
 
 ClearView clear_view(const VirtualCorridor& corridor, const PitchInterval& seen,

@@ -33,6 +33,10 @@ struct VirtualCorridor {
   /// The inverse, d_min: the distance beyond which these pitches cover the corridor; infinite if
   /// they never do.
   [[nodiscard]] double covered_from_m(const PitchInterval& area) const;
+
+  /// How near an obstacle of height `obstacle_m` at the bottom or top of the corridor may be to
+  /// pitches that cover the corridor beyond `covered_from_m`, and still extend into them.
+  [[nodiscard]] double met_from_m(double covered_from_m, double obstacle_m) const;
 };
 
 /// The area of interest for a speed (paper, II): the whole mechanical range at standstill, exactly
@@ -50,6 +54,23 @@ struct ClearView {
   double near_m = 0.0;
   double far_m = 0.0;
 };
+
+/// The head's motion: back and forth between two pitches at a constant rate.
+struct NodMotion {
+  PitchInterval ends;
+  double rate_rad_s = 0.0;  ///< > 0
+  double reversal_s = 0.0;  ///< how much longer a reversal takes than at that rate
+};
+
+/// The longest time from one measurement of an obstacle to the next, seconds, while the robot
+/// drives towards it at `forward_mps`: the obstacle is anywhere in the corridor's height, and
+/// `from_m` away when the laser has just passed it.
+///
+/// The laser is away longest from what is at the bottom while it reverses at the upper end, and
+/// from what is at the top while it reverses at the lower end. What is ahead is far from both ends,
+/// so this is less than two sweeps.
+[[nodiscard]] double revisit_s(const VirtualCorridor& corridor, const NodMotion& nod, double from_m,
+                               double forward_mps);
 
 /// The clear view of sweeps over the pitches `seen` with `line_spacing_rad` between neighbouring
 /// scans. Nearer than near_m the pitches do not reach bottom or top of the corridor. Farther than

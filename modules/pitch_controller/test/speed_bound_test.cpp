@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <random>
 
@@ -12,44 +13,97 @@ namespace speed_bound_test {
 const robot::Braking kBraking;
 const DetectionParams kDetection;
 
-TEST(SpeedBound, WithALongViewItIsTheSpeedFromWhichTheRobotCanStop) {
-  EXPECT_DOUBLE_EQ(speed_bound({0.0, 2.0}, 0.35, kBraking, kDetection),
-                   kBraking.permitted_mps(2.0, 0.75));
+const VirtualCorridor kCorridor = VirtualCorridor::of(robot::RobotParams{});
+
+/// Sweeps over the corridor beyond `near_m`.
+NodMotion nod_from(double near_m, double rate_rad_s) {
+  return {kCorridor.area_from(near_m), rate_rad_s, rate_rad_s / 40.0};
+}
+
+double bound_of(const ClearView& view, const NodMotion& nod, const UnseenPlaces& unseen = {}) {
+  return speed_bound({view, nod}, unseen, kCorridor, kBraking, kDetection);
+}
+
+TEST(SpeedBound, IsBetweenThoseOfOneAndOfTwoSweeps) {
+  const NodMotion nod = nod_from(0.5, 1.5);
+  const double sweep_s = nod.ends.range_rad() / nod.rate_rad_s + nod.reversal_s;
+  const double v = bound_of({0.0, 3.0}, nod);
+  EXPECT_GT(v, kBraking.permitted_mps(3.0, kDetection.reaction_s(sweep_s)));
+  EXPECT_LT(v, kBraking.permitted_mps(3.0, sweep_s + kDetection.processing_s));
 }
 
 TEST(SpeedBound, AtTheBoundNoObstaclePassesThroughAShortViewUnseen) {
-  // A clear view of 0.2 m, and 0.8 s from one measurement to the next.
-  EXPECT_DOUBLE_EQ(speed_bound({3.8, 4.0}, 0.4, kBraking, kDetection), 0.25);
+  const NodMotion nod = nod_from(3.8, 0.3);
+  const double v = bound_of({3.8, 4.0}, nod);
+  EXPECT_GT(v, 0.0);
+  EXPECT_NEAR(v * revisit_s(kCorridor, nod, 4.0, v), 0.2, 1e-3);  // half a millimetre per second
 }
 
 TEST(SpeedBound, WithoutAClearViewItIsZero) {
-  EXPECT_EQ(speed_bound({2.0, 2.0}, 0.3, kBraking, kDetection), 0.0);
-  EXPECT_EQ(speed_bound({std::numeric_limits<double>::infinity(), 4.0}, 0.3, kBraking, kDetection),
-            0.0);
-  EXPECT_EQ(speed_bound({0.0, 4.0}, std::numeric_limits<double>::quiet_NaN(), kBraking, kDetection),
-            0.0);
+  const NodMotion nod = nod_from(0.5, 1.5);
+  EXPECT_EQ(bound_of({2.0, 2.0}, nod), 0.0);
+  EXPECT_EQ(bound_of({std::numeric_limits<double>::infinity(), 4.0}, nod), 0.0);
+  EXPECT_EQ(bound_of({0.0, 4.0}, {nod.ends, std::numeric_limits<double>::quiet_NaN(), 0.1}), 0.0);
 }
 
+// Brute force: a strip at any height of the corridor comes into view at any moment of the nod, and
+// the robot drives towards it at the bound.
 TEST(SpeedBound, ARobotAtTheBoundAlwaysStopsBeforeTheObstacle) {
-  // The robot drives towards an obstacle, which the laser hits at a random phase of the period once
-  // it is in view.
   std::mt19937 random(7);
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
-  for (int i = 0; i < 20'000; ++i) {
-    const double near = 2.0 * uniform(random);
-    const ClearView view{near, near + 0.05 + 3.0 * uniform(random)};
-    const double sweep_s = 0.2 + uniform(random);
-    const double v = speed_bound(view, sweep_s, kBraking, kDetection);
-    // Measurements are one period apart; the obstacle enters the view between two of them.
-    const double hit_after_s = 2.0 * sweep_s * uniform(random);
-    const double hit_at_m = view.far_m - v * hit_after_s;
-    EXPECT_GE(hit_at_m, view.near_m - 1e-9);  // rounding
+  int num_driven = 0;
+  for (int i = 0; i < 500; ++i) {
+    const double near_m = 0.1 + 2.0 * uniform(random);
+    const ClearView view{near_m, near_m + 0.05 + 3.0 * uniform(random)};
+    NodMotion nod = nod_from(near_m, 0.2 + 2.5 * uniform(random));
+    nod.reversal_s = 0.0;  // so that the pitch is a triangle
+    const double v = bound_of(view, nod);
+    num_driven += v > 0.05 ? 1 : 0;
+    const double height_m =
+        kCorridor.bottom_m + uniform(random) * (kCorridor.top_m - kCorridor.bottom_m);
+    const auto strip_rad = [&](double t) {
+      return std::atan((height_m - kCorridor.axis_height_m) /
+                       kCorridor.from_axis_m(view.far_m - v * t));
+    };
+    const double range_rad = nod.ends.range_rad();
+    const double phase_rad = 2.0 * range_rad * uniform(random);
+    const auto pitch_rad = [&](double t) {
+      const double way = std::fmod(phase_rad + nod.rate_rad_s * t, 2.0 * range_rad);
+      return nod.ends.min_rad + (way < range_rad ? way : 2.0 * range_rad - way);
+    };
+    constexpr double kStepS = 1e-3;
+    const bool is_above = pitch_rad(0.0) > strip_rad(0.0);
+    double t = 0.0;
+    while (t < 60.0 && (pitch_rad(t) > strip_rad(t)) == is_above) {
+      t += kStepS;
+    }
     const double left_m =
-        hit_at_m - v * kDetection.processing_s - v * v / (2.0 * kBraking.deceleration_mps2);
+        view.far_m - v * (t + kDetection.processing_s) - v * v / (2.0 * kBraking.deceleration_mps2);
     if (v > 0.0) {
-      EXPECT_GE(left_m, kBraking.stop_margin_m - 1e-9);
+      EXPECT_GE(left_m, kBraking.stop_margin_m - 2.0 * v * kStepS) << i;
+      EXPECT_GE(view.far_m - v * t, near_m - 2.0 * v * kStepS) << i;
     }
   }
+  EXPECT_GT(num_driven, 400);
+}
+
+// A robot that was slow when something may have appeared must measure that place before it is fast.
+TEST(SpeedBound, APlaceThatWasNotMeasuredYetLimitsIt) {
+  const NodMotion nod = nod_from(0.5, 1.5);
+  const ClearView view{0.5, 3.0};
+  const double free_mps = bound_of(view, nod);
+  UnseenPlaces unseen;
+  unseen.add(1.0);
+  const double v = bound_of(view, nod, unseen);
+  EXPECT_LT(v, free_mps);
+  const double hit_m = 1.0 - v * revisit_s(kCorridor, nod, 1.0, v);
+  const double d_min_m = kBraking.required_distance_m(v, kDetection.processing_s);
+  const double met_m = kCorridor.met_from_m(d_min_m, kDetection.visible_obstacle_m);
+  EXPECT_NEAR(hit_m, met_m, 2e-3);  // the bound is exact to half a millimetre per second
+  // After two sweeps the laser has measured it.
+  unseen.advance(0.0, 2.0 * (nod.ends.range_rad() + nod.reversal_s * nod.rate_rad_s));
+  unseen.forget_measured(nod, revisit_s(kCorridor, nod, 1.0, v));
+  EXPECT_DOUBLE_EQ(bound_of(view, nod, unseen), free_mps);
 }
 
 TEST(RisingBound, FallsAtOnceAndRisesSlowly) {

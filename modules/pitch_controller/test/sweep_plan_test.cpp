@@ -64,15 +64,17 @@ TEST(SweepPlan, ChangesMonotonicallyWithTheSpeed) {
   }
 }
 
-// An obstacle that appears at the required distance just after the laser has passed is hit again at
-// d_min or farther.
+// An obstacle that appears two sweeps of driving and the stopping distance ahead is hit again at
+// d_min or farther: the laser passes what is ahead within less than two sweeps.
 TEST(SweepPlan, AnObstacleBeyondTheRequiredDistanceIsHitBeforeDMin) {
   const SweepPlanner planner = default_planner();
+  const VirtualCorridor corridor = VirtualCorridor::of(kParams.robot);
   for (double v = 0.0; v < 4.0; v += kStepMps) {
     const SweepPlan plan = planner.plan(v);
     const double appears_m =
         kParams.robot.braking.required_distance_m(v, kParams.detection.reaction_s(plan.sweep_s));
-    EXPECT_LE(plan.d_min_m, appears_m - 2.0 * v * plan.sweep_s + 1e-9) << v;
+    const double hit_m = appears_m - v * revisit_s(corridor, plan.nod, appears_m, v);
+    EXPECT_LE(plan.d_min_m, hit_m + 1e-9) << v;
   }
 }
 
@@ -130,7 +132,8 @@ TEST(SweepPlan, ASweepForASpeedAllowsAHigherSpeed) {
     const ClearView view =
         clear_view(corridor, plan.sweep, plan.line_spacing_rad,
                    kParams.detection.visible_obstacle_m, kParams.detection.look_ahead_m);
-    EXPECT_GT(speed_bound(view, plan.sweep_s, kParams.robot.braking, kParams.detection), v + 0.1)
+    EXPECT_GT(speed_bound({view, plan.nod}, {}, corridor, kParams.robot.braking, kParams.detection),
+              v + 0.1)
         << v;
     EXPECT_LE(view.near_m, plan.d_min_m + 0.05) << v;
   }
@@ -145,7 +148,7 @@ TEST(SweepPlan, ANarrowerSweepCoversTheCorridorInAShorterTime) {
     const ClearView view =
         clear_view(corridor, plan.sweep, plan.line_spacing_rad,
                    kParams.detection.visible_obstacle_m, kParams.detection.look_ahead_m);
-    return speed_bound(view, plan.sweep_s, kParams.robot.braking, kParams.detection);
+    return speed_bound({view, plan.nod}, {}, corridor, kParams.robot.braking, kParams.detection);
   };
   for (double v = 0.0; v < 1.5; v += 0.05) {
     for (double looking_mps = v; looking_mps < 1.5; looking_mps += 0.1) {

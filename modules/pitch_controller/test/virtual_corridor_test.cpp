@@ -42,6 +42,21 @@ TEST(VirtualCorridor, CoveredFromIsTheInverseOfAreaFrom) {
   }
 }
 
+// Until there the outermost line passes below the top edge of a box at the bottom, and above the
+// bottom edge of a board at the top: the definition, at the end that loses its obstacle first.
+TEST(VirtualCorridor, ObstaclesAtBottomAndTopAreMetUntilTheOutermostLineMissesThem) {
+  const VirtualCorridor corridor = VirtualCorridor::of(robot::RobotParams{});
+  constexpr double kObstacleM = 0.05;
+  for (const double d : {0.3, 0.5, 1.0, 2.0}) {
+    const PitchInterval area = corridor.area_from(d);
+    const double z = corridor.from_axis_m(corridor.met_from_m(d, kObstacleM));
+    const double lowest_m = corridor.axis_height_m + z * std::tan(area.min_rad);
+    const double highest_m = corridor.axis_height_m + z * std::tan(area.max_rad);
+    EXPECT_NEAR(lowest_m, corridor.bottom_m + kObstacleM, 1e-12) << d;
+    EXPECT_GE(highest_m, corridor.top_m - kObstacleM) << d;
+  }
+}
+
 TEST(VirtualCorridor, TheEndThatCoversLessDecides) {
   const VirtualCorridor corridor = VirtualCorridor::of(robot::RobotParams{});
   const PitchInterval one = corridor.area_from(1.0);
