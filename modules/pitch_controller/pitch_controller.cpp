@@ -9,6 +9,8 @@ namespace nodmap::pitch_controller {
 namespace {
 
 constexpr time::Duration kPeriod = 20ms;
+// A stamp that steps back by as much is not one of another process: the clock was set.
+constexpr time::Duration kClockWasSet = 1s;
 // Beyond what KURT can do (5.2 m/s); keeps the arithmetic finite.
 constexpr double kImpossibleMps = 20.0;
 
@@ -70,6 +72,10 @@ void PitchController::add_pitch(const PitchReading& reading) {
 }
 
 std::optional<PitchDecision> PitchController::decide(time::Timestamp now) {
+  // The stamps of two processes interleave. Time that ran twice would let the bound rise too fast.
+  if (decided_ && now < *decided_ && *decided_ - now < kClockWasSet) {
+    now = *decided_;
+  }
   const time::Duration since = decided_ ? now - *decided_ : kPeriod;
   if (since >= 0us && since < kPeriod && !has_reversed_) {
     return std::nullopt;

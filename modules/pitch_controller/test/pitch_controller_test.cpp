@@ -324,6 +324,22 @@ TEST(PitchController, DecidesFiftyTimesASecondAndAtEachReversal) {
   EXPECT_LE(loop.decisions.size(), 500U + loop.sweeps.size());
 }
 
+TEST(PitchController, AnInputStampedBeforeTheLastDecisionIsNoNewTime) {
+  Loop loop;
+  loop.run(2.0, 0.3);
+  time::Timestamp now = loop.now;
+  int decisions = 0;
+  for (; now < loop.now + 100ms; now += 5ms) {
+    const PitchReading reading = loop.head.advance_to(now);
+    loop.dut.add_pitch(reading);
+    loop.dut.add_speed(now - 3ms, 0.3);
+    for (const time::Timestamp stamp : {now, now - 3ms}) {
+      decisions += loop.dut.decide(stamp) ? 1 : 0;
+    }
+  }
+  EXPECT_LE(decisions, 6);  // one each 20 ms, and one at a reversal
+}
+
 TEST(PitchController, WithFixedPitchTheLaserIsHeldLevel) {
   PitchControllerParams params;
   params.mode = Mode::kFixed;
