@@ -15,7 +15,6 @@ constexpr double kFirstReachM = 0.125;
 constexpr double kReachGrowth = 2.0;
 constexpr double kMaxLineThickness = 0.3;  // width over length
 constexpr double kMinNeighbours = 3.0;     // of a line, with the point itself
-constexpr double kRememberedM = 0.08;      // a search looks this far beyond the nearest point
 // The cosine of the angle between normals that a rotation by 0.1 rad may make similar.
 constexpr double kMinLaterCosine = 0.41;
 
@@ -222,88 +221,98 @@ void PointMap::fit_line(std::uint32_t index) {
   }
 }
 
-/// One search: the nearest points found so far.
-struct PointMap::Search {
-  const OrientedPoint& point;
-  double nearest_m2 = 0.0;  // of the nearest with a similar normal; at first of the reach
-  double limit_m2 = 0.0;    // points beyond do not matter
-  const MapPoint* nearest = nullptr;
-  Neighbourhood* remembered = nullptr;  // filled for the next search, if not null
-  double other_m2 = 0.0;  // of the nearest point but one that is, or may become, similar
-  double forgotten_m2 =
-      0.0;  // of the nearest point that did not fit into `others`, or of the reach
-
-  void found(const MapPoint& map_point, double squared_m2) {
-    if (nearest != nullptr) {
-      remember(*nearest, nearest_m2);
-    }
-    nearest_m2 = squared_m2;
-    nearest = &map_point;
-    const double limit_m = std::sqrt(squared_m2) + (remembered != nullptr ? kRememberedM : 0.0);
-    limit_m2 = std::min(limit_m2, limit_m * limit_m);
-  }
-
-  void remember(const MapPoint& map_point, double squared_m2) {
-    if (remembered == nullptr) {
-      return;
-    }
-    other_m2 = std::min(other_m2, squared_m2);
-    if (remembered->num_others == Neighbourhood::kMaxOthers) {
-      forgotten_m2 = std::min(forgotten_m2, squared_m2);
-    } else {
-      remembered->others[remembered->num_others++] = &map_point;
-    }
-  }
-};
-
-void PointMap::search_within(double reach_m, Search& search) const {
-  const Eigen::Vector2d& p = search.point.p;
-  const Eigen::Vector2d& normal = search.point.normal;
-  for_each_around(p, reach_m, [&](const Eigen::Vector2d& place, std::uint32_t index) {
-    const double squared_m2 = (place - p).squaredNorm();
-    if (squared_m2 > search.limit_m2) {
-      return;
-    }
-    const MapPoint& map_point = points_[index];
-    const Eigen::Vector2d& other_normal = map_point.point.normal;
-    if (squared_m2 <= search.nearest_m2 && have_similar_normals(normal, other_normal)) {
-      search.found(map_point, squared_m2);
-    } else if (have_similar_normals(normal, other_normal, kMinLaterCosine)) {
-      search.remember(map_point, squared_m2);
-    }
-  });
-}
-
 const MapPoint* PointMap::nearest(const OrientedPoint& point, double max_distance_m) const {
   for (double reach_m = std::min(kFirstReachM, max_distance_m);;
        reach_m = std::min(kReachGrowth * reach_m, max_distance_m)) {
-    const double reach_m2 = reach_m * reach_m;
-    Search search{.point = point, .nearest_m2 = reach_m2, .limit_m2 = reach_m2};
-    search_within(reach_m, search);
+    NearestOf search{.point = point, .nearest_m2 = reach_m * reach_m};
+    for_each_around(point.p, reach_m, [&](const Eigen::Vector2d& place, std::uint32_t index) {
+      if ((place - point.p).squaredNorm() <= search.nearest_m2) {
+        search.consider(points_[index]);
+      }
+    });
     if (search.nearest != nullptr || reach_m >= max_distance_m) {
       return search.nearest;
     }
   }
 }
 
-void PointMap::look_around(const OrientedPoint& point, double max_distance_m,
-                           Neighbourhood& around) const {
-  around.place = point;
+/// One search: the nearest points found so far. The others go into `around`.
+struct PointMap::Search {
+  const OrientedPoint& point;
+  Neighbourhood& around;
+  double nearest_m2 = 0.0;  // of the nearest with a similar normal; at first of the reach
+  double other_m2 = 0.0;    // of the nearest of the others; at first of the reach
+  // Of the nearest point that did not fit into `others`; at first of the reach.
+  double forgotten_m2 = 0.0;
+  const MapPoint* nearest = nullptr;
+
+  void consider(const MapPoint& map_point, double squared_m2) {
+    const Eigen::Vector2d& normal = map_point.point.normal;
+    if (squared_m2 <= nearest_m2 && have_similar_normals(point.normal, normal)) {
+      if (nearest != nullptr) {
+        remember(*nearest, nearest_m2);
+      }
+      nearest_m2 = squared_m2;
+      nearest = &map_point;
+    } else if (have_similar_normals(point.normal, normal, kMinLaterCosine)) {
+      remember(map_point, squared_m2);
+    }
+  }
+
+  void remember(const MapPoint& map_point, double squared_m2) {
+    other_m2 = std::min(other_m2, squared_m2);
+    if (around.num_others == Neighbourhood::kMaxOthers) {
+      forgotten_m2 = std::min(forgotten_m2, squared_m2);
+    } else {
+      around.others[around.num_others++] = &map_point;
+    }
+  }
+};
+
+void PointMap::read_block(const Eigen::Vector2d& p, double radius_m, Block& block) const {
+  const CellIndex low = cell_index(p.array() - radius_m);
+  const CellIndex high = cell_index(p.array() + radius_m);
+  if (block.low_ == low && block.high_ == high) {
+    return;
+  }
+  block.low_ = low;
+  block.high_ = high;
+  block.entries_.clear();
+  for_each_around(p, radius_m, [&](const Eigen::Vector2d& place, std::uint32_t index) {
+    block.entries_.push_back({place, &points_[index]});
+  });
+  block.in_reach_.resize(block.entries_.size());
+}
+
+// Without branches: which points are in reach cannot be foretold.
+std::span<const PointMap::Block::InReach> PointMap::find_in_reach(const Eigen::Vector2d& p,
+                                                                  double reach_m2, Block& block) {
+  Block::InReach* const begin = block.in_reach_.data();
+  Block::InReach* end = begin;
+  for (const Block::Entry& entry : block.entries_) {
+    const double squared_m2 = (entry.place - p).squaredNorm();
+    *end = {entry.point, squared_m2};
+    end += squared_m2 <= reach_m2 ? 1 : 0;
+  }
+  return {begin, end};
+}
+
+void PointMap::look_around(const OrientedPoint& point, double max_distance_m, Neighbourhood& around,
+                           Block& block) const {
   for (double reach_m = std::min(kFirstReachM, max_distance_m);;
        reach_m = std::min(kReachGrowth * reach_m, max_distance_m)) {
     const double reach_m2 = reach_m * reach_m;
     around.num_others = 0;
-    Search search{.point = point,
-                  .nearest_m2 = reach_m2,
-                  .limit_m2 = reach_m2,
-                  .remembered = &around,
-                  .other_m2 = reach_m2,
-                  .forgotten_m2 = reach_m2};
-    search_within(reach_m, search);
+    Search search{point, around, reach_m2, reach_m2, reach_m2};
+    read_block(point.p, reach_m, block);
+    for (const Block::InReach& in_reach : find_in_reach(point.p, reach_m2, block)) {
+      search.consider(*in_reach.point, in_reach.squared_m2);
+    }
     if (search.nearest != nullptr || reach_m >= max_distance_m) {
       around.nearest = search.nearest;
-      around.free_m = std::sqrt(std::min(search.other_m2, search.limit_m2));
-      around.known_m = std::sqrt(std::min(search.forgotten_m2, search.limit_m2));
+      around.place = point;
+      around.free_m = std::sqrt(search.other_m2);
+      around.known_m = std::sqrt(search.forgotten_m2);
       return;
     }
   }

@@ -4,11 +4,15 @@
 #include <tsl/robin_map.h>
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "modules/slam2d/oriented_points.hpp"
@@ -39,9 +43,9 @@ inline bool have_similar_normals(const Eigen::Vector2d& a, const Eigen::Vector2d
 }
 
 /// The result of a search for the nearest map point, kept for the next search nearby. It fills two
-/// lines of the processor's cache.
+/// lines of the processor's cache, the second with `others`.
 struct alignas(64) Neighbourhood {
-  static constexpr std::size_t kMaxOthers = 7;
+  static constexpr std::size_t kMaxOthers = 8;
 
   const MapPoint* nearest = nullptr;  ///< with a similar normal; null if there is none in reach
   OrientedPoint place;
@@ -52,12 +56,16 @@ struct alignas(64) Neighbourhood {
   /// same exception.
   double known_m = -1.0;
   std::size_t num_others = 0;
-  std::array<const MapPoint*, kMaxOthers> others{};
+  std::array<const MapPoint*, kMaxOthers> others;  ///< the first `num_others` are set
+
+  // Leaves `others` as it is: setting it to zero takes 2 % of the time of a match.
+  Neighbourhood() {}  // NOLINT(modernize-use-equals-default,cppcoreguidelines-pro-type-member-init)
 
   /// The map point nearest to `point` within `max_distance_m`, or null, as far as this result tells
-  /// it; empty if the map must be searched.
+  /// it; empty if the map must be searched. Moves the result to `point` if another map point may
+  /// be the nearest by now, so that the next recall nearby need not compare them all.
   [[nodiscard]] std::optional<const MapPoint*> recall(const OrientedPoint& point,
-                                                      double max_distance_m) const;
+                                                      double max_distance_m);
 };
 
 /// The incrementally built 2D map M of section IV A, in the map frame.
@@ -66,7 +74,31 @@ struct alignas(64) Neighbourhood {
 /// normal. The line averages the noise of single measurements and fills the gaps between them. It
 /// is updated when points are added, so that reading it costs nothing.
 class PointMap {
+  struct CellIndex {
+    std::int32_t x = 0;
+    std::int32_t y = 0;
+    bool operator==(const CellIndex&) const = default;
+  };
+
  public:
+  /// The map points of a block of cells, side by side in memory. Points that follow each other in a
+  /// scan are mostly searched for in the same block. Valid for one map, while it does not change.
+  class Block {
+    friend class PointMap;
+    struct Entry {
+      Eigen::Vector2d place;
+      const MapPoint* point = nullptr;
+    };
+    struct InReach {
+      const MapPoint* point = nullptr;
+      double squared_m2 = 0.0;
+    };
+    CellIndex low_{1, 1};  // the corners; at first there is no cell in between
+    CellIndex high_{0, 0};
+    std::vector<Entry> entries_;
+    std::vector<InReach> in_reach_;  // of the last search; as long as entries_
+  };
+
   explicit PointMap(const MapParams& params) : params_(params) {}
 
   /// Takes measured points, one after the other, by the rule of section IV A: adds a point if no
@@ -87,13 +119,13 @@ class PointMap {
 
   /// The same, for repeated searches with a point that moves a little each time: searches the map
   /// only if the last result is not enough. `last`: the last result, which is updated; valid only
-  /// while the map does not change.
+  /// while the map does not change. `block`: what the search before has read, for any point.
   [[nodiscard]] const MapPoint* nearest(const OrientedPoint& point, double max_distance_m,
-                                        Neighbourhood& last) const {
+                                        Neighbourhood& last, Block& block) const {
     if (const auto recalled = last.recall(point, max_distance_m)) {
       return *recalled;
     }
-    look_around(point, max_distance_m, last);
+    look_around(point, max_distance_m, last, block);
     return last.nearest;
   }
 
@@ -109,11 +141,6 @@ class PointMap {
     std::array<std::uint32_t, std::size_t{kTileCells} * kTileCells + 1> begins{};
     std::vector<Eigen::Vector2d> places;
     std::vector<std::uint32_t> indices;  ///< of the same points in points_
-  };
-  struct CellIndex {
-    std::int32_t x = 0;
-    std::int32_t y = 0;
-    bool operator==(const CellIndex&) const = default;
   };
   struct CellHash {
     std::size_t operator()(const CellIndex& index) const;
@@ -139,8 +166,13 @@ class PointMap {
   /// some beyond.
   template <typename Visit>
   void for_each_around(const Eigen::Vector2d& p, double radius_m, Visit visit) const;
-  void search_within(double reach_m, Search& search) const;
-  void look_around(const OrientedPoint& point, double max_distance_m, Neighbourhood& around) const;
+  /// Reads the cells within `radius_m` of `p`, unless the block holds just these.
+  void read_block(const Eigen::Vector2d& p, double radius_m, Block& block) const;
+  /// Returns the points of the block within reach, valid until the next call.
+  [[nodiscard]] static std::span<const Block::InReach> find_in_reach(const Eigen::Vector2d& p,
+                                                                     double reach_m2, Block& block);
+  void look_around(const OrientedPoint& point, double max_distance_m, Neighbourhood& around,
+                   Block& block) const;
   /// Finds the map points whose lines a point belongs to. Returns whether any map point is within
   /// d_new.
   bool find_neighbours(const OrientedPoint& point);
@@ -167,12 +199,16 @@ struct NearestOf {
   const OrientedPoint& point;
   double nearest_m2 = 0.0;  ///< of the nearest; at first of the reach
   const MapPoint* nearest = nullptr;
+  double other_m2 = std::numeric_limits<double>::infinity();  ///< of the nearest of all others
 
   void consider(const MapPoint& map_point) {
     const double squared_m2 = (map_point.point.p - point.p).squaredNorm();
     if (squared_m2 <= nearest_m2 && have_similar_normals(point.normal, map_point.point.normal)) {
+      other_m2 = nearest != nullptr ? std::min(other_m2, nearest_m2) : other_m2;
       nearest_m2 = squared_m2;
       nearest = &map_point;
+    } else {
+      other_m2 = std::min(other_m2, squared_m2);
     }
   }
   /// Whether no map point can be nearer, or within reach, if all within `known_m` were considered.
@@ -183,7 +219,7 @@ struct NearestOf {
 
 // Here, so that the compiler can merge it with the loop over all points of a scan.
 inline std::optional<const MapPoint*> Neighbourhood::recall(const OrientedPoint& point,
-                                                            double max_distance_m) const {
+                                                            double max_distance_m) {
   // A result holds for rotations of the point up to 0.1 rad.
   constexpr double kMinCosine = 0.9951;
   constexpr double kRoundingM = 1e-9;
@@ -198,10 +234,22 @@ inline std::optional<const MapPoint*> Neighbourhood::recall(const OrientedPoint&
   if (search.is_certain(free_m - moved_m)) {
     return search.nearest;
   }
-  for (const MapPoint* const other : std::span(others).first(num_others)) {
+  const std::span<const MapPoint*> known = std::span(others).first(num_others);
+  for (const MapPoint* const other : known) {
     search.consider(*other);
   }
-  return search.is_certain(known_m - moved_m) ? std::optional(search.nearest) : std::nullopt;
+  if (!search.is_certain(known_m - moved_m)) {
+    return std::nullopt;
+  }
+  if (nearest != nullptr && search.nearest != nullptr) {
+    if (search.nearest != nearest) {
+      *std::ranges::find(known, search.nearest) = std::exchange(nearest, search.nearest);
+    }
+    place.p = point.p;
+    known_m -= moved_m;
+    free_m = std::min(std::sqrt(search.other_m2), known_m);
+  }
+  return search.nearest;
 }
 
 }  // namespace nodmap::slam2d

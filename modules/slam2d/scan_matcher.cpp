@@ -62,7 +62,7 @@ ScanMatcher::Correspondences ScanMatcher::find_correspondences(const PointMap& m
                                                                std::span<const OrientedPoint> scan,
                                                                const geometry::SE2& T_map_base,
                                                                double max_distance_m,
-                                                               Neighbourhoods& around) const {
+                                                               Remembered& remembered) const {
   const bool fits_points = !uses_lines(max_distance_m);
   const Kernel kernel(kKernelScaleRatio * max_distance_m);
   const Eigen::Matrix2d R = T_map_base.rotation();
@@ -71,7 +71,8 @@ ScanMatcher::Correspondences ScanMatcher::find_correspondences(const PointMap& m
   for (std::size_t i = 0; i < scan.size(); ++i) {
     const Eigen::Vector2d moment_arm = R * scan[i].p;
     const OrientedPoint data{moment_arm + t, R * scan[i].normal};
-    const MapPoint* model = map.nearest(data, max_distance_m, around[i]);
+    const MapPoint* model =
+        map.nearest(data, max_distance_m, remembered.around[i], remembered.block);
     if (model == nullptr) {
       continue;
     }
@@ -140,12 +141,12 @@ Match ScanMatcher::match(const PointMap& map, std::span<const OrientedPoint> sca
   match.T_map_base = T_map_base_guess;
   const double last_distance_m = this->last_distance_m();
   double max_distance_m = std::max(params_.max_correspondence_distance_m, last_distance_m);
-  Neighbourhoods around(scan.size());
+  Remembered remembered{.around = std::vector<Neighbourhood>(scan.size()), .block = {}};
   while (match.iterations < params_.max_iterations) {
     ++match.iterations;
     // w_ij of Eq. 3.
     const Correspondences correspondences =
-        find_correspondences(map, scan, match.T_map_base, max_distance_m, around);
+        find_correspondences(map, scan, match.T_map_base, max_distance_m, remembered);
     if (correspondences.count < kMinCorrespondences) {
       match.T_map_base = T_map_base_guess;
       match.degenerate_directions = 3;
@@ -168,16 +169,16 @@ Match ScanMatcher::match(const PointMap& map, std::span<const OrientedPoint> sca
       max_distance_m = std::max(last_distance_m, kDistanceDecay * max_distance_m);
     }
   }
-  evaluate(map, scan, around, match);
+  evaluate(map, scan, remembered, match);
   return match;
 }
 
 // Uses d_max of the points: that of the lines is too narrow to tell a scan that is slightly off
 // from one that is lost.
 void ScanMatcher::evaluate(const PointMap& map, std::span<const OrientedPoint> scan,
-                           Neighbourhoods& around, Match& match) const {
+                           Remembered& remembered, Match& match) const {
   const Correspondences correspondences = find_correspondences(
-      map, scan, match.T_map_base, params_.min_correspondence_distance_m, around);
+      map, scan, match.T_map_base, params_.min_correspondence_distance_m, remembered);
   const auto num_points = static_cast<double>(scan.size());
   match.num_correspondences = correspondences.count;
   match.inlier_ratio = correspondences.count / num_points;

@@ -41,13 +41,16 @@ class ScanMatcher {
 
  private:
   struct Correspondences;
-  /// One for each scan point. Affects only the speed.
-  using Neighbourhoods = std::vector<Neighbourhood>;
+  /// What the searches for the points of a scan remember. Affects only the speed.
+  struct Remembered {
+    std::vector<Neighbourhood> around;  // of each scan point
+    PointMap::Block block;
+  };
   [[nodiscard]] Correspondences find_correspondences(const PointMap& map,
                                                      std::span<const OrientedPoint> scan,
                                                      const geometry::SE2& T_map_base,
                                                      double max_distance_m,
-                                                     Neighbourhoods& around) const;
+                                                     Remembered& remembered) const;
   /// Whether distances to lines are minimised, for this maximum correspondence distance.
   [[nodiscard]] bool uses_lines(double max_distance_m) const;
   /// The distance to which the maximum correspondence distance shrinks.
@@ -55,7 +58,7 @@ class ScanMatcher {
   [[nodiscard]] Eigen::Vector3d step(const Correspondences& correspondences,
                                      const registration::NormalEquations::Solution& lines,
                                      const geometry::SE2& T_map_base, double max_distance_m) const;
-  void evaluate(const PointMap& map, std::span<const OrientedPoint> scan, Neighbourhoods& around,
+  void evaluate(const PointMap& map, std::span<const OrientedPoint> scan, Remembered& remembered,
                 Match& match) const;
 
   MatcherParams params_;

@@ -79,12 +79,25 @@ TEST(PointMap, ARememberedNeighbourhoodDoesNotChangeTheNearestPoint) {
   const Eigen::Matrix2d R = geometry::SE2{0.0, 0.0, 0.03}.rotation();
   for (OrientedPoint query : random_points(300, 9, 7.0)) {
     Neighbourhood around;
+    PointMap::Block block;
     for (const double reach : {3.0, 0.7, 0.7, 0.25, 0.25, 0.03, 0.03, 0.25}) {
-      EXPECT_EQ(map.nearest(query, reach, around), map.nearest(query, reach));
+      EXPECT_EQ(map.nearest(query, reach, around, block), map.nearest(query, reach));
       query.p += Eigen::Vector2d(step_m(random), step_m(random));
       query.normal = R * query.normal;
     }
   }
+}
+
+/// What is remembered around `query` after it moved here from 2 cm away, so that another map point
+/// may have become the nearest.
+Neighbourhood neighbourhood_after_a_step(const PointMap& map, OrientedPoint query) {
+  Neighbourhood around;
+  PointMap::Block block;
+  query.p.x() -= 0.02;
+  (void)map.nearest(query, 0.7, around, block);
+  query.p.x() += 0.02;
+  (void)map.nearest(query, 0.7, around, block);
+  return around;
 }
 
 TEST(PointMap, WithinTheFreeDistanceThereIsNoOtherPoint) {
@@ -94,14 +107,13 @@ TEST(PointMap, WithinTheFreeDistanceThereIsNoOtherPoint) {
     map.add(point);
   }
   for (const OrientedPoint& query : random_points(300, 12, 6.0)) {
-    Neighbourhood around;
-    const MapPoint* nearest = map.nearest(query, 0.7, around);
+    const Neighbourhood around = neighbourhood_after_a_step(map, query);
     for (const OrientedPoint& point : points) {
       const bool may_be_similar =
           !point.has_normal() || !query.has_normal() ||
           point.normal.dot(query.normal) > std::cos(geometry::deg_to_rad(65.0));
-      if (may_be_similar && (nearest == nullptr || point.p != nearest->point.p)) {
-        EXPECT_GE((point.p - query.p).norm(), around.free_m - 1e-12);  // rounding
+      if (may_be_similar && (around.nearest == nullptr || point.p != around.nearest->point.p)) {
+        EXPECT_GE((point.p - around.place.p).norm(), around.free_m - 1e-12);  // rounding
       }
     }
   }
@@ -120,8 +132,7 @@ TEST(PointMap, WithinTheKnownDistanceAllPointsAreListed) {
   const std::vector<OrientedPoint> in_crowd = random_points(100, 16, 0.2);
   queries.insert(queries.end(), in_crowd.begin(), in_crowd.end());
   for (const OrientedPoint& query : queries) {
-    Neighbourhood around;
-    (void)map.nearest(query, 0.7, around);
+    const Neighbourhood around = neighbourhood_after_a_step(map, query);
     for (const OrientedPoint& point : points) {
       const bool may_be_similar =
           !point.has_normal() || !query.has_normal() ||
@@ -132,7 +143,7 @@ TEST(PointMap, WithinTheKnownDistanceAllPointsAreListed) {
                       around.others.begin() + static_cast<std::ptrdiff_t>(around.num_others),
                       [&](const MapPoint* other) { return other->point.p == point.p; });
       if (may_be_similar && !is_known) {
-        EXPECT_GE((point.p - query.p).norm(), around.known_m - 1e-12);  // rounding
+        EXPECT_GE((point.p - around.place.p).norm(), around.known_m - 1e-12);  // rounding
       }
     }
   }
