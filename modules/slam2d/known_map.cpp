@@ -12,7 +12,7 @@ namespace nodmap::slam2d {
 namespace {
 
 constexpr double kLikelihoodCellM = 0.1;
-constexpr double kNormalRadiusM = 0.15;
+constexpr double kNormalRadiusM = 0.1;
 // The last part of a ray is not checked: it may graze the wall at which it ends.
 constexpr double kFreeBeforeHitM = 0.4;
 // What blocks a ray blocks its parallels at this distance, too. The error of a pose or of an edge
@@ -24,7 +24,7 @@ constexpr double kOnWallM = 0.05;
 
 /// Towards the free cells around an occupied one; zero where they are on all sides or on none.
 Eigen::Vector2d normal_at(const TrinaryGrid& grid, int x, int y) {
-  const int reach = std::max(1, static_cast<int>(kNormalRadiusM / grid.cell_size_m));
+  const int reach = std::max(1, static_cast<int>(std::lround(kNormalRadiusM / grid.cell_size_m)));
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   for (int dy = -reach; dy <= reach; ++dy) {
     for (int dx = -reach; dx <= reach; ++dx) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "modules/slam2d/test/drawn_world.hpp"
@@ -223,6 +224,28 @@ TEST(KnownMap, PointsWithinACellOfAnOccupiedCellAreOnTheWall) {
   EXPECT_DOUBLE_EQ(walls.on_walls, 0.5);  // the first two
   EXPECT_DOUBLE_EQ(walls.score(), walls.on_walls - walls.through_walls);
   EXPECT_EQ(map.fit_walls({}, {0.0, 0.0}, {}).on_walls, 0.0);
+}
+
+// One free cell is beside an occupied one, and another is as far away as free cells count, 10 cm,
+// or one cell farther. Divided by most sizes of a cell, that distance is no whole number in binary.
+TEST(KnownMap, ANormalTakesInTheFreeCellsWithinTenCentimetres) {
+  for (const auto& [cell_size_m, reach] : {std::pair{0.1, 1}, {0.05, 2}, {0.02, 5}, {0.01, 10}}) {
+    for (const int beyond : {0, 1}) {
+      TrinaryGrid grid{.cell_size_m = cell_size_m, .width = 30, .height = 30};
+      grid.cells.assign(900, CellState::kUnknown);
+      const auto at = [&](int x, int y) -> CellState& {
+        return grid.cells[static_cast<std::size_t>(30 * y + x)];
+      };
+      at(15, 15) = CellState::kOccupied;
+      at(16, 15) = CellState::kFree;
+      at(15, 15 + reach + beyond) = CellState::kFree;
+      const KnownMap map(grid, {});
+      ASSERT_EQ(map.points().points().size(), 1U);
+      const Eigen::Vector2d expected =
+          beyond == 0 ? Eigen::Vector2d(1.0, 1.0).normalized() : Eigen::Vector2d(1.0, 0.0);
+      EXPECT_TRUE(map.points().points().front().point.normal.isApprox(expected)) << cell_size_m;
+    }
+  }
 }
 
 // The rays that the map looks along in long steps are compared with rays looked along cell by cell.
