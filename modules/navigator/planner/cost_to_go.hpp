@@ -61,6 +61,8 @@ class CostSearch {
 
   /// What has been found so far.
   [[nodiscard]] const CostToGo& found() const { return found_; }
+  /// Exchanges it for an old plan, whose memory the next search uses.
+  void exchange_found(CostToGo& plan) { std::swap(found_, plan); }
 
  private:
   void clear(const PlanWindow& window);

@@ -19,7 +19,13 @@ void DistanceField::begin(const Eigen::Vector2d& origin, double cell_size_m, int
   cells_per_m_ = 1.0 / cell_size_m;
   width_ = width;
   height_ = height;
+  num_lines_ = 0;
   squared_.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), kNone);
+  distance_m_.resize(squared_.size());
+  const auto longest = static_cast<std::size_t>(std::max(width, height));
+  values_.resize(longest);
+  vertices_.resize(longest);
+  borders_.resize(longest + 1);
 }
 
 void DistanceField::occupy(const Eigen::Vector2d& p) {
@@ -30,21 +36,25 @@ void DistanceField::occupy(const Eigen::Vector2d& p) {
   }
 }
 
-void DistanceField::compute() {
-  const auto longest = static_cast<std::size_t>(std::max(width_, height_));
-  values_.resize(longest);
-  vertices_.resize(longest);
-  borders_.resize(longest + 1);
-  for (int row = 0; row < height_; ++row) {
-    transform(&squared_[place(0, row)], 1, width_);
+bool DistanceField::compute_line() {
+  const int line = num_lines_;
+  num_lines_ = (line + 1) % (2 * height_ + width_);
+  if (line < height_) {
+    transform(&squared_[place(0, line)], 1, width_);
+  } else if (line < height_ + width_) {
+    transform(&squared_[place(line - height_, 0)], width_, height_);
+  } else {
+    take_root(line - height_ - width_);
   }
-  for (int column = 0; column < width_; ++column) {
-    transform(&squared_[place(column, 0)], width_, height_);
-  }
-  distance_m_.resize(squared_.size());
-  std::ranges::transform(squared_, distance_m_.begin(), [this](float squared) {
-    return squared >= kNone ? static_cast<float>(kFarM)
-                            : static_cast<float>(cell_size_m_) * std::sqrt(squared);
+  return num_lines_ > 0;
+}
+
+void DistanceField::take_root(int row) {
+  const auto first = static_cast<std::ptrdiff_t>(place(0, row));
+  const auto squared = squared_.begin() + first;
+  std::transform(squared, squared + width_, distance_m_.begin() + first, [this](float value) {
+    return value >= kNone ? static_cast<float>(kFarM)
+                          : static_cast<float>(cell_size_m_) * std::sqrt(value);
   });
 }
 

@@ -17,7 +17,12 @@ class DistanceField {
   /// Ignores places outside the grid.
   void occupy(const Eigen::Vector2d& p);
   void occupy(int column, int row) { squared_[place(column, row)] = 0.0F; }
-  void compute();
+  void compute() {
+    while (compute_line()) {
+    }
+  }
+  /// The same in portions: one more row or column. Returns false when it was the last one.
+  bool compute_line();
 
   /// Distance (m) from the middle of the cell of `p` to the middle of the nearest occupied cell;
   /// kFarM if there is none, or if `p` is outside.
@@ -40,12 +45,14 @@ class DistanceField {
            static_cast<std::size_t>(column);
   }
   void transform(float* line, int stride, int n);
+  void take_root(int row);
 
   Eigen::Vector2d origin_ = Eigen::Vector2d::Zero();
   double cell_size_m_ = 1.0;
   double cells_per_m_ = 1.0;
   int width_ = 0;
   int height_ = 0;
+  int num_lines_ = 0;           // computed: all rows, all columns, and the rows of distance_m_
   std::vector<float> squared_;  // cells^2
   std::vector<float> distance_m_;
   std::vector<float> values_;   // of the line being transformed

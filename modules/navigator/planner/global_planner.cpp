@@ -11,6 +11,9 @@ namespace {
 constexpr int kPortion = 8000;
 /// The same (2 ms) while the robot has no plan to its goal, and waits or drives by an old one.
 constexpr int kFirstPortion = 4 * kPortion;
+/// While a search is prepared each cell is visited five times. So many visits take about 4 ms: a
+/// window of 22 m x 22 m is prepared at once, one of 51 m x 51 m in six portions.
+constexpr int kPreparedAtOnce = 1'000'000;
 /// The price is raised within this distance of a place where the robot could not go on.
 constexpr double kFailureM = 0.3;
 /// So many of them are remembered: with each the robot has made no progress for some seconds.
@@ -102,8 +105,7 @@ void GlobalPlanner::step(time::Timestamp stamp, const LocalMap& local_map,
     go_on(p_map, geofence);
   } else if (is_due(stamp)) {
     ground_.update(local_map, T_map_odom, T_odom_base);
-    window_ = ground_.window_around(p_map, goal_map_);
-    phase_ = Phase::kMeasureDistances;
+    begin(ground_.window_around(p_map, goal_map_));
   }
 }
 
@@ -120,9 +122,8 @@ void GlobalPlanner::step_onward(time::Timestamp stamp, const LocalMap& local_map
     go_on(T_map_base.translation(), geofence);
   } else if (is_due(stamp)) {
     ground_.update(local_map, T_map_odom, T_odom_base);
-    window_ = ground_.window_within(T_map_base.translation(), kOnwardM + 2.0 * KnownGround::kCellM);
+    begin(ground_.window_within(T_map_base.translation(), kOnwardM + 2.0 * KnownGround::kCellM));
     onward_from_ = T_map_base;
-    phase_ = Phase::kMeasureDistances;
   }
 }
 
@@ -135,18 +136,56 @@ bool GlobalPlanner::is_due(time::Timestamp stamp) {
   return true;
 }
 
+void GlobalPlanner::begin(const PlanWindow& window) {
+  window_ = window;
+  obstacle_distances_.begin(window.origin, window.cell_size_m, window.width, window.height);
+  price_.resize(window.num_cells());
+  phase_ = Phase::kOccupy;
+  row_ = 0;
+}
+
 void GlobalPlanner::go_on(const Eigen::Vector2d& p_map, const Geofence* geofence) {
-  if (phase_ == Phase::kMeasureDistances) {
-    measure_obstacle_distances(geofence);
-    begin_search();
-    phase_ = Phase::kSearch;
-  } else if (!search_.advance(price_, complete_ && !is_former_ ? kPortion : kFirstPortion)) {
+  if (phase_ == Phase::kSearch) {
+    if (search_.advance(price_, complete_ && !is_former_ ? kPortion : kFirstPortion)) {
+      return;
+    }
     finish(p_map);
+  }
+  for (int cells = kPreparedAtOnce;
+       cells > 0 && phase_ != Phase::kSearch && phase_ != Phase::kIdle;) {
+    cells -= prepare_line(geofence);
   }
 }
 
+/// Does one more line of what the search needs: blocked cells, distances to them, prices. Returns
+/// how many cells that were.
+int GlobalPlanner::prepare_line(const Geofence* geofence) {
+  if (phase_ == Phase::kOccupy) {
+    occupy_row(row_);
+    if (++row_ == window_.height) {
+      if (geofence != nullptr) {
+        occupy_boundary(*geofence);
+      }
+      phase_ = Phase::kMeasureDistances;
+    }
+    return window_.width;
+  }
+  if (phase_ == Phase::kMeasureDistances) {
+    if (!obstacle_distances_.compute_line()) {
+      phase_ = Phase::kPrice;
+      row_ = 0;
+    }
+    return std::max(window_.width, window_.height);
+  }
+  price_row(row_);
+  if (++row_ == window_.height) {
+    begin_search();
+    phase_ = Phase::kSearch;
+  }
+  return window_.width;
+}
+
 void GlobalPlanner::begin_search() {
-  price_cells();
   price_failures();
   if (onward_from_) {
     search_.begin_onward(window_, price_,
@@ -162,28 +201,22 @@ void GlobalPlanner::begin_search() {
 void GlobalPlanner::finish(const Eigen::Vector2d& p_map) {
   if (!is_last_resort_ && !std::isfinite(search_.found().least_near(p_map))) {
     is_last_resort_ = true;
-    begin_search();
+    phase_ = Phase::kPrice;
+    row_ = 0;
     return;
   }
-  complete_ = search_.found();
+  search_.exchange_found(complete_ ? *complete_ : complete_.emplace());
   is_former_ = false;
   phase_ = Phase::kIdle;
 }
 
-void GlobalPlanner::measure_obstacle_distances(const Geofence* geofence) {
+void GlobalPlanner::occupy_row(int row) {
   const Eigen::Vector2i first = ground_.first_of(window_);
-  obstacle_distances_.begin(window_.origin, window_.cell_size_m, window_.width, window_.height);
-  for (int row = 0; row < window_.height; ++row) {
-    for (int column = 0; column < window_.width; ++column) {
-      if (ground_.at(first + Eigen::Vector2i(column, row)) == KnownGround::Kind::kBlocked) {
-        obstacle_distances_.occupy(column, row);
-      }
+  for (int column = 0; column < window_.width; ++column) {
+    if (ground_.at(first + Eigen::Vector2i(column, row)) == KnownGround::Kind::kBlocked) {
+      obstacle_distances_.occupy(column, row);
     }
   }
-  if (geofence != nullptr) {
-    occupy_boundary(*geofence);
-  }
-  obstacle_distances_.compute();
 }
 
 void GlobalPlanner::occupy_boundary(const Geofence& geofence) {
@@ -198,19 +231,15 @@ void GlobalPlanner::occupy_boundary(const Geofence& geofence) {
   }
 }
 
-void GlobalPlanner::price_cells() {
+void GlobalPlanner::price_row(int row) {
   const Eigen::Vector2i first = ground_.first_of(window_);
   const bool crosses_tight = is_last_resort_ && !onward_from_;
   const Prices prices{crosses_tight ? kOccupiedM : body_.half_width_m,
                       body_.half_width_m + params_.least_clearance_m, params_};
-  price_.resize(window_.num_cells());
-  for (int row = 0; row < window_.height; ++row) {
-    for (int column = 0; column < window_.width; ++column) {
-      const bool is_unknown =
-          ground_.at(first + Eigen::Vector2i(column, row)) == KnownGround::Kind::kUnknown;
-      price_[window_.place(column, row)] =
-          prices.at(obstacle_distances_.at(column, row), is_unknown);
-    }
+  for (int column = 0; column < window_.width; ++column) {
+    const bool is_unknown =
+        ground_.at(first + Eigen::Vector2i(column, row)) == KnownGround::Kind::kUnknown;
+    price_[window_.place(column, row)] = prices.at(obstacle_distances_.at(column, row), is_unknown);
   }
 }
 

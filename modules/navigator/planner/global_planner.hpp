@@ -63,7 +63,7 @@ class GlobalPlanner {
   void reset();
 
  private:
-  enum class Phase : std::uint8_t { kIdle, kMeasureDistances, kSearch };
+  enum class Phase : std::uint8_t { kIdle, kOccupy, kMeasureDistances, kPrice, kSearch };
   struct Failure {
     Eigen::Vector2d p_map;
     double price = 0.0;
@@ -71,10 +71,12 @@ class GlobalPlanner {
 
   [[nodiscard]] bool is_due(time::Timestamp stamp);
   void go_on(const Eigen::Vector2d& p_map, const Geofence* geofence);
-  void measure_obstacle_distances(const Geofence* geofence);
+  void begin(const PlanWindow& window);
+  [[nodiscard]] int prepare_line(const Geofence* geofence);
+  void occupy_row(int row);
   void occupy_boundary(const Geofence& geofence);
   void begin_search();
-  void price_cells();
+  void price_row(int row);
   void price_failures();
   void finish(const Eigen::Vector2d& p_map);
 
@@ -84,6 +86,7 @@ class GlobalPlanner {
   std::deque<Failure> failures_;  // the oldest first
 
   Phase phase_ = Phase::kIdle;
+  int row_ = 0;                  // the next one to be occupied or priced
   bool is_last_resort_ = false;  // only occupied cells block, because there is no other path
   std::optional<time::Timestamp> started_at_;
   Eigen::Vector2d goal_map_ = Eigen::Vector2d::Zero();

@@ -104,6 +104,19 @@ TEST(GlobalPlanner, PlansTowardsAGoalBeyondTheGrid) {
   EXPECT_LT((goal - path.back()).norm(), goal.norm() - 20.0) << "up to the border, 25 m away";
 }
 
+// The plan covers 28.6 m x 28.6 m: 327 000 cells, each of which is visited five times before the
+// search. No decision visits more than a million of them, or searches more than 32 000.
+TEST(GlobalPlanner, ALargePlanIsPreparedInPortions) {
+  GlobalPlanner planner(kBody, {});
+  const LocalMap map({}, {});
+  int num_steps = 0;
+  for (; num_steps < 400 && planner.cost_to_go() == nullptr; ++num_steps) {
+    planner.step(time::Timestamp(13'320us * num_steps), map, {}, {}, {80.0, 80.0}, kToleranceM);
+  }
+  EXPECT_GE(num_steps, 1 + 2 + 11);
+  EXPECT_LE(num_steps, 1 + 2 + 12);
+}
+
 TEST(GlobalPlanner, AGoalBeyondTheGridCannotBeReachedThroughAClosedFence) {
   const Ground ground{{{{1.0, -1.1}, {1.1, 1.1}, 0.5},
                        {{-1.1, -1.1}, {-1.0, 1.1}, 0.5},
