@@ -15,16 +15,30 @@ double fraction_of(std::size_t from, std::size_t sweep, std::size_t to) {
   return static_cast<double>(sweep - from) / static_cast<double>(to - from);
 }
 
+// How much of the correction of tracked sweep `to` applies to a sweep between it and `from`.
+double fraction_of(const SweepPose& from, const SweepPose& sweep, const SweepPose& to) {
+  if (from.odometry_frame != to.odometry_frame && sweep.odometry_frame == from.odometry_frame) {
+    return 0.0;
+  }
+  if (from.odometry_frame != to.odometry_frame && sweep.odometry_frame == to.odometry_frame) {
+    return 1.0;
+  }
+  return fraction_of(from.sweep, sweep.sweep, to.sweep);
+}
+
 }  // namespace
 
 void CorrectedPoses::add(const PoseUpdate& update) {
+  odometry_frame_ += update.T_first_odom.matrix() == T_first_odom_.matrix() ? 0 : 1;
+  T_first_odom_ = update.T_first_odom;
   sweeps_.push_back({.sweep = num_added_++,
                      .stamp = update.stamp,
                      .T_first_base = update.T_first_odom * update.T_odom_base,
                      .T_map_base_online = update.T_map_base,
                      .T_map_base = update.T_map_base,
                      .is_tracked = update.is_tracked(),
-                     .is_place_known = update.is_place_known});
+                     .is_place_known = update.is_place_known,
+                     .odometry_frame = odometry_frame_});
 }
 
 std::vector<SweepPose>::const_iterator CorrectedPoses::find(std::size_t sweep) const {
@@ -114,7 +128,7 @@ std::vector<SE3> CorrectedPoses::trajectory() const {
           (T_map_first * sweeps_[i].T_first_base).inverse() * sweeps_[i].T_map_base;
       poses[j] = T_map_first * sweeps_[j].T_first_base *
                  geometry::interpolate(SE3::Identity(), correction,
-                                       fraction_of(last.sweep, sweeps_[j].sweep, sweeps_[i].sweep));
+                                       fraction_of(last, sweeps_[j], sweeps_[i]));
     }
     tracked = i;
   }

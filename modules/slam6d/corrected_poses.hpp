@@ -40,6 +40,7 @@ struct SweepPose {
   geometry::SE3 T_map_base = geometry::SE3::Identity();         ///< as known now
   bool is_tracked = false;                                      ///< PoseUpdate::is_tracked()
   bool is_place_known = true;
+  int odometry_frame = 0;  ///< how often odometry had restarted
 };
 
 /// Where the robot was at each sweep. All that is kept of a sweep that is no keyframe: during a
@@ -84,7 +85,8 @@ class CorrectedPoses {
   void drop_sweeps(std::span<const std::size_t> used);
 
   /// The pose of each of sweeps(): tracked sweeps as add() and move() set them, those between two
-  /// of them by odometry with an interpolated correction.
+  /// of them by odometry with an interpolated correction. What odometry did not count while it
+  /// restarted is a correction of the sweeps after the restart only.
   [[nodiscard]] std::vector<geometry::SE3> trajectory() const;
 
  private:
@@ -95,6 +97,8 @@ class CorrectedPoses {
   std::size_t max_sweeps_;
   std::vector<SweepPose> sweeps_;
   std::size_t num_added_ = 0;
+  geometry::SE3 T_first_odom_ = geometry::SE3::Identity();  // of the newest sweep
+  int odometry_frame_ = 0;
   std::size_t keep_every_ = 1;  // older sweeps
 };
 

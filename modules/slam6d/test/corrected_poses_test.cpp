@@ -37,6 +37,23 @@ TEST(CorrectedPoses, CorrectionsAreInterpolatedBetweenTwoKeyframes) {
   }
 }
 
+// The base driver restarts between the second and the third sweep, while the robot rolls on by 0.3
+// m. Only the last sweep shows it.
+TEST(CorrectedPoses, WhatOdometryMissedInARestartMovesNoSweepBeforeIt) {
+  CorrectedPoses poses;
+  poses.add(tracked(0.0));
+  poses.add({.T_odom_base = at(1.0, 0.0), .T_map_base = at(1.0, 0.0)});
+  poses.add({.T_first_odom = at(1.0, 0.0), .T_map_base = at(1.0, 0.0)});
+  PoseUpdate last = tracked(1.0);
+  last.T_first_odom = at(1.0, 0.0);
+  last.T_map_base = at(2.3, 0.0);
+  poses.add(last);
+  const double expected_x[] = {0.0, 1.0, 1.3, 2.3};
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_NEAR(poses.trajectory()[i].translation().x(), expected_x[i], 1e-12) << i;
+  }
+}
+
 // After two moves that cancel out, the poses are as before.
 TEST(CorrectedPoses, AMoveAndItsInverseRestoreThePoses) {
   CorrectedPoses poses;
