@@ -176,12 +176,15 @@ TEST_F(OdometryInputTest, AStepOfTheClockCostsOneMessage) {
   EXPECT_FALSE(restarts(6, kDay + 9s)) << "the driver was frozen";
 }
 
-TEST(SaveRequests, OneInTenSecondsIsCarriedOut) {
+struct SaveRequestsTest : testing::Test {
   test::MemoryBus bus;
   node::MessageCounts counts;
   const Context context{bus, counts, "somewhere"};
   SaveRequests requests;
   const time::Timestamp start = OdometryInputTest::kDay;
+};
+
+TEST_F(SaveRequestsTest, OneInTenSecondsIsCarriedOut) {
   const nodmap::save_request_t request{};
   EXPECT_TRUE(requests.accept(request, context, start));
   for (int i = 0; i < 1000; ++i) {
@@ -192,22 +195,15 @@ TEST(SaveRequests, OneInTenSecondsIsCarriedOut) {
   EXPECT_TRUE(requests.accept(request, context, start - 1h)) << "the clock was set back";
 }
 
-TEST(SaveRequests, AFailedSaveDoesNotCount) {
-  test::MemoryBus bus;
-  node::MessageCounts counts;
-  const Context context{bus, counts, "somewhere"};
-  SaveRequests requests;
-  const time::Timestamp start = OdometryInputTest::kDay;
+TEST_F(SaveRequestsTest, AFailedSaveDoesNotCount) {
   EXPECT_TRUE(requests.accept({}, context, start));
   requests.forget();
   EXPECT_TRUE(requests.accept({}, context, start));
   EXPECT_FALSE(requests.accept({}, context, start));
 }
 
-TEST(SaveRequests, WithoutAFolderNoneIsCarriedOut) {
-  test::MemoryBus bus;
-  node::MessageCounts counts;
-  EXPECT_FALSE(SaveRequests().accept({}, Context{bus, counts, {}}, {}));
+TEST_F(SaveRequestsTest, WithoutAFolderNoneIsCarriedOut) {
+  EXPECT_FALSE(requests.accept({}, Context{bus, counts, {}}, start));
   EXPECT_EQ(counts.rejected().at("save_request_without_out_dir"), 1);
 }
 

@@ -83,16 +83,21 @@ TEST(Explorer, WaitsUntilTheMapShowsFreeGroundAroundTheRobot) {
   EXPECT_EQ(explorer.decide({.stamp = time::Timestamp(1s), .T_map_base = {}}).state, State::kHome);
 }
 
-TEST(Explorer, ReturnsToThePlaceWhereItBegan) {
-  const GridWorld room = known_room();
+/// An explorer that began at (-1, 0) m, and now knows the whole room.
+Explorer begun_away_from_home() {
   GridWorld unknown({-2.5, -2.0}, {2.5, 2.0});
   unknown.scan({-1.0, 0.0, 0.0});
   Explorer explorer{ExplorerParams{}};
   explorer.start();
-  ASSERT_TRUE(explorer.add(unknown.map()));
+  EXPECT_TRUE(explorer.add(unknown.map()));
   EXPECT_EQ(explorer.decide({.stamp = {}, .T_map_base = {-1.0, 0.0, 0.0}}).state,
             State::kExploring);
-  ASSERT_TRUE(explorer.add(room.map()));
+  EXPECT_TRUE(explorer.add(known_room().map()));
+  return explorer;
+}
+
+TEST(Explorer, ReturnsToThePlaceWhereItBegan) {
+  Explorer explorer = begun_away_from_home();
   const Decision decision =
       explorer.decide({.stamp = time::Timestamp(500ms), .T_map_base = {1.0, 0.5, 0.0}});
   EXPECT_EQ(decision.state, State::kReturning);
@@ -105,14 +110,7 @@ TEST(Explorer, ReturnsToThePlaceWhereItBegan) {
 
 // A door has been closed. A pause, as during a STOP, does not count.
 TEST(Explorer, EndsWhenThereIsNoPathHome) {
-  const GridWorld room = known_room();
-  GridWorld unknown({-2.5, -2.0}, {2.5, 2.0});
-  unknown.scan({-1.0, 0.0, 0.0});
-  Explorer explorer{ExplorerParams{}};
-  explorer.start();
-  ASSERT_TRUE(explorer.add(unknown.map()));
-  (void)explorer.decide({.stamp = {}, .T_map_base = {-1.0, 0.0, 0.0}});
-  ASSERT_TRUE(explorer.add(room.map()));
+  Explorer explorer = begun_away_from_home();
   const auto decide = [&](double time_s, bool has_no_path) {
     return explorer.decide({.stamp = time::Timestamp(time::from_seconds(time_s)),
                             .T_map_base = {1.0, 0.5, 0.0},
