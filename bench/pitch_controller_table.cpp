@@ -7,6 +7,7 @@
 #include "common/geometry/angle.hpp"
 #include "modules/pitch_controller/speed_bound.hpp"
 #include "modules/pitch_controller/sweep_plan.hpp"
+#include "modules/pitch_controller/test/control_loop.hpp"
 
 namespace nodmap::pitch_controller {
 namespace {
@@ -65,11 +66,30 @@ void print_reactions() {
   }
 }
 
+/// How soon a robot that drives as fast as permitted, from standing, is at a speed. The base
+/// accelerates at 1.5 m/s^2.
+void print_accelerations() {
+  constexpr double kBaseStepMps = 1.5 * 0.01;
+  test::Loop loop;
+  loop.run(5.0, 0.0);
+  const time::Timestamp start = loop.now;
+  std::puts("\n| from standing to | after |\n|---|---|");
+  for (const double wanted_mps : {0.5, 1.0, 1.5, 2.0}) {
+    const double limit_mps = wanted_mps - 1e-6;
+    while (loop.speed < limit_mps && loop.now - start < 30s) {
+      loop.run(0.01,
+               [&] { return std::min(loop.speed + kBaseStepMps, loop.decision.max_forward_mps); });
+    }
+    std::printf("| %.1f m/s | %.1f s |\n", wanted_mps, time::seconds(loop.now - start));
+  }
+}
+
 }  // namespace
 }  // namespace nodmap::pitch_controller
 
 int main() {
   nodmap::pitch_controller::print_plans({});
   nodmap::pitch_controller::print_reactions();
+  nodmap::pitch_controller::print_accelerations();
   return 0;
 }

@@ -53,7 +53,7 @@ struct SweepCounts {
 ///
 /// The plan depends on the speed, and the bound on the sweeps to come: those of the plan, as the
 /// servo has followed it so far. They cannot trap each other at a low speed: a sweep planned for a
-/// speed always allows a greater one, because its lines are dense enough for 1.3 times the required
+/// speed always allows a greater one, because its lines are dense enough for 1.4 times the required
 /// distance. The robot accelerates as the laser measures what may have appeared before.
 ///
 /// Times are the stamps of the messages; no clock is read.

@@ -12,7 +12,7 @@ constexpr int kLinesOnObstacle = 2;
 // One line hits the smallest obstacle out to this many times the distance at which it may appear.
 // The speed bound of a sweep is then above the speed that it is planned for; otherwise the robot
 // could never accelerate.
-constexpr double kReserve = 1.3;
+constexpr double kReserve = 1.4;
 
 // The finest step of the scanner (paper, II).
 constexpr double kFinestSpacingRad = geometry::deg_to_rad(0.25);

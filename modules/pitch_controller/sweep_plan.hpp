@@ -35,7 +35,7 @@ struct SweepPlan {
 ///
 ///     d_min = v T_processing + v^2 / 2a + margin
 ///
-/// and two of its lines hit the smallest obstacle at d_min, and one of them 1.3 (d_min + v R)
+/// and two of its lines hit the smallest obstacle at d_min, and one of them 1.4 (d_min + v R)
 /// ahead. It is as short as head and line spacing allow.
 class SweepPlanner {
  public:
