@@ -20,6 +20,9 @@ import tempfile
 from seeds import CHOOSING
 from trials import ROOT, Trial, run_all
 
+sys.path.insert(0, str(ROOT / "lcmtypes"))
+import lcm_files  # noqa: E402
+
 SYNC = 0xEDA1DA01
 STEER, TURN = 0, 2
 # Below this a rotation on the spot counts as slow: Brake allows 0.17 rad/s over doubtful ground.
@@ -35,8 +38,33 @@ BY_REASON = [("approaches", '"something approaches", where nothing moves'), ("So
              ("direction ahead is free", "waiting until the laser has looked")]
 
 
+def reader_of(name):
+    """Reads messages of a type without arrays: a function from the bytes of an event to a dictionary of the fields."""
+    fields = lcm_files.parse(ROOT / "lcmtypes" / f"nodmap_{name}.lcm")[0].fields
+    formats = {"int64_t": ">q", "int32_t": ">i", "int8_t": ">b", "boolean": ">?", "double": ">d", "float": ">f"}
+
+    def read(event):
+        values, at = {}, 8  # after the fingerprint
+        for kind, field, dimensions in fields:
+            assert not dimensions, f"{name}.{field} is an array"
+            if kind == "string":
+                size, = struct.unpack_from(">i", event, at)
+                values[field] = event[at + 4:at + 4 + size - 1].decode()
+                at += 4 + size
+            else:
+                values[field], = struct.unpack_from(formats[kind], event, at)
+                at += struct.calcsize(formats[kind])
+        if at != len(event):
+            raise ValueError(f"an event is no {name}")
+        return values
+    return read
+
+
 def events(path, channels):
-    """Yields the events of these channels: microseconds since the first event of the log, channel, message without its fingerprint."""
+    """Yields the events of these channels: microseconds since the first event of the log, channel, message.
+
+    `channels`: the message type of each, or None if the message is not needed."""
+    readers = {channel: reader_of(name) if name else lambda _: None for channel, name in channels.items()}
     first_us = None
     with open(path, "rb") as log:
         while len(head := log.read(28)) == 28:
@@ -46,23 +74,19 @@ def events(path, channels):
             channel, message = log.read(channel_size).decode(), log.read(size)
             first_us = stamp_us if first_us is None else first_us
             if channel in channels:
-                yield stamp_us - first_us, channel, message[8:]
+                yield stamp_us - first_us, channel, readers[channel](message)
 
 
 def decisions(path):
     """Reads of each DRIVE: time, forward speed, yaw rate, the pitch controller's bound, behaviour and reason. Also returns when the log ends (s)."""
     found, motions, bound_mps, now_us = [], {}, 0.0, 0
-    for now_us, channel, message in events(path, ("DRIVE", "NAVIGATION", "PITCH_COMMAND", "ODOMETRY")):
+    for now_us, channel, message in events(path, {"DRIVE": "drive_t", "NAVIGATION": "navigation_t", "PITCH_COMMAND": "pitch_command_t", "ODOMETRY": None}):
         if channel == "PITCH_COMMAND":
-            bound_mps = struct.unpack_from(">d", message, 40)[0]
+            bound_mps = message["max_forward_mps"]
         elif channel == "DRIVE":
-            _, number, forward_mps, yaw_rate_rad_s, _ = struct.unpack(">qqddq", message)
-            motions[number] = (forward_mps, yaw_rate_rad_s)
-        elif channel == "NAVIGATION":
-            _, number, behaviour, size = struct.unpack_from(">qqbi", message)
-            reason = message[21:21 + size - 1].decode()
-            if number in motions:
-                found.append((now_us / 1e6, *motions.pop(number), bound_mps, behaviour, reason))
+            motions[message["drive_seq"]] = (message["forward_mps"], message["yaw_rate_rad_s"])
+        elif channel == "NAVIGATION" and message["drive_seq"] in motions:
+            found.append((now_us / 1e6, *motions.pop(message["drive_seq"]), bound_mps, message["behaviour"], message["reason"]))
     return found, now_us / 1e6
 
 

@@ -148,6 +148,9 @@ void ExplorerNode::on_odometry(const nodmap::odometry_t& message) {
 
 void ExplorerNode::on_navigation(const nodmap::navigation_t& message) {
   context_.counts.use();
+  if (message.goal_utime != goal_.utime) {
+    return;
+  }
   const bool has_arrived = message.behaviour == nodmap::navigation_t::ARRIVED;
   has_just_arrived_ = has_just_arrived_ || (has_arrived && !has_arrived_);
   has_arrived_ = has_arrived;
@@ -155,7 +158,9 @@ void ExplorerNode::on_navigation(const nodmap::navigation_t& message) {
 
 void ExplorerNode::on_path(const nodmap::path_t& message) {
   context_.counts.use();
-  has_no_path_ = message.state == nodmap::path_t::NO_PATH;
+  if (message.goal_utime == goal_.utime) {
+    has_no_path_ = message.state == nodmap::path_t::NO_PATH;
+  }
 }
 
 void ExplorerNode::on_explore(const nodmap::explore_t& message) {
@@ -245,14 +250,13 @@ void ExplorerNode::send_goal(const Goal& goal, time::Timestamp now) {
     goal_.position_m[0] = goal.p_map.x();
     goal_.position_m[1] = goal.p_map.y();
     goal_.tolerance_m = goal.tolerance_m;
-    // Until the navigator has received this goal, its reports are about the previous one.
+    goal_.utime = time::to_utime(now);
     has_no_path_ = false;
     has_arrived_ = false;
   } else if (!is_due(now, goal_sent_, kGoalPeriod)) {
     return;
   }
   goal_sent_ = now;
-  goal_.utime = time::to_utime(now);
   goal_.is_active = 1;
   own_goals_.push_back(goal_);
   if (own_goals_.size() > kOwnGoals) {

@@ -24,17 +24,21 @@ bool is_due(time::Timestamp stamp, const std::optional<time::Timestamp>& last,
 }  // namespace
 
 void Display::publish(time::Timestamp stamp, const Navigator& navigator, const Decision& decision,
-                      const geometry::SE2& T_map_odom, const geometry::SE2& T_odom_base,
-                      GoalState goal) {
-  publish_path(stamp, navigator, decision, T_map_odom, T_odom_base, goal);
+                      const Inputs& newest) {
+  publish_path(stamp, navigator, decision, newest);
   publish_tracks(stamp, navigator);
-  publish_local_map(stamp, navigator.local_map(), T_odom_base);
+  publish_local_map(stamp, navigator.local_map(), newest.odometry->T_odom_base);
 }
 
-/// Published while there is a goal, and once more when it has ended.
+/// Published while there is a goal, and once more when it has ended. While the robot halts nothing
+/// is planned: the plan may belong to a former goal.
 void Display::publish_path(time::Timestamp stamp, const Navigator& navigator,
-                           const Decision& decision, const geometry::SE2& T_map_odom,
-                           const geometry::SE2& T_odom_base, GoalState goal) {
+                           const Decision& decision, const Inputs& newest) {
+  const GoalState goal = newest.goal_state();
+  const bool halts = decision.behaviour == Behaviour::kHalt;
+  if (goal == GoalState::kInside && halts) {
+    return;
+  }
   if (goal == GoalState::kNone ? !path_stamp_ : !is_due(stamp, path_stamp_, kPeriod)) {
     return;
   }
@@ -44,13 +48,15 @@ void Display::publish_path(time::Timestamp stamp, const Navigator& navigator,
   if (goal != GoalState::kNone) {
     const auto path_map = goal == GoalState::kOutsideFence
                               ? std::vector<Eigen::Vector2d>{}
-                              : navigator.path_map(T_map_odom * T_odom_base);
+                              : navigator.path_map(newest.T_map_base());
     if (!path_map) {
       return;  // not yet planned, or not by plan
     }
     path_stamp_ = stamp;
-    message = path_message(*path_map, T_map_odom.inverse(), T_odom_base, decision);
+    message = path_message(*path_map, newest.pose.T_map_odom.inverse(),
+                           newest.odometry->T_odom_base, decision);
   }
+  message.goal_utime = newest.goal_utime();
   message.utime = time::to_utime(stamp);
   bus_.publish("PATH", message);
 }

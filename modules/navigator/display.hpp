@@ -18,14 +18,14 @@ class Display {
  public:
   explicit Display(bus::Bus& bus) : bus_(bus) {}
 
-  /// Publishes what is due. `stamp`: of the DRIVE that sends `decision`.
+  /// Publishes what is due. `stamp`: of the DRIVE that sends `decision`. `newest` must have
+  /// odometry.
   void publish(time::Timestamp stamp, const Navigator& navigator, const Decision& decision,
-               const geometry::SE2& T_map_odom, const geometry::SE2& T_odom_base, GoalState goal);
+               const Inputs& newest);
 
  private:
   void publish_path(time::Timestamp stamp, const Navigator& navigator, const Decision& decision,
-                    const geometry::SE2& T_map_odom, const geometry::SE2& T_odom_base,
-                    GoalState goal);
+                    const Inputs& newest);
   void publish_tracks(time::Timestamp stamp, const Navigator& navigator);
   void publish_local_map(time::Timestamp stamp, const LocalMap& local_map,
                          const geometry::SE2& T_odom_base);

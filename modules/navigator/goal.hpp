@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <optional>
 
 #include "common/geometry/se2.hpp"
@@ -14,6 +15,7 @@ struct GoalInMap {
   geometry::SE2 T_map_goal;  ///< its yaw is used only with a heading tolerance
   double tolerance_m = 0.0;
   std::optional<double> heading_tolerance_rad;
+  std::int64_t utime = 0;  ///< of the GOAL message, by which others recognise their goal
 };
 
 /// The goal as seen from the robot.

@@ -60,6 +60,8 @@ struct Inputs {
   [[nodiscard]] Situation situation(const DriveParams& drive) const;
 
   [[nodiscard]] GoalState goal_state() const;
+  /// Of the goal's message; 0 without a goal.
+  [[nodiscard]] std::int64_t goal_utime() const { return goal ? goal->utime : 0; }
 
   /// Base in the frame map. Needs odometry.
   [[nodiscard]] geometry::SE2 T_map_base() const { return pose.T_map_odom * odometry->T_odom_base; }

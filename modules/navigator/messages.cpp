@@ -68,7 +68,10 @@ std::optional<GoalInMap> read_goal(const nodmap::goal_t& message) {
   if (message.is_active == 0) {
     return std::nullopt;
   }
-  GoalInMap goal{{message.position_m[0], message.position_m[1], 0.0}, message.tolerance_m, {}};
+  GoalInMap goal;
+  goal.T_map_goal = {message.position_m[0], message.position_m[1], 0.0};
+  goal.tolerance_m = message.tolerance_m;
+  goal.utime = message.utime;
   if (message.has_heading != 0) {
     goal.T_map_goal.yaw = geometry::normalize_angle(message.heading_rad);
     goal.heading_tolerance_rad = message.heading_tolerance_rad;

@@ -268,6 +268,7 @@ void NavigatorNode::publish(const Decision& decision) {
 
   navigation_.utime = drive_.utime;
   navigation_.drive_seq = drive_.drive_seq;
+  navigation_.goal_utime = newest_.goal_utime();
   navigation_.behaviour = code_of(decision.behaviour);
   navigation_.reason = to_text(decision.reason);
   navigation_.steering_angle_rad = decision.steering_angle_rad;
@@ -280,8 +281,7 @@ void NavigatorNode::publish(const Decision& decision) {
   context_.bus.publish("NAVIGATION", navigation_);
 
   if (newest_.odometry) {
-    display_.publish(time::from_utime(drive_.utime), navigator_, decision, newest_.pose.T_map_odom,
-                     newest_.odometry->T_odom_base, newest_.goal_state());
+    display_.publish(time::from_utime(drive_.utime), navigator_, decision, newest_);
   }
   ++decisions_[static_cast<std::size_t>(decision.behaviour)];
   inhibit_reason_.reset();

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // nodmap-goal: sends the robot to one place or through several.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <iostream>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -21,6 +21,10 @@ namespace nodmap {
 namespace {
 
 constexpr std::chrono::milliseconds kLongestWait(100);
+/// The goal is sent again with this period, for a navigator that has missed it or was restarted.
+constexpr time::Duration kRepeat = 1s;
+/// On patrol the robot stays this long where it already is when it is sent there.
+constexpr time::Duration kLeastStay = 1s;
 constexpr double kToleranceM = 0.2;
 constexpr double kDockingToleranceM = 0.02;
 
@@ -56,16 +60,23 @@ class Guide {
       : arguments_(arguments),
         bus_(bus),
         route_(read_waypoints(arguments.coordinates_m), arguments.is_patrol,
-               time::from_seconds(arguments.patience_s), time::steady_now()) {
+               time::from_seconds(arguments.patience_s)) {
+    decide_goal();
     bus_.subscribe<navigation_t>("NAVIGATION", [this](const navigation_t& m) {
       has_navigator_ = true;
-      tell(route_.take_arrival(m.behaviour == navigation_t::ARRIVED, time::steady_now()));
+      const bool may_go_on = !arguments_.is_patrol || time::steady_now() - decided_ >= kLeastStay;
+      if (m.goal_utime == goal_.utime && may_go_on) {
+        tell(route_.take_arrival(m.behaviour == navigation_t::ARRIVED));
+      }
     });
     bus_.subscribe<path_t>("PATH", [this](const path_t& m) {
-      tell(route_.take_path(m.state != path_t::NO_PATH, time::steady_now()));
+      if (m.goal_utime == goal_.utime) {
+        tell(route_.take_path(m.state != path_t::NO_PATH, time::steady_now()));
+      }
     });
-    bus_.subscribe<goal_t>(
-        "GOAL", [this](const goal_t& m) { is_overruled_ |= !own_stamps_.contains(m.utime); });
+    bus_.subscribe<goal_t>("GOAL", [this](const goal_t& m) {
+      is_overruled_ |= m.utime != goal_.utime && m.utime != former_utime_;
+    });
   }
 
   /// Returns the exit code.
@@ -88,23 +99,26 @@ class Guide {
   }
 
  private:
+  /// Makes the route's waypoint the goal.
+  void decide_goal() {
+    // Above the former, also after the clock was set back: the navigator's reports name it.
+    former_utime_ = goal_.utime;
+    goal_.utime = std::max(time::to_utime(time::SystemClock().now()), goal_.utime + 1);
+    goal_.is_active = 1;
+    goal_.position_m[0] = route_.waypoint_map().x();
+    goal_.position_m[1] = route_.waypoint_map().y();
+    const bool docks = arguments_.heading_deg.has_value() && route_.index() + 1 == route_.size();
+    goal_.tolerance_m = tolerance_m(docks);
+    goal_.has_heading = static_cast<std::int8_t>(docks);
+    goal_.heading_rad = geometry::deg_to_rad(arguments_.heading_deg.value_or(0.0));
+    goal_.heading_tolerance_rad = geometry::deg_to_rad(arguments_.heading_tolerance_deg);
+    decided_ = goal_due_ = time::steady_now();
+  }
+
   void send_goal() {
-    goal_due_ = time::steady_now() + Route::kRepeat;
-    goal_t goal{};
-    goal.utime = time::to_utime(time::SystemClock().now());
-    goal.goal_seq = next_seq_++;
-    goal.is_active = 1;
-    goal.position_m[0] = route_.waypoint_map().x();
-    goal.position_m[1] = route_.waypoint_map().y();
-    const bool docks = arguments_.heading_deg && route_.index() + 1 == route_.size();
-    goal.tolerance_m = tolerance_m(docks);
-    if (docks) {
-      goal.has_heading = 1;
-      goal.heading_rad = geometry::deg_to_rad(*arguments_.heading_deg);
-      goal.heading_tolerance_rad = geometry::deg_to_rad(arguments_.heading_tolerance_deg);
-    }
-    own_stamps_.insert(goal.utime);
-    bus_.publish("GOAL", goal);
+    goal_due_ = time::steady_now() + kRepeat;
+    bus_.publish("GOAL", goal_);
+    ++goal_.goal_seq;
   }
 
   /// With a heading, --tolerance applies to the last waypoint only.
@@ -124,15 +138,16 @@ class Guide {
                                                   : " missed: there is no path, or it cannot dock")
               << std::endl;
     told_index_ = route_.index();
-    goal_due_ = time::steady_now();
+    decide_goal();
   }
 
   Arguments arguments_;
   bus::LiveBus& bus_;
   Route route_;
   time::SteadyTime goal_due_{};
-  std::set<std::int64_t> own_stamps_;  // stamps of our goals, which we also receive
-  std::int64_t next_seq_ = 0;
+  goal_t goal_{};  // the present one, which we also receive
+  std::int64_t former_utime_ = 0;
+  time::SteadyTime decided_{};
   std::size_t told_index_ = 0;
   bool has_navigator_ = false;
   bool is_overruled_ = false;

@@ -5,28 +5,20 @@
 
 namespace nodmap {
 
-Route::Route(std::vector<Eigen::Vector2d> waypoints_map, bool is_patrol, time::Duration patience,
-             time::SteadyTime now)
-    : waypoints_map_(std::move(waypoints_map)),
-      is_patrol_(is_patrol),
-      patience_(patience),
-      target_since_(now) {}
+Route::Route(std::vector<Eigen::Vector2d> waypoints_map, bool is_patrol, time::Duration patience)
+    : waypoints_map_(std::move(waypoints_map)), is_patrol_(is_patrol), patience_(patience) {}
 
-bool Route::is_settled(time::SteadyTime now) const {
-  return !is_over_ && now - target_since_ >= kSettled;
-}
-
-Route::Event Route::take_arrival(bool has_arrived, time::SteadyTime now) {
-  if (!has_arrived || !is_settled(now)) {
+Route::Event Route::take_arrival(bool has_arrived) {
+  if (!has_arrived || is_over_) {
     return Event::kNone;
   }
   missed_in_turn_ = 0;
-  go_on(now);
+  go_on();
   return Event::kReached;
 }
 
 Route::Event Route::take_path(bool has_path, time::SteadyTime now) {
-  if (has_path || !is_settled(now)) {
+  if (has_path || is_over_) {
     no_path_since_.reset();
     return Event::kNone;
   }
@@ -36,18 +28,17 @@ Route::Event Route::take_path(bool has_path, time::SteadyTime now) {
   }
   ++num_missed_;
   ++missed_in_turn_;
-  go_on(now);
+  go_on();
   return Event::kMissed;
 }
 
-void Route::go_on(time::SteadyTime now) {
+void Route::go_on() {
   const bool is_last = index_ + 1 == waypoints_map_.size();
   if (is_patrol_ ? missed_in_turn_ == waypoints_map_.size() : is_last) {
     is_over_ = true;
     return;
   }
   index_ = is_last ? 0 : index_ + 1;
-  target_since_ = now;
   no_path_since_.reset();
 }
 

@@ -16,23 +16,15 @@ class Route {
  public:
   enum class Event : std::uint8_t { kNone, kReached, kMissed };
 
-  /// The goal is sent again with this period, for a navigator that has missed it or was restarted.
-  static constexpr time::Duration kRepeat = 1s;
-  /// After this time the navigator knows the goal, even if the first two messages were lost, and
-  /// its earlier reports have arrived.
-  static constexpr time::Duration kSettled = 2 * kRepeat + 500ms;
-
   /// `waypoints_map`: at least one, metres in map. With `is_patrol` the first follows after the
   /// last. A waypoint is missed only after `patience` without a path, because the navigator looks
   /// around before it gives up a path, and a door may open.
-  Route(std::vector<Eigen::Vector2d> waypoints_map, bool is_patrol, time::Duration patience,
-        time::SteadyTime now);
+  Route(std::vector<Eigen::Vector2d> waypoints_map, bool is_patrol, time::Duration patience);
 
-  /// Takes the navigator's report whether it is at its goal. Reports before kSettled may be about
-  /// the previous waypoint.
-  Event take_arrival(bool has_arrived, time::SteadyTime now);
+  /// Takes the navigator's report whether the robot is at the waypoint.
+  Event take_arrival(bool has_arrived);
 
-  /// Takes the navigator's report whether it knows a path to its goal.
+  /// Takes the navigator's report whether it knows a path to the waypoint.
   Event take_path(bool has_path, time::SteadyTime now);
 
   /// Whether no waypoint is left; on patrol, whether all were missed in turn.
@@ -44,14 +36,12 @@ class Route {
   [[nodiscard]] int num_missed() const { return num_missed_; }
 
  private:
-  [[nodiscard]] bool is_settled(time::SteadyTime now) const;
-  void go_on(time::SteadyTime now);
+  void go_on();
 
   std::vector<Eigen::Vector2d> waypoints_map_;
   bool is_patrol_ = false;
   time::Duration patience_;
   std::size_t index_ = 0;
-  time::SteadyTime target_since_;
   std::optional<time::SteadyTime> no_path_since_;
   std::size_t missed_in_turn_ = 0;
   int num_missed_ = 0;

@@ -40,11 +40,10 @@ void GroundTruthMonitor::subscribe() {
     }
   });
   bus_.subscribe<nodmap::navigation_t>("NAVIGATION", [this](const nodmap::navigation_t& message) {
-    const bool at_goal = message.behaviour == nodmap::navigation_t::ARRIVED;
-    if (at_goal && !std::exchange(at_goal_, at_goal)) {
+    if (message.behaviour == nodmap::navigation_t::ARRIVED &&
+        std::exchange(reached_goal_utime_, message.goal_utime) != message.goal_utime) {
       record_.arrivals.push_back(model_.now());
     }
-    at_goal_ = at_goal;
   });
 }
 

@@ -51,7 +51,7 @@ class GroundTruthMonitor {
   ObservedVoxels observed_voxels_;
   std::optional<std::int64_t> sweep_;
   std::optional<time::Timestamp> reversed_;  // when sweep_ began, unless the head came from rest
-  bool at_goal_ = false;
+  std::int64_t reached_goal_utime_ = 0;      // of the last goal at which the robot has arrived
   std::int64_t truth_seq_ = 0;
 };
 

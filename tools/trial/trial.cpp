@@ -5,6 +5,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "common/node/program.hpp"
 #include "nodmap/goal_t.hpp"
 #include "tools/trial/ground_truth_monitor.hpp"
 #include "tools/trial/level_laser.hpp"
@@ -34,12 +35,22 @@ class GoalPublisher {
 
   /// `num_reached`: the goals that the robot has arrived at.
   void publish(time::SteadyTime now, std::size_t num_reached) {
-    const bool is_next = num_reached > num_reached_;
+    const bool is_new = message_.utime == 0 || num_reached > num_reached_;
     num_reached_ = num_reached;
     if (num_reached_ >= world_.goals.size() ||
-        (!is_next && now.time_since_epoch() % kGoalPeriod != 0s)) {
+        (!is_new && now.time_since_epoch() % kGoalPeriod != 0s)) {
       return;
     }
+    if (is_new) {
+      decide(now);
+    }
+    bus_.publish("GOAL", message_);
+    ++message_.goal_seq;
+  }
+
+ private:
+  void decide(time::SteadyTime now) {
+    message_.utime = time::to_utime(stamp_at(now));
     // The map's origin is the robot's start.
     const Eigen::Vector2d p_map = world_.T_world_start.inverse() * world_.goals[num_reached_];
     message_.position_m[0] = p_map.x();
@@ -50,12 +61,8 @@ class GoalPublisher {
       message_.tolerance_m = params_.docking_tolerance_m;
       message_.heading_tolerance_rad = params_.docking_tolerance_rad;
     }
-    message_.utime = time::to_utime(stamp_at(now));
-    bus_.publish("GOAL", message_);
-    ++message_.goal_seq;
   }
 
- private:
   const sim::World& world_;
   const LoopParams& params_;
   bus::LoopBus bus_;
@@ -106,6 +113,9 @@ Trial::Trial(const TrialSetup& setup, const std::filesystem::path& dir)
 Trial::~Trial() = default;
 
 bool Trial::step() {
+  if (node::stop_requested()) {
+    throw std::runtime_error("stopped; the results are not complete");
+  }
   parts_->hardware.advance_to(now_);
   parts_->network.set_time(kStart.wall_at(now_));
   apply_kills();

@@ -66,7 +66,7 @@ class Trial {
   /// Simulates one step; returns false when the trial is over: after the duration, a second after
   /// the robot has reported its arrival at the world's last goal or the end of its exploration, or
   /// by the rules of the world's task. Throws std::runtime_error when no scan comes within a
-  /// minute.
+  /// minute, and when the program has been told to stop.
   bool step();
 
   [[nodiscard]] time::SteadyTime now() const { return now_; }

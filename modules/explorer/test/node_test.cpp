@@ -209,11 +209,36 @@ TEST_F(ExplorerNodeTest, DecidesAtOnceWhenTheNavigatorHasArrived) {
   EXPECT_EQ(bus_.count("EXPLORATION"), num_decisions);
   nodmap::navigation_t navigation{};
   navigation.behaviour = nodmap::navigation_t::ARRIVED;
+  navigation.goal_utime = 1;
+  bus_.deliver("NAVIGATION", navigation);
+  give_odometry(0.1);
+  EXPECT_EQ(bus_.count("EXPLORATION"), num_decisions) << "at another goal";
+  navigation.goal_utime = bus_.last<nodmap::goal_t>("GOAL").utime;
   for (int i = 0; i < 2; ++i) {
     bus_.deliver("NAVIGATION", navigation);
     give_odometry(0.1);
     EXPECT_EQ(bus_.count("EXPLORATION"), num_decisions + 1) << "once";
   }
+}
+
+TEST_F(ExplorerNodeTest, APathThatIsMissingToAnotherGoalIsNoFailure) {
+  give_map();
+  ask(true);
+  (void)give_pose();
+  nodmap::path_t path{};
+  path.state = nodmap::path_t::NO_PATH;
+  const std::int64_t own_utime = bus_.last<nodmap::goal_t>("GOAL").utime;
+  path.goal_utime = own_utime - 1;
+  bus_.deliver("PATH", path);
+  // Poses come twice a second.
+  for (int i = 0; i < 2.0 * ExplorerParams{}.patience.no_path_s + 2.0; ++i) {
+    (void)give_pose();
+  }
+  EXPECT_EQ(node_.metrics()["failures"], 0);
+  path.goal_utime = own_utime;
+  bus_.deliver("PATH", path);
+  (void)give_pose();
+  EXPECT_EQ(node_.metrics()["failures"], 1);
 }
 
 TEST_F(ExplorerNodeTest, ANewMapEndsTheExplorationAndTheRobotStaysWhereItIs) {

@@ -11,19 +11,38 @@
 namespace nodmap::navigator {
 namespace display_test {
 
-using test::NavigatorNodeScans;
-
-TEST_F(NavigatorNodeScans, ThePathToAGoalIsPublishedUntilThereIsNone) {
-  nodmap::goal_t goal{};
-  goal.is_active = true;
-  goal.tolerance_m = 0.2;
-  goal.position_m[0] = 3.0;
-  bus_.deliver("GOAL", goal);
-  for (int i = 0; i < 150; ++i) {  // it plans after two sweeps of 0.35 s
-    tick_with_scan();
+/// A robot that is given goals ahead of it.
+class DisplayTest : public test::NavigatorNodeScans {
+ protected:
+  void give_goal(double x_m, std::int64_t utime, bool is_active = true) {
+    nodmap::goal_t goal{};
+    goal.utime = utime;
+    goal.is_active = static_cast<std::int8_t>(is_active);
+    goal.tolerance_m = 0.2;
+    goal.position_m[0] = x_m;
+    bus_.deliver("GOAL", goal);
   }
+  void stop(bool is_stopped) {
+    nodmap::stop_t stop{};
+    stop.is_stopped = static_cast<std::int8_t>(is_stopped);
+    bus_.deliver("STOP", stop);
+  }
+  void run_scans(int number) {
+    for (int i = 0; i < number; ++i) {
+      tick_with_scan();
+    }
+  }
+};
+
+constexpr int kUntilPlanned = 150;  // two sweeps of 0.35 s, and more
+
+TEST_F(DisplayTest, ThePathToAGoalIsPublishedUntilThereIsNone) {
+  give_goal(3.0, 77);
+  run_scans(kUntilPlanned);
   const auto path = bus_.last<nodmap::path_t>("PATH");
   EXPECT_EQ(path.state, nodmap::path_t::PLANNED);
+  EXPECT_EQ(path.goal_utime, 77);
+  EXPECT_EQ(navigation().goal_utime, 77);
   ASSERT_GT(path.num_points, 10);
   // The path begins at the robot and ends in the nearest goal cell; these are the cells within 0.7
   // tolerances.
@@ -32,16 +51,33 @@ TEST_F(NavigatorNodeScans, ThePathToAGoalIsPublishedUntilThereIsNone) {
   EXPECT_NEAR(path.y_m.back(), 0.0, 0.2);
   ASSERT_EQ(path.num_arc_points, 9);
   EXPECT_EQ(path.arc_x_m.front(), 0.0);
-  goal.is_active = false;
-  bus_.deliver("GOAL", goal);
+  give_goal(3.0, 78, false);
   tick_with_scan();
   tick();
   EXPECT_EQ(bus_.last<nodmap::path_t>("PATH").state, nodmap::path_t::NO_GOAL);
+  EXPECT_EQ(bus_.last<nodmap::path_t>("PATH").goal_utime, 0);
+  EXPECT_EQ(navigation().goal_utime, 0);
+}
+
+// During a STOP nothing is planned: the path to the first goal must not be published as one to the
+// second.
+TEST_F(DisplayTest, AGoalGivenDuringAStopHasNoPathYet) {
+  give_goal(3.0, 77);
+  run_scans(kUntilPlanned);
+  ASSERT_EQ(bus_.last<nodmap::path_t>("PATH").goal_utime, 77);
+  stop(true);
+  give_goal(2.0, 78);
+  run_scans(50);
+  EXPECT_EQ(navigation().goal_utime, 78);
+  EXPECT_EQ(bus_.last<nodmap::path_t>("PATH").goal_utime, 77);
+  stop(false);
+  run_scans(50);
+  EXPECT_EQ(bus_.last<nodmap::path_t>("PATH").goal_utime, 78);
 }
 
 // Somebody crosses 2.2 m ahead and leaves the room. The published track is where he is, within the
 // tolerances of PeopleTracker's own test; a message without tracks follows when he is gone.
-TEST_F(NavigatorNodeScans, TracksArePublishedUntilThereIsNobody) {
+TEST_F(DisplayTest, TracksArePublishedUntilThereIsNobody) {
   std::int64_t num_on_him = 0;
   test::WalkingScene scene{{{}}, 8.0};
   for (double time_s = 0.0; time_s < 15.0; time_s += 0.01) {

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "nodmap/navigation_t.hpp"
 #include "nodmap/pitch_state_t.hpp"
 #include "tests/support/data_dir.hpp"
 
@@ -25,6 +26,16 @@ class GroundTruthMonitorTest : public ::testing::Test {
     network_.deliver();
   }
 
+  /// The navigator says that the robot is at the goal, or on the way to it.
+  void report(time::Duration at, std::int8_t behaviour, std::int64_t goal_utime) {
+    nodmap::navigation_t message{};
+    message.behaviour = behaviour;
+    message.goal_utime = goal_utime;
+    network_.set_time(kStart.wall + at);
+    bus_.publish("NAVIGATION", message);
+    network_.deliver();
+  }
+
   test::TemporaryDir dir_;
   sim::World world_;
   sim::RobotModel model_{world_, {}, 1};
@@ -40,6 +51,19 @@ TEST_F(GroundTruthMonitorTest, ASweepLastsFromOneReversalToTheNext) {
   nod(1200ms, 2);
   nod(1600ms, 3);
   EXPECT_THAT(monitor_.record().sweep_times_s, ElementsAre(DoubleEq(0.5), DoubleEq(0.4)));
+}
+
+// At the second goal it is already when that is given; the first one it leaves and reaches again.
+TEST_F(GroundTruthMonitorTest, EachGoalIsArrivedAtOnce) {
+  constexpr std::int8_t kArrived = nodmap::navigation_t::ARRIVED;
+  report(0ms, nodmap::navigation_t::STEER, 5);
+  report(10ms, kArrived, 5);
+  report(20ms, nodmap::navigation_t::STEER, 5);
+  report(30ms, kArrived, 5);
+  EXPECT_EQ(monitor_.record().arrivals.size(), 1U);
+  report(40ms, kArrived, 6);
+  report(50ms, kArrived, 6);
+  EXPECT_EQ(monitor_.record().arrivals.size(), 2U);
 }
 
 TEST_F(GroundTruthMonitorTest, TheTimeWithoutADriverIsNoSweep) {
