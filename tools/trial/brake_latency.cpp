@@ -36,9 +36,10 @@ void BrakeLatencyMonitor::update(const State& state) {
     const double reach_m = tracked.in_zone ? std::max(length_m, tracked.reach_m) : length_m;
     const bool now = actor && touches(*actor, state.T_world_base, zone_.footprint.half_length_m,
                                       reach_m, zone_.footprint.half_width_m);
-    if (now && !tracked.in_zone && state.forward_mps >= kMinSpeedMps) {
-      tracked.open_event =
-          BrakeEvent{state.instant, state.forward_mps, state.sweep_s, std::nullopt};
+    // A robot that is told to slow down for something else has not yet reacted to this obstacle.
+    const double speed_mps = std::min(state.forward_mps, drive_mps_);
+    if (now && !tracked.in_zone && speed_mps >= kMinSpeedMps) {
+      tracked.open_event = BrakeEvent{state.instant, speed_mps, state.sweep_s, std::nullopt};
     } else if (!now && tracked.open_event) {
       ++num_evaded_;
       tracked.open_event.reset();
@@ -49,6 +50,7 @@ void BrakeLatencyMonitor::update(const State& state) {
 }
 
 void BrakeLatencyMonitor::add_drive_command(time::SteadyTime received, double forward_mps) {
+  drive_mps_ = forward_mps;
   for (TrackedActor& tracked : actors_) {
     if (tracked.open_event && received > tracked.open_event->started &&
         brakes(forward_mps, tracked.open_event->speed_mps)) {

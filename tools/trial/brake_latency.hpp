@@ -28,8 +28,8 @@ struct StoppingZone {
 /// An obstacle that entered the stopping zone.
 struct BrakeEvent {
   time::SteadyTime started{};
-  double speed_mps = 0.0;
-  double sweep_s = 0.0;  ///< duration of the last sweep at that time
+  double speed_mps = 0.0;  ///< of the robot, or the commanded one, whichever is lower
+  double sweep_s = 0.0;    ///< duration of the last sweep at that time
   std::optional<time::SteadyTime>
       answered;  ///< when the robot braked; empty: not before the end of the trial
 };
@@ -39,10 +39,10 @@ struct BrakeEvent {
 ///
 /// It starts when an actor that a beam could hit (it is present, and nothing is between it and the
 /// mirror) first touches the stopping zone. It ends with the first DRIVE that is 10 %, and at least
-/// 0.1 m/s, below the robot's speed at the start. An actor that leaves the zone before (because it
-/// moved on, or the robot turned away) counts as evaded; for an actor inside, the zone does not
-/// become shorter when the robot slows down. Below 0.3 m/s nothing is measured, because
-/// braking could not be distinguished from noise.
+/// 0.1 m/s, below the robot's speed at the start and the one that was then commanded. An actor that
+/// leaves the zone before (because it moved on, or the robot turned away) counts as evaded; for an
+/// actor inside, the zone does not become shorter when the robot slows down. Below 0.3 m/s nothing
+/// is measured, because braking could not be distinguished from noise.
 class BrakeLatencyMonitor {
  public:
   static constexpr double kMinSpeedMps = 0.3;
@@ -73,6 +73,7 @@ class BrakeLatencyMonitor {
   };
 
   StoppingZone zone_;
+  double drive_mps_ = 0.0;  // commanded last
   std::vector<TrackedActor> actors_;
   std::vector<BrakeEvent> answered_;
   std::int64_t num_evaded_ = 0;

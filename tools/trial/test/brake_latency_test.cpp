@@ -11,6 +11,9 @@ constexpr double kEndM = 0.225 + 0.65 + 1.0 / 3.0 + 0.15;
 
 class BrakeLatencyTest : public ::testing::Test {
  protected:
+  /// The robot is told to drive 1 m/s.
+  BrakeLatencyTest() { monitor_.add_drive_command(time::SteadyTime(0ms), 1.0); }
+
   BrakeLatencyMonitor monitor_{StoppingZone{}};
 
   void update(time::Duration now, const Eigen::Vector2d& position, double speed_mps = 1.0) {
@@ -26,6 +29,18 @@ TEST_F(BrakeLatencyTest, FromTheFirstTouchToTheFirstDriveThatBrakes) {
   monitor_.add_drive_command(time::SteadyTime(5ms), 0.5);
   ASSERT_EQ(monitor_.events().size(), 1U);
   EXPECT_EQ(monitor_.events()[0].started, time::SteadyTime(2ms));
+  EXPECT_EQ(monitor_.events()[0].answered, time::SteadyTime(5ms));
+}
+
+// The wheels still drive 1 m/s, but 0.8 m/s was commanded before the obstacle was there.
+TEST_F(BrakeLatencyTest, WhatWasCommandedBeforeIsNoAnswer) {
+  monitor_.add_drive_command(time::SteadyTime(1ms), 0.8);
+  update(2ms, {1.0, 0.0});
+  monitor_.add_drive_command(time::SteadyTime(3ms), 0.8);
+  ASSERT_EQ(monitor_.events().size(), 1U);
+  EXPECT_FALSE(monitor_.events()[0].answered);
+  monitor_.add_drive_command(time::SteadyTime(5ms), 0.7);
+  ASSERT_EQ(monitor_.events().size(), 1U);
   EXPECT_EQ(monitor_.events()[0].answered, time::SteadyTime(5ms));
 }
 
