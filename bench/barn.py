@@ -23,6 +23,8 @@ import subprocess
 import sys
 import tempfile
 
+from pool import Pool
+
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 OPTIMAL_MPS = 2.0
 
@@ -91,7 +93,7 @@ def main():
     out.mkdir(parents=True, exist_ok=True)
     worlds = {index: [] for index in indices}
     try:
-        with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
+        with Pool(arguments.jobs) as pool:
             futures = {pool.submit(run, arguments, out, index, seed): (index, seed) for index in indices for seed in range(arguments.runs)}
             for done, future in enumerate(concurrent.futures.as_completed(futures), 1):
                 index, seed = futures[future]

@@ -7,7 +7,7 @@
 Seeds 0 to 999 are for reporting, 1000 to 1999 for choosing parameters (bench/seeds.py). The columns are:
   n                      runs
   collisions, caused     contacts of the robot, and how many of them it caused: it moved at 0.05 m/s or more
-  falls                  runs in which the robot fell into a hole
+  falls                  how often the robot fell into a hole
   bumped                 how often a person walked into the stationary robot
   reached                runs that reached the goal without a collision
   spl, time_s            success weighted by path length; median time of the runs that reached the goal

@@ -9,7 +9,6 @@ noise and the seeds for choosing of bench/seeds.py; the figures show other seeds
 errors for each setting; the first setting is the default parameters.
 """
 import argparse
-import concurrent.futures
 import json
 import os
 import pathlib
@@ -17,6 +16,7 @@ import subprocess
 import tempfile
 
 import seeds
+from pool import Pool
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 CORRIDOR = [("corridor30", seed, 60) for seed in seeds.CHOOSING[:30]]
@@ -53,7 +53,7 @@ class Drives:
             return json.loads(self.call("nodmap-evaluate", kind, out / "trajectory.tum", folder / "truth.tum"))
 
     def worst(self, runs, setting, keys):
-        with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        with Pool(os.cpu_count()) as pool:
             every = list(pool.map(lambda run: self.errors(run, setting), runs))
         return [max(abs(errors[key]) for errors in every) for key in keys]
 

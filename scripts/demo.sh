@@ -110,6 +110,7 @@ for i in "${!pids[@]}"; do
     kill -0 "${pids[$i]}" 2>/dev/null || { cat "$out/${names[$i]}.log"; die "${names[$i]} did not start"; }
     sleep 0.05
   done
+  grep -q "listening on" "$out/${names[$i]}.log" || die "${names[$i]} does not listen after 10 s; see $out/${names[$i]}.log"
   echo "  ${names[$i]} (pid ${pids[$i]})"
 done
 

@@ -8,7 +8,6 @@ usage: results.py BIN_DIR [--check]
 
 The recordings are looked for in $NODMAP_DATA, else ../shared/data; where they are missing nothing is written, and --check says so.
 """
-import concurrent.futures
 import functools
 import json
 import os
@@ -20,6 +19,7 @@ import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "bench"))
+from pool import Pool
 from seeds import ODOMETRY_NOISE, REPORTING
 DATA = pathlib.Path(os.environ.get("NODMAP_DATA", ROOT.parent / "shared" / "data"))
 DOCUMENTS = [ROOT / "README.md", ROOT / "docs" / "benchmark-2d.md", ROOT / "docs" / "benchmark-3d.md"]
@@ -98,7 +98,7 @@ def table_drives(bin_dir, work):
     seeds = REPORTING[200:205]
     rows = [f"| simulated drives of 60 s, {len(seeds)} each | contacts | speed | 2D SLAM | 6D SLAM | odometry |", "|---|---|---|---|---|---|"]
     for name, world in DRIVES.items():
-        with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        with Pool(os.cpu_count()) as pool:
             results = list(pool.map(lambda seed, world=world, name=name: drive(bin_dir, world, seed, work / f"{name}-{seed}"), seeds))
 
         def mean(values):
@@ -143,6 +143,8 @@ def main():
             rows = make(bin_dir, pathlib.Path(work))
             print("\n".join(rows))
             fresh = "\n".join(rows) + f"\n\nWritten by `./nodmap results` at commit {commit}.\n"
+            if not any(block(name).search(text) for text in texts.values()):
+                stale.append(f"{name}, which no document has a place for")
             for document, text in texts.items():
                 for table in block(name).findall(text):
                     if not agree(numbers(table), numbers(fresh)):

@@ -54,7 +54,7 @@ def make():
     way = np.median([r["distance_m"] for r in nodding])
     clearance = min(r["min_clearance_m"] for r in nodding)
     n = len(SEEDS)
-    when = f" With the fixed laser the collision comes after {np.median(first):.1f} s (median) and ends the run." if first else ""
+    when = f" With the fixed laser the collision comes after {np.median(first):.1f} s (median)." if first else ""
     return {
         "title": "obstacle avoidance, fixed and nodding",
         "alt": "With the laser fixed level the robot hits a box; with the laser nodding it drives around all of them",

@@ -8,6 +8,7 @@ import os
 import sys
 
 import page
+from pool import Pool
 
 FIGURES = [3, 4, 5, 6, 7, 8, 9]
 
@@ -15,7 +16,7 @@ FIGURES = [3, 4, 5, 6, 7, 8, 9]
 def run_trials(figures, jobs):
     """Runs all trials, `jobs` at a time."""
     trials = [trial for figure in figures.values() for trial in figure.TRIALS]
-    with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
+    with Pool(jobs) as pool:
         running = {pool.submit(trial.run): trial for trial in trials}
         for done, future in enumerate(concurrent.futures.as_completed(running), 1):
             future.result()
