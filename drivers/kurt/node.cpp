@@ -186,16 +186,19 @@ void KurtNode::on_drive(const nodmap::drive_t& message) {
 }
 
 void KurtNode::on_stop(const nodmap::stop_t& message) {
-  if (message.is_stopped != 0 && !repeated_name_.empty() &&
-      message.requested_by == repeated_name_) {
+  const StopName name{message.utime, node::read_name(message.requested_by)};
+  const bool is_release = message.is_stopped == 0;
+  if (!is_release && name == repeated_) {
     return;  // our own repetition, which may arrive after a newer STOP of another sender
   }
-  const std::string by = node::read_name(message.requested_by);
   context_.counts.use();
+  if (is_release && name == std::exchange(release_, name)) {
+    return;  // sent several times, in case one is lost; whatever stopped the robot since is newer
+  }
   const bool was_stopped = stopped_by_.has_value();
-  stopped_by_ = message.is_stopped != 0 ? std::optional(by) : std::nullopt;
+  stopped_by_ = is_release ? std::nullopt : std::optional(name.by);
   if (stopped_by_.has_value() != was_stopped) {
-    log::get().info("{} by {}", stopped_by_ ? "stopped" : "free to drive", by);
+    log::get().info("{} by {}", stopped_by_ ? "stopped" : "free to drive", name.by);
   }
 }
 
@@ -222,7 +225,8 @@ void KurtNode::repeat_stop(const time::Moment& now) {
   message.utime = time::to_utime(now.wall);
   message.stop_seq = stop_seq_++;
   message.is_stopped = 1;
-  message.requested_by = repeated_name_ = std::string(kName) + ", for " + *stopped_by_;
+  message.requested_by = std::string(kName) + ", for " + *stopped_by_;
+  repeated_ = StopName{message.utime, node::read_name(message.requested_by)};
   context_.bus.publish("STOP", message);
 }
 

@@ -47,6 +47,14 @@ class KurtNode final : public node::DeviceNode {
   void receive(std::span<const std::uint8_t> bytes, const time::Moment& now);
   void send(const time::Moment& now);
   void on_drive(const nodmap::drive_t& message);
+  /// What tells a STOP or release from others, and is the same when it is sent again.
+  struct StopName {
+    std::int64_t utime;
+    std::string by;
+
+    bool operator==(const StopName&) const = default;
+  };
+
   void on_stop(const nodmap::stop_t& message);
   void publish_odometry(const OdometrySample& sample);
   void publish_sensors(const time::Moment& now);
@@ -63,7 +71,8 @@ class KurtNode final : public node::DeviceNode {
   std::optional<std::string> stopped_by_;
   std::optional<time::SteadyTime> next_stop_;
   std::int64_t stop_seq_ = 0;
-  std::string repeated_name_;  // in the last STOP that this driver published
+  std::optional<StopName> repeated_;  // the last STOP that this driver published
+  std::optional<StopName> release_;   // the last release that was obeyed
   KurtState logged_state_ = KurtState::kNoLine;
   time::SteadyTime next_control_;
   time::SteadyTime next_sensors_;

@@ -50,6 +50,10 @@ wait_until_well() {
 }
 "$bin/nodmap-stop" --go
 wait_until_well "the robot does not come to work"
+"$bin/nodmap-stop" || fail "the base driver does not confirm a STOP"
+"$bin/nodmap-stop" --go
+(LCM_DEFAULT_URL=udpm://239.255.76.67:7999 "$bin/nodmap-stop" --wait 0.2 2>"$work/unconfirmed") && fail "a STOP that nobody receives is no error"
+grep -q "no nodmap-kurt has confirmed it" "$work/unconfirmed" || fail "$(cat "$work/unconfirmed")"
 for name in kurt laser3d pitch-controller map-server slam2d slam6d navigator explorer logger viewer; do
   cp "$work/now" "$work/before"
   kill -KILL "$(field $name 2 <"$work/before")"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // nodmap-stop: stops the robot until it is released; with --go, releases it.
 #include <CLI/CLI.hpp>
-#include <chrono>
 #include <iostream>
 #include <string>
 
@@ -14,41 +13,57 @@
 namespace nodmap {
 namespace {
 
-using std::chrono::milliseconds;
-
 /// Sent several times, in case one is lost or a base driver repeats an older STOP at that moment.
 constexpr int kTimes = 3;
-constexpr milliseconds kPause(300);
+constexpr double kPauseS = 0.3;
+
+constexpr const char* kBaseDriver = "nodmap-kurt";
 
 struct Arguments {
   bool is_go = false;
   node::RequestOptions request{.by = "nodmap-stop"};
 };
 
-void say(bus::LiveBus& bus, const Arguments& arguments) {
+void send(bus::LiveBus& bus, const Arguments& arguments) {
   stop_t message{};
+  // The same each time: a STOP of somebody else in between is newer than all of these.
+  message.utime = time::to_utime(time::SystemClock().now());
   message.is_stopped = static_cast<std::int8_t>(!arguments.is_go);
   message.requested_by = arguments.request.by;
-  for (int i = 0; i < kTimes; ++i) {
-    message.utime = time::to_utime(time::SystemClock().now());
+  for (int i = 0; i < kTimes && !node::stop_requested(); ++i) {
     message.stop_seq = i;
     bus.publish("STOP", message);
-    const auto end = std::chrono::steady_clock::now() + kPause;
-    while (std::chrono::steady_clock::now() < end) {
-      bus.handle(std::chrono::duration_cast<milliseconds>(kPause));
-    }
+    (void)node::handle_until(bus, kPauseS, [] { return false; });
   }
+}
+
+int release(bus::LiveBus& bus, const Arguments& arguments) {
+  if (node::await_processes(bus, {kBaseDriver}, arguments.request.wait_s).empty()) {
+    std::cerr << "nodmap-stop: no nodmap-kurt within " << arguments.request.wait_s << " s\n";
+    return 1;
+  }
+  send(bus, arguments);
+  return bus.counts().not_published == 0 ? 0 : 1;
+}
+
+/// A base driver that is stopped says so by a STOP once a second.
+int stop(bus::LiveBus& bus, const Arguments& arguments) {
+  bool is_confirmed = false;
+  bus.subscribe<stop_t>("STOP", [&is_confirmed](const stop_t& message) {
+    is_confirmed |= message.is_stopped != 0 && message.requested_by.starts_with(kBaseDriver);
+  });
+  send(bus, arguments);
+  if (!node::handle_until(bus, arguments.request.wait_s, [&] { return is_confirmed; })) {
+    std::cerr << "nodmap-stop: STOP was sent, but no nodmap-kurt has confirmed it within "
+              << arguments.request.wait_s << " s\n";
+    return 1;
+  }
+  return 0;
 }
 
 int run(const Arguments& arguments, const std::string& lcm_url) {
   bus::LiveBus bus(lcm_url);
-  if (arguments.is_go &&
-      node::await_processes(bus, {"nodmap-kurt"}, arguments.request.wait_s).empty()) {
-    std::cerr << "nodmap-stop: no nodmap-kurt within " << arguments.request.wait_s << " s\n";
-    return 1;
-  }
-  say(bus, arguments);
-  return bus.counts().not_published == 0 ? 0 : 1;
+  return arguments.is_go ? release(bus, arguments) : stop(bus, arguments);
 }
 
 }  // namespace
@@ -67,7 +82,7 @@ int main(int argc, char** argv) {
              app.add_flag("--go", arguments.is_go,
                           "Release the robot, after a STOP or a start of the base driver");
              node::add_request_options(app, arguments.request,
-                                       "With --go: how long to wait for the base driver, seconds");
+                                       "How long to wait for the base driver, seconds");
            },
        .run = [&arguments](const std::string& lcm_url) { return run(arguments, lcm_url); }});
 }

@@ -90,6 +90,7 @@ class Bench {
 
   void publish_stop(bool is_stopped, const std::string& by = "test") {
     nodmap::stop_t message{};
+    message.utime = ++stop_utime;
     message.is_stopped = static_cast<std::int8_t>(is_stopped);
     message.requested_by = by;
     bus.publish("STOP", message);
@@ -109,6 +110,7 @@ class Bench {
 
   time::SteadyTime now;
   std::int64_t drive_seq = 0;
+  std::int64_t stop_utime = 0;
   time::ManualClock clock{kStart};
   std::optional<test::PtyPair> pty{std::in_place};
   test::KurtEmulator base;

@@ -128,16 +128,36 @@ TEST(KurtNode, PublishesStopOnceASecondUntilReleased) {
   EXPECT_EQ(stop.get()->is_stopped, 1);
   EXPECT_EQ(stop.get()->requested_by, "nodmap-kurt, for its start");
   bench.publish_stop(false);
-  bench.publish_stop(true, "nodmap-kurt, for its start");  // overtaken on the network
+  bench.bus.publish("STOP", *stop.get());  // overtaken on the network
   bench.drive_for(0.5, 0.0, 3s);
   EXPECT_EQ(stop.count(), 5);
+  EXPECT_EQ(bench.base.left_cm_s(), 50);
+}
+
+// nodmap-stop sends a release three times. The second one comes after a STOP of somebody else.
+TEST(KurtNode, ARepeatedReleaseDoesNotUndoANewerStop) {
+  Bench bench;
+  nodmap::stop_t release{};
+  release.utime = 5'000'000;
+  release.requested_by = "nodmap-stop";
+  bench.bus.publish("STOP", release);
+  bench.drive_for(0.5, 0.0, 1s);
+  ASSERT_EQ(bench.base.left_cm_s(), 50);
+  bench.publish_stop(true, "page");
+  bench.bus.publish("STOP", release);
+  bench.drive_for(0.5, 0.0, 1s);
+  EXPECT_EQ(bench.base.left_cm_s(), 0);
+  release.utime = 6'000'000;
+  bench.bus.publish("STOP", release);
+  bench.drive_for(0.5, 0.0, 1s);
   EXPECT_EQ(bench.base.left_cm_s(), 50);
 }
 
 // Names that resemble the driver's own stop it as well, and their length is not repeated.
 TEST(KurtNode, AStopByAnyNameStopsIt) {
   for (const std::string& by :
-       {std::string("nodmap-kurt"), "nodmap-kurt, for " + std::string(250'000, 'x')}) {
+       {std::string("nodmap-kurt"), std::string("nodmap-kurt, for its start"),
+        "nodmap-kurt, for " + std::string(250'000, 'x')}) {
     Bench bench;
     ASSERT_TRUE(bench.becomes_ready());
     const bus::Latest<nodmap::stop_t> stop(bench.bus, "STOP");
