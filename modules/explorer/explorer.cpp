@@ -137,8 +137,11 @@ void Explorer::watch_visits(const Situation& now) {
 /// Detects that the target has failed: the robot does not come nearer to it.
 void Explorer::watch_target(const Situation& now) {
   const bool has_paused = std::chrono::abs(now.stamp - std::exchange(decided_, now.stamp)) > kPause;
-  if (has_paused) {
-    no_path_home_since_.reset();
+  if (has_paused || !now.has_no_path) {
+    no_path_since_.reset();
+  }
+  if (now.has_no_path) {
+    no_path_since_ = no_path_since_.value_or(now.stamp);
   }
   if (state_ != State::kExploring || !target_map_) {
     return;
@@ -148,9 +151,8 @@ void Explorer::watch_target(const Situation& now) {
     least_length_m_ = std::min(least_length_m_, length_m);
     progressed_ = now.stamp;
   }
-  const time::Duration patience =
-      time::from_seconds(now.has_no_path ? params_.patience.no_path_s : params_.patience.stuck_s);
-  if (std::chrono::abs(now.stamp - progressed_) > patience) {
+  if (has_no_path_for(params_.patience.no_path_s, now) ||
+      std::chrono::abs(now.stamp - progressed_) > time::from_seconds(params_.patience.stuck_s)) {
     failed_places_.add(*target_map_, now.stamp);
     target_map_.reset();
   }
@@ -259,6 +261,7 @@ void Explorer::set_target(const Eigen::Vector2d& p_map, double length_m, const S
   if (!target_map_ || (*target_map_ - p_map).norm() > kSameViewpointM) {
     least_length_m_ = length_m;
     progressed_ = now.stamp;
+    no_path_since_.reset();
   }
   target_map_ = p_map;
 }
@@ -291,12 +294,16 @@ void Explorer::drive_home(const Situation& now, Decision& decision) {
     decision.reason = kAtHome;
     return;
   }
-  if (has_no_path_home(now)) {
+  // By then the navigator has also looked around, and planned anew.
+  if (state_ == State::kReturning && has_no_path_for(params_.patience.stuck_s, now)) {
     end();
     decision.reason = kNoPathHome;
     return;
   }
-  state_ = State::kReturning;
+  if (state_ != State::kReturning) {
+    state_ = State::kReturning;
+    no_path_since_.reset();
+  }
   target_map_.reset();
   passing_map_.clear();
   decision.reason = "Everything has been seen: driving home.";
@@ -312,16 +319,9 @@ void Explorer::drive_home(const Situation& now, Decision& decision) {
                                   params_.home_tolerance_m);
 }
 
-/// Whether the navigator has found no path home for so long that it has also looked around, and
-/// planned anew.
-bool Explorer::has_no_path_home(const Situation& now) {
-  if (state_ != State::kReturning || !now.has_no_path) {
-    no_path_home_since_.reset();
-    return false;
-  }
-  no_path_home_since_ = no_path_home_since_.value_or(now.stamp);
-  return std::chrono::abs(now.stamp - *no_path_home_since_) >
-         time::from_seconds(params_.patience.stuck_s);
+bool Explorer::has_no_path_for(double seconds, const Situation& now) const {
+  return no_path_since_ &&
+         std::chrono::abs(now.stamp - *no_path_since_) > time::from_seconds(seconds);
 }
 
 std::vector<Eigen::Vector2d> Explorer::path_to(const Cell& cell) const {

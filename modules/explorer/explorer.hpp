@@ -82,7 +82,7 @@ class Explorer {
   void set_target(const Eigen::Vector2d& p_map, double length_m, const Situation& now);
   void drive_tour(const Situation& now, std::vector<Viewpoint> tour, Decision& decision);
   void drive_home(const Situation& now, Decision& decision);
-  [[nodiscard]] bool has_no_path_home(const Situation& now);
+  [[nodiscard]] bool has_no_path_for(double seconds, const Situation& now) const;
   [[nodiscard]] std::vector<Eigen::Vector2d> path_to(const Cell& cell) const;
 
   ExplorerParams params_;
@@ -101,8 +101,8 @@ class Explorer {
   double least_length_m_ = 0.0;                ///< length of the path to it at progressed_
   time::Timestamp progressed_{};
   time::Timestamp decided_{};
-  std::optional<time::Timestamp> no_path_home_since_;
-  std::vector<Eigen::Vector2d> passing_map_;  ///< viewpoints on the way to the goal
+  std::optional<time::Timestamp> no_path_since_;  ///< to the viewpoint, or home
+  std::vector<Eigen::Vector2d> passing_map_;      ///< viewpoints on the way to the goal
 };
 
 }  // namespace nodmap::explorer

@@ -183,6 +183,7 @@ void ExplorerNode::on_explore(const nodmap::explore_t& message) {
 void ExplorerNode::on_goal(const nodmap::goal_t& message) {
   context_.counts.use();
   keeps_place_ = keeps_place_ && is_own(message);
+  is_at_kept_place_ = is_at_kept_place_ && is_own(message);
   if (explorer_.state() != State::kIdle && !is_own(message)) {
     end("Another sender has set a goal.");
   }
@@ -191,12 +192,15 @@ void ExplorerNode::on_goal(const nodmap::goal_t& message) {
 /// During a STOP the exploration waits, and continues when the robot is released.
 void ExplorerNode::on_stop(const nodmap::stop_t& message) {
   context_.counts.use();
-  is_stopped_ = message.is_stopped != 0;
+  const bool is_released = std::exchange(is_stopped_, message.is_stopped != 0) && !is_stopped_;
+  // Meanwhile somebody may have moved the robot: it must not drive back.
+  keeps_place_ = keeps_place_ || (is_released && is_at_kept_place_);
 }
 
 void ExplorerNode::start() {
   explorer_.start();
   goal_sent_.reset();
+  is_at_kept_place_ = false;
   num_decisions_ = 0;
 }
 
@@ -212,6 +216,7 @@ std::optional<geometry::SE2> ExplorerNode::T_map_base() const {
 
 void ExplorerNode::keep_place(time::Timestamp now) {
   send_goal({T_map_base()->translation(), params_.goal_tolerance_m}, now);
+  is_at_kept_place_ = true;
 }
 
 void ExplorerNode::decide(time::Timestamp now) {

@@ -74,7 +74,8 @@ class ExplorerNode final : public node::Node {
   bool has_arrived_ = false;
   bool has_just_arrived_ = false;  // since the last decision
   std::string idle_reason_ = "Waiting to be started.";
-  bool keeps_place_ = false;  // the robot's next position becomes its goal
+  bool keeps_place_ = false;       // the robot's next position becomes its goal
+  bool is_at_kept_place_ = false;  // its goal is where it was at the exploration's end
 
   std::optional<time::Timestamp> decided_;
   nodmap::goal_t goal_{};  // the last one sent

@@ -162,10 +162,27 @@ TEST_F(Stuck, GivesUpAViewpointThatItDoesNotReachForAnotherOne) {
   EXPECT_EQ(explorer_.num_failures(), 1U);
 }
 
-TEST_F(Stuck, WithoutAPathItGivesUpSooner) {
-  (void)decide(0.0);
+// It waited 9 s for somebody before, and then finds no path for 4 s.
+TEST_F(Stuck, OnlyTheTimeWithoutAPathCounts) {
   const double no_path_s = ExplorerParams{}.patience.no_path_s;
-  for (double time_s = 0.5; time_s <= no_path_s + 0.5; time_s += 0.5) {
+  double time_s = 0.0;
+  for (; time_s < no_path_s + 1.0; time_s += 0.5) {
+    (void)decide(time_s);
+  }
+  const double since_s = time_s;
+  for (; time_s <= since_s + 0.5 * no_path_s; time_s += 0.5) {
+    (void)decide(time_s, true);
+  }
+  EXPECT_EQ(explorer_.num_failures(), 0U);
+  (void)decide(time_s, false);
+  EXPECT_EQ(explorer_.num_failures(), 0U);
+}
+
+TEST_F(Stuck, WithoutAPathItGivesUpSooner) {
+  const double no_path_s = ExplorerParams{}.patience.no_path_s;
+  (void)decide(0.0);
+  for (double time_s = 0.5; time_s <= no_path_s + 1.0; time_s += 0.5) {
+    EXPECT_EQ(explorer_.num_failures(), 0U);
     (void)decide(time_s, true);
   }
   EXPECT_EQ(explorer_.num_failures(), 1U);

@@ -221,24 +221,43 @@ TEST_F(ExplorerNodeTest, DecidesAtOnceWhenTheNavigatorHasArrived) {
   }
 }
 
-TEST_F(ExplorerNodeTest, APathThatIsMissingToAnotherGoalIsNoFailure) {
+// Both times are shorter than patience.stuck_s.
+TEST_F(ExplorerNodeTest, OnlyAPathThatIsMissingToItsOwnGoalIsAFailure) {
   give_map();
   ask(true);
   (void)give_pose();
   nodmap::path_t path{};
   path.state = nodmap::path_t::NO_PATH;
-  const std::int64_t own_utime = bus_.last<nodmap::goal_t>("GOAL").utime;
-  path.goal_utime = own_utime - 1;
-  bus_.deliver("PATH", path);
-  // Poses come twice a second.
-  for (int i = 0; i < 2.0 * ExplorerParams{}.patience.no_path_s + 2.0; ++i) {
-    (void)give_pose();
-  }
-  EXPECT_EQ(node_.metrics()["failures"], 0);
-  path.goal_utime = own_utime;
-  bus_.deliver("PATH", path);
-  (void)give_pose();
+  path.goal_utime = bus_.last<nodmap::goal_t>("GOAL").utime;
+  const auto wait = [&] {
+    const double wait_s = ExplorerParams{}.patience.no_path_s + 1.0;
+    for (double waited_s = 0.0; waited_s < wait_s; waited_s += 0.5) {
+      bus_.deliver("PATH", path);
+      (void)give_pose();
+    }
+  };
+  wait();
   EXPECT_EQ(node_.metrics()["failures"], 1);
+  ASSERT_NE(bus_.last<nodmap::goal_t>("GOAL").utime, path.goal_utime);
+  wait();
+  EXPECT_EQ(node_.metrics()["failures"], 1);
+}
+
+// Meanwhile somebody may have moved the robot, which must not drive back.
+TEST_F(ExplorerNodeTest, ThePlaceWhereItEndedIsRenewedWhenTheRobotIsReleased) {
+  give_map();
+  ask(true);
+  (void)give_pose();
+  stop(true);
+  ask(false);
+  EXPECT_EQ(bus_.last<nodmap::goal_t>("GOAL").position_m[0], 0.0);
+  utime_us_ += 10'000;
+  give_odometry(1.5);
+  EXPECT_EQ(bus_.last<nodmap::goal_t>("GOAL").position_m[0], 0.0);
+  stop(false);
+  utime_us_ += 10'000;
+  give_odometry(1.5);
+  EXPECT_EQ(bus_.last<nodmap::goal_t>("GOAL").position_m[0], 1.5);
 }
 
 TEST_F(ExplorerNodeTest, ANewMapEndsTheExplorationAndTheRobotStaysWhereItIs) {
