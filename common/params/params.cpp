@@ -102,11 +102,12 @@ class YamlLoader {
   void load(const YAML::Node& map, const std::string& prefix) {
     for (const auto& item : map) {
       const std::string where = file_ + ":" + std::to_string(item.first.Mark().line + 1);
-      if (std::ranges::count(prefix, '.') > kMaxSections) {
-        throw ParamError(where + ": too many sections within each other");
-      }
       if (item.first.IsScalar() && item.second.IsMap()) {
-        load(item.second, prefix + item.first.Scalar() + ".");
+        const std::string section = prefix + item.first.Scalar();
+        if (!table_.has_section(section)) {
+          throw ParamError(where + ": unknown section '" + section + "'");
+        }
+        load(item.second, section + ".");
       } else if (item.first.IsScalar() && item.second.IsScalar()) {
         const std::string key = prefix + item.first.Scalar();
         // Of two values that contradict each other, neither is known to be the one that is meant.
@@ -121,9 +122,6 @@ class YamlLoader {
   }
 
  private:
-  // Far more than any table has. By an alias, a section can contain itself.
-  static constexpr int kMaxSections = 20;
-
   std::string file_;
   Table& table_;
   std::set<std::string> keys_;  // set so far
@@ -209,6 +207,13 @@ void Table::throw_unknown(std::string_view name, std::string_view value,
   }
   throw ParamError(source + ": unknown key '" + std::string(name) + "' with value '" +
                    std::string(value) + "'" + help_for_unknown(name, entries_));
+}
+
+bool Table::has_section(std::string_view name) const {
+  const std::string prefix = std::string(name) + ".";
+  return std::ranges::any_of(entries_,
+                             [&](const Entry& e) { return e.name.starts_with(prefix); }) ||
+         std::ranges::any_of(renamed_, [&](const auto& r) { return r.first.starts_with(prefix); });
 }
 
 void Table::set_assignment(std::string_view assignment) {

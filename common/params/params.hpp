@@ -117,6 +117,9 @@ class Table {
   /// Sets one parameter from "key=value", as given to --set. Throws ParamError.
   void set_assignment(std::string_view assignment);
 
+  /// Whether this table, or an older version of it, has a section of this name ("a.b").
+  [[nodiscard]] bool has_section(std::string_view name) const;
+
   /// Loads a YAML map of parameters; sections are nested maps or dotted keys. Missing keys keep
   /// their defaults. Throws ParamError, or formats::InputFileError if the file cannot be read.
   void load_yaml(const std::filesystem::path& file);

@@ -103,8 +103,13 @@ TEST_F(ParamsTest, ASecondDocumentIsRefused) {
   EXPECT_EQ(params_.range_m, 4.0) << "neither is used";
 }
 
-TEST_F(ParamsTest, ASectionThatContainsItselfIsRefused) {
-  EXPECT_THAT(error_of_yaml("near: &near\n  far: *near\n"), HasSubstr("too many sections"));
+// Also where no value is in it that would be refused: by aliases, a section can contain itself, or
+// each of many sections the one before it ten times.
+TEST_F(ParamsTest, AnUnknownSectionIsRefused) {
+  EXPECT_THAT(error_of_yaml("near: &near\n  far: *near\n"),
+              AllOf(HasSubstr("p.yaml:1"), HasSubstr("unknown section 'near'")));
+  EXPECT_THAT(error_of_yaml("count: 4\nnera: {}\n"),
+              AllOf(HasSubstr("p.yaml:2"), HasSubstr("unknown section 'nera'")));
 }
 
 TEST_F(ParamsTest, ARefusedValueChangesNothing) {
