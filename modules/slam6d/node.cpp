@@ -91,9 +91,8 @@ void Slam6dNode::on_scan(const nodmap::scan_t& message) {
   last_stamp_ = scan.stamp;
   answer(registering_.count_message());
   answer_saved(occupancy_.count_message());
-  if (save_error_ && --scans_until_saved_again_ <= 0 && !occupancy_.is_working() &&
-      !registering_.is_running()) {
-    start_saving();
+  if (save_error_ && --scans_until_saved_again_ <= 0 && !occupancy_.is_working()) {
+    save_again();
   }
   if (auto sweep = slam_.collect(std::move(scan))) {
     register_sweep(std::move(*sweep));
@@ -101,6 +100,15 @@ void Slam6dNode::on_scan(const nodmap::scan_t& message) {
   count_scans();
   publish_restored_cloud();
   (void)publish_octomap_part();
+}
+
+/// A LOST robot that drives registers one sweep after the other: the sweep that is being registered
+/// is awaited. It may begin an update of the occupancy map.
+void Slam6dNode::save_again() {
+  answer(registering_.take());
+  if (!occupancy_.is_working()) {
+    start_saving();
+  }
 }
 
 void Slam6dNode::register_sweep(PlacedSweep sweep) {

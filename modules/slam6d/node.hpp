@@ -50,6 +50,7 @@ class Slam6dNode : public node::Node {
   void on_scan(const nodmap::scan_t& message);
   void on_save_request(const nodmap::save_request_t& message);
 
+  void save_again();
   void register_sweep(PlacedSweep sweep);
   void answer(const std::optional<PoseUpdate>& update);
   void publish(const PoseUpdate& update);

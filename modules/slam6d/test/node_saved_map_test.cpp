@@ -152,6 +152,33 @@ TEST_F(Slam6dNodeInASavedMap, ARobotThatIsNotFoundLeavesTheMapUnchanged) {
             first_.metrics["keyframes"].size());
 }
 
+// In another room than the map's, with sweeps of 40 scans: one is registered all the time.
+TEST_F(Slam6dNodeInASavedMap, TriesAgainToSaveWhileTheRobotHasNotBeenFound) {
+  test::MemoryBus bus;
+  node::MessageCounts counts;
+  node::Context context{bus, counts, dir_.path() / "not_there_yet"};
+  params_.assume_stationary = true;
+  Slam6dNode slam(context, params_, node::MapOptions{{}, saved_, {}});
+  const NoddingScanner scanner{.step_rad = geometry::deg_to_rad(2.0)};
+  const Room elsewhere{
+      {{{0, 0, 1}, 0.0}, {{0, 0, 1}, 9.0}, {{1, 1, 0}, 20.0}, {{1, -1, 0}, -15.0}}};
+  std::mt19937 random(9);
+  std::int64_t next = 0;
+  const auto put_scans = [&](int number) {
+    for (int i = 0; i < number; ++i) {
+      const auto still = [](time::Timestamp) { return geometry::SE3::Identity(); };
+      bus.deliver("SCAN", node::write_scan(scanner.scan(next++, elsewhere, still, random)));
+    }
+  };
+  bus.deliver("SAVE_REQUEST", nodmap::save_request_t{});
+  put_scans(75);  // one second: the first attempt is over
+  ASSERT_EQ(slam.health().state, node::HealthState::kDegraded);
+  fs::create_directory(context.out_dir);
+  put_scans(825);  // 11 s
+  EXPECT_EQ(slam.metrics()["localisation"]["searches_found"], 0);
+  EXPECT_TRUE(fs::exists(context.out_dir / "map.bt"));
+}
+
 TEST(Slam6dNode, SavesOnRequestAndEveryFewKeyframes) {
   const test::TemporaryDir dir;
   LogFile log(dir.path() / "save.lcmlog");
