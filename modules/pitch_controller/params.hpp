@@ -37,7 +37,9 @@ struct DetectionParams {
 
 struct SpeedParams {
   double fast_mps = 1.0;
-  double top_mps = 2.0;
+  /// At higher speeds the maps do not show the smallest obstacle as far ahead as the sweeps are
+  /// dense enough for it (README, Limits).
+  double top_mps = 1.7;
   double acceleration_mps2 = 1.0;
 
   template <class Visitor>

@@ -61,11 +61,14 @@ void PitchController::add_pitch(const PitchReading& reading) {
   turned_rad_ += pitch_ ? std::abs(reading.pitch_rad - pitch_->pitch_rad) : 0.0;
   pitch_ = reading;
   if (const auto sweep = meter_.add(reading)) {
-    turned_rad_ += plan_.nod.rate_rad_s * plan_.nod.reversal_s;
     count(*sweep);
     if (sweep->is_complete) {
       follow_.add(*sweep);
     }
+    // What a reversal takes counts as a way at the rate at which UnseenPlaces converts ways to
+    // times.
+    const NodMotion nod = follow_.motion(plan_, meter_.present());
+    turned_rad_ += nod.rate_rad_s * nod.reversal_s;
     regulate(*sweep);
     has_reversed_ = true;
   }

@@ -67,6 +67,7 @@ void set_robot(Robot robot, AllParams& params) {
   params.kurt.limits.max_speed_mps = kTopSpeedMps;
   params.navigator.drive.max_forward_mps = kTopSpeedMps;
   params.pitch_controller.mode = pitch_controller::Mode::kFixed;
+  params.pitch_controller.speed.top_mps = kTopSpeedMps;
   params.pitch_controller.detection.scan_period_s = time::seconds(kScanPeriod);
 }
 

@@ -129,7 +129,7 @@ double left_before_strip_m(const Drive& drive, const PitchControllerParams& para
                             (ahead_m + corridor.axis_behind_front_m) * std::tan(scan->pitch_rad);
     if (height_m >= strip.bottom_m && height_m <= strip.top_m) {
       const Drive::Moment braked = drive.at(scan->time_s + params.detection.processing_s);
-      return strip_m - braked.place_m -
+      return strip_m - braked.place_m - braked.speed_mps * kLagS -
              braked.speed_mps * braked.speed_mps /
                  (2.0 * params.robot.braking.emergency_deceleration_mps2);
     }
