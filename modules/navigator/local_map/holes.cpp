@@ -8,12 +8,10 @@ namespace nodmap::navigator {
 void add_hole(LocalGrid& grid, const Eigen::Vector2d& p_odom, bool is_certain, std::uint16_t scan,
               std::uint16_t travel_dm) {
   LocalCell* cell = grid.find(p_odom);
-  if (cell == nullptr) {
+  if (cell == nullptr || (!is_certain && cell->scan == scan)) {
     return;
   }
-  if (is_certain || cell->scan != scan) {
-    cell->hole = evidence::more(cell->hole, is_certain);
-  }
+  cell->hole = evidence::more(cell->hole, is_certain);
   cell->is_floor = false;
   cell->scan = scan;
   cell->seen_at_dm = travel_dm;

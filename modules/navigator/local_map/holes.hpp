@@ -18,7 +18,8 @@ inline const std::array<Eigen::Vector2i, 4> kAcrossEdge{
     Eigen::Vector2i(0, -kEdgeCells)};
 
 /// A beam of the scan number `scan` passed through the floor at `p_odom`. All uncertain beams
-/// of a scan together count once, because they share errors of pitch and tilt.
+/// of a scan together count once, because they share errors of pitch and tilt. They do not count in
+/// a cell where another beam of that scan has met the floor.
 void add_hole(LocalGrid& grid, const Eigen::Vector2d& p_odom, bool is_certain, std::uint16_t scan,
               std::uint16_t travel_dm);
 

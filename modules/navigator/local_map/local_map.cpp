@@ -66,6 +66,7 @@ void LocalMap::add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base
   const std::size_t n = scan.ranges_m.size();
   floor_.begin_scan(n);
   low_hits_.begin_scan(n);
+  uncertain_holes_.clear();
   const geometry::SE3 T_odom_mount = ground_.T_odom_base() * scan.T_base_mount;
   const std::vector<std::optional<double>> dazzled_m = dazzled_ranges(scan);
   for (std::size_t i = 0; i < n; ++i) {
@@ -81,6 +82,9 @@ void LocalMap::add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base
     }
   }
   low_hits_.end_scan(ground_.is_level(), grid_, floor_, obstacles_, scan_);
+  for (const Eigen::Vector2d& p_odom : uncertain_holes_) {
+    add_hole(grid_, p_odom, false, scan_, obstacles_.travel_dm());
+  }
   finder_.end_scan(ground_, T_odom_base);
   for (const TrackedGround::Joined& joined : ground_.take_joined()) {
     look_again(joined);
@@ -199,8 +203,10 @@ void LocalMap::classify_below(const Beam& beam, double range_m, std::size_t face
   const PossibleRamp ramp(grid_, ground_, params_, T_odom_base_->translation());
   if (ramp.leads_down(beam.origin + range_m * beam.direction, crossing_odom)) {
     add_possible_ramp(grid_, crossing_odom);
+  } else if (is_certain) {
+    add_hole(grid_, crossing_odom, true, scan_, obstacles_.travel_dm());
   } else {
-    add_hole(grid_, crossing_odom, is_certain, scan_, obstacles_.travel_dm());
+    uncertain_holes_.push_back(crossing_odom);
   }
 }
 

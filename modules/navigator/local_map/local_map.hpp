@@ -149,6 +149,7 @@ class LocalMap {
   FloorEvidence floor_;
   ObstacleMemory obstacles_;
   LowHits low_hits_;
+  Points uncertain_holes_;  // odom; of the present scan
   std::uint16_t scan_ = 0;
   Fan fan_;
 };

@@ -11,8 +11,11 @@ constexpr double kSideBySideM = 0.1;
 /// A line is measured at most this much below the floor: 0.6 degrees at 1.3 m, when the robot
 /// brakes.
 constexpr double kLineErrorM = 0.015;
-/// Six standard deviations of a range.
+/// Six standard deviations of a range: one beam in a thousand million has this error.
 constexpr double kRangeErrorM = 0.06;
+/// Four of them, which two beams side by side hardly ever have both. Of steep beams, which are less
+/// than a centimetre apart, hundreds meet the floor in each sweep.
+constexpr double kRangeErrorOfTwoM = 0.04;
 
 }  // namespace
 
@@ -29,8 +32,8 @@ void LowHits::add_floor(const Hit& hit) {
 
 /// What is within the tolerance is floor, unless it stands out of its line.
 ///
-/// Where two beams side by side end above the tolerance, there is something: the noise of their
-/// ranges is independent, and the errors of pitch and tilt that they share are within the
+/// Where two beams side by side end above the tolerance, and higher than by the noise of their
+/// ranges, there is something: the errors of pitch and tilt that they share are within the
 /// tolerance. So a low sill is known from a single line on it; the next one is a cell or more
 /// farther on. A brick of 3 cm has only one beam on it, which counts alone if it stands out of its
 /// line by more than the noise of a range.
@@ -47,7 +50,8 @@ void LowHits::end_scan(bool is_level, LocalGrid& grid, FloorEvidence& floor,
   std::ranges::sort(low_, {}, &Hit::beam);
   const auto are_side_by_side = [this](std::size_t a, std::size_t b) {
     return b < low_.size() && low_[a].beam + 1 == low_[b].beam &&
-           (low_[b].p_odom - low_[a].p_odom).norm() < kSideBySideM;
+           (low_[b].p_odom - low_[a].p_odom).norm() < kSideBySideM && is_above_noise(low_[a]) &&
+           is_above_noise(low_[b]);
   };
   bool is_beside_last = false;
   for (std::size_t i = 0; i < low_.size(); ++i) {
@@ -56,6 +60,10 @@ void LowHits::end_scan(bool is_level, LocalGrid& grid, FloorEvidence& floor,
                       is_beside_last || is_beside_next || is_above_line(low_[i]), scan);
     is_beside_last = is_beside_next;
   }
+}
+
+bool LowHits::is_above_noise(const Hit& hit) {
+  return hit.height_m > kRangeErrorOfTwoM * hit.sinking;
 }
 
 bool LowHits::is_above_line(const Hit& hit) const {

@@ -39,6 +39,7 @@ class LowHits {
                 const ObstacleMemory& obstacles, std::uint16_t scan);
 
  private:
+  [[nodiscard]] static bool is_above_noise(const Hit& hit);
   [[nodiscard]] bool is_above_line(const Hit& hit) const;
 
   double floor_tolerance_m_;
