@@ -34,6 +34,9 @@ constexpr double kAheadM = 0.3;
 constexpr double kAheadWeight = 0.6;
 /// Without a path from that point, its cost is that of the robot's place plus this.
 constexpr double kBlockedAheadM = 0.6;
+/// A rotation on the spot can go on to a better heading, at this cost for each radian.
+constexpr double kFurtherMPerRad = 0.2;
+constexpr double kFurtherStepRad = geometry::deg_to_rad(15.0);
 /// Additional cost of a place beside all paths, but near one.
 constexpr double kOffPathM = 0.5;
 /// A rotation of 1 rad moves the corners by about this.
@@ -152,8 +155,9 @@ const std::vector<Rollout>& Rollouts::plan(const Situation& now, const CostToGo&
   least_clearance_m_ = std::min(params_.least_clearance_m, clearance_now_m);
   least_creeping_clearance_m_ = std::min(least_clearance_m_, drive_.creep_margin_m);
   least_slow_clearance_m_ = std::min(least_clearance_m_, kSlowClearanceM);
-  const double free_rad = std::max(free_rotation(now.points_base, 1.0, body_, kSlowClearanceM),
-                                   free_rotation(now.points_base, -1.0, body_, kSlowClearanceM));
+  free_left_rad_ = free_rotation(now.points_base, 1.0, body_, kSlowClearanceM);
+  free_right_rad_ = free_rotation(now.points_base, -1.0, body_, kSlowClearanceM);
+  const double free_rad = std::max(free_left_rad_, free_right_rad_);
   reverse_price_m_ = free_rad < kTurnRad ? std::min(params_.reverse_price, kCannotTurnReversePriceM)
                                          : params_.reverse_price;
   rollouts_.clear();
@@ -273,8 +277,10 @@ void Rollouts::add(const Twist& first, double next_yaw_rate_rad_s, const Progres
                    const Situation& now, const CostToGo& cost_to_go) {
   Rollout rollout{first.forward_mps, first.yaw_rate_rad_s, next_yaw_rate_rad_s, 0.0};
   const geometry::SE2 T_map_end = now.T_map_odom * now.T_odom_base * end.pose_base;
-  rollout.cost = (end.has_arrived ? 0.0 : end_cost(T_map_end, cost_to_go)) +
-                 params_.clearance_weight * end.nearness_m +
+  const bool is_rotation = first.forward_mps == 0.0 && first.yaw_rate_rad_s != 0.0;
+  const double end_m = is_rotation ? rotation_cost(T_map_end, end.pose_base.yaw, cost_to_go)
+                                   : end_cost(T_map_end, cost_to_go);
+  rollout.cost = (end.has_arrived ? 0.0 : end_m) + params_.clearance_weight * end.nearness_m +
                  people_.weight_mps * foreseen_obstruction_s(end, now.people) +
                  params_.smoothness_weight * (std::abs(first.yaw_rate_rad_s - now.yaw_rate_rad_s) +
                                               std::abs(first.forward_mps - now.forward_mps)) +
@@ -282,6 +288,23 @@ void Rollouts::add(const Twist& first, double next_yaw_rate_rad_s, const Progres
   if (std::isfinite(rollout.cost)) {
     rollouts_.push_back(rollout);
   }
+}
+
+/// The plan's cost of a rotation on the spot that has come to `T_map_end`, by `rotated_rad`, and
+/// goes on to the best heading that is free. A path that leads back begins beyond what a rollout
+/// can rotate, and all headings before it cost the same: without looking further the robot would
+/// not turn round, but rotate a little to and fro.
+double Rollouts::rotation_cost(const geometry::SE2& T_map_end, double rotated_rad,
+                               const CostToGo& cost_to_go) const {
+  const double side = std::copysign(1.0, rotated_rad);
+  const double free_rad = side > 0.0 ? free_left_rad_ : free_right_rad_;
+  const double most_rad = std::min(geometry::kPi, free_rad) - std::abs(rotated_rad);
+  double cost_m = end_cost(T_map_end, cost_to_go);
+  for (double rad = kFurtherStepRad; rad <= most_rad; rad += kFurtherStepRad) {
+    const geometry::SE2 T_map_further = T_map_end * geometry::SE2{0.0, 0.0, side * rad};
+    cost_m = std::min(cost_m, end_cost(T_map_further, cost_to_go) + kFurtherMPerRad * rad);
+  }
+  return cost_m;
 }
 
 /// The least clearance of a motion that has reached `forward_mps`.

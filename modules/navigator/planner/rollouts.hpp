@@ -77,6 +77,8 @@ class Rollouts {
   [[nodiscard]] double foresee(Progress progress, bool stops, const People& people) const;
   void add(const Twist& first, double next_yaw_rate_rad_s, const Progress& end,
            const Situation& now, const CostToGo& cost_to_go);
+  [[nodiscard]] double rotation_cost(const geometry::SE2& T_map_end, double rotated_rad,
+                                     const CostToGo& cost_to_go) const;
   [[nodiscard]] double clearance_by_cells_m(const geometry::SE2& pose_base) const;
   [[nodiscard]] double least_clearance_m(const Twist& motion, double forward_mps) const;
   /// How much a pose obstructs people at a time, from 0 to 1 in the middle of somebody's path.
@@ -94,6 +96,8 @@ class Rollouts {
   double least_creeping_clearance_m_ = 0.0;  // forwards, no faster than Brake creeps
   double least_slow_clearance_m_ = 0.0;      // on the spot and backwards
   double reverse_price_m_ = 0.0;
+  double free_left_rad_ = 0.0;  // on the spot
+  double free_right_rad_ = 0.0;
   std::vector<Rollout> rollouts_;
 };
 

@@ -90,9 +90,9 @@ TEST(PlanOnward, APlanMadeAroundAFormerPlaceIsDropped) {
 struct RoamingTest : testing::Test {
   /// Decides this many times with the robot in one place, though its wheels turn; returns the last
   /// decision.
-  std::optional<Decision> decide(const test::Ground& ground, double forward_mps,
-                                 int num_decisions) {
-    const LocalMap map = seen_from_start(ground);
+  std::optional<Decision> decide(const test::Ground& ground, double forward_mps, int num_decisions,
+                                 int quarters = 1) {
+    const LocalMap map = seen_from_start(ground, quarters);
     Situation now;
     now.local_map = &map;
     now.max_forward_mps = max_forward_mps;
@@ -120,6 +120,18 @@ TEST_F(RoamingTest, PassesTheEndOfAWallWithoutStopping) {
   ASSERT_TRUE(decision);
   EXPECT_GT(decision->forward_mps, 0.3);
   EXPECT_GT(decision->yaw_rate_rad_s, 0.0);
+}
+
+// A lane 0.9 m wide ends 0.4 m before the robot. All headings that a rollout of 1.6 s reaches face
+// its walls.
+TEST_F(RoamingTest, AtTheEndOfALaneItTurnsRoundAtOnce) {
+  const auto decision = decide({{{{-1.5, 0.45}, {0.8, 0.55}, 0.5},
+                                 {{-1.5, -0.55}, {0.8, -0.45}, 0.5},
+                                 {{0.7, -0.55}, {0.8, 0.55}, 0.5}}},
+                               0.0, 40, 4);
+  ASSERT_TRUE(decision);
+  EXPECT_EQ(decision->forward_mps, 0.0);
+  EXPECT_GT(std::abs(decision->yaw_rate_rad_s), 0.8);
 }
 
 TEST_F(RoamingTest, WaitsForItsFirstPlan) {
