@@ -28,8 +28,12 @@ constexpr double kCreepRadS = geometry::deg_to_rad(10.0);
 }  // namespace
 
 Arc Brake::measure_arc(double curvature, const Situation& now) const {
+  return measure_arc(curvature, creeps_, now);
+}
+
+Arc Brake::measure_arc(double curvature, bool creeps, const Situation& now) const {
   Arc arc = measure_corridor(curvature, drive_.side_margin_m, braking_.stop_margin_m, now);
-  if (creeps_ && arc.speed_mps < drive_.creep_mps) {
+  if (creeps && arc.speed_mps < drive_.creep_mps) {
     Arc narrow = measure_corridor(curvature, drive_.creep_margin_m,
                                   std::min(kCreepStopMarginM, braking_.stop_margin_m), now);
     narrow.speed_mps = std::min(narrow.speed_mps, drive_.creep_mps);
@@ -99,7 +103,10 @@ double Brake::speed_on_present_arc(const Situation& now) const {
   if (forward_mps < kLeastSpeedMps) {
     return std::numeric_limits<double>::infinity();
   }
-  const Arc arc = measure_arc(now.yaw_rate_rad_s / forward_mps, now);
+  // A robot that has rotated and begins to drive is on a tight arc, on which 15 cm are 50 degrees.
+  // If it had to keep them, it would stop again. Slowly it needs no more than a creeping one.
+  const bool creeps = creeps_ || forward_mps < drive_.creep_mps;
+  const Arc arc = measure_arc(now.yaw_rate_rad_s / forward_mps, creeps, now);
   const double emergency_mps = robot::stoppable_speed(arc.free_distance_m - arc.stop_margin_m, 0.0,
                                                       braking_.emergency_deceleration_mps2);
   return forward_mps > emergency_mps ? 0.0 : arc.speed_mps;

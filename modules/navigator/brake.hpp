@@ -40,6 +40,7 @@ class Brake {
 
   /// The greatest speed on the arc that the robot is on now, and on which it would brake. 0 if an
   /// obstacle is nearer than even an emergency stop needs; +infinity if the robot hardly moves.
+  /// Below the creep speed the margins of a creeping robot suffice.
   [[nodiscard]] double speed_on_present_arc(const Situation& now) const;
 
   /// Slows down a rotation, or an arc that swings the rear aside, over ground that is not known to
@@ -59,6 +60,7 @@ class Brake {
   [[nodiscard]] double stoppable_mps(double distance_m) const;
 
  private:
+  [[nodiscard]] Arc measure_arc(double curvature, bool creeps, const Situation& now) const;
   [[nodiscard]] Arc measure_corridor(double curvature, double side_margin_m, double stop_margin_m,
                                      const Situation& now) const;
   [[nodiscard]] double speed_before_corners(double curvature, const Situation& now) const;

@@ -74,6 +74,23 @@ TEST(Brake, StopsAtOnceIfEvenAnEmergencyStopWouldBeTooLong) {
   EXPECT_EQ(speed(0.05, 0.3), kInf);
 }
 
+// The robot rotates at 0.45 rad/s and begins to drive. On its arc, with a radius of 0.16 m, the
+// front left corner comes to an obstacle beside the body after 0.11 m: that is less than the margin
+// of 0.15 m, but a robot at 0.07 m/s needs no such margin. At 0.3 m/s, on the same arc, it does.
+TEST(Brake, ASlowRobotThatHasRotatedMayDriveOn) {
+  const Brake brake(NavigatorParams{});
+  Situation now;
+  now.points_base = {{0.1, 0.33}};
+  const auto speed = [&](double forward_mps) {
+    now.forward_mps = forward_mps;
+    now.yaw_rate_rad_s = forward_mps / 0.16;
+    return brake.speed_on_present_arc(now);
+  };
+  EXPECT_GT(speed(0.07), 0.07);
+  EXPECT_LE(speed(0.07), DriveParams{}.creep_mps);
+  EXPECT_EQ(speed(0.3), 0.0);
+}
+
 // The corridor is 0.165 m + 0.06 m + 0.1 m wide to each side. The front is at 0.225 m, and 0.15 m
 // remain.
 TEST(Brake, StopsBeforeWhatMayBeTheCornerOfAHole) {
