@@ -14,6 +14,10 @@ constexpr double kMaxCorrespondenceVoxels = 1.5;
 constexpr double kNormalReachSigmas = 2.0;
 constexpr double kMaxReachVoxels = 6.0;
 
+float max_correspondence_m(const VoxelGrid& grid) {
+  return static_cast<float>(kMaxCorrespondenceVoxels * grid.voxel_size_m());
+}
+
 }  // namespace
 
 std::optional<double> normal_reach_m(const Matrix6d& covariance, const Matrix6d& prior_covariance,
@@ -36,7 +40,7 @@ CorrespondenceSearch::Match CorrespondenceSearch::look_up(const VoxelGrid& grid,
                                                           const Eigen::Vector3f& p_map,
                                                           const Eigen::Vector3f& normal_map) const {
   const auto voxel_size_m = static_cast<float>(grid.voxel_size_m());
-  const float max_m = static_cast<float>(kMaxCorrespondenceVoxels) * voxel_size_m;
+  const float max_m = max_correspondence_m(grid);
   VoxelGrid::Nearest nearest = grid.find_nearest(p_map, max_m);
   for (int k = 1; k <= 2 * steps_along_normal_ && !corresponds(nearest.place, grid, normal_map);
        ++k) {
@@ -45,6 +49,21 @@ CorrespondenceSearch::Match CorrespondenceSearch::look_up(const VoxelGrid& grid,
     nearest = grid.find_nearest(p_map + step * voxel_size_m * normal_map, max_m);
   }
   return {p_map, nearest.slack_m * nearest.slack_m, nearest.place};
+}
+
+bool CorrespondenceSearch::is_on_plane(std::size_t level, const Eigen::Vector3f& p_map,
+                                       const Eigen::Vector3f& normal_map,
+                                       float max_distance_m) const {
+  for (; level < VoxelMap::kLevels; ++level) {
+    const VoxelGrid& grid = map_.level(level);
+    const std::uint32_t place = grid.nearest(p_map, max_correspondence_m(grid));
+    if (place != VoxelGrid::kNone && grid.voxels()[place].has_plane()) {
+      const Voxel& voxel = grid.voxels()[place];
+      return corresponds(place, grid, normal_map) &&
+             std::abs(voxel.normal.dot(voxel.mean - p_map)) < max_distance_m;
+    }
+  }
+  return false;
 }
 
 }  // namespace nodmap::slam6d

@@ -47,6 +47,12 @@ class CorrespondenceSearch {
                : nullptr;
   }
 
+  /// Whether a point of `level` is within `max_distance_m` of the map's plane there, and faces the
+  /// same way. The plane is one of that size or, where the map is too sparse for one, of a larger
+  /// size.
+  [[nodiscard]] bool is_on_plane(std::size_t level, const Eigen::Vector3f& p_map,
+                                 const Eigen::Vector3f& normal_map, float max_distance_m) const;
+
  private:
   // The nearest voxel to where a point was when it was looked up, and how far the point may move
   // from there.

@@ -36,6 +36,10 @@ struct InlierCount {
   std::size_t points = 0;
   std::size_t inliers = 0;
 
+  void add(bool is_inlier) {
+    ++points;
+    inliers += is_inlier ? 1 : 0;
+  }
   [[nodiscard]] double ratio() const {
     return static_cast<double>(inliers) / static_cast<double>(std::max<std::size_t>(1, points));
   }
@@ -215,9 +219,9 @@ class SweepRegistration {
     return selection;
   }
 
-  // w_ij of Eq. 3: calls `use(point, p_map, normal_map, voxel)` for each correspondence.
+  // Calls `use(i, level, p_map, normal_map)` for each point of a selection.
   template <class Use>
-  void for_each_correspondence(const VoxelMap::Selection& selection, const Use& use) {
+  void for_each_point(const VoxelMap::Selection& selection, const Use& use) const {
     const Eigen::Matrix3f R = result_.T_map_base.linear().cast<float>();
     const Eigen::Vector3f t = result_.T_map_base.translation().cast<float>();
     const Eigen::Vector3f step = since_deskew_.translation_m.cast<float>();
@@ -229,13 +233,20 @@ class SweepRegistration {
         if constexpr (N == 12) {
           p_base += point.time * (step + turn.cross(point.p - point.time * sweep_.half_path()));
         }
-        const Eigen::Vector3f p_map = R * p_base + t;
-        const Eigen::Vector3f normal_map = R * point.normal;
-        if (const Voxel* voxel = correspondences_.find(i, l, p_map, normal_map)) {
-          use(point, p_map, normal_map, *voxel);
-        }
+        use(i, l, Eigen::Vector3f(R * p_base + t), Eigen::Vector3f(R * point.normal));
       }
     }
+  }
+
+  // w_ij of Eq. 3: calls `use(point, p_map, normal_map, voxel)` for each correspondence.
+  template <class Use>
+  void for_each_correspondence(const VoxelMap::Selection& selection, const Use& use) {
+    for_each_point(selection, [&](std::size_t i, std::size_t l, const Eigen::Vector3f& p_map,
+                                  const Eigen::Vector3f& normal_map) {
+      if (const Voxel* voxel = correspondences_.find(i, l, p_map, normal_map)) {
+        use(selection.points[i], p_map, normal_map, *voxel);
+      }
+    });
   }
 
   // The distance of a point from the plane of its correspondence.
@@ -325,20 +336,16 @@ class SweepRegistration {
   // How much of the sweep lies on the map's planes. Floor and ceiling lie on them at any place and
   // heading, so upright planes are also counted on their own.
   void count_inliers() {
-    const VoxelMap::Selection selection = select(0);
-    const Eigen::RowVector3f up_base = result_.T_map_base.linear().row(2).cast<float>();
+    const VoxelMap::Selection selection = sweep_.select(0);
+    const auto max_m = static_cast<float>(2.0 * params_.fine_residual_scale_m);
     InlierCount all;
     InlierCount upright;
-    for (const OrientedPoint& point : selection.points) {
-      ++all.points;
-      upright.points += is_upright(up_base.dot(point.normal)) ? 1 : 0;
-    }
-    const auto max_m = static_cast<float>(2.0 * params_.fine_residual_scale_m);
-    for_each_correspondence(selection, [&](const OrientedPoint& point, const Eigen::Vector3f& p_map,
-                                           const Eigen::Vector3f&, const Voxel& voxel) {
-      if (std::abs(voxel.normal.dot(voxel.mean - p_map)) < max_m) {
-        ++all.inliers;
-        upright.inliers += is_upright(up_base.dot(point.normal)) ? 1 : 0;
+    for_each_point(selection, [&](std::size_t, std::size_t l, const Eigen::Vector3f& p_map,
+                                  const Eigen::Vector3f& normal_map) {
+      const bool is_inlier = correspondences_.is_on_plane(l, p_map, normal_map, max_m);
+      all.add(is_inlier);
+      if (is_upright(normal_map.z())) {
+        upright.add(is_inlier);
       }
     });
     result_.inlier_ratio = all.ratio();

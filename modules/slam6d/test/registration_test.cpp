@@ -24,12 +24,13 @@ constexpr double kMargin = 1.25;
 
 const Eigen::Vector3f kMirror(0.1F, 0.0F, 0.4F);
 
-// A sweep of a stationary scanner at a pose, in base; the ranges have 1 cm of noise.
-VoxelMap see(const Room& room, const SE3& T_world_base, unsigned seed) {
+// A sweep of a stationary scanner at a pose, in base; the ranges have 1 cm of noise. `step_deg`:
+// the pitch from scan to scan.
+VoxelMap see(const Room& room, const SE3& T_world_base, unsigned seed, double step_deg = 1.0) {
   std::mt19937 random(seed);
-  const NoddingScanner scanner{.noise_m = 0.01};
+  const NoddingScanner scanner{.step_rad = deg_to_rad(step_deg), .noise_m = 0.01};
   std::vector<Eigen::Vector3f> points;
-  for (int i = 0; i < 80; ++i) {
+  for (int i = 0; i < static_cast<int>(80.0 / step_deg); ++i) {
     const scan::Scan scan = scanner.scan(
         i, room, [&](time::Timestamp) { return T_world_base; }, random);
     for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
@@ -42,9 +43,9 @@ VoxelMap see(const Room& room, const SE3& T_world_base, unsigned seed) {
   return VoxelMap::from_points(points, kMirror, {});
 }
 
-VoxelMap map_of(const Room& room) {
+VoxelMap map_of(const Room& room, double step_deg = 1.0) {
   VoxelMap map{VoxelMapParams{}};
-  map.add_sweep(see(room, SE3::Identity(), 1), SE3::Identity());
+  map.add_sweep(see(room, SE3::Identity(), 1, step_deg), SE3::Identity());
   return map;
 }
 
@@ -90,6 +91,26 @@ TEST(Registration, R44_FindsSixDegreesOfFreedomInAHall) {
   const double sigma_m = std::sqrt(found.covariance.topLeftCorner<3, 3>().trace());
   EXPECT_LT(error_of(found, T_truth).translation().norm(), 4.0 * sigma_m);
   EXPECT_LT(sigma_m, kMargin * 0.0028);
+}
+
+// A fast robot sweeps in coarse steps; when it slows down, the steps become fine. A fine sweep has
+// planes in the smallest voxels, where the map has too few points for any: it lies on the map's
+// coarser planes. These reach far, but at a wrong heading the walls lie on none.
+TEST(Registration, AFineSweepFitsAMapOfCoarseSweepsAtTheRightHeadingOnly) {
+  const VoxelMap map = map_of(Room::hall(), 3.0);
+  const SE3 T_truth = pose(0.8, -0.2, 0.0, 0.0, 0.0, 6.0);
+  const VoxelMap sweep = see(Room::hall(), T_truth, 2, 0.5);
+  const SE3 T_guess = T_truth * pose(0.1, 0.05, -0.02, 0.5, 0.5, -2.0);
+  const Registration found = registered(sweep, map, loose_prior(T_guess), {});
+  ASSERT_EQ(found.status, RegistrationStatus::kTracking);
+  EXPECT_GT(found.lowest_inlier_ratio(), 0.5);  // both see the same surfaces, apart from edges
+  EXPECT_LT(error_of(found, T_truth).translation().norm(), kMargin * 0.0104);
+  EXPECT_LT(geometry::rotation_angle(error_of(found, T_truth)), deg_to_rad(kMargin * 0.134));
+  for (const double off_deg : {20.0, 45.0, 90.0, 180.0}) {
+    PosePrior prior = loose_prior(T_truth * pose(0.0, 0.0, 0.0, 0.0, 0.0, off_deg));
+    prior.covariance *= 0.01;
+    EXPECT_FALSE(registered(sweep, map, prior, {}).is_accepted()) << off_deg;
+  }
 }
 
 // The result does not depend on the guess: eight guesses lead to the same pose, within about the
