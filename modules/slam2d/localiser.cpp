@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "modules/slam2d/best_place.hpp"
+
 namespace nodmap::slam2d {
 namespace {
 
@@ -35,7 +37,8 @@ Localiser::Localiser(const Slam2dParams& params, const KnownMap& map,
       matcher_(params.matcher),
       search_(params.search),
       relocaliser_(params.relocalise, params.matcher),
-      T_map_start_(T_map_start) {}
+      T_map_start_(T_map_start),
+      doubt_(params.doubt) {}
 
 void Localiser::change_odometry_frame(const geometry::SE3& T_new_odom_base) {
   const geometry::SE2 T_old_new = input_.change_odometry_frame(T_new_odom_base);
@@ -60,6 +63,7 @@ std::optional<PoseUpdate> Localiser::add_scan(const scan::Scan& scan) {
   if (T_odom_last_) {
     covariance_.move(T_map_odom_.yaw + T_odom_last_->yaw,
                      T_odom_last_->inverse() * level_scan->T_odom_base);
+    begin_doubt_after_gap(*level_scan);
   }
   T_odom_last_ = level_scan->T_odom_base;
   PoseUpdate update = state_ == State::kLost ? search_whole_map(*level_scan) : track(*level_scan);
@@ -71,11 +75,26 @@ std::optional<PoseUpdate> Localiser::add_scan(const scan::Scan& scan) {
   return update;
 }
 
+// Meanwhile the robot may have driven on, or have been carried: its place is to be found again.
+void Localiser::begin_doubt_after_gap(const LevelScan& scan) {
+  if (!scan.has_odometry_gap()) {
+    return;
+  }
+  covariance_.lose_track(scan.odometry_gap_s);
+  if (state_ != State::kLost) {
+    doubt_.begin(scan.odometry_gap_s);
+    failed_search_.reset();
+  }
+}
+
 PoseUpdate Localiser::track(const LevelScan& scan) {
+  std::optional<Match> match;
+  if (scan.has_enough_points()) {
+    match = doubt_.is_there() ? match_in_doubt(scan) : this->match(scan);
+  }
   PoseUpdate update{.stamp = scan.stamp, .T_map_base = T_map_odom_ * scan.T_odom_base};
-  const std::optional<Match> match = scan.has_enough_points() ? this->match(scan) : std::nullopt;
   if (!match) {
-    doubt(scan, update);
+    follow_odometry(scan, update);
     return update;
   }
   misfit_since_.reset();
@@ -84,11 +103,13 @@ PoseUpdate Localiser::track(const LevelScan& scan) {
   update.score = match->score;
   update.rms_m = match->rms_m;
   T_map_odom_ = update.T_map_base * scan.T_odom_base.inverse();
-  covariance_.match(match->information);
-  confirm(scan);
-  update.quality = state_ == State::kLocated && match->degenerate_directions == 0
-                       ? PoseQuality::kTracking
-                       : PoseQuality::kDegraded;
+  if (!doubt_.is_there()) {  // otherwise the scan fits elsewhere, too
+    covariance_.match(match->information);
+    confirm(scan);
+  }
+  const bool is_sure = state_ == State::kLocated && !doubt_.is_there();
+  update.quality = is_sure && match->degenerate_directions == 0 ? PoseQuality::kTracking
+                                                                : PoseQuality::kDegraded;
   return update;
 }
 
@@ -113,12 +134,38 @@ std::optional<Match> Localiser::match(const LevelScan& scan) {
   return std::nullopt;
 }
 
+/// Searches all places in reach. Until the scan fits only one of them, it is matched from odometry.
+std::optional<Match> Localiser::match_in_doubt(const LevelScan& scan) {
+  const geometry::SE2 T_map_guess = T_map_odom_ * scan.T_odom_base;
+  if (is_search_due(scan)) {
+    const Relocalisation found = relocaliser_.locate(
+        map_, {T_map_guess, doubt_.reach_m(), params_.doubt.search_rotation_rad}, scan);
+    if (found.status == Relocalisation::Status::kFound) {
+      doubt_.end();
+      if (!is_same_place(found.T_map_base, T_map_guess)) {
+        take_place(found.T_map_base, scan);
+      }
+      return match(scan);
+    }
+    failed_search_ = FailedSearch{scan.stamp, scan.T_odom_base};
+  }
+  const Match tracked = matcher_.match(map_.points(), scan.points_base, T_map_guess);
+  return fits(scan, tracked) ? std::optional(tracked) : std::nullopt;
+}
+
 bool Localiser::fits(const LevelScan& scan, const Match& match) const {
   if (!match.found() || match.score < params_.localise.min_score) {
     return false;
   }
   const WallFit walls = map_.fit_walls(scan.points_base, scan.sensor_origin_base, match.T_map_base);
   return match.score - walls.through_walls >= params_.localise.min_score;
+}
+
+/// A place that a search has found, to be confirmed from farther on.
+void Localiser::take_place(const geometry::SE2& T_map_base, const LevelScan& scan) {
+  state_ = State::kUnconfirmed;
+  T_map_odom_ = T_map_base * scan.T_odom_base.inverse();
+  T_odom_found_ = scan.T_odom_base;
 }
 
 void Localiser::confirm(const LevelScan& scan) {
@@ -128,20 +175,21 @@ void Localiser::confirm(const LevelScan& scan) {
   }
 }
 
-// A place that was never confirmed is given up at once.
-void Localiser::doubt(const LevelScan& scan, PoseUpdate& update) {
+// A place that was never confirmed, or is in doubt, is given up at once.
+void Localiser::follow_odometry(const LevelScan& scan, PoseUpdate& update) {
   update.quality = PoseQuality::kOdometry;
   if (!scan.has_enough_points()) {
     return;  // says nothing about the pose
   }
   misfit_since_ = misfit_since_.value_or(scan.stamp);
-  if (state_ == State::kUnconfirmed ||
+  if (state_ == State::kUnconfirmed || doubt_.is_there() ||
       seconds_between(*misfit_since_, scan.stamp) >= params_.localise.max_misfit_s) {
     state_ = State::kLost;
     update.quality = PoseQuality::kLost;
     ++metrics_.times_lost;
     misfit_since_.reset();
     failed_search_.reset();
+    doubt_.end();
   }
 }
 
@@ -159,9 +207,7 @@ PoseUpdate Localiser::search_whole_map(const LevelScan& scan) {
     return update;
   }
   ++metrics_.found;
-  state_ = State::kUnconfirmed;
-  T_map_odom_ = found.T_map_base * scan.T_odom_base.inverse();
-  T_odom_found_ = scan.T_odom_base;
+  take_place(found.T_map_base, scan);
   return track(scan);
 }
 

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "common/geometry/time.hpp"
+#include "modules/slam2d/doubt.hpp"
 #include "modules/slam2d/known_map.hpp"
 #include "modules/slam2d/level_scan.hpp"
 #include "modules/slam2d/params.hpp"
@@ -23,7 +24,8 @@ struct LocaliserMetrics {
 };
 
 /// Localises in a known map, which it never changes: level scans are matched against it from the
-/// pose by odometry. At the start, or once the robot is lost, the whole map is searched.
+/// pose by odometry. At the start, or once the robot is lost, the whole map is searched; after a
+/// gap in odometry, what was in reach.
 class Localiser {
  public:
   /// `map` must outlive this. `T_map_start`: where the robot is at the first scan, if known.
@@ -53,12 +55,15 @@ class Localiser {
     geometry::SE2 T_odom_base;
   };
 
+  void begin_doubt_after_gap(const LevelScan& scan);
   [[nodiscard]] PoseUpdate track(const LevelScan& scan);
   [[nodiscard]] PoseUpdate search_whole_map(const LevelScan& scan);
   [[nodiscard]] std::optional<Match> match(const LevelScan& scan);
+  [[nodiscard]] std::optional<Match> match_in_doubt(const LevelScan& scan);
   [[nodiscard]] bool fits(const LevelScan& scan, const Match& match) const;
+  void take_place(const geometry::SE2& T_map_base, const LevelScan& scan);
   void confirm(const LevelScan& scan);
-  void doubt(const LevelScan& scan, PoseUpdate& update);
+  void follow_odometry(const LevelScan& scan, PoseUpdate& update);
   [[nodiscard]] bool is_search_due(const LevelScan& scan) const;
 
   Slam2dParams params_;
@@ -73,8 +78,9 @@ class Localiser {
   PoseCovariance covariance_;
   std::optional<geometry::SE2> T_odom_last_;  // of the last level scan
   geometry::SE2 T_odom_found_;                // where the place was found
+  Doubt doubt_;                               // about odometry, after a gap in it
   std::optional<time::Timestamp> misfit_since_;
-  /// The last search that found nothing, in the whole map or around odometry.
+  /// The last search that did not tell the place, in the whole map or around odometry.
   std::optional<FailedSearch> failed_search_;
   LocaliserMetrics metrics_;
 };

@@ -112,11 +112,13 @@ struct DoubtParams {
              "While odometry is in doubt, the robot is lost when no place scores at least this. "
              "Wrong places score up to about half, because walls of other rooms fit over part of "
              "their length.");
-    v.number("search_distance_m", search_distance_m, {0.1, 100.0},
-             "The local submap is searched up to this distance from odometry, in x and in y; after "
-             "a gap in odometry up to 3 m for each second of the gap, if that is less.");
+    v.number(
+        "search_distance_m", search_distance_m, {0.1, 100.0},
+        "The local submap, or the known map, is searched up to this distance from odometry, in "
+        "x and in y; after a gap in odometry up to 3 m for each second of the gap, if that is "
+        "less.");
     v.angle("search_rotation_deg", search_rotation_rad, {0.0, 180.0},
-            "The local submap is searched up to this rotation from odometry.");
+            "The local submap, or the known map, is searched up to this rotation from odometry.");
     v.number("min_search_score", min_search_score, {0.05, 1.0},
              "The search finds nothing when the best mean likelihood is below this. It is low "
              "because much of the scan may show what is not in the local submap yet.");

@@ -58,20 +58,26 @@ bool Relocaliser::agree(const geometry::SE2& a, const geometry::SE2& b) const {
 }
 
 Relocalisation Relocaliser::locate(const KnownMap& map, const LevelScan& scan) const {
-  return locate(map, {&scan, 1});
+  return locate(map, map.window(), scan);
+}
+
+Relocalisation Relocaliser::locate(const KnownMap& map, const SearchWindow& window,
+                                   const LevelScan& scan) const {
+  return find_places(map, window, scan).alone;
 }
 
 Relocalisation Relocaliser::locate(const KnownMap& map, std::span<const LevelScan> scans) const {
   std::vector<Places> found;
   for (const LevelScan& scan : scans) {
-    found.push_back(find_places(map, scan));
+    found.push_back(find_places(map, map.window(), scan));
   }
   return scans.size() == 1 ? found.front().alone : join(map, scans, found);
 }
 
-Relocaliser::Places Relocaliser::find_places(const KnownMap& map, const LevelScan& scan) const {
-  const CorrelativeMatch search = correlative_.search(
-      map.likelihood(), points_to_search(scan.points_base), map.window(), kMaxPeaks);
+Relocaliser::Places Relocaliser::find_places(const KnownMap& map, const SearchWindow& window,
+                                             const LevelScan& scan) const {
+  const CorrelativeMatch search =
+      correlative_.search(map.likelihood(), points_to_search(scan.points_base), window, kMaxPeaks);
   Places found;
   for (const Peak& peak : search.peaks) {
     if (const std::optional<Place> place = match(map, scan, peak.T_map_base)) {

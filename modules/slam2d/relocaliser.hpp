@@ -41,6 +41,10 @@ class Relocaliser {
   /// Locates a single scan.
   [[nodiscard]] Relocalisation locate(const KnownMap& map, const LevelScan& scan) const;
 
+  /// Locates a single scan that was taken in this part of the map.
+  [[nodiscard]] Relocalisation locate(const KnownMap& map, const SearchWindow& window,
+                                      const LevelScan& scan) const;
+
   /// Locates the last of one or more successive scans. Each is placed on its own, and each place,
   /// moved by odometry, is tried for the others, too. Together the scans distinguish places that
   /// look alike to a single scan. A place that one of them contradicts is not believed.
@@ -77,7 +81,8 @@ class Relocaliser {
   /// The best of some places that agree with a pose.
   [[nodiscard]] std::optional<Place> best_near(std::span<const Place> places,
                                                const geometry::SE2& T_map_base) const;
-  [[nodiscard]] Places find_places(const KnownMap& map, const LevelScan& scan) const;
+  [[nodiscard]] Places find_places(const KnownMap& map, const SearchWindow& window,
+                                   const LevelScan& scan) const;
   [[nodiscard]] std::optional<Place> match(const KnownMap& map, const LevelScan& scan,
                                            const geometry::SE2& T_map_base) const;
   /// The index of the best of some places, which must not be empty.

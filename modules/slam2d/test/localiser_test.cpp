@@ -22,6 +22,12 @@ class Drive {
  public:
   Drive(const KnownMap& map, const std::optional<SE2>& start) : localiser_({}, map, start) {}
 
+  /// Odometry is absent for a time, in which the robot moves.
+  void move_unseen(const SE2& motion, time::Duration duration) {
+    truth = truth * motion;
+    stamp_ += duration;
+  }
+
   /// Drives one step and takes a scan. Returns the resulting pose.
   PoseUpdate step(const SE2& motion) {
     truth = truth * motion;
@@ -114,6 +120,58 @@ TEST(Localiser, InAnotherBuildingTheRobotIsNeverTracked) {
     EXPECT_NE(drive.step({0.1, 0.0, 0.0}).quality, PoseQuality::kTracking);
   }
   EXPECT_GT(drive.metrics().scans.lost, 40);
+}
+
+// The base driver is away while the robot is pushed along a bare corridor. The scan fits wherever
+// it may be.
+TEST(Localiser, AfterAGapInOdometryTheCovarianceIncludesThePossibleMotion) {
+  std::vector<SE2> poses;
+  for (double x = 0.0; x < 20.0; x += 0.5) {
+    poses.push_back({x, 0.0, 0.0});
+    poses.push_back({x, 0.0, geometry::kPi});
+  }
+  const KnownMap map{trinary(test::drawn_grid(test::corridor(), poses)), {}};
+  Drive drive(map, SE2{5.0, 0.0, 0.0});
+  drive.truth = {5.0, 0.0, 0.0};
+  drive.plan = test::corridor();
+  for (int i = 0; i < 10; ++i) {
+    drive.step({0.04, 0.0, 0.0});
+  }
+  drive.move_unseen({3.0, 0.0, 0.0}, 5s);
+  for (int i = 0; i < 20; ++i) {
+    const PoseUpdate update = drive.step({0.04, 0.0, 0.0});
+    EXPECT_NE(update.quality, PoseQuality::kTracking);
+    if (update.quality != PoseQuality::kLost) {
+      EXPECT_LT(drive.error_m(update), 3.0 * std::sqrt(update.covariance(0, 0))) << i;
+    }
+  }
+}
+
+TEST(Localiser, MotionDuringAGapInOdometryIsFoundFromTheScan) {
+  const KnownMap map = map_of_room();
+  Drive drive(map, SE2{});
+  for (int i = 0; i < 10; ++i) {
+    ASSERT_EQ(drive.step({0.04, 0.0, 0.0}).quality, PoseQuality::kTracking);
+  }
+  drive.move_unseen({2.0, -0.5, 1.2}, 2s);
+  PoseUpdate update;
+  for (int i = 0; i < 15; ++i) {  // 0.6 m
+    update = drive.step({0.04, 0.0, 0.05});
+    EXPECT_LT(drive.error_m(update), kMaxErrorM) << i;
+    EXPECT_NE(update.quality, PoseQuality::kLost) << i;
+  }
+  EXPECT_EQ(update.quality, PoseQuality::kTracking);  // confirmed
+  EXPECT_EQ(drive.metrics().times_lost, 0);
+}
+
+// As in recordings in which odometry comes once a second.
+TEST(Localiser, ARobotThatStandsInAGapOfOdometryStaysTracked) {
+  const KnownMap map = map_of_room();
+  Drive drive(map, SE2{});
+  for (int i = 0; i < 10; ++i) {
+    drive.move_unseen({}, 1s);
+    EXPECT_EQ(drive.stand().quality, PoseQuality::kTracking);
+  }
 }
 
 TEST(Localiser, ARestartOfOdometryKeepsThePose) {
