@@ -195,20 +195,25 @@ void SubmapGraph::join(const PoseEdge2d& edge) {
 void SubmapGraph::drop_submap(std::size_t dropped, std::span<const Submap> submaps) {
   std::vector<PoseEdge2d> loops = take_loops_of(dropped);
   std::erase_if(loops, [&](const PoseEdge2d& edge) { return is_outlier(edge, submaps); });
-  PoseEdge2d surest = chain_[dropped];  // the last submap is never dropped
-  const auto is_surer = [&](const PoseEdge2d& edge) {
-    return size_of(covariance_of(edge.information)) < size_of(covariance_of(surest.information));
+  const auto is_surer = [](const PoseEdge2d& edge, const PoseEdge2d& other) {
+    return size_of(covariance_of(edge.information)) < size_of(covariance_of(other.information));
   };
-  if (dropped > 0 && is_surer(reversed(chain_[dropped - 1]))) {
-    surest = reversed(chain_[dropped - 1]);
+  PoseEdge2d in_chain = chain_[dropped];  // the last submap is never dropped
+  if (dropped > 0 && is_surer(reversed(chain_[dropped - 1]), in_chain)) {
+    in_chain = reversed(chain_[dropped - 1]);
   }
+  PoseEdge2d surest = in_chain;
   for (const PoseEdge2d& edge : loops) {
-    surest = is_surer(edge) ? edge : surest;
+    surest = is_surer(edge, surest) ? edge : surest;
   }
   for (const PoseEdge2d& edge : loops) {
     if (edge.to != surest.to) {
       join(composed(reversed(surest), edge));
     }
+  }
+  // Otherwise nothing would join the chain to where the loop leads.
+  if (surest.to + 1 != dropped && surest.to != dropped + 1) {
+    join(composed(reversed(surest), in_chain));
   }
   if (dropped > 0) {
     chain_[dropped - 1] = composed(chain_[dropped - 1], chain_[dropped]);

@@ -45,8 +45,9 @@ class SubmapGraph {
 
   /// Removes a submap, which must not be the last; the indices of those after it move up by one.
   /// The submaps before and after it are joined directly. Its loops go to the submap to which it is
-  /// joined with the greatest certainty, except those that contradict the graph. `submaps`:
-  /// including the one removed.
+  /// joined with the greatest certainty, except those that contradict the graph. If it is joined to
+  /// that submap by a loop, this loop goes to the submap before or after it. `submaps`: including
+  /// the one removed.
   void drop_submap(std::size_t dropped, std::span<const Submap> submaps);
 
   /// Whether an edge contradicts the poses of the submaps.
