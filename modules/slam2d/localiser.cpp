@@ -175,22 +175,26 @@ void Localiser::confirm(const LevelScan& scan) {
   }
 }
 
-// A place that was never confirmed, or is in doubt, is given up at once.
 void Localiser::follow_odometry(const LevelScan& scan, PoseUpdate& update) {
-  update.quality = PoseQuality::kOdometry;
-  if (!scan.has_enough_points()) {
-    return;  // says nothing about the pose
-  }
-  misfit_since_ = misfit_since_.value_or(scan.stamp);
-  if (state_ == State::kUnconfirmed || doubt_.is_there() ||
-      seconds_between(*misfit_since_, scan.stamp) >= params_.localise.max_misfit_s) {
+  const bool is_lost = scan.has_enough_points()
+                           ? is_misfit_lost(scan.stamp)
+                           : covariance_.least_sigma_m() > params_.lost.max_sigma_m;
+  update.quality = is_lost ? PoseQuality::kLost : PoseQuality::kOdometry;
+  if (is_lost) {
     state_ = State::kLost;
-    update.quality = PoseQuality::kLost;
     ++metrics_.times_lost;
     misfit_since_.reset();
     failed_search_.reset();
     doubt_.end();
   }
+}
+
+/// Whether a scan that does not fit makes the robot lost. A place that was never confirmed, or is
+/// in doubt, is given up at once.
+bool Localiser::is_misfit_lost(time::Timestamp stamp) {
+  misfit_since_ = misfit_since_.value_or(stamp);
+  return state_ == State::kUnconfirmed || doubt_.is_there() ||
+         seconds_between(*misfit_since_, stamp) >= params_.localise.max_misfit_s;
 }
 
 PoseUpdate Localiser::search_whole_map(const LevelScan& scan) {

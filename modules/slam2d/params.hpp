@@ -220,9 +220,10 @@ struct LostParams {
              "keyframe.");
     v.number("max_s", max_s, {0.0, 3600.0},
              "When lost, the map is also continued from odometry after this time.");
-    v.number("max_sigma_m", max_sigma_m, {0.01, 100.0},
-             "A scan that fits nothing makes the robot lost where the standard deviation of its "
-             "pose by odometry is above this, as after some 10 m.");
+    v.number(
+        "max_sigma_m", max_sigma_m, {0.01, 100.0},
+        "A scan that fits nothing, or has fewer than 10 points, makes the robot lost where the "
+        "standard deviation of its pose by odometry is above this, as after some 10 m.");
     v.number("begin_sigma_m", begin_sigma_m, {0.1, 100.0},
              "Standard deviation of the place at which a lost robot continues the map.");
     v.angle("begin_sigma_deg", begin_sigma_rad, {1.0, 180.0},
@@ -301,9 +302,10 @@ struct LocaliserParams {
     v.number("min_score", min_score, {0.0, 1.0},
              "A scan does not fit the known map when its match scores below this, less the part of "
              "the points that were measured through walls.");
-    v.number("max_misfit_s", max_misfit_s, {0.0, 3600.0},
-             "The robot is lost when no scan has fitted for this time; it follows odometry until "
-             "then.");
+    v.number(
+        "max_misfit_s", max_misfit_s, {0.0, 3600.0},
+        "The robot is lost once scans have not fitted for this time; it follows odometry until "
+        "then. Scans with fewer than 10 points do not count.");
   }
 };
 

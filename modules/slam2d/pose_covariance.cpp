@@ -2,6 +2,7 @@
 #include "modules/slam2d/pose_covariance.hpp"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 
 #include "modules/slam2d/submap_graph.hpp"
@@ -53,6 +54,12 @@ void PoseCovariance::match(const Eigen::Matrix3d& information) {
     matched += variance * direction * direction.transpose();
   }
   covariance_ = matched;
+}
+
+double PoseCovariance::least_sigma_m() const {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(
+      Eigen::Matrix2d(covariance_.topLeftCorner<2, 2>()), Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(0.0, eigen.eigenvalues()[0]));
 }
 
 }  // namespace nodmap::slam2d

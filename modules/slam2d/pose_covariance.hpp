@@ -25,6 +25,10 @@ class PoseCovariance {
   /// Nothing is known of the robot's motion during `duration_s`.
   void lose_track(double duration_s);
 
+  /// The standard deviation of the position, in metres, in the direction in which it is least:
+  /// large only if no direction has been matched for long.
+  [[nodiscard]] double least_sigma_m() const;
+
   [[nodiscard]] const Eigen::Matrix3d& matrix() const { return covariance_; }
 
  private:

@@ -206,8 +206,12 @@ Eigen::Matrix3d Slam2d::estimate_covariance(const Place& place, const PoseUpdate
 
 PoseQuality Slam2d::classify(const LevelScan& scan, const FoundPlace& found) const {
   const Match& match = found.place.match;
-  if (!scan.has_enough_points() || found.is_hidden) {
+  if (found.is_hidden) {
     return PoseQuality::kOdometry;
+  }
+  if (!scan.has_enough_points()) {  // says nothing about the pose
+    return pose_covariance_.least_sigma_m() > params_.lost.max_sigma_m ? PoseQuality::kLost
+                                                                       : PoseQuality::kOdometry;
   }
   const double min_score = doubt_.is_there()
                                ? std::max(params_.doubt.min_score, params_.lost.score_threshold)

@@ -122,6 +122,25 @@ TEST(Localiser, InAnotherBuildingTheRobotIsNeverTracked) {
   EXPECT_GT(drive.metrics().scans.lost, 40);
 }
 
+// The lens is dirty. As long as the robot stands, odometry suffices; after 10 m it does not.
+TEST(Localiser, WithoutEchoesTheRobotIsLostAfterTenMetres) {
+  const KnownMap map = map_of_room();
+  Drive drive(map, SE2{});
+  EXPECT_EQ(drive.stand().quality, PoseQuality::kTracking);
+  drive.plan.clear();
+  for (int i = 0; i < 300; ++i) {
+    EXPECT_EQ(drive.stand().quality, PoseQuality::kOdometry);
+  }
+  for (int i = 0; i < 90; ++i) {
+    EXPECT_EQ(drive.step({0.1, 0.0, 0.0}).quality, PoseQuality::kOdometry) << i;
+  }
+  for (int i = 0; i < 20; ++i) {
+    drive.step({0.1, 0.0, 0.0});
+  }
+  EXPECT_EQ(drive.stand().quality, PoseQuality::kLost);
+  EXPECT_EQ(drive.metrics().times_lost, 1);
+}
+
 // The base driver is away while the robot is pushed along a bare corridor. The scan fits wherever
 // it may be.
 TEST(Localiser, AfterAGapInOdometryTheCovarianceIncludesThePossibleMotion) {

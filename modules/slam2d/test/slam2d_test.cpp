@@ -268,6 +268,21 @@ TEST(Slam2d, RejectsBadInputWithoutChangingTheMap) {
   EXPECT_EQ(slam.map().points().size(), size);
 }
 
+// The scans have no points: that says nothing about the pose, but odometry suffices for 10 m only.
+TEST(Slam2d, WithoutEchoesTheRobotIsLostAfterTenMetres) {
+  Slam2d slam{Slam2dParams{}};
+  Scanner scanner;
+  ASSERT_TRUE(track(slam, scanner.scan(test::room(), {}), {}));
+  for (int i = 1; i <= 120; ++i) {
+    const SE2 odom{0.1 * i, 0.0, 0.0};
+    const auto update = track(slam, scanner.scan({}, odom, time::Timestamp(kPeriod * i)), odom);
+    ASSERT_TRUE(update);
+    if (i < 95 || i > 105) {
+      EXPECT_EQ(update->quality, i < 95 ? PoseQuality::kOdometry : PoseQuality::kLost) << i;
+    }
+  }
+}
+
 TEST(Slam2d, ScansKeepTheirOrderAndStampsWhenTimeStepsBack) {
   Slam2d slam{Slam2dParams{}};
   Scanner scanner;
