@@ -21,6 +21,7 @@ Slam2d::Slam2d(const Slam2dParams& params)
 void Slam2d::change_odometry_frame(const geometry::SE3& T_new_odom_base) {
   const geometry::SE2 T_old_new = input_.change_odometry_frame(T_new_odom_base);
   T_map_odom_ = T_map_odom_ * T_old_new;
+  T_first_odom_ = T_first_odom_ * T_old_new;
   T_odom_keyframe_ = T_old_new.inverse() * T_odom_keyframe_;
   T_odom_last_ = T_old_new.inverse() * T_odom_last_;
   moving_points_.change_odometry_frame(T_old_new);
@@ -262,7 +263,7 @@ bool Slam2d::continues_in_doubt(const PoseUpdate& update, const geometry::SE2& T
 
 void Slam2d::add_keyframe(const LevelScan& scan, const Match& match, PoseUpdate& update) {
   Keyframe keyframe{.stamp = scan.stamp,
-                    .T_odom_base = scan.T_odom_base,
+                    .T_odom_base = T_first_odom_ * scan.T_odom_base,
                     .T_map_base = update.T_map_base,
                     .sensor_origin_base = scan.sensor_origin_base};
   keyframe.points_base.reserve(scan.points_base.size());

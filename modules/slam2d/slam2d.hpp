@@ -41,8 +41,12 @@ class Slam2d {
   /// says where the next level scan is added.
   void restore(SavedMap map) { back_end_.restore(std::move(map)); }
 
-  /// Sets T_map_odom, as found by a Localiser in the saved map.
-  void begin_at(const geometry::SE2& T_map_odom) { T_map_odom_ = T_map_odom; }
+  /// Sets T_map_odom, as found by a Localiser in the saved map. Odometry then counts as begun in
+  /// map.
+  void begin_at(const geometry::SE2& T_map_odom) {
+    T_map_odom_ = T_map_odom;
+    T_first_odom_ = T_map_odom;
+  }
 
   /// Takes a pose of base by odometry. Returns false, and ignores it, when it is not finite.
   bool add_odometry(time::Timestamp stamp, const geometry::SE3& T_odom_base) {
@@ -119,6 +123,7 @@ class Slam2d {
   PoseCovariance pose_covariance_;  // relative to the local submap, in the axes of map
   geometry::SE2 T_odom_last_;       // of the last level scan
   geometry::SE2 T_odom_keyframe_;   // of the last keyframe, in the present odom frame
+  geometry::SE2 T_first_odom_;      // the present odom frame in that of the first keyframe
   Doubt doubt_;
   std::optional<time::Timestamp> hidden_since_;  // the first scan of which people hide too much
   TrackedPath path_;

@@ -22,6 +22,8 @@ namespace nodmap::slam2d {
 /// can be drawn from it.
 struct Keyframe {
   time::Timestamp stamp{};
+  /// In the odom frame of the first keyframe: after a restart, odometry continues from where it
+  /// was.
   geometry::SE2 T_odom_base;
   geometry::SE2 T_map_base;
   Eigen::Vector2d sensor_origin_base = Eigen::Vector2d::Zero();

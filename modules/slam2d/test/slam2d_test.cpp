@@ -8,6 +8,7 @@
 #include <limits>
 #include <optional>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "modules/slam2d/test/drawn_world.hpp"
@@ -266,6 +267,30 @@ TEST(Slam2d, RejectsBadInputWithoutChangingTheMap) {
   EXPECT_EQ(update->quality, PoseQuality::kOdometry);
   EXPECT_EQ(update->T_map_base.x, 0.2);
   EXPECT_EQ(slam.map().points().size(), size);
+}
+
+// Along a bare corridor the pose follows odometry, whose frame changes under way.
+TEST(Slam2d, ARestartOfOdometryChangesNeitherThePathByOdometryNorTheCovariance) {
+  const auto drive = [](const SE2& T_new_old) {
+    Slam2d slam{Slam2dParams{}};
+    Scanner scanner(0.0);
+    PoseUpdate update;
+    for (int i = 0; i <= 100; ++i) {
+      const SE2 truth{0.08 * i, 0.0, 0.0};
+      if (i == 51) {  // with a keyframe before and after
+        const SE2 before{0.08 * (i - 1), 0.0, 0.0};
+        slam.change_odometry_frame(geometry::to_se3(T_new_old * before));
+      }
+      const scan::Scan scan = scanner.scan(test::corridor(), truth, time::Timestamp(kPeriod * i));
+      update = track(slam, scan, i <= 50 ? truth : T_new_old * truth).value_or(PoseUpdate{});
+    }
+    return std::pair{slam.keyframes().back().T_odom_base, update.covariance};
+  };
+  const auto [path_end, covariance] = drive({});
+  const auto [path_end_restarted, covariance_restarted] = drive({-40.0, 20.0, 2.0});
+  EXPECT_LT(distance_m(path_end, path_end_restarted), 1e-9);
+  EXPECT_GT(covariance(0, 0), 0.0);
+  EXPECT_TRUE(covariance.isApprox(covariance_restarted, 1e-6));
 }
 
 // The scans have no points: that says nothing about the pose, but odometry suffices for 10 m only.
