@@ -56,6 +56,14 @@ struct ScansByQuality {
     by_odometry += quality == PoseQuality::kOdometry ? 1 : 0;
     lost += quality == PoseQuality::kLost ? 1 : 0;
   }
+  ScansByQuality& operator+=(const ScansByQuality& other) {
+    all += other.all;
+    tracked += other.tracked;
+    degraded += other.degraded;
+    by_odometry += other.by_odometry;
+    lost += other.lost;
+    return *this;
+  }
 };
 
 /// The robot's pose at the first beam of a level scan.

@@ -130,9 +130,11 @@ void Slam2dNode::update_grid(const PoseUpdate& update) {
 
 // The map is continued only once the pose is confirmed: a wrong pose would spoil the map.
 void Slam2dNode::find_in_saved_map() {
-  const std::int64_t without_odometry = search_->localiser.scan_counts().without_odometry;
+  const ScanCounts before = search_scan_counts_;
   const std::optional<PoseUpdate> update = search_->localiser.add_scan(scan_);
-  if (search_->localiser.scan_counts().without_odometry > without_odometry) {
+  search_metrics_ = search_->localiser.metrics();
+  search_scan_counts_ = search_->localiser.scan_counts();
+  if (search_scan_counts_.without_odometry > before.without_odometry) {
     context_.counts.reject("no_odometry");
   }
   if (!update) {
@@ -279,7 +281,11 @@ nlohmann::json Slam2dNode::metrics() const {
   const Metrics& metrics = slam_.metrics();
   const BackEndMetrics& back_end = slam_.back_end().metrics();
   const double scans = static_cast<double>(std::max<std::int64_t>(1, metrics.scans.all));
-  nlohmann::json result = scan_metrics(metrics.scans, slam_.scan_counts());
+  ScansByQuality all_scans = metrics.scans;
+  all_scans += search_metrics_.scans;
+  ScanCounts rejected = slam_.scan_counts();
+  rejected.not_level += search_scan_counts_.not_level;
+  nlohmann::json result = scan_metrics(all_scans, rejected);
   result.update({{"mean_inlier_ratio", metrics.inlier_ratio_sum / scans},
                  {"mean_score", metrics.score_sum / scans},
                  {"map_points", slam_.back_end().num_points()},
@@ -287,9 +293,10 @@ nlohmann::json Slam2dNode::metrics() const {
                  {"keyframes", slam_.keyframes().size()},
                  {"submaps", slam_.back_end().submaps().size()},
                  {"submaps_dropped", back_end.submaps_dropped}});
-  result["localisation"] = {{"keyframes_restored", num_restored_},
-                            {"searches", slam_.search_counts().searches},
-                            {"searches_found", slam_.search_counts().found}};
+  result["localisation"] = {
+      {"keyframes_restored", num_restored_},
+      {"searches", slam_.search_counts().searches + search_metrics_.searches},
+      {"searches_found", slam_.search_counts().found + search_metrics_.found}};
   result["loops"] = {{"tracked", back_end.loops_tracked},
                      {"searched", back_end.loops_searched},
                      {"searches", back_end.searches},

@@ -72,6 +72,8 @@ class Slam2dNode : public node::Node {
   Slam2d slam_;
   std::size_t num_restored_ = 0;    // keyframes of the saved map
   std::unique_ptr<Search> search_;  // until the robot is found; null for a new map
+  LocaliserMetrics search_metrics_;
+  ScanCounts search_scan_counts_;
   KeyframeGrid map_;
   TileSelector tile_selector_;
   scan::Scan scan_;  // the last one; a member to reuse its memory

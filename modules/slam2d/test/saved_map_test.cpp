@@ -171,6 +171,7 @@ TEST(SavedMap, IsContinuedFromAnUnknownStartPose) {
   run.drive(truth, 1, {0.03, 0.0, -0.04});
   EXPECT_NE(run.last_pose().state, nodmap::pose_t::TRACKING) << "not confirmed yet";
   EXPECT_EQ(run.node().metrics()["keyframes"], saved) << "nothing is added before";
+  EXPECT_EQ(run.node().metrics()["localisation"]["searches_found"], 1);
   for (int i = 0; i < 120; ++i) {
     const SE2 now = truth;
     run.drive(truth, 1, {0.03, 0.0, -0.04});
@@ -186,6 +187,7 @@ TEST(SavedMap, IsContinuedFromAnUnknownStartPose) {
   run.finish_into(second.path());
   const SavedMap carried_on = read_saved_map(second.path());
   EXPECT_GT(carried_on.keyframes.size(), saved + 5);
+  EXPECT_EQ(run.node().metrics()["scans_used"], run.num_poses());
   bool has_loop_between_runs = false;
   const std::size_t submaps_before = read_saved_map(first.path()).submaps.size();
   for (const SavedMap::Loop& loop : carried_on.loops) {
@@ -214,6 +216,7 @@ TEST(SavedMap, StaysUnchangedIfTheRobotIsNotInIt) {
   SE2 truth{50.0, 50.0, 0.0};  // nothing in view
   run.drive(truth, 20, {0.03, 0.0, 0.0});
   EXPECT_EQ(run.last_pose().state, nodmap::pose_t::LOST);
+  EXPECT_EQ(run.node().metrics()["scans_lost"], 20);
   EXPECT_EQ(run.node().metrics()["keyframes"], read_saved_map(dir.path()).keyframes.size());
   EXPECT_EQ(run.node().health().state, node::HealthState::kDegraded);
 }
