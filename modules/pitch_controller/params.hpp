@@ -40,7 +40,7 @@ struct SpeedParams {
   /// At higher speeds the maps do not show the smallest obstacle as far ahead as the sweeps are
   /// dense enough for it (README, Limits).
   double top_mps = 1.7;
-  double acceleration_mps2 = 1.0;
+  double acceleration_mps2 = 0.5;
 
   template <class Visitor>
   void describe(Visitor& v) {
