@@ -147,5 +147,55 @@ TEST(Brake, SwingsItsRearSlowlyOverGroundThatIsNotKnownToBeFree) {
   EXPECT_EQ(drive(0.0, {-0.15, -0.17}), 0.3);
 }
 
+/// What is left of the command to steer at 0.7 m/s in a curve, given who is there.
+Decision give_way(double present_mps, const People& people) {
+  Situation now;
+  now.forward_mps = present_mps;
+  now.people = people;
+  Decision decision;
+  decision.behaviour = Behaviour::kSteer;
+  decision.forward_mps = decision.max_forward_mps = 0.7;
+  decision.yaw_rate_rad_s = 0.07;
+  Brake(NavigatorParams{}).give_way(decision, now);
+  return decision;
+}
+
+// From 0.7 m/s the robot needs 0.57 s to stop; he is there after 0.3 s.
+TEST(Brake, StopsIfItIsTooLateToStopBeforeSomebodyTouchesIt) {
+  const Decision decision = give_way(0.7, {{{1.0, 0.0}, {-1.4, 0.0}, 0.25}});
+  EXPECT_EQ(decision.behaviour, Behaviour::kBrake);
+  EXPECT_EQ(decision.reason, Reason(Why::kGivesWay));
+  EXPECT_EQ(decision.forward_mps, 0.0);
+  EXPECT_EQ(decision.yaw_rate_rad_s, 0.0);
+  EXPECT_EQ(decision.max_forward_mps, 0.0);
+}
+
+// He stands 0.2 m ahead of the body and its margin: enough to stop from 0.5 m/s, not from 0.7 m/s.
+// A command of 0.7 m/s is too fast; a robot that already is so fast has to stop.
+TEST(Brake, SlowsDownOnItsArcAsFarAsSomebodyAheadRequires) {
+  const NavigatorParams params;
+  const double margins_m = 0.5 * params.robot.body.length_m + 0.25 + params.people.margin_m;
+  const People ahead{{{margins_m + 0.2, 0.0}, {0.0, 0.0}, 0.25}};
+  const Decision slower = give_way(0.3, ahead);
+  EXPECT_EQ(slower.reason, Reason(Why::kGivesWay));
+  EXPECT_GT(slower.forward_mps, 0.3);
+  EXPECT_LT(slower.forward_mps, 0.6);
+  EXPECT_NEAR(slower.yaw_rate_rad_s, 0.1 * slower.forward_mps, 1e-12) << "the same curve";
+  EXPECT_EQ(slower.max_forward_mps, slower.forward_mps);
+  EXPECT_EQ(give_way(0.7, ahead).forward_mps, 0.0);
+}
+
+// Nobody is near; or somebody from the side walks behind a robot that drives on, but into one that
+// stops.
+TEST(Brake, DoesNotGiveWayToWhomItEscapesOrDoesNotMeet) {
+  for (const People& people : {People{}, People{{{10.0, 0.0}, {-1.4, 0.0}, 0.25}},
+                               People{{{0.1, 1.2}, {0.0, -1.0}, 0.25}}}) {
+    const Decision decision = give_way(0.7, people);
+    EXPECT_EQ(decision.behaviour, Behaviour::kSteer);
+    EXPECT_EQ(decision.forward_mps, 0.7);
+    EXPECT_EQ(decision.yaw_rate_rad_s, 0.07);
+  }
+}
+
 }  // namespace brake_test
 }  // namespace nodmap::navigator

@@ -4,9 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "modules/navigator/local_map/test/scanned_ground.hpp"
+#include "modules/navigator/people/test/walking_scene.hpp"
 
 namespace nodmap::navigator {
 namespace navigator_test {
@@ -70,6 +72,27 @@ TEST_F(NavigatorTest, WithoutASpeedFromThePitchControllerItDoesNotMoveToAGoal) {
     decision = decide(Eigen::Vector2d(-2.0, 0.0));
   }
   EXPECT_GT(std::abs(decision.yaw_rate_rad_s), 0.1);
+}
+
+// They walk at 1.2 m/s towards a robot that drives at up to 1 m/s. Without the planner only
+// decide() gives way.
+TEST_F(NavigatorTest, IsStationaryBeforeSomebodyWalksIntoIt) {
+  params.planner.use = params.planner.roams = false;
+  navigator = Navigator(params);
+  test::WalkingScene scene{{{{9.0, 0.05}, 0.25, 1.7}}, 30.0};
+  const Eigen::Vector2d& person = scene.pillars[0].center;
+  double fastest_mps = 0.0;
+  while (person.x() - 0.25 - now.T_odom_base.x - 0.5 * params.robot.body.length_m > 0.03) {
+    const double time_s = time::seconds(now.stamp.time_since_epoch());
+    navigator.add_scan(scene.scan(now.stamp, now.T_odom_base, test::nodding_pitch_rad(time_s)),
+                       now.T_odom_base);
+    drive({});
+    fastest_mps = std::max(fastest_mps, now.forward_mps);
+    scene.pillars[0].center.x() -= 1.2 * kStepS;
+  }
+  EXPECT_GT(fastest_mps, 0.8);
+  EXPECT_EQ(now.forward_mps, 0.0);
+  EXPECT_EQ(decide({}).reason, Reason(Why::kGivesWay));
 }
 
 /// Where the robot ends that has driven 0.8 m straight to the origin, perhaps rotates there, and

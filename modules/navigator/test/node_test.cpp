@@ -8,11 +8,13 @@
 #include <limits>
 
 #include "common/node/messages.hpp"
+#include "modules/navigator/people/test/walking_scene.hpp"
 #include "modules/navigator/test/navigator_node.hpp"
 
 namespace nodmap::navigator {
 namespace node_test {
 
+using test::NavigatorNodeScans;
 using test::NavigatorNodeTest;
 
 TEST_F(NavigatorNodeTest, OneDecisionForEachMapWhenAllInputsAreFresh) {
@@ -134,6 +136,37 @@ TEST_F(NavigatorNodeTest, InfraredRangesAreRefusedWithoutOdometryAndOtherwiseTak
     bus_.deliver("BASE_SENSORS", message);
     EXPECT_EQ(counts_.used(), used + 1) << range_m;
   }
+}
+
+// Somebody steps behind the robot, onto floor that it has driven over, and is gone again.
+TEST_F(NavigatorNodeScans, ItStopsForSomebodyCloseBehindAndThenDrivesOn) {
+  const test::WalkingScene floor{{}, 20.0};
+  const auto drive_for = [&](double duration_s) {
+    for (double t = 0.0; t < duration_s; t += 0.01) {
+      x_ += 0.003;
+      tick_with(floor.scan({}, {x_, 0.0, 0.0},
+                           test::nodding_pitch_rad(static_cast<double>(now_us_) * 1e-6)));
+    }
+  };
+  auto give_range_behind = [&, sensors_seq = std::int64_t{0}](float range_m) mutable {
+    nodmap::base_sensors_t message{};
+    message.utime = now_us_;
+    message.sensors_seq = sensors_seq++;
+    std::ranges::fill(message.infrared_m, std::numeric_limits<float>::quiet_NaN());
+    message.infrared_m[static_cast<std::size_t>(robot::Infrared::kBack)] = range_m;
+    bus_.deliver("BASE_SENSORS", message);
+  };
+  drive_for(5.0);
+  ASSERT_TRUE(drives());
+  give_range_behind(0.3F);
+  tick();
+  EXPECT_EQ(drive().forward_mps, 0.0);
+  EXPECT_EQ(drive().yaw_rate_rad_s, 0.0);
+  EXPECT_EQ(navigation().reason,
+            "Somebody is close beside or behind: waits until they have passed.");
+  give_range_behind(std::numeric_limits<float>::quiet_NaN());
+  drive_for(0.6);
+  EXPECT_TRUE(drives());
 }
 
 }  // namespace node_test
