@@ -19,6 +19,21 @@ class FakeNode : public Node {
   Health health_;
 };
 
+/// Sets what the transport of a live bus counts.
+class CountedBus final : public bus::Bus {
+ public:
+  [[nodiscard]] bus::BusCounts counts() const override { return counted; }
+
+  bus::BusCounts counted;
+  nodmap::status_t sent{};
+
+ private:
+  bool send(const std::string& /*channel*/, std::span<const std::byte> bytes) override {
+    return bus::decode_into(sent, bytes);
+  }
+  void listen(const std::string& /*channel*/, BytesHandler /*handler*/, int /*queue*/) override {}
+};
+
 class StatusTest : public ::testing::Test {
  protected:
   void handle_all() {
@@ -83,6 +98,38 @@ TEST_F(StatusTest, CorruptMessagesAreReported) {
     EXPECT_EQ(status_.get()->health, health) << "only while they come";
     EXPECT_EQ(status_.get()->total_corrupt, 11);
   }
+}
+
+TEST_F(StatusTest, TheAddressOfARefusedHostIsReportedWhileItSends) {
+  CountedBus bus;
+  StatusReporter reporter("nodmap-test", bus, counts_, clock_);
+  node_.health_.needs_messages = false;
+  bus.counted.refused = 3;
+  bus.counted.refused_host = "10.9.9.9";
+  clock_.advance(1s);
+  reporter.publish_if_due(node_);
+  EXPECT_EQ(bus.sent.health, nodmap::status_t::DEGRADED);
+  EXPECT_NE(bus.sent.health_reason.find("10.9.9.9"), std::string::npos) << bus.sent.health_reason;
+  EXPECT_EQ(bus.sent.total_rejected, 3);
+  clock_.advance(1s);
+  reporter.publish_if_due(node_);
+  EXPECT_EQ(bus.sent.health, nodmap::status_t::OK);
+}
+
+TEST_F(StatusTest, DroppedMessagesAreReportedWhileThereAreMore) {
+  CountedBus bus;
+  StatusReporter reporter("nodmap-test", bus, counts_, clock_);
+  node_.health_.needs_messages = false;
+  for (const int overrun : {5, 7}) {
+    bus.counted.overrun = overrun;
+    clock_.advance(1s);
+    reporter.publish_if_due(node_);
+    EXPECT_EQ(bus.sent.health, nodmap::status_t::DEGRADED);
+  }
+  EXPECT_EQ(bus.sent.health_reason.find("2 messages dropped"), 0U) << bus.sent.health_reason;
+  clock_.advance(1s);
+  reporter.publish_if_due(node_);
+  EXPECT_EQ(bus.sent.health, nodmap::status_t::OK);
 }
 
 TEST_F(StatusTest, TheNodesOwnHealthTakesPrecedence) {
