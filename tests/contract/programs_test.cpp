@@ -162,6 +162,14 @@ INSTANTIATE_TEST_SUITE_P(All, EveryProcessThatKnowsTheRobot,
                                            "nodmap-navigator", "nodmap-pitch-controller",
                                            "nodmap-viewer"));
 
+// SAFETY.md names this speed.
+TEST(Kurt3d, ItsFileLimitsTheSpeedOfTheWheels) {
+  const auto params =
+      run_program("nodmap-kurt", {"--config", NODMAP_KURT3D "/kurt.yaml", "--dump-params"});
+  EXPECT_EQ(params.exit_code, 0) << params.err;
+  EXPECT_THAT(params.out, HasSubstr("max_speed_mps: 1.8\n"));
+}
+
 class EveryModule : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(EveryModule, NeverOverwritesResults) {

@@ -52,15 +52,17 @@ TEST(WheelSpeeds, OdometryMeasuresTheCommand) {
 TEST(SpeedLimiter, R6_NoWheelIsEverFasterThanTheRobot) {
   std::mt19937 random(2);
   std::uniform_real_distribution<double> speed(-20.0, 20.0);
-  SpeedLimiter limiter{WheelParams{}, SpeedLimits{}};
-  for (int i = 0; i < 100'000; ++i) {
-    const WheelSpeeds wheels = limiter.step({speed(random), speed(random)}, kPeriodS);
-    ASSERT_LE(std::abs(wheels.left_mps), kTopSpeedMps);
-    ASSERT_LE(std::abs(wheels.right_mps), kTopSpeedMps);
+  for (const double max_mps : {1.8, kTopSpeedMps}) {  // of the KURT3D; of the base
+    SpeedLimiter limiter{WheelParams{}, SpeedLimits{.max_speed_mps = max_mps}};
+    for (int i = 0; i < 100'000; ++i) {
+      const WheelSpeeds wheels = limiter.step({speed(random), speed(random)}, kPeriodS);
+      ASSERT_LE(std::abs(wheels.left_mps), max_mps);
+      ASSERT_LE(std::abs(wheels.right_mps), max_mps);
+    }
+    const WheelSpeeds fastest = settle(limiter, {100.0, 0.0});
+    EXPECT_DOUBLE_EQ(fastest.left_mps, max_mps);
+    EXPECT_DOUBLE_EQ(fastest.right_mps, max_mps);
   }
-  const WheelSpeeds fastest = settle(limiter, {100.0, 0.0});
-  EXPECT_DOUBLE_EQ(fastest.left_mps, kTopSpeedMps);
-  EXPECT_DOUBLE_EQ(fastest.right_mps, kTopSpeedMps);
 }
 
 TEST(SpeedLimiter, SaturationKeepsTheCurvature) {
