@@ -237,6 +237,25 @@ TEST(Slam6dNode, AfterAFailedSaveARequestIsCarriedOutAtOnce) {
   EXPECT_EQ(slam.health().state, node::HealthState::kOk) << slam.health().reason;
 }
 
+TEST(Slam6dNode, SavesAtMostOnceEveryTenSeconds) {
+  const test::TemporaryDir dir;
+  test::MemoryBus bus;
+  node::MessageCounts counts;
+  node::Context context{bus, counts, dir.path()};
+  const Slam6dNode slam(context, {.assume_stationary = true});
+  const NoddingScanner scanner;
+  std::mt19937 random(9);
+  const auto still = [](time::Timestamp) { return geometry::SE3::Identity(); };
+  for (std::int64_t decis = 0; decis < 200; ++decis) {
+    scan::Scan scan = scanner.scan(decis, Room::hall(), still, random);
+    scan.stamp = time::Timestamp(100ms * decis);
+    bus.deliver("SCAN", node::write_scan(scan));
+    bus.deliver("SAVE_REQUEST", nodmap::save_request_t{});
+  }
+  EXPECT_EQ(counts.rejected().at("save_request_too_soon"), 198);
+  EXPECT_TRUE(fs::exists(dir.path() / "map.bt"));
+}
+
 TEST(Slam6dNode, AResultThatCannotBeWrittenCostsNoOther) {
   const test::TemporaryDir dir;
   test::MemoryBus bus;
