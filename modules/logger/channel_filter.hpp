@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <map>
 #include <optional>
 #include <regex>
@@ -17,6 +18,8 @@ class ChannelFilter {
   ChannelFilter(const std::string& include, const std::string& exclude);
 
   [[nodiscard]] bool wants(const std::string& channel);
+  /// The number of channels whose answer is remembered.
+  [[nodiscard]] std::size_t num_remembered() const { return decided_.size(); }
 
  private:
   [[nodiscard]] bool decide(const std::string& channel) const;

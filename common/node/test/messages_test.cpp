@@ -73,7 +73,7 @@ TEST(Messages, PositionsAndScansTooLargeAreRefused) {
   message.mirror_offset_m[1] = -1e63;
   EXPECT_FALSE(read_scan(message, scan));
   nodmap::odometry_t odometry = write_odometry(time::from_utime(1), SE3::Identity());
-  odometry.position_m[1] = -5e8;
+  odometry.position_m[1] = -1.01e6;
   EXPECT_FALSE(read_odometry(odometry));
   odometry.position_m[1] = -1e6;
   EXPECT_TRUE(read_odometry(odometry));

@@ -30,6 +30,7 @@ TEST(ChannelFilter, HandlesManyNamesAndUnusualOnes) {
   ChannelFilter filter("SCAN", "");
   for (int i = 0; i < 3000; ++i) {
     EXPECT_FALSE(filter.wants("NOISE_" + std::to_string(i)));
+    EXPECT_LE(filter.num_remembered(), 1000U) << "random names must not fill the memory";
   }
   EXPECT_FALSE(filter.wants(""));
   EXPECT_FALSE(filter.wants(std::string("SCAN\0", 5)));
