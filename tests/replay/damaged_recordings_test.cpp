@@ -8,6 +8,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <random>
+#include <string_view>
 
 #include "common/bus/event_log.hpp"
 #include "common/geometry/angle.hpp"
@@ -70,6 +71,12 @@ class DamagedRecording : public ::testing::TestWithParam<const char*> {
     return nlohmann::json::parse(test::slurp(out / "result.json"));
   }
 
+  /// All odometry and nearly all scans; not those that cannot be placed, at the ends and where a
+  /// stamp is wrong. 2D SLAM uses only the level scan of each of the six sweeps.
+  [[nodiscard]] static int least_used() {
+    return kNumScans + (std::string_view(GetParam()) == "nodmap-slam2d" ? 6 : kNumScans - 20);
+  }
+
   test::TemporaryDir dir_;
 };
 
@@ -90,7 +97,7 @@ TEST_P(DamagedRecording, RangesThatAreNotNumbersAreIgnored) {
       }
     }
   });
-  EXPECT_GT(replay()["messages"]["used"], 0);
+  EXPECT_GE(replay()["messages"]["used"], least_used());
 }
 
 TEST_P(DamagedRecording, ScansWithoutBeamsAreRefused) {
@@ -111,7 +118,7 @@ TEST_P(DamagedRecording, AfterStampsThatStepBackScansAreStillUsed) {
     }
   });
   const auto result = replay();
-  EXPECT_GT(result["messages"]["used"], 0);
+  EXPECT_GE(result["messages"]["used"], least_used());
   EXPECT_EQ(result["messages"]["read"], 2 * kNumScans);
 }
 
