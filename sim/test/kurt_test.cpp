@@ -199,10 +199,12 @@ TEST_F(KurtTest, AResetStopsTheMotorsAndSilencesTheBaseForAWhile) {
 
 TEST_F(KurtTest, AStationaryRobotReportsPlausibleReadings) {
   drive(kZero, 1s);
+  ASSERT_FALSE(frames("00D").empty());
   for (const auto& tilt : frames("00D")) {
     EXPECT_EQ(tilt[0], 32'768);
     EXPECT_EQ(tilt[1], 32'768);
   }
+  ASSERT_FALSE(frames("006").empty());
   for (const auto& ranges : frames("006")) {
     EXPECT_LT(ranges[0], 100) << "below 100 means nothing in view";
     EXPECT_GT(ranges[1], 1000);

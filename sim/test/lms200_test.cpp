@@ -302,6 +302,7 @@ TEST_F(Lms200Test, CountsRevolutionsAndTelegrams) {
   start();
   host_->ask(kStream, kModeTime);
   const Bytes stream = host_->bytes_for(4s);
+  ASSERT_GT(stream.size(), 256U * 374U) << "so that the counts wrap around";
   for (std::size_t i = 1; (i + 1) * 374 <= stream.size(); ++i) {
     const auto index = [&stream](std::size_t telegram, std::size_t which) {
       return stream[telegram * 374 + 7 + 362 + which];

@@ -11,6 +11,7 @@
 
 #include "common/formats/input_file.hpp"
 #include "common/geometry/angle.hpp"
+#include "tests/support/data_dir.hpp"
 
 namespace nodmap::sim {
 namespace world_file_test {
@@ -21,13 +22,6 @@ namespace fs = std::filesystem;
 
 class WorldFile : public testing::Test {
  protected:
-  void SetUp() override {
-    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = fs::path(testing::TempDir()) / (std::string("nodmap_world_") + info->name());
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   fs::path write(const std::string& name, const std::string& text) const {
     std::ofstream(folder_ / name, std::ios::binary) << text;
     return folder_ / name;
@@ -49,7 +43,8 @@ class WorldFile : public testing::Test {
     return "no error";
   }
 
-  fs::path folder_;
+  nodmap::test::TemporaryDir dir_;
+  fs::path folder_ = dir_.path();
 };
 
 const std::string kTail = "robot: {start: [0, 0, 0]}\n";

@@ -15,6 +15,7 @@ from page_case import PageCase, main  # noqa: E402
 class SceneExplainsItself(PageCase):
     def test_each_layer_has_its_colour_beside_its_name(self):
         browser = self.browse(self.play())
+        self.assertGreater(browser.run("return document.querySelectorAll('#layers label').length"), 0)
         without = browser.run("""return [...document.querySelectorAll('#layers label')].filter((label) => {
             const style = getComputedStyle(label.querySelector('.swatch'));
             return style.backgroundImage === 'none' && style.backgroundColor === 'rgba(0, 0, 0, 0)';

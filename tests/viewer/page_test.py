@@ -85,6 +85,7 @@ class Page(PageCase):
         for position_s in (50, 10, 55, 5):
             self.seek(browser, position_s)
             self.assertIsNotNone(browser.wait_for(f"Math.abs(nodmap.playback.positionS - {position_s}) < 3"))
+        self.assertGreater(browser.run("return window.clocks.length"), 0)
         self.assertTrue(browser.run("return window.clocks.every((s) => s >= -0.001 && s <= nodmap.playback.durationS + 0.001)"))
         self.assertRegex(browser.run("return document.getElementById('clock').textContent"), r"^0:\d\d / (0:\d\d|1:00)$")
 

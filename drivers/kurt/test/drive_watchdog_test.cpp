@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <set>
+#include <string>
 
 namespace nodmap::kurt {
 namespace drive_watchdog_test {
@@ -131,6 +133,7 @@ TEST(DriveWatchdog, NoCommandOfASecondSenderIsObeyed) {
       }
       const auto command = watchdog.command(now);
       EXPECT_TRUE(!command || command->forward_mps == 0.5);
+      EXPECT_TRUE(command || pause == 13ms) << "two a second stop the robot";
     }
     EXPECT_EQ(watchdog.is_contested(kSteady + 10s), pause == 13ms);
   }
@@ -184,11 +187,13 @@ TEST(DriveWatchdog, AfterARevocationNothingIsObeyedUntilTheNextDrive) {
 }
 
 TEST(DriveWatchdog, EveryStatusHasItsName) {
+  std::set<std::string> names;
   for (const DriveStatus status :
        {DriveStatus::kObeyed, DriveStatus::kNotFinite, DriveStatus::kImplausible,
         DriveStatus::kStale, DriveStatus::kFromFuture, DriveStatus::kOutOfOrder,
         DriveStatus::kOtherSender}) {
     EXPECT_STRNE(name_of(status), "");
+    EXPECT_TRUE(names.insert(name_of(status)).second) << name_of(status);
   }
 }
 

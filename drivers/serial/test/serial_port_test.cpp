@@ -4,6 +4,7 @@
 #include "drivers/serial/serial_port.hpp"
 
 #include <gtest/gtest.h>
+#include <poll.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -170,6 +171,8 @@ TEST(SerialPort, DiscardsInput) {
   const OpenResult port = open_serial_port({pty.name()});
   ASSERT_NE(port.stream, nullptr) << port.error;
   pty.send("old");
+  pollfd arrived{port.stream->poll_handle(), POLLIN, 0};
+  ASSERT_EQ(::poll(&arrived, 1, 5000), 1);
   port.stream->discard_input();
   pty.send("new");
   EXPECT_EQ(read_exactly(*port.stream, 3), (std::vector<std::uint8_t>{'n', 'e', 'w'}));

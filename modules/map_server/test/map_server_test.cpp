@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <random>
 
@@ -220,10 +221,14 @@ TEST(MapServer, AResetClearsTheMaps) {
   MapServer server({});
   NoddingScanner scanner;
   server.add_scan(scanner.scan(test::room(-2, 5, -3, 3), {}), SE3::Identity());
+  const auto has_points = [](const auto& map) {
+    return std::ranges::any_of(map.scan().points(), &EgoPoint::valid);
+  };
+  EXPECT_TRUE(has_points(server.obstacle_map()));
+  EXPECT_TRUE(has_points(server.structure_map()));
   server.reset();
-  for (const EgoPoint& p : server.obstacle_map().scan().points()) {
-    EXPECT_FALSE(p.valid);
-  }
+  EXPECT_FALSE(has_points(server.obstacle_map()));
+  EXPECT_FALSE(has_points(server.structure_map()));
 }
 
 TEST(MapServer, TheSameScansGiveTheSameMaps) {

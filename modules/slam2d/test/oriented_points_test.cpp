@@ -29,7 +29,9 @@ TEST(OrientedPointExtractor, PointsAreMovedByThePositionOfTheMount) {
   test::Scanner scanner(0.0);
   scan::Scan scan = scanner.scan({{{2, -1}, {2, 1}}}, {});
   scan.T_base_mount.translation().x() = -0.04;
-  for (const OrientedPoint& point : extractor.extract(scan, {})) {
+  const auto points = extractor.extract(scan, {});
+  ASSERT_GT(points.size(), 40U);
+  for (const OrientedPoint& point : points) {
     EXPECT_NEAR(point.p.x(), 1.96, 1e-6);
   }
 }

@@ -111,7 +111,9 @@ TEST(UosRecordings, ScansReproduceThePointsOfTheFile) {
   const test::TemporaryDir dir;
   import_uos(file.parent_path(), dir.path() / "a.lcmlog", {0, 0});
   std::ifstream in(file);
-  for (const nodmap::scan_t& message : test::messages_of(dir.path() / "a.lcmlog").scans) {
+  const auto scans = test::messages_of(dir.path() / "a.lcmlog").scans;
+  ASSERT_FALSE(scans.empty());
+  for (const nodmap::scan_t& message : scans) {
     scan::Scan scan;
     ASSERT_TRUE(node::read_scan(message, scan));
     for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
