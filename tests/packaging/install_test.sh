@@ -50,7 +50,7 @@ demo() {
 }
 code=0
 (demo) >"$work/log" 2>&1 || code=$?
-[[ $code -ne 77 ]] || exit 0
+[[ $code -ne 77 ]] || { echo "no network namespace: all but the drive was tested"; exit 77; }
 [[ $code -eq 0 ]] || fail "the demo ends with $code"
 [[ -n "$(ls "$work/run/logger")" ]] || fail "the demo records nothing"
 python3 -c 'import json, sys; sys.exit(json.load(open(sys.argv[1]))["distance_m"] < 0.5)' "$work/run/sim/result.json" || fail "the robot does not drive"

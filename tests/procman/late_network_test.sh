@@ -28,6 +28,7 @@ deputy() {
     setpriv --pdeathsig TERM "$bin/nodmap-deputy" "$work/a.pmd" || code=$?
     sleep 0.2
   done
+  return "$code"
 }
 ip route del 224.0.0.0/4 dev lo
 deputy >"$work/log" 2>&1 &

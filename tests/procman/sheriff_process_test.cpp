@@ -28,6 +28,17 @@ using test::SheriffProcess;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
+/// The row of a command in the status.
+nlohmann::json row_of(const nlohmann::json& status, const std::string& command) {
+  for (const nlohmann::json& row : status.at("commands")) {
+    if (row.at("command") == command) {
+      return row;
+    }
+  }
+  ADD_FAILURE() << "no row of " << command << " in " << status;
+  return nlohmann::json::object();
+}
+
 TEST_F(SheriffProcess, RunsAScriptAndEndsWhileTheCommandsKeepRunning) {
   begin_deputy();
   const auto up = sheriff({"--script", "up", "--timeout", "60"});
@@ -90,12 +101,9 @@ TEST_F(SheriffProcess, PrintsTheStatusAsATableAndAsJson) {
   EXPECT_THAT(table.out, HasSubstr("Running"));
   const auto json = nlohmann::json::parse(sheriff({"--status", "--json"}).out);
   EXPECT_EQ(json["commands"].size(), 4U);
-  for (const auto& command : json["commands"]) {
-    if (command["command"] == "talker") {
-      EXPECT_EQ(command["state"], "Running");
-      EXPECT_GT(command["pid"], 0);
-    }
-  }
+  const nlohmann::json talker = row_of(json, "talker");
+  EXPECT_EQ(talker["state"], "Running");
+  EXPECT_GT(talker["pid"], 0);
 }
 
 // A sheriff that starts later has seen neither the start nor the restart.
@@ -112,13 +120,10 @@ TEST_F(SheriffProcess, ReportsTheAgeOfARunAndTheNumberOfRestarts) {
   const double least_s = seconds_since(after_restart);
   const auto json = nlohmann::json::parse(sheriff({"--status", "--json"}).out);
   const double most_s = seconds_since(before_restart);
-  for (const auto& command : json["commands"]) {
-    if (command["command"] == "talker") {
-      EXPECT_EQ(command["restarts"], 1);
-      EXPECT_GE(command["uptime_s"], least_s);
-      EXPECT_LE(command["uptime_s"], most_s);
-    }
-  }
+  const nlohmann::json talker = row_of(json, "talker");
+  EXPECT_EQ(talker["restarts"], 1);
+  EXPECT_GE(talker["uptime_s"], least_s);
+  EXPECT_LE(talker["uptime_s"], most_s);
 }
 
 TEST_F(SheriffProcess, PrintsTheOutputOfACommandAsItComes) {

