@@ -4,7 +4,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <utility>
 
@@ -93,13 +92,41 @@ std::vector<std::uint8_t> steps_to_occupied(const TrinaryGrid& grid) {
   return steps;
 }
 
-LikelihoodGrid likelihood_of(const PointMap& map) {
+LikelihoodGrid likelihood_of(const PointMap& map, const std::vector<Eigen::Vector2d>& free) {
   std::vector<Eigen::Vector2d> points;
   points.reserve(map.points().size());
   for (const MapPoint& point : map.points()) {
     points.push_back(point.point.p);
   }
-  return {points, kLikelihoodCellM, std::numeric_limits<double>::infinity()};
+  return {points, kLikelihoodCellM, free};
+}
+
+/// The middles of all free cells, in map.
+std::vector<Eigen::Vector2d> free_places(const TrinaryGrid& grid) {
+  std::vector<Eigen::Vector2d> places;
+  for (int y = 0; y < grid.height; ++y) {
+    for (int x = 0; x < grid.width; ++x) {
+      if (grid.at(x, y) == CellState::kFree) {
+        places.push_back(grid.middle_of(x, y));
+      }
+    }
+  }
+  return places;
+}
+
+/// The smallest window that holds all places.
+SearchWindow window_around(const std::vector<Eigen::Vector2d>& places) {
+  SearchWindow window;
+  window.rotation_rad = geometry::kPi;
+  Eigen::AlignedBox2d box;
+  for (const Eigen::Vector2d& place : places) {
+    box.extend(place);
+  }
+  if (!box.isEmpty()) {
+    window.T_map_base = {box.center().x(), box.center().y(), 0.0};
+    window.distance_m = 0.5 * box.sizes().maxCoeff() + kLikelihoodCellM;
+  }
+  return window;
 }
 
 }  // namespace
@@ -123,24 +150,8 @@ KnownMap::KnownMap(TrinaryGrid grid, const MapParams& params)
     : grid_(std::move(grid)),
       steps_to_occupied_(steps_to_occupied(grid_)),
       points_(surfaces_of(grid_, params)),
-      likelihood_(likelihood_of(points_)) {
-  std::vector<Eigen::Vector2d> places;
-  Eigen::AlignedBox2d box;
-  for (int y = 0; y < grid_.height; ++y) {
-    for (int x = 0; x < grid_.width; ++x) {
-      if (grid_.at(x, y) == CellState::kFree) {
-        places.push_back(grid_.middle_of(x, y));
-        box.extend(places.back());
-      }
-    }
-  }
-  likelihood_.set_allowed(places);
-  if (!places.empty()) {
-    window_.T_map_base = {box.center().x(), box.center().y(), 0.0};
-    window_.distance_m = 0.5 * box.sizes().maxCoeff() + kLikelihoodCellM;
-  }
-  window_.rotation_rad = geometry::kPi;
-}
+      likelihood_(likelihood_of(points_, free_places(grid_))),
+      window_(window_around(free_places(grid_))) {}
 
 WallFit KnownMap::fit_walls(std::span<const OrientedPoint> scan,
                             const Eigen::Vector2d& sensor_origin_base,

@@ -29,29 +29,49 @@ LikelihoodGrid::LikelihoodGrid(std::span<const Eigen::Vector2d> points, double c
     }
   }
   mean /= std::max(1.0, n);
-  Eigen::Vector2d low = mean;
-  Eigen::Vector2d high = mean;
-  const auto is_used = [&](const Eigen::Vector2d& p) {
-    return p.allFinite() && (p - mean).norm() <= max_range_m;
-  };
+  std::vector<Eigen::Vector2d> used;
+  Eigen::AlignedBox2d box(mean);
   for (const Eigen::Vector2d& p : points) {
-    if (is_used(p)) {
-      low = low.cwiseMin(p);
-      high = high.cwiseMax(p);
+    if (p.allFinite() && (p - mean).norm() <= max_range_m) {
+      used.push_back(p);
+      box.extend(p);
     }
   }
+  draw(used, box);
+}
+
+LikelihoodGrid::LikelihoodGrid(std::span<const Eigen::Vector2d> points, double cell_size_m,
+                               std::span<const Eigen::Vector2d> allowed)
+    : cell_size_m_(cell_size_m) {
+  Eigen::AlignedBox2d walls;
+  for (const Eigen::Vector2d& p : points) {
+    walls.extend(p);
+  }
+  Eigen::AlignedBox2d box = walls;
+  for (const Eigen::Vector2d& place : allowed) {
+    box.extend(place);
+  }
+  if (!walls.isEmpty()) {
+    // By whole cells: where the cells lie depends on the walls alone.
+    box.min() = walls.min().array() -
+                cell_size_m * ((walls.min() - box.min()).array() / cell_size_m).ceil();
+  }
+  draw(points, box.isEmpty() ? Eigen::AlignedBox2d(Eigen::Vector2d::Zero()) : box);
+  set_allowed(allowed);
+}
+
+/// `box`: what the grid covers at least.
+void LikelihoodGrid::draw(std::span<const Eigen::Vector2d> points, const Eigen::AlignedBox2d& box) {
   // Windows that reach into the grid begin before it.
-  const double before = ((1 << kTopLevel) + kStampCells) * cell_size_m;
-  origin_ = low.array() - before;
-  const Eigen::Vector2i size = cell_of(high).array() + kStampCells + 1;
+  const double before = ((1 << kTopLevel) + kStampCells) * cell_size_m_;
+  origin_ = box.min().array() - before;
+  const Eigen::Vector2i size = cell_of(box.max()).array() + kStampCells + 1;
   width_ = size.x();
   height_ = size.y();
   levels_.assign(1, std::vector<std::uint8_t>(static_cast<std::size_t>(width_) *
                                               static_cast<std::size_t>(height_)));
   for (const Eigen::Vector2d& p : points) {
-    if (is_used(p)) {
-      stamp(p);
-    }
+    stamp(p);
   }
   add_windows(levels_);
   add_top_rows();
@@ -105,12 +125,8 @@ void LikelihoodGrid::set_allowed(std::span<const Eigen::Vector2d> places) {
   Level allowed(levels_[0].size());
   for (const Eigen::Vector2d& place : places) {
     const Eigen::Vector2i cell = cell_of(place);
-    // The windows that contain the cell must begin in the grid, too.
-    constexpr int kFirst = 1 << kTopLevel;
-    if (cell.x() >= kFirst && cell.y() >= kFirst && cell.x() < width_ && cell.y() < height_) {
-      allowed[static_cast<std::size_t>(cell.y()) * static_cast<std::size_t>(width_) +
-              static_cast<std::size_t>(cell.x())] = 1;
-    }
+    allowed[static_cast<std::size_t>(cell.y()) * static_cast<std::size_t>(width_) +
+            static_cast<std::size_t>(cell.x())] = 1;
   }
   allowed_.clear();
   allowed_.push_back(std::move(allowed));

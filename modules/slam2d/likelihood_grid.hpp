@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -24,6 +25,10 @@ class LikelihoodGrid {
   /// `points`: of walls and objects, in metres in the frame of the map. Points that are not finite,
   /// or farther than `max_range_m` from the mean of all, are left out.
   LikelihoodGrid(std::span<const Eigen::Vector2d> points, double cell_size_m, double max_range_m);
+  /// The same for a map in which the robot can only be in the cells of the places `allowed`. All
+  /// points and places must be finite.
+  LikelihoodGrid(std::span<const Eigen::Vector2d> points, double cell_size_m,
+                 std::span<const Eigen::Vector2d> allowed);
 
   [[nodiscard]] double cell_size_m() const { return cell_size_m_; }
   /// The cell that a point lies in, counted from the first cell of the grid.
@@ -47,9 +52,6 @@ class LikelihoodGrid {
   static constexpr int kRowChunk = 16;
   [[nodiscard]] RowChunk top_bounds(std::span<const Eigen::Vector2i> cells, int x, int y) const;
 
-  /// Restricts the robot to the cells of these places, which are points in the frame of the map.
-  /// Places outside of the grid are ignored. Without a call the robot may be anywhere.
-  void set_allowed(std::span<const Eigen::Vector2d> places);
   /// Whether a place is allowed in the window of 2^level cells that begins at a cell.
   [[nodiscard]] bool is_allowed(int level, int x, int y) const {
     return allowed_.empty() || is_set(allowed_[static_cast<std::size_t>(level)], x, y);
@@ -63,6 +65,8 @@ class LikelihoodGrid {
            level[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
                  static_cast<std::size_t>(x)] != 0;
   }
+  void draw(std::span<const Eigen::Vector2d> points, const Eigen::AlignedBox2d& box);
+  void set_allowed(std::span<const Eigen::Vector2d> places);
   void stamp(const Eigen::Vector2d& p);
   void add_top_rows();
   void add_windows(std::vector<Level>& levels) const;

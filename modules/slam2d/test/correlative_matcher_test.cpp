@@ -193,14 +193,13 @@ TEST(LikelihoodGrid, OnlyAllowedPlacesAreFound) {
   add_wall(map, {4, -3}, {4, 3});
   add_wall(map, {4, 3}, {-4, 3});
   add_wall(map, {-4, 3}, {-4, -3});
-  LikelihoodGrid grid(map, kCellM, 50.0);
   Points left;
   for (double x = -3.9; x < -1.0; x += 0.05) {
     for (double y = -2.9; y < 3.0; y += 0.05) {
       left.emplace_back(x, y);
     }
   }
-  grid.set_allowed(left);
+  const LikelihoodGrid grid(map, kCellM, left);
   const CorrelativeMatch match =
       CorrelativeMatcher({}).search(grid, seen_from({-2.0, 0.7, 0.2}, map), {{}, 4.0, 3.14});
   ASSERT_TRUE(match.is_unique());

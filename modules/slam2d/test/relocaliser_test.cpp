@@ -67,6 +67,23 @@ TEST_F(RelocaliserTest, FindsTheRobotAnywhereInARoom) {
   EXPECT_GE(found, 18);  // measured: 22; a robot that faces a bare wall cannot be found
 }
 
+// All walls are on one side of the yard, metres away from where the robot is.
+TEST_F(RelocaliserTest, ARobotInFrontOfAFacadeIsFound) {
+  const test::FloorPlan facade{{{-6, 0}, {-2, 0}},  {{-2, 0}, {-2, 1.5}}, {{-2, 1.5}, {1, 1.5}},
+                               {{1, 1.5}, {1, 0}},  {{1, 0}, {6, 0}},     {{6, 0}, {6, 3}},
+                               {{-6, 0}, {-6, 1.5}}};
+  std::vector<SE2> poses;
+  for (double x = -5.0; x <= 5.0; x += 0.5) {
+    poses.push_back({x, -5.0, 0.5 * geometry::kPi});
+  }
+  const KnownMap map(trinary(test::drawn_grid(facade, poses)), {});
+  for (const SE2& truth : {SE2{0.0, -4.0, 1.5}, SE2{2.0, -3.0, 1.9}}) {
+    const Relocalisation result = locate(map, facade, truth);
+    EXPECT_EQ(result.status, Status::kFound);
+    EXPECT_LT(geometry::distance_m(result.T_map_base, truth), 0.05);  // a cell
+  }
+}
+
 // The hall looks the same when rotated by 180 degrees.
 TEST_F(RelocaliserTest, ThePlaceInASymmetricHallIsAmbiguous) {
   const test::FloorPlan hall{
