@@ -8,6 +8,7 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <string_view>
@@ -40,6 +41,11 @@ constexpr double kImagePx = 1200.0;
 constexpr double kMaxPxPerM = 200.0;
 constexpr double kBorderM = 1.0;
 constexpr std::int64_t kMaxImageCells = 64'000'000;
+// A finer map would take hours to read; what is coarser, or larger, is a mistake in the unit.
+constexpr double kMinResolutionM = 0.005;
+constexpr double kMaxResolutionM = 1.0;
+constexpr double kMaxAreaM2 = 640e3;
+constexpr double kMaxOriginM = 1e6;  // cells beyond would not fit into 32 bits
 
 std::uint8_t grey(const OccupancyGrid& grid, int x, int y) {
   const std::int8_t occupancy = grid.occupancy(x, y);
@@ -100,6 +106,26 @@ bool read_negate(const YAML::Node& negate) {
   return YAML::convert<int>::decode(negate, number) ? number != 0 : negate.as<bool>();
 }
 
+/// A number that must be in a range; `fallback`: if it is not there.
+double read_number(const std::filesystem::path& file, const YAML::Node& yaml, const char* key,
+                   double min, double max, std::optional<double> fallback = std::nullopt) {
+  const YAML::Node node = yaml[key];
+  if (!node && fallback) {
+    return *fallback;
+  }
+  const auto value = node.as<double>(std::numeric_limits<double>::quiet_NaN());
+  if (!(value >= min && value <= max)) {
+    std::ostringstream reason;
+    reason << key << ": ";
+    if (node && node.IsScalar()) {
+      reason << '"' << node.Scalar() << "\" is not ";
+    }
+    reason << "a number from " << min << " to " << max;
+    refuse(file, reason.str());
+  }
+  return value;
+}
+
 /// What map.yaml says.
 struct MapHeader {
   std::filesystem::path image;
@@ -119,19 +145,21 @@ MapHeader read_header(const std::filesystem::path& file) {
       refuse(file, "mode raw is not supported, only trinary and scale");
     }
     header.image = file.parent_path() / yaml["image"].as<std::string>();
-    header.cell_size_m = yaml["resolution"].as<double>();
+    header.cell_size_m = read_number(file, yaml, "resolution", kMinResolutionM, kMaxResolutionM);
     const YAML::Node origin = yaml["origin"];
     header.T_map_grid = {origin[0].as<double>(), origin[1].as<double>(),
                          origin.size() > 2 ? origin[2].as<double>() : 0.0};
     header.negate = yaml["negate"] && read_negate(yaml["negate"]);
-    header.occupied_threshold = yaml["occupied_thresh"].as<double>(header.occupied_threshold);
-    header.free_threshold = yaml["free_thresh"].as<double>(header.free_threshold);
+    header.occupied_threshold =
+        read_number(file, yaml, "occupied_thresh", 0.0, 1.0, header.occupied_threshold);
+    header.free_threshold = read_number(file, yaml, "free_thresh", 0.0, header.occupied_threshold,
+                                        header.free_threshold);
   } catch (const YAML::Exception& error) {
     refuse(file, error.what());
   }
   const geometry::SE2& T = header.T_map_grid;
-  if (!(header.cell_size_m > 0.0) || !std::isfinite(header.cell_size_m + T.x + T.y + T.yaw)) {
-    refuse(file, "resolution and origin must be finite, and the resolution positive");
+  if (!(std::max(std::abs(T.x), std::abs(T.y)) <= kMaxOriginM && std::isfinite(T.yaw))) {
+    refuse(file, "origin: three numbers are needed, x and y from -1e6 to 1e6 m");
   }
   return header;
 }
@@ -228,6 +256,10 @@ TrinaryGrid read_ros_map(const std::filesystem::path& path) {
   const MapHeader header =
       read_header(std::filesystem::is_directory(path) ? path / "map.yaml" : path);
   const GreyImage image = read_pgm(header.image);
+  if (static_cast<double>(image.values.size()) * header.cell_size_m * header.cell_size_m >
+      kMaxAreaM2) {
+    refuse(header.image, "covers more than 640000 m^2 at the resolution of the map");
+  }
   TrinaryGrid grid;
   grid.cell_size_m = header.cell_size_m;
   grid.T_map_grid = header.T_map_grid;

@@ -156,7 +156,23 @@ TEST(MapFile, TheErrorForAnUnreadableMapNamesTheFileAndTheReason) {
   EXPECT_NE(reason("image: none.pgm\nresolution: 0.05\norigin: [0, 0, 0]\n", "").find("none.pgm"),
             std::string::npos);
   EXPECT_NE(reason("resolution: [", "").find("map.yaml"), std::string::npos);
-  EXPECT_NE(reason("image: map.pgm\nresolution: -1\norigin: [0, 0, 0]\n", "").find("positive"),
+  // Millimetres instead of metres; a map too fine to be read.
+  for (const std::string resolution : {"-1", "0.00005", "50", ".nan", "5 cm"}) {
+    EXPECT_NE(reason("image: map.pgm\nresolution: " + resolution + "\norigin: [0, 0, 0]\n", "")
+                  .find("resolution: \"" + resolution + "\" is not a number from 0.005 to 1"),
+              std::string::npos)
+        << resolution;
+  }
+  EXPECT_NE(reason("image: map.pgm\norigin: [0, 0, 0]\n", "").find("resolution: a number"),
+            std::string::npos);
+  EXPECT_NE(reason("image: map.pgm\nresolution: 0.1\norigin: [5e8, 0, 0]\n", "").find("origin"),
+            std::string::npos);
+  EXPECT_NE(reason(good + "occupied_thresh: 65%\n", "").find("\"65%\" is not a number from 0 to 1"),
+            std::string::npos);
+  EXPECT_NE(reason(good + "occupied_thresh: 0.2\nfree_thresh: 0.3\n", "").find("from 0 to 0.2"),
+            std::string::npos);
+  const std::string coarse = "image: map.pgm\nresolution: 1\norigin: [0, 0, 0]\n";
+  EXPECT_NE(reason(coarse, "P5\n1000 1000\n255\n" + std::string(1'000'000, 'a')).find("m^2"),
             std::string::npos);
   EXPECT_NE(reason("image: map.pgm\nresolution: 0.1\norigin: 3\n", "").find("map.yaml"),
             std::string::npos);
