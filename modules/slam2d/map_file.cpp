@@ -68,6 +68,7 @@ std::string pgm_of(const OccupancyGrid& grid) {
 
 std::string yaml_of(const OccupancyGrid& grid) {
   std::ostringstream text;
+  text.precision(12);  // micrometres, also a thousand kilometres away
   text << kImageLine << "mode: trinary\n"
        << "resolution: " << grid.cell_size_m() << "\n"
        << "origin: [" << grid.origin().x() << ", " << grid.origin().y() << ", 0]\n"

@@ -87,6 +87,17 @@ TEST(MapFile, AMapIsReadAsItWasWritten) {
 
 // A folder under the name that a new file has until it is complete makes writing it fail. The two
 // saves of the larger map end before the image is replaced, and between the image and map.yaml.
+// As in recordings with coordinates of a national grid.
+TEST(MapFile, AMapFarFromTheOriginKeepsItsPlace) {
+  const nodmap::test::TemporaryDir dir;
+  OccupancyGrid grid(0.05);
+  grid.add_ray({612345.6, 987654.3}, {612346.6, 987654.3});
+  ASSERT_FALSE(write_ros_map(dir.path(), grid));
+  const TrinaryGrid read = read_ros_map(dir.path());
+  EXPECT_NEAR(read.T_map_grid.x, grid.origin().x(), 1e-6);
+  EXPECT_NEAR(read.T_map_grid.y, grid.origin().y(), 1e-6);
+}
+
 TEST(MapFile, AfterAnInterruptedSaveTheImageStillBelongsToTheYaml) {
   const nodmap::test::TemporaryDir dir;
   OccupancyGrid grid(0.5);
