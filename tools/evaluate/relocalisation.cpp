@@ -41,6 +41,9 @@ void for_each_level_scan(const std::filesystem::path& log,
   while (const bus::LogEvent* event = reader.next()) {
     if (event->channel == "ODOMETRY" && bus::decode_into(odometry_message, event->data)) {
       if (const auto T_odom_base = messages.read(odometry_message)) {
+        if (messages.odometry_restarted()) {
+          input.change_odometry_frame(*T_odom_base);
+        }
         input.add_odometry(node::stamp_of(odometry_message), *T_odom_base);
       }
     } else if (event->channel == "SCAN" && bus::decode_into(scan_message, event->data) &&
