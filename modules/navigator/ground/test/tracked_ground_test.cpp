@@ -63,6 +63,7 @@ Profile ramp_down(double slope_deg) {
   return {{{-kFar, 0.0}, {1.4, 0.0}, {3.4, -rise}, {kFar, -rise}}};
 }
 
+// Measured: errors of up to 0.053 degrees and 0.76 mm.
 TEST(TrackedGround, RampsOfUpToTwelveDegreesAreGround) {
   struct Case {
     const char* name;
@@ -73,8 +74,8 @@ TEST(TrackedGround, RampsOfUpToTwelveDegreesAreGround) {
     for (const double slope_deg : {5.0, 10.0, 12.0}) {
       const Drive result = drive({c.make(slope_deg), kRangeSigmaM}, 6.5);
       EXPECT_EQ(result.facets, c.facets) << c.name << slope_deg;
-      EXPECT_LT(result.tilt_error_rad, deg_to_rad(1.0)) << c.name << slope_deg;
-      EXPECT_LT(result.height_error_m, 0.03) << c.name << slope_deg;
+      EXPECT_LT(result.tilt_error_rad, deg_to_rad(1.25 * 0.053)) << c.name << slope_deg;
+      EXPECT_LT(result.height_error_m, 1.25 * 0.00076) << c.name << slope_deg;
       EXPECT_EQ(result.points_ahead, 0U) << c.name << slope_deg;
     }
   }

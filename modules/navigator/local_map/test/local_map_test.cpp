@@ -196,9 +196,9 @@ TEST(LocalMap, FloorIsSeenFartherWhereWiderGapsAreAllowed) {
   sweep(map, {}, {});
   const double dense_m = map.seen_distance({}, 0.0, 0.165, 3.0, 0.15);
   const double wide_m = map.seen_distance({}, 0.0, 0.165, 3.0, 0.3);
-  EXPECT_GT(dense_m, 0.7);
+  EXPECT_GT(dense_m, 1.58 / 1.25);
   EXPECT_LT(dense_m, 1.8);
-  EXPECT_GT(wide_m, dense_m + 0.3);
+  EXPECT_GT(wide_m, 2.25 / 1.25);
   EXPECT_LT(wide_m, 2.7);
 }
 

@@ -32,7 +32,7 @@ void look(PeopleTracker& tracker, WalkingScene scene, const std::vector<Eigen::V
 }
 
 // A person of 0.25 m radius; the disc that is seen is up to half a beam wider. Measured: errors of
-// 0.11 m and 0.32 m/s after the first second.
+// up to 0.042 m and 0.068 m/s after the first second.
 TEST(PeopleTracker, FollowsAWalkerFromSweepToSweep) {
   for (const Eigen::Vector2d& velocity :
        {Eigen::Vector2d(-1.2, 0.1), Eigen::Vector2d(0.0, 1.0), Eigen::Vector2d(-0.4, -0.5)}) {
@@ -50,8 +50,8 @@ TEST(PeopleTracker, FollowsAWalkerFromSweepToSweep) {
       const People people = tracker.people_odom(at(time_s));
       if (people.size() == 1) {
         known_s += kScanS;
-        EXPECT_LT((people[0].position - p).norm(), 0.25) << time_s;
-        EXPECT_LT((people[0].velocity - velocity).norm(), 0.5) << time_s;
+        EXPECT_LT((people[0].position - p).norm(), 1.25 * 0.042) << time_s;
+        EXPECT_LT((people[0].velocity - velocity).norm(), 1.25 * 0.068) << time_s;
       }
     });
     EXPECT_GT(known_s, 0.9 * seen_s) << velocity.transpose();
@@ -98,7 +98,8 @@ TEST(PeopleTracker, AClockwiseLaserSeesTheSamePeople) {
 }
 
 // A cylinder 1 m wide comes and passes by. The centre lies pi/4 of half the visible width behind
-// the mean of the beams, but only where the whole front is seen: tolerance 0.2 m.
+// the mean of the beams, but only where the whole front is seen. Measured: errors of up to 0.103 m
+// and 0.096 m/s.
 TEST(PeopleTracker, FollowsAnObjectThatIsWiderThanAPerson) {
   const Eigen::Vector2d velocity(-1.0, 0.3);
   const Eigen::Vector2d start = Eigen::Vector2d(2.2, 0.0) - 4.0 * velocity;
@@ -108,8 +109,8 @@ TEST(PeopleTracker, FollowsAnObjectThatIsWiderThanAPerson) {
     const People people = tracker.people_odom(at(time_s));
     if (time_s > 3.3 && people.size() == 1) {
       known_s += kScanS;
-      EXPECT_LT((people[0].position - start - time_s * velocity).norm(), 0.25) << time_s;
-      EXPECT_LT((people[0].velocity - velocity).norm(), 0.5) << time_s;
+      EXPECT_LT((people[0].position - start - time_s * velocity).norm(), 1.25 * 0.103) << time_s;
+      EXPECT_LT((people[0].velocity - velocity).norm(), 1.25 * 0.096) << time_s;
       EXPECT_NEAR(people[0].radius_m, 0.5, 0.08) << time_s;
     }
   });
@@ -194,7 +195,7 @@ TEST(PeopleTracker, APersonVeryNearIsLocatedByAllHisPoints) {
     }
   });
   EXPECT_GT(worst_m, 0.0);
-  EXPECT_LT(worst_m, 0.17);
+  EXPECT_LT(worst_m, 1.25 * 0.039);  // measured 0.039
 }
 
 /// A walker passes the robot and walks on behind it, out of view. Calls `check(time_s, p, people)`

@@ -151,7 +151,7 @@ class Driver {
 };
 
 // The slowest rollout is 0.2 m long and leads past a nearer goal. A cell of the plan is as large as
-// the tolerance.
+// the tolerance. Measured: up to 244 steps, 3.3 s.
 TEST(GoalDrive, ArrivesAtAGoalThatIsNearerThanTheShortestRollout) {
   constexpr double kToleranceM = 0.05;
   const LocalMap map = open_floor();
@@ -167,8 +167,8 @@ TEST(GoalDrive, ArrivesAtAGoalThatIsNearerThanTheShortestRollout) {
         (void)driver.step(goal, kToleranceM);
         ++num_steps;
       }
-      EXPECT_LT(num_steps, 1000) << distance_m << " m away at " << geometry::rad_to_deg(bearing_rad)
-                                 << " degrees";
+      EXPECT_LT(num_steps, 305) << distance_m << " m away at " << geometry::rad_to_deg(bearing_rad)
+                                << " degrees";
     }
   }
 }
