@@ -134,7 +134,8 @@ std::vector<Residual> parse_residuals(const std::string& text) {
   return residuals;
 }
 
-// plane_residual is independent of our code: it is compiled from sources beside the data.
+// plane_residual is independent of our code: it is compiled from sources beside the data. Measured:
+// 1.93 and 1.86 cm, with 0.356 and 0.464 of the points on a plane. Fewer would make it too easy.
 TEST_F(Slam6dOnKurt3d, ScansAgreeAtLeastAsWellAsIn3dtksResultOf2009) {
   NODMAP_REQUIRE_DATA(scans, "kurt3d");
   NODMAP_REQUIRE_DATA(source, "../tools/plane_residual.cpp");
@@ -147,7 +148,7 @@ TEST_F(Slam6dOnKurt3d, ScansAgreeAtLeastAsWellAsIn3dtksResultOf2009) {
   const auto residuals = parse_residuals(run.out);
   ASSERT_EQ(residuals.size(), 2U) << run.out;
   EXPECT_LE(residuals[0].median_cm, 2.10);
-  EXPECT_LE(residuals[1].median_cm, 2.10);
+  EXPECT_LE(residuals[1].median_cm, 2.07);
   EXPECT_GE(residuals[0].planes_hit, 0.35);
   EXPECT_GE(residuals[1].planes_hit, 0.46);
 }
