@@ -60,20 +60,28 @@ void print_relations(const Arguments& arguments) {
   std::cout << result.dump(2) << "\n";
 }
 
-std::vector<evaluate::PosePair> read_pairs(const Arguments& arguments) {
-  const auto estimate = nodmap::formats::read_tum(arguments.trajectory);
-  const auto tolerance = nodmap::time::from_seconds(arguments.tolerance_s);
-  auto pairs = evaluate::associate(estimate, nodmap::formats::read_tum(arguments.truth), tolerance);
-  if (pairs.empty()) {
+struct Trajectories {
+  nodmap::formats::Trajectory estimate;
+  nodmap::formats::Trajectory truth;
+  std::vector<evaluate::PosePair> pairs;  ///< not empty
+};
+
+Trajectories read_trajectories(const Arguments& arguments) {
+  Trajectories read{nodmap::formats::read_tum(arguments.trajectory),
+                    nodmap::formats::read_tum(arguments.truth),
+                    {}};
+  read.pairs = evaluate::associate(read.estimate, read.truth,
+                                   nodmap::time::from_seconds(arguments.tolerance_s));
+  if (read.pairs.empty()) {
     throw std::runtime_error(arguments.trajectory + ": none of its " +
-                             std::to_string(estimate.size()) +
+                             std::to_string(read.estimate.size()) +
                              " poses has a true pose at its time");
   }
-  return pairs;
+  return read;
 }
 
 void print_corridor(const Arguments& arguments) {
-  const auto pairs = read_pairs(arguments);
+  const auto pairs = read_trajectories(arguments).pairs;
   const auto errors = evaluate::measure_corridor(pairs);
   if (!errors) {
     throw std::runtime_error(arguments.truth + ": is too short to be the path through a corridor");
@@ -89,13 +97,13 @@ void print_corridor(const Arguments& arguments) {
 }
 
 void print_trajectory(const Arguments& arguments) {
-  const std::size_t num_poses = nodmap::formats::read_tum(arguments.trajectory).size();
-  const auto pairs = read_pairs(arguments);
+  const auto [estimate, truth, pairs] = read_trajectories(arguments);
   const auto errors =
       evaluate::measure_trajectory(pairs, arguments.align ? evaluate::Alignment::kLeastSquares
                                                           : evaluate::Alignment::kFirstPose);
   nlohmann::ordered_json result = {{"n", errors.n},
-                                   {"missing", num_poses - errors.n},
+                                   {"without_truth", estimate.size() - errors.n},
+                                   {"longest_gap_s", evaluate::longest_gap_s(estimate, truth)},
                                    {"ate_rmse_m", errors.ate_rmse_m},
                                    {"ate_max_m", errors.ate_max_m},
                                    {"rot_rmse_deg", rad_to_deg(errors.rot_rmse_rad)},

@@ -78,6 +78,20 @@ std::vector<PosePair> associate(const formats::Trajectory& estimate, formats::Tr
   return pairs;
 }
 
+double longest_gap_s(const formats::Trajectory& estimate, const formats::Trajectory& truth) {
+  const auto [first, last] = std::minmax_element(truth.begin(), truth.end(), is_earlier);
+  std::vector<time::Timestamp> stamps{first->stamp, last->stamp};
+  for (const StampedPose& pose : estimate) {
+    stamps.push_back(std::clamp(pose.stamp, first->stamp, last->stamp));
+  }
+  std::sort(stamps.begin(), stamps.end());
+  time::Duration longest{};
+  for (std::size_t i = 1; i < stamps.size(); ++i) {
+    longest = std::max(longest, stamps[i] - stamps[i - 1]);
+  }
+  return time::seconds(longest);
+}
+
 TrajectoryErrors measure_trajectory(const std::vector<PosePair>& pairs, Alignment alignment) {
   TrajectoryErrors errors;
   errors.n = pairs.size();

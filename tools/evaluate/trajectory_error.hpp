@@ -25,6 +25,11 @@ struct PosePair {
 [[nodiscard]] std::vector<PosePair> associate(const formats::Trajectory& estimate,
                                               formats::Trajectory truth, time::Duration tolerance);
 
+/// The longest time of the true path without an estimated pose, seconds: a process that gives no
+/// pose where it is difficult has a small error but a long gap. `truth` must not be empty.
+[[nodiscard]] double longest_gap_s(const formats::Trajectory& estimate,
+                                   const formats::Trajectory& truth);
+
 enum class Alignment : std::uint8_t {
   kFirstPose,     ///< the first pair agrees, as for a robot that starts at a known pose
   kLeastSquares,  ///< all positions agree in the least-squares sense (Umeyama 1991, no scale)

@@ -35,6 +35,19 @@ formats::Trajectory moved(const SE3& T_a_b, formats::Trajectory trajectory) {
   return trajectory;
 }
 
+// A robot that is LOST for a while, at the end, or at the start gives no pose meanwhile.
+TEST(TrajectoryError, TheLongestGapIsThatInTheEstimate) {
+  const formats::Trajectory truth = circle(41);
+  EXPECT_EQ(longest_gap_s(truth, truth), 1.0);
+  formats::Trajectory without_middle = truth;
+  without_middle.erase(without_middle.begin() + 11, without_middle.begin() + 30);
+  EXPECT_EQ(longest_gap_s(without_middle, truth), 20.0);  // from 10 s to 30 s
+  EXPECT_EQ(longest_gap_s(circle(16), truth), 25.0);
+  EXPECT_EQ(longest_gap_s(without_middle, circle(16)), 5.0);  // the truth ends first
+  EXPECT_EQ(longest_gap_s({truth.rbegin(), truth.rend() - 30}, truth), 30.0);
+  EXPECT_EQ(longest_gap_s({}, truth), 40.0);
+}
+
 TEST(TrajectoryError, IsZeroForTheTruthInAnotherFrame) {
   const auto pairs = associate(moved(kElsewhere, circle(40)), circle(40), 0s);
   ASSERT_EQ(pairs.size(), 40U);
