@@ -47,9 +47,8 @@ class CarmenExport {
       return;
     }
     history_.add(time::from_utime(message.utime), *T_odom_base);
-    newest_ = geometry::to_se2(*T_odom_base);
-    held_ = CarmenOdometry{time::from_utime(message.utime), newest_, message.forward_mps,
-                           message.yaw_rate_rad_s};
+    held_ = CarmenOdometry{time::from_utime(message.utime), geometry::to_se2(*T_odom_base),
+                           message.forward_mps, message.yaw_rate_rad_s};
   }
 
   void handle(const nodmap::scan_t& message) {
@@ -60,10 +59,17 @@ class CarmenExport {
     }
     CarmenScan line;
     line.stamp = scan.stamp;
-    const geometry::SE2 T_base_laser = geometry::to_se2(scan.T_base_mount);
+    const auto T_odom_base = pose_of(scan.stamp);
+    if (!T_odom_base) {
+      ++num_left_out_;
+      return;
+    }
+    const geometry::SE2 T_base_laser = geometry::to_se2(
+        scan.T_base_mount * Eigen::Translation3d(geometry::pitch_rotation(scan.pitch_mid_rad()) *
+                                                 scan.mirror_offset_m));
     line.side =
         std::abs(T_base_laser.yaw) > 0.5 * geometry::kPi ? LaserSide::kRear : LaserSide::kFront;
-    line.T_odom_base = pose_of(scan.stamp);
+    line.T_odom_base = *T_odom_base;
     line.T_odom_laser = line.T_odom_base * T_base_laser;
     line.angle_first_rad = scan.angle_first_rad;
     line.angle_step_rad = scan.angle_step_rad;
@@ -73,9 +79,9 @@ class CarmenExport {
     write(line);
   }
 
-  /// The odometry pose at the time of a scan. An ODOMETRY directly before a scan becomes part of
-  /// the scan line and gets no line of its own.
-  geometry::SE2 pose_of(time::Timestamp stamp) {
+  /// The odometry pose at the time of a scan, if there is odometry within 50 ms. An ODOMETRY
+  /// directly before a scan becomes part of the scan line and gets no line of its own.
+  std::optional<geometry::SE2> pose_of(time::Timestamp stamp) {
     if (held_ && held_->stamp == stamp) {
       const geometry::SE2 pose = held_->T_odom_base;
       held_.reset();
@@ -83,7 +89,7 @@ class CarmenExport {
     }
     write_held();
     const auto T_odom_base = history_.at(stamp);
-    return T_odom_base ? geometry::to_se2(*T_odom_base) : newest_;
+    return T_odom_base ? std::optional(geometry::to_se2(*T_odom_base)) : std::nullopt;
   }
 
   void write_held() {
@@ -104,7 +110,6 @@ class CarmenExport {
   nodmap::odometry_t odometry_message_{};
   nodmap::scan_t scan_message_{};
   geometry::PoseHistory history_;
-  geometry::SE2 newest_;
   std::optional<CarmenOdometry> held_;
   std::optional<time::Timestamp> start_;
   int num_lines_ = 0;
@@ -127,8 +132,10 @@ void export_carmen(const std::filesystem::path& log, const std::filesystem::path
     throw std::runtime_error(log.string() + ": no ODOMETRY, and no SCAN without pitch");
   }
   file.commit();
-  log::get().info("{} lines; {} messages omitted, which were invalid or scans with a pitch",
-                  writer.num_lines(), writer.num_left_out());
+  log::get().info(
+      "{} lines; {} messages omitted, which were invalid, or scans with a pitch or without "
+      "odometry",
+      writer.num_lines(), writer.num_left_out());
 }
 
 }  // namespace nodmap::convert

@@ -4,10 +4,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstddef>
 #include <fstream>
 #include <numbers>
+#include <vector>
 
+#include "common/bus/codec.hpp"
+#include "common/bus/event_log.hpp"
 #include "common/formats/tum.hpp"
+#include "common/node/messages.hpp"
 #include "tests/support/data_dir.hpp"
 #include "tools/convert/carmen_export.hpp"
 #include "tools/convert/carmen_import.hpp"
@@ -73,6 +78,38 @@ TEST_F(Import, CarmenRoundTrip) {
   import_carmen(file("b.clf"), file("b.lcmlog"));
   EXPECT_THAT(read("b.clf"), testing::StartsWith("ODOM 0.000000 "));
   EXPECT_EQ(read("a.lcmlog"), read("b.lcmlog"));
+}
+
+// The laser's pose is that of the mirror, ahead of the mount here. A scan long after the last
+// odometry has no pose.
+TEST_F(Import, CarmenExportPlacesTheMirrorByOdometryOfTheSameTime) {
+  const auto write_to = [](bus::LogWriter& log, const char* channel, const auto& message) {
+    std::vector<std::byte> bytes;
+    bus::encode_into(bytes, message);
+    ASSERT_TRUE(log.write(message.utime, channel, bytes));
+  };
+  {
+    bus::LogWriter log(file("a.lcmlog"));
+    scan::Scan scan;
+    scan.angle_step_rad = 0.1;
+    scan.range_max_m = 80.0;
+    scan.mirror_offset_m = {0.1, 0.0, 0.02};
+    scan.T_base_mount = geometry::to_se3({0.25, 0.0, 0.0});
+    scan.ranges_m = {1.0F, 2.0F};
+    write_to(log, "ODOMETRY", node::write_odometry(time::Timestamp(1s), geometry::SE3::Identity()));
+    for (const time::Duration since_epoch : {1000ms, 3000ms}) {
+      scan.stamp = time::Timestamp(since_epoch);
+      write_to(log, "SCAN", node::write_scan(scan));
+    }
+    ASSERT_TRUE(log.flush());
+  }
+  export_carmen(file("a.lcmlog"), file("a.clf"));
+  import_carmen(file("a.clf"), file("b.lcmlog"));
+  const auto messages = test::messages_of(file("b.lcmlog"));
+  ASSERT_EQ(messages.scans.size(), 1U);
+  EXPECT_EQ(messages.scans[0].utime, 1'000'000);
+  EXPECT_NEAR(messages.scans[0].mount_position_m[0] + messages.scans[0].mirror_offset_m[0], 0.35,
+              1e-6);  // digits in the log
 }
 
 TEST_F(Import, FailuresLeaveNothing) {
