@@ -181,8 +181,8 @@ void Localiser::follow_odometry(const LevelScan& scan, PoseUpdate& update) {
                            : covariance_.least_sigma_m() > params_.lost.max_sigma_m;
   update.quality = is_lost ? PoseQuality::kLost : PoseQuality::kOdometry;
   if (is_lost) {
+    metrics_.times_lost += state_ == State::kLocated ? 1 : 0;
     state_ = State::kLost;
-    ++metrics_.times_lost;
     misfit_since_.reset();
     failed_search_.reset();
     doubt_.end();
@@ -210,9 +210,14 @@ PoseUpdate Localiser::search_whole_map(const LevelScan& scan) {
     failed_search_ = FailedSearch{scan.stamp, scan.T_odom_base};
     return update;
   }
-  ++metrics_.found;
   take_place(found.T_map_base, scan);
-  return track(scan);
+  update = track(scan);
+  if (state_ == State::kLost) {
+    failed_search_ = FailedSearch{scan.stamp, scan.T_odom_base};
+  } else {
+    ++metrics_.found;
+  }
+  return update;
 }
 
 bool Localiser::is_search_due(const LevelScan& scan) const {

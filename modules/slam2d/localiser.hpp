@@ -20,7 +20,7 @@ struct LocaliserMetrics {
   ScansByQuality scans;
   std::int64_t searches = 0;  ///< of the whole map
   std::int64_t found = 0;     ///< searches that found the place
-  std::int64_t times_lost = 0;
+  std::int64_t times_lost = 0;  ///< after its place was confirmed
 };
 
 /// Localises in a known map, which it never changes: level scans are matched against it from the

@@ -20,7 +20,8 @@ KnownMap map_of_room() {
 /// A robot with 5 scans a second and odometry that counts 3 % too much.
 class Drive {
  public:
-  Drive(const KnownMap& map, const std::optional<SE2>& start) : localiser_({}, map, start) {}
+  Drive(const KnownMap& map, const std::optional<SE2>& start, const Slam2dParams& params = {})
+      : localiser_(params, map, start) {}
 
   /// Odometry is absent for a time, in which the robot moves.
   void move_unseen(const SE2& motion, time::Duration duration) {
@@ -109,6 +110,20 @@ TEST(Localiser, AKidnappedRobotReportsThatItIsLostAndFindsItsPlaceAgain) {
     EXPECT_LT(drive.error_m(update), kMaxErrorM);
   }
   EXPECT_EQ(lost, 3);
+}
+
+// What a search finds need not suffice for tracking. Then the search has failed, too, and is
+// repeated once a second where the robot stands.
+TEST(Localiser, APlaceThatIsNotAcceptedIsNotSearchedForWithEachScan) {
+  const KnownMap map = map_of_room();
+  Drive drive(map, std::nullopt, {.localise = {.min_score = 1.0}});
+  drive.truth = {1.0, -0.5, 2.0};
+  for (int i = 0; i < 10; ++i) {  // 2 s
+    EXPECT_EQ(drive.stand().quality, PoseQuality::kLost);
+  }
+  EXPECT_EQ(drive.metrics().searches, 2);
+  EXPECT_EQ(drive.metrics().found, 0);
+  EXPECT_EQ(drive.metrics().times_lost, 0);
 }
 
 // Another building is never taken for the known one.
