@@ -280,11 +280,14 @@ class Search {
 };
 
 /// Whether all poses of a square are near a peak.
-bool is_near(const Node& node, const Node& peak, double distance_cells, double rotation_steps) {
+bool is_near(const Node& node, const Node& peak, double distance_cells, double rotation_step_rad) {
   const int last = (1 << node.level) - 1;
   const double x = std::max(std::abs(node.x - peak.x), std::abs(node.x + last - peak.x));
   const double y = std::max(std::abs(node.y - peak.y), std::abs(node.y + last - peak.y));
-  return std::abs(node.rotation - peak.rotation) <= rotation_steps &&
+  // Modulo a full turn: a window of half a turn to either side ends where it begins.
+  const double rotation_rad =
+      geometry::normalize_angle((node.rotation - peak.rotation) * rotation_step_rad);
+  return std::abs(rotation_rad) <= kPeakRotationRad &&
          x * x + y * y <= distance_cells * distance_cells;
 }
 
@@ -336,12 +339,11 @@ CorrelativeMatch CorrelativeMatcher::search(const LikelihoodGrid& grid,
   Search search(grid, points, window);
   search.begin(static_cast<int>(params_.min_score * full), params_.max_runner_up_ratio);
   const double near_cells = kPeakDistanceM / grid.cell_size_m();
-  const double near_rotations = kPeakRotationRad / search.rotation_step_rad();
   std::vector<Node> peaks;
   while (peaks.size() < max_peaks) {
     const Node next = search.next_pose([&](const Node& node) {
       return std::any_of(peaks.begin(), peaks.end(), [&](const Node& peak) {
-        return is_near(node, peak, near_cells, near_rotations);
+        return is_near(node, peak, near_cells, search.rotation_step_rad());
       });
     });
     if (next.bound == 0) {

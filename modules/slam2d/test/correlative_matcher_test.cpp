@@ -186,6 +186,17 @@ TEST(LikelihoodGrid, BoundsOfManyWindowsAreNoLowerThanTheirSums) {
   }
 }
 
+// The pose is at both ends of the window, half a turn from the guess.
+TEST(CorrelativeMatcher, APoseHalfATurnFromTheGuessIsUnique) {
+  const Points map = room();
+  const LikelihoodGrid grid(map, kCellM, 50.0);
+  const SE2 truth{0.5, -0.3, geometry::kPi};
+  const CorrelativeMatch match =
+      CorrelativeMatcher({}).search(grid, seen_from(truth, map), {{}, 2.0, geometry::kPi});
+  ASSERT_TRUE(match.is_unique());
+  EXPECT_LT(geometry::distance_m(match.peaks[0].T_map_base, truth), 2.0 * kCellM);
+}
+
 // In this symmetric room a scan fits two places. Only the one in the left half is allowed.
 TEST(LikelihoodGrid, OnlyAllowedPlacesAreFound) {
   Points map;
