@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/slam2d/saved_map_file.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -115,6 +116,10 @@ class Reader {
     for (const SavedMap::Loop& loop : map_.loops) {
       require(loop.edge.to < map_.submaps.size(), "a loop to a submap that does not exist");
     }
+    for (const ClearedRegion& cleared : map_.cleared) {
+      require(cleared.num_keyframes <= map_.keyframes.size(),
+              "a cleared region with keyframes that do not exist");
+    }
     return std::move(map_);
   }
 
@@ -131,6 +136,8 @@ class Reader {
     for (const auto* pose : {&message.map_from_base, &message.odom_from_base, &message.step}) {
       std::for_each(std::begin(*pose), std::end(*pose), [this](double v) { require_finite(v); });
     }
+    std::for_each(std::begin(message.sensor_origin_m), std::end(message.sensor_origin_m),
+                  [this](double v) { require_finite(v); });
     Keyframe keyframe{
         .stamp = node::stamp_of(message),
         .T_odom_base = read_pose(message.odom_from_base),
@@ -171,6 +178,8 @@ class Reader {
     step.from = step.to - 1;
     step.T_from_to = read_pose(message.step);
     step.information = read_information(message.step_information);
+    require(step.information.llt().info() == Eigen::Success,
+            "step to keyframe " + std::to_string(step.to) + " with an unknown direction");
     map_.steps.push_back(step);
   }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <functional>
@@ -257,6 +258,13 @@ TEST(SavedMap, WithImpossibleValuesIsRefused) {
   EXPECT_NE(error_after([](Keyframes& k) { k[3].map_from_base[0] = 5e8; }), "");
   EXPECT_NE(error_after([](Keyframes& k) { k[3].points_m[7][1] = std::nanf(""); }), "");
   EXPECT_NE(error_after([](Keyframes& k) { k[3].step_information[1][1] = -1.0; }), "");
+  EXPECT_NE(error_after([](Keyframes& k) {
+              auto& information = k[3].step_information;
+              information[0][1] = information[1][0] =
+                  2.0 * std::max(information[0][0], information[1][1]);
+            }),
+            "");
+  EXPECT_NE(error_after([](Keyframes& k) { k[3].sensor_origin_m[0] = std::nan(""); }), "");
   EXPECT_NE(
       error_after([](Keyframes& k) { k[3].step[2] = std::numeric_limits<double>::infinity(); }),
       "");
