@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -196,6 +198,10 @@ int run_map_node(int argc, char** argv, const ProgramInfo& info, params::Table& 
     app.parse_complete_callback([&] {
       if (!start_pose.empty() && localise_in.empty() && map_in.empty()) {
         throw CLI::RequiresError("--start-pose", "--localise or --map-in");
+      }
+      if (!std::all_of(start_pose.begin(), start_pose.end(),
+                       [](double value) { return std::isfinite(value); })) {
+        throw CLI::ValidationError("--start-pose", "three finite numbers are needed");
       }
     });
   };

@@ -394,9 +394,20 @@ TEST(Clear, SaysWhenNobodyListens) {
   EXPECT_THAT(result.err, HasSubstr("nobody listens"));
 }
 
-TEST(Clear, RefusesARectangleWithoutTwoCorners) {
-  const auto result = run_program("nodmap-clear", {"--lcm-url", "memq://", "1", "-2", "0"});
+TEST(Clear, RefusesWhatIsNoRectangle) {
+  for (const std::vector<std::string>& corners : std::vector<std::vector<std::string>>{
+           {"1", "-2", "0"}, {"1", "1", "1", "5"}, {"0", "0", "nan", "1"}}) {
+    std::vector<std::string> arguments{"--lcm-url", "memq://", "--wait", "0.1"};
+    arguments.insert(arguments.end(), corners.begin(), corners.end());
+    EXPECT_EQ(run_program("nodmap-clear", arguments).exit_code, 2) << corners.size();
+  }
+}
+
+TEST(StartPose, MustBeFinite) {
+  const auto result =
+      run_program("nodmap-slam2d", {"--localise", "y", "--start-pose", "nan", "0", "0"});
   EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, HasSubstr("three finite numbers"));
 }
 
 }  // namespace programs_test

@@ -2,6 +2,7 @@
 // nodmap-clear: asks 2D SLAM to forget what its map shows in a rectangle.
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -56,6 +57,13 @@ int main(int argc, char** argv) {
                             "Two opposite corners, X1 Y1 X2 Y2 in map, metres")
                  ->expected(4)
                  ->required();
+             app.parse_complete_callback([&arguments] {
+               const std::vector<double>& m = arguments.corners_m;
+               const double area_m2 = (m.at(2) - m.at(0)) * (m.at(3) - m.at(1));
+               if (!std::isfinite(area_m2) || area_m2 == 0.0) {
+                 throw CLI::ValidationError("corners", "a rectangle with an area is needed");
+               }
+             });
              node::add_request_options(app, arguments.request,
                                        "How long to listen for 2D SLAM, seconds");
            },
