@@ -150,8 +150,10 @@ void LocalMap::classify(const Beam& beam, std::size_t index, double range_max_m)
   const TrackedGround::Place place = ground_.look(p_odom, tolerance);
   finder_.add(p_odom, R_base_odom_ * (p_odom.head<2>() - T_odom_base_->translation()));
   if (place.kind == Kind::kBelow) {
-    classify_below(beam, beam.range_m, place.facet,
-                   place.height_m < -tolerance - evidence::kCertainM);
+    const bool is_certain = place.height_m < -tolerance - evidence::kCertainM;
+    if (is_certain || place.height_m < -range_noise_m(-beam.direction.z())) {
+      classify_below(beam, beam.range_m, place.facet, is_certain);
+    }
     return;
   }
   pass(beam, beam.range_m);

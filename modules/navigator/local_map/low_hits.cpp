@@ -13,9 +13,6 @@ constexpr double kSideBySideM = 0.1;
 constexpr double kLineErrorM = 0.015;
 /// Six standard deviations of a range: one beam in a thousand million has this error.
 constexpr double kRangeErrorM = 0.06;
-/// Four of them, which two beams side by side hardly ever have both. Of steep beams, which are less
-/// than a centimetre apart, hundreds meet the floor in each sweep.
-constexpr double kRangeErrorOfTwoM = 0.04;
 
 }  // namespace
 
@@ -36,7 +33,8 @@ void LowHits::add_floor(const Hit& hit) {
 /// ranges, there is something: the errors of pitch and tilt that they share are within the
 /// tolerance. So a low sill is known from a single line on it; the next one is a cell or more
 /// farther on. A brick of 3 cm has only one beam on it, which counts alone if it stands out of its
-/// line by more than the noise of a range.
+/// line by more than the noise of a range. What may be the noise of a steep beam is neither floor
+/// nor obstacle.
 void LowHits::end_scan(bool is_level, LocalGrid& grid, FloorEvidence& floor,
                        const ObstacleMemory& obstacles, std::uint16_t scan) {
   is_level_ = is_level;
@@ -56,14 +54,16 @@ void LowHits::end_scan(bool is_level, LocalGrid& grid, FloorEvidence& floor,
   bool is_beside_last = false;
   for (std::size_t i = 0; i < low_.size(); ++i) {
     const bool is_beside_next = are_side_by_side(i, i + 1);
-    obstacles.add_hit(grid, low_[i].p_odom,
-                      is_beside_last || is_beside_next || is_above_line(low_[i]), scan);
+    const bool is_certain = is_beside_last || is_beside_next || is_above_line(low_[i]);
+    if (is_certain || is_above_noise(low_[i])) {
+      obstacles.add_hit(grid, low_[i].p_odom, is_certain, scan);
+    }
     is_beside_last = is_beside_next;
   }
 }
 
 bool LowHits::is_above_noise(const Hit& hit) {
-  return hit.height_m > kRangeErrorOfTwoM * hit.sinking;
+  return hit.height_m > range_noise_m(hit.sinking);
 }
 
 bool LowHits::is_above_line(const Hit& hit) const {

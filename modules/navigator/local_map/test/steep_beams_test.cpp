@@ -38,7 +38,7 @@ scan::Scan scan_of_floor(double pitch_rad, std::mt19937& engine) {
 
 // A reversal at 60 degrees: 2.1 rad/s, with 40 rad/s². Two beams in two scans, or two side by side,
 // must not suffice for a hole or an obstacle if they are within the noise: of these 200 reversals
-// four would leave one.
+// four would leave one; six would have one after some scan, when the robot may drive on.
 TEST(SteepBeams, TheirNoiseBlocksNothing) {
   constexpr double kScanS = 0.01332;
   constexpr double kRateRadS = 2.1;
@@ -51,8 +51,8 @@ TEST(SteepBeams, TheirNoiseBlocksNothing) {
       const double up_rad = away_s < kRampS ? 0.5 * kRateRadS / kRampS * away_s * away_s
                                             : kRateRadS * (away_s - 0.5 * kRampS);
       map.add_scan(scan_of_floor(deg_to_rad(-60.0) + up_rad, engine), {});
+      ASSERT_TRUE(map.points_base({}, 1.5).empty()) << run << " " << i;
     }
-    EXPECT_TRUE(map.points_base({}, 1.5).empty()) << run;
   }
 }
 
