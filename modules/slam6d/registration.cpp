@@ -12,6 +12,7 @@
 #include "modules/slam6d/bend_sums.hpp"
 #include "modules/slam6d/correspondence_search.hpp"
 #include "modules/slam6d/evidence.hpp"
+#include "modules/slam6d/inliers.hpp"
 #include "modules/slam6d/residual_sums.hpp"
 #include "modules/slam6d/sweep_motion.hpp"
 
@@ -25,25 +26,6 @@ constexpr double kSettledTranslationM = 1e-4;  // a hundredth of the scanner's n
 constexpr double kSettledRotationRad = 1e-5;   // 0.1 mm at 10 m
 // Scale of the robust kernel of the evidence that the wheels do not slip, in standard deviations.
 constexpr double kSlipKernel = 2.0;
-// With fewer upright points than this, their inlier ratio means nothing.
-constexpr std::size_t kMinUprightPoints = 100;
-
-bool is_upright(float normal_up) {
-  return std::abs(normal_up) < 0.5F;
-}
-
-struct InlierCount {
-  std::size_t points = 0;
-  std::size_t inliers = 0;
-
-  void add(bool is_inlier) {
-    ++points;
-    inliers += is_inlier ? 1 : 0;
-  }
-  [[nodiscard]] double ratio() const {
-    return static_cast<double>(inliers) / static_cast<double>(std::max<std::size_t>(1, points));
-  }
-};
 
 // Registers a sweep measured while the robot was stationary (N = 6) or moving (N = 12).
 template <int N>
@@ -333,24 +315,12 @@ class SweepRegistration {
     return motion;
   }
 
-  // How much of the sweep lies on the map's planes. Floor and ceiling lie on them at any place and
-  // heading, so upright planes are also counted on their own.
   void count_inliers() {
-    const VoxelMap::Selection selection = sweep_.select(0);
-    const auto max_m = static_cast<float>(2.0 * params_.fine_residual_scale_m);
-    InlierCount all;
-    InlierCount upright;
-    for_each_point(selection, [&](std::size_t, std::size_t l, const Eigen::Vector3f& p_map,
-                                  const Eigen::Vector3f& normal_map) {
-      const bool is_inlier = correspondences_.is_on_plane(l, p_map, normal_map, max_m);
-      all.add(is_inlier);
-      if (is_upright(normal_map.z())) {
-        upright.add(is_inlier);
-      }
-    });
-    result_.inlier_ratio = all.ratio();
-    result_.upright_inlier_ratio =
-        upright.points < kMinUprightPoints ? all.ratio() : upright.ratio();
+    const InlierRatios ratios =
+        slam6d::count_inliers(sweep_.select(0), correspondences_, result_.T_map_base,
+                              kInlierScales * params_.fine_residual_scale_m);
+    result_.inlier_ratio = ratios.all;
+    result_.upright_inlier_ratio = ratios.upright;
   }
 
   void classify() {

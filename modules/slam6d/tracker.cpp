@@ -98,7 +98,7 @@ PosePrior Tracker::predict(const SweepCloud& cloud, const PoseUpdate& update) co
 void Tracker::track(VoxelMap& sweep, const VoxelMap& map, const SweepCloud& cloud,
                     PoseUpdate& update) {
   const PoseUpdate predicted = update;
-  update.registration = register_sweep(sweep, map, predict(cloud, update), registration_);
+  update.registration = register_sweep_sliding(sweep, map, predict(cloud, update), registration_);
   update.T_map_base = update.registration->T_map_base;
   update.covariance = update.registration->covariance;
   calibrate(cloud, predicted, update);
