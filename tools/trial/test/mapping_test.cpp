@@ -23,9 +23,9 @@
 namespace nodmap::trial {
 namespace mapping_test {
 
-// Measured: 0.9876 and 0.898; 1.25 times as many wrong and missing voxels are permitted.
-constexpr double kMinPrecision = 0.984;
-constexpr double kMinRecall = 0.872;
+// Measured: 0.9884 and 0.889; 1.25 times as many wrong and missing voxels are permitted.
+constexpr double kMinPrecision = 0.9855;
+constexpr double kMinRecall = 0.861;
 
 constexpr time::Duration kForever = time::kLimit;
 
@@ -85,17 +85,15 @@ class MappingTest : public ::testing::Test {
 // R39: "the resulting map does not rank behind" one of a laser that is mounted level. The same
 // drives, mapped by the same program from what the laser would have measured if held level. The
 // mean of eight, because a single ratio is mostly chance: they are between 0.6 and 3. The ratio of
-// the means is 1.2 (8.0 to 6.7 mm), which is what R39 permits; 1.25 times as much is permitted here
-// (bench/REPORT.md).
+// the means is 0.97 (6.9 to 7.1 mm); R39 permits 1.2, which is 1.24 times as much.
 TEST_F(MappingTest, R39_NoddingCostsNoQualityOfThe2dMap) {
   double nodding_m = 0.0;
   double level_m = 0.0;
   constexpr std::uint64_t kNumSeeds = 8;
-  for (std::uint64_t seed = 1; seed <= kNumSeeds; ++seed) {
+  for (std::uint64_t seed = 1001; seed <= 1000 + kNumSeeds; ++seed) {
     TrialSetup trial = setup("office", seed, 25.0);
     trial.without = {"slam6d"};
     trial.level_laser = true;
-    drive_as_in_the_paper(trial);
     trial.params.set_assignment("sim.odometry_scale_bias=0.03");
     const auto dir = folder(std::to_string(seed));
     const TrialOutcome outcome = run(trial, dir);
@@ -107,12 +105,12 @@ TEST_F(MappingTest, R39_NoddingCostsNoQualityOfThe2dMap) {
   RecordProperty("nodding_mm", std::to_string(1000.0 * nodding_m));
   RecordProperty("level_mm", std::to_string(1000.0 * level_m));
   EXPECT_GT(level_m, 0.0);
-  EXPECT_LE(nodding_m, 1.25 * 1.2 * level_m);
+  EXPECT_LE(nodding_m, 1.2 * level_m);
 }
 
 // R46: the OctoMap of a drive against the true surfaces, to one voxel.
 TEST_F(MappingTest, R46_OccupiedVoxelsAreAtTrueSurfaces) {
-  TrialSetup trial = setup("cellar", 2, 15.0);
+  TrialSetup trial = setup("cellar", 1002, 15.0);
   trial.without = {"slam2d"};
   const TrialOutcome outcome = run(trial, dir_.path());
   const auto occupancy = summarise(trial, outcome, dir_.path())["occupancy"];
@@ -126,7 +124,7 @@ TEST_F(MappingTest, R46_OccupiedVoxelsAreAtTrueSurfaces) {
 // R42, Fig. 8: 50 scans at full speed, about a metre, deskewed with odometry; the cloud is placed
 // at the robot's true pose.
 TEST_F(MappingTest, R42_FiftyScansOnTheMoveLieOnTheSurfaces) {
-  TrialSetup trial = setup("corridor30", 2, 12.0);
+  TrialSetup trial = setup("corridor30", 1002, 14.0);
   trial.without = {"slam2d", "slam6d"};
   drive_as_in_the_paper(trial);
   const TrialOutcome outcome = run(trial, dir_.path());
@@ -148,7 +146,7 @@ TEST_F(MappingTest, R42_FiftyScansOnTheMoveLieOnTheSurfaces) {
       evaluate::measure_cloud(cloud->points, truth.at(cloud->stamp).value(), trial.world);
   RecordProperty("rms_mm", std::to_string(1e3 * errors.rms_m));
   EXPECT_GT(errors.n, 5000U);
-  EXPECT_LE(errors.rms_m, 0.0183);  // 0.0146 measured; R42 permits 0.03
+  EXPECT_LE(errors.rms_m, 0.0168);  // 0.0135 measured; R42 permits 0.03
 }
 
 double model_rms_m(const TrialSetup& trial, const std::filesystem::path& dir) {
@@ -161,16 +159,16 @@ double model_rms_m(const TrialSetup& trial, const std::filesystem::path& dir) {
 // R45, Fig. 9: the model from clouds taken while driving is "slightly more distorted" than one
 // taken while stationary.
 TEST_F(MappingTest, R45_OnTheMoveTheModelIsOnlySlightlyMoreDistorted) {
-  TrialSetup moving = setup("cellar", 2, 15.0);
+  TrialSetup moving = setup("cellar", 1002, 15.0);
   moving.without = {"slam2d"};
-  TrialSetup standing = setup("cellar", 2, 8.0);
+  TrialSetup standing = setup("cellar", 1002, 8.0);
   standing.without = {"slam2d", "navigator"};
   const double moving_m = model_rms_m(moving, folder("moving"));
   const double standing_m = model_rms_m(standing, folder("standing"));
   RecordProperty("moving_mm", std::to_string(1e3 * moving_m));
   RecordProperty("standing_mm", std::to_string(1e3 * standing_m));
   EXPECT_GT(standing_m, 0.005);            // the sensor's noise is 10 mm
-  EXPECT_LE(moving_m, 1.14 * standing_m);  // 0.91 measured; R45 permits 1.5
+  EXPECT_LE(moving_m, 1.09 * standing_m);  // 0.87 measured; R45 permits 1.5
 }
 
 }  // namespace mapping_test

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Short versions of the trials in bench/trials.py: the whole robot in a closed loop.
+// Short versions of the trials in bench/trials.py: the whole robot in a closed loop. Their seeds
+// are those for choosing (bench/seeds.py), because a change that fails here does not land.
 #include "tools/trial/trial.hpp"
 
 #include <gtest/gtest.h>
@@ -49,7 +50,7 @@ class TrialTest : public ::testing::Test {
 };
 
 TEST_F(TrialTest, TheSameSetupGivesTheSameBytes) {
-  TrialSetup twice = setup("fig5", 1, 6.0);
+  TrialSetup twice = setup("fig5", 1001, 6.0);
   twice.without.clear();
   std::vector<std::string> logs;
   std::vector<std::string> results;
@@ -69,22 +70,22 @@ TEST_F(TrialTest, TheSameSetupGivesTheSameBytes) {
 
 // R31, Fig. 5: a laser held level does not see the box that a nodding one sees.
 TEST_F(TrialTest, Fig5FixedCollides) {
-  TrialSetup fixed = setup("fig5", 1, 8.0);
+  TrialSetup fixed = setup("fig5", 1001, 8.0);
   fixed.params.set_assignment("pitch_controller.mode=fixed");
   EXPECT_GT(drive_metrics(run(fixed).record).collisions, 0);
 }
 
 TEST_F(TrialTest, Fig5NoddingDoesNot) {
-  const DriveMetrics drive = drive_metrics(run(setup("fig5", 1, 20.0)).record);
+  const DriveMetrics drive = drive_metrics(run(setup("fig5", 1001, 20.0)).record);
   RecordProperty("distance_m", std::to_string(drive.distance_m));
   EXPECT_EQ(drive.collisions, 0);
-  EXPECT_GT(drive.distance_m, 13.4);  // 16.8 m measured; the box is 2 m ahead
+  EXPECT_GT(drive.distance_m, 14.3);  // 17.9 m measured; the box is 2 m ahead
 }
 
 // The laser receives no echoes. That does not mean free space, and a trial without a scan does not
 // start.
 TEST_F(TrialTest, WithABlindLaserTheRobotDoesNotDrive) {
-  TrialSetup blind = setup("cellar", 1, 20.0);
+  TrialSetup blind = setup("cellar", 1001, 20.0);
   blind.params.set_assignment("sim.min_intensity=1");
   Trial trial(blind, dir_.path());
   const auto drive = [&trial] {
@@ -103,13 +104,12 @@ TEST_P(RandomClutter, IsDrivenThroughWithoutACollision) {
       drive_metrics(run(setup("random:" + std::to_string(GetParam()), GetParam(), 20.0)).record);
   EXPECT_EQ(drive.collisions, 0);
   RecordProperty("mean_speed_mps", std::to_string(drive.mean_speed_mps));
-  EXPECT_GT(drive.mean_speed_mps, 0.65);  // 0.85 and 0.82 m/s measured
+  EXPECT_GT(drive.mean_speed_mps, 0.65);  // 0.88 and 0.81 m/s measured
 }
 
-INSTANTIATE_TEST_SUITE_P(Worlds, RandomClutter, ::testing::Values(1, 2));
+INSTANTIATE_TEST_SUITE_P(Worlds, RandomClutter, ::testing::Values(1001, 1002));
 
-// R29. Worlds in which no low objects are on the path before the obstacle: objects lower than 5 cm
-// are floor for the obstacle map.
+// R29.
 class Appearing : public TrialTest, public ::testing::WithParamInterface<std::uint64_t> {};
 
 TEST_P(Appearing, ObstacleBeyondTheStoppingDistanceIsNotHit) {
@@ -125,10 +125,10 @@ TEST_P(Appearing, ObstacleBeyondTheStoppingDistanceIsNotHit) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Seeds, Appearing, ::testing::Values(42, 72, 101, 102));
+INSTANTIATE_TEST_SUITE_P(Seeds, Appearing, ::testing::Values(1001, 1002, 1003, 1004));
 
 TEST_F(TrialTest, AnObstacleAlsoAppearsWithALevelLaser) {
-  TrialSetup trial = setup("random:42", 42, 12.0);
+  TrialSetup trial = setup("random:1001", 1001, 12.0);
   trial.level_laser = true;
   trial.world.actors.push_back(place_appearing_obstacle(trial, 6.0, dir_.path()));
   EXPECT_NO_THROW(Trial(trial, dir_.path()));  // no log is in its way
@@ -147,7 +147,7 @@ struct Loss {
 class Losing : public TrialTest, public ::testing::WithParamInterface<Loss> {};
 
 TEST_P(Losing, APartStopsTheRobotAndItContinuesAfterwards) {
-  TrialSetup trial = setup("corridor30", 3, 20.0);
+  TrialSetup trial = setup("corridor30", 1003, 20.0);
   const Disturbance loss{"", time::SteadyTime(10s), time::SteadyTime(12s)};
   if (GetParam().fault != nullptr) {
     trial.faults.push_back(sim::parse_fault(std::string(GetParam().fault) + "@10+2"));
@@ -178,25 +178,25 @@ INSTANTIATE_TEST_SUITE_P(
 
 // When odometry restarts at zero, the SLAMs keep their poses.
 TEST_F(TrialTest, SlamsKeepTheirPosesWhenTheBaseDriverRestarts) {
-  TrialSetup trial = setup("corridor30", 1, 16.0);
+  TrialSetup trial = setup("corridor30", 1001, 16.0);
   trial.without.clear();
   trial.kills.push_back({"kurt", time::SteadyTime(8s), 2s});
   const auto result = summarise(trial, run(trial), dir_.path());
   record_errors(result);
   // Odometry has lost the path before its restart. No process knows the distance in which the robot
-  // brakes without odometry, and along a corridor nothing reveals it.
+  // brakes without odometry; the door frames reveal it.
   EXPECT_GT(result["odometry"]["end_error_m"], 2.0);
-  EXPECT_LE(result["slam2d"]["ate_rmse_m"], 0.020);   // 0.016 measured
-  EXPECT_LE(result["slam6d"]["ate_rmse_m"], 0.0067);  // 0.0054
+  EXPECT_LE(result["slam2d"]["ate_rmse_m"], 0.0129);  // 0.0103 measured
+  EXPECT_LE(result["slam6d"]["ate_rmse_m"], 0.0077);  // 0.0061
 }
 
 // Stairs down, the edge of a dock, and a ramp.
 TEST_F(TrialTest, StairsAreDrivenWithoutAFall) {
-  const DriveMetrics drive = drive_metrics(run(setup("stairs", 1, 30.0)).record);
+  const DriveMetrics drive = drive_metrics(run(setup("stairs", 1001, 30.0)).record);
   EXPECT_EQ(drive.falls, 0);
   RecordProperty("distance_m", std::to_string(drive.distance_m));
   EXPECT_EQ(drive.collisions, 0);
-  EXPECT_GT(drive.distance_m, 6.9);  // 8.6 m measured
+  EXPECT_GT(drive.distance_m, 7.0);  // 8.8 m measured
 }
 
 /// The greatest distance of the robot's corners outside a square around its start, metres.
@@ -217,7 +217,7 @@ double farthest_outside_m(const TrialRecord& record, const robot::Footprint& bod
 
 // In an open world, where nothing else keeps the robot inside.
 TEST_F(TrialTest, TheGeofenceIsNotLeft) {
-  TrialSetup trial = setup("random:4", 4, 40.0);
+  TrialSetup trial = setup("random:1004", 1004, 40.0);
   trial.params.set_assignment("sim.odometry_scale_bias=0.03");
   const robot::Footprint body = trial.params.navigator.robot.body.footprint();
   std::filesystem::create_directory(dir_.path() / "without");
@@ -233,7 +233,7 @@ TEST_F(TrialTest, TheGeofenceIsNotLeft) {
 
 // The robot docks 12 cm in front of a box, in clutter.
 TEST_F(TrialTest, DocksWithinTwoCentimetresAndADegree) {
-  const TrialSetup trial = setup("dock:1002", 1, 90.0);
+  const TrialSetup trial = setup("dock:1002", 1001, 90.0);
   const auto result = summarise(trial, run(trial), dir_.path());
   record_errors(result);
   EXPECT_TRUE(result["goal_reached"]);
@@ -244,28 +244,28 @@ TEST_F(TrialTest, DocksWithinTwoCentimetresAndADegree) {
 
 // R38, Fig. 7: a drive around a block, back to the start.
 TEST_F(TrialTest, ALoopRoundABlockCloses) {
-  TrialSetup trial = setup("loop", 3, 120.0);
+  TrialSetup trial = setup("loop", 1003, 120.0);
   trial.params.set_assignment("sim.odometry_scale_bias=0.03");
   const auto result = summarise(trial, run(trial), dir_.path());
   record_errors(result);
   EXPECT_TRUE(result["goal_reached"]);
   EXPECT_GE(result["distance_m"], 40.0) << "the ring is 42 m long in its middle";
   // R38 permits 0.10 m and 1 degree at the end.
-  EXPECT_LE(result["slam2d"]["ate_max_m"], 0.028);     // 0.023 measured
-  EXPECT_LE(result["slam2d"]["rot_rmse_deg"], 0.081);  // 0.065
+  EXPECT_LE(result["slam2d"]["ate_max_m"], 0.0169);    // 0.0135 measured
+  EXPECT_LE(result["slam2d"]["rot_rmse_deg"], 0.080);  // 0.064
   EXPECT_GT(result["odometry"]["end_error_m"], 0.10);  // odometry alone is not good enough
 }
 
 // R37, Fig. 6: 27 m with wheels that count 3 % too much.
 TEST_F(TrialTest, TheCorridorHasItsTrueLength) {
-  TrialSetup trial = setup("corridor30", 1, 50.0);
+  TrialSetup trial = setup("corridor30", 1001, 50.0);
   trial.params.set_assignment("sim.odometry_scale_bias=0.03");
   const auto result = summarise(trial, run(trial), dir_.path());
   record_errors(result);
   EXPECT_TRUE(result["goal_reached"]);
   // R37 permits 1 % of the length and 0.5 degrees.
-  EXPECT_LE(result["slam2d"]["ate_max_m"], 0.052);     // 0.041 measured
-  EXPECT_LE(result["slam2d"]["rot_rmse_deg"], 0.118);  // 0.094
+  EXPECT_LE(result["slam2d"]["ate_max_m"], 0.051);     // 0.041 measured
+  EXPECT_LE(result["slam2d"]["rot_rmse_deg"], 0.111);  // 0.089
   EXPECT_GT(result["odometry"]["end_error_m"], 0.6);   // odometry alone is not good enough
 }
 
