@@ -44,9 +44,6 @@ class KurtNode final : public node::DeviceNode {
   [[nodiscard]] node::Health health() const override;
 
  private:
-  void receive(std::span<const std::uint8_t> bytes, const time::Moment& now);
-  void send(const time::Moment& now);
-  void on_drive(const nodmap::drive_t& message);
   /// What tells a STOP or release from others, and is the same when it is sent again.
   struct StopName {
     std::int64_t utime;
@@ -55,6 +52,9 @@ class KurtNode final : public node::DeviceNode {
     bool operator==(const StopName&) const = default;
   };
 
+  void receive(std::span<const std::uint8_t> bytes, const time::Moment& now);
+  void send(const time::Moment& now);
+  void on_drive(const nodmap::drive_t& message);
   void on_stop(const nodmap::stop_t& message);
   void publish_odometry(const OdometrySample& sample);
   void publish_sensors(const time::Moment& now);

@@ -11,7 +11,8 @@ namespace {
 constexpr int kLinesOnObstacle = 2;
 // One line hits the smallest obstacle out to this many times the distance at which it may appear.
 // The speed bound of a sweep is then above the speed that it is planned for; otherwise the robot
-// could never accelerate.
+// could never accelerate. 1.3 suffices for that, but between its lines, 1.7 degrees apart at 1 m/s,
+// bricks of 5 cm are missed.
 constexpr double kReserve = 1.4;
 
 // The finest step of the scanner (paper, II).
