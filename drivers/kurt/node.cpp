@@ -192,8 +192,11 @@ void KurtNode::on_stop(const nodmap::stop_t& message) {
     return;  // our own repetition, which may arrive after a newer STOP of another sender
   }
   context_.counts.use();
-  if (is_release && name == std::exchange(release_, name)) {
-    return;  // sent several times, in case one is lost; whatever stopped the robot since is newer
+  if (is_release) {
+    if (std::ranges::find(releases_, name) != releases_.end()) {
+      return;  // sent several times, in case one is lost; whatever stopped the robot since is newer
+    }
+    releases_.push_back(name);
   }
   const bool was_stopped = stopped_by_.has_value();
   stopped_by_ = is_release ? std::nullopt : std::optional(name.by);

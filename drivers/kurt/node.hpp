@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <boost/circular_buffer.hpp>
 #include <cstdint>
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
@@ -72,7 +73,9 @@ class KurtNode final : public node::DeviceNode {
   std::optional<time::SteadyTime> next_stop_;
   std::int64_t stop_seq_ = 0;
   std::optional<StopName> repeated_;  // the last STOP that this driver published
-  std::optional<StopName> release_;   // the last release that was obeyed
+  /// The last releases that were obeyed. Copies of one arrive within a second, and nobody releases
+  /// the robot this often in that time.
+  boost::circular_buffer<StopName> releases_{16};
   KurtState logged_state_ = KurtState::kNoLine;
   time::SteadyTime next_control_;
   time::SteadyTime next_sensors_;

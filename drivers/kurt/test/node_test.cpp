@@ -147,10 +147,16 @@ TEST(KurtNode, ARepeatedReleaseDoesNotUndoANewerStop) {
   bench.bus.publish("STOP", release);
   bench.drive_for(0.5, 0.0, 1s);
   EXPECT_EQ(bench.base.left_cm_s(), 0);
-  release.utime = 6'000'000;
-  bench.bus.publish("STOP", release);
+  nodmap::stop_t newer = release;
+  newer.utime = 6'000'000;
+  bench.bus.publish("STOP", newer);
   bench.drive_for(0.5, 0.0, 1s);
-  EXPECT_EQ(bench.base.left_cm_s(), 50);
+  ASSERT_EQ(bench.base.left_cm_s(), 50);
+  bench.publish_stop(true, "page");
+  bench.bus.publish("STOP", newer);
+  bench.bus.publish("STOP", release);  // the third copy of an older one
+  bench.drive_for(0.5, 0.0, 1s);
+  EXPECT_EQ(bench.base.left_cm_s(), 0);
 }
 
 // Names that resemble the driver's own stop it as well, and their length is not repeated.
