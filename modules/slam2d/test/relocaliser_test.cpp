@@ -272,7 +272,7 @@ TEST(KnownMap, ARayIsBlockedByOccupiedCellsOnItsWayAndOnBothSides) {
   std::mt19937 random(1);
   TrinaryGrid grid{.cell_size_m = kCellM, .width = kSize, .height = kSize};
   for (int i = 0; i < kSize * kSize; ++i) {
-    grid.cells.push_back(random() % 60 == 0 ? CellState::kOccupied : CellState::kFree);
+    grid.cells.push_back(random() % 40 == 0 ? CellState::kOccupied : CellState::kFree);
   }
   const KnownMap map(grid, {});
   std::uniform_real_distribution<double> inside_m(0.5, 5.5);
