@@ -2,16 +2,20 @@
 #include "bench/live/robot_processes.hpp"
 
 #include <fcntl.h>
+#include <sched.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
+#include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <iterator>
 #include <stdexcept>
 #include <thread>
+
+#include "procman/config/parser.hpp"
 
 namespace nodmap::bench {
 namespace {
@@ -23,9 +27,38 @@ constexpr int kEndPauses = 500;
 constexpr std::array<const char*, 8> kRobot = {
     "laser3d", "kurt", "map-server", "pitch-controller", "navigator", "slam2d", "slam6d", "logger"};
 
+/// The real-time priorities of the processes as sim.pmd launches them, by name; 0: none.
+std::map<std::string, int> realtime_priorities() {
+  std::map<std::string, int> priorities;
+  const auto config = procman::load_config(NODMAP_SOURCE_DIR "/procman/sim.pmd");
+  for (const procman::Command& command : config.commands) {
+    priorities[command.id] = command.resources.realtime;
+  }
+  return priorities;
+}
+
+/// Starts a program. Its priority is an ordinary one if `realtime` is 0, or not permitted.
+int spawn(pid_t& pid, char* const argv[], const posix_spawn_file_actions_t& actions, int realtime) {
+  if (realtime != 0) {
+    const sched_param priority{realtime};
+    posix_spawnattr_t attributes{};
+    ::posix_spawnattr_init(&attributes);
+    ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSCHEDULER);
+    ::posix_spawnattr_setschedpolicy(&attributes, SCHED_RR);
+    ::posix_spawnattr_setschedparam(&attributes, &priority);
+    const int error = ::posix_spawn(&pid, argv[0], &actions, &attributes, argv, environ);
+    ::posix_spawnattr_destroy(&attributes);
+    if (error != EPERM) {
+      return error;
+    }
+  }
+  return ::posix_spawn(&pid, argv[0], &actions, nullptr, argv, environ);
+}
+
 }  // namespace
 
-RobotProcesses::RobotProcesses(Options options) : options_(std::move(options)) {
+RobotProcesses::RobotProcesses(Options options)
+    : options_(std::move(options)), realtime_(realtime_priorities()) {
   std::filesystem::create_directories(options_.out);
   start("sim");
   const auto links = options_.out / "links";
@@ -80,7 +113,7 @@ void RobotProcesses::start(const std::string& name) {
                                      O_WRONLY | O_CREAT | O_APPEND, 0644);
   ::posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
   pid_t pid = -1;
-  const int error = ::posix_spawn(&pid, argv[0], &actions, nullptr, argv.data(), environ);
+  const int error = spawn(pid, argv.data(), actions, realtime_[name]);
   ::posix_spawn_file_actions_destroy(&actions);
   if (error != 0) {
     throw std::runtime_error(words[0] + ": cannot be started");

@@ -11,7 +11,8 @@
 
 namespace nodmap::bench {
 
-/// The whole robot as processes, with simulated devices. The destructor kills what still runs.
+/// The whole robot as processes, with simulated devices and the priorities of procman/sim.pmd. The
+/// destructor kills what still runs.
 class RobotProcesses : private boost::noncopyable {
  public:
   struct Options {
@@ -45,6 +46,7 @@ class RobotProcesses : private boost::noncopyable {
   [[nodiscard]] bool ends_well(const std::string& name);
 
   Options options_;
+  std::map<std::string, int> realtime_;  ///< real-time priority of each process; 0: none
   std::map<std::string, pid_t> pids_;
 };
 
