@@ -59,8 +59,9 @@ class KurtNode final : public node::DeviceNode {
   void on_stop(const nodmap::stop_t& message);
   void publish_odometry(const OdometrySample& sample);
   void publish_sensors(const time::Moment& now);
-  /// Publishes STOP once a second while the robot is stopped, for processes that start later.
+  /// Stops the robot if the base's own sensors demand it.
   void stop_on_alarm();
+  /// Publishes STOP once a second while the robot is stopped, for processes that start later.
   void repeat_stop(const time::Moment& now);
   void log_change(const time::Moment& now);
 

@@ -12,8 +12,8 @@
 
 namespace nodmap::navigator {
 
-/// Publishes what people look at: PATH, TRACKS and LOCAL_MAP. No process depends on them, so they
-/// are published less often than DRIVE.
+/// Publishes PATH, TRACKS and LOCAL_MAP, less often than DRIVE: they are shown, and PATH also tells
+/// the explorer and `nodmap-goal` whether there is a path.
 class Display {
  public:
   explicit Display(bus::Bus& bus) : bus_(bus) {}

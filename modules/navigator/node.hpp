@@ -34,8 +34,8 @@
 
 namespace nodmap::navigator {
 
-/// Receives SCAN, OBSTACLE_MAP, ODOMETRY and the state of the scanner; publishes DRIVE and
-/// NAVIGATION: one for each obstacle map and, while the robot halts, one for each ODOMETRY.
+/// Runs the navigator: README.md lists the channels. Publishes one DRIVE and one NAVIGATION for each
+/// obstacle map and, while the robot halts, for each ODOMETRY.
 class NavigatorNode final : public node::Node {
  public:
   using Params = NavigatorParams;
