@@ -90,11 +90,12 @@ double Brake::speed_on_seen_floor(double curvature, double max_mps, const Situat
       speed_mps = robot::stoppable_speed(seen_m, drive_.reaction_s, rule.deceleration_mps2);
     }
   }
+  constexpr bool kEndsAtObstacles = true;
   const double slow_mps = std::min(kHiddenMps, max_mps);
   const bool may_creep =
       creeps_ && speed_mps < slow_mps &&
       now.local_map->seen_distance(now.T_odom_base, curvature, body_.half_width_m, kHiddenSeenM,
-                                   local_map_.max_gap_m, true) == kHiddenSeenM;
+                                   local_map_.max_gap_m, kEndsAtObstacles) >= kHiddenSeenM;
   return may_creep ? slow_mps : speed_mps;
 }
 

@@ -38,9 +38,9 @@ class Brake {
   /// obstacle does.
   [[nodiscard]] Arc measure_arc(double curvature, const Situation& now) const;
 
-  /// The greatest speed on the arc that the robot is on now, and on which it would brake. 0 if an
-  /// obstacle is nearer than even an emergency stop needs; +infinity if the robot hardly moves.
-  /// Below the creep speed the margins of a creeping robot suffice.
+  /// The greatest safe speed on the robot's present arc, along which it would brake, whatever arc
+  /// is chosen next. 0 if an obstacle is nearer than even an emergency stop needs; +infinity if the
+  /// robot hardly moves. Below the creep speed the margins of a creeping robot suffice.
   [[nodiscard]] double speed_on_present_arc(const Situation& now) const;
 
   /// Slows down a rotation, or an arc that swings the rear aside, over ground that is not known to

@@ -16,8 +16,8 @@ namespace nodmap::navigator {
 class Geofence;
 class LocalMap;
 
-/// Whoever has not decided for longer than this was not asked: the robot was stopped, or somebody
-/// else decided. That is no time without progress.
+/// Longest time between two decisions of one behaviour. After a longer pause, because the robot was
+/// stopped or another behaviour decided, the time without progress counts anew.
 inline constexpr time::Duration kLongestPeriod = 200ms;
 
 /// The inputs of a decision.

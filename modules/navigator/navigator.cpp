@@ -9,7 +9,7 @@
 namespace nodmap::navigator {
 namespace {
 
-/// Below this speed the robot is stationary: a step of the base's speed command is 1 cm/s.
+/// Slower than this counts as stationary: four steps of the base's speed command.
 constexpr double kStationaryMps = 0.04;
 /// Within this distance of its last turn the robot turns to the same side: the obstacle is the
 /// same.

@@ -29,8 +29,8 @@ class SeenDirections {
 
   void forget() { in_view_since_.fill(std::nullopt); }
 
-  /// Call it after a gap in the scans. Forgets directions that were in view for fewer sweeps
-  /// before.
+  /// For a gap in the scans: forgets the directions that had been in view for fewer than `sweeps`
+  /// sweeps.
   void forget_unseen(int sweeps);
 
  private:

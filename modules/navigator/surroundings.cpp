@@ -81,11 +81,11 @@ void Surroundings::miss_scans() {
 
 void Surroundings::complete(Situation& now) {
   seen_.update(now.T_odom_base.yaw, now.sweep_count);
-  respect_gap(now);
-  respect_slopes(now);
-  respect_people(now);
-  join_local_map(now);
-  join_geofence(now);
+  slow_down_after_gap(now);
+  slow_down_near_slopes(now);
+  add_people(now);
+  add_local_map(now);
+  add_geofence(now);
 }
 
 void Surroundings::add_newcomers(Situation& now) const {
@@ -106,7 +106,7 @@ std::optional<Reason> Surroundings::reason_to_wait(time::Timestamp stamp) const 
 }
 
 /// Slows down after a gap in the scans.
-void Surroundings::respect_gap(Situation& now) {
+void Surroundings::slow_down_after_gap(Situation& now) {
   gap_.update(now.sweep_count);
   now.max_forward_mps *= gap_.speed_ratio();
 }
@@ -114,7 +114,7 @@ void Surroundings::respect_gap(Situation& now) {
 /// Slows down near slopes, and removes points of the obstacle map that are ground. That map
 /// measures heights above the plane on which the robot stands, so it takes sloped ground for
 /// obstacles; the local map, made from the same scans, knows better.
-void Surroundings::respect_slopes(Situation& now) const {
+void Surroundings::slow_down_near_slopes(Situation& now) const {
   if (!local_map_.has_scan() || local_map_.ground().is_level()) {
     return;
   }
@@ -124,7 +124,7 @@ void Surroundings::respect_slopes(Situation& now) const {
 
 /// Adds the people who walk, and removes points of the obstacle map that they are or have left
 /// behind. Watches what else approaches.
-void Surroundings::respect_people(Situation& now) {
+void Surroundings::add_people(Situation& now) {
   now.people = people_.people_base(now.stamp, now.T_odom_base);
   if (!now.people.empty()) {
     saw_people_at_ = now.stamp;
@@ -133,10 +133,11 @@ void Surroundings::respect_people(Situation& now) {
       std::chrono::abs(now.stamp - *saw_people_at_) < kPassed) {
     erase_free_floor(now);
   }
-  Points nobodys = without_wakes(now.people, now.points_base);
-  watch_approach(now, nobodys);
+  Points points_of_things = without_wakes(now.people, now.points_base);
+  watch_approach(now, points_of_things);
   if (local_map_.has_scan()) {
-    now.points_base = std::move(nobodys);  // what stands beside a person is also in the local map
+    now.points_base =
+        std::move(points_of_things);  // what stands beside a person is also in the local map
   }
 }
 
@@ -149,7 +150,7 @@ void Surroundings::watch_approach(const Situation& now, const Points& points_bas
 
 /// Adds the obstacles of the local map. Must follow watch_approach(): a low sill that is first seen
 /// when it is near has not approached.
-void Surroundings::join_local_map(Situation& now) const {
+void Surroundings::add_local_map(Situation& now) const {
   if (!local_map_.has_scan()) {
     return;
   }
@@ -165,7 +166,7 @@ void Surroundings::join_local_map(Situation& now) const {
 
 /// Adds the boundary of the geofence. Must follow watch_approach(), because the boundary moves when
 /// the pose is corrected.
-void Surroundings::join_geofence(Situation& now) const {
+void Surroundings::add_geofence(Situation& now) const {
   if (now.geofence == nullptr) {
     return;
   }

@@ -34,7 +34,8 @@ class Surroundings {
 
   /// Forgets which directions were seen.
   void forget_seen();
-  /// The same in a gap in the scans that is shorter than a sweep, as far as it is necessary.
+  /// For a gap in the scans that is shorter than a sweep: forgets only the directions that had not
+  /// been seen long enough before it; at a second gap soon after, all of them.
   void miss_scans();
 
   /// Completes a situation that contains the points of the obstacle map: removes those that are
@@ -53,12 +54,12 @@ class Surroundings {
   [[nodiscard]] const SeenDirections& seen() const { return seen_; }
 
  private:
-  void respect_gap(Situation& now);
-  void respect_slopes(Situation& now) const;
-  void respect_people(Situation& now);
+  void slow_down_after_gap(Situation& now);
+  void slow_down_near_slopes(Situation& now) const;
+  void add_people(Situation& now);
   void watch_approach(const Situation& now, const Points& points_base);
-  void join_local_map(Situation& now) const;
-  void join_geofence(Situation& now) const;
+  void add_local_map(Situation& now) const;
+  void add_geofence(Situation& now) const;
   void erase_free_floor(Situation& now) const;
   [[nodiscard]] double longest_stop_m() const;
   [[nodiscard]] bool sees_floor(const Situation& now) const;

@@ -65,8 +65,8 @@ void PitchController::add_pitch(const PitchReading& reading) {
     if (sweep->is_complete) {
       follow_.add(*sweep);
     }
-    // What a reversal takes counts as a way at the rate at which UnseenPlaces converts ways to
-    // times.
+    // UnseenPlaces knows angles only: the time of a reversal counts as the angle that the head
+    // turns in that time.
     const NodMotion nod = follow_.motion(plan_, meter_.present());
     turned_rad_ += nod.rate_rad_s * nod.reversal_s;
     regulate(*sweep);

@@ -104,7 +104,7 @@ class PitchController {
   double commanded_s_ = 0.0;
   ServoFollow follow_;
   UnseenPlaces unseen_;
-  double turned_rad_ = 0.0;     // the head's way since the last decision, up and down
+  double turned_rad_ = 0.0;     // by the head since the last decision, up and down
   SweepPlan plan_at_reversal_;  // the plan at the start of the present sweep
   bool plan_held_ = false;      // the plan has not changed since then
   bool has_reversed_ = false;   // since the last decision

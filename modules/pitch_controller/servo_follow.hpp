@@ -23,7 +23,7 @@ class ServoFollow {
   /// The highest rate of the head in them: it gives the greatest angle between scan lines.
   [[nodiscard]] double peak_rate_rad_s(const SweepPlan& plan) const;
   /// The head's motion in them, at its lowest rate. `present` is the sweep that has not ended yet:
-  /// a head that is beyond a new end, or has come from there, needs the time for that way too.
+  /// a head that is beyond a new end, or has come from there, needs the time for that angle too.
   [[nodiscard]] NodMotion motion(const SweepPlan& plan, const MeasuredSweep& present) const;
 
  private:

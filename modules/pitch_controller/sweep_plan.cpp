@@ -32,7 +32,7 @@ double rate_of(double range_rad, double sweep_s, const robot::HeadLimits& head) 
 
 }  // namespace
 
-double spacing_for(double obstacle_m, int lines, double distance_m, double axis_height_m) {
+double line_spacing_rad(double obstacle_m, int lines, double distance_m, double axis_height_m) {
   return obstacle_m * distance_m /
          (lines * (distance_m * distance_m + axis_height_m * axis_height_m));
 }
@@ -62,7 +62,7 @@ SweepPlan SweepPlanner::plan_from(double appears_m, double forward_mps, double l
   plan.d_min_m = robot_.braking.required_distance_m(forward_mps, detection_.processing_s);
   plan.area =
       area_of_interest(looking_mps, fast_mps_, corridor_.area_from(plan.d_min_m), mechanics);
-  plan.line_spacing_rad = line_spacing_rad(plan.d_min_m, appears_m);
+  plan.line_spacing_rad = planned_spacing_rad(plan.d_min_m, appears_m);
   plan.sweep = {std::max(plan.area.min_rad - plan.line_spacing_rad, mechanics.min_rad),
                 std::min(plan.area.max_rad + plan.line_spacing_rad, mechanics.max_rad)};
 
@@ -82,13 +82,14 @@ SweepPlan SweepPlanner::plan_from(double appears_m, double forward_mps, double l
   return plan;
 }
 
-double SweepPlanner::line_spacing_rad(double d_min_m, double appears_m) const {
-  const double resolved_rad = std::min(
-      spacing_for(detection_.visible_obstacle_m, kLinesOnObstacle, corridor_.from_axis_m(d_min_m),
-                  corridor_.axis_height_m),
-      spacing_for(detection_.visible_obstacle_m, 1,
-                  corridor_.from_axis_m(std::min(kReserve * appears_m, detection_.look_ahead_m)),
-                  corridor_.axis_height_m));
+double SweepPlanner::planned_spacing_rad(double d_min_m, double appears_m) const {
+  const double resolved_rad =
+      std::min(line_spacing_rad(detection_.visible_obstacle_m, kLinesOnObstacle,
+                                corridor_.from_axis_m(d_min_m), corridor_.axis_height_m),
+               line_spacing_rad(
+                   detection_.visible_obstacle_m, 1,
+                   corridor_.from_axis_m(std::min(kReserve * appears_m, detection_.look_ahead_m)),
+                   corridor_.axis_height_m));
   const double head_rad = robot_.head.pitch_rate_rad_s * detection_.scan_period_s;
   return std::max(std::min(resolved_rad, head_rad), kFinestSpacingRad);
 }

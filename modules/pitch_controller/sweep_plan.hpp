@@ -26,17 +26,17 @@ struct SweepPlan {
 /// The angle dp between scans at which `lines` scan lines hit an upright obstacle of height
 /// `obstacle_m` at distance `distance_m` from the pitch axis: at distance d neighbouring lines are
 /// dp (d^2 + h^2) / d apart, where h is the height of the axis above the floor.
-[[nodiscard]] double spacing_for(double obstacle_m, int lines, double distance_m,
-                                 double axis_height_m);
+[[nodiscard]] double line_spacing_rad(double obstacle_m, int lines, double distance_m,
+                                      double axis_height_m);
 
-/// Plans sweeps for what appears just after the laser has passed. The laser hits it R later
-/// (revisit_s()), when the robot is nearer by v R. Therefore the sweep covers the corridor from
-/// bottom to top at all distances beyond
+/// Plans the sweep for a speed v. The worst case: an obstacle appears just after the laser has
+/// passed. The laser is back after the revisit time R (revisit_s()), in which the robot drives v R.
+/// So the sweep covers the corridor from bottom to top at all distances beyond
 ///
-///     d_min = v T_processing + v^2 / 2a + margin
+///     d_min = v T_processing + v^2 / 2a + margin,
 ///
-/// and two of its lines hit the smallest obstacle at d_min, and one of them 1.4 (d_min + v R)
-/// ahead. It is as short as head and line spacing allow.
+/// two of its lines hit the smallest obstacle at d_min, and one of them still hits it
+/// 1.4 (d_min + v R) ahead. It is as short as head and line spacing allow.
 class SweepPlanner {
  public:
   SweepPlanner(const robot::RobotParams& robot, const DetectionParams& detection, double fast_mps);
@@ -50,7 +50,7 @@ class SweepPlanner {
 
  private:
   [[nodiscard]] SweepPlan plan_from(double appears_m, double forward_mps, double looking_mps) const;
-  [[nodiscard]] double line_spacing_rad(double d_min_m, double appears_m) const;
+  [[nodiscard]] double planned_spacing_rad(double d_min_m, double appears_m) const;
 
   robot::RobotParams robot_;
   DetectionParams detection_;

@@ -33,7 +33,7 @@ class UnseenPlaces {
   struct Place {
     double distance_m = 0.0;   // now
     double protected_m = 0.0;  // when it was added
-    double turned_rad = 0.0;   // the head's way since then
+    double turned_rad = 0.0;   // by the head since then
 
     [[nodiscard]] double measured_after_s(const NodMotion& nod, double revisit_s) const {
       return revisit_s - turned_rad / nod.rate_rad_s;

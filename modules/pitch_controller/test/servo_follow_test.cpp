@@ -65,7 +65,7 @@ TEST(ServoFollow, IsRelativeToThePlan) {
   EXPECT_NEAR(dut.reached(narrow).max_rad, 0.1, 1e-12);
 }
 
-// A head that is beyond the new ends has that way to go as well; one that is late is slower.
+// A head that is beyond the new ends has that angle to turn as well; one that is late is slower.
 TEST(ServoFollow, ThePresentSweepCounts) {
   const ServoFollow dut(plan(), kAccelerationRadS2);
   MeasuredSweep present;

@@ -68,8 +68,9 @@ TEST(SpeedBound, ARobotAtTheBoundAlwaysStopsBeforeTheObstacle) {
     const double range_rad = nod.ends.range_rad();
     const double phase_rad = 2.0 * range_rad * uniform(random);
     const auto pitch_rad = [&](double t) {
-      const double way = std::fmod(phase_rad + nod.rate_rad_s * t, 2.0 * range_rad);
-      return nod.ends.min_rad + (way < range_rad ? way : 2.0 * range_rad - way);
+      const double turned_rad = std::fmod(phase_rad + nod.rate_rad_s * t, 2.0 * range_rad);
+      return nod.ends.min_rad +
+             (turned_rad < range_rad ? turned_rad : 2.0 * range_rad - turned_rad);
     };
     constexpr double kStepS = 1e-3;
     const bool is_above = pitch_rad(0.0) > strip_rad(0.0);

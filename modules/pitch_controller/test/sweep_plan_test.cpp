@@ -21,12 +21,12 @@ SweepPlanner default_planner() {
 
 TEST(SweepPlan, TheSpacingIsThatOfTheReferenceTable) {
   // 0.10 m at 1 m from 0.38 m: 2.5 degrees (rounded).
-  EXPECT_NEAR(rad_to_deg(spacing_for(0.10, 2, 1.0, 0.38)), 2.5, 0.05);
+  EXPECT_NEAR(rad_to_deg(line_spacing_rad(0.10, 2, 1.0, 0.38)), 2.5, 0.05);
 }
 
 TEST(SweepPlan, WithThisSpacingEnoughLinesHitTheObstacle) {
   // Brute force: whatever the phase of the lines, at least two hit an obstacle above the floor.
-  const double dp = spacing_for(0.05, 2, 1.2, 0.38);
+  const double dp = line_spacing_rad(0.05, 2, 1.2, 0.38);
   for (double phase = 0.0; phase < 1.0; phase += 0.01) {
     int lines = 0;
     for (int i = -1; (i + phase) * dp > -1.5; --i) {

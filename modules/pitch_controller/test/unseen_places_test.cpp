@@ -17,7 +17,7 @@ TEST(UnseenPlaces, AnObstacleComesNearerUntilTheLaserHasPassedAgain) {
   EXPECT_TRUE(std::isinf(dut.nearest_hit_m(kNod, kRevisitS, 1.0)));
   dut.add(2.0);
   EXPECT_DOUBLE_EQ(dut.nearest_hit_m(kNod, kRevisitS, 1.0), 2.0 - 1.1);
-  // 0.3 s at 1 m/s, in which the head turns by 0.6 rad: the rest of the way takes 0.8 s.
+  // 0.3 s at 1 m/s, in which the head turns by 0.6 rad: the rest of the angle takes 0.8 s.
   dut.advance(0.3, 0.6);
   EXPECT_DOUBLE_EQ(dut.nearest_hit_m(kNod, kRevisitS, 1.0), 2.0 - 1.1);
   EXPECT_DOUBLE_EQ(dut.nearest_hit_m(kNod, kRevisitS, 0.5), 1.7 - 0.4);
