@@ -29,7 +29,7 @@ BestPlace best_of(std::span<const Peak> places) {
       places.begin(), places.end(), [](const Peak& a, const Peak& b) { return a.score < b.score; });
   BestPlace result{static_cast<std::size_t>(best - places.begin()), best->score};
   for (const Peak& place : places) {
-    if (!is_same_place(place.T_map_base, best->T_map_base)) {
+    if (!is_same_place(place.T_target_base, best->T_target_base)) {
       result.runner_up_score = std::max(result.runner_up_score, place.score);
     }
   }

@@ -91,7 +91,7 @@ class Search {
          const SearchWindow& window)
       : grid_(grid),
         window_(window),
-        middle_(grid.cell_of(window.T_map_base.translation())),
+        middle_(grid.cell_of(window.T_target_base.translation())),
         queue_(255 * static_cast<int>(points_base.size())) {
     rotation_step_rad_ = CorrelativeMatcher::rotation_step_rad(points_base, grid.cell_size_m());
     rotations_ = static_cast<int>(std::ceil(window.rotation_rad / rotation_step_rad_));
@@ -156,15 +156,16 @@ class Search {
   [[nodiscard]] double rotation_step_rad() const { return rotation_step_rad_; }
 
   [[nodiscard]] geometry::SE2 pose_of(const Node& node) const {
-    return {window_.T_map_base.x + node.x * grid_.cell_size_m(),
-            window_.T_map_base.y + node.y * grid_.cell_size_m(),
-            geometry::normalize_angle(window_.T_map_base.yaw + node.rotation * rotation_step_rad_)};
+    return {
+        window_.T_target_base.x + node.x * grid_.cell_size_m(),
+        window_.T_target_base.y + node.y * grid_.cell_size_m(),
+        geometry::normalize_angle(window_.T_target_base.yaw + node.rotation * rotation_step_rad_)};
   }
 
  private:
   [[nodiscard]] Cells cells_at(const std::vector<Eigen::Vector2d>& points, int rotation) const {
-    const geometry::SE2 pose{window_.T_map_base.x, window_.T_map_base.y,
-                             window_.T_map_base.yaw + rotation * rotation_step_rad_};
+    const geometry::SE2 pose{window_.T_target_base.x, window_.T_target_base.y,
+                             window_.T_target_base.yaw + rotation * rotation_step_rad_};
     const Eigen::Matrix2d R = pose.rotation();
     Cells cells;
     cells.reserve(points.size());

@@ -17,17 +17,17 @@ namespace nodmap::slam2d {
 /// farther than 25 m.
 [[nodiscard]] std::vector<Eigen::Vector2d> points_to_search(std::span<const OrientedPoint> scan);
 
-/// The poses to search: up to `distance_m` from `T_map_base` in x and in y, and up to
-/// `rotation_rad` from its heading.
+/// The poses to search, in `target`, the frame of the map that is searched: up to `distance_m` from
+/// `T_target_base` in x and in y, and up to `rotation_rad` from its heading.
 struct SearchWindow {
-  geometry::SE2 T_map_base;
+  geometry::SE2 T_target_base;
   double distance_m = 0.0;
   double rotation_rad = 0.0;
 };
 
-/// A pose at which a scan fits a map.
+/// A pose at which a scan fits the map that was searched.
 struct Peak {
-  geometry::SE2 T_map_base;
+  geometry::SE2 T_target_base;
   double score = 0.0;  ///< mean likelihood of the points, 0..1
 };
 

@@ -123,7 +123,7 @@ SearchWindow window_around(const std::vector<Eigen::Vector2d>& places) {
     box.extend(place);
   }
   if (!box.isEmpty()) {
-    window.T_map_base = {box.center().x(), box.center().y(), 0.0};
+    window.T_target_base = {box.center().x(), box.center().y(), 0.0};
     window.distance_m = 0.5 * box.sizes().maxCoeff() + kLikelihoodCellM;
   }
   return window;

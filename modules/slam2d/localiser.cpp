@@ -98,7 +98,7 @@ PoseUpdate Localiser::track(const LevelScan& scan) {
     return update;
   }
   misfit_since_.reset();
-  update.T_map_base = match->T_map_base;
+  update.T_map_base = match->T_target_base;
   update.inlier_ratio = match->inlier_ratio;
   update.score = match->score;
   update.rms_m = match->rms_m;
@@ -157,7 +157,8 @@ bool Localiser::fits(const LevelScan& scan, const Match& match) const {
   if (!match.found() || match.score < params_.localise.min_score) {
     return false;
   }
-  const WallFit walls = map_.fit_walls(scan.points_base, scan.sensor_origin_base, match.T_map_base);
+  const geometry::SE2& T_map_base = match.T_target_base;
+  const WallFit walls = map_.fit_walls(scan.points_base, scan.sensor_origin_base, T_map_base);
   return match.score - walls.through_walls >= params_.localise.min_score;
 }
 

@@ -34,14 +34,15 @@ LoopCloser::LoopCloser(const LoopParams& params, const MatcherParams& matcher)
 
 LoopAttempt LoopCloser::attempt(const Match& match, const geometry::SE2& T_submap_base_start,
                                 double min_inlier_ratio) const {
+  const geometry::SE2& T_submap_base = match.T_target_base;
   LoopAttempt attempt;
   attempt.loop.score = match.score;
-  attempt.loop.T_submap_keyframe = match.T_map_base;
+  attempt.loop.T_submap_keyframe = T_submap_base;
   attempt.loop.information = match.information;
   if (match.found() && match.inlier_ratio >= min_inlier_ratio &&
       match.score >= params_.match.min_score * match.inlier_ratio &&
-      geometry::distance_m(match.T_map_base, T_submap_base_start) <= kTrackDistanceM &&
-      rotation_between(match.T_map_base, T_submap_base_start) <= kTrackRotationRad) {
+      geometry::distance_m(T_submap_base, T_submap_base_start) <= kTrackDistanceM &&
+      rotation_between(T_submap_base, T_submap_base_start) <= kTrackRotationRad) {
     attempt.state = LoopState::kAccepted;
   }
   return attempt;
@@ -97,7 +98,7 @@ LoopAttempt LoopCloser::search(std::size_t submap_index, const Submap& submap,
   if (!found.is_unique()) {
     return {.loop = {}, .state = LoopState::kAmbiguous};
   }
-  const geometry::SE2& T_submap_found = found.peaks.front().T_map_base;
+  const geometry::SE2& T_submap_found = found.peaks.front().T_target_base;
   const Match match = matcher_.match(submap.points, scan, T_submap_found);
   LoopAttempt attempt = this->attempt(match, T_submap_found, params_.search.min_inlier_ratio);
   attempt.loop.submap = submap_index;

@@ -108,7 +108,7 @@ std::optional<Place> PlaceSearch::find_near(const Known& known, const LevelScan&
     return std::nullopt;
   }
   const bool is_here = std::any_of(guesses.begin(), guesses.end(), [&](const geometry::SE2& guess) {
-    return is_same_place(better->T_map_base, guess);
+    return is_same_place(better->T_target_base, guess);
   });
   return is_here || known.views.contradicts(all_points) ? std::optional(Place{*better})
                                                         : std::nullopt;
@@ -127,12 +127,12 @@ Place PlaceSearch::find_anywhere(const Known& known, const LevelScan& scan,
       scan.points_base, {guesses.front(), known.doubt.reach_m(), params.search_rotation_rad},
       params.min_search_score, kMaxPlaces);
   for (const Peak& peak : search.peaks) {
-    matches.push_back(matcher_.match(map, scan.points_base, peak.T_map_base));
+    matches.push_back(matcher_.match(map, scan.points_base, peak.T_target_base));
   }
   std::vector<Peak> places;
   places.reserve(matches.size());
   for (const Match& match : matches) {
-    places.push_back({match.T_map_base, match.score});
+    places.push_back({match.T_target_base, match.score});
   }
   const BestPlace best = best_of(places);
   const bool is_complete = search.complete && search.peaks.size() < kMaxPlaces;
@@ -140,7 +140,7 @@ Place PlaceSearch::find_anywhere(const Known& known, const LevelScan& scan,
   const bool is_determined =
       matches[best.index].degenerate_directions == 0 ||
       (search.peaks.size() == 1 &&
-       is_same_place(places[best.index].T_map_base, search.peaks.front().T_map_base));
+       is_same_place(places[best.index].T_target_base, search.peaks.front().T_target_base));
   const bool is_sure = is_complete && is_determined && best.score >= params.found_score &&
                        best.is_clear(params.min_misfit_ratio);
   // A place that is not sure replaces the one near the guess only if the scan fits clearly better

@@ -38,9 +38,9 @@ std::vector<OrientedPoint> some_of(std::span<const OrientedPoint> scan) {
 
 /// Mean over the points: 1 on a map point, 0 from `kMaxDistanceM` on.
 double quick_score(const PointMap& map, std::span<const OrientedPoint> scan,
-                   const geometry::SE2& T_map_base) {
-  const Eigen::Matrix2d R = T_map_base.rotation();
-  const Eigen::Vector2d t = T_map_base.translation();
+                   const geometry::SE2& T_target_base) {
+  const Eigen::Matrix2d R = T_target_base.rotation();
+  const Eigen::Vector2d t = T_target_base.translation();
   double sum = 0.0;
   for (const auto& [p, normal] : scan) {
     const OrientedPoint point{R * p + t, R * normal};
@@ -66,7 +66,7 @@ std::optional<Match> PoseSearch::find_better(const ScanMatcher& matcher, const P
   double best_value = tracked.score + params_.min_gain;
   for (const geometry::SE2& start : candidates(map, scan, guesses)) {
     const Match match = matcher.match(map, scan, start);
-    const double value = match.score - cost(match.T_map_base, guesses);
+    const double value = match.score - cost(match.T_target_base, guesses);
     // Along a degenerate direction the match could be anywhere: no better than odometry.
     if (match.degenerate_directions == 0 && value > best_value) {
       best_value = value;
@@ -114,7 +114,7 @@ std::vector<PoseSearch::Candidate> PoseSearch::poses_around(
              .cost = cost,
              .order = poses.size(),
              .is_bound = true,
-             .T_map_base = pose});
+             .T_target_base = pose});
       }
     }
   }
@@ -137,16 +137,16 @@ std::vector<geometry::SE2> PoseSearch::candidates(const PointMap& map,
     std::pop_heap(queue.begin(), queue.end(), is_worse);
     Candidate& candidate = queue.back();
     const bool is_new = std::all_of(best.begin(), best.end(), [&](const geometry::SE2& other) {
-      return are_distinct(candidate.T_map_base, other);
+      return are_distinct(candidate.T_target_base, other);
     });
     if (is_new && candidate.is_bound) {
-      candidate.score = quick_score(map, some, candidate.T_map_base) - candidate.cost;
+      candidate.score = quick_score(map, some, candidate.T_target_base) - candidate.cost;
       candidate.is_bound = false;
       std::push_heap(queue.begin(), queue.end(), is_worse);
       continue;
     }
     if (is_new) {
-      best.push_back(candidate.T_map_base);
+      best.push_back(candidate.T_target_base);
     }
     queue.pop_back();
   }

@@ -18,9 +18,9 @@ class PoseSearch {
  public:
   explicit PoseSearch(const SearchParams& params) : params_(params) {}
 
-  /// Matches from many start poses around the first of some guesses of T_map_base, and returns the
-  /// best match that scores clearly more than `tracked`, the match from the first guess itself. A
-  /// match far from all guesses needs a higher score.
+  /// Matches from many start poses around the first of some guesses of T_target_base, and returns
+  /// the best match that scores clearly more than `tracked`, the match from the first guess itself.
+  /// A match far from all guesses needs a higher score.
   [[nodiscard]] std::optional<Match> find_better(const ScanMatcher& matcher, const PointMap& map,
                                                  std::span<const OrientedPoint> scan,
                                                  std::span<const geometry::SE2> guesses,
@@ -37,7 +37,7 @@ class PoseSearch {
     double cost = 0.0;   ///< subtracted in it
     std::size_t order = 0;
     bool is_bound = false;
-    geometry::SE2 T_map_base;
+    geometry::SE2 T_target_base;
   };
   /// All start poses, with upper bounds of their scores.
   [[nodiscard]] std::vector<Candidate> poses_around(const PointMap& map,

@@ -80,7 +80,7 @@ Relocaliser::Places Relocaliser::find_places(const KnownMap& map, const SearchWi
       correlative_.search(map.likelihood(), points_to_search(scan.points_base), window, kMaxPeaks);
   Places found;
   for (const Peak& peak : search.peaks) {
-    if (const std::optional<Place> place = match(map, scan, peak.T_map_base)) {
+    if (const std::optional<Place> place = match(map, scan, peak.T_target_base)) {
       found.places.push_back(*place);
     }
   }
@@ -90,15 +90,16 @@ Relocaliser::Places Relocaliser::find_places(const KnownMap& map, const SearchWi
 }
 
 std::optional<Relocaliser::Place> Relocaliser::match(const KnownMap& map, const LevelScan& scan,
-                                                     const geometry::SE2& T_map_base) const {
-  const Match match = matcher_.match(map.points(), scan.points_base, T_map_base);
+                                                     const geometry::SE2& T_map_guess) const {
+  const Match match = matcher_.match(map.points(), scan.points_base, T_map_guess);
   if (!match.found()) {
     return std::nullopt;
   }
-  const WallFit walls = map.fit_walls(scan.points_base, scan.sensor_origin_base, match.T_map_base);
+  const geometry::SE2& T_map_base = match.T_target_base;
+  const WallFit walls = map.fit_walls(scan.points_base, scan.sensor_origin_base, T_map_base);
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(
       match.information.topLeftCorner<2, 2>());
-  return Place{match.T_map_base, match.score - walls.through_walls, walls.score(),
+  return Place{T_map_base, match.score - walls.through_walls, walls.score(),
                solver.eigenvectors().col(0)};
 }
 

@@ -80,7 +80,7 @@ class Relocaliser {
   [[nodiscard]] bool agree(const geometry::SE2& a, const geometry::SE2& b) const;
   /// The best of some places that agree with a pose.
   [[nodiscard]] std::optional<Place> best_near(std::span<const Place> places,
-                                               const geometry::SE2& T_map_base) const;
+                                               const geometry::SE2& T_map_guess) const;
   [[nodiscard]] Places find_places(const KnownMap& map, const SearchWindow& window,
                                    const LevelScan& scan) const;
   [[nodiscard]] std::optional<Place> match(const KnownMap& map, const LevelScan& scan,

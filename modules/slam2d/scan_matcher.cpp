@@ -60,13 +60,13 @@ struct ScanMatcher::Correspondences {
 
 ScanMatcher::Correspondences ScanMatcher::find_correspondences(const PointMap& map,
                                                                std::span<const OrientedPoint> scan,
-                                                               const geometry::SE2& T_map_base,
+                                                               const geometry::SE2& T_target_base,
                                                                double max_distance_m,
                                                                Remembered& remembered) const {
   const bool fits_points = !uses_lines(max_distance_m);
   const Kernel kernel(kKernelScaleRatio * max_distance_m);
-  const Eigen::Matrix2d R = T_map_base.rotation();
-  const Eigen::Vector2d t = T_map_base.translation();
+  const Eigen::Matrix2d R = T_target_base.rotation();
+  const Eigen::Vector2d t = T_target_base.translation();
   Correspondences sums(t);
   for (std::size_t i = 0; i < scan.size(); ++i) {
     const Eigen::Vector2d moment_arm = R * scan[i].p;
@@ -124,21 +124,21 @@ double ScanMatcher::last_distance_m() const {
 // (dx, dy in metres, dyaw in radians) in map, without what degenerate directions add.
 Eigen::Vector3d ScanMatcher::step(const Correspondences& correspondences,
                                   const registration::NormalEquations::Solution& lines,
-                                  const geometry::SE2& T_map_base, double max_distance_m) const {
+                                  const geometry::SE2& T_target_base, double max_distance_m) const {
   if (uses_lines(max_distance_m)) {
     return lines.step;
   }
   const auto fit = correspondences.points.solve();
-  const geometry::SE2 T_next = fit.T_model_data * T_map_base;
-  const Eigen::Vector3d step(T_next.x - T_map_base.x, T_next.y - T_map_base.y,
+  const geometry::SE2 T_next = fit.T_model_data * T_target_base;
+  const Eigen::Vector3d step(T_next.x - T_target_base.x, T_next.y - T_target_base.y,
                              fit.T_model_data.yaw);
   return lines.projector * step;
 }
 
 Match ScanMatcher::match(const PointMap& map, std::span<const OrientedPoint> scan,
-                         const geometry::SE2& T_map_base_guess) const {
+                         const geometry::SE2& T_target_base_guess) const {
   Match match;
-  match.T_map_base = T_map_base_guess;
+  match.T_target_base = T_target_base_guess;
   const double last_distance_m = this->last_distance_m();
   double max_distance_m = std::max(params_.max_correspondence_distance_m, last_distance_m);
   Remembered remembered{.around = std::vector<Neighbourhood>(scan.size()), .block = {}};
@@ -146,9 +146,9 @@ Match ScanMatcher::match(const PointMap& map, std::span<const OrientedPoint> sca
     ++match.iterations;
     // w_ij of Eq. 3.
     const Correspondences correspondences =
-        find_correspondences(map, scan, match.T_map_base, max_distance_m, remembered);
+        find_correspondences(map, scan, match.T_target_base, max_distance_m, remembered);
     if (correspondences.count < kMinCorrespondences) {
-      match.T_map_base = T_map_base_guess;
+      match.T_target_base = T_target_base_guess;
       match.degenerate_directions = 3;
       return match;
     }
@@ -156,9 +156,9 @@ Match ScanMatcher::match(const PointMap& map, std::span<const OrientedPoint> sca
     match.degenerate_directions = lines.degenerate_directions;
     // The minimum of Eq. 3 for these correspondences.
     const Eigen::Vector3d step =
-        this->step(correspondences, lines, match.T_map_base, max_distance_m);
-    match.T_map_base = {match.T_map_base.x + step.x(), match.T_map_base.y + step.y(),
-                        geometry::normalize_angle(match.T_map_base.yaw + step.z())};
+        this->step(correspondences, lines, match.T_target_base, max_distance_m);
+    match.T_target_base = {match.T_target_base.x + step.x(), match.T_target_base.y + step.y(),
+                           geometry::normalize_angle(match.T_target_base.yaw + step.z())};
     const double translation_m = step.head<2>().norm();
     const double rotation_rad = std::abs(step.z());
     if (max_distance_m <= last_distance_m && translation_m < kConvergedM &&
@@ -178,7 +178,7 @@ Match ScanMatcher::match(const PointMap& map, std::span<const OrientedPoint> sca
 void ScanMatcher::evaluate(const PointMap& map, std::span<const OrientedPoint> scan,
                            Remembered& remembered, Match& match) const {
   const Correspondences correspondences = find_correspondences(
-      map, scan, match.T_map_base, params_.min_correspondence_distance_m, remembered);
+      map, scan, match.T_target_base, params_.min_correspondence_distance_m, remembered);
   const auto num_points = static_cast<double>(scan.size());
   match.num_correspondences = correspondences.count;
   match.inlier_ratio = correspondences.count / num_points;

@@ -10,9 +10,10 @@
 
 namespace nodmap::slam2d {
 
-/// The result of matching a scan with the map.
+/// The result of matching a scan with a map. `target` is the frame of that map: of a submap or of a
+/// known map.
 struct Match {
-  geometry::SE2 T_map_base;
+  geometry::SE2 T_target_base;
   int num_correspondences = 0;
   double inlier_ratio = 0.0;  ///< fraction of the scan points with a correspondence
   double score = 0.0;         ///< mean weight w_ij of all scan points, 0 (none near the map) to 1
@@ -21,23 +22,23 @@ struct Match {
   /// The least information on any direction, as a ratio of what the correspondences could give.
   double least_information_ratio = 0.0;
   int iterations = 0;
-  /// Inverse covariance of (x, y in m, yaw in rad) in the frame of the map; zero along degenerate
+  /// Inverse covariance of (x, y in m, yaw in rad) in `target`; zero along degenerate
   /// directions.
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
 
   [[nodiscard]] bool found() const { return degenerate_directions < 3; }
 };
 
-/// Matches a level scan against the map by ICP (section IV A).
+/// Matches a level scan against a map by ICP (section IV A).
 class ScanMatcher {
  public:
   explicit ScanMatcher(const MatcherParams& params) : params_(params) {}
 
-  /// Finds the pose of a scan (points in base), starting at `T_map_base_guess`, the pose by
+  /// Finds the pose of a scan (points in base), starting at `T_target_base_guess`, the pose by
   /// odometry. Along degenerate directions the pose stays at the guess; with fewer than 10
   /// correspondences it stays there altogether.
   [[nodiscard]] Match match(const PointMap& map, std::span<const OrientedPoint> scan,
-                            const geometry::SE2& T_map_base_guess) const;
+                            const geometry::SE2& T_target_base_guess) const;
 
  private:
   struct Correspondences;
@@ -48,7 +49,7 @@ class ScanMatcher {
   };
   [[nodiscard]] Correspondences find_correspondences(const PointMap& map,
                                                      std::span<const OrientedPoint> scan,
-                                                     const geometry::SE2& T_map_base,
+                                                     const geometry::SE2& T_target_base,
                                                      double max_distance_m,
                                                      Remembered& remembered) const;
   /// Whether distances to lines are minimised, for this maximum correspondence distance.
@@ -57,7 +58,8 @@ class ScanMatcher {
   [[nodiscard]] double last_distance_m() const;
   [[nodiscard]] Eigen::Vector3d step(const Correspondences& correspondences,
                                      const registration::NormalEquations::Solution& lines,
-                                     const geometry::SE2& T_map_base, double max_distance_m) const;
+                                     const geometry::SE2& T_target_base,
+                                     double max_distance_m) const;
   void evaluate(const PointMap& map, std::span<const OrientedPoint> scan, Remembered& remembered,
                 Match& match) const;
 

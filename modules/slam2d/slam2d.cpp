@@ -137,7 +137,7 @@ Slam2d::FoundPlace Slam2d::find_place(const LevelScan& all_points, const Start& 
 // Whether a scan fits, at the pose by odometry or beside it.
 bool Slam2d::is_by_odometry(const Match& match, const Start& start) const {
   return match.found() && match.score >= params_.lost.score_threshold &&
-         is_same_place(match.T_map_base, start.guesses.front());
+         is_same_place(match.T_target_base, start.guesses.front());
 }
 
 bool Slam2d::is_smooth(const LevelScan& scan, const Start& start) const {
@@ -166,9 +166,10 @@ std::optional<Place> Slam2d::find_between_people(const LevelScan& scan, const Le
     return std::nullopt;
   }
   const geometry::SE2& T_map_submap = back_end_.local().T_map_submap;
+  const geometry::SE2& T_submap_base = place.match.T_target_base;
   const bool is_odd = place.match.found() &&
                       pose_guesses_.is_beyond_slip(scan, T_map_submap * start.guesses.front(),
-                                                   T_map_submap * place.match.T_map_base);
+                                                   T_map_submap * T_submap_base);
   return is_odd ? std::nullopt : std::optional(place);
 }
 
@@ -182,7 +183,8 @@ PoseUpdate Slam2d::correct_pose(const LevelScan& scan, const FoundPlace& found) 
                     .quality = classify(scan, found)};
   if (update.quality <= PoseQuality::kDegraded &&
       (found.place.is_sure || match.score >= params_.doubt.certain_score)) {
-    update.T_map_base = back_end_.local().T_map_submap * match.T_map_base;
+    const geometry::SE2& T_submap_base = match.T_target_base;
+    update.T_map_base = back_end_.local().T_map_submap * T_submap_base;
   }
   if (found.is_hidden) {  // whoever hides the view may have dragged the pose along
     update.T_map_base = pose_guesses_.since_keyframe(scan);

@@ -52,12 +52,13 @@ double exhaustive_score(const LikelihoodGrid& grid, const Points& scan,
   const int steps = static_cast<int>(std::ceil(window.distance_m / grid.cell_size_m()));
   int best = 0;
   for (int rotation = -rotations; rotation <= rotations; ++rotation) {
-    const Eigen::Matrix2d R = SE2{0.0, 0.0, window.T_map_base.yaw + rotation * step_rad}.rotation();
+    const Eigen::Matrix2d R =
+        SE2{0.0, 0.0, window.T_target_base.yaw + rotation * step_rad}.rotation();
     for (int x = -steps; x <= steps; ++x) {
       for (int y = -steps; y <= steps; ++y) {
         int sum = 0;
         for (const Eigen::Vector2d& p : scan) {
-          const Eigen::Vector2i cell = grid.cell_of(R * p + window.T_map_base.translation());
+          const Eigen::Vector2i cell = grid.cell_of(R * p + window.T_target_base.translation());
           sum += grid.largest(0, cell.x() + x, cell.y() + y);
         }
         best = std::max(best, sum);
@@ -116,9 +117,9 @@ TEST(CorrelativeMatcher, FindsThePoseToWithinACell) {
   const CorrelativeMatch match =
       CorrelativeMatcher({}).search(grid, seen_from(truth, map), {{0.0, 0.0, 0.0}, 3.0, 3.1});
   ASSERT_TRUE(match.is_unique());
-  EXPECT_NEAR(match.peaks[0].T_map_base.x, truth.x, kCellM);
-  EXPECT_NEAR(match.peaks[0].T_map_base.y, truth.y, kCellM);
-  EXPECT_NEAR(match.peaks[0].T_map_base.yaw, truth.yaw, 0.03);  // two steps of rotation
+  EXPECT_NEAR(match.peaks[0].T_target_base.x, truth.x, kCellM);
+  EXPECT_NEAR(match.peaks[0].T_target_base.y, truth.y, kCellM);
+  EXPECT_NEAR(match.peaks[0].T_target_base.yaw, truth.yaw, 0.03);  // two steps of rotation
   EXPECT_GT(match.peaks[0].score, 0.8);
 }
 
@@ -133,8 +134,8 @@ TEST(CorrelativeMatcher, ASymmetricRoomIsAmbiguous) {
   const CorrelativeMatch match =
       CorrelativeMatcher({}).search(grid, seen_from({0.5, 0.3, 0.2}, map), {{}, 1.0, 3.14});
   ASSERT_EQ(match.peaks.size(), 2U);
-  EXPECT_NEAR(std::abs(geometry::angle_difference(match.peaks[0].T_map_base.yaw,
-                                                  match.peaks[1].T_map_base.yaw)),
+  EXPECT_NEAR(std::abs(geometry::angle_difference(match.peaks[0].T_target_base.yaw,
+                                                  match.peaks[1].T_target_base.yaw)),
               geometry::kPi, 0.05);  // two steps of rotation
 }
 
@@ -194,7 +195,7 @@ TEST(CorrelativeMatcher, APoseHalfATurnFromTheGuessIsUnique) {
   const CorrelativeMatch match =
       CorrelativeMatcher({}).search(grid, seen_from(truth, map), {{}, 2.0, geometry::kPi});
   ASSERT_TRUE(match.is_unique());
-  EXPECT_LT(geometry::distance_m(match.peaks[0].T_map_base, truth), 2.0 * kCellM);
+  EXPECT_LT(geometry::distance_m(match.peaks[0].T_target_base, truth), 2.0 * kCellM);
 }
 
 // In this symmetric room a scan fits two places. Only the one in the left half is allowed.
@@ -214,8 +215,8 @@ TEST(LikelihoodGrid, OnlyAllowedPlacesAreFound) {
   const CorrelativeMatch match =
       CorrelativeMatcher({}).search(grid, seen_from({-2.0, 0.7, 0.2}, map), {{}, 4.0, 3.14});
   ASSERT_TRUE(match.is_unique());
-  EXPECT_NEAR(match.peaks[0].T_map_base.x, -2.0, kCellM);
-  EXPECT_NEAR(match.peaks[0].T_map_base.y, 0.7, kCellM);
+  EXPECT_NEAR(match.peaks[0].T_target_base.x, -2.0, kCellM);
+  EXPECT_NEAR(match.peaks[0].T_target_base.y, 0.7, kCellM);
 }
 
 }  // namespace correlative_matcher_test

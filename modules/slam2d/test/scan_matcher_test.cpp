@@ -41,9 +41,9 @@ TEST_P(ScanMatcherMetrics, R34_AnErrorOfTheGuessIsCorrected) {
     // single scan with gaps of 10 cm and rounded corners, which have their full effect on the
     // point-to-point metric.
     const double tolerance = GetParam() == Metric::kPointToLine ? 0.01 : 0.03;
-    EXPECT_NEAR(match.T_map_base.x, truth.x, tolerance);
-    EXPECT_NEAR(match.T_map_base.y, truth.y, tolerance);
-    EXPECT_NEAR(match.T_map_base.yaw, truth.yaw, tolerance);
+    EXPECT_NEAR(match.T_target_base.x, truth.x, tolerance);
+    EXPECT_NEAR(match.T_target_base.y, truth.y, tolerance);
+    EXPECT_NEAR(match.T_target_base.yaw, truth.yaw, tolerance);
   }
 }
 
@@ -60,9 +60,9 @@ TEST(ScanMatcher, R37_TheAxisOfACorridorStaysAtTheGuess) {
   // Across the corridor and in heading the pose is as exact as anywhere. Along it the pose stays at
   // the guess, apart from the initial heading error, which mixes in at most 0.05 rad times the 0.15
   // m across.
-  EXPECT_NEAR(match.T_map_base.x, 0.3, 0.03);
-  EXPECT_NEAR(match.T_map_base.y, 0.0, 0.01);
-  EXPECT_NEAR(match.T_map_base.yaw, 0.0, 0.01);
+  EXPECT_NEAR(match.T_target_base.x, 0.3, 0.03);
+  EXPECT_NEAR(match.T_target_base.y, 0.0, 0.01);
+  EXPECT_NEAR(match.T_target_base.yaw, 0.0, 0.01);
 }
 
 TEST(ScanMatcher, WithoutCorrespondencesThePoseStaysAtTheGuess) {
@@ -74,8 +74,8 @@ TEST(ScanMatcher, WithoutCorrespondencesThePoseStaysAtTheGuess) {
     const Match match = matcher.match(map, scan, guess);
     EXPECT_FALSE(match.found());
     EXPECT_EQ(match.score, 0.0);
-    EXPECT_EQ(match.T_map_base.x, guess.x);
-    EXPECT_EQ(match.T_map_base.yaw, guess.yaw);
+    EXPECT_EQ(match.T_target_base.x, guess.x);
+    EXPECT_EQ(match.T_target_base.yaw, guess.yaw);
   }
   EXPECT_FALSE(matcher.match(PointMap(MapParams{}), std::vector<OrientedPoint>(20), {}).found());
 }
