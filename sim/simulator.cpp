@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "nodmap/truth_t.hpp"
+#include "sim/truth_message.hpp"
 
 namespace nodmap::sim {
 namespace {
@@ -17,30 +17,6 @@ constexpr time::Duration kTruthPeriod = 20ms;
 /// Above this lag the health is degraded, because scans are late. The robot model stores 100 ms for
 /// the laser.
 constexpr time::Duration kMaxLag = 20ms;
-
-nodmap::truth_t to_message(const GroundTruth& truth) {
-  nodmap::truth_t message{};
-  const Eigen::Vector3d position = truth.T_world_base.translation();
-  const Eigen::Quaterniond orientation(truth.T_world_base.linear());
-  std::copy(position.begin(), position.end(), message.position_m);
-  message.orientation[0] = orientation.w();
-  message.orientation[1] = orientation.x();
-  message.orientation[2] = orientation.y();
-  message.orientation[3] = orientation.z();
-  message.forward_mps = truth.forward_mps;
-  message.yaw_rate_rad_s = truth.yaw_rate_rad_s;
-  message.pitch_rad = truth.pitch_rad;
-  message.clearance_m = truth.clearance_m;
-  message.collisions = truth.collisions;
-  message.bumps = truth.bumps;
-  message.num_actors = static_cast<std::int32_t>(truth.actors.size());
-  for (const ActorState& actor : truth.actors) {
-    message.actor_position_m.push_back({actor.position.x(), actor.position.y()});
-    message.actor_radius_m.push_back(actor.radius_m);
-    message.actor_height_m.push_back(actor.height_m);
-  }
-  return message;
-}
 
 }  // namespace
 
@@ -123,8 +99,7 @@ void Simulator::publish_truth() {
   distance_m_ += (position - last_position_).norm();
   last_position_ = position;
   min_clearance_m_ = std::min(min_clearance_m_, truth.clearance_m);
-  nodmap::truth_t message = to_message(truth);
-  message.utime = time::to_utime(start_.wall_at(now_));
+  nodmap::truth_t message = write_truth(truth, start_.wall_at(now_));
   message.truth_seq = truth_seq_++;
   bus_.publish("TRUTH", message);
 }

@@ -7,7 +7,7 @@
 #include "common/node/messages.hpp"
 #include "nodmap/drive_t.hpp"
 #include "nodmap/navigation_t.hpp"
-#include "nodmap/truth_t.hpp"
+#include "sim/truth_message.hpp"
 #include "tools/trial/record.hpp"
 
 namespace nodmap::trial {
@@ -112,22 +112,8 @@ void GroundTruthMonitor::record_progress(const Eigen::Vector2d& position) {
 }
 
 void GroundTruthMonitor::publish(const sim::GroundTruth& truth) {
-  nodmap::truth_t message{};
-  message.utime = time::to_utime(stamp_at(model_.now()));
+  nodmap::truth_t message = sim::write_truth(truth, stamp_at(model_.now()));
   message.truth_seq = truth_seq_++;
-  node::write_pose(truth.T_world_base, message.position_m, message.orientation);
-  message.forward_mps = truth.forward_mps;
-  message.yaw_rate_rad_s = truth.yaw_rate_rad_s;
-  message.pitch_rad = truth.pitch_rad;
-  message.clearance_m = truth.clearance_m;
-  message.collisions = truth.collisions;
-  message.bumps = truth.bumps;
-  message.num_actors = static_cast<std::int32_t>(truth.actors.size());
-  for (const sim::ActorState& actor : truth.actors) {
-    message.actor_position_m.push_back({actor.position.x(), actor.position.y()});
-    message.actor_radius_m.push_back(actor.radius_m);
-    message.actor_height_m.push_back(actor.height_m);
-  }
   bus_.publish("TRUTH", message);
 }
 
