@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 
 namespace nodmap {
 
@@ -93,6 +94,19 @@ template <class Clock>
 /// Converts a stamp to that of a message, log or file.
 [[nodiscard]] constexpr std::int64_t to_utime(Timestamp stamp) {
   return stamp.time_since_epoch().count();
+}
+
+/// Whether a stamp is from 1970 to the year 38000. Sums and differences of such stamps never
+/// overflow.
+[[nodiscard]] constexpr bool is_plausible(Timestamp stamp) {
+  return stamp >= Timestamp{} && stamp < Timestamp(kLimit / 2);
+}
+
+/// Whether what was done at `last`, and is done every `period`, is to be done again. The magnitude
+/// of the difference counts: a clock that is set back must not silence anybody.
+[[nodiscard]] constexpr bool is_due(Timestamp now, const std::optional<Timestamp>& last,
+                                    Duration period) {
+  return !last || std::chrono::abs(now - *last) >= period;
 }
 
 }  // namespace time

@@ -13,8 +13,6 @@
 namespace nodmap::node {
 namespace {
 
-// The year 38000. Sums and differences of smaller stamps never overflow.
-constexpr time::Timestamp kLatestStamp(time::kLimit / 2);
 // Far above the duration of any laser's mirror revolution.
 constexpr time::Duration kLongestScan = 60s;
 // Far above the period of any odometry. Smaller errors of a stamp harm no more than the one
@@ -24,10 +22,6 @@ constexpr time::Duration kLongestGap = 10s;
 // Beyond what any of our bases can do: 5.2 m/s, and a body that spins eight times a second.
 constexpr double kFastestMps = 20.0;
 constexpr double kFastestRadS = 50.0;
-
-bool is_plausible(time::Timestamp stamp) {
-  return stamp >= time::Timestamp{} && stamp < kLatestStamp;
-}
 
 /// False for speeds that are not finite, too.
 bool has_plausible_speeds(const nodmap::odometry_t& message) {
@@ -47,7 +41,8 @@ bool SensorInput::read(const nodmap::scan_t& message, scan::Scan& scan) {
     return false;
   }
   counts_.lose(scans_.lost_before(message.scan_seq));
-  if (!read_scan(message, scan) || !is_plausible(scan.stamp) || scan.duration > kLongestScan) {
+  if (!read_scan(message, scan) || !time::is_plausible(scan.stamp) ||
+      scan.duration > kLongestScan) {
     counts_.reject("implausible_scan");
     return false;
   }
@@ -65,7 +60,7 @@ std::optional<geometry::SE3> SensorInput::read(const nodmap::odometry_t& message
   counts_.lose(odometry_.lost_before(message.odometry_seq));
   auto T_odom_base = read_odometry(message);
   const Odometry odometry{message.odometry_seq, time::from_utime(message.utime)};
-  if (!T_odom_base || !is_plausible(odometry.stamp) || !has_plausible_speeds(message)) {
+  if (!T_odom_base || !time::is_plausible(odometry.stamp) || !has_plausible_speeds(message)) {
     counts_.reject("implausible_odometry");
     return std::nullopt;
   }
@@ -117,7 +112,7 @@ bool SaveRequests::accept(const nodmap::save_request_t& request, const Context& 
     return false;
   }
   const std::string name = read_name(request.requested_by);
-  if (accepted_ && std::chrono::abs(now - *accepted_) < kPeriod) {
+  if (!time::is_due(now, accepted_, kPeriod)) {
     context.counts.reject("save_request_too_soon");
     if (!std::exchange(has_logged_refusal_, true)) {
       log::get().warn("{} asked to save the map again within {} s: refused", name, kPeriod / 1s);

@@ -32,11 +32,6 @@ constexpr double kFarthestM = 10'000.0;
 /// Grids with more cells to a side are refused, so that cell indices do not overflow.
 constexpr int kMostCells = 1 << 20;
 
-bool is_due(time::Timestamp now, const std::optional<time::Timestamp>& last,
-            time::Duration period) {
-  return !last || std::chrono::abs(now - *last) >= period;
-}
-
 std::int8_t code_of(State state) {
   switch (state) {
     case State::kIdle:
@@ -133,13 +128,13 @@ void ExplorerNode::on_odometry(const nodmap::odometry_t& message) {
   }
   T_odom_base_ = geometry::to_se2(*T_odom_base);
   const time::Timestamp now = node::stamp_of(message);
-  if (is_lost_ || !T_map_odom_ || is_due(now, posed_, kPoseTimeout)) {
+  if (is_lost_ || !T_map_odom_ || time::is_due(now, posed_, kPoseTimeout)) {
     return;
   }
   if (std::exchange(keeps_place_, false)) {
     keep_place(now);
   }
-  if (is_due(now, decided_, has_just_arrived_ ? kArrivalPeriod : kDecisionPeriod)) {
+  if (time::is_due(now, decided_, has_just_arrived_ ? kArrivalPeriod : kDecisionPeriod)) {
     decided_ = now;
     has_just_arrived_ = false;
     decide(now);
@@ -258,7 +253,7 @@ void ExplorerNode::send_goal(const Goal& goal, time::Timestamp now) {
     goal_.utime = time::to_utime(now);
     has_no_path_ = false;
     has_arrived_ = false;
-  } else if (!is_due(now, goal_sent_, kGoalPeriod)) {
+  } else if (!time::is_due(now, goal_sent_, kGoalPeriod)) {
     return;
   }
   goal_sent_ = now;

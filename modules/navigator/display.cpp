@@ -15,12 +15,6 @@ constexpr time::Duration kPeriod = 100ms;
 constexpr time::Duration kLocalMapPeriod = 500ms;
 constexpr double kLocalMapHalfSizeM = 4.0;
 
-/// abs(), because the clock may have been set back.
-bool is_due(time::Timestamp stamp, const std::optional<time::Timestamp>& last,
-            time::Duration period) {
-  return !last || std::chrono::abs(stamp - *last) >= period;
-}
-
 }  // namespace
 
 void Display::publish(time::Timestamp stamp, const Navigator& navigator, const Decision& decision,
@@ -39,7 +33,7 @@ void Display::publish_path(time::Timestamp stamp, const Navigator& navigator,
   if (goal == GoalState::kInside && halts) {
     return;
   }
-  if (goal == GoalState::kNone ? !path_stamp_ : !is_due(stamp, path_stamp_, kPeriod)) {
+  if (goal == GoalState::kNone ? !path_stamp_ : !time::is_due(stamp, path_stamp_, kPeriod)) {
     return;
   }
   path_stamp_.reset();
@@ -63,7 +57,7 @@ void Display::publish_path(time::Timestamp stamp, const Navigator& navigator,
 
 /// Published while anybody is tracked, and once more when nobody is.
 void Display::publish_tracks(time::Timestamp stamp, const Navigator& navigator) {
-  if (!is_due(stamp, tracks_stamp_, kPeriod)) {
+  if (!time::is_due(stamp, tracks_stamp_, kPeriod)) {
     return;
   }
   nodmap::tracks_t message = tracks_message(navigator.people().people_odom(stamp),
@@ -81,7 +75,7 @@ void Display::publish_tracks(time::Timestamp stamp, const Navigator& navigator) 
 
 void Display::publish_local_map(time::Timestamp stamp, const LocalMap& local_map,
                                 const geometry::SE2& T_odom_base) {
-  if (!local_map.has_scan() || !is_due(stamp, local_map_stamp_, kLocalMapPeriod)) {
+  if (!local_map.has_scan() || !time::is_due(stamp, local_map_stamp_, kLocalMapPeriod)) {
     return;
   }
   local_map_stamp_ = stamp;

@@ -14,17 +14,11 @@ namespace {
 
 using Input = InputSenders::Input;
 
-// A microsecond clock gets there in the year 38000; differences of stamps below never overflow.
-constexpr time::Timestamp kLatestStamp(time::kLimit / 2);
 /// A laser whose sweeps are shorter than this is held.
 constexpr double kHeldRad = geometry::deg_to_rad(0.1);
 
 /// No sweep is shorter: 15 scans. A gap in the scans no longer than this is driven through slowly.
 constexpr double kShortGapS = 0.2;
-
-bool is_time(time::Timestamp stamp) {
-  return stamp >= time::Timestamp{} && stamp < kLatestStamp;
-}
 
 }  // namespace
 
@@ -67,7 +61,7 @@ bool NavigatorNode::is_followed(InputSenders::Input input, time::Timestamp stamp
 void NavigatorNode::on_map(const nodmap::egomap_t& message) {
   const auto T_odom_map = node::read_pose(message.position_m, message.orientation);
   auto points_map = read_points(message.distance_m, message.point_x_m, message.point_y_m);
-  if (!T_odom_map || !points_map || !is_time(node::stamp_of(message))) {
+  if (!T_odom_map || !points_map || !time::is_plausible(node::stamp_of(message))) {
     context_.counts.reject("implausible_obstacle_map");
     return;
   }
@@ -157,7 +151,7 @@ void NavigatorNode::begin_odometry_frame(time::Timestamp stamp) {
 
 void NavigatorNode::on_pitch_command(const nodmap::pitch_command_t& message) {
   context_.counts.lose(pitch_commands_watch_.lost_before(message.command_seq));
-  if (!is_time(node::stamp_of(message)) || !std::isfinite(message.max_forward_mps) ||
+  if (!time::is_plausible(node::stamp_of(message)) || !std::isfinite(message.max_forward_mps) ||
       message.max_forward_mps < 0.0) {
     context_.counts.reject("implausible_pitch_command");
     return;
@@ -173,7 +167,7 @@ void NavigatorNode::on_pitch_command(const nodmap::pitch_command_t& message) {
 
 void NavigatorNode::on_pitch_state(const nodmap::pitch_state_t& message) {
   context_.counts.lose(pitch_states_watch_.lost_before(message.state_seq));
-  if (!is_time(node::stamp_of(message))) {
+  if (!time::is_plausible(node::stamp_of(message))) {
     context_.counts.reject("implausible_pitch_state");
     return;
   }

@@ -10,12 +10,8 @@
 namespace nodmap::pitch_controller {
 namespace {
 
-// Limit for stamps, as for other inputs, so that their sums and differences never overflow.
-constexpr time::Timestamp kLatestStamp(time::kLimit / 2);
-
 bool is_plausible(const nodmap::pitch_state_t& message) {
-  const time::Timestamp stamp = time::from_utime(message.utime);
-  return stamp >= time::Timestamp{} && stamp < kLatestStamp && message.sweep_count >= 0 &&
+  return time::is_plausible(time::from_utime(message.utime)) && message.sweep_count >= 0 &&
          std::abs(message.pitch_rad) <= geometry::kPi && std::isfinite(message.pitch_rate_rad_s);
 }
 

@@ -24,15 +24,8 @@ namespace {
 constexpr std::size_t kMaxCheckedPerScan = 100;
 constexpr std::size_t kMaxRedrawnPerScan = 2;
 
-constexpr double kGraphPeriodS = 1.0;
-constexpr double kSaveRetryPeriodS = 10.0;
-
-/// Whether it is time for the next message. Uses the magnitude of the time since the last, so that
-/// a stamp that steps far back does not silence the channel.
-bool is_due(time::Timestamp stamp, const std::optional<time::Timestamp>& last_stamp,
-            double period_s) {
-  return !last_stamp || time::seconds(std::chrono::abs(stamp - *last_stamp)) >= period_s;
-}
+constexpr time::Duration kGraphPeriod = 1s;
+constexpr time::Duration kSaveRetryPeriod = 10s;
 
 }  // namespace
 
@@ -89,7 +82,7 @@ void Slam2dNode::on_scan(const nodmap::scan_t& message) {
     return;
   }
   last_scan_stamp_ = scan_.stamp;
-  if (save_error_ && is_due(last_scan_stamp_, last_save_stamp_, kSaveRetryPeriodS)) {
+  if (save_error_ && time::is_due(last_scan_stamp_, last_save_stamp_, kSaveRetryPeriod)) {
     try_to_save();
   }
   if (search_) {
@@ -108,10 +101,11 @@ void Slam2dNode::on_scan(const nodmap::scan_t& message) {
   last_stamp_ = update->stamp;
   context_.bus.publish("POSE_2D", write_pose(*update));
   update_grid(*update);
-  if (is_due(update->stamp, last_graph_stamp_, kGraphPeriodS)) {
+  if (time::is_due(update->stamp, last_graph_stamp_, kGraphPeriod)) {
     publish_graph(update->stamp);
   }
-  if (is_due(update->stamp, last_map_stamp_, params_.grid.publish_period_s)) {
+  if (time::is_due(update->stamp, last_map_stamp_,
+                   time::from_seconds(params_.grid.publish_period_s))) {
     publish_map(update->stamp, tile_selector_.choose(map_.grid()));
   }
 }

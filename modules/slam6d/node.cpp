@@ -169,7 +169,7 @@ void Slam6dNode::publish(const PoseUpdate& update) {
   if (update.keyframe) {
     publish_cloud(slam_.keyframes().back());
   }
-  if (std::chrono::abs(update.stamp - graph_stamp_) >= kGraphPeriod) {
+  if (time::is_due(update.stamp, graph_stamp_, kGraphPeriod)) {
     publish_graph(update.stamp);
   }
   if (!only_localises_) {

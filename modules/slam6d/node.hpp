@@ -76,7 +76,7 @@ class Slam6dNode : public node::Node {
   bool only_localises_ = false;
   std::size_t next_restored_id_ = 0;  // of the next keyframe of a saved map to be published
   std::int64_t graph_revision_ = 0;   // last one published
-  time::Timestamp graph_stamp_{};
+  std::optional<time::Timestamp> graph_stamp_;  // of the last one
   ScanCounts counted_;
   time::Timestamp last_stamp_{};  // of SCAN
   std::optional<PoseUpdate> last_update_;

@@ -67,6 +67,22 @@ TEST(Time, StampsOfMessagesComeBackAsTheyWere) {
   }
 }
 
+TEST(Time, StampsFrom1970ToTheYear38000ArePlausible) {
+  EXPECT_TRUE(is_plausible(Timestamp{}));
+  EXPECT_FALSE(is_plausible(Timestamp(-1us)));
+  EXPECT_TRUE(is_plausible(Timestamp(24h * 365 * 36'000)));
+  EXPECT_FALSE(is_plausible(Timestamp(24h * 365 * 37'000)));
+  EXPECT_FALSE(is_plausible(from_utime(kMax)));
+}
+
+TEST(Time, WhatIsDoneEverySecondIsDueASecondLater) {
+  const Timestamp last(100s);
+  EXPECT_TRUE(is_due(last, std::nullopt, 1s));
+  EXPECT_FALSE(is_due(last + 999ms, last, 1s));
+  EXPECT_TRUE(is_due(last + 1s, last, 1s));
+  EXPECT_TRUE(is_due(last - 1h, last, 1s)) << "the clock was set back";
+}
+
 // Run with UBSan: signed overflow would end the test.
 TEST(Time, HostileStampsDoNotOverflow) {
   for (const std::int64_t a_us : {kMin, std::int64_t{0}, kMax}) {
