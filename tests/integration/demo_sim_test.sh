@@ -67,11 +67,25 @@ page_answers() {
   python3 -c 'import sys, urllib.request as r; sys.exit(b"<title>nodmap" not in r.urlopen(sys.argv[1], timeout=5).read())' "$address" 2>/dev/null
 }
 
-scripts/demo_sim.sh --duration 20 --out "$work/done" >"$work/done.log" 2>&1 &
+out=$work/done
+scripts/demo_sim.sh --duration 20 --out "$out" >"$out.log" 2>&1 &
 demo=$!
 while ! page_answers "$work/done.log" && kill -0 "$demo" 2>/dev/null; do sleep 0.1; done
 page_answers "$work/done.log" || fail "the demo's page does not answer"
+# On the bus of a robot nothing else starts, neither a second one nor a recording; the robot is not disturbed.
+wait_for "driving for"
+printf '\xed\xa1\xda\x01' >"$work/recording"
+for second in "demo_sim.sh --duration 1" "demo.sh $work/recording"; do
+  code=0
+  # shellcheck disable=SC2086  # a command line
+  scripts/$second --out "$work/second" >"$work/second.log" 2>&1 || code=$?
+  [[ $code -eq 1 && ! -e "$work/second" ]] && grep -q "Others send .*STATUS" "$work/second.log" ||
+    { cat "$work/second.log"; fail "$second starts beside a robot"; }
+done
 wait "$demo" || { cat "$work/done.log"; fail "the demo failed"; }
+# Of 75 scans a second a busy machine may lose a few.
+python3 -c 'import json, sys; sys.exit(json.load(open(sys.argv[1]))["scans"] < 0.8 * 75 * 20)' "$out/watch.json" ||
+  fail "the demo ended early"
 grep -q '/#token=' "$work/done.log" || fail "the demo does not name its controls"
 expect_nothing_left "$work/done" "the demo"
 # The commands that it prints at the end can be copied: they name its own programs and its own recording.
@@ -92,7 +106,8 @@ code=0
 PATH=$work/stub:$PATH env --default-signal=INT bash scripts/demo_sim.sh --duration 1 --out "$work/at-the-end-of-a-command" >"$work/log" 2>&1 || code=$?
 [[ $code -eq 130 ]] || fail "a Ctrl-C as a command of the script ends is not heard: exit code $code"
 
-for seconds in 0 0.3 1 2 4 7; do
+# It listens for two seconds first.
+for seconds in 0 1 2.3 3 4 6 9; do
   start_demo "interrupted-$seconds" 30
   sleep "$seconds"
   kill -INT -- "-$demo" 2>/dev/null || kill -INT "$demo"

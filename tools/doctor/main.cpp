@@ -2,6 +2,7 @@
 // nodmap-doctor: finds what keeps nodmap from working on this host, and the commands that fix it.
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <chrono>
 #include <cstdlib>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -48,10 +49,21 @@ std::vector<Finding> examine_network(const std::string& url) {
   if (trust.status == Status::kFail) {
     return findings;  // no process can start without it
   }
-  const SelfTest test = run_self_test(url);
+  const SelfTest test = run_self_test(url, std::chrono::seconds(1));
   findings.push_back(check_self_test(test, url));
   if (udpm && test.opened) {
     findings.push_back(check_traffic(test.received, our_fingerprints(), *udpm));
+  }
+  return findings;
+}
+
+/// Listens for two seconds: a process that runs sends its STATUS, or PM_INFO, once a second.
+std::vector<Finding> examine_silence(const std::string& url) {
+  const SelfTest test = run_self_test(url, std::chrono::seconds(2));
+  std::vector<Finding> findings = {check_self_test(test, url)};
+  if (test.opened) {
+    findings.push_back(
+        check_silence(test.received, bus::parse_udpm_url(url).value_or(bus::UdpmUrl{})));
   }
   return findings;
 }
@@ -117,11 +129,15 @@ void print_json(const std::vector<Finding>& findings) {
 struct Arguments {
   std::string logs = "logs";
   bool json = false;
+  bool silence = false;
 };
 
 int run(const Arguments& arguments, const std::string& lcm_url) {
-  std::vector<Finding> findings = examine_network(bus::resolve_url(lcm_url));
-  std::ranges::move(examine_host(arguments.logs), std::back_inserter(findings));
+  const std::string url = bus::resolve_url(lcm_url);
+  std::vector<Finding> findings = arguments.silence ? examine_silence(url) : examine_network(url);
+  if (!arguments.silence) {
+    std::ranges::move(examine_host(arguments.logs), std::back_inserter(findings));
+  }
   arguments.json ? print_json(findings) : print_text(findings);
   const bool any_failed = std::ranges::any_of(
       findings, [](const Finding& finding) { return finding.status == Status::kFail; });
@@ -145,6 +161,8 @@ int main(int argc, char** argv) {
              app.add_option("--logs", arguments.logs, "Folder of the recordings")
                  ->capture_default_str();
              app.add_flag("--json", arguments.json, "Print the findings as JSON");
+             app.add_flag("--silence", arguments.silence,
+                          "Check only that nobody else sends on the bus");
            },
        .run =
            [&arguments](const std::string& lcm_url) { return doctor::run(arguments, lcm_url); }});

@@ -277,6 +277,19 @@ Finding check_traffic(const std::vector<ReceivedChannel>& received,
           ""};
 }
 
+Finding check_silence(const std::vector<ReceivedChannel>& received, const bus::UdpmUrl& url) {
+  std::set<std::string> channels;
+  for (const ReceivedChannel& channel : received) {
+    channels.insert(channel.channel);
+  }
+  const std::string port = "port " + std::to_string(url.port);
+  if (channels.empty()) {
+    return {"silence", Status::kOk, "Nobody sends on " + port + ".", ""};
+  }
+  return {"silence", Status::kFail, "Others send on " + port + ": " + join(channels) + ".",
+          use_next_port(url)};
+}
+
 Finding check_trusted_hosts(const std::string& trusted_hosts, const bus::UdpmUrl& url) {
   const std::string check = "trusted hosts";
   const std::string name_them =

@@ -67,6 +67,11 @@ struct SelfTest {
                                     const std::set<std::int64_t>& our_fingerprints,
                                     const bus::UdpmUrl& url);
 
+/// Checks that nobody else sends on the URL. What is started on a bus in use would command the
+/// robot that uses it.
+[[nodiscard]] Finding check_silence(const std::vector<ReceivedChannel>& received,
+                                    const bus::UdpmUrl& url);
+
 /// Reports whose messages are accepted. `trusted_hosts`: the value of $NODMAP_TRUSTED_HOSTS.
 [[nodiscard]] Finding check_trusted_hosts(const std::string& trusted_hosts,
                                           const bus::UdpmUrl& url);

@@ -154,6 +154,14 @@ TEST(Traffic, TrafficOfOthersIsReportedAndAnotherPortIsSuggested) {
   EXPECT_EQ(foreign.command, "export LCM_DEFAULT_URL='udpm://239.255.76.67:7668?ttl=0'");
 }
 
+TEST(Silence, IsBrokenByMessagesOfAnyType) {
+  EXPECT_EQ(check_silence({}, {}).status, Status::kOk);
+  const Finding finding = check_silence({{"STATUS", 1, 2}, {"CAMERA", 9, 30}}, {});
+  EXPECT_EQ(finding.status, Status::kFail);
+  EXPECT_THAT(finding.sentence, HasSubstr("CAMERA, STATUS"));
+  EXPECT_THAT(finding.command, HasSubstr(":7668")) << "another port";
+}
+
 TEST(TrustedHosts, WarnsIfTheUrlReachesOtherHostsAndNoneIsTrusted) {
   EXPECT_EQ(check_trusted_hosts("", {}).status, Status::kOk);
   bus::UdpmUrl network;

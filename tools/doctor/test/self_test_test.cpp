@@ -6,15 +6,17 @@
 namespace nodmap::doctor {
 namespace self_test_test {
 
+constexpr std::chrono::milliseconds kDuration(200);
+
 TEST(SelfTest, ReceivesItsMessageWithoutANetwork) {
-  const SelfTest test = run_self_test("memq://");
+  const SelfTest test = run_self_test("memq://", kDuration);
   EXPECT_TRUE(test.opened);
   EXPECT_TRUE(test.latency_ms.has_value());
   EXPECT_TRUE(test.received.empty());
 }
 
 TEST(SelfTest, AnUnknownProviderIsNotOpened) {
-  EXPECT_FALSE(run_self_test("nonsense://x").opened);
+  EXPECT_FALSE(run_self_test("nonsense://x", kDuration).opened);
 }
 
 }  // namespace self_test_test
