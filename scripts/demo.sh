@@ -116,7 +116,8 @@ done
 
 open_page
 say "playing the recording at $speed x over LCM"
-lcm-logplayer -s "$speed" "$log" >"$out/logplayer.log" 2>&1 &
+# Only what the sensors measured: a robot's log holds commands too, and what its own processes computed.
+lcm-logplayer -s "$speed" -e '^(SCAN|ODOMETRY|PITCH_STATE|BASE_SENSORS)$' "$log" >"$out/logplayer.log" 2>&1 &
 player=$!
 duration=$("$bin/nodmap-convert" info "$log" | awk '/^duration/ {print int($2) + 1; exit}')
 began=$SECONDS

@@ -98,6 +98,18 @@ for _ in $(seq 400); do grep -q "page on http" "$work/again.log" && break; sleep
 kill "$viewer" && wait "$viewer" || true
 grep -q "page on http" "$work/again.log" || { cat "$work/again.log"; fail "that does not replay it"; }
 
+# Played to the demo, its log gives the measurements alone: no commands, and nothing of the processes that ran then.
+log=$(echo "$work"/done/logger/lcmlog-*)
+scripts/demo.sh "$log" --speed 4 --out "$work/played" >"$work/played.log" 2>&1 || { cat "$work/played.log"; fail "its log is not played"; }
+channels() { "$bin/nodmap-convert" info "$1" | awk '{print $1}'; }
+channels "$log" >"$work/recorded"
+channels "$work"/played/logger/lcmlog-* >"$work/channels"
+for channel in SCAN ODOMETRY PITCH_STATE BASE_SENSORS; do grep -qx $channel "$work/channels" || fail "$channel is not played"; done
+for channel in STOP DRIVE NAVIGATION PM_ORDERS; do
+  grep -qx $channel "$work/recorded" || fail "the demo's log has no $channel"
+  ! grep -qx $channel "$work/channels" || fail "$channel of the recorded robot is played"
+done
+
 # Ctrl-C at the moment when a command of the script ends by itself.
 mkdir "$work/stub"
 printf '#!/bin/sh\n/bin/mkdir "$@"\nkill -INT "$PPID"\n' >"$work/stub/mkdir"
