@@ -103,6 +103,9 @@ run() {
   return $code
 }
 
+# A sheriff's script would also start and stop the processes of another deputy of this name, which makes ours end.
+need_deputy() { kill -0 "$deputy" 2>/dev/null || die "the deputy has ended; see $out/deputy.log"; }
+
 say "starting the processes (LCM: $LCM_DEFAULT_URL)"
 setpriv --pdeathsig TERM "$bin/nodmap-deputy" "$config" >"$out/deputy.log" 2>&1 &
 deputy=$!
@@ -110,6 +113,8 @@ deputy=$!
 setpriv --pdeathsig TERM "$bin/nodmap-sheriff" "$config" --output viewer >"$out/viewer.log" 2>&1 &
 listener=$!
 run "$bin/nodmap-sheriff" "$config" --script demo --on-script-complete exit --timeout 30 >"$out/sheriff.log" || die "not every process started; see $out/sheriff.log"
+
+need_deputy
 
 # The base driver stands after each start until somebody says so.
 run "$bin/nodmap-stop" --go --by demo || die "the base driver does not answer; see $out/deputy.log"
@@ -130,6 +135,7 @@ fi
 watched=0
 run "$bin/nodmap-watch" "${watch[@]}" || watched=$?
 
+need_deputy
 say "stopping the processes"
 run "$bin/nodmap-sheriff" "$config" --script stop_all --on-script-complete exit --timeout 60 >>"$out/sheriff.log" || die "not every process stopped; see $out/sheriff.log"
 "$bin/nodmap-sheriff" "$config" --status --json >"$out/status.json" || true

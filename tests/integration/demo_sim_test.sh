@@ -48,17 +48,19 @@ expect_a_failure() {
   expect_an_end "$1"
   [[ $code -ne 0 ]] || fail "after $1 the demo says that it worked"
 }
-# Ends the sheriff that runs a script of this demo, and no other, as soon as there is one.
-kill_sheriff() {
+# kill_process PATTERN: kills the process of this demo, and no other, whose command line is like this, as soon as there is one.
+kill_process() {
   local pid
   for _ in $(seq 200); do
     for pid in $(left_over "$out"); do
-      [[ "$(tr '\0' ' ' <"/proc/$pid/cmdline")" == */nodmap-sheriff*--script* ]] && kill -KILL "$pid" && return
+      # shellcheck disable=SC2053  # a pattern
+      [[ "$(tr '\0' ' ' <"/proc/$pid/cmdline")" == $1 ]] && kill -KILL "$pid" && return
     done
     sleep 0.02
   done
-  fail "there was no sheriff to kill"
+  fail "there was no $1 to kill"
 }
+kill_sheriff() { kill_process "*/nodmap-sheriff*--script*"; }
 
 # The page named in its first lines can be loaded.
 page_answers() {
@@ -147,6 +149,13 @@ start_demo beheaded-at-the-end 1
 wait_for "stopping the processes"
 kill_sheriff
 expect_a_failure "kill -9 of the sheriff that stops"
+
+# As it also ends by itself where another deputy has its name; no sheriff may then give that one orders.
+start_demo without-deputy 5
+wait_for "driving for"
+kill_process "*/nodmap-deputy*"
+expect_a_failure "kill -9 of the deputy"
+grep -q "the deputy has ended" "$out.log" && ! grep -q "stopping the processes" "$out.log" || fail "the demo goes on without its deputy"
 
 # Then nobody waits for the end of processes that end by themselves.
 start_demo killed 30
