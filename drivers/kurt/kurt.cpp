@@ -128,13 +128,19 @@ void Kurt::take_ranges(const RangeReadings& ranges, time::SteadyTime now) {
 }
 
 DriveStatus Kurt::drive(const DriveRequest& request, const time::Moment& now) {
-  return watchdog_.offer(request, now.wall, now.steady);
+  const DriveStatus status = watchdog_.offer(request, now.wall, now.steady);
+  if (!watchdog_.command(now.steady)) {
+    // At once, because the next DRIVE may be received before the next control().
+    limiter_.stop();
+  }
+  return status;
 }
 
 std::optional<Alarm> Kurt::take_alarm() {
   const std::optional<Alarm> alarm = guard_.take_alarm();
   if (alarm) {
     watchdog_.revoke();
+    limiter_.stop();
   }
   return alarm;
 }

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <vector>
 
@@ -125,6 +126,31 @@ TEST(Kurt, ADriveThatIsNotFiniteStopsTheRobotWithTheNextFrame) {
   EXPECT_EQ(robot.drive(std::numeric_limits<double>::quiet_NaN(), 0.0), DriveStatus::kNotFinite);
   robot.step();
   EXPECT_EQ(robot.base.left_cm_s(), 0);
+}
+
+// A safety stop is not limited, also if the navigator's next DRIVE is received before the next
+// control period.
+TEST(Kurt, ADriveRightAfterASafetyStopMakesNoRampOfIt) {
+  const std::string bumper_frame = "t00A20400\r";
+  const auto touch_bumper = [&](Robot& robot) {
+    const std::vector<std::uint8_t> bytes(bumper_frame.begin(), bumper_frame.end());
+    robot.kurt.receive(bytes, robot.moment());
+    EXPECT_EQ(robot.kurt.take_alarm(), Alarm::kBumper);
+  };
+  const auto send_nonsense = [](Robot& robot) {
+    EXPECT_EQ(robot.drive(std::numeric_limits<double>::quiet_NaN(), 0.0), DriveStatus::kNotFinite);
+  };
+  for (const std::function<void(Robot&)>& safety_stop :
+       {std::function<void(Robot&)>(touch_bumper), {send_nonsense}}) {
+    Robot robot;
+    robot.run_for(500ms);
+    robot.drive_for(1.0, 0.0, 1s);
+    ASSERT_EQ(robot.base.left_cm_s(), 100);
+    safety_stop(robot);
+    EXPECT_EQ(robot.drive(0.0, 0.0), DriveStatus::kObeyed);
+    robot.step();
+    EXPECT_EQ(robot.base.left_cm_s(), 0);
+  }
 }
 
 TEST(Kurt, ABaseThatFallsSilentIsToldToStop) {
