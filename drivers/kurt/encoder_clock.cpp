@@ -2,6 +2,7 @@
 #include "drivers/kurt/encoder_clock.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace nodmap::kurt {
 namespace {
@@ -16,11 +17,16 @@ constexpr time::Duration kLost = kEncoderPeriod * 7 / 10;
 /// The base stops after 100 ms without a command, so after a longer silence it cannot be assumed
 /// that the robot drove on as before.
 constexpr time::Duration kGap = 100ms;
+/// Stamps should not lag more than this behind the measurements, because DRIVE carries them and is
+/// obeyed for 200 ms only. At a greater delay the window ends as soon as it has so many frames.
+constexpr time::Duration kMaxLag = 100ms;
+constexpr int kFewestFrames = 10;
 
 }  // namespace
 
 EncoderClock::Reading EncoderClock::take(time::SteadyTime arrival) {
-  if (!started_ || arrival - measured_ > kGap) {
+  const time::Duration silence = arrival - std::exchange(last_arrival_, arrival);
+  if (!started_ || silence > kGap) {
     return begin(arrival);
   }
   measured_ = std::min(measured_ + kStep, arrival);
@@ -41,8 +47,9 @@ EncoderClock::Reading EncoderClock::begin(time::SteadyTime arrival) {
 }
 
 int EncoderClock::lost_in_window(time::SteadyTime arrival) {
-  least_late_ = std::min(least_late_, arrival - measured_);
-  if (++in_window_ < kWindowFrames) {
+  const time::Duration late = arrival - measured_;
+  least_late_ = std::min(least_late_, late);
+  if (++in_window_ < (late > kMaxLag ? kFewestFrames : kWindowFrames)) {
     return 0;
   }
   int lost = 0;

@@ -16,7 +16,8 @@ inline constexpr time::Duration kEncoderPeriod = 10ms;
 /// Frames leave the base every 10 ms and arrive with a delay that varies (USB, scheduling) but is
 /// never negative. So the smallest observed delay gives the base's clock (passive synchronization,
 /// Olson 2010). After a late frame the next ones catch up; after a lost one all following frames
-/// are late. A frame counts as lost when all frames of half a second are late by a whole period.
+/// are late. A frame counts as lost when all frames of half a second are late by a whole period, or
+/// already all of ten if so many were lost that they are 100 ms late.
 class EncoderClock {
  public:
   struct Reading {
@@ -38,6 +39,7 @@ class EncoderClock {
 
   bool started_ = false;
   bool begun_before_ = false;
+  time::SteadyTime last_arrival_;
   time::SteadyTime measured_;  // the best estimate; a frame with less delay moves it back
   time::SteadyTime told_;      // the last one returned; later ones must not be earlier
   time::Duration least_late_{};

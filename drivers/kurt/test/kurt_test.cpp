@@ -219,6 +219,20 @@ TEST(Kurt, LostEncoderFramesAreNoticedAndFilled) {
   EXPECT_NEAR(robot.samples.back().state.T_odom_base.x - before_m, 2.0, kTickM);
 }
 
+TEST(Kurt, OnABadLineOdometryIsNotShort) {
+  Robot robot;
+  robot.run_for(500ms);
+  robot.drive_for(1.0, 0.0, 2s);
+  const double before_m = robot.samples.back().state.T_odom_base.x;
+  for (int i = 0; i < 100; ++i) {
+    robot.base.drop_encoders = 1;
+    robot.drive_for(1.0, 0.0, 100ms);
+  }
+  EXPECT_EQ(robot.kurt.counts().encoder_gaps, 0);
+  // 20 periods may not have been found yet, which are 2 %.
+  EXPECT_NEAR(robot.samples.back().state.T_odom_base.x - before_m, 10.0, 0.2);
+}
+
 TEST(Kurt, ADamagedEncoderFrameIsBridged) {
   Robot robot;
   robot.run_for(500ms);
