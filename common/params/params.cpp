@@ -10,7 +10,7 @@
 #include <numbers>
 #include <set>
 
-#include "common/formats/input_file.hpp"
+#include "common/formats/yaml_file.hpp"
 #include "common/params/suggestion.hpp"
 
 namespace nodmap::params {
@@ -225,22 +225,14 @@ void Table::set_assignment(std::string_view assignment) {
 }
 
 void Table::load_yaml(const std::filesystem::path& file) {
-  std::vector<YAML::Node> documents;
-  try {
-    documents = YAML::LoadAll(formats::read_input(file));
-  } catch (const YAML::Exception& error) {
-    throw ParamError(file.string() + ": " + error.what());
-  }
-  if (documents.size() > 1) {
-    throw ParamError(file.string() + ": contains several YAML documents; '---' begins another one");
-  }
-  if (documents.empty() || documents.front().IsNull()) {
+  const YAML::Node root = formats::read_yaml(file);
+  if (root.IsNull()) {
     return;
   }
-  if (!documents.front().IsMap()) {
+  if (!root.IsMap()) {
     throw ParamError(file.string() + ": expected lines of the form 'key: value'");
   }
-  YamlLoader(file.string(), *this).load(documents.front(), "");
+  YamlLoader(file.string(), *this).load(root, "");
 }
 
 std::string Table::to_yaml() const {

@@ -121,7 +121,8 @@ class Table {
   [[nodiscard]] bool has_section(std::string_view name) const;
 
   /// Loads a YAML map of parameters; sections are nested maps or dotted keys. Missing keys keep
-  /// their defaults. Throws ParamError, or formats::InputFileError if the file cannot be read.
+  /// their defaults. Throws ParamError, or formats::InputFileError if the file cannot be read or is
+  /// not YAML.
   void load_yaml(const std::filesystem::path& file);
 
   /// The effective parameters as YAML, sections as nested maps, with sentence, unit and range as

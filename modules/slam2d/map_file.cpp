@@ -18,6 +18,7 @@
 #include "common/drawing/plan_view.hpp"
 #include "common/formats/atomic_file.hpp"
 #include "common/formats/input_file.hpp"
+#include "common/formats/yaml_file.hpp"
 
 namespace nodmap::slam2d {
 namespace {
@@ -140,8 +141,7 @@ struct MapHeader {
 MapHeader read_header(const std::filesystem::path& file) {
   MapHeader header;
   try {
-    std::ifstream in = formats::open_input(file);
-    const YAML::Node yaml = YAML::Load(in);
+    const YAML::Node yaml = formats::read_yaml(file);
     if (yaml["mode"].as<std::string>("trinary") == "raw") {
       refuse(file, "mode raw is not supported, only trinary and scale");
     }

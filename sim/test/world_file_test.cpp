@@ -34,7 +34,7 @@ class WorldFile : public testing::Test {
   [[nodiscard]] std::string error_of(const std::string& text) const {
     try {
       static_cast<void>(load(text));
-    } catch (const WorldFileError& error) {
+    } catch (const formats::InputFileError& error) {
       const std::string what = error.what();
       const std::string prefix = (folder_ / "w.yaml").string() + ":";
       EXPECT_EQ(what.substr(0, prefix.size()), prefix);

@@ -11,6 +11,7 @@
 
 #include "common/formats/input_file.hpp"
 #include "common/formats/ply.hpp"
+#include "common/formats/yaml_file.hpp"
 #include "common/geometry/angle.hpp"
 
 namespace nodmap::sim {
@@ -27,8 +28,8 @@ class Reader {
 
  private:
   [[noreturn]] void fail(const YAML::Node& node, const std::string& what) const {
-    throw WorldFileError(file_.string() + ":" + std::to_string(std::max(node.Mark().line, 0) + 1) +
-                         ": " + what);
+    throw formats::InputFileError(file_.string() + ":" +
+                                  std::to_string(std::max(node.Mark().line, 0) + 1) + ": " + what);
   }
 
   void check_keys(const YAML::Node& map, std::string_view what,
@@ -282,13 +283,7 @@ std::vector<Waypoint> Reader::read_path(const YAML::Node& path) const {
 }
 
 World Reader::read_world() const {
-  YAML::Node root;
-  try {
-    root = YAML::Load(formats::read_input(file_));
-  } catch (const YAML::ParserException& error) {
-    throw WorldFileError(file_.string() + ":" + std::to_string(error.mark.line + 1) + ": " +
-                         error.msg);
-  }
+  const YAML::Node root = formats::read_yaml(file_);
   check_keys(root, "world",
              {"name", "objects", "pits", "actors", "robot", "goal", "goals", "goal_heading"});
   World world;
