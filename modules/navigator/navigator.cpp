@@ -78,7 +78,8 @@ Decision Navigator::behave(const Situation& now) {
   if (!now.goal) {
     goal_drive_.forget_goal();
   }
-  if (is_at_goal(now)) {
+  watch_arrival(now);
+  if (arrived_map_) {
     end_turn();
     steering_.detour().end();
     Decision decision = brake(now, Why::kNothingToAdd);
@@ -93,8 +94,8 @@ Decision Navigator::behave(const Situation& now) {
   }
   if (now.goal && params_.planner.use && local_map().has_scan()) {
     end_turn();
-    return has_looked(now) ? goal_drive_.decide(now, seen(), local_map())
-                           : brake(now, Why::kFirstLook);
+    watch_first_look(now);
+    return has_looked_ ? goal_drive_.decide(now, seen(), local_map()) : brake(now, Why::kFirstLook);
   }
   const FreeSpace space = measure_free_space(now.points_base, body_, params_.drive.side_margin_m);
   if (!turn_.is_active()) {
@@ -109,8 +110,11 @@ Decision Navigator::behave(const Situation& now) {
 /// turn to go on.
 std::optional<Decision> Navigator::drive_ahead(const FreeSpace& space, const Situation& now) {
   const bool roams = params_.planner.roams && !now.goal && local_map().has_scan();
-  if (roams && !has_looked(now)) {
-    return brake(now, Why::kFirstLook);
+  if (roams) {
+    watch_first_look(now);
+    if (!has_looked_) {
+      return brake(now, Why::kFirstLook);
+    }
   }
   if (auto decision =
           roams ? roaming_.decide(now, seen(), local_map()) : steering_.steer(space, seen(), now)) {
@@ -123,17 +127,15 @@ std::optional<Decision> Navigator::drive_ahead(const FreeSpace& space, const Sit
 }
 
 /// A dock is reached otherwise. At another goal the robot must arrive anew.
-bool Navigator::is_at_goal(const Situation& now) {
+void Navigator::watch_arrival(const Situation& now) {
   if (!now.goal || now.goal->heading) {
     arrived_map_.reset();
-    return false;
+    return;
   }
   constexpr double kSameM = 1e-3;  // rounding, by the motion since
   const Eigen::Vector2d goal_map = now.T_map_odom * (now.T_odom_base * now.goal->p_base);
   const bool had_arrived = arrived_map_ && (goal_map - *arrived_map_).norm() < kSameM;
-  const bool is_there = has_arrived(*now.goal, had_arrived);
-  arrived_map_ = is_there ? std::optional(goal_map) : std::nullopt;
-  return is_there;
+  arrived_map_ = has_arrived(*now.goal, had_arrived) ? std::optional(goal_map) : std::nullopt;
 }
 
 /// A goal takes over.
@@ -142,12 +144,11 @@ void Navigator::end_turn() {
   back_up_.end();  // otherwise the trail would not be recorded
 }
 
-/// Whether the laser has looked ahead since the start. Before that the robot must not turn away
-/// from a ramp, which looks like an obstacle in the first scans.
-bool Navigator::has_looked(const Situation& now) {
+/// Before the laser has looked ahead the robot must not turn away from a ramp, which looks like an
+/// obstacle in the first scans.
+void Navigator::watch_first_look(const Situation& now) {
   has_looked_ =
       has_looked_ || now.laser_is_held || seen().is_seen(0.0, params_.steer.sweeps_to_trust);
-  return has_looked_;
 }
 
 Decision Navigator::brake(const Situation& now, Reason reason) const {

@@ -81,9 +81,9 @@ class Navigator {
 
  private:
   [[nodiscard]] const SeenDirections& seen() const { return surroundings_.seen(); }
-  [[nodiscard]] bool is_at_goal(const Situation& now);
+  void watch_arrival(const Situation& now);
   void end_turn();
-  [[nodiscard]] bool has_looked(const Situation& now);
+  void watch_first_look(const Situation& now);
   [[nodiscard]] Decision behave(const Situation& now);
   [[nodiscard]] std::optional<Decision> drive_ahead(const FreeSpace& space, const Situation& now);
   [[nodiscard]] Decision brake(const Situation& now, Reason reason) const;
@@ -102,7 +102,7 @@ class Navigator {
   BackUp back_up_;
   GoalDrive goal_drive_;
   Roaming roaming_;
-  std::optional<Eigen::Vector2d> arrived_map_;  // the goal at which the robot is
+  std::optional<Eigen::Vector2d> arrived_map_;  // the goal at which the robot is; empty: at none
   bool has_looked_ = false;                     ///< since the start
   std::optional<geometry::SE2> turn_ended_at_;  ///< T_odom_base
 };

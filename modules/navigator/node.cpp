@@ -49,8 +49,9 @@ InputSenders::Message NavigatorNode::from_bus(time::Timestamp stamp) const {
   return {stamp, context_.bus.origin().sender};
 }
 
-/// Whether the message being handled is from the sender that is followed. Counts it otherwise.
-bool NavigatorNode::is_followed(InputSenders::Input input, time::Timestamp stamp) {
+/// Follows the sender of the message being handled. Counts the message and returns false if another
+/// one is followed.
+bool NavigatorNode::follow_sender(InputSenders::Input input, time::Timestamp stamp) {
   if (senders_.follow(input, from_bus(stamp), newest_.stamps)) {
     return true;
   }
@@ -69,7 +70,7 @@ void NavigatorNode::on_map(const nodmap::egomap_t& message) {
     context_.counts.reject("map_of_former_odometry");
     return;
   }
-  if (!is_followed(Input::kObstacleMap, node::stamp_of(message))) {
+  if (!follow_sender(Input::kObstacleMap, node::stamp_of(message))) {
     return;
   }
   context_.counts.use();
@@ -89,7 +90,7 @@ void NavigatorNode::on_scan(const nodmap::scan_t& message) {
     context_.counts.reject("scan_without_odometry");
     return;
   }
-  if (!is_followed(Input::kScan, node::stamp_of(message))) {
+  if (!follow_sender(Input::kScan, node::stamp_of(message))) {
     return;
   }
   context_.counts.use();
@@ -104,7 +105,7 @@ void NavigatorNode::on_base_sensors(const nodmap::base_sensors_t& message) {
     context_.counts.reject("base_sensors_without_odometry");
     return;
   }
-  if (!is_followed(Input::kBaseSensors, node::stamp_of(message))) {
+  if (!follow_sender(Input::kBaseSensors, node::stamp_of(message))) {
     return;
   }
   context_.counts.use();
@@ -120,7 +121,7 @@ void NavigatorNode::on_odometry(const nodmap::odometry_t& message) {
     senders_.refuse(Input::kOdometry, from_bus(node::stamp_of(message)), newest_.stamps);
     return;
   }
-  if (!is_followed(Input::kOdometry, node::stamp_of(message))) {
+  if (!follow_sender(Input::kOdometry, node::stamp_of(message))) {
     return;
   }
   if (std::exchange(odom_frame_is_new_, false)) {
@@ -156,7 +157,7 @@ void NavigatorNode::on_pitch_command(const nodmap::pitch_command_t& message) {
     context_.counts.reject("implausible_pitch_command");
     return;
   }
-  if (!is_followed(Input::kPitchCommand, node::stamp_of(message))) {
+  if (!follow_sender(Input::kPitchCommand, node::stamp_of(message))) {
     return;
   }
   context_.counts.use();
@@ -171,7 +172,7 @@ void NavigatorNode::on_pitch_state(const nodmap::pitch_state_t& message) {
     context_.counts.reject("implausible_pitch_state");
     return;
   }
-  if (!is_followed(Input::kPitchState, node::stamp_of(message))) {
+  if (!follow_sender(Input::kPitchState, node::stamp_of(message))) {
     return;
   }
   context_.counts.use();

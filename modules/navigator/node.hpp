@@ -34,8 +34,8 @@
 
 namespace nodmap::navigator {
 
-/// Runs the navigator: README.md lists the channels. Publishes one DRIVE and one NAVIGATION for each
-/// obstacle map and, while the robot halts, for each ODOMETRY.
+/// Runs the navigator: README.md lists the channels. Publishes one DRIVE and one NAVIGATION for
+/// each obstacle map and, while the robot halts, for each ODOMETRY.
 class NavigatorNode final : public node::Node {
  public:
   using Params = NavigatorParams;
@@ -58,7 +58,7 @@ class NavigatorNode final : public node::Node {
   void on_stop(const nodmap::stop_t& message);
 
   [[nodiscard]] InputSenders::Message from_bus(time::Timestamp stamp) const;
-  [[nodiscard]] bool is_followed(InputSenders::Input input, time::Timestamp stamp);
+  [[nodiscard]] bool follow_sender(InputSenders::Input input, time::Timestamp stamp);
   void watch_slip(const nodmap::pose_t& message);
   void begin_odometry_frame(time::Timestamp stamp);
   [[nodiscard]] Decision halt(Reason reason);

@@ -92,7 +92,7 @@ struct Viewer : private boost::noncopyable {
                                    : "the machine is busy: clients are updated less often");
       }
     }
-    hub.sends_news = pace.is_due(now);
+    hub.sends_news = pace.take_turn(now);
     server->turn();
   }
 

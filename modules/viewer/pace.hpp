@@ -22,8 +22,8 @@ class Pace {
   /// Takes the fraction of all processors' time that was used in the last second, 0 to 1.
   void note_load(float share);
 
-  /// Whether clients must be updated now; if so, the next update is due one period later.
-  [[nodiscard]] bool is_due(time::SteadyTime now);
+  /// Returns true if clients must be updated now; the next update is then due one period later.
+  [[nodiscard]] bool take_turn(time::SteadyTime now);
 
   [[nodiscard]] time::Duration period() const { return period_; }
   [[nodiscard]] bool is_slowed() const { return period_ > fastest_; }

@@ -103,7 +103,7 @@ void GlobalPlanner::step(time::Timestamp stamp, const LocalMap& local_map,
   }
   if (phase_ != Phase::kIdle) {
     go_on(p_map, geofence);
-  } else if (is_due(stamp)) {
+  } else if (start_if_due(stamp)) {
     ground_.update(local_map, T_map_odom, T_odom_base);
     begin(ground_.window_around(p_map, goal_map_));
   }
@@ -120,14 +120,15 @@ void GlobalPlanner::step_onward(time::Timestamp stamp, const LocalMap& local_map
   }
   if (phase_ != Phase::kIdle) {
     go_on(T_map_base.translation(), geofence);
-  } else if (is_due(stamp)) {
+  } else if (start_if_due(stamp)) {
     ground_.update(local_map, T_map_odom, T_odom_base);
     begin(ground_.window_within(T_map_base.translation(), kOnwardM + 2.0 * KnownGround::kCellM));
     onward_from_ = T_map_base;
   }
 }
 
-bool GlobalPlanner::is_due(time::Timestamp stamp) {
+/// Starts the time to the next plan, if the last one began long enough ago.
+bool GlobalPlanner::start_if_due(time::Timestamp stamp) {
   if (started_at_ && time::seconds(std::chrono::abs(stamp - *started_at_)) < params_.replan_s) {
     return false;
   }

@@ -69,7 +69,7 @@ class GlobalPlanner {
     double price = 0.0;
   };
 
-  [[nodiscard]] bool is_due(time::Timestamp stamp);
+  [[nodiscard]] bool start_if_due(time::Timestamp stamp);
   void go_on(const Eigen::Vector2d& p_map, const Geofence* geofence);
   void begin(const PlanWindow& window);
   [[nodiscard]] int prepare_line(const Geofence* geofence);

@@ -47,7 +47,8 @@ std::optional<Decision> Roaming::decide(const Situation& now, const SeenDirectio
   if (!std::isfinite(cost_to_go->least_near(T_map_base.translation()))) {
     return std::nullopt;
   }
-  if (is_stuck(now)) {
+  watch_progress(now);
+  if (now.stamp - progress_at_ > kPatience) {
     give_up_path(T_map_base);
   } else if (failed_at_ && (T_map_base.translation() - *failed_at_).norm() > kElsewhereM) {
     planner_.forget_failures();
@@ -57,9 +58,9 @@ std::optional<Decision> Roaming::decide(const Situation& now, const SeenDirectio
   return motion_.best_of(rollouts_.plan(now, *cost_to_go, max_forward_mps), brake_, now, seen);
 }
 
-/// Whether the robot has neither got farther nor rotated for a while. Time in which it waited for
-/// people, or in which others decided, does not count.
-bool Roaming::is_stuck(const Situation& now) {
+/// Progress is to get farther, or to rotate. Time in which the robot waited for people, or in which
+/// others decided, counts as progress.
+void Roaming::watch_progress(const Situation& now) {
   const bool is_first = !decided_at_ || std::chrono::abs(now.stamp - *decided_at_) > kLongestPeriod;
   decided_at_ = now.stamp;
   const geometry::SE2 moved = progress_odom_.inverse() * now.T_odom_base;
@@ -67,9 +68,7 @@ bool Roaming::is_stuck(const Situation& now) {
       std::abs(moved.yaw) > kProgressRad) {
     progress_at_ = now.stamp;
     progress_odom_ = now.T_odom_base;
-    return false;
   }
-  return now.stamp - progress_at_ > kPatience;
 }
 
 void Roaming::give_up_path(const geometry::SE2& T_map_base) {

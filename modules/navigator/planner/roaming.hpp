@@ -31,7 +31,7 @@ class Roaming {
                                                const LocalMap& local_map);
 
  private:
-  [[nodiscard]] bool is_stuck(const Situation& now);
+  void watch_progress(const Situation& now);
   void give_up_path(const geometry::SE2& T_map_base);
 
   Brake brake_;

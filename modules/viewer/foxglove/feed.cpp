@@ -124,7 +124,7 @@ std::size_t Feed::add_scene_topic(const char* name) {
 void Feed::post_trail(std::size_t topic, Trail& trail, time::Timestamp stamp,
                       const geometry::SE3& T_frame_base) {
   trail.add(stamp, T_frame_base);
-  if (trail.is_due(stamp)) {
+  if (trail.take_turn(stamp)) {
     // By reference: the trail outlives the readers of the store.
     post(topic, stamp, [&trail] { return trail.poses_in_frame(); });
   }

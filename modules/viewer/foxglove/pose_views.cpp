@@ -26,7 +26,7 @@ bool Trail::add(time::Timestamp stamp, const geometry::SE3& T_frame_base) {
   return true;
 }
 
-bool Trail::is_due(time::Timestamp stamp) {
+bool Trail::take_turn(time::Timestamp stamp) {
   // After the clock was set back, the trail continues at once.
   const bool is_time =
       !published_at_ || stamp < *published_at_ || stamp - *published_at_ >= kPeriod;

@@ -29,9 +29,9 @@ class Trail {
   bool add(time::Timestamp stamp, const geometry::SE3& T_frame_base);
   void clear() { *this = Trail(frame_id_, spacing_m_); }
 
-  /// Whether the trail has changed and the last publication is long enough ago. If so, it counts as
-  /// published now.
-  [[nodiscard]] bool is_due(time::Timestamp stamp);
+  /// Returns true if the trail has changed and the last publication is long enough ago. It then
+  /// counts as published now.
+  [[nodiscard]] bool take_turn(time::Timestamp stamp);
 
   [[nodiscard]] std::size_t size() const { return poses_.size(); }
 

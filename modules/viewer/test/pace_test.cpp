@@ -12,7 +12,7 @@ constexpr time::SteadyTime kStart{10s};
 int due_of(Pace& pace, int turns) {
   int due = 0;
   for (int i = 0; i < turns; ++i) {
-    due += pace.is_due(kStart + i * 20ms) ? 1 : 0;
+    due += pace.take_turn(kStart + i * 20ms) ? 1 : 0;
   }
   return due;
 }

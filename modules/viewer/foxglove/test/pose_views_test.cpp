@@ -23,15 +23,15 @@ TEST(Trail, IsPublishedWhenItHasGrownAndNotTooOften) {
   Trail trail("odom", 0.1);
   geometry::SE3 pose = geometry::SE3::Identity();
   trail.add(time::from_utime(0), pose);
-  EXPECT_TRUE(trail.is_due(time::from_utime(0)));
+  EXPECT_TRUE(trail.take_turn(time::from_utime(0)));
   pose.translation().x() = 1.0;
   trail.add(time::from_utime(10), pose);
-  EXPECT_FALSE(trail.is_due(time::Timestamp(Trail::kPeriod - 1us)));
-  EXPECT_TRUE(trail.is_due(time::Timestamp(Trail::kPeriod)));
-  EXPECT_FALSE(trail.is_due(time::Timestamp(5 * Trail::kPeriod)));
+  EXPECT_FALSE(trail.take_turn(time::Timestamp(Trail::kPeriod - 1us)));
+  EXPECT_TRUE(trail.take_turn(time::Timestamp(Trail::kPeriod)));
+  EXPECT_FALSE(trail.take_turn(time::Timestamp(5 * Trail::kPeriod)));
   pose.translation().x() = 2.0;
   trail.add(time::from_utime(20), pose);
-  EXPECT_TRUE(trail.is_due(time::from_utime(20)));  // the clock was set back
+  EXPECT_TRUE(trail.take_turn(time::from_utime(20)));  // the clock was set back
 }
 
 TEST(Trail, ForgetsTheOldestWhenItIsFull) {
