@@ -12,6 +12,7 @@
 7. Time is a type (common/geometry/time.hpp): in the rooms of TYPED_TIME no integer of microseconds is declared, but where INTEGER_TIME says so and
    in the modules' tests, which fill messages.
 8. What a test file defines is in a namespace named after the file, as several are compiled as one (nodmap_join_sources).
+9. In common/ and modules/ a member function whose name asks a question (is_, has_, may_) is const.
 Besides: every source file names its licence, and a transform is called T_a_b, never a_to_b or a2b.
 """
 import pathlib
@@ -38,6 +39,8 @@ TYPED_TIME = ("bench/", "common/", "drivers/", "modules/", "procman/", "sim/", "
 INTEGER_TIME = ("common/bus/event_log", "common/bus/message_log", "common/formats/", "common/geometry/", "common/node/messages", "common/scan/",
                 "tests/replay/", "tools/convert/", "tools/evaluate/")
 MICROSECONDS = re.compile(r"\bint64_t>?[ &]+(\w+_us_?|k\w+Us)\b")
+# A member function that is not const, but is named like a question.
+QUESTION = re.compile(r"^ +(?:\[\[nodiscard\]\] )?(?:virtual )?bool ((?:is|has|may)_\w+)\([^;{}]*\)(?: override| = 0)*(?:;| \{)", re.M)
 BAD_NAME = re.compile(r"\b(base|map|odom|laser|mount|body|sensor|world)(_to_|2)(base|map|odom|laser|mount|body|sensor|world)\b")
 
 
@@ -82,9 +85,13 @@ def include_errors(path, include):
 def main():
     errors = []
     for path in sources():
-        lines = (ROOT / path).read_text().splitlines()
+        text = (ROOT / path).read_text()
+        lines = text.splitlines()
         if not lines or "SPDX-License-Identifier: BSD-3-Clause" not in lines[0]:
             errors.append(f"{path}:1: the first line names the licence")
+        if path.parts[0] in ("common", "modules"):
+            errors += [f"{path}:{1 + text.count(chr(10), 0, match.start())}: {match.group(1)}() asks, so it is const"
+                       for match in QUESTION.finditer(text)]
         for number, line in enumerate(lines, 1):
             if BAD_NAME.search(line):
                 errors.append(f"{path}:{number}: write T_a_b: {line.strip()}")

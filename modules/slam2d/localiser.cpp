@@ -177,9 +177,12 @@ void Localiser::confirm(const LevelScan& scan) {
 }
 
 void Localiser::follow_odometry(const LevelScan& scan, PoseUpdate& update) {
-  const bool is_lost = scan.has_enough_points()
-                           ? is_misfit_lost(scan.stamp)
-                           : covariance_.least_sigma_m() > params_.lost.max_sigma_m;
+  const bool is_misfit = scan.has_enough_points();
+  if (is_misfit) {
+    misfit_since_ = misfit_since_.value_or(scan.stamp);
+  }
+  const bool is_lost = is_misfit ? is_misfit_lost(scan.stamp)
+                                 : covariance_.least_sigma_m() > params_.lost.max_sigma_m;
   update.quality = is_lost ? PoseQuality::kLost : PoseQuality::kOdometry;
   if (is_lost) {
     metrics_.times_lost += state_ == State::kLocated ? 1 : 0;
@@ -192,8 +195,7 @@ void Localiser::follow_odometry(const LevelScan& scan, PoseUpdate& update) {
 
 /// Whether a scan that does not fit makes the robot lost. A place that was never confirmed, or is
 /// in doubt, is given up at once.
-bool Localiser::is_misfit_lost(time::Timestamp stamp) {
-  misfit_since_ = misfit_since_.value_or(stamp);
+bool Localiser::is_misfit_lost(time::Timestamp stamp) const {
   return state_ == State::kUnconfirmed || doubt_.is_there() ||
          seconds_between(*misfit_since_, stamp) >= params_.localise.max_misfit_s;
 }

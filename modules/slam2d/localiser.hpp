@@ -64,7 +64,7 @@ class Localiser {
   void take_place(const geometry::SE2& T_map_base, const LevelScan& scan);
   void confirm(const LevelScan& scan);
   void follow_odometry(const LevelScan& scan, PoseUpdate& update);
-  [[nodiscard]] bool is_misfit_lost(time::Timestamp stamp);
+  [[nodiscard]] bool is_misfit_lost(time::Timestamp stamp) const;
   [[nodiscard]] bool is_search_due(const LevelScan& scan) const;
 
   Slam2dParams params_;

@@ -114,6 +114,7 @@ Slam2d::FoundPlace Slam2d::find_place(const LevelScan& all_points, const Start& 
       hidden_since_.reset();
       return {*place, scan};
     }
+    begin_hiding(scan.stamp);
     if (!is_hidden_for_long(scan.stamp)) {
       return {.place = {}, .scan = scan, .is_hidden = true};
     }
@@ -126,8 +127,11 @@ Slam2d::FoundPlace Slam2d::find_place(const LevelScan& all_points, const Start& 
   // The level scans of a nodding laser are too far apart to give a speed. But whoever hides the
   // view from one of them has passed by the next, and the robot is not elsewhere meanwhile.
   if (all_points.is_of_nod && !doubt_.is_there() && !is_by_odometry(place.match, start) &&
-      moving_points_.contradicts(all_points) && !is_hidden_for_long(scan.stamp)) {
-    return {.place = {}, .scan = scan, .is_hidden = true};
+      moving_points_.contradicts(all_points)) {
+    begin_hiding(scan.stamp);
+    if (!is_hidden_for_long(scan.stamp)) {
+      return {.place = {}, .scan = scan, .is_hidden = true};
+    }
   }
   const bool has_slipped = hidden_since_.has_value();
   hidden_since_.reset();
@@ -144,8 +148,11 @@ bool Slam2d::is_smooth(const LevelScan& scan, const Start& start) const {
   return start.guesses.size() == 1 && !doubt_.is_there() && pose_guesses_.is_fast(scan.stamp);
 }
 
-bool Slam2d::is_hidden_for_long(time::Timestamp stamp) {
+void Slam2d::begin_hiding(time::Timestamp stamp) {
   hidden_since_ = hidden_since_.value_or(stamp);
+}
+
+bool Slam2d::is_hidden_for_long(time::Timestamp stamp) const {
   return time::seconds(std::chrono::abs(stamp - *hidden_since_)) >= params_.people.max_hidden_s;
 }
 

@@ -100,7 +100,8 @@ class Slam2d {
                                                          const Start& start, bool is_mostly_moving);
   [[nodiscard]] bool is_smooth(const LevelScan& scan, const Start& start) const;
   [[nodiscard]] bool is_by_odometry(const Match& match, const Start& start) const;
-  [[nodiscard]] bool is_hidden_for_long(time::Timestamp stamp);
+  void begin_hiding(time::Timestamp stamp);
+  [[nodiscard]] bool is_hidden_for_long(time::Timestamp stamp) const;
   [[nodiscard]] PoseUpdate correct_pose(const LevelScan& scan, const FoundPlace& found) const;
   [[nodiscard]] Eigen::Matrix3d estimate_covariance(const Place& place, const PoseUpdate& update);
   [[nodiscard]] PoseQuality classify(const LevelScan& scan, const FoundPlace& found) const;
