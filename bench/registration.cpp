@@ -28,6 +28,7 @@
 #include "bench/registration_scene.hpp"
 #include "common/geometry/angle.hpp"
 #include "common/params/params.hpp"
+#include "modules/slam6d/heading_search.hpp"
 #include "modules/slam6d/slam6d.hpp"
 #include "tests/support/cloud_file.hpp"
 

@@ -10,7 +10,6 @@
 #include "common/bus/live_bus.hpp"
 #include "common/node/clock.hpp"
 #include "common/node/log.hpp"
-#include "common/node/program.hpp"
 #include "common/node/status.hpp"
 
 namespace nodmap::node {

@@ -7,6 +7,8 @@
 
 #include "common/geometry/time.hpp"
 #include "common/node/node.hpp"
+#include "common/node/program.hpp"
+#include "common/params/params.hpp"
 
 namespace nodmap::node {
 

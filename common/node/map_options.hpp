@@ -2,12 +2,9 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
-#include <memory>
 #include <optional>
 
 #include "common/geometry/se2.hpp"
-#include "common/node/node.hpp"
 
 namespace nodmap::node {
 
@@ -18,11 +15,5 @@ struct MapOptions {
   std::filesystem::path map_in;              ///< --map-in; empty: none
   std::optional<geometry::SE2> T_map_start;  ///< --start-pose
 };
-
-using MapNodeFactory = std::function<std::unique_ptr<Node>(Context&, const MapOptions&)>;
-
-/// run_node() for a process that also has the options --localise, --map-in and --start-pose.
-int run_map_node(int argc, char** argv, const ProgramInfo& info, params::Table& table,
-                 const MapNodeFactory& make_node);
 
 }  // namespace nodmap::node

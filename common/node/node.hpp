@@ -2,19 +2,17 @@
 #pragma once
 
 #include <boost/core/noncopyable.hpp>
+#include <cstdint>
 #include <filesystem>
-#include <functional>
-#include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "common/bus/bus.hpp"
 #include "common/node/message_counts.hpp"
-#include "common/params/params.hpp"
 
 namespace nodmap::node {
 
-/// The environment of a node. run_node() creates it; it outlives the node.
+/// The environment of a node. Whoever runs the node creates it; it outlives the node.
 struct Context {
   bus::Bus& bus;
   MessageCounts& counts;
@@ -50,28 +48,5 @@ class Node : boost::noncopyable {
   /// How well the module can do its work right now, for STATUS.
   [[nodiscard]] virtual Health health() const { return {}; }
 };
-
-struct ProgramInfo {
-  std::string name;     ///< name of the program: nodmap-slam2d
-  std::string summary;  ///< one sentence for --help
-};
-
-using NodeFactory = std::function<std::unique_ptr<Node>(Context&)>;
-
-/// main() of a process that handles messages, live on LCM or with --replay: reads the parameters,
-/// runs the message loop, publishes STATUS and writes the results. Returns the exit code of
-/// run_program().
-int run_node(int argc, char** argv, const ProgramInfo& info, params::Table& table,
-             const NodeFactory& make_node);
-
-/// main() of a processing module.
-template <class NodeType>
-int run(int argc, char** argv, const ProgramInfo& info) {
-  typename NodeType::Params params;
-  params::Table table(params);
-  return run_node(argc, argv, info, table, [&params](Context& context) {
-    return std::make_unique<NodeType>(context, params);
-  });
-}
 
 }  // namespace nodmap::node

@@ -20,6 +20,12 @@ class UsageError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// The name of a program and what it does, for --help.
+struct ProgramInfo {
+  std::string name;     ///< nodmap-slam2d
+  std::string summary;  ///< one sentence
+};
+
 /// Describes a program for run_program(). A program without parameters or messages leaves `params`
 /// or `uses_lcm` at their defaults; then it does not have the options for them.
 struct Program {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "common/node/run.hpp"
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
@@ -14,9 +16,6 @@
 #include "common/bus/replay_bus.hpp"
 #include "common/node/clock.hpp"
 #include "common/node/log.hpp"
-#include "common/node/map_options.hpp"
-#include "common/node/node.hpp"
-#include "common/node/program.hpp"
 #include "common/node/progress.hpp"
 #include "common/node/results.hpp"
 #include "common/node/status.hpp"

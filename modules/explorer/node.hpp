@@ -8,8 +8,8 @@
 #include <optional>
 #include <string>
 
-#include "common/node/message_input.hpp"
 #include "common/node/node.hpp"
+#include "common/node/sensor_input.hpp"
 #include "modules/explorer/explorer.hpp"
 #include "nodmap/exploration_t.hpp"
 #include "nodmap/explore_t.hpp"

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "common/node/run.hpp"
 #include "modules/map_server/node.hpp"
 
 int main(int argc, char** argv) {

@@ -8,8 +8,8 @@
 
 #include "common/geometry/pose_history.hpp"
 #include "common/geometry/time.hpp"
-#include "common/node/message_input.hpp"
 #include "common/node/node.hpp"
+#include "common/node/sensor_input.hpp"
 #include "common/scan/scan.hpp"
 #include "modules/map_server/map_server.hpp"
 #include "nodmap/egomap_t.hpp"

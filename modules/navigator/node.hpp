@@ -10,8 +10,8 @@
 
 #include "common/geometry/pose_history.hpp"
 #include "common/geometry/time.hpp"
-#include "common/node/message_input.hpp"
 #include "common/node/node.hpp"
+#include "common/node/sensor_input.hpp"
 #include "modules/navigator/display.hpp"
 #include "modules/navigator/geofence.hpp"
 #include "modules/navigator/inputs.hpp"

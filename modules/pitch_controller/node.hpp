@@ -6,9 +6,9 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "common/bus/followed_sender.hpp"
-#include "common/node/message_input.hpp"
 #include "common/node/node.hpp"
 #include "common/node/sender_watch.hpp"
+#include "common/node/sensor_input.hpp"
 #include "modules/pitch_controller/pitch_controller.hpp"
 #include "nodmap/odometry_t.hpp"
 #include "nodmap/pitch_state_t.hpp"

@@ -4,8 +4,8 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "common/node/map_options.hpp"
-#include "common/node/message_input.hpp"
 #include "common/node/node.hpp"
+#include "common/node/sensor_input.hpp"
 #include "modules/slam2d/localiser.hpp"
 #include "modules/slam2d/tracked_path.hpp"
 #include "nodmap/odometry_t.hpp"

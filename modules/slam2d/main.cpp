@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "common/node/map_options.hpp"
+#include "common/node/run.hpp"
 #include "modules/slam2d/localiser_node.hpp"
 #include "modules/slam2d/node.hpp"
 

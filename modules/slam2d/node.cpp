@@ -10,7 +10,6 @@
 
 #include "common/formats/tum.hpp"
 #include "common/node/log.hpp"
-#include "common/node/message_input.hpp"
 #include "common/node/messages.hpp"
 #include "common/node/results.hpp"
 #include "modules/slam2d/map_file.hpp"

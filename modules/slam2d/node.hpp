@@ -9,8 +9,9 @@
 
 #include "common/geometry/time.hpp"
 #include "common/node/map_options.hpp"
-#include "common/node/message_input.hpp"
 #include "common/node/node.hpp"
+#include "common/node/save_requests.hpp"
+#include "common/node/sensor_input.hpp"
 #include "modules/slam2d/keyframe_grid.hpp"
 #include "modules/slam2d/known_map.hpp"
 #include "modules/slam2d/localiser.hpp"

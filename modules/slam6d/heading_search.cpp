@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "modules/slam6d/heading_search.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <utility>
-
-#include "modules/slam6d/registration.hpp"
 
 namespace nodmap::slam6d {
 namespace {

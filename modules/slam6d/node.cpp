@@ -13,7 +13,6 @@
 
 #include "common/formats/atomic_file.hpp"
 #include "common/node/log.hpp"
-#include "common/node/message_input.hpp"
 #include "common/node/messages.hpp"
 #include "common/node/results.hpp"
 #include "modules/slam6d/messages.hpp"

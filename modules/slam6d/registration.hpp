@@ -153,17 +153,4 @@ struct Registration {
                                                const geometry::SE3& T_map_start,
                                                const RegistrationParams& params);
 
-/// The same, starting at the pose of the prior. If too few points fit, other headings are tried:
-/// wheels that spin against an obstacle count a rotation that did not take place.
-[[nodiscard]] Registration register_sweep(VoxelMap& sweep_base, const VoxelMap& map,
-                                          const PosePrior& prior, const RegistrationParams& params);
-
-/// The same, but where the prior is wide, as after an interruption, the sweep also slides through
-/// the map in the direction that it determines least: along a corridor. The prior is narrowed to
-/// where most points of upright planes fit. If they fit over a longer stretch, the covariance
-/// contains it and the status is kDegraded.
-[[nodiscard]] Registration register_sweep_sliding(VoxelMap& sweep_base, const VoxelMap& map,
-                                                  const PosePrior& prior,
-                                                  const RegistrationParams& params);
-
 }  // namespace nodmap::slam6d

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "modules/slam6d/slide_search.hpp"
+
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -8,8 +10,8 @@
 
 #include "common/registration/dense_solvers.hpp"
 #include "modules/slam6d/correspondence_search.hpp"
+#include "modules/slam6d/heading_search.hpp"
 #include "modules/slam6d/inliers.hpp"
-#include "modules/slam6d/registration.hpp"
 
 namespace nodmap::slam6d {
 namespace {

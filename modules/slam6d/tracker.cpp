@@ -2,6 +2,8 @@
 #include "modules/slam6d/tracker.hpp"
 
 #include "modules/slam6d/corrected_poses.hpp"
+#include "modules/slam6d/heading_search.hpp"
+#include "modules/slam6d/slide_search.hpp"
 
 namespace nodmap::slam6d {
 namespace {

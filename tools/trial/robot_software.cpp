@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "tools/trial/level_scanner_node.hpp"
+
 namespace nodmap::trial {
 
 Process::Process(std::string name, bus::LoopNetwork& network, node::NodeFactory make_node)
@@ -110,7 +112,7 @@ void RobotSoftware::add(const std::string& name, node::NodeFactory make_node) {
   }
 }
 
-void RobotSoftware::give_go() {
+void RobotSoftware::release_robot() {
   nodmap::stop_t message{};
   message.utime = time::to_utime(stamp_at(hardware_.model().now()));
   message.stop_seq = stop_seq_++;
@@ -120,7 +122,7 @@ void RobotSoftware::give_go() {
 
 void RobotSoftware::step() {
   if (stop_seq_ == 0) {
-    give_go();
+    release_robot();
   }
   for (SimulatedLine* line : {&base_line_, &laser_line_, &servo_line_}) {
     line->move_bytes(hardware_.model().now());
@@ -152,7 +154,7 @@ void RobotSoftware::kill(const std::string& name) {
 void RobotSoftware::start(const std::string& name) {
   process(name).start();
   if (name == "kurt") {
-    give_go();
+    release_robot();
   }
 }
 

@@ -11,7 +11,7 @@
 
 #include "common/bus/loop_bus.hpp"
 #include "common/node/device_node.hpp"
-#include "common/node/node.hpp"
+#include "common/node/run.hpp"
 #include "sim/devices/simulated_robot.hpp"
 #include "tools/trial/params.hpp"
 #include "tools/trial/record.hpp"
@@ -84,7 +84,7 @@ class RobotSoftware : private boost::noncopyable {
   void add(const std::string& name, node::NodeFactory make_node);
   void add_scanner(Robot robot, const std::function<time::Moment()>& clock);
   /// Releases the robot, as a person does after each start of the base driver.
-  void give_go();
+  void release_robot();
   [[nodiscard]] Process& process(const std::string& name);
 
   sim::SimulatedRobot& hardware_;

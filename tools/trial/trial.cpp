@@ -8,7 +8,7 @@
 #include "common/node/program.hpp"
 #include "nodmap/goal_t.hpp"
 #include "tools/trial/ground_truth_monitor.hpp"
-#include "tools/trial/level_laser.hpp"
+#include "tools/trial/level_laser_slam.hpp"
 #include "tools/trial/robot_software.hpp"
 
 namespace nodmap::trial {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "common/node/run.hpp"
+
 #include <gtest/gtest.h>
 
 #include <csignal>
@@ -8,8 +10,6 @@
 
 #include "common/bus/codec.hpp"
 #include "common/bus/event_log.hpp"
-#include "common/node/node.hpp"
-#include "common/node/program.hpp"
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::node {

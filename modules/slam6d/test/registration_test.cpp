@@ -8,6 +8,7 @@
 #include <random>
 #include <vector>
 
+#include "modules/slam6d/heading_search.hpp"
 #include "modules/slam6d/odometry_prior.hpp"
 #include "modules/slam6d/sweep_voxels.hpp"
 #include "modules/slam6d/test/room.hpp"

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "modules/slam6d/slide_search.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "modules/slam6d/registration.hpp"
 #include "modules/slam6d/test/hall.hpp"
 
 namespace nodmap::slam6d {

@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "common/node/message_input.hpp"
+#include "common/node/sensor_input.hpp"
 
 #include <chrono>
 #include <cmath>
-#include <string>
-#include <utility>
 
 #include "common/geometry/time.hpp"
-#include "common/node/log.hpp"
 #include "common/node/messages.hpp"
 
 namespace nodmap::node {
@@ -103,27 +100,6 @@ bool SensorInput::accept(const Odometry& odometry) {
 bool SensorInput::continues(const Odometry& odometry) const {
   const bool is_next = odometry.seq >= last_odometry_->seq || odometry.seq > seq_before_;
   return is_next && is_near(odometry.stamp, last_odometry_->stamp);
-}
-
-bool SaveRequests::accept(const nodmap::save_request_t& request, const Context& context,
-                          time::Timestamp now) {
-  if (context.out_dir.empty()) {
-    context.counts.reject("save_request_without_out_dir");
-    return false;
-  }
-  const std::string name = read_name(request.requested_by);
-  if (!time::is_due(now, accepted_, kPeriod)) {
-    context.counts.reject("save_request_too_soon");
-    if (!std::exchange(has_logged_refusal_, true)) {
-      log::get().warn("{} asked to save the map again within {} s: refused", name, kPeriod / 1s);
-    }
-    return false;
-  }
-  accepted_ = now;
-  has_logged_refusal_ = false;
-  context.counts.use();
-  log::get().info("{} asked to save the map", name);
-  return true;
 }
 
 }  // namespace nodmap::node

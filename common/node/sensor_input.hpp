@@ -9,11 +9,9 @@
 #include "common/geometry/se3.hpp"
 #include "common/geometry/time.hpp"
 #include "common/node/message_counts.hpp"
-#include "common/node/node.hpp"
 #include "common/node/sender_watch.hpp"
 #include "common/scan/scan.hpp"
 #include "nodmap/odometry_t.hpp"
-#include "nodmap/save_request_t.hpp"
 #include "nodmap/scan_t.hpp"
 
 namespace nodmap::node {
@@ -48,12 +46,6 @@ class SensorInput {
   [[nodiscard]] bool odometry_restarted() const { return odometry_restarted_; }
 
  private:
-  node::MessageCounts& counts_;
-  const bus::Bus* bus_;
-  bus::FollowedSender scan_sender_{SenderWatch::kSilence};
-  bus::FollowedSender odometry_sender_{SenderWatch::kSilence};
-  node::SequenceCounter scans_;
-  node::SequenceCounter odometry_;
   struct Odometry {
     std::int64_t seq = 0;
     time::Timestamp stamp;
@@ -63,32 +55,16 @@ class SensorInput {
   [[nodiscard]] bool accept(const Odometry& odometry);
   [[nodiscard]] bool continues(const Odometry& odometry) const;
 
+  node::MessageCounts& counts_;
+  const bus::Bus* bus_;
+  bus::FollowedSender scan_sender_{SenderWatch::kSilence};
+  bus::FollowedSender odometry_sender_{SenderWatch::kSilence};
+  node::SequenceCounter scans_;
+  node::SequenceCounter odometry_;
   std::optional<Odometry> last_odometry_;  // last accepted
   std::int64_t seq_before_ = 0;            // of the odometry accepted before that
   std::optional<Odometry> new_odometry_;   // rejected; becomes usable when the next continues it
   bool odometry_restarted_ = false;
-};
-
-/// Decides whether to carry out a SAVE_REQUEST. Saving takes a large part of a second, so a flood
-/// of requests would leave no time for the scans.
-class SaveRequests {
- public:
-  static constexpr time::Duration kPeriod = 10s;
-
-  /// Whether to carry out a request at `now`, by the stamps of the sensor data. Rejects it
-  /// (`save_request_without_out_dir`, `save_request_too_soon`) if the process has no folder for its
-  /// map, or has accepted a request less than kPeriod ago, unless forget() was called since. Logs
-  /// the requester.
-  [[nodiscard]] bool accept(const nodmap::save_request_t& request, const Context& context,
-                            time::Timestamp now);
-
-  /// To be called when the map could not be saved: the next request is carried out at once. After
-  /// the last scan no time passes, so it would otherwise be refused for ever.
-  void forget() { accepted_.reset(); }
-
- private:
-  std::optional<time::Timestamp> accepted_;
-  bool has_logged_refusal_ = false;  // since then
 };
 
 }  // namespace nodmap::node

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "common/node/message_input.hpp"
+#include "common/node/sensor_input.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include "tests/support/memory_bus.hpp"
 
 namespace nodmap::node {
-namespace message_input_test {
+namespace sensor_input_test {
 
 nodmap::scan_t good_scan(std::int64_t seq) {
   scan::Scan scan;
@@ -181,36 +181,5 @@ TEST_F(OdometryInputTest, AStepOfTheClockCostsOneMessage) {
   EXPECT_FALSE(restarts(6, kDay + 9s)) << "the driver was frozen";
 }
 
-struct SaveRequestsTest : testing::Test {
-  test::MemoryBus bus;
-  node::MessageCounts counts;
-  const Context context{bus, counts, "somewhere"};
-  SaveRequests requests;
-  const time::Timestamp start = OdometryInputTest::kDay;
-};
-
-TEST_F(SaveRequestsTest, OneInTenSecondsIsCarriedOut) {
-  const nodmap::save_request_t request{};
-  EXPECT_TRUE(requests.accept(request, context, start));
-  for (int i = 0; i < 1000; ++i) {
-    EXPECT_FALSE(requests.accept(request, context, start + i * 9ms));
-  }
-  EXPECT_EQ(counts.rejected().at("save_request_too_soon"), 1000);
-  EXPECT_TRUE(requests.accept(request, context, start + SaveRequests::kPeriod));
-  EXPECT_TRUE(requests.accept(request, context, start - 1h)) << "the clock was set back";
-}
-
-TEST_F(SaveRequestsTest, AFailedSaveDoesNotCount) {
-  EXPECT_TRUE(requests.accept({}, context, start));
-  requests.forget();
-  EXPECT_TRUE(requests.accept({}, context, start));
-  EXPECT_FALSE(requests.accept({}, context, start));
-}
-
-TEST_F(SaveRequestsTest, WithoutAFolderNoneIsCarriedOut) {
-  EXPECT_FALSE(requests.accept({}, Context{bus, counts, {}}, start));
-  EXPECT_EQ(counts.rejected().at("save_request_without_out_dir"), 1);
-}
-
-}  // namespace message_input_test
+}  // namespace sensor_input_test
 }  // namespace nodmap::node

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/trial/level_laser.hpp"
+#include "tools/trial/level_laser_slam.hpp"
 
 #include <limits>
 
