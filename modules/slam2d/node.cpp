@@ -24,7 +24,6 @@ constexpr std::size_t kMaxCheckedPerScan = 100;
 constexpr std::size_t kMaxRedrawnPerScan = 2;
 
 constexpr time::Duration kGraphPeriod = 1s;
-constexpr time::Duration kSaveRetryPeriod = 10s;
 
 }  // namespace
 
@@ -33,7 +32,8 @@ Slam2dNode::Slam2dNode(node::Context& context, const Params& params)
       params_(params),
       input_(context.counts, &context.bus),
       slam_(params),
-      map_(params.grid.cell_size_m) {
+      map_(params.grid.cell_size_m),
+      saving_(context) {
   context_.bus.subscribe<nodmap::odometry_t>(
       "ODOMETRY", [this](const nodmap::odometry_t& message) { on_odometry(message); });
   context_.bus.subscribe<nodmap::scan_t>(
@@ -81,8 +81,8 @@ void Slam2dNode::on_scan(const nodmap::scan_t& message) {
     return;
   }
   last_scan_stamp_ = scan_.stamp;
-  if (save_error_ && time::is_due(last_scan_stamp_, last_save_stamp_, kSaveRetryPeriod)) {
-    try_to_save();
+  if (saving_.is_retry_due(last_scan_stamp_)) {
+    save();
   }
   if (search_) {
     find_in_saved_map();
@@ -170,26 +170,16 @@ void Slam2dNode::on_clear_request(const nodmap::clear_request_t& message) {
 }
 
 void Slam2dNode::on_save_request(const nodmap::save_request_t& message) {
-  if (save_requests_.accept(message, context_, last_scan_stamp_)) {
-    try_to_save();
-    if (!save_error_) {
-      log::get().info("map saved in {}", context_.out_dir.string());
-    }
+  if (saving_.accept(message, last_scan_stamp_)) {
+    save();
   }
 }
 
-// A full disk does not end the mapping: the last complete map stays, STATUS reports the error, and
-// it is tried again.
-void Slam2dNode::try_to_save() {
-  last_save_stamp_ = last_scan_stamp_;
-  save_error_ = save(context_.out_dir);
-  if (save_error_) {
-    save_requests_.forget();
-    log::get().warn("{}: map not saved: {}", context_.out_dir.string(), save_error_.message());
-  }
+void Slam2dNode::save() {
+  saving_.record(save_map(context_.out_dir), last_scan_stamp_);
 }
 
-std::error_code Slam2dNode::save(const std::filesystem::path& dir) const {
+std::error_code Slam2dNode::save_map(const std::filesystem::path& dir) const {
   const auto error = write_ros_map(dir, map_.grid());
   if (error || slam_.keyframes().empty()) {
     return error;
@@ -252,12 +242,12 @@ void Slam2dNode::write_results(const std::filesystem::path& dir) {
   for (const Keyframe& keyframe : slam_.keyframes().subspan(num_restored_)) {
     odometry.push_back(keyframe.T_odom_base);
   }
-  const auto save_map = [&] {
-    if (const auto error = save(dir)) {
+  const auto save = [&] {
+    if (const auto error = save_map(dir)) {
       throw std::system_error(error, dir.string());
     }
   };
-  node::write_each({save_map,  // first what cannot be had again
+  node::write_each({save,  // first what cannot be had again
                     [&] { formats::write_tum(dir / "trajectory.tum", corrected); },
                     [&] { formats::write_tum(dir / "online.tum", online); },
                     [&] { draw_map(map_.grid(), path).write_png(dir / "map.png"); },
@@ -302,9 +292,8 @@ nlohmann::json Slam2dNode::metrics() const {
 }
 
 node::Health Slam2dNode::health() const {
-  if (save_error_) {
-    return {node::HealthState::kDegraded,
-            "The map cannot be saved: " + save_error_.message() + "."};
+  if (const auto problem = saving_.problem()) {
+    return *problem;
   }
   if (search_ && last_quality_ != PoseQuality::kTracking) {
     return {node::HealthState::kDegraded, "The robot has not been found in the saved map yet."};

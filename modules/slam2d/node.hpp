@@ -9,8 +9,8 @@
 
 #include "common/geometry/time.hpp"
 #include "common/node/map_options.hpp"
+#include "common/node/map_saving.hpp"
 #include "common/node/node.hpp"
-#include "common/node/save_requests.hpp"
 #include "common/node/sensor_input.hpp"
 #include "modules/slam2d/keyframe_grid.hpp"
 #include "modules/slam2d/known_map.hpp"
@@ -50,8 +50,8 @@ class Slam2dNode : public node::Node {
   void on_clear_request(const nodmap::clear_request_t& message);
   void on_save_request(const nodmap::save_request_t& message);
   void find_in_saved_map();
-  void try_to_save();
-  [[nodiscard]] std::error_code save(const std::filesystem::path& dir) const;
+  void save();
+  [[nodiscard]] std::error_code save_map(const std::filesystem::path& dir) const;
   void count_rejected(const ScanCounts& before, std::int64_t without_points_before);
   void update_grid(const PoseUpdate& update);
   void publish_graph(time::Timestamp stamp);
@@ -85,9 +85,7 @@ class Slam2dNode : public node::Node {
   std::optional<time::Timestamp> last_graph_stamp_;
   std::int64_t graph_revision_published_ = 0;
   PoseQuality last_quality_ = PoseQuality::kTracking;
-  node::SaveRequests save_requests_;
-  std::optional<time::Timestamp> last_save_stamp_;  // when it was tried
-  std::error_code save_error_;                      // of the last attempt
+  node::MapSaving saving_;
 };
 
 }  // namespace nodmap::slam2d

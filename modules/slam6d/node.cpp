@@ -26,8 +26,6 @@ namespace {
 // A sweep's pose is published this many scans after the sweep's last one: 53 ms at 75 Hz, while
 // registration takes some 10 ms.
 constexpr int kScansUntilRegistered = 4;
-// After a failed save it is tried again after 10 s, because a full disk may have room by then.
-constexpr int kScansUntilSavedAgain = 750;
 // The same for a sweep with which a whole saved map is searched, which takes up to 0.5 s.
 constexpr int kScansUntilFound = 60;
 constexpr time::Duration kGraphPeriod = 1s;
@@ -41,6 +39,7 @@ Slam6dNode::Slam6dNode(node::Context& context, const Params& params)
     : context_(context),
       params_(params),
       input_(context.counts, &context.bus),
+      saving_(context),
       slam_(params),
       occupancy_(params.occupancy) {
   // Enough for a second's delay on a busy machine: 75 scans and 100 odometry messages.
@@ -90,7 +89,7 @@ void Slam6dNode::on_scan(const nodmap::scan_t& message) {
   last_stamp_ = scan.stamp;
   answer(registering_.count_message());
   answer_saved(occupancy_.count_message());
-  if (save_error_ && --scans_until_saved_again_ <= 0 && !occupancy_.is_working()) {
+  if (saving_.is_retry_due(last_stamp_) && !occupancy_.is_working()) {
     save_again();
   }
   if (auto sweep = slam_.collect(std::move(scan))) {
@@ -207,19 +206,10 @@ void Slam6dNode::publish_cloud(const Keyframe& keyframe) {
   }
 }
 
-// A full disk does not stop mapping: the last complete map stays, and STATUS reports the error.
 void Slam6dNode::answer_saved(const std::optional<std::error_code>& error) {
-  if (!error) {
-    return;
-  }
-  save_error_ = *error;
-  scans_until_saved_again_ = kScansUntilSavedAgain;
-  maps_saved_ += save_error_ ? 0 : 1;
-  if (save_error_) {
-    save_requests_.forget();
-    log::get().warn("{}: map not saved: {}", context_.out_dir.string(), save_error_.message());
-  } else {
-    log::get().info("map saved in {}", context_.out_dir.string());
+  if (error) {
+    saving_.record(*error, last_stamp_);
+    maps_saved_ += *error ? 0 : 1;
   }
 }
 
@@ -244,7 +234,7 @@ void Slam6dNode::on_save_request(const nodmap::save_request_t& message) {
     return;
   }
   answer_saved(occupancy_.take());  // a save that failed after the last scan
-  if (save_requests_.accept(message, context_, last_stamp_)) {
+  if (saving_.accept(message, last_stamp_)) {
     answer(registering_.take());
     answer_saved(occupancy_.take());
     start_saving();
@@ -312,8 +302,8 @@ nlohmann::json Slam6dNode::metrics() const {
 node::Health Slam6dNode::health() const {
   using node::HealthState;
   registering_.wait();
-  if (save_error_) {
-    return {HealthState::kDegraded, "The map cannot be saved: " + save_error_.message() + "."};
+  if (const auto problem = saving_.problem()) {
+    return *problem;
   }
   if (slam_.scan_counts().in_sweeps > 0 && slam_.num_sweeps() == 0) {
     return {HealthState::kDegraded, "There are scans, but no odometry for them."};

@@ -12,9 +12,9 @@
 #include "common/geometry/time.hpp"
 #include "common/node/background_job.hpp"
 #include "common/node/map_options.hpp"
+#include "common/node/map_saving.hpp"
 #include "common/node/message_counts.hpp"
 #include "common/node/node.hpp"
-#include "common/node/save_requests.hpp"
 #include "common/node/sensor_input.hpp"
 #include "modules/slam6d/occupancy_mapper.hpp"
 #include "modules/slam6d/params.hpp"
@@ -72,7 +72,7 @@ class Slam6dNode : public node::Node {
   node::Context& context_;
   Params params_;
   node::SensorInput input_;
-  node::SaveRequests save_requests_;
+  node::MapSaving saving_;
   Slam6d slam_;
   bool only_localises_ = false;
   std::size_t next_restored_id_ = 0;  // of the next keyframe of a saved map to be published
@@ -82,8 +82,6 @@ class Slam6dNode : public node::Node {
   time::Timestamp last_stamp_{};  // of SCAN
   std::optional<PoseUpdate> last_update_;
   std::int64_t maps_saved_ = 0;
-  std::error_code save_error_;       // of the last attempt
-  int scans_until_saved_again_ = 0;  // after an error
   // These two are declared last, so that their threads end before the data they use are destroyed:
   // `registering_` uses `slam_`; `occupancy_` uses its own map and what save_map() reads.
   OccupancyMapper occupancy_;
