@@ -2,12 +2,11 @@
 #pragma once
 
 #include <boost/core/noncopyable.hpp>
-#include <cstdint>
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
-#include <string>
 
 #include "common/bus/bus.hpp"
+#include "common/node/health.hpp"
 #include "common/node/message_counts.hpp"
 
 namespace nodmap::node {
@@ -18,15 +17,6 @@ struct Context {
   MessageCounts& counts;
   /// Folder for the results; empty when a live process was started without --out.
   std::filesystem::path out_dir;
-};
-
-enum class HealthState : std::uint8_t { kOk, kDegraded, kFailed };
-
-struct Health {
-  HealthState state = HealthState::kOk;
-  std::string reason;  ///< one sentence; empty when OK
-  /// Whether a second without messages is a fault. False for drivers, whose input is a device.
-  bool needs_messages = true;
 };
 
 /// The layer around an algorithm that receives and publishes its messages. The same class runs live

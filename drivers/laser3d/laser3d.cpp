@@ -219,38 +219,39 @@ SteadyScan Laser3d::to_scan(PitchedRevolution pitched) {
   return {pitched.revolution.first_beam, std::move(scan)};
 }
 
-Health Laser3d::health(time::SteadyTime now) const {
+node::Health Laser3d::health(time::SteadyTime now) const {
+  using node::HealthState;
   constexpr time::Duration kNoScan = 500ms;
   constexpr double kUnmeasuredRatio = 0.1;
   constexpr int kErrorSeverity = 3;
   if (!servo_->running()) {
-    return {Condition::kFailed, "servo: " + servo_->last_error()};
+    return {HealthState::kFailed, "servo: " + servo_->last_error()};
   }
   if (!sick_.last_error().empty()) {
-    return {Condition::kFailed, "laser: " + sick_.last_error()};
+    return {HealthState::kFailed, "laser: " + sick_.last_error()};
   }
   if (nod_.stalled()) {
-    return {Condition::kFailed, "servo: does not move when commanded to"};
+    return {HealthState::kFailed, "servo: does not move when commanded to"};
   }
   if (is_blind(now)) {
-    return {Condition::kFailed, "laser: blind (no readings)"};
+    return {HealthState::kFailed, "laser: blind (no readings)"};
   }
   if (now - last_scan_ > kNoScan) {
-    return {Condition::kFailed, "no scan could be given a pitch"};
+    return {HealthState::kFailed, "no scan could be given a pitch"};
   }
   if (status_.severity() >= kErrorSeverity) {
-    return {Condition::kDegraded, "laser: reports an error"};
+    return {HealthState::kDegraded, "laser: reports an error"};
   }
   if (status_.polluted()) {
-    return {Condition::kDegraded, "laser: the front window is dirty"};
+    return {HealthState::kDegraded, "laser: the front window is dirty"};
   }
   if (dazzled_ratio_ > kUnmeasuredRatio) {
-    return {Condition::kDegraded, "laser: dazzled"};
+    return {HealthState::kDegraded, "laser: dazzled"};
   }
   if (unmeasured_ratio_ > kUnmeasuredRatio) {
-    return {Condition::kDegraded, "laser: many beams are not measured"};
+    return {HealthState::kDegraded, "laser: many beams are not measured"};
   }
-  return {};
+  return {HealthState::kOk, "", false};
 }
 
 }  // namespace nodmap::laser3d

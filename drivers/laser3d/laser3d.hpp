@@ -2,10 +2,10 @@
 #pragma once
 
 #include <memory>
-#include <string>
 #include <vector>
 
 #include "common/geometry/time.hpp"
+#include "common/node/health.hpp"
 #include "common/scan/scan.hpp"
 #include "drivers/laser3d/nod.hpp"
 #include "drivers/laser3d/params.hpp"
@@ -43,14 +43,6 @@ struct Laser3dOutput {
   std::vector<PitchState> pitch;
 };
 
-enum class Condition : std::uint8_t { kOk, kDegraded, kFailed };
-
-/// The health of the scanner.
-struct Health {
-  Condition condition = Condition::kOk;
-  std::string reason;  ///< one sentence; empty when OK
-};
-
 /// Runs the nodding 3D scanner: a session with the laser and one with the servo, whose data it
 /// joins into pitched scans. Bytes and times in; bytes, scans and pitch states out.
 class Laser3d {
@@ -82,7 +74,7 @@ class Laser3d {
   [[nodiscard]] Laser3dOutput shut_down(time::SteadyTime now);
   [[nodiscard]] bool laser_at_rest() const { return sick_.state() == SickSession::State::kClosed; }
 
-  [[nodiscard]] Health health(time::SteadyTime now) const;
+  [[nodiscard]] node::Health health(time::SteadyTime now) const;
   [[nodiscard]] const Counts& counts() const { return counts_; }
   [[nodiscard]] const SickSession::Counts& laser_counts() const { return sick_.counts(); }
   [[nodiscard]] ServoCounts servo_line() const { return servo_->line_counts(); }

@@ -141,7 +141,7 @@ void Laser3dNode::publish(SteadyScan scan, const time::Moment& now) {
 }
 
 void Laser3dNode::log_change(const time::Moment& now) {
-  const Health health = driver_.health(now.steady);
+  const node::Health health = driver_.health(now.steady);
   if (health.reason == logged_) {
     return;
   }
@@ -193,16 +193,7 @@ node::Health Laser3dNode::health() const {
     return {node::HealthState::kFailed,
             "two processes send PITCH_COMMAND: neither is obeyed until one has ended"};
   }
-  const Health health = driver_.health(now);
-  switch (health.condition) {
-    case Condition::kOk:
-      return {node::HealthState::kOk, "", false};
-    case Condition::kDegraded:
-      return {node::HealthState::kDegraded, health.reason};
-    case Condition::kFailed:
-      break;
-  }
-  return {node::HealthState::kFailed, health.reason};
+  return driver_.health(now);
 }
 
 }  // namespace nodmap::laser3d

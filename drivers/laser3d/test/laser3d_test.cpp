@@ -70,7 +70,7 @@ class Rig {
     pitch.insert(pitch.end(), output.pitch.begin(), output.pitch.end());
   }
 
-  [[nodiscard]] Health health() const { return dut.health(now); }
+  [[nodiscard]] node::Health health() const { return dut.health(now); }
 
   Laser3d dut;
   FakeSensor sensor;
@@ -95,7 +95,7 @@ TEST(Laser3d, R1_PublishesPitchedScansAt75Hz) {
   rig.run(10.0);
   // 750.75 revolutions: one more or less at either end.
   EXPECT_NEAR(static_cast<double>(rig.scans.size() - before), 750.0, 1.0);
-  EXPECT_EQ(rig.health().condition, Condition::kOk) << rig.health().reason;
+  EXPECT_EQ(rig.health().state, node::HealthState::kOk) << rig.health().reason;
   EXPECT_EQ(rig.dut.counts().scans_without_pitch, 0);
   EXPECT_GT(rig.pitch.size() - num_pitches_before, 1000U) << "a reading each 10 ms or sooner";
   for (std::size_t i = before; i < rig.scans.size(); ++i) {
@@ -165,12 +165,12 @@ TEST(Laser3d, WithoutTheServoThereIsNoScan) {
   const std::size_t scans = rig.scans.size();
   rig.run(5.0);
   EXPECT_EQ(rig.scans.size(), scans);
-  EXPECT_EQ(rig.health().condition, Condition::kFailed);
+  EXPECT_EQ(rig.health().state, node::HealthState::kFailed);
   EXPECT_EQ(rig.health().reason, "servo: the servo does not answer");
   rig.servo.powered = true;
   rig.run(6.0);
   EXPECT_GT(rig.scans.size(), scans);
-  EXPECT_EQ(rig.health().condition, Condition::kOk) << rig.health().reason;
+  EXPECT_EQ(rig.health().state, node::HealthState::kOk) << rig.health().reason;
 }
 
 TEST(Laser3d, WithoutTheLaserThereIsNoScan) {
@@ -181,7 +181,7 @@ TEST(Laser3d, WithoutTheLaserThereIsNoScan) {
   const std::size_t scans = rig.scans.size();
   rig.run(1.0);
   EXPECT_LE(rig.scans.size(), scans + 2);  // what was whole already
-  EXPECT_EQ(rig.health().condition, Condition::kFailed);
+  EXPECT_EQ(rig.health().state, node::HealthState::kFailed);
   EXPECT_EQ(rig.health().reason, "laser: not connected");
   const std::size_t after = rig.scans.size();
   rig.handle(rig.dut.laser_opened(rig.now));
@@ -199,13 +199,13 @@ TEST(Laser3d, AFrozenLaserAndAStalledServoAreFailures) {
   EXPECT_TRUE(rig.pitch.back().stalled);
   rig.servo.jammed = false;
   rig.run(1.0);
-  EXPECT_EQ(rig.health().condition, Condition::kOk) << rig.health().reason;
+  EXPECT_EQ(rig.health().state, node::HealthState::kOk) << rig.health().reason;
   rig.sensor.frozen = true;
   rig.run(0.3);
   EXPECT_EQ(rig.health().reason, "laser: the measurement is frozen");
   rig.sensor.frozen = false;
   rig.run(8.0);
-  EXPECT_EQ(rig.health().condition, Condition::kOk) << rig.health().reason;
+  EXPECT_EQ(rig.health().state, node::HealthState::kOk) << rig.health().reason;
 }
 
 TEST(Laser3d, ALaserThatSeesNothingIsBlind) {
@@ -214,9 +214,9 @@ TEST(Laser3d, ALaserThatSeesNothingIsBlind) {
   rig.run(4.0);
   rig.sensor.blind = true;
   rig.run(1.5);  // less than the default nod of 1.6 s: the laser may look at the sky
-  EXPECT_EQ(rig.health().condition, Condition::kOk) << rig.health().reason;
+  EXPECT_EQ(rig.health().state, node::HealthState::kOk) << rig.health().reason;
   rig.run(0.5);
-  EXPECT_EQ(rig.health().condition, Condition::kFailed);
+  EXPECT_EQ(rig.health().state, node::HealthState::kFailed);
   EXPECT_EQ(rig.health().reason, "laser: blind (no readings)");
   const std::size_t scans = rig.scans.size();
   rig.run(10.0);
@@ -225,7 +225,7 @@ TEST(Laser3d, ALaserThatSeesNothingIsBlind) {
   rig.sensor.blind = false;
   rig.run(0.2);
   EXPECT_GT(rig.scans.size(), scans + 10);
-  EXPECT_EQ(rig.health().condition, Condition::kOk) << rig.health().reason;
+  EXPECT_EQ(rig.health().state, node::HealthState::kOk) << rig.health().reason;
 }
 
 TEST(Laser3d, ALaserThatNeverSawAnythingIsBlindAtOnce) {
@@ -244,7 +244,7 @@ TEST(Laser3d, AFastNodMakesBlindnessKnownInASecondASlowOneInItsNod) {
     rig.run(4.0);
     rig.sensor.blind = true;
     double blind_s = 0.0;
-    while (rig.health().condition != Condition::kFailed && blind_s < 20.0) {
+    while (rig.health().state != node::HealthState::kFailed && blind_s < 20.0) {
       rig.dut.command({-0.6, 0.2, sweep_s}, rig.now);
       rig.run(0.1);
       blind_s += 0.1;
@@ -259,7 +259,7 @@ TEST(Laser3d, BeamsWithoutAMeasurementDegradeAndDoNotCountAsSight) {
   rig.run(4.0);
   rig.sensor.too_weak = true;
   rig.run(0.2);
-  EXPECT_EQ(rig.health().condition, Condition::kDegraded);
+  EXPECT_EQ(rig.health().state, node::HealthState::kDegraded);
   EXPECT_EQ(rig.health().reason, "laser: many beams are not measured");
   rig.run(2.0);
   EXPECT_EQ(rig.health().reason, "laser: blind (no readings)");
@@ -270,7 +270,7 @@ TEST(Laser3d, PollutionDegrades) {
   rig.open();
   rig.sensor.status = 0x90;
   rig.run(4.0);
-  EXPECT_EQ(rig.health().condition, Condition::kDegraded);
+  EXPECT_EQ(rig.health().state, node::HealthState::kDegraded);
   EXPECT_EQ(rig.health().reason, "laser: the front window is dirty");
 }
 
