@@ -96,7 +96,6 @@ class BackEnd {
   [[nodiscard]] std::int64_t graph_revision() const { return graph_revision_; }
   /// To be called at first if this replaces a back end, with its graph_revision().
   void count_revisions_from(std::int64_t graph_revision) { graph_revision_ = graph_revision; }
-  [[nodiscard]] const VoxelMap& old_map() const { return old_map_; }
 
  private:
   [[nodiscard]] std::size_t newest() const { return T_map_keyframes_.size() - 1; }

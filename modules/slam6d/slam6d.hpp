@@ -56,9 +56,6 @@ class Slam6d {
                bool is_fixed);
   /// Everything that restore() needs.
   [[nodiscard]] SavedMap save() const;
-  /// Whether nothing is added to the map, because the robot has not been found in it or the map is
-  /// fixed.
-  [[nodiscard]] bool is_map_closed() const { return is_map_closed_; }
   /// Localises the robot in a saved map, or in its own map after it was lost. Empty before it is
   /// needed.
   [[nodiscard]] const std::optional<Localiser>& localiser() const { return localiser_; }

@@ -308,9 +308,4 @@ int Children::kill_leftovers() {
   return count;
 }
 
-std::optional<pid_t> Children::pid_of(const std::string& id) const {
-  const auto found = runs_.find(id);
-  return found == runs_.end() ? std::nullopt : std::optional<pid_t>(found->second.pid);
-}
-
 }  // namespace nodmap::procman

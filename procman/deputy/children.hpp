@@ -69,8 +69,6 @@ class Children : boost::noncopyable {
   /// Kills the processes that a killed deputy of this name left behind; returns their number.
   int kill_leftovers();
 
-  [[nodiscard]] std::optional<pid_t> pid_of(const std::string& id) const;
-
  private:
   struct Run {
     pid_t pid = 0;

@@ -40,33 +40,6 @@ Bytes get_position(int channel) {
   return {0x90, static_cast<std::uint8_t>(channel)};
 }
 
-Bytes get_errors() {
-  return {0xA1};
-}
-
-Bytes go_home() {
-  return {0xA2};
-}
-
-Bytes addressed(int device, const Bytes& compact) {
-  Bytes bytes = {0xAA, static_cast<std::uint8_t>(device)};
-  bytes.push_back(compact.front() & 0x7FU);
-  bytes.insert(bytes.end(), compact.begin() + 1, compact.end());
-  return bytes;
-}
-
-std::uint8_t crc7(ByteView command) {
-  constexpr unsigned kPolynomial = 0x91;
-  unsigned crc = 0;
-  for (const std::uint8_t byte : command) {
-    crc ^= byte;
-    for (int bit = 0; bit < 8; ++bit) {
-      crc = ((crc & 1U) != 0 ? crc ^ kPolynomial : crc) >> 1U;
-    }
-  }
-  return static_cast<std::uint8_t>(crc);
-}
-
 double pulse_us_in(ByteView answer) {
   return kPulseUnitUs * boost::endian::load_little_u16(answer.data());
 }

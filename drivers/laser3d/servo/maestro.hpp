@@ -17,14 +17,6 @@ namespace maestro {
 [[nodiscard]] Bytes set_speed(int channel, double pulse_us_per_s);
 [[nodiscard]] Bytes set_acceleration(int channel, int value);
 [[nodiscard]] Bytes get_position(int channel);
-/// Reads the errors, which also clears them.
-[[nodiscard]] Bytes get_errors();
-[[nodiscard]] Bytes go_home();
-
-/// The same command in the Pololu protocol, for several devices on one line.
-[[nodiscard]] Bytes addressed(int device, const Bytes& compact);
-/// The optional checksum over a command.
-[[nodiscard]] std::uint8_t crc7(ByteView command);
 
 /// Pulse in an answer to get_position(), microseconds.
 [[nodiscard]] double pulse_us_in(ByteView answer);

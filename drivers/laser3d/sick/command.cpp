@@ -71,14 +71,6 @@ Bytes set_mode(SickMode mode) {
   return frame(command);
 }
 
-Bytes set_sub_range(int first_value, int last_value) {
-  constexpr std::uint8_t kSubRange = 0x27;
-  Bytes command = {kSetMode, kSubRange};
-  serial::append_little(command, static_cast<std::uint16_t>(first_value));
-  serial::append_little(command, static_cast<std::uint16_t>(last_value));
-  return frame(command);
-}
-
 Bytes set_baud(int baud) {
   switch (baud) {
     case 500000:
@@ -92,10 +84,6 @@ Bytes set_baud(int baud) {
   }
 }
 
-Bytes keep_baud(bool permanent) {
-  return frame_two(0x66, permanent ? 1 : 0);
-}
-
 Bytes set_variant(SickVariant variant) {
   const SickGeometry geometry = geometry_of(variant);
   Bytes command = {0x3B};
@@ -104,21 +92,6 @@ Bytes set_variant(SickVariant variant) {
   return frame(command);
 }
 
-Bytes request_scan() {
-  return frame_two(0x30, 0x01);
-}
-Bytes request_partial_scan() {
-  return frame_two(0x30, 0x08);
-}
-Bytes request_status() {
-  return frame_one(0x31);
-}
-Bytes request_errors() {
-  return frame_one(0x32);
-}
-Bytes request_type() {
-  return frame_one(0x3A);
-}
 Bytes request_config() {
   return frame_one(0x74);
 }

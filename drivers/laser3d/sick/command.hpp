@@ -27,7 +27,6 @@ struct SickConfig {
 
 enum class SickMode : std::uint8_t {
   kInstallation = 0x00,  ///< needs the password
-  kDiagnosis = 0x10,
   kStreamAll = 0x24,
   kOnRequest = 0x25,
   kStreamInterlaced = 0x2A,
@@ -39,17 +38,9 @@ namespace sick_command {
 
 [[nodiscard]] Bytes frame(ByteView command_and_parameters);
 [[nodiscard]] Bytes set_mode(SickMode mode);
-[[nodiscard]] Bytes set_sub_range(int first_value, int last_value);
 /// Only 9600, 19200, 38400 and 500000 are possible; any other value requests 9600.
 [[nodiscard]] Bytes set_baud(int baud);
-/// Whether the sensor uses its present rate after power-on (false: 9600).
-[[nodiscard]] Bytes keep_baud(bool permanent);
 [[nodiscard]] Bytes set_variant(SickVariant variant);
-[[nodiscard]] Bytes request_scan();
-[[nodiscard]] Bytes request_partial_scan();
-[[nodiscard]] Bytes request_status();
-[[nodiscard]] Bytes request_errors();
-[[nodiscard]] Bytes request_type();
 [[nodiscard]] Bytes request_config();
 [[nodiscard]] Bytes write_config(const SickConfig& config);
 [[nodiscard]] Bytes reset();

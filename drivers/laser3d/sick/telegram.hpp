@@ -40,7 +40,6 @@ struct SickStatusByte {
 
   /// 0 ok, 1 info, 2 warning, 3 error, 4 fatal.
   [[nodiscard]] int severity() const { return value & 0x07; }
-  [[nodiscard]] bool implausible_values() const { return (value & 0x40) != 0; }
   [[nodiscard]] bool polluted() const { return (value & 0x80) != 0; }
 };
 

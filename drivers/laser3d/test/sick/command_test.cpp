@@ -15,18 +15,11 @@ TEST(SickCommand, ModesAreAsInTheManual) {
   EXPECT_EQ(sick_command::set_mode(SickMode::kStreamAll), hex("02 00 02 00 20 24 34 08"));
   EXPECT_EQ(sick_command::set_mode(SickMode::kOnRequest), hex("02 00 02 00 20 25 35 08"));
   EXPECT_EQ(sick_command::set_mode(SickMode::kStreamInterlaced), hex("02 00 02 00 20 2A 3A 08"));
-  EXPECT_EQ(sick_command::set_mode(SickMode::kDiagnosis), hex("02 00 02 00 20 10 00 08"));
   EXPECT_EQ(sick_command::set_mode(SickMode::kInstallation),
             hex("02 00 0A 00 20 00 53 49 43 4B 5F 4C 4D 53 BE C5"));
-  EXPECT_EQ(sick_command::set_sub_range(27, 299), hex("02 00 06 00 20 27 1B 00 2B 01 FF FE"));
 }
 
 TEST(SickCommand, RequestsAreAsInTheManual) {
-  EXPECT_EQ(sick_command::request_scan(), hex("02 00 02 00 30 01 31 18"));
-  EXPECT_EQ(sick_command::request_partial_scan(), hex("02 00 02 00 30 08 38 18"));
-  EXPECT_EQ(sick_command::request_status(), hex("02 00 01 00 31 15 12"));
-  EXPECT_EQ(sick_command::request_errors(), hex("02 00 01 00 32 16 12"));
-  EXPECT_EQ(sick_command::request_type(), hex("02 00 01 00 3A 1E 12"));
   EXPECT_EQ(sick_command::request_config(), hex("02 00 01 00 74 50 12"));
   EXPECT_EQ(sick_command::reset(), hex("02 00 01 00 10 34 12"));
 }
@@ -36,8 +29,6 @@ TEST(SickCommand, BaudRatesAreAsInTheManual) {
   EXPECT_EQ(sick_command::set_baud(19200), hex("02 00 02 00 20 41 51 08"));
   EXPECT_EQ(sick_command::set_baud(9600), hex("02 00 02 00 20 42 52 08"));
   EXPECT_EQ(sick_command::set_baud(500000), hex("02 00 02 00 20 48 58 08"));
-  EXPECT_EQ(sick_command::keep_baud(false), hex("02 00 02 00 66 00 9C 4E"));
-  EXPECT_EQ(sick_command::keep_baud(true), hex("02 00 02 00 66 01 9D 4E"));
 }
 
 TEST(SickCommand, VariantsAreAsInTheManual) {

@@ -129,7 +129,6 @@ TEST(SickScan, ReadsTheStatusByte) {
   const SickScan scan = *read_scan(telegram_of(frame), k8m);
   EXPECT_EQ(scan.status.severity(), 2);
   EXPECT_TRUE(scan.status.polluted());
-  EXPECT_FALSE(scan.status.implausible_values());
 }
 
 using geometry::deg_to_rad;
