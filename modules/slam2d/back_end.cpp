@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "modules/slam2d/keyframe_graph.hpp"
+#include "modules/slam2d/polish_graph.hpp"
 
 namespace nodmap::slam2d {
 namespace {
@@ -308,7 +308,7 @@ void BackEnd::polish() {
     if (round > 0) {
       chain_.rebuild_submaps();
     }
-    const KeyframeGraph graph{keyframes(), submaps(), chain_.steps()};
+    const PolishGraph graph{keyframes(), submaps(), chain_.steps()};
     chain_.set_poses(graph.polished(closer_, params_.loop.match.max_distance_m));
   }
 }

@@ -16,9 +16,9 @@ void Doubt::begin(double odometry_gap_s) {
 }
 
 void Doubt::update(const PoseUpdate& update, bool is_sure) {
-  if (update.quality == PoseQuality::kLost) {
+  if (update.state == PoseState::kLost) {
     reach_m_ = params_.search_distance_m;
-  } else if (update.quality <= PoseQuality::kDegraded && is_sure) {
+  } else if (update.state <= PoseState::kDegraded && is_sure) {
     reach_m_ = 0.0;
   }
   since_ = is_there() ? std::optional(since_.value_or(update.stamp)) : std::nullopt;

@@ -33,8 +33,8 @@ struct LevelScan {
   [[nodiscard]] bool has_enough_to_search() const { return points_base.size() >= 30; }
 };
 
-/// How a pose was found.
-enum class PoseQuality : std::uint8_t {
+/// How far a pose can be trusted, by how it was found.
+enum class PoseState : std::uint8_t {
   kTracking = 0,  ///< by matching, in all directions
   kDegraded = 1,  ///< by matching, and by odometry along degenerate directions or since it was lost
   kOdometry = 2,  ///< by odometry: the scan has too few points, or shows only what is new
@@ -42,21 +42,21 @@ enum class PoseQuality : std::uint8_t {
 };
 
 /// Level scans with a pose.
-struct ScansByQuality {
+struct ScansByState {
   std::int64_t all = 0;  ///< the sum of the next four
   std::int64_t tracked = 0;
   std::int64_t degraded = 0;
   std::int64_t by_odometry = 0;
   std::int64_t lost = 0;
 
-  void count(PoseQuality quality) {
+  void count(PoseState state) {
     ++all;
-    tracked += quality == PoseQuality::kTracking ? 1 : 0;
-    degraded += quality == PoseQuality::kDegraded ? 1 : 0;
-    by_odometry += quality == PoseQuality::kOdometry ? 1 : 0;
-    lost += quality == PoseQuality::kLost ? 1 : 0;
+    tracked += state == PoseState::kTracking ? 1 : 0;
+    degraded += state == PoseState::kDegraded ? 1 : 0;
+    by_odometry += state == PoseState::kOdometry ? 1 : 0;
+    lost += state == PoseState::kLost ? 1 : 0;
   }
-  ScansByQuality& operator+=(const ScansByQuality& other) {
+  ScansByState& operator+=(const ScansByState& other) {
     all += other.all;
     tracked += other.tracked;
     degraded += other.degraded;
@@ -77,7 +77,7 @@ struct PoseUpdate {
   /// Of T_map_base: position (m) and heading (rad) of base in the axes of map. Zero where it is not
   /// known: the robot is lost.
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  PoseQuality quality = PoseQuality::kOdometry;
+  PoseState state = PoseState::kOdometry;
   bool is_keyframe = false;
 };
 

@@ -68,10 +68,10 @@ std::optional<PoseUpdate> Localiser::add_scan(const scan::Scan& scan) {
   T_odom_last_ = level_scan->T_odom_base;
   PoseUpdate update = state_ == State::kLost ? search_whole_map(*level_scan) : track(*level_scan);
   update.T_map_odom = T_map_odom_;
-  if (update.quality != PoseQuality::kLost) {
+  if (update.state != PoseState::kLost) {
     update.covariance = covariance_.matrix();
   }
-  metrics_.scans.count(update.quality);
+  metrics_.scans.count(update.state);
   return update;
 }
 
@@ -108,8 +108,8 @@ PoseUpdate Localiser::track(const LevelScan& scan) {
     confirm(scan);
   }
   const bool is_sure = state_ == State::kLocated && !doubt_.is_there();
-  update.quality = is_sure && match->degenerate_directions == 0 ? PoseQuality::kTracking
-                                                                : PoseQuality::kDegraded;
+  update.state =
+      is_sure && match->degenerate_directions == 0 ? PoseState::kTracking : PoseState::kDegraded;
   return update;
 }
 
@@ -183,7 +183,7 @@ void Localiser::follow_odometry(const LevelScan& scan, PoseUpdate& update) {
   }
   const bool is_lost = is_misfit ? is_misfit_lost(scan.stamp)
                                  : covariance_.least_sigma_m() > params_.lost.max_sigma_m;
-  update.quality = is_lost ? PoseQuality::kLost : PoseQuality::kOdometry;
+  update.state = is_lost ? PoseState::kLost : PoseState::kOdometry;
   if (is_lost) {
     metrics_.times_lost += state_ == State::kLocated ? 1 : 0;
     state_ = State::kLost;
@@ -201,9 +201,8 @@ bool Localiser::is_misfit_lost(time::Timestamp stamp) const {
 }
 
 PoseUpdate Localiser::search_whole_map(const LevelScan& scan) {
-  PoseUpdate update{.stamp = scan.stamp,
-                    .T_map_base = T_map_odom_ * scan.T_odom_base,
-                    .quality = PoseQuality::kLost};
+  PoseUpdate update{
+      .stamp = scan.stamp, .T_map_base = T_map_odom_ * scan.T_odom_base, .state = PoseState::kLost};
   if (!scan.has_enough_points() || !is_search_due(scan)) {
     return update;
   }

@@ -17,7 +17,7 @@
 namespace nodmap::slam2d {
 
 struct LocaliserMetrics {
-  ScansByQuality scans;
+  ScansByState scans;
   std::int64_t searches = 0;    ///< of the whole map
   std::int64_t found = 0;       ///< searches that found the place
   std::int64_t times_lost = 0;  ///< after its place was confirmed
@@ -41,7 +41,7 @@ class Localiser {
 
   /// Takes the next scan of a nodding or level scanner. Returns the pose when this completes a
   /// level scan. Until the robot has been found for the first time, the pose has no meaning, and
-  /// its quality is kLost.
+  /// its state is kLost.
   std::optional<PoseUpdate> add_scan(const scan::Scan& scan);
 
   [[nodiscard]] const LocaliserMetrics& metrics() const { return metrics_; }

@@ -55,8 +55,8 @@ void LocaliserNode::on_scan(const nodmap::scan_t& message) {
   }
   context_.counts.use();
   context_.bus.publish("POSE_2D", write_pose(*update));
-  quality_ = update->quality;
-  if (update->quality != PoseQuality::kLost) {
+  state_ = update->state;
+  if (update->state != PoseState::kLost) {
     const Keyframe map_frame;  // as the map never changes
     path_.add(*update, {&map_frame, 1});
   }
@@ -82,13 +82,13 @@ nlohmann::json LocaliserNode::metrics() const {
 }
 
 node::Health LocaliserNode::health() const {
-  switch (quality_) {
-    case PoseQuality::kLost:
+  switch (state_) {
+    case PoseState::kLost:
       return {node::HealthState::kDegraded, "Lost: the place in the map is not known."};
-    case PoseQuality::kOdometry:
+    case PoseState::kOdometry:
       return {node::HealthState::kDegraded, "Odometry only: the scan does not fit the map."};
-    case PoseQuality::kTracking:
-    case PoseQuality::kDegraded:
+    case PoseState::kTracking:
+    case PoseState::kDegraded:
       break;
   }
   return {};

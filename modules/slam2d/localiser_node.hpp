@@ -33,9 +33,9 @@ class LocaliserNode : public node::Node {
   node::SensorInput input_;
   KnownMap map_;
   Localiser localiser_;
-  scan::Scan scan_;                               // the last one; a member to reuse its memory
-  PoseQuality quality_ = PoseQuality::kTracking;  // of the last pose; before it nothing is wrong
-  TrackedPath path_;                              // without the scans while it was lost
+  scan::Scan scan_;                         // the last one; a member to reuse its memory
+  PoseState state_ = PoseState::kTracking;  // of the last pose; before it nothing is wrong
+  TrackedPath path_;                        // without the scans while it was lost
 };
 
 }  // namespace nodmap::slam2d

@@ -20,14 +20,14 @@ static_assert(static_cast<int>(LoopState::kLowScore) == nodmap::pose_graph_t::LO
 static_assert(static_cast<int>(LoopState::kInconsistent) == nodmap::pose_graph_t::INCONSISTENT);
 static_assert(static_cast<int>(LoopState::kOutlier) == nodmap::pose_graph_t::OUTLIER);
 
-std::int8_t pose_state(PoseQuality quality) {
-  switch (quality) {
-    case PoseQuality::kTracking:
+std::int8_t pose_state(PoseState state) {
+  switch (state) {
+    case PoseState::kTracking:
       return nodmap::pose_t::TRACKING;
-    case PoseQuality::kDegraded:
-    case PoseQuality::kOdometry:
+    case PoseState::kDegraded:
+    case PoseState::kOdometry:
       return nodmap::pose_t::DEGRADED;
-    case PoseQuality::kLost:
+    case PoseState::kLost:
       return nodmap::pose_t::LOST;
   }
   return nodmap::pose_t::LOST;
@@ -56,7 +56,7 @@ nodmap::pose_t write_pose(const PoseUpdate& update) {
       update.stamp, geometry::to_se3(update.T_map_base), geometry::to_se3(update.T_map_odom));
   message.inlier_ratio = update.inlier_ratio;
   message.inlier_rms_m = update.rms_m;
-  message.state = pose_state(update.quality);
+  message.state = pose_state(update.state);
   constexpr std::array<std::size_t, 3> kAxes{0, 1, 5};  // x, y, yaw
   for (std::size_t row = 0; row < kAxes.size(); ++row) {
     for (std::size_t column = 0; column < kAxes.size(); ++column) {

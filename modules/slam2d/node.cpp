@@ -96,7 +96,7 @@ void Slam2dNode::on_scan(const nodmap::scan_t& message) {
     return;
   }
   context_.counts.use();
-  last_quality_ = update->quality;
+  last_state_ = update->state;
   last_stamp_ = update->stamp;
   context_.bus.publish("POSE_2D", write_pose(*update));
   update_grid(*update);
@@ -134,10 +134,10 @@ void Slam2dNode::find_in_saved_map() {
     return;
   }
   context_.counts.use();
-  last_quality_ = update->quality;
+  last_state_ = update->state;
   last_stamp_ = update->stamp;
   context_.bus.publish("POSE_2D", write_pose(*update));
-  if (update->quality == PoseQuality::kTracking) {
+  if (update->state == PoseState::kTracking) {
     slam_.begin_at(update->T_map_odom);
     search_.reset();
   }
@@ -254,7 +254,7 @@ void Slam2dNode::write_results(const std::filesystem::path& dir) {
                     [&] { draw_paths(path, odometry).write_png(dir / "path.png"); }});
 }
 
-nlohmann::json scan_metrics(const ScansByQuality& scans, const ScanCounts& rejected) {
+nlohmann::json scan_metrics(const ScansByState& scans, const ScanCounts& rejected) {
   return {{"scans_used", scans.all},          {"scans_tracked", scans.tracked},
           {"scans_degraded", scans.degraded}, {"scans_by_odometry", scans.by_odometry},
           {"scans_lost", scans.lost},         {"scans_not_level", rejected.not_level}};
@@ -264,7 +264,7 @@ nlohmann::json Slam2dNode::metrics() const {
   const Metrics& metrics = slam_.metrics();
   const BackEndMetrics& back_end = slam_.back_end().metrics();
   const double scans = static_cast<double>(std::max<std::int64_t>(1, metrics.scans.all));
-  ScansByQuality all_scans = metrics.scans;
+  ScansByState all_scans = metrics.scans;
   all_scans += search_metrics_.scans;
   ScanCounts rejected = slam_.scan_counts();
   rejected.not_level += search_scan_counts_.not_level;
@@ -295,13 +295,13 @@ node::Health Slam2dNode::health() const {
   if (const auto problem = saving_.problem()) {
     return *problem;
   }
-  if (search_ && last_quality_ != PoseQuality::kTracking) {
+  if (search_ && last_state_ != PoseState::kTracking) {
     return {node::HealthState::kDegraded, "The robot has not been found in the saved map yet."};
   }
-  if (last_quality_ == PoseQuality::kLost) {
+  if (last_state_ == PoseState::kLost) {
     return {node::HealthState::kDegraded, "Lost: the scan does not fit the map."};
   }
-  if (last_quality_ == PoseQuality::kOdometry) {
+  if (last_state_ == PoseState::kOdometry) {
     return {node::HealthState::kDegraded,
             "Odometry only: the scan has too few points or does not fit the map."};
   }

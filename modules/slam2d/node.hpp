@@ -26,7 +26,7 @@
 namespace nodmap::slam2d {
 
 /// The counts of scans in result.json.
-[[nodiscard]] nlohmann::json scan_metrics(const ScansByQuality& scans, const ScanCounts& rejected);
+[[nodiscard]] nlohmann::json scan_metrics(const ScansByState& scans, const ScanCounts& rejected);
 
 /// Runs 2D SLAM: subscribes to SCAN and ODOMETRY, and publishes POSE_2D, MAP_2D and POSE_GRAPH.
 /// Saves the map at SAVE_REQUEST and clears a region of it at CLEAR_REQUEST. To continue a saved
@@ -84,7 +84,7 @@ class Slam2dNode : public node::Node {
   time::Timestamp last_scan_stamp_{};  // of any scan
   std::optional<time::Timestamp> last_graph_stamp_;
   std::int64_t graph_revision_published_ = 0;
-  PoseQuality last_quality_ = PoseQuality::kTracking;
+  PoseState last_state_ = PoseState::kTracking;
   node::MapSaving saving_;
 };
 

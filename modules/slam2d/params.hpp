@@ -34,13 +34,13 @@ struct PathParams {
 };
 
 /// The distances that the last iterations of ICP minimise.
-enum class Metric : std::uint8_t {
+enum class ErrorMetric : std::uint8_t {
   kPointToPoint,  ///< Eq. 3 as printed in the paper
   kPointToLine,   ///< from points to the lines through the points of the map
 };
 
 struct MatcherParams {
-  Metric metric = Metric::kPointToLine;
+  ErrorMetric metric = ErrorMetric::kPointToLine;
   double max_correspondence_distance_m = 0.7;
   double min_correspondence_distance_m = 0.25;
   double min_line_distance_m = 0.08;
@@ -50,7 +50,8 @@ struct MatcherParams {
   template <class Visitor>
   void describe(Visitor& v) {
     v.choice("metric", metric,
-             {{"point_to_line", Metric::kPointToLine}, {"point_to_point", Metric::kPointToPoint}},
+             {{"point_to_line", ErrorMetric::kPointToLine},
+              {"point_to_point", ErrorMetric::kPointToPoint}},
              "Distances that the last iterations minimise: from points to the lines of the map, or "
              "between points as in the paper's Eq. 3.");
     v.number("max_correspondence_distance_m", max_correspondence_distance_m, {0.05, 5.0},

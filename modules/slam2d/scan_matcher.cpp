@@ -111,12 +111,12 @@ ScanMatcher::Correspondences ScanMatcher::find_correspondences(const PointMap& m
 }
 
 bool ScanMatcher::uses_lines(double max_distance_m) const {
-  return params_.metric == Metric::kPointToLine &&
+  return params_.metric == ErrorMetric::kPointToLine &&
          max_distance_m <= params_.min_correspondence_distance_m;
 }
 
 double ScanMatcher::last_distance_m() const {
-  return params_.metric == Metric::kPointToLine
+  return params_.metric == ErrorMetric::kPointToLine
              ? std::min(params_.min_line_distance_m, params_.min_correspondence_distance_m)
              : params_.min_correspondence_distance_m;
 }

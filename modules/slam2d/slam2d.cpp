@@ -57,7 +57,7 @@ std::optional<PoseUpdate> Slam2d::add_scan(const scan::Scan& scan) {
       params_.keyframe.is_beyond(T_map_odom_ * all_points->T_odom_base, update.T_map_base);
   doubt_.update(update, found.place.is_sure);
   pose_guesses_.add_scan(update.stamp, (T_map_odom_ * T_odom_last_).inverse() * update.T_map_base);
-  if (update.quality == PoseQuality::kLost || has_moved_unseen) {
+  if (update.state == PoseState::kLost || has_moved_unseen) {
     pose_guesses_.forget_motion();
   }
   if (has_moved_unseen) {
@@ -86,7 +86,7 @@ std::optional<PoseUpdate> Slam2d::begin_map(const LevelScan& scan) {
   }
   PoseUpdate update{.stamp = scan.stamp,
                     .T_map_base = T_map_odom_ * scan.T_odom_base,
-                    .quality = PoseQuality::kTracking};
+                    .state = PoseState::kTracking};
   add_keyframe(scan, {}, update);
   correct_odometry(scan, update);
   record(update);
@@ -187,8 +187,8 @@ PoseUpdate Slam2d::correct_pose(const LevelScan& scan, const FoundPlace& found) 
                     .inlier_ratio = match.inlier_ratio,
                     .score = match.score,
                     .rms_m = match.rms_m,
-                    .quality = classify(scan, found)};
-  if (update.quality <= PoseQuality::kDegraded &&
+                    .state = classify(scan, found)};
+  if (update.state <= PoseState::kDegraded &&
       (found.place.is_sure || match.score >= params_.doubt.certain_score)) {
     const geometry::SE2& T_submap_base = match.T_target_base;
     update.T_map_base = back_end_.local().T_map_submap * T_submap_base;
@@ -202,11 +202,11 @@ PoseUpdate Slam2d::correct_pose(const LevelScan& scan, const FoundPlace& found) 
 // Adds the covariance of the pose in the local submap, and that of the submap's own pose at the end
 // of its moment arm.
 Eigen::Matrix3d Slam2d::estimate_covariance(const Place& place, const PoseUpdate& update) {
-  if (update.quality == PoseQuality::kLost) {
+  if (update.state == PoseState::kLost) {
     return Eigen::Matrix3d::Zero();
   }
   const geometry::SE2& T_map_submap = back_end_.local().T_map_submap;
-  if (update.quality <= PoseQuality::kDegraded && place.is_sure) {
+  if (update.state <= PoseState::kDegraded && place.is_sure) {
     pose_covariance_.match(rotated(place.match.information, T_map_submap.yaw));
   }
   const Eigen::Matrix3d J =
@@ -214,27 +214,27 @@ Eigen::Matrix3d Slam2d::estimate_covariance(const Place& place, const PoseUpdate
   return pose_covariance_.matrix() + J * back_end_.drift_covariance() * J.transpose();
 }
 
-PoseQuality Slam2d::classify(const LevelScan& scan, const FoundPlace& found) const {
+PoseState Slam2d::classify(const LevelScan& scan, const FoundPlace& found) const {
   const Match& match = found.place.match;
   if (found.is_hidden) {
-    return PoseQuality::kOdometry;
+    return PoseState::kOdometry;
   }
   if (!scan.has_enough_points()) {  // says nothing about the pose
-    return pose_covariance_.least_sigma_m() > params_.lost.max_sigma_m ? PoseQuality::kLost
-                                                                       : PoseQuality::kOdometry;
+    return pose_covariance_.least_sigma_m() > params_.lost.max_sigma_m ? PoseState::kLost
+                                                                       : PoseState::kOdometry;
   }
   const double min_score = doubt_.is_there()
                                ? std::max(params_.doubt.min_score, params_.lost.score_threshold)
                                : params_.lost.score_threshold;
   if (!match.found() || match.score < min_score) {
-    return is_lost(scan) ? PoseQuality::kLost : PoseQuality::kOdometry;
+    return is_lost(scan) ? PoseState::kLost : PoseState::kOdometry;
   }
   const Eigen::Matrix3d& drift = back_end_.drift_covariance();
   const double max_sigma_m = params_.lost.max_drift_sigma_m;
   const bool has_drifted = std::max(drift(0, 0), drift(1, 1)) > max_sigma_m * max_sigma_m;
   return match.degenerate_directions > 0 || has_drifted || !found.place.is_sure
-             ? PoseQuality::kDegraded
-             : PoseQuality::kTracking;
+             ? PoseState::kDegraded
+             : PoseState::kTracking;
 }
 
 // Whether a scan that does not fit the map means that the robot is lost. A scan that shows only
@@ -290,7 +290,7 @@ void Slam2d::add_keyframe(const LevelScan& scan, const Match& match, PoseUpdate&
   const geometry::SE2 T_submap_base =
       back_end_.has_local() ? back_end_.local().T_map_submap.inverse() * update.T_map_base
                             : geometry::SE2{};
-  const bool is_matched = update.quality <= PoseQuality::kDegraded;
+  const bool is_matched = update.state <= PoseState::kDegraded;
   back_end_.add_keyframe(std::move(keyframe), T_submap_base,
                          is_matched ? match.information : Eigen::Matrix3d::Zero());
   update.T_map_base = keyframes().back().T_map_base;
@@ -312,7 +312,7 @@ void Slam2d::correct_odometry(const LevelScan& scan, PoseUpdate& update) {
 
 void Slam2d::record(const PoseUpdate& update) {
   path_.add(update, keyframes());
-  metrics_.scans.count(update.quality);
+  metrics_.scans.count(update.state);
   metrics_.inlier_ratio_sum += update.inlier_ratio;
   metrics_.score_sum += update.score;
 }

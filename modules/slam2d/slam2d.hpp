@@ -23,7 +23,7 @@
 namespace nodmap::slam2d {
 
 struct Metrics {
-  ScansByQuality scans;
+  ScansByState scans;
   std::int64_t scans_without_points = 0;  ///< too few to begin a map
   double inlier_ratio_sum = 0.0;          ///< over all `scans`
   double score_sum = 0.0;                 ///< over all `scans`
@@ -104,7 +104,7 @@ class Slam2d {
   [[nodiscard]] bool is_hidden_for_long(time::Timestamp stamp) const;
   [[nodiscard]] PoseUpdate correct_pose(const LevelScan& scan, const FoundPlace& found) const;
   [[nodiscard]] Eigen::Matrix3d estimate_covariance(const Place& place, const PoseUpdate& update);
-  [[nodiscard]] PoseQuality classify(const LevelScan& scan, const FoundPlace& found) const;
+  [[nodiscard]] PoseState classify(const LevelScan& scan, const FoundPlace& found) const;
   [[nodiscard]] bool is_lost(const LevelScan& scan) const;
   [[nodiscard]] bool is_keyframe(const PoseUpdate& update, const LevelScan& scan,
                                  const FoundPlace& found) const;

@@ -72,7 +72,7 @@ void Localiser::classify(const VoxelMap& sweep_base, PoseUpdate& update, int los
   // A place found by a search must go on fitting as well as when it was found.
   const bool fits = registration.is_accepted() && (state_ != State::kUnconfirmed || is_known);
   if (!fits) {
-    registration.status = RegistrationStatus::kLost;
+    registration.state = PoseState::kLost;
     if (state_ == State::kUnconfirmed || lost_sweeps >= params_.max_lost_sweeps) {
       give_up();
     }
@@ -80,7 +80,7 @@ void Localiser::classify(const VoxelMap& sweep_base, PoseUpdate& update, int los
   }
   add_evidence(seen_.compare(sweep_base, update.T_map_base));
   if (is_contradicted()) {
-    registration.status = RegistrationStatus::kLost;
+    registration.state = PoseState::kLost;
     ++metrics_.times_contradicted;
     give_up();
     return;
@@ -91,7 +91,7 @@ void Localiser::classify(const VoxelMap& sweep_base, PoseUpdate& update, int los
     state_ = State::kConfirmed;
   }
   if (state_ == State::kUnconfirmed || (state_ == State::kConfirmed && !is_known)) {
-    registration.status = RegistrationStatus::kDegraded;
+    registration.state = PoseState::kDegraded;
   }
 }
 

@@ -9,8 +9,8 @@
 #include "common/geometry/se3.hpp"
 #include "common/geometry/time.hpp"
 #include "modules/slam6d/keyframe.hpp"
-#include "modules/slam6d/place_search.hpp"
 #include "modules/slam6d/pose_update.hpp"
+#include "modules/slam6d/relocaliser.hpp"
 #include "modules/slam6d/seen_space.hpp"
 #include "modules/slam6d/voxel_map.hpp"
 
@@ -18,7 +18,7 @@ namespace nodmap::slam6d {
 
 /// When the robot counts as found in a map that was made before, and when the place is given up.
 struct LocaliseParams {
-  PlaceSearchParams place{};
+  RelocaliserParams place{};
   SeenSpaceParams seen{};
   double confirmed_tolerance = 3.0;
   double confirm_distance_m = 3.0;
@@ -59,7 +59,7 @@ struct LocaliseParams {
 };
 
 /// Decides where the robot is in a map that was made before: gives the place at which tracking
-/// begins, and gives it up when sweeps do not fit.
+/// begins, and gives it up when sweeps do not fit. In between Tracker registers them.
 ///
 /// A place that was found by a search is confirmed when a sweep farther on fits, too, because that
 /// sweep sees something else. Until then the place is given up at the first sweep that does not
@@ -123,7 +123,7 @@ class Localiser {
 
   LocaliseParams params_;
   SeenSpace seen_;
-  PlaceSearch search_;
+  Relocaliser search_;
   std::optional<geometry::SE3> T_map_start_;
   State state_ = State::kUnknown;
   geometry::SE3 T_map_found_ = geometry::SE3::Identity();

@@ -24,12 +24,12 @@ std::int8_t pose_state(const PoseUpdate& update) {
     // The first sweep is the map. A sweep that is too thin to be registered follows odometry.
     return update.keyframe ? nodmap::pose_t::TRACKING : nodmap::pose_t::DEGRADED;
   }
-  switch (update.registration->status) {
-    case RegistrationStatus::kTracking:
+  switch (update.registration->state) {
+    case PoseState::kTracking:
       return nodmap::pose_t::TRACKING;
-    case RegistrationStatus::kDegraded:
+    case PoseState::kDegraded:
       return nodmap::pose_t::DEGRADED;
-    case RegistrationStatus::kLost:
+    case PoseState::kLost:
       return nodmap::pose_t::LOST;
   }
   return nodmap::pose_t::LOST;

@@ -33,14 +33,14 @@ void Slam6d::find_place(const VoxelMap& sweep, const SweepCloud& cloud, PoseUpda
   }
   tracker_.forget_pose();
   update.registration = Registration{};
-  counts_.count(update.registration->status);
+  counts_.count(update.registration->state);
 }
 
 // A wrong place would spoil the map, so new keyframes enter it only once the place is confirmed.
 void Slam6d::classify_place(const VoxelMap& sweep, PoseUpdate& update) {
   localiser_->classify(sweep, update, tracker_.lost_sweeps());
   is_map_closed_ = is_map_fixed_ || !localiser_->is_confirmed() ||
-                   update.registration->status != RegistrationStatus::kTracking;
+                   update.registration->state != PoseState::kTracking;
   if (!is_map_closed_) {
     by_odometry_.reset();
   }

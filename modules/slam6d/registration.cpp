@@ -52,7 +52,7 @@ class SweepRegistration {
       run_level(l, kernel_scale(l, params_.coarse_residual_scale_m));
     }
     count_inliers();
-    if (result_.degenerate_directions > 0 && params_.metric == Metric::kPlanes) {
+    if (result_.degenerate_directions > 0 && params_.metric == ErrorMetric::kPlanes) {
       if (const auto reach_m =
               normal_reach_m(result_.covariance, prior_covariance_, map_.level(0).voxel_size_m())) {
         look_along_normals(*reach_m);
@@ -105,7 +105,7 @@ class SweepRegistration {
     for (int i = 0; i < params_.iterations_per_level; ++i) {
       ++result_.iterations;
       const Vector motion =
-          params_.metric == Metric::kPaper ? paper_step(selection) : plane_step(selection);
+          params_.metric == ErrorMetric::kPaper ? paper_step(selection) : plane_step(selection);
       if constexpr (N == 12) {
         const Eigen::Matrix3d R_base_map = result_.T_map_base.linear().transpose();
         since_deskew_.translation_m += R_base_map * motion.template segment<3>(6);
@@ -118,7 +118,7 @@ class SweepRegistration {
       }
     }
     if constexpr (N == 12) {
-      if (level_ == 0 && params_.metric == Metric::kPlanes && params_.bend_rad > 0.0) {
+      if (level_ == 0 && params_.metric == ErrorMetric::kPlanes && params_.bend_rad > 0.0) {
         bend(selection);
       }
     }
@@ -331,13 +331,13 @@ class SweepRegistration {
                             !(result_.lowest_inlier_ratio() >= params_.min_inlier_ratio) ||
                             !(result_.prior_distance <= params_.max_prior_distance);
     if (is_refused) {
-      result_.status = RegistrationStatus::kLost;
+      result_.state = PoseState::kLost;
       result_.T_map_base = prior_.T_map_base;
       result_.correction = {};
       result_.covariance = result_.end_covariance = prior_.covariance;
     } else {
-      result_.status = result_.degenerate_directions > 0 ? RegistrationStatus::kDegraded
-                                                         : RegistrationStatus::kTracking;
+      result_.state =
+          result_.degenerate_directions > 0 ? PoseState::kDegraded : PoseState::kTracking;
     }
   }
 

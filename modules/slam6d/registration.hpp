@@ -18,21 +18,21 @@ inline constexpr float kRoundingVariance = 0.1F;
 /// Scale of the robust kernel of the evidence that the ground is level, in standard deviations.
 inline constexpr double kLevelKernel = 3.0;
 
-/// The residuals that registration minimises.
-enum class Metric {
+/// The errors that registration minimises.
+enum class ErrorMetric {
   kPaper,  ///< distances between corresponding points, Eq. 3 in closed form
   kPlanes  ///< distances of points to the planes of their correspondences
 };
 
-/// Whether a registration can be trusted.
-enum class RegistrationStatus {
+/// How far the pose of a registration can be trusted.
+enum class PoseState {
   kTracking,  ///< the map determines all six directions
   kDegraded,  ///< odometry alone determines some directions
   kLost       ///< refused: it does not fit the map, or is too far from odometry
 };
 
 struct RegistrationParams {
-  Metric metric = Metric::kPlanes;
+  ErrorMetric metric = ErrorMetric::kPlanes;
   int iterations_per_level = 8;
   int min_planes = 50;
   double coarse_residual_scale_m = 0.15;
@@ -48,7 +48,7 @@ struct RegistrationParams {
 
   template <class Visitor>
   void describe(Visitor& v) {
-    v.choice("metric", metric, {{"paper", Metric::kPaper}, {"planes", Metric::kPlanes}},
+    v.choice("metric", metric, {{"paper", ErrorMetric::kPaper}, {"planes", ErrorMetric::kPlanes}},
              "Distances that are minimised: between points (Eq. 3 of the paper), or from points to "
              "planes.");
     v.integer("iterations_per_level", iterations_per_level, {1, 1000},
@@ -109,7 +109,7 @@ struct PosePrior {
 };
 
 struct Registration {
-  RegistrationStatus status = RegistrationStatus::kLost;
+  PoseState state = PoseState::kLost;
   geometry::SE3 T_map_base = geometry::SE3::Identity();  ///< the prior's when lost
   MotionCorrection correction;  ///< of odometry's motion within the sweep; zero when lost
   /// Of the base's position (m) and rotation vector (rad), axes of map.
@@ -131,12 +131,12 @@ struct Registration {
   double prior_distance = 0.0;  ///< of the result from the prior, in standard deviations
   int degenerate_directions = 6;
 
-  [[nodiscard]] bool is_accepted() const { return status != RegistrationStatus::kLost; }
+  [[nodiscard]] bool is_accepted() const { return state != PoseState::kLost; }
 };
 
 /// Finds the pose at which a sweep fits the map: iterative closest points (ICP) from coarse to fine
 /// voxels. In each iteration each point of the sweep corresponds to the nearest map voxel of its
-/// size. With Metric::kPlanes the residual is the distance along the mean of both normals
+/// size. With ErrorMetric::kPlanes the residual is the distance along the mean of both normals
 /// (symmetric objective, Rusinkiewicz 2019), weighted by a Geman-McClure kernel that narrows from
 /// level to level; a Gauss-Newton step joins the residuals with the prior
 /// (common/registration/motion_solver.hpp). Where a direction depends on a prior that may be

@@ -34,13 +34,13 @@ const char* name_of(KeyframeReason reason) {
   return "";
 }
 
-const char* name_of(RegistrationStatus status) {
-  switch (status) {
-    case RegistrationStatus::kTracking:
+const char* name_of(PoseState state) {
+  switch (state) {
+    case PoseState::kTracking:
       return "tracking";
-    case RegistrationStatus::kDegraded:
+    case PoseState::kDegraded:
       return "degraded";
-    case RegistrationStatus::kLost:
+    case PoseState::kLost:
       return "lost";
   }
   return "";
@@ -55,7 +55,7 @@ nlohmann::json keyframe_metrics(const PoseUpdate& update) {
                          {"points", update.num_points}};
   if (update.registration) {
     metrics["registration"] = {
-        {"status", name_of(update.registration->status)},
+        {"status", name_of(update.registration->state)},
         {"iterations", update.registration->iterations},
         {"inlier_ratio", update.registration->inlier_ratio},
         {"residual_rms_m", update.registration->residual_rms_m},

@@ -162,7 +162,7 @@ void Slam6d::track(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update)
       take_back_place(cloud, update);
     }
   }
-  counts_.count(update.registration->status);
+  counts_.count(update.registration->state);
 }
 
 void Slam6d::keep(const PoseUpdate& update) {

@@ -36,10 +36,10 @@ struct Metrics {
   std::size_t map_memory_bytes = 0;
   std::size_t keyframe_memory_bytes = 0;  ///< of their clouds, and of the sweeps in between
 
-  void count(RegistrationStatus status) {
-    sweeps_tracked += status == RegistrationStatus::kTracking ? 1 : 0;
-    sweeps_degraded += status == RegistrationStatus::kDegraded ? 1 : 0;
-    sweeps_lost += status == RegistrationStatus::kLost ? 1 : 0;
+  void count(PoseState state) {
+    sweeps_tracked += state == PoseState::kTracking ? 1 : 0;
+    sweeps_degraded += state == PoseState::kDegraded ? 1 : 0;
+    sweeps_lost += state == PoseState::kLost ? 1 : 0;
   }
 };
 

@@ -122,7 +122,7 @@ Registration register_sweep_sliding(VoxelMap& sweep_base, const VoxelMap& map,
   slid.covariance.topLeftCorner<3, 3>() += spread;
   slid.end_covariance.topLeftCorner<3, 3>() += spread;
   if (sigma_m > kKnownM) {
-    slid.status = RegistrationStatus::kDegraded;
+    slid.state = PoseState::kDegraded;
     slid.degenerate_directions = std::max(slid.degenerate_directions, 1);
   }
   return slid;

@@ -24,7 +24,7 @@ TEST(Slam2d, AScanThatFitsAfterAGapStartsNoSearch) {
   for (int i = 0; i < 10; ++i) {
     const auto update = track(slam, scanner.scan(test::room(), {}, time::Timestamp(1s * i)), {});
     ASSERT_TRUE(update);
-    EXPECT_EQ(update->quality, PoseQuality::kTracking);
+    EXPECT_EQ(update->state, PoseState::kTracking);
   }
   EXPECT_EQ(slam.search_counts().searches, 0);
 }
@@ -50,10 +50,10 @@ TEST(Slam2d, MotionDuringAPauseInOdometryIsFoundFromTheScans) {
   for (int i = 0; i < 20; ++i) {
     const auto update = track(slam, scanner.scan(test::room(), truth, stamp), odom);
     ASSERT_TRUE(update);
-    if (update->quality != PoseQuality::kLost) {
+    if (update->state != PoseState::kLost) {
       worst_m = std::max(worst_m, distance_m(update->T_map_base, start.inverse() * truth));
     }
-    EXPECT_TRUE(i < 5 || update->quality != PoseQuality::kLost) << i;
+    EXPECT_TRUE(i < 5 || update->state != PoseState::kLost) << i;
     const SE2 back{step.x, 0.0, -step.yaw};
     truth = truth * back;
     odom = odom * back;
@@ -88,7 +88,7 @@ TEST(Slam2d, APlaceFoundAfterAPauseInOdometryIsKept) {
       update = track(slam, scanner.scan(test::room(), truth, stamp), odom);
       ASSERT_TRUE(update);
       EXPECT_FALSE(update->is_keyframe);
-      EXPECT_EQ(update->quality, PoseQuality::kTracking) << unseen.x << " m, scan " << i;
+      EXPECT_EQ(update->state, PoseState::kTracking) << unseen.x << " m, scan " << i;
       // Two standard deviations of the scan noise.
       EXPECT_LT(distance_m(update->T_map_base, start.inverse() * truth), 0.02) << i;
       stamp += 13ms;
@@ -128,11 +128,11 @@ Found after_pause_before_a_board(const Slam2dParams& params) {
 TEST(Slam2d, ASearchAcceptsAPartialFitOnlyAboveMinSearchScore) {
   Slam2dParams params;
   const Found found = after_pause_before_a_board(params);
-  EXPECT_EQ(found.update.quality, PoseQuality::kTracking);
+  EXPECT_EQ(found.update.state, PoseState::kTracking);
   EXPECT_LT(found.update.score, params.doubt.certain_score);
   EXPECT_LT(found.error_m, 0.02);  // two standard deviations of the scan noise
   params.doubt.min_search_score = 0.9;
-  EXPECT_EQ(after_pause_before_a_board(params).update.quality, PoseQuality::kLost);
+  EXPECT_EQ(after_pause_before_a_board(params).update.state, PoseState::kLost);
 }
 
 /// A corridor with a niche on either side every 2 m: each place looks like the one 2 m farther on.
@@ -169,7 +169,7 @@ TEST(Slam2d, AnAmbiguousPlaceAfterAPauseIsNotTracked) {
     stamp += kPeriod;
   }
   ASSERT_TRUE(update);
-  EXPECT_EQ(update->quality, PoseQuality::kTracking);
+  EXPECT_EQ(update->state, PoseState::kTracking);
   const std::size_t submaps_before = slam.back_end().submaps().size();
   truth = truth * SE2{2.0, 0.0, 0.0};
   stamp += 1s;
@@ -178,7 +178,7 @@ TEST(Slam2d, AnAmbiguousPlaceAfterAPauseIsNotTracked) {
     with_people.push_back({truth * Eigen::Vector2d(0.7, -0.5), truth * Eigen::Vector2d(0.6, 0.4)});
     update = track(slam, scanner.scan(with_people, truth, stamp), odom);
     ASSERT_TRUE(update);
-    EXPECT_NE(update->quality, PoseQuality::kTracking) << i;
+    EXPECT_NE(update->state, PoseState::kTracking) << i;
     truth = truth * step;
     odom = odom * step;
     stamp += kPeriod;

@@ -44,17 +44,17 @@ std::pair<PoseUpdate, PoseUpdate> drive_towards(Slam2d& slam, const test::FloorP
 TEST(Slam2d, APersonWhoHidesMostOfTheViewDoesNotMoveThePose) {
   Slam2d slam{Slam2dParams{}};
   const auto [hidden, after] = drive_towards(slam, {{{0.5, -1.2}, {0.6, 0.9}}});
-  EXPECT_LE(hidden.quality, PoseQuality::kDegraded);
-  EXPECT_EQ(after.quality, PoseQuality::kTracking);
+  EXPECT_LE(hidden.state, PoseState::kDegraded);
+  EXPECT_EQ(after.state, PoseState::kTracking);
 }
 
 // Only odometry determines the pose.
 TEST(Slam2d, APersonWhoHidesTheWholeViewDoesNotMoveThePose) {
   Slam2d slam{Slam2dParams{}};
   const auto [hidden, after] = drive_towards(slam, {{{0.4, -9.0}, {0.5, 9.0}}});
-  EXPECT_EQ(hidden.quality, PoseQuality::kOdometry);
+  EXPECT_EQ(hidden.state, PoseState::kOdometry);
   EXPECT_FALSE(hidden.is_keyframe);
-  EXPECT_EQ(after.quality, PoseQuality::kTracking);
+  EXPECT_EQ(after.state, PoseState::kTracking);
 }
 
 // The wheels do not notice that the robot was carried away. For a second the new view could be that
@@ -68,20 +68,20 @@ TEST(Slam2d, ARobotThatIsCarriedAwayIsLostAfterASecond) {
     update = track(
         slam, scanner.scan(i < 40 ? test::room() : elsewhere, {}, time::Timestamp(13ms * i)), {});
     ASSERT_TRUE(update);
-    EXPECT_TRUE(i < 40 || update->quality != PoseQuality::kTracking) << i;
+    EXPECT_TRUE(i < 40 || update->state != PoseState::kTracking) << i;
   }
-  EXPECT_EQ(update->quality, PoseQuality::kLost);
+  EXPECT_EQ(update->state, PoseState::kLost);
 }
 
-/// Returns the quality of the pose of each level scan, two a second, of a nodding laser on a
+/// Returns the state of the pose of each level scan, two a second, of a nodding laser on a
 /// stationary robot. In the scans from `from` to before `until` a person right in front of the
 /// laser hides everything.
-std::vector<PoseQuality> nod_behind_somebody(int from, int until) {
+std::vector<PoseState> nod_behind_somebody(int from, int until) {
   Slam2d slam{Slam2dParams{}};
   Scanner scanner;
   const test::FloorPlan somebody{{{0.4, -9.0}, {0.5, 9.0}}};
   constexpr double kStepRad = geometry::deg_to_rad(1.0);
-  std::vector<PoseQuality> qualities;
+  std::vector<PoseState> states;
   for (int i = 0; i < 12; ++i) {
     const double direction = i % 2 == 0 ? 1.0 : -1.0;
     double pitch_rad = -0.9 * direction * kStepRad;
@@ -93,28 +93,28 @@ std::vector<PoseQuality> nod_behind_somebody(int from, int until) {
       scan.pitch_last_rad = pitch_rad;
       if (const auto update = track(slam, scan, {})) {
         EXPECT_LT(distance_m(update->T_map_base, {}), 0.02) << i;  // twice R34's
-        qualities.push_back(update->quality);
+        states.push_back(update->state);
       }
     }
   }
-  return qualities;
+  return states;
 }
 
 // The pose follows odometry in the two hidden scans, and is tracked from the third one on.
 TEST(Slam2d, WithANoddingLaserOdometryBridgesABrieflyHiddenView) {
-  const auto qualities = nod_behind_somebody(6, 8);
-  ASSERT_EQ(qualities.size(), 12U);
-  for (std::size_t i = 0; i < qualities.size(); ++i) {
-    EXPECT_EQ(qualities[i], i >= 6 && i < 8 ? PoseQuality::kOdometry : PoseQuality::kTracking) << i;
+  const auto states = nod_behind_somebody(6, 8);
+  ASSERT_EQ(states.size(), 12U);
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    EXPECT_EQ(states[i], i >= 6 && i < 8 ? PoseState::kOdometry : PoseState::kTracking) << i;
   }
 }
 
 // After a second the robot may also have been carried away.
 TEST(Slam2d, WithANoddingLaserAViewHiddenForASecondMakesTheRobotLost) {
-  const auto qualities = nod_behind_somebody(6, 12);
-  ASSERT_EQ(qualities.size(), 12U);
-  EXPECT_EQ(qualities[7], PoseQuality::kOdometry);
-  EXPECT_EQ(qualities[8], PoseQuality::kLost);
+  const auto states = nod_behind_somebody(6, 12);
+  ASSERT_EQ(states.size(), 12U);
+  EXPECT_EQ(states[7], PoseState::kOdometry);
+  EXPECT_EQ(states[8], PoseState::kLost);
 }
 
 // The robot is pushed aside by 20 cm in a quarter of a second, or its wheels spin and count half a
@@ -137,10 +137,10 @@ TEST(Slam2d, ARobotThatIsPushedOrSlipsIsTrackedAgainAfterASecond) {
       // A pose that is wrong by 5 cm or more is not TRACKING. A match may differ from odometry by 3
       // cm and half of the distance that was counted.
       EXPECT_TRUE(distance_m(update->T_map_base, truth) < 0.05 ||
-                  update->quality != PoseQuality::kTracking)
+                  update->state != PoseState::kTracking)
           << i;
     }
-    EXPECT_EQ(update->quality, PoseQuality::kTracking);
+    EXPECT_EQ(update->state, PoseState::kTracking);
     EXPECT_LT(distance_m(update->T_map_base, truth), 0.02);  // twice R34's
   }
 }

@@ -62,7 +62,7 @@ TEST(Localiser, FollowsTheRobotFromAGivenPose) {
   Drive drive(map, SE2{0.1, -0.1, 0.05});  // roughly given
   for (int i = 0; i < 100; ++i) {
     const PoseUpdate update = drive.step({0.04, 0.0, 0.06});
-    EXPECT_EQ(update.quality, PoseQuality::kTracking);
+    EXPECT_EQ(update.state, PoseState::kTracking);
     EXPECT_LT(drive.error_m(update), kMaxErrorM) << i;
   }
   EXPECT_EQ(drive.metrics().searches, 0);
@@ -74,14 +74,14 @@ TEST(Localiser, APlaceFoundWithoutAStartPoseIsTrackedAfterDriving) {
   Drive drive(map, std::nullopt);
   drive.truth = {1.0, -0.5, 2.0};
   const PoseUpdate first = drive.stand();
-  EXPECT_EQ(first.quality, PoseQuality::kDegraded);
+  EXPECT_EQ(first.state, PoseState::kDegraded);
   EXPECT_LT(drive.error_m(first), kMaxErrorM);
   PoseUpdate update;
   for (int i = 0; i < 15; ++i) {  // 0.6 m
     update = drive.step({0.04, 0.0, 0.03});
     EXPECT_LT(drive.error_m(update), kMaxErrorM);
   }
-  EXPECT_EQ(update.quality, PoseQuality::kTracking);
+  EXPECT_EQ(update.state, PoseState::kTracking);
   EXPECT_EQ(drive.metrics().searches, 1);
 }
 
@@ -92,7 +92,7 @@ TEST(Localiser, AKidnappedRobotReportsThatItIsLostAndFindsItsPlaceAgain) {
   for (const SE2& elsewhere : {SE2{1.0, -1.0, 2.6}, SE2{-2.0, 2.0, -1.0}, SE2{3.7, 2.5, 3.0}}) {
     Drive drive(map, SE2{});
     for (int i = 0; i < 10; ++i) {
-      ASSERT_EQ(drive.step({0.04, 0.0, 0.05}).quality, PoseQuality::kTracking);
+      ASSERT_EQ(drive.step({0.04, 0.0, 0.05}).state, PoseState::kTracking);
     }
     drive.truth = elsewhere;
     bool said_lost = false;
@@ -100,13 +100,13 @@ TEST(Localiser, AKidnappedRobotReportsThatItIsLostAndFindsItsPlaceAgain) {
     for (int i = 0; i < 50; ++i) {  // 10 s of driving in a circle of 0.4 m
       update = drive.step({0.04, 0.0, 0.1});
       const bool is_wrong = drive.error_m(update) > 0.25;
-      said_lost = said_lost || update.quality == PoseQuality::kLost;
+      said_lost = said_lost || update.state == PoseState::kLost;
       // A wrong pose is never TRACKING, and after 3 s it is LOST.
-      EXPECT_FALSE(is_wrong && i >= 15 && update.quality != PoseQuality::kLost) << i;
-      EXPECT_FALSE(is_wrong && update.quality == PoseQuality::kTracking) << i;
+      EXPECT_FALSE(is_wrong && i >= 15 && update.state != PoseState::kLost) << i;
+      EXPECT_FALSE(is_wrong && update.state == PoseState::kTracking) << i;
     }
     lost += said_lost ? 1 : 0;
-    EXPECT_EQ(update.quality, PoseQuality::kTracking);
+    EXPECT_EQ(update.state, PoseState::kTracking);
     EXPECT_LT(drive.error_m(update), kMaxErrorM);
   }
   EXPECT_EQ(lost, 3);
@@ -119,7 +119,7 @@ TEST(Localiser, APlaceThatIsNotAcceptedIsNotSearchedForWithEachScan) {
   Drive drive(map, std::nullopt, {.localise = {.min_score = 1.0}});
   drive.truth = {1.0, -0.5, 2.0};
   for (int i = 0; i < 10; ++i) {  // 2 s
-    EXPECT_EQ(drive.stand().quality, PoseQuality::kLost);
+    EXPECT_EQ(drive.stand().state, PoseState::kLost);
   }
   EXPECT_EQ(drive.metrics().searches, 2);
   EXPECT_EQ(drive.metrics().found, 0);
@@ -132,7 +132,7 @@ TEST(Localiser, InAnotherBuildingTheRobotIsNeverTracked) {
   Drive drive(map, std::nullopt);
   drive.plan = test::ring_corridor();
   for (int i = 0; i < 50; ++i) {
-    EXPECT_NE(drive.step({0.1, 0.0, 0.0}).quality, PoseQuality::kTracking);
+    EXPECT_NE(drive.step({0.1, 0.0, 0.0}).state, PoseState::kTracking);
   }
   EXPECT_GT(drive.metrics().scans.lost, 40);
 }
@@ -141,18 +141,18 @@ TEST(Localiser, InAnotherBuildingTheRobotIsNeverTracked) {
 TEST(Localiser, WithoutEchoesTheRobotIsLostAfterTenMetres) {
   const KnownMap map = map_of_room();
   Drive drive(map, SE2{});
-  EXPECT_EQ(drive.stand().quality, PoseQuality::kTracking);
+  EXPECT_EQ(drive.stand().state, PoseState::kTracking);
   drive.plan.clear();
   for (int i = 0; i < 300; ++i) {
-    EXPECT_EQ(drive.stand().quality, PoseQuality::kOdometry);
+    EXPECT_EQ(drive.stand().state, PoseState::kOdometry);
   }
   for (int i = 0; i < 90; ++i) {
-    EXPECT_EQ(drive.step({0.1, 0.0, 0.0}).quality, PoseQuality::kOdometry) << i;
+    EXPECT_EQ(drive.step({0.1, 0.0, 0.0}).state, PoseState::kOdometry) << i;
   }
   for (int i = 0; i < 20; ++i) {
     drive.step({0.1, 0.0, 0.0});
   }
-  EXPECT_EQ(drive.stand().quality, PoseQuality::kLost);
+  EXPECT_EQ(drive.stand().state, PoseState::kLost);
   EXPECT_EQ(drive.metrics().times_lost, 1);
 }
 
@@ -174,8 +174,8 @@ TEST(Localiser, AfterAGapInOdometryTheCovarianceIncludesThePossibleMotion) {
   drive.move_unseen({3.0, 0.0, 0.0}, 5s);
   for (int i = 0; i < 20; ++i) {
     const PoseUpdate update = drive.step({0.04, 0.0, 0.0});
-    EXPECT_NE(update.quality, PoseQuality::kTracking);
-    if (update.quality != PoseQuality::kLost) {
+    EXPECT_NE(update.state, PoseState::kTracking);
+    if (update.state != PoseState::kLost) {
       EXPECT_LT(drive.error_m(update), 3.0 * std::sqrt(update.covariance(0, 0))) << i;
     }
   }
@@ -185,16 +185,16 @@ TEST(Localiser, MotionDuringAGapInOdometryIsFoundFromTheScan) {
   const KnownMap map = map_of_room();
   Drive drive(map, SE2{});
   for (int i = 0; i < 10; ++i) {
-    ASSERT_EQ(drive.step({0.04, 0.0, 0.0}).quality, PoseQuality::kTracking);
+    ASSERT_EQ(drive.step({0.04, 0.0, 0.0}).state, PoseState::kTracking);
   }
   drive.move_unseen({2.0, -0.5, 1.2}, 2s);
   PoseUpdate update;
   for (int i = 0; i < 15; ++i) {  // 0.6 m
     update = drive.step({0.04, 0.0, 0.05});
     EXPECT_LT(drive.error_m(update), kMaxErrorM) << i;
-    EXPECT_NE(update.quality, PoseQuality::kLost) << i;
+    EXPECT_NE(update.state, PoseState::kLost) << i;
   }
-  EXPECT_EQ(update.quality, PoseQuality::kTracking);  // confirmed
+  EXPECT_EQ(update.state, PoseState::kTracking);  // confirmed
   EXPECT_EQ(drive.metrics().times_lost, 0);
 }
 
@@ -204,7 +204,7 @@ TEST(Localiser, ARobotThatStandsInAGapOfOdometryStaysTracked) {
   Drive drive(map, SE2{});
   for (int i = 0; i < 10; ++i) {
     drive.move_unseen({}, 1s);
-    EXPECT_EQ(drive.stand().quality, PoseQuality::kTracking);
+    EXPECT_EQ(drive.stand().state, PoseState::kTracking);
   }
 }
 
@@ -218,7 +218,7 @@ TEST(Localiser, ARestartOfOdometryKeepsThePose) {
   localiser.add_odometry(time::Timestamp(200ms), geometry::to_se3({5.0, 5.0, 1.0}));
   const auto update = localiser.add_scan(scanner.scan(test::room(), {}, time::Timestamp(200ms)));
   ASSERT_TRUE(update);
-  EXPECT_EQ(update->quality, PoseQuality::kTracking);
+  EXPECT_EQ(update->state, PoseState::kTracking);
   EXPECT_LT(update->T_map_base.translation().norm(), kMaxErrorM);
 }
 

@@ -48,7 +48,7 @@ TEST(Slam2d, AScanWithFewPointsStartsNoSearch) {
   const auto update = track(slam, scan, odom);
   ASSERT_TRUE(update);
   EXPECT_EQ(slam.search_counts().searches, 0);
-  EXPECT_NE(update->quality, PoseQuality::kTracking);
+  EXPECT_NE(update->state, PoseState::kTracking);
   EXPECT_EQ(update->T_map_base.x, odom.x);
 }
 
@@ -68,7 +68,7 @@ TEST(Slam2d, ASimilarPlaceNearbyDoesNotReplaceThePoseByOdometry) {
   const auto update = track(slam, scanner.scan(bays, second, time::Timestamp(kPeriod)), second);
   ASSERT_TRUE(update);
   EXPECT_EQ(slam.search_counts().searches, 1);
-  EXPECT_NE(update->quality, PoseQuality::kTracking);
+  EXPECT_NE(update->state, PoseState::kTracking);
   EXPECT_LT(distance_m(update->T_map_base, second), 0.1);  // by odometry, or matched near it
 }
 
@@ -82,14 +82,14 @@ TEST(Slam2d, WithoutAnyMatchTheRobotIsLostAndTheMapContinuesFromOdometry) {
   const auto lost =
       track(slam, scanner.scan(elsewhere, carried, time::Timestamp(kPeriod)), carried);
   ASSERT_TRUE(lost);
-  EXPECT_EQ(lost->quality, PoseQuality::kLost);
+  EXPECT_EQ(lost->state, PoseState::kLost);
   EXPECT_EQ(lost->T_map_base.x, 50.0);
   const auto again =
       track(slam, scanner.scan(elsewhere, carried, time::Timestamp(2 * kPeriod)), carried);
   ASSERT_TRUE(again);
   // The scan is matched, but the pose is DEGRADED: the relative pose of the new piece of map and
   // the old one is not known.
-  EXPECT_EQ(again->quality, PoseQuality::kDegraded);
+  EXPECT_EQ(again->state, PoseState::kDegraded);
   EXPECT_GT(again->covariance(0, 0), 1.0);
 }
 
@@ -104,13 +104,13 @@ TEST(Slam2d, AnAreaSeenForTheFirstTimeIsAddedByOdometry) {
   const SE2 behind{4.0, 2.0, 0.0};
   const auto first = track(slam, scanner.scan(obstacles, behind, time::Timestamp(kPeriod)), behind);
   ASSERT_TRUE(first);
-  EXPECT_EQ(first->quality, PoseQuality::kOdometry);
+  EXPECT_EQ(first->state, PoseState::kOdometry);
   EXPECT_TRUE(first->is_keyframe);
   EXPECT_GT(first->covariance(0, 0), 0.016 * std::hypot(4.0, 2.0) - 1e-9);
   const auto again =
       track(slam, scanner.scan(obstacles, behind, time::Timestamp(2 * kPeriod)), behind);
   ASSERT_TRUE(again);
-  EXPECT_LE(again->quality, PoseQuality::kDegraded);
+  EXPECT_LE(again->state, PoseState::kDegraded);
   EXPECT_LT(distance_m(again->T_map_base, behind), 0.02);  // measured 0
 }
 

@@ -98,7 +98,7 @@ TEST(PoseCovariance, InARoomTheCovarianceIsConsistentWithTheError) {
 TEST(PoseCovariance, AlongACorridorTheCovarianceGrowsAndCoversTheError) {
   const Outcome near = drive(test::corridor(), {0.1, 0.0, 0.0}, 20);
   const Outcome far = drive(test::corridor(), {0.1, 0.0, 0.0}, 200);
-  ASSERT_EQ(far.update.quality, PoseQuality::kDegraded);
+  ASSERT_EQ(far.update.state, PoseState::kDegraded);
   const double error_m = std::abs(far.update.T_map_base.x - far.truth.x);
   EXPECT_GT(error_m, 0.5);  // 3 % of 20 m
   EXPECT_GT(std::sqrt(far.update.covariance(0, 0)), error_m / 3.0);

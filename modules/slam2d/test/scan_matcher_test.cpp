@@ -21,7 +21,7 @@ PointMap map_of(const test::FloorPlan& plan, const SE2& seen_from) {
   return map;
 }
 
-class ScanMatcherMetrics : public testing::TestWithParam<Metric> {};
+class ScanMatcherMetrics : public testing::TestWithParam<ErrorMetric> {};
 
 TEST_P(ScanMatcherMetrics, R34_AnErrorOfTheGuessIsCorrected) {
   MatcherParams params;
@@ -40,7 +40,7 @@ TEST_P(ScanMatcherMetrics, R34_AnErrorOfTheGuessIsCorrected) {
     // A noise of 1 cm on some 90 points for each axis gives an error of 1 mm. But the map is a
     // single scan with gaps of 10 cm and rounded corners, which have their full effect on the
     // point-to-point metric.
-    const double tolerance = GetParam() == Metric::kPointToLine ? 0.01 : 0.03;
+    const double tolerance = GetParam() == ErrorMetric::kPointToLine ? 0.01 : 0.03;
     EXPECT_NEAR(match.T_target_base.x, truth.x, tolerance);
     EXPECT_NEAR(match.T_target_base.y, truth.y, tolerance);
     EXPECT_NEAR(match.T_target_base.yaw, truth.yaw, tolerance);
@@ -48,7 +48,7 @@ TEST_P(ScanMatcherMetrics, R34_AnErrorOfTheGuessIsCorrected) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Metrics, ScanMatcherMetrics,
-                         testing::Values(Metric::kPointToLine, Metric::kPointToPoint));
+                         testing::Values(ErrorMetric::kPointToLine, ErrorMetric::kPointToPoint));
 
 TEST(ScanMatcher, R37_TheAxisOfACorridorStaysAtTheGuess) {
   const PointMap map = map_of(test::corridor(), {});

@@ -24,13 +24,13 @@ using test::track;
 
 /// These tests must pass with the default metric, which is not the paper's, and with the paper's
 /// metric.
-class Slam2dMetric : public testing::TestWithParam<Metric> {
+class Slam2dMetric : public testing::TestWithParam<ErrorMetric> {
  protected:
   [[nodiscard]] static Slam2dParams params() { return {.matcher = {.metric = GetParam()}}; }
 };
 
 INSTANTIATE_TEST_SUITE_P(Metrics, Slam2dMetric,
-                         testing::Values(Metric::kPointToLine, Metric::kPointToPoint),
+                         testing::Values(ErrorMetric::kPointToLine, ErrorMetric::kPointToPoint),
                          [](const auto& metric) {
                            return metric.param == Slam2dParams{}.matcher.metric ? "Default"
                                                                                 : "Paper";
@@ -52,7 +52,7 @@ TEST_P(Slam2dMetric, R34_TheCorrectionAbsorbsDriftAndJumpsOfOdometry) {
     const auto update =
         track(slam, scanner.scan(test::room(), truth, time::Timestamp(kPeriod * i)), odom);
     ASSERT_TRUE(update);
-    EXPECT_EQ(update->quality, PoseQuality::kTracking);
+    EXPECT_EQ(update->state, PoseState::kTracking);
     worst_m = std::max(worst_m, distance_m(update->T_map_base, truth));
     truth = truth * half_step;
     odom = odom * half_step;
@@ -65,7 +65,7 @@ TEST_P(Slam2dMetric, R34_TheCorrectionAbsorbsDriftAndJumpsOfOdometry) {
   }
   // Measured: 8.7 mm with the default metric, 14.8 mm with the paper's, from scan noise of 1 cm. A
   // submap holds fewer scans than one map of all would, which averages less of the noise away.
-  const double bound_m = GetParam() == Metric::kPointToLine ? 0.0108 : 0.0184;
+  const double bound_m = GetParam() == ErrorMetric::kPointToLine ? 0.0108 : 0.0184;
   EXPECT_LT(worst_m, bound_m);
   EXPECT_LT(worst_between_m, bound_m);
   EXPECT_GT(distance_m(odom, truth), 0.2);
@@ -165,7 +165,7 @@ TEST(Slam2d, R37_InACorridorThePoseFollowsOdometryAlongAndTheWallsAcross) {
     truth.x += 0.1;
     odom = odom * SE2{0.103, 0.0, 0.002};  // 3 % too long, rotates by 1.1 degrees per metre
   }
-  EXPECT_EQ(update->quality, PoseQuality::kDegraded);
+  EXPECT_EQ(update->state, PoseState::kDegraded);
   // The position along the corridor comes from odometry alone, which is 3 % too long. Matching must
   // not move the robot back, as scan matching in corridors often does, nor forward. R37 allows 0.3
   // m in 30 m, 0.1 m across and 0.5 degrees. Measured: 0.4 mm along, 25 mm across, because submaps
@@ -264,7 +264,7 @@ TEST(Slam2d, RejectsBadInputWithoutChangingTheMap) {
   blind.ranges_m.assign(181, std::numeric_limits<float>::quiet_NaN());
   const auto update = track(slam, blind, {0.2, 0.0, 0.0});
   ASSERT_TRUE(update);
-  EXPECT_EQ(update->quality, PoseQuality::kOdometry);
+  EXPECT_EQ(update->state, PoseState::kOdometry);
   EXPECT_EQ(update->T_map_base.x, 0.2);
   EXPECT_EQ(slam.map().points().size(), size);
 }
@@ -303,7 +303,7 @@ TEST(Slam2d, WithoutEchoesTheRobotIsLostAfterTenMetres) {
     const auto update = track(slam, scanner.scan({}, odom, time::Timestamp(kPeriod * i)), odom);
     ASSERT_TRUE(update);
     if (i < 95 || i > 105) {
-      EXPECT_EQ(update->quality, i < 95 ? PoseQuality::kOdometry : PoseQuality::kLost) << i;
+      EXPECT_EQ(update->state, i < 95 ? PoseState::kOdometry : PoseState::kLost) << i;
     }
   }
 }

@@ -65,7 +65,7 @@ TEST(Crowd, PeopleInFreeSpaceDoNotKeepTheRobotLost) {
   PoseUpdate update =
       add_sweep(slam, cloud_at(box_about_robot(0.8), SE3::Identity(), 20), T_world_base);
   ASSERT_TRUE(update.registration);
-  ASSERT_EQ(update.registration->status, RegistrationStatus::kLost);
+  ASSERT_EQ(update.registration->state, PoseState::kLost);
   for (unsigned seed = 21; seed < 24; ++seed) {
     update = add_sweep(slam, cloud_at(hall_with_people(), T_world_base, seed), T_world_base);
     EXPECT_TRUE(update.is_tracked()) << seed;

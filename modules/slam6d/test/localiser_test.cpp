@@ -19,16 +19,16 @@ class LocaliserInAHall : public testing::Test {
     return {LocaliseParams{}, RegistrationParams{}, map_.keyframes, map_.voxels, T_map_start};
   }
 
-  RegistrationStatus classify(Localiser& localiser, const Room& room, double x_m,
-                              double inlier_ratio = 0.9) {
+  PoseState classify(Localiser& localiser, const Room& room, double x_m,
+                     double inlier_ratio = 0.9) {
     PoseUpdate update;
     update.T_map_base = pose(x_m, 0.0, 0.0);
     update.registration = Registration{};
-    update.registration->status = RegistrationStatus::kTracking;
+    update.registration->state = PoseState::kTracking;
     update.registration->inlier_ratio = inlier_ratio;
     update.registration->upright_inlier_ratio = inlier_ratio;
     localiser.classify(sweep_at(room, update.T_map_base, ++seed_), update, 0);
-    return update.registration->status;
+    return update.registration->state;
   }
 
   TestMap map_{Room::hall(), along_hall()};
@@ -39,10 +39,10 @@ TEST_F(LocaliserInAHall, APlaceIsConfirmedAfterThreeMetres) {
   Localiser robot = localiser();
   ASSERT_TRUE(robot.find(sweep_at(Room::hall(), pose(-2.0, 0.0, 0.0), 98), map_.voxels, {}));
   for (const double x_m : {-2.0, -1.0, 0.0, 0.9}) {
-    EXPECT_EQ(classify(robot, Room::hall(), x_m), RegistrationStatus::kDegraded) << x_m;
+    EXPECT_EQ(classify(robot, Room::hall(), x_m), PoseState::kDegraded) << x_m;
   }
   EXPECT_FALSE(robot.is_confirmed());
-  EXPECT_EQ(classify(robot, Room::hall(), 1.1), RegistrationStatus::kTracking);
+  EXPECT_EQ(classify(robot, Room::hall(), 1.1), PoseState::kTracking);
   EXPECT_TRUE(robot.is_confirmed());
 }
 
@@ -69,21 +69,21 @@ TEST_F(LocaliserInAHall, AConfirmedPlaceIsKeptAfterOneContradictingSweep) {
   Localiser robot = localiser(pose(-2.0, 0.0, 0.0));
   ASSERT_TRUE(robot.find(sweep_at(Room::hall(), pose(-2.0, 0.0, 0.0), 98), map_.voxels, {}));
   for (int i = 0; i < 9; ++i) {
-    EXPECT_EQ(classify(robot, Room::hall(), 0.0), RegistrationStatus::kTracking);
+    EXPECT_EQ(classify(robot, Room::hall(), 0.0), PoseState::kTracking);
   }
-  EXPECT_EQ(classify(robot, look_alike_hall(), 0.0), RegistrationStatus::kTracking);
+  EXPECT_EQ(classify(robot, look_alike_hall(), 0.0), PoseState::kTracking);
   EXPECT_TRUE(robot.is_confirmed());
 }
 
 TEST_F(LocaliserInAHall, AMostlyUnknownSweepIsDegradedUnlessTheStartPoseWasGiven) {
   Localiser searched = localiser();
   ASSERT_TRUE(searched.find(sweep_at(Room::hall(), pose(-2.0, 0.0, 0.0), 98), map_.voxels, {}));
-  EXPECT_EQ(classify(searched, Room::hall(), 1.1, 0.51), RegistrationStatus::kTracking);
-  EXPECT_EQ(classify(searched, Room::hall(), 1.1, 0.49), RegistrationStatus::kDegraded);
+  EXPECT_EQ(classify(searched, Room::hall(), 1.1, 0.51), PoseState::kTracking);
+  EXPECT_EQ(classify(searched, Room::hall(), 1.1, 0.49), PoseState::kDegraded);
   EXPECT_TRUE(searched.is_confirmed());
   Localiser told = localiser(pose(-2.0, 0.0, 0.0));
   ASSERT_TRUE(told.find(sweep_at(Room::hall(), pose(-2.0, 0.0, 0.0), 98), map_.voxels, {}));
-  EXPECT_EQ(classify(told, Room::hall(), 1.1, 0.49), RegistrationStatus::kTracking);
+  EXPECT_EQ(classify(told, Room::hall(), 1.1, 0.49), PoseState::kTracking);
 }
 
 }  // namespace localiser_test

@@ -55,20 +55,20 @@ TEST_F(RobotInAHall, IsFoundAfterItWasCarriedAway) {
   const std::size_t num_voxels = slam_.metrics().map_voxels;
   for (int i = 0; i < 4; ++i) {
     const PoseUpdate lost = see(Room::hall(), T_hall_carried, T_odom_hall * T_hall_carried);
-    EXPECT_EQ(lost.registration->status, RegistrationStatus::kLost);
+    EXPECT_EQ(lost.registration->state, PoseState::kLost);
     EXPECT_TRUE(slam_.may_search());
   }
   // The fifth sweep starts a search. The place is confirmed only when the robot is 3 m farther on.
   for (const double x_m : {-1.8, -1.0, 0.0, 1.0}) {
     const SE3 T_hall_base = pose(x_m, 0.1, 100.0);
     const PoseUpdate found = see(Room::hall(), T_hall_base, T_odom_hall * T_hall_base);
-    EXPECT_EQ(found.registration->status, RegistrationStatus::kDegraded) << x_m;
+    EXPECT_EQ(found.registration->state, PoseState::kDegraded) << x_m;
     expect_right(found, T_hall_base);
     EXPECT_EQ(slam_.metrics().map_voxels, num_voxels);
   }
   const SE3 T_hall_base = pose(1.5, 0.1, 100.0);
   const PoseUpdate confirmed = see(Room::hall(), T_hall_base, T_odom_hall * T_hall_base);
-  EXPECT_EQ(confirmed.registration->status, RegistrationStatus::kTracking);
+  EXPECT_EQ(confirmed.registration->state, PoseState::kTracking);
   EXPECT_EQ(confirmed.keyframe, KeyframeReason::kInterruption);
   expect_right(confirmed, T_hall_base);
   EXPECT_FALSE(slam_.may_search());
@@ -76,7 +76,7 @@ TEST_F(RobotInAHall, IsFoundAfterItWasCarriedAway) {
   ASSERT_EQ(slam_.localiser()->metrics().found, 1);
   for (int i = 0; i < 2; ++i) {
     const PoseUpdate lost = see(Room::hall(), pose(-2.5, 0.1, 0.0), T_odom_hall * T_hall_base);
-    EXPECT_EQ(lost.registration->status, RegistrationStatus::kLost);
+    EXPECT_EQ(lost.registration->state, PoseState::kLost);
   }
   EXPECT_EQ(slam_.localiser()->metrics().found, 1);
 }
@@ -89,7 +89,7 @@ TEST_F(RobotInAHall, IsNotFoundInASimilarHall) {
     const PoseUpdate update = see(look_alike_hall(), pose(-1.8 + 0.3 * i, 0.1, 100.0),
                                   along_hall().back() * pose(0.0, -0.3 * i, 0.0));
     ASSERT_TRUE(update.registration);
-    EXPECT_EQ(update.registration->status, RegistrationStatus::kLost) << i;
+    EXPECT_EQ(update.registration->state, PoseState::kLost) << i;
     EXPECT_EQ(slam_.metrics().map_voxels, num_voxels) << i;
   }
 }
@@ -139,7 +139,7 @@ TEST_F(RobotInAHall, IsNeverTrackedAtAWrongPoseAfterAKick) {
     T_hall_base = T_hall_base * pose(0.0, 0.0, 20.0);
     T_odom_base = T_odom_base * pose(0.0, 0.0, 22.0);
   }
-  EXPECT_EQ(last.registration->status, RegistrationStatus::kTracking);
+  EXPECT_EQ(last.registration->state, PoseState::kTracking);
 }
 
 }  // namespace own_map_search_test

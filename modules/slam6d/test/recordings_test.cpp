@@ -115,7 +115,7 @@ TEST(Recordings, R44_Kurt3dAgreesWithThe3dtkResult) {
     if (k > 0) {
       const PoseUpdate& update = slam.keyframes()[k].update;
       EXPECT_EQ(update.keyframe, KeyframeReason::kInterruption);
-      EXPECT_EQ(update.registration->status, RegistrationStatus::kTracking);
+      EXPECT_EQ(update.registration->state, PoseState::kTracking);
     }
   }
 }
@@ -227,7 +227,7 @@ TEST(Recordings, R44_TheSequenceIsTrackedToMillimetres) {
   RecordProperty("ate_mm", std::to_string(1e3 * error.ate_m));
   EXPECT_LT(error.ate_m, 1.25 * 0.0044);
   EXPECT_LT(error.rotation_rad, deg_to_rad(0.05));
-  const SequenceError paper = run_sequence(dir, {.registration = {.metric = Metric::kPaper}});
+  const SequenceError paper = run_sequence(dir, {.registration = {.metric = ErrorMetric::kPaper}});
   RecordProperty("paper_ate_mm", std::to_string(1e3 * paper.ate_m));
   EXPECT_LT(paper.ate_m, 0.265);  // better than odometry
 }

@@ -82,7 +82,7 @@ TEST(Registration, R44_FindsSixDegreesOfFreedomInAHall) {
   const SE3 T_guess = T_truth * pose(0.15, 0.1, -0.05, 1.0, 1.0, -4.0);
   const Registration found =
       registered(see(room, T_truth, 2), map_of(room), loose_prior(T_guess), {});
-  ASSERT_EQ(found.status, RegistrationStatus::kTracking);
+  ASSERT_EQ(found.state, PoseState::kTracking);
   EXPECT_EQ(found.degenerate_directions, 0);
   EXPECT_GT(found.inlier_ratio, 0.5);
   EXPECT_LT(found.residual_rms_m, kMargin * 0.0051);
@@ -103,7 +103,7 @@ TEST(Registration, AFineSweepFitsAMapOfCoarseSweepsAtTheRightHeadingOnly) {
   const VoxelMap sweep = see(Room::hall(), T_truth, 2, 0.5);
   const SE3 T_guess = T_truth * pose(0.1, 0.05, -0.02, 0.5, 0.5, -2.0);
   const Registration found = registered(sweep, map, loose_prior(T_guess), {});
-  ASSERT_EQ(found.status, RegistrationStatus::kTracking);
+  ASSERT_EQ(found.state, PoseState::kTracking);
   EXPECT_GT(found.lowest_inlier_ratio(), 0.5);  // both see the same surfaces, apart from edges
   EXPECT_LT(error_of(found, T_truth).translation().norm(), kMargin * 0.0104);
   EXPECT_LT(geometry::rotation_angle(error_of(found, T_truth)), deg_to_rad(kMargin * 0.134));
@@ -137,8 +137,9 @@ TEST(Registration, R44_ThePapersMetricIsRightToTwoCentimetres) {
   const Room room = Room::hall();
   const SE3 T_truth = pose(0.5, 0.1, 0.0, 0.0, 0.0, 5.0);
   const SE3 T_guess = T_truth * pose(0.1, 0.05, 0.02, 0.5, 0.5, -2.0);
-  const Registration found = registered(see(room, T_truth, 3), map_of(room), loose_prior(T_guess),
-                                        {.metric = Metric::kPaper, .iterations_per_level = 60});
+  const Registration found =
+      registered(see(room, T_truth, 3), map_of(room), loose_prior(T_guess),
+                 {.metric = ErrorMetric::kPaper, .iterations_per_level = 60});
   ASSERT_TRUE(found.is_accepted());
   EXPECT_LT(error_of(found, T_truth).translation().norm(), kMargin * 0.019);
   EXPECT_LT(geometry::rotation_angle(error_of(found, T_truth)), deg_to_rad(kMargin * 0.45));
@@ -155,7 +156,7 @@ TEST(Registration, R44_AStripOfFloorDeterminesTheHeight) {
   for (const double off_m : {-0.25, 0.25}) {
     const SE3 T_guess = T_truth * pose(0.05, 0.0, off_m, 1.0, -1.0, -2.0);
     const Registration found = registered(sweep, map, loose_prior(T_guess), {});
-    ASSERT_EQ(found.status, RegistrationStatus::kTracking) << off_m;
+    ASSERT_EQ(found.state, PoseState::kTracking) << off_m;
     // A few dozen planes with 1 cm of noise.
     EXPECT_LT(error_of(found, T_truth).translation().norm(), kMargin * 0.003) << off_m;
     EXPECT_LT(geometry::rotation_angle(error_of(found, T_truth)), deg_to_rad(kMargin * 0.048))
@@ -172,7 +173,7 @@ TEST(Registration, R37_ACorridorKeepsOdometryAlongItsAxis) {
   T_guess.translation() = Eigen::Vector3d(1.2, 0.0, 0.02);
   const Registration found =
       registered(see(room, T_truth, 4), map_of(room), loose_prior(T_guess), {});
-  ASSERT_EQ(found.status, RegistrationStatus::kDegraded);
+  ASSERT_EQ(found.state, PoseState::kDegraded);
   EXPECT_EQ(found.degenerate_directions, 1);
   EXPECT_NEAR(found.T_map_base.translation().x(), 1.2, kMargin * 4e-4);
   EXPECT_NEAR(found.T_map_base.translation().y(), 0.1, kMargin * 4e-4);
@@ -191,7 +192,7 @@ TEST(Registration, R44_ABareFloorKeepsOdometryInItsPlane) {
   const SE3 T_guess = pose(0.6, 0.4, 0.05, 1.0, -1.0, 10.0);
   const Registration found = registered(see(floor, pose(0.5, 0.5, 0, 0, 0, 12.0), 5), map_of(floor),
                                         loose_prior(T_guess), {});
-  ASSERT_EQ(found.status, RegistrationStatus::kDegraded);
+  ASSERT_EQ(found.state, PoseState::kDegraded);
   EXPECT_EQ(found.degenerate_directions, 3);
   EXPECT_NEAR(found.T_map_base.translation().x(), 0.6, kMargin * 4e-4);
   EXPECT_NEAR(found.T_map_base.translation().y(), 0.4, kMargin * 4e-4);
@@ -227,7 +228,7 @@ TEST(Registration, R41_TheMotionWithinASweepIsCorrected) {
   PosePrior prior = loose_prior(odometry(cloud.stamp));
   prior.motion_covariance = prior.covariance;
   const Registration found = register_sweep(sweep, map_of(room), prior, {});
-  ASSERT_EQ(found.status, RegistrationStatus::kTracking);
+  ASSERT_EQ(found.state, PoseState::kTracking);
   cloud.correct(found.correction);
   const time::Timestamp end(79 * NoddingScanner::kPeriod + NoddingScanner::kPeriod / 2);
   const SE3 motion_error =
@@ -298,7 +299,7 @@ TEST(Registration, R41_ASwingWithinASweepDoesNotContradictOdometry) {
   prior.covariance.diagonal().tail<3>().setConstant(sigma_rad * sigma_rad);
   prior.motion_covariance = prior.covariance;
   const Registration found = register_sweep(sweep, map_of(Room::hall()), prior, {});
-  ASSERT_EQ(found.status, RegistrationStatus::kTracking);
+  ASSERT_EQ(found.state, PoseState::kTracking);
   const double middle_rad = geometry::rotation_angle(prior.T_map_base.inverse() * found.T_map_base);
   const double middle_sigma_rad = std::hypot(1.0, 0.5) * sigma_rad;  // half of the motion later
   EXPECT_GT(middle_rad, 3.0 * middle_sigma_rad);
@@ -326,7 +327,7 @@ TEST(Registration, TheGroundIsTakenAsLevelUnlessTheSweepContradicts) {
   prior.level = PosePrior::Level{.height_sigma_m = 0.005, .tilt_sigma_rad = deg_to_rad(0.1)};
   const SE3 T_ramp = pose(0.3, 0.0, 0.08, 0.0, -6.0, 2.0);
   const Registration on_ramp = registered(see(room, T_ramp, 4), map_of(room), prior, {});
-  ASSERT_EQ(on_ramp.status, RegistrationStatus::kTracking);
+  ASSERT_EQ(on_ramp.state, PoseState::kTracking);
   EXPECT_LT(error_of(on_ramp, T_ramp).translation().norm(), kMargin * 0.0034);
   EXPECT_LT(geometry::rotation_angle(error_of(on_ramp, T_ramp)), deg_to_rad(kMargin * 0.078));
   // If only a wall ahead is seen, the prior determines height, roll and pitch.
@@ -348,11 +349,11 @@ TEST(Registration, APoseTooFarFromThePriorIsRefused) {
   const VoxelMap sweep = see(room, T_truth, 7);
   const VoxelMap map = map_of(room);
   const Registration accepted = registered(sweep, map, prior, {});
-  ASSERT_EQ(accepted.status, RegistrationStatus::kTracking);
+  ASSERT_EQ(accepted.state, PoseState::kTracking);
   // In closed form: 0.3 m with a standard deviation of 0.2 m, and 6 degrees with one of 5 degrees.
   EXPECT_NEAR(accepted.prior_distance, std::hypot(1.5, 1.2), kMargin * 0.0075);
   const Registration refused = registered(sweep, map, prior, {.max_prior_distance = 1.5});
-  EXPECT_EQ(refused.status, RegistrationStatus::kLost);
+  EXPECT_EQ(refused.state, PoseState::kLost);
   EXPECT_EQ(refused.T_map_base.matrix(), SE3::Identity().matrix());
   EXPECT_EQ(refused.covariance, prior.covariance);
 }
@@ -363,16 +364,14 @@ TEST(Registration, WithoutCorrespondencesTheRobotIsLostAndTheGuessIsKept) {
   const VoxelMap empty{VoxelMapParams{}};
   const VoxelMap map = map_of(room);
   const SE3 T_guess = pose(100, 0, 0, 0, 0, 0);
-  for (const Metric metric : {Metric::kPaper, Metric::kPlanes}) {
+  for (const ErrorMetric metric : {ErrorMetric::kPaper, ErrorMetric::kPlanes}) {
     const RegistrationParams params{.metric = metric};
     const Registration far = registered(sweep, map, loose_prior(T_guess), params);
-    EXPECT_EQ(far.status, RegistrationStatus::kLost);
+    EXPECT_EQ(far.state, PoseState::kLost);
     EXPECT_EQ((far.T_map_base.matrix() - T_guess.matrix()).norm(), 0.0);
     const VoxelMap nothing = VoxelMap::from_points({}, kMirror, {});
-    EXPECT_EQ(registered(nothing, map, loose_prior(T_guess), params).status,
-              RegistrationStatus::kLost);
-    EXPECT_EQ(registered(sweep, empty, loose_prior(T_guess), params).status,
-              RegistrationStatus::kLost);
+    EXPECT_EQ(registered(nothing, map, loose_prior(T_guess), params).state, PoseState::kLost);
+    EXPECT_EQ(registered(sweep, empty, loose_prior(T_guess), params).state, PoseState::kLost);
   }
 }
 

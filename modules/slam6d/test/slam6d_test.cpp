@@ -211,7 +211,7 @@ TEST(Slam6d, ARefusedSweepLeavesNoTrace) {
   const Room box{{{{1, 0, 0}, 0.9}, {{-1, 0, 0}, 0.9}, {{0, 1, 0}, 0.7}, {{0, -1, 0}, 0.7}}};
   const PoseUpdate blind = slam.add_cloud(sweep_of(box));
   ASSERT_TRUE(blind.registration);
-  EXPECT_EQ(blind.registration->status, RegistrationStatus::kLost);
+  EXPECT_EQ(blind.registration->state, PoseState::kLost);
   EXPECT_FALSE(blind.keyframe);
   EXPECT_EQ(slam.metrics().map_voxels, num_voxels);
   EXPECT_EQ(slam.metrics().sweeps_lost, 1U);

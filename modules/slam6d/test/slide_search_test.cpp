@@ -52,7 +52,7 @@ TEST(SlideSearch, PilastersOfACorridorShowHowFarTheRobotRolledOn) {
 TEST(SlideSearch, InABareCorridorTheCovarianceContainsTheDistance) {
   for (const double rolled_m : {0.25, 0.5}) {
     const Registration found = registered_after(rolled_m, Room::corridor());
-    EXPECT_EQ(found.status, RegistrationStatus::kDegraded) << rolled_m;
+    EXPECT_EQ(found.state, PoseState::kDegraded) << rolled_m;
     EXPECT_GT(sigma_along_m(found), 0.25) << rolled_m;
     EXPECT_LT(std::abs(found.T_map_base.translation().x() - rolled_m), 3.0 * sigma_along_m(found))
         << rolled_m;

@@ -14,7 +14,7 @@ namespace nodmap::slam2d {
 /// All keyframes as nodes of a pose graph, for the final correction of their poses. Edges are the
 /// measured step from each keyframe to the next, and new matches of each keyframe against the
 /// submaps around it.
-struct KeyframeGraph {
+struct PolishGraph {
   std::span<const Keyframe> keyframes;
   std::span<const Submap> submaps;
   std::span<const registration::PoseEdge2d> chain;  ///< from keyframe k to k + 1

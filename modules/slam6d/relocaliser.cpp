@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "modules/slam6d/place_search.hpp"
+#include "modules/slam6d/relocaliser.hpp"
 
 #include <algorithm>
 #include <array>
@@ -61,7 +61,7 @@ std::vector<Eigen::Vector3d> places_about(std::span<const SE3> T_map_keyframes, 
 
 }  // namespace
 
-PlaceSearch::WallCells::WallCells(const VoxelMap& map, float edge_m) : cell_m(edge_m) {
+Relocaliser::WallCells::WallCells(const VoxelMap& map, float edge_m) : cell_m(edge_m) {
   Eigen::AlignedBox3f box;
   const std::vector<Eigen::Vector3f> walls = wall_means(map);
   for (const Eigen::Vector3f& mean : walls) {
@@ -85,7 +85,7 @@ PlaceSearch::WallCells::WallCells(const VoxelMap& map, float edge_m) : cell_m(ed
   }
 }
 
-bool PlaceSearch::WallCells::is_near_wall(const Eigen::Vector3f& p_map) const {
+bool Relocaliser::WallCells::is_near_wall(const Eigen::Vector3f& p_map) const {
   const Eigen::Array3f at = (p_map - p_first).array() / cell_m;
   if ((at < 0.0F).any() || (at >= size.cast<float>().array()).any()) {
     return false;
@@ -93,13 +93,13 @@ bool PlaceSearch::WallCells::is_near_wall(const Eigen::Vector3f& p_map) const {
   return near_wall[index_of(at.cast<int>())] != 0;
 }
 
-std::size_t PlaceSearch::WallCells::index_of(const Eigen::Vector3i& cell) const {
+std::size_t Relocaliser::WallCells::index_of(const Eigen::Vector3i& cell) const {
   const Eigen::Matrix<std::size_t, 3, 1> at = cell.cast<std::size_t>();
   const Eigen::Matrix<std::size_t, 3, 1> num = size.cast<std::size_t>();
   return (at.z() * num.y() + at.y()) * num.x() + at.x();
 }
 
-PlaceSearch::PlaceSearch(const PlaceSearchParams& params, const RegistrationParams& registration,
+Relocaliser::Relocaliser(const RelocaliserParams& params, const RegistrationParams& registration,
                          std::span<const SE3> T_map_keyframes, const VoxelMap& map)
     : params_(params),
       registration_(registration),
@@ -110,7 +110,7 @@ PlaceSearch::PlaceSearch(const PlaceSearchParams& params, const RegistrationPara
   }
 }
 
-StartsResult PlaceSearch::find(const VoxelMap& sweep_base, const VoxelMap& map,
+StartsResult Relocaliser::find(const VoxelMap& sweep_base, const VoxelMap& map,
                                const SeenSpace& seen) const {
   const std::vector<WallPoint> walls_base = wall_points(sweep_base);
   if (walls_base.size() < kMinPoints) {
@@ -129,7 +129,7 @@ StartsResult PlaceSearch::find(const VoxelMap& sweep_base, const VoxelMap& map,
 }
 
 // Some of the wall points, spread over all of them.
-std::vector<PlaceSearch::WallPoint> PlaceSearch::wall_points(const VoxelMap& sweep_base) const {
+std::vector<Relocaliser::WallPoint> Relocaliser::wall_points(const VoxelMap& sweep_base) const {
   std::vector<Eigen::Vector3f> all;
   for (const OrientedPoint& point : sweep_base.select(kWallLevel).points) {
     if (std::abs(point.normal.z()) < kMaxUprightNormal) {
@@ -149,14 +149,14 @@ std::vector<PlaceSearch::WallPoint> PlaceSearch::wall_points(const VoxelMap& swe
   return some;
 }
 
-PosePrior PlaceSearch::prior_at(const SE3& T_map_start) const {
+PosePrior Relocaliser::prior_at(const SE3& T_map_start) const {
   Eigen::Matrix<double, 6, 1> sigma;
   sigma << params_.step_m, params_.step_m, kSigmaHeightM, kSigmaTiltRad, kSigmaTiltRad,
       params_.heading_step_rad;
   return {.T_map_base = T_map_start, .covariance = sigma.cwiseAbs2().asDiagonal()};
 }
 
-double PlaceSearch::part_near_walls(std::span<const WallPoint> walls_rotated,
+double Relocaliser::part_near_walls(std::span<const WallPoint> walls_rotated,
                                     const Eigen::Vector3f& p_map_base, std::size_t stride) const {
   std::size_t num_checked = 0;
   std::size_t num_near = 0;
@@ -169,7 +169,7 @@ double PlaceSearch::part_near_walls(std::span<const WallPoint> walls_rotated,
 
 // The poses at which enough points are near a wall. Every fifth point decides whether the others
 // are checked.
-std::vector<StartPose> PlaceSearch::try_all(std::span<const WallPoint> walls_base) const {
+std::vector<StartPose> Relocaliser::try_all(std::span<const WallPoint> walls_base) const {
   constexpr std::size_t kFirstLook = 5;
   std::vector<StartPose> tried;
   std::vector<WallPoint> rotated(walls_base.begin(), walls_base.end());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "modules/slam2d/keyframe_graph.hpp"
+#include "modules/slam2d/polish_graph.hpp"
 
 #include <cmath>
 
@@ -35,8 +35,8 @@ PoseEdge2d edge_to_nearest(const Submap& submap, const Loop& loop, std::size_t k
 
 }  // namespace
 
-std::vector<geometry::SE2> KeyframeGraph::polished(const LoopCloser& closer,
-                                                   double max_distance_m) const {
+std::vector<geometry::SE2> PolishGraph::polished(const LoopCloser& closer,
+                                                 double max_distance_m) const {
   PoseGraph2d graph;
   for (const Keyframe& keyframe : keyframes) {
     graph.add_node(keyframe.T_map_base);
@@ -51,8 +51,8 @@ std::vector<geometry::SE2> KeyframeGraph::polished(const LoopCloser& closer,
   return {graph.nodes().begin(), graph.nodes().end()};
 }
 
-std::vector<PoseEdge2d> KeyframeGraph::matches(const LoopCloser& closer,
-                                               double max_distance_m) const {
+std::vector<PoseEdge2d> PolishGraph::matches(const LoopCloser& closer,
+                                             double max_distance_m) const {
   std::vector<PoseEdge2d> edges;
   for (std::size_t k = 0; k < keyframes.size(); ++k) {
     const std::vector<OrientedPoint> scan = some_points(keyframes[k]);

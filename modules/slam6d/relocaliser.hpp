@@ -16,7 +16,7 @@
 namespace nodmap::slam6d {
 
 /// Where in a map the robot is searched for, and when a place is believed.
-struct PlaceSearchParams {
+struct RelocaliserParams {
   double min_inlier_ratio = 0.5;
   double max_contradiction_ratio = 0.02;
   double reach_m = 1.2;
@@ -43,10 +43,10 @@ struct PlaceSearchParams {
 /// Finds the place of a sweep in a whole map without a start pose. Tries positions near all poses
 /// from which the map was made, in all headings. The robot is assumed to have the height and tilt
 /// that it had there.
-class PlaceSearch {
+class Relocaliser {
  public:
   /// `T_map_keyframes`: the poses from which the map was made.
-  PlaceSearch(const PlaceSearchParams& params, const RegistrationParams& registration,
+  Relocaliser(const RelocaliserParams& params, const RegistrationParams& registration,
               std::span<const geometry::SE3> T_map_keyframes, const VoxelMap& map);
 
   /// Returns the pose of the sweep in the map. It must not contradict the space that was seen
@@ -79,7 +79,7 @@ class PlaceSearch {
   [[nodiscard]] std::vector<StartPose> try_all(std::span<const WallPoint> walls_base) const;
   [[nodiscard]] PosePrior prior_at(const geometry::SE3& T_map_start) const;
 
-  PlaceSearchParams params_;
+  RelocaliserParams params_;
   RegistrationParams registration_;
   /// Cells of increasing size, each twice as large as the one before: a heading step moves a point
   /// farther the more distant it is.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "modules/slam6d/place_search.hpp"
+#include "modules/slam6d/relocaliser.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,19 +8,19 @@
 #include "modules/slam6d/test/hall.hpp"
 
 namespace nodmap::slam6d {
-namespace place_search_test {
+namespace relocaliser_test {
 
 using geometry::SE3;
 
 StartsResult find(const TestMap& map, const std::vector<SE3>& poses, const VoxelMap& sweep,
-                  const PlaceSearchParams& params = {}) {
-  const PlaceSearch search(params, {}, poses, map.voxels);
+                  const RelocaliserParams& params = {}) {
+  const Relocaliser search(params, {}, poses, map.voxels);
   return search.find(sweep, map.voxels, SeenSpace({}, map.keyframes));
 }
 
 // Walls are up to 20 m away, so that half a step of the searched headings moves them by 0.9 m. With
 // 5 mm of range noise a registration is exact to 1 cm and 0.1 degrees.
-TEST(PlaceSearch, APlaceInAHallWithDistantWallsIsFound) {
+TEST(Relocaliser, APlaceInAHallWithDistantWallsIsFound) {
   const std::vector<SE3> keyframes = circle(57);
   const TestMap map(slanting_hall(), keyframes);
   for (const SE3& T_map_base : {pose(9.13, 0.4, 97.4), pose(-9.2, -0.3, -42.6)}) {
@@ -31,7 +31,7 @@ TEST(PlaceSearch, APlaceInAHallWithDistantWallsIsFound) {
 }
 
 // A square hall looks the same at four headings.
-TEST(PlaceSearch, APlaceThatIsThereTwiceIsAmbiguous) {
+TEST(Relocaliser, APlaceThatIsThereTwiceIsAmbiguous) {
   Room square = Room::corridor();
   square.walls = {{{0, 0, 1}, 0.0},  {{0, 0, 1}, 2.5}, {{1, 0, 0}, 8.0},
                   {{-1, 0, 0}, 8.0}, {{0, 1, 0}, 8.0}, {{0, -1, 0}, 8.0}};
@@ -45,7 +45,7 @@ TEST(PlaceSearch, APlaceThatIsThereTwiceIsAmbiguous) {
   EXPECT_TRUE(found.is_ambiguous);
 }
 
-TEST(PlaceSearch, AnotherBuildingIsNotFound) {
+TEST(Relocaliser, AnotherBuildingIsNotFound) {
   const std::vector<SE3> keyframes = circle(57);
   const StartsResult found = find(TestMap(slanting_hall(), keyframes), keyframes,
                                   sweep_at(Room::hall(), pose(0.0, 0.0, 0.0), 99));
@@ -54,7 +54,7 @@ TEST(PlaceSearch, AnotherBuildingIsNotFound) {
 
 // Enough of the similar hall lies on the map's planes, but its cabinets are in space that the map
 // knows to be free.
-TEST(PlaceSearch, APlaceThatContradictsTheMapIsRefused) {
+TEST(Relocaliser, APlaceThatContradictsTheMapIsRefused) {
   const std::vector<SE3> keyframes = along_hall();
   const TestMap map(Room::hall(), keyframes);
   const SE3 T_map_base = pose(0.2, -0.1, 3.0);
@@ -71,7 +71,7 @@ TEST(PlaceSearch, APlaceThatContradictsTheMapIsRefused) {
   EXPECT_FALSE(doubted.is_ambiguous);
 }
 
-TEST(PlaceSearch, WithoutWallsNothingIsFound) {
+TEST(Relocaliser, WithoutWallsNothingIsFound) {
   const Room floor{{{{0, 0, 1}, 0.0}, {{0, 0, 1}, 2.5}}};
   const std::vector<SE3> keyframes{pose(0.0, 0.0, 0.0)};
   const TestMap map(floor, keyframes);
@@ -79,5 +79,5 @@ TEST(PlaceSearch, WithoutWallsNothingIsFound) {
   EXPECT_FALSE(find(map, keyframes, VoxelMap{VoxelMapParams{}}).best);
 }
 
-}  // namespace place_search_test
+}  // namespace relocaliser_test
 }  // namespace nodmap::slam6d
