@@ -34,20 +34,17 @@ Slam6d::Slam6d(const Slam6dParams& params)
       map_(params.voxels),
       ever_free_(params.cloud),
       corrected_(params.path),
-      back_end_(params.loop, params.registration, params.odometry, params.voxels) {}
+      back_end_(params.loop, params.registration, params.odometry, params.voxels),
+      recovery_(params) {}
 
 std::optional<PoseUpdate> Slam6d::change_odometry_frame(const SE3& T_new_odom_base) {
   auto update = flush();
-  if (const auto T_old_new = collector_.change_odometry_frame(T_new_odom_base)) {
+  const auto T_old_new = collector_.change_odometry_frame(T_new_odom_base);
+  if (T_old_new) {
     tracker_.change_odometry_frame(*T_old_new);
-    if (by_odometry_) {
-      by_odometry_->change_odometry_frame(*T_old_new);
-    }
     keyframe_is_due_ = true;
   }
-  if (localiser_) {
-    localiser_->change_odometry_frame();
-  }
+  recovery_.change_odometry_frame(T_old_new);
   return update;
 }
 
@@ -64,11 +61,9 @@ void Slam6d::restore(const SavedMap& saved, const std::optional<SE3>& T_map_star
   }
   find_moved_points();
   back_end_.restore(saved);
-  localiser_.emplace(params_.localise, params_.registration, keyframes_, map_, T_map_start);
-  localiser_revision_ = back_end_.graph_revision();
+  recovery_.begin_in_saved_map(known(), T_map_start, is_fixed);
   num_restored_ = keyframes_.size();
-  is_map_fixed_ = is_fixed;
-  is_map_closed_ = keyframe_is_due_ = true;
+  keyframe_is_due_ = true;
 }
 
 SavedMap Slam6d::save() const {
@@ -113,7 +108,7 @@ PoseUpdate Slam6d::add_cloud(SweepCloud cloud) {
     keyframe_is_due_ = true;
   }
   PoseUpdate update = tracker_.extrapolate(cloud);
-  update.is_place_known = !is_map_closed_ || localiser_->has_place();
+  update.is_place_known = recovery_.has_place();
   if (!is_usable(update)) {
     keep(update);
     return update;
@@ -128,10 +123,13 @@ PoseUpdate Slam6d::add_cloud(SweepCloud cloud) {
     update = tracker_.extrapolate(cloud);
   }
   if (!update.is_place_known) {
-    find_place(sweep, cloud, update);
+    recovery_.find_place(known(), sweep, cloud, update);
   }
   if (tracker_.has_pose()) {
     track(sweep, cloud, update);
+  }
+  if (update.registration) {
+    counts_.count(update.registration->state);
   }
   update.keyframe = keyframe_reason(update);
   if (update.is_tracked()) {
@@ -150,19 +148,9 @@ PoseUpdate Slam6d::add_cloud(SweepCloud cloud) {
 void Slam6d::track(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update) {
   const int lost_before = tracker_.lost_sweeps();
   tracker_.track(sweep, map_, cloud, update);
-  if (!is_map_closed_ && lost_before > 0) {
-    if (lost_before == 1 && localiser_) {
-      localiser_->forget_place();
-    }
-    recover(sweep, cloud, update);
+  if (recovery_.check_place(known(), lost_before, sweep, cloud, update)) {
+    keyframe_is_due_ = true;
   }
-  if (is_map_closed_) {
-    classify_place(sweep, update);
-    if (by_odometry_ && !localiser_->has_place()) {
-      take_back_place(cloud, update);
-    }
-  }
-  counts_.count(update.registration->state);
 }
 
 void Slam6d::keep(const PoseUpdate& update) {
@@ -248,7 +236,7 @@ void Slam6d::learn_pitch_latency_at_start(const PlacedSweep& sweep) {
 // Only what was registered enters the map: a refused sweep leaves no trace.
 void Slam6d::accept(const VoxelMap& sweep, SweepCloud& cloud, PoseUpdate& update) {
   tracker_.accept(cloud, update);
-  if (!is_map_closed_) {
+  if (!recovery_.is_map_closed()) {
     const std::size_t keyframe = keyframes_.size() - (update.keyframe ? 0 : 1);
     map_.add_sweep(sweep, update.T_map_base, keyframe);
     ever_free_.add_sweep(cloud, update.T_map_base, keyframe);
@@ -272,7 +260,7 @@ bool Slam6d::is_adjusted(const PoseUpdate& update) const {
 // IV B: "only those whose robot base poses P_b are further than 2 m away from each other or that
 // correspond to a rotation of more than 45 deg".
 std::optional<KeyframeReason> Slam6d::keyframe_reason(PoseUpdate& update) const {
-  if (is_map_closed_) {
+  if (recovery_.is_map_closed()) {
     return std::nullopt;
   }
   if (keyframes_.empty()) {

@@ -17,8 +17,10 @@
 #include "modules/slam6d/ever_free_space.hpp"
 #include "modules/slam6d/keyframe.hpp"
 #include "modules/slam6d/localiser.hpp"
+#include "modules/slam6d/metrics.hpp"
 #include "modules/slam6d/params.hpp"
 #include "modules/slam6d/pose_update.hpp"
+#include "modules/slam6d/recovery.hpp"
 #include "modules/slam6d/saved_map.hpp"
 #include "modules/slam6d/sweep_cloud.hpp"
 #include "modules/slam6d/sweep_collector.hpp"
@@ -26,22 +28,6 @@
 #include "modules/slam6d/voxel_map.hpp"
 
 namespace nodmap::slam6d {
-
-/// Counts of everything so far.
-struct Metrics {
-  std::size_t sweeps_tracked = 0;
-  std::size_t sweeps_degraded = 0;
-  std::size_t sweeps_lost = 0;
-  std::size_t map_voxels = 0;
-  std::size_t map_memory_bytes = 0;
-  std::size_t keyframe_memory_bytes = 0;  ///< of their clouds, and of the sweeps in between
-
-  void count(PoseState state) {
-    sweeps_tracked += state == PoseState::kTracking ? 1 : 0;
-    sweeps_degraded += state == PoseState::kDegraded ? 1 : 0;
-    sweeps_lost += state == PoseState::kLost ? 1 : 0;
-  }
-};
 
 /// 6DOF-SLAM of section IV B: scans and odometry in, poses and registered clouds out.
 class Slam6d {
@@ -58,11 +44,9 @@ class Slam6d {
   [[nodiscard]] SavedMap save() const;
   /// Localises the robot in a saved map, or in its own map after it was lost. Empty before it is
   /// needed.
-  [[nodiscard]] const std::optional<Localiser>& localiser() const { return localiser_; }
+  [[nodiscard]] const std::optional<Localiser>& localiser() const { return recovery_.localiser(); }
   /// Whether the next sweep may need a search for the robot, which takes longer.
-  [[nodiscard]] bool may_search() const {
-    return is_map_closed_ ? !localiser_->has_place() : tracker_.lost_sweeps() > 0;
-  }
+  [[nodiscard]] bool may_search() const { return recovery_.may_search(tracker_.lost_sweeps()); }
 
   /// Adds a pose of the robot by odometry. Returns false, and ignores it, if it is not finite.
   bool add_odometry(time::Timestamp stamp, const geometry::SE3& T_odom_base) {
@@ -123,13 +107,10 @@ class Slam6d {
   void learn_pitch_latency_at_start(const PlacedSweep& sweep);
   [[nodiscard]] bool is_better_beginning(const VoxelMap& sweep) const;
   void begin_anew();
-  void find_place(const VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update);
+  [[nodiscard]] Recovery::Known known() {
+    return {tracker_, map_, keyframes_, back_end_.graph_revision(), corrected_, counts_};
+  }
   void track(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update);
-  void classify_place(const VoxelMap& sweep, PoseUpdate& update);
-  void recover(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update);
-  [[nodiscard]] Localiser& localiser_in_own_map();
-  void search_own_map(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update);
-  void take_back_place(const SweepCloud& cloud, PoseUpdate& update);
   void accept(const VoxelMap& sweep, SweepCloud& cloud, PoseUpdate& update);
   [[nodiscard]] bool is_adjusted(const PoseUpdate& update) const;
   [[nodiscard]] std::optional<KeyframeReason> keyframe_reason(PoseUpdate& update) const;
@@ -153,15 +134,8 @@ class Slam6d {
   std::vector<IntermediateSweep> between_;  // for the adjustment at the end
   DroppedKeyframes dropped_;
   BackEnd back_end_;
-  std::optional<Localiser> localiser_;   // in a saved map, or in the own one after LOST
-  std::int64_t localiser_revision_ = 0;  // of the graph from which it was made
-  /// Follows odometry from where the robot was lost, until the place that was found instead is
-  /// confirmed.
-  std::optional<Tracker> by_odometry_;
-  std::size_t first_at_place_ = 0;  // the sweep with which that place was found
-  std::size_t num_restored_ = 0;    // the first keyframes
-  bool is_map_fixed_ = false;
-  bool is_map_closed_ = false;
+  Recovery recovery_;
+  std::size_t num_restored_ = 0;  // the first keyframes
   Metrics counts_;
 };
 
