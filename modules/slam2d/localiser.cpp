@@ -12,7 +12,7 @@ namespace {
 // something else may have moved.
 constexpr double kSearchAgainM = 0.1;
 constexpr double kSearchAgainRad = 0.2;
-constexpr double kSearchAgainS = 1.0;
+constexpr time::Duration kSearchAgain = 1s;
 // A scan confirms a place only from this far away, where it shows something else.
 constexpr double kConfirmM = 0.5;
 constexpr double kConfirmRad = 0.5;
@@ -21,10 +21,6 @@ bool is_beyond(const geometry::SE2& a, const geometry::SE2& b, double distance_m
                double rotation_rad) {
   return (a.translation() - b.translation()).norm() > distance_m ||
          std::abs(geometry::angle_difference(a.yaw, b.yaw)) > rotation_rad;
-}
-
-double seconds_between(time::Timestamp from, time::Timestamp to) {
-  return time::seconds(std::chrono::abs(to - from));
 }
 
 }  // namespace
@@ -197,7 +193,8 @@ void Localiser::follow_odometry(const LevelScan& scan, PoseUpdate& update) {
 /// in doubt, is given up at once.
 bool Localiser::is_misfit_lost(time::Timestamp stamp) const {
   return state_ == State::kUnconfirmed || doubt_.is_there() ||
-         seconds_between(*misfit_since_, stamp) >= params_.localise.max_misfit_s;
+         std::chrono::abs(stamp - *misfit_since_) >=
+             time::from_seconds(params_.localise.max_misfit_s);
 }
 
 PoseUpdate Localiser::search_whole_map(const LevelScan& scan) {
@@ -225,7 +222,7 @@ PoseUpdate Localiser::search_whole_map(const LevelScan& scan) {
 bool Localiser::is_search_due(const LevelScan& scan) const {
   return !failed_search_ ||
          is_beyond(failed_search_->T_odom_base, scan.T_odom_base, kSearchAgainM, kSearchAgainRad) ||
-         seconds_between(failed_search_->stamp, scan.stamp) >= kSearchAgainS;
+         time::is_due(scan.stamp, failed_search_->stamp, kSearchAgain);
 }
 
 }  // namespace nodmap::slam2d
