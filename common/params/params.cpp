@@ -262,10 +262,10 @@ std::string Table::to_markdown() const {
 }
 
 std::string_view unit_of(std::string_view name) {
-  // Longer suffixes first: "_mps" is not "_s".
+  // Longer suffixes first: "_deg_s" and "_mps" are not "_s".
   static constexpr std::array<std::pair<std::string_view, std::string_view>, 12> kUnits{{
-      {"_deg_per_s", "deg/s"},
-      {"_rad_per_s", "rad/s"},
+      {"_deg_s", "deg/s"},
+      {"_rad_s", "rad/s"},
       {"_mps2", "m/s^2"},
       {"_mps", "m/s"},
       {"_deg", "degrees"},

@@ -7,12 +7,12 @@ namespace nodmap::slam2d {
 namespace {
 
 // Greatest speed of a robot without odometry.
-constexpr double kMaxSpeedMPerS = 3.0;
+constexpr double kMaxSpeedMps = 3.0;
 
 }  // namespace
 
 void Doubt::begin(double odometry_gap_s) {
-  reach_m_ = std::min(reach_m_ + kMaxSpeedMPerS * odometry_gap_s, params_.search_distance_m);
+  reach_m_ = std::min(reach_m_ + kMaxSpeedMps * odometry_gap_s, params_.search_distance_m);
 }
 
 void Doubt::update(const PoseUpdate& update, bool is_sure) {

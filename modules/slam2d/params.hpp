@@ -130,8 +130,8 @@ struct DoubtParams {
 struct SlipParams {
   double match_scatter_m = 0.03;
   double match_scatter_rad = geometry::deg_to_rad(1.7);
-  double max_m_per_s = 1.0;
-  double max_rad_per_s = geometry::deg_to_rad(60.0);
+  double max_mps = 1.0;
+  double max_rad_s = geometry::deg_to_rad(60.0);
   double max_ratio = 0.5;
   double wheel_distance_m = 0.4;
 
@@ -141,9 +141,9 @@ struct SlipParams {
              "Scatter of single matches about the true position.");
     v.angle("match_scatter_deg", match_scatter_rad, {0.0, 45.0},
             "Scatter of single matches about the true heading.");
-    v.number("max_m_per_s", max_m_per_s, {0.0, 10.0},
+    v.number("max_mps", max_mps, {0.0, 10.0},
              "Largest slip of the wheels from one scan to the next, in addition to the scatter.");
-    v.angle("max_deg_per_s", max_rad_per_s, {0.0, 720.0},
+    v.angle("max_deg_s", max_rad_s, {0.0, 720.0},
             "Largest slip in rotation from one scan to the next, in addition to the scatter.");
     v.number("max_ratio", max_ratio, {0.0, 1.0},
              "Largest slip of the wheels since the last keyframe, as a ratio of what odometry has "
@@ -364,6 +364,8 @@ struct Slam2dParams {
     v.renamed("lost_distance_m", "lost.distance_m");
     v.renamed("cell_size_m", "grid.cell_size_m");
     v.renamed("map_period_s", "grid.publish_period_s");
+    v.renamed("people.slip.max_m_per_s", "people.slip.max_mps");
+    v.renamed("people.slip.max_deg_per_s", "people.slip.max_deg_s");
   }
 };
 

@@ -70,7 +70,7 @@ bool PoseGuesses::is_beyond_slip(const LevelScan& scan, const geometry::SE2& T_m
   const double slipped_m = slip.max_ratio * distance_m(T_odom_keyframe_, scan.T_odom_base);
   const double slipped_rad = slip.max_ratio * rotation_rad(T_odom_keyframe_, scan.T_odom_base) +
                              slipped_m / slip.wheel_distance_m;
-  return is_beyond(T_map_guess, slip.max_m_per_s * step_s, slip.max_rad_per_s * step_s) ||
+  return is_beyond(T_map_guess, slip.max_mps * step_s, slip.max_rad_s * step_s) ||
          is_beyond(since_keyframe(scan), slipped_m, slipped_rad);
 }
 

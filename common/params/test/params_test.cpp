@@ -142,6 +142,7 @@ TEST_F(ParamsTest, ADumpLoadsAgain) {
 TEST(Params, UnitsComeFromTheSuffix) {
   EXPECT_EQ(unit_of("range_m"), "metres");
   EXPECT_EQ(unit_of("speed_mps"), "m/s");
+  EXPECT_EQ(unit_of("rate_deg_s"), "deg/s");
   EXPECT_EQ(unit_of("period_us"), "microseconds");
   EXPECT_EQ(unit_of("count"), "");
 }
