@@ -131,6 +131,8 @@ void KurtNode::spin_once() {
   const time::Moment now = clock_();
   link_.poll(now);
   stop_on_alarm();
+  const std::int64_t lost = kurt_.counts().encoder_lost + kurt_.counts().encoder_implausible;
+  context_.counts.lose(lost - std::exchange(reported_lost_, lost));
   if (now.steady >= next_control_) {
     // Keeps to the grid of control periods, unless it is more than a period late.
     next_control_ = std::max(next_control_, now.steady - kControlPeriod) + kControlPeriod;

@@ -77,6 +77,7 @@ class KurtNode final : public node::DeviceNode {
   /// The last releases that were obeyed. Copies of one arrive within a second, and nobody releases
   /// the robot this often in that time.
   boost::circular_buffer<StopName> releases_{16};
+  std::int64_t reported_lost_ = 0;
   KurtState logged_state_ = KurtState::kNoLine;
   time::SteadyTime next_control_;
   time::SteadyTime next_sensors_;

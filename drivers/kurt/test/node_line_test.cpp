@@ -72,6 +72,17 @@ TEST(KurtNode, ABaseThatSendsNothingPlausibleIsFailedAndNoOdometryIsPublished) {
   EXPECT_EQ(bench.base.left_cm_s(), 0);
 }
 
+TEST(KurtNode, StatusCountsEncoderFramesThatWereLostOrImplausible) {
+  Bench bench;
+  ASSERT_TRUE(bench.becomes_ready());
+  bench.drive_for(0.5, 0.0, 500ms);
+  bench.base.drop_encoders = 3;
+  bench.drive_for(0.5, 0.0, 100ms);
+  bench.base.wild_encoders = 2;
+  bench.drive_for(0.5, 0.0, 2400ms);  // losses are found within a second, STATUS is due every one
+  EXPECT_EQ(bench.status.get()->total_lost, 5);
+}
+
 TEST(KurtNode, AMuteAdapterIsFailedAndThePortIsOpenedAgain) {
   Bench bench;
   ASSERT_TRUE(bench.becomes_ready());
