@@ -239,6 +239,9 @@ node::Health Laser3d::health(time::SteadyTime now) const {
   if (now - last_scan_ > kNoScan) {
     return {HealthState::kFailed, "no scan could be given a pitch"};
   }
+  if (const std::string warning = servo_->warning(); !warning.empty()) {
+    return {Condition::kDegraded, "servo: " + warning};
+  }
   if (status_.severity() >= kErrorSeverity) {
     return {HealthState::kDegraded, "laser: reports an error"};
   }

@@ -39,7 +39,8 @@ struct DynamixelStatus {
 
   /// 0 none, 1 result, 2 instruction, 3 checksum, 4 range, 5 length, 6 limit, 7 access.
   [[nodiscard]] int error_code() const { return error & 0x7F; }
-  /// Whether the servo has switched itself off or is about to; register 70 contains the reason.
+  /// Whether there is a hardware error, for which the servo may have switched itself off; register
+  /// 70 contains it.
   [[nodiscard]] bool hardware_alert() const { return (error & 0x80) != 0; }
 };
 

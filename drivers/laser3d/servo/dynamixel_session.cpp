@@ -22,8 +22,11 @@ constexpr time::Duration kReturnDelay = 500us;
 // The servo counts whole milliseconds; on average half of one more has passed.
 constexpr time::Duration kHalfTick = 500us;
 
-std::string alert_text(std::uint8_t bits) {
-  std::string text = "the servo switched itself off:";
+/// How often the errors are read while the servo continues in spite of one: another may be added.
+constexpr time::Duration kAlertCheckPeriod = 200ms;
+
+std::string names_of_errors(std::uint8_t bits) {
+  std::string text;
   const auto add = [&](unsigned bit, const char* word) {
     if ((bits >> bit & 1U) != 0) {
       text += word;
@@ -144,8 +147,6 @@ Bytes DynamixelSession::request() const {
       return write_byte(id_, kTorqueEnable, 1);
     case Step::kWatchdog:
       return write_byte(id_, kBusWatchdog, kWatchdog20Ms);
-    case Step::kReadAlert:
-      return dynamixel::read(id_, kHardwareError, 1);
     case Step::kReboot:
       return dynamixel::reboot(id_);
     default:
@@ -190,9 +191,13 @@ ServoOutput DynamixelSession::take(const DynamixelStatus& answer, time::SteadyTi
     return missed(now);  // the servo has done nothing, as if it had not received the request
   }
   misses_ = 0;
-  if (answer.hardware_alert() && step_ != Step::kReadAlert && step_ != Step::kReboot) {
-    ++counts_.alerts;
-    return enter(Step::kReadAlert, now);
+  if (const auto errors = dynamixel_x::hardware_errors_in(answer)) {
+    return take(*errors, now);
+  }
+  if (!answer.hardware_alert()) {
+    warning_.clear();
+  } else if (now >= next_alert_check_ && step_ != Step::kReboot) {
+    return ask(dynamixel_x::read_hardware_errors(id_), now);
   }
   if (answer.error_code() != 0) {
     ++counts_.refused;
@@ -234,9 +239,6 @@ ServoOutput DynamixelSession::advance(const DynamixelStatus& answer, time::Stead
       return enter(Step::kTorqueOn, now);
     case Step::kTorqueOn:
       return enter(Step::kWatchdog, now);
-    case Step::kReadAlert:
-      last_error_ = alert_text(value());
-      return enter(Step::kReboot, now);
     case Step::kReboot:
       deadline_ = now + kRebootTime;
       return {};
@@ -250,6 +252,18 @@ ServoOutput DynamixelSession::advance(const DynamixelStatus& answer, time::Stead
   next_reading_ = now;
   step_ = Step::kRun;
   return run(now);
+}
+
+ServoOutput DynamixelSession::take(const dynamixel_x::HardwareErrors& errors,
+                                   time::SteadyTime now) {
+  if ((errors.present & errors.switching_off) != 0) {
+    ++counts_.shutdowns;
+    last_error_ = "the servo switched itself off:" + names_of_errors(errors.present);
+    return enter(Step::kReboot, now);
+  }
+  warning_ = "the servo reports a fault:" + names_of_errors(errors.present);
+  next_alert_check_ = now + kAlertCheckPeriod;
+  return step_ == Step::kRun ? run(now) : ask(request(), now);
 }
 
 bool DynamixelSession::has_restarted(const dynamixel_x::State& state, time::SteadyTime now) {

@@ -21,7 +21,7 @@ class DynamixelSession : public ServoSession {
     std::int64_t damaged = 0;  ///< requests that arrived damaged, according to the servo
     std::int64_t refused = 0;
     std::int64_t implausible = 0;  ///< positions more than a revolution from level
-    std::int64_t alerts = 0;  ///< overload, overheating or voltage; the servo had to be restarted
+    std::int64_t shutdowns = 0;    ///< by the servo itself, for example overloaded
   };
 
   /// The head accelerates by at most `acceleration_rad_s2`.
@@ -36,6 +36,7 @@ class DynamixelSession : public ServoSession {
   [[nodiscard]] bool running() const override { return step_ == Step::kRun && last_error_.empty(); }
   [[nodiscard]] bool measures_pitch() const override { return true; }
   [[nodiscard]] const std::string& last_error() const override { return last_error_; }
+  [[nodiscard]] std::string warning() const override { return warning_; }
   [[nodiscard]] ServoCounts line_counts() const override;
   [[nodiscard]] const Counts& counts() const { return counts_; }
 
@@ -51,7 +52,6 @@ class DynamixelSession : public ServoSession {
     kTorqueOn,
     kWatchdog,
     kRun,
-    kReadAlert,
     kReboot,
     kWait,
   };
@@ -68,6 +68,8 @@ class DynamixelSession : public ServoSession {
   [[nodiscard]] ServoOutput take(const DynamixelStatus& answer, time::SteadyTime now);
   [[nodiscard]] ServoOutput advance(const DynamixelStatus& answer, time::SteadyTime now);
   [[nodiscard]] ServoOutput fail(std::string reason, time::SteadyTime now);
+  /// Restarts the servo if it has switched itself off, and otherwise continues.
+  [[nodiscard]] ServoOutput take(const dynamixel_x::HardwareErrors& errors, time::SteadyTime now);
   [[nodiscard]] bool has_restarted(const dynamixel_x::State& state, time::SteadyTime now);
   /// Converts a reading; empty if the head cannot be at this position.
   [[nodiscard]] std::optional<PitchSample> sample_of(const dynamixel_x::State& state,
@@ -89,7 +91,9 @@ class DynamixelSession : public ServoSession {
   double goal_rad_ = 0.0;
   double speed_rad_s_ = 0.0;
   bool move_pending_ = false;
+  time::SteadyTime next_alert_check_;
   std::string last_error_ = "not connected";
+  std::string warning_;
   Counts counts_;
 };
 

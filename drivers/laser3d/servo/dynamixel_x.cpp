@@ -9,6 +9,8 @@ namespace nodmap::laser3d::dynamixel_x {
 namespace {
 
 constexpr std::uint16_t kStateBytes = 16;
+// From kShutdown to kHardwareError. No other answer has this length.
+constexpr std::uint16_t kErrorBytes = kHardwareError - kShutdown + 1;
 constexpr double kMaxProfileValue = 32'767.0;
 
 std::uint32_t profile_value(double value, double unit) {
@@ -35,6 +37,18 @@ std::optional<State> state_in(const DynamixelStatus& answer) {
     return std::nullopt;
   }
   return state;
+}
+
+Bytes read_hardware_errors(std::uint8_t id) {
+  return dynamixel::read(id, kShutdown, kErrorBytes);
+}
+
+std::optional<HardwareErrors> hardware_errors_in(const DynamixelStatus& answer) {
+  if (answer.parameters.size() != kErrorBytes) {
+    return std::nullopt;
+  }
+  return HardwareErrors{.present = answer.parameters.back(),
+                        .switching_off = answer.parameters.front()};
 }
 
 Bytes move_to(std::uint8_t id, std::int32_t position, double speed_rad_s) {

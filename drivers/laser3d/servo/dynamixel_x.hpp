@@ -11,6 +11,7 @@
 namespace nodmap::laser3d::dynamixel_x {
 
 inline constexpr std::uint16_t kOperatingMode = 11;  // in EEPROM: written only if different
+inline constexpr std::uint16_t kShutdown = 63;  // the hardware errors that switch the torque off
 inline constexpr std::uint16_t kTorqueEnable = 64;
 inline constexpr std::uint16_t kHardwareError = 70;
 // In units of 20 ms; stops the servo if the host is silent.
@@ -35,6 +36,15 @@ struct State {
 
 [[nodiscard]] Bytes read_state(std::uint8_t id);
 [[nodiscard]] std::optional<State> state_in(const DynamixelStatus& answer);
+
+/// Hardware errors, as bits.
+struct HardwareErrors {
+  std::uint8_t present = 0;
+  std::uint8_t switching_off = 0;  ///< those at which the servo switches its torque off
+};
+
+[[nodiscard]] Bytes read_hardware_errors(std::uint8_t id);
+[[nodiscard]] std::optional<HardwareErrors> hardware_errors_in(const DynamixelStatus& answer);
 
 /// Writes speed and goal in one request, so that no movement begins at the old speed. Sends a speed
 /// of at least 1, because 0 would mean "as fast as possible".

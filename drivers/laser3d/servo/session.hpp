@@ -112,6 +112,8 @@ class ServoSession : private boost::noncopyable {
   [[nodiscard]] virtual ServoCounts line_counts() const { return {}; }
   /// Why the servo is not running; empty while it is.
   [[nodiscard]] virtual const std::string& last_error() const = 0;
+  /// What is wrong although the servo is running; empty if nothing is.
+  [[nodiscard]] virtual std::string warning() const { return {}; }
 };
 
 }  // namespace nodmap::laser3d

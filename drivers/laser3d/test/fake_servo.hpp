@@ -15,6 +15,10 @@ namespace nodmap::laser3d::test {
 /// driver's encoders.
 class FakeServo {
  public:
+  FakeServo() {
+    registers[63] = 0x34;  // errors at which it switches itself off: factory setting
+  }
+
   std::array<std::uint8_t, 150> registers{};
   bool powered = true;
   bool alert = false;

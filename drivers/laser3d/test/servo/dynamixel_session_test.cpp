@@ -169,6 +169,36 @@ TEST(DynamixelSession, AnAlertIsReportedAndTheServoRestarted) {
   EXPECT_TRUE(rig.dut.running());
 }
 
+// The servo keeps its torque at this error, so a restart would only drop the head; and while the
+// supply stays weak, again and again.
+TEST(DynamixelSession, AnAlertThatDoesNotSwitchTheServoOffIsOnlyReported) {
+  for (const bool from_the_start : {true, false}) {
+    Rig rig;
+    rig.servo.registers[70] = 0x01;
+    rig.servo.alert = from_the_start;
+    rig.open();
+    rig.run(0.3);
+    rig.servo.alert = true;
+    rig.run(0.1);
+    const std::size_t samples = rig.samples.size();
+    for (int i = 0; i < 1000; ++i) {
+      rig.run(0.001);
+      EXPECT_TRUE(rig.dut.running());
+    }
+    EXPECT_GT(rig.samples.size(), samples + 180);  // every 5 ms; some are left out for the alert
+    EXPECT_EQ(rig.servo.reboots, 0);
+    EXPECT_EQ(rig.dut.warning(), "the servo reports a fault: supply voltage");
+    rig.servo.alert = false;
+    rig.run(0.1);
+    EXPECT_EQ(rig.dut.warning(), "");
+    rig.servo.registers[70] = 0x21;
+    rig.servo.alert = true;
+    rig.run(0.3);
+    EXPECT_EQ(rig.servo.reboots, 1);
+    EXPECT_EQ(rig.dut.last_error(), "the servo switched itself off: supply voltage overload");
+  }
+}
+
 TEST(DynamixelSession, AfterARestartItContinuesToItsGoal) {
   Rig rig;
   rig.open();
