@@ -79,6 +79,11 @@ RecorderSettings recorder_settings(const LoggerParams& params, const std::string
   if (settings.quota_bytes > 0 && settings.split_bytes == 0) {
     throw node::UsageError("quota_mb needs split_mb: only completed files can be deleted");
   }
+  if (settings.quota_bytes > 0 && settings.quota_bytes < 2 * settings.split_bytes) {
+    throw node::UsageError(
+        "quota_mb must be at least twice split_mb: whole files are deleted, and with a smaller "
+        "quota each new file would delete all that was recorded before it");
+  }
   if (file.empty()) {
     return settings;
   }

@@ -24,9 +24,10 @@ struct LoggerParams {
            "Channels to leave out although channel_regex matches; empty: none; also --exclude.");
     v.number("split_mb", split_mb, {0.0, 1e6},
              "Size limit of a file (10^6 bytes), at which the next file begins; 0: no limit.");
-    v.number("quota_mb", quota_mb, {0.0, 1e9},
-             "Limit for all logs of this name in the folder together (10^6 bytes), including "
-             "those of earlier runs; the oldest are deleted; 0: no limit. Needs split_mb.");
+    v.number(
+        "quota_mb", quota_mb, {0.0, 1e9},
+        "Limit for all logs of this name in the folder together (10^6 bytes), including "
+        "those of earlier runs; the oldest are deleted; 0: no limit. At least twice split_mb.");
     v.number("reserve_mb", reserve_mb, {0.0, 1e9},
              "Space to keep free on the disk (10^6 bytes): the oldest logs of this name are "
              "deleted, and if that does not suffice, recording pauses; 0: none.");

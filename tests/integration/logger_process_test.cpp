@@ -229,6 +229,9 @@ TEST_F(LoggerProcess, RefusesToOverwriteAndInvalidParameters) {
   EXPECT_THAT(wrong_regex.said(), ::testing::HasSubstr("'A('"));
   ChildProcess no_split(command({"--set", "quota_mb=1", "--set", "split_mb=0"}));
   EXPECT_EQ(no_split.wait_for_end(kPatience), 2);
+  ChildProcess split_over_quota(command({"--set", "quota_mb=1.9", "--set", "split_mb=1"}));
+  EXPECT_EQ(split_over_quota.wait_for_end(kPatience), 2);
+  EXPECT_THAT(split_over_quota.said(), ::testing::HasSubstr("at least twice split_mb"));
   ChildProcess unknown(command({"--set", "colour=red"}));
   EXPECT_EQ(unknown.wait_for_end(kPatience), 2);
 }

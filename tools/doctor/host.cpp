@@ -39,7 +39,7 @@ Finding check_disk(const std::string& dir, std::int64_t available_bytes) {
                                std::to_string(available_bytes / kMegabyte) + " MB, about " +
                                std::to_string(minutes) + " min of all channels.";
   const std::string command =
-      "du -sh " + dir + "/* | sort -h  # and: nodmap-logger --set quota_mb=N";
+      "du -sh " + dir + "/* | sort -h  # and: nodmap-logger --set quota_mb=1000 --set split_mb=100";
   if (available_bytes < kTooLittle) {
     return {"disk", Status::kFail, sentence, command};
   }
