@@ -7,20 +7,30 @@
 #include <utility>
 
 namespace nodmap::bus {
+namespace {
+
+/// A greater step of log time, from one event to the next, is a step of the clock. Processes
+/// publish STATUS every second, and events are logged nearly in the order in which they are
+/// received.
+constexpr time::Duration kLongestPause = 60s;
+constexpr time::Duration kLongestStepBack = 1s;
+
+}  // namespace
 
 LogPlayer::LogPlayer(std::vector<std::filesystem::path> logs) : logs_(std::move(logs)) {
-  for (const std::filesystem::path& log : logs_) {
-    LogReader reader(log);
-    while (const LogEvent* event = reader.next()) {
-      first_ = std::min(first_, time::from_utime(event->log_utime_us));
-      last_ = std::max(last_, time::from_utime(event->log_utime_us));
-    }
-    if (std::string damage = reader.damage(); !damage.empty()) {
-      damages_.push_back(std::move(damage));
-    }
-  }
   if (logs_.empty()) {
     throw std::runtime_error("no log to play");
+  }
+  rewind();
+  while (Source* source = earliest()) {
+    hand_over(*source);
+    first_ = std::min(first_, event_time_);
+    last_ = std::max(last_, event_time_);
+  }
+  for (const Source& source : sources_) {
+    if (std::string damage = source.reader->damage(); !damage.empty()) {
+      damages_.push_back(std::move(damage));
+    }
   }
   if (first_ > last_) {
     LogReader(logs_.front()).require_event();
@@ -29,6 +39,8 @@ LogPlayer::LogPlayer(std::vector<std::filesystem::path> logs) : logs_(std::move(
 }
 
 void LogPlayer::rewind() {
+  event_time_ = {};
+  logged_.reset();
   sources_.clear();
   for (const std::filesystem::path& log : logs_) {
     Source source{std::make_unique<LogReader>(log), nullptr};
@@ -58,24 +70,34 @@ LogPlayer::Source* LogPlayer::earliest() {
 bool LogPlayer::catch_up(std::int64_t max_events) {
   for (std::int64_t i = 0; i < max_events; ++i) {
     Source* source = earliest();
-    if (source == nullptr || time::from_utime(source->event->log_utime_us) > now()) {
+    if (source == nullptr || time_of(*source->event) > now()) {
       return true;
     }
-    hand_over(*source->event);
-    source->event = source->reader->next();
+    hand_over(*source);
   }
   return false;
 }
 
-void LogPlayer::hand_over(const LogEvent& event) {
-  event_time_ = time::from_utime(event.log_utime_us);
-  const auto found = handlers_.find(event.channel);
-  if (found == handlers_.end()) {
-    return;
+time::Timestamp LogPlayer::time_of(const LogEvent& event) const {
+  const time::Timestamp logged = time::from_utime(event.log_utime_us);
+  if (!logged_) {
+    return logged;
   }
-  for (const BytesHandler& handler : found->second) {
-    handler(event.data);
+  const time::Duration passed = logged - *logged_;
+  const bool was_set = passed > kLongestPause || passed < -kLongestStepBack;
+  return event_time_ + (was_set ? 0us : passed);
+}
+
+void LogPlayer::hand_over(Source& source) {
+  const LogEvent& event = *source.event;
+  event_time_ = time_of(event);
+  logged_ = time::from_utime(event.log_utime_us);
+  if (const auto found = handlers_.find(event.channel); found != handlers_.end()) {
+    for (const BytesHandler& handler : found->second) {
+      handler(event.data);
+    }
   }
+  source.event = source.reader->next();
 }
 
 void LogPlayer::set_speed(double speed) {

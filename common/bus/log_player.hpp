@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,12 +17,16 @@ namespace nodmap::bus {
 
 /// A bus that plays one or more event logs, merged by log time. The caller says how much time
 /// passes; published messages are discarded.
+///
+/// Its times are log times without the steps of the clock: where the clock was set while the logger
+/// ran, time goes on without a pause, and so it does after a minute without events. Otherwise a
+/// computer that boots with a wrong time would leave a hole of hours or years in its recording.
 class LogPlayer : public Bus {
  public:
   static constexpr double kMinSpeed = 0.01;
   static constexpr double kMaxSpeed = 100.0;
 
-  /// Reads each log once, for its first and last time. Throws formats::InputFileError when one
+  /// Reads all logs once, for the first and the last time. Throws formats::InputFileError when one
   /// cannot be read or none holds an event.
   explicit LogPlayer(std::vector<std::filesystem::path> logs);
 
@@ -46,9 +51,9 @@ class LogPlayer : public Bus {
   [[nodiscard]] double speed() const { return speed_; }
   [[nodiscard]] time::Duration position() const { return position_; }
   [[nodiscard]] time::Duration duration() const { return last_ - first_; }
-  /// Log time at the present position.
+  /// Time at the present position.
   [[nodiscard]] time::Timestamp now() const { return first_ + position_; }
-  /// Log time of the event being delivered; the epoch before the first.
+  /// Time of the event being delivered; the epoch before the first.
   [[nodiscard]] time::Timestamp event_time() const { return event_time_; }
   [[nodiscard]] bool at_end() const { return position_ >= duration(); }
 
@@ -60,7 +65,10 @@ class LogPlayer : public Bus {
 
   void rewind();
   [[nodiscard]] Source* earliest();
-  void hand_over(const LogEvent& event);
+  /// The time of the next event.
+  [[nodiscard]] time::Timestamp time_of(const LogEvent& event) const;
+  /// Delivers the source's event and reads its next one.
+  void hand_over(Source& source);
   bool send(const std::string& channel, std::span<const std::byte> bytes) override;
   void listen(const std::string& channel, BytesHandler handler, int queue_capacity) override;
 
@@ -72,6 +80,7 @@ class LogPlayer : public Bus {
   time::Timestamp last_ = time::Timestamp::min();
   time::Duration position_{};
   time::Timestamp event_time_{};
+  std::optional<time::Timestamp> logged_;  // the log time of that event
   double speed_ = 1.0;
   bool paused_ = false;
 };

@@ -43,8 +43,8 @@ class Series {
 
 /// The quantities that the page plots, over whole recordings: `forward_mps`, `max_forward_mps`,
 /// `clear_distance_m`, `nearest_m` (the nearest point of OBSTACLE_MAP), `pitch_rad`, `sweep_s`, and
-/// `latency_p99_us PROCESS`. Times are log times in seconds since the epoch. Throws as
-/// bus::LogPlayer does.
+/// `latency_p99_us PROCESS`. Times are those of bus::LogPlayer, in seconds since the epoch.
+/// Throws as it does.
 [[nodiscard]] Json log_history(const std::vector<std::filesystem::path>& logs);
 
 }  // namespace nodmap::viewer

@@ -210,8 +210,7 @@ void run_replay(const Options& options, const ViewerParams& params) {
   for (const std::string& damage : player.damages()) {
     log::get().warn("{}", damage);
   }
-  const std::vector<std::string> events =
-      playback_events(options.replay, player.now() - player.position());
+  const std::vector<std::string> events = playback_events(options.replay);
   node::MessageCounts counts;
   bool changed = false;
   bool went_back = false;

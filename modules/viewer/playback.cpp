@@ -3,13 +3,15 @@
 
 #include <cmath>
 #include <iomanip>
+#include <limits>
 #include <map>
 #include <set>
+#include <span>
 #include <sstream>
 #include <utility>
 
 #include "common/bus/codec.hpp"
-#include "common/bus/event_log.hpp"
+#include "common/geometry/time.hpp"
 #include "common/node/messages.hpp"
 #include "nodmap/cloud_chunk_t.hpp"
 #include "nodmap/status_t.hpp"
@@ -25,17 +27,17 @@ constexpr std::size_t kMaxEventsOfAKind = 1000;
 /// Finds the messages that report an event, which is a change of state.
 class EventFinder {
  public:
-  /// Describes what happened at this log event; empty if nothing.
-  std::string look_at(const bus::LogEvent& event) {
-    if (event.channel == "STOP" && bus::decode_into(stop_, event.data)) {
+  /// Describes what happened by this message; empty if nothing.
+  std::string look_at(const std::string& channel, std::span<const std::byte> bytes) {
+    if (channel == "STOP" && bus::decode_into(stop_, bytes)) {
       const bool was_stopped = std::exchange(is_stopped_, stop_.is_stopped != 0);
       const bool is_new = is_stopped_ && !was_stopped;
       return is_new ? "stop by " + node::read_name(stop_.requested_by) : std::string();
     }
-    if (event.channel == "STATUS" && bus::decode_into(status_, event.data)) {
+    if (channel == "STATUS" && bus::decode_into(status_, bytes)) {
       return status_event();
     }
-    if (event.channel == "CLOUD" && bus::decode_into(chunk_, event.data)) {
+    if (channel == "CLOUD" && bus::decode_into(chunk_, bytes)) {
       const bool is_new = chunk_.keyframe_id != std::exchange(keyframe_, chunk_.keyframe_id);
       return is_new ? "keyframe " + std::to_string(chunk_.keyframe_id) : std::string();
     }
@@ -75,26 +77,25 @@ Json playback_parameters(const bus::LogPlayer& player) {
        parameter("playback.speed", player.speed()), parameter("playback.paused", player.paused())});
 }
 
-std::vector<std::string> playback_events(const std::vector<std::filesystem::path>& logs,
-                                         time::Timestamp begin) {
-  std::multimap<time::Duration, std::string> events;
+std::vector<std::string> playback_events(const std::vector<std::filesystem::path>& logs) {
+  bus::LogPlayer player(logs);
+  const time::Timestamp begin = player.now();
+  EventFinder finder;
   std::map<char, std::size_t> counts;  // by the first letter of the kind of event
-  for (const std::filesystem::path& log : logs) {
-    bus::LogReader reader(log);
-    EventFinder finder;
-    while (const bus::LogEvent* event = reader.next()) {
-      std::string what = finder.look_at(*event);
-      if (!what.empty() && ++counts[what.front()] <= kMaxEventsOfAKind) {
-        events.emplace(time::from_utime(event->log_utime_us) - begin, std::move(what));
-      }
-    }
-  }
   std::vector<std::string> lines;
-  for (const auto& [position, what] : events) {
-    std::ostringstream line;
-    line << std::fixed << std::setprecision(3) << time::seconds(position) << ' ' << what;
-    lines.push_back(line.str());
+  for (const std::string channel : {"STOP", "STATUS", "CLOUD"}) {
+    player.subscribe_bytes(channel, [&, channel](std::span<const std::byte> bytes) {
+      const std::string what = finder.look_at(channel, bytes);
+      if (!what.empty() && ++counts[what.front()] <= kMaxEventsOfAKind) {
+        std::ostringstream line;
+        line << std::fixed << std::setprecision(3) << time::seconds(player.event_time() - begin)
+             << ' ' << what;
+        lines.push_back(line.str());
+      }
+    });
   }
+  (void)player.seek(player.duration());
+  player.catch_up(std::numeric_limits<std::int64_t>::max());
   return lines;
 }
 

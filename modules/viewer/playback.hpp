@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "common/bus/log_player.hpp"
-#include "common/geometry/time.hpp"
 #include "modules/viewer/foxglove/foxglove.hpp"
 
 namespace nodmap::viewer {
@@ -20,10 +19,10 @@ using foxglove::Json;
 [[nodiscard]] Json playback_parameters(const bus::LogPlayer& player);
 
 /// The events in recordings, for marks on the time line: "12.345 stop by WHO", "12.345 fault
-/// PROCESS: REASON", "12.345 keyframe NUMBER"; seconds from `begin`, in the order of time, at most
+/// PROCESS: REASON", "12.345 keyframe NUMBER"; position in seconds, in the order of time, at most
 /// 1000 of each kind.
 [[nodiscard]] std::vector<std::string> playback_events(
-    const std::vector<std::filesystem::path>& logs, time::Timestamp begin);
+    const std::vector<std::filesystem::path>& logs);
 
 /// The result of setting a parameter.
 struct PlaybackChange {

@@ -22,12 +22,13 @@ constexpr std::int64_t kMany = 1'000'000;
 class LogPlayerTest : public ::testing::Test {
  protected:
   /// A log of one-byte messages on channel A at these times after the common begin.
-  std::filesystem::path log(const std::string& name, const std::vector<int>& times_us, char first) {
+  std::filesystem::path log(const std::string& name, const std::vector<time::Duration>& times,
+                            char first) {
     const std::filesystem::path path = dir_.path() / name;
     LogWriter writer(path);
-    for (const int time_us : times_us) {
+    for (const time::Duration time : times) {
       const std::string text(1, first++);
-      EXPECT_TRUE(writer.write(1'000'000 + time_us, "A", std::as_bytes(std::span(text))));
+      EXPECT_TRUE(writer.write(time::to_us(1s + time), "A", std::as_bytes(std::span(text))));
     }
     return path;
   }
@@ -43,7 +44,7 @@ class LogPlayerTest : public ::testing::Test {
 };
 
 TEST_F(LogPlayerTest, DeliversEventsUpToThePosition) {
-  LogPlayer player({log("a", {0, 100, 200}, 'a')});
+  LogPlayer player({log("a", {0us, 100us, 200us}, 'a')});
   receive_from(player);
   EXPECT_TRUE(player.catch_up(kMany));
   EXPECT_EQ(received_, "a");
@@ -61,15 +62,51 @@ TEST_F(LogPlayerTest, DeliversEventsUpToThePosition) {
 }
 
 TEST_F(LogPlayerTest, MergesLogsByTime) {
-  LogPlayer player({log("a", {0, 100, 200}, 'a'), log("b", {50, 100, 150}, 'x')});
+  LogPlayer player({log("a", {0us, 100us, 200us}, 'a'), log("b", {50us, 100us, 150us}, 'x')});
   receive_from(player);
   player.advance(200us);
   player.catch_up(kMany);
   EXPECT_EQ(received_, "axbyzc");
 }
 
+// A computer without a clock of its own is set while the logger runs.
+TEST_F(LogPlayerTest, AStepOfTheClockIsLeftOut) {
+  for (const time::Duration step :
+       {time::Duration(1h), time::Duration(-1h), time::Duration(500'000h)}) {
+    LogPlayer player(
+        {log("a" + std::to_string(step / 1h), {2h, 2h + 100us, 2h + step, 2h + step + 50us}, 'a')});
+    EXPECT_EQ(player.duration(), 150us);
+    received_.clear();
+    receive_from(player);
+    const auto received_at = [&](time::Duration position) {
+      const bool went_back = player.seek(position);
+      received_ = went_back ? "" : received_;
+      player.catch_up(kMany);
+      return received_;
+    };
+    EXPECT_EQ(received_at(99us), "a");
+    EXPECT_EQ(received_at(100us), "abc");
+    EXPECT_EQ(received_at(149us), "abc");
+    EXPECT_EQ(received_at(150us), "abcd");
+    EXPECT_EQ(player.event_time(), player.now());
+    EXPECT_EQ(received_at(99us), "a");
+    EXPECT_EQ(received_at(150us), "abcd");
+  }
+}
+
+// The clock was set in the first of two logs that the logger split.
+TEST_F(LogPlayerTest, AStepOfTheClockIsLeftOutInTheNextLogToo) {
+  LogPlayer player({log("a", {0us, 100us, 1h + 100us}, 'a'), log("b", {1h + 200us}, 'x')});
+  EXPECT_EQ(player.duration(), 200us);
+}
+
+TEST_F(LogPlayerTest, APauseOfAMinuteStays) {
+  LogPlayer player({log("a", {0us, 60s}, 'a')});
+  EXPECT_EQ(player.duration(), 60s);
+}
+
 TEST_F(LogPlayerTest, SpeedAndPause) {
-  LogPlayer player({log("a", {0, 1000}, 'a')});
+  LogPlayer player({log("a", {0us, 1000us}, 'a')});
   player.set_speed(2.0);
   player.advance(100us);
   EXPECT_EQ(player.position(), 200us);
@@ -83,7 +120,7 @@ TEST_F(LogPlayerTest, SpeedAndPause) {
 }
 
 TEST_F(LogPlayerTest, SeekingBackStartsAgain) {
-  LogPlayer player({log("a", {0, 100, 200}, 'a')});
+  LogPlayer player({log("a", {0us, 100us, 200us}, 'a')});
   receive_from(player);
   EXPECT_FALSE(player.seek(200us));
   player.catch_up(kMany);
@@ -96,7 +133,7 @@ TEST_F(LogPlayerTest, SeekingBackStartsAgain) {
 }
 
 TEST_F(LogPlayerTest, ManyEventsAreDeliveredInParts) {
-  LogPlayer player({log("a", {0, 1, 2, 3}, 'a')});
+  LogPlayer player({log("a", {0us, 1us, 2us, 3us}, 'a')});
   receive_from(player);
   player.advance(10us);
   EXPECT_FALSE(player.catch_up(3));
@@ -106,7 +143,7 @@ TEST_F(LogPlayerTest, ManyEventsAreDeliveredInParts) {
 }
 
 TEST_F(LogPlayerTest, SendsNothingAnywhere) {
-  LogPlayer player({log("a", {0}, 'a')});
+  LogPlayer player({log("a", {0us}, 'a')});
   player.publish("DRIVE", nodmap::drive_t{});
   EXPECT_EQ(player.counts().published, 0);
 }
