@@ -17,6 +17,9 @@ constexpr time::Duration kReadingLife = 500ms;
 constexpr double kReactionS = 0.1;
 /// Vibration exceeds any tilt for a moment only.
 constexpr time::Duration kTiltedFor = 500ms;
+/// Distance of the body's corners from the centre, by which they move when the robot rotates.
+constexpr double kTurningRadiusM = 0.3;
+constexpr double kUnlimitedMps = std::numeric_limits<double>::infinity();
 /// At slower commands a wheel may stand still although nothing blocks it.
 constexpr double kSurelyTurningMps = 0.05;
 /// An encoder at rest may count one tick back and forth. A wheel has turned after more.
@@ -76,16 +79,18 @@ void BaseGuard::add(const RangeReadings& readings, time::SteadyTime now) {
 void BaseGuard::add(const Tilt& tilt, time::SteadyTime now) {
   if (std::max(std::abs(tilt.roll_rad), std::abs(tilt.pitch_rad)) <= params_.max_tilt_rad) {
     tilted_since_.reset();
+    is_tilted_ = false;
     return;
   }
   tilted_since_ = tilted_since_.value_or(now);
-  if (now - *tilted_since_ >= kTiltedFor) {
+  if (now - *tilted_since_ >= kTiltedFor && !std::exchange(is_tilted_, true)) {
     alarm_ = Alarm::kTilt;
   }
 }
 
 void BaseGuard::add(const Bumpers& bumpers) {
-  if (params_.use_bumper && bumpers.is_touched) {
+  const bool is_touched = params_.use_bumper && bumpers.is_touched;
+  if (!std::exchange(is_touched_, is_touched) && is_touched) {
     alarm_ = Alarm::kBumper;
   }
 }
@@ -112,22 +117,30 @@ time::Duration BaseGuard::TurningWheel::add(int ticks, double commanded_mps, tim
 }
 
 DriveCommand BaseGuard::limit(const DriveCommand& command, time::SteadyTime now) const {
-  const double safe_mps =
-      command.forward_mps > 0.0
-          ? std::min({safe_speed_mps(ahead_, now), safe_speed_mps(left_corner_, now),
-                      safe_speed_mps(right_corner_, now)})
-          : safe_speed_mps(behind_, now);
-  const double speed_mps = std::abs(command.forward_mps);
-  if (!params_.use_ranges || speed_mps <= safe_mps) {
+  double safe_mps = params_.use_ranges ? safe_speed_mps(command, now) : kUnlimitedMps;
+  double speed_mps = std::abs(command.forward_mps);
+  if (is_touched_ || is_tilted_) {
+    safe_mps = std::min(safe_mps, params_.creep_mps);
+    speed_mps = std::max(speed_mps, kTurningRadiusM * std::abs(command.yaw_rate_rad_s));
+  }
+  if (speed_mps <= safe_mps) {
     return command;
   }
   const double slower = safe_mps / speed_mps;
   return {slower * command.forward_mps, slower * command.yaw_rate_rad_s};
 }
 
+double BaseGuard::safe_speed_mps(const DriveCommand& command, time::SteadyTime now) const {
+  if (command.forward_mps <= 0.0) {
+    return safe_speed_mps(behind_, now);
+  }
+  return std::min({safe_speed_mps(ahead_, now), safe_speed_mps(left_corner_, now),
+                   safe_speed_mps(right_corner_, now)});
+}
+
 double BaseGuard::safe_speed_mps(const std::optional<Seen>& seen, time::SteadyTime now) const {
   if (!seen || now - seen->at > kReadingLife) {
-    return std::numeric_limits<double>::infinity();
+    return kUnlimitedMps;
   }
   const double distance_m = std::max(0.0, seen->range_m - params_.near_m);
   return std::max(params_.creep_mps,

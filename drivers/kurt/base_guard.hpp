@@ -25,7 +25,8 @@ enum class Alarm { kBumper, kTilt, kStall };
 /// finders at the front look 45 degrees aside, so they count only if something is too near to be
 /// measured, at a corner of the body. A silent sensor limits nothing, because not every KURT2 has
 /// these sensors. Bumper, tilt and a stalled motor raise an alarm once; a person must release the
-/// robot before it drives on.
+/// robot before it drives on. While the bumper is still touched, or the robot still tilted, it only
+/// creeps, so that it can be backed off.
 class BaseGuard {
  public:
   BaseGuard(const GuardParams& params, const SpeedLimits& limits)
@@ -61,6 +62,8 @@ class BaseGuard {
     int ticks_ = 0;  // since then
   };
 
+  /// The greatest safe speed in the command's direction.
+  [[nodiscard]] double safe_speed_mps(const DriveCommand& command, time::SteadyTime now) const;
   [[nodiscard]] double safe_speed_mps(const std::optional<Seen>& seen, time::SteadyTime now) const;
 
   GuardParams params_;
@@ -69,7 +72,9 @@ class BaseGuard {
   std::optional<Seen> left_corner_;
   std::optional<Seen> right_corner_;
   std::optional<Seen> behind_;
+  bool is_touched_ = false;
   std::optional<time::SteadyTime> tilted_since_;
+  bool is_tilted_ = false;
   TurningWheel left_wheel_;
   TurningWheel right_wheel_;
   std::optional<Alarm> alarm_;

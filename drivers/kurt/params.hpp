@@ -94,8 +94,10 @@ struct GuardParams {
     v.number("near_m", near_m, {0.23, 1.0},
              "Distance to such an obstacle below which the robot creeps; the sonar cannot measure "
              "less than 0.23 m.");
-    v.number("creep_mps", creep_mps, {0.0, 1.0},
-             "Greatest speed nearer than near_m to such an obstacle.");
+    v.number(
+        "creep_mps", creep_mps, {0.0, 1.0},
+        "Greatest speed nearer than near_m to such an obstacle, and while a bumper is touched or "
+        "the base is tilted.");
     v.flag("use_bumper", use_bumper, "Stop when a bumper is touched.");
     v.angle("max_tilt_deg", max_tilt_rad, {5.0, 90.0},
             "Stop when the base is tilted by more than this for half a second: it is falling or "

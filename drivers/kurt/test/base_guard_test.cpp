@@ -128,11 +128,39 @@ TEST_F(BaseGuardTest, ABumperRaisesTheAlarmOnce) {
   guard_.add(Bumpers{true});
   EXPECT_EQ(guard_.take_alarm(), Alarm::kBumper);
   EXPECT_FALSE(guard_.take_alarm());
+  guard_.add(Bumpers{true});  // still touched, after a person has released the robot
+  EXPECT_FALSE(guard_.take_alarm());
+  guard_.add(Bumpers{false});
+  guard_.add(Bumpers{true});
+  EXPECT_EQ(guard_.take_alarm(), Alarm::kBumper);
   GuardParams without = params_;
   without.use_bumper = false;
   BaseGuard deaf(without, limits_);
   deaf.add(Bumpers{true});
   EXPECT_FALSE(deaf.take_alarm());
+  EXPECT_EQ(deaf.limit(kFast, now_).forward_mps, kFast.forward_mps);
+}
+
+TEST_F(BaseGuardTest, WhileTouchedOrTiltedItCreeps) {
+  const auto expect_creeping = [this] {
+    for (const double sign : {1.0, -1.0}) {
+      const DriveCommand limited = guard_.limit({sign * 1.5, 0.5}, now_);
+      EXPECT_DOUBLE_EQ(limited.forward_mps, sign * params_.creep_mps);
+      EXPECT_DOUBLE_EQ(limited.yaw_rate_rad_s, 0.5 * params_.creep_mps / 1.5);
+    }
+    // A corner of the body, 0.3 m away, is no faster.
+    EXPECT_DOUBLE_EQ(guard_.limit({0.0, -2.0}, now_).yaw_rate_rad_s, -params_.creep_mps / 0.3);
+    EXPECT_EQ(guard_.limit({0.05, 0.2}, now_).yaw_rate_rad_s, 0.2);
+  };
+  guard_.add(Bumpers{true});
+  expect_creeping();
+  guard_.add(Bumpers{false});
+  EXPECT_EQ(guard_.limit(kFast, now_).forward_mps, kFast.forward_mps);
+  guard_.add(Tilt{0.0, 1.2}, now_);
+  guard_.add(Tilt{0.0, 1.2}, now_ + 500ms);
+  expect_creeping();
+  guard_.add(Tilt{0.0, 0.1}, now_ + 600ms);
+  EXPECT_EQ(guard_.limit(kFast, now_).forward_mps, kFast.forward_mps);
 }
 
 TEST_F(BaseGuardTest, ShakingDoesNotCountAsTilt) {
@@ -142,6 +170,8 @@ TEST_F(BaseGuardTest, ShakingDoesNotCountAsTilt) {
   EXPECT_FALSE(guard_.take_alarm());
   guard_.add(Tilt{-1.2, 0.0}, now_ + 900ms);
   EXPECT_EQ(guard_.take_alarm(), Alarm::kTilt);
+  guard_.add(Tilt{-1.2, 0.0}, now_ + 2s);  // still tilted, after a person has released the robot
+  EXPECT_FALSE(guard_.take_alarm());
 }
 
 /// What the wheels do, every 10 ms.

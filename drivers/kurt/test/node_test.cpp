@@ -74,6 +74,18 @@ TEST(KurtNode, ATouchedBumperStopsItUntilReleased) {
   EXPECT_EQ(bench.base.left_cm_s(), 50);
 }
 
+// At a wall, for example: it must be possible to back off.
+TEST(KurtNode, ReleasedWhileItsBumperIsTouchedItCreeps) {
+  Bench bench;
+  ASSERT_TRUE(bench.becomes_ready());
+  bench.base.bumper = true;
+  bench.drive_for(0.5, 0.0, 100ms);
+  ASSERT_NE(bench.node->health().reason.find("bumper"), std::string::npos);
+  bench.publish_stop(false);
+  bench.drive_for(-0.5, 0.0, 1s);
+  EXPECT_EQ(bench.base.left_cm_s(), -10);
+}
+
 TEST(KurtNode, StalledMotorsAreNotLeftUnderCurrent) {
   Bench bench;
   ASSERT_TRUE(bench.becomes_ready());
