@@ -120,7 +120,9 @@ struct KurtParams {
   void describe(Visitor& v) {
     v.text("device", device,
            "Serial port of the CAN adapter, preferably /dev/serial/by-id/...; required.");
-    v.integer("baud", baud, {9600, 3'000'000},
+    // A slower line cannot carry what base and driver send, so commands would wait in it for
+    // seconds.
+    v.integer("baud", baud, {57'600, 3'000'000},
               "Rate of the serial line, bit/s; 1000000 for the Lawicel CANUSB.");
     v.section("wheels", wheels);
     v.section("odometry", odometry);

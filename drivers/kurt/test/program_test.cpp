@@ -55,8 +55,10 @@ TEST(KurtProgram, WrongConfigurationIsExitCodeTwo) {
   test::PtyPair pty;
   test::KurtEmulator base;
   for (const char* wrong : {"device=", "limits.max_speed_mps=5.3", "guard.near_m=0.22",
-                            "drive_timeout_s=0.3", "no_such_key=1"}) {
-    test::ChildProcess process({NODMAP_KURT_PROGRAM, "--set", wrong});
+                            "drive_timeout_s=0.3", "baud=38400", "no_such_key=1"}) {
+    std::vector<std::string> arguments = arguments_for(pty);
+    arguments.insert(arguments.end(), {"--set", wrong});
+    test::ChildProcess process(arguments);
     ASSERT_TRUE(test::play(pty, base, [&] { return process.wait_for_end(kNoWait).has_value(); }));
     EXPECT_EQ(process.wait_for_end(kNoWait), 2);
   }
