@@ -9,8 +9,11 @@
 namespace nodmap::laser3d {
 namespace {
 
-// Twice the default latency of a USB adapter (16 ms), plus the time for the bytes.
+// Twice the default latency of a USB adapter (16 ms) and a reserve; the time for the bytes is
+// added.
 constexpr time::Duration kAnswerTimeout = 40ms;
+constexpr double kBitsPerByte = 10.0;
+constexpr double kSmallestAnswerBytes = 11.0;  // without parameters
 constexpr int kMissesAllowed = 3;
 constexpr time::Duration kRebootTime = 1s;
 constexpr int kDamagedRequest = 3;          // error code: the servo's own check of the checksum
@@ -163,7 +166,9 @@ ServoOutput DynamixelSession::enter(Step step, time::SteadyTime now) {
 ServoOutput DynamixelSession::ask(Bytes bytes, time::SteadyTime now) {
   waiting_ = !bytes.empty();
   expected_parameters_ = waiting_ ? dynamixel::num_answer_parameters(bytes) : 0;
-  deadline_ = now + kAnswerTimeout;
+  const double bits = kBitsPerByte * (static_cast<double>(bytes.size() + expected_parameters_) +
+                                      kSmallestAnswerBytes);
+  deadline_ = now + kAnswerTimeout + time::from_seconds(bits / params_.baud);
   return {.send = std::move(bytes), .sample = std::nullopt};
 }
 

@@ -15,7 +15,7 @@ using test::operator+;  // NOLINT(misc-unused-using-decls): an operator is used
 
 class Rig {
  public:
-  explicit Rig(const ServoParams& params = {}) : dut(params, 40.0) {
+  explicit Rig(const ServoParams& params = {}) : dut(params, 40.0), baud_(params.baud) {
     servo.registers[11] = 3;
     for (std::size_t i = 0; i < 4; ++i) {  // the goal is where it stands
       servo.registers[116 + i] = static_cast<std::uint8_t>(2048U >> (8 * i));
@@ -28,7 +28,9 @@ class Rig {
     const time::SteadyTime end = now + time::from_seconds(seconds);
     for (; now < end; now += 1ms) {
       servo.step_ms(static_cast<int>(now.time_since_epoch() / 1ms));
-      const Bytes arrived = std::exchange(on_the_line_, std::exchange(delayed_, {}));
+      const bool is_sent = now >= answer_sent_;
+      const Bytes arrived =
+          is_sent ? std::exchange(on_the_line_, std::exchange(delayed_, {})) : Bytes();
       handle(dut.receive(arrived, now));
       handle(dut.poll(now));
     }
@@ -46,8 +48,12 @@ class Rig {
 
  private:
   void handle(const ServoOutput& output) {
-    if (!output.send.empty()) {
+    if (!output.send.empty() && now < answer_sent_) {
+      on_the_line_.clear();  // both directions share the line: each damages the other
+    } else if (!output.send.empty()) {
       Bytes answer = servo.answer(output.send);
+      const double bits = 10.0 * static_cast<double>(output.send.size() + answer.size());
+      answer_sent_ = now + time::from_seconds(bits / baud_);
       if (num_requests_++ == stale.before_answer) {
         on_the_line_ = on_the_line_ + stale.bytes;
         if (!stale.arrives_with_it) {
@@ -61,6 +67,8 @@ class Rig {
     }
   }
 
+  double baud_;  // bit/s
+  time::SteadyTime answer_sent_;
   Bytes on_the_line_;
   Bytes delayed_;  // by a millisecond
   int num_requests_ = 0;
@@ -75,6 +83,19 @@ TEST(DynamixelSession, RunsAndReportsItsPosition) {
   EXPECT_EQ(rig.samples.back().pitch_rad, 0.0);
   EXPECT_EQ(rig.servo.registers[64], 1);   // torque
   EXPECT_EQ(rig.servo.registers[98], 10);  // watchdog, 200 ms
+}
+
+TEST(DynamixelSession, AReadingMayTakeLongerThanAnAnswerOnAFastLine) {
+  ServoParams params;
+  params.baud = 9600;
+  Rig rig(params);
+  rig.open();
+  rig.dut.aim(0.5, 1.0);
+  rig.run(2.0);
+  EXPECT_TRUE(rig.dut.running());
+  EXPECT_GT(rig.samples.size(), 30U);  // a reading is 41 bytes, or 43 ms
+  EXPECT_NEAR(rig.samples.back().pitch_rad, 0.5, dynamixel_x::kRadPerStep);
+  EXPECT_EQ(rig.dut.line_counts().unanswered, 0);
 }
 
 // The driver before this one was killed while the servo answered, or the servo answered a request
