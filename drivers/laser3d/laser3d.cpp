@@ -221,7 +221,7 @@ SteadyScan Laser3d::to_scan(PitchedRevolution pitched) {
 
 node::Health Laser3d::health(time::SteadyTime now) const {
   using node::HealthState;
-  constexpr time::Duration kNoScan = 500ms;
+  constexpr time::Duration kShortestNoScan = 500ms;
   constexpr double kUnmeasuredRatio = 0.1;
   constexpr int kErrorSeverity = 3;
   if (!servo_->running()) {
@@ -236,11 +236,11 @@ node::Health Laser3d::health(time::SteadyTime now) const {
   if (is_blind(now)) {
     return {HealthState::kFailed, "laser: blind (no readings)"};
   }
-  if (now - last_scan_ > kNoScan) {
+  if (now - last_scan_ > std::max(kShortestNoScan, sick_.stream_timeout())) {
     return {HealthState::kFailed, "no scan could be given a pitch"};
   }
   if (const std::string warning = servo_->warning(); !warning.empty()) {
-    return {Condition::kDegraded, "servo: " + warning};
+    return {HealthState::kDegraded, "servo: " + warning};
   }
   if (status_.severity() >= kErrorSeverity) {
     return {HealthState::kDegraded, "laser: reports an error"};

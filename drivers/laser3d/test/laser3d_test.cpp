@@ -39,8 +39,8 @@ class Rig {
     for (; now < end; now += 1ms) {
       servo.step_ms(static_cast<int>(now.time_since_epoch() / 1ms));
       // A telegram takes 7 ms from the end of the half revolution to its last byte.
-      if (sensor.streaming && now - last_revolution_ >= kRevolution) {
-        last_revolution_ += (now - last_revolution_) / kRevolution * kRevolution;
+      if (sensor.streaming && now - last_scan_ >= scan_period) {
+        last_scan_ += (now - last_scan_) / scan_period * scan_period;
         if (sensor.powered && sensor.baud == laser_baud) {
           on_the_laser_line = on_the_laser_line + sensor.next_scan();
         }
@@ -76,6 +76,7 @@ class Rig {
   FakeSensor sensor;
   FakeServo servo;
   time::SteadyTime now{1s};
+  time::Duration scan_period = kRevolution;
   int laser_baud = 0;
   Bytes on_the_laser_line;
   Bytes on_the_servo_line;
@@ -83,7 +84,7 @@ class Rig {
   std::vector<PitchState> pitch;
 
  private:
-  time::SteadyTime last_revolution_{1s};
+  time::SteadyTime last_scan_{1s};
 };
 
 TEST(Laser3d, R1_PublishesPitchedScansAt75Hz) {
@@ -283,6 +284,22 @@ TEST(Laser3d, HalfADegreeGivesTwoScansEach) {
   ASSERT_GT(rig.scans.size(), 20U);
   for (std::size_t i = 10; i < rig.scans.size(); ++i) {
     EXPECT_EQ(rig.scans[i].ranges_m.size(), i % 2 == 0 ? 181U : 180U);
+  }
+}
+
+// A telegram of 732 bytes takes 763 ms.
+TEST(Laser3d, OnASlowLineTheNextScanIsAwaited) {
+  Laser3dParams params;
+  params.laser.variant = SickVariant::k180x050;
+  params.laser.baud = 9600;
+  Rig rig(params);
+  rig.scan_period = 59 * kRevolution;
+  rig.open();
+  rig.run(8.0);
+  ASSERT_GT(rig.scans.size(), 5U);
+  for (int i = 0; i < 20; ++i) {
+    rig.run(0.1);
+    EXPECT_EQ(rig.health().condition, Condition::kOk) << rig.health().reason;
   }
 }
 
