@@ -52,8 +52,14 @@ std::string quoted(const std::string& text) {
   return emitter.c_str();
 }
 
-std::string interval(const char* kind, Range range) {
-  return std::string(kind) + " from " + format(range.min) + " to " + format(range.max);
+std::string interval(Range range) {
+  return "a number from " + format(range.min) + " to " + format(range.max);
+}
+
+/// Without exponents, which a whole number must not have either.
+std::string whole_interval(Range range) {
+  return "a whole number from " + std::to_string(std::llround(range.min)) + " to " +
+         std::to_string(std::llround(range.max));
 }
 
 /// Splits a name at its dots: "matcher.max_range_m" gives {"matcher", "max_range_m"}.
@@ -130,7 +136,7 @@ class YamlLoader {
 }  // namespace
 
 void Table::number(const std::string& name, double& value, Range range, std::string help) {
-  entries_.push_back({prefix_ + name, std::move(help), interval("a number", range), Kind::kValue,
+  entries_.push_back({prefix_ + name, std::move(help), interval(range), Kind::kValue,
                       [&value] { return format(value); },
                       [&value, range](std::string_view text) {
                         const auto given = parse_within(text, range);
@@ -140,8 +146,8 @@ void Table::number(const std::string& name, double& value, Range range, std::str
 }
 
 void Table::integer(const std::string& name, int& value, Range range, std::string help) {
-  entries_.push_back({prefix_ + name, std::move(help), interval("a whole number", range),
-                      Kind::kValue, [&value] { return std::to_string(value); },
+  entries_.push_back({prefix_ + name, std::move(help), whole_interval(range), Kind::kValue,
+                      [&value] { return std::to_string(value); },
                       [&value, range](std::string_view text) {
                         const auto given = parse<int>(text);
                         if (!given || *given < range.min || *given > range.max) {
@@ -155,7 +161,7 @@ void Table::integer(const std::string& name, int& value, Range range, std::strin
 void Table::angle(const std::string& name_deg, double& value_rad, Range range_deg,
                   std::string help) {
   entries_.push_back(
-      {prefix_ + name_deg, std::move(help), interval("a number", range_deg), Kind::kValue,
+      {prefix_ + name_deg, std::move(help), interval(range_deg), Kind::kValue,
        // Rounded, so that a default given in degrees is printed as it was written.
        [&value_rad] { return format(std::round(value_rad * kDegreesPerRadian * 1e9) / 1e9); },
        [&value_rad, range_deg](std::string_view text) {

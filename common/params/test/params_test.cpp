@@ -89,6 +89,23 @@ TEST_F(ParamsTest, ErrorsNameFileLineKeyValueAndWhatIsAllowed) {
   EXPECT_THAT(error_of_yaml("just words\n"), HasSubstr("key: value"));
 }
 
+struct CountParams {
+  int bytes = 1000;
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.integer("bytes", bytes, {0, 1'000'000}, "How many.");
+  }
+};
+
+TEST(Params, TheLimitsOfAWholeNumberAreWrittenAsTheyCanBeSet) {
+  CountParams params;
+  Table table(params);
+  EXPECT_THAT(table.to_markdown(), HasSubstr("from 0 to 1000000 |"));
+  table.set("bytes", "1000000", "--set");
+  EXPECT_EQ(params.bytes, 1'000'000);
+}
+
 TEST_F(ParamsTest, AKeyIsSetOnceInAFileButAgainByTheNextFile) {
   EXPECT_THAT(error_of_yaml("range_m: 4\ncount: 4\nrange_m: 5\n"),
               AllOf(HasSubstr("p.yaml:3"), HasSubstr("'range_m' is already set in this file")));
