@@ -190,6 +190,17 @@ class Page(PageCase):
         self.assertIsNotNone(browser.wait_for("document.getElementById('banner').textContent.includes('No connection')"))
         self.assertFalse(browser.run("return document.getElementById('banner').hidden"))
 
+    def test_after_a_paused_recording_a_live_viewer_without_data_is_a_fault(self):
+        viewer = self.play()
+        browser = self.browse(viewer)
+        self.assertIsNotNone(browser.wait_for("document.querySelectorAll('#marks > *').length > 0"))
+        self.pause(browser)
+        viewer.stop()
+        with Viewer("--port", str(viewer.port)):
+            self.assertIsNotNone(browser.wait_for("document.getElementById('banner').textContent.startsWith('No data')"))
+            self.assertTrue(browser.run("return document.getElementById('playback').hidden"))
+            self.assertEqual(browser.run("return document.querySelectorAll('#marks > *').length"), 0)
+
     def test_the_banner_names_the_time_of_the_last_message(self):
         browser = self.browse(self.play())
         self.assertIsNotNone(browser.wait_for("document.getElementById('banner').hidden"))

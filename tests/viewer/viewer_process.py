@@ -15,7 +15,8 @@ class Viewer:
         self.log = tempfile.TemporaryFile("w+")
         # Tests bound its memory, in which AddressSanitizer would keep up to 256 MB that are free.
         environment = {**os.environ, "ASAN_OPTIONS": "quarantine_size_mb=4:thread_local_quarantine_size_kb=64"}
-        self.process = subprocess.Popen([os.environ["NODMAP_VIEWER"], "--port", "0", *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        port = [] if "--port" in arguments else ["--port", "0"]
+        self.process = subprocess.Popen([os.environ["NODMAP_VIEWER"], *port, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                                         text=True, env=environment)
         for line in self.process.stderr:
             self.log.write(line)

@@ -115,6 +115,7 @@ const connection = new Connection({
     hasHistory = false;
     plots.follow();
     forgetAll();
+    playback.open(info);
     byId("summary").textContent = `Connected to ${info.name}.`;
     connection.send({op: "subscribeParameterUpdates", parameterNames: []});
     connection.send({op: "getParameters", parameterNames: [], id: "page"});

@@ -23,10 +23,8 @@ export class Playback {
     this.clock = form.querySelector("#clock");
     this.speed = form.querySelector("#speed");
     this.marks = form.querySelector("#marks");
-    this.durationS = 0;
-    this.positionS = 0;
-    this.paused = false;
     this.dragging = false;
+    this.end();
     this.pause.addEventListener("click", () => this.toggle());
     this.speed.addEventListener("change", () => connection().setParameter("playback.speed", Number(this.speed.value)));
     this.position.addEventListener("pointerdown", () => { this.dragging = true; });
@@ -34,6 +32,25 @@ export class Playback {
     document.addEventListener("pointercancel", () => { this.dragging = false; });
     this.position.addEventListener("change", () => this.seek(Number(this.position.value)));
     document.addEventListener("keydown", (event) => this.onKey(event));
+  }
+
+  /** Takes a new connection, to a server that may play another recording, or none. */
+  open({capabilities}) {
+    this.marks.replaceChildren();
+    if (!capabilities.includes("parameters")) {
+      this.end();
+    }
+  }
+
+  /** Forgets the recording, also that it was paused: a live robot that sends nothing is a fault. */
+  end() {
+    this.form.hidden = true;
+    this.durationS = 0;
+    this.positionS = 0;
+    this.paused = false;
+    this.beginS = undefined;  // the time at the begin of the recording
+    this.lastTimeS = undefined;
+    this.sought = null;
   }
 
   /** Pauses or resumes; at the end starts again. */
