@@ -146,6 +146,14 @@ class Control(Page):
         self.assertTrue(self.browser.run("return document.getElementById('token-refused').hidden"))
         self.assertTrue(self.browser.run("return document.getElementById('stop-bar').hidden"))
 
+    def test_a_token_with_which_the_page_connects_is_valid(self):
+        self.open_with_token()
+        # As after an attempt to connect that a weak link broke off.
+        self.browser.run("nodmap.connection.handlers.tokenRefused(); nodmap.connection.socket.close()")
+        self.assertFalse(self.browser.run("return document.getElementById('token-refused').hidden"))
+        self.assertIsNotNone(self.browser.wait_for("document.getElementById('token-refused').hidden"))
+        self.assertFalse(self.browser.run("return document.getElementById('control').hidden"))
+
     def test_a_new_token_in_the_address_is_used(self):
         self.browser.open(f"http://127.0.0.1:{self.viewer.port}/#token={'0' * 32}")
         self.assertIsNotNone(self.browser.wait_for("window.nodmap && !document.getElementById('token-refused').hidden"))

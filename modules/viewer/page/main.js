@@ -112,6 +112,7 @@ function show(topic, {read, timeS}) {
 const connection = new Connection({
   open(info) {
     connected = true;
+    byId("token-refused").hidden = true;  // a single failed attempt says little
     hasHistory = false;
     plots.follow();
     forgetAll();
