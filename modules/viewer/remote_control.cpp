@@ -88,6 +88,7 @@ Answer RemoteControl::do_goal(const Json& request) {
 }
 
 Answer RemoteControl::do_stop(bool is_stopped) {
+  stop_.utime = time::to_utime(clock_.now());
   stop_.is_stopped = static_cast<std::int8_t>(is_stopped);
   send_stop();
   return {.ok = true, .text = is_stopped ? "Stopped until you say go." : "The robot may drive."};
@@ -152,13 +153,14 @@ void RemoteControl::on_map(const nodmap::grid_chunk_t& tile) {
 }
 
 void RemoteControl::turn() {
-  if (stop_.is_stopped != 0 && std::chrono::abs(clock_.now() - node::stamp_of(stop_)) >= kRepeat) {
+  if (stop_.is_stopped != 0 && std::chrono::abs(clock_.now() - stop_sent_) >= kRepeat) {
     send_stop();
   }
 }
 
+/// A repetition has the time of the decision: a release since then is newer.
 void RemoteControl::send_stop() {
-  stop_.utime = time::to_utime(clock_.now());
+  stop_sent_ = clock_.now();
   ++stop_.stop_seq;
   bus_.publish("STOP", stop_);
 }

@@ -61,6 +61,7 @@ class RemoteControl {
   ProcessControl* processes_;
   std::int64_t goal_seq_ = 0;
   nodmap::stop_t stop_{};                     // our newest STOP
+  time::Timestamp stop_sent_{};               // when it was sent last
   std::optional<Eigen::AlignedBox2d> map_m_;  // extent of the newest MAP_2D
 };
 

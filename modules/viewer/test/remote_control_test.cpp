@@ -127,6 +127,19 @@ TEST_F(RemoteControlTest, AReleaseByAnotherSenderEndsTheRepetition) {
   EXPECT_FALSE(stop_.get()->is_stopped);
 }
 
+// Sent by a host whose clock is behind ours, or at the same moment as a repetition.
+TEST_F(RemoteControlTest, ARepetitionOfAStopIsNotNewerThanAReleaseSinceTheStop) {
+  EXPECT_TRUE(ask({{"do", "stop"}}));
+  pass(1s);
+  nodmap::stop_t release{};
+  release.utime = time::to_utime(clock_.now() - 150ms);
+  bus_.publish("STOP", release);
+  handle();
+  const std::int64_t count = stop_.count();
+  pass(10 * RemoteControl::kRepeat);
+  EXPECT_EQ(stop_.count(), count);
+}
+
 TEST_F(RemoteControlTest, ARequestToSaveMapsIsPublished) {
   EXPECT_TRUE(ask({{"do", "save_maps"}}));
   ASSERT_TRUE(save_.get());
