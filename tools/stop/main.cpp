@@ -6,6 +6,7 @@
 
 #include "common/bus/live_bus.hpp"
 #include "common/node/clock.hpp"
+#include "common/node/messages.hpp"
 #include "common/node/program.hpp"
 #include "common/node/request.hpp"
 #include "nodmap/stop_t.hpp"
@@ -16,6 +17,8 @@ namespace {
 /// Sent several times, in case one is lost or a base driver repeats an older STOP at that moment.
 constexpr int kTimes = 3;
 constexpr double kPauseS = 0.3;
+/// A base driver that is stopped says so by a STOP once a second.
+constexpr double kListenS = 1.5;
 
 constexpr const char* kBaseDriver = "nodmap-kurt";
 
@@ -37,21 +40,37 @@ void send(bus::LiveBus& bus, const Arguments& arguments) {
   }
 }
 
+/// Whether a base driver says by this message that it is stopped.
+bool is_confirmation(const stop_t& message) {
+  return message.is_stopped != 0 && message.requested_by.starts_with(kBaseDriver);
+}
+
 int release(bus::LiveBus& bus, const Arguments& arguments) {
   if (node::await_processes(bus, {kBaseDriver}, arguments.request.wait_s).empty()) {
     std::cerr << "nodmap-stop: no nodmap-kurt within " << arguments.request.wait_s << " s\n";
     return 1;
   }
   send(bus, arguments);
-  return bus.counts().not_published == 0 ? 0 : 1;
+  if (bus.counts().not_published > 0) {
+    return 1;
+  }
+  std::string by;  // what keeps it stopped: an alarm that lasts, or somebody else's newer STOP
+  bus.subscribe<stop_t>("STOP", [&by](const stop_t& message) {
+    if (is_confirmation(message)) {
+      by = node::read_name(message.requested_by);
+    }
+  });
+  if (node::handle_until(bus, kListenS, [&by] { return !by.empty(); })) {
+    std::cerr << "nodmap-stop: the robot is still stopped, by " << by << "\n";
+    return 1;
+  }
+  return 0;
 }
 
-/// A base driver that is stopped says so by a STOP once a second.
 int stop(bus::LiveBus& bus, const Arguments& arguments) {
   bool is_confirmed = false;
-  bus.subscribe<stop_t>("STOP", [&is_confirmed](const stop_t& message) {
-    is_confirmed |= message.is_stopped != 0 && message.requested_by.starts_with(kBaseDriver);
-  });
+  bus.subscribe<stop_t>(
+      "STOP", [&is_confirmed](const stop_t& message) { is_confirmed |= is_confirmation(message); });
   send(bus, arguments);
   if (!node::handle_until(bus, arguments.request.wait_s, [&] { return is_confirmed; })) {
     std::cerr << "nodmap-stop: STOP was sent, but no nodmap-kurt has confirmed it within "
