@@ -16,7 +16,7 @@
 namespace nodmap::bus {
 
 /// A bus that plays one or more event logs, merged by log time. The caller says how much time
-/// passes; published messages are discarded.
+/// passes; published messages are discarded. A message counts as received at its time.
 ///
 /// Its times are log times without the steps of the clock: where the clock was set while the logger
 /// ran, time goes on without a pause, and so it does after a minute without events. Otherwise a

@@ -212,13 +212,21 @@ class Page(PageCase):
     def test_two_commands_of_one_program_are_two_rows(self):
         browser = self.browse(self.play())
         rows = browser.run("""
-            const said = [{process_name: "nodmap-logger", utime: 1e6, health: 0, health_reason: ""},
-                          {process_name: "nodmap-slam2d", utime: 1e6, health: 1, health_reason: "lost"}];
+            const said = [{process_name: "nodmap-logger", utime: 1e6, age_s: 0, health: 0, health_reason: ""},
+                          {process_name: "nodmap-slam2d", utime: 1e6, age_s: 1, health: 1, health_reason: "lost"}];
             const commands = [{command: "logger-a", host: "a", process_name: "nodmap-logger", state: "running", end: ""},
                               {command: "logger-b", host: "b", process_name: "nodmap-logger", state: "failed", end: "exit code 1"}];
             return import("./processes.js").then(
               ({processList}) => processList(said, commands).map(({name, state, level}) => [name, state, level]));""")
         self.assertEqual(rows, [["logger-a on a", "OK", 0], ["logger-b on b", "failed", 2], ["nodmap-slam2d", "DEGRADED", 1]])
+
+    def test_a_process_is_silent_by_the_age_of_its_status_whatever_its_hosts_clock(self):
+        browser = self.browse(self.play())
+        states = browser.run("""
+            const said = [{process_name: "late", utime: 1e6, age_s: 0, health: 0}, {process_name: "early", utime: 11e6, age_s: 0, health: 0},
+                          {process_name: "ended", utime: 11e6, age_s: 4, health: 0}];
+            return import("./processes.js").then(({processList}) => processList(said, []).map(({state}) => state));""")
+        self.assertEqual(states, ["OK", "OK", "silent"])
 
     def test_the_page_fits_on_a_phone(self):
         browser = self.browse(self.play(), 400, 800)

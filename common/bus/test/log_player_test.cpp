@@ -61,6 +61,16 @@ TEST_F(LogPlayerTest, DeliversEventsUpToThePosition) {
   EXPECT_EQ(player.now(), time::Timestamp(1'000'200us));
 }
 
+TEST_F(LogPlayerTest, AMessageWasReceivedAtItsLogTime) {
+  LogPlayer player({log("a", {0us, 100us}, 'a')});
+  std::vector<time::Timestamp> received;
+  player.subscribe_bytes(
+      "A", [&](std::span<const std::byte>) { received.push_back(player.origin().received); });
+  player.advance(100us);
+  EXPECT_TRUE(player.catch_up(kMany));
+  EXPECT_THAT(received, ElementsAre(time::Timestamp(1'000'000us), time::Timestamp(1'000'100us)));
+}
+
 TEST_F(LogPlayerTest, MergesLogsByTime) {
   LogPlayer player({log("a", {0us, 100us, 200us}, 'a'), log("b", {50us, 100us, 150us}, 'x')});
   receive_from(player);

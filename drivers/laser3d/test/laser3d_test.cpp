@@ -299,7 +299,7 @@ TEST(Laser3d, OnASlowLineTheNextScanIsAwaited) {
   ASSERT_GT(rig.scans.size(), 5U);
   for (int i = 0; i < 20; ++i) {
     rig.run(0.1);
-    EXPECT_EQ(rig.health().condition, Condition::kOk) << rig.health().reason;
+    EXPECT_EQ(rig.health().state, node::HealthState::kOk) << rig.health().reason;
   }
 }
 

@@ -65,8 +65,9 @@ void ProcessFeed::subscribe_status(bus::Bus& bus) {
       return;
     }
     const nodmap::status_t message = trust == Trust::kContested ? contested(received) : received;
-    const ProcessTable::Change change =
-        trust == Trust::kTooMany ? ProcessTable::Change{} : processes_.update(message);
+    const ProcessTable::Change change = trust == Trust::kTooMany
+                                            ? ProcessTable::Change{}
+                                            : processes_.update(message, bus_.origin().received);
     if (!change.taken) {
       counts_.reject("too_many_processes");
       return;

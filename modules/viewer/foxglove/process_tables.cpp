@@ -67,27 +67,34 @@ procman_lcm::cmd_status_t never_run(const procman::Command& command) {
 
 }  // namespace
 
-ProcessTable::Change ProcessTable::update(const nodmap::status_t& status) {
+ProcessTable::Change ProcessTable::update(const nodmap::status_t& status,
+                                          time::Timestamp received) {
   const auto found = processes_.find(status.process_name);
   if (found == processes_.end()) {
     if (processes_.size() >= kMaxProcesses) {
       return {};
     }
-    processes_.emplace(status.process_name, status);
+    processes_.emplace(status.process_name, Entry{status, received});
     return {.taken = true, .health_changed = true};
   }
+  const nodmap::status_t& before = found->second.status;
   const bool changed =
-      found->second.health != status.health || found->second.health_reason != status.health_reason;
-  found->second = status;
+      before.health != status.health || before.health_reason != status.health_reason;
+  found->second = {status, received};
   return {.taken = true, .health_changed = changed};
 }
 
 Json ProcessTable::processes() const {
   time::Timestamp newest{};
+  time::Timestamp last_received{};
+  for (const auto& [name, entry] : processes_) {
+    newest = std::max(newest, time::from_utime(entry.status.utime));
+    last_received = std::max(last_received, entry.received);
+  }
   Json list = Json::array();
-  for (const auto& [name, status] : processes_) {
-    newest = std::max(newest, time::from_utime(status.utime));
-    list.push_back(JsonMessage<nodmap::status_t>::fields(status));
+  for (const auto& [name, entry] : processes_) {
+    list.push_back(JsonMessage<nodmap::status_t>::fields(entry.status));
+    list.back()["age_s"] = time::seconds(last_received - entry.received);
   }
   return {{"timestamp", time_json(newest)}, {"processes", std::move(list)}};
 }

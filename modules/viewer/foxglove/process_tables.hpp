@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "common/geometry/time.hpp"
 #include "modules/viewer/foxglove/foxglove.hpp"
 #include "nodmap/status_t.hpp"
 #include "procman/config/config.hpp"
@@ -26,14 +27,19 @@ class ProcessTable {
     bool taken = false;
     bool health_changed = false;
   };
-  Change update(const nodmap::status_t& status);
+  Change update(const nodmap::status_t& status, time::Timestamp received);
   void clear() { processes_.clear(); }
 
-  /// {timestamp, processes: [{fields of status_t}]}.
+  /// {timestamp, processes: [{fields of status_t, age_s}]}; age_s is how long ago a STATUS was
+  /// received when the newest one of all was, on one clock: those of the senders may differ.
   [[nodiscard]] Json processes() const;
 
  private:
-  std::map<std::string, nodmap::status_t> processes_;
+  struct Entry {
+    nodmap::status_t status;
+    time::Timestamp received;
+  };
+  std::map<std::string, Entry> processes_;
 };
 
 /// foxglove.Log with the health of a process.

@@ -183,7 +183,8 @@ std::map<std::string, Json> foxglove_schemas() {
 
 /// Schemas of the process tables: STATUS, and the commands of the process manager.
 std::map<std::string, Json> table_schemas() {
-  const Json process = Json::parse(json_message_schemas().at("nodmap.status_t"));
+  Json process = Json::parse(json_message_schemas().at("nodmap.status_t"));
+  process["properties"]["age_s"] = number();
   const Json host = object({{"host", text()},
                             {"cpu_share", number_or_null()},
                             {"memory_total_bytes", integer()},

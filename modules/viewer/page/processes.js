@@ -21,18 +21,17 @@ export function processList(statuses, commands) {
   });
   const known = new Set(commands.map(programOf));
   const others = statuses.filter(({process_name: name}) => !known.has(name)).map((status) => ({key: status.process_name, name: status.process_name, status}));
-  const newestUs = Math.max(...statuses.map(({utime}) => utime));
-  return [...managed, ...others].map((process) => ({...process, ...stateOf(process, newestUs)}));
+  return [...managed, ...others].map((process) => ({...process, ...stateOf(process)}));
 }
 
-function stateOf({status, manager}, newestUs) {
+function stateOf({status, manager}) {
   if (manager && manager.state !== "running") {
     return {state: manager.state, level: {failed: 2, "no deputy": 1}[manager.state] ?? 0, reason: manager.end};
   }
   if (!status) {
     return {state: "running", level: 0, reason: ""};
   }
-  if (newestUs - status.utime > 1e6 * SILENT_S) {
+  if (status.age_s > SILENT_S) {
     return {state: "silent", level: 1, reason: "has not reported for several seconds"};
   }
   return {state: HEALTH[status.health] ?? "unknown", level: status.health, reason: status.health_reason};

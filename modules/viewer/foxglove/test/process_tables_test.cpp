@@ -87,16 +87,35 @@ TEST(ProcessTable, KeepsTheNewestStatusOfEachProcessSortedByName) {
   ProcessTable table;
   nodmap::status_t status = foxglove::test::status_at(1.0);
   status.process_name = "b";
-  EXPECT_TRUE(table.update(status).health_changed);
+  EXPECT_TRUE(table.update(status, {}).health_changed);
   status.process_name = "a";
-  table.update(status);
+  table.update(status, {});
   status.health = nodmap::status_t::DEGRADED;
-  EXPECT_TRUE(table.update(status).health_changed);
-  EXPECT_FALSE(table.update(status).health_changed);
+  EXPECT_TRUE(table.update(status, {}).health_changed);
+  EXPECT_FALSE(table.update(status, {}).health_changed);
   const Json json = table.processes();
   ASSERT_EQ(json["processes"].size(), 2U);
   EXPECT_EQ(json["processes"][0]["process_name"], "a");
   EXPECT_EQ(json["processes"][0]["health"], 1);
+}
+
+// The hosts' clocks differ by ten seconds.
+TEST(ProcessTable, TellsHowLongAgoAStatusWasReceivedWhateverTheSendersClocks) {
+  ProcessTable table;
+  nodmap::status_t status = foxglove::test::status_at(1.0);
+  nodmap::status_t elsewhere = foxglove::test::status_at(11.0);
+  status.process_name = "a";
+  elsewhere.process_name = "b";
+  const auto age_s = [&table](std::size_t i) {
+    return table.processes()["processes"][i]["age_s"].get<double>();
+  };
+  table.update(elsewhere, time::Timestamp(100s));
+  table.update(status, time::Timestamp(100s));
+  EXPECT_DOUBLE_EQ(age_s(0), 0.0);
+  EXPECT_DOUBLE_EQ(age_s(1), 0.0);
+  table.update(status, time::Timestamp(104s));
+  EXPECT_DOUBLE_EQ(age_s(0), 0.0);
+  EXPECT_DOUBLE_EQ(age_s(1), 4.0);
 }
 
 TEST(ProcessTable, DoesNotGrowWithInventedNames) {
@@ -104,7 +123,7 @@ TEST(ProcessTable, DoesNotGrowWithInventedNames) {
   nodmap::status_t status = foxglove::test::status_at(1.0);
   for (std::size_t i = 0; i < 2 * ProcessTable::kMaxProcesses; ++i) {
     status.process_name = std::string(i + 1, 'p');
-    EXPECT_EQ(table.update(status).taken, i < ProcessTable::kMaxProcesses);
+    EXPECT_EQ(table.update(status, {}).taken, i < ProcessTable::kMaxProcesses);
   }
 }
 

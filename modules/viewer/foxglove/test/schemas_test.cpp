@@ -82,7 +82,7 @@ TEST(Schemas, DescribeTheMessagesThatAreSent) {
   Trail trail("odom", 0.1);
   trail.add(time::from_utime(0), pose);
   ProcessTable table;
-  table.update(robot::status_at(0.0));
+  table.update(robot::status_at(0.0), {});
   scan::Scan scan;
   ASSERT_TRUE(node::read_scan(robot::scan_at(0.0), scan));
   fits("foxglove.LaserScan", laser_scan(scan));
