@@ -51,19 +51,19 @@ CorrespondenceSearch::Match CorrespondenceSearch::look_up(const VoxelGrid& grid,
   return {p_map, nearest.slack_m * nearest.slack_m, nearest.place};
 }
 
-bool CorrespondenceSearch::is_on_plane(std::size_t level, const Eigen::Vector3f& p_map,
-                                       const Eigen::Vector3f& normal_map,
-                                       float max_distance_m) const {
+PlaneFit CorrespondenceSearch::fit(std::size_t level, const Eigen::Vector3f& p_map,
+                                   const Eigen::Vector3f& normal_map, float max_distance_m) const {
   for (; level < VoxelMap::kLevels; ++level) {
     const VoxelGrid& grid = map_.level(level);
     const std::uint32_t place = grid.nearest(p_map, max_correspondence_m(grid));
     if (place != VoxelGrid::kNone && grid.voxels()[place].has_plane()) {
       const Voxel& voxel = grid.voxels()[place];
-      return corresponds(place, grid, normal_map) &&
-             std::abs(voxel.normal.dot(voxel.mean - p_map)) < max_distance_m;
+      const bool is_on = corresponds(place, grid, normal_map) &&
+                         std::abs(voxel.normal.dot(voxel.mean - p_map)) < max_distance_m;
+      return is_on ? PlaneFit::kOn : PlaneFit::kOff;
     }
   }
-  return false;
+  return PlaneFit::kUnknown;
 }
 
 }  // namespace nodmap::slam6d

@@ -19,6 +19,13 @@ namespace nodmap::slam6d {
                                                    const Matrix6d& prior_covariance,
                                                    double voxel_size_m);
 
+/// How a point of a sweep fits a map.
+enum class PlaneFit {
+  kUnknown,  ///< the map has no plane near the point
+  kOff,      ///< the point is off the nearest plane, or faces another way
+  kOn
+};
+
 /// Finds the voxels of a map that correspond to the points of a sweep (w_ij of Eq. 3): the nearest
 /// one of the same size, if its plane faces the same way. Points hardly move from step to step of a
 /// registration, so the nearest voxel is looked up again only when another one may be nearest.
@@ -47,11 +54,11 @@ class CorrespondenceSearch {
                : nullptr;
   }
 
-  /// Whether a point of `level` is within `max_distance_m` of the map's plane there, and faces the
-  /// same way. The plane is one of that size or, where the map is too sparse for one, of a larger
-  /// size.
-  [[nodiscard]] bool is_on_plane(std::size_t level, const Eigen::Vector3f& p_map,
-                                 const Eigen::Vector3f& normal_map, float max_distance_m) const;
+  /// How a point of `level` fits the map's plane there: whether it is within `max_distance_m` of it
+  /// and faces the same way. The plane is one of that size or, where the map is too sparse for one,
+  /// of a larger size.
+  [[nodiscard]] PlaneFit fit(std::size_t level, const Eigen::Vector3f& p_map,
+                             const Eigen::Vector3f& normal_map, float max_distance_m) const;
 
  private:
   // The nearest voxel to where a point was when it was looked up, and how far the point may move

@@ -2,7 +2,6 @@
 #include "modules/slam6d/inliers.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 
 namespace nodmap::slam6d {
@@ -10,10 +9,6 @@ namespace {
 
 // With fewer upright points than this, their ratio means nothing.
 constexpr std::size_t kMinUprightPoints = 100;
-
-bool is_upright(float normal_up) {
-  return std::abs(normal_up) < 0.5F;
-}
 
 struct InlierCount {
   std::size_t points = 0;
@@ -41,7 +36,8 @@ InlierRatios count_inliers(const VoxelMap::Selection& sweep, const Correspondenc
       const OrientedPoint& point = sweep.points[i];
       const Eigen::Vector3f p_map = R * point.p + t;
       const Eigen::Vector3f normal_map = R * point.normal;
-      const bool is_inlier = map.is_on_plane(l, p_map, normal_map, static_cast<float>(max_m));
+      const bool is_inlier =
+          map.fit(l, p_map, normal_map, static_cast<float>(max_m)) == PlaneFit::kOn;
       all.add(is_inlier);
       if (is_upright(normal_map.z())) {
         upright.add(is_inlier);

@@ -4,7 +4,9 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -25,6 +27,10 @@ constexpr double kWideM = 0.2;
 constexpr double kSlideSigmas = 3.0;
 constexpr double kMaxSlideM = 3.0;
 constexpr double kSlideStepM = 0.02;
+// Numbers of wall points that slide: the least that determine a place, and so many as show it as
+// well as all. After an interruption these take the time of some ten full counts of inliers.
+constexpr std::size_t kMinPoints = 30;
+constexpr std::size_t kMaxPoints = 500;
 // Places whose inlier ratios are lower than the highest by less than this fit as well.
 constexpr double kAsGood = 0.05;
 // A place that is known no better than this leaves the direction to odometry.
@@ -39,27 +45,61 @@ Eigen::Vector3d least_determined_axis(const Matrix6d& covariance) {
   return eigen.eigenvectors().col(2);
 }
 
+/// A point on a wall, as it lies in the map before the slide.
+struct WallPoint {
+  Eigen::Vector3f p;
+  Eigen::Vector3f normal;
+  std::size_t level;
+};
+
+// Some points of upright planes, spread over all of them.
+std::vector<WallPoint> wall_points(const VoxelMap& sweep_base, const SE3& T_map_base) {
+  const VoxelMap::Selection points = sweep_base.select(0);
+  const Eigen::Isometry3f to_map = T_map_base.cast<float>();
+  std::vector<WallPoint> all;
+  for (std::size_t l = 0; l < VoxelMap::kLevels; ++l) {
+    for (std::size_t i = points.first_of_level[l]; i < points.first_of_level[l + 1]; ++i) {
+      const Eigen::Vector3f normal = to_map.linear() * points.points[i].normal;
+      if (is_upright(normal.z())) {
+        all.push_back({to_map * points.points[i].p, normal, l});
+      }
+    }
+  }
+  const std::size_t stride = (all.size() + kMaxPoints - 1) / kMaxPoints;
+  std::vector<WallPoint> some;
+  for (std::size_t i = 0; i < all.size(); i += stride) {
+    some.push_back(all[i]);
+  }
+  return some;
+}
+
+// The fraction of the points near planes of the map that lie on them. Where the map knows nothing,
+// a point says nothing: at the end of a map the sweep would otherwise fit better farther back.
+double fit_ratio(std::span<const WallPoint> points, const CorrespondenceSearch& map,
+                 const Eigen::Vector3f& step, float max_m) {
+  std::size_t known = 0;
+  std::size_t on = 0;
+  for (const WallPoint& point : points) {
+    const PlaneFit fit = map.fit(point.level, point.p + step, point.normal, max_m);
+    known += fit == PlaneFit::kUnknown ? 0 : 1;
+    on += fit == PlaneFit::kOn ? 1 : 0;
+  }
+  return static_cast<double>(on) / static_cast<double>(std::max<std::size_t>(1, known));
+}
+
 // Where a sweep fits best along an axis, in metres from the middle of the slide.
 struct Stretch {
   double middle_m = 0.0;
   double sigma_m = 0.0;
 };
 
-// Slides a sweep by up to `reach_m` to both sides of a pose.
-Stretch slide(const VoxelMap& sweep_base, const VoxelMap& map, const SE3& T_map_base,
-              const Eigen::Vector3d& axis, double reach_m, const RegistrationParams& params) {
-  const VoxelMap::Selection points = sweep_base.select(0);
-  const CorrespondenceSearch correspondences(map, params.min_normal_cosine);
-  const int reach = static_cast<int>(std::ceil(reach_m / kSlideStepM));
-  std::vector<double> ratios;
-  for (int i = -reach; i <= reach; ++i) {
-    SE3 T_map_slid = T_map_base;
-    T_map_slid.translation() += i * kSlideStepM * axis;
-    ratios.push_back(count_inliers(points, correspondences, T_map_slid,
-                                   kInlierScales * params.fine_residual_scale_m)
-                         .upright);
-  }
+// The places that fit as well as the best, of ratios from -reach to reach steps. Empty if they
+// reach an end of the slide: then it does not show where they end.
+std::optional<Stretch> best_stretch(std::span<const double> ratios, int reach) {
   const double least = std::ranges::max(ratios) - kAsGood;
+  if (ratios.front() >= least || ratios.back() >= least) {
+    return std::nullopt;
+  }
   double num = 0.0;
   double sum_m = 0.0;
   double sq_sum_m2 = 0.0;
@@ -72,21 +112,47 @@ Stretch slide(const VoxelMap& sweep_base, const VoxelMap& map, const SE3& T_map_
     }
   }
   const double middle_m = sum_m / num;
-  return {.middle_m = middle_m,
-          .sigma_m = std::sqrt(std::max(0.0, sq_sum_m2 / num - middle_m * middle_m) +
-                               kSlideStepM * kSlideStepM)};
+  return Stretch{.middle_m = middle_m,
+                 .sigma_m = std::sqrt(std::max(0.0, sq_sum_m2 / num - middle_m * middle_m) +
+                                      kSlideStepM * kSlideStepM)};
 }
 
-// The prior, where the position along an axis is known to be at a pose.
-PosePrior narrowed(const PosePrior& prior, const Eigen::Vector3d& axis, const SE3& T_map_base,
-                   double sigma_m) {
-  PosePrior narrow = prior;
-  narrow.T_map_base.translation() +=
-      axis.dot(T_map_base.translation() - prior.T_map_base.translation()) * axis;
+// Slides a sweep by up to `reach_m` to both sides of a pose.
+std::optional<Stretch> slide(const VoxelMap& sweep_base, const VoxelMap& map, const SE3& T_map_base,
+                             const Eigen::Vector3d& axis, double reach_m,
+                             const RegistrationParams& params) {
+  const std::vector<WallPoint> points = wall_points(sweep_base, T_map_base);
+  if (points.size() < kMinPoints) {
+    return std::nullopt;
+  }
+  const CorrespondenceSearch correspondences(map, params.min_normal_cosine);
+  const auto max_m = static_cast<float>(kInlierScales * params.fine_residual_scale_m);
+  const int reach = static_cast<int>(std::ceil(reach_m / kSlideStepM));
+  std::vector<double> ratios;
+  for (int i = -reach; i <= reach; ++i) {
+    ratios.push_back(
+        fit_ratio(points, correspondences, (i * kSlideStepM * axis).cast<float>(), max_m));
+  }
+  return best_stretch(ratios, reach);
+}
+
+// The prior joined with what the slide shows about the position along an axis.
+PosePrior joined(const PosePrior& prior, const Eigen::Vector3d& axis, const Stretch& stretch) {
+  PosePrior joined = prior;
   Matrix6d information = registration::inverse(prior.covariance);
-  information.topLeftCorner<3, 3>() += axis * axis.transpose() / (sigma_m * sigma_m);
-  narrow.covariance = registration::inverse(information);
-  return narrow;
+  information.topLeftCorner<3, 3>() +=
+      axis * axis.transpose() / (stretch.sigma_m * stretch.sigma_m);
+  joined.covariance = registration::inverse(information);
+  const double gain = std::pow(sigma_along(joined.covariance, axis) / stretch.sigma_m, 2);
+  joined.T_map_base.translation() += gain * stretch.middle_m * axis;
+  return joined;
+}
+
+// Neighbours that are not the same surface seem to determine a place better than the slide does.
+void widen(Matrix6d& covariance, const Eigen::Vector3d& axis, double sigma_m) {
+  const double variance_m2 = axis.dot(covariance.topLeftCorner<3, 3>() * axis);
+  const double missing_m2 = std::max(0.0, sigma_m * sigma_m - variance_m2);
+  covariance.topLeftCorner<3, 3>() += missing_m2 * axis * axis.transpose();
 }
 
 }  // namespace
@@ -100,27 +166,27 @@ Registration register_sweep_sliding(VoxelMap& sweep_base, const VoxelMap& map,
   if (!found.is_accepted() || !(prior_sigma_m > kWideM)) {
     return found;
   }
-  SE3 T_map_middle = found.T_map_base;
+  const SE3& T_map_found = found.T_map_base;
+  SE3 T_map_middle = T_map_found;
   T_map_middle.translation() +=
-      axis.dot(prior.T_map_base.translation() - found.T_map_base.translation()) * axis;
-  const Stretch stretch = slide(sweep_base, map, T_map_middle, axis,
-                                std::min(kSlideSigmas * prior_sigma_m, kMaxSlideM), params);
-  // Joined with the prior: where the sweep fits everywhere, it stays there.
-  const double weight =
-      1.0 / (1.0 + stretch.sigma_m * stretch.sigma_m / (prior_sigma_m * prior_sigma_m));
-  const double sigma_m = std::sqrt(weight) * stretch.sigma_m;
+      axis.dot(prior.T_map_base.translation() - T_map_found.translation()) * axis;
+  const auto stretch = slide(sweep_base, map, T_map_middle, axis,
+                             std::min(kSlideSigmas * prior_sigma_m, kMaxSlideM), params);
+  if (!stretch) {
+    return found;
+  }
+  const PosePrior narrowed = joined(prior, axis, *stretch);
   SE3 T_map_start = T_map_middle;
-  T_map_start.translation() += weight * stretch.middle_m * axis;
+  T_map_start.translation() += narrowed.T_map_base.translation() - prior.T_map_base.translation();
   VoxelMap sweep = as_measured.value_or(sweep_base);
-  Registration slid = register_sweep_from(sweep, map, narrowed(prior, axis, T_map_start, sigma_m),
-                                          T_map_start, params);
-  if (!slid.is_accepted()) {
+  Registration slid = register_sweep_from(sweep, map, narrowed, T_map_start, params);
+  if (!slid.is_accepted() || slid.lowest_inlier_ratio() < found.lowest_inlier_ratio()) {
     return found;
   }
   sweep_base = std::move(sweep);
-  const Eigen::Matrix3d spread = sigma_m * sigma_m * axis * axis.transpose();
-  slid.covariance.topLeftCorner<3, 3>() += spread;
-  slid.end_covariance.topLeftCorner<3, 3>() += spread;
+  const double sigma_m = sigma_along(narrowed.covariance, axis);
+  widen(slid.covariance, axis, sigma_m);
+  widen(slid.end_covariance, axis, sigma_m);
   if (sigma_m > kKnownM) {
     slid.state = PoseState::kDegraded;
     slid.degenerate_directions = std::max(slid.degenerate_directions, 1);

@@ -5,10 +5,11 @@
 
 namespace nodmap::slam6d {
 
-/// Registers a sweep as register_sweep() does. Where the prior is wide, as after an interruption,
-/// the sweep also slides through the map in the direction that it determines least: along a
-/// corridor. The prior is narrowed to where most points of upright planes fit. If they fit over a
-/// longer stretch, the covariance contains it and the state is kDegraded.
+/// Registers the first sweep after an interruption, as register_sweep() does. Where the prior is
+/// wide, the sweep also slides through the map in the direction that it determines least: along a
+/// corridor. Where most points of upright planes fit is joined with the prior. If they fit over a
+/// longer stretch, the covariance contains it and the state is kDegraded; if they fit as far as the
+/// slide reaches, the slide says nothing.
 [[nodiscard]] Registration register_sweep_sliding(VoxelMap& sweep_base, const VoxelMap& map,
                                                   const PosePrior& prior,
                                                   const RegistrationParams& params);

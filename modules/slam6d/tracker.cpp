@@ -100,7 +100,9 @@ PosePrior Tracker::predict(const SweepCloud& cloud, const PoseUpdate& update) co
 void Tracker::track(VoxelMap& sweep, const VoxelMap& map, const SweepCloud& cloud,
                     PoseUpdate& update) {
   const PoseUpdate predicted = update;
-  update.registration = register_sweep_sliding(sweep, map, predict(cloud, update), registration_);
+  const PosePrior prior = predict(cloud, update);
+  update.registration = is_interrupted_ ? register_sweep_sliding(sweep, map, prior, registration_)
+                                        : register_sweep(sweep, map, prior, registration_);
   update.T_map_base = update.registration->T_map_base;
   update.covariance = update.registration->covariance;
   calibrate(cloud, predicted, update);

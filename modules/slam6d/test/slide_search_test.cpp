@@ -59,5 +59,20 @@ TEST(SlideSearch, InABareCorridorTheCovarianceContainsTheDistance) {
   }
 }
 
+// A map that ends 4 m ahead, as where a corridor is mapped for the first time. The sweep sees walls
+// farther on.
+TEST(SlideSearch, TheEndOfTheMapDoesNotHoldTheRobotBack) {
+  VoxelMap map{VoxelMapParams{}};
+  SweepCloud mapped = cloud_at(Room::corridor(), SE3::Identity(), 1);
+  std::erase_if(mapped.points, [](const Eigen::Vector3f& p) { return std::abs(p.x()) > 4.0F; });
+  map.add_sweep(VoxelMap::from_points(mapped.points, mapped.p_base_mirror(), {}), SE3::Identity());
+  VoxelMap sweep = sweep_at(Room::corridor(), pose(3.0, 0.0, 0.0), 9);
+  const PosePrior prior = interrupted_prior(pose(3.0, 0.0, 0.0));
+  const Registration found = register_sweep_sliding(sweep, map, prior, {});
+  ASSERT_TRUE(found.is_accepted());
+  EXPECT_NEAR(found.T_map_base.translation().x(), 3.0, 0.05);
+  EXPECT_LT(found.covariance(0, 0), 1.01 * prior.covariance(0, 0));
+}
+
 }  // namespace slide_search_test
 }  // namespace nodmap::slam6d
