@@ -140,8 +140,11 @@ say "stopping the processes"
 run "$bin/nodmap-sheriff" "$config" --script stop_all --on-script-complete exit --timeout 60 >>"$out/sheriff.log" || die "not every process stopped; see $out/sheriff.log"
 "$bin/nodmap-sheriff" "$config" --status --json >"$out/status.json" || true
 end_deputy || die "the deputy did not end cleanly; see $out/deputy.log"
+code=0
 if [[ $watched -ne 0 ]]; then
-  [[ $what == demo ]] && die "no scan came"
-  say "the robot was not back home within $duration s"
+  ! grep -q '"scans": 0,' "$out/watch.json" || die "no scan came"
+  say "the robot has not come back home"
+  code=1
 fi
-python3 scripts/demo_sim_summary.py "$out"
+python3 scripts/demo_sim_summary.py "$out" || code=1
+exit $code

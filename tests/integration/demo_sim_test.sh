@@ -19,11 +19,11 @@ expect_nothing_left() {
   for pid in $left; do tr '\0' ' ' <"/proc/$pid/cmdline" 2>/dev/null && echo; done
   [[ -z "$left" ]] || fail "$2 leaves processes behind"
 }
-# start_demo NAME DURATION: starts it as a terminal would, in a process group of its own, and Ctrl-C goes to all of the group. Until the script
+# start_demo NAME DURATION [OPTION]: starts it as a terminal would, in a process group of its own, and Ctrl-C goes to all of the group. Until the script
 # itself runs, the signal would have no effect: a process that a shell starts in the background ignores it.
 start_demo() {
   out=$work/$1
-  setsid env --default-signal=INT,HUP bash scripts/demo_sim.sh --duration "$2" --out "$out" >"$out.log" 2>&1 &
+  setsid env --default-signal=INT,HUP bash scripts/demo_sim.sh --duration "$2" --out "$out" "${@:3}" >"$out.log" 2>&1 &
   demo=$!
   for _ in $(seq 1000); do
     [[ "$(tr '\0' ' ' <"/proc/$demo/cmdline")" == "bash scripts/demo_sim.sh "* ]] && return
@@ -140,6 +140,11 @@ for signal in HUP TERM; do
   kill "-$signal" "$demo"
   expect_a_failure "SIG$signal"
 done
+
+# Time for the robot to start, not to come home.
+start_demo not-home 5 --explore
+expect_a_failure "an exploration that is too short"
+grep -q "m driven" "$out.log" || fail "an exploration that is too short is not summarised"
 
 start_demo beheaded-at-the-start 30
 wait_for "starting the processes"

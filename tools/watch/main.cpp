@@ -11,6 +11,7 @@
 #include "common/bus/live_bus.hpp"
 #include "common/node/clock.hpp"
 #include "common/node/log.hpp"
+#include "common/node/messages.hpp"
 #include "common/node/program.hpp"
 #include "tools/watch/overview.hpp"
 
@@ -68,7 +69,7 @@ class Display {
 };
 
 /// Returns true after the full duration; false if no scan was received, if it was stopped early, or
-/// if the robot is not home.
+/// if the robot was to come home and has not.
 bool watch(const Arguments& arguments, const std::string& lcm_url, Overview& overview) {
   bus::LiveBus bus(lcm_url);
   listen_to_all(bus, overview);
@@ -86,7 +87,7 @@ bool watch(const Arguments& arguments, const std::string& lcm_url, Overview& ove
     }
     display.show(overview, now);
     in_time = (now < end || (scans_came && arguments.duration_s == 0.0)) &&
-              !(arguments.until_home && overview.is_home());
+              !(arguments.until_home && (overview.is_home() || overview.given_up()));
   }
   display.end();
   return scans_came && !in_time && (!arguments.until_home || overview.is_home());
@@ -118,9 +119,10 @@ void add_options(CLI::App& app, Arguments& arguments) {
                  "Seconds from the first scan on; 0: until stopped")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  app.add_flag(
-      "--until-home", arguments.until_home,
-      "Exit when the explorer reports that the robot is home; exit code 1 if it never does");
+  app.add_flag("--until-home", arguments.until_home,
+               "Exit when the explorer reports that the robot is home, or gives up; exit code 1 if "
+               "the robot "
+               "has not come home");
   app.add_option("--patience", arguments.patience_s, "Seconds to wait for the first scan")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
@@ -132,6 +134,9 @@ int run(const Arguments& arguments, const std::string& lcm_url) {
   const bool done = watch(arguments, lcm_url, overview);
   if (overview.scans().total() == 0) {
     log::get().error("no SCAN received");
+  } else if (arguments.until_home && !overview.is_home()) {
+    log::get().error("the robot is not home: {}",
+                     node::read_name(overview.given_up().value_or("not in time")));
   }
   if (!arguments.out.empty()) {
     std::ofstream file(arguments.out);

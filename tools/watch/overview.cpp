@@ -50,6 +50,12 @@ void Overview::add(const nodmap::odometry_t& message, time::SteadyTime now) {
 
 void Overview::add(const nodmap::exploration_t& message, time::SteadyTime /*now*/) {
   is_home_ = message.state == nodmap::exploration_t::HOME;
+  const bool is_idle = message.state == nodmap::exploration_t::IDLE;
+  given_up_.reset();
+  if (is_idle && was_exploring_) {
+    given_up_ = message.reason;
+  }
+  was_exploring_ |= !is_idle;
   seen_m2_ = message.seen_m2;
 }
 

@@ -5,6 +5,7 @@
 #include <deque>
 #include <limits>
 #include <map>
+#include <optional>
 #include <string>
 
 #include "common/geometry/time.hpp"
@@ -69,6 +70,8 @@ class Overview {
   [[nodiscard]] std::int64_t keyframes() const { return keyframes_; }
   /// Whether everything has been seen and the robot is back at the start of the exploration.
   [[nodiscard]] bool is_home() const { return is_home_; }
+  /// Why the explorer has ended the exploration before that; empty if it has not.
+  [[nodiscard]] const std::optional<std::string>& given_up() const { return given_up_; }
   /// Free ground in the 2D map, m2, as reported by the explorer.
   [[nodiscard]] double seen_m2() const { return seen_m2_; }
   [[nodiscard]] const Rate& scans() const { return scans_; }
@@ -95,6 +98,8 @@ class Overview {
   std::string reason_;
   std::int64_t keyframes_ = 0;
   bool is_home_ = false;
+  bool was_exploring_ = false;
+  std::optional<std::string> given_up_;
   double seen_m2_ = 0.0;
   std::int64_t collisions_ = -1;
   std::int64_t bumps_ = 0;

@@ -102,6 +102,22 @@ TEST(StatusLine, SaysWhatTheRobotDoes) {
   EXPECT_LE(status_line(overview, at(0s)).size(), 120U);
 }
 
+TEST(Overview, AnExplorationThatEndsBeforeTheRobotIsHomeWasGivenUp) {
+  Overview overview;
+  const auto report = [&overview](std::int8_t state) {
+    exploration_t message{};
+    message.state = state;
+    message.reason = "there is no path home";
+    overview.add(message, at(0s));
+    return overview.given_up();
+  };
+  EXPECT_FALSE(report(exploration_t::IDLE)) << "not begun yet";
+  EXPECT_FALSE(report(exploration_t::EXPLORING));
+  EXPECT_FALSE(report(exploration_t::RETURNING));
+  EXPECT_EQ(report(exploration_t::IDLE), "there is no path home");
+  EXPECT_FALSE(report(exploration_t::HOME));
+}
+
 TEST(BehaviourName, IsAQuestionMarkForAnUnknownNumber) {
   EXPECT_EQ(behaviour_name(navigation_t::HALT), "HALT");
   EXPECT_EQ(behaviour_name(-1), "?");
