@@ -8,6 +8,7 @@ usage: results.py BIN_DIR [--check]
 
 The recordings are looked for in $NODMAP_DATA, else ../shared/data; where they are missing nothing is written, and --check says so.
 """
+import argparse
 import functools
 import json
 import os
@@ -131,7 +132,11 @@ def agree(old, new):
 
 
 def main():
-    bin_dir, check = pathlib.Path(sys.argv[1]), "--check" in sys.argv[2:]
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0], allow_abbrev=False)
+    parser.add_argument("bin_dir", type=pathlib.Path)
+    parser.add_argument("--check", action="store_true", help="only compare; the documents are not written")
+    arguments = parser.parse_args()
+    bin_dir, check = arguments.bin_dir, arguments.check
     if not (DATA / "slam2d").exists():
         print("results: skipped, no recordings (set NODMAP_DATA)")
         return 0

@@ -11,6 +11,7 @@ Most of the time goes into the headers of the standard library and Eigen, so sou
 checked again only when something that it is made of has changed: the key of a good run, a digest of the preprocessed text, of the rules and of
 clang-tidy's version, is kept in the user's cache ($XDG_CACHE_HOME/nodmap/clang-tidy), for every clone.
 """
+import argparse
 import concurrent.futures
 import hashlib
 import json
@@ -82,13 +83,19 @@ def check(build, entry):
 
 
 def main():
-    build = pathlib.Path(sys.argv[1]).resolve()
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0], allow_abbrev=False)
+    parser.add_argument("build", type=lambda name: pathlib.Path(name).resolve())
+    choice = parser.add_mutually_exclusive_group()
+    choice.add_argument("--all", action="store_true")
+    choice.add_argument("--changed", action="store_true")
+    arguments = parser.parse_args()
+    build = arguments.build
     units = {}  # by file: a source may be in two programs
     for entry in json.loads((build / "compile_commands.json").read_text()):
         sources = sources_of(entry)
-        if sources and ("--all" in sys.argv[2:] or not is_test(sources[0])):
+        if sources and (arguments.all or not is_test(sources[0])):
             units[entry["file"]] = entry
-    if "--changed" in sys.argv[2:]:
+    if arguments.changed:
         changed = changed_sources()
         units = {file: unit for file, unit in units.items() if any(s.with_suffix("") in changed for s in sources_of(unit))}
     bad = 0

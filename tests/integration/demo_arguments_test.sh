@@ -33,6 +33,21 @@ grep -qF "sim/worlds/office.yaml" "$work/out" || fail "explore does not say whic
 code=0
 timeout 10 ./nodmap explore --duration 0 >"$work/out" 2>&1 || code=$?
 [[ $code -eq 2 ]] || fail "explore takes a duration of 0"
+# A mistyped option does not start what takes hours, or writes documents.
+before=$(cat README.md docs/*.md | cksum)
+for command in "results --chek" "results --check x" "test x" "test --al" "lint --al" "check x" "build x" "docs x" "format x" "fuzz x" "spy x"; do
+  code=0
+  # shellcheck disable=SC2086  # a command line
+  timeout 10 ./nodmap $command >"$work/out" 2>&1 || code=$?
+  [[ $code -eq 2 ]] && grep -qF "unexpected argument: ${command#* }" "$work/out" || { cat "$work/out"; fail "./nodmap $command is not refused: $code"; }
+done
+for command in "results.py x --chek" "run_clang_tidy.py x --al"; do
+  code=0
+  # shellcheck disable=SC2086  # a command line
+  timeout 10 python3 scripts/$command >"$work/out" 2>&1 || code=$?
+  [[ $code -eq 2 ]] || { cat "$work/out"; fail "$command is not refused: $code"; }
+done
+[[ "$(cat README.md docs/*.md | cksum)" == "$before" ]] || fail "the documents have changed"
 # An event log is recognised by its contents.
 printf '\xed\xa1\xda\x01' >"$work/recording"
 scripts/demo.sh --check-arguments "$work/recording" --out "$work/new"
