@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <iostream>
 #include <optional>
@@ -135,6 +136,22 @@ std::string explain(const CLI::App& command, const CLI::ParseError& error) {
   return unused.empty() ? error.what() : "unexpected argument '" + unused.front() + "'";
 }
 
+/// Throws if a number is given that is not finite: "nan" is within every CLI::Range.
+void need_finite_numbers(const CLI::App& app) {
+  for (const CLI::Option* option : app.get_options()) {
+    for (const std::string& text : option->results()) {
+      double value = 0.0;
+      if (option->get_type_name().starts_with("FLOAT") && CLI::detail::lexical_cast(text, value) &&
+          !std::isfinite(value)) {
+        throw CLI::ValidationError(option->get_name(), "'" + text + "' is not a finite number");
+      }
+    }
+  }
+  for (const CLI::App* command : app.get_subcommands(nullptr)) {
+    need_finite_numbers(*command);
+  }
+}
+
 int complain(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App& command = chosen_command(app);
   const std::string name =
@@ -147,6 +164,7 @@ std::optional<int> prepare(CLI::App& app, int argc, char** argv, const Program& 
                            CommonOptions& options) {
   try {
     app.parse(argc, argv);
+    need_finite_numbers(app);
     if (program.params != nullptr) {
       load_params(*program.params, options);
     }

@@ -2,9 +2,7 @@
 #include "common/node/run.hpp"
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -197,10 +195,6 @@ int run_map_node(int argc, char** argv, const ProgramInfo& info, params::Table& 
     app.parse_complete_callback([&] {
       if (!start_pose.empty() && localise_in.empty() && map_in.empty()) {
         throw CLI::RequiresError("--start-pose", "--localise or --map-in");
-      }
-      if (!std::all_of(start_pose.begin(), start_pose.end(),
-                       [](double value) { return std::isfinite(value); })) {
-        throw CLI::ValidationError("--start-pose", "three finite numbers are needed");
       }
     });
   };

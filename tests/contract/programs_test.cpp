@@ -403,11 +403,25 @@ TEST(Clear, RefusesWhatIsNoRectangle) {
   }
 }
 
-TEST(StartPose, MustBeFinite) {
-  const auto result =
-      run_program("nodmap-slam2d", {"--localise", "y", "--start-pose", "nan", "0", "0"});
-  EXPECT_EQ(result.exit_code, 2);
-  EXPECT_THAT(result.err, HasSubstr("three finite numbers"));
+// A time that is not a number never passes, and no distance is within it.
+TEST(Numbers, MustBeFinite) {
+  const std::vector<std::vector<std::string>> commands = {
+      {"nodmap-slam2d", "--localise", "y", "--start-pose", "nan", "0", "0"},
+      {"nodmap-goal", "3", "1", "--heading", "nan"},
+      {"nodmap-goal", "3", "nan"},
+      {"nodmap-stop", "--wait", "NaN"},
+      {"nodmap-watch", "--duration", "nan"},
+      {"nodmap-trial", "--duration", "-nan"},
+      {"nodmap-latency", "--duration", "nan(1)"},
+      {"nodmap-convert", "export", "x.lcmlog", "x.ply", "--start-s", "nan"},
+      {"nodmap-evaluate", "cloud", "x.ply", "cellar", "--start", "0", "nan", "0"},
+      {"nodmap-evaluate", "cloud", "x.ply", "cellar", "--start", "0", "inf", "0"},
+  };
+  for (const std::vector<std::string>& command : commands) {
+    const auto result = run_program(command.front(), {command.begin() + 1, command.end()});
+    EXPECT_EQ(result.exit_code, 2) << command.front();
+    EXPECT_THAT(result.err, HasSubstr("is not a finite number")) << command.front();
+  }
 }
 
 }  // namespace programs_test

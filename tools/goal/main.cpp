@@ -46,9 +46,6 @@ std::vector<Eigen::Vector2d> read_waypoints(const std::vector<double>& coordinat
   std::vector<Eigen::Vector2d> waypoints_map;
   for (std::size_t i = 0; i < coordinates_m.size(); i += 2) {
     waypoints_map.emplace_back(coordinates_m[i], coordinates_m[i + 1]);
-    if (!waypoints_map.back().allFinite()) {
-      throw node::UsageError("waypoints: a coordinate is not a finite number");
-    }
   }
   return waypoints_map;
 }
@@ -63,9 +60,11 @@ class Guide {
                time::from_seconds(arguments.patience_s)) {
     decide_goal();
     bus_.subscribe<navigation_t>("NAVIGATION", [this](const navigation_t& m) {
-      has_navigator_ = true;
-      const bool may_go_on = !arguments_.is_patrol || time::steady_now() - decided_ >= kLeastStay;
-      if (m.goal_utime == goal_.utime && may_go_on) {
+      if (m.goal_utime != goal_.utime) {
+        return;
+      }
+      obeyed_ = time::steady_now();
+      if (!arguments_.is_patrol || obeyed_ - decided_ >= kLeastStay) {
         tell(route_.take_arrival(m.behaviour == navigation_t::ARRIVED));
       }
     });
@@ -81,10 +80,11 @@ class Guide {
 
   /// Returns the exit code.
   int run() {
-    const time::SteadyTime begin = time::steady_now();
+    obeyed_ = time::steady_now();
     while (!route_.is_over() && !is_overruled_ && !node::stop_requested()) {
-      if (!has_navigator_ && time::steady_now() - begin > time::from_seconds(arguments_.wait_s)) {
-        std::cerr << "nodmap-goal: no nodmap-navigator within " << arguments_.wait_s << " s\n";
+      if (time::steady_now() - obeyed_ > time::from_seconds(arguments_.wait_s)) {
+        std::cerr << "nodmap-goal: for " << arguments_.wait_s
+                  << " s no nodmap-navigator has driven to this goal\n";
         return 1;
       }
       if (time::steady_now() >= goal_due_) {
@@ -148,8 +148,8 @@ class Guide {
   goal_t goal_{};  // the present one, which we also receive
   std::int64_t former_utime_ = 0;
   time::SteadyTime decided_{};
+  time::SteadyTime obeyed_{};  // when the navigator last reported on this goal
   std::size_t told_index_ = 0;
-  bool has_navigator_ = false;
   bool is_overruled_ = false;
 };
 
@@ -194,7 +194,8 @@ int main(int argc, char** argv) {
                             "Seconds without a path after which a waypoint is missed")
                  ->check(CLI::Range(1.0, 3600.0));
              app.add_option("--wait", arguments.wait_s,
-                            "How long to wait for the navigator, seconds")
+                            "Seconds without a report of the navigator on the goal after which to "
+                            "give up")
                  ->check(CLI::Range(0.1, 3600.0));
            },
        .run = [&arguments](const std::string& lcm_url) { return run(arguments, lcm_url); }});
