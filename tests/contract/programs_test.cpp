@@ -424,5 +424,22 @@ TEST(Numbers, MustBeFinite) {
   }
 }
 
+TEST(Options, ThatWouldHaveNoEffectAreRefused) {
+  const std::vector<std::vector<std::string>> commands = {
+      {"nodmap-goal", "3", "1", "--heading-tolerance", "2"},
+      {"nodmap-latency", "--duration", "2", "--log", "x.lcmlog"},
+      {"nodmap-convert", "export", "x.lcmlog", "x.clf", "--channel", "SCAN"},
+      {"nodmap-convert", "export", "x.lcmlog", "x.ply", "--channel", "SCAN"},
+      {"nodmap-convert", "export", "x.lcmlog", "x.csv", "--start-s", "2"},
+      {"nodmap-convert", "export", "x.lcmlog", "x.tum", "--scans", "2"},
+  };
+  for (const std::vector<std::string>& command : commands) {
+    const auto result = run_program(command.front(), {command.begin() + 1, command.end()});
+    EXPECT_EQ(result.exit_code, 2) << command.front();
+    EXPECT_THAT(result.err, HasSubstr("--")) << command.front();
+    EXPECT_THAT(result.err, Not(HasSubstr("x.lcmlog"))) << "not that the file is missing";
+  }
+}
+
 }  // namespace programs_test
 }  // namespace nodmap

@@ -101,18 +101,30 @@ void add_exports(CLI::App& app, Arguments& arguments) {
             ending == ".clf" || ending == ".csv" || ending == ".tum" || ending == ".ply";
         return known ? std::string() : "'" + out + "' does not end in .clf, .csv, .tum or .ply";
       });
-  command->add_option(
+  auto* channel = command->add_option(
       "--channel", arguments.channel,
       "Channel to export; default: SCAN for .csv, ODOMETRY for .tum; .clf and .ply use both");
-  command
-      ->add_option("--start-s", arguments.window.start_s,
-                   ".ply: seconds from the log's first scan to the cloud's")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
-  command->add_option("--scans", arguments.window.num_scans, ".ply: consecutive scans in the cloud")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  command->callback([&arguments] { arguments.work = [&] { export_log(arguments); }; });
+  auto* start = command
+                    ->add_option("--start-s", arguments.window.start_s,
+                                 ".ply: seconds from the log's first scan to the cloud's")
+                    ->check(CLI::NonNegativeNumber)
+                    ->capture_default_str();
+  auto* scans = command
+                    ->add_option("--scans", arguments.window.num_scans,
+                                 ".ply: consecutive scans in the cloud")
+                    ->check(CLI::PositiveNumber)
+                    ->capture_default_str();
+  command->callback([&arguments, channel, start, scans] {
+    const std::string ending = std::filesystem::path(arguments.out).extension();
+    for (const CLI::Option* option : {channel, start, scans}) {
+      const bool is_for_cloud = option != channel;
+      const bool is_used = is_for_cloud ? ending == ".ply" : ending == ".csv" || ending == ".tum";
+      if (option->count() > 0 && !is_used) {
+        throw CLI::ValidationError(option->get_name(), "has no effect on a " + ending + " file");
+      }
+    }
+    arguments.work = [&] { export_log(arguments); };
+  });
 }
 
 }  // namespace

@@ -182,14 +182,16 @@ int main(int argc, char** argv) {
                             "Distance at which a waypoint counts as reached, metres; default 0.2; "
                             "with --heading, 0.02 for the last one")
                  ->check(CLI::Range(0.01, 10.0));
-             app.add_option("--heading", arguments.heading_deg,
-                            "Dock at the last waypoint with this heading in map, degrees, 0 along "
-                            "x, 90 along y; needs 0.8 m of free floor straight behind it")
-                 ->check(CLI::Range(-360.0, 360.0));
+             auto* heading =
+                 app.add_option("--heading", arguments.heading_deg,
+                                "Dock at the last waypoint with this heading in map, degrees, 0 "
+                                "along x, 90 along y; needs 0.8 m of free floor straight behind it")
+                     ->check(CLI::Range(-360.0, 360.0));
              app.add_option(
                     "--heading-tolerance", arguments.heading_tolerance_deg,
                     "Largest error of the heading with which the robot counts as docked, degrees")
-                 ->check(CLI::Range(0.1, 90.0));
+                 ->check(CLI::Range(0.1, 90.0))
+                 ->needs(heading);
              app.add_option("--patience", arguments.patience_s,
                             "Seconds without a path after which a waypoint is missed")
                  ->check(CLI::Range(1.0, 3600.0));

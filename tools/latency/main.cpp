@@ -58,10 +58,11 @@ struct Arguments {
 };
 
 void add_options(CLI::App& app, Arguments& arguments) {
-  app.add_option("--duration", arguments.duration_s, "How long to listen, seconds")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  app.add_option("--log", arguments.log, "Measure in this recording of nodmap-logger instead");
+  auto* duration = app.add_option("--duration", arguments.duration_s, "How long to listen, seconds")
+                       ->check(CLI::PositiveNumber)
+                       ->capture_default_str();
+  app.add_option("--log", arguments.log, "Measure in this recording of nodmap-logger instead")
+      ->excludes(duration);
 }
 
 int run(const Arguments& arguments, const std::string& lcm_url) {
