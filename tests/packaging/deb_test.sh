@@ -84,6 +84,8 @@ jar=/usr/share/java/lcmtypes_nodmap.jar
 if [[ -e $jar ]]; then
   python3 -m zipfile -l $jar >log
   grep -q 'nodmap/scan_t.class' log || fail "the jar holds no types"
+  { nodmap-doctor || true; } >log
+  grep -q 'types jar: lcmtypes_nodmap.jar is there' log || { cat log; fail "nodmap-doctor does not find the jar"; }
   echo "$jar: $(grep -c '_t\.class' log) types"
 else
   echo "no types for lcm-spy in this build: it had no Java"

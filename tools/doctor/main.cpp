@@ -82,8 +82,9 @@ std::vector<Finding> examine_host(const std::string& logs) {
                     "it contains lcm-spy", "sudo apt install liblcm-java"),
       check_present("jchart2d.jar", "jchart2d.jar", file_exists("/usr/share/java/jchart2d.jar"),
                     "lcm-spy needs it for plots", "sudo apt install libjchart2d-java"),
-      check_present("types jar", "build/java/lcmtypes_nodmap.jar",
-                    file_exists("build/java/lcmtypes_nodmap.jar"),
+      check_present("types jar", "lcmtypes_nodmap.jar",
+                    file_exists("build/java/lcmtypes_nodmap.jar") ||
+                        file_exists("/usr/share/java/lcmtypes_nodmap.jar"),  // of the package
                     "it lets lcm-spy decode our messages", "./nodmap spy"),
       check_realtime(realtime_is_permitted()),
       check_serial_workers(node::may_raise_serial_workers()),
