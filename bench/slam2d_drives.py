@@ -12,6 +12,7 @@ import argparse
 import json
 import os
 import pathlib
+import shutil
 import subprocess
 import tempfile
 
@@ -36,10 +37,13 @@ class Drives:
 
     def drive(self, run):
         world, seed, duration_s = run
-        folder = self.out / f"{world}-{seed}"
+        folder = self.out / f"{world}-{seed}-{duration_s}s"
         if not folder.exists():
+            part = folder.with_suffix(".part")  # an interrupted drive is not used
+            shutil.rmtree(part, ignore_errors=True)
             self.call("nodmap-trial", "--world", ROOT / "sim" / "worlds" / f"{world}.yaml", "--seed", seed, "--duration", duration_s,
-                      *seeds.ODOMETRY_NOISE, "--no-slam6d", "--out", folder)
+                      *seeds.ODOMETRY_NOISE, "--no-slam6d", "--out", part)
+            part.rename(folder)
         return folder
 
     def errors(self, run, setting):
