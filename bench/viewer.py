@@ -245,8 +245,11 @@ def measure(arguments):
         result["first_data_s"] = first_data_s(viewer.port)
         result["first_image_s"] = first_image_s(viewer.port)
         readers = [Reader(viewer.port)]
+        time.sleep(5)  # it first receives the history: cloud, maps and trails
+        history = readers[0].bytes
         result["1 client"] = window(viewer, observer, arguments.window)
-        result["1 client"]["mb_per_s"] = round(readers[0].bytes / arguments.window / 1e6, 2)
+        result["1 client"]["mb_per_s"] = round((readers[0].bytes - history) / arguments.window / 1e6, 2)
+        result["1 client"]["history_mb"] = round(history / 1e6, 2)
         readers += [Reader(viewer.port) for _ in range(19)]
         result["20 clients"] = window(viewer, observer, arguments.window)
         stuck = [Client(viewer.port, receive_buffer=4096) for _ in range(5)]
