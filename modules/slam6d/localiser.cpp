@@ -38,7 +38,9 @@ Localiser::Localiser(const LocaliseParams& params, const RegistrationParams& reg
 std::optional<SE3> Localiser::find(const VoxelMap& sweep_base, const VoxelMap& map,
                                    const PoseUpdate& by_odometry) {
   if (T_map_start_) {
-    state_ = State::kTold;
+    state_ = State::kUnconfirmed;
+    is_told_ = true;
+    T_map_found_ = *T_map_start_;
     return std::exchange(T_map_start_, std::nullopt);
   }
   if (!is_search_due(by_odometry)) {
@@ -70,10 +72,10 @@ void Localiser::classify(const VoxelMap& sweep_base, PoseUpdate& update, int los
   Registration& registration = *update.registration;
   const bool is_known = registration.lowest_inlier_ratio() >= params_.place.min_inlier_ratio;
   // A place found by a search must go on fitting as well as when it was found.
-  const bool fits = registration.is_accepted() && (state_ != State::kUnconfirmed || is_known);
+  const bool fits = registration.is_accepted() && (!is_doubtful() || is_known);
   if (!fits) {
     registration.state = PoseState::kLost;
-    if (state_ == State::kUnconfirmed || lost_sweeps >= params_.max_lost_sweeps) {
+    if (is_doubtful() || lost_sweeps >= params_.max_lost_sweeps) {
       give_up();
     }
     return;
@@ -85,14 +87,18 @@ void Localiser::classify(const VoxelMap& sweep_base, PoseUpdate& update, int los
     give_up();
     return;
   }
-  if (state_ == State::kUnconfirmed &&
-      (update.T_map_base.translation() - T_map_found_.translation()).norm() >
-          params_.confirm_distance_m) {
+  if (is_known && confirms(registration)) {
     state_ = State::kConfirmed;
   }
-  if (state_ == State::kUnconfirmed || (state_ == State::kConfirmed && !is_known)) {
+  if (!is_told_ && (state_ == State::kUnconfirmed || !is_known)) {
     registration.state = PoseState::kDegraded;
   }
+}
+
+bool Localiser::confirms(const Registration& registration) const {
+  return (registration.T_map_base.translation() - T_map_found_.translation()).norm() >
+             params_.confirm_distance_m &&
+         evidence_.contradiction_ratio() <= params_.place.max_contradiction_ratio;
 }
 
 void Localiser::add_evidence(const Evidence& evidence) {
@@ -101,7 +107,7 @@ void Localiser::add_evidence(const Evidence& evidence) {
 }
 
 bool Localiser::is_contradicted() const {
-  const double tolerance = state_ == State::kUnconfirmed ? 1.0 : params_.confirmed_tolerance;
+  const double tolerance = is_doubtful() ? 1.0 : params_.confirmed_tolerance;
   return evidence_.contradiction_ratio() > tolerance * params_.place.max_contradiction_ratio;
 }
 
@@ -112,6 +118,7 @@ void Localiser::give_up() {
 
 void Localiser::forget_place() {
   state_ = State::kUnknown;
+  is_told_ = false;
   evidence_ = {};
   failed_.reset();
 }

@@ -63,8 +63,8 @@ struct LocaliseParams {
 ///
 /// A place that was found by a search is confirmed when a sweep farther on fits, too, because that
 /// sweep sees something else. Until then the place is given up at the first sweep that does not
-/// fit. Any place, even a confirmed one, is given up when several sweeps show surfaces where the
-/// map is known to be free.
+/// fit. A start pose is believed at once, but confirmed in the same way. Any place, even a
+/// confirmed one, is given up when several sweeps show surfaces where the map is known to be free.
 class Localiser {
  public:
   /// `T_map_start`: the pose of the robot at the first sweep, if it is known. `keyframes`: those of
@@ -75,16 +75,18 @@ class Localiser {
 
   /// Whether the robot has a place, confirmed or not.
   [[nodiscard]] bool has_place() const { return state_ != State::kUnknown; }
-  [[nodiscard]] bool is_confirmed() const { return state_ >= State::kConfirmed; }
+  [[nodiscard]] bool is_confirmed() const { return state_ == State::kConfirmed; }
+  /// Whether the place is the given start pose.
+  [[nodiscard]] bool is_told() const { return is_told_; }
 
   /// To be called while the robot has no place. Returns its pose: the start pose, or the only place
   /// that fits the sweep. `by_odometry`: the update of the sweep; only its pose in odom is used.
   [[nodiscard]] std::optional<geometry::SE3> find(const VoxelMap& sweep_base, const VoxelMap& map,
                                                   const PoseUpdate& by_odometry);
 
-  /// Confirms or doubts the place by the registration of a sweep. The pose is DEGRADED as long as
-  /// the place is not confirmed, and also if most of the sweep is not in the map, unless the place
-  /// was given. `lost_sweeps`: sweeps refused in a row, including this one.
+  /// Confirms or doubts the place by the registration of a sweep. Unless the place was given, the
+  /// pose is DEGRADED as long as the place is not confirmed, and also if most of the sweep is not
+  /// in the map. `lost_sweeps`: sweeps refused in a row, including this one.
   void classify(const VoxelMap& sweep_base, PoseUpdate& update, int lost_sweeps);
 
   /// Whether too many of a sweep's surfaces stand where the map's beams went through.
@@ -111,12 +113,14 @@ class Localiser {
   void count_from(const Metrics& metrics) { metrics_ = metrics; }
 
  private:
-  enum class State { kUnknown, kUnconfirmed, kConfirmed, kTold };
+  enum class State { kUnknown, kUnconfirmed, kConfirmed };
   struct Failure {
     time::Timestamp stamp{};
     geometry::SE3 T_odom_base = geometry::SE3::Identity();
   };
   [[nodiscard]] bool is_search_due(const PoseUpdate& by_odometry) const;
+  [[nodiscard]] bool is_doubtful() const { return state_ == State::kUnconfirmed && !is_told_; }
+  [[nodiscard]] bool confirms(const Registration& registration) const;
   void add_evidence(const Evidence& evidence);
   [[nodiscard]] bool is_contradicted() const;
   void give_up();
@@ -126,6 +130,7 @@ class Localiser {
   Relocaliser search_;
   std::optional<geometry::SE3> T_map_start_;
   State state_ = State::kUnknown;
+  bool is_told_ = false;  // the place, by the start pose
   geometry::SE3 T_map_found_ = geometry::SE3::Identity();
   Evidence evidence_;              // since then, the newest sweeps most
   std::optional<Failure> failed_;  ///< the last search, if it found nothing

@@ -43,8 +43,8 @@ void Recovery::find_place(const Known& known, const VoxelMap& sweep, const Sweep
     update.registration = Registration{};
     return;
   }
-  if (localiser_->is_confirmed()) {
-    // A given start pose, which needs no confirmation, is the pose at the sweep's first beam.
+  if (localiser_->is_told()) {
+    // The start pose is the pose at the sweep's first beam.
     *T_map_base = *T_map_base * cloud.T_base_first.inverse();
   }
   known.tracker.begin_at(*T_map_base, cloud);
