@@ -15,6 +15,13 @@ bool is_certain(const Matrix6d& covariance, const LocaliseParams& params) {
          kSigmas * std::sqrt(covariance.bottomRightCorner<3, 3>().trace()) < params.certain_rad;
 }
 
+// Refuses the match of a sweep: the pose is from odometry alone.
+void follow_odometry(Tracker& tracker, const SweepCloud& cloud, PoseUpdate& update) {
+  tracker.refuse();
+  update = tracker.extrapolate(cloud);
+  update.registration = Registration{};
+}
+
 }  // namespace
 
 void Recovery::begin_in_saved_map(const Known& saved,
@@ -61,7 +68,7 @@ bool Recovery::check_place(const Known& known, int lost_before, VoxelMap& sweep,
     is_found = recover(known, sweep, cloud, update);
   }
   if (is_map_closed_) {
-    classify_place(known, sweep, update);
+    classify_place(known, sweep, cloud, update);
     if (by_odometry_ && !localiser_->has_place()) {
       take_back_place(known, cloud, update);
     }
@@ -69,8 +76,13 @@ bool Recovery::check_place(const Known& known, int lost_before, VoxelMap& sweep,
   return is_found;
 }
 
-void Recovery::classify_place(const Known& known, const VoxelMap& sweep, PoseUpdate& update) {
+void Recovery::classify_place(const Known& known, const VoxelMap& sweep, const SweepCloud& cloud,
+                              PoseUpdate& update) {
+  const bool was_accepted = update.is_tracked();
   localiser_->classify(sweep, update, known.tracker.lost_sweeps());
+  if (update.registration->is_accepted() != was_accepted) {
+    follow_odometry(known.tracker, cloud, update);
+  }
   is_map_closed_ = is_map_fixed_ || !localiser_->is_confirmed() ||
                    update.registration->state != PoseState::kTracking;
   if (!is_map_closed_) {
@@ -87,9 +99,7 @@ bool Recovery::recover(const Known& known, VoxelMap& sweep, const SweepCloud& cl
   Tracker& tracker = known.tracker;
   if (update.is_tracked() && !is_certain(tracker.extrapolate(cloud).covariance, params_.localise) &&
       localiser_in_own_map(known).is_contradicted_at(sweep, update.T_map_base)) {
-    tracker.refuse();
-    update = tracker.extrapolate(cloud);
-    update.registration = Registration{};
+    follow_odometry(tracker, cloud, update);
   }
   return tracker.lost_sweeps() >= params_.localise.max_lost_sweeps &&
          search_own_map(known, sweep, cloud, update);

@@ -68,7 +68,8 @@ class Recovery {
                                  const SweepCloud& cloud, PoseUpdate& update);
 
  private:
-  void classify_place(const Known& known, const VoxelMap& sweep, PoseUpdate& update);
+  void classify_place(const Known& known, const VoxelMap& sweep, const SweepCloud& cloud,
+                      PoseUpdate& update);
   [[nodiscard]] bool recover(const Known& known, VoxelMap& sweep, const SweepCloud& cloud,
                              PoseUpdate& update);
   [[nodiscard]] Localiser& localiser_in_own_map(const Known& known);

@@ -2,6 +2,7 @@
 // A robot that is told its pose in a saved map (--start-pose).
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -50,6 +51,21 @@ TEST_F(RobotInASavedHall, TheMapIsContinuedOnlyThreeMetresFromTheStartPose) {
   }
   see(slam, Room::hall(), pose(1.1, 0.0, 0.0), pose(1.1, 0.0, 0.0));
   EXPECT_EQ(slam.keyframes().size(), saved_.keyframes.size() + 1);
+}
+
+// Odometry counts 5 cm to the side. A sweep that contradicts the map says nothing about the pose.
+TEST_F(RobotInASavedHall, ALostPoseIsThatOfOdometry) {
+  Slam6d slam({});
+  slam.restore(saved_, pose(-2.0, 0.0, 0.0), true);
+  see(slam, Room::hall(), pose(-2.0, 0.0, 0.0), pose(-2.0, 0.0, 0.0));
+  PoseUpdate update;
+  do {
+    update = see(slam, look_alike_hall(), pose(-2.0, 0.0, 0.0), pose(-2.0, 0.05, 0.0));
+    ASSERT_LT(slam.sweeps().size(), 10U);
+  } while (update.is_tracked());
+  ASSERT_EQ(slam.localiser()->metrics().times_contradicted, 1);
+  EXPECT_TRUE(update.T_map_base.isApprox(update.T_map_odom * update.T_odom_base, 1e-9));
+  EXPECT_GT(std::sqrt(update.covariance(1, 1)), 0.01);
 }
 
 }  // namespace start_pose_test
