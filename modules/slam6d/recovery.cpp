@@ -51,8 +51,8 @@ void Recovery::find_place(const Known& known, const VoxelMap& sweep, const Sweep
     return;
   }
   if (localiser_->is_told()) {
-    // The start pose is the pose at the sweep's first beam.
-    *T_map_base = *T_map_base * cloud.T_base_first.inverse();
+    // The start pose is that at the first beam of all; odometry knows the way from there.
+    *T_map_base = *T_map_base * T_first_start_->inverse() * update.T_first_odom * cloud.T_odom_base;
   }
   known.tracker.begin_at(*T_map_base, cloud);
   update = known.tracker.extrapolate(cloud);

@@ -55,6 +55,12 @@ class Recovery {
   /// Empty until it is needed.
   [[nodiscard]] const std::optional<Localiser>& localiser() const { return localiser_; }
 
+  /// To be called with each sweep that has scans, usable or not: a start pose is that of the first
+  /// one. `T_first_base`: the pose at its first beam by odometry, in the first odom frame.
+  void note_start(const geometry::SE3& T_first_base) {
+    T_first_start_ = T_first_start_.value_or(T_first_base);
+  }
+
   /// To be called while the robot has no place: tracking begins at the place of this sweep, if it
   /// is found. Otherwise there is no pose, and the sweep is LOST.
   void find_place(const Known& known, const VoxelMap& sweep, const SweepCloud& cloud,
@@ -82,6 +88,7 @@ class Recovery {
   std::int64_t localiser_revision_ = 0;  // of the graph from which it was made
   bool is_map_fixed_ = false;
   bool is_map_closed_ = false;  // only if there is a localiser
+  std::optional<geometry::SE3> T_first_start_;
   /// Follows odometry from where the robot was lost, until the place that was found instead is
   /// confirmed.
   std::optional<Tracker> by_odometry_;

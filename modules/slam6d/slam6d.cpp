@@ -109,6 +109,9 @@ PoseUpdate Slam6d::add_cloud(SweepCloud cloud) {
   }
   PoseUpdate update = tracker_.extrapolate(cloud);
   update.is_place_known = recovery_.has_place();
+  if (cloud.scans_used > 0) {
+    recovery_.note_start(update.T_first_odom * cloud.T_odom_base * cloud.T_base_first);
+  }
   if (!is_usable(update)) {
     keep(update);
     return update;

@@ -71,6 +71,18 @@ struct TestMap {
   VoxelMap voxels{VoxelMapParams{}};
 };
 
+/// Four walls around the robot at this distance, as if people blocked its whole view: they fit
+/// nowhere.
+inline Room box_about_robot(double half_width_m) {
+  return {{{{1, 0, 0}, half_width_m},
+           {{-1, 0, 0}, half_width_m},
+           {{0, 1, 0}, half_width_m},
+           {{0, -1, 0}, half_width_m}}};
+}
+
+/// So near that hardly any plane is seen (registration.min_planes).
+inline constexpr double kBlindM = 0.12;
+
 /// Poses along Room::hall(), 1 m apart, from x = -2.5 m to x = 3.5 m.
 inline std::vector<geometry::SE3> along_hall() {
   std::vector<geometry::SE3> poses;

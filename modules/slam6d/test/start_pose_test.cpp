@@ -68,5 +68,18 @@ TEST_F(RobotInASavedHall, ALostPoseIsThatOfOdometry) {
   EXPECT_GT(std::sqrt(update.covariance(1, 1)), 0.01);
 }
 
+// Somebody stands before the laser while the robot begins to drive.
+TEST_F(RobotInASavedHall, TheStartPoseIsThatOfTheFirstSweepAlsoIfItIsBlind) {
+  Slam6d slam({});
+  slam.restore(saved_, pose(-2.0, 0.0, 0.0), true);
+  const SE3 T_odom_map = pose(7.0, 3.0, 50.0);
+  see(slam, box_about_robot(kBlindM), SE3::Identity(), T_odom_map * pose(-2.0, 0.0, 0.0));
+  see(slam, box_about_robot(kBlindM), SE3::Identity(), T_odom_map * pose(-1.0, 0.0, 0.0));
+  const SE3 T_map_base = pose(0.0, 0.0, 0.0);
+  const PoseUpdate update = see(slam, Room::hall(), T_map_base, T_odom_map * T_map_base);
+  ASSERT_TRUE(update.is_tracked());
+  EXPECT_LT((update.T_map_base.translation() - T_map_base.translation()).norm(), 0.01);
+}
+
 }  // namespace start_pose_test
 }  // namespace nodmap::slam6d
