@@ -85,6 +85,7 @@ void Surroundings::complete(Situation& now) {
   slow_down_near_slopes(now);
   add_people(now);
   add_local_map(now);
+  add_standing(now);
   add_geofence(now);
 }
 
@@ -162,6 +163,12 @@ void Surroundings::add_local_map(Situation& now) const {
         local_map_.doubtful_points_base(now.T_odom_base, body_.turning_radius_m() + kDoubtfulM);
     now.hole_corners_base = local_map_.hole_corners_base(now.T_odom_base, longest_stop_m());
   }
+}
+
+/// Adds what stands beside or behind the robot. Must follow add_people(), which removes points.
+void Surroundings::add_standing(Situation& now) const {
+  const Points standing = proximity_.points_base(now.T_odom_base);
+  now.points_base.insert(now.points_base.end(), standing.begin(), standing.end());
 }
 
 /// Adds the boundary of the geofence. Must follow watch_approach(), because the boundary moves when

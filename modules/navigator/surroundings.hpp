@@ -59,6 +59,7 @@ class Surroundings {
   void add_people(Situation& now);
   void watch_approach(const Situation& now, const Points& points_base);
   void add_local_map(Situation& now) const;
+  void add_standing(Situation& now) const;
   void add_geofence(Situation& now) const;
   void erase_free_floor(Situation& now) const;
   [[nodiscard]] double longest_stop_m() const;

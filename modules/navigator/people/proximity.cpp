@@ -23,6 +23,15 @@ constexpr double kMostTrackErrorM = 0.3;
 constexpr double kStandsM = 0.05;
 constexpr time::Duration kStands = 600ms;
 constexpr time::Duration kHold = 500ms;
+/// The sensors measure this far; without a reading nothing is nearer.
+constexpr double kSensorReachM = 0.5;
+/// Half the width of whatever stands: a foot is 0.3 m long.
+constexpr double kStandingHalfWidthM = 0.15;
+constexpr double kPointSpacingM = 0.025;
+/// Half the width of a sensor's cone where it ends.
+constexpr double kConeM = 0.05;
+/// What stands farther away than this is left to the laser.
+constexpr double kForgottenM = 1.0;
 
 /// An obstacle may still be there although the map has forgotten it because odometry has drifted.
 bool may_stand(const LocalCell* cell) {
@@ -56,14 +65,18 @@ bool is_tracked(const Eigen::Vector2d& p_odom, const People& people_odom) {
 
 void Proximity::add(time::Timestamp stamp, const Ranges& ranges_m, const geometry::SE2& T_odom_base,
                     const LocalMap& local_map, const People& people_odom) {
+  forget_far_places(T_odom_base);
   for (std::size_t i = 0; i < robot::kInfraredCount; ++i) {
+    const geometry::SE2 T_odom_sensor = T_odom_base * robot::kInfraredMounts[i];
+    const bool is_reading = ranges_m[i] >= 0.0 && ranges_m[i] <= kFarthestReadingM;  // no NaN
+    forget_places_before(T_odom_sensor, is_reading ? ranges_m[i] : kSensorReachM);
     std::optional<Stranger>& stranger = strangers_[i];
-    if (!(ranges_m[i] >= 0.0 && ranges_m[i] <= kFarthestReadingM)) {  // NaN, too
+    if (!is_reading) {
       stranger.reset();
       continue;
     }
-    const Eigen::Vector2d p_odom =
-        T_odom_base * (robot::kInfraredMounts[i] * Eigen::Vector2d(ranges_m[i], 0.0));
+    const geometry::SE2 T_odom_there = T_odom_sensor * geometry::SE2{ranges_m[i], 0.0, 0.0};
+    const Eigen::Vector2d p_odom = T_odom_there.translation();
     if (!is_free(p_odom, local_map) || is_tracked(p_odom, people_odom)) {
       stranger.reset();
     } else if (!stranger || (stranger->p_odom - p_odom).norm() > kStandsM) {
@@ -71,8 +84,47 @@ void Proximity::add(time::Timestamp stamp, const Ranges& ranges_m, const geometr
     }
     if (stranger && std::chrono::abs(stamp - stranger->since) < kStands) {
       detected_at_ = stamp;
+    } else if (stranger) {
+      standing_[i] = T_odom_there;
     }
   }
+}
+
+void Proximity::forget_far_places(const geometry::SE2& T_odom_base) {
+  for (std::optional<geometry::SE2>& place : standing_) {
+    if (place && (place->translation() - T_odom_base.translation()).norm() > kForgottenM) {
+      place.reset();
+    }
+  }
+}
+
+/// A sensor that measures something farther away has looked through the places before it.
+void Proximity::forget_places_before(const geometry::SE2& T_odom_sensor, double range_m) {
+  for (std::optional<geometry::SE2>& place : standing_) {
+    if (!place) {
+      continue;
+    }
+    const Eigen::Vector2d p = T_odom_sensor.inverse() * place->translation();
+    const bool is_gone =
+        p.x() > -kStandsM && p.x() < range_m - kStandsM && std::abs(p.y()) < kConeM;
+    if (is_gone) {
+      place.reset();
+    }
+  }
+}
+
+Points Proximity::points_base(const geometry::SE2& T_odom_base) const {
+  Points points;
+  for (const std::optional<geometry::SE2>& place : standing_) {
+    if (place) {
+      const geometry::SE2 T_base_place = T_odom_base.inverse() * *place;
+      for (double y = -kStandingHalfWidthM; y < kStandingHalfWidthM + 0.5 * kPointSpacingM;
+           y += kPointSpacingM) {
+        points.push_back(T_base_place * Eigen::Vector2d(0.0, y));
+      }
+    }
+  }
+  return points;
 }
 
 bool Proximity::is_detected(time::Timestamp stamp) const {

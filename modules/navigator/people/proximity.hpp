@@ -7,6 +7,7 @@
 #include "common/geometry/se2.hpp"
 #include "common/geometry/time.hpp"
 #include "common/robot/infrared.hpp"
+#include "modules/navigator/obstacle_points.hpp"
 #include "modules/navigator/people/person.hpp"
 
 namespace nodmap::navigator {
@@ -15,8 +16,9 @@ class LocalMap;
 
 /// Detects people who approach beside or behind the robot, where the laser does not look. They show
 /// as readings of the base's infrared range finders, up to half a metre from the body, in places
-/// where the local map has free floor. For what does not move the robot waits only briefly: the
-/// laser had overlooked it.
+/// where the local map has free floor. What does not move for 0.6 s becomes an obstacle, and the
+/// robot no longer waits for it: somebody who stands there, or something that the laser overlooked.
+/// It remains one until a range finder looks through its place, or the robot is 1 m away.
 class Proximity {
  public:
   /// As in nodmap.base_sensors_t, metres; NaN: nothing in the measuring range.
@@ -31,6 +33,10 @@ class Proximity {
   /// not seen.
   [[nodiscard]] bool is_detected(time::Timestamp stamp) const;
 
+  /// What stands beside or behind the robot, in base: for each place, points across the reading, as
+  /// far apart as cells of the local map.
+  [[nodiscard]] Points points_base(const geometry::SE2& T_odom_base) const;
+
  private:
   /// A reading on something that the local map does not show.
   struct Stranger {
@@ -38,7 +44,12 @@ class Proximity {
     time::Timestamp since{};
   };
 
+  void forget_far_places(const geometry::SE2& T_odom_base);
+  void forget_places_before(const geometry::SE2& T_odom_sensor, double range_m);
+
   std::array<std::optional<Stranger>, robot::kInfraredCount> strangers_;
+  /// By sensor: where something stands, in odom, the x axis along the beam.
+  std::array<std::optional<geometry::SE2>, robot::kInfraredCount> standing_;
   std::optional<time::Timestamp> detected_at_;
 };
 

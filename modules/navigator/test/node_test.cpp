@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 
@@ -138,35 +139,76 @@ TEST_F(NavigatorNodeTest, InfraredRangesAreRefusedWithoutOdometryAndOtherwiseTak
   }
 }
 
-// Somebody steps behind the robot, onto floor that it has driven over, and is gone again.
-TEST_F(NavigatorNodeScans, ItStopsForSomebodyCloseBehindAndThenDrivesOn) {
-  const test::WalkingScene floor{{}, 20.0};
-  const auto drive_for = [&](double duration_s) {
+class NavigatorNodeRanges : public NavigatorNodeScans {
+ protected:
+  /// Lets the robot look around while it drives at `mps`.
+  void drive_for(double duration_s, double mps = 0.3) {
     for (double t = 0.0; t < duration_s; t += 0.01) {
-      x_ += 0.003;
-      tick_with(floor.scan({}, {x_, 0.0, 0.0},
-                           test::nodding_pitch_rad(static_cast<double>(now_us_) * 1e-6)));
+      x_ += 0.01 * mps;
+      tick_with(floor_.scan({}, {x_, 0.0, 0.0},
+                            test::nodding_pitch_rad(static_cast<double>(now_us_) * 1e-6)));
     }
-  };
-  auto give_range_behind = [&, sensors_seq = std::int64_t{0}](float range_m) mutable {
+  }
+
+  void give_range(robot::Infrared sensor, float range_m) {
     nodmap::base_sensors_t message{};
     message.utime = now_us_;
-    message.sensors_seq = sensors_seq++;
+    message.sensors_seq = sensors_seq_++;
     std::ranges::fill(message.infrared_m, std::numeric_limits<float>::quiet_NaN());
-    message.infrared_m[static_cast<std::size_t>(robot::Infrared::kBack)] = range_m;
+    message.infrared_m[static_cast<std::size_t>(sensor)] = range_m;
     bus_.deliver("BASE_SENSORS", message);
-  };
+  }
+
+  void give_stop(bool is_stopped) {
+    nodmap::stop_t stop{};
+    stop.is_stopped = is_stopped ? 1 : 0;
+    bus_.deliver("STOP", stop);
+  }
+
+  test::WalkingScene floor_{{}, 20.0};
+  std::int64_t sensors_seq_ = 0;
+};
+
+// Somebody steps behind the robot, onto floor that it has driven over, and is gone again.
+TEST_F(NavigatorNodeRanges, ItStopsForSomebodyCloseBehindAndThenDrivesOn) {
   drive_for(5.0);
   ASSERT_TRUE(drives());
-  give_range_behind(0.3F);
+  give_range(robot::Infrared::kBack, 0.3F);
   tick();
   EXPECT_EQ(drive().forward_mps, 0.0);
   EXPECT_EQ(drive().yaw_rate_rad_s, 0.0);
   EXPECT_EQ(navigation().reason,
             "Somebody is close beside or behind: waits until they have passed.");
-  give_range_behind(std::numeric_limits<float>::quiet_NaN());
+  give_range(robot::Infrared::kBack, std::numeric_limits<float>::quiet_NaN());
   drive_for(0.6);
   EXPECT_TRUE(drives());
+}
+
+// Somebody comes during a stop, stands against the robot's side and releases it. The goal is
+// straight behind, and a rotation in either direction would end on their feet.
+TEST_F(NavigatorNodeRanges, AfterAStopItDoesNotRotateIntoWhoeverHasComeMeanwhile) {
+  drive_for(5.0);
+  give_stop(true);
+  nodmap::goal_t goal{};
+  goal.is_active = 1;
+  goal.position_m[0] = x_ - 1.0;
+  goal.tolerance_m = 0.3;
+  bus_.deliver("GOAL", goal);
+  const auto look_for = [&](double duration_s, float left_m) {
+    double fastest_rad_s = 0.0;
+    for (double t = 0.0; t < duration_s; t += 0.05) {
+      give_range(robot::Infrared::kLeft, left_m);
+      drive_for(0.05, 0.0);
+      if (drive().forward_mps == 0.0) {
+        fastest_rad_s = std::max(fastest_rad_s, std::abs(drive().yaw_rate_rad_s));
+      }
+    }
+    return fastest_rad_s;
+  };
+  ASSERT_EQ(look_for(2.0, 0.0F), 0.0);
+  give_stop(false);
+  EXPECT_EQ(look_for(3.0, 0.0F), 0.0);
+  EXPECT_GT(look_for(3.0, std::numeric_limits<float>::quiet_NaN()), 0.0) << "they have gone";
 }
 
 }  // namespace node_test

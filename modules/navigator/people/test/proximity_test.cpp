@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 #include "modules/navigator/local_map/local_map.hpp"
@@ -84,6 +85,50 @@ TEST_F(ProximityTest, AConstantReadingIsIgnoredAfterAWhileAndANearerOneIsNot) {
   }
   EXPECT_FALSE(sees(time_s, only(kBack, 0.4)));
   EXPECT_TRUE(sees(time_s + 0.05, only(kBack, 0.3))) << "it comes nearer";
+}
+
+// The robot's side is at -0.165 m.
+TEST_F(ProximityTest, WhoeverStandsIsAnObstacleUntilTheSensorLooksThroughTheirPlace) {
+  const geometry::SE2 here{1.5, 0.0, 0.0};
+  const auto stand_for = [&](double from_s, double to_s) {
+    for (double time_s = from_s; time_s < to_s; time_s += 0.05) {
+      static_cast<void>(sees(time_s, only(kRight, 0.06)));
+    }
+  };
+  stand_for(10.0, 10.55);
+  EXPECT_TRUE(proximity_.points_base(here).empty()) << "they may still be walking";
+  stand_for(10.55, 12.0);
+  const Points points = proximity_.points_base(here);
+  ASSERT_FALSE(points.empty());
+  for (const Eigen::Vector2d& p : points) {
+    EXPECT_NEAR(p.y(), -0.225, 1e-9);
+    EXPECT_LE(std::abs(p.x()), 0.15 + 1e-9);
+  }
+  // From elsewhere in odom they are at the same place, although no sensor looks there.
+  const geometry::SE2 turned{1.5, 0.0, 0.4};
+  proximity_.add(at(12.1), only(kRight, std::numeric_limits<double>::quiet_NaN()), turned, map_,
+                 {});
+  const Points again = proximity_.points_base(turned);
+  ASSERT_EQ(again.size(), points.size());
+  EXPECT_LT((turned * again.front() - here * points.front()).norm(), 1e-9);
+  static_cast<void>(sees(12.2, only(kRight, 0.08)));
+  EXPECT_FALSE(proximity_.points_base(here).empty()) << "noise";
+  static_cast<void>(sees(12.3, only(kRight, std::numeric_limits<double>::quiet_NaN())));
+  EXPECT_TRUE(proximity_.points_base(here).empty());
+}
+
+TEST_F(ProximityTest, WhoeverStandsIsForgottenFromAMetreAwayOn) {
+  for (double time_s = 10.0; time_s < 12.0; time_s += 0.05) {
+    static_cast<void>(sees(time_s, only(kBack, 0.3)));
+  }
+  const auto drive_to = [&](double x_m) {
+    const geometry::SE2 there{x_m, 0.0, 0.0};
+    proximity_.add(at(13.0), only(kRight, std::numeric_limits<double>::quiet_NaN()), there, map_,
+                   {});
+    return proximity_.points_base(there);
+  };
+  EXPECT_FALSE(drive_to(1.9).empty());
+  EXPECT_TRUE(drive_to(2.9).empty());
 }
 
 TEST_F(ProximityTest, AReadingOfAForgottenObstacleIsNotAPerson) {
