@@ -28,11 +28,6 @@ constexpr int kAtRestTicks = 1;
 constexpr int kSonarNearest = 100;  // raw; a nearer obstacle gives a smaller value
 /// By which an obstacle approaches between two readings of the sonar, at 2 m/s.
 constexpr double kApproachM = 0.15;
-constexpr int kInfraredNearest = 800;  // raw; a nearer obstacle gives a larger value
-
-bool is_too_near_to_measure(int infrared_raw) {
-  return infrared_raw > kInfraredNearest;
-}
 
 }  // namespace
 
@@ -62,14 +57,13 @@ void BaseGuard::add(const RangeReadings& readings, time::SteadyTime now) {
   for (const auto& [sensor, corner] :
        {std::pair(Infrared::kLeftFront, &left_corner_), {Infrared::kRightFront, &right_corner_}}) {
     if (const auto& raw = readings.infrared_raw[static_cast<std::size_t>(sensor)]) {
-      *corner = is_too_near_to_measure(*raw) ? std::optional(Seen{0.0, now}) : std::nullopt;
+      const bool is_too_near_to_measure = infrared_range_m(*raw) == 0.0;
+      *corner = is_too_near_to_measure ? std::optional(Seen{0.0, now}) : std::nullopt;
     }
   }
   if (const auto& raw = readings.infrared_raw[static_cast<std::size_t>(Infrared::kBack)]) {
     if (const auto range_m = infrared_range_m(*raw)) {
       behind_ = {*range_m, now};
-    } else if (is_too_near_to_measure(*raw)) {
-      behind_ = {0.0, now};
     } else {
       behind_.reset();
     }

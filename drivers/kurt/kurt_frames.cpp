@@ -144,7 +144,10 @@ Report decode(const CanFrame& frame) {
 }
 
 std::optional<double> infrared_range_m(int raw) {
-  if (raw < 100 || raw > 800) {
+  if (raw > 800) {
+    return 0.0;
+  }
+  if (raw < 100) {
     return std::nullopt;
   }
   return 0.01 * (std::pow(30000.0 / (raw - 10.0), 1.0 / 1.4) - 10.0);

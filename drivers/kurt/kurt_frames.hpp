@@ -67,7 +67,8 @@ using Report =
 /// are too short.
 [[nodiscard]] Report decode(const CanFrame& frame);
 
-/// Range of a Sharp GP2D12, metres; empty for readings outside of what it can measure (100 to 800).
+/// Range of a Sharp GP2D12, metres: 0 for what is too near to measure (above 800, 3.4 cm), empty if
+/// nothing is near enough (below 100, 0.53 m).
 [[nodiscard]] std::optional<double> infrared_range_m(int raw);
 
 /// Range of the Baumer UNDK30, metres; empty for readings outside 100 to 1000.

@@ -35,7 +35,7 @@ void check_frame(const CanFrame& frame) {
   if (const auto* ranges = std::get_if<nodmap::kurt::RangeReadings>(&report)) {
     for (const auto& raw : ranges->infrared_raw) {
       const auto range_m = nodmap::kurt::infrared_range_m(raw.value_or(-1));
-      require(!range_m || (*range_m > 0.0 && *range_m < 1.0));
+      require(!range_m || (*range_m >= 0.0 && *range_m < 1.0));
     }
   }
 }
