@@ -129,6 +129,7 @@ Decision GoalDrive::drive_by_plan(const Situation& now, const SeenDirections& se
   if (const CostToGo* cost_to_go = global_.cost_to_go()) {
     const double cost_m = cost_to_go->least_near(T_map_base.translation());
     if (!std::isfinite(cost_m)) {
+      progress_at_.reset();
       return without_path(now);
     }
     no_path_since_.reset();
@@ -221,7 +222,12 @@ std::optional<Decision> GoalDrive::squeeze(const CostToGo& cost_to_go, const Sit
 /// local map alone: remembered ground is only as accurate as the pose of 2D SLAM was, and what was
 /// seen from afar may be wrong.
 Decision GoalDrive::without_path(const Situation& now) {
-  if (!no_path_since_ || seconds_since(no_path_since_, now) > kLookAgainS) {
+  const bool looks_again = seconds_since(no_path_since_, now) > kLookAgainS;
+  if (looks_again) {
+    global_.forget_failures();
+    has_doubted_ = false;
+  }
+  if (!no_path_since_ || looks_again) {
     no_path_since_ = now.stamp;
     looked_rad_ = 0.0;
     has_doubted_ = false;
@@ -249,9 +255,10 @@ Decision GoalDrive::without_path(const Situation& now) {
 }
 
 /// Gives up the path if the robot makes no progress, because the plan must then be wrong about what
-/// is ahead. The count begins anew when new obstacles have made the path longer.
+/// is ahead. The count begins anew when new obstacles have made the path longer. Time with people
+/// around does not count: they walk on, and the path is free again.
 void GoalDrive::watch_progress(const Situation& now, double cost_m) {
-  if (cost_m > last_cost_m_ + kNewPathM) {
+  if (cost_m > last_cost_m_ + kNewPathM || !now.people.empty()) {
     progress_at_.reset();
   }
   last_cost_m_ = cost_m;

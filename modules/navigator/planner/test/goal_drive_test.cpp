@@ -12,14 +12,16 @@ namespace goal_drive_test {
 
 constexpr double kStepS = 0.01332;
 
-/// A local map of a square fence of 2.2 m, seen from the robot in its middle.
-LocalMap fenced() {
-  const test::Ground fence{{{{1.0, -1.1}, {1.1, 1.1}, 0.5},
+/// A local map of a square fence of 2.2 m with a gap ahead, seen from the robot in its middle. It
+/// looks to so many sides, and behind first.
+LocalMap fenced(double gap_m = 0.0, int num_sides = 4) {
+  const test::Ground fence{{{{1.0, -1.1}, {1.1, -0.5 * gap_m}, 0.5},
+                            {{1.0, 0.5 * gap_m}, {1.1, 1.1}, 0.5},
                             {{-1.1, -1.1}, {-1.0, 1.1}, 0.5},
                             {{-1.1, 1.0}, {1.1, 1.1}, 0.5},
                             {{-1.1, -1.1}, {1.1, -1.0}, 0.5}}};
   LocalMap map({}, {});
-  for (int quarter = 0; quarter < 4; ++quarter) {
+  for (int quarter = 2; quarter < 2 + num_sides; ++quarter) {
     const geometry::SE2 T_odom_turned{0.0, 0.0, 0.5 * geometry::kPi * quarter};
     for (double deg = -60.0; deg <= 2.0; deg += 3.0) {
       map.add_scan(test::scan_of(fence, T_odom_turned, geometry::deg_to_rad(deg)), T_odom_turned);
@@ -112,10 +114,15 @@ LocalMap open_floor() {
 /// A robot on that floor, which follows each decision as fast as its wheels can.
 class Driver {
  public:
-  explicit Driver(const LocalMap& map) : map_(map) {
-    now_.local_map = &map;
+  explicit Driver(const LocalMap& map, double x_m = 0.0) {
+    show(map);
     now_.max_forward_mps = 1.0;
+    now_.T_odom_base.x = x_m;
   }
+
+  /// From now on the local map is this one.
+  void show(const LocalMap& map) { now_.local_map = &map; }
+  void set_people(const People& people_base) { now_.people = people_base; }
 
   const Situation& now() const { return now_; }
   std::vector<Eigen::Vector2d> path() const {
@@ -128,7 +135,7 @@ class Driver {
     now_.stamp += time::from_seconds(kStepS);
     now_.goal = goal_in_base(now_.T_odom_base.inverse() * goal_odom, tolerance_m);
     seen_.update(now_.T_odom_base.yaw, 2 * num_steps_++);
-    return drive_.decide(now_, seen_, map_);
+    return drive_.decide(now_, seen_, *now_.local_map);
   }
 
   Decision step(const Eigen::Vector2d& goal_odom, double tolerance_m) {
@@ -143,7 +150,6 @@ class Driver {
   }
 
  private:
-  const LocalMap& map_;
   GoalDrive drive_{NavigatorParams{}};
   SeenDirections seen_{geometry::deg_to_rad(70.0)};
   Situation now_;
@@ -217,6 +223,40 @@ TEST(GoalDrive, APauseBetweenItsDecisionsIsNoFailureOfThePath) {
   EXPECT_GT(before.size(), 3U);
   driver.pause(100s);
   EXPECT_EQ(plan(), before);
+}
+
+/// Lets the robot decide for so many seconds, without moving. Returns how long it has reported, at
+/// the end of them, that there is no path.
+double seconds_without_path(Driver& driver, double duration_s) {
+  double without_s = 0.0;
+  for (double time_s = 0.0; time_s < duration_s; time_s += kStepS) {
+    const Reason reason = driver.decide({3.0, 0.0}, 0.3).reason;
+    const bool has_none = reason == Reason(Why::kNoPath) || reason == Reason(Why::kNoPathLooks);
+    without_s = has_none ? without_s + kStepS : 0.0;
+  }
+  return without_s;
+}
+
+// Nobody knows how long people stand in a door. The grid leaves less than the least clearance in
+// it, so a failure would close it.
+TEST(GoalDrive, ADoorInWhichThereArePeopleIsNotGivenUp) {
+  const LocalMap map = fenced(0.45);
+  Driver driver(map, 0.6);
+  ASSERT_EQ(seconds_without_path(driver, 1.0), 0.0);
+  driver.set_people({{{0.6, 0.0}, {0.1, 0.0}, 0.25, 0.1, 0.1}});
+  EXPECT_EQ(seconds_without_path(driver, 30.0), 0.0);
+  driver.set_people({});
+  EXPECT_EQ(seconds_without_path(driver, 10.0), 0.0);
+}
+
+// The robot is held where it is for longer than its patience of 12 s. The 30 s are the time until
+// it looks around again.
+TEST(GoalDrive, ADoorThatWasGivenUpIsTriedAgainAfterHalfAMinute) {
+  const LocalMap map = fenced(0.45);
+  Driver driver(map, 0.6);
+  EXPECT_GT(seconds_without_path(driver, 14.0), 0.5);
+  EXPECT_GT(seconds_without_path(driver, 25.0), 25.0);
+  EXPECT_EQ(seconds_without_path(driver, 6.0), 0.0);
 }
 
 }  // namespace goal_drive_test
