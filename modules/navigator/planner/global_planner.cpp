@@ -104,6 +104,7 @@ void GlobalPlanner::step(time::Timestamp stamp, const LocalMap& local_map,
   if (phase_ != Phase::kIdle) {
     go_on(p_map, geofence);
   } else if (start_if_due(stamp)) {
+    goal_map_ = goal_map;
     ground_.update(local_map, T_map_odom, T_odom_base);
     begin(ground_.window_around(p_map, goal_map_));
   }

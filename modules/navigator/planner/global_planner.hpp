@@ -43,7 +43,8 @@ class GlobalPlanner {
                    const geometry::SE2& T_map_odom, const geometry::SE2& T_odom_base,
                    const Geofence* geofence = nullptr);
 
-  /// Null before the first plan to this goal is complete.
+  /// Null before the first plan to this goal is complete. If the goal changes by less than half of
+  /// its tolerance, the next plan leads to where it is then.
   [[nodiscard]] const CostToGo* cost_to_go() const {
     return complete_ && !is_former_ ? &*complete_ : nullptr;
   }

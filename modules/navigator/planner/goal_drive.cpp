@@ -123,8 +123,10 @@ Decision GoalDrive::drive_by_plan(const Situation& now, const SeenDirections& se
   if ((goal_map - goal_map_).norm() > now.goal->tolerance_m) {
     goal_map_ = goal_map;
     progress_at_.reset();
+    no_path_since_.reset();
+    has_doubted_ = false;
   }
-  global_.step(now.stamp, local_map, now.T_map_odom, now.T_odom_base, goal_map_,
+  global_.step(now.stamp, local_map, now.T_map_odom, now.T_odom_base, goal_map,
                now.goal->tolerance_m, now.geofence);
   if (const CostToGo* cost_to_go = global_.cost_to_go()) {
     const double cost_m = cost_to_go->least_near(T_map_base.translation());

@@ -259,5 +259,32 @@ TEST(GoalDrive, ADoorThatWasGivenUpIsTriedAgainAfterHalfAMinute) {
   EXPECT_EQ(seconds_without_path(driver, 6.0), 0.0);
 }
 
+// The wall ahead is from 1.0 m on. The goal is moved off it by less than its tolerance.
+TEST(GoalDrive, AGoalIsCorrectedByLessThanItsTolerance) {
+  const LocalMap map = fenced();
+  Driver driver(map);
+  for (int i = 0; i < 150; ++i) {
+    ASSERT_EQ(driver.decide({1.1, 0.0}, 0.2).forward_mps, 0.0);
+  }
+  for (int i = 0; i < 100; ++i) {
+    (void)driver.step({0.93, 0.0}, 0.2);
+  }
+  EXPECT_GT(driver.now().T_odom_base.x, 0.05);
+}
+
+// For the first goal the robot has looked around already, and would not again for half a minute.
+TEST(GoalDrive, ForANewGoalWithoutAPathItLooksAroundAtOnce) {
+  const LocalMap map = fenced();
+  Driver driver(map);
+  for (int i = 0; i < 1500; ++i) {  // 20 s
+    (void)driver.step({3.0, 0.0}, 0.3);
+  }
+  ASSERT_EQ(driver.step({3.0, 0.0}, 0.3).reason, Reason(Why::kNoPath));
+  for (int i = 0; i < 200; ++i) {
+    (void)driver.step({-3.0, 0.0}, 0.3);
+  }
+  EXPECT_EQ(driver.step({-3.0, 0.0}, 0.3).reason, Reason(Why::kNoPathLooks));
+}
+
 }  // namespace goal_drive_test
 }  // namespace nodmap::navigator
