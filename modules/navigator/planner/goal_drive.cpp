@@ -135,7 +135,6 @@ Decision GoalDrive::drive_by_plan(const Situation& now, const SeenDirections& se
       return without_path(now);
     }
     no_path_since_.reset();
-    looked_rad_ = 0.0;
     watch_progress(now, cost_m);
     return drive_by(*cost_to_go, now, seen);
   }
@@ -222,7 +221,9 @@ std::optional<Decision> GoalDrive::squeeze(const CostToGo& cost_to_go, const Sit
 
 /// Without a path the robot looks around once, as far as it can turn, and plans again from the
 /// local map alone: remembered ground is only as accurate as the pose of 2D SLAM was, and what was
-/// seen from afar may be wrong.
+/// seen from afar may be wrong. For one goal it does that only once, and then after each half
+/// minute without a path: what is forgotten may be just what leaves no path. By then a narrow place
+/// that was given up may be free.
 Decision GoalDrive::without_path(const Situation& now) {
   const bool looks_again = seconds_since(no_path_since_, now) > kLookAgainS;
   if (looks_again) {
@@ -232,7 +233,6 @@ Decision GoalDrive::without_path(const Situation& now) {
   if (!no_path_since_ || looks_again) {
     no_path_since_ = now.stamp;
     looked_rad_ = 0.0;
-    has_doubted_ = false;
     last_yaw_rad_ = now.T_odom_base.yaw;
   }
   looked_rad_ += std::abs(geometry::angle_difference(now.T_odom_base.yaw, last_yaw_rad_));

@@ -67,8 +67,8 @@ class GoalDrive {
   std::optional<time::Timestamp> decided_at_;
   std::optional<time::Timestamp> progress_at_;
   std::optional<time::Timestamp> no_path_since_;
-  bool has_doubted_ = false;  // the ground has been forgotten since then
-  double looked_rad_ = 0.0;   // how far it has rotated since then
+  bool has_doubted_ = false;  // the ground has been forgotten for this goal
+  double looked_rad_ = 0.0;   // how far it has rotated since there was no path
   double last_yaw_rad_ = 0.0;
 };
 

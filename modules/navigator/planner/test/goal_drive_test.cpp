@@ -259,6 +259,31 @@ TEST(GoalDrive, ADoorThatWasGivenUpIsTriedAgainAfterHalfAMinute) {
   EXPECT_EQ(seconds_without_path(driver, 6.0), 0.0);
 }
 
+// After the first look around the robot doubts what it remembers, and then the side that it does
+// not see seems to be open. It must not do this again and again.
+TEST(GoalDrive, AClosedRoomThatSeemedOpenOnceHasNoPathForHalfAMinute) {
+  const LocalMap closed = fenced();
+  const LocalMap open = fenced(0.0, 1);
+  Driver driver(closed);
+  const auto turn_for = [&](double duration_s) {
+    Decision decision;
+    for (double time_s = 0.0; time_s < duration_s; time_s += kStepS) {
+      decision = driver.step({3.0, 0.0}, 0.3);
+    }
+    return decision.reason;
+  };
+  ASSERT_EQ(turn_for(12.0), Reason(Why::kNoPathLooks));
+  driver.show(open);
+  (void)turn_for(1.5);
+  ASSERT_EQ(seconds_without_path(driver, 0.5), 0.0);
+  driver.show(closed);
+  ASSERT_GT(seconds_without_path(driver, 0.9), 0.0);
+  ASSERT_EQ(turn_for(12.0), Reason(Why::kNoPathLooks));
+  driver.show(open);
+  (void)turn_for(2.0);
+  EXPECT_GT(seconds_without_path(driver, 12.0), 11.9);
+}
+
 // The wall ahead is from 1.0 m on. The goal is moved off it by less than its tolerance.
 TEST(GoalDrive, AGoalIsCorrectedByLessThanItsTolerance) {
   const LocalMap map = fenced();
