@@ -205,6 +205,7 @@ void NavigatorNode::on_pose(const nodmap::pose_t& message) {
     newest_.pose.is_lost = message.state == nodmap::pose_t::LOST;
   }
   if (!T_map_odom || message.state == nodmap::pose_t::LOST) {
+    slip_.reset();
     context_.counts.reject(T_map_odom ? "lost_pose" : "implausible_pose");
     return;
   }
@@ -223,8 +224,8 @@ void NavigatorNode::watch_slip(const nodmap::pose_t& message) {
     return;
   }
   const geometry::SE2 T_odom_base_2d = geometry::to_se2(*T_odom_base);
-  if (slip_.update(node::stamp_of(message), T_odom_base_2d,
-                   newest_.pose.T_map_odom * T_odom_base_2d)) {
+  if (const auto by_wheels = slip_.update(node::stamp_of(message), T_odom_base_2d,
+                                          newest_.pose.T_map_odom * T_odom_base_2d)) {
     ++num_slips_;
     navigator_.add_contact(T_odom_base_2d, newest_.odometry->forward_mps >= 0.0);
   }

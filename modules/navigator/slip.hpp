@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <optional>
 
 #include "common/geometry/se2.hpp"
 #include "common/geometry/time.hpp"
@@ -11,17 +12,20 @@ namespace nodmap::navigator {
 
 /// Detects that the wheels rotate but the robot does not move, because it pushes against something
 /// that no beam shows, such as glass. Compares odometry with the pose of 2D SLAM over the last
-/// second.
+/// second, or the last two intervals between poses if they are longer.
 ///
-/// Why these limits: a second must have 12 cm, because scan matching errs by 2 to 3 cm. Odometry
+/// Why these limits: the wheels must count 12 cm, because scan matching errs by 2 to 3 cm. Odometry
 /// must count three times the true distance, which neither a scale error of 3 % nor braking on a
-/// smooth floor comes near.
+/// smooth floor comes near. A correction of the pose by 2D SLAM does, but in one interval only: the
+/// others must show the slip as well.
 class SlipMonitor {
  public:
-  /// Takes a pose that 2D SLAM is sure of, and odometry of the same time. Returns true if the
-  /// wheels have rotated without moving the robot; the comparison then begins anew.
-  [[nodiscard]] bool update(time::Timestamp stamp, const geometry::SE2& T_odom_base,
-                            const geometry::SE2& T_map_base);
+  /// Takes a pose that 2D SLAM is sure of, and odometry of the same time. If the wheels have
+  /// rotated without moving the robot, returns how far they count that it has moved, in odom; the
+  /// comparison then begins anew.
+  [[nodiscard]] std::optional<Eigen::Vector2d> update(time::Timestamp stamp,
+                                                      const geometry::SE2& T_odom_base,
+                                                      const geometry::SE2& T_map_base);
 
   void reset() { poses_.clear(); }
 
@@ -31,7 +35,9 @@ class SlipMonitor {
     Eigen::Vector2d p_odom;
     Eigen::Vector2d p_map;
   };
-  std::deque<Pose> poses_;  // of the last second
+  [[nodiscard]] bool is_slip() const;
+
+  std::deque<Pose> poses_;
 };
 
 }  // namespace nodmap::navigator

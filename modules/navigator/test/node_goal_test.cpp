@@ -2,7 +2,10 @@
 // How the node drives to a goal, and which poses it uses for that.
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstdint>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "common/node/messages.hpp"
@@ -12,6 +15,7 @@
 namespace nodmap::navigator {
 namespace node_goal_test {
 
+using test::NavigatorNodeScans;
 using test::NavigatorNodeTest;
 
 /// A navigator with a geofence: a square of 8 m.
@@ -194,6 +198,49 @@ TEST_F(NavigatorNodeTest, OnTheWayToAGoalADegradedPoseSlowsItAndALostOneHaltsIt)
   bus_.deliver("GOAL", goal);
   tick();
   EXPECT_EQ(navigation().max_forward_mps, fast_mps);
+}
+
+/// A robot whose wheels turn while, by 2D SLAM, it stays in the origin of map.
+class NavigatorNodeSlips : public NavigatorNodeScans {
+ protected:
+  void run_on_the_spot(double duration_s, double wheels_mps) {
+    for (int i = 1; i <= std::lround(100.0 * duration_s); ++i) {
+      x_ += 0.01 * wheels_mps;
+      tick_with_scan();
+      if (i % 25 == 0) {
+        give_pose(nodmap::pose_t::TRACKING);
+      }
+    }
+  }
+
+  void give_pose(std::int8_t state) {
+    auto pose = node::write_corrected_pose(time::from_utime(now_us_), geometry::SE3::Identity(),
+                                           geometry::to_se3({-x_, 0.0, 0.0}));
+    pose.state = state;
+    bus_.deliver("POSE_2D", pose);
+  }
+
+  /// Whether the local map has an obstacle at a place on the robot's axis, in base.
+  [[nodiscard]] bool is_obstacle(double x_base_m) {
+    run_on_the_spot(0.5, 0.0);
+    const auto map = bus_.last<nodmap::local_map_t>("LOCAL_MAP");
+    const int column = static_cast<int>((x_ + x_base_m - map.origin_m[0]) / map.cell_size_m);
+    const int row = static_cast<int>(-map.origin_m[1] / map.cell_size_m);
+    return map.cells.at(static_cast<std::size_t>(row * map.width + column)) ==
+           nodmap::local_map_t::OBSTACLE;
+  }
+
+  [[nodiscard]] std::int64_t num_slips() const { return node_.metrics().at("slips"); }
+};
+
+// What is found again after it was lost is elsewhere: that does not compare.
+TEST_F(NavigatorNodeSlips, APoseThatWasLostIsNotCompared) {
+  run_on_the_spot(1.0, 0.0);
+  for (int i = 0; i < 20; ++i) {
+    run_on_the_spot(0.25, 0.4);
+    give_pose(nodmap::pose_t::LOST);
+  }
+  EXPECT_EQ(num_slips(), 0);
 }
 
 }  // namespace node_goal_test

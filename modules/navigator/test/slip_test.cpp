@@ -44,7 +44,33 @@ TEST(SlipMonitor, AStampThatStepsBackBeginsAnew) {
   SlipMonitor monitor;
   EXPECT_FALSE(monitor.update(time::Timestamp(1s), {}, {}));
   EXPECT_FALSE(monitor.update(time::Timestamp(500ms), {0.5, 0.0, 0.0}, {}));
-  EXPECT_TRUE(monitor.update(time::Timestamp(900ms), {0.8, 0.0, 0.0}, {}));
+  EXPECT_FALSE(monitor.update(time::Timestamp(700ms), {0.8, 0.0, 0.0}, {}));
+  EXPECT_TRUE(monitor.update(time::Timestamp(900ms), {1.1, 0.0, 0.0}, {}));
+}
+
+// The loop is closed at 2 s, and wheels that count too much have led the pose too far ahead.
+TEST(SlipMonitor, ACorrectionOfThePoseIsNoSlip) {
+  for (const double mps : {0.15, 0.3, 0.5, 1.0}) {
+    for (const time::Duration period : {250ms, 500ms, 1000ms}) {
+      for (double jump_m = -1.0; jump_m < 0.0; jump_m += 0.05) {
+        SlipMonitor monitor;
+        for (time::Duration at{}; at < 10s; at += period) {
+          const double x = mps * time::seconds(at);
+          EXPECT_FALSE(monitor.update(time::Timestamp(at), {x, 0.0, 0.0},
+                                      {at < 2s ? x : x + jump_m, 0.0, 0.0}))
+              << mps << " m/s, " << jump_m << " m, after " << time::seconds(at) << " s";
+        }
+      }
+    }
+  }
+}
+
+// As seldom as 2D SLAM gets level scans while the head sweeps slowly.
+TEST(SlipMonitor, IsReportedWithAPoseEachSecond) {
+  SlipMonitor monitor;
+  EXPECT_FALSE(monitor.update(time::Timestamp(0s), {}, {}));
+  EXPECT_FALSE(monitor.update(time::Timestamp(1s), {0.2, 0.0, 0.0}, {}));
+  EXPECT_TRUE(monitor.update(time::Timestamp(2s), {0.4, 0.0, 0.0}, {}));
 }
 
 }  // namespace slip_test
