@@ -227,7 +227,7 @@ void NavigatorNode::watch_slip(const nodmap::pose_t& message) {
   if (const auto by_wheels = slip_.update(node::stamp_of(message), T_odom_base_2d,
                                           newest_.pose.T_map_odom * T_odom_base_2d)) {
     ++num_slips_;
-    navigator_.add_contact(T_odom_base_2d, newest_.odometry->forward_mps >= 0.0);
+    navigator_.add_contact(T_odom_base_2d, by_wheels->dot(T_odom_base_2d.rotation().col(0)) >= 0.0);
   }
 }
 

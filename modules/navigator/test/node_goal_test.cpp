@@ -233,6 +233,18 @@ class NavigatorNodeSlips : public NavigatorNodeScans {
   [[nodiscard]] std::int64_t num_slips() const { return node_.metrics().at("slips"); }
 };
 
+// It has backed into glass, and its wheels stand when 2D SLAM shows that.
+TEST_F(NavigatorNodeSlips, TheContactIsWhereTheWheelsHaveDriven) {
+  const double half_m = robot::Body{}.footprint().half_length_m;
+  run_on_the_spot(1.0, 0.0);
+  run_on_the_spot(0.74, -0.2);
+  run_on_the_spot(0.01, 0.0);
+  give_pose(nodmap::pose_t::TRACKING);
+  ASSERT_EQ(num_slips(), 1);
+  EXPECT_TRUE(is_obstacle(-half_m - 0.025));
+  EXPECT_FALSE(is_obstacle(half_m + 0.025));
+}
+
 // What is found again after it was lost is elsewhere: that does not compare.
 TEST_F(NavigatorNodeSlips, APoseThatWasLostIsNotCompared) {
   run_on_the_spot(1.0, 0.0);
