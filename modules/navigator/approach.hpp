@@ -27,10 +27,11 @@ class Approach {
 
   /// Takes the obstacles at `stamp`, without those farther than `reach_m` from base. `seen` must be
   /// up to date. With a local map, only what is where floor was seen before has approached: what
-  /// comes into view from behind a corner was there already.
+  /// comes into view from behind a corner was there already. A laser that is held need not sweep
+  /// first to have seen a direction.
   void update(time::Timestamp stamp, const geometry::SE2& T_odom_base, double reach_m,
               const Points& points_base, const SeenDirections& seen,
-              const LocalMap* local_map = nullptr);
+              const LocalMap* local_map = nullptr, bool laser_is_held = false);
 
   /// Whether something has come nearer within the last second: about the time from one measurement
   /// of it to the next, so it may still be moving.
@@ -48,7 +49,7 @@ class Approach {
   [[nodiscard]] Sectors nearest(const geometry::SE2& T_odom_base, const Points& points_base) const;
   void compare(const Sectors& now, time::Timestamp stamp, double reach_m,
                const SeenDirections& seen, const geometry::SE2& T_odom_base,
-               const LocalMap* local_map);
+               const LocalMap* local_map, int sweeps);
 
   int sweeps_;
   Eigen::Vector2d reference_odom_ = Eigen::Vector2d::Zero();

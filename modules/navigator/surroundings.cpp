@@ -106,9 +106,12 @@ std::optional<Reason> Surroundings::reason_to_wait(time::Timestamp stamp) const 
   return std::nullopt;
 }
 
-/// Slows down after a gap in the scans.
+/// Slows down after a gap in the scans. A laser that is held looks everywhere with the next one.
 void Surroundings::slow_down_after_gap(Situation& now) {
   gap_.update(now.sweep_count);
+  if (now.laser_is_held) {
+    gap_ = ScanGap(params_.steer.sweeps_to_trust);
+  }
   now.max_forward_mps *= gap_.speed_ratio();
 }
 
@@ -146,7 +149,7 @@ void Surroundings::watch_approach(const Situation& now, const Points& points_bas
   const double reach_m =
       body_.turning_radius_m() + kApproachM + kApproachS * std::max(0.0, now.forward_mps);
   approach_.update(now.stamp, now.T_odom_base, reach_m, points_base, seen_,
-                   sees_floor(now) ? &local_map_ : nullptr);
+                   sees_floor(now) ? &local_map_ : nullptr, now.laser_is_held);
 }
 
 /// Adds the obstacles of the local map. Must follow watch_approach(): a low sill that is first seen

@@ -184,5 +184,32 @@ TEST(Surroundings, AfterOneShortGapItKnowsWhatWasSeenAfterTwoItDoesNot) {
   EXPECT_EQ(complete(2).max_forward_mps, 1.0) << "it does not drive before it has looked";
 }
 
+/// A situation of a robot whose laser is held: its head makes no sweeps.
+Situation held(const Points& points_base) {
+  Situation now = with(points_base);
+  now.laser_is_held = true;
+  return now;
+}
+
+TEST(Surroundings, WithALevelLaserAShortGapIsOverWithTheNextScan) {
+  Surroundings surroundings{{}};
+  for (int gap = 0; gap < 3; ++gap) {
+    Situation now = held({});
+    surroundings.complete(now);
+    EXPECT_EQ(now.max_forward_mps, 1.0);
+    surroundings.miss_scans();
+  }
+}
+
+TEST(Surroundings, WithALevelLaserItWaitsForWhatComesNearer) {
+  Surroundings surroundings{{}};
+  Situation now = held({{1.0, 0.0}});
+  surroundings.complete(now);
+  EXPECT_FALSE(surroundings.reason_to_wait(now.stamp));
+  now = held({{0.8, 0.0}});
+  surroundings.complete(now);
+  EXPECT_EQ(surroundings.reason_to_wait(now.stamp), Reason(Why::kApproach));
+}
+
 }  // namespace surroundings_test
 }  // namespace nodmap::navigator
