@@ -46,6 +46,16 @@ bool is_same(const geometry::SE2& a, const geometry::SE2& b) {
          std::abs(geometry::angle_difference(a.yaw, b.yaw)) < 1e-3;
 }
 
+/// Without a heading of the goal, that of the map.
+geometry::SE2 goal_in_map(const Situation& now) {
+  const geometry::SE2 T_map_base = now.T_map_odom * now.T_odom_base;
+  geometry::SE2 goal_base{now.goal->p_base.x(), now.goal->p_base.y(), -T_map_base.yaw};
+  if (now.goal->heading) {
+    goal_base.yaw = now.goal->heading->yaw_rad;
+  }
+  return T_map_base * goal_base;
+}
+
 double seconds_since(const std::optional<time::Timestamp>& stamp, const Situation& now) {
   return stamp ? time::seconds(std::chrono::abs(now.stamp - *stamp)) : 0.0;
 }
@@ -62,12 +72,19 @@ GoalDrive::GoalDrive(const NavigatorParams& params)
       motion_(params),
       docking_(params.docking) {}
 
+void GoalDrive::record(const Situation& now) {
+  motion_.record(now);
+  has_new_goal_ = now.goal && !(decided_goal_map_ && is_same(*decided_goal_map_, goal_in_map(now)));
+}
+
 Decision GoalDrive::decide(const Situation& now, const SeenDirections& seen,
                            const LocalMap& local_map) {
   if (decided_at_ && std::chrono::abs(now.stamp - *decided_at_) > kLongestPeriod) {
     progress_at_.reset();
   }
   decided_at_ = now.stamp;
+  decided_goal_map_ = goal_in_map(now);
+  has_new_goal_ = false;
   if (now.goal->heading) {
     return dock(now, seen, local_map);
   }
@@ -77,9 +94,7 @@ Decision GoalDrive::decide(const Situation& now, const SeenDirections& seen,
 
 Decision GoalDrive::dock(const Situation& now, const SeenDirections& seen,
                          const LocalMap& local_map) {
-  const geometry::SE2 goal_base{now.goal->p_base.x(), now.goal->p_base.y(),
-                                now.goal->heading->yaw_rad};
-  const geometry::SE2 goal_map = now.T_map_odom * now.T_odom_base * goal_base;
+  const geometry::SE2 goal_map = goal_in_map(now);
   if (!dock_map_ || !is_same(*dock_map_, goal_map)) {
     docking_.reset();
     dock_map_ = goal_map;
@@ -180,11 +195,11 @@ std::optional<std::vector<Eigen::Vector2d>> GoalDrive::path_map(
     const geometry::SE2& T_map_base) const {
   constexpr double kLongestM = 100.0;
   constexpr std::size_t kStep = 4;  // cells
-  if (dock_map_ && docking_.is_docking()) {
+  if (dock_map_ && docking_.is_docking() && !has_new_goal_) {
     return std::vector{T_map_base.translation(), dock_map_->translation()};
   }
   const CostToGo* cost_to_go = global_.cost_to_go();
-  if (cost_to_go == nullptr) {
+  if (cost_to_go == nullptr || has_new_goal_) {
     return std::nullopt;
   }
   std::vector<Eigen::Vector2d> path;

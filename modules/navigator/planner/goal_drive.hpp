@@ -25,17 +25,20 @@ class GoalDrive {
   explicit GoalDrive(const NavigatorParams& params);
 
   /// The robot has no goal any more: the same dock is then approached from the beginning.
-  void forget_goal() { dock_map_.reset(); }
+  void forget_goal() {
+    dock_map_.reset();
+    decided_goal_map_.reset();
+  }
 
-  /// Takes the pose of the robot; must be called at each decision, whoever decides.
-  void record(const Situation& now) { motion_.record(now); }
+  /// Takes the pose of the robot and the goal; must be called at each decision, whoever decides.
+  void record(const Situation& now);
 
   [[nodiscard]] Decision decide(const Situation& now, const SeenDirections& seen,
                                 const LocalMap& local_map);
 
   /// The planned path from the robot to the goal, frame map, a point every 20 cm, as far as the
   /// grid reaches. It has no points if there is no path or docking has failed; empty before the
-  /// first plan is complete.
+  /// first plan to the present goal is complete.
   [[nodiscard]] std::optional<std::vector<Eigen::Vector2d>> path_map(
       const geometry::SE2& T_map_base) const;
 
@@ -61,6 +64,8 @@ class GoalDrive {
   SafeMotion motion_;
   Docking docking_;
   std::optional<geometry::SE2> dock_map_;
+  std::optional<geometry::SE2> decided_goal_map_;  // of the last decision to drive to a goal
+  bool has_new_goal_ = false;                      // since then
   Eigen::Vector2d goal_map_ = Eigen::Vector2d::Zero();
   double least_cost_m_ = 0.0;  // since the goal was given, or the last failure
   double last_cost_m_ = 0.0;

@@ -75,6 +75,21 @@ TEST_F(DisplayTest, AGoalGivenDuringAStopHasNoPathYet) {
   EXPECT_EQ(bus_.last<nodmap::path_t>("PATH").goal_utime, 78);
 }
 
+// While the head stands the robot waits without planning, and does not halt.
+TEST_F(DisplayTest, AGoalGivenWhileItWaitsHasNoPathYet) {
+  give_goal(3.0, 77);
+  run_scans(kUntilPlanned);
+  max_forward_mps_ = 0.0;
+  give_goal(2.0, 78);
+  run_scans(50);
+  ASSERT_FALSE(halts());
+  EXPECT_EQ(navigation().goal_utime, 78);
+  EXPECT_EQ(bus_.last<nodmap::path_t>("PATH").goal_utime, 77);
+  max_forward_mps_ = 1.0;
+  run_scans(50);
+  EXPECT_EQ(bus_.last<nodmap::path_t>("PATH").goal_utime, 78);
+}
+
 // Somebody crosses 2.2 m ahead and leaves the room. The published track is where he is, within the
 // tolerances of PeopleTracker's own test; a message without tracks follows when he is gone.
 TEST_F(DisplayTest, TracksArePublishedUntilThereIsNobody) {

@@ -75,7 +75,7 @@ class NavigatorNodeTest : public ::testing::Test {
   void tick(int lost = -1) {
     now_us_ += 10'000;
     if (lost != kCommand) {
-      give_command(now_us_);
+      give_command(now_us_, max_forward_mps_);
     }
     if (lost != kState) {
       give_state(now_us_);
@@ -121,6 +121,7 @@ class NavigatorNodeTest : public ::testing::Test {
   std::int64_t command_seq_ = 0;
   std::int64_t state_seq_ = 0;
   double x_ = 0.0;
+  double max_forward_mps_ = 1.0;  ///< the pitch controller's bound
 };
 
 /// Drives by the local map as well.
