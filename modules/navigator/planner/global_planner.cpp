@@ -88,25 +88,36 @@ void GlobalPlanner::step(time::Timestamp stamp, const LocalMap& local_map,
                          const Eigen::Vector2d& goal_map, double tolerance_m,
                          const Geofence* geofence) {
   const Eigen::Vector2d p_map = T_map_odom * T_odom_base.translation();
-  if ((goal_map - goal_map_).norm() > 0.5 * tolerance_m || tolerance_m != tolerance_m_) {
-    const bool is_recent =
-        started_at_ && time::seconds(std::chrono::abs(stamp - *started_at_)) < kRecentS;
-    is_former_ = complete_ && is_recent;
-    if (!is_former_) {
-      complete_.reset();
-    }
-    failures_.clear();
-    phase_ = Phase::kIdle;
-    started_at_.reset();
-    goal_map_ = goal_map;
-    tolerance_m_ = tolerance_m;
+  goal_is_new_ = (goal_map - goal_map_).norm() > 0.5 * tolerance_m || tolerance_m != tolerance_m_;
+  if (goal_is_new_) {
+    take_new_goal();
+  }
+  if (is_former_ && time::seconds(std::chrono::abs(stamp - completed_from_)) > kRecentS) {
+    is_former_ = false;
+    complete_.reset();
   }
   if (phase_ != Phase::kIdle) {
     go_on(p_map, geofence);
   } else if (start_if_due(stamp)) {
     goal_map_ = goal_map;
+    tolerance_m_ = tolerance_m;
+    goal_is_new_ = false;
     ground_.update(local_map, T_map_odom, T_odom_base);
     begin(ground_.window_around(p_map, goal_map_));
+  }
+}
+
+/// The present plan becomes the former one, and the next begins at once. If the goal has changed
+/// again before there is a plan to it, that plan is completed first: otherwise there would be none
+/// while the goal moves.
+void GlobalPlanner::take_new_goal() {
+  failures_.clear();
+  if (cost_to_go() != nullptr) {
+    is_former_ = true;
+    phase_ = Phase::kIdle;
+  }
+  if (phase_ == Phase::kIdle) {
+    started_at_.reset();
   }
 }
 
@@ -208,7 +219,8 @@ void GlobalPlanner::finish(const Eigen::Vector2d& p_map) {
     return;
   }
   search_.exchange_found(complete_ ? *complete_ : complete_.emplace());
-  is_former_ = false;
+  completed_from_ = *started_at_;
+  is_former_ = goal_is_new_;
   phase_ = Phase::kIdle;
 }
 

@@ -48,7 +48,7 @@ class GlobalPlanner {
   [[nodiscard]] const CostToGo* cost_to_go() const {
     return complete_ && !is_former_ ? &*complete_ : nullptr;
   }
-  /// The plan to the previous goal, until there is one to this goal; null if it was not recent.
+  /// The plan to a previous goal, until there is one to this goal; null if it is not recent.
   [[nodiscard]] const CostToGo* former_cost_to_go() const {
     return complete_ && is_former_ ? &*complete_ : nullptr;
   }
@@ -70,6 +70,7 @@ class GlobalPlanner {
     double price = 0.0;
   };
 
+  void take_new_goal();
   [[nodiscard]] bool start_if_due(time::Timestamp stamp);
   void go_on(const Eigen::Vector2d& p_map, const Geofence* geofence);
   void begin(const PlanWindow& window);
@@ -90,15 +91,17 @@ class GlobalPlanner {
   int row_ = 0;                  // the next one to be occupied or priced
   bool is_last_resort_ = false;  // only occupied cells block, because there is no other path
   std::optional<time::Timestamp> started_at_;
-  Eigen::Vector2d goal_map_ = Eigen::Vector2d::Zero();
-  double tolerance_m_ = 0.0;
-  std::optional<geometry::SE2> onward_from_;  // T_map_base; empty: to the goal
+  Eigen::Vector2d goal_map_ = Eigen::Vector2d::Zero();  // of the last plan that was begun
+  double tolerance_m_ = 0.0;                            // the same
+  bool goal_is_new_ = false;                            // since that plan was begun
+  std::optional<geometry::SE2> onward_from_;            // T_map_base; empty: to the goal
   PlanWindow window_;
   DistanceField obstacle_distances_;
   std::vector<float> price_;  // of a metre of path, by cell; negative: blocked
   CostSearch search_;
   std::optional<CostToGo> complete_;
-  bool is_former_ = false;  // complete_ is the plan to the previous goal
+  time::Timestamp completed_from_{};  // when the plan that is complete was begun
+  bool is_former_ = false;            // complete_ is the plan to a previous goal
 };
 
 }  // namespace nodmap::navigator

@@ -76,6 +76,28 @@ TEST(GlobalPlanner, ThePlanToThePreviousGoalIsKeptUntilThereIsANewOne) {
   EXPECT_EQ(planner.former_cost_to_go(), nullptr) << "it is old";
 }
 
+// A goal that follows somebody moves on before a plan to it is complete.
+TEST(GlobalPlanner, WhileTheGoalMovesThePlanLeadsToWhereItWasAMomentAgo) {
+  GlobalPlanner planner(kBody, {});
+  const LocalMap map({}, {});
+  constexpr double kRadiusM = 8.0;
+  std::vector<Eigen::Vector2d> goals;
+  for (int i = 0; i < 750; ++i) {  // 10 s
+    const double angle_rad = 0.6 * kToleranceM / kRadiusM * (i / 2);
+    goals.emplace_back(kRadiusM * std::cos(angle_rad), kRadiusM * std::sin(angle_rad));
+    planner.step(time::Timestamp(13'320us * i), map, {}, {}, goals.back(), kToleranceM);
+    if (i < 75) {
+      continue;
+    }
+    const CostToGo* plan =
+        planner.cost_to_go() != nullptr ? planner.cost_to_go() : planner.former_cost_to_go();
+    ASSERT_NE(plan, nullptr) << "step " << i;
+    const bool is_recent = std::any_of(goals.end() - 75, goals.end(),
+                                       [&](const auto& goal) { return plan->at(goal) < 0.1; });
+    ASSERT_TRUE(is_recent) << "step " << i;
+  }
+}
+
 TEST(GlobalPlanner, LeadsAroundAWallAndKeepsOffIt) {
   const Ground ground{{{{1.5, -1.2}, {1.6, 3.0}, 0.5}}};
   GlobalPlanner planner(kBody, {});
