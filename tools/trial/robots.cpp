@@ -46,6 +46,7 @@ void set_robot(Robot robot, AllParams& params) {
   set_body(params.navigator.robot);
   set_body(params.map_server.robot);
   set_body(params.pitch_controller.robot);
+  set_body(params.explorer.robot);
   params.kurt.wheels.axis_m = kAxisM;
   params.kurt.wheels.turning_adaptation = 1.0;
   params.kurt.limits.max_speed_mps = kTopSpeedMps;

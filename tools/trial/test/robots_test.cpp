@@ -14,8 +14,8 @@ TEST(Robots, EveryPartIsMadeForTheJackal) {
   EXPECT_EQ(model.body.length_m, 0.508);
   EXPECT_EQ(model.body.width_m, 0.430);
   EXPECT_EQ(model.drive.top_speed_mps, 2.0);
-  for (const robot::RobotParams* robot :
-       {&params.navigator.robot, &params.map_server.robot, &params.pitch_controller.robot}) {
+  for (const robot::RobotParams* robot : {&params.navigator.robot, &params.map_server.robot,
+                                          &params.pitch_controller.robot, &params.explorer.robot}) {
     EXPECT_EQ(robot->body.length_m, model.body.length_m);
     EXPECT_EQ(robot->body.width_m, model.body.width_m);
     EXPECT_EQ(robot->mount.x_m, model.servo.mount_x_m);
