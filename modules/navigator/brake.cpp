@@ -113,6 +113,22 @@ double Brake::speed_on_present_arc(const Situation& now) const {
   return forward_mps > emergency_mps ? 0.0 : arc.speed_mps;
 }
 
+Decision Brake::drive(const Arc& arc, double direction_rad, double limit_mps,
+                      const Situation& now) const {
+  const double goal_mps = now.goal ? stoppable_mps(now.goal->distance_m) : limit_mps;
+  const double safe_mps = std::min(arc.speed_mps, speed_on_present_arc(now));
+  const bool is_slowed = safe_mps < limit_mps;
+  Decision decision;
+  decision.behaviour = is_slowed ? Behaviour::kBrake : Behaviour::kSteer;
+  decision.reason = is_slowed ? Why::kSlowsDown : Why::kNothingToAdd;
+  decision.forward_mps = std::min({limit_mps, goal_mps, safe_mps});
+  decision.yaw_rate_rad_s = decision.forward_mps * arc.curvature;
+  decision.steering_angle_rad = direction_rad;
+  decision.free_distance_m = arc.free_distance_m;
+  decision.max_forward_mps = std::min(limit_mps, safe_mps);
+  return decision;
+}
+
 /// The laser does not look where a rotation moves the rear, so there the remembered ground counts.
 /// Ahead speed_on_seen_floor() takes care of that, behind the robot its trail (back_up.hpp).
 void Brake::keep_to_known_ground(Decision& decision, const Situation& now) const {

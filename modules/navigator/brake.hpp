@@ -43,6 +43,11 @@ class Brake {
   /// robot hardly moves. Below the creep speed the margins of a creeping robot suffice.
   [[nodiscard]] double speed_on_present_arc(const Situation& now) const;
 
+  /// Drives an arc, which leads in `direction_rad`, as fast as is safe, but at most at `limit_mps`,
+  /// and stops at the goal.
+  [[nodiscard]] Decision drive(const Arc& arc, double direction_rad, double limit_mps,
+                               const Situation& now) const;
+
   /// Slows down a rotation, or an arc that swings the rear aside, over ground that is not known to
   /// be free, until the corners are so slow that they count as stationary.
   void keep_to_known_ground(Decision& decision, const Situation& now) const;

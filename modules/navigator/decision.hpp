@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <utility>
 
 #include "common/geometry/se2.hpp"
 #include "common/geometry/time.hpp"
@@ -51,5 +52,13 @@ struct Decision {
   double free_distance_m = 0.0;  ///< in the virtual corridor ahead; +infinity if it is empty
   double max_forward_mps = 0.0;  ///< the greatest that the limits and the free distance allow
 };
+
+/// Does not move, for now.
+[[nodiscard]] inline Decision stationary(Reason reason) {
+  Decision decision;
+  decision.behaviour = Behaviour::kBrake;
+  decision.reason = std::move(reason);
+  return decision;
+}
 
 }  // namespace nodmap::navigator

@@ -152,9 +152,7 @@ void Navigator::watch_first_look(const Situation& now) {
 }
 
 Decision Navigator::brake(const Situation& now, Reason reason) const {
-  Decision decision;
-  decision.behaviour = Behaviour::kBrake;
-  decision.reason = std::move(reason);
+  Decision decision = stationary(std::move(reason));
   decision.free_distance_m = brake_.measure_arc(0.0, now).free_distance_m;
   return decision;
 }

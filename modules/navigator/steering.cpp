@@ -33,7 +33,8 @@ std::optional<Decision> Steering::steer(const FreeSpace& free_space, const SeenD
   if (!arc) {
     return std::nullopt;
   }
-  return drive(*direction_rad, *arc, now);
+  return brake_.drive(*arc, *direction_rad, brake_.speed_limit(arc->curvature, now.max_forward_mps),
+                      now);
 }
 
 bool Steering::is_seen(double direction_rad, const SeenDirections& seen,
@@ -103,23 +104,6 @@ std::optional<Arc> Steering::arc_towards(double direction_rad, const Situation& 
     }
   }
   return std::nullopt;
-}
-
-Decision Steering::drive(double direction_rad, const Arc& arc, const Situation& now) const {
-  const double limit_mps = brake_.speed_limit(arc.curvature, now.max_forward_mps);
-  // Stops at the goal.
-  const double goal_mps = now.goal ? brake_.stoppable_mps(now.goal->distance_m) : limit_mps;
-  const double safe_mps = std::min(arc.speed_mps, brake_.speed_on_present_arc(now));
-  const bool is_slowed = safe_mps < limit_mps;
-  Decision decision;
-  decision.behaviour = is_slowed ? Behaviour::kBrake : Behaviour::kSteer;
-  decision.reason = is_slowed ? Why::kSlowsDown : Why::kNothingToAdd;
-  decision.forward_mps = std::min({limit_mps, goal_mps, safe_mps});
-  decision.yaw_rate_rad_s = decision.forward_mps * arc.curvature;
-  decision.steering_angle_rad = direction_rad;
-  decision.free_distance_m = arc.free_distance_m;
-  decision.max_forward_mps = std::min(limit_mps, safe_mps);
-  return decision;
 }
 
 }  // namespace nodmap::navigator

@@ -37,7 +37,6 @@ class Steering {
   [[nodiscard]] std::optional<double> direction(const FreeSpace& space, const Situation& now);
   [[nodiscard]] std::optional<double> roaming_direction(const FreeSpace& space, double needed_m);
   [[nodiscard]] std::optional<Arc> arc_towards(double direction_rad, const Situation& now) const;
-  [[nodiscard]] Decision drive(double direction_rad, const Arc& arc, const Situation& now) const;
 
   Footprint body_;
   Brake brake_;

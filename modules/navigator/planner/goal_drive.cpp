@@ -100,9 +100,6 @@ Decision GoalDrive::dock(const Situation& now, const SeenDirections& seen,
     dock_map_ = goal_map;
   }
   const DockingStep step = docking_.next(*now.goal, now.stamp);
-  Decision decision;
-  decision.behaviour = Behaviour::kBrake;
-  decision.reason = step.reason;
   switch (step.kind) {
     case DockingStep::Kind::kPlan: {
       Situation staging = now;
@@ -120,14 +117,15 @@ Decision GoalDrive::dock(const Situation& now, const SeenDirections& seen,
         }
         return *moved;
       }
-      decision.reason = Why::kDockBlocked;
-      return decision;
+      return stationary(Why::kDockBlocked);
     }
-    case DockingStep::Kind::kDocked:
-      decision.behaviour = Behaviour::kArrived;
-      return decision;
+    case DockingStep::Kind::kDocked: {
+      Decision docked = stationary(step.reason);
+      docked.behaviour = Behaviour::kArrived;
+      return docked;
+    }
     default:
-      return decision;
+      return stationary(step.reason);
   }
 }
 
@@ -157,10 +155,7 @@ Decision GoalDrive::drive_by_plan(const Situation& now, const SeenDirections& se
   if (const CostToGo* former = former_plan(T_map_base.translation())) {
     return drive_by(*former, now, seen);
   }
-  Decision decision;
-  decision.behaviour = Behaviour::kBrake;
-  decision.reason = Why::kPlans;
-  return decision;
+  return stationary(Why::kPlans);
 }
 
 /// With a new goal the robot drives on by the plan to the previous one until the new plan is
@@ -185,10 +180,7 @@ Decision GoalDrive::drive_by(const CostToGo& cost_to_go, const Situation& now,
   if (const auto squeezed = squeeze(cost_to_go, now, seen)) {
     return *squeezed;
   }
-  Decision decision;
-  decision.behaviour = Behaviour::kBrake;
-  decision.reason = rollouts.empty() ? Why::kNoMotion : Why::kFirstLook;
-  return decision;
+  return stationary(rollouts.empty() ? Why::kNoMotion : Why::kFirstLook);
 }
 
 std::optional<std::vector<Eigen::Vector2d>> GoalDrive::path_map(
@@ -265,10 +257,7 @@ Decision GoalDrive::without_path(const Situation& now) {
     global_.forget_ground();
     has_doubted_ = true;
   }
-  Decision decision;
-  decision.behaviour = Behaviour::kBrake;
-  decision.reason = Why::kNoPath;
-  return decision;
+  return stationary(Why::kNoPath);
 }
 
 /// Gives up the path if the robot makes no progress, because the plan must then be wrong about what

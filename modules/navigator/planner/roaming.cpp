@@ -38,10 +38,7 @@ std::optional<Decision> Roaming::decide(const Situation& now, const SeenDirectio
   planner_.step_onward(now.stamp, local_map, now.T_map_odom, now.T_odom_base, now.geofence);
   const CostToGo* cost_to_go = planner_.cost_to_go();
   if (cost_to_go == nullptr) {
-    Decision decision;
-    decision.behaviour = Behaviour::kBrake;
-    decision.reason = Why::kPlans;
-    return decision;
+    return stationary(Why::kPlans);
   }
   const geometry::SE2 T_map_base = now.T_map_odom * now.T_odom_base;
   if (!std::isfinite(cost_to_go->least_near(T_map_base.translation()))) {

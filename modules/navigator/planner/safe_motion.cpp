@@ -78,10 +78,7 @@ bool SafeMotion::is_seen(const Rollout& rollout, const Situation& now,
 std::optional<Decision> SafeMotion::drive(const Rollout& rollout, const Brake& brake,
                                           const Situation& now, const SeenDirections& seen) const {
   if (rollout.forward_mps == 0.0 && rollout.yaw_rate_rad_s == 0.0) {
-    Decision decision;
-    decision.behaviour = Behaviour::kBrake;
-    decision.reason = Why::kGivesWay;
-    return decision;
+    return stationary(Why::kGivesWay);
   }
   std::optional<Decision> decision = move(rollout, brake, now, seen);
   if (decision) {
@@ -113,23 +110,13 @@ std::optional<Decision> SafeMotion::drive_forwards(const Rollout& rollout, const
     return std::nullopt;
   }
   const Arc arc = brake.measure_arc(curvature, now);
-  const double limit_mps =
-      std::min(brake.speed_limit(curvature, now.max_forward_mps), rollout.forward_mps);
-  const double goal_mps = now.goal ? brake.stoppable_mps(now.goal->distance_m)
-                                   : std::numeric_limits<double>::infinity();
-  const double safe_mps = std::min(arc.speed_mps, brake.speed_on_present_arc(now));
-  Decision decision;
-  decision.forward_mps = std::min({limit_mps, goal_mps, safe_mps});
-  // An emergency stop applies to all rollouts, so no other one is tried.
   if (arc.speed_mps < kLeastSpeedMps) {
     return std::nullopt;
   }
-  const bool is_slowed = safe_mps < limit_mps;
-  decision.behaviour = is_slowed ? Behaviour::kBrake : Behaviour::kSteer;
-  decision.reason = is_slowed ? Why::kSlowsDown : Why::kNothingToAdd;
-  decision.yaw_rate_rad_s = decision.forward_mps * curvature;
-  decision.steering_angle_rad = direction_rad(rollout);
-  decision.free_distance_m = arc.free_distance_m;
+  const double limit_mps =
+      std::min(brake.speed_limit(curvature, now.max_forward_mps), rollout.forward_mps);
+  Decision decision = brake.drive(arc, direction_rad(rollout), limit_mps, now);
+  // An emergency stop applies to all rollouts, so it is no reason to prefer another one.
   decision.max_forward_mps = std::min(limit_mps, arc.speed_mps);
   return decision;
 }
