@@ -5,6 +5,7 @@
 
 #include "modules/navigator/brake.hpp"
 #include "modules/navigator/decision.hpp"
+#include "modules/navigator/detour.hpp"
 #include "modules/navigator/free_space.hpp"
 #include "modules/navigator/params.hpp"
 #include "modules/navigator/seen_directions.hpp"

@@ -4,12 +4,12 @@
 #include <optional>
 #include <vector>
 
-#include "modules/navigator/back_up.hpp"
 #include "modules/navigator/brake.hpp"
 #include "modules/navigator/decision.hpp"
 #include "modules/navigator/params.hpp"
 #include "modules/navigator/planner/rollouts.hpp"
 #include "modules/navigator/seen_directions.hpp"
+#include "modules/navigator/trail.hpp"
 
 namespace nodmap::navigator {
 

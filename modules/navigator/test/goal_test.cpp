@@ -3,12 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 namespace nodmap::navigator {
 namespace goal_test {
-
-using geometry::deg_to_rad;
 
 TEST(Goal, ArrivesWithinToleranceAndStaysArrived) {
   const auto at = [](double distance_m) { return goal_in_base({distance_m, 0}, 0.2); };
@@ -16,35 +12,6 @@ TEST(Goal, ArrivesWithinToleranceAndStaysArrived) {
   EXPECT_TRUE(has_arrived(at(0.2), false));
   EXPECT_TRUE(has_arrived(at(0.25), true));
   EXPECT_FALSE(has_arrived(at(0.31), true));
-}
-
-TEST(Detour, BeginsAtAnObstacleAndEndsNearerToTheGoal) {
-  FreeSpace space;
-  space.distance_m.fill(5.0);
-  Detour detour;
-  EXPECT_EQ(detour.direction(space, {}, goal_in_base({3, 0}, 0.2), 1.0), 0.0);
-  for (int degree = -40; degree <= 30; ++degree) {
-    space.at(degree) = 0.6;
-  }
-  EXPECT_EQ(detour.direction(space, {}, goal_in_base({3, 0}, 0.2), 1.0), deg_to_rad(31));
-  EXPECT_EQ(detour.side(), 1.0);
-  // The way is free again, but the robot is no nearer to the goal: it follows the wall on the
-  // right.
-  space.distance_m.fill(5.0);
-  const Points wall{{0.3, -0.5}};
-  const auto along = detour.direction(space, wall, goal_in_base({3.5, 0}, 0.2), 1.0);
-  ASSERT_TRUE(along);
-  EXPECT_LT(*along, 0.0);
-  EXPECT_EQ(detour.side(), 1.0);
-  EXPECT_EQ(detour.direction(space, wall, goal_in_base({2.5, 0}, 0.2), 1.0), 0.0);
-  EXPECT_EQ(detour.side(), 0.0);
-}
-
-TEST(Detour, AnObstacleBeyondTheGoalDoesNotBlockThePath) {
-  FreeSpace space;
-  space.distance_m.fill(0.6);
-  Detour detour;
-  EXPECT_EQ(detour.direction(space, {}, goal_in_base({0.5, 0}, 0.1), 1.0), 0.0);
 }
 
 }  // namespace goal_test
