@@ -10,7 +10,8 @@
 
 namespace nodmap::navigator {
 
-/// Backs up along the trail where the robot cannot turn, until it can.
+/// Backs up along the trail where the robot cannot turn, until it can. It has a trail of its own,
+/// without what lies ahead of a robot that has backed up: the next time the path back begins here.
 class BackUp {
  public:
   explicit BackUp(const NavigatorParams& params);

@@ -16,6 +16,7 @@ namespace nodmap::navigator {
 
 class Geofence;
 class LocalMap;
+class Trail;
 
 /// Longest time between two decisions of one behaviour. After a longer pause, because the robot was
 /// stopped or another behaviour decided, the time without progress counts anew.
@@ -36,6 +37,7 @@ struct Situation {
   std::int64_t sweep_count = 0;  ///< reversals of the head
   bool laser_is_held = false;    ///< it does not nod, so waiting brings nothing new into view
   std::optional<GoalInBase> goal;
+  const Trail* trail = nullptr;         ///< of the strip that the body has driven; null: none
   const Geofence* geofence = nullptr;   ///< null: none
   const LocalMap* local_map = nullptr;  ///< says where floor was seen; null: floor is everywhere
 };

@@ -39,6 +39,7 @@ Navigator::Navigator(const NavigatorParams& params)
       steering_(params),
       brake_(params),
       turn_(params.turn, params.drive.reaction_s),
+      trail_(params.local_map.forget_after_m),
       back_up_(params),
       goal_drive_(params),
       roaming_(params) {}
@@ -63,9 +64,7 @@ Decision Navigator::pause(Reason reason) {
 
 Decision Navigator::decide(Situation now) {
   surroundings_.complete(now);
-  back_up_.record(now.T_odom_base, now.forward_mps);
-  goal_drive_.record(now);
-  roaming_.record(now);
+  record_trail(now);
   Decision decision = behave(now);
   brake_.keep_to_known_ground(decision, now);
   // Plans count only people who walk for certain; Brake also counts those who have just appeared.
@@ -74,8 +73,19 @@ Decision Navigator::decide(Situation now) {
   return decision;
 }
 
+void Navigator::record_trail(Situation& now) {
+  back_up_.record(now.T_odom_base, now.forward_mps);
+  trail_.move(now.T_odom_base);
+  if (now.forward_mps > -kReversingMps) {
+    trail_.record(now.T_odom_base);
+  }
+  now.trail = &trail_;
+}
+
 Decision Navigator::behave(const Situation& now) {
-  if (!now.goal) {
+  if (now.goal) {
+    goal_drive_.watch_goal(now);
+  } else {
     goal_drive_.forget_goal();
   }
   watch_arrival(now);

@@ -13,6 +13,7 @@
 #include "modules/navigator/planner/roaming.hpp"
 #include "modules/navigator/steering.hpp"
 #include "modules/navigator/surroundings.hpp"
+#include "modules/navigator/trail.hpp"
 #include "modules/navigator/turn.hpp"
 
 namespace nodmap::navigator {
@@ -81,6 +82,7 @@ class Navigator {
 
  private:
   [[nodiscard]] const SeenDirections& seen() const { return surroundings_.seen(); }
+  void record_trail(Situation& now);
   void watch_arrival(const Situation& now);
   void end_turn();
   void watch_first_look(const Situation& now);
@@ -99,6 +101,7 @@ class Navigator {
   Steering steering_;
   Brake brake_;
   Turn turn_;
+  Trail trail_;
   BackUp back_up_;
   GoalDrive goal_drive_;
   Roaming roaming_;

@@ -72,9 +72,8 @@ GoalDrive::GoalDrive(const NavigatorParams& params)
       motion_(params),
       docking_(params.docking) {}
 
-void GoalDrive::record(const Situation& now) {
-  motion_.record(now);
-  has_new_goal_ = now.goal && !(decided_goal_map_ && is_same(*decided_goal_map_, goal_in_map(now)));
+void GoalDrive::watch_goal(const Situation& now) {
+  has_new_goal_ = !decided_goal_map_ || !is_same(*decided_goal_map_, goal_in_map(now));
 }
 
 Decision GoalDrive::decide(const Situation& now, const SeenDirections& seen,

@@ -28,10 +28,11 @@ class GoalDrive {
   void forget_goal() {
     dock_map_.reset();
     decided_goal_map_.reset();
+    has_new_goal_ = false;
   }
 
-  /// Takes the pose of the robot and the goal; must be called at each decision, whoever decides.
-  void record(const Situation& now);
+  /// Notices another goal; must be called at each decision with a goal, whoever decides.
+  void watch_goal(const Situation& now);
 
   [[nodiscard]] Decision decide(const Situation& now, const SeenDirections& seen,
                                 const LocalMap& local_map);

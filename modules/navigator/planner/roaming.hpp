@@ -23,9 +23,6 @@ class Roaming {
  public:
   explicit Roaming(const NavigatorParams& params);
 
-  /// Takes the pose of the robot; must be called at each decision, whoever decides.
-  void record(const Situation& now) { motion_.record(now); }
-
   /// Returns the decision; empty if no motion is possible, so that Turn takes over.
   [[nodiscard]] std::optional<Decision> decide(const Situation& now, const SeenDirections& seen,
                                                const LocalMap& local_map);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "modules/navigator/trail.hpp"
 #include "modules/navigator/turn.hpp"
 
 namespace nodmap::navigator {
@@ -30,15 +31,7 @@ SafeMotion::SafeMotion(const NavigatorParams& params)
     : body_(params.robot.body.footprint()),
       turn_(params.turn),
       reaction_s_(params.drive.reaction_s),
-      sweeps_to_trust_(params.steer.sweeps_to_trust),
-      trail_(params.local_map.forget_after_m) {}
-
-void SafeMotion::record(const Situation& now) {
-  trail_.move(now.T_odom_base);
-  if (now.forward_mps > -kReversingMps) {
-    trail_.record(now.T_odom_base);
-  }
-}
+      sweeps_to_trust_(params.steer.sweeps_to_trust) {}
 
 /// The best rollout after Brake has slowed it down: the loss of speed counts as cost.
 std::optional<Decision> SafeMotion::best_of(const std::vector<Rollout>& rollouts,
@@ -125,10 +118,13 @@ std::optional<Decision> SafeMotion::drive_forwards(const Rollout& rollout, const
 /// not look there.
 std::optional<Decision> SafeMotion::drive_backwards(const Rollout& rollout, const Brake& brake,
                                                     const Situation& now) const {
+  if (now.trail == nullptr) {
+    return std::nullopt;
+  }
   const double curvature = rollout.yaw_rate_rad_s / rollout.forward_mps;
   double distance_m = free_distance_backwards(now.points_base, curvature, body_, kBackwardMarginM) -
                       kBackwardMarginM;
-  distance_m = std::min(distance_m, trail_.distance_backwards(now.T_odom_base, curvature));
+  distance_m = std::min(distance_m, now.trail->distance_backwards(now.T_odom_base, curvature));
   if (now.local_map != nullptr) {
     distance_m = std::min(distance_m, now.local_map->seen_distance_backwards(
                                           now.T_odom_base, curvature, body_.half_width_m, 0.3));

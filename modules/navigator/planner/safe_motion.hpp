@@ -9,7 +9,6 @@
 #include "modules/navigator/params.hpp"
 #include "modules/navigator/planner/rollouts.hpp"
 #include "modules/navigator/seen_directions.hpp"
-#include "modules/navigator/trail.hpp"
 
 namespace nodmap::navigator {
 
@@ -19,9 +18,6 @@ namespace nodmap::navigator {
 class SafeMotion {
  public:
   explicit SafeMotion(const NavigatorParams& params);
-
-  /// Takes the pose of the robot; must be called at each decision.
-  void record(const Situation& now);
 
   /// The best of these rollouts, which are sorted by cost; empty if none can be driven.
   [[nodiscard]] std::optional<Decision> best_of(const std::vector<Rollout>& rollouts,
@@ -52,7 +48,6 @@ class SafeMotion {
   TurnParams turn_;
   double reaction_s_;
   int sweeps_to_trust_;
-  Trail trail_;
 };
 
 }  // namespace nodmap::navigator
