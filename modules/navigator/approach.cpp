@@ -67,7 +67,7 @@ void Approach::update(time::Timestamp stamp, const geometry::SE2& T_odom_base, d
                       const LocalMap* local_map, bool laser_is_held) {
   if (known_) {
     compare(nearest(T_odom_base, points_base), stamp, reach_m, seen, T_odom_base, local_map,
-            laser_is_held ? 0 : sweeps_);
+            laser_is_held);
   }
   if (!known_ || (T_odom_base.translation() - reference_odom_).norm() > kReferenceM) {
     reference_odom_ = T_odom_base.translation();
@@ -77,7 +77,7 @@ void Approach::update(time::Timestamp stamp, const geometry::SE2& T_odom_base, d
 
 void Approach::compare(const Sectors& now, time::Timestamp stamp, double reach_m,
                        const SeenDirections& seen, const geometry::SE2& T_odom_base,
-                       const LocalMap* local_map, int sweeps) {
+                       const LocalMap* local_map, bool laser_is_held) {
   const Sectors before = *known_;
   for (int i = 0; i < kSectors; ++i) {
     const auto known_m = [&](int beside) {
@@ -88,7 +88,10 @@ void Approach::compare(const Sectors& now, time::Timestamp stamp, double reach_m
     const double nearest_known_m = std::min({known_m(-1), known_m(0), known_m(1)});
     const bool is_nearer =
         there.distance_m < nearest_known_m - kApproachM && there.p_base.norm() < reach_m;
-    if (is_nearer && seen.is_seen(std::atan2(there.p_base.y(), there.p_base.x()), sweeps) &&
+    const double direction_rad = std::atan2(there.p_base.y(), there.p_base.x());
+    const bool is_seen =
+        laser_is_held ? seen.is_in_view(direction_rad) : seen.is_seen(direction_rad);
+    if (is_nearer && is_seen &&
         (local_map == nullptr || has_come(T_odom_base * there.p_base, *local_map))) {
       detected_at_ = stamp;
     }

@@ -23,8 +23,6 @@ class LocalMap;
 /// compared. What comes out from behind something was farther away than that before.
 class Approach {
  public:
-  explicit Approach(int sweeps_to_trust) : sweeps_(sweeps_to_trust) {}
-
   /// Takes the obstacles at `stamp`, without those farther than `reach_m` from base. `seen` must be
   /// up to date. With a local map, only what is where floor was seen before has approached: what
   /// comes into view from behind a corner was there already. A laser that is held need not sweep
@@ -49,9 +47,8 @@ class Approach {
   [[nodiscard]] Sectors nearest(const geometry::SE2& T_odom_base, const Points& points_base) const;
   void compare(const Sectors& now, time::Timestamp stamp, double reach_m,
                const SeenDirections& seen, const geometry::SE2& T_odom_base,
-               const LocalMap* local_map, int sweeps);
+               const LocalMap* local_map, bool laser_is_held);
 
-  int sweeps_;
   Eigen::Vector2d reference_odom_ = Eigen::Vector2d::Zero();
   std::optional<Sectors> known_;
   std::optional<time::Timestamp> detected_at_;

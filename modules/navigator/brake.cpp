@@ -41,7 +41,7 @@ Arc Brake::measure_arc(double curvature, bool creeps, const Situation& now) cons
       arc = narrow;
     }
   }
-  if (now.local_map != nullptr) {
+  if (now.needs_seen_floor) {
     const double limit_mps = std::min(arc.speed_mps, drive_.max_forward_mps);
     arc.speed_mps = std::min(arc.speed_mps, speed_on_seen_floor(curvature, limit_mps, now));
   }

@@ -102,10 +102,10 @@ Decision Navigator::behave(const Situation& now) {
   if (now.max_forward_mps < kLeastSpeedMps) {
     return wait(now, Why::kNoSpeed);
   }
-  if (now.goal && params_.planner.use && local_map().has_scan()) {
+  if (now.goal && params_.planner.use && now.local_map != nullptr) {
     end_turn();
     watch_first_look(now);
-    return has_looked_ ? goal_drive_.decide(now, seen(), local_map()) : brake(now, Why::kFirstLook);
+    return has_looked_ ? goal_drive_.decide(now) : brake(now, Why::kFirstLook);
   }
   const FreeSpace space = measure_free_space(now.points_base, body_, params_.drive.side_margin_m);
   if (!turn_.is_active()) {
@@ -119,15 +119,14 @@ Decision Navigator::behave(const Situation& now) {
 /// Roams by plan, or steers, as far as there is room; empty when the robot is stationary and must
 /// turn to go on.
 std::optional<Decision> Navigator::drive_ahead(const FreeSpace& space, const Situation& now) {
-  const bool roams = params_.planner.roams && !now.goal && local_map().has_scan();
+  const bool roams = params_.planner.roams && !now.goal && now.local_map != nullptr;
   if (roams) {
     watch_first_look(now);
     if (!has_looked_) {
       return brake(now, Why::kFirstLook);
     }
   }
-  if (auto decision =
-          roams ? roaming_.decide(now, seen(), local_map()) : steering_.steer(space, seen(), now)) {
+  if (auto decision = roams ? roaming_.decide(now) : steering_.steer(space, now)) {
     return decision;
   }
   if (std::abs(now.forward_mps) > kStationaryMps) {
@@ -157,8 +156,7 @@ void Navigator::end_turn() {
 /// Before the laser has looked ahead the robot must not turn away from a ramp, which looks like an
 /// obstacle in the first scans.
 void Navigator::watch_first_look(const Situation& now) {
-  has_looked_ =
-      has_looked_ || now.laser_is_held || seen().is_seen(0.0, params_.steer.sweeps_to_trust);
+  has_looked_ = has_looked_ || now.has_seen(0.0);
 }
 
 Decision Navigator::brake(const Situation& now, Reason reason) const {
@@ -207,7 +205,7 @@ Decision Navigator::turn(const FreeSpace& space, const Situation& now) {
 TurnInput Navigator::turn_input(const FreeSpace& space, const Situation& now) const {
   const double until_free_m = params_.turn.until_free_m;
   const FreeNeighbours seen_and_free =
-      free_neighbours(steering_.seen_space(space, seen(), now), 0.0, until_free_m);
+      free_neighbours(steering_.seen_space(space, now), 0.0, until_free_m);
   const FreeNeighbours without_points = free_neighbours(space, 0.0, until_free_m);
   const double margin_m = params_.turn.margin_m + (turn_.backs_up() ? kRoomToTurnM : 0.0);
   TurnInput input;
@@ -218,7 +216,7 @@ TurnInput Navigator::turn_input(const FreeSpace& space, const Situation& now) co
   input.more_room_side = side_with_more_room(space);
   input.ahead_is_free =
       space.at(0) >= until_free_m && brake_.measure_arc(0.0, now).free_distance_m >= until_free_m;
-  input.ahead_is_seen = steering_.is_seen(0.0, seen(), now);
+  input.ahead_is_seen = now.has_seen(0.0);
   input.left = {free_rotation(now.points_base, 1.0, body_, margin_m),
                 without_points.left_rad.value_or(kEndless)};
   input.right = {free_rotation(now.points_base, -1.0, body_, margin_m),

@@ -81,7 +81,6 @@ class Navigator {
   void reset();
 
  private:
-  [[nodiscard]] const SeenDirections& seen() const { return surroundings_.seen(); }
   void record_trail(Situation& now);
   void watch_arrival(const Situation& now);
   void end_turn();

@@ -35,20 +35,30 @@ void SeenDirections::update(double heading_rad, std::int64_t sweep_count) {
   }
 }
 
-void SeenDirections::forget_unseen(int sweeps) {
+void SeenDirections::forget_unseen() {
   for (auto& since : in_view_since_) {
-    if (since && sweep_count_ - *since < sweeps) {
+    if (!is_seen_since(since)) {
       since.reset();
     }
   }
 }
 
-bool SeenDirections::is_seen(double direction_rad, int sweeps) const {
-  if (std::abs(direction_rad) > view_half_rad_) {
-    return false;
-  }
-  const auto& since = in_view_since_[bin_of(heading_rad_ + direction_rad, kBins)];
-  return since && sweep_count_ - *since >= sweeps;
+bool SeenDirections::is_seen(double direction_rad) const {
+  return is_seen_since(in_view_since(direction_rad));
+}
+
+bool SeenDirections::is_in_view(double direction_rad) const {
+  return in_view_since(direction_rad).has_value();
+}
+
+SeenDirections::SweepCount SeenDirections::in_view_since(double direction_rad) const {
+  return std::abs(direction_rad) > view_half_rad_
+             ? std::nullopt
+             : in_view_since_[bin_of(heading_rad_ + direction_rad, kBins)];
+}
+
+bool SeenDirections::is_seen_since(const SweepCount& since) const {
+  return since && sweep_count_ - *since >= sweeps_to_trust_;
 }
 
 }  // namespace nodmap::navigator

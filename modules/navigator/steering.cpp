@@ -23,9 +23,8 @@ Steering::Steering(const NavigatorParams& params)
       params_(params.steer),
       turn_(params.turn) {}
 
-std::optional<Decision> Steering::steer(const FreeSpace& free_space, const SeenDirections& seen,
-                                        const Situation& now) {
-  const auto direction_rad = direction(preferred_space(free_space, seen, now), now);
+std::optional<Decision> Steering::steer(const FreeSpace& free_space, const Situation& now) {
+  const auto direction_rad = direction(preferred_space(free_space, now), now);
   if (!direction_rad) {
     return std::nullopt;
   }
@@ -37,16 +36,10 @@ std::optional<Decision> Steering::steer(const FreeSpace& free_space, const SeenD
                       now);
 }
 
-bool Steering::is_seen(double direction_rad, const SeenDirections& seen,
-                       const Situation& now) const {
-  return seen.is_seen(direction_rad, now.laser_is_held ? 0 : params_.sweeps_to_trust);
-}
-
-FreeSpace Steering::seen_space(const FreeSpace& space, const SeenDirections& seen,
-                               const Situation& now) const {
+FreeSpace Steering::seen_space(const FreeSpace& space, const Situation& now) const {
   FreeSpace result = space;
   for (int degree = -FreeSpace::kHalf; degree <= FreeSpace::kHalf; ++degree) {
-    if (!is_seen(FreeSpace::angle_rad(degree), seen, now)) {
+    if (!now.has_seen(FreeSpace::angle_rad(degree))) {
       result.at(degree) = 0.0;
     }
   }
@@ -55,12 +48,11 @@ FreeSpace Steering::seen_space(const FreeSpace& space, const SeenDirections& see
 
 /// Prefers corridors in which the robot can also turn. If there is none, those that it fits through
 /// will do.
-FreeSpace Steering::preferred_space(const FreeSpace& free_space, const SeenDirections& seen,
-                                    const Situation& now) const {
+FreeSpace Steering::preferred_space(const FreeSpace& free_space, const Situation& now) const {
   const double turning_margin_m = body_.turning_radius_m() + turn_.margin_m - body_.half_width_m;
   const FreeSpace wide =
-      seen_space(measure_free_space(now.points_base, body_, turning_margin_m), seen, now);
-  return longest_distance(wide) >= turn_.until_free_m ? wide : seen_space(free_space, seen, now);
+      seen_space(measure_free_space(now.points_base, body_, turning_margin_m), now);
+  return longest_distance(wide) >= turn_.until_free_m ? wide : seen_space(free_space, now);
 }
 
 std::optional<double> Steering::direction(const FreeSpace& space, const Situation& now) {

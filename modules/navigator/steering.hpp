@@ -8,7 +8,6 @@
 #include "modules/navigator/detour.hpp"
 #include "modules/navigator/free_space.hpp"
 #include "modules/navigator/params.hpp"
-#include "modules/navigator/seen_directions.hpp"
 
 namespace nodmap::navigator {
 
@@ -21,20 +20,15 @@ class Steering {
 
   /// Returns the decision; empty if no direction that was seen is free. `free_space`: of the
   /// corridor as wide as the body.
-  [[nodiscard]] std::optional<Decision> steer(const FreeSpace& free_space,
-                                              const SeenDirections& seen, const Situation& now);
+  [[nodiscard]] std::optional<Decision> steer(const FreeSpace& free_space, const Situation& now);
 
   /// The free space without directions that have not been seen long enough.
-  [[nodiscard]] FreeSpace seen_space(const FreeSpace& space, const SeenDirections& seen,
-                                     const Situation& now) const;
-  [[nodiscard]] bool is_seen(double direction_rad, const SeenDirections& seen,
-                             const Situation& now) const;
+  [[nodiscard]] FreeSpace seen_space(const FreeSpace& space, const Situation& now) const;
 
   [[nodiscard]] Detour& detour() { return detour_; }
 
  private:
-  [[nodiscard]] FreeSpace preferred_space(const FreeSpace& free_space, const SeenDirections& seen,
-                                          const Situation& now) const;
+  [[nodiscard]] FreeSpace preferred_space(const FreeSpace& free_space, const Situation& now) const;
   [[nodiscard]] std::optional<double> direction(const FreeSpace& space, const Situation& now);
   [[nodiscard]] std::optional<double> roaming_direction(const FreeSpace& space, double needed_m);
   [[nodiscard]] std::optional<Arc> arc_towards(double direction_rad, const Situation& now) const;

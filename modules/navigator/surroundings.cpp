@@ -28,8 +28,7 @@ Surroundings::Surroundings(const NavigatorParams& params)
     : params_(params),
       body_(params.robot.body.footprint()),
       local_map_(params.robot, params.local_map),
-      seen_(params.steer.view_half_rad),
-      approach_(params.steer.sweeps_to_trust),
+      seen_(params.steer),
       gap_(params.steer.sweeps_to_trust) {}
 
 void Surroundings::add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base,
@@ -73,7 +72,7 @@ void Surroundings::forget_seen() {
 
 void Surroundings::miss_scans() {
   if (gap_.begin()) {
-    seen_.forget_unseen(params_.steer.sweeps_to_trust);
+    seen_.forget_unseen();
   } else {
     forget_seen();
   }
@@ -81,6 +80,7 @@ void Surroundings::miss_scans() {
 
 void Surroundings::complete(Situation& now) {
   seen_.update(now.T_odom_base.yaw, now.sweep_count);
+  now.seen = &seen_;
   slow_down_after_gap(now);
   slow_down_near_slopes(now);
   add_people(now);
@@ -160,8 +160,9 @@ void Surroundings::add_local_map(Situation& now) const {
   }
   const Points more = local_map_.points_base(now.T_odom_base, params_.local_map.range_m);
   now.points_base.insert(now.points_base.end(), more.begin(), more.end());
-  if (sees_floor(now)) {
-    now.local_map = &local_map_;
+  now.local_map = &local_map_;
+  now.needs_seen_floor = sees_floor(now);
+  if (now.needs_seen_floor) {
     now.doubtful_base =
         local_map_.doubtful_points_base(now.T_odom_base, body_.turning_radius_m() + kDoubtfulM);
     now.hole_corners_base = local_map_.hole_corners_base(now.T_odom_base, longest_stop_m());

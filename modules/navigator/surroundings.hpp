@@ -51,7 +51,6 @@ class Surroundings {
   /// Has no scan if the robot does not drive by it.
   [[nodiscard]] const LocalMap& local_map() const { return local_map_; }
   [[nodiscard]] const PeopleTracker& people() const { return people_; }
-  [[nodiscard]] const SeenDirections& seen() const { return seen_; }
 
  private:
   void slow_down_after_gap(Situation& now);

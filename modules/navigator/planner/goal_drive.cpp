@@ -76,8 +76,7 @@ void GoalDrive::watch_goal(const Situation& now) {
   has_new_goal_ = !decided_goal_map_ || !is_same(*decided_goal_map_, goal_in_map(now));
 }
 
-Decision GoalDrive::decide(const Situation& now, const SeenDirections& seen,
-                           const LocalMap& local_map) {
+Decision GoalDrive::decide(const Situation& now) {
   if (decided_at_ && std::chrono::abs(now.stamp - *decided_at_) > kLongestPeriod) {
     progress_at_.reset();
   }
@@ -85,14 +84,13 @@ Decision GoalDrive::decide(const Situation& now, const SeenDirections& seen,
   decided_goal_map_ = goal_in_map(now);
   has_new_goal_ = false;
   if (now.goal->heading) {
-    return dock(now, seen, local_map);
+    return dock(now);
   }
   dock_map_.reset();
-  return drive_by_plan(now, seen, local_map);
+  return drive_by_plan(now);
 }
 
-Decision GoalDrive::dock(const Situation& now, const SeenDirections& seen,
-                         const LocalMap& local_map) {
+Decision GoalDrive::dock(const Situation& now) {
   const geometry::SE2 goal_map = goal_in_map(now);
   if (!dock_map_ || !is_same(*dock_map_, goal_map)) {
     docking_.reset();
@@ -103,13 +101,13 @@ Decision GoalDrive::dock(const Situation& now, const SeenDirections& seen,
     case DockingStep::Kind::kPlan: {
       Situation staging = now;
       staging.goal = goal_in_base(step.staging_base, Docking::kStagingToleranceM);
-      return drive_by_plan(staging, seen, local_map);
+      return drive_by_plan(staging);
     }
     case DockingStep::Kind::kMove: {
       Rollout motion;
       motion.forward_mps = step.forward_mps;
       motion.yaw_rate_rad_s = step.yaw_rate_rad_s;
-      if (auto moved = motion_.drive(motion, brake_, now, seen)) {
+      if (auto moved = motion_.drive(motion, brake_, now)) {
         // The reason that slows it down is given instead.
         if (moved->behaviour != Behaviour::kBrake) {
           moved->reason = step.reason;
@@ -128,8 +126,7 @@ Decision GoalDrive::dock(const Situation& now, const SeenDirections& seen,
   }
 }
 
-Decision GoalDrive::drive_by_plan(const Situation& now, const SeenDirections& seen,
-                                  const LocalMap& local_map) {
+Decision GoalDrive::drive_by_plan(const Situation& now) {
   const geometry::SE2 T_map_base = now.T_map_odom * now.T_odom_base;
   const Eigen::Vector2d goal_map = T_map_base * now.goal->p_base;
   if ((goal_map - goal_map_).norm() > now.goal->tolerance_m) {
@@ -138,7 +135,7 @@ Decision GoalDrive::drive_by_plan(const Situation& now, const SeenDirections& se
     no_path_since_.reset();
     has_doubted_ = false;
   }
-  global_.step(now.stamp, local_map, now.T_map_odom, now.T_odom_base, goal_map,
+  global_.step(now.stamp, *now.local_map, now.T_map_odom, now.T_odom_base, goal_map,
                now.goal->tolerance_m, now.geofence);
   if (const CostToGo* cost_to_go = global_.cost_to_go()) {
     const double cost_m = cost_to_go->least_near(T_map_base.translation());
@@ -148,11 +145,11 @@ Decision GoalDrive::drive_by_plan(const Situation& now, const SeenDirections& se
     }
     no_path_since_.reset();
     watch_progress(now, cost_m);
-    return drive_by(*cost_to_go, now, seen);
+    return drive_by(*cost_to_go, now);
   }
   progress_at_.reset();
   if (const CostToGo* former = former_plan(T_map_base.translation())) {
-    return drive_by(*former, now, seen);
+    return drive_by(*former, now);
   }
   return stationary(Why::kPlans);
 }
@@ -169,14 +166,13 @@ const CostToGo* GoalDrive::former_plan(const Eigen::Vector2d& p_map) const {
   return std::isfinite(cost_m) && cost_m > kNearlyThereM ? former : nullptr;
 }
 
-Decision GoalDrive::drive_by(const CostToGo& cost_to_go, const Situation& now,
-                             const SeenDirections& seen) {
+Decision GoalDrive::drive_by(const CostToGo& cost_to_go, const Situation& now) {
   const double max_forward_mps = brake_.speed_limit(0.0, now.max_forward_mps);
   const auto& rollouts = rollouts_.plan(now, cost_to_go, max_forward_mps);
-  if (const auto best = motion_.best_of(rollouts, brake_, now, seen)) {
+  if (const auto best = motion_.best_of(rollouts, brake_, now)) {
     return *best;
   }
-  if (const auto squeezed = squeeze(cost_to_go, now, seen)) {
+  if (const auto squeezed = squeeze(cost_to_go, now)) {
     return *squeezed;
   }
   return stationary(rollouts.empty() ? Why::kNoMotion : Why::kFirstLook);
@@ -211,14 +207,13 @@ std::optional<std::vector<Eigen::Vector2d>> GoalDrive::path_map(
 }
 
 /// For places where no motion keeps the creep margin.
-std::optional<Decision> GoalDrive::squeeze(const CostToGo& cost_to_go, const Situation& now,
-                                           const SeenDirections& seen) {
+std::optional<Decision> GoalDrive::squeeze(const CostToGo& cost_to_go, const Situation& now) {
   if (!now.people.empty()) {
     return std::nullopt;
   }
   const double max_forward_mps = squeezing_brake_.speed_limit(0.0, now.max_forward_mps);
   const auto& rollouts = squeezing_rollouts_.plan(now, cost_to_go, max_forward_mps);
-  auto decision = motion_.best_of(rollouts, squeezing_brake_, now, seen);
+  auto decision = motion_.best_of(rollouts, squeezing_brake_, now);
   if (decision) {
     decision->reason = Why::kSqueezes;
   }

@@ -13,7 +13,6 @@
 #include "modules/navigator/planner/global_planner.hpp"
 #include "modules/navigator/planner/rollouts.hpp"
 #include "modules/navigator/planner/safe_motion.hpp"
-#include "modules/navigator/seen_directions.hpp"
 
 namespace nodmap::navigator {
 
@@ -34,8 +33,8 @@ class GoalDrive {
   /// Notices another goal; must be called at each decision with a goal, whoever decides.
   void watch_goal(const Situation& now);
 
-  [[nodiscard]] Decision decide(const Situation& now, const SeenDirections& seen,
-                                const LocalMap& local_map);
+  /// `now` must have a goal and a local map.
+  [[nodiscard]] Decision decide(const Situation& now);
 
   /// The planned path from the robot to the goal, frame map, a point every 20 cm, as far as the
   /// grid reaches. It has no points if there is no path or docking has failed; empty before the
@@ -44,15 +43,11 @@ class GoalDrive {
       const geometry::SE2& T_map_base) const;
 
  private:
-  [[nodiscard]] Decision drive_by_plan(const Situation& now, const SeenDirections& seen,
-                                       const LocalMap& local_map);
-  [[nodiscard]] Decision dock(const Situation& now, const SeenDirections& seen,
-                              const LocalMap& local_map);
+  [[nodiscard]] Decision drive_by_plan(const Situation& now);
+  [[nodiscard]] Decision dock(const Situation& now);
   [[nodiscard]] const CostToGo* former_plan(const Eigen::Vector2d& p_map) const;
-  [[nodiscard]] Decision drive_by(const CostToGo& cost_to_go, const Situation& now,
-                                  const SeenDirections& seen);
-  [[nodiscard]] std::optional<Decision> squeeze(const CostToGo& cost_to_go, const Situation& now,
-                                                const SeenDirections& seen);
+  [[nodiscard]] Decision drive_by(const CostToGo& cost_to_go, const Situation& now);
+  [[nodiscard]] std::optional<Decision> squeeze(const CostToGo& cost_to_go, const Situation& now);
   [[nodiscard]] Decision without_path(const Situation& now);
   void watch_progress(const Situation& now, double cost_m);
 

@@ -33,9 +33,8 @@ Roaming::Roaming(const NavigatorParams& params)
       rollouts_(params.robot.body.footprint(), roaming(params)),
       motion_(params) {}
 
-std::optional<Decision> Roaming::decide(const Situation& now, const SeenDirections& seen,
-                                        const LocalMap& local_map) {
-  planner_.step_onward(now.stamp, local_map, now.T_map_odom, now.T_odom_base, now.geofence);
+std::optional<Decision> Roaming::decide(const Situation& now) {
+  planner_.step_onward(now.stamp, *now.local_map, now.T_map_odom, now.T_odom_base, now.geofence);
   const CostToGo* cost_to_go = planner_.cost_to_go();
   if (cost_to_go == nullptr) {
     return stationary(Why::kPlans);
@@ -52,7 +51,7 @@ std::optional<Decision> Roaming::decide(const Situation& now, const SeenDirectio
     failed_at_.reset();
   }
   const double max_forward_mps = brake_.speed_limit(0.0, now.max_forward_mps);
-  return motion_.best_of(rollouts_.plan(now, *cost_to_go, max_forward_mps), brake_, now, seen);
+  return motion_.best_of(rollouts_.plan(now, *cost_to_go, max_forward_mps), brake_, now);
 }
 
 /// Progress is to get farther, or to rotate. Time in which the robot waited for people, or in which

@@ -12,7 +12,6 @@
 #include "modules/navigator/planner/global_planner.hpp"
 #include "modules/navigator/planner/rollouts.hpp"
 #include "modules/navigator/planner/safe_motion.hpp"
-#include "modules/navigator/seen_directions.hpp"
 
 namespace nodmap::navigator {
 
@@ -23,9 +22,9 @@ class Roaming {
  public:
   explicit Roaming(const NavigatorParams& params);
 
-  /// Returns the decision; empty if no motion is possible, so that Turn takes over.
-  [[nodiscard]] std::optional<Decision> decide(const Situation& now, const SeenDirections& seen,
-                                               const LocalMap& local_map);
+  /// Returns the decision; empty if no motion is possible, so that Turn takes over. `now` must have
+  /// a local map.
+  [[nodiscard]] std::optional<Decision> decide(const Situation& now);
 
  private:
   void watch_progress(const Situation& now);

@@ -30,13 +30,11 @@ double direction_rad(const Rollout& rollout) {
 SafeMotion::SafeMotion(const NavigatorParams& params)
     : body_(params.robot.body.footprint()),
       turn_(params.turn),
-      reaction_s_(params.drive.reaction_s),
-      sweeps_to_trust_(params.steer.sweeps_to_trust) {}
+      reaction_s_(params.drive.reaction_s) {}
 
 /// The best rollout after Brake has slowed it down: the loss of speed counts as cost.
 std::optional<Decision> SafeMotion::best_of(const std::vector<Rollout>& rollouts,
-                                            const Brake& brake, const Situation& now,
-                                            const SeenDirections& seen) const {
+                                            const Brake& brake, const Situation& now) const {
   std::optional<Decision> best;
   double least_cost_m = std::numeric_limits<double>::infinity();
   std::size_t num_offered = 0;
@@ -48,7 +46,7 @@ std::optional<Decision> SafeMotion::best_of(const std::vector<Rollout>& rollouts
     if (rollout.forward_mps > 0.0 && ++num_offered > kMostOffered) {
       continue;
     }
-    const auto driven = drive(rollout, brake, now, seen);
+    const auto driven = drive(rollout, brake, now);
     if (!driven) {
       continue;
     }
@@ -62,18 +60,13 @@ std::optional<Decision> SafeMotion::best_of(const std::vector<Rollout>& rollouts
   return best;
 }
 
-bool SafeMotion::is_seen(const Rollout& rollout, const Situation& now,
-                         const SeenDirections& seen) const {
-  return seen.is_seen(direction_rad(rollout), now.laser_is_held ? 0 : sweeps_to_trust_);
-}
-
 /// A rollout as Brake allows it; empty where it does not.
 std::optional<Decision> SafeMotion::drive(const Rollout& rollout, const Brake& brake,
-                                          const Situation& now, const SeenDirections& seen) const {
+                                          const Situation& now) const {
   if (rollout.forward_mps == 0.0 && rollout.yaw_rate_rad_s == 0.0) {
     return stationary(Why::kGivesWay);
   }
-  std::optional<Decision> decision = move(rollout, brake, now, seen);
+  std::optional<Decision> decision = move(rollout, brake, now);
   if (decision) {
     brake.keep_to_known_ground(*decision, now);
     brake.give_way(*decision, now);
@@ -85,9 +78,9 @@ std::optional<Decision> SafeMotion::drive(const Rollout& rollout, const Brake& b
 }
 
 std::optional<Decision> SafeMotion::move(const Rollout& rollout, const Brake& brake,
-                                         const Situation& now, const SeenDirections& seen) const {
+                                         const Situation& now) const {
   if (rollout.forward_mps > 0.0) {
-    return drive_forwards(rollout, brake, now, seen);
+    return drive_forwards(rollout, brake, now);
   }
   if (rollout.forward_mps < 0.0) {
     return drive_backwards(rollout, brake, now);
@@ -96,10 +89,9 @@ std::optional<Decision> SafeMotion::move(const Rollout& rollout, const Brake& br
 }
 
 std::optional<Decision> SafeMotion::drive_forwards(const Rollout& rollout, const Brake& brake,
-                                                   const Situation& now,
-                                                   const SeenDirections& seen) const {
+                                                   const Situation& now) const {
   const double curvature = rollout.yaw_rate_rad_s / rollout.forward_mps;
-  if (!is_seen(rollout, now, seen)) {
+  if (!now.has_seen(direction_rad(rollout))) {
     return std::nullopt;
   }
   const Arc arc = brake.measure_arc(curvature, now);
@@ -125,7 +117,7 @@ std::optional<Decision> SafeMotion::drive_backwards(const Rollout& rollout, cons
   double distance_m = free_distance_backwards(now.points_base, curvature, body_, kBackwardMarginM) -
                       kBackwardMarginM;
   distance_m = std::min(distance_m, now.trail->distance_backwards(now.T_odom_base, curvature));
-  if (now.local_map != nullptr) {
+  if (now.needs_seen_floor) {
     distance_m = std::min(distance_m, now.local_map->seen_distance_backwards(
                                           now.T_odom_base, curvature, body_.half_width_m, 0.3));
   }

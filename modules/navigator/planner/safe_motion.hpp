@@ -8,7 +8,6 @@
 #include "modules/navigator/decision.hpp"
 #include "modules/navigator/params.hpp"
 #include "modules/navigator/planner/rollouts.hpp"
-#include "modules/navigator/seen_directions.hpp"
 
 namespace nodmap::navigator {
 
@@ -21,33 +20,26 @@ class SafeMotion {
 
   /// The best of these rollouts, which are sorted by cost; empty if none can be driven.
   [[nodiscard]] std::optional<Decision> best_of(const std::vector<Rollout>& rollouts,
-                                                const Brake& brake, const Situation& now,
-                                                const SeenDirections& seen) const;
+                                                const Brake& brake, const Situation& now) const;
 
   /// Empty if the rollout cannot be driven.
   [[nodiscard]] std::optional<Decision> drive(const Rollout& rollout, const Brake& brake,
-                                              const Situation& now,
-                                              const SeenDirections& seen) const;
+                                              const Situation& now) const;
 
   /// A rotation on the spot, not yet slowed down for doubtful ground and people.
   [[nodiscard]] std::optional<Decision> rotate(const Rollout& rollout, const Situation& now) const;
 
  private:
   [[nodiscard]] std::optional<Decision> move(const Rollout& rollout, const Brake& brake,
-                                             const Situation& now,
-                                             const SeenDirections& seen) const;
+                                             const Situation& now) const;
   [[nodiscard]] std::optional<Decision> drive_forwards(const Rollout& rollout, const Brake& brake,
-                                                       const Situation& now,
-                                                       const SeenDirections& seen) const;
+                                                       const Situation& now) const;
   [[nodiscard]] std::optional<Decision> drive_backwards(const Rollout& rollout, const Brake& brake,
                                                         const Situation& now) const;
-  [[nodiscard]] bool is_seen(const Rollout& rollout, const Situation& now,
-                             const SeenDirections& seen) const;
 
   robot::Footprint body_;
   TurnParams turn_;
   double reaction_s_;
-  int sweeps_to_trust_;
 };
 
 }  // namespace nodmap::navigator

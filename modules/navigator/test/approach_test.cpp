@@ -14,14 +14,14 @@ using geometry::deg_to_rad;
 
 /// All directions up to 70 degrees from ahead are seen.
 SeenDirections seen_ahead() {
-  SeenDirections view(deg_to_rad(70));
+  SeenDirections view(SteerParams{});
   view.update(0.0, 0);
   view.update(0.0, 2);
   return view;
 }
 
 TEST(Approach, APointIsDetectedWhileItComesNearerAndNotAfterItHasStopped) {
-  Approach approach(2);
+  Approach approach;
   const SeenDirections view = seen_ahead();
   time::Timestamp stamp{};
   for (double x_m = 2.0; x_m > 0.3; x_m -= 0.01, stamp += 10ms) {  // 1 m/s
@@ -41,8 +41,8 @@ TEST(Approach, APointIsDetectedWhileItComesNearerAndNotAfterItHasStopped) {
 
 TEST(Approach, ARotationOfTheRobotIsNotAnApproach) {
   // A wall and a pole at half a metre, seen from headings a degree apart, with 2 cm of noise.
-  Approach approach(2);
-  SeenDirections view(deg_to_rad(70));
+  Approach approach;
+  SeenDirections view(SteerParams{});
   for (int i = 0; i < 400; ++i) {
     const double heading_rad = deg_to_rad(i);
     view.update(geometry::normalize_angle(heading_rad), i / 20);
@@ -61,7 +61,7 @@ TEST(Approach, ARotationOfTheRobotIsNotAnApproach) {
 }
 
 TEST(Approach, APointThatComesIntoViewIsNotAnApproach) {
-  Approach approach(2);
+  Approach approach;
   const SeenDirections view = seen_ahead();
   approach.update(time::Timestamp(0s), {}, 0.9, {}, view);
   approach.update(time::Timestamp(10ms), {}, 0.9, {{-0.1, 0.5}},
@@ -75,7 +75,7 @@ TEST(Approach, APointThatComesIntoViewIsNotAnApproach) {
 // The robot drives at 1 m/s past a wall, a pole and a doorway, behind which there is another wall;
 // the noise is 1 cm.
 TEST(Approach, DrivingPastAWallIsNotAnApproach) {
-  Approach approach(2);
+  Approach approach;
   const SeenDirections view = seen_ahead();
   test::World world;
   world.add_wall({-1, 0.6}, {2.0, 0.6});
@@ -94,7 +94,7 @@ TEST(Approach, DrivingPastAWallIsNotAnApproach) {
 }
 
 TEST(Approach, APersonWhoCrossesThePathIsDetected) {
-  Approach approach(2);
+  Approach approach;
   const SeenDirections view = seen_ahead();
   for (int i = 0; i < 100; ++i) {
     const double time_s = 0.01 * i;
@@ -116,7 +116,7 @@ bool is_approach(const test::Ground& after) {
     }
   };
   look({});
-  Approach approach(2);
+  Approach approach;
   const SeenDirections view = seen_ahead();
   approach.update(time::Timestamp(0s), {}, 1.5, {}, view, &map);
   look(after);

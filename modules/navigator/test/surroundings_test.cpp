@@ -54,12 +54,14 @@ TEST(Surroundings, ObstaclesOfTheLocalMapAreJoined) {
   EXPECT_TRUE(has_point_near(now.points_base, {3.0, 0.0}, 1e-9));
   EXPECT_TRUE(has_point_near(now.points_base, {1.9, 0.0}, 0.05)) << "two cells";
   EXPECT_EQ(now.local_map, &surroundings.local_map());
+  EXPECT_TRUE(now.needs_seen_floor);
   EXPECT_FALSE(now.doubtful_base.empty());
 
   held.laser_is_held = true;
   surroundings.complete(held);
   EXPECT_TRUE(has_point_near(held.points_base, {1.9, 0.0}, 0.05));
-  EXPECT_EQ(held.local_map, nullptr);
+  EXPECT_EQ(held.local_map, &surroundings.local_map());
+  EXPECT_FALSE(held.needs_seen_floor);
   EXPECT_TRUE(held.doubtful_base.empty());
 }
 
@@ -178,10 +180,10 @@ TEST(Surroundings, AfterOneShortGapItKnowsWhatWasSeenAfterTwoItDoesNot) {
   complete(2);
   surroundings.miss_scans();
   EXPECT_EQ(complete(2).max_forward_mps, 0.5);
-  EXPECT_TRUE(surroundings.seen().is_seen(0.0, 2));
+  EXPECT_TRUE(complete(2).has_seen(0.0));
   surroundings.miss_scans();
-  EXPECT_FALSE(surroundings.seen().is_seen(0.0, 2));
   EXPECT_EQ(complete(2).max_forward_mps, 1.0) << "it does not drive before it has looked";
+  EXPECT_FALSE(complete(2).has_seen(0.0));
 }
 
 /// A situation of a robot whose laser is held: its head makes no sweeps.

@@ -33,9 +33,11 @@ LocalMap fenced(double gap_m = 0.0, int num_sides = 4) {
 TEST(GoalDrive, WithoutAPathItLooksAroundOnceAndThenStaysWithAReason) {
   const LocalMap map = fenced();
   GoalDrive drive({});
-  SeenDirections seen(geometry::deg_to_rad(70.0));
+  const SeenDirections seen(SteerParams{});
   Situation now;
+  now.seen = &seen;
   now.local_map = &map;
+  now.needs_seen_floor = true;
   now.max_forward_mps = 1.0;
   double rotated_rad = 0.0;
   Decision decision;
@@ -43,7 +45,7 @@ TEST(GoalDrive, WithoutAPathItLooksAroundOnceAndThenStaysWithAReason) {
     now.stamp = time::Timestamp(time::from_seconds(kStepS * i));
     now.goal = goal_in_base(now.T_odom_base.inverse() * Eigen::Vector2d(4.0, 0.0), 0.3);
     now.points_base = map.points_base(now.T_odom_base, 2.5);
-    decision = drive.decide(now, seen, map);
+    decision = drive.decide(now);
     EXPECT_EQ(decision.forward_mps, 0.0);
     now.yaw_rate_rad_s = decision.yaw_rate_rad_s;
     now.T_odom_base.yaw += kStepS * decision.yaw_rate_rad_s;
@@ -66,6 +68,7 @@ Decision between_rows(double beside_m) {
   const robot::Footprint body = NavigatorParams().robot.body.footprint();
   Situation now;
   now.local_map = &map;
+  now.needs_seen_floor = true;
   now.max_forward_mps = 1.0;
   now.goal = goal_in_base({2.0, 0.0}, 0.3);
   for (double x = -body.half_length_m; x < body.half_length_m + 0.5; x += 0.01) {
@@ -73,14 +76,15 @@ Decision between_rows(double beside_m) {
       now.points_base.emplace_back(x, side * (body.half_width_m + beside_m));
     }
   }
-  SeenDirections seen(geometry::deg_to_rad(70.0));
+  SeenDirections seen(SteerParams{});
   seen.update(0.0, 0);
   seen.update(0.0, 2);
+  now.seen = &seen;
   GoalDrive drive({});
   Decision decision;
   for (int i = 0; i < 40; ++i) {  // until there is a plan
     now.stamp = time::Timestamp(time::from_seconds(kStepS * i));
-    decision = drive.decide(now, seen, map);
+    decision = drive.decide(now);
   }
   return decision;
 }
@@ -116,6 +120,8 @@ class Driver {
  public:
   explicit Driver(const LocalMap& map, double x_m = 0.0) {
     show(map);
+    now_.needs_seen_floor = true;
+    now_.seen = &seen_;
     now_.max_forward_mps = 1.0;
     now_.T_odom_base.x = x_m;
   }
@@ -135,7 +141,7 @@ class Driver {
     now_.stamp += time::from_seconds(kStepS);
     now_.goal = goal_in_base(now_.T_odom_base.inverse() * goal_odom, tolerance_m);
     seen_.update(now_.T_odom_base.yaw, 2 * num_steps_++);
-    return drive_.decide(now_, seen_, *now_.local_map);
+    return drive_.decide(now_);
   }
 
   Decision step(const Eigen::Vector2d& goal_odom, double tolerance_m) {
@@ -151,7 +157,7 @@ class Driver {
 
  private:
   GoalDrive drive_{NavigatorParams{}};
-  SeenDirections seen_{geometry::deg_to_rad(70.0)};
+  SeenDirections seen_{SteerParams{}};
   Situation now_;
   std::int64_t num_steps_ = 0;
 };

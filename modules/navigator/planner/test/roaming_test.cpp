@@ -95,16 +95,18 @@ struct RoamingTest : testing::Test {
     const LocalMap map = seen_from_start(ground, quarters);
     Situation now;
     now.local_map = &map;
+    now.needs_seen_floor = true;
     now.max_forward_mps = max_forward_mps;
     now.points_base = map.points_base({}, 2.5);
     now.forward_mps = forward_mps;
-    SeenDirections seen(geometry::deg_to_rad(70.0));
+    SeenDirections seen(SteerParams{});
     seen.update(0.0, 0);
     seen.update(0.0, 2);
+    now.seen = &seen;
     std::optional<Decision> decision;
     for (int i = 0; i < num_decisions; ++i) {
       now.stamp = at_scan(i);
-      decision = roaming.decide(now, seen, map);
+      decision = roaming.decide(now);
     }
     return decision;
   }

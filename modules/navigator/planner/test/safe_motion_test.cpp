@@ -12,18 +12,19 @@ TEST(SafeMotion, ARolloutThatMustGiveWayIsNotTheBest) {
   const NavigatorParams params;
   const SafeMotion motion(params);
   const Brake brake(params);
-  SeenDirections seen(params.steer.view_half_rad);
+  SeenDirections seen(params.steer);
   seen.update(0.0, 0);
   const std::vector<Rollout> rollouts{{.forward_mps = 0.7, .cost = 1.0},
                                       {.yaw_rate_rad_s = 0.5, .cost = 1.1}};
   Situation now;
+  now.seen = &seen;
   now.laser_is_held = true;  // nothing more will come into view
   now.max_forward_mps = 1.0;
-  const auto alone = motion.best_of(rollouts, brake, now, seen);
+  const auto alone = motion.best_of(rollouts, brake, now);
   ASSERT_TRUE(alone);
   EXPECT_EQ(alone->forward_mps, 0.7);
   now.people = {{{1.0, 0.0}, {-1.4, 0.0}, 0.25}};
-  const auto with_somebody = motion.best_of(rollouts, brake, now, seen);
+  const auto with_somebody = motion.best_of(rollouts, brake, now);
   ASSERT_TRUE(with_somebody);
   EXPECT_EQ(with_somebody->forward_mps, 0.0);
   EXPECT_EQ(with_somebody->yaw_rate_rad_s, 0.5);
