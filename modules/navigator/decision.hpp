@@ -19,10 +19,6 @@ class Geofence;
 class LocalMap;
 class Trail;
 
-/// Longest time between two decisions of one behaviour. After a longer pause, because the robot was
-/// stopped or another behaviour decided, the time without progress counts anew.
-inline constexpr time::Duration kLongestPeriod = 200ms;
-
 /// Everything that a decision depends on. Inputs::situation() makes one of the newest messages;
 /// Surroundings::complete() then adds what the scans have shown.
 struct Situation {
@@ -69,7 +65,7 @@ struct Decision {
   double max_forward_mps = 0.0;  ///< the greatest that the limits and the free distance allow
 };
 
-/// Does not move, for now.
+/// A decision not to move.
 [[nodiscard]] inline Decision stationary(Reason reason) {
   Decision decision;
   decision.behaviour = Behaviour::kBrake;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "common/geometry/se2.hpp"
+#include "modules/navigator/planner/patience.hpp"
 
 namespace nodmap::navigator {
 namespace {

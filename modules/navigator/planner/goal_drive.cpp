@@ -10,12 +10,9 @@ namespace {
 /// What counts as progress, and for how long the robot may make none before it gives up the path
 /// ahead.
 constexpr double kProgressM = 0.15;
-constexpr double kPatienceS = 12.0;
+constexpr time::Duration kPatience = 12s;
 /// A plan that costs this much more than the last one leads elsewhere.
 constexpr double kNewPathM = 1.0;
-/// After the first of these without a path the robot looks around, and after the second again.
-constexpr double kDoubtS = 1.0;
-constexpr double kLookAgainS = 30.0;
 /// With less than this left to the previous goal the robot stops and plans to the new one.
 constexpr double kNearlyThereM = 0.5;
 /// The path is given up this far ahead of the robot.
@@ -56,10 +53,6 @@ geometry::SE2 goal_in_map(const Situation& now) {
   return T_map_base * goal_base;
 }
 
-double seconds_since(const std::optional<time::Timestamp>& stamp, const Situation& now) {
-  return stamp ? time::seconds(std::chrono::abs(now.stamp - *stamp)) : 0.0;
-}
-
 }  // namespace
 
 GoalDrive::GoalDrive(const NavigatorParams& params)
@@ -70,17 +63,15 @@ GoalDrive::GoalDrive(const NavigatorParams& params)
       squeezing_brake_(squeezing(params), true),
       squeezing_rollouts_(params.robot.body.footprint(), squeezing(params)),
       motion_(params),
-      docking_(params.docking) {}
+      docking_(params.docking),
+      patience_(kPatience) {}
 
 void GoalDrive::watch_goal(const Situation& now) {
   has_new_goal_ = !decided_goal_map_ || !is_same(*decided_goal_map_, goal_in_map(now));
 }
 
 Decision GoalDrive::decide(const Situation& now) {
-  if (decided_at_ && std::chrono::abs(now.stamp - *decided_at_) > kLongestPeriod) {
-    progress_at_.reset();
-  }
-  decided_at_ = now.stamp;
+  patience_.record(now.stamp);
   decided_goal_map_ = goal_in_map(now);
   has_new_goal_ = false;
   if (now.goal->heading) {
@@ -131,23 +122,22 @@ Decision GoalDrive::drive_by_plan(const Situation& now) {
   const Eigen::Vector2d goal_map = T_map_base * now.goal->p_base;
   if ((goal_map - goal_map_).norm() > now.goal->tolerance_m) {
     goal_map_ = goal_map;
-    progress_at_.reset();
-    no_path_since_.reset();
-    has_doubted_ = false;
+    patience_.end();
+    look_around_.reset();
   }
   global_.step(now.stamp, *now.local_map, now.T_map_odom, now.T_odom_base, goal_map,
                now.goal->tolerance_m, now.geofence);
   if (const CostToGo* cost_to_go = global_.cost_to_go()) {
     const double cost_m = cost_to_go->least_near(T_map_base.translation());
     if (!std::isfinite(cost_m)) {
-      progress_at_.reset();
+      patience_.end();
       return without_path(now);
     }
-    no_path_since_.reset();
+    look_around_.pause();
     watch_progress(now, cost_m);
     return drive_by(*cost_to_go, now);
   }
-  progress_at_.reset();
+  patience_.end();
   if (const CostToGo* former = former_plan(T_map_base.translation())) {
     return drive_by(*former, now);
   }
@@ -226,30 +216,20 @@ std::optional<Decision> GoalDrive::squeeze(const CostToGo& cost_to_go, const Sit
 /// minute without a path: what is forgotten may be just what leaves no path. By then a narrow place
 /// that was given up may be free.
 Decision GoalDrive::without_path(const Situation& now) {
-  const bool looks_again = seconds_since(no_path_since_, now) > kLookAgainS;
-  if (looks_again) {
+  if (look_around_.step(now.stamp, now.T_odom_base.yaw)) {
     global_.forget_failures();
-    has_doubted_ = false;
   }
-  if (!no_path_since_ || looks_again) {
-    no_path_since_ = now.stamp;
-    looked_rad_ = 0.0;
-    last_yaw_rad_ = now.T_odom_base.yaw;
-  }
-  looked_rad_ += std::abs(geometry::angle_difference(now.T_odom_base.yaw, last_yaw_rad_));
-  last_yaw_rad_ = now.T_odom_base.yaw;
-  if (looked_rad_ < 2.0 * geometry::kPi && seconds_since(no_path_since_, now) > kDoubtS) {
+  if (look_around_.wants_rotation()) {
     Rollout around;
     around.yaw_rate_rad_s = 0.5 * params_.planner.rotation_rad_s;
     if (auto decision = motion_.rotate(around, now)) {
       decision->reason = Why::kNoPathLooks;
       return *decision;
     }
-    looked_rad_ = 2.0 * geometry::kPi;
+    look_around_.end();
   }
-  if (looked_rad_ >= 2.0 * geometry::kPi && !has_doubted_) {
+  if (look_around_.take_end()) {
     global_.forget_ground();
-    has_doubted_ = true;
   }
   return stationary(Why::kNoPath);
 }
@@ -259,20 +239,19 @@ Decision GoalDrive::without_path(const Situation& now) {
 /// around does not count: they walk on, and the path is free again.
 void GoalDrive::watch_progress(const Situation& now, double cost_m) {
   if (cost_m > last_cost_m_ + kNewPathM || !now.people.empty()) {
-    progress_at_.reset();
+    patience_.end();
   }
   last_cost_m_ = cost_m;
-  const double waited_s = seconds_since(progress_at_, now);
-  if (progress_at_ && cost_m > least_cost_m_ - kProgressM && waited_s < kPatienceS) {
-    return;
-  }
-  if (progress_at_ && waited_s >= kPatienceS) {
+  const bool is_stuck = patience_.is_over(now.stamp);
+  if (is_stuck) {
     const geometry::SE2 T_map_base = now.T_map_odom * now.T_odom_base;
     global_.add_failure(
         global_.cost_to_go()->path_from(T_map_base.translation(), kFailureAheadM).back());
   }
-  progress_at_ = now.stamp;
-  least_cost_m_ = cost_m;
+  if (is_stuck || !patience_.has_begun() || cost_m <= least_cost_m_ - kProgressM) {
+    patience_.begin(now.stamp);
+    least_cost_m_ = cost_m;
+  }
 }
 
 }  // namespace nodmap::navigator

@@ -5,12 +5,13 @@
 #include <optional>
 #include <vector>
 
-#include "common/geometry/time.hpp"
 #include "modules/navigator/brake.hpp"
 #include "modules/navigator/decision.hpp"
 #include "modules/navigator/params.hpp"
 #include "modules/navigator/planner/docking.hpp"
 #include "modules/navigator/planner/global_planner.hpp"
+#include "modules/navigator/planner/look_around.hpp"
+#include "modules/navigator/planner/patience.hpp"
 #include "modules/navigator/planner/rollouts.hpp"
 #include "modules/navigator/planner/safe_motion.hpp"
 
@@ -65,12 +66,8 @@ class GoalDrive {
   Eigen::Vector2d goal_map_ = Eigen::Vector2d::Zero();
   double least_cost_m_ = 0.0;  // since the goal was given, or the last failure
   double last_cost_m_ = 0.0;
-  std::optional<time::Timestamp> decided_at_;
-  std::optional<time::Timestamp> progress_at_;
-  std::optional<time::Timestamp> no_path_since_;
-  bool has_doubted_ = false;  // the ground has been forgotten for this goal
-  double looked_rad_ = 0.0;   // how far it has rotated since there was no path
-  double last_yaw_rad_ = 0.0;
+  Patience patience_;
+  LookAround look_around_;
 };
 
 }  // namespace nodmap::navigator

@@ -31,7 +31,8 @@ Roaming::Roaming(const NavigatorParams& params)
     : brake_(params),
       planner_(params.robot.body.footprint(), params.planner),
       rollouts_(params.robot.body.footprint(), roaming(params)),
-      motion_(params) {}
+      motion_(params),
+      patience_(kPatience) {}
 
 std::optional<Decision> Roaming::decide(const Situation& now) {
   planner_.step_onward(now.stamp, *now.local_map, now.T_map_odom, now.T_odom_base, now.geofence);
@@ -44,7 +45,7 @@ std::optional<Decision> Roaming::decide(const Situation& now) {
     return std::nullopt;
   }
   watch_progress(now);
-  if (now.stamp - progress_at_ > kPatience) {
+  if (patience_.is_over(now.stamp)) {
     give_up_path(T_map_base);
   } else if (failed_at_ && (T_map_base.translation() - *failed_at_).norm() > kElsewhereM) {
     planner_.forget_failures();
@@ -57,12 +58,11 @@ std::optional<Decision> Roaming::decide(const Situation& now) {
 /// Progress is to get farther, or to rotate. Time in which the robot waited for people, or in which
 /// others decided, counts as progress.
 void Roaming::watch_progress(const Situation& now) {
-  const bool is_first = !decided_at_ || std::chrono::abs(now.stamp - *decided_at_) > kLongestPeriod;
-  decided_at_ = now.stamp;
+  patience_.record(now.stamp);
   const geometry::SE2 moved = progress_odom_.inverse() * now.T_odom_base;
-  if (is_first || !now.people.empty() || moved.translation().norm() > kProgressM ||
+  if (!patience_.has_begun() || !now.people.empty() || moved.translation().norm() > kProgressM ||
       std::abs(moved.yaw) > kProgressRad) {
-    progress_at_ = now.stamp;
+    patience_.begin(now.stamp);
     progress_odom_ = now.T_odom_base;
   }
 }
@@ -70,7 +70,7 @@ void Roaming::watch_progress(const Situation& now) {
 void Roaming::give_up_path(const geometry::SE2& T_map_base) {
   failed_at_ = T_map_base.translation();
   planner_.add_failure(planner_.cost_to_go()->path_from(*failed_at_, kFailureAheadM).back());
-  decided_at_.reset();
+  patience_.end();
 }
 
 }  // namespace nodmap::navigator

@@ -5,11 +5,11 @@
 #include <optional>
 
 #include "common/geometry/se2.hpp"
-#include "common/geometry/time.hpp"
 #include "modules/navigator/brake.hpp"
 #include "modules/navigator/decision.hpp"
 #include "modules/navigator/params.hpp"
 #include "modules/navigator/planner/global_planner.hpp"
+#include "modules/navigator/planner/patience.hpp"
 #include "modules/navigator/planner/rollouts.hpp"
 #include "modules/navigator/planner/safe_motion.hpp"
 
@@ -34,9 +34,8 @@ class Roaming {
   GlobalPlanner planner_;
   Rollouts rollouts_;
   SafeMotion motion_;
-  std::optional<time::Timestamp> decided_at_;
-  time::Timestamp progress_at_{};
-  geometry::SE2 progress_odom_;               // T_odom_base then
+  Patience patience_;
+  geometry::SE2 progress_odom_;               // T_odom_base at the last progress
   std::optional<Eigen::Vector2d> failed_at_;  // map; paths ahead of this place cost more
 };
 
