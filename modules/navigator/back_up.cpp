@@ -44,7 +44,7 @@ bool BackUp::step(const Situation& now, Decision& decision) {
     began_at_ = now.T_odom_base;
   }
   const auto path = trail_.path_back(now.T_odom_base);
-  const double side = path ? std::copysign(1.0, path->rotation_rad) : 1.0;
+  const Side side = path ? side_of(path->rotation_rad) : Side::kLeft;
   const double free_rad = free_rotation(now.points_base, side, body_, turn_.margin_m);
   const bool can_rotate = free_rad >= kLeastRotationRad;
   const double backed_up_m =
@@ -56,7 +56,7 @@ bool BackUp::step(const Situation& now, Decision& decision) {
   }
   if (path->rotation_rad != 0.0 && can_rotate) {
     decision.yaw_rate_rad_s =
-        side *
+        sign(side) *
         yaw_rate_on_the_spot(std::min(std::abs(path->rotation_rad), free_rad), turn_, reaction_s_);
     return true;
   }

@@ -140,7 +140,7 @@ void Brake::keep_to_known_ground(Decision& decision, const Situation& now) const
   const Footprint inner = body_.grown(-0.5 * local_map_.cell_size_m, -0.5 * local_map_.cell_size_m);
   double allowed_rad_s = 0.0;
   if (decision.forward_mps == 0.0) {
-    const double side = std::copysign(1.0, decision.yaw_rate_rad_s);
+    const Side side = side_of(decision.yaw_rate_rad_s);
     allowed_rad_s = yaw_rate_on_the_spot(free_rotation(now.doubtful_base, side, inner, 0.0), turn_,
                                          drive_.reaction_s);
   } else {

@@ -22,16 +22,16 @@ constexpr double kImpossibleDepthM = 0.03;
 /// The margin that remains for points that are within the margin already.
 constexpr double kTightMarginM = 0.005;
 
-/// A rotation of the robot about the point (0, center_y) of base; +1 to the left, -1 to the right.
+/// A rotation of the robot about the point (0, center_y) of base.
 struct Rotation {
   double center_y = 0.0;
-  double side = 1.0;
+  Side side = Side::kLeft;
 };
 
 /// Angle in [0, 2 pi) by which the robot rotates until a point at `from_rad` about the centre of
 /// rotation comes to `to_rad`: in base, the world rotates the other way.
-double angle_until(double from_rad, double to_rad, double side) {
-  const double angle_rad = (from_rad - to_rad) * side;
+double angle_until(double from_rad, double to_rad, Side side) {
+  const double angle_rad = (from_rad - to_rad) * sign(side);
   return angle_rad < 0.0 ? angle_rad + 2.0 * kPi : angle_rad;
 }
 
@@ -101,7 +101,7 @@ double straight_distance(const Eigen::Vector2d& p, const Footprint& body) {
 
 double arc_distance(const Eigen::Vector2d& p, double curvature, const Footprint& body) {
   const double radius_m = std::abs(1.0 / curvature);
-  const Rotation rotation{1.0 / curvature, std::copysign(1.0, curvature)};
+  const Rotation rotation{1.0 / curvature, side_of(curvature)};
   // A point outside the ring that the rectangle sweeps is never touched. This is the case for most
   // points.
   const double squared_radius = Eigen::Vector2d(p.x(), p.y() - rotation.center_y).squaredNorm();
@@ -142,8 +142,7 @@ double free_distance_backwards(const Points& points_base, double curvature, cons
   return free_distance(mirrored, curvature, body, side_margin_m);
 }
 
-double free_rotation(const Points& points_base, double side, const Footprint& body,
-                     double margin_m) {
+double free_rotation(const Points& points_base, Side side, const Footprint& body, double margin_m) {
   const Footprint grown = body.grown(margin_m, margin_m);
   const double circle_m = std::hypot(grown.half_length_m, grown.half_width_m);
   double angle_rad = kNever;
@@ -152,7 +151,7 @@ double free_rotation(const Points& points_base, double side, const Footprint& bo
       continue;
     }
     angle_rad =
-        std::min(angle_rad, free_by_point(p, {0.0, side}, body, grown,
+        std::min(angle_rad, free_by_point(p, {0.0, sign(side)}, body, grown,
                                           [&](const Eigen::Vector2d& q, const Footprint& s) {
                                             return rotation_until_touched(q, {0.0, side}, s);
                                           }));

@@ -3,6 +3,7 @@
 
 #include "common/robot/footprint.hpp"
 #include "modules/navigator/obstacle_points.hpp"
+#include "modules/navigator/side.hpp"
 
 namespace nodmap::navigator {
 
@@ -22,8 +23,8 @@ using robot::Footprint;
                                              const Footprint& body, double side_margin_m);
 
 /// How far the body, with a margin on all sides, can rotate on the spot: radians, not negative.
-/// `side`: +1 left, -1 right. +infinity if nothing ends the rotation.
-[[nodiscard]] double free_rotation(const Points& points_base, double side, const Footprint& body,
+/// +infinity if nothing ends the rotation.
+[[nodiscard]] double free_rotation(const Points& points_base, Side side, const Footprint& body,
                                    double margin_m);
 
 }  // namespace nodmap::navigator

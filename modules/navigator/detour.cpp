@@ -20,16 +20,16 @@ constexpr double kWallM = 1.2;
 constexpr double kAlongWallM = 0.5;
 
 /// The direction of the nearest obstacle on the wall's side; empty: there is no wall.
-std::optional<double> wall_direction(const Points& points_base, double side) {
+std::optional<double> wall_direction(const Points& points_base, Side side) {
   double nearest_m = kWallM;
   std::optional<double> direction_rad;
   for (const Eigen::Vector2d& p : points_base) {
-    const double to_wall_side_rad = -side * std::atan2(p.y(), p.x());
+    const double to_wall_side_rad = -sign(side) * std::atan2(p.y(), p.x());
     const bool on_wall_side = to_wall_side_rad > geometry::deg_to_rad(-30.0) &&
                               to_wall_side_rad < geometry::deg_to_rad(150.0);
     if (on_wall_side && p.norm() < nearest_m) {
       nearest_m = p.norm();
-      direction_rad = -side * to_wall_side_rad;
+      direction_rad = -sign(side) * to_wall_side_rad;
     }
   }
   return direction_rad;
@@ -37,8 +37,8 @@ std::optional<double> wall_direction(const Points& points_base, double side) {
 
 }  // namespace
 
-void Detour::begin(double side, const GoalInBase& goal) {
-  if (side_ == 0.0) {
+void Detour::begin(Side side, const GoalInBase& goal) {
+  if (side_ == Side::kNone) {
     began_at_m_ = goal.distance_m;
     side_ = side;
   }
@@ -50,7 +50,7 @@ std::optional<double> Detour::direction(const FreeSpace& space, const Points& po
   // Obstacles beyond the goal do not block the path to it.
   const double to_goal_m = std::min(needed_m, goal.distance_m);
   const bool is_free = space.at(FreeSpace::degree_of(straight_rad)) >= to_goal_m;
-  if (side_ == 0.0) {
+  if (side_ == Side::kNone) {
     return is_free ? straight_rad : round_obstacle(space, goal, straight_rad, to_goal_m);
   }
   const auto wall_rad = wall_direction(points_base, side_);
@@ -65,7 +65,7 @@ std::optional<double> Detour::direction(const FreeSpace& space, const Points& po
       free_neighbours(space, std::clamp(*wall_rad, -kFarthestAside, kFarthestAside),
                       std::min(needed_m, kAlongWallM));
   // No free direction on that side, as in a corner: then on the other.
-  const bool left = near.left_rad && (side_ > 0.0 || !near.right_rad);
+  const bool left = near.left_rad && (side_ == Side::kLeft || !near.right_rad);
   return left ? near.left_rad : near.right_rad;
 }
 
@@ -77,7 +77,7 @@ std::optional<double> Detour::round_obstacle(const FreeSpace& space, const GoalI
   }
   const bool left = !near.right_rad || (near.left_rad && *near.left_rad - straight_rad <=
                                                              straight_rad - *near.right_rad);
-  begin(left ? 1.0 : -1.0, goal);
+  begin(left ? Side::kLeft : Side::kRight, goal);
   return left ? near.left_rad : near.right_rad;
 }
 

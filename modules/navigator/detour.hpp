@@ -5,6 +5,7 @@
 
 #include "modules/navigator/free_space.hpp"
 #include "modules/navigator/goal.hpp"
+#include "modules/navigator/side.hpp"
 
 namespace nodmap::navigator {
 
@@ -18,17 +19,17 @@ class Detour {
   [[nodiscard]] std::optional<double> direction(const FreeSpace& space, const Points& points_base,
                                                 const GoalInBase& goal, double needed_m);
 
-  /// The side of the detour: +1 left, -1 right, 0 none.
-  [[nodiscard]] double side() const { return side_; }
+  /// The side of the detour.
+  [[nodiscard]] Side side() const { return side_; }
   /// Begins a detour, because the robot had to turn to this side, away from an obstacle.
-  void begin(double side, const GoalInBase& goal);
-  void end() { side_ = 0.0; }
+  void begin(Side side, const GoalInBase& goal);
+  void end() { side_ = Side::kNone; }
 
  private:
   [[nodiscard]] std::optional<double> round_obstacle(const FreeSpace& space, const GoalInBase& goal,
                                                      double straight_rad, double needed_m);
 
-  double side_ = 0.0;
+  Side side_ = Side::kNone;
   double began_at_m_ = 0.0;  // distance to the goal
 };
 

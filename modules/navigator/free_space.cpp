@@ -128,16 +128,13 @@ FreeNeighbours free_neighbours(const FreeSpace& space, double alpha_rad, double 
   return found;
 }
 
-double side_with_more_room(const FreeSpace& space) {
+Side side_with_more_room(const FreeSpace& space) {
   constexpr double kFarM = 3.0;
   double left_minus_right_m = 0.0;
   for (int degree = 1; degree <= kHalf; ++degree) {
     left_minus_right_m += std::min(space.at(degree), kFarM) - std::min(space.at(-degree), kFarM);
   }
-  if (left_minus_right_m == 0.0) {
-    return 0.0;
-  }
-  return std::copysign(1.0, left_minus_right_m);
+  return left_minus_right_m == 0.0 ? Side::kNone : side_of(left_minus_right_m);
 }
 
 }  // namespace nodmap::navigator

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "modules/navigator/corridor.hpp"
+#include "modules/navigator/side.hpp"
 
 namespace nodmap::navigator {
 
@@ -52,8 +53,7 @@ struct FreeNeighbours {
 [[nodiscard]] FreeNeighbours free_neighbours(const FreeSpace& space, double alpha_rad,
                                              double needed_m);
 
-/// +1 where there is more room on the left, -1 on the right, 0 for the same on both sides.
-/// Distances count up to 3 m.
-[[nodiscard]] double side_with_more_room(const FreeSpace& space);
+/// The side with more room; none if both have the same. Distances count up to 3 m.
+[[nodiscard]] Side side_with_more_room(const FreeSpace& space);
 
 }  // namespace nodmap::navigator

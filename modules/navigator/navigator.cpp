@@ -183,7 +183,7 @@ Decision Navigator::turn(const FreeSpace& space, const Situation& now) {
   Decision decision = brake(now, Why::kNothingToAdd);
   decision.behaviour = Behaviour::kTurn;
   decision.yaw_rate_rad_s = command.yaw_rate_rad_s;
-  decision.steering_angle_rad = turn_.side() * 0.5 * geometry::kPi;
+  decision.steering_angle_rad = sign(turn_.side()) * 0.5 * geometry::kPi;
   switch (command.kind) {
     case TurnCommand::Kind::kTurn:
       decision.reason = Why::kTurnsToFree;
@@ -217,22 +217,22 @@ TurnInput Navigator::turn_input(const FreeSpace& space, const Situation& now) co
   input.ahead_is_free =
       space.at(0) >= until_free_m && brake_.measure_arc(0.0, now).free_distance_m >= until_free_m;
   input.ahead_is_seen = now.has_seen(0.0);
-  input.left = {free_rotation(now.points_base, 1.0, body_, margin_m),
+  input.left = {free_rotation(now.points_base, Side::kLeft, body_, margin_m),
                 without_points.left_rad.value_or(kEndless)};
-  input.right = {free_rotation(now.points_base, -1.0, body_, margin_m),
+  input.right = {free_rotation(now.points_base, Side::kRight, body_, margin_m),
                  without_points.right_rad ? -*without_points.right_rad : kEndless};
   input.has_path_back = back_up_.has_path(now.T_odom_base);
   return input;
 }
 
-double Navigator::preferred_side(const Situation& now) {
-  if (now.goal && steering_.detour().side() != 0.0) {
+Side Navigator::preferred_side(const Situation& now) {
+  if (now.goal && steering_.detour().side() != Side::kNone) {
     return steering_.detour().side();
   }
   const bool is_same_obstacle =
       turn_ended_at_ && std::hypot(turn_ended_at_->x - now.T_odom_base.x,
                                    turn_ended_at_->y - now.T_odom_base.y) < kSameObstacleM;
-  return is_same_obstacle ? turn_.side() : 0.0;
+  return is_same_obstacle ? turn_.side() : Side::kNone;
 }
 
 Decision Navigator::back_up(const Situation& now) {

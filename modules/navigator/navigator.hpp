@@ -91,7 +91,7 @@ class Navigator {
   [[nodiscard]] Decision wait(const Situation& now, Reason reason) const;
   [[nodiscard]] Decision turn(const FreeSpace& space, const Situation& now);
   [[nodiscard]] TurnInput turn_input(const FreeSpace& space, const Situation& now) const;
-  [[nodiscard]] double preferred_side(const Situation& now);
+  [[nodiscard]] Side preferred_side(const Situation& now);
   [[nodiscard]] Decision back_up(const Situation& now);
 
   NavigatorParams params_;

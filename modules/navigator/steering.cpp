@@ -72,16 +72,17 @@ std::optional<double> Steering::roaming_direction(const FreeSpace& space, double
   if (!near.left_rad || !near.right_rad || *near.left_rad == *near.right_rad) {
     const auto only = near.left_rad ? near.left_rad : near.right_rad;
     const bool alpha_is_free = near.left_rad && near.right_rad;
-    roaming_side_ = alpha_is_free ? 0.0 : (near.left_rad ? 1.0 : -1.0);
+    const Side free_side = near.left_rad ? Side::kLeft : Side::kRight;
+    roaming_side_ = alpha_is_free ? Side::kNone : free_side;
     return only;
   }
   // An obstacle at alpha is passed on the side first chosen.
   const double to_left_rad = *near.left_rad - alpha_rad.value_or(0.0);
   const double to_right_rad = alpha_rad.value_or(0.0) - *near.right_rad;
-  const double left = to_left_rad - (roaming_side_ > 0.0 ? kOtherSideRad : 0.0);
-  const double right = to_right_rad - (roaming_side_ < 0.0 ? kOtherSideRad : 0.0);
-  roaming_side_ = left <= right ? 1.0 : -1.0;
-  return roaming_side_ > 0.0 ? near.left_rad : near.right_rad;
+  const double left = to_left_rad - (roaming_side_ == Side::kLeft ? kOtherSideRad : 0.0);
+  const double right = to_right_rad - (roaming_side_ == Side::kRight ? kOtherSideRad : 0.0);
+  roaming_side_ = left <= right ? Side::kLeft : Side::kRight;
+  return roaming_side_ == Side::kLeft ? near.left_rad : near.right_rad;
 }
 
 /// The arc whose chord has this direction (pure pursuit), or a flatter one if that is blocked.

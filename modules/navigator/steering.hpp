@@ -39,7 +39,7 @@ class Steering {
   SteerParams params_;
   TurnParams turn_;
   Detour detour_;
-  double roaming_side_ = 0.0;  ///< the side on which it passes the obstacle ahead; 0: none
+  Side roaming_side_ = Side::kNone;  ///< on which it passes the obstacle ahead
 };
 
 }  // namespace nodmap::navigator

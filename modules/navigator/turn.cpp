@@ -24,13 +24,13 @@ constexpr double kStationaryRadS = 0.1;
 constexpr double kBeyondRad = geometry::deg_to_rad(3.0);
 constexpr double kFullRotationRad = 2.0 * geometry::kPi;
 
-bool leads_out(const TurnInput::Side& side) {
-  return side.free_rotation_rad >= std::min(side.to_clear_direction_rad, kWorthwhileRotationRad);
+bool leads_out(const TurnInput::Room& room) {
+  return room.free_rotation_rad >= std::min(room.to_clear_direction_rad, kWorthwhileRotationRad);
 }
 
 }  // namespace
 
-void Turn::begin(const TurnInput& input, double preferred_side) {
+void Turn::begin(const TurnInput& input, Side preferred_side) {
   active_ = true;
   reversed_ = false;
   backs_up_ = false;
@@ -38,29 +38,29 @@ void Turn::begin(const TurnInput& input, double preferred_side) {
   least_rotation_rad_ = 0.0;
   last_heading_rad_ = input.heading_rad;
   waits_since_.reset();
-  if (preferred_side != 0.0) {
+  if (preferred_side != Side::kNone) {
     side_ = preferred_side;
   } else if (input.clear_direction_rad) {
-    side_ = *input.clear_direction_rad >= 0.0 ? 1.0 : -1.0;
+    side_ = *input.clear_direction_rad >= 0.0 ? Side::kLeft : Side::kRight;
   } else {
     // With the same room on both sides it turns left.
-    side_ = input.more_room_side >= 0.0 ? 1.0 : -1.0;
+    side_ = input.more_room_side == Side::kRight ? Side::kRight : Side::kLeft;
   }
   consider_room(input);
 }
 
 /// Changes the side, or decides to back up, if obstacles end the rotation before a free direction.
 void Turn::consider_room(const TurnInput& input) {
-  const bool here = leads_out(side_ > 0.0 ? input.left : input.right);
-  const bool there = leads_out(side_ > 0.0 ? input.right : input.left);
+  const bool here = leads_out(input.on(side_));
+  const bool there = leads_out(input.on(opposite(side_)));
   if (!here && there) {
-    side_ = -side_;
+    side_ = opposite(side_);
     reversed_ = true;
   }
   backs_up_ = !here && !there && input.has_path_back;
 }
 
-TurnCommand Turn::step(const TurnInput& input, double preferred_side) {
+TurnCommand Turn::step(const TurnInput& input, Side preferred_side) {
   const bool wants_retry =
       waits_since_ && time::seconds(input.stamp - *waits_since_) > params_.retry_s;
   if (!active_ || wants_retry) {
@@ -90,16 +90,13 @@ void Turn::pause(time::Timestamp stamp) {
 }
 
 TurnCommand Turn::rotate(const TurnInput& input) {
-  const auto here = [&]() -> const TurnInput::Side& {
-    return side_ > 0.0 ? input.left : input.right;
-  };
   const double needed_rad = backs_up_ ? kWorthwhileRotationRad : kLeastRotationRad;
-  if (here().free_rotation_rad < needed_rad && (!reversed_ || backs_up_)) {
-    side_ = -side_;
+  if (input.on(side_).free_rotation_rad < needed_rad && (!reversed_ || backs_up_)) {
+    side_ = opposite(side_);
     reversed_ = true;
     rotated_rad_ = 0.0;
   }
-  backs_up_ = here().free_rotation_rad < needed_rad;
+  backs_up_ = input.on(side_).free_rotation_rad < needed_rad;
   if (backs_up_) {
     // After backing up, the place where it could not turn is ahead: it must rotate away from there.
     rotated_rad_ = 0.0;
@@ -107,10 +104,11 @@ TurnCommand Turn::rotate(const TurnInput& input) {
     return {Kind::kBackUp, 0.0};
   }
   // Slower towards the end, so that it does not rotate past the free direction.
-  const double to_clear_direction_rad =
-      std::max(here().to_clear_direction_rad, least_rotation_rad_ - std::abs(rotated_rad_));
-  const double angle_rad = std::min(here().free_rotation_rad, to_clear_direction_rad + kBeyondRad);
-  return {Kind::kTurn, side_ * yaw_rate_on_the_spot(angle_rad, params_, reaction_s_)};
+  const double to_clear_direction_rad = std::max(input.on(side_).to_clear_direction_rad,
+                                                 least_rotation_rad_ - std::abs(rotated_rad_));
+  const double angle_rad =
+      std::min(input.on(side_).free_rotation_rad, to_clear_direction_rad + kBeyondRad);
+  return {Kind::kTurn, sign(side_) * yaw_rate_on_the_spot(angle_rad, params_, reaction_s_)};
 }
 
 double yaw_rate_on_the_spot(double angle_rad, const TurnParams& params, double reaction_s) {

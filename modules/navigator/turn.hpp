@@ -6,6 +6,7 @@
 
 #include "common/geometry/time.hpp"
 #include "modules/navigator/params.hpp"
+#include "modules/navigator/side.hpp"
 
 namespace nodmap::navigator {
 
@@ -17,18 +18,20 @@ struct TurnInput {
   /// The nearest free direction in view, positive left; empty if there is none, or if there is one
   /// equally near on each side.
   std::optional<double> clear_direction_rad;
-  double more_room_side = 0.0;  ///< side with more room, +1 left, -1 right; 0: the same
-  bool ahead_is_free = false;   ///< no point of the map ahead
-  bool ahead_is_seen = false;   ///< that direction was in view long enough
-  /// For each side: how far the body can rotate (+infinity: nothing ends the rotation), and how far
+  Side more_room_side = Side::kNone;  ///< see side_with_more_room()
+  bool ahead_is_free = false;         ///< no point of the map ahead
+  bool ahead_is_seen = false;         ///< that direction was in view long enough
+  /// On one side: how far the body can rotate (+infinity: nothing ends the rotation), and how far
   /// it is to the first direction without points (+infinity: there is none).
-  struct Side {
+  struct Room {
     double free_rotation_rad = 0.0;
     double to_clear_direction_rad = 0.0;
   };
-  Side left;
-  Side right;
+  Room left;
+  Room right;
   bool has_path_back = false;  ///< whether it could back up along its trail
+
+  [[nodiscard]] const Room& on(Side side) const { return side == Side::kLeft ? left : right; }
 };
 
 /// What Turn asks for.
@@ -55,26 +58,26 @@ class Turn {
  public:
   Turn(const TurnParams& params, double reaction_s) : params_(params), reaction_s_(reaction_s) {}
 
-  /// `preferred_side`: +1 or -1 to prefer a side (that of a detour), 0 for none.
-  TurnCommand step(const TurnInput& input, double preferred_side);
+  /// `preferred_side`: that of a detour, or none.
+  TurnCommand step(const TurnInput& input, Side preferred_side);
 
   /// Waits before the next try, as after a full rotation.
   void pause(time::Timestamp stamp);
 
   [[nodiscard]] bool is_active() const { return active_; }
   [[nodiscard]] bool backs_up() const { return backs_up_; }
-  [[nodiscard]] double side() const { return side_; }
+  [[nodiscard]] Side side() const { return side_; }
   void end() { active_ = false; }
 
  private:
-  void begin(const TurnInput& input, double preferred_side);
+  void begin(const TurnInput& input, Side preferred_side);
   void consider_room(const TurnInput& input);
   [[nodiscard]] TurnCommand rotate(const TurnInput& input);
 
   TurnParams params_;
   double reaction_s_;
   bool active_ = false;
-  double side_ = 1.0;
+  Side side_ = Side::kLeft;
   bool reversed_ = false;
   bool backs_up_ = false;
   double last_heading_rad_ = 0.0;

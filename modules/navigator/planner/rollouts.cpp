@@ -155,8 +155,8 @@ const std::vector<Rollout>& Rollouts::plan(const Situation& now, const CostToGo&
   least_clearance_m_ = std::min(params_.least_clearance_m, clearance_now_m);
   least_creeping_clearance_m_ = std::min(least_clearance_m_, drive_.creep_margin_m);
   least_slow_clearance_m_ = std::min(least_clearance_m_, kSlowClearanceM);
-  free_left_rad_ = free_rotation(now.points_base, 1.0, body_, kSlowClearanceM);
-  free_right_rad_ = free_rotation(now.points_base, -1.0, body_, kSlowClearanceM);
+  free_left_rad_ = free_rotation(now.points_base, Side::kLeft, body_, kSlowClearanceM);
+  free_right_rad_ = free_rotation(now.points_base, Side::kRight, body_, kSlowClearanceM);
   const double free_rad = std::max(free_left_rad_, free_right_rad_);
   reverse_price_m_ = free_rad < kTurnRad ? std::min(params_.reverse_price, kCannotTurnReversePriceM)
                                          : params_.reverse_price;
@@ -296,12 +296,12 @@ void Rollouts::add(const Twist& first, double next_yaw_rate_rad_s, const Progres
 /// not turn round, but rotate a little to and fro.
 double Rollouts::rotation_cost(const geometry::SE2& T_map_end, double rotated_rad,
                                const CostToGo& cost_to_go) const {
-  const double side = std::copysign(1.0, rotated_rad);
-  const double free_rad = side > 0.0 ? free_left_rad_ : free_right_rad_;
+  const Side side = side_of(rotated_rad);
+  const double free_rad = side == Side::kLeft ? free_left_rad_ : free_right_rad_;
   const double most_rad = std::min(geometry::kPi, free_rad) - std::abs(rotated_rad);
   double cost_m = end_cost(T_map_end, cost_to_go);
   for (double rad = kFurtherStepRad; rad <= most_rad; rad += kFurtherStepRad) {
-    const geometry::SE2 T_map_further = T_map_end * geometry::SE2{0.0, 0.0, side * rad};
+    const geometry::SE2 T_map_further = T_map_end * geometry::SE2{0.0, 0.0, sign(side) * rad};
     cost_m = std::min(cost_m, end_cost(T_map_further, cost_to_go) + kFurtherMPerRad * rad);
   }
   return cost_m;

@@ -134,7 +134,7 @@ std::optional<Decision> SafeMotion::drive_backwards(const Rollout& rollout, cons
 }
 
 std::optional<Decision> SafeMotion::rotate(const Rollout& rollout, const Situation& now) const {
-  const double side = std::copysign(1.0, rollout.yaw_rate_rad_s);
+  const Side side = side_of(rollout.yaw_rate_rad_s);
   const double free_rad = free_rotation(now.points_base, side, body_, kRotationMarginM);
   if (free_rad < kLeastRotationRad) {
     return std::nullopt;
@@ -142,9 +142,10 @@ std::optional<Decision> SafeMotion::rotate(const Rollout& rollout, const Situati
   Decision decision;
   decision.behaviour = Behaviour::kTurn;
   decision.reason = Why::kTurnsToPath;
-  decision.yaw_rate_rad_s = side * std::min(std::abs(rollout.yaw_rate_rad_s),
-                                            yaw_rate_on_the_spot(free_rad, turn_, reaction_s_));
-  decision.steering_angle_rad = side * 0.5 * geometry::kPi;
+  decision.yaw_rate_rad_s =
+      sign(side) * std::min(std::abs(rollout.yaw_rate_rad_s),
+                            yaw_rate_on_the_spot(free_rad, turn_, reaction_s_));
+  decision.steering_angle_rad = sign(side) * 0.5 * geometry::kPi;
   return decision;
 }
 

@@ -108,7 +108,7 @@ TEST(FreeDistance, APointWithinTheMarginDoesNotBlockTheRobot) {
 
 TEST(FreeDistance, APointUnderTheBodyIsNotAnObstacle) {
   EXPECT_EQ(free_distance({{0.05, 0.05}}, 0.0, kBody, 0.06), kInf);
-  EXPECT_EQ(free_rotation({{0.05, 0.05}}, 1.0, kBody, 0.04), kInf);
+  EXPECT_EQ(free_rotation({{0.05, 0.05}}, Side::kLeft, kBody, 0.04), kInf);
 }
 
 TEST(FreeDistance, MirroredPointsGiveExactlyTheSame) {
@@ -119,8 +119,8 @@ TEST(FreeDistance, MirroredPointsGiveExactlyTheSame) {
     const double curvature = place(random);
     EXPECT_EQ(free_distance({p}, curvature, kBody, 0.06),
               free_distance({{p.x(), -p.y()}}, -curvature, kBody, 0.06));
-    EXPECT_EQ(free_rotation({p}, 1.0, kBody, 0.04),
-              free_rotation({{p.x(), -p.y()}}, -1.0, kBody, 0.04));
+    EXPECT_EQ(free_rotation({p}, Side::kLeft, kBody, 0.04),
+              free_rotation({{p.x(), -p.y()}}, Side::kRight, kBody, 0.04));
   }
 }
 
@@ -142,7 +142,7 @@ TEST(FreeRotation, EqualsRotatingTheBodyInSteps) {
     if (grown.contains(p)) {
       continue;
     }
-    const double exact_rad = free_rotation({p}, -1.0, kBody, 0.04);
+    const double exact_rad = free_rotation({p}, Side::kRight, kBody, 0.04);
     double stepped_rad = 0.0;
     while (stepped_rad < 2.0 * geometry::kPi &&
            !grown.contains(geometry::SE2{0, 0, -stepped_rad}.inverse() * p)) {

@@ -19,7 +19,7 @@ TEST(Detour, BeginsAtAnObstacleAndEndsNearerToTheGoal) {
     space.at(degree) = 0.6;
   }
   EXPECT_EQ(detour.direction(space, {}, goal_in_base({3, 0}, 0.2), 1.0), deg_to_rad(31));
-  EXPECT_EQ(detour.side(), 1.0);
+  EXPECT_EQ(detour.side(), Side::kLeft);
   // The way is free again, but the robot is no nearer to the goal: it follows the wall on the
   // right.
   space.distance_m.fill(5.0);
@@ -27,9 +27,9 @@ TEST(Detour, BeginsAtAnObstacleAndEndsNearerToTheGoal) {
   const auto along = detour.direction(space, wall, goal_in_base({3.5, 0}, 0.2), 1.0);
   ASSERT_TRUE(along);
   EXPECT_LT(*along, 0.0);
-  EXPECT_EQ(detour.side(), 1.0);
+  EXPECT_EQ(detour.side(), Side::kLeft);
   EXPECT_EQ(detour.direction(space, wall, goal_in_base({2.5, 0}, 0.2), 1.0), 0.0);
-  EXPECT_EQ(detour.side(), 0.0);
+  EXPECT_EQ(detour.side(), Side::kNone);
 }
 
 TEST(Detour, AnObstacleBeyondTheGoalDoesNotBlockThePath) {

@@ -107,7 +107,7 @@ TEST(Steer, MirroredInputGivesExactlyMirroredOutput) {
     if (near.left_rad) {
       EXPECT_EQ(*near.left_rad, -*far.right_rad);
     }
-    EXPECT_EQ(side_with_more_room(space), -side_with_more_room(mirror));
+    EXPECT_EQ(side_with_more_room(space), opposite(side_with_more_room(mirror)));
   }
 }
 
