@@ -195,13 +195,13 @@ struct PlannerParams {
   bool use = true;
   bool roams = true;
   double replan_s = 0.5;
-  double least_clearance_m = 0.06;
+  double min_clearance_m = 0.06;
   double wide_m = 0.35;
   double nearness_price = 3.0;
   double unknown_price = 0.7;
   double failure_price = 3.0;
   double ample_clearance_m = 0.1;
-  double ample_clearance_s = 0.15;
+  double ample_clearance_m_per_mps = 0.15;
   double clearance_weight = 2.5;
   double smoothness_weight = 0.03;
   double reverse_price = 0.3;
@@ -215,7 +215,7 @@ struct PlannerParams {
     v.flag("roams", roams,
            "Whether the robot roams by plan and rollouts; otherwise by Steer, Brake and Turn.");
     v.number("replan_s", replan_s, {0.05, 10.0}, "Time from one global plan to the next.");
-    v.number("least_clearance_m", least_clearance_m, {0.0, 0.5},
+    v.number("min_clearance_m", min_clearance_m, {0.0, 0.5},
              "No path and no fast rollout brings the body nearer to an obstacle than this.");
     v.number("wide_m", wide_m, {0.05, 3.0},
              "A path costs more the nearer it is to obstacles, up to this much more than the least "
@@ -228,7 +228,7 @@ struct PlannerParams {
              "Additional cost of a metre of path where the robot could not go on, metres.");
     v.number("ample_clearance_m", ample_clearance_m, {0.01, 1.0},
              "Clearance beyond which a slow rollout costs nothing for clearance.");
-    v.number("ample_clearance_s", ample_clearance_s, {0.0, 1.0},
+    v.number("ample_clearance_m_per_mps", ample_clearance_m_per_mps, {0.0, 1.0},
              "Increase of that clearance for each m/s of a rollout's speed, metres.");
     v.number("clearance_weight", clearance_weight, {0.0, 10.0},
              "Cost of a metre that a rollout drives without clearance, metres.");
@@ -269,7 +269,7 @@ struct PeopleParams {
   double margin_m = 0.08;
   double comfort_m = 0.45;
   double ahead_s = 1.2;
-  double weight_mps = 4.0;
+  double obstruction_cost_m_per_s = 4.0;
 
   template <class Visitor>
   void describe(Visitor& v) {
@@ -283,7 +283,7 @@ struct PeopleParams {
              "A rollout that keeps more than this distance from a walking person, and from that "
              "person's path ahead, costs nothing for it.");
     v.number("ahead_s", ahead_s, {0.0, 5.0}, "For how long ahead a walking person's path counts.");
-    v.number("weight_mps", weight_mps, {0.0, 50.0},
+    v.number("obstruction_cost_m_per_s", obstruction_cost_m_per_s, {0.0, 50.0},
              "Cost of each second that a rollout spends in the middle of a walking person's path, "
              "metres.");
   }
@@ -343,6 +343,9 @@ struct NavigatorParams {
     v.renamed("odometry_stale_s", "staleness.odometry_s");
     v.renamed("pitch_command_stale_s", "staleness.pitch_command_s");
     v.renamed("pitch_state_stale_s", "staleness.pitch_state_s");
+    v.renamed("planner.least_clearance_m", "planner.min_clearance_m");
+    v.renamed("planner.ample_clearance_s", "planner.ample_clearance_m_per_mps");
+    v.renamed("people.weight_mps", "people.obstruction_cost_m_per_s");
   }
 };
 

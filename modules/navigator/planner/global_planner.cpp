@@ -249,7 +249,7 @@ void GlobalPlanner::price_row(int row) {
   const Eigen::Vector2i first = ground_.first_of(window_);
   const bool crosses_tight = is_last_resort_ && !onward_from_;
   const Prices prices{crosses_tight ? kOccupiedM : body_.half_width_m,
-                      body_.half_width_m + params_.least_clearance_m, params_};
+                      body_.half_width_m + params_.min_clearance_m, params_};
   for (int column = 0; column < window_.width; ++column) {
     const bool is_unknown =
         ground_.at(first + Eigen::Vector2i(column, row)) == KnownGround::Kind::kUnknown;
@@ -259,7 +259,7 @@ void GlobalPlanner::price_row(int row) {
 
 /// Raises the price where the robot could not go on. A place that also looked too narrow is closed.
 void GlobalPlanner::price_failures() {
-  const double least_m = body_.half_width_m + params_.least_clearance_m;
+  const double least_m = body_.half_width_m + params_.min_clearance_m;
   const int reach = static_cast<int>(kFailureM / window_.cell_size_m);
   for (const Failure& failure : failures_) {
     const Eigen::Vector2d offset = (failure.p_map - window_.origin) / window_.cell_size_m;

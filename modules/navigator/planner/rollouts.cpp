@@ -152,7 +152,7 @@ const std::vector<Rollout>& Rollouts::plan(const Situation& now, const CostToGo&
   measure_clearance(now.points_base);
   // A robot that is nearer already may drive on, but must not come nearer.
   const double clearance_now_m = clearance_m({}) - kNoiseM;
-  least_clearance_m_ = std::min(params_.least_clearance_m, clearance_now_m);
+  least_clearance_m_ = std::min(params_.min_clearance_m, clearance_now_m);
   least_creeping_clearance_m_ = std::min(least_clearance_m_, drive_.creep_margin_m);
   least_slow_clearance_m_ = std::min(least_clearance_m_, kSlowClearanceM);
   free_left_rad_ = free_rotation(now.points_base, Side::kLeft, body_, kSlowClearanceM);
@@ -179,7 +179,7 @@ const std::vector<Rollout>& Rollouts::plan(const Situation& now, const CostToGo&
   if (!now.people.empty()) {
     consider({}, now, cost_to_go);
   }
-  std::ranges::sort(rollouts_, {}, &Rollout::cost);
+  std::ranges::sort(rollouts_, {}, &Rollout::cost_m);
   return rollouts_;
 }
 
@@ -233,7 +233,8 @@ bool Rollouts::advance(Progress& progress, const Twist& motion, int until_step,
       return false;
     }
     ++progress.steps;
-    const double ample_m = params_.ample_clearance_m + params_.ample_clearance_s * std::abs(v);
+    const double ample_m =
+        params_.ample_clearance_m + params_.ample_clearance_m_per_mps * std::abs(v);
     const double near = std::max(0.0, 1.0 - clearance / ample_m);
     progress.nearness_m += kStepS * std::hypot(v, kCornerM * w) * near * near;
     meet_people(progress, now.people);
@@ -280,12 +281,13 @@ void Rollouts::add(const Twist& first, double next_yaw_rate_rad_s, const Progres
   const bool is_rotation = first.forward_mps == 0.0 && first.yaw_rate_rad_s != 0.0;
   const double end_m = is_rotation ? rotation_cost(T_map_end, end.pose_base.yaw, cost_to_go)
                                    : end_cost(T_map_end, cost_to_go);
-  rollout.cost = (end.has_arrived ? 0.0 : end_m) + params_.clearance_weight * end.nearness_m +
-                 people_.weight_mps * foreseen_obstruction_s(end, now.people) +
-                 params_.smoothness_weight * (std::abs(first.yaw_rate_rad_s - now.yaw_rate_rad_s) +
-                                              std::abs(first.forward_mps - now.forward_mps)) +
-                 (first.forward_mps < 0.0 ? reverse_price_m_ : 0.0);
-  if (std::isfinite(rollout.cost)) {
+  rollout.cost_m =
+      (end.has_arrived ? 0.0 : end_m) + params_.clearance_weight * end.nearness_m +
+      people_.obstruction_cost_m_per_s * foreseen_obstruction_s(end, now.people) +
+      params_.smoothness_weight * (std::abs(first.yaw_rate_rad_s - now.yaw_rate_rad_s) +
+                                   std::abs(first.forward_mps - now.forward_mps)) +
+      (first.forward_mps < 0.0 ? reverse_price_m_ : 0.0);
+  if (std::isfinite(rollout.cost_m)) {
     rollouts_.push_back(rollout);
   }
 }

@@ -17,7 +17,7 @@ struct Rollout {
   double forward_mps = 0.0;
   double yaw_rate_rad_s = 0.0;
   double next_yaw_rate_rad_s = 0.0;  ///< in the second half
-  double cost = 0.0;                 ///< metres; less is better
+  double cost_m = 0.0;               ///< less is better
 };
 
 /// The local planner: rates up to 880 motions of the next 1.6 s. Each is an arc followed by another

@@ -39,7 +39,7 @@ std::optional<Decision> SafeMotion::best_of(const std::vector<Rollout>& rollouts
   double least_cost_m = std::numeric_limits<double>::infinity();
   std::size_t num_offered = 0;
   for (const Rollout& rollout : rollouts) {
-    if (rollout.cost >= least_cost_m) {
+    if (rollout.cost_m >= least_cost_m) {
       break;
     }
     // Rotations and driving backwards are cheap to check.
@@ -51,7 +51,7 @@ std::optional<Decision> SafeMotion::best_of(const std::vector<Rollout>& rollouts
       continue;
     }
     const double slower_mps = std::max(0.0, rollout.forward_mps - driven->max_forward_mps);
-    const double cost_m = rollout.cost + Rollouts::kDurationS * slower_mps;
+    const double cost_m = rollout.cost_m + Rollouts::kDurationS * slower_mps;
     if (cost_m < least_cost_m) {
       least_cost_m = cost_m;
       best = driven;

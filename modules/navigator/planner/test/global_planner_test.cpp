@@ -108,7 +108,7 @@ TEST(GlobalPlanner, LeadsAroundAWallAndKeepsOffIt) {
   for (const Eigen::Vector2d& p : path) {
     const Eigen::Vector2d nearest = p.cwiseMax(ground.blocks[0].min).cwiseMin(ground.blocks[0].max);
     // A cell counts as occupied even if the obstacle is in its farthest corner, 3.5 cm away.
-    EXPECT_GT((p - nearest).norm(), kBody.half_width_m + PlannerParams{}.least_clearance_m - 0.035);
+    EXPECT_GT((p - nearest).norm(), kBody.half_width_m + PlannerParams{}.min_clearance_m - 0.035);
   }
 }
 
@@ -167,7 +167,7 @@ TEST(GlobalPlanner, LeadsAroundAHoleInTheGeofenceAndNeverOutOfTheGeofence) {
     const Eigen::Vector2d nearest =
         p.cwiseMax(Eigen::Vector2d(1, -1)).cwiseMin(Eigen::Vector2d(2, 2));
     // A cell counts as occupied even if the obstacle is in its farthest corner, 3.5 cm away.
-    EXPECT_GT((p - nearest).norm(), kBody.half_width_m + PlannerParams{}.least_clearance_m - 0.035);
+    EXPECT_GT((p - nearest).norm(), kBody.half_width_m + PlannerParams{}.min_clearance_m - 0.035);
   }
   plan_within({8.0, 0.0});
   EXPECT_FALSE(std::isfinite(planner.cost_to_go()->least_near({0.0, 0.0})));

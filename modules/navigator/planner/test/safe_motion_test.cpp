@@ -14,8 +14,8 @@ TEST(SafeMotion, ARolloutThatMustGiveWayIsNotTheBest) {
   const Brake brake(params);
   SeenDirections seen(params.steer);
   seen.update(0.0, 0);
-  const std::vector<Rollout> rollouts{{.forward_mps = 0.7, .cost = 1.0},
-                                      {.yaw_rate_rad_s = 0.5, .cost = 1.1}};
+  const std::vector<Rollout> rollouts{{.forward_mps = 0.7, .cost_m = 1.0},
+                                      {.yaw_rate_rad_s = 0.5, .cost_m = 1.1}};
   Situation now;
   now.seen = &seen;
   now.laser_is_held = true;  // nothing more will come into view
