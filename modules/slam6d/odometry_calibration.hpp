@@ -18,7 +18,7 @@ struct CalibrationParams {
   double translation_scale = 0.05;
   double rotation_scale = 0.05;
   double yaw_rad_per_m = geometry::deg_to_rad(1.0);
-  double least_scatter = 0.2;
+  double min_scatter = 0.2;
 
   template <class Visitor>
   void describe(Visitor& v) {
@@ -30,7 +30,7 @@ struct CalibrationParams {
     v.angle("yaw_per_m_deg", yaw_rad_per_m, {0.0, 90.0},
             "Standard deviation of the constant error of the heading per metre, which is learned: "
             "unequal wheels.");
-    v.number("least_scatter", least_scatter, {0.01, 1.0},
+    v.number("min_scatter", min_scatter, {0.01, 1.0},
              "Smallest ratio to which odometry.translation_* are reduced if the wheels prove to be "
              "better; 1: not learned.");
   }

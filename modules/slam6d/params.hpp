@@ -119,6 +119,7 @@ struct Slam6dParams {
     v.renamed("save_every_keyframes", "occupancy.save_every_keyframes");
     v.renamed("octomap_period_s", "occupancy.publish_period_s");
     v.renamed("save_ot", "occupancy.save_ot");
+    v.renamed("calibration.least_scatter", "calibration.min_scatter");
   }
 };
 

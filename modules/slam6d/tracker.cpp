@@ -29,7 +29,7 @@ Tracker::Tracker(const Slam6dParams& params)
       registration_(params.registration),
       range_(params.range),
       calibration_(params.calibration),
-      scatter_(params.calibration.least_scatter),
+      scatter_(params.calibration.min_scatter),
       pitch_latency_(params.pitch_latency) {}
 
 void Tracker::change_odometry_frame(const SE3& T_old_new) {
