@@ -87,7 +87,7 @@ void Localiser::classify(const VoxelMap& sweep_base, PoseUpdate& update, int los
     give_up();
     return;
   }
-  if (is_known && confirms(registration)) {
+  if (is_known && confirms(update.T_map_base)) {
     state_ = State::kConfirmed;
   }
   if (!is_told_ && (state_ == State::kUnconfirmed || !is_known)) {
@@ -95,8 +95,8 @@ void Localiser::classify(const VoxelMap& sweep_base, PoseUpdate& update, int los
   }
 }
 
-bool Localiser::confirms(const Registration& registration) const {
-  return (registration.T_map_base.translation() - T_map_found_.translation()).norm() >
+bool Localiser::confirms(const SE3& T_map_base) const {
+  return (T_map_base.translation() - T_map_found_.translation()).norm() >
              params_.confirm_distance_m &&
          evidence_.contradiction_ratio() <= params_.place.max_contradiction_ratio;
 }

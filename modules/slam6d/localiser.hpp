@@ -120,7 +120,7 @@ class Localiser {
   };
   [[nodiscard]] bool is_search_due(const PoseUpdate& by_odometry) const;
   [[nodiscard]] bool is_doubtful() const { return state_ == State::kUnconfirmed && !is_told_; }
-  [[nodiscard]] bool confirms(const Registration& registration) const;
+  [[nodiscard]] bool confirms(const geometry::SE3& T_map_base) const;
   void add_evidence(const Evidence& evidence);
   [[nodiscard]] bool is_contradicted() const;
   void give_up();
