@@ -23,8 +23,9 @@ namespace nodmap::procman {
 /// deputy, which makes itself the subreaper.
 class Children : boost::noncopyable {
  public:
-  /// How long a killed tree may take to disappear before its command counts as ended anyway.
-  static constexpr time::Duration kMaxSweepTime = 2s;
+  /// How long a killed tree may take to disappear before its command counts as ended anyway. On a
+  /// busy machine a process that has been killed may not get to its end for seconds.
+  static constexpr time::Duration kMaxSweepTime = 10s;
   static constexpr time::Duration kSweepPeriod = 10ms;
   /// From each terminal at most `kMaxReadBytes` are read per `kReadPeriod`; a command that writes
   /// more has to wait.
