@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What command lines of single programs are refused for.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "tests/support/program.hpp"
+
+namespace nodmap {
+namespace command_line_test {
+
+using test::run_program;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+TEST(CommandLine, AnErrorNamesTheSubcommandAndTheNearestValidWord) {
+  EXPECT_EQ(run_program("nodmap-convert", {"infoo", "x"}).err,
+            "nodmap-convert: unknown subcommand 'infoo'; did you mean 'info'? (see nodmap-convert "
+            "--help)\n");
+  EXPECT_THAT(run_program("nodmap-convert", {"info"}).err,
+              StartsWith("nodmap-convert info: IN is required"));
+  // The message names the wrong option, and not its value, which counts as an argument.
+  EXPECT_THAT(
+      run_program("nodmap-convert", {"export", "--chanel", "X", "in", "out.csv"}).err,
+      StartsWith("nodmap-convert export: unknown option '--chanel'; did you mean '--channel'?"));
+  EXPECT_THAT(
+      run_program("nodmap-evaluate", {"trajectory", "--aling", "x", "y"}).err,
+      StartsWith("nodmap-evaluate trajectory: unknown option '--aling'; did you mean '--align'?"));
+  EXPECT_THAT(run_program("nodmap-sheriff", {"--chek", "x"}).err,
+              HasSubstr("did you mean '--check'?"));
+  EXPECT_THAT(run_program("nodmap-sheriff", {NODMAP_KURT3D "/../../procman/robot.pmd", "--script",
+                                             "start_robt", "--lcm-url", "memq://"})
+                  .err,
+              HasSubstr("did you mean 'start_robot'?"));
+  EXPECT_THAT(run_program("nodmap-slam2d", {"--set", "max_itertions=3"}).err,
+              HasSubstr("did you mean 'matcher.max_iterations'?"));
+}
+
+TEST(Save, SaysWhenNobodyListens) {
+  const auto result = run_program("nodmap-save", {"--lcm-url", "memq://"});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("nobody listens"));
+}
+
+TEST(Clear, SaysWhenNobodyListens) {
+  const auto result =
+      run_program("nodmap-clear", {"--lcm-url", "memq://", "--wait", "0.1", "1", "-2", "0", "3"});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("nobody listens"));
+}
+
+TEST(Clear, RefusesWhatIsNoRectangle) {
+  for (const std::vector<std::string>& corners : std::vector<std::vector<std::string>>{
+           {"1", "-2", "0"}, {"1", "1", "1", "5"}, {"0", "0", "nan", "1"}}) {
+    std::vector<std::string> arguments{"--lcm-url", "memq://", "--wait", "0.1"};
+    arguments.insert(arguments.end(), corners.begin(), corners.end());
+    EXPECT_EQ(run_program("nodmap-clear", arguments).exit_code, 2) << corners.size();
+  }
+}
+
+// A time that is not a number never passes, and no distance is within it.
+TEST(Numbers, MustBeFinite) {
+  const std::vector<std::vector<std::string>> commands = {
+      {"nodmap-slam2d", "--localise", "y", "--start-pose", "nan", "0", "0"},
+      {"nodmap-goal", "3", "1", "--heading", "nan"},
+      {"nodmap-goal", "3", "nan"},
+      {"nodmap-stop", "--wait", "NaN"},
+      {"nodmap-watch", "--duration", "nan"},
+      {"nodmap-trial", "--duration", "-nan"},
+      {"nodmap-latency", "--duration", "nan(1)"},
+      {"nodmap-convert", "export", "x.lcmlog", "x.ply", "--start-s", "nan"},
+      {"nodmap-evaluate", "cloud", "x.ply", "cellar", "--start", "0", "nan", "0"},
+      {"nodmap-evaluate", "cloud", "x.ply", "cellar", "--start", "0", "inf", "0"},
+  };
+  for (const std::vector<std::string>& command : commands) {
+    const auto result = run_program(command.front(), {command.begin() + 1, command.end()});
+    EXPECT_EQ(result.exit_code, 2) << command.front();
+    EXPECT_THAT(result.err, HasSubstr("is not a finite number")) << command.front();
+  }
+}
+
+TEST(Options, ThatWouldHaveNoEffectAreRefused) {
+  const std::vector<std::vector<std::string>> commands = {
+      {"nodmap-goal", "3", "1", "--heading-tolerance", "2"},
+      {"nodmap-latency", "--duration", "2", "--log", "x.lcmlog"},
+      {"nodmap-convert", "export", "x.lcmlog", "x.clf", "--channel", "SCAN"},
+      {"nodmap-convert", "export", "x.lcmlog", "x.ply", "--channel", "SCAN"},
+      {"nodmap-convert", "export", "x.lcmlog", "x.csv", "--start-s", "2"},
+      {"nodmap-convert", "export", "x.lcmlog", "x.tum", "--scans", "2"},
+  };
+  for (const std::vector<std::string>& command : commands) {
+    const auto result = run_program(command.front(), {command.begin() + 1, command.end()});
+    EXPECT_EQ(result.exit_code, 2) << command.front();
+    EXPECT_THAT(result.err, HasSubstr("--")) << command.front();
+    EXPECT_THAT(result.err, Not(HasSubstr("x.lcmlog"))) << "not that the file is missing";
+  }
+}
+
+}  // namespace command_line_test
+}  // namespace nodmap
