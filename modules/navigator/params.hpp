@@ -105,7 +105,7 @@ struct BackUpParams {
 struct StalenessParams {
   double map_s = 0.1;
   double odometry_s = 0.1;
-  double pitch_command_s = 0.15;
+  double pitch_command_s = 0.12;
   double pitch_state_s = 0.15;
 
   template <class Visitor>

@@ -33,7 +33,7 @@ struct InputStamps {
 ///     old. Without scans the local map knows no new hole and no new obstacle.
 ///   odometry 100 ms: ten messages. Without any input no DRIVE is published, and the driver stops
 ///     the wheels when the last one is no longer valid (150 ms).
-///   speed bound of the pitch controller 150 ms: seven messages.
+///   speed bound of the pitch controller 120 ms: six messages.
 ///   pitch servo 150 ms: 30 readings.
 /// `needs_scans`: whether the robot also drives by the local map.
 [[nodiscard]] std::optional<Reason> reason_to_halt(const InputStamps& stamps,
