@@ -10,24 +10,24 @@ void LeftOutPlaces::add(const Eigen::Vector2d& p_map, time::Timestamp now) {
   auto place = std::ranges::find_if(
       places_, [&](const Place& known) { return (known.p_map - p_map).norm() < same_place_m_; });
   if (place == places_.end()) {
-    place = places_.insert(places_.end(), {p_map, 0, {}});
+    place = places_.insert(places_.end(), {.p_map = p_map});
   }
-  const double pause_s = pause_s_ * std::exp2(place->num_tries++);
-  place->until = now + time::from_seconds(pause_s);
+  place->since = now;
+  place->pause = time::from_seconds(pause_s_ * std::exp2(place->num_tries++));
 }
 
 bool LeftOutPlaces::contains(const Eigen::Vector2d& p_map, time::Timestamp now) const {
   return std::ranges::any_of(places_, [&](const Place& place) {
     return (place.p_map - p_map).norm() < same_place_m_ &&
-           (now < place.until || place.num_tries >= max_tries_);
+           (std::chrono::abs(now - place.since) < place.pause || place.num_tries >= max_tries_);
   });
 }
 
 bool LeftOutPlaces::forgive() {
   bool any = false;
   for (Place& place : places_) {
-    any = any || (place.num_tries < max_tries_ && place.until != time::Timestamp{});
-    place.until = {};
+    any = any || (place.num_tries < max_tries_ && place.pause != time::Duration{});
+    place.pause = {};
   }
   return any;
 }

@@ -30,7 +30,8 @@ class LeftOutPlaces {
   struct Place {
     Eigen::Vector2d p_map;
     int num_tries = 0;
-    time::Timestamp until{};
+    time::Timestamp since{};
+    time::Duration pause{};  ///< 0: it is permitted at once
   };
 
   double pause_s_;

@@ -28,6 +28,12 @@ TEST(LeftOutPlaces, APlaceIsLeftOutForATimeThatDoubles) {
   EXPECT_TRUE(places.contains(kPlace, at_s(1'000'000))) << "given up";
 }
 
+TEST(LeftOutPlaces, AClockThatIsSetBackDoesNotProlongThePause) {
+  LeftOutPlaces places(30.0, 3, 0.7);
+  places.add(kPlace, at_s(10'000));
+  EXPECT_FALSE(places.contains(kPlace, at_s(6'400)));
+}
+
 TEST(LeftOutPlaces, PlacesThatAreNotGivenUpAreForgivenOnce) {
   LeftOutPlaces places(30.0, 2, 0.7);
   EXPECT_FALSE(places.forgive()) << "there is nothing";
