@@ -2,6 +2,7 @@
 #include "modules/explorer/waypoints.hpp"
 
 #include <algorithm>
+#include <iterator>
 
 namespace nodmap::explorer {
 namespace {
@@ -15,7 +16,7 @@ constexpr double kSameWaypointM = 0.5;
 constexpr double kReachedM = 0.2;
 /// Added to the tolerance: a waypoint is at least this far away, even around a corner.
 constexpr double kLeastAheadM = 0.5;
-/// Cells within this distance of the robot are not checked.
+/// Cells within this distance of the robot must not be occupied, but may be near to what is.
 constexpr double kAroundRobotM = 0.4;
 
 /// Whether a waypoint is on the path and far enough ahead that the robot does not brake for it.
@@ -35,8 +36,9 @@ bool is_line_passable(const PlanningGrid& grid, const Eigen::Vector2d& from_map,
   const int num_steps = static_cast<int>(length_m / grid.cell_size_m());
   for (int i = 1; i <= num_steps; ++i) {
     const double ratio = i * grid.cell_size_m() / length_m;
-    const Eigen::Vector2d p_map = from_map + ratio * (to_map - from_map);
-    if (ratio * length_m > kAroundRobotM && !grid.is_passable(grid.cell_of(p_map))) {
+    const Cell cell = grid.cell_of(from_map + ratio * (to_map - from_map));
+    const bool is_around_robot = ratio * length_m <= kAroundRobotM;
+    if (is_around_robot ? grid.ground_at(cell) == Ground::kOccupied : !grid.is_passable(cell)) {
       return false;
     }
   }
@@ -70,10 +72,15 @@ Goal Waypoints::next(const PlanningGrid& grid, const std::vector<Eigen::Vector2d
                      const Eigen::Vector2d& p_map, double last_tolerance_m) {
   const Eigen::Vector2d& last = path_map.back();
   if (!waypoint_map_ || !is_ahead(path_map, *waypoint_map_, p_map)) {
-    const auto farthest = std::find_if(path_map.rbegin(), path_map.rend(), [&](const auto& p) {
-      return is_line_passable(grid, p_map, p) || (p - p_map).norm() < tolerance_m_ + kLeastAheadM;
+    const auto far = std::ranges::find_if(path_map, [&](const Eigen::Vector2d& p) {
+      return (p - p_map).norm() >= tolerance_m_ + kLeastAheadM;
     });
-    const Eigen::Vector2d next_map = farthest == path_map.rend() ? last : *farthest;
+    // Later points may be near again, behind a wall.
+    const auto after =
+        std::find_if(path_map.rbegin(), std::make_reverse_iterator(far), [&](const auto& p) {
+          return is_line_passable(grid, p_map, p);
+        }).base();
+    const Eigen::Vector2d next_map = after == path_map.begin() ? last : *std::prev(after);
     const bool is_kept = waypoint_map_ && next_map != last &&
                          (*waypoint_map_ - p_map).norm() > tolerance_m_ + kReachedM &&
                          (*waypoint_map_ - next_map).norm() < kSameWaypointM;

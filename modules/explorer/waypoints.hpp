@@ -17,8 +17,8 @@ struct Goal {
   double tolerance_m = 0.0;
 };
 
-/// Whether the robot can drive straight from one place to another. Its surroundings are not
-/// checked, because it may already be nearer to an obstacle than a path may.
+/// Whether the robot can drive straight from one place to another. At first it may be nearer to an
+/// obstacle than a path may, because it is already there.
 [[nodiscard]] bool is_line_passable(const PlanningGrid& grid, const Eigen::Vector2d& from_map,
                                     const Eigen::Vector2d& to_map);
 
@@ -37,9 +37,9 @@ class Waypoints {
 
   void clear() { waypoint_map_.reset(); }
 
-  /// The farthest point of the path to which a straight line is passable, but at least some
-  /// distance ahead. Each new goal costs the navigator time, so the last one is kept while it is
-  /// ahead on the path. `last_tolerance_m`: tolerance at the end of the path.
+  /// The last point of the path to which a straight line is passable, but at least the end of the
+  /// part of the path around the robot. Each new goal costs the navigator time, so the last one is
+  /// kept while it is ahead on the path. `last_tolerance_m`: tolerance at the end of the path.
   [[nodiscard]] Goal next(const PlanningGrid& grid, const std::vector<Eigen::Vector2d>& path_map,
                           const Eigen::Vector2d& p_map, double last_tolerance_m);
 

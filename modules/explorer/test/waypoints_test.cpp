@@ -94,6 +94,25 @@ TEST(Waypoints, AreAheadEvenAroundACorner) {
   EXPECT_GT((goal.p_map - path.front()).norm(), kToleranceM + 0.35);
 }
 
+// The path's end is 0.6 m away, behind the wall.
+TEST(Waypoints, AreNotBehindAWallThatThePathLeadsAround) {
+  const PlanningGrid grid = ground_with_wall(0.0);
+  Waypoints dut(kToleranceM);
+  std::vector<Eigen::Vector2d> path;
+  for (double y = 1.0; y > -0.5; y -= 0.1) {
+    path.emplace_back(2.75, y);
+  }
+  for (double x = 2.75; x < 3.35; x += 0.1) {
+    path.emplace_back(x, -0.5);
+  }
+  for (double y = -0.5; y <= 1.0; y += 0.1) {
+    path.emplace_back(3.35, y);
+  }
+  const Goal goal = dut.next(grid, path, path.front(), kLastToleranceM);
+  EXPECT_LT(goal.p_map.x(), 3.0);
+  EXPECT_LT(goal.p_map.y(), 0.3);
+}
+
 TEST(Waypoints, AnotherPathBringsAnotherWaypoint) {
   const PlanningGrid grid = ground_with_wall(6.0);
   Waypoints dut(kToleranceM);
