@@ -71,6 +71,8 @@ Explorer::Explorer(const ExplorerParams& params)
 
 void Explorer::start() {
   end();
+  failed_places_.clear();
+  visited_places_.clear();
   state_ = State::kExploring;
 }
 
@@ -80,8 +82,6 @@ void Explorer::end() {
   target_map_.reset();
   waypoints_.clear();
   passing_map_.clear();
-  failed_places_.clear();
-  visited_places_.clear();
 }
 
 Decision Explorer::decide(const Situation& now) {
@@ -151,10 +151,14 @@ void Explorer::watch_target(const Situation& now) {
     least_length_m_ = std::min(least_length_m_, length_m);
     progressed_ = now.stamp;
   }
-  if (has_no_path_for(params_.patience.no_path_s, now) ||
+  const bool has_no_path = has_no_path_for(params_.patience.no_path_s, now);
+  if (has_no_path ||
       std::chrono::abs(now.stamp - progressed_) > time::from_seconds(params_.patience.stuck_s)) {
-    failed_places_.add(*target_map_, now.stamp);
+    // The goal is the last of the viewpoints on the way, and the navigator has planned to it only.
+    const bool is_behind_target = has_no_path && !passing_map_.empty();
+    failed_places_.add(is_behind_target ? passing_map_.back() : *target_map_, now.stamp);
     target_map_.reset();
+    waypoints_.clear();
   }
 }
 
@@ -262,6 +266,10 @@ void Explorer::set_target(const Eigen::Vector2d& p_map, double length_m, const S
     least_length_m_ = length_m;
     progressed_ = now.stamp;
     no_path_since_.reset();
+  } else if (const double present_m = paths_.length_m(grid_.cell_of(*target_map_));
+             std::isfinite(present_m)) {
+    // A frontier may recede as fast as the robot drives: what counts is the way driven.
+    least_length_m_ += length_m - present_m;
   }
   target_map_ = p_map;
 }
@@ -303,6 +311,7 @@ void Explorer::drive_home(const Situation& now, Decision& decision) {
   if (state_ != State::kReturning) {
     state_ = State::kReturning;
     no_path_since_.reset();
+    is_home_cut_off_ = false;
   }
   target_map_.reset();
   passing_map_.clear();
@@ -311,12 +320,15 @@ void Explorer::drive_home(const Situation& now, Decision& decision) {
   const auto near_home = std::ranges::min_element(paths_.cells(), {}, [&](const Cell& cell) {
     return (grid_.center_of(cell) - *home_map_).squaredNorm();
   });
-  if (near_home != paths_.cells().end()) {
+  // Where the map shows no path any farther, the navigator may know one, or that there is none.
+  const Eigen::Vector2d p_map = now.T_map_base.translation();
+  is_home_cut_off_ = is_home_cut_off_ || (grid_.center_of(*near_home) - p_map).norm() <
+                                             params_.goal_tolerance_m + kArrivalM;
+  if (!is_home_cut_off_) {
     decision.path_map = path_to(*near_home);
   }
   decision.path_map.push_back(*home_map_);
-  decision.goal = waypoints_.next(grid_, decision.path_map, now.T_map_base.translation(),
-                                  params_.home_tolerance_m);
+  decision.goal = waypoints_.next(grid_, decision.path_map, p_map, params_.home_tolerance_m);
 }
 
 bool Explorer::has_no_path_for(double seconds, const Situation& now) const {

@@ -103,6 +103,7 @@ class Explorer {
   time::Timestamp decided_{};
   std::optional<time::Timestamp> no_path_since_;  ///< to the viewpoint, or home
   std::vector<Eigen::Vector2d> passing_map_;      ///< viewpoints on the way to the goal
+  bool is_home_cut_off_ = false;                  ///< in the map; then home itself is the goal
 };
 
 }  // namespace nodmap::explorer

@@ -130,6 +130,39 @@ TEST(Explorer, EndsWhenThereIsNoPathHome) {
   EXPECT_FALSE(decision.goal);
 }
 
+// The map shows a wall through the room, of which the navigator may know better.
+TEST(Explorer, WhereTheMapShowsNoPathHomeTheNavigatorIsAskedForOne) {
+  Explorer explorer = begun_away_from_home();
+  GridWorld divided({-2.5, -2.0}, {2.5, 2.0});
+  divided.add_wall({-2.0, -1.5}, {2.0, -1.5});
+  divided.add_wall({-2.0, 1.5}, {2.0, 1.5});
+  divided.add_wall({0.5, -1.5}, {0.5, 1.5});
+  divided.add_wall({2.0, -1.5}, {2.0, 1.5});
+  for (int i = 0; i < 4; ++i) {
+    divided.scan({1.2, 0.0, 0.5 * geometry::kPi * i});
+  }
+  ASSERT_TRUE(explorer.add(divided.map()));
+  const auto decide = [&](double time_s, const geometry::SE2& T_map_base, bool has_no_path) {
+    return explorer.decide({.stamp = time::Timestamp(time::from_seconds(time_s)),
+                            .T_map_base = T_map_base,
+                            .has_no_path = has_no_path,
+                            .has_arrived = !has_no_path});
+  };
+  const Decision first = decide(1.0, {1.5, 1.0, 0.0}, false);
+  ASSERT_EQ(first.state, State::kReturning);
+  ASSERT_GT(first.goal->p_map.x(), 0.5) << "before the wall";
+  const geometry::SE2 T_map_base{first.goal->p_map.x(), first.goal->p_map.y(), 0.0};
+  const Eigen::Vector2d home(-1.0, 0.0);
+  double time_s = 2.0;
+  for (; time_s < 2.0 + ExplorerParams{}.patience.stuck_s; time_s += 0.5) {
+    const Decision decision = decide(time_s, T_map_base, true);
+    ASSERT_EQ(decision.state, State::kReturning) << time_s;
+    ASSERT_EQ(decision.goal->p_map, home) << time_s;
+  }
+  EXPECT_EQ(decide(time_s + 0.5, T_map_base, true).reason,
+            "Everything has been seen, but there is no path home.");
+}
+
 /// A robot that cannot move, at the start of a corridor with much unknown ground at its end.
 class Stuck : public ::testing::Test {
  protected:
@@ -186,6 +219,55 @@ TEST_F(Stuck, WithoutAPathItGivesUpSooner) {
     (void)decide(time_s, true);
   }
   EXPECT_EQ(explorer_.num_failures(), 1U);
+}
+
+// A corridor with openings at its sides, so that several viewpoints lie on one line.
+TEST(Explorer, WithoutAPathToTheLastViewpointOfALineTheFirstIsStillDrivenTo) {
+  GridWorld corridor({-8.0, -8.0}, {16.0, 8.0});
+  for (const double y : {-0.6, 0.6}) {
+    corridor.add_wall({-0.5, y}, {3.0, y});
+    corridor.add_wall({4.0, y}, {6.0, y});
+    corridor.add_wall({7.0, y}, {12.0, y});
+  }
+  corridor.add_wall({-0.5, -0.6}, {-0.5, 0.6});
+  for (int i = 0; i < 4; ++i) {
+    corridor.scan({0.0, 0.0, 0.5 * geometry::kPi * i});
+  }
+  Explorer explorer{ExplorerParams{}};
+  ASSERT_TRUE(explorer.add(corridor.map()));
+  explorer.start();
+  const auto decide = [&](double time_s) {
+    return explorer.decide({.stamp = time::Timestamp(time::from_seconds(time_s)),
+                            .T_map_base = {},
+                            .has_no_path = time_s > 0.0});
+  };
+  const Decision first = decide(0.0);
+  const Eigen::Vector2d nearest = first.tour.front().p_map;
+  ASSERT_GT(first.goal->p_map.norm(), nearest.norm() + 0.7) << "passes several viewpoints";
+  for (double time_s = 0.5; explorer.num_failures() == 0; time_s += 0.5) {
+    ASSERT_LT(time_s, 2.0 * ExplorerParams{}.patience.no_path_s);
+    (void)decide(time_s);
+  }
+  const Decision next = decide(ExplorerParams{}.patience.no_path_s + 2.0);
+  EXPECT_LT((next.tour.front().p_map - nearest).norm(), 0.5);
+  EXPECT_NE(next.goal->p_map, first.goal->p_map);
+}
+
+// The map shows 0.4 m more of a corridor each second, and the robot drives as fast.
+TEST(Explorer, ProgressBehindARecedingFrontierIsProgress) {
+  GridWorld corridor({-4.0, -4.0}, {30.0, 4.0});
+  corridor.add_wall({-0.5, -1.0}, {29.0, -1.0});
+  corridor.add_wall({-0.5, 1.0}, {29.0, 1.0});
+  corridor.add_wall({-0.5, -1.0}, {-0.5, 1.0});
+  Explorer explorer{ExplorerParams{}};
+  explorer.start();
+  for (int second = 0; second < 40; ++second) {
+    const geometry::SE2 T_map_base{0.4 * second, 0.0, 0.0};
+    corridor.scan(T_map_base);
+    ASSERT_TRUE(explorer.add(corridor.map()));
+    (void)explorer.decide({.stamp = time::Timestamp(1s * second), .T_map_base = T_map_base});
+    ASSERT_EQ(explorer.num_failures(), 0U) << second << " s";
+  }
 }
 
 // While the robot is stopped, no decisions are made.
