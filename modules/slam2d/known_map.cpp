@@ -146,6 +146,23 @@ TrinaryGrid trinary(const OccupancyGrid& grid) {
   return states;
 }
 
+OccupancyGrid to_occupancy_grid(const TrinaryGrid& grid) {
+  OccupancyGrid drawn(grid.cell_size_m);
+  // In a rotated map, one point for each cell would leave cells out.
+  const int per_edge = grid.T_map_grid.yaw == 0.0 ? 1 : 2;
+  const double step_m = grid.cell_size_m / per_edge;
+  for (int y = 0; y < per_edge * grid.height; ++y) {
+    for (int x = 0; x < per_edge * grid.width; ++x) {
+      const CellState state = grid.at(x / per_edge, y / per_edge);
+      if (state != CellState::kUnknown) {
+        drawn.add_cell(grid.T_map_grid * Eigen::Vector2d((x + 0.5) * step_m, (y + 0.5) * step_m),
+                       state == CellState::kOccupied);
+      }
+    }
+  }
+  return drawn;
+}
+
 KnownMap::KnownMap(TrinaryGrid grid, const MapParams& params)
     : grid_(std::move(grid)),
       steps_to_occupied_(steps_to_occupied(grid_)),

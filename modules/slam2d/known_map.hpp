@@ -39,6 +39,8 @@ struct TrinaryGrid {
 };
 
 [[nodiscard]] TrinaryGrid trinary(const OccupancyGrid& grid);
+/// The same map as a grid of rays: one ray ended in, or passed through, each cell that is known.
+[[nodiscard]] OccupancyGrid to_occupancy_grid(const TrinaryGrid& grid);
 
 /// How a scan lies on the walls of a map, as fractions of its points.
 struct WallFit {

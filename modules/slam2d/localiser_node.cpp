@@ -17,6 +17,8 @@ LocaliserNode::LocaliserNode(node::Context& context, const Slam2dParams& params,
     : context_(context),
       input_(context.counts, &context.bus),
       map_(read_ros_map(options.localise_in), params.map),
+      grid_(to_occupancy_grid(map_.grid())),
+      map_publisher_(context.bus, time::from_seconds(params.grid.publish_period_s)),
       localiser_(params, map_, options.T_map_start),
       path_(params.path) {
   if (map_.points().points().empty()) {
@@ -55,11 +57,17 @@ void LocaliserNode::on_scan(const nodmap::scan_t& message) {
   }
   context_.counts.use();
   context_.bus.publish("POSE_2D", write_pose(*update));
+  map_publisher_.publish_if_due(grid_, update->stamp);
+  last_stamp_ = update->stamp;
   state_ = update->state;
   if (update->state != PoseState::kLost) {
     const Keyframe map_frame;  // as the map never changes
     path_.add(*update, {&map_frame, 1});
   }
+}
+
+void LocaliserNode::finish() {
+  map_publisher_.publish_rest(grid_, last_stamp_);
 }
 
 void LocaliserNode::write_results(const std::filesystem::path& dir) {
@@ -74,6 +82,7 @@ void LocaliserNode::write_results(const std::filesystem::path& dir) {
 nlohmann::json LocaliserNode::metrics() const {
   const LocaliserMetrics& metrics = localiser_.metrics();
   nlohmann::json result = scan_metrics(metrics.scans, localiser_.scan_counts());
+  result["maps_published"] = map_publisher_.num_published();
   result["map_points"] = map_.points().points().size();
   result["localisation"] = {{"searches", metrics.searches},
                             {"searches_found", metrics.found},

@@ -7,6 +7,7 @@
 #include "common/node/node.hpp"
 #include "common/node/sensor_input.hpp"
 #include "modules/slam2d/localiser.hpp"
+#include "modules/slam2d/map_publisher.hpp"
 #include "modules/slam2d/tracked_path.hpp"
 #include "nodmap/odometry_t.hpp"
 #include "nodmap/scan_t.hpp"
@@ -14,13 +15,14 @@
 namespace nodmap::slam2d {
 
 /// Localises in a map that it reads and never changes: subscribes to SCAN and ODOMETRY, and
-/// publishes POSE_2D.
+/// publishes POSE_2D, and the map as MAP_2D for the page and the explorer.
 class LocaliserNode : public node::Node {
  public:
   /// Throws formats::InputFileError for a map that cannot be read.
   LocaliserNode(node::Context& context, const Slam2dParams& params,
                 const node::MapOptions& options);
 
+  void finish() override;
   void write_results(const std::filesystem::path& dir) override;
   [[nodiscard]] nlohmann::json metrics() const override;
   [[nodiscard]] node::Health health() const override;
@@ -32,8 +34,11 @@ class LocaliserNode : public node::Node {
   node::Context& context_;
   node::SensorInput input_;
   KnownMap map_;
+  OccupancyGrid grid_;  // of map_
+  MapPublisher map_publisher_;
   Localiser localiser_;
   scan::Scan scan_;                         // the last one; a member to reuse its memory
+  time::Timestamp last_stamp_{};            // of a scan that was used
   PoseState state_ = PoseState::kTracking;  // of the last pose; before it nothing is wrong
   TrackedPath path_;                        // without the scans while it was lost
 };

@@ -33,6 +33,7 @@ Slam2dNode::Slam2dNode(node::Context& context, const Params& params)
       input_(context.counts, &context.bus),
       slam_(params),
       map_(params.grid.cell_size_m),
+      map_publisher_(context.bus, time::from_seconds(params.grid.publish_period_s)),
       saving_(context) {
   context_.bus.subscribe<nodmap::odometry_t>(
       "ODOMETRY", [this](const nodmap::odometry_t& message) { on_odometry(message); });
@@ -103,10 +104,7 @@ void Slam2dNode::on_scan(const nodmap::scan_t& message) {
   if (time::is_due(update->stamp, last_graph_stamp_, kGraphPeriod)) {
     publish_graph(update->stamp);
   }
-  if (time::is_due(update->stamp, last_map_stamp_,
-                   time::from_seconds(params_.grid.publish_period_s))) {
-    publish_map(update->stamp, tile_selector_.choose(map_.grid()));
-  }
+  map_publisher_.publish_if_due(map_.grid(), update->stamp);
 }
 
 void Slam2dNode::update_grid(const PoseUpdate& update) {
@@ -137,6 +135,7 @@ void Slam2dNode::find_in_saved_map() {
   last_state_ = update->state;
   last_stamp_ = update->stamp;
   context_.bus.publish("POSE_2D", write_pose(*update));
+  map_publisher_.publish_if_due(map_.grid(), update->stamp);
   if (update->state == PoseState::kTracking) {
     slam_.begin_at(update->T_map_odom);
     search_.reset();
@@ -192,7 +191,7 @@ std::error_code Slam2dNode::save_map(const std::filesystem::path& dir) const {
 void Slam2dNode::finish() {
   slam_.polish();
   map_.redraw_all_moved(slam_.keyframes());
-  publish_map(last_stamp_, tile_selector_.choose_rest(map_.grid()));
+  map_publisher_.publish_rest(map_.grid(), last_stamp_);
   publish_graph(last_stamp_);
   const BackEndMetrics& loops = slam_.back_end().metrics();
   log::get().info(
@@ -210,23 +209,6 @@ void Slam2dNode::publish_graph(time::Timestamp stamp) {
   context_.bus.publish("POSE_GRAPH", write_graph(stamp, slam_.back_end()));
   graph_revision_published_ = slam_.back_end().graph_revision();
   last_graph_stamp_ = stamp;
-}
-
-void Slam2dNode::publish_map(time::Timestamp stamp, std::vector<GridTile> tiles) {
-  if (tiles.empty()) {
-    return;
-  }
-  std::int32_t index = 0;
-  for (GridTile& tile : tiles) {
-    nodmap::grid_chunk_t message = write_tile(map_.grid(), std::move(tile));
-    message.utime = time::to_utime(stamp);
-    message.map_revision = maps_published_;
-    message.chunk_index = index++;
-    message.num_chunks = static_cast<std::int32_t>(tiles.size());
-    context_.bus.publish("MAP_2D", message);
-  }
-  ++maps_published_;
-  last_map_stamp_ = stamp;
 }
 
 void Slam2dNode::write_results(const std::filesystem::path& dir) {
@@ -272,7 +254,7 @@ nlohmann::json Slam2dNode::metrics() const {
   result.update({{"mean_inlier_ratio", metrics.inlier_ratio_sum / scans},
                  {"mean_score", metrics.score_sum / scans},
                  {"map_points", slam_.back_end().num_points()},
-                 {"maps_published", maps_published_},
+                 {"maps_published", map_publisher_.num_published()},
                  {"keyframes", slam_.keyframes().size()},
                  {"submaps", slam_.back_end().submaps().size()},
                  {"submaps_dropped", back_end.submaps_dropped}});

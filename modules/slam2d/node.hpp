@@ -5,7 +5,6 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <system_error>
-#include <vector>
 
 #include "common/geometry/time.hpp"
 #include "common/node/map_options.hpp"
@@ -15,7 +14,7 @@
 #include "modules/slam2d/keyframe_grid.hpp"
 #include "modules/slam2d/known_map.hpp"
 #include "modules/slam2d/localiser.hpp"
-#include "modules/slam2d/occupancy_grid.hpp"
+#include "modules/slam2d/map_publisher.hpp"
 #include "modules/slam2d/params.hpp"
 #include "modules/slam2d/slam2d.hpp"
 #include "nodmap/clear_request_t.hpp"
@@ -55,8 +54,6 @@ class Slam2dNode : public node::Node {
   void count_rejected(const ScanCounts& before, std::int64_t without_points_before);
   void update_grid(const PoseUpdate& update);
   void publish_graph(time::Timestamp stamp);
-  /// `stamp`: of the newest measurement in the map.
-  void publish_map(time::Timestamp stamp, std::vector<GridTile> tiles);
 
   /// The search for the robot in the saved map.
   struct Search {
@@ -76,10 +73,8 @@ class Slam2dNode : public node::Node {
   LocaliserMetrics search_metrics_;
   ScanCounts search_scan_counts_;
   KeyframeGrid map_;
-  TileSelector tile_selector_;
-  scan::Scan scan_;  // the last one; a member to reuse its memory
-  std::int64_t maps_published_ = 0;
-  std::optional<time::Timestamp> last_map_stamp_;
+  MapPublisher map_publisher_;
+  scan::Scan scan_;                    // the last one; a member to reuse its memory
   time::Timestamp last_stamp_{};       // of a scan that was used
   time::Timestamp last_scan_stamp_{};  // of any scan
   std::optional<time::Timestamp> last_graph_stamp_;

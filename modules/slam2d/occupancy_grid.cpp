@@ -86,6 +86,21 @@ void OccupancyGrid::remove_free_ray(const Eigen::Vector2d& sensor_origin,
   count_ray(sensor_origin, end, {kOneLess, 0}, left_out);
 }
 
+bool OccupancyGrid::add_cell(const Eigen::Vector2d& p_map, bool is_occupied) {
+  const Eigen::Vector2d cells = p_map / cell_size_m_;
+  if (!is_drawable(cells)) {
+    return false;
+  }
+  const Eigen::Vector2i cell = cells.array().floor().cast<int>();
+  if (!make_room(cell, cell)) {
+    return false;
+  }
+  Tile& tile = enter_tile(cell);
+  std::vector<std::uint32_t>& counts = is_occupied ? tile.ended : tile.passed;
+  ++counts[place_in_tile(cell - kTileCells * tile.position)];
+  return true;
+}
+
 bool OccupancyGrid::count_ray(const Eigen::Vector2d& sensor_origin, const Eigen::Vector2d& end,
                               const Counted& counted, std::span<const CellRange> left_out) {
   const Eigen::Vector2d from = sensor_origin / cell_size_m_;

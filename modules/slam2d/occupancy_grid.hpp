@@ -59,6 +59,10 @@ class OccupancyGrid {
   void remove_free_ray(const Eigen::Vector2d& sensor_origin, const Eigen::Vector2d& end,
                        std::span<const CellRange> left_out = {});
 
+  /// Counts one ray in the cell at `p_map`: one that ended there, or one that passed through.
+  /// Returns false, and counts nothing, as add_ray() does.
+  bool add_cell(const Eigen::Vector2d& p_map, bool is_occupied);
+
   /// The cells that a region touches. Cells beyond any possible grid are moved to its limits.
   [[nodiscard]] CellRange cells_of(const Region& region) const;
   /// Forgets all rays in these cells.

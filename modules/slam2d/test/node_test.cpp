@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <limits>
 #include <map>
@@ -227,6 +229,43 @@ TEST_F(Slam2dNodeTest, ReportsDegradedHealthWhenLost) {
   put_odometry(1us, {500.0, 0.0, 0.0});
   put_scan(1us, {});
   EXPECT_EQ(node_.health().state, node::HealthState::kDegraded);
+}
+
+// The page and the explorer have the map, also while nothing is mapped.
+TEST_F(Slam2dNodeTest, ALocaliserPublishesTheMapThatItReads) {
+  const nodmap::test::TemporaryDir dir;
+  const OccupancyGrid grid = test::drawn_grid(test::room(), test::poses_in_room());
+  ASSERT_FALSE(write_ros_map(dir.path(), grid));
+  nodmap::test::MemoryBus bus;
+  node::MessageCounts counts;
+  node::Context context{bus, counts, {}};
+  LocaliserNode localiser{context, Slam2dParams{}, {dir.path(), {}, geometry::SE2{}}};
+  bus.deliver("ODOMETRY",
+              node::write_odometry(time::Timestamp(1s), geometry::to_se3(geometry::SE2{})));
+  bus.deliver("SCAN", node::write_scan(scanner_.scan(test::room(), {}, time::Timestamp(1s))));
+  localiser.finish();
+  const auto tiles = bus.sent<nodmap::grid_chunk_t>("MAP_2D");
+  ASSERT_FALSE(tiles.empty());
+  const TrinaryGrid saved = trinary(grid);
+  std::size_t num_known = 0;
+  for (const nodmap::grid_chunk_t& tile : tiles) {
+    ASSERT_EQ(tile.utime, 1'000'000);
+    for (std::int32_t i = 0; i < tile.num_cells; ++i) {
+      const Eigen::Vector2d p_map(
+          tile.origin_x_m + (tile.tile_x + i % tile.tile_width + 0.5) * tile.cell_size_m,
+          tile.origin_y_m + (tile.tile_y + i / tile.tile_width + 0.5) * tile.cell_size_m);
+      const Eigen::Vector2d cell = (p_map - saved.T_map_grid.translation()) / saved.cell_size_m;
+      const std::int8_t occupancy = tile.cells[static_cast<std::size_t>(i)];
+      const CellState state = occupancy == OccupancyGrid::kUnknown    ? CellState::kUnknown
+                              : OccupancyGrid::is_occupied(occupancy) ? CellState::kOccupied
+                                                                      : CellState::kFree;
+      ASSERT_EQ(state, saved.at(static_cast<int>(std::floor(cell.x())),
+                                static_cast<int>(std::floor(cell.y()))));
+      num_known += state == CellState::kUnknown ? 0 : 1;
+    }
+  }
+  EXPECT_EQ(num_known, static_cast<std::size_t>(std::ranges::count_if(
+                           saved.cells, [](CellState s) { return s != CellState::kUnknown; })));
 }
 
 // In a map that is only read, the path is bounded as it is while mapping.

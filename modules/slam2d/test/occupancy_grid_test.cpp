@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "modules/slam2d/known_map.hpp"
+
 namespace nodmap::slam2d {
 namespace occupancy_grid_test {
 
@@ -193,6 +195,24 @@ TEST(TileSelector, AnEmptyGridHasNoTiles) {
   TileSelector selector;
   EXPECT_TRUE(selector.choose(OccupancyGrid(kCell)).empty());
   EXPECT_TRUE(selector.choose_rest(OccupancyGrid(kCell)).empty());
+}
+
+// The rotated cells of a map file cover the grid: no cell within the map stays unknown.
+TEST(ToOccupancyGrid, ARotatedMapHasNoHoles) {
+  TrinaryGrid map{.cell_size_m = 0.1, .T_map_grid = {3.0, -2.0, 0.5}, .width = 40, .height = 30};
+  map.cells.assign(40 * 30, CellState::kFree);
+  const OccupancyGrid grid = to_occupancy_grid(map);
+  int num_inside = 0;
+  for (int y = 0; y < grid.height(); ++y) {
+    for (int x = 0; x < grid.width(); ++x) {
+      const Eigen::Vector2d p_map = grid.origin() + 0.1 * Eigen::Vector2d(x + 0.5, y + 0.5);
+      const Eigen::Vector2d cell = (map.T_map_grid.inverse() * p_map) / 0.1;
+      const bool is_inside = (cell.array() > 1.0).all() && cell.x() < 39.0 && cell.y() < 29.0;
+      ASSERT_TRUE(!is_inside || grid.occupancy(x, y) == 0) << p_map.transpose();
+      num_inside += is_inside ? 1 : 0;
+    }
+  }
+  EXPECT_GT(num_inside, 1000);  // of 1064
 }
 
 }  // namespace occupancy_grid_test
