@@ -129,13 +129,20 @@ def add_docking(row, goals):
         row["off_deg"], row["worst_off_deg"] = rounded(statistics.median(off_deg), 2), rounded(max(off_deg), 2)
 
 
+def cell(column, value):
+    """A value of the table; those of one column have equally many digits."""
+    if value is None:
+        return ""
+    return f"{value:.2f}" if column in ("spl", "mean_mps", "progress") else str(value)
+
+
 def show(rows, label):
     """Prints the rows as a Markdown table, to be copied into the document."""
     columns = COLUMNS + [column for column in DOCKING_COLUMNS if any(column in row for row in rows)]
     print(f"| {label} | " + " | ".join(columns[1:]) + " |")
     print("|---|" + "---|" * (len(columns) - 1))
     for row in rows:
-        print("| " + " | ".join("" if row.get(column) is None else str(row[column]) for column in columns) + " |")
+        print("| " + " | ".join(cell(column, row.get(column)) for column in columns) + " |")
 
 
 def main():

@@ -97,7 +97,7 @@ def make():
                     "away than 10 cm then shows it. Sweeps at speed cover the virtual corridor: walls, but hardly any floor or ceiling. Odometry and the "
                     "earlier sweeps therefore determine the height and tilt of their clouds. With the paper's 2 m between two keyframes, successive clouds "
                     f"overlap less, and the ratios are {', '.join(f'{ratio:.2f}' for ratio in sparse)}. All other parameters are the defaults, which were "
-                    "chosen in other worlds (docs/decisions/004).",
+                    "chosen in other worlds ([decision 5](decisions/005-every-sweep-is-tracked.md)).",
         "holds": [(f"distortion moving / best stationary, worst of {len(ratios)} seeds", f"{max(ratios):.2f}", "≤ 1.5", max(ratios) <= 1.5)],
         "commands": [MOVING[0].command(), short(STANDING[0].command())],
     }
