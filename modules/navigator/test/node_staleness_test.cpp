@@ -19,7 +19,7 @@ using test::NavigatorNodeTest;
 TEST_F(NavigatorNodeTest, EachLostInputHaltsTheRobotUntilItIsBack) {
   // The limit and one period of odometry. Missing odometry is noticed when the next map comes.
   const std::map<int, double> limit_s{
-      {kOdometry, 0.1}, {kMap, 0.1}, {kCommand, 0.15}, {kState, 0.15}};
+      {kOdometry, 0.1}, {kMap, 0.1}, {kCommand, 0.12}, {kState, 0.15}};
   for (const auto& [lost, seconds] : limit_s) {
     run(2.0);
     ASSERT_TRUE(drives()) << lost;
