@@ -4,16 +4,13 @@
 #include <algorithm>
 
 #include "procman/protocol/messages.hpp"
+#include "procman/protocol/sheriff_messages.hpp"
 
 namespace nodmap::viewer {
 namespace {
 
-using procman::Fleet;
 using procman::Verb;
 using procman::Wanted;
-
-/// More deputies than a robot has; invented names must not use memory.
-constexpr std::size_t kMaxDeputies = 16;
 
 const char* name_of(Verb verb) {
   return verb == Verb::kStart ? "start" : verb == Verb::kStop ? "stop" : "restart";
@@ -45,23 +42,15 @@ void ProcessControl::on_info(const procman::DeputyInfo& info) {
   const bool is_ours =
       std::any_of(config_.commands.begin(), config_.commands.end(),
                   [&](const auto& command) { return command.deputy == info.deputy_id; });
-  if (!is_ours || (!reports_.contains(info.deputy_id) && reports_.size() >= kMaxDeputies)) {
-    return;
-  }
   const time::Moment now = clock_();
-  Report& report = reports_[info.deputy_id];
-  if (!report.sender.follow(bus_.origin().sender, now.steady)) {
-    return;
-  }
-  report.info = info;
-  report.received = now.steady;
-  if (fleet_ && fleet_->take_info(info, now.steady)) {
+  const bool is_taken = is_ours && deputies_.take(info, now.steady, bus_.origin().sender);
+  if (is_taken && fleet_ && fleet_->take_info(info, now.steady)) {
     give_orders(now);
   }
 }
 
 void ProcessControl::on_orders(const procman::Orders& orders) {
-  if (orders.sheriff_id.starts_with(id_) || !reports_.contains(orders.deputy_id)) {
+  if (orders.sheriff_id.starts_with(id_) || deputies_.find(orders.deputy_id) == nullptr) {
     return;
   }
   const time::SteadyTime now = clock_().steady;
@@ -95,17 +84,12 @@ Answer ProcessControl::output(const std::string& command) const {
   return answer;
 }
 
-bool ProcessControl::is_reporting(const std::string& deputy, time::SteadyTime now) const {
-  const auto found = reports_.find(deputy);
-  return found != reports_.end() && now - found->second.received <= Fleet::kMaxInfoAge;
-}
-
 void ProcessControl::begin(const time::Moment& now) {
   fleet_.emplace(config_, id_ + std::to_string(time::to_utime(now.wall)));
   open_.clear();
-  for (const auto& [deputy, report] : reports_) {
-    if (is_reporting(deputy, now.steady)) {
-      (void)fleet_->take_info(report.info, report.received);
+  for (const auto& [deputy, report] : deputies_.all()) {
+    if (deputies_.is_reporting(deputy, now.steady)) {
+      (void)fleet_->take_info(report->info, report->received);
     }
   }
 }
@@ -119,7 +103,7 @@ Answer ProcessControl::change(Verb verb, const std::string& command) {
   if (const auto other = other_sheriffs_.heard(now.steady)) {
     return {.ok = false, .text = "The sheriff " + *other + " is running: use that one."};
   }
-  if (!is_reporting(found->deputy, now.steady)) {
+  if (!deputies_.is_reporting(found->deputy, now.steady)) {
     return {.ok = false, .text = "The deputy " + found->deputy + " does not answer."};
   }
   if (!fleet_) {
@@ -150,24 +134,17 @@ void ProcessControl::turn() {
     return fleet_->has_reached(wish.first, wish.second, now.steady);
   });
   if (open_.empty() || now.steady >= leave_) {
-    const std::string sheriff_id = fleet_->sheriff_id();
+    procman::publish_discovery(bus_, *fleet_, now.wall);
     fleet_.reset();
     leave_ = {};
-    // Tells the deputies to obey the next sheriff at once.
-    bus_.publish(procman::kDiscoverChannel,
-                 procman::to_message(procman::Discovery{now.wall, sheriff_id, 0}));
   } else if (now.steady >= orders_due_) {
     give_orders(now);
   }
 }
 
 void ProcessControl::give_orders(const time::Moment& now) {
-  orders_due_ = now.steady + kOrdersPeriod;
-  for (const auto& [deputy, item] : fleet_->deputies()) {
-    if (const auto orders = fleet_->orders_for(deputy, now.wall)) {
-      bus_.publish(procman::kOrdersChannel, procman::to_message(*orders));
-    }
-  }
+  orders_due_ = now.steady + procman::kOrdersPeriod;
+  procman::publish_orders(bus_, *fleet_, now.wall);
 }
 
 }  // namespace nodmap::viewer

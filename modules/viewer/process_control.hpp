@@ -9,11 +9,11 @@
 #include <utility>
 
 #include "common/bus/bus.hpp"
-#include "common/bus/followed_sender.hpp"
 #include "common/geometry/time.hpp"
-#include "modules/viewer/session.hpp"
+#include "modules/viewer/answer.hpp"
 #include "procman/config/config.hpp"
 #include "procman/protocol/console.hpp"
+#include "procman/protocol/deputy_reports.hpp"
 #include "procman/protocol/fleet.hpp"
 #include "procman/protocol/other_sheriffs.hpp"
 #include "procman/protocol/values.hpp"
@@ -28,7 +28,6 @@ class ProcessControl {
  public:
   /// Longest time as a sheriff for one request, in addition to the command's grace time.
   static constexpr time::Duration kPatience = 10s;
-  static constexpr time::Duration kOrdersPeriod = 1s;
 
   using Clock = std::function<time::Moment()>;
 
@@ -56,24 +55,17 @@ class ProcessControl {
   [[nodiscard]] const procman::Config& config() const { return config_; }
 
  private:
-  struct Report {
-    procman::DeputyInfo info;
-    time::SteadyTime received{};
-    bus::FollowedSender sender{procman::Fleet::kDeputySilence};
-  };
-
   void on_info(const procman::DeputyInfo& info);
   void on_orders(const procman::Orders& orders);
   void on_output(const procman::Output& output);
   void begin(const time::Moment& now);
   void give_orders(const time::Moment& now);
-  [[nodiscard]] bool is_reporting(const std::string& deputy, time::SteadyTime now) const;
 
   bus::Bus& bus_;
   procman::Config config_;
   Clock clock_;
   std::string id_;                                    // our id as a sheriff, without the start time
-  std::map<std::string, Report> reports_;             // the newest of each deputy
+  procman::DeputyReports deputies_;                   // of the configuration
   std::map<std::string, procman::Console> consoles_;  // by command, ours only
   procman::OtherSheriffs other_sheriffs_;
   std::optional<procman::Fleet> fleet_;  // while we are a sheriff

@@ -9,12 +9,15 @@
 #include "common/bus/bus.hpp"
 #include "common/geometry/time.hpp"
 #include "common/node/clock.hpp"
+#include "modules/viewer/answer.hpp"
+#include "modules/viewer/foxglove/foxglove.hpp"
 #include "modules/viewer/process_control.hpp"
-#include "modules/viewer/session.hpp"
 #include "nodmap/grid_chunk_t.hpp"
 #include "nodmap/stop_t.hpp"
 
 namespace nodmap::viewer {
+
+using foxglove::Json;
 
 /// Executes the requests of clients with control, by their member `do`:
 ///   goal  x_m, y_m, tolerance_m?    drive to this place in map

@@ -14,17 +14,12 @@
 #include <vector>
 
 #include "common/geometry/time.hpp"
+#include "modules/viewer/answer.hpp"
 #include "modules/viewer/foxglove/foxglove.hpp"
 #include "modules/viewer/foxglove/topic_store.hpp"
 #include "modules/viewer/service_call.hpp"
 
 namespace nodmap::viewer {
-
-/// The answer to a request, as text for people.
-struct Answer {
-  bool ok = false;
-  std::string text;
-};
 
 /// What a viewer offers its clients in addition to reading.
 struct Services {

@@ -24,8 +24,7 @@ CommandSpec spec_of(const Command& command) {
           .stop_time_allowed_s = static_cast<double>(command.stop_time_allowed_s)};
 }
 
-// Far more than any robot has. Any sender on the network can name any number of hosts and commands.
-constexpr std::size_t kMaxDeputies = 256;
+// Far more than any robot has. Any sender on the network can name any number of commands.
 constexpr std::size_t kMaxItems = 10'000;
 
 /// The number of the next run. Must not overflow, because a deputy may report any number.
@@ -108,7 +107,7 @@ std::vector<std::string> Fleet::reconfigure(const Config& config) {
   std::vector<Item> before = std::exchange(items_, {});
   for (const Command& command : config.commands) {
     items_.push_back(configure(take_item(before, command), command, changes));
-    deputies_.try_emplace(command.deputy);
+    deputies_.expect(command.deputy);
   }
   for (Item& item : before) {
     if (item.configured && !item.stop_ordered) {
@@ -210,16 +209,9 @@ void Fleet::begin_run(Item& item) {
 }
 
 bool Fleet::take_info(const DeputyInfo& info, time::SteadyTime now, const bus::Sender& sender) {
-  if (!deputies_.contains(info.deputy_id) && deputies_.size() >= kMaxDeputies) {
+  if (!deputies_.take(info, now, sender)) {
     return false;
   }
-  const auto followed = deputy_senders_.try_emplace(info.deputy_id, kDeputySilence).first;
-  if (!followed->second.follow(sender, now)) {
-    return false;
-  }
-  std::optional<DeputyItem>& deputy = deputies_[info.deputy_id];
-  const bool is_gap = !deputy || now - deputy->received > kInfoGap;
-  deputy = DeputyItem{info, now, is_gap ? now : deputy->reporting_since};
   for (Item& item : items_) {
     if (item.deputy == info.deputy_id && !lists(info, item.spec.id)) {
       item.status.reset();
@@ -296,8 +288,7 @@ void Fleet::take_status(Item& item, const CommandStatus& status, time::SteadyTim
 }
 
 void Fleet::take_runs(const Runs& runs, time::SteadyTime now, const bus::Sender& sender) {
-  const auto followed = deputy_senders_.find(runs.deputy_id);
-  if (followed != deputy_senders_.end() && !followed->second.follow(sender, now)) {
+  if (!deputies_.follow(runs.deputy_id, now, sender)) {
     return;
   }
   for (const CommandRun& run : runs.runs) {
@@ -320,21 +311,6 @@ void Fleet::take_orders(const Orders& orders, time::SteadyTime now, const bus::S
   }
 }
 
-std::optional<bus::Sender> Fleet::sender_of(const std::string& deputy, time::SteadyTime now) const {
-  const auto found = deputy_senders_.find(deputy);
-  return found == deputy_senders_.end() ? std::nullopt : found->second.accepted(now);
-}
-
-std::vector<std::string> Fleet::contested_deputies(time::SteadyTime now) const {
-  std::vector<std::string> contested;
-  for (const auto& [deputy, senders] : deputy_senders_) {
-    if (senders.is_contested(now)) {
-      contested.push_back(deputy);
-    }
-  }
-  return contested;
-}
-
 bool Fleet::commands(const std::string& deputy) const {
   return std::any_of(items_.begin(), items_.end(), [&deputy](const Item& item) {
     return item.configured && item.deputy == deputy;
@@ -342,8 +318,7 @@ bool Fleet::commands(const std::string& deputy) const {
 }
 
 std::optional<Orders> Fleet::orders_for(const std::string& deputy, time::Timestamp stamp) const {
-  const auto found = deputies_.find(deputy);
-  if (found == deputies_.end() || !found->second || !commands(deputy)) {
+  if (deputies_.find(deputy) == nullptr || !commands(deputy)) {
     return std::nullopt;
   }
   Orders orders{stamp, deputy, sheriff_id_, {}};
@@ -355,14 +330,9 @@ std::optional<Orders> Fleet::orders_for(const std::string& deputy, time::Timesta
   return orders;
 }
 
-bool Fleet::is_reporting(const std::string& deputy, time::SteadyTime now) const {
-  const auto found = deputies_.find(deputy);
-  return found != deputies_.end() && found->second && now - found->second->received <= kMaxInfoAge;
-}
-
 CommandState Fleet::state_of(const std::string& id, time::SteadyTime now) const {
   const Item* item = find(id);
-  if (item == nullptr || !is_reporting(item->deputy, now)) {
+  if (item == nullptr || !deputies_.is_reporting(item->deputy, now)) {
     return CommandState::kUnknown;
   }
   if (item->status && item->status->pid != 0) {

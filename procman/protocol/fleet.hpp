@@ -2,15 +2,14 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "common/bus/sender.hpp"
 #include "common/geometry/time.hpp"
-#include "common/node/sender_watch.hpp"
 #include "procman/config/config.hpp"
+#include "procman/protocol/deputy_reports.hpp"
 #include "procman/protocol/other_sheriffs.hpp"
 #include "procman/protocol/values.hpp"
 
@@ -36,14 +35,6 @@ enum class CommandState : std::uint8_t {
 /// that their deputies report. Without clock or network.
 class Fleet {
  public:
-  /// An INFO older than this is not used: four in a row may be lost. The existing sheriff waits 30
-  /// s; here a dead host is noticed before anyone waits for it.
-  static constexpr time::Duration kMaxInfoAge = 5s;
-  /// Two INFOs farther apart than this mean that some were lost, and perhaps STATUS with them.
-  static constexpr time::Duration kInfoGap = 1500ms;
-  /// Reports of a deputy are taken from one sender until it has missed two of them.
-  static constexpr time::Duration kDeputySilence = 2s;
-
   /// A deputy starts a command again after a second at most; one more INFO may be lost.
   static constexpr time::Duration kRespawnTime = 3s;
 
@@ -77,12 +68,6 @@ class Fleet {
     std::optional<time::SteadyTime> respawns_until;
   };
 
-  struct DeputyItem {
-    DeputyInfo info;
-    time::SteadyTime received{};         ///< when the newest INFO arrived
-    time::SteadyTime reporting_since{};  ///< no INFO has been lost since then
-  };
-
   Fleet(const Config& config, std::string sheriff_id);
 
   /// Adopts an edited configuration. Stops removed commands and restarts running ones whose exec
@@ -103,12 +88,6 @@ class Fleet {
   void take_runs(const Runs& runs, time::SteadyTime now, const bus::Sender& sender = {});
   /// Takes orders received from the network: ours, or another sheriff's.
   void take_orders(const Orders& orders, time::SteadyTime now, const bus::Sender& sender = {});
-
-  /// Where a deputy sends from; empty while it does not report.
-  [[nodiscard]] std::optional<bus::Sender> sender_of(const std::string& deputy,
-                                                     time::SteadyTime now) const;
-  /// The deputies in whose name a second process reports.
-  [[nodiscard]] std::vector<std::string> contested_deputies(time::SteadyTime now) const;
 
   /// Whether the configuration has commands for a deputy.
   [[nodiscard]] bool commands(const std::string& deputy) const;
@@ -136,11 +115,7 @@ class Fleet {
   [[nodiscard]] const std::vector<Item>& items() const { return items_; }
   [[nodiscard]] const Item* find(const std::string& id) const;
   /// The deputies of the configuration and those from which INFO was received.
-  [[nodiscard]] const std::map<std::string, std::optional<DeputyItem>>& deputies() const {
-    return deputies_;
-  }
-  /// Whether INFO of a deputy was received recently.
-  [[nodiscard]] bool is_reporting(const std::string& deputy, time::SteadyTime now) const;
+  [[nodiscard]] const DeputyReports& deputies() const { return deputies_; }
 
   /// The present run of a command: as its deputy reports it, else as this sheriff has observed it.
   [[nodiscard]] static Run run_of(const Item& item);
@@ -158,8 +133,7 @@ class Fleet {
 
   std::string sheriff_id_;
   std::vector<Item> items_;
-  std::map<std::string, std::optional<DeputyItem>> deputies_;
-  std::map<std::string, node::SenderWatch> deputy_senders_;
+  DeputyReports deputies_;
   OtherSheriffs other_sheriffs_;
   std::optional<time::SteadyTime> commands_since_;
 };

@@ -15,7 +15,7 @@ std::string whole_seconds(time::Duration duration) {
 /// is known.
 bool may_send(const Command& command, const Fleet& fleet, time::SteadyTime now,
               const bus::Sender& sender) {
-  const std::optional<bus::Sender> deputy = fleet.sender_of(command.deputy, now);
+  const std::optional<bus::Sender> deputy = fleet.deputies().sender_of(command.deputy, now);
   const Fleet::Item* item = fleet.find(command.id);
   const bool is_stopped = item != nullptr && item->status && item->status->pid == 0;
   return !is_stopped && (!deputy || deputy->address == sender.address);
@@ -147,7 +147,7 @@ std::vector<HealthWatch::Restart> HealthWatch::due_restarts(const Fleet& fleet,
     if (item == nullptr || fleet.state_of(command.id, now) != CommandState::kRunning) {
       continue;
     }
-    const Fleet::DeputyItem& deputy = fleet.deputies().at(item->deputy).value();
+    const DeputyReports::Report& deputy = *fleet.deputies().find(item->deputy);
     Patience& patience = patience_[command.id];
     const Span observed{std::max({item->running_since, patience.restarted, deputy.reporting_since}),
                         deputy.received};

@@ -148,7 +148,7 @@ std::vector<ReportRow> report(const Fleet& fleet, const HealthWatch& health,
 std::vector<std::string> warnings(const Fleet& fleet, const HealthWatch& health,
                                   time::SteadyTime now) {
   std::vector<std::string> all;
-  for (const std::string& deputy : fleet.contested_deputies(now)) {
+  for (const std::string& deputy : fleet.deputies().contested(now)) {
     all.push_back("another process reports as the deputy " + deputy + ": it is not believed");
   }
   for (const std::string& name : health.contested_names(now)) {
@@ -198,8 +198,9 @@ nlohmann::json to_json(const std::vector<ReportRow>& rows, const std::vector<std
   nlohmann::json printable_warnings = nlohmann::json::array();
   std::ranges::transform(warnings, std::back_inserter(printable_warnings), printable);
   nlohmann::json hosts = nlohmann::json::array();
-  for (const auto& [id, deputy] : fleet.deputies()) {
-    nlohmann::json host{{"host", printable(id)}, {"reporting", fleet.is_reporting(id, now)}};
+  for (const auto& [id, deputy] : fleet.deputies().all()) {
+    nlohmann::json host{{"host", printable(id)},
+                        {"reporting", fleet.deputies().is_reporting(id, now)}};
     if (deputy) {
       host["cpu_load"] = deputy->info.cpu_load;
       host["memory_total_mb"] = static_cast<double>(deputy->info.memory_total_bytes) * 1e-6;

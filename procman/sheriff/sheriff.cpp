@@ -6,11 +6,11 @@
 
 #include "nodmap/status_t.hpp"
 #include "procman/protocol/messages.hpp"
+#include "procman/protocol/sheriff_messages.hpp"
 
 namespace nodmap::procman {
 namespace {
 
-constexpr time::Duration kOrdersPeriod = 1s;
 constexpr time::Duration kMaxStatusAge = 3s;  // STATUS is published once a second
 
 ProcessHealth health_of(const nodmap::status_t& message) {
@@ -35,12 +35,12 @@ Sheriff::Sheriff(Config config, const std::string& lcm_url)
       fleet_(config_, sheriff_id_prefix() + std::to_string(time::to_utime(clock_.now()))),
       health_(config_) {
   subscribe();
-  discover();
+  publish_discovery(bus_, fleet_, clock_.now());
 }
 
 Sheriff::~Sheriff() {
   if (has_given_orders_) {
-    discover();
+    publish_discovery(bus_, fleet_, clock_.now());
   }
 }
 
@@ -62,12 +62,8 @@ void Sheriff::subscribe() {
   });
 }
 
-void Sheriff::discover() {
-  bus_.publish(kDiscoverChannel, to_message(Discovery{clock_.now(), fleet_.sheriff_id(), 0}));
-}
-
 void Sheriff::take_output(const Output& output) {
-  const std::optional<bus::Sender> deputy = fleet_.sender_of(output.deputy_id, now());
+  const std::optional<bus::Sender> deputy = fleet_.deputies().sender_of(output.deputy_id, now());
   if (deputy && *deputy != bus_.origin().sender) {
     return;
   }
@@ -97,11 +93,7 @@ void Sheriff::give_orders() {
     return;
   }
   has_given_orders_ = true;
-  for (const auto& [id, deputy] : fleet_.deputies()) {
-    if (const auto orders = fleet_.orders_for(id, clock_.now())) {
-      bus_.publish(kOrdersChannel, to_message(*orders));
-    }
-  }
+  publish_orders(bus_, fleet_, clock_.now());
 }
 
 std::vector<HealthWatch::Restart> Sheriff::apply_health_rules() {

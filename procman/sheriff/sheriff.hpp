@@ -65,7 +65,6 @@ class Sheriff : boost::noncopyable {
 
  private:
   void subscribe();
-  void discover();
   void take_output(const Output& output);
 
   Config config_;

@@ -31,7 +31,7 @@ std::vector<std::string> missing_deputies(Sheriff& sheriff, const std::set<std::
     sheriff.work(kWait);
     missing.clear();
     for (const std::string& id : wanted) {
-      if (!sheriff.fleet().is_reporting(id, Sheriff::now())) {
+      if (!sheriff.fleet().deputies().is_reporting(id, Sheriff::now())) {
         missing.push_back(id);
       }
     }

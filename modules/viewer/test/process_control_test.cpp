@@ -204,7 +204,7 @@ TEST_F(ProcessControlTest, RefusesCommandsThatAreNotConfiguredOrNotHeardOf) {
   EXPECT_FALSE(control_.change(Verb::kStart, "slam6d").ok);
   EXPECT_FALSE(control_.change(Verb::kStart, "").ok);
   EXPECT_FALSE(control_.change(Verb::kStart, "other").ok);  // not in the configuration
-  pass(procman::Fleet::kMaxInfoAge + 1us);
+  pass(procman::DeputyReports::kMaxInfoAge + 1us);
   EXPECT_FALSE(control_.change(Verb::kStart, "slam").ok);
   EXPECT_TRUE(orders_.empty());
 }

@@ -255,7 +255,7 @@ TEST_F(FleetTest, ARestartedDeputyIsToldToStartWhatRan) {
 
 TEST_F(FleetTest, CommandsOfASilentHostAreUnknown) {
   report({status("a", 7, 1)});
-  now_ += Fleet::kMaxInfoAge;
+  now_ += DeputyReports::kMaxInfoAge;
   EXPECT_EQ(state("a"), "Running");
   now_ += 1us;
   EXPECT_EQ(state("a"), "Unknown");
@@ -303,15 +303,15 @@ TEST_F(FleetTest, AForgedInfoIsNotBelievedWhileTheDeputyReports) {
     fleet_.take_runs({{}, "h", {{"a", 10, 0s, 99}}}, now_ + 500ms, other);
     EXPECT_EQ(fleet_.state_of("a", now_ + 500ms), CommandState::kRunning);
     EXPECT_EQ(Fleet::run_of(*fleet_.find("a")).num_restarts, 0);
-    EXPECT_EQ(fleet_.sender_of("h", now_), own);
-    EXPECT_EQ(fleet_.contested_deputies(now_).size(), s == 0 ? 0U : 1U)
+    EXPECT_EQ(fleet_.deputies().sender_of("h", now_), own);
+    EXPECT_EQ(fleet_.deputies().contested(now_).size(), s == 0 ? 0U : 1U)
         << "known when the deputy continues";
   }
   // The deputy has been started again.
-  now_ += Fleet::kDeputySilence;
+  now_ += DeputyReports::kSilence;
   fleet_.take_info(forged, now_, other);
   EXPECT_NE(fleet_.state_of("a", now_), CommandState::kRunning);
-  EXPECT_TRUE(fleet_.contested_deputies(now_ + Fleet::kDeputySilence).empty());
+  EXPECT_TRUE(fleet_.deputies().contested(now_ + DeputyReports::kSilence).empty());
 }
 
 // Anybody can send one message.
