@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/viewer/remote_control.hpp"
 
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
 #include <cmath>
-#include <cstdio>
+#include <cstdint>
+#include <functional>
+#include <iterator>
 #include <optional>
+#include <string_view>
 
 #include "common/node/messages.hpp"
 #include "modules/viewer/json.hpp"
@@ -29,10 +35,17 @@ std::optional<double> number_in(const Json& request, const char* name,
   return found->is_number() ? std::optional(found->get<double>()) : std::nullopt;
 }
 
-std::string goal_text(double x_m, double y_m) {
-  char text[64];
-  (void)std::snprintf(text, sizeof(text), "Goal: x %.2f m, y %.2f m.", x_m, y_m);
-  return text;
+/// How old a request may be.
+enum class Age : std::uint8_t { kFresh, kAny };
+
+struct ControlRequest {
+  std::string_view name;
+  Age age;
+  std::function<Answer()> execute;
+};
+
+Answer no_control_over_processes() {
+  return {.ok = false, .text = "No control over processes: start the viewer with --procman."};
 }
 
 }  // namespace
@@ -46,27 +59,32 @@ RemoteControl::RemoteControl(bus::Bus& bus, const time::Clock& clock, ProcessCon
 }
 
 Answer RemoteControl::answer(const Json& request, time::Duration age) {
+  using procman::Verb;
+  const std::string command = text_in(request, "command");
+  const ControlRequest requests[] = {
+      {"goal", Age::kFresh, [&] { return do_goal(request); }},
+      {"roam", Age::kFresh, [&] { return do_roam(); }},
+      {"explore", Age::kFresh, [&] { return do_explore(true); }},
+      {"end_exploration", Age::kFresh, [&] { return do_explore(false); }},
+      {"stop", Age::kAny, [&] { return do_stop(true); }},
+      {"go", Age::kFresh, [&] { return do_stop(false); }},
+      {"save_maps", Age::kAny, [&] { return do_save_maps(); }},
+      {"start_process", Age::kFresh, [&] { return do_process(Verb::kStart, command); }},
+      {"stop_process", Age::kFresh, [&] { return do_process(Verb::kStop, command); }},
+      {"restart_process", Age::kFresh, [&] { return do_process(Verb::kRestart, command); }},
+      {"start_recording", Age::kFresh, [&] { return do_recording(Verb::kStart); }},
+      {"stop_recording", Age::kFresh, [&] { return do_recording(Verb::kStop); }},
+      {"process_output", Age::kAny, [&] { return do_process_output(command); }},
+  };
   const std::string what = text_in(request, "do");
-  if (age > kMaxAge && what != "stop" && what != "save_maps" && what != "process_output") {
+  const auto* const asked = std::ranges::find(requests, what, &ControlRequest::name);
+  if (asked == std::end(requests)) {
+    return {.ok = false, .text = "Unknown request \"" + what + "\"."};
+  }
+  if (age > kMaxAge && asked->age == Age::kFresh) {
     return {.ok = false, .text = "Too old: not done."};
   }
-  if (what == "goal") {
-    return do_goal(request);
-  }
-  if (what == "roam") {
-    send_goal(false, 0.0, 0.0, kToleranceM);
-    return {.ok = true, .text = "Goal cancelled: the robot roams."};
-  }
-  if (what == "explore" || what == "end_exploration") {
-    return do_explore(what == "explore");
-  }
-  if (what == "stop" || what == "go") {
-    return do_stop(what == "stop");
-  }
-  if (what == "save_maps") {
-    return do_save_maps();
-  }
-  return do_process(what, request);
+  return asked->execute();
 }
 
 Answer RemoteControl::do_goal(const Json& request) {
@@ -83,8 +101,13 @@ Answer RemoteControl::do_goal(const Json& request) {
   send_goal(true, *x_m, *y_m, *tolerance_m);
   const bool is_outside = map_m_ && !map_m_->contains(Eigen::Vector2d(*x_m, *y_m));
   return {.ok = true,
-          .text = goal_text(*x_m, *y_m) +
+          .text = fmt::format("Goal: x {:.2f} m, y {:.2f} m.", *x_m, *y_m) +
                   (is_outside ? " It lies outside of the map that is known so far." : "")};
+}
+
+Answer RemoteControl::do_roam() {
+  send_goal(false, 0.0, 0.0, kToleranceM);
+  return {.ok = true, .text = "Goal cancelled: the robot roams."};
 }
 
 Answer RemoteControl::do_stop(bool is_stopped) {
@@ -115,24 +138,16 @@ Answer RemoteControl::do_save_maps() {
   return {.ok = true, .text = "Maps are being saved."};
 }
 
-Answer RemoteControl::do_process(const std::string& what, const Json& request) {
-  using procman::Verb;
-  const std::string command = text_in(request, "command");
-  if (what == "start_process" || what == "start_recording" || what == "stop_process" ||
-      what == "stop_recording" || what == "restart_process" || what == "process_output") {
-    if (processes_ == nullptr) {
-      return {.ok = false, .text = "No control over processes: start the viewer with --procman."};
-    }
-    if (what == "process_output") {
-      return processes_->output(command);
-    }
-    const Verb verb = what.starts_with("start")  ? Verb::kStart
-                      : what.starts_with("stop") ? Verb::kStop
-                                                 : Verb::kRestart;
-    return what.ends_with("recording") ? processes_->change_recording(verb)
-                                       : processes_->change(verb, command);
-  }
-  return {.ok = false, .text = "Unknown request \"" + what + "\"."};
+Answer RemoteControl::do_process(procman::Verb verb, const std::string& command) {
+  return processes_ == nullptr ? no_control_over_processes() : processes_->change(verb, command);
+}
+
+Answer RemoteControl::do_recording(procman::Verb verb) {
+  return processes_ == nullptr ? no_control_over_processes() : processes_->change_recording(verb);
+}
+
+Answer RemoteControl::do_process_output(const std::string& command) {
+  return processes_ == nullptr ? no_control_over_processes() : processes_->output(command);
 }
 
 /// A message that releases the robot also ends our stop; otherwise two viewers would contradict

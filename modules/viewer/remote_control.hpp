@@ -50,10 +50,13 @@ class RemoteControl {
 
  private:
   Answer do_goal(const Json& request);
+  Answer do_roam();
+  Answer do_explore(bool is_active);
   Answer do_stop(bool is_stopped);
   Answer do_save_maps();
-  Answer do_explore(bool is_active);
-  Answer do_process(const std::string& what, const Json& request);
+  Answer do_process(procman::Verb verb, const std::string& command);
+  Answer do_recording(procman::Verb verb);
+  Answer do_process_output(const std::string& command);
   void on_stop(const nodmap::stop_t& message);
   void on_map(const nodmap::grid_chunk_t& tile);
   void send_goal(bool is_active, double x_m, double y_m, double tolerance_m);
