@@ -10,9 +10,9 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
-#include <ctime>
 #include <set>
 #include <stdexcept>
+#include <thread>
 #include <utility>
 
 #include "procman/deputy/child_process.hpp"
@@ -23,7 +23,8 @@ namespace {
 constexpr const char* kMarkVariable = "NODMAP_DEPUTY_CHILD";
 // A tree that forks while it is killed is killed again, at most this often.
 constexpr int kMaxRounds = 10;
-constexpr int kMaxEndRounds = 400;  // of 5 ms
+constexpr time::Duration kEndRound = 5ms;
+constexpr time::Duration kMaxEndTime = 2s;
 
 std::optional<std::string> own_variable(const std::string& name) {
   // NOLINTNEXTLINE(concurrency-mt-unsafe): the environment is never changed
@@ -71,8 +72,10 @@ std::string mark_of_process(const std::string& prefix, pid_t pid, std::uint64_t 
 
 }  // namespace
 
-Children::Children(const std::string& deputy_id, const std::string& own_folder)
-    : mark_prefix_(deputy_id + ":"),
+Children::Children(const std::string& deputy_id, const std::string& own_folder,
+                   OutputHandler on_output)
+    : on_output_(std::move(on_output)),
+      mark_prefix_(deputy_id + ":"),
       search_path_(own_folder + ":" + own_variable("PATH").value_or("/usr/bin:/bin")) {
   const std::optional<ProcessRow> self = read_process(::getpid());
   own_mark_ = mark_of_process(mark_prefix_, ::getpid(), self ? self->start_ticks : 0);
@@ -179,42 +182,40 @@ bool Children::is_gone(Run& run) const {
   return tree(run, table).empty() && (!is_unclear || was_looked_at);
 }
 
+/// Kills what is left of a tree. Returns whether nothing is left, or this has taken too long.
+bool Children::end_tree(Run& run, time::SteadyTime now) const {
+  if (is_gone(run) || now - run.ended >= kMaxSweepTime) {
+    return true;
+  }
+  kill_tree(run);
+  run.next_sweep = now + kSweepPeriod;
+  return false;
+}
+
 std::vector<Children::Ended> Children::reap(time::SteadyTime now) {
   collect_exits(now);
-  std::vector<Ended> ended;
+  std::vector<Ended> all;
   for (auto at = runs_.begin(); at != runs_.end();) {
-    Run& run = at->second;
-    if (!run.wait_status) {
+    auto& [id, run] = *at;
+    if (run.wait_status && now >= run.next_sweep && end_tree(run, now)) {
+      read_some(id, run);
+      all.push_back({id, *run.wait_status});
+      at = runs_.erase(at);
+    } else {
       ++at;
-      continue;
     }
-    if (now < run.next_sweep) {
-      ++at;
-      continue;
-    }
-    if (!is_gone(run) && now - run.ended < kMaxSweepTime) {
-      kill_tree(run);
-      run.next_sweep = now + kSweepPeriod;
-      ++at;
-      continue;
-    }
-    if (last_words_) {
-      read_some(at->first, run, last_words_);
-    }
-    ended.push_back({at->first, *run.wait_status});
-    at = runs_.erase(at);
   }
-  return ended;
+  return all;
 }
 
 /// Reads up to the limit. Returns whether there may be more.
-bool Children::read_some(const std::string& id, Run& run, const OutputHandler& handler) {
+bool Children::read_some(const std::string& id, Run& run) const {
   std::array<char, 4096> buffer{};
   std::size_t total = 0;
   while (total < kMaxReadBytes) {
     const ssize_t size = ::read(run.terminal.get(), buffer.data(), buffer.size());
     if (size > 0) {
-      handler(id, {buffer.data(), static_cast<std::size_t>(size)});
+      on_output_(id, {buffer.data(), static_cast<std::size_t>(size)});
       total += static_cast<std::size_t>(size);
     } else if (size < 0 && errno == EINTR) {
       continue;
@@ -226,10 +227,9 @@ bool Children::read_some(const std::string& id, Run& run, const OutputHandler& h
   return true;
 }
 
-void Children::read_output(const OutputHandler& handler, time::SteadyTime now) {
-  last_words_ = handler;
+void Children::read_output(time::SteadyTime now) {
   for (auto& [id, run] : runs_) {
-    if (!run.hung_up && now >= run.next_read && read_some(id, run, handler)) {
+    if (!run.hung_up && now >= run.next_read && read_some(id, run)) {
       run.next_read = now + kReadPeriod;
     }
   }
@@ -258,8 +258,7 @@ std::optional<time::SteadyTime> Children::due(time::SteadyTime now) const {
 }
 
 void Children::kill_everything() {
-  const timespec pause{0, 5'000'000};
-  for (int round = 0; round < kMaxEndRounds; ++round) {
+  for (time::Duration waited{}; waited < kMaxEndTime; waited += kEndRound) {
     while (::waitpid(-1, nullptr, WNOHANG) > 0) {
     }
     const std::vector<ProcessRow> table = read_processes();
@@ -271,7 +270,7 @@ void Children::kill_everything() {
     for (const pid_t pid : below) {
       ::kill(pid, SIGKILL);
     }
-    ::nanosleep(&pause, nullptr);
+    std::this_thread::sleep_for(kEndRound);
   }
 }
 

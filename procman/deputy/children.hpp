@@ -32,8 +32,11 @@ class Children : boost::noncopyable {
   static constexpr time::Duration kReadPeriod = 10ms;
   static constexpr std::size_t kMaxReadBytes = std::size_t{64} * 1024;
 
-  /// Prepends `own_folder` to the PATH of started programs.
-  Children(const std::string& deputy_id, const std::string& own_folder);
+  using OutputHandler = std::function<void(const std::string& id, std::string_view text)>;
+
+  /// Prepends `own_folder` to the PATH of started programs. `on_output` receives what the commands
+  /// write.
+  Children(const std::string& deputy_id, const std::string& own_folder, OutputHandler on_output);
   /// Kills everything, so that no process outlives the deputy.
   ~Children() { kill_everything(); }
 
@@ -48,13 +51,13 @@ class Children : boost::noncopyable {
     std::string id;
     int wait_status = 0;
   };
-  /// The commands that have ended since the last call. When the first process of a command ends,
-  /// the rest of its tree is killed; the command is reported when none of its processes is left.
+  /// The commands that have ended since the last call, after their last output was read. When the
+  /// first process of a command ends, the rest of its tree is killed; the command is reported when
+  /// none of its processes is left.
   [[nodiscard]] std::vector<Ended> reap(time::SteadyTime now);
 
-  using OutputHandler = std::function<void(const std::string& id, std::string_view text)>;
   /// Reads the output of all commands, within the limits.
-  void read_output(const OutputHandler& handler, time::SteadyTime now);
+  void read_output(time::SteadyTime now);
 
   /// Adds the descriptors to wait on for output.
   void add_to_poll(std::vector<pollfd>& waiting, time::SteadyTime now) const;
@@ -87,15 +90,16 @@ class Children : boost::noncopyable {
   [[nodiscard]] bool is_first_process(pid_t pid) const;
   [[nodiscard]] bool is_orphan(const ProcessRow& row) const;
   [[nodiscard]] bool is_gone(Run& run) const;
+  [[nodiscard]] bool end_tree(Run& run, time::SteadyTime now) const;
   [[nodiscard]] std::vector<pid_t> tree(const Run& run, std::span<const ProcessRow> table) const;
   void kill_tree(const Run& run) const;
-  static bool read_some(const std::string& id, Run& run, const OutputHandler& handler);
+  bool read_some(const std::string& id, Run& run) const;
 
+  OutputHandler on_output_;
   std::string mark_prefix_;  // of all deputies of this name
   std::string own_mark_;     // of this process
   std::string search_path_;
   std::map<std::string, Run> runs_;
-  OutputHandler last_words_;
   std::int64_t num_started_ = 0;
 };
 

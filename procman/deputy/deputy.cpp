@@ -45,7 +45,10 @@ class Deputy {
   explicit Deputy(const DeputySettings& settings)
       : settings_(settings),
         bus_(settings.lcm_url),
-        children_(settings.id, own_folder()),
+        children_(settings.id, own_folder(),
+                  [this](const std::string& id, std::string_view text) {
+                    output_.add(id, text, time::steady_now());
+                  }),
         supervisor_(settings.id, settings.trusts_orders),
         senders_(settings.id, (time::to_utime(clock_.now()) << 22U) + ::getpid()),
         status_("nodmap-deputy", bus_, counts_, clock_),
@@ -234,11 +237,7 @@ void Deputy::reload_config() {
 
 void Deputy::work() {
   const time::SteadyTime now = time::steady_now();
-  children_.read_output(
-      [this](const std::string& id, std::string_view text) {
-        output_.add(id, text, time::steady_now());
-      },
-      now);
+  children_.read_output(now);
   for (const Children::Ended& end : children_.reap(now)) {
     log_end(end);
     carry_out(supervisor_.ended(end.id, end.wait_status, now));

@@ -99,32 +99,24 @@ void OutputCollector::forget(const std::string& id) {
   }
 }
 
-/// Publishes the newest lines of streams that were held back long enough.
-void OutputCollector::release(time::SteadyTime now) {
-  for (auto at = streams_.begin(); at != streams_.end();) {
-    auto& [id, stream] = *at;
-    if (!stream.release || now < *stream.release) {
-      ++at;
-      continue;
-    }
-    const std::size_t passing = take_tokens(stream, stream.tail.size(), now);
-    if (passing < stream.tail.size()) {
-      stream.bucket.give_back(passing);
-      total_.give_back(passing);
-      stream.release = now + kHoldTime;
-      ++at;
-      continue;
-    }
-    if (stream.dropped_bytes > 0) {
-      append(id, (stream.is_line_open ? "\n[nodmap-deputy: " : "[nodmap-deputy: ") +
-                     std::to_string(std::exchange(stream.dropped_bytes, 0)) +
-                     " bytes of output dropped]\n");
-    }
-    stream.is_line_open = !stream.tail.ends_with('\n');
-    append(id, std::exchange(stream.tail, {}));
-    stream.release.reset();
-    at = stream.is_forgotten ? streams_.erase(at) : std::next(at);
+/// Publishes the newest lines of a stream that was held back, or holds them back for longer if
+/// there is no room for them.
+void OutputCollector::release(const std::string& id, Stream& stream, time::SteadyTime now) {
+  const std::size_t passing = take_tokens(stream, stream.tail.size(), now);
+  if (passing < stream.tail.size()) {
+    stream.bucket.give_back(passing);
+    total_.give_back(passing);
+    stream.release = now + kHoldTime;
+    return;
   }
+  if (stream.dropped_bytes > 0) {
+    append(id, (stream.is_line_open ? "\n[nodmap-deputy: " : "[nodmap-deputy: ") +
+                   std::to_string(std::exchange(stream.dropped_bytes, 0)) +
+                   " bytes of output dropped]\n");
+  }
+  stream.is_line_open = !stream.tail.ends_with('\n');
+  append(id, std::exchange(stream.tail, {}));
+  stream.release.reset();
 }
 
 void OutputCollector::append(const std::string& id, std::string_view text) {
@@ -144,7 +136,13 @@ void OutputCollector::append(const std::string& id, std::string_view text) {
 }
 
 std::vector<CommandOutput> OutputCollector::take(time::SteadyTime now) {
-  release(now);
+  for (auto& [id, stream] : streams_) {
+    if (stream.release && now >= *stream.release) {
+      release(id, stream, now);
+    }
+  }
+  std::erase_if(streams_,
+                [](const auto& item) { return item.second.is_forgotten && !item.second.release; });
   const bool is_prompt = pending_bytes_ > kPromptBytes && !is_rest_;
   if (pending_.empty() || (now - published_ < kPeriod && !is_prompt)) {
     return {};

@@ -90,7 +90,7 @@ class OutputCollector {
   void pass(const std::string& name, Stream& stream, std::string_view text, time::SteadyTime now);
   static std::size_t keep_newest(std::string& tail, std::string_view text);
   void hold(Stream& stream, std::string_view text);
-  void release(time::SteadyTime now);
+  void release(const std::string& id, Stream& stream, time::SteadyTime now);
   void append(const std::string& id, std::string_view text);
   [[nodiscard]] std::vector<CommandOutput> take_front(std::size_t room);
 
