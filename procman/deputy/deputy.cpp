@@ -228,10 +228,11 @@ void Deputy::reload_config() {
     log::get().error("{} (configuration unchanged)", describe(settings_.config_file, error));
   }
   if (parsed->errors.empty()) {
-    const bool names_any = allow(settings_, parsed->config);
+    settings_.permissions = Permissions(settings_.id, parsed->config);
     supervisor_.retry_refused(time::steady_now());
-    log::get().info("{} was reloaded{}", settings_.config_file,
-                    names_any ? "" : " but has no command for this deputy any more");
+    log::get().info(
+        "{} was reloaded{}", settings_.config_file,
+        settings_.permissions.is_empty() ? " but has no command for this deputy any more" : "");
   }
 }
 
@@ -324,15 +325,18 @@ node::Health Deputy::health(time::SteadyTime now) const {
 
 void Deputy::start(const StartCommand& action) {
   const time::SteadyTime now = time::steady_now();
-  if (!settings_.may_run(action.exec)) {
+  if (!settings_.permissions.may_run(action.exec)) {
     refusals_.add({"not_allowed", action.id + ": refused: " + action.exec}, now);
-    carry_out(supervisor_.refused(action.id, settings_.refusal, now));
+    carry_out(supervisor_.refused(action.id,
+                                  "nodmap-deputy: refused: " + settings_.config_file +
+                                      " does not contain this exec line for the deputy " +
+                                      settings_.id,
+                                  now));
     return;
   }
   try {
-    const Resources resources =
-        settings_.resources_of ? settings_.resources_of(action.id) : Resources{};
-    const pid_t pid = children_.start(action.id, action.exec, resources);
+    const pid_t pid =
+        children_.start(action.id, action.exec, settings_.permissions.resources_of(action.id));
     supervisor_.started(action.id, pid, now);
     log::get().info("{} started (pid {})", action.id, pid);
     info_changed_ = true;
@@ -368,11 +372,9 @@ void Deputy::publish_info() {
 /// bytes of its devices are not delayed either.
 void Deputy::raise_serial_workers() {
   const std::vector<CommandStatus> statuses = supervisor_.statuses();
-  const bool wanted = std::any_of(statuses.begin(), statuses.end(), [this](const auto& status) {
-    return status.pid != 0 && settings_.resources_of &&
-           settings_.resources_of(status.spec.id).realtime != 0;
-  });
-  serial_workers_.keep_raised(wanted);
+  serial_workers_.keep_raised(std::ranges::any_of(statuses, [this](const CommandStatus& status) {
+    return status.pid != 0 && settings_.permissions.resources_of(status.spec.id).realtime != 0;
+  }));
 }
 
 std::vector<pid_t> Deputy::pids() const {

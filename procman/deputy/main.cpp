@@ -61,17 +61,16 @@ DeputySettings settings_of(const Options& options) {
   DeputySettings settings;
   settings.id = deputy_id(options, config);
   if (options.trust_network) {
-    settings.may_run = [](const std::string&) { return true; };
+    settings.permissions = Permissions::everything();
     settings.trusts_orders = true;
     return settings;
   }
   settings.config_file = options.config;
-  if (!allow(settings, config)) {
+  settings.permissions = Permissions(settings.id, config);
+  if (settings.permissions.is_empty()) {
     throw node::UsageError(options.config + " has no command for the deputy " + settings.id +
                            " (--id)");
   }
-  settings.refusal = "nodmap-deputy: refused: " + options.config +
-                     " does not contain this exec line for the deputy " + settings.id;
   return settings;
 }
 
