@@ -72,16 +72,16 @@ time::Timestamp beginning_of(const std::string& sheriff_id) {
 
 }  // namespace
 
-const char* name_of(CommandState state) {
+const char* short_name_of(CommandState state) {
   switch (state) {
     case CommandState::kStarting:
-      return "Starting (Command Sent)";
+      return "Starting";
     case CommandState::kRunning:
       return "Running";
     case CommandState::kRestarting:
-      return "Restarting (Command Sent)";
+      return "Restarting";
     case CommandState::kStopping:
-      return "Stopping (Command Sent)";
+      return "Stopping";
     case CommandState::kStoppedOk:
       return "Stopped (OK)";
     case CommandState::kStoppedError:
@@ -89,6 +89,12 @@ const char* name_of(CommandState state) {
     default:
       return "Unknown";
   }
+}
+
+std::string name_of(CommandState state) {
+  const bool is_ordered = state == CommandState::kStarting || state == CommandState::kRestarting ||
+                          state == CommandState::kStopping;
+  return std::string(short_name_of(state)) + (is_ordered ? " (Command Sent)" : "");
 }
 
 // The same form as the existing sheriff's id: host, process, time.

@@ -25,8 +25,11 @@ enum class CommandState : std::uint8_t {
   kStoppedError,
 };
 
-/// The text for people, as in the existing sheriff: "Running", "Stopped (Error)", ...
-[[nodiscard]] const char* name_of(CommandState state);
+/// The text for people: "Running", "Starting", "Stopped (Error)", ...
+[[nodiscard]] const char* short_name_of(CommandState state);
+/// The same as in the existing sheriff: "Starting (Command Sent)" while a deputy carries out
+/// orders.
+[[nodiscard]] std::string name_of(CommandState state);
 
 /// The id of a sheriff in this process, without the start time at its end: "host:process:".
 [[nodiscard]] std::string sheriff_id_prefix();

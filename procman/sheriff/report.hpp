@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,11 +25,22 @@ struct ReportRow {
   std::int32_t pid = 0;
   double cpu_percent = 0.0;  ///< of the whole host
   double memory_mb = 0.0;
-  double uptime_s = 0.0;  ///< as its deputy reports it; else as observed by this sheriff
+  time::Duration uptime{};  ///< as its deputy reports it; else as observed by this sheriff
   std::int64_t restarts = 0;
-  std::string health;  ///< from STATUS; empty if none was received
+  std::optional<ProcessHealth> health;  ///< from the STATUS of the running process, if any
+  time::Duration silent{};              ///< how long ago that was received
   std::string last_output;
 };
+
+/// The state, and how the command has ended: "Stopped (Error), exit 3".
+[[nodiscard]] std::string state_sentence(const ReportRow& row);
+
+/// Whether the running process has stopped sending STATUS.
+[[nodiscard]] bool is_silent(const ReportRow& row);
+/// OK, DEGRADED, FAILED or SILENT; empty if no STATUS was received.
+[[nodiscard]] std::string health_word(const ReportRow& row);
+/// The same with its reason and figures.
+[[nodiscard]] std::string health_sentence(const ReportRow& row);
 
 /// The present state of all commands. `consoles`: their output.
 [[nodiscard]] std::vector<ReportRow> report(const Fleet& fleet, const HealthWatch& health,
@@ -46,14 +58,5 @@ struct ReportRow {
 [[nodiscard]] nlohmann::json to_json(const std::vector<ReportRow>& rows,
                                      const std::vector<std::string>& warnings, const Fleet& fleet,
                                      time::SteadyTime now);
-
-/// Makes text safe for a terminal: control characters and invalid UTF-8 become '?'.
-[[nodiscard]] std::string printable(const std::string& text);
-
-/// Formats a number with this many decimals.
-[[nodiscard]] std::string fixed(double value, int digits);
-
-/// Formats a duration: 5s, 2m3s, 1h4m.
-[[nodiscard]] std::string duration(double seconds);
 
 }  // namespace nodmap::procman

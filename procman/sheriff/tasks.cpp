@@ -10,6 +10,7 @@
 #include "common/node/log.hpp"
 #include "common/node/program.hpp"
 #include "common/params/suggestion.hpp"
+#include "procman/sheriff/printable.hpp"
 #include "procman/sheriff/script_runner.hpp"
 
 namespace nodmap::procman {

@@ -2,7 +2,10 @@
 #include "procman/sheriff/view.hpp"
 
 #include <algorithm>
-#include <array>
+#include <string>
+
+#include "procman/sheriff/printable.hpp"
+#include "procman/sheriff/table.hpp"
 
 namespace nodmap::procman {
 namespace {
@@ -12,86 +15,31 @@ constexpr std::size_t kMinPaneLines = 4;
 const std::string kKeysLine =
     "up/down PgUp/PgDn  s start  t stop  r restart  S T R its group  q quit";
 
-enum class Side : std::uint8_t { kLeft, kRight };
-struct Column {
-  const char* title;
-  Side side;
+std::string name_cell(const ReportRow& row) {
+  return "  " + printable(row.id);
+}
+
+std::string state_cell(const ReportRow& row) {
+  return short_name_of(row.state);
+}
+
+constexpr Column kColumns[] = {
+    {"COMMAND", Side::kLeft, name_cell},       {"HOST", Side::kLeft, host_cell},
+    {"STATE", Side::kLeft, state_cell},        {"HEALTH", Side::kLeft, health_word},
+    {"PID", Side::kRight, pid_cell},           {"CPU%", Side::kRight, cpu_cell},
+    {"MB", Side::kRight, memory_cell},         {"UP", Side::kRight, uptime_cell},
+    {"RESTARTS", Side::kRight, restarts_cell}, {"LAST OUTPUT", Side::kLeft, output_cell},
 };
-constexpr std::array<Column, 10> kColumns{{{"COMMAND", Side::kLeft},
-                                           {"HOST", Side::kLeft},
-                                           {"STATE", Side::kLeft},
-                                           {"HEALTH", Side::kLeft},
-                                           {"PID", Side::kRight},
-                                           {"CPU%", Side::kRight},
-                                           {"MB", Side::kRight},
-                                           {"UP", Side::kRight},
-                                           {"RESTARTS", Side::kRight},
-                                           {"LAST OUTPUT", Side::kLeft}}};
-using Cells = std::array<std::string, kColumns.size()>;
-
-std::size_t width_of(const std::string& text) {
-  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
-    return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;  // not a continuation byte
-  }));
-}
-
-/// The first `width` characters. `text` is printable().
-std::string fitted(const std::string& text, std::size_t width) {
-  std::size_t at = 0;
-  std::size_t count = 0;
-  for (; at < text.size(); ++at) {
-    count += (static_cast<unsigned char>(text[at]) & 0xC0U) != 0x80U ? 1 : 0;
-    if (count > width) {
-      break;
-    }
-  }
-  return text.substr(0, at);
-}
-
-Cells cells_of(const ReportRow& row) {
-  const bool runs = row.pid != 0;
-  std::string state = name_of(row.state);
-  state = state.substr(0, state.find(" (Command Sent)"));
-  return {"  " + printable(row.id),
-          printable(row.deputy),
-          std::move(state),
-          runs ? row.health.substr(0, row.health.find_first_of(": ")) : "",
-          runs ? std::to_string(row.pid) : "",
-          runs ? fixed(row.cpu_percent, 1) : "",
-          runs ? fixed(row.memory_mb, 1) : "",
-          runs ? duration(row.uptime_s) : "",
-          row.restarts > 0 ? std::to_string(row.restarts) : "",
-          row.last_output};
-}
-
-/// Joins the cells of each row; each column is as wide as its widest cell.
-std::vector<std::string> aligned(const std::vector<Cells>& table) {
-  std::array<std::size_t, kColumns.size()> widths{};
-  for (const Cells& cells : table) {
-    for (std::size_t i = 0; i < cells.size(); ++i) {
-      widths.at(i) = std::max(widths.at(i), width_of(cells.at(i)));
-    }
-  }
-  std::vector<std::string> lines;
-  for (const Cells& cells : table) {
-    std::string line;
-    for (std::size_t i = 0; i < cells.size(); ++i) {
-      const std::string gap(widths.at(i) - width_of(cells.at(i)), ' ');
-      line += kColumns.at(i).side == Side::kLeft ? cells.at(i) + gap : gap + cells.at(i);
-      line += ' ';
-    }
-    lines.push_back(std::move(line));
-  }
-  return lines;
-}
 
 Tone tone_of(const ReportRow& row) {
-  const bool runs = row.pid != 0;
-  if (row.state == CommandState::kStoppedError || (runs && row.health.starts_with("FAILED"))) {
+  const auto says = [&row](ProcessHealth::State state) {
+    return row.health && !is_silent(row) && row.health->state == state;
+  };
+  if (row.state == CommandState::kStoppedError || says(ProcessHealth::State::kFailed)) {
     return Tone::kAlarm;
   }
   const bool is_well = row.state == CommandState::kRunning || row.state == CommandState::kStoppedOk;
-  const bool says_well = !runs || row.health.empty() || row.health.starts_with("OK");
+  const bool says_well = !row.health || says(ProcessHealth::State::kOk);
   return is_well && says_well ? Tone::kPlain : Tone::kWarning;
 }
 
@@ -99,11 +47,7 @@ Tone tone_of(const ReportRow& row) {
 /// the selected one.
 std::vector<ViewLine> table_of(const std::vector<ReportRow>& rows, std::size_t selected,
                                std::size_t& selected_line) {
-  std::vector<Cells> table{{}};
-  std::transform(kColumns.begin(), kColumns.end(), table.front().begin(),
-                 [](const Column& column) { return column.title; });
-  std::transform(rows.begin(), rows.end(), std::back_inserter(table), cells_of);
-  const std::vector<std::string> lines = aligned(table);
+  const std::vector<std::string> lines = aligned(kColumns, rows, " ");
   std::vector<ViewLine> view;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (!rows[i].group.empty() && (i == 0 || rows[i].group != rows[i - 1].group)) {
@@ -143,10 +87,7 @@ std::vector<ViewLine> pane_of(const ReportRow& row, const Console* console, std:
   if (room == 0) {
     return {};
   }
-  std::string about = "--- " + printable(row.id) + ": " + name_of(row.state);
-  about += row.end.empty() ? "" : ", " + row.end;
-  about += row.pid == 0 || row.health.empty() ? "" : "; " + row.health;
-  std::vector<ViewLine> pane{{about, Tone::kStrong}};
+  std::vector<ViewLine> pane{{"--- " + printable(row.id), Tone::kStrong}};
   if (console != nullptr) {
     const auto& lines = console->lines();
     const std::size_t first_end = std::min(lines.size(), room - 1);  // scrolled to the start
@@ -155,9 +96,11 @@ std::vector<ViewLine> pane_of(const ReportRow& row, const Console* console, std:
       pane.push_back({printable(lines[i])});
     }
     if (end < lines.size()) {
-      pane.front().text += "; " + std::to_string(lines.size() - end) + " lines below";
+      pane.front().text += ", " + std::to_string(lines.size() - end) + " lines below";
     }
   }
+  pane.front().text += ": " + state_sentence(row);
+  pane.front().text += row.health ? "; " + health_sentence(row) : "";
   pane.resize(room);
   return pane;
 }

@@ -7,6 +7,7 @@
 #include "common/node/log.hpp"
 #include "common/node/program.hpp"
 #include "procman/config/config_watch.hpp"
+#include "procman/sheriff/printable.hpp"
 #include "procman/sheriff/script_runner.hpp"
 #include "procman/sheriff/tasks.hpp"
 #include "procman/sheriff/terminal.hpp"
@@ -321,10 +322,7 @@ void Watch::order(Key key, const std::vector<ReportRow>& rows) {
 
 void Watch::print_changes() {
   for (const ReportRow& row : sheriff_.report()) {
-    std::string state = name_of(row.state);
-    if (!row.end.empty()) {
-      state += ", " + row.end;
-    }
+    const std::string state = state_sentence(row);
     std::string& printed = printed_[row.id];
     if (printed != state) {
       printed = state;

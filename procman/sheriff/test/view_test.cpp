@@ -6,6 +6,8 @@
 
 #include <algorithm>
 
+#include "procman/sheriff/printable.hpp"
+
 namespace nodmap::procman {
 namespace view_test {
 
@@ -21,9 +23,12 @@ ReportRow running(const std::string& id, const std::string& group) {
   row.pid = 4242;
   row.cpu_percent = 12.5;
   row.memory_mb = 30.25;
-  row.uptime_s = 3725;
+  row.uptime = 3725s;
   row.restarts = 2;
-  row.health = "DEGRADED: no scans (75/s, p50 100 us)";
+  row.health = ProcessHealth{.state = ProcessHealth::State::kDegraded,
+                             .reason = "no scans",
+                             .handled_per_s = 75.0,
+                             .latency_p50_us = 100.0};
   row.last_output = "said last";
   return row;
 }
@@ -52,7 +57,7 @@ TEST(View, ShowsAllColumnsOfARunningCommandIn80Characters) {
     EXPECT_THAT(selected.text, HasSubstr(part));
   }
   EXPECT_EQ(count(view, "10.drivers"), 1) << "a group's name is shown once";
-  EXPECT_EQ(count(view, "--- laser3d: Running; DEGRADED: no scans (75/s, p50 100 us)"), 1);
+  EXPECT_EQ(count(view, "--- laser3d: Running; DEGRADED: no scans (75/s, p50 100 us,"), 1);
   EXPECT_EQ(view[21].text, "message");
   EXPECT_THAT(view[23].text, HasSubstr("q quit"));
 }
@@ -126,9 +131,10 @@ TEST(View, TruncatesLinesBetweenCharactersOnly) {
 
 TEST(View, FailedAndStoppedCommandsAreHighlighted) {
   auto rows = robot();
-  rows[0].health = "OK (100/s)";
-  rows[1].health = "FAILED: no device";
+  rows[0].health = ProcessHealth{};
+  rows[1].health = ProcessHealth{.state = ProcessHealth::State::kFailed, .reason = "no device"};
   rows[2].pid = 0;
+  rows[2].health.reset();
   rows[2].state = CommandState::kStoppedError;
   rows[2].end = "exit 3";
   const auto view = to_view(rows, nullptr, {3, "", ""}, 80, 24);
