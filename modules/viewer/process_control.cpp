@@ -10,7 +10,6 @@ namespace nodmap::viewer {
 namespace {
 
 using procman::Verb;
-using procman::Wanted;
 
 const char* name_of(Verb verb) {
   return verb == Verb::kStart ? "start" : verb == Verb::kStop ? "stop" : "restart";
@@ -110,7 +109,7 @@ Answer ProcessControl::change(Verb verb, const std::string& command) {
     begin(now);
   }
   fleet_->order(verb, command);
-  open_[command] = verb == Verb::kStop ? Wanted::kStopped : Wanted::kRunning;
+  open_[command] = verb;
   leave_ = std::max(leave_, now.steady + kPatience + 1s * found->stop_time_allowed_s);
   give_orders(now);
   return {.ok = true, .text = command + ": " + name_of(verb) + " asked."};
@@ -131,7 +130,9 @@ void ProcessControl::turn() {
   }
   const time::Moment now = clock_();
   std::erase_if(open_, [&](const auto& wish) {
-    return fleet_->has_reached(wish.first, wish.second, now.steady);
+    const auto& [command, verb] = wish;
+    return verb == Verb::kStop ? fleet_->is_stopped(command, now.steady)
+                               : fleet_->is_running(command, now.steady);
   });
   if (open_.empty() || now.steady >= leave_) {
     procman::publish_discovery(bus_, *fleet_, now.wall);

@@ -68,8 +68,8 @@ class ProcessControl {
   procman::DeputyReports deputies_;                   // of the configuration
   std::map<std::string, procman::Console> consoles_;  // by command, ours only
   procman::OtherSheriffs other_sheriffs_;
-  std::optional<procman::Fleet> fleet_;  // while we are a sheriff
-  std::map<std::string, procman::Wanted> open_;
+  std::optional<procman::Fleet> fleet_;        // while we are a sheriff
+  std::map<std::string, procman::Verb> open_;  // the requests that are not fulfilled, by command
   time::SteadyTime leave_{};
   time::SteadyTime orders_due_{};
 };

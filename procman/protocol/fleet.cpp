@@ -45,6 +45,13 @@ bool will_respawn(const CommandStatus& status) {
          !may_be_a_stop(status.wait_status, status.spec.stop_signal);
 }
 
+/// The item of a command, const if the items are; null if there is none.
+auto* find_in(auto& items, const std::string& id) {
+  const auto found =
+      std::ranges::find_if(items, [&id](const Fleet::Item& item) { return item.spec.id == id; });
+  return found == items.end() ? nullptr : &*found;
+}
+
 /// Whether a deputy reports a command.
 bool lists(const DeputyInfo& info, const std::string& id) {
   return std::ranges::any_of(info.commands,
@@ -158,13 +165,7 @@ Fleet::Item Fleet::configure(std::optional<Item> before, const Command& command,
 }
 
 const Fleet::Item* Fleet::find(const std::string& id) const {
-  const auto found = std::find_if(items_.begin(), items_.end(),
-                                  [&id](const Item& item) { return item.spec.id == id; });
-  return found == items_.end() ? nullptr : &*found;
-}
-
-Fleet::Item* Fleet::find_mutable(const std::string& id) {
-  return const_cast<Item*>(std::as_const(*this).find(id));  // NOLINT: ours, and not const
+  return find_in(items_, id);
 }
 
 void Fleet::order(Verb verb, const std::string& id) {
@@ -182,7 +183,7 @@ void Fleet::order(Verb verb, const std::string& id) {
 }
 
 void Fleet::start(const std::string& id) {
-  Item* item = find_mutable(id);
+  Item* item = find_in(items_, id);
   if (item == nullptr) {
     return;
   }
@@ -196,13 +197,13 @@ void Fleet::start(const std::string& id) {
 }
 
 void Fleet::stop(const std::string& id) {
-  if (Item* item = find_mutable(id)) {
+  if (Item* item = find_in(items_, id)) {
     item->force_quit = item->stop_ordered = true;
   }
 }
 
 void Fleet::restart(const std::string& id) {
-  if (Item* item = find_mutable(id)) {
+  if (Item* item = find_in(items_, id)) {
     begin_run(*item);
   }
 }
@@ -238,7 +239,7 @@ bool Fleet::take_info(const DeputyInfo& info, time::SteadyTime now, const bus::S
 
 /// The item of a command that a deputy reports; null if it is unknown and there are too many.
 Fleet::Item* Fleet::find_or_add(const CommandSpec& spec, const std::string& deputy) {
-  Item* item = find_mutable(spec.id);
+  Item* item = find_in(items_, spec.id);
   if (item == nullptr && items_.size() < kMaxItems) {
     item = &items_.emplace_back();
     item->spec = spec;
@@ -298,7 +299,7 @@ void Fleet::take_runs(const Runs& runs, time::SteadyTime now, const bus::Sender&
     return;
   }
   for (const CommandRun& run : runs.runs) {
-    Item* item = find_mutable(run.command_id);
+    Item* item = find_in(items_, run.command_id);
     if (item != nullptr && item->deputy == runs.deputy_id) {
       item->reported_run = Run{run.pid, now - run.uptime, run.num_restarts};
     }
@@ -353,11 +354,12 @@ CommandState Fleet::state_of(const std::string& id, time::SteadyTime now) const 
   return is_good ? CommandState::kStoppedOk : CommandState::kStoppedError;
 }
 
-bool Fleet::has_reached(const std::string& id, Wanted wanted, time::SteadyTime now) const {
+bool Fleet::is_running(const std::string& id, time::SteadyTime now) const {
+  return state_of(id, now) == CommandState::kRunning;
+}
+
+bool Fleet::is_stopped(const std::string& id, time::SteadyTime now) const {
   const CommandState state = state_of(id, now);
-  if (wanted == Wanted::kRunning) {
-    return state == CommandState::kRunning;
-  }
   return state == CommandState::kStoppedOk || state == CommandState::kStoppedError;
 }
 

@@ -101,8 +101,8 @@ class Fleet {
                                                  time::Timestamp stamp) const;
 
   [[nodiscard]] CommandState state_of(const std::string& id, time::SteadyTime now) const;
-  /// Whether a command has reached the state that a script waits for.
-  [[nodiscard]] bool has_reached(const std::string& id, Wanted wanted, time::SteadyTime now) const;
+  [[nodiscard]] bool is_running(const std::string& id, time::SteadyTime now) const;
+  [[nodiscard]] bool is_stopped(const std::string& id, time::SteadyTime now) const;
 
   /// The other sheriffs that give orders to our deputies.
   [[nodiscard]] const OtherSheriffs& other_sheriffs() const { return other_sheriffs_; }
@@ -124,7 +124,6 @@ class Fleet {
   [[nodiscard]] static Run run_of(const Item& item);
 
  private:
-  [[nodiscard]] Item* find_mutable(const std::string& id);
   [[nodiscard]] Item* find_or_add(const CommandSpec& spec, const std::string& deputy);
   [[nodiscard]] static std::optional<Item> take_item(std::vector<Item>& items,
                                                      const Command& command);

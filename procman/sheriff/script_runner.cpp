@@ -50,14 +50,6 @@ void give_order(Fleet& fleet, const Config& config, Verb verb, const Target& tar
   }
 }
 
-bool has_reached(const Fleet& fleet, const Config& config, const Target& target, Wanted wanted,
-                 time::SteadyTime now) {
-  const auto commands = config.commands_of(target);
-  return std::all_of(commands.begin(), commands.end(), [&](const Command* command) {
-    return fleet.has_reached(command->id, wanted, now);
-  });
-}
-
 ScriptRunner::ScriptRunner(const Config& config, const Script& script, HealthTest is_healthy)
     : config_(config), is_healthy_(std::move(is_healthy)) {
   append(script);
@@ -123,13 +115,16 @@ bool ScriptRunner::is_done(const Action& action, const Fleet& fleet, time::Stead
 
 bool ScriptRunner::has_arrived(const WaitStatus& wait, const Fleet& fleet,
                                time::SteadyTime now) const {
-  if (wait.status != Wanted::kHealthy) {
-    return has_reached(fleet, config_, wait.target, wait.status, now);
-  }
-  const auto commands = config_.commands_of(wait.target);
-  return has_reached(fleet, config_, wait.target, Wanted::kRunning, now) &&
-         std::all_of(commands.begin(), commands.end(),
-                     [this](const Command* command) { return is_healthy_(command->id); });
+  return std::ranges::all_of(config_.commands_of(wait.target), [&](const Command* command) {
+    switch (wait.status) {
+      case Wanted::kStopped:
+        return fleet.is_stopped(command->id, now);
+      case Wanted::kRunning:
+        return fleet.is_running(command->id, now);
+      default:
+        return fleet.is_running(command->id, now) && is_healthy_(command->id);
+    }
+  });
 }
 
 /// The commands that have ended with an error and are not respawned, and how they ended.

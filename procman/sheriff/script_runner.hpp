@@ -17,10 +17,6 @@ namespace nodmap::procman {
 /// Starts, stops or restarts all commands of a target.
 void give_order(Fleet& fleet, const Config& config, Verb verb, const Target& target);
 
-/// Whether all commands of a target have reached a status.
-[[nodiscard]] bool has_reached(const Fleet& fleet, const Config& config, const Target& target,
-                               Wanted wanted, time::SteadyTime now);
-
 /// Runs a script of a configuration, action by action. A wait has no timeout, as in the existing
 /// tools. But the script fails when what it waits for cannot happen any more, and when a command
 /// that it has started does not keep running.

@@ -83,7 +83,7 @@ bool is_settled(const Fleet& fleet, const Command& command, Verb verb) {
   const time::SteadyTime now = Sheriff::now();
   const CommandState state = fleet.state_of(command.id, now);
   if (verb == Verb::kStop) {
-    return fleet.has_reached(command.id, Wanted::kStopped, now);
+    return fleet.is_stopped(command.id, now);
   }
   const bool has_lasted = now - fleet.find(command.id)->running_since >= kSettleTime;
   return (state == CommandState::kRunning && has_lasted) || state == CommandState::kStoppedOk ||

@@ -259,7 +259,7 @@ TEST_F(FleetTest, CommandsOfASilentHostAreUnknown) {
   EXPECT_EQ(state("a"), "Running");
   now_ += 1us;
   EXPECT_EQ(state("a"), "Unknown");
-  EXPECT_FALSE(fleet_.has_reached("a", Wanted::kStopped, now_));
+  EXPECT_FALSE(fleet_.is_stopped("a", now_));
 }
 
 TEST_F(FleetTest, ACommandOfTheSameNameOnAnotherHostIsIgnored) {

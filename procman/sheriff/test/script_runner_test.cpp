@@ -89,7 +89,7 @@ TEST_F(ScriptRunnerTest, ContinuesWhenAConditionThatItWaitsForIsMet) {
   runner.step(fleet_, now_);
   EXPECT_EQ(runner.waiting_for(), "a moment") << "in the inner script";
   obey({"c"});
-  EXPECT_TRUE(fleet_.has_reached("c", Wanted::kRunning, now_));
+  EXPECT_TRUE(fleet_.is_running("c", now_));
   now_ += 100ms - 1us;
   runner.step(fleet_, now_);
   EXPECT_EQ(runner.waiting_for(), "a moment");
