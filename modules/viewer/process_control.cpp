@@ -11,10 +11,6 @@ namespace {
 
 using procman::Verb;
 
-const char* name_of(Verb verb) {
-  return verb == Verb::kStart ? "start" : verb == Verb::kStop ? "stop" : "restart";
-}
-
 Answer no_such_command(const std::string& command) {
   return {.ok = false, .text = "There is no command \"" + command + "\"."};
 }
@@ -112,7 +108,7 @@ Answer ProcessControl::change(Verb verb, const std::string& command) {
   open_[command] = verb;
   leave_ = std::max(leave_, now.steady + kPatience + 1s * found->stop_time_allowed_s);
   give_orders(now);
-  return {.ok = true, .text = command + ": " + name_of(verb) + " asked."};
+  return {.ok = true, .text = command + ": " + procman::name_of(verb) + " asked."};
 }
 
 Answer ProcessControl::change_recording(Verb verb) {

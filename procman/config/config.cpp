@@ -54,6 +54,10 @@ std::string fault_of(const Config& config, const Action& action) {
 
 }  // namespace
 
+const char* name_of(Verb verb) {
+  return verb == Verb::kStart ? "start" : verb == Verb::kStop ? "stop" : "restart";
+}
+
 const Command* Config::find_command(std::string_view id) const {
   const auto found = std::find_if(commands.begin(), commands.end(),
                                   [id](const Command& command) { return command.id == id; });

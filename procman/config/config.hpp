@@ -64,6 +64,8 @@ struct Target {
 enum class Wanted : std::uint8_t { kRunning, kStopped, kHealthy };
 enum class Verb : std::uint8_t { kStart, kStop, kRestart };
 
+[[nodiscard]] const char* name_of(Verb verb);  ///< start, stop, restart
+
 struct Order {
   Verb verb = Verb::kStart;
   Target target;

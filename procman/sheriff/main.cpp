@@ -14,6 +14,7 @@
 #include "procman/sheriff/lone_deputies.hpp"
 #include "procman/sheriff/tasks.hpp"
 #include "procman/sheriff/terminal.hpp"
+#include "procman/sheriff/watch.hpp"
 
 namespace nodmap::procman {
 namespace {

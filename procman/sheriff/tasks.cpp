@@ -51,6 +51,14 @@ std::set<std::string> deputies_of(const std::vector<const Command*>& commands) {
   return all;
 }
 
+std::vector<std::string> command_names(const Config& config) {
+  std::vector<std::string> names;
+  for (const Command& command : config.commands) {
+    names.push_back(command.id);
+  }
+  return names;
+}
+
 /// Whether no other sheriff gives orders. Two sheriffs would give contradictory orders, so the
 /// second one ends.
 bool is_alone(Sheriff& sheriff) {
@@ -77,8 +85,8 @@ time::Duration patience(Verb verb, const std::vector<const Command*>& commands) 
   return time::from_seconds(seconds);
 }
 
-/// Whether a command has reached the state of the verb. A started command that has ended without
-/// error counts as well.
+/// Whether nothing more will happen: the command has run for kSettleTime, or has ended, well or
+/// not.
 bool is_settled(const Fleet& fleet, const Command& command, Verb verb) {
   const time::SteadyTime now = Sheriff::now();
   const CommandState state = fleet.state_of(command.id, now);
@@ -90,6 +98,7 @@ bool is_settled(const Fleet& fleet, const Command& command, Verb verb) {
          state == CommandState::kStoppedError;
 }
 
+/// Whether the verb has succeeded. A started command that has ended without error counts as well.
 bool is_as_wanted(const Fleet& fleet, const Command& command, Verb verb) {
   const CommandState state = fleet.state_of(command.id, Sheriff::now());
   return verb == Verb::kStop ? is_settled(fleet, command, verb)
@@ -119,18 +128,6 @@ int print_config(const std::string& file, const Config& config) {
   }
   return kDone;
 }
-
-namespace {
-
-std::vector<std::string> command_names(const Config& config) {
-  std::vector<std::string> names;
-  for (const Command& command : config.commands) {
-    names.push_back(command.id);
-  }
-  return names;
-}
-
-}  // namespace
 
 int print_status(Sheriff& sheriff, bool as_json) {
   const auto missing = missing_deputies(sheriff, deputies_of(sheriff.config().commands_of({})));

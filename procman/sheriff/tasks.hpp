@@ -3,7 +3,6 @@
 #pragma once
 
 #include <chrono>
-#include <optional>
 #include <string>
 
 #include "procman/config/config.hpp"
@@ -38,19 +37,5 @@ int change(Sheriff& sheriff, Verb verb, const std::string& name);
 
 /// Prints the output of a command until interrupted.
 int follow_output(Sheriff& sheriff, const std::string& command);
-
-enum class AfterScript : std::uint8_t { kExit, kStay, kObserve };
-
-struct WatchOptions {
-  const Script* script = nullptr;  ///< null: only watch
-  AfterScript after_script = AfterScript::kStay;
-  std::optional<double> timeout_s;  ///< for the script
-  bool observe = false;             ///< only observe; give no orders
-  std::string config_file;          ///< reloaded when it is edited
-};
-
-/// Runs a script and applies the health rules: in the live view on a terminal, else with a line on
-/// stdout for each change.
-int watch(Sheriff& sheriff, const WatchOptions& options);
 
 }  // namespace nodmap::procman

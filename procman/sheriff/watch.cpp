@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "procman/sheriff/watch.hpp"
+
 #include <algorithm>
 #include <array>
 #include <iostream>
@@ -24,16 +26,21 @@ constexpr time::Duration kReminderPeriod = 5s;
 struct KeyOrder {
   Key key;
   Verb verb;
-  const char* word;
-  bool whole_group;
+  bool is_for_group;
 };
-constexpr std::array<KeyOrder, 6> kKeyOrders{
-    {{Key::kStart, Verb::kStart, "start ", false},
-     {Key::kStop, Verb::kStop, "stop ", false},
-     {Key::kRestart, Verb::kRestart, "restart ", false},
-     {Key::kStartGroup, Verb::kStart, "start ", true},
-     {Key::kStopGroup, Verb::kStop, "stop ", true},
-     {Key::kRestartGroup, Verb::kRestart, "restart ", true}}};
+constexpr std::array<KeyOrder, 6> kKeyOrders{{{Key::kStart, Verb::kStart, false},
+                                              {Key::kStop, Verb::kStop, false},
+                                              {Key::kRestart, Verb::kRestart, false},
+                                              {Key::kStartGroup, Verb::kStart, true},
+                                              {Key::kStopGroup, Verb::kStop, true},
+                                              {Key::kRestartGroup, Verb::kRestart, true}}};
+
+enum class Role : std::uint8_t {
+  kLooking,    // for other sheriffs, and gives no orders yet
+  kInCommand,  // gives orders
+  kYielded,    // to another sheriff, until that has ended
+  kObserver,
+};
 
 /// A sheriff that keeps running: script, health rules, detection of another sheriff; with a live
 /// view or line by line.
@@ -50,7 +57,7 @@ class Watch {
       terminal_ = std::make_unique<Terminal>();
     }
     begin_ = reminded_ = Sheriff::now();
-    is_looking_ = !options.observe;
+    role_ = options.observe ? Role::kObserver : Role::kLooking;
   }
 
   int run() {
@@ -76,6 +83,7 @@ class Watch {
   [[nodiscard]] int code_of_stop() const;
   void reload_config();
   void look_for_other_sheriff();
+  void take_command();
   void yield_to(const std::string& other);
   void warn();
   void notify(const std::string& text);
@@ -96,11 +104,10 @@ class Watch {
   ViewState view_;
   std::map<std::string, std::string> printed_;
   std::optional<int> exit_code_;
-  bool is_looking_ = false;  // for other sheriffs, and gives no orders yet
+  Role role_ = Role::kObserver;
   time::SteadyTime begin_{};
   time::SteadyTime reminded_{};
-  bool has_failed_ = false;  // the script has failed
-  bool has_yielded_ = false;
+  bool has_failed_ = false;            // the script has failed
   bool knows_other_ = false;           // it was reported that another one gives orders as well
   std::vector<std::string> warnings_;  // that were reported
 };
@@ -146,7 +153,7 @@ void Watch::begin_script_of(Key key) {
 
 void Watch::step_script() {
   const time::SteadyTime now = Sheriff::now();
-  if (!runner_ || runner_->is_over() || sheriff_.is_observer()) {
+  if (!runner_ || runner_->is_over() || role_ != Role::kInCommand) {
     return;
   }
   const std::string waited_for = runner_->waiting_for();
@@ -181,6 +188,7 @@ void Watch::end_script() {
   if (options_.after_script == AfterScript::kExit) {
     exit_code_ = has_failed_ ? kFailed : kDone;
   } else if (options_.after_script == AfterScript::kObserve) {
+    role_ = Role::kObserver;
     sheriff_.observe();
   }
 }
@@ -216,26 +224,30 @@ void Watch::reload_config() {
 void Watch::look_for_other_sheriff() {
   const time::SteadyTime now = Sheriff::now();
   const auto other = sheriff_.fleet().other_sheriffs().running(now);
-  if (other && (is_looking_ || (!sheriff_.is_observer() && sheriff_.fleet().must_yield(now)))) {
+  if (role_ == Role::kLooking && other) {
     yield_to(*other);
-  } else if (is_looking_ && !is_looking_for_others(sheriff_.fleet(), begin_, now)) {
-    is_looking_ = false;
-    sheriff_.command();
-  } else if (has_yielded_ && !other) {
-    has_yielded_ = false;
-    sheriff_.command();
-    notify("the other sheriff has ended: giving orders again");
-  } else if (!sheriff_.is_observer() && other.has_value() != knows_other_) {
+  } else if (role_ == Role::kLooking && !is_looking_for_others(sheriff_.fleet(), begin_, now)) {
+    take_command();
+  } else if (role_ == Role::kInCommand && other && sheriff_.fleet().must_yield(now)) {
+    yield_to(*other);
+  } else if (role_ == Role::kInCommand && other.has_value() != knows_other_) {
     knows_other_ = other.has_value();
     notify(other ? "the sheriff " + *other + " gives orders here as well: two sheriffs"
                  : "no other sheriff gives orders any more");
+  } else if (role_ == Role::kYielded && !other) {
+    take_command();
+    notify("the other sheriff has ended: giving orders again");
   }
+}
+
+void Watch::take_command() {
+  role_ = Role::kInCommand;
+  sheriff_.command();
 }
 
 /// A sheriff that has given orders takes the command again when the other one has ended.
 void Watch::yield_to(const std::string& other) {
-  has_yielded_ = !is_looking_;
-  is_looking_ = false;
+  role_ = role_ == Role::kInCommand ? Role::kYielded : Role::kObserver;
   sheriff_.observe();
   notify("the sheriff " + other + " gives orders here: observing only");
   if (runner_ && !runner_->is_over()) {
@@ -245,9 +257,9 @@ void Watch::yield_to(const std::string& other) {
 
 std::string Watch::title() const {
   std::string title = "nodmap-sheriff";
-  if (is_looking_) {
+  if (role_ == Role::kLooking) {
     title += ": looking for other sheriffs";
-  } else if (sheriff_.is_observer()) {
+  } else if (role_ != Role::kInCommand) {
     title += ": observing only";
   }
   if (runner_ && !runner_->is_over()) {
@@ -285,8 +297,9 @@ void Watch::press(Key key, const std::vector<ReportRow>& rows) {
     scroll(key, rows);
   } else if (key == Key::kQuit) {
     exit_code_ = kDone;
-  } else if (sheriff_.is_observer()) {
-    notify(is_looking_ ? "not yet: looking for other sheriffs" : "observing only: no orders");
+  } else if (role_ != Role::kInCommand) {
+    notify(role_ == Role::kLooking ? "not yet: looking for other sheriffs"
+                                   : "observing only: no orders");
   } else if (key >= Key::kFirstScript && key <= Key::kLastScript) {
     begin_script_of(key);
   } else if (!rows.empty()) {
@@ -310,14 +323,14 @@ void Watch::order(Key key, const std::vector<ReportRow>& rows) {
     return;
   }
   const ReportRow& selected = rows[view_.selected];
-  const bool is_for_group = asked->whole_group && !selected.group.empty();
+  const bool is_for_group = asked->is_for_group && !selected.group.empty();
   for (const ReportRow& row : rows) {
     if (is_for_group ? is_in_group(row.group, selected.group) : row.id == selected.id) {
       sheriff_.fleet().order(asked->verb, row.id);
     }
   }
   sheriff_.give_orders();
-  notify(asked->word + (is_for_group ? selected.group : selected.id));
+  notify(name_of(asked->verb) + std::string(" ") + (is_for_group ? selected.group : selected.id));
 }
 
 void Watch::print_changes() {
