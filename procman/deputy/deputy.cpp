@@ -83,15 +83,20 @@ class Deputy {
   void work();
   void work_discovery(time::SteadyTime now);
   void begin_service(time::SteadyTime now);
-  void meet(const Discovery& discovery);
+  void on_discovery(const Discovery& discovery);
   void on_info(const std::string& deputy_id);
   void on_orders(const procman_lcm::orders_t& message);
   [[nodiscard]] bool obeys(const std::string& sheriff_id);
   void repeat_last_words();
   void log_end(const Children::Ended& end);
   void carry_out(const SupervisorActions& actions);
+  void carry_out(const StartCommand& action);
+  void carry_out(const SignalCommand& action);
+  void carry_out(const WriteOutput& action);
+  void carry_out(const ForgetCommand& action);
+  void carry_out(const PublishInfo& /*action*/) { info_changed_ = true; }
+  void carry_out(const RefuseOrder& action);
   [[nodiscard]] node::Health health(time::SteadyTime now) const;
-  void start(const StartCommand& action);
   void publish_output(time::SteadyTime now);
   void publish_info();
   void raise_serial_workers();
@@ -111,7 +116,7 @@ class Deputy {
   node::SerialWorkers serial_workers_;
   node::StatusReporter status_;
   time::SteadyTime started_;
-  time::SteadyTime discover_due_{};
+  std::optional<time::SteadyTime> discover_due_;  // empty: none was sent yet
   time::SteadyTime info_due_{};
   bool serving_ = false;
   bool info_changed_ = false;
@@ -121,7 +126,7 @@ class Deputy {
 
 void Deputy::subscribe() {
   bus_.subscribe<procman_lcm::discovery_t>(
-      kDiscoverChannel, [this](const auto& message) { meet(from_message(message)); });
+      kDiscoverChannel, [this](const auto& message) { on_discovery(from_message(message)); });
   bus_.subscribe<procman_lcm::deputy_info_t>(
       kInfoChannel, [this](const auto& message) { on_info(message.deputy_id); });
   bus_.subscribe<procman_lcm::orders_t>(kOrdersChannel,
@@ -170,7 +175,7 @@ bool Deputy::obeys(const std::string& sheriff_id) {
   return false;
 }
 
-void Deputy::meet(const Discovery& discovery) {
+void Deputy::on_discovery(const Discovery& discovery) {
   if (senders_.is_own(discovery, bus_.origin().sender)) {
     return;
   }
@@ -199,7 +204,8 @@ void Deputy::wait() {
   const time::SteadyTime now = time::steady_now();
   std::vector<pollfd> waiting{{signals_.poll_handle(), POLLIN, 0}, {bus_.poll_handle(), POLLIN, 0}};
   children_.add_to_poll(waiting, now);
-  time::SteadyTime next = std::min(now + kLongestWait, serving_ ? info_due_ : discover_due_);
+  time::SteadyTime next =
+      std::min(now + kLongestWait, serving_ ? info_due_ : discover_due_.value_or(now));
   for (const auto& due : {supervisor_.next_due(), output_.due(), children_.due(now)}) {
     next = std::min(next, due.value_or(next));
   }
@@ -278,9 +284,9 @@ void Deputy::log_end(const Children::Ended& end) {
 }
 
 void Deputy::work_discovery(time::SteadyTime now) {
-  if (now >= started_ + kDiscoveryTime && discover_due_ != time::SteadyTime{}) {
+  if (discover_due_ && now >= started_ + kDiscoveryTime) {
     begin_service(now);
-  } else if (now >= discover_due_) {
+  } else if (now >= discover_due_.value_or(now)) {
     discover_due_ = now + kDiscoverPeriod;
     bus_.publish(kDiscoverChannel,
                  to_message(Discovery{clock_.now(), settings_.id, senders_.nonce()}));
@@ -299,31 +305,29 @@ void Deputy::begin_service(time::SteadyTime now) {
 
 void Deputy::carry_out(const SupervisorActions& actions) {
   for (const SupervisorAction& action : actions) {
-    if (const auto* say = std::get_if<WriteOutput>(&action)) {
-      output_.add(say->id, say->text, time::steady_now());
-    } else if (const auto* signal = std::get_if<SignalCommand>(&action)) {
-      log::get().info("{}: signal {}", signal->id, signal->signal);
-      children_.signal(signal->id, signal->signal);
-    } else if (const auto* begin = std::get_if<StartCommand>(&action)) {
-      start(*begin);
-    } else if (const auto* refusal = std::get_if<RefuseOrder>(&action)) {
-      refusals_.add(*refusal, time::steady_now());
-    } else if (const auto* forget = std::get_if<ForgetCommand>(&action)) {
-      output_.forget(forget->id);
-      info_changed_ = true;
-    } else {
-      info_changed_ = true;
-    }
+    std::visit([this](const auto& what) { carry_out(what); }, action);
   }
 }
 
-node::Health Deputy::health(time::SteadyTime now) const {
-  node::Health health = refusals_.health(now);
-  health.needs_messages = false;  // a deputy without a sheriff is healthy
-  return health;
+void Deputy::carry_out(const SignalCommand& action) {
+  log::get().info("{}: signal {}", action.id, action.signal);
+  children_.signal(action.id, action.signal);
 }
 
-void Deputy::start(const StartCommand& action) {
+void Deputy::carry_out(const WriteOutput& action) {
+  output_.add(action.id, action.text, time::steady_now());
+}
+
+void Deputy::carry_out(const ForgetCommand& action) {
+  output_.forget(action.id);
+  info_changed_ = true;
+}
+
+void Deputy::carry_out(const RefuseOrder& action) {
+  refusals_.add(action, time::steady_now());
+}
+
+void Deputy::carry_out(const StartCommand& action) {
   const time::SteadyTime now = time::steady_now();
   if (!settings_.permissions.may_run(action.exec)) {
     refusals_.add({"not_allowed", action.id + ": refused: " + action.exec}, now);
@@ -344,6 +348,12 @@ void Deputy::start(const StartCommand& action) {
     log::get().error("{}: {}", action.id, error.what());
     carry_out(supervisor_.not_started(action.id, error.what(), now));
   }
+}
+
+node::Health Deputy::health(time::SteadyTime now) const {
+  node::Health health = refusals_.health(now);
+  health.needs_messages = false;  // a deputy without a sheriff is healthy
+  return health;
 }
 
 void Deputy::publish_output(time::SteadyTime now) {
