@@ -167,10 +167,10 @@ void Children::collect_exits(time::SteadyTime now) {
   }
 }
 
-/// Whether no process of a tree is left. Checks twice, because one look can miss a process: one
-/// that forks and exits while the table is read, or one in the middle of exec, whose environment
-/// cannot be read for a moment.
-bool Children::is_gone(Run& run) const {
+/// Returns whether no process of a tree is left. Checks twice, because one look can miss a process:
+/// one that forks and exits while the table is read, or one in the middle of exec, whose
+/// environment cannot be read for a moment.
+bool Children::check_gone(Run& run) const {
   if (!tree(run, read_processes()).empty()) {
     return false;
   }
@@ -184,7 +184,7 @@ bool Children::is_gone(Run& run) const {
 
 /// Kills what is left of a tree. Returns whether nothing is left, or this has taken too long.
 bool Children::end_tree(Run& run, time::SteadyTime now) const {
-  if (is_gone(run) || now - run.ended >= kMaxSweepTime) {
+  if (check_gone(run) || now - run.ended >= kMaxSweepTime) {
     return true;
   }
   kill_tree(run);

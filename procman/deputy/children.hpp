@@ -89,7 +89,7 @@ class Children : boost::noncopyable {
   void collect_exits(time::SteadyTime now);
   [[nodiscard]] bool is_first_process(pid_t pid) const;
   [[nodiscard]] bool is_orphan(const ProcessRow& row) const;
-  [[nodiscard]] bool is_gone(Run& run) const;
+  [[nodiscard]] bool check_gone(Run& run) const;
   [[nodiscard]] bool end_tree(Run& run, time::SteadyTime now) const;
   [[nodiscard]] std::vector<pid_t> tree(const Run& run, std::span<const ProcessRow> table) const;
   void kill_tree(const Run& run) const;

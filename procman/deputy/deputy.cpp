@@ -176,7 +176,7 @@ bool Deputy::obeys(const std::string& sheriff_id) {
 }
 
 void Deputy::on_discovery(const Discovery& discovery) {
-  if (senders_.is_own(discovery, bus_.origin().sender)) {
+  if (senders_.take_own(discovery, bus_.origin().sender)) {
     return;
   }
   if (serving_) {

@@ -3,7 +3,7 @@
 
 namespace nodmap::procman {
 
-bool Senders::is_own(const Discovery& discovery, const bus::Sender& sender) {
+bool Senders::take_own(const Discovery& discovery, const bus::Sender& sender) {
   if (discovery.transmitter_id != id_ || discovery.nonce != nonce_) {
     return false;
   }

@@ -26,9 +26,9 @@ class Senders {
 
   [[nodiscard]] std::int64_t nonce() const { return nonce_; }
 
-  /// Whether a discovery message is the deputy's own, come back. The first such message tells the
-  /// deputy its own socket.
-  [[nodiscard]] bool is_own(const Discovery& discovery, const bus::Sender& sender);
+  /// Takes a discovery message; returns whether it is the deputy's own, come back. The first such
+  /// message tells the deputy its own socket.
+  [[nodiscard]] bool take_own(const Discovery& discovery, const bus::Sender& sender);
 
   /// Whether the sender of a report in the deputy's name is another process. Unknown (false) until
   /// the deputy's first own message has come back.

@@ -7,13 +7,13 @@ namespace nodmap::procman {
 
 void Console::take(std::string_view text) {
   for (const char c : text) {
-    if (!is_in_sequence(c)) {
+    if (!take_sequence(c)) {
       put(c);
     }
   }
 }
 
-bool Console::is_in_sequence(char c) {
+bool Console::take_sequence(char c) {
   constexpr char kEscape = '\x1B';
   if (c == kEscape) {
     sequence_ = Sequence::kBegun;

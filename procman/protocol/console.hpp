@@ -26,7 +26,8 @@ class Console {
  private:
   /// The position within a control sequence (ESC [ ... letter).
   enum class Sequence : std::uint8_t { kNone, kBegun, kInside };
-  [[nodiscard]] bool is_in_sequence(char c);
+  /// Takes a character; returns whether it is part of a control sequence.
+  [[nodiscard]] bool take_sequence(char c);
   void put(char c);
 
   Sequence sequence_ = Sequence::kNone;

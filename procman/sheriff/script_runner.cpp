@@ -78,7 +78,7 @@ void ScriptRunner::step(Fleet& fleet, time::SteadyTime now) {
         note_order(*order);
       }
     }
-    if (!is_done(action, fleet, now)) {
+    if (!try_to_finish(action, fleet, now)) {
       return;
     }
     begun_ = false;
@@ -99,7 +99,8 @@ void ScriptRunner::note_order(const Order& order) {
   }
 }
 
-bool ScriptRunner::is_done(const Action& action, const Fleet& fleet, time::SteadyTime now) {
+/// Returns whether an action is done; sets `failure_` if it cannot be done any more.
+bool ScriptRunner::try_to_finish(const Action& action, const Fleet& fleet, time::SteadyTime now) {
   if (const auto* pause = std::get_if<WaitTime>(&action.what)) {
     return now - begin_ >= std::chrono::milliseconds(pause->duration_ms);
   }

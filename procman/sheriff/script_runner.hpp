@@ -46,7 +46,7 @@ class ScriptRunner {
 
  private:
   void append(const Script& script);
-  [[nodiscard]] bool is_done(const Action& action, const Fleet& fleet, time::SteadyTime now);
+  [[nodiscard]] bool try_to_finish(const Action& action, const Fleet& fleet, time::SteadyTime now);
   void note_order(const Order& order);
   [[nodiscard]] std::string dead_commands(const Target& target, const Fleet& fleet,
                                           time::SteadyTime now) const;

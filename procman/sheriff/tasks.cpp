@@ -59,9 +59,9 @@ std::vector<std::string> command_names(const Config& config) {
   return names;
 }
 
-/// Whether no other sheriff gives orders. Two sheriffs would give contradictory orders, so the
-/// second one ends.
-bool is_alone(Sheriff& sheriff) {
+/// Listens for other sheriffs; returns whether none gives orders. Two sheriffs would give
+/// contradictory orders, so the second one ends.
+bool wait_to_be_alone(Sheriff& sheriff) {
   const time::SteadyTime begin = Sheriff::now();
   while (is_looking_for_others(sheriff.fleet(), begin, Sheriff::now()) && !node::stop_requested()) {
     sheriff.work(kWait);
@@ -164,7 +164,7 @@ int change(Sheriff& sheriff, Verb verb, const std::string& name) {
   }
   const Target target{is_command ? TargetKind::kCommand : TargetKind::kGroup, name};
   const auto commands = config.commands_of(target);
-  if (!is_alone(sheriff)) {
+  if (!wait_to_be_alone(sheriff)) {
     return kOtherSheriff;
   }
   if (!missing_deputies(sheriff, deputies_of(commands)).empty()) {

@@ -18,22 +18,22 @@ Discovery discovery_of(const std::string& id, std::int64_t nonce) {
 
 TEST(Senders, KnowTheirOwnDiscoveryByNameAndNonce) {
   Senders senders("robot", 7);
-  EXPECT_TRUE(senders.is_own(discovery_of("robot", 7), kOwn));
-  EXPECT_FALSE(senders.is_own(discovery_of("robot", 8), kOwn));
-  EXPECT_FALSE(senders.is_own(discovery_of("base", 7), kOwn));
+  EXPECT_TRUE(senders.take_own(discovery_of("robot", 7), kOwn));
+  EXPECT_FALSE(senders.take_own(discovery_of("robot", 8), kOwn));
+  EXPECT_FALSE(senders.take_own(discovery_of("base", 7), kOwn));
 }
 
 TEST(Senders, NobodyIsAnImpostorBeforeTheOwnSocketIsKnown) {
   Senders senders("robot", 7);
   EXPECT_FALSE(senders.is_impostor(kOther));
-  EXPECT_FALSE(senders.is_own(discovery_of("robot", 8), kOther));  // tells nothing about ours
+  EXPECT_FALSE(senders.take_own(discovery_of("robot", 8), kOther));  // tells nothing about ours
   EXPECT_FALSE(senders.is_impostor(kOther));
 }
 
 TEST(Senders, ACopyOfTheOwnDiscoveryDoesNotReplaceTheOwnSocket) {
   Senders senders("robot", 7);
-  EXPECT_TRUE(senders.is_own(discovery_of("robot", 7), kOwn));
-  EXPECT_TRUE(senders.is_own(discovery_of("robot", 7), kOther));
+  EXPECT_TRUE(senders.take_own(discovery_of("robot", 7), kOwn));
+  EXPECT_TRUE(senders.take_own(discovery_of("robot", 7), kOther));
   EXPECT_FALSE(senders.is_impostor(kOwn));
   EXPECT_TRUE(senders.is_impostor(kOther));
 }
