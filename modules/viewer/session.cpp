@@ -20,14 +20,17 @@ std::uint64_t nanoseconds(time::Timestamp stamp) {
   return 1000U * static_cast<std::uint64_t>(std::max<std::int64_t>(time::to_utime(stamp), 0));
 }
 
-/// A member that is an unsigned 32-bit number; empty otherwise.
+/// An unsigned 32-bit number; empty if the value is none.
+std::optional<std::uint32_t> to_id(const Json& value) {
+  const bool is_id = value.is_number_unsigned() &&
+                     value.get<std::uint64_t>() <= std::numeric_limits<std::uint32_t>::max();
+  return is_id ? std::optional(value.get<std::uint32_t>()) : std::nullopt;
+}
+
+/// The number of this name; empty if there is none.
 std::optional<std::uint32_t> id_in(const Json& object, const char* name) {
   const auto found = object.find(name);
-  if (found == object.end() || !found->is_number_unsigned() ||
-      found->get<std::uint64_t>() > std::numeric_limits<std::uint32_t>::max()) {
-    return std::nullopt;
-  }
-  return found->get<std::uint32_t>();
+  return found == object.end() ? std::nullopt : to_id(*found);
 }
 
 /// The objects in the list of this name; empty if there is no such list.
@@ -47,7 +50,7 @@ std::vector<std::uint32_t> ids_in(const Json& message, const char* name) {
   const auto found = message.find(name);
   if (found != message.end() && found->is_array()) {
     for (const Json& item : *found) {
-      if (const auto id = id_in({{"id", item}}, "id")) {
+      if (const auto id = to_id(item)) {
         ids.push_back(*id);
       }
     }

@@ -7,9 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
-#include <filesystem>
 #include <sstream>
-#include <system_error>
 #include <vector>
 
 #include "common/bus/live_bus.hpp"
@@ -25,6 +23,7 @@
 #include "procman/deputy/signal_reader.hpp"
 #include "procman/deputy/supervisor.hpp"
 #include "procman/deputy/system_load.hpp"
+#include "procman/protocol/host.hpp"
 #include "procman/protocol/messages.hpp"
 
 namespace nodmap::procman {
@@ -34,11 +33,6 @@ constexpr time::Duration kDiscoveryTime = 500ms;
 constexpr time::Duration kDiscoverPeriod = 200ms;
 constexpr time::Duration kInfoPeriod = 1s;
 constexpr time::Duration kLongestWait = 200ms;
-
-std::string own_folder() {
-  std::error_code error;
-  return std::filesystem::read_symlink("/proc/self/exe", error).parent_path().string();
-}
 
 class Deputy {
  public:

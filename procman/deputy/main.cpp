@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
-#include <array>
 #include <iostream>
 #include <set>
 #include <stdexcept>
@@ -11,6 +8,7 @@
 #include "common/node/program.hpp"
 #include "procman/config/parser.hpp"
 #include "procman/deputy/deputy.hpp"
+#include "procman/protocol/host.hpp"
 
 namespace nodmap::procman {
 namespace {
@@ -32,12 +30,6 @@ void add_options(CLI::App& app, Options& options) {
       "--trust-network", options.trust_network,
       "Run any command that arrives on the network, as the existing deputy does. LCM does not "
       "authenticate senders: anyone on the network can then use this account");
-}
-
-std::string host_name() {
-  std::array<char, 256> name{};
-  ::gethostname(name.data(), name.size() - 1);
-  return name.data();
 }
 
 std::string deputy_id(const Options& options, const Config& config) {

@@ -48,10 +48,10 @@ std::int64_t parse_memory_bytes(std::string_view meminfo, std::string_view name)
 
 void SystemLoad::sample(const std::vector<pid_t>& pids) {
   const std::string meminfo = read_text("/proc/meminfo");
-  memory_.memory_total_bytes = parse_memory_bytes(meminfo, "MemTotal");
-  memory_.memory_free_bytes = parse_memory_bytes(meminfo, "MemFree");
-  memory_.swap_total_bytes = parse_memory_bytes(meminfo, "SwapTotal");
-  memory_.swap_free_bytes = parse_memory_bytes(meminfo, "SwapFree");
+  memory_ = {.total_bytes = parse_memory_bytes(meminfo, "MemTotal"),
+             .free_bytes = parse_memory_bytes(meminfo, "MemFree"),
+             .swap_total_bytes = parse_memory_bytes(meminfo, "SwapTotal"),
+             .swap_free_bytes = parse_memory_bytes(meminfo, "SwapFree")};
   cpu_.sample();
   std::vector<Usage> usages;
   const std::int64_t page_bytes = ::sysconf(_SC_PAGESIZE);
@@ -79,10 +79,7 @@ const SystemLoad::Usage* SystemLoad::find(pid_t pid) const {
 
 void SystemLoad::describe_host(DeputyInfo& info) const {
   info.cpu_load = cpu_.share();
-  info.memory_total_bytes = memory_.memory_total_bytes;
-  info.memory_free_bytes = memory_.memory_free_bytes;
-  info.swap_total_bytes = memory_.swap_total_bytes;
-  info.swap_free_bytes = memory_.swap_free_bytes;
+  info.memory = memory_;
 }
 
 void SystemLoad::describe_process(CommandStatus& status) const {

@@ -37,7 +37,7 @@ class SystemLoad {
   [[nodiscard]] const Usage* find(pid_t pid) const;
 
   node::CpuLoad cpu_;
-  DeputyInfo memory_;
+  Memory memory_;
   std::vector<Usage> usages_;
 };
 

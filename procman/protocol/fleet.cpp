@@ -4,12 +4,12 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <csignal>
 #include <limits>
 #include <utility>
 
+#include "procman/protocol/host.hpp"
 #include "procman/protocol/wait_status.hpp"
 
 namespace nodmap::procman {
@@ -106,9 +106,7 @@ std::string name_of(CommandState state) {
 
 // The same form as the existing sheriff's id: host, process, time.
 std::string sheriff_id_prefix() {
-  std::array<char, 256> host{};
-  ::gethostname(host.data(), host.size() - 1);
-  return std::string(host.data()) + ":" + std::to_string(::getpid()) + ":";
+  return host_name() + ":" + std::to_string(::getpid()) + ":";
 }
 
 Fleet::Fleet(const Config& config, std::string sheriff_id) : sheriff_id_(std::move(sheriff_id)) {

@@ -34,10 +34,10 @@ DeputyInfo from_message(const procman_lcm::deputy_info_t& message) {
   DeputyInfo info{.stamp = time::from_utime(message.utime),
                   .deputy_id = message.deputy_id,
                   .cpu_load = message.cpu_load,
-                  .memory_total_bytes = message.phys_mem_total_bytes,
-                  .memory_free_bytes = message.phys_mem_free_bytes,
-                  .swap_total_bytes = message.swap_total_bytes,
-                  .swap_free_bytes = message.swap_free_bytes,
+                  .memory = {.total_bytes = message.phys_mem_total_bytes,
+                             .free_bytes = message.phys_mem_free_bytes,
+                             .swap_total_bytes = message.swap_total_bytes,
+                             .swap_free_bytes = message.swap_free_bytes},
                   .commands = {}};
   for (const procman_lcm::cmd_status_t& command : message.cmds) {
     info.commands.push_back({spec_of(command.cmd), command.pid, command.actual_runid,
@@ -77,10 +77,10 @@ procman_lcm::deputy_info_t to_message(const DeputyInfo& info) {
   message.utime = time::to_utime(info.stamp);
   message.deputy_id = info.deputy_id;
   message.cpu_load = info.cpu_load;
-  message.phys_mem_total_bytes = info.memory_total_bytes;
-  message.phys_mem_free_bytes = info.memory_free_bytes;
-  message.swap_total_bytes = info.swap_total_bytes;
-  message.swap_free_bytes = info.swap_free_bytes;
+  message.phys_mem_total_bytes = info.memory.total_bytes;
+  message.phys_mem_free_bytes = info.memory.free_bytes;
+  message.swap_total_bytes = info.memory.swap_total_bytes;
+  message.swap_free_bytes = info.memory.swap_free_bytes;
   for (const CommandStatus& command : info.commands) {
     procman_lcm::cmd_status_t status{};
     status.cmd = message_of(command.spec);

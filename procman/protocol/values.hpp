@@ -62,15 +62,22 @@ struct CommandStatus {
   bool operator==(const CommandStatus&) const = default;
 };
 
+/// The memory of a host.
+struct Memory {
+  std::int64_t total_bytes = 0;
+  std::int64_t free_bytes = 0;
+  std::int64_t swap_total_bytes = 0;
+  std::int64_t swap_free_bytes = 0;
+
+  bool operator==(const Memory&) const = default;
+};
+
 /// The state of a deputy and its host.
 struct DeputyInfo {
   time::Timestamp stamp{};
   std::string deputy_id;
   float cpu_load = -1.0F;  ///< 0 to 1; negative before it is known
-  std::int64_t memory_total_bytes = 0;
-  std::int64_t memory_free_bytes = 0;
-  std::int64_t swap_total_bytes = 0;
-  std::int64_t swap_free_bytes = 0;
+  Memory memory;
   std::vector<CommandStatus> commands;
 
   bool operator==(const DeputyInfo&) const = default;

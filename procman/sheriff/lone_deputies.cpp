@@ -7,16 +7,13 @@
 
 #include <cerrno>
 #include <csignal>
-#include <filesystem>
 #include <set>
 #include <system_error>
 
+#include "procman/protocol/host.hpp"
+
 namespace nodmap::procman {
 namespace {
-
-std::string deputy_program() {
-  return std::filesystem::read_symlink("/proc/self/exe").parent_path() / "nodmap-deputy";
-}
 
 pid_t start(std::vector<std::string> words) {
   std::vector<char*> arguments;
@@ -52,8 +49,8 @@ LoneDeputies::LoneDeputies(const std::string& config_file, const Config& config,
     ids.insert(command.deputy);
   }
   for (const std::string& id : ids) {
-    std::vector<std::string> words = {deputy_program(), config_file, "--id", id,
-                                      "--log-level",    "warn"};
+    std::vector<std::string> words = {
+        own_folder() / "nodmap-deputy", config_file, "--id", id, "--log-level", "warn"};
     if (!lcm_url.empty()) {
       words.insert(words.end(), {"--lcm-url", lcm_url});
     }

@@ -130,8 +130,8 @@ nlohmann::json to_json(const std::vector<ReportRow>& rows, const std::vector<std
                         {"reporting", fleet.deputies().is_reporting(id, now)}};
     if (deputy) {
       host["cpu_load"] = deputy->info.cpu_load;
-      host["memory_total_mb"] = static_cast<double>(deputy->info.memory_total_bytes) * 1e-6;
-      host["memory_free_mb"] = static_cast<double>(deputy->info.memory_free_bytes) * 1e-6;
+      host["memory_total_mb"] = static_cast<double>(deputy->info.memory.total_bytes) * 1e-6;
+      host["memory_free_mb"] = static_cast<double>(deputy->info.memory.free_bytes) * 1e-6;
     }
     hosts.push_back(std::move(host));
   }

@@ -29,7 +29,7 @@ TEST(SystemLoad, ReportsTheMemoryOfThisProcess) {
   EXPECT_EQ(stopped.rss_bytes, 0);
   DeputyInfo info;
   load.describe_host(info);
-  EXPECT_GT(info.memory_total_bytes, info.memory_free_bytes);
+  EXPECT_GT(info.memory.total_bytes, info.memory.free_bytes);
   EXPECT_LT(info.cpu_load, 0.0F) << "not known from one sample";
 }
 
