@@ -84,7 +84,7 @@ Access decide_access(const Request& request, const AccessPolicy& policy) {
     return access;
   }
   access.protocol = *protocol;
-  access.rights.play = is_ours(request);
+  access.rights.may_play = is_ours(request);
   const std::string_view token = token_in(request.target);
   if (token.empty()) {
     return access;
@@ -93,7 +93,7 @@ Access decide_access(const Request& request, const AccessPolicy& policy) {
     access.refusal = Refusal::kToken;
     return access;
   }
-  access.rights.control = true;
+  access.rights.may_control = true;
   return access;
 }
 

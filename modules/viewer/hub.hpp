@@ -27,7 +27,7 @@ struct Hub {
   AccessPolicy policy;
   int max_connections = 0;
   int idle_timeout_s = 0;
-  bool sends_news = true;  ///< whether news is sent in this turn; see Session::next()
+  bool sends_news = true;  ///< whether news is sent now; see Session::next()
   node::MessageCounts counts{};
   log::Throttle throttle{};
   int connections = 0;

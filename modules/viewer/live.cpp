@@ -95,9 +95,9 @@ void run_live(const Options& options, const ViewerParams& params) {
   while (!node::stop_requested()) {
     viewer.serve();
     bus.handle(0ms);
-    control.turn();
+    control.poll();
     if (processes) {
-      processes->turn();
+      processes->poll();
       reload_procman(config_watch, *processes, feed);
     }
     viewer.poll();

@@ -28,7 +28,7 @@ constexpr double kGapS = 1.0;
 constexpr double kStatusGapS = 3.5;
 /// Largest number of processes whose latencies are kept: more than a robot has.
 constexpr std::size_t kMaxSeries = 64;
-constexpr std::int64_t kEventsPerTurn = 1'000'000;
+constexpr std::int64_t kEventsAtOnce = 1'000'000;
 
 double nearest_m(const nodmap::egomap_t& map) {
   const auto nearest = std::min_element(map.distance_m.begin(), map.distance_m.end());
@@ -139,7 +139,7 @@ Json log_history(const std::vector<std::filesystem::path>& logs) {
   bus::LogPlayer player(logs);
   const History history(player);
   (void)player.seek(player.duration());
-  while (!player.catch_up(kEventsPerTurn)) {
+  while (!player.catch_up(kEventsAtOnce)) {
   }
   return history.to_json();
 }

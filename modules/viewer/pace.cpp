@@ -14,7 +14,7 @@ void Pace::note_load(float share) {
   }
 }
 
-bool Pace::take_turn(time::SteadyTime now) {
+bool Pace::take_update(time::SteadyTime now) {
   if (is_slowed() && now < due_) {
     return false;
   }

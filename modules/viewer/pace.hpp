@@ -23,7 +23,7 @@ class Pace {
   void note_load(float share);
 
   /// Returns true if clients must be updated now; the next update is then due one period later.
-  [[nodiscard]] bool take_turn(time::SteadyTime now);
+  [[nodiscard]] bool take_update(time::SteadyTime now);
 
   [[nodiscard]] time::Duration period() const { return period_; }
   [[nodiscard]] bool is_slowed() const { return period_ > fastest_; }

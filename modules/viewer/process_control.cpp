@@ -95,7 +95,7 @@ Answer ProcessControl::change(Verb verb, const std::string& command) {
     return no_such_command(command);
   }
   const time::Moment now = clock_();
-  if (const auto other = other_sheriffs_.heard(now.steady)) {
+  if (const auto other = other_sheriffs_.received(now.steady)) {
     return {.ok = false, .text = "The sheriff " + *other + " is running: use that one."};
   }
   if (!deputies_.is_reporting(found->deputy, now.steady)) {
@@ -120,7 +120,7 @@ Answer ProcessControl::change_recording(Verb verb) {
   return {.ok = false, .text = "The process configuration has no nodmap-logger."};
 }
 
-void ProcessControl::turn() {
+void ProcessControl::poll() {
   if (!fleet_) {
     return;
   }

@@ -46,7 +46,7 @@ class ProcessControl {
 
   /// Sends the orders that are due, and stops being a sheriff when no request is open. To be called
   /// often.
-  void turn();
+  void poll();
 
   /// Adopts an edited configuration; not while is_sheriff(). Running commands continue.
   void set_config(procman::Config config) { config_ = std::move(config); }

@@ -167,7 +167,7 @@ void RemoteControl::on_map(const nodmap::grid_chunk_t& tile) {
   }
 }
 
-void RemoteControl::turn() {
+void RemoteControl::poll() {
   if (stop_.is_stopped != 0 && std::chrono::abs(clock_.now() - stop_sent_) >= kRepeat) {
     send_stop();
   }

@@ -46,7 +46,7 @@ class RemoteControl {
   [[nodiscard]] Answer answer(const Json& request, time::Duration age);
 
   /// Publishes STOP again when that is due. To be called often.
-  void turn();
+  void poll();
 
  private:
   Answer do_goal(const Json& request);

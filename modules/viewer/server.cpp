@@ -120,8 +120,8 @@ void Server::run_for(std::chrono::milliseconds duration) {
   impl_->context.run_for(duration);
 }
 
-void Server::turn() {
-  impl_->for_each_client([](WebSocketClient& client) { client.turn(); });
+void Server::poll() {
+  impl_->for_each_client([](WebSocketClient& client) { client.poll(); });
 }
 
 void Server::send_time(time::Timestamp stamp) {

@@ -24,7 +24,7 @@ class Server : boost::noncopyable {
   void run_for(std::chrono::milliseconds duration);
 
   /// Sends every client the news in the topic store.
-  void turn();
+  void poll();
   void send_time(time::Timestamp stamp);
   void send_changed_parameters();
 

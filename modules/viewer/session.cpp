@@ -83,11 +83,11 @@ void Session::greet() {
     capabilities.push_back("parameters");
     capabilities.push_back("parametersSubscribe");
   }
-  if (rights_.control) {
+  if (rights_.may_control) {
     capabilities.push_back("services");
   }
   Json metadata = Json::object();
-  if (rights_.control && services_.controls_processes) {
+  if (rights_.may_control && services_.controls_processes) {
     metadata["process_control"] = "true";
   }
   send({{"op", "serverInfo"},
@@ -101,7 +101,7 @@ void Session::greet() {
     channels.push_back(channel_json(topic, store_.topics()[topic]));
   }
   send({{"op", "advertise"}, {"channels", std::move(channels)}});
-  if (rights_.control) {
+  if (rights_.may_control) {
     send({{"op", "advertiseServices"}, {"services", Json::array({control_service()})}});
   }
 }
@@ -183,7 +183,7 @@ void Session::receive_binary(std::span<const std::byte> bytes, time::Duration ag
 }
 
 void Session::answer(const ServiceCall& call, time::Duration age) {
-  if (!rights_.control || !services_.control) {
+  if (!rights_.may_control || !services_.control) {
     fail(call, "this connection may only read");
     return;
   }
@@ -223,7 +223,7 @@ void Session::send_parameters(const Json& message) {
 
 void Session::set_parameters(const Json& message) {
   for (const Json& parameter : objects_in(message, "parameters")) {
-    if (!rights_.play || !services_.set_parameter) {
+    if (!rights_.may_play || !services_.set_parameter) {
       refuse("this connection may not set parameters");
       continue;
     }
@@ -264,8 +264,8 @@ std::optional<Frame> Session::next(bool with_news) {
     return frame;
   }
   for (std::size_t i = 0; i < subscriptions_.size(); ++i) {
-    turn_ = (turn_ + 1) % subscriptions_.size();
-    Subscription& subscription = subscriptions_[turn_];
+    served_ = (served_ + 1) % subscriptions_.size();
+    Subscription& subscription = subscriptions_[served_];
     const bool is_once = store_.topics()[subscription.topic].keep == foxglove::Keep::kAll;
     if (!with_news && !is_once) {
       continue;

@@ -39,8 +39,8 @@ struct Services {
 
 /// The rights of one client.
 struct Rights {
-  bool play = false;     ///< control the playback
-  bool control = false;  ///< control the robot
+  bool may_play = false;     ///< control the playback
+  bool may_control = false;  ///< control the robot
 };
 
 /// One frame to send: `head`, then the payload, which is shared with other sessions.
@@ -103,7 +103,7 @@ class Session {
   std::deque<Frame> waiting_;
   std::vector<Subscription> subscriptions_;
   bool wants_parameters_ = false;
-  std::size_t turn_ = 0;
+  std::size_t served_ = 0;
   std::optional<time::Timestamp> time_;
   std::int64_t refused_ = 0;
 };

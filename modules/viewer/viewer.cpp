@@ -51,8 +51,8 @@ Viewer::~Viewer() {
 void Viewer::poll() {
   const time::SteadyTime now = time::steady_now();
   adapt_pace(now);
-  hub_.sends_news = pace_.take_turn(now);
-  server_.turn();
+  hub_.sends_news = pace_.take_update(now);
+  server_.poll();
 }
 
 void Viewer::adapt_pace(time::SteadyTime now) {

@@ -16,8 +16,9 @@ namespace websocket = beast::websocket;
 
 /// Far longer than subscriptions, parameters and goals.
 constexpr std::size_t kMaxMessageBytes = 65536;
-/// Number of messages read from one client in one turn, so that a flood does not delay the others.
-constexpr int kReadsPerTurn = 50;
+/// Number of messages read from one client in one poll(), so that a flood does not delay the
+/// others.
+constexpr int kReadsPerPoll = 50;
 constexpr std::chrono::seconds kHandshakeTimeout(5);
 
 }  // namespace
@@ -62,11 +63,11 @@ void WebSocketClient::on_accept(ErrorCode error) {
   }
   is_open_ = true;
   hub_.clients.push_back(weak_from_this());
-  turn();
+  poll();
 }
 
-void WebSocketClient::turn() {
-  reads_left_ = kReadsPerTurn;
+void WebSocketClient::poll() {
+  reads_left_ = kReadsPerPoll;
   rest_.cancel();
   read();
   write();
@@ -78,7 +79,7 @@ void WebSocketClient::read() {
     return;
   }
   if (reads_left_ <= 0) {
-    rest_.async_wait([self = shared_from_this()](ErrorCode) {});  // until the next turn
+    rest_.async_wait([self = shared_from_this()](ErrorCode) {});  // until the next poll()
     return;
   }
   is_reading_ = true;

@@ -27,8 +27,8 @@ class WebSocketClient : public std::enable_shared_from_this<WebSocketClient> {
   /// Answers the handshake and starts reading and sending.
   void start(const HttpRequest& request);
 
-  /// Sends the news. Called once in each turn of the server.
-  void turn();
+  /// Sends the news. To be called often.
+  void poll();
 
   [[nodiscard]] Session& session() { return session_; }
 

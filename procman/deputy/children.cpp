@@ -184,11 +184,11 @@ bool Children::check_gone(Run& run) const {
 
 /// Kills what is left of a tree. Returns whether nothing is left, or this has taken too long.
 bool Children::end_tree(Run& run, time::SteadyTime now) const {
-  if (check_gone(run) || now - run.ended >= kMaxSweepTime) {
+  if (check_gone(run) || now - run.ended >= kMaxKillTime) {
     return true;
   }
   kill_tree(run);
-  run.next_sweep = now + kSweepPeriod;
+  run.next_check = now + kTreeCheckPeriod;
   return false;
 }
 
@@ -197,7 +197,7 @@ std::vector<Children::Ended> Children::reap(time::SteadyTime now) {
   std::vector<Ended> all;
   for (auto at = runs_.begin(); at != runs_.end();) {
     auto& [id, run] = *at;
-    if (run.wait_status && now >= run.next_sweep && end_tree(run, now)) {
+    if (run.wait_status && now >= run.next_check && end_tree(run, now)) {
       read_some(id, run);
       all.push_back({id, *run.wait_status});
       at = runs_.erase(at);
@@ -251,7 +251,7 @@ std::optional<time::SteadyTime> Children::due(time::SteadyTime now) const {
       take(run.next_read);
     }
     if (run.wait_status) {
-      take(run.next_sweep);
+      take(run.next_check);
     }
   }
   return due;

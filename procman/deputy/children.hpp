@@ -25,8 +25,8 @@ class Children : boost::noncopyable {
  public:
   /// How long a killed tree may take to disappear before its command counts as ended anyway. On a
   /// busy machine a process that has been killed may not get to its end for seconds.
-  static constexpr time::Duration kMaxSweepTime = 10s;
-  static constexpr time::Duration kSweepPeriod = 10ms;
+  static constexpr time::Duration kMaxKillTime = 10s;
+  static constexpr time::Duration kTreeCheckPeriod = 10ms;
   /// From each terminal at most `kMaxReadBytes` are read per `kReadPeriod`; a command that writes
   /// more has to wait.
   static constexpr time::Duration kReadPeriod = 10ms;
@@ -82,7 +82,7 @@ class Children : boost::noncopyable {
     time::SteadyTime next_read{};
     std::optional<int> wait_status;  // set when the first process has ended
     time::SteadyTime ended{};
-    time::SteadyTime next_sweep{};  // when its tree is checked again
+    time::SteadyTime next_check{};  // when its tree is checked again
     bool looked_at = false;  // checked once and found empty, except for processes of unknown owner
   };
 

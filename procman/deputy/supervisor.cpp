@@ -52,7 +52,7 @@ SupervisorActions Supervisor::take_orders(const Orders& orders, time::Duration a
   for (const CommandOrder& order : orders.commands) {
     // A command that is listed again, in another run, would be started twice: it does not run yet.
     if (ordered.insert(order.spec.id).second) {
-      carry_out(order, now, actions);
+      obey(order, now, actions);
     }
   }
   if (trusts_orders_) {
@@ -64,8 +64,7 @@ SupervisorActions Supervisor::take_orders(const Orders& orders, time::Duration a
   return actions;
 }
 
-void Supervisor::carry_out(const CommandOrder& order, time::SteadyTime now,
-                           SupervisorActions& actions) {
+void Supervisor::obey(const CommandOrder& order, time::SteadyTime now, SupervisorActions& actions) {
   const bool is_new = !commands_.contains(order.spec.id);
   const bool has_room = has_room_for(order.spec);
   if (!has_room) {

@@ -120,7 +120,7 @@ class Supervisor {
     std::optional<time::SteadyTime> kill_due;  // while stopping: when SIGKILL is due
   };
 
-  void carry_out(const CommandOrder& order, time::SteadyTime now, SupervisorActions& actions);
+  void obey(const CommandOrder& order, time::SteadyTime now, SupervisorActions& actions);
   [[nodiscard]] bool has_room_for(const CommandSpec& spec) const;
   [[nodiscard]] CommandSpec checked(CommandSpec spec) const;
   bool update_spec(Entry& entry, const CommandSpec& spec);

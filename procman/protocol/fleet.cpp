@@ -311,19 +311,19 @@ Fleet::Run Fleet::run_of(const Item& item) {
 }
 
 void Fleet::take_orders(const Orders& orders, time::SteadyTime now, const bus::Sender& sender) {
-  if (orders.sheriff_id != sheriff_id_ && commands(orders.deputy_id)) {
+  if (orders.sheriff_id != sheriff_id_ && has_commands_for(orders.deputy_id)) {
     other_sheriffs_.take(orders.sheriff_id, sender, now);
   }
 }
 
-bool Fleet::commands(const std::string& deputy) const {
+bool Fleet::has_commands_for(const std::string& deputy) const {
   return std::any_of(items_.begin(), items_.end(), [&deputy](const Item& item) {
     return item.configured && item.deputy == deputy;
   });
 }
 
 std::optional<Orders> Fleet::orders_for(const std::string& deputy, time::Timestamp stamp) const {
-  if (deputies_.find(deputy) == nullptr || !commands(deputy)) {
+  if (deputies_.find(deputy) == nullptr || !has_commands_for(deputy)) {
     return std::nullopt;
   }
   Orders orders{stamp, deputy, sheriff_id_, {}};

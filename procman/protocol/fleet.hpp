@@ -93,7 +93,7 @@ class Fleet {
   void take_orders(const Orders& orders, time::SteadyTime now, const bus::Sender& sender = {});
 
   /// Whether the configuration has commands for a deputy.
-  [[nodiscard]] bool commands(const std::string& deputy) const;
+  [[nodiscard]] bool has_commands_for(const std::string& deputy) const;
 
   /// The orders for a deputy of the configuration. Empty before its first INFO: what runs there is
   /// not known yet.
@@ -108,7 +108,7 @@ class Fleet {
   [[nodiscard]] const OtherSheriffs& other_sheriffs() const { return other_sheriffs_; }
 
   /// This sheriff gives orders from now on.
-  void begin_command(time::SteadyTime now) { commands_since_ = now; }
+  void take_command(time::SteadyTime now) { commands_since_ = now; }
   /// Whether this sheriff must stop giving orders. Of two sheriffs that begin to give orders at the
   /// same time the one that started later must; this one must, if it is not known when the other
   /// started.

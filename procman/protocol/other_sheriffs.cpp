@@ -18,31 +18,31 @@ bool is_recent(time::SteadyTime last, time::SteadyTime now) {
 
 void OtherSheriffs::take(const std::string& sheriff_id, const bus::Sender& sender,
                          time::SteadyTime now) {
-  std::erase_if(heard_, [now](const auto& entry) { return !is_recent(entry.second.last, now); });
-  if (!heard_.contains(sender) && heard_.size() >= kMaxSheriffs) {
+  std::erase_if(sources_, [now](const auto& entry) { return !is_recent(entry.second.last, now); });
+  if (!sources_.contains(sender) && sources_.size() >= kMaxSheriffs) {
     return;
   }
-  Heard& heard = heard_.try_emplace(sender, Heard{sheriff_id, now, now}).first->second;
-  heard.sheriff_id = sheriff_id;
-  heard.last = now;
+  Source& source = sources_.try_emplace(sender, Source{sheriff_id, now, now}).first->second;
+  source.sheriff_id = sheriff_id;
+  source.last = now;
 }
 
 std::optional<std::string> OtherSheriffs::running(time::SteadyTime now) const {
   return find(now, kRepeated);
 }
 
-std::optional<std::string> OtherSheriffs::heard(time::SteadyTime now) const {
+std::optional<std::string> OtherSheriffs::received(time::SteadyTime now) const {
   return find(now, 0s);
 }
 
 /// A sheriff that has been giving orders for this long, and did so recently.
 std::optional<std::string> OtherSheriffs::find(time::SteadyTime now,
                                                time::Duration repeated) const {
-  const auto found = std::ranges::find_if(heard_, [&](const auto& entry) {
-    const Heard& heard = entry.second;
-    return is_recent(heard.last, now) && heard.last - heard.first >= repeated;
+  const auto found = std::ranges::find_if(sources_, [&](const auto& entry) {
+    const Source& source = entry.second;
+    return is_recent(source.last, now) && source.last - source.first >= repeated;
   });
-  return found == heard_.end() ? std::nullopt : std::optional(found->second.sheriff_id);
+  return found == sources_.end() ? std::nullopt : std::optional(found->second.sheriff_id);
 }
 
 }  // namespace nodmap::procman

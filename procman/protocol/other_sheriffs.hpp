@@ -28,10 +28,10 @@ class OtherSheriffs {
   [[nodiscard]] std::optional<std::string> running(time::SteadyTime now) const;
 
   /// The same, also if it has not repeated its orders, so that they may be forged.
-  [[nodiscard]] std::optional<std::string> heard(time::SteadyTime now) const;
+  [[nodiscard]] std::optional<std::string> received(time::SteadyTime now) const;
 
  private:
-  struct Heard {
+  struct Source {
     std::string sheriff_id;
     time::SteadyTime first;  // orders
     time::SteadyTime last;
@@ -39,7 +39,7 @@ class OtherSheriffs {
   [[nodiscard]] std::optional<std::string> find(time::SteadyTime now,
                                                 time::Duration repeated) const;
 
-  std::map<bus::Sender, Heard> heard_;
+  std::map<bus::Sender, Source> sources_;
 };
 
 }  // namespace nodmap::procman

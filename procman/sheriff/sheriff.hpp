@@ -35,9 +35,9 @@ class Sheriff : boost::noncopyable {
 
   /// Sends the orders at once, because the requested states have changed.
   void give_orders();
-  void command() {
+  void take_command() {
     is_observer_ = false;
-    fleet_.begin_command(now());
+    fleet_.take_command(now());
   }
   void observe() { is_observer_ = true; }
   [[nodiscard]] bool is_observer() const { return is_observer_; }

@@ -108,7 +108,7 @@ bool is_as_wanted(const Fleet& fleet, const Command& command, Verb verb) {
 }  // namespace
 
 bool is_looking_for_others(const Fleet& fleet, time::SteadyTime begin, time::SteadyTime now) {
-  return now - begin < (fleet.other_sheriffs().heard(now) ? 2 : 1) * kLookingTime;
+  return now - begin < (fleet.other_sheriffs().received(now) ? 2 : 1) * kLookingTime;
 }
 
 int print_config(const std::string& file, const Config& config) {
@@ -170,7 +170,7 @@ int change(Sheriff& sheriff, Verb verb, const std::string& name) {
   if (!missing_deputies(sheriff, deputies_of(commands)).empty()) {
     return kFailed;
   }
-  sheriff.command();
+  sheriff.take_command();
   give_order(sheriff.fleet(), config, verb, target);
   sheriff.give_orders();
   const time::SteadyTime deadline = Sheriff::now() + patience(verb, commands);

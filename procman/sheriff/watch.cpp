@@ -242,7 +242,7 @@ void Watch::look_for_other_sheriff() {
 
 void Watch::take_command() {
   role_ = Role::kInCommand;
-  sheriff_.command();
+  sheriff_.take_command();
 }
 
 /// A sheriff that has given orders takes the command again when the other one has ended.

@@ -49,7 +49,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     require(request.is_object());
     return Answer{.ok = request.contains("do"), .text = "said"};
   };
-  Session session(store, services, {.play = true, .control = true});
+  Session session(store, services, {.may_play = true, .may_control = true});
   std::string_view rest(reinterpret_cast<const char*>(data), size);
   while (!rest.empty()) {
     const std::string_view frame = rest.substr(0, rest.find('\n'));

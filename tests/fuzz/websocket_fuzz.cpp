@@ -62,7 +62,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   send(socket, std::string(reinterpret_cast<const char*>(data + 1), size - 1));
   viewer.server.run_for(milliseconds(1));
-  viewer.server.turn();
+  viewer.server.poll();
   ::close(socket);
   viewer.server.run_for(milliseconds(1));
   if (viewer.hub.connections > viewer.hub.max_connections + 1) {

@@ -17,8 +17,8 @@
 
 namespace nodmap::foxglove {
 
-/// Queue capacity of the viewer's subscriptions: far more than the messages of one turn of the
-/// viewer and a burst of parts.
+/// Queue capacity of the viewer's subscriptions: far more than the messages of one period of
+/// the viewer and a burst of parts.
 inline constexpr int kFeedQueue = 512;
 
 /// Subscribes to STATUS and PM_INFO, and posts the tables of processes and commands and the log of

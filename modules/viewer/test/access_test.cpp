@@ -43,27 +43,27 @@ TEST(Access, ANameReboundToThisHostIsRefused) {
 TEST(Access, AnyOriginMayReadButOnlyOurPageMayControlAPlayback) {
   const Access foxglove = decide_access(request("/", "https://app.foxglove.dev"), kReadOnly);
   EXPECT_EQ(foxglove.refusal, Refusal::kNone);
-  EXPECT_FALSE(foxglove.rights.play);
-  EXPECT_FALSE(foxglove.rights.control);
-  EXPECT_TRUE(decide_access(request("/", "http://127.0.0.1:8765"), kReadOnly).rights.play);
-  EXPECT_TRUE(decide_access(request("/", "https://127.0.0.1:8765"), kReadOnly).rights.play);
-  EXPECT_TRUE(decide_access(request("/"), kReadOnly).rights.play);
-  EXPECT_FALSE(decide_access(request("/", "null"), kReadOnly).rights.play);
+  EXPECT_FALSE(foxglove.rights.may_play);
+  EXPECT_FALSE(foxglove.rights.may_control);
+  EXPECT_TRUE(decide_access(request("/", "http://127.0.0.1:8765"), kReadOnly).rights.may_play);
+  EXPECT_TRUE(decide_access(request("/", "https://127.0.0.1:8765"), kReadOnly).rights.may_play);
+  EXPECT_TRUE(decide_access(request("/"), kReadOnly).rights.may_play);
+  EXPECT_FALSE(decide_access(request("/", "null"), kReadOnly).rights.may_play);
 }
 
 TEST(Access, ControlNeedsTheTokenAndOurOwnOrigin) {
-  EXPECT_TRUE(decide_access(request("/?token=secret"), kWithControl).rights.control);
+  EXPECT_TRUE(decide_access(request("/?token=secret"), kWithControl).rights.may_control);
   EXPECT_TRUE(decide_access(request("/?a=b&token=secret&c", "http://127.0.0.1:8765"), kWithControl)
-                  .rights.control);
-  EXPECT_FALSE(decide_access(request("/"), kWithControl).rights.control);
+                  .rights.may_control);
+  EXPECT_FALSE(decide_access(request("/"), kWithControl).rights.may_control);
   for (const char* wrong : {"/?token=Secret", "/?token=secre", "/?token=secrets", "/?token=x"}) {
     EXPECT_EQ(decide_access(request(wrong), kWithControl).refusal, Refusal::kToken) << wrong;
   }
   EXPECT_EQ(decide_access(request("/?token=secret", "http://evil.example"), kWithControl).refusal,
             Refusal::kToken);
   EXPECT_EQ(decide_access(request("/?token=secret"), kReadOnly).refusal, Refusal::kToken);
-  EXPECT_FALSE(decide_access(request("/?token="), kReadOnly).rights.control);
-  EXPECT_FALSE(decide_access(request("/?nottoken=secret"), kWithControl).rights.control);
+  EXPECT_FALSE(decide_access(request("/?token="), kReadOnly).rights.may_control);
+  EXPECT_FALSE(decide_access(request("/?nottoken=secret"), kWithControl).rights.may_control);
 }
 
 TEST(Access, TokensAreLongAndDiffer) {

@@ -12,12 +12,12 @@ constexpr time::SteadyTime kStart{10s};
 int due_of(Pace& pace, int turns) {
   int due = 0;
   for (int i = 0; i < turns; ++i) {
-    due += pace.take_turn(kStart + i * 20ms) ? 1 : 0;
+    due += pace.take_update(kStart + i * 20ms) ? 1 : 0;
   }
   return due;
 }
 
-TEST(Pace, SendsInEveryTurnWhileTheMachineIsFree) {
+TEST(Pace, SendsEveryTimeWhileTheMachineIsFree) {
   Pace pace(20ms);
   for (int i = 0; i < 10; ++i) {
     pace.note_load(0.89F);

@@ -69,7 +69,7 @@ class ProcessControlTest : public ::testing::Test {
   void pass(time::Duration duration) {
     now_.wall += duration;
     now_.steady += duration;
-    control_.turn();
+    control_.poll();
     handle();
   }
 

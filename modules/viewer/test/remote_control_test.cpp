@@ -32,7 +32,7 @@ class RemoteControlTest : public ::testing::Test {
 
   void pass(time::Duration duration) {
     clock_.advance(duration);
-    control_.turn();
+    control_.poll();
     handle();
   }
 

@@ -178,7 +178,7 @@ TEST_F(SessionTest, AfterUnsubscribingNothingIsSent) {
 class Nonsense : public SessionTest, public ::testing::WithParamInterface<const char*> {};
 
 TEST_P(Nonsense, IsAnsweredWithAStatusAndCounted) {
-  Session session = greeted({.play = true, .control = false});
+  Session session = greeted({.may_play = true, .may_control = false});
   session.receive_text(GetParam());
   const Json answer = text_frame(session);
   EXPECT_EQ(answer["op"], "status");
@@ -234,7 +234,7 @@ TEST_F(SessionTest, WithoutControlCallsAreRefused) {
     ++asked;
     return Answer{.ok = true, .text = ""};
   };
-  Session session = greeted({.play = true, .control = false});
+  Session session = greeted({.may_play = true, .may_control = false});
   receive(session, call(R"({"do":"stop"})"));
   EXPECT_EQ(asked, 0);
   EXPECT_EQ(session.refused(), 1);
@@ -250,7 +250,7 @@ TEST_F(SessionTest, WithControlCallsAreAnswered) {
     return Answer{.ok = request["do"] == "stop", .text = "CommandOutput."};
   };
   services_.controls_processes = true;
-  Session session(store_, services_, {.play = true, .control = true});
+  Session session(store_, services_, {.may_play = true, .may_control = true});
   const Json info = text_frame(session);
   EXPECT_EQ(info["capabilities"], Json::array({"services"}));
   EXPECT_EQ(info["metadata"]["process_control"], "true");
@@ -273,7 +273,7 @@ TEST_F(SessionTest, InvalidCallsAreCountedAndAnswered) {
     ++asked;
     return Answer{.ok = true, .text = ""};
   };
-  Session session = greeted({.play = true, .control = true});
+  Session session = greeted({.may_play = true, .may_control = true});
   (void)session.next();
   receive(session, call("[1]"));
   receive(session, call("no JSON"));
@@ -310,7 +310,7 @@ TEST_F(SessionTest, ParametersAreReadByAllAndSetOnlyByClientsWithTheRight) {
   reader.receive_text(set);
   EXPECT_EQ(speed, 1.0);
   EXPECT_EQ(reader.refused(), 1);
-  Session player = greeted({.play = true, .control = false});
+  Session player = greeted({.may_play = true, .may_control = false});
   player.receive_text(set);
   EXPECT_EQ(speed, 2.0);
   EXPECT_EQ(player.refused(), 0);

@@ -316,7 +316,7 @@ TEST_F(FleetTest, AForgedInfoIsNotBelievedWhileTheDeputyReports) {
 
 // Anybody can send one message.
 TEST_F(FleetTest, ASheriffDoesNotYieldToOneOrder) {
-  fleet_.begin_command(now_);
+  fleet_.take_command(now_);
   for (std::uint16_t port = 1; port < 10; ++port, now_ += 1s) {
     fleet_.take_orders({{}, "h", "you:2:1", {}}, now_, {0x7F000001, port});
     EXPECT_FALSE(fleet_.must_yield(now_));
@@ -325,7 +325,7 @@ TEST_F(FleetTest, ASheriffDoesNotYieldToOneOrder) {
 
 // A message with an old id can come from anybody.
 TEST_F(FleetTest, ASheriffThatHasGivenOrdersForLongDoesNotYield) {
-  fleet_.begin_command(now_);
+  fleet_.take_command(now_);
   receive_orders("you:2:1");
   EXPECT_TRUE(fleet_.must_yield(now_));
   now_ += Fleet::kYieldTime;

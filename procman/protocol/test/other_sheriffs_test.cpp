@@ -15,15 +15,15 @@ time::SteadyTime at(time::Duration since_start) {
 
 TEST(OtherSheriffs, OneRunsThatRepeatsItsOrdersUntilItIsSilent) {
   OtherSheriffs sheriffs;
-  EXPECT_FALSE(sheriffs.heard(at(0s)));
+  EXPECT_FALSE(sheriffs.received(at(0s)));
   sheriffs.take("a", kOne, at(0s));
-  EXPECT_EQ(sheriffs.heard(at(0s)), "a");
+  EXPECT_EQ(sheriffs.received(at(0s)), "a");
   EXPECT_FALSE(sheriffs.running(at(0s)));
   sheriffs.take("a", kOne, at(1s));
   EXPECT_EQ(sheriffs.running(at(1s)), "a");
   EXPECT_EQ(sheriffs.running(at(4s)), "a");
   EXPECT_FALSE(sheriffs.running(at(4s + 1us)));
-  EXPECT_FALSE(sheriffs.heard(at(4s + 1us)));
+  EXPECT_FALSE(sheriffs.received(at(4s + 1us)));
   sheriffs.take("a", kOne, at(5s));
   EXPECT_FALSE(sheriffs.running(at(5s))) << "it has to repeat them again";
 }
