@@ -178,7 +178,7 @@ bool Children::check_gone(Run& run) const {
   const bool is_unclear = std::any_of(table.begin(), table.end(), [this](const ProcessRow& row) {
     return is_orphan(row) && !has_environment(row.pid);
   });
-  const bool was_looked_at = std::exchange(run.looked_at, true);
+  const bool was_looked_at = std::exchange(run.was_looked_at, true);
   return tree(run, table).empty() && (!is_unclear || was_looked_at);
 }
 
@@ -220,7 +220,7 @@ bool Children::read_some(const std::string& id, Run& run) const {
     } else if (size < 0 && errno == EINTR) {
       continue;
     } else {
-      run.hung_up = size == 0 || errno != EAGAIN;  // EIO: no process has the terminal open
+      run.has_hung_up = size == 0 || errno != EAGAIN;  // EIO: no process has the terminal open
       return false;
     }
   }
@@ -229,7 +229,7 @@ bool Children::read_some(const std::string& id, Run& run) const {
 
 void Children::read_output(time::SteadyTime now) {
   for (auto& [id, run] : runs_) {
-    if (!run.hung_up && now >= run.next_read && read_some(id, run)) {
+    if (!run.has_hung_up && now >= run.next_read && read_some(id, run)) {
       run.next_read = now + kReadPeriod;
     }
   }
@@ -237,7 +237,7 @@ void Children::read_output(time::SteadyTime now) {
 
 void Children::add_to_poll(std::vector<pollfd>& waiting, time::SteadyTime now) const {
   for (const auto& [id, run] : runs_) {
-    if (!run.hung_up && now >= run.next_read) {
+    if (!run.has_hung_up && now >= run.next_read) {
       waiting.push_back({run.terminal.get(), POLLIN, 0});
     }
   }
@@ -247,7 +247,7 @@ std::optional<time::SteadyTime> Children::due(time::SteadyTime now) const {
   std::optional<time::SteadyTime> due;
   const auto take = [&due](time::SteadyTime stamp) { due = std::min(due.value_or(stamp), stamp); };
   for (const auto& [id, run] : runs_) {
-    if (!run.hung_up && run.next_read > now) {  // afterwards poll() waits for it
+    if (!run.has_hung_up && run.next_read > now) {  // afterwards poll() waits for it
       take(run.next_read);
     }
     if (run.wait_status) {

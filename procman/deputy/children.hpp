@@ -78,12 +78,13 @@ class Children : boost::noncopyable {
     pid_t pid = 0;
     std::string mark;
     formats::FileDescriptor terminal;
-    bool hung_up = false;
+    bool has_hung_up = false;
     time::SteadyTime next_read{};
     std::optional<int> wait_status;  // set when the first process has ended
     time::SteadyTime ended{};
     time::SteadyTime next_check{};  // when its tree is checked again
-    bool looked_at = false;  // checked once and found empty, except for processes of unknown owner
+    bool was_looked_at =
+        false;  // checked once and found empty, except for processes of unknown owner
   };
 
   void collect_exits(time::SteadyTime now);

@@ -88,7 +88,7 @@ class Deputy {
   void carry_out(const SignalCommand& action);
   void carry_out(const WriteOutput& action);
   void carry_out(const ForgetCommand& action);
-  void carry_out(const PublishInfo& /*action*/) { info_changed_ = true; }
+  void carry_out(const PublishInfo& /*action*/) { has_info_changed_ = true; }
   void carry_out(const RefuseOrder& action);
   [[nodiscard]] node::Health health(time::SteadyTime now) const;
   void publish_output(time::SteadyTime now);
@@ -112,8 +112,8 @@ class Deputy {
   time::SteadyTime started_;
   std::optional<time::SteadyTime> discover_due_;  // empty: none was sent yet
   time::SteadyTime info_due_{};
-  bool serving_ = false;
-  bool info_changed_ = false;
+  bool is_serving_ = false;
+  bool has_info_changed_ = false;
   Refusals refusals_{counts_};
   std::optional<int> exit_code_;
 };
@@ -132,7 +132,7 @@ void Deputy::on_info(const std::string& deputy_id) {
   if (deputy_id != settings_.id) {
     return;
   }
-  if (!serving_) {
+  if (!is_serving_) {
     log::get().error("a deputy {} is already running", settings_.id);
     exit_code_ = 2;
   } else if (senders_.is_impostor(bus_.origin().sender)) {
@@ -142,7 +142,7 @@ void Deputy::on_info(const std::string& deputy_id) {
 }
 
 void Deputy::on_orders(const procman_lcm::orders_t& message) {
-  if (!serving_) {
+  if (!is_serving_) {
     return;
   }
   counts_.use();
@@ -173,8 +173,8 @@ void Deputy::on_discovery(const Discovery& discovery) {
   if (senders_.take_own(discovery, bus_.origin().sender)) {
     return;
   }
-  if (serving_) {
-    info_changed_ = true;
+  if (is_serving_) {
+    has_info_changed_ = true;
     // A sheriff sends it when it begins and when it ends.
     if (discovery.nonce == 0 && !senders_.end_sheriff(bus_.origin().sender)) {
       repeat_last_words();
@@ -199,7 +199,7 @@ void Deputy::wait() {
   std::vector<pollfd> waiting{{signals_.poll_handle(), POLLIN, 0}, {bus_.poll_handle(), POLLIN, 0}};
   children_.add_to_poll(waiting, now);
   time::SteadyTime next =
-      std::min(now + kLongestWait, serving_ ? info_due_ : discover_due_.value_or(now));
+      std::min(now + kLongestWait, is_serving_ ? info_due_ : discover_due_.value_or(now));
   for (const auto& due : {supervisor_.next_due(), output_.due(), children_.due(now)}) {
     next = std::min(next, due.value_or(next));
   }
@@ -244,9 +244,9 @@ void Deputy::work() {
     carry_out(supervisor_.ended(end.id, end.wait_status, now));
   }
   carry_out(supervisor_.poll(now));
-  if (!serving_) {
+  if (!is_serving_) {
     work_discovery(now);
-  } else if (info_changed_ || now >= info_due_) {
+  } else if (has_info_changed_ || now >= info_due_) {
     if (now >= info_due_) {
       load_.sample(pids());
       children_.kill_strays();
@@ -292,7 +292,7 @@ void Deputy::begin_service(time::SteadyTime now) {
   if (leftovers > 0) {
     log::get().warn("killed {} processes left behind by a killed deputy", leftovers);
   }
-  serving_ = true;
+  is_serving_ = true;
   info_due_ = now;
   log::get().info("serving");
 }
@@ -314,7 +314,7 @@ void Deputy::carry_out(const WriteOutput& action) {
 
 void Deputy::carry_out(const ForgetCommand& action) {
   output_.forget(action.id);
-  info_changed_ = true;
+  has_info_changed_ = true;
 }
 
 void Deputy::carry_out(const RefuseOrder& action) {
@@ -337,7 +337,7 @@ void Deputy::carry_out(const StartCommand& action) {
         children_.start(action.id, action.exec, settings_.permissions.resources_of(action.id));
     supervisor_.started(action.id, pid, now);
     log::get().info("{} started (pid {})", action.id, pid);
-    info_changed_ = true;
+    has_info_changed_ = true;
   } catch (const std::exception& error) {
     log::get().error("{}: {}", action.id, error.what());
     carry_out(supervisor_.not_started(action.id, error.what(), now));
@@ -358,7 +358,7 @@ void Deputy::publish_output(time::SteadyTime now) {
 }
 
 void Deputy::publish_info() {
-  info_changed_ = false;
+  has_info_changed_ = false;
   DeputyInfo info;
   info.stamp = clock_.now();
   info.deputy_id = settings_.id;

@@ -36,7 +36,8 @@ bool is_end(int signal) {
 SupervisorActions Supervisor::take_orders(const Orders& orders, time::Duration age,
                                           time::SteadyTime now) {
   SupervisorActions actions;
-  if (shutting_down_ || orders.deputy_id != deputy_id_ || orders.commands.size() > kMaxCommands) {
+  if (is_shutting_down_ || orders.deputy_id != deputy_id_ ||
+      orders.commands.size() > kMaxCommands) {
     return actions;
   }
   if (age > kMaxOrdersAge) {
@@ -78,16 +79,16 @@ void Supervisor::obey(const CommandOrder& order, time::SteadyTime now, Superviso
   if ((has_room && update_spec(entry, order.spec)) || is_new) {
     actions.emplace_back(PublishInfo{});
   }
-  entry.removed = false;
-  entry.wanted = !order.force_quit;
-  if (!entry.wanted) {
+  entry.is_removed = false;
+  entry.is_wanted = !order.force_quit;
+  if (!entry.is_wanted) {
     entry.respawn_due.reset();
   }
   const bool runs = entry.pid != 0;
-  if (!runs && entry.wanted && entry.actual_run != order.desired_run) {
+  if (!runs && entry.is_wanted && entry.actual_run != order.desired_run) {
     start(entry, order.desired_run, now, actions);
-  } else if (runs &&
-             (!entry.wanted || (order.desired_run != entry.actual_run && order.desired_run != 0))) {
+  } else if (runs && (!entry.is_wanted ||
+                      (order.desired_run != entry.actual_run && order.desired_run != 0))) {
     stop(entry, now, actions);
   } else if (order.desired_run != 0) {
     entry.actual_run = order.desired_run;
@@ -144,8 +145,8 @@ void Supervisor::remove_missing(const std::set<std::string_view>& ordered, time:
     if (is_ordered) {
       ++at;
     } else if (entry.pid != 0) {
-      entry.removed = true;
-      entry.wanted = false;
+      entry.is_removed = true;
+      entry.is_wanted = false;
       stop(entry, now, actions);
       ++at;
     } else {
@@ -168,7 +169,7 @@ void Supervisor::start(Entry& entry, std::int32_t run, time::SteadyTime now,
 
 void Supervisor::stop(Entry& entry, time::SteadyTime now, SupervisorActions& actions) {
   // A command that is being stopped does not respawn, until an order wants it again.
-  entry.wanted = false;
+  entry.is_wanted = false;
   entry.respawn_due.reset();
   if (entry.kill_due) {
     return;  // it is already stopping, and poll() will kill it if necessary
@@ -200,7 +201,7 @@ SupervisorActions Supervisor::refused(const std::string& id, const std::string& 
 
 void Supervisor::retry_refused(time::SteadyTime now) {
   for (auto& [id, entry] : commands_) {
-    if (entry.is_refused && entry.wanted && entry.spec.auto_respawn) {
+    if (entry.is_refused && entry.is_wanted && entry.spec.auto_respawn) {
       entry.respawn_due = now;
     }
   }
@@ -220,10 +221,11 @@ SupervisorActions Supervisor::ended(const std::string& id, int wait_status, time
       actions.emplace_back(WriteOutput{id, "Core dumped.\n"});
     }
   }
-  if (entry.removed) {
+  if (entry.is_removed) {
     actions.emplace_back(ForgetCommand{id});
     forget(commands_.find(id));
-  } else if (entry.spec.auto_respawn && entry.wanted && !entry.is_refused && !shutting_down_) {
+  } else if (entry.spec.auto_respawn && entry.is_wanted && !entry.is_refused &&
+             !is_shutting_down_) {
     schedule_respawn(entry, now);
   }
   actions.emplace_back(PublishInfo{});
@@ -272,17 +274,17 @@ std::optional<time::SteadyTime> Supervisor::next_due() const {
 SupervisorActions Supervisor::shut_down(time::SteadyTime now) {
   SupervisorActions actions;
   for (auto& [id, entry] : commands_) {
-    entry.wanted = false;
+    entry.is_wanted = false;
     entry.respawn_due.reset();
     if (entry.pid == 0) {
       continue;
     }
     stop(entry, now, actions);
-    if (shutting_down_) {
+    if (is_shutting_down_) {
       entry.kill_due = now;
     }
   }
-  shutting_down_ = true;
+  is_shutting_down_ = true;
   return actions;
 }
 

@@ -97,7 +97,7 @@ class Supervisor {
   [[nodiscard]] SupervisorActions shut_down(time::SteadyTime now);
 
   [[nodiscard]] bool is_idle() const;  ///< no process runs
-  [[nodiscard]] bool is_shutting_down() const { return shutting_down_; }
+  [[nodiscard]] bool is_shutting_down() const { return is_shutting_down_; }
 
   /// Every command in the order of its id, including those never started. Without CPU and memory.
   [[nodiscard]] std::vector<CommandStatus> statuses() const;
@@ -110,8 +110,8 @@ class Supervisor {
     std::int32_t pid = 0;
     std::int32_t actual_run = 0;
     int wait_status = 0;
-    bool wanted = false;   // should run, so it respawns
-    bool removed = false;  // to be forgotten when it has ended
+    bool is_wanted = false;   // should run, so it respawns
+    bool is_removed = false;  // to be forgotten when it has ended
     bool is_refused = false;
     time::SteadyTime started{};
     std::int64_t num_starts = 0;
@@ -136,7 +136,7 @@ class Supervisor {
   bool trusts_orders_;
   std::map<std::string, Entry> commands_;
   std::size_t text_bytes_ = 0;  // of all descriptions
-  bool shutting_down_ = false;
+  bool is_shutting_down_ = false;
 };
 
 }  // namespace nodmap::procman

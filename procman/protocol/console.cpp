@@ -29,17 +29,17 @@ bool Console::take_sequence(char c) {
 
 void Console::put(char c) {
   if (c == '\r') {
-    line_returned_ = true;
+    has_line_returned_ = true;
     return;
   }
-  if (line_ended_) {
+  if (has_line_ended_) {
     lines_.emplace_back();
-  } else if (line_returned_ && c != '\n') {
+  } else if (has_line_returned_ && c != '\n') {
     lines_.back().clear();  // a progress bar rewrites its line
   }
-  line_returned_ = false;
-  line_ended_ = c == '\n';
-  if (!line_ended_ && lines_.back().size() < kMaxLineBytes) {
+  has_line_returned_ = false;
+  has_line_ended_ = c == '\n';
+  if (!has_line_ended_ && lines_.back().size() < kMaxLineBytes) {
     lines_.back() += c;
   }
   if (lines_.size() > kMaxLines) {

@@ -32,8 +32,8 @@ class Console {
 
   Sequence sequence_ = Sequence::kNone;
   std::deque<std::string> lines_;
-  bool line_ended_ = true;
-  bool line_returned_ = false;
+  bool has_line_ended_ = true;
+  bool has_line_returned_ = false;
 };
 
 }  // namespace nodmap::procman

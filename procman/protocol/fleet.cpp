@@ -35,7 +35,7 @@ std::int32_t run_after(std::int32_t run) {
 /// Whether a command ended without error: with exit code 0, or by the signal sent to stop it.
 bool is_good_end(const Fleet::Item& item) {
   const int status = item.status->wait_status;
-  return status == 0 || (item.stop_ordered && may_be_a_stop(status, item.spec.stop_signal));
+  return status == 0 || (item.is_stop_ordered && may_be_a_stop(status, item.spec.stop_signal));
 }
 
 /// Whether a deputy will start a command again that it reports as not running, as far as that can
@@ -121,9 +121,9 @@ std::vector<std::string> Fleet::reconfigure(const Config& config) {
     deputies_.expect(command.deputy);
   }
   for (Item& item : before) {
-    if (item.configured && !item.stop_ordered) {
+    if (item.is_configured && !item.is_stop_ordered) {
       changes.push_back(item.spec.id + " is no longer configured: stopping it");
-      item.force_quit = item.stop_ordered = true;
+      item.force_quit = item.is_stop_ordered = true;
     }
     items_.push_back(std::move(item));
   }
@@ -158,7 +158,7 @@ Fleet::Item Fleet::configure(std::optional<Item> before, const Command& command,
   Item item = before ? std::move(*before) : Item{};
   item.spec = spec_of(command);
   item.deputy = command.deputy;
-  item.configured = true;
+  item.is_configured = true;
   return item;
 }
 
@@ -196,7 +196,7 @@ void Fleet::start(const std::string& id) {
 
 void Fleet::stop(const std::string& id) {
   if (Item* item = find_in(items_, id)) {
-    item->force_quit = item->stop_ordered = true;
+    item->force_quit = item->is_stop_ordered = true;
   }
 }
 
@@ -208,7 +208,7 @@ void Fleet::restart(const std::string& id) {
 
 void Fleet::begin_run(Item& item) {
   item.desired_run = run_after(item.desired_run);
-  item.force_quit = item.stop_ordered = false;
+  item.force_quit = item.is_stop_ordered = false;
   item.failed_status.reset();
   item.respawns_until.reset();
 }
@@ -220,7 +220,7 @@ bool Fleet::take_info(const DeputyInfo& info, time::SteadyTime now, const bus::S
   for (Item& item : items_) {
     if (item.deputy == info.deputy_id && !lists(info, item.spec.id)) {
       item.status.reset();
-      item.adopted = true;
+      item.is_adopted = true;
     }
   }
   bool is_urgent = false;
@@ -252,7 +252,7 @@ void Fleet::adopt(Item& item, const CommandStatus& status, time::SteadyTime now)
   const bool start_wished = item.desired_run != 0 && !item.force_quit;
   const bool is_down = status.pid == 0;
   item.desired_run = start_wished && is_down ? run_after(status.actual_run) : status.actual_run;
-  item.adopted = true;
+  item.is_adopted = true;
   if (!start_wished && will_respawn(status)) {
     item.respawns_until = now + kRespawnTime;
     return;
@@ -260,11 +260,11 @@ void Fleet::adopt(Item& item, const CommandStatus& status, time::SteadyTime now)
   item.force_quit |= !start_wished && is_down;
   // Nobody knows who stopped it. An end by the stop signal is taken as ordered, one by SIGKILL as
   // an error: the stop signal had no effect, or the system killed it.
-  item.stop_ordered |= is_down && status.wait_status != SIGKILL;
+  item.is_stop_ordered |= is_down && status.wait_status != SIGKILL;
 }
 
 void Fleet::take_status(Item& item, const CommandStatus& status, time::SteadyTime now) {
-  if (!item.adopted) {
+  if (!item.is_adopted) {
     adopt(item, status, now);
   }
   const std::int32_t pid_before = item.status ? item.status->pid : 0;
@@ -318,7 +318,7 @@ void Fleet::take_orders(const Orders& orders, time::SteadyTime now, const bus::S
 
 bool Fleet::has_commands_for(const std::string& deputy) const {
   return std::any_of(items_.begin(), items_.end(), [&deputy](const Item& item) {
-    return item.configured && item.deputy == deputy;
+    return item.is_configured && item.deputy == deputy;
   });
 }
 

@@ -57,9 +57,9 @@ class Fleet {
     std::string deputy;
     std::int32_t desired_run = 0;
     bool force_quit = false;
-    bool stop_ordered = false;  ///< an end by the stop signal is not an error
-    bool adopted = false;       ///< an INFO has told what ran before this sheriff
-    bool configured = false;    ///< in our file; all other commands are left alone
+    bool is_stop_ordered = false;  ///< an end by the stop signal is not an error
+    bool is_adopted = false;       ///< an INFO has told what ran before this sheriff
+    bool is_configured = false;    ///< in our file; all other commands are left alone
     std::optional<CommandStatus> status;
     time::SteadyTime running_since{};
     std::int64_t num_restarts = 0;    ///< new processes after the first that this sheriff saw

@@ -70,8 +70,8 @@ void ScriptRunner::append(const Script& script) {
 void ScriptRunner::step(Fleet& fleet, time::SteadyTime now) {
   while (!is_over() && at_ < actions_.size()) {
     const Action& action = *actions_[at_];
-    if (!begun_) {
-      begun_ = true;
+    if (!has_begun_) {
+      has_begun_ = true;
       begin_ = now;
       if (const auto* order = std::get_if<Order>(&action.what)) {
         give_order(fleet, config_, order->verb, order->target);
@@ -81,7 +81,7 @@ void ScriptRunner::step(Fleet& fleet, time::SteadyTime now) {
     if (!try_to_finish(action, fleet, now)) {
       return;
     }
-    begun_ = false;
+    has_begun_ = false;
     ++at_;
   }
   if (!is_over()) {

@@ -59,7 +59,7 @@ class ScriptRunner {
   HealthTest is_healthy_;
   std::vector<const Action*> actions_;  // including those of called scripts, in order
   std::size_t at_ = 0;
-  bool begun_ = false;  // the action at at_ has been executed; its wait is not over
+  bool has_begun_ = false;  // the action at at_ has been executed; its wait is not over
   time::SteadyTime begin_{};
   std::set<std::string> started_;  // commands that must run after the script
   std::optional<time::SteadyTime> done_;

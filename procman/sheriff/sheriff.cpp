@@ -49,7 +49,7 @@ void Sheriff::subscribe() {
     fleet_.take_runs(from_message(message), now(), bus_.origin().sender);
   });
   bus_.subscribe<procman_lcm::deputy_info_t>(kInfoChannel, [this](const auto& message) {
-    orders_wanted_ |= fleet_.take_info(from_message(message), now(), bus_.origin().sender);
+    are_orders_wanted_ |= fleet_.take_info(from_message(message), now(), bus_.origin().sender);
   });
   bus_.subscribe<procman_lcm::orders_t>(kOrdersChannel, [this](const auto& message) {
     fleet_.take_orders(from_message(message), now(), bus_.origin().sender);
@@ -81,13 +81,13 @@ void Sheriff::take_output(const Output& output) {
 
 void Sheriff::work(std::chrono::milliseconds wait) {
   bus_.handle(wait);
-  if (orders_wanted_ || now() >= orders_due_) {
+  if (are_orders_wanted_ || now() >= orders_due_) {
     give_orders();
   }
 }
 
 void Sheriff::give_orders() {
-  orders_wanted_ = false;
+  are_orders_wanted_ = false;
   orders_due_ = now() + kOrdersPeriod;
   if (is_observer_) {
     return;

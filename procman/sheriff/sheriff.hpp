@@ -76,7 +76,7 @@ class Sheriff : boost::noncopyable {
   OutputHandler output_handler_;
   bool is_observer_ = true;
   bool has_given_orders_ = false;
-  bool orders_wanted_ = false;
+  bool are_orders_wanted_ = false;
   time::SteadyTime orders_due_{};
 };
 

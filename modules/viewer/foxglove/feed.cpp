@@ -31,7 +31,7 @@ std::size_t max_cloud_points(const FeedParams& params) {
   return static_cast<std::size_t>(params.max_cloud_points);
 }
 
-bool same_lengths(const nodmap::egomap_t& map) {
+bool have_same_lengths(const nodmap::egomap_t& map) {
   const auto bins = static_cast<std::size_t>(map.num_bins);
   return map.distance_m.size() == bins && map.point_x_m.size() == bins &&
          map.point_y_m.size() == bins && map.point_z_m.size() == bins && map.age_s.size() == bins;
@@ -217,7 +217,7 @@ void Feed::subscribe_egomap(bus::Bus& bus, const char* channel) {
   const std::size_t topic = store_.add({channel, kPointCloud});
   subscribe<nodmap::egomap_t>(bus, channel, [this, topic](const auto& message) {
     const auto T_odom_base = node::read_pose(message.position_m, message.orientation);
-    if (!T_odom_base || !same_lengths(message)) {
+    if (!T_odom_base || !have_same_lengths(message)) {
       counts_.reject("egomap_not_valid");
       return;
     }
