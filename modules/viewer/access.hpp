@@ -2,6 +2,7 @@
 // Decides what a client may do, from the head of its request alone.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -23,7 +24,7 @@ struct AccessPolicy {
   std::string token;          ///< empty: no client may control
 };
 
-enum class Refusal { kNone, kHost, kProtocol, kToken };
+enum class Refusal : std::uint8_t { kNone, kHost, kProtocol, kToken };
 
 struct Access {
   Refusal refusal = Refusal::kNone;

@@ -17,9 +17,9 @@ namespace http = beast::http;
 
 constexpr std::uint32_t kMaxHeadBytes = 8192;
 /// Timeout for receiving a request.
-constexpr std::chrono::seconds kReadTimeout(10);
+constexpr std::chrono::seconds kReadTimeout = 10s;
 // Timeout for sending an answer: a megabyte of three.js over a slow radio link.
-constexpr std::chrono::seconds kWriteTimeout(60);
+constexpr std::chrono::seconds kWriteTimeout = 60s;
 constexpr const char* kText = "text/plain; charset=utf-8";
 
 /// The page loads nothing from other servers, and must not be embedded in another page.

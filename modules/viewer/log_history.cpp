@@ -31,7 +31,7 @@ constexpr std::size_t kMaxSeries = 64;
 constexpr std::int64_t kEventsAtOnce = 1'000'000;
 
 double nearest_m(const nodmap::egomap_t& map) {
-  const auto nearest = std::min_element(map.distance_m.begin(), map.distance_m.end());
+  const auto nearest = std::ranges::min_element(map.distance_m);
   return nearest == map.distance_m.end() ? kNone : static_cast<double>(*nearest);
 }
 
@@ -110,8 +110,7 @@ void Series::add(double time_s, double value) {
 
 std::vector<Series::Sample> Series::open_samples() const {
   std::vector<Sample> samples = extremes_;
-  std::sort(samples.begin(), samples.end(),
-            [](const Sample& a, const Sample& b) { return a.time_s < b.time_s; });
+  std::ranges::sort(samples, {}, &Sample::time_s);
   if (samples.size() == 2 && samples[0].time_s == samples[1].time_s) {
     samples.pop_back();
   }
@@ -129,9 +128,9 @@ Json Series::samples() const {
   const auto append = [&json](const Sample& sample) {
     json.push_back({sample.time_s, std::isnan(sample.value) ? Json() : Json(sample.value)});
   };
-  std::for_each(samples_.begin(), samples_.end(), append);
+  std::ranges::for_each(samples_, append);
   const std::vector<Sample> last = open_samples();
-  std::for_each(last.begin(), last.end(), append);
+  std::ranges::for_each(last, append);
   return json;
 }
 

@@ -34,9 +34,8 @@ ProcessControl::ProcessControl(bus::Bus& bus, procman::Config config, Clock cloc
 }
 
 void ProcessControl::on_info(const procman::DeputyInfo& info) {
-  const bool is_ours =
-      std::any_of(config_.commands.begin(), config_.commands.end(),
-                  [&](const auto& command) { return command.deputy == info.deputy_id; });
+  const bool is_ours = std::ranges::any_of(
+      config_.commands, [&](const auto& command) { return command.deputy == info.deputy_id; });
   const time::Moment now = clock_();
   const bool is_taken = is_ours && deputies_.take(info, now.steady, bus_.origin().sender);
   if (is_taken && fleet_ && fleet_->take_info(info, now.steady)) {

@@ -20,7 +20,7 @@ using ErrorCode = boost::system::error_code;
 /// Small, so that a slow client does not receive old data.
 constexpr int kSendBufferBytes = 1 << 17;
 /// Pause when there are no file descriptors left, until other connections close.
-constexpr std::chrono::milliseconds kPause(100);
+constexpr std::chrono::milliseconds kPause = 100ms;
 
 asio::ip::address parse_address(const std::string& text) {
   ErrorCode error;

@@ -157,8 +157,8 @@ void Session::subscribe(const Json& message) {
     const auto channel = id_in(wish, "channelId");
     if (!id || !channel || *channel == 0 || *channel > store_.topics().size()) {
       refuse("subscription to an unknown channel");
-    } else if (std::any_of(subscriptions_.begin(), subscriptions_.end(),
-                           [&](const Subscription& s) { return s.id == *id; })) {
+    } else if (std::ranges::any_of(subscriptions_,
+                                   [&](const Subscription& s) { return s.id == *id; })) {
       refuse("subscription id is in use");
     } else if (subscriptions_.size() >= kMaxSubscriptions) {
       refuse("too many subscriptions");

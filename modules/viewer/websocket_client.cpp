@@ -19,7 +19,7 @@ constexpr std::size_t kMaxMessageBytes = 65536;
 /// Number of messages read from one client in one poll(), so that a flood does not delay the
 /// others.
 constexpr int kReadsPerPoll = 50;
-constexpr std::chrono::seconds kHandshakeTimeout(5);
+constexpr std::chrono::seconds kHandshakeTimeout = 5s;
 
 }  // namespace
 

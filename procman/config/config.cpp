@@ -59,19 +59,17 @@ const char* name_of(Verb verb) {
 }
 
 const Command* Config::find_command(std::string_view id) const {
-  const auto found = std::find_if(commands.begin(), commands.end(),
-                                  [id](const Command& command) { return command.id == id; });
+  const auto found = std::ranges::find(commands, id, &Command::id);
   return found == commands.end() ? nullptr : &*found;
 }
 
 const Script* Config::find_script(std::string_view name) const {
-  const auto found = std::find_if(scripts.begin(), scripts.end(),
-                                  [name](const Script& script) { return script.name == name; });
+  const auto found = std::ranges::find(scripts, name, &Script::name);
   return found == scripts.end() ? nullptr : &*found;
 }
 
 bool Config::has_group(std::string_view path) const {
-  return std::find(groups.begin(), groups.end(), normalized_group(path)) != groups.end();
+  return std::ranges::find(groups, normalized_group(path)) != groups.end();
 }
 
 std::vector<const Command*> Config::commands_of(const Target& target) const {

@@ -173,8 +173,8 @@ std::string TokenReader::expect(TokenKind kind, const char* what) {
 }
 
 std::string TokenReader::expect_word(std::initializer_list<const char*> words) {
-  const bool fits = token_.kind == TokenKind::kIdentifier &&
-                    std::find(words.begin(), words.end(), token_.text) != words.end();
+  const bool fits =
+      token_.kind == TokenKind::kIdentifier && std::ranges::find(words, token_.text) != words.end();
   if (!fits) {
     std::string list;
     for (const char* word : words) {

@@ -22,8 +22,9 @@ constexpr int kMaxWaitMs = 24 * 3600 * 1000;
 
 /// Whether the word is "true" or "yes", in upper or lower case.
 bool says_yes(std::string word) {
-  std::transform(word.begin(), word.end(), word.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+  std::ranges::transform(word, word.begin(), [](char c) {
+    return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c;
+  });
   return word == "true" || word == "yes";
 }
 

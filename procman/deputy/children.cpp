@@ -102,8 +102,7 @@ pid_t Children::start(const std::string& id, const std::string& exec_line,
 }
 
 bool Children::is_first_process(pid_t pid) const {
-  return std::any_of(runs_.begin(), runs_.end(),
-                     [pid](const auto& item) { return item.second.pid == pid; });
+  return std::ranges::any_of(runs_, [pid](const auto& item) { return item.second.pid == pid; });
 }
 
 bool Children::is_orphan(const ProcessRow& row) const {
@@ -175,9 +174,8 @@ bool Children::check_gone(Run& run) const {
     return false;
   }
   const std::vector<ProcessRow> table = read_processes();
-  const bool is_unclear = std::any_of(table.begin(), table.end(), [this](const ProcessRow& row) {
-    return is_orphan(row) && !has_environment(row.pid);
-  });
+  const bool is_unclear = std::ranges::any_of(
+      table, [this](const ProcessRow& row) { return is_orphan(row) && !has_environment(row.pid); });
   const bool was_looked_at = std::exchange(run.was_looked_at, true);
   return tree(run, table).empty() && (!is_unclear || was_looked_at);
 }
@@ -278,8 +276,8 @@ void Children::kill_strays() const {
   for (const ProcessRow& row : read_processes()) {
     const std::string mark =
         is_orphan(row) ? variable_of(row.pid, kMarkVariable).value_or("") : std::string();
-    const bool is_of_a_run = std::any_of(
-        runs_.begin(), runs_.end(), [&mark](const auto& item) { return item.second.mark == mark; });
+    const bool is_of_a_run =
+        std::ranges::any_of(runs_, [&mark](const auto& item) { return item.second.mark == mark; });
     if (mark.starts_with(own_mark_) && !is_of_a_run) {
       ::kill(row.pid, SIGKILL);
     }

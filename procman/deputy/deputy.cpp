@@ -271,8 +271,7 @@ void Deputy::log_end(const Children::Ended& end) {
   }
   std::istringstream lines{std::string(output_.recent(end.id))};
   for (std::string line; std::getline(lines, line);) {
-    line.erase(std::remove_if(line.begin(), line.end(), [](char c) { return c >= 0 && c < ' '; }),
-               line.end());
+    std::erase_if(line, [](char c) { return c >= 0 && c < ' '; });
     log::get().warn("{}: {}", end.id, line);
   }
 }

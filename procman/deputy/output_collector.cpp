@@ -123,15 +123,13 @@ void OutputCollector::append(const std::string& id, std::string_view text) {
   if (text.empty()) {
     return;
   }
-  auto found = std::find_if(pending_.begin(), pending_.end(),
-                            [&id](const CommandOutput& part) { return part.command_id == id; });
+  auto found = std::ranges::find(pending_, id, &CommandOutput::command_id);
   if (found == pending_.end()) {
     found = pending_.insert(pending_.end(), {id, {}});
   }
   const std::size_t before = found->text.size();
   // A zero byte would end the text for its receivers.
-  std::copy_if(text.begin(), text.end(), std::back_inserter(found->text),
-               [](char c) { return c != '\0'; });
+  std::ranges::copy_if(text, std::back_inserter(found->text), [](char c) { return c != '\0'; });
   pending_bytes_ += found->text.size() - before;
 }
 
@@ -157,10 +155,8 @@ std::vector<CommandOutput> OutputCollector::take(time::SteadyTime now) {
 /// delay the others.
 std::vector<CommandOutput> OutputCollector::take_front(std::size_t room) {
   if (pending_bytes_ > room) {
-    std::stable_sort(pending_.begin(), pending_.end(),
-                     [](const CommandOutput& a, const CommandOutput& b) {
-                       return a.text.size() < b.text.size();
-                     });
+    std::ranges::stable_sort(pending_, {},
+                             [](const CommandOutput& part) { return part.text.size(); });
   }
   std::vector<CommandOutput> front;
   while (!pending_.empty() && room > 0) {

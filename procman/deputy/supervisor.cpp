@@ -289,8 +289,7 @@ SupervisorActions Supervisor::shut_down(time::SteadyTime now) {
 }
 
 bool Supervisor::is_idle() const {
-  return std::all_of(commands_.begin(), commands_.end(),
-                     [](const auto& item) { return item.second.pid == 0; });
+  return std::ranges::all_of(commands_, [](const auto& item) { return item.second.pid == 0; });
 }
 
 std::vector<CommandStatus> Supervisor::statuses() const {

@@ -72,8 +72,7 @@ void SystemLoad::sample(const std::vector<pid_t>& pids) {
 }
 
 const SystemLoad::Usage* SystemLoad::find(pid_t pid) const {
-  const auto found = std::find_if(usages_.begin(), usages_.end(),
-                                  [pid](const Usage& usage) { return usage.pid == pid; });
+  const auto found = std::ranges::find(usages_, pid, &Usage::pid);
   return found == usages_.end() ? nullptr : &*found;
 }
 

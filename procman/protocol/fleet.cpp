@@ -317,9 +317,8 @@ void Fleet::take_orders(const Orders& orders, time::SteadyTime now, const bus::S
 }
 
 bool Fleet::has_commands_for(const std::string& deputy) const {
-  return std::any_of(items_.begin(), items_.end(), [&deputy](const Item& item) {
-    return item.is_configured && item.deputy == deputy;
-  });
+  return std::ranges::any_of(
+      items_, [&deputy](const Item& item) { return item.is_configured && item.deputy == deputy; });
 }
 
 std::optional<Orders> Fleet::orders_for(const std::string& deputy, time::Timestamp stamp) const {

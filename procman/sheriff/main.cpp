@@ -136,7 +136,7 @@ int serve(const Options& options, const Config& config) {
 int serve_alone(const Options& options, const Config& config) {
   LoneDeputies deputies(options.config, config, options.lcm_url);
   const int code = serve(options, config);
-  return deputies.stop() || code != kDone ? code : kFailed;
+  return deputies.stop() || code != exit_code::kDone ? code : exit_code::kFailed;
 }
 
 int run(int argc, char** argv) {
@@ -152,7 +152,7 @@ int run(int argc, char** argv) {
          options.lcm_url = lcm_url;
          const std::optional<Config> config = read_config(options.config);
          if (!config) {
-           return kWrong;
+           return exit_code::kWrong;
          }
          if (options.check) {
            return print_config(options.config, *config);

@@ -16,13 +16,11 @@
 namespace nodmap::procman {
 namespace {
 
-using std::chrono::milliseconds;
-
-constexpr milliseconds kWait(50);
-constexpr milliseconds kLookingTime(1300);
-constexpr double kStartTimeS = 10.0;
+constexpr std::chrono::milliseconds kWait = 50ms;
+constexpr time::Duration kLookingTime = 1300ms;
+constexpr time::Duration kStartTime = 10s;
 // A command that ends sooner does not count as started.
-constexpr milliseconds kSettleTime(500);
+constexpr time::Duration kSettleTime = 500ms;
 
 /// Waits for INFO of all these deputies. Returns those from which none came in time.
 std::vector<std::string> missing_deputies(Sheriff& sheriff, const std::set<std::string>& wanted) {
@@ -76,13 +74,13 @@ bool wait_to_be_alone(Sheriff& sheriff) {
 
 /// How long a change may take: a start some seconds, a stop also its grace time.
 time::Duration patience(Verb verb, const std::vector<const Command*>& commands) {
-  double seconds = kStartTimeS;
+  time::Duration stop_time{};
   if (verb != Verb::kStart) {
     for (const Command* command : commands) {
-      seconds = std::max(seconds, kStartTimeS + command->stop_time_allowed_s);
+      stop_time = std::max<time::Duration>(stop_time, 1s * command->stop_time_allowed_s);
     }
   }
-  return time::from_seconds(seconds);
+  return kStartTime + stop_time;
 }
 
 /// Whether nothing more will happen: the command has run for kSettleTime, or has ended, well or
@@ -126,7 +124,7 @@ int print_config(const std::string& file, const Config& config) {
   for (const Script& script : config.scripts) {
     std::printf("script %s: %zu actions\n", script.name.c_str(), script.actions.size());
   }
-  return kDone;
+  return exit_code::kDone;
 }
 
 int print_status(Sheriff& sheriff, bool as_json) {
@@ -149,7 +147,7 @@ int print_status(Sheriff& sheriff, bool as_json) {
       std::cout << printable(warning) << "\n";
     }
   }
-  return missing.empty() ? kDone : kFailed;
+  return missing.empty() ? exit_code::kDone : exit_code::kFailed;
 }
 
 int change(Sheriff& sheriff, Verb verb, const std::string& name) {
@@ -160,32 +158,32 @@ int change(Sheriff& sheriff, Verb verb, const std::string& name) {
     names.insert(names.end(), config.groups.begin(), config.groups.end());
     std::cerr << "nodmap-sheriff: there is no command and no group \"" << name << "\""
               << params::did_you_mean(name, names) << "\n";
-    return kWrong;
+    return exit_code::kWrong;
   }
   const Target target{is_command ? TargetKind::kCommand : TargetKind::kGroup, name};
   const auto commands = config.commands_of(target);
   if (!wait_to_be_alone(sheriff)) {
-    return kOtherSheriff;
+    return exit_code::kOtherSheriff;
   }
   if (!missing_deputies(sheriff, deputies_of(commands)).empty()) {
-    return kFailed;
+    return exit_code::kFailed;
   }
   sheriff.take_command();
   give_order(sheriff.fleet(), config, verb, target);
   sheriff.give_orders();
   const time::SteadyTime deadline = Sheriff::now() + patience(verb, commands);
   const auto all_settled = [&] {
-    return std::all_of(commands.begin(), commands.end(), [&](const Command* command) {
+    return std::ranges::all_of(commands, [&](const Command* command) {
       return is_settled(sheriff.fleet(), *command, verb);
     });
   };
   while (!all_settled() && Sheriff::now() < deadline && !node::stop_requested()) {
     sheriff.work(kWait);
   }
-  int code = kDone;
+  int code = exit_code::kDone;
   for (const Command* command : commands) {
     const bool is_good = is_as_wanted(sheriff.fleet(), *command, verb);
-    code = is_good ? code : kFailed;
+    code = is_good ? code : exit_code::kFailed;
     std::cout << command->id << ": "
               << name_of(sheriff.fleet().state_of(command->id, Sheriff::now())) << "\n";
   }
@@ -196,7 +194,7 @@ int follow_output(Sheriff& sheriff, const std::string& command) {
   if (sheriff.config().find_command(command) == nullptr) {
     std::cerr << "nodmap-sheriff: there is no command \"" << command << "\""
               << params::did_you_mean(command, command_names(sheriff.config())) << "\n";
-    return kWrong;
+    return exit_code::kWrong;
   }
   sheriff.on_output([&command](const std::string& id, const std::string& text) {
     if (id == command) {
@@ -206,7 +204,7 @@ int follow_output(Sheriff& sheriff, const std::string& command) {
   while (!node::stop_requested() && std::cout) {
     sheriff.work(kWait);
   }
-  return kDone;
+  return exit_code::kDone;
 }
 
 }  // namespace nodmap::procman

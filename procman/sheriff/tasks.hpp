@@ -10,15 +10,15 @@
 
 namespace nodmap::procman {
 
-enum ExitCode : int {
-  kDone = 0,
-  kFailed = 1,        ///< not reached, or a host does not answer
-  kWrong = 2,         ///< command line or configuration
-  kOtherSheriff = 3,  ///< another sheriff gives orders here
-};
+namespace exit_code {
+inline constexpr int kDone = 0;
+inline constexpr int kFailed = 1;        ///< not reached, or a host does not answer
+inline constexpr int kWrong = 2;         ///< command line or configuration
+inline constexpr int kOtherSheriff = 3;  ///< another sheriff gives orders here
+}  // namespace exit_code
 
 /// The longest wait for deputies. They answer at once, and publish INFO every second anyway.
-inline constexpr std::chrono::milliseconds kAnswerTime{2500};
+inline constexpr time::Duration kAnswerTime = 2500ms;
 
 /// Whether a sheriff that started at `begin` still looks for others before it gives orders: for
 /// longer than the period at which they send theirs, and for as long again if it has received any,
@@ -29,7 +29,8 @@ inline constexpr std::chrono::milliseconds kAnswerTime{2500};
 /// Prints the content of the configuration.
 int print_config(const std::string& file, const Config& config);
 
-/// Prints the state of everything once. kFailed if a host of the configuration does not answer.
+/// Prints the state of everything once. exit_code::kFailed if a host of the configuration does not
+/// answer.
 int print_status(Sheriff& sheriff, bool as_json);
 
 /// Starts, stops or restarts a command or group, and waits until this has happened.

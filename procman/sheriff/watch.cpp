@@ -17,7 +17,7 @@
 namespace nodmap::procman {
 namespace {
 
-constexpr std::chrono::milliseconds kKeyWait(50);
+constexpr std::chrono::milliseconds kKeyWait = 50ms;
 constexpr std::size_t kScrollLines = 5;
 constexpr std::size_t kMaxScripts = 9;  // the number of keys
 constexpr time::Duration kReminderPeriod = 5s;
@@ -173,7 +173,7 @@ void Watch::step_script() {
   if (options_.timeout_s && !is_script_of_key_ &&
       time::seconds(now - begin_) > *options_.timeout_s) {
     notify("the script has not ended in time: waiting for " + runner_->waiting_for());
-    exit_code_ = kFailed;
+    exit_code_ = exit_code::kFailed;
   }
 }
 
@@ -186,7 +186,7 @@ void Watch::end_script() {
   }
   has_failed_ = has_failed;
   if (options_.after_script == AfterScript::kExit) {
-    exit_code_ = has_failed_ ? kFailed : kDone;
+    exit_code_ = has_failed_ ? exit_code::kFailed : exit_code::kDone;
   } else if (options_.after_script == AfterScript::kObserve) {
     role_ = Role::kObserver;
     sheriff_.observe();
@@ -198,7 +198,7 @@ void Watch::end_script() {
 int Watch::code_of_stop() const {
   const bool is_cut_short = runner_ && !runner_->is_over();
   const bool stays = options_.after_script == AfterScript::kStay;
-  return !stays && (is_cut_short || has_failed_) ? kFailed : kDone;
+  return !stays && (is_cut_short || has_failed_) ? exit_code::kFailed : exit_code::kDone;
 }
 
 /// Not while a script runs, because it refers to the previous configuration.
@@ -251,7 +251,7 @@ void Watch::yield_to(const std::string& other) {
   sheriff_.observe();
   notify("the sheriff " + other + " gives orders here: observing only");
   if (runner_ && !runner_->is_over()) {
-    exit_code_ = kOtherSheriff;
+    exit_code_ = exit_code::kOtherSheriff;
   }
 }
 
@@ -296,7 +296,7 @@ void Watch::press(Key key, const std::vector<ReportRow>& rows) {
   } else if (key == Key::kPageUp || key == Key::kPageDown) {
     scroll(key, rows);
   } else if (key == Key::kQuit) {
-    exit_code_ = kDone;
+    exit_code_ = exit_code::kDone;
   } else if (role_ != Role::kInCommand) {
     notify(role_ == Role::kLooking ? "not yet: looking for other sheriffs"
                                    : "observing only: no orders");
@@ -317,8 +317,7 @@ void Watch::scroll(Key key, const std::vector<ReportRow>& rows) {
 }
 
 void Watch::order(Key key, const std::vector<ReportRow>& rows) {
-  const auto* const asked = std::find_if(kKeyOrders.begin(), kKeyOrders.end(),
-                                         [key](const KeyOrder& order) { return order.key == key; });
+  const auto* const asked = std::ranges::find(kKeyOrders, key, &KeyOrder::key);
   if (asked == kKeyOrders.end()) {
     return;
   }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/viewer/foxglove/scene_views.hpp"
 
+#include <spdlog/fmt/fmt.h>
+
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <string>
 #include <utility>
 
@@ -274,10 +274,9 @@ Json exploration_scene(const nodmap::exploration_t& exploration) {
     const double x_m = exploration.viewpoint_x_m[i];
     const double y_m = exploration.viewpoint_y_m[i];
     path.emplace_back(x_m, y_m, kHeightM);
-    std::array<char, 32> words{};
-    (void)std::snprintf(words.data(), words.size(), "%zu: %.1f m2", i + 1, exploration.gain_m2[i]);
+    const std::string words = fmt::format("{}: {:.1f} m2", i + 1, exploration.gain_m2[i]);
     json["cylinders"].push_back(cylinder(at(x_m, y_m, kHeightM), 0.1, 0.1, kTourColor));
-    json["texts"].push_back(text(at(x_m, y_m, 0.4), words.data(), kTextColor));
+    json["texts"].push_back(text(at(x_m, y_m, 0.4), words, kTextColor));
   }
   json["lines"] = Json::array(
       {lines(kLineList, frontier, kFrontierColor), lines(kLineStrip, path, kTourColor)});

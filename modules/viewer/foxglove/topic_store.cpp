@@ -39,9 +39,7 @@ void TopicStore::make_room(Queue& queue, const Topic& topic, std::size_t weight)
 
 std::shared_ptr<Post> TopicStore::next(std::size_t topic, std::uint64_t& cursor) const {
   const std::deque<Kept>& posts = queues_[topic].posts;
-  const auto found =
-      std::lower_bound(posts.begin(), posts.end(), cursor,
-                       [](const Kept& kept, std::uint64_t number) { return kept.number < number; });
+  const auto found = std::ranges::lower_bound(posts, cursor, {}, &Kept::number);
   if (found == posts.end()) {
     return nullptr;
   }

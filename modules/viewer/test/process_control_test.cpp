@@ -76,8 +76,8 @@ class ProcessControlTest : public ::testing::Test {
   /// The newest order for a command.
   procman::CommandOrder ordered(const std::string& id) const {
     const auto& commands = orders_.back().commands;
-    const auto found = std::find_if(commands.begin(), commands.end(),
-                                    [&id](const auto& order) { return order.spec.id == id; });
+    const auto found =
+        std::ranges::find_if(commands, [&id](const auto& order) { return order.spec.id == id; });
     return found == commands.end() ? procman::CommandOrder{} : *found;
   }
 

@@ -85,7 +85,7 @@ TEST(Parser, NestsAndMergesGroups) {
   EXPECT_EQ(config.commands[1].group, "a");
   EXPECT_TRUE(config.has_group("a"));
   EXPECT_TRUE(config.has_group("/a/b/"));
-  EXPECT_EQ(std::count(config.groups.begin(), config.groups.end(), "a"), 1);
+  EXPECT_EQ(std::ranges::count(config.groups, "a"), 1);
 }
 
 TEST(Parser, ReadsEveryAction) {

@@ -41,8 +41,8 @@ TEST(ProcessTable, ContainsThisProcess) {
   EXPECT_EQ(row->parent, ::getppid());
   EXPECT_EQ(row->session, ::getsid(0));
   const auto table = read_processes();
-  EXPECT_TRUE(std::any_of(table.begin(), table.end(),
-                          [](const ProcessRow& other) { return other.pid == ::getpid(); }));
+  EXPECT_TRUE(
+      std::ranges::any_of(table, [](const ProcessRow& other) { return other.pid == ::getpid(); }));
 }
 
 TEST(ProcessTable, FindsAllProcessesOfATreeInAnyOrder) {

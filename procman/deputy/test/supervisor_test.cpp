@@ -37,7 +37,7 @@ std::vector<std::string> words(const SupervisorActions& actions) {
 }
 
 bool tells(const SupervisorActions& actions) {
-  return std::any_of(actions.begin(), actions.end(), [](const SupervisorAction& action) {
+  return std::ranges::any_of(actions, [](const SupervisorAction& action) {
     return std::holds_alternative<PublishInfo>(action);
   });
 }

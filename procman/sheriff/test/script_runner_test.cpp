@@ -49,7 +49,7 @@ class ScriptRunnerTest : public ::testing::Test {
     for (const CommandOrder& order : orders.commands) {
       CommandStatus& status = host_[order.spec.id];
       status.spec = order.spec;
-      if (std::find(ids.begin(), ids.end(), order.spec.id) != ids.end()) {
+      if (std::ranges::find(ids, order.spec.id) != ids.end()) {
         const bool stops = order.force_quit || order.desired_run != status.actual_run;
         if (status.pid != 0 && stops) {
           status.pid = 0;

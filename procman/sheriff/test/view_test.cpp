@@ -40,9 +40,8 @@ std::vector<ReportRow> robot() {
 
 /// The number of lines that contain a text.
 std::ptrdiff_t count(const std::vector<ViewLine>& view, const std::string& text) {
-  return std::count_if(view.begin(), view.end(), [&text](const ViewLine& line) {
-    return line.text.find(text) != std::string::npos;
-  });
+  return std::ranges::count_if(
+      view, [&text](const ViewLine& line) { return line.text.find(text) != std::string::npos; });
 }
 
 TEST(View, ShowsAllColumnsOfARunningCommandIn80Characters) {
@@ -107,9 +106,8 @@ TEST(View, FitsAnySizeAndFollowsTheSelection) {
           EXPECT_LE(line.text.size(), width);
         }
         if (height >= 7) {
-          const auto marked = std::find_if(view.begin(), view.end(), [](const ViewLine& line) {
-            return line.tone == Tone::kSelected;
-          });
+          const auto marked = std::ranges::find_if(
+              view, [](const ViewLine& line) { return line.tone == Tone::kSelected; });
           ASSERT_NE(marked, view.end()) << height << " lines, " << selected;
           const std::string name = "> " + rows[selected].id;
           EXPECT_THAT(marked->text, StartsWith(name.substr(0, marked->text.size())));
@@ -139,8 +137,8 @@ TEST(View, FailedAndStoppedCommandsAreHighlighted) {
   rows[2].end = "exit 3";
   const auto view = to_view(rows, nullptr, {3, "", ""}, 80, 24);
   const auto tone = [&view](const std::string& id) {
-    return std::find_if(view.begin(), view.end(),
-                        [&id](const ViewLine& line) { return line.text.starts_with("  " + id); })
+    return std::ranges::find_if(
+               view, [&id](const ViewLine& line) { return line.text.starts_with("  " + id); })
         ->tone;
   };
   EXPECT_EQ(tone("kurt"), Tone::kPlain);

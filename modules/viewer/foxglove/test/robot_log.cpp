@@ -98,8 +98,7 @@ void write_robot_log(const std::filesystem::path& file, const RobotLog& settings
   note_fast_channels(events, settings.duration_s);
   note_scan_channels(events, settings.duration_s);
   note_slow_channels(events, settings);
-  std::stable_sort(events.begin(), events.end(),
-                   [](const Event& a, const Event& b) { return a.utime_us < b.utime_us; });
+  std::ranges::stable_sort(events, {}, &Event::utime_us);
   bus::LogWriter writer(file);
   for (const Event& event : events) {
     if (!writer.write(event.utime_us, event.channel, event.bytes)) {

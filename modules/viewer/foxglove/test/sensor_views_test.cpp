@@ -87,15 +87,14 @@ TEST(EgomapCloud, ContainsTheMeasuredPointsOnly) {
   nodmap::egomap_t map = foxglove::test::egomap_at(1.0);
   const Json json = egomap_cloud(map, geometry::SE3::Identity());
   const std::vector<float> values = floats_in(json);
-  const auto seen = static_cast<std::size_t>(std::count_if(
-      map.distance_m.begin(), map.distance_m.end(), [](float d) { return std::isfinite(d); }));
+  const auto seen = static_cast<std::size_t>(
+      std::ranges::count_if(map.distance_m, [](float d) { return std::isfinite(d); }));
   ASSERT_GT(seen, 0U);
   ASSERT_LT(seen, map.distance_m.size());
   ASSERT_EQ(values.size(), 4 * seen);
-  const std::size_t first =
-      static_cast<std::size_t>(std::find_if(map.distance_m.begin(), map.distance_m.end(),
-                                            [](float d) { return std::isfinite(d); }) -
-                               map.distance_m.begin());
+  const std::size_t first = static_cast<std::size_t>(
+      std::ranges::find_if(map.distance_m, [](float d) { return std::isfinite(d); }) -
+      map.distance_m.begin());
   EXPECT_EQ(values[0], map.point_x_m[first]);
   EXPECT_EQ(values[1], map.point_y_m[first]);
   EXPECT_EQ(values[2], 0.25F);
