@@ -1,214 +1,72 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/logger/logger.hpp"
 
-#include <CLI/CLI.hpp>
-#include <chrono>
-#include <cmath>
-#include <csignal>
-#include <filesystem>
-#include <iostream>
-#include <stdexcept>
-#include <string>
 #include <utility>
 
-#include "common/bus/live_bus.hpp"
-#include "common/node/clock.hpp"
 #include "common/node/log.hpp"
 #include "common/node/program.hpp"
-#include "common/node/status.hpp"
-#include "common/params/params.hpp"
-#include "modules/logger/channel_filter.hpp"
-#include "modules/logger/loss_watch.hpp"
-#include "modules/logger/params.hpp"
-#include "modules/logger/receive_buffer.hpp"
-#include "modules/logger/recorder.hpp"
 
 namespace nodmap::logger {
 namespace {
 
 using std::chrono::milliseconds;
 
-constexpr const char* kProgram = "nodmap-logger";
 // Together with Recorder::kFlushPeriod, limits how long an event waits for its flush.
-constexpr milliseconds kWait(20);
+constexpr milliseconds kWait = 20ms;
 // A thread of the bus reads messages from the socket. When none has arrived for this long after the
 // signal, no received message is left in it.
-constexpr milliseconds kSilence(100);
+constexpr milliseconds kSilence = 100ms;
 // Other processes may continue to send; this limit ends the work within the second that a process
 // has to stop.
 constexpr time::Duration kDrainLimit = 600ms;
 
-struct Options {
-  std::string out;
-  std::string file;
-  std::string channel;
-  std::string exclude;
-};
-
-std::int64_t to_bytes(double megabytes) {
-  return std::llround(megabytes * 1e6);
-}
-
-void add_options(CLI::App& app, Options& options) {
-  app.add_option("--out", options.out, "Folder of the logs; created if it is missing");
-  app.add_option(
-      "--file", options.file,
-      "Name of the log (then NAME.01, ...); default: lcmlog-YYYY-MM-DD.NN with the UTC date");
-  app.add_option("--channel", options.channel, "Record only channels that match this expression");
-  app.add_option("--exclude", options.exclude, "Do not record channels that match this expression");
-}
-
-/// Options that set a parameter are applied after --set.
-void assign_options(const Options& options, params::Table& table) {
-  const auto assign = [&table](const char* option, const char* name, const std::string& value) {
-    if (!value.empty()) {
-      table.set(name, value, option);
-    }
-  };
-  assign("--out", "out_dir", options.out);
-  assign("--channel", "channel_regex", options.channel);
-  assign("--exclude", "exclude_regex", options.exclude);
-}
-
-/// Throws node::UsageError if the parameters and --file contradict each other.
-RecorderSettings recorder_settings(const LoggerParams& params, const std::string& file) {
-  RecorderSettings settings{.dir = params.out_dir,
-                            .split_bytes = to_bytes(params.split_mb),
-                            .quota_bytes = to_bytes(params.quota_mb),
-                            .reserve_bytes = to_bytes(params.reserve_mb)};
-  if (settings.quota_bytes > 0 && settings.split_bytes == 0) {
-    throw node::UsageError("quota_mb needs split_mb: only completed files can be deleted");
-  }
-  if (settings.quota_bytes > 0 && settings.quota_bytes < 2 * settings.split_bytes) {
-    throw node::UsageError(
-        "quota_mb must be at least twice split_mb: whole files are deleted, and with a smaller "
-        "quota each new file would delete all that was recorded before it");
-  }
-  if (file.empty()) {
-    return settings;
-  }
-  if (std::filesystem::path(file).has_parent_path()) {
-    throw node::UsageError("--file '" + file +
-                           "' must be a name without folder; --out gives the folder");
-  }
-  settings.names = LogNames::fixed(file);
-  return settings;
-}
-
-/// With --file the first log must have exactly this name; fails if it already exists.
-void refuse_to_mix(const RecorderSettings& settings, const std::string& file) {
-  if (file.empty() || !std::filesystem::is_directory(settings.dir)) {
-    return;
-  }
-  for (const auto& entry : std::filesystem::directory_iterator(settings.dir)) {
-    if (settings.names.order_of(entry.path().filename().string())) {
-      throw std::runtime_error(entry.path().string() +
-                               " exists, and logs are never overwritten; name another --file");
-    }
-  }
-}
-
-/// Passes messages from the bus to the recorder.
-class Logger {
- public:
-  Logger(const std::string& url, int queue_messages, ChannelFilter filter,
-         const RecorderSettings& settings)
-      : filter_(std::move(filter)),
-        bus_(url),
-        recorder_(settings, clock_),
-        status_(kProgram, bus_, counts_, clock_) {
-    bus_.subscribe_all([this](const auto& message) { take(message); }, queue_messages);
-    log::get().info("listening on {}", bus_.url());
-  }
-
-  void run() {
-    while (!node::stop_requested()) {
-      work(kWait);
-    }
-    drain();
-    recorder_.close();
-  }
-
-  [[nodiscard]] const RecorderCounts& counts() const { return recorder_.counts(); }
-  [[nodiscard]] std::int64_t lost() const { return counts_.lost(); }
-
- private:
-  int work(milliseconds wait) {
-    const int handled = bus_.handle(wait);
-    recorder_.tick();
-    status_.publish_if_due(recorder_.health());
-    return handled;
-  }
-
-  void take(const bus::LiveBus::RawMessage& message) {
-    newest_ = message.received;
-    counts_.lose(losses_.lost_before(message.channel, message.data));
-    if (!filter_.wants(message.channel)) {
-      return;
-    }
-    const std::int64_t dropped_before = recorder_.counts().dropped;
-    recorder_.record(message.received, message.channel, message.data);
-    for (std::int64_t i = dropped_before; i < recorder_.counts().dropped; ++i) {
-      counts_.reject("no_room");
-    }
-  }
-
-  /// Records everything that this host received before the signal.
-  void drain() {
-    const time::Timestamp stop = clock_.now();
-    const auto deadline = std::chrono::steady_clock::now() + kDrainLimit;
-    while (std::chrono::steady_clock::now() < deadline && work(kSilence) > 0 && newest_ <= stop) {
-    }
-  }
-
-  time::SystemClock clock_;
-  node::MessageCounts counts_;
-  ChannelFilter filter_;
-  LossWatch losses_;
-  bus::LiveBus bus_;
-  Recorder recorder_;
-  node::StatusReporter status_;
-  time::Timestamp newest_{};  // when the newest event was received
-};
-
-int record_until_stopped(const Options& options, const LoggerParams& params,
-                         const std::string& lcm_url) {
-  ChannelFilter filter(params.channel_regex, params.exclude_regex);
-  const RecorderSettings settings = recorder_settings(params, options.file);
-  refuse_to_mix(settings, options.file);
-  const std::string url =
-      with_receive_buffer(bus::resolve_url(lcm_url), std::int64_t{1024} * params.receive_buffer_kb);
-  Logger logger(url, params.queue_messages, std::move(filter), settings);
-  logger.run();
-  const RecorderCounts& counts = logger.counts();
-  log::get().info(
-      "{} events in {} files; {} dropped for lack of disk space, {} lost before they were received",
-      counts.written, counts.files, counts.dropped, logger.lost());
-  return counts.dropped == 0 ? 0 : 1;
-}
-
 }  // namespace
 
-int run(int argc, char** argv) {
-  Options options;
-  LoggerParams params;
-  params::Table table(params);
-  return node::run_program(
-      argc, argv,
-      {.name = kProgram,
-       .summary = "Records every LCM channel into event logs that lcm-logplayer plays.",
-       .params = &table,
-       .uses_lcm = true,
-       .outlives_its_readers = true,
-       .add_options = [&options](CLI::App& app) { add_options(app, options); },
-       .check = [&] { assign_options(options, table); },
-       .run =
-           [&](const std::string& lcm_url) {
-             // Exceeding a file size limit is treated like a full disk and must not end the
-             // process.
-             std::signal(SIGXFSZ, SIG_IGN);
-             return record_until_stopped(options, params, lcm_url);
-           }});
+Logger::Logger(const std::string& url, int queue_messages, ChannelFilter filter,
+               const RecorderSettings& settings)
+    : filter_(std::move(filter)),
+      bus_(url),
+      recorder_(settings, clock_),
+      status_(kProgram, bus_, counts_, clock_) {
+  bus_.subscribe_all([this](const auto& message) { take(message); }, queue_messages);
+  log::get().info("listening on {}", bus_.url());
+}
+
+void Logger::run() {
+  while (!node::stop_requested()) {
+    work(kWait);
+  }
+  drain();
+  recorder_.close();
+}
+
+/// Returns the number of messages that were handled.
+int Logger::work(milliseconds wait) {
+  const int handled = bus_.handle(wait);
+  recorder_.tick();
+  status_.publish_if_due(recorder_.health());
+  return handled;
+}
+
+void Logger::take(const bus::LiveBus::RawMessage& message) {
+  newest_ = message.received;
+  counts_.lose(losses_.lost_before(message.channel, message.data));
+  if (!filter_.wants(message.channel)) {
+    return;
+  }
+  const std::int64_t dropped_before = recorder_.counts().dropped;
+  recorder_.record(message.received, message.channel, message.data);
+  for (std::int64_t i = dropped_before; i < recorder_.counts().dropped; ++i) {
+    counts_.reject("no_room");
+  }
+}
+
+/// Records everything that this host received before the signal.
+void Logger::drain() {
+  const time::Timestamp stop = clock_.now();
+  const time::SteadyTime deadline = time::steady_now() + kDrainLimit;
+  while (time::steady_now() < deadline && work(kSilence) > 0 && newest_ <= stop) {
+  }
 }
 
 }  // namespace nodmap::logger
