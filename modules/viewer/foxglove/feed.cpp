@@ -329,8 +329,8 @@ void Feed::subscribe_cloud(bus::Bus& bus) {
       });
 }
 
-// A 6D SLAM that was started again begins another map in another frame.
-// Without the former one, two that send at the same time would take the map from each other.
+// A 6D SLAM that was started again begins another map in another frame. The former one stays
+// refused: two that send at the same time would take the map from each other with each message.
 bool Feed::follow_cloud(std::size_t topic, const bus::Sender& sender) {
   if (sender == former_cloud_sender_) {
     counts_.reject("former_sender_of_cloud");
