@@ -130,6 +130,10 @@ double Collision::distance(const ActorState& actor, const BodyPose& body) const 
                      body);
 }
 
+double Collision::axis_distance(const ActorState& actor, const BodyPose& body) const {
+  return signed_distance(body_, body.T_world_base.inverse() * actor.position);
+}
+
 std::vector<std::size_t> Collision::touched(const BodyPose& body) const {
   std::vector<std::size_t> found;
   for (std::size_t i = 0; i < obstacles_.size(); ++i) {

@@ -37,6 +37,9 @@ class Collision {
   [[nodiscard]] double distance(std::size_t obstacle, const BodyPose& body) const;
   [[nodiscard]] double distance(const ActorState& actor, const BodyPose& body) const;
 
+  /// Distance (m) of an actor's axis from the edge of the body; negative inside the body.
+  [[nodiscard]] double axis_distance(const ActorState& actor, const BodyPose& body) const;
+
   /// The obstacles that the body touches.
   [[nodiscard]] std::vector<std::size_t> touched(const BodyPose& body) const;
 

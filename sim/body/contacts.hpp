@@ -34,8 +34,8 @@ class Contacts {
   /// An obstacle by its number in Collision.
   void touch_obstacle(std::size_t obstacle, double speed_mps);
   void touch_edge(const geometry::SE2& T_world_base, double speed_mps);
-  /// Of a stationary robot it is a bump; of one that then drives towards the actor (`approaches`),
-  /// also a collision.
+  /// Of a stationary robot it is a bump; of one whose body then moves towards the actor
+  /// (`approaches`), also a collision.
   void touch_actor(std::size_t actor, double speed_mps, bool approaches);
 
   /// Ends the contacts that have separated.

@@ -70,6 +70,11 @@ double distance(const Rectangle& rectangle, const Eigen::Vector2d& p) {
   return (p.cwiseAbs() - rectangle.half).cwiseMax(0.0).norm();
 }
 
+double signed_distance(const Rectangle& rectangle, const Eigen::Vector2d& p) {
+  const Eigen::Vector2d outside = p.cwiseAbs() - rectangle.half;
+  return outside.cwiseMax(0.0).norm() + std::min(outside.maxCoeff(), 0.0);
+}
+
 double distance(const Rectangle& rectangle, const Polygon& polygon) {
   if (polygon.size == 0) {
     return kInfinity;

@@ -30,6 +30,9 @@ struct Rectangle {
 /// Distance of a point from the rectangle; 0 inside.
 [[nodiscard]] double distance(const Rectangle& rectangle, const Eigen::Vector2d& p);
 
+/// Distance of a point from the edge of the rectangle; negative inside.
+[[nodiscard]] double signed_distance(const Rectangle& rectangle, const Eigen::Vector2d& p);
+
 /// Distance of a polygon from the rectangle; 0 if they overlap or touch, infinite for an empty
 /// polygon.
 [[nodiscard]] double distance(const Rectangle& rectangle, const Polygon& polygon);

@@ -160,22 +160,30 @@ void RobotModel::State::stand() {
   base.set_slope(up_ahead);
 }
 
+/// Counts contacts with actors. The robot may move away from an actor that it touches, and along
+/// it, but not farther into it.
 void RobotModel::State::touch_actors(const geometry::SE2& T_world_before, double speed_mps) {
+  constexpr double kRoundingM = 1e-12;
+  const BodyPose after = body_pose();
+  BodyPose before = after;
+  before.T_world_base = T_world_before;
+  bool is_blocked = false;
   for (std::size_t i = 0; i < crowd.size(); ++i) {
     if (!crowd.is_present(i)) {
       continue;
     }
     const ActorState state = crowd.state(i);
-    if (collision.distance(state, body_pose()) > 0.0) {
+    if (collision.distance(state, after) > 0.0) {
       continue;
     }
-    const double before_m = (T_world_before.translation() - state.position).norm();
-    const double after_m = (base.T_world_base().translation() - state.position).norm();
-    contacts.touch_actor(i, speed_mps, after_m < before_m);
-    // The robot may move away from an actor, but not into it.
-    if (after_m <= before_m) {
-      base.block(T_world_before);
-    }
+    // Only what the robot's own motion changes; a corner also approaches in a rotation on the spot.
+    const bool approaches =
+        collision.axis_distance(state, after) < collision.axis_distance(state, before) - kRoundingM;
+    contacts.touch_actor(i, speed_mps, approaches);
+    is_blocked = is_blocked || approaches;
+  }
+  if (is_blocked) {
+    base.block(T_world_before);
   }
 }
 

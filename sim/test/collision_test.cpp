@@ -65,6 +65,19 @@ TEST(Collision, APitIsTouchedByABodyOnTheFloor) {
   EXPECT_NEAR(collision.clearance_m({{0.0, 0.0, 0.0}, 0.0}), 0.275, 1e-12);
 }
 
+// The body reaches 0.225 m ahead and 0.165 m to the side.
+TEST(Collision, TheAxisOfAnActorInsideTheBodyHasANegativeDistance) {
+  const Collision collision({}, {});
+  const auto distance_m = [&collision](double x, double y) {
+    return collision.axis_distance({{1.0 + x, y}, 0.25, 1.75}, {.T_world_base = {1.0, 0.0, 0.0}});
+  };
+  constexpr double kRounding = 1e-12;
+  EXPECT_NEAR(distance_m(0.325, 0.0), 0.1, kRounding);
+  EXPECT_NEAR(distance_m(-0.225 - 0.03, 0.165 + 0.04), 0.05, kRounding) << "from a corner";
+  EXPECT_NEAR(distance_m(0.2, 0.1), -0.025, kRounding) << "the front is the nearest edge";
+  EXPECT_NEAR(distance_m(0.1, -0.1), -0.065, kRounding) << "the side is";
+}
+
 TEST(Collision, InAnEmptyWorldTheClearanceIsInfinite) {
   EXPECT_EQ(Collision({}, {}).clearance_m({}), std::numeric_limits<double>::infinity());
 }

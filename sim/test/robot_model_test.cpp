@@ -150,6 +150,63 @@ TEST(RobotModel, AnActorWhoWalksIntoTheStationaryRobotCountsAsABump) {
   EXPECT_EQ(driving.ground_truth().collisions, 1);
 }
 
+/// Somebody who walks from (2, y) to `end` within a second, and stays there.
+World somebody_who_walks_to(const Eigen::Vector2d& end) {
+  World world;
+  world.actors.push_back(walker({{0.0, {2.0, end.y()}}, {1.0, end}}));
+  return world;
+}
+
+void wait_until_bumped(RobotModel& model) {
+  model.advance_to(at(2s));
+  ASSERT_EQ(model.ground_truth().bumps, 1);
+  ASSERT_EQ(model.ground_truth().collisions, 0);
+}
+
+double yaw_rad(const RobotModel& model) {
+  return geometry::to_se2(model.ground_truth().T_world_base).yaw;
+}
+
+constexpr double kPersonRadiusM = 0.25;
+constexpr double kOverlapM = 1e-3;
+
+// In a rotation to the left the front left corner moves to the left, and the front left of centre
+// moves back.
+TEST(RobotModel, ARobotThatTurnsItsCornerIntoSomebodyWhoBumpedItCollides) {
+  RobotModel model(somebody_who_walks_to({0.2, 0.165 + kPersonRadiusM - kOverlapM}), exact_params(),
+                   1);
+  wait_until_bumped(model);
+  model.set_wheel_speeds({-0.15, 0.15});
+  model.advance_to(at(4s));
+  EXPECT_EQ(model.ground_truth().collisions, 1);
+  EXPECT_EQ(model.ground_truth().contacts_caused, 1);
+  EXPECT_EQ(yaw_rad(model), 0.0);
+}
+
+TEST(RobotModel, ARobotMayTurnAwayFromSomebodyWhoBumpedIt) {
+  RobotModel model(somebody_who_walks_to({0.225 + kPersonRadiusM - kOverlapM, 0.1}), exact_params(),
+                   1);
+  wait_until_bumped(model);
+  model.set_wheel_speeds({-0.15, 0.15});
+  model.advance_to(at(2300ms));
+  EXPECT_EQ(model.ground_truth().collisions, 0);
+  // 0.3 m/s between the wheels, 0.28 m apart, of which 0.69 turn the robot: 0.74 rad/s for 0.3 s
+  // less the motors' lag of 50 ms.
+  EXPECT_NEAR(yaw_rad(model), 0.3 / 0.28 * 0.69 * 0.25, 0.002);
+}
+
+TEST(RobotModel, ARobotMayBackOutOfSomebodyWhoStandsInIt) {
+  RobotModel model(somebody_who_walks_to({0.15, 0.0}), exact_params(), 1);
+  wait_until_bumped(model);
+  model.set_wheel_speeds({0.15, 0.15});
+  model.advance_to(at(3s));
+  EXPECT_EQ(model.ground_truth().T_world_base.translation().x(), 0.0);
+  EXPECT_EQ(model.ground_truth().collisions, 1);
+  model.set_wheel_speeds({-0.15, -0.15});
+  model.advance_to(at(5s));
+  EXPECT_LT(model.ground_truth().T_world_base.translation().x(), -0.25);
+}
+
 TEST(RobotModel, ActorsAppearAndVanish) {
   World world;
   Actor actor = walker({{0.0, {2.0, 0.0}}});
