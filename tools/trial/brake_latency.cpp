@@ -27,15 +27,16 @@ double StoppingZone::length_m(double forward_mps, double sweep_s) const {
 }
 
 void BrakeLatencyMonitor::update(const State& state) {
-  actors_.resize(state.visible_actors.size());
+  actors_.resize(state.actors.size());
   const double length_m = zone_.length_m(state.forward_mps, state.sweep_s);
   for (std::size_t i = 0; i < actors_.size(); ++i) {
     TrackedActor& tracked = actors_[i];
-    const auto& actor = state.visible_actors[i];
+    const std::optional<Actor>& actor = state.actors[i];
     // A robot that slows down a little does not make the obstacle new again.
     const double reach_m = tracked.in_zone ? std::max(length_m, tracked.reach_m) : length_m;
-    const bool now = actor && touches(*actor, state.T_world_base, zone_.footprint.half_length_m,
-                                      reach_m, zone_.footprint.half_width_m);
+    const bool now = actor && (tracked.in_zone || actor->is_visible) &&
+                     touches(actor->state, state.T_world_base, zone_.footprint.half_length_m,
+                             reach_m, zone_.footprint.half_width_m);
     // A robot that is told to slow down for something else has not yet reacted to this obstacle.
     const double speed_mps = std::min(state.forward_mps, drive_mps_);
     if (now && !tracked.in_zone && speed_mps >= kMinSpeedMps) {

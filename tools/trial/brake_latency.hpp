@@ -37,25 +37,30 @@ struct BrakeEvent {
 /// Measures the time from the moment at which an obstacle enters the stopping zone until the robot
 /// brakes.
 ///
-/// It starts when an actor that a beam could hit (it is present, and nothing is between it and the
-/// mirror) first touches the stopping zone. It ends with the first DRIVE that is 10 %, and at least
-/// 0.1 m/s, below the robot's speed at the start and the one that was then commanded. An actor that
-/// leaves the zone before (because it moved on, or the robot turned away) counts as evaded; for an
-/// actor inside, the zone does not become shorter when the robot slows down. Below 0.3 m/s nothing
-/// is measured, because braking could not be distinguished from noise.
+/// It starts when an actor in the stopping zone is first such that a beam could hit it: nothing is
+/// between it and the mirror. One that is hidden later stays what it was. It ends with the first
+/// DRIVE that is 10 %, and at least 0.1 m/s, below the robot's speed at the start and the one that
+/// was then commanded. An actor that leaves the zone before (because it moved on, or the robot
+/// turned away) counts as evaded; for an actor inside, the zone does not become shorter when the
+/// robot slows down. Below 0.3 m/s nothing is measured, because braking could not be distinguished
+/// from noise.
 class BrakeLatencyMonitor {
  public:
   static constexpr double kMinSpeedMps = 0.3;
 
   explicit BrakeLatencyMonitor(const StoppingZone& zone) : zone_(zone) {}
 
+  struct Actor {
+    sim::ActorState state;
+    bool is_visible = true;
+  };
   struct State {
     time::SteadyTime instant{};
     geometry::SE2 T_world_base;
     double forward_mps = 0.0;
     double sweep_s = 0.0;  ///< duration of the last sweep
-    /// One for each actor of the world; empty if it is absent or hidden.
-    std::vector<std::optional<sim::ActorState>> visible_actors;
+    /// One for each actor of the world; empty if it is absent.
+    std::vector<std::optional<Actor>> actors;
   };
   void update(const State& state);
   /// Adds a DRIVE received by the base.
@@ -67,7 +72,7 @@ class BrakeLatencyMonitor {
 
  private:
   struct TrackedActor {
-    bool in_zone = false;
+    bool in_zone = false;  // and has been visible there
     double reach_m = 0.0;  // the longest zone since it entered
     std::optional<BrakeEvent> open_event;
   };

@@ -123,11 +123,9 @@ void GroundTruthMonitor::update_brake_latency(const sim::GroundTruth& truth) {
   state.T_world_base = geometry::to_se2(truth.T_world_base);
   state.forward_mps = truth.forward_mps;
   state.sweep_s = record_.sweep_times_s.empty() ? 0.0 : record_.sweep_times_s.back();
-  state.visible_actors.resize(world_.actors.size());
+  state.actors.resize(world_.actors.size());
   for (const sim::ActorState& actor : truth.actors) {
-    if (is_visible(actor, truth)) {
-      state.visible_actors[actor.actor] = actor;
-    }
+    state.actors[actor.actor] = {actor, is_visible(actor, truth)};
   }
   brake_latency_.update(state);
 }

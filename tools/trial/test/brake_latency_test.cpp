@@ -17,8 +17,11 @@ class BrakeLatencyTest : public ::testing::Test {
   BrakeLatencyMonitor monitor_{StoppingZone{}};
 
   void update(time::Duration now, const Eigen::Vector2d& position, double speed_mps = 1.0) {
-    monitor_.update(
-        {time::SteadyTime(now), {}, speed_mps, 0.3, {sim::ActorState{position, 0.1, 1.0}}});
+    update_actor(now, {{position, 0.1, 1.0}}, speed_mps);
+  }
+  void update_actor(time::Duration now, const BrakeLatencyMonitor::Actor& actor,
+                    double speed_mps = 1.0) {
+    monitor_.update({time::SteadyTime(now), {}, speed_mps, 0.3, {actor}});
   }
 };
 
@@ -71,6 +74,27 @@ TEST_F(BrakeLatencyTest, AnObstacleThatLeavesTheZoneUnansweredWasEvaded) {
   monitor_.add_drive_command(time::SteadyTime(3ms), 0.0);
   EXPECT_TRUE(monitor_.events().empty());
   EXPECT_EQ(monitor_.num_evaded(), 1);
+}
+
+// As when a thin pole passes between the obstacle and the mirror.
+TEST_F(BrakeLatencyTest, AnObstacleIsNotNewAgainWhenItWasHiddenForAMoment) {
+  const sim::ActorState obstacle{{1.0, 0.0}, 0.1, 1.0};
+  update_actor(1ms, {obstacle, true});
+  update_actor(2ms, {obstacle, false});
+  update_actor(3ms, {obstacle, true});
+  monitor_.add_drive_command(time::SteadyTime(200ms), 0.5);
+  ASSERT_EQ(monitor_.events().size(), 1U);
+  EXPECT_EQ(monitor_.events()[0].started, time::SteadyTime(1ms));
+  EXPECT_EQ(monitor_.num_evaded(), 0);
+}
+
+TEST_F(BrakeLatencyTest, AnObstacleThatIsHiddenAtFirstCountsFromWhenItIsVisible) {
+  const sim::ActorState obstacle{{1.0, 0.0}, 0.1, 1.0};
+  update_actor(1ms, {obstacle, false});
+  EXPECT_TRUE(monitor_.events().empty());
+  update_actor(2ms, {obstacle, true});
+  ASSERT_EQ(monitor_.events().size(), 1U);
+  EXPECT_EQ(monitor_.events()[0].started, time::SteadyTime(2ms));
 }
 
 // At 0.97 m/s the zone is 4 cm shorter, so that the obstacle at its end would be outside.
