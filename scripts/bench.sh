@@ -42,6 +42,17 @@ TEXT
 alone() { tests/support/private_network.sh "$@"; }
 live() { alone $bin/nodmap-bench-live --world "sim/worlds/$1.yaml" --out "$out-$2" "${@:2}"; }
 
+# beside_loops N COMMAND: on a busy machine.
+beside_loops() {
+  local loops=()
+  for _ in $(seq "$1"); do
+    while :; do :; done &
+    loops+=($!)
+  done
+  trap "kill ${loops[*]}" EXIT
+  "${@:2}"
+}
+
 need_data() {
   [[ -e "$data/$1" ]] && return
   echo "skipped: $data/$1 is missing; NODMAP_DATA names the folder of recordings"
@@ -99,7 +110,7 @@ measure() {
     attacks) live cellar attacks ;;
     busy-page) python3 bench/page_under_load.py ;;
     receive) alone $bin/nodmap-bench-receive ;;
-    serial) $bin/nodmap-bench-serial ;;
+    serial) beside_loops 6 $bin/nodmap-bench-serial 20 ;;
     deputy) alone build/release/tests/deputy_load_test ;;
     page) python3 bench/viewer_frames.py ;;
     viewer) alone python3 bench/viewer.py --soak 1800 ;;
