@@ -15,6 +15,7 @@ Seeds 0 to 999 are for reporting, 1000 to 1999 for choosing parameters (bench/se
   close_s                seconds with a person nearer than 0.45 m, over all runs (families with people)
   progress               speed towards the goal, relative to the same worlds without people (families with people)
   off_cm, off_deg        true distance and angle from a goal with a heading after docking: median and worst
+The exit code is 1 if a run failed, or if the robot has hit something or fallen in a family without people.
 """
 import argparse
 import json
@@ -145,6 +146,10 @@ def show(rows, label):
         print("| " + " | ".join(cell(column, row.get(column)) for column in columns) + " |")
 
 
+def has_contacts(row):
+    return row["family"] not in WITH_PEOPLE and row["collisions"] + row["bumped"] + row["falls"] > 0
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--seeds", type=int, default=10, help="number of seeds in each scenario")
@@ -177,7 +182,7 @@ def main():
     finally:
         if not arguments.out:
             shutil.rmtree(out)
-    return 1 if failed else 0
+    return 1 if failed or any(has_contacts(row) for row in rows) else 0
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Compares our insertion into an OctoMap with stock OctoMap's, in one run: the time to insert a
-// sequence of clouds, the time to encode the files, and memory. Also checks that the files are the
-// same. Prints one JSON object.
+// sequence of clouds, the time to encode the files, and memory. Prints one JSON object. The exit
+// code is 1 if the files are not the same.
 //   nodmap-bench-octomap DIR
 // DIR holds NNN.bin (uint64 count, then float32 x y z in the sensor's frame, m) and NNN_gt.txt (4x4
 // T_world_sensor).
@@ -150,10 +150,11 @@ int main(int argc, char** argv) {
         ->capture_default_str();
     app.add_flag("--discretize", params.discretize, "one beam for each voxel that is hit");
     CLI11_PARSE(app, argc, argv);
-    std::cout << compare(read_sequence(dir), params).dump(2) << "\n";
+    const auto result = compare(read_sequence(dir), params);
+    std::cout << result.dump(2) << "\n";
+    return result["bt_identical"].get<bool>() && result["ot_identical"].get<bool>() ? 0 : 1;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "nodmap-bench-octomap: %s\n", error.what());
     return 1;
   }
-  return 0;
 }

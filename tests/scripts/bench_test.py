@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""scripts/bench.sh runs an entry with the arguments that its program needs.
+"""What the benchmarks' scripts do: bench.sh runs an entry with the arguments that its program needs, and navigation.py fails where the robot
+hits something.
 
 usage: bench_test.py SOURCE_DIR
 """
+import json
 import pathlib
 import shutil
 import subprocess
@@ -31,10 +33,37 @@ def measure(source, entry, program, text):
         return subprocess.run([root / "scripts" / "bench.sh", "--measure", entry], check=True, capture_output=True, text=True).stdout
 
 
+GOAL = {"reached": True, "spl": 1.0, "time_s": 9.0, "shortest_path_m": 7.0, "start_to_goal_m": 7.0, "remaining_m": 0.2, "heading_error_deg": None}
+NO_CONTACT = {"collisions": 0, "contacts_caused": 0, "falls": 0, "bumped": 0, "mean_speed_mps": 0.7, "min_clearance_m": 0.1, "close_to_person_s": 0.0,
+              "duration_s": 10.0, "realtime_factor": 9.0, "goal": GOAL}
+TRIAL = """\
+#!/bin/sh
+while [ "$1" != --out ]; do shift; done
+mkdir -p "$2"
+touch "$2/trial.lcmlog"
+cp "$0.json" "$2/result.json"
+"""
+
+
+def drive(source, family, result):
+    """The exit code of bench/navigation.py after a run in this family with this result."""
+    with tempfile.TemporaryDirectory() as folder:
+        program = pathlib.Path(folder) / "nodmap-trial"
+        program.write_text(TRIAL)
+        program.chmod(0o755)
+        program.with_name("nodmap-trial.json").write_text(json.dumps(result))
+        return subprocess.run([sys.executable, source / "bench" / "navigation.py", "--only", family, "--seeds", "1", "--bin", folder],
+                              capture_output=True).returncode
+
+
 def main():
     source = pathlib.Path(sys.argv[1])
     printed = measure(source, "serial", "nodmap-bench-serial", SERIAL_BENCH)
     assert printed == "20 s beside 6 loops\n", printed
+    assert drive(source, "holes", NO_CONTACT) == 0
+    assert drive(source, "holes", NO_CONTACT | {"collisions": 1, "contacts_caused": 1, "falls": 1}) == 1
+    assert drive(source, "holes", NO_CONTACT | {"bumped": 1}) == 1, "what does not move cannot have bumped into the robot"
+    assert drive(source, "people", NO_CONTACT | {"bumped": 1}) == 0
 
 
 if __name__ == "__main__":
