@@ -11,15 +11,18 @@ robot is first found; the median error of the poses that are right (within 0.5 m
 DEGRADED, wrong and TRACKING, or LOST.
 """
 import argparse
-import bisect
 import math
 import pathlib
 import statistics
 import struct
 import subprocess
+import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT / "scripts" / "figures"))
+from moving_clouds import pose_at, read_poses  # noqa: E402
+
 HEADER = struct.Struct(">IqqII")  # sync, number, time, lengths of channel and data
 POSE = struct.Struct(">8xq3d4d")  # the fields of a pose_t after its fingerprint: utime, position, orientation; the last byte of the message is the state
 TRACKING, DEGRADED, LOST = range(3)
@@ -67,17 +70,6 @@ def inverse(a):
     return -c * a[0] - s * a[1], s * a[0] - c * a[1], -a[2]
 
 
-class Truth:
-    """The true poses of the robot in the world, as x, y and yaw."""
-    def __init__(self, file):
-        rows = [[float(word) for word in line.split()] for line in file.read_text().splitlines() if line and not line.startswith("#")]
-        self.times = [row[0] for row in rows]
-        self.poses = [(row[1], row[2], yaw_of(row[7], *row[4:7])) for row in rows]
-
-    def at(self, time_s):
-        return self.poses[min(bisect.bisect(self.times, time_s), len(self.poses) - 1)]
-
-
 def poses(log):
     """Yields each POSE_6D: time in seconds, (x, y, yaw), state."""
     for _, channel, data, _ in events(log):
@@ -99,7 +91,7 @@ def evaluate(found, truth, T_map_world):
         if state == LOST:
             counts[3] += 1
             continue
-        off = compose(inverse(compose(T_map_world, truth.at(time_s))), pose)
+        off = compose(inverse(compose(T_map_world, pose_at(truth, time_s))), pose)
         error_m, error_rad = math.hypot(off[0], off[1]), abs(math.remainder(off[2], 2 * math.pi))
         is_right = error_m < MAX_ERROR_M and error_rad < MAX_ERROR_RAD
         counts[0 if is_right else 1 if state == DEGRADED else 2] += 1
@@ -110,7 +102,7 @@ def evaluate(found, truth, T_map_world):
 
 
 def row(programs, folder, map_dir, T_map_world, drive, half, names):
-    truth = Truth(drive / "truth.tum")
+    truth = read_poses(drive / "truth.tum")
     cells = []
     for name, option in (("localises", "--localise"), ("continues", "--map-in")):
         with tempfile.TemporaryDirectory() as out:
@@ -136,7 +128,7 @@ def main():
         for drive, following in zip(arguments.drives, [*arguments.drives[1:], None]):
             folder = folders[drive]
             mapped = session(arguments.bin, folder / "first.lcmlog", folder / "map")
-            T_map_world = compose(mapped[0][1], inverse(Truth(drive / "truth.tum").at(mapped[0][0])))
+            T_map_world = compose(mapped[0][1], inverse(pose_at(read_poses(drive / "truth.tum"), mapped[0][0])))
             row(arguments.bin, folder, folder / "map", T_map_world, drive, "second", f"{drive.name}, its second half")
             if following and following.name.split("-")[0] == drive.name.split("-")[0]:
                 row(arguments.bin, folders[following], folder / "map", T_map_world, following, "first", f"{drive.name}, {following.name}")

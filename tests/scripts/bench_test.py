@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the benchmarks' scripts do: bench.sh runs an entry with the arguments that its program needs, and navigation.py fails where the robot
-hits something.
+"""What the benchmarks' scripts do: bench.sh runs an entry with the arguments that its program needs, navigation.py fails where the robot hits something,
+and slam6d_sessions.py compares a pose with the truth of the same time.
 
 usage: bench_test.py SOURCE_DIR
 """
@@ -56,8 +56,19 @@ def drive(source, family, result):
                               capture_output=True).returncode
 
 
+def check_truth_between_samples(source):
+    """A robot at 1 m/s, whose truth has a sample every 10 ms, and whose pose has no error."""
+    sys.path.insert(0, str(source / "bench"))
+    import slam6d_sessions
+    truth = [(0.01 * i, 0.01 * i, 0.0, 0.0) for i in range(3)]
+    counts, errors, first = slam6d_sessions.evaluate([(0.005, (0.005, 0.0, 0.0), slam6d_sessions.TRACKING)], truth, (0.0, 0.0, 0.0))
+    assert counts == [1, 0, 0, 0] and first == 0.005, (counts, first)
+    assert errors[0] < 1e-12, errors
+
+
 def main():
     source = pathlib.Path(sys.argv[1])
+    check_truth_between_samples(source)
     printed = measure(source, "serial", "nodmap-bench-serial", SERIAL_BENCH)
     assert printed == "20 s beside 6 loops\n", printed
     assert drive(source, "holes", NO_CONTACT) == 0
