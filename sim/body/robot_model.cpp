@@ -281,9 +281,17 @@ std::optional<double> RobotModel::distance_from(const Eigen::Vector3d& p_base, d
   const Moment now = state_->present();
   const geometry::SE3 T_world_base = now.T_world_base();
   const Eigen::Vector3d ahead(std::cos(yaw_rad), std::sin(yaw_rad), 0.0);
-  const std::optional<Hit> hit = state_->caster.cast(
-      {T_world_base * p_base, T_world_base.linear() * ahead}, max_range_m, now.actors());
-  return hit ? std::optional(hit->distance_m) : std::nullopt;
+  Ray ray{T_world_base * p_base, T_world_base.linear() * ahead};
+  constexpr double kBeyondM = 1e-6;  // past a pane of glass, which reflects nothing
+  for (double passed_m = 0.0; passed_m < max_range_m;) {
+    const std::optional<Hit> hit = state_->caster.cast(ray, max_range_m - passed_m, now.actors());
+    if (!hit || hit->reflectivity > 0.0) {
+      return hit ? std::optional(passed_m + hit->distance_m) : std::nullopt;
+    }
+    ray.origin += (hit->distance_m + kBeyondM) * ray.direction;
+    passed_m += hit->distance_m + kBeyondM;
+  }
+  return std::nullopt;
 }
 
 GroundTruth RobotModel::ground_truth() const {

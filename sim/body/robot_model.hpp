@@ -65,8 +65,8 @@ class RobotModel {
   [[nodiscard]] const WheelTravel& wheel_travel() const;
   [[nodiscard]] WheelSpeeds wheel_speeds() const;
 
-  /// The present distance from a point on the body (in base) along `yaw_rad` to the first surface,
-  /// metres; empty if there is none up to `max_range_m`.
+  /// The present distance from a point on the body (in base) along `yaw_rad` to the first surface
+  /// that reflects light, metres; empty if there is none up to `max_range_m`.
   [[nodiscard]] std::optional<double> distance_from(const Eigen::Vector3d& p_base, double yaw_rad,
                                                     double max_range_m) const;
 

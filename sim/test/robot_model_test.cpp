@@ -334,6 +334,20 @@ TEST(RobotModel, GlassGivesNoEcho) {
   EXPECT_EQ(model.ground_truth().collisions, 1);
 }
 
+// A range finder measures by reflected light, so it sees the wall through the pane behind the
+// robot.
+TEST(RobotModel, RangeFindersLookThroughGlass) {
+  World world;
+  world.objects.push_back({Box{{-0.225 - 0.2 - 0.01, 0.0, 1.0}, {0.02, 2.0, 2.0}, 0.0}, 0.0});
+  RobotModel model(world, exact_params(), 1);
+  const Eigen::Vector3d back(-0.225, 0.0, 0.12);
+  EXPECT_FALSE(model.distance_from(back, geometry::kPi, 0.8));
+  world.objects.push_back({Box{{-0.225 - 0.5 - 0.05, 0.0, 1.0}, {0.1, 2.0, 2.0}, 0.0}});
+  RobotModel before_wall(world, exact_params(), 1);
+  EXPECT_NEAR(before_wall.distance_from(back, geometry::kPi, 0.8).value(), 0.5, 1e-12);
+  EXPECT_FALSE(before_wall.distance_from(back, geometry::kPi, 0.49));
+}
+
 // Over the edge of a pit the laser, at 0.38 m, measures the pit's far wall where the floor is
 // missing.
 TEST(RobotModel, MeasuresIntoAPit) {
