@@ -67,12 +67,12 @@ struct DriveParams {
         "odometry_scale_difference", odometry_scale_difference, {-0.1, 0.1},
         "Difference of this excess between left and right wheels, as caused by unequal diameters.");
     v.number("slip_distance_m", slip_distance_m, {0.0, 1.0},
-             "Standard deviation of the distance error by slip after 1 m; grows with the root of "
-             "the distance.");
-    v.angle("slip_heading_deg", slip_heading_rad, {0.0, 45.0},
-            "Standard deviation of the heading error by slip after 1 m.");
+             "Standard deviation of the distance error by slip over a long way, divided by the "
+             "root of the way in m; after 1 m a tenth smaller.");
+    v.angle("slip_heading_deg", slip_heading_rad, {0.0, 45.0}, "The same of the heading error.");
     v.angle("slip_turning_deg", slip_turning_rad, {0.0, 45.0},
-            "Standard deviation of the heading error by slip after a rotation of 1 rad.");
+            "Standard deviation of the heading error by slip in a long rotation on the spot, "
+            "divided by the root of the rotation in rad; after 1 rad two fifths smaller.");
     v.angle("tilt_per_mps2_deg", tilt_per_mps2_rad, {0.0, 5.0},
             "Tilt of the body on its tyres per 1 m/s^2 of acceleration.");
     v.angle("ground_tilt_deg", ground_tilt_rad, {0.0, 5.0},

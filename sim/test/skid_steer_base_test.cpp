@@ -230,6 +230,34 @@ TEST(SkidSteerBase, SlipInRotationsIsARandomWalkOfTheStatedSize) {
               0.16);
 }
 
+// Slip with standard deviation s per root of rad and correlation length l, in the middle of a
+// drive: the variance after a rotation a is s^2 (a - l (1 - exp(-a / l))).
+TEST(SkidSteerBase, SlipInARotationOfOneRadIsSmallerThanByTheRoot) {
+  const DriveParams params;
+  const double rad_per_m = 2.0 / params.axis_length_m * params.turning_adaptation;
+  double sum_sq = 0.0;
+  constexpr int kRuns = 400;
+  for (int seed = 0; seed < kRuns; ++seed) {
+    SkidSteerBase body(params, {}, static_cast<std::uint64_t>(seed));
+    body.set_wheel_speeds({-0.5, 0.5});
+    run(body, 2.0);  // five correlation lengths
+    const double begin_m = body.travel().right_m;
+    double error_rad = 0.0;
+    while (rad_per_m * (body.travel().right_m - begin_m) < 1.0) {
+      const double before_m = body.travel().right_m;
+      body.step(kDt);
+      error_rad += body.yaw_rate_rad_s() * kDt - rad_per_m * (body.travel().right_m - before_m);
+    }
+    sum_sq += error_rad * error_rad;
+  }
+  const double length_rad = 0.2 * rad_per_m;
+  const double expected_rad =
+      params.slip_turning_rad * std::sqrt(1.0 - length_rad * (1.0 - std::exp(-1.0 / length_rad)));
+  EXPECT_NEAR(geometry::rad_to_deg(expected_rad), 1.2, 0.05);  // as sim/README.md says
+  // Four standard errors of the deviation of 400 runs.
+  EXPECT_NEAR(std::sqrt(sum_sq / kRuns) / expected_rad, 1.0, 0.15);
+}
+
 TEST(SkidSteerBase, StationaryWheelsDoNotSlip) {
   SkidSteerBase body({}, {1.0, 2.0, 0.5}, 1);
   run(body, 10.0);
