@@ -15,14 +15,18 @@ namespace {
 
 constexpr time::Duration kRecordPeriod = 10ms;
 constexpr time::Duration kTruthPeriod = 20ms;
-/// Height of the mirror, for the line of sight to an actor.
-constexpr double kMirrorHeightM = 0.38;
 
 }  // namespace
 
 GroundTruthMonitor::GroundTruthMonitor(const sim::World& world, const sim::RobotModel& model,
-                                       bus::LoopNetwork& network, const StoppingZone& zone)
-    : world_(world), model_(model), caster_(world), bus_(network), brake_latency_(zone) {
+                                       bus::LoopNetwork& network, const StoppingZone& zone,
+                                       const Eigen::Vector3d& p_base_mirror)
+    : world_(world),
+      model_(model),
+      caster_(world),
+      bus_(network),
+      brake_latency_(zone),
+      p_base_mirror_(p_base_mirror) {
   subscribe();
 }
 
@@ -133,7 +137,7 @@ void GroundTruthMonitor::update_brake_latency(const sim::GroundTruth& truth) {
 // A ray from the mirror to the actor's axis decides, also for partly hidden actors.
 bool GroundTruthMonitor::is_visible(const sim::ActorState& actor,
                                     const sim::GroundTruth& truth) const {
-  const Eigen::Vector3d mirror = truth.T_world_base * Eigen::Vector3d(0.15, 0.0, kMirrorHeightM);
+  const Eigen::Vector3d mirror = truth.T_world_base * p_base_mirror_;
   const double z_m = std::min(mirror.z(), 0.5 * actor.height_m);
   const Eigen::Vector3d to_actor(actor.position.x() - mirror.x(), actor.position.y() - mirror.y(),
                                  z_m - mirror.z());

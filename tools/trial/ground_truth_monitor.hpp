@@ -20,8 +20,10 @@ namespace nodmap::trial {
 /// which no part of the robot subscribes.
 class GroundTruthMonitor {
  public:
+  /// `p_base_mirror`: the laser's mirror at pitch 0, metres.
   GroundTruthMonitor(const sim::World& world, const sim::RobotModel& model,
-                     bus::LoopNetwork& network, const StoppingZone& zone);
+                     bus::LoopNetwork& network, const StoppingZone& zone,
+                     const Eigen::Vector3d& p_base_mirror);
 
   /// To be called every millisecond of simulated time.
   void update();
@@ -46,6 +48,7 @@ class GroundTruthMonitor {
   sim::RayCaster caster_;  // without actors
   bus::LoopBus bus_;
   BrakeLatencyMonitor brake_latency_;
+  Eigen::Vector3d p_base_mirror_;
   TrialRecord record_;
   geometry::PoseHistory T_world_base_;
   ObservedVoxels observed_voxels_;

@@ -77,6 +77,11 @@ AllParams params_of(const TrialSetup& setup) {
   return params;
 }
 
+Eigen::Vector3d mirror(const TrialSetup& setup) {
+  const sim::ServoParams& servo = setup.params.sim.model.servo;
+  return {servo.mount_x_m, 0.0, servo.mount_z_m};
+}
+
 }  // namespace
 
 struct Trial::Parts {
@@ -85,7 +90,7 @@ struct Trial::Parts {
         network(log, {.min = time::from_seconds(setup.params.loop.message_delay_s),
                       .mean_jitter = time::from_seconds(setup.params.loop.message_jitter_s),
                       .seed = setup.seed}),
-        monitor(setup.world, hardware.model(), network, stopping_zone(setup)),
+        monitor(setup.world, hardware.model(), network, stopping_zone(setup), mirror(setup)),
         goal(setup.world, setup.params.loop, network),
         robot(hardware, network, params_of(setup), setup.robot, omitted_processes(setup)) {
     if (setup.level_laser) {
