@@ -42,8 +42,9 @@ def main():
 
     # What the page has missed is in the table; the robot has not.
     lost = {name: p["lost"] for name, p in watch["processes"].items() if p["lost"] and name != "nodmap-viewer"}
-    print(f"\n{truth['distance_m']:.1f} m driven, {watch['max_forward_mps']:.2f} m/s at most, never nearer than "
-          f"{100 * truth['min_clearance_m']:.0f} cm to anything; {truth['collisions']} collisions, "
+    clearance_m = truth["min_clearance_m"]  # none in a world without objects
+    nearest = "" if clearance_m is None else f", never nearer than {100 * clearance_m:.0f} cm to anything"
+    print(f"\n{truth['distance_m']:.1f} m driven, {watch['max_forward_mps']:.2f} m/s at most{nearest}; {truth['collisions']} collisions, "
           f"{truth['bumps']} bumps, {watch['keyframes']} keyframes, {sum(lost.values())} scans or messages lost")
     if watch["seen_m2"]:
         print(f"{watch['seen_m2']:.0f} m2 of floor in the 2D map{'; all is seen, and the robot is back home' if watch['is_home'] else ''}")

@@ -51,7 +51,7 @@ class Builder {
   void ramp(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double width_m);
   void actor(Actor actor) { world_.actors.push_back(std::move(actor)); }
 
-  /// Returns the world; mirrored at the x axis for every other seed, so that no side is preferred.
+  /// Returns the world; mirrored at the x axis for half of the seeds, so that no side is preferred.
   [[nodiscard]] World finish();
 
  private:
