@@ -85,6 +85,10 @@ DriveMetrics drive_metrics(const TrialRecord& record) {
 
 namespace {
 
+/// The robot reports its arrival by the pose of 2D SLAM. Where it then truly is may be farther from
+/// the goal by this error of the pose.
+constexpr double kPoseErrorM = 0.02;
+
 std::optional<time::SteadyTime> reached(const TrialRecord& record, const sim::World& world,
                                         double tolerance_m) {
   if (world.task.arrival_radius_m) {
@@ -95,7 +99,7 @@ std::optional<time::SteadyTime> reached(const TrialRecord& record, const sim::Wo
     return std::nullopt;
   }
   const Eigen::Vector2d end = record.truth.back().T_world_base.translation().head<2>();
-  const bool is_there = (end - world.goals.back()).norm() <= 2.0 * tolerance_m;
+  const bool is_there = (end - world.goals.back()).norm() <= tolerance_m + kPoseErrorM;
   return is_there ? std::optional(record.arrivals[num_goals - 1]) : std::nullopt;
 }
 

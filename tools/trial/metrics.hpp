@@ -76,8 +76,8 @@ struct ExplorationMetrics {
                                                      const ExplorationRecord& exploration);
 
 /// The robot has reached the last goal when it has reported the arrival at each goal and is not
-/// farther from the last one than twice `tolerance_m`; for a Task with an arrival radius, as soon
-/// as it is within that radius.
+/// farther from the last one than `tolerance_m` and the error granted to its pose; for a Task with
+/// an arrival radius, as soon as it is within that radius.
 [[nodiscard]] GoalMetrics goal_metrics(const TrialRecord& record, const sim::World& world,
                                        double tolerance_m, std::optional<double> shortest_path_m);
 

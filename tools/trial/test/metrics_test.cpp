@@ -99,6 +99,11 @@ TEST(TrialMetrics, AHeadingIsComparedWhereTheGoalHasOne) {
 TEST(TrialMetrics, ARobotThatReportsItsArrivalElsewhereHasNotArrived) {
   sim::World world;
   TrialRecord record = arriving_record(world);
+  // It is at 1 m. The pose by which it reports may be 2 cm wrong.
+  world.goals = {{1.31, 0.0}};
+  EXPECT_TRUE(goal_metrics(record, world, 0.3, 1.7).reached);
+  world.goals = {{1.33, 0.0}};
+  EXPECT_FALSE(goal_metrics(record, world, 0.3, 1.7).reached);
   world.goals = {{1.7, 0.0}};
   EXPECT_EQ(goal_metrics(record, world, 0.3, 1.7).spl, 0.0);
   EXPECT_FALSE(goal_metrics(record, world, 0.3, 1.7).reached);
