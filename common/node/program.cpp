@@ -136,19 +136,29 @@ std::string explain(const CLI::App& command, const CLI::ParseError& error) {
   return unused.empty() ? error.what() : "unexpected argument '" + unused.front() + "'";
 }
 
-/// Throws if a number is given that is not finite: "nan" is within every CLI::Range.
-void need_finite_numbers(const CLI::App& app) {
+/// Throws unless `text` is a value that the option can mean: "nan" is within every CLI::Range, and
+/// an empty text would pass for an option that is not given, so that a replay would become a live
+/// run.
+void check_value(const CLI::Option& option, const std::string& text) {
+  const std::string type = option.get_type_name();
+  double number = 0.0;
+  if (type.starts_with("FLOAT") && CLI::detail::lexical_cast(text, number) &&
+      !std::isfinite(number)) {
+    throw CLI::ValidationError(option.get_name(), "'" + text + "' is not a finite number");
+  }
+  if (type.starts_with("TEXT") && text.empty()) {
+    throw CLI::ValidationError(option.get_name(), "needs a value");
+  }
+}
+
+void check_values(const CLI::App& app) {
   for (const CLI::Option* option : app.get_options()) {
     for (const std::string& text : option->results()) {
-      double value = 0.0;
-      if (option->get_type_name().starts_with("FLOAT") && CLI::detail::lexical_cast(text, value) &&
-          !std::isfinite(value)) {
-        throw CLI::ValidationError(option->get_name(), "'" + text + "' is not a finite number");
-      }
+      check_value(*option, text);
     }
   }
   for (const CLI::App* command : app.get_subcommands(nullptr)) {
-    need_finite_numbers(*command);
+    check_values(*command);
   }
 }
 
@@ -164,7 +174,7 @@ std::optional<int> prepare(CLI::App& app, int argc, char** argv, const Program& 
                            CommonOptions& options) {
   try {
     app.parse(argc, argv);
-    need_finite_numbers(app);
+    check_values(app);
     if (program.params != nullptr) {
       load_params(*program.params, options);
     }

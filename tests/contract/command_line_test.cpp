@@ -82,6 +82,29 @@ TEST(Numbers, MustBeFinite) {
   }
 }
 
+// A script's variable that is not set must not make a live run of a replay.
+TEST(Texts, MustNotBeEmpty) {
+  const std::vector<std::vector<std::string>> commands = {
+      {"nodmap-navigator", "--out", "x", "--replay", ""},
+      {"nodmap-slam2d", "--replay", "x.lcmlog", "--out", ""},
+      {"nodmap-slam2d", "--localise", ""},
+      {"nodmap-slam6d", "--map-in", ""},
+      {"nodmap-map-server", "--config", ""},
+      {"nodmap-explorer", "--set", ""},
+      {"nodmap-latency", "--log", ""},
+      {"nodmap-viewer", "--control", "--procman", ""},
+      {"nodmap-logger", "--file", ""},
+      {"nodmap-stop", "--lcm-url", ""},
+      {"nodmap-convert", "export", "x.lcmlog", "x.csv", "--channel", ""},
+      {"nodmap-convert", "info", ""},
+  };
+  for (const std::vector<std::string>& command : commands) {
+    const auto result = run_program(command.front(), {command.begin() + 1, command.end()});
+    EXPECT_EQ(result.exit_code, 2) << command.front();
+    EXPECT_THAT(result.err, HasSubstr("needs a value")) << command.front();
+  }
+}
+
 TEST(Options, ThatWouldHaveNoEffectAreRefused) {
   const std::vector<std::vector<std::string>> commands = {
       {"nodmap-goal", "3", "1", "--heading-tolerance", "2"},
