@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/formats/input_file.hpp"
 
+#include <array>
 #include <cerrno>
-#include <iterator>
 #include <system_error>
 
 namespace nodmap::formats {
+namespace {
+
+constexpr std::size_t kMaxInputBytes = 16'000'000;
+
+}  // namespace
 
 InputFileError cannot_open(const std::filesystem::path& file, int error) {
   InputFileError exception(file.string() +
@@ -28,7 +33,18 @@ std::ifstream open_input(const std::filesystem::path& file) {
 
 std::string read_input(const std::filesystem::path& file) {
   std::ifstream in = open_input(file);
-  return {std::istreambuf_iterator<char>(in), {}};
+  std::string bytes;
+  std::array<char, 65536> part{};
+  while (in.read(part.data(), part.size()) || in.gcount() > 0) {
+    bytes.append(part.data(), static_cast<std::size_t>(in.gcount()));
+    if (bytes.size() > kMaxInputBytes) {
+      throw InputFileError(file.string() + ": more than 16 MB");
+    }
+  }
+  if (in.bad()) {
+    throw std::runtime_error(file.string() + ": cannot read");
+  }
+  return bytes;
 }
 
 }  // namespace nodmap::formats

@@ -22,7 +22,8 @@ class InputFileError : public std::runtime_error {
 /// Opens a file to read its bytes. Throws InputFileError, also for a folder.
 [[nodiscard]] std::ifstream open_input(const std::filesystem::path& file);
 
-/// The bytes of a file. Throws as open_input().
+/// The bytes of a file that people write, such as a configuration. Throws as open_input(), also for
+/// more than 16 MB.
 [[nodiscard]] std::string read_input(const std::filesystem::path& file);
 
 }  // namespace nodmap::formats

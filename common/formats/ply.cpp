@@ -92,14 +92,16 @@ void read_header_line(const std::string& line, Header& header) {
 }
 
 Header read_header(std::istream& in) {
-  std::string line;
-  std::getline(in, line);
-  if (line != "ply" && line != "ply\r") {
+  // A header's lines are short; a file of another kind may be one line as large as the memory.
+  std::array<char, 4096> bytes{};
+  const auto next_line = [&] { return static_cast<bool>(in.getline(bytes.data(), bytes.size())); };
+  const auto line = [&] { return std::string(bytes.data()); };
+  if (!next_line() || (line() != "ply" && line() != "ply\r")) {
     throw std::runtime_error("not a PLY file");
   }
   Header header;
-  while (std::getline(in, line)) {
-    if (line.starts_with("end_header")) {
+  while (next_line()) {
+    if (line().starts_with("end_header")) {
       for (const Element& element : header.elements) {
         if (element.count > 0 && element.properties.empty()) {
           throw std::runtime_error("element without properties");  // its count could be any number
@@ -107,7 +109,7 @@ Header read_header(std::istream& in) {
       }
       return header;
     }
-    read_header_line(line, header);
+    read_header_line(line(), header);
   }
   throw std::runtime_error("the header has no end");
 }

@@ -10,8 +10,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "common/formats/input_file.hpp"
 #include "common/formats/stamp.hpp"
+#include "common/formats/text_lines.hpp"
 
 namespace nodmap::formats {
 
@@ -39,11 +39,10 @@ void write_tum(const std::filesystem::path& file, const Trajectory& trajectory) 
 }
 
 Trajectory read_tum(const std::filesystem::path& file) {
-  std::ifstream in = open_input(file);
+  TextLines lines(file);
   Trajectory trajectory;
-  std::size_t number = 0;
-  for (std::string line; std::getline(in, line);) {
-    ++number;
+  while (lines.next()) {
+    const std::string line(lines.line());
     const std::size_t first = line.find_first_not_of(" \t\r");
     if (first == std::string::npos || line[first] == '#') {
       continue;
@@ -55,8 +54,8 @@ Trajectory read_tum(const std::filesystem::path& file) {
     fields >> stamp_text >> p.x() >> p.y() >> p.z() >> q.x() >> q.y() >> q.z() >> q.w();
     const auto stamp = parse_stamp(stamp_text);
     if (!fields || !stamp || std::abs(q.norm() - 1.0) > 0.01) {
-      throw std::runtime_error(file.string() + ":" + std::to_string(number) +
-                               ": expected 'timestamp x y z qx qy qz qw', found '" + line + "'");
+      throw std::runtime_error(lines.place() + ": expected 'timestamp x y z qx qy qz qw', found '" +
+                               line + "'");
     }
     trajectory.push_back({*stamp, geometry::make_se3(p, q.normalized())});
   }

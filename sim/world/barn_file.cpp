@@ -3,13 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <string>
 
-#include "common/formats/input_file.hpp"
+#include "common/formats/text_lines.hpp"
 #include "common/geometry/angle.hpp"
 
 namespace nodmap::sim {
@@ -25,14 +24,12 @@ constexpr int kMaxItems = 10'000;
 /// The lines of a file that are not comments, with their numbers.
 class Lines {
  public:
-  explicit Lines(const std::filesystem::path& file) : file_(file), in_(formats::open_input(file)) {}
+  explicit Lines(const std::filesystem::path& file) : lines_(file) {}
 
   bool next() {
-    std::string text;
-    while (std::getline(in_, text)) {
-      ++number_;
-      if (!text.empty() && text[0] != '#') {
-        line_ = std::istringstream(text);
+    while (lines_.next()) {
+      if (!lines_.line().empty() && lines_.line().front() != '#') {
+        line_ = std::istringstream(std::string(lines_.line()));
         return true;
       }
     }
@@ -60,14 +57,12 @@ class Lines {
     return value;
   }
   [[noreturn]] void fail(const std::string& what) const {
-    throw std::runtime_error(file_.string() + ":" + std::to_string(number_) + ": " + what);
+    throw std::runtime_error(lines_.place() + ": " + what);
   }
 
  private:
-  std::filesystem::path file_;
-  std::ifstream in_;
+  formats::TextLines lines_;
   std::istringstream line_;
-  int number_ = 0;
 };
 
 /// A Catmull-Rom spline through the key frames, with tangents from the neighbouring times, sampled

@@ -3,14 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <map>
 #include <sstream>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
-#include "common/formats/input_file.hpp"
+#include "common/formats/text_lines.hpp"
 #include "common/geometry/angle.hpp"
 #include "sim/world/scenarios/builder.hpp"
 
@@ -26,23 +25,20 @@ constexpr double kHalfCrossingM = 5.0;
 using Tracks = std::map<int, std::vector<Waypoint>>;
 
 Tracks read_tracks(const std::filesystem::path& file, double frames_per_s) {
-  std::ifstream in = formats::open_input(file);
+  formats::TextLines lines(file);
   Tracks tracks;
-  std::string text;
-  for (int number = 1; std::getline(in, text); ++number) {
-    std::istringstream line(text);
+  while (lines.next()) {
+    std::istringstream line{std::string(lines.line())};
     double frame = 0.0;
     int pedestrian = 0;
     Eigen::Vector2d p;
     if (!(line >> frame >> pedestrian >> p.x() >> p.y()) || !p.allFinite()) {
-      throw std::runtime_error(file.string() + ":" + std::to_string(number) +
-                               ": expected frame pedestrian x y");
+      throw std::runtime_error(lines.place() + ": expected frame pedestrian x y");
     }
     std::vector<Waypoint>& track = tracks[pedestrian];
     const double time_s = frame / frames_per_s;
     if (!track.empty() && time_s <= track.back().time_s) {
-      throw std::runtime_error(file.string() + ":" + std::to_string(number) +
-                               ": frames of a pedestrian must ascend");
+      throw std::runtime_error(lines.place() + ": frames of a pedestrian must ascend");
     }
     track.push_back({time_s, p});
   }

@@ -4,7 +4,6 @@
 #include <stdexcept>
 #include <system_error>
 
-#include "common/formats/input_file.hpp"
 #include "common/node/log.hpp"
 #include "common/node/program.hpp"
 
@@ -22,29 +21,23 @@ std::int64_t size_bytes(const std::filesystem::path& path) {
 }  // namespace
 
 LineReader::LineReader(const std::filesystem::path& path)
-    : path_(path),
-      in_(formats::open_input(path)),
-      progress_(path.filename().string(), size_bytes(path)) {}
+    : path_(path), lines_(path), progress_(path.filename().string(), size_bytes(path)) {}
 
 bool LineReader::next() {
   if (node::stop_requested()) {
     throw std::runtime_error("stopped; nothing was written");
   }
-  if (!std::getline(in_, line_)) {
-    if (in_.bad()) {
-      throw std::runtime_error(path_.string() + ": cannot read");
-    }
+  if (!lines_.next()) {
     return false;
   }
-  ++number_;
-  position_bytes_ += static_cast<std::int64_t>(line_.size()) + 1;
+  position_bytes_ += static_cast<std::int64_t>(line().size()) + 1;
   progress_.show(position_bytes_);
   return true;
 }
 
 void LineReader::skip_line(std::string_view why) {
   if (++num_skipped_ <= kSkippedInFull) {
-    log::get().warn("{}:{}: skipped: {}", path_.string(), number_, why);
+    log::get().warn("{}: skipped: {}", lines_.place(), why);
   }
   if (num_skipped_ == kSkippedInFull) {
     log::get().warn("{}: further lines are only counted", path_.string());

@@ -3,10 +3,10 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <string>
 #include <string_view>
 
+#include "common/formats/text_lines.hpp"
 #include "common/node/progress.hpp"
 
 namespace nodmap::convert {
@@ -15,13 +15,13 @@ namespace nodmap::convert {
 /// lines.
 class LineReader {
  public:
-  /// Throws std::runtime_error with the name of the file if it cannot be opened.
+  /// Throws as formats::open_input().
   explicit LineReader(const std::filesystem::path& path);
 
-  /// Advances to the next line; false at the end. Throws std::runtime_error if the user has asked
-  /// to stop, or the disk fails.
+  /// Advances to the next line; false at the end. Throws as formats::TextLines, and
+  /// std::runtime_error if the user has asked to stop.
   [[nodiscard]] bool next();
-  [[nodiscard]] std::string_view line() const { return line_; }
+  [[nodiscard]] std::string_view line() const { return lines_.line(); }
 
   /// Reports on stderr where and why this line is skipped. After the first few, lines are only
   /// counted, so that a wrong file does not flood the terminal.
@@ -30,10 +30,8 @@ class LineReader {
 
  private:
   std::filesystem::path path_;
-  std::ifstream in_;
+  formats::TextLines lines_;
   node::Progress progress_;
-  std::string line_;
-  std::int64_t number_ = 0;
   std::int64_t position_bytes_ = 0;
   std::int64_t num_skipped_ = 0;
 };

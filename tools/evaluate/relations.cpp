@@ -3,15 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <map>
 #include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <string>
 
-#include "common/formats/input_file.hpp"
 #include "common/formats/stamp.hpp"
+#include "common/formats/text_lines.hpp"
 
 namespace nodmap::evaluate {
 namespace {
@@ -61,19 +60,18 @@ Moments moments(std::span<const double> values) {
 }  // namespace
 
 std::vector<Relation> read_relations(const std::filesystem::path& file) {
-  std::ifstream in = formats::open_input(file);
+  formats::TextLines lines(file);
   std::vector<Relation> relations;
-  std::size_t number = 0;
-  for (std::string line; std::getline(in, line);) {
-    ++number;
+  while (lines.next()) {
+    const std::string line(lines.line());
     const std::size_t first = line.find_first_not_of(" \t\r");
     if (first == std::string::npos || line[first] == '#') {
       continue;
     }
     const auto relation = parse_relation(line);
     if (!relation) {
-      throw std::runtime_error(file.string() + ":" + std::to_string(number) +
-                               ": expected 't1 t2 x y z roll pitch yaw', found '" + line + "'");
+      throw std::runtime_error(lines.place() + ": expected 't1 t2 x y z roll pitch yaw', found '" +
+                               line + "'");
     }
     relations.push_back(*relation);
   }

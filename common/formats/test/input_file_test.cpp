@@ -31,5 +31,9 @@ TEST(InputFile, ReadsEveryByte) {
   EXPECT_EQ(read_input(dir.path() / "file"), bytes);
 }
 
+TEST(InputFile, AFileWithoutEndIsNotReadIntoTheMemory) {
+  EXPECT_THROW((void)read_input("/dev/zero"), InputFileError);
+}
+
 }  // namespace input_file_test
 }  // namespace nodmap::formats

@@ -47,6 +47,10 @@ TEST(Ply, EmptyCutOffAndForeignFiles) {
   EXPECT_THROW((void)read_ply(dir.path() / "text.ply"), std::runtime_error);
 }
 
+TEST(Ply, RefusesAHeaderWithoutEnd) {
+  EXPECT_THROW((void)read_ply("/dev/zero"), std::runtime_error);
+}
+
 TEST(Ply, AVertexThatIsNotFiniteIsRefused) {
   const test::TemporaryDir dir;
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
