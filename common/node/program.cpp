@@ -222,7 +222,9 @@ int run_program(int argc, char** argv, const Program& program) {
   if (const std::optional<int> code = prepare(app, argc, argv, program, options)) {
     return *code;
   }
-  catch_stop_signals();
+  if (!program.is_killed_by_signals) {
+    catch_stop_signals();
+  }
   if (program.outlives_its_readers) {
     std::signal(SIGPIPE, SIG_IGN);
   }

@@ -37,6 +37,9 @@ struct Program {
   /// Goes on when nobody reads its stdout and stderr any more, because it still has to save
   /// something or to stop a device. Other programs end then (SIGPIPE), as in `... | head`.
   bool outlives_its_readers = false;
+  /// Only computes: SIGINT, SIGTERM and SIGHUP end it at once, as they end any program that has
+  /// nothing to save. Other programs ask stop_requested() while they work.
+  bool is_killed_by_signals = false;
   std::function<void(CLI::App&)> add_options = nullptr;  ///< its own options and subcommands
   /// Checks the combination of options and parameters before `run`. Throws UsageError.
   std::function<void()> check = nullptr;
@@ -46,10 +49,11 @@ struct Program {
 };
 
 /// main() of every program: reads the command line; loads --config, --set and flags into the
-/// parameters, in this order; starts the log; makes SIGINT, SIGTERM and SIGHUP request the end; and
-/// calls `run`. Returns the exit code: 2 for a wrong command line or configuration, a UsageError or
-/// a formats::InputFileError, and 1 for any other exception of `run`, each after one line on
-/// stderr; 0 after --help and --version; otherwise the result of `run`.
+/// parameters, in this order; starts the log; makes SIGINT, SIGTERM and SIGHUP request the end,
+/// unless `is_killed_by_signals`; and calls `run`. Returns the exit code: 2 for a wrong command
+/// line or configuration, a UsageError or a formats::InputFileError, and 1 for any other exception
+/// of `run`, each after one line on stderr; 0 after --help and --version; otherwise the result of
+/// `run`.
 int run_program(int argc, char** argv, const Program& program);
 
 /// Makes SIGINT, SIGTERM and SIGHUP request the end of the process instead of killing it; SIGHUP

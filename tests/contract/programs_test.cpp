@@ -2,6 +2,7 @@
 // The command line that every program has in common.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <array>
@@ -257,6 +258,17 @@ TEST_P(EveryModule, ATruncatedRecordingIsUsedWithAWarning) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, EveryModule, ::testing::ValuesIn(kModules));
+
+// It waits for somebody who writes to its input, so it has set its handlers, if any.
+TEST(Evaluate, ASignalEndsItAtOnce) {
+  const test::TemporaryDir dir;
+  const std::string pipe = dir.path() / "pipe.tum";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  test::ChildProcess process({NODMAP_BIN "/nodmap-evaluate", "trajectory", pipe, pipe});
+  const std::ofstream writer(pipe);  // opens when the reader does
+  process.send_signal(SIGINT);
+  EXPECT_EQ(process.wait_for_end(test::kPatience), 128 + SIGINT) << process.said();
+}
 
 struct ReadingCommand {
   const char* program;

@@ -227,6 +227,7 @@ int main(int argc, char** argv) {
   return nodmap::node::run_program(argc, argv,
                                    {.name = "nodmap-evaluate",
                                     .summary = "Compares results with ground truth.",
+                                    .is_killed_by_signals = true,
                                     .add_options =
                                         [&arguments](CLI::App& app) {
                                           app.require_subcommand(1);
