@@ -20,12 +20,19 @@ constexpr int kMaxMegabytes = 1'000'000;
 constexpr int kMaxCpu = 1023;  // the largest that fits into sched_setaffinity's cpu_set_t
 constexpr int kMaxWaitMs = 24 * 3600 * 1000;
 
-/// Whether the word is "true" or "yes", in upper or lower case.
-bool says_yes(std::string word) {
+/// What "true" or "yes", "false" or "no" say, in upper or lower case.
+bool parse_bool(const std::string& text, Place place) {
+  std::string word = text;
   std::ranges::transform(word, word.begin(), [](char c) {
     return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c;
   });
-  return word == "true" || word == "yes";
+  if (word == "true" || word == "yes") {
+    return true;
+  }
+  if (word == "false" || word == "no") {
+    return false;
+  }
+  throw SyntaxError(place, "\"" + text + "\" is neither true nor false");
 }
 
 /// Parses processors in the notation of `taskset`: "0,2-3".
@@ -189,8 +196,10 @@ void Parser::parse_command(const std::string& group) {
 void Parser::parse_attribute(Command& command) {
   const Place place = reader_.token().place;
   const std::string name = reader_.expect(TokenKind::kIdentifier, "an attribute or '}'");
-  const auto value = [this] {
+  Place value_place;
+  const auto value = [&] {
     reader_.expect(TokenKind::kAssign, "'='");
+    value_place = reader_.token().place;
     return reader_.expect(TokenKind::kString, "a text in quotes");
   };
   const auto number = [this](int max) {
@@ -204,7 +213,8 @@ void Parser::parse_attribute(Command& command) {
   } else if (name == "group") {
     command.group = normalized_group(value());
   } else if (name == "auto_respawn") {
-    command.auto_respawn = says_yes(value());
+    const std::string text = value();
+    command.auto_respawn = parse_bool(text, value_place);
   } else if (name == "stop_signal") {
     command.stop_signal = number(kMaxSignal);
   } else if (name == "stop_time_allowed") {

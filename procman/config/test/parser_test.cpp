@@ -58,16 +58,22 @@ TEST(Parser, DeputyMeansTheSameAsHost) {
   EXPECT_EQ(parsed("cmd \"a\" { exec = \"x\"; deputy = \"d\"; }").commands.at(0).deputy, "d");
 }
 
-TEST(Parser, OnlyTrueAndYesRespawn) {
+/// A file whose command has this auto_respawn, whose value begins in column 38.
+std::string respawning(const std::string& word) {
+  return R"(cmd "a" { exec = "x"; auto_respawn = ")" + word + "\"; }";
+}
+
+// The existing tools take every other word for false, so that a typing error goes unnoticed until
+// the command is not restarted.
+TEST(Parser, OnlyTrueAndFalseSayWhetherToRespawn) {
   for (const char* word : {"true", "TRUE", "yes"}) {
-    EXPECT_TRUE(parsed(std::string("cmd \"a\" { exec = \"x\"; auto_respawn = \"") + word + "\"; }")
-                    .commands.at(0)
-                    .auto_respawn);
+    EXPECT_TRUE(parsed(respawning(word)).commands.at(0).auto_respawn) << word;
   }
-  for (const char* word : {"false", "1", "on", ""}) {
-    EXPECT_FALSE(parsed(std::string("cmd \"a\" { exec = \"x\"; auto_respawn = \"") + word + "\"; }")
-                     .commands.at(0)
-                     .auto_respawn);
+  for (const char* word : {"false", "No"}) {
+    EXPECT_FALSE(parsed(respawning(word)).commands.at(0).auto_respawn) << word;
+  }
+  for (const std::string word : {"tru", "1", "on", ""}) {
+    EXPECT_EQ(error_of(respawning(word)), "f:1:38: \"" + word + "\" is neither true nor false");
   }
 }
 
