@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/node/run.hpp"
 
+#include <spdlog/fmt/fmt.h>
+
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <fstream>
@@ -81,9 +83,11 @@ void run_replay(const ProgramInfo& info, const Options& options, const NodeFacto
 
   const auto start = SteadyClock::now();
   time::Timestamp first{};
+  bool is_complete = false;  // a signal after the last message changes nothing
   {
     Progress progress(info.name, bus.reader().size_bytes());
-    while (!stop_requested() && bus.step()) {
+    while (!is_complete && !stop_requested()) {
+      is_complete = !bus.step();
       first = bus.events_read() == 1 ? bus.log_time() : first;
       progress.show(bus.reader().position_bytes());
     }
@@ -100,7 +104,7 @@ void run_replay(const ProgramInfo& info, const Options& options, const NodeFacto
                    {"duration_s", log_s}};
   result["wall_s"] = wall_s;
   result["realtime_factor"] = wall_s > 0.0 ? log_s / wall_s : 0.0;
-  result["interrupted"] = stop_requested();
+  result["interrupted"] = !is_complete;
   result["metrics"] = node->metrics();
   write_result_json(dir, result);
   if (!bus.flush() || bus.counts().not_published > 0) {
@@ -111,6 +115,10 @@ void run_replay(const ProgramInfo& info, const Options& options, const NodeFacto
   }
   log::get().info("{} of {} messages used, {:.2f} s, results in {}", counts.used(),
                   bus.counts().received, wall_s, dir.string());
+  if (!is_complete) {
+    throw std::runtime_error(fmt::format(
+        "stopped after {:.1f} s of the log: the results are those of this part", log_s));
+  }
 }
 
 void run_live(const ProgramInfo& info, const Options& options, const std::string& lcm_url,

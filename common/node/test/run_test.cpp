@@ -18,10 +18,12 @@ namespace run_test {
 struct EchoParams {
   double gain = 1.0;
   bool loud = false;
+  int signal_at = 0;
   template <class Visitor>
   void describe(Visitor& v) {
     v.number("gain", gain, {0.0, 10.0}, "How strong.");
     v.flag("loud", loud, "Whether loud.");
+    v.integer("signal_at", signal_at, {0, 100}, "At which message a signal comes; 11: at the end.");
   }
 };
 
@@ -34,9 +36,11 @@ class EchoNode : public Node {
                                               [this, &context](const nodmap::odometry_t& message) {
                                                 context.counts.use();
                                                 ++seen_;
+                                                signal_if_at(seen_);
                                                 context.bus.publish("ECHO", message);
                                               });
   }
+  void finish() override { signal_if_at(seen_ + 1); }
   void write_results(const std::filesystem::path& dir) override {
     std::ofstream(dir / "echo.txt") << seen_;
   }
@@ -45,6 +49,12 @@ class EchoNode : public Node {
   }
 
  private:
+  void signal_if_at(int number) const {
+    if (number == params_.signal_at) {
+      std::raise(SIGINT);
+    }
+  }
+
   Params params_;
   int seen_ = 0;
 };
@@ -94,6 +104,28 @@ TEST(Run, ReplayWritesResultsAndTheSameBytesTwice) {
   EXPECT_EQ(result["metrics"]["gain"], 2.0);
   EXPECT_EQ(result["metrics"]["loud"], true);
   EXPECT_GT(result["realtime_factor"], 0.0);
+}
+
+nlohmann::json result_in(const std::filesystem::path& dir) {
+  return nlohmann::json::parse(slurp(dir / "result.json"));
+}
+
+// A script must not go on with a part of the map as if it were the map.
+TEST(Run, AnInterruptedReplayFailsAfterItHasWrittenTheResults) {
+  const test::TemporaryDir dir;
+  const std::string log = dir.path() / "in.lcmlog";
+  write_log(log);
+  EXPECT_EQ(run_echo({"--replay", log, "--out", dir.path() / "a", "--set", "signal_at=5"}), 1);
+  EXPECT_EQ(slurp(dir.path() / "a" / "echo.txt"), "5");
+  EXPECT_EQ(result_in(dir.path() / "a")["interrupted"], true);
+}
+
+TEST(Run, ASignalAfterTheLastMessageOfAReplayChangesNothing) {
+  const test::TemporaryDir dir;
+  const std::string log = dir.path() / "in.lcmlog";
+  write_log(log);
+  EXPECT_EQ(run_echo({"--replay", log, "--out", dir.path() / "a", "--set", "signal_at=11"}), 0);
+  EXPECT_EQ(result_in(dir.path() / "a")["interrupted"], false);
 }
 
 TEST(Run, LaterConfigurationsOverrideAndAssignmentsOverrideAll) {
