@@ -119,6 +119,10 @@ void run_replay(const ProgramInfo& info, const Options& options, const NodeFacto
     throw std::runtime_error(fmt::format(
         "stopped after {:.1f} s of the log: the results are those of this part", log_s));
   }
+  if (counts.used() == 0) {
+    throw std::runtime_error(options.replay + ": contains nothing that " + info.name +
+                             " could use");
+  }
 }
 
 void run_live(const ProgramInfo& info, const Options& options, const std::string& lcm_url,

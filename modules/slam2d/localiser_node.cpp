@@ -75,6 +75,9 @@ void LocaliserNode::write_results(const std::filesystem::path& dir) {
   for (const TrackedScan& scan : path_.scans()) {
     trajectory.push_back({scan.stamp, geometry::to_se3(scan.T_map_base_online)});
   }
+  if (trajectory.empty()) {
+    log::get().warn("the robot was not found in the saved map");
+  }
   formats::write_tum(dir / "trajectory.tum", trajectory);
   formats::write_tum(dir / "online.tum", trajectory);
 }

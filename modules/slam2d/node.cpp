@@ -224,6 +224,10 @@ void Slam2dNode::write_results(const std::filesystem::path& dir) {
   for (const Keyframe& keyframe : slam_.keyframes().subspan(num_restored_)) {
     odometry.push_back(keyframe.T_odom_base);
   }
+  if (corrected.empty()) {
+    log::get().warn(search_ ? "the robot was not found in the saved map"
+                            : "the map is empty: no scan was used");
+  }
   const auto save = [&] {
     if (const auto error = save_map(dir)) {
       throw std::system_error(error, dir.string());

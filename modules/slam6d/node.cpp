@@ -271,6 +271,10 @@ std::error_code Slam6dNode::save_map(const std::filesystem::path& dir, const Occ
 }
 
 void Slam6dNode::write_results(const std::filesystem::path& dir) {
+  if (std::ranges::none_of(slam_.sweeps(), &SweepPose::is_place_known)) {
+    log::get().warn(slam_.localiser() ? "the robot was not found in the saved map"
+                                      : "the map is empty: no scan was used");
+  }
   if (only_localises_) {
     write_trajectories(slam_, dir);
     return;

@@ -14,7 +14,9 @@
 #include <string_view>
 #include <vector>
 
+#include "common/bus/codec.hpp"
 #include "common/bus/event_log.hpp"
+#include "nodmap/odometry_t.hpp"
 #include "tests/support/child_process.hpp"
 #include "tests/support/data_dir.hpp"
 #include "tests/support/program.hpp"
@@ -79,12 +81,16 @@ constexpr const char* kModules[] = {
 };
 // clang-format on
 
-/// Writes a log of this many events, on a channel to which no module subscribes.
-void write_log(const std::filesystem::path& file, int num_events) {
+/// Writes a log of this many messages of a robot that stands, which every module uses.
+void write_log(const std::filesystem::path& file, int num_messages) {
   bus::LogWriter log(file);
-  const std::array<std::byte, 20> bytes{};
-  for (int i = 0; i < num_events; ++i) {
-    ASSERT_TRUE(log.write(i, "NOBODYS", bytes));
+  std::vector<std::byte> bytes;
+  for (int i = 0; i < num_messages; ++i) {
+    nodmap::odometry_t message{};
+    message.utime = i;
+    message.orientation[0] = 1.0;
+    bus::encode_into(bytes, message);
+    ASSERT_TRUE(log.write(i, "ODOMETRY", bytes));
   }
 }
 
@@ -242,6 +248,26 @@ TEST_P(EveryModule, AFileThatIsNotARecordingIsAnError) {
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_THAT(result.err, HasSubstr("notes.txt: not an LCM event log (no event found)"));
   EXPECT_FALSE(std::filesystem::exists(dir.path() / "out"));
+}
+
+TEST_P(EveryModuleWithAMap, SaysThatItsMapIsEmpty) {
+  const test::TemporaryDir dir;
+  write_log(dir.path() / "in.lcmlog", 3);
+  const auto result =
+      run_program(GetParam(), {"--replay", dir.path() / "in.lcmlog", "--out", dir.path() / "out"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("the map is empty: no scan was used"));
+}
+
+TEST(Localisation, SaysThatTheRobotWasNotFound) {
+  const test::TemporaryDir dir;
+  write_log(dir.path() / "in.lcmlog", 3);
+  std::ofstream(dir.path() / "map.yaml") << "image: map.pgm\nresolution: 0.05\norigin: [0, 0, 0]\n";
+  std::ofstream(dir.path() / "map.pgm") << "P2 3 1 255 0 254 254\n";
+  const auto result = run_program("nodmap-slam2d", {"--replay", dir.path() / "in.lcmlog", "--out",
+                                                    dir.path() / "out", "--localise", dir.path()});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("the robot was not found in the saved map"));
 }
 
 TEST_P(EveryModule, ATruncatedRecordingIsUsedWithAWarning) {

@@ -128,6 +128,17 @@ TEST(Run, ASignalAfterTheLastMessageOfAReplayChangesNothing) {
   EXPECT_EQ(result_in(dir.path() / "a")["interrupted"], false);
 }
 
+TEST(Run, AReplayThatUsedNothingFails) {
+  const test::TemporaryDir dir;
+  const std::string log = dir.path() / "in.lcmlog";
+  {
+    bus::LogWriter writer(log);
+    ASSERT_TRUE(writer.write(1, "NOBODYS", std::vector<std::byte>(20)));
+  }
+  EXPECT_EQ(run_echo({"--replay", log, "--out", dir.path() / "a"}), 1);
+  EXPECT_EQ(result_in(dir.path() / "a")["messages"]["used"], 0);
+}
+
 TEST(Run, LaterConfigurationsOverrideAndAssignmentsOverrideAll) {
   const test::TemporaryDir dir;
   const std::string log = dir.path() / "in.lcmlog";
