@@ -93,6 +93,22 @@ struct LiveBus::Impl {
     ::lcm_subscription_set_queue_capacity(subscription, std::max(1, queue_capacity));
   }
 
+  /// The descriptor to wait for. Throws if there is none, because a server (tcpq) is missing or has
+  /// ended.
+  [[nodiscard]] int poll_handle(const std::string& url) const {
+    const int handle = ::lcm_get_fileno(lcm.get());
+    if (handle < 0) {
+      throw std::runtime_error("LCM has no connection to " + url);
+    }
+    return handle;
+  }
+
+  /// Waits for a message and handles it. Returns false if none has come.
+  bool handle_one(int wait_ms, const std::string& url) const {
+    (void)poll_handle(url);  // without a descriptor, LCM would abort
+    return ::lcm_handle_timeout(lcm.get(), wait_ms) > 0;
+  }
+
   std::int64_t too_large = 0;
   std::list<Listener> listeners;  // LCM keeps pointers to them
   std::exception_ptr thrown;
@@ -111,7 +127,7 @@ int LiveBus::handle(std::chrono::milliseconds timeout) {
   }
   int handled = 0;
   int wait_ms = static_cast<int>(timeout.count());
-  while (handled<kMaxPerHandle&& ::lcm_handle_timeout(impl_->lcm.get(), wait_ms)> 0) {
+  while (handled < kMaxPerHandle && impl_->handle_one(wait_ms, url_)) {
     wait_ms = 0;
     ++handled;
     if (impl_->thrown) {
@@ -122,7 +138,7 @@ int LiveBus::handle(std::chrono::milliseconds timeout) {
 }
 
 int LiveBus::poll_handle() {
-  return impl_->receiver ? impl_->receiver->poll_handle() : ::lcm_get_fileno(impl_->lcm.get());
+  return impl_->receiver ? impl_->receiver->poll_handle() : impl_->poll_handle(url_);
 }
 
 BusCounts LiveBus::counts() const {

@@ -33,11 +33,12 @@ class LiveBus : public Bus {
 
   /// Waits up to `timeout` for a message, then handles all waiting messages and returns their
   /// number. This number is limited, so that a flood cannot block the caller forever. Rethrows the
-  /// exception of a handler after LCM has returned in a consistent state.
+  /// exception of a handler after LCM has returned in a consistent state. Throws
+  /// std::runtime_error if LCM has no connection to its server (tcpq).
   int handle(std::chrono::milliseconds timeout);
 
   /// A descriptor that is readable while a message waits, for loops that also wait for other
-  /// descriptors; then call handle(0).
+  /// descriptors; then call handle(0). Throws as handle().
   [[nodiscard]] int poll_handle();
 
   using RawMessage = bus::RawMessage;

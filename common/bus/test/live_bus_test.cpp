@@ -184,6 +184,13 @@ TEST(LiveBus, AUrlThatCannotWorkIsAnError) {
   EXPECT_THROW(LiveBus("nonsense://"), std::runtime_error);
 }
 
+// LCM itself would abort.
+TEST(LiveBus, AServerThatIsMissingIsAnError) {
+  LiveBus bus("tcpq://127.0.0.1:1");
+  EXPECT_THROW(bus.handle(milliseconds(0)), std::runtime_error);
+  EXPECT_THROW((void)bus.poll_handle(), std::runtime_error);
+}
+
 TEST(LiveBus, UrlComesFromTheOptionThenTheEnvironment) {
   EXPECT_EQ(resolve_url("memq://x"), "memq://x");
   ::setenv("LCM_DEFAULT_URL", "memq://y", 1);
