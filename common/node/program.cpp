@@ -3,10 +3,13 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <csignal>
+#include <cstdio>
 #include <iostream>
 #include <optional>
+#include <system_error>
 
 #include "common/formats/input_file.hpp"
 #include "common/node/log.hpp"
@@ -200,6 +203,18 @@ std::optional<int> prepare(CLI::App& app, int argc, char** argv, const Program& 
   return std::nullopt;
 }
 
+/// The exit code of a program that would end with `code`: an error if what it has printed could not
+/// be written, as on a full disk, because half a result passes for a result.
+int after_output(const std::string& program, int code) {
+  errno = 0;
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) {
+    return code;
+  }
+  const std::string why = errno != 0 ? ": " + std::system_category().message(errno) : "";
+  complain(program, "cannot write to stdout" + why);
+  return code != 0 ? code : 1;
+}
+
 }  // namespace
 
 int run_program(int argc, char** argv, const Program& program) {
@@ -220,7 +235,7 @@ int run_program(int argc, char** argv, const Program& program) {
     program.add_options(app);
   }
   if (const std::optional<int> code = prepare(app, argc, argv, program, options)) {
-    return *code;
+    return after_output(program.name, *code);
   }
   if (!program.is_killed_by_signals) {
     catch_stop_signals();
@@ -229,7 +244,8 @@ int run_program(int argc, char** argv, const Program& program) {
     std::signal(SIGPIPE, SIG_IGN);
   }
   try {
-    return program.run(options.lcm_url);
+    const int code = program.run(options.lcm_url);
+    return program.outlives_its_readers ? code : after_output(program.name, code);
   } catch (const UsageError& error) {
     return complain(program.name, error.what());
   } catch (const formats::InputFileError& error) {

@@ -53,7 +53,7 @@ struct Program {
 /// unless `is_killed_by_signals`; and calls `run`. Returns the exit code: 2 for a wrong command
 /// line or configuration, a UsageError or a formats::InputFileError, and 1 for any other exception
 /// of `run`, each after one line on stderr; 0 after --help and --version; otherwise the result of
-/// `run`.
+/// `run`. 0 becomes 1, after a line on stderr, if stdout cannot be written.
 int run_program(int argc, char** argv, const Program& program);
 
 /// Makes SIGINT, SIGTERM and SIGHUP request the end of the process instead of killing it; SIGHUP

@@ -285,6 +285,19 @@ TEST_P(EveryModule, ATruncatedRecordingIsUsedWithAWarning) {
 
 INSTANTIATE_TEST_SUITE_P(All, EveryModule, ::testing::ValuesIn(kModules));
 
+// A table or a file of parameters that ends in the middle passes for a whole one.
+TEST(Output, ThatCannotBeWrittenIsAnError) {
+  const test::TemporaryDir dir;
+  const std::string log = dir.path() / "in.lcmlog";
+  write_log(log, 3);
+  for (const std::string& command : {std::string("slam2d --dump-params"),
+                                     std::string("evaluate --help"), "convert info " + log}) {
+    const auto result = run_program("sh", {"-c", NODMAP_BIN "/nodmap-" + command + " >/dev/full"});
+    EXPECT_EQ(result.exit_code, 1) << command;
+    EXPECT_THAT(result.err, HasSubstr("cannot write to stdout: No space left on device"));
+  }
+}
+
 // It waits for somebody who writes to its input, so it has set its handlers, if any.
 TEST(Evaluate, ASignalEndsItAtOnce) {
   const test::TemporaryDir dir;
