@@ -4,8 +4,10 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <cmath>
 #include <csignal>
+#include <cstdint>
 #include <cstdio>
 #include <iostream>
 #include <optional>
@@ -139,25 +141,30 @@ std::string explain(const CLI::App& command, const CLI::ParseError& error) {
   return unused.empty() ? error.what() : "unexpected argument '" + unused.front() + "'";
 }
 
-/// Throws unless `text` is a value that the option can mean: "nan" is within every CLI::Range, and
-/// an empty text would pass for an option that is not given, so that a replay would become a live
-/// run.
-void check_value(const CLI::Option& option, const std::string& text) {
-  const std::string type = option.get_type_name();
+/// Why `text` cannot be the value of an option of this type, although CLI11 takes it; empty if it
+/// can.
+std::string fault_of(const std::string& type, const std::string& text) {
   double number = 0.0;
   if (type.starts_with("FLOAT") && CLI::detail::lexical_cast(text, number) &&
-      !std::isfinite(number)) {
-    throw CLI::ValidationError(option.get_name(), "'" + text + "' is not a finite number");
+      !std::isfinite(number)) {  // "nan" is within every CLI::Range
+    return "'" + text + "' is not a finite number";
   }
-  if (type.starts_with("TEXT") && text.empty()) {
-    throw CLI::ValidationError(option.get_name(), "needs a value");
+  std::uint64_t count = 0;
+  const char* const end = text.data() + text.size();
+  if (type.starts_with("UINT") &&
+      std::from_chars(text.data(), end, count) != std::from_chars_result{end, std::errc()}) {
+    return "'" + text + "' is not a whole number from 0 to 2^64 - 1";  // -1 wraps around
   }
+  // It would pass for an option that is not given: a replay would become a live run.
+  return type.starts_with("TEXT") && text.empty() ? "needs a value" : "";
 }
 
 void check_values(const CLI::App& app) {
   for (const CLI::Option* option : app.get_options()) {
     for (const std::string& text : option->results()) {
-      check_value(*option, text);
+      if (const std::string fault = fault_of(option->get_type_name(), text); !fault.empty()) {
+        throw CLI::ValidationError(option->get_name(), fault);
+      }
     }
   }
   for (const CLI::App* command : app.get_subcommands(nullptr)) {

@@ -82,6 +82,17 @@ TEST(Numbers, MustBeFinite) {
   }
 }
 
+// They would all be the same seed.
+TEST(Seeds, MustNotWrapAround) {
+  for (const char* seed : {"-1", "18446744073709551616", "99999999999999999999"}) {
+    for (const char* program : {"nodmap-sim", "nodmap-trial"}) {
+      const auto result = run_program(program, {"--world", "x", "--out", "x", "--seed", seed});
+      EXPECT_EQ(result.exit_code, 2) << seed;
+      EXPECT_THAT(result.err, HasSubstr(std::string("--seed: '") + seed)) << program;
+    }
+  }
+}
+
 // A script's variable that is not set must not make a live run of a replay.
 TEST(Texts, MustNotBeEmpty) {
   const std::vector<std::vector<std::string>> commands = {
