@@ -5,6 +5,7 @@
 set -euo pipefail
 # First of all: without a trap bash goes on after a Ctrl-C if the command that it waits for has just ended by itself.
 trap 'exit 130' INT
+export NODMAP_CALLER=${NODMAP_CALLER:-$PWD}
 cd "$(dirname "$(readlink -f "$0")")/.."
 bin=$PWD/build/release/bin
 source scripts/demo_common.sh
@@ -38,10 +39,10 @@ while [[ $# -gt 0 ]]; do
     --check-arguments) check_only=1; shift ;;
     --help | -h) usage; exit 0 ;;
     --version) print_version; exit 0 ;;
-    --speed) need_value "$1" $#; need_number "$1" "$2"; speed=$2; shift 2 ;;
-    --out) need_value "$1" $#; out=$2; shift 2 ;;
+    --speed) need_value "$@"; need_number "$1" "$2"; speed=$2; shift 2 ;;
+    --out) need_value "$@"; out=$(from_caller "$2"); shift 2 ;;
     -*) usage_error "unknown option $1" ;;
-    *) [[ -z "$recording" ]] || usage_error "unexpected argument $1"; recording=$1; shift ;;
+    *) [[ -z "$recording" ]] || usage_error "unexpected argument $1"; recording=$(from_caller "$1"); shift ;;
   esac
 done
 [[ -n "$recording" ]] || usage_error "no recording is named"

@@ -12,7 +12,9 @@ print_version() { sed -n 's/^project(nodmap VERSION \([^ ]*\).*/\1/p' CMakeLists
 need_number() {
   [[ "$2" =~ ^[0-9]+(\.[0-9]+)?$ && "$2" =~ [1-9] ]] || usage_error "$1: '$2' is not a number above 0"
 }
-# need_value OPTION ARGUMENTS-LEFT
-need_value() { [[ $2 -ge 2 ]] || usage_error "$1 needs a value"; }
+# need_value OPTION [VALUE] ...
+need_value() { [[ -n "${2-}" ]] || usage_error "$1 needs a value"; }
+# from_caller PATH: the path as the shell means it that called ./nodmap, perhaps in another folder.
+from_caller() { [[ "$1" == /* ]] && printf '%s\n' "$1" || printf '%s\n' "$NODMAP_CALLER/$1"; }
 # need_new FOLDER: results are never overwritten.
 need_new() { [[ ! -e "$1" ]] || usage_error "$1 exists; results are never overwritten"; }

@@ -5,6 +5,7 @@
 set -euo pipefail
 # First of all: without a trap bash goes on after a Ctrl-C if the command that it waits for has just ended by itself.
 trap 'exit 130' INT
+export NODMAP_CALLER=${NODMAP_CALLER:-$PWD}
 cd "$(dirname "$(readlink -f "$0")")/.."
 bin=$PWD/build/release/bin
 config=procman/sim.pmd
@@ -50,9 +51,9 @@ while [[ $# -gt 0 ]]; do
     --explore) shift ;;
     --help | -h) [[ $what == demo ]] && usage || usage_explore; exit 0 ;;
     --version) print_version; exit 0 ;;
-    --world) need_value "$1" $#; world=$2; shift 2 ;;
-    --duration) need_value "$1" $#; need_number "$1" "$2"; duration=$2; shift 2 ;;
-    --out) need_value "$1" $#; out=$2; shift 2 ;;
+    --world) need_value "$@"; world=$(from_caller "$2"); shift 2 ;;
+    --duration) need_value "$@"; need_number "$1" "$2"; duration=$2; shift 2 ;;
+    --out) need_value "$@"; out=$(from_caller "$2"); shift 2 ;;
     *) usage_error "unknown option $1" ;;
   esac
 done

@@ -21,6 +21,7 @@ expect 0 "$(sed -n 's/^project(nodmap VERSION \([^ ]*\).*/\1/p' CMakeLists.txt)"
 expect 2 "--duration: 'abc' is not a number above 0" --duration abc
 expect 2 "--duration: '0' is not a number above 0" --duration 0
 expect 2 "--duration needs a value" --duration
+expect 2 "--world needs a value" --world ""
 expect 2 "unknown option --wrold" --wrold x
 expect 2 "no.yaml: cannot open: No such file or directory" --world no.yaml
 expect 2 "$work exists" --out "$work"
@@ -52,6 +53,18 @@ done
 printf '\xed\xa1\xda\x01' >"$work/recording"
 scripts/demo.sh --check-arguments "$work/recording" --out "$work/new"
 [[ ! -e "$work/new" ]] || fail "a check has made a folder"
+
+# Paths are those of the shell that calls, whatever its folder.
+nodmap=$PWD/nodmap
+(
+  cd "$work"
+  for arguments in "recording --out table.csv" "--world recording --out table.csv"; do
+    code=0
+    # shellcheck disable=SC2086  # a command line
+    timeout 10 "$nodmap" demo $arguments >out 2>&1 || code=$?
+    [[ $code -eq 2 ]] && grep -qF "$work/table.csv exists" out || { cat out; fail "demo $arguments in another folder: $code"; }
+  done
+)
 
 said=$(source scripts/demo_common.sh && say hello) || fail "nothing is said"
 [[ "$said" == *hello* && "$said" != *$'\033'* ]] || fail "colours in a file, or no text: '$said'"
