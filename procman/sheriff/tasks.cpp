@@ -191,7 +191,8 @@ int change(Sheriff& sheriff, Verb verb, const std::string& name) {
 }
 
 int follow_output(Sheriff& sheriff, const std::string& command) {
-  if (sheriff.config().find_command(command) == nullptr) {
+  const Command* known = sheriff.config().find_command(command);
+  if (known == nullptr) {
     std::cerr << "nodmap-sheriff: there is no command \"" << command << "\""
               << params::did_you_mean(command, command_names(sheriff.config())) << "\n";
     return exit_code::kWrong;
@@ -201,6 +202,7 @@ int follow_output(Sheriff& sheriff, const std::string& command) {
       std::cout << text << std::flush;
     }
   });
+  (void)missing_deputies(sheriff, {known->deputy});  // says so; one that starts later is followed
   while (!node::stop_requested() && std::cout) {
     sheriff.work(kWait);
   }

@@ -143,6 +143,14 @@ TEST_F(SheriffProcess, PrintsTheOutputOfACommandAsItComes) {
 }
 
 // The commands keep running, and the next sheriff finds them as they are.
+TEST_F(SheriffProcess, SaysWhyThereIsNoOutput) {
+  ChildProcess follower(
+      {NODMAP_BIN "/nodmap-sheriff", file_, "--lcm-url", kProcmanUrl, "--output", "far"});
+  EXPECT_TRUE(follower.wait_for_stderr("the deputy absent does not answer", kPatience));
+  follower.send_signal(SIGINT);
+  EXPECT_EQ(follower.wait_for_end(kPatience), 0) << "it waits for the deputy";
+}
+
 TEST_F(SheriffProcess, KillingItStopsNoCommand) {
   begin_both();
   const int pid = client_.status("sleeper").pid;
