@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -97,6 +98,7 @@ class Parser {
   void parse_command(const std::string& group);
   void parse_attribute(Command& command);
   void parse_rule(Command& command);
+  void need_new(const std::string& name, Place place);
   void parse_script();
   Action parse_action();
   Action parse_wait_for_health();
@@ -109,6 +111,7 @@ class Parser {
 
   TokenReader reader_;
   Config config_;
+  std::set<std::string> given_;  ///< attributes and rules of the present command so far
 };
 
 Wanted Parser::expect_status() {
@@ -178,6 +181,7 @@ void Parser::parse_command(const std::string& group) {
                                          std::to_string(other->place.line) + " already");
   }
   reader_.expect(TokenKind::kOpen, "'{'");
+  given_.clear();
   while (!reader_.closes()) {
     reader_.token().is_extension ? parse_rule(command) : parse_attribute(command);
   }
@@ -193,9 +197,17 @@ void Parser::parse_command(const std::string& group) {
   config_.commands.push_back(std::move(command));
 }
 
+/// Throws if the command has this attribute or rule already: one of the two would be a mistake.
+void Parser::need_new(const std::string& name, Place place) {
+  if (!given_.insert(name == "host" ? "deputy" : name).second) {
+    throw SyntaxError(place, name + " is already set in this command");
+  }
+}
+
 void Parser::parse_attribute(Command& command) {
   const Place place = reader_.token().place;
   const std::string name = reader_.expect(TokenKind::kIdentifier, "an attribute or '}'");
+  need_new(name, place);
   Place value_place;
   const auto value = [&] {
     reader_.expect(TokenKind::kAssign, "'='");
@@ -229,6 +241,7 @@ void Parser::parse_rule(Command& command) {
   reader_.expect_extension(true);
   const Place place = reader_.token().place;
   const std::string name = reader_.expect(TokenKind::kIdentifier, "a rule");
+  need_new(name, place);
   reader_.expect(TokenKind::kAssign, "'='");
   if (name == "status_name") {
     command.health.status_name = reader_.expect(TokenKind::kString, "a text in quotes");

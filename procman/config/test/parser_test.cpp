@@ -77,6 +77,17 @@ TEST(Parser, OnlyTrueAndFalseSayWhetherToRespawn) {
   }
 }
 
+TEST(Parser, AnAttributeOrRuleIsSetOnce) {
+  EXPECT_EQ(error_of("cmd \"a\" { exec = \"x\"; exec = \"y\"; }"),
+            "f:1:23: exec is already set in this command");
+  EXPECT_THAT(error_of("cmd \"a\" { host = \"x\"; exec = \"y\"; deputy = \"x\"; }"),
+              HasSubstr("deputy is already set"))
+      << "another word for host";
+  EXPECT_THAT(error_of("cmd \"a\" { exec = \"x\";\n#nodmap: nice = 5; nice = 10;\n}"),
+              HasSubstr("f:2:20: nice is already set"));
+  EXPECT_EQ(parsed("cmd \"a\" { exec = \"x\"; } cmd \"b\" { exec = \"y\"; }").commands.size(), 2U);
+}
+
 TEST(Parser, NumbersCommandsWithoutAName) {
   const Config config = parsed("cmd { exec = \"x\"; } cmd { exec = \"y\"; }");
   EXPECT_EQ(config.commands[0].id, "unnamed-1");
