@@ -45,8 +45,9 @@ class FreeCells {
     extend(bounds, world.T_world_start.translation());
     origin_ = bounds.min.head<2>().array() - kBorderM;
     const Eigen::Vector2d size = (bounds.max.head<2>().array() + kBorderM).matrix() - origin_;
-    size_ = (size / cell_m).array().ceil().cast<int>() + 1;
-    if (size_.cast<double>().prod() <= kMaxCells) {
+    const Eigen::Vector2d cells = (size / cell_m).array().ceil() + 1.0;
+    if (cells.prod() <= kMaxCells) {  // before the conversion: a far goal is too many for an int
+      size_ = cells.cast<int>();
       cells_.assign(static_cast<std::size_t>(size_.prod()), Known::kNot);
     }
   }
@@ -101,7 +102,7 @@ class FreeCells {
   double radius_m_;
   double cell_m_;
   Eigen::Vector2d origin_;
-  Eigen::Vector2i size_;
+  Eigen::Vector2i size_ = Eigen::Vector2i::Zero();
   std::vector<Known> cells_;
 };
 

@@ -163,6 +163,14 @@ TEST(ShortestPath, OverSeveralGoalsItIsTheSumAndBehindAWallThereIsNone) {
   EXPECT_FALSE(shortest_path_m({}, {}));
 }
 
+TEST(ShortestPath, IsNotSearchedForWhereTheGridWouldBeTooLarge) {
+  World world;
+  for (const double far_m : {1e5, 1e9, 1e300}) {
+    world.goals = {{far_m, far_m}};
+    EXPECT_FALSE(shortest_path_m(world, {})) << far_m;
+  }
+}
+
 TEST(Builder, AMirroredWorldMirrorsAllItsParts) {
   Builder builder("mirrored", 1);
   builder.start(1.0, 2.0, 0.3);

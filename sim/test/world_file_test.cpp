@@ -143,6 +143,7 @@ TEST_F(WorldFile, ErrorsNameTheLine) {
             "3: 'center': expected a number");
   EXPECT_EQ(error_of(object("box: {center: [0, 0, .nan], size: [1, 1, 1]}")),
             "3: 'center': the number is not finite");
+  EXPECT_EQ(error_of("name: x\ngoal: [1e9, 0]\n" + kTail), "2: 'goal': the number is beyond 1e5");
   EXPECT_EQ(error_of(object("box: {center: [0, 0, 0], size: [1, -1, 1]}")),
             "3: 'size': must be greater than 0");
   EXPECT_EQ(error_of(object(box + ", reflectivity: -0.1}")),

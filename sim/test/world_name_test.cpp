@@ -4,6 +4,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
+
+#include "tests/support/data_dir.hpp"
+
 namespace nodmap::sim {
 namespace world_name_test {
 
@@ -21,6 +25,13 @@ std::string error_of(const std::string& name) {
 TEST(WorldName, ARandomWorldNeedsASeed) {
   EXPECT_FALSE(make_world("random:3").objects.empty());
   EXPECT_THAT(error_of("random:x"), HasSubstr("random:SEED"));
+}
+
+TEST(WorldName, NobodyWalksBeyondWhatAWorldMayContain) {
+  const test::TemporaryDir dir;
+  const std::string file = dir.path() / "crowd.txt";
+  std::ofstream(file) << "1 1 0 0\n2 1 1e8 5\n";
+  EXPECT_THAT(error_of("pedestrians:" + file + ":15:1"), HasSubstr("crowd.txt:2: expected frame"));
 }
 
 TEST(WorldName, NamesAWorldByKindAndSeed) {

@@ -10,6 +10,7 @@
 
 #include "common/formats/text_lines.hpp"
 #include "common/geometry/angle.hpp"
+#include "sim/world/world_file.hpp"
 
 namespace nodmap::sim {
 namespace {
@@ -51,8 +52,8 @@ class Lines {
   }
   double read_number(const char* what) {
     const auto value = read<double>(what);
-    if (!std::isfinite(value)) {
-      fail(std::string(what) + " is not finite");
+    if (!(std::abs(value) <= kMaxWorldNumber)) {
+      fail(std::string(what) + " is not a number up to 1e5");
     }
     return value;
   }

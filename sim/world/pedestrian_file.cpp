@@ -12,6 +12,7 @@
 #include "common/formats/text_lines.hpp"
 #include "common/geometry/angle.hpp"
 #include "sim/world/scenarios/builder.hpp"
+#include "sim/world/world_file.hpp"
 
 namespace nodmap::sim {
 namespace {
@@ -32,8 +33,10 @@ Tracks read_tracks(const std::filesystem::path& file, double frames_per_s) {
     double frame = 0.0;
     int pedestrian = 0;
     Eigen::Vector2d p;
-    if (!(line >> frame >> pedestrian >> p.x() >> p.y()) || !p.allFinite()) {
-      throw std::runtime_error(lines.place() + ": expected frame pedestrian x y");
+    if (!(line >> frame >> pedestrian >> p.x() >> p.y()) ||
+        !(p.array().abs() <= kMaxWorldNumber).all()) {
+      throw std::runtime_error(lines.place() +
+                               ": expected frame pedestrian x y, positions up to 1e5 m");
     }
     std::vector<Waypoint>& track = tracks[pedestrian];
     const double time_s = frame / frames_per_s;

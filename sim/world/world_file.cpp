@@ -110,6 +110,9 @@ double Reader::number(const YAML::Node& node, const std::string& key) const {
   if (!std::isfinite(value)) {
     fail(node, "'" + key + "': the number is not finite");
   }
+  if (std::abs(value) > kMaxWorldNumber) {
+    fail(node, "'" + key + "': the number is beyond 1e5");
+  }
   return value;
 }
 
