@@ -82,6 +82,12 @@ TEST(Numbers, MustBeFinite) {
   }
 }
 
+TEST(Trial, NamesTheRobotsItKnows) {
+  EXPECT_THAT(run_program("nodmap-trial", {"--help"}).out, HasSubstr("{kurt3d,jackal}"));
+  EXPECT_THAT(run_program("nodmap-trial", {"--robot", "jakcal"}).err,
+              StartsWith("nodmap-trial: --robot: jakcal not in {kurt3d,jackal}"));
+}
+
 // They would all be the same seed.
 TEST(Seeds, MustNotWrapAround) {
   for (const char* seed : {"-1", "18446744073709551616", "99999999999999999999"}) {

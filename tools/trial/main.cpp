@@ -5,7 +5,6 @@
 #include <cmath>
 #include <ctime>
 #include <iostream>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -33,7 +32,7 @@ struct Arguments {
   std::string out;
   std::uint64_t seed = 0;
   std::optional<double> duration_s;
-  Robot robot = Robot::kKurt3d;
+  std::string robot = "kurt3d";
   std::string pitch;
   std::vector<std::string> assignments;
   std::vector<std::string> faults;
@@ -74,8 +73,7 @@ void add_options(CLI::App& app, Arguments& arguments) {
       ->check(CLI::Range(0.1, 86400.0));
   app.add_option("--out", arguments.out, "Folder for the results; created, never overwritten");
   app.add_option("--robot", arguments.robot, "kurt3d, or jackal: the robot of the BARN challenge")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, Robot>{{"kurt3d", Robot::kKurt3d}, {"jackal", Robot::kJackal}}));
+      ->check(CLI::IsMember({"kurt3d", "jackal"}));
   app.add_option("--pitch", arguments.pitch, "Same as --set pitch_controller.mode=...")
       ->check(CLI::IsMember({"fixed", "nodding"}));
   app.add_option("--set", arguments.assignments, "A parameter: process.key=value; repeatable")
@@ -107,7 +105,7 @@ void add_options(CLI::App& app, Arguments& arguments) {
 
 TrialSetup make_setup(const Arguments& arguments) {
   TrialSetup setup;
-  setup.robot = arguments.robot;
+  setup.robot = arguments.robot == "jackal" ? Robot::kJackal : Robot::kKurt3d;
   set_robot(setup.robot, setup.params);
   for (const std::string& assignment : arguments.assignments) {
     setup.params.set_assignment(assignment);
