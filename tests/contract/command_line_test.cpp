@@ -122,6 +122,24 @@ TEST(Texts, MustNotBeEmpty) {
   }
 }
 
+TEST(Trial, RefusesOptionsThatContradictEachOther) {
+  const std::vector<std::vector<std::string>> arguments = {
+      {"--explore", "--without", "explorer"},
+      {"--explore", "--without", "slam2d"},
+      {"--pitch", "fixed", "--set", "pitch_controller.mode=nodding"},
+      {"--robot", "jackal", "--pitch", "nodding"},
+      {"--robot", "jackal", "--fault", "servo:stall@1+1"},
+  };
+  for (const std::vector<std::string>& contradiction : arguments) {
+    std::vector<std::string> command{"--world", "none.yaml", "--out", "x"};
+    command.insert(command.end(), contradiction.begin(), contradiction.end());
+    const auto result = run_program("nodmap-trial", command);
+    EXPECT_EQ(result.exit_code, 2) << contradiction.back();
+    EXPECT_THAT(result.err, StartsWith("nodmap-trial: " + contradiction.front()))
+        << "not that the world is missing";
+  }
+}
+
 TEST(Options, ThatWouldHaveNoEffectAreRefused) {
   const std::vector<std::vector<std::string>> commands = {
       {"nodmap-goal", "3", "1", "--heading-tolerance", "2"},

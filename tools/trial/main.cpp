@@ -103,6 +103,31 @@ void add_options(CLI::App& app, Arguments& arguments) {
   app.add_flag("--dump-params", arguments.dump_params, "Print the effective parameters and exit");
 }
 
+/// Throws if options contradict each other: the trial would not be the one that was asked for.
+void check_options(const Arguments& arguments, const TrialSetup& setup) {
+  for (const char* process : {"explorer", "navigator", "slam2d"}) {
+    if (setup.explores && setup.without.contains(process)) {
+      throw node::UsageError(std::string("--explore: needs the process ") + process);
+    }
+  }
+  if (!arguments.pitch.empty() &&
+      std::ranges::any_of(arguments.assignments, [](const std::string& assignment) {
+        return assignment.starts_with("pitch_controller.mode=");
+      })) {
+    throw node::UsageError("--pitch: --set pitch_controller.mode is given, too");
+  }
+  if (setup.robot != Robot::kJackal) {
+    return;
+  }
+  if (setup.params.pitch_controller.mode == pitch_controller::Mode::kNodding) {
+    throw node::UsageError("--robot jackal: its laser is level and cannot nod");
+  }
+  if (std::ranges::any_of(setup.faults,
+                          [](const sim::Fault& fault) { return fault.part != sim::Part::kBase; })) {
+    throw node::UsageError("--robot jackal: only its base can have faults");
+  }
+}
+
 TrialSetup make_setup(const Arguments& arguments) {
   TrialSetup setup;
   setup.robot = arguments.robot == "jackal" ? Robot::kJackal : Robot::kKurt3d;
@@ -125,6 +150,7 @@ TrialSetup make_setup(const Arguments& arguments) {
   }
   setup.explores = arguments.explore;
   check_kills(setup);
+  check_options(arguments, setup);
   setup.level_laser = arguments.level_laser;
   setup.seed = arguments.seed;
   return setup;
