@@ -95,4 +95,10 @@ std::error_code replace_file(const std::filesystem::path& file, std::string_view
   return replace_file_by(file, unfinished);
 }
 
+void write_file(const std::filesystem::path& file, std::string_view bytes) {
+  if (const std::error_code error = replace_file(file, bytes)) {
+    throw std::system_error(error, file.string() + ": cannot write");
+  }
+}
+
 }  // namespace nodmap::formats

@@ -13,6 +13,9 @@ namespace nodmap::formats {
 [[nodiscard]] std::error_code replace_file(const std::filesystem::path& file,
                                            std::string_view bytes);
 
+/// The same, but throws std::system_error naming the file.
+void write_file(const std::filesystem::path& file, std::string_view bytes);
+
 /// The same in two steps, for a file too large for memory. The caller writes the file under its
 /// unfinished name, in the same folder, and syncs it to the disk. Then replace_file_by() replaces
 /// the old file with it.

@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "common/formats/atomic_file.hpp"
 #include "common/formats/input_file.hpp"
 
 namespace nodmap::formats {
@@ -296,7 +297,7 @@ auto read_file(const std::filesystem::path& file, Read&& read) {
 }  // namespace
 
 void write_ply(const std::filesystem::path& file, const std::vector<ColouredPoint>& points) {
-  std::ofstream out(file, std::ios::binary);
+  std::ostringstream out;
   out << "ply\nformat binary_little_endian 1.0\nelement vertex " << points.size()
       << "\nproperty float x\nproperty float y\nproperty float z\n"
          "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n";
@@ -306,10 +307,7 @@ void write_ply(const std::filesystem::path& file, const std::vector<ColouredPoin
     std::memcpy(bytes + 12, point.rgb.data(), 3);
     out.write(bytes, sizeof bytes);
   }
-  out.flush();
-  if (!out) {
-    throw std::runtime_error(file.string() + ": cannot write");
-  }
+  write_file(file, out.view());
 }
 
 std::vector<Eigen::Vector3f> read_ply(const std::filesystem::path& file) {

@@ -21,7 +21,8 @@ struct TriangleMesh {
   std::vector<Eigen::Vector3i> triangles;
 };
 
-/// Writes a binary little-endian PLY with x, y, z, red, green, blue. Throws std::runtime_error.
+/// Writes a binary little-endian PLY with x, y, z, red, green, blue. Replaces the
+/// file only when all of it is on the disk. Throws std::runtime_error naming it.
 void write_ply(const std::filesystem::path& file, const std::vector<ColouredPoint>& points);
 
 /// Reads the vertices of a PLY, binary little-endian or ASCII, with any properties beside x, y, z.

@@ -5,18 +5,18 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
 #include <sstream>
 #include <stdexcept>
 #include <string>
 
+#include "common/formats/atomic_file.hpp"
 #include "common/formats/stamp.hpp"
 #include "common/formats/text_lines.hpp"
 
 namespace nodmap::formats {
 
 void write_tum(const std::filesystem::path& file, const Trajectory& trajectory) {
-  std::ofstream out(file);
+  std::string text;
   for (const StampedPose& stamped : trajectory) {
     const Eigen::Vector3d& p = stamped.pose.translation();
     Eigen::Quaterniond q(stamped.pose.linear());
@@ -30,12 +30,9 @@ void write_tum(const std::filesystem::path& file, const Trajectory& trajectory) 
         line, sizeof line, "%s%" PRId64 ".%06d %.9f %.9f %.9f %.9f %.9f %.9f %.9f\n",
         utime < 0 ? "-" : "", magnitude / 1'000'000, static_cast<int>(magnitude % 1'000'000), p.x(),
         p.y(), p.z(), q.x(), q.y(), q.z(), q.w());
-    out.write(line, length);
+    text.append(line, static_cast<std::size_t>(length));
   }
-  out.flush();
-  if (!out) {
-    throw std::runtime_error(file.string() + ": cannot write");
-  }
+  write_file(file, text);
 }
 
 Trajectory read_tum(const std::filesystem::path& file) {

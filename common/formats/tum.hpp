@@ -17,8 +17,8 @@ struct StampedPose {
 
 using Trajectory = std::vector<StampedPose>;
 
-/// Writes `timestamp x y z qx qy qz qw` lines: seconds with six decimals, metres. Throws
-/// std::runtime_error naming the file.
+/// Writes `timestamp x y z qx qy qz qw` lines: seconds with six decimals, metres. Replaces
+/// the file only when all of them are on the disk. Throws std::runtime_error naming it.
 void write_tum(const std::filesystem::path& file, const Trajectory& trajectory);
 
 /// Reads such lines; `#` comments and empty lines are skipped, stamps kept to the microsecond.

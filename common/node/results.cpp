@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
-#include <system_error>
 
 #include "common/formats/atomic_file.hpp"
 
@@ -51,9 +50,7 @@ void write_result_json(const std::filesystem::path& dir, const nlohmann::json& r
   const std::filesystem::path file = dir / "result.json";
   // Names of files and processes may be any bytes, but JSON is UTF-8.
   const std::string text = result.dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
-  if (const auto error = formats::replace_file(file, text + "\n")) {
-    throw std::system_error(error, file.string() + ": cannot write");
-  }
+  formats::write_file(file, text + "\n");
 }
 
 }  // namespace nodmap::node

@@ -7,6 +7,7 @@
 #include "common/formats/tum.hpp"
 #include "common/node/log.hpp"
 #include "common/node/messages.hpp"
+#include "common/node/results.hpp"
 #include "modules/slam2d/map_file.hpp"
 #include "modules/slam2d/messages.hpp"
 #include "modules/slam2d/node.hpp"
@@ -78,8 +79,8 @@ void LocaliserNode::write_results(const std::filesystem::path& dir) {
   if (trajectory.empty()) {
     log::get().warn("the robot was not found in the saved map");
   }
-  formats::write_tum(dir / "trajectory.tum", trajectory);
-  formats::write_tum(dir / "online.tum", trajectory);
+  node::write_each({[&] { formats::write_tum(dir / "trajectory.tum", trajectory); },
+                    [&] { formats::write_tum(dir / "online.tum", trajectory); }});
 }
 
 nlohmann::json LocaliserNode::metrics() const {

@@ -230,7 +230,7 @@ void Slam2dNode::write_results(const std::filesystem::path& dir) {
   }
   const auto save = [&] {
     if (const auto error = save_map(dir)) {
-      throw std::system_error(error, dir.string());
+      throw std::system_error(error, dir.string() + ": cannot save the map");
     }
   };
   node::write_each({save,  // first what cannot be had again

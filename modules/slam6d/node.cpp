@@ -281,7 +281,7 @@ void Slam6dNode::write_results(const std::filesystem::path& dir) {
   }
   const auto save = [&] {
     if (const auto error = save_map(dir, occupancy_.map(), slam_.save())) {
-      throw std::system_error(error, dir.string());
+      throw std::system_error(error, dir.string() + ": cannot save the map");
     }
     ++maps_saved_;
   };

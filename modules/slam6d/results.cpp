@@ -13,6 +13,7 @@
 #include "common/formats/ply.hpp"
 #include "common/formats/tum.hpp"
 #include "common/geometry/angle.hpp"
+#include "common/node/results.hpp"
 #include "modules/slam6d/registered_cloud.hpp"
 
 namespace nodmap::slam6d {
@@ -110,8 +111,8 @@ void write_trajectories(const Slam6d& slam, const std::filesystem::path& dir) {
     trajectory.push_back({sweep.stamp, corrected[i]});
     online.push_back({sweep.stamp, sweep.T_map_base_online});
   }
-  formats::write_tum(dir / "trajectory.tum", trajectory);
-  formats::write_tum(dir / "online.tum", online);
+  node::write_each({[&] { formats::write_tum(dir / "trajectory.tum", trajectory); },
+                    [&] { formats::write_tum(dir / "online.tum", online); }});
 }
 
 DrivenPath driven_path(const Slam6d& slam) {

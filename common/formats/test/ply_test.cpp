@@ -6,7 +6,9 @@
 #include <fstream>
 #include <limits>
 #include <string>
+#include <system_error>
 
+#include "common/formats/atomic_file.hpp"
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::formats {
@@ -45,6 +47,15 @@ TEST(Ply, EmptyCutOffAndForeignFiles) {
   EXPECT_THROW((void)read_ply(dir.path() / "endless.ply"), std::runtime_error);
   std::ofstream(dir.path() / "text.ply") << "hello\n";
   EXPECT_THROW((void)read_ply(dir.path() / "text.ply"), std::runtime_error);
+}
+
+TEST(Ply, WhatCannotBeWrittenDoesNotReplaceTheFile) {
+  const test::TemporaryDir dir;
+  const std::filesystem::path file = dir.path() / "a.ply";
+  write_ply(file, {});
+  std::filesystem::create_directory(unfinished_name(file));
+  EXPECT_THROW(write_ply(file, {{}}), std::system_error);
+  EXPECT_TRUE(read_ply(file).empty());
 }
 
 TEST(Ply, RefusesAHeaderWithoutEnd) {

@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <system_error>
 
+#include "common/formats/atomic_file.hpp"
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::formats {
@@ -24,6 +26,17 @@ TEST(Tum, StampsSurviveToTheMicrosecond) {
     EXPECT_EQ(back[i].stamp, trajectory[i].stamp);
     EXPECT_TRUE(back[i].pose.isApprox(trajectory[i].pose, 1e-8));  // nine decimals are written
   }
+}
+
+// As on a full disk: half a trajectory must not pass for a result.
+TEST(Tum, WhatCannotBeWrittenDoesNotReplaceTheFile) {
+  const test::TemporaryDir dir;
+  const std::filesystem::path file = dir.path() / "a.tum";
+  write_tum(file, {{time::from_utime(1), geometry::SE3::Identity()}});
+  std::filesystem::create_directory(unfinished_name(file));
+  EXPECT_THROW(write_tum(file, {{time::from_utime(2), geometry::SE3::Identity()}}),
+               std::system_error);
+  EXPECT_EQ(read_tum(file).at(0).stamp, time::from_utime(1));
 }
 
 TEST(Tum, SkipsCommentsAndNamesTheLineOfAnError) {
