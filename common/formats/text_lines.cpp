@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/formats/text_lines.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "common/formats/input_file.hpp"
@@ -34,6 +35,18 @@ bool TextLines::next() {
 
 std::string TextLines::place() const {
   return file_.string() + ":" + std::to_string(number_);
+}
+
+std::string printable(std::string_view text) {
+  std::string shown(text);
+  std::ranges::replace_if(
+      shown, [](char c) { return c < ' ' || c > '~'; }, '?');
+  return shown;
+}
+
+std::string quoted(std::string_view text) {
+  constexpr std::size_t kMaxQuoted = 80;
+  return "'" + printable(text.substr(0, kMaxQuoted)) + (text.size() > kMaxQuoted ? "...'" : "'");
 }
 
 }  // namespace nodmap::formats

@@ -33,4 +33,10 @@ class TextLines {
   std::int64_t number_ = 0;
 };
 
+/// A text from a file for messages on the terminal: '?' for what is not printable ASCII.
+[[nodiscard]] std::string printable(std::string_view text);
+
+/// The same in quotation marks, and at most 80 characters of it.
+[[nodiscard]] std::string quoted(std::string_view text);
+
 }  // namespace nodmap::formats

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "common/formats/input_file.hpp"
+#include "common/formats/text_lines.hpp"
 
 namespace nodmap::formats {
 namespace {
@@ -36,7 +37,8 @@ class DocumentStart final : public YAML::EventHandler {
 
 InputFileError error_at(const std::filesystem::path& file, const YAML::Mark& mark,
                         const std::string& reason) {
-  return InputFileError(file.string() + ":" + std::to_string(mark.line + 1) + ": " + reason);
+  return InputFileError(file.string() + ":" + std::to_string(mark.line + 1) + ": " +
+                        printable(reason));
 }
 
 /// Asks the parser for two documents and no more: before a comma that belongs to nothing,

@@ -254,6 +254,9 @@ std::error_code write_ros_map(const std::filesystem::path& dir, const OccupancyG
 }
 
 TrinaryGrid read_ros_map(const std::filesystem::path& path) {
+  if (path.extension() == ".pgm") {
+    refuse(path, "is only the image of a map; its map.yaml is needed");
+  }
   const MapHeader header =
       read_header(std::filesystem::is_directory(path) ? path / "map.yaml" : path);
   const GreyImage image = read_pgm(header.image);

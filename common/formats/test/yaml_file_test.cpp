@@ -52,6 +52,10 @@ TEST_F(YamlFile, WhatIsNotYamlIsRefusedWithItsLine) {
   EXPECT_THAT(error_of("a: 1\nb: [1, 2\nc: 3\n"), HasSubstr("f.yaml:3"));
 }
 
+TEST_F(YamlFile, AnErrorDoesNotPrintBytesOfTheFile) {
+  EXPECT_THAT(error_of("a: \"\\\x1b\"\n"), HasSubstr("unknown escape character: ?"));
+}
+
 // yaml-cpp finds a document without content before a comma, and remains before it: LoadAll() did so
 // until the memory was used up.
 TEST_F(YamlFile, ACommaThatBelongsToNothingIsRefused) {
