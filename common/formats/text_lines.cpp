@@ -44,9 +44,12 @@ std::string printable(std::string_view text) {
   return shown;
 }
 
-std::string quoted(std::string_view text) {
+std::string quote(std::string_view text) {
   constexpr std::size_t kMaxQuoted = 80;
-  return "'" + printable(text.substr(0, kMaxQuoted)) + (text.size() > kMaxQuoted ? "...'" : "'");
+  std::string quoted = "'";
+  quoted += printable(text.substr(0, kMaxQuoted));
+  quoted += text.size() > kMaxQuoted ? "...'" : "'";
+  return quoted;
 }
 
 }  // namespace nodmap::formats

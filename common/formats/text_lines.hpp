@@ -37,6 +37,6 @@ class TextLines {
 [[nodiscard]] std::string printable(std::string_view text);
 
 /// The same in quotation marks, and at most 80 characters of it.
-[[nodiscard]] std::string quoted(std::string_view text);
+[[nodiscard]] std::string quote(std::string_view text);
 
 }  // namespace nodmap::formats

@@ -52,7 +52,7 @@ Trajectory read_tum(const std::filesystem::path& file) {
     const auto stamp = parse_stamp(stamp_text);
     if (!fields || !stamp || std::abs(q.norm() - 1.0) > 0.01) {
       throw std::runtime_error(lines.place() + ": expected 'timestamp x y z qx qy qz qw', found " +
-                               quoted(line));
+                               quote(line));
     }
     trajectory.push_back({*stamp, geometry::make_se3(p, q.normalized())});
   }

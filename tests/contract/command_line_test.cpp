@@ -3,9 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <string>
 #include <vector>
 
+#include "tests/support/data_dir.hpp"
 #include "tests/support/program.hpp"
 
 namespace nodmap {
@@ -79,6 +81,29 @@ TEST(Numbers, MustBeFinite) {
     const auto result = run_program(command.front(), {command.begin() + 1, command.end()});
     EXPECT_EQ(result.exit_code, 2) << command.front();
     EXPECT_THAT(result.err, HasSubstr("is not a finite number")) << command.front();
+  }
+}
+
+TEST(Convert, SaysWhichFileContainsNothingAndWhatItContainsInstead) {
+  const test::TemporaryDir dir;
+  const std::string in = dir.path() / "nodding.clf";
+  std::ofstream(in) << "NOD 1\nNOD 2\nSLICE 1\n\n";
+  EXPECT_THAT(
+      run_program("nodmap-convert", {"carmen", in, dir.path() / "out.lcmlog"}).err,
+      HasSubstr(in + ": contains nothing that can be used: no line of a scanner or of ODOM; "
+                     "its lines begin with 'NOD', 'SLICE'"));
+  EXPECT_THAT(run_program("nodmap-convert", {"uos", dir.path(), dir.path() / "out.lcmlog"}).err,
+              HasSubstr(dir.path().string() + ": contains nothing that can be used"));
+}
+
+TEST(Convert, SaysAtOnceWhyItCannotWrite) {
+  const test::TemporaryDir dir;
+  std::ofstream(dir.path() / "in.lcmlog") << "Not even looked at.\n";
+  for (const char* name : {"x.csv", "x.clf", "x.tum", "x.ply"}) {
+    const std::string out = dir.path() / "none" / name;
+    const auto result = run_program("nodmap-convert", {"export", dir.path() / "in.lcmlog", out});
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_THAT(result.err, HasSubstr(out + ": cannot write: No such file or directory"));
   }
 }
 

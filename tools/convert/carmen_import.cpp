@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/convert/carmen_import.hpp"
 
+#include <algorithm>
 #include <map>
 #include <string>
 #include <utility>
+#include <vector>
 
+#include "common/formats/text_lines.hpp"
 #include "common/geometry/se3.hpp"
 #include "common/node/log.hpp"
 #include "common/node/messages.hpp"
@@ -59,6 +62,21 @@ class CarmenImport {
     }
   }
 
+  /// Names the most frequent lines of other kinds, for a file that is of another kind itself.
+  [[nodiscard]] std::string describe_other_lines() const {
+    std::vector<std::pair<int, std::string>> kinds;
+    for (const auto& [name, count] : not_converted_) {
+      kinds.emplace_back(-count, name);
+    }
+    std::ranges::sort(kinds);
+    kinds.resize(std::min<std::size_t>(kinds.size(), 3));
+    std::string text;
+    for (const auto& [count, name] : kinds) {
+      text += (text.empty() ? "; its lines begin with " : ", ") + formats::quote(name);
+    }
+    return text;
+  }
+
   /// Messages of other kinds, by name.
   [[nodiscard]] const std::map<std::string, int>& not_converted() const { return not_converted_; }
 
@@ -105,7 +123,7 @@ void import_carmen(const std::filesystem::path& in, const std::filesystem::path&
   while (lines.next()) {
     std::visit(import, parse_carmen_line(lines.line()));
   }
-  recording.commit();
+  recording.commit(in, "no line of a scanner or of ODOM" + import.describe_other_lines());
 
   log::get().info("{} scans, {} odometry messages, {} lines skipped", recording.num_scans(),
                   recording.num_odometry(), lines.num_skipped());

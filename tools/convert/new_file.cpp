@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/convert/new_file.hpp"
 
+#include <fcntl.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <stdexcept>
 #include <string>
 #include <system_error>
 #include <utility>
+
+#include "common/formats/file_descriptor.hpp"
 
 namespace nodmap::convert {
 
@@ -15,11 +19,22 @@ NewFile::NewFile(std::filesystem::path path) : path_(std::move(path)), partial_p
   partial_path_ += ".";
   partial_path_ += std::to_string(::getpid());
   partial_path_ += ".part";
+  try_to_create();
 }
 
 NewFile::~NewFile() {
   std::error_code ignored;  // after commit() there is no file to remove
   std::filesystem::remove(partial_path_, ignored);
+}
+
+/// Fails at once for a folder that is missing, rather than after the whole input has been read.
+void NewFile::try_to_create() const {
+  const formats::FileDescriptor file(
+      ::open(partial_path_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0644));
+  if (!file.is_open()) {
+    throw std::system_error(errno, std::system_category(), path_.string() + ": cannot write");
+  }
+  std::filesystem::remove(partial_path_);
 }
 
 void NewFile::commit() {

@@ -10,7 +10,8 @@ namespace nodmap::convert {
 /// the same folder, renamed by commit(), and otherwise removed.
 class NewFile : private boost::noncopyable {
  public:
-  /// Throws std::runtime_error if `path` exists, because results are never overwritten.
+  /// Throws std::runtime_error if `path` exists, because results are never overwritten, or cannot
+  /// be created.
   explicit NewFile(std::filesystem::path path);
   ~NewFile();
 
@@ -21,6 +22,7 @@ class NewFile : private boost::noncopyable {
 
  private:
   void refuse_to_overwrite() const;
+  void try_to_create() const;
 
   std::filesystem::path path_;
   std::filesystem::path partial_path_;

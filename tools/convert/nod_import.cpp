@@ -43,7 +43,7 @@ void import_nod(const std::filesystem::path& in, const std::filesystem::path& ou
     NodLine line = parse_nod_line(lines.line());
     std::visit(import, line);
   }
-  recording.commit();
+  recording.commit(in, "no line NOD or SLICE");
   log::get().info("{} scans, {} lines skipped", recording.num_scans(), lines.num_skipped());
 }
 

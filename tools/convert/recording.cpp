@@ -18,9 +18,9 @@ void Recording::add_odometry(nodmap::odometry_t message) {
   add("ODOMETRY", message);
 }
 
-void Recording::commit() {
+void Recording::commit(const std::filesystem::path& in, const std::string& hint) {
   if (writer_.num_events() == 0) {
-    throw std::runtime_error("nothing in the input can be used; no log was written");
+    throw std::runtime_error(in.string() + ": contains nothing that can be used: " + hint);
   }
   if (!writer_.flush()) {
     throw std::runtime_error(file_.partial_path().string() + ": cannot write; is the disk full?");

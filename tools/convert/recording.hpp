@@ -29,8 +29,8 @@ class Recording {
   void add_odometry(nodmap::odometry_t message);
 
   /// Completes the file and gives it its name. If it is empty, throws std::runtime_error and leaves
-  /// no file.
-  void commit();
+  /// no file; the message says so of `in`, and adds `hint`.
+  void commit(const std::filesystem::path& in, const std::string& hint);
 
   [[nodiscard]] std::int64_t num_scans() const { return num_scans_; }
   [[nodiscard]] std::int64_t num_odometry() const { return num_odometry_; }

@@ -168,7 +168,7 @@ void import_uos(const std::filesystem::path& dir, const std::filesystem::path& o
     }
     ++num_used;
   }
-  recording.commit();
+  recording.commit(dir, "no scanNNN.3d with slices");
   log::get().info("{} scans with {} slices in total, {} odometry messages, {} lines skipped",
                   num_used, recording.num_scans(), recording.num_odometry(), num_skipped);
 }

@@ -71,7 +71,7 @@ std::vector<Relation> read_relations(const std::filesystem::path& file) {
     const auto relation = parse_relation(line);
     if (!relation) {
       throw std::runtime_error(lines.place() + ": expected 't1 t2 x y z roll pitch yaw', found " +
-                               formats::quoted(line));
+                               formats::quote(line));
     }
     relations.push_back(*relation);
   }

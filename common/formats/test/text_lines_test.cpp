@@ -56,11 +56,13 @@ TEST_F(TextLinesTest, RefusesAFileWithoutEnd) {
   EXPECT_THROW((void)lines.next(), InputFileError);
 }
 
-TEST(Quoted, IsShortAndPrintable) {
-  EXPECT_EQ(quoted("1.0 x"), "'1.0 x'");
-  EXPECT_EQ(quoted("\033[31m\xff\t"), "'?[31m??'");
-  EXPECT_EQ(quoted(std::string(80, 'x')), "'" + std::string(80, 'x') + "'");
-  EXPECT_EQ(quoted(std::string(81, 'x')), "'" + std::string(80, 'x') + "...'");
+TEST(Quote, IsShortAndPrintable) {
+  EXPECT_EQ(quote("1.0 x"), "'1.0 x'");
+  EXPECT_EQ(quote("\033[31m\xff\t"),
+            "'?[31m?"
+            "?'");
+  EXPECT_EQ(quote(std::string(80, 'x')), "'" + std::string(80, 'x') + "'");
+  EXPECT_EQ(quote(std::string(81, 'x')), "'" + std::string(80, 'x') + "...'");
 }
 
 }  // namespace text_lines_test

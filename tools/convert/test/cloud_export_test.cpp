@@ -45,7 +45,7 @@ class CloudExport : public testing::Test {
       recording.add_odometry(node::write_odometry(stamp, geometry::to_se3({x_m, 0.0, 0.0})));
       recording.add_scan(node::write_scan(scan_at(stamp)));
     }
-    recording.commit();
+    recording.commit("in", "");
   }
 
   [[nodiscard]] std::filesystem::path log() const { return dir_.path() / "a.lcmlog"; }

@@ -23,7 +23,7 @@ TEST(Recording, LogTimeNeverStepsBackAndMessagesKeepTheirs) {
   for (const std::int64_t utime_us : utimes) {
     recording.add_odometry(odometry_at(utime_us));
   }
-  recording.commit();
+  recording.commit("in", "");
   bus::LogReader reader(dir.path() / "a.lcmlog");
   const std::vector<std::int64_t> log_utimes = {100, 300, 300, 400};
   for (std::size_t i = 0; i < utimes.size(); ++i) {
@@ -46,7 +46,7 @@ TEST(Recording, LeavesNothingUnlessCommitted) {
   EXPECT_TRUE(std::filesystem::is_empty(dir.path()));
   {
     Recording empty(dir.path() / "a.lcmlog");
-    EXPECT_THROW(empty.commit(), std::runtime_error);
+    EXPECT_THROW(empty.commit("in", ""), std::runtime_error);
   }
   EXPECT_TRUE(std::filesystem::is_empty(dir.path()));
 }
@@ -58,7 +58,7 @@ TEST(Recording, NeverOverwrites) {
     Recording late(taken);
     late.add_odometry(odometry_at(1));
     std::ofstream(taken) << "mine";  // another process has created it meanwhile
-    EXPECT_THROW(late.commit(), std::runtime_error);
+    EXPECT_THROW(late.commit("in", ""), std::runtime_error);
   }
   EXPECT_THROW(Recording{taken}, std::runtime_error);
   std::string content;
