@@ -12,6 +12,7 @@
 #include "common/bus/live_bus.hpp"
 #include "common/node/clock.hpp"
 #include "common/node/log.hpp"
+#include "common/node/option_checks.hpp"
 #include "common/node/program.hpp"
 #include "common/node/results.hpp"
 #include "common/node/status.hpp"
@@ -44,7 +45,7 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--fault", options.faults,
                  "A fault: PART:KIND@FROM+DURATION[=AMOUNT]; repeatable");
   app.add_option("--duration", options.duration_s, "Seconds to run; without it until a signal")
-      ->check(CLI::NonNegativeNumber);
+      ->check(node::at_least_zero());
   app.add_option("--out", options.out, "Folder for result.json; DIR.2 if it already contains one");
 }
 

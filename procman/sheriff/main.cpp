@@ -8,6 +8,7 @@
 
 #include "common/formats/input_file.hpp"
 #include "common/node/log.hpp"
+#include "common/node/option_checks.hpp"
 #include "common/node/program.hpp"
 #include "common/params/suggestion.hpp"
 #include "procman/config/parser.hpp"
@@ -47,7 +48,7 @@ void add_options(CLI::App& app, Options& options) {
       ->check(CLI::IsMember({"exit", "stay", "observe"}))
       ->needs(script);
   app.add_option("--timeout", options.timeout_s, "Exit with code 1 if the script takes longer (s)")
-      ->check(CLI::PositiveNumber)
+      ->check(node::above_zero())
       ->needs(script);
   auto* what = app.add_option_group("instead");
   what->add_flag("--check", options.check,

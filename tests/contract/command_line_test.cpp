@@ -14,6 +14,7 @@ namespace nodmap {
 namespace command_line_test {
 
 using test::run_program;
+using ::testing::AnyOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
@@ -80,8 +81,24 @@ TEST(Numbers, MustBeFinite) {
   for (const std::vector<std::string>& command : commands) {
     const auto result = run_program(command.front(), {command.begin() + 1, command.end()});
     EXPECT_EQ(result.exit_code, 2) << command.front();
-    EXPECT_THAT(result.err, HasSubstr("is not a finite number")) << command.front();
+    EXPECT_THAT(result.err,
+                AnyOf(HasSubstr("is not a finite number"), HasSubstr("is not a number")))
+        << command.front();
   }
+}
+
+// And not with all 309 digits of the largest number.
+TEST(Numbers, AnErrorSaysWhatIsAllowed) {
+  const std::string not_below_zero = "is not a number of 0 or more";
+  EXPECT_THAT(run_program("nodmap-sim", {"--duration", "1,5"}).err,
+              StartsWith("nodmap-sim: --duration: '1,5' " + not_below_zero));
+  EXPECT_THAT(run_program("nodmap-watch", {"--duration", "-1"}).err,
+              HasSubstr("'-1' " + not_below_zero));
+  EXPECT_THAT(
+      run_program("nodmap-evaluate", {"trajectory", "x", "y", "--tolerance-s", "0.05s"}).err,
+      HasSubstr("'0.05s' " + not_below_zero));
+  EXPECT_THAT(run_program("nodmap-latency", {"--duration", "0"}).err,
+              HasSubstr("'0' is not a number above 0"));
 }
 
 TEST(Convert, SaysWhichFileContainsNothingAndWhatItContainsInstead) {

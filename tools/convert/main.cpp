@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "common/node/option_checks.hpp"
 #include "common/node/program.hpp"
 #include "tools/convert/carmen_export.hpp"
 #include "tools/convert/carmen_import.hpp"
@@ -107,12 +108,12 @@ void add_exports(CLI::App& app, Arguments& arguments) {
   auto* start = command
                     ->add_option("--start-s", arguments.window.start_s,
                                  ".ply: seconds from the log's first scan to the cloud's")
-                    ->check(CLI::NonNegativeNumber)
+                    ->check(nodmap::node::at_least_zero())
                     ->capture_default_str();
   auto* scans = command
                     ->add_option("--scans", arguments.window.num_scans,
                                  ".ply: consecutive scans in the cloud")
-                    ->check(CLI::PositiveNumber)
+                    ->check(nodmap::node::above_zero())
                     ->capture_default_str();
   command->callback([&arguments, channel, start, scans] {
     const std::string ending = std::filesystem::path(arguments.out).extension();

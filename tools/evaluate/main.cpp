@@ -12,6 +12,7 @@
 #include "common/formats/ply.hpp"
 #include "common/formats/tum.hpp"
 #include "common/node/log.hpp"
+#include "common/node/option_checks.hpp"
 #include "common/node/program.hpp"
 #include "sim/world/world_name.hpp"
 #include "tools/evaluate/cloud_error.hpp"
@@ -165,7 +166,7 @@ CLI::App* add_against_truth(CLI::App& app, Arguments& arguments, const char* nam
   command
       ->add_option("--tolerance-s", arguments.tolerance_s,
                    "Largest time difference to the nearest true pose, seconds")
-      ->check(CLI::NonNegativeNumber)
+      ->check(nodmap::node::at_least_zero())
       ->capture_default_str();
   return command;
 }
@@ -215,7 +216,7 @@ void add_commands(CLI::App& app, Arguments& arguments) {
   relocalise
       ->add_option("--every", arguments.plan.every,
                    "Use every K-th group; default: about 200 groups in all")
-      ->check(CLI::PositiveNumber);
+      ->check(nodmap::node::above_zero());
   relocalise->callback(
       [&arguments] { arguments.work = [&] { print_relocalisations(arguments); }; });
 }

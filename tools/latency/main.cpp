@@ -9,6 +9,7 @@
 #include "common/bus/event_log.hpp"
 #include "common/bus/live_bus.hpp"
 #include "common/node/log.hpp"
+#include "common/node/option_checks.hpp"
 #include "common/node/program.hpp"
 #include "tools/latency/reaction.hpp"
 
@@ -59,7 +60,7 @@ struct Arguments {
 
 void add_options(CLI::App& app, Arguments& arguments) {
   auto* duration = app.add_option("--duration", arguments.duration_s, "How long to listen, seconds")
-                       ->check(CLI::PositiveNumber)
+                       ->check(node::above_zero())
                        ->capture_default_str();
   app.add_option("--log", arguments.log, "Measure in this recording of nodmap-logger instead")
       ->excludes(duration);

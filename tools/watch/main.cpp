@@ -12,6 +12,7 @@
 #include "common/node/clock.hpp"
 #include "common/node/log.hpp"
 #include "common/node/messages.hpp"
+#include "common/node/option_checks.hpp"
 #include "common/node/program.hpp"
 #include "tools/watch/overview.hpp"
 
@@ -117,14 +118,14 @@ nlohmann::ordered_json summary(const Overview& overview) {
 void add_options(CLI::App& app, Arguments& arguments) {
   app.add_option("--duration", arguments.duration_s,
                  "Seconds from the first scan on; 0: until stopped")
-      ->check(CLI::NonNegativeNumber)
+      ->check(node::at_least_zero())
       ->capture_default_str();
   app.add_flag("--until-home", arguments.until_home,
                "Exit when the explorer reports that the robot is home, or gives up; exit code 1 if "
                "the robot "
                "has not come home");
   app.add_option("--patience", arguments.patience_s, "Seconds to wait for the first scan")
-      ->check(CLI::PositiveNumber)
+      ->check(node::above_zero())
       ->capture_default_str();
   app.add_option("--json", arguments.out, "Write a summary to this file");
 }
