@@ -18,9 +18,6 @@ namespace {
 constexpr time::Duration kControlPeriod = 10ms;
 constexpr time::Duration kSensorsPeriod = 50ms;
 constexpr time::Duration kSensorLife = 500ms;
-constexpr time::Duration kRepeatStop = 1s;
-constexpr const char* kName = "nodmap-kurt";
-constexpr const char* kItsStart = "its start";
 /// A command is 22 bytes; a line that does not accept them in this time is stuck.
 constexpr time::Duration kWriteTimeout = 5ms;
 constexpr time::Duration kShutdownTimeout = 50ms;
@@ -110,7 +107,7 @@ KurtNode::KurtNode(node::Context& context, const KurtParams& params,
                                 const time::Moment& now) { receive(bytes, now); },
              .lost = [this] { kurt_.disconnected(); }}),
       clock_(std::move(clock)),
-      stopped_by_(kItsStart) {
+      stop_latch_("its start") {
   context_.bus.subscribe<nodmap::drive_t>(
       "DRIVE", [this](const nodmap::drive_t& message) { on_drive(message); });
   context_.bus.subscribe<nodmap::stop_t>(
@@ -142,7 +139,9 @@ void KurtNode::spin_once() {
     next_sensors_ = now.steady + kSensorsPeriod;
     publish_sensors(now);
   }
-  repeat_stop(now);
+  if (const auto message = stop_repeater_.repeat_if_due(stop_latch_.stopped_by(), now)) {
+    context_.bus.publish("STOP", *message);
+  }
   log_change(now);
 }
 
@@ -175,8 +174,9 @@ time::Duration KurtNode::wait() const {
 
 void KurtNode::on_drive(const nodmap::drive_t& message) {
   // While STOP holds, every DRIVE counts as zero: the robot brakes and stays stationary.
-  const DriveCommand wanted =
-      stopped_by_ ? DriveCommand{} : DriveCommand{message.forward_mps, message.yaw_rate_rad_s};
+  const DriveCommand wanted = stop_latch_.is_stopped()
+                                  ? DriveCommand{}
+                                  : DriveCommand{message.forward_mps, message.yaw_rate_rad_s};
   const DriveRequest request{wanted, time::from_utime(message.utime),
                              time::from_us(message.valid_us), context_.bus.origin().sender};
   const DriveStatus status = kurt_.drive(request, clock_());
@@ -188,51 +188,23 @@ void KurtNode::on_drive(const nodmap::drive_t& message) {
 }
 
 void KurtNode::on_stop(const nodmap::stop_t& message) {
-  const StopName name{message.utime, node::read_name(message.requested_by)};
-  const bool is_release = message.is_stopped == 0;
-  if (!is_release && name == repeated_) {
-    return;  // our own repetition, which may arrive after a newer STOP of another sender
+  if (stop_repeater_.is_own(message)) {
+    return;
   }
   context_.counts.use();
-  if (is_release) {
-    if (std::ranges::find(releases_, name) != releases_.end()) {
-      return;  // sent several times, in case one is lost; whatever stopped the robot since is newer
-    }
-    releases_.push_back(name);
-  }
-  const bool was_stopped = stopped_by_.has_value();
-  stopped_by_ = is_release ? std::nullopt : std::optional(name.by);
-  if (stopped_by_.has_value() != was_stopped) {
-    log::get().info("{} by {}", stopped_by_ ? "stopped" : "free to drive", name.by);
+  const node::StopLatch::Change change = stop_latch_.take(message);
+  if (change != node::StopLatch::Change::kNone) {
+    log::get().info("{} by {}", stop_latch_.is_stopped() ? "stopped" : "free to drive",
+                    node::read_name(message.requested_by));
   }
 }
 
 /// Stops the robot as a STOP message does, until it is released.
 void KurtNode::stop_on_alarm() {
-  if (const std::optional<Alarm> alarm = kurt_.take_alarm(); alarm && !stopped_by_) {
-    stopped_by_ = name_of(*alarm);
-    log::get().warn("stopped by {}", *stopped_by_);
+  if (const std::optional<Alarm> alarm = kurt_.take_alarm(); alarm && !stop_latch_.is_stopped()) {
+    stop_latch_.stop(name_of(*alarm));
+    log::get().warn("stopped by {}", *stop_latch_.stopped_by());
   }
-}
-
-void KurtNode::repeat_stop(const time::Moment& now) {
-  if (!stopped_by_) {
-    next_stop_.reset();
-    return;
-  }
-  // The first repetition comes after one period, because the sender has just published STOP itself.
-  if (!next_stop_ || now.steady < *next_stop_) {
-    next_stop_ = next_stop_.value_or(now.steady + kRepeatStop);
-    return;
-  }
-  next_stop_ = now.steady + kRepeatStop;
-  nodmap::stop_t message{};
-  message.utime = time::to_utime(now.wall);
-  message.stop_seq = stop_seq_++;
-  message.is_stopped = 1;
-  message.requested_by = std::string(kName) + ", for " + *stopped_by_;
-  repeated_ = StopName{message.utime, node::read_name(message.requested_by)};
-  context_.bus.publish("STOP", message);
 }
 
 void KurtNode::publish_odometry(const OdometrySample& sample) {
@@ -293,7 +265,7 @@ node::Health KurtNode::health() const {
     case KurtState::kNoBase:
       return {node::HealthState::kFailed, describe(state, false)};
     case KurtState::kNoDrive:
-      if (is_contested || !stopped_by_) {
+      if (is_contested || !stop_latch_.is_stopped()) {
         return {is_contested ? node::HealthState::kFailed : node::HealthState::kDegraded,
                 describe(state, is_contested)};
       }
@@ -301,9 +273,9 @@ node::Health KurtNode::health() const {
     case KurtState::kDriving:
       break;
   }
-  if (stopped_by_) {
+  if (const auto& stopped_by = stop_latch_.stopped_by()) {
     return {node::HealthState::kDegraded,
-            "stopped by " + *stopped_by_ + ": stationary until released (nodmap-stop --go)"};
+            "stopped by " + *stopped_by + ": stationary until released (nodmap-stop --go)"};
   }
   if ((kurt_.session().flags() & (kErrorPassive | kBusError)) != 0) {
     return {node::HealthState::kDegraded, "errors on the CAN bus: check cable and termination"};

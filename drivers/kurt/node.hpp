@@ -2,18 +2,17 @@
 #pragma once
 
 #include <array>
-#include <boost/circular_buffer.hpp>
 #include <cstdint>
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
-#include <optional>
 #include <span>
-#include <string>
 
 #include "common/geometry/time.hpp"
 #include "common/node/device_node.hpp"
+#include "common/node/stop_latch.hpp"
 #include "drivers/kurt/kurt.hpp"
 #include "drivers/kurt/params.hpp"
+#include "drivers/kurt/stop_repeater.hpp"
 #include "drivers/serial/serial_link.hpp"
 #include "nodmap/drive_t.hpp"
 #include "nodmap/stop_t.hpp"
@@ -45,14 +44,6 @@ class KurtNode final : public node::DeviceNode {
   [[nodiscard]] node::Health health() const override;
 
  private:
-  /// What tells a STOP or release from others, and is the same when it is sent again.
-  struct StopName {
-    std::int64_t utime;
-    std::string by;
-
-    bool operator==(const StopName&) const = default;
-  };
-
   void receive(std::span<const std::uint8_t> bytes, const time::Moment& now);
   void send(const time::Moment& now);
   void on_drive(const nodmap::drive_t& message);
@@ -61,22 +52,14 @@ class KurtNode final : public node::DeviceNode {
   void publish_sensors(const time::Moment& now);
   /// Stops the robot if the base's own sensors demand it.
   void stop_on_alarm();
-  /// Publishes STOP once a second while the robot is stopped, for processes that start later.
-  void repeat_stop(const time::Moment& now);
   void log_change(const time::Moment& now);
 
   node::Context& context_;
   Kurt kurt_;
   serial::SerialLink link_;
   std::function<time::Moment()> clock_;
-  /// Who stopped the robot; empty: it may drive. The driver starts in the stopped state.
-  std::optional<std::string> stopped_by_;
-  std::optional<time::SteadyTime> next_stop_;
-  std::int64_t stop_seq_ = 0;
-  std::optional<StopName> repeated_;  // the last STOP that this driver published
-  /// The last releases that were obeyed. Copies of one arrive within a second, and nobody releases
-  /// the robot this often in that time.
-  boost::circular_buffer<StopName> releases_{16};
+  node::StopLatch stop_latch_;
+  StopRepeater stop_repeater_;
   std::int64_t reported_lost_ = 0;
   KurtState logged_state_ = KurtState::kNoLine;
   time::SteadyTime next_control_;

@@ -187,7 +187,7 @@ void ExplorerNode::on_goal(const nodmap::goal_t& message) {
 /// During a STOP the exploration waits, and continues when the robot is released.
 void ExplorerNode::on_stop(const nodmap::stop_t& message) {
   context_.counts.use();
-  const bool is_released = std::exchange(is_stopped_, message.is_stopped != 0) && !is_stopped_;
+  const bool is_released = stop_latch_.take(message) == node::StopLatch::Change::kReleased;
   // Meanwhile somebody may have moved the robot: it must not drive back.
   keeps_place_ = keeps_place_ || (is_released && is_at_kept_place_);
 }
@@ -215,7 +215,7 @@ void ExplorerNode::keep_place(time::Timestamp now) {
 }
 
 void ExplorerNode::decide(time::Timestamp now) {
-  if (is_stopped_ && explorer_.state() != State::kIdle) {
+  if (stop_latch_.is_stopped() && explorer_.state() != State::kIdle) {
     Decision waits;
     waits.state = explorer_.state();
     waits.reason = "The robot is stopped.";

@@ -10,6 +10,7 @@
 
 #include "common/node/node.hpp"
 #include "common/node/sensor_input.hpp"
+#include "common/node/stop_latch.hpp"
 #include "modules/explorer/explorer.hpp"
 #include "nodmap/exploration_t.hpp"
 #include "nodmap/explore_t.hpp"
@@ -69,7 +70,7 @@ class ExplorerNode final : public node::Node {
   std::optional<time::Timestamp> posed_;  // stamp of the last pose
   std::optional<geometry::SE2> T_odom_base_;
   bool is_lost_ = false;
-  bool is_stopped_ = false;
+  node::StopLatch stop_latch_;
   bool has_no_path_ = false;
   bool has_arrived_ = false;
   bool has_just_arrived_ = false;  // since the last decision

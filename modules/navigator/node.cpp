@@ -234,10 +234,8 @@ void NavigatorNode::watch_slip(const nodmap::pose_t& message) {
 /// Remains in force until a message releases it, even if the sender has ended.
 void NavigatorNode::on_stop(const nodmap::stop_t& message) {
   context_.counts.use();
-  newest_.stopped_by.reset();
-  if (message.is_stopped != 0) {
-    newest_.stopped_by = node::read_name(message.requested_by);
-  }
+  stop_latch_.take(message);
+  newest_.stopped_by = stop_latch_.stopped_by();
 }
 
 /// If a short gap in the scans is the only reason, the navigator keeps what it has seen.

@@ -12,6 +12,7 @@
 #include "common/geometry/time.hpp"
 #include "common/node/node.hpp"
 #include "common/node/sensor_input.hpp"
+#include "common/node/stop_latch.hpp"
 #include "modules/navigator/display.hpp"
 #include "modules/navigator/geofence.hpp"
 #include "modules/navigator/inputs.hpp"
@@ -68,6 +69,7 @@ class NavigatorNode final : public node::Node {
   node::Context& context_;
   Params params_;
   node::SensorInput input_;
+  node::StopLatch stop_latch_;
   std::optional<Geofence> geofence_;
   Inputs newest_;
   Navigator navigator_;

@@ -9,6 +9,7 @@
 #include "common/node/messages.hpp"
 #include "common/node/program.hpp"
 #include "common/node/request.hpp"
+#include "common/node/stop_latch.hpp"
 #include "nodmap/stop_t.hpp"
 
 namespace nodmap {
@@ -19,8 +20,6 @@ constexpr int kTimes = 3;
 constexpr double kPauseS = 0.3;
 /// A base driver that is stopped says so by a STOP once a second.
 constexpr double kListenS = 1.5;
-
-constexpr const char* kBaseDriver = "nodmap-kurt";
 
 struct Arguments {
   bool is_go = false;
@@ -40,13 +39,8 @@ void send(bus::LiveBus& bus, const Arguments& arguments) {
   }
 }
 
-/// Whether a base driver says by this message that it is stopped.
-bool is_confirmation(const stop_t& message) {
-  return message.is_stopped != 0 && message.requested_by.starts_with(kBaseDriver);
-}
-
 int release(bus::LiveBus& bus, const Arguments& arguments) {
-  if (node::await_processes(bus, {kBaseDriver}, arguments.request.wait_s).empty()) {
+  if (node::await_processes(bus, {node::kBaseDriver}, arguments.request.wait_s).empty()) {
     std::cerr << "nodmap-stop: no nodmap-kurt within " << arguments.request.wait_s << " s\n";
     return 1;
   }
@@ -56,7 +50,7 @@ int release(bus::LiveBus& bus, const Arguments& arguments) {
   }
   std::string by;  // what keeps it stopped: an alarm that lasts, or somebody else's newer STOP
   bus.subscribe<stop_t>("STOP", [&by](const stop_t& message) {
-    if (is_confirmation(message)) {
+    if (node::is_confirmation(message)) {
       by = node::read_name(message.requested_by);
     }
   });
@@ -69,8 +63,9 @@ int release(bus::LiveBus& bus, const Arguments& arguments) {
 
 int stop(bus::LiveBus& bus, const Arguments& arguments) {
   bool is_confirmed = false;
-  bus.subscribe<stop_t>(
-      "STOP", [&is_confirmed](const stop_t& message) { is_confirmed |= is_confirmation(message); });
+  bus.subscribe<stop_t>("STOP", [&is_confirmed](const stop_t& message) {
+    is_confirmed |= node::is_confirmation(message);
+  });
   send(bus, arguments);
   if (!node::handle_until(bus, arguments.request.wait_s, [&] { return is_confirmed; })) {
     std::cerr << "nodmap-stop: STOP was sent, but no nodmap-kurt has confirmed it within "

@@ -60,6 +60,7 @@ class ExplorerNodeTest : public ::testing::Test {
   }
   void stop(bool is_stopped) {
     nodmap::stop_t message{};
+    message.utime = ++num_stops_;
     message.is_stopped = static_cast<std::int8_t>(is_stopped);
     bus_.deliver("STOP", message);
   }
@@ -70,6 +71,7 @@ class ExplorerNodeTest : public ::testing::Test {
   node::Context context_{bus_, counts_, {}};
   ExplorerNode node_;
   std::int64_t utime_us_ = 0;
+  std::int64_t num_stops_ = 0;
   std::int64_t odometry_seq_ = 0;
 };
 

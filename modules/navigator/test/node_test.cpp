@@ -63,10 +63,16 @@ TEST_F(NavigatorNodeTest, AStopHaltsWithTheNextOdometryUntilItIsReleased) {
   bus_.deliver("GOAL", goal);
   run(10.0);
   EXPECT_TRUE(halts());
-  stop.is_stopped = 0;
-  bus_.deliver("STOP", stop);
+  nodmap::stop_t release{};
+  release.utime = 1;
+  bus_.deliver("STOP", release);
   run(2.0);
   EXPECT_TRUE(drives());
+  stop.utime = 2;
+  bus_.deliver("STOP", stop);
+  bus_.deliver("STOP", release);  // a copy
+  run(2.0);
+  EXPECT_TRUE(halts());
 }
 
 // Datagrams 101, 103, 102: the robot drives on, as nothing was forgotten. After a restart of the

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <boost/circular_buffer.hpp>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "nodmap/stop_t.hpp"
+
+namespace nodmap::node {
+
+/// The process name of the base driver.
+inline constexpr const char* kBaseDriver = "nodmap-kurt";
+
+/// The requester that the base driver names while it is stopped by `by`.
+[[nodiscard]] std::string confirmed_name(const std::string& by);
+
+/// Whether the base driver says by this message that it is stopped.
+[[nodiscard]] bool is_confirmation(const nodmap::stop_t& message);
+
+/// Remembers who stopped the robot, by the messages on STOP.
+///
+/// A STOP always stops. A release lifts what has stopped the robot before. It is sent several
+/// times, in case one is lost; a copy lifts nothing, because whatever has stopped the robot since
+/// the first is newer. Releases are told apart by their time and requester, never ordered by their
+/// time: hosts have different clocks.
+///
+/// STOP is repeated as well: by a viewer, with the time of the decision, and by the base driver,
+/// until a release has reached them. A repetition stops, too, but it is no newer STOP: it does not
+/// take the place of another one, and a copy lifts it, because the first release may have crossed
+/// it, or may have been lost on its way to whoever repeats. Only in the base driver no copy lifts
+/// anything: if it is stopped, it says so to the others.
+class StopLatch {
+ public:
+  enum class Change : std::uint8_t { kNone, kStopped, kReleased };
+
+  /// For a process that is free to drive after its start.
+  StopLatch() = default;
+  /// For the base driver, which is stopped after its start. It recognises what it has repeated
+  /// itself, and takes every other repetition for a STOP.
+  explicit StopLatch(std::string stopped_by)
+      : is_base_driver_(true), stopped_by_(std::move(stopped_by)) {}
+
+  Change take(const nodmap::stop_t& message);
+
+  /// Stops the robot as a STOP does.
+  Change stop(std::string by);
+
+  [[nodiscard]] bool is_stopped() const { return stopped_by_.has_value(); }
+  /// Empty: nobody.
+  [[nodiscard]] const std::optional<std::string>& stopped_by() const { return stopped_by_; }
+
+ private:
+  /// What tells a decision from others, and is the same in the copies of its message.
+  struct Decision {
+    std::int64_t utime;
+    std::string by;
+
+    bool operator==(const Decision&) const = default;
+  };
+
+  [[nodiscard]] Change release(const Decision& decision);
+
+  bool is_base_driver_ = false;
+  std::optional<std::string> stopped_by_;
+  bool is_only_repeated_ = false;      // stopped by nothing but a repetition
+  std::optional<Decision> last_stop_;  // that was no repetition
+  /// The last ones. Copies arrive within a second, and nobody releases the robot this often in that
+  /// time.
+  boost::circular_buffer<Decision> releases_{16};
+};
+
+}  // namespace nodmap::node
