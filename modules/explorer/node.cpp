@@ -18,12 +18,8 @@ constexpr time::Duration kArrivalPeriod = 100ms;
 /// After this long without a pose of 2D SLAM nothing is decided. A stationary robot gets one a
 /// second.
 constexpr time::Duration kPoseTimeout = 5s;
-/// Period at which the goal is sent again, for a navigator that has missed it or was started later.
-constexpr time::Duration kGoalPeriod = 1s;
 /// A goal nearer to the last one than this counts as the same.
 constexpr double kSameGoalM = 0.05;
-/// Number of own goals that are remembered, to distinguish them from those of other senders.
-constexpr std::size_t kOwnGoals = 16;
 /// With this limit EXPLORATION stays far below 64 KiB.
 constexpr std::size_t kMaxPathPoints = 500;
 constexpr std::size_t kMaxFrontierPoints = 2000;
@@ -68,7 +64,11 @@ std::size_t stride(std::size_t count, std::size_t most) {
 }  // namespace
 
 ExplorerNode::ExplorerNode(node::Context& context, const Params& params)
-    : context_(context), params_(params), input_(context.counts, &context.bus), explorer_(params) {
+    : context_(context),
+      params_(params),
+      input_(context.counts, &context.bus),
+      explorer_(params),
+      goal_sender_(context.bus) {
   bus::Bus& bus = context.bus;
   bus.subscribe<nodmap::grid_chunk_t>("MAP_2D", [this](const auto& m) { on_map(m); });
   bus.subscribe<nodmap::pose_t>("POSE_2D", [this](const auto& m) { on_pose(m); });
@@ -90,7 +90,7 @@ void ExplorerNode::on_map(const nodmap::grid_chunk_t& message) {
     explorer_.forget_map();
     if (explorer_.state() != State::kIdle && num_decisions_ > 0) {
       end("The 2D map was restarted.");
-      keeps_place_ = true;
+      place_ = Place::kToBeKept;
     }
   }
   if (!tile || !explorer_.add(*tile)) {
@@ -131,7 +131,7 @@ void ExplorerNode::on_odometry(const nodmap::odometry_t& message) {
   if (is_lost_ || !T_map_odom_ || time::is_due(now, posed_, kPoseTimeout)) {
     return;
   }
-  if (std::exchange(keeps_place_, false)) {
+  if (place_ == Place::kToBeKept) {
     keep_place(now);
   }
   if (time::is_due(now, decided_, has_just_arrived_ ? kArrivalPeriod : kDecisionPeriod)) {
@@ -143,7 +143,7 @@ void ExplorerNode::on_odometry(const nodmap::odometry_t& message) {
 
 void ExplorerNode::on_navigation(const nodmap::navigation_t& message) {
   context_.counts.use();
-  if (message.goal_utime != goal_.utime) {
+  if (!goal_sender_.is_about(message.goal_utime)) {
     return;
   }
   const bool has_arrived = message.behaviour == nodmap::navigation_t::ARRIVED;
@@ -153,7 +153,7 @@ void ExplorerNode::on_navigation(const nodmap::navigation_t& message) {
 
 void ExplorerNode::on_path(const nodmap::path_t& message) {
   context_.counts.use();
-  if (message.goal_utime == goal_.utime) {
+  if (goal_sender_.is_about(message.goal_utime)) {
     has_no_path_ = message.state == nodmap::path_t::NO_PATH;
   }
 }
@@ -167,8 +167,8 @@ void ExplorerNode::on_explore(const nodmap::explore_t& message) {
     start();
   } else if (message.is_active == 0 && explorer_.state() != State::kIdle) {
     end("Ended by " + node::read_name(message.requested_by) + ".");
-    keeps_place_ = !T_map_base();
-    if (!keeps_place_) {
+    place_ = Place::kToBeKept;
+    if (T_map_base()) {
       keep_place(node::stamp_of(message));
     }
   }
@@ -177,9 +177,11 @@ void ExplorerNode::on_explore(const nodmap::explore_t& message) {
 /// A goal, or its cancellation, of another sender ends the exploration.
 void ExplorerNode::on_goal(const nodmap::goal_t& message) {
   context_.counts.use();
-  keeps_place_ = keeps_place_ && is_own(message);
-  is_at_kept_place_ = is_at_kept_place_ && is_own(message);
-  if (explorer_.state() != State::kIdle && !is_own(message)) {
+  if (goal_sender_.is_own(message)) {
+    return;
+  }
+  place_ = Place::kFree;
+  if (explorer_.state() != State::kIdle) {
     end("Another sender has set a goal.");
   }
 }
@@ -188,14 +190,15 @@ void ExplorerNode::on_goal(const nodmap::goal_t& message) {
 void ExplorerNode::on_stop(const nodmap::stop_t& message) {
   context_.counts.use();
   const bool is_released = stop_latch_.take(message) == node::StopLatch::Change::kReleased;
-  // Meanwhile somebody may have moved the robot: it must not drive back.
-  keeps_place_ = keeps_place_ || (is_released && is_at_kept_place_);
+  if (is_released && place_ == Place::kKept) {
+    place_ = Place::kToBeKept;  // meanwhile somebody may have moved the robot: no driving back
+  }
 }
 
 void ExplorerNode::start() {
   explorer_.start();
-  goal_sent_.reset();
-  is_at_kept_place_ = false;
+  goal_.reset();
+  place_ = Place::kFree;
   num_decisions_ = 0;
 }
 
@@ -211,7 +214,7 @@ std::optional<geometry::SE2> ExplorerNode::T_map_base() const {
 
 void ExplorerNode::keep_place(time::Timestamp now) {
   send_goal({T_map_base()->translation(), params_.goal_tolerance_m}, now);
-  is_at_kept_place_ = true;
+  place_ = Place::kKept;
 }
 
 void ExplorerNode::decide(time::Timestamp now) {
@@ -243,35 +246,19 @@ void ExplorerNode::decide(time::Timestamp now) {
 }
 
 void ExplorerNode::send_goal(const Goal& goal, time::Timestamp now) {
-  const Eigen::Vector2d last_map(goal_.position_m[0], goal_.position_m[1]);
-  const bool is_new = (goal.p_map - last_map).norm() > kSameGoalM ||
-                      goal.tolerance_m != goal_.tolerance_m || !goal_sent_;
-  if (is_new) {
-    goal_.position_m[0] = goal.p_map.x();
-    goal_.position_m[1] = goal.p_map.y();
-    goal_.tolerance_m = goal.tolerance_m;
-    goal_.utime = time::to_utime(now);
-    has_no_path_ = false;
-    has_arrived_ = false;
-  } else if (!time::is_due(now, goal_sent_, kGoalPeriod)) {
+  if (goal_ && (goal.p_map - goal_->p_map).norm() <= kSameGoalM &&
+      goal.tolerance_m == goal_->tolerance_m) {
+    goal_sender_.repeat_if_due(now);
     return;
   }
-  goal_sent_ = now;
-  goal_.is_active = 1;
-  own_goals_.push_back(goal_);
-  if (own_goals_.size() > kOwnGoals) {
-    own_goals_.pop_front();
-  }
-  context_.bus.publish("GOAL", goal_);
-  ++goal_.goal_seq;
-}
-
-bool ExplorerNode::is_own(const nodmap::goal_t& message) const {
-  return std::ranges::any_of(own_goals_, [&](const nodmap::goal_t& own) {
-    return own.utime == message.utime && own.goal_seq == message.goal_seq &&
-           own.is_active == message.is_active && own.position_m[0] == message.position_m[0] &&
-           own.position_m[1] == message.position_m[1];
-  });
+  goal_ = goal;
+  has_no_path_ = false;
+  has_arrived_ = false;
+  nodmap::goal_t message{};
+  message.position_m[0] = goal.p_map.x();
+  message.position_m[1] = goal.p_map.y();
+  message.tolerance_m = goal.tolerance_m;
+  goal_sender_.set(message, now);
 }
 
 void ExplorerNode::publish(const Decision& decision, time::Timestamp now) {
@@ -304,7 +291,7 @@ void ExplorerNode::publish(const Decision& decision, time::Timestamp now) {
 
 nlohmann::json ExplorerNode::metrics() const {
   return {{"decisions", num_decisions_},
-          {"goals", goal_.goal_seq},
+          {"goals", goal_sender_.num_published()},
           {"failures", explorer_.num_failures()},
           {"seen_m2", seen_m2_}};
 }

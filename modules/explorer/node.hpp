@@ -2,12 +2,12 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 
+#include "common/node/goal_sender.hpp"
 #include "common/node/node.hpp"
 #include "common/node/sensor_input.hpp"
 #include "common/node/stop_latch.hpp"
@@ -39,6 +39,13 @@ class ExplorerNode final : public node::Node {
   [[nodiscard]] node::Health health() const override;
 
  private:
+  /// What becomes of the place where the robot was when the exploration ended.
+  enum class Place : std::uint8_t {
+    kFree,      // nothing: it is exploring, or somebody else has set a goal
+    kToBeKept,  // the robot's next position becomes its goal
+    kKept,      // it is the robot's goal
+  };
+
   void on_map(const nodmap::grid_chunk_t& message);
   void on_pose(const nodmap::pose_t& message);
   void on_odometry(const nodmap::odometry_t& message);
@@ -57,7 +64,6 @@ class ExplorerNode final : public node::Node {
   /// that is.
   [[nodiscard]] std::optional<geometry::SE2> T_map_base() const;
   void send_goal(const Goal& goal, time::Timestamp now);
-  [[nodiscard]] bool is_own(const nodmap::goal_t& message) const;
   void publish(const Decision& decision, time::Timestamp now);
 
   node::Context& context_;
@@ -75,13 +81,11 @@ class ExplorerNode final : public node::Node {
   bool has_arrived_ = false;
   bool has_just_arrived_ = false;  // since the last decision
   std::string idle_reason_ = "Waiting to be started.";
-  bool keeps_place_ = false;       // the robot's next position becomes its goal
-  bool is_at_kept_place_ = false;  // its goal is where it was at the exploration's end
+  Place place_ = Place::kFree;
 
   std::optional<time::Timestamp> decided_;
-  nodmap::goal_t goal_{};  // the last one sent
-  std::optional<time::Timestamp> goal_sent_;
-  std::deque<nodmap::goal_t> own_goals_;  // sent recently; the bus delivers them to us as well
+  node::GoalSender goal_sender_;
+  std::optional<Goal> goal_;  // the last one since the start
   std::int64_t num_decisions_ = 0;
   double seen_m2_ = 0.0;
 };

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // nodmap-goal: sends the robot to one place or through several.
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <chrono>
 #include <iostream>
 #include <optional>
@@ -11,6 +10,7 @@
 #include "common/bus/live_bus.hpp"
 #include "common/geometry/angle.hpp"
 #include "common/node/clock.hpp"
+#include "common/node/goal_sender.hpp"
 #include "common/node/program.hpp"
 #include "nodmap/goal_t.hpp"
 #include "nodmap/navigation_t.hpp"
@@ -21,8 +21,6 @@ namespace nodmap {
 namespace {
 
 constexpr std::chrono::milliseconds kLongestWait(100);
-/// The goal is sent again with this period, for a navigator that has missed it or was restarted.
-constexpr time::Duration kRepeat = 1s;
 /// On patrol the robot stays this long where it already is when it is sent there.
 constexpr time::Duration kLeastStay = 1s;
 constexpr double kToleranceM = 0.2;
@@ -56,11 +54,11 @@ class Guide {
   Guide(const Arguments& arguments, bus::LiveBus& bus)
       : arguments_(arguments),
         bus_(bus),
+        goal_sender_(bus),
         route_(read_waypoints(arguments.coordinates_m), arguments.is_patrol,
                time::from_seconds(arguments.patience_s)) {
-    decide_goal();
     bus_.subscribe<navigation_t>("NAVIGATION", [this](const navigation_t& m) {
-      if (m.goal_utime != goal_.utime) {
+      if (!goal_sender_.is_about(m.goal_utime)) {
         return;
       }
       obeyed_ = time::steady_now();
@@ -69,17 +67,17 @@ class Guide {
       }
     });
     bus_.subscribe<path_t>("PATH", [this](const path_t& m) {
-      if (m.goal_utime == goal_.utime) {
+      if (goal_sender_.is_about(m.goal_utime)) {
         tell(route_.take_path(m.state != path_t::NO_PATH, time::steady_now()));
       }
     });
-    bus_.subscribe<goal_t>("GOAL", [this](const goal_t& m) {
-      is_overruled_ |= m.utime != goal_.utime && m.utime != former_utime_;
-    });
+    bus_.subscribe<goal_t>("GOAL",
+                           [this](const goal_t& m) { is_overruled_ |= !goal_sender_.is_own(m); });
   }
 
   /// Returns the exit code.
   int run() {
+    set_goal();
     obeyed_ = time::steady_now();
     while (!route_.is_over() && !is_overruled_ && !node::stop_requested()) {
       if (time::steady_now() - obeyed_ > time::from_seconds(arguments_.wait_s)) {
@@ -87,9 +85,7 @@ class Guide {
                   << " s no nodmap-navigator has driven to this goal\n";
         return 1;
       }
-      if (time::steady_now() >= goal_due_) {
-        send_goal();
-      }
+      goal_sender_.repeat_if_due(time::SystemClock().now());
       bus_.handle(kLongestWait);
     }
     if (is_overruled_) {
@@ -100,25 +96,17 @@ class Guide {
 
  private:
   /// Makes the route's waypoint the goal.
-  void decide_goal() {
-    // Above the former, also after the clock was set back: the navigator's reports name it.
-    former_utime_ = goal_.utime;
-    goal_.utime = std::max(time::to_utime(time::SystemClock().now()), goal_.utime + 1);
-    goal_.is_active = 1;
-    goal_.position_m[0] = route_.waypoint_map().x();
-    goal_.position_m[1] = route_.waypoint_map().y();
+  void set_goal() {
+    goal_t goal{};
+    goal.position_m[0] = route_.waypoint_map().x();
+    goal.position_m[1] = route_.waypoint_map().y();
     const bool docks = arguments_.heading_deg.has_value() && route_.index() + 1 == route_.size();
-    goal_.tolerance_m = tolerance_m(docks);
-    goal_.has_heading = static_cast<std::int8_t>(docks);
-    goal_.heading_rad = geometry::deg_to_rad(arguments_.heading_deg.value_or(0.0));
-    goal_.heading_tolerance_rad = geometry::deg_to_rad(arguments_.heading_tolerance_deg);
-    decided_ = goal_due_ = time::steady_now();
-  }
-
-  void send_goal() {
-    goal_due_ = time::steady_now() + kRepeat;
-    bus_.publish("GOAL", goal_);
-    ++goal_.goal_seq;
+    goal.tolerance_m = tolerance_m(docks);
+    goal.has_heading = static_cast<std::int8_t>(docks);
+    goal.heading_rad = geometry::deg_to_rad(arguments_.heading_deg.value_or(0.0));
+    goal.heading_tolerance_rad = geometry::deg_to_rad(arguments_.heading_tolerance_deg);
+    goal_sender_.set(goal, time::SystemClock().now());
+    decided_ = time::steady_now();
   }
 
   /// With a heading, --tolerance applies to the last waypoint only.
@@ -138,15 +126,15 @@ class Guide {
                                                   : " missed: there is no path, or it cannot dock")
               << std::endl;
     told_index_ = route_.index();
-    decide_goal();
+    if (!route_.is_over()) {
+      set_goal();
+    }
   }
 
   Arguments arguments_;
   bus::LiveBus& bus_;
+  node::GoalSender goal_sender_;
   Route route_;
-  time::SteadyTime goal_due_{};
-  goal_t goal_{};  // the present one, which we also receive
-  std::int64_t former_utime_ = 0;
   time::SteadyTime decided_{};
   time::SteadyTime obeyed_{};  // when the navigator last reported on this goal
   std::size_t told_index_ = 0;

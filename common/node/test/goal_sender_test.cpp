@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/node/goal_sender.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/memory_bus.hpp"
+
+namespace nodmap::node {
+namespace goal_sender_test {
+
+constexpr time::Timestamp kStart{1'700'000'000s};
+
+nodmap::goal_t goal_at(double x_m) {
+  nodmap::goal_t goal{};
+  goal.position_m[0] = x_m;
+  goal.tolerance_m = 0.2;
+  return goal;
+}
+
+class GoalSenderTest : public testing::Test {
+ protected:
+  [[nodiscard]] nodmap::goal_t last() const { return bus_.last<nodmap::goal_t>("GOAL"); }
+
+  test::MemoryBus bus_;
+  GoalSender sender_{bus_};
+};
+
+TEST_F(GoalSenderTest, RepeatsTheGoalOnceASecond) {
+  sender_.repeat_if_due(kStart);
+  EXPECT_EQ(bus_.count("GOAL"), 0U) << "there is no goal yet";
+  sender_.set(goal_at(1.0), kStart);
+  EXPECT_EQ(last().utime, time::to_utime(kStart));
+  EXPECT_EQ(last().is_active, 1);
+  for (time::Duration passed{}; passed <= 3s; passed += 100ms) {
+    sender_.repeat_if_due(kStart + passed);
+  }
+  const auto sent = bus_.sent<nodmap::goal_t>("GOAL");
+  ASSERT_EQ(sent.size(), 4U);
+  for (std::size_t i = 0; i < sent.size(); ++i) {
+    EXPECT_EQ(sent[i].goal_seq, static_cast<std::int64_t>(i));
+    EXPECT_EQ(sent[i].utime, time::to_utime(kStart)) << "the time at which it was set";
+    EXPECT_EQ(sent[i].position_m[0], 1.0);
+  }
+  EXPECT_EQ(sender_.num_published(), 4);
+}
+
+// A report on the former goal must not count for the new one.
+TEST_F(GoalSenderTest, EachGoalHasATimeOfItsOwnAlsoWhenTheClockIsSetBack) {
+  EXPECT_FALSE(sender_.is_about(0)) << "of a navigator without a goal";
+  sender_.set(goal_at(1.0), kStart);
+  const nodmap::goal_t former = last();
+  for (const time::Timestamp now : {kStart, kStart - 10s, kStart + 1us}) {
+    sender_.set(goal_at(2.0), now);
+    EXPECT_GT(last().utime, former.utime);
+    EXPECT_TRUE(sender_.is_about(last().utime));
+    EXPECT_FALSE(sender_.is_about(former.utime));
+  }
+}
+
+TEST_F(GoalSenderTest, AClockThatIsSetBackSilencesItForNoLongerThanTwoPeriods) {
+  sender_.set(goal_at(1.0), kStart);
+  sender_.repeat_if_due(kStart - 500ms);
+  EXPECT_EQ(bus_.count("GOAL"), 1U);
+  sender_.repeat_if_due(kStart + 1s);
+  EXPECT_EQ(bus_.count("GOAL"), 2U);
+  sender_.repeat_if_due(kStart - 3600s);
+  EXPECT_EQ(bus_.count("GOAL"), 3U);
+}
+
+// The bus delivers own messages after the next goal was set, too.
+TEST_F(GoalSenderTest, KnowsItsOwnGoals) {
+  sender_.set(goal_at(1.0), kStart);
+  const nodmap::goal_t former = last();
+  sender_.set(goal_at(2.0), kStart + 1s);
+  sender_.repeat_if_due(kStart + 2s);
+  EXPECT_TRUE(sender_.is_own(former));
+  EXPECT_TRUE(sender_.is_own(last()));
+  nodmap::goal_t foreign = last();
+  foreign.position_m[1] = 0.1;
+  EXPECT_FALSE(sender_.is_own(foreign));
+  foreign = last();
+  foreign.is_active = 0;
+  EXPECT_FALSE(sender_.is_own(foreign));
+  foreign = last();
+  ++foreign.utime;
+  EXPECT_FALSE(sender_.is_own(foreign));
+}
+
+}  // namespace goal_sender_test
+}  // namespace nodmap::node
