@@ -6,10 +6,10 @@
 
 #include "common/bus/bus.hpp"
 #include "common/bus/followed_sender.hpp"
+#include "common/bus/sender_watch.hpp"
 #include "common/geometry/se3.hpp"
 #include "common/geometry/time.hpp"
 #include "common/node/message_counts.hpp"
-#include "common/node/sender_watch.hpp"
 #include "common/scan/scan.hpp"
 #include "nodmap/odometry_t.hpp"
 #include "nodmap/scan_t.hpp"
@@ -57,8 +57,8 @@ class SensorInput {
 
   node::MessageCounts& counts_;
   const bus::Bus* bus_;
-  bus::FollowedSender scan_sender_{SenderWatch::kSilence};
-  bus::FollowedSender odometry_sender_{SenderWatch::kSilence};
+  bus::FollowedSender scan_sender_{bus::SenderWatch::kSilence};
+  bus::FollowedSender odometry_sender_{bus::SenderWatch::kSilence};
   node::SequenceCounter scans_;
   node::SequenceCounter odometry_;
   std::optional<Odometry> last_odometry_;  // last accepted

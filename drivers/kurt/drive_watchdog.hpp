@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "common/bus/sender.hpp"
+#include "common/bus/sender_watch.hpp"
 #include "common/geometry/time.hpp"
-#include "common/node/sender_watch.hpp"
 #include "drivers/kurt/speed_limiter.hpp"
 
 namespace nodmap::kurt {
@@ -74,7 +74,7 @@ class DriveWatchdog {
                                      time::SteadyTime now) const;
 
   time::Duration timeout_;
-  node::SenderWatch sender_;
+  bus::SenderWatch sender_;
   std::optional<Obeyed> obeyed_;
 };
 

@@ -6,9 +6,9 @@
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
 
+#include "common/bus/sender_watch.hpp"
 #include "common/geometry/time.hpp"
 #include "common/node/device_node.hpp"
-#include "common/node/sender_watch.hpp"
 #include "drivers/laser3d/laser3d.hpp"
 #include "drivers/serial/serial_link.hpp"
 #include "nodmap/pitch_command_t.hpp"
@@ -40,7 +40,7 @@ class Laser3dNode final : public node::DeviceNode {
 
   /// Ends the laser's stream, which makes the next start quick.
   void shut_down() override;
-  [[nodiscard]] bool is_shut_down() const override { return driver_.laser_at_rest(); }
+  [[nodiscard]] bool is_shut_down() const override { return driver_.is_laser_at_rest(); }
 
   [[nodiscard]] nlohmann::json metrics() const override;
   [[nodiscard]] node::Health health() const override;
@@ -58,7 +58,7 @@ class Laser3dNode final : public node::DeviceNode {
   Laser3d driver_;
   serial::SerialLink laser_;
   serial::SerialLink servo_;
-  node::SenderWatch sender_;
+  bus::SenderWatch sender_;
   int laser_baud_;
   std::function<time::Moment()> clock_;
   std::string logged_;

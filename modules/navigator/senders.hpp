@@ -7,8 +7,8 @@
 #include <string>
 
 #include "common/bus/sender.hpp"
+#include "common/bus/sender_watch.hpp"
 #include "common/geometry/time.hpp"
-#include "common/node/sender_watch.hpp"
 #include "modules/navigator/staleness.hpp"
 
 namespace nodmap::navigator {
@@ -45,7 +45,7 @@ class InputSenders {
   [[nodiscard]] std::optional<std::string> contested_channel(const InputStamps& stamps) const;
 
  private:
-  std::array<node::SenderWatch, 6> watches_;  // by input
+  std::array<bus::SenderWatch, 6> watches_;  // by input
 };
 
 }  // namespace nodmap::navigator

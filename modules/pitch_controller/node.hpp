@@ -6,8 +6,8 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "common/bus/followed_sender.hpp"
+#include "common/bus/sender_watch.hpp"
 #include "common/node/node.hpp"
-#include "common/node/sender_watch.hpp"
 #include "common/node/sensor_input.hpp"
 #include "modules/pitch_controller/pitch_controller.hpp"
 #include "nodmap/odometry_t.hpp"
@@ -37,7 +37,7 @@ class PitchControllerNode final : public node::Node {
   node::Context& context_;
   Params params_;
   node::SensorInput input_;
-  bus::FollowedSender pitch_state_sender_{node::SenderWatch::kSilence};
+  bus::FollowedSender pitch_state_sender_{bus::SenderWatch::kSilence};
   node::SequenceCounter pitch_states_;
   PitchController controller_;
   InhibitReason inhibited_ = InhibitReason::kNone;

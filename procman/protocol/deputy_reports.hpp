@@ -8,7 +8,7 @@
 
 #include "common/bus/sender.hpp"
 #include "common/geometry/time.hpp"
-#include "common/node/sender_watch.hpp"
+#include "common/bus/sender_watch.hpp"
 #include "procman/protocol/values.hpp"
 
 namespace nodmap::procman {
@@ -55,7 +55,7 @@ class DeputyReports {
 
  private:
   std::map<std::string, std::optional<Report>> reports_;
-  std::map<std::string, node::SenderWatch> senders_;
+  std::map<std::string, bus::SenderWatch> senders_;
 };
 
 }  // namespace nodmap::procman

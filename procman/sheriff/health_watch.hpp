@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "common/bus/sender.hpp"
+#include "common/bus/sender_watch.hpp"
 #include "common/geometry/time.hpp"
-#include "common/node/sender_watch.hpp"
 #include "procman/config/config.hpp"
 #include "procman/protocol/fleet.hpp"
 
@@ -75,7 +75,7 @@ class HealthWatch {
     std::optional<LastStatus> last;
     std::optional<time::SteadyTime> failed_since;
     std::optional<time::SteadyTime> degraded_since;  // or failed
-    node::SenderWatch sender{kStatusSilence};
+    bus::SenderWatch sender{kStatusSilence};
   };
   struct Patience {
     int doublings = 0;

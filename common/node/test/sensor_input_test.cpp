@@ -105,7 +105,7 @@ TEST_F(SensorInputTest, OneSocketIsFollowedUntilItIsSilent) {
   EXPECT_EQ(counts_.rejected().at("other_sender_of_scan"), 100);
   EXPECT_EQ(counts_.rejected().at("other_sender_of_odometry"), 100);
   EXPECT_EQ(counts_.lost(), 0);
-  now += SenderWatch::kSilence - 11ms;
+  now += bus::SenderWatch::kSilence - 11ms;
   EXPECT_FALSE(reads(other, 100));
   now += 1ms;
   EXPECT_TRUE(reads(other, 100));

@@ -43,7 +43,7 @@ ProcessFeed::Trust ProcessFeed::follow(Senders& senders, const std::string& name
   if (!senders.contains(key) && senders.size() >= ProcessTable::kMaxProcesses) {
     return Trust::kTooMany;
   }
-  node::SenderWatch& watch = senders.try_emplace(key, kReportSilence).first->second;
+  bus::SenderWatch& watch = senders.try_emplace(key, kReportSilence).first->second;
   if (!watch.follow(origin.sender, now)) {
     return Trust::kRefused;
   }

@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "common/bus/bus.hpp"
+#include "common/bus/sender_watch.hpp"
 #include "common/node/message_counts.hpp"
-#include "common/node/sender_watch.hpp"
 #include "modules/viewer/foxglove/process_tables.hpp"
 #include "modules/viewer/foxglove/topic_store.hpp"
 #include "procman/config/config.hpp"
@@ -41,7 +41,7 @@ class ProcessFeed : boost::noncopyable {
   void post_commands(time::Timestamp stamp);
 
   /// The senders of a channel, by the name in the message and the host.
-  using Senders = std::map<std::pair<std::string, std::uint32_t>, node::SenderWatch>;
+  using Senders = std::map<std::pair<std::string, std::uint32_t>, bus::SenderWatch>;
   enum class Trust : std::uint8_t { kAlone, kContested, kRefused, kTooMany };
 
   [[nodiscard]] Trust follow(Senders& senders, const std::string& name) const;

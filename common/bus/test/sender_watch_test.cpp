@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "common/node/sender_watch.hpp"
+#include "common/bus/sender_watch.hpp"
 
 #include <gtest/gtest.h>
 
-namespace nodmap::node {
+namespace nodmap::bus {
 namespace sender_watch_test {
 
 constexpr time::Duration kPeriod = 13'320us;  // 75 Hz
-constexpr bus::Sender kOwn{0x7F000001, 40'000};
-constexpr bus::Sender kOther{0x7F000001, 40'001};
-constexpr bus::Sender kOtherHost{0x7F000002, 40'000};
+constexpr Sender kOwn{0x7F000001, 40'000};
+constexpr Sender kOther{0x7F000001, 40'001};
+constexpr Sender kOtherHost{0x7F000002, 40'000};
 
 /// The first sender alone, from `now` on; the time after its last message.
 time::SteadyTime send(SenderWatch& watch, int count, time::SteadyTime now) {
@@ -21,7 +21,7 @@ time::SteadyTime send(SenderWatch& watch, int count, time::SteadyTime now) {
 }
 
 TEST(SenderWatch, ASecondSenderIsRefusedAndNoticed) {
-  for (const bus::Sender& second : {kOther, kOtherHost}) {
+  for (const Sender& second : {kOther, kOtherHost}) {
     SenderWatch watch;
     time::SteadyTime now = send(watch, 100, {});
     for (int i = 0; i < 100; ++i, now += kPeriod) {
@@ -126,4 +126,4 @@ TEST(SenderWatch, OfRareMessagesOneOfASecondSenderIsNoticed) {
 }
 
 }  // namespace sender_watch_test
-}  // namespace nodmap::node
+}  // namespace nodmap::bus

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "common/node/sender_watch.hpp"
+#include "common/bus/sender_watch.hpp"
 
-namespace nodmap::node {
+namespace nodmap::bus {
 
-bool SenderWatch::follow(const bus::Sender& sender, time::SteadyTime now) {
+bool SenderWatch::follow(const Sender& sender, time::SteadyTime now) {
   if (!followed_.is_alive(now)) {
     strangers_ = 0;  // they were messages of the newly accepted sender
     if (contested_since_ && now < *contested_since_) {
@@ -20,7 +20,7 @@ bool SenderWatch::follow(const bus::Sender& sender, time::SteadyTime now) {
   return true;
 }
 
-void SenderWatch::refuse(const bus::Sender& sender, time::SteadyTime now) {
+void SenderWatch::refuse(const Sender& sender, time::SteadyTime now) {
   if (followed_.is_alive(now) && sender != followed_.sender()) {
     count_stranger(now);
   }
@@ -35,4 +35,4 @@ void SenderWatch::count_stranger(time::SteadyTime now) {
   last_stranger_ = now;
 }
 
-}  // namespace nodmap::node
+}  // namespace nodmap::bus

@@ -8,7 +8,7 @@
 #include "common/bus/sender.hpp"
 #include "common/geometry/time.hpp"
 
-namespace nodmap::node {
+namespace nodmap::bus {
 
 /// Accepts the messages of one sender, and detects a second sender.
 ///
@@ -36,14 +36,14 @@ class SenderWatch {
       : followed_(silence), contested_(std::max(kContested, silence)), strangers_needed_(1) {}
 
   /// Adds a message; returns whether it is from the accepted sender.
-  [[nodiscard]] bool follow(const bus::Sender& sender, time::SteadyTime now);
+  [[nodiscard]] bool follow(const Sender& sender, time::SteadyTime now);
 
   /// Adds a message that is refused for another reason, such as its stamp. It does not show that
   /// its sender is alive, but it may reveal a second sender.
-  void refuse(const bus::Sender& sender, time::SteadyTime now);
+  void refuse(const Sender& sender, time::SteadyTime now);
 
   /// The accepted sender, while it is alive.
-  [[nodiscard]] std::optional<bus::Sender> accepted(time::SteadyTime now) const {
+  [[nodiscard]] std::optional<Sender> accepted(time::SteadyTime now) const {
     return followed_.is_alive(now) ? std::optional(followed_.sender()) : std::nullopt;
   }
 
@@ -55,7 +55,7 @@ class SenderWatch {
  private:
   void count_stranger(time::SteadyTime now);
 
-  bus::FollowedSender followed_{kSilence};
+  FollowedSender followed_{kSilence};
   time::Duration contested_ = kContested;
   int strangers_needed_ = kStrangersOfASecondSender;
   int strangers_ = 0;  // since window_begin_
@@ -64,4 +64,4 @@ class SenderWatch {
   std::optional<time::SteadyTime> contested_since_;
 };
 
-}  // namespace nodmap::node
+}  // namespace nodmap::bus
