@@ -12,7 +12,7 @@
 7. Time is a type (common/geometry/time.hpp): in the rooms of TYPED_TIME no integer of microseconds is declared, but where INTEGER_TIME says so and
    in the modules' tests, which fill messages.
 8. What a test file defines is in a namespace named after the file, as several are compiled as one (nodmap_join_sources).
-9. In common/ and modules/ a member function whose name asks a question (is_, has_, may_) is const.
+9. A function whose name asks a question (is_, has_, may_) changes nothing: as a member it is const, and no argument is a reference to what is not const.
 Besides: every source file names its licence, and a transform is called T_a_b, never a_to_b or a2b.
 """
 import pathlib
@@ -39,8 +39,12 @@ TYPED_TIME = ("bench/", "common/", "drivers/", "modules/", "procman/", "sim/", "
 INTEGER_TIME = ("common/bus/event_log", "common/bus/message_log", "common/formats/", "common/geometry/", "common/node/messages", "common/scan/",
                 "tests/replay/", "tools/convert/", "tools/evaluate/")
 MICROSECONDS = re.compile(r"\bint64_t>?[ &]+(\w+_us_?|k\w+Us)\b")
-# A member function that is not const, but is named like a question.
-QUESTION = re.compile(r"^ +(?:\[\[nodiscard\]\] )?(?:virtual )?bool ((?:is|has|may)_\w+)\([^;{}]*\)(?: override| = 0)*(?:;| \{)", re.M)
+# A function that is named like a question: its name, its parameters, and what stands behind them.
+QUESTION = re.compile(r"^( *)(?:\[\[nodiscard\]\] )?((?:virtual |static |constexpr |inline |friend )*)bool ((?:\w+::)*(?:is|has|may)_\w+)\(([^;{}]*)\)([^;{}()]*)[;{]", re.M)
+# Parameters that a question may change: a cache.
+CACHES = re.compile(r"\bLookup& ")
+# Questions of the process manager that change something, and are to get names that say so.
+NOT_YET_RENAMED = {"is_alone", "is_done", "is_gone", "is_in_sequence", "is_own"}
 BAD_NAME = re.compile(r"\b(base|map|odom|laser|mount|body|sensor|world)(_to_|2)(base|map|odom|laser|mount|body|sensor|world)\b")
 
 
@@ -82,6 +86,21 @@ def include_errors(path, include):
         yield "the simulator includes no driver: a parser's bug must show"
 
 
+def question_errors(path, text):
+    """The functions that are named like a question and change something: line and what is wrong."""
+    for match in QUESTION.finditer(text):
+        indent, specifiers, name, parameters, behind = match.groups()
+        number = 1 + text.count("\n", 0, match.start())
+        if path.parts[0] == "procman" and name.rpartition("::")[2] in NOT_YET_RENAMED:
+            continue
+        is_member = indent and not re.search("static|friend", specifiers)
+        if is_member and "const" not in behind:
+            yield number, f"{name}() asks, so it is const"
+        for parameter in parameters.split(","):
+            if re.search(r"[^&]& ?\w*$", parameter) and "const " not in parameter and not CACHES.search(parameter):
+                yield number, f"{name}() asks, so it changes no argument: {parameter.strip()}"
+
+
 def main():
     errors = []
     for path in sources():
@@ -89,9 +108,7 @@ def main():
         lines = text.splitlines()
         if not lines or "SPDX-License-Identifier: BSD-3-Clause" not in lines[0]:
             errors.append(f"{path}:1: the first line names the licence")
-        if path.parts[0] in ("common", "modules"):
-            errors += [f"{path}:{1 + text.count(chr(10), 0, match.start())}: {match.group(1)}() asks, so it is const"
-                       for match in QUESTION.finditer(text)]
+        errors += [f"{path}:{number}: {error}" for number, error in question_errors(path, text)]
         for number, line in enumerate(lines, 1):
             if BAD_NAME.search(line):
                 errors.append(f"{path}:{number}: write T_a_b: {line.strip()}")

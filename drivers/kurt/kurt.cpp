@@ -67,7 +67,7 @@ void Kurt::take_encoder(const EncoderTicks& ticks, time::SteadyTime arrival,
                         const time::Moment& now) {
   ++counts_.encoder_frames;
   guard_.add(ticks, limiter_.current(), arrival);
-  if (!is_of_use(ticks, arrival)) {
+  if (!accept_ticks(ticks, arrival)) {
     return;
   }
   const EncoderClock::Reading reading = encoder_clock_.take(arrival);
@@ -85,7 +85,7 @@ void Kurt::take_encoder(const EncoderTicks& ticks, time::SteadyTime arrival,
 
 /// Implausible ticks say nothing about the wheels, so they must not keep the robot driving. Too
 /// many in a row are ignored, and the robot stops as if the base were silent.
-bool Kurt::is_of_use(const EncoderTicks& ticks, time::SteadyTime arrival) {
+bool Kurt::accept_ticks(const EncoderTicks& ticks, time::SteadyTime arrival) {
   if (odometry_.is_plausible(ticks)) {
     last_encoder_ = arrival;
     implausible_in_a_row_ = 0;

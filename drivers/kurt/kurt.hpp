@@ -105,8 +105,8 @@ class Kurt {
 
  private:
   void take_encoder(const EncoderTicks& ticks, time::SteadyTime arrival, const time::Moment& now);
-  /// Whether odometry can use these ticks, or bridge them.
-  [[nodiscard]] bool is_of_use(const EncoderTicks& ticks, time::SteadyTime arrival);
+  /// Counts ticks by their plausibility; returns whether odometry can use or bridge them.
+  [[nodiscard]] bool accept_ticks(const EncoderTicks& ticks, time::SteadyTime arrival);
   void take_sensor(const Report& report, time::SteadyTime now);
   void take_ranges(const RangeReadings& ranges, time::SteadyTime now);
 

@@ -27,7 +27,7 @@ std::size_t VisibilityRule::remove_obsolete(ExtendedScan& map, const HeightBand&
                                             const NewScan& scan) {
   std::size_t removed = 0;
   for (EgoPoint& point : map.points()) {
-    if (point.valid && is_obsolete(point, map, band, scan)) {
+    if (point.valid && examine(point, map, band, scan)) {
       point = map.dummy();
       ++removed;
     }
@@ -35,8 +35,8 @@ std::size_t VisibilityRule::remove_obsolete(ExtendedScan& map, const HeightBand&
   return removed;
 }
 
-bool VisibilityRule::is_obsolete(EgoPoint& point, const ExtendedScan& map, const HeightBand& band,
-                                 const NewScan& scan) const {
+bool VisibilityRule::examine(EgoPoint& point, const ExtendedScan& map, const HeightBand& band,
+                             const NewScan& scan) const {
   // No obstacle can be inside the body, and such a point would hide the obstacles behind it.
   if (inner_body_.contains(point.p_base)) {
     return true;

@@ -31,8 +31,9 @@ class VisibilityRule final : public UpdateRule {
   void replace(ExtendedScan& map, const HeightBand& band, const NewScan& scan) override;
 
  private:
-  [[nodiscard]] bool is_obsolete(EgoPoint& point, const ExtendedScan& map, const HeightBand& band,
-                                 const NewScan& scan) const;
+  /// Confirms, contradicts or ages a point; returns whether it is obsolete now.
+  [[nodiscard]] bool examine(EgoPoint& point, const ExtendedScan& map, const HeightBand& band,
+                             const NewScan& scan) const;
   [[nodiscard]] bool is_measured_again(const NewScan& scan,
                                        const ScanLine::Crossing& crossing) const;
   [[nodiscard]] bool is_in_view(const EgoPoint& point, Relevance relevance,

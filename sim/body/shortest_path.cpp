@@ -65,7 +65,7 @@ class FreeCells {
     const auto width = static_cast<std::size_t>(size_.x());
     return {static_cast<int>(index % width), static_cast<int>(index / width)};
   }
-  [[nodiscard]] bool is_free(const Cell& c) {
+  [[nodiscard]] bool is_free(const Cell& c) const {
     if ((c.array() < 0).any() || (c.array() >= size_.array()).any()) {
       return false;
     }
@@ -78,7 +78,7 @@ class FreeCells {
     return known == Known::kFree;
   }
   /// Whether all cells along a straight line are free.
-  [[nodiscard]] bool is_line_free(const Cell& from, const Cell& to) {
+  [[nodiscard]] bool is_line_free(const Cell& from, const Cell& to) const {
     const Eigen::Vector2d along = (to - from).cast<double>();
     const int steps = static_cast<int>(std::ceil(along.cwiseAbs().maxCoeff()));
     for (int i = 1; i <= steps; ++i) {
@@ -103,7 +103,7 @@ class FreeCells {
   double cell_m_;
   Eigen::Vector2d origin_;
   Eigen::Vector2i size_ = Eigen::Vector2i::Zero();
-  std::vector<Known> cells_;
+  mutable std::vector<Known> cells_;  // computed when asked for the first time
 };
 
 double distance(const Cell& a, const Cell& b) {

@@ -49,7 +49,7 @@ class DeputyFixture : public ::testing::Test {
     return client_.wait_until([&] { return client_.runs(order.spec.id); });
   }
 
-  [[nodiscard]] bool is_gone(std::chrono::milliseconds timeout = kPatience) {
+  [[nodiscard]] bool disappears(std::chrono::milliseconds timeout = kPatience) {
     return client_.wait_until([this] { return processes_marked(mark_).empty(); }, timeout);
   }
 

@@ -42,7 +42,7 @@ TEST_F(DeputyLoad, AFloodOfOutputIsLimitedAndDelaysNoOtherCommand) {
   EXPECT_LE(static_cast<double>(client_.output("flood").size()),
             128.0 * 1024.0 + elapsed_s * (64.0 * 1024.0 + 80.0));
   client_.order({wanted("flood", "x", 1, true), wanted("tick", "x", 1, true)});
-  EXPECT_TRUE(is_gone());
+  EXPECT_TRUE(disappears());
   end_cleanly();
 }
 
@@ -127,7 +127,7 @@ TEST_F(DeputyLoad, AHundredProcessesRunAndAreStoppedTogether) {
     order.force_quit = true;
   }
   client_.order(orders);
-  EXPECT_TRUE(is_gone());
+  EXPECT_TRUE(disappears());
   end_cleanly();
 }
 

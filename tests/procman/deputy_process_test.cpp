@@ -210,7 +210,7 @@ TEST_F(DeputyProcess, KilledItsCommandsEndAndTheRestEndsWhenItIsStartedAgain) {
     return !row || row->is_dead();
   })) << "PR_SET_PDEATHSIG";
   begin();
-  EXPECT_TRUE(is_gone());
+  EXPECT_TRUE(disappears());
   end_cleanly();
 }
 

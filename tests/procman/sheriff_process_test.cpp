@@ -238,7 +238,7 @@ class OnATerminal : boost::noncopyable {
     }
     return drawn_;
   }
-  [[nodiscard]] bool has_ended_with(int code) {
+  [[nodiscard]] bool ends_with(int code) {
     int status = 0;
     if (::waitpid(pid_, &status, WNOHANG) != pid_) {
       return false;
@@ -291,7 +291,7 @@ TEST_F(SheriffProcess, TheLiveViewObeysKeysAndRestoresTheTerminal) {
   EXPECT_TRUE(becomes([&] { return client_.runs("talker"); })) << "the first script starts it";
   EXPECT_TRUE(shows("script up is done"));
   view.type("q");
-  EXPECT_TRUE(becomes([&] { return view.has_ended_with(0); }));
+  EXPECT_TRUE(becomes([&] { return view.ends_with(0); }));
   EXPECT_THAT(view.drawn(), ::testing::EndsWith("\x1B[?25h\x1B[?1049l"));
   EXPECT_TRUE(client_.runs("sleeper")) << "the commands keep running";
 }

@@ -2,7 +2,6 @@
 // nodmap-explore: starts an exploration, which ends when everything has been seen and the robot is
 // back; with --end, ends it now.
 #include <CLI/CLI.hpp>
-#include <chrono>
 #include <iostream>
 #include <string>
 
@@ -16,7 +15,7 @@
 namespace nodmap {
 namespace {
 
-constexpr std::chrono::seconds kRepeat(1);
+constexpr time::Duration kRepeat = 1s;
 
 struct Arguments {
   bool is_end = false;
@@ -31,22 +30,22 @@ int run(const Arguments& arguments, const std::string& lcm_url) {
   explore_t message{};
   message.is_active = static_cast<std::int8_t>(!arguments.is_end);
   message.requested_by = arguments.request.by;
-  auto request_due = std::chrono::steady_clock::now();
-  const auto is_done = [&] {
+  time::SteadyTime request_due = time::steady_now();
+  const auto ask_if_due = [&] {
     if (!exploration.get()) {
       return false;
     }
     const std::int8_t state = exploration.get()->state;
     const bool explores = state == exploration_t::EXPLORING || state == exploration_t::RETURNING;
     const bool is_as_asked = explores != arguments.is_end;
-    if (!is_as_asked && std::chrono::steady_clock::now() >= request_due) {
-      request_due = std::chrono::steady_clock::now() + kRepeat;
+    if (!is_as_asked && time::steady_now() >= request_due) {
+      request_due = time::steady_now() + kRepeat;
       message.utime = time::to_utime(time::SystemClock().now());
       bus.publish("EXPLORE", message);
     }
     return is_as_asked;
   };
-  if (node::handle_until(bus, arguments.request.wait_s, is_done)) {
+  if (node::handle_until(bus, arguments.request.wait_s, ask_if_due)) {
     return 0;
   }
   std::cerr << "nodmap-explore: "

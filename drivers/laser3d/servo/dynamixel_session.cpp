@@ -216,7 +216,7 @@ ServoOutput DynamixelSession::take(const DynamixelStatus& answer, time::SteadyTi
   if (!state) {
     return run(now);  // the answer to a move
   }
-  if (has_restarted(*state, now)) {
+  if (watch_for_restart(*state, now)) {
     return fail("the servo has been restarted", now);
   }
   ServoOutput output = run(now);  // the line is free for a move
@@ -271,7 +271,7 @@ ServoOutput DynamixelSession::take(const dynamixel_x::HardwareErrors& errors,
   return step_ == Step::kRun ? run(now) : ask(request(), now);
 }
 
-bool DynamixelSession::has_restarted(const dynamixel_x::State& state, time::SteadyTime now) {
+bool DynamixelSession::watch_for_restart(const dynamixel_x::State& state, time::SteadyTime now) {
   // A servo whose supply failed for a moment answers as before, but has no torque. The jump of its
   // clock reveals it. The threshold is far above any latency.
   constexpr time::Duration kJump = 500ms;

@@ -70,7 +70,8 @@ class DynamixelSession : public ServoSession {
   [[nodiscard]] ServoOutput fail(std::string reason, time::SteadyTime now);
   /// Restarts the servo if it has switched itself off, and otherwise continues.
   [[nodiscard]] ServoOutput take(const dynamixel_x::HardwareErrors& errors, time::SteadyTime now);
-  [[nodiscard]] bool has_restarted(const dynamixel_x::State& state, time::SteadyTime now);
+  /// Follows the clock of the servo; returns whether it has jumped, as it does at a restart.
+  [[nodiscard]] bool watch_for_restart(const dynamixel_x::State& state, time::SteadyTime now);
   /// Converts a reading; empty if the head cannot be at this position.
   [[nodiscard]] std::optional<PitchSample> sample_of(const dynamixel_x::State& state,
                                                      time::SteadyTime first_byte);

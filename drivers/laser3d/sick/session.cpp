@@ -257,7 +257,7 @@ SickOutput SickSession::take_values(const SickTelegram& telegram, time::SteadyTi
     ++counts_.unexpected_scans;
     return {};
   }
-  if (is_frozen(telegram, *scan)) {
+  if (watch_for_frozen_scans(telegram, *scan)) {
     ++counts_.freezes;
     return fail("the measurement is frozen", now);
   }
@@ -273,7 +273,7 @@ bool SickSession::is_expected_count(std::size_t count) const {
   return params_.interlaced ? count == 180 || count == 181 : count == expected;
 }
 
-bool SickSession::is_frozen(const SickTelegram& telegram, const SickScan& scan) {
+bool SickSession::watch_for_frozen_scans(const SickTelegram& telegram, const SickScan& scan) {
   const auto values = ByteView(telegram.data).first(2 + 2 * scan.ranges_m.size());
   // Each interlaced scan is shifted by a quarter of a degree, and the fifth is shifted as the first
   // was: a scan is compared with the last one of the same quarter. Repetitions are counted over all

@@ -78,7 +78,8 @@ class SickSession {
   [[nodiscard]] SickOutput take_values(const SickTelegram& telegram, time::SteadyTime now);
   [[nodiscard]] SickOutput fail(std::string reason, time::SteadyTime now);
   [[nodiscard]] bool is_expected_count(std::size_t count) const;
-  [[nodiscard]] bool is_frozen(const SickTelegram& telegram, const SickScan& scan);
+  /// Compares the scan with the one before; returns whether they have been the same for too long.
+  [[nodiscard]] bool watch_for_frozen_scans(const SickTelegram& telegram, const SickScan& scan);
 
   SickParams params_;
   std::vector<int> candidates_;  // rates to try, the most likely first
