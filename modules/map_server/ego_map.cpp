@@ -10,7 +10,7 @@ EgoMap make_map(const MapServerParams& params, Relevance relevance, double ceili
   const HeightBand band{params.robot.corridor_bottom_m(),
                         std::tan(3.0 * params.noise.pitch_sigma_rad), ceiling_m};
   return {ExtendedScan(AngleBins(params.bins.aperture_rad, params.bins.resolution_rad), relevance),
-          band, make_update_rule(params)};
+          make_update_rule(params, band)};
 }
 
 }  // namespace

@@ -10,12 +10,12 @@
 
 namespace nodmap::map_server {
 
-/// A 2D obstacle map or structure map (paper, III A): an extended scan, the heights of points that
-/// it accepts, and the rule that removes and replaces points.
+/// A 2D obstacle map or structure map (paper, III A): an extended scan, and the rule that removes
+/// and replaces points.
 class EgoMap {
  public:
-  EgoMap(ExtendedScan scan, const HeightBand& band, std::unique_ptr<UpdateRule> rule)
-      : scan_(std::move(scan)), band_(band), rule_(std::move(rule)) {}
+  EgoMap(ExtendedScan scan, std::unique_ptr<UpdateRule> rule)
+      : scan_(std::move(scan)), rule_(std::move(rule)) {}
 
   /// Runs the three steps of III B, in the paper's order, for one scan. `T_now_last` transforms
   /// points from the base frame of the last update to the present one; empty if the robot has not
@@ -25,9 +25,9 @@ class EgoMap {
       scan_.transform(*T_now_last);  // 1) transformation
     }
     if (T_now_last || rule_->removes_while_stationary()) {
-      removed_ += rule_->remove_obsolete(scan_, band_, scan);  // 2) removing obsolete points
+      removed_ += rule_->remove_obsolete(scan_, scan);  // 2) removing obsolete points
     }
-    rule_->replace(scan_, band_, scan);  // 3) point replacement
+    rule_->replace(scan_, scan);  // 3) point replacement
   }
 
   void clear() { scan_.clear(); }
@@ -39,7 +39,6 @@ class EgoMap {
 
  private:
   ExtendedScan scan_;
-  HeightBand band_;
   std::unique_ptr<UpdateRule> rule_;
   std::size_t removed_ = 0;
 };

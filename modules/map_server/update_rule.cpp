@@ -5,8 +5,7 @@
 
 namespace nodmap::map_server {
 
-std::size_t PaperRule::remove_obsolete(ExtendedScan& map, const HeightBand& /*band*/,
-                                       const NewScan& scan) {
+std::size_t PaperRule::remove_obsolete(ExtendedScan& map, const NewScan& scan) {
   std::size_t removed = 0;
   for (EgoPoint& point : map.points()) {
     if (!point.valid) {
@@ -21,20 +20,21 @@ std::size_t PaperRule::remove_obsolete(ExtendedScan& map, const HeightBand& /*ba
   return removed;
 }
 
-void PaperRule::replace(ExtendedScan& map, const HeightBand& band, const NewScan& scan) {
+void PaperRule::replace(ExtendedScan& map, const NewScan& scan) {
   for (const Hit& hit : scan.hits) {
-    if (band.contains(hit.point.height_m, hit.point.distance_m) &&
+    if (band_.contains(hit.point.height_m, hit.point.distance_m) &&
         map.prefers(hit.point.distance_m, map[hit.bin].distance_m)) {
       map[hit.bin] = hit.point;
     }
   }
 }
 
-std::unique_ptr<UpdateRule> make_update_rule(const MapServerParams& params) {
+std::unique_ptr<UpdateRule> make_update_rule(const MapServerParams& params,
+                                             const HeightBand& band) {
   if (params.update.rule == RemovalRule::kPaper) {
-    return std::make_unique<PaperRule>(params.update.expiry_s);
+    return std::make_unique<PaperRule>(band, params.update.expiry_s);
   }
-  return std::make_unique<VisibilityRule>(params.update, params.noise.range_sigma_m,
+  return std::make_unique<VisibilityRule>(params.update, band, params.noise.range_sigma_m,
                                           params.robot.body.footprint());
 }
 

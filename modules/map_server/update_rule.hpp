@@ -47,8 +47,9 @@ struct NewScan {
   double clock_s = 0.0;    ///< time since the first scan: the sum of all elapsed_s
 };
 
-/// Steps 2 and 3 of the map update (paper, III B); step 1 is the same for every rule. Neither step
-/// changes the number of bins, and every point stays in the bin of its bearing.
+/// Steps 2 and 3 of the map update (paper, III B) for one map, whose heights the rule knows; step 1
+/// is the same for every rule. Neither step changes the number of bins, and every point stays in
+/// the bin of its bearing.
 class UpdateRule : boost::noncopyable {
  public:
   virtual ~UpdateRule() = default;
@@ -57,11 +58,10 @@ class UpdateRule : boost::noncopyable {
   [[nodiscard]] virtual bool removes_while_stationary() const = 0;
 
   /// Step 2: replaces obsolete points by dummies; returns their number.
-  virtual std::size_t remove_obsolete(ExtendedScan& map, const HeightBand& band,
-                                      const NewScan& scan) = 0;
+  virtual std::size_t remove_obsolete(ExtendedScan& map, const NewScan& scan) = 0;
 
   /// Step 3: replaces stored points by more relevant points of the scan.
-  virtual void replace(ExtendedScan& map, const HeightBand& band, const NewScan& scan) = 0;
+  virtual void replace(ExtendedScan& map, const NewScan& scan) = 0;
 };
 
 /// Steps 2 and 3 as in the paper: every transformation ages every point, and only a measurement
@@ -73,17 +73,18 @@ class UpdateRule : boost::noncopyable {
 /// robot is stationary nothing is transformed, so nothing ages.
 class PaperRule final : public UpdateRule {
  public:
-  explicit PaperRule(double expiry_s) : expiry_s_(expiry_s) {}
+  PaperRule(const HeightBand& band, double expiry_s) : band_(band), expiry_s_(expiry_s) {}
 
   [[nodiscard]] bool removes_while_stationary() const override { return false; }
-  std::size_t remove_obsolete(ExtendedScan& map, const HeightBand& band,
-                              const NewScan& scan) override;
-  void replace(ExtendedScan& map, const HeightBand& band, const NewScan& scan) override;
+  std::size_t remove_obsolete(ExtendedScan& map, const NewScan& scan) override;
+  void replace(ExtendedScan& map, const NewScan& scan) override;
 
  private:
+  HeightBand band_;
   double expiry_s_;
 };
 
-[[nodiscard]] std::unique_ptr<UpdateRule> make_update_rule(const MapServerParams& params);
+[[nodiscard]] std::unique_ptr<UpdateRule> make_update_rule(const MapServerParams& params,
+                                                           const HeightBand& band);
 
 }  // namespace nodmap::map_server

@@ -16,18 +16,18 @@ constexpr double kSkinM = 0.05;
 
 }  // namespace
 
-VisibilityRule::VisibilityRule(const UpdateParams& params, double range_sigma_m,
-                               const robot::Footprint& body)
+VisibilityRule::VisibilityRule(const UpdateParams& params, const HeightBand& band,
+                               double range_sigma_m, const robot::Footprint& body)
     : params_(params),
+      band_(band),
       same_surface_m_(std::max(3.0 * range_sigma_m, 0.05)),
       passing_m_(3.0 * range_sigma_m + 0.05),
       inner_body_(body.grown(-kSkinM, -kSkinM)) {}
 
-std::size_t VisibilityRule::remove_obsolete(ExtendedScan& map, const HeightBand& band,
-                                            const NewScan& scan) {
+std::size_t VisibilityRule::remove_obsolete(ExtendedScan& map, const NewScan& scan) {
   std::size_t removed = 0;
   for (EgoPoint& point : map.points()) {
-    if (point.valid && examine(point, map, band, scan)) {
+    if (point.valid && examine(point, map, scan)) {
       point = map.dummy();
       ++removed;
     }
@@ -35,8 +35,7 @@ std::size_t VisibilityRule::remove_obsolete(ExtendedScan& map, const HeightBand&
   return removed;
 }
 
-bool VisibilityRule::examine(EgoPoint& point, const ExtendedScan& map, const HeightBand& band,
-                             const NewScan& scan) const {
+bool VisibilityRule::examine(EgoPoint& point, const ExtendedScan& map, const NewScan& scan) const {
   // No obstacle can be inside the body, and such a point would hide the obstacles behind it.
   if (inner_body_.contains(point.p_base)) {
     return true;
@@ -45,7 +44,7 @@ bool VisibilityRule::examine(EgoPoint& point, const ExtendedScan& map, const Hei
   if (!crossing) {
     return false;
   }
-  if (band.contains(crossing->height_m, point.distance_m) && is_measured_again(scan, *crossing)) {
+  if (band_.contains(crossing->height_m, point.distance_m) && is_measured_again(scan, *crossing)) {
     confirm(point, crossing->height_m, scan);
     return false;
   }
@@ -143,9 +142,9 @@ void VisibilityRule::confirm(EgoPoint& point, double height_m, const NewScan& sc
 // As in the paper, the stored distance is the extreme of many readings, which noise keeps about two
 // sigma on the safe side. Averaging would not be safe: as the robot approaches a box, the lowest
 // beam moves along its top away from the robot, and would drag the averaged point along.
-void VisibilityRule::replace(ExtendedScan& map, const HeightBand& band, const NewScan& scan) {
+void VisibilityRule::replace(ExtendedScan& map, const NewScan& scan) {
   for (const Hit& hit : scan.hits) {
-    if (!band.contains(hit.point.height_m, hit.point.distance_m)) {
+    if (!band_.contains(hit.point.height_m, hit.point.distance_m)) {
       continue;
     }
     EgoPoint& stored = map[hit.bin];

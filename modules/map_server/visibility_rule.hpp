@@ -23,17 +23,16 @@ namespace nodmap::map_server {
 ///   remembered.
 class VisibilityRule final : public UpdateRule {
  public:
-  VisibilityRule(const UpdateParams& params, double range_sigma_m, const robot::Footprint& body);
+  VisibilityRule(const UpdateParams& params, const HeightBand& band, double range_sigma_m,
+                 const robot::Footprint& body);
 
   [[nodiscard]] bool removes_while_stationary() const override { return true; }
-  std::size_t remove_obsolete(ExtendedScan& map, const HeightBand& band,
-                              const NewScan& scan) override;
-  void replace(ExtendedScan& map, const HeightBand& band, const NewScan& scan) override;
+  std::size_t remove_obsolete(ExtendedScan& map, const NewScan& scan) override;
+  void replace(ExtendedScan& map, const NewScan& scan) override;
 
  private:
   /// Confirms, contradicts or ages a point; returns whether it is obsolete now.
-  [[nodiscard]] bool examine(EgoPoint& point, const ExtendedScan& map, const HeightBand& band,
-                             const NewScan& scan) const;
+  [[nodiscard]] bool examine(EgoPoint& point, const ExtendedScan& map, const NewScan& scan) const;
   [[nodiscard]] bool is_measured_again(const NewScan& scan,
                                        const ScanLine::Crossing& crossing) const;
   [[nodiscard]] bool is_in_view(const EgoPoint& point, Relevance relevance,
@@ -48,6 +47,7 @@ class VisibilityRule final : public UpdateRule {
   static void confirm(EgoPoint& point, double height_m, const NewScan& scan);
 
   UpdateParams params_;
+  HeightBand band_;
   double same_surface_m_;        // readings closer together than this are of the same surface
   double passing_m_;             // beams that reach this far beyond a point have passed it
   robot::Footprint inner_body_;  // the body without an outer margin for the odometry error

@@ -53,12 +53,12 @@ class NotingRule final : public UpdateRule {
  public:
   explicit NotingRule(std::vector<std::string>& notes) : notes_(&notes) {}
   [[nodiscard]] bool removes_while_stationary() const override { return false; }
-  std::size_t remove_obsolete(ExtendedScan& map, const HeightBand&, const NewScan&) override {
+  std::size_t remove_obsolete(ExtendedScan& map, const NewScan&) override {
     notes_->push_back("remove, finds " + point_ahead(map));
     map[*map.bins().index(0.0)] = map.dummy();
     return 1;
   }
-  void replace(ExtendedScan& map, const HeightBand&, const NewScan& scan) override {
+  void replace(ExtendedScan& map, const NewScan& scan) override {
     notes_->push_back("replace, finds " + point_ahead(map));
     map[scan.hits[0].bin] = scan.hits[0].point;
   }
@@ -72,7 +72,7 @@ class NotingRule final : public UpdateRule {
 };
 
 EgoMap noting_map(std::vector<std::string>& notes) {
-  return {ExtendedScan(AngleBins(2 * geometry::kPi, 0.1), Relevance::kNearest), HeightBand{},
+  return {ExtendedScan(AngleBins(2 * geometry::kPi, 0.1), Relevance::kNearest),
           std::make_unique<NotingRule>(notes)};
 }
 
@@ -189,13 +189,13 @@ int updates_until_gone(EgoMap map, double period_s) {
 class CountingRule final : public UpdateRule {
  public:
   [[nodiscard]] bool removes_while_stationary() const override { return false; }
-  std::size_t remove_obsolete(ExtendedScan& map, const HeightBand&, const NewScan&) override {
+  std::size_t remove_obsolete(ExtendedScan& map, const NewScan&) override {
     if (++transformations_ > 500) {
       map.clear();
     }
     return 0;
   }
-  void replace(ExtendedScan& map, const HeightBand&, const NewScan& scan) override {
+  void replace(ExtendedScan& map, const NewScan& scan) override {
     for (const Hit& hit : scan.hits) {
       map[hit.bin] = hit.point;
     }
@@ -206,7 +206,7 @@ class CountingRule final : public UpdateRule {
 };
 
 EgoMap counting_map() {
-  return {ExtendedScan(AngleBins(2 * geometry::kPi, 0.1), Relevance::kNearest), HeightBand{},
+  return {ExtendedScan(AngleBins(2 * geometry::kPi, 0.1), Relevance::kNearest),
           std::make_unique<CountingRule>()};
 }
 

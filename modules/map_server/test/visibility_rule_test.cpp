@@ -66,7 +66,7 @@ class OnePoint {
  public:
   /// `between`: the point is this fraction of a degree to the left of beam kBeam.
   OnePoint(const UpdateParams& params, double between, Relevance relevance = Relevance::kNearest)
-      : rule_(params, kSigmaM, {0.2, 0.2}),
+      : rule_(params, kBand, kSigmaM, {0.2, 0.2}),
         map_(AngleBins(2.0 * geometry::kPi, deg_to_rad(1)), relevance) {
     const double bearing_rad = deg_to_rad(-90.0 + static_cast<double>(kBeam) + between);
     p_base_ = kDistanceM * Eigen::Vector2d(std::cos(bearing_rad), std::sin(bearing_rad));
@@ -101,7 +101,7 @@ class OnePoint {
     NewScan now = new_scan(scan);
     now.sweep = look.sweep;
     now.elapsed_s = look.elapsed_s;
-    return rule_.remove_obsolete(map_, kBand, now);
+    return rule_.remove_obsolete(map_, now);
   }
 
   /// Performs step 3 with one hit at this distance in the point's direction.
@@ -112,7 +112,7 @@ class OnePoint {
     NewScan now = new_scan(no_scan);
     now.hits = hits;
     now.sweep = 9;
-    rule_.replace(map_, kBand, now);
+    rule_.replace(map_, now);
   }
 
   [[nodiscard]] const EgoPoint& point() const { return map_[bin_]; }
@@ -312,7 +312,7 @@ TEST(VisibilityRule, PointsOutOfViewDoNotChange) {
 TEST(VisibilityRule, TheBodyOfTheRobotRemovesPointsInsideIt) {
   // 5 cm of the body's outer 20 cm allow for the error of odometry.
   for (const auto& [x_m, is_kept] : {std::pair(0.14, false), std::pair(0.16, true)}) {
-    VisibilityRule rule({}, kSigmaM, {0.2, 0.2});
+    VisibilityRule rule({}, kBand, kSigmaM, {0.2, 0.2});
     ExtendedScan map(AngleBins(2.0 * geometry::kPi, deg_to_rad(1)), Relevance::kNearest);
     const std::size_t bin = *map.bins().index(0.0);
     map[bin] = EgoPoint::at({x_m, 0.0}, 0.1);
@@ -324,7 +324,7 @@ TEST(VisibilityRule, TheBodyOfTheRobotRemovesPointsInsideIt) {
                       .highest_plane = std::nullopt,
                       .elapsed_s = 0.0,
                       .clock_s = 0.0};
-    EXPECT_EQ(rule.remove_obsolete(map, kBand, now), is_kept ? 0U : 1U);
+    EXPECT_EQ(rule.remove_obsolete(map, now), is_kept ? 0U : 1U);
     EXPECT_EQ(map[bin].valid, is_kept);
   }
 }
