@@ -15,7 +15,9 @@ class MessageCounts {
  public:
   void use() { ++used_; }
 
-  /// Counts a message that was valid but could not be used; `cause` is a snake_case word.
+  /// Counts a message that was valid but could not be used. `cause` is in snake_case; the frequent
+  /// ones are `implausible_` and what it is, such as `implausible_scan`, and
+  /// `scan_without_odometry`.
   void reject(std::string_view cause) {
     const auto found = rejected_.find(cause);
     if (found != rejected_.end()) {

@@ -23,7 +23,7 @@ const char* name_of(DriveStatus status) {
     case DriveStatus::kNotFinite:
       return "drive_not_finite";
     case DriveStatus::kImplausible:
-      return "drive_implausible";
+      return "implausible_drive";
     case DriveStatus::kStale:
       return "drive_stale";
     case DriveStatus::kFromFuture:

@@ -62,7 +62,7 @@ void MapServerNode::on_scan(const nodmap::scan_t& message) {
   const auto T_odom_base = pose_at(scan_.mid_stamp());
   last_scan_had_odometry_ = T_odom_base.has_value();
   if (!T_odom_base) {
-    context_.counts.reject("no_odometry");
+    context_.counts.reject("scan_without_odometry");
     return;
   }
   // From here on, heights in base are heights above the ground.

@@ -126,7 +126,7 @@ void Slam2dNode::find_in_saved_map() {
   search_metrics_ = search_->localiser.metrics();
   search_scan_counts_ = search_->localiser.scan_counts();
   if (search_scan_counts_.without_odometry > before.without_odometry) {
-    context_.counts.reject("no_odometry");
+    context_.counts.reject("scan_without_odometry");
   }
   if (!update) {
     return;
@@ -144,7 +144,7 @@ void Slam2dNode::find_in_saved_map() {
 
 void Slam2dNode::count_rejected(const ScanCounts& before, std::int64_t without_points_before) {
   if (slam_.scan_counts().without_odometry > before.without_odometry) {
-    context_.counts.reject("no_odometry");
+    context_.counts.reject("scan_without_odometry");
   }
   if (slam_.metrics().scans_without_points > without_points_before) {
     context_.counts.reject("too_few_points");

@@ -150,7 +150,7 @@ void Slam6dNode::count_scans() {
     context_.counts.use();
   }
   for (std::size_t i = 0; i < without_pose; ++i) {
-    context_.counts.reject("no_odometry");
+    context_.counts.reject("scan_without_odometry");
   }
   counted_ = scans;
 }

@@ -15,13 +15,13 @@ constexpr std::int64_t kGreatest = std::numeric_limits<std::int64_t>::max();
 TEST(MessageCounts, CountsByCause) {
   MessageCounts counts;
   counts.use();
-  counts.reject("no_odometry");
-  counts.reject("no_odometry");
+  counts.reject("scan_without_odometry");
+  counts.reject("scan_without_odometry");
   counts.reject("implausible_scan");
   counts.lose(3);
   EXPECT_EQ(counts.used(), 1);
   EXPECT_EQ(counts.total_rejected(), 3);
-  EXPECT_EQ(counts.rejected().at("no_odometry"), 2);
+  EXPECT_EQ(counts.rejected().at("scan_without_odometry"), 2);
   EXPECT_EQ(counts.lost(), 3);
 }
 

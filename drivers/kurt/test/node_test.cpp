@@ -241,7 +241,7 @@ TEST(KurtNode, RefusedCommandsAreCountedByCause) {
   bench.step();
   EXPECT_EQ(bench.counts.used(), used + 1);
   EXPECT_EQ(bench.counts.rejected().at("drive_not_finite"), 1);
-  EXPECT_EQ(bench.counts.rejected().at("drive_implausible"), 1);
+  EXPECT_EQ(bench.counts.rejected().at("implausible_drive"), 1);
   EXPECT_EQ(bench.counts.rejected().at("drive_stale"), 1);
 }
 

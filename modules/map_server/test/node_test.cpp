@@ -70,7 +70,7 @@ TEST_F(MapServerNodeTest, PublishesBothMapsAfterEveryScan) {
 TEST_F(MapServerNodeTest, WithoutOdometryNothingIsPublished) {
   bus_.deliver("SCAN", next_scan());
   EXPECT_TRUE(maps_on("OBSTACLE_MAP").empty());
-  EXPECT_EQ(rejected("no_odometry"), 1);
+  EXPECT_EQ(rejected("scan_without_odometry"), 1);
   EXPECT_EQ(node_.health().state, node::HealthState::kDegraded);
 }
 
@@ -81,7 +81,7 @@ TEST_F(MapServerNodeTest, PublishesNothingAfterOdometryHasEnded) {
   }
   // 50 ms are four scans of 13.32 ms, counted to the middle of each.
   EXPECT_EQ(maps_on("OBSTACLE_MAP").size(), 4U);
-  EXPECT_EQ(rejected("no_odometry"), 16);
+  EXPECT_EQ(rejected("scan_without_odometry"), 16);
 }
 
 class StationaryNodeTest : public MapServerNodeTest {

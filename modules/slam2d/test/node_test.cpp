@@ -206,7 +206,7 @@ TEST_F(Slam2dNodeTest, CountsRejectedMessagesByCause) {
   tilted.pitch_first_rad = tilted.pitch_last_rad = -0.3;
   bus_.deliver("SCAN", node::write_scan(tilted));
 
-  EXPECT_EQ(counts_.rejected().at("no_odometry"), 1);
+  EXPECT_EQ(counts_.rejected().at("scan_without_odometry"), 1);
   EXPECT_EQ(counts_.rejected().at("implausible_scan"), 1);
   EXPECT_EQ(counts_.rejected().at("implausible_odometry"), 1);
   EXPECT_EQ(counts_.rejected().at("too_few_points"), 1);
@@ -334,7 +334,7 @@ TEST_F(Slam2dNodeTest, RejectsScansBetweenTwoOdometryFrames) {
   put_odometry(390ms, {});
   put_odometry(400ms, {});
   put_scan(200ms, {});
-  EXPECT_EQ(counts_.rejected().at("no_odometry"), 1);
+  EXPECT_EQ(counts_.rejected().at("scan_without_odometry"), 1);
   EXPECT_EQ(bus_.sent<nodmap::pose_t>("POSE_2D").size(), 1U);
 }
 

@@ -184,7 +184,7 @@ TEST(Slam6dNode, WithoutOdometryScansAreRejectedUnlessStationaryIsAssumed) {
   log.add_drive(false);
   log.close();
   const Outcome rejected = replay(dir.path(), "still", {});
-  EXPECT_EQ(rejected.counts.rejected().at("no_odometry"), 320);
+  EXPECT_EQ(rejected.counts.rejected().at("scan_without_odometry"), 320);
   EXPECT_EQ(rejected.health.state, node::HealthState::kDegraded);
   fs::remove_all(dir.path() / "out_still");
   const Outcome stationary = replay(dir.path(), "still", {.assume_stationary = true});
