@@ -15,17 +15,19 @@ class MessageCounts {
  public:
   void use() { ++used_; }
 
-  /// Counts a message that was valid but could not be used. `cause` is in snake_case; the frequent
+  /// Counts messages that were valid but could not be used. `cause` is in snake_case; the frequent
   /// ones are `implausible_` and what it is, such as `implausible_scan`, and
   /// `scan_without_odometry`.
-  void reject(std::string_view cause) {
-    const auto found = rejected_.find(cause);
-    if (found != rejected_.end()) {
-      ++found->second;
-    } else {
-      rejected_.emplace(cause, 1);
+  void reject(std::string_view cause, std::int64_t count = 1) {
+    if (count == 0) {
+      return;
     }
-    ++total_rejected_;
+    auto found = rejected_.find(cause);
+    if (found == rejected_.end()) {
+      found = rejected_.emplace(cause, 0).first;
+    }
+    found->second += count;
+    total_rejected_ += count;
   }
 
   /// Saturates at the greatest number, because foreign sequence numbers may claim any loss.

@@ -9,13 +9,11 @@
 namespace nodmap::logger {
 namespace {
 
-using std::chrono::milliseconds;
-
 // Together with Recorder::kFlushPeriod, limits how long an event waits for its flush.
-constexpr milliseconds kWait = 20ms;
+constexpr std::chrono::milliseconds kWait = 20ms;
 // A thread of the bus reads messages from the socket. When none has arrived for this long after the
 // signal, no received message is left in it.
-constexpr milliseconds kSilence = 100ms;
+constexpr std::chrono::milliseconds kSilence = 100ms;
 // Other processes may continue to send; this limit ends the work within the second that a process
 // has to stop.
 constexpr time::Duration kDrainLimit = 600ms;
@@ -41,7 +39,7 @@ void Logger::run() {
 }
 
 /// Returns the number of messages that were handled.
-int Logger::work(milliseconds wait) {
+int Logger::work(std::chrono::milliseconds wait) {
   const int handled = bus_.handle(wait);
   recorder_.tick();
   status_.publish_if_due(recorder_.health());
@@ -56,9 +54,7 @@ void Logger::take(const bus::LiveBus::RawMessage& message) {
   }
   const std::int64_t dropped_before = recorder_.counts().dropped;
   recorder_.record(message.received, message.channel, message.data);
-  for (std::int64_t i = dropped_before; i < recorder_.counts().dropped; ++i) {
-    counts_.reject("no_room");
-  }
+  counts_.reject("no_room", recorder_.counts().dropped - dropped_before);
 }
 
 /// Records everything that this host received before the signal.

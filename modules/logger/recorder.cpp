@@ -14,7 +14,8 @@ namespace {
 
 constexpr const char* kReserveReached = "the disk is full except for its reserve";
 
-/// Whether a period has passed, or the clock was set back, so that the work continues then.
+/// Whether a period has passed. Also when the clock was set back, however little (unlike
+/// time::is_due): the disk must have everything after a second.
 bool has_passed(time::Duration period, time::Timestamp since, time::Timestamp now) {
   const time::Duration elapsed = now - since;
   return elapsed < 0us || elapsed >= period;
@@ -46,7 +47,7 @@ void Recorder::record(time::Timestamp received, const std::string& channel,
   if (writer_ && must_split(writer_->size_bytes(), event_bytes, settings_.split_bytes)) {
     if (flush()) {
       sync();
-      try_again();
+      begin_next_file();
     }
   }
   if (!writer_) {
@@ -68,7 +69,7 @@ void Recorder::tick() {
     }
   } else if (!writer_ && has_passed(back_off_, failed_, now)) {
     back_off_ = std::min(2 * back_off_, kMaxBackOff);
-    try_again();
+    begin_next_file();
   }
 }
 
@@ -154,7 +155,7 @@ bool Recorder::make_room() {
   return has_room();
 }
 
-void Recorder::try_again() {
+void Recorder::begin_next_file() {
   if (!make_room()) {
     fail(kReserveReached);
     return;
@@ -168,7 +169,7 @@ void Recorder::try_again() {
 
 void Recorder::fail(const std::string& cause) {
   if (writer_) {
-    keep_what_is_whole();
+    truncate_to_whole_events();
   }
   failed_ = clock_.now();
   failure_ = "cannot record into " + settings_.dir.string() + ": " + cause;
@@ -178,9 +179,8 @@ void Recorder::fail(const std::string& cause) {
 
 /// Truncates the file after its last complete event, and counts the events that did not reach it as
 /// dropped. Removes a file without events, so that a full disk does not collect empty files.
-void Recorder::keep_what_is_whole() {
-  const auto first_lost = std::upper_bound(unflushed_ends_bytes_.begin(),
-                                           unflushed_ends_bytes_.end(), writer_->size_bytes());
+void Recorder::truncate_to_whole_events() {
+  const auto first_lost = std::ranges::upper_bound(unflushed_ends_bytes_, writer_->size_bytes());
   if (first_lost != unflushed_ends_bytes_.begin()) {
     flushed_bytes_ = *std::prev(first_lost);
   }

@@ -75,11 +75,11 @@ class Recorder : private boost::noncopyable {
   void begin_file();
   bool flush();
   void sync();
-  void try_again();
+  void begin_next_file();
   [[nodiscard]] bool has_room() const;
   [[nodiscard]] bool make_room();
   void fail(const std::string& cause);
-  void keep_what_is_whole();
+  void truncate_to_whole_events();
   void keep_quota();
   [[nodiscard]] std::int64_t allowed_bytes() const;
   [[nodiscard]] std::vector<std::string> kept_files(const std::vector<SizedFile>& files) const;

@@ -18,9 +18,13 @@ TEST(MessageCounts, CountsByCause) {
   counts.reject("scan_without_odometry");
   counts.reject("scan_without_odometry");
   counts.reject("implausible_scan");
+  counts.reject("no_room", 4);
+  counts.reject("disk_is_away", 0);
   counts.lose(3);
   EXPECT_EQ(counts.used(), 1);
-  EXPECT_EQ(counts.total_rejected(), 3);
+  EXPECT_EQ(counts.total_rejected(), 7);
+  EXPECT_EQ(counts.rejected().at("no_room"), 4);
+  EXPECT_EQ(counts.rejected().count("disk_is_away"), 0U);
   EXPECT_EQ(counts.rejected().at("scan_without_odometry"), 2);
   EXPECT_EQ(counts.lost(), 3);
 }
