@@ -71,14 +71,6 @@ ServoCounts DynamixelSession::line_counts() const {
           .implausible = counts_.implausible};
 }
 
-void DynamixelSession::aim(double goal_rad, double speed_rad_s) {
-  if (goal_rad != goal_rad_ || speed_rad_s != speed_rad_s_) {
-    goal_rad_ = goal_rad;
-    speed_rad_s_ = speed_rad_s;
-    move_pending_ = true;
-  }
-}
-
 ServoOutput DynamixelSession::poll(time::SteadyTime now) {
   if (step_ == Step::kClosed) {
     return {};
@@ -115,13 +107,12 @@ bool DynamixelSession::is_expected(const DynamixelStatus& answer) const {
 }
 
 ServoOutput DynamixelSession::run(time::SteadyTime now) {
-  if (move_pending_) {
-    move_pending_ = false;
-    const double steps =
-        (params_.dynamixel.inverted ? -goal_rad_ : goal_rad_) / dynamixel_x::kRadPerStep;
+  if (aim_.take()) {
+    const double steps = (params_.dynamixel.inverted ? -aim_.goal_rad() : aim_.goal_rad()) /
+                         dynamixel_x::kRadPerStep;
     const auto position =
         params_.dynamixel.level_position + static_cast<std::int32_t>(std::lround(steps));
-    return ask(dynamixel_x::move_to(id_, position, speed_rad_s_), now);
+    return ask(dynamixel_x::move_to(id_, position, aim_.speed_rad_s()), now);
   }
   if (now < next_reading_) {
     return {};
@@ -183,7 +174,7 @@ ServoOutput DynamixelSession::missed(time::SteadyTime now) {
   }
   if (step_ == Step::kRun) {
     waiting_ = false;
-    move_pending_ = true;  // the lost request may have been a move
+    aim_.repeat();  // the lost request may have been a move
     return run(now);
   }
   return ask(request(), now);
@@ -253,7 +244,7 @@ ServoOutput DynamixelSession::advance(const DynamixelStatus& answer, time::Stead
   ++counts_.connections;
   sync_.reset();
   started_.reset();
-  move_pending_ = speed_rad_s_ > 0.0;
+  aim_.restart();
   next_reading_ = now;
   step_ = Step::kRun;
   return run(now);

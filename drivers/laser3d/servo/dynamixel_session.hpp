@@ -31,7 +31,7 @@ class DynamixelSession : public ServoSession {
   void close() override;
   [[nodiscard]] ServoOutput poll(time::SteadyTime now) override;
   [[nodiscard]] ServoOutput receive(ByteView bytes, time::SteadyTime now) override;
-  void aim(double goal_rad, double speed_rad_s) override;
+  void aim(double goal_rad, double speed_rad_s) override { aim_.set(goal_rad, speed_rad_s); }
 
   [[nodiscard]] bool running() const override { return step_ == Step::kRun && last_error_.empty(); }
   [[nodiscard]] bool measures_pitch() const override { return true; }
@@ -89,9 +89,7 @@ class DynamixelSession : public ServoSession {
   time::SteadyTime next_reading_;
   int misses_ = 0;                           // in a row
   std::optional<time::SteadyTime> started_;  // when the servo's tick was 0, by the last reading
-  double goal_rad_ = 0.0;
-  double speed_rad_s_ = 0.0;
-  bool move_pending_ = false;
+  PendingAim aim_;
   time::SteadyTime next_alert_check_;
   std::string last_error_ = "not connected";
   std::string warning_;

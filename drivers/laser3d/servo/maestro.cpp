@@ -69,7 +69,7 @@ ServoOutput MaestroSession::open(time::SteadyTime now) {
   misses_ = 0;
   last_.reset();
   next_ = now;
-  move_pending_ = speed_rad_s_ > 0.0;
+  aim_.restart();
   back_off_.succeeded();
   return {.send = maestro::set_acceleration(channel_, 0), .sample = std::nullopt};
 }
@@ -77,14 +77,6 @@ ServoOutput MaestroSession::open(time::SteadyTime now) {
 void MaestroSession::close() {
   open_ = false;
   last_error_ = "not connected";
-}
-
-void MaestroSession::aim(double goal_rad, double speed_rad_s) {
-  if (goal_rad != goal_rad_ || speed_rad_s != speed_rad_s_) {
-    goal_rad_ = goal_rad;
-    speed_rad_s_ = speed_rad_s;
-    move_pending_ = true;
-  }
 }
 
 ServoOutput MaestroSession::poll(time::SteadyTime now) {
@@ -100,10 +92,9 @@ ServoOutput MaestroSession::poll(time::SteadyTime now) {
     return output;
   }
   next_ = std::max(next_ + period_, now);
-  if (move_pending_) {
-    move_pending_ = false;
-    const double pulse_us = level_us_ + us_per_rad_ * goal_rad_;
-    const double speed_us_s = std::abs(us_per_rad_) * speed_rad_s_;
+  if (aim_.take()) {
+    const double pulse_us = level_us_ + us_per_rad_ * aim_.goal_rad();
+    const double speed_us_s = std::abs(us_per_rad_) * aim_.speed_rad_s();
     output.send = maestro::set_speed(channel_, speed_us_s);
     const Bytes target = maestro::set_target(channel_, pulse_us);
     serial::append(output.send, target);
@@ -151,7 +142,7 @@ std::optional<PitchSample> MaestroSession::sample_in(ByteView answer, time::Stea
   const double pulse_us = maestro::pulse_us_in(answer);
   if (pulse_us < kShortestPulseUs) {
     misses_ = 0;
-    move_pending_ = true;  // the controller has been restarted
+    aim_.repeat();  // the controller has been restarted
     return std::nullopt;
   }
   const double pitch_rad = (pulse_us - level_us_) / us_per_rad_;

@@ -33,7 +33,7 @@ class MaestroSession : public ServoSession {
   void close() override;
   [[nodiscard]] ServoOutput poll(time::SteadyTime now) override;
   [[nodiscard]] ServoOutput receive(ByteView bytes, time::SteadyTime now) override;
-  void aim(double goal_rad, double speed_rad_s) override;
+  void aim(double goal_rad, double speed_rad_s) override { aim_.set(goal_rad, speed_rad_s); }
 
   [[nodiscard]] bool running() const override { return open_ && last_error_.empty(); }
   [[nodiscard]] bool measures_pitch() const override { return false; }
@@ -57,9 +57,7 @@ class MaestroSession : public ServoSession {
   ServoCounts counts_;
   Bytes answer_;
   std::optional<PitchSample> last_;
-  double goal_rad_ = 0.0;
-  double speed_rad_s_ = 0.0;
-  bool move_pending_ = false;
+  PendingAim aim_;
   std::string last_error_ = "not connected";
 };
 

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "common/geometry/time.hpp"
 #include "drivers/serial/frame_scanner.hpp"
@@ -78,6 +79,32 @@ struct PitchSample {
 struct ServoOutput {
   Bytes send;
   std::optional<PitchSample> sample;
+};
+
+/// Where the head is to be, and whether the servo has still to be told.
+class PendingAim {
+ public:
+  void set(double goal_rad, double speed_rad_s) {
+    if (goal_rad != goal_rad_ || speed_rad_s != speed_rad_s_) {
+      goal_rad_ = goal_rad;
+      speed_rad_s_ = speed_rad_s;
+      is_pending_ = true;
+    }
+  }
+  /// The servo has to be told again.
+  void repeat() { is_pending_ = true; }
+  /// The servo has just been initialised: it is told only if it is to move.
+  void restart() { is_pending_ = speed_rad_s_ > 0.0; }
+  /// Returns whether the servo has to be told, which the caller does then.
+  [[nodiscard]] bool take() { return std::exchange(is_pending_, false); }
+
+  [[nodiscard]] double goal_rad() const { return goal_rad_; }
+  [[nodiscard]] double speed_rad_s() const { return speed_rad_s_; }
+
+ private:
+  double goal_rad_ = 0.0;
+  double speed_rad_s_ = 0.0;
+  bool is_pending_ = false;
 };
 
 /// Counts of errors on the servo's line.
