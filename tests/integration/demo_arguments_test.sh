@@ -51,7 +51,7 @@ done
 [[ "$(cat README.md docs/*.md | cksum)" == "$before" ]] || fail "the documents have changed"
 # An event log is recognised by its contents.
 printf '\xed\xa1\xda\x01' >"$work/recording"
-scripts/demo.sh --check-arguments "$work/recording" --out "$work/new"
+scripts/demo_recording.sh --check-arguments "$work/recording" --out "$work/new"
 [[ ! -e "$work/new" ]] || fail "a check has made a folder"
 
 # Paths are those of the shell that calls, whatever its folder.

@@ -77,7 +77,7 @@ page_answers "$work/done.log" || fail "the demo's page does not answer"
 # On the bus of a robot nothing else starts, neither a second one nor a recording; the robot is not disturbed.
 wait_for "driving for"
 printf '\xed\xa1\xda\x01' >"$work/recording"
-for second in "demo_sim.sh --duration 1" "demo.sh $work/recording"; do
+for second in "demo_sim.sh --duration 1" "demo_recording.sh $work/recording"; do
   code=0
   # shellcheck disable=SC2086  # a command line
   scripts/$second --out "$work/second" >"$work/second.log" 2>&1 || code=$?
@@ -102,7 +102,7 @@ grep -q "page on http" "$work/again.log" || { cat "$work/again.log"; fail "that 
 
 # Played to the demo, its log gives the measurements alone: no commands, and nothing of the processes that ran then.
 log=$(echo "$work"/done/logger/lcmlog-*)
-scripts/demo.sh "$log" --speed 4 --out "$work/played" >"$work/played.log" 2>&1 || { cat "$work/played.log"; fail "its log is not played"; }
+scripts/demo_recording.sh "$log" --speed 4 --out "$work/played" >"$work/played.log" 2>&1 || { cat "$work/played.log"; fail "its log is not played"; }
 channels() { "$bin/nodmap-convert" info "$1" | awk '{print $1}'; }
 channels "$log" >"$work/recorded"
 channels "$work"/played/logger/lcmlog-* >"$work/channels"

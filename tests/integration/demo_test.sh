@@ -16,7 +16,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 unset LCM_DEFAULT_URL
 
-scripts/demo.sh "$data" --out "$work/demo"
+scripts/demo_recording.sh "$data" --out "$work/demo"
 
 fail() { echo "FAILED: $*"; exit 1; }
 for module in slam2d slam6d; do

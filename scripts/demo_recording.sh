@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
 # The system on a recording: every process by itself, the recording played over LCM. Called by ./nodmap demo.
-#   scripts/demo.sh [--check-arguments] RECORDING [--speed FACTOR] [--out DIR]
+#   scripts/demo_recording.sh [--check-arguments] RECORDING [--speed FACTOR] [--out DIR]
 set -euo pipefail
 # First of all: without a trap bash goes on after a Ctrl-C if the command that it waits for has just ended by itself.
 trap 'exit 130' INT
@@ -132,5 +132,5 @@ player=
 
 say "stopping the processes"
 stop_all || die "not every process ended cleanly"
-python3 scripts/demo_summary.py "$out"
+python3 scripts/demo_recording_summary.py "$out"
 say "to see it again: $bin/nodmap-viewer --replay $(find "$out/logger" -type f | sort | tail -n 1), and a browser on http://127.0.0.1:8765/"
