@@ -28,7 +28,6 @@ endif()
 # Most of a compilation is reading headers, so those that nearly every source includes are read once: the standard library
 # and Eigen for what is shipped, CLI11 besides for programs, GoogleTest for tests. A source still includes what it uses.
 # Tests are not measured and are compiled with -O1, which takes half the time of -O3.
-find_package(Threads REQUIRED)
 target_link_libraries(nodmap_options INTERFACE Threads::Threads)
 target_compile_options(nodmap_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)
 # LCM's own options say -pthread, and neither compiler takes a precompiled header that was made without it: so every target is told.
