@@ -166,7 +166,9 @@ struct Exploration {
 /// second; there is a scan every 0.3 m or 15 degrees.
 inline Exploration explore(GridWorld& world, const ExplorerParams& params, double max_s) {
   constexpr double kStepS = 0.1;
-  constexpr double kAheadM = 0.15;
+  constexpr double kAheadM = 0.15;  // of the point of the path that the robot steers to
+  constexpr double kStepRad = geometry::deg_to_rad(60.0) * kStepS;
+  constexpr double kOnTheSpotRad = 0.6;  // if it must rotate by more, it does not drive meanwhile
   const std::vector<std::size_t> floor = world.floor({0.0, 0.0});
   Explorer explorer(params);
   explorer.start();
@@ -176,7 +178,8 @@ inline Exploration explore(GridWorld& world, const ExplorerParams& params, doubl
   Exploration result;
   for (int step = 0; kStepS * step < max_s && explorer.state() != State::kHome; ++step) {
     if (std::hypot(T_map_base.x - scanned_at.x, T_map_base.y - scanned_at.y) > 0.3 ||
-        std::abs(geometry::angle_difference(T_map_base.yaw, scanned_at.yaw)) > 0.26) {
+        std::abs(geometry::angle_difference(T_map_base.yaw, scanned_at.yaw)) >
+            geometry::deg_to_rad(15.0)) {
       world.scan(T_map_base);
       scanned_at = T_map_base;
     }
@@ -198,8 +201,9 @@ inline Exploration explore(GridWorld& world, const ExplorerParams& params, doubl
     }
     const Eigen::Vector2d to = *ahead - p;
     const double off_rad = geometry::angle_difference(std::atan2(to.y(), to.x()), T_map_base.yaw);
-    T_map_base.yaw = geometry::normalize_angle(T_map_base.yaw + std::clamp(off_rad, -0.1, 0.1));
-    if (std::abs(off_rad) < 0.6) {
+    T_map_base.yaw =
+        geometry::normalize_angle(T_map_base.yaw + std::clamp(off_rad, -kStepRad, kStepRad));
+    if (std::abs(off_rad) < kOnTheSpotRad) {
       const double length_m = std::min(0.5 * kStepS, to.norm());
       const Eigen::Vector2d q = p + length_m * to.normalized();
       T_map_base.x = q.x();

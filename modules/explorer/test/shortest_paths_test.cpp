@@ -15,12 +15,12 @@ namespace shortest_paths_test {
 /// A hall of 6 m x 4 m with pillars, all of it known.
 PlanningGrid hall(std::uint64_t seed) {
   std::mt19937_64 engine(seed);
-  std::uniform_real_distribution<double> place(0.0, 4.0);
+  std::uniform_int_distribution<std::size_t> column(0, 119);
+  std::uniform_int_distribution<std::size_t> row(0, 79);
   std::vector<std::int8_t> cells(120 * 80, 0);
   for (int i = 0; i < 40; ++i) {
-    const auto x = static_cast<std::size_t>(place(engine) * 30.0);
-    const auto y = static_cast<std::size_t>(place(engine) * 20.0);
-    cells[std::min<std::size_t>(y, 79) * 120 + std::min<std::size_t>(x, 119)] = 100;
+    const std::size_t x = column(engine);
+    cells[row(engine) * 120 + x] = 100;
   }
   PlanningGrid grid(0.16);
   EXPECT_TRUE(grid.add({0.05, {0, 0}, 120, 80, cells}));
