@@ -20,6 +20,7 @@ constexpr time::Duration kPause = 2s;
 /// Greatest distance of a lookout from its frontier: from farther away only a slit is visible
 /// through a door.
 constexpr double kLookoutM = 2.0;
+/// The same for nearest_frontier, which drives to the frontier itself.
 constexpr double kAtFrontierM = 0.4;
 /// Places nearer to each other than this fail together, and are visited together.
 constexpr double kSameFailureM = 0.7;
@@ -28,10 +29,10 @@ constexpr double kSameVisitM = 0.4;
 constexpr double kRotationMPerRad = 0.5;
 /// On the way home, a viewpoint is worth turning back for if it shows this multiple of the minimum
 /// gain.
-constexpr double kWorthGoingBack = 2.0;
+constexpr double kTurnBackGainRatio = 2.0;
 /// Distance at which a path's direction is measured.
 constexpr double kDirectionM = 0.4;
-/// Tolerance for the navigator's newer pose.
+/// Added to a tolerance: the navigator has arrived by a newer pose than ours.
 constexpr double kArrivalM = 0.1;
 constexpr const char* kNoPathHome = "Everything has been seen, but there is no path home.";
 constexpr const char* kAtHome = "Everything has been seen; the robot is back home.";
@@ -171,13 +172,13 @@ std::vector<Viewpoint> Explorer::find_tour(const Situation& now) {
   std::erase_if(lookouts, [&](const Cell& cell) {
     const Eigen::Vector2d p_map = grid_.center_of(cell);
     return (p_map - p_robot_map).norm() < params_.goal_tolerance_m ||
-           failed_places_.contains(p_map, now.stamp) || visited_places_.contains(p_map, now.stamp);
+           failed_places_.excludes(p_map, now.stamp) || visited_places_.excludes(p_map, now.stamp);
   });
   std::vector<Viewpoint> found = by_tour
                                      ? chooser_.choose(grid_, paths_, lookouts, now.T_map_base.yaw)
                                      : nearest_frontier(now, lookouts);
   const double least_m2 =
-      params_.view.min_gain_m2 * (state_ == State::kReturning ? kWorthGoingBack : 1.0);
+      params_.view.min_gain_m2 * (state_ == State::kReturning ? kTurnBackGainRatio : 1.0);
   std::erase_if(found, [&](const Viewpoint& v) { return v.gain_m2 < least_m2; });
   return by_tour && !found.empty() ? in_order(now, std::move(found)) : found;
 }
@@ -208,16 +209,16 @@ std::vector<Viewpoint> Explorer::in_order(const Situation& now, std::vector<View
   for (const Viewpoint& viewpoint : viewpoints) {
     cells.push_back(viewpoint.cell);
     problem.weight.push_back(viewpoint.gain_m2);
-    problem.from_start.push_back(viewpoint.length_m +
+    problem.from_start_m.push_back(viewpoint.length_m +
                                  kRotationMPerRad * rotation_rad(viewpoint, now.T_map_base));
   }
   for (const Viewpoint& viewpoint : viewpoints) {
     paths_between_.compute(grid_, viewpoint.p_map, cells);
-    problem.between.push_back(lengths_m(grid_, paths_between_, viewpoint.p_map, cells));
+    problem.between_m.push_back(lengths_m(grid_, paths_between_, viewpoint.p_map, cells));
   }
   paths_between_.compute(grid_, *home_map_, cells);
-  problem.to_end = lengths_m(grid_, paths_between_, *home_map_, cells);
-  problem.from_start_to_end = lengths_m(grid_, paths_, p_map, {grid_.cell_of(*home_map_)}).front();
+  problem.to_end_m = lengths_m(grid_, paths_between_, *home_map_, cells);
+  problem.from_start_to_end_m = lengths_m(grid_, paths_, p_map, {grid_.cell_of(*home_map_)}).front();
   Tour tour = shortest_tour(problem);
   if (present && tour.order.front() != *present) {
     const Tour same = shortest_tour(problem, present);

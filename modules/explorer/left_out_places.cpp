@@ -16,7 +16,7 @@ void LeftOutPlaces::add(const Eigen::Vector2d& p_map, time::Timestamp now) {
   place->pause = time::from_seconds(pause_s_ * std::exp2(place->num_tries++));
 }
 
-bool LeftOutPlaces::contains(const Eigen::Vector2d& p_map, time::Timestamp now) const {
+bool LeftOutPlaces::excludes(const Eigen::Vector2d& p_map, time::Timestamp now) const {
   return std::ranges::any_of(places_, [&](const Place& place) {
     return (place.p_map - p_map).norm() < same_place_m_ &&
            (std::chrono::abs(now - place.since) < place.pause || place.num_tries >= max_tries_);

@@ -20,7 +20,7 @@ class LeftOutPlaces {
   /// Adds one try of a place, which has failed or was a visit.
   void add(const Eigen::Vector2d& p_map, time::Timestamp now);
   /// Whether a place near this one is left out at present, or given up.
-  [[nodiscard]] bool contains(const Eigen::Vector2d& p_map, time::Timestamp now) const;
+  [[nodiscard]] bool excludes(const Eigen::Vector2d& p_map, time::Timestamp now) const;
   /// Permits all places that are not given up at once; returns false if there are none.
   bool forgive();
   [[nodiscard]] std::size_t size() const { return places_.size(); }

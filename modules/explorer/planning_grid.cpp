@@ -19,12 +19,15 @@ constexpr int kBlockCells = 256;
 /// Map cells farther from the origin than this are refused, so that indices stay exact.
 constexpr int kFarthestCell = 1 << 20;
 
-int round_down(int index, int step) {
-  return index >= 0 ? index / step * step : -((step - 1 - index) / step * step);
+/// The planning cell of a map cell.
+Cell halved(const Cell& map_cell) {
+  return {floor_divide(map_cell.x(), 2), floor_divide(map_cell.y(), 2)};
 }
 
-Cell halved(const Cell& map_cell) {
-  return {round_down(map_cell.x(), 2) / 2, round_down(map_cell.y(), 2) / 2};
+/// The first cell of a cell's block.
+Cell block_begin(const Cell& map_cell) {
+  return kBlockCells *
+         Cell(floor_divide(map_cell.x(), kBlockCells), floor_divide(map_cell.y(), kBlockCells));
 }
 
 Ground ground_of(std::int8_t occupancy) {
@@ -77,14 +80,14 @@ bool PlanningGrid::add(const MapTile& tile) {
   }
   if (low.x() <= high.x()) {
     // The cells within the inflation radius, and those beside them, where gaps are filled.
-    const Cell margin = Cell::Constant(near_cells_ + 2 * kWallGapCells);
-    summarise(halved(low - margin), halved(high + margin));
+    const Cell margin = Cell::Constant(reach_cells_ + 2 * kWallGapCells);
+    update_planning_cells(halved(low - margin), halved(high + margin));
   }
   return true;
 }
 
 bool PlanningGrid::make_room(const MapTile& tile) {
-  const Cell margin = Cell::Constant(near_cells_ + 2 * kWallGapCells + 2);
+  const Cell margin = Cell::Constant(reach_cells_ + 2 * kWallGapCells + 2);
   Cell low = tile.first - margin;
   Cell high = tile.first + Cell(tile.width - 1, tile.height - 1) + margin;
   if (map_.contains(low) && map_.contains(high)) {
@@ -94,9 +97,8 @@ bool PlanningGrid::make_room(const MapTile& tile) {
     low = low.cwiseMin(map_.first());
     high = high.cwiseMax(map_.first() + Cell(map_.width() - 1, map_.height() - 1));
   }
-  low = {round_down(low.x(), kBlockCells), round_down(low.y(), kBlockCells)};
-  high = {round_down(high.x(), kBlockCells), round_down(high.y(), kBlockCells)};
-  const Cell size = high - low + Cell::Constant(kBlockCells);
+  low = block_begin(low);
+  const Cell size = block_begin(high) - low + Cell::Constant(kBlockCells);
   if (std::int64_t{size.x()} * size.y() / 4 > kMaxCells) {
     return false;
   }
@@ -110,9 +112,9 @@ bool PlanningGrid::make_room(const MapTile& tile) {
 
 void PlanningGrid::find_near_offsets() {
   const double map_cell_m = 0.5 * cell_size_m_;
-  near_cells_ = static_cast<int>(inflation_radius_m_ / map_cell_m);
-  for (int dy = -near_cells_; dy <= near_cells_; ++dy) {
-    for (int dx = -near_cells_; dx <= near_cells_; ++dx) {
+  reach_cells_ = static_cast<int>(inflation_radius_m_ / map_cell_m);
+  for (int dy = -reach_cells_; dy <= reach_cells_; ++dy) {
+    for (int dx = -reach_cells_; dx <= reach_cells_; ++dx) {
       if (map_cell_m * std::hypot(dx, dy) < inflation_radius_m_) {
         near_offsets_.emplace_back(dx, dy);
       }
@@ -124,16 +126,16 @@ void PlanningGrid::find_near_offsets() {
 bool PlanningGrid::set(const Cell& map_cell, Ground now) {
   const Ground before = std::exchange(map_.at(map_cell), now);
   if (now == Ground::kOccupied && before != Ground::kOccupied) {
-    occupy(map_cell, 1);
+    add_near(map_cell, 1);
   } else if (now != Ground::kOccupied && before == Ground::kOccupied) {
-    occupy(map_cell, -1);
+    add_near(map_cell, -1);
   }
   return now != before;
 }
 
 /// Updates the counts of near occupied cells. `change`: +1 if the map cell becomes occupied, -1 if
 /// it no longer is.
-void PlanningGrid::occupy(const Cell& map_cell, int change) {
+void PlanningGrid::add_near(const Cell& map_cell, int change) {
   for (const Cell& offset : near_offsets_) {
     std::uint16_t& count = num_near_.at(map_cell + offset);
     count = static_cast<std::uint16_t>(count + change);
@@ -141,7 +143,7 @@ void PlanningGrid::occupy(const Cell& map_cell, int change) {
 }
 
 /// Recomputes the planning cells of a rectangle from the map's cells.
-void PlanningGrid::summarise(const Cell& low, const Cell& high) {
+void PlanningGrid::update_planning_cells(const Cell& low, const Cell& high) {
   for (int y = low.y(); y <= high.y(); ++y) {
     for (int x = low.x(); x <= high.x(); ++x) {
       raw_.at({x, y}) = raw_ground({x, y});
@@ -149,12 +151,12 @@ void PlanningGrid::summarise(const Cell& low, const Cell& high) {
   }
   for (int y = low.y(); y <= high.y(); ++y) {
     for (int x = low.x(); x <= high.x(); ++x) {
-      summarise_cell({x, y});
+      update_planning_cell({x, y});
     }
   }
 }
 
-void PlanningGrid::summarise_cell(const Cell& cell) {
+void PlanningGrid::update_planning_cell(const Cell& cell) {
   const Ground now = filled_ground(cell);
   const Ground before = std::exchange(ground_.at(cell), now);
   num_free_ += static_cast<int>(now == Ground::kFree) - static_cast<int>(before == Ground::kFree);

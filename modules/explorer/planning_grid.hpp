@@ -24,14 +24,16 @@ struct MapTile {
       cells;  ///< row by row, x fastest; 0 free .. 100 occupied, -1 unknown
 };
 
+/// In this order: the greatest of several cells counts.
 enum class Ground : std::uint8_t { kUnknown, kFree, kOccupied };
 
 /// The 2D map for planning: planning cells of 2 x 2 map cells, each unknown, free or occupied, and
 /// whether the robot's centre can be there. Each tile updates the grid at a cost that depends on
 /// the tile, not on the building. Frame map.
 ///
-/// Gaps of one planning cell get the state of the cells on both sides, because the beams of a scan
-/// are 14 cm apart at 8 m, and a wall seen at a grazing angle has cells in which no beam ended.
+/// A gap of one planning cell between free cells is free, because the beams of a scan are 14 cm
+/// apart at 8 m. A gap of up to three between occupied cells is occupied, because a wall seen at a
+/// grazing angle has cells in which no beam ended.
 class PlanningGrid {
  public:
   /// The largest map, in planning cells: 410 m x 410 m at 10 cm.
@@ -70,9 +72,9 @@ class PlanningGrid {
   [[nodiscard]] bool make_room(const MapTile& tile);
   void find_near_offsets();
   [[nodiscard]] bool set(const Cell& map_cell, Ground now);
-  void occupy(const Cell& map_cell, int change);
-  void summarise(const Cell& low, const Cell& high);
-  void summarise_cell(const Cell& cell);
+  void add_near(const Cell& map_cell, int change);
+  void update_planning_cells(const Cell& low, const Cell& high);
+  void update_planning_cell(const Cell& cell);
   [[nodiscard]] Ground raw_ground(const Cell& cell) const;
   [[nodiscard]] Ground filled_ground(const Cell& cell) const;
   [[nodiscard]] std::pair<Ground, int> next_known(const Cell& cell, const Cell& direction) const;
@@ -81,7 +83,7 @@ class PlanningGrid {
   double inflation_radius_m_;
   double cell_size_m_ = 1.0;        // arbitrary before the first tile
   std::vector<Cell> near_offsets_;  // map cells within the inflation radius
-  int near_cells_ = 0;              // greatest offset along an axis
+  int reach_cells_ = 0;             // greatest offset along an axis
   Raster<Ground> map_;              // the map's own cells
   Raster<std::uint16_t>
       num_near_;        // for each map cell, number of occupied ones within the inflation radius

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
@@ -11,6 +12,11 @@ namespace nodmap::explorer {
 
 /// Column and row of a cell, numbered from the origin of map; may be negative.
 using Cell = Eigen::Vector2i;
+
+/// The quotient, rounded towards minus infinity; `divisor` > 0.
+[[nodiscard]] constexpr int floor_divide(int dividend, int divisor) {
+  return dividend >= 0 ? dividend / divisor : -((divisor - 1 - dividend) / divisor);
+}
 
 /// A rectangle of cells with one value each.
 template <class Value>
@@ -66,6 +72,26 @@ class Raster {
   int width_ = 0;
   int height_ = 0;
   std::vector<Value> values_;
+};
+
+/// Marks on the cells of a raster, by their indices. Removing all of them takes no time.
+class Marks {
+ public:
+  /// Removes all marks; the raster has `size` cells.
+  void begin(std::size_t size) {
+    if (marked_in_.size() != size) {
+      marked_in_.assign(size, 0);
+      round_ = 0;
+    }
+    ++round_;
+  }
+  /// Returns whether the cell was not marked yet.
+  bool mark(std::size_t index) { return std::exchange(marked_in_[index], round_) != round_; }
+  [[nodiscard]] bool is_marked(std::size_t index) const { return marked_in_[index] == round_; }
+
+ private:
+  std::vector<std::uint32_t> marked_in_;  // for each cell, the round in which it was marked last
+  std::uint32_t round_ = 0;
 };
 
 }  // namespace nodmap::explorer

@@ -23,11 +23,7 @@ const std::vector<std::uint32_t>& RayCaster::unknown_cells(const PlanningGrid& g
                                                            const Eigen::Vector2d& p_map,
                                                            double heading_rad) {
   cells_.clear();
-  if (counted_in_.size() != grid.ground().size()) {
-    counted_in_.assign(grid.ground().size(), 0);
-    num_casts_ = 0;
-  }
-  ++num_casts_;
+  counted_.begin(grid.ground().size());
   const Eigen::Vector2d ahead(std::cos(heading_rad), std::sin(heading_rad));
   Eigen::Vector2d from_map = p_map + sensor_ahead_m_ * ahead;
   if (grid.ground_at(grid.cell_of(from_map)) != Ground::kFree) {
@@ -60,8 +56,7 @@ void RayCaster::cast(const PlanningGrid& grid, const Eigen::Vector2d& from_map, 
     }
     if (ground[index] == Ground::kUnknown) {
       --unknown_left;
-      if (counted_in_[index] != num_casts_) {
-        counted_in_[index] = num_casts_;
+      if (counted_.mark(index)) {
         cells_.push_back(static_cast<std::uint32_t>(index));
       }
     }

@@ -29,8 +29,7 @@ class RayCaster {
   ViewParams params_;
   double sensor_ahead_m_;
   std::vector<std::uint32_t> cells_;
-  std::vector<std::uint32_t> counted_in_;  // number of the view in which a cell was counted last
-  std::uint32_t num_casts_ = 0;
+  Marks counted_;  // the cells in cells_
 };
 
 }  // namespace nodmap::explorer

@@ -9,6 +9,7 @@
 namespace nodmap::explorer {
 namespace {
 
+/// A path starts this near to the robot, along x and y.
 constexpr double kAroundM = 0.4;
 constexpr std::uint8_t kBegins = 8;
 constexpr std::uint32_t kStraight = 5;
@@ -25,7 +26,7 @@ void ShortestPaths::compute(const PlanningGrid& grid, const Eigen::Vector2d& fro
                             std::span<const Cell> targets) {
   const Raster<Ground>& ground = grid.ground();
   cell_size_m_ = grid.cell_size_m();
-  steps_.reset(ground.first(), ground.width(), ground.height(), kNever);
+  fifths_.reset(ground.first(), ground.width(), ground.height(), kUnreached);
   from_.reset(ground.first(), ground.width(), ground.height(), kBegins);
   cells_.clear();
   for (auto& bucket : buckets_) {
@@ -35,18 +36,18 @@ void ShortestPaths::compute(const PlanningGrid& grid, const Eigen::Vector2d& fro
   seed(grid, from_map);
   std::size_t num_missing = targets.size();
   std::vector<Cell> open;
-  for (std::uint32_t length = 0; num_queued_ > 0; ++length) {
-    open.swap(buckets_[length % kNumBuckets]);
-    buckets_[length % kNumBuckets].clear();
+  for (std::uint32_t fifths = 0; num_queued_ > 0; ++fifths) {
+    open.swap(buckets_[fifths % kNumBuckets]);
+    buckets_[fifths % kNumBuckets].clear();
     num_queued_ -= open.size();
     for (const Cell& cell : open) {
-      if (steps_.at(cell) == length) {  // otherwise a shorter path has reached it meanwhile
+      if (fifths_.at(cell) == fifths) {  // otherwise a shorter path has reached it meanwhile
         cells_.push_back(cell);
-        push_neighbours(grid, cell, length);
+        push_neighbours(grid, cell, fifths);
       }
     }
     num_missing -= static_cast<std::size_t>(std::ranges::count_if(targets, [&](const Cell& target) {
-      return steps_.contains(target) && steps_.at(target) == length;
+      return fifths_.contains(target) && fifths_.at(target) == fifths;
     }));
     open.clear();
     if (!targets.empty() && num_missing == 0) {
@@ -73,27 +74,27 @@ void ShortestPaths::seed(const PlanningGrid& grid, const Eigen::Vector2d& from_m
   }
 }
 
-void ShortestPaths::push(const Cell& cell, std::uint32_t length, std::uint8_t from) {
-  std::uint32_t& known = steps_.at(cell);
-  if (length < known) {
-    known = length;
+void ShortestPaths::push(const Cell& cell, std::uint32_t fifths, std::uint8_t from) {
+  std::uint32_t& known = fifths_.at(cell);
+  if (fifths < known) {
+    known = fifths;
     from_.at(cell) = from;
-    buckets_[length % kNumBuckets].push_back(cell);
+    buckets_[fifths % kNumBuckets].push_back(cell);
     ++num_queued_;
   }
 }
 
 double ShortestPaths::length_m(const Cell& cell) const {
-  return is_reached(cell) ? cell_size_m_ / kStraight * steps_.at(cell)
+  return is_reached(cell) ? cell_size_m_ / kStraight * fifths_.at(cell)
                           : std::numeric_limits<double>::infinity();
 }
 
 void ShortestPaths::push_neighbours(const PlanningGrid& grid, const Cell& cell,
-                                    std::uint32_t length) {
+                                    std::uint32_t fifths) {
   for (std::size_t i = 0; i < kNeighbours.size(); ++i) {
     const Cell next = cell + kNeighbours.at(i);
     if (grid.is_passable(next)) {
-      push(next, length + (i < 4 ? kStraight : kDiagonal), static_cast<std::uint8_t>(i));
+      push(next, fifths + (i < 4 ? kStraight : kDiagonal), static_cast<std::uint8_t>(i));
     }
   }
 }

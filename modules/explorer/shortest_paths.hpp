@@ -15,15 +15,16 @@ namespace nodmap::explorer {
 /// 8-neighbourhood, up to 8 % longer than the straight line). Frame map.
 class ShortestPaths {
  public:
-  /// Paths start at the nearest passable cell within 0.4 m, because the robot may be nearer to an
-  /// obstacle than a path may. With `targets`, the search ends when all of them have been reached.
+  /// Paths start at the nearest passable cell within 0.4 m along x and y, because the robot may be
+  /// nearer to an obstacle than a path may. With `targets`, the search ends when all of them have
+  /// been reached.
   void compute(const PlanningGrid& grid, const Eigen::Vector2d& from_map,
                std::span<const Cell> targets = {});
 
   /// The passable cells that can be reached, the nearest first.
   [[nodiscard]] const std::vector<Cell>& cells() const { return cells_; }
   [[nodiscard]] bool is_reached(const Cell& cell) const {
-    return steps_.contains(cell) && steps_.at(cell) != kNever;
+    return fifths_.contains(cell) && fifths_.at(cell) != kUnreached;
   }
   /// Length of the path to a cell, metres; +infinity if there is none.
   [[nodiscard]] double length_m(const Cell& cell) const;
@@ -34,17 +35,17 @@ class ShortestPaths {
   [[nodiscard]] double heading_rad(const Cell& cell, double otherwise_rad) const;
 
  private:
-  static constexpr std::uint32_t kNever = 0xFFFFFFFFU;
-  /// Lengths are in fifths of a cell: 5 along an axis, 7 along a diagonal.
+  static constexpr std::uint32_t kUnreached = 0xFFFFFFFFU;
+  /// One for each length that can be queued at a time: a step is at most 7 fifths of a cell long.
   static constexpr int kNumBuckets = 8;
 
-  void push(const Cell& cell, std::uint32_t length, std::uint8_t from);
-  void push_neighbours(const PlanningGrid& grid, const Cell& cell, std::uint32_t length);
+  void push(const Cell& cell, std::uint32_t fifths, std::uint8_t from);
+  void push_neighbours(const PlanningGrid& grid, const Cell& cell, std::uint32_t fifths);
   void seed(const PlanningGrid& grid, const Eigen::Vector2d& from_map);
 
   double cell_size_m_ = 0.1;
-  Raster<std::uint32_t> steps_;
-  Raster<std::uint8_t> from_;  // the neighbour from which the path comes; 8: it starts here
+  Raster<std::uint32_t> fifths_;  // lengths in fifths of a cell: 5 along an axis, 7 diagonally
+  Raster<std::uint8_t> from_;     // the neighbour from which the path comes; 8: it starts here
   std::array<std::vector<Cell>, kNumBuckets> buckets_;
   std::size_t num_queued_ = 0;
   std::vector<Cell> cells_;

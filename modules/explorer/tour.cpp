@@ -17,17 +17,17 @@ std::size_t bit(std::size_t stop) {
 }
 
 /// For each set of visited stops, the cost per metre.
-std::vector<double> weights_by_subset(const TourProblem& problem) {
+std::vector<double> costs_per_m(const TourProblem& problem) {
   const std::size_t n = problem.weight.size();
-  std::vector<double> weights(bit(n), problem.length_weight);
-  for (std::size_t visited = 0; visited < weights.size(); ++visited) {
+  std::vector<double> costs(bit(n), problem.length_weight);
+  for (std::size_t visited = 0; visited < costs.size(); ++visited) {
     for (std::size_t stop = 0; stop < n; ++stop) {
       if ((visited & bit(stop)) == 0) {
-        weights[visited] += problem.weight[stop];
+        costs[visited] += problem.weight[stop];
       }
     }
   }
-  return weights;
+  return costs;
 }
 
 /// The dynamic programme: the cheapest visit of every set of stops with every last stop.
@@ -36,14 +36,14 @@ class PartialTours {
   PartialTours(const TourProblem& problem, std::optional<std::size_t> first)
       : problem_(problem),
         n_(problem.weight.size()),
-        cost_per_m_(weights_by_subset(problem)),
-        partials_(cost_per_m_.size() * n_) {
+        costs_per_m_(costs_per_m(problem)),
+        partials_(costs_per_m_.size() * n_) {
     for (std::size_t stop = 0; stop < n_; ++stop) {
       if (!first || *first == stop) {
-        at(bit(stop), stop).cost = cost_per_m_[0] * problem.from_start[stop];
+        at(bit(stop), stop).cost = costs_per_m_[0] * problem.from_start_m[stop];
       }
     }
-    for (std::size_t visited = 1; visited < cost_per_m_.size(); ++visited) {
+    for (std::size_t visited = 1; visited < costs_per_m_.size(); ++visited) {
       for (std::size_t last = 0; last < n_; ++last) {
         extend(visited, last);
       }
@@ -52,10 +52,10 @@ class PartialTours {
 
   /// The cheapest tour over all stops.
   [[nodiscard]] Tour cheapest() const {
-    std::size_t visited = cost_per_m_.size() - 1;
+    std::size_t visited = costs_per_m_.size() - 1;
     Tour tour{.order = std::vector<std::size_t>(n_), .cost = kInfinity};
     for (std::size_t last = 0; last < n_; ++last) {
-      const double cost = at(visited, last).cost + cost_per_m_[visited] * problem_.to_end[last];
+      const double cost = at(visited, last).cost + costs_per_m_[visited] * problem_.to_end_m[last];
       if (cost < tour.cost) {
         tour.cost = cost;
         tour.order[n_ - 1] = last;
@@ -90,7 +90,7 @@ class PartialTours {
         continue;
       }
       Partial& extended = at(visited | bit(next), next);
-      const double extended_cost = cost + cost_per_m_[visited] * problem_.between[last][next];
+      const double extended_cost = cost + costs_per_m_[visited] * problem_.between_m[last][next];
       if (extended_cost < extended.cost) {
         extended = {extended_cost, last};
       }
@@ -99,7 +99,7 @@ class PartialTours {
 
   const TourProblem& problem_;
   std::size_t n_;
-  std::vector<double> cost_per_m_;  // for each set of visited stops
+  std::vector<double> costs_per_m_;  // for each set of visited stops
   std::vector<Partial> partials_;
 };
 
@@ -107,9 +107,11 @@ class PartialTours {
 double leg_m(const TourProblem& problem, std::optional<std::size_t> from,
              std::optional<std::size_t> to) {
   if (from && to) {
-    return problem.between[*from][*to];
+    return problem.between_m[*from][*to];
   }
-  return from ? problem.to_end[*from] : to ? problem.from_start[*to] : problem.from_start_to_end;
+  return from ? problem.to_end_m[*from]
+         : to ? problem.from_start_m[*to]
+              : problem.from_start_to_end_m;
 }
 
 /// The part of a tour, from first to end, that weighs least relative to the length it costs; empty

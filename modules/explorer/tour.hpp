@@ -7,14 +7,15 @@
 
 namespace nodmap::explorer {
 
-/// The stops of a tour, and the lengths of the paths between them, metres.
+/// The stops of a tour, and the costs between them in metres of driving: the lengths of the paths,
+/// and what else takes as long as driving that far.
 struct TourProblem {
-  std::vector<double> weight;      ///< of each stop
-  std::vector<double> from_start;  ///< length from the start to each stop
-  std::vector<double> to_end;      ///< length from each stop to the end of the tour
-  std::vector<std::vector<double>> between;
-  double from_start_to_end = 0.0;  ///< length without any stop
-  double length_weight = 0.0;      ///< weight of the total length
+  std::vector<double> weight;        ///< of each stop
+  std::vector<double> from_start_m;  ///< from the start to each stop
+  std::vector<double> to_end_m;      ///< from each stop to the end of the tour
+  std::vector<std::vector<double>> between_m;
+  double from_start_to_end_m = 0.0;  ///< without any stop
+  double length_weight = 0.0;        ///< weight of the total length
 };
 
 struct Tour {

@@ -23,13 +23,13 @@ TourProblem random_problem(std::size_t num_stops, double length_weight, std::uin
   for (std::size_t i = 0; i < num_stops; ++i) {
     stops.emplace_back(place(engine), place(engine));
     problem.weight.push_back(place(engine));
-    problem.from_start.push_back(stops.back().norm());
-    problem.to_end.push_back(stops.back().norm());
+    problem.from_start_m.push_back(stops.back().norm());
+    problem.to_end_m.push_back(stops.back().norm());
   }
   for (const Eigen::Vector2d& a : stops) {
-    problem.between.emplace_back();
+    problem.between_m.emplace_back();
     for (const Eigen::Vector2d& b : stops) {
-      problem.between.back().push_back((a - b).norm());
+      problem.between_m.back().push_back((a - b).norm());
     }
   }
   return problem;
@@ -40,11 +40,11 @@ double cost_of(const TourProblem& problem, const std::vector<std::size_t>& order
   double cost = 0.0;
   for (std::size_t i = 0; i < order.size(); ++i) {
     const double length_m =
-        i == 0 ? problem.from_start[order[0]] : problem.between[order[i - 1]][order[i]];
+        i == 0 ? problem.from_start_m[order[0]] : problem.between_m[order[i - 1]][order[i]];
     cost += (problem.length_weight + waiting) * length_m;
     waiting -= problem.weight[order[i]];
   }
-  return cost + problem.length_weight * problem.to_end[order.back()];
+  return cost + problem.length_weight * problem.to_end_m[order.back()];
 }
 
 class ShortestTour : public ::testing::TestWithParam<int> {};
@@ -84,10 +84,11 @@ TEST(ShortestTourDegenerate, HandlesNoStopOneStopAndTooManyStops) {
 std::pair<double, double> part_of(const TourProblem& problem, const std::vector<std::size_t>& order,
                                   std::size_t first, std::size_t end) {
   const auto length_m = [&](const std::vector<std::size_t>& stops) {
-    double sum_m = stops.empty() ? problem.from_start_to_end
-                                 : problem.from_start[stops.front()] + problem.to_end[stops.back()];
+    double sum_m = stops.empty()
+                       ? problem.from_start_to_end_m
+                       : problem.from_start_m[stops.front()] + problem.to_end_m[stops.back()];
     for (std::size_t i = 1; i < stops.size(); ++i) {
-      sum_m += problem.between[stops[i - 1]][stops[i]];
+      sum_m += problem.between_m[stops[i - 1]][stops[i]];
     }
     return sum_m;
   };
@@ -145,10 +146,10 @@ INSTANTIATE_TEST_SUITE_P(Seeds, Detours, ::testing::Range(0, 6));
 TEST(Detour, StopsThatShareADetourAreLeftOutTogether) {
   TourProblem problem;
   problem.weight = {1.0, 1.0};
-  problem.from_start = {10.0, 10.0};
-  problem.to_end = {10.0, 10.0};
-  problem.between = {{0.0, 0.1}, {0.1, 0.0}};
-  problem.from_start_to_end = 0.0;
+  problem.from_start_m = {10.0, 10.0};
+  problem.to_end_m = {10.0, 10.0};
+  problem.between_m = {{0.0, 0.1}, {0.1, 0.0}};
+  problem.from_start_to_end_m = 0.0;
   std::vector<std::size_t> order{0, 1};
   leave_out_detours(problem, 0.09, 4.0, order);  // 2 / 20.1 = 0.0995
   EXPECT_EQ(order.size(), 2U);
