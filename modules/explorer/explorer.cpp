@@ -49,13 +49,14 @@ std::vector<Eigen::Vector2d> straight_path(const Eigen::Vector2d& from, const Ei
 }
 
 /// The lengths of the paths; straight lines replace unknown paths.
-std::vector<double> lengths_m(const PlanningGrid& grid, const ShortestPaths& paths,
-                              const Eigen::Vector2d& from_map, const std::vector<Cell>& cells) {
+std::vector<double> lengths_m(const Reach& reach, const Eigen::Vector2d& from_map,
+                              const std::vector<Cell>& cells) {
   std::vector<double> lengths;
   lengths.reserve(cells.size());
   for (const Cell& cell : cells) {
-    lengths.push_back(paths.is_reached(cell) ? paths.length_m(cell)
-                                             : (grid.center_of(cell) - from_map).norm());
+    lengths.push_back(reach.paths.is_reached(cell)
+                          ? reach.paths.length_m(cell)
+                          : (reach.grid.center_of(cell) - from_map).norm());
   }
   return lengths;
 }
@@ -87,21 +88,36 @@ void Explorer::end() {
 
 Decision Explorer::decide(const Situation& now) {
   Decision decision;
+  decision.reason = reason_to_wait();
+  if (decision.reason.empty()) {
+    decision = drive(now);
+  }
+  decision.state = state_;
   decision.seen_m2 =
       grid_.cell_size_m() * grid_.cell_size_m() * static_cast<double>(grid_.num_free());
-  if (state_ == State::kIdle || state_ == State::kHome || grid_.is_empty()) {
-    decision.state = state_;
-    decision.reason = state_ == State::kIdle   ? "Waiting to be started."
-                      : state_ == State::kHome ? kAtHome
-                                               : "There is no 2D map yet.";
-    return decision;
+  return decision;
+}
+
+std::string Explorer::reason_to_wait() const {
+  switch (state_) {
+    case State::kIdle:
+      return "Waiting to be started.";
+    case State::kHome:
+      return kAtHome;
+    case State::kExploring:
+    case State::kReturning:
+      break;
   }
+  return grid_.is_empty() ? "There is no 2D map yet." : "";
+}
+
+Decision Explorer::drive(const Situation& now) {
   const Eigen::Vector2d p_map = now.T_map_base.translation();
   home_map_ = home_map_.value_or(p_map);
   paths_.compute(grid_, p_map);
   if (paths_.cells().empty()) {
     // Tiles of the map come one after the other, and the robot's may be missing.
-    decision.state = state_;
+    Decision decision;
     decision.reason = "The 2D map does not show free ground around the robot.";
     return decision;
   }
@@ -111,15 +127,10 @@ Decision Explorer::decide(const Situation& now) {
   if (tour.empty() && failed_places_.forgive()) {
     tour = find_tour(now);
   }
-  if (tour.empty()) {
-    drive_home(now, decision);
-  } else {
-    drive_tour(now, std::move(tour), decision);
-  }
+  Decision decision = tour.empty() ? drive_home(now) : drive_tour(now, std::move(tour));
   for (const Cell& cell : frontiers_.cells()) {
     decision.frontier_map.emplace_back(grid_.center_of(cell).cast<float>());
   }
-  decision.state = state_;
   return decision;
 }
 
@@ -164,19 +175,17 @@ void Explorer::watch_target(const Situation& now) {
 }
 
 std::vector<Viewpoint> Explorer::find_tour(const Situation& now) {
-  frontiers_.find(grid_, paths_);
+  frontiers_.find(reach());
   const bool by_tour = params_.policy == Policy::kTour;
-  std::vector<Cell> lookouts =
-      frontiers_.lookouts(grid_, paths_, by_tour ? kLookoutM : kAtFrontierM);
+  std::vector<Cell> lookouts = frontiers_.lookouts(reach(), by_tour ? kLookoutM : kAtFrontierM);
   const Eigen::Vector2d p_robot_map = now.T_map_base.translation();
   std::erase_if(lookouts, [&](const Cell& cell) {
     const Eigen::Vector2d p_map = grid_.center_of(cell);
     return (p_map - p_robot_map).norm() < params_.goal_tolerance_m ||
            failed_places_.excludes(p_map, now.stamp) || visited_places_.excludes(p_map, now.stamp);
   });
-  std::vector<Viewpoint> found = by_tour
-                                     ? chooser_.choose(grid_, paths_, lookouts, now.T_map_base.yaw)
-                                     : nearest_frontier(now, lookouts);
+  std::vector<Viewpoint> found = by_tour ? chooser_.choose(reach(), lookouts, now.T_map_base.yaw)
+                                         : nearest_frontier(now, lookouts);
   const double least_m2 =
       params_.view.min_gain_m2 * (state_ == State::kReturning ? kTurnBackGainRatio : 1.0);
   std::erase_if(found, [&](const Viewpoint& v) { return v.gain_m2 < least_m2; });
@@ -190,11 +199,11 @@ std::vector<Viewpoint> Explorer::nearest_frontier(const Situation& now,
   const Eigen::Vector2d p_map = now.T_map_base.translation();
   if (target_map_ && (p_map - *target_map_).norm() > params_.goal_tolerance_m &&
       paths_.is_reached(grid_.cell_of(*target_map_))) {
-    if (const auto same = chooser_.nearest(grid_, paths_, {grid_.cell_of(*target_map_)})) {
+    if (const auto same = chooser_.nearest(reach(), {grid_.cell_of(*target_map_)})) {
       return {*same};
     }
   }
-  const auto nearest = chooser_.nearest(grid_, paths_, lookouts);
+  const auto nearest = chooser_.nearest(reach(), lookouts);
   return nearest ? std::vector<Viewpoint>{*nearest} : std::vector<Viewpoint>{};
 }
 
@@ -210,15 +219,15 @@ std::vector<Viewpoint> Explorer::in_order(const Situation& now, std::vector<View
     cells.push_back(viewpoint.cell);
     problem.weight.push_back(viewpoint.gain_m2);
     problem.from_start_m.push_back(viewpoint.length_m +
-                                 kRotationMPerRad * rotation_rad(viewpoint, now.T_map_base));
+                                   kRotationMPerRad * rotation_rad(viewpoint, now.T_map_base));
   }
   for (const Viewpoint& viewpoint : viewpoints) {
     paths_between_.compute(grid_, viewpoint.p_map, cells);
-    problem.between_m.push_back(lengths_m(grid_, paths_between_, viewpoint.p_map, cells));
+    problem.between_m.push_back(lengths_m({grid_, paths_between_}, viewpoint.p_map, cells));
   }
   paths_between_.compute(grid_, *home_map_, cells);
-  problem.to_end_m = lengths_m(grid_, paths_between_, *home_map_, cells);
-  problem.from_start_to_end_m = lengths_m(grid_, paths_, p_map, {grid_.cell_of(*home_map_)}).front();
+  problem.to_end_m = lengths_m({grid_, paths_between_}, *home_map_, cells);
+  problem.from_start_to_end_m = lengths_m(reach(), p_map, {grid_.cell_of(*home_map_)}).front();
   Tour tour = shortest_tour(problem);
   if (present && tour.order.front() != *present) {
     const Tour same = shortest_tour(problem, present);
@@ -275,7 +284,8 @@ void Explorer::set_target(const Eigen::Vector2d& p_map, double length_m, const S
   target_map_ = p_map;
 }
 
-void Explorer::drive_tour(const Situation& now, std::vector<Viewpoint> tour, Decision& decision) {
+Decision Explorer::drive_tour(const Situation& now, std::vector<Viewpoint> tour) {
+  Decision decision;
   state_ = State::kExploring;
   set_target(tour.front().p_map, tour.front().length_m, now);
   decision.reason = "Driving to the next viewpoint.";
@@ -293,21 +303,23 @@ void Explorer::drive_tour(const Situation& now, std::vector<Viewpoint> tour, Dec
     decision.waiting_m2 += viewpoint.gain_m2;
   }
   decision.tour = std::move(tour);
+  return decision;
 }
 
-void Explorer::drive_home(const Situation& now, Decision& decision) {
+Decision Explorer::drive_home(const Situation& now) {
+  Decision decision;
   const double distance_m = (now.T_map_base.translation() - *home_map_).norm();
   if (distance_m <= params_.home_tolerance_m ||
       (now.has_arrived && distance_m <= params_.home_tolerance_m + kArrivalM)) {
     state_ = State::kHome;
     decision.reason = kAtHome;
-    return;
+    return decision;
   }
   // By then the navigator has also looked around, and planned anew.
   if (state_ == State::kReturning && has_no_path_for(params_.patience.stuck_s, now)) {
     end();
     decision.reason = kNoPathHome;
-    return;
+    return decision;
   }
   if (state_ != State::kReturning) {
     state_ = State::kReturning;
@@ -330,6 +342,7 @@ void Explorer::drive_home(const Situation& now, Decision& decision) {
   }
   decision.path_map.push_back(*home_map_);
   decision.goal = waypoints_.next(grid_, decision.path_map, p_map, params_.home_tolerance_m);
+  return decision;
 }
 
 bool Explorer::has_no_path_for(double seconds, const Situation& now) const {

@@ -68,6 +68,10 @@ class Explorer {
   [[nodiscard]] Decision decide(const Situation& now);
 
  private:
+  /// Why there is nothing to decide; empty otherwise.
+  [[nodiscard]] std::string reason_to_wait() const;
+  [[nodiscard]] Decision drive(const Situation& now);
+  [[nodiscard]] Reach reach() const { return {grid_, paths_}; }
   void watch_visits(const Situation& now);
   void watch_target(const Situation& now);
   [[nodiscard]] std::vector<Viewpoint> find_tour(const Situation& now);
@@ -80,8 +84,8 @@ class Explorer {
   [[nodiscard]] double rotation_rad(const Viewpoint& viewpoint,
                                     const geometry::SE2& T_map_base) const;
   void set_target(const Eigen::Vector2d& p_map, double length_m, const Situation& now);
-  void drive_tour(const Situation& now, std::vector<Viewpoint> tour, Decision& decision);
-  void drive_home(const Situation& now, Decision& decision);
+  [[nodiscard]] Decision drive_tour(const Situation& now, std::vector<Viewpoint> tour);
+  [[nodiscard]] Decision drive_home(const Situation& now);
   [[nodiscard]] bool has_no_path_for(double seconds, const Situation& now) const;
   [[nodiscard]] std::vector<Eigen::Vector2d> path_to(const Cell& cell) const;
 

@@ -51,4 +51,10 @@ class ShortestPaths {
   std::vector<Cell> cells_;
 };
 
+/// Where the robot can go: the grid, and the shortest paths over it.
+struct Reach {
+  const PlanningGrid& grid;
+  const ShortestPaths& paths;
+};
+
 }  // namespace nodmap::explorer

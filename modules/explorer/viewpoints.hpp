@@ -29,12 +29,11 @@ class ViewpointChooser {
   /// Chooses at most tour.max_viewpoints viewpoints, the best first, by gain discounted with the
   /// path length; cells that one viewpoint shows no longer count for the next (greedy set cover).
   /// `lookouts`: reached cells, the nearest first. `yaw_rad`: heading of the robot.
-  [[nodiscard]] std::vector<Viewpoint> choose(const PlanningGrid& grid, const ShortestPaths& paths,
-                                              const std::vector<Cell>& lookouts, double yaw_rad);
+  [[nodiscard]] std::vector<Viewpoint> choose(const Reach& reach, const std::vector<Cell>& lookouts,
+                                              double yaw_rad);
 
   /// The first lookout that shows enough in all directions together.
-  [[nodiscard]] std::optional<Viewpoint> nearest(const PlanningGrid& grid,
-                                                 const ShortestPaths& paths,
+  [[nodiscard]] std::optional<Viewpoint> nearest(const Reach& reach,
                                                  const std::vector<Cell>& lookouts);
 
  private:
@@ -42,9 +41,9 @@ class ViewpointChooser {
     Viewpoint viewpoint;
     std::vector<std::uint32_t> shows;  // indices of unknown cells
   };
-  [[nodiscard]] std::vector<Candidate> evaluate(const PlanningGrid& grid,
-                                                const ShortestPaths& paths,
-                                                const std::vector<Cell>& lookouts, double yaw_rad);
+  [[nodiscard]] std::vector<Candidate> candidates_among(const Reach& reach,
+                                                        const std::vector<Cell>& lookouts,
+                                                        double yaw_rad);
 
   ExplorerParams params_;
   RayCaster ray_caster_;

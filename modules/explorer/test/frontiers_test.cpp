@@ -30,7 +30,7 @@ TEST(Frontiers, AreTheFreeCellsBesideUnknownGround) {
   ShortestPaths paths;
   paths.compute(grid, {1.0, 1.5});
   Frontiers frontiers;
-  frontiers.find(grid, paths);
+  frontiers.find({grid, paths});
   // The whole border at x = 2 m without the walls: 28 cells.
   EXPECT_EQ(frontiers.cells().size(), 28U);
   EXPECT_TRUE(std::ranges::all_of(frontiers.cells(), [](const Cell& c) { return c.x() == 19; }));
@@ -41,8 +41,8 @@ TEST(Frontiers, LookoutsAreReachedNearAFrontierAndOneForEachBlock) {
   ShortestPaths paths;
   paths.compute(grid, {0.5, 1.5});
   Frontiers frontiers;
-  frontiers.find(grid, paths);
-  const std::vector<Cell> lookouts = frontiers.lookouts(grid, paths, 1.0);
+  frontiers.find({grid, paths});
+  const std::vector<Cell> lookouts = frontiers.lookouts({grid, paths}, 1.0);
   ASSERT_FALSE(lookouts.empty());
   std::set<std::pair<int, int>> blocks;
   double last_m = 0.0;
@@ -67,9 +67,9 @@ TEST(Frontiers, AKnownRoomHasNone) {
   ShortestPaths paths;
   paths.compute(grid, {1.0, 1.0});
   Frontiers frontiers;
-  frontiers.find(grid, paths);
+  frontiers.find({grid, paths});
   EXPECT_TRUE(frontiers.cells().empty());
-  EXPECT_TRUE(frontiers.lookouts(grid, paths, 2.0).empty());
+  EXPECT_TRUE(frontiers.lookouts({grid, paths}, 2.0).empty());
 }
 
 }  // namespace frontiers_test

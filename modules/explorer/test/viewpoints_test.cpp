@@ -55,9 +55,11 @@ struct Room {
   explicit Room(std::uint64_t seed) : grid(half_walled_room(seed)) {
     paths.compute(grid, {7.0, 8.5});
     Frontiers frontiers;
-    frontiers.find(grid, paths);
-    lookouts = frontiers.lookouts(grid, paths, 2.0);
+    frontiers.find({grid, paths});
+    lookouts = frontiers.lookouts({grid, paths}, 2.0);
   }
+  [[nodiscard]] Reach reach() const { return {grid, paths}; }
+
   PlanningGrid grid;
   ShortestPaths paths;
   std::vector<Cell> lookouts;
@@ -82,8 +84,7 @@ TEST(ViewpointChooser, ChoosesTheSameAsBruteForce) {
     }
     for (const int max_viewpoints : {1, 4, 10}) {
       params.tour.max_viewpoints = max_viewpoints;
-      const auto chosen =
-          ViewpointChooser(params).choose(room.grid, room.paths, room.lookouts, kYawRad);
+      const auto chosen = ViewpointChooser(params).choose(room.reach(), room.lookouts, kYawRad);
       std::set<std::uint32_t> shown;
       for (std::size_t i = 0; i <= chosen.size(); ++i) {
         double best_value = 0.0;
@@ -140,7 +141,7 @@ TEST(ViewpointChooser, NearestIsTheFirstLookoutThatShowsEnough) {
     const auto enough = std::ranges::find_if(
         gains_m2, [&](double gain_m2) { return gain_m2 >= params.view.min_gain_m2; });
     const std::ptrdiff_t first = enough - gains_m2.begin();
-    const auto nearest = ViewpointChooser(params).nearest(room.grid, room.paths, room.lookouts);
+    const auto nearest = ViewpointChooser(params).nearest(room.reach(), room.lookouts);
     ASSERT_TRUE(nearest);
     EXPECT_EQ(nearest->cell, room.lookouts[static_cast<std::size_t>(first)]);
     EXPECT_NEAR(nearest->gain_m2, *enough, 1e-9);  // rounding
@@ -154,19 +155,19 @@ TEST(ViewpointChooser, FartherLookoutsAreRatedOnlyIfTheNearerOnesShowNothing) {
   const Room room(1000);
   ExplorerParams params;
   ViewpointChooser dut(params);
-  const auto best = dut.choose(room.grid, room.paths, room.lookouts, 0.0);
+  const auto best = dut.choose(room.reach(), room.lookouts, 0.0);
   ASSERT_FALSE(best.empty());
   const Cell blind = room.grid.cell_of({8.0, 8.0});  // 4 m from the border
   params.view.range_m = 3.0;
   ViewpointChooser short_sighted(params);
   std::vector<Cell> lookouts(250, blind);
-  EXPECT_TRUE(short_sighted.choose(room.grid, room.paths, lookouts, 0.0).empty());
+  EXPECT_TRUE(short_sighted.choose(room.reach(), lookouts, 0.0).empty());
   lookouts.push_back(best.front().cell);
-  const auto found = short_sighted.choose(room.grid, room.paths, lookouts, 0.0);
+  const auto found = short_sighted.choose(room.reach(), lookouts, 0.0);
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found.front().cell, best.front().cell);
   lookouts.insert(lookouts.begin(), room.lookouts.begin(), room.lookouts.end());
-  for (const Viewpoint& viewpoint : short_sighted.choose(room.grid, room.paths, lookouts, 0.0)) {
+  for (const Viewpoint& viewpoint : short_sighted.choose(room.reach(), lookouts, 0.0)) {
     EXPECT_NE(viewpoint.cell, blind);
   }
 }
@@ -174,14 +175,14 @@ TEST(ViewpointChooser, FartherLookoutsAreRatedOnlyIfTheNearerOnesShowNothing) {
 TEST(ViewpointChooser, WithoutLookoutsOrUnknownGroundThereIsNoViewpoint) {
   const Room room(1000);
   ViewpointChooser dut({});
-  EXPECT_TRUE(dut.choose(room.grid, room.paths, {}, 0.0).empty());
-  EXPECT_FALSE(dut.nearest(room.grid, room.paths, {}));
+  EXPECT_TRUE(dut.choose(room.reach(), {}, 0.0).empty());
+  EXPECT_FALSE(dut.nearest(room.reach(), {}));
   constexpr int kKnownCells = kMapCells + 240;  // 6 m more on each side: the range of the view
   std::vector<std::int8_t> cells(kKnownCells * kKnownCells, 0);
   PlanningGrid known(0.2);
   ASSERT_TRUE(known.add({0.05, {-120, -120}, kKnownCells, kKnownCells, cells}));
-  EXPECT_TRUE(dut.choose(known, room.paths, room.lookouts, 0.0).empty());
-  EXPECT_FALSE(dut.nearest(known, room.paths, room.lookouts));
+  EXPECT_TRUE(dut.choose({known, room.paths}, room.lookouts, 0.0).empty());
+  EXPECT_FALSE(dut.nearest({known, room.paths}, room.lookouts));
 }
 
 }  // namespace viewpoints_test
