@@ -101,6 +101,18 @@ TEST(Numbers, AnErrorSaysWhatIsAllowed) {
               HasSubstr("'0' is not a number above 0"));
 }
 
+TEST(Evaluate, SaysWhichFileIsEmpty) {
+  const test::TemporaryDir dir;
+  const std::string empty = dir.path() / "empty";
+  const std::string path = dir.path() / "path.tum";
+  std::ofstream(empty) << "# nothing\n";
+  std::ofstream(path) << "1 0 0 0 0 0 0 1\n";
+  EXPECT_THAT(run_program("nodmap-evaluate", {"relations", path, empty}).err,
+              HasSubstr(empty + ": contains no relation"));
+  EXPECT_THAT(run_program("nodmap-evaluate", {"trajectory", path, empty}).err,
+              HasSubstr(empty + ": contains no pose"));
+}
+
 TEST(Convert, SaysWhichFileContainsNothingAndWhatItContainsInstead) {
   const test::TemporaryDir dir;
   const std::string in = dir.path() / "nodding.clf";

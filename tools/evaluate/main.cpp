@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/formats/ply.hpp"
@@ -44,8 +45,12 @@ struct Arguments {
 };
 
 void print_relations(const Arguments& arguments) {
-  const auto errors = evaluate::measure_relations(nodmap::formats::read_tum(arguments.trajectory),
-                                                  evaluate::read_relations(arguments.truth));
+  const auto relations = evaluate::read_relations(arguments.truth);
+  if (relations.empty()) {
+    throw std::runtime_error(arguments.truth + ": contains no relation");
+  }
+  const auto errors =
+      evaluate::measure_relations(nodmap::formats::read_tum(arguments.trajectory), relations);
   if (errors.n == 0) {
     throw std::runtime_error(arguments.trajectory +
                              ": does not contain both stamps of any of the " +
@@ -71,6 +76,12 @@ Trajectories read_trajectories(const Arguments& arguments) {
   Trajectories read{nodmap::formats::read_tum(arguments.trajectory),
                     nodmap::formats::read_tum(arguments.truth),
                     {}};
+  for (const auto& [file, poses] : {std::pair(arguments.trajectory, read.estimate.size()),
+                                    std::pair(arguments.truth, read.truth.size())}) {
+    if (poses == 0) {
+      throw std::runtime_error(file + ": contains no pose");
+    }
+  }
   read.pairs = evaluate::associate(read.estimate, read.truth,
                                    nodmap::time::from_seconds(arguments.tolerance_s));
   if (read.pairs.empty()) {
