@@ -52,7 +52,8 @@ void LogSummary::add(const bus::LogEvent& event) {
   }
   channel.size_bytes += static_cast<std::int64_t>(event.data.size());
   channel.longest_gap = std::max(channel.longest_gap, logged - channel.last);
-  channel.last = logged;
+  channel.first = std::min(channel.first, logged);
+  channel.last = std::max(channel.last, logged);  // in glued logs the time steps back
   if (type_name(type, event.data) != channel.type) {
     ++channel.corrupt;  // a channel has one type only
     return;
