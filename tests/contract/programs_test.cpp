@@ -285,6 +285,14 @@ TEST_P(EveryModule, ATruncatedRecordingIsUsedWithAWarning) {
 
 INSTANTIATE_TEST_SUITE_P(All, EveryModule, ::testing::ValuesIn(kModules));
 
+TEST(Latency, SaysWhyItHasNothingToMeasure) {
+  const test::TemporaryDir dir;
+  write_log(dir.path() / "in.lcmlog", 3);
+  const auto result = run_program("nodmap-latency", {"--log", dir.path() / "in.lcmlog"});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("no SCAN was followed by an OBSTACLE_MAP"));
+}
+
 // A table or a file of parameters that ends in the middle passes for a whole one.
 TEST(Output, ThatCannotBeWrittenIsAnError) {
   const test::TemporaryDir dir;

@@ -76,7 +76,11 @@ int run(const Arguments& arguments, const std::string& lcm_url) {
                                          {"scan_to_obstacle_map", to_json(reaction.scan_to_map())},
                                          {"scan_to_drive", to_json(reaction.scan_to_drive())}};
   std::cout << result.dump(2) << "\n";
-  return reaction.scan_to_map().empty() ? 1 : 0;
+  if (reaction.scan_to_map().empty()) {
+    log::get().error("no SCAN was followed by an OBSTACLE_MAP");
+    return 1;
+  }
+  return 0;
 }
 
 }  // namespace
