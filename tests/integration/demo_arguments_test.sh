@@ -34,6 +34,9 @@ grep -qF "sim/worlds/office.yaml" "$work/out" || fail "explore does not say whic
 code=0
 timeout 10 ./nodmap explore --duration 0 >"$work/out" 2>&1 || code=$?
 [[ $code -eq 2 ]] || fail "explore takes a duration of 0"
+code=0
+timeout 10 ./nodmap bulid >"$work/out" 2>&1 || code=$?
+[[ $code -eq 2 ]] && grep -qF "unknown command 'bulid'" "$work/out" || fail "an unknown command is not named: $code"
 # A mistyped option does not start what takes hours, or writes documents.
 before=$(cat README.md docs/*.md | cksum)
 for command in "results --chek" "results --check x" "test x" "test --al" "lint --al" "check x" "build x" "docs x" "format x" "fuzz x" "spy x"; do
