@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/bus/udpm_url.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <limits>
 #include <regex>
@@ -19,6 +20,25 @@ std::optional<int> parse_number(const std::string& text, int max) {
   return value;
 }
 
+/// Sets what NAME=VALUE says. Returns false for a name that LCM does not know, or a wrong value:
+/// with `tttl=1`, messages would silently stay on this host.
+bool set_option(const std::string& option, UdpmUrl& url) {
+  const std::size_t equals = std::min(option.find('='), option.size());
+  const std::string name = option.substr(0, equals);
+  const std::string value = option.substr(std::min(equals + 1, option.size()));
+  if (name == "ttl") {
+    const std::optional<int> ttl = parse_number(value, 255);
+    url.ttl = ttl.value_or(0);
+    return ttl.has_value();
+  }
+  if (name == "recv_buf_size") {
+    const std::optional<int> bytes = parse_number(value, std::numeric_limits<int>::max());
+    url.receive_buffer_bytes = bytes.value_or(url.receive_buffer_bytes);
+    return bytes.has_value();
+  }
+  return name == "transmit_only";
+}
+
 }  // namespace
 
 std::string UdpmUrl::group_text() const {
@@ -30,8 +50,6 @@ std::string UdpmUrl::group_text() const {
 std::optional<UdpmUrl> parse_udpm_url(const std::string& url) {
   static const std::regex kForm(
       R"(udpm://(?:(\d+)\.(\d+)\.(\d+)\.(\d+))?(?::(\d+))?/?(?:\?(.*))?)");
-  static const std::regex kTtl(R"((?:^|&)ttl=(\d+)(?:&|$))");
-  static const std::regex kReceiveBuffer(R"((?:^|&)recv_buf_size=(\d+)(?:&|$))");
   std::smatch part;
   if (!std::regex_match(url, part, kForm)) {
     return std::nullopt;
@@ -51,14 +69,11 @@ std::optional<UdpmUrl> parse_udpm_url(const std::string& url) {
     }
     parsed.port = static_cast<std::uint16_t>(*port);
   }
-  const std::string options = part[6];
-  std::smatch number;
-  if (std::regex_search(options, number, kTtl)) {
-    parsed.ttl = parse_number(number[1], 255).value_or(0);
-  }
-  if (std::regex_search(options, number, kReceiveBuffer)) {
-    parsed.receive_buffer_bytes = parse_number(number[1], std::numeric_limits<int>::max())
-                                      .value_or(parsed.receive_buffer_bytes);
+  std::istringstream options(part[6].str());
+  for (std::string option; std::getline(options, option, '&');) {
+    if (!set_option(option, parsed)) {
+      return std::nullopt;
+    }
   }
   return parsed;
 }

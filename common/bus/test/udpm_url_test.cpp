@@ -30,7 +30,9 @@ TEST(UdpmUrl, MissingPartsGetLcmsDefaults) {
 TEST(UdpmUrl, OtherUrlsAreRefused) {
   for (const char* text :
        {"", "memq://", "file:///tmp/log", "udpm://300.0.0.1:7667", "udpm://239.255.76.67:70000",
-        "udpm://somewhere:7667", "udpm://239.255.76.67:99999999999999"}) {
+        "udpm://somewhere:7667", "udpm://239.255.76.67:99999999999999",
+        "udpm://239.255.76.67:7667?tttl=1", "udpm://239.255.76.67:7667?ttl=abc",
+        "udpm://239.255.76.67:7667?ttl", "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=4M"}) {
     EXPECT_FALSE(parse_udpm_url(text)) << text;
   }
 }
