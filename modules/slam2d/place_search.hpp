@@ -62,8 +62,8 @@ class PlaceSearch {
   [[nodiscard]] Place find(const Known& known, const LevelScan& scan, const LevelScan& all_points,
                            const Start& start);
 
-  /// Allows another search at the same place after one that failed, because the robot may have been
-  /// carried.
+  /// Allows another search at the same place after one that failed: since then the robot may have
+  /// been carried, and farther than was searched.
   void forget_failure() { T_odom_failed_.reset(); }
 
   [[nodiscard]] const Counts& counts() const { return counts_; }

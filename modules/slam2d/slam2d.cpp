@@ -42,6 +42,9 @@ std::optional<PoseUpdate> Slam2d::add_scan(const scan::Scan& scan) {
   pose_covariance_.move(T_map_odom_.yaw + T_odom_last_.yaw,
                         T_odom_last_.inverse() * all_points->T_odom_base);
   if (all_points->has_odometry_gap()) {
+    if (!doubt_.is_there()) {
+      place_search_.forget_failure();  // it was near odometry
+    }
     doubt_.begin(all_points->odometry_gap_s);
     pose_covariance_.lose_track(all_points->odometry_gap_s);
   }

@@ -135,6 +135,39 @@ TEST(Slam2d, ASearchAcceptsAPartialFitOnlyAboveMinSearchScore) {
   EXPECT_EQ(after_pause_before_a_board(params).update.state, PoseState::kLost);
 }
 
+// A search near odometry has failed where the robot stands, because of a board in front of it.
+// During a pause in odometry the robot is carried: that search does not tell where it is now.
+TEST(Slam2d, ASearchThatFailedBeforeAPauseInOdometryIsRepeatedAfterIt) {
+  Slam2d slam{Slam2dParams{}};
+  Scanner scanner;
+  const SE2 start{-1.5, -0.5, 0.0};
+  const SE2 step{0.1, 0.0, 0.08};
+  SE2 truth = start;
+  SE2 odom;
+  time::Timestamp stamp{};
+  auto update = track(slam, scanner.scan(test::room(), truth, stamp), odom);
+  for (int i = 0; i < 20 || !update->is_keyframe; ++i) {
+    truth = truth * step;
+    odom = odom * step;
+    stamp += kPeriod;
+    update = track(slam, scanner.scan(test::room(), truth, stamp), odom);
+    ASSERT_TRUE(update);
+  }
+  test::FloorPlan with_board = test::room();
+  with_board.push_back({truth * Eigen::Vector2d(0.8, -0.7), truth * Eigen::Vector2d(0.7, 0.9)});
+  for (int i = 0; i < 2; ++i) {
+    stamp += kPeriod;
+    ASSERT_TRUE(track(slam, scanner.scan(with_board, truth, stamp), odom));
+  }
+  ASSERT_EQ(slam.search_counts().searches, 1);  // not repeated in the second scan: it failed
+  truth = truth * SE2{-0.9, -2.6, -0.6};
+  update = track(slam, scanner.scan(test::room(), truth, stamp + 2s), odom);
+  ASSERT_TRUE(update);
+  EXPECT_EQ(update->state, PoseState::kTracking);
+  // Two standard deviations of the scan noise.
+  EXPECT_LT(distance_m(update->T_map_base, start.inverse() * truth), 0.02);
+}
+
 /// A corridor with a niche on either side every 2 m: each place looks like the one 2 m farther on.
 test::FloorPlan corridor_with_equal_niches() {
   test::FloorPlan plan;
