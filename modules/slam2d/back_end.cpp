@@ -71,6 +71,7 @@ CorrelativeMatch BackEnd::find_in_local(std::span<const OrientedPoint> scan,
 void BackEnd::add_keyframe(Keyframe keyframe, const geometry::SE2& T_local_keyframe,
                            const Eigen::Matrix3d& information) {
   const std::size_t num_submaps = submaps().size();
+  const bool begins_anew = !has_local();
   const bool is_finished = chain_.add(std::move(keyframe), T_local_keyframe, information);
   if (submaps().size() > std::max<std::size_t>(num_submaps, 1)) {
     graph_.add_chain_edge(chain_.step_to_submap(num_submaps));
@@ -80,7 +81,7 @@ void BackEnd::add_keyframe(Keyframe keyframe, const geometry::SE2& T_local_keyfr
   // One per keyframe; any others follow with the next ones.
   const bool may_be_more = dropped_.has_value();
   dropped_.reset();
-  if (is_finished || may_be_more) {
+  if (is_finished || begins_anew || may_be_more) {
     drop_replaced_submap();
   }
 }

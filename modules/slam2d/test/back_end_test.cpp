@@ -287,6 +287,24 @@ TEST(BackEnd, AMapWithDroppedSubmapsCanBeSavedAndRestored) {
   }
 }
 
+// A robot that stands among a crowd is lost again and again. Each time a separate submap begins,
+// and none of them is ever full.
+TEST(BackEnd, ARobotThatIsLostAgainAndAgainAtOnePlaceNeedsNoMoreMemory) {
+  Scanner scanner;
+  Slam2d slam{Slam2dParams{}};
+  slam.add_odometry({}, geometry::to_se3(SE2{}));
+  ASSERT_TRUE(slam.add_scan(scanner.scan(test::room(), {})));
+  const BackEndParams params;
+  BackEnd back_end(params, {}, {});
+  for (int i = 0; i < 100; ++i) {
+    back_end.begin_anew({3.0, 3.0, 0.5});
+    back_end.add_keyframe(slam.keyframes()[0], {}, {});
+  }
+  // The last one has just begun, and one is replaced by the newer ones.
+  EXPECT_LE(back_end.submaps().size(), params.submap.max_keyframes_per_place + 2U);
+  EXPECT_EQ(back_end.keyframes().size(), back_end.submaps().size());
+}
+
 // Between the rounds the submaps are rebuilt from the polished poses.
 TEST(BackEnd, ASecondRoundOfPolishingIsNoWorseThanOne) {
   Slam2dParams params;
