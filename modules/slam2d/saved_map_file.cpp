@@ -2,6 +2,7 @@
 #include "modules/slam2d/saved_map_file.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -94,6 +95,14 @@ nodmap::cleared_region_2d_t write_cleared(const ClearedRegion& cleared) {
   Eigen::Map<Eigen::Vector2d>(message.low_m) = cleared.region.low;
   Eigen::Map<Eigen::Vector2d>(message.high_m) = cleared.region.high;
   return message;
+}
+
+/// Whether no direction has less than no information, apart from rounding. A loop may leave a
+/// direction undetermined, for example along a corridor.
+bool is_semidefinite(const Eigen::Matrix3d& information) {
+  constexpr double kRounding = 1e-9;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(information, Eigen::EigenvaluesOnly);
+  return solver.eigenvalues()[0] >= -kRounding * std::abs(solver.eigenvalues()[2]);
 }
 
 /// Builds a map from messages; throws if one of them cannot be part of it.
@@ -208,7 +217,7 @@ class Reader {
   [[nodiscard]] Eigen::Matrix3d read_information(const double (&in)[3][3]) const {
     Eigen::Matrix3d information = read_matrix(in);
     require(information.allFinite() && information.isApprox(information.transpose(), 1e-6) &&
-                (information.diagonal().array() > 0.0).all(),
+                is_semidefinite(information),
             "an edge without a valid information matrix");
     return information;
   }

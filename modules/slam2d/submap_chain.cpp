@@ -18,6 +18,10 @@ using registration::PoseEdge2d;
 // With this factor the standard deviation over half a submap is twice that of one match.
 constexpr double kStepInformationFactor = 5.0;
 
+// Added to each step over dropped keyframes; equals a standard deviation of 1 km. Such a step may
+// be so long and uncertain, because the robot was lost on it, that composed() counts it as unknown.
+constexpr double kLeastStepInformation = 1e-6;
+
 /// The information of odometry on a step, in the frame of its start. The errors of wheels are
 /// systematic, not white noise: the numbers hold for 30 m.
 Eigen::Matrix3d odometry_information(const geometry::SE2& step) {
@@ -187,6 +191,7 @@ DroppedKeyframes SubmapChain::drop_keyframes(std::size_t first, std::size_t end)
   // The steps over the gap become one.
   for (std::size_t k = first; first > 0 && k < end; ++k) {
     steps_[first - 1] = composed(steps_[first - 1], steps_[k]);
+    steps_[first - 1].information.diagonal().array() += kLeastStepInformation;
   }
   steps_.erase(at(steps_, first), at(steps_, end));
   for (std::size_t k = 0; k < steps_.size(); ++k) {

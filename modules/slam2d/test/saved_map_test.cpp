@@ -141,6 +141,21 @@ TEST(SavedMap, IsReadAsItWasWritten) {
   EXPECT_EQ(read.cleared[0].num_keyframes, 7U);
 }
 
+TEST(SavedMap, ALoopThatLeavesADirectionUndeterminedIsReadAsItWasWritten) {
+  const nodmap::test::TemporaryDir dir;
+  map_room(dir.path());
+  SavedMap written = read_saved_map(dir.path());
+  ASSERT_GT(written.submaps.size(), 1U);
+  written.loops.resize(1);
+  written.loops[0].edge.to = 1;
+  for (const double along_corridor : {0.0, -1e-9}) {  // rounding may make it negative
+    written.loops[0].edge.information = Eigen::Vector3d(along_corridor, 4e4, 1e6).asDiagonal();
+    ASSERT_FALSE(write_saved_map(dir.path(), written));
+    const SavedMap read = read_saved_map(dir.path());
+    EXPECT_EQ(read.loops.at(0).edge.information, written.loops[0].edge.information);
+  }
+}
+
 TEST(SavedMap, IsTheSameAfterRestoringAndSavingAgain) {
   const nodmap::test::TemporaryDir dir;
   map_room(dir.path());
