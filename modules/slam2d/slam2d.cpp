@@ -5,8 +5,6 @@
 #include <cmath>
 #include <utility>
 
-#include "modules/slam2d/best_place.hpp"
-
 namespace nodmap::slam2d {
 
 Slam2d::Slam2d(const Slam2dParams& params)
@@ -16,6 +14,7 @@ Slam2d::Slam2d(const Slam2dParams& params)
       place_search_(params),
       back_end_(params.back_end, params.map, params.matcher),
       doubt_(params.doubt),
+      hidden_view_(params),
       path_(params.path) {}
 
 void Slam2d::change_odometry_frame(const geometry::SE3& T_new_odom_base) {
@@ -36,37 +35,18 @@ std::optional<PoseUpdate> Slam2d::add_scan(const scan::Scan& scan) {
     return std::nullopt;
   }
   if (!back_end_.has_local()) {
-    moving_points_.add_keyframe(*all_points);
     return begin_map(*all_points);
   }
-  pose_covariance_.move(T_map_odom_.yaw + T_odom_last_.yaw,
-                        T_odom_last_.inverse() * all_points->T_odom_base);
-  if (all_points->has_odometry_gap()) {
-    if (!doubt_.is_there()) {
-      place_search_.forget_failure();  // it was near odometry
-    }
-    doubt_.begin(all_points->odometry_gap_s);
-    pose_covariance_.lose_track(all_points->odometry_gap_s);
-  }
+  follow_odometry(*all_points);
   // "These can directly be used as data set D and matched against an incrementally built 2D map" M:
   // the transform that minimises Eq. 3, from the pose by odometry.
-  const FoundPlace found = find_place(*all_points, choose_start(*all_points));
+  const FoundPlace found = find_place(*all_points);
   // The same transform corrects the pose.
   PoseUpdate update = correct_pose(*all_points, found);
   update.covariance = estimate_covariance(found.place, update);
+  record_motion(*all_points, update);
   const bool was_in_doubt = doubt_.is_there();
-  const bool has_moved_unseen =
-      was_in_doubt &&
-      params_.keyframe.is_beyond(T_map_odom_ * all_points->T_odom_base, update.T_map_base);
   doubt_.update(update, found.place.is_sure);
-  pose_guesses_.add_scan(update.stamp, (T_map_odom_ * T_odom_last_).inverse() * update.T_map_base);
-  if (update.state == PoseState::kLost || has_moved_unseen) {
-    pose_guesses_.forget_motion();
-  }
-  if (has_moved_unseen) {
-    moving_points_.change_odometry_frame(T_map_odom_.inverse() * update.T_map_base *
-                                         all_points->T_odom_base.inverse());
-  }
   // "New scan points that do not show a correspondence to already existing points in M are added."
   // That may close a loop, which corrects the pose once more.
   if (is_keyframe(update, *all_points, found)) {
@@ -83,6 +63,7 @@ std::optional<PoseUpdate> Slam2d::add_scan(const scan::Scan& scan) {
 }
 
 std::optional<PoseUpdate> Slam2d::begin_map(const LevelScan& scan) {
+  moving_points_.add_keyframe(scan);
   if (!scan.has_enough_points()) {
     ++metrics_.scans_without_points;
     return std::nullopt;
@@ -96,6 +77,19 @@ std::optional<PoseUpdate> Slam2d::begin_map(const LevelScan& scan) {
   return update;
 }
 
+// The pose by odometry becomes less certain, and doubtful after a time without odometry.
+void Slam2d::follow_odometry(const LevelScan& scan) {
+  pose_covariance_.move(T_map_odom_.yaw + T_odom_last_.yaw,
+                        T_odom_last_.inverse() * scan.T_odom_base);
+  if (scan.has_odometry_gap()) {
+    if (!doubt_.is_there()) {
+      place_search_.forget_failure();  // it was near odometry
+    }
+    doubt_.begin(scan.odometry_gap_s);
+    pose_covariance_.lose_track(scan.odometry_gap_s);
+  }
+}
+
 Start Slam2d::choose_start(const LevelScan& all_points) const {
   std::vector<geometry::SE2> guesses = pose_guesses_.guesses(all_points, T_map_odom_, T_odom_last_);
   for (geometry::SE2& guess : guesses) {
@@ -104,83 +98,9 @@ Start Slam2d::choose_start(const LevelScan& all_points) const {
   return place_search_.choose_start(back_end_.local(), all_points, std::move(guesses));
 }
 
-// If most points lie in space that was free before, either people surround the robot or it is
-// elsewhere. While odometry goes on smoothly it cannot be elsewhere.
-Slam2d::FoundPlace Slam2d::find_place(const LevelScan& all_points, const Start& start) {
-  LevelScan scan = all_points;
-  if (start.is_by_odometry && !doubt_.is_there()) {
-    scan.points_base = moving_points_.stationary(all_points);
-  }
-  const bool is_mostly_moving = 2 * scan.points_base.size() < all_points.points_base.size();
-  if (is_smooth(all_points, start)) {
-    if (const auto place = find_between_people(scan, all_points, start, is_mostly_moving)) {
-      hidden_since_.reset();
-      return {*place, scan};
-    }
-    begin_hiding(scan.stamp);
-    if (!is_hidden_for_long(scan.stamp)) {
-      return {.place = {}, .scan = scan, .is_hidden = true};
-    }
-  }
-  if (is_mostly_moving) {
-    scan = all_points;
-  }
-  const Place place =
-      place_search_.find({back_end_, moving_points_, doubt_}, scan, all_points, start);
-  // The level scans of a nodding laser are too far apart to give a speed. But whoever hides the
-  // view from one of them has passed by the next, and the robot is not elsewhere meanwhile.
-  if (all_points.is_of_nod && !doubt_.is_there() && !is_by_odometry(place.match, start) &&
-      moving_points_.contradicts(all_points)) {
-    begin_hiding(scan.stamp);
-    if (!is_hidden_for_long(scan.stamp)) {
-      return {.place = {}, .scan = scan, .is_hidden = true};
-    }
-  }
-  const bool has_slipped = hidden_since_.has_value();
-  hidden_since_.reset();
-  return {.place = place, .scan = scan, .has_slipped = has_slipped};
-}
-
-// Whether a scan fits, at the pose by odometry or beside it.
-bool Slam2d::is_by_odometry(const Match& match, const Start& start) const {
-  return match.found() && match.score >= params_.lost.score_threshold &&
-         is_same_place(match.T_target_base, start.guesses.front());
-}
-
-bool Slam2d::is_smooth(const LevelScan& scan, const Start& start) const {
-  return start.guesses.size() == 1 && !doubt_.is_there() && pose_guesses_.is_fast(scan.stamp);
-}
-
-void Slam2d::begin_hiding(time::Timestamp stamp) {
-  hidden_since_ = hidden_since_.value_or(stamp);
-}
-
-bool Slam2d::is_hidden_for_long(time::Timestamp stamp) const {
-  return time::seconds(std::chrono::abs(stamp - *hidden_since_)) >= params_.people.max_hidden_s;
-}
-
-// People nearby may hide all but a few walls. The remaining points determine the pose if they fit
-// well. A match of all points would follow the people: somebody who walks ahead of a stationary
-// robot would shift its pose. `is_mostly_moving`: few points remain.
-std::optional<Place> Slam2d::find_between_people(const LevelScan& scan, const LevelScan& all_points,
-                                                 const Start& start, bool is_mostly_moving) {
-  Place place;
-  if (!is_mostly_moving) {
-    place = place_search_.find({back_end_, moving_points_, doubt_}, scan, all_points, start);
-  } else if (scan.has_enough_to_search()) {
-    place.match = place_search_.match(back_end_.local(), scan, start);
-    if (place.match.score < params_.doubt.certain_score) {
-      return std::nullopt;
-    }
-  } else {
-    return std::nullopt;
-  }
-  const geometry::SE2& T_map_submap = back_end_.local().T_map_submap;
-  const geometry::SE2& T_submap_base = place.match.T_target_base;
-  const bool is_odd = place.match.found() &&
-                      pose_guesses_.is_beyond_slip(scan, T_map_submap * start.guesses.front(),
-                                                   T_map_submap * T_submap_base);
-  return is_odd ? std::nullopt : std::optional(place);
+FoundPlace Slam2d::find_place(const LevelScan& all_points) {
+  return hidden_view_.find_place({place_search_, back_end_, moving_points_, pose_guesses_, doubt_},
+                                 all_points, choose_start(all_points));
 }
 
 PoseUpdate Slam2d::correct_pose(const LevelScan& scan, const FoundPlace& found) const {
@@ -271,6 +191,22 @@ bool Slam2d::continues_in_doubt(const PoseUpdate& update, const geometry::SE2& T
   return distance_m(T_odom_keyframe_, T_odom_base) > params_.lost.distance_m ||
          time::seconds(std::chrono::abs(update.stamp - doubt_.since().value_or(update.stamp))) >
              params_.lost.max_s;
+}
+
+// A motion that odometry has not seen, and that was found in doubt, does not go on. The views of
+// earlier keyframes move along with the odom frame, so that scans are compared with them as before.
+void Slam2d::record_motion(const LevelScan& scan, const PoseUpdate& update) {
+  const bool has_moved_unseen =
+      doubt_.is_there() &&
+      params_.keyframe.is_beyond(T_map_odom_ * scan.T_odom_base, update.T_map_base);
+  pose_guesses_.add_scan(update.stamp, (T_map_odom_ * T_odom_last_).inverse() * update.T_map_base);
+  if (update.state == PoseState::kLost || has_moved_unseen) {
+    pose_guesses_.forget_motion();
+  }
+  if (has_moved_unseen) {
+    moving_points_.change_odometry_frame(T_map_odom_.inverse() * update.T_map_base *
+                                         scan.T_odom_base.inverse());
+  }
 }
 
 void Slam2d::add_keyframe(const LevelScan& scan, const Match& match, PoseUpdate& update) {

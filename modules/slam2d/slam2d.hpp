@@ -10,6 +10,7 @@
 #include "common/geometry/time.hpp"
 #include "modules/slam2d/back_end.hpp"
 #include "modules/slam2d/doubt.hpp"
+#include "modules/slam2d/hidden_view.hpp"
 #include "modules/slam2d/level_scan.hpp"
 #include "modules/slam2d/moving_points.hpp"
 #include "modules/slam2d/oriented_points.hpp"
@@ -86,22 +87,9 @@ class Slam2d {
 
  private:
   [[nodiscard]] std::optional<PoseUpdate> begin_map(const LevelScan& scan);
+  void follow_odometry(const LevelScan& scan);
   [[nodiscard]] Start choose_start(const LevelScan& all_points) const;
-  /// The place of a scan, and how it was found.
-  struct FoundPlace {
-    Place place;
-    LevelScan scan;            ///< without the points that have moved
-    bool has_slipped = false;  ///< not people: odometry has been wrong for a second
-    bool is_hidden = false;    ///< people surround the robot: its pose is by odometry alone
-  };
-  [[nodiscard]] FoundPlace find_place(const LevelScan& all_points, const Start& start);
-  [[nodiscard]] std::optional<Place> find_between_people(const LevelScan& scan,
-                                                         const LevelScan& all_points,
-                                                         const Start& start, bool is_mostly_moving);
-  [[nodiscard]] bool is_smooth(const LevelScan& scan, const Start& start) const;
-  [[nodiscard]] bool is_by_odometry(const Match& match, const Start& start) const;
-  void begin_hiding(time::Timestamp stamp);
-  [[nodiscard]] bool is_hidden_for_long(time::Timestamp stamp) const;
+  [[nodiscard]] FoundPlace find_place(const LevelScan& all_points);
   [[nodiscard]] PoseUpdate correct_pose(const LevelScan& scan, const FoundPlace& found) const;
   [[nodiscard]] Eigen::Matrix3d estimate_covariance(const Place& place, const PoseUpdate& update);
   [[nodiscard]] PoseState classify(const LevelScan& scan, const FoundPlace& found) const;
@@ -110,6 +98,7 @@ class Slam2d {
                                  const FoundPlace& found) const;
   [[nodiscard]] bool continues_in_doubt(const PoseUpdate& update,
                                         const geometry::SE2& T_odom_base) const;
+  void record_motion(const LevelScan& scan, const PoseUpdate& update);
   void add_keyframe(const LevelScan& scan, const Match& match, PoseUpdate& update);
   void correct_odometry(const LevelScan& scan, PoseUpdate& update);
   void record(const PoseUpdate& update);
@@ -126,7 +115,7 @@ class Slam2d {
   geometry::SE2 T_odom_keyframe_;   // of the last keyframe, in the present odom frame
   geometry::SE2 T_first_odom_;      // the present odom frame in that of the first keyframe
   Doubt doubt_;
-  std::optional<time::Timestamp> hidden_since_;  // the first scan of which people hide too much
+  HiddenView hidden_view_;
   TrackedPath path_;
   Metrics metrics_;
 };
