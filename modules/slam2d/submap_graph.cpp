@@ -106,7 +106,10 @@ std::vector<Eigen::Matrix3d> SubmapGraph::uncertainties(std::span<const Submap> 
     const Eigen::Matrix3d covariance =
         rotated(covariance_of(information), submaps[from].T_map_submap.yaw);
     neighbours[from].push_back({to, covariance});
-    neighbours[to].push_back({from, covariance});
+    // Seen from `to`, the heading of the step moves `from`.
+    const Eigen::Matrix3d J = moment_arm_jacobian(submaps[from].T_map_submap.translation() -
+                                                  submaps[to].T_map_submap.translation());
+    neighbours[to].push_back({from, J * covariance * J.transpose()});
   };
   for (const PoseEdge2d& edge : chain_) {
     join(edge.from, edge.to, edge.information);

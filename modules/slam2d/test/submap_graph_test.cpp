@@ -89,6 +89,33 @@ TEST(SubmapGraph, AnUnknownDirectionStaysUnknown) {
   }
 }
 
+// The heading of an edge is uncertain, too. Seen from its other end that moves the far submap
+// aside.
+TEST(SubmapGraph, AnUncertaintyIsThatOfThePathToTheLocalSubmap) {
+  const std::vector<SE2> poses{{1.0, 2.0, 0.3}, {4.0, 3.0, -0.5}, {3.0, 7.0, 2.0}};
+  std::vector<Submap> submaps;
+  for (const SE2& pose : poses) {
+    submaps.emplace_back(0, pose, MapParams{});
+  }
+  const PoseEdge2d first = edge(0, 1, poses[0].inverse() * poses[1]);
+  const PoseEdge2d second = edge(1, 2, poses[1].inverse() * poses[2], 0.3);
+  SubmapGraph graph;
+  graph.add_chain_edge(first);
+  graph.add_chain_edge(second);
+  const auto in_map = [](const PoseEdge2d& path, const SE2& T_map_from) {
+    return rotated(path.information.inverse(), T_map_from.yaw);
+  };
+  // covariance_of() adds 1e-6 to an information of at least 80.
+  constexpr double kRounding = 1e-6;
+  const auto from_first = graph.uncertainties(submaps, 0);
+  EXPECT_TRUE(from_first[1].isApprox(in_map(first, poses[0]), kRounding));
+  EXPECT_TRUE(from_first[2].isApprox(in_map(composed(first, second), poses[0]), kRounding));
+  const auto from_last = graph.uncertainties(submaps, 2);
+  EXPECT_TRUE(from_last[1].isApprox(in_map(reversed(second), poses[2]), kRounding));
+  EXPECT_TRUE(
+      from_last[0].isApprox(in_map(reversed(composed(first, second)), poses[2]), kRounding));
+}
+
 /// Five submaps in a row, with loops from 1 to 3 and 4.
 struct Row {
   Row() {
