@@ -28,6 +28,22 @@ int sector_of(double compass_rad, int sectors) {
   return (static_cast<int>(std::floor(sector)) % sectors + sectors) % sectors;
 }
 
+/// Whether beams have hit something at a point of the obstacle map more than once. Nothing is where
+/// a mixed pixel is: the local map leaves out most of them, and the few others hit different
+/// places.
+bool is_hit_again(const Eigen::Vector2d& p_odom, const LocalMap& local_map) {
+  const double cell_m = local_map.grid().cell_size_m();
+  for (int dx = -1; dx <= 1; ++dx) {
+    for (int dy = -1; dy <= 1; ++dy) {
+      const LocalCell* cell = local_map.cell_at(p_odom + cell_m * Eigen::Vector2d(dx, dy));
+      if (cell != nullptr && cell->obstacle > evidence::kCertain) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
 /// Whether something has moved to where floor was seen. The laser sees a person's legs at all
 /// heights within one sweep. Less than that has not moved: a low object, around which floor was
 /// seen before a line fell on it, or a board, under which floor is still seen. Brake stops for
@@ -37,7 +53,7 @@ bool has_come(const Eigen::Vector2d& p_odom, const LocalMap& local_map) {
     return false;
   }
   const auto span = local_map.obstacle_span(p_odom, kOneThingM);
-  return !span || (span->low_m < kFeetM && span->high_m > kLowThingM);
+  return span && span->low_m < kFeetM && span->high_m > kLowThingM;
 }
 
 }  // namespace
@@ -86,18 +102,22 @@ void Approach::compare(const Sectors& now, time::Timestamp stamp, double reach_m
     const Nearest& there = now[static_cast<std::size_t>(i)];
     // A thin object on the border of two sectors may appear in either.
     const double nearest_known_m = std::min({known_m(-1), known_m(0), known_m(1)});
-    const bool is_nearer =
-        there.distance_m < nearest_known_m - kApproachM && there.p_base.norm() < reach_m;
+    const bool is_nearer = there.distance_m < nearest_known_m - kApproachM;
+    const Eigen::Vector2d p_odom = T_odom_base * there.p_base;
+    if (is_nearer && local_map != nullptr && !is_hit_again(p_odom, *local_map)) {
+      continue;
+    }
     const double direction_rad = std::atan2(there.p_base.y(), there.p_base.x());
     const bool is_seen =
         laser_is_held ? seen.is_in_view(direction_rad) : seen.is_seen(direction_rad);
-    if (is_nearer && is_seen &&
-        (local_map == nullptr || has_come(T_odom_base * there.p_base, *local_map))) {
+    if (is_nearer && there.p_base.norm() < reach_m && is_seen &&
+        (local_map == nullptr || has_come(p_odom, *local_map))) {
       detected_at_ = stamp;
     }
-    // A slow object is compared with the distance at which it started.
+    // A slow object is compared with the distance at which it started. What is out of reach, or was
+    // in the sector beside this one, is kept as well: otherwise it would be new in a moment.
     Nearest& kept = (*known_)[static_cast<std::size_t>(i)];
-    if (is_nearer || there.distance_m > kept.distance_m || !std::isfinite(kept.distance_m)) {
+    if (there.distance_m > kept.distance_m || there.distance_m < kept.distance_m - kApproachM) {
       kept = there;
     }
   }

@@ -23,10 +23,10 @@ class LocalMap;
 /// compared. What comes out from behind something was farther away than that before.
 class Approach {
  public:
-  /// Takes the obstacles at `stamp`, without those farther than `reach_m` from base. `seen` must be
-  /// up to date. With a local map, only what is where floor was seen before has approached: what
-  /// comes into view from behind a corner was there already. A laser that is held need not sweep
-  /// first to have seen a direction.
+  /// Takes the obstacles at `stamp`. Those farther than `reach_m` from base are only remembered.
+  /// `seen` must be up to date. With a local map, only what it also has, and where floor was seen
+  /// before, has approached: what comes into view from behind a corner was there already. A laser
+  /// that is held need not sweep first to have seen a direction.
   void update(time::Timestamp stamp, const geometry::SE2& T_odom_base, double reach_m,
               const Points& points_base, const SeenDirections& seen,
               const LocalMap* local_map = nullptr, bool laser_is_held = false);

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "modules/navigator/local_map/local_map.hpp"
 #include "modules/navigator/local_map/test/scanned_ground.hpp"
 #include "modules/navigator/test/point_world.hpp"
@@ -93,6 +95,38 @@ TEST(Approach, DrivingPastAWallIsNotAnApproach) {
   }
 }
 
+// A pole comes into view beyond the reach, and then into the reach, first because the robot drives
+// on by less than the reference point's 0.3 m, then because the reach grows with its speed.
+TEST(Approach, AStationaryPoleThatComesIntoReachIsNotAnApproach) {
+  const SeenDirections view = seen_ahead();
+  const Eigen::Vector2d pole_odom(1.3, 0.0);
+  Approach driving;
+  Approach speeding_up;
+  const Points wall{{3.0, 0.0}};  // behind the pole
+  driving.update(time::Timestamp(0s), {}, 1.1, wall, view);
+  speeding_up.update(time::Timestamp(0s), {}, 1.1, wall, view);
+  for (int i = 1; i < 28; ++i) {
+    const time::Timestamp stamp(i * 10ms);
+    const geometry::SE2 T_odom_base{0.01 * i, 0.0, 0.0};
+    driving.update(stamp, T_odom_base, 1.1, {T_odom_base.inverse() * pole_odom}, view);
+    EXPECT_FALSE(driving.is_detected(stamp)) << i;
+    speeding_up.update(stamp, {}, 1.1 + 0.01 * i, {pole_odom}, view);
+    EXPECT_FALSE(speeding_up.is_detected(stamp)) << i;
+  }
+}
+
+// Noise moves the pole to and fro over the border of two sectors, 10 degrees to the left.
+TEST(Approach, AStationaryPoleOnTheBorderOfTwoSectorsIsNotAnApproach) {
+  Approach approach;
+  const SeenDirections view = seen_ahead();
+  for (int i = 0; i < 20; ++i) {
+    const double pole_rad = deg_to_rad(i % 4 < 2 ? 9.9 : 10.1);
+    const Points points_base{{std::cos(pole_rad), std::sin(pole_rad)}, {2.5, 0.3}, {2.5, 0.6}};
+    approach.update(time::Timestamp(i * 10ms), {}, 1.5, points_base, view);
+    EXPECT_FALSE(approach.is_detected(time::Timestamp(i * 10ms))) << i;
+  }
+}
+
 TEST(Approach, APersonWhoCrossesThePathIsDetected) {
   Approach approach;
   const SeenDirections view = seen_ahead();
@@ -129,6 +163,12 @@ bool is_approach(const test::Ground& after) {
 TEST(Approach, ALegIsAnApproachALowPlankIsNot) {
   EXPECT_TRUE(is_approach({{{{0.98, -0.1}, {1.15, 0.1}, 1.7}}}));
   EXPECT_FALSE(is_approach({{{{0.98, -0.1}, {1.15, 0.1}, 0.06}}}));
+}
+
+// A mixed pixel, alone or at the edge of a pillar: the obstacle map has it, the local map has not.
+TEST(Approach, APointThatTheLocalMapDoesNotShowIsNotAnApproach) {
+  EXPECT_FALSE(is_approach({}));
+  EXPECT_FALSE(is_approach({{{{0.935, 0.03}, {0.945, 0.3}, 1.7}}}));
 }
 
 }  // namespace approach_test
