@@ -87,6 +87,13 @@ TEST(Numbers, MustBeFinite) {
   }
 }
 
+// The navigator or 2D SLAM would refuse it only later, and without a word here.
+TEST(Places, BeyondTenKilometresAreRefused) {
+  EXPECT_THAT(run_program("nodmap-goal", {"1e300", "2"}).err, HasSubstr("1e300 not in range"));
+  EXPECT_THAT(run_program("nodmap-clear", {"-1e300", "-1e300", "1e300", "1e300"}).err,
+              HasSubstr("-1e300 not in range"));
+}
+
 // And not with all 309 digits of the largest number.
 TEST(Numbers, AnErrorSaysWhatIsAllowed) {
   const std::string not_below_zero = "is not a number of 0 or more";

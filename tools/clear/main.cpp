@@ -15,6 +15,8 @@
 namespace nodmap {
 namespace {
 
+constexpr double kMaxCoordinateM = 1e4;  // as nodmap-goal
+
 struct Arguments {
   std::vector<double> corners_m;  ///< x and y of one corner, x and y of the opposite one
   node::RequestOptions request{.by = "nodmap-clear", .wait_s = 2.5};
@@ -56,6 +58,7 @@ int main(int argc, char** argv) {
              app.add_option("corners", arguments.corners_m,
                             "Two opposite corners, X1 Y1 X2 Y2 in map, metres")
                  ->expected(4)
+                 ->check(CLI::Range(-kMaxCoordinateM, kMaxCoordinateM))
                  ->required();
              app.parse_complete_callback([&arguments] {
                const std::vector<double>& m = arguments.corners_m;

@@ -25,6 +25,7 @@ constexpr std::chrono::milliseconds kLongestWait(100);
 constexpr time::Duration kLeastStay = 1s;
 constexpr double kToleranceM = 0.2;
 constexpr double kDockingToleranceM = 0.02;
+constexpr double kMaxCoordinateM = 1e4;  // as the page of nodmap-viewer
 
 struct Arguments {
   std::vector<double> coordinates_m;  ///< x and y of each waypoint
@@ -162,7 +163,8 @@ int main(int argc, char** argv) {
            [&arguments](CLI::App& app) {
              app.add_option("waypoints", arguments.coordinates_m,
                             "X Y of each waypoint in map, metres; 0 0 is the start of the map")
-                 ->required();
+                 ->required()
+                 ->check(CLI::Range(-kMaxCoordinateM, kMaxCoordinateM));
              app.add_flag("--patrol", arguments.is_patrol,
                           "Start again after the last, until Ctrl-C; then the robot stays at the "
                           "waypoint that it drives to");
