@@ -3,11 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <string>
 #include <vector>
 
-#include "tests/support/data_dir.hpp"
 #include "tests/support/program.hpp"
 
 namespace nodmap {
@@ -106,41 +104,6 @@ TEST(Numbers, AnErrorSaysWhatIsAllowed) {
       HasSubstr("'0.05s' " + not_below_zero));
   EXPECT_THAT(run_program("nodmap-latency", {"--duration", "0"}).err,
               HasSubstr("'0' is not a number above 0"));
-}
-
-TEST(Evaluate, SaysWhichFileIsEmpty) {
-  const test::TemporaryDir dir;
-  const std::string empty = dir.path() / "empty";
-  const std::string path = dir.path() / "path.tum";
-  std::ofstream(empty) << "# nothing\n";
-  std::ofstream(path) << "1 0 0 0 0 0 0 1\n";
-  EXPECT_THAT(run_program("nodmap-evaluate", {"relations", path, empty}).err,
-              HasSubstr(empty + ": contains no relation"));
-  EXPECT_THAT(run_program("nodmap-evaluate", {"trajectory", path, empty}).err,
-              HasSubstr(empty + ": contains no pose"));
-}
-
-TEST(Convert, SaysWhichFileContainsNothingAndWhatItContainsInstead) {
-  const test::TemporaryDir dir;
-  const std::string in = dir.path() / "nodding.clf";
-  std::ofstream(in) << "NOD 1\nNOD 2\nSLICE 1\n\n";
-  EXPECT_THAT(
-      run_program("nodmap-convert", {"carmen", in, dir.path() / "out.lcmlog"}).err,
-      HasSubstr(in + ": contains nothing that can be used: no line of a scanner or of ODOM; "
-                     "its lines begin with 'NOD', 'SLICE'"));
-  EXPECT_THAT(run_program("nodmap-convert", {"uos", dir.path(), dir.path() / "out.lcmlog"}).err,
-              HasSubstr(dir.path().string() + ": contains nothing that can be used"));
-}
-
-TEST(Convert, SaysAtOnceWhyItCannotWrite) {
-  const test::TemporaryDir dir;
-  std::ofstream(dir.path() / "in.lcmlog") << "Not even looked at.\n";
-  for (const char* name : {"x.csv", "x.clf", "x.tum", "x.ply"}) {
-    const std::string out = dir.path() / "none" / name;
-    const auto result = run_program("nodmap-convert", {"export", dir.path() / "in.lcmlog", out});
-    EXPECT_EQ(result.exit_code, 1);
-    EXPECT_THAT(result.err, HasSubstr(out + ": cannot write: No such file or directory"));
-  }
 }
 
 TEST(Trial, NamesTheRobotsItKnows) {

@@ -2,10 +2,8 @@
 // The command line that every program has in common.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/stat.h>
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <csignal>
 #include <filesystem>
@@ -14,9 +12,7 @@
 #include <string_view>
 #include <vector>
 
-#include "common/bus/codec.hpp"
-#include "common/bus/event_log.hpp"
-#include "nodmap/odometry_t.hpp"
+#include "tests/contract/odometry_log.hpp"
 #include "tests/support/child_process.hpp"
 #include "tests/support/data_dir.hpp"
 #include "tests/support/program.hpp"
@@ -25,6 +21,7 @@ namespace nodmap {
 namespace programs_test {
 
 using test::run_program;
+using test::write_odometry_log;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -80,19 +77,6 @@ constexpr const char* kModules[] = {
     "nodmap-slam6d",
 };
 // clang-format on
-
-/// Writes a log of this many messages of a robot that stands, which every module uses.
-void write_log(const std::filesystem::path& file, int num_messages) {
-  bus::LogWriter log(file);
-  std::vector<std::byte> bytes;
-  for (int i = 0; i < num_messages; ++i) {
-    nodmap::odometry_t message{};
-    message.utime = i;
-    message.orientation[0] = 1.0;
-    bus::encode_into(bytes, message);
-    ASSERT_TRUE(log.write(i, "ODOMETRY", bytes));
-  }
-}
 
 class EveryProgram : public ::testing::TestWithParam<const char*> {};
 
@@ -181,7 +165,7 @@ class EveryModule : public ::testing::TestWithParam<const char*> {};
 TEST_P(EveryModule, NeverOverwritesResults) {
   const test::TemporaryDir dir;
   const std::string file = dir.path() / "precious";
-  write_log(file, 1);
+  write_odometry_log(file, 1);
   const auto result = run_program(GetParam(), {"--replay", file, "--out", dir.path().string()});
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_THAT(result.err, HasSubstr("not empty"));
@@ -225,7 +209,7 @@ class EveryModuleWithAMap : public ::testing::TestWithParam<const char*> {};
 TEST_P(EveryModuleWithAMap, AfterAMissingMapTheCorrectedCommandSucceeds) {
   const test::TemporaryDir dir;
   const std::filesystem::path log = dir.path() / "in.lcmlog";
-  write_log(log, 3);
+  write_odometry_log(log, 3);
   for (const char* option : {"--localise", "--map-in"}) {
     const std::filesystem::path out = dir.path() / option;
     const auto wrong = run_program(
@@ -252,28 +236,17 @@ TEST_P(EveryModule, AFileThatIsNotARecordingIsAnError) {
 
 TEST_P(EveryModuleWithAMap, SaysThatItsMapIsEmpty) {
   const test::TemporaryDir dir;
-  write_log(dir.path() / "in.lcmlog", 3);
+  write_odometry_log(dir.path() / "in.lcmlog", 3);
   const auto result =
       run_program(GetParam(), {"--replay", dir.path() / "in.lcmlog", "--out", dir.path() / "out"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_THAT(result.err, HasSubstr("the map is empty: no scan was used"));
 }
 
-TEST(Localisation, SaysThatTheRobotWasNotFound) {
-  const test::TemporaryDir dir;
-  write_log(dir.path() / "in.lcmlog", 3);
-  std::ofstream(dir.path() / "map.yaml") << "image: map.pgm\nresolution: 0.05\norigin: [0, 0, 0]\n";
-  std::ofstream(dir.path() / "map.pgm") << "P2 3 1 255 0 254 254\n";
-  const auto result = run_program("nodmap-slam2d", {"--replay", dir.path() / "in.lcmlog", "--out",
-                                                    dir.path() / "out", "--localise", dir.path()});
-  EXPECT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_THAT(result.err, HasSubstr("the robot was not found in the saved map"));
-}
-
 TEST_P(EveryModule, ATruncatedRecordingIsUsedWithAWarning) {
   const test::TemporaryDir dir;
   const std::filesystem::path log = dir.path() / "cut.lcmlog";
-  write_log(log, 3);
+  write_odometry_log(log, 3);
   std::filesystem::resize_file(log, std::filesystem::file_size(log) - 1);
   const auto result = run_program(GetParam(), {"--replay", log, "--out", dir.path() / "out"});
   EXPECT_EQ(result.exit_code, 0);
@@ -284,38 +257,6 @@ TEST_P(EveryModule, ATruncatedRecordingIsUsedWithAWarning) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, EveryModule, ::testing::ValuesIn(kModules));
-
-TEST(Latency, SaysWhyItHasNothingToMeasure) {
-  const test::TemporaryDir dir;
-  write_log(dir.path() / "in.lcmlog", 3);
-  const auto result = run_program("nodmap-latency", {"--log", dir.path() / "in.lcmlog"});
-  EXPECT_EQ(result.exit_code, 1);
-  EXPECT_THAT(result.err, HasSubstr("no SCAN was followed by an OBSTACLE_MAP"));
-}
-
-// A table or a file of parameters that ends in the middle passes for a whole one.
-TEST(Output, ThatCannotBeWrittenIsAnError) {
-  const test::TemporaryDir dir;
-  const std::string log = dir.path() / "in.lcmlog";
-  write_log(log, 3);
-  for (const std::string& command : {std::string("slam2d --dump-params"),
-                                     std::string("evaluate --help"), "convert info " + log}) {
-    const auto result = run_program("sh", {"-c", NODMAP_BIN "/nodmap-" + command + " >/dev/full"});
-    EXPECT_EQ(result.exit_code, 1) << command;
-    EXPECT_THAT(result.err, HasSubstr("cannot write to stdout: No space left on device"));
-  }
-}
-
-// It waits for somebody who writes to its input, so it has set its handlers, if any.
-TEST(Evaluate, ASignalEndsItAtOnce) {
-  const test::TemporaryDir dir;
-  const std::string pipe = dir.path() / "pipe.tum";
-  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
-  test::ChildProcess process({NODMAP_BIN "/nodmap-evaluate", "trajectory", pipe, pipe});
-  const std::ofstream writer(pipe);  // opens when the reader does
-  process.send_signal(SIGINT);
-  EXPECT_EQ(process.wait_for_end(test::kPatience), 128 + SIGINT) << process.said();
-}
 
 struct ReadingCommand {
   const char* program;
@@ -390,7 +331,7 @@ class EveryCommandThatReadsLogs : public ::testing::TestWithParam<ReadingCommand
 
 TEST_P(EveryCommandThatReadsLogs, WarnsOfATruncatedLog) {
   const std::filesystem::path log = dir_.path() / "cut.lcmlog";
-  write_log(log, 3);
+  write_odometry_log(log, 3);
   std::filesystem::resize_file(log, std::filesystem::file_size(log) - 1);
   EXPECT_THAT(
       run_on(log).err,

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What single programs say, and with which exit code they end, when there is nothing to use or
+// nowhere to write.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <csignal>
+#include <fstream>
+#include <string>
+
+#include "tests/contract/odometry_log.hpp"
+#include "tests/support/child_process.hpp"
+#include "tests/support/data_dir.hpp"
+#include "tests/support/program.hpp"
+
+namespace nodmap {
+namespace outcomes_test {
+
+using test::run_program;
+using test::write_odometry_log;
+using ::testing::HasSubstr;
+
+TEST(Localisation, SaysThatTheRobotWasNotFound) {
+  const test::TemporaryDir dir;
+  write_odometry_log(dir.path() / "in.lcmlog", 3);
+  std::ofstream(dir.path() / "map.yaml") << "image: map.pgm\nresolution: 0.05\norigin: [0, 0, 0]\n";
+  std::ofstream(dir.path() / "map.pgm") << "P2 3 1 255 0 254 254\n";
+  const auto result = run_program("nodmap-slam2d", {"--replay", dir.path() / "in.lcmlog", "--out",
+                                                    dir.path() / "out", "--localise", dir.path()});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("the robot was not found in the saved map"));
+}
+
+TEST(Latency, SaysWhyItHasNothingToMeasure) {
+  const test::TemporaryDir dir;
+  write_odometry_log(dir.path() / "in.lcmlog", 3);
+  const auto result = run_program("nodmap-latency", {"--log", dir.path() / "in.lcmlog"});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("no SCAN was followed by an OBSTACLE_MAP"));
+}
+
+// A table or a file of parameters that ends in the middle passes for a whole one.
+TEST(Output, ThatCannotBeWrittenIsAnError) {
+  const test::TemporaryDir dir;
+  const std::string log = dir.path() / "in.lcmlog";
+  write_odometry_log(log, 3);
+  for (const std::string& command : {std::string("slam2d --dump-params"),
+                                     std::string("evaluate --help"), "convert info " + log}) {
+    const auto result = run_program("sh", {"-c", NODMAP_BIN "/nodmap-" + command + " >/dev/full"});
+    EXPECT_EQ(result.exit_code, 1) << command;
+    EXPECT_THAT(result.err, HasSubstr("cannot write to stdout"));
+  }
+}
+
+// It waits for somebody who writes to its input, so it has set its handlers, if any.
+TEST(Evaluate, ASignalEndsItAtOnce) {
+  const test::TemporaryDir dir;
+  const std::string pipe = dir.path() / "pipe.tum";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  test::ChildProcess process({NODMAP_BIN "/nodmap-evaluate", "trajectory", pipe, pipe});
+  const std::ofstream writer(pipe);  // opens when the reader does
+  process.send_signal(SIGINT);
+  EXPECT_EQ(process.wait_for_end(test::kPatience), 128 + SIGINT) << process.said();
+}
+
+TEST(Evaluate, SaysWhichFileIsEmpty) {
+  const test::TemporaryDir dir;
+  const std::string empty = dir.path() / "empty";
+  const std::string path = dir.path() / "path.tum";
+  std::ofstream(empty) << "# nothing\n";
+  std::ofstream(path) << "1 0 0 0 0 0 0 1\n";
+  EXPECT_THAT(run_program("nodmap-evaluate", {"relations", path, empty}).err,
+              HasSubstr(empty + ": contains no relation"));
+  EXPECT_THAT(run_program("nodmap-evaluate", {"trajectory", path, empty}).err,
+              HasSubstr(empty + ": contains no pose"));
+}
+
+TEST(Convert, SaysWhichFileContainsNothingAndWhatItContainsInstead) {
+  const test::TemporaryDir dir;
+  const std::string in = dir.path() / "nodding.clf";
+  std::ofstream(in) << "NOD 1\nNOD 2\nSLICE 1\n\n";
+  EXPECT_THAT(
+      run_program("nodmap-convert", {"carmen", in, dir.path() / "out.lcmlog"}).err,
+      HasSubstr(in + ": contains nothing that can be used: no line of a scanner or of ODOM; "
+                     "its lines begin with 'NOD', 'SLICE'"));
+  EXPECT_THAT(run_program("nodmap-convert", {"uos", dir.path(), dir.path() / "out.lcmlog"}).err,
+              HasSubstr(dir.path().string() + ": contains nothing that can be used"));
+}
+
+TEST(Convert, SaysAtOnceWhyItCannotWrite) {
+  const test::TemporaryDir dir;
+  std::ofstream(dir.path() / "in.lcmlog") << "Not even looked at.\n";
+  for (const char* name : {"x.csv", "x.clf", "x.tum", "x.ply"}) {
+    const std::string out = dir.path() / "none" / name;
+    const auto result = run_program("nodmap-convert", {"export", dir.path() / "in.lcmlog", out});
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_THAT(result.err, HasSubstr(out + ": cannot write: No such file or directory"));
+  }
+}
+
+}  // namespace outcomes_test
+}  // namespace nodmap
