@@ -200,6 +200,9 @@ CanFrame KurtBase::encoder_frame() {
 
 /// The inverse of the formula in the base's software: cm = (30000 / (raw - 10))^(1 / 1.4) - 10.
 std::int64_t KurtBase::infrared_reading(robot::Infrared sensor) const {
+  if (!params_.has_infrared) {
+    return kInfraredFar;
+  }
   const geometry::SE2& mount = robot::mount_of(sensor);
   const auto range_m =
       model_.distance_from({mount.x, mount.y, kInfraredHeightM}, mount.yaw, kInfraredReachM);

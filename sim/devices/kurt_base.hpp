@@ -13,6 +13,7 @@ struct KurtBaseParams {
   double wheel_perimeter_m = 0.379;
   double ticks_per_revolution = 21'950.0;
   double clock_ppm = 20.0;
+  bool has_infrared = true;  ///< without range finders the readings are those of nothing in view
 };
 
 /// The controller of a KURT2: CAN frames in and out. It sends encoder ticks every 10 ms and one

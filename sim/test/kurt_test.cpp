@@ -235,6 +235,19 @@ TEST_F(KurtTest, AtAnotherBaudRateItReceivesOnlyNoise) {
   EXPECT_EQ(frames("009").size(), 10U) << "the channel is still open";
 }
 
+/// The words of a frame of each kind.
+std::map<int, std::array<int, 4>> all_readings(const KurtBaseParams& params, RobotModel& model) {
+  KurtBase base(params, model, {});
+  std::map<int, std::array<int, 4>> words;
+  for (int i = 0; i < 14; ++i) {
+    const CanFrame frame = base.next_frame();
+    for (std::size_t word = 0; word < 4; ++word) {
+      words[frame.id][word] = frame.data[2 * word] << 8 | frame.data[2 * word + 1];
+    }
+  }
+  return words;
+}
+
 // A box behind, a box on the left and a person behind on the right; readings are converted as in
 // the base's manual. A reading is a whole number, so 0.25 cm at 45 cm.
 TEST(Kurt, InfraredRangeFindersMeasureNearObjects) {
@@ -247,14 +260,7 @@ TEST(Kurt, InfraredRangeFindersMeasureNearObjects) {
   person.path = {{0.0, {-0.203 - away_m, -0.153 - away_m}}};
   world.actors.push_back(person);
   RobotModel model(world, {}, 1);
-  KurtBase base({}, model, {});
-  std::map<int, std::array<int, 4>> words;
-  for (int i = 0; i < 14; ++i) {
-    const CanFrame frame = base.next_frame();
-    for (std::size_t word = 0; word < 4; ++word) {
-      words[frame.id][word] = frame.data[2 * word] << 8 | frame.data[2 * word + 1];
-    }
-  }
+  auto words = all_readings({}, model);
   const auto range_m = [](int raw) {
     return 0.01 * (std::pow(30'000.0 / (raw - 10.0), 1.0 / 1.4) - 10.0);
   };
@@ -264,6 +270,18 @@ TEST(Kurt, InfraredRangeFindersMeasureNearObjects) {
   EXPECT_NEAR(range_m(words[0x006][3]), 0.2, kToleranceM) << "left";
   for (const int far : {words[0x005][2], words[0x006][0], words[0x006][2], words[0x007][1]}) {
     EXPECT_LT(far, 100) << "below 100 means nothing in view";
+  }
+}
+
+TEST(Kurt, ABaseWithoutInfraredRangeFindersSeesNothing) {
+  World world;
+  world.objects.push_back({Box{{-0.225 - 0.3 - 0.5, 0.0, 0.5}, {1.0, 1.0, 1.0}, 0.0}});
+  RobotModel model(world, {}, 1);
+  EXPECT_GT(all_readings({}, model)[0x005][0], 100);
+  auto words = all_readings({.has_infrared = false}, model);
+  for (const int reading : {words[0x005][0], words[0x005][1], words[0x005][2], words[0x006][0],
+                            words[0x006][2], words[0x006][3], words[0x007][1]}) {
+    EXPECT_LT(reading, 100) << "below 100 means nothing in view";
   }
 }
 

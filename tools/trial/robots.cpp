@@ -22,7 +22,8 @@ void set_body(robot::RobotParams& robot) {
   robot.mount = {.x_m = kLaserXM, .y_m = 0.0, .z_m = kLaserZM};
 }
 
-void set_simulator(sim::RobotModelParams& model) {
+void set_simulator(sim::SimulatedRobotParams& robot) {
+  sim::RobotModelParams& model = robot.model;
   model.body.length_m = kLengthM;
   model.body.width_m = kWidthM;
   model.body.height_m = kHeightM;
@@ -34,6 +35,7 @@ void set_simulator(sim::RobotModelParams& model) {
   model.servo.mount_x_m = kLaserXM;
   model.servo.mount_z_m = kLaserZM;
   model.laser.max_range_m = LevelScannerNode::kRangeMaxM;
+  robot.base.base.has_infrared = false;
 }
 
 }  // namespace
@@ -42,7 +44,7 @@ void set_robot(Robot robot, AllParams& params) {
   if (robot == Robot::kKurt3d) {
     return;
   }
-  set_simulator(params.sim.model);
+  set_simulator(params.sim);
   set_body(params.navigator.robot);
   set_body(params.map_server.robot);
   set_body(params.pitch_controller.robot);

@@ -25,5 +25,13 @@ TEST(Robots, EveryPartIsMadeForTheJackal) {
   EXPECT_EQ(params.kurt.wheels.turning_adaptation, model.drive.turning_adaptation);
 }
 
+// Its only sensors are laser, odometry and an IMU.
+TEST(Robots, OnlyKurt3dHasInfraredRangeFinders) {
+  AllParams params;
+  EXPECT_TRUE(params.sim.base.base.has_infrared);
+  set_robot(Robot::kJackal, params);
+  EXPECT_FALSE(params.sim.base.base.has_infrared);
+}
+
 }  // namespace robots_test
 }  // namespace nodmap::trial
