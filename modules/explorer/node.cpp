@@ -18,6 +18,8 @@ constexpr time::Duration kArrivalPeriod = 100ms;
 /// After this long without a pose of 2D SLAM nothing is decided. A stationary robot gets one a
 /// second.
 constexpr time::Duration kPoseTimeout = 5s;
+/// The navigator says several times a second that there is no path, and nothing while it halts.
+constexpr time::Duration kPathTimeout = 1s;
 /// A goal nearer to the last one than this counts as the same.
 constexpr double kSameGoalM = 0.05;
 /// With this limit EXPLORATION stays far below 64 KiB.
@@ -90,6 +92,8 @@ void ExplorerNode::on_map(const nodmap::grid_chunk_t& message) {
     explorer_.forget_map();
     if (explorer_.state() != State::kIdle && num_decisions_ > 0) {
       end("The 2D map was restarted.");
+    }
+    if (has_set_goal_) {
       place_ = Place::kToBeKept;
     }
   }
@@ -128,6 +132,9 @@ void ExplorerNode::on_odometry(const nodmap::odometry_t& message) {
   }
   T_odom_base_ = geometry::to_se2(*T_odom_base);
   const time::Timestamp now = node::stamp_of(message);
+  if (has_set_goal_ && place_ != Place::kToBeKept && !stop_latch_.is_stopped()) {
+    goal_sender_.repeat_if_due(now);
+  }
   if (is_lost_ || !T_map_odom_ || time::is_due(now, posed_, kPoseTimeout)) {
     return;
   }
@@ -154,17 +161,26 @@ void ExplorerNode::on_navigation(const nodmap::navigation_t& message) {
 void ExplorerNode::on_path(const nodmap::path_t& message) {
   context_.counts.use();
   if (goal_sender_.is_about(message.goal_utime)) {
-    has_no_path_ = message.state == nodmap::path_t::NO_PATH;
+    no_path_.reset();
+    if (message.state == nodmap::path_t::NO_PATH) {
+      no_path_ = node::stamp_of(message);
+    }
   }
 }
 
 void ExplorerNode::on_explore(const nodmap::explore_t& message) {
   context_.counts.use();
-  if (message.is_active != 0 && explorer_.state() == State::kIdle) {
+  const bool is_over = explorer_.state() == State::kIdle || explorer_.state() == State::kHome;
+  if (message.is_active != 0 && is_over) {
     log::get().info("{} starts the exploration", node::read_name(message.requested_by));
     start();
-  } else if (message.is_active != 0 && explorer_.state() == State::kHome) {
-    start();
+    // Who asked sees that it has been started, even if the first decision ends it.
+    decided_ = node::stamp_of(message);
+    Decision starts;
+    starts.state = State::kExploring;
+    starts.reason = "Starting.";
+    starts.seen_m2 = seen_m2_;
+    publish(starts, *decided_);
   } else if (message.is_active == 0 && explorer_.state() != State::kIdle) {
     end("Ended by " + node::read_name(message.requested_by) + ".");
     place_ = Place::kToBeKept;
@@ -181,6 +197,7 @@ void ExplorerNode::on_goal(const nodmap::goal_t& message) {
     return;
   }
   place_ = Place::kFree;
+  has_set_goal_ = false;
   if (explorer_.state() != State::kIdle) {
     end("Another sender has set a goal.");
   }
@@ -227,10 +244,11 @@ void ExplorerNode::decide(time::Timestamp now) {
     return;
   }
   const bool was_idle = explorer_.state() == State::kIdle;
-  Decision decision = explorer_.decide({.stamp = now,
-                                        .T_map_base = *T_map_base(),
-                                        .has_no_path = has_no_path_,
-                                        .has_arrived = has_arrived_});
+  Decision decision =
+      explorer_.decide({.stamp = now,
+                        .T_map_base = *T_map_base(),
+                        .has_no_path = no_path_ && !time::is_due(now, no_path_, kPathTimeout),
+                        .has_arrived = has_arrived_});
   if (decision.state == State::kIdle && !was_idle) {
     end(decision.reason);
   } else if (decision.state == State::kIdle) {
@@ -248,11 +266,11 @@ void ExplorerNode::decide(time::Timestamp now) {
 void ExplorerNode::send_goal(const Goal& goal, time::Timestamp now) {
   if (goal_ && (goal.p_map - goal_->p_map).norm() <= kSameGoalM &&
       goal.tolerance_m == goal_->tolerance_m) {
-    goal_sender_.repeat_if_due(now);
     return;
   }
   goal_ = goal;
-  has_no_path_ = false;
+  has_set_goal_ = true;
+  no_path_.reset();
   has_arrived_ = false;
   nodmap::goal_t message{};
   message.position_m[0] = goal.p_map.x();

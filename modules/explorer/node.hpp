@@ -77,7 +77,7 @@ class ExplorerNode final : public node::Node {
   std::optional<geometry::SE2> T_odom_base_;
   bool is_lost_ = false;
   node::StopLatch stop_latch_;
-  bool has_no_path_ = false;
+  std::optional<time::Timestamp> no_path_;  // when the navigator last said so
   bool has_arrived_ = false;
   bool has_just_arrived_ = false;  // since the last decision
   std::string idle_reason_ = "Waiting to be started.";
@@ -85,7 +85,8 @@ class ExplorerNode final : public node::Node {
 
   std::optional<time::Timestamp> decided_;
   node::GoalSender goal_sender_;
-  std::optional<Goal> goal_;  // the last one since the start
+  std::optional<Goal> goal_;   // the last one since the start
+  bool has_set_goal_ = false;  // the robot's goal is ours: nobody else has set one since
   std::int64_t num_decisions_ = 0;
   double seen_m2_ = 0.0;
 };

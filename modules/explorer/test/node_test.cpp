@@ -234,6 +234,7 @@ TEST_F(ExplorerNodeTest, OnlyAPathThatIsMissingToItsOwnGoalIsAFailure) {
   const auto wait = [&] {
     const double wait_s = ExplorerParams{}.patience.no_path_s + 1.0;
     for (double waited_s = 0.0; waited_s < wait_s; waited_s += 0.5) {
+      path.utime = utime_us_;
       bus_.deliver("PATH", path);
       (void)give_pose();
     }
@@ -243,6 +244,75 @@ TEST_F(ExplorerNodeTest, OnlyAPathThatIsMissingToItsOwnGoalIsAFailure) {
   ASSERT_NE(bus_.last<nodmap::goal_t>("GOAL").utime, path.goal_utime);
   wait();
   EXPECT_EQ(node_.metrics()["failures"], 1);
+}
+
+// The navigator halts, because another process is down, or is down itself.
+TEST_F(ExplorerNodeTest, APathThatWasMissingOnceIsNotMissingForEver) {
+  give_map();
+  ask(true);
+  (void)give_pose();
+  nodmap::path_t path{};
+  path.state = nodmap::path_t::NO_PATH;
+  path.goal_utime = bus_.last<nodmap::goal_t>("GOAL").utime;
+  path.utime = utime_us_;
+  bus_.deliver("PATH", path);
+  for (double waited_s = 0.0; waited_s < ExplorerParams{}.patience.no_path_s + 1.0;
+       waited_s += 0.5) {
+    (void)give_pose();
+  }
+  EXPECT_EQ(node_.metrics()["failures"], 0);
+}
+
+// A navigator that is started later would roam without a goal.
+TEST_F(ExplorerNodeTest, AfterItsEndTheGoalIsRepeatedUntilAnotherSenderHasSetOne) {
+  give_map();
+  ask(true);
+  (void)give_pose();
+  ask(false);
+  const auto goal = bus_.last<nodmap::goal_t>("GOAL");
+  std::size_t num_goals = bus_.count("GOAL");
+  for (int i = 0; i < 4; ++i) {
+    (void)give_pose();
+  }
+  EXPECT_EQ(bus_.count("GOAL"), num_goals + 2) << "in two seconds";
+  EXPECT_EQ(bus_.last<nodmap::goal_t>("GOAL").utime, goal.utime) << "it is the same goal";
+  auto others = goal;
+  others.position_m[0] += 1.0;
+  bus_.deliver("GOAL", others);
+  num_goals = bus_.count("GOAL");
+  for (int i = 0; i < 4; ++i) {
+    (void)give_pose();
+  }
+  EXPECT_EQ(bus_.count("GOAL"), num_goals);
+}
+
+// The kept place is a position in a map that no longer exists.
+TEST_F(ExplorerNodeTest, ANewMapAfterItsEndRenewsThePlaceWhereTheRobotIs) {
+  give_map(7);
+  ask(true);
+  (void)give_pose();
+  ask(false);
+  give_map(0);
+  utime_us_ += 10'000;
+  give_odometry(1.5);
+  EXPECT_EQ(bus_.last<nodmap::goal_t>("GOAL").position_m[0], 1.5);
+}
+
+// Who asks for an exploration of what is known already must see that it has been started.
+TEST_F(ExplorerNodeTest, SaysThatItStartsBeforeTheFirstDecisionEndsIt) {
+  world_.add_wall({-0.5, -1.0}, {-0.5, 1.0});
+  world_.add_wall({5.0, -1.0}, {5.0, 1.0});
+  for (const double x : {0.0, 4.0}) {
+    for (int i = 0; i < 4; ++i) {
+      world_.scan({x, 0.0, 0.5 * geometry::kPi * i});
+    }
+  }
+  give_map();
+  (void)give_pose();
+  ask(true);
+  EXPECT_EQ(bus_.last<nodmap::exploration_t>("EXPLORATION").state,
+            nodmap::exploration_t::EXPLORING);
+  EXPECT_EQ(give_pose().state, nodmap::exploration_t::HOME);
 }
 
 // Meanwhile somebody may have moved the robot, which must not drive back.
