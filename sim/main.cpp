@@ -65,7 +65,7 @@ void wait_for_work(const Simulator& simulator, time::SteadyTime now) {
   const timespec wait{0, timeout / 1ns};
   std::array<pollfd, 3> entries{};
   const std::array<int, 3> handles = simulator.poll_handles();
-  std::transform(handles.begin(), handles.end(), entries.begin(), [](int handle) {
+  std::ranges::transform(handles, entries.begin(), [](int handle) {
     return pollfd{handle, POLLIN, 0};
   });
   ::ppoll(entries.data(), entries.size(), &wait, nullptr);
@@ -107,8 +107,8 @@ Scenario load_scenario(const Options& options) {
     throw node::UsageError("--world: a WORLD.yaml is required");
   }
   Scenario scenario{load_world(options.world), {}};
-  std::transform(options.faults.begin(), options.faults.end(), std::back_inserter(scenario.faults),
-                 [](const std::string& text) { return parse_fault(text); });
+  std::ranges::transform(options.faults, std::back_inserter(scenario.faults),
+                         [](const std::string& text) { return parse_fault(text); });
   return scenario;
 }
 

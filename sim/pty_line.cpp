@@ -42,7 +42,7 @@ void make_raw(int fd) {
 
 }  // namespace
 
-LinkDir::LinkDir(fs::path path) : path_(std::move(path)), made_(fs::create_directories(path_)) {
+LinkDir::LinkDir(fs::path path) : path_(std::move(path)), is_made_(fs::create_directories(path_)) {
   lock_ = ::open((path_ / kLockName).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
   if (lock_ < 0) {
     fail((path_ / kLockName).string());
@@ -57,7 +57,7 @@ LinkDir::~LinkDir() {
   std::error_code ignored;
   fs::remove(path_ / kLockName, ignored);
   ::close(lock_);
-  if (made_) {
+  if (is_made_) {
     fs::remove(path_, ignored);
   }
 }
@@ -92,14 +92,14 @@ void PtyLine::plug_in() {
   }
   make_raw(terminal_);
   dir_.link(name_, terminal.data());
-  linked_ = true;
+  is_linked_ = true;
 }
 
 void PtyLine::unplug() {
-  if (!plugged_in()) {
+  if (!is_plugged_in()) {
     return;
   }
-  if (std::exchange(linked_, false)) {
+  if (std::exchange(is_linked_, false)) {
     dir_.unlink(name_);
   }
   if (terminal_ >= 0) {

@@ -28,7 +28,7 @@ class LinkDir : private boost::noncopyable {
 
  private:
   std::filesystem::path path_;
-  bool made_ = false;
+  bool is_made_ = false;
   int lock_ = -1;
 };
 
@@ -42,7 +42,7 @@ class PtyLine : private boost::noncopyable {
   void plug_in();
   /// Hangs up the terminal and removes the link.
   void unplug();
-  [[nodiscard]] bool plugged_in() const { return device_ >= 0; }
+  [[nodiscard]] bool is_plugged_in() const { return device_ >= 0; }
 
   /// File descriptor to poll for bytes from the host; -1 while unplugged.
   [[nodiscard]] int handle() const { return device_; }
@@ -59,7 +59,7 @@ class PtyLine : private boost::noncopyable {
   int device_ = -1;
   // Kept open, so that the drivers can close and reopen it.
   int terminal_ = -1;
-  bool linked_ = false;
+  bool is_linked_ = false;
 };
 
 }  // namespace nodmap::sim

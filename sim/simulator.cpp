@@ -60,8 +60,8 @@ void Simulator::update_devices(time::SteadyTime now) {
       continue;
     }
     Bytes bytes;
-    robot_.device(part).transmit(now, line.plugged_in() ? line.host_baud() : 0, bytes);
-    if (line.plugged_in() && !bytes.empty()) {
+    robot_.device(part).transmit(now, line.is_plugged_in() ? line.host_baud() : 0, bytes);
+    if (line.is_plugged_in() && !bytes.empty()) {
       line.write(bytes);
     }
   }
@@ -74,7 +74,7 @@ void Simulator::update_devices(time::SteadyTime now) {
 void Simulator::read_lines(time::SteadyTime now) {
   for (const Part part : SimulatedRobot::kParts) {
     const PtyLine& line = *lines_[static_cast<std::size_t>(part)];
-    const Bytes bytes = line.plugged_in() ? line.read() : Bytes{};
+    const Bytes bytes = line.is_plugged_in() ? line.read() : Bytes{};
     if (!bytes.empty()) {
       robot_.device(part).receive(bytes, line.host_baud(), now);
     }
@@ -84,8 +84,8 @@ void Simulator::read_lines(time::SteadyTime now) {
 void Simulator::update_plugs(time::SteadyTime now) {
   for (const Part part : SimulatedRobot::kParts) {
     PtyLine& line = *lines_[static_cast<std::size_t>(part)];
-    const bool wanted = robot_.device(part).plugged_in(now);
-    if (wanted && !line.plugged_in()) {
+    const bool wanted = robot_.device(part).is_plugged_in(now);
+    if (wanted && !line.is_plugged_in()) {
       line.plug_in();
     } else if (!wanted) {
       line.unplug();

@@ -24,7 +24,7 @@ float quantile(std::vector<float> values, double share) {
     return 0.0F;
   }
   const auto place = std::lround(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + place, values.end());
+  std::ranges::nth_element(values, values.begin() + place);
   return values[static_cast<std::size_t>(place)];
 }
 

@@ -30,7 +30,7 @@ void Image::set(int x, int y, Rgb colour) {
   }
   const std::size_t offset = 3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
                                   static_cast<std::size_t>(x));
-  std::copy(colour.begin(), colour.end(), pixels_.begin() + static_cast<std::ptrdiff_t>(offset));
+  std::ranges::copy(colour, pixels_.begin() + static_cast<std::ptrdiff_t>(offset));
 }
 
 void Image::fill_rectangle(int x, int y, int width, int height, Rgb colour) {

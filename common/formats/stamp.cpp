@@ -10,7 +10,7 @@ namespace {
 constexpr std::size_t kMaxSecondsDigits = 12;  // times a million still fits 64 bits
 
 bool all_digits(std::string_view text) {
-  return std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
+  return std::ranges::all_of(text, [](char c) { return c >= '0' && c <= '9'; });
 }
 
 }  // namespace

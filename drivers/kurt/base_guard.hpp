@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <optional>
 
 #include "common/geometry/time.hpp"
@@ -11,7 +12,7 @@
 namespace nodmap::kurt {
 
 /// Why the base's own sensors stop the robot until it is released.
-enum class Alarm { kBumper, kTilt, kStall };
+enum class Alarm : std::uint8_t { kBumper, kTilt, kStall };
 
 /// The name of the sensor, for a sentence "stopped by ...".
 [[nodiscard]] const char* name_of(Alarm alarm);

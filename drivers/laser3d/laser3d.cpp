@@ -93,7 +93,7 @@ Laser3dOutput Laser3d::poll(time::SteadyTime now) {
   Laser3dOutput result = receive_laser({}, now);
   take(sick_.poll(now), result);
   take(servo_->poll(now), now, result);
-  if (!servo_->running()) {
+  if (!servo_->is_running()) {
     joiner_.forget_pitch();
   }
   return result;
@@ -130,7 +130,7 @@ void Laser3d::take(ServoOutput output, time::SteadyTime now, Laser3dOutput& resu
     const Nod::Aim aim = nod_.step(*output.sample, now);
     servo_->aim(aim.goal_rad, aim.speed_rad_s);
     result.pitch.push_back(
-        {*output.sample, aim, nod_.sweep(), servo_->measures_pitch(), nod_.stalled()});
+        {*output.sample, aim, nod_.sweep(), servo_->measures_pitch(), nod_.is_stalled()});
   }
 }
 
@@ -162,7 +162,7 @@ bool Laser3d::sees_something(const SickScan& scan) const {
   const auto counts = [this](double range_m) {
     return range_m >= params_.laser.range_min_m && range_m <= params_.laser.range_max_m;
   };
-  const auto readings = std::count_if(scan.ranges_m.begin(), scan.ranges_m.end(), counts);
+  const auto readings = std::ranges::count_if(scan.ranges_m, counts);
   return readings >= kFewestReadings;
 }
 
@@ -224,13 +224,13 @@ node::Health Laser3d::health(time::SteadyTime now) const {
   constexpr time::Duration kShortestNoScan = 500ms;
   constexpr double kUnmeasuredRatio = 0.1;
   constexpr int kErrorSeverity = 3;
-  if (!servo_->running()) {
+  if (!servo_->is_running()) {
     return {HealthState::kFailed, "servo: " + servo_->last_error()};
   }
   if (!sick_.last_error().empty()) {
     return {HealthState::kFailed, "laser: " + sick_.last_error()};
   }
-  if (nod_.stalled()) {
+  if (nod_.is_stalled()) {
     return {HealthState::kFailed, "servo: does not move when commanded to"};
   }
   if (is_blind(now)) {

@@ -26,8 +26,8 @@ struct PitchState {
   PitchSample sample;
   Nod::Aim aim;
   std::int64_t sweep = 0;
-  bool measured = false;
-  bool stalled = false;
+  bool is_measured = false;
+  bool is_stalled = false;
 };
 
 /// A scan with a steady time instead of a stamp: Laser3d does not know the wall clock.
@@ -70,9 +70,11 @@ class Laser3d {
   /// Nods over `area` from now on; false if it is invalid (see Nod::command).
   bool command(const AreaOfInterest& area, time::SteadyTime now);
 
-  /// Ends the stream. Call poll() until laser_at_rest().
+  /// Ends the stream. Call poll() until is_laser_at_rest().
   [[nodiscard]] Laser3dOutput shut_down(time::SteadyTime now);
-  [[nodiscard]] bool laser_at_rest() const { return sick_.state() == SickSession::State::kClosed; }
+  [[nodiscard]] bool is_laser_at_rest() const {
+    return sick_.state() == SickSession::State::kClosed;
+  }
 
   [[nodiscard]] node::Health health(time::SteadyTime now) const;
   [[nodiscard]] const Counts& counts() const { return counts_; }

@@ -68,7 +68,7 @@ Nod::Aim Nod::step(const PitchSample& where, time::SteadyTime now) {
     reverse(where.stamp);
     ++sweep_;
   }
-  aim_ = {upwards_ ? current.max_rad : current.min_rad, speed_for(current)};
+  aim_ = {is_upwards_ ? current.max_rad : current.min_rad, speed_for(current)};
   return aim_;
 }
 
@@ -95,8 +95,8 @@ double Nod::speed_for(const AreaOfInterest& area) const {
 }
 
 bool Nod::has_arrived(const PitchSample& where, const AreaOfInterest& area) const {
-  const double left = upwards_ ? area.max_rad - where.pitch_rad : where.pitch_rad - area.min_rad;
-  const double rate = upwards_ ? where.rate_rad_s : -where.rate_rad_s;
+  const double left = is_upwards_ ? area.max_rad - where.pitch_rad : where.pitch_rad - area.min_rad;
+  const double rate = is_upwards_ ? where.rate_rad_s : -where.rate_rad_s;
   // Just after a reversal the head is also at rest, so the rate is ignored until it has had time to
   // move.
   const bool at_rest =
@@ -108,7 +108,7 @@ void Nod::watch_for_stall(const PitchSample& where) {
   const bool holds = !nods_ && std::abs(aim_.goal_rad - where.pitch_rad) <= kNearRad;
   const bool moves = moved_ && std::abs(where.pitch_rad - moved_->pitch_rad) >= kMovedRad;
   if (holds || moves) {
-    stalled_ = false;
+    is_stalled_ = false;
   }
   // After a silence it is unknown whether the head has moved meanwhile.
   if (!moved_ || holds || moves || where.stamp - last_stamp_ > kSilence) {
@@ -116,7 +116,7 @@ void Nod::watch_for_stall(const PitchSample& where) {
   }
   last_stamp_ = where.stamp;
   if (where.stamp - moved_->stamp > patience(where)) {
-    stalled_ = true;
+    is_stalled_ = true;
     moved_ = where;
     reverse(where.stamp);  // in the other direction it may be free
   }
@@ -140,7 +140,7 @@ double Nod::reversal_s(double speed_rad_s) const {
 }
 
 void Nod::reverse(time::SteadyTime stamp) {
-  upwards_ = !upwards_;
+  is_upwards_ = !is_upwards_;
   reversed_ = stamp;
 }
 

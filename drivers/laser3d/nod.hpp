@@ -60,7 +60,7 @@ class Nod {
   [[nodiscard]] Aim step(const PitchSample& where, time::SteadyTime now);
 
   /// Whether the head does not move although commanded to. Detected within 115 ms.
-  [[nodiscard]] bool stalled() const { return stalled_; }
+  [[nodiscard]] bool is_stalled() const { return is_stalled_; }
   /// The period of the nod, two sweeps; 0 when the laser is held.
   [[nodiscard]] time::Duration nod_period(time::SteadyTime now) const;
   /// The number of the present sweep; even and odd ones have opposite directions.
@@ -83,14 +83,14 @@ class Nod {
   robot::RobotParams robot_;
   std::optional<AreaOfInterest> commanded_;
   time::SteadyTime commanded_at_;
-  bool upwards_ = true;
+  bool is_upwards_ = true;
   Aim aim_;
   std::int64_t sweep_ = 0;
   time::SteadyTime reversed_;
   bool nods_ = false;
   std::optional<PitchSample> moved_;  // the head's position when it last had moved
   time::SteadyTime last_stamp_;
-  bool stalled_ = false;
+  bool is_stalled_ = false;
 };
 
 }  // namespace nodmap::laser3d

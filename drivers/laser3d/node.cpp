@@ -127,11 +127,11 @@ void Laser3dNode::publish(const PitchState& state, const time::Moment& now) {
   message.state_seq = state_seq_++;
   message.pitch_rad = state.sample.pitch_rad;
   message.pitch_rate_rad_s = state.sample.rate_rad_s;
-  message.pitch_is_measured = state.measured ? 1 : 0;
+  message.pitch_is_measured = state.is_measured ? 1 : 0;
   message.goal_pitch_rad = state.aim.goal_rad;
   message.goal_speed_rad_s = state.aim.speed_rad_s;
   message.sweep_count = state.sweep;
-  message.is_stalled = state.stalled ? 1 : 0;
+  message.is_stalled = state.is_stalled ? 1 : 0;
   context_.bus.publish("PITCH_STATE", message);
 }
 

@@ -18,7 +18,7 @@ constexpr time::Duration kWindow = 1s;
 time::SteadyTime PassiveSync::to_host(std::int64_t ticks, time::SteadyTime stamp) {
   const double silence_ticks = (stamp - last_stamp_) / clock_.tick;
   // After half a period of the counter it is unknown how often it has wrapped.
-  if (!started_ || stamp < last_stamp_ ||
+  if (!has_started_ || stamp < last_stamp_ ||
       silence_ticks > 0.5 * static_cast<double>(clock_.wrap_ticks)) {
     start(ticks, stamp);
     return stamp;
@@ -56,7 +56,7 @@ bool PassiveSync::no_longer_fits(time::FineDuration late, time::SteadyTime stamp
 }
 
 void PassiveSync::start(std::int64_t ticks, time::SteadyTime stamp) {
-  started_ = true;
+  has_started_ = true;
   last_ticks_ = ticks;
   last_stamp_ = stamp;
   sync_stamp_ = stamp;

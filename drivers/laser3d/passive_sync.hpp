@@ -32,7 +32,7 @@ class PassiveSync {
   [[nodiscard]] time::SteadyTime to_host(std::int64_t ticks, time::SteadyTime stamp);
 
   /// Starts again, because the device has been restarted.
-  void reset() { started_ = false; }
+  void reset() { has_started_ = false; }
 
   /// How often it has started again because the clocks no longer agreed.
   [[nodiscard]] std::int64_t restarts() const { return restarts_; }
@@ -42,7 +42,7 @@ class PassiveSync {
   void start(std::int64_t ticks, time::SteadyTime stamp);
 
   DeviceClock clock_;
-  bool started_ = false;
+  bool has_started_ = false;
   std::int64_t last_ticks_ = 0;
   time::SteadyTime last_stamp_;
   time::SteadyTime sync_stamp_;        // stamp of the event with the smallest latency

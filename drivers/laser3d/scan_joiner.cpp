@@ -56,9 +56,7 @@ std::optional<PitchedRevolution> ScanJoiner::next(time::SteadyTime now) {
 }
 
 std::optional<double> ScanJoiner::pitch_at(time::SteadyTime stamp) const {
-  const auto after = std::lower_bound(
-      samples_.begin(), samples_.end(), stamp,
-      [](const PitchSample& sample, time::SteadyTime t) { return sample.stamp < t; });
+  const auto after = std::ranges::lower_bound(samples_, stamp, {}, &PitchSample::stamp);
   if (after == samples_.end()) {
     if (samples_.empty() ||
         time::seconds(stamp - samples_.back().stamp) > params_.max_extrapolation_s) {

@@ -14,7 +14,7 @@
 namespace nodmap::map_server {
 
 /// Which of two points in one direction a map keeps.
-enum class Relevance { kNearest, kFarthest };
+enum class Relevance : std::uint8_t { kNearest, kFarthest };
 
 /// The beams that have passed through a point since it was last measured.
 struct PassedBeams {

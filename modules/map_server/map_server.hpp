@@ -17,7 +17,7 @@
 namespace nodmap::map_server {
 
 /// Whether a scan was used, or why not.
-enum class ScanStatus { kUsed, kImplausibleScan, kImplausiblePose };
+enum class ScanStatus : std::uint8_t { kUsed, kImplausibleScan, kImplausiblePose };
 
 /// Maintains the paper's two egocentric maps (III A and B) and updates them with every scan. Does
 /// not allocate memory after the first scan.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "common/geometry/angle.hpp"
@@ -36,7 +37,7 @@ struct NoiseParams {
 
 /// How stored points are removed: `kPaper` by age, as in the paper; `kVisibility` when beams pass
 /// through them.
-enum class RemovalRule { kPaper, kVisibility };
+enum class RemovalRule : std::uint8_t { kPaper, kVisibility };
 
 struct UpdateParams {
   RemovalRule rule = RemovalRule::kVisibility;

@@ -31,7 +31,7 @@ PitchState PitchServo::at(double time_s) const {
 }
 
 void PitchServo::set_goal(const PitchGoal& goal, double time_s) {
-  if (!torque_) {
+  if (!has_torque_) {
     return;
   }
   goal_ = goal;
@@ -40,25 +40,25 @@ void PitchServo::set_goal(const PitchGoal& goal, double time_s) {
 }
 
 void PitchServo::set_torque(bool on, double time_s) {
-  if (on == torque_) {
+  if (on == has_torque_) {
     return;
   }
-  torque_ = on;
+  has_torque_ = on;
   plan_stop(time_s);
 }
 
 void PitchServo::set_jammed(bool jammed, double time_s) {
-  if (jammed == jammed_) {
+  if (jammed == is_jammed_) {
     return;
   }
   const PitchState state = at(time_s);
-  jammed_ = jammed;
+  is_jammed_ = jammed;
   restart(time_s, {state.pitch_rad, 0.0});
   plan_goal(time_s);
 }
 
 void PitchServo::plan_goal(double time_s) {
-  if (jammed_) {
+  if (is_jammed_) {
     return;
   }
   const double a = limited(goal_.acceleration_rad_s2, params_.acceleration_rad_s2);

@@ -52,8 +52,8 @@ class PitchServo {
 
   ServoParams params_;
   PitchGoal goal_;
-  bool torque_ = true;
-  bool jammed_ = false;
+  bool has_torque_ = true;
+  bool is_jammed_ = false;
   // Each piece ends where the next begins; the last one ends at rest.
   std::array<Piece, 6> pieces_{};
   std::size_t num_pieces_ = 1;

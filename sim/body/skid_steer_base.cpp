@@ -40,12 +40,12 @@ void SkidSteerBase::set_wheel_speeds(const WheelSpeeds& goal) {
   const double left = params_.top_speed_mps * std::min(1.0, 1.0 / scales_.left);
   const double right = params_.top_speed_mps * std::min(1.0, 1.0 / scales_.right);
   goal_ = {std::clamp(goal.left_mps, -left, left), std::clamp(goal.right_mps, -right, right)};
-  braking_ = false;
+  is_braking_ = false;
 }
 
 void SkidSteerBase::brake() {
   goal_ = {};
-  braking_ = true;
+  is_braking_ = true;
 }
 
 void SkidSteerBase::step(double dt_s) {
@@ -78,7 +78,7 @@ void SkidSteerBase::accelerate_wheel(double goal_mps, double dt_s, double& wheel
   const double cosine = 1.0 / std::hypot(1.0, slope_);
   const double friction_mps2 = params_.friction * kGravityMps2 * cosine;
   const double downhill_mps2 = kGravityMps2 * cosine * slope_;
-  if (braking_) {
+  if (is_braking_) {
     const double uphill = wheel_mps < 0.0 ? -downhill_mps2 : downhill_mps2;
     const double slower = std::max(0.0, std::abs(wheel_mps) - (friction_mps2 + uphill) * dt_s);
     wheel_mps = std::copysign(slower, wheel_mps);

@@ -72,7 +72,7 @@ class SkidSteerBase {
   WheelSpeeds goal_;
   WheelSpeeds wheels_;
   WheelTravel travel_;
-  bool braking_ = false;
+  bool is_braking_ = false;
   geometry::SE2 T_world_base_;
   double forward_mps_ = 0.0;
   double yaw_rate_rad_s_ = 0.0;

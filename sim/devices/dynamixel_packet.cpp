@@ -98,7 +98,7 @@ std::optional<DynamixelInstruction> DynamixelReader::next() {
     instruction.id = packet[4];
     instruction.code = packet[kPrefixBytes];
     instruction.parameters = unstuffed(packet.subspan(kPrefixBytes + 1, length - 3));
-    instruction.damaged =
+    instruction.is_damaged =
         dynamixel_checksum(packet.first(size - 2)) != little_endian(packet.last(2));
     buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(size));
     return instruction;

@@ -31,7 +31,7 @@ struct DynamixelInstruction {
   std::uint8_t id = 0;
   std::uint8_t code = 0;
   Bytes parameters;
-  bool damaged = false;  ///< its checksum is wrong
+  bool is_damaged = false;  ///< its checksum is wrong
 };
 
 /// Finds instructions in the bytes from the bus.

@@ -13,7 +13,7 @@ constexpr std::uint16_t kMemoryEnd = 64;
 struct Register {
   std::uint16_t address;
   std::uint8_t size;
-  bool writable;
+  bool is_writable;
   std::int64_t min;
   std::int64_t max;
   std::int32_t initial;
@@ -76,9 +76,8 @@ constexpr std::array kRegisters = {
 };
 
 const Register* find(std::size_t address) {
-  const auto* found =
-      std::find_if(kRegisters.begin(), kRegisters.end(),
-                   [address](const Register& entry) { return entry.address == address; });
+  const auto* found = std::ranges::find_if(
+      kRegisters, [address](const Register& entry) { return entry.address == address; });
   return found == kRegisters.end() ? nullptr : found;
 }
 
@@ -119,7 +118,7 @@ void DynamixelRegisters::set(std::uint16_t address, std::int32_t value) {
 DynamixelError DynamixelRegisters::check(std::uint16_t address, std::size_t size,
                                          std::int64_t value) const {
   const Register* entry = find(address);
-  if (entry == nullptr || !entry->writable) {
+  if (entry == nullptr || !entry->is_writable) {
     return DynamixelError::kAccess;
   }
   if (size < entry->size) {
@@ -150,7 +149,7 @@ DynamixelError DynamixelRegisters::write(std::uint16_t address, ByteView values)
     }
     done += size;
   }
-  std::copy(values.begin(), values.end(), bytes_.begin() + address);
+  std::ranges::copy(values, bytes_.begin() + address);
   return DynamixelError::kNone;
 }
 

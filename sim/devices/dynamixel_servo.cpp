@@ -87,7 +87,7 @@ void DynamixelServo::handle(const DynamixelInstruction& instruction, time::Stead
   const std::int32_t level = registers_.get(kStatusReturnLevel);
   Bytes values;
   const DynamixelError error =
-      instruction.damaged ? DynamixelError::kChecksum : execute(instruction, now, values);
+      instruction.is_damaged ? DynamixelError::kChecksum : execute(instruction, now, values);
   const bool answers = instruction.code == kPing ||
                        (!for_all && (level == 2 || (level == 1 && instruction.code == kRead)));
   if (answers) {

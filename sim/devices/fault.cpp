@@ -85,7 +85,7 @@ time::SteadyTime Fault::end() const {
   return time::SteadyTime(time::from_seconds(from_s + duration_s));
 }
 
-bool Fault::active(time::SteadyTime now) const {
+bool Fault::is_active(time::SteadyTime now) const {
   return now >= begin() && now < end();
 }
 
@@ -112,8 +112,8 @@ Fault parse_fault(std::string_view text) {
 }
 
 bool is_any_active(FaultKind kind, const std::vector<Fault>& faults, time::SteadyTime now) {
-  return std::any_of(faults.begin(), faults.end(),
-                     [&](const Fault& fault) { return fault.kind == kind && fault.active(now); });
+  return std::ranges::any_of(
+      faults, [&](const Fault& fault) { return fault.kind == kind && fault.is_active(now); });
 }
 
 std::vector<Fault> faults_of(Part part, const std::vector<Fault>& faults) {
@@ -130,7 +130,7 @@ FaultyDevice::FaultyDevice(SerialDevice& device, std::vector<Fault> faults, std:
     : device_(device), faults_(std::move(faults)), engine_(seed) {}
 
 void FaultyDevice::receive(ByteView bytes, int baud, time::SteadyTime now) {
-  if (!plugged_in(now)) {
+  if (!is_plugged_in(now)) {
     return;
   }
   const Bytes arrived = damaged(bytes, now);
@@ -143,7 +143,7 @@ void FaultyDevice::transmit(time::SteadyTime now, int baud, Bytes& line) {
   now_ = now;
   Bytes sent;
   device_.transmit(now, baud, sent);
-  if (!plugged_in(now)) {
+  if (!is_plugged_in(now)) {
     delayed_.clear();
     return;
   }
@@ -175,14 +175,13 @@ time::SteadyTime FaultyDevice::next_due() const {
   return next;
 }
 
-bool FaultyDevice::plugged_in(time::SteadyTime now) const {
-  return active(FaultKind::kUnplug, now) == nullptr && device_.plugged_in(now);
+bool FaultyDevice::is_plugged_in(time::SteadyTime now) const {
+  return active(FaultKind::kUnplug, now) == nullptr && device_.is_plugged_in(now);
 }
 
 const Fault* FaultyDevice::active(FaultKind kind, time::SteadyTime now) const {
-  const auto found = std::find_if(faults_.begin(), faults_.end(), [&](const Fault& fault) {
-    return fault.kind == kind && fault.active(now);
-  });
+  const auto found = std::ranges::find_if(
+      faults_, [&](const Fault& fault) { return fault.kind == kind && fault.is_active(now); });
   return found == faults_.end() ? nullptr : &*found;
 }
 

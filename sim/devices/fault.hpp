@@ -37,7 +37,7 @@ struct Fault {
 
   [[nodiscard]] time::SteadyTime begin() const;
   [[nodiscard]] time::SteadyTime end() const;
-  [[nodiscard]] bool active(time::SteadyTime now) const;
+  [[nodiscard]] bool is_active(time::SteadyTime now) const;
 };
 
 /// Thrown for an invalid description of a fault; what() is one line that says what is allowed.
@@ -66,7 +66,7 @@ class FaultyDevice final : public SerialDevice {
   void receive(ByteView bytes, int baud, time::SteadyTime now) override;
   void transmit(time::SteadyTime now, int baud, Bytes& line) override;
   [[nodiscard]] time::SteadyTime next_due() const override;
-  [[nodiscard]] bool plugged_in(time::SteadyTime now) const override;
+  [[nodiscard]] bool is_plugged_in(time::SteadyTime now) const override;
 
  private:
   struct Delayed {

@@ -100,7 +100,7 @@ time::SteadyTime KurtBase::frame_due() const {
 }
 
 time::SteadyTime KurtBase::next_due() const {
-  return std::min(frame_due(), timed_out_ ? kNever : last_command_ + kCommandTimeout);
+  return std::min(frame_due(), has_timed_out_ ? kNever : last_command_ + kCommandTimeout);
 }
 
 CanFrame KurtBase::next_frame() {
@@ -109,8 +109,8 @@ CanFrame KurtBase::next_frame() {
 }
 
 void KurtBase::check_command_timeout(time::SteadyTime now) {
-  if (!timed_out_ && now >= last_command_ + kCommandTimeout) {
-    timed_out_ = true;
+  if (!has_timed_out_ && now >= last_command_ + kCommandTimeout) {
+    has_timed_out_ = true;
     model_.set_wheel_speeds({});
   }
 }
@@ -120,7 +120,7 @@ void KurtBase::receive(const CanFrame& frame, time::SteadyTime now) {
     return;
   }
   last_command_ = now;
-  timed_out_ = false;
+  has_timed_out_ = false;
   if (u16(frame, 0) == kModeReset) {
     reset(now);
   } else {
@@ -173,7 +173,7 @@ void KurtBase::control_raw(const CanFrame& frame) {
 /// Switches the motors off; no frames until it has restarted.
 void KurtBase::reset(time::SteadyTime now) {
   model_.set_wheel_speeds({});
-  timed_out_ = true;
+  has_timed_out_ = true;
   start_ = now + kResetTime;
   slot_ = 1;
   left_reported_ = ticks(model_.wheel_travel().left_m);

@@ -48,7 +48,7 @@ class KurtBase {
   time::SteadyTime start_;
   std::int64_t slot_ = 1;  // two in each period: encoders, then another reading
   time::SteadyTime last_command_;
-  bool timed_out_ = true;
+  bool has_timed_out_ = true;
   std::int64_t left_reported_ = 0;  // ticks since the start
   std::int64_t right_reported_ = 0;
   double gyro_zero_rad_ = 0.0;

@@ -39,7 +39,7 @@ time::SteadyTime Lms200::half_revolution_end(std::int64_t number) const {
 
 void Lms200::receive(ByteView bytes, int baud, time::SteadyTime now) {
   update(now);
-  if (booting_) {
+  if (is_booting_) {
     return;
   }
   reader_.feed(received_bytes(baud_, bytes, baud), now);
@@ -63,7 +63,7 @@ void Lms200::transmit(time::SteadyTime now, int baud, Bytes& line) {
 
 time::SteadyTime Lms200::next_due() const {
   time::SteadyTime next = std::min(output_.next_due(), baud_due_);
-  if (booting_) {
+  if (is_booting_) {
     next = std::min(next, booted_);
   } else if (measures()) {
     next = std::min(next, half_revolution_end(revolution_));
@@ -78,8 +78,8 @@ void Lms200::update(time::SteadyTime now) {
     baud_due_ = kNever;
     reader_.reset();
   }
-  if (booting_ && now >= booted_) {
-    booting_ = false;
+  if (is_booting_ && now >= booted_) {
+    is_booting_ = false;
     const Bytes greeting = controller_.start();
     baud_ = controller_.power_on_baud();
     send(greeting, booted_);
@@ -93,7 +93,7 @@ void Lms200::handle(const LmsRequest& request, time::SteadyTime now) {
   output_.clear();  // a request interrupts the transmission
   const LmsAnswer answer = controller_.answer(request.body);
   phase_ = 0;
-  collecting_ = false;
+  is_collecting_ = false;
   output_.send({kAck}, baud_, now + kAckDelay);
   if (!answer.body.empty()) {
     send(answer.body, now + answer.delay);
@@ -103,7 +103,7 @@ void Lms200::handle(const LmsRequest& request, time::SteadyTime now) {
     baud_due_ = output_.idle_from();
   }
   if (answer.restart) {
-    booting_ = true;
+    is_booting_ = true;
     booted_ = output_.idle_from() + time::from_seconds(params_.boot_s);
   }
 }
@@ -119,15 +119,15 @@ void Lms200::send(ByteView body, time::SteadyTime from) {
 bool Lms200::measures() const {
   const LmsMode mode = controller_.mode();
   return mode == LmsMode::kStream || mode == LmsMode::kStreamPartial ||
-         controller_.scan_requested() || controller_.partial_scan_requested();
+         controller_.is_scan_requested() || controller_.is_partial_scan_requested();
 }
 
 bool Lms200::sends_partial_scans() const {
-  return controller_.mode() == LmsMode::kStreamPartial || controller_.partial_scan_requested();
+  return controller_.mode() == LmsMode::kStreamPartial || controller_.is_partial_scan_requested();
 }
 
 void Lms200::end_revolution(time::SteadyTime now) {
-  if (booting_ || !measures()) {
+  if (is_booting_ || !measures()) {
     return;
   }
   const int num_revolutions = controller_.variant().revolutions();
@@ -135,11 +135,11 @@ void Lms200::end_revolution(time::SteadyTime now) {
     // If the line is still busy when the scan is complete, the whole scan is dropped.
     const std::int64_t last_revolution =
         sends_partial_scans() ? revolution_ : revolution_ + num_revolutions - 1;
-    collecting_ = output_.idle_from() <= half_revolution_end(last_revolution);
+    is_collecting_ = output_.idle_from() <= half_revolution_end(last_revolution);
     words_.clear();
   }
-  collecting_ = collecting_ && half_revolution_end(revolution_) >= now - kMemory;
-  if (collecting_) {
+  is_collecting_ = is_collecting_ && half_revolution_end(revolution_) >= now - kMemory;
+  if (is_collecting_) {
     measure_revolution();
     if (sends_partial_scans() || phase_ == num_revolutions - 1) {
       send_scan();

@@ -73,13 +73,13 @@ class Lms200 final : public SerialDevice {
   int baud_;
   time::SteadyTime power_on_;
   time::SteadyTime booted_;
-  bool booting_ = true;
+  bool is_booting_ = true;
   int next_baud_;  // after the answer has been sent
   time::SteadyTime baud_due_ = kNever;
 
   std::int64_t revolution_ = 0;  // the next one to end
   int phase_ = 0;                // index among the revolutions of a scan
-  bool collecting_ = false;
+  bool is_collecting_ = false;
   std::vector<std::uint16_t> words_;
   std::uint8_t telegram_index_ = 0;
 };

@@ -41,7 +41,7 @@ LmsAnswer refusal() {
 }
 
 bool is_text(ByteView bytes, std::string_view text) {
-  return std::equal(bytes.begin(), bytes.end(), text.begin(), text.end());
+  return std::ranges::equal(bytes, text);
 }
 
 bool is_variant(int field_deg, int resolution_cdeg) {
@@ -187,10 +187,10 @@ LmsAnswer LmsController::request_scan(ByteView parameters) {
   }
   switch (parameters[0]) {
     case 0x01:
-      scan_requested_ = true;
+      is_scan_requested_ = true;
       break;
     case 0x08:
-      partial_scan_requested_ = true;
+      is_partial_scan_requested_ = true;
       break;
     default:
       return refusal();
@@ -222,7 +222,7 @@ Bytes LmsController::status() const {
     }
   };
   body[0] = 0xB1;
-  std::copy(kVersion.begin(), kVersion.end(), body.begin() + 1);
+  std::ranges::copy(kVersion, body.begin() + 1);
   put(8, static_cast<std::uint32_t>(mode_), 1);
   put(67, kMotorUs, 2);
   put(102, config_[kMeasuringModeAt], 1);

@@ -52,9 +52,9 @@ class LmsController {
   [[nodiscard]] int power_on_baud() const { return baud_is_permanent_ ? baud_ : 9600; }
 
   /// Whether a single scan was requested and not yet sent.
-  [[nodiscard]] bool scan_requested() const { return scan_requested_; }
-  [[nodiscard]] bool partial_scan_requested() const { return partial_scan_requested_; }
-  void scan_sent() { scan_requested_ = partial_scan_requested_ = false; }
+  [[nodiscard]] bool is_scan_requested() const { return is_scan_requested_; }
+  [[nodiscard]] bool is_partial_scan_requested() const { return is_partial_scan_requested_; }
+  void scan_sent() { is_scan_requested_ = is_partial_scan_requested_ = false; }
 
  private:
   [[nodiscard]] LmsAnswer set_mode(ByteView parameters);
@@ -70,8 +70,8 @@ class LmsController {
   Bytes config_;
   int baud_;
   bool baud_is_permanent_;
-  bool scan_requested_ = false;
-  bool partial_scan_requested_ = false;
+  bool is_scan_requested_ = false;
+  bool is_partial_scan_requested_ = false;
 };
 
 }  // namespace nodmap::sim

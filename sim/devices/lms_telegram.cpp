@@ -62,7 +62,7 @@ void LmsRequestReader::feed(ByteView bytes, time::SteadyTime now) {
 
 std::optional<std::variant<LmsRequest, LmsDamaged>> LmsRequestReader::next() {
   while (true) {
-    buffer_.erase(buffer_.begin(), std::find(buffer_.begin(), buffer_.end(), kStx));
+    buffer_.erase(buffer_.begin(), std::ranges::find(buffer_, kStx));
     if (buffer_.size() < kHeaderBytes) {
       return std::nullopt;
     }

@@ -47,7 +47,7 @@ class SerialDevice : private boost::noncopyable {
   [[nodiscard]] virtual time::SteadyTime next_due() const = 0;
 
   /// False while the device is unplugged: its port is gone.
-  [[nodiscard]] virtual bool plugged_in(time::SteadyTime /*now*/) const { return true; }
+  [[nodiscard]] virtual bool is_plugged_in(time::SteadyTime /*now*/) const { return true; }
 };
 
 /// The sending half of a device's serial port: sends bytes one by one at the line's rate, 8N1.

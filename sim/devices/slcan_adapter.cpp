@@ -22,8 +22,8 @@ void append_hex(std::string& text, unsigned value, int digits) {
 }
 
 bool is_hex(std::string_view text) {
-  return std::all_of(text.begin(), text.end(),
-                     [](char c) { return std::isxdigit(static_cast<unsigned char>(c)) != 0; });
+  return std::ranges::all_of(
+      text, [](char c) { return std::isxdigit(static_cast<unsigned char>(c)) != 0; });
 }
 
 unsigned hex_number(std::string_view digits) {
@@ -62,14 +62,14 @@ SlcanAdapter::SlcanAdapter(std::function<void(const CanFrame&)> to_bus)
 
 std::string SlcanAdapter::take(char c) {
   if (c != '\r') {
-    overlong_ = overlong_ || line_.size() >= kLongestLine;
-    if (!overlong_) {
+    is_overlong_ = is_overlong_ || line_.size() >= kLongestLine;
+    if (!is_overlong_) {
       line_ += c;
     }
     return "";
   }
   const std::string line = std::exchange(line_, {});
-  return std::exchange(overlong_, false) ? kRefused : handle(line);
+  return std::exchange(is_overlong_, false) ? kRefused : handle(line);
 }
 
 std::string SlcanAdapter::from_bus(const CanFrame& frame, time::SteadyTime now) {

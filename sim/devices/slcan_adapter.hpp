@@ -45,7 +45,7 @@ class SlcanAdapter {
 
   std::function<void(const CanFrame&)> to_bus_;
   std::string line_;
-  bool overlong_ = false;
+  bool is_overlong_ = false;
   Channel channel_ = Channel::kClosed;
   char rate_ = 0;  // the digit of S, 0 while none is set
   bool stamps_ = false;

@@ -71,7 +71,7 @@ TEST(DynamixelPacket, BytesLikeAHeaderAreStuffed) {
   reader.feed(hex("FF FF FD 00 01 0A 00 03 74 00 FF FF FD FD 00 21 E7"));
   const auto instruction = reader.next();
   ASSERT_TRUE(instruction.has_value());
-  EXPECT_FALSE(instruction->damaged);
+  EXPECT_FALSE(instruction->is_damaged);
   EXPECT_THAT(instruction->parameters, ElementsAreArray(hex("74 00 FF FF FD 00")));
 }
 
@@ -85,7 +85,7 @@ TEST(DynamixelPacket, AnInstructionIsFoundInNoiseAndInPieces) {
   const auto instruction = reader.next();
   ASSERT_TRUE(instruction.has_value());
   EXPECT_EQ(instruction->code, 0x01);
-  EXPECT_FALSE(instruction->damaged);
+  EXPECT_FALSE(instruction->is_damaged);
 }
 
 /// The servo on a bench: there is nothing in the world but the floor.

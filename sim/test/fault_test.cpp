@@ -22,10 +22,10 @@ TEST(Fault, ReadsEveryKindFromText) {
   const Fault unplug = parse_fault("laser:unplug@10+2");
   EXPECT_EQ(unplug.part, Part::kLaser);
   EXPECT_EQ(unplug.kind, FaultKind::kUnplug);
-  EXPECT_FALSE(unplug.active(at(9'999'999us)));
-  EXPECT_TRUE(unplug.active(at(10s)));
-  EXPECT_TRUE(unplug.active(at(11'999'999us)));
-  EXPECT_FALSE(unplug.active(at(12s)));
+  EXPECT_FALSE(unplug.is_active(at(9'999'999us)));
+  EXPECT_TRUE(unplug.is_active(at(10s)));
+  EXPECT_TRUE(unplug.is_active(at(11'999'999us)));
+  EXPECT_FALSE(unplug.is_active(at(12s)));
   const Fault corrupt = parse_fault("base:corrupt@5+10.5=0.01");
   EXPECT_EQ(corrupt.part, Part::kBase);
   EXPECT_EQ(corrupt.kind, FaultKind::kCorrupt);
@@ -141,9 +141,9 @@ TEST_F(FaultyDeviceTest, UnpluggedItPassesNoBytesInEitherDirection) {
   start("base:unplug@0.1+0.1");
   Host host(*line_, 9600);
   host.bytes_for(99'999us);
-  EXPECT_TRUE(line_->plugged_in(host.now()));
+  EXPECT_TRUE(line_->is_plugged_in(host.now()));
   EXPECT_THAT(host.bytes_for(100ms), IsEmpty());
-  EXPECT_FALSE(line_->plugged_in(host.now()));
+  EXPECT_FALSE(line_->is_plugged_in(host.now()));
   host.send(Bytes{1, 2, 3});
   EXPECT_THAT(counter_.heard, IsEmpty());
   EXPECT_THAT(host.bytes_for(10'001us), ElementsAreArray(numbers(200, 210)));

@@ -343,7 +343,7 @@ TEST_F(Lms200Test, PartialScansComeEveryRevolutionEachShifted) {
   ASSERT_GE(headers.size(), 12U);
   const std::vector<std::uint32_t> cycle = {0x60B5, 0x68B4, 0x70B4, 0x78B4};
   const auto offset =
-      static_cast<std::size_t>(std::find(cycle.begin(), cycle.end(), headers[0]) - cycle.begin());
+      static_cast<std::size_t>(std::ranges::find(cycle, headers[0]) - cycle.begin());
   for (std::size_t i = 0; i < headers.size(); ++i) {
     EXPECT_EQ(headers[i], cycle[(i + offset) % 4]) << i;
   }

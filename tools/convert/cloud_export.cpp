@@ -52,8 +52,8 @@ std::span<const scan::Scan> choose(const std::vector<scan::Scan>& scans, const C
     throw std::runtime_error(log.string() + ": contains no scan");
   }
   const time::Timestamp start = scans.front().stamp + time::from_seconds(window.start_s);
-  const auto first = std::find_if(scans.begin(), scans.end(),
-                                  [start](const scan::Scan& scan) { return scan.stamp >= start; });
+  const auto first =
+      std::ranges::find_if(scans, [start](const scan::Scan& scan) { return scan.stamp >= start; });
   if (static_cast<std::size_t>(scans.end() - first) < window.num_scans) {
     throw std::runtime_error(log.string() + ": has only " + std::to_string(scans.end() - first) +
                              " scans after the requested start");

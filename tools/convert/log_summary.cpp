@@ -17,9 +17,8 @@ namespace {
 const bus::MessageType* find_type(std::span<const std::byte> message) {
   const std::int64_t fingerprint = bus::fingerprint_of(message);
   const auto types = bus::message_types();
-  const auto found = std::find_if(types.begin(), types.end(), [&](const bus::MessageType& type) {
-    return type.fingerprint == fingerprint;
-  });
+  const auto found = std::ranges::find_if(
+      types, [&](const bus::MessageType& type) { return type.fingerprint == fingerprint; });
   return found == types.end() ? nullptr : &*found;
 }
 

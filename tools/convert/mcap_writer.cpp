@@ -150,8 +150,8 @@ void McapWriter::write_chunk() {
   const auto index_start = static_cast<std::uint64_t>(out_.tellp());
   Content index_offsets;
   for (auto& [channel, places] : chunk_.index) {
-    std::stable_sort(places.begin(), places.end(),
-                     [](const auto& a, const auto& b) { return a.first < b.first; });
+    std::ranges::stable_sort(places,
+                             [](const auto& a, const auto& b) { return a.first < b.first; });
     Content entries;
     for (const auto& [time_ns, offset] : places) {
       entries.number(time_ns).number(offset);

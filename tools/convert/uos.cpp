@@ -60,7 +60,7 @@ double median_step_rad(std::span<const Beam> beams) {
     return 0.0;
   }
   const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
+  std::ranges::nth_element(steps, middle);
   // Steps are multiples of a quarter of a degree, so the digits of the file do not matter.
   return rounded_rad(*middle, 0.25);
 }
@@ -84,9 +84,7 @@ Fan find_fan(std::span<const Beam> beams) {
   if (fan.step_rad == 0.0) {
     return fan;
   }
-  const auto [least, most] =
-      std::minmax_element(beams.begin(), beams.end(),
-                          [](const Beam& a, const Beam& b) { return a.angle_rad < b.angle_rad; });
+  const auto [least, most] = std::ranges::minmax_element(beams, {}, &Beam::angle_rad);
   fan.first_rad = rounded_rad((fan.step_rad > 0.0 ? least : most)->angle_rad, 0.01);
   const double span_rad = most->angle_rad - least->angle_rad;
   fan.num_beams = static_cast<std::size_t>(std::lround(span_rad / std::abs(fan.step_rad))) + 1;

@@ -22,7 +22,7 @@ using std::chrono::milliseconds;
 using SteadyClock = std::chrono::steady_clock;
 
 // Additional time for the other process, also on a busy machine: start, LCM's own set-up, end.
-constexpr milliseconds kGrace(3000);
+constexpr milliseconds kGrace = 3s;
 constexpr const char* kChannel = "NODMAP_DOCTOR";
 constexpr const char* kLcmProbe = "LCM_SELF_TEST";  // sent by every process when it subscribes
 

@@ -24,8 +24,7 @@ class Cells {
     for (int i = 0; i < 27; ++i) {
       const auto found =
           cells_.find({middle[0] + i % 3 - 1, middle[1] + i / 3 % 3 - 1, middle[2] + i / 9 - 1});
-      if (found != cells_.end() &&
-          std::any_of(found->second.begin(), found->second.end(), [&p](const auto& q) {
+      if (found != cells_.end() && std::ranges::any_of(found->second, [&p](const auto& q) {
             return (p - q).squaredNorm() <= kOutlierM * kOutlierM;
           })) {
         return true;
@@ -65,16 +64,15 @@ CloudErrors measure_cloud(const std::vector<Eigen::Vector3f>& cloud_map,
   }
   const auto n = static_cast<double>(errors.n);
   errors.rms_m = std::sqrt(sum_m2 / n);
-  errors.outlier_share =
-      static_cast<double>(std::count_if(distances.begin(), distances.end(),
-                                        [](double d) { return d > kOutlierM; })) /
-      n;
+  errors.outlier_share = static_cast<double>(std::ranges::count_if(
+                             distances, [](double d) { return d > kOutlierM; })) /
+                         n;
   const auto p95 = distances.begin() + static_cast<std::ptrdiff_t>(0.95 * (n - 1.0));
-  std::nth_element(distances.begin(), p95, distances.end());
+  std::ranges::nth_element(distances, p95);
   errors.p95_m = *p95;
   const auto samples = surfaces.samples(kSampleSpacingM);
-  const auto seen = std::count_if(samples.begin(), samples.end(),
-                                  [&cells](const auto& p) { return cells.has_near(p); });
+  const auto seen =
+      std::ranges::count_if(samples, [&cells](const auto& p) { return cells.has_near(p); });
   errors.completeness =
       samples.empty() ? 0.0 : static_cast<double>(seen) / static_cast<double>(samples.size());
   return errors;

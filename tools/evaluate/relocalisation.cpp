@@ -131,7 +131,7 @@ RelocalisationResult measure_relocalisation(const std::filesystem::path& map,
     }
   });
   if (!ms.empty()) {
-    std::sort(ms.begin(), ms.end());
+    std::ranges::sort(ms);
     result.ms_p50 = ms[ms.size() / 2];
     result.ms_max = ms.back();
   }

@@ -11,15 +11,10 @@ namespace {
 
 using formats::StampedPose;
 
-bool is_earlier(const StampedPose& a, const StampedPose& b) {
-  return a.stamp < b.stamp;
-}
-
 /// The true pose at a time, if a sample is close enough.
 std::optional<geometry::SE3> pose_at(const formats::Trajectory& truth, time::Timestamp stamp,
                                      time::Duration tolerance) {
-  const auto after =
-      std::lower_bound(truth.begin(), truth.end(), StampedPose{stamp, {}}, is_earlier);
+  const auto after = std::ranges::lower_bound(truth, stamp, {}, &StampedPose::stamp);
   const bool close_after = after != truth.end() && after->stamp - stamp <= tolerance;
   if (close_after && after->stamp == stamp) {
     return after->pose;
@@ -68,7 +63,7 @@ double true_length_m(const std::vector<PosePair>& pairs) {
 
 std::vector<PosePair> associate(const formats::Trajectory& estimate, formats::Trajectory truth,
                                 time::Duration tolerance) {
-  std::stable_sort(truth.begin(), truth.end(), is_earlier);
+  std::ranges::stable_sort(truth, {}, &StampedPose::stamp);
   std::vector<PosePair> pairs;
   for (const StampedPose& stamped : estimate) {
     if (const auto true_pose = pose_at(truth, stamped.stamp, tolerance)) {
@@ -79,12 +74,12 @@ std::vector<PosePair> associate(const formats::Trajectory& estimate, formats::Tr
 }
 
 double longest_gap_s(const formats::Trajectory& estimate, const formats::Trajectory& truth) {
-  const auto [first, last] = std::minmax_element(truth.begin(), truth.end(), is_earlier);
+  const auto [first, last] = std::ranges::minmax_element(truth, {}, &StampedPose::stamp);
   std::vector<time::Timestamp> stamps{first->stamp, last->stamp};
   for (const StampedPose& pose : estimate) {
     stamps.push_back(std::clamp(pose.stamp, first->stamp, last->stamp));
   }
-  std::sort(stamps.begin(), stamps.end());
+  std::ranges::sort(stamps);
   time::Duration longest{};
   for (std::size_t i = 1; i < stamps.size(); ++i) {
     longest = std::max(longest, stamps[i] - stamps[i - 1]);

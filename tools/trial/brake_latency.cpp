@@ -64,8 +64,8 @@ void BrakeLatencyMonitor::add_drive_command(time::SteadyTime received, double fo
 
 std::vector<BrakeEvent> BrakeLatencyMonitor::events() const {
   std::vector<BrakeEvent> events = answered_;
-  std::stable_sort(events.begin(), events.end(),
-                   [](const BrakeEvent& a, const BrakeEvent& b) { return a.started < b.started; });
+  std::ranges::stable_sort(
+      events, [](const BrakeEvent& a, const BrakeEvent& b) { return a.started < b.started; });
   for (const TrackedActor& tracked : actors_) {
     if (tracked.open_event) {
       events.push_back(*tracked.open_event);

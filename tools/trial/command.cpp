@@ -30,7 +30,7 @@ time::Duration whole_steps(double duration_s) {
 }  // namespace
 
 void check_process(std::string_view process, const std::string& source) {
-  if (std::find(kProcesses.begin(), kProcesses.end(), process) != kProcesses.end()) {
+  if (std::ranges::find(kProcesses, process) != kProcesses.end()) {
     return;
   }
   std::string names;

@@ -30,8 +30,8 @@ bool is_moving(const TruthSample& sample) {
 }
 
 auto first_from(const TrialRecord& record, time::SteadyTime instant) {
-  return std::find_if(record.truth.begin(), record.truth.end(),
-                      [instant](const TruthSample& sample) { return sample.instant >= instant; });
+  return std::ranges::find_if(
+      record.truth, [instant](const TruthSample& sample) { return sample.instant >= instant; });
 }
 
 }  // namespace
@@ -40,7 +40,7 @@ Quantiles quantiles(std::vector<double> values) {
   if (values.empty()) {
     return {};
   }
-  std::sort(values.begin(), values.end());
+  std::ranges::sort(values);
   const auto rank = [&values](double quantile) {
     const auto n =
         static_cast<std::size_t>(std::ceil(quantile * static_cast<double>(values.size())));

@@ -76,12 +76,11 @@ OccupancyMetrics occupancy_metrics(const formats::OccupiedSpace& map,
     return metrics;
   }
   const evaluate::WorldSurfaces surfaces(world);
-  const auto at_surface = std::count_if(occupied.begin(), occupied.end(), [&](const Voxel& voxel) {
+  const auto at_surface = std::ranges::count_if(occupied, [&](const Voxel& voxel) {
     return surfaces.distance_m(T_world_map * centre_of(voxel)) <= ObservedVoxels::kVoxelM;
   });
-  const auto found =
-      std::count_if(observed.voxels().begin(), observed.voxels().end(),
-                    [&](const Voxel& voxel) { return has_neighbour(occupied, voxel); });
+  const auto found = std::ranges::count_if(
+      observed.voxels(), [&](const Voxel& voxel) { return has_neighbour(occupied, voxel); });
   metrics.precision = static_cast<double>(at_surface) / static_cast<double>(occupied.size());
   metrics.recall = static_cast<double>(found) / static_cast<double>(observed.voxels().size());
   return metrics;

@@ -172,7 +172,7 @@ void RobotSoftware::write_results(const std::filesystem::path& dir) const {
       continue;
     }
     std::string folder = process.name();  // as its program is called: map-server
-    std::replace(folder.begin(), folder.end(), '_', '-');
+    std::ranges::replace(folder, '_', '-');
     const std::filesystem::path own = dir / folder;
     std::filesystem::create_directory(own);
     process.node()->write_results(own);

@@ -69,7 +69,7 @@ class SimulatedLine::Stream final : public serial::ByteStream {
 
 void SimulatedLine::move_bytes(time::SteadyTime now) {
   now_ = now;
-  if (!device_.plugged_in(now)) {
+  if (!device_.is_plugged_in(now)) {
     cut();
   }
   if (device_.next_due() > now) {
@@ -82,7 +82,7 @@ void SimulatedLine::move_bytes(time::SteadyTime now) {
 }
 
 serial::OpenResult SimulatedLine::open(int baud) {
-  if (!device_.plugged_in(now_)) {
+  if (!device_.is_plugged_in(now_)) {
     return {nullptr, "no such device"};
   }
   if (stream_ != nullptr) {

@@ -76,8 +76,7 @@ TEST(OctomapFile, HasTheVoxelsThatOctomapWrote) {
   ASSERT_TRUE(space);
   EXPECT_DOUBLE_EQ(space->voxel_m, 0.05);
   EXPECT_EQ(voxels_of(*space), voxels_of(tree));
-  EXPECT_TRUE(std::any_of(space->cubes.begin(), space->cubes.end(),
-                          [](const auto& cube) { return cube.level == 2; }));
+  EXPECT_TRUE(std::ranges::any_of(space->cubes, [](const auto& cube) { return cube.level == 2; }));
 }
 
 TEST(OctomapFile, AnEmptyTreeHasNone) {

@@ -68,7 +68,7 @@ TEST(SlcanSession, AMuteAdapterIsTriedThreeTimesThenThePortIsGivenUp) {
   bench.session.start({});
   bench.run_for(2s);
   EXPECT_TRUE(bench.session.gave_up());
-  EXPECT_EQ(std::count(bench.sent.begin(), bench.sent.end(), "\r\r\rC\r"), 3);
+  EXPECT_EQ(std::ranges::count(bench.sent, "\r\r\rC\r"), 3);
   bench.sent.clear();
   bench.answer = [](const std::string&) { return std::vector<Kind>{Kind::kDone}; };
   bench.session.start(bench.now);  // the port has been opened anew
@@ -139,7 +139,7 @@ TEST(SlcanSession, AsksForTheFlagsOnceASecond) {
   };
   bench.session.start({});
   bench.run_for(10'200ms);
-  EXPECT_EQ(std::count(bench.sent.begin(), bench.sent.end(), "F\r"), 10);
+  EXPECT_EQ(std::ranges::count(bench.sent, "F\r"), 10);
   EXPECT_EQ(bench.session.flags(), kBusError);
   bench.session.stop();
   EXPECT_FALSE(bench.session.is_open());

@@ -15,7 +15,7 @@ CanFrame frame(std::uint32_t id, std::vector<std::uint8_t> data, bool extended =
   f.id = id;
   f.extended = extended;
   f.length = static_cast<std::uint8_t>(data.size());
-  std::copy(data.begin(), data.end(), f.data.begin());
+  std::ranges::copy(data, f.data.begin());
   return f;
 }
 

@@ -75,7 +75,7 @@ ServoOutput DynamixelSession::poll(time::SteadyTime now) {
   if (step_ == Step::kClosed) {
     return {};
   }
-  if (waiting_) {
+  if (is_waiting_) {
     if (now < deadline_) {
       return {};
     }
@@ -94,7 +94,7 @@ ServoOutput DynamixelSession::receive(ByteView bytes, time::SteadyTime now) {
   std::optional<ServoOutput> output;
   while (const auto answer = parser_.next()) {
     // Only one: what has arrived already cannot answer the request that is sent next.
-    if (!output && waiting_ && is_expected(*answer)) {
+    if (!output && is_waiting_ && is_expected(*answer)) {
       output = take(*answer, now);
     }
   }
@@ -155,8 +155,8 @@ ServoOutput DynamixelSession::enter(Step step, time::SteadyTime now) {
 }
 
 ServoOutput DynamixelSession::ask(Bytes bytes, time::SteadyTime now) {
-  waiting_ = !bytes.empty();
-  expected_parameters_ = waiting_ ? dynamixel::num_answer_parameters(bytes) : 0;
+  is_waiting_ = !bytes.empty();
+  expected_parameters_ = is_waiting_ ? dynamixel::num_answer_parameters(bytes) : 0;
   const double bits = kBitsPerByte * (static_cast<double>(bytes.size() + expected_parameters_) +
                                       kSmallestAnswerBytes);
   deadline_ = now + kAnswerTimeout + time::from_seconds(bits / params_.baud);
@@ -165,7 +165,7 @@ ServoOutput DynamixelSession::ask(Bytes bytes, time::SteadyTime now) {
 
 ServoOutput DynamixelSession::missed(time::SteadyTime now) {
   if (step_ == Step::kReboot) {
-    waiting_ = false;  // its answer may be lost during the restart
+    is_waiting_ = false;  // its answer may be lost during the restart
     deadline_ = now + kRebootTime;
     return {};
   }
@@ -173,7 +173,7 @@ ServoOutput DynamixelSession::missed(time::SteadyTime now) {
     return fail("the servo does not answer", now);
   }
   if (step_ == Step::kRun) {
-    waiting_ = false;
+    is_waiting_ = false;
     aim_.repeat();  // the lost request may have been a move
     return run(now);
   }
@@ -181,7 +181,7 @@ ServoOutput DynamixelSession::missed(time::SteadyTime now) {
 }
 
 ServoOutput DynamixelSession::take(const DynamixelStatus& answer, time::SteadyTime now) {
-  waiting_ = false;
+  is_waiting_ = false;
   if (!answer.hardware_alert() && answer.error_code() == kDamagedRequest) {
     ++counts_.damaged;
     return missed(now);  // the servo has done nothing, as if it had not received the request
@@ -295,7 +295,7 @@ std::optional<PitchSample> DynamixelSession::sample_of(const dynamixel_x::State&
 ServoOutput DynamixelSession::fail(std::string reason, time::SteadyTime now) {
   last_error_ = std::move(reason);
   step_ = Step::kWait;
-  waiting_ = false;
+  is_waiting_ = false;
   back_off_.failed(now);
   deadline_ = now + back_off_.wait(now);
   return {};

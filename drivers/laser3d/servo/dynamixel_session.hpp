@@ -33,7 +33,9 @@ class DynamixelSession : public ServoSession {
   [[nodiscard]] ServoOutput receive(ByteView bytes, time::SteadyTime now) override;
   void aim(double goal_rad, double speed_rad_s) override { aim_.set(goal_rad, speed_rad_s); }
 
-  [[nodiscard]] bool running() const override { return step_ == Step::kRun && last_error_.empty(); }
+  [[nodiscard]] bool is_running() const override {
+    return step_ == Step::kRun && last_error_.empty();
+  }
   [[nodiscard]] bool measures_pitch() const override { return true; }
   [[nodiscard]] const std::string& last_error() const override { return last_error_; }
   [[nodiscard]] std::string warning() const override { return warning_; }
@@ -83,7 +85,7 @@ class DynamixelSession : public ServoSession {
   PassiveSync sync_;
   serial::BackOff back_off_;
   Step step_ = Step::kClosed;
-  bool waiting_ = false;  // for an answer
+  bool is_waiting_ = false;  // for an answer
   std::size_t expected_parameters_ = 0;
   time::SteadyTime deadline_;
   time::SteadyTime next_reading_;

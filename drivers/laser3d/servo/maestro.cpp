@@ -63,9 +63,9 @@ MaestroSession::MaestroSession(const ServoParams& params)
       period_(params.period()) {}
 
 ServoOutput MaestroSession::open(time::SteadyTime now) {
-  open_ = true;
+  is_open_ = true;
   last_error_ = "being started";
-  waiting_ = false;
+  is_waiting_ = false;
   misses_ = 0;
   last_.reset();
   next_ = now;
@@ -75,15 +75,15 @@ ServoOutput MaestroSession::open(time::SteadyTime now) {
 }
 
 void MaestroSession::close() {
-  open_ = false;
+  is_open_ = false;
   last_error_ = "not connected";
 }
 
 ServoOutput MaestroSession::poll(time::SteadyTime now) {
-  if (!open_ || (waiting_ && now < asked_ + kReadingTimeout)) {
+  if (!is_open_ || (is_waiting_ && now < asked_ + kReadingTimeout)) {
     return {};
   }
-  if (waiting_) {
+  if (is_waiting_) {
     ++counts_.unanswered;
     miss(now);
   }
@@ -101,7 +101,7 @@ ServoOutput MaestroSession::poll(time::SteadyTime now) {
   }
   const Bytes question = maestro::get_position(channel_);
   serial::append(output.send, question);
-  waiting_ = true;
+  is_waiting_ = true;
   asked_ = now;
   answer_.clear();
   return output;
@@ -109,7 +109,7 @@ ServoOutput MaestroSession::poll(time::SteadyTime now) {
 
 /// Ends a reading without a usable answer.
 void MaestroSession::miss(time::SteadyTime now) {
-  waiting_ = false;
+  is_waiting_ = false;
   if (++misses_ > kMissedReadingsAllowed) {
     last_error_ = "the servo controller does not answer";
     last_.reset();
@@ -119,7 +119,7 @@ void MaestroSession::miss(time::SteadyTime now) {
 }
 
 ServoOutput MaestroSession::receive(ByteView bytes, time::SteadyTime now) {
-  if (!waiting_) {
+  if (!is_waiting_) {
     return {};
   }
   serial::append(answer_, bytes);
@@ -132,7 +132,7 @@ ServoOutput MaestroSession::receive(ByteView bytes, time::SteadyTime now) {
     miss(now);
     return {};
   }
-  waiting_ = false;
+  is_waiting_ = false;
   return {.send = {}, .sample = sample_in(answer_, now)};
 }
 

@@ -35,7 +35,7 @@ class MaestroSession : public ServoSession {
   [[nodiscard]] ServoOutput receive(ByteView bytes, time::SteadyTime now) override;
   void aim(double goal_rad, double speed_rad_s) override { aim_.set(goal_rad, speed_rad_s); }
 
-  [[nodiscard]] bool running() const override { return open_ && last_error_.empty(); }
+  [[nodiscard]] bool is_running() const override { return is_open_ && last_error_.empty(); }
   [[nodiscard]] bool measures_pitch() const override { return false; }
   [[nodiscard]] ServoCounts line_counts() const override { return counts_; }
   [[nodiscard]] const std::string& last_error() const override { return last_error_; }
@@ -49,10 +49,10 @@ class MaestroSession : public ServoSession {
   double us_per_rad_;
   time::Duration period_;
   serial::BackOff back_off_;
-  bool open_ = false;
+  bool is_open_ = false;
   time::SteadyTime asked_;
   time::SteadyTime next_;
-  bool waiting_ = false;
+  bool is_waiting_ = false;
   int misses_ = 0;  // readings in a row without a usable answer
   ServoCounts counts_;
   Bytes answer_;

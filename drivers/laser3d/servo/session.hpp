@@ -132,7 +132,7 @@ class ServoSession : private boost::noncopyable {
   virtual void aim(double goal_rad, double speed_rad_s) = 0;
 
   /// Whether the servo is initialised and its position is known.
-  [[nodiscard]] virtual bool running() const = 0;
+  [[nodiscard]] virtual bool is_running() const = 0;
   /// Whether the pitch of the samples is measured; otherwise it is the commanded one.
   [[nodiscard]] virtual bool measures_pitch() const = 0;
   /// The error counts; all zero for a protocol without them.

@@ -34,7 +34,7 @@ SickSession::SickSession(const SickParams& params) : params_(params) {
   // First the rate that we set, then the rate after power-on, then rates that another program may
   // have set.
   for (const int baud : {params.baud, 9600, 500000, 38400, 19200}) {
-    if (std::find(candidates_.begin(), candidates_.end(), baud) == candidates_.end()) {
+    if (std::ranges::find(candidates_, baud) == candidates_.end()) {
       candidates_.push_back(baud);
     }
   }
@@ -92,7 +92,7 @@ SickOutput SickSession::take(const SickTelegram& telegram, time::SteadyTime now)
   is_answering_ = true;
   if (telegram.reply == SickReply::kPowerOn) {
     ++counts_.power_ons;
-    const auto here = std::find(candidates_.begin(), candidates_.end(), baud_);
+    const auto here = std::ranges::find(candidates_, baud_);
     return search_from(static_cast<std::size_t>(here - candidates_.begin()), now);
   }
   if (telegram.reply == SickReply::kMeasuredValues) {
@@ -102,7 +102,7 @@ SickOutput SickSession::take(const SickTelegram& telegram, time::SteadyTime now)
     case SickAnswer::kDone:
       return advance(telegram, now);
     case SickAnswer::kRefused:
-      refused_ = true;
+      is_refused_ = true;
       deadline_ = std::min(deadline_, now + kNakPause);
       return {};
     case SickAnswer::kOther:
@@ -147,7 +147,7 @@ time::Duration SickSession::stream_timeout() const {
 SickOutput SickSession::enter(Step step, time::SteadyTime now) {
   step_ = step;
   attempts_ = 0;
-  refused_ = false;
+  is_refused_ = false;
   return ask(now);
 }
 
@@ -174,7 +174,7 @@ SickOutput SickSession::retry(time::SteadyTime now) {
     default:
       break;
   }
-  return fail((refused_ ? "the sensor refused to " : "the sensor did not ") +
+  return fail((is_refused_ ? "the sensor refused to " : "the sensor did not ") +
                   std::string(purpose_of(step_)),
               now);
 }
@@ -279,9 +279,9 @@ bool SickSession::watch_for_frozen_scans(const SickTelegram& telegram, const Sic
   // was: a scan is compared with the last one of the same quarter. Repetitions are counted over all
   // quarters, so that noticing a freeze takes four scans longer, not four times as long.
   Bytes& last = last_values_[static_cast<std::size_t>(scan.quarter.value_or(0))];
-  const bool equal = std::equal(values.begin(), values.end(), last.begin(), last.end());
-  const auto readings = std::count_if(scan.ranges_m.begin(), scan.ranges_m.end(),
-                                      [](float range_m) { return std::isfinite(range_m); });
+  const bool equal = std::ranges::equal(values, last);
+  const auto readings =
+      std::ranges::count_if(scan.ranges_m, [](float range_m) { return std::isfinite(range_m); });
   equal_scans_ = equal && readings >= kReadingsThatVary ? equal_scans_ + 1 : 0;
   last.assign(values.begin(), values.end());
   return equal_scans_ >= params_.frozen_scans;

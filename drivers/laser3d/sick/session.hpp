@@ -87,7 +87,7 @@ class SickSession {
   int baud_ = 9600;
   Step step_ = Step::kClosed;
   int attempts_ = 0;
-  bool refused_ = false;
+  bool is_refused_ = false;
   bool is_answering_ = false;  // a complete telegram was received at this rate
   time::SteadyTime deadline_;
   std::optional<SickConfig> config_;

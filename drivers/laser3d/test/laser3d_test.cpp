@@ -118,9 +118,8 @@ TEST(Laser3d, R2_PitchIsThatOfTheBeamsTime) {
   // servo's readings.
   int compared = 0;
   for (const scan::Scan& scan : rig.scans) {
-    const auto after = std::find_if(
-        rig.pitch.begin(), rig.pitch.end(),
-        [&](const PitchState& state) { return state.sample.stamp >= last_beam(scan); });
+    const auto after = std::ranges::find_if(
+        rig.pitch, [&](const PitchState& state) { return state.sample.stamp >= last_beam(scan); });
     if (after == rig.pitch.end() || std::abs(scan.pitch_mid_rad()) > 0.2) {
       continue;
     }
@@ -197,7 +196,7 @@ TEST(Laser3d, AFrozenLaserAndAStalledServoAreFailures) {
   rig.servo.jammed = true;
   rig.run(0.35);
   EXPECT_EQ(rig.health().reason, "servo: does not move when commanded to");
-  EXPECT_TRUE(rig.pitch.back().stalled);
+  EXPECT_TRUE(rig.pitch.back().is_stalled);
   rig.servo.jammed = false;
   rig.run(1.0);
   EXPECT_EQ(rig.health().state, node::HealthState::kOk) << rig.health().reason;
@@ -320,7 +319,7 @@ TEST(Laser3d, LeavesTheLaserAtRest) {
   rig.run(4.0);
   rig.handle(rig.dut.shut_down(rig.now));
   rig.run(0.1);
-  EXPECT_TRUE(rig.dut.laser_at_rest());
+  EXPECT_TRUE(rig.dut.is_laser_at_rest());
   EXPECT_FALSE(rig.sensor.streaming);
 }
 

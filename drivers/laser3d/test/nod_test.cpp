@@ -94,7 +94,7 @@ TEST(Nod, R7_NodsWithoutStoppingAtTheEnds) {
   run(dut, head, 1.0, now);
   const Movement result = run(dut, head, 20.0, now);
   EXPECT_LT(result.slow_ratio, 0.0104);  // 1.25 times what is measured
-  EXPECT_FALSE(dut.stalled());
+  EXPECT_FALSE(dut.is_stalled());
 }
 
 TEST(Nod, R9_ReachesBothEnds) {
@@ -158,7 +158,7 @@ TEST(Nod, EqualEndsHoldTheLaser) {
   // 1.25 times what is measured after 2 s.
   EXPECT_NEAR(head.pitch_rad, 0.0, 1.8e-5);
   EXPECT_EQ(dut.sweep(), 0);
-  EXPECT_FALSE(dut.stalled());
+  EXPECT_FALSE(dut.is_stalled());
 }
 
 // At any position, including the ends, where it takes longest: a reserve of 40 ms, the reversal of
@@ -177,11 +177,11 @@ TEST(Nod, AJammedHeadIsNoticedInTimeWhereverItIs) {
       Head head;
       time::SteadyTime now;
       run(dut, head, time::seconds(jam_after), now);
-      ASSERT_FALSE(dut.stalled());
+      ASSERT_FALSE(dut.is_stalled());
       head.jammed = true;
       run(dut, head, time::seconds(with.within), now);
-      EXPECT_TRUE(dut.stalled()) << with.sweep_s << " s a sweep, jammed at "
-                                 << time::seconds(jam_after);
+      EXPECT_TRUE(dut.is_stalled())
+          << with.sweep_s << " s a sweep, jammed at " << time::seconds(jam_after);
     }
   }
 }
@@ -191,17 +191,17 @@ TEST(Nod, AJammedHeadTriesBothWaysAndComesBack) {
   Head head;
   time::SteadyTime now;
   run(dut, head, 2.2, now);
-  ASSERT_FALSE(dut.stalled());
+  ASSERT_FALSE(dut.is_stalled());
   head.jammed = true;
   run(dut, head, 0.3, now);
-  EXPECT_TRUE(dut.stalled());
+  EXPECT_TRUE(dut.is_stalled());
   const std::int64_t sweep = dut.sweep();
   run(dut, head, 5.0, now);
-  EXPECT_TRUE(dut.stalled());
+  EXPECT_TRUE(dut.is_stalled());
   EXPECT_EQ(dut.sweep(), sweep) << "reversing in vain is no sweep";
   head.jammed = false;
   run(dut, head, 1.0, now);
-  EXPECT_FALSE(dut.stalled());
+  EXPECT_FALSE(dut.is_stalled());
   EXPECT_GE(run(dut, head, 5.0, now).sweeps_s.size(), 5U);
 }
 
@@ -212,7 +212,7 @@ TEST(Nod, AGapInTheReadingsIsNoStall) {
   run(dut, head, 2.2, now);
   now += 10s;  // the servo was disconnected and is back at the same position
   static_cast<void>(dut.step({now, head.pitch_rad, 0.0}, now));
-  EXPECT_FALSE(dut.stalled());
+  EXPECT_FALSE(dut.is_stalled());
 }
 
 TEST(Nod, AServoThatStopsShortOfItsGoalStillReverses) {
@@ -228,7 +228,7 @@ TEST(Nod, AServoThatStopsShortOfItsGoalStillReverses) {
     static_cast<void>(dut.step({now, pitch_rad, step / 0.005}, now));
   }
   EXPECT_GT(dut.sweep(), 9);
-  EXPECT_FALSE(dut.stalled());
+  EXPECT_FALSE(dut.is_stalled());
 }
 
 }  // namespace nod_test

@@ -31,7 +31,7 @@ TEST(LeftOutPlaces, APlaceIsLeftOutForATimeThatDoubles) {
 TEST(LeftOutPlaces, AClockThatIsSetBackDoesNotProlongThePause) {
   LeftOutPlaces places(30.0, 3, 0.7);
   places.add(kPlace, at_s(10'000));
-  EXPECT_FALSE(places.contains(kPlace, at_s(6'400)));
+  EXPECT_FALSE(places.excludes(kPlace, at_s(6'400)));
 }
 
 TEST(LeftOutPlaces, PlacesThatAreNotGivenUpAreForgivenOnce) {

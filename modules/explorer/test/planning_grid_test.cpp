@@ -47,7 +47,7 @@ TEST(PlanningGrid, APlanningCellIsOccupiedFreeOrUnknownByItsFourMapCells) {
 
 TEST(PlanningGrid, GapsOfOneCellBelongToTheCellsOnBothSides) {
   Map map;
-  std::fill(map.cells.begin(), map.cells.end(), static_cast<std::int8_t>(-1));
+  std::ranges::fill(map.cells, static_cast<std::int8_t>(-1));
   map.set(10, 10, 0).set(14, 10, 0);      // beams: cells 5 and 7 of row 5
   map.set(10, 20, 100).set(14, 24, 100);  // a wall across
   PlanningGrid grid(kInflationRadiusM);
@@ -64,7 +64,7 @@ TEST(PlanningGrid, GapsOfUpToThreeCellsInAWallAreFilledAndThoseOfFourAreNot) {
     Map left(Cell(-kTile, 0));
     Map right;
     for (Map* map : {&left, &right}) {
-      std::fill(map->cells.begin(), map->cells.end(), static_cast<std::int8_t>(-1));
+      std::ranges::fill(map->cells, static_cast<std::int8_t>(-1));
     }
     for (int y = 0; y < kTile; y += 20) {
       left.set(kTile - 2 * gap_cells, y, 100);  // planning cell -gap_cells
@@ -107,7 +107,7 @@ TEST(PlanningGrid, PassableCellsAreFarEnoughFromAllOccupiedOnes) {
   PlanningGrid grid(kInflationRadiusM);
   for (int round = 0; round < 4; ++round) {
     for (Map& map : maps) {
-      std::fill(map.cells.begin(), map.cells.end(), static_cast<std::int8_t>(0));
+      std::ranges::fill(map.cells, static_cast<std::int8_t>(0));
       for (int i = 0; i < 6; ++i) {
         map.set(place(engine), place(engine), 100);
       }

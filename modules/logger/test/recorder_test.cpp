@@ -53,7 +53,7 @@ class RecorderTest : public ::testing::Test {
     for (const auto& entry : std::filesystem::directory_iterator(dir_.path())) {
       found.push_back(entry.path().filename().string());
     }
-    std::sort(found.begin(), found.end());
+    std::ranges::sort(found);
     return found;
   }
 

@@ -21,7 +21,7 @@ class NoddingHead {
       step(1e-3);
     }
     aim_ = nod_.step({now(), pitch_rad_, rate_rad_s_}, now());
-    return {stamp_, pitch_rad_, rate_rad_s_, nod_.sweep(), nod_.stalled()};
+    return {stamp_, pitch_rad_, rate_rad_s_, nod_.sweep(), nod_.is_stalled()};
   }
 
   void obey(const PitchDecision& decision) {

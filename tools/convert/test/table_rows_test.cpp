@@ -30,8 +30,8 @@ TYPED_TEST(FlatRow, HasAsManyColumnsAsItsHeader) {
   const TypeParam message{};
   const std::string row = row_of(message);
   const std::string header = row_header(message);
-  EXPECT_GT(std::count(header.begin(), header.end(), ','), 0);
-  EXPECT_EQ(std::count(row.begin(), row.end(), ','), std::count(header.begin(), header.end(), ','));
+  EXPECT_GT(std::ranges::count(header, ','), 0);
+  EXPECT_EQ(std::ranges::count(row, ','), std::ranges::count(header, ','));
 }
 
 TEST(TableRows, PitchState) {

@@ -3,10 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include "common/geometry/time.hpp"
+
 namespace nodmap::doctor {
 namespace self_test_test {
 
-constexpr std::chrono::milliseconds kDuration(200);
+constexpr std::chrono::milliseconds kDuration = 200ms;
 
 TEST(SelfTest, ReceivesItsMessageWithoutANetwork) {
   const SelfTest test = run_self_test("memq://", kDuration);

@@ -27,7 +27,7 @@ class Ticker : public sim::SerialDevice {
     }
   }
   [[nodiscard]] time::SteadyTime next_due() const override { return next; }
-  [[nodiscard]] bool plugged_in(time::SteadyTime /*now*/) const override { return plugged; }
+  [[nodiscard]] bool is_plugged_in(time::SteadyTime /*now*/) const override { return plugged; }
 
   std::vector<std::uint8_t> heard;
   int heard_baud = 0;

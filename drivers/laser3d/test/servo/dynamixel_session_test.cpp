@@ -78,7 +78,7 @@ TEST(DynamixelSession, RunsAndReportsItsPosition) {
   Rig rig;
   rig.open();
   rig.run(0.5);
-  EXPECT_TRUE(rig.dut.running());
+  EXPECT_TRUE(rig.dut.is_running());
   EXPECT_GT(rig.samples.size(), 90U);  // every 5 ms
   EXPECT_EQ(rig.samples.back().pitch_rad, 0.0);
   EXPECT_EQ(rig.servo.registers[64], 1);   // torque
@@ -92,7 +92,7 @@ TEST(DynamixelSession, AReadingMayTakeLongerThanAnAnswerOnAFastLine) {
   rig.open();
   rig.dut.aim(0.5, 1.0);
   rig.run(2.0);
-  EXPECT_TRUE(rig.dut.running());
+  EXPECT_TRUE(rig.dut.is_running());
   EXPECT_GT(rig.samples.size(), 30U);  // a reading is 41 bytes, or 43 ms
   EXPECT_NEAR(rig.samples.back().pitch_rad, 0.5, dynamixel_x::kRadPerStep);
   EXPECT_EQ(rig.dut.line_counts().unanswered, 0);
@@ -119,7 +119,7 @@ TEST(DynamixelSession, NoRequestIsLeftOutBecauseOfAStaleAnswer) {
         EXPECT_EQ(rig.servo.registers[98], 10);  // watchdog, 200 ms
         EXPECT_EQ(boost::endian::load_little_u32(&rig.servo.registers[108]), 107U);  // 40 rad/s^2
         EXPECT_NEAR(rig.servo.position, 2048.0 + 0.5 / dynamixel_x::kRadPerStep, 1.0);
-        EXPECT_TRUE(rig.dut.running());
+        EXPECT_TRUE(rig.dut.is_running());
       }
     }
   }
@@ -158,7 +158,7 @@ TEST(DynamixelSession, TheModeIsWrittenOnlyIfItDiffers) {
   other.open();
   other.run(0.3);
   EXPECT_EQ(other.servo.mode_writes, 1);
-  EXPECT_TRUE(other.dut.running());
+  EXPECT_TRUE(other.dut.is_running());
 }
 
 TEST(DynamixelSession, ALostServoIsNoticedAndFoundAgain) {
@@ -167,12 +167,12 @@ TEST(DynamixelSession, ALostServoIsNoticedAndFoundAgain) {
   rig.run(0.3);
   rig.servo.powered = false;
   rig.run(0.2);  // four times 40 ms without an answer
-  EXPECT_FALSE(rig.dut.running());
+  EXPECT_FALSE(rig.dut.is_running());
   EXPECT_EQ(rig.dut.last_error(), "the servo does not answer");
   rig.run(20.0);
   rig.servo.powered = true;
   rig.run(6.0);  // the longest back-off is 5 s
-  EXPECT_TRUE(rig.dut.running());
+  EXPECT_TRUE(rig.dut.is_running());
   EXPECT_EQ(rig.dut.counts().connections, 2);
 }
 
@@ -183,11 +183,11 @@ TEST(DynamixelSession, AnAlertIsReportedAndTheServoRestarted) {
   rig.servo.registers[70] = 0x20;
   rig.servo.alert = true;
   rig.run(0.1);
-  EXPECT_FALSE(rig.dut.running());
+  EXPECT_FALSE(rig.dut.is_running());
   EXPECT_EQ(rig.dut.last_error(), "the servo switched itself off: overload");
   rig.run(2.0);
   EXPECT_EQ(rig.servo.reboots, 1);
-  EXPECT_TRUE(rig.dut.running());
+  EXPECT_TRUE(rig.dut.is_running());
 }
 
 // The servo keeps its torque at this error, so a restart would only drop the head; and while the
@@ -204,7 +204,7 @@ TEST(DynamixelSession, AnAlertThatDoesNotSwitchTheServoOffIsOnlyReported) {
     const std::size_t samples = rig.samples.size();
     for (int i = 0; i < 1000; ++i) {
       rig.run(0.001);
-      EXPECT_TRUE(rig.dut.running());
+      EXPECT_TRUE(rig.dut.is_running());
     }
     EXPECT_GT(rig.samples.size(), samples + 180);  // every 5 ms; some are left out for the alert
     EXPECT_EQ(rig.servo.reboots, 0);
@@ -240,13 +240,13 @@ TEST(DynamixelSession, ADamagedRequestIsRepeatedAndOnlyManyInARowAreALoss) {
   rig.run(0.2);
   rig.servo.damage_next = 3;
   rig.run(0.2);
-  EXPECT_TRUE(rig.dut.running());
+  EXPECT_TRUE(rig.dut.is_running());
   EXPECT_EQ(rig.dut.counts().connections, 1);
   EXPECT_EQ(rig.dut.line_counts().damaged, 3);
   EXPECT_EQ(rig.dut.line_counts().unanswered, 0);
   rig.servo.damage_next = 1000;
   rig.run(0.05);
-  EXPECT_FALSE(rig.dut.running());
+  EXPECT_FALSE(rig.dut.is_running());
 }
 
 TEST(DynamixelSession, PositionsWhereTheHeadCannotBeAreDropped) {

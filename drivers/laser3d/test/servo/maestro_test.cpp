@@ -63,7 +63,7 @@ TEST(MaestroSession, ReportsTheCommandedPitchAsSuch) {
   ASSERT_TRUE(output.sample);
   EXPECT_DOUBLE_EQ(output.sample->pitch_rad, 0.2);
   EXPECT_EQ(output.sample->stamp, at(1ms));
-  EXPECT_TRUE(dut.running());
+  EXPECT_TRUE(dut.is_running());
 }
 
 TEST(MaestroSession, SpeedComesBeforeTheTarget) {
@@ -80,7 +80,7 @@ TEST(MaestroSession, SilenceIsAnErrorAndRequestsContinue) {
   for (time::SteadyTime now; now < at(2s); now += 1ms) {
     questions += dut.poll(now).send.empty() ? 0 : 1;
   }
-  EXPECT_FALSE(dut.running());
+  EXPECT_FALSE(dut.is_running());
   EXPECT_EQ(dut.last_error(), "the servo controller does not answer");
   EXPECT_GT(questions, 4);
   EXPECT_LT(questions, 12);  // with growing pauses
