@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A client of foxglove.websocket.v1, written from the specification alone; it shares no code with the server or the page."""
 import json
+import math
 import struct
 import time
 
@@ -31,9 +32,11 @@ class Client:
         self.topics.update({first + i: t for i, t in enumerate(topics)})
         self.send(op="subscribe", subscriptions=wishes)
 
-    def receive(self):
-        """The next data message: (topic, nanoseconds, decoded payload)."""
+    def receive(self, end=math.inf):
+        """The next data message: (topic, nanoseconds, decoded payload). TimeoutError if none has come by `end`, a time of time.monotonic()."""
         while True:
+            if time.monotonic() > end:
+                raise TimeoutError("no data message")
             kind, payload = self.socket.receive()
             if kind == TEXT:
                 self.others.append(json.loads(payload))
@@ -47,8 +50,10 @@ class Client:
         """Collects messages, by topic, until wanted(messages) is true."""
         messages, end = {}, time.monotonic() + timeout_s
         while not wanted(messages):
-            assert time.monotonic() < end, f"only {({t: len(m) for t, m in messages.items()})} after {timeout_s} s"
-            topic, nanoseconds, message = self.receive()
+            try:
+                topic, nanoseconds, message = self.receive(end)
+            except TimeoutError as late:
+                raise AssertionError(f"only {({t: len(m) for t, m in messages.items()})} after {timeout_s} s") from late
             messages.setdefault(topic, []).append((nanoseconds, message))
         return messages
 

@@ -300,7 +300,8 @@ class HostileClients(WithLog):
         memory_kb = self.viewer.memory_kb()
         quick = Client(self.viewer.port)
         quick.subscribe("PITCH_STATE", "CLOUD")
-        messages = quick.collect(lambda m: len(m.get("PITCH_STATE", [])) >= 50 and len(m.get("CLOUD", [])) == 4)
+        # On a busy machine the recording may be over by now: then only the newest PITCH_STATE comes.
+        messages = quick.collect(lambda m: "PITCH_STATE" in m and len(m.get("CLOUD", [])) == 4)
         self.assertTrue(messages)
         self.assertLess(self.viewer.memory_kb() - memory_kb, 20_000)
         self.assertEqual(self.viewer.stop(), 0)
