@@ -12,6 +12,7 @@
 #include "modules/slam6d/pose_update.hpp"
 #include "modules/slam6d/relocaliser.hpp"
 #include "modules/slam6d/seen_space.hpp"
+#include "modules/slam6d/sweep_cloud.hpp"
 #include "modules/slam6d/voxel_map.hpp"
 
 namespace nodmap::slam6d {
@@ -63,8 +64,9 @@ struct LocaliseParams {
 ///
 /// A place that was found by a search is confirmed when a sweep farther on fits, too, because that
 /// sweep sees something else. Until then the place is given up at the first sweep that does not
-/// fit. A start pose is believed at once, but confirmed in the same way. Any place, even a
-/// confirmed one, is given up when several sweeps show surfaces where the map is known to be free.
+/// fit, and when the sweeps so far look through surfaces of the map. A start pose is believed at
+/// once, but confirmed in the same way. Any place, even a confirmed one, is given up when several
+/// sweeps show surfaces where the map is known to be free.
 class Localiser {
  public:
   /// `T_map_start`: the pose of the robot at the first sweep, if it is known. `keyframes`: those of
@@ -79,15 +81,21 @@ class Localiser {
   /// Whether the place is the given start pose.
   [[nodiscard]] bool is_told() const { return is_told_; }
 
+  /// A sweep as voxels in base, and the same with its beams.
+  struct Sweep {
+    const VoxelMap& voxels;
+    const SweepCloud& cloud;
+  };
+
   /// To be called while the robot has no place. Returns its pose: the start pose, or the only place
   /// that fits the sweep. `by_odometry`: the update of the sweep; only its pose in odom is used.
-  [[nodiscard]] std::optional<geometry::SE3> find(const VoxelMap& sweep_base, const VoxelMap& map,
+  [[nodiscard]] std::optional<geometry::SE3> find(const Sweep& sweep, const VoxelMap& map,
                                                   const PoseUpdate& by_odometry);
 
   /// Confirms or doubts the place by the registration of a sweep. Unless the place was given, the
   /// pose is DEGRADED as long as the place is not confirmed, and also if most of the sweep is not
   /// in the map. `lost_sweeps`: sweeps refused in a row, including this one.
-  void classify(const VoxelMap& sweep_base, PoseUpdate& update, int lost_sweeps);
+  void classify(const Sweep& sweep, const VoxelMap& map, PoseUpdate& update, int lost_sweeps);
 
   /// Whether too many of a sweep's surfaces stand where the map's beams went through.
   [[nodiscard]] bool is_contradicted_at(const VoxelMap& sweep_base,
@@ -121,8 +129,14 @@ class Localiser {
   [[nodiscard]] bool is_search_due(const PoseUpdate& by_odometry) const;
   [[nodiscard]] bool is_doubtful() const { return state_ == State::kUnconfirmed && !is_told_; }
   [[nodiscard]] bool confirms(const geometry::SE3& T_map_base) const;
-  void add_evidence(const Evidence& evidence);
+  [[nodiscard]] bool is_possible(const Sweep& sweep, const VoxelMap& map,
+                                 const geometry::SE3& T_map_base) const;
+  void add_evidence(const Sweep& sweep, const VoxelMap& map, const PoseUpdate& update);
   [[nodiscard]] bool is_contradicted() const;
+  [[nodiscard]] bool is_too_much_missing(const Evidence& missing) const {
+    return missing.contradiction_ratio() > params_.place.max_missing_ratio;
+  }
+  void begin_place(const geometry::SE3& T_map_base);
   void give_up();
 
   LocaliseParams params_;
@@ -132,7 +146,9 @@ class Localiser {
   State state_ = State::kUnknown;
   bool is_told_ = false;  // the place, by the start pose
   geometry::SE3 T_map_found_ = geometry::SE3::Identity();
-  Evidence evidence_;              // since then, the newest sweeps most
+  Evidence evidence_;              // of the sweeps since then, the newest most, against the map
+  SeenSpace seen_here_;            // by these sweeps, until the place is confirmed
+  Evidence missing_;               // of the map's surfaces around the robot, against these sweeps
   std::optional<Failure> failed_;  ///< the last search, if it found nothing
   Metrics metrics_;
 };

@@ -44,7 +44,7 @@ void Recovery::change_odometry_frame(const std::optional<geometry::SE3>& T_old_n
 
 void Recovery::find_place(const Known& known, const VoxelMap& sweep, const SweepCloud& cloud,
                           PoseUpdate& update) {
-  auto T_map_base = localiser_->find(sweep, known.map, update);
+  auto T_map_base = localiser_->find({sweep, cloud}, known.map, update);
   if (!T_map_base) {
     known.tracker.forget_pose();
     update.registration = Registration{};
@@ -79,7 +79,7 @@ bool Recovery::check_place(const Known& known, int lost_before, VoxelMap& sweep,
 void Recovery::classify_place(const Known& known, const VoxelMap& sweep, const SweepCloud& cloud,
                               PoseUpdate& update) {
   const bool was_accepted = update.is_tracked();
-  localiser_->classify(sweep, update, known.tracker.lost_sweeps());
+  localiser_->classify({sweep, cloud}, known.map, update, known.tracker.lost_sweeps());
   if (update.registration->is_accepted() != was_accepted) {
     follow_odometry(known.tracker, cloud, update);
   }
@@ -123,7 +123,7 @@ bool Recovery::search_own_map(const Known& known, VoxelMap& sweep, const SweepCl
                               PoseUpdate& update) {
   Tracker& tracker = known.tracker;
   VoxelMap as_measured = voxelize(cloud, params_.voxels);
-  const auto T_map_base = localiser_in_own_map(known).find(as_measured, known.map, update);
+  const auto T_map_base = localiser_in_own_map(known).find({as_measured, cloud}, known.map, update);
   if (!T_map_base) {
     return false;
   }

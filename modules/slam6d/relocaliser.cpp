@@ -6,6 +6,8 @@
 #include <cmath>
 #include <set>
 
+#include "modules/slam6d/inliers.hpp"
+
 namespace nodmap::slam6d {
 namespace {
 
@@ -29,7 +31,7 @@ std::vector<Eigen::Vector3f> wall_means(const VoxelMap& map) {
   std::vector<Eigen::Vector3f> means;
   for (std::size_t level = kWallLevel; level < VoxelMap::kLevels; ++level) {
     for (const Voxel& voxel : map.level(level).voxels()) {
-      if (voxel.has_plane() && std::abs(voxel.normal.z()) < kMaxUprightNormal) {
+      if (voxel.has_plane() && is_upright(voxel.normal.z())) {
         means.push_back(voxel.mean);
       }
     }
@@ -110,8 +112,9 @@ Relocaliser::Relocaliser(const RelocaliserParams& params, const RegistrationPara
   }
 }
 
-StartsResult Relocaliser::find(const VoxelMap& sweep_base, const VoxelMap& map,
-                               const SeenSpace& seen) const {
+StartsResult Relocaliser::find(
+    const VoxelMap& sweep_base, const VoxelMap& map,
+    const std::function<bool(const SE3& T_map_base)>& is_possible) const {
   const std::vector<WallPoint> walls_base = wall_points(sweep_base);
   if (walls_base.size() < kMinPoints) {
     return {};
@@ -120,19 +123,14 @@ StartsResult Relocaliser::find(const VoxelMap& sweep_base, const VoxelMap& map,
   sweep.hold();
   return register_from(
       best_starts(try_all(walls_base)), sweep, map,
-      [this](const SE3& T_map_start) { return prior_at(T_map_start); },
-      [&](const SE3& T_map_base) {
-        return seen.compare(sweep, T_map_base).contradiction_ratio() <=
-               params_.max_contradiction_ratio;
-      },
-      registration_);
+      [this](const SE3& T_map_start) { return prior_at(T_map_start); }, is_possible, registration_);
 }
 
 // Some of the wall points, spread over all of them.
 std::vector<Relocaliser::WallPoint> Relocaliser::wall_points(const VoxelMap& sweep_base) const {
   std::vector<Eigen::Vector3f> all;
   for (const OrientedPoint& point : sweep_base.select(kWallLevel).points) {
-    if (std::abs(point.normal.z()) < kMaxUprightNormal) {
+    if (is_upright(point.normal.z())) {
       all.push_back(point.p);
     }
   }

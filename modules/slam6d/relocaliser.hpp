@@ -4,12 +4,12 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
 #include "common/geometry/angle.hpp"
 #include "common/geometry/se3.hpp"
-#include "modules/slam6d/seen_space.hpp"
 #include "modules/slam6d/start_poses.hpp"
 #include "modules/slam6d/voxel_map.hpp"
 
@@ -19,6 +19,7 @@ namespace nodmap::slam6d {
 struct RelocaliserParams {
   double min_inlier_ratio = 0.5;
   double max_contradiction_ratio = 0.02;
+  double max_missing_ratio = 0.005;
   double reach_m = 1.2;
   double step_m = 0.3;
   double heading_step_rad = geometry::deg_to_rad(5.0);
@@ -31,6 +32,9 @@ struct RelocaliserParams {
     v.number("max_contradiction_ratio", max_contradiction_ratio, {0.0, 1.0},
              "A place is not believed if more than this fraction of the sweep's surfaces, where "
              "the map has been seen, lies where the map's beams passed through.");
+    v.number("max_missing_ratio", max_missing_ratio, {0.0, 1.0},
+             "A place is not believed if more than this fraction of the map's surfaces around the "
+             "robot is missing: the robot's beams pass through them.");
     v.number(
         "search_reach_m", reach_m, {0.0, 100.0},
         "The robot is searched for up to this distance from the poses at which the map was made.");
@@ -49,10 +53,11 @@ class Relocaliser {
   Relocaliser(const RelocaliserParams& params, const RegistrationParams& registration,
               std::span<const geometry::SE3> T_map_keyframes, const VoxelMap& map);
 
-  /// Returns the pose of the sweep in the map. It must not contradict the space that was seen
-  /// there.
-  [[nodiscard]] StartsResult find(const VoxelMap& sweep_base, const VoxelMap& map,
-                                  const SeenSpace& seen) const;
+  /// Returns the pose of the sweep, with voxels `sweep_base`, in the map. `is_possible`: whether it
+  /// may be at a pose.
+  [[nodiscard]] StartsResult find(
+      const VoxelMap& sweep_base, const VoxelMap& map,
+      const std::function<bool(const geometry::SE3& T_map_base)>& is_possible) const;
 
  private:
   /// The cells that are near a wall of the map, within about one and a half cells, one byte each.

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cstddef>
 #include <span>
 
 #include "common/geometry/se3.hpp"
@@ -12,9 +11,6 @@
 #include "modules/slam6d/voxel_map.hpp"
 
 namespace nodmap::slam6d {
-
-/// A surface is upright, a wall, if the z component of its unit normal is below this.
-inline constexpr float kMaxUprightNormal = 0.5F;
 
 /// Resolution and range of the record of where a map's beams passed.
 struct SeenSpaceParams {
@@ -33,11 +29,10 @@ struct SeenSpaceParams {
   }
 };
 
-/// How a sweep at some place agrees with what the keyframes of a map saw. Surfaces where the map
-/// knows nothing are not counted.
+/// How surfaces agree with the space that was seen. Those in unknown space are not counted.
 struct Evidence {
-  double seen = 0.0;  ///< surfaces of the sweep that the map has, too, without floor and ceiling
-  double contradicted = 0.0;  ///< surfaces of the sweep where the map's beams went through
+  double seen = 0.0;          ///< surfaces in occupied space, without floor and ceiling
+  double contradicted = 0.0;  ///< surfaces where beams went through
 
   /// Fraction of the counted surfaces that contradict; 0 if none is counted.
   [[nodiscard]] double contradiction_ratio() const {
@@ -46,12 +41,20 @@ struct Evidence {
   }
 };
 
-/// The space that a map's keyframes have seen: where their beams passed through, and where they
-/// ended. Registration only checks that surfaces lie on surfaces, which they also do in another
-/// corridor that looks alike. This class checks whether they lie in free space.
+/// The space that sweeps have seen: where their beams passed through, and where they ended.
+/// Registration only checks that surfaces lie on surfaces, which they also do in another corridor
+/// that looks alike. This class checks whether they lie in free space: those of a sweep where the
+/// map's beams went through, and those of the map where the robot's beams now go through.
 class SeenSpace {
  public:
+  /// Nothing has been seen.
+  explicit SeenSpace(const SeenSpaceParams& params);
+  /// What the keyframes of a map saw.
   SeenSpace(const SeenSpaceParams& params, std::span<const Keyframe> keyframes);
+
+  void add(const SweepCloud& cloud, const geometry::SE3& T_map_base) {
+    tracer_.trace(cloud, T_map_base, voxels_);
+  }
 
   enum class Content {
     kUnknown,  ///< anything else
@@ -60,9 +63,18 @@ class SeenSpace {
   };
   [[nodiscard]] Content at(const Eigen::Vector3f& p_map) const;
 
+  /// The surfaces of a sweep.
   [[nodiscard]] Evidence compare(const VoxelMap& sweep_base, const geometry::SE3& T_map_base) const;
+  /// The surfaces of a map around the robot, where this is what the robot has seen. `seen_by_map`:
+  /// what the map's keyframes saw. Surfaces that their beams went through, too, do not contradict:
+  /// these are thin, or have moved.
+  [[nodiscard]] Evidence compare_map(const VoxelMap& map, const SeenSpace& seen_by_map,
+                                     const Eigen::Vector3d& p_map_base) const;
 
  private:
+  /// Whether beams went through here and through all 26 voxels beside, wherever others ended.
+  [[nodiscard]] bool is_passed(const Eigen::Vector3f& p_map) const;
+
   float sq_max_range_m2_;
   CloudTracer tracer_;
   CloudVoxels voxels_;
