@@ -204,8 +204,7 @@ Decision Navigator::turn(const FreeSpace& space, const Situation& now) {
 
 TurnInput Navigator::turn_input(const FreeSpace& space, const Situation& now) const {
   const double until_free_m = params_.turn.until_free_m;
-  const FreeNeighbours seen_and_free =
-      free_neighbours(steering_.seen_space(space, now), 0.0, until_free_m);
+  const FreeNeighbours seen_and_free = free_neighbours(seen_space(space, now), 0.0, until_free_m);
   const FreeNeighbours without_points = free_neighbours(space, 0.0, until_free_m);
   const double margin_m = params_.turn.margin_m + (turn_.backs_up() ? kRoomToTurnM : 0.0);
   TurnInput input;

@@ -36,7 +36,7 @@ std::optional<Decision> Steering::steer(const FreeSpace& free_space, const Situa
                       now);
 }
 
-FreeSpace Steering::seen_space(const FreeSpace& space, const Situation& now) const {
+FreeSpace seen_space(const FreeSpace& space, const Situation& now) {
   FreeSpace result = space;
   for (int degree = -FreeSpace::kHalf; degree <= FreeSpace::kHalf; ++degree) {
     if (!now.has_seen(FreeSpace::angle_rad(degree))) {

@@ -11,6 +11,9 @@
 
 namespace nodmap::navigator {
 
+/// The free space without directions that have not been seen long enough.
+[[nodiscard]] FreeSpace seen_space(const FreeSpace& space, const Situation& now);
+
 /// Steer (paper, III C): chooses the free direction nearest to the orientation of free space, or
 /// one that leads around what is between the robot and its goal. Drives an arc whose chord points
 /// there, as fast as Brake allows.
@@ -21,9 +24,6 @@ class Steering {
   /// Returns the decision; empty if no direction that was seen is free. `free_space`: of the
   /// corridor as wide as the body.
   [[nodiscard]] std::optional<Decision> steer(const FreeSpace& free_space, const Situation& now);
-
-  /// The free space without directions that have not been seen long enough.
-  [[nodiscard]] FreeSpace seen_space(const FreeSpace& space, const Situation& now) const;
 
   [[nodiscard]] Detour& detour() { return detour_; }
 
