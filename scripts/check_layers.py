@@ -43,8 +43,6 @@ MICROSECONDS = re.compile(r"\bint64_t>?[ &]+(\w+_us_?|k\w+Us)\b")
 QUESTION = re.compile(r"^( *)(?:\[\[nodiscard\]\] )?((?:virtual |static |constexpr |inline |friend )*)bool ((?:\w+::)*(?:is|has|may)_\w+)\(([^;{}]*)\)([^;{}()]*)[;{]", re.M)
 # Parameters that a question may change: a cache.
 CACHES = re.compile(r"\bLookup& ")
-# Questions of the process manager that change something, and are to get names that say so.
-NOT_YET_RENAMED = {"is_alone", "is_done", "is_gone", "is_in_sequence", "is_own"}
 BAD_NAME = re.compile(r"\b(base|map|odom|laser|mount|body|sensor|world)(_to_|2)(base|map|odom|laser|mount|body|sensor|world)\b")
 
 
@@ -91,8 +89,6 @@ def question_errors(path, text):
     for match in QUESTION.finditer(text):
         indent, specifiers, name, parameters, behind = match.groups()
         number = 1 + text.count("\n", 0, match.start())
-        if path.parts[0] == "procman" and name.rpartition("::")[2] in NOT_YET_RENAMED:
-            continue
         is_member = indent and not re.search("static|friend", specifiers)
         if is_member and "const" not in behind:
             yield number, f"{name}() asks, so it is const"
