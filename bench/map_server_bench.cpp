@@ -22,7 +22,7 @@ struct Step {
   geometry::SE3 T_odom_base;
 };
 
-/// A drive through a furnished room: 20 s at 0.3 m/s in a gentle curve.
+// A drive through a furnished room: 20 s at 0.3 m/s in a gentle curve.
 const std::vector<Step>& drive() {
   static const std::vector<Step> steps = [] {
     test::World world = test::room(-2, 9, -3, 3);

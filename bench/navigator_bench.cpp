@@ -34,7 +34,7 @@ double cpu_us() {
   return 1e6 * static_cast<double>(now.tv_sec) + 1e-3 * static_cast<double>(now.tv_nsec);
 }
 
-/// Reports percentiles of single durations as counters.
+// Reports percentiles of single durations as counters.
 void report(benchmark::State& state, std::vector<double> durations_us) {
   std::ranges::sort(durations_us);
   const auto percentile = [&](double share) {
@@ -46,7 +46,7 @@ void report(benchmark::State& state, std::vector<double> durations_us) {
   state.counters["max_us"] = percentile(1.0);
 }
 
-/// A sweep of 40 scans of 181 beams over a flat floor with a pillar every 20 beams.
+// A sweep of 40 scans of 181 beams over a flat floor with a pillar every 20 beams.
 std::vector<scan::Scan> sweep() {
   std::vector<scan::Scan> scans;
   for (double deg = -40.0; deg < 10.0; deg += 1.25) {
@@ -69,7 +69,7 @@ std::vector<scan::Scan> sweep() {
   return scans;
 }
 
-/// Adds one scan to the local map, while the robot drives at 1 m/s.
+// Adds one scan to the local map, while the robot drives at 1 m/s.
 void LocalMapScan(benchmark::State& state) {
   const std::vector<scan::Scan> scans = sweep();
   LocalMap map({}, {});
@@ -85,7 +85,7 @@ void LocalMapScan(benchmark::State& state) {
   report(state, std::move(scan_us));
 }
 
-/// Measures decisions, 75 a second, from `start` on.
+// Measures decisions, 75 a second, from `start` on.
 void measure(benchmark::State& state, Navigator& navigator, const Points& points,
              const std::optional<Eigen::Vector2d>& goal_base, time::Timestamp start = {}) {
   std::vector<double> decision_us;
@@ -109,7 +109,7 @@ void measure(benchmark::State& state, Navigator& navigator, const Points& points
   report(state, std::move(decision_us));
 }
 
-/// `scans` are the input of the local map; if there are none, the paper's behaviours drive.
+// `scans` are the input of the local map; if there are none, the paper's behaviours drive.
 void decide(benchmark::State& state, const Points& points, bool has_goal,
             const std::vector<scan::Scan>& scans = {}) {
   Navigator navigator{{}};
@@ -122,7 +122,7 @@ void decide(benchmark::State& state, const Points& points, bool has_goal,
           has_goal ? std::optional(Eigen::Vector2d(5.0, 1.0)) : std::nullopt);
 }
 
-/// To a goal 18 m away, on a plan that covers 51 m x 51 m: the robot has looked around every 8 m.
+// To a goal 18 m away, on a plan that covers 51 m x 51 m: the robot has looked around every 8 m.
 void ToAGoalInAKnownBuilding(benchmark::State& state) {
   const Eigen::Vector2d goal_odom(15.0, 10.0);
   const std::vector<scan::Scan> scans = sweep();

@@ -22,7 +22,7 @@ struct PlacedCloud {
   geometry::SE3 T_map_base;
 };
 
-/// Ten sweeps, 0.5 m apart, through a hall of 10 m x 2 m; the robot is stationary during each.
+// Ten sweeps, 0.5 m apart, through a hall of 10 m x 2 m; the robot is stationary during each.
 const std::vector<PlacedCloud>& drive() {
   static const std::vector<PlacedCloud> clouds = [] {
     std::mt19937 random(50);

@@ -77,7 +77,7 @@ void insert_stock(octomap::OcTree& tree, const PlacedCloud& placed, const TraceP
                         false, params.discretize);
 }
 
-/// CPU time of this process. Other load on the machine hardly affects it.
+// CPU time of this process. Other load on the machine hardly affects it.
 double cpu_ms() {
   return 1e3 * static_cast<double>(std::clock()) / static_cast<double>(CLOCKS_PER_SEC);
 }
@@ -97,9 +97,9 @@ OccupancyMap insert_ours(const std::vector<PlacedCloud>& clouds, const TracePara
   return map;
 }
 
-/// Runs our insertion both before and after the stock one, so that a change of the machine's speed
-/// affects both. They do not alternate cloud by cloud, because a large allocation of one would
-/// consolidate the many small blocks that the other has freed.
+// Runs our insertion both before and after the stock one, so that a change of the machine's speed
+// affects both. They do not alternate cloud by cloud, because a large allocation of one would
+// consolidate the many small blocks that the other has freed.
 nlohmann::ordered_json compare(const std::vector<PlacedCloud>& clouds, const TraceParams& params) {
   OccupancyMap ours(params);
   double ours_ms = time_ms([&] { ours = insert_ours(clouds, params); });

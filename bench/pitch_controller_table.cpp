@@ -38,7 +38,7 @@ void print_plans(const PitchControllerParams& params) {
   }
 }
 
-/// Reaction time (s) of sweeps over a fixed range with the line spacing of `plan`.
+// Reaction time (s) of sweeps over a fixed range with the line spacing of `plan`.
 double fixed_reaction_s(const SweepPlan& plan, double range_rad,
                         const PitchControllerParams& params) {
   const robot::HeadLimits& head = params.robot.head;
@@ -66,8 +66,8 @@ void print_reactions() {
   }
 }
 
-/// How soon a robot that drives as fast as permitted, from standing, is at a speed. The base
-/// accelerates at 1.5 m/s^2.
+// How soon a robot that drives as fast as permitted, from standing, is at a speed. The base
+// accelerates at 1.5 m/s^2.
 void print_accelerations() {
   constexpr double kBaseStepMps = 1.5 * 0.01;
   test::Loop loop;

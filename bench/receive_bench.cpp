@@ -34,7 +34,7 @@ double cpu_us() {
   return us(usage.ru_utime) + us(usage.ru_stime);
 }
 
-/// CPU time (us) for each message. `handle_burst` is called after each burst.
+// CPU time (us) for each message. `handle_burst` is called after each burst.
 template <class Handle>
 double measure(lcm::LCM& sender, const std::vector<char>& message, int bursts,
                Handle handle_burst) {

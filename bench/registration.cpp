@@ -44,7 +44,7 @@ using nodmap::test::read_matrix_file;
 
 constexpr int kRepeats = 5;  // registrations of each pair; the median time is reported
 
-/// CPU time of this process. Other load on the machine hardly affects it.
+// CPU time of this process. Other load on the machine hardly affects it.
 double cpu_ms() {
   timespec time{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
@@ -80,7 +80,7 @@ struct PairResult {
   double r_err_deg = 0.0;
 };
 
-/// The prior of a guess that may be wrong by 0.2 m and 5 degrees.
+// The prior of a guess that may be wrong by 0.2 m and 5 degrees.
 PosePrior guess_prior(const SE3& guess) {
   PosePrior prior{guess, Matrix6d::Zero()};
   prior.covariance.diagonal() << Eigen::Vector3d::Constant(0.04),
@@ -170,7 +170,7 @@ struct TrajectoryError {
   double rot_rmse_deg = 0.0;
 };
 
-/// Absolute trajectory error after aligning the first poses.
+// Absolute trajectory error after aligning the first poses.
 TrajectoryError trajectory_error(const std::vector<SE3>& truth, const std::vector<SE3>& estimate) {
   double sq_m2 = 0.0;
   double sq_rad2 = 0.0;
@@ -239,8 +239,8 @@ std::string number(std::size_t k) {
   return std::string(3 - std::min<std::size_t>(3, digits.size()), '0') + digits;
 }
 
-/// Writes the clouds of two poses, 0.5 m and up to 12 degrees apart, and two guesses: one with an
-/// error of about 5 cm and 1.3 degrees, one of about 0.2 m and 5 degrees.
+// Writes the clouds of two poses, 0.5 m and up to 12 degrees apart, and two guesses: one with an
+// error of about 5 cm and 1.3 degrees, one of about 0.2 m and 5 degrees.
 void generate_pair(const fs::path& base, const nodmap::sim::RayCaster& world,
                    const SE3& T_world_target, const nodmap::bench::SweepShape& shape,
                    std::mt19937_64& random) {

@@ -29,7 +29,7 @@ using Clock = std::chrono::steady_clock;
 using Latencies = std::vector<double>;  // microseconds
 
 constexpr std::chrono::milliseconds kPeriod{5};  // of the servo's telemetry
-/// Priorities as in procman/sim.pmd: the simulated device (writer) above its driver.
+// Priorities as in procman/sim.pmd: the simulated device (writer) above its driver.
 constexpr int kWriterPriority = 30;
 constexpr int kReaderPriority = 20;
 
@@ -80,7 +80,7 @@ nlohmann::json summary(Latencies latencies_us) {
   return {{"p50", quantile(500)}, {"p99", quantile(990)}, {"worst", latencies_us.back()}};
 }
 
-/// Writes the current time once each period, from which the reader computes the latency.
+// Writes the current time once each period, from which the reader computes the latency.
 void write_stamps(int fd, int count, Latencies& late_us) {
   run_in_real_time(kWriterPriority);
   Clock::time_point due = Clock::now();

@@ -27,7 +27,7 @@ void scan(RobotModel& model, time::SteadyTime end) {
   }
 }
 
-/// The laser nods through the usual sweep while the robot is stationary.
+// The laser nods through the usual sweep while the robot is stationary.
 void Scan(benchmark::State& state, const char* name) {
   RobotModel model(world(name), {}, 1);
   time::SteadyTime now{};
@@ -42,7 +42,7 @@ void Scan(benchmark::State& state, const char* name) {
   }
 }
 
-/// The robot rotates on the spot.
+// The robot rotates on the spot.
 void RobotSecond(benchmark::State& state, const char* name) {
   RobotModel model(world(name), {}, 1);
   model.set_wheel_speeds({-0.3, 0.3});

@@ -21,7 +21,7 @@ using nodmap::geometry::SE2;
 
 constexpr std::size_t kKeyframes = 20;
 
-/// CPU time of this process. Other load on the machine hardly affects it.
+// CPU time of this process. Other load on the machine hardly affects it.
 double cpu_ms() {
   timespec time{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
@@ -35,7 +35,7 @@ double quantile(std::vector<double> values, double part) {
              : values[static_cast<std::size_t>(part * static_cast<double>(values.size() - 1))];
 }
 
-/// The submap of the keyframes before `keyframe`.
+// The submap of the keyframes before `keyframe`.
 Submap submap_before(const std::vector<Keyframe>& keyframes, std::size_t keyframe) {
   const std::size_t first = keyframe - kKeyframes;
   Submap submap(first, keyframes[first].T_map_base, {});

@@ -41,7 +41,7 @@ constexpr double kStepRad = 0.1;
 constexpr double kRightM = 0.25;
 constexpr double kRightRad = geometry::deg_to_rad(3.0);
 
-/// A robot with a level laser that is set down anywhere in a world.
+// A robot with a level laser that is set down anywhere in a world.
 class Robot {
  public:
   explicit Robot(const sim::World& world)
@@ -51,7 +51,7 @@ class Robot {
     return collision_.clearance_m({.T_world_base = pose}) >= kMinClearanceM;
   }
 
-  /// The points of a scan of 181 beams over 180 degrees.
+  // The points of a scan of 181 beams over 180 degrees.
   [[nodiscard]] std::vector<OrientedPoint> scan(const SE2& pose) {
     scan::Scan scan;
     scan.angle_first_rad = -0.5 * geometry::kPi;
@@ -84,7 +84,7 @@ SE2 pose_at(const sim::World& world, const Place& place, double yaw_rad) {
           world.T_world_start.y + kPlaceDistanceM * place.second, yaw_rad};
 }
 
-/// The places that the robot can reach from the start, in their order.
+// The places that the robot can reach from the start, in their order.
 std::set<Place> reachable_places(const sim::World& world, const Robot& robot) {
   std::set<Place> reached{{0, 0}};
   std::vector<Place> open{{0, 0}};
@@ -112,7 +112,7 @@ void draw_scan(Robot& robot, const SE2& pose, slam2d::OccupancyGrid& grid) {
   draw(keyframe, pose, grid);
 }
 
-/// Drawn from scans in opposite directions, as of a robot that comes by both ways.
+// Drawn from scans in opposite directions, as of a robot that comes by both ways.
 slam2d::KnownMap make_map(const sim::World& world, const std::set<Place>& places, Robot& robot,
                           std::mt19937& random) {
   std::uniform_real_distribution<double> heading(-geometry::kPi, geometry::kPi);
@@ -139,7 +139,7 @@ double cpu_ms() {
   return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
 
-/// Locates the last of `num_scans` scans, taken while the robot drives a little; odometry is right.
+// Locates the last of `num_scans` scans, taken while the robot drives a little; odometry is right.
 void locate(const slam2d::KnownMap& map, Robot& robot, const SE2& first, std::size_t num_scans,
             Result& result) {
   const slam2d::Slam2dParams params;

@@ -13,6 +13,7 @@
    in the modules' tests, which fill messages.
 8. What a test file defines is in a namespace named after the file, as several are compiled as one (nodmap_join_sources).
 9. A function whose name asks a question (is_, has_, may_) changes nothing: as a member it is const, and no argument is a reference to what is not const.
+10. /// documents what a header promises; comments in a .cpp file are //.
 Besides: every source file names its licence, and a transform is called T_a_b, never a_to_b or a2b.
 """
 import pathlib
@@ -20,6 +21,7 @@ import re
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
+DOCUMENTS = re.compile(r"\s*///")
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
 # The shell of a module: the files that may meet the world.
 SHELL = re.compile(r"^(node|display|.*_node|.*_publisher|main|messages|senders|results|.*_file|.*_image|registered_cloud|occupancy_mapper)\.(hpp|cpp)$")
@@ -112,6 +114,8 @@ def main():
                 errors.append(f"{path}:{number}: time is a type, see common/geometry/time.hpp: {line.strip()}")
             if line == "namespace {" and path.name.endswith("_test.cpp") and any(l.startswith("TEST") for l in lines):
                 errors.append(f"{path}:{number}: a test's namespace is named after its file: namespace {path.stem} {{")
+            if path.suffix == ".cpp" and DOCUMENTS.match(line):
+                errors.append(f"{path}:{number}: /// documents what a header promises; a comment in a source is //")
             match = INCLUDE.match(line)
             if not match:
                 continue

@@ -58,7 +58,7 @@ std::filesystem::path link_dir(const Options& options) {
          (std::string(kName) + "-" + std::to_string(::getpid()));
 }
 
-/// Waits until bytes arrive from the host, or a device has something to do.
+// Waits until bytes arrive from the host, or a device has something to do.
 void wait_for_work(const Simulator& simulator, time::SteadyTime now) {
   const time::Duration timeout =
       std::clamp<time::Duration>(simulator.next_due() - now, 0s, kMaxSleep);
@@ -96,7 +96,7 @@ nlohmann::json run_loop(const Options& options, const std::string& lcm_url, Simu
   return simulator.metrics();
 }
 
-/// World and faults, as in --world and --fault.
+// World and faults, as in --world and --fault.
 struct Scenario {
   World world;
   std::vector<Fault> faults;

@@ -25,7 +25,7 @@ constexpr const char* kLockName = ".nodmap-sim.lock";
   throw std::system_error(errno, std::system_category(), what);
 }
 
-/// Sets raw mode: no echo, line editing or signals.
+// Sets raw mode: no echo, line editing or signals.
 void make_raw(int fd) {
   termios2 attributes{};
   if (::ioctl(fd, TCGETS2, &attributes) != 0) {

@@ -14,8 +14,8 @@ namespace {
 
 constexpr std::array kNames = {"laser", "servo", "base"};
 constexpr time::Duration kTruthPeriod = 20ms;
-/// Above this lag the health is degraded, because scans are late. The robot model stores 100 ms for
-/// the laser.
+// Above this lag the health is degraded, because scans are late. The robot model stores 100 ms for
+// the laser.
 constexpr time::Duration kMaxLag = 20ms;
 
 }  // namespace
@@ -49,7 +49,7 @@ time::SteadyTime Simulator::next_due() const {
   return std::max(now_ + 1us, std::min(robot_.next_due(), next_truth_));
 }
 
-/// Does everything that is due at this time.
+// Does everything that is due at this time.
 void Simulator::update_devices(time::SteadyTime now) {
   now_ = now;
   robot_.advance_to(now);

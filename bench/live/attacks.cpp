@@ -31,7 +31,7 @@ namespace {
 
 constexpr std::uint16_t kPort = 7667;  // LCM's default port
 constexpr double kRateHz = 100.0;
-/// One message a little later than a sender may be silent.
+// One message a little later than a sender may be silent.
 constexpr double kListenerHz = 1.0 / 0.21;
 constexpr std::int64_t kSkippedByListener = 100;
 constexpr double kSeldomHz = 2.0;        // too seldom to be noticed
@@ -44,8 +44,8 @@ constexpr double kDrivesOnMps = 0.3;
 constexpr double kPatienceS = 120.0;  // wait for it to drive; a busy machine is slow
 constexpr const char* kNeighbour = "10.9.9.9";
 
-/// Sends messages as a process of the robot would, and raw datagrams. It also listens to what the
-/// robot's processes send.
+// Sends messages as a process of the robot would, and raw datagrams. It also listens to what the
+// robot's processes send.
 class Forger {
  public:
   Forger() {
@@ -64,13 +64,13 @@ class Forger {
 
   [[nodiscard]] std::int64_t next_seq() { return seq_++; }
 
-  /// The newest number of the legitimate sender.
+  // The newest number of the legitimate sender.
   [[nodiscard]] std::int64_t heard_seq(const std::string& channel) {
     bus_.handle(std::chrono::milliseconds(0));
     return heard_seqs_[channel];
   }
 
-  /// Sends what has been heard on all these channels again, with the numbers that come next.
+  // Sends what has been heard on all these channels again, with the numbers that come next.
   void repeat(const std::vector<std::string>& channels) {
     bus_.handle(std::chrono::milliseconds(0));
     for (const std::string& channel : channels) {
@@ -127,7 +127,7 @@ time::Timestamp now() {
   return time::SystemClock().now();
 }
 
-/// Commands full speed ahead.
+// Commands full speed ahead.
 nodmap::drive_t forged_drive(Forger& forger, time::Duration ahead) {
   nodmap::drive_t drive{};
   drive.utime = time::to_utime(now() + ahead);
@@ -137,7 +137,7 @@ nodmap::drive_t forged_drive(Forger& forger, time::Duration ahead) {
   return drive;
 }
 
-/// Makes the laser look up and allows any speed.
+// Makes the laser look up and allows any speed.
 nodmap::pitch_command_t forged_pitch_command(Forger& forger) {
   nodmap::pitch_command_t command{};
   command.utime = time::to_utime(now());
@@ -149,7 +149,7 @@ nodmap::pitch_command_t forged_pitch_command(Forger& forger) {
   return command;
 }
 
-/// Reports that the robot has not moved since its start.
+// Reports that the robot has not moved since its start.
 nodmap::odometry_t forged_odometry(Forger& forger, time::Duration ahead) {
   nodmap::odometry_t odometry{};
   odometry.utime = time::to_utime(now() + ahead);
@@ -158,7 +158,7 @@ nodmap::odometry_t forged_odometry(Forger& forger, time::Duration ahead) {
   return odometry;
 }
 
-/// The same with numbers that the legitimate sender has not reached yet.
+// The same with numbers that the legitimate sender has not reached yet.
 void publish_drive_of_listener(Forger& forger, std::int64_t step) {
   nodmap::drive_t drive = forged_drive(forger, 0us);
   drive.drive_seq = forger.heard_seq("DRIVE") + step;
@@ -176,11 +176,11 @@ enum class Promise { kStationary, kDrivesOn };
 struct Attack {
   std::string name;
   Promise promise = Promise::kStationary;
-  std::string teller;  ///< the process that must report the attack in STATUS; empty: none
+  std::string teller;  // the process that must report the attack in STATUS; empty: none
   std::function<void(Forger&)> strike;
-  double rate_hz = kRateHz;            ///< 0: once
-  bool restarts_stopped_pair = false;  ///< STOP is sent, then base driver and navigator are killed
-                                       ///< and restarted
+  double rate_hz = kRateHz;            // 0: once
+  bool restarts_stopped_pair = false;  // STOP is sent, then base driver and navigator are killed
+                                       // and restarted
 };
 
 std::vector<Attack> attacks() {
@@ -230,8 +230,8 @@ struct Outcome {
   bool drove_before = false;
   bool drove_after = false;
   std::int64_t collisions = 0;
-  double driven_m = 0.0;  ///< from kTimeToStopS after the beginning on
-  bool is_kept = false;   ///< whether this is as promised
+  double driven_m = 0.0;  // from kTimeToStopS after the beginning on
+  bool is_kept = false;   // whether this is as promised
   std::map<std::string, std::string> complaints;
   std::vector<std::string> dead;
 };
@@ -246,7 +246,7 @@ double driven_m(const std::vector<Motion>& motions, time::Timestamp from) {
   return sum_m;
 }
 
-/// Whether the robot has been since `from` as promised.
+// Whether the robot has been since `from` as promised.
 bool is_kept(Promise promise, const std::vector<Motion>& motions, time::Timestamp from) {
   const double distance_m = driven_m(motions, from);
   return promise == Promise::kStationary
@@ -255,7 +255,7 @@ bool is_kept(Promise promise, const std::vector<Motion>& motions, time::Timestam
                    distance_m >= kDrivesOnMps * time::seconds(motions.back().stamp - from);
 }
 
-/// Attacks for `duration_s`, and then until `is_answered`, because a busy machine may react late.
+// Attacks for `duration_s`, and then until `is_answered`, because a busy machine may react late.
 void strike_until(const Attack& attack, GroundTruthMonitor& monitor, double duration_s,
                   const std::function<bool()>& is_answered) {
   using Clock = std::chrono::steady_clock;
@@ -321,8 +321,8 @@ bool keeps_promise(const Attack& attack, const Outcome& outcome) {
          (attack.teller.empty() || outcome.complaints.contains(attack.teller));
 }
 
-/// The reasons of the processes that were not OK, each with the process that gave it, or their
-/// number.
+// The reasons of the processes that were not OK, each with the process that gave it, or their
+// number.
 std::string summarize(const std::map<std::string, std::string>& complaints) {
   std::map<std::string, std::vector<std::string>> names_by_reason;
   for (const auto& [name, reason] : complaints) {

@@ -55,8 +55,8 @@ Json to_json(const std::vector<Sample>& samples) {
           {"max_us", time::to_us(summary.max)}};
 }
 
-/// The timestamp of an encoded message: every nodmap_*_t begins with it, in network byte order,
-/// after the eight bytes of the type's fingerprint. The epoch if the message is too short.
+// The timestamp of an encoded message: every nodmap_*_t begins with it, in network byte order,
+// after the eight bytes of the type's fingerprint. The epoch if the message is too short.
 time::Timestamp stamp_of(std::span<const std::byte> data) {
   constexpr std::size_t kBegin = bus::kFingerprintBytes;
   constexpr std::size_t kEnd = kBegin + sizeof(std::int64_t);
@@ -189,7 +189,7 @@ Json Endurance::report_reaction(const std::vector<Sample>& samples, time::Durati
   return json;
 }
 
-/// CPU time between two moments, percent of one core; null if the process did not run.
+// CPU time between two moments, percent of one core; null if the process did not run.
 Json Endurance::cpu_percent(const Process& process, time::Timestamp from, time::Timestamp to) {
   const auto is_within = [&](const LoadSample& sample) {
     return sample.at >= from && sample.at < to;

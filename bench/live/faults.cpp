@@ -28,9 +28,9 @@ constexpr double kDrivesOnWithinS = 20.0;         // of its end
 
 struct Case {
   std::string name;
-  std::string process;  ///< the process to kill, or
-  std::string fault;    ///< the device fault to cause
-  bool stops = true;    ///< true: the robot must stop; false: it must drive on
+  std::string process;  // the process to kill, or
+  std::string fault;    // the device fault to cause
+  bool stops = true;    // true: the robot must stop; false: it must drive on
 };
 
 const std::vector<Case> kCases = {
@@ -49,7 +49,7 @@ struct Outcome {
   std::int64_t collisions = 0;
 };
 
-/// Kills the process while the robot drives, waits, and restarts it. Returns the time of the kill.
+// Kills the process while the robot drives, waits, and restarts it. Returns the time of the kill.
 std::optional<time::Timestamp> kill_and_restart(RobotProcesses& robot, GroundTruthMonitor& monitor,
                                                 const std::string& process) {
   monitor.listen(5.0);
@@ -95,7 +95,7 @@ Outcome examine(const Case& what, RobotProcesses::Options options) {
   return outcome;
 }
 
-/// A robot that is stationary when the fault begins shows nothing.
+// A robot that is stationary when the fault begins shows nothing.
 bool was_driving(const StopMetrics& stop) {
   return stop.speed_mps >= kDrivesOnMps;
 }

@@ -15,7 +15,7 @@
 namespace nodmap::bench {
 namespace {
 
-/// One line for each channel and process.
+// One line for each channel and process.
 void print(const nlohmann::ordered_json& report) {
   std::cout << "{\n";
   for (auto entry = report.begin(); entry != report.end(); ++entry) {

@@ -27,7 +27,7 @@ constexpr int kEndPauses = 500;
 constexpr std::array<const char*, 8> kRobot = {
     "laser3d", "kurt", "map-server", "pitch-controller", "navigator", "slam2d", "slam6d", "logger"};
 
-/// The real-time priorities of the processes as sim.pmd launches them, by name; 0: none.
+// The real-time priorities of the processes as sim.pmd launches them, by name; 0: none.
 std::map<std::string, int> realtime_priorities() {
   std::map<std::string, int> priorities;
   const auto config = procman::load_config(NODMAP_SOURCE_DIR "/procman/sim.pmd");
@@ -37,7 +37,7 @@ std::map<std::string, int> realtime_priorities() {
   return priorities;
 }
 
-/// Starts a program. Its priority is an ordinary one if `realtime` is 0, or not permitted.
+// Starts a program. Its priority is an ordinary one if `realtime` is 0, or not permitted.
 int spawn(pid_t& pid, char* const argv[], const posix_spawn_file_actions_t& actions, int realtime) {
   if (realtime != 0) {
     const sched_param priority{realtime};

@@ -14,7 +14,7 @@ time::Timestamp wall_now() {
       std::chrono::system_clock::now().time_since_epoch()));
 }
 
-/// The control message of this type that came with a datagram, if any.
+// The control message of this type that came with a datagram, if any.
 template <class Value>
 std::optional<Value> read_control(msghdr& header, int type) {
   for (cmsghdr* part = CMSG_FIRSTHDR(&header); part != nullptr; part = CMSG_NXTHDR(&header, part)) {

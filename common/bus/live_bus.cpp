@@ -65,7 +65,7 @@ struct LiveBus::Impl {
     AnyHandler handler;
   };
 
-  /// Called by LCM's C code. Must not throw: if it did, the next handle() would abort.
+  // Called by LCM's C code. Must not throw: if it did, the next handle() would abort.
   static void receive(const lcm_recv_buf_t* buffer, const char* channel, void* user) noexcept {
     const auto* listener = static_cast<const Listener*>(user);
     try {
@@ -79,7 +79,7 @@ struct LiveBus::Impl {
     }
   }
 
-  /// Subscribes to a channel, or to all channels if `channel` is empty.
+  // Subscribes to a channel, or to all channels if `channel` is empty.
   void listen(const std::optional<std::string>& channel, AnyHandler handler, int queue_capacity) {
     if (receiver) {
       receiver->subscribe(channel, std::move(handler), queue_capacity);
@@ -93,8 +93,8 @@ struct LiveBus::Impl {
     ::lcm_subscription_set_queue_capacity(subscription, std::max(1, queue_capacity));
   }
 
-  /// The descriptor to wait for. Throws if there is none, because a server (tcpq) is missing or has
-  /// ended.
+  // The descriptor to wait for. Throws if there is none, because a server (tcpq) is missing or has
+  // ended.
   [[nodiscard]] int poll_handle(const std::string& url) const {
     const int handle = ::lcm_get_fileno(lcm.get());
     if (handle < 0) {
@@ -103,7 +103,7 @@ struct LiveBus::Impl {
     return handle;
   }
 
-  /// Waits for a message and handles it. Returns false if none has come.
+  // Waits for a message and handles it. Returns false if none has come.
   bool handle_one(int wait_ms, const std::string& url) const {
     (void)poll_handle(url);  // without a descriptor, LCM would abort
     return ::lcm_handle_timeout(lcm.get(), wait_ms) > 0;

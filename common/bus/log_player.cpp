@@ -9,9 +9,9 @@
 namespace nodmap::bus {
 namespace {
 
-/// A greater step of log time, from one event to the next, is a step of the clock. Processes
-/// publish STATUS every second, and events are logged nearly in the order in which they are
-/// received.
+// A greater step of log time, from one event to the next, is a step of the clock. Processes
+// publish STATUS every second, and events are logged nearly in the order in which they are
+// received.
 constexpr time::Duration kLongestPause = 60s;
 constexpr time::Duration kLongestStepBack = 1s;
 

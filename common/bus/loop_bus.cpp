@@ -19,7 +19,7 @@ void LoopNetwork::deliver() {
   }
 }
 
-/// Another one than all before.
+// Another one than all before.
 Sender LoopNetwork::new_sender() {
   constexpr std::uint32_t kThisHost = 0x7F000001;
   return {kThisHost, ++num_senders_};

@@ -13,12 +13,12 @@ constexpr std::uint32_t kWholeMagic = 0x4C433032;     // "LC02"
 constexpr std::uint32_t kFragmentMagic = 0x4C433033;  // "LC03"
 constexpr std::size_t kWholeHeaderBytes = 8;
 constexpr std::size_t kFragmentHeaderBytes = 20;
-/// No sender makes smaller fragments, except for the first and the last of a message.
+// No sender makes smaller fragments, except for the first and the last of a message.
 constexpr std::size_t kMinFragmentBytes = 512;
 
-/// Removes the channel and its NUL from the front of `bytes`. Nothing if there is no NUL, or if the
-/// name is invalid: empty, longer than LCM allows, or containing anything but printable ASCII
-/// characters.
+// Removes the channel and its NUL from the front of `bytes`. Nothing if there is no NUL, or if the
+// name is invalid: empty, longer than LCM allows, or containing anything but printable ASCII
+// characters.
 std::optional<std::string_view> take_channel(std::span<const std::byte>& bytes) {
   const auto head = bytes.first(std::min(bytes.size(), MessageAssembler::kMaxChannelLength + 1));
   const auto end = std::ranges::find(head, std::byte{0});

@@ -29,7 +29,7 @@ std::optional<std::uint32_t> parse_address(const std::string& text) {
   return ntohl(address.s_addr);
 }
 
-/// The network mask with this number of leading bits.
+// The network mask with this number of leading bits.
 std::optional<std::uint32_t> parse_mask(std::string_view bits_text) {
   unsigned int bits = 0;
   const char* end = bits_text.data() + bits_text.size();

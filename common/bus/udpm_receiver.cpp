@@ -81,8 +81,8 @@ struct UdpmReceiver::Impl {
     }
   }
 
-  /// Receives what waits in the socket, because the thread may not have run yet. Returns whether
-  /// any message now waits for its handler.
+  // Receives what waits in the socket, because the thread may not have run yet. Returns whether
+  // any message now waits for its handler.
   bool catch_up() {
     const std::lock_guard lock(mutex);
     for (int i = 0; i < kMaxBatches && socket.is_open() && queue.empty() && take_batch() > 0; ++i) {
@@ -90,8 +90,8 @@ struct UdpmReceiver::Impl {
     return !queue.empty();
   }
 
-  /// Moves datagrams from the socket into the queue without blocking and returns their number. The
-  /// mutex must be locked, so that each datagram is seen either in the socket or in the queue.
+  // Moves datagrams from the socket into the queue without blocking and returns their number. The
+  // mutex must be locked, so that each datagram is seen either in the socket or in the queue.
   std::size_t take_batch() {
     const auto count = static_cast<std::size_t>(std::max(0, batch.receive(socket.get())));
     const bool was_empty = queue.empty();
@@ -124,7 +124,7 @@ struct UdpmReceiver::Impl {
         subscriptions, [channel](const Subscription& each) { return each.receives(channel); });
   }
 
-  /// Queues a message for each subscription to its channel; they share one copy of the bytes.
+  // Queues a message for each subscription to its channel; they share one copy of the bytes.
   void enqueue(const MessageAssembler::Message& message, const Origin& origin) {
     const std::size_t size = message.data.size();
     std::shared_ptr<std::byte[]> bytes;  // NOLINT(modernize-avoid-c-arrays): sized at run time

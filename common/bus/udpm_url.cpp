@@ -10,7 +10,7 @@
 namespace nodmap::bus {
 namespace {
 
-/// Parses a whole number from 0 to `max`.
+// Parses a whole number from 0 to `max`.
 std::optional<int> parse_number(const std::string& text, int max) {
   int value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -20,8 +20,8 @@ std::optional<int> parse_number(const std::string& text, int max) {
   return value;
 }
 
-/// Sets what NAME=VALUE says. Returns false for a name that LCM does not know, or a wrong value:
-/// with `tttl=1`, messages would silently stay on this host.
+// Sets what NAME=VALUE says. Returns false for a name that LCM does not know, or a wrong value:
+// with `tttl=1`, messages would silently stay on this host.
 bool set_option(const std::string& option, UdpmUrl& url) {
   const std::size_t equals = std::min(option.find('='), option.size());
   const std::string name = option.substr(0, equals);

@@ -10,7 +10,7 @@ namespace {
 // More count fields than any struct of ours has; messages of a struct with more are refused.
 constexpr std::size_t kMaxCounts = 16;
 
-/// The bytes that are left to read. No call reads beyond the end; it fails instead.
+// The bytes that are left to read. No call reads beyond the end; it fails instead.
 class Reader {
  public:
   explicit Reader(std::span<const std::byte> bytes) : rest_(bytes) {}
@@ -54,9 +54,9 @@ class Reader {
 
 using Counts = std::array<std::uint64_t, kMaxCounts>;
 
-/// The number of elements of a member; empty if they cannot fit. An element takes at least one
-/// byte, so a count greater than the number of bytes left is wrong (this also keeps products
-/// small).
+// The number of elements of a member; empty if they cannot fit. An element takes at least one
+// byte, so a count greater than the number of bytes left is wrong (this also keeps products
+// small).
 std::optional<std::uint64_t> element_count(const WireField& field, const Counts& counts,
                                            std::size_t bytes_left) {
   std::uint64_t count = field.fixed_count;

@@ -20,7 +20,7 @@ constexpr double kFilled = 0.95;  // of the image, between its margins
 // The centre of the scene and its half extents along the building's long axis, across it, and up.
 struct Scene {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();  ///< columns, in map
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();  // columns, in map
   Eigen::Vector3d half_extent = Eigen::Vector3d::Ones();
 };
 

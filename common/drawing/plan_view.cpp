@@ -19,8 +19,8 @@ constexpr int kLineHeightPx = 16;
 constexpr int kGlyphWidth = 3;
 constexpr int kGlyphHeight = 5;
 
-/// A character of five rows by three dots: one octal digit per row from the top, the highest bit at
-/// the left.
+// A character of five rows by three dots: one octal digit per row from the top, the highest bit at
+// the left.
 struct Glyph {
   char character;
   std::string_view rows;
@@ -39,7 +39,7 @@ constexpr std::array kGlyphs{
     Glyph{'+', "02720"}, Glyph{'/', "11244"}, Glyph{'%', "51245"}, Glyph{'(', "12221"},
     Glyph{')', "42224"}};
 
-/// Whether a point is on the same side of all edges.
+// Whether a point is on the same side of all edges.
 bool is_inside(std::span<const Vector2d> convex, const Vector2d& p) {
   bool left = false;
   bool right = false;

@@ -15,15 +15,15 @@ constexpr double kMaxVoxelM = 1e3;
 constexpr unsigned kOccupied = 2;
 constexpr unsigned kInner = 3;
 
-/// Removes the first line and returns it; empty at the end.
+// Removes the first line and returns it; empty at the end.
 std::string_view take_line(std::string_view& bytes) {
   const std::string_view line = bytes.substr(0, bytes.find('\n'));
   bytes.remove_prefix(std::min(line.size() + 1, bytes.size()));
   return line;
 }
 
-/// Reads the head, up to the line "data". Returns the edge of a voxel, metres; empty if the head is
-/// invalid.
+// Reads the head, up to the line "data". Returns the edge of a voxel, metres; empty if the head is
+// invalid.
 std::optional<double> take_head(std::string_view& bytes) {
   if (take_line(bytes) != kFirstLine) {
     return std::nullopt;
@@ -47,8 +47,8 @@ class TreeReader {
   TreeReader(std::string_view bytes, std::vector<OccupiedSpace::Cube>& occupied)
       : bytes_(bytes), occupied_(occupied) {}
 
-  /// Reads an inner node and everything below it. Returns false if the bytes end too early or the
-  /// tree is too deep.
+  // Reads an inner node and everything below it. Returns false if the bytes end too early or the
+  // tree is too deep.
   // NOLINTNEXTLINE(misc-no-recursion): at most kLevels deep
   [[nodiscard]] bool read_node(OccupiedSpace::Cube node) {
     if (bytes_.size() < 2 || node.level == 0) {

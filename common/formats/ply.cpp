@@ -121,7 +121,7 @@ bool is_coordinate(const Element& element, const Property& property) {
          name[0] <= 'z';
 }
 
-/// Throws unless the file has vertices with all three coordinates, each once.
+// Throws unless the file has vertices with all three coordinates, each once.
 void require_coordinates(const Header& header) {
   std::string found;
   for (const Element& element : header.elements) {
@@ -182,7 +182,7 @@ double read_number(std::istream& in, Type type, bool binary) {
   return value;
 }
 
-/// Reads the values of a property (one, or those of a list) into `values`, reusing its memory.
+// Reads the values of a property (one, or those of a list) into `values`, reusing its memory.
 void read_values(std::istream& in, const Property& property, bool binary,
                  std::vector<double>& values) {
   constexpr double kMaxListSize =
@@ -197,8 +197,8 @@ void read_values(std::istream& in, const Property& property, bool binary,
   }
 }
 
-/// Reads every item up to the last of element `last`. Calls `on_value(element, property, values)`
-/// for each of its properties, then `on_item(element)`.
+// Reads every item up to the last of element `last`. Calls `on_value(element, property, values)`
+// for each of its properties, then `on_item(element)`.
 template <class OnValue, class OnItem>
 void read_items(std::istream& in, const std::string& last, OnValue&& on_value, OnItem&& on_item) {
   const Header header = read_header(in);
@@ -283,7 +283,7 @@ TriangleMesh read_mesh(std::istream& in) {
   return mesh;
 }
 
-/// Returns the result of `read` for the file; puts the file's name in front of every error.
+// Returns the result of `read` for the file; puts the file's name in front of every error.
 template <class Read>
 auto read_file(const std::filesystem::path& file, Read&& read) {
   std::ifstream in = open_input(file);

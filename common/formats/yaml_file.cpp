@@ -13,7 +13,7 @@
 namespace nodmap::formats {
 namespace {
 
-/// Remembers where a document begins, and nothing of what it contains.
+// Remembers where a document begins, and nothing of what it contains.
 class DocumentStart final : public YAML::EventHandler {
  public:
   void OnDocumentStart(const YAML::Mark& mark) override { mark_ = mark; }
@@ -41,8 +41,8 @@ InputFileError error_at(const std::filesystem::path& file, const YAML::Mark& mar
                         printable(reason));
 }
 
-/// Asks the parser for two documents and no more: before a comma that belongs to nothing,
-/// yaml-cpp's LoadAll() finds document after document without end.
+// Asks the parser for two documents and no more: before a comma that belongs to nothing,
+// yaml-cpp's LoadAll() finds document after document without end.
 void expect_one_document(const std::filesystem::path& file, const std::string& text) {
   std::istringstream in(text);
   YAML::Parser parser(in);

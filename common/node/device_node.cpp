@@ -17,8 +17,8 @@ namespace {
 
 constexpr time::Duration kShutdownTimeout = 500ms;
 
-/// Waits until a message or bytes of a device have arrived, or the node has something due. A signal
-/// also ends the wait.
+// Waits until a message or bytes of a device have arrived, or the node has something due. A signal
+// also ends the wait.
 void wait_for_work(int bus_handle, DeviceNode& node) {
   const time::Duration wait = node.wait();
   const timespec timeout{wait / 1s, wait % 1s / 1ns};

@@ -22,12 +22,12 @@ namespace {
 
 volatile std::sig_atomic_t g_stop = 0;  // NOLINT: a signal handler can reach nothing but a global
 
-/// The options that many programs have (docs/quickstart.md).
+// The options that many programs have (docs/quickstart.md).
 struct CommonOptions {
   std::string lcm_url;
   std::vector<std::string> configs;
   std::vector<std::string> assignments;
-  std::vector<std::string> flags;  ///< flag parameters given as --name-with-dashes
+  std::vector<std::string> flags;  // flag parameters given as --name-with-dashes
   std::string log_level = "info";
   bool dump_params = false;
   bool params_markdown = false;
@@ -79,7 +79,7 @@ int complain(const std::string& program, const std::string& what) {
   return 2;
 }
 
-/// The innermost subcommand that the user chose; the program itself if there is none.
+// The innermost subcommand that the user chose; the program itself if there is none.
 const CLI::App& chosen_command(const CLI::App& app) {
   for (const CLI::App* command : app.get_subcommands()) {
     if (!command->get_name().empty()) {  // without a name it is a group of options
@@ -115,8 +115,8 @@ std::vector<std::string> subcommand_names(const CLI::App& app) {
   return names;
 }
 
-/// Describes what is wrong with the command line. Reports unknown options first: they are the cause
-/// when their values are left over as unexpected arguments.
+// Describes what is wrong with the command line. Reports unknown options first: they are the cause
+// when their values are left over as unexpected arguments.
 std::string explain(const CLI::App& command, const CLI::ParseError& error) {
   const std::vector<std::string> unused = command.remaining();
   for (const std::string& word : unused) {
@@ -141,8 +141,8 @@ std::string explain(const CLI::App& command, const CLI::ParseError& error) {
   return unused.empty() ? error.what() : "unexpected argument '" + unused.front() + "'";
 }
 
-/// Why `text` cannot be the value of an option of this type, although CLI11 takes it; empty if it
-/// can.
+// Why `text` cannot be the value of an option of this type, although CLI11 takes it; empty if it
+// can.
 std::string fault_of(const std::string& type, const std::string& text) {
   double number = 0.0;
   if (type.starts_with("FLOAT") && CLI::detail::lexical_cast(text, number) &&
@@ -179,7 +179,7 @@ int complain(const CLI::App& app, const CLI::ParseError& error) {
   return complain(name, explain(command, error) + " (see " + name + " --help)");
 }
 
-/// Does everything that comes before the work. Returns an exit code if the program is to end now.
+// Does everything that comes before the work. Returns an exit code if the program is to end now.
 std::optional<int> prepare(CLI::App& app, int argc, char** argv, const Program& program,
                            CommonOptions& options) {
   try {
@@ -210,8 +210,8 @@ std::optional<int> prepare(CLI::App& app, int argc, char** argv, const Program& 
   return std::nullopt;
 }
 
-/// The exit code of a program that would end with `code`: an error if what it has printed could not
-/// be written, as on a full disk, because half a result passes for a result.
+// The exit code of a program that would end with `code`: an error if what it has printed could not
+// be written, as on a full disk, because half a result passes for a result.
 int after_output(const std::string& program, int code) {
   errno = 0;
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) {

@@ -34,8 +34,8 @@ double seconds_since(SteadyClock::time_point start) {
   return std::chrono::duration<double>(SteadyClock::now() - start).count();
 }
 
-/// The part of result.json that is the same for every process; the module's own metrics are under
-/// "metrics".
+// The part of result.json that is the same for every process; the module's own metrics are under
+// "metrics".
 nlohmann::json common_result(const ProgramInfo& info, bus::Bus& bus, const MessageCounts& counts) {
   const bus::LatencyMeter::Summary latency = bus.latency().summary();
   nlohmann::json rejected = nlohmann::json::object();
@@ -57,8 +57,8 @@ nlohmann::json common_result(const ProgramInfo& info, bus::Bus& bus, const Messa
       {"message_us", {{"p50", latency.p50_us}, {"p99", latency.p99_us}, {"max", latency.max_us}}}};
 }
 
-/// Makes the node of a replay. If that fails, because a map cannot be read, the folder must not be
-/// left with a log in it: the corrected command would be refused.
+// Makes the node of a replay. If that fails, because a map cannot be read, the folder must not be
+// left with a log in it: the corrected command would be refused.
 std::unique_ptr<Node> make_or_clean_up(const NodeFactory& make_node, Context& context,
                                        const std::filesystem::path& out_log) {
   try {

@@ -20,13 +20,13 @@ constexpr time::Duration kLongestGap = 10s;
 constexpr double kFastestMps = 20.0;
 constexpr double kFastestRadS = 50.0;
 
-/// False for speeds that are not finite, too.
+// False for speeds that are not finite, too.
 bool has_plausible_speeds(const nodmap::odometry_t& message) {
   return std::abs(message.forward_mps) <= kFastestMps &&
          std::abs(message.yaw_rate_rad_s) <= kFastestRadS;
 }
 
-/// Whether two successive messages of one driver can have these stamps, if no clock was set.
+// Whether two successive messages of one driver can have these stamps, if no clock was set.
 bool is_near(time::Timestamp stamp, time::Timestamp other) {
   return std::chrono::abs(stamp - other) <= kLongestGap;
 }
@@ -68,7 +68,7 @@ std::optional<geometry::SE3> SensorInput::read(const nodmap::odometry_t& message
   return T_odom_base;
 }
 
-/// Whether the message being handled is from the followed sender of its channel.
+// Whether the message being handled is from the followed sender of its channel.
 bool SensorInput::follows(bus::FollowedSender& sender, const char* cause) {
   const bus::Origin origin = bus_ != nullptr ? bus_->origin() : bus::Origin{};
   if (sender.follow(origin.sender, time::SteadyTime(origin.received.time_since_epoch()))) {
@@ -95,8 +95,8 @@ bool SensorInput::accept(const Odometry& odometry) {
   return true;
 }
 
-/// Whether a message is of the same sequence as the last one. A number between those of the last
-/// two was overtaken: by a message that came early, or that somebody else sent.
+// Whether a message is of the same sequence as the last one. A number between those of the last
+// two was overtaken: by a message that came early, or that somebody else sent.
 bool SensorInput::continues(const Odometry& odometry) const {
   const bool is_next = odometry.seq >= last_odometry_->seq || odometry.seq > seq_before_;
   return is_next && is_near(odometry.stamp, last_odometry_->stamp);

@@ -7,7 +7,7 @@ namespace nodmap::node {
 namespace {
 
 constexpr time::Duration kPeriod = 1s;
-/// Up to this many corrupt messages in a second are counted, but do not degrade the health.
+// Up to this many corrupt messages in a second are counted, but do not degrade the health.
 constexpr std::int64_t kCorruptByAccident = 10;
 
 std::int8_t to_message(HealthState state) {

@@ -18,14 +18,14 @@ namespace {
 
 constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
 
-/// The shortest text that reads back as the same number.
+// The shortest text that reads back as the same number.
 std::string format(double value) {
   std::array<char, 32> buffer{};
   const auto [end, error] = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
   return {buffer.data(), end};
 }
 
-/// Parses a number; empty if the text contains anything else.
+// Parses a number; empty if the text contains anything else.
 template <class Number>
 std::optional<Number> parse(std::string_view text) {
   Number value{};
@@ -36,7 +36,7 @@ std::optional<Number> parse(std::string_view text) {
   return value;
 }
 
-/// A finite number within the range.
+// A finite number within the range.
 std::optional<double> parse_within(std::string_view text, Range range) {
   const std::optional<double> value = parse<double>(text);
   if (!value || !(*value >= range.min && *value <= range.max)) {
@@ -45,7 +45,7 @@ std::optional<double> parse_within(std::string_view text, Range range) {
   return value;
 }
 
-/// Formats a text as a double-quoted YAML scalar.
+// Formats a text as a double-quoted YAML scalar.
 std::string quoted(const std::string& text) {
   YAML::Emitter emitter;
   emitter << YAML::DoubleQuoted << text;
@@ -56,13 +56,13 @@ std::string interval(Range range) {
   return "a number from " + format(range.min) + " to " + format(range.max);
 }
 
-/// Without exponents, which a whole number must not have either.
+// Without exponents, which a whole number must not have either.
 std::string whole_interval(Range range) {
   return "a whole number from " + std::to_string(std::llround(range.min)) + " to " +
          std::to_string(std::llround(range.max));
 }
 
-/// Splits a name at its dots: "matcher.max_range_m" gives {"matcher", "max_range_m"}.
+// Splits a name at its dots: "matcher.max_range_m" gives {"matcher", "max_range_m"}.
 std::vector<std::string> split(std::string_view name) {
   std::vector<std::string> parts;
   for (std::size_t dot = name.find('.'); dot != std::string_view::npos; dot = name.find('.')) {
@@ -73,7 +73,7 @@ std::vector<std::string> split(std::string_view name) {
   return parts;
 }
 
-/// "; did you mean 'X'?", or the known names if none is similar.
+// "; did you mean 'X'?", or the known names if none is similar.
 std::string help_for_unknown(std::string_view name, const std::vector<Entry>& entries) {
   std::vector<std::string> known;
   std::string list;
@@ -85,7 +85,7 @@ std::string help_for_unknown(std::string_view name, const std::vector<Entry>& en
   return !suggestion.empty() ? suggestion : !list.empty() ? list : "; there are none";
 }
 
-/// The value as a line of YAML, after comments with its sentence, unit and range.
+// The value as a line of YAML, after comments with its sentence, unit and range.
 std::string yaml_lines(const Entry& entry, const std::string& key, const std::string& indent) {
   const std::string_view unit = unit_of(entry.name);
   return indent + "# " + entry.help + "\n" + indent + "# " + entry.allowed +
@@ -98,13 +98,13 @@ std::string markdown_row(const Entry& entry) {
          " |\n";
 }
 
-/// Sets the parameters that a YAML file contains.
+// Sets the parameters that a YAML file contains.
 class YamlLoader {
  public:
   YamlLoader(std::string file, Table& table) : file_(std::move(file)), table_(table) {}
 
-  /// Sets the values of a map and of the maps nested in it; `prefix` is the key of this map with
-  /// its dot.
+  // Sets the values of a map and of the maps nested in it; `prefix` is the key of this map with
+  // its dot.
   void load(const YAML::Node& map, const std::string& prefix) {
     for (const auto& item : map) {
       const std::string where = file_ + ":" + std::to_string(item.first.Mark().line + 1);

@@ -7,8 +7,8 @@
 namespace nodmap::params {
 namespace {
 
-/// Number of typing errors between two words: the optimal string alignment distance, computed row
-/// by row.
+// Number of typing errors between two words: the optimal string alignment distance, computed row
+// by row.
 std::size_t typing_errors(std::string_view a, std::string_view b) {
   std::vector<std::size_t> before_last(b.size() + 1);
   std::vector<std::size_t> last(b.size() + 1);

@@ -11,22 +11,22 @@
 namespace nodmap::kurt {
 namespace {
 
-/// Older readings are ignored. The base sends each sensor 15 times a second.
+// Older readings are ignored. The base sends each sensor 15 times a second.
 constexpr time::Duration kReadingLife = 500ms;
-/// From the measurement to the wheels: one cycle of the sensors and one control period.
+// From the measurement to the wheels: one cycle of the sensors and one control period.
 constexpr double kReactionS = 0.1;
-/// Vibration exceeds any tilt for a moment only.
+// Vibration exceeds any tilt for a moment only.
 constexpr time::Duration kTiltedFor = 500ms;
-/// Distance of the body's corners from the centre, by which they move when the robot rotates.
+// Distance of the body's corners from the centre, by which they move when the robot rotates.
 constexpr double kTurningRadiusM = 0.3;
 constexpr double kUnlimitedMps = std::numeric_limits<double>::infinity();
-/// At slower commands a wheel may stand still although nothing blocks it.
+// At slower commands a wheel may stand still although nothing blocks it.
 constexpr double kSurelyTurningMps = 0.05;
-/// An encoder at rest may count one tick back and forth. A wheel has turned after more.
+// An encoder at rest may count one tick back and forth. A wheel has turned after more.
 constexpr int kAtRestTicks = 1;
 
 constexpr int kSonarNearest = 100;  // raw; a nearer obstacle gives a smaller value
-/// By which an obstacle approaches between two readings of the sonar, at 2 m/s.
+// By which an obstacle approaches between two readings of the sonar, at 2 m/s.
 constexpr double kApproachM = 0.15;
 
 }  // namespace

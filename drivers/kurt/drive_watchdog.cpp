@@ -7,11 +7,11 @@
 namespace nodmap::kurt {
 namespace {
 
-/// DRIVE is stamped with the time of ODOMETRY, which is this driver's own clock, so a stamp in the
-/// future is from another sender. The tolerance is for a wall clock that was set back slightly.
+// DRIVE is stamped with the time of ODOMETRY, which is this driver's own clock, so a stamp in the
+// future is from another sender. The tolerance is for a wall clock that was set back slightly.
 constexpr time::Duration kFutureTolerance = 5ms;
 constexpr double kImplausibleSpeedMps = 2.0 * kTopSpeedMps;
-/// Three revolutions per second.
+// Three revolutions per second.
 constexpr double kImplausibleYawRateRadS = 6.0 * geometry::kPi;
 
 }  // namespace

@@ -7,18 +7,18 @@
 namespace nodmap::kurt {
 namespace {
 
-/// The estimate advances by 0.1 % more than the nominal period, which is more than two quartz
-/// clocks differ. So it always catches up with the frames of smallest delay, even if the base's
-/// clock is slow.
+// The estimate advances by 0.1 % more than the nominal period, which is more than two quartz
+// clocks differ. So it always catches up with the frames of smallest delay, even if the base's
+// clock is slow.
 constexpr time::Duration kStep = kEncoderPeriod + kEncoderPeriod / 1000;
 constexpr int kWindowFrames = 50;
-/// A threshold between persistent jitter (0) and one lost frame (1 period).
+// A threshold between persistent jitter (0) and one lost frame (1 period).
 constexpr time::Duration kLost = kEncoderPeriod * 7 / 10;
-/// The base stops after 100 ms without a command, so after a longer silence it cannot be assumed
-/// that the robot drove on as before.
+// The base stops after 100 ms without a command, so after a longer silence it cannot be assumed
+// that the robot drove on as before.
 constexpr time::Duration kGap = 100ms;
-/// Stamps should not lag more than this behind the measurements, because DRIVE carries them and is
-/// obeyed for 200 ms only. At a greater delay the window ends as soon as it has so many frames.
+// Stamps should not lag more than this behind the measurements, because DRIVE carries them and is
+// obeyed for 200 ms only. At a greater delay the window ends as soon as it has so many frames.
 constexpr time::Duration kMaxLag = 100ms;
 constexpr int kFewestFrames = 10;
 

@@ -8,10 +8,10 @@ namespace nodmap::kurt {
 namespace {
 
 constexpr double kControlPeriodS = 0.01;
-/// After this long without encoder ticks the motion of the wheels is unknown, and the robot stops.
+// After this long without encoder ticks the motion of the wheels is unknown, and the robot stops.
 constexpr time::Duration kBlind = 200ms;
-/// Number of implausible frames in a row that are bridged like lost ones (100 ms). A bit error
-/// damages one frame only; bridging ends well before kBlind.
+// Number of implausible frames in a row that are bridged like lost ones (100 ms). A bit error
+// damages one frame only; bridging ends well before kBlind.
 constexpr int kBridgedInARow = 10;
 static_assert(kBridgedInARow * kEncoderPeriod < kBlind);
 
@@ -83,8 +83,8 @@ void Kurt::take_encoder(const EncoderTicks& ticks, time::SteadyTime arrival,
   samples_.push_back({now.wall_at(reading.measured), odometry_.state()});
 }
 
-/// Implausible ticks say nothing about the wheels, so they must not keep the robot driving. Too
-/// many in a row are ignored, and the robot stops as if the base were silent.
+// Implausible ticks say nothing about the wheels, so they must not keep the robot driving. Too
+// many in a row are ignored, and the robot stops as if the base were silent.
 bool Kurt::accept_ticks(const EncoderTicks& ticks, time::SteadyTime arrival) {
   if (odometry_.is_plausible(ticks)) {
     last_encoder_ = arrival;

@@ -27,10 +27,10 @@ constexpr std::uint32_t kGyroId = 0x00E;
 
 constexpr std::uint8_t kModeRaw = 0;
 constexpr std::uint8_t kModeSpeedCm = 2;
-/// Without this bit the base's controller fails on a step from zero to full speed.
+// Without this bit the base's controller fails on a step from zero to full speed.
 constexpr std::uint8_t kAntiWindup = 1;
 
-/// Speed in cm/s; 0 for NaN.
+// Speed in cm/s; 0 for NaN.
 std::int16_t to_cm_per_s(double speed_mps) {
   if (!std::isfinite(speed_mps)) {
     return 0;
@@ -66,8 +66,8 @@ RangeReadings decode_adc8_to_11(const CanFrame& frame) {
   return readings;
 }
 
-/// The tilt angle: its sine is the measured acceleration in g, limited to 1 because vibration
-/// exceeds 1 g.
+// The tilt angle: its sine is the measured acceleration in g, limited to 1 because vibration
+// exceeds 1 g.
 double tilt_rad(std::uint16_t raw) {
   return std::asin(std::clamp((raw - 32768.0) / 3932.0, -1.0, 1.0));
 }
@@ -78,8 +78,8 @@ Gyro decode_gyro(const CanFrame& frame) {
           load_big_s32(&frame.data[4]) / 10000.0 * to_rad * to_rad};
 }
 
-/// The encoders need half of the frame's bytes, the bumpers one; every other kind needs all of
-/// them.
+// The encoders need half of the frame's bytes, the bumpers one; every other kind needs all of
+// them.
 std::size_t bytes_needed(std::uint32_t id) {
   if (id == kBumperId) {
     return 1;

@@ -18,10 +18,10 @@ namespace {
 constexpr time::Duration kControlPeriod = 10ms;
 constexpr time::Duration kSensorsPeriod = 50ms;
 constexpr time::Duration kSensorLife = 500ms;
-/// A command is 22 bytes; a line that does not accept them in this time is stuck.
+// A command is 22 bytes; a line that does not accept them in this time is stuck.
 constexpr time::Duration kWriteTimeout = 5ms;
 constexpr time::Duration kShutdownTimeout = 50ms;
-/// Variance of what wheels cannot measure: height (m^2), roll and pitch (rad^2).
+// Variance of what wheels cannot measure: height (m^2), roll and pitch (rad^2).
 constexpr double kUnknownVariance = 1e6;
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
@@ -31,7 +31,7 @@ std::span<const std::uint8_t> bytes_of(const std::string& text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
 
-/// The value; null if it is too old.
+// The value; null if it is too old.
 template <class Value>
 const Value* fresh(const std::optional<Received<Value>>& received, time::SteadyTime steady) {
   return received && steady - received->at <= kSensorLife ? &received->value : nullptr;
@@ -41,7 +41,7 @@ float range_or_nan(std::optional<double> range_m) {
   return range_m ? static_cast<float>(*range_m) : kNan;
 }
 
-/// Writes the covariance of x, y, yaw as that of x, y, z, roll, pitch, yaw.
+// Writes the covariance of x, y, yaw as that of x, y, z, roll, pitch, yaw.
 void write_covariance(const Eigen::Matrix3d& covariance, double (&out)[6][6]) {
   constexpr int kAt[3] = {0, 1, 5};
   for (const int unknown : {2, 3, 4}) {
@@ -199,7 +199,7 @@ void KurtNode::on_stop(const nodmap::stop_t& message) {
   }
 }
 
-/// Stops the robot as a STOP message does, until it is released.
+// Stops the robot as a STOP message does, until it is released.
 void KurtNode::stop_on_alarm() {
   if (const std::optional<Alarm> alarm = kurt_.take_alarm(); alarm && !stop_latch_.is_stopped()) {
     stop_latch_.stop(name_of(*alarm));

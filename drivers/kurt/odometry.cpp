@@ -10,16 +10,16 @@ namespace nodmap::kurt {
 namespace {
 
 constexpr double kPeriodS = time::seconds(kEncoderPeriod);
-/// A wheel in the air was measured at 7.7 m/s (data/kurt); bit errors give more.
+// A wheel in the air was measured at 7.7 m/s (data/kurt); bit errors give more.
 constexpr double kFastestWheelMps = 2.0 * kTopSpeedMps;
-/// During a lost period the robot is assumed to move as before, with a standard deviation of half
-/// of that motion.
+// During a lost period the robot is assumed to move as before, with a standard deviation of half
+// of that motion.
 constexpr double kBridgeSigmaRatio = 0.5;
-/// How long the robot may roll on after the base has received nothing: 100 ms until it stops the
-/// motors, then braking.
+// How long the robot may roll on after the base has received nothing: 100 ms until it stops the
+// motors, then braking.
 constexpr double kRollOnS = 0.5;
 
-/// sin(x) / x
+// sin(x) / x
 double sinc(double x) {
   return std::abs(x) < 1e-6 ? 1.0 - x * x / 6.0 : std::sin(x) / x;
 }

@@ -26,7 +26,7 @@ std::optional<std::uint32_t> hex_digit(char c) {
   return std::nullopt;
 }
 
-/// Removes `digits` hexadecimal digits from the front of `text`; returns their value.
+// Removes `digits` hexadecimal digits from the front of `text`; returns their value.
 std::optional<std::uint32_t> take_hex(std::string_view& text, std::size_t digits) {
   if (text.size() < digits) {
     return std::nullopt;
@@ -49,7 +49,7 @@ void append_hex(std::string& text, std::uint32_t value, std::size_t digits) {
   }
 }
 
-/// Reads the data and the optional stamp after it. False if `text` contains anything else.
+// Reads the data and the optional stamp after it. False if `text` contains anything else.
 bool take_data(std::string_view text, CanFrame& frame) {
   for (std::size_t i = 0; !frame.remote && i < frame.length; ++i) {
     const auto byte = take_hex(text, 2);
@@ -68,7 +68,7 @@ bool take_data(std::string_view text, CanFrame& frame) {
   return text.empty();
 }
 
-/// Parses the answer to `F`: F and two digits.
+// Parses the answer to `F`: F and two digits.
 std::optional<std::uint8_t> parse_flags(std::string_view line) {
   if (line.size() != 3 || line.front() != 'F') {
     return std::nullopt;

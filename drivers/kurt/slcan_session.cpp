@@ -4,14 +4,14 @@
 namespace nodmap::kurt {
 namespace {
 
-/// Lines received within this time after closing belong to the previous session and are ignored.
+// Lines received within this time after closing belong to the previous session and are ignored.
 constexpr time::Duration kSettle = 100ms;
 constexpr time::Duration kAnswerTimeout = 200ms;
-/// The base sends its encoder ticks every 10 ms; 50 missing in a row are not an accident.
+// The base sends its encoder ticks every 10 ms; 50 missing in a row are not an accident.
 constexpr time::Duration kMute = 500ms;
 constexpr time::Duration kFlagsPeriod = 1s;
 constexpr int kMaxAttempts = 3;
-/// An adapter that has reset itself refuses every frame, because its channel is closed.
+// An adapter that has reset itself refuses every frame, because its channel is closed.
 constexpr int kMaxRefusedInARow = 10;
 
 }  // namespace

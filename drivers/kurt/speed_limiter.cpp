@@ -7,7 +7,7 @@
 namespace nodmap::kurt {
 namespace {
 
-/// The fraction of the step from `now` to `target` that a wheel may make in one period.
+// The fraction of the step from `now` to `target` that a wheel may make in one period.
 double allowed_fraction(double now, double target, double period_s, const SpeedLimits& limits) {
   const double step = std::abs(target - now);
   const bool gains = std::abs(target) > std::abs(now) && target * now >= 0.0;

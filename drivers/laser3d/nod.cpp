@@ -131,8 +131,8 @@ time::Duration Nod::patience(const PitchSample& where) const {
   return kMovePatience + time::from_seconds(moving_s + (reverses ? reversal_s(speed) : 0.0));
 }
 
-/// How much longer a reversal takes. If the head was last seen moving kMovedRad before the end, it
-/// comes to rest over that angle and moves away over twice that angle, with constant acceleration.
+// How much longer a reversal takes. If the head was last seen moving kMovedRad before the end, it
+// comes to rest over that angle and moves away over twice that angle, with constant acceleration.
 double Nod::reversal_s(double speed_rad_s) const {
   const double a = robot_.head.pitch_acceleration_rad_s2;
   const double to_rest_s = std::sqrt(2.0 * kMovedRad / a);

@@ -18,7 +18,7 @@ namespace {
 using SteadyClock = std::chrono::steady_clock;
 using std::chrono::nanoseconds;
 
-/// Calls poll() until `deadline`, also after interruptions by signals; 0 on timeout.
+// Calls poll() until `deadline`, also after interruptions by signals; 0 on timeout.
 int poll_until(std::span<pollfd> entries, SteadyClock::time_point deadline) {
   while (true) {
     const auto left = std::max<nanoseconds>(deadline - SteadyClock::now(), nanoseconds(0));

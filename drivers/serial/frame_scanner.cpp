@@ -51,14 +51,14 @@ std::optional<Frame> FrameScanner::next() {
   return std::nullopt;
 }
 
-/// Whether a frame of this size at the front is complete or can still become complete. Bytes from
-/// before and after a long silence never belong to the same frame.
+// Whether a frame of this size at the front is complete or can still become complete. Bytes from
+// before and after a long silence never belong to the same frame.
 bool FrameScanner::may_reach(std::size_t size) const {
   return front() >= stale_end_ || front() + static_cast<std::int64_t>(size) <= stale_end_;
 }
 
-/// When the first unread byte arrived: the time of the read minus the transmission time of the
-/// bytes after it. Never earlier than the true time.
+// When the first unread byte arrived: the time of the read minus the transmission time of the
+// bytes after it. Never earlier than the true time.
 time::SteadyTime FrameScanner::front_arrival() const {
   for (const Mark& mark : marks_) {
     if (front() < mark.end) {

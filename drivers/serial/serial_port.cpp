@@ -16,8 +16,8 @@
 namespace nodmap::serial {
 namespace {
 
-/// Takes the lock that all our processes use for a device; false if another process has it. The
-/// kernel releases it when its owner ends in any way.
+// Takes the lock that all our processes use for a device; false if another process has it. The
+// kernel releases it when its owner ends in any way.
 bool lock_device(int fd) {
   return ::flock(fd, LOCK_EX | LOCK_NB) == 0;
 }
@@ -31,7 +31,7 @@ struct PortDeleter {
 };
 using PortHandle = std::unique_ptr<sp_port, PortDeleter>;
 
-/// The reason why the last libserialport call has failed.
+// The reason why the last libserialport call has failed.
 std::string last_error() {
   char* message = sp_last_error_message();
   std::string text = message != nullptr ? message : "unknown error";
@@ -45,9 +45,9 @@ int descriptor_of(const sp_port* port) {
   return fd;
 }
 
-/// libserialport opens, configures and closes the port. Bytes are transferred by DescriptorStream,
-/// because the library's own waits busy-loop on a device that was pulled out, cannot be
-/// interrupted, and (0.1.1) measure timeouts by the wall clock.
+// libserialport opens, configures and closes the port. Bytes are transferred by DescriptorStream,
+// because the library's own waits busy-loop on a device that was pulled out, cannot be
+// interrupted, and (0.1.1) measure timeouts by the wall clock.
 class SerialPort final : public DescriptorStream {
  public:
   SerialPort(PortHandle open_port, const StopEvent* stop)
@@ -64,7 +64,7 @@ class SerialPort final : public DescriptorStream {
   }
   void discard_input() override { sp_flush(port_.get(), SP_BUF_INPUT); }
 
-  /// Sets everything, because parity and flow control are unknown after sp_open.
+  // Sets everything, because parity and flow control are unknown after sp_open.
   [[nodiscard]] bool configure(int baud) {
     return sp_set_baudrate(port_.get(), baud) == SP_OK && sp_set_bits(port_.get(), 8) == SP_OK &&
            sp_set_parity(port_.get(), SP_PARITY_NONE) == SP_OK &&
@@ -72,9 +72,9 @@ class SerialPort final : public DescriptorStream {
            sp_set_flowcontrol(port_.get(), SP_FLOWCONTROL_NONE) == SP_OK;
   }
 
-  /// libserialport 0.1.1 shares the descriptor with other programs and child processes. TIOCEXCL
-  /// excludes all programs except root's; the lock also excludes our own processes that run as
-  /// root.
+  // libserialport 0.1.1 shares the descriptor with other programs and child processes. TIOCEXCL
+  // excludes all programs except root's; the lock also excludes our own processes that run as
+  // root.
   [[nodiscard]] bool make_exclusive() {
     exclusive_ = ::fcntl(poll_handle(), F_SETFD, FD_CLOEXEC) == 0 && lock_device(poll_handle()) &&
                  ::ioctl(poll_handle(), TIOCEXCL) == 0;
@@ -115,8 +115,8 @@ OpenResult open_with_libserialport(PortHandle port, const PortSettings& settings
   return {std::move(open_port), {}};
 }
 
-/// Sets raw mode and any rate. A pseudo-terminal works the same at every rate; a simulated device
-/// can read the rate back and reject a driver that uses the wrong one.
+// Sets raw mode and any rate. A pseudo-terminal works the same at every rate; a simulated device
+// can read the rate back and reject a driver that uses the wrong one.
 bool set_raw(int fd, int baud) {
   termios2 attributes{};
   if (baud <= 0 || ::ioctl(fd, TCGETS2, &attributes) != 0) {

@@ -11,33 +11,33 @@
 namespace nodmap::explorer {
 namespace {
 
-/// Viewpoints nearer to each other than this count as the same one.
+// Viewpoints nearer to each other than this count as the same one.
 constexpr double kSameViewpointM = 0.8;
-/// Reduction of the path length that counts as progress.
+// Reduction of the path length that counts as progress.
 constexpr double kProgressM = 0.2;
-/// After a pause without decisions of this length, the time without progress starts again.
+// After a pause without decisions of this length, the time without progress starts again.
 constexpr time::Duration kPause = 2s;
-/// Greatest distance of a lookout from its frontier: from farther away only a slit is visible
-/// through a door.
+// Greatest distance of a lookout from its frontier: from farther away only a slit is visible
+// through a door.
 constexpr double kLookoutM = 2.0;
-/// The same for nearest_frontier, which drives to the frontier itself.
+// The same for nearest_frontier, which drives to the frontier itself.
 constexpr double kAtFrontierM = 0.4;
-/// Places nearer to each other than this fail together, and are visited together.
+// Places nearer to each other than this fail together, and are visited together.
 constexpr double kSameFailureM = 0.7;
 constexpr double kSameVisitM = 0.4;
-/// Cost of rotating to the start of the path, in metres of driving.
+// Cost of rotating to the start of the path, in metres of driving.
 constexpr double kRotationMPerRad = 0.5;
-/// On the way home, a viewpoint is worth turning back for if it shows this multiple of the minimum
-/// gain.
+// On the way home, a viewpoint is worth turning back for if it shows this multiple of the minimum
+// gain.
 constexpr double kTurnBackGainRatio = 2.0;
-/// Distance at which a path's direction is measured.
+// Distance at which a path's direction is measured.
 constexpr double kDirectionM = 0.4;
-/// Added to a tolerance: the navigator has arrived by a newer pose than ours.
+// Added to a tolerance: the navigator has arrived by a newer pose than ours.
 constexpr double kArrivalM = 0.1;
 constexpr const char* kNoPathHome = "Everything has been seen, but there is no path home.";
 constexpr const char* kAtHome = "Everything has been seen; the robot is back home.";
 
-/// The points of a straight line at intervals of at most `step_m`, with both ends.
+// The points of a straight line at intervals of at most `step_m`, with both ends.
 std::vector<Eigen::Vector2d> straight_path(const Eigen::Vector2d& from, const Eigen::Vector2d& to,
                                            double step_m) {
   const auto num_steps = static_cast<int>(std::ceil((to - from).norm() / step_m));
@@ -48,7 +48,7 @@ std::vector<Eigen::Vector2d> straight_path(const Eigen::Vector2d& from, const Ei
   return points;
 }
 
-/// The lengths of the paths; straight lines replace unknown paths.
+// The lengths of the paths; straight lines replace unknown paths.
 std::vector<double> lengths_m(const Reach& reach, const Eigen::Vector2d& from_map,
                               const std::vector<Cell>& cells) {
   std::vector<double> lengths;
@@ -134,7 +134,7 @@ Decision Explorer::drive(const Situation& now) {
   return decision;
 }
 
-/// Notes which viewpoints the robot has visited; what it has seen from there is not yet in the map.
+// Notes which viewpoints the robot has visited; what it has seen from there is not yet in the map.
 void Explorer::watch_visits(const Situation& now) {
   const Eigen::Vector2d p_map = now.T_map_base.translation();
   std::erase_if(passing_map_, [&](const Eigen::Vector2d& viewpoint_map) {
@@ -146,7 +146,7 @@ void Explorer::watch_visits(const Situation& now) {
   });
 }
 
-/// Detects that the target has failed: the robot does not come nearer to it.
+// Detects that the target has failed: the robot does not come nearer to it.
 void Explorer::watch_target(const Situation& now) {
   const bool has_paused = std::chrono::abs(now.stamp - std::exchange(decided_, now.stamp)) > kPause;
   if (has_paused || !now.has_no_path) {
@@ -192,8 +192,8 @@ std::vector<Viewpoint> Explorer::find_tour(const Situation& now) {
   return by_tour && !found.empty() ? in_order(now, std::move(found)) : found;
 }
 
-/// The nearest viewpoint. The previous one is kept until the robot is there, or until nothing is
-/// left to see from it.
+// The nearest viewpoint. The previous one is kept until the robot is there, or until nothing is
+// left to see from it.
 std::vector<Viewpoint> Explorer::nearest_frontier(const Situation& now,
                                                   const std::vector<Cell>& lookouts) {
   const Eigen::Vector2d p_map = now.T_map_base.translation();
@@ -207,8 +207,8 @@ std::vector<Viewpoint> Explorer::nearest_frontier(const Situation& now,
   return nearest ? std::vector<Viewpoint>{*nearest} : std::vector<Viewpoint>{};
 }
 
-/// Orders the viewpoints in the best tour; it starts with the present target unless another tour is
-/// clearly better.
+// Orders the viewpoints in the best tour; it starts with the present target unless another tour is
+// clearly better.
 std::vector<Viewpoint> Explorer::in_order(const Situation& now, std::vector<Viewpoint> viewpoints) {
   TourProblem problem;
   const Eigen::Vector2d p_map = now.T_map_base.translation();
@@ -244,7 +244,7 @@ std::vector<Viewpoint> Explorer::in_order(const Situation& now, std::vector<View
   return ordered;
 }
 
-/// The viewpoint that is the present target.
+// The viewpoint that is the present target.
 std::optional<std::size_t> Explorer::present_target(
     const std::vector<Viewpoint>& viewpoints) const {
   if (!target_map_) {
@@ -260,7 +260,7 @@ std::optional<std::size_t> Explorer::present_target(
   return static_cast<std::size_t>(nearest - viewpoints.begin());
 }
 
-/// How far the robot must rotate to drive along the path to a viewpoint.
+// How far the robot must rotate to drive along the path to a viewpoint.
 double Explorer::rotation_rad(const Viewpoint& viewpoint, const geometry::SE2& T_map_base) const {
   const std::vector<Eigen::Vector2d> path_map = path_to(viewpoint.cell);
   const auto ahead = std::ranges::find_if(path_map, [&](const Eigen::Vector2d& p) {

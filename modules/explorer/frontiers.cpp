@@ -7,8 +7,8 @@
 namespace nodmap::explorer {
 namespace {
 
-/// How far frontier cells may be beyond the cells that the robot's centre can reach, because the
-/// laser sees into places where the body does not fit.
+// How far frontier cells may be beyond the cells that the robot's centre can reach, because the
+// laser sees into places where the body does not fit.
 constexpr double kBesideReachM = 0.4;
 constexpr int kLookoutBlockCells = 4;
 
@@ -23,7 +23,7 @@ bool is_at_unknown(const PlanningGrid& grid, const Cell& cell) {
   return false;
 }
 
-/// The block of lookouts that a cell is in.
+// The block of lookouts that a cell is in.
 Cell block_of(const Cell& cell) {
   return {floor_divide(cell.x(), kLookoutBlockCells), floor_divide(cell.y(), kLookoutBlockCells)};
 }

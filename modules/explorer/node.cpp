@@ -13,21 +13,21 @@ namespace nodmap::explorer {
 namespace {
 
 constexpr time::Duration kDecisionPeriod = 500ms;
-/// The least time between decisions, when the navigator has just arrived.
+// The least time between decisions, when the navigator has just arrived.
 constexpr time::Duration kArrivalPeriod = 100ms;
-/// After this long without a pose of 2D SLAM nothing is decided. A stationary robot gets one a
-/// second.
+// After this long without a pose of 2D SLAM nothing is decided. A stationary robot gets one a
+// second.
 constexpr time::Duration kPoseTimeout = 5s;
-/// The navigator says several times a second that there is no path, and nothing while it halts.
+// The navigator says several times a second that there is no path, and nothing while it halts.
 constexpr time::Duration kPathTimeout = 1s;
-/// A goal nearer to the last one than this counts as the same.
+// A goal nearer to the last one than this counts as the same.
 constexpr double kSameGoalM = 0.05;
-/// With this limit EXPLORATION stays far below 64 KiB.
+// With this limit EXPLORATION stays far below 64 KiB.
 constexpr std::size_t kMaxPathPoints = 500;
 constexpr std::size_t kMaxFrontierPoints = 2000;
-/// Tiles farther away than this are refused, so that cell indices stay exact.
+// Tiles farther away than this are refused, so that cell indices stay exact.
 constexpr double kFarthestM = 10'000.0;
-/// Grids with more cells to a side are refused, so that cell indices do not overflow.
+// Grids with more cells to a side are refused, so that cell indices do not overflow.
 constexpr int kMostCells = 1 << 20;
 
 std::int8_t code_of(State state) {
@@ -44,7 +44,7 @@ std::int8_t code_of(State state) {
   return nodmap::exploration_t::IDLE;
 }
 
-/// Converts a tile; empty if its numbers are not plausible.
+// Converts a tile; empty if its numbers are not plausible.
 std::optional<MapTile> read_tile(const nodmap::grid_chunk_t& message) {
   const Eigen::Vector2d origin_m(message.origin_x_m, message.origin_y_m);
   if (!(message.cell_size_m > 0.001) || !std::isfinite(message.cell_size_m) ||
@@ -58,7 +58,7 @@ std::optional<MapTile> read_tile(const nodmap::grid_chunk_t& message) {
                  message.tile_width, message.tile_height, message.cells};
 }
 
-/// The step n for which every n-th of `count` items gives at most `most`.
+// The step n for which every n-th of `count` items gives at most `most`.
 std::size_t stride(std::size_t count, std::size_t most) {
   return (count + most - 1) / most;
 }
@@ -119,8 +119,8 @@ void ExplorerNode::on_pose(const nodmap::pose_t& message) {
   }
 }
 
-/// Poses of 2D SLAM come with level scans, one a second when the robot is slow. Odometry says where
-/// it is in between.
+// Poses of 2D SLAM come with level scans, one a second when the robot is slow. Odometry says where
+// it is in between.
 void ExplorerNode::on_odometry(const nodmap::odometry_t& message) {
   const auto T_odom_base = input_.read(message);
   if (!T_odom_base) {
@@ -190,7 +190,7 @@ void ExplorerNode::on_explore(const nodmap::explore_t& message) {
   }
 }
 
-/// A goal, or its cancellation, of another sender ends the exploration.
+// A goal, or its cancellation, of another sender ends the exploration.
 void ExplorerNode::on_goal(const nodmap::goal_t& message) {
   context_.counts.use();
   if (goal_sender_.is_own(message)) {
@@ -203,7 +203,7 @@ void ExplorerNode::on_goal(const nodmap::goal_t& message) {
   }
 }
 
-/// During a STOP the exploration waits, and continues when the robot is released.
+// During a STOP the exploration waits, and continues when the robot is released.
 void ExplorerNode::on_stop(const nodmap::stop_t& message) {
   context_.counts.use();
   const bool is_released = stop_latch_.take(message) == node::StopLatch::Change::kReleased;

@@ -9,22 +9,22 @@
 namespace nodmap::explorer {
 namespace {
 
-/// The same threshold as in the images of the map. It is low because many rays only graze the cell
-/// of a wall.
+// The same threshold as in the images of the map. It is low because many rays only graze the cell
+// of a wall.
 constexpr std::int8_t kOccupiedPercent = 25;
-/// The widest gap in a wall that is filled: 0.3 m where map cells are 5 cm wide.
+// The widest gap in a wall that is filled: 0.3 m where map cells are 5 cm wide.
 constexpr int kWallGapCells = 3;
-/// The grid grows in blocks of this many map cells, so that it seldom grows.
+// The grid grows in blocks of this many map cells, so that it seldom grows.
 constexpr int kBlockCells = 256;
-/// Map cells farther from the origin than this are refused, so that indices stay exact.
+// Map cells farther from the origin than this are refused, so that indices stay exact.
 constexpr int kFarthestCell = 1 << 20;
 
-/// The planning cell of a map cell.
+// The planning cell of a map cell.
 Cell halved(const Cell& map_cell) {
   return {floor_divide(map_cell.x(), 2), floor_divide(map_cell.y(), 2)};
 }
 
-/// The first cell of a cell's block.
+// The first cell of a cell's block.
 Cell block_begin(const Cell& map_cell) {
   return kBlockCells *
          Cell(floor_divide(map_cell.x(), kBlockCells), floor_divide(map_cell.y(), kBlockCells));
@@ -122,7 +122,7 @@ void PlanningGrid::find_near_offsets() {
   }
 }
 
-/// Returns whether that changes the map cell.
+// Returns whether that changes the map cell.
 bool PlanningGrid::set(const Cell& map_cell, Ground now) {
   const Ground before = std::exchange(map_.at(map_cell), now);
   if (now == Ground::kOccupied && before != Ground::kOccupied) {
@@ -133,8 +133,8 @@ bool PlanningGrid::set(const Cell& map_cell, Ground now) {
   return now != before;
 }
 
-/// Updates the counts of near occupied cells. `change`: +1 if the map cell becomes occupied, -1 if
-/// it no longer is.
+// Updates the counts of near occupied cells. `change`: +1 if the map cell becomes occupied, -1 if
+// it no longer is.
 void PlanningGrid::add_near(const Cell& map_cell, int change) {
   for (const Cell& offset : near_offsets_) {
     std::uint16_t& count = num_near_.at(map_cell + offset);
@@ -142,7 +142,7 @@ void PlanningGrid::add_near(const Cell& map_cell, int change) {
   }
 }
 
-/// Recomputes the planning cells of a rectangle from the map's cells.
+// Recomputes the planning cells of a rectangle from the map's cells.
 void PlanningGrid::update_planning_cells(const Cell& low, const Cell& high) {
   for (int y = low.y(); y <= high.y(); ++y) {
     for (int x = low.x(); x <= high.x(); ++x) {
@@ -171,8 +171,8 @@ Ground PlanningGrid::raw_ground(const Cell& cell) const {
   return ground;
 }
 
-/// Unknown cells between known ones: the beams of a scan diverge. A wall seen at a grazing angle
-/// has wider gaps, through which the body does not fit.
+// Unknown cells between known ones: the beams of a scan diverge. A wall seen at a grazing angle
+// has wider gaps, through which the body does not fit.
 Ground PlanningGrid::filled_ground(const Cell& cell) const {
   const Ground raw = raw_.at(cell);
   if (raw != Ground::kUnknown) {
@@ -191,7 +191,7 @@ Ground PlanningGrid::filled_ground(const Cell& cell) const {
   return filled;
 }
 
-/// The first known cell in a direction, and how many steps away it is.
+// The first known cell in a direction, and how many steps away it is.
 std::pair<Ground, int> PlanningGrid::next_known(const Cell& cell, const Cell& direction) const {
   int steps = 1;
   Ground ground = Ground::kUnknown;
@@ -205,8 +205,8 @@ std::pair<Ground, int> PlanningGrid::next_known(const Cell& cell, const Cell& di
   return {ground, steps};
 }
 
-/// One of the four map cells suffices, so that planning does not close a door that the body fits
-/// through.
+// One of the four map cells suffices, so that planning does not close a door that the body fits
+// through.
 bool PlanningGrid::has_room(const Cell& cell) const {
   for (int i = 0; i < 4; ++i) {
     if (num_near_.at(2 * cell + Cell(i % 2, i / 2)) == 0) {

@@ -7,10 +7,10 @@
 namespace nodmap::explorer {
 namespace {
 
-/// At this distance neighbouring beams are one cell apart; farther away some cells are missed.
+// At this distance neighbouring beams are one cell apart; farther away some cells are missed.
 constexpr double kFullDensityM = 4.0;
 
-/// Whether a step from cell to cell leads diagonally between two occupied cells.
+// Whether a step from cell to cell leads diagonally between two occupied cells.
 bool is_corner_closed(const PlanningGrid& grid, const Cell& from, const Cell& to) {
   return from.x() != to.x() && from.y() != to.y() &&
          grid.ground_at({from.x(), to.y()}) == Ground::kOccupied &&

@@ -9,12 +9,12 @@
 namespace nodmap::explorer {
 namespace {
 
-/// A path starts this near to the robot, along x and y.
+// A path starts this near to the robot, along x and y.
 constexpr double kAroundM = 0.4;
 constexpr std::uint8_t kBegins = 8;
 constexpr std::uint32_t kStraight = 5;
 constexpr std::uint32_t kDiagonal = 7;
-/// Number of cells at the end of a path that determine its heading.
+// Number of cells at the end of a path that determine its heading.
 constexpr int kHeadingCells = 4;
 
 const std::array<Cell, 8> kNeighbours{Cell(1, 0), Cell(-1, 0), Cell(0, 1),  Cell(0, -1),

@@ -11,12 +11,12 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// A stop's bit in a set of stops.
+// A stop's bit in a set of stops.
 std::size_t bit(std::size_t stop) {
   return std::size_t{1} << stop;
 }
 
-/// For each set of visited stops, the cost per metre.
+// For each set of visited stops, the cost per metre.
 std::vector<double> costs_per_m(const TourProblem& problem) {
   const std::size_t n = problem.weight.size();
   std::vector<double> costs(bit(n), problem.length_weight);
@@ -30,7 +30,7 @@ std::vector<double> costs_per_m(const TourProblem& problem) {
   return costs;
 }
 
-/// The dynamic programme: the cheapest visit of every set of stops with every last stop.
+// The dynamic programme: the cheapest visit of every set of stops with every last stop.
 class PartialTours {
  public:
   PartialTours(const TourProblem& problem, std::optional<std::size_t> first)
@@ -50,7 +50,7 @@ class PartialTours {
     }
   }
 
-  /// The cheapest tour over all stops.
+  // The cheapest tour over all stops.
   [[nodiscard]] Tour cheapest() const {
     std::size_t visited = costs_per_m_.size() - 1;
     Tour tour{.order = std::vector<std::size_t>(n_), .cost = kInfinity};
@@ -82,7 +82,7 @@ class PartialTours {
     return partials_[visited * n_ + last];
   }
 
-  /// Goes on from a partial tour to each stop that is not in it.
+  // Goes on from a partial tour to each stop that is not in it.
   void extend(std::size_t visited, std::size_t last) {
     const double cost = at(visited, last).cost;
     for (std::size_t next = 0; next < n_ && cost < kInfinity; ++next) {
@@ -103,7 +103,7 @@ class PartialTours {
   std::vector<Partial> partials_;
 };
 
-/// The length of the path between neighbours in a tour; without a stop: its start or its end.
+// The length of the path between neighbours in a tour; without a stop: its start or its end.
 double leg_m(const TourProblem& problem, std::optional<std::size_t> from,
              std::optional<std::size_t> to) {
   if (from && to) {
@@ -114,8 +114,8 @@ double leg_m(const TourProblem& problem, std::optional<std::size_t> from,
               : problem.from_start_to_end_m;
 }
 
-/// The part of a tour, from first to end, that weighs least relative to the length it costs; empty
-/// if every part weighs enough.
+// The part of a tour, from first to end, that weighs least relative to the length it costs; empty
+// if every part weighs enough.
 std::pair<std::size_t, std::size_t> worst_detour(const TourProblem& problem,
                                                  double min_weight_per_m, double always_weight,
                                                  const std::vector<std::size_t>& order) {

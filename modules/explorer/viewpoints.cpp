@@ -8,8 +8,8 @@
 namespace nodmap::explorer {
 namespace {
 
-/// Lookouts are examined in batches of this many, the nearest first, until a batch contains a
-/// candidate.
+// Lookouts are examined in batches of this many, the nearest first, until a batch contains a
+// candidate.
 constexpr std::size_t kBatch = 200;
 
 ViewParams looking_around(ViewParams params) {

@@ -7,19 +7,19 @@
 namespace nodmap::explorer {
 namespace {
 
-/// A waypoint must be at least this far away to be kept, so that the robot never brakes for one.
+// A waypoint must be at least this far away to be kept, so that the robot never brakes for one.
 constexpr double kAheadM = 1.2;
-/// Waypoints nearer to each other than this count as the same one.
+// Waypoints nearer to each other than this count as the same one.
 constexpr double kSameWaypointM = 0.5;
-/// Added to the tolerance. A waypoint nearer than this is replaced before the navigator has arrived
-/// there and stops.
+// Added to the tolerance. A waypoint nearer than this is replaced before the navigator has arrived
+// there and stops.
 constexpr double kReachedM = 0.2;
-/// Added to the tolerance: a waypoint is at least this far away, even around a corner.
+// Added to the tolerance: a waypoint is at least this far away, even around a corner.
 constexpr double kLeastAheadM = 0.5;
-/// Cells within this distance of the robot must not be occupied, but may be near to what is.
+// Cells within this distance of the robot must not be occupied, but may be near to what is.
 constexpr double kAroundRobotM = 0.4;
 
-/// Whether a waypoint is on the path and far enough ahead that the robot does not brake for it.
+// Whether a waypoint is on the path and far enough ahead that the robot does not brake for it.
 bool is_ahead(const std::vector<Eigen::Vector2d>& path_map, const Eigen::Vector2d& waypoint_map,
               const Eigen::Vector2d& p_map) {
   return (waypoint_map - p_map).norm() > kAheadM &&

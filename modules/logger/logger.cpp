@@ -38,7 +38,7 @@ void Logger::run() {
   recorder_.close();
 }
 
-/// Returns the number of messages that were handled.
+// Returns the number of messages that were handled.
 int Logger::work(std::chrono::milliseconds wait) {
   const int handled = bus_.handle(wait);
   recorder_.tick();
@@ -57,7 +57,7 @@ void Logger::take(const bus::LiveBus::RawMessage& message) {
   counts_.reject("no_room", recorder_.counts().dropped - dropped_before);
 }
 
-/// Records everything that this host received before the signal.
+// Records everything that this host received before the signal.
 void Logger::drain() {
   const time::Timestamp stop = clock_.now();
   const time::SteadyTime deadline = time::steady_now() + kDrainLimit;

@@ -37,7 +37,7 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--exclude", options.exclude, "Do not record channels that match this expression");
 }
 
-/// Options that set a parameter are applied after --set.
+// Options that set a parameter are applied after --set.
 void assign_options(const Options& options, params::Table& table) {
   const auto assign = [&table](const char* option, const char* name, const std::string& value) {
     if (!value.empty()) {
@@ -49,7 +49,7 @@ void assign_options(const Options& options, params::Table& table) {
   assign("--exclude", "exclude_regex", options.exclude);
 }
 
-/// Throws node::UsageError if the parameters and --file contradict each other.
+// Throws node::UsageError if the parameters and --file contradict each other.
 RecorderSettings recorder_settings(const LoggerParams& params, const std::string& file) {
   RecorderSettings settings{.dir = params.out_dir,
                             .split_bytes = to_bytes(params.split_mb),
@@ -74,7 +74,7 @@ RecorderSettings recorder_settings(const LoggerParams& params, const std::string
   return settings;
 }
 
-/// With --file the first log must have exactly this name; fails if it already exists.
+// With --file the first log must have exactly this name; fails if it already exists.
 void refuse_to_mix(const RecorderSettings& settings, const std::string& file) {
   if (file.empty() || !std::filesystem::is_directory(settings.dir)) {
     return;
@@ -87,7 +87,7 @@ void refuse_to_mix(const RecorderSettings& settings, const std::string& file) {
   }
 }
 
-/// Returns the exit code: 0 no message was dropped for lack of disk space, 1 some were.
+// Returns the exit code: 0 no message was dropped for lack of disk space, 1 some were.
 int record_until_stopped(const Options& options, const LoggerParams& params,
                          const std::string& lcm_url) {
   ChannelFilter filter(params.channel_regex, params.exclude_regex);

@@ -14,8 +14,8 @@ namespace {
 
 constexpr const char* kReserveReached = "the disk is full except for its reserve";
 
-/// Whether a period has passed. Also when the clock was set back, however little (unlike
-/// time::is_due): the disk must have everything after a second.
+// Whether a period has passed. Also when the clock was set back, however little (unlike
+// time::is_due): the disk must have everything after a second.
 bool has_passed(time::Duration period, time::Timestamp since, time::Timestamp now) {
   const time::Duration elapsed = now - since;
   return elapsed < 0us || elapsed >= period;
@@ -127,8 +127,8 @@ bool Recorder::flush() {
   return true;
 }
 
-/// Syncs the file, so that the events written so far survive a power cut, and keeps the disk's
-/// reserve free.
+// Syncs the file, so that the events written so far survive a power cut, and keeps the disk's
+// reserve free.
 void Recorder::sync() {
   synced_ = clock_.now();
   const std::int64_t syncs_before = writer_->num_syncs();
@@ -147,7 +147,7 @@ bool Recorder::has_room() const {
          settings_.available_bytes(settings_.dir) >= settings_.reserve_bytes;
 }
 
-/// Deletes old files if the disk's reserve is used; returns whether it is free then.
+// Deletes old files if the disk's reserve is used; returns whether it is free then.
 bool Recorder::make_room() {
   if (!has_room()) {
     keep_quota();
@@ -177,8 +177,8 @@ void Recorder::fail(const std::string& cause) {
                    back_off_ / 1s);
 }
 
-/// Truncates the file after its last complete event, and counts the events that did not reach it as
-/// dropped. Removes a file without events, so that a full disk does not collect empty files.
+// Truncates the file after its last complete event, and counts the events that did not reach it as
+// dropped. Removes a file without events, so that a full disk does not collect empty files.
 void Recorder::truncate_to_whole_events() {
   const auto first_lost = std::ranges::upper_bound(unflushed_ends_bytes_, writer_->size_bytes());
   if (first_lost != unflushed_ends_bytes_.begin()) {
@@ -197,7 +197,7 @@ void Recorder::truncate_to_whole_events() {
   }
 }
 
-/// Deletes the oldest files until the logs comply with the quota and the disk's reserve.
+// Deletes the oldest files until the logs comply with the quota and the disk's reserve.
 void Recorder::keep_quota() {
   deletable_bytes_ = 0;
   if (settings_.quota_bytes == 0 && settings_.reserve_bytes == 0) {
@@ -221,8 +221,8 @@ void Recorder::keep_quota() {
   }
 }
 
-/// The files that are never deleted: the one being written and, while that has no events or there
-/// is none, the newest one with events.
+// The files that are never deleted: the one being written and, while that has no events or there
+// is none, the newest one with events.
 std::vector<std::string> Recorder::kept_files(const std::vector<SizedFile>& files) const {
   const std::string current = writer_ ? file_.filename().string() : "";
   std::optional<LogOrder> newest;
@@ -237,7 +237,7 @@ std::vector<std::string> Recorder::kept_files(const std::vector<SizedFile>& file
   return writer_ && flushed_bytes_ > 0 ? std::vector{current} : std::vector{current, newest_name};
 }
 
-/// The total size that the logs of this name may have.
+// The total size that the logs of this name may have.
 std::int64_t Recorder::allowed_bytes() const {
   constexpr auto kGreatest = std::numeric_limits<std::int64_t>::max();
   const std::int64_t quota_bytes = settings_.quota_bytes > 0 ? settings_.quota_bytes : kGreatest;
@@ -253,7 +253,7 @@ std::int64_t Recorder::allowed_bytes() const {
   return std::min(quota_bytes, std::max<std::int64_t>(0, held_bytes - missing_bytes));
 }
 
-/// The regular files; links and folders are never ours.
+// The regular files; links and folders are never ours.
 std::vector<SizedFile> Recorder::files_in_folder() const {
   std::vector<SizedFile> files;
   std::error_code error;

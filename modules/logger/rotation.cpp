@@ -36,8 +36,8 @@ std::string two_digits(int number) {
   return std::string(number < 10 ? 1 : 0, '0') + std::to_string(number);
 }
 
-/// Parses ".NN" as written by two_digits(). Empty for any other text, so that a file of another
-/// program with a similar name is never taken for one of ours.
+// Parses ".NN" as written by two_digits(). Empty for any other text, so that a file of another
+// program with a similar name is never taken for one of ours.
 std::optional<int> parse_suffix(std::string_view text) {
   int number = 0;
   if (text.size() < 3 || text[0] != '.' || !std::all_of(text.begin() + 1, text.end(), is_digit) ||

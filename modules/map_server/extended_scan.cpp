@@ -6,7 +6,7 @@
 namespace nodmap::map_server {
 namespace {
 
-/// Applies Eq. 2 to single points, to their cartesian and polar coordinates.
+// Applies Eq. 2 to single points, to their cartesian and polar coordinates.
 class Motion {
  public:
   explicit Motion(const geometry::SE2& T_now_last)

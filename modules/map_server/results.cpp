@@ -16,8 +16,8 @@ constexpr drawing::Rgb kStructure{35, 95, 190};
 constexpr drawing::Rgb kObstacle{215, 40, 35};
 constexpr drawing::Rgb kRobot{60, 60, 60};
 
-/// Distance from the centre of the image to its border, in whole metres, chosen so that nine points
-/// in ten fit. To fit all, a few points at the end of a corridor would make the others tiny.
+// Distance from the centre of the image to its border, in whole metres, chosen so that nine points
+// in ten fit. To fit all, a few points at the end of a corridor would make the others tiny.
 double reach_m(const ExtendedScan& obstacles, const ExtendedScan& structure) {
   std::vector<double> distances;
   for (const ExtendedScan* map : {&obstacles, &structure}) {

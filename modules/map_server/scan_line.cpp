@@ -11,8 +11,8 @@ namespace {
 // Otherwise they are treated as an edge.
 const double kCotangentOfGrazing = 1.0 / std::tan(geometry::deg_to_rad(3.0));
 
-/// atan2 with an error below 2e-6 rad, a ten-thousandth of the angle between beams. The library's
-/// atan2 would take a quarter of the time of a map update (bench/map_server_bench).
+// atan2 with an error below 2e-6 rad, a ten-thousandth of the angle between beams. The library's
+// atan2 would take a quarter of the time of a map update (bench/map_server_bench).
 double quick_atan2(double y, double x) {
   const double ax = std::abs(x);
   const double ay = std::abs(y);

@@ -82,8 +82,8 @@ bool VisibilityRule::is_in_view(const EgoPoint& point, Relevance relevance,
   return spans(point, low, high);
 }
 
-/// Whether an interval of heights contains all those at which a point was measured, up to the
-/// tolerance at either end.
+// Whether an interval of heights contains all those at which a point was measured, up to the
+// tolerance at either end.
 bool VisibilityRule::spans(const EgoPoint& point, double lowest_m, double highest_m) const {
   // A stationary scanner sees a single height; one millimetre absorbs rounding errors.
   constexpr double kRoundingM = 1e-3;

@@ -11,15 +11,15 @@
 namespace nodmap::navigator {
 namespace {
 
-/// Smaller changes are noise of the laser and of odometry in a rotation: 1 to 2 cm each.
+// Smaller changes are noise of the laser and of odometry in a rotation: 1 to 2 cm each.
 constexpr double kApproachM = 0.06;
 constexpr time::Duration kWait = 1s;
-/// The reference point moves on when it is this far behind the robot: until then everything is seen
-/// from about the same side.
+// The reference point moves on when it is this far behind the robot: until then everything is seen
+// from about the same side.
 constexpr double kReferenceM = 0.3;
-/// Points within this distance belong to one object.
+// Points within this distance belong to one object.
 constexpr double kOneThingM = 0.1;
-/// A person who approaches is measured below the first of these heights and above the second.
+// A person who approaches is measured below the first of these heights and above the second.
 constexpr double kFeetM = 0.2;
 constexpr double kLowThingM = 0.12;
 
@@ -28,9 +28,9 @@ int sector_of(double compass_rad, int sectors) {
   return (static_cast<int>(std::floor(sector)) % sectors + sectors) % sectors;
 }
 
-/// Whether beams have hit something at a point of the obstacle map more than once. Nothing is where
-/// a mixed pixel is: the local map leaves out most of them, and the few others hit different
-/// places.
+// Whether beams have hit something at a point of the obstacle map more than once. Nothing is where
+// a mixed pixel is: the local map leaves out most of them, and the few others hit different
+// places.
 bool is_hit_again(const Eigen::Vector2d& p_odom, const LocalMap& local_map) {
   const double cell_m = local_map.grid().cell_size_m();
   for (int dx = -1; dx <= 1; ++dx) {
@@ -44,10 +44,10 @@ bool is_hit_again(const Eigen::Vector2d& p_odom, const LocalMap& local_map) {
   return false;
 }
 
-/// Whether something has moved to where floor was seen. The laser sees a person's legs at all
-/// heights within one sweep. Less than that has not moved: a low object, around which floor was
-/// seen before a line fell on it, or a board, under which floor is still seen. Brake stops for
-/// these as well.
+// Whether something has moved to where floor was seen. The laser sees a person's legs at all
+// heights within one sweep. Less than that has not moved: a low object, around which floor was
+// seen before a line fell on it, or a board, under which floor is still seen. Brake stops for
+// these as well.
 bool has_come(const Eigen::Vector2d& p_odom, const LocalMap& local_map) {
   if (!local_map.was_floor(p_odom)) {
     return false;

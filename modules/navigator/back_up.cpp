@@ -9,15 +9,15 @@
 namespace nodmap::navigator {
 namespace {
 
-/// A shorter rotation back to the heading of the trail does not help.
+// A shorter rotation back to the heading of the trail does not help.
 constexpr double kLeastRotationRad = geometry::deg_to_rad(2.0);
-/// Margin beside and behind the body over its own trail.
+// Margin beside and behind the body over its own trail.
 constexpr double kMarginM = 0.02;
-/// With less than this beyond the margin the robot would not move.
+// With less than this beyond the margin the robot would not move.
 constexpr double kLeastDistanceM = 0.01;
-/// If the robot cannot rotate to the heading of its trail at all, as between people's feet, it
-/// backs up straight, unless its heading is off by more than this. Over the 8 cm to the next pose
-/// of the trail this leads 6 cm aside: as much as the clearance that it kept there.
+// If the robot cannot rotate to the heading of its trail at all, as between people's feet, it
+// backs up straight, unless its heading is off by more than this. Over the 8 cm to the next pose
+// of the trail this leads 6 cm aside: as much as the clearance that it kept there.
 constexpr double kObliqueRad = geometry::deg_to_rad(45.0);
 
 }  // namespace

@@ -11,18 +11,18 @@
 namespace nodmap::navigator {
 namespace {
 
-/// Stop margin while creeping. At 0.25 m/s the robot is stationary after 5 cm. With the larger
-/// margin of a fast robot it would stop before each bend of a narrow place.
+// Stop margin while creeping. At 0.25 m/s the robot is stationary after 5 cm. With the larger
+// margin of a fast robot it would stop before each bend of a narrow place.
 constexpr double kCreepStopMarginM = 0.05;
-/// An obstacle close ahead hides the floor behind it. To dock, the robot may creep towards it, so
-/// slowly that it is stationary after 1.5 cm, with 5 cm left.
+// An obstacle close ahead hides the floor behind it. To dock, the robot may creep towards it, so
+// slowly that it is stationary after 1.5 cm, with 5 cm left.
 constexpr double kHiddenMps = 0.1;
 constexpr double kHiddenSeenM = 0.05;
-/// Margin beside what may be the corner of a hole, in addition to the side margin. A beam that ends
-/// 3 cm below the floor counts as floor at 1.2 m: to this beam the last 9 cm of a hole look like
-/// floor.
+// Margin beside what may be the corner of a hole, in addition to the side margin. A beam that ends
+// 3 cm below the floor counts as floor at 1.2 m: to this beam the last 9 cm of a hole look like
+// floor.
 constexpr double kCornerMarginM = 0.1;
-/// At this yaw rate the corners of KURT3D move at 5 cm/s: they do not push away what they touch.
+// At this yaw rate the corners of KURT3D move at 5 cm/s: they do not push away what they touch.
 constexpr double kCreepRadS = geometry::deg_to_rad(10.0);
 
 }  // namespace
@@ -55,25 +55,25 @@ Arc Brake::measure_corridor(double curvature, double side_margin_m, double stop_
   return {curvature, distance_m, stop_margin_m, stoppable_mps(distance_m - stop_margin_m)};
 }
 
-/// The corner of a hole is narrower than any gap that speed_on_seen_floor() bridges. So an arc is
-/// blocked where beams passed through the floor beside a hole, also where that could be a ramp.
+// The corner of a hole is narrower than any gap that speed_on_seen_floor() bridges. So an arc is
+// blocked where beams passed through the floor beside a hole, also where that could be a ramp.
 double Brake::speed_before_corners(double curvature, const Situation& now) const {
   const double distance_m =
       free_distance(now.hole_corners_base, curvature, body_, drive_.side_margin_m + kCornerMarginM);
   return stoppable_mps(distance_m - braking_.stop_margin_m);
 }
 
-/// Why the robot never drives faster than it can stop on floor that was seen. Let F(g) be how far
-/// floor was seen with no gap longer than g. From a speed v it is stationary within
-/// d(v) = v T + v^2 / 2a. Both
-///
-///     v <= v(F(wide gap), a: braking)    and    v <= v(F(max gap), a: emergency braking)
-///
-/// hold in every decision, for the arc chosen and for the arc it is on. F shrinks by no more than
-/// the robot drives, because what was seen stays seen. While the robot brakes with a, v(F) falls no
-/// faster than v (stopping.hpp). A hole as long as the wide gap has had a beam in it: the robot
-/// stops for it as for an obstacle. For a hole as long as the max gap it stops with the force that
-/// the base has in reserve. Over a shorter one, with floor on both sides, the wheels roll.
+// Why the robot never drives faster than it can stop on floor that was seen. Let F(g) be how far
+// floor was seen with no gap longer than g. From a speed v it is stationary within
+// d(v) = v T + v^2 / 2a. Both
+//
+//     v <= v(F(wide gap), a: braking)    and    v <= v(F(max gap), a: emergency braking)
+//
+// hold in every decision, for the arc chosen and for the arc it is on. F shrinks by no more than
+// the robot drives, because what was seen stays seen. While the robot brakes with a, v(F) falls no
+// faster than v (stopping.hpp). A hole as long as the wide gap has had a beam in it: the robot
+// stops for it as for an obstacle. For a hole as long as the max gap it stops with the force that
+// the base has in reserve. Over a shorter one, with floor on both sides, the wheels roll.
 double Brake::speed_on_seen_floor(double curvature, double max_mps, const Situation& now) const {
   struct Rule {
     double max_gap_m;
@@ -129,8 +129,8 @@ Decision Brake::drive(const Arc& arc, double direction_rad, double limit_mps,
   return decision;
 }
 
-/// The laser does not look where a rotation moves the rear, so there the remembered ground counts.
-/// Ahead speed_on_seen_floor() takes care of that, behind the robot its trail (back_up.hpp).
+// The laser does not look where a rotation moves the rear, so there the remembered ground counts.
+// Ahead speed_on_seen_floor() takes care of that, behind the robot its trail (back_up.hpp).
 void Brake::keep_to_known_ground(Decision& decision, const Situation& now) const {
   const double yaw_rate_rad_s = std::abs(decision.yaw_rate_rad_s);
   if (yaw_rate_rad_s <= kCreepRadS || decision.forward_mps < 0.0 || now.doubtful_base.empty()) {

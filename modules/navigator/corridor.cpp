@@ -14,29 +14,29 @@ namespace {
 using geometry::kPi;
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
-/// Arcs flatter than this count as straight: after 5 m they are 1.2 cm beside the line.
+// Arcs flatter than this count as straight: after 5 m they are 1.2 cm beside the line.
 constexpr double kStraightCurvature = 1e-3;
-/// A point this deep within the body is an error of the map: odometry has drifted since it was
-/// seen. It is ignored, because it would block the robot for ever.
+// A point this deep within the body is an error of the map: odometry has drifted since it was
+// seen. It is ignored, because it would block the robot for ever.
 constexpr double kImpossibleDepthM = 0.03;
-/// The margin that remains for points that are within the margin already.
+// The margin that remains for points that are within the margin already.
 constexpr double kTightMarginM = 0.005;
 
-/// A rotation of the robot about the point (0, center_y) of base.
+// A rotation of the robot about the point (0, center_y) of base.
 struct Rotation {
   double center_y = 0.0;
   Side side = Side::kLeft;
 };
 
-/// Angle in [0, 2 pi) by which the robot rotates until a point at `from_rad` about the centre of
-/// rotation comes to `to_rad`: in base, the world rotates the other way.
+// Angle in [0, 2 pi) by which the robot rotates until a point at `from_rad` about the centre of
+// rotation comes to `to_rad`: in base, the world rotates the other way.
 double angle_until(double from_rad, double to_rad, Side side) {
   const double angle_rad = (from_rad - to_rad) * sign(side);
   return angle_rad < 0.0 ? angle_rad + 2.0 * kPi : angle_rad;
 }
 
-/// Rotation until a point outside the rectangle touches it. On its circle about the centre of
-/// rotation it can enter only where the circle cuts the lines of the edges.
+// Rotation until a point outside the rectangle touches it. On its circle about the centre of
+// rotation it can enter only where the circle cuts the lines of the edges.
 double rotation_until_touched(const Eigen::Vector2d& p, const Rotation& rotation,
                               const Footprint& body) {
   const double radius_sq =
@@ -68,16 +68,16 @@ double rotation_until_touched(const Eigen::Vector2d& p, const Rotation& rotation
   return angle_rad;
 }
 
-/// Whether a point at the body's border moves further in when the base moves by this twist (forward
-/// and yaw, any common scale).
+// Whether a point at the body's border moves further in when the base moves by this twist (forward
+// and yaw, any common scale).
 bool moves_inward(const Eigen::Vector2d& p, double forward, double yaw, const Footprint& body) {
   const Eigen::Vector2d velocity(-forward + yaw * p.y(), -yaw * p.x());
   const bool at_an_end = body.half_length_m - std::abs(p.x()) < body.half_width_m - std::abs(p.y());
   return at_an_end ? velocity.x() * p.x() < 0.0 : velocity.y() * p.y() < 0.0;
 }
 
-/// How far one point allows a motion to go. `until_touched`: computes it for a rectangle that the
-/// point is outside of.
+// How far one point allows a motion to go. `until_touched`: computes it for a rectangle that the
+// point is outside of.
 template <class UntilTouched>
 double free_by_point(const Eigen::Vector2d& p, const Eigen::Vector2d& twist, const Footprint& body,
                      const Footprint& grown, const UntilTouched& until_touched) {

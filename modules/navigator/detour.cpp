@@ -9,17 +9,17 @@
 namespace nodmap::navigator {
 namespace {
 
-/// A detour ends only this much nearer to the goal than it began.
+// A detour ends only this much nearer to the goal than it began.
 constexpr double kNearerM = 0.3;
-/// The farthest steering direction; a goal farther to the side is reached by an arc.
+// The farthest steering direction; a goal farther to the side is reached by an arc.
 constexpr double kFarthestAside = geometry::deg_to_rad(65.0);
-/// A wall farther away is not followed.
+// A wall farther away is not followed.
 constexpr double kWallM = 1.2;
-/// Free distance that suffices along a wall. With more the robot would keep so far off that it
-/// loses the wall.
+// Free distance that suffices along a wall. With more the robot would keep so far off that it
+// loses the wall.
 constexpr double kAlongWallM = 0.5;
 
-/// The direction of the nearest obstacle on the wall's side; empty: there is no wall.
+// The direction of the nearest obstacle on the wall's side; empty: there is no wall.
 std::optional<double> wall_direction(const Points& points_base, Side side) {
   double nearest_m = kWallM;
   std::optional<double> direction_rad;

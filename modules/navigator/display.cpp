@@ -8,10 +8,10 @@
 namespace nodmap::navigator {
 namespace {
 
-/// From one PATH to the next, and from one TRACKS to the next.
+// From one PATH to the next, and from one TRACKS to the next.
 constexpr time::Duration kPeriod = 100ms;
 
-/// From one LOCAL_MAP to the next, and how far it reaches to each side: 25 kB.
+// From one LOCAL_MAP to the next, and how far it reaches to each side: 25 kB.
 constexpr time::Duration kLocalMapPeriod = 500ms;
 constexpr double kLocalMapHalfSizeM = 4.0;
 
@@ -24,8 +24,8 @@ void Display::publish(time::Timestamp stamp, const Navigator& navigator, const D
   publish_local_map(stamp, navigator.local_map(), newest.odometry->T_odom_base);
 }
 
-/// Published while there is a goal, and once more when it has ended. While the robot halts nothing
-/// is planned: the plan may belong to a former goal.
+// Published while there is a goal, and once more when it has ended. While the robot halts nothing
+// is planned: the plan may belong to a former goal.
 void Display::publish_path(time::Timestamp stamp, const Navigator& navigator,
                            const Decision& decision, const Inputs& newest) {
   const GoalState goal = newest.goal_state();
@@ -55,7 +55,7 @@ void Display::publish_path(time::Timestamp stamp, const Navigator& navigator,
   bus_.publish("PATH", message);
 }
 
-/// Published while anybody is tracked, and once more when nobody is.
+// Published while anybody is tracked, and once more when nobody is.
 void Display::publish_tracks(time::Timestamp stamp, const Navigator& navigator) {
   if (!time::is_due(stamp, tracks_stamp_, kPeriod)) {
     return;

@@ -39,7 +39,7 @@ double openness(double distance_m, double open_space_m) {
   return 1.0 / (1.0 + std::exp(-(distance_m - open_space_m) / kSoftnessM));
 }
 
-/// Shortens the free distance of all directions whose corridor contains the point.
+// Shortens the free distance of all directions whose corridor contains the point.
 void block(FreeSpace& space, const Eigen::Vector2d& p, const Footprint& body,
            const Footprint& corridor) {
   const double range_m = p.norm();

@@ -20,10 +20,10 @@ namespace bg = boost::geometry;
 using Corner = bg::model::d2::point_xy<double>;
 
 constexpr double kPointSpacingM = 0.02;
-/// Poses farther from the origin are refused, too: see node::read_pose().
+// Poses farther from the origin are refused, too: see node::read_pose().
 constexpr double kFarthestCornerM = 1e6;
 
-/// The points of one edge within a circle; its end is the next one's beginning.
+// The points of one edge within a circle; its end is the next one's beginning.
 void append_edge(const Eigen::Vector2d& from, const Eigen::Vector2d& to,
                  const Eigen::Vector2d& middle, double radius_m, Points& points) {
   const double length_m = (to - from).norm();

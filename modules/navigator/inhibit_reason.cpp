@@ -6,15 +6,15 @@
 namespace nodmap::navigator {
 namespace {
 
-/// The base cannot drive faster; a map farther away than that belongs to another odom frame.
+// The base cannot drive faster; a map farther away than that belongs to another odom frame.
 constexpr double kTopSpeedMps = 5.2;
 
-/// POSE_2D comes once a sweep, which takes up to 1 s. A pose older than this is stale: by odometry
-/// alone, at 1.5 m/s and with wheels 3 % off, the robot is 9 cm elsewhere by then.
+// POSE_2D comes once a sweep, which takes up to 1 s. A pose older than this is stale: by odometry
+// alone, at 1.5 m/s and with wheels 3 % off, the robot is 9 cm elsewhere by then.
 constexpr time::Duration kFencePose = 2s;
 
-/// With a geofence the robot drives only while it knows that it is inside. If it has got outside,
-/// it does not drive back: nothing says that the path back is allowed.
+// With a geofence the robot drives only while it knows that it is inside. If it has got outside,
+// it does not drive back: nothing says that the path back is allowed.
 std::optional<Reason> reason_by_geofence(const Inputs& inputs) {
   if (inputs.geofence == nullptr) {
     return std::nullopt;
@@ -33,7 +33,7 @@ std::optional<Reason> reason_by_geofence(const Inputs& inputs) {
   return std::nullopt;
 }
 
-/// Whether the robot cannot have driven from where the obstacle map was made to where it is now.
+// Whether the robot cannot have driven from where the obstacle map was made to where it is now.
 bool is_map_misfit(const Inputs& inputs) {
   const double age_s =
       time::seconds(std::chrono::abs(*inputs.stamps.odometry - *inputs.stamps.map));

@@ -8,7 +8,7 @@
 namespace nodmap::navigator {
 namespace {
 
-/// Of the fastest speed, while the pose is DEGRADED and the goal may be near.
+// Of the fastest speed, while the pose is DEGRADED and the goal may be near.
 constexpr double kDegradedSpeedRatio = 0.5;
 constexpr double kGoalSigmas = 3.0;
 
@@ -53,16 +53,16 @@ GoalState Inputs::goal_state() const {
   return is_inside ? GoalState::kInside : GoalState::kOutsideFence;
 }
 
-/// Whether the goal may be this near, if the pose follows odometry in some or all directions, as
-/// along a bare corridor. Farther from the goal this error is no reason to be slow: obstacles are
-/// measured, whatever the pose.
+// Whether the goal may be this near, if the pose follows odometry in some or all directions, as
+// along a bare corridor. Farther from the goal this error is no reason to be slow: obstacles are
+// measured, whatever the pose.
 bool Inputs::may_be_at_goal() const {
   const Eigen::Vector2d p_map = pose.T_map_odom * odometry->T_odom_base.translation();
   return (goal->T_map_goal.translation() - p_map).norm() <
          goal->tolerance_m + kGoalSigmas * pose.sigma_m;
 }
 
-/// The fastest speed that the pitch controller and the pose allow.
+// The fastest speed that the pitch controller and the pose allow.
 double Inputs::permitted_mps(const DriveParams& drive) const {
   if (goal && pose.is_degraded && may_be_at_goal()) {
     return std::min(max_forward_mps, kDegradedSpeedRatio * drive.max_forward_mps);

@@ -11,10 +11,10 @@
 namespace nodmap::navigator {
 namespace {
 
-/// As for poses: farther than any robot drives, and small enough for cell indices of 32 bits.
+// As for poses: farther than any robot drives, and small enough for cell indices of 32 bits.
 constexpr double kFarthestM = 1e6;
 
-/// Length of the arc that is shown.
+// Length of the arc that is shown.
 constexpr double kArcS = 1.6;
 constexpr int kArcSteps = 8;
 

@@ -9,19 +9,19 @@
 namespace nodmap::navigator {
 namespace {
 
-/// Slower than this counts as stationary: four steps of the base's speed command.
+// Slower than this counts as stationary: four steps of the base's speed command.
 constexpr double kStationaryMps = 0.04;
-/// Within this distance of its last turn the robot turns to the same side: the obstacle is the
-/// same.
+// Within this distance of its last turn the robot turns to the same side: the obstacle is the
+// same.
 constexpr double kSameObstacleM = 0.7;
-/// Added to the turn margin while backing up, so that the room still suffices if odometry slips a
-/// little.
+// Added to the turn margin while backing up, so that the room still suffices if odometry slips a
+// little.
 constexpr double kRoomToTurnM = 0.03;
 
 constexpr double kEndless = std::numeric_limits<double>::infinity();
 
-/// The nearer of two free directions, positive left; empty if there is none or both are equally
-/// near.
+// The nearer of two free directions, positive left; empty if there is none or both are equally
+// near.
 std::optional<double> nearer_direction(const FreeNeighbours& near) {
   if (near.left_rad && near.right_rad && *near.left_rad == -*near.right_rad) {
     return std::nullopt;
@@ -116,8 +116,8 @@ Decision Navigator::behave(const Situation& now) {
   return turn(space, now);
 }
 
-/// Roams by plan, or steers, as far as there is room; empty when the robot is stationary and must
-/// turn to go on.
+// Roams by plan, or steers, as far as there is room; empty when the robot is stationary and must
+// turn to go on.
 std::optional<Decision> Navigator::drive_ahead(const FreeSpace& space, const Situation& now) {
   const bool roams = params_.planner.roams && !now.goal && now.local_map != nullptr;
   if (roams) {
@@ -135,7 +135,7 @@ std::optional<Decision> Navigator::drive_ahead(const FreeSpace& space, const Sit
   return std::nullopt;
 }
 
-/// A dock is reached otherwise. At another goal the robot must arrive anew.
+// A dock is reached otherwise. At another goal the robot must arrive anew.
 void Navigator::watch_arrival(const Situation& now) {
   if (!now.goal || now.goal->heading) {
     arrived_map_.reset();
@@ -147,14 +147,14 @@ void Navigator::watch_arrival(const Situation& now) {
   arrived_map_ = has_arrived(*now.goal, had_arrived) ? std::optional(goal_map) : std::nullopt;
 }
 
-/// A goal takes over.
+// A goal takes over.
 void Navigator::end_turn() {
   turn_.end();
   back_up_.end();  // otherwise the trail would not be recorded
 }
 
-/// Before the laser has looked ahead the robot must not turn away from a ramp, which looks like an
-/// obstacle in the first scans.
+// Before the laser has looked ahead the robot must not turn away from a ramp, which looks like an
+// obstacle in the first scans.
 void Navigator::watch_first_look(const Situation& now) {
   has_looked_ = has_looked_ || now.has_seen(0.0);
 }

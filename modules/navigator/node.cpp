@@ -14,10 +14,10 @@ namespace {
 
 using Input = InputSenders::Input;
 
-/// A laser whose sweeps are shorter than this is held.
+// A laser whose sweeps are shorter than this is held.
 constexpr double kHeldRad = geometry::deg_to_rad(0.1);
 
-/// No sweep is shorter: 15 scans. A gap in the scans no longer than this is driven through slowly.
+// No sweep is shorter: 15 scans. A gap in the scans no longer than this is driven through slowly.
 constexpr double kShortGapS = 0.2;
 
 }  // namespace
@@ -49,8 +49,8 @@ InputSenders::Message NavigatorNode::from_bus(time::Timestamp stamp) const {
   return {stamp, context_.bus.origin().sender};
 }
 
-/// Follows the sender of the message being handled. Counts the message and returns false if another
-/// one is followed.
+// Follows the sender of the message being handled. Counts the message and returns false if another
+// one is followed.
 bool NavigatorNode::follow_sender(InputSenders::Input input, time::Timestamp stamp) {
   if (senders_.follow(input, from_bus(stamp), newest_.stamps)) {
     return true;
@@ -98,7 +98,7 @@ void NavigatorNode::on_scan(const nodmap::scan_t& message) {
   navigator_.add_scan(scan_, geometry::to_se2(*T_odom_base), newest_.laser_is_held);
 }
 
-/// Not every base has range finders. Without them nobody who comes from behind is noticed.
+// Not every base has range finders. Without them nobody who comes from behind is noticed.
 void NavigatorNode::on_base_sensors(const nodmap::base_sensors_t& message) {
   const auto T_odom_base = odometry_history_.at(node::stamp_of(message));
   if (!T_odom_base) {
@@ -140,8 +140,8 @@ void NavigatorNode::on_odometry(const nodmap::odometry_t& message) {
   }
 }
 
-/// The publisher counts from the start again, so its odom frame is a new one. The map, the
-/// navigator's memory and the correction to the map frame belong to the old one.
+// The publisher counts from the start again, so its odom frame is a new one. The map, the
+// navigator's memory and the correction to the map frame belong to the old one.
 void NavigatorNode::begin_odometry_frame(time::Timestamp stamp) {
   odometry_frame_began_ = stamp;
   newest_.forget_odom_frame();
@@ -195,9 +195,9 @@ void NavigatorNode::on_goal(const nodmap::goal_t& message) {
   newest_.goal = read_goal(message);
 }
 
-/// Moves the goal in odom. A stale or missing pose is no reason to halt: it leads the robot to
-/// another place, but not into an obstacle. With a pose that is LOST the goal could be anywhere, so
-/// a robot on the way to one halts.
+// Moves the goal in odom. A stale or missing pose is no reason to halt: it leads the robot to
+// another place, but not into an obstacle. With a pose that is LOST the goal could be anywhere, so
+// a robot on the way to one halts.
 void NavigatorNode::on_pose(const nodmap::pose_t& message) {
   const auto T_map_odom = node::read_pose(message.odom_position_m, message.odom_orientation);
   if (T_map_odom) {
@@ -216,7 +216,7 @@ void NavigatorNode::on_pose(const nodmap::pose_t& message) {
   watch_slip(message);
 }
 
-/// Only while 2D SLAM is sure in all directions: along a bare corridor it follows the wheels.
+// Only while 2D SLAM is sure in all directions: along a bare corridor it follows the wheels.
 void NavigatorNode::watch_slip(const nodmap::pose_t& message) {
   const auto T_odom_base = odometry_history_.at(node::stamp_of(message));
   if (message.state != nodmap::pose_t::TRACKING || !T_odom_base) {
@@ -231,14 +231,14 @@ void NavigatorNode::watch_slip(const nodmap::pose_t& message) {
   }
 }
 
-/// Remains in force until a message releases it, even if the sender has ended.
+// Remains in force until a message releases it, even if the sender has ended.
 void NavigatorNode::on_stop(const nodmap::stop_t& message) {
   context_.counts.use();
   stop_latch_.take(message);
   newest_.stopped_by = stop_latch_.stopped_by();
 }
 
-/// If a short gap in the scans is the only reason, the navigator keeps what it has seen.
+// If a short gap in the scans is the only reason, the navigator keeps what it has seen.
 Decision NavigatorNode::halt(Reason reason) {
   StalenessParams limits = params_.staleness;
   limits.map_s = std::max(limits.map_s, kShortGapS);

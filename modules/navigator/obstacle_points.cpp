@@ -8,7 +8,7 @@
 namespace nodmap::navigator {
 namespace {
 
-/// Tolerance: distance and point are 32-bit copies of the same numbers.
+// Tolerance: distance and point are 32-bit copies of the same numbers.
 bool fits(double distance_m, const Eigen::Vector2d& p) {
   return std::isfinite(distance_m) && distance_m >= 0.0 && p.allFinite() &&
          std::abs(p.norm() - distance_m) <= 1e-3 * (1.0 + distance_m);

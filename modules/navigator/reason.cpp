@@ -12,7 +12,7 @@ struct Sentence {
   const char* text;  // % stands for Reason::about
 };
 
-/// The sentence of each reason, in the order of Why.
+// The sentence of each reason, in the order of Why.
 constexpr auto kSentences = std::to_array<Sentence>({
     {Why::kNothingToAdd, ""},
     {Why::kStopped, "Stopped by %."},

@@ -18,9 +18,9 @@ constexpr std::array<Names, 6> kNames{
      {"OBSTACLE_MAP", "other_sender_of_obstacle_map"},
      {"BASE_SENSORS", "other_sender_of_base_sensors"}}};  // by input
 
-/// The time by which an input is watched. Odometry comes all the time, so its stamps are the clock
-/// of the other inputs; for odometry itself it is the readings of the servo. A step back begins
-/// anew.
+// The time by which an input is watched. Odometry comes all the time, so its stamps are the clock
+// of the other inputs; for odometry itself it is the readings of the servo. A step back begins
+// anew.
 time::SteadyTime clock_of(Input input, time::Timestamp otherwise, const InputStamps& stamps) {
   const auto& newest = input == Input::kOdometry ? stamps.pitch_state : stamps.odometry;
   return time::SteadyTime(newest.value_or(otherwise).time_since_epoch());

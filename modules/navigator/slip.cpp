@@ -5,12 +5,12 @@ namespace nodmap::navigator {
 namespace {
 
 constexpr time::Duration kWindow = 1s;
-/// With fewer poses there is no other interval to compare with.
+// With fewer poses there is no other interval to compare with.
 constexpr std::size_t kLeastPoses = 3;
 constexpr double kLeastDistanceM = 0.12;
-/// Without any one interval the wheels must still count this much.
+// Without any one interval the wheels must still count this much.
 constexpr double kLeastRestM = 0.06;
-/// The wheels slip if, by 2D SLAM, the robot has moved less than this fraction of what they count.
+// The wheels slip if, by 2D SLAM, the robot has moved less than this fraction of what they count.
 constexpr double kMovedFraction = 0.33;
 
 }  // namespace
@@ -33,7 +33,7 @@ std::optional<Eigen::Vector2d> SlipMonitor::update(time::Timestamp stamp,
   return by_wheels;
 }
 
-/// Whether there is slip over all poses, and also without any one of the intervals between them.
+// Whether there is slip over all poses, and also without any one of the intervals between them.
 bool SlipMonitor::is_slip() const {
   const auto shows_slip = [](const Eigen::Vector2d& by_wheels, const Eigen::Vector2d& by_slam,
                              double least_m) {

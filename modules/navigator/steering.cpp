@@ -7,7 +7,7 @@
 namespace nodmap::navigator {
 namespace {
 
-/// The side changes only if a free direction on the other side is nearer by this angle.
+// The side changes only if a free direction on the other side is nearer by this angle.
 constexpr double kOtherSideRad = geometry::deg_to_rad(30.0);
 
 double longest_distance(const FreeSpace& space) {
@@ -46,8 +46,8 @@ FreeSpace seen_space(const FreeSpace& space, const Situation& now) {
   return result;
 }
 
-/// Prefers corridors in which the robot can also turn. If there is none, those that it fits through
-/// will do.
+// Prefers corridors in which the robot can also turn. If there is none, those that it fits through
+// will do.
 FreeSpace Steering::preferred_space(const FreeSpace& free_space, const Situation& now) const {
   const double turning_margin_m = body_.turning_radius_m() + turn_.margin_m - body_.half_width_m;
   const FreeSpace wide =
@@ -85,7 +85,7 @@ std::optional<double> Steering::roaming_direction(const FreeSpace& space, double
   return roaming_side_ == Side::kLeft ? near.left_rad : near.right_rad;
 }
 
-/// The arc whose chord has this direction (pure pursuit), or a flatter one if that is blocked.
+// The arc whose chord has this direction (pure pursuit), or a flatter one if that is blocked.
 std::optional<Arc> Steering::arc_towards(double direction_rad, const Situation& now) const {
   const double chord_m =
       now.goal ? std::clamp(now.goal->distance_m, 0.2, params_.chord_m) : params_.chord_m;

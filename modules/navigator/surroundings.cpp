@@ -11,15 +11,15 @@
 namespace nodmap::navigator {
 namespace {
 
-/// The robot waits for what approaches within this distance of its turning circle: a person at
-/// 1.5 m/s covers it in 0.4 s, and a rotation stops in 0.2 s. While driving the distance is longer
-/// by what the robot covers in the time that it needs to stop from 1.5 m/s.
+// The robot waits for what approaches within this distance of its turning circle: a person at
+// 1.5 m/s covers it in 0.4 s, and a rotation stops in 0.2 s. While driving the distance is longer
+// by what the robot covers in the time that it needs to stop from 1.5 m/s.
 constexpr double kApproachM = 0.6;
 constexpr double kApproachS = 0.5;
-/// Doubtful ground counts up to this far beyond the turning circle, because arcs swing the rear
-/// out.
+// Doubtful ground counts up to this far beyond the turning circle, because arcs swing the rear
+// out.
 constexpr double kDoubtfulM = 0.1;
-/// For this long after somebody walked the obstacle map may still contain them.
+// For this long after somebody walked the obstacle map may still contain them.
 constexpr time::Duration kPassed = 20s;
 
 }  // namespace
@@ -106,7 +106,7 @@ std::optional<Reason> Surroundings::reason_to_wait(time::Timestamp stamp) const 
   return std::nullopt;
 }
 
-/// Slows down after a gap in the scans. A laser that is held looks everywhere with the next one.
+// Slows down after a gap in the scans. A laser that is held looks everywhere with the next one.
 void Surroundings::slow_down_after_gap(Situation& now) {
   gap_.update(now.sweep_count);
   if (now.laser_is_held) {
@@ -115,9 +115,9 @@ void Surroundings::slow_down_after_gap(Situation& now) {
   now.max_forward_mps *= gap_.speed_ratio();
 }
 
-/// Slows down near slopes, and removes points of the obstacle map that are ground. That map
-/// measures heights above the plane on which the robot stands, so it takes sloped ground for
-/// obstacles; the local map, made from the same scans, knows better.
+// Slows down near slopes, and removes points of the obstacle map that are ground. That map
+// measures heights above the plane on which the robot stands, so it takes sloped ground for
+// obstacles; the local map, made from the same scans, knows better.
 void Surroundings::slow_down_near_slopes(Situation& now) const {
   if (!local_map_.has_scan() || local_map_.ground().is_level()) {
     return;
@@ -126,8 +126,8 @@ void Surroundings::slow_down_near_slopes(Situation& now) const {
   erase_free_floor(now);
 }
 
-/// Adds the people who walk, and removes points of the obstacle map that they are or have left
-/// behind. Watches what else approaches.
+// Adds the people who walk, and removes points of the obstacle map that they are or have left
+// behind. Watches what else approaches.
 void Surroundings::add_people(Situation& now) {
   now.people = people_.people_base(now.stamp, now.T_odom_base);
   if (!now.people.empty()) {
@@ -152,8 +152,8 @@ void Surroundings::watch_approach(const Situation& now, const Points& points_bas
                    sees_floor(now) ? &local_map_ : nullptr, now.laser_is_held);
 }
 
-/// Adds the obstacles of the local map. Must follow watch_approach(): a low sill that is first seen
-/// when it is near has not approached.
+// Adds the obstacles of the local map. Must follow watch_approach(): a low sill that is first seen
+// when it is near has not approached.
 void Surroundings::add_local_map(Situation& now) const {
   if (!local_map_.has_scan()) {
     return;
@@ -169,14 +169,14 @@ void Surroundings::add_local_map(Situation& now) const {
   }
 }
 
-/// Adds what stands beside or behind the robot. Must follow add_people(), which removes points.
+// Adds what stands beside or behind the robot. Must follow add_people(), which removes points.
 void Surroundings::add_standing(Situation& now) const {
   const Points standing = proximity_.points_base(now.T_odom_base);
   now.points_base.insert(now.points_base.end(), standing.begin(), standing.end());
 }
 
-/// Adds the boundary of the geofence. Must follow watch_approach(), because the boundary moves when
-/// the pose is corrected.
+// Adds the boundary of the geofence. Must follow watch_approach(), because the boundary moves when
+// the pose is corrected.
 void Surroundings::add_geofence(Situation& now) const {
   if (now.geofence == nullptr) {
     return;
@@ -189,22 +189,22 @@ void Surroundings::add_geofence(Situation& now) const {
   }
 }
 
-/// How far from base an obstacle must count, so that the robot stops before it from its fastest
-/// speed.
+// How far from base an obstacle must count, so that the robot stops before it from its fastest
+// speed.
 double Surroundings::longest_stop_m() const {
   return body_.turning_radius_m() + params_.robot.braking.required_distance_m(
                                         params_.drive.max_forward_mps, params_.drive.reaction_s);
 }
 
-/// Removes points of the obstacle map where the local map, made from the same scans, knows only
-/// floor: slopes, and people who have passed beside or behind the robot.
+// Removes points of the obstacle map where the local map, made from the same scans, knows only
+// floor: slopes, and people who have passed beside or behind the robot.
 void Surroundings::erase_free_floor(Situation& now) const {
   std::erase_if(now.points_base, [&](const Eigen::Vector2d& p_base) {
     return local_map_.is_free_floor(now.T_odom_base * p_base);
   });
 }
 
-/// A laser that is held level sees no floor, so only its points count.
+// A laser that is held level sees no floor, so only its points count.
 bool Surroundings::sees_floor(const Situation& now) const {
   return local_map_.has_scan() && !now.laser_is_held;
 }

@@ -13,10 +13,10 @@ namespace {
 constexpr double kSpacingM = 0.03;
 constexpr double kSpacingRad = geometry::deg_to_rad(5.0);
 constexpr std::size_t kMaxPoses = 170;
-/// Distance back to the pose that the arc leads to: so short that the arc follows the trail.
+// Distance back to the pose that the arc leads to: so short that the arc follows the trail.
 constexpr double kLookBackM = 0.08;
-/// Up to this rotation from the heading of the trail the body stays on the strip that it has
-/// driven, within the margin it kept there.
+// Up to this rotation from the heading of the trail the body stays on the strip that it has
+// driven, within the margin it kept there.
 constexpr double kMaxRotationRad = geometry::deg_to_rad(10.0);
 
 bool is_near(const geometry::SE2& a, const geometry::SE2& b) {

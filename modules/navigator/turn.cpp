@@ -11,16 +11,16 @@ namespace {
 
 using Kind = TurnCommand::Kind;
 
-/// A rotation ends this far before an obstacle; a shorter one is not begun.
+// A rotation ends this far before an obstacle; a shorter one is not begun.
 constexpr double kLeastRotationRad = geometry::deg_to_rad(5.0);
-/// Backs up until it can rotate this far. Less has just been tried.
+// Backs up until it can rotate this far. Less has just been tried.
 constexpr double kWorthwhileRotationRad = geometry::deg_to_rad(150.0);
-/// Deceleration of a rotation, a third of what the wheels can do.
+// Deceleration of a rotation, a third of what the wheels can do.
 constexpr double kDecelerationRadS2 = 5.0;
-/// After backing up it rotates at least this far.
+// After backing up it rotates at least this far.
 constexpr double kTurnAwayRad = geometry::deg_to_rad(60.0);
 constexpr double kStationaryRadS = 0.1;
-/// Rotates this far beyond the first free direction: the base's slowest yaw rate is 0.05 rad/s.
+// Rotates this far beyond the first free direction: the base's slowest yaw rate is 0.05 rad/s.
 constexpr double kBeyondRad = geometry::deg_to_rad(3.0);
 constexpr double kFullRotationRad = 2.0 * geometry::kPi;
 
@@ -49,7 +49,7 @@ void Turn::begin(const TurnInput& input, Side preferred_side) {
   consider_room(input);
 }
 
-/// Changes the side, or decides to back up, if obstacles end the rotation before a free direction.
+// Changes the side, or decides to back up, if obstacles end the rotation before a free direction.
 void Turn::consider_room(const TurnInput& input) {
   const bool here = leads_out(input.on(side_));
   const bool there = leads_out(input.on(opposite(side_)));

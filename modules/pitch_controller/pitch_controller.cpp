@@ -183,8 +183,8 @@ InhibitReason PitchController::inhibit_reason(time::Timestamp now) const {
   return meter_.last_two_sweeps() && !late ? InhibitReason::kNone : InhibitReason::kNotNodding;
 }
 
-/// The bound of the sweeps to come. What the laser has measured counts no more for what appears
-/// from now on; it shows how the servo follows the plan.
+// The bound of the sweeps to come. What the laser has measured counts no more for what appears
+// from now on; it shows how the servo follows the plan.
 double PitchController::bound_of_coming_sweeps() const {
   const DetectionParams& detection = params_.detection;
   ComingSweeps sweeps;
@@ -197,7 +197,7 @@ double PitchController::bound_of_coming_sweeps() const {
                   params_.speed.top_mps);
 }
 
-/// The speed bound of a 2D scanner, which is blind above and below its plane.
+// The speed bound of a 2D scanner, which is blind above and below its plane.
 double PitchController::bound_of_level_laser() const {
   const DetectionParams& detection = params_.detection;
   const double reaction_s = detection.scan_period_s + detection.processing_s;

@@ -22,7 +22,7 @@ constexpr double kFinestSpacingRad = geometry::deg_to_rad(0.25);
 // robot; this many iterations are exact to a microsecond.
 constexpr int kIterations = 16;
 
-/// The rate of a sweep that takes `sweep_s`: the inverse of HeadLimits::sweep_s().
+// The rate of a sweep that takes `sweep_s`: the inverse of HeadLimits::sweep_s().
 double rate_of(double range_rad, double sweep_s, const robot::HeadLimits& head) {
   const double a = head.pitch_acceleration_rad_s2;
   const double root = sweep_s * sweep_s - 4.0 * range_rad / a;

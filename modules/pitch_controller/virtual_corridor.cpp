@@ -14,8 +14,8 @@ constexpr double kNearestM = 0.05;
 constexpr int kRevisitIterations = 12;
 constexpr double kSteepestRad = geometry::deg_to_rad(89.9);
 
-/// The distance beyond which a line at `angle_rad` to the horizontal is at least `height_m` above
-/// or below the axis.
+// The distance beyond which a line at `angle_rad` to the horizontal is at least `height_m` above
+// or below the axis.
 double reaches_from_m(double height_m, double angle_rad) {
   if (height_m <= 0.0) {
     return angle_rad >= 0.0 ? 0.0 : std::numeric_limits<double>::infinity();

@@ -26,21 +26,21 @@ constexpr int kTopLevel = LikelihoodGrid::kTopLevel;
 constexpr int kTopCells = LikelihoodGrid::kTopCells;
 constexpr double kMaxMomentArmM = 15.0;  // points beyond may move by more than a cell
 
-/// The cells of the points of a scan, rotated by one angle, at the middle of the window.
+// The cells of the points of a scan, rotated by one angle, at the middle of the window.
 using Cells = std::vector<Eigen::Vector2i>;
 
-/// A square of 2^level poses along each side, all rotated by the same angle.
+// A square of 2^level poses along each side, all rotated by the same angle.
 struct Node {
-  int bound = 0;  ///< no pose in it has a larger sum of likelihoods
+  int bound = 0;  // no pose in it has a larger sum of likelihoods
   std::int16_t level = 0;
   std::int16_t rotation = 0;
-  std::int16_t x = 0;  ///< cells from the middle of the window
+  std::int16_t x = 0;  // cells from the middle of the window
   std::int16_t y = 0;
 };
 
-/// Gives the node with the largest bound first, and of several the one that was pushed first.
-/// Bounds are whole numbers, so that a list for each of them takes the place of a heap, which would
-/// take half of the time of a large search.
+// Gives the node with the largest bound first, and of several the one that was pushed first.
+// Bounds are whole numbers, so that a list for each of them takes the place of a heap, which would
+// take half of the time of a large search.
 class NodeQueue {
  public:
   explicit NodeQueue(int max_bound) : lists_(static_cast<std::size_t>(max_bound) + 1) {}
@@ -54,7 +54,7 @@ class NodeQueue {
     largest_ = std::max(largest_, static_cast<std::size_t>(node.bound));
   }
 
-  /// Empty when no node is left.
+  // Empty when no node is left.
   [[nodiscard]] std::optional<Node> pop() {
     while (largest_ > 0 && lists_[largest_].first == kNone) {
       --largest_;
@@ -83,8 +83,8 @@ class NodeQueue {
   std::size_t largest_ = 0;
 };
 
-/// One search. Its queue holds the nodes with the largest bound first, so that the first single
-/// pose that it gives is the best of all.
+// One search. Its queue holds the nodes with the largest bound first, so that the first single
+// pose that it gives is the best of all.
 class Search {
  public:
   Search(const LikelihoodGrid& grid, std::span<const Eigen::Vector2d> points_base,
@@ -109,7 +109,7 @@ class Search {
     }
   }
 
-  /// `ratio`: poses that score less than this part of the best are not needed.
+  // `ratio`: poses that score less than this part of the best are not needed.
   void begin(int min_sum, double ratio) {
     min_sum_ = min_sum;
     const int stride = static_cast<int>(kStride);
@@ -127,8 +127,8 @@ class Search {
     }
   }
 
-  /// The next best single pose, or one with bound 0 when none is left above the minimum. Squares
-  /// for which `skip` holds are left out.
+  // The next best single pose, or one with bound 0 when none is left above the minimum. Squares
+  // for which `skip` holds are left out.
   template <typename Skip>
   Node next_pose(Skip skip) {
     while (is_complete()) {
@@ -175,12 +175,12 @@ class Search {
     return cells;
   }
 
-  /// The cells of the points at one of the angles, from -rotations_ to rotations_.
+  // The cells of the points at one of the angles, from -rotations_ to rotations_.
   [[nodiscard]] const Cells& rotated(int rotation) const {
     return rotated_[static_cast<std::size_t>(std::int64_t{rotation} + rotations_)];
   }
 
-  /// Keeps the squares of the top level that reach the minimum; returns the best of them.
+  // Keeps the squares of the top level that reach the minimum; returns the best of them.
   [[nodiscard]] std::optional<Node> push_all(int rotation) {
     std::optional<Node> best;
     const Cells& cells = rotated(rotation);
@@ -205,7 +205,7 @@ class Search {
     return grid_.is_allowed(level, middle_.x() + x, middle_.y() + y);
   }
 
-  /// The first squares of rows of squares side by side, which together hold all allowed ones.
+  // The first squares of rows of squares side by side, which together hold all allowed ones.
   [[nodiscard]] std::vector<Eigen::Vector2i> allowed_chunks() const {
     std::vector<Eigen::Vector2i> chunks;
     for (int y = -steps_; y <= steps_; y += kTopCells) {
@@ -235,7 +235,7 @@ class Search {
     return make_node(bound, level, rotation, x, y);
   }
 
-  /// The quarters of a square that reach the minimum.
+  // The quarters of a square that reach the minimum.
   [[nodiscard]] boost::container::static_vector<Node, 4> children_of(const Node& node) {
     boost::container::static_vector<Node, 4> children;
     const int half = 1 << (node.level - 1);
@@ -252,8 +252,8 @@ class Search {
     return children;
   }
 
-  /// The sum at a good pose in a square: the best quarter of the best quarter. 0 when none reaches
-  /// the minimum.
+  // The sum at a good pose in a square: the best quarter of the best quarter. 0 when none reaches
+  // the minimum.
   [[nodiscard]] int dive(Node node) {
     while (node.level > 0) {
       const auto children = children_of(node);
@@ -280,7 +280,7 @@ class Search {
   NodeQueue queue_;
 };
 
-/// Whether all poses of a square are near a peak.
+// Whether all poses of a square are near a peak.
 bool is_near(const Node& node, const Node& peak, double distance_cells, double rotation_step_rad) {
   const int last = (1 << node.level) - 1;
   const double x = std::max(std::abs(node.x - peak.x), std::abs(node.x + last - peak.x));
@@ -292,7 +292,7 @@ bool is_near(const Node& node, const Node& peak, double distance_cells, double r
          x * x + y * y <= distance_cells * distance_cells;
 }
 
-/// At most `kMaxSearchPoints` of the points, spread over all.
+// At most `kMaxSearchPoints` of the points, spread over all.
 std::vector<Eigen::Vector2d> some_of(std::span<const Eigen::Vector2d> points) {
   const std::size_t num_points = std::min(points.size(), kMaxSearchPoints);
   std::vector<Eigen::Vector2d> some;

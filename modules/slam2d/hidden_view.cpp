@@ -6,8 +6,8 @@
 namespace nodmap::slam2d {
 namespace {
 
-/// Whether most points of a scan lie in space that was free before: either people surround the
-/// robot or it is elsewhere.
+// Whether most points of a scan lie in space that was free before: either people surround the
+// robot or it is elsewhere.
 bool is_mostly_moving(const LevelScan& stationary, const LevelScan& all_points) {
   return 2 * stationary.points_base.size() < all_points.points_base.size();
 }
@@ -21,7 +21,7 @@ LevelScan without_moving_points(const HiddenView::Known& known, const LevelScan&
   return scan;
 }
 
-/// Whether odometry goes on so smoothly that the robot cannot be elsewhere.
+// Whether odometry goes on so smoothly that the robot cannot be elsewhere.
 bool is_smooth(const HiddenView::Known& known, const LevelScan& scan, const Start& start) {
   return start.guesses.size() == 1 && !known.doubt.is_there() &&
          known.pose_guesses.is_fast(scan.stamp);

@@ -11,7 +11,7 @@ namespace {
 // A ray may be longer than its neighbours by this factor, as it is on walls seen at a flat angle.
 constexpr double kMaxLengthRatio = 1.5;
 
-/// Calls `visit` with both ends of each ray in map, and whether something was hit at the second.
+// Calls `visit` with both ends of each ray in map, and whether something was hit at the second.
 template <typename Visit>
 void for_each_ray(const Keyframe& keyframe, const geometry::SE2& T_map_base, Visit visit) {
   const std::vector<double> believed_m = believed_lengths(keyframe);
@@ -31,7 +31,7 @@ void for_each_ray(const Keyframe& keyframe, const geometry::SE2& T_map_base, Vis
   }
 }
 
-/// Whether points at a typical range move by more than `distance_m` between the two poses.
+// Whether points at a typical range move by more than `distance_m` between the two poses.
 bool has_moved(const geometry::SE2& from, const geometry::SE2& to, double distance_m) {
   constexpr double kTypicalRangeM = 5.0;
   return std::hypot(to.x - from.x, to.y - from.y) +

@@ -21,7 +21,7 @@ constexpr double kParallelM = 0.06;
 // match together are smaller.
 constexpr double kOnWallM = 0.05;
 
-/// Towards the free cells around an occupied one; zero where they are on all sides or on none.
+// Towards the free cells around an occupied one; zero where they are on all sides or on none.
 Eigen::Vector2d normal_at(const TrinaryGrid& grid, int x, int y) {
   const int reach = std::max(1, static_cast<int>(std::lround(kNormalRadiusM / grid.cell_size_m)));
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
@@ -101,7 +101,7 @@ LikelihoodGrid likelihood_of(const PointMap& map, const std::vector<Eigen::Vecto
   return {points, kLikelihoodCellM, free};
 }
 
-/// The middles of all free cells, in map.
+// The middles of all free cells, in map.
 std::vector<Eigen::Vector2d> free_places(const TrinaryGrid& grid) {
   std::vector<Eigen::Vector2d> places;
   for (int y = 0; y < grid.height; ++y) {
@@ -114,7 +114,7 @@ std::vector<Eigen::Vector2d> free_places(const TrinaryGrid& grid) {
   return places;
 }
 
-/// The smallest window that holds all places.
+// The smallest window that holds all places.
 SearchWindow window_around(const std::vector<Eigen::Vector2d>& places) {
   SearchWindow window;
   window.rotation_rad = geometry::kPi;

@@ -11,7 +11,7 @@ namespace {
 constexpr int kStampCells = 2;  // on each side of the one a point lies in
 constexpr double kStampSigmaCells = 1.0;
 
-/// 16 bytes that are added at once. Eigen has no such type of bytes.
+// 16 bytes that are added at once. Eigen has no such type of bytes.
 using Bytes = std::uint8_t __attribute__((vector_size(LikelihoodGrid::kRowChunk)));
 constexpr int kTopStep = 17;  // 255 in 15 steps
 
@@ -60,7 +60,7 @@ LikelihoodGrid::LikelihoodGrid(std::span<const Eigen::Vector2d> points, double c
   set_allowed(allowed);
 }
 
-/// `box`: what the grid covers at least.
+// `box`: what the grid covers at least.
 void LikelihoodGrid::draw(std::span<const Eigen::Vector2d> points, const Eigen::AlignedBox2d& box) {
   // Windows that reach into the grid begin before it.
   const double before = ((1 << kTopLevel) + kStampCells) * cell_size_m_;

@@ -109,7 +109,7 @@ PoseUpdate Localiser::track(const LevelScan& scan) {
   return update;
 }
 
-/// Matches from the pose by odometry or, if that does not fit, from poses around it.
+// Matches from the pose by odometry or, if that does not fit, from poses around it.
 std::optional<Match> Localiser::match(const LevelScan& scan) {
   const geometry::SE2 T_map_guess = T_map_odom_ * scan.T_odom_base;
   const Match tracked = matcher_.match(map_.points(), scan.points_base, T_map_guess);
@@ -130,7 +130,7 @@ std::optional<Match> Localiser::match(const LevelScan& scan) {
   return std::nullopt;
 }
 
-/// Searches all places in reach. Until the scan fits only one of them, it is matched from odometry.
+// Searches all places in reach. Until the scan fits only one of them, it is matched from odometry.
 std::optional<Match> Localiser::match_in_doubt(const LevelScan& scan) {
   const geometry::SE2 T_map_guess = T_map_odom_ * scan.T_odom_base;
   if (is_search_due(scan)) {
@@ -158,7 +158,7 @@ bool Localiser::fits(const LevelScan& scan, const Match& match) const {
   return match.score - walls.through_walls >= params_.localise.min_score;
 }
 
-/// A place that a search has found, to be confirmed from farther on.
+// A place that a search has found, to be confirmed from farther on.
 void Localiser::take_place(const geometry::SE2& T_map_base, const LevelScan& scan) {
   state_ = State::kUnconfirmed;
   T_map_odom_ = T_map_base * scan.T_odom_base.inverse();
@@ -189,8 +189,8 @@ void Localiser::follow_odometry(const LevelScan& scan, PoseUpdate& update) {
   }
 }
 
-/// Whether a scan that does not fit makes the robot lost. A place that was never confirmed, or is
-/// in doubt, is given up at once.
+// Whether a scan that does not fit makes the robot lost. A place that was never confirmed, or is
+// in doubt, is given up at once.
 bool Localiser::is_misfit_lost(time::Timestamp stamp) const {
   return state_ == State::kUnconfirmed || doubt_.is_there() ||
          std::chrono::abs(stamp - *misfit_since_) >=

@@ -20,7 +20,7 @@ double rotation_between(const geometry::SE2& a, const geometry::SE2& b) {
   return std::abs(geometry::angle_difference(a.yaw, b.yaw));
 }
 
-/// A start pose is more certain than the pose by odometry, for which `params` are chosen.
+// A start pose is more certain than the pose by odometry, for which `params` are chosen.
 MatcherParams from_near(MatcherParams params) {
   params.max_correspondence_distance_m =
       std::min(params.max_correspondence_distance_m, kTrackReachM);

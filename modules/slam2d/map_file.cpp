@@ -85,8 +85,8 @@ std::string contents_of(const std::filesystem::path& file) {
   return contents.str();
 }
 
-/// Lets an existing map.yaml name a copy of its image, so that map.pgm can be replaced before
-/// map.yaml is. Needs to do nothing if map.yaml stays as it is, or names another image already.
+// Lets an existing map.yaml name a copy of its image, so that map.pgm can be replaced before
+// map.yaml is. Needs to do nothing if map.yaml stays as it is, or names another image already.
 std::error_code keep_previous_image(const std::filesystem::path& dir, std::string_view new_yaml) {
   std::string yaml = contents_of(dir / "map.yaml");
   if (yaml == new_yaml || !yaml.starts_with(kImageLine) ||
@@ -102,13 +102,13 @@ std::error_code keep_previous_image(const std::filesystem::path& dir, std::strin
   throw formats::InputFileError(file.string() + ": " + reason);
 }
 
-/// `negate` of map.yaml: a number, as ROS writes it, or a boolean.
+// `negate` of map.yaml: a number, as ROS writes it, or a boolean.
 bool read_negate(const YAML::Node& negate) {
   int number = 0;
   return YAML::convert<int>::decode(negate, number) ? number != 0 : negate.as<bool>();
 }
 
-/// A number that must be in a range; `fallback`: if it is not there.
+// A number that must be in a range; `fallback`: if it is not there.
 double read_number(const std::filesystem::path& file, const YAML::Node& yaml, const char* key,
                    double min, double max, std::optional<double> fallback = std::nullopt) {
   const YAML::Node node = yaml[key];
@@ -128,7 +128,7 @@ double read_number(const std::filesystem::path& file, const YAML::Node& yaml, co
   return value;
 }
 
-/// What map.yaml says.
+// What map.yaml says.
 struct MapHeader {
   std::filesystem::path image;
   double cell_size_m = 0.0;
@@ -165,7 +165,7 @@ MapHeader read_header(const std::filesystem::path& file) {
   return header;
 }
 
-/// The next number of a PGM file's header, past comments.
+// The next number of a PGM file's header, past comments.
 int read_pgm_number(std::istream& in, const std::filesystem::path& file) {
   while ((in >> std::ws) && in.peek() == '#') {
     in.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
@@ -177,7 +177,7 @@ int read_pgm_number(std::istream& in, const std::filesystem::path& file) {
   return value;
 }
 
-/// A grey image, 0 black to 1 white, first row on top.
+// A grey image, 0 black to 1 white, first row on top.
 struct GreyImage {
   int width = 0;
   int height = 0;

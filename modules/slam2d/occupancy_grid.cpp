@@ -35,7 +35,7 @@ std::size_t place_in_tile(const Eigen::Vector2i& cell) {
          static_cast<std::size_t>(cell.x());
 }
 
-/// The grid lines across each axis from a cell of a tile to the borders in a direction.
+// The grid lines across each axis from a cell of a tile to the borders in a direction.
 Eigen::Vector2i lines_to_border(const Eigen::Vector2i& cell, const Eigen::Vector2i& direction) {
   return {direction.x() > 0 ? kTileCells - cell.x() : cell.x() + 1,
           direction.y() > 0 ? kTileCells - cell.y() : cell.y() + 1};
@@ -46,7 +46,7 @@ bool is_counted(const Eigen::Vector2i& cell, std::span<const CellRange> left_out
                       [&](const CellRange& range) { return range.has(cell); });
 }
 
-/// Whether the cells are the same in a map of free, occupied and unknown cells.
+// Whether the cells are the same in a map of free, occupied and unknown cells.
 bool looks_alike(const std::vector<std::int8_t>& a, const std::vector<std::int8_t>& b) {
   if (a.size() != b.size()) {
     return false;

@@ -11,13 +11,13 @@ constexpr double kNeighbourRadiusM = 0.3;
 // Neighbours on each side. Near a wall there are more within reach, but they add nothing.
 constexpr std::size_t kMaxNeighbours = 8;
 
-/// Sums over a point and its neighbours, relative to the point.
+// Sums over a point and its neighbours, relative to the point.
 struct NeighbourSums {
   double n = 1.0;  // the point itself
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   Eigen::Matrix2d outer = Eigen::Matrix2d::Zero();
 
-  /// Returns false, and adds nothing, for a point beyond a jump in range.
+  // Returns false, and adds nothing, for a point beyond a jump in range.
   bool add(const Eigen::Vector2d& d) {
     if (d.squaredNorm() > kNeighbourRadiusM * kNeighbourRadiusM) {
       return false;
@@ -29,7 +29,7 @@ struct NeighbourSums {
   }
 };
 
-/// A fraction of a motion. Within the 13 ms of a scan a straight line is as good as the arc.
+// A fraction of a motion. Within the 13 ms of a scan a straight line is as good as the arc.
 geometry::SE2 interpolate(const geometry::SE2& motion, double fraction) {
   return {fraction * motion.x, fraction * motion.y, fraction * motion.yaw};
 }

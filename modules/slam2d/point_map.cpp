@@ -18,7 +18,7 @@ constexpr double kMinNeighbours = 3.0;     // of a line, with the point itself
 // The cosine of the angle between normals that a rotation by 0.1 rad may make similar.
 constexpr double kMinLaterCosine = 0.41;
 
-/// std::floor is a dozen instructions without SSE4.
+// std::floor is a dozen instructions without SSE4.
 std::int32_t floor_to_int(double value) {
   const auto truncated = static_cast<std::int32_t>(value);
   return truncated - (static_cast<double>(truncated) > value ? 1 : 0);
@@ -236,7 +236,7 @@ const MapPoint* PointMap::nearest(const OrientedPoint& point, double max_distanc
   }
 }
 
-/// One search: the nearest points found so far. The others go into `around`.
+// One search: the nearest points found so far. The others go into `around`.
 struct PointMap::Search {
   const OrientedPoint& point;
   Neighbourhood& around;

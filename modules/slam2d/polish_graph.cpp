@@ -14,8 +14,8 @@ namespace {
 constexpr std::size_t kNeighbours = 3;  // submaps that a keyframe is matched against
 constexpr int kIterations = 20;
 
-/// The match as an edge from the nearest keyframe of the submap, since the graph may bend what lies
-/// between.
+// The match as an edge from the nearest keyframe of the submap, since the graph may bend what lies
+// between.
 PoseEdge2d edge_to_nearest(const Submap& submap, const Loop& loop, std::size_t keyframe) {
   std::size_t nearest = submap.first_keyframe;
   for (std::size_t k = nearest; k < submap.end_keyframe(); ++k) {

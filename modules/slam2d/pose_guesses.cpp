@@ -28,7 +28,7 @@ bool are_same(const geometry::SE2& a, const geometry::SE2& b) {
   return distance_m(a, b) <= kSameM && rotation_rad(a, b) <= kSameRad;
 }
 
-/// The distance between two poses, in units of the limits of are_same().
+// The distance between two poses, in units of the limits of are_same().
 double difference(const geometry::SE2& a, const geometry::SE2& b) {
   return distance_m(a, b) / kSameM + rotation_rad(a, b) / kSameRad;
 }

@@ -26,7 +26,7 @@ constexpr double kDeviationCost = 0.25;
 // Rounding of the bounds of scores.
 constexpr double kRounding = 1e-9;
 
-/// A part of the points, spread over the scan.
+// A part of the points, spread over the scan.
 std::vector<OrientedPoint> some_of(std::span<const OrientedPoint> scan) {
   const std::size_t stride = std::max<std::size_t>(1, scan.size() / kNumPoints);
   std::vector<OrientedPoint> some;
@@ -36,7 +36,7 @@ std::vector<OrientedPoint> some_of(std::span<const OrientedPoint> scan) {
   return some;
 }
 
-/// Mean over the points: 1 on a map point, 0 from `kMaxDistanceM` on.
+// Mean over the points: 1 on a map point, 0 from `kMaxDistanceM` on.
 double quick_score(const PointMap& map, std::span<const OrientedPoint> scan,
                    const geometry::SE2& T_target_base) {
   const Eigen::Matrix2d R = T_target_base.rotation();

@@ -34,8 +34,8 @@ MatcherParams matcher_params(MatcherParams params) {
   return params;
 }
 
-/// How well scans lie on the walls of the map, and not behind walls, if the last one was taken at
-/// `T_map_last` and odometry is right.
+// How well scans lie on the walls of the map, and not behind walls, if the last one was taken at
+// `T_map_last` and odometry is right.
 double mean_wall_score(const KnownMap& map, std::span<const LevelScan> scans,
                        const geometry::SE2& T_map_last) {
   double sum = 0.0;

@@ -97,15 +97,15 @@ nodmap::cleared_region_2d_t write_cleared(const ClearedRegion& cleared) {
   return message;
 }
 
-/// Whether no direction has less than no information, apart from rounding. A loop may leave a
-/// direction undetermined, for example along a corridor.
+// Whether no direction has less than no information, apart from rounding. A loop may leave a
+// direction undetermined, for example along a corridor.
 bool is_semidefinite(const Eigen::Matrix3d& information) {
   constexpr double kRounding = 1e-9;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(information, Eigen::EigenvaluesOnly);
   return solver.eigenvalues()[0] >= -kRounding * std::abs(solver.eigenvalues()[2]);
 }
 
-/// Builds a map from messages; throws if one of them cannot be part of it.
+// Builds a map from messages; throws if one of them cannot be part of it.
 class Reader {
  public:
   explicit Reader(const bus::MessageLogReader& log) : log_(log) {}

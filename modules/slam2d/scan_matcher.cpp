@@ -31,7 +31,7 @@ constexpr double kPointVarianceM2 = 10.0 * 0.02 * 0.02;
 constexpr double kConvergedM = 5e-4;
 constexpr double kConvergedRad = 1e-4;
 
-/// The weight w_ij of a correspondence (Geman and McClure): 1 at distance 0, 1/4 at its scale.
+// The weight w_ij of a correspondence (Geman and McClure): 1 at distance 0, 1/4 at its scale.
 class Kernel {
  public:
   explicit Kernel(double scale_m) : per_m2_(1.0 / (scale_m * scale_m)) {}
@@ -46,7 +46,7 @@ class Kernel {
 
 }  // namespace
 
-/// Sums over all correspondences of a scan at one pose.
+// Sums over all correspondences of a scan at one pose.
 struct ScanMatcher::Correspondences {
   explicit Correspondences(const Eigen::Vector2d& reference) : points(reference) {}
 

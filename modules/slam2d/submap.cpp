@@ -17,7 +17,7 @@ bool is_same_place(const geometry::SE2& a, const geometry::SE2& b) {
          std::abs(geometry::angle_difference(a.yaw, b.yaw)) <= kOnePlaceRad;
 }
 
-/// Whether a keyframe has at least `num_newer` newer ones at its place.
+// Whether a keyframe has at least `num_newer` newer ones at its place.
 bool is_replaced(std::span<const Keyframe> keyframes, std::size_t keyframe, int num_newer) {
   int found = 0;
   for (std::size_t k = keyframes.size(); k-- > keyframe + 1 && found < num_newer;) {

@@ -22,8 +22,8 @@ constexpr double kStepInformationFactor = 5.0;
 // be so long and uncertain, because the robot was lost on it, that composed() counts it as unknown.
 constexpr double kLeastStepInformation = 1e-6;
 
-/// The information of odometry on a step, in the frame of its start. The errors of wheels are
-/// systematic, not white noise: the numbers hold for 30 m.
+// The information of odometry on a step, in the frame of its start. The errors of wheels are
+// systematic, not white noise: the numbers hold for 30 m.
 Eigen::Matrix3d odometry_information(const geometry::SE2& step) {
   const double distance_m = std::hypot(step.x, step.y);
   const double sigma_m = 0.01 + 0.2 * distance_m;

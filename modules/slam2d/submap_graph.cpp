@@ -13,8 +13,8 @@ using registration::PoseEdge2d;
 using registration::PoseGraph2d;
 namespace {
 
-/// The size of a covariance as one number, m^2: the variance of the position plus that of a point 5
-/// m away due to the heading.
+// The size of a covariance as one number, m^2: the variance of the position plus that of a point 5
+// m away due to the heading.
 double size_of(const Eigen::Matrix3d& covariance) {
   constexpr double kYawMomentArmM = 5.0;
   return covariance(0, 0) + covariance(1, 1) + kYawMomentArmM * kYawMomentArmM * covariance(2, 2);
@@ -41,7 +41,7 @@ Eigen::Matrix3d moment_arm_jacobian(const Eigen::Vector2d& moment_arm) {
 
 namespace {
 
-/// The inverse of covariance_of(): directions that were unknown are unknown again.
+// The inverse of covariance_of(): directions that were unknown are unknown again.
 Eigen::Matrix3d information_of(const Eigen::Matrix3d& covariance) {
   constexpr double kUnknown = 1e4;  // covariance_of() gives 1e6 for an unknown direction
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);

@@ -69,7 +69,7 @@ NODMAP_AVX2 __m256i lanes(VoxelCode a, VoxelCode b, VoxelCode c, VoxelCode d) {
                            std::bit_cast<std::int64_t>(b), std::bit_cast<std::int64_t>(a));
 }
 
-/// `value_of` of each beam.
+// `value_of` of each beam.
 template <typename ValueOf>
 NODMAP_AVX2 auto lanes(std::span<const Beam, 4> beams, ValueOf value_of) {
   return lanes(value_of(beams[0]), value_of(beams[1]), value_of(beams[2]), value_of(beams[3]));
@@ -90,7 +90,7 @@ NODMAP_AVX2 FourBeams load(std::span<const Beam, 4> beams) {
           .step_z = lanes(beams, [](const Beam& beam) { return beam.steps[2]; })};
 }
 
-/// For each lane the value of its axis: x, y or neither.
+// For each lane the value of its axis: x, y or neither.
 NODMAP_AVX2 __m256i select(__m256d is_x, __m256d is_y, __m256i x, __m256i y, __m256i z) {
   const __m256d y_or_z = _mm256_blendv_pd(_mm256_castsi256_pd(z), _mm256_castsi256_pd(y), is_y);
   return _mm256_castpd_si256(_mm256_blendv_pd(y_or_z, _mm256_castsi256_pd(x), is_x));
@@ -115,7 +115,7 @@ NODMAP_AVX2 void enter_next_voxels(FourBeams& b) {
   b.voxel = _mm256_or_si256(_mm256_andnot_si256(others, sum), _mm256_and_si256(b.voxel, others));
 }
 
-/// A bit for each beam.
+// A bit for each beam.
 NODMAP_AVX2 unsigned are_at_end(const FourBeams& b) {
   const __m256d is_beyond =
       _mm256_and_pd(_mm256_and_pd(_mm256_cmp_pd(b.next_x, b.length, _CMP_GT_OQ),
@@ -132,10 +132,10 @@ NODMAP_AVX2 std::array<VoxelCode, 4> voxels_of(const FourBeams& b) {
   return codes;
 }
 
-/// The number of steps at the end of a beam that must check whether it ends. A walk ends at a
-/// border beyond the beam's end. num_steps borders lie before it; by rounding, the last one on each
-/// axis may seem to lie beyond it. So these are at most three, and no walk ends before it has
-/// crossed the others.
+// The number of steps at the end of a beam that must check whether it ends. A walk ends at a
+// border beyond the beam's end. num_steps borders lie before it; by rounding, the last one on each
+// axis may seem to lie beyond it. So these are at most three, and no walk ends before it has
+// crossed the others.
 constexpr std::uint32_t kLastSteps = 4;
 
 [[gnu::target("avx2")]] void walk_four(std::span<const Beam, 4> beams, CloudVoxels& voxels) {

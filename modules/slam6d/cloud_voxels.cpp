@@ -36,7 +36,7 @@ CloudVoxels::Cube& CloudVoxels::find_or_add(VoxelCode code) {
   return cube;
 }
 
-/// The slot of a cube, or the free slot into which it would go.
+// The slot of a cube, or the free slot into which it would go.
 std::size_t CloudVoxels::slot_of(VoxelCode code) const {
   std::size_t at = code & mask_;
   while (slots_[at].code != code && slots_[at].code != kNoCode) {

@@ -32,7 +32,7 @@ constexpr int kMinVotes = 10;
 
 constexpr VoxelCode kInCube = (VoxelCode{1} << 3U * CloudVoxels::kLevels) - 1;
 
-/// The coordinate of one axis: every third bit of a code.
+// The coordinate of one axis: every third bit of a code.
 std::uint16_t compact_bits(VoxelCode code) {
   code &= 0x249249249249ULL;
   code = (code | code >> 2U) & 0x0C30C30C30C3ULL;
@@ -57,7 +57,7 @@ void for_each_key(const VoxelKey& first, const VoxelKey& last, const Use& use) {
   }
 }
 
-/// Whether `is_looked_for` is true for a voxel or for one of the 26 beside it.
+// Whether `is_looked_for` is true for a voxel or for one of the 26 beside it.
 template <class IsLookedFor>
 bool has_beside(const VoxelKey& key, const IsLookedFor& is_looked_for) {
   std::array<std::array<VoxelCode, 3>, 3> bits{};  // by axis and step
@@ -78,7 +78,7 @@ bool has_beside(const VoxelKey& key, const IsLookedFor& is_looked_for) {
   return false;
 }
 
-/// Of the points in each voxel: how many there are, and how many of them have moved.
+// Of the points in each voxel: how many there are, and how many of them have moved.
 class MovedCounts {
  public:
   void add(VoxelCode voxel, bool is_moved) {
@@ -89,7 +89,7 @@ class MovedCounts {
 
   void add_moved(const VoxelKey& key) { ++counts_[code_of(key)].moved; }
 
-  /// Whether at least a quarter of the points in a voxel and beside it have moved.
+  // Whether at least a quarter of the points in a voxel and beside it have moved.
   [[nodiscard]] bool have_many_moved(const VoxelKey& key) const {
     constexpr int kOneOf = 4;
     Counts sum;
@@ -111,7 +111,7 @@ class MovedCounts {
   std::unordered_map<VoxelCode, Counts> counts_;
 };
 
-/// Calls `use` with the place of each bit that is set, the lowest first.
+// Calls `use` with the place of each bit that is set, the lowest first.
 template <class Use>
 void for_each_bit(std::uint64_t bits, const Use& use) {
   for (; bits != 0U; bits &= bits - 1) {

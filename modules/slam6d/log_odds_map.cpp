@@ -14,7 +14,7 @@ using Words = std::span<const std::uint64_t, LogOddsMap::kWordsPerBlock>;
 
 constexpr std::size_t kVoxelsPerByte = 8;
 
-/// OctoMap's sensor model and limits, as it makes them (AbstractOccupancyOcTree.cpp).
+// OctoMap's sensor model and limits, as it makes them (AbstractOccupancyOcTree.cpp).
 float log_odds(double probability) {
   return static_cast<float>(std::log(probability / (1.0 - probability)));
 }
@@ -23,7 +23,7 @@ const float kMiss = log_odds(0.4);
 const float kLowest = log_odds(0.1192);
 const float kHighest = log_odds(0.971);
 
-/// For each byte of marks the values of its voxels: the value where the bit is one, otherwise zero.
+// For each byte of marks the values of its voxels: the value where the bit is one, otherwise zero.
 using ByteTable = std::array<std::array<float, kVoxelsPerByte>, 256>;
 ByteTable make_table(float value) {
   ByteTable table{};
@@ -37,7 +37,7 @@ ByteTable make_table(float value) {
 const ByteTable kHits = make_table(kHit);
 const ByteTable kMisses = make_table(kMiss);
 
-/// Updates the voxels of one word; no voxel is both free and occupied.
+// Updates the voxels of one word; no voxel is both free and occupied.
 void update_word(float* values, std::uint64_t free, std::uint64_t occupied) {
   for (; (free | occupied) != 0U; free >>= 8U, occupied >>= 8U, values += kVoxelsPerByte) {
     const auto& miss = kMisses[free & 0xFFU];
@@ -66,8 +66,8 @@ bool are_all_alike(const Voxels& voxels) {
          });
 }
 
-/// Whether a block stays as it is, because all of its voxels are at the limit towards which they
-/// are marked.
+// Whether a block stays as it is, because all of its voxels are at the limit towards which they
+// are marked.
 bool is_at_limit(const Block& block, Words free, Words occupied) {
   return block.is_known && !block.voxels &&
          ((block.log_odds <= kLowest && are_all_zero(occupied)) ||

@@ -100,8 +100,8 @@ void Slam6dNode::on_scan(const nodmap::scan_t& message) {
   (void)publish_octomap_part();
 }
 
-/// A LOST robot that drives registers one sweep after the other: the sweep that is being registered
-/// is awaited. It may begin an update of the occupancy map.
+// A LOST robot that drives registers one sweep after the other: the sweep that is being registered
+// is awaited. It may begin an update of the occupancy map.
 void Slam6dNode::save_again() {
   answer(registering_.take());
   if (!occupancy_.is_working()) {

@@ -19,14 +19,14 @@ using Block = LogOddsMap::Block;
 using Cube = LogOddsMap::Cube;
 using Voxels = LogOddsMap::Voxels;
 
-/// A node as its parent sees it.
+// A node as its parent sees it.
 struct Node {
   bool exists = false;
   bool has_children = false;
   float log_odds = 0.0F;
 };
 
-/// Eight siblings. The masks have a bit for each.
+// Eight siblings. The masks have a bit for each.
 struct Siblings {
   std::array<float, 8> log_odds{};
   unsigned existing = 0;
@@ -54,7 +54,7 @@ struct Siblings {
     return highest;
   }
 
-  /// The children with a probability of at least one half.
+  // The children with a probability of at least one half.
   [[nodiscard]] unsigned occupied() const {
     unsigned bits = 0;
     for (unsigned i = 0; i < log_odds.size(); ++i) {
@@ -64,11 +64,11 @@ struct Siblings {
   }
 };
 
-/// .bt: an inner node has two bytes, two bits for each child: none 0, free 1, occupied 2, inner 3.
-/// A leaf has none of its own.
+// .bt: an inner node has two bytes, two bits for each child: none 0, free 1, occupied 2, inner 3.
+// A leaf has none of its own.
 class BtWriter {
  public:
-  /// Reserves space for an inner node, whose children follow; returns where.
+  // Reserves space for an inner node, whose children follow; returns where.
   std::size_t begin_inner() {
     bytes_.append(2, '\0');
     return bytes_.size() - 2;
@@ -81,7 +81,7 @@ class BtWriter {
     bytes_[at] = static_cast<char>(bits & 0xFFU);
     bytes_[at + 1] = static_cast<char>(bits >> 8U);
   }
-  /// Removes an inner node and all that followed.
+  // Removes an inner node and all that followed.
   void take_back(std::size_t at) { bytes_.resize(at); }
   static void leaf(float) {}
   static void leaves(const Siblings&) {}
@@ -89,7 +89,7 @@ class BtWriter {
   [[nodiscard]] std::string& bytes() { return bytes_; }
 
  private:
-  /// A zero behind each of the lowest eight bits.
+  // A zero behind each of the lowest eight bits.
   static unsigned spread(unsigned bits) {
     bits = (bits | bits << 4U) & 0x0F0FU;
     bits = (bits | bits << 2U) & 0x3333U;
@@ -99,7 +99,7 @@ class BtWriter {
   std::string bytes_;
 };
 
-/// .ot: each node has its log-odds and a byte with a bit for each child.
+// .ot: each node has its log-odds and a byte with a bit for each child.
 class OtWriter {
  public:
   std::size_t begin_inner() {
@@ -135,7 +135,7 @@ class OtWriter {
   std::string bytes_;
 };
 
-/// Writes nothing: only the nodes are counted.
+// Writes nothing: only the nodes are counted.
 class NodeCounter {
  public:
   static std::size_t begin_inner() { return 0; }
@@ -145,7 +145,7 @@ class NodeCounter {
   static void leaves(const Siblings&) {}
 };
 
-/// From the root down, each node before its children, as OctoMap's files have them.
+// From the root down, each node before its children, as OctoMap's files have them.
 template <typename Writer>
 class TreeWalk {
  public:
@@ -165,8 +165,8 @@ class TreeWalk {
  private:
   using PlacedCube = std::pair<VoxelCode, const Cube*>;
 
-  /// Writes the node that is `levels` above the cubes and holds just these, in the order of their
-  /// codes.
+  // Writes the node that is `levels` above the cubes and holds just these, in the order of their
+  // codes.
   Node write_cubes(std::span<const PlacedCube> cubes, unsigned levels) {
     if (levels == 0) {
       return write_blocks(*cubes.front().second,
@@ -208,7 +208,7 @@ class TreeWalk {
     });
   }
 
-  /// Writes the parent of eight voxels.
+  // Writes the parent of eight voxels.
   Node write_octet(const float* log_odds, unsigned known) {
     if (known == 0U) {
       return {};
@@ -224,7 +224,7 @@ class TreeWalk {
     return end_inner(at, voxels);
   }
 
-  /// Writes an inner node, a leaf or nothing, depending on its children.
+  // Writes an inner node, a leaf or nothing, depending on its children.
   template <typename WriteChild>
   Node write_inner(const WriteChild& write_child) {
     const std::size_t at = writer_.begin_inner();

@@ -30,7 +30,7 @@ constexpr double kMinResidualM = 2e-3;
 // angle.
 constexpr float kMinViewCosine = 0.1F;
 
-/// A voxel mean of a sweep.
+// A voxel mean of a sweep.
 struct Sighting {
   Eigen::Vector3f p_map = Eigen::Vector3f::Zero();
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  // axes of map; zero: no plane of its own
@@ -39,7 +39,7 @@ struct Sighting {
   float precision = 0.0F;  // inverse variance, relative to that of a single point
 };
 
-/// What several sweeps saw of one plane.
+// What several sweeps saw of one plane.
 class Patch {
  public:
   Patch(const Eigen::Vector3f& p, const Eigen::Vector3f& normal, std::vector<Sighting> sightings)
@@ -47,7 +47,7 @@ class Patch {
     place(p.cast<double>(), normal.cast<double>());
   }
 
-  /// Finds the plane of the sightings, iteratively reweighted.
+  // Finds the plane of the sightings, iteratively reweighted.
   void fit(double scale_m) {
     for (int i = 0; i < kFitIterations; ++i) {
       weigh(i == 0 ? kFirstFitScale * scale_m : scale_m);
@@ -57,7 +57,7 @@ class Patch {
     weigh(scale_m);
   }
 
-  /// Whether most of the sightings lie on one plane.
+  // Whether most of the sightings lie on one plane.
   [[nodiscard]] bool is_plane() const {
     return kernels_ > 0.5 * static_cast<double>(sightings_.size());
   }
@@ -65,8 +65,8 @@ class Patch {
   [[nodiscard]] double weights() const { return A_(0, 0); }
   [[nodiscard]] double square_sum_m2() const { return square_sum_m2_; }
 
-  /// Adds the equations of the sightings to those of the poses, with the plane eliminated (Schur
-  /// complement).
+  // Adds the equations of the sightings to those of the poses, with the plane eliminated (Schur
+  // complement).
   void add_to(PoseEquations& equations, std::span<const AdjustedSweep> sweeps, double scale) const {
     struct Part {
       std::size_t sweep;
@@ -143,7 +143,7 @@ class Patch {
   double square_sum_m2_ = 0.0;
 };
 
-/// Sightings, by cube and by the way their surfaces face.
+// Sightings, by cube and by the way their surfaces face.
 class PatchGrid {
  public:
   PatchGrid(std::span<const AdjustedSweep> sweeps, const VoxelMapParams& voxels,
@@ -157,7 +157,7 @@ class PatchGrid {
     }
   }
 
-  /// The planes that more than one sweep saw.
+  // The planes that more than one sweep saw.
   [[nodiscard]] std::vector<Patch> patches(std::span<const AdjustedSweep> sweeps,
                                            float min_normal_cosine, double scale_m) const {
     std::vector<std::vector<Sighting>> by_patch(grid_.voxels().size());

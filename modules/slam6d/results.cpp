@@ -69,7 +69,7 @@ nlohmann::json keyframe_metrics(const PoseUpdate& update) {
   return metrics;
 }
 
-/// Loops of successive keyframes with one stretch of the way.
+// Loops of successive keyframes with one stretch of the way.
 struct LoopRun {
   registration::PoseEdge3d first;
   registration::PoseEdge3d last;

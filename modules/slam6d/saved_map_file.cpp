@@ -68,7 +68,7 @@ nodmap::loop_6d_t write_loop(const PoseEdge3d& loop) {
   return message;
 }
 
-/// Builds a map from messages; throws if one of them cannot be part of it.
+// Builds a map from messages; throws if one of them cannot be part of it.
 class Reader {
  public:
   explicit Reader(const bus::MessageLogReader& log) : log_(log) {}

@@ -45,7 +45,7 @@ Eigen::Vector3d least_determined_axis(const Matrix6d& covariance) {
   return eigen.eigenvectors().col(2);
 }
 
-/// A point on a wall, as it lies in the map before the slide.
+// A point on a wall, as it lies in the map before the slide.
 struct WallPoint {
   Eigen::Vector3f p;
   Eigen::Vector3f normal;

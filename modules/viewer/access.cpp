@@ -16,13 +16,13 @@ std::string_view trimmed(std::string_view text) {
                                          : text.substr(first, last - first + 1);
 }
 
-/// The host of "host:port" or "[::1]:port".
+// The host of "host:port" or "[::1]:port".
 std::string_view without_port(std::string_view host) {
   const std::size_t from = host.starts_with('[') ? host.find(']') : 0;
   return from == std::string_view::npos ? host : host.substr(0, host.find(':', from));
 }
 
-/// The value of the parameter `token` in a query.
+// The value of the parameter `token` in a query.
 std::string_view token_in(std::string_view target) {
   constexpr std::string_view kKey = "token=";
   std::string_view query = target.substr(std::min(target.find('?'), target.size()));
@@ -37,7 +37,7 @@ std::string_view token_in(std::string_view target) {
   return {};
 }
 
-/// Compares in a time that does not depend on where the first difference is.
+// Compares in a time that does not depend on where the first difference is.
 bool equal_in_constant_time(std::string_view a, std::string_view b) {
   unsigned difference = a.size() == b.size() ? 0U : 1U;
   for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {

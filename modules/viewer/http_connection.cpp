@@ -16,13 +16,13 @@ namespace beast = boost::beast;
 namespace http = beast::http;
 
 constexpr std::uint32_t kMaxHeadBytes = 8192;
-/// Timeout for receiving a request.
+// Timeout for receiving a request.
 constexpr std::chrono::seconds kReadTimeout = 10s;
 // Timeout for sending an answer: a megabyte of three.js over a slow radio link.
 constexpr std::chrono::seconds kWriteTimeout = 60s;
 constexpr const char* kText = "text/plain; charset=utf-8";
 
-/// The page loads nothing from other servers, and must not be embedded in another page.
+// The page loads nothing from other servers, and must not be embedded in another page.
 constexpr const char* kContentSecurityPolicy =
     "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
     "frame-ancestors 'none'; base-uri 'none'; form-action 'none'";

@@ -22,7 +22,7 @@
 namespace nodmap::viewer {
 namespace {
 
-/// The configuration of the processes that may be controlled, if any. Throws node::UsageError.
+// The configuration of the processes that may be controlled, if any. Throws node::UsageError.
 std::optional<procman::Config> load_procman(const std::filesystem::path& file) {
   if (file.empty()) {
     return std::nullopt;
@@ -34,8 +34,8 @@ std::optional<procman::Config> load_procman(const std::filesystem::path& file) {
   }
 }
 
-/// Adopts the configuration if it was edited. Not while a request is open, because that refers to
-/// the previous one.
+// Adopts the configuration if it was edited. Not while a request is open, because that refers to
+// the previous one.
 void reload_procman(procman::ConfigWatch& watch, ProcessControl& processes, foxglove::Feed& feed) {
   const auto parsed = processes.is_sheriff() ? std::nullopt : watch.poll(time::steady_now());
   if (!parsed) {
@@ -52,8 +52,8 @@ void reload_procman(procman::ConfigWatch& watch, ProcessControl& processes, foxg
   }
 }
 
-/// Executes a request, and logs it: except for the output of processes, which a page asks for every
-/// second.
+// Executes a request, and logs it: except for the output of processes, which a page asks for every
+// second.
 Answer answer_and_log(RemoteControl& control, const Json& request, time::Duration age) {
   Answer answer = control.answer(request, age);
   if (text_in(request, "do") != "process_output") {

@@ -20,14 +20,14 @@
 namespace nodmap::viewer {
 namespace {
 
-/// Longer than any recording, and still exact to the microsecond.
+// Longer than any recording, and still exact to the microsecond.
 constexpr double kMaxPositionS = 1e9;
 constexpr std::size_t kMaxEventsOfAKind = 1000;
 
-/// Finds the messages that report an event, which is a change of state.
+// Finds the messages that report an event, which is a change of state.
 class EventFinder {
  public:
-  /// Describes what happened by this message; empty if nothing.
+  // Describes what happened by this message; empty if nothing.
   std::string look_at(const std::string& channel, std::span<const std::byte> bytes) {
     if (channel == "STOP" && bus::decode_into(stop_, bytes)) {
       const bool was_stopped = std::exchange(is_stopped_, stop_.is_stopped != 0);
@@ -45,7 +45,7 @@ class EventFinder {
   }
 
  private:
-  /// Describes a process that has just FAILED.
+  // Describes a process that has just FAILED.
   std::string status_event() {
     const bool fails = status_.health == nodmap::status_t::FAILED;
     const bool is_new = fails && !failed_.contains(status_.process_name);

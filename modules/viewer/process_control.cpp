@@ -54,7 +54,7 @@ void ProcessControl::on_orders(const procman::Orders& orders) {
   }
 }
 
-/// Keeps output of commands in the configuration only; invented names must not use memory.
+// Keeps output of commands in the configuration only; invented names must not use memory.
 void ProcessControl::on_output(const procman::Output& output) {
   for (const procman::CommandOutput& piece : output.outputs) {
     const procman::Command* command = config_.find_command(piece.command_id);

@@ -22,10 +22,10 @@ namespace {
 
 constexpr const char* kName = "nodmap-viewer";
 constexpr double kToleranceM = 0.3;
-/// Farther than any map: a mistake or an attack.
+// Farther than any map: a mistake or an attack.
 constexpr double kMaxCoordinateM = 1e4;
 
-/// A member that is a number; `fallback` if it is missing, empty if it is not a number.
+// A member that is a number; `fallback` if it is missing, empty if it is not a number.
 std::optional<double> number_in(const Json& request, const char* name,
                                 std::optional<double> fallback = {}) {
   const auto found = request.find(name);
@@ -35,7 +35,7 @@ std::optional<double> number_in(const Json& request, const char* name,
   return found->is_number() ? std::optional(found->get<double>()) : std::nullopt;
 }
 
-/// How old a request may be.
+// How old a request may be.
 enum class Age : std::uint8_t { kFresh, kAny };
 
 struct ControlRequest {
@@ -150,8 +150,8 @@ Answer RemoteControl::do_process_output(const std::string& command) {
   return processes_ == nullptr ? no_control_over_processes() : processes_->output(command);
 }
 
-/// A message that releases the robot also ends our stop; otherwise two viewers would contradict
-/// each other.
+// A message that releases the robot also ends our stop; otherwise two viewers would contradict
+// each other.
 void RemoteControl::on_stop(const nodmap::stop_t& message) {
   if (message.is_stopped == 0 && message.utime > stop_.utime) {
     stop_.is_stopped = 0;
@@ -173,7 +173,7 @@ void RemoteControl::poll() {
   }
 }
 
-/// A repetition has the time of the decision: a release since then is newer.
+// A repetition has the time of the decision: a release since then is newer.
 void RemoteControl::send_stop() {
   stop_sent_ = clock_.now();
   ++stop_.stop_seq;

@@ -21,10 +21,10 @@
 namespace nodmap::viewer {
 namespace {
 
-/// Number of events delivered between two updates of the clients: about ten milliseconds of work.
+// Number of events delivered between two updates of the clients: about ten milliseconds of work.
 constexpr std::int64_t kMaxEvents = 5000;
 
-/// The page and the recordings' values for its plots.
+// The page and the recordings' values for its plots.
 Site site_of(const std::vector<std::filesystem::path>& logs) {
   Site site;
   site.add("/history.json", {.content_type = "application/json; charset=utf-8",

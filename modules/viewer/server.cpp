@@ -17,9 +17,9 @@ namespace asio = boost::asio;
 using asio::ip::tcp;
 using ErrorCode = boost::system::error_code;
 
-/// Small, so that a slow client does not receive old data.
+// Small, so that a slow client does not receive old data.
 constexpr int kSendBufferBytes = 1 << 17;
-/// Pause when there are no file descriptors left, until other connections close.
+// Pause when there are no file descriptors left, until other connections close.
 constexpr std::chrono::milliseconds kPause = 100ms;
 
 asio::ip::address parse_address(const std::string& text) {
@@ -74,8 +74,8 @@ struct Server::Impl {
     accept();
   }
 
-  /// Ends the oldest connection that has not become a client yet, to make room for a new one; a
-  /// browser sends its request within milliseconds. Returns whether there was one.
+  // Ends the oldest connection that has not become a client yet, to make room for a new one; a
+  // browser sends its request within milliseconds. Returns whether there was one.
   bool end_oldest_request() {
     while (!hub.requests.empty()) {
       const auto oldest = hub.requests.front().lock();

@@ -6,10 +6,10 @@ namespace {
 
 constexpr std::byte kRequest{2};
 constexpr char kAnswer = 3;
-/// Operation, service, call, length of the encoding.
+// Operation, service, call, length of the encoding.
 constexpr std::size_t kHeadBytes = 13;
 
-/// Reads the number at `at`; there must be four bytes.
+// Reads the number at `at`; there must be four bytes.
 std::uint32_t read_number(std::span<const std::byte> bytes, std::size_t at) {
   return boost::endian::load_little_u32(reinterpret_cast<const unsigned char*>(&bytes[at]));
 }

@@ -20,20 +20,20 @@ std::uint64_t nanoseconds(time::Timestamp stamp) {
   return 1000U * static_cast<std::uint64_t>(std::max<std::int64_t>(time::to_utime(stamp), 0));
 }
 
-/// An unsigned 32-bit number; empty if the value is none.
+// An unsigned 32-bit number; empty if the value is none.
 std::optional<std::uint32_t> to_id(const Json& value) {
   const bool is_id = value.is_number_unsigned() &&
                      value.get<std::uint64_t>() <= std::numeric_limits<std::uint32_t>::max();
   return is_id ? std::optional(value.get<std::uint32_t>()) : std::nullopt;
 }
 
-/// The number of this name; empty if there is none.
+// The number of this name; empty if there is none.
 std::optional<std::uint32_t> id_in(const Json& object, const char* name) {
   const auto found = object.find(name);
   return found == object.end() ? std::nullopt : to_id(*found);
 }
 
-/// The objects in the list of this name; empty if there is no such list.
+// The objects in the list of this name; empty if there is no such list.
 std::vector<Json> objects_in(const Json& message, const char* name) {
   std::vector<Json> objects;
   const auto found = message.find(name);
@@ -44,7 +44,7 @@ std::vector<Json> objects_in(const Json& message, const char* name) {
   return objects;
 }
 
-/// The numbers in the list of this name.
+// The numbers in the list of this name.
 std::vector<std::uint32_t> ids_in(const Json& message, const char* name) {
   std::vector<std::uint32_t> ids;
   const auto found = message.find(name);

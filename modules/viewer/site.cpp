@@ -11,8 +11,8 @@
 namespace nodmap::viewer {
 namespace {
 
-/// A file of a Debian package. It is served under its own path, by which the modules import each
-/// other.
+// A file of a Debian package. It is served under its own path, by which the modules import each
+// other.
 struct SystemFile {
   const char* path;
   const char* package;

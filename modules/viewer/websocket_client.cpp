@@ -14,10 +14,10 @@ namespace {
 namespace beast = boost::beast;
 namespace websocket = beast::websocket;
 
-/// Far longer than subscriptions, parameters and goals.
+// Far longer than subscriptions, parameters and goals.
 constexpr std::size_t kMaxMessageBytes = 65536;
-/// Number of messages read from one client in one poll(), so that a flood does not delay the
-/// others.
+// Number of messages read from one client in one poll(), so that a flood does not delay the
+// others.
 constexpr int kReadsPerPoll = 50;
 constexpr std::chrono::seconds kHandshakeTimeout = 5s;
 

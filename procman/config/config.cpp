@@ -9,8 +9,8 @@
 namespace nodmap::procman {
 namespace {
 
-/// The names of all scripts that a script runs, directly or through others; contains its own name
-/// only if it runs itself.
+// The names of all scripts that a script runs, directly or through others; contains its own name
+// only if it runs itself.
 std::set<std::string> scripts_run_by(const Config& config, const Script& script) {
   std::set<std::string> run;
   std::vector<const Script*> pending{&script};

@@ -21,7 +21,7 @@ constexpr int kMaxMegabytes = 1'000'000;
 constexpr int kMaxCpu = 1023;  // the largest that fits into sched_setaffinity's cpu_set_t
 constexpr int kMaxWaitMs = 24 * 3600 * 1000;
 
-/// What "true" or "yes", "false" or "no" say, in upper or lower case.
+// What "true" or "yes", "false" or "no" say, in upper or lower case.
 bool parse_bool(const std::string& text, Place place) {
   std::string word = text;
   std::ranges::transform(word, word.begin(), [](char c) {
@@ -36,7 +36,7 @@ bool parse_bool(const std::string& text, Place place) {
   throw SyntaxError(place, "\"" + text + "\" is neither true nor false");
 }
 
-/// Parses processors in the notation of `taskset`: "0,2-3".
+// Parses processors in the notation of `taskset`: "0,2-3".
 std::vector<int> parse_cpus(const std::string& text, Place place) {
   const auto fail = [&] {
     return SyntaxError(place, "\"" + text + "\" is not a list of processors (example: 0,2-3)");
@@ -111,7 +111,7 @@ class Parser {
 
   TokenReader reader_;
   Config config_;
-  std::set<std::string> given_;  ///< attributes and rules of the present command so far
+  std::set<std::string> given_;  // attributes and rules of the present command so far
 };
 
 Wanted Parser::expect_status() {
@@ -153,7 +153,7 @@ void Parser::parse_group(const std::string& outer, int depth) {
   reader_.advance();
 }
 
-/// A name for an unnamed command; the same file always gives the same names.
+// A name for an unnamed command; the same file always gives the same names.
 std::string Parser::free_id() {
   std::string id;
   int number = 0;
@@ -197,7 +197,7 @@ void Parser::parse_command(const std::string& group) {
   config_.commands.push_back(std::move(command));
 }
 
-/// Throws if the command has this attribute or rule already: one of the two would be a mistake.
+// Throws if the command has this attribute or rule already: one of the two would be a mistake.
 void Parser::need_new(const std::string& name, Place place) {
   if (!given_.insert(name == "host" ? "deputy" : name).second) {
     throw SyntaxError(place, name + " is already set in this command");
@@ -306,7 +306,7 @@ Action Parser::parse_action() {
   return action;
 }
 
-/// An extension: the existing tools do not know STATUS, and skip it.
+// An extension: the existing tools do not know STATUS, and skip it.
 Action Parser::parse_wait_for_health() {
   reader_.expect_extension(true);
   Action action;

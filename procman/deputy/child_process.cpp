@@ -27,7 +27,7 @@ constexpr int kCannotRun = 127;
   throw std::system_error(errno, std::system_category(), what);
 }
 
-/// The array of pointers that execve() needs; they point into `words`, which must outlive it.
+// The array of pointers that execve() needs; they point into `words`, which must outlive it.
 std::vector<char*> pointers(std::vector<std::string>& words) {
   std::vector<char*> all;
   all.reserve(words.size() + 1);
@@ -38,7 +38,7 @@ std::vector<char*> pointers(std::vector<std::string>& words) {
   return all;
 }
 
-/// The path of a program. Must be looked up before the fork: the child may not allocate.
+// The path of a program. Must be looked up before the fork: the child may not allocate.
 std::string find_program(const std::string& name, const std::string& search_path) {
   if (name.find('/') != std::string::npos) {
     return name;
@@ -65,7 +65,7 @@ bool is_in_name(char c, bool is_first) {
          (!is_first && c >= '0' && c <= '9');
 }
 
-/// The word that begins at `at`; moves `at` behind it.
+// The word that begins at `at`; moves `at` behind it.
 std::string take_word(std::string_view line, std::size_t& at) {
   std::string word;
   char quote = '\0';
@@ -98,8 +98,8 @@ std::vector<std::string> words_of(std::string_view line) {
   }
 }
 
-/// The name of the variable at the start of `text` (after the $), and its length including braces;
-/// an empty name if there is none.
+// The name of the variable at the start of `text` (after the $), and its length including braces;
+// an empty name if there is none.
 std::pair<std::string, std::size_t> variable_at(std::string_view text) {
   const bool has_brace = text.starts_with('{');
   std::size_t end = has_brace ? 1 : 0;
@@ -150,7 +150,7 @@ Terminal open_terminal() {
   return terminal;
 }
 
-/// Everything that the child needs, prepared before the fork.
+// Everything that the child needs, prepared before the fork.
 struct Launch {
   const char* terminal_name = nullptr;
   const char* program = nullptr;
@@ -186,8 +186,8 @@ bool pin_to(const std::vector<int>& cpus) noexcept {
   return ::sched_setaffinity(0, sizeof(set), &set) == 0;
 }
 
-/// Applies what the command asks for. If the system refuses something, the program runs without it,
-/// and its output says so.
+// Applies what the command asks for. If the system refuses something, the program runs without it,
+// and its output says so.
 void apply_resources(const Resources& resources) noexcept {
   if (resources.nice != 0 && ::setpriority(PRIO_PROCESS, 0, resources.nice) != 0) {
     write_error("nodmap-deputy: cannot set the nice value\n");
@@ -203,8 +203,8 @@ void apply_resources(const Resources& resources) noexcept {
   }
 }
 
-/// Runs in the child, up to execve(). Only calls that are safe after the fork of a process with
-/// threads: no allocation, no lock, no stdio.
+// Runs in the child, up to execve(). Only calls that are safe after the fork of a process with
+// threads: no allocation, no lock, no stdio.
 [[noreturn]] void become(const Launch& launch) noexcept {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() != launch.parent) {

@@ -32,8 +32,8 @@ std::optional<std::string> own_variable(const std::string& name) {
   return value == nullptr ? std::nullopt : std::optional<std::string>(value);
 }
 
-/// The environment of a command: the deputy's, then the assignments of its exec line, then the
-/// mark.
+// The environment of a command: the deputy's, then the assignments of its exec line, then the
+// mark.
 std::vector<std::string> environment_of(const ExecLine& exec, const std::string& search_path,
                                         const std::string& mark) {
   std::map<std::string, std::string> variables;
@@ -166,9 +166,9 @@ void Children::collect_exits(time::SteadyTime now) {
   }
 }
 
-/// Returns whether no process of a tree is left. Checks twice, because one look can miss a process:
-/// one that forks and exits while the table is read, or one in the middle of exec, whose
-/// environment cannot be read for a moment.
+// Returns whether no process of a tree is left. Checks twice, because one look can miss a process:
+// one that forks and exits while the table is read, or one in the middle of exec, whose
+// environment cannot be read for a moment.
 bool Children::check_gone(Run& run) const {
   if (!tree(run, read_processes()).empty()) {
     return false;
@@ -180,7 +180,7 @@ bool Children::check_gone(Run& run) const {
   return tree(run, table).empty() && (!is_unclear || was_looked_at);
 }
 
-/// Kills what is left of a tree. Returns whether nothing is left, or this has taken too long.
+// Kills what is left of a tree. Returns whether nothing is left, or this has taken too long.
 bool Children::end_tree(Run& run, time::SteadyTime now) const {
   if (check_gone(run) || now - run.ended >= kMaxKillTime) {
     return true;
@@ -206,7 +206,7 @@ std::vector<Children::Ended> Children::reap(time::SteadyTime now) {
   return all;
 }
 
-/// Reads up to the limit. Returns whether there may be more.
+// Reads up to the limit. Returns whether there may be more.
 bool Children::read_some(const std::string& id, Run& run) const {
   std::array<char, 4096> buffer{};
   std::size_t total = 0;

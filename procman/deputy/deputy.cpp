@@ -127,7 +127,7 @@ void Deputy::subscribe() {
                                         [this](const auto& message) { on_orders(message); });
 }
 
-/// Takes the report of a deputy, which may be our own.
+// Takes the report of a deputy, which may be our own.
 void Deputy::on_info(const std::string& deputy_id) {
   if (deputy_id != settings_.id) {
     return;
@@ -157,8 +157,8 @@ void Deputy::on_orders(const procman_lcm::orders_t& message) {
   }
 }
 
-/// Whether the orders being handled are obeyed: not those of a second sheriff, which would
-/// contradict the first.
+// Whether the orders being handled are obeyed: not those of a second sheriff, which would
+// contradict the first.
 bool Deputy::obeys(const std::string& sheriff_id) {
   const bool is_followed = senders_.follow_sheriff(bus_.origin().sender, time::steady_now());
   if (is_followed || settings_.trusts_orders) {
@@ -185,7 +185,7 @@ void Deputy::on_discovery(const Discovery& discovery) {
   }
 }
 
-/// Publishes the last output of ended commands again, so that a new sheriff learns why they ended.
+// Publishes the last output of ended commands again, so that a new sheriff learns why they ended.
 void Deputy::repeat_last_words() {
   for (const CommandStatus& status : supervisor_.statuses()) {
     if (status.pid == 0) {
@@ -218,7 +218,7 @@ void Deputy::handle_signals() {
   }
 }
 
-/// Running commands continue; the sheriff decides about them.
+// Running commands continue; the sheriff decides about them.
 void Deputy::reload_config() {
   const auto parsed = config_watch_ ? config_watch_->poll(time::steady_now()) : std::nullopt;
   if (!parsed) {
@@ -262,8 +262,8 @@ void Deputy::work() {
   }
 }
 
-/// Logs the end of a command; if it has failed also its last lines, so that they are in the
-/// journal.
+// Logs the end of a command; if it has failed also its last lines, so that they are in the
+// journal.
 void Deputy::log_end(const Children::Ended& end) {
   log::get().info("{} ended (wait status {})", end.id, end.wait_status);
   if (end.wait_status == 0) {
@@ -371,8 +371,8 @@ void Deputy::publish_info() {
                to_message(Runs{info.stamp, settings_.id, supervisor_.runs(time::steady_now())}));
 }
 
-/// Raises the kernel's serial workers while a command with real-time priority runs, so that the
-/// bytes of its devices are not delayed either.
+// Raises the kernel's serial workers while a command with real-time priority runs, so that the
+// bytes of its devices are not delayed either.
 void Deputy::raise_serial_workers() {
   const std::vector<CommandStatus> statuses = supervisor_.statuses();
   serial_workers_.keep_raised(std::ranges::any_of(statuses, [this](const CommandStatus& status) {

@@ -68,7 +68,7 @@ std::size_t OutputCollector::take_tokens(Stream& stream, std::size_t wanted, tim
   return passing;
 }
 
-/// Appends to a tail and keeps its newest lines. Returns the number of bytes dropped before them.
+// Appends to a tail and keeps its newest lines. Returns the number of bytes dropped before them.
 std::size_t OutputCollector::keep_newest(std::string& tail, std::string_view text) {
   tail += text;
   if (tail.size() <= kTailBytes) {
@@ -83,7 +83,7 @@ std::size_t OutputCollector::keep_newest(std::string& tail, std::string_view tex
   return dropped;
 }
 
-/// Keeps the newest lines of a held-back stream and counts the dropped bytes.
+// Keeps the newest lines of a held-back stream and counts the dropped bytes.
 void OutputCollector::hold(Stream& stream, std::string_view text) {
   const std::size_t dropped = keep_newest(stream.tail, text);
   stream.dropped_bytes += static_cast<std::int64_t>(dropped);
@@ -99,8 +99,8 @@ void OutputCollector::forget(const std::string& id) {
   }
 }
 
-/// Publishes the newest lines of a stream that was held back, or holds them back for longer if
-/// there is no room for them.
+// Publishes the newest lines of a stream that was held back, or holds them back for longer if
+// there is no room for them.
 void OutputCollector::release(const std::string& id, Stream& stream, time::SteadyTime now) {
   const std::size_t passing = take_tokens(stream, stream.tail.size(), now);
   if (passing < stream.tail.size()) {
@@ -151,8 +151,8 @@ std::vector<CommandOutput> OutputCollector::take(time::SteadyTime now) {
   return message;
 }
 
-/// Takes up to `room` bytes of the pending output, short texts first, so that a flood does not
-/// delay the others.
+// Takes up to `room` bytes of the pending output, short texts first, so that a flood does not
+// delay the others.
 std::vector<CommandOutput> OutputCollector::take_front(std::size_t room) {
   if (pending_bytes_ > room) {
     std::ranges::stable_sort(pending_, {},

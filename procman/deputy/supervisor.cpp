@@ -18,14 +18,14 @@ constexpr double kMaxGraceS = 24.0 * 3600.0;
 
 constexpr double kMaxUntrustedGraceS = 60.0;
 
-/// Of a command in PM_INFO: its numbers, and the lengths and ends of its texts.
+// Of a command in PM_INFO: its numbers, and the lengths and ends of its texts.
 constexpr std::size_t kNumberBytes = 128;
 
 std::size_t text_bytes(const CommandSpec& spec) {
   return spec.id.size() + spec.exec.size() + spec.group.size();
 }
 
-/// Whether a process ends at this signal unless it handles it.
+// Whether a process ends at this signal unless it handles it.
 bool is_end(int signal) {
   return signal == SIGINT || signal == SIGTERM || signal == SIGHUP || signal == SIGQUIT ||
          signal == SIGKILL;
@@ -95,7 +95,7 @@ void Supervisor::obey(const CommandOrder& order, time::SteadyTime now, Superviso
   }
 }
 
-/// Whether PM_INFO stays short enough with a new or changed description.
+// Whether PM_INFO stays short enough with a new or changed description.
 bool Supervisor::has_room_for(const CommandSpec& spec) const {
   const auto known = commands_.find(spec.id);
   const bool is_new = known == commands_.end();
@@ -111,7 +111,7 @@ std::map<std::string, Supervisor::Entry>::iterator Supervisor::forget(
   return commands_.erase(at);
 }
 
-/// Makes a description from the network safe: a valid signal and grace time.
+// Makes a description from the network safe: a valid signal and grace time.
 CommandSpec Supervisor::checked(CommandSpec spec) const {
   const bool is_signal = spec.stop_signal >= 1 && spec.stop_signal <= SIGRTMAX;
   if (!(trusts_orders_ ? is_signal : is_end(spec.stop_signal))) {
@@ -125,8 +125,8 @@ CommandSpec Supervisor::checked(CommandSpec spec) const {
   return spec;
 }
 
-/// Adopts a new description; a running process continues unchanged. Returns whether anything
-/// visible has changed.
+// Adopts a new description; a running process continues unchanged. Returns whether anything
+// visible has changed.
 bool Supervisor::update_spec(Entry& entry, const CommandSpec& spec) {
   CommandSpec wanted = checked(spec);
   if (entry.spec == wanted) {
@@ -232,8 +232,8 @@ SupervisorActions Supervisor::ended(const std::string& id, int wait_status, time
   return actions;
 }
 
-/// The delay doubles for a command that lives for less than a second; each second of life undoes
-/// one doubling.
+// The delay doubles for a command that lives for less than a second; each second of life undoes
+// one doubling.
 void Supervisor::schedule_respawn(Entry& entry, time::SteadyTime now) {
   const time::Duration lived = now - entry.started;
   const auto halvings = std::clamp<std::int64_t>(lived / kMaxRespawnDelay, 0, 30);

@@ -19,7 +19,7 @@ std::string read_text(const char* file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// Removes blanks and a number from the front of `text`; returns the number.
+// Removes blanks and a number from the front of `text`; returns the number.
 std::optional<std::uint64_t> take_number(std::string_view& text) {
   text.remove_prefix(std::min(text.find_first_not_of(" \t"), text.size()));
   std::uint64_t value = 0;

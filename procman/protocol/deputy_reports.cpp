@@ -6,7 +6,7 @@
 namespace nodmap::procman {
 namespace {
 
-/// Far more than any robot has. Any sender on the network can name any number of hosts.
+// Far more than any robot has. Any sender on the network can name any number of hosts.
 constexpr std::size_t kMaxDeputies = 256;
 
 }  // namespace

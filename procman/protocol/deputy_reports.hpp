@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "common/bus/sender.hpp"
-#include "common/geometry/time.hpp"
 #include "common/bus/sender_watch.hpp"
+#include "common/geometry/time.hpp"
 #include "procman/protocol/values.hpp"
 
 namespace nodmap::procman {

@@ -27,32 +27,32 @@ CommandSpec spec_of(const Command& command) {
 // Far more than any robot has. Any sender on the network can name any number of commands.
 constexpr std::size_t kMaxItems = 10'000;
 
-/// The number of the next run. Must not overflow, because a deputy may report any number.
+// The number of the next run. Must not overflow, because a deputy may report any number.
 std::int32_t run_after(std::int32_t run) {
   return run == std::numeric_limits<std::int32_t>::max() ? 1 : run + 1;
 }
 
-/// Whether a command ended without error: with exit code 0, or by the signal sent to stop it.
+// Whether a command ended without error: with exit code 0, or by the signal sent to stop it.
 bool is_good_end(const Fleet::Item& item) {
   const int status = item.status->wait_status;
   return status == 0 || (item.is_stop_ordered && may_be_a_stop(status, item.spec.stop_signal));
 }
 
-/// Whether a deputy will start a command again that it reports as not running, as far as that can
-/// be seen: it has ended with an error, and not as one that was stopped.
+// Whether a deputy will start a command again that it reports as not running, as far as that can
+// be seen: it has ended with an error, and not as one that was stopped.
 bool will_respawn(const CommandStatus& status) {
   return status.pid == 0 && status.actual_run != 0 && status.spec.auto_respawn &&
          !may_be_a_stop(status.wait_status, status.spec.stop_signal);
 }
 
-/// The item of a command, const if the items are; null if there is none.
+// The item of a command, const if the items are; null if there is none.
 auto* find_in(auto& items, const std::string& id) {
   const auto found =
       std::ranges::find_if(items, [&id](const Fleet::Item& item) { return item.spec.id == id; });
   return found == items.end() ? nullptr : &*found;
 }
 
-/// Whether a deputy reports a command.
+// Whether a deputy reports a command.
 bool lists(const DeputyInfo& info, const std::string& id) {
   return std::ranges::any_of(info.commands,
                              [&id](const CommandStatus& status) { return status.spec.id == id; });
@@ -66,8 +66,8 @@ CommandState state_of_running(const Fleet::Item& item) {
   return is_this_run ? CommandState::kRunning : CommandState::kRestarting;
 }
 
-/// When a sheriff started, from its id. Our ids and those of the existing sheriff have the form
-/// host:process:microseconds; for others the result is the epoch.
+// When a sheriff started, from its id. Our ids and those of the existing sheriff have the form
+// host:process:microseconds; for others the result is the epoch.
 time::Timestamp beginning_of(const std::string& sheriff_id) {
   const std::size_t colon = sheriff_id.rfind(':');
   std::int64_t number = 0;
@@ -130,7 +130,7 @@ std::vector<std::string> Fleet::reconfigure(const Config& config) {
   return changes;
 }
 
-/// Removes the item of a command from `items` and returns it; empty if there is none.
+// Removes the item of a command from `items` and returns it; empty if there is none.
 std::optional<Fleet::Item> Fleet::take_item(std::vector<Item>& items, const Command& command) {
   const auto found = std::ranges::find_if(items, [&command](const Item& item) {
     return item.spec.id == command.id && item.deputy == command.deputy;
@@ -143,8 +143,8 @@ std::optional<Fleet::Item> Fleet::take_item(std::vector<Item>& items, const Comm
   return item;
 }
 
-/// The item of a command as now configured. `before` is its item so far. Appends a line to
-/// `changes` if the command is new or has changed.
+// The item of a command as now configured. `before` is its item so far. Appends a line to
+// `changes` if the command is new or has changed.
 Fleet::Item Fleet::configure(std::optional<Item> before, const Command& command,
                              std::vector<std::string>& changes) {
   if (!before) {
@@ -235,7 +235,7 @@ bool Fleet::take_info(const DeputyInfo& info, time::SteadyTime now, const bus::S
   return is_urgent;
 }
 
-/// The item of a command that a deputy reports; null if it is unknown and there are too many.
+// The item of a command that a deputy reports; null if it is unknown and there are too many.
 Fleet::Item* Fleet::find_or_add(const CommandSpec& spec, const std::string& deputy) {
   Item* item = find_in(items_, spec.id);
   if (item == nullptr && items_.size() < kMaxItems) {
@@ -246,8 +246,8 @@ Fleet::Item* Fleet::find_or_add(const CommandSpec& spec, const std::string& depu
   return item;
 }
 
-/// Takes over a command that an earlier sheriff started. It continues as it is; orders already
-/// given to this sheriff still apply.
+// Takes over a command that an earlier sheriff started. It continues as it is; orders already
+// given to this sheriff still apply.
 void Fleet::adopt(Item& item, const CommandStatus& status, time::SteadyTime now) {
   const bool start_wished = item.desired_run != 0 && !item.force_quit;
   const bool is_down = status.pid == 0;

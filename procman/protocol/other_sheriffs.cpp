@@ -7,7 +7,7 @@
 namespace nodmap::procman {
 namespace {
 
-/// Far more than there are. Anybody can send from any number of sockets.
+// Far more than there are. Anybody can send from any number of sockets.
 constexpr std::size_t kMaxSheriffs = 16;
 
 bool is_recent(time::SteadyTime last, time::SteadyTime now) {
@@ -35,7 +35,7 @@ std::optional<std::string> OtherSheriffs::received(time::SteadyTime now) const {
   return find(now, 0s);
 }
 
-/// A sheriff that has been giving orders for this long, and did so recently.
+// A sheriff that has been giving orders for this long, and did so recently.
 std::optional<std::string> OtherSheriffs::find(time::SteadyTime now,
                                                time::Duration repeated) const {
   const auto found = std::ranges::find_if(sources_, [&](const auto& entry) {

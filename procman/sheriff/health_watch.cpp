@@ -6,13 +6,13 @@
 namespace nodmap::procman {
 namespace {
 
-/// For a sentence: whole seconds with their unit.
+// For a sentence: whole seconds with their unit.
 std::string whole_seconds(time::Duration duration) {
   return std::to_string(duration / 1s) + " s";
 }
 
-/// Whether a message can be from a command's process: it runs, on the sender's host, as far as that
-/// is known.
+// Whether a message can be from a command's process: it runs, on the sender's host, as far as that
+// is known.
 bool may_send(const Command& command, const Fleet& fleet, time::SteadyTime now,
               const bus::Sender& sender) {
   const std::optional<bus::Sender> deputy = fleet.deputies().sender_of(command.deputy, now);
@@ -34,9 +34,9 @@ const char* name_of(ProcessHealth::State state) {
   }
 }
 
-/// The process that sends a STATUS. Several commands may run the same program: it is that of the
-/// one whose STATUS came from this socket before, else of the first that has sent none. If there is
-/// neither, the sender is a stranger to one of them. Null if no running command has this program.
+// The process that sends a STATUS. Several commands may run the same program: it is that of the
+// one whose STATUS came from this socket before, else of the first that has sent none. If there is
+// neither, the sender is a stranger to one of them. Null if no running command has this program.
 HealthWatch::Process* HealthWatch::process_of(const std::string& process_name, const Fleet& fleet,
                                               time::SteadyTime now, const bus::Sender& sender) {
   Process* silent = nullptr;
@@ -100,7 +100,7 @@ std::optional<HealthWatch::LastStatus> HealthWatch::last_status_of(
   return found == processes_.end() ? std::nullopt : found->second.last;
 }
 
-/// Why a command must be restarted; empty if it must not.
+// Why a command must be restarted; empty if it must not.
 std::string HealthWatch::restart_reason(const Command& command, Span observed, int factor) const {
   const HealthRule& rule = command.health;
   const auto too_long = [factor](time::Duration duration, std::optional<int> limit_s) {

@@ -78,8 +78,8 @@ void add_options(CLI::App& app, Options& options) {
       "configuration, 3 another sheriff gives orders.");
 }
 
-/// The configuration; empty if it has errors, which have been printed. Throws
-/// formats::InputFileError.
+// The configuration; empty if it has errors, which have been printed. Throws
+// formats::InputFileError.
 std::optional<Config> read_config(const std::string& file) {
   ParsedConfig parsed = parse_config(formats::read_input(file));
   for (const ConfigError& error : parsed.errors) {
@@ -133,7 +133,7 @@ int serve(const Options& options, const Config& config) {
   return watch(sheriff, watching);
 }
 
-/// The same with --lone: runs the deputies as well.
+// The same with --lone: runs the deputies as well.
 int serve_alone(const Options& options, const Config& config) {
   LoneDeputies deputies(options.config, config, options.lcm_url);
   const int code = serve(options, config);

@@ -12,7 +12,7 @@ bool begins_character(char c) {
   return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;  // not a continuation byte
 }
 
-/// Length of the UTF-8 sequence that begins with this byte; 0 if none does.
+// Length of the UTF-8 sequence that begins with this byte; 0 if none does.
 std::size_t sequence_length(unsigned char first) {
   if (first < 0x80) {
     return 1;
@@ -20,7 +20,7 @@ std::size_t sequence_length(unsigned char first) {
   return first >> 5U == 6 ? 2 : first >> 4U == 14 ? 3 : first >> 3U == 30 ? 4 : 0;
 }
 
-/// Length in bytes of the character at the start of `text`; 0 if it must not be sent to a terminal.
+// Length in bytes of the character at the start of `text`; 0 if it must not be sent to a terminal.
 std::size_t good_character(std::string_view text) {
   const auto byte = [text](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const std::size_t length = sequence_length(byte(0));

@@ -26,7 +26,7 @@ const char* name_of(Wanted wanted) {
                                       : "healthy";
 }
 
-/// The status that an action waits for, if any.
+// The status that an action waits for, if any.
 std::optional<WaitStatus> wait_of(const Action& action) {
   if (const auto* wait = std::get_if<WaitStatus>(&action.what)) {
     return *wait;
@@ -99,7 +99,7 @@ void ScriptRunner::note_order(const Order& order) {
   }
 }
 
-/// Returns whether an action is done; sets `failure_` if it cannot be done any more.
+// Returns whether an action is done; sets `failure_` if it cannot be done any more.
 bool ScriptRunner::try_to_finish(const Action& action, const Fleet& fleet, time::SteadyTime now) {
   if (const auto* pause = std::get_if<WaitTime>(&action.what)) {
     return now - begin_ >= std::chrono::milliseconds(pause->duration_ms);
@@ -128,7 +128,7 @@ bool ScriptRunner::has_arrived(const WaitStatus& wait, const Fleet& fleet,
   });
 }
 
-/// The commands that have ended with an error and are not respawned, and how they ended.
+// The commands that have ended with an error and are not respawned, and how they ended.
 std::string ScriptRunner::dead_commands(const Target& target, const Fleet& fleet,
                                         time::SteadyTime now) const {
   std::string dead;
@@ -140,8 +140,8 @@ std::string ScriptRunner::dead_commands(const Target& target, const Fleet& fleet
   return dead;
 }
 
-/// After the last action: checks that all started commands keep running or have ended without
-/// error.
+// After the last action: checks that all started commands keep running or have ended without
+// error.
 void ScriptRunner::settle(const Fleet& fleet, time::SteadyTime now) {
   done_ = done_.value_or(now);
   std::string failed;

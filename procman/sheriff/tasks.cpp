@@ -22,7 +22,7 @@ constexpr time::Duration kStartTime = 10s;
 // A command that ends sooner does not count as started.
 constexpr time::Duration kSettleTime = 500ms;
 
-/// Waits for INFO of all these deputies. Returns those from which none came in time.
+// Waits for INFO of all these deputies. Returns those from which none came in time.
 std::vector<std::string> missing_deputies(Sheriff& sheriff, const std::set<std::string>& wanted) {
   const time::SteadyTime deadline = Sheriff::now() + kAnswerTime;
   std::vector<std::string> missing;
@@ -57,8 +57,8 @@ std::vector<std::string> command_names(const Config& config) {
   return names;
 }
 
-/// Listens for other sheriffs; returns whether none gives orders. Two sheriffs would give
-/// contradictory orders, so the second one ends.
+// Listens for other sheriffs; returns whether none gives orders. Two sheriffs would give
+// contradictory orders, so the second one ends.
 bool wait_to_be_alone(Sheriff& sheriff) {
   const time::SteadyTime begin = Sheriff::now();
   while (is_looking_for_others(sheriff.fleet(), begin, Sheriff::now()) && !node::stop_requested()) {
@@ -72,7 +72,7 @@ bool wait_to_be_alone(Sheriff& sheriff) {
   return true;
 }
 
-/// How long a change may take: a start some seconds, a stop also its grace time.
+// How long a change may take: a start some seconds, a stop also its grace time.
 time::Duration patience(Verb verb, const std::vector<const Command*>& commands) {
   time::Duration stop_time{};
   if (verb != Verb::kStart) {
@@ -83,8 +83,8 @@ time::Duration patience(Verb verb, const std::vector<const Command*>& commands) 
   return kStartTime + stop_time;
 }
 
-/// Whether nothing more will happen: the command has run for kSettleTime, or has ended, well or
-/// not.
+// Whether nothing more will happen: the command has run for kSettleTime, or has ended, well or
+// not.
 bool is_settled(const Fleet& fleet, const Command& command, Verb verb) {
   const time::SteadyTime now = Sheriff::now();
   const CommandState state = fleet.state_of(command.id, now);
@@ -96,7 +96,7 @@ bool is_settled(const Fleet& fleet, const Command& command, Verb verb) {
          state == CommandState::kStoppedError;
 }
 
-/// Whether the verb has succeeded. A started command that has ended without error counts as well.
+// Whether the verb has succeeded. A started command that has ended without error counts as well.
 bool is_as_wanted(const Fleet& fleet, const Command& command, Verb verb) {
   const CommandState state = fleet.state_of(command.id, Sheriff::now());
   return verb == Verb::kStop ? is_settled(fleet, command, verb)

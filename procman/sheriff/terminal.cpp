@@ -59,8 +59,8 @@ constexpr std::array<Binding, 16> kBindings{{{"\x1B[A", Key::kUp},
                                              {"q", Key::kQuit},
                                              {"\x03", Key::kQuit}}};
 
-/// Number of bytes of the first key. A function key sends several bytes, and the letters and digits
-/// among them are not keys. 0 if the key is incomplete.
+// Number of bytes of the first key. A function key sends several bytes, and the letters and digits
+// among them are not keys. 0 if the key is incomplete.
 std::size_t length_of_first(std::string_view typed) {
   if (typed.front() != '\x1B') {
     return 1;

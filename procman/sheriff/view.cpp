@@ -43,8 +43,8 @@ Tone tone_of(const ReportRow& row) {
   return is_well && says_well ? Tone::kPlain : Tone::kWarning;
 }
 
-/// The table of the commands, below the names of their groups. Sets `selected_line` to the line of
-/// the selected one.
+// The table of the commands, below the names of their groups. Sets `selected_line` to the line of
+// the selected one.
 std::vector<ViewLine> table_of(const std::vector<ReportRow>& rows, std::size_t selected,
                                std::size_t& selected_line) {
   const std::vector<std::string> lines = aligned(kColumns, rows, " ");
@@ -65,7 +65,7 @@ std::vector<ViewLine> table_of(const std::vector<ReportRow>& rows, std::size_t s
   return view;
 }
 
-/// `room` lines of a table around the selected one, including the header.
+// `room` lines of a table around the selected one, including the header.
 std::vector<ViewLine> window_of(const std::vector<ViewLine>& table, std::size_t selected_line,
                                 std::size_t room) {
   if (table.size() <= room || room < 2) {
@@ -81,7 +81,7 @@ std::vector<ViewLine> window_of(const std::vector<ViewLine>& table, std::size_t 
   return window;
 }
 
-/// The state of one command, and its output up to `lines_back` lines before its end.
+// The state of one command, and its output up to `lines_back` lines before its end.
 std::vector<ViewLine> pane_of(const ReportRow& row, const Console* console, std::size_t lines_back,
                               std::size_t room) {
   if (room == 0) {

@@ -22,7 +22,7 @@ constexpr std::size_t kScrollLines = 5;
 constexpr std::size_t kMaxScripts = 9;  // the number of keys
 constexpr time::Duration kReminderPeriod = 5s;
 
-/// The order of a key, for the selected command or for its whole group.
+// The order of a key, for the selected command or for its whole group.
 struct KeyOrder {
   Key key;
   Verb verb;
@@ -42,8 +42,8 @@ enum class Role : std::uint8_t {
   kObserver,
 };
 
-/// A sheriff that keeps running: script, health rules, detection of another sheriff; with a live
-/// view or line by line.
+// A sheriff that keeps running: script, health rules, detection of another sheriff; with a live
+// view or line by line.
 class Watch {
  public:
   Watch(Sheriff& sheriff, const WatchOptions& options)
@@ -193,15 +193,15 @@ void Watch::end_script() {
   }
 }
 
-/// The exit code after a signal. A sheriff that was to stay has ended as it should, whatever became
-/// of its script: systemd runs a service's stop script only if its program did not fail.
+// The exit code after a signal. A sheriff that was to stay has ended as it should, whatever became
+// of its script: systemd runs a service's stop script only if its program did not fail.
 int Watch::code_of_stop() const {
   const bool is_cut_short = runner_ && !runner_->is_over();
   const bool stays = options_.after_script == AfterScript::kStay;
   return !stays && (is_cut_short || has_failed_) ? exit_code::kFailed : exit_code::kDone;
 }
 
-/// Not while a script runs, because it refers to the previous configuration.
+// Not while a script runs, because it refers to the previous configuration.
 void Watch::reload_config() {
   if (runner_ && !runner_->is_over()) {
     return;
@@ -220,7 +220,7 @@ void Watch::reload_config() {
   }
 }
 
-/// One of two sheriffs must stop giving orders, because they would contradict each other.
+// One of two sheriffs must stop giving orders, because they would contradict each other.
 void Watch::look_for_other_sheriff() {
   const time::SteadyTime now = Sheriff::now();
   const auto other = sheriff_.fleet().other_sheriffs().running(now);
@@ -245,7 +245,7 @@ void Watch::take_command() {
   sheriff_.take_command();
 }
 
-/// A sheriff that has given orders takes the command again when the other one has ended.
+// A sheriff that has given orders takes the command again when the other one has ended.
 void Watch::yield_to(const std::string& other) {
   role_ = role_ == Role::kInCommand ? Role::kYielded : Role::kObserver;
   sheriff_.observe();
@@ -307,7 +307,7 @@ void Watch::press(Key key, const std::vector<ReportRow>& rows) {
   }
 }
 
-/// Scrolls through the output of the selected command.
+// Scrolls through the output of the selected command.
 void Watch::scroll(Key key, const std::vector<ReportRow>& rows) {
   const Console* console = rows.empty() ? nullptr : sheriff_.console(rows[view_.selected].id);
   const std::size_t most = console == nullptr ? 0 : console->lines().size();

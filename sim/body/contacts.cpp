@@ -6,7 +6,7 @@
 namespace nodmap::sim {
 namespace {
 
-/// Below this speed the robot counts as stationary: an actor that touches it has walked into it.
+// Below this speed the robot counts as stationary: an actor that touches it has walked into it.
 constexpr double kStationaryMps = 0.05;
 
 }  // namespace

@@ -10,18 +10,18 @@ namespace nodmap::sim {
 namespace {
 
 constexpr double kUpdateS = 0.02;
-/// Helbing, Farkas and Vicsek: 2000 N on 80 kg, 0.08 m, 0.5 s; no walker is faster than 1.3 times
-/// the desired speed.
+// Helbing, Farkas and Vicsek: 2000 N on 80 kg, 0.08 m, 0.5 s; no walker is faster than 1.3 times
+// the desired speed.
 constexpr double kStrengthMps2 = 2000.0 / 80.0;
 constexpr double kRangeM = 0.08;
 constexpr double kRelaxationS = 0.5;
 constexpr double kFastest = 1.3;
-/// Influence of what is behind, relative to what is ahead.
+// Influence of what is behind, relative to what is ahead.
 constexpr double kBehind = 0.5;
-/// Beyond this distance the force is less than a thousandth.
+// Beyond this distance the force is less than a thousandth.
 constexpr double kFarM = 1.0;
 constexpr double kArrivedM = 0.3;
-/// People step over objects lower than this, and walk under objects that begin above kHeadM.
+// People step over objects lower than this, and walk under objects that begin above kHeadM.
 constexpr double kStepOverM = 0.3;
 constexpr double kHeadM = 1.5;
 
@@ -36,7 +36,7 @@ bool is_wall(const Object& object) {
   return cylinder != nullptr && stands(cylinder->center.z(), cylinder->height_m);
 }
 
-/// The vector from the nearest point of a wall to `p`; zero inside the wall.
+// The vector from the nearest point of a wall to `p`; zero inside the wall.
 Eigen::Vector2d from_wall(const Object& wall, const Eigen::Vector2d& p) {
   if (const auto* box = std::get_if<Box>(&wall.shape)) {
     const geometry::SE2 T_world_box{box->center.x(), box->center.y(), box->yaw_rad};
@@ -49,7 +49,7 @@ Eigen::Vector2d from_wall(const Object& wall, const Eigen::Vector2d& p) {
   return v * std::max(0.0, 1.0 - cylinder.radius_m / std::max(v.norm(), 1e-9));
 }
 
-/// The repulsive force. `away` points from the other's surface to the walker's centre.
+// The repulsive force. `away` points from the other's surface to the walker's centre.
 Eigen::Vector2d force(const Eigen::Vector2d& away, double radius_m,
                       const Eigen::Vector2d& heading) {
   const double distance_m = away.norm();

@@ -101,7 +101,7 @@ void PitchServo::restart(double time_s, const PitchState& state) {
   pieces_[0] = {time_s, state.pitch_rad, state.rate_rad_s, 0.0};
 }
 
-/// Sets the acceleration of the last piece, and starts the next one at its end.
+// Sets the acceleration of the last piece, and starts the next one at its end.
 void PitchServo::append(double acceleration_rad_s2, double duration_s) {
   pieces_[num_pieces_ - 1].acceleration_rad_s2 = acceleration_rad_s2;
   const double end_s = pieces_[num_pieces_ - 1].start_s + duration_s;

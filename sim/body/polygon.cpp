@@ -16,7 +16,7 @@ double distance_to_segment(const Eigen::Vector2d& p, const Eigen::Vector2d& a,
   return (p - a - fraction * along).norm();
 }
 
-/// Whether projections onto `normal` do not overlap.
+// Whether projections onto `normal` do not overlap.
 bool separates(const Eigen::Vector2d& normal, const Rectangle& rectangle, const Polygon& polygon) {
   const double reach = normal.cwiseAbs().dot(rectangle.half);
   double least = kInfinity;
@@ -28,7 +28,7 @@ bool separates(const Eigen::Vector2d& normal, const Rectangle& rectangle, const 
   return least > reach || most < -reach;
 }
 
-/// Separating axis theorem.
+// Separating axis theorem.
 bool overlap(const Rectangle& rectangle, const Polygon& polygon) {
   if (separates(Eigen::Vector2d::UnitX(), rectangle, polygon) ||
       separates(Eigen::Vector2d::UnitY(), rectangle, polygon)) {
@@ -43,7 +43,7 @@ bool overlap(const Rectangle& rectangle, const Polygon& polygon) {
   return true;
 }
 
-/// One step of Sutherland and Hodgman: keeps the part above a height (side +1) or below it (-1).
+// One step of Sutherland and Hodgman: keeps the part above a height (side +1) or below it (-1).
 template <class Points>
 std::size_t cut(Points& corners, std::size_t size, double z, double side) {
   Points kept;

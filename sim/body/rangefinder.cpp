@@ -12,13 +12,13 @@ struct Offset {
   double up;
 };
 
-/// Positions of the rays in a spot of radius 1. The central one represents a fifth of the area; the
-/// others are at the root mean square radius of the rest, sqrt((0.2 + 1) / 2).
+// Positions of the rays in a spot of radius 1. The central one represents a fifth of the area; the
+// others are at the root mean square radius of the rest, sqrt((0.2 + 1) / 2).
 constexpr double kRing = 0.7746;
 constexpr std::array<Offset, Rangefinder::kRays> kPattern{
     {{0.0, 0.0}, {kRing, 0.0}, {-kRing, 0.0}, {0.0, kRing}, {0.0, -kRing}}};
 constexpr double kRayFraction = 1.0 / Rangefinder::kRays;
-/// Up to this distance a white surface counts as returning all of the light.
+// Up to this distance a white surface counts as returning all of the light.
 constexpr double kNearM = 1.0;
 
 }  // namespace
@@ -45,8 +45,8 @@ Echo Rangefinder::measure(const RayCaster& caster, const geometry::SE3& T_world_
   return detect(returns);
 }
 
-/// Diffuse reflection (Lambert) that falls with the square of the distance. The part of a
-/// reflector's reflectivity above 1 counts only if the beam hits it nearly at a right angle.
+// Diffuse reflection (Lambert) that falls with the square of the distance. The part of a
+// reflector's reflectivity above 1 counts only if the beam hits it nearly at a right angle.
 double Rangefinder::returned_light(const Hit& hit, const Eigen::Vector3d& direction) const {
   const double cosine = -hit.normal.dot(direction);
   double reflected = std::min(hit.reflectivity, 1.0) * cosine;
@@ -57,8 +57,8 @@ double Rangefinder::returned_light(const Hit& hit, const Eigen::Vector3d& direct
   return reflected * nearness * nearness;
 }
 
-/// Surfaces closer together than the pulse length merge into one echo, at the mean of their ranges
-/// weighted by light: a mixed pixel. The first echo that is bright enough is the result.
+// Surfaces closer together than the pulse length merge into one echo, at the mean of their ranges
+// weighted by light: a mixed pixel. The first echo that is bright enough is the result.
 Echo Rangefinder::detect(std::array<Return, kRays> returns) {
   std::ranges::sort(returns, {}, &Return::range_m);
   for (std::size_t first = 0; first < kRays && returns[first].range_m < kNoHit;) {

@@ -19,10 +19,10 @@ namespace nodmap::sim {
 namespace {
 
 constexpr double kStepS = time::seconds(MotionHistory::kStep);
-/// Makes the wheels' random numbers independent of the laser's.
+// Makes the wheels' random numbers independent of the laser's.
 constexpr std::uint64_t kSlipStream = 0x9e3779b97f4a7c15;
 
-/// Heights of the outermost wheels, metres: front left, front right, rear left, rear right.
+// Heights of the outermost wheels, metres: front left, front right, rear left, rear right.
 using WheelHeights = std::array<double, 4>;
 
 }  // namespace
@@ -53,14 +53,14 @@ struct RobotModel::State {
   void save_step(time::SteadyTime instant);
   [[nodiscard]] Eigen::Quaterniond orientation() const;
   [[nodiscard]] Moment present() const { return history.at(now); }
-  /// The end of the last step, the first full millisecond that is not before now.
+  // The end of the last step, the first full millisecond that is not before now.
   [[nodiscard]] double newest_s() const {
     return time::seconds(history.newest().time_since_epoch());
   }
   [[nodiscard]] double corner_m() const {
     return 0.5 * std::hypot(params.body.length_m, params.body.width_m);
   }
-  /// The contact point of an outermost wheel, in base. `i` as in WheelHeights.
+  // The contact point of an outermost wheel, in base. `i` as in WheelHeights.
   [[nodiscard]] Eigen::Vector2d wheel(std::size_t i) const {
     return {(i < 2 ? 0.5 : -0.5) * params.body.wheelbase_m,
             (i % 2 == 0 ? 0.5 : -0.5) * params.drive.axis_length_m};
@@ -95,7 +95,7 @@ void RobotModel::State::step() {
   save_step(instant);
 }
 
-/// Moves the robot, unless an obstacle, a step or an edge blocks it.
+// Moves the robot, unless an obstacle, a step or an edge blocks it.
 void RobotModel::State::drive() {
   const geometry::SE2 T_world_before = base.T_world_base();
   base.step(kStepS);
@@ -113,7 +113,7 @@ void RobotModel::State::drive() {
   touch_actors(T_world_before, speed_mps);
 }
 
-/// Counts contacts with obstacles. Returns whether the body touches any.
+// Counts contacts with obstacles. Returns whether the body touches any.
 bool RobotModel::State::touch_obstacles(double speed_mps) {
   const std::vector<std::size_t> touched = collision.touched(body_pose());
   for (const std::size_t obstacle : touched) {
@@ -122,8 +122,8 @@ bool RobotModel::State::touch_obstacles(double speed_mps) {
   return !touched.empty();
 }
 
-/// Rolls the wheels to where the base is now, and counts contacts with steps up and edges. Returns
-/// the heights of the wheels; empty if one of them is blocked.
+// Rolls the wheels to where the base is now, and counts contacts with steps up and edges. Returns
+// the heights of the wheels; empty if one of them is blocked.
 std::optional<WheelHeights> RobotModel::State::roll(double speed_mps) {
   if (ground.is_flat()) {
     return wheel_heights_m;
@@ -144,7 +144,7 @@ std::optional<WheelHeights> RobotModel::State::roll(double speed_mps) {
   return is_blocked ? std::nullopt : std::optional(heights_m);
 }
 
-/// Computes the height and tilt of the body from the heights of the wheels.
+// Computes the height and tilt of the body from the heights of the wheels.
 void RobotModel::State::stand() {
   if (ground.is_flat()) {
     return;
@@ -160,8 +160,8 @@ void RobotModel::State::stand() {
   base.set_slope(up_ahead);
 }
 
-/// Counts contacts with actors. The robot may move away from an actor that it touches, and along
-/// it, but not farther into it.
+// Counts contacts with actors. The robot may move away from an actor that it touches, and along
+// it, but not farther into it.
 void RobotModel::State::touch_actors(const geometry::SE2& T_world_before, double speed_mps) {
   constexpr double kRoundingM = 1e-12;
   const BodyPose after = body_pose();

@@ -15,7 +15,7 @@
 namespace nodmap::sim {
 namespace {
 
-/// Margin of the grid for detours around all objects.
+// Margin of the grid for detours around all objects.
 constexpr double kBorderM = 1.0;
 constexpr int kMaxCells = 20'000'000;
 
@@ -26,7 +26,7 @@ BodyParams point_body(BodyParams body) {
   return body;
 }
 
-/// The cells in which the disc fits; computed on demand.
+// The cells in which the disc fits; computed on demand.
 class FreeCells {
  public:
   FreeCells(const World& world, const BodyParams& body, double cell_m)
@@ -77,7 +77,7 @@ class FreeCells {
     }
     return known == Known::kFree;
   }
-  /// Whether all cells along a straight line are free.
+  // Whether all cells along a straight line are free.
   [[nodiscard]] bool is_line_free(const Cell& from, const Cell& to) const {
     const Eigen::Vector2d along = (to - from).cast<double>();
     const int steps = static_cast<int>(std::ceil(along.cwiseAbs().maxCoeff()));
@@ -110,14 +110,14 @@ double distance(const Cell& a, const Cell& b) {
   return (a - b).cast<double>().norm();
 }
 
-/// Theta*: A* in which the path to a cell may come straight from its neighbour's parent, if nothing
-/// is in between.
+// Theta*: A* in which the path to a cell may come straight from its neighbour's parent, if nothing
+// is in between.
 class ThetaStar {
  public:
   ThetaStar(FreeCells& cells, const Cell& goal)
       : cells_(cells), goal_(goal), visits_(cells.size()) {}
 
-  /// The length of the path in cells; empty if there is none.
+  // The length of the path in cells; empty if there is none.
   [[nodiscard]] std::optional<double> length_from(const Cell& start) {
     if (!cells_.is_free(start) || !cells_.is_free(goal_)) {
       return std::nullopt;
@@ -156,7 +156,7 @@ class ThetaStar {
     }
   }
 
-  /// Reaches `next` from the cell beside it, or straight from that cell's parent.
+  // Reaches `next` from the cell beside it, or straight from that cell's parent.
   void go_to(const Cell& next, std::size_t beside) {
     const std::size_t parent = visits_[beside].parent;
     const bool is_straight = cells_.is_line_free(cells_.cell_at(parent), next);

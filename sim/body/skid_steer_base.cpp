@@ -8,9 +8,9 @@ namespace nodmap::sim {
 namespace {
 
 constexpr double kGravityMps2 = 9.81;
-/// Slip and tilt change with the ground: about half a rotation of a wheel (perimeter 0.379 m).
+// Slip and tilt change with the ground: about half a rotation of a wheel (perimeter 0.379 m).
 constexpr double kGroundLengthM = 0.2;
-/// Time constant with which the tyres yield and recover.
+// Time constant with which the tyres yield and recover.
 constexpr double kTiltLagS = 0.1;
 
 }  // namespace
@@ -95,7 +95,7 @@ void SkidSteerBase::accelerate_wheel(double goal_mps, double dt_s, double& wheel
   wheel_mps += std::clamp(wanted_mps2, least_mps2, most_mps2) * dt_s;
 }
 
-/// Exact for any step: slip and tilt per metre depend neither on the speed nor on the step.
+// Exact for any step: slip and tilt per metre depend neither on the speed nor on the step.
 void SkidSteerBase::advance_random_processes(double distance_m) {
   const double keep = std::exp(-distance_m / kGroundLengthM);
   const double renew = std::sqrt(1.0 - keep * keep);
@@ -115,7 +115,7 @@ void SkidSteerBase::move(double dt_s) {
   T_world_base_.yaw = geometry::normalize_angle(T_world_base_.yaw + yaw_rate_rad_s_ * dt_s);
 }
 
-/// Tilts the body by the wheels' acceleration, unless an obstacle blocks the robot.
+// Tilts the body by the wheels' acceleration, unless an obstacle blocks the robot.
 void SkidSteerBase::tilt(double dt_s, const WheelSpeeds& before) {
   const double gain = dt_s / (kTiltLagS + dt_s);
   const double ahead_mps2 =

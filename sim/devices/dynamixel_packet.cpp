@@ -18,7 +18,7 @@ bool header_at(ByteView bytes, std::size_t at) {
                                               bytes.begin() + static_cast<std::ptrdiff_t>(at));
 }
 
-/// Where a header begins, or may begin when more bytes arrive.
+// Where a header begins, or may begin when more bytes arrive.
 std::ptrdiff_t header_start(const Bytes& bytes) {
   auto start = bytes.begin();
   while (!std::equal(start, start + std::min<std::ptrdiff_t>(kHeader.size(), bytes.end() - start),
@@ -28,7 +28,7 @@ std::ptrdiff_t header_start(const Bytes& bytes) {
   return start - bytes.begin();
 }
 
-/// Byte stuffing: an additional FD after everything that looks like a header.
+// Byte stuffing: an additional FD after everything that looks like a header.
 Bytes stuffed(ByteView content) {
   Bytes bytes;
   for (std::size_t i = 0; i < content.size(); ++i) {

@@ -65,7 +65,7 @@ time::SteadyTime DynamixelServo::next_due() const {
                   watched ? last_instruction_ + kWatchdogUnit * watchdog : kNever);
 }
 
-/// The bus watchdog: without instructions the servo stops.
+// The bus watchdog: without instructions the servo stops.
 void DynamixelServo::update(time::SteadyTime now) {
   const std::int32_t watchdog = registers_.get(kBusWatchdog);
   if (watchdog > 0 && watchdog != kWatchdogFired &&

@@ -41,7 +41,7 @@ auto look_up(const Table& table, std::string_view word, std::string_view text) {
   fail(text, std::string(word).insert(0, 1, '\'') + "' is not one of " + allowed);
 }
 
-/// The text before the mark; `rest` becomes the text after it.
+// The text before the mark; `rest` becomes the text after it.
 std::string_view take_up_to(char mark, std::string_view& rest, std::string_view text) {
   const std::size_t at = rest.find(mark);
   if (at == std::string_view::npos) {
@@ -62,7 +62,7 @@ double number(std::string_view word, double max, const char* what, std::string_v
   return value;
 }
 
-/// The largest amount of this kind; empty for kinds that have none.
+// The largest amount of this kind; empty for kinds that have none.
 std::optional<double> max_amount(FaultKind kind) {
   switch (kind) {
     case FaultKind::kDrop:

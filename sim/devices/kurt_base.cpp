@@ -43,7 +43,7 @@ constexpr std::int64_t kMostTicks = std::numeric_limits<std::int16_t>::max();  /
 constexpr int kInfraredFar = 60;
 constexpr double kInfraredReachM = 0.8;
 constexpr double kInfraredHeightM = 0.12;
-/// The sonar is not modelled; it always reads "nothing in range".
+// The sonar is not modelled; it always reads "nothing in range".
 constexpr int kSonarFar = 1100;
 
 constexpr double kTiltZero = 32'768.0;
@@ -71,7 +71,7 @@ CanFrame frame_of(std::uint16_t id, const std::array<std::int64_t, 4>& words) {
   return frame;
 }
 
-/// A frame of two 4-byte numbers.
+// A frame of two 4-byte numbers.
 CanFrame frame_of(std::uint16_t id, std::int64_t first, std::int64_t second) {
   return frame_of(id, {first >> 16, first, second >> 16, second});
 }
@@ -149,8 +149,8 @@ void KurtBase::control(const CanFrame& frame) {
   }
 }
 
-/// Per side: direction and brake bits, then the inverted duty cycle, taken as a fraction of the top
-/// speed.
+// Per side: direction and brake bits, then the inverted duty cycle, taken as a fraction of the top
+// speed.
 void KurtBase::control_raw(const CanFrame& frame) {
   constexpr unsigned kBrakeBit = 1;
   constexpr unsigned kBackBit = 2;
@@ -170,7 +170,7 @@ void KurtBase::control_raw(const CanFrame& frame) {
   }
 }
 
-/// Switches the motors off; no frames until it has restarted.
+// Switches the motors off; no frames until it has restarted.
 void KurtBase::reset(time::SteadyTime now) {
   model_.set_wheel_speeds({});
   has_timed_out_ = true;
@@ -186,7 +186,7 @@ std::int64_t KurtBase::ticks(double distance_m) const {
       std::floor(distance_m / params_.wheel_perimeter_m * params_.ticks_per_revolution));
 }
 
-/// Whole ticks since the last frame; fractions are carried over.
+// Whole ticks since the last frame; fractions are carried over.
 CanFrame KurtBase::encoder_frame() {
   const auto delta = [](std::int64_t total, std::int64_t& reported) {
     const std::int64_t ticks = std::clamp(total - reported, -kMostTicks, kMostTicks);
@@ -198,7 +198,7 @@ CanFrame KurtBase::encoder_frame() {
                              delta(ticks(travel.right_m), right_reported_), 0, 0});
 }
 
-/// The inverse of the formula in the base's software: cm = (30000 / (raw - 10))^(1 / 1.4) - 10.
+// The inverse of the formula in the base's software: cm = (30000 / (raw - 10))^(1 / 1.4) - 10.
 std::int64_t KurtBase::infrared_reading(robot::Infrared sensor) const {
   if (!params_.has_infrared) {
     return kInfraredFar;

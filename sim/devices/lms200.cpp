@@ -15,7 +15,7 @@ constexpr time::FineDuration kNominalRevolution(13'320.0);
 constexpr std::uint8_t kAck = 0x06;
 constexpr std::uint8_t kNak = 0x15;
 constexpr time::Duration kAckDelay = 5ms;
-/// Older revolutions can no longer be measured, because the robot model stores 100 ms.
+// Older revolutions can no longer be measured, because the robot model stores 100 ms.
 constexpr time::Duration kMemory = 80ms;
 
 time::FineDuration revolution(const Lms200Params& params) {
@@ -71,7 +71,7 @@ time::SteadyTime Lms200::next_due() const {
   return next;
 }
 
-/// Changes the rate and ends the start-up when due.
+// Changes the rate and ends the start-up when due.
 void Lms200::update(time::SteadyTime now) {
   if (now >= baud_due_) {
     baud_ = next_baud_;

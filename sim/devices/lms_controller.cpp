@@ -50,7 +50,7 @@ bool is_variant(int field_deg, int resolution_cdeg) {
           (resolution_cdeg == 100 || resolution_cdeg == 50 || resolution_cdeg == 25));
 }
 
-/// The rate as encoded in the status telegram.
+// The rate as encoded in the status telegram.
 std::uint32_t baud_word(int baud) {
   switch (baud) {
     case 500'000:

@@ -11,14 +11,14 @@ constexpr std::uint8_t kStx = 0x02;
 constexpr std::size_t kHeaderBytes = 4;
 constexpr std::size_t kChecksumBytes = 2;
 constexpr std::size_t kLongestRequest = 64;  // the configuration has 35 bytes
-/// The sensor drops a request with a longer pause in it (3.2.2).
+// The sensor drops a request with a longer pause in it (3.2.2).
 constexpr time::Duration kLongestPause = 6ms;
 
 // Positions of the special codes, counted down from the largest value (telegram listing, 10.1).
 constexpr int kDazzled = 1;
 constexpr int kBeyondReach = 8;
 
-/// The largest number that fits into the bits of the mode.
+// The largest number that fits into the bits of the mode.
 int top_of(std::uint8_t mode) {
   if (mode <= 0x02) {
     return 0x1FFF;

@@ -11,7 +11,7 @@ namespace {
 constexpr time::Duration kPortion = 1ms;
 constexpr std::int64_t kBitsPerByte = 10;  // start, eight, stop
 
-/// The signal on the line; times in bits of the sender.
+// The signal on the line; times in bits of the sender.
 class Line {
  public:
   explicit Line(ByteView bytes) : bytes_(bytes) {}
@@ -29,7 +29,7 @@ class Line {
     return within == kBitsPerByte - 1 || (within > 0 && (byte >> (within - 1) & 1) != 0);
   }
 
-  /// The first falling edge at or after `time`; end() when there is none.
+  // The first falling edge at or after `time`; end() when there is none.
   [[nodiscard]] std::int64_t falling_edge(double time) const {
     auto bit = static_cast<std::int64_t>(std::ceil(time));
     while (bit < end() && (high(bit) || !high(bit - 1))) {

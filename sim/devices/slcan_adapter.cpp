@@ -35,8 +35,8 @@ unsigned hex_number(std::string_view digits) {
   return value;
 }
 
-/// Parses the text after the letter: `id_digits` of identifier, the length, and the data unless it
-/// is a remote request.
+// Parses the text after the letter: `id_digits` of identifier, the length, and the data unless it
+// is a remote request.
 std::optional<CanFrame> parse_frame(std::string_view text, std::size_t id_digits, bool has_data) {
   if (text.size() < id_digits + 1 || !is_hex(text)) {
     return std::nullopt;

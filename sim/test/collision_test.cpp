@@ -112,7 +112,7 @@ Object random_object(Random& random, int kind) {
   return {mesh};
 }
 
-/// A random point of the object.
+// A random point of the object.
 Eigen::Vector3d sample(const Object& object, Random& random) {
   if (const auto* box = std::get_if<Box>(&object.shape)) {
     const Eigen::Vector3d local(random.between(-0.5, 0.5), random.between(-0.5, 0.5),
@@ -141,8 +141,8 @@ struct Sampled {
   int points = 0;
 };
 
-/// Oracle: the smallest horizontal distance from the body to sampled points of the object that are
-/// within the body's height.
+// Oracle: the smallest horizontal distance from the body to sampled points of the object that are
+// within the body's height.
 Sampled sampled_distance(const Object& object, const BodyPose& body, Random& random) {
   const geometry::SE2 T_base_world = body.T_world_base.inverse();
   Sampled sampled;

@@ -10,7 +10,7 @@ constexpr double kFast = 0.3;
 constexpr bool kApproaches = true;
 constexpr double kStationary = 0.049;
 
-/// Two boxes, 1 m ahead and 1 m behind, a pit on the left, and somebody who stands on the right.
+// Two boxes, 1 m ahead and 1 m behind, a pit on the left, and somebody who stands on the right.
 class ContactsTest : public ::testing::Test {
  protected:
   static constexpr std::size_t kAhead = 0;

@@ -9,7 +9,7 @@
 namespace nodmap::sim {
 namespace crowd_test {
 
-/// A robot far from everything.
+// A robot far from everything.
 const geometry::SE2 kAway{100.0, 100.0, 0.0};
 
 Actor walker(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double speed_mps) {
@@ -19,7 +19,7 @@ Actor walker(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double spee
   return actor;
 }
 
-/// Advances the crowd in steps of a millisecond, as the robot model does.
+// Advances the crowd in steps of a millisecond, as the robot model does.
 void advance(Crowd& crowd, double from_s, double to_s, const geometry::SE2& robot = kAway) {
   for (int i = 1; i <= std::lround(1e3 * (to_s - from_s)); ++i) {
     crowd.advance(from_s + 1e-3 * i, robot);

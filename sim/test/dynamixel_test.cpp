@@ -32,7 +32,7 @@ const Bytes kGoalMinusOne = hex("FF FF FD 00 01 09 00 03 74 00 FF FF FF FF C8 89
 constexpr time::Duration kBootTime = 500ms;
 constexpr time::Duration kAnswerTime = 5ms;
 
-/// Any instruction, with its checksum. Its bytes must not need stuffing.
+// Any instruction, with its checksum. Its bytes must not need stuffing.
 Bytes instruction(std::uint8_t code, const Bytes& parameters, std::uint8_t id = 1) {
   Bytes bytes = hex("FF FF FD 00");
   bytes.push_back(id);
@@ -88,7 +88,7 @@ TEST(DynamixelPacket, AnInstructionIsFoundInNoiseAndInPieces) {
   EXPECT_FALSE(instruction->is_damaged);
 }
 
-/// The servo on a bench: there is nothing in the world but the floor.
+// The servo on a bench: there is nothing in the world but the floor.
 class DynamixelTest : public ::testing::Test {
  protected:
   explicit DynamixelTest(const DynamixelParams& params = {})

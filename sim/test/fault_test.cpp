@@ -59,7 +59,7 @@ TEST(Fault, ErrorsNameWhatIsAllowed) {
   }
 }
 
-/// A device that sends one numbered byte every millisecond and records the received bytes.
+// A device that sends one numbered byte every millisecond and records the received bytes.
 class Counter : public SerialDevice {
  public:
   Bytes heard;

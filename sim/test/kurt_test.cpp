@@ -23,7 +23,7 @@ constexpr const char* kZero = "t00180002000000000001\r";
 constexpr const char* kReset = "t0018FFFF000000000000\r";
 constexpr double kMPerTick = 0.379 / 21'950.0;
 
-/// The answers to lines sent one after the other.
+// The answers to lines sent one after the other.
 std::string answers(SlcanAdapter& adapter, const std::string& said) {
   std::string answer;
   for (const char c : said) {
@@ -90,7 +90,7 @@ class KurtTest : public ::testing::Test {
 
   void say(const std::string& text) { host_.send(text_bytes(text)); }
 
-  /// Sends a line every 10 ms, as the driver does.
+  // Sends a line every 10 ms, as the driver does.
   void drive(const std::string& line, time::Duration duration) {
     for (std::int64_t i = 0; i < duration / 10ms; ++i) {
       say(line);
@@ -103,7 +103,7 @@ class KurtTest : public ::testing::Test {
     heard_.append(bytes.begin(), bytes.end());
   }
 
-  /// The data of all frames of a kind received so far, as two-byte words.
+  // The data of all frames of a kind received so far, as two-byte words.
   std::vector<std::array<int, 4>> frames(const std::string& id) const {
     std::vector<std::array<int, 4>> found;
     const std::string start = "t" + id + "8";
@@ -235,7 +235,7 @@ TEST_F(KurtTest, AtAnotherBaudRateItReceivesOnlyNoise) {
   EXPECT_EQ(frames("009").size(), 10U) << "the channel is still open";
 }
 
-/// The words of a frame of each kind.
+// The words of a frame of each kind.
 std::map<int, std::array<int, 4>> all_readings(const KurtBaseParams& params, RobotModel& model) {
   KurtBase base(params, model, {});
   std::map<int, std::array<int, 4>> words;

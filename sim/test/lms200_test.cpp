@@ -34,15 +34,15 @@ const Bytes kPowerOn =
 const Bytes kWriteConfig = hex("02 00 23 00 77 00 00 70 00 02 06 01 00 00 02 02 00x21 02 00 51 49");
 
 constexpr time::Duration kBootTime = 1s;
-/// The answer to a change of mode begins after 50 ms, and scans begin when its nine bytes have been
-/// sent.
+// The answer to a change of mode begins after 50 ms, and scans begin when its nine bytes have been
+// sent.
 constexpr time::Duration kModeTime = 50'190us;
 
 Echo flat(double /*angle_rad*/, time::SteadyTime /*fired*/) {
   return {Echo::Kind::kRange, 1.0, 0.5};
 }
 
-/// Ranges that increase by 1 mm per degree, from 1000 mm at the right.
+// Ranges that increase by 1 mm per degree, from 1000 mm at the right.
 Echo ramp(double angle_rad, time::SteadyTime /*fired*/) {
   return {Echo::Kind::kRange, 1.0 + 0.001 * (geometry::rad_to_deg(angle_rad) + 90.0), 0.5};
 }
@@ -55,7 +55,7 @@ Bytes words(int count, int first, int step) {
   return bytes;
 }
 
-/// A started sensor at 500 kbaud, from power-on, by default without drift.
+// A started sensor at 500 kbaud, from power-on, by default without drift.
 class Lms200Test : public ::testing::Test {
  protected:
   static Lms200Params params() {
@@ -76,7 +76,7 @@ class Lms200Test : public ::testing::Test {
     return host_->ask(hex(request), duration);
   }
 
-  /// The times of the first bytes of the stream's telegrams within a duration.
+  // The times of the first bytes of the stream's telegrams within a duration.
   std::vector<time::SteadyTime> telegram_starts(std::size_t size, time::Duration duration) {
     std::vector<time::SteadyTime> starts;
     std::size_t count = 0;

@@ -12,7 +12,7 @@ time::SteadyTime at(time::Duration since_start) {
   return time::SteadyTime(since_start);
 }
 
-/// Everything changes at constant rates: 1 m/s along x, 2 rad/s about z, the pitch by 3 rad/s.
+// Everything changes at constant rates: 1 m/s along x, 2 rad/s about z, the pitch by 3 rad/s.
 MotionHistory run(int steps) {
   MotionHistory history;
   for (int i = 0; i <= steps; ++i) {

@@ -22,7 +22,7 @@ geometry::SE3 laser() {
   return T_world_laser;
 }
 
-/// A wall across the x axis at `x_m`, from `y_min` to the left.
+// A wall across the x axis at `x_m`, from `y_min` to the left.
 Object wall(double x_m, double reflectivity, double y_min = -50.0) {
   return {Box{{x_m + 0.05, y_min + 50.0, 1.0}, {0.1, 100.0, 2.0}, 0.0}, reflectivity};
 }

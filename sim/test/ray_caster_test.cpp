@@ -13,8 +13,8 @@ namespace ray_caster_test {
 using Vec2 = Eigen::Vector2d;
 using Vec3 = Eigen::Vector3d;
 
-/// Oracle: each surface alone, as a bounded plane or a quadratic equation; without slabs, tree or
-/// Moeller-Trumbore.
+// Oracle: each surface alone, as a bounded plane or a quadratic equation; without slabs, tree or
+// Moeller-Trumbore.
 class BruteForce {
  public:
   explicit BruteForce(const Ray& ray) : ray_(ray) {}
@@ -22,7 +22,7 @@ class BruteForce {
   double nearest = kNoHit;
   Vec3 normal = Vec3::Zero();
 
-  /// A parallelogram about `center` with half edges u and v.
+  // A parallelogram about `center` with half edges u and v.
   void patch(const Vec3& center, const Vec3& u, const Vec3& v) {
     plane(center, u.cross(v).normalized(), [&](const Vec3& p) {
       // Coordinates along two edges, which may be oblique.

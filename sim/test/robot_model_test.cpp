@@ -15,7 +15,7 @@ namespace robot_model_test {
 using geometry::deg_to_rad;
 using test::at;
 
-/// A robot without noise or slip.
+// A robot without noise or slip.
 RobotModelParams exact_params() {
   RobotModelParams params;
   params.drive.slip_distance_m = 0.0;
@@ -39,7 +39,7 @@ Actor walker(std::vector<Waypoint> path) {
   return actor;
 }
 
-/// The measurements of a drive with the laser running.
+// The measurements of a drive with the laser running.
 std::vector<double> drive(std::uint64_t seed) {
   RobotModel model(wall_ahead(8.0), {}, seed);
   model.set_wheel_speeds({0.8, 1.0});
@@ -150,7 +150,7 @@ TEST(RobotModel, AnActorWhoWalksIntoTheStationaryRobotCountsAsABump) {
   EXPECT_EQ(driving.ground_truth().collisions, 1);
 }
 
-/// Somebody who walks from (2, y) to `end` within a second, and stays there.
+// Somebody who walks from (2, y) to `end` within a second, and stays there.
 World somebody_who_walks_to(const Eigen::Vector2d& end) {
   World world;
   world.actors.push_back(walker({{0.0, {2.0, end.y()}}, {1.0, end}}));

@@ -24,7 +24,7 @@
 namespace nodmap::sim {
 namespace scenarios_test {
 
-/// A square body as wide as the circle in which KURT3D rotates.
+// A square body as wide as the circle in which KURT3D rotates.
 BodyParams turning_circle() {
   BodyParams body;
   body.length_m = body.width_m = std::hypot(body.length_m, body.width_m);
@@ -35,7 +35,7 @@ Eigen::Vector2d nearest_point(const Pit& pit, const Eigen::Vector2d& p) {
   return p.cwiseMax(pit.min).cwiseMin(pit.max);
 }
 
-/// The world with the robot heading for the nearest hole.
+// The world with the robot heading for the nearest hole.
 World looking_at_hole(World world) {
   const Eigen::Vector2d start = world.T_world_start.translation();
   Eigen::Vector2d nearest = nearest_point(world.pits.front(), start);

@@ -99,7 +99,7 @@ TEST(SkidSteerBase, FollowsACommandWithAFirstOrderLag) {
   EXPECT_NEAR(body.wheel_speeds().left_mps, 0.1 * (1.0 - std::exp(-1.0)), 0.001);
 }
 
-/// Odometry as in the driver: an arc for each encoder period.
+// Odometry as in the driver: an arc for each encoder period.
 geometry::SE2 odometry(SkidSteerBase& body, const DriveParams& params, double duration_s) {
   geometry::SE2 pose;
   WheelTravel before = body.travel();

@@ -30,7 +30,7 @@ class WorldFile : public testing::Test {
     return load_world(write("w.yaml", text));
   }
 
-  /// The error message without the folder.
+  // The error message without the folder.
   [[nodiscard]] std::string error_of(const std::string& text) const {
     try {
       static_cast<void>(load(text));

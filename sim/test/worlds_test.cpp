@@ -18,8 +18,8 @@ namespace worlds_test {
 
 constexpr double kCellM = 0.1;
 
-/// The places that the robot can reach from its start on flat ground, with room to rotate
-/// everywhere.
+// The places that the robot can reach from its start on flat ground, with room to rotate
+// everywhere.
 class Reached {
  public:
   explicit Reached(const World& world) : collision_(world, needle()), start_(world.T_world_start) {

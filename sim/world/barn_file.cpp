@@ -17,12 +17,12 @@ namespace {
 
 constexpr double kCylinderRadiusM = 0.075;
 constexpr double kCylinderHeightM = 0.5;
-/// Height of the moving cylinders, above every scanner.
+// Height of the moving cylinders, above every scanner.
 constexpr double kActorHeightM = 1.0;
-/// More than any world has; a larger count means a broken file.
+// More than any world has; a larger count means a broken file.
 constexpr int kMaxItems = 10'000;
 
-/// The lines of a file that are not comments, with their numbers.
+// The lines of a file that are not comments, with their numbers.
 class Lines {
  public:
   explicit Lines(const std::filesystem::path& file) : lines_(file) {}
@@ -36,7 +36,7 @@ class Lines {
     }
     return false;
   }
-  /// Reads the next line, which must exist.
+  // Reads the next line, which must exist.
   void need() {
     if (!next()) {
       fail("the file ends too early");
@@ -66,8 +66,8 @@ class Lines {
   std::istringstream line_;
 };
 
-/// A Catmull-Rom spline through the key frames, with tangents from the neighbouring times, sampled
-/// so densely that straight lines between the samples deviate by less than a millimetre.
+// A Catmull-Rom spline through the key frames, with tangents from the neighbouring times, sampled
+// so densely that straight lines between the samples deviate by less than a millimetre.
 std::vector<Waypoint> spline(const std::vector<Waypoint>& keys) {
   constexpr double kStepS = 0.05;
   std::vector<Waypoint> path;
@@ -94,7 +94,7 @@ std::vector<Waypoint> spline(const std::vector<Waypoint>& keys) {
   return path;
 }
 
-/// "radius period_s k name", then k key frames.
+// "radius period_s k name", then k key frames.
 Actor read_actor(Lines& lines) {
   Actor actor;
   actor.radius_m = lines.read_number("a radius");
@@ -119,7 +119,7 @@ Actor read_actor(Lines& lines) {
   return actor;
 }
 
-/// The n objects of a world, cylinders or actors.
+// The n objects of a world, cylinders or actors.
 void read_objects(Lines& lines, int count, World& world) {
   for (int i = 0; i < count; ++i) {
     lines.need();
@@ -138,7 +138,7 @@ void read_objects(Lines& lines, int count, World& world) {
   }
 }
 
-/// Length of the reference path; empty if the file beside the worlds does not contain it.
+// Length of the reference path; empty if the file beside the worlds does not contain it.
 std::optional<double> reference_path_m(const std::filesystem::path& file, int index) {
   if (!std::filesystem::exists(file)) {
     return std::nullopt;
@@ -152,7 +152,7 @@ std::optional<double> reference_path_m(const std::filesystem::path& file, int in
   return std::nullopt;
 }
 
-/// The rules of the challenge: reached within 1 m of the goal, 100 s, no contact.
+// The rules of the challenge: reached within 1 m of the goal, 100 s, no contact.
 void set_task(const std::filesystem::path& file, int index, World& world) {
   const bool is_dynamic = !world.actors.empty();
   if (is_dynamic) {

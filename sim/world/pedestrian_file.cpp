@@ -22,7 +22,7 @@ constexpr double kRadiusM = 0.25;
 constexpr double kBorderM = 1.5;
 constexpr double kHalfCrossingM = 5.0;
 
-/// The waypoints of each pedestrian, by number.
+// The waypoints of each pedestrian, by number.
 using Tracks = std::map<int, std::vector<Waypoint>>;
 
 Tracks read_tracks(const std::filesystem::path& file, double frames_per_s) {

@@ -14,25 +14,25 @@ namespace {
 
 constexpr double kHalfRoomM = 5.0;
 constexpr double kStartFreeM = 0.6;
-/// The robot can rotate wherever it gets, because its diagonal is 0.56 m;
+// The robot can rotate wherever it gets, because its diagonal is 0.56 m;
 constexpr double kWidePassageM = 0.6;
-/// here it can just pass, with 8 cm on each side.
+// here it can just pass, with 8 cm on each side.
 constexpr double kNarrowPassageM = 0.5;
-/// Free radius around a goal, in which the robot can rotate.
+// Free radius around a goal, in which the robot can rotate.
 constexpr double kGoalFreeM = 0.4;
-/// Greatest number of tries to find a place; if there is one, a few hundred suffice.
+// Greatest number of tries to find a place; if there is one, a few hundred suffice.
 constexpr int kMostTries = 100'000;
 constexpr double kLegRadiusM = 0.015;
-/// Just higher than the robot can drive over (BodyParams::climb_height_m).
+// Just higher than the robot can drive over (BodyParams::climb_height_m).
 constexpr double kMinHeightM = 0.031;
 
-/// An obstacle before it is placed: objects around the origin, with an enclosing circle.
+// An obstacle before it is placed: objects around the origin, with an enclosing circle.
 struct Obstacle {
   std::vector<Object> objects;
   double radius_m = 0.0;
 };
 
-/// How densely a room is filled.
+// How densely a room is filled.
 struct Clutter {
   const char* name;
   double passage_m;
@@ -45,9 +45,9 @@ class Maker {
   Maker(const Clutter& clutter, std::uint64_t seed) : clutter_(clutter), engine_(seed) {}
 
   World make();
-  /// Makes a world with a random start and a goal far from it.
+  // Makes a world with a random start and a goal far from it.
   World make_with_goal();
-  /// Makes a world whose goal has a heading, with a box of 30 cm in front of it.
+  // Makes a world whose goal has a heading, with a box of 30 cm in front of it.
   World make_with_dock();
 
  private:
@@ -146,7 +146,7 @@ bool Maker::is_free(const Eigen::Vector2d& p, double free_m) const {
          });
 }
 
-/// A random free place. All free space is connected by passages between the bounding circles.
+// A random free place. All free space is connected by passages between the bounding circles.
 Eigen::Vector2d Maker::free_place(double free_m) {
   const double reach_m = kHalfRoomM - free_m;
   for (int i = 0; i < kMostTries; ++i) {
@@ -207,7 +207,7 @@ Obstacle Maker::make_small_box() {
           0.5 * Eigen::Vector2d(length_m, width_m).norm()};
 }
 
-/// A square plate on four legs.
+// A square plate on four legs.
 Obstacle Maker::make_plate(double bottom_m, double size_m, double leg_inset_m) {
   constexpr double kPlateM = 0.03;
   Obstacle obstacle;

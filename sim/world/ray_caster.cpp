@@ -22,8 +22,8 @@ Eigen::Vector3d center_of(const RayShape& shape) {
   return 0.5 * (bounds.min + bounds.max);
 }
 
-/// Distance at which the ray enters the bounds; kNoHit if that is not before `limit`. The inverse
-/// of a zero component is infinite; min and max are ordered so that 0 * infinity has no effect.
+// Distance at which the ray enters the bounds; kNoHit if that is not before `limit`. The inverse
+// of a zero component is infinite; min and max are ordered so that 0 * infinity has no effect.
 double entry(const Bounds& bounds, const Eigen::Vector3d& origin, const Eigen::Vector3d& inverse,
              double limit) {
   double enter = 0.0;
@@ -200,8 +200,8 @@ void RayCaster::test_leaf(const Node& node, const Ray& ray, Nearest& nearest) co
   }
 }
 
-/// Casts a ray onto the floor and, where it is missing, onto the walls and bottoms of the pits.
-/// Pits that touch are joined: steps are pits of increasing depth.
+// Casts a ray onto the floor and, where it is missing, onto the walls and bottoms of the pits.
+// Pits that touch are joined: steps are pits of increasing depth.
 std::optional<Hit> RayCaster::cast_ground(const Ray& ray, double max_range_m) const {
   if (ray.direction.z() >= 0.0) {
     return std::nullopt;

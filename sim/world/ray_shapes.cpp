@@ -8,7 +8,7 @@
 namespace nodmap::sim {
 namespace {
 
-/// The distances for which a ray is between two parallel planes.
+// The distances for which a ray is between two parallel planes.
 struct Interval {
   double enter = -kNoHit;
   double leave = kNoHit;
@@ -35,7 +35,7 @@ Interval slab(double origin, double direction, double half) {
   return {std::min(a, b), std::max(a, b)};
 }
 
-/// Coordinates in the frame of the box, from coordinates relative to its centre.
+// Coordinates in the frame of the box, from coordinates relative to its centre.
 Eigen::Vector3d to_box(const RayBox& box, const Eigen::Vector3d& v) {
   return {box.cos_yaw * v.x() + box.sin_yaw * v.y(), -box.sin_yaw * v.x() + box.cos_yaw * v.y(),
           v.z()};
@@ -84,7 +84,7 @@ double distance_to(const RayCylinder& cylinder, const Ray& ray) {
   return inside.first_crossing();
 }
 
-/// Moeller and Trumbore, Fast, Minimum Storage Ray/Triangle Intersection, 1997.
+// Moeller and Trumbore, Fast, Minimum Storage Ray/Triangle Intersection, 1997.
 double distance_to(const RayTriangle& triangle, const Ray& ray) {
   const Eigen::Vector3d p = ray.direction.cross(triangle.edge_2);
   const double determinant = triangle.edge_1.dot(p);

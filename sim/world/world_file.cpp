@@ -19,7 +19,7 @@ namespace {
 
 using geometry::deg_to_rad;
 
-/// Reads values, and reports errors with their line.
+// Reads values, and reports errors with their line.
 class Reader {
  public:
   explicit Reader(std::filesystem::path file) : file_(std::move(file)) {}
@@ -39,7 +39,7 @@ class Reader {
   [[nodiscard]] double number(const YAML::Node& node, const std::string& key) const;
   [[nodiscard]] double number_or(const YAML::Node& map, const std::string& key,
                                  double otherwise) const;
-  /// Reads a flag; false if it is missing.
+  // Reads a flag; false if it is missing.
   [[nodiscard]] bool flag(const YAML::Node& map, const std::string& key) const;
   [[nodiscard]] double positive(const YAML::Node& map, const std::string& key) const;
   template <int n>
@@ -90,7 +90,7 @@ YAML::Node Reader::need(const YAML::Node& map, const std::string& key) const {
   return node;
 }
 
-/// The items under a key; none if it is missing.
+// The items under a key; none if it is missing.
 YAML::Node Reader::list(const YAML::Node& root, const std::string& key) const {
   const YAML::Node node = root[key];
   if (!node || node.IsNull()) {
@@ -194,7 +194,7 @@ Cylinder Reader::read_cylinder(const YAML::Node& map) const {
   return {vector_of<3>(map, "center"), positive(map, "radius"), positive(map, "height")};
 }
 
-/// An upright plate between two points, as a box.
+// An upright plate between two points, as a box.
 Box Reader::read_wall(const YAML::Node& map) const {
   check_keys(map, "wall", {"from", "to", "z", "thickness", "reflectivity"});
   const Eigen::Vector2d from = vector_of<2>(map, "from");

@@ -24,7 +24,7 @@ std::optional<Number> parse(std::string_view text) {
                                                                   : std::nullopt;
 }
 
-/// Splits a text at its colons.
+// Splits a text at its colons.
 std::vector<std::string> split(const std::string& text) {
   std::vector<std::string> parts;
   std::istringstream in(text);

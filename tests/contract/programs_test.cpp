@@ -260,11 +260,11 @@ INSTANTIATE_TEST_SUITE_P(All, EveryModule, ::testing::ValuesIn(kModules));
 
 struct ReadingCommand {
   const char* program;
-  std::vector<std::string> before;  ///< the arguments before the file
-  std::vector<std::string> after;   ///< the arguments after the file
+  std::vector<std::string> before;  // the arguments before the file
+  std::vector<std::string> after;   // the arguments after the file
 };
 
-/// The words of the command, for the name of a test: letters and digits only.
+// The words of the command, for the name of a test: letters and digits only.
 std::string name_of(const ::testing::TestParamInfo<ReadingCommand>& info) {
   std::string name = info.param.program;
   for (const auto* words : {&info.param.before, &info.param.after}) {
@@ -316,7 +316,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 class EveryCommandThatReadsLogs : public ::testing::TestWithParam<ReadingCommand> {
  protected:
-  /// Runs the command on `file`.
+  // Runs the command on `file`.
   test::ProgramResult run_on(const std::string& file) {
     std::vector<std::string> arguments = GetParam().before;
     arguments.push_back(file);

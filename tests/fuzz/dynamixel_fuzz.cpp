@@ -27,7 +27,7 @@ void check(const ServoOutput& output, time::SteadyTime now) {
   require(!output.sample || output.sample->stamp <= now);
 }
 
-/// An answer of the servo, error and parameters, in a complete frame.
+// An answer of the servo, error and parameters, in a complete frame.
 std::vector<std::uint8_t> answer_of(ByteView content) {
   const std::size_t length = content.size() + 3;  // instruction and checksum
   std::vector<std::uint8_t> frame{0xFF,
@@ -44,7 +44,7 @@ std::vector<std::uint8_t> answer_of(ByteView content) {
   return frame;
 }
 
-/// The first byte of each answer determines its length and its delay.
+// The first byte of each answer determines its length and its delay.
 void answer(const std::uint8_t* data, std::size_t size) {
   DynamixelSession session({}, 40.0);
   time::SteadyTime now;

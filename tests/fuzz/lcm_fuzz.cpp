@@ -23,7 +23,7 @@ void require(bool condition) {
   }
 }
 
-/// A message that can be decoded is encoded to the same size again.
+// A message that can be decoded is encoded to the same size again.
 template <class Message>
 void decode(std::span<const std::byte> bytes) {
   Message message{};

@@ -42,7 +42,7 @@ void require(bool condition) {
   }
 }
 
-/// Delivers bytes to the handlers of a channel, and checks what the nodes publish.
+// Delivers bytes to the handlers of a channel, and checks what the nodes publish.
 class CheckingBus final : public bus::Bus {
  public:
   void deliver(const std::string& channel, std::span<const std::byte> bytes) {
@@ -67,7 +67,7 @@ class CheckingBus final : public bus::Bus {
   std::map<std::string, std::vector<BytesHandler>> handlers_;
 };
 
-/// A deputy that starts every command at once.
+// A deputy that starts every command at once.
 class FakeDeputy {
  public:
   explicit FakeDeputy(bus::Bus& bus) {
@@ -104,10 +104,10 @@ Bytes encoded(const Message& message) {
   return bytes;
 }
 
-/// Makes plausible messages; each call is one period later than the last.
+// Makes plausible messages; each call is one period later than the last.
 class Messages {
  public:
-  /// The channel and the bytes of the next message; `kind` may be any number.
+  // The channel and the bytes of the next message; `kind` may be any number.
   std::pair<std::string, Bytes> next(unsigned int kind) {
     ++seq_;
     stamp_ += kPeriod;
@@ -228,14 +228,14 @@ class Messages {
   std::int64_t seq_ = 0;
 };
 
-/// Takes bytes from the front, fewer at the end.
+// Takes bytes from the front, fewer at the end.
 std::span<const std::byte> take(std::span<const std::byte>& from, std::size_t count) {
   const auto taken = from.first(std::min(count, from.size()));
   from = from.subspan(taken.size());
   return taken;
 }
 
-/// Replaces bytes after the fingerprint.
+// Replaces bytes after the fingerprint.
 void replace(Bytes& bytes, std::span<const std::byte> patch) {
   if (patch.size() <= 2) {
     return;
@@ -248,7 +248,7 @@ void replace(Bytes& bytes, std::span<const std::byte> patch) {
   std::ranges::copy(values, bytes.begin() + static_cast<std::ptrdiff_t>(at));
 }
 
-/// Without the local map the robot drives by OBSTACLE_MAP alone, and so after a few messages.
+// Without the local map the robot drives by OBSTACLE_MAP alone, and so after a few messages.
 navigator::NavigatorParams navigator_params(bool use_local_map) {
   navigator::NavigatorParams params;
   params.local_map.use = use_local_map;

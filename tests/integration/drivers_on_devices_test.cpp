@@ -19,7 +19,7 @@ namespace drivers_on_devices_test {
 
 constexpr time::Duration kPollPeriod = 2ms;  // how often a driver's process checks its time-outs
 
-/// Four walls, so that every level beam hits something, at various ranges.
+// Four walls, so that every level beam hits something, at various ranges.
 sim::World room() {
   sim::World world;
   for (const double side : {-1.0, 1.0}) {
@@ -33,8 +33,8 @@ time::SteadyTime at(time::Duration since_start) {
   return time::SteadyTime(since_start);
 }
 
-/// A driver's serial line as an adapter provides it: at `baud`, bytes arrive as soon as they have
-/// been sent.
+// A driver's serial line as an adapter provides it: at `baud`, bytes arrive as soon as they have
+// been sent.
 struct Cable {
   sim::SerialDevice& device;
   int baud;
@@ -46,7 +46,7 @@ struct Cable {
   }
 };
 
-/// The scanner's driver, connected to its two devices.
+// The scanner's driver, connected to its two devices.
 class ScannerRun {
  public:
   ScannerRun(const laser3d::Laser3dParams& params, const sim::Lms200Params& laser,
@@ -77,7 +77,7 @@ class ScannerRun {
     }
   }
 
-  /// Difference between the stamp of a scan and the time at which its first beam was fired.
+  // Difference between the stamp of a scan and the time at which its first beam was fired.
   [[nodiscard]] time::Duration stamp_error(const scan::Scan& scan) const {
     const std::vector<time::SteadyTime>& fired = fired_.at(std::lround(1e4 * scan.angle_first_rad));
     const time::SteadyTime stamp = first_beam(scan);
@@ -102,7 +102,7 @@ class ScannerRun {
   const laser3d::Laser3d& driver() const { return driver_; }
 
  private:
-  /// Here the stamps of the scans are on the clock of the devices.
+  // Here the stamps of the scans are on the clock of the devices.
   static time::SteadyTime first_beam(const scan::Scan& scan) {
     return at(scan.stamp.time_since_epoch());
   }
@@ -203,14 +203,14 @@ INSTANTIATE_TEST_SUITE_P(
              1e6 / 13'320.0}),
     [](const auto& tested) { return std::string(tested.param.name); });
 
-/// A wall 5 m ahead, so high and wide that a laser that looks up sees nothing else.
+// A wall 5 m ahead, so high and wide that a laser that looks up sees nothing else.
 sim::World wall() {
   sim::World world;
   world.objects.push_back({sim::Box{{5.1, 0.0, 10.0}, {0.2, 40.0, 20.0}, 0.0}});
   return world;
 }
 
-/// RMS distance of the wall's points, up to 60 degrees aside, from its surface.
+// RMS distance of the wall's points, up to 60 degrees aside, from its surface.
 double wall_rms_m(const std::vector<scan::Scan>& scans) {
   double sum = 0.0;
   std::size_t n = 0;
@@ -283,7 +283,7 @@ TEST(LaserOnDevice, AFactoryNewSensorAt9600IsConfiguredOnce) {
   EXPECT_GT(run.scans.size(), 100U);
 }
 
-/// The base's driver, connected to its device and driven at constant speed.
+// The base's driver, connected to its device and driven at constant speed.
 class BaseRun {
  public:
   static constexpr time::Duration kValidity = 100ms;

@@ -43,8 +43,8 @@ class HostileNetwork : public ::testing::Test {
   }
   void TearDown() override { ::unsetenv("NODMAP_TRUSTED_HOSTS"); }
 
-  /// Starts a logger, sends what `attack` sends and a message of ours, and ends the logger. Returns
-  /// how many messages of each channel it has recorded.
+  // Starts a logger, sends what `attack` sends and a message of ours, and ends the logger. Returns
+  // how many messages of each channel it has recorded.
   template <class Attack>
   std::map<std::string, int> record(Attack attack) {
     test::ChildProcess logger({std::getenv("NODMAP_LOGGER"), "--lcm-url", kUrl, "--out",

@@ -34,7 +34,7 @@ std::vector<std::byte> numbered(int number) {
   return {view.begin(), view.end()};
 }
 
-/// The numbers published on channel NUMBER, read with LCM's own reader.
+// The numbers published on channel NUMBER, read with LCM's own reader.
 std::vector<int> numbers_in(const std::filesystem::path& file) {
   lcm::LogFile log(file.string(), "r");
   std::vector<int> numbers;
@@ -66,7 +66,7 @@ class LoggerProcess : public ::testing::Test {
     return words;
   }
 
-  /// About one message per millisecond, as many as several sensors and maps publish together.
+  // About one message per millisecond, as many as several sensors and maps publish together.
   void publish_at_1_khz(int count) {
     auto due = SteadyClock::now();
     for (int i = 0; i < count; ++i) {

@@ -41,12 +41,12 @@ objects:
 robot: {start: [0, 0, 0]}
 )";
 
-/// The stamps of a stream of messages.
+// The stamps of a stream of messages.
 struct Stamps {
   std::vector<time::Timestamp> stamps;
 
   void clear() { stamps.clear(); }
-  /// From the median of the intervals, so that losses on a busy machine do not count.
+  // From the median of the intervals, so that losses on a busy machine do not count.
   [[nodiscard]] double rate_hz() const {
     std::vector<time::Duration> sorted = intervals();
     const auto median = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);

@@ -46,7 +46,7 @@ TEST_F(DeputyLoad, AFloodOfOutputIsLimitedAndDelaysNoOtherCommand) {
   end_cleanly();
 }
 
-/// The number of bytes that were dropped, according to the command's output.
+// The number of bytes that were dropped, according to the command's output.
 std::int64_t bytes_dropped(const std::string& output) {
   static const std::string kBegin = "[nodmap-deputy: ";
   static const std::string kEnd = " bytes of output dropped]";

@@ -65,7 +65,7 @@ TEST_F(DeputyProcess, GivesACommandTheResourcesOfItsConfiguration) {
   end_cleanly();
 }
 
-/// Gives this process and its children a capability, as the deputy's service does.
+// Gives this process and its children a capability, as the deputy's service does.
 bool take_ambient_right(unsigned capability) {
   __user_cap_header_struct header{_LINUX_CAPABILITY_VERSION_3, 0};
   std::array<__user_cap_data_struct, 2> rights{};

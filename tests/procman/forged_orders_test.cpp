@@ -15,7 +15,7 @@ namespace forged_orders_test {
 using test::kPatience;
 using test::SheriffProcess;
 
-/// How often a text contains a word.
+// How often a text contains a word.
 std::size_t count(const std::string& text, const std::string& word) {
   std::size_t found = 0;
   for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) {
@@ -26,7 +26,7 @@ std::size_t count(const std::string& text, const std::string& word) {
 
 class ForgedOrders : public SheriffProcess {
  protected:
-  /// The group runs, and the sheriff that has started it has ended.
+  // The group runs, and the sheriff that has started it has ended.
   void start_group() {
     begin_deputy();
     const auto start = sheriff({"--start", "g"});

@@ -16,7 +16,7 @@ using test::SheriffProcess;
 
 class ForgedReports : public SheriffProcess {
  protected:
-  /// Calls `act` until `condition` holds; false if it does not in time.
+  // Calls `act` until `condition` holds; false if it does not in time.
   template <class Act, class Condition>
   bool repeat_until(Act act, Condition condition) {
     return client_.wait_until([&] {

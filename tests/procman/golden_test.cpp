@@ -36,14 +36,14 @@ void PrintTo(const Seen& seen, std::ostream* out) {
        << ", status " << seen.wait_status;
 }
 
-/// Whether `seen` is the end, by itself, of the run that `before` shows. A short run may have ended
-/// before any INFO told that it runs, so that `before` is left out.
+// Whether `seen` is the end, by itself, of the run that `before` shows. A short run may have ended
+// before any INFO told that it runs, so that `before` is left out.
 bool ends_by_itself(const Seen& before, const Seen& seen) {
   return before.runs && !seen.runs && before.run == seen.run && before.spec == seen.spec &&
          WIFEXITED(seen.wait_status);
 }
 
-/// The states through which each command went, without repetitions.
+// The states through which each command went, without repetitions.
 std::map<std::string, std::vector<Seen>> histories(const std::vector<DeputyInfo>& infos) {
   std::map<std::string, std::vector<Seen>> all;
   for (const DeputyInfo& info : infos) {
@@ -61,15 +61,15 @@ std::map<std::string, std::vector<Seen>> histories(const std::vector<DeputyInfo>
   return all;
 }
 
-/// Whether a command has gone through at least the `wanted` states. One that has ended by itself
-/// has run.
+// Whether a command has gone through at least the `wanted` states. One that has ended by itself
+// has run.
 bool has_gone_through(const std::vector<Seen>& seen, const std::vector<Seen>& wanted) {
   return seen.size() > wanted.size() ||
          (seen.size() == wanted.size() &&
           (seen.back() == wanted.back() || ends_by_itself(wanted.back(), seen.back())));
 }
 
-/// Whether every command has gone through at least these states.
+// Whether every command has gone through at least these states.
 bool has_reached(const std::vector<DeputyInfo>& infos, const std::vector<DeputyInfo>& wanted) {
   const auto seen = histories(infos);
   const auto expected = histories(wanted);
@@ -79,7 +79,7 @@ bool has_reached(const std::vector<DeputyInfo>& infos, const std::vector<DeputyI
   });
 }
 
-/// The lines without repetitions: how often a loop prints its line depends on the time.
+// The lines without repetitions: how often a loop prints its line depends on the time.
 std::vector<std::string> lines_of(const std::string& text) {
   std::istringstream in(text);
   std::vector<std::string> lines;
@@ -95,7 +95,7 @@ struct Recording {
   struct Sent {
     time::Timestamp received{};
     procman::Orders orders;
-    std::size_t num_infos = 0;  ///< number of INFOs recorded before
+    std::size_t num_infos = 0;  // number of INFOs recorded before
   };
   std::vector<Sent> orders;
   std::vector<DeputyInfo> infos;

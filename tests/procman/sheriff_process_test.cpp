@@ -28,7 +28,7 @@ using test::SheriffProcess;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-/// The row of a command in the status.
+// The row of a command in the status.
 nlohmann::json row_of(const nlohmann::json& status, const std::string& command) {
   for (const nlohmann::json& row : status.at("commands")) {
     if (row.at("command") == command) {
@@ -199,7 +199,7 @@ TEST_F(SheriffProcess, RestartsACommandWhoseStatusIsFailed) {
   EXPECT_EQ(sheriff_->wait_for_end(kPatience), 0);
 }
 
-/// A program on a terminal of its own, of 80 x 24 characters; what it draws is collected.
+// A program on a terminal of its own, of 80 x 24 characters; what it draws is collected.
 class OnATerminal : boost::noncopyable {
  public:
   explicit OnATerminal(std::vector<std::string> command) {
@@ -229,7 +229,7 @@ class OnATerminal : boost::noncopyable {
   void type(const std::string& keys) {
     EXPECT_EQ(::write(fd_, keys.data(), keys.size()), static_cast<ssize_t>(keys.size()));
   }
-  /// Everything that was drawn so far.
+  // Everything that was drawn so far.
   const std::string& drawn() {
     std::array<char, 4096> buffer{};
     for (ssize_t size = 1; size > 0;) {

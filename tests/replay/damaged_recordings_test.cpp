@@ -22,7 +22,7 @@ namespace damaged_recordings_test {
 constexpr time::Duration kScanPeriod = 13'320us;
 constexpr int kNumScans = 300;
 
-/// The scans of a nodding scanner in a square room of 8 m.
+// The scans of a nodding scanner in a square room of 8 m.
 scan::Scan scan_number(int i) {
   scan::Scan scan;
   scan.stamp = time::Timestamp(1000s + i * kScanPeriod);
@@ -47,7 +47,7 @@ scan::Scan scan_number(int i) {
   return scan;
 }
 
-/// Writes the recording; `damage` changes each scan before it is written.
+// Writes the recording; `damage` changes each scan before it is written.
 void record(const std::filesystem::path& file,
             const std::function<void(int, scan::Scan&)>& damage) {
   test::Recording recording(file);
@@ -71,8 +71,8 @@ class DamagedRecording : public ::testing::TestWithParam<const char*> {
     return nlohmann::json::parse(test::slurp(out / "result.json"));
   }
 
-  /// All odometry and nearly all scans; not those that cannot be placed, at the ends and where a
-  /// stamp is wrong. 2D SLAM uses only the level scan of each of the six sweeps.
+  // All odometry and nearly all scans; not those that cannot be placed, at the ends and where a
+  // stamp is wrong. 2D SLAM uses only the level scan of each of the six sweeps.
   [[nodiscard]] static int least_used() {
     return kNumScans + (std::string_view(GetParam()) == "nodmap-slam2d" ? 6 : kNumScans - 20);
   }

@@ -30,7 +30,7 @@ const std::vector<Wall>& letter_f() {
   return walls;
 }
 
-/// Range of a ray from the origin in the plane; infinity if it hits no wall.
+// Range of a ray from the origin in the plane; infinity if it hits no wall.
 double cast(const Eigen::Vector2d& ray) {
   double nearest = std::numeric_limits<double>::infinity();
   for (const Wall& wall : letter_f()) {
@@ -48,7 +48,7 @@ double cast(const Eigen::Vector2d& ray) {
   return nearest;
 }
 
-/// Four sweeps between -15 and 15 degrees.
+// Four sweeps between -15 and 15 degrees.
 void record(const std::filesystem::path& file) {
   test::Recording recording(file);
   const auto pitch_deg = [](int n) { return n % 60 < 30 ? -15.0 + n % 60 : 45.0 - n % 60; };
@@ -84,7 +84,7 @@ class Orientation : public ::testing::Test {
     return out;
   }
 
-  /// The parts of the letter that the robot sees, and their mirror images, which must stay empty.
+  // The parts of the letter that the robot sees, and their mirror images, which must stay empty.
   template <class IsOccupied>
   void expect_reads_as_f(const IsOccupied& is_occupied) {
     EXPECT_TRUE(is_occupied(2.0, -1.0)) << "stem";

@@ -113,7 +113,7 @@ TEST_F(Slam6dOnKurt3d, ThreeKeyframesAndTheSameBytesTwice) {
   }
 }
 
-/// The number of plane hits and the median distance in each of plane_residual's two lines.
+// The number of plane hits and the median distance in each of plane_residual's two lines.
 struct Residual {
   double planes_hit = 0.0;
   double median_cm = 0.0;

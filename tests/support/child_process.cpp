@@ -105,7 +105,7 @@ std::optional<int> ChildProcess::wait_for_end(milliseconds timeout) {
   return exit_code_;
 }
 
-/// Returns false if nothing arrived in time, or if the program has closed its stderr.
+// Returns false if nothing arrived in time, or if the program has closed its stderr.
 bool ChildProcess::read_some(milliseconds timeout) {
   struct pollfd waiting {
     stderr_fd_, POLLIN, 0

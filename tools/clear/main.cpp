@@ -18,7 +18,7 @@ namespace {
 constexpr double kMaxCoordinateM = 1e4;  // as nodmap-goal
 
 struct Arguments {
-  std::vector<double> corners_m;  ///< x and y of one corner, x and y of the opposite one
+  std::vector<double> corners_m;  // x and y of one corner, x and y of the opposite one
   node::RequestOptions request{.by = "nodmap-clear", .wait_s = 2.5};
 };
 

@@ -17,8 +17,8 @@ geometry::SE2 read_pose(Fields& fields) {
   return {x, y, geometry::normalize_angle(fields.finite())};
 }
 
-/// Reads `ipc_timestamp host logger_timestamp` at the end of the line. A wrong count of readings is
-/// detected by the remaining words.
+// Reads `ipc_timestamp host logger_timestamp` at the end of the line. A wrong count of readings is
+// detected by the remaining words.
 time::Timestamp read_trailer(Fields& fields) {
   const time::Timestamp stamp = fields.stamp();
   fields.word();
@@ -56,7 +56,7 @@ CarmenLine parse_odometry(Fields fields) {
   return finished(fields, odometry);
 }
 
-/// `n r1..rn x y theta odom_x odom_y odom_theta`
+// `n r1..rn x y theta odom_x odom_y odom_theta`
 CarmenLine parse_plain_scan(Fields fields, LaserSide side) {
   CarmenScan scan;
   scan.side = side;
@@ -75,8 +75,8 @@ CarmenLine parse_plain_scan(Fields fields, LaserSide side) {
   return finished(fields, std::move(scan));
 }
 
-/// `type start_angle fov ang_res max_range accuracy remission_mode n r1..rn n_rem rem.. laser pose
-/// robot pose tv rv forward_safety side_safety turn_axis`
+// `type start_angle fov ang_res max_range accuracy remission_mode n r1..rn n_rem rem.. laser pose
+// robot pose tv rv forward_safety side_safety turn_axis`
 CarmenLine parse_described_scan(Fields fields) {
   CarmenScan scan;
   fields.word();

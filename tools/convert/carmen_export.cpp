@@ -32,7 +32,7 @@ class CarmenExport {
     }
   }
 
-  /// Writes the line that is still held back.
+  // Writes the line that is still held back.
   void finish() { write_held(); }
 
   [[nodiscard]] int num_lines() const { return num_lines_; }
@@ -79,8 +79,8 @@ class CarmenExport {
     write(line);
   }
 
-  /// The odometry pose at the time of a scan, if there is odometry within 50 ms. An ODOMETRY
-  /// directly before a scan becomes part of the scan line and gets no line of its own.
+  // The odometry pose at the time of a scan, if there is odometry within 50 ms. An ODOMETRY
+  // directly before a scan becomes part of the scan line and gets no line of its own.
   std::optional<geometry::SE2> pose_of(time::Timestamp stamp) {
     if (held_ && held_->stamp == stamp) {
       const geometry::SE2 pose = held_->T_odom_base;

@@ -23,7 +23,7 @@ namespace {
 // Assumed height of the scanner, which CARMEN's logs do not contain; typical of its robots.
 constexpr double kAssumedHeightM = 0.3;
 
-/// Converts the lines of a log; one operator for each kind.
+// Converts the lines of a log; one operator for each kind.
 class CarmenImport {
  public:
   CarmenImport(const CarmenMounts& mounts, Recording& recording, LineReader& lines)
@@ -62,7 +62,7 @@ class CarmenImport {
     }
   }
 
-  /// Names the most frequent lines of other kinds, for a file that is of another kind itself.
+  // Names the most frequent lines of other kinds, for a file that is of another kind itself.
   [[nodiscard]] std::string describe_other_lines() const {
     std::vector<std::pair<int, std::string>> kinds;
     for (const auto& [name, count] : not_converted_) {
@@ -77,7 +77,7 @@ class CarmenImport {
     return text;
   }
 
-  /// Messages of other kinds, by name.
+  // Messages of other kinds, by name.
   [[nodiscard]] const std::map<std::string, int>& not_converted() const { return not_converted_; }
 
  private:
@@ -97,8 +97,8 @@ class CarmenImport {
   std::map<std::string, int> not_converted_;
 };
 
-/// A first pass over the whole log, because only that shows whether the poses in its scan lines are
-/// consistent.
+// A first pass over the whole log, because only that shows whether the poses in its scan lines are
+// consistent.
 CarmenMounts find_mounts(const std::filesystem::path& in) {
   CarmenMounts mounts;
   LineReader lines(in);

@@ -15,12 +15,12 @@ namespace {
 // The marker for "no echo" in the public logs.
 constexpr float kNoReturnMarkerM = 81.91F;
 
-/// Writes the words of a line, separated by blanks.
+// Writes the words of a line, separated by blanks.
 class LineWriter {
  public:
   explicit LineWriter(std::string name) : text_(std::move(name)) {}
 
-  /// Writes as many digits as are necessary to read the same number again.
+  // Writes as many digits as are necessary to read the same number again.
   template <class Number>
   void exact(Number value) {
     char digits[40];
@@ -28,7 +28,7 @@ class LineWriter {
     text_.push_back(' ');
     text_.append(std::string_view(digits, end));
   }
-  /// Writes six decimals, as CARMEN does.
+  // Writes six decimals, as CARMEN does.
   void rounded(double value) {
     char digits[400];  // the longest double has 309 digits before the point
     const char* end =
@@ -47,7 +47,7 @@ class LineWriter {
       exact(std::isinf(range_m) ? no_return_m : range_m);
     }
   }
-  /// `ipc_timestamp host logger_timestamp`
+  // `ipc_timestamp host logger_timestamp`
   std::string finish(time::Timestamp stamp, time::Timestamp start) && {
     const std::int64_t utime = time::to_utime(stamp);
     char trailer[64];
@@ -71,7 +71,7 @@ bool fits_plain_line(const CarmenScan& scan) {
          std::abs(scan.angle_step_rad - fan.angle_step_rad) < kSameAngleRad;
 }
 
-/// The same scan, from its last beam to its first.
+// The same scan, from its last beam to its first.
 CarmenScan reversed(CarmenScan scan) {
   scan.angle_first_rad += scan.angle_step_rad * static_cast<double>(scan.ranges_m.size() - 1);
   scan.angle_step_rad = -scan.angle_step_rad;

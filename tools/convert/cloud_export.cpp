@@ -24,7 +24,7 @@ namespace {
 
 struct SensorLog {
   std::vector<scan::Scan> scans;
-  /// Keeps all odometry, because the window may be anywhere.
+  // Keeps all odometry, because the window may be anywhere.
   geometry::PoseHistory odometry{time::kLimit};
 };
 
@@ -61,8 +61,8 @@ std::span<const scan::Scan> choose(const std::vector<scan::Scan>& scans, const C
   return {first, window.num_scans};
 }
 
-/// The points of all beams, each placed with the robot's pose at its own time, relative to the base
-/// pose in the middle of the window.
+// The points of all beams, each placed with the robot's pose at its own time, relative to the base
+// pose in the middle of the window.
 std::vector<Eigen::Vector3f> deskew(std::span<const scan::Scan> scans,
                                     const geometry::PoseHistory& odometry,
                                     const geometry::SE3& T_base_odom) {

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::string_view kBlanks = " \t\r";
 
-/// Parses a whole word as a number; empty if that is not possible.
+// Parses a whole word as a number; empty if that is not possible.
 template <class Number>
 bool parse(std::string_view word, Number& value) {
   const char* end = word.data() + word.size();

@@ -32,7 +32,7 @@ std::string type_name(const bus::MessageType* type, std::span<const std::byte> m
   return text;
 }
 
-/// The time of measurement, with which each of our messages begins.
+// The time of measurement, with which each of our messages begins.
 time::Timestamp measured(std::span<const std::byte> message) {
   return time::from_utime(bus::fingerprint_of(message.subspan(bus::kFingerprintBytes)));
 }

@@ -27,7 +27,7 @@ struct Arguments {
   std::string channel;
   convert::UosRange range;
   convert::CloudWindow window;
-  std::function<void()> work;  ///< the work of the chosen subcommand
+  std::function<void()> work;  // the work of the chosen subcommand
 };
 
 CLI::App* add_command(CLI::App& app, Arguments& arguments, const char* name, const char* summary) {

@@ -16,10 +16,10 @@
 namespace nodmap::convert {
 namespace {
 
-/// Coarser than on the screen: each message contains a whole trail, so trails would otherwise be
-/// most of the file.
+// Coarser than on the screen: each message contains a whole trail, so trails would otherwise be
+// most of the file.
 constexpr double kTrailSpacingM = 1.0;
-/// Between two looks whether to stop.
+// Between two looks whether to stop.
 constexpr std::int64_t kEventsAtOnce = 10'000;
 
 std::uint64_t nanoseconds(time::Timestamp stamp) {

@@ -24,10 +24,10 @@ constexpr std::uint8_t kStatistics = 0x0B;
 constexpr std::uint8_t kSummaryOffset = 0x0E;
 constexpr std::uint8_t kDataEnd = 0x0F;
 
-/// How much a reader must unpack to get one message: a few seconds of the robot's data.
+// How much a reader must unpack to get one message: a few seconds of the robot's data.
 constexpr std::size_t kChunkBytes = std::size_t{1} << 20U;
 
-/// Builds the content of a record: little-endian numbers, and strings preceded by their length.
+// Builds the content of a record: little-endian numbers, and strings preceded by their length.
 class Content {
  public:
   template <class Unsigned>
@@ -130,8 +130,8 @@ void McapWriter::write(std::uint16_t channel, std::uint64_t log_time_ns,
   }
 }
 
-/// Writes the chunk, then for each channel the positions of its messages in it, and remembers the
-/// positions of all this for the summary.
+// Writes the chunk, then for each channel the positions of its messages in it, and remembers the
+// positions of all this for the summary.
 void McapWriter::write_chunk() {
   if (chunk_.records.empty()) {
     return;

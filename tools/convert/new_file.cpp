@@ -27,7 +27,7 @@ NewFile::~NewFile() {
   std::filesystem::remove(partial_path_, ignored);
 }
 
-/// Fails at once for a folder that is missing, rather than after the whole input has been read.
+// Fails at once for a folder that is missing, rather than after the whole input has been read.
 void NewFile::try_to_create() const {
   const formats::FileDescriptor file(
       ::open(partial_path_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0644));

@@ -18,12 +18,12 @@
 namespace nodmap::convert {
 namespace {
 
-/// Writes the rows of one channel, with a header from its first message.
+// Writes the rows of one channel, with a header from its first message.
 class CsvWriter {
  public:
   explicit CsvWriter(std::ostream& out) : out_(out) {}
 
-  /// Adds a row; returns false if there is no row for this type of message.
+  // Adds a row; returns false if there is no row for this type of message.
   [[nodiscard]] bool add(std::span<const std::byte> bytes) {
     return std::apply([&](auto&... message) { return (add_as(message, bytes) || ...); }, messages_);
   }

@@ -6,7 +6,7 @@
 namespace nodmap::convert {
 namespace {
 
-/// Writes a comma and as many digits as are necessary to read the same number again.
+// Writes a comma and as many digits as are necessary to read the same number again.
 template <class Number>
 void put_number(std::ostream& out, Number value) {
   char digits[40];

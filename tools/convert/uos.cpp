@@ -23,11 +23,11 @@ constexpr double kLeastSineForPitch = 0.05;
 // degree.
 constexpr double kLeastStepRad = deg_to_rad(0.1);
 
-/// A point as the scanner measured it.
+// A point as the scanner measured it.
 struct Beam {
-  double angle_rad = 0.0;  ///< in the plane; 0 ahead, positive to the left
+  double angle_rad = 0.0;  // in the plane; 0 ahead, positive to the left
   double range_m = 0.0;
-  std::optional<double> pitch_rad;  ///< pitch of its plane through the axis, if it is defined
+  std::optional<double> pitch_rad;  // pitch of its plane through the axis, if it is defined
 };
 
 Beam to_beam(const Eigen::Vector3d& p_m) {
@@ -41,13 +41,13 @@ Beam to_beam(const Eigen::Vector3d& p_m) {
   return beam;
 }
 
-/// Rounds an angle to a multiple of `unit_deg`, which removes the last digits of a file.
+// Rounds an angle to a multiple of `unit_deg`, which removes the last digits of a file.
 double rounded_rad(double angle_rad, double unit_deg) {
   return deg_to_rad(unit_deg * std::round(geometry::rad_to_deg(angle_rad) / unit_deg));
 }
 
-/// The step between neighbouring beams, negative if the mirror rotates to the right. The median is
-/// not affected by jumps between slices or missing beams.
+// The step between neighbouring beams, negative if the mirror rotates to the right. The median is
+// not affected by jumps between slices or missing beams.
 double median_step_rad(std::span<const Beam> beams) {
   std::vector<double> steps;
   for (std::size_t i = 1; i < beams.size(); ++i) {
@@ -65,7 +65,7 @@ double median_step_rad(std::span<const Beam> beams) {
   return rounded_rad(*middle, 0.25);
 }
 
-/// The fan that all slices share.
+// The fan that all slices share.
 struct Fan {
   double first_rad = 0.0;
   double step_rad = 0.0;
@@ -91,7 +91,7 @@ Fan find_fan(std::span<const Beam> beams) {
   return fan;
 }
 
-/// The slice being filled.
+// The slice being filled.
 class SliceBuilder {
  public:
   explicit SliceBuilder(const Fan& fan) : fan_(fan) {}
@@ -118,7 +118,7 @@ class SliceBuilder {
     }
   }
 
-  /// The completed slice, if its pitch is known.
+  // The completed slice, if its pitch is known.
   [[nodiscard]] std::optional<UosSlice> finish() && {
     if (!pitch_rad_) {
       return std::nullopt;

@@ -26,8 +26,8 @@ constexpr time::Duration kDrivePeriod = 10ms;
 constexpr double kDriveSpeedMps = 0.5;
 constexpr double kDriveTurnRateRadS = 0.5;
 constexpr double kLeastDriveS = 2.0;
-/// Greatest distance between two scans; more is an error, because the drive between them is written
-/// step by step.
+// Greatest distance between two scans; more is an error, because the drive between them is written
+// step by step.
 constexpr double kFarthestDriveM = 1000.0;
 
 std::vector<Eigen::Vector3d> read_points(LineReader& lines) {
@@ -66,7 +66,7 @@ geometry::SE3 read_pose(const std::filesystem::path& file) {
   return from_uos_pose({values[0], values[1], values[2]}, {values[3], values[4], values[5]});
 }
 
-/// The numbers NNN of the files scanNNN.3d, in order, with their paths.
+// The numbers NNN of the files scanNNN.3d, in order, with their paths.
 std::map<int, std::filesystem::path> find_scans(const std::filesystem::path& dir,
                                                 const UosRange& range) {
   std::map<int, std::filesystem::path> scans;
@@ -90,7 +90,7 @@ std::map<int, std::filesystem::path> find_scans(const std::filesystem::path& dir
   return scans;
 }
 
-/// Emulates robot and scanner, and advances the time accordingly.
+// Emulates robot and scanner, and advances the time accordingly.
 class StopAndGo {
  public:
   explicit StopAndGo(Recording& recording) : recording_(recording) {}

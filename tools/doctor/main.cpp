@@ -57,7 +57,7 @@ std::vector<Finding> examine_network(const std::string& url) {
   return findings;
 }
 
-/// Listens for two seconds: a process that runs sends its STATUS, or PM_INFO, once a second.
+// Listens for two seconds: a process that runs sends its STATUS, or PM_INFO, once a second.
 std::vector<Finding> examine_silence(const std::string& url) {
   const SelfTest test = run_self_test(url, std::chrono::seconds(2));
   std::vector<Finding> findings = {check_self_test(test, url)};

@@ -50,7 +50,7 @@ struct Route {
   int prefix_bits = 0;
 };
 
-/// The most specific route to the address that is up and not a reject route.
+// The most specific route to the address that is up and not a reject route.
 std::optional<Route> route_to(const std::array<std::uint8_t, 4>& address,
                               const std::string& proc_net_route) {
   constexpr unsigned int kUp = 0x0001;      // RTF_UP and

@@ -28,7 +28,7 @@ bool is_number(const std::string& text) {
   return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
 }
 
-/// The inode in "socket:[12345]".
+// The inode in "socket:[12345]".
 std::optional<std::uint64_t> socket_inode(const std::string& link) {
   const std::string prefix = "socket:[";
   std::uint64_t inode = 0;

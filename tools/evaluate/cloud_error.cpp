@@ -13,8 +13,8 @@ namespace {
 
 constexpr double kSampleSpacingM = 0.05;
 
-/// Points in cells of size kOutlierM: a point nearer than that is in the same or a neighbouring
-/// cell.
+// Points in cells of size kOutlierM: a point nearer than that is in the same or a neighbouring
+// cell.
 class Cells {
  public:
   void add(const Eigen::Vector3d& p) { cells_[cell_of(p)].push_back(p); }

@@ -41,7 +41,7 @@ struct Arguments {
   std::string map;
   std::string log;
   RelocalisationPlan plan = {};
-  std::function<void()> work;  ///< the work of the chosen subcommand
+  std::function<void()> work;  // the work of the chosen subcommand
 };
 
 void print_relations(const Arguments& arguments) {
@@ -69,7 +69,7 @@ void print_relations(const Arguments& arguments) {
 struct Trajectories {
   nodmap::formats::Trajectory estimate;
   nodmap::formats::Trajectory truth;
-  std::vector<evaluate::PosePair> pairs;  ///< not empty
+  std::vector<evaluate::PosePair> pairs;  // not empty
 };
 
 Trajectories read_trajectories(const Arguments& arguments) {

@@ -28,7 +28,7 @@ constexpr double kRightM = 0.25;
 constexpr double kRightRad = geometry::deg_to_rad(3.0);
 constexpr std::size_t kDefaultGroups = 200;
 
-/// Calls `visit` with each level scan of a log.
+// Calls `visit` with each level scan of a log.
 void for_each_level_scan(const std::filesystem::path& log,
                          const std::function<void(const slam2d::LevelScan&)>& visit) {
   bus::LogReader reader(log);
@@ -55,8 +55,8 @@ void for_each_level_scan(const std::filesystem::path& log,
   }
 }
 
-/// Successive level scans with copies of their points, because a scan's points are valid only until
-/// the next scan.
+// Successive level scans with copies of their points, because a scan's points are valid only until
+// the next scan.
 class Group {
  public:
   void add(const slam2d::LevelScan& scan) {

@@ -11,7 +11,7 @@ namespace {
 
 using formats::StampedPose;
 
-/// The true pose at a time, if a sample is close enough.
+// The true pose at a time, if a sample is close enough.
 std::optional<geometry::SE3> pose_at(const formats::Trajectory& truth, time::Timestamp stamp,
                                      time::Duration tolerance) {
   const auto after = std::ranges::lower_bound(truth, stamp, {}, &StampedPose::stamp);

@@ -15,7 +15,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Triangle = std::array<Vector3d, 3>;
 
-/// Distance from the surface of a solid, given how far the point is outside each of its sides.
+// Distance from the surface of a solid, given how far the point is outside each of its sides.
 template <class Excess>
 double surface_distance(const Excess& excess) {
   const double outside = excess.cwiseMax(0.0).norm();
@@ -57,7 +57,7 @@ double distance_to(const Triangle& t, const Vector3d& p) {
   return above ? std::abs(normal.dot(p - t[0])) / area2 : nearest_edge;
 }
 
-/// Two triangles with corners a, a+u, a+u+v, a+v.
+// Two triangles with corners a, a+u, a+u+v, a+v.
 void add_rectangle(const Vector3d& a, const Vector3d& u, const Vector3d& v,
                    std::vector<Triangle>& triangles) {
   triangles.push_back({a, a + u, a + u + v});
@@ -83,7 +83,7 @@ void add_pit(const sim::Pit& pit, std::vector<Triangle>& triangles) {
   add_rectangle(high, -y, z, triangles);
 }
 
-/// Calls `put(i/n, j/m)` for the centres of the cells of a grid over a patch.
+// Calls `put(i/n, j/m)` for the centres of the cells of a grid over a patch.
 template <class Put>
 void over_patch(double length_m, double width_m, double spacing_m, const Put& put) {
   const int n = std::max(1, static_cast<int>(std::lround(length_m / spacing_m)));
@@ -112,7 +112,7 @@ void sample(const sim::Box& box, double spacing_m, std::vector<Vector3d>& points
   }
 }
 
-/// Samples the lateral surface only, because the lids of legs and people are small.
+// Samples the lateral surface only, because the lids of legs and people are small.
 void sample(const sim::Cylinder& cylinder, double spacing_m, std::vector<Vector3d>& points) {
   const double around_m = 2.0 * geometry::kPi * cylinder.radius_m;
   over_patch(around_m, cylinder.height_m, spacing_m, [&](double i, double j) {
@@ -171,7 +171,7 @@ double WorldSurfaces::distance_m(const Vector3d& p_world) const {
   return nearest;
 }
 
-/// Distance from the plane z = 0 without its holes; if pits touch, from the nearer edge.
+// Distance from the plane z = 0 without its holes; if pits touch, from the nearer edge.
 double WorldSurfaces::floor_distance_m(const Vector3d& p) const {
   for (const sim::Pit& pit : pits_) {
     const double inside =

@@ -22,8 +22,8 @@ struct Arguments {
   node::RequestOptions request{.by = "nodmap-explore"};
 };
 
-/// Repeats the request until the explorer reports that it follows it, because messages sent before
-/// it listens are lost.
+// Repeats the request until the explorer reports that it follows it, because messages sent before
+// it listens are lost.
 int run(const Arguments& arguments, const std::string& lcm_url) {
   bus::LiveBus bus(lcm_url);
   const bus::Latest<exploration_t> exploration(bus, "EXPLORATION");

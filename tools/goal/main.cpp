@@ -21,14 +21,14 @@ namespace nodmap {
 namespace {
 
 constexpr std::chrono::milliseconds kLongestWait(100);
-/// On patrol the robot stays this long where it already is when it is sent there.
+// On patrol the robot stays this long where it already is when it is sent there.
 constexpr time::Duration kLeastStay = 1s;
 constexpr double kToleranceM = 0.2;
 constexpr double kDockingToleranceM = 0.02;
 constexpr double kMaxCoordinateM = 1e4;  // as the page of nodmap-viewer
 
 struct Arguments {
-  std::vector<double> coordinates_m;  ///< x and y of each waypoint
+  std::vector<double> coordinates_m;  // x and y of each waypoint
   std::optional<double> tolerance_m;
   std::optional<double> heading_deg;
   double heading_tolerance_deg = 1.0;
@@ -49,7 +49,7 @@ std::vector<Eigen::Vector2d> read_waypoints(const std::vector<double>& coordinat
   return waypoints_map;
 }
 
-/// Sends the robot along a route and reports the result for each waypoint.
+// Sends the robot along a route and reports the result for each waypoint.
 class Guide {
  public:
   Guide(const Arguments& arguments, bus::LiveBus& bus)
@@ -76,7 +76,7 @@ class Guide {
                            [this](const goal_t& m) { is_overruled_ |= !goal_sender_.is_own(m); });
   }
 
-  /// Returns the exit code.
+  // Returns the exit code.
   int run() {
     set_goal();
     obeyed_ = time::steady_now();
@@ -96,7 +96,7 @@ class Guide {
   }
 
  private:
-  /// Makes the route's waypoint the goal.
+  // Makes the route's waypoint the goal.
   void set_goal() {
     goal_t goal{};
     goal.position_m[0] = route_.waypoint_map().x();
@@ -110,7 +110,7 @@ class Guide {
     decided_ = time::steady_now();
   }
 
-  /// With a heading, --tolerance applies to the last waypoint only.
+  // With a heading, --tolerance applies to the last waypoint only.
   [[nodiscard]] double tolerance_m(bool docks) const {
     if (docks) {
       return arguments_.tolerance_m.value_or(kDockingToleranceM);

@@ -15,10 +15,10 @@
 namespace nodmap {
 namespace {
 
-/// Sent several times, in case one is lost or a base driver repeats an older STOP at that moment.
+// Sent several times, in case one is lost or a base driver repeats an older STOP at that moment.
 constexpr int kTimes = 3;
 constexpr double kPauseS = 0.3;
-/// A base driver that is stopped says so by a STOP once a second.
+// A base driver that is stopped says so by a STOP once a second.
 constexpr double kListenS = 1.5;
 
 struct Arguments {

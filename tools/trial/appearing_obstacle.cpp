@@ -11,10 +11,10 @@ namespace nodmap::trial {
 namespace {
 
 constexpr double kMinSpeedMps = 0.5;
-/// A radius of more than 3 m at that speed counts as straight.
+// A radius of more than 3 m at that speed counts as straight.
 constexpr double kStraightRadS = 0.15;
-/// Distance inside the far end of the stopping zone, so that the obstacle counts from its first
-/// moment.
+// Distance inside the far end of the stopping zone, so that the obstacle counts from its first
+// moment.
 constexpr double kInsideM = 0.01;
 
 struct Shape {
@@ -27,7 +27,7 @@ bool is_driving_straight(const TruthSample& sample) {
   return sample.forward_mps >= kMinSpeedMps && std::abs(sample.yaw_rate_rad_s) <= kStraightRadS;
 }
 
-/// The state at which the obstacle will appear.
+// The state at which the obstacle will appear.
 TruthSample find_appearance(Trial& trial, double from_s) {
   while (trial.step()) {
     const TruthSample& sample = trial.record().truth.back();

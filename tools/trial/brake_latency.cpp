@@ -7,7 +7,7 @@
 namespace nodmap::trial {
 namespace {
 
-/// Whether a disc touches the rectangle x in [0, length] from the front, |y| <= half_width.
+// Whether a disc touches the rectangle x in [0, length] from the front, |y| <= half_width.
 bool touches(const sim::ActorState& actor, const geometry::SE2& T_world_base, double front_m,
              double length_m, double half_width_m) {
   const Eigen::Vector2d p = T_world_base.inverse() * actor.position;

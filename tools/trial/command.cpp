@@ -22,7 +22,7 @@ std::optional<Number> parse(std::string_view text) {
                                                                   : std::nullopt;
 }
 
-/// Rounds to whole milliseconds, the step of the loop.
+// Rounds to whole milliseconds, the step of the loop.
 time::Duration whole_steps(double duration_s) {
   return 1ms * std::llround(1e3 * duration_s);
 }

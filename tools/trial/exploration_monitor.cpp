@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kCellM = 0.05;
 constexpr double kOffWallsM = 0.1;
-/// Limit for open worlds, which are infinite.
+// Limit for open worlds, which are infinite.
 constexpr std::size_t kMostCells = 1'000'000;
 constexpr std::int8_t kOccupiedPercent = 25;
 

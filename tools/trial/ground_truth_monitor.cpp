@@ -100,8 +100,8 @@ void GroundTruthMonitor::update() {
   }
 }
 
-/// Records the first motion, and the arrival by the rules of a task that does not depend on the
-/// robot's report.
+// Records the first motion, and the arrival by the rules of a task that does not depend on the
+// robot's report.
 void GroundTruthMonitor::record_progress(const Eigen::Vector2d& position) {
   constexpr double kMovedM = 0.1;
   if (!record_.moved && (position - world_.T_world_start.translation()).norm() >= kMovedM) {

@@ -18,7 +18,7 @@ constexpr time::Duration kMeasuringTime = 18'750us;
 constexpr std::size_t kBeams = 720;
 constexpr double kApertureRad = geometry::deg_to_rad(270.0);
 constexpr double kRangeMinM = 0.06;
-/// Time until the first scan.
+// Time until the first scan.
 constexpr time::Duration kBootTime = 1s;
 
 }  // namespace

@@ -53,7 +53,7 @@ std::string scenario_names() {
   return names;
 }
 
-/// The given duration; otherwise enough for the world's time limit if the robot starts late.
+// The given duration; otherwise enough for the world's time limit if the robot starts late.
 double duration_s(const Arguments& arguments, const sim::World& world) {
   constexpr double kUntilMotionS = 30.0;
   constexpr double kUsualS = 60.0;
@@ -103,7 +103,7 @@ void add_options(CLI::App& app, Arguments& arguments) {
   app.add_flag("--dump-params", arguments.dump_params, "Print the effective parameters and exit");
 }
 
-/// Throws if options contradict each other: the trial would not be the one that was asked for.
+// Throws if options contradict each other: the trial would not be the one that was asked for.
 void check_options(const Arguments& arguments, const TrialSetup& setup) {
   for (const char* process : {"explorer", "navigator", "slam2d"}) {
     if (setup.explores && setup.without.contains(process)) {

@@ -22,7 +22,7 @@ bool is_stationary(const TruthSample& sample) {
   return std::abs(sample.forward_mps) < kStationaryMps;
 }
 
-/// A rotation on the spot also counts as motion.
+// A rotation on the spot also counts as motion.
 bool is_moving(const TruthSample& sample) {
   constexpr double kMinMps = 0.05;
   constexpr double kMinRadS = 0.05;
@@ -85,8 +85,8 @@ DriveMetrics drive_metrics(const TrialRecord& record) {
 
 namespace {
 
-/// The robot reports its arrival by the pose of 2D SLAM. Where it then truly is may be farther from
-/// the goal by this error of the pose.
+// The robot reports its arrival by the pose of 2D SLAM. Where it then truly is may be farther from
+// the goal by this error of the pose.
 constexpr double kPoseErrorM = 0.02;
 
 std::optional<time::SteadyTime> reached(const TrialRecord& record, const sim::World& world,
@@ -103,7 +103,7 @@ std::optional<time::SteadyTime> reached(const TrialRecord& record, const sim::Wo
   return is_there ? std::optional(record.arrivals[num_goals - 1]) : std::nullopt;
 }
 
-/// Path length from the first scan until `end`; without it, to the end of the record.
+// Path length from the first scan until `end`; without it, to the end of the record.
 double path_until(const TrialRecord& record, std::optional<time::SteadyTime> end) {
   double path_m = 0.0;
   const auto first = first_from(record, *record.started);

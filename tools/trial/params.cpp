@@ -6,7 +6,7 @@
 namespace nodmap::trial {
 namespace {
 
-/// Calls `visit(name, struct)` for each part.
+// Calls `visit(name, struct)` for each part.
 template <class Visit>
 void for_each_part(AllParams& all, const Visit& visit) {
   visit("loop", all.loop);

@@ -18,7 +18,7 @@ constexpr double kLongerSidePx = 1400.0;
 constexpr double kMaxPxPerM = 100.0;
 constexpr double kBorderM = 0.3;
 constexpr double kFastMps = 1.5;
-/// Objects that begin higher are not drawn: a ceiling would hide everything below.
+// Objects that begin higher are not drawn: a ceiling would hide everything below.
 constexpr double kCeilingM = 2.0;
 constexpr Rgb kPit{200, 180, 230};
 constexpr Rgb kRamp{220, 220, 190};

@@ -20,7 +20,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Twice the time between two samples of the truth.
+// Twice the time between two samples of the truth.
 constexpr time::Duration kTolerance = 20ms;
 
 Json number_or_null(std::optional<double> value) {
@@ -65,7 +65,7 @@ Json slam_errors(const std::filesystem::path& dir, const TrialRecord& record, bo
   return errors;
 }
 
-/// R32: two sweeps, a scan, and 20 ms.
+// R32: two sweeps, a scan, and 20 ms.
 double latency_limit_ms(const BrakeEvent& event) {
   constexpr double kScanMs = 13.32;
   constexpr double kProcessingMs = 20.0;
@@ -157,7 +157,7 @@ Json write(const GoalMetrics& goal, const std::optional<double>& shortest_m,
           {"spl", number_or_null(goal.spl)}};
 }
 
-/// Metrics of the exploration; null without the explorer.
+// Metrics of the exploration; null without the explorer.
 Json exploration(const TrialOutcome& outcome) {
   if (!outcome.exploration) {
     return nullptr;
@@ -171,7 +171,7 @@ Json exploration(const TrialOutcome& outcome) {
           {"from_start_m", metrics.from_start_m}};
 }
 
-/// Metrics of the occupancy map; null without a map.
+// Metrics of the occupancy map; null without a map.
 Json occupancy(const TrialSetup& setup, const TrialOutcome& outcome,
                const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);

@@ -10,7 +10,7 @@ namespace nodmap::trial {
 using serial::IoStatus;
 using std::chrono::microseconds;
 
-/// The driver's end. It never waits, because simulated time does not advance while a driver works.
+// The driver's end. It never waits, because simulated time does not advance while a driver works.
 class SimulatedLine::Stream final : public serial::ByteStream {
  public:
   explicit Stream(SimulatedLine& line) : line_(&line) { line.stream_ = this; }

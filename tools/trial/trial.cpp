@@ -14,17 +14,17 @@
 namespace nodmap::trial {
 namespace {
 
-/// Latest time of the first scan: the drivers try several baud rates, and the laser takes a while
-/// to boot.
+// Latest time of the first scan: the drivers try several baud rates, and the laser takes a while
+// to boot.
 constexpr time::SteadyTime kLatestStart(60s);
-/// The level laser's noise has the same distribution as the nodding one's, but other random
-/// numbers.
+// The level laser's noise has the same distribution as the nodding one's, but other random
+// numbers.
 constexpr std::uint64_t kLevelLaserSeed = 1'000'000;
 constexpr time::Duration kGoalPeriod = 1s;
 constexpr time::Duration kTimeAfterArrival = 1s;
 
-/// Publishes the world's goals one after the other, and repeats the present one for processes that
-/// are started later.
+// Publishes the world's goals one after the other, and repeats the present one for processes that
+// are started later.
 class GoalPublisher {
  public:
   GoalPublisher(const sim::World& world, const LoopParams& params, bus::LoopNetwork& network)
@@ -33,7 +33,7 @@ class GoalPublisher {
     message_.tolerance_m = params.goal_tolerance_m;
   }
 
-  /// `num_reached`: the goals that the robot has arrived at.
+  // `num_reached`: the goals that the robot has arrived at.
   void publish(time::SteadyTime now, std::size_t num_reached) {
     const bool is_new = message_.utime == 0 || num_reached > num_reached_;
     num_reached_ = num_reached;
@@ -70,7 +70,7 @@ class GoalPublisher {
   std::size_t num_reached_ = 0;
 };
 
-/// The explorer begins at once.
+// The explorer begins at once.
 AllParams params_of(const TrialSetup& setup) {
   AllParams params = setup.params;
   params.explorer.start = true;
@@ -161,7 +161,7 @@ bool Trial::has_explored() const {
          now_ > *parts_->exploration->record().home + kTimeAfterArrival;
 }
 
-/// Whether the trial has failed by the rules of the world's task.
+// Whether the trial has failed by the rules of the world's task.
 bool Trial::has_failed() const {
   const sim::Task& task = setup_.world.task;
   const TruthSample& last = record().truth.back();

@@ -47,7 +47,7 @@ void listen_to_all(bus::Bus& bus, Overview& overview) {
   listen<nodmap::truth_t>(bus, "TRUTH", overview);
 }
 
-/// Redraws one line on a terminal; otherwise writes a line from time to time.
+// Redraws one line on a terminal; otherwise writes a line from time to time.
 class Display {
  public:
   void show(const Overview& overview, time::SteadyTime now) {
@@ -69,8 +69,8 @@ class Display {
   time::SteadyTime next_{};
 };
 
-/// Returns true after the full duration; false if no scan was received, if it was stopped early, or
-/// if the robot was to come home and has not.
+// Returns true after the full duration; false if no scan was received, if it was stopped early, or
+// if the robot was to come home and has not.
 bool watch(const Arguments& arguments, const std::string& lcm_url, Overview& overview) {
   bus::LiveBus bus(lcm_url);
   listen_to_all(bus, overview);

@@ -30,7 +30,7 @@ Bytes encoded(const Message& message) {
   return bytes;
 }
 
-/// Offset of the number of ranges in an encoded scan: everything after it has a known size.
+// Offset of the number of ranges in an encoded scan: everything after it has a known size.
 std::size_t offset_of_num_ranges(const nodmap::scan_t& scan) {
   return encoded(scan).size() - 4 * scan.intensities.size() - 4 - 4 * scan.ranges_m.size() - 4;
 }

@@ -21,7 +21,7 @@ constexpr std::int64_t kMany = 1'000'000;
 
 class LogPlayerTest : public ::testing::Test {
  protected:
-  /// A log of one-byte messages on channel A at these times after the common begin.
+  // A log of one-byte messages on channel A at these times after the common begin.
   std::filesystem::path log(const std::string& name, const std::vector<time::Duration>& times,
                             char first) {
     const std::filesystem::path path = dir_.path() / name;

@@ -65,7 +65,7 @@ constexpr std::string_view kChannel{"SCAN\0", 5};
 
 class Assembler : public ::testing::Test {
  protected:
-  /// "CHANNEL=data" of the message that is complete now; empty: none.
+  // "CHANNEL=data" of the message that is complete now; empty: none.
   std::string take(const Bytes& datagram, const Sender& sender = kSender) {
     const auto message = assembler_.take(sender, datagram);
     return message ? std::string(message->channel) + "=" + text_of(message->data) : "";

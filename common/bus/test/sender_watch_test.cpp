@@ -11,7 +11,7 @@ constexpr Sender kOwn{0x7F000001, 40'000};
 constexpr Sender kOther{0x7F000001, 40'001};
 constexpr Sender kOtherHost{0x7F000002, 40'000};
 
-/// The first sender alone, from `now` on; the time after its last message.
+// The first sender alone, from `now` on; the time after its last message.
 time::SteadyTime send(SenderWatch& watch, int count, time::SteadyTime now) {
   for (int i = 0; i < count; ++i, now += kPeriod) {
     EXPECT_TRUE(watch.follow(kOwn, now));

@@ -16,7 +16,7 @@ namespace octomap_file_test {
 
 using Voxels = std::set<std::tuple<int, int, int>>;
 
-/// Keys of the occupied voxels, each leaf cut into its smallest.
+// Keys of the occupied voxels, each leaf cut into its smallest.
 Voxels voxels_of(const OccupiedSpace& space) {
   Voxels voxels;
   for (const OccupiedSpace::Cube& cube : space.cubes) {
@@ -46,7 +46,7 @@ std::string file_of(octomap::OcTree& tree) {
   return bytes.str();
 }
 
-/// Free and occupied voxels around the origin, one block of 4 x 4 x 4 pruned to a single leaf.
+// Free and occupied voxels around the origin, one block of 4 x 4 x 4 pruned to a single leaf.
 octomap::OcTree some_tree() {
   octomap::OcTree tree(0.05);
   std::mt19937 random(3);

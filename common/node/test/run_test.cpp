@@ -27,7 +27,7 @@ struct EchoParams {
   }
 };
 
-/// Answers each odometry message: the smallest complete node.
+// Answers each odometry message: the smallest complete node.
 class EchoNode : public Node {
  public:
   using Params = EchoParams;

@@ -121,7 +121,7 @@ class OdometryInputTest : public SensorInputTest {
     odometry.odometry_seq = seq;
     return input_.read(odometry).has_value();
   }
-  /// Whether the message is used as the first of a new frame, or of the same one.
+  // Whether the message is used as the first of a new frame, or of the same one.
   bool restarts(std::int64_t seq, time::Timestamp stamp = kDay) {
     EXPECT_TRUE(read(seq, stamp)) << seq;
     return input_.odometry_restarted();

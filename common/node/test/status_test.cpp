@@ -19,7 +19,7 @@ class FakeNode : public Node {
   Health health_;
 };
 
-/// Sets what the transport of a live bus counts.
+// Sets what the transport of a live bus counts.
 class CountedBus final : public bus::Bus {
  public:
   [[nodiscard]] bus::BusCounts counts() const override { return counted; }

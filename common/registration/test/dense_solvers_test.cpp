@@ -8,7 +8,7 @@ namespace dense_solvers_test {
 
 constexpr double kRounding = 1e-12;  // of well-conditioned matrices
 
-/// A lower triangular matrix with ones on its diagonal: no two rows or columns are alike.
+// A lower triangular matrix with ones on its diagonal: no two rows or columns are alike.
 template <int N>
 Eigen::Matrix<double, N, N> triangle() {
   Eigen::Matrix<double, N, N> L = Eigen::Matrix<double, N, N>::Identity();

@@ -11,8 +11,8 @@ namespace normal_equations_test {
 constexpr double kMinInformationRatio = 0.02;
 constexpr double kExact = 1e-9;  // rounding of a well scaled 3 x 3 system
 
-/// Correspondences with the wall beside the robot, with the wall ahead, or with both. The robot's
-/// pose differs from the true one by `off` (dx and dy in m, dyaw in rad).
+// Correspondences with the wall beside the robot, with the wall ahead, or with both. The robot's
+// pose differs from the true one by `off` (dx and dy in m, dyaw in rad).
 NormalEquations correspondences_with_walls(bool beside, bool ahead, const Eigen::Vector3d& off) {
   NormalEquations equations;
   const auto add = [&](const Eigen::Vector2d& normal, const Eigen::Vector2d& moment_arm) {

@@ -18,7 +18,7 @@ namespace pose_graph_test {
 using geometry::SE2;
 using geometry::SE3;
 
-/// Number of steps of one metre on a side of the square, and around the whole square.
+// Number of steps of one metre on a side of the square, and around the whole square.
 constexpr std::size_t kSideSteps = 10;
 constexpr std::size_t kRound = 4 * kSideSteps;
 
@@ -46,7 +46,7 @@ SE3 moved(const SE3& T, const PoseVector<SE3>& motion) {
   return result;
 }
 
-/// Sets T to the pose of node `k` on a drive around a square of 10 m x 10 m in steps of one metre.
+// Sets T to the pose of node `k` on a drive around a square of 10 m x 10 m in steps of one metre.
 void on_square(std::size_t k, SE2& T) {
   const Eigen::Vector2d corners[] = {{0, 0}, {10, 0}, {10, 10}, {0, 10}};
   const std::size_t side = k % kRound / kSideSteps;
@@ -54,8 +54,8 @@ void on_square(std::size_t k, SE2& T) {
   const auto along = static_cast<double>(k % kSideSteps);
   T = {corners[side].x() + along * std::cos(yaw), corners[side].y() + along * std::sin(yaw), yaw};
 }
-/// The same in space: the ground rises by 10 cm per metre on the first side and falls again on the
-/// third.
+// The same in space: the ground rises by 10 cm per metre on the first side and falls again on the
+// third.
 void on_square(std::size_t k, SE3& T) {
   SE2 flat;
   on_square(k, flat);
@@ -68,8 +68,8 @@ void on_square(std::size_t k, SE3& T) {
                                     : 0.0;
 }
 
-/// The standard deviations of a pose: `sigma_m` for each translation, `sigma_rad` for each
-/// rotation.
+// The standard deviations of a pose: `sigma_m` for each translation, `sigma_rad` for each
+// rotation.
 template <class Pose>
 PoseVector<Pose> sigmas(double sigma_m, double sigma_rad) {
   constexpr int kTranslations = PoseSpace<Pose>::kDimensions == 3 ? 2 : 3;
@@ -83,8 +83,8 @@ PoseMatrix<Pose> information(double sigma_m, double sigma_rad) {
   return sigmas<Pose>(sigma_m, sigma_rad).cwiseAbs2().cwiseInverse().asDiagonal();
 }
 
-/// A drive twice around the square, with noisy odometry and a correct loop closure from each node
-/// of the first round to the same place in the second.
+// A drive twice around the square, with noisy odometry and a correct loop closure from each node
+// of the first round to the same place in the second.
 template <class Pose>
 struct Drive {
   std::vector<Pose> truth;
@@ -124,7 +124,7 @@ struct Drive {
   }
 };
 
-/// The oracle: minimises the same cost with a numeric Jacobian and dense equations.
+// The oracle: minimises the same cost with a numeric Jacobian and dense equations.
 template <class Pose>
 std::vector<Pose> dense_gauss_newton(const PoseGraph<Pose>& graph) {
   constexpr Eigen::Index kSize = PoseSpace<Pose>::kDimensions;

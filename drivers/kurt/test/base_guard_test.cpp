@@ -24,7 +24,7 @@ RangeReadings infrared_back(int raw) {
   return infrared(Infrared::kBack, raw);
 }
 
-/// The sonar's raw reading at this range: the inverse of the sensor's formula.
+// The sonar's raw reading at this range: the inverse of the sensor's formula.
 int sonar_raw(double range_m) {
   return static_cast<int>(std::lround((100.0 * range_m - 11.9231) / 0.110652));
 }
@@ -174,11 +174,11 @@ TEST_F(BaseGuardTest, ShakingDoesNotCountAsTilt) {
   EXPECT_FALSE(guard_.take_alarm());
 }
 
-/// What the wheels do, every 10 ms.
+// What the wheels do, every 10 ms.
 struct Wheels {
   WheelSpeeds commanded;
-  EncoderTicks even;  ///< in every second period
-  EncoderTicks odd;   ///< in the others
+  EncoderTicks even;  // in every second period
+  EncoderTicks odd;   // in the others
 };
 
 TEST_F(BaseGuardTest, AWheelThatShouldTurnAndDoesNotIsStalled) {

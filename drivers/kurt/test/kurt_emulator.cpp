@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kTicksPerCm = 21950.0 / 37.9;
 
-/// Whole ticks in 10 ms at this speed; the remainder is kept in `rest` for the next call.
+// Whole ticks in 10 ms at this speed; the remainder is kept in `rest` for the next call.
 int ticks_of(int speed_cm_s, double& rest) {
   const double ticks = 0.01 * speed_cm_s * kTicksPerCm + rest;
   const double whole = std::trunc(ticks);

@@ -23,7 +23,7 @@ class Robot {
 
   [[nodiscard]] time::Moment moment() const { return {kStart + now.time_since_epoch(), now}; }
 
-  /// One control period: the base sends, the driver takes it in and answers.
+  // One control period: the base sends, the driver takes it in and answers.
   void step() {
     now += 10ms;
     to_driver += base.tick();
@@ -49,7 +49,7 @@ class Robot {
     return kurt.drive({{forward_mps, yaw_rate_rad_s}, moment().wall, 1s}, moment());
   }
 
-  /// Drives as a navigator does, with a DRIVE every 10 ms.
+  // Drives as a navigator does, with a DRIVE every 10 ms.
   void drive_for(double forward_mps, double yaw_rate_rad_s, time::Duration duration) {
     for (const time::SteadyTime end = now + duration; now < end;) {
       ASSERT_EQ(drive(forward_mps, yaw_rate_rad_s), DriveStatus::kObeyed);

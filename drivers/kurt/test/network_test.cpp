@@ -33,7 +33,7 @@ class Network {
                                              "device=" + device.string(), "--log-level", "off"});
   }
 
-  /// Runs in real time until `done`.
+  // Runs in real time until `done`.
   template <class Condition>
   bool play(Condition done) {
     return test::play(*pty, base, [&] {
@@ -51,7 +51,7 @@ class Network {
     });
   }
 
-  /// Passes what the driver has sent so far to the base.
+  // Passes what the driver has sent so far to the base.
   void drain() { pty->send(base.take(pty->receive_text(0, kNoWait))); }
 
   [[nodiscard]] bool has_status(int health) const {

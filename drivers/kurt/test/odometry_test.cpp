@@ -13,7 +13,7 @@ namespace odometry_test {
 
 constexpr double kPeriodS = 0.01;
 
-/// A robot whose ticks are whole millimetres: 1 tick = 1 mm.
+// A robot whose ticks are whole millimetres: 1 tick = 1 mm.
 WheelParams millimetre_wheels() {
   WheelParams wheels;
   wheels.perimeter_m = 1.0;

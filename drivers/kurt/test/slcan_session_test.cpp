@@ -12,7 +12,7 @@ namespace slcan_session_test {
 
 using Kind = SlcanLine::Kind;
 
-/// A session polled every 10 ms, and an adapter that answers as the test demands.
+// A session polled every 10 ms, and an adapter that answers as the test demands.
 struct Bench {
   SlcanSession session;
   time::SteadyTime now;

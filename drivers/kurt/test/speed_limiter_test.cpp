@@ -13,7 +13,7 @@ namespace speed_limiter_test {
 
 constexpr double kPeriodS = 0.01;
 
-/// Steps until the wheels have reached the command, or a minute has passed.
+// Steps until the wheels have reached the command, or a minute has passed.
 WheelSpeeds settle(SpeedLimiter& limiter, const DriveCommand& command) {
   for (int i = 0; i < 6000; ++i) {
     limiter.step(command, kPeriodS);

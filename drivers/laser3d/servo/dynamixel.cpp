@@ -26,12 +26,12 @@ constexpr std::uint8_t kWrite = 0x03;
 constexpr std::uint8_t kReboot = 0x08;
 constexpr std::uint8_t kStatus = 0x55;
 
-/// Whether the last three bytes equal the start of a packet.
+// Whether the last three bytes equal the start of a packet.
 bool ends_like_a_header(const Bytes& bytes) {
   return bytes.size() >= 3 && std::equal(bytes.end() - 3, bytes.end(), kHeader.begin());
 }
 
-/// Byte stuffing: a header inside a packet is followed by an additional FD.
+// Byte stuffing: a header inside a packet is followed by an additional FD.
 Bytes stuffed(ByteView content) {
   Bytes bytes;
   for (const std::uint8_t byte : content) {

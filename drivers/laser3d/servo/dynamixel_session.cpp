@@ -25,7 +25,7 @@ constexpr time::Duration kReturnDelay = 500us;
 // The servo counts whole milliseconds; on average half of one more has passed.
 constexpr time::Duration kHalfTick = 500us;
 
-/// How often the errors are read while the servo continues in spite of one: another may be added.
+// How often the errors are read while the servo continues in spite of one: another may be added.
 constexpr time::Duration kAlertCheckPeriod = 200ms;
 
 std::string names_of_errors(std::uint8_t bits) {

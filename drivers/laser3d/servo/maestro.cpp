@@ -15,7 +15,7 @@ constexpr double kPulseUnitUs = 0.25;
 constexpr double kSpeedUnitUsPerS = 25.0;  // a quarter of a microsecond per 10 ms
 constexpr double kLargest = 0x3FFF;
 
-/// Values are sent in bytes of seven bits.
+// Values are sent in bytes of seven bits.
 Bytes command(std::uint8_t code, int channel, double value) {
   const auto number = static_cast<unsigned>(std::lround(std::clamp(value, 0.0, kLargest)));
   return {code, static_cast<std::uint8_t>(channel), static_cast<std::uint8_t>(number & 0x7FU),
@@ -107,7 +107,7 @@ ServoOutput MaestroSession::poll(time::SteadyTime now) {
   return output;
 }
 
-/// Ends a reading without a usable answer.
+// Ends a reading without a usable answer.
 void MaestroSession::miss(time::SteadyTime now) {
   is_waiting_ = false;
   if (++misses_ > kMissedReadingsAllowed) {

@@ -24,7 +24,7 @@ constexpr unsigned kQuarterShift = 11;
 constexpr std::uint16_t kMillimetreBit = 0x4000;
 constexpr std::size_t kCountBytes = 2;
 
-/// Converts range words to metres, and counts those that are not ranges.
+// Converts range words to metres, and counts those that are not ranges.
 class RangeReader {
  public:
   RangeReader(SickMeasuringMode mode, std::uint16_t top, double unit_m, SickScan& scan)
@@ -57,9 +57,9 @@ class RangeReader {
   SickScan& scan_;
 };
 
-/// The mirror revolution with every `stride`-th range from `first` on, measured in the half
-/// revolution that ended at `half_end`. `from_right_deg`: the angle of the first beam, 0 to the
-/// right.
+// The mirror revolution with every `stride`-th range from `first` on, measured in the half
+// revolution that ended at `half_end`. `from_right_deg`: the angle of the first beam, 0 to the
+// right.
 MirrorRevolution revolution_of(const SickScan& scan, std::size_t first, std::size_t stride,
                                double from_right_deg, time::FineSteadyTime half_end) {
   MirrorRevolution revolution;

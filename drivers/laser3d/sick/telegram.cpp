@@ -17,8 +17,8 @@ constexpr std::size_t kCrcBytes = 2;
 constexpr std::size_t kMaxLength = SickParser::kMaxTelegramBytes - kHeaderBytes - kCrcBytes;
 constexpr std::size_t kMaxValues = 401;
 
-/// Whether a telegram with this reply code can have this number of bytes from reply code to status
-/// byte. Checked because the checksum is weak.
+// Whether a telegram with this reply code can have this number of bytes from reply code to status
+// byte. Checked because the checksum is weak.
 bool is_length_of(std::uint8_t reply, std::size_t length) {
   switch (static_cast<SickReply>(reply)) {
     case SickReply::kReset:
@@ -40,7 +40,7 @@ bool is_length_of(std::uint8_t reply, std::size_t length) {
   }
 }
 
-/// Whether a measured-values telegram of this length can begin with this word.
+// Whether a measured-values telegram of this length can begin with this word.
 bool is_values_header(std::uint16_t word, std::size_t length) {
   const std::size_t count = word & 0x03FFU;
   const bool unit_known = (word & 0x8000U) == 0;
@@ -48,7 +48,7 @@ bool is_values_header(std::uint16_t word, std::size_t length) {
   return unit_known && count <= kMaxValues && (length == plain || length == plain + 2);
 }
 
-/// Whether the bytes received after a telegram's header are consistent with its length.
+// Whether the bytes received after a telegram's header are consistent with its length.
 bool is_content_plausible(ByteView content, std::size_t length) {
   if (content.empty()) {
     return true;

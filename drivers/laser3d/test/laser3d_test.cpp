@@ -21,7 +21,7 @@ using test::FakeSensor;
 using test::FakeServo;
 using test::operator+;  // NOLINT(misc-unused-using-decls): an operator is used
 
-/// Both devices on their lines, on simulated time in steps of a millisecond.
+// Both devices on their lines, on simulated time in steps of a millisecond.
 class Rig {
  public:
   explicit Rig(const Laser3dParams& params = {}) : dut(params) {

@@ -14,7 +14,7 @@ time::SteadyTime at(time::Duration since_start) {
   return time::SteadyTime(since_start);
 }
 
-/// A head that accelerates: a trapezoidal profile towards its goal, as the servo has.
+// A head that accelerates: a trapezoidal profile towards its goal, as the servo has.
 class Head {
  public:
   double pitch_rad = 0.0;

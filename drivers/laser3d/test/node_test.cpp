@@ -19,7 +19,7 @@ namespace node_test {
 
 using serial::IoStatus;
 
-/// A line in memory: the part that it shares with the device behind it.
+// A line in memory: the part that it shares with the device behind it.
 struct Wire {
   std::function<Bytes(const Bytes& request, int baud)> answer;
   Bytes to_host;
@@ -72,7 +72,7 @@ serial::SerialLink::Opener opener(Wire& wire) {
   };
 }
 
-/// The process without its loop, on simulated time in steps of a millisecond.
+// The process without its loop, on simulated time in steps of a millisecond.
 class Rig {
  public:
   Rig()

@@ -16,8 +16,8 @@ time::SteadyTime at(time::Duration since_start) {
 
 constexpr time::SteadyTime kStart{1'700'000'000s};
 
-/// A USB line with a latency timer of 1 ms on a busy host: up to 1 ms of waiting, scheduling
-/// delays, and occasional stalls of up to 30 ms.
+// A USB line with a latency timer of 1 ms on a busy host: up to 1 ms of waiting, scheduling
+// delays, and occasional stalls of up to 30 ms.
 class Jitter {
  public:
   explicit Jitter(unsigned seed) : random_(seed) {}
@@ -44,7 +44,7 @@ struct Errors {
   int count = 0;
 };
 
-/// Runs a minute of events; the errors are those after the first two seconds.
+// Runs a minute of events; the errors are those after the first two seconds.
 Errors run(const DeviceClock& clock, double true_rate, unsigned seed) {
   PassiveSync dut(clock);
   Jitter jitter(seed);

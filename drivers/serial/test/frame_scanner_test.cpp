@@ -52,7 +52,7 @@ Bytes operator+(Bytes a, const Bytes& b) {
   return a;
 }
 
-/// The contents of all complete frames.
+// The contents of all complete frames.
 std::vector<std::string> drain(FrameScanner& scanner) {
   std::vector<std::string> contents;
   while (const auto frame = scanner.next()) {

@@ -20,7 +20,7 @@ time::Moment at(time::Duration since_start) {
   return {kStart + since_start, time::SteadyTime(since_start)};
 }
 
-/// A link, and the calls of its driver's handlers.
+// A link, and the calls of its driver's handlers.
 struct Rig {
   explicit Rig(SerialLink::Opener open)
       : link("device", std::move(open),
@@ -31,7 +31,7 @@ struct Rig {
                   },
               .lost = [this] { ++lost; }}) {}
 
-  /// Waits until the line is readable: bytes, or its end, have come.
+  // Waits until the line is readable: bytes, or its end, have come.
   void await_input() const {
     pollfd entry{link.poll_handle(), POLLIN, 0};
     ASSERT_EQ(::poll(&entry, 1, 5000), 1);

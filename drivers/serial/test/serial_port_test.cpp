@@ -31,7 +31,7 @@ std::vector<std::uint8_t> all_bytes() {
   return bytes;
 }
 
-/// Reads until `count` bytes are there.
+// Reads until `count` bytes are there.
 std::vector<std::uint8_t> read_exactly(ByteStream& stream, std::size_t count) {
   std::vector<std::uint8_t> received;
   std::array<std::uint8_t, 64> buffer{};

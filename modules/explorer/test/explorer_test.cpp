@@ -21,10 +21,10 @@ ExplorerParams with(Policy policy) {
   return params;
 }
 
-/// Time to drive 450 m, which is the corridor of 16 m up and down 14 times.
+// Time to drive 450 m, which is the corridor of 16 m up and down 14 times.
 constexpr double kMaxS = 900.0;
-/// Places that show less than view.min_gain_m2, 0.4 m2, are not visited. Seven of them would be 2 %
-/// of the floor.
+// Places that show less than view.min_gain_m2, 0.4 m2, are not visited. Seven of them would be 2 %
+// of the floor.
 constexpr double kSeenRatio = 0.98;
 
 class Offices : public ::testing::TestWithParam<int> {};
@@ -47,7 +47,7 @@ TEST(Explorer, TheNearestFrontierPolicyAlsoSeesTheOffice) {
   EXPECT_GE(exploration.seen_ratio, kSeenRatio);
 }
 
-/// A closed room of 4 m x 3 m, all of it known.
+// A closed room of 4 m x 3 m, all of it known.
 GridWorld known_room() {
   GridWorld room({-2.5, -2.0}, {2.5, 2.0});
   room.add_wall({-2.0, -1.5}, {2.0, -1.5});
@@ -89,7 +89,7 @@ TEST(Explorer, WaitsUntilTheMapShowsFreeGroundAroundTheRobot) {
   EXPECT_EQ(explorer.decide({.stamp = time::Timestamp(1s), .T_map_base = {}}).state, State::kHome);
 }
 
-/// An explorer that began at (-1, 0) m, and now knows the whole room.
+// An explorer that began at (-1, 0) m, and now knows the whole room.
 Explorer begun_away_from_home() {
   GridWorld unknown({-2.5, -2.0}, {2.5, 2.0});
   unknown.scan({-1.0, 0.0, 0.0});
@@ -169,7 +169,7 @@ TEST(Explorer, WhereTheMapShowsNoPathHomeTheNavigatorIsAskedForOne) {
             "Everything has been seen, but there is no path home.");
 }
 
-/// A robot that cannot move, at the start of a corridor with much unknown ground at its end.
+// A robot that cannot move, at the start of a corridor with much unknown ground at its end.
 class Stuck : public ::testing::Test {
  protected:
   Stuck() : world_({-8.0, -8.0}, {8.0, 8.0}) {

@@ -9,7 +9,7 @@
 namespace nodmap::explorer {
 namespace frontiers_test {
 
-/// A room of 4 m x 3 m, its left half free and the rest unknown, closed by walls; map cells.
+// A room of 4 m x 3 m, its left half free and the rest unknown, closed by walls; map cells.
 PlanningGrid half_known_room() {
   std::vector<std::int8_t> cells(80 * 60, -1);
   for (int y = 0; y < 60; ++y) {

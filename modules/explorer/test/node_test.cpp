@@ -36,7 +36,7 @@ class ExplorerNodeTest : public ::testing::Test {
     message.cells.assign(tile.cells.begin(), tile.cells.end());
     bus_.deliver("MAP_2D", message);
   }
-  /// Lets half a second pass and delivers a pose.
+  // Lets half a second pass and delivers a pose.
   nodmap::exploration_t give_pose(std::int8_t state = nodmap::pose_t::TRACKING) {
     utime_us_ += 500'000;
     nodmap::pose_t pose = node::write_corrected_pose(

@@ -11,7 +11,7 @@ namespace planning_grid_test {
 constexpr double kInflationRadiusM = 0.205;
 constexpr int kTile = 40;
 
-/// A map whose cells are free unless set otherwise.
+// A map whose cells are free unless set otherwise.
 struct Map {
   explicit Map(Cell first_cell = Cell::Zero())
       : first(std::move(first_cell)), cells(kTile * kTile, 0) {}
@@ -81,7 +81,7 @@ TEST(PlanningGrid, GapsOfUpToThreeCellsInAWallAreFilledAndThoseOfFourAreNot) {
   }
 }
 
-/// Oracle: looks at all cells.
+// Oracle: looks at all cells.
 bool is_passable(const std::vector<Map>& maps, const PlanningGrid& grid, const Cell& cell) {
   bool has_room = false;
   for (int i = 0; i < 4; ++i) {

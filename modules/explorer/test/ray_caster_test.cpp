@@ -10,7 +10,7 @@ namespace ray_caster_test {
 
 constexpr int kCells = 400;  // of the map: 20 m x 20 m, the origin in its middle
 
-/// Unknown ground with a free rectangle and occupied ones, in map cells.
+// Unknown ground with a free rectangle and occupied ones, in map cells.
 struct Scene {
   Scene() : cells(kCells * kCells, -1) {}
   void fill(double x_min, double y_min, double x_max, double y_max, std::int8_t occupancy) {

@@ -12,7 +12,7 @@
 namespace nodmap::explorer {
 namespace shortest_paths_test {
 
-/// A hall of 6 m x 4 m with pillars, all of it known.
+// A hall of 6 m x 4 m with pillars, all of it known.
 PlanningGrid hall(std::uint64_t seed) {
   std::mt19937_64 engine(seed);
   std::uniform_int_distribution<std::size_t> column(0, 119);
@@ -27,8 +27,8 @@ PlanningGrid hall(std::uint64_t seed) {
   return grid;
 }
 
-/// Oracle: Bellman-Ford, which relaxes all edges until nothing changes. Lengths are in fifths of a
-/// cell.
+// Oracle: Bellman-Ford, which relaxes all edges until nothing changes. Lengths are in fifths of a
+// cell.
 std::vector<std::vector<double>> all_lengths(const PlanningGrid& grid, const Cell& from) {
   constexpr double kNever = std::numeric_limits<double>::infinity();
   std::vector<std::vector<double>> lengths(40, std::vector<double>(60, kNever));

@@ -13,7 +13,7 @@
 namespace nodmap::explorer {
 namespace tour_test {
 
-/// Random stops in a square, with straight lines between them and back to the start.
+// Random stops in a square, with straight lines between them and back to the start.
 TourProblem random_problem(std::size_t num_stops, double length_weight, std::uint64_t seed) {
   std::mt19937_64 engine(seed);
   std::uniform_real_distribution<double> place(0.0, 10.0);
@@ -79,8 +79,8 @@ TEST(ShortestTourDegenerate, HandlesNoStopOneStopAndTooManyStops) {
   EXPECT_THROW((void)shortest_tour(random_problem(kMaxStops + 1, 1.0, 1)), std::invalid_argument);
 }
 
-/// What a part of a tour, from `first` to `end`, weighs, and how much shorter the tour is without
-/// it.
+// What a part of a tour, from `first` to `end`, weighs, and how much shorter the tour is without
+// it.
 std::pair<double, double> part_of(const TourProblem& problem, const std::vector<std::size_t>& order,
                                   std::size_t first, std::size_t end) {
   const auto length_m = [&](const std::vector<std::size_t>& stops) {

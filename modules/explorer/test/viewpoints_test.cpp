@@ -17,8 +17,8 @@ namespace viewpoints_test {
 constexpr int kMapCells = 320;  // 16 m x 16 m, cells of 5 cm
 constexpr double kCellArea = 0.01;
 
-/// A free room of 8 m x 8 m within unknown ground, with pieces of wall on its border; the gaps
-/// between them are frontiers.
+// A free room of 8 m x 8 m within unknown ground, with pieces of wall on its border; the gaps
+// between them are frontiers.
 PlanningGrid half_walled_room(std::uint64_t seed) {
   std::mt19937_64 engine(seed);
   std::uniform_int_distribution<int> length(4, 30);
@@ -50,7 +50,7 @@ PlanningGrid half_walled_room(std::uint64_t seed) {
   return grid;
 }
 
-/// The room, the paths from a place in it, and the lookouts.
+// The room, the paths from a place in it, and the lookouts.
 struct Room {
   explicit Room(std::uint64_t seed) : grid(half_walled_room(seed)) {
     paths.compute(grid, {7.0, 8.5});

@@ -10,7 +10,7 @@ constexpr double kToleranceM = 0.3;
 constexpr double kLastToleranceM = 0.05;
 constexpr int kMapCells = 240;  // 12 m x 12 m, the origin in its middle
 
-/// Free ground, with a wall along y at x = 3 m from `wall_from_m` on, 0.1 m thick.
+// Free ground, with a wall along y at x = 3 m from `wall_from_m` on, 0.1 m thick.
 PlanningGrid ground_with_wall(double wall_from_m) {
   std::vector<std::int8_t> cells(kMapCells * kMapCells, 0);
   for (int y = static_cast<int>(20.0 * (wall_from_m + 6.0)); y < kMapCells; ++y) {
@@ -55,7 +55,7 @@ TEST(LinePassable, IsFalseForAWallAndForUnknownGround) {
   EXPECT_TRUE(is_line_passable(grid, {2.8, 1.0}, {2.0, 1.0})) << "it starts close to the wall";
 }
 
-/// From the origin around the end of the wall at (3, 0) to (4, 2).
+// From the origin around the end of the wall at (3, 0) to (4, 2).
 std::vector<Eigen::Vector2d> path_around_the_wall(double from_m) {
   std::vector<Eigen::Vector2d> path;
   for (double x = from_m; x < 4.0; x += 0.1) {

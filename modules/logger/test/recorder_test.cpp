@@ -21,7 +21,7 @@ using ::testing::ElementsAre;
 constexpr std::int64_t kStartUs = 1'795'262'400'000'000;  // 2026-11-21 12:00:00 UTC
 constexpr std::size_t kDataBytes = 968;                   // with header and "DATA": 1000 bytes
 
-/// A limit on the size of files stands in for a disk that is full: write() fails in the same way.
+// A limit on the size of files stands in for a disk that is full: write() fails in the same way.
 class FileSizeLimit : private boost::noncopyable {
  public:
   explicit FileSizeLimit(std::uint64_t bytes) {
@@ -43,7 +43,7 @@ class FileSizeLimit : private boost::noncopyable {
 
 class RecorderTest : public ::testing::Test {
  protected:
-  /// An event of 1000 bytes; its stamp is its number.
+  // An event of 1000 bytes; its stamp is its number.
   void record(Recorder& recorder) {
     recorder.record(time::from_utime(num_recorded_++), "DATA", data_);
   }
@@ -57,7 +57,7 @@ class RecorderTest : public ::testing::Test {
     return found;
   }
 
-  /// The stamps of the events in a file, which must contain nothing else.
+  // The stamps of the events in a file, which must contain nothing else.
   [[nodiscard]] std::vector<std::int64_t> stamps(const std::string& name) const {
     bus::LogReader reader(dir_.path() / name);
     std::vector<std::int64_t> found;

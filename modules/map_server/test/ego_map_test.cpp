@@ -13,7 +13,7 @@ namespace ego_map_test {
 using geometry::SE2;
 using ::testing::ElementsAre;
 
-/// A new scan with given hits but without a scan line, for rules that use only the hits.
+// A new scan with given hits but without a scan line, for rules that use only the hits.
 class HitsOnly {
  public:
   HitsOnly(const EgoMap& map, const std::vector<EgoPoint>& points, double elapsed_s = 0.0) {
@@ -48,7 +48,7 @@ const EgoPoint* point_towards(const EgoMap& map, double bearing_rad) {
   return point.valid ? &point : nullptr;
 }
 
-/// Records the distance of the single point ahead before each step.
+// Records the distance of the single point ahead before each step.
 class NotingRule final : public UpdateRule {
  public:
   explicit NotingRule(std::vector<std::string>& notes) : notes_(&notes) {}
@@ -171,8 +171,8 @@ TEST(ObstacleMap, ANearbyMeasurementRenewsTheAge) {
   EXPECT_EQ(aged_after_measurement(RemovalRule::kVisibility), 0.0);
 }
 
-/// The number of updates in motion after which a point that is never measured again is removed; -1:
-/// never.
+// The number of updates in motion after which a point that is never measured again is removed; -1:
+// never.
 int updates_until_gone(EgoMap map, double period_s) {
   map.update(std::nullopt, HitsOnly(map, {EgoPoint::at({2.0, 0.0}, 0.1)}).scan());
   const SE2 a_little_forward{-1e-4, 0.0, 0.0};
@@ -185,7 +185,7 @@ int updates_until_gone(EgoMap map, double period_s) {
   return -1;
 }
 
-/// The paper's "500 transformations" taken literally.
+// The paper's "500 transformations" taken literally.
 class CountingRule final : public UpdateRule {
  public:
   [[nodiscard]] bool removes_while_stationary() const override { return false; }

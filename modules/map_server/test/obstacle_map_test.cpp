@@ -72,8 +72,8 @@ TEST(Scene, APersonWhoLeftIsRemovedWhileTheRobotIsStationary) {
   EXPECT_FALSE(ghost_after(RemovalRule::kVisibility, 2));
 }
 
-/// Whether the map contains the front of the box at every update from its first measurement until
-/// the robot's bumper reaches it.
+// Whether the map contains the front of the box at every update from its first measurement until
+// the robot's bumper reaches it.
 bool holds_until_passed(RemovalRule rule, const Box& box, double speed_mps) {
   World world = test::room(-2, 8, -2, 2);
   world.boxes.push_back(box);
@@ -119,11 +119,11 @@ TEST(Scene, ATableTopIsRememberedAboveTheSweeps) {
   }
 }
 
-/// A minute's drive through a corridor in which nothing moves.
+// A minute's drive through a corridor in which nothing moves.
 struct CorridorDrive {
   std::size_t obstacles_removed = 0;
   std::size_t structure_removed = 0;
-  /// Number of dummies within 85 degrees of ahead in the obstacle map, over all updates.
+  // Number of dummies within 85 degrees of ahead in the obstacle map, over all updates.
   int dummies = 0;
 };
 

@@ -32,8 +32,8 @@ World furnished_room() {
   return world;
 }
 
-/// The sweeps of the pitch controller at 1.5 m/s (bench/pitch_controller_table): the corridor from
-/// d_min on, and one line more at each end.
+// The sweeps of the pitch controller at 1.5 m/s (bench/pitch_controller_table): the corridor from
+// d_min on, and one line more at each end.
 NoddingScanner scanner_at_speed() {
   NoddingScanner scanner;
   scanner.low_rad = deg_to_rad(-18.4);
@@ -43,7 +43,7 @@ NoddingScanner scanner_at_speed() {
   return scanner;
 }
 
-/// Sweeps that end above a person and below the top of the wall, as at walking pace.
+// Sweeps that end above a person and below the top of the wall, as at walking pace.
 NoddingScanner scanner_when_slow() {
   NoddingScanner scanner = scanner_at_speed();
   scanner.low_rad = deg_to_rad(-30);
@@ -77,8 +77,8 @@ TEST(Scene, FurnitureDisappearsFromTheStructureMap) {
   }
 }
 
-/// Distance of a place to the nearest of the tall objects in furnished_room(): the person and the
-/// table legs.
+// Distance of a place to the nearest of the tall objects in furnished_room(): the person and the
+// table legs.
 double off_what_is_tall_m(const Eigen::Vector2d& p) {
   double nearest_m = std::abs((p - Eigen::Vector2d(3.2, -1.5)).norm() - 0.25);
   for (const double x : {2.025, 2.975}) {
@@ -110,8 +110,8 @@ TEST(Scene, AtSpeedObjectsTallerThanTheSweepStayInTheStructureMap) {
   EXPECT_LE(off_wall, 16);  // 1.25 times as many
 }
 
-/// The fraction of time for which a direction of the structure map, and of a level scan, shows the
-/// wall, while a person crosses ten times two metres in front of it.
+// The fraction of time for which a direction of the structure map, and of a level scan, shows the
+// wall, while a person crosses ten times two metres in front of it.
 struct WallShown {
   double structure_map = 0.0;
   double level_scan = 0.0;

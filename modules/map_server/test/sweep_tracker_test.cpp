@@ -15,7 +15,7 @@ using geometry::deg_to_rad;
 // A scan at a reversal counts for the new sweep from its middle on: half a step of one degree.
 const double kHalfStep = deg_to_rad(0.5 + 1e-9);
 
-/// Nods between the bounds for a number of sweeps from reversal to reversal.
+// Nods between the bounds for a number of sweeps from reversal to reversal.
 void nod(SweepTracker& tracker, double low_deg, double high_deg, int sweeps, double step_deg = 1) {
   for (int sweep = 0; sweep < sweeps; ++sweep) {
     for (double p = low_deg; p < high_deg - 1e-9; p += step_deg) {

@@ -28,8 +28,8 @@ constexpr std::size_t kBeam = 100;  // the point is between this beam and the ne
 constexpr double kClockS = 77.0;
 constexpr HeightBand kBand{.floor_m = 0.05, .floor_rise = 0.0, .ceiling_m = 0.5};
 
-/// Readings in the direction of the point, as ratios of its distance, so different that no two of
-/// them belong to the same surface. kOnIt: 2 cm behind the point, within the tolerance of 5 cm.
+// Readings in the direction of the point, as ratios of its distance, so different that no two of
+// them belong to the same surface. kOnIt: 2 cm behind the point, within the tolerance of 5 cm.
 enum class Reading { kBefore, kOnIt, kBeyond, kNothingHit, kInvalid };
 
 float range_of(Reading reading) {
@@ -52,7 +52,7 @@ bool passes(Reading reading) {
   return reading == Reading::kBeyond || reading == Reading::kNothingHit;
 }
 
-/// What one scan of a level laser at this height measures on both sides of the point.
+// What one scan of a level laser at this height measures on both sides of the point.
 struct Look {
   double height_m = 0.3;
   Reading right = Reading::kInvalid;  // beam kBeam
@@ -61,10 +61,10 @@ struct Look {
   double elapsed_s = 0.01;
 };
 
-/// One stored point and the scans that cross it.
+// One stored point and the scans that cross it.
 class OnePoint {
  public:
-  /// `between`: the point is this fraction of a degree to the left of beam kBeam.
+  // `between`: the point is this fraction of a degree to the left of beam kBeam.
   OnePoint(const UpdateParams& params, double between, Relevance relevance = Relevance::kNearest)
       : rule_(params, kBand, kSigmaM, {0.2, 0.2}),
         map_(AngleBins(2.0 * geometry::kPi, deg_to_rad(1)), relevance) {
@@ -73,7 +73,7 @@ class OnePoint {
     bin_ = *map_.bins().index(bearing_rad);
   }
 
-  /// Stores the point as just measured at these heights.
+  // Stores the point as just measured at these heights.
   EgoPoint& store(double lowest_m, double highest_m) {
     map_[bin_] = EgoPoint::at(p_base_, 0.5 * (lowest_m + highest_m));
     map_[bin_].lowest_m = lowest_m;
@@ -81,13 +81,13 @@ class OnePoint {
     return map_[bin_];
   }
 
-  /// Sets the heights at the point that the sweeps cover; NaN: not known yet.
+  // Sets the heights at the point that the sweeps cover; NaN: not known yet.
   void sweeps_cover(double lowest_m, double highest_m) {
     lowest_m_ = lowest_m;
     highest_m_ = highest_m;
   }
 
-  /// Performs step 2 with this scan; returns the number of removed points.
+  // Performs step 2 with this scan; returns the number of removed points.
   std::size_t look(const Look& look) {
     scan::Scan scan;
     scan.angle_first_rad = deg_to_rad(-90);
@@ -104,7 +104,7 @@ class OnePoint {
     return rule_.remove_obsolete(map_, now);
   }
 
-  /// Performs step 3 with one hit at this distance in the point's direction.
+  // Performs step 3 with one hit at this distance in the point's direction.
   void replace(double distance_m, double height_m) {
     const scan::Scan no_scan;
     const Eigen::Vector2d q_base = distance_m / kDistanceM * p_base_;
@@ -175,15 +175,15 @@ TEST(VisibilityRule, OneScanConfirmsRemovesOrAgesAPointAsInTheTable) {
   }
 }
 
-/// The history of the point in lists: the rule as its docstring states it, for a point that is
-/// always in view.
+// The history of the point in lists: the rule as its docstring states it, for a point that is
+// always in view.
 struct History {
   double lowest_m = 0.0;
   double highest_m = 0.0;
   std::set<std::int64_t> missed_sweeps;
   std::vector<double> passed_heights_m;
 
-  /// Whether the point is gone after this look.
+  // Whether the point is gone after this look.
   bool add(const Look& look, const UpdateParams& params, double between) {
     const double tolerance_m = params.height_tolerance_m;
     if ((between < 0.5 ? look.right : look.left) == Reading::kOnIt &&

@@ -11,43 +11,43 @@
 namespace nodmap::navigator {
 namespace {
 
-/// The strip ahead of base in which facets are searched for.
+// The strip ahead of base in which facets are searched for.
 constexpr double kNearestM = 0.3;
 constexpr double kFarthestM = 3.0;
 constexpr double kHalfWidthM = 0.35;
-/// A patch has at least this many points. They lie along a line: not on a face, nor on both sides
-/// of an edge.
+// A patch has at least this many points. They lie along a line: not on a face, nor on both sides
+// of an edge.
 constexpr int kLeastPoints = 4;
 constexpr double kLongestPatchM = 0.25;
 constexpr double kHighestPatchM = 0.04;
-/// A patch farther than this from the ground is not part of it; the error of the tilt is added. The
-/// mean of its points is twice as accurate as one of them.
+// A patch farther than this from the ground is not part of it; the error of the tilt is added. The
+// mean of its points is twice as accurate as one of them.
 constexpr double kPatchToleranceM = 0.012;
-/// About ten sweeps: each sweep sees two lines of a flat ramp 2 m ahead.
+// About ten sweeps: each sweep sees two lines of a flat ramp 2 m ahead.
 constexpr int kOldestScans = 600;
 constexpr std::size_t kMostPatches = 256;
-/// A change of the tilt from one scan to the next that is only rounding.
+// A change of the tilt from one scan to the next that is only rounding.
 constexpr double kSteadyRad = 1e-6;
-/// A surface extends far enough ahead, twice as far as a plank, without gaps, was measured in scans
-/// of several pitches, and is as wide as the body.
+// A surface extends far enough ahead, twice as far as a plank, without gaps, was measured in scans
+// of several pitches, and is as wide as the body.
 constexpr double kLeastLengthM = 0.4;
 constexpr double kWidestGapM = 0.25;
 constexpr std::size_t kLeastPatches = 12;
 constexpr std::size_t kLeastScans = 6;
 constexpr std::size_t kLeastColumns = 3;
-/// A surface is flat: a step of 3 cm in the middle of 0.4 m is 0.75 cm off even the best plane.
+// A surface is flat: a step of 3 cm in the middle of 0.4 m is 0.75 cm off even the best plane.
 constexpr double kFirstResidualM = 0.02;
 constexpr double kResidualM = 0.015;
 constexpr double kRmsM = 0.007;
 constexpr double kLeastShare = 0.8;
-/// The kink lies no farther than this before the first patch. A ramp of 5 degrees is 3 cm high 0.35
-/// m behind its kink, and the next line on it may be 0.25 m farther. A plank 6 cm high would have
-/// to slope by 6 degrees.
+// The kink lies no farther than this before the first patch. A ramp of 5 degrees is 3 cm high 0.35
+// m behind its kink, and the next line on it may be 0.25 m farther. A plank 6 cm high would have
+// to slope by 6 degrees.
 constexpr double kFarthestKinkM = 0.6;
-/// The slope of the flattest ramp, less the error of a measured slope.
+// The slope of the flattest ramp, less the error of a measured slope.
 const double kLeastKink = std::tan(geometry::deg_to_rad(4.0));
-/// A surface reaches at least this far above or below the ground before it. Sills and planks, which
-/// may look flat together with the floor around them, do not.
+// A surface reaches at least this far above or below the ground before it. Sills and planks, which
+// may look flat together with the floor around them, do not.
 constexpr double kLeastRiseM = 0.07;
 
 }  // namespace
@@ -97,7 +97,7 @@ void FacetFinder::end_scan(TrackedGround& ground, const geometry::SE2& T_odom_ba
   }
 }
 
-/// Adds a patch that could be ground but is not known as such. Returns whether it is one.
+// Adds a patch that could be ground but is not known as such. Returns whether it is one.
 bool FacetFinder::add_patch(const Column& column, std::size_t number, TrackedGround& ground,
                             const geometry::SE2& T_odom_base) {
   const Eigen::Vector3d size = column.max_odom - column.min_odom;
@@ -122,8 +122,8 @@ bool FacetFinder::add_patch(const Column& column, std::size_t number, TrackedGro
   return true;
 }
 
-/// Joins the nearest new facet above, or below, the known ground to it. Returns whether there is
-/// one.
+// Joins the nearest new facet above, or below, the known ground to it. Returns whether there is
+// one.
 bool FacetFinder::find(bool is_above, TrackedGround& ground, const geometry::SE2& T_odom_base) {
   const Eigen::Vector2d ahead = T_odom_base.rotation().col(0);
   std::vector<Patch> patches;
@@ -151,8 +151,8 @@ bool FacetFinder::find(bool is_above, TrackedGround& ground, const geometry::SE2
   return false;
 }
 
-/// The surface that begins at the first of these patches, which are sorted by `ahead_m`; empty if
-/// they form none. Its plane is fitted to the nearest patches, then twice to those that lie on it.
+// The surface that begins at the first of these patches, which are sorted by `ahead_m`; empty if
+// they form none. Its plane is fitted to the nearest patches, then twice to those that lie on it.
 std::optional<FacetFinder::Surface> FacetFinder::surface_from(std::span<const Patch> patches) {
   Surface surface;
   for (const Patch& patch : patches) {
@@ -174,7 +174,7 @@ std::optional<FacetFinder::Surface> FacetFinder::surface_from(std::span<const Pa
   return surface;
 }
 
-/// The patches on a plane, up to the first gap between them.
+// The patches on a plane, up to the first gap between them.
 FacetFinder::Surface FacetFinder::surface_on(const Plane& plane, double residual_m,
                                              std::span<const Patch> patches) {
   Surface surface;
@@ -196,7 +196,7 @@ FacetFinder::Surface FacetFinder::surface_on(const Plane& plane, double residual
   return surface;
 }
 
-/// Whether a surface is long and wide enough for a facet, and was measured in enough scans.
+// Whether a surface is long and wide enough for a facet, and was measured in enough scans.
 bool FacetFinder::is_large(const Surface& surface) {
   if (surface.patches.size() < kLeastPatches) {
     return false;
@@ -212,15 +212,15 @@ bool FacetFinder::is_large(const Surface& surface) {
          scans.size() >= kLeastScans;
 }
 
-/// Whether a surface has no steps: its patches lie on its plane, and few others are among them.
+// Whether a surface has no steps: its patches lie on its plane, and few others are among them.
 bool FacetFinder::is_flat(const Surface& surface) {
   const auto num_patches = static_cast<double>(surface.patches.size());
   return surface.sum_square_m2 <= kRmsM * kRmsM * num_patches &&
          num_patches >= kLeastShare * static_cast<double>(surface.num_within);
 }
 
-/// The facet that a surface meets in a kink before it; empty if there is none, or the surface is
-/// too steep.
+// The facet that a surface meets in a kink before it; empty if there is none, or the surface is
+// too steep.
 std::optional<std::size_t> FacetFinder::facet_before(const Surface& surface, bool is_above,
                                                      const TrackedGround& ground,
                                                      const geometry::SE2& T_odom_base) {

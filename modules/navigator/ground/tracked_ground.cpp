@@ -12,12 +12,12 @@ namespace {
 
 constexpr double kCellM = 0.2;
 constexpr int kLog2Size = 6;
-/// A facet flatter than this counts as level: twice the error of a ramp's tilt.
+// A facet flatter than this counts as level: twice the error of a ramp's tilt.
 const double kLevelSlope = std::tan(geometry::deg_to_rad(2.0));
-/// Ground within this many cells counts as ground at the robot.
+// Ground within this many cells counts as ground at the robot.
 constexpr int kAroundCells = 8;
-/// Greatest change of the ground under a wheel from scan to scan: 2 cm of travel on the steepest
-/// ramp change it by 5 mm. A larger difference belongs to the ground beside the wheel's ramp.
+// Greatest change of the ground under a wheel from scan to scan: 2 cm of travel on the steepest
+// ramp change it by 5 mm. A larger difference belongs to the ground beside the wheel's ramp.
 constexpr double kWheelStepM = 0.03;
 
 }  // namespace
@@ -76,7 +76,7 @@ bool TrackedGround::level_around(const Eigen::Vector2d& p_odom) const {
   return mask == 1U << under_base_ && facets_[under_base_].plane.slope.isZero();
 }
 
-/// The facets seen in the cell of a place and the eight around it.
+// The facets seen in the cell of a place and the eight around it.
 TrackedGround::Mask TrackedGround::mask_at(const Eigen::Vector2d& p_odom) const {
   const Eigen::Vector2i middle = cells_.index_of(p_odom);
   unsigned mask = 0;
@@ -89,9 +89,9 @@ TrackedGround::Mask TrackedGround::mask_at(const Eigen::Vector2d& p_odom) const 
   return static_cast<Mask>(mask);
 }
 
-/// The ground at a place where these facets were seen. A facet that rises from another one is the
-/// ground where it is higher than that; one that falls, where it is lower. Facets that meet
-/// otherwise do so at the foot of a ramp. They are in the order in which they were found.
+// The ground at a place where these facets were seen. A facet that rises from another one is the
+// ground where it is higher than that; one that falls, where it is lower. Facets that meet
+// otherwise do so at the foot of a ramp. They are in the order in which they were found.
 TrackedGround::Ground TrackedGround::ground_of(Mask mask, const Eigen::Vector2d& p_odom) const {
   if (mask == 0) {
     return {facets_[under_base_].plane.at(p_odom), under_base_};
@@ -210,8 +210,8 @@ std::size_t TrackedGround::add_facet(const PlaneFit& fit, std::size_t before, bo
   return facets_.size() - 1;
 }
 
-/// Drops the oldest facet that the robot is neither on nor about to reach. Its cells are unknown
-/// until they are seen as ground again.
+// Drops the oldest facet that the robot is neither on nor about to reach. Its cells are unknown
+// until they are seen as ground again.
 std::size_t TrackedGround::drop_facet_other_than(std::size_t kept) {
   std::size_t dropped = 0;
   while (dropped == under_base_ || dropped == kept) {

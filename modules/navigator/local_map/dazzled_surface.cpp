@@ -10,11 +10,11 @@ namespace {
 
 constexpr double kNothing = std::numeric_limits<double>::infinity();
 
-/// A reflector dazzles within 15 degrees of a right angle.
+// A reflector dazzles within 15 degrees of a right angle.
 constexpr double kWidestRad = geometry::deg_to_rad(30.0);
 
-/// Whether a beam has no range, or one that is too short. A range beyond the longest one, such as
-/// +infinity, says that nothing is near.
+// Whether a beam has no range, or one that is too short. A range beyond the longest one, such as
+// +infinity, says that nothing is near.
 bool is_unmeasured(const scan::Scan& scan, std::size_t beam) {
   return !(static_cast<double>(scan.ranges_m[beam]) >= scan.range_min_m);
 }

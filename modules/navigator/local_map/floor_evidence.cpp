@@ -7,12 +7,12 @@
 namespace nodmap::navigator {
 namespace {
 
-/// Floor points no farther apart than this count against a hole between them. A hole that fits in
-/// between is too narrow to matter.
+// Floor points no farther apart than this count against a hole between them. A hole that fits in
+// between is too narrow to matter.
 constexpr double kDenseM = 0.05;
 
-/// There is floor in a cell between beams. `is_dense`: the beams are so close together that they
-/// count against a hole.
+// There is floor in a cell between beams. `is_dense`: the beams are so close together that they
+// count against a hole.
 void fill_cell(LocalCell& cell, bool is_dense, std::uint16_t scan) {
   if (is_dense && cell.hole > 0 && cell.scan != scan) {
     cell.hole = evidence::less(cell.hole);
@@ -64,7 +64,7 @@ void FloorEvidence::end_scan(LocalGrid& grid, std::uint16_t scan) {
   std::swap(points_, points_before_);
 }
 
-/// Between two beams of one scan.
+// Between two beams of one scan.
 void FloorEvidence::fill_line(LocalGrid& grid, const Eigen::Vector2d& from,
                               const Eigen::Vector2d& to) const {
   const double length_m = (to - from).norm();
@@ -80,7 +80,7 @@ void FloorEvidence::fill_line(LocalGrid& grid, const Eigen::Vector2d& from,
   }
 }
 
-/// Between two beams of the last scan (corners 0 and 1) and the same two of this one (2 and 3).
+// Between two beams of the last scan (corners 0 and 1) and the same two of this one (2 and 3).
 void FloorEvidence::fill_between(LocalGrid& grid, const Point (&corners)[4],
                                  std::uint16_t scan) const {
   const Eigen::Vector2d& a = corners[0].p_odom;

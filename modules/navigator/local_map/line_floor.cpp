@@ -6,10 +6,10 @@
 namespace nodmap::navigator {
 namespace {
 
-/// With beams a degree apart this is half a metre to each side at 1.3 m.
+// With beams a degree apart this is half a metre to each side at 1.3 m.
 constexpr std::size_t kBeamsBeside = 25;
-/// The quartile of fewer heights is too noisy. Of 12 it is 2 mm off, if ranges have a noise of 1
-/// cm.
+// The quartile of fewer heights is too noisy. Of 12 it is 2 mm off, if ranges have a noise of 1
+// cm.
 constexpr std::size_t kLeastBeams = 12;
 
 }  // namespace

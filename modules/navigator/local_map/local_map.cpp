@@ -48,8 +48,8 @@ LocalView LocalMap::view_around(const Eigen::Vector2d& p_odom, double half_size_
           static_cast<int>(half_size_m / grid_.cell_size_m())};
 }
 
-/// The greatest measured height, above or below 0, of a point on the floor: by noise, uneven floor,
-/// and errors of pitch and tilt, which grow with the distance.
+// The greatest measured height, above or below 0, of a point on the floor: by noise, uneven floor,
+// and errors of pitch and tilt, which grow with the distance.
 double LocalMap::tolerance_m(double range_m) const {
   const double tilt_rad =
       ground_.is_level() ? params_.tilt_tolerance_rad : params_.ground.tilt_tolerance_rad;
@@ -116,7 +116,7 @@ void LocalMap::move(const geometry::SE2& T_odom_base) {
   }
 }
 
-/// Under the body there is floor and nothing else.
+// Under the body there is floor and nothing else.
 void LocalMap::clear_under_body(const geometry::SE2& T_odom_base) {
   const double step_m = 0.9 * grid_.cell_size_m();
   const robot::Footprint inner = body_.grown(-grid_.cell_size_m(), -grid_.cell_size_m());
@@ -129,7 +129,7 @@ void LocalMap::clear_under_body(const geometry::SE2& T_odom_base) {
   }
 }
 
-/// Without an echo there is nothing up to `range_max_m`.
+// Without an echo there is nothing up to `range_max_m`.
 void LocalMap::classify(const Beam& beam, std::size_t index, double range_max_m) {
   if (!beam.is_hit) {
     // A beam that should have met the ground within floor_return_m counts as if it had ended 1 m
@@ -174,8 +174,8 @@ void LocalMap::classify(const Beam& beam, std::size_t index, double range_max_m)
   }
 }
 
-/// Only where the surface would be something that the body hits: on the floor, or high above it,
-/// nothing is assumed.
+// Only where the surface would be something that the body hits: on the floor, or high above it,
+// nothing is assumed.
 void LocalMap::add_dazzled(const Beam& beam) {
   const Eigen::Vector3d p_odom = beam.origin + beam.range_m * beam.direction;
   const TrackedGround::Place place = ground_.look(p_odom, tolerance_m(beam.range_m));
@@ -184,7 +184,7 @@ void LocalMap::add_dazzled(const Beam& beam) {
   }
 }
 
-/// Range at which a beam passes down through a plane; +infinity if it does not.
+// Range at which a beam passes down through a plane; +infinity if it does not.
 double LocalMap::range_to(const Plane& plane, const Beam& beam) {
   const double above_m = beam.origin.z() - plane.at(beam.origin.head<2>());
   const double sinking = plane.slope.dot(beam.direction.head<2>()) - beam.direction.z();
@@ -192,8 +192,8 @@ double LocalMap::range_to(const Plane& plane, const Beam& beam) {
                                         : std::numeric_limits<double>::infinity();
 }
 
-/// A beam is below a facet at `range_m`: it has seen a hole where it passed through the facet,
-/// unless a ramp may lead down there.
+// A beam is below a facet at `range_m`: it has seen a hole where it passed through the facet,
+// unless a ramp may lead down there.
 void LocalMap::classify_below(const Beam& beam, double range_m, std::size_t facet,
                               bool is_certain) {
   const double to_floor_m = range_to(ground_.plane(facet), beam);
@@ -219,9 +219,9 @@ void LocalMap::pass(const Beam& beam, double until_m) {
   ObstacleMemory::pass(grid_, beam, until_m, highest_m, scan_);
 }
 
-/// A cell has joined a facet. An obstacle in it that is no higher than the facet was this ground,
-/// and so was a hole on a facet ahead, which was not known before. Both are looked at again from
-/// nearer.
+// A cell has joined a facet. An obstacle in it that is no higher than the facet was this ground,
+// and so was a hole on a facet ahead, which was not known before. Both are looked at again from
+// nearer.
 void LocalMap::look_again(const TrackedGround::Joined& joined) {
   const double half_m = 0.5 * (ground_.cell_size_m() - grid_.cell_size_m());
   for (double dx = -half_m; dx <= half_m + 1e-6; dx += grid_.cell_size_m()) {

@@ -6,12 +6,12 @@
 namespace nodmap::navigator {
 namespace {
 
-/// Beams that end farther apart have hit two objects.
+// Beams that end farther apart have hit two objects.
 constexpr double kSideBySideM = 0.1;
-/// A line is measured at most this much below the floor: 0.6 degrees at 1.3 m, when the robot
-/// brakes.
+// A line is measured at most this much below the floor: 0.6 degrees at 1.3 m, when the robot
+// brakes.
 constexpr double kLineErrorM = 0.015;
-/// Six standard deviations of a range: one beam in a thousand million has this error.
+// Six standard deviations of a range: one beam in a thousand million has this error.
 constexpr double kRangeErrorM = 0.06;
 
 }  // namespace
@@ -27,14 +27,14 @@ void LowHits::add_floor(const Hit& hit) {
   line_floor_.add(hit.beam, hit.height_m);
 }
 
-/// What is within the tolerance is floor, unless it stands out of its line.
-///
-/// Where two beams side by side end above the tolerance, and higher than by the noise of their
-/// ranges, there is something: the errors of pitch and tilt that they share are within the
-/// tolerance. So a low sill is known from a single line on it; the next one is a cell or more
-/// farther on. A brick of 3 cm has only one beam on it, which counts alone if it stands out of its
-/// line by more than the noise of a range. What may be the noise of a steep beam is neither floor
-/// nor obstacle.
+// What is within the tolerance is floor, unless it stands out of its line.
+//
+// Where two beams side by side end above the tolerance, and higher than by the noise of their
+// ranges, there is something: the errors of pitch and tilt that they share are within the
+// tolerance. So a low sill is known from a single line on it; the next one is a cell or more
+// farther on. A brick of 3 cm has only one beam on it, which counts alone if it stands out of its
+// line by more than the noise of a range. What may be the noise of a steep beam is neither floor
+// nor obstacle.
 void LowHits::end_scan(bool is_level, LocalGrid& grid, FloorEvidence& floor,
                        const ObstacleMemory& obstacles, std::uint16_t scan) {
   is_level_ = is_level;

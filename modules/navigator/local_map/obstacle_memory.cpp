@@ -10,13 +10,13 @@
 namespace nodmap::navigator {
 namespace {
 
-/// Within this distance of base an obstacle ages by one decimetre per this many decimetres of
-/// travel.
+// Within this distance of base an obstacle ages by one decimetre per this many decimetres of
+// travel.
 constexpr double kNearM = 0.5;
 constexpr int kNearFactor = 5;
-/// The last part of a beam passes nothing, because of the range's noise and the size of a cell.
+// The last part of a beam passes nothing, because of the range's noise and the size of a cell.
 constexpr double kBeforeEndM = 0.03;
-/// The stamps of cells are 16 bits of decimetres.
+// The stamps of cells are 16 bits of decimetres.
 constexpr double kLongestTravelM = 6553.6;
 
 }  // namespace

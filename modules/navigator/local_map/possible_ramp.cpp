@@ -28,8 +28,8 @@ bool PossibleRamp::leads_down(const Eigen::Vector3d& p_odom,
                           ground_.max_slope() * (p_odom.head<2>() - floor_odom).norm();
 }
 
-/// The nearest place with seen floor between a place and the robot. If there is none within
-/// `farthest_m`, the point at that distance.
+// The nearest place with seen floor between a place and the robot. If there is none within
+// `farthest_m`, the point at that distance.
 Eigen::Vector2d PossibleRamp::last_floor_before(const Eigen::Vector2d& p_odom,
                                                 double farthest_m) const {
   const Eigen::Vector2d back = robot_odom_ - p_odom;

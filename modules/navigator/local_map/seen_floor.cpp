@@ -11,14 +11,14 @@
 namespace nodmap::navigator {
 namespace {
 
-/// The floor is checked in columns this far apart across the body. It is unknown where this many
-/// columns are unknown; a single one may just lie between beams.
+// The floor is checked in columns this far apart across the body. It is unknown where this many
+// columns are unknown; a single one may just lie between beams.
 constexpr double kColumnM = 0.05;
 constexpr int kUnknownColumns = 2;
-/// An obstacle this near beyond the nearest floor that the laser sees hides what is behind it.
+// An obstacle this near beyond the nearest floor that the laser sees hides what is behind it.
 constexpr double kHiddenM = 0.05;
 
-/// Pose of base after `distance_m` of an arc, negative backwards, in base at its beginning.
+// Pose of base after `distance_m` of an arc, negative backwards, in base at its beginning.
 geometry::SE2 along_arc(double curvature, double distance_m) {
   const double yaw_rad = curvature * distance_m;
   return std::abs(curvature) < 1e-3 ? geometry::SE2{distance_m, 0.0, 0.0}
@@ -28,7 +28,7 @@ geometry::SE2 along_arc(double curvature, double distance_m) {
 
 }  // namespace
 
-/// Floor must follow on floor in each column of the body's front, but for `kUnknownColumns`.
+// Floor must follow on floor in each column of the body's front, but for `kUnknownColumns`.
 double SeenFloor::distance(const geometry::SE2& T_odom_base, double curvature, double half_width_m,
                            double max_m, double max_gap_m, bool ends_at_obstacles) const {
   const double step_m = grid_.cell_size_m();
@@ -53,8 +53,8 @@ double SeenFloor::distance(const geometry::SE2& T_odom_base, double curvature, d
   return std::min(seen_m[kUnknownColumns - 1], max_m);
 }
 
-/// How far floor follows on floor in a column that is `left_m` beside the middle of the front;
-/// infinite if an obstacle hides what follows.
+// How far floor follows on floor in a column that is `left_m` beside the middle of the front;
+// infinite if an obstacle hides what follows.
 double SeenFloor::distance_in_column(const std::vector<Row>& rows, double left_m, double max_gap_m,
                                      bool ends_at_obstacles) const {
   double seen_m = 0.0;
@@ -75,7 +75,7 @@ double SeenFloor::distance_in_column(const std::vector<Row>& rows, double left_m
   return seen_m;
 }
 
-/// Whether there is an obstacle that has not been forgotten.
+// Whether there is an obstacle that has not been forgotten.
 bool SeenFloor::is_obstacle(const LocalCell* cell) const {
   return cell != nullptr && cell->is_obstacle() && !obstacles_.is_forgotten(*cell);
 }
@@ -92,7 +92,7 @@ double SeenFloor::distance_backwards(const geometry::SE2& T_odom_base, double cu
   return max_m;
 }
 
-/// Whether floor was seen in a row across the body.
+// Whether floor was seen in a row across the body.
 bool SeenFloor::is_row_seen(const geometry::SE2& T_odom_row, double half_width_m) const {
   const auto columns = static_cast<int>(std::ceil(half_width_m / (2.0 * grid_.cell_size_m())));
   int unknown = 0;

@@ -10,8 +10,8 @@ namespace {
 constexpr double kCellM = 0.1;
 constexpr double kLayerM = 0.1;
 constexpr std::uint8_t kMostFree = 12;
-/// A layer is free after this many scans with a pass. At 3 m a sweep has about one line in each
-/// layer.
+// A layer is free after this many scans with a pass. At 3 m a sweep has about one line in each
+// layer.
 constexpr std::uint8_t kEnough = 2;
 
 }  // namespace

@@ -9,8 +9,8 @@ namespace {
 
 constexpr double kAccelerationMps2 = 1.5;
 constexpr double kYawAccelerationRadS2 = 6.0;
-/// Largest allowance for the error of a predicted place. The error grows beyond this, but by then
-/// the robot will have seen the person again.
+// Largest allowance for the error of a predicted place. The error grows beyond this, but by then
+// the robot will have seen the person again.
 constexpr double kMostErrorM = 0.3;
 
 double approach(double from, double to, double most) {

@@ -8,40 +8,40 @@
 namespace nodmap::navigator {
 namespace {
 
-/// Width of a person. Detection reaches as far as five beams fall on this width.
+// Width of a person. Detection reaches as far as five beams fall on this width.
 constexpr double kPersonM = 0.48;
 constexpr double kBeamsOnPerson = 5.0;
 constexpr double kFarthestPersonM = 10.0;
-/// Anything nearer to the mirror is the robot itself.
+// Anything nearer to the mirror is the robot itself.
 constexpr double kNearestM = 0.1;
-/// Free space is counted from this distance from the mirror on.
+// Free space is counted from this distance from the mirror on.
 constexpr double kPassedFromM = 0.3;
-/// Free space ends this far before the end of a beam, because of noise and the size of a cell.
+// Free space ends this far before the end of a beam, because of noise and the size of a cell.
 constexpr double kBeforeEndM = 0.15;
-/// Hits below this are on the floor.
+// Hits below this are on the floor.
 constexpr double kFloorHitM = 0.05;
-/// Neighbouring beams that end farther apart than this have hit different things.
+// Neighbouring beams that end farther apart than this have hit different things.
 constexpr double kGapM = 0.25;
-/// A detection needs this many beams: mixed pixels at an edge are one or two.
+// A detection needs this many beams: mixed pixels at an edge are one or two.
 constexpr std::size_t kFewestBeams = 3;
-/// A group that ends within this many beams of the edge of the view may be cut off, and its centre
-/// would be wrong.
+// A group that ends within this many beams of the edge of the view may be cut off, and its centre
+// would be wrong.
 constexpr std::size_t kEdgeBeams = 2;
 constexpr double kLeastFree = 0.6;
 constexpr double kWidestM = 1.4;
 constexpr double kLeastRadiusM = 0.15;
 constexpr double kMostRadiusM = 0.7;
-/// Half the distance between neighbouring beams.
+// Half the distance between neighbouring beams.
 constexpr double kHalfBeamM = 0.03;
 
-/// Whether two successive hits are on the same thing.
+// Whether two successive hits are on the same thing.
 const auto is_beside = [](const auto& a, const auto& b) {
   const std::size_t beams = std::max(a.beam, b.beam) - std::min(a.beam, b.beam);
   return beams <= 2 && (a.p_odom - b.p_odom).norm() < kGapM;
 };
 
-/// Whether a beam has hit something nearer than the neighbouring beam has, so that the neighbour
-/// does not hide a part of it.
+// Whether a beam has hit something nearer than the neighbouring beam has, so that the neighbour
+// does not hide a part of it.
 bool is_before(const scan::Scan& scan, std::size_t beam, std::size_t beside) {
   const auto range_m = static_cast<double>(scan.ranges_m[beside]);
   return (scan.is_hit(beside) || range_m == std::numeric_limits<double>::infinity()) &&

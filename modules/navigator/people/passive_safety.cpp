@@ -12,12 +12,12 @@ namespace {
 
 constexpr double kStepS = 0.05;
 constexpr double kForeseenS = 2.0;
-/// A motion that takes longer to stop than this is not one of a robot's, and not safe.
+// A motion that takes longer to stop than this is not one of a robot's, and not safe.
 constexpr double kLongestStopS = 60.0;
-/// Slower counts as stationary. The limit for a contact that the robot causes is 0.05 m/s, and the
-/// base follows a command to within 0.02 m/s.
+// Slower counts as stationary. The limit for a contact that the robot causes is 0.05 m/s, and the
+// base follows a command to within 0.02 m/s.
 constexpr double kStationaryMps = 0.03;
-/// Factors on the speed that are tried; below the last the robot stops.
+// Factors on the speed that are tried; below the last the robot stops.
 constexpr std::array kFactors{1.0, 0.85, 0.7, 0.55, 0.4, 0.27, 0.15};
 
 }  // namespace
@@ -56,7 +56,7 @@ bool PassiveSafety::is_safe(const Twist& twist, const Person& person) const {
   return false;
 }
 
-/// Whether nobody touches a robot that changes to the commanded motion and keeps it.
+// Whether nobody touches a robot that changes to the commanded motion and keeps it.
 bool PassiveSafety::keeps_clear(Twist twist, const Twist& command, const People& people) const {
   geometry::SE2 pose;
   for (double t = 0.0; t <= kForeseenS; t += kStepS) {

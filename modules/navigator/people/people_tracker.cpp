@@ -8,44 +8,44 @@
 namespace nodmap::navigator {
 namespace {
 
-/// Largest squared Mahalanobis distance of a detection from its track, the 99 % quantile for two
-/// dimensions, and largest distance.
+// Largest squared Mahalanobis distance of a detection from its track, the 99 % quantile for two
+// dimensions, and largest distance.
 constexpr double kGate = 9.2;
 constexpr double kFarthestM = 1.0;
-/// A track moves if it was seen this often, for this long (more than one sweep), at this speed.
+// A track moves if it was seen this often, for this long (more than one sweep), at this speed.
 constexpr int kFewestSightings = 4;
-/// A new track counts after this many scans, about half of a sweep's on a person.
+// A new track counts after this many scans, about half of a sweep's on a person.
 constexpr int kFewestOfNew = 3;
 constexpr time::Duration kShortest = 150ms;
 constexpr double kLeastHeightM = 0.1;
-/// Least fraction of a detection in ever-free space: most of it, or, with a held laser, which
-/// measures it in each scan, as much as noise does not explain.
+// Least fraction of a detection in ever-free space: most of it, or, with a held laser, which
+// measures it in each scan, as much as noise does not explain.
 constexpr double kPartlyFree = 0.25;
 constexpr double kMostlyFree = 0.6;
-/// A radius shrinks by this much per detection, because two people who touch are measured as one.
+// A radius shrinks by this much per detection, because two people who touch are measured as one.
 constexpr double kShrinksM = 0.005;
 constexpr double kLeastMps = 0.25;
 constexpr double kSigmas = 2.0;
-/// A slower track is stationary.
+// A slower track is stationary.
 constexpr double kStandsMps = 0.15;
-/// A beam that ends this near to a track's disc has hit it: the error of the track.
+// A beam that ends this near to a track's disc has hit it: the error of the track.
 constexpr double kOnTrackM = 0.2;
 constexpr double kFloorM = 0.03;
-/// A track ends after this long without a detection, or this many scans with beams through its
-/// middle.
+// A track ends after this long without a detection, or this many scans with beams through its
+// middle.
 constexpr time::Duration kLost = 1500ms;
-/// A track beside or behind the laser, where it cannot be detected, ends after this long: people
-/// who walk up and down a room of 8 m at 1 m/s are back by then.
+// A track beside or behind the laser, where it cannot be detected, ends after this long: people
+// who walk up and down a room of 8 m at 1 m/s are back by then.
 constexpr time::Duration kUnseen = 12s;
-/// Out of view, a track turns round this far before a wall.
+// Out of view, a track turns round this far before a wall.
 constexpr double kTurnsBeforeM = 0.6;
-/// Largest position error out of view. With a larger one the robot would not move at all. What is
-/// known is the line along which the person walks, and roughly when.
+// Largest position error out of view. With a larger one the robot would not move at all. What is
+// known is the line along which the person walks, and roughly when.
 constexpr double kMostUnseenSigmaM = 0.5;
-/// A track is in sight if it was seen in one of the last two sweeps.
+// A track is in sight if it was seen in one of the last two sweeps.
 constexpr time::Duration kInSight = 800ms;
 constexpr time::Duration kDouble = 200ms;
-/// This near to the laser a person may be below or beside its beams.
+// This near to the laser a person may be below or beside its beams.
 constexpr double kBlindRangeM = 0.5;
 constexpr int kMostContradictions = 4;
 
@@ -124,9 +124,9 @@ void Track::update(const Detection& detection) {
                   : is_known && speed_mps > std::max(kLeastMps, kSigmas * sigma_mps);
 }
 
-/// Whether it was measured over a range of heights, as a leg is by three or four lines of a sweep.
-/// A board or a seat is measured at one height. It, too, may appear in ever-free space, if lines
-/// have passed under and over it before, and seems to move with the line on it.
+// Whether it was measured over a range of heights, as a leg is by three or four lines of a sweep.
+// A board or a seat is measured at one height. It, too, may appear in ever-free space, if lines
+// have passed under and over it before, and seems to move with the line on it.
 bool Track::has_legs() const {
   return laser_is_held_ || highest_m_ - lowest_m_ > kLeastHeightM;
 }
@@ -184,7 +184,7 @@ void PeopleTracker::add_blind_scan(time::Timestamp stamp) {
   drop_lost(stamp);
 }
 
-/// Each detection goes to the nearest track by Mahalanobis distance; without one it begins a track.
+// Each detection goes to the nearest track by Mahalanobis distance; without one it begins a track.
 void PeopleTracker::associate(const std::vector<Detection>& detections, time::Timestamp stamp,
                               bool laser_is_held) {
   const std::size_t num_known = tracks_.size();
@@ -206,7 +206,7 @@ void PeopleTracker::associate(const std::vector<Detection>& detections, time::Ti
   }
 }
 
-/// Marks all beams that end on a moving track above the floor, at any height.
+// Marks all beams that end on a moving track above the floor, at any height.
 void PeopleTracker::mark_walkers(const scan::Scan& scan, const geometry::SE2& T_odom_base) {
   const People people = people_base(scan.mid_stamp(), T_odom_base);
   for (std::size_t beam = 0; beam < scan.ranges_m.size() && !people.empty(); ++beam) {
@@ -222,7 +222,7 @@ void PeopleTracker::mark_walkers(const scan::Scan& scan, const geometry::SE2& T_
   }
 }
 
-/// Predicts tracks beside and behind the robot, where they cannot be detected.
+// Predicts tracks beside and behind the robot, where they cannot be detected.
 void PeopleTracker::follow_unseen(const scan::Scan& scan, const geometry::SE2& T_odom_base,
                                   const IsBlocked& is_blocked) {
   constexpr double kStepM = 0.05;
@@ -258,7 +258,7 @@ void PeopleTracker::follow_unseen(const scan::Scan& scan, const geometry::SE2& T
   }
 }
 
-/// Beams have passed through the middle of a track.
+// Beams have passed through the middle of a track.
 void PeopleTracker::contradict_passed() {
   for (Track& track : tracks_) {
     if (detector_.space().is_passed_now(track.person().position)) {
@@ -287,7 +287,7 @@ People PeopleTracker::select(time::Timestamp stamp, const Select& is_wanted) con
   return people;
 }
 
-/// Drops tracks that are no longer detected and lie on another one: they were the same person.
+// Drops tracks that are no longer detected and lie on another one: they were the same person.
 void PeopleTracker::drop_doubles(time::Timestamp stamp) {
   const People people = select(stamp, [&](const Track& track) { return track.seen_at() == stamp; });
   std::erase_if(tracks_, [&](const Track& track) {

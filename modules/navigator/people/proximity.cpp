@@ -10,35 +10,35 @@
 namespace nodmap::navigator {
 namespace {
 
-/// No infrared range finder measures farther; larger readings are invalid.
+// No infrared range finder measures farther; larger readings are invalid.
 constexpr double kFarthestReadingM = 2.0;
-/// A reading this near to an obstacle of the local map is that obstacle: error of the sensor and
-/// drift of odometry.
+// A reading this near to an obstacle of the local map is that obstacle: error of the sensor and
+// drift of odometry.
 constexpr double kSameM = 0.2;
-/// A reading this near to a track is the tracked person; the track's own error adds to it, at most
-/// kMostTrackErrorM. Something that moves less than kStandsM in kStands is stationary: at 0.1 m/s
-/// it would move more.
+// A reading this near to a track is the tracked person; the track's own error adds to it, at most
+// kMostTrackErrorM. Something that moves less than kStandsM in kStands is stationary: at 0.1 m/s
+// it would move more.
 constexpr double kSameTrackM = 0.15;
 constexpr double kMostTrackErrorM = 0.3;
 constexpr double kStandsM = 0.05;
 constexpr time::Duration kStands = 600ms;
 constexpr time::Duration kHold = 500ms;
-/// The sensors measure this far; without a reading nothing is nearer.
+// The sensors measure this far; without a reading nothing is nearer.
 constexpr double kSensorReachM = 0.5;
-/// Half the width of whatever stands: a foot is 0.3 m long.
+// Half the width of whatever stands: a foot is 0.3 m long.
 constexpr double kStandingHalfWidthM = 0.15;
 constexpr double kPointSpacingM = 0.025;
-/// Half the width of a sensor's cone where it ends.
+// Half the width of a sensor's cone where it ends.
 constexpr double kConeM = 0.05;
-/// What stands farther away than this is left to the laser.
+// What stands farther away than this is left to the laser.
 constexpr double kForgottenM = 1.0;
 
-/// An obstacle may still be there although the map has forgotten it because odometry has drifted.
+// An obstacle may still be there although the map has forgotten it because odometry has drifted.
 bool may_stand(const LocalCell* cell) {
   return cell != nullptr && (cell->is_obstacle() || cell->is_hole());
 }
 
-/// Whether the laser saw floor at a place, and no obstacle near it.
+// Whether the laser saw floor at a place, and no obstacle near it.
 bool is_free(const Eigen::Vector2d& p_odom, const LocalMap& map) {
   const double cell_m = map.grid().cell_size_m();
   const int reach = static_cast<int>(kSameM / cell_m);
@@ -53,7 +53,7 @@ bool is_free(const Eigen::Vector2d& p_odom, const LocalMap& map) {
   return map.is_seen_floor(p_odom);
 }
 
-/// Whether a reading is on a tracked person, within the track's error.
+// Whether a reading is on a tracked person, within the track's error.
 bool is_tracked(const Eigen::Vector2d& p_odom, const People& people_odom) {
   return std::ranges::any_of(people_odom, [&](const Person& person) {
     const double error_m = std::min(kMostTrackErrorM, 2.0 * person.position_sigma_m);
@@ -98,7 +98,7 @@ void Proximity::forget_far_places(const geometry::SE2& T_odom_base) {
   }
 }
 
-/// A sensor that measures something farther away has looked through the places before it.
+// A sensor that measures something farther away has looked through the places before it.
 void Proximity::forget_places_before(const geometry::SE2& T_odom_sensor, double range_m) {
   for (std::optional<geometry::SE2>& place : standing_) {
     if (!place) {

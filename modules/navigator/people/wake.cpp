@@ -9,12 +9,12 @@ namespace nodmap::navigator {
 namespace {
 
 constexpr double kWakeS = 1.0;
-/// A point this near to the disc of a person belongs to the person, by the error of the track.
+// A point this near to the disc of a person belongs to the person, by the error of the track.
 constexpr double kOnPersonM = 0.25;
-/// Obstacles this near to the disc of a person were the person, by the noise of the track.
+// Obstacles this near to the disc of a person were the person, by the noise of the track.
 constexpr double kTrackNoiseM = 0.1;
 
-/// The distance from a point to where a person is now or was within the last second.
+// The distance from a point to where a person is now or was within the last second.
 double distance_to_wake(const Eigen::Vector2d& p_base, const Person& person) {
   const Eigen::Vector2d back = -kWakeS * person.velocity;
   const Eigen::Vector2d offset = p_base - person.position;

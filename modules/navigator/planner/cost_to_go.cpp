@@ -10,11 +10,11 @@
 namespace nodmap::navigator {
 namespace {
 
-/// Costs are queued by buckets this wide: the error of a path is at most a bucket for each cell.
-/// A diagonal step at the highest price is still shorter than all buckets together.
+// Costs are queued by buckets this wide: the error of a path is at most a bucket for each cell.
+// A diagonal step at the highest price is still shorter than all buckets together.
 constexpr float kBucketM = 0.02F;
 constexpr std::size_t kNumBuckets = 64;
-/// The plan is read within this distance, because the robot may be where no path leads through.
+// The plan is read within this distance, because the robot may be where no path leads through.
 constexpr double kSearchRadiusM = 0.3;
 constexpr float kNever = std::numeric_limits<float>::infinity();
 
@@ -166,7 +166,7 @@ void CostSearch::add_seed(std::span<const float> price, const Eigen::Vector2i& c
   }
 }
 
-/// Seeds wait for their turn, because the buckets hold only a short range of costs.
+// Seeds wait for their turn, because the buckets hold only a short range of costs.
 void CostSearch::take_seeds() {
   const auto bucket_of = [](float cost) { return static_cast<std::size_t>(cost / kBucketM); };
   if (num_queued_ == 0 && !seeds_.empty()) {

@@ -58,7 +58,7 @@ void DistanceField::take_root(int row) {
   });
 }
 
-/// Transforms one line: sets line[i] to the least of (i - j)^2 + line[j] over all j.
+// Transforms one line: sets line[i] to the least of (i - j)^2 + line[j] over all j.
 void DistanceField::transform(float* line, int stride, int n) {
   int last = -1;  // index of the last parabola of the envelope
   for (int i = 0; i < n; ++i) {

@@ -12,28 +12,28 @@ namespace {
 
 using geometry::deg_to_rad;
 
-/// With a heading error below this the robot begins to follow the line.
+// With a heading error below this the robot begins to follow the line.
 constexpr double kAlignedRad = deg_to_rad(5.0);
-/// Greatest angle at which it drives back to the line.
+// Greatest angle at which it drives back to the line.
 constexpr double kSteepestRad = deg_to_rad(30.0);
 constexpr double kMaxCurvature = 2.5;  // 1/m: the body's rear hardly swings aside
-/// Speed for each metre that is left, and the least speed: five steps of the base's speed command.
+// Speed for each metre that is left, and the least speed: five steps of the base's speed command.
 constexpr double kSpeedPerMetre = 0.8;
 constexpr double kLeastMps = 0.05;
-/// It still rolls this far at the least speed: half a reaction time after the command to stop.
+// It still rolls this far at the least speed: half a reaction time after the command to stop.
 constexpr double kRollsM = 0.003;
-/// It stops rotating when the heading error is below this fraction of the tolerance.
+// It stops rotating when the heading error is below this fraction of the tolerance.
 constexpr double kSquareRatio = 0.4;
 constexpr double kYawRatePerRad = 1.2;
 constexpr double kLeastYawRate = deg_to_rad(3.0);
 constexpr double kMostYawRate = deg_to_rad(25.0);
 constexpr double kBackOffMps = 0.1;
-/// A phase after the staging place takes less than this, unless somebody is in the way.
+// A phase after the staging place takes less than this, unless somebody is in the way.
 constexpr double kPatienceS = 25.0;
-/// After a failure it waits this long.
+// After a failure it waits this long.
 constexpr double kTryAgainS = 60.0;
-/// A docked robot leaves the goal only if its pose is off by more than the tolerance and this: more
-/// than noise.
+// A docked robot leaves the goal only if its pose is off by more than the tolerance and this: more
+// than noise.
 constexpr double kLeaveM = 0.1;
 constexpr double kLeaveRad = deg_to_rad(10.0);
 
@@ -75,7 +75,7 @@ void Docking::enter(Phase phase, time::Timestamp stamp) {
   }
 }
 
-/// Whether the present phase has done its part.
+// Whether the present phase has done its part.
 bool Docking::is_done(const GoalInBase& goal, double phase_s) const {
   const geometry::SE2 T = T_goal_base(goal);
   switch (phase_) {
@@ -99,7 +99,7 @@ bool Docking::is_done(const GoalInBase& goal, double phase_s) const {
   }
 }
 
-/// The phase after the present one, when that is done.
+// The phase after the present one, when that is done.
 Docking::Phase Docking::next_phase(const GoalInBase& goal) const {
   switch (phase_) {
     case Phase::kStage:
@@ -120,8 +120,8 @@ Docking::Phase Docking::next_phase(const GoalInBase& goal) const {
   }
 }
 
-/// The phase after one that takes too long: after the last rotation the pose is checked as it is,
-/// any other motion starts over.
+// The phase after one that takes too long: after the last rotation the pose is checked as it is,
+// any other motion starts over.
 Docking::Phase Docking::phase_when_late() const {
   switch (phase_) {
     case Phase::kAlign:
@@ -180,8 +180,8 @@ DockingStep Docking::step(const GoalInBase& goal) const {
   }
 }
 
-/// The distance y to the line and the angle to it decay critically damped, with s along the line:
-/// y'' = -y / L^2 - 2 y' / L, where y' is the angle and y'' the curvature.
+// The distance y to the line and the angle to it decay critically damped, with s along the line:
+// y'' = -y / L^2 - 2 y' / L, where y' is the angle and y'' the curvature.
 DockingStep Docking::follow_line(const geometry::SE2& T_goal_base) const {
   const double wanted_rad =
       std::clamp(-T_goal_base.y / (2.0 * params_.line_m), -kSteepestRad, kSteepestRad);

@@ -7,43 +7,43 @@
 namespace nodmap::navigator {
 namespace {
 
-/// Cells of a portion: about 0.5 ms.
+// Cells of a portion: about 0.5 ms.
 constexpr int kPortion = 8000;
-/// The same (2 ms) while the robot has no plan to its goal, and waits or drives by an old one.
+// The same (2 ms) while the robot has no plan to its goal, and waits or drives by an old one.
 constexpr int kFirstPortion = 4 * kPortion;
-/// While a search is prepared each cell is visited five times. So many visits take about 4 ms: a
-/// window of 22 m x 22 m is prepared at once, one of 51 m x 51 m in six portions.
+// While a search is prepared each cell is visited five times. So many visits take about 4 ms: a
+// window of 22 m x 22 m is prepared at once, one of 51 m x 51 m in six portions.
 constexpr int kPreparedAtOnce = 1'000'000;
-/// The price is raised within this distance of a place where the robot could not go on.
+// The price is raised within this distance of a place where the robot could not go on.
 constexpr double kFailureM = 0.3;
-/// So many of them are remembered: with each the robot has made no progress for some seconds.
+// So many of them are remembered: with each the robot has made no progress for some seconds.
 constexpr std::size_t kMostFailures = 50;
-/// Additional price where the grid leaves less than the least clearance. Such a place may be wider
-/// than it looks: an occupied cell extends up to 3.5 cm beyond the obstacle in it, and mixed pixels
-/// and noise add to both sides of a door. If there is no other path, the robot goes there; the
-/// rollouts measure what is really free.
+// Additional price where the grid leaves less than the least clearance. Such a place may be wider
+// than it looks: an occupied cell extends up to 3.5 cm beyond the obstacle in it, and mixed pixels
+// and noise add to both sides of a door. If there is no other path, the robot goes there; the
+// rollouts measure what is really free.
 constexpr double kTightPrice = 4.0;
-/// A plan older than this is not used any more, because the ground may have changed.
+// A plan older than this is not used any more, because the ground may have changed.
 constexpr double kRecentS = 2.0;
-/// Without a goal the robot plans this far: more than two seconds, or four plans, at its fastest
-/// speed. The farther an end is from straight ahead, the more it costs, so that the robot turns
-/// round only if a path ahead would be 2.5 m shorter, or if there is none.
+// Without a goal the robot plans this far: more than two seconds, or four plans, at its fastest
+// speed. The farther an end is from straight ahead, the more it costs, so that the robot turns
+// round only if a path ahead would be 2.5 m shorter, or if there is none.
 constexpr double kOnwardM = 3.5;
 constexpr double kRingM = 0.1;
-/// A plan onward is dropped when the robot is farther than this from where it was made. From one
-/// plan to the next it drives 0.9 m at 1.5 m/s.
+// A plan onward is dropped when the robot is farther than this from where it was made. From one
+// plan to the next it drives 0.9 m at 1.5 m/s.
 constexpr double kLeftM = 1.75;
 constexpr double kAsideMPerRad = 0.8;
-/// If no path leads that far, as in a small room, a shorter one will do: at least this long, at
-/// this price for each metre that is missing.
+// If no path leads that far, as in a small room, a shorter one will do: at least this long, at
+// this price for each metre that is missing.
 constexpr double kShortestM = 0.6;
 constexpr double kShortPrice = 3.0;
-/// As a last resort a path keeps this distance from the middle of an occupied cell: enough not to
-/// slip through a wall whose cells only touch at their corners, or of which one or two are missing.
+// As a last resort a path keeps this distance from the middle of an occupied cell: enough not to
+// slip through a wall whose cells only touch at their corners, or of which one or two are missing.
 constexpr double kOccupiedM = 0.1;
 constexpr float kBlockedPrice = -1.0F;
 
-/// What a metre of path costs, by the distance of the robot's centre from obstacles.
+// What a metre of path costs, by the distance of the robot's centre from obstacles.
 struct Prices {
   double blocked_m;  // nearer than this no path leads through
   double least_m;    // nearer than this it is tight
@@ -107,9 +107,9 @@ void GlobalPlanner::step(time::Timestamp stamp, const LocalMap& local_map,
   }
 }
 
-/// The present plan becomes the former one, and the next begins at once. If the goal has changed
-/// again before there is a plan to it, that plan is completed first: otherwise there would be none
-/// while the goal moves.
+// The present plan becomes the former one, and the next begins at once. If the goal has changed
+// again before there is a plan to it, that plan is completed first: otherwise there would be none
+// while the goal moves.
 void GlobalPlanner::take_new_goal() {
   failures_.clear();
   if (cost_to_go() != nullptr) {
@@ -139,7 +139,7 @@ void GlobalPlanner::step_onward(time::Timestamp stamp, const LocalMap& local_map
   }
 }
 
-/// Starts the time to the next plan, if the last one began long enough ago.
+// Starts the time to the next plan, if the last one began long enough ago.
 bool GlobalPlanner::start_if_due(time::Timestamp stamp) {
   if (started_at_ && time::seconds(std::chrono::abs(stamp - *started_at_)) < params_.replan_s) {
     return false;
@@ -170,8 +170,8 @@ void GlobalPlanner::go_on(const Eigen::Vector2d& p_map, const Geofence* geofence
   }
 }
 
-/// Does one more line of what the search needs: blocked cells, distances to them, prices. Returns
-/// how many cells that were.
+// Does one more line of what the search needs: blocked cells, distances to them, prices. Returns
+// how many cells that were.
 int GlobalPlanner::prepare_line(const Geofence* geofence) {
   if (phase_ == Phase::kOccupy) {
     occupy_row(row_);
@@ -209,8 +209,8 @@ void GlobalPlanner::begin_search() {
   }
 }
 
-/// If there is no path, plans once more: to a goal over everything that is not next to an occupied
-/// cell, without a goal to nearer ends.
+// If there is no path, plans once more: to a goal over everything that is not next to an occupied
+// cell, without a goal to nearer ends.
 void GlobalPlanner::finish(const Eigen::Vector2d& p_map) {
   if (!is_last_resort_ && !std::isfinite(search_.found().least_near(p_map))) {
     is_last_resort_ = true;
@@ -257,7 +257,7 @@ void GlobalPlanner::price_row(int row) {
   }
 }
 
-/// Raises the price where the robot could not go on. A place that also looked too narrow is closed.
+// Raises the price where the robot could not go on. A place that also looked too narrow is closed.
 void GlobalPlanner::price_failures() {
   const double least_m = body_.half_width_m + params_.min_clearance_m;
   const int reach = static_cast<int>(kFailureM / window_.cell_size_m);

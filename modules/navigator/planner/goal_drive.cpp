@@ -7,26 +7,26 @@
 namespace nodmap::navigator {
 namespace {
 
-/// What counts as progress, and for how long the robot may make none before it gives up the path
-/// ahead.
+// What counts as progress, and for how long the robot may make none before it gives up the path
+// ahead.
 constexpr double kProgressM = 0.15;
 constexpr time::Duration kPatience = 12s;
-/// A plan that costs this much more than the last one leads elsewhere.
+// A plan that costs this much more than the last one leads elsewhere.
 constexpr double kNewPathM = 1.0;
-/// With less than this left to the previous goal the robot stops and plans to the new one.
+// With less than this left to the previous goal the robot stops and plans to the new one.
 constexpr double kNearlyThereM = 0.5;
-/// The path is given up this far ahead of the robot.
+// The path is given up this far ahead of the robot.
 constexpr double kFailureAheadM = 0.4;
 
-/// Cost of a metre without clearance, metres. With a higher one the robot would rather stop.
+// Cost of a metre without clearance, metres. With a higher one the robot would rather stop.
 constexpr double kSqueezingClearanceWeight = 1.0;
 
-/// The parameters for squeezing past what the creep margin keeps it from passing. Why that is safe:
-/// beside the body hundreds of points are measured, with a noise of 1 cm. The nearest of them
-/// counts, so the surface is 2 cm farther away. A post that only a few beams hit is measured until
-/// the front is beside it, every 13 ms, in which the robot drives a millimetre. A cell of the local
-/// map is off by 1.25 cm at most, and everything higher than a sill is in the obstacle map as well.
-/// From 0.1 m/s the robot is stationary within 2 cm, and 5 cm are kept ahead.
+// The parameters for squeezing past what the creep margin keeps it from passing. Why that is safe:
+// beside the body hundreds of points are measured, with a noise of 1 cm. The nearest of them
+// counts, so the surface is 2 cm farther away. A post that only a few beams hit is measured until
+// the front is beside it, every 13 ms, in which the robot drives a millimetre. A cell of the local
+// map is off by 1.25 cm at most, and everything higher than a sill is in the obstacle map as well.
+// From 0.1 m/s the robot is stationary within 2 cm, and 5 cm are kept ahead.
 NavigatorParams squeezing(NavigatorParams params) {
   params.drive.creep_margin_m =
       std::min(params.drive.creep_margin_m, params.drive.squeeze_margin_m);
@@ -37,13 +37,13 @@ NavigatorParams squeezing(NavigatorParams params) {
   return params;
 }
 
-/// Up to rounding: both are poses in the map, whatever the robot's pose is.
+// Up to rounding: both are poses in the map, whatever the robot's pose is.
 bool is_same(const geometry::SE2& a, const geometry::SE2& b) {
   return (a.translation() - b.translation()).norm() < 1e-3 &&
          std::abs(geometry::angle_difference(a.yaw, b.yaw)) < 1e-3;
 }
 
-/// Without a heading of the goal, that of the map.
+// Without a heading of the goal, that of the map.
 geometry::SE2 goal_in_map(const Situation& now) {
   const geometry::SE2 T_map_base = now.T_map_odom * now.T_odom_base;
   geometry::SE2 goal_base{now.goal->p_base.x(), now.goal->p_base.y(), -T_map_base.yaw};
@@ -144,9 +144,9 @@ Decision GoalDrive::drive_by_plan(const Situation& now) {
   return stationary(Why::kPlans);
 }
 
-/// With a new goal the robot drives on by the plan to the previous one until the new plan is
-/// complete, a tenth of a second later, unless it is nearly there. That is safe, because Brake does
-/// not depend on the plan; and near the new goal the robot slows down for that goal.
+// With a new goal the robot drives on by the plan to the previous one until the new plan is
+// complete, a tenth of a second later, unless it is nearly there. That is safe, because Brake does
+// not depend on the plan; and near the new goal the robot slows down for that goal.
 const CostToGo* GoalDrive::former_plan(const Eigen::Vector2d& p_map) const {
   const CostToGo* former = global_.former_cost_to_go();
   if (former == nullptr) {
@@ -196,7 +196,7 @@ std::optional<std::vector<Eigen::Vector2d>> GoalDrive::path_map(
   return path;
 }
 
-/// For places where no motion keeps the creep margin.
+// For places where no motion keeps the creep margin.
 std::optional<Decision> GoalDrive::squeeze(const CostToGo& cost_to_go, const Situation& now) {
   if (!now.people.empty()) {
     return std::nullopt;
@@ -210,11 +210,11 @@ std::optional<Decision> GoalDrive::squeeze(const CostToGo& cost_to_go, const Sit
   return decision;
 }
 
-/// Without a path the robot looks around once, as far as it can turn, and plans again from the
-/// local map alone: remembered ground is only as accurate as the pose of 2D SLAM was, and what was
-/// seen from afar may be wrong. For one goal it does that only once, and then after each half
-/// minute without a path: what is forgotten may be just what leaves no path. By then a narrow place
-/// that was given up may be free.
+// Without a path the robot looks around once, as far as it can turn, and plans again from the
+// local map alone: remembered ground is only as accurate as the pose of 2D SLAM was, and what was
+// seen from afar may be wrong. For one goal it does that only once, and then after each half
+// minute without a path: what is forgotten may be just what leaves no path. By then a narrow place
+// that was given up may be free.
 Decision GoalDrive::without_path(const Situation& now) {
   if (look_around_.step(now.stamp, now.T_odom_base.yaw)) {
     global_.forget_failures();
@@ -234,9 +234,9 @@ Decision GoalDrive::without_path(const Situation& now) {
   return stationary(Why::kNoPath);
 }
 
-/// Gives up the path if the robot makes no progress, because the plan must then be wrong about what
-/// is ahead. The count begins anew when new obstacles have made the path longer. Time with people
-/// around does not count: they walk on, and the path is free again.
+// Gives up the path if the robot makes no progress, because the plan must then be wrong about what
+// is ahead. The count begins anew when new obstacles have made the path longer. Time with people
+// around does not count: they walk on, and the path is free again.
 void GoalDrive::watch_progress(const Situation& now, double cost_m) {
   if (cost_m > last_cost_m_ + kNewPathM || !now.people.empty()) {
     patience_.end();

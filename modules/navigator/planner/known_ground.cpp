@@ -7,17 +7,17 @@
 namespace nodmap::navigator {
 namespace {
 
-/// The local map is copied within this distance of the robot.
+// The local map is copied within this distance of the robot.
 constexpr double kTakeOverM = 5.5;
-/// Within this distance it also knows what the body has driven over or touched.
+// Within this distance it also knows what the body has driven over or touched.
 constexpr double kBesideM = 0.6;
-/// Margin around robot, goal and all known ground, for detours over unknown ground.
+// Margin around robot, goal and all known ground, for detours over unknown ground.
 constexpr double kAroundM = 3.0;
 
 using Quarters = std::array<Eigen::Vector2d, 4>;
 
-/// The offsets from the middle of a cell to those of its quarters, each of which lies in another
-/// cell of the local map. `cells_R` converts metres in map to cells of the local map.
+// The offsets from the middle of a cell to those of its quarters, each of which lies in another
+// cell of the local map. `cells_R` converts metres in map to cells of the local map.
 Quarters quarters_of_cell(const Eigen::Matrix2d& cells_R) {
   constexpr double kAsideM = 0.25 * KnownGround::kCellM;
   return {
@@ -25,7 +25,7 @@ Quarters quarters_of_cell(const Eigen::Matrix2d& cells_R) {
       cells_R * Eigen::Vector2d(kAsideM, -kAsideM), cells_R * Eigen::Vector2d(kAsideM, kAsideM)};
 }
 
-/// All that is known of the local map's cells in the quarters of a cell.
+// All that is known of the local map's cells in the quarters of a cell.
 unsigned bits_around(const LocalView& view, const Eigen::Vector2d& middle,
                      const Quarters& quarters) {
   unsigned bits = 0;
@@ -42,9 +42,9 @@ void KnownGround::forget() {
   is_empty_ = true;
 }
 
-/// What the local map does not know stays as it was. So does what it knows no better than before,
-/// because odometry has drifted since it was seen: what is behind the laser, and obstacles that it
-/// has forgotten.
+// What the local map does not know stays as it was. So does what it knows no better than before,
+// because odometry has drifted since it was seen: what is behind the laser, and obstacles that it
+// has forgotten.
 void KnownGround::update(const LocalMap& local_map, const geometry::SE2& T_map_odom,
                          const geometry::SE2& T_odom_base) {
   const Eigen::Vector2d p_map = T_map_odom * T_odom_base.translation();
@@ -78,7 +78,7 @@ void KnownGround::update(const LocalMap& local_map, const geometry::SE2& T_map_o
   }
 }
 
-/// Updates a cell from `bits`, the joined states of the cells of the local map in it.
+// Updates a cell from `bits`, the joined states of the cells of the local map in it.
 void KnownGround::update_cell(const Eigen::Vector2i& index, unsigned bits) {
   const bool is_blocked = (bits & LocalView::kBlocked) != 0U;
   const bool is_floor = (bits & LocalView::kFloor) != 0U && (bits & LocalView::kForgotten) == 0U;
@@ -106,7 +106,7 @@ PlanWindow KnownGround::window_within(const Eigen::Vector2d& p_map, double half_
   return window_between(grid_.index_of(p_map - half_size), grid_.index_of(p_map + half_size));
 }
 
-/// As far as the grid reaches.
+// As far as the grid reaches.
 PlanWindow KnownGround::window_between(const Eigen::Vector2i& low,
                                        const Eigen::Vector2i& high) const {
   const Eigen::Vector2i last = grid_.first() + Eigen::Vector2i::Constant(grid_.size() - 1);

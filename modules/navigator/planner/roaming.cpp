@@ -7,16 +7,16 @@
 namespace nodmap::navigator {
 namespace {
 
-/// Cost of backing up. Without a goal the robot need not get to any place behind it, and backing up
-/// at 0.15 m/s takes longer than any rotation.
+// Cost of backing up. Without a goal the robot need not get to any place behind it, and backing up
+// at 0.15 m/s takes longer than any rotation.
 constexpr double kReversePriceM = 1.0;
 
-/// What counts as progress, and for how long the robot may make none. A rotation by 180 degrees
-/// takes three seconds.
+// What counts as progress, and for how long the robot may make none. A rotation by 180 degrees
+// takes three seconds.
 constexpr double kProgressM = 0.2;
 constexpr double kProgressRad = 0.7;
 constexpr time::Duration kPatience = 3s;
-/// The path is given up this far ahead of the robot, until the robot is this far away.
+// The path is given up this far ahead of the robot, until the robot is this far away.
 constexpr double kFailureAheadM = 0.4;
 constexpr double kElsewhereM = 3.0;
 
@@ -55,8 +55,8 @@ std::optional<Decision> Roaming::decide(const Situation& now) {
   return motion_.best_of(rollouts_.plan(now, *cost_to_go, max_forward_mps), brake_, now);
 }
 
-/// Progress is to get farther, or to rotate. Time in which the robot waited for people, or in which
-/// others decided, counts as progress.
+// Progress is to get farther, or to rotate. Time in which the robot waited for people, or in which
+// others decided, counts as progress.
 void Roaming::watch_progress(const Situation& now) {
   patience_.record(now.stamp);
   const geometry::SE2 moved = progress_odom_.inverse() * now.T_odom_base;

@@ -14,62 +14,62 @@ namespace {
 
 constexpr double kCellM = 0.025;
 constexpr double kReachM = 2.5;
-/// Largest error of the clearance by cells: a cell of 2.5 cm stands for any point in it, and the
-/// discs do not cover all of the body.
+// Largest error of the clearance by cells: a cell of 2.5 cm stands for any point in it, and the
+// discs do not cover all of the body.
 constexpr double kCellErrorM = 0.035;
-/// That error is larger than the margin of a creeping body. Below this clearance by cells, the
-/// clearance is measured to the points themselves, within kExactReachM, which a slow motion can
-/// reach.
+// That error is larger than the margin of a creeping body. Below this clearance by cells, the
+// clearance is measured to the points themselves, within kExactReachM, which a slow motion can
+// reach.
 constexpr double kExactWithinM = 0.1;
 constexpr double kExactReachM = 0.5;
 constexpr double kStepS = 0.1;
 const int kSteps = static_cast<int>(std::lround(Rollouts::kDurationS / kStepS));
 constexpr int kFirstSteps = 8;
-/// People count for 3 s, so somebody who approaches at 1 m/s counts from 3 m away.
+// People count for 3 s, so somebody who approaches at 1 m/s counts from 3 m away.
 constexpr int kForeseenSteps = 30;
-/// Resolution of the base's speed command.
+// Resolution of the base's speed command.
 constexpr double kStepMps = 0.01;
-/// The heading at the end is rated by the plan's cost this far ahead of the robot.
+// The heading at the end is rated by the plan's cost this far ahead of the robot.
 constexpr double kAheadM = 0.3;
 constexpr double kAheadWeight = 0.6;
-/// Without a path from that point, its cost is that of the robot's place plus this.
+// Without a path from that point, its cost is that of the robot's place plus this.
 constexpr double kBlockedAheadM = 0.6;
-/// A rotation on the spot can go on to a better heading, at this cost for each radian.
+// A rotation on the spot can go on to a better heading, at this cost for each radian.
 constexpr double kFurtherMPerRad = 0.2;
 constexpr double kFurtherStepRad = geometry::deg_to_rad(15.0);
-/// Additional cost of a place beside all paths, but near one.
+// Additional cost of a place beside all paths, but near one.
 constexpr double kOffPathM = 0.5;
-/// A rotation of 1 rad moves the corners by about this.
+// A rotation of 1 rad moves the corners by about this.
 constexpr double kCornerM = 0.25;
-/// Change of the clearance from one moment to the next by the noise of points and cells.
+// Change of the clearance from one moment to the next by the noise of points and cells.
 constexpr double kNoiseM = 0.01;
-/// Least clearance on the spot and backwards. The robot is slow there, and its free rotation is
-/// also measured exactly. A corridor of 0.7 m leaves 7 cm at the corners of a rotating body.
+// Least clearance on the spot and backwards. The robot is slow there, and its free rotation is
+// also measured exactly. A corridor of 0.7 m leaves 7 cm at the corners of a rotating body.
 constexpr double kSlowClearanceM = 0.025;
-/// A robot that can rotate by less than this to both sides cannot turn: driving backwards then
-/// costs less than the 0.4 m that it gains in 1.6 s.
+// A robot that can rotate by less than this to both sides cannot turn: driving backwards then
+// costs less than the 0.4 m that it gains in 1.6 s.
 constexpr double kTurnRad = geometry::deg_to_rad(60.0);
 constexpr double kCannotTurnReversePriceM = 0.2;
 
-/// The speeds tried, as fractions of the fastest speed, and of the creeping speed: in a narrow
-/// place none of the former may be slow enough.
+// The speeds tried, as fractions of the fastest speed, and of the creeping speed: in a narrow
+// place none of the former may be slow enough.
 constexpr std::array kSpeeds{1.0, 0.8, 0.6, 0.42, 0.27, 0.15};
 constexpr std::array kCreepSpeeds{1.0, 0.5};
 constexpr std::array kYawRates{-1.0, -0.75, -0.55, -0.38, -0.24, -0.13, -0.05, 0.0,
                                0.05, 0.13,  0.24,  0.38,  0.55,  0.75,  1.0};
-/// Slowest rotation on the spot, as a fraction of the fastest.
+// Slowest rotation on the spot, as a fraction of the fastest.
 constexpr double kSlowestRotation = 0.2;
 constexpr std::array kNextYawRates{-0.8, -0.4, -0.15, 0.0, 0.15, 0.4, 0.8};
 constexpr std::array kBackwardMps{-0.08, -0.15};
 
-/// The distance from the border of a rectangle to a point, negative inside.
+// The distance from the border of a rectangle to a point, negative inside.
 double distance_m(const Eigen::Vector2d& p, const robot::Footprint& body) {
   const double dx = std::abs(p.x()) - body.half_length_m;
   const double dy = std::abs(p.y()) - body.half_width_m;
   return dx > 0.0 && dy > 0.0 ? std::hypot(dx, dy) : std::max(dx, dy);
 }
 
-/// The plan's cost of a motion's end, place and heading.
+// The plan's cost of a motion's end, place and heading.
 double end_cost(const geometry::SE2& T_map_end, const CostToGo& cost_to_go) {
   double here = cost_to_go.at(T_map_end.translation());
   if (!std::isfinite(here)) {
@@ -183,7 +183,7 @@ const std::vector<Rollout>& Rollouts::plan(const Situation& now, const CostToGo&
   return rollouts_;
 }
 
-/// Motions with the same first half share its rollout.
+// Motions with the same first half share its rollout.
 void Rollouts::consider_forwards(double forward_mps, const Situation& now,
                                  const CostToGo& cost_to_go) {
   for (const double yaw_rate : kYawRates) {
@@ -218,7 +218,7 @@ Rollouts::Progress Rollouts::start(const Situation& now) {
   return progress;
 }
 
-/// Returns false if the body touches something.
+// Returns false if the body touches something.
 bool Rollouts::advance(Progress& progress, const Twist& motion, int until_step,
                        const Situation& now) const {
   geometry::SE2& pose = progress.pose_base;
@@ -244,7 +244,7 @@ bool Rollouts::advance(Progress& progress, const Twist& motion, int until_step,
   return true;
 }
 
-/// Once somebody touches the robot, all the rest of the rollout is an obstruction.
+// Once somebody touches the robot, all the rest of the rollout is an obstruction.
 void Rollouts::meet_people(Progress& progress, const People& people) const {
   const double time_s = kStepS * progress.steps;
   progress.is_touched =
@@ -255,7 +255,7 @@ void Rollouts::meet_people(Progress& progress, const People& people) const {
       kStepS * (progress.is_touched ? 1.0 : obstruction(progress.pose_base, time_s, people));
 }
 
-/// The obstruction after the rollout: the lesser of driving on and of stopping.
+// The obstruction after the rollout: the lesser of driving on and of stopping.
 double Rollouts::foreseen_obstruction_s(const Progress& end, const People& people) const {
   if (people.empty()) {
     return 0.0;
@@ -292,10 +292,10 @@ void Rollouts::add(const Twist& first, double next_yaw_rate_rad_s, const Progres
   }
 }
 
-/// The plan's cost of a rotation on the spot that has come to `T_map_end`, by `rotated_rad`, and
-/// goes on to the best heading that is free. A path that leads back begins beyond what a rollout
-/// can rotate, and all headings before it cost the same: without looking further the robot would
-/// not turn round, but rotate a little to and fro.
+// The plan's cost of a rotation on the spot that has come to `T_map_end`, by `rotated_rad`, and
+// goes on to the best heading that is free. A path that leads back begins beyond what a rollout
+// can rotate, and all headings before it cost the same: without looking further the robot would
+// not turn round, but rotate a little to and fro.
 double Rollouts::rotation_cost(const geometry::SE2& T_map_end, double rotated_rad,
                                const CostToGo& cost_to_go) const {
   const Side side = side_of(rotated_rad);
@@ -309,7 +309,7 @@ double Rollouts::rotation_cost(const geometry::SE2& T_map_end, double rotated_ra
   return cost_m;
 }
 
-/// The least clearance of a motion that has reached `forward_mps`.
+// The least clearance of a motion that has reached `forward_mps`.
 double Rollouts::least_clearance_m(const Twist& motion, double forward_mps) const {
   if (motion.forward_mps <= 0.0) {
     return least_slow_clearance_m_;

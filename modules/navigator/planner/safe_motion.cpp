@@ -11,16 +11,16 @@
 namespace nodmap::navigator {
 namespace {
 
-/// The direction of an arc is that of its point at this length.
+// The direction of an arc is that of its point at this length.
 constexpr double kLookM = 0.5;
-/// The number of forward rollouts, the best ones, that are offered to Brake.
+// The number of forward rollouts, the best ones, that are offered to Brake.
 constexpr std::size_t kMostOffered = 40;
-/// Margin behind the robot, where it knows only what it remembers.
+// Margin behind the robot, where it knows only what it remembers.
 constexpr double kBackwardMarginM = 0.03;
 constexpr double kRotationMarginM = 0.02;
 constexpr double kLeastRotationRad = geometry::deg_to_rad(2.0);
 
-/// Direction of a forward rollout, in base.
+// Direction of a forward rollout, in base.
 double direction_rad(const Rollout& rollout) {
   return std::clamp(0.5 * kLookM * rollout.yaw_rate_rad_s / rollout.forward_mps, -1.2, 1.2);
 }
@@ -32,7 +32,7 @@ SafeMotion::SafeMotion(const NavigatorParams& params)
       turn_(params.turn),
       reaction_s_(params.drive.reaction_s) {}
 
-/// The best rollout after Brake has slowed it down: the loss of speed counts as cost.
+// The best rollout after Brake has slowed it down: the loss of speed counts as cost.
 std::optional<Decision> SafeMotion::best_of(const std::vector<Rollout>& rollouts,
                                             const Brake& brake, const Situation& now) const {
   std::optional<Decision> best;
@@ -60,7 +60,7 @@ std::optional<Decision> SafeMotion::best_of(const std::vector<Rollout>& rollouts
   return best;
 }
 
-/// A rollout as Brake allows it; empty where it does not.
+// A rollout as Brake allows it; empty where it does not.
 std::optional<Decision> SafeMotion::drive(const Rollout& rollout, const Brake& brake,
                                           const Situation& now) const {
   if (rollout.forward_mps == 0.0 && rollout.yaw_rate_rad_s == 0.0) {
@@ -106,8 +106,8 @@ std::optional<Decision> SafeMotion::drive_forwards(const Rollout& rollout, const
   return decision;
 }
 
-/// Slowly, only over floor that was seen, and on the strip that the body has driven: the laser does
-/// not look there.
+// Slowly, only over floor that was seen, and on the strip that the body has driven: the laser does
+// not look there.
 std::optional<Decision> SafeMotion::drive_backwards(const Rollout& rollout, const Brake& brake,
                                                     const Situation& now) const {
   if (now.trail == nullptr) {

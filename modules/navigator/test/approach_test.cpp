@@ -14,7 +14,7 @@ namespace approach_test {
 
 using geometry::deg_to_rad;
 
-/// All directions up to 70 degrees from ahead are seen.
+// All directions up to 70 degrees from ahead are seen.
 SeenDirections seen_ahead() {
   SeenDirections view(SteerParams{});
   view.update(0.0, 0);
@@ -140,8 +140,8 @@ TEST(Approach, APersonWhoCrossesThePathIsDetected) {
   EXPECT_TRUE(approach.is_detected(time::Timestamp(990ms)));
 }
 
-/// Whether something at (1.0, 0) counts as an approach: the laser first sees free floor there, then
-/// `after`.
+// Whether something at (1.0, 0) counts as an approach: the laser first sees free floor there, then
+// `after`.
 bool is_approach(const test::Ground& after) {
   LocalMap map({}, {});
   const auto look = [&](const test::Ground& ground) {

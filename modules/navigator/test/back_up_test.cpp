@@ -6,7 +6,7 @@
 namespace nodmap::navigator {
 namespace back_up_test {
 
-/// After half a metre straight ahead.
+// After half a metre straight ahead.
 struct BackUpTest : testing::Test {
   BackUpTest() {
     for (int i = 0; i <= 50; ++i) {

@@ -147,7 +147,7 @@ TEST(Brake, SwingsItsRearSlowlyOverGroundThatIsNotKnownToBeFree) {
   EXPECT_EQ(drive(0.0, {-0.15, -0.17}), 0.3);
 }
 
-/// What is left of the command to steer at 0.7 m/s in a curve, given who is there.
+// What is left of the command to steer at 0.7 m/s in a curve, given who is there.
 Decision give_way(double present_mps, const People& people) {
   Situation now;
   now.forward_mps = present_mps;

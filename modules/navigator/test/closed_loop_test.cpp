@@ -14,7 +14,7 @@ using geometry::rad_to_deg;
 using test::ClosedLoop;
 using test::World;
 
-/// How often the rotation on the spot changes its direction.
+// How often the rotation on the spot changes its direction.
 struct RotationMonitor {
   void watch(const ClosedLoop& loop) {
     const double rate = loop.decision.yaw_rate_rad_s;

@@ -16,7 +16,7 @@ namespace corridor_test {
 constexpr double kInf = std::numeric_limits<double>::infinity();
 const Footprint kBody{0.225, 0.165};
 
-/// Oracle: moves the body in small steps until it covers the point.
+// Oracle: moves the body in small steps until it covers the point.
 double stepped_distance(const Eigen::Vector2d& p, double curvature, const Footprint& shape) {
   constexpr double kStepM = 0.0005;
   geometry::SE2 T_start_base;

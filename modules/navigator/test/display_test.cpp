@@ -11,7 +11,7 @@
 namespace nodmap::navigator {
 namespace display_test {
 
-/// A robot that is given goals ahead of it.
+// A robot that is given goals ahead of it.
 class DisplayTest : public test::NavigatorNodeScans {
  protected:
   void give_goal(double x_m, std::int64_t utime, bool is_active = true) {

@@ -14,8 +14,8 @@ namespace geofence_test {
 
 using test::ClosedLoop;
 
-/// A square of 4 m with a square hole of 1 m. The first ring is not closed, the second has the
-/// reverse of the usual orientation.
+// A square of 4 m with a square hole of 1 m. The first ring is not closed, the second has the
+// reverse of the usual orientation.
 const char* const kWithHole =
     "POLYGON((-2 -2, 2 -2, 2 2, -2 2), (0.5 0.5, 1.5 0.5, 1.5 1.5, 0.5 1.5, 0.5 0.5))";
 
@@ -66,7 +66,7 @@ TEST(Geofence, AnInvalidTextIsAnError) {
   }
 }
 
-/// Whether all corners of the body are inside the fence.
+// Whether all corners of the body are inside the fence.
 bool is_within(const Geofence& fence, const geometry::SE2& T_map_base,
                const robot::Footprint& body) {
   for (const double x : {body.half_length_m, -body.half_length_m}) {

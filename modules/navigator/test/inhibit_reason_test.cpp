@@ -10,7 +10,7 @@ namespace inhibit_reason_test {
 
 class InhibitReasonTest : public ::testing::Test {
  protected:
-  /// Fresh inputs, at the origin.
+  // Fresh inputs, at the origin.
   InhibitReasonTest() {
     const time::Timestamp now(100s);
     inputs_.stamps = {now, now, now, now, now};

@@ -10,7 +10,7 @@ namespace inputs_test {
 
 constexpr double kPi = geometry::kPi;
 
-/// At (1, 2), heading along y, in odom; the frame map is turned by 90 degrees and 10 m away.
+// At (1, 2), heading along y, in odom; the frame map is turned by 90 degrees and 10 m away.
 Inputs inputs() {
   Inputs made;
   made.stamps.odometry = time::Timestamp(5s);

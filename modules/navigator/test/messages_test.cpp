@@ -17,7 +17,7 @@ namespace messages_test {
 
 using nodmap::local_map_t;
 
-/// A box to the left ahead, a pit to the right.
+// A box to the left ahead, a pit to the right.
 LocalMap scanned_map() {
   LocalMap map({}, {});
   const test::Ground ground{{{{1.0, 0.1}, {1.4, 0.6}, 0.3}, {{0.9, -0.8}, {1.6, -0.2}, -0.5}}};

@@ -26,7 +26,7 @@ struct NavigatorTest : testing::Test {
     }
   }
 
-  /// One decision, a scan later. In the meantime the laser has seen what is ahead.
+  // One decision, a scan later. In the meantime the laser has seen what is ahead.
   Decision decide(const std::optional<Eigen::Vector2d>& goal_odom) {
     const geometry::SE2 T_base_odom = now.T_odom_base.inverse();
     now.stamp += time::from_seconds(kStepS);
@@ -42,7 +42,7 @@ struct NavigatorTest : testing::Test {
     return navigator.decide(now);
   }
 
-  /// Drives as decided, exactly.
+  // Drives as decided, exactly.
   void drive(const std::optional<Eigen::Vector2d>& goal_odom) {
     const Decision decision = decide(goal_odom);
     now.forward_mps = decision.forward_mps;
@@ -95,9 +95,9 @@ TEST_F(NavigatorTest, IsStationaryBeforeSomebodyWalksIntoIt) {
   EXPECT_EQ(decide({}).reason, Reason(Why::kGivesWay));
 }
 
-/// Where the robot ends that has driven 0.8 m straight to the origin, perhaps rotates there, and
-/// then gets a goal 0.5 m behind it. It is between two rows of points and before a third one, so it
-/// can neither rotate nor drive on.
+// Where the robot ends that has driven 0.8 m straight to the origin, perhaps rotates there, and
+// then gets a goal 0.5 m behind it. It is between two rows of points and before a third one, so it
+// can neither rotate nor drive on.
 struct BackwardsTest : NavigatorTest {
   double end_x(bool rotates) {
     for (int i = 0; i <= 40; ++i) {

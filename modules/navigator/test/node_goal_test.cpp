@@ -18,7 +18,7 @@ namespace node_goal_test {
 using test::NavigatorNodeScans;
 using test::NavigatorNodeTest;
 
-/// A navigator with a geofence: a square of 8 m.
+// A navigator with a geofence: a square of 8 m.
 class NavigatorNodeGeofence : public NavigatorNodeTest {
  protected:
   NavigatorNodeGeofence() : NavigatorNodeTest(false, "POLYGON((-4 -4, 4 -4, 4 4, -4 4))") {}
@@ -200,7 +200,7 @@ TEST_F(NavigatorNodeTest, OnTheWayToAGoalADegradedPoseSlowsItAndALostOneHaltsIt)
   EXPECT_EQ(navigation().max_forward_mps, fast_mps);
 }
 
-/// A robot whose wheels turn while, by 2D SLAM, it stays in the origin of map.
+// A robot whose wheels turn while, by 2D SLAM, it stays in the origin of map.
 class NavigatorNodeSlips : public NavigatorNodeScans {
  protected:
   void run_on_the_spot(double duration_s, double wheels_mps) {
@@ -220,7 +220,7 @@ class NavigatorNodeSlips : public NavigatorNodeScans {
     bus_.deliver("POSE_2D", pose);
   }
 
-  /// Whether the local map has an obstacle at a place on the robot's axis, in base.
+  // Whether the local map has an obstacle at a place on the robot's axis, in base.
   [[nodiscard]] bool is_obstacle(double x_base_m) const {
     const auto map = bus_.last<nodmap::local_map_t>("LOCAL_MAP");
     const int column = static_cast<int>((x_ + x_base_m - map.origin_m[0]) / map.cell_size_m);

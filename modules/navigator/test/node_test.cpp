@@ -147,7 +147,7 @@ TEST_F(NavigatorNodeTest, InfraredRangesAreRefusedWithoutOdometryAndOtherwiseTak
 
 class NavigatorNodeRanges : public NavigatorNodeScans {
  protected:
-  /// Lets the robot look around while it drives at `mps`.
+  // Lets the robot look around while it drives at `mps`.
   void drive_for(double duration_s, double mps = 0.3) {
     for (double t = 0.0; t < duration_s; t += 0.01) {
       x_ += 0.01 * mps;

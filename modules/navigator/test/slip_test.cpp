@@ -9,8 +9,8 @@
 namespace nodmap::navigator {
 namespace slip_test {
 
-/// Four poses a second. The wheels measure `wheels_mps`, of which the robot drives a fraction.
-/// Returns after how many seconds slip is reported; negative if never within 10 s.
+// Four poses a second. The wheels measure `wheels_mps`, of which the robot drives a fraction.
+// Returns after how many seconds slip is reported; negative if never within 10 s.
 double noticed_after_s(double wheels_mps, double driven_fraction) {
   SlipMonitor monitor;
   std::mt19937 random(11);

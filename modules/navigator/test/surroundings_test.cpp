@@ -17,7 +17,7 @@ namespace surroundings_test {
 using geometry::deg_to_rad;
 using test::at;
 
-/// A situation with these points in the obstacle map.
+// A situation with these points in the obstacle map.
 Situation with(const Points& points_base) {
   Situation now;
   now.stamp = at(1.0);
@@ -186,7 +186,7 @@ TEST(Surroundings, AfterOneShortGapItKnowsWhatWasSeenAfterTwoItDoesNot) {
   EXPECT_FALSE(complete(2).has_seen(0.0));
 }
 
-/// A situation of a robot whose laser is held: its head makes no sweeps.
+// A situation of a robot whose laser is held: its head makes no sweeps.
 Situation held(const Points& points_base) {
   Situation now = with(points_base);
   now.laser_is_held = true;

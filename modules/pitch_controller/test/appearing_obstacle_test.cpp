@@ -17,16 +17,16 @@ namespace nodmap::pitch_controller {
 namespace appearing_obstacle_test {
 
 constexpr double kStepS = 0.005;
-/// KURT3D: drivers/kurt limits acceleration to 1.5 m/s2 and deceleration to 3 m/s2; the wheels lag
-/// by 50 ms.
+// KURT3D: drivers/kurt limits acceleration to 1.5 m/s2 and deceleration to 3 m/s2; the wheels lag
+// by 50 ms.
 constexpr double kGainMps2 = 1.5;
 constexpr double kLossMps2 = 3.0;
 constexpr double kLagS = 0.05;
-/// A robot that starts may reach an obstacle that appears nearer than the required distance of this
-/// speed, 0.9 m, before the laser has passed there again.
+// A robot that starts may reach an obstacle that appears nearer than the required distance of this
+// speed, 0.9 m, before the laser has passed there again.
 constexpr double kLeastProtectedMps = 0.5;
-/// As high as the smallest obstacle: a box on the floor above the floor tolerance, a strip in the
-/// middle of the virtual corridor, and one at its top.
+// As high as the smallest obstacle: a box on the floor above the floor tolerance, a strip in the
+// middle of the virtual corridor, and one at its top.
 struct Strip {
   const char* name;
   double bottom_m;
@@ -35,7 +35,7 @@ struct Strip {
 constexpr Strip kBox{"box", 0.05, 0.10};
 constexpr Strip kStrips[] = {kBox, {"middle", 0.20, 0.25}, {"top", 0.45, 0.50}};
 
-/// A drive: the robot's position and speed every 5 ms, and the position of each scan.
+// A drive: the robot's position and speed every 5 ms, and the position of each scan.
 struct Drive {
   struct Moment {
     double place_m;
@@ -57,7 +57,7 @@ struct Drive {
   }
 };
 
-/// Drives as fast as permitted, except for random stops and slower stretches.
+// Drives as fast as permitted, except for random stops and slower stretches.
 Drive drive(const PitchControllerParams& params, unsigned seed, double seconds,
             double fastest_mps) {
   std::mt19937 random(seed);
@@ -113,8 +113,8 @@ Drive drive(const PitchControllerParams& params, unsigned seed, double seconds,
   return result;
 }
 
-/// The distance left before a strip that appears at this place and time, after the robot has braked
-/// as hard as it can; negative: it was hit; +infinity: the drive ends before that.
+// The distance left before a strip that appears at this place and time, after the robot has braked
+// as hard as it can; negative: it was hit; +infinity: the drive ends before that.
 double left_before_strip_m(const Drive& drive, const PitchControllerParams& params, double time_s,
                            double strip_m, const Strip& strip) {
   const VirtualCorridor corridor = VirtualCorridor::of(params.robot);
@@ -137,8 +137,8 @@ double left_before_strip_m(const Drive& drive, const PitchControllerParams& para
   return std::numeric_limits<double>::infinity();
 }
 
-/// The smallest distance left, over all moments of a drive and all distances from the required
-/// distance on. The reaction time is two sweeps of the nod planned for the speed at that moment.
+// The smallest distance left, over all moments of a drive and all distances from the required
+// distance on. The reaction time is two sweeps of the nod planned for the speed at that moment.
 double least_left_m(const Drive& drive, const PitchControllerParams& params, const Strip& strip) {
   const SweepPlanner planner(params.robot, params.detection, params.speed.fast_mps);
   double least_m = std::numeric_limits<double>::infinity();

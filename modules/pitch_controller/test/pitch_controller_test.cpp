@@ -16,8 +16,8 @@ namespace pitch_controller_test {
 using geometry::rad_to_deg;
 using test::Loop;
 
-/// Heights of the strips at the bottom and top of the virtual corridor, and half of the strips' own
-/// height.
+// Heights of the strips at the bottom and top of the virtual corridor, and half of the strips' own
+// height.
 constexpr double kBottomStripM = 0.06;
 constexpr double kTopStripM = 0.49;
 constexpr double kHalfStripM = 0.01;
@@ -66,8 +66,8 @@ TEST(PitchController, SweepsOutsideThatNumberOfScansAreCounted) {
   EXPECT_EQ(fast.dut.sweep_counts().too_long, 0);
 }
 
-/// The longest time, in sweeps, for which no scan line hits a strip of 2 cm at this height and
-/// distance from the pitch axis, in 20 s at this speed.
+// The longest time, in sweeps, for which no scan line hits a strip of 2 cm at this height and
+// distance from the pitch axis, in 20 s at this speed.
 double longest_unseen(Loop& loop, double speed_mps, double height_m, double from_axis_m) {
   constexpr time::Duration kScan = 13'320us;
   const double axis_m = robot::Mount{}.z_m;

@@ -8,7 +8,7 @@ namespace servo_follow_test {
 
 constexpr double kAccelerationRadS2 = 40.0;
 
-/// One radian at 2 rad/s, and 0.05 s for a reversal.
+// One radian at 2 rad/s, and 0.05 s for a reversal.
 SweepPlan plan() {
   SweepPlan plan;
   plan.sweep = {-0.6, 0.4};
@@ -16,7 +16,7 @@ SweepPlan plan() {
   return plan;
 }
 
-/// A sweep of the plan by a servo that is slower by this factor and stops short of its end.
+// A sweep of the plan by a servo that is slower by this factor and stops short of its end.
 MeasuredSweep sweep(double slower, double short_rad, bool is_upwards) {
   MeasuredSweep sweep;
   sweep.span = plan().sweep;

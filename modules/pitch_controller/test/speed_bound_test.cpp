@@ -15,7 +15,7 @@ const DetectionParams kDetection;
 
 const VirtualCorridor kCorridor = VirtualCorridor::of(robot::RobotParams{});
 
-/// Sweeps over the corridor beyond `near_m`.
+// Sweeps over the corridor beyond `near_m`.
 NodMotion nod_from(double near_m, double rate_rad_s) {
   return {kCorridor.area_from(near_m), rate_rad_s, rate_rad_s / 40.0};
 }

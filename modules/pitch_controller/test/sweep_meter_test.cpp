@@ -8,8 +8,8 @@
 namespace nodmap::pitch_controller {
 namespace sweep_meter_test {
 
-/// Gives the readings of one sweep at a constant rate, one every 5 ms; the last one is after the
-/// reversal.
+// Gives the readings of one sweep at a constant rate, one every 5 ms; the last one is after the
+// reversal.
 class Feeder {
  public:
   std::optional<MeasuredSweep> sweep(double from, double to, double seconds) {

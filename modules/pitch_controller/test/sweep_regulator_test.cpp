@@ -6,8 +6,8 @@
 namespace nodmap::pitch_controller {
 namespace sweep_regulator_test {
 
-/// The relative error after `sweeps` sweeps of a servo whose sweeps take `gain` times the commanded
-/// duration.
+// The relative error after `sweeps` sweeps of a servo whose sweeps take `gain` times the commanded
+// duration.
 double error_after(SweepRegulator regulator, double gain, int sweeps) {
   double measured_s = 0.0;
   for (int i = 0; i < sweeps; ++i) {

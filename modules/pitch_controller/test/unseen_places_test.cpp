@@ -8,7 +8,7 @@
 namespace nodmap::pitch_controller {
 namespace unseen_places_test {
 
-/// Two radians up and down again at 2 rad/s, and 0.1 s for the reversals in between.
+// Two radians up and down again at 2 rad/s, and 0.1 s for the reversals in between.
 const NodMotion kNod{{-1.0, 1.0}, 2.0, 0.1};
 constexpr double kRevisitS = 1.1;
 

@@ -123,7 +123,7 @@ TEST(AreaOfInterest, BackwardsItIsAsAtStandstill) {
 const VirtualCorridor kCorridorAtTheAxis{0.05, 0.5, 0.38, 0.0};
 constexpr PitchInterval kWide{-1.0, 1.0};
 
-/// Whether lines of this spacing hit an upright obstacle from 5 to 10 cm height at any phase.
+// Whether lines of this spacing hit an upright obstacle from 5 to 10 cm height at any phase.
 bool always_hit(double distance_m, double spacing_rad) {
   for (double phase = 0.0; phase < 1.0; phase += 0.02) {
     bool hit = false;

@@ -30,8 +30,8 @@ void add_box(FloorPlan& plan, double x, double y, double width, double depth) {
   plan.insert(plan.end(), {{a, b}, {b, c}, {c, d}, {d, a}});
 }
 
-/// A corridor 2 m wide around a block of 12 m x 8 m, with boxes along the outer wall at distances
-/// that do not repeat.
+// A corridor 2 m wide around a block of 12 m x 8 m, with boxes along the outer wall at distances
+// that do not repeat.
 FloorPlan ring() {
   FloorPlan plan;
   add_box(plan, 0.0, 0.0, 12.0, 8.0);
@@ -47,7 +47,7 @@ FloorPlan ring() {
   return plan;
 }
 
-/// Two corridors with the same boxes at the same places, 6 m apart and joined at their far ends.
+// Two corridors with the same boxes at the same places, 6 m apart and joined at their far ends.
 FloorPlan twin_corridors() {
   FloorPlan plan;
   for (const double y : {0.0, 6.0}) {
@@ -67,7 +67,7 @@ FloorPlan twin_corridors() {
   return plan;
 }
 
-/// A hall of 20 m x 12 m that looks the same when rotated by 180 degrees.
+// A hall of 20 m x 12 m that looks the same when rotated by 180 degrees.
 FloorPlan symmetric_hall() {
   FloorPlan plan;
   add_box(plan, -10.0, -6.0, 20.0, 12.0);
@@ -76,8 +76,8 @@ FloorPlan symmetric_hall() {
   return plan;
 }
 
-/// The poses of a drive along straight lines between the places, with rotations on the spot: 0.1 m
-/// or 0.1 rad from scan to scan.
+// The poses of a drive along straight lines between the places, with rotations on the spot: 0.1 m
+// or 0.1 rad from scan to scan.
 std::vector<SE2> drive_along(const std::vector<Eigen::Vector2d>& places) {
   std::vector<SE2> poses;
   for (std::size_t i = 1; i < places.size(); ++i) {
@@ -101,8 +101,8 @@ std::vector<SE2> drive_along(const std::vector<Eigen::Vector2d>& places) {
   return poses;
 }
 
-/// Maps a drive with wheels that count 3 % too much distance, and a heading by odometry that drifts
-/// by 0.5 degrees a metre.
+// Maps a drive with wheels that count 3 % too much distance, and a heading by odometry that drifts
+// by 0.5 degrees a metre.
 class Mapping {
  public:
   explicit Mapping(FloorPlan plan, const Slam2dParams& params = {})
@@ -176,7 +176,7 @@ TEST(BackEnd, ASymmetricHallIsMappedWithoutAWrongLoop) {
   EXPECT_LT(mapping.worst_error_m(), 0.0124);  // measured: 9.9 mm; 18 m with a wrong loop
 }
 
-/// A room of 12 m x 8 m, with or without a wall in its middle.
+// A room of 12 m x 8 m, with or without a wall in its middle.
 FloorPlan room(bool has_wall) {
   FloorPlan plan;
   add_box(plan, -6.0, -4.0, 12.0, 8.0);
@@ -189,7 +189,7 @@ FloorPlan room(bool has_wall) {
   return plan;
 }
 
-/// Adds keyframes; their relative poses are those in the map from which they come.
+// Adds keyframes; their relative poses are those in the map from which they come.
 void add_all(BackEnd& back_end, std::span<const Keyframe> keyframes) {
   for (const Keyframe& keyframe : keyframes) {
     const SE2 T_submap_base = back_end.has_local()
@@ -199,8 +199,8 @@ void add_all(BackEnd& back_end, std::span<const Keyframe> keyframes) {
   }
 }
 
-/// A path through the left half of the room, along y and back, on which the robot always looks
-/// along x.
+// A path through the left half of the room, along y and back, on which the robot always looks
+// along x.
 std::vector<SE2> path_before_wall() {
   std::vector<SE2> poses;
   for (int i = 0; i <= 60; ++i) {
@@ -240,8 +240,8 @@ TEST(BackEnd, NoLoopIsClosedInAFeaturelessCorridor) {
   EXPECT_NEAR(mapping.slam().keyframes().back().T_map_base.x, 60.0 * 1.03, 0.055);
 }
 
-/// The poses of a drive `count` times around the block of ring(), from the lower left corner and
-/// back to it.
+// The poses of a drive `count` times around the block of ring(), from the lower left corner and
+// back to it.
 std::vector<SE2> rounds(int count) {
   std::vector<Eigen::Vector2d> places{{-1, -1}};
   for (int round = 0; round < count; ++round) {

@@ -23,7 +23,7 @@ void add_wall(Points& points, const Eigen::Vector2d& from, const Eigen::Vector2d
   }
 }
 
-/// A room of 8 m x 6 m with a corner cut off and a pillar: no two corners alike.
+// A room of 8 m x 6 m with a corner cut off and a pillar: no two corners alike.
 Points room() {
   Points points;
   add_wall(points, {-3, -2}, {5, -2});
@@ -35,7 +35,7 @@ Points room() {
   return points;
 }
 
-/// Every 7th point of the map, as seen from a pose.
+// Every 7th point of the map, as seen from a pose.
 Points seen_from(const SE2& T_map_base, const Points& map) {
   Points seen;
   for (std::size_t i = 0; i < map.size(); i += 7) {
@@ -44,7 +44,7 @@ Points seen_from(const SE2& T_map_base, const Points& map) {
   return seen;
 }
 
-/// The best score of all poses in the window.
+// The best score of all poses in the window.
 double exhaustive_score(const LikelihoodGrid& grid, const Points& scan,
                         const SearchWindow& window) {
   const double step_rad = CorrelativeMatcher::rotation_step_rad(scan, grid.cell_size_m());

@@ -101,8 +101,8 @@ struct Found {
   double error_m = 0.0;
 };
 
-/// Returns the pose of the first scan after a pause in which the robot moved by 2.8 m, to a place
-/// where a new board stands in front of it. Many of the scan's points are not in the map.
+// Returns the pose of the first scan after a pause in which the robot moved by 2.8 m, to a place
+// where a new board stands in front of it. Many of the scan's points are not in the map.
 Found after_pause_before_a_board(const Slam2dParams& params) {
   Slam2d slam{params};
   Scanner scanner;
@@ -168,7 +168,7 @@ TEST(Slam2d, ASearchThatFailedBeforeAPauseInOdometryIsRepeatedAfterIt) {
   EXPECT_LT(distance_m(update->T_map_base, start.inverse() * truth), 0.02);
 }
 
-/// A corridor with a niche on either side every 2 m: each place looks like the one 2 m farther on.
+// A corridor with a niche on either side every 2 m: each place looks like the one 2 m farther on.
 test::FloorPlan corridor_with_equal_niches() {
   test::FloorPlan plan;
   for (const double side : {1.0, -1.0}) {

@@ -16,9 +16,9 @@ using geometry::SE2;
 using test::Scanner;
 using test::track;
 
-/// Drives for 1.2 s at 77 scans a second; from the 40th to before the 80th of the 90 scans the
-/// walls of `somebody` (in base, m) hide part of the view. Returns the last pose while somebody is
-/// there, and the last pose of the drive.
+// Drives for 1.2 s at 77 scans a second; from the 40th to before the 80th of the 90 scans the
+// walls of `somebody` (in base, m) hide part of the view. Returns the last pose while somebody is
+// there, and the last pose of the drive.
 std::pair<PoseUpdate, PoseUpdate> drive_towards(Slam2d& slam, const test::FloorPlan& somebody) {
   constexpr time::Duration kFast = 13ms;
   Scanner scanner;
@@ -73,9 +73,9 @@ TEST(Slam2d, ARobotThatIsCarriedAwayIsLostAfterASecond) {
   EXPECT_EQ(update->state, PoseState::kLost);
 }
 
-/// Returns the state of the pose of each level scan, two a second, of a nodding laser on a
-/// stationary robot. In the scans from `from` to before `until` a person right in front of the
-/// laser hides everything.
+// Returns the state of the pose of each level scan, two a second, of a nodding laser on a
+// stationary robot. In the scans from `from` to before `until` a person right in front of the
+// laser hides everything.
 std::vector<PoseState> nod_behind_somebody(int from, int until) {
   Slam2d slam{Slam2dParams{}};
   Scanner scanner;

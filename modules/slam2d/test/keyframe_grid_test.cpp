@@ -63,7 +63,7 @@ TEST(KeyframeGrid, ErasingUndoesDrawing) {
   }
 }
 
-/// The known cells of a grid with their places in map: the same for grids that differ only in size.
+// The known cells of a grid with their places in map: the same for grids that differ only in size.
 std::vector<std::vector<int>> known_cells(const OccupancyGrid& grid) {
   std::vector<std::vector<int>> cells;
   const Eigen::Vector2d first = grid.origin() / grid.cell_size_m();
@@ -86,7 +86,7 @@ std::size_t num_known_in(const OccupancyGrid& grid, const Region& region) {
   }));
 }
 
-/// Keyframes with fans that point nearly in the same direction, from poses a little apart.
+// Keyframes with fans that point nearly in the same direction, from poses a little apart.
 std::vector<Keyframe> row_of_fans(int count) {
   std::vector<Keyframe> keyframes;
   for (int i = 0; i < count; ++i) {

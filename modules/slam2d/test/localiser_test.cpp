@@ -12,24 +12,24 @@ namespace localiser_test {
 
 using geometry::SE2;
 
-/// The map of room().
+// The map of room().
 KnownMap map_of_room() {
   return {trinary(test::drawn_grid(test::room(), test::poses_in_room())), {}};
 }
 
-/// A robot with 5 scans a second and odometry that counts 3 % too much.
+// A robot with 5 scans a second and odometry that counts 3 % too much.
 class Drive {
  public:
   Drive(const KnownMap& map, const std::optional<SE2>& start, const Slam2dParams& params = {})
       : localiser_(params, map, start) {}
 
-  /// Odometry is absent for a time, in which the robot moves.
+  // Odometry is absent for a time, in which the robot moves.
   void move_unseen(const SE2& motion, time::Duration duration) {
     truth = truth * motion;
     stamp_ += duration;
   }
 
-  /// Drives one step and takes a scan. Returns the resulting pose.
+  // Drives one step and takes a scan. Returns the resulting pose.
   PoseUpdate step(const SE2& motion) {
     truth = truth * motion;
     odom_ = odom_ * SE2{1.03 * motion.x, 1.03 * motion.y, motion.yaw};

@@ -15,8 +15,8 @@ namespace moving_points_test {
 
 using geometry::SE2;
 
-/// A room of 12 m x 8 m, with its middle in the origin, and people of 40 cm x 40 cm at these
-/// places.
+// A room of 12 m x 8 m, with its middle in the origin, and people of 40 cm x 40 cm at these
+// places.
 test::FloorPlan hall(const std::vector<Eigen::Vector2d>& people) {
   test::FloorPlan plan{
       {{-6, -4}, {6, -4}}, {{6, -4}, {6, 4}}, {{6, 4}, {-6, 4}}, {{-6, 4}, {-6, -4}}};
@@ -33,7 +33,7 @@ test::FloorPlan hall(const std::vector<Eigen::Vector2d>& people) {
 
 class MovingPoints : public testing::Test {
  protected:
-  /// The scan that the robot takes. The origin of odom is the middle of the hall.
+  // The scan that the robot takes. The origin of odom is the middle of the hall.
   LevelScan look(const std::vector<Eigen::Vector2d>& people, const SE2& T_world_base = {}) {
     points_.emplace_back();
     for (const OrientedPoint& point :
@@ -42,7 +42,7 @@ class MovingPoints : public testing::Test {
     }
     return {.T_odom_base = T_world_base, .points_base = points_.back()};
   }
-  /// The number of points of a scan within 40 cm of a place in base.
+  // The number of points of a scan within 40 cm of a place in base.
   static std::size_t near(std::span<const OrientedPoint> points, const Eigen::Vector2d& p) {
     std::size_t count = 0;
     for (const OrientedPoint& point : points) {

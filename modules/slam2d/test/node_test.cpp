@@ -107,7 +107,7 @@ TEST_F(Slam2dNodeTest, PublishesAChangedPoseGraphAtMostOnceASecond) {
   EXPECT_EQ(bus_.sent<nodmap::pose_graph_t>("POSE_GRAPH").size(), count) << "nothing has changed";
 }
 
-/// The number of known cells within a rectangle of map, in the newest version of each tile.
+// The number of known cells within a rectangle of map, in the newest version of each tile.
 int num_known(const std::vector<nodmap::grid_chunk_t>& chunks, const Region& region) {
   std::map<std::pair<int, int>, nodmap::grid_chunk_t> newest;
   for (const nodmap::grid_chunk_t& chunk : chunks) {

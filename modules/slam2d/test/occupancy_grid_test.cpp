@@ -133,7 +133,7 @@ Received whole(const OccupancyGrid& grid) {
   return cells;
 }
 
-/// A grid with rays all over 128 m x 128 m: at least 100 tiles.
+// A grid with rays all over 128 m x 128 m: at least 100 tiles.
 OccupancyGrid large_grid() {
   OccupancyGrid grid(kCell);
   for (double y = -64.0; y < 64.0; y += 6.4) {

@@ -29,8 +29,8 @@ std::vector<OrientedPoint> random_points(int count, unsigned seed, double half_s
   return points;
 }
 
-/// Expects that all lines lie on the wall y = 2 m, which was seen from smaller y: to this angle,
-/// and to this distance across it.
+// Expects that all lines lie on the wall y = 2 m, which was seen from smaller y: to this angle,
+// and to this distance across it.
 void expect_lines_along_wall(const PointMap& map, double angle_deg, double across_m) {
   for (const MapPoint& map_point : map.points()) {
     ASSERT_TRUE(map_point.has_line());
@@ -88,8 +88,8 @@ TEST(PointMap, ARememberedNeighbourhoodDoesNotChangeTheNearestPoint) {
   }
 }
 
-/// What is remembered around `query` after it moved here from 2 cm away, so that another map point
-/// may have become the nearest.
+// What is remembered around `query` after it moved here from 2 cm away, so that another map point
+// may have become the nearest.
 Neighbourhood neighbourhood_after_a_step(const PointMap& map, OrientedPoint query) {
   Neighbourhood around;
   PointMap::Block block;

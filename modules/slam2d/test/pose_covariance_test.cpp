@@ -59,13 +59,13 @@ TEST(PoseCovariance, ADegenerateDirectionKeepsTheUncertaintyOfOdometry) {
   EXPECT_NEAR(covariance.matrix()(0, 0), along_m2, 1e-12);
 }
 
-/// The last pose of a drive as it was estimated, and the true one.
+// The last pose of a drive as it was estimated, and the true one.
 struct Outcome {
   PoseUpdate update;
   SE2 truth;
 };
 
-/// Drives with wheels that count 3 % too much distance, and a heading that drifts.
+// Drives with wheels that count 3 % too much distance, and a heading that drifts.
 Outcome drive(const test::FloorPlan& plan, const SE2& step, int steps) {
   Slam2d slam{Slam2dParams{}};
   test::Scanner scanner;

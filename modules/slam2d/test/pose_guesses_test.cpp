@@ -20,7 +20,7 @@ bool are_near(const SE2& a, const SE2& b) {
          std::abs(geometry::angle_difference(a.yaw, b.yaw)) < 1e-9;
 }
 
-/// A robot that drives steadily. Odometry and map agree until odometry hangs.
+// A robot that drives steadily. Odometry and map agree until odometry hangs.
 class Drive {
  public:
   Drive() {
@@ -28,14 +28,14 @@ class Drive {
     pose_guesses_.add_scan(time::Timestamp{}, {});
     go_on(kStep);
   }
-  /// The guesses for the next scan, if odometry has counted `T_odom_step` since the last one.
+  // The guesses for the next scan, if odometry has counted `T_odom_step` since the last one.
   std::vector<SE2> guesses(const SE2& T_odom_step) {
     scan_.stamp += kPeriod;
     scan_.T_odom_base = T_odom_last_ * T_odom_step;
     return pose_guesses_.guesses(scan_, T_map_odom_, T_odom_last_);
   }
-  /// Adds the next scan. Whatever odometry counts, matching finds that the robot has continued its
-  /// motion.
+  // Adds the next scan. Whatever odometry counts, matching finds that the robot has continued its
+  // motion.
   void go_on(const SE2& T_odom_step) {
     (void)guesses(T_odom_step);
     truth_ = truth_ * kStep;

@@ -18,8 +18,8 @@ struct Ray {
   Eigen::Vector2d to;
 };
 
-/// Random rays. Some of them run along an axis, some begin and end at corners of cells, and some
-/// are so short that they hardly leave their first cell.
+// Random rays. Some of them run along an axis, some begin and end at corners of cells, and some
+// are so short that they hardly leave their first cell.
 std::vector<Ray> rays() {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> coordinate(0.0, kSide);
@@ -48,8 +48,8 @@ std::vector<Ray> rays() {
   return rays;
 }
 
-/// The oracle: the grid lines that a ray crosses (true for those across x), each computed
-/// independently from its distance along the ray.
+// The oracle: the grid lines that a ray crosses (true for those across x), each computed
+// independently from its distance along the ray.
 std::vector<bool> lines_crossed(const Ray& ray) {
   constexpr std::int64_t kCell = 1 << 16;
   const auto units = [](double cells) {

@@ -30,7 +30,7 @@ double distance(const SE2& a, const SE2& b) {
   return (a.translation() - b.translation()).norm();
 }
 
-/// One run of the process in room(). Odometry begins at an arbitrary pose and counts 3 % too much.
+// One run of the process in room(). Odometry begins at an arbitrary pose and counts 3 % too much.
 class Session {
  public:
   Session() : node_(context_, Slam2dParams{}) {}
@@ -75,7 +75,7 @@ class Session {
 // The map frame is the odom frame of the first run, which began at the origin of room().
 constexpr SE2 kMapOfRoom{4.0, -7.0, 2.0};
 
-/// Saves the map of a drive on a circle of 0.75 m radius, from the origin of room().
+// Saves the map of a drive on a circle of 0.75 m radius, from the origin of room().
 void map_room(const std::filesystem::path& dir) {
   Session run;
   SE2 truth;
@@ -237,8 +237,8 @@ TEST(SavedMap, StaysUnchangedIfTheRobotIsNotInIt) {
   EXPECT_EQ(run.node().health().state, node::HealthState::kDegraded);
 }
 
-/// Writes the keyframes of a valid map after `spoil` has changed them, reads them and returns the
-/// error; empty if there is none.
+// Writes the keyframes of a valid map after `spoil` has changed them, reads them and returns the
+// error; empty if there is none.
 std::string error_after(const std::function<void(std::vector<nodmap::keyframe_2d_t>&)>& spoil) {
   const nodmap::test::TemporaryDir good;
   const nodmap::test::TemporaryDir bad;

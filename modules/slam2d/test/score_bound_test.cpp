@@ -32,7 +32,7 @@ PointMap map_of(const std::vector<Eigen::Vector2d>& points) {
   return map;
 }
 
-/// The oracle: the mean score of the points, by brute force.
+// The oracle: the mean score of the points, by brute force.
 double true_score(const std::vector<Eigen::Vector2d>& map, const std::vector<Eigen::Vector2d>& scan,
                   const Eigen::Vector2d& shift_m) {
   double sum = 0.0;

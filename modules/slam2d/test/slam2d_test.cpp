@@ -22,8 +22,8 @@ using test::kPeriod;
 using test::Scanner;
 using test::track;
 
-/// These tests must pass with the default metric, which is not the paper's, and with the paper's
-/// metric.
+// These tests must pass with the default metric, which is not the paper's, and with the paper's
+// metric.
 class Slam2dMetric : public testing::TestWithParam<ErrorMetric> {
  protected:
   [[nodiscard]] static Slam2dParams params() { return {.matcher = {.metric = GetParam()}}; }
@@ -103,8 +103,8 @@ TEST_P(Slam2dMetric, R36_PointsWithACorrespondenceDoNotGrowTheMap) {
   EXPECT_LE(slam.map().points().size(), first.map().points().size() + 12);
 }
 
-/// The number of keyframes of a drive with nine level scans, 0.25 m apart. The laser nods by this
-/// angle from scan to scan, or is held level if it is 0.
+// The number of keyframes of a drive with nine level scans, 0.25 m apart. The laser nods by this
+// angle from scan to scan, or is held level if it is 0.
 std::size_t num_keyframes(double pitch_step_deg) {
   Slam2d slam{Slam2dParams{}};
   Scanner scanner;

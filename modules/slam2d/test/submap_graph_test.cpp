@@ -30,8 +30,8 @@ PoseEdge2d edge(std::size_t from, std::size_t to, const SE2& T_from_to, double s
   return {from, to, T_from_to, some_information(scale), false};
 }
 
-/// The numeric derivative of the pose that `function` returns with respect to (x, y, yaw) of its
-/// argument.
+// The numeric derivative of the pose that `function` returns with respect to (x, y, yaw) of its
+// argument.
 Eigen::Matrix3d jacobian(const SE2& at, const std::function<SE2(const SE2&)>& function) {
   constexpr double kStep = 1e-6;
   Eigen::Matrix3d J;
@@ -116,7 +116,7 @@ TEST(SubmapGraph, AnUncertaintyIsThatOfThePathToTheLocalSubmap) {
       from_last[0].isApprox(in_map(reversed(composed(first, second)), poses[2]), kRounding));
 }
 
-/// Five submaps in a row, with loops from 1 to 3 and 4.
+// Five submaps in a row, with loops from 1 to 3 and 4.
 struct Row {
   Row() {
     for (std::size_t s = 0; s < 5; ++s) {

@@ -18,7 +18,7 @@ struct Box {
   Eigen::Vector2d high;
 };
 
-/// Range to the nearest box, which may contain the origin (slab method).
+// Range to the nearest box, which may contain the origin (slab method).
 double range_m(const std::vector<Box>& boxes, const Eigen::Vector2d& origin, double angle_rad) {
   const Eigen::Vector2d ray(std::cos(angle_rad), std::sin(angle_rad));
   double nearest = std::numeric_limits<double>::infinity();
@@ -38,8 +38,8 @@ double range_m(const std::vector<Box>& boxes, const Eigen::Vector2d& origin, dou
   return nearest;
 }
 
-/// The view of a scanner on the robot: a half circle of beams, one degree apart. None of them is
-/// parallel to a side of the boxes if the robot is not rotated.
+// The view of a scanner on the robot: a half circle of beams, one degree apart. None of them is
+// parallel to a side of the boxes if the robot is not rotated.
 View look(const std::vector<Box>& boxes, const geometry::SE2& T_world_base) {
   std::vector<Eigen::Vector2d> points;
   for (double deg = -89.7; deg < 90.0; deg += 1.0) {
@@ -50,8 +50,8 @@ View look(const std::vector<Box>& boxes, const geometry::SE2& T_world_base) {
   return {points, Eigen::Vector2d::Zero()};
 }
 
-/// A room of 12 m x 2.5 m with walls across it, which leave 0.8 m free alternately on one side and
-/// on the other.
+// A room of 12 m x 2.5 m with walls across it, which leave 0.8 m free alternately on one side and
+// on the other.
 std::vector<Box> zigzag() {
   std::vector<Box> boxes{{{-1.0, -1.25}, {11.0, 1.25}}};
   for (int i = 0; i < 6; ++i) {

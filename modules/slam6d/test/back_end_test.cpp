@@ -27,8 +27,8 @@ struct Mapping {
   std::vector<SE3> T_map_keyframes;
   std::vector<SE3> truth;
 
-  /// Adds a keyframe for each pose. Tracking measures each step with this error, and with this
-  /// information.
+  // Adds a keyframe for each pose. Tracking measures each step with this error, and with this
+  // information.
   void drive(const Room& room, const std::vector<SE3>& poses, const SE3& error,
              const Matrix6d& step_information) {
     for (const SE3& T_world_base : poses) {

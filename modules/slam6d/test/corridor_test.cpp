@@ -20,7 +20,7 @@ constexpr double kSpeedMps = 0.6;  // 0.64 m in each sweep
 
 class Robot {
  public:
-  /// Takes sweeps, with the laser looking ahead.
+  // Takes sweeps, with the laser looking ahead.
   void add_sweeps(std::int64_t num_sweeps, double speed_mps) {
     for (std::int64_t i = 0; i < num_sweeps * kScansPerSweep; ++i, ++index_) {
       const SE3 T_world_start = T_world_base_;
@@ -42,7 +42,7 @@ class Robot {
 
   void pause(time::Duration duration) { gap_ += duration; }
 
-  /// Expects that the newest pose is where odometry says, with at most this uncertainty.
+  // Expects that the newest pose is where odometry says, with at most this uncertainty.
   void expect_at_odometry(double max_error_m, double max_sigma_m) {
     const auto update = slam_.flush();
     ASSERT_TRUE(update && update->is_tracked());

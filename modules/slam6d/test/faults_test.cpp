@@ -27,9 +27,9 @@ class FaultyDrive {
 
   std::int64_t num_scans = 5 * kScansPerSweep;
   std::function<bool(std::int64_t)> is_lost = [](std::int64_t) { return false; };
-  /// The servo's pitch at a scan is that of this scan of a drive without a fault.
+  // The servo's pitch at a scan is that of this scan of a drive without a fault.
   std::function<std::int64_t(std::int64_t)> pitch_at = [](std::int64_t i) { return i; };
-  /// The distance (m) that odometry has counted too much at a scan.
+  // The distance (m) that odometry has counted too much at a scan.
   std::function<double(std::int64_t)> counted_too_much_m = [](std::int64_t) { return 0.0; };
 
   void run(Slam6d& slam) const {

@@ -19,8 +19,8 @@ Matrix6d information(double sigma_m, double sigma_rad) {
   return sigma.cwiseAbs2().cwiseInverse().asDiagonal();
 }
 
-/// The poses of three rounds on a circle with a circumference of 25 m, with a keyframe for each
-/// metre.
+// The poses of three rounds on a circle with a circumference of 25 m, with a keyframe for each
+// metre.
 std::vector<SE3> rounds() {
   std::vector<SE3> poses;
   for (int k = 0; k < 75; ++k) {

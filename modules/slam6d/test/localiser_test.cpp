@@ -12,7 +12,7 @@ namespace localiser_test {
 
 using geometry::SE3;
 
-/// A robot in Room::hall() or in look_alike_hall(), whose poses are tracked without any error.
+// A robot in Room::hall() or in look_alike_hall(), whose poses are tracked without any error.
 class LocaliserInAHall : public testing::Test {
  protected:
   [[nodiscard]] Localiser localiser(const std::optional<SE3>& T_map_start = std::nullopt) const {

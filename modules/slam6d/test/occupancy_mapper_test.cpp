@@ -15,7 +15,7 @@
 namespace nodmap::slam6d {
 namespace occupancy_mapper_test {
 
-/// A keyframe that sees a wall 3 m ahead, `num_lines` scans high.
+// A keyframe that sees a wall 3 m ahead, `num_lines` scans high.
 Keyframe keyframe_before_a_wall(int num_lines) {
   SweepCloud cloud;
   for (int line = 0; line < num_lines; ++line) {
@@ -34,13 +34,13 @@ std::string map_file(const OccupancyMapper& mapper) {
   return mapper.map().encode(OccupancyMap::Format::kOt).value();
 }
 
-/// Updates the map of this keyframe, at a time in seconds, and waits until that is done.
+// Updates the map of this keyframe, at a time in seconds, and waits until that is done.
 void update(OccupancyMapper& mapper, const Keyframe& keyframe, int now_s) {
   mapper.update(std::vector{keyframe}, time::Timestamp(std::chrono::seconds(now_s)), 0.1);
   EXPECT_FALSE(mapper.take());
 }
 
-/// What is handed out: a whole file, or nothing.
+// What is handed out: a whole file, or nothing.
 std::string handed_out(OccupancyMapper& mapper) {
   std::string file;
   while (const auto part = mapper.next_part()) {

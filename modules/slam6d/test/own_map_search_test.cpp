@@ -13,7 +13,7 @@ namespace own_map_search_test {
 
 using geometry::SE3;
 
-/// A robot that has mapped Room::hall() from x = -2.5 m to x = 3.5 m.
+// A robot that has mapped Room::hall() from x = -2.5 m to x = 3.5 m.
 class RobotInAHall : public testing::Test {
  protected:
   RobotInAHall() {
@@ -22,7 +22,7 @@ class RobotInAHall : public testing::Test {
     }
   }
 
-  /// Adds a sweep that is taken at T_map_base of `room`, `gap` later than the usual second.
+  // Adds a sweep that is taken at T_map_base of `room`, `gap` later than the usual second.
   PoseUpdate see(const Room& room, const SE3& T_map_base, const SE3& T_odom_base,
                  time::Duration gap = {}) {
     SweepCloud cloud = cloud_at(room, T_map_base, ++seed_);

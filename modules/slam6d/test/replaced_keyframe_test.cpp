@@ -43,8 +43,8 @@ TEST(ReplacedKeyframe, WhatWasItsGoesToTheOneThatReplacesIt) {
   }
 }
 
-/// A robot that goes up and down Room::hall(), a sweep each 0.55 m, a keyframe each 1.1 m. Odometry
-/// counts 2 % too much, and its heading drifts.
+// A robot that goes up and down Room::hall(), a sweep each 0.55 m, a keyframe each 1.1 m. Odometry
+// counts 2 % too much, and its heading drifts.
 class PacingRobot {
  public:
   explicit PacingRobot(int max_per_place) : slam({.keyframe = {.max_per_place = max_per_place}}) {}
@@ -67,7 +67,7 @@ class PacingRobot {
     }
   }
 
-  /// Of all poses, the first ones aligned.
+  // Of all poses, the first ones aligned.
   [[nodiscard]] double worst_error_m() const {
     const std::vector<SE3> trajectory = slam.trajectory();
     double worst = 0.0;

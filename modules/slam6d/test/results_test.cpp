@@ -14,7 +14,7 @@ namespace results_test {
 
 using geometry::SE3;
 
-/// Adds a sweep that is taken at T_world_base of `room`.
+// Adds a sweep that is taken at T_world_base of `room`.
 void see(Slam6d& slam, const Room& room, const SE3& T_world_base, const SE3& T_odom_base) {
   const auto seed = static_cast<unsigned>(slam.num_sweeps());
   SweepCloud cloud = cloud_at(room, T_world_base, seed);

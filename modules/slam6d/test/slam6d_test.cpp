@@ -103,7 +103,7 @@ TEST(Slam6d, R43_ASweepBeyond45DegreesBecomesAKeyframe) {
   EXPECT_EQ(slam.keyframes().size(), 4U);
 }
 
-/// The fraction of a cloud's points that have a voxel mean of the other cloud within 0.15 m.
+// The fraction of a cloud's points that have a voxel mean of the other cloud within 0.15 m.
 double overlap(const Keyframe& one, const Keyframe& other) {
   VoxelGrid others(0.1);
   for (const Eigen::Vector3f& p : other.cloud->points) {

@@ -14,7 +14,7 @@ namespace start_pose_test {
 
 using geometry::SE3;
 
-/// A robot in a saved map of Room::hall().
+// A robot in a saved map of Room::hall().
 class RobotInASavedHall : public testing::Test {
  protected:
   RobotInASavedHall() {

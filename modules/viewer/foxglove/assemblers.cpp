@@ -41,8 +41,8 @@ void GridAssembler::begin_revision(const nodmap::grid_chunk_t& tile) {
   resize_grid(tile);
 }
 
-/// Changes the extent of the grid to that given in the tile; keeps the cells that both extents
-/// contain.
+// Changes the extent of the grid to that given in the tile; keeps the cells that both extents
+// contain.
 void GridAssembler::resize_grid(const nodmap::grid_chunk_t& tile) {
   GridView old = std::exchange(grid_, {.stamp = time::from_utime(tile.utime),
                                        .cell_size_m = tile.cell_size_m,

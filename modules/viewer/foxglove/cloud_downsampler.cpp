@@ -14,12 +14,12 @@ std::uint64_t bits_of(std::int32_t block) {
   return static_cast<std::uint32_t>(block) & k20Bits;
 }
 
-/// The key of the block that contains a cube.
+// The key of the block that contains a cube.
 std::uint64_t key_of(std::int32_t x, std::int32_t y, std::int32_t z) {
   return bits_of(x >> 3) << 40U | bits_of(y >> 3) << 20U | bits_of(z >> 3);
 }
 
-/// The index of a cube within its block.
+// The index of a cube within its block.
 std::size_t place_of(std::int32_t x, std::int32_t y, std::int32_t z) {
   return static_cast<std::size_t>((x & 7) << 6 | (y & 7) << 3 | (z & 7));
 }

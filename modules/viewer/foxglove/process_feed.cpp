@@ -9,10 +9,10 @@ namespace nodmap::foxglove {
 namespace {
 
 constexpr std::size_t kLogLines = 500;
-/// Three reports are missing: another process may report under the name.
+// Three reports are missing: another process may report under the name.
 constexpr time::Duration kReportSilence = 3500ms;
 
-/// A STATUS in whose name another process sends, too.
+// A STATUS in whose name another process sends, too.
 nodmap::status_t contested(nodmap::status_t status) {
   status.health = std::max(status.health, nodmap::status_t::DEGRADED);
   status.health_reason += status.health_reason.empty() ? "" : "; ";
@@ -35,7 +35,7 @@ void ProcessFeed::reset() {
   info_senders_.clear();
 }
 
-/// Whether the message being handled is from the process that is shown under its name.
+// Whether the message being handled is from the process that is shown under its name.
 ProcessFeed::Trust ProcessFeed::follow(Senders& senders, const std::string& name) const {
   const bus::Origin& origin = bus_.origin();
   const time::SteadyTime now(origin.received.time_since_epoch());

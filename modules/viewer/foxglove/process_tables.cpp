@@ -18,7 +18,7 @@ constexpr int kInfo = 2;
 constexpr int kWarning = 3;
 constexpr int kError = 4;
 
-/// Describes how a command ended if that was not ordered; empty for a clean end.
+// Describes how a command ended if that was not ordered; empty for a clean end.
 std::string end_of(const procman_lcm::cmd_status_t& status) {
   const int wait_status = status.exit_code;
   if (status.pid != 0 || wait_status == 0) {

@@ -37,7 +37,7 @@ geometry::SE3 at(double x_m, double y_m, double z_m) {
   return pose;
 }
 
-/// An entity without primitives; it stays until it is replaced.
+// An entity without primitives; it stays until it is replaced.
 Json entity(time::Timestamp stamp, const char* frame_id, const std::string& id) {
   Json json = {{"timestamp", time_json(stamp)},
                {"frame_id", frame_id},

@@ -28,7 +28,7 @@ Json text() {
 Json boolean() {
   return type("boolean");
 }
-/// Schema of a number; null if it is not finite.
+// Schema of a number; null if it is not finite.
 Json number_or_null() {
   return {{"type", Json::array({"number", "null"})}};
 }
@@ -181,7 +181,7 @@ std::map<std::string, Json> foxglove_schemas() {
                                                {"line", integer()}})}};
 }
 
-/// Schemas of the process tables: STATUS, and the commands of the process manager.
+// Schemas of the process tables: STATUS, and the commands of the process manager.
 std::map<std::string, Json> table_schemas() {
   Json process = Json::parse(json_message_schemas().at("nodmap.status_t"));
   process["properties"]["age_s"] = number();

@@ -9,7 +9,7 @@
 namespace nodmap::foxglove {
 namespace {
 
-/// Rounds to tenths of a millimetre: finer than any of the sensors, with a third of the text.
+// Rounds to tenths of a millimetre: finer than any of the sensors, with a third of the text.
 double rounded_m(float range_m) {
   return std::round(1e4 * static_cast<double>(range_m)) / 1e4;
 }
@@ -24,7 +24,7 @@ geometry::SE3 laser_pose(const scan::Scan& scan) {
 using formats::OccupiedSpace;
 using Keys = std::array<std::int64_t, 3>;
 
-/// A box of voxel keys, from `lower` (included) to `upper` (excluded).
+// A box of voxel keys, from `lower` (included) to `upper` (excluded).
 struct Box {
   Keys lower{};
   Keys upper{};
@@ -59,7 +59,7 @@ Box box_around(const OccupiedSpace& space) {
   return all;
 }
 
-/// The cells, 2^level voxels along each edge, that overlap a box.
+// The cells, 2^level voxels along each edge, that overlap a box.
 Box coarser(const Box& box, unsigned level) {
   Box cells;
   for (std::size_t axis = 0; axis < 3; ++axis) {

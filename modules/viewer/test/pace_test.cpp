@@ -8,7 +8,7 @@ namespace pace_test {
 
 constexpr time::SteadyTime kStart{10s};
 
-/// In how many of `turns` turns, 20 ms apart, an update is sent.
+// In how many of `turns` turns, 20 ms apart, an update is sent.
 int due_of(Pace& pace, int turns) {
   int due = 0;
   for (int i = 0; i < turns; ++i) {

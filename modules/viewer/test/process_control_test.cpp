@@ -38,8 +38,8 @@ class ProcessControlTest : public ::testing::Test {
     }
   }
 
-  /// The deputy reports that "slam" is in this run, and "other", which is not configured, in its
-  /// third.
+  // The deputy reports that "slam" is in this run, and "other", which is not configured, in its
+  // third.
   void tell(std::int32_t slam_run, bool slam_runs = true) {
     DeputyInfo info;
     info.deputy_id = "robot";
@@ -73,7 +73,7 @@ class ProcessControlTest : public ::testing::Test {
     handle();
   }
 
-  /// The newest order for a command.
+  // The newest order for a command.
   procman::CommandOrder ordered(const std::string& id) const {
     const auto& commands = orders_.back().commands;
     const auto found =

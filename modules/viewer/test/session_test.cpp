@@ -15,7 +15,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-/// Of all calls.
+// Of all calls.
 constexpr time::Duration kAge = 300ms;
 
 class SessionTest : public ::testing::Test {
@@ -43,7 +43,7 @@ class SessionTest : public ::testing::Test {
     return frame && !frame->is_binary ? Json::parse(frame->head) : Json();
   }
 
-  /// A service call with the id 7.
+  // A service call with the id 7.
   static std::string call(const std::string& payload, char service = 1,
                           const std::string& encoding = "json") {
     return std::string{2, service, 0, 0, 0, 7, 0, 0, 0, static_cast<char>(encoding.size()),

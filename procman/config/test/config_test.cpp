@@ -39,7 +39,7 @@ TEST(Config, NormalizesGroupPaths) {
   EXPECT_EQ(normalized_group(""), "");
 }
 
-/// A configuration's groups and scripts, without its introduction.
+// A configuration's groups and scripts, without its introduction.
 std::string groups_and_scripts(const std::string& name) {
   const std::string text = test::slurp(std::string(NODMAP_PMD_DIR) + "/" + name);
   return text.substr(text.find("\ngroup "));

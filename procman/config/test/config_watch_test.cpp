@@ -13,7 +13,7 @@
 namespace nodmap::procman {
 namespace config_watch_test {
 
-/// Opens files as another user, because root may read any file.
+// Opens files as another user, because root may read any file.
 class OtherUser : private boost::noncopyable {
  public:
   OtherUser() : before_(static_cast<uid_t>(::setfsuid(kNobody))) {}

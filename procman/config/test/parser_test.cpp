@@ -23,7 +23,7 @@ Config parsed(std::string_view text) {
   return result.config;
 }
 
-/// The single error of a text, as FILE:LINE:COLUMN: text.
+// The single error of a text, as FILE:LINE:COLUMN: text.
 std::string error_of(std::string_view text) {
   const ParsedConfig result = parse_config(text);
   return result.errors.size() == 1 ? describe("f", result.errors[0])
@@ -58,7 +58,7 @@ TEST(Parser, DeputyMeansTheSameAsHost) {
   EXPECT_EQ(parsed("cmd \"a\" { exec = \"x\"; deputy = \"d\"; }").commands.at(0).deputy, "d");
 }
 
-/// A file whose command has this auto_respawn, whose value begins in column 38.
+// A file whose command has this auto_respawn, whose value begins in column 38.
 std::string respawning(const std::string& word) {
   return R"(cmd "a" { exec = "x"; auto_respawn = ")" + word + "\"; }";
 }

@@ -15,11 +15,11 @@ namespace real_config_test {
 
 const std::string kFolder = std::string(NODMAP_PMD_DIR) + "/";
 
-/// A sheriff first looks for others, for up to 2.6 s.
+// A sheriff first looks for others, for up to 2.6 s.
 constexpr int kSheriffBeginsWithinS = 3;
 
-/// The longest time that a script's stop orders may take: it waits for each before the next, and
-/// the commands of one order stop at the same time.
+// The longest time that a script's stop orders may take: it waits for each before the next, and
+// the commands of one order stop at the same time.
 int time_to_stop_s(const Config& config, const std::string& script) {
   std::set<std::string> stopped;
   int total_s = 0;
@@ -34,7 +34,7 @@ int time_to_stop_s(const Config& config, const std::string& script) {
   return total_s;
 }
 
-/// The number that follows a text in a file.
+// The number that follows a text in a file.
 int number_after(const std::string& text, const std::string& file) {
   const std::string content = test::slurp(kFolder + file);
   const std::size_t at = content.find(text);

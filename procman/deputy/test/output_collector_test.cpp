@@ -16,7 +16,7 @@ time::SteadyTime at(time::Duration since_start) {
   return time::SteadyTime(since_start);
 }
 
-/// All remaining output of all commands.
+// All remaining output of all commands.
 std::string everything_of(OutputCollector& output) {
   std::string text;
   while (const auto due = output.due()) {

@@ -19,7 +19,7 @@ using ::testing::IsEmpty;
 
 constexpr int kExit3 = 3 << 8;
 
-/// The actions as text, without PublishInfo.
+// The actions as text, without PublishInfo.
 std::vector<std::string> words(const SupervisorActions& actions) {
   std::vector<std::string> all;
   for (const SupervisorAction& action : actions) {
@@ -251,7 +251,7 @@ TEST_F(SupervisorTest, OrdersWithTooManyCommandsAreIgnored) {
   EXPECT_EQ(words(take(many)).size(), Supervisor::kMaxCommands);
 }
 
-/// The bytes of PM_INFO.
+// The bytes of PM_INFO.
 std::size_t info_bytes(const Supervisor& supervisor) {
   DeputyInfo info;
   info.commands = supervisor.statuses();

@@ -45,7 +45,7 @@ class FleetTest : public ::testing::Test {
     }
     return {};
   }
-  /// Another sheriff gives orders, and repeats them a second later.
+  // Another sheriff gives orders, and repeats them a second later.
   void receive_orders(const std::string& sheriff_id, const std::string& deputy = "h") {
     fleet_.take_orders({{}, deputy, sheriff_id, {}}, now_);
     now_ += 1s;

@@ -16,7 +16,7 @@
 namespace nodmap::procman {
 namespace messages_test {
 
-/// Whether the bytes can be decoded to our values and encoded to the same bytes.
+// Whether the bytes can be decoded to our values and encoded to the same bytes.
 template <class Message>
 bool comes_back(std::span<const std::byte> bytes) {
   Message message{};
@@ -28,7 +28,7 @@ bool comes_back(std::span<const std::byte> bytes) {
   return std::equal(again.begin(), again.end(), bytes.begin(), bytes.end());
 }
 
-/// Whether the bytes truncated at any position are refused.
+// Whether the bytes truncated at any position are refused.
 template <class Message>
 void expect_damage_refused(std::span<const std::byte> bytes) {
   Message message{};

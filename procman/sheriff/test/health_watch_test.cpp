@@ -44,7 +44,7 @@ class HealthWatchTest : public ::testing::Test {
     health.reason = "no scans";
     watch_.take_status("nodmap-a", health, fleet_, now_, sender);
   }
-  /// Seconds until the restart, at most `limit`; 0 if there is none.
+  // Seconds until the restart, at most `limit`; 0 if there is none.
   template <class Each>
   int seconds_to_restart(int limit, Each each) {
     for (int second = 1; second <= limit; ++second) {

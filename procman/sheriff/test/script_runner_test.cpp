@@ -13,7 +13,7 @@
 namespace nodmap::procman {
 namespace script_runner_test {
 
-/// A fleet on one host, whose deputy carries out orders at once.
+// A fleet on one host, whose deputy carries out orders at once.
 class ScriptRunnerTest : public ::testing::Test {
  protected:
   Config config_ = parse_config(R"(
@@ -43,7 +43,7 @@ class ScriptRunnerTest : public ::testing::Test {
     return healthy_.contains(id);
   };
 
-  /// Carries out the orders for these commands.
+  // Carries out the orders for these commands.
   void obey(const std::vector<std::string>& ids) {
     const Orders orders = fleet_.orders_for("h", {}).value();
     for (const CommandOrder& order : orders.commands) {

@@ -38,7 +38,7 @@ std::vector<ReportRow> robot() {
           running("pitch-controller", "10.drivers"), running("navigator", "40.navigation")};
 }
 
-/// The number of lines that contain a text.
+// The number of lines that contain a text.
 std::ptrdiff_t count(const std::vector<ViewLine>& view, const std::string& text) {
   return std::ranges::count_if(
       view, [&text](const ViewLine& line) { return line.text.find(text) != std::string::npos; });

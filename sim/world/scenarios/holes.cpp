@@ -6,11 +6,11 @@
 namespace nodmap::sim {
 namespace {
 
-/// The hall: the start is at the origin, the goal about 7 m ahead.
+// The hall: the start is at the origin, the goal about 7 m ahead.
 constexpr double kBackM = -1.2;
 constexpr double kAheadM = 8.4;
 constexpr double kHalfWidthM = 2.6;
-/// Free space beside a hole: three times what the robot needs.
+// Free space beside a hole: three times what the robot needs.
 constexpr double kPassageM = 1.0;
 
 void add_hall(Builder& hall) {
@@ -20,7 +20,7 @@ void add_hall(Builder& hall) {
   hall.goal(hall.between(6.8, 7.6), hall.between(-0.8, 0.8));
 }
 
-/// A flight of stairs down across the path; one side of it is free.
+// A flight of stairs down across the path; one side of it is free.
 World stairs_down(std::uint64_t seed) {
   Builder hall("holes-stairs", seed);
   add_hall(hall);
@@ -38,7 +38,7 @@ World stairs_down(std::uint64_t seed) {
   return hall.finish();
 }
 
-/// An open hatch with its cover beside it.
+// An open hatch with its cover beside it.
 World shaft(std::uint64_t seed) {
   Builder hall("holes-shaft", seed);
   add_hall(hall);
@@ -50,7 +50,7 @@ World shaft(std::uint64_t seed) {
   return hall.finish();
 }
 
-/// A trench from wall to wall with a bridge.
+// A trench from wall to wall with a bridge.
 World trench(std::uint64_t seed) {
   Builder hall("holes-trench", seed);
   add_hall(hall);
@@ -64,7 +64,7 @@ World trench(std::uint64_t seed) {
   return hall.finish();
 }
 
-/// Pits of all sizes, one in each part of the hall.
+// Pits of all sizes, one in each part of the hall.
 World pits(std::uint64_t seed) {
   Builder hall("holes-pits", seed);
   add_hall(hall);
@@ -81,7 +81,7 @@ World pits(std::uint64_t seed) {
   return hall.finish();
 }
 
-/// The floor ends along a line beside the path, which the robot faces at the start.
+// The floor ends along a line beside the path, which the robot faces at the start.
 World edge(std::uint64_t seed, const char* name, double depth_m) {
   Builder hall(name, seed);
   const double y_edge = hall.between(0.5, 1.1);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kHallHalfWidthM = 2.5;
 constexpr double kEndM = 8.5;
-/// Free space beside an obstacle across the path.
+// Free space beside an obstacle across the path.
 constexpr double kPassageM = 0.9;
 
 void add_hall(Builder& hall) {
@@ -21,7 +21,7 @@ void add_hall(Builder& hall) {
   hall.goal(hall.between(6.9, 7.6), hall.between(-0.8, 0.8));
 }
 
-/// The y of the middle of an obstacle of this width across the hall, so that one side is free.
+// The y of the middle of an obstacle of this width across the hall, so that one side is free.
 double across(Builder& hall, double width_m) {
   const double free_m = 2.0 * kHallHalfWidthM - width_m;
   return hall.side() *

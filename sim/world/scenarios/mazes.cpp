@@ -13,7 +13,7 @@
 namespace nodmap::sim {
 namespace {
 
-/// Rows and columns of cells, and which of the walls between them are open.
+// Rows and columns of cells, and which of the walls between them are open.
 class Maze {
  public:
   Maze(int columns, int rows)
@@ -22,7 +22,7 @@ class Maze {
         open_right_(static_cast<std::size_t>(columns * rows)),
         open_up_(static_cast<std::size_t>(columns * rows)) {}
 
-  /// Opens walls: a spanning tree by depth-first search, and a few more for loops.
+  // Opens walls: a spanning tree by depth-first search, and a few more for loops.
   void carve(Builder& chance) {
     std::vector<std::pair<int, int>> path{{0, 0}};
     std::vector<bool> seen(open_right_.size());
@@ -180,7 +180,7 @@ World make_doors(std::uint64_t seed) {
 
 namespace {
 
-/// Builds rooms on both sides of a corridor; returns the middles of the rooms.
+// Builds rooms on both sides of a corridor; returns the middles of the rooms.
 std::vector<Eigen::Vector2d> build_office(Builder& office) {
   constexpr int kRoomsOnASide = 5;
   constexpr double kWallM = 0.1;

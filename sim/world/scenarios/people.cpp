@@ -20,7 +20,7 @@ Actor person(Builder& chance) {
   return actor;
 }
 
-/// An actor that walks back and forth between two places, starting anywhere between them.
+// An actor that walks back and forth between two places, starting anywhere between them.
 Actor walk_to_and_fro(Builder& chance, const Line& line, double speed_mps) {
   Actor actor = person(chance);
   const double walk_s = (line.to - line.from).norm() / speed_mps;
@@ -31,7 +31,7 @@ Actor walk_to_and_fro(Builder& chance, const Line& line, double speed_mps) {
   return actor;
 }
 
-/// People who walk one after the other through a corridor towards the robot.
+// People who walk one after the other through a corridor towards the robot.
 World oncoming_flow(Builder& corridor, double interval_s, bool reacts) {
   constexpr double kFarM = 16.0;
   const double half_m = 0.5 * corridor.between(2.6, 3.4);
@@ -52,7 +52,7 @@ World oncoming_flow(Builder& corridor, double interval_s, bool reacts) {
   return corridor.finish();
 }
 
-/// People who cross, come towards the robot, or overtake it.
+// People who cross, come towards the robot, or overtake it.
 World crossing(Builder& hall, bool reacts) {
   constexpr double kHalfWidthM = 4.0;
   hall.walls_around({-4.5, -kHalfWidthM}, {13.0, kHalfWidthM});

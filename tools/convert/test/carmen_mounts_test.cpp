@@ -15,7 +15,7 @@ double six_decimals(double value) {
   return std::round(value * 1e6) / 1e6;
 }
 
-/// A scan line of a robot at this pose.
+// A scan line of a robot at this pose.
 CarmenScan scan_at(const geometry::SE2& T_odom_base, const geometry::SE2& T_base_laser,
                    LaserSide side) {
   const geometry::SE2 T_odom_laser = T_odom_base * T_base_laser;

@@ -19,7 +19,7 @@ constexpr time::Duration kScanPeriod = 13'320us;
 constexpr double kSpeedMps = 1.5;
 constexpr double kWallM = 6.0;  // x of a wall across the path, in odom
 
-/// A level scan of that wall, taken at one instant, while driving towards it.
+// A level scan of that wall, taken at one instant, while driving towards it.
 scan::Scan scan_at(time::Timestamp stamp) {
   scan::Scan scan;
   scan.stamp = stamp;

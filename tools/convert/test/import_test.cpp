@@ -139,7 +139,7 @@ TEST_F(Import, NodLinesBecomePitchedScansOfAStationaryRobot) {
   EXPECT_NEAR(messages.scans[1].pitch_last_rad, std::numbers::pi / 18, 1e-12);
 }
 
-/// Two slices of five beams, 90 cm in each direction.
+// Two slices of five beams, 90 cm in each direction.
 std::string tiny_uos_scan() {
   std::string text;
   for (const double pitch_deg : {-1.0, 1.0}) {

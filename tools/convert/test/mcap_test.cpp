@@ -51,7 +51,7 @@ class Reader {
 struct File {
   std::string bytes;
   std::size_t num_chunks = 0;
-  std::uint64_t num_indexed = 0;  ///< messages found through the indexes
+  std::uint64_t num_indexed = 0;  // messages found through the indexes
   std::map<std::uint64_t, std::string> schemas;
   std::map<std::uint64_t, std::pair<std::string, std::uint64_t>>
       topics;  // channel -> topic, schema
@@ -67,7 +67,7 @@ std::string unpacked(const std::string& packed, std::uint64_t size) {
   return bytes;
 }
 
-/// The records of a chunk.
+// The records of a chunk.
 std::string records_of(Reader& chunk) {
   chunk.number(8);
   chunk.number(8);
@@ -77,8 +77,8 @@ std::string records_of(Reader& chunk) {
   return unpacked(chunk.raw(chunk.number(8)), size);
 }
 
-/// Counts messages as a reader does that searches for a topic: from the index of a chunk to the
-/// indexes of its channels to the messages.
+// Counts messages as a reader does that searches for a topic: from the index of a chunk to the
+// indexes of its channels to the messages.
 void follow_index(File& file, Reader index) {
   const std::uint64_t first_ns = index.number(8);
   const std::uint64_t last_ns = index.number(8);

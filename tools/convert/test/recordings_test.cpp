@@ -23,7 +23,7 @@ struct PublicLog {
   std::size_t num_scans;
   std::size_t num_odometry;
   double mount_x_m;
-  double odometry_error_m;  ///< known mean error of the raw odometry over the relations
+  double odometry_error_m;  // known mean error of the raw odometry over the relations
 };
 
 class CarmenRecordings : public testing::TestWithParam<PublicLog> {};

@@ -18,7 +18,7 @@ std::string row_of(const Message& message) {
   return out.str();
 }
 
-/// Checks that a row of a message without lists has a number for each name in the header.
+// Checks that a row of a message without lists has a number for each name in the header.
 template <class Message>
 class FlatRow : public testing::Test {};
 

@@ -13,13 +13,13 @@ namespace uos_test {
 
 using geometry::deg_to_rad;
 
-/// A point of a beam, in our frame.
+// A point of a beam, in our frame.
 Eigen::Vector3d beam_end(double angle_rad, double pitch_rad, double range_m) {
   return range_m * Eigen::Vector3d(std::cos(angle_rad) * std::cos(pitch_rad), std::sin(angle_rad),
                                    std::cos(angle_rad) * std::sin(pitch_rad));
 }
 
-/// Slices of random ranges, 180 degrees by halves from right to left.
+// Slices of random ranges, 180 degrees by halves from right to left.
 struct Made {
   std::vector<UosSlice> slices;
   std::vector<Eigen::Vector3d> points_m;

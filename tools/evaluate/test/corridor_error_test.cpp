@@ -19,7 +19,7 @@ constexpr double kRounding = 1e-12;
 const SE3 kElsewhere = to_se3({3.0, -7.0, 2.5});
 const SE3 kNorth = to_se3({1.0, 2.0, std::numbers::pi / 2.0});
 
-/// 31 poses, 1 m apart, along the true x axis; `bend` gives their estimates.
+// 31 poses, 1 m apart, along the true x axis; `bend` gives their estimates.
 template <class Bend>
 std::vector<PosePair> drive(const Bend& bend) {
   std::vector<PosePair> pairs;

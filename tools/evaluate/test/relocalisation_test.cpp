@@ -18,7 +18,7 @@ namespace relocalisation_test {
 using geometry::SE2;
 using slam2d::test::room;
 
-/// A map of a room, and a log of a circle in it: 40 scans.
+// A map of a room, and a log of a circle in it: 40 scans.
 class RelocalisationTest : public testing::Test {
  protected:
   RelocalisationTest() {

@@ -13,7 +13,7 @@ using geometry::to_se3;
 
 constexpr time::Duration kSecond = 1s;
 
-/// A drive along a circle with one pose per second.
+// A drive along a circle with one pose per second.
 formats::Trajectory circle(int num_poses) {
   formats::Trajectory trajectory;
   for (int i = 0; i < num_poses; ++i) {

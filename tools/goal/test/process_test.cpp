@@ -15,8 +15,8 @@ namespace goal_process_test {
 
 constexpr const char* kUrl = "udpm://239.255.76.67:7667?ttl=0";
 
-/// Emulates a navigator until the program ends; returns its exit code. `obeys`: it takes the goal,
-/// and arrives when it is sent for the third time; else it drives to another goal.
+// Emulates a navigator until the program ends; returns its exit code. `obeys`: it takes the goal,
+// and arrives when it is sent for the third time; else it drives to another goal.
 std::optional<int> navigate(bool obeys, test::ChildProcess& program) {
   bus::LiveBus bus(kUrl);
   nodmap::navigation_t navigation{};

@@ -14,7 +14,7 @@ namespace stop_process_test {
 
 constexpr const char* kUrl = "udpm://239.255.76.67:7667?ttl=0";
 
-/// Releases a base driver, which either obeys or is stopped again at once. Returns the exit code.
+// Releases a base driver, which either obeys or is stopped again at once. Returns the exit code.
 int release(bool obeys, test::ChildProcess& program) {
   bus::LiveBus bus(kUrl);
   bool is_stopped = true;

@@ -11,7 +11,7 @@ constexpr double kEndM = 0.225 + 0.65 + 1.0 / 3.0 + 0.15;
 
 class BrakeLatencyTest : public ::testing::Test {
  protected:
-  /// The robot is told to drive 1 m/s.
+  // The robot is told to drive 1 m/s.
   BrakeLatencyTest() { monitor_.add_drive_command(time::SteadyTime(0ms), 1.0); }
 
   BrakeLatencyMonitor monitor_{StoppingZone{}};

@@ -16,7 +16,7 @@ using ::testing::ElementsAre;
 
 class GroundTruthMonitorTest : public ::testing::Test {
  protected:
-  /// At `at` the head is in this sweep, as its driver counts.
+  // At `at` the head is in this sweep, as its driver counts.
   void nod(time::Duration at, std::int64_t sweep) {
     nodmap::pitch_state_t message{};
     message.utime = time::to_utime(kStart.wall + at);
@@ -26,7 +26,7 @@ class GroundTruthMonitorTest : public ::testing::Test {
     network_.deliver();
   }
 
-  /// The navigator says that the robot is at the goal, or on the way to it.
+  // The navigator says that the robot is at the goal, or on the way to it.
   void report(time::Duration at, std::int8_t behaviour, std::int64_t goal_utime) {
     nodmap::navigation_t message{};
     message.behaviour = behaviour;

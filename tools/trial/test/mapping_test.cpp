@@ -66,7 +66,7 @@ geometry::PoseHistory history_of(const formats::Trajectory& trajectory) {
   return history;
 }
 
-/// At full speed, without the local map, which limits the speed by the floor seen ahead.
+// At full speed, without the local map, which limits the speed by the floor seen ahead.
 void drive_as_in_the_paper(TrialSetup& trial) {
   trial.params.set_assignment("navigator.local_map.use_local_map=false");
   trial.params.set_assignment("navigator.planner.use_planner=false");

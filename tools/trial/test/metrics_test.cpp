@@ -12,8 +12,8 @@ time::SteadyTime at(time::Duration since_start) {
   return time::SteadyTime(since_start);
 }
 
-/// 1 m/s for a second, then braking at 2 m/s2, stationary from 1.5 s on, and driving again at 2.5
-/// s.
+// 1 m/s for a second, then braking at 2 m/s2, stationary from 1.5 s on, and driving again at 2.5
+// s.
 TrialRecord braking_record() {
   TrialRecord record;
   record.started = at(0s);
@@ -63,7 +63,7 @@ TEST(TrialMetrics, DriveCountsFromTheFirstScan) {
   EXPECT_EQ(*drive.first_motion_s, 0.0);  // it drives already
 }
 
-/// 1 m along x in a second, as braking_record() begins, with a goal at its end.
+// 1 m along x in a second, as braking_record() begins, with a goal at its end.
 TrialRecord arriving_record(sim::World& world) {
   TrialRecord record = braking_record();
   record.truth.resize(101);

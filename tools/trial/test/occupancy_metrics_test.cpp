@@ -8,14 +8,14 @@ namespace occupancy_metrics_test {
 
 constexpr double kVoxelM = ObservedVoxels::kVoxelM;
 
-/// A wall across the x axis with its surface at 1 m.
+// A wall across the x axis with its surface at 1 m.
 sim::World wall_world() {
   sim::World world;
   world.objects.push_back({sim::Box{{1.05, 0.0, 0.5}, {0.1, 4.0, 3.0}, 0.0}});
   return world;
 }
 
-/// Voxels at this x, side by side along y, at a height of 0.5 m.
+// Voxels at this x, side by side along y, at a height of 0.5 m.
 formats::OccupiedSpace row_at(double x_m, int count) {
   formats::OccupiedSpace map;
   map.voxel_m = kVoxelM;
@@ -31,7 +31,7 @@ formats::OccupiedSpace row_at(double x_m, int count) {
   return map;
 }
 
-/// Beams from the mirror straight ahead, `count` side by side.
+// Beams from the mirror straight ahead, `count` side by side.
 ObservedVoxels observed_row(int count) {
   scan::Scan scan;
   scan.range_max_m = 30.0;

@@ -13,7 +13,7 @@ using std::chrono::microseconds;
 
 constexpr std::array<std::uint8_t, 2> kWord{7, 8};
 
-/// Sends the time as one byte every millisecond.
+// Sends the time as one byte every millisecond.
 class Ticker : public sim::SerialDevice {
  public:
   void receive(std::span<const std::uint8_t> bytes, int baud, time::SteadyTime now) override {

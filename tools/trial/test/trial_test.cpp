@@ -21,7 +21,7 @@ class TrialTest : public ::testing::Test {
  protected:
   test::TemporaryDir dir_;
 
-  /// Without 6D SLAM, whose output no other part uses.
+  // Without 6D SLAM, whose output no other part uses.
   static TrialSetup setup(const std::string& world, std::uint64_t seed, double duration_s) {
     TrialSetup setup;
     setup.world = world.find(':') != std::string::npos
@@ -41,7 +41,7 @@ class TrialTest : public ::testing::Test {
     return trial.finish();
   }
 
-  /// What the bounds below are taken from: 1.25 times what was measured.
+  // What the bounds below are taken from: 1.25 times what was measured.
   static void record_errors(const nlohmann::ordered_json& result) {
     for (const char* name : {"distance_m", "slam2d", "slam6d", "odometry", "goal"}) {
       RecordProperty(name, result[name].dump());
@@ -208,7 +208,7 @@ TEST_F(TrialTest, StairsAreDrivenWithoutAFall) {
   EXPECT_GT(drive.distance_m, 7.0);  // 8.8 m measured
 }
 
-/// The greatest distance of the robot's corners outside a square around its start, metres.
+// The greatest distance of the robot's corners outside a square around its start, metres.
 double farthest_outside_m(const TrialRecord& record, const robot::Footprint& body, double half_m) {
   const geometry::SE2 T_map_world = geometry::to_se2(record.truth.front().T_world_base).inverse();
   double outside_m = -half_m;

@@ -39,7 +39,7 @@ TEST(Maestro, PositionIsInQuarters) {
   EXPECT_DOUBLE_EQ(maestro::pulse_us_in(hex("70 17")), 1500.0);
 }
 
-/// On channel 0: 1500 us looks straight ahead, 500 us less look up by 1 rad.
+// On channel 0: 1500 us looks straight ahead, 500 us less look up by 1 rad.
 ServoParams params() {
   ServoParams params;
   params.id = 0;
@@ -95,7 +95,7 @@ TEST(MaestroSession, AnswersThatAreTooLongOrOffGiveNoPitch) {
   EXPECT_FALSE(dut.receive(answer(0), at(21ms)).sample);
 }
 
-/// The session after it has received only this answer, for a second.
+// The session after it has received only this answer, for a second.
 std::unique_ptr<MaestroSession> session_that_receives(const Bytes& bytes) {
   auto dut = std::make_unique<MaestroSession>(params());
   (void)dut->open(at(0s));

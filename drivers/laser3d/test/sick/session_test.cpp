@@ -14,7 +14,7 @@ using test::FakeSensor;
 using test::operator+;  // NOLINT(misc-unused-using-decls): an operator is used
 using State = SickSession::State;
 
-/// The session and the sensor on one line, on simulated time in steps of a millisecond.
+// The session and the sensor on one line, on simulated time in steps of a millisecond.
 class Rig {
  public:
   explicit Rig(const SickParams& params = {}) : dut(params) {}

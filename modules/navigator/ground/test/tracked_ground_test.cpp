@@ -22,7 +22,7 @@ constexpr double kRangeSigmaM = 0.01;  // of the LMS200
 constexpr int kTwoSweeps = 146;
 constexpr double kFar = 40.0;
 
-/// What was measured while the robot drove over a profile.
+// What was measured while the robot drove over a profile.
 struct Drive {
   double tilt_error_rad = 0.0;   // worst
   double height_error_m = 0.0;   // worst
@@ -30,7 +30,7 @@ struct Drive {
   std::size_t facets = 0;
 };
 
-/// The robot stands for two sweeps, then drives to `end_x`.
+// The robot stands for two sweeps, then drives to `end_x`.
 Drive drive(NoddingRobot robot, double end_x) {
   LocalMap map({}, {});
   Drive result;
@@ -131,8 +131,8 @@ TEST(TrackedGround, SillsKerbsStairsAndSteepRampsBlockTheWay) {
   }
 }
 
-/// A ramp that rises 0.2 m per metre, x from 1 to 3 and |y| < 0.5, on level ground that is known
-/// around it.
+// A ramp that rises 0.2 m per metre, x from 1 to 3 and |y| < 0.5, on level ground that is known
+// around it.
 TrackedGround ground_with_ramp() {
   TrackedGround ground{GroundParams{}};
   ground.move({});
@@ -150,7 +150,7 @@ TrackedGround ground_with_ramp() {
   return ground;
 }
 
-/// A level plane.
+// A level plane.
 PlaneFit level_at(double height_m) {
   PlaneFit fit;
   for (const Eigen::Vector2d& p : {Eigen::Vector2d(0.0, 0.0), {1.0, 0.0}, {0.0, 1.0}}) {

@@ -6,7 +6,7 @@
 namespace nodmap::navigator {
 namespace floor_evidence_test {
 
-/// The floor after two scans of two beams each, which hit it at the corners of a rectangle.
+// The floor after two scans of two beams each, which hit it at the corners of a rectangle.
 LocalGrid floor_between(double length_m, double width_m) {
   LocalGrid grid(0.025, 9);
   grid.center_on({0.0, 0.0});

@@ -19,7 +19,7 @@ using test::Ground;
 
 constexpr double kCellM = 0.025;
 
-/// Sweeps from 60 degrees down to level, then back up.
+// Sweeps from 60 degrees down to level, then back up.
 void sweep(LocalMap& map, const Ground& ground, const geometry::SE2& T_odom_base, int times = 2) {
   for (int i = 0; i < times; ++i) {
     for (double deg = -60.0; deg <= 5.0; deg += 1.5) {
@@ -37,7 +37,7 @@ double nearest_m(const Points& points) {
   return nearest;
 }
 
-/// A scan without any measurement.
+// A scan without any measurement.
 scan::Scan blind_scan() {
   scan::Scan scan = test::scan_of({}, {}, 0.0);
   std::ranges::fill(scan.ranges_m, std::numeric_limits<float>::quiet_NaN());

@@ -10,7 +10,7 @@
 namespace nodmap::navigator {
 namespace local_view_test {
 
-/// A grid with some obstacles, old and new, and some holes, up to its border.
+// A grid with some obstacles, old and new, and some holes, up to its border.
 LocalGrid cluttered(const ObstacleMemory& memory) {
   std::mt19937 random(7);
   std::uniform_int_distribution<int> kind(0, 39);

@@ -19,13 +19,13 @@ constexpr double kRangeSigmaM = 0.01;         // SICK LMS200
 const double kTiltRad = deg_to_rad(0.1);      // standard deviation on uneven ground
 const double kTiltPerMps2 = deg_to_rad(0.1);  // the body tilts on its tyres
 
-/// A box on the floor, rotated about its middle.
+// A box on the floor, rotated about its middle.
 struct Sill {
   geometry::SE2 T_odom_sill;
   Eigen::Vector2d half_m;
   double height_m;
 
-  /// Range at which a ray hits the sill; +infinity if it misses.
+  // Range at which a ray hits the sill; +infinity if it misses.
   [[nodiscard]] double range_m(const Eigen::Vector3d& origin, const Eigen::Vector3d& ray) const {
     const geometry::SE2 T_sill_odom = T_odom_sill.inverse();
     const Eigen::Vector2d o = T_sill_odom * Eigen::Vector2d(origin.head<2>());
@@ -44,7 +44,7 @@ struct Sill {
     return enters <= leaves ? enters : std::numeric_limits<double>::infinity();
   }
 
-  /// The smallest x of the sill within `half_width_m` of the x axis, along which the body drives.
+  // The smallest x of the sill within `half_width_m` of the x axis, along which the body drives.
   [[nodiscard]] double begins_m(double half_width_m) const {
     double x = std::numeric_limits<double>::infinity();
     for (double u = -1.0; u <= 1.0; u += 0.004) {
@@ -59,7 +59,7 @@ struct Sill {
   }
 };
 
-/// The sweeps that the pitch controller commands for a speed (from its README; linear in between).
+// The sweeps that the pitch controller commands for a speed (from its README; linear in between).
 struct Nod {
   double low_deg;
   double high_deg;
@@ -87,8 +87,8 @@ class Approach {
     step_ = engine_() % 2 == 0 ? 1.0 : -1.0;
   }
 
-  /// Distance from the body's front to the sill when the robot stops, or after 10 s, metres; 0 or
-  /// less: it was touched.
+  // Distance from the body's front to the sill when the robot stops, or after 10 s, metres; 0 or
+  // less: it was touched.
   double drive() {
     const double end_m = sill_.begins_m(body_.half_width_m) - body_.half_length_m;
     for (int i = 0; i < 750 && x_m_ < end_m; ++i) {
@@ -165,7 +165,7 @@ class Approach {
   double tilt_rad_ = 0.0;
 };
 
-/// Range of the half width of a sill, metres.
+// Range of the half width of a sill, metres.
 struct Widths {
   double least_m;
   double most_m;

@@ -17,7 +17,7 @@ LocalGrid grid_around_origin() {
   return grid;
 }
 
-/// A beam along x, from a level laser above the origin.
+// A beam along x, from a level laser above the origin.
 Beam level_beam(double height_m) {
   return {{0.0, 0.0, height_m}, {1.0, 0.0, 0.0}, std::numeric_limits<double>::infinity(), false};
 }

@@ -8,7 +8,7 @@
 namespace nodmap::navigator {
 namespace possible_ramp_test {
 
-/// A grid whose floor was seen up to x = 1 m.
+// A grid whose floor was seen up to x = 1 m.
 class PossibleRampTest : public ::testing::Test {
  protected:
   void SetUp() override {

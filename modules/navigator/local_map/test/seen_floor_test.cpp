@@ -11,7 +11,7 @@ const robot::Footprint kBody{0.225, 0.165};
 constexpr double kBlindM = 0.31;  // no row of the front lies on a border of cells
 const ObstacleMemory kObstacles(20.0);
 
-/// A grid of floor, except for a strip across the way ahead or behind.
+// A grid of floor, except for a strip across the way ahead or behind.
 LocalGrid floor_without(double from_x, double to_x) {
   LocalGrid grid(kCellM, 8);
   grid.center_on({0.0, 0.0});
@@ -33,7 +33,7 @@ TEST(SeenFloor, EndsWhereAGapIsLongerThanAllowed) {
   EXPECT_EQ(floor.distance({}, 0.0, 0.165, 0.5, 0.15, false), 0.5);
 }
 
-/// A wall across the way ahead; two cells thick, as with the laser's noise.
+// A wall across the way ahead; two cells thick, as with the laser's noise.
 void add_wall(LocalGrid& grid, double x) {
   for (double y = -1.0; y < 1.0; y += 0.5 * kCellM) {
     grid.find({x, y})->obstacle = evidence::kMost;

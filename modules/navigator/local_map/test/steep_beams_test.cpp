@@ -16,7 +16,7 @@ using geometry::deg_to_rad;
 constexpr double kMountM = 0.38;
 constexpr double kRangeSigmaM = 0.01;  // SICK LMS200
 
-/// A scan of level floor, which ends 6 m away at a wall.
+// A scan of level floor, which ends 6 m away at a wall.
 scan::Scan scan_of_floor(double pitch_rad, std::mt19937& engine) {
   std::normal_distribution<double> noise_m(0.0, kRangeSigmaM);
   scan::Scan scan;

@@ -17,7 +17,7 @@ using test::kScanS;
 using test::Pillar;
 using test::WalkingScene;
 
-/// Nods at a scene in which pillars move, for `duration_s`; calls `check(time_s)` after each scan.
+// Nods at a scene in which pillars move, for `duration_s`; calls `check(time_s)` after each scan.
 template <class Check>
 void look(PeopleTracker& tracker, WalkingScene scene, const std::vector<Eigen::Vector2d>& velocity,
           double duration_s, const Check& check) {
@@ -117,7 +117,7 @@ TEST(PeopleTracker, FollowsAnObjectThatIsWiderThanAPerson) {
   EXPECT_GT(known_s, 0.9 * 1.2);
 }
 
-/// Scans 40 times a second with a level laser at a scene in which pillars move.
+// Scans 40 times a second with a level laser at a scene in which pillars move.
 template <class Check>
 void look_level(PeopleTracker& tracker, WalkingScene scene,
                 const std::vector<Eigen::Vector2d>& velocity, double duration_s,
@@ -198,8 +198,8 @@ TEST(PeopleTracker, APersonVeryNearIsLocatedByAllHisPoints) {
   EXPECT_LT(worst_m, 1.25 * 0.039);  // measured 0.039
 }
 
-/// A walker passes the robot and walks on behind it, out of view. Calls `check(time_s, p, people)`
-/// for each scan from then on, for `duration_s`.
+// A walker passes the robot and walks on behind it, out of view. Calls `check(time_s, p, people)`
+// for each scan from then on, for `duration_s`.
 template <class Check>
 void walk_out_of_view(const PeopleTracker::IsBlocked& is_blocked, double duration_s,
                       const Check& check) {

@@ -16,7 +16,7 @@ using test::at;
 using test::kScanS;
 using test::WalkingScene;
 
-/// The ranges of the infrared range finders when only one of them measures something.
+// The ranges of the infrared range finders when only one of them measures something.
 Proximity::Ranges only(robot::Infrared sensor, double range_m) {
   Proximity::Ranges ranges_m;
   ranges_m.fill(std::numeric_limits<double>::quiet_NaN());
@@ -29,7 +29,7 @@ class ProximityTest : public ::testing::Test {
   static constexpr robot::Infrared kBack = robot::Infrared::kBack;
   static constexpr robot::Infrared kRight = robot::Infrared::kRight;
 
-  /// From the origin the robot sees the floor ahead and a post; then it stands on that floor.
+  // From the origin the robot sees the floor ahead and a post; then it stands on that floor.
   ProximityTest() {
     const WalkingScene scene{{{{1.5, -0.6}, 0.1, 1.7}}, 6.0};
     for (double time_s = 0.0; time_s < 3.0; time_s += kScanS) {
@@ -142,7 +142,7 @@ TEST_F(ProximityTest, AReadingOfAForgottenObstacleIsNotAPerson) {
   EXPECT_FALSE(sees(10.0, only(kRight, 0.335)));
 }
 
-/// Only the ground under the body is known here, and its border is no exception.
+// Only the ground under the body is known here, and its border is no exception.
 TEST_F(ProximityTest, AReadingOnFloorThatIsOnlyAssumedIsNotAPerson) {
   const WalkingScene scene{{}, 6.0};
   LocalMap map{{}, {}};

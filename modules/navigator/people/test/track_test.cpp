@@ -16,8 +16,8 @@ namespace track_test {
 using test::at;
 using test::kScanS;
 
-/// Covariances of the motion model (a start and a velocity with errors, and white acceleration): of
-/// the positions at two times, and of a velocity with an earlier position.
+// Covariances of the motion model (a start and a velocity with errors, and white acceleration): of
+// the positions at two times, and of a velocity with an earlier position.
 double cov_pp(double t, double s) {
   const double first = std::min(t, s);
   const double last = std::max(t, s);

@@ -9,7 +9,7 @@
 namespace nodmap::navigator {
 namespace wake_test {
 
-/// At (2, 0), walking to the left at 1 m/s: a wake of 1 m to the right.
+// At (2, 0), walking to the left at 1 m/s: a wake of 1 m to the right.
 Person walker() {
   Person person;
   person.position = {2.0, 0.0};

@@ -17,7 +17,7 @@ constexpr double kNever = std::numeric_limits<double>::infinity();
 constexpr double kToleranceM = 0.2;
 constexpr double kOutsidePrice = 2.0;
 
-/// A window of 3 m x 2 m with random prices; a third of the cells is blocked.
+// A window of 3 m x 2 m with random prices; a third of the cells is blocked.
 struct Prices {
   explicit Prices(std::uint64_t seed) {
     std::mt19937_64 engine(seed);
@@ -40,7 +40,7 @@ struct Prices {
   std::vector<float> price;
 };
 
-/// Oracle: Bellman-Ford. Starts from these costs and relaxes all edges until nothing changes.
+// Oracle: Bellman-Ford. Starts from these costs and relaxes all edges until nothing changes.
 std::vector<double> relax(const Prices& prices, std::vector<double> cost) {
   const PlanWindow& window = prices.window;
   for (bool has_changed = true; has_changed;) {
@@ -75,8 +75,8 @@ CostToGo search(const Prices& prices, const Eigen::Vector2d& goal_map, int porti
   return dut.found();
 }
 
-/// Tolerance: at each step the search may keep a cost that is 0.1 mm too high, and it rounds costs
-/// to 1e-6 of their value.
+// Tolerance: at each step the search may keep a cost that is 0.1 mm too high, and it rounds costs
+// to 1e-6 of their value.
 void expect_costs(const CostToGo& found, const std::vector<double>& expected,
                   const Prices& prices) {
   constexpr double kStepErrorM = 1e-4;

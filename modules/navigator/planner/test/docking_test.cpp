@@ -18,8 +18,8 @@ constexpr double kStepS = 0.01332;
 constexpr double kToleranceM = 0.02;
 constexpr double kToleranceRad = deg_to_rad(1.0);
 
-/// A robot at `T_goal_base` and the docking that drives it. Where docking asks for a plan, the
-/// robot is set down at the border of the staging place: the planner is not tested here.
+// A robot at `T_goal_base` and the docking that drives it. Where docking asks for a plan, the
+// robot is set down at the border of the staging place: the planner is not tested here.
 struct Dock {
   explicit Dock(const geometry::SE2& start) : T_goal_base(start) {}
 
@@ -28,10 +28,10 @@ struct Dock {
   DockingStep step;
   double time_s = 0.0;
   int num_plans = 0;
-  /// What the wheels do, as a fraction of the commanded speeds.
+  // What the wheels do, as a fraction of the commanded speeds.
   double forward_ratio = 1.0;
   double yaw_ratio = 1.0;
-  /// Error of the pose that docking is given.
+  // Error of the pose that docking is given.
   geometry::SE2 pose_error{};
 
   void cycle() {

@@ -17,7 +17,7 @@ using test::Ground;
 const robot::Footprint kBody = robot::Body{}.footprint();
 constexpr double kToleranceM = 0.2;
 
-/// A local map of the ground, seen all around from a pose.
+// A local map of the ground, seen all around from a pose.
 LocalMap look(const Ground& ground, const geometry::SE2& T_odom_base) {
   LocalMap map({}, {});
   for (int quarter = 0; quarter < 4; ++quarter) {
@@ -30,7 +30,7 @@ LocalMap look(const Ground& ground, const geometry::SE2& T_odom_base) {
   return map;
 }
 
-/// Calls step() until a plan is complete.
+// Calls step() until a plan is complete.
 void plan(GlobalPlanner& planner, const LocalMap& map, const Eigen::Vector2d& goal) {
   for (int i = 0; i < 400 && planner.cost_to_go() == nullptr; ++i) {
     planner.step(time::Timestamp(13'320us * i), map, {}, {}, goal, kToleranceM);
@@ -173,7 +173,7 @@ TEST(GlobalPlanner, LeadsAroundAHoleInTheGeofenceAndNeverOutOfTheGeofence) {
   EXPECT_FALSE(std::isfinite(planner.cost_to_go()->least_near({0.0, 0.0})));
 }
 
-/// Rotates on the spot without measuring anything, until the local map has forgotten all obstacles.
+// Rotates on the spot without measuring anything, until the local map has forgotten all obstacles.
 void rotate_blindly(LocalMap& map) {
   scan::Scan scan = test::scan_of({}, {}, 0.0);
   std::ranges::fill(scan.ranges_m, std::numeric_limits<float>::quiet_NaN());
@@ -182,7 +182,7 @@ void rotate_blindly(LocalMap& map) {
   }
 }
 
-/// Plans again while the robot looks to all four sides, from `start_s` on.
+// Plans again while the robot looks to all four sides, from `start_s` on.
 void plan_looking_around(GlobalPlanner& planner, const LocalMap& map, const Eigen::Vector2d& goal,
                          std::int64_t start_s) {
   for (int i = 0; i < 400; ++i) {
@@ -259,7 +259,7 @@ TEST(GlobalPlanner, WithinAClosedFenceThereIsNoPath) {
   EXPECT_FALSE(std::isfinite(planner.cost_to_go()->least_near({0.0, 0.0})));
 }
 
-/// A fence all around the robot, with a gap ahead.
+// A fence all around the robot, with a gap ahead.
 Ground fence_with_gap(double gap_m) {
   return {{{{1.0, -1.1}, {1.1, -0.5 * gap_m}, 0.5},
            {{1.0, 0.5 * gap_m}, {1.1, 1.1}, 0.5},

@@ -12,8 +12,8 @@ namespace goal_drive_test {
 
 constexpr double kStepS = 0.01332;
 
-/// A local map of a square fence of 2.2 m with a gap ahead, seen from the robot in its middle. It
-/// looks to so many sides, and behind first.
+// A local map of a square fence of 2.2 m with a gap ahead, seen from the robot in its middle. It
+// looks to so many sides, and behind first.
 LocalMap fenced(double gap_m = 0.0, int num_sides = 4) {
   const test::Ground fence{{{{1.0, -1.1}, {1.1, -0.5 * gap_m}, 0.5},
                             {{1.0, 0.5 * gap_m}, {1.1, 1.1}, 0.5},
@@ -57,9 +57,9 @@ TEST(GoalDrive, WithoutAPathItLooksAroundOnceAndThenStaysWithAReason) {
   EXPECT_NEAR(rotated_rad, 2.0 * geometry::kPi, 0.05);
 }
 
-/// The decision of a robot on floor that it has seen, 2 m before its goal, between two rows of
-/// points. These are `beside_m` beside its body, and reach from its rear to half a metre ahead of
-/// it.
+// The decision of a robot on floor that it has seen, 2 m before its goal, between two rows of
+// points. These are `beside_m` beside its body, and reach from its rear to half a metre ahead of
+// it.
 Decision between_rows(double beside_m) {
   LocalMap map({}, {});
   for (double deg = -60.0; deg <= 2.0; deg += 3.0) {
@@ -103,7 +103,7 @@ TEST(GoalDrive, DrivesMoreSlowlyInANarrowerPlace) {
   EXPECT_EQ(between_rows(0.5 * params.squeeze_margin_m).forward_mps, 0.0);
 }
 
-/// A local map of free floor, seen all around.
+// A local map of free floor, seen all around.
 LocalMap open_floor() {
   LocalMap map({}, {});
   for (int quarter = 0; quarter < 4; ++quarter) {
@@ -115,7 +115,7 @@ LocalMap open_floor() {
   return map;
 }
 
-/// A robot on that floor, which follows each decision as fast as its wheels can.
+// A robot on that floor, which follows each decision as fast as its wheels can.
 class Driver {
  public:
   explicit Driver(const LocalMap& map, double x_m = 0.0) {
@@ -126,7 +126,7 @@ class Driver {
     now_.T_odom_base.x = x_m;
   }
 
-  /// From now on the local map is this one.
+  // From now on the local map is this one.
   void show(const LocalMap& map) { now_.local_map = &map; }
   void set_people(const People& people_base) { now_.people = people_base; }
 
@@ -134,7 +134,7 @@ class Driver {
   std::vector<Eigen::Vector2d> path() const {
     return drive_.path_map(now_.T_odom_base).value_or(std::vector<Eigen::Vector2d>());
   }
-  /// Nothing is decided for this long.
+  // Nothing is decided for this long.
   void pause(time::Duration duration) { now_.stamp += duration; }
 
   Decision decide(const Eigen::Vector2d& goal_odom, double tolerance_m) {
@@ -231,8 +231,8 @@ TEST(GoalDrive, APauseBetweenItsDecisionsIsNoFailureOfThePath) {
   EXPECT_EQ(plan(), before);
 }
 
-/// Lets the robot decide for so many seconds, without moving. Returns how long it has reported, at
-/// the end of them, that there is no path.
+// Lets the robot decide for so many seconds, without moving. Returns how long it has reported, at
+// the end of them, that there is no path.
 double seconds_without_path(Driver& driver, double duration_s) {
   double without_s = 0.0;
   for (double time_s = 0.0; time_s < duration_s; time_s += kStepS) {

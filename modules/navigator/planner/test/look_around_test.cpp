@@ -12,7 +12,7 @@ using geometry::deg_to_rad;
 
 constexpr time::Timestamp kStart{100s};
 
-/// Rotates to the left by 10 degrees 36 times, from 2 s after the start on.
+// Rotates to the left by 10 degrees 36 times, from 2 s after the start on.
 void rotate_once(LookAround& look_around) {
   for (int i = 0; i < 36; ++i) {
     EXPECT_TRUE(look_around.wants_rotation()) << i;

@@ -8,7 +8,7 @@ namespace patience_test {
 
 constexpr time::Timestamp kStart{100s};
 
-/// Decides ten times a second until `stamp`.
+// Decides ten times a second until `stamp`.
 void decide_until(Patience& patience, time::Timestamp from, time::Timestamp until) {
   for (time::Timestamp stamp = from; stamp <= until; stamp += 100ms) {
     patience.record(stamp);

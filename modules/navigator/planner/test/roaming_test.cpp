@@ -10,7 +10,7 @@
 namespace nodmap::navigator {
 namespace roaming_test {
 
-/// What the nodding laser sees from one place, looking in this many of the four directions.
+// What the nodding laser sees from one place, looking in this many of the four directions.
 LocalMap seen_from_start(const test::Ground& ground, int quarters = 1) {
   LocalMap map({}, {});
   for (int quarter = 0; quarter < quarters; ++quarter) {
@@ -88,8 +88,8 @@ TEST(PlanOnward, APlanMadeAroundAFormerPlaceIsDropped) {
 }
 
 struct RoamingTest : testing::Test {
-  /// Decides this many times with the robot in one place, though its wheels turn; returns the last
-  /// decision.
+  // Decides this many times with the robot in one place, though its wheels turn; returns the last
+  // decision.
   std::optional<Decision> decide(const test::Ground& ground, double forward_mps, int num_decisions,
                                  int quarters = 1) {
     const LocalMap map = seen_from_start(ground, quarters);

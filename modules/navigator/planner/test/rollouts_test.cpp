@@ -12,8 +12,8 @@ namespace rollouts_test {
 
 const robot::Footprint kBody = robot::Body{}.footprint();
 
-/// Oracle: the signed distance of a point from the body at a pose, by the definition of a
-/// rectangle.
+// Oracle: the signed distance of a point from the body at a pose, by the definition of a
+// rectangle.
 double distance_m(const Eigen::Vector2d& p, const geometry::SE2& pose) {
   const Eigen::Vector2d q = pose.inverse() * p;
   const double dx = std::abs(q.x()) - kBody.half_length_m;
@@ -45,7 +45,7 @@ TEST(Rollouts, ClearanceIsThatOfTheRectangle) {
   EXPECT_GT(near, 100);
 }
 
-/// A plan to a goal 6 m ahead, over unknown ground.
+// A plan to a goal 6 m ahead, over unknown ground.
 GlobalPlanner planner_to_ahead() {
   GlobalPlanner planner(kBody, {});
   for (int i = 0; i < 400 && planner.cost_to_go() == nullptr; ++i) {
@@ -54,7 +54,7 @@ GlobalPlanner planner_to_ahead() {
   return planner;
 }
 
-/// Walls on both sides of the body.
+// Walls on both sides of the body.
 Points walls(double from_x_m, double clearance_m) {
   Points points;
   for (double x = from_x_m; x < 2.4; x += 0.02) {
@@ -112,8 +112,8 @@ TEST(Rollouts, StraightOnAndStraightBackArePossibleBetweenTwoNarrowPosts) {
   }
 }
 
-/// Smallest distance from the body to a person's centre within 3 s. The robot starts from rest,
-/// drives the rollout and then goes on or brakes. In steps of 10 ms.
+// Smallest distance from the body to a person's centre within 3 s. The robot starts from rest,
+// drives the rollout and then goes on or brakes. In steps of 10 ms.
 double least_distance_m(const Rollout& rollout, bool goes_on, const Person& person) {
   geometry::SE2 pose;
   double forward_mps = 0.0;

@@ -34,7 +34,7 @@ class FeedTest : public ::testing::Test {
     }
   }
 
-  /// Two keyframes, one second apart, with the same points.
+  // Two keyframes, one second apart, with the same points.
   void send_keyframe_twice() {
     for (const std::int64_t id : {0, 1}) {
       for (auto chunk : robot::keyframe_at(0.0, id, 1000)) {
@@ -63,7 +63,7 @@ class FeedTest : public ::testing::Test {
     return 0;
   }
 
-  /// The newest message on a topic; null if there is none.
+  // The newest message on a topic; null if there is none.
   Json newest(const std::string& name) const {
     std::uint64_t cursor = 0;
     const auto post = store_.next(topic(name), cursor);
@@ -184,10 +184,10 @@ TEST_F(DownsampledFeedTest, AKeyframeOfAPlaceShownBeforeIsCountedButNotShown) {
   EXPECT_EQ(count_posts("CLOUD"), 1U);
 }
 
-/// 6D SLAM and the one that is started after it, each with a socket of its own.
+// 6D SLAM and the one that is started after it, each with a socket of its own.
 class RestartedSlam6d : public ::testing::Test {
  protected:
-  /// A keyframe of 1000 points that were measured at this time; all see the same places.
+  // A keyframe of 1000 points that were measured at this time; all see the same places.
   void send_keyframe(bus::Bus& sender, std::int64_t time_s) {
     for (auto chunk : robot::keyframe_at(0.0, 0, 1000)) {
       chunk.utime = 1'000'000 * time_s;
@@ -196,7 +196,7 @@ class RestartedSlam6d : public ::testing::Test {
     network_.deliver();
   }
 
-  /// The times of all messages that a topic keeps, seconds.
+  // The times of all messages that a topic keeps, seconds.
   [[nodiscard]] std::vector<std::int64_t> kept(const std::string& name) const {
     std::vector<std::int64_t> times;
     for (std::size_t i = 0; i < store_.topics().size(); ++i) {
@@ -208,7 +208,7 @@ class RestartedSlam6d : public ::testing::Test {
     return times;
   }
 
-  /// The times of the keyframes whose poses are shown, seconds.
+  // The times of the keyframes whose poses are shown, seconds.
   [[nodiscard]] std::vector<std::int64_t> shown_poses() const {
     std::vector<std::int64_t> times;
     for (std::size_t i = 0; i < store_.topics().size(); ++i) {

@@ -27,7 +27,7 @@ class ProcessFeedTest : public ::testing::Test {
     status.health = health;
     send(sender, "STATUS", status);
   }
-  /// The newest message on a topic.
+  // The newest message on a topic.
   [[nodiscard]] Json newest(const std::string& name) const {
     for (std::size_t i = 0; i < store_.topics().size(); ++i) {
       std::uint64_t cursor = 0;

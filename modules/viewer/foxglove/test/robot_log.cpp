@@ -23,7 +23,7 @@ struct Event {
   std::vector<std::byte> bytes;
 };
 
-/// Adds a message to the list, which is sorted afterwards.
+// Adds a message to the list, which is sorted afterwards.
 template <class Message>
 void note(std::vector<Event>& events, const std::string& channel, const Message& message) {
   Event event{message.utime, channel, {}};

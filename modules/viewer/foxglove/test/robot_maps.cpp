@@ -13,7 +13,7 @@ namespace {
 
 using VoxelKeys = std::vector<std::array<int, 3>>;
 
-/// Appends the node `level` levels above these voxels, and everything below it.
+// Appends the node `level` levels above these voxels, and everything below it.
 void append_node(std::string& bytes, int level, const VoxelKeys& keys) {
   std::array<VoxelKeys, 8> children;
   for (const auto& key : keys) {

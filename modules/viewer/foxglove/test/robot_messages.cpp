@@ -21,7 +21,7 @@ void stand_at(Message& message, double x_m) {
   message.orientation[0] = 1.0;
 }
 
-/// Distance to the nearer wall along a beam; infinity if it is too far.
+// Distance to the nearer wall along a beam; infinity if it is too far.
 float wall_range(double angle_rad) {
   const double range_m = kHalfWidthM / std::abs(std::sin(angle_rad));
   return range_m < 20.0 ? static_cast<float>(range_m) : kInfinity;

@@ -35,8 +35,8 @@ TEST(JsonMessage, LeavesOutLongAndVariableArrays) {
                    .contains("actor_position_m"));
 }
 
-/// Compares a value with a schema, for the part of JSON Schema that our schemas use. Empty if it
-/// fits and every property is described.
+// Compares a value with a schema, for the part of JSON Schema that our schemas use. Empty if it
+// fits and every property is described.
 std::string misfit(const Json& value, const Json& schema, const std::string& path = "$") {
   const Json& type = schema["type"];
   const auto is = [&value](const std::string& name) {

@@ -17,7 +17,7 @@
 namespace nodmap::foxglove {
 namespace sensor_views_test {
 
-/// An independent base64 decoder: a table, 4 characters at a time.
+// An independent base64 decoder: a table, 4 characters at a time.
 std::vector<std::uint8_t> decoded(const std::string& text) {
   const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::vector<std::uint8_t> bytes;

@@ -14,7 +14,7 @@ VoxelGrid grid_of(double voxel_m, const std::vector<std::array<int, 3>>& voxels)
   return to_voxel_grid(formats::read_octomap(test::octomap_bytes(voxel_m, voxels)).value());
 }
 
-/// The cell that contains a point, computed from the sent values; -1 outside.
+// The cell that contains a point, computed from the sent values; -1 outside.
 int at(const VoxelGrid& grid, double x_m, double y_m, double z_m) {
   const Eigen::Vector3d cell = (Eigen::Vector3d(x_m, y_m, z_m) - grid.p_corner) / grid.cell_m;
   const auto column = static_cast<std::int64_t>(std::floor(cell.x()));
