@@ -69,9 +69,12 @@ std::optional<UdpmUrl> parse_udpm_url(const std::string& url) {
     }
     parsed.port = static_cast<std::uint16_t>(*port);
   }
-  std::istringstream options(part[6].str());
+  // As LCM does: a comma separates options, too, and nothing between two separators is no option.
+  std::string text = part[6].str();
+  std::ranges::replace(text, ',', '&');
+  std::istringstream options(text);
   for (std::string option; std::getline(options, option, '&');) {
-    if (!set_option(option, parsed)) {
+    if (!option.empty() && !set_option(option, parsed)) {
       return std::nullopt;
     }
   }

@@ -17,7 +17,8 @@ TEST(UdpmUrl, ReadsAllParts) {
 
 TEST(UdpmUrl, MissingPartsGetLcmsDefaults) {
   for (const char* text : {"udpm://", "udpm://239.255.76.67", "udpm://239.255.76.67:7667",
-                           "udpm://:7667", "udpm://239.255.76.67:7667?ttl=0"}) {
+                           "udpm://:7667", "udpm://239.255.76.67:7667?ttl=0",
+                           "udpm://239.255.76.67:7667?", "udpm://?ttl=0&&ttl=0,ttl=0&"}) {
     const auto url = parse_udpm_url(text);
     ASSERT_TRUE(url.has_value()) << text;
     EXPECT_EQ(url->group_text(), "239.255.76.67");
