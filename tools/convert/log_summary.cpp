@@ -47,10 +47,12 @@ void LogSummary::add(const bus::LogEvent& event) {
     channel.type = type_name(type, event.data);
     channel.first = logged;
     channel.last = logged;
+    channel.previous = logged;
     channel.last_measured = time::Timestamp(-time::kLimit);
   }
   channel.size_bytes += static_cast<std::int64_t>(event.data.size());
-  channel.longest_gap = std::max(channel.longest_gap, logged - channel.last);
+  channel.longest_gap = std::max(channel.longest_gap, logged - channel.previous);
+  channel.previous = logged;
   channel.first = std::min(channel.first, logged);
   channel.last = std::max(channel.last, logged);  // in glued logs the time steps back
   if (type_name(type, event.data) != channel.type) {

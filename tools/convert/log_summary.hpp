@@ -30,6 +30,7 @@ struct ChannelSummary {
     return duration_s() > 0.0 ? static_cast<double>(count - 1) / duration_s() : 0.0;
   }
 
+  time::Timestamp previous{};  ///< when the previous message was logged
   time::Timestamp last_measured{};
 };
 
