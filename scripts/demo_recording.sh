@@ -33,7 +33,7 @@ need_recording() {
 }
 
 check_only=0 recording='' speed=1
-out=logs/demo-$(date +%Y%m%d-%H%M%S)
+out=$PWD/logs/demo-$(date +%Y%m%d-%H%M%S)
 while [[ $# -gt 0 ]]; do
   case "$1" in
     --check-arguments) check_only=1; shift ;;
