@@ -142,7 +142,6 @@ TEST_F(SheriffProcess, PrintsTheOutputOfACommandAsItComes) {
   EXPECT_EQ(follower.wait_for_end(kPatience), 0);
 }
 
-// The commands keep running, and the next sheriff finds them as they are.
 TEST_F(SheriffProcess, SaysWhyThereIsNoOutput) {
   ChildProcess follower(
       {NODMAP_BIN "/nodmap-sheriff", file_, "--lcm-url", kProcmanUrl, "--output", "far"});
@@ -151,6 +150,7 @@ TEST_F(SheriffProcess, SaysWhyThereIsNoOutput) {
   EXPECT_EQ(follower.wait_for_end(kPatience), 0) << "it waits for the deputy";
 }
 
+// The commands keep running, and the next sheriff finds them as they are.
 TEST_F(SheriffProcess, KillingItStopsNoCommand) {
   begin_both();
   const int pid = client_.status("sleeper").pid;
