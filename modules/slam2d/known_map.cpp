@@ -148,14 +148,21 @@ TrinaryGrid trinary(const OccupancyGrid& grid) {
 
 OccupancyGrid to_occupancy_grid(const TrinaryGrid& grid) {
   OccupancyGrid drawn(grid.cell_size_m);
-  // In a rotated map, one point for each cell would leave cells out.
-  const int per_edge = grid.T_map_grid.yaw == 0.0 ? 1 : 2;
+  // In a rotated map, one point for each cell would leave cells out. Another one is moved by up to
+  // half a cell, so that each of its cells is one of the grid.
+  geometry::SE2 T_map_grid = grid.T_map_grid;
+  const bool is_rotated = T_map_grid.yaw != 0.0;
+  if (!is_rotated) {
+    T_map_grid.x = grid.cell_size_m * std::round(T_map_grid.x / grid.cell_size_m);
+    T_map_grid.y = grid.cell_size_m * std::round(T_map_grid.y / grid.cell_size_m);
+  }
+  const int per_edge = is_rotated ? 2 : 1;
   const double step_m = grid.cell_size_m / per_edge;
   for (int y = 0; y < per_edge * grid.height; ++y) {
     for (int x = 0; x < per_edge * grid.width; ++x) {
       const CellState state = grid.at(x / per_edge, y / per_edge);
       if (state != CellState::kUnknown) {
-        drawn.add_cell(grid.T_map_grid * Eigen::Vector2d((x + 0.5) * step_m, (y + 0.5) * step_m),
+        drawn.add_cell(T_map_grid * Eigen::Vector2d((x + 0.5) * step_m, (y + 0.5) * step_m),
                        state == CellState::kOccupied);
       }
     }

@@ -197,6 +197,21 @@ TEST(TileSelector, AnEmptyGridHasNoTiles) {
   EXPECT_TRUE(selector.choose_rest(OccupancyGrid(kCell)).empty());
 }
 
+// The map's corner is in the middle of a cell of the grid.
+TEST(ToOccupancyGrid, EachCellOfAMapFileIsOneOfTheGrid) {
+  TrinaryGrid map{
+      .cell_size_m = 0.05, .T_map_grid = {-12.225, -3.125, 0.0}, .width = 800, .height = 20};
+  map.cells.assign(800 * 20, CellState::kFree);
+  const OccupancyGrid grid = to_occupancy_grid(map);
+  int num_known = 0;
+  for (int y = 0; y < grid.height(); ++y) {
+    for (int x = 0; x < grid.width(); ++x) {
+      num_known += grid.occupancy(x, y) == OccupancyGrid::kUnknown ? 0 : 1;
+    }
+  }
+  EXPECT_EQ(num_known, 800 * 20);
+}
+
 // The rotated cells of a map file cover the grid: no cell within the map stays unknown.
 TEST(ToOccupancyGrid, ARotatedMapHasNoHoles) {
   TrinaryGrid map{.cell_size_m = 0.1, .T_map_grid = {3.0, -2.0, 0.5}, .width = 40, .height = 30};
