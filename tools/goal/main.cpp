@@ -127,7 +127,7 @@ class Guide {
                                                   : " missed: there is no path, or it cannot dock")
               << std::endl;
     told_index_ = route_.index();
-    if (!route_.is_over()) {
+    if (!route_.is_over() && !is_overruled_) {
       set_goal();
     }
   }
