@@ -20,6 +20,8 @@ constexpr time::Duration kArrivalPeriod = 100ms;
 constexpr time::Duration kPoseTimeout = 5s;
 // The navigator says several times a second that there is no path, and nothing while it halts.
 constexpr time::Duration kPathTimeout = 1s;
+// A navigator that was silent for this long may have been started anew.
+constexpr time::Duration kNavigatorSilence = 1s;
 // A goal nearer to the last one than this counts as the same.
 constexpr double kSameGoalM = 0.05;
 // With this limit EXPLORATION stays far below 64 KiB.
@@ -90,10 +92,11 @@ void ExplorerNode::on_map(const nodmap::grid_chunk_t& message) {
   // 2D SLAM has restarted: home and goal are positions in a map that no longer exists.
   if (tile && message.map_revision < map_revision_) {
     explorer_.forget_map();
-    if (explorer_.state() != State::kIdle && num_decisions_ > 0) {
+    const bool has_decided = explorer_.state() != State::kIdle && num_decisions_ > 0;
+    if (has_decided) {
       end("The 2D map was restarted.");
     }
-    if (has_set_goal_) {
+    if (has_decided || has_set_goal_) {
       place_ = Place::kToBeKept;
     }
   }
@@ -132,7 +135,8 @@ void ExplorerNode::on_odometry(const nodmap::odometry_t& message) {
   }
   T_odom_base_ = geometry::to_se2(*T_odom_base);
   const time::Timestamp now = node::stamp_of(message);
-  if (has_set_goal_ && place_ != Place::kToBeKept && !stop_latch_.is_stopped()) {
+  if (has_set_goal_ && (explores() || !is_goal_taken_) && place_ != Place::kToBeKept &&
+      !stop_latch_.is_stopped()) {
     goal_sender_.repeat_if_due(now);
   }
   if (is_lost_ || !T_map_odom_ || time::is_due(now, posed_, kPoseTimeout)) {
@@ -150,9 +154,16 @@ void ExplorerNode::on_odometry(const nodmap::odometry_t& message) {
 
 void ExplorerNode::on_navigation(const nodmap::navigation_t& message) {
   context_.counts.use();
+  const time::Timestamp now = node::stamp_of(message);
+  if (time::is_due(now, std::exchange(navigated_, now), kNavigatorSilence)) {
+    is_goal_taken_ = false;  // a navigator that was started anew has no goal
+  }
   if (!goal_sender_.is_about(message.goal_utime)) {
+    // It had taken the goal, so somebody has set or cancelled one, which we have missed.
+    has_set_goal_ = has_set_goal_ && (explores() || !is_goal_taken_);
     return;
   }
+  is_goal_taken_ = true;
   const bool has_arrived = message.behaviour == nodmap::navigation_t::ARRIVED;
   has_just_arrived_ = has_just_arrived_ || (has_arrived && !has_arrived_);
   has_arrived_ = has_arrived;
@@ -170,8 +181,7 @@ void ExplorerNode::on_path(const nodmap::path_t& message) {
 
 void ExplorerNode::on_explore(const nodmap::explore_t& message) {
   context_.counts.use();
-  const bool is_over = explorer_.state() == State::kIdle || explorer_.state() == State::kHome;
-  if (message.is_active != 0 && is_over) {
+  if (message.is_active != 0 && !explores()) {
     log::get().info("{} starts the exploration", node::read_name(message.requested_by));
     start();
     // Who asked sees that it has been started, even if the first decision ends it.
@@ -225,6 +235,10 @@ void ExplorerNode::end(const std::string& reason) {
   explorer_.end();
 }
 
+bool ExplorerNode::explores() const {
+  return explorer_.state() == State::kExploring || explorer_.state() == State::kReturning;
+}
+
 std::optional<geometry::SE2> ExplorerNode::T_map_base() const {
   return T_map_odom_ && T_odom_base_ ? std::optional(*T_map_odom_ * *T_odom_base_) : std::nullopt;
 }
@@ -270,6 +284,7 @@ void ExplorerNode::send_goal(const Goal& goal, time::Timestamp now) {
   }
   goal_ = goal;
   has_set_goal_ = true;
+  is_goal_taken_ = false;
   no_path_.reset();
   has_arrived_ = false;
   nodmap::goal_t message{};

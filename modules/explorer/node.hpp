@@ -55,6 +55,7 @@ class ExplorerNode final : public node::Node {
   void on_goal(const nodmap::goal_t& message);
   void on_stop(const nodmap::stop_t& message);
 
+  [[nodiscard]] bool explores() const;
   void start();
   void end(const std::string& reason);
   /// Sends the robot's present position as the goal, because without a goal the robot would roam.
@@ -85,8 +86,10 @@ class ExplorerNode final : public node::Node {
 
   std::optional<time::Timestamp> decided_;
   node::GoalSender goal_sender_;
-  std::optional<Goal> goal_;   // the last one since the start
-  bool has_set_goal_ = false;  // the robot's goal is ours: nobody else has set one since
+  std::optional<Goal> goal_;    // the last one since the start
+  bool has_set_goal_ = false;   // the robot's goal is ours: nobody else has set one since
+  bool is_goal_taken_ = false;  // the navigator has reported on it
+  std::optional<time::Timestamp> navigated_;  // stamp of the navigator's last report
   std::int64_t num_decisions_ = 0;
   double seen_m2_ = 0.0;
 };

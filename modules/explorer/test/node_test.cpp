@@ -264,7 +264,7 @@ TEST_F(ExplorerNodeTest, APathThatWasMissingOnceIsNotMissingForEver) {
 }
 
 // A navigator that is started later would roam without a goal.
-TEST_F(ExplorerNodeTest, AfterItsEndTheGoalIsRepeatedUntilAnotherSenderHasSetOne) {
+TEST_F(ExplorerNodeTest, AfterItsEndTheGoalIsRepeatedUntilTheNavigatorHasIt) {
   give_map();
   ask(true);
   (void)give_pose();
@@ -276,10 +276,36 @@ TEST_F(ExplorerNodeTest, AfterItsEndTheGoalIsRepeatedUntilAnotherSenderHasSetOne
   }
   EXPECT_EQ(bus_.count("GOAL"), num_goals + 2) << "in two seconds";
   EXPECT_EQ(bus_.last<nodmap::goal_t>("GOAL").utime, goal.utime) << "it is the same goal";
+  const auto count_repetitions = [&](std::int64_t goal_utime) {
+    num_goals = bus_.count("GOAL");
+    for (int i = 0; i < 4; ++i) {
+      nodmap::navigation_t navigation{};
+      navigation.utime = utime_us_;
+      navigation.goal_utime = goal_utime;
+      bus_.deliver("NAVIGATION", navigation);
+      (void)give_pose();
+    }
+    return bus_.count("GOAL") - num_goals;
+  };
+  EXPECT_EQ(count_repetitions(goal.utime), 0U) << "the navigator has taken it";
+  utime_us_ += 5'000'000;
+  EXPECT_EQ(count_repetitions(0), 2U) << "a navigator that was silent has no goal";
+  EXPECT_EQ(count_repetitions(goal.utime), 0U);
+  EXPECT_EQ(count_repetitions(0), 0U) << "somebody has cancelled it";
+  utime_us_ += 5'000'000;
+  EXPECT_EQ(count_repetitions(0), 0U);
+}
+
+TEST_F(ExplorerNodeTest, AfterItsEndTheGoalOfAnotherSenderIsNotOverruled) {
+  give_map();
+  ask(true);
+  (void)give_pose();
+  ask(false);
+  const auto goal = bus_.last<nodmap::goal_t>("GOAL");
   auto others = goal;
   others.position_m[0] += 1.0;
   bus_.deliver("GOAL", others);
-  num_goals = bus_.count("GOAL");
+  const std::size_t num_goals = bus_.count("GOAL");
   for (int i = 0; i < 4; ++i) {
     (void)give_pose();
   }
