@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cstddef>
+
 namespace nodmap::procman {
 namespace deputy_reports_test {
 
@@ -16,11 +18,11 @@ DeputyInfo info_of(const std::string& deputy) {
 TEST(DeputyReports, InventedNamesLeaveRoomForAnExpectedDeputy) {
   DeputyReports reports;
   reports.expect("robot");
-  int taken = 0;
+  std::size_t taken = 0;
   for (int i = 0; i < 1000; ++i) {
     taken += reports.take(info_of("invented" + std::to_string(i)), {}, {}) ? 1 : 0;
   }
-  EXPECT_LT(taken, 1000);
+  EXPECT_LT(taken, 1000U);
   EXPECT_EQ(reports.all().size(), taken + 1U);
   EXPECT_EQ(reports.find("robot"), nullptr);
   EXPECT_TRUE(reports.take(info_of("robot"), {}, {}));
