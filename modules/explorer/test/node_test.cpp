@@ -7,73 +7,12 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "common/node/messages.hpp"
-#include "modules/explorer/test/grid_world.hpp"
-#include "tests/support/memory_bus.hpp"
+#include "modules/explorer/test/explorer_node_fixture.hpp"
 
 namespace nodmap::explorer {
 namespace node_test {
 
-class ExplorerNodeTest : public ::testing::Test {
- protected:
-  ExplorerNodeTest() : world_({-4.0, -4.0}, {8.0, 4.0}), node_(context_, {}) {
-    world_.add_wall({-0.5, -1.0}, {5.0, -1.0});
-    world_.add_wall({-0.5, 1.0}, {5.0, 1.0});
-    world_.scan({0.0, 0.0, 0.0});
-  }
-
-  void give_map(std::int64_t revision = 0) {
-    const MapTile tile = world_.map();
-    nodmap::grid_chunk_t message{};
-    message.map_revision = revision;
-    message.num_chunks = 1;
-    message.cell_size_m = tile.cell_size_m;
-    message.origin_x_m = tile.cell_size_m * tile.first.x();
-    message.origin_y_m = tile.cell_size_m * tile.first.y();
-    message.grid_width = message.tile_width = tile.width;
-    message.grid_height = message.tile_height = tile.height;
-    message.num_cells = static_cast<std::int32_t>(tile.cells.size());
-    message.cells.assign(tile.cells.begin(), tile.cells.end());
-    bus_.deliver("MAP_2D", message);
-  }
-  // Lets half a second pass and delivers a pose.
-  nodmap::exploration_t give_pose(std::int8_t state = nodmap::pose_t::TRACKING) {
-    utime_us_ += 500'000;
-    nodmap::pose_t pose = node::write_corrected_pose(
-        time::from_utime(utime_us_), geometry::SE3::Identity(), geometry::SE3::Identity());
-    pose.state = state;
-    bus_.deliver("POSE_2D", pose);
-    give_odometry(0.0);
-    return bus_.last<nodmap::exploration_t>("EXPLORATION");
-  }
-  void give_odometry(double x_m) {
-    nodmap::odometry_t message = node::write_odometry(
-        time::from_utime(utime_us_), geometry::SE3(Eigen::Translation3d(x_m, 0.0, 0.0)));
-    message.odometry_seq = odometry_seq_++;
-    bus_.deliver("ODOMETRY", message);
-  }
-  void ask(bool is_active) {
-    nodmap::explore_t message{};
-    message.is_active = static_cast<std::int8_t>(is_active);
-    message.requested_by = "somebody";
-    bus_.deliver("EXPLORE", message);
-  }
-  void stop(bool is_stopped) {
-    nodmap::stop_t message{};
-    message.utime = ++num_stops_;
-    message.is_stopped = static_cast<std::int8_t>(is_stopped);
-    bus_.deliver("STOP", message);
-  }
-
-  test::GridWorld world_;
-  ::nodmap::test::MemoryBus bus_;
-  node::MessageCounts counts_;
-  node::Context context_{bus_, counts_, {}};
-  ExplorerNode node_;
-  std::int64_t utime_us_ = 0;
-  std::int64_t num_stops_ = 0;
-  std::int64_t odometry_seq_ = 0;
-};
+using test::ExplorerNodeTest;
 
 TEST_F(ExplorerNodeTest, SendsNoGoalUntilItIsAskedTo) {
   give_map();
@@ -127,30 +66,6 @@ TEST_F(ExplorerNodeTest, AStopMakesItWaitAndThenContinue) {
   EXPECT_EQ(give_pose().state, nodmap::exploration_t::EXPLORING);
   EXPECT_EQ(bus_.count("GOAL"), 2U);
   EXPECT_EQ(node_.metrics()["failures"], 0);
-}
-
-TEST_F(ExplorerNodeTest, EndedByTheUserItLeavesTheRobotWhereItIs) {
-  give_map();
-  ask(true);
-  (void)give_pose();
-  ask(false);
-  const auto goal = bus_.last<nodmap::goal_t>("GOAL");
-  EXPECT_TRUE(goal.is_active);
-  EXPECT_EQ(goal.position_m[0], 0.0);
-  const auto exploration = give_pose();
-  EXPECT_EQ(exploration.state, nodmap::exploration_t::IDLE);
-  EXPECT_EQ(exploration.reason, "Ended by somebody.");
-}
-
-// It has driven 2 m since the last pose of 2D SLAM, 6 s ago.
-TEST_F(ExplorerNodeTest, EndedByTheUserItLeavesTheRobotWhereItIsByTheNewestOdometry) {
-  give_map();
-  ask(true);
-  (void)give_pose();
-  utime_us_ += 6'000'000;
-  give_odometry(2.0);
-  ask(false);
-  EXPECT_EQ(bus_.last<nodmap::goal_t>("GOAL").position_m[0], 2.0);
 }
 
 TEST_F(ExplorerNodeTest, DecidesNothingWithoutATrustworthyPose) {
@@ -228,20 +143,17 @@ TEST_F(ExplorerNodeTest, OnlyAPathThatIsMissingToItsOwnGoalIsAFailure) {
   give_map();
   ask(true);
   (void)give_pose();
-  nodmap::path_t path{};
-  path.state = nodmap::path_t::NO_PATH;
-  path.goal_utime = bus_.last<nodmap::goal_t>("GOAL").utime;
+  const std::int64_t goal_utime = bus_.last<nodmap::goal_t>("GOAL").utime;
   const auto wait = [&] {
     const double wait_s = ExplorerParams{}.patience.no_path_s + 1.0;
     for (double waited_s = 0.0; waited_s < wait_s; waited_s += 0.5) {
-      path.utime = utime_us_;
-      bus_.deliver("PATH", path);
+      give_no_path(goal_utime);
       (void)give_pose();
     }
   };
   wait();
   EXPECT_EQ(node_.metrics()["failures"], 1);
-  ASSERT_NE(bus_.last<nodmap::goal_t>("GOAL").utime, path.goal_utime);
+  ASSERT_NE(bus_.last<nodmap::goal_t>("GOAL").utime, goal_utime);
   wait();
   EXPECT_EQ(node_.metrics()["failures"], 1);
 }
@@ -251,130 +163,12 @@ TEST_F(ExplorerNodeTest, APathThatWasMissingOnceIsNotMissingForEver) {
   give_map();
   ask(true);
   (void)give_pose();
-  nodmap::path_t path{};
-  path.state = nodmap::path_t::NO_PATH;
-  path.goal_utime = bus_.last<nodmap::goal_t>("GOAL").utime;
-  path.utime = utime_us_;
-  bus_.deliver("PATH", path);
+  give_no_path(bus_.last<nodmap::goal_t>("GOAL").utime);
   for (double waited_s = 0.0; waited_s < ExplorerParams{}.patience.no_path_s + 1.0;
        waited_s += 0.5) {
     (void)give_pose();
   }
   EXPECT_EQ(node_.metrics()["failures"], 0);
-}
-
-// A navigator that is started later would roam without a goal.
-TEST_F(ExplorerNodeTest, AfterItsEndTheGoalIsRepeatedUntilTheNavigatorHasIt) {
-  give_map();
-  ask(true);
-  (void)give_pose();
-  ask(false);
-  const auto goal = bus_.last<nodmap::goal_t>("GOAL");
-  std::size_t num_goals = bus_.count("GOAL");
-  for (int i = 0; i < 4; ++i) {
-    (void)give_pose();
-  }
-  EXPECT_EQ(bus_.count("GOAL"), num_goals + 2) << "in two seconds";
-  EXPECT_EQ(bus_.last<nodmap::goal_t>("GOAL").utime, goal.utime) << "it is the same goal";
-  const auto count_repetitions = [&](std::int64_t goal_utime) {
-    num_goals = bus_.count("GOAL");
-    for (int i = 0; i < 4; ++i) {
-      nodmap::navigation_t navigation{};
-      navigation.utime = utime_us_;
-      navigation.goal_utime = goal_utime;
-      bus_.deliver("NAVIGATION", navigation);
-      (void)give_pose();
-    }
-    return bus_.count("GOAL") - num_goals;
-  };
-  EXPECT_EQ(count_repetitions(goal.utime), 0U) << "the navigator has taken it";
-  utime_us_ += 5'000'000;
-  EXPECT_EQ(count_repetitions(0), 2U) << "a navigator that was silent has no goal";
-  EXPECT_EQ(count_repetitions(goal.utime), 0U);
-  EXPECT_EQ(count_repetitions(0), 0U) << "somebody has cancelled it";
-  utime_us_ += 5'000'000;
-  EXPECT_EQ(count_repetitions(0), 0U);
-}
-
-TEST_F(ExplorerNodeTest, AfterItsEndTheGoalOfAnotherSenderIsNotOverruled) {
-  give_map();
-  ask(true);
-  (void)give_pose();
-  ask(false);
-  const auto goal = bus_.last<nodmap::goal_t>("GOAL");
-  auto others = goal;
-  others.position_m[0] += 1.0;
-  bus_.deliver("GOAL", others);
-  const std::size_t num_goals = bus_.count("GOAL");
-  for (int i = 0; i < 4; ++i) {
-    (void)give_pose();
-  }
-  EXPECT_EQ(bus_.count("GOAL"), num_goals);
-}
-
-// The kept place is a position in a map that no longer exists.
-TEST_F(ExplorerNodeTest, ANewMapAfterItsEndRenewsThePlaceWhereTheRobotIs) {
-  give_map(7);
-  ask(true);
-  (void)give_pose();
-  ask(false);
-  give_map(0);
-  utime_us_ += 10'000;
-  give_odometry(1.5);
-  EXPECT_EQ(bus_.last<nodmap::goal_t>("GOAL").position_m[0], 1.5);
-}
-
-// Who asks for an exploration of what is known already must see that it has been started.
-TEST_F(ExplorerNodeTest, SaysThatItStartsBeforeTheFirstDecisionEndsIt) {
-  world_.add_wall({-0.5, -1.0}, {-0.5, 1.0});
-  world_.add_wall({5.0, -1.0}, {5.0, 1.0});
-  for (const double x : {0.0, 4.0}) {
-    for (int i = 0; i < 4; ++i) {
-      world_.scan({x, 0.0, 0.5 * geometry::kPi * i});
-    }
-  }
-  give_map();
-  (void)give_pose();
-  ask(true);
-  EXPECT_EQ(bus_.last<nodmap::exploration_t>("EXPLORATION").state,
-            nodmap::exploration_t::EXPLORING);
-  EXPECT_EQ(give_pose().state, nodmap::exploration_t::HOME);
-}
-
-// Meanwhile somebody may have moved the robot, which must not drive back.
-TEST_F(ExplorerNodeTest, ThePlaceWhereItEndedIsRenewedWhenTheRobotIsReleased) {
-  give_map();
-  ask(true);
-  (void)give_pose();
-  stop(true);
-  ask(false);
-  EXPECT_EQ(bus_.last<nodmap::goal_t>("GOAL").position_m[0], 0.0);
-  utime_us_ += 10'000;
-  give_odometry(1.5);
-  EXPECT_EQ(bus_.last<nodmap::goal_t>("GOAL").position_m[0], 0.0);
-  stop(false);
-  utime_us_ += 10'000;
-  give_odometry(1.5);
-  EXPECT_EQ(bus_.last<nodmap::goal_t>("GOAL").position_m[0], 1.5);
-}
-
-TEST_F(ExplorerNodeTest, ANewMapEndsTheExplorationAndTheRobotStaysWhereItIs) {
-  give_map(7);
-  ask(true);
-  (void)give_pose();
-  give_map(8);
-  EXPECT_EQ(give_pose().state, nodmap::exploration_t::EXPLORING);
-  give_map(0);
-  const std::size_t num_goals = bus_.count("GOAL");
-  EXPECT_EQ(give_pose().reason, "The 2D map was restarted.");
-  // The old goal is a position in a map that no longer exists.
-  ASSERT_EQ(bus_.count("GOAL"), num_goals + 1);
-  const auto goal = bus_.last<nodmap::goal_t>("GOAL");
-  EXPECT_TRUE(goal.is_active);
-  EXPECT_EQ(goal.position_m[0], 0.0);
-  EXPECT_EQ(goal.position_m[1], 0.0);
-  (void)give_pose();
-  EXPECT_EQ(bus_.count("GOAL"), num_goals + 1);
 }
 
 // The tile's first cell is 2^31, which would be -2^31, far before the grid's memory.

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Which goal the robot has when an exploration starts and after it has ended.
+#include <gtest/gtest.h>
+
+#include "modules/explorer/test/explorer_node_fixture.hpp"
+
+namespace nodmap::explorer {
+namespace node_goal_test {
+
+using test::ExplorerNodeTest;
+
+TEST_F(ExplorerNodeTest, EndedByTheUserItLeavesTheRobotWhereItIs) {
+  give_map();
+  ask(true);
+  (void)give_pose();
+  ask(false);
+  const auto goal = bus_.last<nodmap::goal_t>("GOAL");
+  EXPECT_TRUE(goal.is_active);
+  EXPECT_EQ(goal.position_m[0], 0.0);
+  const auto exploration = give_pose();
+  EXPECT_EQ(exploration.state, nodmap::exploration_t::IDLE);
+  EXPECT_EQ(exploration.reason, "Ended by somebody.");
+}
+
+// It has driven 2 m since the last pose of 2D SLAM, 6 s ago.
+TEST_F(ExplorerNodeTest, EndedByTheUserItLeavesTheRobotWhereItIsByTheNewestOdometry) {
+  give_map();
+  ask(true);
+  (void)give_pose();
+  utime_us_ += 6'000'000;
+  give_odometry(2.0);
+  ask(false);
+  EXPECT_EQ(bus_.last<nodmap::goal_t>("GOAL").position_m[0], 2.0);
+}
+
+// A navigator that is started later would roam without a goal.
+TEST_F(ExplorerNodeTest, AfterItsEndTheGoalIsRepeatedUntilTheNavigatorHasIt) {
+  give_map();
+  ask(true);
+  (void)give_pose();
+  ask(false);
+  const auto goal = bus_.last<nodmap::goal_t>("GOAL");
+  std::size_t num_goals = bus_.count("GOAL");
+  for (int i = 0; i < 4; ++i) {
+    (void)give_pose();
+  }
+  EXPECT_EQ(bus_.count("GOAL"), num_goals + 2) << "in two seconds";
+  EXPECT_EQ(bus_.last<nodmap::goal_t>("GOAL").utime, goal.utime) << "it is the same goal";
+  const auto count_repetitions = [&](std::int64_t goal_utime) {
+    num_goals = bus_.count("GOAL");
+    for (int i = 0; i < 4; ++i) {
+      nodmap::navigation_t navigation{};
+      navigation.utime = utime_us_;
+      navigation.goal_utime = goal_utime;
+      bus_.deliver("NAVIGATION", navigation);
+      (void)give_pose();
+    }
+    return bus_.count("GOAL") - num_goals;
+  };
+  EXPECT_EQ(count_repetitions(goal.utime), 0U) << "the navigator has taken it";
+  utime_us_ += 5'000'000;
+  EXPECT_EQ(count_repetitions(0), 2U) << "a navigator that was silent has no goal";
+  EXPECT_EQ(count_repetitions(goal.utime), 0U);
+  EXPECT_EQ(count_repetitions(0), 0U) << "somebody has cancelled it";
+  utime_us_ += 5'000'000;
+  EXPECT_EQ(count_repetitions(0), 0U);
+}
+
+TEST_F(ExplorerNodeTest, AfterItsEndTheGoalOfAnotherSenderIsNotOverruled) {
+  give_map();
+  ask(true);
+  (void)give_pose();
+  ask(false);
+  const auto goal = bus_.last<nodmap::goal_t>("GOAL");
+  auto others = goal;
+  others.position_m[0] += 1.0;
+  bus_.deliver("GOAL", others);
+  const std::size_t num_goals = bus_.count("GOAL");
+  for (int i = 0; i < 4; ++i) {
+    (void)give_pose();
+  }
+  EXPECT_EQ(bus_.count("GOAL"), num_goals);
+}
+
+// The kept place is a position in a map that no longer exists.
+TEST_F(ExplorerNodeTest, ANewMapAfterItsEndRenewsThePlaceWhereTheRobotIs) {
+  give_map(7);
+  ask(true);
+  (void)give_pose();
+  ask(false);
+  give_map(0);
+  utime_us_ += 10'000;
+  give_odometry(1.5);
+  EXPECT_EQ(bus_.last<nodmap::goal_t>("GOAL").position_m[0], 1.5);
+}
+
+// Who asks for an exploration of what is known already must see that it has been started.
+TEST_F(ExplorerNodeTest, SaysThatItStartsBeforeTheFirstDecisionEndsIt) {
+  world_.add_wall({-0.5, -1.0}, {-0.5, 1.0});
+  world_.add_wall({5.0, -1.0}, {5.0, 1.0});
+  for (const double x : {0.0, 4.0}) {
+    for (int i = 0; i < 4; ++i) {
+      world_.scan({x, 0.0, 0.5 * geometry::kPi * i});
+    }
+  }
+  give_map();
+  (void)give_pose();
+  ask(true);
+  EXPECT_EQ(bus_.last<nodmap::exploration_t>("EXPLORATION").state,
+            nodmap::exploration_t::EXPLORING);
+  EXPECT_EQ(give_pose().state, nodmap::exploration_t::HOME);
+}
+
+// Meanwhile somebody may have moved the robot, which must not drive back.
+TEST_F(ExplorerNodeTest, ThePlaceWhereItEndedIsRenewedWhenTheRobotIsReleased) {
+  give_map();
+  ask(true);
+  (void)give_pose();
+  stop(true);
+  ask(false);
+  EXPECT_EQ(bus_.last<nodmap::goal_t>("GOAL").position_m[0], 0.0);
+  utime_us_ += 10'000;
+  give_odometry(1.5);
+  EXPECT_EQ(bus_.last<nodmap::goal_t>("GOAL").position_m[0], 0.0);
+  stop(false);
+  utime_us_ += 10'000;
+  give_odometry(1.5);
+  EXPECT_EQ(bus_.last<nodmap::goal_t>("GOAL").position_m[0], 1.5);
+}
+
+TEST_F(ExplorerNodeTest, ANewMapEndsTheExplorationAndTheRobotStaysWhereItIs) {
+  give_map(7);
+  ask(true);
+  (void)give_pose();
+  give_map(8);
+  EXPECT_EQ(give_pose().state, nodmap::exploration_t::EXPLORING);
+  give_map(0);
+  const std::size_t num_goals = bus_.count("GOAL");
+  EXPECT_EQ(give_pose().reason, "The 2D map was restarted.");
+  // The old goal is a position in a map that no longer exists.
+  ASSERT_EQ(bus_.count("GOAL"), num_goals + 1);
+  const auto goal = bus_.last<nodmap::goal_t>("GOAL");
+  EXPECT_TRUE(goal.is_active);
+  EXPECT_EQ(goal.position_m[0], 0.0);
+  EXPECT_EQ(goal.position_m[1], 0.0);
+  (void)give_pose();
+  EXPECT_EQ(bus_.count("GOAL"), num_goals + 1);
+}
+
+}  // namespace node_goal_test
+}  // namespace nodmap::explorer
