@@ -2,11 +2,16 @@
 #include "common/node/goal_sender.hpp"
 
 #include <algorithm>
+#include <utility>
+
+#include "common/node/messages.hpp"
 
 namespace nodmap::node {
 namespace {
 
 constexpr time::Duration kGoalPeriod = 1s;
+// A navigator that was silent for this long may have been started anew, and then has no goal.
+constexpr time::Duration kNavigatorSilence = 1s;
 
 }  // namespace
 
@@ -16,13 +21,40 @@ void GoalSender::set(nodmap::goal_t goal, time::Timestamp now) {
   goal.is_active = 1;
   goal_ = goal;
   own_.push_back(goal);
+  status_ = Status::kSent;
   publish(now);
 }
 
 void GoalSender::repeat_if_due(time::Timestamp now) {
-  if (published_ && time::is_due(now, published_, kGoalPeriod)) {
+  if (status_ != Status::kNone && status_ != Status::kOverruled &&
+      time::is_due(now, published_, kGoalPeriod)) {
     publish(now);
   }
+}
+
+bool GoalSender::take(const nodmap::goal_t& message) {
+  if (is_own(message)) {
+    return false;
+  }
+  if (status_ != Status::kNone) {
+    status_ = Status::kOverruled;
+  }
+  return true;
+}
+
+bool GoalSender::take(const nodmap::navigation_t& message) {
+  const time::Timestamp now = stamp_of(message);
+  const bool was_silent = time::is_due(now, std::exchange(reported_, now), kNavigatorSilence);
+  if (status_ == Status::kTaken && was_silent) {
+    status_ = Status::kSent;
+  }
+  const bool is_report_on_it = is_about(message.goal_utime);
+  if (is_report_on_it && status_ != Status::kOverruled) {
+    status_ = Status::kTaken;
+  } else if (!is_report_on_it && status_ == Status::kTaken) {
+    status_ = Status::kLeft;
+  }
+  return is_report_on_it;
 }
 
 void GoalSender::publish(time::Timestamp now) {

@@ -8,12 +8,22 @@
 #include "common/bus/bus.hpp"
 #include "common/geometry/time.hpp"
 #include "nodmap/goal_t.hpp"
+#include "nodmap/navigation_t.hpp"
 
 namespace nodmap::node {
 
-/// Publishes GOAL, and repeats it for a navigator that has missed it or was started later.
+/// Publishes GOAL, repeats it for a navigator that has missed it or was started later, and knows
+/// from GOAL and NAVIGATION what has become of it.
 class GoalSender {
  public:
+  enum class Status : std::uint8_t {
+    kNone,       ///< nothing was set yet
+    kSent,       ///< no navigator has reported on it; also if the one that had it was restarted
+    kTaken,      ///< the navigator drives to it, or has arrived
+    kLeft,       ///< the navigator had taken it and reports on another, whose GOAL was missed
+    kOverruled,  ///< another sender has set or cancelled a goal
+  };
+
   explicit GoalSender(bus::Bus& bus) : bus_(bus) {}
 
   /// Publishes a new goal. Sets its time, number and `is_active`. Its time is above that of the one
@@ -21,26 +31,35 @@ class GoalSender {
   /// it.
   void set(nodmap::goal_t goal, time::Timestamp now);
 
-  /// Publishes the present goal again once a second.
+  /// Publishes the present goal again once a second, unless another sender has overruled it.
   void repeat_if_due(time::Timestamp now);
 
-  /// Whether the navigator's report with this `goal_utime` is about the present goal.
+  /// Takes a GOAL; returns whether it is another sender's. The bus delivers our own as well.
+  bool take(const nodmap::goal_t& message);
+
+  /// Takes a report of the navigator; returns whether it is about the present goal.
+  bool take(const nodmap::navigation_t& message);
+
+  [[nodiscard]] Status status() const { return status_; }
+
+  /// Whether a report of the navigator with this `goal_utime` is about the present goal.
   [[nodiscard]] bool is_about(std::int64_t goal_utime) const {
     return published_ && goal_utime == goal_.utime;
   }
-
-  /// Whether this is one of the last goals that were set here; the bus delivers them to us as well.
-  [[nodiscard]] bool is_own(const nodmap::goal_t& message) const;
 
   /// How many messages were published.
   [[nodiscard]] std::int64_t num_published() const { return goal_.goal_seq; }
 
  private:
   void publish(time::Timestamp now);
+  // Whether this is one of the last goals that were set here.
+  [[nodiscard]] bool is_own(const nodmap::goal_t& message) const;
 
   bus::Bus& bus_;
+  Status status_ = Status::kNone;
   nodmap::goal_t goal_{};  // the present one, with the number of its next message
   std::optional<time::Timestamp> published_;
+  std::optional<time::Timestamp> reported_;  // stamp of the navigator's last report, on any goal
   boost::circular_buffer<nodmap::goal_t> own_{16};
 };
 

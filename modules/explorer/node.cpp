@@ -4,13 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <utility>
 
 #include "common/node/log.hpp"
 #include "common/node/messages.hpp"
 
 namespace nodmap::explorer {
 namespace {
+
+using node::GoalSender;
 
 constexpr time::Duration kDecisionPeriod = 500ms;
 // The least time between decisions, when the navigator has just arrived.
@@ -20,8 +21,6 @@ constexpr time::Duration kArrivalPeriod = 100ms;
 constexpr time::Duration kPoseTimeout = 5s;
 // The navigator says several times a second that there is no path, and nothing while it halts.
 constexpr time::Duration kPathTimeout = 1s;
-// A navigator that was silent for this long may have been started anew.
-constexpr time::Duration kNavigatorSilence = 1s;
 // A goal nearer to the last one than this counts as the same.
 constexpr double kSameGoalM = 0.05;
 // With this limit EXPLORATION stays far below 64 KiB.
@@ -96,7 +95,9 @@ void ExplorerNode::on_map(const nodmap::grid_chunk_t& message) {
     if (has_decided) {
       end("The 2D map was restarted.");
     }
-    if (has_decided || has_set_goal_) {
+    const GoalSender::Status status = goal_sender_.status();
+    if (has_decided || status == GoalSender::Status::kSent ||
+        status == GoalSender::Status::kTaken) {
       place_ = Place::kToBeKept;
     }
   }
@@ -135,10 +136,7 @@ void ExplorerNode::on_odometry(const nodmap::odometry_t& message) {
   }
   T_odom_base_ = geometry::to_se2(*T_odom_base);
   const time::Timestamp now = node::stamp_of(message);
-  if (has_set_goal_ && (explores() || !is_goal_taken_) && place_ != Place::kToBeKept &&
-      !stop_latch_.is_stopped()) {
-    goal_sender_.repeat_if_due(now);
-  }
+  repeat_goal(now);
   if (is_lost_ || !T_map_odom_ || time::is_due(now, posed_, kPoseTimeout)) {
     return;
   }
@@ -154,16 +152,9 @@ void ExplorerNode::on_odometry(const nodmap::odometry_t& message) {
 
 void ExplorerNode::on_navigation(const nodmap::navigation_t& message) {
   context_.counts.use();
-  const time::Timestamp now = node::stamp_of(message);
-  if (time::is_due(now, std::exchange(navigated_, now), kNavigatorSilence)) {
-    is_goal_taken_ = false;  // a navigator that was started anew has no goal
-  }
-  if (!goal_sender_.is_about(message.goal_utime)) {
-    // It had taken the goal, so somebody has set or cancelled one, which we have missed.
-    has_set_goal_ = has_set_goal_ && (explores() || !is_goal_taken_);
+  if (!goal_sender_.take(message)) {
     return;
   }
-  is_goal_taken_ = true;
   const bool has_arrived = message.behaviour == nodmap::navigation_t::ARRIVED;
   has_just_arrived_ = has_just_arrived_ || (has_arrived && !has_arrived_);
   has_arrived_ = has_arrived;
@@ -203,11 +194,10 @@ void ExplorerNode::on_explore(const nodmap::explore_t& message) {
 // A goal, or its cancellation, of another sender ends the exploration.
 void ExplorerNode::on_goal(const nodmap::goal_t& message) {
   context_.counts.use();
-  if (goal_sender_.is_own(message)) {
+  if (!goal_sender_.take(message)) {
     return;
   }
   place_ = Place::kFree;
-  has_set_goal_ = false;
   if (explorer_.state() != State::kIdle) {
     end("Another sender has set a goal.");
   }
@@ -248,6 +238,15 @@ void ExplorerNode::keep_place(time::Timestamp now) {
   place_ = Place::kKept;
 }
 
+// While it explores, the robot drives to its goals only. Afterwards a goal that the navigator has
+// taken is not repeated, because that would overrule somebody whose GOAL was missed.
+void ExplorerNode::repeat_goal(time::Timestamp now) {
+  const bool is_wanted = explores() || goal_sender_.status() == GoalSender::Status::kSent;
+  if (is_wanted && place_ != Place::kToBeKept && !stop_latch_.is_stopped()) {
+    goal_sender_.repeat_if_due(now);
+  }
+}
+
 void ExplorerNode::decide(time::Timestamp now) {
   if (stop_latch_.is_stopped() && explorer_.state() != State::kIdle) {
     Decision waits;
@@ -283,8 +282,6 @@ void ExplorerNode::send_goal(const Goal& goal, time::Timestamp now) {
     return;
   }
   goal_ = goal;
-  has_set_goal_ = true;
-  is_goal_taken_ = false;
   no_path_.reset();
   has_arrived_ = false;
   nodmap::goal_t message{};

@@ -60,6 +60,7 @@ class ExplorerNode final : public node::Node {
   void end(const std::string& reason);
   /// Sends the robot's present position as the goal, because without a goal the robot would roam.
   void keep_place(time::Timestamp now);
+  void repeat_goal(time::Timestamp now);
   void decide(time::Timestamp now);
   /// Where the robot is, as far as is known: by the newest odometry and the last pose, however old
   /// that is.
@@ -86,10 +87,7 @@ class ExplorerNode final : public node::Node {
 
   std::optional<time::Timestamp> decided_;
   node::GoalSender goal_sender_;
-  std::optional<Goal> goal_;    // the last one since the start
-  bool has_set_goal_ = false;   // the robot's goal is ours: nobody else has set one since
-  bool is_goal_taken_ = false;  // the navigator has reported on it
-  std::optional<time::Timestamp> navigated_;  // stamp of the navigator's last report
+  std::optional<Goal> goal_;  // the last one since the start
   std::int64_t num_decisions_ = 0;
   double seen_m2_ = 0.0;
 };

@@ -59,7 +59,7 @@ class Guide {
         route_(read_waypoints(arguments.coordinates_m), arguments.is_patrol,
                time::from_seconds(arguments.patience_s)) {
     bus_.subscribe<navigation_t>("NAVIGATION", [this](const navigation_t& m) {
-      if (!goal_sender_.is_about(m.goal_utime)) {
+      if (!goal_sender_.take(m)) {
         return;
       }
       obeyed_ = time::steady_now();
@@ -72,15 +72,14 @@ class Guide {
         tell(route_.take_path(m.state != path_t::NO_PATH, time::steady_now()));
       }
     });
-    bus_.subscribe<goal_t>("GOAL",
-                           [this](const goal_t& m) { is_overruled_ |= !goal_sender_.is_own(m); });
+    bus_.subscribe<goal_t>("GOAL", [this](const goal_t& m) { goal_sender_.take(m); });
   }
 
   // Returns the exit code.
   int run() {
     set_goal();
     obeyed_ = time::steady_now();
-    while (!route_.is_over() && !is_overruled_ && !node::stop_requested()) {
+    while (!route_.is_over() && !is_overruled() && !node::stop_requested()) {
       if (time::steady_now() - obeyed_ > time::from_seconds(arguments_.wait_s)) {
         std::cerr << "nodmap-goal: for " << arguments_.wait_s
                   << " s no nodmap-navigator has driven to this goal\n";
@@ -89,7 +88,7 @@ class Guide {
       goal_sender_.repeat_if_due(time::SystemClock().now());
       bus_.handle(kLongestWait);
     }
-    if (is_overruled_) {
+    if (is_overruled()) {
       std::cerr << "nodmap-goal: another process has sent a goal, and the robot now drives there\n";
     }
     return route_.is_over() && route_.num_missed() == 0 ? 0 : 1;
@@ -110,6 +109,10 @@ class Guide {
     decided_ = time::steady_now();
   }
 
+  [[nodiscard]] bool is_overruled() const {
+    return goal_sender_.status() == node::GoalSender::Status::kOverruled;
+  }
+
   // With a heading, --tolerance applies to the last waypoint only.
   [[nodiscard]] double tolerance_m(bool docks) const {
     if (docks) {
@@ -127,7 +130,7 @@ class Guide {
                                                   : " missed: there is no path, or it cannot dock")
               << std::endl;
     told_index_ = route_.index();
-    if (!route_.is_over() && !is_overruled_) {
+    if (!route_.is_over() && !is_overruled()) {
       set_goal();
     }
   }
@@ -139,7 +142,6 @@ class Guide {
   time::SteadyTime decided_{};
   time::SteadyTime obeyed_{};  // when the navigator last reported on this goal
   std::size_t told_index_ = 0;
-  bool is_overruled_ = false;
 };
 
 int run(const Arguments& arguments, const std::string& lcm_url) {

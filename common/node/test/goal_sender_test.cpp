@@ -8,6 +8,8 @@
 namespace nodmap::node {
 namespace goal_sender_test {
 
+using Status = GoalSender::Status;
+
 constexpr time::Timestamp kStart{1'700'000'000s};
 
 nodmap::goal_t goal_at(double x_m) {
@@ -20,6 +22,13 @@ nodmap::goal_t goal_at(double x_m) {
 class GoalSenderTest : public testing::Test {
  protected:
   [[nodiscard]] nodmap::goal_t last() const { return bus_.last<nodmap::goal_t>("GOAL"); }
+  // The navigator's report on a goal, `passed` after the start.
+  bool report(std::int64_t goal_utime, time::Duration passed) {
+    nodmap::navigation_t message{};
+    message.utime = time::to_utime(kStart + passed);
+    message.goal_utime = goal_utime;
+    return sender_.take(message);
+  }
 
   test::MemoryBus bus_;
   GoalSender sender_{bus_};
@@ -68,22 +77,62 @@ TEST_F(GoalSenderTest, AClockThatIsSetBackSilencesItForNoLongerThanTwoPeriods) {
 }
 
 // The bus delivers own messages after the next goal was set, too.
-TEST_F(GoalSenderTest, KnowsItsOwnGoals) {
+TEST_F(GoalSenderTest, OnlyAGoalOfAnotherSenderOverrulesIt) {
   sender_.set(goal_at(1.0), kStart);
   const nodmap::goal_t former = last();
   sender_.set(goal_at(2.0), kStart + 1s);
   sender_.repeat_if_due(kStart + 2s);
-  EXPECT_TRUE(sender_.is_own(former));
-  EXPECT_TRUE(sender_.is_own(last()));
-  nodmap::goal_t foreign = last();
-  foreign.position_m[1] = 0.1;
-  EXPECT_FALSE(sender_.is_own(foreign));
-  foreign = last();
-  foreign.is_active = 0;
-  EXPECT_FALSE(sender_.is_own(foreign));
-  foreign = last();
-  ++foreign.utime;
-  EXPECT_FALSE(sender_.is_own(foreign));
+  EXPECT_FALSE(sender_.take(former));
+  EXPECT_FALSE(sender_.take(last()));
+  EXPECT_EQ(sender_.status(), Status::kSent);
+  nodmap::goal_t elsewhere = last();
+  elsewhere.position_m[1] = 0.1;
+  nodmap::goal_t cancelled = last();
+  cancelled.is_active = 0;
+  nodmap::goal_t later = last();
+  ++later.utime;
+  for (const nodmap::goal_t& foreign : {elsewhere, cancelled, later}) {
+    sender_.set(goal_at(2.0), kStart + 3s);
+    EXPECT_TRUE(sender_.take(foreign));
+    EXPECT_EQ(sender_.status(), Status::kOverruled);
+    const std::size_t num_published = bus_.count("GOAL");
+    sender_.repeat_if_due(kStart + 10s);
+    EXPECT_EQ(bus_.count("GOAL"), num_published) << "it was overruled";
+  }
+}
+
+TEST_F(GoalSenderTest, WithoutAGoalNobodyOverrulesIt) {
+  EXPECT_TRUE(sender_.take(goal_at(1.0)));
+  EXPECT_EQ(sender_.status(), Status::kNone);
+}
+
+TEST_F(GoalSenderTest, KnowsFromReportsWhetherTheNavigatorHasTheGoal) {
+  sender_.set(goal_at(1.0), kStart);
+  const std::int64_t former = last().utime;
+  EXPECT_TRUE(report(former, 100ms));
+  EXPECT_EQ(sender_.status(), Status::kTaken);
+  sender_.set(goal_at(2.0), kStart + 200ms);
+  EXPECT_FALSE(report(former, 300ms));
+  EXPECT_EQ(sender_.status(), Status::kSent) << "it has not heard of it yet";
+  const std::int64_t present = last().utime;
+  EXPECT_TRUE(report(present, 400ms));
+  EXPECT_FALSE(report(0, 500ms));
+  EXPECT_EQ(sender_.status(), Status::kLeft) << "somebody has cancelled it";
+  EXPECT_TRUE(report(present, 600ms));
+  EXPECT_EQ(sender_.status(), Status::kTaken) << "it was repeated";
+  nodmap::goal_t foreign = goal_at(3.0);
+  sender_.take(foreign);
+  EXPECT_TRUE(report(present, 700ms));
+  EXPECT_EQ(sender_.status(), Status::kOverruled) << "it has not heard of the other yet";
+}
+
+TEST_F(GoalSenderTest, ANavigatorThatWasSilentMayHaveBeenStartedAnew) {
+  sender_.set(goal_at(1.0), kStart);
+  EXPECT_TRUE(report(last().utime, 100ms));
+  EXPECT_FALSE(report(0, 2s));
+  EXPECT_EQ(sender_.status(), Status::kSent);
+  EXPECT_TRUE(report(last().utime, 2100ms));
+  EXPECT_EQ(sender_.status(), Status::kTaken);
 }
 
 }  // namespace goal_sender_test
