@@ -105,11 +105,12 @@ function(nodmap_add_test_program name)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests)
 endfunction()
 
-# nodmap_add_test(NAME SOURCES x_test.cpp ... DEPENDS target ... [DEFINES NAME="value" ...] [DATA] [THREADS]): a test program,
-# each of whose tests is one of CTest's. DATA marks tests that read the recordings in NODMAP_DATA; they skip, and say so, where it
-# is missing. THREADS marks those that also run under ThreadSanitizer.
+# nodmap_add_test(NAME SOURCES x_test.cpp ... DEPENDS target ... [DEFINES NAME="value" ...] [DATA] [THREADS] [LONG]): a test
+# program, each of whose tests is one of CTest's. DATA marks tests that read the recordings in NODMAP_DATA; they skip, and say so, where
+# it is missing. THREADS marks those that also run under ThreadSanitizer. LONG marks whole drives: they begin before the short tests, so
+# that no processor waits for the last of them, and may take as long as a busy machine makes them.
 function(nodmap_add_test name)
-  cmake_parse_arguments(ARG "DATA;THREADS" "" "SOURCES;DEPENDS;DEFINES" ${ARGN})
+  cmake_parse_arguments(ARG "DATA;THREADS;LONG" "" "SOURCES;DEPENDS;DEFINES" ${ARGN})
   if(NOT NODMAP_TESTS)
     return()
   endif()
@@ -122,10 +123,16 @@ function(nodmap_add_test name)
     set(label ${label}-threads)  # a list does not survive gtest_discover_tests()
     add_dependencies(threaded_tests ${name})
   endif()
+  set(timeout_s 600)
+  set(cost 0)
+  if(ARG_LONG)
+    set(timeout_s 1800)
+    set(cost 1500)
+  endif()
   # memq:// keeps every test off the network, whatever it forgets to say.
   # Without the values of parameters, which print as bytes: they have names.
   gtest_discover_tests(${name} NO_PRETTY_VALUES DISCOVERY_TIMEOUT 60 PROPERTIES
-    LABELS ${label} TIMEOUT 600 ENVIRONMENT "LCM_DEFAULT_URL=memq://")
+    LABELS ${label} TIMEOUT ${timeout_s} COST ${cost} ENVIRONMENT "LCM_DEFAULT_URL=memq://")
 endfunction()
 
 # nodmap_test_starts(NAME program ...): the test program NAME, or CTest's test NAME, starts these programs. They are built before it, and
