@@ -18,9 +18,9 @@
 #include <vector>
 
 #include "common/geometry/angle.hpp"
+#include "modules/slam2d/group_relocaliser.hpp"
 #include "modules/slam2d/keyframe_grid.hpp"
 #include "modules/slam2d/known_map.hpp"
-#include "modules/slam2d/relocaliser.hpp"
 #include "sim/body/collision.hpp"
 #include "sim/body/rangefinder.hpp"
 #include "sim/world/world_name.hpp"
@@ -143,7 +143,7 @@ double cpu_ms() {
 void locate(const slam2d::KnownMap& map, Robot& robot, const SE2& first, std::size_t num_scans,
             Result& result) {
   const slam2d::Slam2dParams params;
-  const slam2d::Relocaliser relocaliser(params.relocalise, params.matcher);
+  const slam2d::GroupRelocaliser relocaliser(params.relocalise, params.matcher);
   std::vector<std::vector<OrientedPoint>> points;
   std::vector<slam2d::LevelScan> scans;
   SE2 pose = first;

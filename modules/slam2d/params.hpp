@@ -269,8 +269,6 @@ struct RelocaliserParams {
   double min_peak_ratio = 0.85;
   double min_score = 0.5;
   double min_misfit_ratio = 1.5;
-  double same_place_distance_m = 0.5;
-  double same_place_rotation_rad = geometry::deg_to_rad(21.0);
 
   template <class Visitor>
   void describe(Visitor& v) {
@@ -284,12 +282,6 @@ struct RelocaliserParams {
     v.number("min_misfit_ratio", min_misfit_ratio, {1.0, 100.0},
              "The robot also stays lost if the misfit (1 - score) of another place is less than "
              "this many times that of the best.");
-    v.number("same_place_distance_m", same_place_distance_m, {0.05, 5.0},
-             "Matches of successive scans, moved by odometry, agree on the place within this "
-             "distance. Odometry may be a quarter of a second late, at 2 m/s.");
-    v.angle("same_place_rotation_deg", same_place_rotation_rad, {1.0, 90.0},
-            "Matches of successive scans, moved by odometry, agree on the place within this "
-            "rotation: a quarter of a second at 1.5 rad/s.");
   }
 };
 

@@ -4,11 +4,11 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
 
-#include "modules/slam2d/best_place.hpp"
 #include "modules/slam2d/correlative_matcher.hpp"
 #include "modules/slam2d/known_map.hpp"
 #include "modules/slam2d/level_scan.hpp"
@@ -36,21 +36,6 @@ struct Relocalisation {
 /// the map there, and less was measured through walls, than at any other place.
 class Relocaliser {
  public:
-  Relocaliser(const RelocaliserParams& params, const MatcherParams& matcher);
-
-  /// Locates a single scan.
-  [[nodiscard]] Relocalisation locate(const KnownMap& map, const LevelScan& scan) const;
-
-  /// Locates a single scan that was taken in this part of the map.
-  [[nodiscard]] Relocalisation locate(const KnownMap& map, const SearchWindow& window,
-                                      const LevelScan& scan) const;
-
-  /// Locates the last of one or more successive scans. Each is placed on its own, and each place,
-  /// moved by odometry, is tried for the others, too. Together the scans distinguish places that
-  /// look alike to a single scan. A place that one of them contradicts is not believed.
-  [[nodiscard]] Relocalisation locate(const KnownMap& map, std::span<const LevelScan> scans) const;
-
- private:
   /// A pose at which a scan was matched.
   struct Place {
     geometry::SE2 T_map_base;
@@ -58,50 +43,37 @@ class Relocaliser {
     double wall_score = 0.0;   ///< tells how clear it is: noise in the map hardly changes it
     Eigen::Vector2d least_determined = Eigen::Vector2d::UnitX();  ///< direction, by the match
   };
-  /// Where one scan fits.
-  struct Places {
-    std::vector<Place> places;
+  /// Where a scan fits.
+  struct Candidates {
+    std::vector<Place> places = {};
     bool is_complete = true;  ///< false: it may fit elsewhere, too
-    Relocalisation alone;     ///< the result of this scan alone
   };
-  /// How one scan fits a place.
-  struct ScanFit {
-    std::optional<Place> match;  ///< as the scan matches near there, if it does
-    bool agrees = false;         ///< it fits there, and is not sure of another place
-    bool is_sure = false;        ///< it alone tells that this is the place
-  };
-  /// How all scans together fit a place of the last one.
-  struct JointFit {
-    Place place;           ///< as the last scan matches there; the mean scores of all
-    bool agrees = true;    ///< each scan fits there, and none is sure of another place
-    bool is_sure = false;  ///< one scan alone tells that this is the place
-  };
-  /// Whether two places are the same, apart from errors of odometry.
-  [[nodiscard]] bool agree(const geometry::SE2& a, const geometry::SE2& b) const;
-  /// The best of some places that agree with a pose.
-  [[nodiscard]] std::optional<Place> best_near(std::span<const Place> places,
-                                               const geometry::SE2& T_map_guess) const;
-  [[nodiscard]] Places find_places(const KnownMap& map, const SearchWindow& window,
-                                   const LevelScan& scan) const;
+  /// The wall score if the scan was taken at T_map_base.
+  using WallScore = std::function<double(const geometry::SE2&)>;
+
+  Relocaliser(const RelocaliserParams& params, const MatcherParams& matcher);
+
+  /// Locates a scan.
+  [[nodiscard]] Relocalisation locate(const KnownMap& map, const LevelScan& scan) const;
+  /// Locates a scan that was taken in this part of the map.
+  [[nodiscard]] Relocalisation locate(const KnownMap& map, const SearchWindow& window,
+                                      const LevelScan& scan) const;
+
+  // The steps of locate(), also for a GroupRelocaliser.
+
+  [[nodiscard]] Candidates find_places(const KnownMap& map, const SearchWindow& window,
+                                       const LevelScan& scan) const;
+  /// Matches from a pose that is known to be near.
   [[nodiscard]] std::optional<Place> match(const KnownMap& map, const LevelScan& scan,
-                                           const geometry::SE2& T_map_base) const;
+                                           const geometry::SE2& T_map_guess) const;
+  /// Chooses the best place, and decides whether it is believed.
+  [[nodiscard]] Relocalisation choose(const Candidates& found, const WallScore& wall_score) const;
   /// The index of the best of some places, which must not be empty.
   [[nodiscard]] static std::size_t best_of(std::span<const Place> places);
-  /// How well the scans fit a few decimetres from a place of the last scan.
-  [[nodiscard]] static double score_beside(const KnownMap& map, std::span<const LevelScan> scans,
-                                           const Place& place);
-  /// How well the scans fit the best place and elsewhere. `places`: of the last scan, not empty.
-  [[nodiscard]] static BestPlace compare(const KnownMap& map, std::span<const LevelScan> scans,
-                                         std::span<const Place> places);
-  [[nodiscard]] Relocalisation classify(const KnownMap& map, std::span<const LevelScan> scans,
-                                        std::span<const Place> places, bool is_complete) const;
-  [[nodiscard]] Relocalisation join(const KnownMap& map, std::span<const LevelScan> scans,
-                                    std::span<const Places> found) const;
-  [[nodiscard]] ScanFit fit(const KnownMap& map, const LevelScan& scan, const Places& found,
-                            const geometry::SE2& T_map_base) const;
-  [[nodiscard]] JointFit fit(const KnownMap& map, std::span<const LevelScan> scans,
-                             std::span<const Places> found, const geometry::SE2& T_map_last) const;
+  /// The best wall score a few decimetres beside a place.
+  [[nodiscard]] static double score_beside(const Place& place, const WallScore& wall_score);
 
+ private:
   RelocaliserParams params_;
   CorrelativeMatcher correlative_;
   ScanMatcher matcher_;

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "modules/slam2d/relocaliser.hpp"
+
+namespace nodmap::slam2d {
+
+/// Locates the last of one or more successive scans in a known map, for measurements. Each scan is
+/// placed on its own, and each place, moved by odometry, is tried for the others, too. Together the
+/// scans distinguish places that look alike to a single scan. A place that one of them contradicts
+/// is not believed.
+class GroupRelocaliser {
+ public:
+  GroupRelocaliser(const RelocaliserParams& params, const MatcherParams& matcher)
+      : params_(params), relocaliser_(params, matcher) {}
+
+  [[nodiscard]] Relocalisation locate(const KnownMap& map, std::span<const LevelScan> scans) const;
+
+ private:
+  using Place = Relocaliser::Place;
+
+  /// Where one scan fits.
+  struct Alone {
+    Relocaliser::Candidates fits;
+    Relocalisation result;
+  };
+  /// How one scan fits a place.
+  struct ScanFit {
+    std::optional<Place> match;  ///< as the scan matches near there, if it does
+    bool agrees = false;         ///< it fits there, and is not sure of another place
+    bool is_sure = false;        ///< it alone tells that this is the place
+  };
+  /// How all scans together fit a place of the last one.
+  struct GroupFit {
+    Place place;           ///< as the last scan matches there; the mean scores of all
+    bool agrees = true;    ///< each scan fits there, and none is sure of another place
+    bool is_sure = false;  ///< one scan alone tells that this is the place
+  };
+  [[nodiscard]] Relocalisation join(const KnownMap& map, std::span<const LevelScan> scans,
+                                    std::span<const Alone> alone) const;
+  [[nodiscard]] ScanFit fit(const KnownMap& map, const LevelScan& scan, const Alone& alone,
+                            const geometry::SE2& T_map_base) const;
+  [[nodiscard]] GroupFit fit(const KnownMap& map, std::span<const LevelScan> scans,
+                             std::span<const Alone> alone, const geometry::SE2& T_map_last) const;
+
+  RelocaliserParams params_;
+  Relocaliser relocaliser_;
+};
+
+}  // namespace nodmap::slam2d
