@@ -151,7 +151,6 @@ class Search {
   }
 
   void set_min_sum(int min_sum) { min_sum_ = min_sum; }
-  [[nodiscard]] std::size_t expanded() const { return expanded_; }
   [[nodiscard]] bool is_complete() const { return expanded_ < kMaxExpanded; }
   [[nodiscard]] double rotation_step_rad() const { return rotation_step_rad_; }
 
@@ -356,7 +355,6 @@ CorrelativeMatch CorrelativeMatcher::search(const LikelihoodGrid& grid,
     peaks.push_back(next);
     match.peaks.push_back({search.pose_of(next), next.bound / full});
   }
-  match.expanded = search.expanded();
   match.complete = search.is_complete();
   return match;
 }

@@ -35,8 +35,7 @@ struct CorrelativeMatch {
   /// The best pose first. Each further peak is the best pose that is not near an earlier peak.
   /// Peaks that score less than `max_runner_up_ratio` of the best are left out.
   std::vector<Peak> peaks;
-  std::size_t expanded = 0;  ///< nodes of the search, for its cost
-  bool complete = true;      ///< false: the search ended at its limit, and may have missed peaks
+  bool complete = true;  ///< false: the search ended at its limit, and may have missed peaks
 
   /// Whether the best pose was found, and no other comes near its score.
   [[nodiscard]] bool is_unique() const { return complete && peaks.size() == 1; }

@@ -101,7 +101,6 @@ LoopAttempt LoopCloser::search(std::size_t submap_index, const Submap& submap,
   const geometry::SE2& T_submap_found = found.peaks.front().T_target_base;
   const Match match = matcher_.match(submap.points, scan, T_submap_found);
   LoopAttempt attempt = this->attempt(match, T_submap_found, params_.search.min_inlier_ratio);
-  attempt.loop.submap = submap_index;
   // Along a degenerate direction the loop could be anywhere.
   if (match.degenerate_directions > 0) {
     attempt.state = LoopState::kLowScore;

@@ -150,14 +150,6 @@ void PointMap::add(const OrientedPoint& point) {
   }
 }
 
-void PointMap::refine(const OrientedPoint& point) {
-  if (is_finite(point)) {
-    find_neighbours(point);
-    refine_neighbours(point);
-    fit_changed_lines();
-  }
-}
-
 void PointMap::add_point(const OrientedPoint& point) {
   const auto added = static_cast<std::uint32_t>(points_.size());
   points_.push_back({point, point.p, Eigen::Vector2d::Zero()});

@@ -109,9 +109,6 @@ class PointMap {
   /// Adds a point, and updates the lines around it. Ignores a point that is not finite.
   void add(const OrientedPoint& point);
 
-  /// Updates the lines around a point, but does not add it. Ignores a point that is not finite.
-  void refine(const OrientedPoint& point);
-
   /// The nearest map point within `max_distance_m` whose normal differs by at most 60 degrees, so
   /// that the two sides of a thin wall stay apart; an unknown normal matches all. Null if there is
   /// none. Valid until the next `add` or `insert`.
@@ -176,8 +173,8 @@ class PointMap {
   /// Finds the map points whose lines a point belongs to. Returns whether any map point is within
   /// d_new.
   bool find_neighbours(const OrientedPoint& point);
-  /// As add() and refine(), but leave the lines as they were until fit_changed_lines(); after
-  /// find_neighbours().
+  /// Add a point, or only refine the lines around it; these stay as they were until
+  /// fit_changed_lines(). To be called after find_neighbours().
   void add_point(const OrientedPoint& point);
   void refine_neighbours(const OrientedPoint& point);
   void measure(std::uint32_t index, const Eigen::Vector2d& d);

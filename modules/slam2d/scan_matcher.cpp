@@ -180,7 +180,6 @@ void ScanMatcher::evaluate(const PointMap& map, std::span<const OrientedPoint> s
   const Correspondences correspondences = find_correspondences(
       map, scan, match.T_target_base, params_.min_correspondence_distance_m, remembered);
   const auto num_points = static_cast<double>(scan.size());
-  match.num_correspondences = correspondences.count;
   match.inlier_ratio = correspondences.count / num_points;
   match.score = correspondences.score_sum / num_points;
   const auto lines = correspondences.lines.solve(params_.min_information_ratio);

@@ -14,7 +14,6 @@ namespace nodmap::slam2d {
 /// known map.
 struct Match {
   geometry::SE2 T_target_base;
-  int num_correspondences = 0;
   double inlier_ratio = 0.0;  ///< fraction of the scan points with a correspondence
   double score = 0.0;         ///< mean weight w_ij of all scan points, 0 (none near the map) to 1
   double rms_m = 0.0;         ///< weighted distance of the correspondences

@@ -13,6 +13,8 @@ namespace nodmap::slam2d {
 namespace point_map_test {
 
 constexpr MapParams kParams{.line_radius_m = 0.25};
+// Points up to 10 cm from those of the map only refine its lines.
+constexpr MapParams kRefineParams{.new_point_distance_m = 0.1, .line_radius_m = 0.25};
 const Eigen::Vector2d kNoNormal = Eigen::Vector2d::Zero();
 
 std::vector<OrientedPoint> random_points(int count, unsigned seed, double half_size) {
@@ -244,7 +246,7 @@ TEST(PointMap, LinesDoNotDependOnThePositionOfTheMap) {
 TEST(PointMap, RepeatedScansOfAWallRefineItsLinesAndAddNoPoint) {
   std::mt19937 random(6);
   std::normal_distribution<double> noise(0.0, 0.01);
-  PointMap map(kParams);
+  PointMap map(kRefineParams);
   const auto scan_wall = [&](const auto& take) {
     for (int i = 0; i < 100; ++i) {
       take(OrientedPoint{{0.05 * i, 2.0 + noise(random)}, {0, -1}});
@@ -252,7 +254,7 @@ TEST(PointMap, RepeatedScansOfAWallRefineItsLinesAndAddNoPoint) {
   };
   scan_wall([&](const OrientedPoint& point) { map.add(point); });
   for (int i = 0; i < 49; ++i) {
-    scan_wall([&](const OrientedPoint& point) { map.refine(point); });
+    scan_wall([&](const OrientedPoint& point) { map.insert({&point, 1}); });
   }
   // 50 scans divide the standard deviations of one scan, 3 mm and 1.1 degrees, by 7. At the ends of
   // the wall the lines have half the points over half the length; the bounds are at least four
@@ -262,13 +264,15 @@ TEST(PointMap, RepeatedScansOfAWallRefineItsLinesAndAddNoPoint) {
 }
 
 TEST(PointMap, TheOtherSideOfAThinWallDoesNotChangeALine) {
-  PointMap map(kParams);
+  PointMap map(kRefineParams);
   for (int i = 0; i < 40; ++i) {
     map.add({{0.05 * i, 0.00}, {0, -1}});
   }
   for (int i = 0; i < 40; ++i) {
-    map.refine({{0.05 * i, 0.08}, {0, 1}});
+    const OrientedPoint other_side{{0.05 * i, 0.08}, {0, 1}};
+    map.insert({&other_side, 1});
   }
+  EXPECT_EQ(map.points().size(), 40U);
   for (const MapPoint& map_point : map.points()) {
     EXPECT_EQ(map_point.line_point.y(), 0.0);
   }
@@ -280,7 +284,9 @@ TEST(PointMap, IgnoresPointsThatAreNotFinite) {
   map.add({{0.0, std::numeric_limits<double>::infinity()}, kNoNormal});
   EXPECT_TRUE(map.points().empty());
   map.add({{0.0, 0.0}, {0, 1}});
-  map.refine({{std::numeric_limits<double>::quiet_NaN(), 0.0}, kNoNormal});
+  const OrientedPoint not_finite{{std::numeric_limits<double>::quiet_NaN(), 0.0}, kNoNormal};
+  map.insert({&not_finite, 1});
+  EXPECT_EQ(map.points().size(), 1U);
   EXPECT_EQ(map.points()[0].line_point, Eigen::Vector2d(0, 0));
 }
 
