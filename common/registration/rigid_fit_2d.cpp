@@ -11,9 +11,9 @@ constexpr double kRelativeRounding = 1e-12;
 
 }  // namespace
 
-RigidFit2d::Solution RigidFit2d::solve() const {
+std::optional<geometry::SE2> RigidFit2d::solve() const {
   if (correspondences_ < 2) {
-    return {Status::kTooFewCorrespondences, {}};
+    return std::nullopt;
   }
   const Eigen::Vector2d c_model = model_ / weight_;
   const Eigen::Vector2d c_data = data_ / weight_;
@@ -21,7 +21,7 @@ RigidFit2d::Solution RigidFit2d::solve() const {
   const double data_spread = data_squared_ - weight_ * c_data.squaredNorm();
   if (!(model_spread > kRelativeRounding * model_squared_) ||
       !(data_spread > kRelativeRounding * data_squared_)) {
-    return {Status::kNoExtent, {}};
+    return std::nullopt;
   }
   // The rotation between the centred point sets, then the translation between their centroids.
   const double yaw =
@@ -30,7 +30,7 @@ RigidFit2d::Solution RigidFit2d::solve() const {
   const Eigen::Vector2d translation = c_model + reference_ - fit * (c_data + reference_);
   fit.x = translation.x();
   fit.y = translation.y();
-  return {Status::kOk, fit};
+  return fit;
 }
 
 }  // namespace nodmap::registration

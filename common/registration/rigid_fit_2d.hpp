@@ -2,7 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cstdint>
+#include <optional>
 #include <utility>
 
 #include "common/geometry/se2.hpp"
@@ -17,17 +17,6 @@ namespace nodmap::registration {
 /// determine the transform unless they all coincide; in space they do not determine it.
 class RigidFit2d {
  public:
-  enum class Status : std::uint8_t {
-    kOk,
-    kTooFewCorrespondences,  ///< fewer than two of positive weight
-    kNoExtent,               ///< all points of one side coincide: every rotation fits equally well
-  };
-
-  struct Solution {
-    Status status = Status::kTooFewCorrespondences;
-    geometry::SE2 T_model_data;  ///< R and dt of Eq. 3; identity unless the status is kOk
-  };
-
   /// `reference`: a point near the data, metres. Sums are taken relative to it, which keeps their
   /// precision far from the origin; it has no other effect on the solution.
   explicit RigidFit2d(Eigen::Vector2d reference = Eigen::Vector2d::Zero())
@@ -51,7 +40,9 @@ class RigidFit2d {
     cross_ += weight * cross(d, m);
   }
 
-  [[nodiscard]] Solution solve() const;
+  /// R and dt of Eq. 3 (T_model_data). Empty with fewer than two correspondences, or if all points
+  /// of one side coincide: then every rotation fits equally well.
+  [[nodiscard]] std::optional<geometry::SE2> solve() const;
 
  private:
   [[nodiscard]] static double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {

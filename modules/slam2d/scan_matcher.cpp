@@ -128,10 +128,9 @@ Eigen::Vector3d ScanMatcher::step(const Correspondences& correspondences,
   if (uses_lines(max_distance_m)) {
     return lines.step;
   }
-  const auto fit = correspondences.points.solve();
-  const geometry::SE2 T_next = fit.T_model_data * T_target_base;
-  const Eigen::Vector3d step(T_next.x - T_target_base.x, T_next.y - T_target_base.y,
-                             fit.T_model_data.yaw);
+  const geometry::SE2 fit = correspondences.points.solve().value_or(geometry::SE2{});
+  const geometry::SE2 T_next = fit * T_target_base;
+  const Eigen::Vector3d step(T_next.x - T_target_base.x, T_next.y - T_target_base.y, fit.yaw);
   return lines.projector * step;
 }
 
