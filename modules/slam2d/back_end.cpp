@@ -23,8 +23,8 @@ constexpr std::size_t kMinOptimiseEvery = 3;
 constexpr std::size_t kSubmapsPerKeyframe = 40;
 constexpr double kSigmas = 3.0;
 // Where the graph knows a pose to within this, a match finds the place without a search.
-constexpr double kTrackDistanceM = 0.35;
-constexpr double kTrackRotationRad = 0.1;
+constexpr double kCertainDistanceM = 0.35;
+constexpr double kCertainRotationRad = 0.1;
 // 99.9 % of correct loops are below this (chi-squared, three degrees of freedom).
 constexpr double kMaxLoopChiSquared = 16.3;
 // Views from farther apart have less in common, and occlusion hides more.
@@ -110,7 +110,7 @@ void BackEnd::close_loops() {
     if (near.distance_m > match_distance_m + reach_m) {
       continue;
     }
-    if (reach_m <= kTrackDistanceM && reach_rad <= kTrackRotationRad) {
+    if (reach_m <= kCertainDistanceM && reach_rad <= kCertainRotationRad) {
       if (tracked < kMaxTracked) {
         ++tracked;
         track_loop(near.submap, scan);
@@ -171,8 +171,8 @@ void BackEnd::search_loop(std::size_t submap_index, std::span<const OrientedPoin
   const Submap& submap = submaps()[submap_index];
   const SearchWindow window{
       submap.T_map_submap.inverse() * keyframes().back().T_map_base,
-      std::min(std::max(reach_m, kTrackDistanceM), params_.loop.search.max_distance_m),
-      std::min(std::max(reach_rad, kTrackRotationRad), params_.loop.search.max_rotation_rad)};
+      std::min(std::max(reach_m, kCertainDistanceM), params_.loop.search.max_distance_m),
+      std::min(std::max(reach_rad, kCertainRotationRad), params_.loop.search.max_rotation_rad)};
   ++metrics_.searches;
   LoopAttempt attempt = closer_.search(submap_index, submap, scan, window);
   attempt.loop.submap = submap_index;

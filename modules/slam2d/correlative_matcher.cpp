@@ -292,7 +292,7 @@ bool is_near(const Node& node, const Node& peak, double distance_cells, double r
 }
 
 // At most `kMaxSearchPoints` of the points, spread over all.
-std::vector<Eigen::Vector2d> some_of(std::span<const Eigen::Vector2d> points) {
+std::vector<Eigen::Vector2d> points_to_sum(std::span<const Eigen::Vector2d> points) {
   const std::size_t num_points = std::min(points.size(), kMaxSearchPoints);
   std::vector<Eigen::Vector2d> some;
   some.reserve(num_points);
@@ -334,7 +334,7 @@ CorrelativeMatch CorrelativeMatcher::search(const LikelihoodGrid& grid,
   if (points_base.empty()) {
     return match;
   }
-  const std::vector<Eigen::Vector2d> points = some_of(points_base);
+  const std::vector<Eigen::Vector2d> points = points_to_sum(points_base);
   const double full = 255.0 * static_cast<double>(points.size());
   Search search(grid, points, window);
   search.begin(static_cast<int>(params_.min_score * full), params_.max_runner_up_ratio);

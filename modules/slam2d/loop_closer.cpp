@@ -12,8 +12,8 @@ constexpr double kSearchCellM = 0.1;
 constexpr double kGridRangeM = 25.0;
 constexpr std::size_t kCachedGrids = 24;
 // A match is refused when it ends farther than this from the pose it started from.
-constexpr double kTrackDistanceM = 0.5;
-constexpr double kTrackRotationRad = 0.15;
+constexpr double kMaxMatchShiftM = 0.5;
+constexpr double kMaxMatchShiftRad = 0.15;
 constexpr double kTrackReachM = 0.4;
 
 double rotation_between(const geometry::SE2& a, const geometry::SE2& b) {
@@ -41,8 +41,8 @@ LoopAttempt LoopCloser::attempt(const Match& match, const geometry::SE2& T_subma
   attempt.loop.information = match.information;
   if (match.found() && match.inlier_ratio >= min_inlier_ratio &&
       match.score >= params_.match.min_score * match.inlier_ratio &&
-      geometry::distance_m(T_submap_base, T_submap_base_start) <= kTrackDistanceM &&
-      rotation_between(T_submap_base, T_submap_base_start) <= kTrackRotationRad) {
+      geometry::distance_m(T_submap_base, T_submap_base_start) <= kMaxMatchShiftM &&
+      rotation_between(T_submap_base, T_submap_base_start) <= kMaxMatchShiftRad) {
     attempt.state = LoopState::kAccepted;
   }
   return attempt;

@@ -27,7 +27,7 @@ constexpr double kDeviationCost = 0.25;
 constexpr double kRounding = 1e-9;
 
 // A part of the points, spread over the scan.
-std::vector<OrientedPoint> some_of(std::span<const OrientedPoint> scan) {
+std::vector<OrientedPoint> points_to_score(std::span<const OrientedPoint> scan) {
   const std::size_t stride = std::max<std::size_t>(1, scan.size() / kNumPoints);
   std::vector<OrientedPoint> some;
   for (std::size_t i = 0; i < scan.size(); i += stride) {
@@ -126,7 +126,7 @@ std::vector<PoseSearch::Candidate> PoseSearch::poses_around(
 std::vector<geometry::SE2> PoseSearch::candidates(const PointMap& map,
                                                   std::span<const OrientedPoint> scan,
                                                   std::span<const geometry::SE2> guesses) const {
-  const std::vector<OrientedPoint> some = some_of(scan);
+  const std::vector<OrientedPoint> some = points_to_score(scan);
   const auto is_worse = [](const Candidate& a, const Candidate& b) {
     return a.score != b.score ? a.score < b.score : a.order > b.order;
   };

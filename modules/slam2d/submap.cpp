@@ -12,7 +12,7 @@ namespace {
 constexpr double kOnePlaceM = 0.75;
 constexpr double kOnePlaceRad = geometry::deg_to_rad(30.0);
 
-bool is_same_place(const geometry::SE2& a, const geometry::SE2& b) {
+bool shows_the_same(const geometry::SE2& a, const geometry::SE2& b) {
   return (a.translation() - b.translation()).squaredNorm() <= kOnePlaceM * kOnePlaceM &&
          std::abs(geometry::angle_difference(a.yaw, b.yaw)) <= kOnePlaceRad;
 }
@@ -21,7 +21,7 @@ bool is_same_place(const geometry::SE2& a, const geometry::SE2& b) {
 bool is_replaced(std::span<const Keyframe> keyframes, std::size_t keyframe, int num_newer) {
   int found = 0;
   for (std::size_t k = keyframes.size(); k-- > keyframe + 1 && found < num_newer;) {
-    found += is_same_place(keyframes[k].T_map_base, keyframes[keyframe].T_map_base) ? 1 : 0;
+    found += shows_the_same(keyframes[k].T_map_base, keyframes[keyframe].T_map_base) ? 1 : 0;
   }
   return found >= num_newer;
 }
