@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <span>
 
-#include "modules/slam2d/correlative_matcher.hpp"
+#include "modules/slam2d/correlative_match.hpp"
 
 namespace nodmap::slam2d {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "common/geometry/se2.hpp"
-#include "modules/slam2d/correlative_matcher.hpp"
+#include "modules/slam2d/correlative_match.hpp"
 #include "modules/slam2d/occupancy_grid.hpp"
 #include "modules/slam2d/params.hpp"
 #include "modules/slam2d/point_map.hpp"

@@ -82,10 +82,10 @@ const LikelihoodGrid& LoopCloser::grid_of(std::size_t submap_index, const Submap
 CorrelativeMatch LoopCloser::find(std::size_t submap_index, const Submap& submap,
                                   std::span<const OrientedPoint> scan, const SearchWindow& window,
                                   double min_score, std::size_t max_places) {
-  LoopSearchParams params = params_.search;
-  params.min_score = min_score;
-  return CorrelativeMatcher(params).search(grid_of(submap_index, submap), points_to_search(scan),
-                                           window, max_places);
+  return match_in_window(grid_of(submap_index, submap), points_to_search(scan), window,
+                         {.min_score = min_score,
+                          .min_peak_ratio = params_.search.max_runner_up_ratio,
+                          .max_peaks = max_places});
 }
 
 LoopAttempt LoopCloser::search(std::size_t submap_index, const Submap& submap,

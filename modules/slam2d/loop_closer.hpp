@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "modules/slam2d/correlative_matcher.hpp"
+#include "modules/slam2d/correlative_match.hpp"
 #include "modules/slam2d/params.hpp"
 #include "modules/slam2d/scan_matcher.hpp"
 #include "modules/slam2d/submap.hpp"

@@ -21,10 +21,6 @@ constexpr double kMinCorrespondenceDistanceM = 0.15;  // wrong places fit only r
 // nearer is right.
 constexpr std::array kBesideM{-0.45, -0.35, -0.25, 0.25, 0.35, 0.45};
 
-LoopSearchParams search_params(const RelocaliserParams& params) {
-  return {.min_score = params.min_search_score, .max_runner_up_ratio = params.min_peak_ratio};
-}
-
 MatcherParams matcher_params(MatcherParams params) {
   params.max_correspondence_distance_m =
       std::min(params.max_correspondence_distance_m, kMaxCorrespondenceDistanceM);
@@ -36,7 +32,7 @@ MatcherParams matcher_params(MatcherParams params) {
 }  // namespace
 
 Relocaliser::Relocaliser(const RelocaliserParams& params, const MatcherParams& matcher)
-    : params_(params), correlative_(search_params(params)), matcher_(matcher_params(matcher)) {}
+    : params_(params), matcher_(matcher_params(matcher)) {}
 
 Relocalisation Relocaliser::locate(const KnownMap& map, const LevelScan& scan) const {
   return locate(map, map.window(), scan);
@@ -52,7 +48,10 @@ Relocalisation Relocaliser::locate(const KnownMap& map, const SearchWindow& wind
 Relocaliser::Candidates Relocaliser::find_places(const KnownMap& map, const SearchWindow& window,
                                                  const LevelScan& scan) const {
   const CorrelativeMatch search =
-      correlative_.search(map.likelihood(), points_to_search(scan.points_base), window, kMaxPeaks);
+      match_in_window(map.likelihood(), points_to_search(scan.points_base), window,
+                      {.min_score = params_.min_search_score,
+                       .min_peak_ratio = params_.min_peak_ratio,
+                       .max_peaks = kMaxPeaks});
   Candidates found{.is_complete = search.complete && search.peaks.size() < kMaxPeaks};
   for (const Peak& peak : search.peaks) {
     if (const std::optional<Place> place = match(map, scan, peak.T_target_base)) {

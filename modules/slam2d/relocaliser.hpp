@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "modules/slam2d/correlative_matcher.hpp"
+#include "modules/slam2d/correlative_match.hpp"
 #include "modules/slam2d/known_map.hpp"
 #include "modules/slam2d/level_scan.hpp"
 #include "modules/slam2d/params.hpp"
@@ -75,7 +75,6 @@ class Relocaliser {
 
  private:
   RelocaliserParams params_;
-  CorrelativeMatcher correlative_;
   ScanMatcher matcher_;
 };
 

@@ -9,7 +9,6 @@
 #include "common/geometry/se2.hpp"
 #include "modules/slam2d/likelihood_grid.hpp"
 #include "modules/slam2d/oriented_points.hpp"
-#include "modules/slam2d/params.hpp"
 
 namespace nodmap::slam2d {
 
@@ -33,7 +32,6 @@ struct Peak {
 
 struct CorrelativeMatch {
   /// The best pose first. Each further peak is the best pose that is not near an earlier peak.
-  /// Peaks that score less than `max_runner_up_ratio` of the best are left out.
   std::vector<Peak> peaks;
   bool complete = true;  ///< false: the search ended at its limit, and may have missed peaks
 
@@ -41,26 +39,25 @@ struct CorrelativeMatch {
   [[nodiscard]] bool is_unique() const { return complete && peaks.size() == 1; }
 };
 
+/// What a search returns.
+struct SearchLimits {
+  double min_score = 0.0;  ///< of each pose
+  /// Poses that score less than this ratio of the best are left out.
+  double min_peak_ratio = 0.0;
+  std::size_t max_peaks = 2;
+};
+
 /// Finds the pose of a scan in a map without a good guess: the best of all poses in a window, one
 /// cell apart and rotated in steps that move the farthest point by one cell (Olson 2009). Branch
 /// and bound (Hess et al. 2016, section V-B) finds the same pose as trying all of them.
-class CorrelativeMatcher {
- public:
-  explicit CorrelativeMatcher(const LoopSearchParams& params) : params_(params) {}
+/// `points_base`: the points of the scan, in base.
+[[nodiscard]] CorrelativeMatch match_in_window(const LikelihoodGrid& grid,
+                                               std::span<const Eigen::Vector2d> points_base,
+                                               const SearchWindow& window,
+                                               const SearchLimits& limits);
 
-  /// Returns the best poses in the window, at most `max_peaks`, each with a score of at least
-  /// `min_score`. `points_base`: the points of the scan, in base.
-  [[nodiscard]] CorrelativeMatch search(const LikelihoodGrid& grid,
-                                        std::span<const Eigen::Vector2d> points_base,
-                                        const SearchWindow& window,
-                                        std::size_t max_peaks = 2) const;
-
-  /// The angle between neighbouring poses, in which the farthest point moves by one cell.
-  [[nodiscard]] static double rotation_step_rad(std::span<const Eigen::Vector2d> points_base,
-                                                double cell_size_m);
-
- private:
-  LoopSearchParams params_;
-};
+/// The angle between neighbouring poses, in which the farthest point moves by one cell.
+[[nodiscard]] double rotation_step_rad(std::span<const Eigen::Vector2d> points_base,
+                                       double cell_size_m);
 
 }  // namespace nodmap::slam2d

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "modules/slam2d/correlative_matcher.hpp"
+#include "modules/slam2d/correlative_match.hpp"
 
 #include <algorithm>
 #include <boost/container/static_vector.hpp>
@@ -93,7 +93,7 @@ class Search {
         window_(window),
         middle_(grid.cell_of(window.T_target_base.translation())),
         queue_(255 * static_cast<int>(points_base.size())) {
-    rotation_step_rad_ = CorrelativeMatcher::rotation_step_rad(points_base, grid.cell_size_m());
+    rotation_step_rad_ = slam2d::rotation_step_rad(points_base, grid.cell_size_m());
     rotations_ = static_cast<int>(std::ceil(window.rotation_rad / rotation_step_rad_));
     steps_ = static_cast<int>(std::ceil(window.distance_m / grid.cell_size_m()));
     allowed_chunks_ = allowed_chunks();
@@ -317,8 +317,7 @@ std::vector<Eigen::Vector2d> points_to_search(std::span<const OrientedPoint> sca
   return points;
 }
 
-double CorrelativeMatcher::rotation_step_rad(std::span<const Eigen::Vector2d> points_base,
-                                             double cell_size_m) {
+double rotation_step_rad(std::span<const Eigen::Vector2d> points_base, double cell_size_m) {
   double moment_arm_m = 1.0;
   for (const Eigen::Vector2d& p : points_base) {
     moment_arm_m = std::max(moment_arm_m, p.norm());
@@ -326,10 +325,9 @@ double CorrelativeMatcher::rotation_step_rad(std::span<const Eigen::Vector2d> po
   return cell_size_m / std::min(moment_arm_m, kMaxMomentArmM);
 }
 
-CorrelativeMatch CorrelativeMatcher::search(const LikelihoodGrid& grid,
-                                            std::span<const Eigen::Vector2d> points_base,
-                                            const SearchWindow& window,
-                                            std::size_t max_peaks) const {
+CorrelativeMatch match_in_window(const LikelihoodGrid& grid,
+                                 std::span<const Eigen::Vector2d> points_base,
+                                 const SearchWindow& window, const SearchLimits& limits) {
   CorrelativeMatch match;
   if (points_base.empty()) {
     return match;
@@ -337,10 +335,10 @@ CorrelativeMatch CorrelativeMatcher::search(const LikelihoodGrid& grid,
   const std::vector<Eigen::Vector2d> points = points_to_sum(points_base);
   const double full = 255.0 * static_cast<double>(points.size());
   Search search(grid, points, window);
-  search.begin(static_cast<int>(params_.min_score * full), params_.max_runner_up_ratio);
+  search.begin(static_cast<int>(limits.min_score * full), limits.min_peak_ratio);
   const double near_cells = kPeakDistanceM / grid.cell_size_m();
   std::vector<Node> peaks;
-  while (peaks.size() < max_peaks) {
+  while (peaks.size() < limits.max_peaks) {
     const Node next = search.next_pose([&](const Node& node) {
       return std::any_of(peaks.begin(), peaks.end(), [&](const Node& peak) {
         return is_near(node, peak, near_cells, search.rotation_step_rad());
@@ -350,7 +348,7 @@ CorrelativeMatch CorrelativeMatcher::search(const LikelihoodGrid& grid,
       break;
     }
     if (peaks.empty()) {
-      search.set_min_sum(static_cast<int>(params_.max_runner_up_ratio * next.bound));
+      search.set_min_sum(static_cast<int>(limits.min_peak_ratio * next.bound));
     }
     peaks.push_back(next);
     match.peaks.push_back({search.pose_of(next), next.bound / full});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "modules/slam2d/correlative_matcher.hpp"
+#include "modules/slam2d/correlative_match.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,12 +9,13 @@
 #include <random>
 
 namespace nodmap::slam2d {
-namespace correlative_matcher_test {
+namespace correlative_match_test {
 
 using geometry::SE2;
 using Points = std::vector<Eigen::Vector2d>;
 
 constexpr double kCellM = 0.1;
+constexpr SearchLimits kLimits{.min_score = 0.5, .min_peak_ratio = 0.9};
 
 void add_wall(Points& points, const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
   const double length = (to - from).norm();
@@ -47,7 +48,7 @@ Points seen_from(const SE2& T_map_base, const Points& map) {
 // The best score of all poses in the window.
 double exhaustive_score(const LikelihoodGrid& grid, const Points& scan,
                         const SearchWindow& window) {
-  const double step_rad = CorrelativeMatcher::rotation_step_rad(scan, grid.cell_size_m());
+  const double step_rad = rotation_step_rad(scan, grid.cell_size_m());
   const int rotations = static_cast<int>(std::ceil(window.rotation_rad / step_rad));
   const int steps = static_cast<int>(std::ceil(window.distance_m / grid.cell_size_m()));
   int best = 0;
@@ -87,10 +88,9 @@ TEST(LikelihoodGrid, EachLevelHoldsTheLargestValueOfItsWindow) {
 }
 
 // The oracle is an exhaustive search: branch and bound must not miss its best score.
-TEST(CorrelativeMatcher, FindsTheBestScoreOfAnExhaustiveSearch) {
+TEST(CorrelativeMatch, FindsTheBestScoreOfAnExhaustiveSearch) {
   const Points map = room();
   const LikelihoodGrid grid(map, kCellM, 50.0);
-  const CorrelativeMatcher matcher({.min_score = 0.1});
   std::mt19937 random(1);
   std::uniform_real_distribution<double> metres(-1.2, 1.2);
   std::normal_distribution<double> noise(0.0, 0.05);
@@ -104,18 +104,19 @@ TEST(CorrelativeMatcher, FindsTheBestScoreOfAnExhaustiveSearch) {
                                truth.yaw + 0.2 * metres(random)},
                               1.0,
                               0.3};
-    const CorrelativeMatch match = matcher.search(grid, scan, window);
+    const CorrelativeMatch match =
+        match_in_window(grid, scan, window, {.min_score = 0.1, .min_peak_ratio = 0.9});
     ASSERT_FALSE(match.peaks.empty());
     EXPECT_NEAR(match.peaks[0].score, exhaustive_score(grid, scan, window), 1e-12);
   }
 }
 
-TEST(CorrelativeMatcher, FindsThePoseToWithinACell) {
+TEST(CorrelativeMatch, FindsThePoseToWithinACell) {
   const Points map = room();
   const LikelihoodGrid grid(map, kCellM, 50.0);
   const SE2 truth{1.3, 0.4, 2.0};
   const CorrelativeMatch match =
-      CorrelativeMatcher({}).search(grid, seen_from(truth, map), {{0.0, 0.0, 0.0}, 3.0, 3.1});
+      match_in_window(grid, seen_from(truth, map), {{0.0, 0.0, 0.0}, 3.0, 3.1}, kLimits);
   ASSERT_TRUE(match.is_unique());
   EXPECT_NEAR(match.peaks[0].T_target_base.x, truth.x, kCellM);
   EXPECT_NEAR(match.peaks[0].T_target_base.y, truth.y, kCellM);
@@ -124,7 +125,7 @@ TEST(CorrelativeMatcher, FindsThePoseToWithinACell) {
 }
 
 // An oblong room looks the same when rotated by 180 degrees.
-TEST(CorrelativeMatcher, ASymmetricRoomIsAmbiguous) {
+TEST(CorrelativeMatch, ASymmetricRoomIsAmbiguous) {
   Points map;
   add_wall(map, {-4, -3}, {4, -3});
   add_wall(map, {4, -3}, {4, 3});
@@ -132,14 +133,14 @@ TEST(CorrelativeMatcher, ASymmetricRoomIsAmbiguous) {
   add_wall(map, {-4, 3}, {-4, -3});
   const LikelihoodGrid grid(map, kCellM, 50.0);
   const CorrelativeMatch match =
-      CorrelativeMatcher({}).search(grid, seen_from({0.5, 0.3, 0.2}, map), {{}, 1.0, 3.14});
+      match_in_window(grid, seen_from({0.5, 0.3, 0.2}, map), {{}, 1.0, 3.14}, kLimits);
   ASSERT_EQ(match.peaks.size(), 2U);
   EXPECT_NEAR(std::abs(geometry::angle_difference(match.peaks[0].T_target_base.yaw,
                                                   match.peaks[1].T_target_base.yaw)),
               geometry::kPi, 0.05);  // two steps of rotation
 }
 
-TEST(CorrelativeMatcher, PlacesAlongACorridorAreAmbiguous) {
+TEST(CorrelativeMatch, PlacesAlongACorridorAreAmbiguous) {
   Points map;
   add_wall(map, {-20, -1}, {20, -1});
   add_wall(map, {-20, 1}, {20, 1});
@@ -147,15 +148,14 @@ TEST(CorrelativeMatcher, PlacesAlongACorridorAreAmbiguous) {
   Points scan;
   add_wall(scan, {-5, -1}, {5, -1});
   add_wall(scan, {-5, 1}, {5, 1});
-  const CorrelativeMatch match = CorrelativeMatcher({}).search(grid, scan, {{}, 3.0, 0.3});
+  const CorrelativeMatch match = match_in_window(grid, scan, {{}, 3.0, 0.3}, kLimits);
   EXPECT_EQ(match.peaks.size(), 2U);
 }
 
-TEST(CorrelativeMatcher, NothingIsFoundWithoutPointsOrOutsideTheGrid) {
+TEST(CorrelativeMatch, NothingIsFoundWithoutPointsOrOutsideTheGrid) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  const CorrelativeMatcher matcher({});
   const auto is_found = [&](const LikelihoodGrid& grid, const Points& scan) {
-    return !matcher.search(grid, scan, {{}, 1.0, 0.1}).peaks.empty();
+    return !match_in_window(grid, scan, {{}, 1.0, 0.1}, kLimits).peaks.empty();
   };
   EXPECT_FALSE(is_found(LikelihoodGrid({}, kCellM, 50.0), room()));
   const LikelihoodGrid grid(Points{{0.0, 0.0}, {kNan, 1.0}, {1.0, 0.0}}, kCellM, 50.0);
@@ -188,12 +188,12 @@ TEST(LikelihoodGrid, BoundsOfManyWindowsAreNoLowerThanTheirSums) {
 }
 
 // The pose is at both ends of the window, half a turn from the guess.
-TEST(CorrelativeMatcher, APoseHalfATurnFromTheGuessIsUnique) {
+TEST(CorrelativeMatch, APoseHalfATurnFromTheGuessIsUnique) {
   const Points map = room();
   const LikelihoodGrid grid(map, kCellM, 50.0);
   const SE2 truth{0.5, -0.3, geometry::kPi};
   const CorrelativeMatch match =
-      CorrelativeMatcher({}).search(grid, seen_from(truth, map), {{}, 2.0, geometry::kPi});
+      match_in_window(grid, seen_from(truth, map), {{}, 2.0, geometry::kPi}, kLimits);
   ASSERT_TRUE(match.is_unique());
   EXPECT_LT(geometry::distance_m(match.peaks[0].T_target_base, truth), 2.0 * kCellM);
 }
@@ -213,11 +213,11 @@ TEST(LikelihoodGrid, OnlyAllowedPlacesAreFound) {
   }
   const LikelihoodGrid grid(map, kCellM, left);
   const CorrelativeMatch match =
-      CorrelativeMatcher({}).search(grid, seen_from({-2.0, 0.7, 0.2}, map), {{}, 4.0, 3.14});
+      match_in_window(grid, seen_from({-2.0, 0.7, 0.2}, map), {{}, 4.0, 3.14}, kLimits);
   ASSERT_TRUE(match.is_unique());
   EXPECT_NEAR(match.peaks[0].T_target_base.x, -2.0, kCellM);
   EXPECT_NEAR(match.peaks[0].T_target_base.y, 0.7, kCellM);
 }
 
-}  // namespace correlative_matcher_test
+}  // namespace correlative_match_test
 }  // namespace nodmap::slam2d
