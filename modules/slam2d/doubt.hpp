@@ -4,8 +4,8 @@
 #include <optional>
 
 #include "common/geometry/time.hpp"
-#include "modules/slam2d/level_scan.hpp"
 #include "modules/slam2d/params.hpp"
+#include "modules/slam2d/pose_update.hpp"
 
 namespace nodmap::slam2d {
 

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "common/geometry/se2.hpp"
-#include "modules/slam2d/back_end.hpp"
 #include "modules/slam2d/cleared_region.hpp"
+#include "modules/slam2d/keyframe.hpp"
 #include "modules/slam2d/occupancy_grid.hpp"
-#include "modules/slam2d/submap.hpp"
+#include "modules/slam2d/submap_chain.hpp"
 
 namespace nodmap::slam2d {
 

@@ -11,6 +11,7 @@
 #include "modules/slam2d/params.hpp"
 #include "modules/slam2d/pose_covariance.hpp"
 #include "modules/slam2d/pose_search.hpp"
+#include "modules/slam2d/pose_update.hpp"
 #include "modules/slam2d/relocaliser.hpp"
 #include "modules/slam2d/scan_matcher.hpp"
 

@@ -6,7 +6,7 @@
 
 #include "common/registration/pose_graph.hpp"
 #include "modules/slam2d/cleared_region.hpp"
-#include "modules/slam2d/submap.hpp"
+#include "modules/slam2d/keyframe.hpp"
 
 namespace nodmap::slam2d {
 

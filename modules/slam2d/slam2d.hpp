@@ -19,6 +19,7 @@
 #include "modules/slam2d/point_map.hpp"
 #include "modules/slam2d/pose_covariance.hpp"
 #include "modules/slam2d/pose_guesses.hpp"
+#include "modules/slam2d/pose_update.hpp"
 #include "modules/slam2d/tracked_path.hpp"
 
 namespace nodmap::slam2d {

@@ -28,36 +28,6 @@ bool is_replaced(std::span<const Keyframe> keyframes, std::size_t keyframe, int 
 
 }  // namespace
 
-std::vector<OrientedPoint> oriented_points(const Keyframe& keyframe) {
-  std::vector<OrientedPoint> points;
-  points.reserve(keyframe.points_base.size());
-  for (std::size_t i = 0; i < keyframe.points_base.size(); ++i) {
-    points.push_back(
-        {keyframe.points_base[i].cast<double>(), keyframe.normals_base[i].cast<double>()});
-  }
-  return points;
-}
-
-View view_of(const Keyframe& keyframe) {
-  std::vector<Eigen::Vector2d> points_base;
-  points_base.reserve(keyframe.points_base.size());
-  for (const Eigen::Vector2f& p : keyframe.points_base) {
-    points_base.emplace_back(p.cast<double>());
-  }
-  return {std::move(points_base), keyframe.sensor_origin_base};
-}
-
-std::vector<OrientedPoint> some_points(const Keyframe& keyframe) {
-  constexpr std::size_t kMaxScanPoints = 120;  // enough to match one scan
-  const std::vector<OrientedPoint> all = oriented_points(keyframe);
-  const std::size_t stride = (all.size() + kMaxScanPoints - 1) / kMaxScanPoints;
-  std::vector<OrientedPoint> some;
-  for (std::size_t i = 0; i < all.size(); i += stride) {
-    some.push_back(all[i]);
-  }
-  return some;
-}
-
 void Submap::add(const geometry::SE2& T_submap_base, std::span<const OrientedPoint> points_base) {
   points.insert(transformed(T_submap_base, points_base));
   T_submap_keyframe.push_back(T_submap_base);

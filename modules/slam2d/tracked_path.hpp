@@ -8,8 +8,8 @@
 
 #include "common/geometry/se2.hpp"
 #include "common/geometry/time.hpp"
-#include "modules/slam2d/level_scan.hpp"
 #include "modules/slam2d/params.hpp"
+#include "modules/slam2d/pose_update.hpp"
 #include "modules/slam2d/submap_chain.hpp"
 
 namespace nodmap::slam2d {

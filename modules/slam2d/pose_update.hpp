@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+
+#include "common/geometry/se2.hpp"
+#include "common/geometry/time.hpp"
+
+namespace nodmap::slam2d {
+
+/// How far a pose can be trusted, by how it was found.
+enum class PoseState : std::uint8_t {
+  kTracking = 0,  ///< by matching, in all directions
+  kDegraded = 1,  ///< by matching, and by odometry along degenerate directions or since it was lost
+  kOdometry = 2,  ///< by odometry: the scan has too few points, or shows only what is new
+  kLost = 3,      ///< by odometry, in doubt: the scan contradicts the map
+};
+
+/// Level scans with a pose.
+struct ScansByState {
+  std::int64_t all = 0;  ///< the sum of the next four
+  std::int64_t tracked = 0;
+  std::int64_t degraded = 0;
+  std::int64_t by_odometry = 0;
+  std::int64_t lost = 0;
+
+  void count(PoseState state) {
+    ++all;
+    tracked += state == PoseState::kTracking ? 1 : 0;
+    degraded += state == PoseState::kDegraded ? 1 : 0;
+    by_odometry += state == PoseState::kOdometry ? 1 : 0;
+    lost += state == PoseState::kLost ? 1 : 0;
+  }
+  ScansByState& operator+=(const ScansByState& other) {
+    all += other.all;
+    tracked += other.tracked;
+    degraded += other.degraded;
+    by_odometry += other.by_odometry;
+    lost += other.lost;
+    return *this;
+  }
+};
+
+/// The robot's pose at the first beam of a level scan.
+struct PoseUpdate {
+  time::Timestamp stamp{};  ///< of the first beam
+  geometry::SE2 T_map_base = {};
+  geometry::SE2 T_map_odom = {};  ///< the correction of odometry, which itself never jumps
+  double inlier_ratio = 0.0;      ///< of the match, like the next two; 0 without a match
+  double score = 0.0;
+  double rms_m = 0.0;
+  /// Of T_map_base: position (m) and heading (rad) of base in the axes of map. Zero where it is not
+  /// known: the robot is lost.
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  PoseState state = PoseState::kOdometry;
+  bool is_keyframe = false;
+};
+
+}  // namespace nodmap::slam2d
