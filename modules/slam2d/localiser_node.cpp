@@ -10,7 +10,7 @@
 #include "common/node/results.hpp"
 #include "modules/slam2d/map_file.hpp"
 #include "modules/slam2d/messages.hpp"
-#include "modules/slam2d/node.hpp"
+#include "modules/slam2d/results.hpp"
 
 namespace nodmap::slam2d {
 LocaliserNode::LocaliserNode(node::Context& context, const Slam2dParams& params,

@@ -1,18 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The map and the path as files: for the ROS map_server, and as images.
+// The map as files for the ROS map_server.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
-#include <span>
-#include <string>
 #include <system_error>
 
-#include "common/drawing/image.hpp"
-#include "common/geometry/se2.hpp"
 #include "modules/slam2d/known_map.hpp"
 #include "modules/slam2d/occupancy_grid.hpp"
 
 namespace nodmap::slam2d {
+
+// Grey values of map.pgm.
+inline constexpr std::uint8_t kOccupiedGrey = 0;
+inline constexpr std::uint8_t kUnknownGrey = 205;
+inline constexpr std::uint8_t kFreeGrey = 254;
+
+/// The grey value of a cell.
+[[nodiscard]] std::uint8_t grey_of(const OccupancyGrid& grid, int x, int y);
 
 /// Writes map.pgm and map.yaml as the ROS map_server reads them. At every moment an existing
 /// map.yaml names a complete image that belongs to it: while the files are replaced, that is a copy
@@ -24,15 +29,5 @@ namespace nodmap::slam2d {
 /// it names is a PGM file (P2 or P5). Throws formats::InputFileError naming the file and what is
 /// wrong.
 [[nodiscard]] TrinaryGrid read_ros_map(const std::filesystem::path& path);
-
-/// Draws the map with the path on it, y up, with a scale bar, a legend, and marks where the path
-/// starts and ends. The longer side has 1200 pixels, or one for each cell if that is more.
-[[nodiscard]] drawing::Image draw_map(const OccupancyGrid& grid,
-                                      std::span<const geometry::SE2> path);
-
-/// Draws the corrected path, and the path by odometry in grey, with the same scale bar, legend and
-/// marks as draw_map().
-[[nodiscard]] drawing::Image draw_paths(std::span<const geometry::SE2> path,
-                                        std::span<const geometry::SE2> odometry);
 
 }  // namespace nodmap::slam2d

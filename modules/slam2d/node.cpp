@@ -14,6 +14,7 @@
 #include "common/node/results.hpp"
 #include "modules/slam2d/map_file.hpp"
 #include "modules/slam2d/messages.hpp"
+#include "modules/slam2d/results.hpp"
 #include "modules/slam2d/saved_map_file.hpp"
 
 namespace nodmap::slam2d {
@@ -238,12 +239,6 @@ void Slam2dNode::write_results(const std::filesystem::path& dir) {
                     [&] { formats::write_tum(dir / "online.tum", online); },
                     [&] { draw_map(map_.grid(), path).write_png(dir / "map.png"); },
                     [&] { draw_paths(path, odometry).write_png(dir / "path.png"); }});
-}
-
-nlohmann::json scan_metrics(const ScansByState& scans, const ScanCounts& rejected) {
-  return {{"scans_used", scans.all},          {"scans_tracked", scans.tracked},
-          {"scans_degraded", scans.degraded}, {"scans_by_odometry", scans.by_odometry},
-          {"scans_lost", scans.lost},         {"scans_not_level", rejected.not_level}};
 }
 
 nlohmann::json Slam2dNode::metrics() const {

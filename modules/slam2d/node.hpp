@@ -24,9 +24,6 @@
 
 namespace nodmap::slam2d {
 
-/// The counts of scans in result.json.
-[[nodiscard]] nlohmann::json scan_metrics(const ScansByState& scans, const ScanCounts& rejected);
-
 /// Runs 2D SLAM: subscribes to SCAN and ODOMETRY, and publishes POSE_2D, MAP_2D and POSE_GRAPH.
 /// Saves the map at SAVE_REQUEST and clears a region of it at CLEAR_REQUEST. To continue a saved
 /// map, a Localiser first finds the robot in it; until then nothing is added.

@@ -3,12 +3,11 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
-#include <vector>
+#include <string>
 
 #include "modules/slam2d/test/drawn_world.hpp"
 #include "tests/support/data_dir.hpp"
@@ -85,8 +84,6 @@ TEST(MapFile, AMapIsReadAsItWasWritten) {
   }
 }
 
-// A folder under the name that a new file has until it is complete makes writing it fail. The two
-// saves of the larger map end before the image is replaced, and between the image and map.yaml.
 // As in recordings with coordinates of a national grid.
 TEST(MapFile, AMapFarFromTheOriginKeepsItsPlace) {
   const nodmap::test::TemporaryDir dir;
@@ -98,6 +95,8 @@ TEST(MapFile, AMapFarFromTheOriginKeepsItsPlace) {
   EXPECT_NEAR(read.T_map_grid.y, grid.origin().y(), 1e-6);
 }
 
+// A folder under the name that a new file has until it is complete makes writing it fail. The two
+// saves of the larger map end before the image is replaced, and between the image and map.yaml.
 TEST(MapFile, AfterAnInterruptedSaveTheImageStillBelongsToTheYaml) {
   const nodmap::test::TemporaryDir dir;
   OccupancyGrid grid(0.5);
@@ -192,45 +191,6 @@ TEST(MapFile, TheErrorForAnUnreadableMapNamesTheFileAndTheReason) {
 TEST(MapFile, AMissingFolderIsAnError) {
   EXPECT_EQ(write_ros_map("/nonexistent/folder", OccupancyGrid(0.05)),
             std::errc::no_such_file_or_directory);
-}
-
-TEST(MapFile, ImagesOfEmptyInputAndOfAPathAreDrawn) {
-  EXPECT_GT(draw_paths({}, {}).width(), 0);
-  EXPECT_GT(draw_map(OccupancyGrid(0.05), {}).width(), 0);
-  const std::vector<geometry::SE2> path{{0, 0, 0}, {10, 0, 0}};
-  const drawing::Image image = draw_paths(path, {});
-  // The image shows the 10 m of the path and a border of 1 m on either side; the path runs through
-  // its middle.
-  EXPECT_NE(image.at(image.width() / 2, image.height() / 2), drawing::kWhite);
-  EXPECT_EQ(image.at(image.width() / 2, 2), drawing::kWhite);
-}
-
-TEST(MapFile, ASmallMapIsEnlargedAndALargeOneKeepsAllCells) {
-  OccupancyGrid coarse(0.5);
-  ASSERT_TRUE(coarse.add_ray({0.25, 0.25}, {0.25, 1.25}));
-  const drawing::Image small = draw_map(coarse, {});
-  EXPECT_EQ(std::max(small.width(), small.height()), 1200);
-  OccupancyGrid fine(0.05);
-  ASSERT_TRUE(fine.add_ray({0.0, 0.0}, {0.0, 1.0}));
-  const drawing::Image large = draw_map(fine, {});
-  EXPECT_GE(large.width(), fine.width());
-}
-
-TEST(MapFile, TheStartAndOdometryAreDrawn) {
-  const std::vector<geometry::SE2> path{{0, 0, 0}, {10, 0, 0}};
-  const std::vector<geometry::SE2> odometry{{0, 0, 0}, {10, 1, 0}};
-  const drawing::Image one = draw_paths(path, {});
-  const drawing::Image marked = draw_paths(path, odometry);
-  // The disc at the start of the path is wider than the line, which is two pixels wide.
-  EXPECT_NE(one.at(100, one.height() / 2 - 4), drawing::kWhite);
-  EXPECT_EQ(one.at(400, one.height() / 2 - 4), drawing::kWhite);
-  int grey = 0;
-  for (int x = 0; x < marked.width(); ++x) {
-    for (int y = 0; y < marked.height(); ++y) {
-      grey += marked.at(x, y) == drawing::Rgb{170, 170, 170} ? 1 : 0;
-    }
-  }
-  EXPECT_GT(grey, 500);
 }
 
 }  // namespace map_file_test
