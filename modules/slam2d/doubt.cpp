@@ -15,13 +15,15 @@ void Doubt::begin(double odometry_gap_s) {
   reach_m_ = std::min(reach_m_ + kMaxSpeedMps * odometry_gap_s, params_.search_distance_m);
 }
 
-void Doubt::update(const PoseUpdate& update, bool is_sure) {
+bool Doubt::update(const PoseUpdate& update, bool is_sure) {
+  const bool was_there = is_there();
   if (update.state == PoseState::kLost) {
     reach_m_ = params_.search_distance_m;
-  } else if (update.state <= PoseState::kDegraded && is_sure) {
+  } else if (update.is_matched() && is_sure) {
     reach_m_ = 0.0;
   }
   since_ = is_there() ? std::optional(since_.value_or(update.stamp)) : std::nullopt;
+  return was_there && !is_there();
 }
 
 void Doubt::end() {

@@ -18,8 +18,9 @@ class Doubt {
 
   /// Begins, or increases, the doubt after a time without odometry.
   void begin(double odometry_gap_s);
-  /// `is_sure`: every place but the pose of the update is excluded.
-  void update(const PoseUpdate& update, bool is_sure);
+  /// Takes the next pose. `is_sure`: every other place is excluded. Returns whether this ends the
+  /// doubt.
+  bool update(const PoseUpdate& update, bool is_sure);
   void end();
 
   [[nodiscard]] bool is_there() const { return reach_m_ > 0.0; }

@@ -43,7 +43,7 @@ void MovingPointFilter::add_keyframe(const LevelScan& scan) {
   }
 }
 
-void MovingPointFilter::change_odometry_frame(const geometry::SE2& T_old_new) {
+void MovingPointFilter::move_views(const geometry::SE2& T_old_new) {
   for (KeyframeView& view : views_) {
     view.T_odom_base = T_old_new.inverse() * view.T_odom_base;
   }

@@ -31,8 +31,8 @@ class MovingPointFilter {
   /// in view before contradicts nothing.
   [[nodiscard]] bool contradicts(const LevelScan& scan) const;
 
-  /// Odometry continues in another frame.
-  void change_odometry_frame(const geometry::SE2& T_old_new);
+  /// Moves the views into another odom frame, where scans are placed from now on.
+  void move_views(const geometry::SE2& T_old_new);
 
  private:
   struct KeyframeView {

@@ -46,8 +46,8 @@ void PoseGuesses::add_scan(time::Timestamp stamp, const geometry::SE2& T_last_ba
 }
 
 void PoseGuesses::change_odometry_frame(const geometry::SE2& T_old_new) {
-  T_map_odom_keyframe_ = T_map_odom_keyframe_ * T_old_new;
-  T_odom_keyframe_ = T_old_new.inverse() * T_odom_keyframe_;
+  T_map_odom_counted_ = T_map_odom_counted_ * T_old_new;
+  T_odom_counted_ = T_old_new.inverse() * T_odom_counted_;
 }
 
 bool PoseGuesses::is_fast_step(double step_s) const {
@@ -67,11 +67,11 @@ bool PoseGuesses::is_beyond_slip(const LevelScan& scan, const geometry::SE2& T_m
            rotation_rad(T_map_found, expected) > slip.match_scatter_rad + slip_rad;
   };
   const double step_s = time::seconds(scan.stamp - *last_stamp_);
-  const double slipped_m = slip.max_ratio * distance_m(T_odom_keyframe_, scan.T_odom_base);
-  const double slipped_rad = slip.max_ratio * rotation_rad(T_odom_keyframe_, scan.T_odom_base) +
+  const double slipped_m = slip.max_ratio * distance_m(T_odom_counted_, scan.T_odom_base);
+  const double slipped_rad = slip.max_ratio * rotation_rad(T_odom_counted_, scan.T_odom_base) +
                              slipped_m / slip.wheel_distance_m;
   return is_beyond(T_map_guess, slip.max_mps * step_s, slip.max_rad_s * step_s) ||
-         is_beyond(since_keyframe(scan), slipped_m, slipped_rad);
+         is_beyond(by_counted_odometry(scan), slipped_m, slipped_rad);
 }
 
 std::optional<geometry::SE2> PoseGuesses::next_step(time::Timestamp next_stamp) const {
@@ -117,16 +117,16 @@ std::vector<geometry::SE2> PoseGuesses::guesses(const LevelScan& scan,
     return {by_odometry};
   }
   const geometry::SE2 by_motion = T_map_odom * T_odom_last * *step;
-  geometry::SE2 since_keyframe = this->since_keyframe(scan);
+  geometry::SE2 by_counted_odometry = this->by_counted_odometry(scan);
   if (are_same(by_odometry, by_motion)) {
     return {by_odometry};
   }
   // When odometry catches up, one of its two guesses contains the same motion twice.
-  if (difference(since_keyframe, by_motion) < difference(by_odometry, by_motion)) {
-    std::swap(by_odometry, since_keyframe);
+  if (difference(by_counted_odometry, by_motion) < difference(by_odometry, by_motion)) {
+    std::swap(by_odometry, by_counted_odometry);
   }
   std::vector<geometry::SE2> guesses{by_odometry};
-  for (const geometry::SE2& other : {since_keyframe, by_motion}) {
+  for (const geometry::SE2& other : {by_counted_odometry, by_motion}) {
     if (std::none_of(guesses.begin(), guesses.end(),
                      [&](const geometry::SE2& guess) { return are_same(guess, other); })) {
       guesses.push_back(other);

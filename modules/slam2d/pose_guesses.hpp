@@ -25,25 +25,26 @@ class PoseGuesses {
 
   /// Adds a scan whose pose has been found. `T_last_base`: its pose relative to the previous scan.
   void add_scan(time::Timestamp stamp, const geometry::SE2& T_last_base);
-  /// Adds the last scan, taken at `T_odom_base`, as a keyframe.
-  void add_keyframe(const geometry::SE2& T_map_odom, const geometry::SE2& T_odom_base) {
-    T_map_odom_keyframe_ = T_map_odom;
-    T_odom_keyframe_ = T_odom_base;
+  /// From here on odometry is counted: the last scan, taken at `T_odom_base`, is a keyframe, or its
+  /// pose is sure again.
+  void count_odometry_from(const geometry::SE2& T_map_odom, const geometry::SE2& T_odom_base) {
+    T_map_odom_counted_ = T_map_odom;
+    T_odom_counted_ = T_odom_base;
   }
   /// Forgets the motion up to the last scan, because its pose is not known.
   void forget_motion() { steps_.clear(); }
   /// Odometry continues in another frame; T_old_new is the new one in the old one.
   void change_odometry_frame(const geometry::SE2& T_old_new);
 
-  /// T_map_base by odometry since the last keyframe, whatever was matched since.
-  [[nodiscard]] geometry::SE2 since_keyframe(const LevelScan& scan) const {
-    return T_map_odom_keyframe_ * scan.T_odom_base;
+  /// T_map_base by the odometry that is counted, whatever was matched since.
+  [[nodiscard]] geometry::SE2 by_counted_odometry(const LevelScan& scan) const {
+    return T_map_odom_counted_ * scan.T_odom_base;
   }
   /// Whether scans follow one another so quickly (5 to 50 ms, now and up to `next_stamp`) that the
   /// robot cannot leave its course by odometry in between.
   [[nodiscard]] bool is_fast(time::Timestamp next_stamp) const;
   /// Whether the pose found for a scan is farther from odometry than slipping wheels explain, since
-  /// the previous scan or since the last keyframe. `T_map_guess`: the pose by odometry since the
+  /// the previous scan or since odometry is counted. `T_map_guess`: the pose by odometry since the
   /// previous scan. May be called only if is_fast().
   [[nodiscard]] bool is_beyond_slip(const LevelScan& scan, const geometry::SE2& T_map_guess,
                                     const geometry::SE2& T_map_found) const;
@@ -67,8 +68,8 @@ class PoseGuesses {
   PeopleParams params_;
   std::deque<Step> steps_;  // between the last scans, the newest last
   std::optional<time::Timestamp> last_stamp_;
-  geometry::SE2 T_map_odom_keyframe_;
-  geometry::SE2 T_odom_keyframe_;
+  geometry::SE2 T_map_odom_counted_;  // as it was where odometry is counted from
+  geometry::SE2 T_odom_counted_;      // of that place
 };
 
 }  // namespace nodmap::slam2d

@@ -55,6 +55,9 @@ struct PoseUpdate {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   PoseState state = PoseState::kOdometry;
   bool is_keyframe = false;
+
+  /// Whether the pose was found by matching.
+  [[nodiscard]] bool is_matched() const { return state <= PoseState::kDegraded; }
 };
 
 }  // namespace nodmap::slam2d

@@ -23,40 +23,38 @@ void Slam2d::change_odometry_frame(const geometry::SE3& T_new_odom_base) {
   T_first_odom_ = T_first_odom_ * T_old_new;
   T_odom_keyframe_ = T_old_new.inverse() * T_odom_keyframe_;
   T_odom_last_ = T_old_new.inverse() * T_odom_last_;
-  moving_points_.change_odometry_frame(T_old_new);
+  moving_points_.move_views(T_old_new);
   pose_guesses_.change_odometry_frame(T_old_new);
   place_search_.forget_failure();
 }
 
-std::optional<PoseUpdate> Slam2d::add_scan(const scan::Scan& scan) {
+std::optional<PoseUpdate> Slam2d::add_scan(const scan::Scan& raw) {
   // "... extracting exactly those 2D scans that have been taken in the horizontal position."
-  const std::optional<LevelScan> all_points = input_.add_scan(scan);
-  if (!all_points) {
+  const std::optional<LevelScan> scan = input_.add_scan(raw);
+  if (!scan) {
     return std::nullopt;
   }
   if (!back_end_.has_local()) {
-    return begin_map(*all_points);
+    return begin_map(*scan);
   }
-  follow_odometry(*all_points);
+  follow_odometry(*scan);
   // "These can directly be used as data set D and matched against an incrementally built 2D map" M:
   // the transform that minimises Eq. 3, from the pose by odometry.
-  const FoundPlace found = find_place(*all_points);
+  const FoundPlace found = find_place(*scan);
   // The same transform corrects the pose.
-  PoseUpdate update = correct_pose(*all_points, found);
-  update.covariance = estimate_covariance(found.place, update);
-  record_motion(*all_points, update);
-  const bool was_in_doubt = doubt_.is_there();
-  doubt_.update(update, found.place.is_sure);
+  PoseUpdate update = correct_pose(*scan, found);
+  record_motion(*scan, update);
+  const bool is_sure_again = doubt_.update(update, found.place.is_sure);
   // "New scan points that do not show a correspondence to already existing points in M are added."
   // That may close a loop, which corrects the pose once more.
-  if (is_keyframe(update, *all_points, found)) {
+  if (is_keyframe(update, *scan, found)) {
     add_keyframe(found.scan, found.place.match, update);
-    moving_points_.add_keyframe(*all_points);
+    moving_points_.add_keyframe(*scan);
   }
-  correct_odometry(*all_points, update);
-  // Odometry since the last keyframe does not contain what the robot has moved unseen.
-  if (found.has_slipped || (was_in_doubt && !doubt_.is_there())) {
-    pose_guesses_.add_keyframe(T_map_odom_, all_points->T_odom_base);
+  correct_odometry(*scan, update);
+  // What odometry counted before does not contain what the robot has moved unseen.
+  if (update.is_keyframe || found.has_slipped || is_sure_again) {
+    pose_guesses_.count_odometry_from(T_map_odom_, scan->T_odom_base);
   }
   record(update);
   return update;
@@ -73,6 +71,7 @@ std::optional<PoseUpdate> Slam2d::begin_map(const LevelScan& scan) {
                     .state = PoseState::kTracking};
   add_keyframe(scan, {}, update);
   correct_odometry(scan, update);
+  pose_guesses_.count_odometry_from(T_map_odom_, scan.T_odom_base);
   record(update);
   return update;
 }
@@ -90,20 +89,20 @@ void Slam2d::follow_odometry(const LevelScan& scan) {
   }
 }
 
-Start Slam2d::choose_start(const LevelScan& all_points) const {
-  std::vector<geometry::SE2> guesses = pose_guesses_.guesses(all_points, T_map_odom_, T_odom_last_);
+Start Slam2d::choose_start(const LevelScan& scan) const {
+  std::vector<geometry::SE2> guesses = pose_guesses_.guesses(scan, T_map_odom_, T_odom_last_);
   for (geometry::SE2& guess : guesses) {
     guess = back_end_.local().T_map_submap.inverse() * guess;
   }
-  return place_search_.choose_start(back_end_.local(), all_points, std::move(guesses));
+  return place_search_.choose_start(back_end_.local(), scan, std::move(guesses));
 }
 
-FoundPlace Slam2d::find_place(const LevelScan& all_points) {
+FoundPlace Slam2d::find_place(const LevelScan& scan) {
   return hidden_view_.find_place({place_search_, back_end_, moving_points_, pose_guesses_, doubt_},
-                                 all_points, choose_start(all_points));
+                                 scan, choose_start(scan));
 }
 
-PoseUpdate Slam2d::correct_pose(const LevelScan& scan, const FoundPlace& found) const {
+PoseUpdate Slam2d::correct_pose(const LevelScan& scan, const FoundPlace& found) {
   const Match& match = found.place.match;
   PoseUpdate update{.stamp = scan.stamp,
                     .T_map_base = T_map_odom_ * scan.T_odom_base,
@@ -111,14 +110,14 @@ PoseUpdate Slam2d::correct_pose(const LevelScan& scan, const FoundPlace& found) 
                     .score = match.score,
                     .rms_m = match.rms_m,
                     .state = classify(scan, found)};
-  if (update.state <= PoseState::kDegraded &&
-      (found.place.is_sure || match.score >= params_.doubt.certain_score)) {
+  if (update.is_matched() && (found.place.is_sure || match.score >= params_.doubt.certain_score)) {
     const geometry::SE2& T_submap_base = match.T_target_base;
     update.T_map_base = back_end_.local().T_map_submap * T_submap_base;
   }
   if (found.is_hidden) {  // whoever hides the view may have dragged the pose along
-    update.T_map_base = pose_guesses_.since_keyframe(scan);
+    update.T_map_base = pose_guesses_.by_counted_odometry(scan);
   }
+  update.covariance = estimate_covariance(found.place, update);
   return update;
 }
 
@@ -129,7 +128,7 @@ Eigen::Matrix3d Slam2d::estimate_covariance(const Place& place, const PoseUpdate
     return Eigen::Matrix3d::Zero();
   }
   const geometry::SE2& T_map_submap = back_end_.local().T_map_submap;
-  if (update.state <= PoseState::kDegraded && place.is_sure) {
+  if (update.is_matched() && place.is_sure) {
     pose_covariance_.match(rotated(place.match.information, T_map_submap.yaw));
   }
   const Eigen::Matrix3d J =
@@ -204,8 +203,18 @@ void Slam2d::record_motion(const LevelScan& scan, const PoseUpdate& update) {
     pose_guesses_.forget_motion();
   }
   if (has_moved_unseen) {
-    moving_points_.change_odometry_frame(T_map_odom_.inverse() * update.T_map_base *
-                                         scan.T_odom_base.inverse());
+    moving_points_.move_views(T_map_odom_.inverse() * update.T_map_base *
+                              scan.T_odom_base.inverse());
+  }
+}
+
+// The robot is where that submap begins: there its pose has no error.
+void Slam2d::begin_submap_if_in_doubt() {
+  if (doubt_.is_there()) {
+    const LostParams& lost = params_.lost;
+    back_end_.begin_anew({lost.begin_sigma_m, lost.begin_sigma_m, lost.begin_sigma_rad});
+    pose_covariance_ = {};
+    doubt_.end();
   }
 }
 
@@ -220,18 +229,12 @@ void Slam2d::add_keyframe(const LevelScan& scan, const Match& match, PoseUpdate&
     keyframe.points_base.emplace_back(point.p.cast<float>());
     keyframe.normals_base.emplace_back(point.normal.cast<float>());
   }
-  if (doubt_.is_there()) {
-    const LostParams& lost = params_.lost;
-    back_end_.begin_anew({lost.begin_sigma_m, lost.begin_sigma_m, lost.begin_sigma_rad});
-    pose_covariance_ = {};  // the robot is where its submap begins
-    doubt_.end();
-  }
+  begin_submap_if_in_doubt();
   const geometry::SE2 T_submap_base =
       back_end_.has_local() ? back_end_.local().T_map_submap.inverse() * update.T_map_base
                             : geometry::SE2{};
-  const bool is_matched = update.state <= PoseState::kDegraded;
   back_end_.add_keyframe(std::move(keyframe), T_submap_base,
-                         is_matched ? match.information : Eigen::Matrix3d::Zero());
+                         update.is_matched() ? match.information : Eigen::Matrix3d::Zero());
   update.T_map_base = keyframes().back().T_map_base;
   if (back_end_.dropped()) {
     path_.attach_to_others(*back_end_.dropped(), keyframes());
@@ -244,9 +247,6 @@ void Slam2d::correct_odometry(const LevelScan& scan, PoseUpdate& update) {
   T_map_odom_ = update.T_map_base * scan.T_odom_base.inverse();
   T_odom_last_ = scan.T_odom_base;
   update.T_map_odom = T_map_odom_;
-  if (update.is_keyframe) {
-    pose_guesses_.add_keyframe(T_map_odom_, scan.T_odom_base);
-  }
 }
 
 void Slam2d::record(const PoseUpdate& update) {

@@ -65,7 +65,7 @@ class Slam2d {
   /// completes a level scan; that is this scan or the one before. Returns nothing, and counts why
   /// in scan_counts() or metrics(), for a scan that is not level, implausible, more than 50 ms from
   /// any odometry, or the first and without points.
-  std::optional<PoseUpdate> add_scan(const scan::Scan& scan);
+  std::optional<PoseUpdate> add_scan(const scan::Scan& raw);
 
   /// The pose of each of tracked_scans(), with all corrections known so far.
   [[nodiscard]] std::vector<geometry::SE2> trajectory() const { return path_.poses(keyframes()); }
@@ -89,9 +89,9 @@ class Slam2d {
  private:
   [[nodiscard]] std::optional<PoseUpdate> begin_map(const LevelScan& scan);
   void follow_odometry(const LevelScan& scan);
-  [[nodiscard]] Start choose_start(const LevelScan& all_points) const;
-  [[nodiscard]] FoundPlace find_place(const LevelScan& all_points);
-  [[nodiscard]] PoseUpdate correct_pose(const LevelScan& scan, const FoundPlace& found) const;
+  [[nodiscard]] Start choose_start(const LevelScan& scan) const;
+  [[nodiscard]] FoundPlace find_place(const LevelScan& scan);
+  [[nodiscard]] PoseUpdate correct_pose(const LevelScan& scan, const FoundPlace& found);
   [[nodiscard]] Eigen::Matrix3d estimate_covariance(const Place& place, const PoseUpdate& update);
   [[nodiscard]] PoseState classify(const LevelScan& scan, const FoundPlace& found) const;
   [[nodiscard]] bool is_lost(const LevelScan& scan) const;
@@ -100,6 +100,7 @@ class Slam2d {
   [[nodiscard]] bool continues_in_doubt(const PoseUpdate& update,
                                         const geometry::SE2& T_odom_base) const;
   void record_motion(const LevelScan& scan, const PoseUpdate& update);
+  void begin_submap_if_in_doubt();
   void add_keyframe(const LevelScan& scan, const Match& match, PoseUpdate& update);
   void correct_odometry(const LevelScan& scan, PoseUpdate& update);
   void record(const PoseUpdate& update);

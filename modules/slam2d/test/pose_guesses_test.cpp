@@ -24,7 +24,7 @@ bool are_near(const SE2& a, const SE2& b) {
 class Drive {
  public:
   Drive() {
-    pose_guesses_.add_keyframe({}, {});
+    pose_guesses_.count_odometry_from({}, {});
     pose_guesses_.add_scan(time::Timestamp{}, {});
     go_on(kStep);
   }
@@ -165,7 +165,7 @@ TEST(PoseGuesses, TheLongestScanPeriodThatIsFastIsAParameter) {
 // plus half of the motion that odometry has counted.
 TEST(PoseGuesses, TheAllowedSlipGrowsWithTheMotionByOdometry) {
   PoseGuesses pose_guesses{PeopleParams{}};
-  pose_guesses.add_keyframe({}, {});
+  pose_guesses.count_odometry_from({}, {});
   pose_guesses.add_scan(time::Timestamp{}, {});
   LevelScan scan;
   scan.stamp = time::Timestamp(10ms);
@@ -176,7 +176,7 @@ TEST(PoseGuesses, TheAllowedSlipGrowsWithTheMotionByOdometry) {
   scan.T_odom_base.x = 0.2;
   EXPECT_FALSE(pose_guesses.is_beyond_slip(scan, {0.3, 0.0, 0.08}, {0.32, 0.0, 0.1}));
   EXPECT_TRUE(pose_guesses.is_beyond_slip(scan, {0.3, 0.0, 0.08}, {0.335, 0.0, 0.1}));
-  pose_guesses.add_keyframe({0.1, 0.0, 0.0}, scan.T_odom_base);  // it was believed
+  pose_guesses.count_odometry_from({0.1, 0.0, 0.0}, scan.T_odom_base);  // it was believed
   EXPECT_FALSE(pose_guesses.is_beyond_slip(scan, {0.3, 0.0, 0.0}, {0.3, 0.0, 0.0}));
 }
 
