@@ -44,7 +44,7 @@ void DepthCanvas::splat(const Pixel& pixel, int radius_px, Rgb colour) {
   }
 }
 
-DepthCanvas::Rgb DepthCanvas::shaded(int x, int y, double shade_per_m) const {
+Rgb DepthCanvas::shaded(int x, int y, double shade_per_m) const {
   Rgb colour = colours_[index(x, y)];
   const double hidden_m = obscurance_m(x, y);
   if (hidden_m == 0.0) {

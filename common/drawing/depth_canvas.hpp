@@ -1,20 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
 #include <cstddef>
-#include <cstdint>
 #include <vector>
 
 #include "common/drawing/camera.hpp"
+#include "common/drawing/image.hpp"
 
 namespace nodmap::drawing {
 
 /// An image with depths: near points cover far ones.
 class DepthCanvas {
  public:
-  using Rgb = std::array<std::uint8_t, 3>;
-
   DepthCanvas(const ImageSize& size, Rgb background);
 
   /// A square point, `radius_px` to each side of its middle.

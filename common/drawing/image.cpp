@@ -9,6 +9,8 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "common/geometry/angle.hpp"
+
 namespace nodmap::drawing {
 
 Image::Image(int width, int height, Rgb background)
@@ -73,7 +75,7 @@ void Image::fill_disc(double x, double y, double radius_px, Rgb colour) {
 void Image::draw_circle(double x, double y, double radius_px, Rgb colour) {
   const int steps = std::clamp(static_cast<int>(8.0 * radius_px), 16, 20000);
   for (int i = 0; i < steps; ++i) {
-    const double angle = 2.0 * 3.14159265358979 * i / steps;
+    const double angle = 2.0 * geometry::kPi * i / steps;
     set(static_cast<int>(std::lround(x + radius_px * std::cos(angle))),
         static_cast<int>(std::lround(y + radius_px * std::sin(angle))), colour);
   }

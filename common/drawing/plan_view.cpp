@@ -152,7 +152,7 @@ void PlanView::draw_circle(const Vector2d& center, double radius_m, Rgb colour) 
 
 void PlanView::draw_start(const Vector2d& p, Rgb colour) {
   const Vector2d px = to_px(p);
-  image_.fill_disc(px.x(), px.y(), 6.0, drawing::kWhite);
+  image_.fill_disc(px.x(), px.y(), 6.0, kWhite);
   image_.fill_disc(px.x(), px.y(), 4.0, colour);
 }
 
@@ -160,7 +160,7 @@ void PlanView::draw_end(const Vector2d& p, Rgb colour) {
   const Vector2d px = to_px(p);
   const auto u = static_cast<int>(std::lround(px.x()));
   const auto v = static_cast<int>(std::lround(px.y()));
-  image_.fill_rectangle(u - 6, v - 6, 13, 13, drawing::kWhite);
+  image_.fill_rectangle(u - 6, v - 6, 13, 13, kWhite);
   image_.fill_rectangle(u - 4, v - 4, 9, 9, colour);
 }
 
@@ -184,7 +184,7 @@ void PlanView::draw_legend(std::span<const LegendEntry> entries) {
   int y = kMarginPx;
   for (const LegendEntry& entry : entries) {
     image_.fill_rectangle(kMarginPx, y + 3, kSwatchPx, 4, entry.colour);
-    draw_text(image_, kMarginPx + kSwatchPx + 8, y, entry.text, drawing::kBlack);
+    draw_text(image_, kMarginPx + kSwatchPx + 8, y, entry.text, kBlack);
     y += kLineHeightPx;
   }
 }

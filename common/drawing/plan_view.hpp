@@ -10,9 +10,6 @@
 
 namespace nodmap::drawing {
 
-using drawing::Image;
-using drawing::Rgb;
-
 /// An axis-aligned rectangle in the plane, metres; empty at first.
 struct Extent {
   Eigen::Vector2d low = Eigen::Vector2d::Constant(1e9);
@@ -45,7 +42,7 @@ struct Grid {
 
 struct LegendEntry {
   std::string text;
-  Rgb colour = drawing::kBlack;
+  Rgb colour = kBlack;
 };
 
 /// An image in metres, seen from above: x to the right, y up. What lies outside is cut off.
@@ -53,7 +50,7 @@ class PlanView {
  public:
   /// Shows `extent`; an empty one becomes a square metre about the origin. The scale is smaller
   /// than `px_per_m` if the longer side would have more than 20,000 pixels.
-  PlanView(const Extent& extent, double px_per_m, Rgb background = drawing::kWhite);
+  PlanView(const Extent& extent, double px_per_m, Rgb background = kWhite);
 
   void draw_grid(const Grid& grid);
   void draw_points(std::span<const Eigen::Vector2d> points, double radius_px, Rgb colour);
@@ -70,7 +67,7 @@ class PlanView {
   void draw_start(const Eigen::Vector2d& p, Rgb colour);
   void draw_end(const Eigen::Vector2d& p, Rgb colour);
   /// Draws a scale bar with its length, at the lower left: 1, 2 or 5 times a power of ten metres.
-  void draw_scale_bar(Rgb colour = drawing::kBlack);
+  void draw_scale_bar(Rgb colour = kBlack);
   /// Draws the legend at the upper left: a coloured line and a text for each entry.
   void draw_legend(std::span<const LegendEntry> entries);
 

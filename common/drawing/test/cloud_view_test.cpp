@@ -44,15 +44,10 @@ TEST(CloudView, TheFloorIsVisibleThroughTheCeiling) {
   EXPECT_GT(middle_of_top[2], middle_of_top[1]);
 }
 
-TEST(CloudView, TheSameCloudGivesTheSameImage) {
-  const Image first = draw_path_on_cloud(floor_and_ceiling(), {});
-  const Image second = draw_path_on_cloud(floor_and_ceiling(), {});
-  ASSERT_EQ(first.height(), second.height());
-  for (int y = 0; y < first.height(); y += 7) {
-    for (int x = 0; x < first.width(); x += 7) {
-      ASSERT_EQ(first.at(x, y), second.at(x, y));
-    }
-  }
+// The cloud is at 160 x 60 places, several pixels apart; the scale bar is painted, too.
+TEST(CloudView, ThePathImageHasAPixelForEachPlaceInTheCloud) {
+  const Image image = draw_path_on_cloud(floor_and_ceiling(), {});
+  EXPECT_GE(share_painted(image) * image.width() * image.height(), 160.0 * 60.0);
 }
 
 TEST(CloudView, DrawsAnEmptyCloudAndASinglePoint) {

@@ -8,9 +8,6 @@
 namespace nodmap::drawing {
 namespace depth_canvas_test {
 
-using Rgb = DepthCanvas::Rgb;
-
-constexpr Rgb kBlack{0, 0, 0};
 constexpr Rgb kNear{200, 100, 50};
 constexpr Rgb kFar{10, 20, 30};
 
