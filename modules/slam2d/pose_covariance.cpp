@@ -6,16 +6,11 @@
 #include <cmath>
 
 #include "modules/slam2d/submap_graph.hpp"
+#include "modules/slam2d/wheel_errors.hpp"
 
 namespace nodmap::slam2d {
 namespace {
 
-// Variances of odometry per metre and per radian: standard deviations of 7 cm after 0.3 m, 40 cm
-// after 10 m, and 2 degrees after 0.3 m. Robots with two driven wheels err less, robots that skid
-// more.
-constexpr double kPositionVarianceM2PerM = 0.016;
-constexpr double kYawVarianceRad2PerM = 0.004;
-constexpr double kYawVarianceRad2PerRad = 0.008;
 // An eigenvalue of the information is zero when it is below this ratio of the largest.
 constexpr double kZeroRatio = 1e-9;
 
@@ -24,12 +19,9 @@ constexpr double kZeroRatio = 1e-9;
 void PoseCovariance::move(double yaw_rad, const geometry::SE2& T_before_now) {
   const Eigen::Vector2d step =
       geometry::SE2{0.0, 0.0, yaw_rad}.rotation() * T_before_now.translation();
-  const double distance_m = step.norm();
   const Eigen::Matrix3d J = moment_arm_jacobian(step);
   covariance_ = J * covariance_ * J.transpose();
-  covariance_.diagonal() += Eigen::Vector3d(
-      kPositionVarianceM2PerM * distance_m, kPositionVarianceM2PerM * distance_m,
-      kYawVarianceRad2PerM * distance_m + kYawVarianceRad2PerRad * std::abs(T_before_now.yaw));
+  covariance_.diagonal() += odometry_variances(step.norm(), T_before_now.yaw);
 }
 
 // Standard deviations of 1 m/s and 1 rad/s: the robot may drive on, or be carried.

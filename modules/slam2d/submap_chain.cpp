@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "modules/slam2d/submap_graph.hpp"
+#include "modules/slam2d/wheel_errors.hpp"
 
 namespace nodmap::slam2d {
 namespace {
@@ -21,17 +22,6 @@ constexpr double kStepInformationFactor = 5.0;
 // Added to each step over dropped keyframes; equals a standard deviation of 1 km. Such a step may
 // be so long and uncertain, because the robot was lost on it, that composed() counts it as unknown.
 constexpr double kLeastStepInformation = 1e-6;
-
-// The information of odometry on a step, in the frame of its start. The errors of wheels are
-// systematic, not white noise: the numbers hold for 30 m.
-Eigen::Matrix3d odometry_information(const geometry::SE2& step) {
-  const double distance_m = std::hypot(step.x, step.y);
-  const double sigma_m = 0.01 + 0.2 * distance_m;
-  const double sigma_rad = 0.02 + 0.1 * std::abs(step.yaw) + 0.05 * distance_m;
-  return Eigen::Vector3d(1.0 / (sigma_m * sigma_m), 1.0 / (sigma_m * sigma_m),
-                         1.0 / (sigma_rad * sigma_rad))
-      .asDiagonal();
-}
 
 }  // namespace
 
