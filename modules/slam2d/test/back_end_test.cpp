@@ -18,10 +18,6 @@ using geometry::SE2;
 using test::FloorPlan;
 using test::Scanner;
 
-double distance(const SE2& a, const SE2& b) {
-  return std::hypot(a.x - b.x, a.y - b.y);
-}
-
 void add_box(FloorPlan& plan, double x, double y, double width, double depth) {
   const Eigen::Vector2d a(x, y);
   const Eigen::Vector2d b(x + width, y);
@@ -129,7 +125,7 @@ class Mapping {
     const std::vector<SE2> trajectory = slam_.trajectory();
     double worst = 0.0;
     for (std::size_t i = 0; i < truth_.size(); ++i) {
-      worst = std::max(worst, distance(trajectory.at(i), truth_[i]));
+      worst = std::max(worst, distance_m(trajectory.at(i), truth_[i]));
     }
     return worst;
   }
@@ -279,11 +275,11 @@ TEST(BackEnd, AMapWithDroppedSubmapsCanBeSavedAndRestored) {
   EXPECT_EQ(after.submaps().size(), before.submaps().size());
   ASSERT_EQ(after.keyframes().size(), before.keyframes().size());
   for (std::size_t k = 0; k < before.keyframes().size(); ++k) {
-    EXPECT_LT(distance(after.keyframes()[k].T_map_base, before.keyframes()[k].T_map_base), 1e-9);
+    EXPECT_LT(distance_m(after.keyframes()[k].T_map_base, before.keyframes()[k].T_map_base), 1e-9);
   }
   after.polish();
   for (std::size_t k = 0; k < before.keyframes().size(); ++k) {
-    EXPECT_LT(distance(after.keyframes()[k].T_map_base, before.keyframes()[k].T_map_base), 0.03);
+    EXPECT_LT(distance_m(after.keyframes()[k].T_map_base, before.keyframes()[k].T_map_base), 0.03);
   }
 }
 

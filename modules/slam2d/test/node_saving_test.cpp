@@ -7,7 +7,6 @@
 #include <string>
 
 #include "common/node/messages.hpp"
-#include "modules/slam2d/localiser_node.hpp"
 #include "modules/slam2d/map_file.hpp"
 #include "modules/slam2d/node.hpp"
 #include "modules/slam2d/test/slam2d_node_fixture.hpp"
@@ -56,18 +55,6 @@ TEST_F(Slam2dNodeTest, TriesAgainToSaveAlsoWhileTheRobotHasNotBeenFound) {
   EXPECT_TRUE(std::filesystem::exists(context.out_dir / "map.pgm"));
 }
 
-TEST_F(Slam2dNodeTest, AfterAFailedSaveARequestIsCarriedOutAtOnce) {
-  const nodmap::test::TemporaryDir dir;
-  context_.out_dir = dir.path() / "not_there_yet";
-  put_odometry(0s, {});
-  put_scan(0s, {});  // the last one
-  bus_.deliver("SAVE_REQUEST", nodmap::save_request_t{});
-  std::filesystem::create_directory(context_.out_dir);
-  bus_.deliver("SAVE_REQUEST", nodmap::save_request_t{});
-  EXPECT_TRUE(std::filesystem::exists(context_.out_dir / "map.pgm"));
-  EXPECT_EQ(node_.health().state, node::HealthState::kOk);
-}
-
 TEST_F(Slam2dNodeTest, SavesItsMapOnRequest) {
   const nodmap::test::TemporaryDir dir;
   put_odometry(0s, {});
@@ -100,22 +87,6 @@ TEST_F(Slam2dNodeTest, AFailedSaveLeavesTheOldMapAndIsReported) {
   put_scan(20s, {});
   bus_.deliver("SAVE_REQUEST", nodmap::save_request_t{});
   EXPECT_EQ(node_.health().state, node::HealthState::kOk);
-}
-
-TEST_F(Slam2dNodeTest, SavesAtMostOnceEveryTenSeconds) {
-  const nodmap::test::TemporaryDir dir;
-  const std::filesystem::path map = dir.path() / "map.pgm";
-  context_.out_dir = dir.path();
-  int num_saved = 0;
-  for (int decis = 0; decis < 200; ++decis) {
-    put_odometry(100ms * decis, {});
-    put_scan(100ms * decis, {});
-    std::filesystem::remove(map);
-    bus_.deliver("SAVE_REQUEST", nodmap::save_request_t{});
-    num_saved += std::filesystem::exists(map) ? 1 : 0;
-  }
-  EXPECT_EQ(num_saved, 2);
-  EXPECT_EQ(counts_.rejected().at("save_request_too_soon"), 198);
 }
 
 }  // namespace node_saving_test

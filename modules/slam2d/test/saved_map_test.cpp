@@ -26,10 +26,6 @@ namespace saved_map_test {
 
 using geometry::SE2;
 
-double distance(const SE2& a, const SE2& b) {
-  return (a.translation() - b.translation()).norm();
-}
-
 // One run of the process in room(). Odometry begins at an arbitrary pose and counts 3 % too much.
 class Session {
  public:
@@ -118,7 +114,7 @@ TEST(SavedMap, IsReadAsItWasWritten) {
     EXPECT_EQ(read.keyframes[k].stamp, written.keyframes[k].stamp);
     EXPECT_EQ(read.keyframes[k].points_base, written.keyframes[k].points_base);
     EXPECT_EQ(read.keyframes[k].normals_base, written.keyframes[k].normals_base);
-    EXPECT_EQ(distance(read.keyframes[k].T_map_base, written.keyframes[k].T_map_base), 0.0);
+    EXPECT_EQ(distance_m(read.keyframes[k].T_map_base, written.keyframes[k].T_map_base), 0.0);
   }
   for (std::size_t k = 0; k < read.steps.size(); ++k) {
     EXPECT_EQ(read.steps[k].from, k);
@@ -171,7 +167,7 @@ TEST(SavedMap, IsTheSameAfterRestoringAndSavingAgain) {
   for (std::size_t i = 0; i < read.loops.size(); ++i) {
     EXPECT_EQ(again.loops[i].edge.from, read.loops[i].edge.from);
     // The relative pose was rounded once.
-    EXPECT_LT(distance(again.loops[i].edge.T_from_to, read.loops[i].edge.T_from_to), 1e-9);
+    EXPECT_LT(distance_m(again.loops[i].edge.T_from_to, read.loops[i].edge.T_from_to), 1e-9);
   }
 }
 
@@ -211,7 +207,7 @@ TEST(SavedMap, IsContinuedFromAnUnknownStartPose) {
   }
   EXPECT_TRUE(has_loop_between_runs);
   // The keyframes of the first run stay where they were.
-  EXPECT_LT(distance(carried_on.keyframes[0].T_map_base, kMapOfRoom), 1e-9);
+  EXPECT_LT(distance_m(carried_on.keyframes[0].T_map_base, kMapOfRoom), 1e-9);
 }
 
 TEST(SavedMap, IsContinuedAtOnceFromAGivenStartPose) {
