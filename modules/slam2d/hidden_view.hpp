@@ -18,7 +18,7 @@ namespace nodmap::slam2d {
 struct FoundPlace {
   Place place;
   LevelScan scan;            ///< without the points that have moved
-  bool has_slipped = false;  ///< not people: odometry has been wrong for a second
+  bool has_slipped = false;  ///< odometry, not people, has been wrong for a second
   bool is_hidden = false;    ///< people surround the robot: its pose is by odometry alone
 };
 

@@ -65,7 +65,7 @@ class LoopCloser {
   /// gives a pose of the newest keyframe; loops that give the same pose agree on the drift. Returns
   /// the loops that agree with this one, and drops all others, once they come from
   /// `consensus.min_keyframes` keyframes; otherwise returns none. Each keyframe whose loop is
-  /// contradicted raises the number needed by as many.
+  /// contradicted raises the number needed by `min_keyframes`.
   [[nodiscard]] std::vector<Loop> add_pending(const Loop& loop, std::span<const Submap> submaps,
                                               std::span<const Keyframe> keyframes);
 

@@ -169,8 +169,8 @@ struct PeopleParams {
              "robot may have been pushed in between. 0: all scans are.");
     v.number(
         "min_scan_period_s", min_scan_period_s, {0.0, 1.0},
-        "Scans nearer together than this are matched that way, too: their stamps come in bursts "
-        "and give no speed.");
+        "Scans nearer together than this are also matched as if nobody hid the view: their stamps "
+        "come in bursts and give no speed.");
     v.number("max_hidden_s", max_hidden_s, {0.0, 3600.0},
              "People pass within this time. If the view is hidden for longer, the robot was "
              "carried to another place.");
@@ -223,8 +223,9 @@ struct LostParams {
              "When lost, the map is also continued from odometry after this time.");
     v.number(
         "max_sigma_m", max_sigma_m, {0.01, 100.0},
-        "A scan that fits nothing, or has fewer than 10 points, makes the robot lost where the "
-        "standard deviation of its pose by odometry is above this, as after some 10 m.");
+        "By odometry alone the robot is lost where the standard deviation of its position is above "
+        "this, as after some 10 m: in x or in y if the scan fits nothing, in every direction if it "
+        "has fewer than 10 points.");
     v.number("begin_sigma_m", begin_sigma_m, {0.1, 100.0},
              "Standard deviation of the place at which a lost robot continues the map.");
     v.angle("begin_sigma_deg", begin_sigma_rad, {1.0, 180.0},
