@@ -38,6 +38,13 @@ struct ScanCounts {
   std::int64_t implausible = 0;
   std::int64_t not_level = 0;
   std::int64_t without_odometry = 0;
+
+  ScanCounts& operator+=(const ScanCounts& other) {
+    implausible += other.implausible;
+    not_level += other.not_level;
+    without_odometry += other.without_odometry;
+    return *this;
+  }
 };
 
 /// Turns odometry and the scans of a nodding or level scanner into level scans.

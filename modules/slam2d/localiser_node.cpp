@@ -50,9 +50,8 @@ void LocaliserNode::on_scan(const nodmap::scan_t& message) {
   }
   const std::int64_t without_odometry = localiser_.scan_counts().without_odometry;
   const std::optional<PoseUpdate> update = localiser_.add_scan(scan_);
-  if (localiser_.scan_counts().without_odometry > without_odometry) {
-    context_.counts.reject("scan_without_odometry");
-  }
+  context_.counts.reject("scan_without_odometry",
+                         localiser_.scan_counts().without_odometry - without_odometry);
   if (!update) {
     return;
   }

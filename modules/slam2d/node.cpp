@@ -86,26 +86,29 @@ void Slam2dNode::on_scan(const nodmap::scan_t& message) {
   if (saving_.is_retry_due(last_scan_stamp_)) {
     save();
   }
-  if (search_) {
-    find_in_saved_map();
-    return;
+  const std::optional<PoseUpdate> update = search_ ? find_in_saved_map() : slam_.add_scan(scan_);
+  count_rejected();
+  if (update) {
+    answer(*update);
   }
-  const ScanCounts before = slam_.scan_counts();
-  const std::int64_t without_points_before = slam_.metrics().scans_without_points;
-  const std::optional<PoseUpdate> update = slam_.add_scan(scan_);
-  if (!update) {
-    count_rejected(before, without_points_before);
-    return;
-  }
+}
+
+void Slam2dNode::answer(const PoseUpdate& update) {
   context_.counts.use();
-  last_state_ = update->state;
-  last_stamp_ = update->stamp;
-  context_.bus.publish("POSE_2D", write_pose(*update));
-  update_grid(*update);
-  if (time::is_due(update->stamp, last_graph_stamp_, kGraphPeriod)) {
-    publish_graph(update->stamp);
+  last_state_ = update.state;
+  last_stamp_ = update.stamp;
+  context_.bus.publish("POSE_2D", write_pose(update));
+  if (!search_) {
+    update_grid(update);
+    if (time::is_due(update.stamp, last_graph_stamp_, kGraphPeriod)) {
+      publish_graph(update.stamp);
+    }
+  } else if (update.state == PoseState::kTracking) {
+    // The map is continued only once the pose is confirmed: a wrong pose would spoil the map.
+    slam_.begin_at(update.T_map_odom);
+    search_.reset();
   }
-  map_publisher_.publish_if_due(map_.grid(), update->stamp);
+  map_publisher_.publish_if_due(map_.grid(), update.stamp);
 }
 
 void Slam2dNode::update_grid(const PoseUpdate& update) {
@@ -120,36 +123,27 @@ void Slam2dNode::update_grid(const PoseUpdate& update) {
   map_.redraw_moved(slam_.keyframes(), kMaxCheckedPerScan, kMaxRedrawnPerScan);
 }
 
-// The map is continued only once the pose is confirmed: a wrong pose would spoil the map.
-void Slam2dNode::find_in_saved_map() {
-  const ScanCounts before = search_scan_counts_;
+std::optional<PoseUpdate> Slam2dNode::find_in_saved_map() {
   const std::optional<PoseUpdate> update = search_->localiser.add_scan(scan_);
   search_metrics_ = search_->localiser.metrics();
   search_scan_counts_ = search_->localiser.scan_counts();
-  if (search_scan_counts_.without_odometry > before.without_odometry) {
-    context_.counts.reject("scan_without_odometry");
-  }
-  if (!update) {
-    return;
-  }
-  context_.counts.use();
-  last_state_ = update->state;
-  last_stamp_ = update->stamp;
-  context_.bus.publish("POSE_2D", write_pose(*update));
-  map_publisher_.publish_if_due(map_.grid(), update->stamp);
-  if (update->state == PoseState::kTracking) {
-    slam_.begin_at(update->T_map_odom);
-    search_.reset();
-  }
+  return update;
 }
 
-void Slam2dNode::count_rejected(const ScanCounts& before, std::int64_t without_points_before) {
-  if (slam_.scan_counts().without_odometry > before.without_odometry) {
-    context_.counts.reject("scan_without_odometry");
-  }
-  if (slam_.metrics().scans_without_points > without_points_before) {
-    context_.counts.reject("too_few_points");
-  }
+ScanCounts Slam2dNode::scan_counts() const {
+  ScanCounts counts = slam_.scan_counts();
+  counts += search_scan_counts_;
+  return counts;
+}
+
+void Slam2dNode::count_rejected() {
+  const ScanCounts scans = scan_counts();
+  const std::int64_t without_points = slam_.metrics().scans_without_points;
+  context_.counts.reject("scan_without_odometry",
+                         scans.without_odometry - counted_.without_odometry);
+  context_.counts.reject("too_few_points", without_points - counted_without_points_);
+  counted_ = scans;
+  counted_without_points_ = without_points;
 }
 
 void Slam2dNode::on_clear_request(const nodmap::clear_request_t& message) {
@@ -247,9 +241,7 @@ nlohmann::json Slam2dNode::metrics() const {
   const double scans = static_cast<double>(std::max<std::int64_t>(1, metrics.scans.all));
   ScansByState all_scans = metrics.scans;
   all_scans += search_metrics_.scans;
-  ScanCounts rejected = slam_.scan_counts();
-  rejected.not_level += search_scan_counts_.not_level;
-  nlohmann::json result = scan_metrics(all_scans, rejected);
+  nlohmann::json result = scan_metrics(all_scans, scan_counts());
   result.update({{"mean_inlier_ratio", metrics.inlier_ratio_sum / scans},
                  {"mean_score", metrics.score_sum / scans},
                  {"map_points", slam_.back_end().num_points()},

@@ -45,10 +45,12 @@ class Slam2dNode : public node::Node {
   void on_scan(const nodmap::scan_t& message);
   void on_clear_request(const nodmap::clear_request_t& message);
   void on_save_request(const nodmap::save_request_t& message);
-  void find_in_saved_map();
+  [[nodiscard]] std::optional<PoseUpdate> find_in_saved_map();
+  void answer(const PoseUpdate& update);
   void save();
   [[nodiscard]] std::error_code save_map(const std::filesystem::path& dir) const;
-  void count_rejected(const ScanCounts& before, std::int64_t without_points_before);
+  [[nodiscard]] ScanCounts scan_counts() const;
+  void count_rejected();
   void update_grid(const PoseUpdate& update);
   void publish_graph(time::Timestamp stamp);
 
@@ -69,6 +71,8 @@ class Slam2dNode : public node::Node {
   std::unique_ptr<Search> search_;  // until the robot is found; null for a new map
   LocaliserMetrics search_metrics_;
   ScanCounts search_scan_counts_;
+  ScanCounts counted_;  // as rejected, like the next
+  std::int64_t counted_without_points_ = 0;
   KeyframeGrid map_;
   MapPublisher map_publisher_;
   scan::Scan scan_;                    // the last one; a member to reuse its memory
