@@ -54,10 +54,6 @@ constexpr double kLeastRiseM = 0.07;
 
 FacetFinder::FacetFinder(const LocalMapParams& params) : params_(params) {}
 
-void FacetFinder::reset() {
-  *this = FacetFinder(params_);
-}
-
 void FacetFinder::add(const Eigen::Vector3d& p_odom, const Eigen::Vector2d& p_base) {
   if (p_base.x() < kNearestM || p_base.x() > kFarthestM || std::abs(p_base.y()) >= kHalfWidthM) {
     return;

@@ -25,7 +25,6 @@ class FacetFinder {
  public:
   explicit FacetFinder(const LocalMapParams& params);
 
-  void reset();
   /// Adds a hit of the present scan. `p_base` is the same point; it gives the place in the strip.
   void add(const Eigen::Vector3d& p_odom, const Eigen::Vector2d& p_base);
   /// Completes the scan: refines facets that are seen again, and joins a new one to the ground.

@@ -30,10 +30,6 @@ TrackedGround::TrackedGround(const GroundParams& params)
   facets_.front().is_fixed = true;
 }
 
-void TrackedGround::reset() {
-  *this = TrackedGround(params_);
-}
-
 void TrackedGround::move(const geometry::SE2& T_odom_base) {
   cells_.center_on(T_odom_base.translation());
   if (facets_.size() == 1) {

@@ -39,8 +39,6 @@ class TrackedGround {
     std::size_t facet = 0;  ///< the ground at this place
   };
 
-  /// Begins again with level floor, because the odom frame restarted.
-  void reset();
   /// Takes the new pose. Height and tilt follow from the ground under the wheels.
   void move(const geometry::SE2& T_odom_base);
   [[nodiscard]] const geometry::SE3& T_odom_base() const { return T_odom_base_; }

@@ -26,14 +26,6 @@ LocalMap::LocalMap(const robot::RobotParams& robot, const LocalMapParams& params
       obstacles_(params.forget_after_m),
       low_hits_(params.floor_tolerance_m) {}
 
-void LocalMap::reset() {
-  T_odom_base_.reset();
-  ground_.reset();
-  finder_.reset();
-  floor_.forget_last_scan();
-  grid_.center_on({1e6, 1e6});  // far away: every cell begins anew
-}
-
 bool LocalMap::is_blocked(const LocalCell& cell) const {
   return (cell.is_obstacle() && !obstacles_.is_forgotten(cell)) || cell.is_hole();
 }

@@ -114,9 +114,6 @@ class LocalMap {
   /// The same, without floor that is only assumed, around the place where the robot was set down.
   [[nodiscard]] bool is_seen_floor(const Eigen::Vector2d& p_odom) const;
 
-  /// Forgets everything, because the odom frame restarted.
-  void reset();
-
  private:
   void move(const geometry::SE2& T_odom_base);
   void clear_under_body(const geometry::SE2& T_odom_base);

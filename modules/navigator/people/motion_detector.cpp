@@ -173,13 +173,8 @@ std::optional<Detection> MotionDetector::detect(Hits::const_iterator first,
   // centre.
   const Eigen::Vector2d away = (mean - sensor_odom).normalized();
   const auto [lowest, highest] = std::ranges::minmax(group, {}, &Hit::height_m);
-  return Detection{mean + 0.25 * geometry::kPi * radius_m * away,
-                   radius_m,
-                   group.front().beam,
-                   group.back().beam,
-                   lowest.height_m,
-                   highest.height_m,
-                   free_ratio};
+  return Detection{mean + 0.25 * geometry::kPi * radius_m * away, radius_m, lowest.height_m,
+                   highest.height_m, free_ratio};
 }
 
 }  // namespace nodmap::navigator

@@ -15,8 +15,6 @@ namespace nodmap::navigator {
 struct Detection {
   Eigen::Vector2d p_odom = Eigen::Vector2d::Zero();  ///< centre of a disc with this radius
   double radius_m = 0.0;
-  std::size_t first_beam = 0;  ///< the first and the last beam that have hit it
-  std::size_t last_beam = 0;
   double lowest_m = 0.0;  ///< height of the lowest and the highest hit above the floor
   double highest_m = 0.0;
   double free_ratio = 1.0;  ///< the fraction of its hits in ever-free space

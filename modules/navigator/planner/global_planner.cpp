@@ -66,10 +66,6 @@ struct Prices {
 GlobalPlanner::GlobalPlanner(const robot::Footprint& body, const PlannerParams& params)
     : body_(body), params_(params) {}
 
-void GlobalPlanner::reset() {
-  *this = GlobalPlanner(body_, params_);
-}
-
 void GlobalPlanner::add_failure(const Eigen::Vector2d& p_map) {
   if (failures_.size() == kMostFailures) {
     failures_.pop_front();

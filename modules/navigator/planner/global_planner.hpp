@@ -61,8 +61,6 @@ class GlobalPlanner {
   /// Forgets all ground; the next plan uses only what the local map holds.
   void forget_ground();
 
-  void reset();
-
  private:
   enum class Phase : std::uint8_t { kIdle, kOccupy, kMeasureDistances, kPrice, kSearch };
   struct Failure {

@@ -38,10 +38,10 @@ TEST(Track, EqualsTheGaussianConditionedOnAllDetections) {
   for (const double t : times_s) {
     z.push_back(2.0 - 1.1 * t + noise_m(random));
   }
-  Track track(time::Timestamp{}, {{z[0], 0.0}, 0.25, 0, 0});
+  Track track(time::Timestamp{}, {{z[0], 0.0}, 0.25});
   for (std::size_t i = 1; i < z.size(); ++i) {
     track.predict(at(times_s[i]));
-    track.update({{z[i], 0.0}, 0.25, 0, 0});
+    track.update({{z[i], 0.0}, 0.25});
   }
   const auto n = static_cast<Eigen::Index>(z.size()) - 1;
   Eigen::MatrixXd S(n, n);
@@ -67,7 +67,7 @@ TEST(Track, EqualsTheGaussianConditionedOnAllDetections) {
 }
 
 TEST(Track, TheErrorGrowsBetweenSightings) {
-  Track track(time::Timestamp{}, {{1.0, 0.0}, 0.25, 0, 0});
+  Track track(time::Timestamp{}, {{1.0, 0.0}, 0.25});
   double last_m = 0.0;
   for (double t = 0.0; t < 1.0; t += 0.1) {
     track.predict(at(t));
@@ -81,12 +81,12 @@ TEST(Track, TheErrorGrowsBetweenSightings) {
 // heights is.
 TEST(Track, AnObjectMeasuredAtOneHeightIsNotAPerson) {
   for (const double height_m : {0.04, 0.3}) {
-    Track track(time::Timestamp{}, {{2.0, 0.0}, 0.25, 0, 5, 0.44, 0.44});
+    Track track(time::Timestamp{}, {{2.0, 0.0}, 0.25, 0.44, 0.44});
     for (int i = 1; i < 60; ++i) {
       const double time_s = kScanS * i;
       track.predict(at(time_s));
       const double low_m = 0.44 - height_m * (i % 6) / 5.0;
-      track.update({{2.0 - 1.0 * time_s, 0.0}, 0.25, 0, 5, low_m, low_m});
+      track.update({{2.0 - 1.0 * time_s, 0.0}, 0.25, low_m, low_m});
       if (i == 8) {
         EXPECT_EQ(track.is_new(), height_m > 0.1);
       }
