@@ -16,8 +16,6 @@ using geometry::kPi;
 constexpr double kNever = std::numeric_limits<double>::infinity();
 // Arcs flatter than this count as straight: after 5 m they are 1.2 cm beside the line.
 constexpr double kStraightCurvature = 1e-3;
-// A point this deep within the body is an error of the map: odometry has drifted since it was
-// seen. It is ignored, because it would block the robot for ever.
 constexpr double kImpossibleDepthM = 0.03;
 // The margin that remains for points that are within the margin already.
 constexpr double kTightMarginM = 0.005;
@@ -84,7 +82,7 @@ double free_by_point(const Eigen::Vector2d& p, const Eigen::Vector2d& twist, con
   if (!grown.contains(p)) {
     return until_touched(p, grown);
   }
-  if (body.grown(-kImpossibleDepthM, -kImpossibleDepthM).contains(p)) {
+  if (is_error_of_map(p, body)) {
     return kNever;
   }
   const Footprint tight = body.grown(kTightMarginM, kTightMarginM);
@@ -115,6 +113,10 @@ double arc_distance(const Eigen::Vector2d& p, double curvature, const Footprint&
 }
 
 }  // namespace
+
+bool is_error_of_map(const Eigen::Vector2d& p_base, const Footprint& body) {
+  return body.grown(-kImpossibleDepthM, -kImpossibleDepthM).contains(p_base);
+}
 
 double free_distance(const Points& points_base, double curvature, const Footprint& body,
                      double side_margin_m) {

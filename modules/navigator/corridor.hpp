@@ -9,6 +9,10 @@ namespace nodmap::navigator {
 
 using robot::Footprint;
 
+/// Whether a point is so deep within the body that it is an error of the map: odometry has drifted
+/// since it was seen. It is ignored, because it would block the robot for ever.
+[[nodiscard]] bool is_error_of_map(const Eigen::Vector2d& p_base, const Footprint& body);
+
 /// Free distance in the virtual corridor, metres: how far the origin of base can move along an arc
 /// (curvature in 1/m, positive left) until the body, `side_margin_m` wider on each side, touches a
 /// point. +infinity if it touches none within half a circle.

@@ -78,9 +78,8 @@ FreeSpace measure_free_space(const Points& points_base, const Footprint& body,
   FreeSpace space;
   space.distance_m.fill(std::numeric_limits<double>::infinity());
   const Footprint corridor = body.grown(0.0, side_margin_m);
-  const Footprint inner = body.grown(-0.03, -0.03);
   for (const Eigen::Vector2d& p : points_base) {
-    if (!inner.contains(p)) {
+    if (!is_error_of_map(p, body)) {
       block(space, p, body, corridor);
     }
   }

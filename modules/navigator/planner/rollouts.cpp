@@ -103,10 +103,8 @@ void Rollouts::measure_clearance(const Points& points_base) {
   obstacles_.begin({-kReachM, -kReachM}, kCellM, size, size);
   near_points_base_.clear();
   const double near_m = kExactReachM + body_.turning_radius_m() + kExactWithinM + kCellErrorM;
-  const robot::Footprint inside = body_.grown(-0.03, -0.03);
   for (const Eigen::Vector2d& p : points_base) {
-    // A point this deep within the body is an error of the map.
-    if (!inside.contains(p)) {
+    if (!is_error_of_map(p, body_)) {
       obstacles_.occupy(p);
       if (p.norm() < near_m) {
         near_points_base_.push_back(p);

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <random>
 
+#include "modules/navigator/corridor.hpp"
+
 namespace nodmap::navigator {
 namespace rollouts_test {
 
@@ -35,7 +37,7 @@ TEST(Rollouts, ClearanceIsThatOfTheRectangle) {
     const Eigen::Vector2d p(place_m(random), place_m(random));
     const geometry::SE2 pose{0.3 * place_m(random), 0.3 * place_m(random), yaw_rad(random)};
     const double truth_m = distance_m(p, pose);
-    if (kBody.grown(-0.03, -0.03).contains(p) || truth_m > 0.4) {
+    if (is_error_of_map(p, kBody) || truth_m > 0.4) {
       continue;
     }
     rollouts.measure_clearance({p});
