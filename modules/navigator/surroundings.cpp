@@ -14,8 +14,8 @@ namespace {
 // The robot waits for what approaches within this distance of its turning circle: a person at
 // 1.5 m/s covers it in 0.4 s, and a rotation stops in 0.2 s. While driving the distance is longer
 // by what the robot covers in the time that it needs to stop from 1.5 m/s.
-constexpr double kApproachM = 0.6;
-constexpr double kApproachS = 0.5;
+constexpr double kReachM = 0.6;
+constexpr double kReachS = 0.5;
 // Doubtful ground counts up to this far beyond the turning circle, because arcs swing the rear
 // out.
 constexpr double kDoubtfulM = 0.1;
@@ -147,7 +147,7 @@ void Surroundings::add_people(Situation& now) {
 
 void Surroundings::watch_approach(const Situation& now, const Points& points_base) {
   const double reach_m =
-      body_.turning_radius_m() + kApproachM + kApproachS * std::max(0.0, now.forward_mps);
+      body_.turning_radius_m() + kReachM + kReachS * std::max(0.0, now.forward_mps);
   approach_.update(now.stamp, now.T_odom_base, reach_m, points_base, seen_,
                    sees_floor(now) ? &local_map_ : nullptr, now.laser_is_held);
 }

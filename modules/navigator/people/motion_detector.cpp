@@ -17,7 +17,7 @@ constexpr double kNearestM = 0.1;
 // Free space is counted from this distance from the mirror on.
 constexpr double kPassedFromM = 0.3;
 // Free space ends this far before the end of a beam, because of noise and the size of a cell.
-constexpr double kBeforeEndM = 0.15;
+constexpr double kFreeBeforeEndM = 0.15;
 // Hits below this are on the floor.
 constexpr double kFloorHitM = 0.05;
 // Neighbouring beams that end farther apart than this have hit different things.
@@ -113,7 +113,7 @@ void MotionDetector::add_passes(const scan::Scan& scan, const geometry::SE2& T_o
       continue;
     }
     // Without an echo space is free up to range_max_m.
-    const double until_m = std::min({range_m - kBeforeEndM, farthest_m_, scan.range_max_m});
+    const double until_m = std::min({range_m - kFreeBeforeEndM, farthest_m_, scan.range_max_m});
     if (until_m <= kPassedFromM) {
       continue;
     }

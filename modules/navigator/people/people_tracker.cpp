@@ -24,7 +24,7 @@ constexpr double kPartlyFree = 0.25;
 constexpr double kMostlyFree = 0.6;
 // A radius shrinks by this much per detection, because two people who touch are measured as one.
 constexpr double kShrinksM = 0.005;
-constexpr double kLeastMps = 0.25;
+constexpr double kWalksMps = 0.25;
 constexpr double kSigmas = 2.0;
 // A slower track is stationary.
 constexpr double kStandsMps = 0.15;
@@ -121,7 +121,7 @@ void Track::update(const Detection& detection) {
   const bool is_known = has_come_ && num_sightings_ >= kFewestSightings && has_legs() &&
                         seen_at_ - first_seen_ >= kShortest;
   moves_ = moves_ ? speed_mps > kStandsMps
-                  : is_known && speed_mps > std::max(kLeastMps, kSigmas * sigma_mps);
+                  : is_known && speed_mps > std::max(kWalksMps, kSigmas * sigma_mps);
 }
 
 // Whether it was measured over a range of heights, as a leg is by three or four lines of a sweep.
