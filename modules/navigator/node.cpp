@@ -266,9 +266,8 @@ void NavigatorNode::publish(const Decision& decision) {
   navigation_.behaviour = code_of(decision.behaviour);
   navigation_.reason = to_text(decision.reason);
   navigation_.steering_angle_rad = decision.steering_angle_rad;
-  const double v = decision.max_forward_mps;
   navigation_.corridor_length_m =
-      params_.robot.braking.required_distance_m(v, params_.drive.reaction_s);
+      params_.robot.braking.required_distance_m(decision.max_forward_mps, params_.drive.reaction_s);
   navigation_.corridor_width_m = params_.robot.body.width_m + 2.0 * params_.drive.side_margin_m;
   navigation_.clear_distance_m = decision.free_distance_m;
   navigation_.max_forward_mps = decision.max_forward_mps;
@@ -277,7 +276,7 @@ void NavigatorNode::publish(const Decision& decision) {
   if (newest_.odometry) {
     display_.publish(time::from_utime(drive_.utime), navigator_, decision, newest_);
   }
-  ++decisions_[static_cast<std::size_t>(decision.behaviour)];
+  ++decisions_[static_cast<std::size_t>(navigation_.behaviour)];
   inhibit_reason_.reset();
   if (decision.behaviour == Behaviour::kHalt) {
     inhibit_reason_ = decision.reason;

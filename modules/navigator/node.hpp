@@ -88,7 +88,7 @@ class NavigatorNode final : public node::Node {
   nodmap::drive_t drive_{};
   nodmap::navigation_t navigation_{};
   std::int64_t next_drive_seq_ = 0;
-  std::array<std::int64_t, 5> decisions_{};                                   // by behaviour
+  std::array<std::int64_t, 5> decisions_{};  // by navigation_t's number of the behaviour
   std::optional<Reason> inhibit_reason_ = Reason(Why::kNoInput, "odometry");  // of the last one
 };
 
