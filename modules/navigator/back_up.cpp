@@ -26,7 +26,7 @@ BackUp::BackUp(const NavigatorParams& params)
     : body_(params.robot.body.footprint()),
       braking_(params.robot.braking),
       reaction_s_(params.drive.reaction_s),
-      turn_(params.turn),
+      turn_params_(params.turn),
       params_(params.back_up),
       trail_(params.local_map.forget_after_m) {}
 
@@ -45,7 +45,7 @@ bool BackUp::step(const Situation& now, Decision& decision) {
   }
   const auto path = trail_.path_back(now.T_odom_base);
   const Side side = path ? side_of(path->rotation_rad) : Side::kLeft;
-  const double free_rad = free_rotation(now.points_base, side, body_, turn_.margin_m);
+  const double free_rad = free_rotation(now.points_base, side, body_, turn_params_.margin_m);
   const bool can_rotate = free_rad >= kLeastRotationRad;
   const double backed_up_m =
       std::hypot(began_at_->x - now.T_odom_base.x, began_at_->y - now.T_odom_base.y);
@@ -56,8 +56,8 @@ bool BackUp::step(const Situation& now, Decision& decision) {
   }
   if (path->rotation_rad != 0.0 && can_rotate) {
     decision.yaw_rate_rad_s =
-        sign(side) *
-        yaw_rate_on_the_spot(std::min(std::abs(path->rotation_rad), free_rad), turn_, reaction_s_);
+        sign(side) * yaw_rate_on_the_spot(std::min(std::abs(path->rotation_rad), free_rad),
+                                          turn_params_, reaction_s_);
     return true;
   }
   trail_.forget_ahead(now.T_odom_base);

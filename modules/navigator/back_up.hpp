@@ -35,7 +35,7 @@ class BackUp {
   Footprint body_;
   robot::Braking braking_;
   double reaction_s_;
-  TurnParams turn_;
+  TurnParams turn_params_;
   BackUpParams params_;
   Trail trail_;
   std::optional<geometry::SE2> began_at_;  // T_odom_base

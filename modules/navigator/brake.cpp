@@ -32,17 +32,17 @@ Arc Brake::measure_arc(double curvature, const Situation& now) const {
 }
 
 Arc Brake::measure_arc(double curvature, bool creeps, const Situation& now) const {
-  Arc arc = measure_corridor(curvature, drive_.side_margin_m, braking_.stop_margin_m, now);
-  if (creeps && arc.speed_mps < drive_.creep_mps) {
-    Arc narrow = measure_corridor(curvature, drive_.creep_margin_m,
+  Arc arc = measure_corridor(curvature, drive_params_.side_margin_m, braking_.stop_margin_m, now);
+  if (creeps && arc.speed_mps < drive_params_.creep_mps) {
+    Arc narrow = measure_corridor(curvature, drive_params_.creep_margin_m,
                                   std::min(kCreepStopMarginM, braking_.stop_margin_m), now);
-    narrow.speed_mps = std::min(narrow.speed_mps, drive_.creep_mps);
+    narrow.speed_mps = std::min(narrow.speed_mps, drive_params_.creep_mps);
     if (narrow.speed_mps > arc.speed_mps) {
       arc = narrow;
     }
   }
   if (now.needs_seen_floor) {
-    const double limit_mps = std::min(arc.speed_mps, drive_.max_forward_mps);
+    const double limit_mps = std::min(arc.speed_mps, drive_params_.max_forward_mps);
     arc.speed_mps = std::min(arc.speed_mps, speed_on_seen_floor(curvature, limit_mps, now));
   }
   arc.speed_mps = std::min(arc.speed_mps, speed_before_corners(curvature, now));
@@ -58,8 +58,8 @@ Arc Brake::measure_corridor(double curvature, double side_margin_m, double stop_
 // The corner of a hole is narrower than any gap that speed_on_seen_floor() bridges. So an arc is
 // blocked where beams passed through the floor beside a hole, also where that could be a ramp.
 double Brake::speed_before_corners(double curvature, const Situation& now) const {
-  const double distance_m =
-      free_distance(now.hole_corners_base, curvature, body_, drive_.side_margin_m + kCornerMarginM);
+  const double distance_m = free_distance(now.hole_corners_base, curvature, body_,
+                                          drive_params_.side_margin_m + kCornerMarginM);
   return stoppable_mps(distance_m - braking_.stop_margin_m);
 }
 
@@ -80,14 +80,15 @@ double Brake::speed_on_seen_floor(double curvature, double max_mps, const Situat
     double deceleration_mps2;
   };
   double speed_mps = max_mps;
-  for (const Rule& rule : {Rule{local_map_.wide_gap_m, braking_.deceleration_mps2},
-                           Rule{local_map_.max_gap_m, braking_.emergency_deceleration_mps2}}) {
+  for (const Rule& rule :
+       {Rule{local_map_params_.wide_gap_m, braking_.deceleration_mps2},
+        Rule{local_map_params_.max_gap_m, braking_.emergency_deceleration_mps2}}) {
     const double longest_m =
-        robot::stopping_distance(speed_mps, drive_.reaction_s, rule.deceleration_mps2);
+        robot::stopping_distance(speed_mps, drive_params_.reaction_s, rule.deceleration_mps2);
     const double seen_m = now.local_map->seen_distance(
         now.T_odom_base, curvature, body_.half_width_m, longest_m, rule.max_gap_m);
     if (seen_m < longest_m) {
-      speed_mps = robot::stoppable_speed(seen_m, drive_.reaction_s, rule.deceleration_mps2);
+      speed_mps = robot::stoppable_speed(seen_m, drive_params_.reaction_s, rule.deceleration_mps2);
     }
   }
   constexpr bool kEndsAtObstacles = true;
@@ -95,7 +96,7 @@ double Brake::speed_on_seen_floor(double curvature, double max_mps, const Situat
   const bool may_creep =
       creeps_ && speed_mps < slow_mps &&
       now.local_map->seen_distance(now.T_odom_base, curvature, body_.half_width_m, kHiddenSeenM,
-                                   local_map_.max_gap_m, kEndsAtObstacles) >= kHiddenSeenM;
+                                   local_map_params_.max_gap_m, kEndsAtObstacles) >= kHiddenSeenM;
   return may_creep ? slow_mps : speed_mps;
 }
 
@@ -106,7 +107,7 @@ double Brake::speed_on_present_arc(const Situation& now) const {
   }
   // A robot that has rotated and begins to drive is on a tight arc, on which 15 cm are 50 degrees.
   // If it had to keep them, it would stop again. Slowly it needs no more than a creeping one.
-  const bool creeps = creeps_ || forward_mps < drive_.creep_mps;
+  const bool creeps = creeps_ || forward_mps < drive_params_.creep_mps;
   const Arc arc = measure_arc(now.yaw_rate_rad_s / forward_mps, creeps, now);
   const double emergency_mps = robot::stoppable_speed(arc.free_distance_m - arc.stop_margin_m, 0.0,
                                                       braking_.emergency_deceleration_mps2);
@@ -137,12 +138,13 @@ void Brake::keep_to_known_ground(Decision& decision, const Situation& now) const
     return;
   }
   // A cell's centre stands for the whole cell: the body keeps half a cell away.
-  const Footprint inner = body_.grown(-0.5 * local_map_.cell_size_m, -0.5 * local_map_.cell_size_m);
+  const Footprint inner =
+      body_.grown(-0.5 * local_map_params_.cell_size_m, -0.5 * local_map_params_.cell_size_m);
   double allowed_rad_s = 0.0;
   if (decision.forward_mps == 0.0) {
     const Side side = side_of(decision.yaw_rate_rad_s);
-    allowed_rad_s = yaw_rate_on_the_spot(free_rotation(now.doubtful_base, side, inner, 0.0), turn_,
-                                         drive_.reaction_s);
+    allowed_rad_s = yaw_rate_on_the_spot(free_rotation(now.doubtful_base, side, inner, 0.0),
+                                         turn_params_, drive_params_.reaction_s);
   } else {
     const double curvature = decision.yaw_rate_rad_s / decision.forward_mps;
     Points beside = now.doubtful_base;
@@ -175,16 +177,16 @@ void Brake::give_way(Decision& decision, const Situation& now) const {
 
 double Brake::speed_limit(double curvature, double max_forward_mps) const {
   const double bend = std::abs(curvature);
-  double speed_mps = std::max(0.0, std::min(max_forward_mps, drive_.max_forward_mps));
+  double speed_mps = std::max(0.0, std::min(max_forward_mps, drive_params_.max_forward_mps));
   if (bend > 0.0) {
-    speed_mps = std::min(
-        {speed_mps, drive_.max_yaw_rate_rad_s / bend, std::sqrt(drive_.max_lateral_mps2 / bend)});
+    speed_mps = std::min({speed_mps, drive_params_.max_yaw_rate_rad_s / bend,
+                          std::sqrt(drive_params_.max_lateral_mps2 / bend)});
   }
   return speed_mps;
 }
 
 double Brake::stoppable_mps(double distance_m) const {
-  return robot::stoppable_speed(distance_m, drive_.reaction_s, braking_.deceleration_mps2);
+  return robot::stoppable_speed(distance_m, drive_params_.reaction_s, braking_.deceleration_mps2);
 }
 
 }  // namespace nodmap::navigator

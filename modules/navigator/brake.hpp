@@ -29,9 +29,9 @@ class Brake {
       : creeps_(creeps),
         body_(params.robot.body.footprint()),
         braking_(params.robot.braking),
-        drive_(params.drive),
-        local_map_(params.local_map),
-        turn_(params.turn),
+        drive_params_(params.drive),
+        local_map_params_(params.local_map),
+        turn_params_(params.turn),
         passive_safety_(params.robot, params.drive, params.people) {}
 
   /// Measures an arc. Within the stopping distance, ground that was not seen blocks it as an
@@ -76,9 +76,9 @@ class Brake {
   bool creeps_;
   Footprint body_;
   robot::Braking braking_;
-  DriveParams drive_;
-  LocalMapParams local_map_;
-  TurnParams turn_;
+  DriveParams drive_params_;
+  LocalMapParams local_map_params_;
+  TurnParams turn_params_;
   PassiveSafety passive_safety_;
 };
 

@@ -21,7 +21,7 @@ Steering::Steering(const NavigatorParams& params)
       brake_(params),
       stop_margin_m_(params.robot.braking.stop_margin_m),
       params_(params.steer),
-      turn_(params.turn) {}
+      turn_params_(params.turn) {}
 
 std::optional<Decision> Steering::steer(const FreeSpace& free_space, const Situation& now) {
   const auto direction_rad = direction(preferred_space(free_space, now), now);
@@ -49,10 +49,11 @@ FreeSpace seen_space(const FreeSpace& space, const Situation& now) {
 // Prefers corridors in which the robot can also turn. If there is none, those that it fits through
 // will do.
 FreeSpace Steering::preferred_space(const FreeSpace& free_space, const Situation& now) const {
-  const double turning_margin_m = body_.turning_radius_m() + turn_.margin_m - body_.half_width_m;
+  const double turning_margin_m =
+      body_.turning_radius_m() + turn_params_.margin_m - body_.half_width_m;
   const FreeSpace wide =
       seen_space(measure_free_space(now.points_base, body_, turning_margin_m), now);
-  return longest_distance(wide) >= turn_.until_free_m ? wide : seen_space(free_space, now);
+  return longest_distance(wide) >= turn_params_.until_free_m ? wide : seen_space(free_space, now);
 }
 
 std::optional<double> Steering::direction(const FreeSpace& space, const Situation& now) {

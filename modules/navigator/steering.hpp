@@ -37,7 +37,7 @@ class Steering {
   Brake brake_;
   double stop_margin_m_;
   SteerParams params_;
-  TurnParams turn_;
+  TurnParams turn_params_;
   Detour detour_;
   Side roaming_side_ = Side::kNone;  ///< on which it passes the obstacle ahead
 };

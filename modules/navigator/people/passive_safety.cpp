@@ -23,11 +23,11 @@ constexpr std::array kFactors{1.0, 0.85, 0.7, 0.55, 0.4, 0.27, 0.15};
 }  // namespace
 
 PassiveSafety::PassiveSafety(const robot::RobotParams& robot, const DriveParams& drive,
-                             const PeopleParams& params)
+                             const PeopleParams& people)
     : body_(robot.body.footprint()),
       deceleration_mps2_(robot.braking.deceleration_mps2),
       reaction_s_(drive.reaction_s),
-      margin_m_(params.margin_m) {}
+      margin_m_(people.margin_m) {}
 
 bool PassiveSafety::is_safe(const Twist& twist, const Person& person) const {
   const double corner_m = body_.turning_radius_m();

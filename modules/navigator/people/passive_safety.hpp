@@ -15,7 +15,7 @@ namespace nodmap::navigator {
 class PassiveSafety {
  public:
   PassiveSafety(const robot::RobotParams& robot, const DriveParams& drive,
-                const PeopleParams& params);
+                const PeopleParams& people);
 
   /// Whether the robot is stationary before anybody touches it, if it keeps its motion for the
   /// reaction time and then brakes along its arc. People (in base) are discs with constant

@@ -82,7 +82,10 @@ double end_cost(const geometry::SE2& T_map_end, const CostToGo& cost_to_go) {
 }  // namespace
 
 Rollouts::Rollouts(const robot::Footprint& body, const NavigatorParams& params)
-    : body_(body), params_(params.planner), drive_(params.drive), people_(params.people) {
+    : body_(body),
+      params_(params.planner),
+      drive_params_(params.drive),
+      people_params_(params.people) {
   const double length_m = body.half_length_m;
   const double width_m = body.half_width_m;
   const double radius_m = std::min(length_m, width_m);
@@ -151,7 +154,7 @@ const std::vector<Rollout>& Rollouts::plan(const Situation& now, const CostToGo&
   // A robot that is nearer already may drive on, but must not come nearer.
   const double clearance_now_m = clearance_m({}) - kNoiseM;
   least_clearance_m_ = std::min(params_.min_clearance_m, clearance_now_m);
-  least_creeping_clearance_m_ = std::min(least_clearance_m_, drive_.creep_margin_m);
+  least_creeping_clearance_m_ = std::min(least_clearance_m_, drive_params_.creep_margin_m);
   least_slow_clearance_m_ = std::min(least_clearance_m_, kSlowClearanceM);
   free_left_rad_ = free_rotation(now.points_base, Side::kLeft, body_, kSlowClearanceM);
   free_right_rad_ = free_rotation(now.points_base, Side::kRight, body_, kSlowClearanceM);
@@ -163,7 +166,7 @@ const std::vector<Rollout>& Rollouts::plan(const Situation& now, const CostToGo&
     consider_forwards(share * max_forward_mps, now, cost_to_go);
   }
   for (const double share : kCreepSpeeds) {
-    consider_forwards(share * std::min(max_forward_mps, drive_.creep_mps), now, cost_to_go);
+    consider_forwards(share * std::min(max_forward_mps, drive_params_.creep_mps), now, cost_to_go);
   }
   for (const double yaw_rate : kYawRates) {
     const double yaw_rate_rad_s = yaw_rate * params_.rotation_rad_s;
@@ -185,8 +188,8 @@ const std::vector<Rollout>& Rollouts::plan(const Situation& now, const CostToGo&
 void Rollouts::consider_forwards(double forward_mps, const Situation& now,
                                  const CostToGo& cost_to_go) {
   for (const double yaw_rate : kYawRates) {
-    const Twist motion{forward_mps, yaw_rate * drive_.max_yaw_rate_rad_s};
-    if (motion.forward_mps * std::abs(motion.yaw_rate_rad_s) > drive_.max_lateral_mps2) {
+    const Twist motion{forward_mps, yaw_rate * drive_params_.max_yaw_rate_rad_s};
+    if (motion.forward_mps * std::abs(motion.yaw_rate_rad_s) > drive_params_.max_lateral_mps2) {
       continue;
     }
     Progress half = start(now);
@@ -194,7 +197,7 @@ void Rollouts::consider_forwards(double forward_mps, const Situation& now,
       continue;
     }
     for (const double next : kNextYawRates) {
-      const double next_yaw_rate_rad_s = next * drive_.max_yaw_rate_rad_s;
+      const double next_yaw_rate_rad_s = next * drive_params_.max_yaw_rate_rad_s;
       Progress end = half;
       if (advance(end, {forward_mps, next_yaw_rate_rad_s}, kSteps, now)) {
         add(motion, next_yaw_rate_rad_s, end, now, cost_to_go);
@@ -247,7 +250,7 @@ void Rollouts::meet_people(Progress& progress, const People& people) const {
   const double time_s = kStepS * progress.steps;
   progress.is_touched =
       progress.is_touched || std::ranges::any_of(people, [&](const Person& person) {
-        return is_touched(body_, progress.pose_base, person, time_s, people_.margin_m);
+        return is_touched(body_, progress.pose_base, person, time_s, people_params_.margin_m);
       });
   progress.obstruction_s +=
       kStepS * (progress.is_touched ? 1.0 : obstruction(progress.pose_base, time_s, people));
@@ -281,7 +284,7 @@ void Rollouts::add(const Twist& first, double next_yaw_rate_rad_s, const Progres
                                    : end_cost(T_map_end, cost_to_go);
   rollout.cost_m =
       (end.has_arrived ? 0.0 : end_m) + params_.clearance_weight * end.nearness_m +
-      people_.obstruction_cost_m_per_s * foreseen_obstruction_s(end, now.people) +
+      people_params_.obstruction_cost_m_per_s * foreseen_obstruction_s(end, now.people) +
       params_.smoothness_weight * (std::abs(first.yaw_rate_rad_s - now.yaw_rate_rad_s) +
                                    std::abs(first.forward_mps - now.forward_mps)) +
       (first.forward_mps < 0.0 ? reverse_price_m_ : 0.0);
@@ -312,8 +315,8 @@ double Rollouts::least_clearance_m(const Twist& motion, double forward_mps) cons
   if (motion.forward_mps <= 0.0) {
     return least_slow_clearance_m_;
   }
-  return forward_mps > drive_.creep_mps + kStepMps ? least_clearance_m_
-                                                   : least_creeping_clearance_m_;
+  return forward_mps > drive_params_.creep_mps + kStepMps ? least_clearance_m_
+                                                          : least_creeping_clearance_m_;
 }
 
 double Rollouts::obstruction(const geometry::SE2& pose_base, double time_s,
@@ -322,13 +325,13 @@ double Rollouts::obstruction(const geometry::SE2& pose_base, double time_s,
   for (const Person& person : people) {
     // The person's place then, and the path from there.
     const Eigen::Vector2d from = person.position_after(time_s);
-    const Eigen::Vector2d along = people_.ahead_s * person.velocity;
+    const Eigen::Vector2d along = people_params_.ahead_s * person.velocity;
     const Eigen::Vector2d offset = pose_base.translation() - from;
     const double share =
         std::clamp(offset.dot(along) / std::max(along.squaredNorm(), 1e-9), 0.0, 1.0);
     const double distance_m =
         (offset - share * along).norm() - person.radius_m - body_.half_width_m;
-    const double near = std::clamp(1.0 - distance_m / people_.comfort_m, 0.0, 1.0);
+    const double near = std::clamp(1.0 - distance_m / people_params_.comfort_m, 0.0, 1.0);
     most = std::max(most, near * near);
   }
   return most;

@@ -87,8 +87,8 @@ class Rollouts {
 
   robot::Footprint body_;
   PlannerParams params_;
-  DriveParams drive_;
-  PeopleParams people_;
+  DriveParams drive_params_;
+  PeopleParams people_params_;
   std::vector<Disc> discs_;
   DistanceField obstacles_;
   Points near_points_base_;  // the obstacles that a slow motion can come near

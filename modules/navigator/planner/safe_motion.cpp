@@ -29,7 +29,7 @@ double direction_rad(const Rollout& rollout) {
 
 SafeMotion::SafeMotion(const NavigatorParams& params)
     : body_(params.robot.body.footprint()),
-      turn_(params.turn),
+      turn_params_(params.turn),
       reaction_s_(params.drive.reaction_s) {}
 
 // The best rollout after Brake has slowed it down: the loss of speed counts as cost.
@@ -144,7 +144,7 @@ std::optional<Decision> SafeMotion::rotate(const Rollout& rollout, const Situati
   decision.reason = Why::kTurnsToPath;
   decision.yaw_rate_rad_s =
       sign(side) * std::min(std::abs(rollout.yaw_rate_rad_s),
-                            yaw_rate_on_the_spot(free_rad, turn_, reaction_s_));
+                            yaw_rate_on_the_spot(free_rad, turn_params_, reaction_s_));
   decision.steering_angle_rad = sign(side) * 0.5 * geometry::kPi;
   return decision;
 }

@@ -38,7 +38,7 @@ class SafeMotion {
                                                         const Situation& now) const;
 
   robot::Footprint body_;
-  TurnParams turn_;
+  TurnParams turn_params_;
   double reaction_s_;
 };
 
