@@ -57,12 +57,9 @@ geometry::SE2 goal_in_map(const Situation& now) {
 
 GoalDrive::GoalDrive(const NavigatorParams& params)
     : params_(params),
-      brake_(params, true),
-      global_(params.robot.body.footprint(), params.planner),
-      rollouts_(params.robot.body.footprint(), params),
-      squeezing_brake_(squeezing(params), true),
-      squeezing_rollouts_(params.robot.body.footprint(), squeezing(params)),
-      motion_(params),
+      global_planner_(params.robot.body.footprint(), params.planner),
+      local_planner_(params, true),
+      squeezing_planner_(squeezing(params), true),
       docking_(params.docking),
       patience_(kPatience) {}
 
@@ -95,10 +92,7 @@ Decision GoalDrive::dock(const Situation& now) {
       return drive_by_plan(staging);
     }
     case DockingStep::Kind::kMove: {
-      Rollout motion;
-      motion.forward_mps = step.forward_mps;
-      motion.yaw_rate_rad_s = step.yaw_rate_rad_s;
-      if (auto moved = motion_.drive(motion, brake_, now)) {
+      if (auto moved = local_planner_.drive({step.forward_mps, step.yaw_rate_rad_s}, now)) {
         // The reason that slows it down is given instead.
         if (moved->behaviour != Behaviour::kBrake) {
           moved->reason = step.reason;
@@ -125,9 +119,9 @@ Decision GoalDrive::drive_by_plan(const Situation& now) {
     patience_.end();
     look_around_.reset();
   }
-  global_.step(now.stamp, *now.local_map, now.T_map_odom, now.T_odom_base, goal_map,
-               now.goal->tolerance_m, now.geofence);
-  if (const CostToGo* cost_to_go = global_.cost_to_go()) {
+  global_planner_.step(now.stamp, *now.local_map, now.T_map_odom, now.T_odom_base, goal_map,
+                       now.goal->tolerance_m, now.geofence);
+  if (const CostToGo* cost_to_go = global_planner_.cost_to_go()) {
     const double cost_m = cost_to_go->least_near(T_map_base.translation());
     if (!std::isfinite(cost_m)) {
       patience_.end();
@@ -148,7 +142,7 @@ Decision GoalDrive::drive_by_plan(const Situation& now) {
 // complete, a tenth of a second later, unless it is nearly there. That is safe, because Brake does
 // not depend on the plan; and near the new goal the robot slows down for that goal.
 const CostToGo* GoalDrive::former_plan(const Eigen::Vector2d& p_map) const {
-  const CostToGo* former = global_.former_cost_to_go();
+  const CostToGo* former = global_planner_.former_cost_to_go();
   if (former == nullptr) {
     return nullptr;
   }
@@ -157,15 +151,13 @@ const CostToGo* GoalDrive::former_plan(const Eigen::Vector2d& p_map) const {
 }
 
 Decision GoalDrive::drive_by(const CostToGo& cost_to_go, const Situation& now) {
-  const double max_forward_mps = brake_.speed_limit(0.0, now.max_forward_mps);
-  const auto& rollouts = rollouts_.plan(now, cost_to_go, max_forward_mps);
-  if (const auto best = motion_.best_of(rollouts, brake_, now)) {
+  if (const auto best = local_planner_.drive_best(now, cost_to_go)) {
     return *best;
   }
   if (const auto squeezed = squeeze(cost_to_go, now)) {
     return *squeezed;
   }
-  return stationary(rollouts.empty() ? Why::kNoMotion : Why::kFirstLook);
+  return stationary(local_planner_.has_rollout() ? Why::kFirstLook : Why::kNoMotion);
 }
 
 std::optional<std::vector<Eigen::Vector2d>> GoalDrive::path_map(
@@ -175,7 +167,7 @@ std::optional<std::vector<Eigen::Vector2d>> GoalDrive::path_map(
   if (dock_map_ && docking_.is_docking() && !has_new_goal_) {
     return std::vector{T_map_base.translation(), dock_map_->translation()};
   }
-  const CostToGo* cost_to_go = global_.cost_to_go();
+  const CostToGo* cost_to_go = global_planner_.cost_to_go();
   if (cost_to_go == nullptr || has_new_goal_) {
     return std::nullopt;
   }
@@ -201,9 +193,7 @@ std::optional<Decision> GoalDrive::squeeze(const CostToGo& cost_to_go, const Sit
   if (!now.people.empty()) {
     return std::nullopt;
   }
-  const double max_forward_mps = squeezing_brake_.speed_limit(0.0, now.max_forward_mps);
-  const auto& rollouts = squeezing_rollouts_.plan(now, cost_to_go, max_forward_mps);
-  auto decision = motion_.best_of(rollouts, squeezing_brake_, now);
+  auto decision = squeezing_planner_.drive_best(now, cost_to_go);
   if (decision) {
     decision->reason = Why::kSqueezes;
   }
@@ -217,19 +207,17 @@ std::optional<Decision> GoalDrive::squeeze(const CostToGo& cost_to_go, const Sit
 // that was given up may be free.
 Decision GoalDrive::without_path(const Situation& now) {
   if (look_around_.step(now.stamp, now.T_odom_base.yaw)) {
-    global_.forget_failures();
+    global_planner_.forget_failures();
   }
   if (look_around_.wants_rotation()) {
-    Rollout around;
-    around.yaw_rate_rad_s = 0.5 * params_.planner.rotation_rad_s;
-    if (auto decision = motion_.rotate(around, now)) {
+    if (auto decision = local_planner_.rotate(0.5 * params_.planner.rotation_rad_s, now)) {
       decision->reason = Why::kNoPathLooks;
       return *decision;
     }
     look_around_.end();
   }
   if (look_around_.take_end()) {
-    global_.forget_ground();
+    global_planner_.forget_ground();
   }
   return stationary(Why::kNoPath);
 }
@@ -245,8 +233,8 @@ void GoalDrive::watch_progress(const Situation& now, double cost_m) {
   const bool is_stuck = patience_.is_over(now.stamp);
   if (is_stuck) {
     const geometry::SE2 T_map_base = now.T_map_odom * now.T_odom_base;
-    global_.add_failure(
-        global_.cost_to_go()->path_from(T_map_base.translation(), kFailureAheadM).back());
+    global_planner_.add_failure(
+        global_planner_.cost_to_go()->path_from(T_map_base.translation(), kFailureAheadM).back());
   }
   if (is_stuck || !patience_.has_begun() || cost_m <= least_cost_m_ - kProgressM) {
     patience_.begin(now.stamp);

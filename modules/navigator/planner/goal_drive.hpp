@@ -5,21 +5,19 @@
 #include <optional>
 #include <vector>
 
-#include "modules/navigator/brake.hpp"
 #include "modules/navigator/decision.hpp"
 #include "modules/navigator/params.hpp"
 #include "modules/navigator/planner/docking.hpp"
 #include "modules/navigator/planner/global_planner.hpp"
+#include "modules/navigator/planner/local_planner.hpp"
 #include "modules/navigator/planner/look_around.hpp"
 #include "modules/navigator/planner/patience.hpp"
-#include "modules/navigator/planner/rollouts.hpp"
-#include "modules/navigator/planner/safe_motion.hpp"
 
 namespace nodmap::navigator {
 
-/// Drives to a goal by plan. The global planner computes the cost of each place, and the rollouts
-/// are rated by it; Brake, which uses neither, limits the speed of the one that is driven. At a
-/// goal with a heading the robot docks (docking.hpp); Brake limits those motions as well.
+/// Drives to a goal by plan: the global planner computes the cost of each place, and the local
+/// planner drives the rollout that is the best by this cost. At a goal with a heading the robot
+/// docks (docking.hpp); the local planner makes those motions safe as well.
 class GoalDrive {
  public:
   explicit GoalDrive(const NavigatorParams& params);
@@ -53,12 +51,9 @@ class GoalDrive {
   void watch_progress(const Situation& now, double cost_m);
 
   NavigatorParams params_;
-  Brake brake_;
-  GlobalPlanner global_;
-  Rollouts rollouts_;
-  Brake squeezing_brake_;
-  Rollouts squeezing_rollouts_;
-  SafeMotion motion_;
+  GlobalPlanner global_planner_;
+  LocalPlanner local_planner_;
+  LocalPlanner squeezing_planner_;
   Docking docking_;
   std::optional<geometry::SE2> dock_map_;
   std::optional<geometry::SE2> decided_goal_map_;  // of the last decision to drive to a goal

@@ -28,15 +28,14 @@ NavigatorParams roaming(NavigatorParams params) {
 }  // namespace
 
 Roaming::Roaming(const NavigatorParams& params)
-    : brake_(params),
-      planner_(params.robot.body.footprint(), params.planner),
-      rollouts_(params.robot.body.footprint(), roaming(params)),
-      motion_(params),
+    : global_planner_(params.robot.body.footprint(), params.planner),
+      local_planner_(roaming(params), false),
       patience_(kPatience) {}
 
 std::optional<Decision> Roaming::decide(const Situation& now) {
-  planner_.step_onward(now.stamp, *now.local_map, now.T_map_odom, now.T_odom_base, now.geofence);
-  const CostToGo* cost_to_go = planner_.cost_to_go();
+  global_planner_.step_onward(now.stamp, *now.local_map, now.T_map_odom, now.T_odom_base,
+                              now.geofence);
+  const CostToGo* cost_to_go = global_planner_.cost_to_go();
   if (cost_to_go == nullptr) {
     return stationary(Why::kPlans);
   }
@@ -48,11 +47,10 @@ std::optional<Decision> Roaming::decide(const Situation& now) {
   if (patience_.is_over(now.stamp)) {
     give_up_path(T_map_base);
   } else if (failed_at_ && (T_map_base.translation() - *failed_at_).norm() > kElsewhereM) {
-    planner_.forget_failures();
+    global_planner_.forget_failures();
     failed_at_.reset();
   }
-  const double max_forward_mps = brake_.speed_limit(0.0, now.max_forward_mps);
-  return motion_.best_of(rollouts_.plan(now, *cost_to_go, max_forward_mps), brake_, now);
+  return local_planner_.drive_best(now, *cost_to_go);
 }
 
 // Progress is to get farther, or to rotate. Time in which the robot waited for people, or in which
@@ -69,7 +67,8 @@ void Roaming::watch_progress(const Situation& now) {
 
 void Roaming::give_up_path(const geometry::SE2& T_map_base) {
   failed_at_ = T_map_base.translation();
-  planner_.add_failure(planner_.cost_to_go()->path_from(*failed_at_, kFailureAheadM).back());
+  global_planner_.add_failure(
+      global_planner_.cost_to_go()->path_from(*failed_at_, kFailureAheadM).back());
   patience_.end();
 }
 

@@ -5,19 +5,17 @@
 #include <optional>
 
 #include "common/geometry/se2.hpp"
-#include "modules/navigator/brake.hpp"
 #include "modules/navigator/decision.hpp"
 #include "modules/navigator/params.hpp"
 #include "modules/navigator/planner/global_planner.hpp"
+#include "modules/navigator/planner/local_planner.hpp"
 #include "modules/navigator/planner/patience.hpp"
-#include "modules/navigator/planner/rollouts.hpp"
-#include "modules/navigator/planner/safe_motion.hpp"
 
 namespace nodmap::navigator {
 
-/// Drives without a goal. The rollouts are rated by the cost of getting 3.5 m away, cheapest ahead;
-/// Brake, which does not use that cost, limits the speed of the best. If the robot makes no
-/// progress, the plan must be wrong about what is ahead, so the next plans lead elsewhere.
+/// Drives without a goal: the local planner drives the rollout that is the best by the cost of
+/// getting 3.5 m away, cheapest ahead. If the robot makes no progress, the plan must be wrong about
+/// what is ahead, so the next plans lead elsewhere.
 class Roaming {
  public:
   explicit Roaming(const NavigatorParams& params);
@@ -30,10 +28,8 @@ class Roaming {
   void watch_progress(const Situation& now);
   void give_up_path(const geometry::SE2& T_map_base);
 
-  Brake brake_;
-  GlobalPlanner planner_;
-  Rollouts rollouts_;
-  SafeMotion motion_;
+  GlobalPlanner global_planner_;
+  LocalPlanner local_planner_;
   Patience patience_;
   geometry::SE2 progress_odom_;               // T_odom_base at the last progress
   std::optional<Eigen::Vector2d> failed_at_;  // map; paths ahead of this place cost more

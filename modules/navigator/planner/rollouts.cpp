@@ -81,13 +81,13 @@ double end_cost(const geometry::SE2& T_map_end, const CostToGo& cost_to_go) {
 
 }  // namespace
 
-Rollouts::Rollouts(const robot::Footprint& body, const NavigatorParams& params)
-    : body_(body),
+Rollouts::Rollouts(const NavigatorParams& params)
+    : body_(params.robot.body.footprint()),
       params_(params.planner),
       drive_params_(params.drive),
       people_params_(params.people) {
-  const double length_m = body.half_length_m;
-  const double width_m = body.half_width_m;
+  const double length_m = body_.half_length_m;
+  const double width_m = body_.half_width_m;
   const double radius_m = std::min(length_m, width_m);
   for (const double along : {-1.0, 0.0, 1.0}) {
     discs_.push_back({{along * (length_m - radius_m), along * (width_m - radius_m)}, radius_m});

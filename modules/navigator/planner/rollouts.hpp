@@ -20,7 +20,7 @@ struct Rollout {
   double cost_m = 0.0;               ///< less is better
 };
 
-/// The local planner: rates up to 880 motions of the next 1.6 s. Each is an arc followed by another
+/// Rates up to 880 motions of the next 1.6 s. Each is an arc followed by another
 /// one, within the accelerations of the base: forwards, backwards, on the spot and, if there are
 /// people, stationary. Those that touch something are left out. The others cost the sum of four
 /// terms: the plan's cost of their end, nearness to obstacles, the time for which they obstruct
@@ -36,7 +36,7 @@ class Rollouts {
  public:
   static constexpr double kDurationS = 1.6;
 
-  Rollouts(const robot::Footprint& body, const NavigatorParams& params);
+  explicit Rollouts(const NavigatorParams& params);
 
   /// The rollouts that touch nothing, by increasing cost. Valid until the next call.
   [[nodiscard]] const std::vector<Rollout>& plan(const Situation& now, const CostToGo& cost_to_go,

@@ -31,7 +31,7 @@ TEST(Rollouts, ClearanceIsThatOfTheRectangle) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> place_m(-1.0, 1.0);
   std::uniform_real_distribution<double> yaw_rad(-3.1, 3.1);
-  Rollouts rollouts(kBody, {});
+  Rollouts rollouts{NavigatorParams{}};
   int near = 0;
   for (int i = 0; i < 3000; ++i) {
     const Eigen::Vector2d p(place_m(random), place_m(random));
@@ -72,7 +72,7 @@ Points walls(double from_x_m, double clearance_m) {
 TEST(Rollouts, OnlyCreepingRolloutsPassANarrowPlace) {
   const GlobalPlanner planner = planner_to_ahead();
   ASSERT_NE(planner.cost_to_go(), nullptr);
-  Rollouts rollouts(kBody, {});
+  Rollouts rollouts{NavigatorParams{}};
   for (const double max_forward_mps : {1.0, 2.0}) {
     Situation now;
     const auto fastest_mps = [&] {
@@ -95,7 +95,7 @@ TEST(Rollouts, OnlyCreepingRolloutsPassANarrowPlace) {
 TEST(Rollouts, StraightOnAndStraightBackArePossibleBetweenTwoNarrowPosts) {
   const GlobalPlanner planner = planner_to_ahead();
   ASSERT_NE(planner.cost_to_go(), nullptr);
-  Rollouts rollouts(kBody, {});
+  Rollouts rollouts{NavigatorParams{}};
   for (double x = -kBody.half_length_m; x < kBody.half_length_m; x += 0.013) {
     Situation now;
     now.points_base = {{x, kBody.half_width_m + 0.031}, {x, -kBody.half_width_m - 0.031}};
@@ -138,7 +138,7 @@ double least_distance_m(const Rollout& rollout, bool goes_on, const Person& pers
 TEST(Rollouts, TheBestRolloutAvoidsAPersonWhoComesStraightAtTheRobot) {
   const GlobalPlanner planner = planner_to_ahead();
   ASSERT_NE(planner.cost_to_go(), nullptr);
-  Rollouts rollouts(kBody, {});
+  Rollouts rollouts{NavigatorParams{}};
   Situation now;
   for (const double from_y_m : {-0.2, 0.0, 0.2}) {
     now.people = {{{3.4, from_y_m}, {-1.0, 0.0}, 0.5, 0.02, 0.05}};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "modules/navigator/planner/safe_motion.hpp"
+#include "modules/navigator/planner/local_planner.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -20,21 +20,30 @@ constexpr double kBackwardMarginM = 0.03;
 constexpr double kRotationMarginM = 0.02;
 constexpr double kLeastRotationRad = geometry::deg_to_rad(2.0);
 
-// Direction of a forward rollout, in base.
-double direction_rad(const Rollout& rollout) {
-  return std::clamp(0.5 * kLookM * rollout.yaw_rate_rad_s / rollout.forward_mps, -1.2, 1.2);
+// Direction of a motion forwards, in base.
+double direction_rad(const Twist& motion) {
+  return std::clamp(0.5 * kLookM * motion.yaw_rate_rad_s / motion.forward_mps, -1.2, 1.2);
 }
 
 }  // namespace
 
-SafeMotion::SafeMotion(const NavigatorParams& params)
+LocalPlanner::LocalPlanner(const NavigatorParams& params, bool creeps)
     : body_(params.robot.body.footprint()),
       turn_params_(params.turn),
-      reaction_s_(params.drive.reaction_s) {}
+      reaction_s_(params.drive.reaction_s),
+      brake_(params, creeps),
+      rollouts_(params) {}
+
+std::optional<Decision> LocalPlanner::drive_best(const Situation& now, const CostToGo& cost_to_go) {
+  const double max_forward_mps = brake_.speed_limit(0.0, now.max_forward_mps);
+  const std::vector<Rollout>& rollouts = rollouts_.plan(now, cost_to_go, max_forward_mps);
+  has_rollout_ = !rollouts.empty();
+  return drive_best_of(rollouts, now);
+}
 
 // The best rollout after Brake has slowed it down: the loss of speed counts as cost.
-std::optional<Decision> SafeMotion::best_of(const std::vector<Rollout>& rollouts,
-                                            const Brake& brake, const Situation& now) const {
+std::optional<Decision> LocalPlanner::drive_best_of(std::span<const Rollout> rollouts,
+                                                    const Situation& now) const {
   std::optional<Decision> best;
   double least_cost_m = std::numeric_limits<double>::infinity();
   std::size_t num_offered = 0;
@@ -46,7 +55,7 @@ std::optional<Decision> SafeMotion::best_of(const std::vector<Rollout>& rollouts
     if (rollout.forward_mps > 0.0 && ++num_offered > kMostOffered) {
       continue;
     }
-    const auto driven = drive(rollout, brake, now);
+    const auto driven = drive({rollout.forward_mps, rollout.yaw_rate_rad_s}, now);
     if (!driven) {
       continue;
     }
@@ -60,16 +69,14 @@ std::optional<Decision> SafeMotion::best_of(const std::vector<Rollout>& rollouts
   return best;
 }
 
-// A rollout as Brake allows it; empty where it does not.
-std::optional<Decision> SafeMotion::drive(const Rollout& rollout, const Brake& brake,
-                                          const Situation& now) const {
-  if (rollout.forward_mps == 0.0 && rollout.yaw_rate_rad_s == 0.0) {
+std::optional<Decision> LocalPlanner::drive(const Twist& motion, const Situation& now) const {
+  if (motion.forward_mps == 0.0 && motion.yaw_rate_rad_s == 0.0) {
     return stationary(Why::kGivesWay);
   }
-  std::optional<Decision> decision = move(rollout, brake, now);
+  std::optional<Decision> decision = move(motion, now);
   if (decision) {
-    brake.keep_to_known_ground(*decision, now);
-    brake.give_way(*decision, now);
+    brake_.keep_to_known_ground(*decision, now);
+    brake_.give_way(*decision, now);
     if (decision->forward_mps == 0.0 && decision->yaw_rate_rad_s == 0.0) {
       return std::nullopt;
     }
@@ -77,30 +84,29 @@ std::optional<Decision> SafeMotion::drive(const Rollout& rollout, const Brake& b
   return decision;
 }
 
-std::optional<Decision> SafeMotion::move(const Rollout& rollout, const Brake& brake,
-                                         const Situation& now) const {
-  if (rollout.forward_mps > 0.0) {
-    return drive_forwards(rollout, brake, now);
+std::optional<Decision> LocalPlanner::move(const Twist& motion, const Situation& now) const {
+  if (motion.forward_mps > 0.0) {
+    return drive_forwards(motion, now);
   }
-  if (rollout.forward_mps < 0.0) {
-    return drive_backwards(rollout, brake, now);
+  if (motion.forward_mps < 0.0) {
+    return drive_backwards(motion, now);
   }
-  return rotate(rollout, now);
+  return rotate(motion.yaw_rate_rad_s, now);
 }
 
-std::optional<Decision> SafeMotion::drive_forwards(const Rollout& rollout, const Brake& brake,
-                                                   const Situation& now) const {
-  const double curvature = rollout.yaw_rate_rad_s / rollout.forward_mps;
-  if (!now.has_seen(direction_rad(rollout))) {
+std::optional<Decision> LocalPlanner::drive_forwards(const Twist& motion,
+                                                     const Situation& now) const {
+  const double curvature = motion.yaw_rate_rad_s / motion.forward_mps;
+  if (!now.has_seen(direction_rad(motion))) {
     return std::nullopt;
   }
-  const Arc arc = brake.measure_arc(curvature, now);
+  const Arc arc = brake_.measure_arc(curvature, now);
   if (arc.speed_mps < kLeastSpeedMps) {
     return std::nullopt;
   }
   const double limit_mps =
-      std::min(brake.speed_limit(curvature, now.max_forward_mps), rollout.forward_mps);
-  Decision decision = brake.drive(arc, direction_rad(rollout), limit_mps, now);
+      std::min(brake_.speed_limit(curvature, now.max_forward_mps), motion.forward_mps);
+  Decision decision = brake_.drive(arc, direction_rad(motion), limit_mps, now);
   // An emergency stop applies to all rollouts, so it is no reason to prefer another one.
   decision.max_forward_mps = std::min(limit_mps, arc.speed_mps);
   return decision;
@@ -108,12 +114,12 @@ std::optional<Decision> SafeMotion::drive_forwards(const Rollout& rollout, const
 
 // Slowly, only over floor that was seen, and on the strip that the body has driven: the laser does
 // not look there.
-std::optional<Decision> SafeMotion::drive_backwards(const Rollout& rollout, const Brake& brake,
-                                                    const Situation& now) const {
+std::optional<Decision> LocalPlanner::drive_backwards(const Twist& motion,
+                                                      const Situation& now) const {
   if (now.trail == nullptr) {
     return std::nullopt;
   }
-  const double curvature = rollout.yaw_rate_rad_s / rollout.forward_mps;
+  const double curvature = motion.yaw_rate_rad_s / motion.forward_mps;
   double distance_m = free_distance_backwards(now.points_base, curvature, body_, kBackwardMarginM) -
                       kBackwardMarginM;
   distance_m = std::min(distance_m, now.trail->distance_backwards(now.T_odom_base, curvature));
@@ -121,7 +127,7 @@ std::optional<Decision> SafeMotion::drive_backwards(const Rollout& rollout, cons
     distance_m = std::min(distance_m, now.local_map->seen_distance_backwards(
                                           now.T_odom_base, curvature, body_.half_width_m, 0.3));
   }
-  const double speed_mps = std::min(-rollout.forward_mps, brake.stoppable_mps(distance_m));
+  const double speed_mps = std::min(-motion.forward_mps, brake_.stoppable_mps(distance_m));
   if (speed_mps < 0.5 * kLeastSpeedMps || now.forward_mps > kLeastSpeedMps) {
     return std::nullopt;
   }
@@ -133,8 +139,8 @@ std::optional<Decision> SafeMotion::drive_backwards(const Rollout& rollout, cons
   return decision;
 }
 
-std::optional<Decision> SafeMotion::rotate(const Rollout& rollout, const Situation& now) const {
-  const Side side = side_of(rollout.yaw_rate_rad_s);
+std::optional<Decision> LocalPlanner::rotate(double yaw_rate_rad_s, const Situation& now) const {
+  const Side side = side_of(yaw_rate_rad_s);
   const double free_rad = free_rotation(now.points_base, side, body_, kRotationMarginM);
   if (free_rad < kLeastRotationRad) {
     return std::nullopt;
@@ -143,8 +149,8 @@ std::optional<Decision> SafeMotion::rotate(const Rollout& rollout, const Situati
   decision.behaviour = Behaviour::kTurn;
   decision.reason = Why::kTurnsToPath;
   decision.yaw_rate_rad_s =
-      sign(side) * std::min(std::abs(rollout.yaw_rate_rad_s),
-                            yaw_rate_on_the_spot(free_rad, turn_params_, reaction_s_));
+      sign(side) *
+      std::min(std::abs(yaw_rate_rad_s), yaw_rate_on_the_spot(free_rad, turn_params_, reaction_s_));
   decision.steering_angle_rad = sign(side) * 0.5 * geometry::kPi;
   return decision;
 }

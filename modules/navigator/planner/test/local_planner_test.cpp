@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "modules/navigator/planner/safe_motion.hpp"
+#include "modules/navigator/planner/local_planner.hpp"
 
 #include <gtest/gtest.h>
 
 namespace nodmap::navigator {
-namespace safe_motion_test {
+namespace local_planner_test {
 
 // Somebody comes, ahead of the cheapest rollout. Brake would allow 0.28 m/s on it, and this loss of
 // speed costs more than the rotation.
-TEST(SafeMotion, ARolloutThatMustGiveWayIsNotTheBest) {
+TEST(LocalPlanner, ARolloutThatMustGiveWayIsNotTheBest) {
   const NavigatorParams params;
-  const SafeMotion motion(params);
-  const Brake brake(params);
+  const LocalPlanner planner(params, false);
   SeenDirections seen(params.steer);
   seen.update(0.0, 0);
   const std::vector<Rollout> rollouts{{.forward_mps = 0.7, .cost_m = 1.0},
@@ -20,15 +19,15 @@ TEST(SafeMotion, ARolloutThatMustGiveWayIsNotTheBest) {
   now.seen = &seen;
   now.laser_is_held = true;  // nothing more will come into view
   now.max_forward_mps = 1.0;
-  const auto alone = motion.best_of(rollouts, brake, now);
+  const auto alone = planner.drive_best_of(rollouts, now);
   ASSERT_TRUE(alone);
   EXPECT_EQ(alone->forward_mps, 0.7);
   now.people = {{{1.0, 0.0}, {-1.4, 0.0}, 0.25}};
-  const auto with_somebody = motion.best_of(rollouts, brake, now);
+  const auto with_somebody = planner.drive_best_of(rollouts, now);
   ASSERT_TRUE(with_somebody);
   EXPECT_EQ(with_somebody->forward_mps, 0.0);
   EXPECT_EQ(with_somebody->yaw_rate_rad_s, 0.5);
 }
 
-}  // namespace safe_motion_test
+}  // namespace local_planner_test
 }  // namespace nodmap::navigator
