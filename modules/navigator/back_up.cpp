@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "modules/navigator/turn.hpp"
-
 namespace nodmap::navigator {
 namespace {
 
@@ -24,9 +22,7 @@ constexpr double kObliqueRad = geometry::deg_to_rad(45.0);
 
 BackUp::BackUp(const NavigatorParams& params)
     : body_(params.robot.body.footprint()),
-      braking_(params.robot.braking),
-      reaction_s_(params.drive.reaction_s),
-      turn_params_(params.turn),
+      turn_margin_m_(params.turn.margin_m),
       params_(params.back_up),
       trail_(params.local_map.forget_after_m) {}
 
@@ -39,39 +35,33 @@ void BackUp::record(const geometry::SE2& T_odom_base, double forward_mps) {
   }
 }
 
-bool BackUp::step(const Situation& now, Decision& decision) {
+std::optional<Twist> BackUp::step(const Situation& now, const Brake& brake) {
   if (!began_at_) {
     began_at_ = now.T_odom_base;
   }
   const auto path = trail_.path_back(now.T_odom_base);
   const Side side = path ? side_of(path->rotation_rad) : Side::kLeft;
-  const double free_rad = free_rotation(now.points_base, side, body_, turn_params_.margin_m);
+  const double free_rad = free_rotation(now.points_base, side, body_, turn_margin_m_);
   const bool can_rotate = free_rad >= kLeastRotationRad;
-  const double backed_up_m =
-      std::hypot(began_at_->x - now.T_odom_base.x, began_at_->y - now.T_odom_base.y);
+  const double backed_up_m = geometry::distance_m(*began_at_, now.T_odom_base);
   if (!path || (!can_rotate && std::abs(path->rotation_rad) > kObliqueRad) ||
       backed_up_m >= params_.distance_m) {
     end();
-    return false;
+    return std::nullopt;
   }
   if (path->rotation_rad != 0.0 && can_rotate) {
-    decision.yaw_rate_rad_s =
-        sign(side) * yaw_rate_on_the_spot(std::min(std::abs(path->rotation_rad), free_rad),
-                                          turn_params_, reaction_s_);
-    return true;
+    const double angle_rad = std::min(std::abs(path->rotation_rad), free_rad);
+    return Twist{0.0, sign(side) * brake.stoppable_rad_s(angle_rad)};
   }
   trail_.forget_ahead(now.T_odom_base);
   const double distance_m =
       free_distance_backwards(now.points_base, path->curvature, body_, kMarginM) - kMarginM;
   if (distance_m < kLeastDistanceM) {
     end();
-    return false;
+    return std::nullopt;
   }
-  decision.forward_mps =
-      -std::min(params_.speed_mps,
-                robot::stoppable_speed(distance_m, reaction_s_, braking_.deceleration_mps2));
-  decision.yaw_rate_rad_s = decision.forward_mps * path->curvature;
-  return true;
+  const double forward_mps = -std::min(params_.speed_mps, brake.stoppable_mps(distance_m));
+  return Twist{forward_mps, forward_mps * path->curvature};
 }
 
 }  // namespace nodmap::navigator

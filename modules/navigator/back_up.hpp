@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "modules/navigator/corridor.hpp"
+#include "modules/navigator/brake.hpp"
 #include "modules/navigator/decision.hpp"
 #include "modules/navigator/params.hpp"
 #include "modules/navigator/trail.hpp"
@@ -24,18 +24,16 @@ class BackUp {
     return trail_.path_back(T_odom_base).has_value();
   }
 
-  /// Sets speed and yaw rate of `decision` for the next motion. Ends and returns false if the robot
-  /// has backed up far enough, if the trail has ended, if something is right behind the robot, or
-  /// if it cannot rotate to the trail's heading.
-  [[nodiscard]] bool step(const Situation& now, Decision& decision);
+  /// The next motion, from which the robot stops as `brake` says. Ends, and returns nothing, if the
+  /// robot has backed up far enough, if the trail has ended, if something is right behind the
+  /// robot, or if it cannot rotate to the trail's heading.
+  [[nodiscard]] std::optional<Twist> step(const Situation& now, const Brake& brake);
 
   void end() { began_at_.reset(); }
 
  private:
   Footprint body_;
-  robot::Braking braking_;
-  double reaction_s_;
-  TurnParams turn_params_;
+  double turn_margin_m_;
   BackUpParams params_;
   Trail trail_;
   std::optional<geometry::SE2> began_at_;  // T_odom_base

@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "modules/navigator/local_map/local_map.hpp"
-#include "modules/navigator/turn.hpp"
 
 namespace nodmap::navigator {
 namespace {
@@ -24,6 +23,8 @@ constexpr double kHiddenSeenM = 0.05;
 constexpr double kCornerMarginM = 0.1;
 // At this yaw rate the corners of KURT3D move at 5 cm/s: they do not push away what they touch.
 constexpr double kCreepRadS = geometry::deg_to_rad(10.0);
+// Deceleration of a rotation, a third of what the wheels can do.
+constexpr double kDecelerationRadS2 = 5.0;
 
 }  // namespace
 
@@ -60,7 +61,7 @@ Arc Brake::measure_corridor(double curvature, double side_margin_m, double stop_
 double Brake::speed_before_corners(double curvature, const Situation& now) const {
   const double distance_m = free_distance(now.hole_corners_base, curvature, body_,
                                           drive_params_.side_margin_m + kCornerMarginM);
-  return stoppable_mps(distance_m - braking_.stop_margin_m);
+  return braking_.permitted_mps(distance_m, drive_params_.reaction_s);
 }
 
 // Why the robot never drives faster than it can stop on floor that was seen. Let F(g) be how far
@@ -143,8 +144,7 @@ void Brake::keep_to_known_ground(Decision& decision, const Situation& now) const
   double allowed_rad_s = 0.0;
   if (decision.forward_mps == 0.0) {
     const Side side = side_of(decision.yaw_rate_rad_s);
-    allowed_rad_s = yaw_rate_on_the_spot(free_rotation(now.doubtful_base, side, inner, 0.0),
-                                         turn_params_, drive_params_.reaction_s);
+    allowed_rad_s = stoppable_rad_s(free_rotation(now.doubtful_base, side, inner, 0.0));
   } else {
     const double curvature = decision.yaw_rate_rad_s / decision.forward_mps;
     Points beside = now.doubtful_base;
@@ -187,6 +187,15 @@ double Brake::speed_limit(double curvature, double max_forward_mps) const {
 
 double Brake::stoppable_mps(double distance_m) const {
   return robot::stoppable_speed(distance_m, drive_params_.reaction_s, braking_.deceleration_mps2);
+}
+
+double Brake::stoppable_rad_s(double angle_rad) const {
+  return navigator::stoppable_rad_s(angle_rad, turn_params_, drive_params_.reaction_s);
+}
+
+double stoppable_rad_s(double angle_rad, const TurnParams& params, double reaction_s) {
+  return std::min(params.rate_rad_s,
+                  robot::stoppable_speed(angle_rad, reaction_s, kDecelerationRadS2));
 }
 
 }  // namespace nodmap::navigator

@@ -19,6 +19,9 @@ struct Arc {
   double speed_mps = 0.0;      ///< the greatest from which the robot stops in time
 };
 
+/// The yaw rate from which a rotation on the spot stops within an angle, at most that of Turn.
+[[nodiscard]] double stoppable_rad_s(double angle_rad, const TurnParams& params, double reaction_s);
+
 /// Brake (paper, III C): computes the greatest speed from which the robot stops before anything in
 /// the virtual corridor along its arc; common/robot/stopping.hpp has the formula.
 class Brake {
@@ -63,6 +66,8 @@ class Brake {
 
   /// The speed from which the robot stops within a distance, without any margin.
   [[nodiscard]] double stoppable_mps(double distance_m) const;
+  /// The same for a rotation on the spot.
+  [[nodiscard]] double stoppable_rad_s(double angle_rad) const;
 
  private:
   [[nodiscard]] Arc measure_arc(double curvature, bool creeps, const Situation& now) const;

@@ -237,7 +237,10 @@ Side Navigator::preferred_side(const Situation& now) {
 Decision Navigator::back_up(const Situation& now) {
   Decision decision = brake(now, Why::kBacksUpTrail);
   decision.behaviour = Behaviour::kTurn;
-  if (!back_up_.step(now, decision)) {
+  if (const auto motion = back_up_.step(now, brake_)) {
+    decision.forward_mps = motion->forward_mps;
+    decision.yaw_rate_rad_s = motion->yaw_rate_rad_s;
+  } else {
     turn_.pause(now.stamp);
     decision.reason = Why::kNoWayBack;
   }

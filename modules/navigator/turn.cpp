@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/robot/stopping.hpp"
+#include "modules/navigator/brake.hpp"
 
 namespace nodmap::navigator {
 namespace {
@@ -15,8 +15,6 @@ using Kind = TurnCommand::Kind;
 constexpr double kLeastRotationRad = geometry::deg_to_rad(5.0);
 // Backs up until it can rotate this far. Less has just been tried.
 constexpr double kWorthwhileRotationRad = geometry::deg_to_rad(150.0);
-// Deceleration of a rotation, a third of what the wheels can do.
-constexpr double kDecelerationRadS2 = 5.0;
 // After backing up it rotates at least this far.
 constexpr double kTurnAwayRad = geometry::deg_to_rad(60.0);
 constexpr double kStationaryRadS = 0.1;
@@ -108,12 +106,7 @@ TurnCommand Turn::rotate(const TurnInput& input) {
                                                  least_rotation_rad_ - std::abs(rotated_rad_));
   const double angle_rad =
       std::min(input.on(side_).free_rotation_rad, to_clear_direction_rad + kBeyondRad);
-  return {Kind::kTurn, sign(side_) * yaw_rate_on_the_spot(angle_rad, params_, reaction_s_)};
-}
-
-double yaw_rate_on_the_spot(double angle_rad, const TurnParams& params, double reaction_s) {
-  return std::min(params.rate_rad_s,
-                  robot::stoppable_speed(angle_rad, reaction_s, kDecelerationRadS2));
+  return {Kind::kTurn, sign(side_) * stoppable_rad_s(angle_rad, params_, reaction_s_)};
 }
 
 }  // namespace nodmap::navigator

@@ -86,8 +86,4 @@ class Turn {
   std::optional<time::Timestamp> waits_since_;
 };
 
-/// The yaw rate from which a rotation on the spot stops within an angle.
-[[nodiscard]] double yaw_rate_on_the_spot(double angle_rad, const TurnParams& params,
-                                          double reaction_s);
-
 }  // namespace nodmap::navigator

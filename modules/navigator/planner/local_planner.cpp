@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "modules/navigator/trail.hpp"
-#include "modules/navigator/turn.hpp"
 
 namespace nodmap::navigator {
 namespace {
@@ -28,11 +27,7 @@ double direction_rad(const Twist& motion) {
 }  // namespace
 
 LocalPlanner::LocalPlanner(const NavigatorParams& params, bool creeps)
-    : body_(params.robot.body.footprint()),
-      turn_params_(params.turn),
-      reaction_s_(params.drive.reaction_s),
-      brake_(params, creeps),
-      rollouts_(params) {}
+    : body_(params.robot.body.footprint()), brake_(params, creeps), rollouts_(params) {}
 
 std::optional<Decision> LocalPlanner::drive_best(const Situation& now, const CostToGo& cost_to_go) {
   const double max_forward_mps = brake_.speed_limit(0.0, now.max_forward_mps);
@@ -149,8 +144,7 @@ std::optional<Decision> LocalPlanner::rotate(double yaw_rate_rad_s, const Situat
   decision.behaviour = Behaviour::kTurn;
   decision.reason = Why::kTurnsToPath;
   decision.yaw_rate_rad_s =
-      sign(side) *
-      std::min(std::abs(yaw_rate_rad_s), yaw_rate_on_the_spot(free_rad, turn_params_, reaction_s_));
+      sign(side) * std::min(std::abs(yaw_rate_rad_s), brake_.stoppable_rad_s(free_rad));
   decision.steering_angle_rad = sign(side) * 0.5 * geometry::kPi;
   return decision;
 }

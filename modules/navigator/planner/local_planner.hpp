@@ -46,8 +46,6 @@ class LocalPlanner {
                                                         const Situation& now) const;
 
   robot::Footprint body_;
-  TurnParams turn_params_;
-  double reaction_s_;
   Brake brake_;
   Rollouts rollouts_;
   bool has_rollout_ = false;

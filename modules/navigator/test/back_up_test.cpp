@@ -17,17 +17,18 @@ struct BackUpTest : testing::Test {
 
   NavigatorParams params;
   BackUp back_up{params};
+  Brake brake{params};
   Situation now;
-  Decision decision;
 };
 
 TEST_F(BackUpTest, EndsBeforeWhatIsBehind) {
   const double rear_m = params.robot.body.footprint().half_length_m;
   now.points_base = {{-rear_m - 0.3, 0.0}};
-  EXPECT_TRUE(back_up.step(now, decision));
-  EXPECT_LT(decision.forward_mps, -0.05);
+  const auto motion = back_up.step(now, brake);
+  ASSERT_TRUE(motion);
+  EXPECT_LT(motion->forward_mps, -0.05);
   now.points_base = {{-rear_m - 0.02, 0.0}};
-  EXPECT_FALSE(back_up.step(now, decision));
+  EXPECT_FALSE(back_up.step(now, brake));
 }
 
 // The plan has reversed 20 cm. What is ahead now is not the way back.
@@ -36,9 +37,10 @@ TEST_F(BackUpTest, ThePathBackIsBehindARobotThatHasReversedByPlan) {
     now.T_odom_base = {0.01 * i, 0.0, 0.0};
     back_up.record(now.T_odom_base, -0.15);
   }
-  ASSERT_TRUE(back_up.step(now, decision));
-  EXPECT_LT(decision.forward_mps, -0.05);
-  EXPECT_EQ(decision.yaw_rate_rad_s, 0.0);
+  const auto motion = back_up.step(now, brake);
+  ASSERT_TRUE(motion);
+  EXPECT_LT(motion->forward_mps, -0.05);
+  EXPECT_EQ(motion->yaw_rate_rad_s, 0.0);
 }
 
 }  // namespace back_up_test
