@@ -99,7 +99,7 @@ void measure(benchmark::State& state, Navigator& navigator, const Points& points
     now.stamp += 13'320us;
     now.sweep_count = now.stamp.time_since_epoch() / 350ms;
     if (goal_base) {
-      now.goal = goal_in_base(*goal_base, 0.2);
+      now.goal = GoalInBase{*goal_base, 0.2};
     }
     const double start_us = cpu_us();
     now.points_base = move_to_base(points, {}, {0.02, 0.0, 0.01});
@@ -137,7 +137,7 @@ void ToAGoalInAKnownBuilding(benchmark::State& state) {
     // With each new goal the planner takes over what the local map has seen.
     now.stamp += 1s;
     now.sweep_count += 2;
-    now.goal = goal_in_base({2.0, 0.0}, 0.2);  // in odom another one at each place
+    now.goal = GoalInBase{{2.0, 0.0}, 0.2};  // in odom another one at each place
     benchmark::DoNotOptimize(navigator.decide(now));
   };
   for (double x = -24.0; x <= 24.0; x += 8.0) {

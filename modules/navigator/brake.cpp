@@ -42,7 +42,7 @@ Arc Brake::measure_arc(double curvature, bool creeps, const Situation& now) cons
       arc = narrow;
     }
   }
-  if (now.needs_seen_floor) {
+  if (now.needs_seen_floor()) {
     const double limit_mps = std::min(arc.speed_mps, drive_params_.max_forward_mps);
     arc.speed_mps = std::min(arc.speed_mps, speed_on_seen_floor(curvature, limit_mps, now));
   }
@@ -86,8 +86,8 @@ double Brake::speed_on_seen_floor(double curvature, double max_mps, const Situat
         Rule{local_map_params_.max_gap_m, braking_.emergency_deceleration_mps2}}) {
     const double longest_m =
         robot::stopping_distance(speed_mps, drive_params_.reaction_s, rule.deceleration_mps2);
-    const double seen_m = now.local_map->seen_distance(
-        now.T_odom_base, curvature, body_.half_width_m, longest_m, rule.max_gap_m);
+    const double seen_m =
+        now.local_map->seen_distance(now.T_odom_base, curvature, longest_m, rule.max_gap_m);
     if (seen_m < longest_m) {
       speed_mps = robot::stoppable_speed(seen_m, drive_params_.reaction_s, rule.deceleration_mps2);
     }
@@ -96,7 +96,7 @@ double Brake::speed_on_seen_floor(double curvature, double max_mps, const Situat
   const double slow_mps = std::min(kHiddenMps, max_mps);
   const bool may_creep =
       creeps_ && speed_mps < slow_mps &&
-      now.local_map->seen_distance(now.T_odom_base, curvature, body_.half_width_m, kHiddenSeenM,
+      now.local_map->seen_distance(now.T_odom_base, curvature, kHiddenSeenM,
                                    local_map_params_.max_gap_m, kEndsAtObstacles) >= kHiddenSeenM;
   return may_creep ? slow_mps : speed_mps;
 }
@@ -117,7 +117,7 @@ double Brake::speed_on_present_arc(const Situation& now) const {
 
 Decision Brake::drive(const Arc& arc, double direction_rad, double limit_mps,
                       const Situation& now) const {
-  const double goal_mps = now.goal ? stoppable_mps(now.goal->distance_m) : limit_mps;
+  const double goal_mps = now.goal ? stoppable_mps(now.goal->distance_m()) : limit_mps;
   const double safe_mps = std::min(arc.speed_mps, speed_on_present_arc(now));
   const bool is_slowed = safe_mps < limit_mps;
   Decision decision;

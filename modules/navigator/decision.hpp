@@ -40,16 +40,16 @@ struct Situation {
   People people;                         ///< people who walk, in base
   const SeenDirections* seen = nullptr;  ///< null: none
   const LocalMap* local_map = nullptr;   ///< null: it has no scan
-  /// Whether the robot drives only over floor that the local map has seen. A laser that is held
-  /// sees no floor: then floor is everywhere.
-  bool needs_seen_floor = false;
-  const Trail* trail = nullptr;  ///< of the strip that the body has driven; null: none
+  const Trail* trail = nullptr;          ///< of the strip that the body has driven; null: none
 
   /// Whether a direction (in base, positive left) has been in view long enough to drive there.
   [[nodiscard]] bool has_seen(double direction_rad) const {
     return seen != nullptr &&
            (laser_is_held ? seen->is_in_view(direction_rad) : seen->is_seen(direction_rad));
   }
+  /// Whether the robot drives only over floor that the local map has seen. A laser that is held
+  /// sees no floor: then floor is everywhere.
+  [[nodiscard]] bool needs_seen_floor() const { return local_map != nullptr && !laser_is_held; }
 };
 
 enum class Behaviour : std::uint8_t { kSteer, kBrake, kTurn, kArrived, kHalt };

@@ -39,23 +39,23 @@ std::optional<double> wall_direction(const Points& points_base, Side side) {
 
 void Detour::begin(Side side, const GoalInBase& goal) {
   if (side_ == Side::kNone) {
-    began_at_m_ = goal.distance_m;
+    began_at_m_ = goal.distance_m();
     side_ = side;
   }
 }
 
 std::optional<double> Detour::direction(const FreeSpace& space, const Points& points_base,
                                         const GoalInBase& goal, double needed_m) {
-  const double straight_rad = std::clamp(goal.bearing_rad, -kFarthestAside, kFarthestAside);
+  const double straight_rad = std::clamp(goal.bearing_rad(), -kFarthestAside, kFarthestAside);
   // Obstacles beyond the goal do not block the path to it.
-  const double to_goal_m = std::min(needed_m, goal.distance_m);
+  const double to_goal_m = std::min(needed_m, goal.distance_m());
   const bool is_free = space.at(FreeSpace::degree_of(straight_rad)) >= to_goal_m;
   if (side_ == Side::kNone) {
     return is_free ? straight_rad : round_obstacle(space, goal, straight_rad, to_goal_m);
   }
   const auto wall_rad = wall_direction(points_base, side_);
-  const bool is_ahead = straight_rad == goal.bearing_rad;
-  const bool is_nearer = goal.distance_m < began_at_m_ - kNearerM;
+  const bool is_ahead = straight_rad == goal.bearing_rad();
+  const bool is_nearer = goal.distance_m() < began_at_m_ - kNearerM;
   if (!wall_rad || (is_free && is_ahead && is_nearer)) {
     end();
     return is_free ? straight_rad : round_obstacle(space, goal, straight_rad, to_goal_m);

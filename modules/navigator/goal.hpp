@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 
@@ -19,19 +20,19 @@ struct GoalInMap {
 
 /// The goal as seen from the robot.
 struct GoalInBase {
-  double bearing_rad = 0.0;  ///< positive left
-  double distance_m = 0.0;
-  double tolerance_m = 0.0;
   Eigen::Vector2d p_base = Eigen::Vector2d::Zero();
+  double tolerance_m = 0.0;
   /// The heading of a goal at which the robot docks.
   struct Heading {
     double yaw_rad = 0.0;  ///< of the goal in base
     double tolerance_rad = 0.0;
   };
-  std::optional<Heading> heading;
-};
+  std::optional<Heading> heading = std::nullopt;
 
-[[nodiscard]] GoalInBase goal_in_base(const Eigen::Vector2d& p_goal_base, double tolerance_m);
+  [[nodiscard]] double distance_m() const { return p_base.norm(); }
+  /// Positive left.
+  [[nodiscard]] double bearing_rad() const { return std::atan2(p_base.y(), p_base.x()); }
+};
 
 /// Whether the robot is at the goal. Once it is there it stays so up to 10 cm farther away, so that
 /// it does not start and stop at the border of the tolerance.

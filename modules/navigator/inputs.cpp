@@ -37,7 +37,7 @@ Situation Inputs::situation(const DriveParams& drive) const {
   now.laser_is_held = laser_is_held;
   if (goal) {
     const geometry::SE2 T_base_goal = T_map_base().inverse() * goal->T_map_goal;
-    now.goal = goal_in_base(T_base_goal.translation(), goal->tolerance_m);
+    now.goal = GoalInBase{T_base_goal.translation(), goal->tolerance_m};
     if (goal->heading_tolerance_rad) {
       now.goal->heading = {T_base_goal.yaw, *goal->heading_tolerance_rad};
     }

@@ -89,7 +89,7 @@ std::optional<double> Steering::roaming_direction(const FreeSpace& space, double
 // The arc whose chord has this direction (pure pursuit), or a flatter one if that is blocked.
 std::optional<Arc> Steering::arc_towards(double direction_rad, const Situation& now) const {
   const double chord_m =
-      now.goal ? std::clamp(now.goal->distance_m, 0.2, params_.chord_m) : params_.chord_m;
+      now.goal ? std::clamp(now.goal->distance_m(), 0.2, params_.chord_m) : params_.chord_m;
   const double curvature = 2.0 * std::sin(direction_rad) / chord_m;
   for (const double factor : {1.0, 0.5, 0.0}) {
     const Arc arc = brake_.measure_arc(factor * curvature, now);

@@ -81,6 +81,7 @@ void Surroundings::miss_scans() {
 void Surroundings::complete(Situation& now) {
   seen_.update(now.T_odom_base.yaw, now.sweep_count);
   now.seen = &seen_;
+  now.local_map = local_map_.has_scan() ? &local_map_ : nullptr;
   slow_down_after_gap(now);
   slow_down_near_slopes(now);
   add_people(now);
@@ -119,7 +120,7 @@ void Surroundings::slow_down_after_gap(Situation& now) {
 // measures heights above the plane on which the robot stands, so it takes sloped ground for
 // obstacles; the local map, made from the same scans, knows better.
 void Surroundings::slow_down_near_slopes(Situation& now) const {
-  if (!local_map_.has_scan() || local_map_.ground().is_level()) {
+  if (now.local_map == nullptr || local_map_.ground().is_level()) {
     return;
   }
   now.max_forward_mps = std::min(now.max_forward_mps, params_.local_map.ground.sloped_mps);
@@ -133,13 +134,13 @@ void Surroundings::add_people(Situation& now) {
   if (!now.people.empty()) {
     saw_people_at_ = now.stamp;
   }
-  if (sees_floor(now) && saw_people_at_ &&
+  if (now.needs_seen_floor() && saw_people_at_ &&
       std::chrono::abs(now.stamp - *saw_people_at_) < kPassed) {
     erase_free_floor(now);
   }
   Points points_of_things = without_wakes(now.people, now.points_base);
   watch_approach(now, points_of_things);
-  if (local_map_.has_scan()) {
+  if (now.local_map != nullptr) {
     now.points_base =
         std::move(points_of_things);  // what stands beside a person is also in the local map
   }
@@ -149,20 +150,18 @@ void Surroundings::watch_approach(const Situation& now, const Points& points_bas
   const double reach_m =
       body_.turning_radius_m() + kReachM + kReachS * std::max(0.0, now.forward_mps);
   approach_.update(now.stamp, now.T_odom_base, reach_m, points_base, seen_,
-                   sees_floor(now) ? &local_map_ : nullptr, now.laser_is_held);
+                   now.needs_seen_floor() ? now.local_map : nullptr, now.laser_is_held);
 }
 
 // Adds the obstacles of the local map. Must follow watch_approach(): a low sill that is first seen
 // when it is near has not approached.
 void Surroundings::add_local_map(Situation& now) const {
-  if (!local_map_.has_scan()) {
+  if (now.local_map == nullptr) {
     return;
   }
   const Points more = local_map_.points_base(now.T_odom_base, params_.local_map.range_m);
   now.points_base.insert(now.points_base.end(), more.begin(), more.end());
-  now.local_map = &local_map_;
-  now.needs_seen_floor = sees_floor(now);
-  if (now.needs_seen_floor) {
+  if (now.needs_seen_floor()) {
     now.doubtful_base =
         local_map_.doubtful_points_base(now.T_odom_base, body_.turning_radius_m() + kDoubtfulM);
     now.hole_corners_base = local_map_.hole_corners_base(now.T_odom_base, longest_stop_m());
@@ -202,11 +201,6 @@ void Surroundings::erase_free_floor(Situation& now) const {
   std::erase_if(now.points_base, [&](const Eigen::Vector2d& p_base) {
     return local_map_.is_free_floor(now.T_odom_base * p_base);
   });
-}
-
-// A laser that is held level sees no floor, so only its points count.
-bool Surroundings::sees_floor(const Situation& now) const {
-  return local_map_.has_scan() && !now.laser_is_held;
 }
 
 }  // namespace nodmap::navigator

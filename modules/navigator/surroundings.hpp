@@ -62,7 +62,6 @@ class Surroundings {
   void add_geofence(Situation& now) const;
   void erase_free_floor(Situation& now) const;
   [[nodiscard]] double longest_stop_m() const;
-  [[nodiscard]] bool sees_floor(const Situation& now) const;
 
   NavigatorParams params_;
   robot::Footprint body_;

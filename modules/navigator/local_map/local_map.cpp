@@ -365,16 +365,14 @@ bool LocalMap::was_floor(const Eigen::Vector2d& p_odom) const {
   return seen_floor().is_around(p_odom);
 }
 
-double LocalMap::seen_distance(const geometry::SE2& T_odom_base, double curvature,
-                               double half_width_m, double max_m, double max_gap_m,
-                               bool ends_at_obstacles) const {
-  return seen_floor().distance(T_odom_base, curvature, half_width_m, max_m, max_gap_m,
-                               ends_at_obstacles);
+double LocalMap::seen_distance(const geometry::SE2& T_odom_base, double curvature, double max_m,
+                               double max_gap_m, bool ends_at_obstacles) const {
+  return seen_floor().distance(T_odom_base, curvature, max_m, max_gap_m, ends_at_obstacles);
 }
 
 double LocalMap::seen_distance_backwards(const geometry::SE2& T_odom_base, double curvature,
-                                         double half_width_m, double max_m) const {
-  return seen_floor().distance_backwards(T_odom_base, curvature, half_width_m, max_m);
+                                         double max_m) const {
+  return seen_floor().distance_backwards(T_odom_base, curvature, max_m);
 }
 
 }  // namespace nodmap::navigator

@@ -62,17 +62,17 @@ class LocalMap {
   /// How far the robot can drive along an arc (curvature in 1/m, positive left), at most `max_m`,
   /// before the laser can no longer look down at floor that was not seen. Floor was not seen where
   /// a gap between seen places is longer than `max_gap_m` along the arc: a hole of that length
-  /// would have had a beam in it. The floor must be as wide as the body's front, `half_width_m` to
-  /// both sides. With `ends_at_obstacles` no floor is required behind an obstacle that is hardly
-  /// farther away than the nearest floor that the laser sees, because the obstacle hides it.
+  /// would have had a beam in it. The floor must be as wide as the body's front. With
+  /// `ends_at_obstacles` no floor is required behind an obstacle that is hardly farther away than
+  /// the nearest floor that the laser sees, because the obstacle hides it.
   [[nodiscard]] double seen_distance(const geometry::SE2& T_odom_base, double curvature,
-                                     double half_width_m, double max_m, double max_gap_m,
+                                     double max_m, double max_gap_m,
                                      bool ends_at_obstacles = false) const;
 
   /// The same for the body's rear, driving backwards. Here the ground on which the robot was set
   /// down does not count as seen.
   [[nodiscard]] double seen_distance_backwards(const geometry::SE2& T_odom_base, double curvature,
-                                               double half_width_m, double max_m) const;
+                                               double max_m) const;
 
   /// Doubtful ground within `range_m` of base, but not under the body, in base: floor was never
   /// seen there, or an obstacle there has been forgotten and no beam has passed through its place

@@ -29,8 +29,8 @@ geometry::SE2 along_arc(double curvature, double distance_m) {
 }  // namespace
 
 // Floor must follow on floor in each column of the body's front, but for `kUnknownColumns`.
-double SeenFloor::distance(const geometry::SE2& T_odom_base, double curvature, double half_width_m,
-                           double max_m, double max_gap_m, bool ends_at_obstacles) const {
+double SeenFloor::distance(const geometry::SE2& T_odom_base, double curvature, double max_m,
+                           double max_gap_m, bool ends_at_obstacles) const {
   const double step_m = grid_.cell_size_m();
   const double first_m = std::max(0.0, blind_m_ - body_.half_length_m);
   // Rows nearer than the laser sees floor may hold an obstacle.
@@ -43,10 +43,10 @@ double SeenFloor::distance(const geometry::SE2& T_odom_base, double curvature, d
     const Eigen::Matrix2d R = T_odom_row.rotation();
     rows.push_back({s_m, T_odom_row.translation() + body_.half_length_m * R.col(0), R.col(1)});
   }
-  const auto side = static_cast<int>(std::ceil(half_width_m / kColumnM));
+  const auto side = static_cast<int>(std::ceil(body_.half_width_m / kColumnM));
   std::vector<double> seen_m;  // by column
   for (int column = -side; column <= side; ++column) {
-    const double left_m = half_width_m * column / side;
+    const double left_m = body_.half_width_m * column / side;
     seen_m.push_back(distance_in_column(rows, left_m, max_gap_m, ends_at_obstacles));
   }
   std::ranges::nth_element(seen_m, seen_m.begin() + kUnknownColumns - 1);
@@ -81,11 +81,11 @@ bool SeenFloor::is_obstacle(const LocalCell* cell) const {
 }
 
 double SeenFloor::distance_backwards(const geometry::SE2& T_odom_base, double curvature,
-                                     double half_width_m, double max_m) const {
+                                     double max_m) const {
   const double step_m = grid_.cell_size_m();
   for (double s = step_m; s < max_m; s += step_m) {
     const geometry::SE2 T_base_rear{-body_.half_length_m, 0.0, 0.0};
-    if (!is_row_seen(T_odom_base * along_arc(curvature, -s) * T_base_rear, half_width_m)) {
+    if (!is_row_seen(T_odom_base * along_arc(curvature, -s) * T_base_rear)) {
       return s - step_m;
     }
   }
@@ -93,12 +93,13 @@ double SeenFloor::distance_backwards(const geometry::SE2& T_odom_base, double cu
 }
 
 // Whether floor was seen in a row across the body.
-bool SeenFloor::is_row_seen(const geometry::SE2& T_odom_row, double half_width_m) const {
-  const auto columns = static_cast<int>(std::ceil(half_width_m / (2.0 * grid_.cell_size_m())));
+bool SeenFloor::is_row_seen(const geometry::SE2& T_odom_row) const {
+  const auto columns =
+      static_cast<int>(std::ceil(body_.half_width_m / (2.0 * grid_.cell_size_m())));
   int unknown = 0;
   for (int column = -columns; column <= columns; ++column) {
     const LocalCell* cell =
-        grid_.find(T_odom_row * Eigen::Vector2d(0.0, half_width_m * column / columns));
+        grid_.find(T_odom_row * Eigen::Vector2d(0.0, body_.half_width_m * column / columns));
     unknown += cell != nullptr && cell->is_floor && !cell->is_assumed ? 0 : 1;
   }
   return unknown < kUnknownColumns;

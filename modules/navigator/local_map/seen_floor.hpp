@@ -20,11 +20,10 @@ class SeenFloor {
       : grid_(grid), obstacles_(obstacles), body_(body), blind_m_(blind_m) {}
 
   /// See LocalMap::seen_distance() and seen_distance_backwards().
-  [[nodiscard]] double distance(const geometry::SE2& T_odom_base, double curvature,
-                                double half_width_m, double max_m, double max_gap_m,
-                                bool ends_at_obstacles) const;
+  [[nodiscard]] double distance(const geometry::SE2& T_odom_base, double curvature, double max_m,
+                                double max_gap_m, bool ends_at_obstacles) const;
   [[nodiscard]] double distance_backwards(const geometry::SE2& T_odom_base, double curvature,
-                                          double half_width_m, double max_m) const;
+                                          double max_m) const;
 
   /// Whether there is floor in a cell, or so near to it that nothing fits in between.
   [[nodiscard]] bool is_near(const Eigen::Vector2i& index) const;
@@ -42,7 +41,7 @@ class SeenFloor {
   [[nodiscard]] double distance_in_column(const std::vector<Row>& rows, double left_m,
                                           double max_gap_m, bool ends_at_obstacles) const;
   [[nodiscard]] bool is_obstacle(const LocalCell* cell) const;
-  [[nodiscard]] bool is_row_seen(const geometry::SE2& T_odom_row, double half_width_m) const;
+  [[nodiscard]] bool is_row_seen(const geometry::SE2& T_odom_row) const;
 
   const LocalGrid& grid_;
   const ObstacleMemory& obstacles_;

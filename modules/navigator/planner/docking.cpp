@@ -92,7 +92,7 @@ bool Docking::is_done(const GoalInBase& goal, double phase_s) const {
     case Phase::kBackOff:
       return T.x <= -0.6 * params_.staging_m;
     case Phase::kDocked:
-      return goal.distance_m > goal.tolerance_m + kLeaveM ||
+      return goal.distance_m() > goal.tolerance_m + kLeaveM ||
              std::abs(T.yaw) > goal.heading->tolerance_rad + kLeaveRad;
     default:
       return false;
@@ -137,7 +137,7 @@ Docking::Phase Docking::phase_when_late() const {
 
 Docking::Phase Docking::after_settling(const GoalInBase& goal) {
   const geometry::SE2 T = T_goal_base(goal);
-  if (goal.distance_m <= goal.tolerance_m) {
+  if (goal.distance_m() <= goal.tolerance_m) {
     return std::abs(T.yaw) <= goal.heading->tolerance_rad ? Phase::kDocked : Phase::kSquare;
   }
   const bool is_short = T.x < -kRollsM && std::abs(T.y) <= 0.5 * goal.tolerance_m;

@@ -67,10 +67,10 @@ GlobalPlanner::GlobalPlanner(const robot::Footprint& body, const PlannerParams& 
     : body_(body), params_(params) {}
 
 void GlobalPlanner::add_failure(const Eigen::Vector2d& p_map) {
-  if (failures_.size() == kMostFailures) {
-    failures_.pop_front();
+  if (failures_map_.size() == kMostFailures) {
+    failures_map_.pop_front();
   }
-  failures_.push_back({p_map, params_.failure_price});
+  failures_map_.push_back(p_map);
 }
 
 void GlobalPlanner::forget_ground() {
@@ -107,7 +107,7 @@ void GlobalPlanner::step(time::Timestamp stamp, const LocalMap& local_map,
 // again before there is a plan to it, that plan is completed first: otherwise there would be none
 // while the goal moves.
 void GlobalPlanner::take_new_goal() {
-  failures_.clear();
+  failures_map_.clear();
   if (cost_to_go() != nullptr) {
     is_former_ = true;
     phase_ = Phase::kIdle;
@@ -257,8 +257,8 @@ void GlobalPlanner::price_row(int row) {
 void GlobalPlanner::price_failures() {
   const double least_m = body_.half_width_m + params_.min_clearance_m;
   const int reach = static_cast<int>(kFailureM / window_.cell_size_m);
-  for (const Failure& failure : failures_) {
-    const Eigen::Vector2d offset = (failure.p_map - window_.origin) / window_.cell_size_m;
+  for (const Eigen::Vector2d& p_map : failures_map_) {
+    const Eigen::Vector2d offset = (p_map - window_.origin) / window_.cell_size_m;
     for (int dy = -reach; dy <= reach; ++dy) {
       for (int dx = -reach; dx <= reach; ++dx) {
         const int column = static_cast<int>(offset.x()) + dx;
@@ -268,10 +268,10 @@ void GlobalPlanner::price_failures() {
           continue;
         }
         float& price = price_[window_.place(column, row)];
-        price =
-            obstacle_distances_.at(column, row) < least_m
-                ? kBlockedPrice
-                : std::min(CostSearch::kHighestPrice, price + static_cast<float>(failure.price));
+        price = obstacle_distances_.at(column, row) < least_m
+                    ? kBlockedPrice
+                    : std::min(CostSearch::kHighestPrice,
+                               price + static_cast<float>(params_.failure_price));
       }
     }
   }

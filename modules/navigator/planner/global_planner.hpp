@@ -56,17 +56,13 @@ class GlobalPlanner {
   /// Adds a place where the robot could not go on: paths through it cost more from now on, until 50
   /// more have been added.
   void add_failure(const Eigen::Vector2d& p_map);
-  void forget_failures() { failures_.clear(); }
+  void forget_failures() { failures_map_.clear(); }
 
   /// Forgets all ground; the next plan uses only what the local map holds.
   void forget_ground();
 
  private:
   enum class Phase : std::uint8_t { kIdle, kOccupy, kMeasureDistances, kPrice, kSearch };
-  struct Failure {
-    Eigen::Vector2d p_map;
-    double price = 0.0;
-  };
 
   void take_new_goal();
   [[nodiscard]] bool start_if_due(time::Timestamp stamp);
@@ -83,7 +79,7 @@ class GlobalPlanner {
   robot::Footprint body_;
   PlannerParams params_;
   KnownGround ground_;
-  std::deque<Failure> failures_;  // the oldest first
+  std::deque<Eigen::Vector2d> failures_map_;  // the oldest first
 
   Phase phase_ = Phase::kIdle;
   int row_ = 0;                  // the next one to be occupied or priced

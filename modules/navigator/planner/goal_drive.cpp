@@ -88,7 +88,7 @@ Decision GoalDrive::dock(const Situation& now) {
   switch (step.kind) {
     case DockingStep::Kind::kPlan: {
       Situation staging = now;
-      staging.goal = goal_in_base(step.staging_base, Docking::kStagingToleranceM);
+      staging.goal = GoalInBase{step.staging_base, Docking::kStagingToleranceM};
       return drive_by_plan(staging);
     }
     case DockingStep::Kind::kMove: {

@@ -16,6 +16,9 @@ constexpr double kLookM = 0.5;
 constexpr std::size_t kMostOffered = 40;
 // Margin behind the robot, where it knows only what it remembers.
 constexpr double kBackwardMarginM = 0.03;
+// Seen floor is looked for this far behind the body: more than any stop from driving backwards
+// takes.
+constexpr double kBackwardSeenM = 0.3;
 constexpr double kRotationMarginM = 0.02;
 constexpr double kLeastRotationRad = geometry::deg_to_rad(2.0);
 
@@ -118,9 +121,9 @@ std::optional<Decision> LocalPlanner::drive_backwards(const Twist& motion,
   double distance_m = free_distance_backwards(now.points_base, curvature, body_, kBackwardMarginM) -
                       kBackwardMarginM;
   distance_m = std::min(distance_m, now.trail->distance_backwards(now.T_odom_base, curvature));
-  if (now.needs_seen_floor) {
+  if (now.needs_seen_floor()) {
     distance_m = std::min(distance_m, now.local_map->seen_distance_backwards(
-                                          now.T_odom_base, curvature, body_.half_width_m, 0.3));
+                                          now.T_odom_base, curvature, kBackwardSeenM));
   }
   const double speed_mps = std::min(-motion.forward_mps, brake_.stoppable_mps(distance_m));
   if (speed_mps < 0.5 * kLeastSpeedMps || now.forward_mps > kLeastSpeedMps) {

@@ -7,7 +7,7 @@ namespace nodmap::navigator {
 namespace goal_test {
 
 TEST(Goal, ArrivesWithinToleranceAndStaysArrived) {
-  const auto at = [](double distance_m) { return goal_in_base({distance_m, 0}, 0.2); };
+  const auto at = [](double distance_m) { return GoalInBase{{distance_m, 0}, 0.2}; };
   EXPECT_FALSE(has_arrived(at(0.21), false));
   EXPECT_TRUE(has_arrived(at(0.2), false));
   EXPECT_TRUE(has_arrived(at(0.25), true));

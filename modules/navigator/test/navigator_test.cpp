@@ -33,7 +33,7 @@ struct NavigatorTest : testing::Test {
     now.sweep_count += 2;
     now.goal.reset();
     if (goal_odom) {
-      now.goal = goal_in_base(T_base_odom * *goal_odom, 0.1);
+      now.goal = GoalInBase{T_base_odom * *goal_odom, 0.1};
     }
     now.points_base.clear();
     for (const Eigen::Vector2d& p_odom : points_odom) {

@@ -139,7 +139,7 @@ class ClosedLoop {
     now.geofence = geofence;
     now.sweep_count = static_cast<std::int64_t>(time_s / 0.35);
     if (goal_odom) {
-      now.goal = goal_in_base(robot.T_odom_base.inverse() * *goal_odom, 0.2);
+      now.goal = GoalInBase{robot.T_odom_base.inverse() * *goal_odom, 0.2};
     }
     decision = navigator.decide(now);
     robot.command(decision.forward_mps, decision.yaw_rate_rad_s);

@@ -54,14 +54,14 @@ TEST(Surroundings, ObstaclesOfTheLocalMapAreJoined) {
   EXPECT_TRUE(has_point_near(now.points_base, {3.0, 0.0}, 1e-9));
   EXPECT_TRUE(has_point_near(now.points_base, {1.9, 0.0}, 0.05)) << "two cells";
   EXPECT_EQ(now.local_map, &surroundings.local_map());
-  EXPECT_TRUE(now.needs_seen_floor);
+  EXPECT_TRUE(now.needs_seen_floor());
   EXPECT_FALSE(now.doubtful_base.empty());
 
   held.laser_is_held = true;
   surroundings.complete(held);
   EXPECT_TRUE(has_point_near(held.points_base, {1.9, 0.0}, 0.05));
   EXPECT_EQ(held.local_map, &surroundings.local_map());
-  EXPECT_FALSE(held.needs_seen_floor);
+  EXPECT_FALSE(held.needs_seen_floor());
   EXPECT_TRUE(held.doubtful_base.empty());
 }
 

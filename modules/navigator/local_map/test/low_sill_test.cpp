@@ -97,7 +97,6 @@ class Approach {
       now.T_odom_base = {x_m_, 0.0, 0.0};
       now.points_base = map_.points_base(now.T_odom_base, 1.6);  // a stop takes up to 1 m
       now.local_map = &map_;
-      now.needs_seen_floor = true;
       now.forward_mps = v_mps_;
       // The robot has come over floor that it had seen: Brake limits its speed only after the first
       // second.

@@ -28,9 +28,9 @@ LocalGrid floor_without(double from_x, double to_x) {
 TEST(SeenFloor, EndsWhereAGapIsLongerThanAllowed) {
   const LocalGrid grid = floor_without(1.3, 1.55);
   const SeenFloor floor(grid, kObstacles, kBody, kBlindM);
-  EXPECT_NEAR(floor.distance({}, 0.0, 0.165, 2.0, 0.15, false), 1.3 - kBlindM, kCellM);
-  EXPECT_EQ(floor.distance({}, 0.0, 0.165, 2.0, 0.35, false), 2.0);
-  EXPECT_EQ(floor.distance({}, 0.0, 0.165, 0.5, 0.15, false), 0.5);
+  EXPECT_NEAR(floor.distance({}, 0.0, 2.0, 0.15, false), 1.3 - kBlindM, kCellM);
+  EXPECT_EQ(floor.distance({}, 0.0, 2.0, 0.35, false), 2.0);
+  EXPECT_EQ(floor.distance({}, 0.0, 0.5, 0.15, false), 0.5);
 }
 
 // A wall across the way ahead; two cells thick, as with the laser's noise.
@@ -46,21 +46,18 @@ void add_wall(LocalGrid& grid, double x) {
 TEST(SeenFloor, GroundBehindAnObstacleNearerThanAllSeenFloorDoesNotCountAsUnknown) {
   for (const double wall_m : {0.28, 0.34}) {
     LocalGrid grid = floor_without(wall_m - 0.01, 3.0);
-    EXPECT_LT(SeenFloor(grid, kObstacles, kBody, kBlindM).distance({}, 0.0, 0.165, 0.5, 0.15, true),
-              0.06);
+    EXPECT_LT(SeenFloor(grid, kObstacles, kBody, kBlindM).distance({}, 0.0, 0.5, 0.15, true), 0.06);
     add_wall(grid, wall_m);
-    EXPECT_EQ(SeenFloor(grid, kObstacles, kBody, kBlindM).distance({}, 0.0, 0.165, 0.5, 0.15, true),
-              0.5);
-    EXPECT_LT(
-        SeenFloor(grid, kObstacles, kBody, kBlindM).distance({}, 0.0, 0.165, 0.5, 0.15, false),
-        0.06);
+    EXPECT_EQ(SeenFloor(grid, kObstacles, kBody, kBlindM).distance({}, 0.0, 0.5, 0.15, true), 0.5);
+    EXPECT_LT(SeenFloor(grid, kObstacles, kBody, kBlindM).distance({}, 0.0, 0.5, 0.15, false),
+              0.06);
   }
 }
 
 TEST(SeenFloor, GroundBehindAFartherObstacleCountsAsUnknown) {
   LocalGrid grid = floor_without(0.41, 3.0);
   add_wall(grid, 0.42);
-  EXPECT_NEAR(SeenFloor(grid, kObstacles, kBody, kBlindM).distance({}, 0.0, 0.165, 0.5, 0.15, true),
+  EXPECT_NEAR(SeenFloor(grid, kObstacles, kBody, kBlindM).distance({}, 0.0, 0.5, 0.15, true),
               0.41 - kBlindM, kCellM);
 }
 
@@ -69,15 +66,14 @@ TEST(SeenFloor, AForgottenObstacleCountsAsUnknown) {
   add_wall(grid, 0.28);
   ObstacleMemory obstacles(20.0);
   obstacles.move({}, {21.0, 0.0, 0.0});
-  EXPECT_EQ(SeenFloor(grid, obstacles, kBody, kBlindM).distance({}, 0.0, 0.165, 0.5, 0.15, true),
-            0.0);
+  EXPECT_EQ(SeenFloor(grid, obstacles, kBody, kBlindM).distance({}, 0.0, 0.5, 0.15, true), 0.0);
 }
 
 TEST(SeenFloor, BackwardsAnyGapEndsTheSeenFloor) {
   const LocalGrid grid = floor_without(-0.5, -0.4);
   const SeenFloor floor(grid, kObstacles, kBody, kBlindM);
-  EXPECT_NEAR(floor.distance_backwards({}, 0.0, 0.165, 0.3), 0.4 - 0.225, kCellM);
-  EXPECT_EQ(floor.distance_backwards({}, 0.0, 0.165, 0.1), 0.1);
+  EXPECT_NEAR(floor.distance_backwards({}, 0.0, 0.3), 0.4 - 0.225, kCellM);
+  EXPECT_EQ(floor.distance_backwards({}, 0.0, 0.1), 0.1);
 }
 
 TEST(SeenFloor, BackwardsAssumedFloorDoesNotCount) {
@@ -87,8 +83,7 @@ TEST(SeenFloor, BackwardsAssumedFloorDoesNotCount) {
       grid.find({x, y})->is_assumed = true;
     }
   }
-  EXPECT_EQ(SeenFloor(grid, kObstacles, kBody, kBlindM).distance_backwards({}, 0.0, 0.165, 0.3),
-            0.0);
+  EXPECT_EQ(SeenFloor(grid, kObstacles, kBody, kBlindM).distance_backwards({}, 0.0, 0.3), 0.0);
 }
 
 TEST(SeenFloor, IsAroundIsTrueOnFloorAndIsNearUpToACellBesideIt) {

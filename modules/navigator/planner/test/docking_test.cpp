@@ -36,7 +36,7 @@ struct Dock {
 
   void cycle() {
     const geometry::SE2 T_base_goal = (T_goal_base * pose_error).inverse();
-    GoalInBase goal = goal_in_base(T_base_goal.translation(), kToleranceM);
+    GoalInBase goal{T_base_goal.translation(), kToleranceM};
     goal.heading = {T_base_goal.yaw, kToleranceRad};
     step = docking.next(goal, time::Timestamp(time::from_seconds(time_s)));
     if (step.kind == Kind::kPlan) {

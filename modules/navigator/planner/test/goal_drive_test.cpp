@@ -37,13 +37,12 @@ TEST(GoalDrive, WithoutAPathItLooksAroundOnceAndThenStaysWithAReason) {
   Situation now;
   now.seen = &seen;
   now.local_map = &map;
-  now.needs_seen_floor = true;
   now.max_forward_mps = 1.0;
   double rotated_rad = 0.0;
   Decision decision;
   for (int i = 0; i < 1500; ++i) {  // 20 s
     now.stamp = time::Timestamp(time::from_seconds(kStepS * i));
-    now.goal = goal_in_base(now.T_odom_base.inverse() * Eigen::Vector2d(4.0, 0.0), 0.3);
+    now.goal = GoalInBase{now.T_odom_base.inverse() * Eigen::Vector2d(4.0, 0.0), 0.3};
     now.points_base = map.points_base(now.T_odom_base, 2.5);
     decision = drive.decide(now);
     EXPECT_EQ(decision.forward_mps, 0.0);
@@ -68,9 +67,8 @@ Decision between_rows(double beside_m) {
   const robot::Footprint body = NavigatorParams().robot.body.footprint();
   Situation now;
   now.local_map = &map;
-  now.needs_seen_floor = true;
   now.max_forward_mps = 1.0;
-  now.goal = goal_in_base({2.0, 0.0}, 0.3);
+  now.goal = GoalInBase{{2.0, 0.0}, 0.3};
   for (double x = -body.half_length_m; x < body.half_length_m + 0.5; x += 0.01) {
     for (const double side : {-1.0, 1.0}) {
       now.points_base.emplace_back(x, side * (body.half_width_m + beside_m));
@@ -120,7 +118,6 @@ class Driver {
  public:
   explicit Driver(const LocalMap& map, double x_m = 0.0) {
     show(map);
-    now_.needs_seen_floor = true;
     now_.seen = &seen_;
     now_.max_forward_mps = 1.0;
     now_.T_odom_base.x = x_m;
@@ -139,7 +136,7 @@ class Driver {
 
   Decision decide(const Eigen::Vector2d& goal_odom, double tolerance_m) {
     now_.stamp += time::from_seconds(kStepS);
-    now_.goal = goal_in_base(now_.T_odom_base.inverse() * goal_odom, tolerance_m);
+    now_.goal = GoalInBase{now_.T_odom_base.inverse() * goal_odom, tolerance_m};
     seen_.update(now_.T_odom_base.yaw, 2 * num_steps_++);
     return drive_.decide(now_);
   }

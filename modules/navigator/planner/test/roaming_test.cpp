@@ -95,7 +95,6 @@ struct RoamingTest : testing::Test {
     const LocalMap map = seen_from_start(ground, quarters);
     Situation now;
     now.local_map = &map;
-    now.needs_seen_floor = true;
     now.max_forward_mps = max_forward_mps;
     now.points_base = map.points_base({}, 2.5);
     now.forward_mps = forward_mps;
