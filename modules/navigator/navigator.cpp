@@ -229,8 +229,7 @@ Side Navigator::preferred_side(const Situation& now) {
     return steering_.detour().side();
   }
   const bool is_same_obstacle =
-      turn_ended_at_ && std::hypot(turn_ended_at_->x - now.T_odom_base.x,
-                                   turn_ended_at_->y - now.T_odom_base.y) < kSameObstacleM;
+      turn_ended_at_ && geometry::distance_m(*turn_ended_at_, now.T_odom_base) < kSameObstacleM;
   return is_same_obstacle ? turn_.side() : Side::kNone;
 }
 

@@ -20,7 +20,7 @@ constexpr double kLookBackM = 0.08;
 constexpr double kMaxRotationRad = geometry::deg_to_rad(10.0);
 
 bool is_near(const geometry::SE2& a, const geometry::SE2& b) {
-  return std::hypot(a.x - b.x, a.y - b.y) < kSpacingM &&
+  return geometry::distance_m(a, b) < kSpacingM &&
          std::abs(geometry::angle_difference(a.yaw, b.yaw)) < kSpacingRad;
 }
 
@@ -74,7 +74,7 @@ double Trail::distance_backwards(const geometry::SE2& T_odom_base, double curvat
     T_odom_back = T_odom_back * geometry::SE2{-kSpacingM, 0.0, -kSpacingM * curvature};
     const bool was_here = std::ranges::any_of(poses_, [&](const Past& past) {
       const geometry::SE2& was = past.T_odom_base;
-      return std::hypot(was.x - T_odom_back.x, was.y - T_odom_back.y) < kAsideM &&
+      return geometry::distance_m(was, T_odom_back) < kAsideM &&
              std::abs(geometry::angle_difference(was.yaw, T_odom_back.yaw)) < kObliqueHereRad;
     });
     if (!was_here) {

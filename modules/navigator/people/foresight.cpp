@@ -25,8 +25,9 @@ Twist after(const Twist& now, const Twist& command, double time_s) {
 }
 
 double distance_to_body(const Eigen::Vector2d& p_base, const robot::Footprint& body) {
-  return std::hypot(std::max(0.0, std::abs(p_base.x()) - body.half_length_m),
-                    std::max(0.0, std::abs(p_base.y()) - body.half_width_m));
+  const double dx = std::abs(p_base.x()) - body.half_length_m;
+  const double dy = std::abs(p_base.y()) - body.half_width_m;
+  return dx > 0.0 && dy > 0.0 ? std::hypot(dx, dy) : std::max(dx, dy);
 }
 
 bool is_touched(const robot::Footprint& body, const geometry::SE2& pose_base, const Person& person,

@@ -21,7 +21,7 @@ struct Twist {
 /// reaches.
 [[nodiscard]] Twist after(const Twist& now, const Twist& command, double time_s);
 
-/// The distance from the body to a point, metres; 0 inside.
+/// The distance from the body to a point, metres; negative inside.
 [[nodiscard]] double distance_to_body(const Eigen::Vector2d& p_base, const robot::Footprint& body);
 
 /// Whether a person will be within `margin_m` of the body in `time_s` seconds, when the body is at

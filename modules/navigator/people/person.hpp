@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -24,5 +25,16 @@ struct Person {
 };
 
 using People = std::vector<Person>;
+
+/// The distance from a place to the line along which a person walks, from where they are after
+/// `from_s` on, for `duration_s`; backwards if that is negative.
+[[nodiscard]] inline double distance_to_path(const Eigen::Vector2d& p, const Person& person,
+                                             double from_s, double duration_s) {
+  const Eigen::Vector2d along = duration_s * person.velocity;
+  const Eigen::Vector2d offset = p - person.position_after(from_s);
+  const double share =
+      std::clamp(offset.dot(along) / std::max(along.squaredNorm(), 1e-9), 0.0, 1.0);
+  return (offset - share * along).norm();
+}
 
 }  // namespace nodmap::navigator

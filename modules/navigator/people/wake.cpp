@@ -14,20 +14,13 @@ constexpr double kOnPersonM = 0.25;
 // Obstacles this near to the disc of a person were the person, by the noise of the track.
 constexpr double kTrackNoiseM = 0.1;
 
-// The distance from a point to where a person is now or was within the last second.
-double distance_to_wake(const Eigen::Vector2d& p_base, const Person& person) {
-  const Eigen::Vector2d back = -kWakeS * person.velocity;
-  const Eigen::Vector2d offset = p_base - person.position;
-  const double share = std::clamp(offset.dot(back) / std::max(back.squaredNorm(), 1e-9), 0.0, 1.0);
-  return (offset - share * back).norm();
-}
-
 }  // namespace
 
 Points without_wakes(const People& people_base, Points points_base) {
   std::erase_if(points_base, [&](const Eigen::Vector2d& p_base) {
     return std::ranges::any_of(people_base, [&](const Person& person) {
-      return person.is_in_sight && distance_to_wake(p_base, person) < person.radius_m + kOnPersonM;
+      return person.is_in_sight &&
+             distance_to_path(p_base, person, 0.0, -kWakeS) < person.radius_m + kOnPersonM;
     });
   });
   return points_base;

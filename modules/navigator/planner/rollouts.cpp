@@ -62,13 +62,6 @@ constexpr double kSlowestRotation = 0.2;
 constexpr std::array kNextYawRates{-0.8, -0.4, -0.15, 0.0, 0.15, 0.4, 0.8};
 constexpr std::array kBackwardMps{-0.08, -0.15};
 
-// The distance from the border of a rectangle to a point, negative inside.
-double distance_m(const Eigen::Vector2d& p, const robot::Footprint& body) {
-  const double dx = std::abs(p.x()) - body.half_length_m;
-  const double dy = std::abs(p.y()) - body.half_width_m;
-  return dx > 0.0 && dy > 0.0 ? std::hypot(dx, dy) : std::max(dx, dy);
-}
-
 // The plan's cost of a motion's end, place and heading.
 double end_cost(const geometry::SE2& T_map_end, const CostToGo& cost_to_go) {
   double here = cost_to_go.at(T_map_end.translation());
@@ -125,8 +118,8 @@ double Rollouts::clearance_m(const geometry::SE2& pose_base) const {
   const Eigen::Matrix2d R_pose_base = pose_base.rotation().transpose();
   double clearance = by_cells_m + kCellErrorM;
   for (const Eigen::Vector2d& p_base : near_points_base_) {
-    clearance =
-        std::min(clearance, distance_m(R_pose_base * (p_base - pose_base.translation()), body_));
+    const Eigen::Vector2d p_pose = R_pose_base * (p_base - pose_base.translation());
+    clearance = std::min(clearance, distance_to_body(p_pose, body_));
   }
   return clearance;
 }
@@ -323,14 +316,9 @@ double Rollouts::obstruction(const geometry::SE2& pose_base, double time_s,
                              const People& people) const {
   double most = 0.0;
   for (const Person& person : people) {
-    // The person's place then, and the path from there.
-    const Eigen::Vector2d from = person.position_after(time_s);
-    const Eigen::Vector2d along = people_params_.ahead_s * person.velocity;
-    const Eigen::Vector2d offset = pose_base.translation() - from;
-    const double share =
-        std::clamp(offset.dot(along) / std::max(along.squaredNorm(), 1e-9), 0.0, 1.0);
     const double distance_m =
-        (offset - share * along).norm() - person.radius_m - body_.half_width_m;
+        distance_to_path(pose_base.translation(), person, time_s, people_params_.ahead_s) -
+        person.radius_m - body_.half_width_m;
     const double near = std::clamp(1.0 - distance_m / people_params_.comfort_m, 0.0, 1.0);
     most = std::max(most, near * near);
   }
