@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/navigator/local_map/holes.hpp"
 
-#include <algorithm>
-
 namespace nodmap::navigator {
 
 void add_hole(LocalGrid& grid, const Eigen::Vector2d& p_odom, bool is_certain, std::uint16_t scan,
@@ -21,12 +19,6 @@ void add_possible_ramp(LocalGrid& grid, const Eigen::Vector2d& p_odom) {
   if (LocalCell* cell = grid.find(p_odom)) {
     cell->may_be_ramp = true;
   }
-}
-
-bool is_edge_of_hole(const LocalGrid& grid, const Eigen::Vector2i& index) {
-  return std::ranges::any_of(kAcrossEdge, [&](const Eigen::Vector2i& step) {
-    return grid.contains(index + step) && grid.at(index + step).is_hole();
-  });
 }
 
 }  // namespace nodmap::navigator

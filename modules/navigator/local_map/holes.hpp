@@ -9,10 +9,11 @@
 
 namespace nodmap::navigator {
 
-/// This many cells around a hole belong to it. A beam passes through the floor up to a line's
-/// distance beyond the edge, and one that ends half on the edge has seen floor where there is none.
+/// A cell is the edge of a hole if a hole is this many cells away along an axis of the grid. A beam
+/// passes through the floor up to a line's distance beyond the edge, and one that ends half on the
+/// edge has seen floor where there is none.
 inline constexpr int kEdgeCells = 2;
-/// Offsets from a cell to the cells on the other side of such an edge.
+/// The offsets to the four such cells.
 inline const std::array<Eigen::Vector2i, 4> kAcrossEdge{
     Eigen::Vector2i(kEdgeCells, 0), Eigen::Vector2i(-kEdgeCells, 0), Eigen::Vector2i(0, kEdgeCells),
     Eigen::Vector2i(0, -kEdgeCells)};
@@ -25,8 +26,5 @@ void add_hole(LocalGrid& grid, const Eigen::Vector2d& p_odom, bool is_certain, s
 
 /// A beam passed through the floor at `p_odom`, but ended no lower than a ramp down could be.
 void add_possible_ramp(LocalGrid& grid, const Eigen::Vector2d& p_odom);
-
-/// Whether a hole is so near that a cell of the grid may be its edge.
-[[nodiscard]] bool is_edge_of_hole(const LocalGrid& grid, const Eigen::Vector2i& index);
 
 }  // namespace nodmap::navigator

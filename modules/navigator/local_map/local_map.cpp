@@ -27,12 +27,7 @@ LocalMap::LocalMap(const robot::RobotParams& robot, const LocalMapParams& params
       low_hits_(params.floor_tolerance_m) {}
 
 bool LocalMap::is_blocked(const LocalCell& cell) const {
-  return (cell.is_obstacle() && !obstacles_.is_forgotten(cell)) || cell.is_hole();
-}
-
-bool LocalMap::is_blocked_at(const Eigen::Vector2d& p_odom) const {
-  const Eigen::Vector2i index = grid_.index_of(p_odom);
-  return grid_.contains(index) && (is_blocked(grid_.at(index)) || is_edge_of_hole(grid_, index));
+  return obstacles_.is_remembered(cell) || cell.is_hole();
 }
 
 LocalView LocalMap::view_around(const Eigen::Vector2d& p_odom, double half_size_m) const {

@@ -102,8 +102,6 @@ class LocalMap {
   }
   /// Whether a cell is blocked by a hole, or by an obstacle that is not forgotten.
   [[nodiscard]] bool is_blocked(const LocalCell& cell) const;
-  /// The same for a place, which may also be the edge of a hole. False outside the grid.
-  [[nodiscard]] bool is_blocked_at(const Eigen::Vector2d& p_odom) const;
   /// A view of all cells in a square, `half_size_m` to each side.
   [[nodiscard]] LocalView view_around(const Eigen::Vector2d& p_odom, double half_size_m) const;
   [[nodiscard]] const LocalGrid& grid() const { return grid_; }

@@ -46,7 +46,7 @@ void ObstacleMemory::keep_near(LocalGrid& grid, const Eigen::Vector2d& p_odom) {
   for (int dy = -reach; dy <= reach; ++dy) {
     for (int dx = -reach; dx <= reach; ++dx) {
       LocalCell& cell = grid.at(middle + Eigen::Vector2i(dx, dy));
-      if (dx * dx + dy * dy < reach * reach && cell.is_obstacle() && !is_forgotten(cell)) {
+      if (dx * dx + dy * dy < reach * reach && is_remembered(cell)) {
         const int age_dm = static_cast<std::uint16_t>(now_dm - cell.seen_at_dm);
         cell.seen_at_dm =
             static_cast<std::uint16_t>(cell.seen_at_dm + std::min(younger_dm, age_dm));

@@ -51,6 +51,10 @@ class ObstacleMemory {
                    std::uint16_t scan);
 
   [[nodiscard]] bool is_forgotten(const LocalCell& cell) const;
+  /// Whether a cell is an obstacle that is not forgotten.
+  [[nodiscard]] bool is_remembered(const LocalCell& cell) const {
+    return cell.is_obstacle() && !is_forgotten(cell);
+  }
 
   /// The travel as cells store it, in decimetres, which wrap around after 6.5 km.
   [[nodiscard]] std::uint16_t travel_dm() const;

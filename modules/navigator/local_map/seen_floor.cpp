@@ -60,7 +60,8 @@ double SeenFloor::distance_in_column(const std::vector<Row>& rows, double left_m
   double seen_m = 0.0;
   for (const Row& row : rows) {
     const LocalCell* cell = grid_.find(row.middle_odom + left_m * row.left_odom);
-    if (ends_at_obstacles && row.s_m < kHiddenM && is_obstacle(cell)) {
+    if (ends_at_obstacles && row.s_m < kHiddenM && cell != nullptr &&
+        obstacles_.is_remembered(*cell)) {
       return std::numeric_limits<double>::infinity();
     }
     if (row.s_m < 0.0) {
@@ -73,11 +74,6 @@ double SeenFloor::distance_in_column(const std::vector<Row>& rows, double left_m
     }
   }
   return seen_m;
-}
-
-// Whether there is an obstacle that has not been forgotten.
-bool SeenFloor::is_obstacle(const LocalCell* cell) const {
-  return cell != nullptr && cell->is_obstacle() && !obstacles_.is_forgotten(*cell);
 }
 
 double SeenFloor::distance_backwards(const geometry::SE2& T_odom_base, double curvature,

@@ -40,7 +40,6 @@ class SeenFloor {
 
   [[nodiscard]] double distance_in_column(const std::vector<Row>& rows, double left_m,
                                           double max_gap_m, bool ends_at_obstacles) const;
-  [[nodiscard]] bool is_obstacle(const LocalCell* cell) const;
   [[nodiscard]] bool is_row_seen(const geometry::SE2& T_odom_row) const;
 
   const LocalGrid& grid_;

@@ -74,11 +74,11 @@ TEST(DazzledSurface, ABoardIsAnObstacleWhereItDazzles) {
   for (double y = -0.15; y < 0.5; y += 0.05) {
     bool is_blocked = false;
     for (double x = 1.10; x < 1.22; x += 0.0125) {
-      is_blocked = is_blocked || map.is_blocked_at({x, y});
+      is_blocked = is_blocked || test::is_blocked_at(map, {x, y});
     }
     EXPECT_TRUE(is_blocked) << y;
   }
-  EXPECT_FALSE(map.is_blocked_at({1.16, -0.4}));
+  EXPECT_FALSE(test::is_blocked_at(map, {1.16, -0.4}));
 }
 
 }  // namespace dazzled_surface_test

@@ -34,19 +34,5 @@ TEST(Holes, APossibleRampIsNoHoleAndLeavesFloorAsItIs) {
   add_possible_ramp(grid, {1e6, 0.0});  // outside the grid: ignored
 }
 
-// Around one hole the edge is the cells up to two cells away along the axes.
-TEST(Holes, TheEdgeIsTwoCellsWide) {
-  LocalGrid grid(0.025, 9);
-  grid.center_on({0.0, 0.0});
-  const Eigen::Vector2i hole(3, -4);
-  add_hole(grid, grid.center_of(hole), true, 1, 0);
-  for (int dx = -4; dx <= 4; ++dx) {
-    for (int dy = -4; dy <= 4; ++dy) {
-      const bool is_edge = (std::abs(dx) == 2 && dy == 0) || (dx == 0 && std::abs(dy) == 2);
-      EXPECT_EQ(is_edge_of_hole(grid, hole + Eigen::Vector2i(dx, dy)), is_edge) << dx << ' ' << dy;
-    }
-  }
-}
-
 }  // namespace holes_test
 }  // namespace nodmap::navigator

@@ -52,7 +52,7 @@ TEST(LocalMap, ABeamWithoutAnEchoSaysNothingBeyondTheLongestRange) {
     LocalMap map({}, {});
     sweep(map, ground, {});
     const Eigen::Vector2d on_box(1.31, 0.0);
-    ASSERT_TRUE(map.is_blocked_at(on_box));
+    ASSERT_TRUE(test::is_blocked_at(map, on_box));
     scan::Scan scan = test::scan_of({}, {}, 0.0);
     std::ranges::fill(scan.ranges_m, std::numeric_limits<float>::infinity());
     scan.range_max_m = range_max_m;
@@ -62,9 +62,9 @@ TEST(LocalMap, ABeamWithoutAnEchoSaysNothingBeyondTheLongestRange) {
         map.add_scan(scan, {});
       }
     }
-    EXPECT_EQ(map.is_blocked_at(on_box), range_max_m < 1.0);
+    EXPECT_EQ(test::is_blocked_at(map, on_box), range_max_m < 1.0);
     const Eigen::Vector2d before_box(0.15 + 0.38 / std::tan(deg_to_rad(30.0)), 0.01);
-    EXPECT_EQ(map.is_blocked_at(before_box), range_max_m > 1.0) << "a hole";
+    EXPECT_EQ(test::is_blocked_at(map, before_box), range_max_m > 1.0) << "a hole";
   }
 }
 
@@ -77,12 +77,12 @@ TEST(LocalMap, AContactStaysWhenItsPlaceJoinsARamp) {
   const Eigen::Vector2d glass(1.0 + robot::Body{}.footprint().half_length_m + kCellM, 0.0);
   map.add_scan(robot.step(0.0), robot.T_odom_base());
   map.add_contact(T_odom_touched, true);
-  ASSERT_TRUE(map.is_blocked_at(glass));
+  ASSERT_TRUE(test::is_blocked_at(map, glass));
   for (int i = 0; robot.x() < 0.5; ++i) {
     map.add_scan(robot.step(i < 146 ? 0.0 : 0.3), robot.T_odom_base());
   }
   ASSERT_GT(map.ground().num_facets(), 1U);
-  EXPECT_TRUE(map.is_blocked_at(glass));
+  EXPECT_TRUE(test::is_blocked_at(map, glass));
 }
 
 TEST(LocalMap, FlatFloorHasNoPointsAndIsSeen) {
@@ -127,8 +127,8 @@ TEST(LocalMap, AHoleIsBlockedFromItsEdge) {
     LocalMap map({}, {});
     sweep(map, {{{{edge_m, -1.0}, {2.0, 1.0}, -0.5}}}, {});
     EXPECT_LE(nearest_m(map.points_base({}, 2.0)), edge_m + 0.5 * kCellM);
-    EXPECT_TRUE(map.is_blocked_at(Eigen::Vector2d(edge_m + 0.01, 0.0)));
-    EXPECT_FALSE(map.is_blocked_at(Eigen::Vector2d(edge_m - 0.1, 0.0)));
+    EXPECT_TRUE(test::is_blocked_at(map, Eigen::Vector2d(edge_m + 0.01, 0.0)));
+    EXPECT_FALSE(test::is_blocked_at(map, Eigen::Vector2d(edge_m - 0.1, 0.0)));
   }
 }
 

@@ -44,6 +44,15 @@ LocalGrid cluttered(const ObstacleMemory& memory) {
   return grid;
 }
 
+// Oracle: a cell is the edge of a hole if the cell two beside it, on any of its sides, is a hole.
+bool is_edge_of_hole(const LocalGrid& grid, const Eigen::Vector2i& index) {
+  const auto is_hole = [&](int dx, int dy) {
+    const Eigen::Vector2i at = index + Eigen::Vector2i(dx, dy);
+    return grid.contains(at) && grid.at(at).is_hole();
+  };
+  return is_hole(2, 0) || is_hole(-2, 0) || is_hole(0, 2) || is_hole(0, -2);
+}
+
 // Oracle: each cell by the definition, within the grid, across its border and outside.
 TEST(LocalView, EqualsTheDefinitionCellByCell) {
   ObstacleMemory memory(1.0);

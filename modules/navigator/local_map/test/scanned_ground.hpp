@@ -10,6 +10,7 @@
 #include "common/geometry/angle.hpp"
 #include "common/geometry/se3.hpp"
 #include "common/scan/scan.hpp"
+#include "modules/navigator/local_map/local_map.hpp"
 
 namespace nodmap::navigator::test {
 
@@ -71,6 +72,12 @@ inline scan::Scan scan_of(const Ground& ground, const geometry::SE2& T_odom_base
                        T_odom_mount.linear() * scan::beam_direction(scan.angle_rad(i), pitch_rad)));
   }
   return scan;
+}
+
+/// Whether a place is blocked by an obstacle or a hole, or as the edge of a hole.
+inline bool is_blocked_at(const LocalMap& map, const Eigen::Vector2d& p_odom) {
+  const LocalView view = map.view_around(p_odom, map.grid().cell_size_m());
+  return (view.at(map.grid().index_of(p_odom)) & LocalView::kBlocked) != 0U;
 }
 
 }  // namespace nodmap::navigator::test

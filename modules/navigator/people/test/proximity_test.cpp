@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "modules/navigator/local_map/local_map.hpp"
+#include "modules/navigator/local_map/test/scanned_ground.hpp"
 #include "modules/navigator/people/test/walking_scene.hpp"
 
 namespace nodmap::navigator {
@@ -138,7 +138,7 @@ TEST_F(ProximityTest, AReadingOfAForgottenObstacleIsNotAPerson) {
     map_.add_scan(WalkingScene{{}, 6.0}.scan(at(3.0 + i * kScanS), {0.0, 0.0, yaw_rad}, 0.0),
                   {0.0, 0.0, yaw_rad});
   }
-  ASSERT_FALSE(map_.is_blocked_at(Eigen::Vector2d(1.5, -0.5))) << "the post";
+  ASSERT_FALSE(test::is_blocked_at(map_, Eigen::Vector2d(1.5, -0.5))) << "the post";
   EXPECT_FALSE(sees(10.0, only(kRight, 0.335)));
 }
 
