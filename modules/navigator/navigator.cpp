@@ -102,31 +102,34 @@ Decision Navigator::behave(const Situation& now) {
   if (now.max_forward_mps < kLeastSpeedMps) {
     return wait(now, Why::kNoSpeed);
   }
-  if (now.goal && params_.planner.use && now.local_map != nullptr) {
+  if (now.goal && drives_by_plan(now)) {
     end_turn();
     watch_first_look(now);
     return has_looked_ ? goal_drive_.decide(now) : brake(now, Why::kFirstLook);
   }
-  const FreeSpace space = measure_free_space(now.points_base, body_, params_.drive.side_margin_m);
   if (!turn_.is_active()) {
-    if (const auto decision = drive_ahead(space, now)) {
+    if (const auto decision = drive_ahead(now)) {
       return *decision;
     }
   }
-  return turn(space, now);
+  return turn(now);
+}
+
+bool Navigator::drives_by_plan(const Situation& now) const {
+  return now.local_map != nullptr && (now.goal ? params_.planner.use : params_.planner.roams);
 }
 
 // Roams by plan, or steers, as far as there is room; empty when the robot is stationary and must
 // turn to go on.
-std::optional<Decision> Navigator::drive_ahead(const FreeSpace& space, const Situation& now) {
-  const bool roams = params_.planner.roams && !now.goal && now.local_map != nullptr;
+std::optional<Decision> Navigator::drive_ahead(const Situation& now) {
+  const bool roams = drives_by_plan(now);
   if (roams) {
     watch_first_look(now);
     if (!has_looked_) {
       return brake(now, Why::kFirstLook);
     }
   }
-  if (auto decision = roams ? roaming_.decide(now) : steering_.steer(space, now)) {
+  if (auto decision = roams ? roaming_.decide(now) : steering_.steer(now)) {
     return decision;
   }
   if (std::abs(now.forward_mps) > kStationaryMps) {
@@ -171,8 +174,8 @@ Decision Navigator::wait(const Situation& now, Reason reason) const {
   return decision;
 }
 
-Decision Navigator::turn(const FreeSpace& space, const Situation& now) {
-  const TurnCommand command = turn_.step(turn_input(space, now), preferred_side(now));
+Decision Navigator::turn(const Situation& now) {
+  const TurnCommand command = turn_.step(turn_input(now), preferred_side(now));
   if (now.goal) {
     steering_.detour().begin(turn_.side(), *now.goal);
   }
@@ -202,7 +205,8 @@ Decision Navigator::turn(const FreeSpace& space, const Situation& now) {
   return decision;
 }
 
-TurnInput Navigator::turn_input(const FreeSpace& space, const Situation& now) const {
+TurnInput Navigator::turn_input(const Situation& now) const {
+  const FreeSpace space = measure_free_space(now.points_base, body_, params_.drive.side_margin_m);
   const double until_free_m = params_.turn.until_free_m;
   const FreeNeighbours seen_and_free = free_neighbours(seen_space(space, now), 0.0, until_free_m);
   const FreeNeighbours without_points = free_neighbours(space, 0.0, until_free_m);

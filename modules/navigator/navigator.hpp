@@ -84,13 +84,14 @@ class Navigator {
   void record_trail(Situation& now);
   void watch_arrival(const Situation& now);
   void end_turn();
+  [[nodiscard]] bool drives_by_plan(const Situation& now) const;
   void watch_first_look(const Situation& now);
   [[nodiscard]] Decision behave(const Situation& now);
-  [[nodiscard]] std::optional<Decision> drive_ahead(const FreeSpace& space, const Situation& now);
+  [[nodiscard]] std::optional<Decision> drive_ahead(const Situation& now);
   [[nodiscard]] Decision brake(const Situation& now, Reason reason) const;
   [[nodiscard]] Decision wait(const Situation& now, Reason reason) const;
-  [[nodiscard]] Decision turn(const FreeSpace& space, const Situation& now);
-  [[nodiscard]] TurnInput turn_input(const FreeSpace& space, const Situation& now) const;
+  [[nodiscard]] Decision turn(const Situation& now);
+  [[nodiscard]] TurnInput turn_input(const Situation& now) const;
   [[nodiscard]] Side preferred_side(const Situation& now);
   [[nodiscard]] Decision back_up(const Situation& now);
 
@@ -105,7 +106,7 @@ class Navigator {
   GoalDrive goal_drive_;
   Roaming roaming_;
   std::optional<Eigen::Vector2d> arrived_map_;  // the goal at which the robot is; empty: at none
-  bool has_looked_ = false;                     ///< since the start
+  bool has_looked_ = false;                     ///< ahead, since the start
   std::optional<geometry::SE2> turn_ended_at_;  ///< T_odom_base
 };
 

@@ -18,13 +18,14 @@ double longest_distance(const FreeSpace& space) {
 
 Steering::Steering(const NavigatorParams& params)
     : body_(params.robot.body.footprint()),
+      side_margin_m_(params.drive.side_margin_m),
       brake_(params),
       stop_margin_m_(params.robot.braking.stop_margin_m),
       params_(params.steer),
       turn_params_(params.turn) {}
 
-std::optional<Decision> Steering::steer(const FreeSpace& free_space, const Situation& now) {
-  const auto direction_rad = direction(preferred_space(free_space, now), now);
+std::optional<Decision> Steering::steer(const Situation& now) {
+  const auto direction_rad = direction(preferred_space(now), now);
   if (!direction_rad) {
     return std::nullopt;
   }
@@ -48,12 +49,14 @@ FreeSpace seen_space(const FreeSpace& space, const Situation& now) {
 
 // Prefers corridors in which the robot can also turn. If there is none, those that it fits through
 // will do.
-FreeSpace Steering::preferred_space(const FreeSpace& free_space, const Situation& now) const {
+FreeSpace Steering::preferred_space(const Situation& now) const {
+  const auto space = [&](double margin_m) {
+    return seen_space(measure_free_space(now.points_base, body_, margin_m), now);
+  };
   const double turning_margin_m =
       body_.turning_radius_m() + turn_params_.margin_m - body_.half_width_m;
-  const FreeSpace wide =
-      seen_space(measure_free_space(now.points_base, body_, turning_margin_m), now);
-  return longest_distance(wide) >= turn_params_.until_free_m ? wide : seen_space(free_space, now);
+  const FreeSpace wide = space(turning_margin_m);
+  return longest_distance(wide) >= turn_params_.until_free_m ? wide : space(side_margin_m_);
 }
 
 std::optional<double> Steering::direction(const FreeSpace& space, const Situation& now) {

@@ -21,19 +21,19 @@ class Steering {
  public:
   explicit Steering(const NavigatorParams& params);
 
-  /// Returns the decision; empty if no direction that was seen is free. `free_space`: of the
-  /// corridor as wide as the body.
-  [[nodiscard]] std::optional<Decision> steer(const FreeSpace& free_space, const Situation& now);
+  /// Returns the decision; empty if no direction that was seen is free.
+  [[nodiscard]] std::optional<Decision> steer(const Situation& now);
 
   [[nodiscard]] Detour& detour() { return detour_; }
 
  private:
-  [[nodiscard]] FreeSpace preferred_space(const FreeSpace& free_space, const Situation& now) const;
+  [[nodiscard]] FreeSpace preferred_space(const Situation& now) const;
   [[nodiscard]] std::optional<double> direction(const FreeSpace& space, const Situation& now);
   [[nodiscard]] std::optional<double> roaming_direction(const FreeSpace& space, double needed_m);
   [[nodiscard]] std::optional<Arc> arc_towards(double direction_rad, const Situation& now) const;
 
   Footprint body_;
+  double side_margin_m_;
   Brake brake_;
   double stop_margin_m_;
   SteerParams params_;
