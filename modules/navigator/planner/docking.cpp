@@ -32,9 +32,8 @@ constexpr double kBackOffMps = 0.1;
 constexpr double kPatienceS = 25.0;
 // After a failure it waits this long.
 constexpr double kTryAgainS = 60.0;
-// A docked robot leaves the goal only if its pose is off by more than the tolerance and this: more
-// than noise.
-constexpr double kLeaveM = 0.1;
+// A docked robot leaves the goal only if its heading is off by more than the tolerance and this:
+// more than noise.
 constexpr double kLeaveRad = deg_to_rad(10.0);
 
 geometry::SE2 T_goal_base(const GoalInBase& goal) {
@@ -92,8 +91,7 @@ bool Docking::is_done(const GoalInBase& goal, double phase_s) const {
     case Phase::kBackOff:
       return T.x <= -0.6 * params_.staging_m;
     case Phase::kDocked:
-      return goal.distance_m() > goal.tolerance_m + kLeaveM ||
-             std::abs(T.yaw) > goal.heading->tolerance_rad + kLeaveRad;
+      return !has_arrived(goal, true) || std::abs(T.yaw) > goal.heading->tolerance_rad + kLeaveRad;
     default:
       return false;
   }
@@ -137,7 +135,7 @@ Docking::Phase Docking::phase_when_late() const {
 
 Docking::Phase Docking::after_settling(const GoalInBase& goal) {
   const geometry::SE2 T = T_goal_base(goal);
-  if (goal.distance_m() <= goal.tolerance_m) {
+  if (has_arrived(goal, false)) {
     return std::abs(T.yaw) <= goal.heading->tolerance_rad ? Phase::kDocked : Phase::kSquare;
   }
   const bool is_short = T.x < -kRollsM && std::abs(T.y) <= 0.5 * goal.tolerance_m;
