@@ -258,11 +258,11 @@ void GlobalPlanner::price_failures() {
   const double least_m = body_.half_width_m + params_.min_clearance_m;
   const int reach = static_cast<int>(kFailureM / window_.cell_size_m);
   for (const Eigen::Vector2d& p_map : failures_map_) {
-    const Eigen::Vector2d offset = (p_map - window_.origin) / window_.cell_size_m;
+    const Eigen::Vector2i middle = window_.cell_of(p_map);
     for (int dy = -reach; dy <= reach; ++dy) {
       for (int dx = -reach; dx <= reach; ++dx) {
-        const int column = static_cast<int>(offset.x()) + dx;
-        const int row = static_cast<int>(offset.y()) + dy;
+        const int column = middle.x() + dx;
+        const int row = middle.y() + dy;
         if (!window_.contains(column, row) || dx * dx + dy * dy > reach * reach ||
             price_[window_.place(column, row)] <= 0.0F) {
           continue;
