@@ -73,4 +73,11 @@ struct Decision {
   return decision;
 }
 
+/// A decision not to move because the robot must not drive.
+[[nodiscard]] inline Decision halted(Reason reason) {
+  Decision decision = stationary(std::move(reason));
+  decision.behaviour = Behaviour::kHalt;
+  return decision;
+}
+
 }  // namespace nodmap::navigator

@@ -50,16 +50,12 @@ void Navigator::reset() {
 
 Decision Navigator::halt(Reason reason) {
   surroundings_.forget_seen();
-  Decision decision;
-  decision.reason = std::move(reason);
-  return decision;
+  return halted(std::move(reason));
 }
 
 Decision Navigator::pause(Reason reason) {
   surroundings_.miss_scans();
-  Decision decision;
-  decision.reason = std::move(reason);
-  return decision;
+  return halted(std::move(reason));
 }
 
 Decision Navigator::decide(Situation now) {

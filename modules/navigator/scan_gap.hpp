@@ -19,6 +19,8 @@ class ScanGap {
   /// `sweeps`: after so many every place has been looked at.
   explicit ScanGap(int sweeps) : sweeps_(sweeps) {}
 
+  void reset() { *this = ScanGap(sweeps_); }
+
   /// Scans are missing. Returns false if they were missing just before, too: then a place may be
   /// missed again and again, and the robot must stand and look.
   [[nodiscard]] bool begin();

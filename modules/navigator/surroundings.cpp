@@ -67,7 +67,7 @@ void Surroundings::add_ranges(time::Timestamp stamp, const Proximity::Ranges& ra
 
 void Surroundings::forget_seen() {
   seen_.forget();
-  gap_ = ScanGap(params_.steer.sweeps_to_trust);
+  gap_.reset();
 }
 
 void Surroundings::miss_scans() {
@@ -92,7 +92,7 @@ void Surroundings::complete(Situation& now) {
 
 void Surroundings::add_newcomers(Situation& now) const {
   if (params_.people.use) {
-    const People newcomers = people_.newcomers_base(now.stamp, now.T_odom_base);
+    const People newcomers = in_base(people_.newcomers_odom(now.stamp), now.T_odom_base);
     now.people.insert(now.people.end(), newcomers.begin(), newcomers.end());
   }
 }
@@ -111,7 +111,7 @@ std::optional<Reason> Surroundings::reason_to_wait(time::Timestamp stamp) const 
 void Surroundings::slow_down_after_gap(Situation& now) {
   gap_.update(now.sweep_count);
   if (now.laser_is_held) {
-    gap_ = ScanGap(params_.steer.sweeps_to_trust);
+    gap_.reset();
   }
   now.max_forward_mps *= gap_.speed_ratio();
 }
@@ -130,7 +130,7 @@ void Surroundings::slow_down_near_slopes(Situation& now) const {
 // Adds the people who walk, and removes points of the obstacle map that they are or have left
 // behind. Watches what else approaches.
 void Surroundings::add_people(Situation& now) {
-  now.people = people_.people_base(now.stamp, now.T_odom_base);
+  now.people = in_base(people_.people_odom(now.stamp), now.T_odom_base);
   if (!now.people.empty()) {
     saw_people_at_ = now.stamp;
   }

@@ -60,16 +60,6 @@ double worse_sigma(const Eigen::Matrix2d& covariance) {
                .maxCoeff()));
 }
 
-People in_base(People people, const geometry::SE2& T_odom_base) {
-  const geometry::SE2 T_base_odom = T_odom_base.inverse();
-  const Eigen::Matrix2d R_base_odom = T_base_odom.rotation();
-  for (Person& person : people) {
-    person.position = T_base_odom * person.position;
-    person.velocity = R_base_odom * person.velocity;
-  }
-  return people;
-}
-
 }  // namespace
 
 Track::Track(time::Timestamp stamp, const Detection& detection, std::int64_t id, bool laser_is_held)
@@ -208,7 +198,7 @@ void PeopleTracker::associate(const std::vector<Detection>& detections, time::Ti
 
 // Marks all beams that end on a moving track above the floor, at any height.
 void PeopleTracker::mark_walkers(const scan::Scan& scan, const geometry::SE2& T_odom_base) {
-  const People people = people_base(scan.mid_stamp(), T_odom_base);
+  const People people = in_base(people_odom(scan.mid_stamp()), T_odom_base);
   for (std::size_t beam = 0; beam < scan.ranges_m.size() && !people.empty(); ++beam) {
     if (!scan.is_hit(beam)) {
       continue;
@@ -302,17 +292,18 @@ People PeopleTracker::people_odom(time::Timestamp stamp) const {
   return select(stamp, [](const Track& track) { return track.moves(); });
 }
 
-People PeopleTracker::people_base(time::Timestamp stamp, const geometry::SE2& T_odom_base) const {
-  return in_base(people_odom(stamp), T_odom_base);
-}
-
 People PeopleTracker::newcomers_odom(time::Timestamp stamp) const {
   return select(stamp, [](const Track& track) { return track.is_new(); });
 }
 
-People PeopleTracker::newcomers_base(time::Timestamp stamp,
-                                     const geometry::SE2& T_odom_base) const {
-  return in_base(newcomers_odom(stamp), T_odom_base);
+People in_base(People people_odom, const geometry::SE2& T_odom_base) {
+  const geometry::SE2 T_base_odom = T_odom_base.inverse();
+  const Eigen::Matrix2d R_base_odom = T_base_odom.rotation();
+  for (Person& person : people_odom) {
+    person.position = T_base_odom * person.position;
+    person.velocity = R_base_odom * person.velocity;
+  }
+  return people_odom;
 }
 
 }  // namespace nodmap::navigator

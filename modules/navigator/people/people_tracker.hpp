@@ -77,6 +77,9 @@ class Track {
   bool moves_ = false;
 };
 
+/// People in odom, in the axes of base now.
+[[nodiscard]] People in_base(People people_odom, const geometry::SE2& T_odom_base);
+
 /// Tracks everything that moves in view of the laser. Somebody who stands still is no longer a
 /// track after a while, but an obstacle like any other. A person who has left the view, beside or
 /// behind the robot, is predicted to walk on, and to turn round before obstacles.
@@ -100,15 +103,8 @@ class PeopleTracker {
   /// The moving tracks, predicted to this time, in odom.
   [[nodiscard]] People people_odom(time::Timestamp stamp) const;
 
-  /// The same in the axes of base now.
-  [[nodiscard]] People people_base(time::Timestamp stamp, const geometry::SE2& T_odom_base) const;
-
   /// Tracks that are too new to have a velocity, in places that were free before. In odom.
   [[nodiscard]] People newcomers_odom(time::Timestamp stamp) const;
-
-  /// The same in the axes of base now.
-  [[nodiscard]] People newcomers_base(time::Timestamp stamp,
-                                      const geometry::SE2& T_odom_base) const;
 
  private:
   template <class Select>
