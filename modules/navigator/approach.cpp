@@ -49,7 +49,7 @@ bool is_hit_again(const Eigen::Vector2d& p_odom, const LocalMap& local_map) {
 // seen before a line fell on it, or a board, under which floor is still seen. Brake stops for
 // these as well.
 bool has_come(const Eigen::Vector2d& p_odom, const LocalMap& local_map) {
-  if (!local_map.was_floor(p_odom)) {
+  if (!local_map.seen_floor().is_around(p_odom)) {
     return false;
   }
   const auto span = local_map.obstacle_span(p_odom, kOneThingM);

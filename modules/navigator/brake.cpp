@@ -80,14 +80,14 @@ double Brake::speed_on_seen_floor(double curvature, double max_mps, const Situat
     double max_gap_m;
     double deceleration_mps2;
   };
+  const SeenFloor floor = now.local_map->seen_floor();
   double speed_mps = max_mps;
   for (const Rule& rule :
        {Rule{local_map_params_.wide_gap_m, braking_.deceleration_mps2},
         Rule{local_map_params_.max_gap_m, braking_.emergency_deceleration_mps2}}) {
     const double longest_m =
         robot::stopping_distance(speed_mps, drive_params_.reaction_s, rule.deceleration_mps2);
-    const double seen_m =
-        now.local_map->seen_distance(now.T_odom_base, curvature, longest_m, rule.max_gap_m);
+    const double seen_m = floor.distance(now.T_odom_base, curvature, longest_m, rule.max_gap_m);
     if (seen_m < longest_m) {
       speed_mps = robot::stoppable_speed(seen_m, drive_params_.reaction_s, rule.deceleration_mps2);
     }
@@ -96,8 +96,8 @@ double Brake::speed_on_seen_floor(double curvature, double max_mps, const Situat
   const double slow_mps = std::min(kHiddenMps, max_mps);
   const bool may_creep =
       creeps_ && speed_mps < slow_mps &&
-      now.local_map->seen_distance(now.T_odom_base, curvature, kHiddenSeenM,
-                                   local_map_params_.max_gap_m, kEndsAtObstacles) >= kHiddenSeenM;
+      floor.distance(now.T_odom_base, curvature, kHiddenSeenM, local_map_params_.max_gap_m,
+                     kEndsAtObstacles) >= kHiddenSeenM;
   return may_creep ? slow_mps : speed_mps;
 }
 

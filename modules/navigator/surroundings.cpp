@@ -199,7 +199,7 @@ double Surroundings::longest_stop_m() const {
 // floor: slopes, and people who have passed beside or behind the robot.
 void Surroundings::erase_free_floor(Situation& now) const {
   std::erase_if(now.points_base, [&](const Eigen::Vector2d& p_base) {
-    return local_map_.is_free_floor(now.T_odom_base * p_base);
+    return local_map_.is_only_floor(now.T_odom_base * p_base);
   });
 }
 

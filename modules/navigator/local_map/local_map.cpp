@@ -252,8 +252,9 @@ void LocalMap::visit_disc(const Eigen::Vector2d& p_odom, double radius_m,
 }
 
 void LocalMap::forget_walker(const Eigen::Vector2d& p_odom, double radius_m) {
-  visit_disc(p_odom, radius_m, [this](const Eigen::Vector2i& index) {
-    if (grid_.at(index).is_obstacle() && was_floor(grid_.center_of(index))) {
+  const SeenFloor floor = seen_floor();
+  visit_disc(p_odom, radius_m, [&](const Eigen::Vector2i& index) {
+    if (grid_.at(index).is_obstacle() && floor.is_around(grid_.center_of(index))) {
       grid_.at(index).obstacle = 0;
     }
   });
@@ -334,11 +335,11 @@ Points LocalMap::hole_corners_base(const geometry::SE2& T_odom_base, double rang
   return corners;
 }
 
-bool LocalMap::is_free_floor(const Eigen::Vector2d& p_odom) const {
+bool LocalMap::is_only_floor(const Eigen::Vector2d& p_odom) const {
   return is_floor_around(p_odom, true);
 }
 
-bool LocalMap::is_seen_floor(const Eigen::Vector2d& p_odom) const {
+bool LocalMap::is_only_seen_floor(const Eigen::Vector2d& p_odom) const {
   return is_floor_around(p_odom, false);
 }
 
@@ -354,20 +355,6 @@ bool LocalMap::is_floor_around(const Eigen::Vector2d& p_odom, bool may_be_assume
     }
   }
   return is_floor;
-}
-
-bool LocalMap::was_floor(const Eigen::Vector2d& p_odom) const {
-  return seen_floor().is_around(p_odom);
-}
-
-double LocalMap::seen_distance(const geometry::SE2& T_odom_base, double curvature, double max_m,
-                               double max_gap_m, bool ends_at_obstacles) const {
-  return seen_floor().distance(T_odom_base, curvature, max_m, max_gap_m, ends_at_obstacles);
-}
-
-double LocalMap::seen_distance_backwards(const geometry::SE2& T_odom_base, double curvature,
-                                         double max_m) const {
-  return seen_floor().distance_backwards(T_odom_base, curvature, max_m);
 }
 
 }  // namespace nodmap::navigator

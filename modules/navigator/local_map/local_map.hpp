@@ -59,21 +59,6 @@ class LocalMap {
   /// Obstacles and edges of holes within `range_m` of base, in base.
   [[nodiscard]] Points points_base(const geometry::SE2& T_odom_base, double range_m) const;
 
-  /// How far the robot can drive along an arc (curvature in 1/m, positive left), at most `max_m`,
-  /// before the laser can no longer look down at floor that was not seen. Floor was not seen where
-  /// a gap between seen places is longer than `max_gap_m` along the arc: a hole of that length
-  /// would have had a beam in it. The floor must be as wide as the body's front. With
-  /// `ends_at_obstacles` no floor is required behind an obstacle that is hardly farther away than
-  /// the nearest floor that the laser sees, because the obstacle hides it.
-  [[nodiscard]] double seen_distance(const geometry::SE2& T_odom_base, double curvature,
-                                     double max_m, double max_gap_m,
-                                     bool ends_at_obstacles = false) const;
-
-  /// The same for the body's rear, driving backwards. Here the ground on which the robot was set
-  /// down does not count as seen.
-  [[nodiscard]] double seen_distance_backwards(const geometry::SE2& T_odom_base, double curvature,
-                                               double max_m) const;
-
   /// Doubtful ground within `range_m` of base, but not under the body, in base: floor was never
   /// seen there, or an obstacle there has been forgotten and no beam has passed through its place
   /// since. The ground on which the robot was set down counts as seen.
@@ -82,10 +67,6 @@ class LocalMap {
   /// Places within `range_m` of base, in base, that may be the corner of a hole: beams have passed
   /// through the floor there, to what could be a ramp down if there were no hole beside it.
   [[nodiscard]] Points hole_corners_base(const geometry::SE2& T_odom_base, double range_m) const;
-
-  /// Whether floor was seen at a place and around it, whatever is there now. At the foot of
-  /// something that has always been there, half of the cells around were never floor.
-  [[nodiscard]] bool was_floor(const Eigen::Vector2d& p_odom) const;
 
   /// The lowest and highest points, above the ground, of the obstacles within `radius_m` of a
   /// place; empty if there are none.
@@ -107,10 +88,12 @@ class LocalMap {
   [[nodiscard]] const LocalGrid& grid() const { return grid_; }
 
   [[nodiscard]] const TrackedGround& ground() const { return ground_; }
+  /// A view of the map, valid until it changes.
+  [[nodiscard]] SeenFloor seen_floor() const { return {grid_, obstacles_, body_, blind_m_}; }
   /// Whether nothing but floor is known at a place and in the cells around it.
-  [[nodiscard]] bool is_free_floor(const Eigen::Vector2d& p_odom) const;
+  [[nodiscard]] bool is_only_floor(const Eigen::Vector2d& p_odom) const;
   /// The same, without floor that is only assumed, around the place where the robot was set down.
-  [[nodiscard]] bool is_seen_floor(const Eigen::Vector2d& p_odom) const;
+  [[nodiscard]] bool is_only_seen_floor(const Eigen::Vector2d& p_odom) const;
 
  private:
   void move(const geometry::SE2& T_odom_base);
@@ -130,7 +113,6 @@ class LocalMap {
   /// cell's middle in base.
   template <class Visit>
   void visit_cells(const geometry::SE2& T_odom_base, double range_m, const Visit& visit) const;
-  [[nodiscard]] SeenFloor seen_floor() const { return {grid_, obstacles_, body_, blind_m_}; }
 
   robot::Footprint body_;
   double top_m_;

@@ -50,7 +50,7 @@ bool is_free(const Eigen::Vector2d& p_odom, const LocalMap& map) {
       }
     }
   }
-  return map.is_seen_floor(p_odom);
+  return map.is_only_seen_floor(p_odom);
 }
 
 // Whether a reading is on a tracked person, within the track's error.

@@ -122,7 +122,7 @@ std::optional<Decision> LocalPlanner::drive_backwards(const Twist& motion,
                       kBackwardMarginM;
   distance_m = std::min(distance_m, now.trail->distance_backwards(now.T_odom_base, curvature));
   if (now.needs_seen_floor()) {
-    distance_m = std::min(distance_m, now.local_map->seen_distance_backwards(
+    distance_m = std::min(distance_m, now.local_map->seen_floor().distance_backwards(
                                           now.T_odom_base, curvature, kBackwardSeenM));
   }
   const double speed_mps = std::min(-motion.forward_mps, brake_.stoppable_mps(distance_m));

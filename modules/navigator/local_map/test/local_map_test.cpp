@@ -90,7 +90,7 @@ TEST(LocalMap, FlatFloorHasNoPointsAndIsSeen) {
   sweep(map, {}, {});
   EXPECT_TRUE(map.points_base({}, 3.0).empty());
   // Lines 1.5 degrees apart are 15 cm apart at 1.5 m: the floor is seen without gaps up to there.
-  EXPECT_GT(map.seen_distance({}, 0.0, 1.0, 0.15), 0.7);
+  EXPECT_GT(map.seen_floor().distance({}, 0.0, 1.0, 0.15), 0.7);
 }
 
 // Every obstacle cell is within half a cell's diagonal of a block that rises from the floor. Every
@@ -194,8 +194,8 @@ TEST(LocalMap, ALevelLaserClearsAnObstacleThatItSeesThrough) {
 TEST(LocalMap, FloorIsSeenFartherWhereWiderGapsAreAllowed) {
   LocalMap map({}, {});
   sweep(map, {}, {});
-  const double dense_m = map.seen_distance({}, 0.0, 3.0, 0.15);
-  const double wide_m = map.seen_distance({}, 0.0, 3.0, 0.3);
+  const double dense_m = map.seen_floor().distance({}, 0.0, 3.0, 0.15);
+  const double wide_m = map.seen_floor().distance({}, 0.0, 3.0, 0.3);
   EXPECT_GT(dense_m, 1.58 / 1.25);
   EXPECT_LT(dense_m, 1.8);
   EXPECT_GT(wide_m, 2.25 / 1.25);
@@ -210,7 +210,7 @@ TEST(LocalMap, GroundThatTheLaserDidNotSeeIsUnknown) {
   ASSERT_NE(behind, nullptr);
   EXPECT_FALSE(behind->is_floor);
   EXPECT_FALSE(behind->is_obstacle());
-  EXPECT_LT(map.seen_distance({}, 0.0, 2.0, 0.15), 1.0 - 0.225);
+  EXPECT_LT(map.seen_floor().distance({}, 0.0, 2.0, 0.15), 1.0 - 0.225);
 }
 
 TEST(LocalMap, RemembersObstaclesBesideAndBehindTheRobot) {
@@ -340,7 +340,7 @@ TEST(LocalMap, ABlindAreaLargerThanTheGridIsNoError) {
   LocalMap map(robot, {});
   const geometry::SE2 T_odom_base{0.0, 0.0, 0.25 * geometry::kPi};
   map.add_scan(test::scan_of({}, T_odom_base, 0.0), T_odom_base);
-  EXPECT_TRUE(map.is_free_floor({5.0, 0.0}));
+  EXPECT_TRUE(map.is_only_floor({5.0, 0.0}));
 }
 
 TEST(LocalMap, IgnoresInvalidReadingsAndPoses) {

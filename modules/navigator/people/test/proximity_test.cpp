@@ -147,7 +147,7 @@ TEST_F(ProximityTest, AReadingOnFloorThatIsOnlyAssumedIsNotAPerson) {
   const WalkingScene scene{{}, 6.0};
   LocalMap map{{}, {}};
   map.add_scan(scene.scan(at(0.0), {}, 0.0), {});
-  ASSERT_TRUE(map.is_free_floor({-0.35, 0.0}));
+  ASSERT_TRUE(map.is_only_floor({-0.35, 0.0}));
   for (std::size_t sensor = 0; sensor < robot::kInfraredCount; ++sensor) {
     for (double range_m = 0.1; range_m <= 0.8; range_m += 0.005) {
       Proximity proximity;
