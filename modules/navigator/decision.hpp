@@ -42,6 +42,7 @@ struct Situation {
   const LocalMap* local_map = nullptr;   ///< null: it has no scan
   const Trail* trail = nullptr;          ///< of the strip that the body has driven; null: none
 
+  [[nodiscard]] geometry::SE2 T_map_base() const { return T_map_odom * T_odom_base; }
   /// Whether a direction (in base, positive left) has been in view long enough to drive there.
   [[nodiscard]] bool has_seen(double direction_rad) const {
     return seen != nullptr &&

@@ -181,7 +181,7 @@ void Surroundings::add_geofence(Situation& now) const {
     return;
   }
   const double reach_m = params_.local_map.range_m + longest_stop_m();
-  const geometry::SE2 T_map_base = now.T_map_odom * now.T_odom_base;
+  const geometry::SE2 T_map_base = now.T_map_base();
   const geometry::SE2 T_base_map = T_map_base.inverse();
   for (const auto& p_map : now.geofence->boundary_near(T_map_base.translation(), reach_m)) {
     now.points_base.push_back(T_base_map * p_map);

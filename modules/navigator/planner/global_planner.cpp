@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "modules/navigator/geofence.hpp"
+
 namespace nodmap::navigator {
 namespace {
 
@@ -79,26 +81,26 @@ void GlobalPlanner::forget_ground() {
   phase_ = Phase::kIdle;
 }
 
-void GlobalPlanner::step(time::Timestamp stamp, const LocalMap& local_map,
-                         const geometry::SE2& T_map_odom, const geometry::SE2& T_odom_base,
-                         const Eigen::Vector2d& goal_map, double tolerance_m,
-                         const Geofence* geofence) {
-  const Eigen::Vector2d p_map = T_map_odom * T_odom_base.translation();
+void GlobalPlanner::step(const Situation& now) {
+  const geometry::SE2 T_map_base = now.T_map_base();
+  const Eigen::Vector2d p_map = T_map_base.translation();
+  const Eigen::Vector2d goal_map = T_map_base * now.goal->p_base;
+  const double tolerance_m = now.goal->tolerance_m;
   goal_is_new_ = (goal_map - goal_map_).norm() > 0.5 * tolerance_m || tolerance_m != tolerance_m_;
   if (goal_is_new_) {
     take_new_goal();
   }
-  if (is_former_ && time::seconds(std::chrono::abs(stamp - completed_from_)) > kRecentS) {
+  if (is_former_ && time::seconds(std::chrono::abs(now.stamp - completed_from_)) > kRecentS) {
     is_former_ = false;
     complete_.reset();
   }
   if (phase_ != Phase::kIdle) {
-    go_on(p_map, geofence);
-  } else if (start_if_due(stamp)) {
+    go_on(p_map, now.geofence);
+  } else if (start_if_due(now.stamp)) {
     goal_map_ = goal_map;
     tolerance_m_ = tolerance_m;
     goal_is_new_ = false;
-    ground_.update(local_map, T_map_odom, T_odom_base);
+    ground_.update(now);
     begin(ground_.window_around(p_map, goal_map_));
   }
 }
@@ -117,19 +119,17 @@ void GlobalPlanner::take_new_goal() {
   }
 }
 
-void GlobalPlanner::step_onward(time::Timestamp stamp, const LocalMap& local_map,
-                                const geometry::SE2& T_map_odom, const geometry::SE2& T_odom_base,
-                                const Geofence* geofence) {
-  const geometry::SE2 T_map_base = T_map_odom * T_odom_base;
+void GlobalPlanner::step_onward(const Situation& now) {
+  const geometry::SE2 T_map_base = now.T_map_base();
   // The last plan onward may have been made elsewhere, before the robot drove to a goal.
   if (onward_from_ && (T_map_base.translation() - onward_from_->translation()).norm() > kLeftM) {
     complete_.reset();
     phase_ = Phase::kIdle;
   }
   if (phase_ != Phase::kIdle) {
-    go_on(T_map_base.translation(), geofence);
-  } else if (start_if_due(stamp)) {
-    ground_.update(local_map, T_map_odom, T_odom_base);
+    go_on(T_map_base.translation(), now.geofence);
+  } else if (start_if_due(now.stamp)) {
+    ground_.update(now);
     begin(ground_.window_within(T_map_base.translation(), kOnwardM + 2.0 * KnownGround::kCellM));
     onward_from_ = T_map_base;
   }

@@ -10,8 +10,7 @@
 #include "common/geometry/se2.hpp"
 #include "common/geometry/time.hpp"
 #include "common/robot/footprint.hpp"
-#include "modules/navigator/geofence.hpp"
-#include "modules/navigator/local_map/local_map.hpp"
+#include "modules/navigator/decision.hpp"
 #include "modules/navigator/params.hpp"
 #include "modules/navigator/planner/cost_to_go.hpp"
 #include "modules/navigator/planner/distance_field.hpp"
@@ -32,16 +31,12 @@ class GlobalPlanner {
   GlobalPlanner(const robot::Footprint& body, const PlannerParams& params);
 
   /// Does one portion of work; starts a new plan every `replan_s`. No path crosses the boundary of
-  /// `geofence` (null: none).
-  void step(time::Timestamp stamp, const LocalMap& local_map, const geometry::SE2& T_map_odom,
-            const geometry::SE2& T_odom_base, const Eigen::Vector2d& goal_map, double tolerance_m,
-            const Geofence* geofence = nullptr);
+  /// the geofence. `now` must have a goal and a local map.
+  void step(const Situation& now);
 
   /// The same without a goal: plans to where the robot can go on, 3.5 m away in any direction,
   /// cheapest ahead. Use one planner either for goals or for this.
-  void step_onward(time::Timestamp stamp, const LocalMap& local_map,
-                   const geometry::SE2& T_map_odom, const geometry::SE2& T_odom_base,
-                   const Geofence* geofence = nullptr);
+  void step_onward(const Situation& now);
 
   /// Null before the first plan to this goal is complete. If the goal changes by less than half of
   /// its tolerance, the next plan leads to where it is then.

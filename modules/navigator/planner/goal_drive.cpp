@@ -45,7 +45,7 @@ bool is_same(const geometry::SE2& a, const geometry::SE2& b) {
 
 // Without a heading of the goal, that of the map.
 geometry::SE2 goal_in_map(const Situation& now) {
-  const geometry::SE2 T_map_base = now.T_map_odom * now.T_odom_base;
+  const geometry::SE2 T_map_base = now.T_map_base();
   geometry::SE2 goal_base{now.goal->p_base.x(), now.goal->p_base.y(), -T_map_base.yaw};
   if (now.goal->heading) {
     goal_base.yaw = now.goal->heading->yaw_rad;
@@ -112,15 +112,14 @@ Decision GoalDrive::dock(const Situation& now) {
 }
 
 Decision GoalDrive::drive_by_plan(const Situation& now) {
-  const geometry::SE2 T_map_base = now.T_map_odom * now.T_odom_base;
+  const geometry::SE2 T_map_base = now.T_map_base();
   const Eigen::Vector2d goal_map = T_map_base * now.goal->p_base;
   if ((goal_map - goal_map_).norm() > now.goal->tolerance_m) {
     goal_map_ = goal_map;
     patience_.end();
     look_around_.reset();
   }
-  global_planner_.step(now.stamp, *now.local_map, now.T_map_odom, now.T_odom_base, goal_map,
-                       now.goal->tolerance_m, now.geofence);
+  global_planner_.step(now);
   if (const CostToGo* cost_to_go = global_planner_.cost_to_go()) {
     const double cost_m = cost_to_go->least_near(T_map_base.translation());
     if (!std::isfinite(cost_m)) {
@@ -232,9 +231,9 @@ void GoalDrive::watch_progress(const Situation& now, double cost_m) {
   last_cost_m_ = cost_m;
   const bool is_stuck = patience_.is_over(now.stamp);
   if (is_stuck) {
-    const geometry::SE2 T_map_base = now.T_map_odom * now.T_odom_base;
+    const Eigen::Vector2d p_map = now.T_map_base().translation();
     global_planner_.add_failure(
-        global_planner_.cost_to_go()->path_from(T_map_base.translation(), kFailureAheadM).back());
+        global_planner_.cost_to_go()->path_from(p_map, kFailureAheadM).back());
   }
   if (is_stuck || !patience_.has_begun() || cost_m <= least_cost_m_ - kProgressM) {
     patience_.begin(now.stamp);

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 
+#include "modules/navigator/local_map/local_map.hpp"
+
 namespace nodmap::navigator {
 namespace {
 
@@ -45,20 +47,20 @@ void KnownGround::forget() {
 // What the local map does not know stays as it was. So does what it knows no better than before,
 // because odometry has drifted since it was seen: what is behind the laser, and obstacles that it
 // has forgotten.
-void KnownGround::update(const LocalMap& local_map, const geometry::SE2& T_map_odom,
-                         const geometry::SE2& T_odom_base) {
-  const Eigen::Vector2d p_map = T_map_odom * T_odom_base.translation();
+void KnownGround::update(const Situation& now) {
+  const geometry::SE2 T_map_base = now.T_map_base();
+  const Eigen::Vector2d p_map = T_map_base.translation();
   grid_.center_on(p_map);
   if (is_empty_) {
     known_min_ = known_max_ = p_map;
     is_empty_ = false;
   }
-  const geometry::SE2 T_odom_map = T_map_odom.inverse();
-  const geometry::SE2 T_base_map = (T_map_odom * T_odom_base).inverse();
+  const geometry::SE2 T_odom_map = now.T_map_odom.inverse();
+  const geometry::SE2 T_base_map = T_map_base.inverse();
   const Eigen::Matrix2d R_odom_map = T_odom_map.rotation();
   const Eigen::Matrix2d R_base_map = T_base_map.rotation();
   const LocalView view =
-      local_map.view_around(T_odom_base.translation(), kTakeOverM + 2.0 * kCellM);
+      now.local_map->view_around(now.T_odom_base.translation(), kTakeOverM + 2.0 * kCellM);
   const auto quarters = quarters_of_cell(view.cells_per_m() * R_odom_map);
   const int reach = static_cast<int>(kTakeOverM / kCellM);
   const Eigen::Vector2i middle = grid_.index_of(p_map);

@@ -4,8 +4,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 
-#include "common/geometry/se2.hpp"
-#include "modules/navigator/local_map/local_map.hpp"
+#include "modules/navigator/decision.hpp"
 #include "modules/navigator/local_map/rolling_grid.hpp"
 #include "modules/navigator/planner/plan_window.hpp"
 
@@ -21,9 +20,8 @@ class KnownGround {
 
   KnownGround() : grid_(kCellM, kLog2Size) {}
 
-  /// Copies what the local map knows around the robot.
-  void update(const LocalMap& local_map, const geometry::SE2& T_map_odom,
-              const geometry::SE2& T_odom_base);
+  /// Copies what the local map knows around the robot. `now` must have a local map.
+  void update(const Situation& now);
 
   /// Makes everything unknown again.
   void forget();

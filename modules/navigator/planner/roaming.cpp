@@ -33,13 +33,12 @@ Roaming::Roaming(const NavigatorParams& params)
       patience_(kPatience) {}
 
 std::optional<Decision> Roaming::decide(const Situation& now) {
-  global_planner_.step_onward(now.stamp, *now.local_map, now.T_map_odom, now.T_odom_base,
-                              now.geofence);
+  global_planner_.step_onward(now);
   const CostToGo* cost_to_go = global_planner_.cost_to_go();
   if (cost_to_go == nullptr) {
     return stationary(Why::kPlans);
   }
-  const geometry::SE2 T_map_base = now.T_map_odom * now.T_odom_base;
+  const geometry::SE2 T_map_base = now.T_map_base();
   if (!std::isfinite(cost_to_go->least_near(T_map_base.translation()))) {
     return std::nullopt;
   }

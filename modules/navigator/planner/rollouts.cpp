@@ -271,7 +271,7 @@ double Rollouts::foresee(Progress progress, bool stops, const People& people) co
 void Rollouts::add(const Twist& first, double next_yaw_rate_rad_s, const Progress& end,
                    const Situation& now, const CostToGo& cost_to_go) {
   Rollout rollout{first.forward_mps, first.yaw_rate_rad_s, next_yaw_rate_rad_s, 0.0};
-  const geometry::SE2 T_map_end = now.T_map_odom * now.T_odom_base * end.pose_base;
+  const geometry::SE2 T_map_end = now.T_map_base() * end.pose_base;
   const bool is_rotation = first.forward_mps == 0.0 && first.yaw_rate_rad_s != 0.0;
   const double end_m = is_rotation ? rotation_cost(T_map_end, end.pose_base.yaw, cost_to_go)
                                    : end_cost(T_map_end, cost_to_go);

@@ -7,8 +7,8 @@
 #include "modules/navigator/decision.hpp"
 #include "modules/navigator/params.hpp"
 #include "modules/navigator/people/foresight.hpp"
+#include "modules/navigator/planner/cost_to_go.hpp"
 #include "modules/navigator/planner/distance_field.hpp"
-#include "modules/navigator/planner/global_planner.hpp"
 
 namespace nodmap::navigator {
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "modules/navigator/geofence.hpp"
 #include "modules/navigator/local_map/test/scanned_ground.hpp"
 
 namespace nodmap::navigator {
@@ -30,10 +31,22 @@ LocalMap look(const Ground& ground, const geometry::SE2& T_odom_base) {
   return map;
 }
 
+// A robot on this map, which has this goal.
+Situation at(time::Timestamp stamp, const LocalMap& map, const Eigen::Vector2d& goal_map,
+             const geometry::SE2& T_odom_base = {}, const geometry::SE2& T_map_odom = {}) {
+  Situation now;
+  now.stamp = stamp;
+  now.T_odom_base = T_odom_base;
+  now.T_map_odom = T_map_odom;
+  now.local_map = &map;
+  now.goal = GoalInBase{now.T_map_base().inverse() * goal_map, kToleranceM};
+  return now;
+}
+
 // Calls step() until a plan is complete.
 void plan(GlobalPlanner& planner, const LocalMap& map, const Eigen::Vector2d& goal) {
   for (int i = 0; i < 400 && planner.cost_to_go() == nullptr; ++i) {
-    planner.step(time::Timestamp(13'320us * i), map, {}, {}, goal, kToleranceM);
+    planner.step(at(time::Timestamp(13'320us * i), map, goal));
   }
 }
 
@@ -60,7 +73,7 @@ TEST(GlobalPlanner, ThePlanToThePreviousGoalIsKeptUntilThereIsANewOne) {
   const double cost_m = planner.cost_to_go()->at({0.0, 0.0});
   int num_steps = 0;
   do {
-    planner.step(time::Timestamp(1s + 13'320us * num_steps), map, {}, {}, second, kToleranceM);
+    planner.step(at(time::Timestamp(1s + 13'320us * num_steps), map, second));
     if (planner.cost_to_go() == nullptr) {
       ASSERT_NE(planner.former_cost_to_go(), nullptr) << "after " << num_steps;
       EXPECT_EQ(planner.former_cost_to_go()->at({0.0, 0.0}), cost_m);
@@ -71,7 +84,7 @@ TEST(GlobalPlanner, ThePlanToThePreviousGoalIsKeptUntilThereIsANewOne) {
   ASSERT_NE(planner.cost_to_go(), nullptr);
   EXPECT_LT(planner.cost_to_go()->at(second), 0.1);
   EXPECT_EQ(planner.former_cost_to_go(), nullptr);
-  planner.step(time::Timestamp(20s), map, {}, {}, first, kToleranceM);
+  planner.step(at(time::Timestamp(20s), map, first));
   EXPECT_EQ(planner.cost_to_go(), nullptr);
   EXPECT_EQ(planner.former_cost_to_go(), nullptr) << "it is old";
 }
@@ -85,7 +98,7 @@ TEST(GlobalPlanner, WhileTheGoalMovesThePlanLeadsToWhereItWasAMomentAgo) {
   for (int i = 0; i < 750; ++i) {  // 10 s
     const double angle_rad = 0.6 * kToleranceM / kRadiusM * (i / 2);
     goals.emplace_back(kRadiusM * std::cos(angle_rad), kRadiusM * std::sin(angle_rad));
-    planner.step(time::Timestamp(13'320us * i), map, {}, {}, goals.back(), kToleranceM);
+    planner.step(at(time::Timestamp(13'320us * i), map, goals.back()));
     if (i < 75) {
       continue;
     }
@@ -133,7 +146,7 @@ TEST(GlobalPlanner, ALargePlanIsPreparedInPortions) {
   const LocalMap map({}, {});
   int num_steps = 0;
   for (; num_steps < 400 && planner.cost_to_go() == nullptr; ++num_steps) {
-    planner.step(time::Timestamp(13'320us * num_steps), map, {}, {}, {80.0, 80.0}, kToleranceM);
+    planner.step(at(time::Timestamp(13'320us * num_steps), map, {80.0, 80.0}));
   }
   EXPECT_GE(num_steps, 1 + 2 + 11);
   EXPECT_LE(num_steps, 1 + 2 + 12);
@@ -156,7 +169,9 @@ TEST(GlobalPlanner, LeadsAroundAHoleInTheGeofenceAndNeverOutOfTheGeofence) {
   const auto plan_within = [&](const Eigen::Vector2d& goal) {
     GlobalPlanner planner(kBody, {});
     for (int i = 0; i < 400 && planner.cost_to_go() == nullptr; ++i) {
-      planner.step(time::Timestamp(13'320us * i), map, {}, {}, goal, kToleranceM, &fence);
+      Situation now = at(time::Timestamp(13'320us * i), map, goal);
+      now.geofence = &fence;
+      planner.step(now);
     }
     return *planner.cost_to_go();
   };
@@ -185,8 +200,7 @@ void plan_looking_around(GlobalPlanner& planner, const LocalMap& map, const Eige
                          std::int64_t start_s) {
   for (int i = 0; i < 400; ++i) {
     const geometry::SE2 T_odom_base{0.0, 0.0, 0.5 * geometry::kPi * (i / 100)};
-    planner.step(time::Timestamp(start_s * 1s + 13'320us * i), map, {}, T_odom_base, goal,
-                 kToleranceM);
+    planner.step(at(time::Timestamp(start_s * 1s + 13'320us * i), map, goal, T_odom_base));
   }
 }
 
@@ -239,7 +253,7 @@ TEST(GlobalPlanner, AWallOutOfViewStaysInPlaceWhenThePoseIsCorrected) {
     const geometry::SE2 T_odom_base = T_map_odom.inverse() * geometry::SE2{0.0, 0.0, yaw_rad};
     const time::Timestamp start(yaw_rad == 0.0 ? 10s : 20s);
     for (int i = 0; i < 100; ++i) {
-      planner.step(start + 13'320us * i, map, T_map_odom, T_odom_base, goal, kToleranceM);
+      planner.step(at(start + 13'320us * i, map, goal, T_odom_base, T_map_odom));
     }
     EXPECT_EQ(std::isfinite(planner.cost_to_go()->at(on_wall)), yaw_rad != 0.0);
   }
@@ -277,14 +291,14 @@ TEST(GlobalPlanner, ANarrowGapIsAPathUntilTheRobotHasFailedToPassIt) {
       const Eigen::Vector2d goal = T_map_odom * Eigen::Vector2d(3.0, 0.0);
       GlobalPlanner planner(kBody, {});
       for (int i = 0; i < 400; ++i) {
-        planner.step(time::Timestamp(13'320us * i), map, T_map_odom, {}, goal, kToleranceM);
+        planner.step(at(time::Timestamp(13'320us * i), map, goal, {}, T_map_odom));
       }
       ASSERT_NE(planner.cost_to_go(), nullptr);
       EXPECT_TRUE(std::isfinite(planner.cost_to_go()->at(T_map_odom.translation()))) << gap_m;
       if (gap_m < 0.4) {
         planner.add_failure(T_map_odom * Eigen::Vector2d(1.05, 0.0));
         for (int i = 0; i < 400; ++i) {
-          planner.step(time::Timestamp(10s + 13'320us * i), map, T_map_odom, {}, goal, kToleranceM);
+          planner.step(at(time::Timestamp(10s + 13'320us * i), map, goal, {}, T_map_odom));
         }
         EXPECT_FALSE(std::isfinite(planner.cost_to_go()->least_near(T_map_odom.translation())));
       }
@@ -300,8 +314,7 @@ TEST(GlobalPlanner, RemembersTheLastFiftyFailures) {
   const auto cost_m = [&] {
     num_seconds += 10;
     for (int i = 0; i < 100; ++i) {
-      planner.step(time::Timestamp(num_seconds * 1s + 13'320us * i), map, {}, {}, {3.0, 0.0},
-                   kToleranceM);
+      planner.step(at(time::Timestamp(num_seconds * 1s + 13'320us * i), map, {3.0, 0.0}));
     }
     return planner.cost_to_go()->at({1.5, 0.0});
   };
@@ -330,7 +343,7 @@ TEST(GlobalPlanner, AfterFailuresOnOneSideOfAWallThePathLeadsAroundTheOtherSide)
     planner.add_failure({1.55, y});
   }
   for (int i = 0; i < 400; ++i) {
-    planner.step(time::Timestamp(10s + 13'320us * i), map, {}, {}, {3.0, 0.0}, kToleranceM);
+    planner.step(at(time::Timestamp(10s + 13'320us * i), map, {3.0, 0.0}));
   }
   EXPECT_GT(lowest(planner.cost_to_go()->path_from({0.0, 0.0}, 20.0)), -0.5);
 }

@@ -26,11 +26,20 @@ time::Timestamp at_scan(int number) {
   return time::Timestamp(13'320us * number);
 }
 
+// A robot on this map.
+Situation at(time::Timestamp stamp, const LocalMap& map, const geometry::SE2& T_odom_base = {}) {
+  Situation now;
+  now.stamp = stamp;
+  now.T_odom_base = T_odom_base;
+  now.local_map = &map;
+  return now;
+}
+
 CostToGo onward(const test::Ground& ground, int quarters = 1) {
   const LocalMap map = seen_from_start(ground, quarters);
   GlobalPlanner planner(NavigatorParams().robot.body.footprint(), {});
   for (int i = 0; i < 40 && planner.cost_to_go() == nullptr; ++i) {
-    planner.step_onward(at_scan(i), map, {}, {});
+    planner.step_onward(at(at_scan(i), map));
   }
   EXPECT_NE(planner.cost_to_go(), nullptr);
   return planner.cost_to_go() == nullptr ? CostToGo() : *planner.cost_to_go();
@@ -75,14 +84,14 @@ TEST(PlanOnward, APlanMadeAroundAFormerPlaceIsDropped) {
   const LocalMap map = seen_from_start({});
   GlobalPlanner planner(NavigatorParams().robot.body.footprint(), {});
   for (int i = 0; i < 40; ++i) {
-    planner.step_onward(at_scan(i), map, {}, {});
+    planner.step_onward(at(at_scan(i), map));
   }
   ASSERT_NE(planner.cost_to_go(), nullptr);
   const geometry::SE2 T_odom_base{2.0, 0.0, 0.0};
-  planner.step_onward(at_scan(40), map, {}, T_odom_base);
+  planner.step_onward(at(at_scan(40), map, T_odom_base));
   EXPECT_EQ(planner.cost_to_go(), nullptr);
   for (int i = 41; i < 100; ++i) {
-    planner.step_onward(at_scan(i), map, {}, T_odom_base);
+    planner.step_onward(at(at_scan(i), map, T_odom_base));
   }
   EXPECT_NE(planner.cost_to_go(), nullptr);
 }

@@ -8,6 +8,8 @@
 #include <random>
 
 #include "modules/navigator/corridor.hpp"
+#include "modules/navigator/local_map/local_map.hpp"
+#include "modules/navigator/planner/global_planner.hpp"
 
 namespace nodmap::navigator {
 namespace rollouts_test {
@@ -49,9 +51,14 @@ TEST(Rollouts, ClearanceIsThatOfTheRectangle) {
 
 // A plan to a goal 6 m ahead, over unknown ground.
 GlobalPlanner planner_to_ahead() {
+  const LocalMap map({}, {});
+  Situation now;
+  now.local_map = &map;
+  now.goal = GoalInBase{{6.0, 0.0}, 0.2};
   GlobalPlanner planner(kBody, {});
   for (int i = 0; i < 400 && planner.cost_to_go() == nullptr; ++i) {
-    planner.step(time::Timestamp(13'320us * i), LocalMap({}, {}), {}, {}, {6.0, 0.0}, 0.2);
+    now.stamp = time::Timestamp(13'320us * i);
+    planner.step(now);
   }
   return planner;
 }
