@@ -78,41 +78,35 @@ Approach::Sectors Approach::nearest(const geometry::SE2& T_odom_base,
   return sectors;
 }
 
-void Approach::update(time::Timestamp stamp, const geometry::SE2& T_odom_base, double reach_m,
-                      const Points& points_base, const SeenDirections& seen,
-                      const LocalMap* local_map, bool laser_is_held) {
+void Approach::update(const Situation& now, double reach_m, const Points& points_base) {
   if (known_) {
-    compare(nearest(T_odom_base, points_base), stamp, reach_m, seen, T_odom_base, local_map,
-            laser_is_held);
+    compare(nearest(now.T_odom_base, points_base), now, reach_m);
   }
-  if (!known_ || (T_odom_base.translation() - reference_odom_).norm() > kReferenceM) {
-    reference_odom_ = T_odom_base.translation();
-    known_ = nearest(T_odom_base, points_base);
+  if (!known_ || (now.T_odom_base.translation() - reference_odom_).norm() > kReferenceM) {
+    reference_odom_ = now.T_odom_base.translation();
+    known_ = nearest(now.T_odom_base, points_base);
   }
 }
 
-void Approach::compare(const Sectors& now, time::Timestamp stamp, double reach_m,
-                       const SeenDirections& seen, const geometry::SE2& T_odom_base,
-                       const LocalMap* local_map, bool laser_is_held) {
+void Approach::compare(const Sectors& sectors, const Situation& now, double reach_m) {
+  const LocalMap* local_map = now.needs_seen_floor() ? now.local_map : nullptr;
   const Sectors before = *known_;
   for (int i = 0; i < kSectors; ++i) {
     const auto known_m = [&](int beside) {
       return before[static_cast<std::size_t>((i + beside + kSectors) % kSectors)].distance_m;
     };
-    const Nearest& there = now[static_cast<std::size_t>(i)];
+    const Nearest& there = sectors[static_cast<std::size_t>(i)];
     // A thin object on the border of two sectors may appear in either.
     const double nearest_known_m = std::min({known_m(-1), known_m(0), known_m(1)});
     const bool is_nearer = there.distance_m < nearest_known_m - kApproachM;
-    const Eigen::Vector2d p_odom = T_odom_base * there.p_base;
+    const Eigen::Vector2d p_odom = now.T_odom_base * there.p_base;
     if (is_nearer && local_map != nullptr && !is_hit_again(p_odom, *local_map)) {
       continue;
     }
     const double direction_rad = std::atan2(there.p_base.y(), there.p_base.x());
-    const bool is_seen =
-        laser_is_held ? seen.is_in_view(direction_rad) : seen.is_seen(direction_rad);
-    if (is_nearer && there.p_base.norm() < reach_m && is_seen &&
+    if (is_nearer && there.p_base.norm() < reach_m && now.has_seen(direction_rad) &&
         (local_map == nullptr || has_come(p_odom, *local_map))) {
-      detected_at_ = stamp;
+      detected_at_ = now.stamp;
     }
     // A slow object is compared with the distance at which it started. What is out of reach, or was
     // in the sector beside this one, is kept as well: otherwise it would be new in a moment.

@@ -7,12 +7,10 @@
 
 #include "common/geometry/se2.hpp"
 #include "common/geometry/time.hpp"
+#include "modules/navigator/decision.hpp"
 #include "modules/navigator/obstacle_points.hpp"
-#include "modules/navigator/seen_directions.hpp"
 
 namespace nodmap::navigator {
-
-class LocalMap;
 
 /// Detects that something comes nearer by its own motion, not by the robot's. People walk at 1 m/s
 /// and more and do not yield, so the robot waits for them.
@@ -23,13 +21,10 @@ class LocalMap;
 /// compared. What comes out from behind something was farther away than that before.
 class Approach {
  public:
-  /// Takes the obstacles at `stamp`. Those farther than `reach_m` from base are only remembered.
-  /// `seen` must be up to date. With a local map, only what it also has, and where floor was seen
-  /// before, has approached: what comes into view from behind a corner was there already. A laser
-  /// that is held need not sweep first to have seen a direction.
-  void update(time::Timestamp stamp, const geometry::SE2& T_odom_base, double reach_m,
-              const Points& points_base, const SeenDirections& seen,
-              const LocalMap* local_map = nullptr, bool laser_is_held = false);
+  /// Takes the obstacles of a moment. Those farther than `reach_m` from base are only remembered.
+  /// Where floor must be seen, only what the local map also has, and where floor was seen before,
+  /// has approached: what comes into view from behind a corner was there already.
+  void update(const Situation& now, double reach_m, const Points& points_base);
 
   /// Whether something has come nearer within the last second: about the time from one measurement
   /// of it to the next, so it may still be moving.
@@ -45,9 +40,7 @@ class Approach {
   using Sectors = std::array<Nearest, kSectors>;
 
   [[nodiscard]] Sectors nearest(const geometry::SE2& T_odom_base, const Points& points_base) const;
-  void compare(const Sectors& now, time::Timestamp stamp, double reach_m,
-               const SeenDirections& seen, const geometry::SE2& T_odom_base,
-               const LocalMap* local_map, bool laser_is_held);
+  void compare(const Sectors& sectors, const Situation& now, double reach_m);
 
   Eigen::Vector2d reference_odom_ = Eigen::Vector2d::Zero();
   std::optional<Sectors> known_;

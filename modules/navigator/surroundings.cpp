@@ -149,8 +149,7 @@ void Surroundings::add_people(Situation& now) {
 void Surroundings::watch_approach(const Situation& now, const Points& points_base) {
   const double reach_m =
       body_.turning_radius_m() + kReachM + kReachS * std::max(0.0, now.forward_mps);
-  approach_.update(now.stamp, now.T_odom_base, reach_m, points_base, seen_,
-                   now.needs_seen_floor() ? now.local_map : nullptr, now.laser_is_held);
+  approach_.update(now, reach_m, points_base);
 }
 
 // Adds the obstacles of the local map. Must follow watch_approach(): a low sill that is first seen

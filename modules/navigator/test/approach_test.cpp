@@ -22,12 +22,22 @@ SeenDirections seen_ahead() {
   return view;
 }
 
+// A robot at this place, which has seen these directions.
+Situation at(time::Timestamp stamp, const SeenDirections& seen,
+             const geometry::SE2& T_odom_base = {}) {
+  Situation now;
+  now.stamp = stamp;
+  now.seen = &seen;
+  now.T_odom_base = T_odom_base;
+  return now;
+}
+
 TEST(Approach, APointIsDetectedWhileItComesNearerAndNotAfterItHasStopped) {
   Approach approach;
   const SeenDirections view = seen_ahead();
   time::Timestamp stamp{};
   for (double x_m = 2.0; x_m > 0.3; x_m -= 0.01, stamp += 10ms) {  // 1 m/s
-    approach.update(stamp, {}, 0.9, {{x_m, 0.1}, {0.0, 0.4}}, view);
+    approach.update(at(stamp, view), 0.9, {{x_m, 0.1}, {0.0, 0.4}});
     // It is detected once it has come 6 cm nearer, so up to 6 cm inside the reach of 0.9 m.
     if (x_m > 0.91) {
       EXPECT_FALSE(approach.is_detected(stamp)) << x_m;
@@ -36,7 +46,7 @@ TEST(Approach, APointIsDetectedWhileItComesNearerAndNotAfterItHasStopped) {
     }
   }
   for (int i = 0; i < 101; ++i, stamp += 10ms) {
-    approach.update(stamp, {}, 0.9, {{0.3, 0.1}, {0.0, 0.4}}, view);
+    approach.update(at(stamp, view), 0.9, {{0.3, 0.1}, {0.0, 0.4}});
   }
   EXPECT_FALSE(approach.is_detected(stamp));  // it has stopped for a second
 }
@@ -57,7 +67,7 @@ TEST(Approach, ARotationOfTheRobotIsNotAnApproach) {
     for (Eigen::Vector2d& p : points_base) {
       p = geometry::SE2{0.0, 0.0, -heading_rad}.rotation() * p;
     }
-    approach.update(time::Timestamp(i * 10ms), {0.0, 0.0, heading_rad}, 0.9, points_base, view);
+    approach.update(at(time::Timestamp(i * 10ms), view, {0.0, 0.0, heading_rad}), 0.9, points_base);
     EXPECT_FALSE(approach.is_detected(time::Timestamp(i * 10ms))) << i;
   }
 }
@@ -65,12 +75,12 @@ TEST(Approach, ARotationOfTheRobotIsNotAnApproach) {
 TEST(Approach, APointThatComesIntoViewIsNotAnApproach) {
   Approach approach;
   const SeenDirections view = seen_ahead();
-  approach.update(time::Timestamp(0s), {}, 0.9, {}, view);
-  approach.update(time::Timestamp(10ms), {}, 0.9, {{-0.1, 0.5}},
-                  view);  // beside it, where the laser had not looked
+  approach.update(at(time::Timestamp(0s), view), 0.9, {});
+  // Beside it, where the laser had not looked.
+  approach.update(at(time::Timestamp(10ms), view), 0.9, {{-0.1, 0.5}});
   EXPECT_FALSE(approach.is_detected(time::Timestamp(10ms)));
-  approach.update(time::Timestamp(20ms), {}, 0.9, {{-0.1, 0.5}, {0.5, 0.0}},
-                  view);  // ahead, where it had
+  // Ahead, where it had.
+  approach.update(at(time::Timestamp(20ms), view), 0.9, {{-0.1, 0.5}, {0.5, 0.0}});
   EXPECT_TRUE(approach.is_detected(time::Timestamp(20ms)));
 }
 
@@ -90,7 +100,7 @@ TEST(Approach, DrivingPastAWallIsNotAnApproach) {
     for (Eigen::Vector2d& p : points_base) {
       p *= 1.0 + 0.01 * ((i * 7) % 5 - 2) / 2.0 / p.norm();
     }
-    approach.update(time::Timestamp(i * 10ms), T_odom_base, 1.5, points_base, view);
+    approach.update(at(time::Timestamp(i * 10ms), view, T_odom_base), 1.5, points_base);
     EXPECT_FALSE(approach.is_detected(time::Timestamp(i * 10ms))) << i;
   }
 }
@@ -103,14 +113,14 @@ TEST(Approach, AStationaryPoleThatComesIntoReachIsNotAnApproach) {
   Approach driving;
   Approach speeding_up;
   const Points wall{{3.0, 0.0}};  // behind the pole
-  driving.update(time::Timestamp(0s), {}, 1.1, wall, view);
-  speeding_up.update(time::Timestamp(0s), {}, 1.1, wall, view);
+  driving.update(at(time::Timestamp(0s), view), 1.1, wall);
+  speeding_up.update(at(time::Timestamp(0s), view), 1.1, wall);
   for (int i = 1; i < 28; ++i) {
     const time::Timestamp stamp(i * 10ms);
     const geometry::SE2 T_odom_base{0.01 * i, 0.0, 0.0};
-    driving.update(stamp, T_odom_base, 1.1, {T_odom_base.inverse() * pole_odom}, view);
+    driving.update(at(stamp, view, T_odom_base), 1.1, {T_odom_base.inverse() * pole_odom});
     EXPECT_FALSE(driving.is_detected(stamp)) << i;
-    speeding_up.update(stamp, {}, 1.1 + 0.01 * i, {pole_odom}, view);
+    speeding_up.update(at(stamp, view), 1.1 + 0.01 * i, {pole_odom});
     EXPECT_FALSE(speeding_up.is_detected(stamp)) << i;
   }
 }
@@ -122,7 +132,7 @@ TEST(Approach, AStationaryPoleOnTheBorderOfTwoSectorsIsNotAnApproach) {
   for (int i = 0; i < 20; ++i) {
     const double pole_rad = deg_to_rad(i % 4 < 2 ? 9.9 : 10.1);
     const Points points_base{{std::cos(pole_rad), std::sin(pole_rad)}, {2.5, 0.3}, {2.5, 0.6}};
-    approach.update(time::Timestamp(i * 10ms), {}, 1.5, points_base, view);
+    approach.update(at(time::Timestamp(i * 10ms), view), 1.5, points_base);
     EXPECT_FALSE(approach.is_detected(time::Timestamp(i * 10ms))) << i;
   }
 }
@@ -135,7 +145,7 @@ TEST(Approach, APersonWhoCrossesThePathIsDetected) {
     const geometry::SE2 T_odom_base{0.5 * time_s, 0.0, 0.0};
     const Eigen::Vector2d walker_odom(1.5, 1.5 - 1.0 * time_s);  // crosses its path
     const Points points_base{T_odom_base.inverse() * walker_odom};
-    approach.update(time::Timestamp(i * 10ms), T_odom_base, 1.5, points_base, view);
+    approach.update(at(time::Timestamp(i * 10ms), view, T_odom_base), 1.5, points_base);
   }
   EXPECT_TRUE(approach.is_detected(time::Timestamp(990ms)));
 }
@@ -152,9 +162,12 @@ bool is_approach(const test::Ground& after) {
   look({});
   Approach approach;
   const SeenDirections view = seen_ahead();
-  approach.update(time::Timestamp(0s), {}, 1.5, {}, view, &map);
+  Situation now = at(time::Timestamp(0s), view);
+  now.local_map = &map;
+  approach.update(now, 1.5, {});
   look(after);
-  approach.update(time::Timestamp(10ms), {}, 1.5, {{1.0, 0.0}}, view, &map);
+  now.stamp = time::Timestamp(10ms);
+  approach.update(now, 1.5, {{1.0, 0.0}});
   return approach.is_detected(time::Timestamp(10ms));
 }
 
