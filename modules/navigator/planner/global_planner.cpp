@@ -75,6 +75,11 @@ void GlobalPlanner::add_failure(const Eigen::Vector2d& p_map) {
   failures_map_.push_back(p_map);
 }
 
+void GlobalPlanner::give_up_path_from(const Eigen::Vector2d& p_map) {
+  constexpr double kGiveUpAheadM = 0.4;
+  add_failure(complete_->path_from(p_map, kGiveUpAheadM).back());
+}
+
 void GlobalPlanner::forget_ground() {
   ground_.forget();
   started_at_.reset();

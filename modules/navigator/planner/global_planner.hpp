@@ -51,6 +51,8 @@ class GlobalPlanner {
   /// Adds a place where the robot could not go on: paths through it cost more from now on, until 50
   /// more have been added.
   void add_failure(const Eigen::Vector2d& p_map);
+  /// The same for a place on the plan, 0.4 m ahead of the robot, which is at `p_map`.
+  void give_up_path_from(const Eigen::Vector2d& p_map);
   void forget_failures() { failures_map_.clear(); }
 
   /// Forgets all ground; the next plan uses only what the local map holds.

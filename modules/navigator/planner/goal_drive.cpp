@@ -15,8 +15,6 @@ constexpr time::Duration kPatience = 12s;
 constexpr double kNewPathM = 1.0;
 // With less than this left to the previous goal the robot stops and plans to the new one.
 constexpr double kNearlyThereM = 0.5;
-// The path is given up this far ahead of the robot.
-constexpr double kFailureAheadM = 0.4;
 
 // Cost of a metre without clearance, metres. With a higher one the robot would rather stop.
 constexpr double kSqueezingClearanceWeight = 1.0;
@@ -231,9 +229,7 @@ void GoalDrive::watch_progress(const Situation& now, double cost_m) {
   last_cost_m_ = cost_m;
   const bool is_stuck = patience_.is_over(now.stamp);
   if (is_stuck) {
-    const Eigen::Vector2d p_map = now.T_map_base().translation();
-    global_planner_.add_failure(
-        global_planner_.cost_to_go()->path_from(p_map, kFailureAheadM).back());
+    global_planner_.give_up_path_from(now.T_map_base().translation());
   }
   if (is_stuck || !patience_.has_begun() || cost_m <= least_cost_m_ - kProgressM) {
     patience_.begin(now.stamp);

@@ -13,11 +13,10 @@ constexpr double kReversePriceM = 1.0;
 
 // What counts as progress, and for how long the robot may make none. A rotation by 180 degrees
 // takes three seconds.
-constexpr double kProgressM = 0.2;
-constexpr double kProgressRad = 0.7;
-constexpr time::Duration kPatience = 3s;
-// The path is given up this far ahead of the robot, until the robot is this far away.
-constexpr double kFailureAheadM = 0.4;
+constexpr double kFartherM = 0.2;
+constexpr double kRotatedRad = 0.7;
+constexpr time::Duration kRoamingPatience = 3s;
+// A path is given up until the robot is this far away.
 constexpr double kElsewhereM = 3.0;
 
 NavigatorParams roaming(NavigatorParams params) {
@@ -30,7 +29,7 @@ NavigatorParams roaming(NavigatorParams params) {
 Roaming::Roaming(const NavigatorParams& params)
     : global_planner_(params.robot.body.footprint(), params.planner),
       local_planner_(roaming(params), false),
-      patience_(kPatience) {}
+      patience_(kRoamingPatience) {}
 
 std::optional<Decision> Roaming::decide(const Situation& now) {
   global_planner_.step_onward(now);
@@ -57,8 +56,8 @@ std::optional<Decision> Roaming::decide(const Situation& now) {
 void Roaming::watch_progress(const Situation& now) {
   patience_.record(now.stamp);
   const geometry::SE2 moved = progress_odom_.inverse() * now.T_odom_base;
-  if (!patience_.has_begun() || !now.people.empty() || moved.translation().norm() > kProgressM ||
-      std::abs(moved.yaw) > kProgressRad) {
+  if (!patience_.has_begun() || !now.people.empty() || moved.translation().norm() > kFartherM ||
+      std::abs(moved.yaw) > kRotatedRad) {
     patience_.begin(now.stamp);
     progress_odom_ = now.T_odom_base;
   }
@@ -66,8 +65,7 @@ void Roaming::watch_progress(const Situation& now) {
 
 void Roaming::give_up_path(const geometry::SE2& T_map_base) {
   failed_at_ = T_map_base.translation();
-  global_planner_.add_failure(
-      global_planner_.cost_to_go()->path_from(*failed_at_, kFailureAheadM).back());
+  global_planner_.give_up_path_from(*failed_at_);
   patience_.end();
 }
 
