@@ -7,8 +7,8 @@
 
 #include "common/geometry/se2.hpp"
 #include "common/geometry/time.hpp"
-#include "modules/navigator/decision.hpp"
 #include "modules/navigator/obstacle_points.hpp"
+#include "modules/navigator/situation.hpp"
 
 namespace nodmap::navigator {
 

@@ -4,9 +4,10 @@
 #include <optional>
 
 #include "modules/navigator/brake.hpp"
-#include "modules/navigator/decision.hpp"
 #include "modules/navigator/params.hpp"
+#include "modules/navigator/situation.hpp"
 #include "modules/navigator/trail.hpp"
+#include "modules/navigator/twist.hpp"
 
 namespace nodmap::navigator {
 

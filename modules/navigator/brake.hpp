@@ -5,6 +5,7 @@
 #include "modules/navigator/decision.hpp"
 #include "modules/navigator/params.hpp"
 #include "modules/navigator/people/passive_safety.hpp"
+#include "modules/navigator/situation.hpp"
 
 namespace nodmap::navigator {
 

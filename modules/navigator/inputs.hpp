@@ -7,10 +7,10 @@
 
 #include "common/geometry/se2.hpp"
 #include "common/geometry/time.hpp"
-#include "modules/navigator/decision.hpp"
 #include "modules/navigator/goal.hpp"
 #include "modules/navigator/obstacle_points.hpp"
 #include "modules/navigator/params.hpp"
+#include "modules/navigator/situation.hpp"
 #include "modules/navigator/staleness.hpp"
 
 namespace nodmap::navigator {

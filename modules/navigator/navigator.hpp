@@ -11,6 +11,7 @@
 #include "modules/navigator/params.hpp"
 #include "modules/navigator/planner/goal_drive.hpp"
 #include "modules/navigator/planner/roaming.hpp"
+#include "modules/navigator/situation.hpp"
 #include "modules/navigator/steering.hpp"
 #include "modules/navigator/surroundings.hpp"
 #include "modules/navigator/trail.hpp"

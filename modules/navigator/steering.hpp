@@ -8,6 +8,7 @@
 #include "modules/navigator/detour.hpp"
 #include "modules/navigator/free_space.hpp"
 #include "modules/navigator/params.hpp"
+#include "modules/navigator/situation.hpp"
 
 namespace nodmap::navigator {
 

@@ -8,7 +8,6 @@
 #include "common/robot/footprint.hpp"
 #include "common/scan/scan.hpp"
 #include "modules/navigator/approach.hpp"
-#include "modules/navigator/decision.hpp"
 #include "modules/navigator/local_map/local_map.hpp"
 #include "modules/navigator/params.hpp"
 #include "modules/navigator/people/people_tracker.hpp"
@@ -16,6 +15,7 @@
 #include "modules/navigator/reason.hpp"
 #include "modules/navigator/scan_gap.hpp"
 #include "modules/navigator/seen_directions.hpp"
+#include "modules/navigator/situation.hpp"
 
 namespace nodmap::navigator {
 

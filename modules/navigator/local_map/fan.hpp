@@ -7,9 +7,16 @@
 
 #include "common/geometry/se3.hpp"
 #include "common/scan/scan.hpp"
-#include "modules/navigator/local_map/obstacle_memory.hpp"
 
 namespace nodmap::navigator {
+
+/// One beam in odom: where it starts, its direction, and its reading.
+struct Beam {
+  Eigen::Vector3d origin;
+  Eigen::Vector3d direction;
+  double range_m = 0.0;  ///< +infinity: nothing came back
+  bool is_hit = false;
+};
 
 /// The beams of a scan. Their directions in the laser plane are computed once, not for each scan.
 class Fan {

@@ -138,7 +138,7 @@ void LocalMap::classify(const Beam& beam, std::size_t index, double range_max_m)
   finder_.add(p_odom, R_base_odom_ * (p_odom.head<2>() - T_odom_base_->translation()));
   if (place.kind == Kind::kBelow) {
     const bool is_certain = place.height_m < -tolerance - evidence::kCertainM;
-    if (is_certain || place.height_m < -range_noise_m(-beam.direction.z())) {
+    if (is_certain || place.height_m < -evidence::range_noise_m(-beam.direction.z())) {
       classify_below(beam, beam.range_m, place.facet, is_certain);
     }
     return;

@@ -63,7 +63,7 @@ void LowHits::end_scan(bool is_level, LocalGrid& grid, FloorEvidence& floor,
 }
 
 bool LowHits::is_above_noise(const Hit& hit) {
-  return hit.height_m > range_noise_m(hit.sinking);
+  return hit.height_m > evidence::range_noise_m(hit.sinking);
 }
 
 bool LowHits::is_above_line(const Hit& hit) const {

@@ -13,14 +13,6 @@
 
 namespace nodmap::navigator {
 
-/// How much higher or lower than the floor the noise of its range makes a beam end, metres: four
-/// standard deviations. `sinking` is the height that the beam loses per metre. Of steep beams,
-/// which are less than a centimetre apart, hundreds meet the floor in each sweep, and two of them
-/// in one cell may be off by two or three standard deviations; hardly ever by four.
-[[nodiscard]] inline double range_noise_m(double sinking) {
-  return 0.04 * sinking;
-}
-
 /// The beams of one scan that ended on the floor, or so little above it that this may be noise. The
 /// whole line decides which of them are obstacles.
 class LowHits {

@@ -6,17 +6,10 @@
 
 #include "common/geometry/se2.hpp"
 #include "common/robot/footprint.hpp"
+#include "modules/navigator/local_map/fan.hpp"
 #include "modules/navigator/local_map/local_cell.hpp"
 
 namespace nodmap::navigator {
-
-/// One beam in odom: where it starts, its direction, and its reading.
-struct Beam {
-  Eigen::Vector3d origin;
-  Eigen::Vector3d direction;
-  double range_m = 0.0;  ///< +infinity: nothing came back
-  bool is_hit = false;
-};
 
 /// The obstacles in the cells of the local map. Hits and contacts add evidence; beams that pass
 /// through remove it. An obstacle that has not been hit again for `forget_after_m` of travel

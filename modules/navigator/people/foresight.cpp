@@ -7,22 +7,11 @@
 namespace nodmap::navigator {
 namespace {
 
-constexpr double kAccelerationMps2 = 1.5;
-constexpr double kYawAccelerationRadS2 = 6.0;
 // Largest allowance for the error of a predicted place. The error grows beyond this, but by then
 // the robot will have seen the person again.
 constexpr double kMostErrorM = 0.3;
 
-double approach(double from, double to, double most) {
-  return from + std::clamp(to - from, -most, most);
-}
-
 }  // namespace
-
-Twist after(const Twist& now, const Twist& command, double time_s) {
-  return {approach(now.forward_mps, command.forward_mps, time_s * kAccelerationMps2),
-          approach(now.yaw_rate_rad_s, command.yaw_rate_rad_s, time_s * kYawAccelerationRadS2)};
-}
 
 double distance_to_body(const Eigen::Vector2d& p_base, const robot::Footprint& body) {
   const double dx = std::abs(p_base.x()) - body.half_length_m;

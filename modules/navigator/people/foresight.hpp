@@ -7,20 +7,6 @@
 
 namespace nodmap::navigator {
 
-/// A motion of base: forward speed and yaw rate.
-struct Twist {
-  double forward_mps = 0.0;
-  double yaw_rate_rad_s = 0.0;
-
-  [[nodiscard]] Twist scaled(double factor) const {
-    return {factor * forward_mps, factor * yaw_rate_rad_s};
-  }
-};
-
-/// The motion of the base `time_s` seconds after a command, with accelerations that it certainly
-/// reaches.
-[[nodiscard]] Twist after(const Twist& now, const Twist& command, double time_s);
-
 /// The distance from the body to a point, metres; negative inside.
 [[nodiscard]] double distance_to_body(const Eigen::Vector2d& p_base, const robot::Footprint& body);
 

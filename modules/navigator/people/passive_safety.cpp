@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "common/geometry/se2.hpp"
+#include "modules/navigator/people/foresight.hpp"
 
 namespace nodmap::navigator {
 namespace {

@@ -4,8 +4,8 @@
 #include "common/robot/footprint.hpp"
 #include "common/robot/robot_params.hpp"
 #include "modules/navigator/params.hpp"
-#include "modules/navigator/people/foresight.hpp"
 #include "modules/navigator/people/person.hpp"
+#include "modules/navigator/twist.hpp"
 
 namespace nodmap::navigator {
 

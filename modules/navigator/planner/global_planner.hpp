@@ -10,12 +10,12 @@
 #include "common/geometry/se2.hpp"
 #include "common/geometry/time.hpp"
 #include "common/robot/footprint.hpp"
-#include "modules/navigator/decision.hpp"
 #include "modules/navigator/params.hpp"
 #include "modules/navigator/planner/cost_to_go.hpp"
 #include "modules/navigator/planner/distance_field.hpp"
 #include "modules/navigator/planner/known_ground.hpp"
 #include "modules/navigator/planner/plan_window.hpp"
+#include "modules/navigator/situation.hpp"
 
 namespace nodmap::navigator {
 

@@ -12,6 +12,7 @@
 #include "modules/navigator/planner/local_planner.hpp"
 #include "modules/navigator/planner/look_around.hpp"
 #include "modules/navigator/planner/patience.hpp"
+#include "modules/navigator/situation.hpp"
 
 namespace nodmap::navigator {
 

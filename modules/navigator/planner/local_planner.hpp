@@ -8,6 +8,8 @@
 #include "modules/navigator/decision.hpp"
 #include "modules/navigator/params.hpp"
 #include "modules/navigator/planner/rollouts.hpp"
+#include "modules/navigator/situation.hpp"
+#include "modules/navigator/twist.hpp"
 
 namespace nodmap::navigator {
 

@@ -10,6 +10,7 @@
 #include "modules/navigator/planner/global_planner.hpp"
 #include "modules/navigator/planner/local_planner.hpp"
 #include "modules/navigator/planner/patience.hpp"
+#include "modules/navigator/situation.hpp"
 
 namespace nodmap::navigator {
 

@@ -6,9 +6,10 @@
 #include "common/robot/footprint.hpp"
 #include "modules/navigator/decision.hpp"
 #include "modules/navigator/params.hpp"
-#include "modules/navigator/people/foresight.hpp"
 #include "modules/navigator/planner/cost_to_go.hpp"
 #include "modules/navigator/planner/distance_field.hpp"
+#include "modules/navigator/situation.hpp"
+#include "modules/navigator/twist.hpp"
 
 namespace nodmap::navigator {
 

@@ -78,9 +78,9 @@ struct Nod {
   }
 };
 
-class Approach {
+class SillApproach {
  public:
-  Approach(const Sill& sill, double speed_mps, std::uint32_t seed)
+  SillApproach(const Sill& sill, double speed_mps, std::uint32_t seed)
       : sill_(sill), limit_mps_(speed_mps), engine_(seed) {
     const Nod nod = Nod::at(speed_mps);
     pitch_deg_ = std::uniform_real_distribution(nod.low_deg, nod.high_deg)(engine_);
@@ -189,7 +189,7 @@ TEST(LowSill, TheRobotStopsBeforeItAtAnySpeedAndMomentOfTheNod) {
     const double half_depth_m = 0.5 * between(0.02, 0.25);
     const double height_m = between(0.03, 0.04);
     const Sill sill{{x_m, aside_m, yaw_rad}, {half_depth_m, half_width_m}, height_m};
-    EXPECT_GT(Approach(sill, speed_mps, static_cast<std::uint32_t>(run)).drive(), 0.0)
+    EXPECT_GT(SillApproach(sill, speed_mps, static_cast<std::uint32_t>(run)).drive(), 0.0)
         << "run " << run << ": " << height_m << " m high, at " << speed_mps << " m/s";
   }
 }

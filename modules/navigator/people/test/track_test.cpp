@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "modules/navigator/people/track.hpp"
+
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
@@ -7,7 +9,6 @@
 #include <random>
 #include <vector>
 
-#include "modules/navigator/people/people_tracker.hpp"
 #include "modules/navigator/people/test/walking_scene.hpp"
 
 namespace nodmap::navigator {
