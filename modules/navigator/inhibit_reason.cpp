@@ -54,7 +54,7 @@ std::optional<Reason> inhibit_reason(const Inputs& inputs,
   if (inputs.goal && inputs.pose.is_lost) {
     return Why::kLostPose;
   }
-  if (auto stale = reason_to_halt(inputs.stamps, limits, params.local_map.use)) {
+  if (auto stale = reason_by_staleness(inputs.stamps, limits, params.local_map.use)) {
     return stale;
   }
   if (contested_channel) {

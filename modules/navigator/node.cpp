@@ -76,7 +76,7 @@ void NavigatorNode::on_map(const nodmap::egomap_t& message) {
   context_.counts.use();
   newest_.map = {geometry::to_se2(*T_odom_map), std::move(*points_map)};
   newest_.stamps.map = node::stamp_of(message);
-  auto reason = reason_not_to_drive(params_.staleness);
+  auto reason = find_inhibit_reason(params_.staleness);
   publish(reason ? halt(std::move(*reason)) : navigator_.decide(newest_.situation(params_.drive)));
 }
 
@@ -135,7 +135,7 @@ void NavigatorNode::on_odometry(const nodmap::odometry_t& message) {
                       message.yaw_rate_rad_s};
   newest_.stamps.odometry = node::stamp_of(message);
   odometry_history_.add(node::stamp_of(message), *T_odom_base);
-  if (auto reason = reason_not_to_drive(params_.staleness)) {
+  if (auto reason = find_inhibit_reason(params_.staleness)) {
     publish(halt(std::move(*reason)));
   }
 }
@@ -181,7 +181,7 @@ void NavigatorNode::on_pitch_state(const nodmap::pitch_state_t& message) {
   newest_.servo_is_stalled = message.is_stalled != 0;
   newest_.stamps.pitch_state = node::stamp_of(message);
   // At once: until the next map or odometry a fast robot would drive another 2 cm.
-  if (auto reason = has_stalled ? reason_not_to_drive(params_.staleness) : std::nullopt) {
+  if (auto reason = has_stalled ? find_inhibit_reason(params_.staleness) : std::nullopt) {
     publish(halt(std::move(*reason)));
   }
 }
@@ -242,11 +242,11 @@ void NavigatorNode::on_stop(const nodmap::stop_t& message) {
 Decision NavigatorNode::halt(Reason reason) {
   StalenessParams limits = params_.staleness;
   limits.map_s = std::max(limits.map_s, kShortGapS);
-  return reason_not_to_drive(limits) ? navigator_.halt(std::move(reason))
-                                     : navigator_.pause(std::move(reason));
+  const bool is_short_gap = !find_inhibit_reason(limits);
+  return is_short_gap ? navigator_.pause(std::move(reason)) : navigator_.halt(std::move(reason));
 }
 
-std::optional<Reason> NavigatorNode::reason_not_to_drive(const StalenessParams& limits) const {
+std::optional<Reason> NavigatorNode::find_inhibit_reason(const StalenessParams& limits) const {
   return inhibit_reason(newest_, senders_.contested_channel(newest_.stamps), params_, limits);
 }
 

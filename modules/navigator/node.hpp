@@ -63,7 +63,7 @@ class NavigatorNode final : public node::Node {
   void watch_slip(const nodmap::pose_t& message);
   void begin_odometry_frame(time::Timestamp stamp);
   [[nodiscard]] Decision halt(Reason reason);
-  [[nodiscard]] std::optional<Reason> reason_not_to_drive(const StalenessParams& limits) const;
+  [[nodiscard]] std::optional<Reason> find_inhibit_reason(const StalenessParams& limits) const;
   void publish(const Decision& decision);
 
   node::Context& context_;

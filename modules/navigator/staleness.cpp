@@ -3,8 +3,8 @@
 
 namespace nodmap::navigator {
 
-std::optional<Reason> reason_to_halt(const InputStamps& stamps, const StalenessParams& limits,
-                                     bool needs_scans) {
+std::optional<Reason> reason_by_staleness(const InputStamps& stamps, const StalenessParams& limits,
+                                          bool needs_scans) {
   if (!stamps.odometry) {
     return Reason(Why::kNoInput, "odometry");
   }

@@ -36,7 +36,8 @@ struct InputStamps {
 ///   speed bound of the pitch controller 120 ms: six messages.
 ///   pitch servo 150 ms: 30 readings.
 /// `needs_scans`: whether the robot also drives by the local map.
-[[nodiscard]] std::optional<Reason> reason_to_halt(const InputStamps& stamps,
-                                                   const StalenessParams& limits, bool needs_scans);
+[[nodiscard]] std::optional<Reason> reason_by_staleness(const InputStamps& stamps,
+                                                        const StalenessParams& limits,
+                                                        bool needs_scans);
 
 }  // namespace nodmap::navigator

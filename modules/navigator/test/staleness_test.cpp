@@ -10,11 +10,11 @@ TEST(Staleness, EachInputHasItsLimit) {
   const StalenessParams limits;
   const time::Timestamp now(1s);
   const InputStamps fresh{now, now - 10ms, now - 10ms, now - 10ms, now - 10ms};
-  EXPECT_FALSE(reason_to_halt(fresh, limits, true));
+  EXPECT_FALSE(reason_by_staleness(fresh, limits, true));
   const auto with = [&](auto member, std::optional<time::Timestamp> stamp) {
     InputStamps stamps = fresh;
     stamps.*member = stamp;
-    return reason_to_halt(stamps, limits, true).has_value();
+    return reason_by_staleness(stamps, limits, true).has_value();
   };
   EXPECT_FALSE(with(&InputStamps::map, time::from_utime(900'000)));
   EXPECT_TRUE(with(&InputStamps::map, time::from_utime(899'999)));
@@ -35,8 +35,8 @@ TEST(Staleness, WithoutTheLocalMapNoScanIsNeeded) {
   const time::Timestamp now(1s);
   InputStamps stamps{now, now - 10ms, now - 10ms, now - 10ms, now - 10ms};
   stamps.scan.reset();
-  EXPECT_FALSE(reason_to_halt(stamps, {}, false));
-  EXPECT_EQ(reason_to_halt(stamps, {}, true), Reason(Why::kNoInput, "scan for the local map"));
+  EXPECT_FALSE(reason_by_staleness(stamps, {}, false));
+  EXPECT_EQ(reason_by_staleness(stamps, {}, true), Reason(Why::kNoInput, "scan for the local map"));
 }
 
 }  // namespace staleness_test
