@@ -42,7 +42,7 @@ void Display::publish_path(time::Timestamp stamp, const Navigator& navigator,
   if (goal != GoalState::kNone) {
     const auto path_map = goal == GoalState::kOutsideFence
                               ? std::vector<Eigen::Vector2d>{}
-                              : navigator.path_map(newest.T_map_base());
+                              : navigator.path_map(newest.T_map_base(), newest.goal->T_map_goal);
     if (!path_map) {
       return;  // not yet planned, or not by plan
     }

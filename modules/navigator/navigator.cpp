@@ -79,9 +79,7 @@ void Navigator::record_trail(Situation& now) {
 }
 
 Decision Navigator::behave(const Situation& now) {
-  if (now.goal) {
-    goal_drive_.watch_goal(now);
-  } else {
+  if (!now.goal) {
     goal_drive_.forget_goal();
   }
   watch_arrival(now);

@@ -61,8 +61,8 @@ class Navigator {
 
   /// GoalDrive::path_map(), for display; empty while the robot does not drive by plan.
   [[nodiscard]] std::optional<std::vector<Eigen::Vector2d>> path_map(
-      const geometry::SE2& T_map_base) const {
-    return params_.planner.use ? goal_drive_.path_map(T_map_base) : std::nullopt;
+      const geometry::SE2& T_map_base, const geometry::SE2& T_map_goal) const {
+    return params_.planner.use ? goal_drive_.path_map(T_map_base, T_map_goal) : std::nullopt;
   }
 
   /// The people to whom it gives way, for display.

@@ -61,14 +61,9 @@ GoalDrive::GoalDrive(const NavigatorParams& params)
       docking_(params.docking),
       patience_(kPatience) {}
 
-void GoalDrive::watch_goal(const Situation& now) {
-  has_new_goal_ = !decided_goal_map_ || !is_same(*decided_goal_map_, goal_in_map(now));
-}
-
 Decision GoalDrive::decide(const Situation& now) {
   patience_.record(now.stamp);
   decided_goal_map_ = goal_in_map(now);
-  has_new_goal_ = false;
   if (now.goal->heading) {
     return dock(now);
   }
@@ -158,14 +153,17 @@ Decision GoalDrive::drive_by(const CostToGo& cost_to_go, const Situation& now) {
 }
 
 std::optional<std::vector<Eigen::Vector2d>> GoalDrive::path_map(
-    const geometry::SE2& T_map_base) const {
+    const geometry::SE2& T_map_base, const geometry::SE2& T_map_goal) const {
   constexpr double kLongestM = 100.0;
   constexpr std::size_t kStep = 4;  // cells
-  if (dock_map_ && docking_.is_docking() && !has_new_goal_) {
+  if (!decided_goal_map_ || !is_same(*decided_goal_map_, T_map_goal)) {
+    return std::nullopt;
+  }
+  if (dock_map_ && docking_.is_docking()) {
     return std::vector{T_map_base.translation(), dock_map_->translation()};
   }
   const CostToGo* cost_to_go = global_planner_.cost_to_go();
-  if (cost_to_go == nullptr || has_new_goal_) {
+  if (cost_to_go == nullptr) {
     return std::nullopt;
   }
   std::vector<Eigen::Vector2d> path;

@@ -27,20 +27,16 @@ class GoalDrive {
   void forget_goal() {
     dock_map_.reset();
     decided_goal_map_.reset();
-    has_new_goal_ = false;
   }
-
-  /// Notices another goal; must be called at each decision with a goal, whoever decides.
-  void watch_goal(const Situation& now);
 
   /// `now` must have a goal and a local map.
   [[nodiscard]] Decision decide(const Situation& now);
 
-  /// The planned path from the robot to the goal, frame map, a point every 20 cm, as far as the
-  /// grid reaches. It has no points if there is no path or docking has failed; empty before the
-  /// first plan to the present goal is complete.
+  /// The planned path from the robot to a goal, frame map, a point every 20 cm, as far as the grid
+  /// reaches. It has no points if there is no path or docking has failed; empty before the first
+  /// plan to this goal is complete. The yaw of a goal without a heading is 0.
   [[nodiscard]] std::optional<std::vector<Eigen::Vector2d>> path_map(
-      const geometry::SE2& T_map_base) const;
+      const geometry::SE2& T_map_base, const geometry::SE2& T_map_goal) const;
 
  private:
   [[nodiscard]] Decision drive_by_plan(const Situation& now);
@@ -58,7 +54,6 @@ class GoalDrive {
   Docking docking_;
   std::optional<geometry::SE2> dock_map_;
   std::optional<geometry::SE2> decided_goal_map_;  // of the last decision to drive to a goal
-  bool has_new_goal_ = false;                      // since then
   Eigen::Vector2d goal_map_ = Eigen::Vector2d::Zero();
   double least_cost_m_ = 0.0;  // since the goal was given, or the last failure
   double last_cost_m_ = 0.0;

@@ -129,7 +129,7 @@ class Driver {
 
   const Situation& now() const { return now_; }
   std::vector<Eigen::Vector2d> path() const {
-    return drive_.path_map(now_.T_odom_base).value_or(std::vector<Eigen::Vector2d>());
+    return drive_.path_map(now_.T_odom_base, goal_).value_or(std::vector<Eigen::Vector2d>());
   }
   // Nothing is decided for this long.
   void pause(time::Duration duration) { now_.stamp += duration; }
@@ -137,6 +137,7 @@ class Driver {
   Decision decide(const Eigen::Vector2d& goal_odom, double tolerance_m) {
     now_.stamp += time::from_seconds(kStepS);
     now_.goal = GoalInBase{now_.T_odom_base.inverse() * goal_odom, tolerance_m};
+    goal_ = {goal_odom.x(), goal_odom.y(), 0.0};
     seen_.update(now_.T_odom_base.yaw, 2 * num_steps_++);
     return drive_.decide(now_);
   }
@@ -156,6 +157,7 @@ class Driver {
   GoalDrive drive_{NavigatorParams{}};
   SeenDirections seen_{SteerParams{}};
   Situation now_;
+  geometry::SE2 goal_;  // of the last decision; map is odom
   std::int64_t num_steps_ = 0;
 };
 
