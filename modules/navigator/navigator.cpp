@@ -158,7 +158,8 @@ void Navigator::watch_first_look(const Situation& now) {
 
 Decision Navigator::brake(const Situation& now, Reason reason) const {
   Decision decision = stationary(std::move(reason));
-  decision.free_distance_m = brake_.measure_arc(0.0, now).free_distance_m;
+  decision.free_distance_m =
+      free_distance(now.points_base, 0.0, body_, params_.drive.side_margin_m);
   return decision;
 }
 
@@ -211,8 +212,7 @@ TurnInput Navigator::turn_input(const Situation& now) const {
   input.yaw_rate_rad_s = now.yaw_rate_rad_s;
   input.clear_direction_rad = nearer_direction(seen_and_free);
   input.more_room_side = side_with_more_room(space);
-  input.ahead_is_free =
-      space.at(0) >= until_free_m && brake_.measure_arc(0.0, now).free_distance_m >= until_free_m;
+  input.ahead_is_free = space.at(0) >= until_free_m;
   input.ahead_is_seen = now.has_seen(0.0);
   input.left = {free_rotation(now.points_base, Side::kLeft, body_, margin_m),
                 without_points.left_rad.value_or(kEndless)};

@@ -132,5 +132,22 @@ TEST(Steer, BetweenTwoDoorsTheNearestFreeDirectionsAreTheDoors) {
   EXPECT_FALSE(free_neighbours(space, 0.0, 3.5).left_rad);
 }
 
+// Steer and Turn go by the former, Brake by the latter. They differ only for points a little within
+// the body: all those before its middle block the former, only those at its front the latter.
+TEST(FreeSpace, AheadItIsNoLongerThanTheVirtualCorridor) {
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> place(-0.5, 0.5);
+  constexpr double kMarginM = 0.06;
+  for (int i = 0; i < 5000; ++i) {
+    const Points point{{place(random), place(random)}};
+    const double ahead_m = measure_free_space(point, kBody, kMarginM).at(0);
+    const double corridor_m = free_distance(point, 0.0, kBody, kMarginM);
+    EXPECT_LE(ahead_m, corridor_m) << point[0].transpose();
+    if (!kBody.grown(0.0, kMarginM).contains(point[0])) {
+      EXPECT_EQ(ahead_m, corridor_m) << point[0].transpose();
+    }
+  }
+}
+
 }  // namespace free_space_test
 }  // namespace nodmap::navigator
