@@ -23,11 +23,12 @@ struct Neighbour {
   int dy;
   float length_m;
 };
+constexpr auto kStraightM = static_cast<float>(PlanWindow::kCellM);
 constexpr float kDiagonalM = 0.0707107F;
-constexpr std::array<Neighbour, 8> kNeighbours{{{1, 0, 0.05F},
-                                                {-1, 0, 0.05F},
-                                                {0, 1, 0.05F},
-                                                {0, -1, 0.05F},
+constexpr std::array<Neighbour, 8> kNeighbours{{{1, 0, kStraightM},
+                                                {-1, 0, kStraightM},
+                                                {0, 1, kStraightM},
+                                                {0, -1, kStraightM},
                                                 {1, 1, kDiagonalM},
                                                 {1, -1, kDiagonalM},
                                                 {-1, 1, kDiagonalM},
@@ -44,8 +45,8 @@ double CostToGo::at(const Eigen::Vector2d& p_map) const {
 
 double CostToGo::least_near(const Eigen::Vector2d& p_map) const {
   double least = std::numeric_limits<double>::infinity();
-  for (double dx = -kSearchRadiusM; dx <= kSearchRadiusM; dx += window_.cell_size_m) {
-    for (double dy = -kSearchRadiusM; dy <= kSearchRadiusM; dy += window_.cell_size_m) {
+  for (double dx = -kSearchRadiusM; dx <= kSearchRadiusM; dx += PlanWindow::kCellM) {
+    for (double dy = -kSearchRadiusM; dy <= kSearchRadiusM; dy += PlanWindow::kCellM) {
       least = std::min(least, at(p_map + Eigen::Vector2d(dx, dy)) + std::hypot(dx, dy));
     }
   }
@@ -53,18 +54,17 @@ double CostToGo::least_near(const Eigen::Vector2d& p_map) const {
 }
 
 std::vector<Eigen::Vector2d> CostToGo::path_from(const Eigen::Vector2d& p_map, double max_m) const {
-  const double cell_size_m = window_.cell_size_m;
   // From the middle of one cell to the middle of the next: on a border rounding would choose the
   // cell.
-  const Eigen::Vector2d cell = ((p_map - window_.origin) / cell_size_m).array().floor();
+  const Eigen::Vector2d cell = ((p_map - window_.origin) / PlanWindow::kCellM).array().floor();
   std::vector<Eigen::Vector2d> path{window_.origin +
-                                    cell_size_m * (cell + Eigen::Vector2d(0.5, 0.5))};
-  const auto max_points = static_cast<std::size_t>(max_m / cell_size_m);
+                                    PlanWindow::kCellM * (cell + Eigen::Vector2d(0.5, 0.5))};
+  const auto max_points = static_cast<std::size_t>(max_m / PlanWindow::kCellM);
   while (path.size() < max_points) {
     Eigen::Vector2d next = path.back();
     double least = at(path.back());
     for (const Neighbour& n : kNeighbours) {
-      const Eigen::Vector2d p = path.back() + cell_size_m * Eigen::Vector2d(n.dx, n.dy);
+      const Eigen::Vector2d p = path.back() + PlanWindow::kCellM * Eigen::Vector2d(n.dx, n.dy);
       if (at(p) < least) {
         least = at(p);
         next = p;
@@ -84,7 +84,7 @@ void CostSearch::begin(const PlanWindow& window, std::span<const float> price,
                        const Eigen::Vector2d& goal_map, double tolerance_m, double outside_price) {
   clear(window);
   const Eigen::Vector2d size =
-      window.cell_size_m *
+      PlanWindow::kCellM *
       Eigen::Vector2d(static_cast<double>(window.width), static_cast<double>(window.height));
   const Eigen::Array2d from_corner = (goal_map - window.origin).array();
   if ((from_corner < 0.0).any() || (from_corner >= size.array()).any()) {
@@ -126,10 +126,9 @@ void CostSearch::begin_onward(const PlanWindow& window, std::span<const float> p
 void CostSearch::seed_goal(std::span<const float> price, const Eigen::Vector2d& goal_map,
                            double tolerance_m) {
   const PlanWindow& window = found_.window_;
-  const double cell_size_m = window.cell_size_m;
-  const double radius_m = std::max(cell_size_m, 0.7 * tolerance_m);
-  for (double dy = -radius_m; dy <= radius_m; dy += cell_size_m) {
-    for (double dx = -radius_m; dx <= radius_m; dx += cell_size_m) {
+  const double radius_m = std::max(PlanWindow::kCellM, 0.7 * tolerance_m);
+  for (double dy = -radius_m; dy <= radius_m; dy += PlanWindow::kCellM) {
+    for (double dx = -radius_m; dx <= radius_m; dx += PlanWindow::kCellM) {
       const Eigen::Vector2i cell = window.cell_of(goal_map + Eigen::Vector2d(dx, dy));
       if (dx * dx + dy * dy > radius_m * radius_m || !window.contains(cell.x(), cell.y()) ||
           price[window.place(cell.x(), cell.y())] < 0.0F) {

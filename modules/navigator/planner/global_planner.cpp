@@ -152,7 +152,7 @@ bool GlobalPlanner::start_if_due(time::Timestamp stamp) {
 
 void GlobalPlanner::begin(const PlanWindow& window) {
   window_ = window;
-  obstacle_distances_.begin(window.origin, window.cell_size_m, window.width, window.height);
+  obstacle_distances_.begin(window.origin, PlanWindow::kCellM, window.width, window.height);
   price_.resize(window.num_cells());
   phase_ = Phase::kOccupy;
   row_ = 0;
@@ -236,7 +236,7 @@ void GlobalPlanner::occupy_row(int row) {
 
 void GlobalPlanner::occupy_boundary(const Geofence& geofence) {
   const Eigen::Vector2d half_size =
-      0.5 * window_.cell_size_m * Eigen::Vector2i(window_.width, window_.height).cast<double>();
+      0.5 * PlanWindow::kCellM * Eigen::Vector2i(window_.width, window_.height).cast<double>();
   const Eigen::Vector2d middle_map = window_.origin + half_size;
   for (const auto& p_map : geofence.boundary_near(middle_map, half_size.norm())) {
     const Eigen::Vector2i cell = window_.cell_of(p_map);
@@ -261,7 +261,7 @@ void GlobalPlanner::price_row(int row) {
 // Raises the price where the robot could not go on. A place that also looked too narrow is closed.
 void GlobalPlanner::price_failures() {
   const double least_m = body_.half_width_m + params_.min_clearance_m;
-  const int reach = static_cast<int>(kFailureM / window_.cell_size_m);
+  const int reach = static_cast<int>(kFailureM / PlanWindow::kCellM);
   for (const Eigen::Vector2d& p_map : failures_map_) {
     const Eigen::Vector2i middle = window_.cell_of(p_map);
     for (int dy = -reach; dy <= reach; ++dy) {

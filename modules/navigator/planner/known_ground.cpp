@@ -114,7 +114,7 @@ PlanWindow KnownGround::window_between(const Eigen::Vector2i& low,
   const Eigen::Vector2i last = grid_.first() + Eigen::Vector2i::Constant(grid_.size() - 1);
   const Eigen::Vector2i from = low.cwiseMax(grid_.first());
   const Eigen::Vector2i size = high.cwiseMin(last) - from + Eigen::Vector2i::Ones();
-  return {kCellM * from.cast<double>(), kCellM, std::max(1, size.x()), std::max(1, size.y())};
+  return {kCellM * from.cast<double>(), std::max(1, size.x()), std::max(1, size.y())};
 }
 
 }  // namespace nodmap::navigator

@@ -14,7 +14,7 @@ namespace nodmap::navigator {
 /// with cells of 5 cm.
 class KnownGround {
  public:
-  static constexpr double kCellM = 0.05;
+  static constexpr double kCellM = PlanWindow::kCellM;
 
   enum class Kind : std::uint8_t { kUnknown, kFloor, kBlocked };
 

@@ -8,8 +8,9 @@ namespace nodmap::navigator {
 
 /// The rectangle of cells that a plan covers; frame map.
 struct PlanWindow {
+  static constexpr double kCellM = 0.05;
+
   Eigen::Vector2d origin = Eigen::Vector2d::Zero();  ///< outer corner of cell (0, 0)
-  double cell_size_m = 0.05;
   int width = 0;
   int height = 0;
 
@@ -25,11 +26,11 @@ struct PlanWindow {
            static_cast<std::size_t>(column);
   }
   [[nodiscard]] Eigen::Vector2d center_of(int column, int row) const {
-    return origin + cell_size_m * Eigen::Vector2d(column + 0.5, row + 0.5);
+    return origin + kCellM * Eigen::Vector2d(column + 0.5, row + 0.5);
   }
   /// The column and row of a place, which may be outside.
   [[nodiscard]] Eigen::Vector2i cell_of(const Eigen::Vector2d& p_map) const {
-    return ((p_map - origin) / cell_size_m).array().floor().cast<int>();
+    return ((p_map - origin) / kCellM).array().floor().cast<int>();
   }
 };
 

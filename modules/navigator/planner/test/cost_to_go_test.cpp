@@ -34,7 +34,7 @@ struct Prices {
     return static_cast<double>(price[window.place(column, row)]);
   }
   [[nodiscard]] Eigen::Vector2d middle(int column, int row) const {
-    return window.origin + window.cell_size_m * Eigen::Vector2d(column + 0.5, row + 0.5);
+    return window.origin + PlanWindow::kCellM * Eigen::Vector2d(column + 0.5, row + 0.5);
   }
   PlanWindow window;
   std::vector<float> price;
