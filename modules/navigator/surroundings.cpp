@@ -82,9 +82,10 @@ void Surroundings::complete(Situation& now) {
   seen_.update(now.T_odom_base.yaw, now.sweep_count);
   now.seen = &seen_;
   now.local_map = local_map_.has_scan() ? &local_map_ : nullptr;
-  slow_down_after_gap(now);
-  slow_down_near_slopes(now);
-  add_people(now);
+  now.people = in_base(people_.people_odom(now.stamp), now.T_odom_base);
+  slow_down(now);
+  erase_floor(now);
+  erase_people(now);
   add_local_map(now);
   add_standing(now);
   add_geofence(now);
@@ -107,37 +108,38 @@ std::optional<Reason> Surroundings::reason_to_wait(time::Timestamp stamp) const 
   return std::nullopt;
 }
 
-// Slows down after a gap in the scans. A laser that is held looks everywhere with the next one.
-void Surroundings::slow_down_after_gap(Situation& now) {
+// Slows down after a gap in the scans, and near slopes. A laser that is held looks everywhere with
+// the next scan.
+void Surroundings::slow_down(Situation& now) {
   gap_.update(now.sweep_count);
   if (now.laser_is_held) {
     gap_.reset();
   }
   now.max_forward_mps *= gap_.speed_ratio();
-}
-
-// Slows down near slopes, and removes points of the obstacle map that are ground. That map
-// measures heights above the plane on which the robot stands, so it takes sloped ground for
-// obstacles; the local map, made from the same scans, knows better.
-void Surroundings::slow_down_near_slopes(Situation& now) const {
-  if (now.local_map == nullptr || local_map_.ground().is_level()) {
-    return;
+  if (!local_map_.ground().is_level()) {
+    now.max_forward_mps = std::min(now.max_forward_mps, params_.local_map.ground.sloped_mps);
   }
-  now.max_forward_mps = std::min(now.max_forward_mps, params_.local_map.ground.sloped_mps);
-  erase_free_floor(now);
 }
 
-// Adds the people who walk, and removes points of the obstacle map that they are or have left
-// behind. Watches what else approaches.
-void Surroundings::add_people(Situation& now) {
-  now.people = in_base(people_.people_odom(now.stamp), now.T_odom_base);
+// Removes points of the obstacle map where the local map, made from the same scans, knows only
+// floor. The obstacle map measures heights above the plane on which the robot stands, so it takes
+// sloped ground for obstacles; and it keeps people who have passed beside or behind the robot.
+void Surroundings::erase_floor(Situation& now) {
   if (!now.people.empty()) {
     saw_people_at_ = now.stamp;
   }
-  if (now.needs_seen_floor() && saw_people_at_ &&
-      std::chrono::abs(now.stamp - *saw_people_at_) < kPassed) {
-    erase_free_floor(now);
+  const bool have_passed = now.needs_seen_floor() && saw_people_at_ &&
+                           std::chrono::abs(now.stamp - *saw_people_at_) < kPassed;
+  if (have_passed || !local_map_.ground().is_level()) {
+    std::erase_if(now.points_base, [&](const Eigen::Vector2d& p_base) {
+      return local_map_.is_only_floor(now.T_odom_base * p_base);
+    });
   }
+}
+
+// Removes points of the obstacle map that are people who walk, or that they have left behind.
+// Watches what else approaches.
+void Surroundings::erase_people(Situation& now) {
   Points points_of_things = without_wakes(now.people, now.points_base);
   watch_approach(now, points_of_things);
   if (now.local_map != nullptr) {
@@ -167,7 +169,7 @@ void Surroundings::add_local_map(Situation& now) const {
   }
 }
 
-// Adds what stands beside or behind the robot. Must follow add_people(), which removes points.
+// Adds what stands beside or behind the robot. Must follow what removes points.
 void Surroundings::add_standing(Situation& now) const {
   const Points standing = proximity_.points_base(now.T_odom_base);
   now.points_base.insert(now.points_base.end(), standing.begin(), standing.end());
@@ -192,14 +194,6 @@ void Surroundings::add_geofence(Situation& now) const {
 double Surroundings::longest_stop_m() const {
   return body_.turning_radius_m() + params_.robot.braking.required_distance_m(
                                         params_.drive.max_forward_mps, params_.drive.reaction_s);
-}
-
-// Removes points of the obstacle map where the local map, made from the same scans, knows only
-// floor: slopes, and people who have passed beside or behind the robot.
-void Surroundings::erase_free_floor(Situation& now) const {
-  std::erase_if(now.points_base, [&](const Eigen::Vector2d& p_base) {
-    return local_map_.is_only_floor(now.T_odom_base * p_base);
-  });
 }
 
 }  // namespace nodmap::navigator

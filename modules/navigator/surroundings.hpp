@@ -53,14 +53,13 @@ class Surroundings {
   [[nodiscard]] const PeopleTracker& people() const { return people_; }
 
  private:
-  void slow_down_after_gap(Situation& now);
-  void slow_down_near_slopes(Situation& now) const;
-  void add_people(Situation& now);
+  void slow_down(Situation& now);
+  void erase_floor(Situation& now);
+  void erase_people(Situation& now);
   void watch_approach(const Situation& now, const Points& points_base);
   void add_local_map(Situation& now) const;
   void add_standing(Situation& now) const;
   void add_geofence(Situation& now) const;
-  void erase_free_floor(Situation& now) const;
   [[nodiscard]] double longest_stop_m() const;
 
   NavigatorParams params_;
