@@ -18,7 +18,8 @@ namespace nodmap::navigator {
 /// In each direction the nearest distance is compared with the one before. Both are measured from a
 /// reference point in odom that stays where it is while the robot moves on a little, so that the
 /// robot's own motion brings nothing nearer. A direction that has just come into view is not
-/// compared. What comes out from behind something was farther away than that before.
+/// compared. What comes out from behind something is not nearer either: what hid it was nearer
+/// still.
 class Approach {
  public:
   /// Takes the obstacles of a moment. Those farther than `reach_m` from base are only remembered.

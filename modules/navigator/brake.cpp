@@ -131,8 +131,9 @@ Decision Brake::drive(const Arc& arc, double direction_rad, double limit_mps,
   return decision;
 }
 
-// The laser does not look where a rotation moves the rear, so there the remembered ground counts.
-// Ahead speed_on_seen_floor() takes care of that, behind the robot its trail (back_up.hpp).
+// The laser does not look where a rotation moves the rear. So doubtful ground counts there, which
+// is what the local map remembers. Ahead speed_on_seen_floor() takes care of that, behind the robot
+// its trail (back_up.hpp).
 void Brake::keep_to_known_ground(Decision& decision, const Situation& now) const {
   const double yaw_rate_rad_s = std::abs(decision.yaw_rate_rad_s);
   if (yaw_rate_rad_s <= kCreepRadS || decision.forward_mps < 0.0 || now.doubtful_base.empty()) {

@@ -10,10 +10,10 @@ namespace nodmap::navigator {
 /// bound until every place has been looked at again.
 ///
 /// Why the robot need not stand and look: what it had looked at before is in its maps, and where no
-/// floor was seen Brake stops it as always. Only what has come since could be missed. The gap costs
-/// each place one look, or the two at one end of the sweep. So no place is unseen for longer than
-/// twice the time for which the pitch controller's bound holds, and at half of the bound the robot
-/// drives no farther in it than it may without a gap.
+/// floor was seen Brake stops it as always. Only what has come since could be missed. A gap hides
+/// each place for one look, or for the two at one end of the sweep. So no place is unseen for
+/// longer than twice the time for which the pitch controller allows its bound. At half of the bound
+/// the robot drives no farther in that time than it may without a gap.
 class ScanGap {
  public:
   /// `sweeps`: after so many every place has been looked at.

@@ -17,7 +17,7 @@ namespace nodmap::navigator {
 ///
 /// Everything else is no mixed pixel: a surface with two beams side by side, or a thin post, which
 /// is nearer than both of its neighbours. One thing is mistaken for one until the robot has moved
-/// on: what is one beam wide and borders, as seen from here, on something nearer.
+/// on: what is one beam wide and, seen from here, beside something nearer.
 [[nodiscard]] bool is_mixed_pixel(const scan::Scan& scan, std::size_t beam);
 
 }  // namespace nodmap::navigator

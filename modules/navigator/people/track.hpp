@@ -45,7 +45,7 @@ class Track {
   /// Number of scans since seen_at() with beams that have passed through its middle.
   [[nodiscard]] int num_contradictions() const { return num_contradictions_; }
   void contradict() { ++num_contradictions_; }
-  /// The last time at which it was seen or was out of view, beside or behind the robot.
+  /// Since when it has been in view without being detected.
   [[nodiscard]] time::Timestamp missed_since() const { return std::max(seen_at_, hidden_at_); }
   void hide(time::Timestamp stamp) { hidden_at_ = stamp; }
   /// Seen in at least two sweeps, at the heights of a leg, and faster than its velocity error.

@@ -11,8 +11,8 @@ namespace nodmap::navigator {
 
 class LocalMap;
 
-/// The points that are in nobody's wake. Where people are in the way, and for how long, their
-/// tracks say.
+/// The points that are in nobody's wake. What gives way to people goes by their tracks, not by
+/// points.
 [[nodiscard]] Points without_wakes(const People& people_base, Points points_base);
 
 /// Removes the obstacles in wakes from the local map.

@@ -44,9 +44,9 @@ void KnownGround::forget() {
   is_empty_ = true;
 }
 
-// What the local map does not know stays as it was. So does what it knows no better than before,
-// because odometry has drifted since it was seen: what is behind the laser, and obstacles that it
-// has forgotten.
+// What the local map does not know stays as it was. Two things stay as they were although it knows
+// them, because odometry has drifted since they were seen: what is behind the laser, and obstacles
+// that the local map has forgotten.
 void KnownGround::update(const Situation& now) {
   const geometry::SE2 T_map_base = now.T_map_base();
   const Eigen::Vector2d p_map = T_map_base.translation();

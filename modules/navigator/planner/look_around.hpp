@@ -19,8 +19,7 @@ class LookAround {
   [[nodiscard]] bool wants_rotation() const;
   /// It cannot rotate any farther.
   void end();
-  /// Returns true when the robot has looked around as far as it can: once, and again after half a
-  /// minute without a path.
+  /// True once for each look around, when it is complete: the robot has rotated as far as it can.
   [[nodiscard]] bool take_end();
 
   /// There is a path. Without one, the robot rotates anew.

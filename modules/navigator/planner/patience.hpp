@@ -11,8 +11,8 @@ namespace nodmap::navigator {
 /// stopped or another behaviour decided, the time without progress counts anew.
 inline constexpr time::Duration kLongestPeriod = 200ms;
 
-/// Measures for how long a behaviour has decided without progress. What counts as progress, it says
-/// itself.
+/// Measures for how long a behaviour has decided without progress. The behaviour says what progress
+/// is.
 class Patience {
  public:
   /// `lasts`: the time without progress after which patience is over.
