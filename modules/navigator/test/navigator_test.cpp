@@ -18,12 +18,7 @@ constexpr double kStepS = 0.01332;
 struct NavigatorTest : testing::Test {
   NavigatorTest() {
     now.max_forward_mps = 1.0;
-    for (int quarter = 0; quarter < 4; ++quarter) {
-      const geometry::SE2 T_odom_base{0.0, 0.0, 0.5 * geometry::kPi * quarter};
-      for (double deg = -60.0; deg <= 2.0; deg += 3.0) {
-        navigator.add_scan(test::scan_of({}, T_odom_base, geometry::deg_to_rad(deg)), T_odom_base);
-      }
-    }
+    test::look_around(navigator, {});
   }
 
   // One decision, a scan later. In the meantime the laser has seen what is ahead.

@@ -74,6 +74,39 @@ inline scan::Scan scan_of(const Ground& ground, const geometry::SE2& T_odom_base
   return scan;
 }
 
+/// Adds the scans of one sweep, from below to above level, to a local map or a navigator.
+template <class Map>
+void sweep(Map& map, const Ground& ground, const geometry::SE2& T_odom_base = {},
+           double step_deg = 3.0) {
+  for (double deg = -60.0; deg <= 2.0; deg += step_deg) {
+    map.add_scan(scan_of(ground, T_odom_base, geometry::deg_to_rad(deg)), T_odom_base);
+  }
+}
+
+/// The same in four directions, a quarter apart, beginning with that of the pose.
+template <class Map>
+void look_around(Map& map, const Ground& ground, const geometry::SE2& T_odom_base = {}) {
+  for (int quarter = 0; quarter < 4; ++quarter) {
+    geometry::SE2 T_odom_turned = T_odom_base;
+    T_odom_turned.yaw += 0.5 * geometry::kPi * quarter;
+    sweep(map, ground, T_odom_turned);
+  }
+}
+
+/// A square fence of 2.2 m around the origin, with a gap ahead.
+inline Ground fence(double gap_m = 0.0) {
+  Ground ground{{{{-1.1, -1.1}, {-1.0, 1.1}, 0.5},
+                 {{-1.1, 1.0}, {1.1, 1.1}, 0.5},
+                 {{-1.1, -1.1}, {1.1, -1.0}, 0.5}}};
+  if (gap_m == 0.0) {
+    ground.blocks.push_back({{1.0, -1.1}, {1.1, 1.1}, 0.5});
+  } else {
+    ground.blocks.push_back({{1.0, -1.1}, {1.1, -0.5 * gap_m}, 0.5});
+    ground.blocks.push_back({{1.0, 0.5 * gap_m}, {1.1, 1.1}, 0.5});
+  }
+  return ground;
+}
+
 /// Whether a place is blocked by an obstacle or a hole, or as the edge of a hole.
 inline bool is_blocked_at(const LocalMap& map, const Eigen::Vector2d& p_odom) {
   const LocalView view = map.view_around(p_odom, map.grid().cell_size_m());

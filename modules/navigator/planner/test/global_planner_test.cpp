@@ -18,16 +18,10 @@ using test::Ground;
 const robot::Footprint kBody = robot::Body{}.footprint();
 constexpr double kToleranceM = 0.2;
 
-// A local map of the ground, seen all around from a pose.
-LocalMap look(const Ground& ground, const geometry::SE2& T_odom_base) {
+// A local map of the ground, seen all around.
+LocalMap look(const Ground& ground) {
   LocalMap map({}, {});
-  for (int quarter = 0; quarter < 4; ++quarter) {
-    geometry::SE2 T_odom_turned = T_odom_base;
-    T_odom_turned.yaw += 0.5 * geometry::kPi * quarter;
-    for (double deg = -60.0; deg <= 2.0; deg += 3.0) {
-      map.add_scan(test::scan_of(ground, T_odom_turned, geometry::deg_to_rad(deg)), T_odom_turned);
-    }
-  }
+  test::look_around(map, ground);
   return map;
 }
 
@@ -114,7 +108,7 @@ TEST(GlobalPlanner, WhileTheGoalMovesThePlanLeadsToWhereItWasAMomentAgo) {
 TEST(GlobalPlanner, LeadsAroundAWallAndKeepsOffIt) {
   const Ground ground{{{{1.5, -1.2}, {1.6, 3.0}, 0.5}}};
   GlobalPlanner planner(kBody, {});
-  plan(planner, look(ground, {}), {3.0, 0.0});
+  plan(planner, look(ground), {3.0, 0.0});
   ASSERT_NE(planner.cost_to_go(), nullptr);
   const auto path = planner.cost_to_go()->path_from({0.0, 0.0}, 20.0);
   EXPECT_LT((path.back() - Eigen::Vector2d(3.0, 0.0)).norm(), kToleranceM);
@@ -152,15 +146,13 @@ TEST(GlobalPlanner, ALargePlanIsPreparedInPortions) {
   EXPECT_LE(num_steps, 1 + 2 + 12);
 }
 
-TEST(GlobalPlanner, AGoalBeyondTheGridCannotBeReachedThroughAClosedFence) {
-  const Ground ground{{{{1.0, -1.1}, {1.1, 1.1}, 0.5},
-                       {{-1.1, -1.1}, {-1.0, 1.1}, 0.5},
-                       {{-1.1, 1.0}, {1.1, 1.1}, 0.5},
-                       {{-1.1, -1.1}, {1.1, -1.0}, 0.5}}};
-  GlobalPlanner planner(kBody, {});
-  plan(planner, look(ground, {}), {80.0, 0.0});
-  ASSERT_NE(planner.cost_to_go(), nullptr);
-  EXPECT_FALSE(std::isfinite(planner.cost_to_go()->least_near({0.0, 0.0})));
+TEST(GlobalPlanner, NoGoalCanBeReachedThroughAClosedFence) {
+  for (const double goal_m : {3.0, 80.0}) {
+    GlobalPlanner planner(kBody, {});
+    plan(planner, look(test::fence()), {goal_m, 0.0});
+    ASSERT_NE(planner.cost_to_go(), nullptr);
+    EXPECT_FALSE(std::isfinite(planner.cost_to_go()->least_near({0.0, 0.0})));
+  }
 }
 
 TEST(GlobalPlanner, LeadsAroundAHoleInTheGeofenceAndNeverOutOfTheGeofence) {
@@ -208,11 +200,7 @@ void plan_looking_around(GlobalPlanner& planner, const LocalMap& map, const Eige
 // drift.
 TEST(GlobalPlanner, KeepsWallsThatTheLocalMapHasForgottenUntilTheyAreSeenToBeGone) {
   const Eigen::Vector2d goal(3.0, 0.0);
-  const Ground fence{{{{1.0, -1.1}, {1.1, 1.1}, 0.5},
-                      {{-1.1, -1.1}, {-1.0, 1.1}, 0.5},
-                      {{-1.1, 1.0}, {1.1, 1.1}, 0.5},
-                      {{-1.1, -1.1}, {1.1, -1.0}, 0.5}}};
-  LocalMap map = look(fence, {});
+  LocalMap map = look(test::fence());
   GlobalPlanner planner(kBody, {});
   plan(planner, map, goal);
   rotate_blindly(map);
@@ -240,7 +228,7 @@ TEST(GlobalPlanner, AWallOutOfViewStaysInPlaceWhenThePoseIsCorrected) {
   const Ground wall{{{{-1.3, -2.0}, {-1.2, 2.0}, 0.5}}};
   const Eigen::Vector2d on_wall(-1.25, 0.6);
   const Eigen::Vector2d goal(-4.0, 0.0);
-  LocalMap map = look(wall, {});
+  LocalMap map = look(wall);
   for (double deg = -60.0; deg <= -10.0; deg += 1.0) {
     const geometry::SE2 T_odom_base{0.0, 0.0, geometry::kPi};
     map.add_scan(test::scan_of(wall, T_odom_base, geometry::deg_to_rad(deg)), T_odom_base);
@@ -259,33 +247,12 @@ TEST(GlobalPlanner, AWallOutOfViewStaysInPlaceWhenThePoseIsCorrected) {
   }
 }
 
-TEST(GlobalPlanner, WithinAClosedFenceThereIsNoPath) {
-  // A fence all around the robot.
-  const Ground ground{{{{1.0, -1.1}, {1.1, 1.1}, 0.5},
-                       {{-1.1, -1.1}, {-1.0, 1.1}, 0.5},
-                       {{-1.1, 1.0}, {1.1, 1.1}, 0.5},
-                       {{-1.1, -1.1}, {1.1, -1.0}, 0.5}}};
-  GlobalPlanner planner(kBody, {});
-  plan(planner, look(ground, {}), {3.0, 0.0});
-  ASSERT_NE(planner.cost_to_go(), nullptr);
-  EXPECT_FALSE(std::isfinite(planner.cost_to_go()->least_near({0.0, 0.0})));
-}
-
-// A fence all around the robot, with a gap ahead.
-Ground fence_with_gap(double gap_m) {
-  return {{{{1.0, -1.1}, {1.1, -0.5 * gap_m}, 0.5},
-           {{1.0, 0.5 * gap_m}, {1.1, 1.1}, 0.5},
-           {{-1.1, -1.1}, {-1.0, 1.1}, 0.5},
-           {{-1.1, 1.0}, {1.1, 1.1}, 0.5},
-           {{-1.1, -1.1}, {1.1, -1.0}, 0.5}}};
-}
-
 // The body is 33 cm wide: it fits through 55 cm with its clearance, and through 36 cm with none.
 // From afar such a narrow gap may be free, so it counts as a path until the robot has tried it in
 // vain.
 TEST(GlobalPlanner, ANarrowGapIsAPathUntilTheRobotHasFailedToPassIt) {
   for (const double gap_m : {0.36, 0.45, 0.55}) {
-    const LocalMap map = look(fence_with_gap(gap_m), {});
+    const LocalMap map = look(test::fence(gap_m));
     for (const double yaw_rad : {0.0, 0.3, 0.7}) {  // between cells and walls
       const geometry::SE2 T_map_odom{0.01, 0.02, yaw_rad};
       const Eigen::Vector2d goal = T_map_odom * Eigen::Vector2d(3.0, 0.0);
@@ -330,7 +297,7 @@ TEST(GlobalPlanner, RemembersTheLastFiftyFailures) {
 
 TEST(GlobalPlanner, AfterFailuresOnOneSideOfAWallThePathLeadsAroundTheOtherSide) {
   const Ground ground{{{{1.5, -0.9}, {1.6, 1.0}, 0.5}}};
-  const LocalMap map = look(ground, {});
+  const LocalMap map = look(ground);
   GlobalPlanner planner(kBody, {});
   plan(planner, map, {3.0, 0.0});
   ASSERT_NE(planner.cost_to_go(), nullptr);

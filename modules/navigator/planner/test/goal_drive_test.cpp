@@ -15,17 +15,9 @@ constexpr double kStepS = 0.01332;
 // A local map of a square fence of 2.2 m with a gap ahead, seen from the robot in its middle. It
 // looks to so many sides, and behind first.
 LocalMap fenced(double gap_m = 0.0, int num_sides = 4) {
-  const test::Ground fence{{{{1.0, -1.1}, {1.1, -0.5 * gap_m}, 0.5},
-                            {{1.0, 0.5 * gap_m}, {1.1, 1.1}, 0.5},
-                            {{-1.1, -1.1}, {-1.0, 1.1}, 0.5},
-                            {{-1.1, 1.0}, {1.1, 1.1}, 0.5},
-                            {{-1.1, -1.1}, {1.1, -1.0}, 0.5}}};
   LocalMap map({}, {});
   for (int quarter = 2; quarter < 2 + num_sides; ++quarter) {
-    const geometry::SE2 T_odom_turned{0.0, 0.0, 0.5 * geometry::kPi * quarter};
-    for (double deg = -60.0; deg <= 2.0; deg += 3.0) {
-      map.add_scan(test::scan_of(fence, T_odom_turned, geometry::deg_to_rad(deg)), T_odom_turned);
-    }
+    test::sweep(map, test::fence(gap_m), {0.0, 0.0, 0.5 * geometry::kPi * quarter});
   }
   return map;
 }
@@ -61,9 +53,7 @@ TEST(GoalDrive, WithoutAPathItLooksAroundOnceAndThenStaysWithAReason) {
 // it.
 Decision between_rows(double beside_m) {
   LocalMap map({}, {});
-  for (double deg = -60.0; deg <= 2.0; deg += 3.0) {
-    map.add_scan(test::scan_of({}, {}, geometry::deg_to_rad(deg)), {});
-  }
+  test::sweep(map, {});
   const robot::Footprint body = NavigatorParams().robot.body.footprint();
   Situation now;
   now.local_map = &map;
@@ -104,12 +94,7 @@ TEST(GoalDrive, DrivesMoreSlowlyInANarrowerPlace) {
 // A local map of free floor, seen all around.
 LocalMap open_floor() {
   LocalMap map({}, {});
-  for (int quarter = 0; quarter < 4; ++quarter) {
-    const geometry::SE2 T_odom_turned{0.0, 0.0, 0.5 * geometry::kPi * quarter};
-    for (double deg = -60.0; deg <= 2.0; deg += 3.0) {
-      map.add_scan(test::scan_of({}, T_odom_turned, geometry::deg_to_rad(deg)), T_odom_turned);
-    }
-  }
+  test::look_around(map, {});
   return map;
 }
 

@@ -14,10 +14,8 @@ namespace roaming_test {
 LocalMap seen_from_start(const test::Ground& ground, int quarters = 1) {
   LocalMap map({}, {});
   for (int quarter = 0; quarter < quarters; ++quarter) {
-    const geometry::SE2 T_odom_base{0.0, 0.0, 0.5 * geometry::kPi * (quarter + 1 - quarters)};
-    for (double deg = -60.0; deg <= 2.0; deg += 1.0) {
-      map.add_scan(test::scan_of(ground, T_odom_base, geometry::deg_to_rad(deg)), T_odom_base);
-    }
+    const double yaw_rad = 0.5 * geometry::kPi * (quarter + 1 - quarters);
+    test::sweep(map, ground, {0.0, 0.0, yaw_rad}, 1.0);
   }
   return map;
 }
