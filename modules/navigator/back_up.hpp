@@ -33,7 +33,7 @@ class BackUp {
   void end() { began_at_.reset(); }
 
  private:
-  Footprint body_;
+  robot::Footprint body_;
   double turn_margin_m_;
   BackUpParams params_;
   Trail trail_;

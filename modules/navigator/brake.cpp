@@ -140,7 +140,7 @@ void Brake::keep_to_known_ground(Decision& decision, const Situation& now) const
     return;
   }
   // A cell's centre stands for the whole cell: the body keeps half a cell away.
-  const Footprint inner =
+  const robot::Footprint inner =
       body_.grown(-0.5 * local_map_params_.cell_size_m, -0.5 * local_map_params_.cell_size_m);
   double allowed_rad_s = 0.0;
   if (decision.forward_mps == 0.0) {

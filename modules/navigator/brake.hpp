@@ -80,7 +80,7 @@ class Brake {
                                            const Situation& now) const;
 
   bool creeps_;
-  Footprint body_;
+  robot::Footprint body_;
   robot::Braking braking_;
   DriveParams drive_params_;
   LocalMapParams local_map_params_;

@@ -36,7 +36,7 @@ double angle_until(double from_rad, double to_rad, Side side) {
 // Rotation until a point outside the rectangle touches it. On its circle about the centre of
 // rotation it can enter only where the circle cuts the lines of the edges.
 double rotation_until_touched(const Eigen::Vector2d& p, const Rotation& rotation,
-                              const Footprint& body) {
+                              const robot::Footprint& body) {
   const double radius_sq =
       p.x() * p.x() + (p.y() - rotation.center_y) * (p.y() - rotation.center_y);
   const double from_rad = std::atan2(p.y() - rotation.center_y, p.x());
@@ -68,7 +68,8 @@ double rotation_until_touched(const Eigen::Vector2d& p, const Rotation& rotation
 
 // Whether a point at the body's border moves further in when the base moves by this twist (forward
 // and yaw, any common scale).
-bool moves_inward(const Eigen::Vector2d& p, double forward, double yaw, const Footprint& body) {
+bool moves_inward(const Eigen::Vector2d& p, double forward, double yaw,
+                  const robot::Footprint& body) {
   const Eigen::Vector2d velocity(-forward + yaw * p.y(), -yaw * p.x());
   const bool at_an_end = body.half_length_m - std::abs(p.x()) < body.half_width_m - std::abs(p.y());
   return at_an_end ? velocity.x() * p.x() < 0.0 : velocity.y() * p.y() < 0.0;
@@ -77,27 +78,28 @@ bool moves_inward(const Eigen::Vector2d& p, double forward, double yaw, const Fo
 // How far one point allows a motion to go. `until_touched`: computes it for a rectangle that the
 // point is outside of.
 template <class UntilTouched>
-double free_by_point(const Eigen::Vector2d& p, const Eigen::Vector2d& twist, const Footprint& body,
-                     const Footprint& grown, const UntilTouched& until_touched) {
+double free_by_point(const Eigen::Vector2d& p, const Eigen::Vector2d& twist,
+                     const robot::Footprint& body, const robot::Footprint& grown,
+                     const UntilTouched& until_touched) {
   if (!grown.contains(p)) {
     return until_touched(p, grown);
   }
   if (is_error_of_map(p, body)) {
     return kNever;
   }
-  const Footprint tight = body.grown(kTightMarginM, kTightMarginM);
+  const robot::Footprint tight = body.grown(kTightMarginM, kTightMarginM);
   if (!tight.contains(p)) {
     return until_touched(p, tight);
   }
   return moves_inward(p, twist.x(), twist.y(), tight) ? 0.0 : kNever;
 }
 
-double straight_distance(const Eigen::Vector2d& p, const Footprint& body) {
+double straight_distance(const Eigen::Vector2d& p, const robot::Footprint& body) {
   const bool in_corridor = std::abs(p.y()) <= body.half_width_m && p.x() >= body.half_length_m;
   return in_corridor ? p.x() - body.half_length_m : kNever;
 }
 
-double arc_distance(const Eigen::Vector2d& p, double curvature, const Footprint& body) {
+double arc_distance(const Eigen::Vector2d& p, double curvature, const robot::Footprint& body) {
   const double radius_m = std::abs(1.0 / curvature);
   const Rotation rotation{1.0 / curvature, side_of(curvature)};
   // A point outside the ring that the rectangle sweeps is never touched. This is the case for most
@@ -114,28 +116,28 @@ double arc_distance(const Eigen::Vector2d& p, double curvature, const Footprint&
 
 }  // namespace
 
-bool is_error_of_map(const Eigen::Vector2d& p_base, const Footprint& body) {
+bool is_error_of_map(const Eigen::Vector2d& p_base, const robot::Footprint& body) {
   return body.grown(-kImpossibleDepthM, -kImpossibleDepthM).contains(p_base);
 }
 
-double free_distance(const Points& points_base, double curvature, const Footprint& body,
+double free_distance(const Points& points_base, double curvature, const robot::Footprint& body,
                      double side_margin_m) {
-  const Footprint grown = body.grown(0.0, side_margin_m);
+  const robot::Footprint grown = body.grown(0.0, side_margin_m);
   double distance_m = kNever;
   for (const Eigen::Vector2d& p : points_base) {
-    distance_m =
-        std::min(distance_m, free_by_point(p, {1.0, curvature}, body, grown,
-                                           [&](const Eigen::Vector2d& q, const Footprint& shape) {
-                                             return std::abs(curvature) < kStraightCurvature
-                                                        ? straight_distance(q, shape)
-                                                        : arc_distance(q, curvature, shape);
-                                           }));
+    distance_m = std::min(
+        distance_m, free_by_point(p, {1.0, curvature}, body, grown,
+                                  [&](const Eigen::Vector2d& q, const robot::Footprint& shape) {
+                                    return std::abs(curvature) < kStraightCurvature
+                                               ? straight_distance(q, shape)
+                                               : arc_distance(q, curvature, shape);
+                                  }));
   }
   return distance_m;
 }
 
-double free_distance_backwards(const Points& points_base, double curvature, const Footprint& body,
-                               double side_margin_m) {
+double free_distance_backwards(const Points& points_base, double curvature,
+                               const robot::Footprint& body, double side_margin_m) {
   // Driving backwards is driving forwards on the same circle, mirrored across the axle.
   Points mirrored = points_base;
   for (Eigen::Vector2d& p : mirrored) {
@@ -144,8 +146,9 @@ double free_distance_backwards(const Points& points_base, double curvature, cons
   return free_distance(mirrored, curvature, body, side_margin_m);
 }
 
-double free_rotation(const Points& points_base, Side side, const Footprint& body, double margin_m) {
-  const Footprint grown = body.grown(margin_m, margin_m);
+double free_rotation(const Points& points_base, Side side, const robot::Footprint& body,
+                     double margin_m) {
+  const robot::Footprint grown = body.grown(margin_m, margin_m);
   const double circle_m = std::hypot(grown.half_length_m, grown.half_width_m);
   double angle_rad = kNever;
   for (const Eigen::Vector2d& p : points_base) {
@@ -154,7 +157,7 @@ double free_rotation(const Points& points_base, Side side, const Footprint& body
     }
     angle_rad =
         std::min(angle_rad, free_by_point(p, {0.0, sign(side)}, body, grown,
-                                          [&](const Eigen::Vector2d& q, const Footprint& s) {
+                                          [&](const Eigen::Vector2d& q, const robot::Footprint& s) {
                                             return rotation_until_touched(q, {0.0, side}, s);
                                           }));
   }

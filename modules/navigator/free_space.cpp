@@ -40,8 +40,8 @@ double openness(double distance_m, double open_space_m) {
 }
 
 // Shortens the free distance of all directions whose corridor contains the point.
-void block(FreeSpace& space, const Eigen::Vector2d& p, const Footprint& body,
-           const Footprint& corridor) {
+void block(FreeSpace& space, const Eigen::Vector2d& p, const robot::Footprint& body,
+           const robot::Footprint& corridor) {
   const double range_m = p.norm();
   const double bearing_deg = geometry::rad_to_deg(std::atan2(p.y(), p.x()));
   // One degree more than the corridor covers; whether the point is inside is decided below, without
@@ -73,11 +73,11 @@ int FreeSpace::degree_of(double angle_rad) {
   return std::clamp(degree, -kHalf, kHalf);
 }
 
-FreeSpace measure_free_space(const Points& points_base, const Footprint& body,
+FreeSpace measure_free_space(const Points& points_base, const robot::Footprint& body,
                              double side_margin_m) {
   FreeSpace space;
   space.distance_m.fill(std::numeric_limits<double>::infinity());
-  const Footprint corridor = body.grown(0.0, side_margin_m);
+  const robot::Footprint corridor = body.grown(0.0, side_margin_m);
   for (const Eigen::Vector2d& p : points_base) {
     if (!is_error_of_map(p, body)) {
       block(space, p, body, corridor);

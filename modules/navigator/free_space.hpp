@@ -30,7 +30,7 @@ struct FreeSpace {
 
 /// Measures the free distance in each direction, in a corridor as wide as the body and a margin on
 /// both sides: a gap narrower than the robot is not free.
-[[nodiscard]] FreeSpace measure_free_space(const Points& points_base, const Footprint& body,
+[[nodiscard]] FreeSpace measure_free_space(const Points& points_base, const robot::Footprint& body,
                                            double side_margin_m);
 
 /// Steer: the orientation of free space (Lingemann et al. 2005, used by the paper, III C),

@@ -33,7 +33,7 @@ class Steering {
   [[nodiscard]] std::optional<double> roaming_direction(const FreeSpace& space, double needed_m);
   [[nodiscard]] std::optional<Arc> arc_towards(double direction_rad, const Situation& now) const;
 
-  Footprint body_;
+  robot::Footprint body_;
   double side_margin_m_;
   Brake brake_;
   double stop_margin_m_;

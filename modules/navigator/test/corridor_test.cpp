@@ -14,10 +14,10 @@ namespace nodmap::navigator {
 namespace corridor_test {
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
-const Footprint kBody{0.225, 0.165};
+const robot::Footprint kBody{0.225, 0.165};
 
 // Oracle: moves the body in small steps until it covers the point.
-double stepped_distance(const Eigen::Vector2d& p, double curvature, const Footprint& shape) {
+double stepped_distance(const Eigen::Vector2d& p, double curvature, const robot::Footprint& shape) {
   constexpr double kStepM = 0.0005;
   geometry::SE2 T_start_base;
   for (double distance_m = 0.0;
@@ -62,7 +62,7 @@ TEST(FreeDistance, OnArcsEqualsMovingTheBodyInSteps) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> place(-0.9, 0.9);
   std::uniform_real_distribution<double> bend(-3.0, 3.0);
-  const Footprint grown = kBody.grown(0.0, 0.06);
+  const robot::Footprint grown = kBody.grown(0.0, 0.06);
   int touched = 0;
   for (int i = 0; i < 600; ++i) {
     const Eigen::Vector2d p(place(random), place(random));
@@ -134,7 +134,7 @@ TEST(FreeDistanceBackwards, IsTheFreeDistanceOfAReversedRobot) {
 TEST(FreeRotation, EqualsRotatingTheBodyInSteps) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> place(-0.4, 0.4);
-  const Footprint grown = kBody.grown(0.04, 0.04);
+  const robot::Footprint grown = kBody.grown(0.04, 0.04);
   constexpr double kStepRad = 0.0005;
   int touched = 0;
   for (int i = 0; i < 1000; ++i) {

@@ -17,7 +17,7 @@ using geometry::deg_to_rad;
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr double kOpenSpaceM = 1.0;
-const Footprint kBody{0.225, 0.165};
+const robot::Footprint kBody{0.225, 0.165};
 
 FreeSpace measure(const Points& points) {
   return measure_free_space(points, kBody, 0.06);
