@@ -2,6 +2,8 @@
 // nodmap-stop: stops the robot until it is released; with --go, releases it.
 #include <CLI/CLI.hpp>
 #include <iostream>
+#include <memory>
+#include <optional>
 #include <string>
 
 #include "common/bus/live_bus.hpp"
@@ -10,6 +12,7 @@
 #include "common/node/program.hpp"
 #include "common/node/request.hpp"
 #include "common/node/stop_latch.hpp"
+#include "nodmap/status_t.hpp"
 #include "nodmap/stop_t.hpp"
 
 namespace nodmap {
@@ -39,9 +42,31 @@ void send(bus::LiveBus& bus, const Arguments& arguments) {
   }
 }
 
+// Waits for a base driver that is not FAILED: without its base it cannot drive, and when the base
+// is back it may stop again. Returns false, with the reason on stderr, if there is none in time.
+bool await_base_driver(bus::LiveBus& bus, double wait_s) {
+  // Shared with the subscription, which lasts as long as the bus.
+  const auto last = std::make_shared<std::optional<status_t>>();
+  bus.subscribe<status_t>("STATUS", [last](const status_t& status) {
+    if (status.process_name == node::kBaseDriver) {
+      *last = status;
+    }
+  });
+  const auto is_ready = [&last] { return *last && (*last)->health != status_t::FAILED; };
+  if (node::handle_until(bus, wait_s, is_ready)) {
+    return true;
+  }
+  if (*last) {
+    std::cerr << "nodmap-stop: nodmap-kurt is FAILED: " << node::read_name((*last)->health_reason)
+              << "\n";
+  } else {
+    std::cerr << "nodmap-stop: no nodmap-kurt within " << wait_s << " s\n";
+  }
+  return false;
+}
+
 int release(bus::LiveBus& bus, const Arguments& arguments) {
-  if (node::await_processes(bus, {node::kBaseDriver}, arguments.request.wait_s).empty()) {
-    std::cerr << "nodmap-stop: no nodmap-kurt within " << arguments.request.wait_s << " s\n";
+  if (!await_base_driver(bus, arguments.request.wait_s)) {
     return 1;
   }
   send(bus, arguments);
