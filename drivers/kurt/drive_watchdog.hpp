@@ -60,6 +60,13 @@ class DriveWatchdog {
   /// Whether two processes send DRIVE, so that neither is obeyed.
   [[nodiscard]] bool is_contested(time::SteadyTime now) const { return sender_.is_contested(now); }
 
+  /// Makes the command obeyed now one to stand still, until the next one.
+  void brake() {
+    if (obeyed_) {
+      obeyed_->command = {};
+    }
+  }
+
   /// Stops until the next command, for example because the link to the base was lost.
   void revoke() { obeyed_.reset(); }
 

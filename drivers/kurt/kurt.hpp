@@ -77,6 +77,9 @@ class Kurt {
   /// Requests a motion of the robot.
   DriveStatus drive(const DriveRequest& request, const time::Moment& now);
 
+  /// Brakes the robot until the next DRIVE, as a DRIVE with zero speed does.
+  void brake() { watchdog_.brake(); }
+
   /// The text to send to the adapter now, with a command for the base in it each time. To be called
   /// every 10 ms.
   [[nodiscard]] std::string control(const time::Moment& now);

@@ -18,6 +18,10 @@ namespace {
 constexpr time::Duration kControlPeriod = 10ms;
 constexpr time::Duration kSensorsPeriod = 50ms;
 constexpr time::Duration kSensorLife = 500ms;
+// Whoever has switched the base off, or works at it, does not expect it to drive off when it is
+// back after this long. The port of a loose plug is reopened sooner: 3.1 s after its loss at the
+// latest if the plug is back by then.
+constexpr time::Duration kLongAbsence = 5s;
 // A command is 22 bytes; a line that does not accept them in this time is stuck.
 constexpr time::Duration kWriteTimeout = 5ms;
 constexpr time::Duration kShutdownTimeout = 50ms;
@@ -107,7 +111,8 @@ KurtNode::KurtNode(node::Context& context, const KurtParams& params,
                                 const time::Moment& now) { receive(bytes, now); },
              .lost = [this] { kurt_.disconnected(); }}),
       clock_(std::move(clock)),
-      stop_latch_("its start") {
+      stop_latch_("its start"),
+      base_seen_(clock_().steady) {
   context_.bus.subscribe<nodmap::drive_t>(
       "DRIVE", [this](const nodmap::drive_t& message) { on_drive(message); });
   context_.bus.subscribe<nodmap::stop_t>(
@@ -128,6 +133,7 @@ void KurtNode::spin_once() {
   const time::Moment now = clock_();
   link_.poll(now);
   stop_on_alarm();
+  stop_on_return(now);
   const std::int64_t lost = kurt_.counts().encoder_lost + kurt_.counts().encoder_implausible;
   context_.counts.lose(lost - std::exchange(reported_lost_, lost));
   if (now.steady >= next_control_) {
@@ -203,6 +209,19 @@ void KurtNode::on_stop(const nodmap::stop_t& message) {
 void KurtNode::stop_on_alarm() {
   if (const std::optional<Alarm> alarm = kurt_.take_alarm(); alarm && !stop_latch_.is_stopped()) {
     stop_latch_.stop(name_of(*alarm));
+    log::get().warn("stopped by {}", *stop_latch_.stopped_by());
+  }
+}
+
+// Also if it is this process that has been absent.
+void KurtNode::stop_on_return(const time::Moment& now) {
+  if (kurt_.state(now.steady) < KurtState::kNoDrive) {
+    return;
+  }
+  const time::Duration absence = now.steady - std::exchange(base_seen_, now.steady);
+  if (absence >= kLongAbsence && !stop_latch_.is_stopped()) {
+    stop_latch_.stop("the return of its base");
+    kurt_.brake();
     log::get().warn("stopped by {}", *stop_latch_.stopped_by());
   }
 }

@@ -52,6 +52,8 @@ class KurtNode final : public node::DeviceNode {
   void publish_sensors(const time::Moment& now);
   /// Stops the robot if the base's own sensors demand it.
   void stop_on_alarm();
+  /// Stops the robot if its base is back after a long absence.
+  void stop_on_return(const time::Moment& now);
   void log_change(const time::Moment& now);
 
   node::Context& context_;
@@ -61,6 +63,7 @@ class KurtNode final : public node::DeviceNode {
   node::StopLatch stop_latch_;
   StopRepeater stop_repeater_;
   std::int64_t reported_lost_ = 0;
+  time::SteadyTime base_seen_;
   KurtState logged_state_ = KurtState::kNoLine;
   time::SteadyTime next_control_;
   time::SteadyTime next_sensors_;

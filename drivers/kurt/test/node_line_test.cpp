@@ -2,6 +2,7 @@
 // The driver's end, and a line or a base that fails.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "drivers/kurt/node.hpp"
@@ -56,6 +57,60 @@ TEST(KurtNode, APulledPlugIsReportedAndRecoveredFrom) {
   bench.drive_for(0.5, 0.0, 1s);
   EXPECT_EQ(bench.base.left_cm_s(), 50);
   EXPECT_EQ(bench.node->metrics()["reconnects"], 1);
+}
+
+// It may have been switched off, and somebody may be working at it.
+TEST(KurtNode, AfterALongAbsenceOfItsBaseItIsStoppedUntilReleased) {
+  for (const bool is_unplugged : {false, true}) {
+    Bench bench;
+    ASSERT_TRUE(bench.becomes_ready());
+    bench.drive_for(0.5, 0.0, 1s);
+    bench.base.base_off = !is_unplugged;
+    if (is_unplugged) {
+      bench.pty.reset();
+    }
+    bench.drive_for(0.5, 0.0, 6s);
+    if (is_unplugged) {
+      bench.base = {};
+      bench.pty.emplace();
+    }
+    bench.base.base_off = false;
+    int fastest_cm_s = 0;
+    // The pause between attempts is at most 5 s.
+    for (const time::SteadyTime end = bench.now + 7s; bench.now < end;) {
+      bench.drive_for(0.5, 0.0, 10ms);
+      fastest_cm_s = std::max(fastest_cm_s, bench.base.left_cm_s());
+    }
+    EXPECT_EQ(fastest_cm_s, 0);
+    EXPECT_EQ(bench.node->health().reason,
+              "stopped by the return of its base: stationary until released (nodmap-stop --go)");
+    bench.publish_stop(false);
+    bench.drive_for(0.5, 0.0, 1s);
+    EXPECT_EQ(bench.base.left_cm_s(), 50);
+  }
+}
+
+TEST(KurtNode, AReleaseBeforeItsBaseIsSwitchedOnIsNotObeyedLongAfter) {
+  Bench bench;
+  bench.base.base_off = true;
+  bench.publish_stop(false);
+  bench.drive_for(0.5, 0.0, 6s);
+  bench.base.base_off = false;
+  bench.drive_for(0.5, 0.0, 7s);
+  EXPECT_EQ(bench.base.left_cm_s(), 0);
+  EXPECT_NE(bench.node->health().reason.find("the return of its base"), std::string::npos)
+      << bench.node->health().reason;
+}
+
+TEST(KurtNode, AfterAShortAbsenceOfItsBaseItDrivesOn) {
+  Bench bench;
+  ASSERT_TRUE(bench.becomes_ready());
+  bench.drive_for(0.5, 0.0, 1s);
+  bench.base.base_off = true;
+  bench.drive_for(0.5, 0.0, 3s);
+  bench.base.base_off = false;
+  bench.drive_for(0.5, 0.0, 2s);
+  EXPECT_EQ(bench.base.left_cm_s(), 50);
 }
 
 TEST(KurtNode, ABaseThatSendsNothingPlausibleIsFailedAndNoOdometryIsPublished) {
