@@ -96,6 +96,7 @@ Laser3dOutput Laser3d::poll(time::SteadyTime now) {
   if (!servo_->is_running()) {
     joiner_.forget_pitch();
   }
+  watch_for_losses(now);
   return result;
 }
 
@@ -219,42 +220,69 @@ SteadyScan Laser3d::to_scan(PitchedRevolution pitched) {
   return {pitched.revolution.first_beam, std::move(scan)};
 }
 
+void Laser3d::watch_for_losses(time::SteadyTime now) {
+  telegram_loss_.take(counts_.telegrams_missed, sick_.counts().scans, now);
+  pitch_loss_.take(counts_.scans_without_pitch, counts_.scans + counts_.scans_blind, now);
+}
+
 node::Health Laser3d::health(time::SteadyTime now) const {
   using node::HealthState;
-  constexpr time::Duration kShortestNoScan = 500ms;
-  constexpr double kUnmeasuredRatio = 0.1;
-  constexpr int kErrorSeverity = 3;
-  if (!servo_->is_running()) {
-    return {HealthState::kFailed, "servo: " + servo_->last_error()};
+  if (std::string reason = failure(now); !reason.empty()) {
+    return {HealthState::kFailed, std::move(reason)};
   }
-  if (!sick_.last_error().empty()) {
-    return {HealthState::kFailed, "laser: " + sick_.last_error()};
-  }
-  if (nod_.is_stalled()) {
-    return {HealthState::kFailed, "servo: does not move when commanded to"};
-  }
-  if (is_blind(now)) {
-    return {HealthState::kFailed, "laser: blind (no readings)"};
-  }
-  if (now - last_scan_ > std::max(kShortestNoScan, sick_.stream_timeout())) {
-    return {HealthState::kFailed, "no scan could be given a pitch"};
-  }
-  if (const std::string warning = servo_->warning(); !warning.empty()) {
-    return {HealthState::kDegraded, "servo: " + warning};
-  }
-  if (status_.severity() >= kErrorSeverity) {
-    return {HealthState::kDegraded, "laser: reports an error"};
-  }
-  if (status_.polluted()) {
-    return {HealthState::kDegraded, "laser: the front window is dirty"};
-  }
-  if (dazzled_ratio_ > kUnmeasuredRatio) {
-    return {HealthState::kDegraded, "laser: dazzled"};
-  }
-  if (unmeasured_ratio_ > kUnmeasuredRatio) {
-    return {HealthState::kDegraded, "laser: many beams are not measured"};
+  if (std::string reason = shortcoming(); !reason.empty()) {
+    return {HealthState::kDegraded, std::move(reason)};
   }
   return {HealthState::kOk, "", false};
+}
+
+std::string Laser3d::failure(time::SteadyTime now) const {
+  constexpr time::Duration kShortestNoScan = 500ms;
+  if (!servo_->is_running()) {
+    return "servo: " + servo_->last_error();
+  }
+  if (!sick_.last_error().empty()) {
+    return "laser: " + sick_.last_error();
+  }
+  if (nod_.is_stalled()) {
+    return "servo: does not move when commanded to";
+  }
+  if (is_blind(now)) {
+    return "laser: blind (no readings)";
+  }
+  if (now - last_scan_ > std::max(kShortestNoScan, sick_.stream_timeout())) {
+    return "no scan could be given a pitch";
+  }
+  // The pitch controller's lines are then twice as far apart as it has computed, and a low obstacle
+  // fits between them.
+  if (telegram_loss_.loses_most()) {
+    return "laser: most scans are lost: check its line";
+  }
+  return pitch_loss_.loses_most() ? "servo: most scans are without a pitch: check its line" : "";
+}
+
+std::string Laser3d::shortcoming() const {
+  constexpr double kUnmeasuredRatio = 0.1;
+  constexpr int kErrorSeverity = 3;
+  if (const std::string warning = servo_->warning(); !warning.empty()) {
+    return "servo: " + warning;
+  }
+  if (status_.severity() >= kErrorSeverity) {
+    return "laser: reports an error";
+  }
+  if (status_.polluted()) {
+    return "laser: the front window is dirty";
+  }
+  if (telegram_loss_.loses_many()) {
+    return "laser: many scans are lost: check its line";
+  }
+  if (pitch_loss_.loses_many()) {
+    return "servo: many scans are without a pitch: check its line";
+  }
+  if (dazzled_ratio_ > kUnmeasuredRatio) {
+    return "laser: dazzled";
+  }
+  return unmeasured_ratio_ > kUnmeasuredRatio ? "laser: many beams are not measured" : "";
 }
 
 }  // namespace nodmap::laser3d

@@ -6,6 +6,7 @@
 
 #include "common/geometry/time.hpp"
 #include "common/node/health.hpp"
+#include "common/node/loss_meter.hpp"
 #include "common/scan/scan.hpp"
 #include "drivers/laser3d/nod.hpp"
 #include "drivers/laser3d/params.hpp"
@@ -91,6 +92,11 @@ class Laser3d {
   [[nodiscard]] bool is_blind(time::SteadyTime now) const;
   [[nodiscard]] time::SteadyTime sent_at(const SickScan& scan);
   void join(time::SteadyTime now, Laser3dOutput& result);
+  void watch_for_losses(time::SteadyTime now);
+  /// Why the scanner does not work; empty if it does.
+  [[nodiscard]] std::string failure(time::SteadyTime now) const;
+  /// Why it works worse than it should; empty if it does not.
+  [[nodiscard]] std::string shortcoming() const;
   [[nodiscard]] SteadyScan to_scan(PitchedRevolution pitched);
 
   Laser3dParams params_;
@@ -105,6 +111,8 @@ class Laser3d {
   geometry::SE3 T_base_mount_;
   std::int64_t scan_seq_ = 0;
   std::int64_t dropped_at_start_ = 0;
+  node::LossMeter telegram_loss_;
+  node::LossMeter pitch_loss_;
   time::SteadyTime last_scan_;
   std::optional<time::SteadyTime> last_sight_;  // time of the last scan with readings
   SickStatusByte status_;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 
 #include "drivers/laser3d/test/fake_sensor.hpp"
 #include "drivers/laser3d/test/fake_servo.hpp"
@@ -42,7 +43,8 @@ class Rig {
       if (sensor.streaming && now - last_scan_ >= scan_period) {
         last_scan_ += (now - last_scan_) / scan_period * scan_period;
         if (sensor.powered && sensor.baud == laser_baud) {
-          on_the_laser_line = on_the_laser_line + sensor.next_scan();
+          const Bytes scan = sensor.next_scan();
+          on_the_laser_line = on_the_laser_line + (is_lost(++num_sent_) ? Bytes{} : scan);
         }
       }
       const Bytes from_laser = std::exchange(on_the_laser_line, {});
@@ -77,6 +79,7 @@ class Rig {
   FakeServo servo;
   time::SteadyTime now{1s};
   time::Duration scan_period = kRevolution;
+  std::function<bool(int)> is_lost = [](int /*scan*/) { return false; };  // on its line
   int laser_baud = 0;
   Bytes on_the_laser_line;
   Bytes on_the_servo_line;
@@ -85,6 +88,7 @@ class Rig {
 
  private:
   time::SteadyTime last_scan_{1s};
+  int num_sent_ = 0;
 };
 
 TEST(Laser3d, R1_PublishesPitchedScansAt75Hz) {
@@ -272,6 +276,46 @@ TEST(Laser3d, PollutionDegrades) {
   rig.run(4.0);
   EXPECT_EQ(rig.health().state, node::HealthState::kDegraded);
   EXPECT_EQ(rig.health().reason, "laser: the front window is dirty");
+}
+
+// The pitch controller plans as if every scan came.
+TEST(Laser3d, LostScansDegradeOrFail) {
+  using node::HealthState;
+  struct Case {
+    std::function<bool(int)> is_lost;
+    HealthState state;
+  };
+  for (const Case& c : {Case{[](int scan) { return scan % 20 == 0; }, HealthState::kOk},
+                        Case{[](int scan) { return scan % 5 == 0; }, HealthState::kDegraded},
+                        Case{[](int scan) { return scan % 6 != 0; }, HealthState::kFailed}}) {
+    Rig rig;
+    rig.open();
+    rig.run(4.0);
+    rig.is_lost = c.is_lost;
+    rig.run(2.0);  // the share is that of the last whole second
+    for (int i = 0; i < 20; ++i) {
+      rig.run(0.1);
+      EXPECT_EQ(rig.health().state, c.state) << rig.health().reason;
+    }
+    rig.is_lost = [](int) { return false; };
+    rig.run(2.0);
+    EXPECT_EQ(rig.health().state, HealthState::kOk) << rig.health().reason;
+  }
+}
+
+TEST(Laser3d, ScansWithoutAPitchDegrade) {
+  Rig rig;
+  rig.open();
+  rig.run(4.0);
+  // Readings are missing for 100 ms of each 300 ms: fewer than it takes to be a silent servo.
+  for (int i = 0; i < 10; ++i) {
+    rig.servo.powered = false;
+    rig.run(0.1);
+    rig.servo.powered = true;
+    rig.run(0.2);
+  }
+  EXPECT_EQ(rig.health().state, node::HealthState::kDegraded);
+  EXPECT_EQ(rig.health().reason, "servo: many scans are without a pitch: check its line");
 }
 
 TEST(Laser3d, HalfADegreeGivesTwoScansEach) {
