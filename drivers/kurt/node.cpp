@@ -134,8 +134,7 @@ void KurtNode::spin_once() {
   link_.poll(now);
   stop_on_alarm();
   stop_on_return(now);
-  const std::int64_t lost = kurt_.counts().encoder_lost + kurt_.counts().encoder_implausible;
-  context_.counts.lose(lost - std::exchange(reported_lost_, lost));
+  count_losses(now);
   if (now.steady >= next_control_) {
     // Keeps to the grid of control periods, unless it is more than a period late.
     next_control_ = std::max(next_control_, now.steady - kControlPeriod) + kControlPeriod;
@@ -226,6 +225,13 @@ void KurtNode::stop_on_return(const time::Moment& now) {
   }
 }
 
+void KurtNode::count_losses(const time::Moment& now) {
+  const KurtCounts& base = kurt_.counts();
+  const std::int64_t lost = base.encoder_lost + base.encoder_implausible;
+  encoder_loss_.take(lost, base.encoder_frames - base.encoder_implausible, now.steady);
+  context_.counts.lose(lost - std::exchange(reported_lost_, lost));
+}
+
 void KurtNode::publish_odometry(const OdometrySample& sample) {
   const OdometryState& state = sample.state;
   nodmap::odometry_t message =
@@ -277,6 +283,9 @@ node::Health KurtNode::health() const {
   const time::SteadyTime now = clock_().steady;
   const KurtState state = kurt_.state(now);
   const bool is_contested = kurt_.is_contested(now);
+  if (state >= KurtState::kNoDrive && encoder_loss_.loses_most()) {
+    return {node::HealthState::kFailed, "most encoder frames are lost: check the line"};
+  }
   switch (state) {
     case KurtState::kNoLine:
       return {node::HealthState::kFailed, link_.error()};
@@ -296,10 +305,17 @@ node::Health KurtNode::health() const {
     return {node::HealthState::kDegraded,
             "stopped by " + *stopped_by + ": stationary until released (nodmap-stop --go)"};
   }
-  if ((kurt_.session().flags() & (kErrorPassive | kBusError)) != 0) {
-    return {node::HealthState::kDegraded, "errors on the CAN bus: check cable and termination"};
+  if (std::string reason = shortcoming(); !reason.empty()) {
+    return {node::HealthState::kDegraded, std::move(reason)};
   }
   return {};
+}
+
+std::string KurtNode::shortcoming() const {
+  if ((kurt_.session().flags() & (kErrorPassive | kBusError)) != 0) {
+    return "errors on the CAN bus: check cable and termination";
+  }
+  return encoder_loss_.loses_many() ? "many encoder frames are lost: check the line" : "";
 }
 
 }  // namespace nodmap::kurt

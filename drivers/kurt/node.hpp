@@ -6,9 +6,11 @@
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <span>
+#include <string>
 
 #include "common/geometry/time.hpp"
 #include "common/node/device_node.hpp"
+#include "common/node/loss_meter.hpp"
 #include "common/node/stop_latch.hpp"
 #include "drivers/kurt/kurt.hpp"
 #include "drivers/kurt/params.hpp"
@@ -44,6 +46,9 @@ class KurtNode final : public node::DeviceNode {
   [[nodiscard]] node::Health health() const override;
 
  private:
+  /// Why it works worse than it should although nothing keeps it from driving; empty if it does
+  /// not.
+  [[nodiscard]] std::string shortcoming() const;
   void receive(std::span<const std::uint8_t> bytes, const time::Moment& now);
   void send(const time::Moment& now);
   void on_drive(const nodmap::drive_t& message);
@@ -54,6 +59,7 @@ class KurtNode final : public node::DeviceNode {
   void stop_on_alarm();
   /// Stops the robot if its base is back after a long absence.
   void stop_on_return(const time::Moment& now);
+  void count_losses(const time::Moment& now);
   void log_change(const time::Moment& now);
 
   node::Context& context_;
@@ -63,6 +69,7 @@ class KurtNode final : public node::DeviceNode {
   node::StopLatch stop_latch_;
   StopRepeater stop_repeater_;
   std::int64_t reported_lost_ = 0;
+  node::LossMeter encoder_loss_;
   time::SteadyTime base_seen_;
   KurtState logged_state_ = KurtState::kNoLine;
   time::SteadyTime next_control_;

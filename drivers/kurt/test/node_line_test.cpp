@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <tuple>
 
 #include "drivers/kurt/node.hpp"
 #include "drivers/kurt/test/node_bench.hpp"
@@ -136,6 +137,24 @@ TEST(KurtNode, StatusCountsEncoderFramesThatWereLostOrImplausible) {
   bench.base.wild_encoders = 2;
   bench.drive_for(0.5, 0.0, 2400ms);  // losses are found within a second, STATUS is due every one
   EXPECT_EQ(bench.status.get()->total_lost, 5);
+}
+
+TEST(KurtNode, LostEncoderFramesDegradeOrFail) {
+  using node::HealthState;
+  for (const auto& [num_lost, of, state] : {std::tuple(1, 20, HealthState::kOk),
+                                            {1, 5, HealthState::kDegraded},
+                                            {5, 6, HealthState::kFailed}}) {
+    Bench bench;
+    ASSERT_TRUE(bench.becomes_ready());
+    // A loss is known within a second, and judged with those of a second.
+    for (int i = 0; i < 300 / of; ++i) {
+      bench.base.drop_encoders = num_lost;
+      bench.drive_for(0.5, 0.0, of * 10ms);
+    }
+    EXPECT_EQ(bench.node->health().state, state) << bench.node->health().reason;
+    bench.drive_for(0.5, 0.0, 3s);
+    EXPECT_EQ(bench.node->health().state, HealthState::kOk) << bench.node->health().reason;
+  }
 }
 
 TEST(KurtNode, AMuteAdapterIsFailedAndThePortIsOpenedAgain) {
