@@ -31,9 +31,30 @@ inline SteadyTime steady_now() {
       std::chrono::duration_cast<Duration>(std::chrono::steady_clock::now().time_since_epoch()));
 }
 
+/// The present moment by two clocks. If the process is interrupted between their readings, a stamp
+/// computed from this moment is wrong by as much, and stamps step back. So the steady clock is read
+/// before and after the wall clock, and again if the two are not close together.
+template <class WallClock, class SteadyClock>
+[[nodiscard]] Moment read_together(WallClock wall, SteadyClock steady) {
+  constexpr Duration kClose = std::chrono::microseconds(100);
+  constexpr int kMostTries = 3;
+  Moment best;
+  Duration shortest = Duration::max();
+  for (int i = 0; i < kMostTries && shortest > kClose; ++i) {
+    const SteadyTime before = steady();
+    const Timestamp stamp = wall();
+    const Duration taken = steady() - before;
+    if (taken < shortest) {
+      shortest = taken;
+      best = {stamp, before + taken / 2};
+    }
+  }
+  return best;
+}
+
 /// The present moment, for nodes whose device times must not step with the wall clock.
 inline Moment now_on_both_clocks() {
-  return {SystemClock().now(), steady_now()};
+  return read_together([] { return SystemClock().now(); }, steady_now);
 }
 
 /// A clock that shows the time that a test sets.
