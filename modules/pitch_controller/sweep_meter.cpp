@@ -8,7 +8,8 @@ namespace nodmap::pitch_controller {
 namespace {
 
 // Readings come every 5 ms, every 50 ms at worst: after a longer gap a reversal may have been
-// missed.
+// missed. If the clock is set back by no more than this, what is left out is no longer a gap
+// either.
 constexpr time::Duration kGap = 60ms;
 
 }  // namespace
@@ -20,6 +21,10 @@ double MeasuredSweep::mean_rate_rad_s(double acceleration_rad_s2) const {
 
 std::optional<MeasuredSweep> SweepMeter::add(const PitchReading& reading) {
   if (newest_ && (reading.stamp < newest_->stamp || reading.sweep < newest_->sweep)) {
+    const bool goes_on = reading.sweep >= newest_->sweep && reading.sweep - newest_->sweep <= 1;
+    if (goes_on && newest_->stamp - reading.stamp <= kGap) {
+      return std::nullopt;  // the clock was set a little
+    }
     *this = SweepMeter();
   }
   if (!newest_) {

@@ -37,7 +37,8 @@ struct MeasuredSweep {
 class SweepMeter {
  public:
   /// Adds a reading and returns the sweep that it ends, if any. If time or sweep number steps back,
-  /// the driver has restarted, and the measurement starts again.
+  /// the driver has restarted, and the measurement starts again. Readings whose time alone steps
+  /// back, by no more than 60 ms, are left out.
   std::optional<MeasuredSweep> add(const PitchReading& reading);
 
   /// The last two sweeps, one up and one down, as a single one: the pitches that they covered

@@ -84,6 +84,20 @@ TEST(SweepMeter, ASweepWithAGapIsNotComplete) {
   EXPECT_FALSE(feeder.sweep(0.2, -0.2, 0.3)->is_complete);
 }
 
+// The clock was set a little.
+TEST(SweepMeter, AReadingThatStepsBackALittleIsLeftOut) {
+  Feeder feeder;
+  for (int i = 0; i < 4; ++i) {
+    feeder.sweep(-0.2, 0.2, 0.3);
+  }
+  feeder.dut.add({feeder.stamp - 6ms, 1.0, 0.0, feeder.number, false});
+  ASSERT_TRUE(feeder.dut.last_two_sweeps());
+  const auto sweep = feeder.sweep(-0.2, 0.2, 0.3);
+  ASSERT_TRUE(sweep);
+  EXPECT_TRUE(sweep->is_complete);
+  EXPECT_EQ(sweep->span.max_rad, 0.2);
+}
+
 TEST(SweepMeter, AfterARestartOfTheDriverMeasuringStartsAgain) {
   Feeder feeder;
   for (int i = 0; i < 4; ++i) {
