@@ -182,7 +182,7 @@ ServoOutput DynamixelSession::missed(time::SteadyTime now) {
 
 ServoOutput DynamixelSession::take(const DynamixelStatus& answer, time::SteadyTime now) {
   is_waiting_ = false;
-  if (!answer.hardware_alert() && answer.error_code() == kDamagedRequest) {
+  if (answer.error_code() == kDamagedRequest) {
     ++counts_.damaged;
     return missed(now);  // the servo has done nothing, as if it had not received the request
   }
@@ -193,6 +193,9 @@ ServoOutput DynamixelSession::take(const DynamixelStatus& answer, time::SteadyTi
   if (!answer.hardware_alert()) {
     warning_.clear();
   } else if (now >= next_alert_check_ && step_ != Step::kReboot) {
+    if (answer.error_code() != 0) {
+      aim_.repeat();  // a move may have been refused
+    }
     return ask(dynamixel_x::read_hardware_errors(id_), now);
   }
   if (answer.error_code() != 0) {

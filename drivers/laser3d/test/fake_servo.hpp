@@ -24,6 +24,7 @@ class FakeServo {
   bool alert = false;
   bool jammed = false;
   int damage_next = 0;  // requests that arrive damaged
+  int refuse_next = 0;  // requests that it refuses
   int booted_ms = 0;
   int mode_writes = 0;
   int reboots = 0;
@@ -50,6 +51,10 @@ class FakeServo {
     if (damage_next > 0) {
       --damage_next;
       return status({}, 0x03);
+    }
+    if (refuse_next > 0) {
+      --refuse_next;
+      return status({}, 0x07);
     }
     const std::uint8_t instruction = request[7];
     const std::size_t address =
@@ -81,7 +86,7 @@ class FakeServo {
     Bytes bytes = hex("FF FF FD 00 01");
     serial::append_little(bytes, static_cast<std::uint16_t>(parameters.size() + 4));
     bytes.push_back(0x55);
-    bytes.push_back(alert ? 0x80 : error);
+    bytes.push_back(error | (alert ? 0x80 : 0x00));
     bytes = bytes + parameters;
     serial::append_little(bytes, dynamixel_crc(bytes));
     return bytes;

@@ -220,6 +220,38 @@ TEST(DynamixelSession, AnAlertThatDoesNotSwitchTheServoOffIsOnlyReported) {
   }
 }
 
+TEST(DynamixelSession, ADamagedRequestIsRepeatedAlsoDuringAnAlert) {
+  Rig rig;
+  rig.servo.registers[70] = 0x01;
+  rig.servo.alert = true;
+  rig.open();
+  rig.run(0.3);
+  // At any time between two readings of the errors, which are 200 ms apart.
+  for (int i = 0; i < 100; ++i) {
+    const double goal_rad = i % 2 == 0 ? 0.02 : -0.02;
+    rig.dut.aim(goal_rad, 5.0);
+    rig.servo.damage_next = 1;
+    rig.run(0.021);
+    EXPECT_TRUE(rig.dut.is_running());
+    EXPECT_NEAR(rig.servo.position, 2048.0 + goal_rad / dynamixel_x::kRadPerStep, 1.0);
+  }
+  EXPECT_EQ(rig.dut.counts().connections, 1);
+  EXPECT_EQ(rig.dut.line_counts().damaged, 100);
+}
+
+TEST(DynamixelSession, AMoveThatIsRefusedAtAnAlertIsRepeated) {
+  Rig rig;
+  rig.servo.registers[70] = 0x01;
+  rig.open();
+  rig.run(0.3);
+  rig.servo.alert = true;
+  rig.servo.refuse_next = 1;
+  rig.dut.aim(0.5, 5.0);
+  rig.run(0.3);
+  EXPECT_EQ(rig.dut.counts().connections, 1);
+  EXPECT_NEAR(rig.servo.position, 2048.0 + 0.5 / dynamixel_x::kRadPerStep, 1.0);
+}
+
 TEST(DynamixelSession, AfterARestartItContinuesToItsGoal) {
   Rig rig;
   rig.open();
