@@ -270,6 +270,9 @@ std::string Laser3d::shortcoming() const {
   if (status_.severity() >= kErrorSeverity) {
     return "laser: reports an error";
   }
+  if (status_.implausible()) {
+    return "laser: calls its own readings implausible";
+  }
   if (status_.polluted()) {
     return "laser: the front window is dirty";
   }

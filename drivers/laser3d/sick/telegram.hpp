@@ -40,6 +40,8 @@ struct SickStatusByte {
 
   /// 0 ok, 1 info, 2 warning, 3 error, 4 fatal.
   [[nodiscard]] int severity() const { return value & 0x07; }
+  /// Whether the sensor calls its measured values implausible.
+  [[nodiscard]] bool implausible() const { return (value & 0x40) != 0; }
   [[nodiscard]] bool polluted() const { return (value & 0x80) != 0; }
 };
 

@@ -278,6 +278,18 @@ TEST(Laser3d, PollutionDegrades) {
   EXPECT_EQ(rig.health().reason, "laser: the front window is dirty");
 }
 
+TEST(Laser3d, ReadingsThatTheSensorDoesNotBelieveDegrade) {
+  Rig rig;
+  rig.open();
+  rig.sensor.status = 0x50;
+  rig.run(4.0);
+  EXPECT_EQ(rig.health().state, node::HealthState::kDegraded);
+  EXPECT_EQ(rig.health().reason, "laser: calls its own readings implausible");
+  rig.sensor.status = 0x10;
+  rig.run(0.1);
+  EXPECT_EQ(rig.health().state, node::HealthState::kOk) << rig.health().reason;
+}
+
 // The pitch controller plans as if every scan came.
 TEST(Laser3d, LostScansDegradeOrFail) {
   using node::HealthState;
