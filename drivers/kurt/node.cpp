@@ -198,6 +198,9 @@ void KurtNode::on_stop(const nodmap::stop_t& message) {
   }
   context_.counts.use();
   const node::StopLatch::Change change = stop_latch_.take(message);
+  if (change == node::StopLatch::Change::kStopped) {
+    kurt_.brake();  // not only with the next DRIVE, which may not come
+  }
   if (change != node::StopLatch::Change::kNone) {
     log::get().info("{} by {}", stop_latch_.is_stopped() ? "stopped" : "free to drive",
                     node::read_name(message.requested_by));

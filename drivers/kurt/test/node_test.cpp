@@ -112,6 +112,20 @@ TEST(KurtNode, WhileStoppedItIgnoresDriveUntilReleased) {
   EXPECT_EQ(bench.base.left_cm_s(), 50);
 }
 
+// The navigator may hang, and that may be why somebody stops the robot.
+TEST(KurtNode, AStopBrakesAlsoWithoutAnotherDrive) {
+  Bench bench;
+  ASSERT_TRUE(bench.becomes_ready());
+  bench.drive_for(1.0, 0.0, 1500ms);
+  ASSERT_EQ(bench.base.left_cm_s(), 100);
+  bench.publish_stop(true);
+  for (int i = 0; i < 5; ++i) {
+    bench.step();
+  }
+  EXPECT_LE(bench.base.left_cm_s(), 90);  // four periods at 3 m/s^2
+  EXPECT_GE(bench.base.left_cm_s(), 80);  // and not at once
+}
+
 // Base driver and navigator were killed and restarted. Whether the robot had been stopped before is
 // unknown, so it starts stopped.
 TEST(KurtNode, AfterEachStartItIsStoppedUntilReleased) {
