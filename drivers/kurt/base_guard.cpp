@@ -113,7 +113,7 @@ time::Duration BaseGuard::TurningWheel::add(int ticks, double commanded_mps, tim
 DriveCommand BaseGuard::limit(const DriveCommand& command, time::SteadyTime now) const {
   double safe_mps = params_.use_ranges ? safe_speed_mps(command, now) : kUnlimitedMps;
   double speed_mps = std::abs(command.forward_mps);
-  if (is_touched_ || is_tilted_) {
+  if (lasting_alarm()) {
     safe_mps = std::min(safe_mps, params_.creep_mps);
     speed_mps = std::max(speed_mps, kTurningRadiusM * std::abs(command.yaw_rate_rad_s));
   }
@@ -143,6 +143,13 @@ double BaseGuard::safe_speed_mps(const std::optional<Seen>& seen, time::SteadyTi
 
 std::optional<Alarm> BaseGuard::take_alarm() {
   return std::exchange(alarm_, std::nullopt);
+}
+
+std::optional<Alarm> BaseGuard::lasting_alarm() const {
+  if (is_touched_) {
+    return Alarm::kBumper;
+  }
+  return is_tilted_ ? std::optional(Alarm::kTilt) : std::nullopt;
 }
 
 }  // namespace nodmap::kurt

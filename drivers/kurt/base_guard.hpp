@@ -45,6 +45,9 @@ class BaseGuard {
   /// The alarm since the last call, if any.
   [[nodiscard]] std::optional<Alarm> take_alarm();
 
+  /// The alarm whose cause lasts, so that the robot only creeps, if any.
+  [[nodiscard]] std::optional<Alarm> lasting_alarm() const;
+
  private:
   /// A reading of one range finder.
   struct Seen {

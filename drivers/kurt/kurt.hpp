@@ -101,6 +101,9 @@ class Kurt {
   /// stationary until a new DRIVE is received.
   [[nodiscard]] std::optional<Alarm> take_alarm();
 
+  /// Why the robot only creeps, if it does.
+  [[nodiscard]] std::optional<Alarm> lasting_alarm() const { return guard_.lasting_alarm(); }
+
   [[nodiscard]] const BaseSensors& sensors() const { return sensors_; }
   [[nodiscard]] const KurtCounts& counts() const { return counts_; }
   [[nodiscard]] const SlcanCounts& slcan_counts() const { return parser_.counts(); }

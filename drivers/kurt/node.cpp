@@ -315,6 +315,9 @@ node::Health KurtNode::health() const {
 }
 
 std::string KurtNode::shortcoming() const {
+  if (const std::optional<Alarm> alarm = kurt_.lasting_alarm()) {
+    return std::string("only creeps because of ") + name_of(*alarm);
+  }
   if ((kurt_.session().flags() & (kErrorPassive | kBusError)) != 0) {
     return "errors on the CAN bus: check cable and termination";
   }

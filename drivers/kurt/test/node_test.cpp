@@ -84,6 +84,11 @@ TEST(KurtNode, ReleasedWhileItsBumperIsTouchedItCreeps) {
   bench.publish_stop(false);
   bench.drive_for(-0.5, 0.0, 1s);
   EXPECT_EQ(bench.base.left_cm_s(), -10);
+  EXPECT_EQ(bench.node->health().state, node::HealthState::kDegraded);
+  EXPECT_EQ(bench.node->health().reason, "only creeps because of its bumper");
+  bench.base.bumper = false;
+  bench.drive_for(-0.5, 0.0, 1s);
+  EXPECT_EQ(bench.node->health().state, node::HealthState::kOk);
 }
 
 TEST(KurtNode, StalledMotorsAreNotLeftUnderCurrent) {
