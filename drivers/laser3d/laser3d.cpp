@@ -100,8 +100,8 @@ Laser3dOutput Laser3d::poll(time::SteadyTime now) {
   return result;
 }
 
-bool Laser3d::command(const AreaOfInterest& area, time::SteadyTime now) {
-  return nod_.command(area, now);
+bool Laser3d::command(const AreaOfInterest& area, time::SteadyTime decided) {
+  return nod_.command(area, decided);
 }
 
 Laser3dOutput Laser3d::shut_down(time::SteadyTime now) {

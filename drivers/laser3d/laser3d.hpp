@@ -68,8 +68,8 @@ class Laser3d {
   /// To be called at least every few milliseconds.
   [[nodiscard]] Laser3dOutput poll(time::SteadyTime now);
 
-  /// Nods over `area` from now on; false if it is invalid (see Nod::command).
-  bool command(const AreaOfInterest& area, time::SteadyTime now);
+  /// Nods over `area`, as decided at `decided`; false if it is invalid (see Nod::command).
+  bool command(const AreaOfInterest& area, time::SteadyTime decided);
 
   /// Ends the stream. Call poll() until is_laser_at_rest().
   [[nodiscard]] Laser3dOutput shut_down(time::SteadyTime now);

@@ -33,13 +33,13 @@ constexpr double kReversalDelayS = 0.020;  // until the servo has received the c
 
 }  // namespace
 
-bool Nod::command(const AreaOfInterest& area, time::SteadyTime now) {
+bool Nod::command(const AreaOfInterest& area, time::SteadyTime decided) {
   const bool valid = std::isfinite(area.min_rad) && std::isfinite(area.max_rad) &&
                      area.min_rad <= area.max_rad && area.sweep_s > 0.0 &&
                      area.sweep_s <= kLongestSweepS;
   if (valid) {
     commanded_ = area;
-    commanded_at_ = now;
+    decided_ = decided;
   }
   return valid;
 }
@@ -73,8 +73,7 @@ Nod::Aim Nod::step(const PitchSample& where, time::SteadyTime now) {
 }
 
 AreaOfInterest Nod::area(time::SteadyTime now) const {
-  const bool fresh =
-      commanded_ && now - commanded_at_ <= time::from_seconds(params_.command_timeout_s);
+  const bool fresh = commanded_ && now - decided_ <= time::from_seconds(params_.command_timeout_s);
   return within_limits(fresh ? *commanded_ : params_.fallback);
 }
 

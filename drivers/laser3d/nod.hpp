@@ -51,10 +51,10 @@ class Nod {
   /// `robot` gives the limits of the mechanics: pitch, rate and acceleration.
   Nod(const NodParams& params, const robot::RobotParams& robot) : params_(params), robot_(robot) {}
 
-  /// Nods over `area` from now on, until another command or until this one is too old. Limits it to
-  /// what the mechanics can do. Returns false and changes nothing if it is invalid: not finite, min
-  /// above max, or a sweep of more than an hour.
-  bool command(const AreaOfInterest& area, time::SteadyTime now);
+  /// Nods over `area`, as decided at `decided`, until another command or until this one is too old.
+  /// Limits it to what the mechanics can do. Returns false and changes nothing if it is invalid:
+  /// not finite, min above max, or a sweep of more than an hour.
+  bool command(const AreaOfInterest& area, time::SteadyTime decided);
 
   /// The goal and speed for the servo, given the measured pitch.
   [[nodiscard]] Aim step(const PitchSample& where, time::SteadyTime now);
@@ -82,7 +82,7 @@ class Nod {
   NodParams params_;
   robot::RobotParams robot_;
   std::optional<AreaOfInterest> commanded_;
-  time::SteadyTime commanded_at_;
+  time::SteadyTime decided_;
   bool is_upwards_ = true;
   Aim aim_;
   std::int64_t sweep_ = 0;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/laser3d/node.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -103,8 +104,8 @@ void Laser3dNode::perform(serial::SerialLink& link, const LineAction& action,
 void Laser3dNode::on_command(const nodmap::pitch_command_t& message) {
   const time::Moment now = clock_();
   const bus::Sender& sender = context_.bus.origin().sender;
-  const double age_s = time::seconds(now.wall - time::from_utime(message.utime));
-  if (std::abs(age_s) > params_.nod.command_timeout_s) {
+  const time::Duration age = now.wall - time::from_utime(message.utime);
+  if (std::abs(time::seconds(age)) > params_.nod.command_timeout_s) {
     sender_.refuse(sender, now.steady);
     context_.counts.reject("stale");
     return;
@@ -114,7 +115,7 @@ void Laser3dNode::on_command(const nodmap::pitch_command_t& message) {
     return;
   }
   const AreaOfInterest area{message.pitch_min_rad, message.pitch_max_rad, message.sweep_s};
-  if (driver_.command(area, now.steady)) {
+  if (driver_.command(area, now.steady - std::max(age, time::Duration{}))) {
     context_.counts.use();
   } else {
     context_.counts.reject("no_area");
