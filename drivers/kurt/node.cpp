@@ -165,7 +165,7 @@ void KurtNode::send(const time::Moment& now) {
     link_.write(bytes_of(text), now, {.timeout = kWriteTimeout});
   }
   if (kurt_.wants_new_port()) {
-    link_.give_up(now, describe(KurtState::kNoBus, false));
+    link_.give_up(now, lack(KurtState::kNoBus));
   }
 }
 
@@ -294,7 +294,7 @@ node::Health KurtNode::health() const {
       return {node::HealthState::kFailed, link_.error()};
     case KurtState::kNoBus:
     case KurtState::kNoBase:
-      return {node::HealthState::kFailed, describe(state, false)};
+      return {node::HealthState::kFailed, lack(state)};
     case KurtState::kNoDrive:
       if (is_contested || !stop_latch_.is_stopped()) {
         return {is_contested ? node::HealthState::kFailed : node::HealthState::kDegraded,
@@ -312,6 +312,11 @@ node::Health KurtNode::health() const {
     return {node::HealthState::kDegraded, std::move(reason)};
   }
   return {};
+}
+
+const char* KurtNode::lack(KurtState state) const {
+  const bool is_base_silent = state == KurtState::kNoBus && kurt_.session().is_mute();
+  return describe(is_base_silent ? KurtState::kNoBase : state, false);
 }
 
 std::string KurtNode::shortcoming() const {

@@ -46,6 +46,8 @@ class KurtNode final : public node::DeviceNode {
   [[nodiscard]] node::Health health() const override;
 
  private:
+  /// What is missing in this state; empty if nothing is.
+  [[nodiscard]] const char* lack(KurtState state) const;
   /// Why it works worse than it should although nothing keeps it from driving; empty if it does
   /// not.
   [[nodiscard]] std::string shortcoming() const;

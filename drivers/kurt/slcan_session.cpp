@@ -54,6 +54,8 @@ std::string SlcanSession::close_channel(time::SteadyTime now) {
 
 std::string SlcanSession::restart(time::SteadyTime now) {
   ++restarts_;
+  // Without a base nobody acknowledges our frames, and the adapter may refuse more of them.
+  is_mute_ = is_open() && (now - last_frame_ >= kMute || last_frame_ == entered_);
   if (++attempts_ >= kMaxAttempts) {
     return enter(State::kGaveUp, now);
   }

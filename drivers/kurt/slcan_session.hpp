@@ -28,6 +28,9 @@ class SlcanSession {
   /// Whether frames can be sent and received.
   [[nodiscard]] bool is_open() const { return state_ == State::kOpen; }
 
+  /// Whether the adapter opened the bus the last time, but then no frame came: the base is silent.
+  [[nodiscard]] bool is_mute() const { return is_mute_; }
+
   /// Whether opening the bus has failed so often that the port itself should be reopened.
   [[nodiscard]] bool gave_up() const { return state_ == State::kGaveUp; }
 
@@ -56,6 +59,7 @@ class SlcanSession {
   std::uint8_t flags_ = 0;
   std::int64_t restarts_ = 0;
   bool greeted_ = false;
+  bool is_mute_ = false;
 };
 
 }  // namespace nodmap::kurt

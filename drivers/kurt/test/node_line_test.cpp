@@ -91,6 +91,23 @@ TEST(KurtNode, AfterALongAbsenceOfItsBaseItIsStoppedUntilReleased) {
   }
 }
 
+// The adapter answers all the time.
+TEST(KurtNode, WithoutItsBaseItSaysSoAllTheTime) {
+  for (const bool from_the_start : {true, false}) {
+    Bench bench;
+    bench.base.base_off = from_the_start;
+    bench.drive_for(0.5, 0.0, 1s);
+    bench.base.base_off = true;
+    bench.drive_for(0.5, 0.0, 500ms);
+    for (int i = 0; i < 1000; ++i) {
+      bench.step();
+      EXPECT_EQ(bench.node->health().reason,
+                "no plausible encoder frames: is the base switched on?");
+    }
+    EXPECT_GT(bench.node->metrics()["reconnects"], 1);
+  }
+}
+
 TEST(KurtNode, AReleaseBeforeItsBaseIsSwitchedOnIsNotObeyedLongAfter) {
   Bench bench;
   bench.base.base_off = true;
@@ -164,6 +181,7 @@ TEST(KurtNode, AMuteAdapterIsFailedAndThePortIsOpenedAgain) {
   ASSERT_TRUE(bench.step_until(
       [&] { return bench.node->health().state == node::HealthState::kFailed; }, 500ms));
   ASSERT_TRUE(bench.step_until([&] { return bench.node->metrics()["reconnects"] >= 1; }, 4s));
+  EXPECT_EQ(bench.node->health().reason, "the CAN bus is not open: the adapter has not answered");
   bench.base.mute_adapter = false;
   EXPECT_TRUE(bench.step_until(
       [&] { return bench.node->health().state == node::HealthState::kDegraded; }, 10s));
