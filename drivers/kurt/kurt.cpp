@@ -3,11 +3,14 @@
 
 #include <cmath>
 #include <type_traits>
+#include <utility>
 
 namespace nodmap::kurt {
 namespace {
 
 constexpr double kControlPeriodS = 0.01;
+// After this long without a command the base stops by itself.
+constexpr time::Duration kBaseTimeout = 100ms;
 // After this long without encoder ticks the motion of the wheels is unknown, and the robot stops.
 constexpr time::Duration kBlind = 200ms;
 // Number of implausible frames in a row that are bridged like lost ones (100 ms). A bit error
@@ -161,6 +164,9 @@ KurtState Kurt::state(time::SteadyTime steady) const {
 std::string Kurt::control(const time::Moment& now) {
   std::string text = session_.poll(now.steady);
   const KurtState state_now = state(now.steady);
+  if (now.steady - std::exchange(last_control_, now.steady).value_or(now.steady) >= kBaseTimeout) {
+    limiter_.start_from({odometry_.state().forward_mps, odometry_.state().yaw_rate_rad_s});
+  }
   if (state_now == KurtState::kDriving) {
     limiter_.step(guard_.limit(*watchdog_.command(now.steady), now.steady), kControlPeriodS);
   } else {

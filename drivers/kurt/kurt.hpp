@@ -126,6 +126,7 @@ class Kurt {
   BaseSensors sensors_;
   KurtCounts counts_;
   std::optional<time::SteadyTime> last_encoder_;  ///< when the last plausible ticks were received
+  std::optional<time::SteadyTime> last_control_;
   int implausible_in_a_row_ = 0;
   bool line_open_ = false;
   std::vector<EncoderTicks> ticks_;

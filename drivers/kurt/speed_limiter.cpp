@@ -16,6 +16,10 @@ double allowed_fraction(double now, double target, double period_s, const SpeedL
   return step <= limit ? 1.0 : limit / step;
 }
 
+double fastest(const WheelSpeeds& speeds) {
+  return std::max(std::abs(speeds.left_mps), std::abs(speeds.right_mps));
+}
+
 }  // namespace
 
 WheelSpeeds wheel_speeds(const DriveCommand& command, const WheelParams& wheels) {
@@ -29,9 +33,13 @@ WheelSpeeds wheel_speeds(const DriveCommand& command, const WheelParams& wheels)
 }
 
 WheelSpeeds saturate(const WheelSpeeds& speeds, double max_speed_mps) {
-  const double fastest = std::max(std::abs(speeds.left_mps), std::abs(speeds.right_mps));
-  const double factor = fastest > max_speed_mps ? max_speed_mps / fastest : 1.0;
+  const double speed_mps = fastest(speeds);
+  const double factor = speed_mps > max_speed_mps ? max_speed_mps / speed_mps : 1.0;
   return {factor * speeds.left_mps, factor * speeds.right_mps};
+}
+
+void SpeedLimiter::start_from(const DriveCommand& motion) {
+  current_ = saturate(wheel_speeds(motion, wheels_), fastest(current_));
 }
 
 WheelSpeeds SpeedLimiter::step(const DriveCommand& target, double period_s) {

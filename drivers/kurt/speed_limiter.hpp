@@ -26,6 +26,9 @@ class SpeedLimiter {
   /// The wheel speeds for the next `period_s`.
   WheelSpeeds step(const DriveCommand& target, double period_s);
 
+  /// Goes on from this measured motion, but not faster than in the last step.
+  void start_from(const DriveCommand& motion);
+
   /// Sets both speeds to zero at once: a safety stop is not limited.
   void stop() { current_ = {}; }
 

@@ -314,6 +314,24 @@ TEST(Kurt, ADelayedProcessLosesNothing) {
   }
 }
 
+// The base stops by itself after 100 ms without a command.
+TEST(Kurt, AfterALateCommandTheWheelsStartWithARamp) {
+  Robot robot;
+  robot.run_for(500ms);
+  robot.drive_for(1.0, 0.0, 2s);
+  ASSERT_EQ(robot.base.left_cm_s(), 100);
+  for (int i = 0; i < 15; ++i) {
+    robot.now += 10ms;
+    robot.to_driver += robot.base.tick();
+  }
+  ASSERT_EQ(robot.base.left_cm_s(), 0);
+  robot.drive_for(1.0, 0.0, 100ms);
+  EXPECT_GT(robot.base.left_cm_s(), 0);
+  EXPECT_LE(robot.base.left_cm_s(), 15);  // 1.5 m/s^2
+  robot.drive_for(1.0, 0.0, 1s);
+  EXPECT_EQ(robot.base.left_cm_s(), 100);
+}
+
 TEST(Kurt, OtherSensorsAreKeptWithTheirTime) {
   Robot robot;
   robot.run_for(500ms);

@@ -112,6 +112,19 @@ TEST(SpeedLimiter, BrakingOnCommandHasItsOwnLimit) {
   EXPECT_EQ(steps, 50);  // 1.5 m/s at 3 m/s^2
 }
 
+TEST(SpeedLimiter, GoesOnFromAMeasuredMotionButNotFaster) {
+  SpeedLimiter limiter{WheelParams{}, SpeedLimits{}};
+  settle(limiter, {1.5, 0.0});
+  limiter.start_from({10.0, 0.0});  // a damaged frame
+  EXPECT_DOUBLE_EQ(limiter.current().left_mps, 1.5);
+  limiter.start_from({0.7, 0.0});
+  EXPECT_DOUBLE_EQ(limiter.current().left_mps, 0.7);
+  EXPECT_DOUBLE_EQ(limiter.current().right_mps, 0.7);
+  limiter.stop();
+  limiter.start_from({0.7, 0.3});
+  EXPECT_EQ(limiter.current().left_mps, 0.0);
+}
+
 TEST(SpeedLimiter, AStopForSafetyIsAtOnce) {
   SpeedLimiter limiter{WheelParams{}, SpeedLimits{}};
   settle(limiter, {1.5, 0.3});
