@@ -63,7 +63,8 @@ class Nod {
   [[nodiscard]] bool is_stalled() const { return is_stalled_; }
   /// The period of the nod, two sweeps; 0 when the laser is held.
   [[nodiscard]] time::Duration nod_period(time::SteadyTime now) const;
-  /// The number of the present sweep; even and odd ones have opposite directions.
+  /// The number of the present sweep; it increases at each end. When a stalled head reverses, the
+  /// number stays: others count sweeps to tell how often each direction has been seen.
   [[nodiscard]] std::int64_t sweep() const { return sweep_; }
   [[nodiscard]] const Aim& aim() const { return aim_; }
 
