@@ -155,8 +155,9 @@ def appearing(quick):
         table.add(f"appearing: trials in which the robot braked (times it steered past: {sum(l['evaded'] for l in latencies)})", braked,
                   ">= 100", braked >= (0 if quick else 100))
         table.add("appearing: obstacles to which the robot never reacted", unanswered, "0", unanswered == 0)
+        table.add("appearing: obstacles where the robot would have been slow anyway", sum(l["masked"] for l in latencies), "", True)
         # The robot was slow already, or told to be, when the obstacle entered its stopping zone or became visible there.
-        nothing = sum(not (l["events"] or l["unanswered"] or l["evaded"]) for l in latencies)
+        nothing = sum(not (l["events"] or l["unanswered"] or l["evaded"] or l["masked"]) for l in latencies)
         table.add("appearing: trials in which nothing was measured", nothing, "", True)
         if events:
             values = [event["latency_ms"] for event in events]

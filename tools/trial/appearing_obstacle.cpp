@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "tools/trial/metrics.hpp"
 
@@ -16,6 +17,8 @@ constexpr double kStraightRadS = 0.15;
 // Distance inside the far end of the stopping zone, so that the obstacle counts from its first
 // moment.
 constexpr double kInsideM = 0.01;
+// For which the undisturbed run goes on; two of the longest sweeps take 2 s.
+constexpr time::Duration kFollowed = 3s;
 
 struct Shape {
   double radius_m;
@@ -55,21 +58,28 @@ sim::Actor make_actor(const TrialSetup& setup, const TruthSample& sample, double
 
 }  // namespace
 
-sim::Actor place_appearing_obstacle(const TrialSetup& setup, double from_s,
-                                    const std::filesystem::path& dir) {
+void add_appearing_obstacle(TrialSetup& setup, double from_s, const std::filesystem::path& dir) {
   TruthSample sample;
-  std::vector<double> sweeps_s;
+  double sweep_s = 0.0;
+  UndisturbedRun undisturbed{.actor = setup.world.actors.size(), .drives_mps = {}};
   {
     Trial trial(setup, dir);
     sample = find_appearance(trial, from_s);
-    sweeps_s = trial.record().sweep_times_s;
+    if (!trial.record().sweep_times_s.empty()) {
+      sweep_s = trial.record().sweep_times_s.back();
+    }
+    const time::SteadyTime end = trial.now() + kFollowed;
+    while (trial.now() < end && trial.step()) {
+    }
+    undisturbed.drives_mps = trial.record().drives_mps;
   }
   // Written by the same setup in full: another listener would change the delays of the messages.
   for (const char* log : {"trial.lcmlog", "level-laser.lcmlog"}) {
     std::filesystem::remove(dir / log);
   }
-  const double sweep_s = sweeps_s.empty() ? 0.0 : sweeps_s.back();
-  return make_actor(setup, sample, stopping_zone(setup).length_m(sample.forward_mps, sweep_s));
+  setup.world.actors.push_back(
+      make_actor(setup, sample, stopping_zone(setup).length_m(sample.forward_mps, sweep_s)));
+  setup.undisturbed = std::move(undisturbed);
 }
 
 }  // namespace nodmap::trial

@@ -7,15 +7,15 @@
 
 namespace nodmap::trial {
 
-/// Makes an obstacle that appears straight ahead at the far end of the stopping zone, where the
+/// Adds an obstacle that appears straight ahead at the far end of the stopping zone, where the
 /// robot must brake at once, as soon after `from_s` (seconds from power-on) as the robot drives
 /// straight at 0.5 m/s or more. The seed selects a box on the floor of 0.10 m, the leg of a chair,
 /// or a person.
 ///
-/// A trial up to that moment determines where the robot will be, because the same setup gives the
-/// same drive until the obstacle appears. Uses `dir`, and leaves nothing there. Throws
-/// std::runtime_error if the robot never drives like that before the trial ends.
-[[nodiscard]] sim::Actor place_appearing_obstacle(const TrialSetup& setup, double from_s,
-                                                  const std::filesystem::path& dir);
+/// A trial without it determines where the robot will be, because the same setup gives the same
+/// drive until the obstacle appears. It goes on for another 3 s, longer than any answer may take,
+/// and becomes `setup.undisturbed`. Uses `dir`, and leaves nothing there. Throws std::runtime_error
+/// if the robot never drives like that before the trial ends.
+void add_appearing_obstacle(TrialSetup& setup, double from_s, const std::filesystem::path& dir);
 
 }  // namespace nodmap::trial

@@ -50,16 +50,32 @@ void BrakeLatencyMonitor::update(const State& state) {
   }
 }
 
-void BrakeLatencyMonitor::add_drive_command(time::SteadyTime received, double forward_mps) {
+void BrakeLatencyMonitor::add_drive_command(time::SteadyTime received, std::int64_t drive_seq,
+                                            double forward_mps) {
   drive_mps_ = forward_mps;
-  for (TrackedActor& tracked : actors_) {
-    if (tracked.open_event && received > tracked.open_event->started &&
-        brakes(forward_mps, tracked.open_event->speed_mps)) {
-      tracked.open_event->answered = received;
-      answered_.push_back(*tracked.open_event);
-      tracked.open_event.reset();
+  for (std::size_t i = 0; i < actors_.size(); ++i) {
+    std::optional<BrakeEvent>& event = actors_[i].open_event;
+    if (!event || received <= event->started) {
+      continue;
+    }
+    const double anyway_mps = undisturbed_mps(i, drive_seq).value_or(event->speed_mps);
+    if (anyway_mps < kMinSpeedMps) {
+      ++num_masked_;
+      event.reset();
+    } else if (brakes(forward_mps, std::min(event->speed_mps, anyway_mps))) {
+      event->answered = received;
+      answered_.push_back(*event);
+      event.reset();
     }
   }
+}
+
+std::optional<double> BrakeLatencyMonitor::undisturbed_mps(std::size_t actor,
+                                                           std::int64_t drive_seq) const {
+  const auto drive = undisturbed_.drives_mps.find(drive_seq);
+  return actor == undisturbed_.actor && drive != undisturbed_.drives_mps.end()
+             ? std::optional(drive->second)
+             : std::nullopt;
 }
 
 std::vector<BrakeEvent> BrakeLatencyMonitor::events() const {

@@ -19,13 +19,13 @@ constexpr time::Duration kTruthPeriod = 20ms;
 }  // namespace
 
 GroundTruthMonitor::GroundTruthMonitor(const sim::World& world, const sim::RobotModel& model,
-                                       bus::LoopNetwork& network, const StoppingZone& zone,
+                                       bus::LoopNetwork& network, BrakeLatencyMonitor brake_latency,
                                        const Eigen::Vector3d& p_base_mirror)
     : world_(world),
       model_(model),
       caster_(world),
       bus_(network),
-      brake_latency_(zone),
+      brake_latency_(std::move(brake_latency)),
       p_base_mirror_(p_base_mirror) {
   subscribe();
 }
@@ -34,7 +34,8 @@ void GroundTruthMonitor::subscribe() {
   bus_.subscribe<nodmap::scan_t>("SCAN",
                                  [this](const nodmap::scan_t& message) { on_scan(message); });
   bus_.subscribe<nodmap::drive_t>("DRIVE", [this](const nodmap::drive_t& message) {
-    brake_latency_.add_drive_command(model_.now(), message.forward_mps);
+    brake_latency_.add_drive_command(model_.now(), message.drive_seq, message.forward_mps);
+    record_.drives_mps[message.drive_seq] = message.forward_mps;
   });
   bus_.subscribe<nodmap::pitch_state_t>(
       "PITCH_STATE", [this](const nodmap::pitch_state_t& message) { on_pitch_state(message); });

@@ -22,7 +22,7 @@ class GroundTruthMonitor {
  public:
   /// `p_base_mirror`: the laser's mirror at pitch 0, metres.
   GroundTruthMonitor(const sim::World& world, const sim::RobotModel& model,
-                     bus::LoopNetwork& network, const StoppingZone& zone,
+                     bus::LoopNetwork& network, BrakeLatencyMonitor brake_latency,
                      const Eigen::Vector3d& p_base_mirror);
 
   /// To be called every millisecond of simulated time.

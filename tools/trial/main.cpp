@@ -173,7 +173,7 @@ void run(const Arguments& arguments, TrialSetup setup) {
   }
   node::make_result_dir(dir);
   if (arguments.appear_s) {
-    setup.world.actors.push_back(place_appearing_obstacle(setup, *arguments.appear_s, dir));
+    add_appearing_obstacle(setup, *arguments.appear_s, dir);
   }
   const std::clock_t cpu_start = std::clock();
   const auto start = std::chrono::steady_clock::now();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -39,11 +40,12 @@ struct TrialRecord {
   /// From one reversal of the pitch to the next: without the movement from the servo's rest
   /// position.
   std::vector<double> sweep_times_s;
-  formats::Trajectory odometry;             ///< as published
-  std::optional<time::SteadyTime> started;  ///< the first SCAN; metrics count from here
-  std::optional<time::SteadyTime> moved;    ///< when the robot had moved by 0.1 m from its start
-  std::vector<time::SteadyTime> arrivals;   ///< when the navigator reported its arrival at a goal
-  std::optional<time::SteadyTime> reached;  ///< within Task::arrival_radius_m of the last goal
+  formats::Trajectory odometry;               ///< as published
+  std::map<std::int64_t, double> drives_mps;  ///< forward speed of each DRIVE, by drive_seq
+  std::optional<time::SteadyTime> started;    ///< the first SCAN; metrics count from here
+  std::optional<time::SteadyTime> moved;      ///< when the robot had moved by 0.1 m from its start
+  std::vector<time::SteadyTime> arrivals;     ///< when the navigator reported its arrival at a goal
+  std::optional<time::SteadyTime> reached;    ///< within Task::arrival_radius_m of the last goal
 };
 
 }  // namespace nodmap::trial

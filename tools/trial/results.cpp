@@ -91,6 +91,7 @@ Json brake_latency(const TrialOutcome& outcome) {
   result["too_late"] = too_late;
   result["unanswered"] = outcome.brake_events.size() - latencies_ms.size();
   result["evaded"] = outcome.num_evaded;
+  result["masked"] = outcome.num_masked;
   result["events"] = std::move(events);
   return result;
 }

@@ -90,7 +90,8 @@ struct Trial::Parts {
         network(log, {.min = time::from_seconds(setup.params.loop.message_delay_s),
                       .mean_jitter = time::from_seconds(setup.params.loop.message_jitter_s),
                       .seed = setup.seed}),
-        monitor(setup.world, hardware.model(), network, stopping_zone(setup), mirror(setup)),
+        monitor(setup.world, hardware.model(), network,
+                BrakeLatencyMonitor(stopping_zone(setup), setup.undisturbed), mirror(setup)),
         goal(setup.world, setup.params.loop, network),
         robot(hardware, network, params_of(setup), setup.robot, omitted_processes(setup)) {
     if (setup.level_laser) {
@@ -196,6 +197,7 @@ TrialOutcome Trial::finish() {
           .exploration =
               parts_->exploration ? std::optional(parts_->exploration->record()) : std::nullopt,
           .num_evaded = parts_->monitor.brake_latency().num_evaded(),
+          .num_masked = parts_->monitor.brake_latency().num_masked(),
           .processes = parts_->robot.report()};
 }
 

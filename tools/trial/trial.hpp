@@ -38,8 +38,9 @@ struct TrialSetup {
   std::set<std::string> without;
   std::vector<Kill> kills;
   std::vector<sim::Fault> faults;
-  bool explores = false;     ///< the explorer runs, and ends the trial when it is home
-  bool level_laser = false;  ///< also map with the laser held level on the same drive
+  bool explores = false;       ///< the explorer runs, and ends the trial when it is home
+  bool level_laser = false;    ///< also map with the laser held level on the same drive
+  UndisturbedRun undisturbed;  ///< with which the brake latency is measured
 };
 
 /// The result of a trial.
@@ -49,6 +50,7 @@ struct TrialOutcome {
   std::vector<BrakeEvent> brake_events;
   std::optional<ExplorationRecord> exploration;  ///< if the explorer ran
   std::int64_t num_evaded = 0;  ///< obstacles that the robot steered past instead of braking
+  std::int64_t num_masked = 0;  ///< without them the robot would have slowed down as well
   nlohmann::json processes;     ///< by process: message counts and metrics
 };
 

@@ -12,9 +12,18 @@ constexpr double kEndM = 0.225 + 0.65 + 1.0 / 3.0 + 0.15;
 class BrakeLatencyTest : public ::testing::Test {
  protected:
   // The robot is told to drive 1 m/s.
-  BrakeLatencyTest() { monitor_.add_drive_command(time::SteadyTime(0ms), 1.0); }
+  BrakeLatencyTest() : BrakeLatencyTest(UndisturbedRun{}) {}
+  explicit BrakeLatencyTest(const UndisturbedRun& undisturbed)
+      : monitor_(StoppingZone{}, undisturbed) {
+    drive(0ms, 1.0);
+  }
 
-  BrakeLatencyMonitor monitor_{StoppingZone{}};
+  BrakeLatencyMonitor monitor_;
+  std::int64_t drive_seq_ = 0;
+
+  void drive(time::Duration received, double forward_mps) {
+    monitor_.add_drive_command(time::SteadyTime(received), drive_seq_++, forward_mps);
+  }
 
   void update(time::Duration now, const Eigen::Vector2d& position, double speed_mps = 1.0) {
     update_actor(now, {{position, 0.1, 1.0}}, speed_mps);
@@ -28,8 +37,8 @@ class BrakeLatencyTest : public ::testing::Test {
 TEST_F(BrakeLatencyTest, FromTheFirstTouchToTheFirstDriveThatBrakes) {
   update(1ms, {kEndM + 0.1 + 0.001, 0.0});  // not yet
   update(2ms, {kEndM + 0.1 - 0.001, 0.0});
-  monitor_.add_drive_command(time::SteadyTime(3ms), 0.95);  // less than 10 % slower
-  monitor_.add_drive_command(time::SteadyTime(5ms), 0.5);
+  drive(3ms, 0.95);  // less than 10 % slower
+  drive(5ms, 0.5);
   ASSERT_EQ(monitor_.events().size(), 1U);
   EXPECT_EQ(monitor_.events()[0].started, time::SteadyTime(2ms));
   EXPECT_EQ(monitor_.events()[0].answered, time::SteadyTime(5ms));
@@ -37,12 +46,12 @@ TEST_F(BrakeLatencyTest, FromTheFirstTouchToTheFirstDriveThatBrakes) {
 
 // The wheels still drive 1 m/s, but 0.8 m/s was commanded before the obstacle was there.
 TEST_F(BrakeLatencyTest, WhatWasCommandedBeforeIsNoAnswer) {
-  monitor_.add_drive_command(time::SteadyTime(1ms), 0.8);
+  drive(1ms, 0.8);
   update(2ms, {1.0, 0.0});
-  monitor_.add_drive_command(time::SteadyTime(3ms), 0.8);
+  drive(3ms, 0.8);
   ASSERT_EQ(monitor_.events().size(), 1U);
   EXPECT_FALSE(monitor_.events()[0].answered);
-  monitor_.add_drive_command(time::SteadyTime(5ms), 0.7);
+  drive(5ms, 0.7);
   ASSERT_EQ(monitor_.events().size(), 1U);
   EXPECT_EQ(monitor_.events()[0].answered, time::SteadyTime(5ms));
 }
@@ -71,7 +80,7 @@ TEST_F(BrakeLatencyTest, AnObstacleBesideTheBodyIsNotInTheZone) {
 TEST_F(BrakeLatencyTest, AnObstacleThatLeavesTheZoneUnansweredWasEvaded) {
   update(1ms, {1.0, 0.0});
   update(2ms, {1.0, 1.0});
-  monitor_.add_drive_command(time::SteadyTime(3ms), 0.0);
+  drive(3ms, 0.0);
   EXPECT_TRUE(monitor_.events().empty());
   EXPECT_EQ(monitor_.num_evaded(), 1);
 }
@@ -82,7 +91,7 @@ TEST_F(BrakeLatencyTest, AnObstacleIsNotNewAgainWhenItWasHiddenForAMoment) {
   update_actor(1ms, {obstacle, true});
   update_actor(2ms, {obstacle, false});
   update_actor(3ms, {obstacle, true});
-  monitor_.add_drive_command(time::SteadyTime(200ms), 0.5);
+  drive(200ms, 0.5);
   ASSERT_EQ(monitor_.events().size(), 1U);
   EXPECT_EQ(monitor_.events()[0].started, time::SteadyTime(1ms));
   EXPECT_EQ(monitor_.num_evaded(), 0);
@@ -102,7 +111,7 @@ TEST_F(BrakeLatencyTest, AnObstacleIsNotNewAgainWhenTheRobotSlowsDownALittle) {
   update(1ms, {kEndM, 0.0});
   update(2ms, {kEndM + 0.09, 0.0}, 0.97);
   update(3ms, {kEndM, 0.0});
-  monitor_.add_drive_command(time::SteadyTime(5ms), 0.5);
+  drive(5ms, 0.5);
   ASSERT_EQ(monitor_.events().size(), 1U);
   EXPECT_EQ(monitor_.events()[0].started, time::SteadyTime(1ms));
   EXPECT_EQ(monitor_.num_evaded(), 0);
@@ -117,6 +126,50 @@ TEST_F(BrakeLatencyTest, AnEventThatIsNeverAnsweredIsKept) {
 TEST_F(BrakeLatencyTest, NothingIsMeasuredForASlowRobot) {
   update(1ms, {0.4, 0.0}, 0.29);
   EXPECT_TRUE(monitor_.events().empty());
+}
+
+// Without the obstacle the DRIVEs 0 to 3 are 1 m/s, 0.8 m/s for a bend, 1 m/s, and 0.2 m/s at a
+// narrow place.
+class BrakeLatencyBesideUndisturbedRunTest : public BrakeLatencyTest {
+ protected:
+  BrakeLatencyBesideUndisturbedRunTest()
+      : BrakeLatencyTest({.actor = 0, .drives_mps = {{0, 1.0}, {1, 0.8}, {2, 1.0}, {3, 0.2}}}) {}
+};
+
+TEST_F(BrakeLatencyBesideUndisturbedRunTest, ASlowingDownThatWouldHaveHappenedAnywayIsNoAnswer) {
+  update(1ms, {1.0, 0.0});
+  drive(5ms, 0.8);  // for the bend
+  ASSERT_EQ(monitor_.events().size(), 1U);
+  EXPECT_FALSE(monitor_.events()[0].answered);
+  drive(300ms, 0.8);
+  EXPECT_EQ(monitor_.events()[0].answered, time::SteadyTime(300ms));
+}
+
+TEST_F(BrakeLatencyBesideUndisturbedRunTest, BrakingHarderThanForTheBendIsAnAnswer) {
+  update(1ms, {1.0, 0.0});
+  drive(5ms, 0.5);
+  ASSERT_EQ(monitor_.events().size(), 1U);
+  EXPECT_EQ(monitor_.events()[0].answered, time::SteadyTime(5ms));
+}
+
+TEST_F(BrakeLatencyBesideUndisturbedRunTest,
+       WhereTheRobotWouldHaveBeenSlowAnywayNothingIsMeasured) {
+  update(1ms, {1.0, 0.0});
+  drive(5ms, 0.8);
+  drive(10ms, 1.0);
+  drive(15ms, 0.0);  // at the narrow place
+  drive(20ms, 0.0);
+  EXPECT_TRUE(monitor_.events().empty());
+  EXPECT_EQ(monitor_.num_masked(), 1);
+  EXPECT_EQ(monitor_.num_evaded(), 0);
+}
+
+TEST_F(BrakeLatencyBesideUndisturbedRunTest, AnotherObstacleIsAnsweredByAnyDriveThatIsLower) {
+  const sim::ActorState obstacle{{1.0, 0.0}, 0.1, 1.0};
+  monitor_.update({time::SteadyTime(1ms), {}, 1.0, 0.3, {std::nullopt, {{obstacle, true}}}});
+  drive(5ms, 0.8);
+  ASSERT_EQ(monitor_.events().size(), 1U);
+  EXPECT_EQ(monitor_.events()[0].answered, time::SteadyTime(5ms));
 }
 
 }  // namespace brake_latency_test

@@ -41,7 +41,8 @@ class GroundTruthMonitorTest : public ::testing::Test {
   sim::RobotModel model_{world_, {}, 1};
   bus::LoopNetwork network_{dir_.path() / "trial.lcmlog", {}};
   bus::LoopBus bus_{network_};
-  GroundTruthMonitor monitor_{world_, model_, network_, {}, {0.15, 0.0, 0.38}};
+  GroundTruthMonitor monitor_{
+      world_, model_, network_, BrakeLatencyMonitor{StoppingZone{}}, {0.15, 0.0, 0.38}};
 };
 
 TEST_F(GroundTruthMonitorTest, ASweepLastsFromOneReversalToTheNext) {
