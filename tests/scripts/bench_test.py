@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """What the benchmarks' scripts do: bench.sh runs an entry with the arguments that its program needs, navigation.py fails where the robot hits something,
-and slam6d_sessions.py compares a pose with the truth of the same time.
+trials.py shows what it has when something fails, and slam6d_sessions.py compares a pose with the truth of the same time.
 
 usage: bench_test.py SOURCE_DIR
 """
@@ -35,7 +35,7 @@ def measure(source, entry, program, text):
 
 GOAL = {"reached": True, "spl": 1.0, "time_s": 9.0, "shortest_path_m": 7.0, "start_to_goal_m": 7.0, "remaining_m": 0.2, "heading_error_deg": None}
 NO_CONTACT = {"collisions": 0, "contacts_caused": 0, "falls": 0, "bumped": 0, "mean_speed_mps": 0.7, "min_clearance_m": 0.1, "close_to_person_s": 0.0,
-              "duration_s": 10.0, "realtime_factor": 9.0, "goal": GOAL}
+              "duration_s": 10.0, "distance_m": 20.0, "realtime_factor": 9.0, "goal": GOAL}
 TRIAL = """\
 #!/bin/sh
 while [ "$1" != --out ]; do shift; done
@@ -56,6 +56,33 @@ def drive(source, family, result):
                               capture_output=True).returncode
 
 
+SOME_TRIAL = """\
+#!/bin/sh
+case "$*" in *--seed\\ 1\\ *) echo "disk full" >&2; exit 1 ;; esac
+""" + TRIAL.split("\n", 1)[1]
+
+
+def table(source, group, trial, result):
+    """What bench/trials.py prints of a group, and its exit code."""
+    with tempfile.TemporaryDirectory() as folder:
+        program = pathlib.Path(folder) / "nodmap-trial"
+        program.write_text(trial)
+        program.chmod(0o755)
+        program.with_name("nodmap-trial.json").write_text(json.dumps(result))
+        done = subprocess.run([sys.executable, source / "bench" / "trials.py", "--quick", "--only", *group, "--bin", folder], capture_output=True, text=True)
+        return done.stdout, done.returncode
+
+
+def check_trials(source):
+    """A trial that fails, or a group that cannot be evaluated, must not lose the results of the others."""
+    text, code = table(source, ["crowd"], SOME_TRIAL, NO_CONTACT)
+    assert "crowd, 1 runs: collisions" in text and "disk full" in text and code == 1, text
+    text, code = table(source, ["occupancy", "crowd"], TRIAL, NO_CONTACT | {"occupancy": None})
+    assert "occupancy: not evaluated" in text and "crowd, 2 runs: collisions" in text and code == 1, text
+    text, code = table(source, ["crowd"], "#!/bin/sh\nexit 1\n", NO_CONTACT)
+    assert text.count("MISSED") == 2 and code == 1, text
+
+
 def check_truth_between_samples(source):
     """A robot at 1 m/s, whose truth has a sample every 10 ms, and whose pose has no error."""
     sys.path.insert(0, str(source / "bench"))
@@ -69,6 +96,7 @@ def check_truth_between_samples(source):
 def main():
     source = pathlib.Path(sys.argv[1])
     check_truth_between_samples(source)
+    check_trials(source)
     printed = measure(source, "serial", "nodmap-bench-serial", SERIAL_BENCH)
     assert printed == "20 s beside 6 loops\n", printed
     assert drive(source, "holes", NO_CONTACT) == 0
