@@ -9,7 +9,9 @@ DIR holds NAME.clf and NAME.relations (docs/benchmark-2d.md). About twice a minu
   gap     nothing is recorded for 1 to 5 s
   kick    odometry jumps by up to 0.5 m and 60 degrees and does not return, as with wheels that slip
   pause   nothing is recorded for 0.5 to 1.5 s, and odometry does not count the motion during that time
-Prints a row for each log and kind of damage: the error of translation and rotation over all relations for each seed; the first row is the undamaged log.
+Prints a row for each log and kind of damage: the error of translation and rotation for each seed, over the relations whose two scans are left (a gap
+removes scans, and a pause, too), and how many are not; the first row is the undamaged log. Relations without a pose, though their scans are left, have a
+note of their own: whoever gives no pose where it is difficult must not look better.
 Seeds below 1000 are for reporting, others for choosing parameters (bench/seeds.py).
 """
 import argparse
@@ -102,19 +104,35 @@ def damaged_at(places, lines, kind, generator):
     return out
 
 
+def without_scan(text, relations):
+    """The number of relations of which a scan is missing in a log."""
+    stamps = {round(1e6 * Line(line).time_s) for line in text.splitlines() if line.startswith("FLASER")}
+    ends = [line.split()[:2] for line in relations.splitlines() if line.strip() and not line.startswith("#")]
+    return sum(any(round(1e6 * float(stamp)) not in stamps for stamp in pair) for pair in ends)
+
+
+def cell(errors, num_without_scan):
+    """The errors of a damaged log, and over how many relations they are not."""
+    total, without_pose = errors["n"] + errors["missing"], errors["missing"] - num_without_scan
+    notes = [f"{num_without_scan} of {total} without a scan"] * (num_without_scan > 0) + [f"**{without_pose} without a pose**"] * (without_pose > 0)
+    return ", ".join([f"{errors['trans_mean_m']:.4f} m, {errors['rot_mean_deg']:.3f}°", *notes])
+
+
 class Bench:
     def __init__(self, programs, data, settings):
         self.programs, self.data = programs, data
         self.settings = [word for value in settings for word in ("--set", value)]
 
     def errors(self, name, text):
+        """A cell of the table."""
+        relations = self.data / f"{name}.relations"
         with tempfile.TemporaryDirectory() as made:
             folder = pathlib.Path(made)
             (folder / "log.clf").write_text(text)
             run(self.programs / "nodmap-convert", "carmen", folder / "log.clf", folder / "log.lcmlog")
             run(self.programs / "nodmap-slam2d", "--replay", folder / "log.lcmlog", "--out", folder / "out", *self.settings)
-            return json.loads(run(self.programs / "nodmap-evaluate", "relations", folder / "out" / "trajectory.tum",
-                                  self.data / f"{name}.relations"))
+            errors = json.loads(run(self.programs / "nodmap-evaluate", "relations", folder / "out" / "trajectory.tum", relations))
+            return cell(errors, without_scan(text, relations.read_text()))
 
     def row(self, name, kind, numbers):
         every = (self.data / f"{name}.clf").read_text(errors="replace").splitlines(keepends=True)
@@ -144,8 +162,7 @@ def main():
     print("| log | damage | error for each seed: translation, rotation |\n|---|---|---|")
     for name in options.logs:
         for kind in options.kinds:
-            cells = [f"{errors['trans_mean_m']:.4f} m, {errors['rot_mean_deg']:.3f}°" for errors in bench.row(name, kind, options.seeds)]
-            print(f"| {name} | {kind} | {'; '.join(cells)} |", flush=True)
+            print(f"| {name} | {kind} | {'; '.join(bench.row(name, kind, options.seeds))} |", flush=True)
 
 
 if __name__ == "__main__":

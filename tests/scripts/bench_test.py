@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """What the benchmarks' scripts do: bench.sh runs an entry with the arguments that its program needs, navigation.py fails where the robot hits something,
-trials.py shows what it has when something fails, and slam6d_sessions.py compares a pose with the truth of the same time.
+trials.py shows what it has when something fails, slam2d_damage.py counts what it cannot measure, and slam6d_sessions.py compares a pose with the truth of the same time.
 
 usage: bench_test.py SOURCE_DIR
 """
@@ -93,10 +93,24 @@ def check_truth_between_samples(source):
     assert errors[0] < 1e-12, errors
 
 
+def check_relations_without_a_scan(source):
+    """A log of three scans, with a gap over the middle one, and two relations, one of them to it."""
+    sys.path.insert(0, str(source / "bench"))
+    import slam2d_damage
+    scans = [f"FLASER 1 2.0 0 0 0 0 0 0 {time_s}.0 host {time_s}.0\n" for time_s in range(3)]
+    left = "".join(slam2d_damage.damaged_at([(0.5, 1.5)], [slam2d_damage.Line(scan) for scan in scans], "gap", None))
+    num = slam2d_damage.without_scan(left, "# comment\n0.0 2.0 1 0 0 0 0 0\n0.0 1.0 1 0 0 0 0 0\n")
+    assert num == 1, left
+    errors = {"trans_mean_m": 0.01, "rot_mean_deg": 0.1, "n": 1, "missing": 1}
+    assert slam2d_damage.cell(errors, 1) == "0.0100 m, 0.100°, 1 of 2 without a scan"
+    assert slam2d_damage.cell(errors, 0) == "0.0100 m, 0.100°, **1 without a pose**"
+
+
 def main():
     source = pathlib.Path(sys.argv[1])
     check_truth_between_samples(source)
     check_trials(source)
+    check_relations_without_a_scan(source)
     printed = measure(source, "serial", "nodmap-bench-serial", SERIAL_BENCH)
     assert printed == "20 s beside 6 loops\n", printed
     assert drive(source, "holes", NO_CONTACT) == 0
