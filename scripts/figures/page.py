@@ -30,9 +30,8 @@ def section(number, made):
     commands = "\n".join(f"    {command}" for command in made["commands"])
     holds = "".join(f"<!-- row {number} | {what} | {measured} | {target} | {'yes' if ok else '**no**'} -->\n"
                     for what, measured, target, ok in made.get("holds", []))
-    note = f"\n{made['note']}\n" if made.get("note") else ""
     return (f"<!-- figure {number} -->\n## Fig. {number}: {made['title']}\n\n![{made['alt']}](pictures/paper/fig{number}.png)\n\n"
-            f"*The paper:* {made['paper']}\n\n*Here:* {made['measured']}\n{note}\n{commands}\n\nDrawn at commit {commit()}.\n\n{holds}<!-- end {number} -->\n")
+            f"*The paper:* {made['paper']}\n\n*Here:* {made['measured']}\n\n{commands}\n\nDrawn at commit {commit()}.\n\n{holds}<!-- end {number} -->\n")
 
 
 def read_sections():
