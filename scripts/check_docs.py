@@ -1,15 +1,16 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Fails when a document names what is not there: a link's file, a path of the repository or a test, in `code style`;
+"""Fails when a document names what is not there: a link's file or heading, a path of the repository or a test, in `code style`;
 and when a README does not name a header that it should explain, in `code style` without its folder and extension.
 """
+import functools
 import pathlib
 import re
 import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-LINK = re.compile(r"\]\(([^)#\s]+)[^)]*\)")
+LINK = re.compile(r"\]\(([^)#\s]*)(?:#([^)\s]+))?[^)]*\)")
 CODE = re.compile(r"`([^`\s]+)`")
 
 
@@ -27,6 +28,22 @@ def unnamed_headers(files):
             yield f"{folder}/README.md: does not say what {header} is for"
 
 
+@functools.cache
+def anchors(document):
+    """What a link to a heading of the document may have after its #, by GitHub's rule."""
+    found = {}
+    for title in re.findall(r"^#+ (.*)$", document.read_text(), re.M):
+        name = re.sub(r"[^\w -]", "", re.sub(r"\]\([^)]*\)", "", title).lower()).replace(" ", "-")
+        found[name] = found.get(name, -1) + 1
+    return set(found) | {f"{name}-{number}" for name, count in found.items() for number in range(1, count + 1)}
+
+
+def is_there(document, target, heading):
+    """Whether a link of a document leads somewhere."""
+    path = document.parent / target if target else document
+    return path.exists() and (not heading or path.suffix != ".md" or heading in anchors(path))
+
+
 def main():
     files = repository_files()
     tops = {name.split("/")[0] for name in files if "/" in name} - {"logs"}  # logs/ is where results go
@@ -35,11 +52,10 @@ def main():
     paths = set(files) | {name.rsplit(".", 1)[0] for name in files} | {str(parent) for name in files for parent in pathlib.PurePath(name).parents}
     errors = list(unnamed_headers(files))
     for name in (f for f in files if f.endswith(".md")):
-        folder = (ROOT / name).parent
         for number, line in enumerate((ROOT / name).read_text().splitlines(), 1):
-            for target in LINK.findall(line):
-                if "://" not in target and not (folder / target).exists():
-                    errors.append(f"{name}:{number}: the link leads nowhere: {target}")
+            for target, heading in LINK.findall(line):
+                if "://" not in target and not is_there(ROOT / name, target, heading):
+                    errors.append(f"{name}:{number}: the link leads nowhere: {target}{'#' if heading else ''}{heading}")
             for word in CODE.findall(line):
                 path = word.rstrip("/")
                 if re.fullmatch(r"[\w./-]+", path) and "/" in path and path.split("/")[0] in tops and path not in paths:
