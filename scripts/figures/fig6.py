@@ -55,7 +55,7 @@ def make():
         "alt": "Occupancy grid of a long corridor, with the true trajectory and those of odometry and 2D SLAM",
         "paper": "A 2D map of a 30 m long corridor, made from the level scans of the nod; \"the resulting map does not rank behind 2D maps\" of "
                  "fixed scanners.",
-        "measured": f"Each wheel counts 3 % too much, and the heading drifts by 1° after 1 m. The robot drives {shown['length_m']:.1f} m along the corridor. "
+        "measured": f"Each wheel counts 3 % too much, and the heading drifts by 1° times the root of the metres. The robot drives {shown['length_m']:.1f} m along the corridor. "
                     "`nodmap-evaluate corridor` measures the error of the length, the greatest error across the corridor (bow) and the greatest "
                     "error of the heading:\n\n"
                     f"| | this run | worst of {len(every)} seeds | odometry, this run | target |\n|---|---|---|---|---|\n" + rows +

@@ -49,7 +49,7 @@ def make():
         "alt": "Occupancy grid of a ring around a block: the trajectory of 2D SLAM lies on the true one, that of odometry beside it",
         "paper": "\"Due to the online re-localization the scan matching trajectory is corrected and thus reflects that the robot drove "
                  "back to its starting position.\"",
-        "measured": "The robot drives once around the block, from goal to goal. Each wheel counts 3 % too much, and the heading drifts by 1° after 1 m. "
+        "measured": "The robot drives once around the block, from goal to goal. Each wheel counts 3 % too much, and the heading drifts by 1° times the root of the metres. "
                     "The table shows the error of the last pose, which a square marks in the image:\n\n"
                     "| | 2D SLAM | odometry | target |\n|---|---|---|---|\n" + rows,
         "holds": [("runs that went around the block", f"{len(rounds)} of {len(TRIALS)}", "all", len(rounds) == len(TRIALS)),

@@ -87,7 +87,7 @@ def make():
         "alt": "3D model of the cellar, coloured by height: from scans on the move, seen obliquely and from above, and from stationary scans",
         "paper": "A 3D model from clouds taken while roaming; \"slightly more distorted compared to those that can be achieved by "
                  "performing 3D scans while standing\".",
-        "measured": "The robot drives through a cellar with the odometry errors of Fig. 7 (3 % too much, 1° after 1 m), and 6D SLAM registers its sweeps. "
+        "measured": "The robot drives through a cellar with the odometry errors of Fig. 7 (3 % too much, 1° times the root of the metres), and 6D SLAM registers its sweeps. "
                     "For comparison the robot stops for 4 s of each 9 s, and only the sweeps over the whole 120° that it takes while stationary are "
                     "registered (`slam6d.keyframe.stationary_only`). The table shows the RMS distance of the registered points from the true surfaces, and "
                     "in brackets the fraction of points farther away than 10 cm. The paper gives no number; our target is a ratio of at most 1.5 to the best "
