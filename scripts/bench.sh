@@ -92,8 +92,9 @@ measure() {
       ;;
     slam6d-scan)
       mkdir -p "$out"
-      $bin/nodmap-trial --world sim/worlds/office.yaml --seed 1 --duration 100 --no-slam6d --out "$out/office"
-      $bin/nodmap-bench-slam6d "$out/office/trial.lcmlog"
+      $bin/nodmap-trial --world sim/worlds/crowd.yaml --seed 1 --duration 35 --no-slam6d --set sim.odometry_scale_bias=0.03 \
+        --set sim.slip_heading_deg=1 --out "$out/crowd"
+      $bin/nodmap-bench-slam6d "$out/crowd/trial.lcmlog"
       ;;
     octomap)
       need_data nodding_seq || return 0

@@ -86,6 +86,16 @@ def check_trials(source):
     assert text.count("MISSED") == 2 and code == 1, text
 
 
+def check_odometry_noise(source):
+    """Maps are reported with this noise (bench/seeds.py)."""
+    sys.path.insert(0, str(source / "bench"))
+    import trials
+    drives = [trial for trial in trials.clouds(True)[0] if trial.name.endswith("-moving")]
+    assert len(drives) == 2
+    for trial in drives:
+        assert "sim.odometry_scale_bias=0.03" in trial.options, trial.name
+
+
 def check_truth_between_samples(source):
     """A robot at 1 m/s, whose truth has a sample every 10 ms, and whose pose has no error."""
     sys.path.insert(0, str(source / "bench"))
@@ -113,6 +123,7 @@ def main():
     source = pathlib.Path(sys.argv[1])
     check_truth_between_samples(source)
     check_trials(source)
+    check_odometry_noise(source)
     check_relations_without_a_scan(source)
     printed = measure(source, "serial", "nodmap-bench-serial", SERIAL_BENCH)
     assert printed == "20 s beside 6 loops\n", printed
