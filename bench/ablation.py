@@ -9,14 +9,11 @@ and are driven for comparison only.
 """
 import argparse
 import dataclasses
-import pathlib
-import shutil
 import sys
-import tempfile
 
 from navigation import FAMILIES, make_trials, recorded_crowds, row_of, show
 from seeds import REPORTING
-from trials import ROOT, run_all
+from trials import add_options, result_folder, run_all, show_failures
 
 WITHOUT_LOCAL_MAP = ["navigator.local_map.use_local_map=false"]
 BEHAVIOURS = ["navigator.planner.use_planner=false", "navigator.planner.roams=false"]
@@ -46,7 +43,7 @@ ABLATIONS = {
 }
 
 
-def measure(ablation, seeds, programs, out, jobs, crowds):
+def measure(ablation, seeds, bin_dir, out, jobs, crowds):
     """Runs all trials of an ablation; returns a row for each family and variant, and the number of trials without a result."""
     groups = []
     for family in ablation.families:
@@ -55,11 +52,9 @@ def measure(ablation, seeds, programs, out, jobs, crowds):
             for trial in trials + empty:
                 trial.name = f"{variant.replace(' ', '-')}/{trial.name}"
             groups.append((f"{family}, {variant}", trials, empty))
-    run_all([trial for _, trials, empty in groups for trial in trials + empty], programs, out, jobs)
-    failed = [trial for _, trials, empty in groups for trial in trials + empty if not trial.result]
-    for trial in failed:
-        print(f"{trial.name}: {trial.error[-200:]}", file=sys.stderr)
-    return [row_of(name, trials, empty) for name, trials, empty in groups], len(failed)
+    run_all([trial for _, trials, empty in groups for trial in trials + empty], bin_dir, out, jobs)
+    failed = show_failures(trial for _, trials, empty in groups for trial in trials + empty)
+    return [row_of(name, trials, empty) for name, trials, empty in groups], failed
 
 
 def main():
@@ -67,15 +62,11 @@ def main():
     parser.add_argument("--only", nargs="+", choices=ABLATIONS, default=list(ABLATIONS))
     parser.add_argument("--seeds", type=int, default=10, help="number of seeds in each family")
     parser.add_argument("--first", type=int, default=REPORTING[0])
-    parser.add_argument("--jobs", type=int, default=2)
-    parser.add_argument("--out", type=pathlib.Path, help="folder in which the results are kept; default: a temporary one")
-    parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build" / "release" / "bin")
+    add_options(parser)
     arguments = parser.parse_args()
-    out = arguments.out or pathlib.Path(tempfile.mkdtemp(prefix="nodmap-ablation-"))
-    out.mkdir(parents=True, exist_ok=True)
     seeds = range(arguments.first, arguments.first + arguments.seeds)
     failed = 0
-    try:
+    with result_folder(arguments.out) as out:
         crowds = recorded_crowds(out)
         for part in arguments.only:
             ablation = ABLATIONS[part]
@@ -85,9 +76,6 @@ def main():
             failed += num_failed
             show(rows, "worlds")
             print(flush=True)
-    finally:
-        if not arguments.out:
-            shutil.rmtree(out)
     return 1 if failed else 0
 
 

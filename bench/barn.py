@@ -19,13 +19,13 @@ import concurrent.futures
 import json
 import pathlib
 import shutil
-import subprocess
 import sys
-import tempfile
 
+from navigation import mean
 from pool import Pool
+from programs import call, settings
+from trials import add_options, result_folder
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
 OPTIMAL_MPS = 2.0
 
 
@@ -36,15 +36,12 @@ def world_indices(file):
 def run(arguments, out, index, seed):
     """Runs a world with a seed and returns its result.json."""
     folder = out / f"{index}-{seed}"
-    command = [arguments.bin / "nodmap-trial", "--world", f"barn:{arguments.file}:{index}", "--seed", str(seed), "--out", folder, "--no-slam6d",
-               "--robot", arguments.robot]
-    for assignment in arguments.set:
-        command += ["--set", assignment]
-    if arguments.is_dynamic:
-        command += ["--without", "slam2d"]
-    done = subprocess.run([str(word) for word in command], capture_output=True, text=True)
-    if done.returncode != 0:
-        raise RuntimeError(f"world {index}, seed {seed}: {done.stderr.strip()}")
+    without = ["--without", "slam2d"] if arguments.is_dynamic else []
+    try:
+        call(arguments.bin / "nodmap-trial", "--world", f"barn:{arguments.file}:{index}", "--seed", seed, "--out", folder, "--no-slam6d",
+             "--robot", arguments.robot, *settings(arguments.set), *without)
+    except RuntimeError as error:
+        raise RuntimeError(f"world {index}, seed {seed}: {error}") from None
     result = json.loads((folder / "result.json").read_text())
     if not arguments.out:
         shutil.rmtree(folder)  # the log of a run is some 30 MB
@@ -63,10 +60,6 @@ def outcome_of(result):
     return "success", time_s, optimal_s / min(max(time_s, 2 * optimal_s), 8 * optimal_s)
 
 
-def mean(values):
-    return sum(values) / len(values) if values else None
-
-
 def summary(worlds):
     """Means over the runs. `worlds`: for each world a list of (outcome, time, score, whether the robot caused a contact), one for each run."""
     runs = [run for world in worlds.values() for run in world]
@@ -82,17 +75,13 @@ def main():
     parser.add_argument("--runs", type=int, default=1, help="runs of each world, with the seeds 0, 1, ...")
     parser.add_argument("--worlds", type=int, nargs="+", help="indices of the worlds; default: all")
     parser.add_argument("--every", type=int, default=1, help="drive only every K-th world")
-    parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--set", action="append", default=[], help="a parameter, as for nodmap-trial --set")
-    parser.add_argument("--out", type=pathlib.Path, help="folder in which all results are kept; default: a temporary one")
-    parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build" / "release" / "bin")
+    add_options(parser)
     arguments = parser.parse_args()
     arguments.is_dynamic = "\nC " in arguments.file.read_text()
     indices = arguments.worlds or world_indices(arguments.file)[::arguments.every]
-    out = arguments.out or pathlib.Path(tempfile.mkdtemp(prefix="nodmap-barn-"))
-    out.mkdir(parents=True, exist_ok=True)
     worlds = {index: [] for index in indices}
-    try:
+    with result_folder(arguments.out) as out:
         with Pool(arguments.jobs) as pool:
             futures = {pool.submit(run, arguments, out, index, seed): (index, seed) for index in indices for seed in range(arguments.runs)}
             for done, future in enumerate(concurrent.futures.as_completed(futures), 1):
@@ -103,9 +92,6 @@ def main():
                 print(f"{done}/{len(futures)} world {index} run {seed}: {outcome}" + (f" {time_s:.1f} s" if time_s else "") +
                       f", score {score:.3f}", file=sys.stderr, flush=True)
         print(json.dumps(summary(worlds)))
-    finally:
-        if not arguments.out:
-            shutil.rmtree(out)
     return 0
 
 

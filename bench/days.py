@@ -9,7 +9,8 @@ import resource
 import subprocess
 import time
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
+from programs import BIN, settings
+
 LENGTH_M, HALF_WIDTH_M = 24.0, 1.1
 BEAMS, MAX_RANGE_M = 181, 30.0
 
@@ -43,7 +44,7 @@ def wall_m(segments, x, y, angle):
 def parser(description, hours, program):
     """The arguments that both have."""
     arguments = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
-    arguments.add_argument("--bin", type=pathlib.Path, default=ROOT / "build" / "release" / "bin")
+    arguments.add_argument("--bin", type=pathlib.Path, default=BIN)
     arguments.add_argument("--hours", type=float, nargs="+", default=hours)
     arguments.add_argument("--set", nargs="*", default=[], help=f"parameters of {program}")
     return arguments
@@ -65,9 +66,8 @@ def peak_memory_b(command, errors):
 
 def map_recording(options, program, folder):
     """Maps FOLDER/days.lcmlog into FOLDER/out; returns CPU time (s), peak memory (bytes) and the metrics."""
-    settings = [word for value in options.set for word in ("--set", value)]
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    command = [options.bin / program, "--replay", folder / "days.lcmlog", "--out", folder / "out", *settings]
+    command = [options.bin / program, "--replay", folder / "days.lcmlog", "--out", folder / "out", *settings(options.set)]
     memory_b = peak_memory_b(command, folder / "errors.txt")
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     cpu_s = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime

@@ -11,26 +11,21 @@ of both policies.
 """
 import argparse
 import json
-import pathlib
-import shutil
 import sys
-import tempfile
 
+from navigation import rounded
+from programs import settings as options_of
 from seeds import CHOOSING, REPORTING
-from trials import ROOT, Trial, run_all
+from trials import Trial, add_options, result_folder, run_all, show_failures
 
 POLICIES = ["tour", "nearest_frontier"]
 COLUMNS = ["seed", "policy", "to_90_m", "to_90_s", "seen", "home_s", "path_m", "from_start_m", "collisions"]
 
 
 def make_trials(seeds, duration_s, settings):
-    options = ["--explore", "--no-slam6d", *(word for setting in settings for word in ("--set", setting))]
+    options = ["--explore", "--no-slam6d", *options_of(settings)]
     return [(seed, policy, Trial(f"building-{seed}-{policy}", f"building:{seed}", seed, duration_s, *options, "--set", f"explorer.policy={policy}"))
             for seed in seeds for policy in POLICIES]
-
-
-def rounded(value, digits):
-    return None if value is None else round(value, digits)
 
 
 def row_of(seed, policy, result):
@@ -64,16 +59,12 @@ def main():
     parser.add_argument("--seeds", type=int, default=10)
     parser.add_argument("--first", type=int, default=REPORTING[0], help=f"first seed; from {CHOOSING[0]} on for choosing parameters")
     parser.add_argument("--duration", type=float, default=600.0, help="longest time of an exploration, seconds")
-    parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--set", action="append", default=[], help="a parameter, as for nodmap-trial --set")
     parser.add_argument("--json", action="store_true", help="print a JSON object for each exploration instead of the table")
-    parser.add_argument("--out", type=pathlib.Path, help="folder in which the results are kept; default: a temporary one")
-    parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build" / "release" / "bin")
+    add_options(parser)
     arguments = parser.parse_args()
-    out = arguments.out or pathlib.Path(tempfile.mkdtemp(prefix="nodmap-exploration-"))
-    out.mkdir(parents=True, exist_ok=True)
     trials = make_trials(range(arguments.first, arguments.first + arguments.seeds), arguments.duration, arguments.set)
-    try:
+    with result_folder(arguments.out) as out:
         run_all([trial for _, _, trial in trials], arguments.bin, out, arguments.jobs)
         rows = [row_of(seed, policy, trial.result) for seed, policy, trial in trials if trial.result]
         if arguments.json:
@@ -82,13 +73,7 @@ def main():
         else:
             show(rows)
             show_ratio(rows)
-        failed = [trial for _, _, trial in trials if not trial.result]
-        for trial in failed:
-            print(f"{trial.name}: {trial.error[-200:]}", file=sys.stderr)
-    finally:
-        if not arguments.out:
-            shutil.rmtree(out)
-    return 1 if failed else 0
+    return 1 if show_failures(trial for _, _, trial in trials) else 0
 
 
 if __name__ == "__main__":

@@ -11,19 +11,17 @@ yaw rate) or the rollout that the robot chose. The last row counts how often the
 """
 import argparse
 import collections
-import pathlib
-import shutil
 import struct
 import sys
-import tempfile
 
+from event_log import events
+from programs import ROOT, settings
 from seeds import CHOOSING
-from trials import ROOT, Trial, run_all
+from trials import Trial, add_options, result_folder, run_all, show_failures
 
 sys.path.insert(0, str(ROOT / "lcmtypes"))
 import lcm_files  # noqa: E402
 
-SYNC = 0xEDA1DA01
 STEER, TURN = 0, 2
 # Below this a rotation on the spot counts as slow: Brake allows 0.17 rad/s over doubtful ground.
 CREEPING_RAD_S = 0.2
@@ -60,27 +58,22 @@ def reader_of(name):
     return read
 
 
-def events(path, channels):
-    """Yields the events of these channels: microseconds since the first event of the log, channel, message.
+def messages(path, channels):
+    """Yields the messages of these channels: microseconds since the first event of the log, channel, message.
 
     `channels`: the message type of each, or None if the message is not needed."""
     readers = {channel: reader_of(name) if name else lambda _: None for channel, name in channels.items()}
     first_us = None
-    with open(path, "rb") as log:
-        while len(head := log.read(28)) == 28:
-            sync, _, stamp_us, channel_size, size = struct.unpack(">IqqII", head)
-            if sync != SYNC:
-                raise ValueError(f"{path}: not an event log")
-            channel, message = log.read(channel_size).decode(), log.read(size)
-            first_us = stamp_us if first_us is None else first_us
-            if channel in channels:
-                yield stamp_us - first_us, channel, readers[channel](message)
+    for event in events(path):
+        first_us = event.utime if first_us is None else first_us
+        if event.channel in channels:
+            yield event.utime - first_us, event.channel, readers[event.channel](event.data)
 
 
 def decisions(path):
     """Reads of each DRIVE: time, forward speed, yaw rate, the pitch controller's bound, behaviour and reason. Also returns when the log ends (s)."""
     found, motions, bound_mps, now_us = [], {}, 0.0, 0
-    for now_us, channel, message in events(path, {"DRIVE": "drive_t", "NAVIGATION": "navigation_t", "PITCH_COMMAND": "pitch_command_t", "ODOMETRY": None}):
+    for now_us, channel, message in messages(path, {"DRIVE": "drive_t", "NAVIGATION": "navigation_t", "PITCH_COMMAND": "pitch_command_t", "ODOMETRY": None}):
         if channel == "PITCH_COMMAND":
             bound_mps = message["max_forward_mps"]
         elif channel == "DRIVE":
@@ -126,34 +119,27 @@ def main():
     parser.add_argument("--only", nargs="+", default=["dense", "random"], help="scenarios without a goal")
     parser.add_argument("--fastest", type=float, default=1.5, help="speed relative to which time is lost, m/s")
     parser.add_argument("--duration", type=float, default=60.0, help="length of a run from the first scan on, seconds")
-    parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--set", action="append", default=[], help="a parameter, as for nodmap-trial --set")
-    parser.add_argument("--out", type=pathlib.Path, help="folder in which results and logs are kept; default: a temporary one")
-    parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build" / "release" / "bin")
+    add_options(parser)
     arguments = parser.parse_args()
-    out = arguments.out or pathlib.Path(tempfile.mkdtemp(prefix="nodmap-lost-time-"))
-    out.mkdir(parents=True, exist_ok=True)
-    options = ["--no-slam6d", *(word for setting in arguments.set for word in ("--set", setting))]
+    options = ["--no-slam6d", *settings(arguments.set)]
     seeds = range(arguments.first, arguments.first + arguments.seeds)
     runs = {scenario: [Trial(f"{scenario}-{s}", f"{scenario}:{s}", s, arguments.duration, *options, keep_log=True) for s in seeds] for scenario in arguments.only}
     columns = {}
-    try:
-        run_all([trial for trials in runs.values() for trial in trials], arguments.bin, out, arguments.jobs)
+    every = [trial for trials in runs.values() for trial in trials]
+    with result_folder(arguments.out) as out:
+        run_all(every, arguments.bin, out, arguments.jobs)
+        if show_failures(every):
+            return 1
         for scenario, trials in runs.items():
             column = columns[scenario] = collections.Counter()
             for trial in trials:
-                if not trial.result:
-                    print(f"{trial.name}: {trial.error[-200:]}", file=sys.stderr)
-                    return 1
                 lost, num_stops, end_s = lost_seconds(trial.dir / "trial.lcmlog", arguments.fastest)
                 column.update(lost)
                 column["standstills"] += num_stops
                 column["seconds"] += end_s
                 column["mean_mps"] += trial.result["mean_speed_mps"] / len(trials)
                 column["collisions"] += trial.result["collisions"]
-    finally:
-        if not arguments.out:
-            shutil.rmtree(out)
     show(columns)
     return 0
 

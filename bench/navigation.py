@@ -22,13 +22,12 @@ import json
 import lzma
 import os
 import pathlib
-import shutil
 import statistics
 import sys
-import tempfile
 
+from programs import settings as options_of
 from seeds import CHOOSING, REPORTING
-from trials import ROOT, Trial, run_all
+from trials import Trial, add_options, result_folder, run_all, show_failures
 
 # For each family its scenarios, and the seconds that a run may take.
 FAMILIES = {"random": (["random"], 60), "dense": (["dense"], 60), "holes": (["holes"], 120), "goals": (["goals"], 120),
@@ -64,7 +63,7 @@ def world_name(scenario, seed, crowds):
 def make_trials(family, seeds, settings, crowds):
     """The trials of a family, and for families with people the same trials without them."""
     scenarios, duration_s = FAMILIES[family]
-    options = ["--no-slam6d", *(word for setting in settings for word in ("--set", setting))]
+    options = ["--no-slam6d", *options_of(settings)]
     trials, empty = [], []
     for scenario in scenarios:
         if scenario in FRAMES_PER_S and scenario not in crowds:
@@ -155,17 +154,13 @@ def main():
     parser.add_argument("--seeds", type=int, default=10, help="number of seeds in each scenario")
     parser.add_argument("--first", type=int, default=REPORTING[0], help=f"first seed; from {CHOOSING[0]} on for choosing parameters")
     parser.add_argument("--only", nargs="+", choices=FAMILIES, default=list(FAMILIES))
-    parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--set", action="append", default=[], help="a parameter, as for nodmap-trial --set")
     parser.add_argument("--label", default="family", help="heading of the table's first column")
     parser.add_argument("--json", action="store_true", help="print a JSON object for each family instead of the table")
-    parser.add_argument("--out", type=pathlib.Path, help="folder in which the results are kept; default: a temporary one")
-    parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build" / "release" / "bin")
+    add_options(parser)
     arguments = parser.parse_args()
-    out = arguments.out or pathlib.Path(tempfile.mkdtemp(prefix="nodmap-navigation-"))
-    out.mkdir(parents=True, exist_ok=True)
     seeds = range(arguments.first, arguments.first + arguments.seeds)
-    try:
+    with result_folder(arguments.out) as out:
         crowds = recorded_crowds(out)
         families = {family: make_trials(family, seeds, arguments.set, crowds) for family in arguments.only}
         every = [trial for trials, empty in families.values() for trial in trials + empty]
@@ -176,13 +171,7 @@ def main():
                 print(json.dumps(row))
         else:
             show(rows, arguments.label)
-        failed = [trial for trial in every if not trial.result]
-        for trial in failed:
-            print(f"{trial.name}: {trial.error[-200:]}", file=sys.stderr)
-    finally:
-        if not arguments.out:
-            shutil.rmtree(out)
-    return 1 if failed or any(has_contacts(row) for row in rows) else 0
+    return 1 if show_failures(every) or any(has_contacts(row) for row in rows) else 0
 
 
 if __name__ == "__main__":

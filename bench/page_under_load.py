@@ -19,7 +19,8 @@ import sys
 import tempfile
 import time
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
+from programs import BIN, ROOT, call
+
 sys.path.insert(0, str(ROOT / "tests" / "viewer"))
 import webdriver  # noqa: E402
 
@@ -52,10 +53,10 @@ def open_page(log):
     return first_s
 
 
-def truth(out, programs):
+def truth(out, bin_dir):
     recording = min((out / "logger").glob("lcmlog-*"))
     table = out / "truth.csv"
-    subprocess.run([programs / "nodmap-convert", "export", recording, table, "--channel", "TRUTH"], check=True, stderr=subprocess.DEVNULL)
+    call(bin_dir / "nodmap-convert", "export", recording, table, "--channel", "TRUTH")
     with table.open() as file:
         return [{key: float(row[key]) for key in ("utime_us", "x_m", "y_m", "forward_mps", "yaw_rate_rad_s")} for row in csv.DictReader(file)]
 
@@ -73,7 +74,7 @@ def main():
     parser.add_argument("--busy", type=int, default=4, help="number of busy loops")
     parser.add_argument("--no-page", action="store_true", help="open no page, for comparison")
     parser.add_argument("--out", type=pathlib.Path, help="new folder for the demo's results; an existing one is never overwritten")
-    parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build" / "release" / "bin")
+    parser.add_argument("--bin", type=pathlib.Path, default=BIN)
     arguments = parser.parse_args()
     out = (arguments.out or pathlib.Path(tempfile.mkdtemp(prefix="nodmap-page-")) / "demo").resolve()
     log = out.with_suffix(".log")

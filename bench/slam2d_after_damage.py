@@ -17,27 +17,15 @@ import bisect
 import math
 import pathlib
 import random
-import struct
 import tempfile
 
-from slam2d_damage import KINDS, Line, compose, damaged_at, inverse, moments, parse_arguments, run
+from event_log import poses_of
+from poses import compose, inverse
+from slam2d_damage import KINDS, Bench, Line, damaged_at, moments, parse_arguments, read_log
 
 BEFORE_S, AFTER_S, DRIFT_S = 40.0, 15.0, 4.0
 WRONG_M, WRONG_WITH_DRIFT_M, WRONG_RAD = 0.25, 0.5, math.radians(4.0)
 LONG_SCANS = 5  # a second of the slowest log
-
-
-def published_poses(log):
-    """Reads (time in s, (x, y, yaw), state) of each POSE_2D in an LCM event log."""
-    data, at, poses = log.read_bytes(), 0, []
-    while at + 28 <= len(data):
-        channel_size, size = struct.unpack(">II", data[at + 20:at + 28])
-        channel, body = data[at + 28:at + 28 + channel_size], data[at + 28 + channel_size:at + 28 + channel_size + size]
-        at += 28 + channel_size + size
-        if channel == b"POSE_2D":
-            utime, x, y, _, w, _, _, z = struct.unpack(">q7d", body[8:72])
-            poses.append((1e-6 * utime, (x, y, 2.0 * math.atan2(z, w)), struct.unpack(">b", body[-1:])[0]))
-    return poses
 
 
 def difference(a, b, c, d):
@@ -46,21 +34,14 @@ def difference(a, b, c, d):
     return math.hypot(x, y), abs(math.remainder(yaw, 2.0 * math.pi))
 
 
-class Bench:
-    def __init__(self, programs, data, settings):
-        self.programs, self.data = programs, data
-        self.settings = [word for value in settings for word in ("--set", value)]
-
-    def map(self, text):
+class AfterDamage(Bench):
+    def poses(self, text):
         """Maps a CARMEN log: the published poses, and the poses corrected at the end by their time in ms."""
         with tempfile.TemporaryDirectory() as made:
-            folder = pathlib.Path(made)
-            (folder / "log.clf").write_text(text)
-            run(self.programs / "nodmap-convert", "carmen", folder / "log.clf", folder / "log.lcmlog")
-            run(self.programs / "nodmap-slam2d", "--replay", folder / "log.lcmlog", "--out", folder / "out", *self.settings)
-            rows = [list(map(float, line.split())) for line in (folder / "out" / "trajectory.tum").read_text().splitlines() if line[0] != "#"]
+            out = self.map(text, pathlib.Path(made))
+            rows = [list(map(float, line.split())) for line in (out / "trajectory.tum").read_text().splitlines() if line[0] != "#"]
             corrected = {round(1e3 * row[0]): (row[1], row[2], 2.0 * math.atan2(row[6], row[7])) for row in rows}
-            return published_poses(folder / "out" / "out.lcmlog"), corrected
+            return list(poses_of(out / "out.lcmlog", "POSE_2D")), corrected
 
     def outcome(self, published, truth, begin_s, end_s):
         """The outcome (right, said, silent, or none without poses), how many poses after the damage are not TRACKING, and how many there are."""
@@ -77,28 +58,27 @@ class Bench:
         return name, sum(row[2] != 0 for row in after), len(after)
 
     def row(self, name, kind, numbers, truth):
-        every = (self.data / f"{name}.clf").read_text(errors="replace").splitlines(keepends=True)
-        head = "".join(line for line in every if line.startswith("PARAM"))
-        lines = [Line(text) for text in every if text.startswith(("ODOM", "FLASER"))]
+        head, texts = read_log(self.data / f"{name}.clf")
+        lines = [Line(text) for text in texts]
         counts = dict.fromkeys(("right", "said", "silent", "none"), 0)
         not_tracking = scans = 0
         for seed in numbers:
             for begin_s, end_s in moments(lines, kind, random.Random(f"{kind} {seed}")):
                 piece = [line for line in lines if begin_s - BEFORE_S <= line.time_s <= end_s + AFTER_S]
                 text = head + "".join(damaged_at([(begin_s, end_s)], piece, kind, random.Random(f"{kind} {seed} {begin_s}")))
-                result, degraded, total = self.outcome(self.map(text)[0], truth, begin_s, end_s)
+                result, degraded, total = self.outcome(self.poses(text)[0], truth, begin_s, end_s)
                 counts[result] += 1
                 not_tracking += degraded
                 scans += total
         return [str(counts[key]) for key in counts] + [f"{100.0 * not_tracking / max(1, scans):.1f} %"]
 
     def truth(self, name):
-        return self.map((self.data / f"{name}.clf").read_text(errors="replace"))[1]
+        return self.poses((self.data / f"{name}.clf").read_text(errors="replace"))[1]
 
 
 def main():
     options = parse_arguments(__doc__, list(KINDS))
-    bench = Bench(options.bin, options.data, options.settings)
+    bench = AfterDamage(options)
     print("| log | damage | right | said | silent | no pose | not TRACKING in the 15 s afterwards |\n|---|---|---|---|---|---|---|")
     for name in options.logs:
         truth = bench.truth(name)

@@ -15,37 +15,18 @@ note of their own: whoever gives no pose where it is difficult must not look bet
 Seeds below 1000 are for reporting, others for choosing parameters (bench/seeds.py).
 """
 import argparse
-import json
 import math
 import pathlib
 import random
-import subprocess
 import tempfile
 
 import seeds
+from poses import compose, inverse
+from programs import BIN, evaluate, settings
+from public_logs import LOGS, map_log
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
-LOGS = ("intel", "fr079", "mit-csail")
 KINDS = {"stall": (0.5, 1.5), "gap": (1.0, 5.0), "kick": (0.0, 0.0), "pause": (0.5, 1.5)}  # durations, s
 PERIOD_S = 30.0
-
-
-def run(*command):
-    done = subprocess.run([str(part) for part in command], capture_output=True, text=True)
-    if done.returncode != 0:
-        raise RuntimeError(f"{command[0]}: {done.stderr.strip()}")
-    return done.stdout
-
-
-def compose(a, b):
-    """Composes two poses (x, y, yaw): transforms b from the frame of a to the frame in which a is given."""
-    c, s = math.cos(a[2]), math.sin(a[2])
-    return (a[0] + c * b[0] - s * b[1], a[1] + s * b[0] + c * b[1], a[2] + b[2])
-
-
-def inverse(a):
-    c, s = math.cos(a[2]), math.sin(a[2])
-    return (-c * a[0] - s * a[1], s * a[0] - c * a[1], -a[2])
 
 
 class Line:
@@ -118,26 +99,31 @@ def cell(errors, num_without_scan):
     return ", ".join([f"{errors['trans_mean_m']:.4f} m, {errors['rot_mean_deg']:.3f}°", *notes])
 
 
+def read_log(clf):
+    """The PARAM lines of a log as one text, and those lines that have a pose."""
+    every = clf.read_text(errors="replace").splitlines(keepends=True)
+    return "".join(line for line in every if line.startswith("PARAM")), [line for line in every if line.startswith(("ODOM", "FLASER"))]
+
+
 class Bench:
-    def __init__(self, programs, data, settings):
-        self.programs, self.data = programs, data
-        self.settings = [word for value in settings for word in ("--set", value)]
+    def __init__(self, options):
+        self.programs, self.data, self.settings = options.bin, options.data, settings(options.settings)
+
+    def map(self, text, folder):
+        """Maps the text of a CARMEN log; returns the folder with the results."""
+        (folder / "log.clf").write_text(text)
+        map_log(self.programs, folder / "log.clf", folder / "out", *self.settings)
+        return folder / "out"
 
     def errors(self, name, text):
         """A cell of the table."""
         relations = self.data / f"{name}.relations"
         with tempfile.TemporaryDirectory() as made:
-            folder = pathlib.Path(made)
-            (folder / "log.clf").write_text(text)
-            run(self.programs / "nodmap-convert", "carmen", folder / "log.clf", folder / "log.lcmlog")
-            run(self.programs / "nodmap-slam2d", "--replay", folder / "log.lcmlog", "--out", folder / "out", *self.settings)
-            errors = json.loads(run(self.programs / "nodmap-evaluate", "relations", folder / "out" / "trajectory.tum", relations))
+            errors = evaluate(self.programs, "relations", self.map(text, pathlib.Path(made)) / "trajectory.tum", relations)
             return cell(errors, without_scan(text, relations.read_text()))
 
     def row(self, name, kind, numbers):
-        every = (self.data / f"{name}.clf").read_text(errors="replace").splitlines(keepends=True)
-        head = "".join(line for line in every if line.startswith("PARAM"))
-        texts = [line for line in every if line.startswith(("ODOM", "FLASER"))]
+        head, texts = read_log(self.data / f"{name}.clf")
         if kind == "as it is":
             return [self.errors(name, head + "".join(texts))]
         lines = [Line(text) for text in texts]
@@ -148,7 +134,7 @@ def parse_arguments(description, kinds):
     """Reads the options of this script and of slam2d_after_damage.py. `kinds`: the kinds of damage if --kinds is not given."""
     parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--data", type=pathlib.Path, required=True)
-    parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build" / "release" / "bin")
+    parser.add_argument("--bin", type=pathlib.Path, default=BIN)
     parser.add_argument("--logs", nargs="*", default=LOGS)
     parser.add_argument("--kinds", nargs="*", default=kinds)
     parser.add_argument("--seeds", nargs="*", type=int, default=seeds.REPORTING[:3])
@@ -158,7 +144,7 @@ def parse_arguments(description, kinds):
 
 def main():
     options = parse_arguments(__doc__, ["as it is", *KINDS])
-    bench = Bench(options.bin, options.data, options.settings)
+    bench = Bench(options)
     print("| log | damage | error for each seed: translation, rotation |\n|---|---|---|")
     for name in options.logs:
         for kind in options.kinds:

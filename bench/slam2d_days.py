@@ -12,10 +12,10 @@ are alike.
 import math
 import pathlib
 import random
-import subprocess
 import tempfile
 
 from days import BEAMS, LENGTH_M, MAX_RANGE_M, map_recording, parser, wall_m, walls
+from programs import call
 
 STEP_M, STEP_S, STAND_S = 0.15, 0.3, 60.0
 
@@ -68,7 +68,7 @@ def main():
         with tempfile.TemporaryDirectory(prefix="nodmap-days-") as name:
             folder = pathlib.Path(name)
             scans = write_log(folder / "days.clf", hours)
-            subprocess.run([options.bin / "nodmap-convert", "carmen", folder / "days.clf", folder / "days.lcmlog"], check=True, capture_output=True)
+            call(options.bin / "nodmap-convert", "carmen", folder / "days.clf", folder / "days.lcmlog")
             (folder / "days.clf").unlink()
             cpu_s, memory_b, metrics = map_recording(options, "nodmap-slam2d", folder)
             size = (folder / "out" / "keyframes.lcmlog").stat().st_size

@@ -9,17 +9,15 @@ noise and the seeds for choosing of bench/seeds.py; the figures show other seeds
 errors for each setting; the first setting is the default parameters.
 """
 import argparse
-import json
 import os
 import pathlib
 import shutil
-import subprocess
 import tempfile
 
 import seeds
 from pool import Pool
+from programs import BIN, ROOT, call, evaluate, settings
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
 CORRIDOR = [("corridor30", seed, 60) for seed in seeds.CHOOSING[:30]]
 CELLAR = [("cellar", seed, 120) for seed in seeds.CHOOSING[:20]]
 SETTINGS = ["", "matcher.min_line_distance_m=0.25", *(f"map.line_radius_m={radius_m}" for radius_m in (0.25, 0.15, 0.12))]
@@ -29,32 +27,25 @@ class Drives:
     def __init__(self, out, programs):
         self.out, self.programs = out, programs
 
-    def call(self, program, *arguments):
-        done = subprocess.run([str(self.programs / program), *map(str, arguments)], capture_output=True, text=True)
-        if done.returncode != 0:
-            raise RuntimeError(f"{program}: {done.stderr.strip()}")
-        return done.stdout
-
     def drive(self, run):
         world, seed, duration_s = run
         folder = self.out / f"{world}-{seed}-{duration_s}s"
         if not folder.exists():
             part = folder.with_suffix(".part")  # an interrupted drive is not used
             shutil.rmtree(part, ignore_errors=True)
-            self.call("nodmap-trial", "--world", ROOT / "sim" / "worlds" / f"{world}.yaml", "--seed", seed, "--duration", duration_s,
-                      *seeds.ODOMETRY_NOISE, "--no-slam6d", "--out", part)
+            call(self.programs / "nodmap-trial", "--world", ROOT / "sim" / "worlds" / f"{world}.yaml", "--seed", seed, "--duration", duration_s,
+                 *seeds.ODOMETRY_NOISE, "--no-slam6d", "--out", part)
             part.rename(folder)
         return folder
 
     def errors(self, run, setting):
         """The errors along the corridor or at the end of the drive, as nodmap-evaluate prints them."""
         folder = self.drive(run)
-        words = [word for value in setting.split() for word in ("--set", value)]
         with tempfile.TemporaryDirectory() as made:
             out = pathlib.Path(made) / "slam2d"
-            self.call("nodmap-slam2d", "--replay", folder / "trial.lcmlog", "--out", out, *words)
+            call(self.programs / "nodmap-slam2d", "--replay", folder / "trial.lcmlog", "--out", out, *settings(setting.split()))
             kind = "corridor" if run[0] == "corridor30" else "trajectory"
-            return json.loads(self.call("nodmap-evaluate", kind, out / "trajectory.tum", folder / "truth.tum"))
+            return evaluate(self.programs, kind, out / "trajectory.tum", folder / "truth.tum")
 
     def worst(self, runs, setting, keys):
         with Pool(os.cpu_count()) as pool:
@@ -65,7 +56,7 @@ class Drives:
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--out", type=pathlib.Path, help="folder in which the drives (5 GB) are kept; default: a temporary one")
-    parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build" / "release" / "bin")
+    parser.add_argument("--bin", type=pathlib.Path, default=BIN)
     parser.add_argument("--setting", nargs="+", default=SETTINGS, help="parameters of nodmap-slam2d; a row for each setting")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory(prefix="nodmap-drives-") as temporary:

@@ -8,20 +8,11 @@ DIR holds NAME.clf and NAME.relations of intel, fr079 and mit-csail (docs/benchm
 those between the sessions, and of how many relations have no pose because the robot had not been found yet.
 """
 import argparse
-import json
 import pathlib
-import subprocess
 import tempfile
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
-LOGS = ("intel", "fr079", "mit-csail")
-
-
-def run(*command):
-    done = subprocess.run([str(part) for part in command], capture_output=True, text=True)
-    if done.returncode != 0:
-        raise RuntimeError(f"{command[0]}: {done.stderr.strip()}")
-    return done.stdout
+from programs import BIN, evaluate
+from public_logs import LOGS, map_log
 
 
 def split(log, first, second):
@@ -34,22 +25,20 @@ def split(log, first, second):
 
 
 def map_session(programs, clf, out, *options):
-    log = clf.with_suffix(".lcmlog")
-    run(programs / "nodmap-convert", "carmen", clf, log)
-    run(programs / "nodmap-slam2d", "--replay", log, "--out", out, *options)
+    map_log(programs, clf, out, *options)
     return (out / "trajectory.tum").read_text()
 
 
 def errors(programs, trajectory, relations, folder):
     file = folder / "all.tum"
     file.write_text(trajectory)
-    return json.loads(run(programs / "nodmap-evaluate", "relations", file, relations))
+    return evaluate(programs, "relations", file, relations)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--data", type=pathlib.Path, required=True)
-    parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build" / "release" / "bin")
+    parser.add_argument("--bin", type=pathlib.Path, default=BIN)
     arguments = parser.parse_args()
     print("| log | one session | two sessions | relations without a pose |\n|---|---|---|---|")
     for name in LOGS:

@@ -9,14 +9,13 @@ beside it; a row takes as long as mapping the three logs. Prints a table of the 
 parameters. Ratios above 1.25 are in bold. Whole numbers change by at least one.
 """
 import argparse
-import json
 import math
 import pathlib
-import subprocess
 import tempfile
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
-LOGS = ("intel", "fr079", "mit-csail")
+from programs import BIN, call, evaluate
+from public_logs import LOGS
+
 # Parameters that do not affect the trajectory: publishing of the map, its cells, and those that only --localise uses.
 WITHOUT_EFFECT = ("grid.", "localise.", "relocalise.")
 
@@ -25,18 +24,12 @@ class Stability:
     def __init__(self, programs, data, logs, folder):
         self.programs, self.data, self.logs, self.folder = programs, data, logs, folder
         for name in logs:
-            self.call("nodmap-convert", "carmen", data / f"{name}.clf", folder / f"{name}.lcmlog")
-
-    def call(self, program, *arguments):
-        done = subprocess.run([str(self.programs / program), *map(str, arguments)], capture_output=True, text=True)
-        if done.returncode != 0:
-            raise RuntimeError(f"{program}: {done.stderr.strip()}")
-        return done.stdout
+            call(programs / "nodmap-convert", "carmen", data / f"{name}.clf", folder / f"{name}.lcmlog")
 
     def parameters(self):
         """The numeric parameters by name, with their defaults; int where only whole numbers are allowed."""
         found, sections, kind = {}, [], ""
-        for line in self.call("nodmap-slam2d", "--dump-params").splitlines():
+        for line in call(self.programs / "nodmap-slam2d", "--dump-params").splitlines():
             words = line.strip()
             if words.startswith("#"):
                 kind = words[2:]
@@ -53,8 +46,8 @@ class Stability:
         for name in self.logs:
             with tempfile.TemporaryDirectory() as made:
                 out = pathlib.Path(made) / "out"
-                self.call("nodmap-slam2d", "--replay", self.folder / f"{name}.lcmlog", "--out", out, *setting)
-                relations = json.loads(self.call("nodmap-evaluate", "relations", out / "trajectory.tum", self.data / f"{name}.relations"))
+                call(self.programs / "nodmap-slam2d", "--replay", self.folder / f"{name}.lcmlog", "--out", out, *setting)
+                relations = evaluate(self.programs, "relations", out / "trajectory.tum", self.data / f"{name}.relations")
                 # Whoever gives no pose where it is difficult must not look better.
                 errors.append(math.inf if relations["missing"] else relations["trans_mean_m"])
         return errors
@@ -69,7 +62,7 @@ def changed(value, factor):
 def main():
     options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     options.add_argument("--data", type=pathlib.Path, required=True)
-    options.add_argument("--bin", type=pathlib.Path, default=ROOT / "build" / "release" / "bin")
+    options.add_argument("--bin", type=pathlib.Path, default=BIN)
     options.add_argument("--only", nargs="*", help="the parameters to change; default: all numeric ones")
     options.add_argument("--logs", nargs="*", default=LOGS, choices=LOGS)
     options = options.parse_args()

@@ -8,16 +8,16 @@ Writes the recording of a robot that paces the corridor of bench/days.py and sta
 and a range noise of 1 cm, 75 scans a second, wheels that drift. Maps a recording of H hours for each H and prints a row: CPU time of a sweep, peak
 memory without the recording, what the map holds, and the error of all poses. With flat costs all rows are alike.
 """
-import json
 import math
 import pathlib
 import random
 import re
 import struct
-import subprocess
 import tempfile
 
-from days import BEAMS, LENGTH_M, MAX_RANGE_M, ROOT, map_recording, parser, wall_m, walls
+from days import BEAMS, LENGTH_M, MAX_RANGE_M, map_recording, parser, wall_m, walls
+from event_log import Event, Writer
+from programs import ROOT, evaluate
 
 PERIOD_US, SPEED_MPS, TURN_RAD_S, STAND_S = 13320, 0.6, 0.6, 60.0
 NOD_SCANS, HIGHEST_DEG = 160, 40.0  # down and up again
@@ -83,35 +83,31 @@ class Wheels:
         return self.x, self.y, self.yaw
 
 
-class Recording:
+class Recording(Writer):
     """An LCM log of SCAN and ODOMETRY."""
 
     def __init__(self, path):
+        super().__init__(path)
         known = (ROOT / "tests" / "contract" / "released_fingerprints.inc").read_text(encoding="utf-8")
         self.fingerprints = {name: int(value) for name, value in re.findall(r'\{"nodmap\.(\w+)", (-?\d+)\}', known)}
-        self.log, self.events = path.open("wb"), 0
-
-    def write(self, utime, channel, data):
-        self.log.write(struct.pack(">IqqII", 0xEDA1DA01, self.events, utime, len(channel), len(data)) + channel + data)
-        self.events += 1
 
     def odometry(self, utime, seq, pose):
         x, y, yaw = pose
-        self.write(utime, b"ODOMETRY", struct.pack(">qqq7d2d36d", self.fingerprints["odometry_t"], utime, seq, x, y, 0.0, math.cos(0.5 * yaw), 0.0, 0.0,
-                                                   math.sin(0.5 * yaw), 0.0, 0.0, *[math.nan] * 36))
+        self.write(Event(utime, "ODOMETRY", struct.pack(">qqq7d2d36d", self.fingerprints["odometry_t"], utime, seq, x, y, 0.0, math.cos(0.5 * yaw), 0.0, 0.0,
+                                                   math.sin(0.5 * yaw), 0.0, 0.0, *[math.nan] * 36)))
 
     def scan(self, utime, seq, pitch, ranges):
-        self.write(utime, b"SCAN", struct.pack(f">qqqq4d?2d10di{BEAMS}fi", self.fingerprints["scan_t"], utime, 0, seq, math.radians(-90.0), math.radians(1.0),
-                                               pitch, pitch, True, 0.05, 80.0, 0.0, 0.0, LASER_M, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, BEAMS, *ranges, 0))
+        self.write(Event(utime, "SCAN", struct.pack(f">qqqq4d?2d10di{BEAMS}fi", self.fingerprints["scan_t"], utime, 0, seq, math.radians(-90.0), math.radians(1.0),
+                                               pitch, pitch, True, 0.05, 80.0, 0.0, 0.0, LASER_M, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, BEAMS, *ranges, 0)))
 
 
 def write_recording(folder, hours, poses, scans):
     """days.lcmlog and truth.tum. Returns the number of sweeps."""
     noise = random.Random(2)
     errors = [noise.gauss(0.0, NOISE_M) for _ in range(100003)]
-    recording, wheels = Recording(folder / "days.lcmlog"), Wheels(poses[0])
+    wheels = Wheels(poses[0])
     count = len(poses) * max(1, round(3600e6 * hours / (PERIOD_US * len(poses))))
-    with (folder / "truth.tum").open("w", encoding="ascii") as truth:
+    with Recording(folder / "days.lcmlog") as recording, (folder / "truth.tum").open("w", encoding="ascii") as truth:
         for seq in range(count):
             utime = 1_600_000_000_000_000 + PERIOD_US * seq
             pose = poses[seq % len(poses)]
@@ -121,15 +117,7 @@ def write_recording(folder, hours, poses, scans):
                                                         for r, e in zip(scans[seq % len(scans)], errors[first:first + BEAMS])])
             if seq % 4 == 0:
                 truth.write(f"{1e-6 * utime:.6f} {pose[0]:.5f} {pose[1]:.5f} 0 0 0 {math.sin(0.5 * pose[2]):.8f} {math.cos(0.5 * pose[2]):.8f}\n")
-    recording.log.close()
     return 2 * count / NOD_SCANS
-
-
-def errors_of(options, folder):
-    """The errors of all poses."""
-    evaluated = subprocess.run([options.bin / "nodmap-evaluate", "trajectory", folder / "out" / "trajectory.tum", folder / "truth.tum"], check=True,
-                               capture_output=True, text=True)
-    return json.loads(evaluated.stdout)
 
 
 def main():
@@ -142,7 +130,7 @@ def main():
             folder = pathlib.Path(name)
             sweeps = write_recording(folder, hours, poses, scans)
             cpu_s, memory_b, metrics = map_recording(options, "nodmap-slam6d", folder)
-            errors = errors_of(options, folder)
+            errors = evaluate(options.bin, "trajectory", folder / "out" / "trajectory.tum", folder / "truth.tum")
             size = (folder / "out" / "keyframes.lcmlog").stat().st_size
             clouds_b = metrics.get("keyframe_memory_bytes", math.nan)
             print(f"| {hours:g} | {sweeps:.0f} | {1e3 * cpu_s / sweeps:.1f} ms | {memory_b / 1e6:.0f} MB | {len(metrics['keyframes'])} | {clouds_b / 1e6:.0f} MB "

@@ -14,25 +14,25 @@ import pathlib
 import tempfile
 
 import seeds
-from slam2d_drives import ROOT, Drives
+from programs import BIN, call, evaluate, settings
+from slam2d_drives import Drives
 
 WORLDS = ("office", "cellar", "loop", "corridor30")
 DURATION_S = 100
 
 
 def errors(drives, folder, setting):
-    words = [word for value in setting.split() for word in ("--set", value)]
     with tempfile.TemporaryDirectory() as made:
         out = pathlib.Path(made) / "slam6d"
-        drives.call("nodmap-slam6d", "--replay", folder / "trial.lcmlog", "--out", out, *words)
-        measured = json.loads(drives.call("nodmap-evaluate", "trajectory", out / "trajectory.tum", folder / "truth.tum"))
+        call(drives.programs / "nodmap-slam6d", "--replay", folder / "trial.lcmlog", "--out", out, *settings(setting.split()))
+        measured = evaluate(drives.programs, "trajectory", out / "trajectory.tum", folder / "truth.tum")
         return measured, json.loads((out / "result.json").read_text())["metrics"]
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--out", type=pathlib.Path, help="folder in which the drives (1 GB) are kept; default: a temporary one")
-    parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build" / "release" / "bin")
+    parser.add_argument("--bin", type=pathlib.Path, default=BIN)
     parser.add_argument("--choose", action="store_true", help="use seeds on which parameters may be chosen")
     parser.add_argument("--setting", nargs="+", default=[""], help="parameters of nodmap-slam6d; a table for each setting")
     options = parser.parse_args()
@@ -45,7 +45,7 @@ def main():
             for world in WORLDS:
                 for seed in some_seeds:
                     folder = drives.drive((world, seed, DURATION_S))
-                    flat = json.loads(drives.call("nodmap-evaluate", "trajectory", folder / "slam2d" / "trajectory.tum", folder / "truth.tum"))
+                    flat = evaluate(drives.programs, "trajectory", folder / "slam2d" / "trajectory.tum", folder / "truth.tum")
                     measured, metrics = errors(drives, folder, setting)
                     print(f"| {world}, seed {seed} | {100 * measured['ate_rmse_m']:.2f} cm | {100 * measured['ate_max_m']:.1f} cm "
                           f"| {measured['rot_rmse_deg']:.2f}° | {100 * flat['ate_rmse_m']:.2f} cm | {metrics['sweeps']} "

@@ -14,74 +14,33 @@ import argparse
 import math
 import pathlib
 import statistics
-import struct
-import subprocess
 import sys
 import tempfile
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
+from event_log import Writer, events, poses_of
+from poses import compose, inverse
+from programs import BIN, ROOT, call
+
 sys.path.insert(0, str(ROOT / "scripts" / "figures"))
 from moving_clouds import pose_at, read_poses  # noqa: E402
 
-HEADER = struct.Struct(">IqqII")  # sync, number, time, lengths of channel and data
-POSE = struct.Struct(">8xq3d4d")  # the fields of a pose_t after its fingerprint: utime, position, orientation; the last byte of the message is the state
 TRACKING, DEGRADED, LOST = range(3)
 MAX_ERROR_M, MAX_ERROR_RAD = 0.5, math.radians(5.0)
 
 
-def run(*command):
-    done = subprocess.run([str(part) for part in command], capture_output=True, text=True)
-    if done.returncode != 0:
-        raise RuntimeError(f"{command[0]}: {done.stderr.strip()}")
-    return done.stdout
-
-
-def events(log):
-    """Yields all events of a log: time, channel, data, and the bytes of the whole event."""
-    data = memoryview(log.read_bytes())
-    at = 0
-    while at + HEADER.size <= len(data):
-        _, _, utime, channel_size, data_size = HEADER.unpack_from(data, at)
-        begin = at + HEADER.size + channel_size
-        yield utime, bytes(data[at + HEADER.size:begin]), data[begin:begin + data_size], data[at:begin + data_size]
-        at = begin + data_size
-
-
 def split(log, first, second):
-    times = [utime for utime, *_ in events(log)]
+    times = [event.utime for event in events(log)]
     middle = times[0] + (times[-1] - times[0]) // 2
-    with first.open("wb") as before, second.open("wb") as after:
-        for utime, channel, _, event in events(log):
-            if channel in (b"SCAN", b"ODOMETRY"):
-                (before if utime < middle else after).write(event)
-
-
-def yaw_of(w, x, y, z):
-    return math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
-
-
-def compose(a, b):
-    c, s = math.cos(a[2]), math.sin(a[2])
-    return a[0] + c * b[0] - s * b[1], a[1] + s * b[0] + c * b[1], a[2] + b[2]
-
-
-def inverse(a):
-    c, s = math.cos(a[2]), math.sin(a[2])
-    return -c * a[0] - s * a[1], s * a[0] - c * a[1], -a[2]
-
-
-def poses(log):
-    """Yields each POSE_6D: time in seconds, (x, y, yaw), state."""
-    for _, channel, data, _ in events(log):
-        if channel == b"POSE_6D":
-            utime, x, y, _, *orientation = POSE.unpack_from(data)
-            yield utime * 1e-6, (x, y, yaw_of(*orientation)), data[-1]
+    with Writer(first) as before, Writer(second) as after:
+        for event in events(log):
+            if event.channel in ("SCAN", "ODOMETRY"):
+                (before if event.utime < middle else after).write(event)
 
 
 def session(programs, log, out, *options):
-    run(programs / "nodmap-slam6d", "--replay", log, "--out", out, "--set", "occupancy.publish_period_s=0", "--set", "occupancy.save_every_keyframes=0",
-        *options)
-    return list(poses(out / "out.lcmlog"))
+    call(programs / "nodmap-slam6d", "--replay", log, "--out", out, "--set", "occupancy.publish_period_s=0", "--set", "occupancy.save_every_keyframes=0",
+         *options)
+    return list(poses_of(out / "out.lcmlog", "POSE_6D"))
 
 
 def evaluate(found, truth, T_map_world):
@@ -117,7 +76,7 @@ def row(programs, folder, map_dir, T_map_world, drive, half, names):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("drives", type=pathlib.Path, nargs="+", metavar="DRIVE")
-    parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build" / "release" / "bin")
+    parser.add_argument("--bin", type=pathlib.Path, default=BIN)
     arguments = parser.parse_args()
     print("| map, robot | | found after | median error | poses: right; wrong, DEGRADED; wrong, TRACKING; LOST |\n|---|---|---|---|---|")
     with tempfile.TemporaryDirectory() as work:

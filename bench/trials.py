@@ -9,24 +9,23 @@ machine, apart from the times that the group `speed` measures. The exit code is 
 """
 import argparse
 import concurrent.futures
-import functools
+import contextlib
 import json
 import math
 import os
 import pathlib
-import shutil
-import subprocess
 import sys
 import tempfile
 import traceback
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
-WORLDS = ROOT / "sim" / "worlds"
+from pool import Pool
+from programs import BIN, ROOT, call, evaluate
+from seeds import ODOMETRY_NOISE, REPORTING
 
 sys.path.insert(0, str(ROOT / "scripts" / "figures"))
 import moving_clouds  # Fig. 8 shows what is measured here
-from pool import Pool
-from seeds import ODOMETRY_NOISE, REPORTING
+
+WORLDS = ROOT / "sim" / "worlds"
 
 # After the loss of any part the robot may need this much more time and distance than braking takes.
 REACTION_S, REACTION_M = 0.3, 0.3
@@ -43,18 +42,18 @@ class Trial:
         self.keep_log = keep_log
         self.result, self.dir, self.error = None, None, ""
 
-    def run(self, programs, out):
+    def run(self, bin_dir, out):
         self.dir = out / self.name
         world = self.world if ":" in self.world else str(WORLDS / f"{self.world}.yaml")
-        command = [programs / "nodmap-trial", "--world", world, "--seed", str(self.seed), "--duration", str(self.duration_s),
-                   "--out", self.dir, *self.options]
-        done = subprocess.run([str(word) for word in command], capture_output=True, text=True)
-        if done.returncode != 0:
-            self.error = done.stderr.strip()
+        try:
+            call(bin_dir / "nodmap-trial", "--world", world, "--seed", self.seed, "--duration", self.duration_s, "--out", self.dir, *self.options)
+        except RuntimeError as error:
+            self.error = str(error)
             return self
         self.result = json.loads((self.dir / "result.json").read_text())
         if not self.keep_log:
-            (self.dir / "trial.lcmlog").unlink()  # 20 MB a minute, and made again by the same command
+            for log in self.dir.glob("*.lcmlog"):  # 20 MB a minute, and made again by the same command
+                log.unlink()
         return self
 
 
@@ -96,12 +95,12 @@ def add_failures(trials, table):
             table.add(trial.name, trial.error[-60:], "runs", False)
 
 
-def add_group(name, trials, add_rows, table, programs):
+def add_group(name, trials, add_rows, table, bin_dir):
     """Adds the rows of a group. What cannot be evaluated becomes a row, so that the results of the other groups are not lost."""
     if not results_of(trials):
         return
     try:
-        add_rows(table, programs)
+        add_rows(table, bin_dir)
     except Exception as error:
         traceback.print_exc()
         table.add(f"{name}: not evaluated", repr(error)[-60:], "evaluated", False)
@@ -220,24 +219,12 @@ def stops(quick):
     return trials, add_rows
 
 
-def call(programs, program, *arguments):
-    """Runs a program and returns what it prints; raises RuntimeError with its error message."""
-    done = subprocess.run([str(programs / program), *(str(argument) for argument in arguments)], capture_output=True, text=True)
-    if done.returncode != 0:
-        raise RuntimeError(f"{program}: {done.stderr.strip()}")
-    return done.stdout
-
-
-def evaluate(programs, *arguments):
-    return json.loads(call(programs, "nodmap-evaluate", *arguments))
-
-
 def corridor(quick):
     trial = Trial("corridor30", "corridor30", 1, 20 if quick else 60, *ODOMETRY_NOISE)
 
-    def add_rows(table, programs):
+    def add_rows(table, bin_dir):
         odometry = trial.result["odometry"]
-        errors = evaluate(programs, "corridor", trial.dir / "slam2d" / "trajectory.tum", trial.dir / "truth.tum")
+        errors = evaluate(bin_dir, "corridor", trial.dir / "slam2d" / "trajectory.tum", trial.dir / "truth.tum")
         length_percent, bow_m, heading_deg = (abs(errors[key]) for key in ("length_error_percent", "bow_m", "heading_error_deg"))
         table.add(f"Fig. 6, {errors['length_m']:.1f} m, odometry with 3 % bias and 1 deg per root of a metre: length error", f"{length_percent:.2f} %", "<= 1 %",
                   length_percent <= 1.0)
@@ -326,8 +313,8 @@ def occupancy(quick):
     return trials, add_rows
 
 
-def map_error(trial, programs):
-    return evaluate(programs, "cloud", trial.dir / "slam6d" / "cloud.ply", WORLDS / f"{trial.world}.yaml")
+def map_error(trial, bin_dir):
+    return evaluate(bin_dir, "cloud", trial.dir / "slam6d" / "cloud.ply", WORLDS / f"{trial.world}.yaml")
 
 
 def clouds(quick):
@@ -336,14 +323,14 @@ def clouds(quick):
     stationary = Trial("cellar-standing", "cellar", 2, 12, "--without", "navigator")
     cellar_moving = Trial("cellar-moving", "cellar", 2, 20 if quick else 40, *ODOMETRY_NOISE)
 
-    def add_rows(table, programs):
-        single = moving_clouds.measure(fast.dir, WORLDS / "cellar.yaml", functools.partial(call, programs))
+    def add_rows(table, bin_dir):
+        single = moving_clouds.measure(fast.dir, WORLDS / "cellar.yaml", lambda program, *words: call(bin_dir / program, *words))
         worst_m = max(cloud["errors"]["rms_m"] for cloud in single)
         table.add(f"Fig. 8, one cloud at {moving_clouds.SPEED_MPS} m/s, worst of {len(single)}: distance from the true surfaces",
                   f"{1000 * worst_m:.1f} mm RMS", "<= 30 mm", worst_m <= 0.03)
         table.add(f"3D map of {corridor_moving.result['distance_m']:.0f} m of corridor by 6D SLAM: distance from the true surfaces",
-                  f"{1000 * map_error(corridor_moving, programs)['rms_m']:.1f} mm RMS", "", True)
-        still, moved = map_error(stationary, programs), map_error(cellar_moving, programs)
+                  f"{1000 * map_error(corridor_moving, bin_dir)['rms_m']:.1f} mm RMS", "", True)
+        still, moved = map_error(stationary, bin_dir), map_error(cellar_moving, bin_dir)
         ratio = moved["rms_m"] / still["rms_m"]
         # Fig. 9 compares drives with drives that stop; this reference is one place where the robot stands, without any registration.
         table.add("cellar: distance from the true surfaces, 3D map of a drive / of one place where the robot stands",
@@ -369,10 +356,10 @@ GROUPS = {"random": random_clutter, "fig5": fig5, "crowd": crowd, "appearing": a
           "clouds": clouds, "speed": speed}
 
 
-def run_all(trials, programs, out, jobs):
+def run_all(trials, bin_dir, out, jobs):
     show = sys.stderr.isatty()
     with Pool(jobs) as pool:
-        futures = [pool.submit(trial.run, programs, out) for trial in trials]
+        futures = [pool.submit(trial.run, bin_dir, out) for trial in trials]
         for done, future in enumerate(concurrent.futures.as_completed(futures), 1):
             future.result()
             if show:
@@ -381,31 +368,50 @@ def run_all(trials, programs, out, jobs):
         print(file=sys.stderr)
 
 
+def add_options(parser, jobs=2):
+    """Adds the options of every script that runs trials."""
+    parser.add_argument("--jobs", type=int, default=jobs, help="how many trials run at the same time")
+    parser.add_argument("--out", type=pathlib.Path, help="folder in which the results are kept; default: a temporary one")
+    parser.add_argument("--bin", type=pathlib.Path, default=BIN)
+
+
+@contextlib.contextmanager
+def result_folder(out):
+    """The folder of --out, or a temporary one for this block."""
+    if out:
+        out.mkdir(parents=True, exist_ok=True)
+        yield out
+    else:
+        with tempfile.TemporaryDirectory(prefix="nodmap-trials-") as made:
+            yield pathlib.Path(made)
+
+
+def show_failures(trials):
+    """Prints why trials have failed; returns how many have."""
+    failed = [trial for trial in trials if not trial.result]
+    for trial in failed:
+        print(f"{trial.name}: {trial.error[-200:]}", file=sys.stderr)
+    return len(failed)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--jobs", type=int, default=os.cpu_count())
+    add_options(parser, os.cpu_count())
     parser.add_argument("--quick", action="store_true", help="run only a few short trials of each group")
     parser.add_argument("--only", nargs="+", choices=GROUPS, default=list(GROUPS))
-    parser.add_argument("--out", type=pathlib.Path, help="folder in which the results are kept; default: a temporary one")
-    parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build" / "release" / "bin")
     arguments = parser.parse_args()
-    out = arguments.out or pathlib.Path(tempfile.mkdtemp(prefix="nodmap-trials-"))
-    out.mkdir(parents=True, exist_ok=True)
     groups = [(name, *GROUPS[name](arguments.quick)) for name in arguments.only]
     trials = [trial for _, group, _ in groups for trial in group]
     table = Table()
-    try:
+    with result_folder(arguments.out) as out:
         run_all(trials, arguments.bin, out, arguments.jobs)
         add_failures(trials, table)
         for name, group, add_rows in groups:
             add_group(name, group, add_rows, table, arguments.bin)
-        table.show()
-        factors = [result["realtime_factor"] for result in results_of(trials)]
-        if factors:
-            print(f"{len(factors)} trials; {min(factors):.0f} to {max(factors):.0f} times as fast as real time")
-    finally:
-        if not arguments.out:
-            shutil.rmtree(out)
+    table.show()
+    factors = [result["realtime_factor"] for result in results_of(trials)]
+    if factors:
+        print(f"{len(factors)} trials; {min(factors):.0f} to {max(factors):.0f} times as fast as real time")
     return 0 if table.all_hold() else 1
 
 

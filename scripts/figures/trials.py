@@ -3,28 +3,23 @@
 import json
 import pathlib
 import shutil
-import subprocess
 import sys
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-BIN = ROOT / "build" / "release" / "bin"
-OUT = ROOT / "logs" / "figures"
-
-sys.path.insert(0, str(ROOT / "bench"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "bench"))
+import programs
+from programs import BIN, ROOT
 from seeds import ODOMETRY_NOISE, REPORTING  # noqa: F401, for the figures
+
+OUT = ROOT / "logs" / "figures"
 
 
 def call(program, *arguments):
     """Runs a program and returns what it prints; raises RuntimeError with its error message."""
-    words = [str(BIN / program), *(str(argument) for argument in arguments)]
-    done = subprocess.run(words, capture_output=True, text=True)
-    if done.returncode != 0:
-        raise RuntimeError(f"{' '.join(words)}\n{done.stderr.strip()}")
-    return done.stdout
+    return programs.call(BIN / program, *arguments)
 
 
 def evaluate(*arguments):
-    return json.loads(call("nodmap-evaluate", *arguments))
+    return programs.evaluate(BIN, *arguments)
 
 
 class Trial:
