@@ -5,7 +5,7 @@
     bench/navigation.py [--seeds N] [--first SEED] [--only FAMILY ...] [--jobs N] [--set KEY=VALUE ...] [--label TEXT] [--json] [--out DIR] [--bin DIR]
 
 Seeds 0 to 999 are for reporting, 1000 to 1999 for choosing parameters (bench/seeds.py). The columns are:
-  n                      runs
+  n                      runs; how many of how many if some have failed
   collisions, caused     contacts of the robot, and how many of them it caused: it moved at 0.05 m/s or more
   falls                  how often the robot fell into a hole
   bumped                 how often a person walked into the stationary robot
@@ -27,7 +27,7 @@ import sys
 
 from programs import settings as options_of
 from seeds import CHOOSING, REPORTING
-from trials import Trial, add_options, result_folder, run_all, show_failures
+from trials import Trial, add_options, result_folder, results_of, run_all, show_failures
 
 # For each family its scenarios, and the seconds that a run may take.
 FAMILIES = {"random": (["random"], 60), "dense": (["dense"], 60), "holes": (["holes"], 120), "goals": (["goals"], 120),
@@ -95,9 +95,16 @@ def progress(results):
     return mean(rates)
 
 
+def relative_progress(trials, empty):
+    """The mean speed towards the goal among people, relative to that in the same worlds without them."""
+    pairs = [(trial.result, alone.result) for trial, alone in zip(trials, empty) if trial.result and alone.result]
+    alone_mps = progress([alone for _, alone in pairs])
+    return progress([among for among, _ in pairs]) / alone_mps if alone_mps else None
+
+
 def row_of(family, trials, empty):
-    results = [trial.result for trial in trials if trial.result]
-    row = {"family": family, "n": len(results)}
+    results = results_of(trials)
+    row = {"family": family, "n": len(results) if len(results) == len(trials) else f"{len(results)} of {len(trials)}"}
     for column, key in (("collisions", "collisions"), ("caused", "contacts_caused"), ("falls", "falls"), ("bumped", "bumped")):
         row[column] = sum(result[key] for result in results)
     goals = [result for result in results if result["goal"]]
@@ -113,8 +120,7 @@ def row_of(family, trials, empty):
     clearances = [result["min_clearance_m"] for result in results if result["min_clearance_m"] is not None]
     row["clearance_m"] = rounded(min(clearances), 3) if clearances else None
     row["close_s"] = rounded(sum(result["close_to_person_s"] for result in results), 1) if empty else None
-    alone = progress([trial.result for trial in empty if trial.result]) if empty else None
-    row["progress"] = rounded(progress(results) / alone, 2) if alone else None
+    row["progress"] = rounded(relative_progress(trials, empty), 2)
     add_docking(row, [result["goal"] for result in reached])
     return row
 

@@ -86,6 +86,21 @@ def check_trials(source):
     assert text.count("MISSED") == 2 and code == 1, text
 
 
+class Run:
+    def __init__(self, speed_mps=None):
+        self.name, self.result = "run", None
+        if speed_mps:
+            self.result = NO_CONTACT | {"goal": GOAL | {"reached": False, "start_to_goal_m": 10.0 * speed_mps, "remaining_m": 0.0}}
+
+
+def check_progress(source):
+    """Only worlds that were driven both among people and alone are compared, and a run that failed is seen in n."""
+    sys.path.insert(0, str(source / "bench"))
+    import navigation
+    row = navigation.row_of("people", [Run(0.5), Run(), Run(0.2)], [Run(1.0), Run(0.1), Run()])
+    assert row["progress"] == 0.5 and row["n"] == "2 of 3", row
+
+
 def check_odometry_noise(source):
     """Maps are reported with this noise (bench/seeds.py)."""
     sys.path.insert(0, str(source / "bench"))
@@ -124,6 +139,7 @@ def main():
     check_truth_between_samples(source)
     check_trials(source)
     check_odometry_noise(source)
+    check_progress(source)
     check_relations_without_a_scan(source)
     printed = measure(source, "serial", "nodmap-bench-serial", SERIAL_BENCH)
     assert printed == "20 s beside 6 loops\n", printed
