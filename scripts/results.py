@@ -14,21 +14,17 @@ import json
 import os
 import pathlib
 import re
-import subprocess
 import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "bench"))
 from pool import Pool
+from programs import call, evaluate
 from seeds import ODOMETRY_NOISE, REPORTING
 DATA = pathlib.Path(os.environ.get("NODMAP_DATA", ROOT.parent / "shared" / "data"))
 DOCUMENTS = [ROOT / "README.md", ROOT / "docs" / "benchmark-2d.md", ROOT / "docs" / "benchmark-3d.md"]
 PEERS = json.loads((ROOT / "docs" / "peers.json").read_text())
-
-
-def run(*command):
-    return subprocess.run([str(part) for part in command], capture_output=True, text=True, check=True).stdout
 
 
 @functools.cache
@@ -36,9 +32,9 @@ def relations(bin_dir, work, log, trajectory):
     """Relative pose errors on a public log, Kuemmerle et al. 2009."""
     out = work / log
     if not out.exists():
-        run(bin_dir / "nodmap-convert", "carmen", DATA / "slam2d" / f"{log}.clf", work / f"{log}.lcmlog")
-        run(bin_dir / "nodmap-slam2d", "--replay", work / f"{log}.lcmlog", "--out", out)
-    errors = json.loads(run(bin_dir / "nodmap-evaluate", "relations", out / trajectory, DATA / "slam2d" / f"{log}.relations"))
+        call(bin_dir / "nodmap-convert", "carmen", DATA / "slam2d" / f"{log}.clf", work / f"{log}.lcmlog")
+        call(bin_dir / "nodmap-slam2d", "--replay", work / f"{log}.lcmlog", "--out", out)
+    errors = evaluate(bin_dir, "relations", out / trajectory, DATA / "slam2d" / f"{log}.relations")
     if errors["missing"]:  # whoever gives no pose where it is difficult must not look better
         raise SystemExit(f"{log}, {trajectory}: {errors['missing']} relations are without a pose")
     return errors
@@ -66,13 +62,14 @@ def table_2d_online(bin_dir, work):
 def table_kurt3d(bin_dir, work):
     """Distance of each scan's points to the planes of the scan before, by an independent program."""
     log, out, plane_residual = work / "kurt3d.lcmlog", work / "kurt3d", work / "plane_residual"
-    run(bin_dir / "nodmap-convert", "uos", DATA / "kurt3d", log)
-    run(bin_dir / "nodmap-slam6d", "--replay", log, "--out", out)
-    run("g++", "-O2", "-std=c++17", "-I/usr/include/eigen3", DATA.parent / "tools" / "plane_residual.cpp", "-o", plane_residual)
-    medians = re.findall(r"residual median\s+([0-9.]+)", run(plane_residual, DATA / "kurt3d", out / "trajectory.tum"))
+    call(bin_dir / "nodmap-convert", "uos", DATA / "kurt3d", log)
+    call(bin_dir / "nodmap-slam6d", "--replay", log, "--out", out)
+    call("g++", "-O2", "-std=c++17", "-I/usr/include/eigen3", DATA.parent / "tools" / "plane_residual.cpp", "-o", plane_residual)
     rows = ["| KURT3D, 3 scans | second on first | third on second |", "|---|---|---|"]
-    rows.append(f"| nodmap-slam6d | {float(medians[0]):.2f} cm | {float(medians[1]):.2f} cm |")
-    rows += [f"| {name} | {first:.2f} cm | {second:.2f} cm |" for name, (first, second) in PEERS["kurt3d_cm"].items()]
+    # The recording has the poses by odometry and those by 3DTK.
+    for name, poses in {"nodmap-slam6d": out / "trajectory.tum", "odometry alone": "--pose", "3DTK, its result of 2009": "--frames"}.items():
+        first, second = re.findall(r"residual median\s+([0-9.]+)", call(plane_residual, DATA / "kurt3d", poses))
+        rows.append(f"| {name} | {float(first):.2f} cm | {float(second):.2f} cm |")
     return rows
 
 
@@ -88,7 +85,7 @@ DRIVES = {
 def drive(bin_dir, world, seed, out):
     """A minute of the whole robot, with the errors of odometry that mapping is reported with."""
     world = world.format(seed=seed) if ":" in world else ROOT / "sim" / "worlds" / world
-    run(bin_dir / "nodmap-trial", "--world", world, "--seed", seed, "--duration", 60, *ODOMETRY_NOISE, "--out", out)
+    call(bin_dir / "nodmap-trial", "--world", world, "--seed", seed, "--duration", 60, *ODOMETRY_NOISE, "--out", out)
     result = json.loads((out / "result.json").read_text())
     (out / "trial.lcmlog").unlink()  # 20 MB
     return result
@@ -140,7 +137,7 @@ def main():
     if not (DATA / "slam2d").exists():
         print("results: skipped, no recordings (set NODMAP_DATA)")
         return 0
-    commit = run("git", "-C", ROOT, "rev-parse", "--short", "HEAD").strip()
+    commit = call("git", "-C", ROOT, "rev-parse", "--short", "HEAD").strip()
     texts = {document: document.read_text() for document in DOCUMENTS}
     stale = []
     with tempfile.TemporaryDirectory() as work:
