@@ -51,7 +51,7 @@ def parser(description, hours, program):
 
 
 def peak_memory_b(command, errors):
-    """Runs a command; returns the most memory of its own, sampled: the pages of a mapped recording come and go and are not its own."""
+    """Runs a command; returns the most memory of its own, sampled every 50 ms: the pages of a mapped recording come and go and are not its own."""
     peak_b = 0
     with errors.open("w") as stderr, subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=stderr) as process:
         status = pathlib.Path(f"/proc/{process.pid}/status")
@@ -62,6 +62,11 @@ def peak_memory_b(command, errors):
     if process.returncode != 0:
         raise SystemExit(errors.read_text())
     return peak_b
+
+
+def further(cpu_s, count, before):
+    """The CPU time of one of the scans or sweeps by which a row has more than the row before, as text (ms); `before`: (CPU time, count) of that row."""
+    return f"{1e3 * (cpu_s - before[0]) / (count - before[1]):.2f} ms" if before else ""
 
 
 def map_recording(options, program, folder):
