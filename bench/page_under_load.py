@@ -6,7 +6,7 @@
 
 Runs `./nodmap demo --duration 90` beside LOOPS busy loops. Headless Chromium starts 12 s after the robot was released, opens the page, and stays open for
 20 s once the page shows data. Prints one JSON object: how far the robot drove (by TRUTH) in the 10 s before, while the browser started and while the page
-was open, and how many messages were lost.
+was open, and how many messages were lost. The exit code is the demo's: 1 if a process failed, or the robot hit something or hardly moved.
 """
 import argparse
 import csv
@@ -94,7 +94,7 @@ def main():
         load.append(os.getloadavg()[0])
         if demo.poll() is not None:
             sys.exit("page_under_load: the demo ended before the page was closed; try fewer busy loops")
-        demo.wait()
+        exit_code = demo.wait()
     finally:
         for loop in loops:
             loop.kill()
@@ -103,13 +103,15 @@ def main():
             demo.wait()
 
     rows = truth(out, arguments.bin)
+    result = json.loads((out / "sim" / "result.json").read_text())
     watched = json.loads((out / "watch.json").read_text())["processes"]
     print(json.dumps({
         "load": load,
         "before": driven(rows, opened_s - 10, opened_s), **{name: driven(rows, *span) for name, span in spans.items()},
-        "collisions": json.loads((out / "sim" / "result.json").read_text())["collisions"],
-        "lost": {name: process["lost"] for name, process in watched.items() if process["lost"]}}, indent=2))
+        **{name: result[name] for name in ("collisions", "bumps")},
+        "lost": {name: process["lost"] for name, process in watched.items() if process["lost"]}, "demo_exit_code": exit_code}, indent=2))
+    return exit_code
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

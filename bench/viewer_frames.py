@@ -85,6 +85,8 @@ def main():
                 print(f"camera circles, {what}: {rate:.1f} images/s, {drawn} points drawn, longest gap {longest:.0f} ms")
             browser.run(parameter, "playback.paused", True)
             fine = browser.wait_for("nodmap.cloud.drawn === nodmap.cloud.total", 60)
+            if fine is None:
+                sys.exit("viewer_frames: not all points were drawn within 60 s after the camera stopped")
             print(f"camera stopped: all {browser.run('return nodmap.cloud.total')} points are drawn after {fine:.1f} s")
 
 
