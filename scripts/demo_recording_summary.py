@@ -5,15 +5,17 @@ import json
 import pathlib
 import sys
 
+from demo_files import show_files
+
 FILES = [
-    ("map-server", "map.png", "obstacle and structure map"),
-    ("slam2d", "map.png", "corrected 2D map"),
-    ("slam2d", "map.yaml", "the same for ROS's map_server"),
-    ("slam2d", "trajectory.tum", "corrected 2D trajectory"),
-    ("slam6d", "map.png", "registered 3D cloud, an image"),
-    ("slam6d", "cloud.ply", "registered 3D cloud"),
-    ("slam6d", "map.bt", "OctoMap (octovis map.bt)"),
-    ("slam6d", "trajectory.tum", "corrected 3D trajectory"),
+    ("map-server/map.png", "obstacle and structure map"),
+    ("slam2d/map.png", "corrected 2D map"),
+    ("slam2d/map.yaml", "the same for ROS's map_server"),
+    ("slam2d/trajectory.tum", "corrected 2D trajectory"),
+    ("slam6d/map.png", "registered 3D cloud, an image"),
+    ("slam6d/cloud.ply", "registered 3D cloud"),
+    ("slam6d/map.bt", "OctoMap (octovis map.bt)"),
+    ("slam6d/trajectory.tum", "corrected 3D trajectory"),
 ]
 
 
@@ -31,11 +33,7 @@ def main():
         print(f"{name:<12} {m['read']:>8} {m['used']:>8} {m['lost']:>6} {m['corrupt']:>8}  {rejected}")
         bad = bad or m["read"] == 0
     print()
-    for folder, file, what in FILES:
-        path = out / folder / file
-        here = path.exists() and path.stat().st_size > 0
-        bad = bad or not here
-        print(f"  {path}{'' if here else '  MISSING'}  {what}")
+    bad = bool(show_files(out, FILES)) or bad
     logs = sorted((out / "logger").glob("lcmlog-*"))
     bad = bad or not logs
     for log in logs or ["no log of the run: MISSING"]:

@@ -5,6 +5,8 @@ import json
 import pathlib
 import sys
 
+from demo_files import show_files
+
 FILES = [
     ("map-server/map.png", "obstacle and structure map at the end"),
     ("slam2d/map.png", "2D map of what was driven through"),
@@ -60,12 +62,7 @@ def main():
     wrong += [f"{c['command']}: {c['state']} {c['end']}" for c in status["commands"] if c["state"] != ENDED_WELL]
 
     print()
-    for file, what in FILES:
-        path = out / file
-        here = path.exists() and path.stat().st_size > 0
-        print(f"  {path}{'' if here else '  MISSING'}  {what}")
-        if not here:
-            wrong.append(f"{file} is missing")
+    wrong += [f"{file} is missing" for file in show_files(out, FILES)]
     logs = sorted((out / "logger").glob("lcmlog-*"))
     for log in logs:
         print(f"  {log}  everything that went over LCM")
