@@ -4,11 +4,11 @@
 // single scans (us).
 #include <benchmark/benchmark.h>
 
-#include <algorithm>
 #include <chrono>
 #include <vector>
 
 #include "bench/costmap_baseline.hpp"
+#include "bench/timing.hpp"
 #include "modules/map_server/map_server.hpp"
 #include "modules/map_server/test/world.hpp"
 
@@ -55,12 +55,8 @@ void time_scans(benchmark::State& state, const AddScan& add_scan) {
     scan_us.push_back(std::chrono::duration<double, std::micro>(Clock::now() - start).count());
     i = (i + 1) % steps.size();
   }
-  std::ranges::sort(scan_us);
-  const auto percentile = [&](double share) {
-    return scan_us[static_cast<std::size_t>(share * static_cast<double>(scan_us.size() - 1))];
-  };
-  state.counters["p50_us"] = percentile(0.50);
-  state.counters["p99_us"] = percentile(0.99);
+  state.counters["p50_us"] = bench::quantile(scan_us, 0.50);
+  state.counters["p99_us"] = bench::quantile(scan_us, 0.99);
 }
 
 MapServerParams params_for(const benchmark::State& state, RemovalRule rule) {

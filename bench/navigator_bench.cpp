@@ -4,13 +4,13 @@
 // and the maximum over single decisions or scans (us), in CPU time of the thread, which other load
 // on the machine hardly affects.
 #include <benchmark/benchmark.h>
-#include <time.h>
 
 #include <algorithm>
 #include <optional>
 #include <random>
 #include <vector>
 
+#include "bench/timing.hpp"
 #include "modules/navigator/navigator.hpp"
 
 namespace nodmap::navigator {
@@ -29,21 +29,14 @@ Points full_map(double least_m, double most_m) {
 }
 
 double cpu_us() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return 1e6 * static_cast<double>(now.tv_sec) + 1e-3 * static_cast<double>(now.tv_nsec);
+  return 1e3 * bench::thread_cpu_ms();
 }
 
 // Reports percentiles of single durations as counters.
-void report(benchmark::State& state, std::vector<double> durations_us) {
-  std::ranges::sort(durations_us);
-  const auto percentile = [&](double share) {
-    return durations_us[static_cast<std::size_t>(share *
-                                                 static_cast<double>(durations_us.size() - 1))];
-  };
-  state.counters["p50_us"] = percentile(0.50);
-  state.counters["p99_us"] = percentile(0.99);
-  state.counters["max_us"] = percentile(1.0);
+void report(benchmark::State& state, const std::vector<double>& durations_us) {
+  state.counters["p50_us"] = bench::quantile(durations_us, 0.50);
+  state.counters["p99_us"] = bench::quantile(durations_us, 0.99);
+  state.counters["max_us"] = bench::quantile(durations_us, 1.0);
 }
 
 // A sweep of 40 scans of 181 beams over a flat floor with a pillar every 20 beams.

@@ -10,7 +10,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
-#include <ctime>
 #include <exception>
 #include <filesystem>
 #include <iostream>
@@ -20,6 +19,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/timing.hpp"
 #include "common/geometry/se3.hpp"
 #include "modules/slam6d/occupancy_map.hpp"
 #include "tests/support/cloud_file.hpp"
@@ -77,16 +77,11 @@ void insert_stock(octomap::OcTree& tree, const PlacedCloud& placed, const TraceP
                         false, params.discretize);
 }
 
-// CPU time of this process. Other load on the machine hardly affects it.
-double cpu_ms() {
-  return 1e3 * static_cast<double>(std::clock()) / static_cast<double>(CLOCKS_PER_SEC);
-}
-
 template <typename Work>
 double time_ms(const Work& work) {
-  const double start_ms = cpu_ms();
+  const double start_ms = nodmap::bench::process_cpu_ms();
   work();
-  return cpu_ms() - start_ms;
+  return nodmap::bench::process_cpu_ms() - start_ms;
 }
 
 OccupancyMap insert_ours(const std::vector<PlacedCloud>& clouds, const TraceParams& params) {

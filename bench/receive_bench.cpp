@@ -5,8 +5,6 @@
 // exit code is 1 if one of the two has not handled all messages: what it lost cost it nothing.
 // Needs a multicast route:
 //   tests/support/private_network.sh nodmap-bench-receive
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <chrono>
 #include <iostream>
@@ -14,6 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "bench/timing.hpp"
 #include "common/bus/live_bus.hpp"
 
 namespace nodmap {
@@ -25,27 +24,18 @@ constexpr int kBurst = 20;  // these fit into a socket's buffer with the default
 constexpr int kQueue = 1000;
 constexpr int kRounds = 10;
 
-double cpu_us() {
-  rusage usage{};
-  ::getrusage(RUSAGE_SELF, &usage);
-  const auto us = [](const timeval& time) {
-    return 1e6 * static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_usec);
-  };
-  return us(usage.ru_utime) + us(usage.ru_stime);
-}
-
 // CPU time (us) for each message. `handle_burst` is called after each burst.
 template <class Handle>
 double measure(lcm::LCM& sender, const std::vector<char>& message, int bursts,
                Handle handle_burst) {
-  const double before_us = cpu_us();
+  const double before_ms = bench::process_cpu_ms();
   for (int i = 0; i < bursts; ++i) {
     for (int k = 0; k < kBurst; ++k) {
       sender.publish(kChannel, message.data(), static_cast<unsigned int>(message.size()));
     }
     handle_burst();
   }
-  return (cpu_us() - before_us) / (bursts * kBurst);
+  return 1e3 * (bench::process_cpu_ms() - before_ms) / (bursts * kBurst);
 }
 
 class Stock {

@@ -12,7 +12,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
-#include <ctime>
 #include <exception>
 #include <filesystem>
 #include <fstream>
@@ -26,6 +25,7 @@
 #include <vector>
 
 #include "bench/registration_scene.hpp"
+#include "bench/timing.hpp"
 #include "common/geometry/angle.hpp"
 #include "common/params/params.hpp"
 #include "modules/slam6d/heading_search.hpp"
@@ -39,17 +39,11 @@ namespace geometry = nodmap::geometry;
 using namespace nodmap::slam6d;
 using geometry::SE3;
 using nlohmann::ordered_json;
+using nodmap::bench::process_cpu_ms;
 using nodmap::test::read_cloud_file;
 using nodmap::test::read_matrix_file;
 
 constexpr int kRepeats = 5;  // registrations of each pair; the median time is reported
-
-// CPU time of this process. Other load on the machine hardly affects it.
-double cpu_ms() {
-  timespec time{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
-  return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
-}
 
 double median(std::vector<double> values) {
   std::ranges::sort(values);
@@ -95,13 +89,13 @@ PairResult run_pair(const std::vector<Eigen::Vector3f>& target,
   std::vector<double> prep_ms;
   std::vector<double> align_ms;
   for (int i = 0; i < kRepeats; ++i) {
-    const double begin = cpu_ms();
+    const double begin = process_cpu_ms();
     const VoxelMap map = VoxelMap::from_points(target, p_sensor, params.voxels);
     VoxelMap sweep = VoxelMap::from_points(source, p_sensor, params.voxels);
-    const double middle = cpu_ms();
+    const double middle = process_cpu_ms();
     registration = register_sweep(sweep, map, prior, params.registration);
     prep_ms.push_back(middle - begin);
-    align_ms.push_back(cpu_ms() - middle);
+    align_ms.push_back(process_cpu_ms() - middle);
   }
   const SE3 error = truth.inverse() * registration.T_map_base;
   return {median(prep_ms), median(align_ms), 1e3 * error.translation().norm(),
@@ -198,14 +192,14 @@ ordered_json run_sequence(const fs::path& dir, const Slam6dParams& params) {
     truth.push_back(read_matrix_file(dir / (name + "_gt.txt")));
     clouds.push_back(std::move(cloud));
   }
-  const double begin_ms = cpu_ms();
+  const double begin_ms = process_cpu_ms();
   Slam6d slam(params);
   for (SweepCloud& cloud : clouds) {
     slam.add_cloud(std::move(cloud));
   }
   slam.polish();
   const std::vector<SE3> trajectory = slam.trajectory();
-  const double end_ms = cpu_ms();
+  const double end_ms = process_cpu_ms();
   const TrajectoryError error = trajectory_error(truth, trajectory);
   const Metrics metrics = slam.metrics();
   return {{"sweeps", truth.size()},

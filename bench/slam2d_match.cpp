@@ -3,13 +3,12 @@
 // twenty keyframes before it, starting from its pose by odometry. Call (DIR is the output folder of
 // nodmap-slam2d --out):
 //   nodmap-bench-slam2d-match DIR
-#include <algorithm>
 #include <cstdio>
-#include <ctime>
 #include <exception>
 #include <filesystem>
 #include <vector>
 
+#include "bench/timing.hpp"
 #include "modules/slam2d/saved_map_file.hpp"
 #include "modules/slam2d/scan_matcher.hpp"
 #include "modules/slam2d/submap.hpp"
@@ -17,23 +16,11 @@
 namespace {
 
 using namespace nodmap::slam2d;
+using nodmap::bench::process_cpu_ms;
+using nodmap::bench::quantile;
 using nodmap::geometry::SE2;
 
 constexpr std::size_t kKeyframes = 20;
-
-// CPU time of this process. Other load on the machine hardly affects it.
-double cpu_ms() {
-  timespec time{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
-  return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
-}
-
-double quantile(std::vector<double> values, double part) {
-  std::ranges::sort(values);
-  return values.empty()
-             ? 0.0
-             : values[static_cast<std::size_t>(part * static_cast<double>(values.size() - 1))];
-}
 
 // The submap of the keyframes before `keyframe`.
 Submap submap_before(const std::vector<Keyframe>& keyframes, std::size_t keyframe) {
@@ -55,9 +42,9 @@ void measure(const std::vector<Keyframe>& keyframes) {
     const std::vector<OrientedPoint> scan = oriented_points(keyframes[k]);
     const SE2 step = keyframes[k - 1].T_odom_base.inverse() * keyframes[k].T_odom_base;
     const SE2 guess = submap.T_map_submap.inverse() * keyframes[k - 1].T_map_base * step;
-    const double begin_ms = cpu_ms();
+    const double begin_ms = process_cpu_ms();
     (void)matcher.match(submap.points, scan, guess);
-    times_ms.push_back(cpu_ms() - begin_ms);
+    times_ms.push_back(process_cpu_ms() - begin_ms);
     num_points.push_back(static_cast<double>(scan.size()));
   }
   std::printf("%zu matches of %.0f points (median): p50 %.3f ms, p90 %.3f ms, p99 %.3f ms\n",

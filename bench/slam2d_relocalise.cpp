@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <exception>
 #include <limits>
 #include <random>
@@ -17,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "bench/timing.hpp"
 #include "common/geometry/angle.hpp"
 #include "modules/slam2d/group_relocaliser.hpp"
 #include "modules/slam2d/keyframe_grid.hpp"
@@ -135,10 +135,6 @@ struct Result {
   std::vector<double> ms = {};
 };
 
-double cpu_ms() {
-  return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
-}
-
 // Locates the last of `num_scans` scans, taken while the robot drives a little; odometry is right.
 void locate(const slam2d::KnownMap& map, Robot& robot, const SE2& first, std::size_t num_scans,
             Result& result) {
@@ -158,9 +154,9 @@ void locate(const slam2d::KnownMap& map, Robot& robot, const SE2& first, std::si
   for (std::size_t i = 0; i < num_scans; ++i) {
     scans[i].points_base = points[i];
   }
-  const double begin_ms = cpu_ms();
+  const double begin_ms = bench::process_cpu_ms();
   const slam2d::Relocalisation found = relocaliser.locate(map, scans);
-  result.ms.push_back(cpu_ms() - begin_ms);
+  result.ms.push_back(bench::process_cpu_ms() - begin_ms);
   if (found.status != slam2d::Relocalisation::Status::kFound) {
     ++result.said_lost;
     return;

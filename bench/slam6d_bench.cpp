@@ -1,28 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Measures how long 6D SLAM blocks the handling of messages: the CPU time of the handling thread
 // for each SCAN of a recording. Prints one JSON object, times in ms.
-#include <time.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "bench/timing.hpp"
 #include "common/bus/replay_bus.hpp"
 #include "modules/slam6d/node.hpp"
 
 namespace nodmap::slam6d {
 namespace {
-
-double thread_ms() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
-}
 
 std::vector<double> scan_durations_ms(const std::filesystem::path& log) {
   const std::filesystem::path out_log =
@@ -37,10 +30,10 @@ std::vector<double> scan_durations_ms(const std::filesystem::path& log) {
   std::vector<double> durations_ms;
   for (bool goes_on = true; goes_on;) {
     is_scan = false;
-    const double start_ms = thread_ms();
+    const double start_ms = bench::thread_cpu_ms();
     goes_on = bus.step();
     if (is_scan) {
-      durations_ms.push_back(thread_ms() - start_ms);
+      durations_ms.push_back(bench::thread_cpu_ms() - start_ms);
     }
   }
   slam.finish();
@@ -55,19 +48,15 @@ int main(int argc, char** argv) {
   std::string log;
   app.add_option("LOG", log, "LCM event log")->required()->check(CLI::ExistingFile);
   CLI11_PARSE(app, argc, argv);
-  std::vector<double> durations_ms = nodmap::slam6d::scan_durations_ms(log);
+  const std::vector<double> durations_ms = nodmap::slam6d::scan_durations_ms(log);
   if (durations_ms.empty()) {
     std::fputs("no SCAN in the log\n", stderr);
     return 1;
   }
-  std::ranges::sort(durations_ms);
-  const auto percentile = [&durations_ms](double share) {
-    return durations_ms[static_cast<std::size_t>(share *
-                                                 static_cast<double>(durations_ms.size() - 1))];
-  };
+  using nodmap::bench::quantile;
   const nlohmann::json figures{{"scans", durations_ms.size()},
-                               {"p50_ms", percentile(0.50)},
-                               {"p99_ms", percentile(0.99)},
-                               {"max_ms", durations_ms.back()}};
+                               {"p50_ms", quantile(durations_ms, 0.50)},
+                               {"p99_ms", quantile(durations_ms, 0.99)},
+                               {"max_ms", quantile(durations_ms, 1.0)}};
   std::puts(figures.dump(2).c_str());
 }
