@@ -86,6 +86,24 @@ def check_trials(source):
     assert text.count("MISSED") == 2 and code == 1, text
 
 
+def check_event_log(source):
+    sys.path.insert(0, str(source / "bench"))
+    from event_log import Event, Writer, events
+    written = [Event(1_000_000, "SCAN", b"abc"), Event(2_000_000, "ODOMETRY", b"")]
+    with tempfile.TemporaryDirectory() as folder:
+        path = pathlib.Path(folder) / "log"
+        with Writer(path) as log:
+            for event in written:
+                log.write(event)
+        assert list(events(path)) == written
+        path.write_bytes(bytes(28))
+        try:
+            list(events(path))
+        except ValueError:
+            return
+        raise AssertionError("28 zeros are no log")
+
+
 class Run:
     def __init__(self, speed_mps=None):
         self.name, self.result = "run", None
@@ -138,6 +156,7 @@ def main():
     source = pathlib.Path(sys.argv[1])
     check_truth_between_samples(source)
     check_trials(source)
+    check_event_log(source)
     check_odometry_noise(source)
     check_progress(source)
     check_relations_without_a_scan(source)
