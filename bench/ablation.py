@@ -13,7 +13,7 @@ import sys
 
 from navigation import FAMILIES, make_trials, recorded_crowds, row_of, show
 from seeds import REPORTING
-from trials import add_options, result_folder, run_all, show_failures
+from trial_runs import add_options, result_folder, run_all, show_failures
 
 WITHOUT_LOCAL_MAP = ["navigator.local_map.use_local_map=false"]
 BEHAVIOURS = ["navigator.planner.use_planner=false", "navigator.planner.roams=false"]

@@ -24,7 +24,7 @@ import sys
 from navigation import mean
 from pool import Pool
 from programs import call, settings
-from trials import add_options, result_folder
+from trial_runs import add_options, result_folder
 
 OPTIMAL_MPS = 2.0
 

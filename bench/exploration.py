@@ -16,7 +16,7 @@ import sys
 from navigation import rounded
 from programs import settings as options_of
 from seeds import CHOOSING, REPORTING
-from trials import Trial, add_options, result_folder, run_all, show_failures
+from trial_runs import Trial, add_options, result_folder, run_all, show_failures
 
 POLICIES = ["tour", "nearest_frontier"]
 COLUMNS = ["seed", "policy", "to_90_m", "to_90_s", "seen", "home_s", "path_m", "from_start_m", "collisions"]

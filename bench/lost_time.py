@@ -17,7 +17,7 @@ import sys
 from event_log import events
 from programs import ROOT, settings
 from seeds import CHOOSING
-from trials import Trial, add_options, result_folder, run_all, show_failures
+from trial_runs import Trial, add_options, result_folder, run_all, show_failures
 
 sys.path.insert(0, str(ROOT / "lcmtypes"))
 import lcm_files  # noqa: E402

@@ -27,7 +27,7 @@ import sys
 
 from programs import settings as options_of
 from seeds import CHOOSING, REPORTING
-from trials import Trial, add_options, result_folder, results_of, run_all, show_failures
+from trial_runs import Trial, add_options, result_folder, results_of, run_all, show_failures
 
 # For each family its scenarios, and the seconds that a run may take.
 FAMILIES = {"random": (["random"], 60), "dense": (["dense"], 60), "holes": (["holes"], 120), "goals": (["goals"], 120),
