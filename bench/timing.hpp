@@ -2,10 +2,9 @@
 // Processor times, and quantiles of what was measured.
 #pragma once
 
-#include <time.h>
-
 #include <algorithm>
 #include <cstddef>
+#include <ctime>
 #include <vector>
 
 namespace nodmap::bench {
