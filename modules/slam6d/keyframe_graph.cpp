@@ -158,7 +158,10 @@ KeyframeGraph::Neighbours KeyframeGraph::neighbours(std::span<const SE3> T_map_k
     const Matrix6d covariance =
         rotated(covariance_of(edge.information), T_map_keyframes[edge.from].linear());
     neighbours[edge.from].push_back({edge.to, covariance});
-    neighbours[edge.to].push_back({edge.from, covariance});
+    // Seen from `to`, the orientation of the step moves `from`.
+    const Matrix6d J = moment_arm_jacobian(T_map_keyframes[edge.from].translation() -
+                                           T_map_keyframes[edge.to].translation());
+    neighbours[edge.to].push_back({edge.from, J * covariance * J.transpose()});
   };
   std::ranges::for_each(steps_, join);
   for (const WeightedLoop& loop : loops_) {
