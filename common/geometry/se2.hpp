@@ -46,4 +46,9 @@ struct SE2 {
   return std::hypot(a.x - b.x, a.y - b.y);
 }
 
+/// Between the headings of two poses, in [0, pi].
+[[nodiscard]] inline double rotation_rad(const SE2& a, const SE2& b) {
+  return std::abs(angle_difference(a.yaw, b.yaw));
+}
+
 }  // namespace nodmap::geometry

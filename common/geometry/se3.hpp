@@ -35,7 +35,24 @@ using SE3 = Eigen::Isometry3d;
 [[nodiscard]] Eigen::Quaterniond rotation_between(const Eigen::Vector3d& from,
                                                   const Eigen::Vector3d& to);
 
+/// The matrix with skew(v) * w = v x w.
+[[nodiscard]] inline Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
+  Eigen::Matrix3d cross;
+  cross << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
+  return cross;
+}
+
 /// The angle of the rotation part, in [0, pi].
 [[nodiscard]] double rotation_angle(const SE3& pose);
+
+/// Between the origins of two poses, m.
+[[nodiscard]] inline double distance_m(const SE3& a, const SE3& b) {
+  return (a.translation() - b.translation()).norm();
+}
+
+/// Between the orientations of two poses, in [0, pi].
+[[nodiscard]] inline double rotation_rad(const SE3& a, const SE3& b) {
+  return rotation_angle(a.inverse() * b);
+}
 
 }  // namespace nodmap::geometry

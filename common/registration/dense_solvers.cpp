@@ -7,9 +7,13 @@
 
 namespace nodmap::registration {
 
-Matrix6d inverse(const Matrix6d& matrix) {
+template <int N>
+Eigen::Matrix<double, N, N> inverse(const Eigen::Matrix<double, N, N>& matrix) {
   return matrix.inverse();
 }
+
+template Eigen::Matrix3d inverse(const Eigen::Matrix3d&);
+template Matrix6d inverse(const Matrix6d&);
 
 template <int N>
 Eigen::Matrix<double, N, N> inverse_definite(const Eigen::Matrix<double, N, N>& matrix) {
@@ -23,10 +27,14 @@ Matrix6d solve(const Matrix6d& A, const Matrix6d& B) {
   return A.partialPivLu().solve(B);
 }
 
-Eigensystem eigensystem(const Matrix6d& symmetric) {
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(symmetric);
+template <int N>
+Eigensystem<N> eigensystem(const Eigen::Matrix<double, N, N>& symmetric) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, N, N>> solver(symmetric);
   return {solver.eigenvalues(), solver.eigenvectors()};
 }
+
+template Eigensystem<3> eigensystem(const Eigen::Matrix3d&);
+template Eigensystem<6> eigensystem(const Matrix6d&);
 
 Vector6d relative_eigenvalues(const Matrix6d& A, const Matrix6d& B) {
   return Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d>(A, B,

@@ -10,6 +10,7 @@ namespace {
 
 using geometry::SE2;
 using geometry::SE3;
+using geometry::skew;
 
 constexpr double kWidthDecay = 0.4;  // of the kernel, from one stage to the next
 constexpr double kConverged = 1e-5;  // m or rad
@@ -37,12 +38,6 @@ SE3 moved(const SE3& pose, const PoseVector<SE3>& motion) {
                         .normalized()
                         .toRotationMatrix();
   return result;
-}
-
-Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d cross;
-  cross << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
-  return cross;
 }
 
 // Derivatives of the residual with respect to motions of the two nodes.

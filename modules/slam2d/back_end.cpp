@@ -6,11 +6,13 @@
 #include <cmath>
 #include <utility>
 
+#include "common/registration/pose_edges.hpp"
 #include "modules/slam2d/polish_graph.hpp"
 
 namespace nodmap::slam2d {
 namespace {
 
+using registration::moment_arm_jacobian;
 using registration::PoseEdge2d;
 
 // Limits of the work on one keyframe.
@@ -155,8 +157,9 @@ void BackEnd::track_loop(std::size_t submap_index, std::span<const OrientedPoint
   const Eigen::Vector3d off(
       loop.T_submap_keyframe.x - T_submap_guess.x, loop.T_submap_keyframe.y - T_submap_guess.y,
       geometry::angle_difference(loop.T_submap_keyframe.yaw, T_submap_guess.yaw));
-  const Eigen::Matrix3d expected = rotated(uncertainty_[submap_index], -submap.T_map_submap.yaw) +
-                                   covariance_of(loop.information);
+  const Eigen::Matrix3d expected =
+      registration::rotated(uncertainty_[submap_index], -submap.T_map_submap.yaw) +
+      registration::covariance_of(loop.information);
   if (off.dot(expected.inverse() * off) > kMaxLoopChiSquared) {
     ++metrics_.refused_by_graph;
     accept_by_consensus(loop);

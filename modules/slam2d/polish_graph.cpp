@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "modules/slam2d/submap_graph.hpp"
+#include "common/registration/pose_edges.hpp"
 
 namespace nodmap::slam2d {
 
@@ -28,7 +28,7 @@ PoseEdge2d edge_to_nearest(const Submap& submap, const Loop& loop, std::size_t k
   edge.from = nearest;
   edge.to = keyframe;
   edge.T_from_to = submap.pose_of(nearest).inverse() * loop.T_submap_keyframe;
-  edge.information = rotated(loop.information, -submap.pose_of(nearest).yaw);
+  edge.information = registration::rotated(loop.information, -submap.pose_of(nearest).yaw);
   edge.may_be_wrong = true;
   return edge;
 }

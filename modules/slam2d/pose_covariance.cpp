@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "modules/slam2d/submap_graph.hpp"
+#include "common/registration/pose_edges.hpp"
 #include "modules/slam2d/wheel_errors.hpp"
 
 namespace nodmap::slam2d {
@@ -19,7 +19,7 @@ constexpr double kZeroRatio = 1e-9;
 void PoseCovariance::move(double yaw_rad, const geometry::SE2& T_before_now) {
   const Eigen::Vector2d step =
       geometry::SE2{0.0, 0.0, yaw_rad}.rotation() * T_before_now.translation();
-  const Eigen::Matrix3d J = moment_arm_jacobian(step);
+  const Eigen::Matrix3d J = registration::moment_arm_jacobian(step);
   covariance_ = J * covariance_ * J.transpose();
   covariance_.diagonal() += odometry_variances(step.norm(), T_before_now.yaw);
 }

@@ -2,7 +2,6 @@
 #include "modules/slam2d/pose_guesses.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 namespace nodmap::slam2d {
@@ -19,10 +18,6 @@ constexpr std::size_t kMeanSteps = 8;
 // to rotate at 3 rad/s^2, is this far off after about a quarter of a second.
 constexpr double kSameM = 0.12;
 constexpr double kSameRad = 0.12;
-
-double rotation_rad(const geometry::SE2& a, const geometry::SE2& b) {
-  return std::abs(geometry::angle_difference(a.yaw, b.yaw));
-}
 
 bool are_same(const geometry::SE2& a, const geometry::SE2& b) {
   return distance_m(a, b) <= kSameM && rotation_rad(a, b) <= kSameRad;

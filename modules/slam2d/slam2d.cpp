@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "common/registration/pose_edges.hpp"
+
 namespace nodmap::slam2d {
 
 Slam2d::Slam2d(const Slam2dParams& params)
@@ -129,10 +131,10 @@ Eigen::Matrix3d Slam2d::estimate_covariance(const Place& place, const PoseUpdate
   }
   const geometry::SE2& T_map_submap = back_end_.local().T_map_submap;
   if (update.is_matched() && place.is_sure) {
-    pose_covariance_.match(rotated(place.match.information, T_map_submap.yaw));
+    pose_covariance_.match(registration::rotated(place.match.information, T_map_submap.yaw));
   }
-  const Eigen::Matrix3d J =
-      moment_arm_jacobian(update.T_map_base.translation() - T_map_submap.translation());
+  const Eigen::Matrix3d J = registration::moment_arm_jacobian(update.T_map_base.translation() -
+                                                              T_map_submap.translation());
   return pose_covariance_.matrix() + J * back_end_.drift_covariance() * J.transpose();
 }
 

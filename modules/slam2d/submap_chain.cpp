@@ -7,7 +7,7 @@
 #include <iterator>
 #include <utility>
 
-#include "modules/slam2d/submap_graph.hpp"
+#include "common/registration/pose_edges.hpp"
 #include "modules/slam2d/wheel_errors.hpp"
 
 namespace nodmap::slam2d {
@@ -119,8 +119,9 @@ void SubmapChain::add_step(std::size_t keyframe, const geometry::SE2& T_local_ke
   edge.T_from_to = T_local_last.inverse() * T_local_keyframe;
   const geometry::SE2 T_odom_step =
       keyframes_[keyframe - 1].T_odom_base.inverse() * keyframes_[keyframe].T_odom_base;
-  edge.information = kStepInformationFactor * rotated(information, -T_local_last.yaw) +
-                     odometry_information(T_odom_step);
+  edge.information =
+      kStepInformationFactor * registration::rotated(information, -T_local_last.yaw) +
+      odometry_information(T_odom_step);
   steps_.push_back(edge);
 }
 
@@ -139,8 +140,9 @@ PoseEdge2d SubmapChain::step_to_submap(std::size_t submap) const {
   for (std::size_t k = from.first_keyframe; k < submaps_[submap].first_keyframe; ++k) {
     const Eigen::Vector2d moment_arm =
         edge.T_from_to.translation() - pose_in_from(k + 1).translation();
-    const Eigen::Matrix3d J = moment_arm_jacobian(moment_arm);
-    const Eigen::Matrix3d step = rotated(steps_[k].information.inverse(), from.pose_of(k).yaw);
+    const Eigen::Matrix3d J = registration::moment_arm_jacobian(moment_arm);
+    const Eigen::Matrix3d step =
+        registration::rotated(steps_[k].information.inverse(), from.pose_of(k).yaw);
     covariance += J * step * J.transpose();
   }
   edge.information = covariance.inverse();

@@ -1,86 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/slam2d/submap_graph.hpp"
 
-#include <Eigen/Dense>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <functional>
-#include <limits>
+#include <iterator>
+
+#include "common/registration/pose_edges.hpp"
 
 namespace nodmap::slam2d {
 
+using geometry::SE2;
+using registration::covariance_of;
 using registration::PoseEdge2d;
 using registration::PoseGraph2d;
-namespace {
+using registration::size_of;
 
-// The size of a covariance as one number, m^2: the variance of the position plus that of a point 5
-// m away due to the heading.
-double size_of(const Eigen::Matrix3d& covariance) {
-  constexpr double kYawMomentArmM = 5.0;
-  return covariance(0, 0) + covariance(1, 1) + kYawMomentArmM * kYawMomentArmM * covariance(2, 2);
-}
-
-}  // namespace
-
-Eigen::Matrix3d rotated(const Eigen::Matrix3d& matrix, double yaw_rad) {
-  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
-  R.topLeftCorner<2, 2>() = geometry::SE2{0.0, 0.0, yaw_rad}.rotation();
-  return R * matrix * R.transpose();
-}
-
-Eigen::Matrix3d covariance_of(const Eigen::Matrix3d& information) {
-  return (information + 1e-6 * Eigen::Matrix3d::Identity()).inverse();
-}
-
-Eigen::Matrix3d moment_arm_jacobian(const Eigen::Vector2d& moment_arm) {
-  Eigen::Matrix3d J = Eigen::Matrix3d::Identity();
-  J(0, 2) = -moment_arm.y();
-  J(1, 2) = moment_arm.x();
-  return J;
-}
-
-namespace {
-
-// The inverse of covariance_of(): directions that were unknown are unknown again.
-Eigen::Matrix3d information_of(const Eigen::Matrix3d& covariance) {
-  constexpr double kUnknown = 1e4;  // covariance_of() gives 1e6 for an unknown direction
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
-  Eigen::Vector3d information = Eigen::Vector3d::Zero();
-  for (int k = 0; k < 3; ++k) {
-    const double variance = solver.eigenvalues()[k];
-    information[k] = variance < kUnknown ? 1.0 / std::max(variance, 1e-9) : 0.0;
-  }
-  return solver.eigenvectors() * information.asDiagonal() * solver.eigenvectors().transpose();
-}
-
-}  // namespace
-
-PoseEdge2d composed(const PoseEdge2d& a_b, const PoseEdge2d& b_c) {
-  PoseEdge2d edge;
-  edge.from = a_b.from;
-  edge.to = b_c.to;
-  edge.T_from_to = a_b.T_from_to * b_c.T_from_to;
-  edge.may_be_wrong = a_b.may_be_wrong || b_c.may_be_wrong;
-  const Eigen::Matrix3d J =
-      moment_arm_jacobian(edge.T_from_to.translation() - a_b.T_from_to.translation());
-  edge.information = information_of(J * covariance_of(a_b.information) * J.transpose() +
-                                    rotated(covariance_of(b_c.information), a_b.T_from_to.yaw));
-  return edge;
-}
-
-PoseEdge2d reversed(const PoseEdge2d& edge) {
-  PoseEdge2d back = edge;
-  back.from = edge.to;
-  back.to = edge.from;
-  back.T_from_to = edge.T_from_to.inverse();
-  // A motion of `from`, as `to` sees it.
-  const Eigen::Matrix3d J = moment_arm_jacobian(-edge.T_from_to.translation());
-  back.information = rotated(information_of(J * covariance_of(edge.information) * J.transpose()),
-                             -edge.T_from_to.yaw);
-  return back;
-}
-
-void SubmapGraph::add_loop(std::size_t from, std::size_t to, const geometry::SE2& T_from_to,
+void SubmapGraph::add_loop(std::size_t from, std::size_t to, const SE2& T_from_to,
                            const Eigen::Matrix3d& information) {
   auto [place, is_new] = loops_.try_emplace({from, to});
   LoopSum& sum = place->second;
@@ -93,59 +27,15 @@ void SubmapGraph::add_loop(std::size_t from, std::size_t to, const geometry::SE2
   sum.weighted_offset += information * offset;
 }
 
-// Dijkstra's algorithm on the graph of the submaps, by the size of the covariance (Olson 2008,
-// section 4.2.3). Paths are not fused, so no covariance comes out too small.
 std::vector<Eigen::Matrix3d> SubmapGraph::uncertainties(std::span<const Submap> submaps,
                                                         std::size_t local) const {
-  struct Neighbour {
-    std::size_t submap;
-    Eigen::Matrix3d covariance_map;  // of the step, in map
-  };
-  std::vector<std::vector<Neighbour>> neighbours(submaps.size());
-  const auto join = [&](std::size_t from, std::size_t to, const Eigen::Matrix3d& information) {
-    const Eigen::Matrix3d covariance =
-        rotated(covariance_of(information), submaps[from].T_map_submap.yaw);
-    neighbours[from].push_back({to, covariance});
-    // Seen from `to`, the heading of the step moves `from`.
-    const Eigen::Matrix3d J = moment_arm_jacobian(submaps[from].T_map_submap.translation() -
-                                                  submaps[to].T_map_submap.translation());
-    neighbours[to].push_back({from, J * covariance * J.transpose()});
-  };
-  for (const PoseEdge2d& edge : chain_) {
-    join(edge.from, edge.to, edge.information);
+  std::vector<SE2> T_map_submaps;
+  for (const Submap& submap : submaps) {
+    T_map_submaps.push_back(submap.T_map_submap);
   }
-  for (const auto& [pair, loop] : loops_) {
-    join(pair.first, pair.second, loop.information);
-  }
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  std::vector<Eigen::Matrix3d> found(submaps.size(), Eigen::Matrix3d::Identity() * 1e6);
-  std::vector<double> size(submaps.size(), kInfinity);
-  std::vector<bool> done(submaps.size(), false);
-  std::vector<std::pair<double, std::size_t>> open;  // a heap, the smallest on top
-  found[local].setZero();
-  size[local] = 0.0;
-  open.emplace_back(0.0, local);
-  while (!open.empty()) {
-    std::pop_heap(open.begin(), open.end(), std::greater<>());
-    const std::size_t at = open.back().second;
-    open.pop_back();
-    if (done[at]) {
-      continue;
-    }
-    done[at] = true;
-    for (const Neighbour& next : neighbours[at]) {
-      const Eigen::Matrix3d J = moment_arm_jacobian(
-          submaps[next.submap].T_map_submap.translation() - submaps[at].T_map_submap.translation());
-      const Eigen::Matrix3d covariance = J * found[at] * J.transpose() + next.covariance_map;
-      if (size_of(covariance) < size[next.submap]) {
-        size[next.submap] = size_of(covariance);
-        found[next.submap] = covariance;
-        open.emplace_back(size[next.submap], next.submap);
-        std::push_heap(open.begin(), open.end(), std::greater<>());
-      }
-    }
-  }
-  return found;
+  std::vector<PoseEdge2d> edges = chain_;
+  std::ranges::copy(loops(), std::back_inserter(edges));
+  return registration::covariances_from<SE2>(local, T_map_submaps, edges);
 }
 
 std::vector<PoseEdge2d> SubmapGraph::loops() const {
@@ -168,8 +58,7 @@ std::vector<PoseEdge2d> SubmapGraph::loops() const {
 bool SubmapGraph::is_outlier(const PoseEdge2d& edge, std::span<const Submap> submaps) {
   const Eigen::Vector3d error =
       registration::residual(edge, submaps[edge.from].T_map_submap, submaps[edge.to].T_map_submap);
-  return error.dot(edge.information * error) >
-         registration::PoseSpace<geometry::SE2>::kInlierChiSquared;
+  return error.dot(edge.information * error) > registration::PoseSpace<SE2>::kInlierChiSquared;
 }
 
 // All loops of a submap, each from it to the other; they are no longer in the graph.
@@ -198,9 +87,6 @@ void SubmapGraph::join(const PoseEdge2d& edge) {
 void SubmapGraph::drop_submap(std::size_t dropped, std::span<const Submap> submaps) {
   std::vector<PoseEdge2d> loops = take_loops_of(dropped);
   std::erase_if(loops, [&](const PoseEdge2d& edge) { return is_outlier(edge, submaps); });
-  const auto is_surer = [](const PoseEdge2d& edge, const PoseEdge2d& other) {
-    return size_of(covariance_of(edge.information)) < size_of(covariance_of(other.information));
-  };
   PoseEdge2d in_chain = chain_[dropped];  // the last submap is never dropped
   if (dropped > 0 && is_surer(reversed(chain_[dropped - 1]), in_chain)) {
     in_chain = reversed(chain_[dropped - 1]);

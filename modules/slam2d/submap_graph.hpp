@@ -13,24 +13,6 @@
 
 namespace nodmap::slam2d {
 
-/// Transforms a covariance or information matrix of (x, y, yaw) to a frame in which its own frame
-/// has the heading `yaw_rad`.
-[[nodiscard]] Eigen::Matrix3d rotated(const Eigen::Matrix3d& matrix, double yaw_rad);
-
-/// The inverse of an information matrix, finite also along degenerate directions.
-[[nodiscard]] Eigen::Matrix3d covariance_of(const Eigen::Matrix3d& information);
-
-/// The Jacobian of a pose attached to another at the end of a moment arm, with respect to that
-/// other (x, y in m, yaw in rad).
-[[nodiscard]] Eigen::Matrix3d moment_arm_jacobian(const Eigen::Vector2d& moment_arm);
-
-/// The edge from a to c through b. `a_b`: from a to b; `b_c`: from b to c.
-[[nodiscard]] registration::PoseEdge2d composed(const registration::PoseEdge2d& a_b,
-                                                const registration::PoseEdge2d& b_c);
-
-/// The same edge, seen from its other end.
-[[nodiscard]] registration::PoseEdge2d reversed(const registration::PoseEdge2d& edge);
-
 /// The submaps as nodes of a pose graph: each is joined to the next by odometry and matches, and
 /// to others by loops.
 class SubmapGraph {

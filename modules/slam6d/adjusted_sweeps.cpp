@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <utility>
 
+#include "common/registration/pose_edges.hpp"
 #include "modules/slam6d/odometry_prior.hpp"
-#include "modules/slam6d/pose_edges.hpp"
 #include "modules/slam6d/sweep_voxels.hpp"
 
 namespace nodmap::slam6d {
@@ -41,8 +41,8 @@ Motion joined(const Motion& a, const Motion& b, const SE3& T_map_from) {
       R_map_from *
           geometry::rotation_vector(b.T_from_this.linear() * a.T_from_this.linear().transpose());
   const Matrix6d information_b = registration::inverse(b.covariance);
-  Motion both{a.T_from_this,
-              registration::inverse(registration::inverse(a.covariance) + information_b)};
+  const Matrix6d information = registration::inverse(a.covariance) + information_b;
+  Motion both{a.T_from_this, registration::inverse(information)};
   const Vector6d motion = both.covariance * information_b * a_to_b;
   both.T_from_this.translation() += R_map_from.transpose() * motion.head<3>();
   both.T_from_this.linear() =
@@ -109,8 +109,8 @@ class Collection {
   void add_step(AdjustedSweep& sweep, const registration::PoseEdge3d& step) {
     sweep.from = last_.place;
     sweep.T_from_this = step.T_from_to;
-    sweep.covariance =
-        rotated(covariance_of(step.information), last_keyframe().T_map_base.linear());
+    sweep.covariance = registration::rotated(registration::covariance_of(step.information),
+                                             last_keyframe().T_map_base.linear());
   }
 
   const TrackedDrive& drive_;

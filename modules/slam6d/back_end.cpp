@@ -6,10 +6,15 @@
 #include <limits>
 #include <utility>
 
+#include "common/registration/pose_edges.hpp"
+
 namespace nodmap::slam6d {
 namespace {
 
+using geometry::distance_m;
 using geometry::SE3;
+using registration::moment_arm_jacobian;
+using registration::rotated;
 
 // Voxels are exchanged with the old map once they belong to this many keyframes, or to one within
 // reach of the scanner.
@@ -19,10 +24,6 @@ constexpr double kWithinReachM = 20.0;
 constexpr double kMinCorrectionM = 0.005;
 // Both ends of a step are matched against the same map, so most of their errors are the same.
 constexpr double kStepInformationFactor = 5.0;
-
-double distance(const SE3& a, const SE3& b) {
-  return (a.translation() - b.translation()).norm();
-}
 
 bool is_certain(const Matrix6d& covariance, const LoopParams& params) {
   return kReachSigmas * std::sqrt(covariance.diagonal().head<3>().maxCoeff()) < params.certain_m &&
@@ -76,13 +77,13 @@ std::optional<std::vector<SE3>> BackEnd::add_keyframe(const TrackedKeyframe& key
 bool BackEnd::correct(std::span<const SE3> T_map_moved, VoxelMap& map) {
   double largest_m = 0.0;
   for (std::size_t k = 0; k < T_map_moved.size(); ++k) {
-    largest_m = std::max(largest_m, distance(T_map_moved[k], T_map_keyframes_[k]));
+    largest_m = std::max(largest_m, distance_m(T_map_moved[k], T_map_keyframes_[k]));
   }
   std::vector<bool> certain = certain_keyframes();
   if (largest_m > kMinCorrectionM) {
     ++metrics_.corrections;
-    metrics_.largest_correction_m = std::max(metrics_.largest_correction_m,
-                                             distance(T_map_moved.back(), T_map_keyframes_.back()));
+    metrics_.largest_correction_m = std::max(
+        metrics_.largest_correction_m, distance_m(T_map_moved.back(), T_map_keyframes_.back()));
     arrange(map, T_map_moved, std::move(certain));
     return true;
   }
@@ -168,7 +169,7 @@ void BackEnd::add_step(const TrackedKeyframe& keyframe) {
 void BackEnd::join_to_restored(const TrackedKeyframe& keyframe) {
   const auto restored = std::span(T_map_keyframes_).first(num_restored_);
   const auto nearest = std::ranges::min_element(restored, {}, [&](const SE3& T_map_base) {
-    return distance(T_map_base, keyframe.T_map_base);
+    return distance_m(T_map_base, keyframe.T_map_base);
   });
   if (nearest == restored.end()) {
     return;
@@ -200,7 +201,7 @@ std::optional<std::size_t> BackEnd::nearest_keyframe(bool is_old) const {
   std::optional<std::size_t> nearest;
   double nearest_m = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < newest(); ++k) {
-    const double distance_m = distance(T_map_keyframes_[k], T_map_keyframes_.back());
+    const double distance_m = geometry::distance_m(T_map_keyframes_[k], T_map_keyframes_.back());
     if (is_in_map_[k] == is_old || path_m_[k] > path_m_.back() - params_.recent_m ||
         distance_m >= nearest_m) {
       continue;
@@ -299,7 +300,7 @@ bool BackEnd::is_outdated(const std::vector<bool>& certain) const {
   for (std::size_t k = 0; k < certain.size(); ++k) {
     if (certain[k] != is_in_map_[k]) {
       ++exchanged;
-      if (distance(T_map_keyframes_[k], T_map_keyframes_.back()) < kWithinReachM) {
+      if (distance_m(T_map_keyframes_[k], T_map_keyframes_.back()) < kWithinReachM) {
         return true;
       }
     }

@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "modules/slam6d/pose_covariance.hpp"
+#include "modules/slam6d/matrix6d.hpp"
 #include "modules/slam6d/voxel_map.hpp"
 
 namespace nodmap::slam6d {

@@ -27,7 +27,7 @@ struct Keyframe {
 /// all distances from the base up to `max_range_m`.
 [[nodiscard]] inline double motion_of_points_m(const geometry::SE3& T_old,
                                                const geometry::SE3& T_new, double max_range_m) {
-  return (T_new.translation() - T_old.translation()).norm() +
+  return geometry::distance_m(T_new, T_old) +
          0.5 * max_range_m * geometry::rotation_angle(T_new * T_old.inverse());
 }
 

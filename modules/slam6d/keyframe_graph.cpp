@@ -2,11 +2,8 @@
 #include "modules/slam6d/keyframe_graph.hpp"
 
 #include <algorithm>
-#include <functional>
-#include <limits>
-#include <utility>
 
-#include "modules/slam6d/pose_edges.hpp"
+#include "common/registration/pose_edges.hpp"
 
 namespace nodmap::slam6d {
 namespace {
@@ -20,11 +17,6 @@ constexpr int kFewIterations = 5;
 constexpr int kManyIterations = 60;
 // The kernel's weight of a loop whose residual exceeds those of 99 % of correct ones.
 constexpr double kOutlierWeight = 0.25;
-
-// Covariances are finite, also along degenerate directions.
-bool is_surer(const PoseEdge3d& a, const PoseEdge3d& b) {
-  return size_of(covariance_of(a.information)) < size_of(covariance_of(b.information));
-}
 
 }  // namespace
 
@@ -145,65 +137,23 @@ PoseEdge3d KeyframeGraph::level_edge(std::span<const SE3> T_map_keyframes,
       geometry::rotation_between(up, Eigen::Vector3d::UnitZ()).toRotationMatrix() *
       T_map_level.linear();
   const SE3& T_map_first = T_map_keyframes[0];
-  return {.from = 0,
-          .to = keyframe,
-          .T_from_to = T_map_first.inverse() * T_map_level,
-          .information = rotated(level_information(), T_map_first.linear().transpose()),
-          .may_be_wrong = true};
+  return {
+      .from = 0,
+      .to = keyframe,
+      .T_from_to = T_map_first.inverse() * T_map_level,
+      .information = registration::rotated(level_information(), T_map_first.linear().transpose()),
+      .may_be_wrong = true};
 }
 
-KeyframeGraph::Neighbours KeyframeGraph::neighbours(std::span<const SE3> T_map_keyframes) const {
-  Neighbours neighbours(T_map_keyframes.size());
-  const auto join = [&](const PoseEdge3d& edge) {
-    const Matrix6d covariance =
-        rotated(covariance_of(edge.information), T_map_keyframes[edge.from].linear());
-    neighbours[edge.from].push_back({edge.to, covariance});
-    // Seen from `to`, the orientation of the step moves `from`.
-    const Matrix6d J = moment_arm_jacobian(T_map_keyframes[edge.from].translation() -
-                                           T_map_keyframes[edge.to].translation());
-    neighbours[edge.to].push_back({edge.from, J * covariance * J.transpose()});
-  };
-  std::ranges::for_each(steps_, join);
-  for (const WeightedLoop& loop : loops_) {
-    if (loop.holds()) {
-      join(loop.edge);
-    }
-  }
-  return neighbours;
-}
-
-// Dijkstra's algorithm by the size of the covariance (Olson 2008, section 4.2.3). Paths are not
-// fused, so no covariance comes out too small.
 std::vector<Matrix6d> KeyframeGraph::uncertainties(std::span<const SE3> T_map_keyframes,
                                                    std::size_t from) const {
-  const Neighbours all = neighbours(T_map_keyframes);
-  std::vector<Matrix6d> found(all.size(), Matrix6d::Identity() * 1e6);
-  std::vector<double> size(all.size(), std::numeric_limits<double>::infinity());
-  std::vector<bool> done(all.size(), false);
-  std::vector<std::pair<double, std::size_t>> open;  // a heap, the smallest on top
-  const auto reach = [&](std::size_t keyframe, const Matrix6d& covariance) {
-    if (size_of(covariance) < size[keyframe]) {
-      size[keyframe] = size_of(covariance);
-      found[keyframe] = covariance;
-      open.emplace_back(size[keyframe], keyframe);
-      std::ranges::push_heap(open, std::greater<>());
-    }
-  };
-  reach(from, Matrix6d::Zero());
-  while (!open.empty()) {
-    std::ranges::pop_heap(open, std::greater<>());
-    const std::size_t at = open.back().second;
-    open.pop_back();
-    if (done[at]) {
-      continue;
-    }
-    done[at] = true;
-    for (const Neighbour& next : all[at]) {
-      const Matrix6d J = moment_arm_jacobian(T_map_keyframes[next.keyframe].translation() -
-                                             T_map_keyframes[at].translation());
-      reach(next.keyframe, J * found[at] * J.transpose() + next.covariance_map);
+  std::vector<PoseEdge3d> edges = steps_;
+  for (const WeightedLoop& loop : loops_) {
+    if (loop.holds()) {
+      edges.push_back(loop.edge);
     }
   }
+  std::vector<Matrix6d> found = registration::covariances_from<SE3>(from, T_map_keyframes, edges);
   hold_level(found, from);
   return found;
 }
@@ -213,7 +163,8 @@ void KeyframeGraph::hold_level(std::span<Matrix6d> covariances, std::size_t from
   const Matrix6d level = 0.5 * level_information();
   for (std::size_t k = 0; k < covariances.size(); ++k) {
     if (is_level_[k] && is_level_[from] && k != from) {
-      covariances[k] = registration::inverse(registration::inverse(covariances[k]) + level);
+      const Matrix6d information = registration::inverse(covariances[k]) + level;
+      covariances[k] = registration::inverse(information);
     }
   }
 }

@@ -8,7 +8,7 @@
 
 #include "common/geometry/se3.hpp"
 #include "common/registration/pose_graph.hpp"
-#include "modules/slam6d/pose_covariance.hpp"
+#include "modules/slam6d/matrix6d.hpp"
 
 namespace nodmap::slam6d {
 
@@ -67,18 +67,10 @@ class KeyframeGraph {
   [[nodiscard]] std::size_t num_contradicted() const;
 
  private:
-  /// One step away from a keyframe: along an edge, in either direction.
-  struct Neighbour {
-    std::size_t keyframe;
-    Matrix6d covariance_map;  ///< of the step, axes of map
-  };
-  using Neighbours = std::vector<std::vector<Neighbour>>;  // of each keyframe
-
   [[nodiscard]] std::vector<WeightedLoop> take_loops_of(std::size_t keyframe);
   [[nodiscard]] registration::PoseEdge3d surest_edge_from(
       std::size_t keyframe, std::span<const WeightedLoop> its_loops) const;
   void join(const WeightedLoop& loop);
-  [[nodiscard]] Neighbours neighbours(std::span<const geometry::SE3> T_map_keyframes) const;
   void hold_level(std::span<Matrix6d> covariances, std::size_t from) const;
   [[nodiscard]] Matrix6d level_information() const;
   [[nodiscard]] registration::PoseEdge3d level_edge(std::span<const geometry::SE3> T_map_keyframes,

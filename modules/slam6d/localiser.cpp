@@ -113,8 +113,7 @@ void Localiser::classify(const Sweep& sweep, const VoxelMap& map, PoseUpdate& up
 }
 
 bool Localiser::confirms(const SE3& T_map_base) const {
-  return (T_map_base.translation() - T_map_found_.translation()).norm() >
-             params_.confirm_distance_m &&
+  return geometry::distance_m(T_map_base, T_map_found_) > params_.confirm_distance_m &&
          evidence_.contradiction_ratio() <= params_.place.max_contradiction_ratio &&
          !is_too_much_missing(missing_);
 }

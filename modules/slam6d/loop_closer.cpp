@@ -69,7 +69,7 @@ Matrix6d information_of_match(const Registration& found, const PosePrior& prior)
   const Matrix6d difference =
       registration::inverse(found.covariance) - registration::inverse(prior.covariance);
   const auto [values, vectors] =
-      registration::eigensystem(0.5 * (difference + difference.transpose()));
+      registration::eigensystem(Matrix6d(0.5 * (difference + difference.transpose())));
   const Matrix6d information = vectors * values.cwiseMax(0.0).asDiagonal() * vectors.transpose();
   Matrix6d floor = Matrix6d::Zero();
   floor.diagonal() << Eigen::Vector3d::Constant(kLoopSigmaM * kLoopSigmaM),
@@ -156,8 +156,7 @@ std::vector<Loop> LoopCloser::add_pending(const Loop& loop, std::span<const SE3>
   std::set<std::size_t> keyframes;
   const SE3 here = consequence(loop);
   for (const Loop& other : pending_) {
-    const double between_m =
-        (T_map_keyframes[other.to].translation() - T_map_last.translation()).norm();
+    const double between_m = geometry::distance_m(T_map_keyframes[other.to], T_map_last);
     if (!is_apart(here, consequence(other), params_.max_disagreement_m + 0.02 * between_m,
                   params_.max_disagreement_rad)) {
       consensus.push_back(other);

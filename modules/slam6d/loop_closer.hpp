@@ -8,7 +8,7 @@
 
 #include "common/geometry/angle.hpp"
 #include "common/geometry/se3.hpp"
-#include "modules/slam6d/pose_covariance.hpp"
+#include "modules/slam6d/matrix6d.hpp"
 #include "modules/slam6d/registration.hpp"
 #include "modules/slam6d/replaced_keyframe.hpp"
 #include "modules/slam6d/start_poses.hpp"

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "common/geometry/angle.hpp"
+#include "common/registration/pose_edges.hpp"
 #include "modules/slam6d/registration.hpp"
 
 namespace nodmap::slam6d {
@@ -89,7 +90,7 @@ struct OdometryMotion {
   Eigen::Matrix<double, 6, 1> sigma;
   sigma << Eigen::Vector3d::Constant(translation_m), tilt_rad, tilt_rad, yaw_rad;
   sigma *= growth;
-  return rotated(sigma.cwiseAbs2().asDiagonal(), T_map_base.linear());
+  return registration::rotated(sigma.cwiseAbs2().asDiagonal(), T_map_base.linear());
 }
 
 }  // namespace nodmap::slam6d

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "common/registration/pose_edges.hpp"
 #include "modules/slam6d/corrected_poses.hpp"
 #include "modules/slam6d/evidence.hpp"
 #include "modules/slam6d/pose_equations.hpp"
@@ -257,7 +258,8 @@ void add_odometry(PoseEquations& equations, std::span<const AdjustedSweep> sweep
   error << T_map_this.translation() - T_map_counted.translation(),
       geometry::rotation_vector(T_map_this.linear() * T_map_counted.linear().transpose());
   const Matrix6d information = registration::inverse(sweeps[k].covariance);
-  const Matrix6d J_from = -moment_arm_jacobian(T_map_this.translation() - T_map_from.translation());
+  const Matrix6d J_from =
+      -registration::moment_arm_jacobian(T_map_this.translation() - T_map_from.translation());
   equations.block(from, from) += J_from.transpose() * information * J_from;
   equations.block(from, k) += J_from.transpose() * information;
   equations.block(k, k) += information;

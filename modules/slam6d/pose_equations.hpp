@@ -6,7 +6,7 @@
 #include <optional>
 #include <unordered_map>
 
-#include "modules/slam6d/pose_covariance.hpp"
+#include "modules/slam6d/matrix6d.hpp"
 
 namespace nodmap::slam6d {
 

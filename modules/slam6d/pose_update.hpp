@@ -7,7 +7,7 @@
 
 #include "common/geometry/se3.hpp"
 #include "common/geometry/time.hpp"
-#include "modules/slam6d/pose_covariance.hpp"
+#include "modules/slam6d/matrix6d.hpp"
 #include "modules/slam6d/registration.hpp"
 
 namespace nodmap::slam6d {

@@ -15,7 +15,7 @@ constexpr double kOnePlaceRad = geometry::deg_to_rad(30.0);
 
 bool is_same_place(const SE3& a, const SE3& b) {
   return (a.translation() - b.translation()).squaredNorm() <= kOnePlaceM * kOnePlaceM &&
-         geometry::rotation_angle(a.inverse() * b) <= kOnePlaceRad;
+         geometry::rotation_rad(a, b) <= kOnePlaceRad;
 }
 
 std::optional<ReplacedKeyframe> oldest_replaced_keyframe(std::span<const SE3> T_map_keyframes,

@@ -6,8 +6,9 @@
 #include <array>
 #include <cstddef>
 
+#include "common/geometry/se3.hpp"
 #include "common/registration/motion_solver.hpp"
-#include "modules/slam6d/pose_covariance.hpp"
+#include "modules/slam6d/matrix6d.hpp"
 
 namespace nodmap::slam6d {
 
@@ -73,7 +74,7 @@ class ResidualSums {
     for (int i = 0; i < N / 6; ++i) {
       for (int j = 0; j < N / 6; ++j) {
         const Eigen::Matrix4d& arms = arms_[at(i + j)];
-        const Eigen::Matrix3d cross = skew(arms.block<3, 1>(0, 3));
+        const Eigen::Matrix3d cross = geometry::skew(arms.block<3, 1>(0, 3));
         const Eigen::Matrix3d arm_squares = arms.topLeftCorner<3, 3>();
         auto block = H.template block<6, 6>(6 * i, 6 * j);
         block.template topLeftCorner<3, 3>() = arms(3, 3) * Eigen::Matrix3d::Identity();

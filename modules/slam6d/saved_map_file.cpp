@@ -10,7 +10,7 @@
 
 #include "common/bus/message_log.hpp"
 #include "common/node/messages.hpp"
-#include "modules/slam6d/pose_covariance.hpp"
+#include "modules/slam6d/matrix6d.hpp"
 #include "nodmap/keyframe_6d_t.hpp"
 #include "nodmap/loop_6d_t.hpp"
 

@@ -256,7 +256,7 @@ bool Slam6d::is_adjusted(const PoseUpdate& update) const {
   }
   const std::size_t last =
       std::max(keyframes_.back().sweep, between_.empty() ? 0 : between_.back().sweep);
-  return (update.T_map_base.translation() - corrected_.pose_of(last).translation()).norm() >
+  return geometry::distance_m(update.T_map_base, corrected_.pose_of(last)) >
          params_.adjustment.sweep_distance_m;
 }
 

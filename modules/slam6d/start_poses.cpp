@@ -18,9 +18,7 @@ constexpr double kAmbiguity = 0.1;
 }  // namespace
 
 bool is_apart(const SE3& a, const SE3& b, double distance_m, double rotation_rad) {
-  const SE3 motion = a.inverse() * b;
-  return motion.translation().norm() > distance_m ||
-         geometry::rotation_angle(motion) > rotation_rad;
+  return geometry::distance_m(a, b) > distance_m || geometry::rotation_rad(a, b) > rotation_rad;
 }
 
 std::vector<StartPose> best_starts(std::vector<StartPose> tried) {

@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 
 #include "common/geometry/se3.hpp"
-#include "modules/slam6d/pose_covariance.hpp"
+#include "modules/slam6d/matrix6d.hpp"
 
 namespace nodmap::slam6d {
 
@@ -36,7 +36,7 @@ template <int N>
   } else {
     // A rotation at the first beam moves the base at the last one.
     Matrix6d by_rotation = Matrix6d::Zero();
-    by_rotation.topRightCorner<3, 3>() = -skew(half_path_map);
+    by_rotation.topRightCorner<3, 3>() = -geometry::skew(half_path_map);
     Eigen::Matrix<double, N, N> from_ends = 0.5 * Eigen::Matrix<double, N, N>::Identity();
     from_ends.template topLeftCorner<6, 6>() = Matrix6d::Identity() + by_rotation;
     from_ends.template topRightCorner<6, 6>() = 0.5 * Matrix6d::Identity();

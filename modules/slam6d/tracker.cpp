@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/slam6d/tracker.hpp"
 
+#include "common/registration/pose_edges.hpp"
 #include "modules/slam6d/corrected_poses.hpp"
 #include "modules/slam6d/heading_search.hpp"
 #include "modules/slam6d/slide_search.hpp"
@@ -229,7 +230,7 @@ void Tracker::begin_at(const SE3& T_map_base, const SweepCloud& cloud) {
 void Tracker::move(const SE3& T_new_old) {
   T_map_odom_ = normalized(T_new_old * T_map_odom_);
   T_map_end_ = normalized(T_new_old * T_map_end_);
-  end_covariance_ = rotated(end_covariance_, T_new_old.linear());
+  end_covariance_ = registration::rotated(end_covariance_, T_new_old.linear());
   if (last_nod_) {
     last_nod_->T_map_base = normalized(T_new_old * last_nod_->T_map_base);
   }

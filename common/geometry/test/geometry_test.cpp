@@ -91,5 +91,21 @@ TEST(Se3, PlanarRoundTrip) {
   EXPECT_NEAR(rotation_angle(to_se3(pose)), 3.0, kRounding);
 }
 
+// The shorter way round: from 3 to -3 rad it is across the rear.
+TEST(Se3, DistanceAndRotationBetweenPosesAreThoseInThePlane) {
+  const SE2 a{1.0, 2.0, 3.0};
+  const SE2 b{4.0, -2.0, -3.0};
+  EXPECT_NEAR(distance_m(a, b), 5.0, kRounding);
+  EXPECT_NEAR(rotation_rad(a, b), 2.0 * kPi - 6.0, kRounding);
+  EXPECT_NEAR(distance_m(to_se3(a), to_se3(b)), 5.0, kRounding);
+  EXPECT_NEAR(rotation_rad(to_se3(a), to_se3(b)), 2.0 * kPi - 6.0, kRounding);
+}
+
+TEST(Se3, ASkewMatrixIsTheCrossProduct) {
+  const Eigen::Vector3d v(1.0, -2.0, 3.0);
+  const Eigen::Vector3d w(0.5, 4.0, -1.0);
+  EXPECT_TRUE((skew(v) * w).isApprox(v.cross(w), kRounding));
+}
+
 }  // namespace geometry_test
 }  // namespace nodmap::geometry

@@ -21,6 +21,8 @@ Eigen::Matrix<double, N, N> triangle() {
 }
 
 TEST(DenseSolvers, AMatrixTimesItsInverseIsTheIdentity) {
+  const Eigen::Matrix3d small = triangle<3>() + 0.5 * triangle<3>().transpose();
+  EXPECT_TRUE((small * inverse(small)).isApprox(Eigen::Matrix3d::Identity(), kRounding));
   const Matrix6d A = triangle<6>() + 0.5 * triangle<6>().transpose();
   EXPECT_TRUE((A * inverse(A)).isApprox(Matrix6d::Identity(), kRounding));
   EXPECT_TRUE((A * solve(A, triangle<6>())).isApprox(triangle<6>(), kRounding));
@@ -34,14 +36,21 @@ TEST(DenseSolvers, ACovarianceTimesItsInverseIsTheIdentity) {
   EXPECT_TRUE((motion * inverse_definite(motion)).isApprox(Matrix12d::Identity(), kRounding));
 }
 
-TEST(DenseSolvers, EigenvaluesAscendAndMakeUpTheMatrix) {
-  const Matrix6d A = triangle<6>() * triangle<6>().transpose();
+template <int N>
+void expect_eigensystem_of_a_covariance() {
+  using Matrix = Eigen::Matrix<double, N, N>;
+  const Matrix A = triangle<N>() * triangle<N>().transpose();
   const auto [values, vectors] = eigensystem(A);
   EXPECT_TRUE((vectors * values.asDiagonal() * vectors.transpose()).isApprox(A, kRounding));
-  EXPECT_TRUE((vectors * vectors.transpose()).isApprox(Matrix6d::Identity(), kRounding));
-  for (int i = 1; i < 6; ++i) {
+  EXPECT_TRUE((vectors * vectors.transpose()).isApprox(Matrix::Identity(), kRounding));
+  for (int i = 1; i < N; ++i) {
     EXPECT_LE(values[i - 1], values[i]);
   }
+}
+
+TEST(DenseSolvers, EigenvaluesAscendAndMakeUpTheMatrix) {
+  expect_eigensystem_of_a_covariance<3>();
+  expect_eigensystem_of_a_covariance<6>();
 }
 
 // A = L D L^T relative to B = L L^T has the eigenvalues D.

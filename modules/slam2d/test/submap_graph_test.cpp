@@ -3,10 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
-#include <Eigen/Eigenvalues>
 #include <cmath>
-#include <functional>
 #include <vector>
 
 namespace nodmap::slam2d {
@@ -14,11 +11,6 @@ namespace submap_graph_test {
 
 using geometry::SE2;
 using registration::PoseEdge2d;
-
-const SE2 kFirst{2.0, -1.0, 0.7};
-const SE2 kSecond{-0.5, 3.0, -1.9};
-// Central differences over 2e-6 m, of functions with a curvature of a few per metre.
-constexpr double kDifferences = 1e-6;
 
 Eigen::Matrix3d some_information(double scale) {
   Eigen::Matrix3d root;
@@ -28,92 +20,6 @@ Eigen::Matrix3d some_information(double scale) {
 
 PoseEdge2d edge(std::size_t from, std::size_t to, const SE2& T_from_to, double scale = 1.0) {
   return {from, to, T_from_to, some_information(scale), false};
-}
-
-// The numeric derivative of the pose that `function` returns with respect to (x, y, yaw) of its
-// argument.
-Eigen::Matrix3d jacobian(const SE2& at, const std::function<SE2(const SE2&)>& function) {
-  constexpr double kStep = 1e-6;
-  Eigen::Matrix3d J;
-  for (int column = 0; column < 3; ++column) {
-    const auto moved = [&](double step) {
-      return function({at.x + (column == 0 ? step : 0.0), at.y + (column == 1 ? step : 0.0),
-                       at.yaw + (column == 2 ? step : 0.0)});
-    };
-    const SE2 high = moved(kStep);
-    const SE2 low = moved(-kStep);
-    J.col(column) = Eigen::Vector3d(high.x - low.x, high.y - low.y,
-                                    geometry::angle_difference(high.yaw, low.yaw)) /
-                    (2.0 * kStep);
-  }
-  return J;
-}
-
-TEST(SubmapGraph, AReversedEdgeHasTheCovarianceOfTheInversePose) {
-  const PoseEdge2d there = edge(3, 5, kFirst);
-  const PoseEdge2d back = reversed(there);
-  EXPECT_EQ(back.from, 5U);
-  EXPECT_EQ(back.to, 3U);
-  const Eigen::Matrix3d J = jacobian(kFirst, [](const SE2& pose) { return pose.inverse(); });
-  const Eigen::Matrix3d expected = J * there.information.inverse() * J.transpose();
-  EXPECT_TRUE(back.information.inverse().isApprox(expected, kDifferences));
-}
-
-TEST(SubmapGraph, AComposedEdgeHasTheSumOfBothCovariances) {
-  const PoseEdge2d a_b = edge(0, 1, kFirst);
-  const PoseEdge2d b_c = edge(1, 2, kSecond, 0.3);
-  const PoseEdge2d a_c = composed(a_b, b_c);
-  EXPECT_EQ(a_c.from, 0U);
-  EXPECT_EQ(a_c.to, 2U);
-  const Eigen::Matrix3d J_a = jacobian(kFirst, [](const SE2& pose) { return pose * kSecond; });
-  const Eigen::Matrix3d J_b = jacobian(kSecond, [](const SE2& pose) { return kFirst * pose; });
-  const Eigen::Matrix3d expected = J_a * a_b.information.inverse() * J_a.transpose() +
-                                   J_b * b_c.information.inverse() * J_b.transpose();
-  EXPECT_TRUE(a_c.information.inverse().isApprox(expected, kDifferences));
-}
-
-// Edges along corridors, in which the position along the corridor is unknown, are composed and
-// reversed again and again. That direction stays unknown, and every result has a valid covariance.
-TEST(SubmapGraph, AnUnknownDirectionStaysUnknown) {
-  PoseEdge2d sum = edge(0, 1, kFirst);
-  sum.information = Eigen::Vector3d(0.0, 4e4, 1e6).asDiagonal();
-  const PoseEdge2d step = sum;
-  for (int i = 0; i < 100; ++i) {
-    sum = reversed(composed(sum, step));
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(sum.information);
-    // Rounding of eigenvalues up to 1e6.
-    ASSERT_GT(solver.eigenvalues()[0], -1e-9);
-    ASSERT_LT(solver.eigenvalues()[0], 1e-4);
-    ASSERT_TRUE(covariance_of(sum.information).allFinite());
-    ASSERT_GT(covariance_of(sum.information).diagonal().minCoeff(), 0.0);
-  }
-}
-
-// The heading of an edge is uncertain, too. Seen from its other end that moves the far submap
-// aside.
-TEST(SubmapGraph, AnUncertaintyIsThatOfThePathToTheLocalSubmap) {
-  const std::vector<SE2> poses{{1.0, 2.0, 0.3}, {4.0, 3.0, -0.5}, {3.0, 7.0, 2.0}};
-  std::vector<Submap> submaps;
-  for (const SE2& pose : poses) {
-    submaps.emplace_back(0, pose, MapParams{});
-  }
-  const PoseEdge2d first = edge(0, 1, poses[0].inverse() * poses[1]);
-  const PoseEdge2d second = edge(1, 2, poses[1].inverse() * poses[2], 0.3);
-  SubmapGraph graph;
-  graph.add_chain_edge(first);
-  graph.add_chain_edge(second);
-  const auto in_map = [](const PoseEdge2d& path, const SE2& T_map_from) {
-    return rotated(path.information.inverse(), T_map_from.yaw);
-  };
-  // covariance_of() adds 1e-6 to an information of at least 80.
-  constexpr double kRounding = 1e-6;
-  const auto from_first = graph.uncertainties(submaps, 0);
-  EXPECT_TRUE(from_first[1].isApprox(in_map(first, poses[0]), kRounding));
-  EXPECT_TRUE(from_first[2].isApprox(in_map(composed(first, second), poses[0]), kRounding));
-  const auto from_last = graph.uncertainties(submaps, 2);
-  EXPECT_TRUE(from_last[1].isApprox(in_map(reversed(second), poses[2]), kRounding));
-  EXPECT_TRUE(
-      from_last[0].isApprox(in_map(reversed(composed(first, second)), poses[2]), kRounding));
 }
 
 // Five submaps in a row, with loops from 1 to 3 and 4.

@@ -3,13 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <random>
 #include <vector>
-
-#include "modules/slam6d/pose_edges.hpp"
 
 namespace nodmap::slam6d {
 namespace keyframe_graph_test {
@@ -163,69 +160,6 @@ TEST(KeyframeGraph, ALoopWithAWeightCountsAtOnce) {
   const double arm_m = poses[0].translation().y() - poses[last].translation().y();
   EXPECT_NEAR(graph.uncertainties(poses, last)[0](0, 0), 1e-4 + 4e-6 * arm_m * arm_m, 1e-9);
   EXPECT_GT(without(0, 0), 70e-4);
-}
-
-// The orientation of a step is uncertain, too. Seen from its other end that moves the far keyframe
-// aside.
-TEST(KeyframeGraph, AnUncertaintyIsThatOfThePathToTheKeyframe) {
-  const auto pose = [](const Eigen::Vector3d& p, const Eigen::Vector3d& rotation_vector) {
-    return geometry::make_se3(p, Eigen::Quaterniond(geometry::rotation_of(rotation_vector)));
-  };
-  const std::vector<SE3> poses{pose({1.0, 2.0, 0.5}, {0.1, -0.2, 0.3}),
-                               pose({4.0, 3.0, -0.2}, {0.3, 0.1, -0.5}),
-                               pose({3.0, 7.0, 1.0}, {-0.2, 0.4, 2.0})};
-  Matrix6d root = Matrix6d(Eigen::Matrix<double, 6, 1>(10, 20, 30, 25, 15, 35).asDiagonal());
-  root.triangularView<Eigen::StrictlyUpper>().setConstant(2.0);
-  const auto step = [&](std::size_t from, double scale) -> registration::PoseEdge3d {
-    return {.from = from,
-            .to = from + 1,
-            .T_from_to = poses[from].inverse() * poses[from + 1],
-            .information = scale * root * root.transpose()};
-  };
-  KeyframeGraph graph({});
-  for (std::size_t k = 0; k < poses.size(); ++k) {
-    graph.add_keyframe(false);
-  }
-  const registration::PoseEdge3d first = step(0, 1.0);
-  const registration::PoseEdge3d second = step(1, 0.3);
-  graph.add_step(first);
-  graph.add_step(second);
-  const auto in_map = [](const registration::PoseEdge3d& path, const SE3& T_map_from) {
-    return rotated(path.information.inverse(), T_map_from.linear());
-  };
-  // covariance_of() adds 1e-6 to an information of at least 30.
-  constexpr double kRounding = 1e-6;
-  const auto from_first = graph.uncertainties(poses, 0);
-  EXPECT_TRUE(from_first[1].isApprox(in_map(first, poses[0]), kRounding));
-  EXPECT_TRUE(from_first[2].isApprox(in_map(composed(first, second), poses[0]), kRounding));
-  const auto from_last = graph.uncertainties(poses, 2);
-  EXPECT_TRUE(from_last[1].isApprox(in_map(reversed(second), poses[2]), kRounding));
-  EXPECT_TRUE(
-      from_last[0].isApprox(in_map(reversed(composed(first, second)), poses[2]), kRounding));
-}
-
-// Of ten straight steps of 1 m, only the heading is uncertain. Seen from the first keyframe, the
-// heading of step k moves the last one by what is still to come, 10 - k metres; seen from the last
-// keyframe, it moves the first one by what lies behind, k metres.
-TEST(KeyframeGraph, AnUncertainHeadingMovesTheFarEndOfAPathAside) {
-  constexpr double kSigmaRad = 0.01;
-  KeyframeGraph graph({});
-  std::vector<SE3> poses(11, SE3::Identity());
-  for (std::size_t k = 0; k < poses.size(); ++k) {
-    poses[k].translation().x() = static_cast<double>(k);
-    graph.add_keyframe(false);
-    if (k > 0) {
-      graph.add_step({.from = k - 1,
-                      .to = k,
-                      .T_from_to = poses[k - 1].inverse() * poses[k],
-                      .information = information(1e-4, kSigmaRad)});
-    }
-  }
-  const double heading = kSigmaRad * kSigmaRad;
-  // The positions of the steps, 0.1 mm each.
-  constexpr double kSteps = 10 * 1e-8;
-  EXPECT_NEAR(graph.uncertainties(poses, 0).back()(1, 1), 285.0 * heading + kSteps, 1e-9);
-  EXPECT_NEAR(graph.uncertainties(poses, 10).front()(1, 1), 385.0 * heading + kSteps, 1e-9);
 }
 
 }  // namespace keyframe_graph_test

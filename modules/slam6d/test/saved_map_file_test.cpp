@@ -9,7 +9,7 @@
 #include <string>
 
 #include "common/formats/input_file.hpp"
-#include "modules/slam6d/pose_covariance.hpp"
+#include "modules/slam6d/matrix6d.hpp"
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::slam6d {
