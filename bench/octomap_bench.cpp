@@ -49,14 +49,13 @@ octomap::point3d to_octomap(const Eigen::Vector3d& p) {
   return {static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z())};
 }
 
-void insert_stock(octomap::OcTree& tree, const PlacedCloud& placed, bool discretize) {
+void insert_stock(octomap::OcTree& tree, const PlacedCloud& placed) {
   octomap::Pointcloud points;
   for (const Eigen::Vector3f& p : placed.cloud.points) {
     points.push_back(to_octomap(placed.T_map_base * p.cast<double>()));
   }
   const Eigen::Vector3d p_base_origin = placed.cloud.lines.front().p_base_mirror.cast<double>();
-  tree.insertPointCloud(points, to_octomap(placed.T_map_base * p_base_origin), 10.0, false,
-                        discretize);
+  tree.insertPointCloud(points, to_octomap(placed.T_map_base * p_base_origin), 10.0);
 }
 
 void Stock(benchmark::State& state) {
@@ -64,7 +63,7 @@ void Stock(benchmark::State& state) {
   for (auto _ : state) {
     octomap::OcTree tree(0.05);
     for (const PlacedCloud& placed : clouds) {
-      insert_stock(tree, placed, state.range(0) != 0);
+      insert_stock(tree, placed);
     }
     benchmark::DoNotOptimize(tree.size());
   }
@@ -75,7 +74,7 @@ void Stock(benchmark::State& state) {
 void Ours(benchmark::State& state) {
   const std::vector<PlacedCloud>& clouds = drive();
   for (auto _ : state) {
-    OccupancyMap map({.discretize = state.range(0) != 0});
+    OccupancyMap map({});
     for (const PlacedCloud& placed : clouds) {
       map.insert(placed.cloud, placed.T_map_base);
     }
@@ -85,9 +84,8 @@ void Ours(benchmark::State& state) {
       benchmark::Counter(kSweeps, benchmark::Counter::kIsIterationInvariantRate);
 }
 
-// The argument is 0 if every beam is inserted, and 1 if only one beam for each voxel that is hit.
-BENCHMARK(Stock)->ArgName("discretize")->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
-BENCHMARK(Ours)->ArgName("discretize")->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
+BENCHMARK(Stock)->Unit(benchmark::kMillisecond);
+BENCHMARK(Ours)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace nodmap::slam6d

@@ -24,7 +24,6 @@ CloudTracer::CloudTracer(const TraceParams& params) : params_(params), grid_(par
 
 void CloudTracer::trace(const SweepCloud& cloud, const SE3& T_map_base, CloudVoxels& voxels,
                         const std::vector<bool>& is_moved) {
-  ends_.clear();
   std::size_t i = 0;
   for (const SweepCloud::Line& line : cloud.lines) {
     if (!begin_line(line, T_map_base)) {
@@ -33,15 +32,8 @@ void CloudTracer::trace(const SweepCloud& cloud, const SE3& T_map_base, CloudVox
     }
     for (; i < line.end; ++i) {
       const Eigen::Vector3f p_map = (T_map_base * cloud.points[i].cast<double>()).cast<float>();
-      if (!is_near(p_map)) {
-        continue;
-      }
-      const bool has_moved = !is_moved.empty() && is_moved[i];
-      if (!params_.discretize || has_moved) {
-        add_beam(p_map, has_moved, voxels);
-      } else if (const VoxelKey end = grid_.wrapped_key_of(p_map);
-                 ends_.mark_occupied(code_of(end))) {
-        add_beam(grid_.center_of(end), false, voxels);
+      if (is_near(p_map)) {
+        add_beam(p_map, !is_moved.empty() && is_moved[i], voxels);
       }
     }
   }
@@ -104,7 +96,7 @@ void CloudTracer::walk_beams(CloudVoxels& voxels) {
 }
 
 std::size_t CloudTracer::memory_bytes() const {
-  return ends_.memory_bytes() + beams_.capacity() * sizeof(Beam);
+  return beams_.capacity() * sizeof(Beam);
 }
 
 }  // namespace nodmap::slam6d

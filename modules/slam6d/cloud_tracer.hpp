@@ -18,9 +18,6 @@ namespace nodmap::slam6d {
 struct TraceParams {
   double resolution_m = 0.05;
   double max_range_m = 10.0;  ///< beams longer than this are cut off, and free up to there
-  /// Traces only the first beam into each voxel, and to the middle of the voxel, which OctoMap
-  /// calls discretizing. Faster for dense clouds, and less exact. For measurements only.
-  bool discretize = false;
 
   template <class Visitor>
   void describe(Visitor& v) {
@@ -55,7 +52,6 @@ class CloudTracer {
 
   TraceParams params_;
   OctreeGrid grid_;
-  CloudVoxels ends_;                                        // of the beams of this cloud
   std::vector<Beam> beams_;                                 // not yet walked
   Eigen::Vector3f p_map_origin_ = Eigen::Vector3f::Zero();  // of the sensor, for these beams
   std::optional<VoxelKey> origin_;

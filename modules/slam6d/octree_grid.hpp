@@ -69,13 +69,6 @@ class OctreeGrid {
     return key;
   }
 
-  /// The same; outside of the grid keys wrap around.
-  [[nodiscard]] VoxelKey wrapped_key_of(const Eigen::Vector3f& p) const {
-    return {static_cast<std::uint16_t>(place_of(p.x())),
-            static_cast<std::uint16_t>(place_of(p.y())),
-            static_cast<std::uint16_t>(place_of(p.z()))};
-  }
-
   [[nodiscard]] double center_m(std::uint16_t key) const {
     return (static_cast<double>(int{key} - kOriginKey) + 0.5) * resolution_m_;
   }
