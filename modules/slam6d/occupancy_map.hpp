@@ -2,13 +2,14 @@
 #pragma once
 
 #include <cstddef>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "common/geometry/se3.hpp"
 #include "modules/slam6d/cloud_tracer.hpp"
+#include "modules/slam6d/cloud_voxels.hpp"
+#include "modules/slam6d/log_odds_map.hpp"
 #include "modules/slam6d/sweep_cloud.hpp"
 
 namespace nodmap::slam6d {
@@ -23,10 +24,8 @@ class OccupancyMap {
     kOt   ///< with probabilities
   };
 
-  explicit OccupancyMap(const TraceParams& params);
-  ~OccupancyMap();
-  OccupancyMap(OccupancyMap&&) noexcept;
-  OccupancyMap& operator=(OccupancyMap&&) noexcept;
+  explicit OccupancyMap(const TraceParams& params)
+      : resolution_m_(params.resolution_m), tracer_(params) {}
 
   /// Updates each voxel at most once per cloud: as occupied if a beam ends in it, otherwise as free
   /// if a beam passes through it. `is_moved`: for each point, whether it lies on something that
@@ -37,15 +36,17 @@ class OccupancyMap {
   /// The bytes of a map file, or nothing if it cannot be encoded. Visits the whole map.
   [[nodiscard]] std::optional<std::string> encode(Format format) const;
 
-  /// Number of inner nodes and leaves of the octree. The first call after an insertion visits the
-  /// whole map.
+  /// Number of inner nodes and leaves of the octree. Visits the whole map.
   [[nodiscard]] std::size_t num_nodes() const;
+
   /// Bytes held, including buffers that are reused for the next cloud.
   [[nodiscard]] std::size_t memory_bytes() const;
 
  private:
-  struct Map;
-  std::unique_ptr<Map> map_;
+  double resolution_m_;
+  CloudTracer tracer_;
+  CloudVoxels voxels_;  // of the last cloud; kept to reuse their memory
+  LogOddsMap log_odds_;
 };
 
 }  // namespace nodmap::slam6d
