@@ -32,14 +32,12 @@ MotionEstimate<N> solve_motion(const Information<N>& measurement,
   const Vector prior_b = directions.transpose() * llt.matrixL().solve(prior.b);
   Vector mean;
   Vector variance;
-  estimate.degenerate_directions = 0;
   for (int i = 0; i < N; ++i) {
     const double seeming = std::max(eigen.eigenvalues()[i], 0.0);
     const double information = std::max(seeming - imitated_info[i], 0.0);
     const double kept = seeming > 0.0 ? information / seeming : 0.0;
     variance[i] = 1.0 / (information + 1.0);
     mean[i] = variance[i] * (kept * measured_b[i] + prior_b[i]);
-    estimate.degenerate_directions += information < 1.0 ? 1 : 0;
   }
   const Matrix back = llt.matrixU().solve(directions);
   estimate.x = back * mean;

@@ -17,8 +17,6 @@ template <int N>
 struct MotionEstimate {
   Eigen::Matrix<double, N, 1> x = Eigen::Matrix<double, N, 1>::Zero();
   Eigen::Matrix<double, N, N> covariance = Eigen::Matrix<double, N, N>::Zero();
-  /// Number of directions about which the measurement gives less information than the prior.
-  int degenerate_directions = N;
   bool is_valid = false;  ///< false, with zero motion, if the input is not finite or the prior not
                           ///< positive definite
 };
@@ -30,8 +28,7 @@ struct MotionEstimate {
 /// `imitated`: the part of the measurement's information that is false, because the measured
 /// normals have errors. In a bare corridor, for example, normals that are slightly wrong appear to
 /// constrain the position along the corridor. This part is subtracted along each eigenvector of the
-/// measurement (relative to the prior). Directions in which less information remains than the prior
-/// has are degenerate.
+/// measurement (relative to the prior).
 ///
 /// N: 6 or 12, and 3 for tests; compiled for these alone, as that takes seconds.
 template <int N>

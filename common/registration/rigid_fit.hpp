@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <span>
 
 #include "common/geometry/se3.hpp"
@@ -15,21 +16,10 @@ struct PointPair {
   Eigen::Vector3d p_data;
 };
 
-enum class FitStatus {
-  kOk,
-  kTooFewPairs,  ///< fewer than three
-  kDegenerate    ///< the points are on a line, coincide or are not finite: no rotation is
-                 ///< determined
-};
-
-struct RigidFit {
-  FitStatus status = FitStatus::kTooFewPairs;
-  geometry::SE3 T_model_data = geometry::SE3::Identity();  ///< identity unless kOk
-};
-
 /// Solves Eq. 3 for n = 3 in closed form: finds the rotation and translation for which the sum of
-/// the squared distances of the pairs is smallest (Arun, Huang, Blostein 1987). The result is never
-/// a reflection (Umeyama 1991).
-[[nodiscard]] RigidFit fit_rigid(std::span<const PointPair> pairs);
+/// the squared distances of the pairs is smallest (Arun, Huang, Blostein 1987). The result,
+/// T_model_data, is never a reflection (Umeyama 1991). Empty if no rotation is determined, because
+/// the points are on a line, coincide or are not finite.
+[[nodiscard]] std::optional<geometry::SE3> fit_rigid(std::span<const PointPair> pairs);
 
 }  // namespace nodmap::registration

@@ -40,7 +40,7 @@ class RigidFit2d {
     cross_ += weight * cross(d, m);
   }
 
-  /// R and dt of Eq. 3 (T_model_data). Empty with fewer than two correspondences, or if all points
+  /// R and dt of Eq. 3, T_model_data. Empty with fewer than two correspondences, or if all points
   /// of one side coincide: then every rotation fits equally well.
   [[nodiscard]] std::optional<geometry::SE2> solve() const;
 

@@ -102,8 +102,7 @@ LoopAttempt LoopCloser::attempt(const Registration& found, const PosePrior& prio
     return {};
   }
   return {.loop = Loop{.T_from_to = found.T_map_base,
-                       .information = information_of_match(found, prior),
-                       .inlier_ratio = found.lowest_inlier_ratio()}};
+                       .information = information_of_match(found, prior)}};
 }
 
 LoopAttempt LoopCloser::search(VoxelMap& keyframe, const VoxelMap& place,

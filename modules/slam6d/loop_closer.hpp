@@ -71,7 +71,6 @@ struct Loop {
   /// Inverse covariance of position (m) and rotation vector (rad) in the axes of `from`, from the
   /// match alone. About zero along degenerate directions.
   Matrix6d information = Matrix6d::Zero();
-  double inlier_ratio = 0.0;
 };
 
 /// Why there is no loop.

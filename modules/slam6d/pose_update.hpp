@@ -31,7 +31,6 @@ struct PoseUpdate {
   /// False while the robot has not been found in a saved map: until then the poses have no meaning.
   bool is_place_known = true;
   std::size_t scans_used = 0;
-  std::size_t scans_without_pose = 0;
   std::size_t num_points = 0;
   bool is_stationary = false;  ///< the robot, during the whole sweep
   /// From the last keyframe's base pose to this one (0 for the first).

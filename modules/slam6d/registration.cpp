@@ -305,13 +305,13 @@ class SweepRegistration {
       sq_sum += static_cast<double>((voxel.mean - p_map).squaredNorm());
     });
     const auto fit = registration::fit_rigid(points);
-    is_valid_ = fit.status == registration::FitStatus::kOk;
+    is_valid_ = fit.has_value();
     result_.residual_rms_m =
         std::sqrt(sq_sum / static_cast<double>(std::max<std::size_t>(1, points.size())));
     result_.degenerate_directions = is_valid_ ? 0 : 6;
     Vector motion = Vector::Zero();
     motion.template head<6>() =
-        motion_between(result_.T_map_base, fit.T_model_data * result_.T_map_base);
+        motion_between(result_.T_map_base, fit.value_or(SE3::Identity()) * result_.T_map_base);
     return motion;
   }
 

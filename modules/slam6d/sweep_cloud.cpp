@@ -165,7 +165,6 @@ SweepCloud deskew(const PlacedSweep& sweep, const RangeLimits& range, const Cali
   cloud.stamp = sweep.stamp;
   cloud.T_odom_base = sweep.T_odom_base;
   cloud.scans_used = sweep.scans.size();
-  cloud.scans_without_pose = sweep.scans_without_pose;
   cloud.follows_interruption = sweep.follows_interruption;
   const SE3 T_base_odom = sweep.T_odom_base.inverse();
   cloud.T_base_first_counted = T_base_odom * sweep.scans.front().T_odom_first;

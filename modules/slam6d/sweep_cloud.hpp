@@ -74,7 +74,6 @@ struct SweepCloud {
   std::vector<Eigen::Vector3f> free_points;
   std::vector<Line> lines;
   std::size_t scans_used = 0;
-  std::size_t scans_without_pose = 0;
   bool follows_interruption = false;  ///< of the stream
   double pitch_rate_rad_s = 0.0;      ///< of the head, on average; positive: upwards
   /// The poses of the base at the first and the last beam.

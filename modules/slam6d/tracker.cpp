@@ -52,7 +52,6 @@ PoseUpdate Tracker::extrapolate(const SweepCloud& cloud) const {
                     .T_odom_base = cloud.T_odom_base,
                     .T_first_odom = T_first_odom_,
                     .scans_used = cloud.scans_used,
-                    .scans_without_pose = cloud.scans_without_pose,
                     .num_points = cloud.points.size(),
                     .is_stationary = cloud.is_stationary()};
   update.T_map_base =

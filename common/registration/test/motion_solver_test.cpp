@@ -30,9 +30,6 @@ TEST(MotionSolver, WeightsMeasurementAndPriorByInverseVariance) {
   EXPECT_NEAR(estimate.x[1], 2.0 / 5.0, 1e-12);
   EXPECT_NEAR(estimate.x[2], 3.0 / 5.0, 1e-12);
   EXPECT_NEAR(estimate.covariance(1, 1), 1.0 / (1.0 / 0.04 + 1.0 / 0.01), 1e-12);
-  // In the second and third direction the prior gives more information. In the first both give the
-  // same, so rounding decides whether it counts as degenerate.
-  EXPECT_GE(estimate.degenerate_directions, 2);
 }
 
 // Along a direction without information the result is the prior's; along the others it is the
@@ -55,7 +52,6 @@ TEST(MotionSolver, ADegenerateDirectionKeepsThePrior) {
     const auto estimate =
         solve_motion(measurement, Matrix3(Matrix3::Zero()), evidence(prior_mean, {0.1, 0.1, 0.1}));
     ASSERT_TRUE(estimate.is_valid);
-    EXPECT_EQ(estimate.degenerate_directions, 1);
     // Rounding of a system whose condition number is about 1e6.
     EXPECT_LT((estimate.x - prior_mean).norm(), 1e-8);
     EXPECT_NEAR(open.dot(estimate.covariance * open), 0.01, 1e-6);
@@ -76,7 +72,6 @@ TEST(MotionSolver, SubtractsImitatedInformation) {
   EXPECT_NEAR(estimate.covariance(0, 0), 0.01, 1e-12);
   EXPECT_NEAR(estimate.x[1], 50.0 / (50.0 + 100.0), 1e-12);
   EXPECT_NEAR(estimate.x[2], 100.0 / (100.0 + 4.0), 1e-12);
-  EXPECT_EQ(estimate.degenerate_directions, 2);
 }
 
 TEST(MotionSolver, InputThatIsNotFiniteOrWithoutPriorIsInvalid) {

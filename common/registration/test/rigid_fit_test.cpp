@@ -52,9 +52,9 @@ TEST(RigidFit, R33_FindsTheMotionOfRandomClouds) {
       p = scene.point(10.0);
     }
     const SE3 T_model_data = scene.pose();
-    const RigidFit fit = fit_rigid(pairs_of(data, T_model_data));
-    ASSERT_EQ(fit.status, FitStatus::kOk);
-    ASSERT_LT(distance(fit.T_model_data, T_model_data), 1e-9);
+    const auto fit = fit_rigid(pairs_of(data, T_model_data));
+    ASSERT_TRUE(fit);
+    ASSERT_LT(distance(*fit, T_model_data), 1e-9);
   }
 }
 
@@ -69,10 +69,10 @@ TEST(RigidFit, R33_PointsInAPlaneAreNotMirrored) {
       p.z() = 0.0;
     }
     const SE3 T_model_data = scene.pose();
-    const RigidFit fit = fit_rigid(pairs_of(data, T_model_data));
-    ASSERT_EQ(fit.status, FitStatus::kOk);
-    ASSERT_NEAR(fit.T_model_data.linear().determinant(), 1.0, 1e-12);
-    ASSERT_LT(distance(fit.T_model_data, T_model_data), 1e-9);
+    const auto fit = fit_rigid(pairs_of(data, T_model_data));
+    ASSERT_TRUE(fit);
+    ASSERT_NEAR(fit->linear().determinant(), 1.0, 1e-12);
+    ASSERT_LT(distance(*fit, T_model_data), 1e-9);
   }
 }
 
@@ -92,37 +92,35 @@ TEST(RigidFit, R33_MirroredPointsStillGiveARotation) {
     }
     return sum;
   };
-  const RigidFit fit = fit_rigid(pairs);
-  ASSERT_EQ(fit.status, FitStatus::kOk);
-  EXPECT_NEAR(fit.T_model_data.linear().determinant(), 1.0, 1e-12);
+  const auto fit = fit_rigid(pairs);
+  ASSERT_TRUE(fit);
+  EXPECT_NEAR(fit->linear().determinant(), 1.0, 1e-12);
   for (int run = 0; run < 1000; ++run) {
-    SE3 nearby = fit.T_model_data;
+    SE3 nearby = *fit;
     nearby.linear() = nearby.linear() * Eigen::AngleAxisd(0.01, scene.point(1.0).normalized());
     nearby.translation() += scene.point(0.01);
-    EXPECT_GE(error(nearby), error(fit.T_model_data));
+    EXPECT_GE(error(nearby), error(*fit));
   }
 }
 
-TEST(RigidFit, R33_DegenerateInputReturnsItsStatus) {
+TEST(RigidFit, R33_DegenerateInputGivesNoFit) {
   RandomScene scene(36);
   const SE3 T = scene.pose();
-  EXPECT_EQ(fit_rigid({}).status, FitStatus::kTooFewPairs);
-  EXPECT_EQ(fit_rigid(pairs_of({{0, 0, 0}, {1, 0, 0}}, T)).status, FitStatus::kTooFewPairs);
+  EXPECT_FALSE(fit_rigid({}));
+  EXPECT_FALSE(fit_rigid(pairs_of({{0, 0, 0}, {1, 0, 0}}, T)));
 
   std::vector<Eigen::Vector3d> line;
   for (int i = 0; i < 10; ++i) {
     line.emplace_back(Eigen::Vector3d(1, 2, 3) + i * Eigen::Vector3d(0.1, 0.2, -0.1));
   }
-  const RigidFit on_line = fit_rigid(pairs_of(line, T));
-  EXPECT_EQ(on_line.status, FitStatus::kDegenerate);
-  EXPECT_EQ(distance(on_line.T_model_data, SE3::Identity()), 0.0);
+  EXPECT_FALSE(fit_rigid(pairs_of(line, T)));
 
   const std::vector<Eigen::Vector3d> one_place(10, Eigen::Vector3d(1, 2, 3));
-  EXPECT_EQ(fit_rigid(pairs_of(one_place, SE3::Identity())).status, FitStatus::kDegenerate);
+  EXPECT_FALSE(fit_rigid(pairs_of(one_place, SE3::Identity())));
 
   auto pairs = pairs_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, T);
   pairs[1].p_model.x() = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(fit_rigid(pairs).status, FitStatus::kDegenerate);
+  EXPECT_FALSE(fit_rigid(pairs));
 }
 
 }  // namespace rigid_fit_test

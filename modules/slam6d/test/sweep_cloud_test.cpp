@@ -107,10 +107,10 @@ TEST(SweepCloud, ScansWithoutAPoseAreCountedAndLeftOut) {
     return t < time::Timestamp(10 * NoddingScanner::kPeriod) ? std::optional(SE3::Identity())
                                                              : std::nullopt;
   };
-  const auto cloud = deskew(scans, until, kAnyRange);
-  ASSERT_TRUE(cloud);
-  EXPECT_EQ(cloud->scans_used, 10U);
-  EXPECT_EQ(cloud->scans_without_pose, 10U);
+  const auto placed = place(scans, until);
+  ASSERT_TRUE(placed);
+  EXPECT_EQ(placed->scans.size(), 10U);
+  EXPECT_EQ(placed->scans_without_pose, 10U);
   const auto never = [](time::Timestamp) -> std::optional<SE3> { return std::nullopt; };
   EXPECT_FALSE(deskew(scans, never, kAnyRange));
   EXPECT_FALSE(deskew({}, stand, kAnyRange));
