@@ -15,26 +15,14 @@
 namespace nodmap::registration {
 namespace pose_graph_test {
 
+using geometry::distance_m;
+using geometry::rotation_rad;
 using geometry::SE2;
 using geometry::SE3;
 
 // Number of steps of one metre on a side of the square, and around the whole square.
 constexpr std::size_t kSideSteps = 10;
 constexpr std::size_t kRound = 4 * kSideSteps;
-
-double distance(const SE2& a, const SE2& b) {
-  return (a.translation() - b.translation()).norm();
-}
-double distance(const SE3& a, const SE3& b) {
-  return (a.translation() - b.translation()).norm();
-}
-
-double angle(const SE2& a, const SE2& b) {
-  return std::abs(geometry::angle_difference(a.yaw, b.yaw));
-}
-double angle(const SE3& a, const SE3& b) {
-  return geometry::rotation_angle(a.inverse() * b);
-}
 
 SE2 moved(const SE2& T, const PoseVector<SE2>& motion) {
   return {T.x + motion[0], T.y + motion[1], T.yaw + motion[2]};
@@ -118,7 +106,7 @@ struct Drive {
   [[nodiscard]] double worst_m() const {
     double worst = 0.0;
     for (std::size_t k = 0; k < truth.size(); ++k) {
-      worst = std::max(worst, distance(graph.nodes()[k], truth[k]));
+      worst = std::max(worst, distance_m(graph.nodes()[k], truth[k]));
     }
     return worst;
   }
@@ -182,8 +170,8 @@ TYPED_TEST(PoseGraphTest, EqualsDenseGaussNewton) {
   EXPECT_TRUE(plain.optimise(false).converged);
   for (std::size_t k = 1; k < plain.nodes().size(); ++k) {
     // Both stop when their steps are below this.
-    EXPECT_LT(distance(plain.nodes()[k], expected[k]), 1e-5) << k;
-    EXPECT_LT(angle(plain.nodes()[k], expected[k]), 1e-5) << k;
+    EXPECT_LT(distance_m(plain.nodes()[k], expected[k]), 1e-5) << k;
+    EXPECT_LT(rotation_rad(plain.nodes()[k], expected[k]), 1e-5) << k;
   }
 }
 
@@ -223,7 +211,7 @@ TYPED_TEST(PoseGraphTest, WrongLoopClosuresHardlyMoveThePoses) {
     }
     spoilt.graph.optimise(true);
     for (std::size_t k = 0; k < clean.truth.size(); ++k) {
-      EXPECT_LT(distance(spoilt.graph.nodes()[k], clean.graph.nodes()[k]), 0.05) << seed;
+      EXPECT_LT(distance_m(spoilt.graph.nodes()[k], clean.graph.nodes()[k]), 0.05) << seed;
     }
   }
 }
@@ -256,7 +244,7 @@ TYPED_TEST(PoseGraphTest, EquationsThatOverflowDoNotConvergeAndLeaveThePoses) {
          .information = std::numeric_limits<double>::max() * PoseMatrix<Pose>::Identity()});
   }
   EXPECT_FALSE(graph.optimise(false).converged);
-  EXPECT_EQ(distance(graph.nodes()[1], T_map_node), 0.0);
+  EXPECT_EQ(distance_m(graph.nodes()[1], T_map_node), 0.0);
 }
 
 TYPED_TEST(PoseGraphTest, ANodeWithoutEdgesKeepsItsPose) {
@@ -267,7 +255,7 @@ TYPED_TEST(PoseGraphTest, ANodeWithoutEdgesKeepsItsPose) {
   graph.add_node(PoseSpace<Pose>::identity());
   graph.add_node(loose);
   EXPECT_TRUE(graph.optimise(true).converged);
-  EXPECT_EQ(distance(graph.nodes()[1], loose), 0.0);
+  EXPECT_EQ(distance_m(graph.nodes()[1], loose), 0.0);
   EXPECT_TRUE(PoseGraph<Pose>().optimise(true).converged);
 }
 
@@ -307,11 +295,11 @@ TEST(PoseGraph, ACorrectLoopClosureIsKeptDespiteALargeDrift) {
     graph.add_node(graph.nodes()[k - 1] * step);
     graph.add_edge({k - 1, k, step, information<SE2>(0.01, 0.01)});
   }
-  EXPECT_GT(distance(graph.nodes()[60], graph.nodes()[0]), 2.0);
+  EXPECT_GT(distance_m(graph.nodes()[60], graph.nodes()[0]), 2.0);
   graph.add_edge({0, 60, {}, information<SE2>(0.01, 0.005), true});
   graph.optimise(true);
   EXPECT_GT(graph.weight(graph.edges().back()), 0.5);
-  EXPECT_LT(distance(graph.nodes()[60], graph.nodes()[0]), 0.05);
+  EXPECT_LT(distance_m(graph.nodes()[60], graph.nodes()[0]), 0.05);
 }
 
 // The closed form: if the rotations are known, a drift that is the same in each step is corrected
