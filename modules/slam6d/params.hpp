@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
+
 #include "common/geometry/angle.hpp"
 #include "modules/slam6d/cloud_tracer.hpp"
 #include "modules/slam6d/corrected_poses.hpp"
@@ -11,6 +13,7 @@
 #include "modules/slam6d/odometry_prior.hpp"
 #include "modules/slam6d/pitch_latency.hpp"
 #include "modules/slam6d/plane_adjustment.hpp"
+#include "modules/slam6d/pose_update.hpp"
 #include "modules/slam6d/registration.hpp"
 #include "modules/slam6d/sweep_cloud.hpp"
 #include "modules/slam6d/sweep_segmenter.hpp"
@@ -24,6 +27,14 @@ struct KeyframeParams {
   double rotation_rad = geometry::deg_to_rad(45.0);
   bool stationary_only = false;
   int max_per_place = 6;
+
+  /// Why a sweep becomes a keyframe that is so far from the last one; empty: it does not.
+  [[nodiscard]] std::optional<KeyframeReason> reason(double moved_m, double rotated_rad) const {
+    if (moved_m > distance_m) {
+      return KeyframeReason::kDistance;
+    }
+    return rotated_rad > rotation_rad ? std::optional(KeyframeReason::kRotation) : std::nullopt;
+  }
 
   template <class Visitor>
   void describe(Visitor& v) {

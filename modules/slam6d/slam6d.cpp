@@ -19,12 +19,6 @@ using geometry::SE3;
 // A saved keyframe votes for the sweeps up to the next one as well, which were not saved.
 constexpr int kVotesOfSavedKeyframe = 2;
 
-// A sweep with so few planes says nothing for or against odometry: somebody stands in front of the
-// laser.
-bool is_blind(const VoxelMap& sweep, const RegistrationParams& params) {
-  return sweep.select(0).points.size() < static_cast<std::size_t>(params.min_planes);
-}
-
 }  // namespace
 
 Slam6d::Slam6d(const Slam6dParams& params)
@@ -81,7 +75,9 @@ SavedMap Slam6d::save() const {
   return saved;
 }
 
+// The text of section IV B, where it describes what is done here.
 std::optional<PoseUpdate> Slam6d::add_scan(scan::Scan scan) {
+  // "... segment the continuous data flow to reflect one complete pitch movement per point cloud."
   const auto sweep = collect(std::move(scan));
   return sweep ? std::optional(add_sweep(*sweep)) : std::nullopt;
 }
@@ -91,7 +87,6 @@ std::optional<PoseUpdate> Slam6d::flush() {
   return sweep ? std::optional(add_sweep(*sweep)) : std::nullopt;
 }
 
-// IV B: "the robot's movement [...] during the pitching movement is stripped from the point cloud".
 PoseUpdate Slam6d::add_sweep(const PlacedSweep& sweep) {
   if (first_sweep_) {
     learn_pitch_latency_at_start(sweep);
@@ -99,10 +94,43 @@ PoseUpdate Slam6d::add_sweep(const PlacedSweep& sweep) {
   } else if (corrected_.num_added() == 0) {
     first_sweep_ = sweep;
   }
+  // "The robot's movement in space [...] during the pitching movement, is stripped from the point
+  // cloud by transforming the successively gathered 2D scans": to the base pose P_b.
   return add_cloud(tracker_.deskew(sweep));
 }
 
 PoseUpdate Slam6d::add_cloud(SweepCloud cloud) {
+  PoseUpdate update = follow_odometry(cloud);
+  auto sweep = voxels_to_register(cloud, update);
+  if (!sweep) {
+    record(update);
+    return update;
+  }
+  if (is_better_beginning(*sweep)) {
+    begin_anew();
+    update = tracker_.extrapolate(cloud);
+  }
+  // "The generated point clouds are registered into an incrementally built 3D model": the transform
+  // that fits them to it corrects the pose by odometry.
+  track(*sweep, cloud, update);
+  // "... only those whose robot base poses P_b are further than 2 m away from each other or that
+  // correspond to a rotation of more than 45 deg": here these become keyframes; all are registered.
+  update.keyframe = keyframe_reason(update);
+  if (update.is_tracked()) {
+    tracker_.accept(cloud, update);
+    add_to_map(*sweep, cloud, update);
+  }
+  record(update);
+  if (update.keyframe) {
+    add_keyframe(*sweep, std::move(cloud), update);
+    // Beyond the paper: a place that is recognised corrects the whole path since.
+    close_loops(*sweep, update);
+    drop_replaced_keyframes();
+  }
+  return update;
+}
+
+PoseUpdate Slam6d::follow_odometry(const SweepCloud& cloud) {
   if (cloud.follows_interruption) {
     tracker_.interrupt();
     keyframe_is_due_ = true;
@@ -112,51 +140,46 @@ PoseUpdate Slam6d::add_cloud(SweepCloud cloud) {
   if (cloud.scans_used > 0) {
     recovery_.note_start(update.T_first_odom * cloud.T_odom_base * cloud.T_base_first);
   }
-  if (!is_usable(update)) {
-    keep(update);
-    return update;
-  }
-  VoxelMap sweep = voxelize(cloud, params_.voxels);
-  if (is_blind(sweep, params_.registration)) {
-    keep(update);
-    return update;
-  }
-  if (is_better_beginning(sweep)) {
-    begin_anew();
-    update = tracker_.extrapolate(cloud);
-  }
-  if (!update.is_place_known) {
-    recovery_.find_place(known(), sweep, cloud, update);
-  }
-  if (tracker_.has_pose()) {
-    track(sweep, cloud, update);
-  }
-  if (update.registration) {
-    counts_.count(update.registration->state);
-  }
-  update.keyframe = keyframe_reason(update);
-  if (update.is_tracked()) {
-    accept(sweep, cloud, update);
-  }
-  keep(update);
-  if (update.keyframe) {
-    keep_keyframe(sweep, std::move(cloud), update);
-    close_loops(sweep, update);
-    drop_replaced_keyframes();
-  }
   return update;
 }
 
-// IV B: "registered into an incrementally built 3D model".
+// None of a sweep that is cut short, and none of one with so few planes that it says nothing for or
+// against odometry: somebody stands in front of the laser.
+std::optional<VoxelMap> Slam6d::voxels_to_register(const SweepCloud& cloud,
+                                                   const PoseUpdate& update) const {
+  if (!is_usable(update)) {
+    return std::nullopt;
+  }
+  VoxelMap sweep = voxelize(cloud, params_.voxels);
+  return sweep.select(0).points.size() < static_cast<std::size_t>(params_.registration.min_planes)
+             ? std::nullopt
+             : std::optional(std::move(sweep));
+}
+
+// The first sweep has no pose to be tracked from: it is the map.
 void Slam6d::track(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update) {
+  if (!update.is_place_known) {
+    recovery_.find_place(known(), sweep, cloud, update);
+  }
+  if (!tracker_.has_pose()) {
+    return;
+  }
   const int lost_before = tracker_.lost_sweeps();
   tracker_.track(sweep, map_, cloud, update);
   if (recovery_.check_place(known(), lost_before, sweep, cloud, update)) {
     keyframe_is_due_ = true;
   }
+  if (!recovery_.is_map_closed()) {
+    const SE3 motion = keyframes_.back().T_map_base.inverse() * update.T_map_base;
+    update.distance_m = motion.translation().norm();
+    update.rotation_rad = geometry::rotation_angle(motion);
+  }
 }
 
-void Slam6d::keep(const PoseUpdate& update) {
+void Slam6d::record(const PoseUpdate& update) {
+  if (update.registration) {
+    counts_.count(update.registration->state);
+  }
   if (corrected_.is_full()) {
     std::vector<std::size_t> used;
     const auto use = [&used](const auto& kept) { used.push_back(kept.sweep); };
@@ -169,7 +192,7 @@ void Slam6d::keep(const PoseUpdate& update) {
   corrected_.add(update);
 }
 
-void Slam6d::keep_keyframe(const VoxelMap& sweep, SweepCloud cloud, const PoseUpdate& update) {
+void Slam6d::add_keyframe(const VoxelMap& sweep, SweepCloud cloud, const PoseUpdate& update) {
   cloud.drop_free_points();
   keyframes_.push_back({.id = keyframes_.empty() ? 0 : keyframes_.back().id + 1,
                         .sweep = corrected_.num_added() - 1,
@@ -237,15 +260,15 @@ void Slam6d::learn_pitch_latency_at_start(const PlacedSweep& sweep) {
 }
 
 // Only what was registered enters the map: a refused sweep leaves no trace.
-void Slam6d::accept(const VoxelMap& sweep, SweepCloud& cloud, PoseUpdate& update) {
-  tracker_.accept(cloud, update);
-  if (!recovery_.is_map_closed()) {
-    const std::size_t keyframe = keyframes_.size() - (update.keyframe ? 0 : 1);
-    map_.add_sweep(sweep, update.T_map_base, keyframe);
-    ever_free_.add_sweep(cloud, update.T_map_base, keyframe);
-    if (!update.keyframe && is_adjusted(update)) {
-      between_.push_back({corrected_.num_added(), oriented_points(sweep.level(0)), update});
-    }
+void Slam6d::add_to_map(const VoxelMap& sweep, const SweepCloud& cloud, const PoseUpdate& update) {
+  if (recovery_.is_map_closed()) {
+    return;
+  }
+  const std::size_t keyframe = keyframes_.size() - (update.keyframe ? 0 : 1);
+  map_.add_sweep(sweep, update.T_map_base, keyframe);
+  ever_free_.add_sweep(cloud, update.T_map_base, keyframe);
+  if (!update.keyframe && is_adjusted(update)) {
+    between_.push_back({corrected_.num_added(), oriented_points(sweep.level(0)), update});
   }
 }
 
@@ -260,31 +283,18 @@ bool Slam6d::is_adjusted(const PoseUpdate& update) const {
          params_.adjustment.sweep_distance_m;
 }
 
-// IV B: "only those whose robot base poses P_b are further than 2 m away from each other or that
-// correspond to a rotation of more than 45 deg".
-std::optional<KeyframeReason> Slam6d::keyframe_reason(PoseUpdate& update) const {
+std::optional<KeyframeReason> Slam6d::keyframe_reason(const PoseUpdate& update) const {
   if (recovery_.is_map_closed()) {
     return std::nullopt;
   }
   if (keyframes_.empty()) {
     return KeyframeReason::kFirst;
   }
-  const SE3 motion = keyframes_.back().T_map_base.inverse() * update.T_map_base;
-  update.distance_m = motion.translation().norm();
-  update.rotation_rad = geometry::rotation_angle(motion);
   if (!update.is_tracked()) {
     return std::nullopt;
   }
-  if (keyframe_is_due_) {
-    return KeyframeReason::kInterruption;
-  }
-  if (update.distance_m > params_.keyframe.distance_m) {
-    return KeyframeReason::kDistance;
-  }
-  if (update.rotation_rad > params_.keyframe.rotation_rad) {
-    return KeyframeReason::kRotation;
-  }
-  return std::nullopt;
+  return keyframe_is_due_ ? KeyframeReason::kInterruption
+                          : params_.keyframe.reason(update.distance_m, update.rotation_rad);
 }
 
 Metrics Slam6d::metrics() const {

@@ -110,12 +110,15 @@ class Slam6d {
   [[nodiscard]] Recovery::Known known() {
     return {tracker_, map_, keyframes_, back_end_.graph_revision(), corrected_, counts_};
   }
+  [[nodiscard]] PoseUpdate follow_odometry(const SweepCloud& cloud);
+  [[nodiscard]] std::optional<VoxelMap> voxels_to_register(const SweepCloud& cloud,
+                                                           const PoseUpdate& update) const;
   void track(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update);
-  void accept(const VoxelMap& sweep, SweepCloud& cloud, PoseUpdate& update);
+  void add_to_map(const VoxelMap& sweep, const SweepCloud& cloud, const PoseUpdate& update);
   [[nodiscard]] bool is_adjusted(const PoseUpdate& update) const;
-  [[nodiscard]] std::optional<KeyframeReason> keyframe_reason(PoseUpdate& update) const;
-  void keep(const PoseUpdate& update);
-  void keep_keyframe(const VoxelMap& sweep, SweepCloud cloud, const PoseUpdate& update);
+  [[nodiscard]] std::optional<KeyframeReason> keyframe_reason(const PoseUpdate& update) const;
+  void record(const PoseUpdate& update);
+  void add_keyframe(const VoxelMap& sweep, SweepCloud cloud, const PoseUpdate& update);
   void close_loops(const VoxelMap& sweep, PoseUpdate& update);
   void move_keyframes(std::span<const geometry::SE3> T_map_keyframes);
   void drop_replaced_keyframes();
@@ -128,7 +131,9 @@ class Slam6d {
   std::optional<PlacedSweep> first_sweep_;  // until the second
   VoxelMap map_;
   EverFreeSpace ever_free_;
-  bool keyframe_is_due_ = false;  // there was an interruption since the last keyframe
+  /// The motion since the last keyframe is unknown: there was an interruption, odometry began a new
+  /// frame, or the place was found by a search.
+  bool keyframe_is_due_ = false;
   CorrectedPoses corrected_;
   std::vector<Keyframe> keyframes_;
   std::vector<IntermediateSweep> between_;  // for the adjustment at the end
