@@ -60,22 +60,7 @@ void for_each_key(const VoxelKey& first, const VoxelKey& last, const Use& use) {
 // Whether `is_looked_for` is true for a voxel or for one of the 26 beside it.
 template <class IsLookedFor>
 bool has_beside(const VoxelKey& key, const IsLookedFor& is_looked_for) {
-  std::array<std::array<VoxelCode, 3>, 3> bits{};  // by axis and step
-  for (unsigned axis = 0; axis < 3; ++axis) {
-    for (unsigned step = 0; step < 3; ++step) {
-      bits[axis][step] = spread_bits(static_cast<std::uint16_t>(key[axis] + step - 1)) << axis;
-    }
-  }
-  for (const VoxelCode z : bits[2]) {
-    for (const VoxelCode y : bits[1]) {
-      for (const VoxelCode x : bits[0]) {
-        if (is_looked_for(x | y | z)) {
-          return true;
-        }
-      }
-    }
-  }
-  return false;
+  return std::ranges::any_of(neighbourhood_of(key), is_looked_for);
 }
 
 // Of the points in each voxel: how many there are, and how many of them have moved.

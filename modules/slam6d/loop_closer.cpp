@@ -39,17 +39,6 @@ int num_steps(double length, double step) {
   return static_cast<int>(std::ceil(length / step));
 }
 
-// Some of the keyframe's points, spread over all of them.
-std::vector<OrientedPoint> search_points(const VoxelMap& keyframe) {
-  const std::vector<OrientedPoint> all = keyframe.select(kSearchLevel).points;
-  const std::size_t stride = (all.size() + kMaxSearchPoints - 1) / kMaxSearchPoints;
-  std::vector<OrientedPoint> some;
-  for (std::size_t i = 0; i < all.size(); i += stride) {
-    some.push_back(all[i]);
-  }
-  return some;
-}
-
 // How many points have a correspondence in the voxels of the place.
 double num_correspondences(std::span<const OrientedPoint> points, const SE3& T_place_base,
                            const VoxelGrid& place, float min_normal_cosine) {
@@ -124,7 +113,8 @@ std::vector<StartPose> LoopCloser::starts(const VoxelMap& keyframe, const VoxelM
   const Reach reach = reach_of(prior);
   const int steps_m = num_steps(std::min(reach.distance_m, params_.max_search_m), kStepM);
   const int steps_rad = num_steps(std::min(reach.heading_rad, params_.max_search_rad), kStepRad);
-  const std::vector<OrientedPoint> points = search_points(keyframe);
+  const std::vector<OrientedPoint> points =
+      some_of(keyframe.select(kSearchLevel).points, kMaxSearchPoints);
   const VoxelGrid& grid = place.level(kSearchLevel);
   const auto min_cosine = static_cast<float>(registration_.min_normal_cosine);
   const Eigen::Vector3d up = prior.T_map_base.linear().col(2);

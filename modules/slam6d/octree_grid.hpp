@@ -36,6 +36,21 @@ constexpr VoxelCode code_of(const VoxelKey& key) {
   return spread_bits(key[0]) | spread_bits(key[1]) << 1U | spread_bits(key[2]) << 2U;
 }
 
+/// The codes of a voxel and of the 26 beside it, x fastest. Outside of the grid they wrap around.
+inline std::array<VoxelCode, 27> neighbourhood_of(const VoxelKey& key) {
+  std::array<std::array<VoxelCode, 3>, 3> bits{};  // by axis and step
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    for (unsigned step = 0; step < 3; ++step) {
+      bits[axis][step] = spread_bits(static_cast<std::uint16_t>(key[axis] + step - 1)) << axis;
+    }
+  }
+  std::array<VoxelCode, 27> codes{};
+  for (std::size_t i = 0; i < codes.size(); ++i) {
+    codes[i] = bits[0][i % 3] | bits[1][i / 3 % 3] | bits[2][i / 9];
+  }
+  return codes;
+}
+
 /// The length as OctoMap computes it: the squares are added in single precision.
 inline double length_of(const Eigen::Vector3f& p) {
   return std::sqrt(static_cast<double>(p.x() * p.x() + p.y() * p.y() + p.z() * p.z()));

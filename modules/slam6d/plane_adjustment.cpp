@@ -13,6 +13,7 @@
 #include "modules/slam6d/corrected_poses.hpp"
 #include "modules/slam6d/evidence.hpp"
 #include "modules/slam6d/pose_equations.hpp"
+#include "modules/slam6d/sweep_motion.hpp"
 
 namespace nodmap::slam6d {
 namespace {
@@ -254,9 +255,7 @@ void add_odometry(PoseEquations& equations, std::span<const AdjustedSweep> sweep
   const SE3& T_map_from = sweeps[from].T_map_base;
   const SE3& T_map_this = sweeps[k].T_map_base;
   const SE3 T_map_counted = T_map_from * sweeps[k].T_from_this;
-  Vector6d error;
-  error << T_map_this.translation() - T_map_counted.translation(),
-      geometry::rotation_vector(T_map_this.linear() * T_map_counted.linear().transpose());
+  const Vector6d error = motion_between(T_map_counted, T_map_this);
   const Matrix6d information = registration::inverse(sweeps[k].covariance);
   const Matrix6d J_from =
       -registration::moment_arm_jacobian(T_map_this.translation() - T_map_from.translation());
@@ -296,9 +295,7 @@ std::vector<SE3> adjust_planes(std::span<const AdjustedSweep> sweeps, const Voxe
   const auto motions = equations.solve();
   for (std::size_t k = 0; motions && k < poses.size(); ++k) {
     const Vector6d motion = motions->segment<6>(static_cast<Eigen::Index>(6 * k));
-    poses[k].translation() += motion.head<3>();
-    poses[k].linear() = geometry::rotation_of(motion.tail<3>()) * poses[k].linear();
-    poses[k] = normalized(poses[k]);
+    poses[k] = normalized(moved(poses[k], motion));
   }
   return poses;
 }

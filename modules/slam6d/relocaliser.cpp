@@ -134,15 +134,14 @@ std::vector<Relocaliser::WallPoint> Relocaliser::wall_points(const VoxelMap& swe
       all.push_back(point.p);
     }
   }
-  const std::size_t stride = (all.size() + kMaxPoints - 1) / kMaxPoints;
   std::vector<WallPoint> some;
-  for (std::size_t i = 0; i < all.size(); i += stride) {
-    const double off_m = 0.5 * params_.heading_step_rad * static_cast<double>(all[i].norm());
+  for (const Eigen::Vector3f& p : some_of(all, kMaxPoints)) {
+    const double off_m = 0.5 * params_.heading_step_rad * static_cast<double>(p.norm());
     std::size_t level = 0;
     while (level + 1 < kCellLevels && static_cast<double>(cells_[level].cell_m) < off_m) {
       ++level;
     }
-    some.push_back({all[i], level});
+    some.push_back({p, level});
   }
   return some;
 }

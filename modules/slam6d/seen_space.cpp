@@ -2,7 +2,6 @@
 #include "modules/slam6d/seen_space.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstdint>
 
@@ -10,18 +9,6 @@
 
 namespace nodmap::slam6d {
 namespace {
-
-// A voxel and the 26 beside it.
-std::array<VoxelCode, 27> neighbourhood_of(const VoxelKey& voxel) {
-  std::array<VoxelCode, 27> codes{};
-  for (std::size_t i = 0; i < codes.size(); ++i) {
-    const auto beside = [&voxel](std::size_t axis, std::size_t offset) {
-      return static_cast<std::uint16_t>(voxel[axis] + offset - 1);
-    };
-    codes[i] = code_of({beside(0, i % 3), beside(1, i / 3 % 3), beside(2, i / 9)});
-  }
-  return codes;
-}
 
 void count(SeenSpace::Content content, const Eigen::Vector3f& normal, Evidence& evidence) {
   if (content == SeenSpace::Content::kFree) {

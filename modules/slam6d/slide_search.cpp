@@ -65,12 +65,7 @@ std::vector<WallPoint> wall_points(const VoxelMap& sweep_base, const SE3& T_map_
       }
     }
   }
-  const std::size_t stride = (all.size() + kMaxPoints - 1) / kMaxPoints;
-  std::vector<WallPoint> some;
-  for (std::size_t i = 0; i < all.size(); i += stride) {
-    some.push_back(all[i]);
-  }
-  return some;
+  return some_of(all, kMaxPoints);
 }
 
 // The fraction of the points near planes of the map that lie on them. Where the map knows nothing,

@@ -44,6 +44,17 @@ struct OrientedPoint {
 /// The means of all voxels; normal zero where there is no plane.
 [[nodiscard]] std::vector<OrientedPoint> oriented_points(const VoxelGrid& grid);
 
+/// At most `max` of these, spread over all.
+template <class Point>
+[[nodiscard]] std::vector<Point> some_of(const std::vector<Point>& all, std::size_t max) {
+  const std::size_t stride = (all.size() + max - 1) / max;
+  std::vector<Point> some;
+  for (std::size_t i = 0; i < all.size(); i += stride) {
+    some.push_back(all[i]);
+  }
+  return some;
+}
+
 /// When the points of a cloud were measured.
 struct PointTimes {
   std::vector<float> times;  ///< of each point, from -1 to 1; empty if all are from one pose
