@@ -6,7 +6,6 @@
 
 #include "common/registration/pose_edges.hpp"
 #include "modules/slam6d/odometry_prior.hpp"
-#include "modules/slam6d/sweep_voxels.hpp"
 
 namespace nodmap::slam6d {
 namespace {

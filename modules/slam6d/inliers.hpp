@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cmath>
-
 #include "common/geometry/se3.hpp"
 #include "modules/slam6d/correspondence_search.hpp"
 #include "modules/slam6d/voxel_map.hpp"
@@ -11,11 +9,6 @@ namespace nodmap::slam6d {
 
 /// Points are inliers up to this many scales of the finest voxels' robust kernel from a plane.
 inline constexpr double kInlierScales = 2.0;
-
-/// Whether a plane with this z component of its unit normal is upright, a wall.
-[[nodiscard]] inline bool is_upright(float normal_up) {
-  return std::abs(normal_up) < 0.5F;
-}
 
 /// The fractions of a sweep's points that lie on the map's planes.
 struct InlierRatios {

@@ -11,7 +11,7 @@
 
 #include "common/registration/pose_edges.hpp"
 #include "modules/slam6d/corrected_poses.hpp"
-#include "modules/slam6d/evidence.hpp"
+#include "modules/slam6d/level_evidence.hpp"
 #include "modules/slam6d/pose_equations.hpp"
 #include "modules/slam6d/sweep_motion.hpp"
 

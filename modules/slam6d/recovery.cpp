@@ -4,8 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "modules/slam6d/sweep_voxels.hpp"
-
 namespace nodmap::slam6d {
 namespace {
 

@@ -11,8 +11,8 @@
 #include "common/registration/rigid_fit.hpp"
 #include "modules/slam6d/bend_sums.hpp"
 #include "modules/slam6d/correspondence_search.hpp"
-#include "modules/slam6d/evidence.hpp"
 #include "modules/slam6d/inliers.hpp"
+#include "modules/slam6d/level_evidence.hpp"
 #include "modules/slam6d/residual_sums.hpp"
 #include "modules/slam6d/sweep_motion.hpp"
 

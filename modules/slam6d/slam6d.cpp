@@ -9,7 +9,6 @@
 #include "modules/slam6d/adjusted_sweeps.hpp"
 #include "modules/slam6d/odometry_prior.hpp"
 #include "modules/slam6d/plane_adjustment.hpp"
-#include "modules/slam6d/sweep_voxels.hpp"
 
 namespace nodmap::slam6d {
 namespace {

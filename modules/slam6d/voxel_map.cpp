@@ -21,6 +21,18 @@ std::vector<float> mean_times(std::span<const std::uint32_t> places, std::span<c
   return means;
 }
 
+PointTimes point_times(const SweepCloud& cloud) {
+  PointTimes times;
+  if (!cloud.is_stationary()) {
+    times.half_path = cloud.half_path().cast<float>();
+    times.times.reserve(cloud.points.size());
+    for (const SweepCloud::Line& line : cloud.lines) {
+      times.times.resize(line.end, static_cast<float>(line.time));
+    }
+  }
+  return times;
+}
+
 }  // namespace
 
 std::vector<OrientedPoint> oriented_points(const VoxelGrid& grid) {
@@ -198,6 +210,10 @@ std::size_t VoxelMap::memory_bytes() const {
     bytes += keyframes.capacity() * sizeof(std::uint32_t);
   }
   return bytes;
+}
+
+VoxelMap voxelize(const SweepCloud& cloud, const VoxelMapParams& params) {
+  return VoxelMap::from_points(cloud.points, cloud.p_base_mirror(), params, point_times(cloud));
 }
 
 }  // namespace nodmap::slam6d

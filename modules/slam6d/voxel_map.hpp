@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -40,6 +41,11 @@ struct OrientedPoint {
   float num_points = 0.0F;  ///< measured points of which `p` is the mean
   float time = 0.0F;        ///< at which they were measured, from -1 to 1 over the sweep
 };
+
+/// Whether a plane with this z component of its unit normal is upright, a wall.
+[[nodiscard]] inline bool is_upright(float normal_up) {
+  return std::abs(normal_up) < 0.5F;
+}
 
 /// The means of all voxels; normal zero where there is no plane.
 [[nodiscard]] std::vector<OrientedPoint> oriented_points(const VoxelGrid& grid);
@@ -132,5 +138,9 @@ class VoxelMap {
   std::array<std::vector<float>, kLevels> times_;
   Eigen::Vector3f half_path_ = Eigen::Vector3f::Zero();
 };
+
+/// The voxels of one sweep, in base, for registration. If the robot moved during the sweep, they
+/// have the times at which their points were measured.
+[[nodiscard]] VoxelMap voxelize(const SweepCloud& cloud, const VoxelMapParams& params);
 
 }  // namespace nodmap::slam6d

@@ -10,7 +10,6 @@
 
 #include "modules/slam6d/heading_search.hpp"
 #include "modules/slam6d/odometry_prior.hpp"
-#include "modules/slam6d/sweep_voxels.hpp"
 #include "modules/slam6d/test/room.hpp"
 
 namespace nodmap::slam6d {
