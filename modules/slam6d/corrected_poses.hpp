@@ -85,8 +85,8 @@ class CorrectedPoses {
   void drop_sweeps(std::span<const std::size_t> used);
 
   /// The pose of each of sweeps(): tracked sweeps as add() and move() set them, those between two
-  /// of them by odometry with an interpolated correction. What odometry did not count while it
-  /// restarted is a correction of the sweeps after the restart only.
+  /// of them by odometry with an interpolated correction. A jump at a restart of odometry moves
+  /// only the sweeps after it.
   [[nodiscard]] std::vector<geometry::SE3> trajectory() const;
 
  private:

@@ -87,7 +87,7 @@ class Recovery {
   std::optional<Localiser> localiser_;   // in a saved map, or in the own one after LOST
   std::int64_t localiser_revision_ = 0;  // of the graph from which it was made
   bool is_map_fixed_ = false;
-  bool is_map_closed_ = false;  // only if there is a localiser
+  bool is_map_closed_ = false;  // never true without localiser_
   std::optional<geometry::SE3> T_first_start_;
   /// Follows odometry from where the robot was lost, until the place that was found instead is
   /// confirmed.

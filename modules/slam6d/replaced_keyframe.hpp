@@ -27,9 +27,9 @@ struct ReplacedKeyframe {
 [[nodiscard]] bool is_same_place(const geometry::SE3& a, const geometry::SE3& b);
 
 /// The oldest keyframe at the place of the newest one that has at least `num_newer` newer ones at
-/// its place. Elsewhere nothing has changed. Only keyframes in the
-/// same map count, because their poses relative to each other are known (`is_in_map`: one entry per
-/// keyframe). The first keyframe, which holds the frame of the map, is never replaced.
+/// its place. Elsewhere nothing has changed. Only keyframes in the same map count, because their
+/// poses relative to each other are known (`is_in_map`: one entry per keyframe). The first
+/// keyframe, which holds the frame of the map, is never replaced.
 [[nodiscard]] std::optional<ReplacedKeyframe> oldest_replaced_keyframe(
     std::span<const geometry::SE3> T_map_keyframes, const std::vector<bool>& is_in_map,
     int num_newer);

@@ -211,19 +211,6 @@ TEST(OccupancyMap, MovedPointsOccupyNoVoxel) {
   EXPECT_TRUE(tree->isNodeOccupied(tree->search(2.02, 0.5, 0.02)));
 }
 
-// A map depends only on its clouds: if it is built again, the bytes are the same.
-TEST(OccupancyMap, SameCloudsGiveTheSameBytes) {
-  OccupancyMap first({});
-  OccupancyMap second({});
-  for (OccupancyMap* map : {&first, &second}) {
-    map->insert(wall_cloud(0.01), SE3::Identity());
-    map->insert(wall_cloud(0.02), SE3::Identity());
-  }
-  EXPECT_EQ(first.encode(OccupancyMap::Format::kBt), second.encode(OccupancyMap::Format::kBt));
-  EXPECT_EQ(first.encode(OccupancyMap::Format::kOt), second.encode(OccupancyMap::Format::kOt));
-  EXPECT_EQ(first.num_nodes(), second.num_nodes());
-}
-
 TEST(OccupancyMap, EmptyAndTooDistantCloudsAddNothing) {
   OccupancyMap map({});
   map.insert({}, SE3::Identity());

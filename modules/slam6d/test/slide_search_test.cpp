@@ -41,8 +41,8 @@ TEST(SlideSearch, PilastersOfACorridorShowHowFarTheRobotRolledOn) {
     const Registration found = registered_after(rolled_m, room);
     ASSERT_TRUE(found.is_accepted()) << rolled_m;
     const double error_m = std::abs(found.T_map_base.translation().x() - rolled_m);
-    // The beams are 2 degrees apart, 7 cm at 2 m. Registration alone claims to
-    // know the place better than that.
+    // The beams are 2 degrees apart, 7 cm at 2 m. Registration alone claims to know the place
+    // better than that.
     EXPECT_LT(error_m, 0.05) << rolled_m;
     EXPECT_LT(error_m, 3.0 * sigma_along_m(found)) << rolled_m;
     EXPECT_LT(sigma_along_m(found), 0.15) << rolled_m;
