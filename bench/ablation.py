@@ -11,7 +11,7 @@ import argparse
 import dataclasses
 import sys
 
-from navigation import FAMILIES, make_trials, recorded_crowds, row_of, show
+from navigation import make_trials, recorded_crowds, row_of, show
 from seeds import REPORTING
 from trial_runs import add_options, result_folder, run_all, show_failures
 

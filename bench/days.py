@@ -66,7 +66,7 @@ def peak_memory_b(command, errors):
 
 def further(cpu_s, count, before):
     """The CPU time of one of the scans or sweeps by which a row has more than the row before, as text (ms); `before`: (CPU time, count) of that row."""
-    return f"{1e3 * (cpu_s - before[0]) / (count - before[1]):.2f} ms" if before else ""
+    return f"{1e3 * (cpu_s - before[0]) / (count - before[1]):.2f} ms" if before and count != before[1] else ""
 
 
 def map_recording(options, program, folder):

@@ -6,7 +6,7 @@ bench/slam2d_days.py [--bin DIR] [--hours H ...] [--set KEY=VALUE ...]
 
 For each H it writes a CARMEN log of H hours and maps it. In the log a robot drives up and down a corridor of 24 m with doors, and stops for a minute at each
 end. It has a level laser with 181 beams and a range noise of 1 cm, takes a scan every 0.3 s while it drives and every 5 s while it is stationary, and its
-wheels drift. Prints a row for each H: the CPU time of a scan and of a *further* one, of those which the row before does not have (the first contains what is done
+wheels drift. Prints a row for each H: the CPU time of a scan and of a *further* one, of those which the row before does not have (the former contains what is done
 once at the end), the peak memory without the log, and the size of the map. If the costs are constant, all further scans are alike.
 """
 import math

@@ -7,7 +7,7 @@ bench/slam6d_days.py [--bin DIR] [--hours H ...] [--set KEY=VALUE ...]
 Writes the recording of a robot that paces the corridor of bench/days.py and stands for a minute at either end: a nodding laser with 181 beams
 and a range noise of 1 cm, 75 scans a second, wheels that drift. Maps a recording of H hours for each H and prints a row: CPU time of a sweep, peak
 memory without the recording (sampled every 50 ms), what the map holds, and the error of all poses. The CPU time is that of the whole process, by the number of
-sweeps; it contains the final adjustment once, and falls with the hours for that reason alone. That of a *further* sweep, of those which the row before does not
+sweeps; it contains the final adjustment once, and falls with the hours. That of a *further* sweep, of those which the row before does not
 have, shows whether costs grow. With flat costs all further ones are alike.
 """
 import math

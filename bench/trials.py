@@ -60,6 +60,7 @@ def add_failures(trials, table):
 def add_group(name, trials, add_rows, table, bin_dir):
     """Adds the rows of a group. What cannot be evaluated becomes a row, so that the results of the other groups are not lost."""
     if not results_of(trials):
+        table.add(f"{name}: trials with a result", f"0 of {len(trials)}", "at least 1", False)
         return
     try:
         add_rows(table, bin_dir)

@@ -3,7 +3,7 @@
 # Measures what bench/REPORT.md states, entry by entry. Called by ./nodmap bench, which has built the programs.
 #   scripts/bench.sh [--list] [ENTRY ...]     without ENTRY: all of them, which takes hours
 # A measurement that misses its target does not keep the others from being made; the exit code is 1 then. Entries without a check of their own only print:
-# maps, decision, slam2d, kurt3d, registration, slam6d-scan, page, busy-page, viewer, serial, barn, exploration, ablation. The documents state their targets.
+# maps, decision, slam2d, kurt3d, registration, slam6d-scan, page, viewer, barn, exploration, ablation. The documents state their targets.
 set -euo pipefail
 cd "$(dirname "$(readlink -f "$0")")/.."
 bin=build/release/bin

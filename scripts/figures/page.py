@@ -15,8 +15,8 @@ navigator and SLAM in one closed loop on simulated time. There are no photograph
     ./nodmap figures          draws all figures and writes this page
     ./nodmap figures 5 8      draws only these figures
 
-The runs are deterministic: the same program makes the same images and numbers. Each section names the commit at which it was drawn; where that is old, the robot drives otherwise by
-now. Newer results of Fig. 6's comparison with a level laser are in [bench/REPORT.md](../bench/REPORT.md). The programs in the commands below are in `build/release/bin/`, and the results are written to `logs/figures/`.
+The runs are deterministic: the same program makes the same images and numbers. Each section names the commit at which it was drawn; a later version of the robot
+drives otherwise. Newer results of Fig. 6's comparison with a level laser are in [bench/REPORT.md](../bench/REPORT.md). The programs in the commands below are in `build/release/bin/`, and the results are written to `logs/figures/`.
 """
 
 

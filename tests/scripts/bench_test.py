@@ -83,7 +83,16 @@ def check_trials(source):
         text, code = table(source, [group], TRIAL, NO_CONTACT | {"distance_m": 0.0, "goal_reached": False})
         assert code == 1 and any(row in line and line.endswith("MISSED") for line in text.splitlines()), "a robot that stands still hits nothing: " + text
     text, code = table(source, ["crowd"], "#!/bin/sh\nexit 1\n", NO_CONTACT)
-    assert text.count("MISSED") == 2 and code == 1, text
+    assert text.count("MISSED") == 3 and code == 1, text
+
+
+def check_appearing(source):
+    """A robot that never drives as --appear demands is no failed trial, but not a met target either."""
+    sys.path.insert(0, str(source / "bench"))
+    from trials import NO_PLACE
+    assert NO_PLACE in (source / "tools" / "trial" / "appearing_obstacle.cpp").read_text()
+    text, code = table(source, ["appearing"], f"#!/bin/sh\necho 'it {NO_PLACE}' >&2\nexit 1\n", NO_CONTACT)
+    assert text.count("MISSED") == 1 and "trials with a result" in text and code == 1, text
 
 
 def check_event_log(source):
@@ -156,6 +165,7 @@ def main():
     source = pathlib.Path(sys.argv[1])
     check_truth_between_samples(source)
     check_trials(source)
+    check_appearing(source)
     check_event_log(source)
     check_odometry_noise(source)
     check_progress(source)

@@ -119,7 +119,8 @@ int main(int argc, char** argv) {
        .add_options =
            [&arguments](CLI::App& app) {
              app.add_flag("--go", arguments.is_go,
-                          "Release the robot, after a STOP or a start of the base driver");
+                          "Release the robot: after a STOP, a start of the base driver, or the "
+                          "return of its base");
              node::add_request_options(app, arguments.request,
                                        "How long to wait for the base driver, seconds");
            },
