@@ -27,8 +27,6 @@ class LossMeter {
 
   /// A tenth: more than single damaged bytes or a pause of 0.1 s cost, so the line is bad.
   [[nodiscard]] bool loses_many() const { return ratio_ > 0.1; }
-  /// Half: what the others plan with is less than half as dense as they assume.
-  [[nodiscard]] bool loses_most() const { return ratio_ > 0.5; }
 
  private:
   std::optional<time::SteadyTime> since_;

@@ -11,8 +11,6 @@ namespace {
 constexpr double kControlPeriodS = 0.01;
 // After this long without a command the base stops by itself.
 constexpr time::Duration kBaseTimeout = 100ms;
-// After this long without encoder ticks the motion of the wheels is unknown, and the robot stops.
-constexpr time::Duration kBlind = 200ms;
 // Number of implausible frames in a row that are bridged like lost ones (100 ms). A bit error
 // damages one frame only; bridging ends well before kBlind.
 constexpr int kBridgedInARow = 10;

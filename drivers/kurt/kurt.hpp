@@ -49,6 +49,9 @@ struct KurtCounts {
   std::int64_t encoder_gaps = 0;
 };
 
+/// After this long without encoder ticks the motion of the wheels is unknown, and the robot stops.
+inline constexpr time::Duration kBlind = 200ms;
+
 /// Whether the robot can be driven; if not, what is missing. In the order in which the states are
 /// passed at startup.
 enum class KurtState : std::uint8_t {

@@ -74,6 +74,7 @@ class KurtNode final : public node::DeviceNode {
   node::LossMeter encoder_loss_;
   time::SteadyTime base_seen_;
   KurtState logged_state_ = KurtState::kNoLine;
+  std::string_view logged_text_;
   time::SteadyTime next_control_;
   time::SteadyTime next_sensors_;
   std::int64_t odometry_seq_ = 0;

@@ -67,6 +67,7 @@ void SlcanSession::take(const SlcanLine& line, time::SteadyTime now) {
     case SlcanLine::Kind::kFrame:
       last_frame_ = now;
       if (is_open()) {
+        is_mute_ = false;
         attempts_ = 0;
       }
       break;

@@ -16,6 +16,16 @@ double allowed_fraction(double now, double target, double period_s, const SpeedL
   return step <= limit ? 1.0 : limit / step;
 }
 
+// The moment arm of a wheel by which odometry measures a rotation.
+double odometry_arm_m(const WheelParams& wheels) {
+  return 0.5 * wheels.axis_m / wheels.turning_adaptation;
+}
+
+WheelSpeeds speeds_at(double moment_arm_m, const DriveCommand& motion) {
+  const double rotation_mps = moment_arm_m * motion.yaw_rate_rad_s;
+  return {motion.forward_mps - rotation_mps, motion.forward_mps + rotation_mps};
+}
+
 double fastest(const WheelSpeeds& speeds) {
   return std::max(std::abs(speeds.left_mps), std::abs(speeds.right_mps));
 }
@@ -25,11 +35,8 @@ double fastest(const WheelSpeeds& speeds) {
 WheelSpeeds wheel_speeds(const DriveCommand& command, const WheelParams& wheels) {
   // Inverse of the odometry's yaw rate, (right - left) / axis * turning_adaptation. kurt_driver
   // uses the whole axis on each side instead.
-  const double moment_arm_m = wheels.steering == Steering::kKurtDriver
-                                  ? wheels.axis_m
-                                  : 0.5 * wheels.axis_m / wheels.turning_adaptation;
-  const double rotation_mps = moment_arm_m * command.yaw_rate_rad_s;
-  return {command.forward_mps - rotation_mps, command.forward_mps + rotation_mps};
+  return speeds_at(
+      wheels.steering == Steering::kKurtDriver ? wheels.axis_m : odometry_arm_m(wheels), command);
 }
 
 WheelSpeeds saturate(const WheelSpeeds& speeds, double max_speed_mps) {
@@ -39,7 +46,7 @@ WheelSpeeds saturate(const WheelSpeeds& speeds, double max_speed_mps) {
 }
 
 void SpeedLimiter::start_from(const DriveCommand& motion) {
-  current_ = saturate(wheel_speeds(motion, wheels_), fastest(current_));
+  current_ = saturate(speeds_at(odometry_arm_m(wheels_), motion), fastest(current_));
 }
 
 WheelSpeeds SpeedLimiter::step(const DriveCommand& target, double period_s) {

@@ -14,7 +14,8 @@ namespace nodmap::kurt {
 class StopRepeater {
  public:
   /// The repetition that is due now, if any. `stopped_by`: empty if the robot may drive. The first
-  /// one comes after one period, because whoever stopped the robot has just published STOP.
+  /// one comes after one period: a sender of STOP has just published it, and a stop of the driver's
+  /// own holds without the others knowing.
   [[nodiscard]] std::optional<nodmap::stop_t> repeat_if_due(
       const std::optional<std::string>& stopped_by, const time::Moment& now);
 

@@ -253,12 +253,7 @@ std::string Laser3d::failure(time::SteadyTime now) const {
   if (now - last_scan_ > std::max(kShortestNoScan, sick_.stream_timeout())) {
     return "no scan could be given a pitch";
   }
-  // The pitch controller's lines are then twice as far apart as it has computed, and a low obstacle
-  // fits between them.
-  if (telegram_loss_.loses_most()) {
-    return "laser: most scans are lost: check its line";
-  }
-  return pitch_loss_.loses_most() ? "servo: most scans are without a pitch: check its line" : "";
+  return "";
 }
 
 std::string Laser3d::shortcoming() const {
@@ -276,6 +271,7 @@ std::string Laser3d::shortcoming() const {
   if (status_.polluted()) {
     return "laser: the front window is dirty";
   }
+  // The lines of a sweep are then farther apart than the pitch controller has computed.
   if (telegram_loss_.loses_many()) {
     return "laser: many scans are lost: check its line";
   }

@@ -59,7 +59,7 @@ void BrakeLatencyMonitor::add_drive_command(time::SteadyTime received, std::int6
       continue;
     }
     const double anyway_mps = undisturbed_mps(i, drive_seq).value_or(event->speed_mps);
-    if (anyway_mps < kMinSpeedMps) {
+    if (anyway_mps < kMinSpeedMps && received <= event->started + event->limit()) {
       ++num_masked_;
       event.reset();
     } else if (brakes(forward_mps, std::min(event->speed_mps, anyway_mps))) {

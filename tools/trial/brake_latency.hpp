@@ -35,6 +35,12 @@ struct BrakeEvent {
   double sweep_s = 0.0;    ///< duration of the last sweep at that time
   std::optional<time::SteadyTime>
       answered;  ///< when the robot braked; empty: not before the end of the trial
+
+  /// Within which it should brake: two sweeps, a scan, and 20 ms (R32).
+  [[nodiscard]] time::Duration limit() const {
+    constexpr time::Duration kScanAndProcessing = 33'320us;
+    return time::from_seconds(2.0 * sweep_s) + kScanAndProcessing;
+  }
 };
 
 /// The same trial without one of its obstacles. Until a beam hits the obstacle, both are alike.
@@ -52,12 +58,12 @@ struct UndisturbedRun {
 /// between it and the mirror. One that is hidden later stays what it was. It ends with the first
 /// DRIVE that is 10 %, and at least 0.1 m/s, below the robot's speed at the start, the one that was
 /// then commanded, and the DRIVE of the same number in the undisturbed run: a robot that slows down
-/// for a bend has not reacted to the obstacle. If the undisturbed robot is told to drive slower
-/// than 0.3 m/s, braking could not be distinguished from that, and the event counts as masked. An
-/// actor that leaves the zone before (because it moved on, or the robot
-/// turned away) counts as evaded; for an actor inside, the zone does not become shorter when the
-/// robot slows down. Below 0.3 m/s nothing is measured, because braking could not be distinguished
-/// from noise.
+/// for a bend has not reacted to the obstacle. If within the limit of the event the undisturbed
+/// robot is told to drive slower than 0.3 m/s, braking could not be distinguished from that, and
+/// the event counts as masked. An actor that leaves the zone before (because it moved on, or the
+/// robot turned away) counts as evaded; for an actor inside, the zone does not become shorter when
+/// the robot slows down. Below 0.3 m/s nothing is measured, because braking could not be
+/// distinguished from noise.
 class BrakeLatencyMonitor {
  public:
   static constexpr double kMinSpeedMps = 0.3;

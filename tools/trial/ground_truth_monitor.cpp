@@ -35,6 +35,9 @@ void GroundTruthMonitor::subscribe() {
                                  [this](const nodmap::scan_t& message) { on_scan(message); });
   bus_.subscribe<nodmap::drive_t>("DRIVE", [this](const nodmap::drive_t& message) {
     brake_latency_.add_drive_command(model_.now(), message.drive_seq, message.forward_mps);
+    if (!record_.drives_mps.empty() && message.drive_seq <= record_.drives_mps.rbegin()->first) {
+      record_.drives_mps.clear();  // a navigator that was restarted counts from 0
+    }
     record_.drives_mps[message.drive_seq] = message.forward_mps;
   });
   bus_.subscribe<nodmap::pitch_state_t>(

@@ -65,20 +65,13 @@ Json slam_errors(const std::filesystem::path& dir, const TrialRecord& record, bo
   return errors;
 }
 
-// R32: two sweeps, a scan, and 20 ms.
-double latency_limit_ms(const BrakeEvent& event) {
-  constexpr double kScanMs = 13.32;
-  constexpr double kProcessingMs = 20.0;
-  return 2000.0 * event.sweep_s + kScanMs + kProcessingMs;
-}
-
 Json brake_latency(const TrialOutcome& outcome) {
   std::vector<double> latencies_ms;
   std::size_t too_late = 0;
   Json events = Json::array();
   for (const BrakeEvent& event : outcome.brake_events) {
     if (event.answered) {
-      const double limit_ms = latency_limit_ms(event);
+      const double limit_ms = 1e3 * time::seconds(event.limit());
       latencies_ms.push_back(1e-3 * time::FineDuration(*event.answered - event.started).count());
       too_late += latencies_ms.back() > limit_ms ? 1 : 0;
       events.push_back({{"latency_ms", latencies_ms.back()},

@@ -26,17 +26,10 @@ struct Stream {
 };
 
 TEST(LossMeter, JudgesTheLastWholeSecond) {
-  struct Case {
-    int lost;
-    bool many;
-    bool most;
-  };
   Stream stream;
-  for (const Case& c : {Case{0, false, false}, Case{10, false, false}, Case{11, true, false},
-                        Case{50, true, false}, Case{51, true, true}, Case{0, false, false}}) {
-    stream.run(c.lost);
-    EXPECT_EQ(stream.meter.loses_many(), c.many) << c.lost;
-    EXPECT_EQ(stream.meter.loses_most(), c.most) << c.lost;
+  for (const int num_lost : {0, 10, 11, 100, 0}) {
+    stream.run(num_lost);
+    EXPECT_EQ(stream.meter.loses_many(), num_lost > 10) << num_lost;
   }
 }
 
@@ -44,7 +37,7 @@ TEST(LossMeter, ADeviceThatSendsNothingLosesNothing) {
   Stream stream;
   stream.run(100);
   stream.run(100);
-  ASSERT_TRUE(stream.meter.loses_most());
+  ASSERT_TRUE(stream.meter.loses_many());
   stream.meter.take(stream.lost, stream.delivered, stream.now + 1s);
   EXPECT_FALSE(stream.meter.loses_many());
 }

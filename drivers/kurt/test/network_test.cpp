@@ -45,7 +45,9 @@ class Network {
         message.forward_mps = 0.5;
         message.valid_us = 200'000;
         bus.publish("DRIVE", message);
-        bus.publish("STOP", nodmap::stop_t{});  // go
+        nodmap::stop_t go{};
+        go.utime = message.utime;
+        bus.publish("STOP", go);
       }
       return done();
     });

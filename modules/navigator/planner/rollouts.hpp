@@ -21,9 +21,9 @@ struct Rollout {
   double cost_m = 0.0;               ///< less is better
 };
 
-/// Rates up to 880 motions of the next 1.6 s. Each is an arc followed by another
-/// one, within the accelerations of the base: forwards, backwards, on the spot and, if there are
-/// people, stationary. Those that touch something are left out. The others cost the sum of four
+/// Rates up to 880 motions of the next 1.6 s. Each is an arc followed by another one, within the
+/// accelerations of the base: forwards, backwards, on the spot and, if there are people,
+/// stationary. Those that touch something are left out. The others cost the sum of four
 /// terms: the plan's cost of their end, nearness to obstacles, the time for which they obstruct
 /// people, and the change of motion.
 ///

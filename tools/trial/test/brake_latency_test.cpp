@@ -164,6 +164,21 @@ TEST_F(BrakeLatencyBesideUndisturbedRunTest,
   EXPECT_EQ(monitor_.num_evaded(), 0);
 }
 
+// It should have braked long before the narrow place.
+TEST_F(BrakeLatencyBesideUndisturbedRunTest, ALateAnswerIsNotMasked) {
+  update(1ms, {1.0, 0.0});
+  drive(5ms, 0.8);
+  drive(10ms, 1.0);
+  ASSERT_EQ(monitor_.events().size(), 1U);
+  const time::Duration late = monitor_.events()[0].limit() + 2ms;
+  drive(late, 0.8);
+  EXPECT_EQ(monitor_.num_masked(), 0);
+  ASSERT_EQ(monitor_.events().size(), 1U);
+  EXPECT_FALSE(monitor_.events()[0].answered);
+  drive(late + 10ms, 0.0);
+  EXPECT_EQ(monitor_.events()[0].answered, time::SteadyTime(late + 10ms));
+}
+
 TEST_F(BrakeLatencyBesideUndisturbedRunTest, AnotherObstacleIsAnsweredByAnyDriveThatIsLower) {
   const sim::ActorState obstacle{{1.0, 0.0}, 0.1, 1.0};
   monitor_.update({time::SteadyTime(1ms), {}, 1.0, 0.3, {std::nullopt, {{obstacle, true}}}});
