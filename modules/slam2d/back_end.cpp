@@ -128,8 +128,8 @@ void BackEnd::close_loops() {
 void BackEnd::update_uncertainty() {
   uncertainty_ = graph_.uncertainties(submaps(), chain_.local_index());
   // The inverse: from submap 0 relative to the local one, to the local one relative to submap 0.
-  const Eigen::Matrix3d J = moment_arm_jacobian(local().T_map_submap.translation() -
-                                                submaps()[0].T_map_submap.translation());
+  const Eigen::Matrix3d J = registration::moment_arm_jacobian(
+      local().T_map_submap.translation() - submaps()[0].T_map_submap.translation());
   drift_covariance_ = J * uncertainty_[0] * J.transpose();
 }
 
@@ -154,19 +154,28 @@ void BackEnd::track_loop(std::size_t submap_index, std::span<const OrientedPoint
     record(loop, attempt.state);
     return;
   }
-  const Eigen::Vector3d off(
-      loop.T_submap_keyframe.x - T_submap_guess.x, loop.T_submap_keyframe.y - T_submap_guess.y,
-      geometry::angle_difference(loop.T_submap_keyframe.yaw, T_submap_guess.yaw));
-  const Eigen::Matrix3d expected =
-      registration::rotated(uncertainty_[submap_index], -submap.T_map_submap.yaw) +
-      registration::covariance_of(loop.information);
-  if (off.dot(expected.inverse() * off) > kMaxLoopChiSquared) {
+  if (chi_squared(loop) > kMaxLoopChiSquared) {
     ++metrics_.refused_by_graph;
     accept_by_consensus(loop);
     return;
   }
   ++metrics_.loops_tracked;
   accept(loop);
+}
+
+// How far a loop is from the pose of its keyframe, by the covariances of both.
+double BackEnd::chi_squared(const Loop& loop) const {
+  const geometry::SE2& T_map_submap = submaps()[loop.submap].T_map_submap;
+  const geometry::SE2 T_submap_keyframe =
+      T_map_submap.inverse() * keyframes()[loop.keyframe].T_map_base;
+  const Eigen::Vector3d off(
+      loop.T_submap_keyframe.x - T_submap_keyframe.x,
+      loop.T_submap_keyframe.y - T_submap_keyframe.y,
+      geometry::angle_difference(loop.T_submap_keyframe.yaw, T_submap_keyframe.yaw));
+  const Eigen::Matrix3d expected =
+      registration::rotated(uncertainty_[loop.submap], -T_map_submap.yaw) +
+      graph_.variance_factor().value() * registration::covariance_of(loop.information);
+  return off.dot(expected.inverse() * off);
 }
 
 void BackEnd::search_loop(std::size_t submap_index, std::span<const OrientedPoint> scan,
@@ -219,6 +228,10 @@ bool BackEnd::contradicts_views(const Loop& loop) const {
 void BackEnd::accept(const Loop& loop) {
   // The loop joins two submaps, because the keyframe is fixed in its own submap.
   const std::size_t own = chain_.submap_of(loop.keyframe);
+  if (!graph_.has_loop(loop.submap, own)) {  // further ones show the same error again
+    VarianceFactor& factor = graph_.variance_factor();
+    factor.add(chi_squared(loop) * factor.value());
+  }
   const geometry::SE2 T_own_keyframe = submaps()[own].pose_of(loop.keyframe);
   const geometry::SE2 T_from_to = loop.T_submap_keyframe * T_own_keyframe.inverse();
   const Eigen::Matrix3d J =
@@ -242,7 +255,7 @@ void BackEnd::record(const Loop& loop, LoopState state) {
 std::vector<SubmapLoop> BackEnd::loops() const {
   auto known = loops_;
   for (const PoseEdge2d& edge : graph_.loops()) {
-    if (SubmapGraph::is_outlier(edge, submaps())) {
+    if (graph_.is_outlier(edge, submaps())) {
       known.at({edge.from, edge.to}).state = LoopState::kOutlier;
     }
   }

@@ -112,6 +112,7 @@ class BackEnd {
                    double reach_rad);
   void accept_by_consensus(Loop loop);
   void accept(const Loop& loop);
+  [[nodiscard]] double chi_squared(const Loop& loop) const;
   [[nodiscard]] bool contradicts_views(const Loop& loop) const;
   void record(const Loop& loop, LoopState state);
   void drop_replaced_submap();

@@ -26,7 +26,7 @@ struct LoopMatchParams {
 
 /// The search for a loop where the pose graph is too unsure for a match alone.
 struct LoopSearchParams {
-  double max_distance_m = 10.0;
+  double max_distance_m = 30.0;
   double max_rotation_rad = geometry::deg_to_rad(40.0);
   double min_score = 0.5;
   double max_runner_up_ratio = 0.9;
@@ -34,8 +34,10 @@ struct LoopSearchParams {
 
   template <class Visitor>
   void describe(Visitor& v) {
-    v.number("max_distance_m", max_distance_m, {0.1, 100.0},
-             "A loop is searched for up to this distance from the pose of the graph.");
+    v.number(
+        "max_distance_m", max_distance_m, {0.1, 100.0},
+        "A loop is searched for up to this distance from the pose of the graph, and no farther "
+        "than three standard deviations of that pose.");
     v.angle("max_rotation_deg", max_rotation_rad, {0.0, 180.0},
             "A loop is searched for up to this rotation from the pose of the graph.");
     v.number("min_score", min_score, {0.05, 1.0},

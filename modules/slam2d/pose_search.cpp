@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "modules/slam2d/score_bound.hpp"
 
@@ -12,7 +13,7 @@ namespace {
 
 constexpr double kStepM = 0.25;  // ICP converges from half of it
 constexpr int kStepCells = static_cast<int>(kStepM / ScoreBound::kCellM);
-constexpr double kStepRad = geometry::deg_to_rad(4.0);
+constexpr double kMaxStepRad = geometry::deg_to_rad(4.0);
 constexpr double kMaxDistanceM = 0.25;  // a point this far from the map scores 0
 constexpr std::size_t kNumPoints = 90;  // enough to rank poses; 45 misplace a rotation of mit-csail
 constexpr std::size_t kMaxCandidates = 10;
@@ -34,6 +35,18 @@ std::vector<OrientedPoint> points_to_score(std::span<const OrientedPoint> scan) 
     some.push_back(scan[i]);
   }
   return some;
+}
+
+// The step between start poses in rotation. It moves the points, at their root mean square distance
+// from the robot, as far as two poses diagonally next to each other are apart: in the open, four
+// degrees would move them beyond the reach of a match.
+double rotation_step_rad(std::span<const OrientedPoint> scan) {
+  double sum_m2 = 0.0;
+  for (const OrientedPoint& point : scan) {
+    sum_m2 += point.p.squaredNorm();
+  }
+  const double distance_m = std::sqrt(sum_m2 / std::max(1.0, static_cast<double>(scan.size())));
+  return std::min(kMaxStepRad, std::numbers::sqrt2 * kStepM / std::max(distance_m, kStepM));
 }
 
 // Mean over the points: 1 on a map point, 0 from `kMaxDistanceM` on.
@@ -92,13 +105,14 @@ std::vector<PoseSearch::Candidate> PoseSearch::poses_around(
     std::span<const geometry::SE2> guesses) const {
   const geometry::SE2& guess = guesses.front();
   const int steps = static_cast<int>(params_.distance_m / kStepM);
-  const int rotations = static_cast<int>(params_.rotation_rad / kStepRad);
+  const double step_rad = rotation_step_rad(scan);
+  const int rotations = static_cast<int>(params_.rotation_rad / step_rad);
   const ScoreBound bound(map, guess.translation(), kMaxDistanceM, kStepCells * steps);
   std::vector<Candidate> poses;
   std::vector<Eigen::Vector2d> points;
   for (int iyaw = -rotations; iyaw <= rotations; ++iyaw) {
     const geometry::SE2 rotated{guess.x, guess.y,
-                                geometry::normalize_angle(guess.yaw + iyaw * kStepRad)};
+                                geometry::normalize_angle(guess.yaw + iyaw * step_rad)};
     const Eigen::Matrix2d R = rotated.rotation();
     points.clear();
     for (const OrientedPoint& point : scan) {

@@ -16,12 +16,21 @@ namespace {
 using registration::PoseEdge2d;
 
 // Both ends of a step are matched against the same submap, so most of their errors are the same.
-// With this factor the standard deviation over half a submap is twice that of one match.
+// With this factor the standard deviation over half a submap is twice that of one match. It holds
+// for keyframes this far apart; a longer step shows as much new as several of these.
 constexpr double kStepInformationFactor = 5.0;
+constexpr double kStepDistanceM = 0.3;
+constexpr double kStepRotationRad = geometry::deg_to_rad(15.0);
 
 // Added to each step over dropped keyframes; equals a standard deviation of 1 km. Such a step may
 // be so long and uncertain, because the robot was lost on it, that composed() counts it as unknown.
 constexpr double kLeastStepInformation = 1e-6;
+
+double information_factor(const geometry::SE2& step) {
+  const double num_steps = std::floor(
+      std::max(std::hypot(step.x, step.y) / kStepDistanceM, std::abs(step.yaw) / kStepRotationRad));
+  return kStepInformationFactor / std::max(1.0, num_steps);
+}
 
 }  // namespace
 
@@ -120,7 +129,7 @@ void SubmapChain::add_step(std::size_t keyframe, const geometry::SE2& T_local_ke
   const geometry::SE2 T_odom_step =
       keyframes_[keyframe - 1].T_odom_base.inverse() * keyframes_[keyframe].T_odom_base;
   edge.information =
-      kStepInformationFactor * registration::rotated(information, -T_local_last.yaw) +
+      information_factor(edge.T_from_to) * registration::rotated(information, -T_local_last.yaw) +
       odometry_information(T_odom_step);
   steps_.push_back(edge);
 }

@@ -33,9 +33,16 @@ std::vector<Eigen::Matrix3d> SubmapGraph::uncertainties(std::span<const Submap> 
   for (const Submap& submap : submaps) {
     T_map_submaps.push_back(submap.T_map_submap);
   }
+  return registration::covariances_from<SE2>(local, T_map_submaps, edges());
+}
+
+std::vector<PoseEdge2d> SubmapGraph::edges() const {
   std::vector<PoseEdge2d> edges = chain_;
   std::ranges::copy(loops(), std::back_inserter(edges));
-  return registration::covariances_from<SE2>(local, T_map_submaps, edges);
+  for (PoseEdge2d& edge : edges) {
+    edge.information /= variance_factor_.value();
+  }
+  return edges;
 }
 
 std::vector<PoseEdge2d> SubmapGraph::loops() const {
@@ -55,7 +62,7 @@ std::vector<PoseEdge2d> SubmapGraph::loops() const {
   return edges;
 }
 
-bool SubmapGraph::is_outlier(const PoseEdge2d& edge, std::span<const Submap> submaps) {
+bool SubmapGraph::is_outlier(const PoseEdge2d& edge, std::span<const Submap> submaps) const {
   const Eigen::Vector3d error =
       registration::residual(edge, submaps[edge.from].T_map_submap, submaps[edge.to].T_map_submap);
   return error.dot(edge.information * error) > registration::PoseSpace<SE2>::kInlierChiSquared;
@@ -131,10 +138,7 @@ void SubmapGraph::optimise(std::span<Submap> submaps, bool graduated) const {
   for (const Submap& submap : submaps) {
     graph.add_node(submap.T_map_submap);
   }
-  for (const PoseEdge2d& edge : chain_) {
-    graph.add_edge(edge);
-  }
-  for (const PoseEdge2d& edge : loops()) {
+  for (const PoseEdge2d& edge : edges()) {
     graph.add_edge(edge);
   }
   graph.optimise(graduated, graduated ? 60 : 2);

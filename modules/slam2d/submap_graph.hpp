@@ -10,6 +10,7 @@
 
 #include "common/registration/pose_graph.hpp"
 #include "modules/slam2d/submap.hpp"
+#include "modules/slam2d/variance_factor.hpp"
 
 namespace nodmap::slam2d {
 
@@ -32,9 +33,18 @@ class SubmapGraph {
   /// the one removed.
   void drop_submap(std::size_t dropped, std::span<const Submap> submaps);
 
+  /// Whether there is a loop between two submaps.
+  [[nodiscard]] bool has_loop(std::size_t from, std::size_t to) const {
+    return loops_.contains({from, to});
+  }
+
+  /// By how much the covariances of all edges are to be multiplied, as loops have shown.
+  [[nodiscard]] VarianceFactor& variance_factor() { return variance_factor_; }
+  [[nodiscard]] const VarianceFactor& variance_factor() const { return variance_factor_; }
+
   /// Whether an edge contradicts the poses of the submaps.
-  [[nodiscard]] static bool is_outlier(const registration::PoseEdge2d& edge,
-                                       std::span<const Submap> submaps);
+  [[nodiscard]] bool is_outlier(const registration::PoseEdge2d& edge,
+                                std::span<const Submap> submaps) const;
 
   /// The loops, one edge for each pair of submaps.
   [[nodiscard]] std::vector<registration::PoseEdge2d> loops() const;
@@ -49,6 +59,8 @@ class SubmapGraph {
   void optimise(std::span<Submap> submaps, bool graduated) const;
 
  private:
+  /// Steps and loops with the covariances that loops have shown to be right.
+  [[nodiscard]] std::vector<registration::PoseEdge2d> edges() const;
   [[nodiscard]] std::vector<registration::PoseEdge2d> take_loops_of(std::size_t submap);
   /// Adds a loop, or replaces one that is less sure.
   void join(const registration::PoseEdge2d& edge);
@@ -61,6 +73,7 @@ class SubmapGraph {
     Eigen::Vector3d weighted_offset = Eigen::Vector3d::Zero();  ///< from T_from_to
   };
 
+  VarianceFactor variance_factor_;
   std::vector<registration::PoseEdge2d> chain_;
   std::map<std::pair<std::size_t, std::size_t>, LoopSum> loops_;
 };

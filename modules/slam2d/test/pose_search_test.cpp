@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <vector>
 
 #include "modules/slam2d/test/drawn_world.hpp"
 
@@ -54,6 +55,29 @@ TEST(PoseSearch, WithoutASearchAreaTheGuessIsTheOnlyCandidate) {
   params.rotation_rad = 0.0;
   const SE2 guess;
   EXPECT_EQ(PoseSearch(params).candidates(PointMap(MapParams{}), {}, {&guess, 1}).size(), 1U);
+}
+
+// Short walls 30 to 40 m away, far apart. The best start pose brings all of them within the reach
+// of a match; a rotation by 2 degrees, half of a fixed step of 4, would move them by a metre or
+// more.
+TEST(PoseSearch, FindsARotationInTheOpen) {
+  std::vector<OrientedPoint> points;
+  for (int wall = 0; wall < 16; ++wall) {
+    const SE2 T_base_wall{0.0, 0.0, geometry::deg_to_rad(15.0 * wall + 4.0 * (wall * wall % 5))};
+    for (double along_m = -0.5; along_m <= 0.5; along_m += 0.1) {
+      points.push_back({T_base_wall * Eigen::Vector2d(30.0 + 5.0 * (wall % 3), along_m),
+                        T_base_wall.rotation() * Eigen::Vector2d(-1.0, 0.0)});
+    }
+  }
+  PointMap map{MapParams{}};
+  map.insert(points);
+  const SE2 guess{0.0, 0.0, geometry::deg_to_rad(6.0)};
+  const auto candidates = PoseSearch(SearchParams{}).candidates(map, points, {&guess, 1});
+  ASSERT_FALSE(candidates.empty());
+  for (const OrientedPoint& point : points) {
+    EXPECT_LT((candidates.front() * point.p - point.p).norm(),
+              MatcherParams{}.max_correspondence_distance_m);
+  }
 }
 
 }  // namespace pose_search_test

@@ -33,5 +33,31 @@ TEST(SubmapChain, ALongStepOverDroppedKeyframesDeterminesAllDirections) {
   }
 }
 
+// A straight drive of 24 m with a keyframe every so many metres, each matched as surely.
+SubmapChain straight_drive(double step_m) {
+  SubmapChain chain({}, {});
+  for (double x_m = 0.0; x_m < 24.0; x_m += step_m) {
+    Keyframe keyframe;
+    keyframe.T_odom_base = {x_m, 0.0, 0.0};
+    keyframe.T_map_base = {x_m, 0.0, 0.0};
+    const SE2 T_local_keyframe =
+        chain.has_local() ? chain.local().T_map_submap.inverse() * keyframe.T_map_base : SE2{};
+    (void)chain.add(keyframe, T_local_keyframe, 1e6 * Eigen::Matrix3d::Identity());
+  }
+  return chain;
+}
+
+// Between scans far apart more of the map is new, and less of the error is the same. So the chain
+// becomes uncertain with the path, not with the number of scans.
+TEST(SubmapChain, SparseKeyframesDoNotMakeTheChainMoreCertain) {
+  const auto variance_per_m = [](const SubmapChain& chain) {
+    const registration::PoseEdge2d edge = chain.step_to_submap(1);
+    return edge.information.inverse()(0, 0) / edge.T_from_to.x;
+  };
+  // The yaw errors of the steps add to x only beside the path; a step of 1 m counts as three.
+  EXPECT_NEAR(variance_per_m(straight_drive(1.0)), variance_per_m(straight_drive(0.31)),
+              0.1 * variance_per_m(straight_drive(0.31)));
+}
+
 }  // namespace submap_chain_test
 }  // namespace nodmap::slam2d

@@ -55,7 +55,7 @@ TEST(SubmapGraph, LoopsOfADroppedSubmapMoveToTheOneWithTheMostCertainEdge) {
   EXPECT_EQ(loops[1].from, 2U);
   EXPECT_EQ(loops[1].to, 3U);
   for (const PoseEdge2d& loop : loops) {
-    EXPECT_FALSE(SubmapGraph::is_outlier(loop, row.submaps));
+    EXPECT_FALSE(row.graph.is_outlier(loop, row.submaps));
   }
   // The loops are less certain than before, because they lead through the dropped submap and
   // covariances add up.
@@ -108,14 +108,47 @@ TEST(SubmapGraph, TheFirstSubmapCanBeDropped) {
 TEST(SubmapGraph, ContradictedLoopsOfADroppedSubmapAreDiscarded) {
   Row row;
   row.graph.add_loop(0, 1, row.between(0, 1) * SE2{3.0, 0.0, 0.0}, some_information(9.0));
-  ASSERT_TRUE(SubmapGraph::is_outlier(row.graph.loops()[0], row.submaps));
+  ASSERT_TRUE(row.graph.is_outlier(row.graph.loops()[0], row.submaps));
   row.graph.drop_submap(1, row.submaps);
   row.submaps.erase(row.submaps.begin() + 1);
   const std::vector<PoseEdge2d> loops = row.graph.loops();
   ASSERT_EQ(loops.size(), 2U);  // those from 1 to 3 and 4
   for (const PoseEdge2d& loop : loops) {
-    EXPECT_FALSE(SubmapGraph::is_outlier(loop, row.submaps));
+    EXPECT_FALSE(row.graph.is_outlier(loop, row.submaps));
   }
+}
+
+// A long chain bends by more than its covariance allows, and two loops at its end agree on how
+// much. They would lose their weight, for ever, if loops had not shown that the graph is too
+// certain.
+TEST(SubmapGraph, RightLoopsBendAChainThatIsTooCertain) {
+  std::vector<Submap> submaps;
+  SubmapGraph graph;
+  constexpr std::size_t kLast = 20;
+  for (std::size_t s = 0; s <= kLast; ++s) {
+    submaps.emplace_back(10 * s, SE2{static_cast<double>(s), 0.0, 0.0}, MapParams{});
+    if (s > 0) {
+      PoseEdge2d step{s - 1, s, SE2{1.0, 0.0, 0.0}, Eigen::Matrix3d::Identity() * 1e4, false};
+      graph.add_chain_edge(step);
+    }
+  }
+  const SE2 drift{0.0, 1.5, 0.0};
+  const auto loop = [&](std::size_t from, std::size_t to) {
+    graph.add_loop(from, to, drift * SE2{static_cast<double>(to - from), 0.0, 0.0},
+                   Eigen::Matrix3d::Identity() * 1e6);
+  };
+  loop(0, 10);
+  loop(10, kLast);
+  const auto error_m = [&] {
+    std::vector<Submap> moved = submaps;
+    graph.optimise(moved, false);
+    return std::abs(moved[kLast].T_map_submap.y - 3.0);
+  };
+  EXPECT_GT(error_m(), 1.0);
+  for (int i = 0; i < 100; ++i) {
+    graph.variance_factor().add(1e4);
+  }
+  EXPECT_LT(error_m(), 0.5);
 }
 
 }  // namespace submap_graph_test

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+
+namespace nodmap::slam2d {
+
+/// How much larger the covariances of the pose graph are than assumed, at least 1.
+///
+/// They are right for scans in quick succession in rooms; where scans are far apart or have few
+/// points, matches err more. Each new loop tells how far the graph was off, in units of its own
+/// covariance; the mean over all loops is the factor. So a graph that has been too certain soon
+/// searches farther, and no longer refuses right loops.
+class VarianceFactor {
+ public:
+  /// `chi_squared`: of a loop, by the assumed covariances of graph and loop.
+  void add(double chi_squared) {
+    // A wrong loop must not count for more than the most that a right one would.
+    sum_ += std::min(chi_squared, kMaxChiSquared * value_);
+    ++num_loops_;
+    value_ = std::max(1.0, sum_ / (kExpected * num_loops_));
+  }
+  [[nodiscard]] double value() const { return value_; }
+
+ private:
+  static constexpr double kExpected = 3.0;  // the mean of chi-squared, three degrees of freedom
+  static constexpr double kMaxChiSquared = 16.3;  // 99.9 % are below this
+  static constexpr double kFirstLoops = 8.0;      // so many loops as expected count from the start
+
+  double sum_ = kFirstLoops * kExpected;
+  double num_loops_ = kFirstLoops;
+  double value_ = 1.0;
+};
+
+}  // namespace nodmap::slam2d
