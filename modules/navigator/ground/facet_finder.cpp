@@ -107,14 +107,13 @@ bool FacetFinder::add_patch(const Column& column, std::size_t number, TrackedGro
   if (std::abs(rise_m) > kPatchToleranceM + ground.max_slope() * range_m) {
     return false;
   }
-  using Kind = TrackedGround::Place::Kind;
-  const TrackedGround::Place place =
-      ground.look(p_odom, kPatchToleranceM + params_.tilt_tolerance_rad * range_m);
-  if (place.kind == Kind::kGround) {
+  using Place = TrackedGround::Place;
+  const Place place = ground.look(p_odom, kPatchToleranceM + params_.tilt_tolerance_rad * range_m);
+  if (place.kind == Place::Kind::kGround) {
     ground.refine(place.facet, p_odom);
     return false;
   }
-  patches_.push_back({p_odom, number, scan_, place.kind == Kind::kAbove, 0.0});
+  patches_.push_back({p_odom, number, scan_, place.kind == Place::Kind::kAbove, 0.0});
   return true;
 }
 

@@ -27,9 +27,9 @@ Points without_wakes(const People& people_base, Points points_base) {
 }
 
 void forget_wakes(const People& people_odom, LocalMap& local_map) {
-  constexpr double kStepS = 0.2;
+  constexpr double kForgetEveryS = 0.2;
   for (const Person& person : people_odom) {
-    for (double ago_s = 0.0; ago_s <= kWakeS && person.is_in_sight; ago_s += kStepS) {
+    for (double ago_s = 0.0; ago_s <= kWakeS && person.is_in_sight; ago_s += kForgetEveryS) {
       local_map.forget_walker(person.position_after(-ago_s), person.radius_m + kTrackNoiseM);
     }
   }
