@@ -215,7 +215,8 @@ void KurtNode::stop_on_alarm() {
   }
 }
 
-// Stops the robot if its base, or this process, was absent for long.
+// Stops the robot if its base, or this process, was absent for long. The base counts as present
+// until kBlind after its last encoder frame.
 void KurtNode::stop_on_return(const time::Moment& now) {
   if (kurt_.state(now.steady) < KurtState::kNoDrive) {
     return;

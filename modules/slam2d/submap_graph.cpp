@@ -65,7 +65,8 @@ std::vector<PoseEdge2d> SubmapGraph::loops() const {
 bool SubmapGraph::is_outlier(const PoseEdge2d& edge, std::span<const Submap> submaps) const {
   const Eigen::Vector3d error =
       registration::residual(edge, submaps[edge.from].T_map_submap, submaps[edge.to].T_map_submap);
-  return error.dot(edge.information * error) > registration::PoseSpace<SE2>::kInlierChiSquared;
+  return error.dot(edge.information * error) >
+         variance_factor_.value() * registration::PoseSpace<SE2>::kInlierChiSquared;
 }
 
 // All loops of a submap, each from it to the other; they are no longer in the graph.

@@ -6,11 +6,14 @@
 #include <functional>
 #include <vector>
 
+#include "common/registration/test/moved.hpp"
+
 namespace nodmap::registration {
 namespace pose_edges_test {
 
 using geometry::SE2;
 using geometry::SE3;
+using test::moved;
 
 // Central differences over 2e-6 m, of functions with a curvature of a few per metre.
 constexpr double kDifferences = 1e-6;
@@ -33,17 +36,6 @@ Pose pose(std::size_t i) {
   Pose T = PoseSpace<Pose>::identity();
   put(i, T);
   return T;
-}
-
-// A small motion of a pose about its own position.
-SE2 moved(const SE2& T, const PoseVector<SE2>& motion) {
-  return {T.x + motion[0], T.y + motion[1], T.yaw + motion[2]};
-}
-SE3 moved(const SE3& T, const PoseVector<SE3>& motion) {
-  SE3 result = T;
-  result.translation() += motion.head<3>();
-  result.linear() = geometry::rotation_of(motion.tail<3>()) * T.linear();
-  return result;
 }
 
 PoseVector<SE2> motion_between(const SE2& from, const SE2& to) {

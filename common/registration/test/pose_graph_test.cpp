@@ -12,6 +12,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "common/registration/test/moved.hpp"
+
 namespace nodmap::registration {
 namespace pose_graph_test {
 
@@ -19,20 +21,11 @@ using geometry::distance_m;
 using geometry::rotation_rad;
 using geometry::SE2;
 using geometry::SE3;
+using test::moved;
 
 // Number of steps of one metre on a side of the square, and around the whole square.
 constexpr std::size_t kSideSteps = 10;
 constexpr std::size_t kRound = 4 * kSideSteps;
-
-SE2 moved(const SE2& T, const PoseVector<SE2>& motion) {
-  return {T.x + motion[0], T.y + motion[1], T.yaw + motion[2]};
-}
-SE3 moved(const SE3& T, const PoseVector<SE3>& motion) {
-  SE3 result = T;
-  result.translation() += motion.head<3>();
-  result.linear() = geometry::rotation_of(motion.tail<3>()) * T.linear();
-  return result;
-}
 
 // Sets T to the pose of node `k` on a drive around a square of 10 m x 10 m in steps of one metre.
 void on_square(std::size_t k, SE2& T) {

@@ -105,6 +105,18 @@ TEST(SubmapGraph, TheFirstSubmapCanBeDropped) {
   EXPECT_LT(row.graph.uncertainties(row.submaps, 0)[3](0, 0), 1.0);  // still joined
 }
 
+// What contradicts poses that are surer than they should be need not be wrong.
+TEST(SubmapGraph, WhatIsAnOutlierDependsOnTheVarianceFactor) {
+  Row row;
+  row.graph.add_loop(0, 1, row.between(0, 1) * SE2{3.0, 0.0, 0.0}, some_information(9.0));
+  const PoseEdge2d loop = row.graph.loops()[0];
+  ASSERT_TRUE(row.graph.is_outlier(loop, row.submaps));
+  for (int i = 0; i < 100; ++i) {
+    row.graph.variance_factor().add(1e4);
+  }
+  EXPECT_FALSE(row.graph.is_outlier(loop, row.submaps));
+}
+
 TEST(SubmapGraph, ContradictedLoopsOfADroppedSubmapAreDiscarded) {
   Row row;
   row.graph.add_loop(0, 1, row.between(0, 1) * SE2{3.0, 0.0, 0.0}, some_information(9.0));
