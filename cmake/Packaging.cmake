@@ -56,6 +56,8 @@ if(NODMAP_JAVAC AND NODMAP_JAR AND EXISTS /usr/share/java/lcm.jar)
     COMMENT "Compiling the message types for Java" VERBATIM)
   add_custom_target(nodmap_types_jar ALL DEPENDS ${jar})
   install(FILES ${jar} DESTINATION ${CMAKE_INSTALL_DATADIR}/java OPTIONAL)
+  # Debian wants another name for a jar, but lcmtypes_*.jar is the one that tools of LCM look for.
+  install(FILES cmake/lintian_overrides DESTINATION ${CMAKE_INSTALL_DATADIR}/lintian/overrides RENAME nodmap)
 else()
   message(STATUS "No Java compiler or no liblcm-java: the package will hold no types for lcm-spy")
 endif()
