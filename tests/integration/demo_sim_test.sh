@@ -124,7 +124,7 @@ PATH=$work/stub:$PATH env --default-signal=INT bash scripts/demo_sim.sh --durati
 for seconds in 0 1 2.3 3 4 6 9; do
   start_demo "interrupted-$seconds" 30
   sleep "$seconds"
-  kill -INT -- "-$demo" 2>/dev/null || kill -INT "$demo"
+  kill -INT -- "-$demo" 2>/dev/null || { cat "$out.log"; fail "the demo has ended by itself within $seconds s"; }
   expect_a_failure "Ctrl-C at $seconds s"
 done
 for seconds in 0 1 2; do
