@@ -215,8 +215,10 @@ struct PlannerParams {
     v.flag("roams", roams,
            "Whether the robot roams by plan and rollouts; otherwise by Steer, Brake and Turn.");
     v.number("replan_s", replan_s, {0.05, 10.0}, "Time from one global plan to the next.");
-    v.number("min_clearance_m", min_clearance_m, {0.0, 0.5},
-             "No path and no fast rollout brings the body nearer to an obstacle than this.");
+    v.number(
+        "min_clearance_m", min_clearance_m, {0.0, 0.5},
+        "No fast rollout brings the body nearer to an obstacle than this. A path that does costs "
+        "4 m more per metre.");
     v.number("wide_m", wide_m, {0.05, 3.0},
              "A path costs more the nearer it is to obstacles, up to this much more than the least "
              "clearance.");

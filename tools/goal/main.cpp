@@ -164,7 +164,7 @@ int main(int argc, char** argv) {
        .add_options =
            [&arguments](CLI::App& app) {
              app.add_option("waypoints", arguments.coordinates_m,
-                            "X Y of each waypoint in map, metres; 0 0 is the start of the map")
+                            "X Y of each waypoint in map, metres; 0 0 is the origin of the map")
                  ->required()
                  ->check(CLI::Range(-kMaxCoordinateM, kMaxCoordinateM));
              app.add_flag("--patrol", arguments.is_patrol,

@@ -25,7 +25,7 @@ constexpr std::array kScenarios{
     Scenario{"ramps", "5, 10 and 12 degrees, up, over and down", make_ramps},
     Scenario{"random", "clutter to roam in, passages of 0.6 m", random_clutter},
     Scenario{"reacting", "people who make way", make_reacting_people},
-    Scenario{"sills", "and planks of 3 to 6 cm", make_sills},
+    Scenario{"sills", "and planks of 3.1 to 6 cm", make_sills},
     Scenario{"slot", "start in a slot or a corner", make_slot},
     Scenario{"zigzag", "corridor with baffles", make_zigzag},
 };
