@@ -162,12 +162,18 @@ endfunction()
 # All programs that measure. The default target leaves them out: nobody who builds the programs or runs the tests waits for them.
 add_custom_target(benchmarks)
 
-# nodmap_add_bench_program(NAME SOURCES x.cpp ... DEPENDS target ...): a program that measures, in bin/ beside the others, but not installed.
+# nodmap_add_bench_program(NAME SOURCES x.cpp ... DEPENDS target ... [COLD]): a program that measures, in bin/ beside the others, but not
+# installed. COLD: it measures other processes, so that it is compiled with -O1.
 function(nodmap_add_bench_program name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
+  cmake_parse_arguments(ARG "COLD" "" "SOURCES;DEPENDS" ${ARGN})
   add_executable(${name} EXCLUDE_FROM_ALL ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE nodmap_options Eigen3::Eigen ${ARG_DEPENDS})
-  target_precompile_headers(${name} REUSE_FROM nodmap_pch)
+  if(ARG_COLD)
+    target_precompile_headers(${name} REUSE_FROM nodmap_program_pch)
+    target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
+  else()
+    target_precompile_headers(${name} REUSE_FROM nodmap_pch)
+  endif()
   add_dependencies(benchmarks ${name})
 endfunction()
 
