@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // nodmap-stop: stops the robot until it is released; with --go, releases it.
 #include <CLI/CLI.hpp>
+#include <functional>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -12,34 +13,31 @@
 #include "common/node/program.hpp"
 #include "common/node/request.hpp"
 #include "common/node/stop_latch.hpp"
+#include "common/node/stop_sender.hpp"
 #include "nodmap/status_t.hpp"
 #include "nodmap/stop_t.hpp"
 
 namespace nodmap {
 namespace {
 
-// Sent several times, in case one is lost or a base driver repeats an older STOP at that moment.
-constexpr int kTimes = 3;
-constexpr double kPauseS = 0.3;
 // A base driver that is stopped says so by a STOP once a second.
 constexpr double kListenS = 1.5;
+// Enough for all copies of a message, also on a busy machine.
+constexpr double kSendS = 3.0;
 
 struct Arguments {
   bool is_go = false;
   node::RequestOptions request{.by = "nodmap-stop"};
 };
 
-void send(bus::LiveBus& bus, const Arguments& arguments) {
-  stop_t message{};
-  // The same each time: a STOP of somebody else in between is newer than all of these.
-  message.utime = time::to_utime(time::SystemClock().now());
-  message.is_stopped = static_cast<std::int8_t>(!arguments.is_go);
-  message.requested_by = arguments.request.by;
-  for (int i = 0; i < kTimes && !node::stop_requested(); ++i) {
-    message.stop_seq = i;
-    bus.publish("STOP", message);
-    (void)node::handle_until(bus, kPauseS, [] { return false; });
-  }
+// Repeats what `sender` sends until `is_done()`. Returns false if that takes more than `wait_s`
+// seconds, or this process is told to stop.
+bool send_until(bus::LiveBus& bus, node::StopSender& sender, double wait_s,
+                const std::function<bool()>& is_done) {
+  return node::handle_until(bus, wait_s, [&] {
+    sender.repeat_if_due(time::SystemClock().now());
+    return is_done();
+  });
 }
 
 // Waits for a base driver that is not FAILED: without its base it cannot drive, and when the base
@@ -65,36 +63,30 @@ bool await_base_driver(bus::LiveBus& bus, double wait_s) {
   return false;
 }
 
-int release(bus::LiveBus& bus, const Arguments& arguments) {
-  if (!await_base_driver(bus, arguments.request.wait_s)) {
+int release(bus::LiveBus& bus, node::StopSender& sender, double wait_s) {
+  if (!await_base_driver(bus, wait_s)) {
     return 1;
   }
-  send(bus, arguments);
-  if (bus.counts().not_published > 0) {
+  sender.release(time::SystemClock().now());
+  if (!send_until(bus, sender, kSendS, [&] { return sender.is_sent(); }) ||
+      bus.counts().not_published > 0) {
     return 1;
   }
-  std::string by;  // what keeps it stopped: an alarm that lasts, or somebody else's newer STOP
-  bus.subscribe<stop_t>("STOP", [&by](const stop_t& message) {
-    if (node::is_confirmation(message)) {
-      by = node::read_name(message.requested_by);
-    }
-  });
-  if (node::handle_until(bus, kListenS, [&by] { return !by.empty(); })) {
-    std::cerr << "nodmap-stop: the robot is still stopped, by " << by << "\n";
+  // By an alarm that lasts, or somebody else's newer STOP.
+  const auto is_stopped = [&] { return sender.confirmed_by().has_value(); };
+  if (node::handle_until(bus, kListenS, is_stopped)) {
+    std::cerr << "nodmap-stop: the robot is still stopped, by " << *sender.confirmed_by() << "\n";
     return 1;
   }
   return 0;
 }
 
-int stop(bus::LiveBus& bus, const Arguments& arguments) {
-  bool is_confirmed = false;
-  bus.subscribe<stop_t>("STOP", [&is_confirmed](const stop_t& message) {
-    is_confirmed |= node::is_confirmation(message);
-  });
-  send(bus, arguments);
-  if (!node::handle_until(bus, arguments.request.wait_s, [&] { return is_confirmed; })) {
-    std::cerr << "nodmap-stop: STOP was sent, but no nodmap-kurt has confirmed it within "
-              << arguments.request.wait_s << " s\n";
+int stop(bus::LiveBus& bus, node::StopSender& sender, double wait_s) {
+  sender.stop(time::SystemClock().now());
+  if (!send_until(bus, sender, kSendS, [&] { return sender.is_sent(); }) ||
+      !send_until(bus, sender, wait_s, [&] { return sender.confirmed_by().has_value(); })) {
+    std::cerr << "nodmap-stop: STOP was sent, but no nodmap-kurt has confirmed it within " << wait_s
+              << " s\n";
     return 1;
   }
   return 0;
@@ -102,7 +94,9 @@ int stop(bus::LiveBus& bus, const Arguments& arguments) {
 
 int run(const Arguments& arguments, const std::string& lcm_url) {
   bus::LiveBus bus(lcm_url);
-  return arguments.is_go ? release(bus, arguments) : stop(bus, arguments);
+  node::StopSender sender(bus, arguments.request.by);
+  bus.subscribe<stop_t>("STOP", [&sender](const stop_t& message) { sender.take(message); });
+  return (arguments.is_go ? release : stop)(bus, sender, arguments.request.wait_s);
 }
 
 }  // namespace

@@ -49,6 +49,36 @@ int release(BaseDriver& driver, test::ChildProcess& program) {
   return *code;
 }
 
+// Stops the base driver, which loses the first messages. Returns the exit code.
+int stop(int num_lost, test::ChildProcess& program) {
+  bus::LiveBus bus(kUrl);
+  int num_stops = 0;
+  bus.subscribe<nodmap::stop_t>(
+      "STOP", [&](const nodmap::stop_t& message) { num_stops += message.is_stopped; });
+  std::optional<int> code;
+  while (!(code = program.wait_for_end(std::chrono::milliseconds(100)))) {
+    (void)bus.handle(std::chrono::milliseconds(0));
+    if (num_stops > num_lost) {
+      nodmap::stop_t confirmation{};
+      confirmation.is_stopped = 1;
+      confirmation.requested_by = "nodmap-kurt, for nodmap-stop";
+      bus.publish("STOP", confirmation);
+    }
+  }
+  return *code;
+}
+
+TEST(StopProcess, AStopIsRepeatedUntilTheBaseDriverConfirmsIt) {
+  test::ChildProcess program({NODMAP_STOP_PROGRAM, "--wait", "60", "--lcm-url", kUrl});
+  EXPECT_EQ(stop(10, program), 0) << program.said();
+}
+
+TEST(StopProcess, AStopThatNobodyConfirmsFails) {
+  test::ChildProcess program({NODMAP_STOP_PROGRAM, "--wait", "0", "--lcm-url", kUrl});
+  EXPECT_EQ(stop(1000, program), 1);
+  EXPECT_TRUE(program.wait_for_stderr("no nodmap-kurt has confirmed it", test::kPatience));
+}
+
 TEST(StopProcess, AReleaseThatTheBaseDriverObeysSucceeds) {
   test::ChildProcess program({NODMAP_STOP_PROGRAM, "--go", "--lcm-url", kUrl});
   BaseDriver driver;
