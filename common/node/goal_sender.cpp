@@ -16,9 +16,17 @@ constexpr time::Duration kNavigatorSilence = 1s;
 }  // namespace
 
 void GoalSender::set(nodmap::goal_t goal, time::Timestamp now) {
+  decide(goal, true, now);
+}
+
+void GoalSender::cancel(time::Timestamp now) {
+  decide({}, false, now);
+}
+
+void GoalSender::decide(nodmap::goal_t goal, bool is_active, time::Timestamp now) {
   goal.utime = std::max(time::to_utime(now), goal_.utime + 1);
   goal.goal_seq = goal_.goal_seq;
-  goal.is_active = 1;
+  goal.is_active = static_cast<std::int8_t>(is_active);
   goal_ = goal;
   own_.push_back(goal);
   status_ = Status::kSent;

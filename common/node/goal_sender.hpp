@@ -12,14 +12,14 @@
 
 namespace nodmap::node {
 
-/// Publishes GOAL, repeats it for a navigator that has missed it or was started later, and knows
-/// from GOAL and NAVIGATION what has become of it.
+/// Publishes GOAL, or its cancellation, repeats it for a navigator that has missed it or was
+/// started later, and knows from GOAL and NAVIGATION what has become of it.
 class GoalSender {
  public:
   enum class Status : std::uint8_t {
     kNone,       ///< nothing was set yet
     kSent,       ///< no navigator has reported on it; also if the one that had it was restarted
-    kTaken,      ///< the navigator drives to it, or has arrived
+    kTaken,      ///< the navigator drives to it, or has arrived; cancelled: it has no goal
     kLeft,       ///< the navigator had taken it and reports on another, whose GOAL was missed
     kOverruled,  ///< another sender has set or cancelled a goal
   };
@@ -31,7 +31,11 @@ class GoalSender {
   /// it.
   void set(nodmap::goal_t goal, time::Timestamp now);
 
-  /// Publishes the present goal again once a second, unless another sender has overruled it.
+  /// Cancels the goal, whoever has set it.
+  void cancel(time::Timestamp now);
+
+  /// Publishes the present goal, or its cancellation, again once a second, unless another sender
+  /// has overruled it.
   void repeat_if_due(time::Timestamp now);
 
   /// Takes a GOAL; returns whether it is another sender's. The bus delivers our own as well.
@@ -42,15 +46,17 @@ class GoalSender {
 
   [[nodiscard]] Status status() const { return status_; }
 
-  /// Whether a report of the navigator with this `goal_utime` is about the present goal.
+  /// Whether a report of the navigator with this `goal_utime` is about the present goal, or says
+  /// that there is none after its cancellation.
   [[nodiscard]] bool is_about(std::int64_t goal_utime) const {
-    return published_ && goal_utime == goal_.utime;
+    return published_ && goal_utime == (goal_.is_active != 0 ? goal_.utime : 0);
   }
 
   /// How many messages were published.
   [[nodiscard]] std::int64_t num_published() const { return goal_.goal_seq; }
 
  private:
+  void decide(nodmap::goal_t goal, bool is_active, time::Timestamp now);
   void publish(time::Timestamp now);
   // Whether this is one of the last goals that were set here.
   [[nodiscard]] bool is_own(const nodmap::goal_t& message) const;

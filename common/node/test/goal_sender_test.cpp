@@ -126,6 +126,26 @@ TEST_F(GoalSenderTest, KnowsFromReportsWhetherTheNavigatorHasTheGoal) {
   EXPECT_EQ(sender_.status(), Status::kOverruled) << "it has not heard of the other yet";
 }
 
+TEST_F(GoalSenderTest, ACancellationIsRepeatedUntilTheNavigatorHasNoGoal) {
+  sender_.set(goal_at(1.0), kStart);
+  const std::int64_t former = last().utime;
+  EXPECT_TRUE(report(former, 100ms));
+  sender_.cancel(kStart + 200ms);
+  EXPECT_EQ(last().is_active, 0);
+  EXPECT_GT(last().utime, former);
+  EXPECT_FALSE(report(former, 300ms));
+  EXPECT_EQ(sender_.status(), Status::kSent) << "it has not heard of it yet";
+  sender_.repeat_if_due(kStart + 1200ms);
+  EXPECT_EQ(bus_.count("GOAL"), 3U);
+  EXPECT_FALSE(sender_.take(last())) << "our own";
+  EXPECT_TRUE(report(0, 1250ms));
+  EXPECT_EQ(sender_.status(), Status::kTaken);
+  EXPECT_FALSE(report(former, 1400ms));
+  EXPECT_EQ(sender_.status(), Status::kLeft);
+  sender_.set(goal_at(2.0), kStart + 2s);
+  EXPECT_FALSE(sender_.is_about(0));
+}
+
 TEST_F(GoalSenderTest, ANavigatorThatWasSilentMayHaveBeenStartedAnew) {
   sender_.set(goal_at(1.0), kStart);
   EXPECT_TRUE(report(last().utime, 100ms));
