@@ -2,8 +2,11 @@
 #include "modules/viewer/remote_control.hpp"
 
 #include <spdlog/fmt/fmt.h>
+#include <spdlog/fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -11,16 +14,27 @@
 #include <optional>
 #include <string_view>
 
-#include "common/node/messages.hpp"
+#include "common/node/stop_latch.hpp"
 #include "modules/viewer/json.hpp"
 #include "nodmap/explore_t.hpp"
 #include "nodmap/goal_t.hpp"
+#include "nodmap/navigation_t.hpp"
 #include "nodmap/save_request_t.hpp"
+#include "nodmap/stop_t.hpp"
 
 namespace nodmap::viewer {
 namespace {
 
 constexpr const char* kName = "nodmap-viewer";
+constexpr const char* kNavigator = "nodmap-navigator";
+constexpr const char* kExplorer = "nodmap-explorer";
+constexpr const char* kSlam2d = "nodmap-slam2d";
+constexpr const char* kSlam6d = "nodmap-slam6d";
+// Who carries out requests, by the names in STATUS.
+constexpr std::array<std::string_view, 5> kRecipients = {node::kBaseDriver, kNavigator, kExplorer,
+                                                         kSlam2d, kSlam6d};
+// Three reports are missing.
+constexpr time::Duration kSilence = 3500ms;
 constexpr double kToleranceM = 0.3;
 // Farther than any map: a mistake or an attack.
 constexpr double kMaxCoordinateM = 1e4;
@@ -51,11 +65,13 @@ Answer no_control_over_processes() {
 }  // namespace
 
 RemoteControl::RemoteControl(bus::Bus& bus, const time::Clock& clock, ProcessControl* processes)
-    : bus_(bus), clock_(clock), processes_(processes) {
-  stop_.stop_seq = -1;
-  stop_.requested_by = kName;
-  bus.subscribe<nodmap::stop_t>("STOP", [this](const auto& message) { on_stop(message); });
-  bus.subscribe<nodmap::grid_chunk_t>("MAP_2D", [this](const auto& message) { on_map(message); });
+    : bus_(bus), clock_(clock), processes_(processes), goal_sender_(bus), stop_sender_(bus, kName) {
+  bus.subscribe<nodmap::stop_t>("STOP", [this](const auto& m) { stop_sender_.take(m); });
+  bus.subscribe<nodmap::goal_t>("GOAL", [this](const auto& m) { goal_sender_.take(m); });
+  bus.subscribe<nodmap::navigation_t>("NAVIGATION",
+                                      [this](const auto& m) { goal_sender_.take(m); });
+  bus.subscribe<nodmap::grid_chunk_t>("MAP_2D", [this](const auto& m) { on_map(m); });
+  bus.subscribe<nodmap::status_t>("STATUS", [this](const auto& m) { on_status(m); });
 }
 
 Answer RemoteControl::answer(const Json& request, time::Duration age) {
@@ -98,36 +114,48 @@ Answer RemoteControl::do_goal(const Json& request) {
     return {.ok = false,
             .text = "A goal lies at most 10000 m from the map's origin along x and y."};
   }
-  send_goal(true, *x_m, *y_m, *tolerance_m);
+  nodmap::goal_t goal{};
+  goal.position_m[0] = *x_m;
+  goal.position_m[1] = *y_m;
+  goal.tolerance_m = *tolerance_m;
+  goal_asked_ = clock_.now();
+  goal_sender_.set(goal, *goal_asked_);
   const bool is_outside = map_m_ && !map_m_->contains(Eigen::Vector2d(*x_m, *y_m));
   return {.ok = true,
           .text = fmt::format("Goal: x {:.2f} m, y {:.2f} m.", *x_m, *y_m) +
-                  (is_outside ? " It lies outside of the map that is known so far." : "")};
+                  (is_outside ? " It lies outside of the map that is known so far." : "") +
+                  note_if_silent({kNavigator})};
 }
 
 Answer RemoteControl::do_roam() {
-  send_goal(false, 0.0, 0.0, kToleranceM);
-  return {.ok = true, .text = "Goal cancelled: the robot roams."};
+  goal_asked_ = clock_.now();
+  goal_sender_.cancel(*goal_asked_);
+  return {.ok = true,
+          .text = "Goal cancelled: without one the robot roams." + note_if_silent({kNavigator})};
 }
 
 Answer RemoteControl::do_stop(bool is_stopped) {
-  stop_.utime = time::to_utime(clock_.now());
-  stop_.is_stopped = static_cast<std::int8_t>(is_stopped);
-  send_stop();
-  return {.ok = true, .text = is_stopped ? "Stopped until you say go." : "The robot may drive."};
+  is_stopped ? stop_sender_.stop(clock_.now()) : stop_sender_.release(clock_.now());
+  return {.ok = true,
+          .text = (is_stopped ? "STOP is sent until the robot is released. The banner says whether "
+                                "the base driver has confirmed it."
+                              : "Release is sent. The banner says if the base driver is still "
+                                "stopped.") +
+                  note_if_silent({node::kBaseDriver})};
 }
 
 Answer RemoteControl::do_explore(bool is_active) {
+  goal_asked_.reset();
   nodmap::explore_t message{};
   message.utime = time::to_utime(clock_.now());
   message.is_active = static_cast<std::int8_t>(is_active);
   message.requested_by = kName;
   bus_.publish("EXPLORE", message);
-  return {
-      .ok = true,
-      .text = is_active
-                  ? "Exploring. It ends when everything has been seen and the robot is back here."
-                  : "Exploration ended; the robot stays where it is."};
+  return {.ok = true,
+          .text = (is_active ? "Exploration asked for. It ends when everything has been seen and "
+                               "the robot is back here."
+                             : "End of the exploration asked for; the robot stays where it is.") +
+                  note_if_silent({kExplorer})};
 }
 
 Answer RemoteControl::do_save_maps() {
@@ -135,7 +163,7 @@ Answer RemoteControl::do_save_maps() {
   message.utime = time::to_utime(clock_.now());
   message.requested_by = kName;
   bus_.publish("SAVE_REQUEST", message);
-  return {.ok = true, .text = "Maps are being saved."};
+  return {.ok = true, .text = "Maps asked for." + note_if_silent({kSlam2d, kSlam6d})};
 }
 
 Answer RemoteControl::do_process(procman::Verb verb, const std::string& command) {
@@ -150,14 +178,6 @@ Answer RemoteControl::do_process_output(const std::string& command) {
   return processes_ == nullptr ? no_control_over_processes() : processes_->output(command);
 }
 
-// A message that releases the robot also ends our stop; otherwise two viewers would contradict
-// each other.
-void RemoteControl::on_stop(const nodmap::stop_t& message) {
-  if (message.is_stopped == 0 && message.utime > stop_.utime) {
-    stop_.is_stopped = 0;
-  }
-}
-
 void RemoteControl::on_map(const nodmap::grid_chunk_t& tile) {
   const Eigen::Vector2d first(tile.origin_x_m, tile.origin_y_m);
   const Eigen::Vector2d size =
@@ -167,28 +187,30 @@ void RemoteControl::on_map(const nodmap::grid_chunk_t& tile) {
   }
 }
 
-void RemoteControl::poll() {
-  if (stop_.is_stopped != 0 && std::chrono::abs(clock_.now() - stop_sent_) >= kRepeat) {
-    send_stop();
+void RemoteControl::on_status(const nodmap::status_t& status) {
+  const auto* const process = std::ranges::find(kRecipients, status.process_name);
+  if (process != kRecipients.end()) {
+    reported_[status.process_name] = clock_.now();
   }
 }
 
-// A repetition has the time of the decision: a release since then is newer.
-void RemoteControl::send_stop() {
-  stop_sent_ = clock_.now();
-  ++stop_.stop_seq;
-  bus_.publish("STOP", stop_);
+std::string RemoteControl::note_if_silent(std::initializer_list<const char*> processes) const {
+  const bool is_silent = std::ranges::none_of(processes, [this](const char* name) {
+    const auto last = reported_.find(name);
+    return last != reported_.end() && !time::is_due(clock_.now(), last->second, kSilence);
+  });
+  return is_silent ? fmt::format(" But no {} reports.", fmt::join(processes, " or ")) : "";
 }
 
-void RemoteControl::send_goal(bool is_active, double x_m, double y_m, double tolerance_m) {
-  nodmap::goal_t message{};
-  message.utime = time::to_utime(clock_.now());
-  message.goal_seq = goal_seq_++;
-  message.is_active = static_cast<std::int8_t>(is_active);
-  message.position_m[0] = x_m;
-  message.position_m[1] = y_m;
-  message.tolerance_m = tolerance_m;
-  bus_.publish("GOAL", message);
+// The robot must not begin to drive to a goal of which nobody thinks any more, for a navigator that
+// is started later.
+void RemoteControl::poll() {
+  const time::Timestamp now = clock_.now();
+  stop_sender_.repeat_if_due(now);
+  const bool is_asked = goal_asked_ && std::chrono::abs(now - *goal_asked_) <= kMaxAge;
+  if (is_asked && goal_sender_.status() == node::GoalSender::Status::kSent) {
+    goal_sender_.repeat_if_due(now);
+  }
 }
 
 }  // namespace nodmap::viewer

@@ -2,18 +2,21 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <cstdint>
+#include <initializer_list>
+#include <map>
 #include <optional>
 #include <string>
 
 #include "common/bus/bus.hpp"
 #include "common/geometry/time.hpp"
 #include "common/node/clock.hpp"
+#include "common/node/goal_sender.hpp"
+#include "common/node/stop_sender.hpp"
 #include "modules/viewer/answer.hpp"
 #include "modules/viewer/foxglove/foxglove.hpp"
 #include "modules/viewer/process_control.hpp"
 #include "nodmap/grid_chunk_t.hpp"
-#include "nodmap/stop_t.hpp"
+#include "nodmap/status_t.hpp"
 
 namespace nodmap::viewer {
 
@@ -30,10 +33,6 @@ using foxglove::Json;
 ///   process_output  command         answer with the last lines that it wrote
 class RemoteControl {
  public:
-  /// Period at which STOP is published again, for a process that has missed it or was started
-  /// later. Base driver and navigator remember a STOP.
-  static constexpr time::Duration kRepeat = 200ms;
-
   /// A request that may be older is not carried out, because the robot must not move when the link
   /// returns and nobody expects it any more; except `stop`, and what neither moves the robot nor
   /// starts or ends anything.
@@ -42,10 +41,12 @@ class RemoteControl {
   /// `processes` may be null: then processes cannot be controlled. All must outlive this object.
   RemoteControl(bus::Bus& bus, const time::Clock& clock, ProcessControl* processes);
 
-  /// Executes a request if possible. `age`: the greatest that it can have.
+  /// Executes a request if possible. `age`: the greatest that it can have. An answer that is ok
+  /// means that the request was sent, not that the robot has obeyed: the topics show that.
   [[nodiscard]] Answer answer(const Json& request, time::Duration age);
 
-  /// Publishes STOP again when that is due. To be called often.
+  /// Publishes STOP and GOAL again when that is due: STOP until the robot is released, a GOAL for
+  /// as long as its request would be carried out. To be called often.
   void poll();
 
  private:
@@ -57,18 +58,19 @@ class RemoteControl {
   Answer do_process(procman::Verb verb, const std::string& command);
   Answer do_recording(procman::Verb verb);
   Answer do_process_output(const std::string& command);
-  void on_stop(const nodmap::stop_t& message);
   void on_map(const nodmap::grid_chunk_t& tile);
-  void send_goal(bool is_active, double x_m, double y_m, double tolerance_m);
-  void send_stop();
+  void on_status(const nodmap::status_t& status);
+  /// A sentence if none of these processes has reported lately; otherwise nothing.
+  [[nodiscard]] std::string note_if_silent(std::initializer_list<const char*> processes) const;
 
   bus::Bus& bus_;
   const time::Clock& clock_;
   ProcessControl* processes_;
-  std::int64_t goal_seq_ = 0;
-  nodmap::stop_t stop_{};                     // our newest STOP
-  time::Timestamp stop_sent_{};               // when it was sent last
-  std::optional<Eigen::AlignedBox2d> map_m_;  // extent of the newest MAP_2D
+  node::GoalSender goal_sender_;
+  std::optional<time::Timestamp> goal_asked_;  // while that goal may still be repeated
+  node::StopSender stop_sender_;
+  std::optional<Eigen::AlignedBox2d> map_m_;         // extent of the newest MAP_2D
+  std::map<std::string, time::Timestamp> reported_;  // when we received the last STATUS of each
 };
 
 }  // namespace nodmap::viewer

@@ -72,7 +72,7 @@ class Requests(unittest.TestCase):
             driver = master(viewer)
             self.assertIn("services", driver.info["capabilities"])
             driver.subscribe("STOP")
-            self.assertEqual(driver.call({"do": "stop"}), {"ok": True, "text": "Stopped until you say go."})
+            self.assertTrue(driver.call({"do": "stop"})["ok"])
             # Four messages are three repetitions.
             stops = driver.collect(lambda m: len(m.get("STOP", [])) >= 4)["STOP"]
             self.assertTrue(all(stop["is_stopped"] for _, stop in stops))

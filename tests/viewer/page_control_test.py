@@ -2,10 +2,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The page's controls with the real server, live: every button gets an answer, and without a token there are no buttons.
 
-Environment: NODMAP_VIEWER (program).
+Environment: NODMAP_VIEWER, NODMAP_KURT, NODMAP_EXPLORER (programs).
 """
 import os
 import signal
+import subprocess
 import sys
 import unittest
 
@@ -14,6 +15,7 @@ import webdriver  # noqa: E402
 from deputy_process import Deputy  # noqa: E402
 from page_case import main  # noqa: E402
 from viewer_process import Viewer  # noqa: E402
+from websocket import PATIENCE_S  # noqa: E402
 
 # Presses the pointer at one place of the canvas and releases it at another; places are fractions of width and height.
 POINT = """
@@ -26,6 +28,7 @@ POINT = """
 """
 ANSWER = "document.getElementById('answer').textContent"
 BANNER = "document.getElementById('banner').textContent"
+FACTS = "document.getElementById('facts').innerText"
 
 
 # A key, with the focus on an element.
@@ -52,6 +55,12 @@ class Page(unittest.TestCase):
         self.open(f"#token={self.viewer.token}")
         self.assertIsNotNone(self.browser.wait_for("!document.getElementById('control').hidden"))
 
+    def start(self, *command):
+        """Starts a process of the robot, which ends with the test."""
+        process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.addCleanup(process.wait, PATIENCE_S)
+        self.addCleanup(process.terminate)
+
     def press(self, button):
         """Presses a button; returns the server's answer as soon as there is one."""
         self.browser.run(f"{ANSWER} = ''; document.querySelector(arguments[0]).click()", button)
@@ -64,14 +73,22 @@ class Control(Page):
         self.open("")
         self.assertIsNone(self.browser.wait_for("!document.getElementById('control').hidden", 1))
 
-    def test_the_robot_is_stopped_and_released(self):
+    def test_the_robot_counts_as_stopped_when_its_base_driver_says_so(self):
         self.open_with_token()
-        self.assertFalse(self.press("#stop").startswith("Refused"))
-        self.assertIsNotNone(self.browser.wait_for(f"{BANNER}.includes('STOPPED')"))
+        self.assertIn("STOP is sent", self.press("#stop"))
+        self.assertIsNotNone(self.browser.wait_for(f"{BANNER}.includes('STOP not confirmed')"))
+        self.assertEqual(self.browser.run("return document.getElementById('banner').dataset.level"), "error")
+        self.assertNotIn("STOPPED", self.browser.run(f"return {BANNER}"))
+        # Without a base it is FAILED, and stopped as after each start.
+        self.start(os.environ["NODMAP_KURT"], "--set", "device=/dev/nothing")
+        self.assertIsNotNone(self.browser.wait_for(f"{BANNER}.includes('STOPPED: by nodmap-kurt, for nodmap-viewer')"))
+        self.assertNotIn("STOP not confirmed", self.browser.run(f"return {BANNER}"))
         # Announced once, not five times a second.
         self.assertIn("STOPPED", self.browser.run("return document.getElementById('announcement').textContent"))
         self.assertFalse(self.press("#go").startswith("Refused"))
-        self.assertIsNotNone(self.browser.wait_for(f"!{BANNER}.includes('STOPPED')"))
+        self.assertIsNotNone(self.browser.wait_for(f"!{BANNER}.includes('STOP')"))
+        # Nor does the base driver say a second later that it is stopped.
+        self.assertIsNone(self.browser.wait_for(f"{BANNER}.includes('STOP')", 2))
 
     def test_a_goal_is_given_by_numbers_or_by_a_click(self):
         self.open_with_token()
@@ -79,7 +96,9 @@ class Control(Page):
         said = self.press("#control [type=submit]")
         self.assertIn("2.50", said)
         self.assertIn("-1.00", said)
+        self.assertIn("no nodmap-navigator reports", said)
         self.assertIsNotNone(self.browser.wait_for("nodmap.layers.get('scene/goal').layer.group.children.length > 0"))
+        self.assertIsNotNone(self.browser.wait_for(f"{FACTS}.includes('x 2.50 m, y -1.00 m, not taken')"))
         # While no goal is being chosen, a click does nothing. While one is, a drag turns the camera and a click is the goal; the next click does
         # nothing again.
         self.browser.run(f"{ANSWER} = ''")
@@ -96,7 +115,11 @@ class Control(Page):
 
     def test_an_exploration_is_started_and_ended(self):
         self.open_with_token()
-        self.assertTrue(self.press("#explore").startswith("Exploring"))
+        self.assertIn("no nodmap-explorer reports", self.press("#explore"))
+        self.start(os.environ["NODMAP_EXPLORER"])
+        self.assertIsNotNone(self.browser.wait_for("document.getElementById('processes').innerText.includes('explorer')"))
+        self.assertNotIn("reports", self.press("#explore"))
+        self.assertIsNotNone(self.browser.wait_for(f"{FACTS}.includes('EXPLORING')"))
         self.assertIn("stays", self.press("#explore-end"))
 
     def test_an_empty_field_gives_no_goal(self):
@@ -120,7 +143,7 @@ class Control(Page):
         for focus in ("#canvas", "#goal-x", "#save"):
             self.browser.run(f"{ANSWER} = ''")
             self.browser.run(KEY, "s", focus)
-            self.assertIsNotNone(self.browser.wait_for(f"{ANSWER}.startsWith('Stopped')"), focus)
+            self.assertIsNotNone(self.browser.wait_for(f"{ANSWER}.startsWith('STOP is sent')"), focus)
         self.assertFalse(self.press("#go").startswith("Refused"))
 
     def test_the_stop_button_stays_in_place(self):
@@ -167,13 +190,13 @@ class Control(Page):
     def test_what_is_asked_while_the_link_is_down_is_not_done_except_stop(self):
         """A stopped viewer is like a link that is down: the connection stays, and requests wait in it."""
         self.open_with_token()
-        for button, answer in (("explore", "Refused: Too old: not done."), ("stop", "Stopped until you say go.")):
+        for button, answer in (("explore", "Refused: Too old: not done."), ("stop", "STOP is sent")):
             self.viewer.process.send_signal(signal.SIGSTOP)
             self.addCleanup(self.viewer.process.send_signal, signal.SIGCONT)
             self.browser.run("document.getElementById(arguments[0]).click()", button)
             self.assertIsNotNone(self.browser.wait_for(f"{ANSWER} === 'No answer yet.'"), button)
             self.viewer.process.send_signal(signal.SIGCONT)
-            self.assertIsNotNone(self.browser.wait_for(f"{ANSWER} === '{answer}'"), button)
+            self.assertIsNotNone(self.browser.wait_for(f"{ANSWER}.startsWith('{answer}')"), button)
 
     def test_saving_the_maps_is_requested(self):
         self.open_with_token()
@@ -232,7 +255,7 @@ class WhatThisPageDependsOn(Page):
         self.viewer = Viewer("--control", "--procman", self.deputy.config)
         self.addCleanup(self.viewer.stop)
 
-    def start(self, command):
+    def start_command(self, command):
         row = f"document.querySelector('#processes tr[data-command={command}]')"
         self.assertIsNotNone(self.browser.wait_for(f"{row} && !{row}.querySelector('.buttons').hidden && !{row}.querySelector('[data-do=start]').disabled"))
         self.press(f"#processes tr[data-command={command}] [data-do=start]")
@@ -240,7 +263,7 @@ class WhatThisPageDependsOn(Page):
 
     def test_stopping_the_viewer_needs_a_confirmation(self):
         self.open_with_token()
-        self.start("viewer")
+        self.start_command("viewer")
         stop = "document.querySelector('#processes tr[data-command=viewer] [data-do=stop]')"
         question = "document.getElementById('confirm')"
         self.browser.run(f"{ANSWER} = ''; {stop}.click()")

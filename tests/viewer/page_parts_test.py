@@ -226,6 +226,25 @@ class PlotsOverTime(PageCase):
 
 
 class EventsOnTheTimeLine(PageCase):
+class WordsAboutTheRobot(PageCase):
+    def test_a_stop_is_not_called_confirmed_before_it_is(self):
+        browser = self.browse(self.play())
+        faults = browser.run("""return import("/state.js").then(({stopFault}) => ["RELEASED", "SENT", "STOPPED", "NOT_CONFIRMED"].map((state) => {
+            const fault = stopFault({state, by: "me"});
+            return fault ? [fault.level, fault.what, fault.why.includes("by me")] : null;
+        }))""")
+        self.assertEqual(faults, [None, [1, "STOP sent", True], [1, "STOPPED", True], [2, "STOP not confirmed", True]])
+
+    def test_a_goal_counts_as_taken_when_the_navigator_reports_on_it(self):
+        browser = self.browse(self.play())
+        texts = browser.run("""return import("/state.js").then(({goalText}) => arguments[0].map(([goal, navigation]) => goalText(goal, navigation)))""",
+                            [[goal, navigation] for goal in ({"is_active": True, "utime": 7, "position_m": [1, -2]}, {"is_active": False, "utime": 7})
+                             for navigation in (None, {"goal_utime": 0}, {"goal_utime": 7, "behaviour_name": "HALT"}, {"goal_utime": 7, "behaviour_name": "ARRIVED"})])
+        place, late = "x 1.00 m, y -2.00 m, ", "cancelled, not taken"
+        missed = place + "not taken"
+        self.assertEqual(texts, [missed, missed, place + "taken", place + "reached", late, "none: the robot roams", late, late])
+
+
     def test_a_text_of_several_lines_is_one_event(self):
         browser = self.browse(self.play())
         titles = browser.run("""nodmap.playback.showEvents(arguments[0]);

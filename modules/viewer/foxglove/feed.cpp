@@ -94,6 +94,7 @@ void Feed::reset() {
   cloud_downsampler_.clear();
   body_posted_ = false;
   octomap_ = {};
+  stop_state_ = {};
   processes_->reset();
 }
 
@@ -185,7 +186,13 @@ void Feed::subscribe_odometry(bus::Bus& bus) {
 
 void Feed::subscribe_decisions(bus::Bus& bus) {
   subscribe<nodmap::drive_t>(bus, "DRIVE", add_fields_topic<nodmap::drive_t>("DRIVE"));
-  subscribe<nodmap::stop_t>(bus, "STOP", add_fields_topic<nodmap::stop_t>("STOP"));
+  const auto post_stop = add_fields_topic<nodmap::stop_t>("STOP");
+  const std::size_t stop_state = store_.add({"stop_state", "nodmap.stop_state"});
+  subscribe<nodmap::stop_t>(bus, "STOP", [=, this, &bus](const auto& message) {
+    post_stop(message);
+    stop_state_.take(message, bus.origin().received);
+    post(stop_state, node::stamp_of(message), [state = stop_state_] { return state.to_json(); });
+  });
   subscribe<nodmap::navigation_t>(
       bus, "NAVIGATION",
       [this, post_fields = add_fields_topic<nodmap::navigation_t>("NAVIGATION"),

@@ -14,6 +14,7 @@
 #include "modules/viewer/foxglove/pose_views.hpp"
 #include "modules/viewer/foxglove/process_feed.hpp"
 #include "modules/viewer/foxglove/scene_views.hpp"
+#include "modules/viewer/foxglove/stop_state.hpp"
 #include "modules/viewer/foxglove/topic_store.hpp"
 
 namespace nodmap::foxglove {
@@ -41,7 +42,7 @@ struct FeedParams {
 
 /// Subscribes to nodmap's channels on a bus and posts what a viewer shows to a topic store. A topic
 /// that shows the messages of one channel has its name; `tf/*`, `trail/*`, `scene/*`, `keyframes`
-/// and `log` combine several.
+/// and `log` combine several; `stop_state` is what STOP says altogether.
 class Feed {
  public:
   /// All three must outlive this object. `counts` counts the messages used, lost and rejected.
@@ -99,6 +100,7 @@ class Feed {
   CloudAssembler cloud_;
   CloudDownsampler cloud_downsampler_;
   OctomapAssembler octomap_;
+  StopState stop_state_;
   std::optional<ProcessFeed> processes_;  // constructed where its topics are due
   bool body_posted_ = false;
   Eigen::Vector3d p_base_mount_;  // of the newest scan; of the parameters before the first

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Foxglove's own schemas and those of the process tables. The schemas of our messages are
-// generated.
+// Foxglove's own schemas, those of the process tables and of the state of STOP. The schemas of our
+// messages are generated.
 #include <initializer_list>
 #include <map>
 #include <utility>
@@ -181,8 +181,9 @@ std::map<std::string, Json> foxglove_schemas() {
                                                {"line", integer()}})}};
 }
 
-// Schemas of the process tables: STATUS, and the commands of the process manager.
-std::map<std::string, Json> table_schemas() {
+// Schemas of the process tables, which are STATUS and the commands of the process manager, and of
+// the state of STOP.
+std::map<std::string, Json> own_schemas() {
   Json process = Json::parse(json_message_schemas().at("nodmap.status_t"));
   process["properties"]["age_s"] = number();
   const Json host = object({{"host", text()},
@@ -198,16 +199,19 @@ std::map<std::string, Json> table_schemas() {
                                {"cpu_share", number_or_null()},
                                {"rss_bytes", integer()},
                                {"end", text()}});
-  return {{"nodmap.processes",
-           titled("nodmap.processes", {{"timestamp", time()}, {"processes", array_of(process)}})},
-          {"nodmap.commands", titled("nodmap.commands", {{"timestamp", time()},
-                                                         {"hosts", array_of(host)},
-                                                         {"commands", array_of(command)}})}};
+  return {
+      {"nodmap.processes",
+       titled("nodmap.processes", {{"timestamp", time()}, {"processes", array_of(process)}})},
+      {"nodmap.commands",
+       titled("nodmap.commands",
+              {{"timestamp", time()}, {"hosts", array_of(host)}, {"commands", array_of(command)}})},
+      {"nodmap.stop_state",
+       titled("nodmap.stop_state", {{"timestamp", time()}, {"state", text()}, {"by", text()}})}};
 }
 
 std::map<std::string, std::string> all_texts() {
   std::map<std::string, std::string> texts = json_message_schemas();
-  for (const auto& group : {foxglove_schemas(), table_schemas()}) {
+  for (const auto& group : {foxglove_schemas(), own_schemas()}) {
     for (const auto& [name, schema] : group) {
       texts.emplace(name, to_text(schema));
     }

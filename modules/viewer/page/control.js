@@ -84,7 +84,7 @@ export class Control {
     return processes;
   }
 
-  /** The STOP message: whether the robot is held. */
+  /** Whether somebody wants the robot to be stopped: then "Release" stands out. */
   showStopped(isStopped) {
     this.stopBar.classList.toggle("stopped", isStopped);
   }

@@ -100,8 +100,8 @@ function show(topic, {read, timeS}) {
     view.touch();
   } else if (topic === "STATUS" || topic === "PM_INFO") {
     processes.show(state.processes);
-  } else if (topic === "STOP") {
-    control.showStopped(message.is_stopped);
+  } else if (topic === "stop_state") {
+    control.showStopped(message.state !== "RELEASED");
   } else if (layers.has(topic)) {
     layers.get(topic).layer.show(message);
     view.touch();

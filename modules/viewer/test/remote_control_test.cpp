@@ -5,11 +5,14 @@
 
 #include <chrono>
 #include <string>
+#include <utility>
 
 #include "common/bus/live_bus.hpp"
 #include "nodmap/explore_t.hpp"
 #include "nodmap/goal_t.hpp"
+#include "nodmap/navigation_t.hpp"
 #include "nodmap/save_request_t.hpp"
+#include "nodmap/status_t.hpp"
 #include "procman/config/parser.hpp"
 
 namespace nodmap::viewer {
@@ -34,6 +37,24 @@ class RemoteControlTest : public ::testing::Test {
     clock_.advance(duration);
     control_.poll();
     handle();
+  }
+
+  // As long as anything that is asked once is repeated, and longer.
+  void pass_ten_seconds() {
+    for (int i = 0; i < 100; ++i) {
+      pass(100ms);
+    }
+  }
+
+  void report(const char* process) {
+    nodmap::status_t status{};
+    status.process_name = process;
+    bus_.publish("STATUS", status);
+    handle();
+  }
+
+  [[nodiscard]] bool answer_has(const char* text) const {
+    return answer_.find(text) != std::string::npos;
   }
 
   bus::LiveBus bus_{"memq://"};
@@ -97,19 +118,90 @@ TEST_F(RemoteControlTest, AStopIsRepeatedUntilTheRobotIsReleased) {
   ASSERT_TRUE(stop_.get());
   EXPECT_TRUE(stop_.get()->is_stopped);
   EXPECT_EQ(stop_.get()->requested_by, "nodmap-viewer");
-  pass(RemoteControl::kRepeat - 1us);
+  pass(node::StopSender::kPeriod - 1us);
   EXPECT_EQ(stop_.count(), 1);
   pass(1us);
   EXPECT_EQ(stop_.count(), 2);
   EXPECT_EQ(stop_.get()->stop_seq, 1);
   EXPECT_TRUE(ask({{"do", "goal"}, {"x_m", 1}, {"y_m", 1}}));  // does not release it
-  pass(RemoteControl::kRepeat);
+  pass(node::StopSender::kPeriod);
   EXPECT_TRUE(stop_.get()->is_stopped);
   EXPECT_TRUE(ask({{"do", "go"}}));
+  pass_ten_seconds();
   EXPECT_FALSE(stop_.get()->is_stopped);
+}
+
+// One of its messages may be lost, or cross a repetition of the base driver's.
+TEST_F(RemoteControlTest, AReleaseIsSentSeveralTimes) {
+  EXPECT_TRUE(ask({{"do", "stop"}}));
   const std::int64_t count = stop_.count();
-  pass(10 * RemoteControl::kRepeat);
-  EXPECT_EQ(stop_.count(), count);
+  pass(1ms);
+  EXPECT_TRUE(ask({{"do", "go"}}));
+  const std::int64_t decided = stop_.get()->utime;
+  pass_ten_seconds();
+  EXPECT_EQ(stop_.count(), count + node::StopSender::kNumCopies);
+  EXPECT_FALSE(stop_.get()->is_stopped);
+  EXPECT_EQ(stop_.get()->utime, decided) << "a copy must not lift a STOP of somebody else";
+}
+
+// The page shows what STOP itself says, and whether the base driver has confirmed it.
+TEST_F(RemoteControlTest, NoAnswerClaimsWhatNobodyHasConfirmed) {
+  EXPECT_TRUE(ask({{"do", "stop"}}));
+  EXPECT_TRUE(answer_has("STOP is sent")) << answer_;
+  EXPECT_TRUE(ask({{"do", "go"}}));
+  EXPECT_TRUE(answer_has("Release is sent")) << answer_;
+}
+
+TEST_F(RemoteControlTest, AnAnswerSaysIfNobodyReportsWhoCouldDoIt) {
+  const std::pair<Json, const char*> recipients[] = {
+      {{{"do", "goal"}, {"x_m", 1}, {"y_m", 1}}, "nodmap-navigator"},
+      {{{"do", "roam"}}, "nodmap-navigator"},
+      {{{"do", "explore"}}, "nodmap-explorer"},
+      {{{"do", "end_exploration"}}, "nodmap-explorer"},
+      {{{"do", "stop"}}, "nodmap-kurt"},
+      {{{"do", "go"}}, "nodmap-kurt"},
+      {{{"do", "save_maps"}}, "nodmap-slam6d"}};
+  for (const auto& [request, process] : recipients) {
+    EXPECT_TRUE(ask(request));
+    EXPECT_TRUE(answer_has("reports")) << answer_;
+    report(process);
+    EXPECT_TRUE(ask(request));
+    EXPECT_FALSE(answer_has("reports")) << answer_;
+    clock_.advance(5s);  // the process has ended
+    EXPECT_TRUE(ask(request));
+    EXPECT_TRUE(answer_has("reports")) << answer_;
+  }
+}
+
+TEST_F(RemoteControlTest, AGoalIsRepeatedUntilTheNavigatorHasTakenIt) {
+  EXPECT_TRUE(ask({{"do", "goal"}, {"x_m", 1}, {"y_m", 1}}));
+  pass(1s);
+  EXPECT_EQ(goal_.count(), 2);
+  nodmap::navigation_t navigation{};
+  navigation.goal_utime = goal_.get()->utime;
+  bus_.publish("NAVIGATION", navigation);
+  handle();
+  pass_ten_seconds();
+  EXPECT_EQ(goal_.count(), 2);
+}
+
+// A navigator that is started later must not drive to a place of which nobody thinks any more.
+TEST_F(RemoteControlTest, AGoalThatNobodyTakesIsNotRepeatedForLong) {
+  for (const Json& request :
+       {Json({{"do", "goal"}, {"x_m", 1}, {"y_m", 1}}), Json({{"do", "roam"}})}) {
+    const std::int64_t count = goal_.count();
+    EXPECT_TRUE(ask(request));
+    pass_ten_seconds();
+    EXPECT_EQ(goal_.count() - count, 3) << "at once, after one second and after two";
+  }
+}
+
+// The explorer takes the repetition for a goal of somebody else, which ends the exploration.
+TEST_F(RemoteControlTest, AnExplorationEndsTheRepetitionOfAGoal) {
+  EXPECT_TRUE(ask({{"do", "goal"}, {"x_m", 1}, {"y_m", 1}}));
+  EXPECT_TRUE(ask({{"do", "explore"}}));
+  pass_ten_seconds();
+  EXPECT_EQ(goal_.count(), 1);
 }
 
 TEST_F(RemoteControlTest, AReleaseByAnotherSenderEndsTheRepetition) {
@@ -118,12 +210,12 @@ TEST_F(RemoteControlTest, AReleaseByAnotherSenderEndsTheRepetition) {
   other.utime = 76;  // from before our stop, delayed on the network
   bus_.publish("STOP", other);
   handle();
-  pass(RemoteControl::kRepeat);
+  pass(node::StopSender::kPeriod);
   EXPECT_TRUE(stop_.get()->is_stopped);
   other.utime = time::to_utime(clock_.now()) + 1;
   bus_.publish("STOP", other);
   handle();
-  pass(10 * RemoteControl::kRepeat);
+  pass(10 * node::StopSender::kPeriod);
   EXPECT_FALSE(stop_.get()->is_stopped);
 }
 
@@ -136,7 +228,7 @@ TEST_F(RemoteControlTest, ARepetitionOfAStopIsNotNewerThanAReleaseSinceTheStop) 
   bus_.publish("STOP", release);
   handle();
   const std::int64_t count = stop_.count();
-  pass(10 * RemoteControl::kRepeat);
+  pass(10 * node::StopSender::kPeriod);
   EXPECT_EQ(stop_.count(), count);
 }
 

@@ -294,6 +294,7 @@ TEST_F(FeedTest, ConvertsAllOtherChannels) {
   EXPECT_DOUBLE_EQ(newest("tf/world")["translation"]["x"], -3.0);
   EXPECT_EQ(newest("STATUS")["processes"].size(), 1U);
   EXPECT_EQ(newest("STOP")["is_stopped"], false);
+  EXPECT_EQ(newest("stop_state")["state"], "RELEASED");
   EXPECT_TRUE(newest("BASE_SENSORS")["sonar_m"].is_null());
   EXPECT_EQ(newest("PM_INFO")["commands"][0]["process_name"], "nodmap-slam2d");
   EXPECT_EQ(newest("log")["name"], "nodmap-slam2d");
@@ -310,6 +311,25 @@ TEST_F(FeedTest, MessagesThatCannotBeShownAreCounted) {
   EXPECT_EQ(counts_.rejected().at("pose_not_valid"), 1);
   EXPECT_EQ(counts_.rejected().at("scan_not_plausible"), 1);
   EXPECT_EQ(newest("ODOMETRY"), Json());
+}
+
+// A reader may get only the newest message of STOP, which is the viewer's most of the time.
+TEST_F(FeedTest, TheStateOfStopOutlastsRepetitions) {
+  nodmap::stop_t stop = robot::stop();
+  stop.is_stopped = 1;
+  send("STOP", stop);
+  EXPECT_EQ(newest("stop_state")["state"], "SENT");
+  nodmap::stop_t confirmation = stop;
+  confirmation.requested_by = "nodmap-kurt, for nodmap-viewer";
+  send("STOP", confirmation);
+  send("STOP", stop);
+  EXPECT_EQ(newest("STOP")["requested_by"], "nodmap-viewer");
+  EXPECT_EQ(newest("stop_state")["state"], "STOPPED");
+  EXPECT_EQ(newest("stop_state")["by"], "nodmap-kurt, for nodmap-viewer");
+  feed_.reset();
+  store_.clear();
+  send("STOP", stop);
+  EXPECT_EQ(newest("stop_state")["state"], "SENT") << "a recording starts again";
 }
 
 TEST_F(FeedTest, AResetDropsTrailsAndMaps) {

@@ -10,6 +10,7 @@
 #include "modules/viewer/foxglove/process_tables.hpp"
 #include "modules/viewer/foxglove/scene_views.hpp"
 #include "modules/viewer/foxglove/sensor_views.hpp"
+#include "modules/viewer/foxglove/stop_state.hpp"
 #include "modules/viewer/foxglove/test/robot_maps.hpp"
 #include "modules/viewer/foxglove/test/robot_messages.hpp"
 #include "nodmap/json_messages.hpp"
@@ -106,6 +107,7 @@ TEST(Schemas, DescribeTheMessagesThatAreSent) {
   fits("foxglove.SceneUpdate", people_scene(robot::truth_at(0.0)));
   fits("foxglove.Log", health_log(robot::status_at(0.0)));
   fits("nodmap.processes", table.processes());
+  fits("nodmap.stop_state", StopState().to_json());
   const auto message_fits = [&fits]<class Message>(const Message& message) {
     fits(JsonMessage<Message>::kName, JsonMessage<Message>::fields(message));
   };

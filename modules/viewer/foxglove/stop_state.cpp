@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/viewer/foxglove/stop_state.hpp"
+
+#include "common/node/messages.hpp"
+#include "common/node/stop_latch.hpp"
+
+namespace nodmap::foxglove {
+namespace {
+
+// Two confirmations are missing.
+constexpr time::Duration kPatience = 2500ms;
+
+const char* name_of(StopState::State state) {
+  switch (state) {
+    case StopState::State::kReleased:
+      return "RELEASED";
+    case StopState::State::kSent:
+      return "SENT";
+    case StopState::State::kStopped:
+      return "STOPPED";
+    case StopState::State::kNotConfirmed:
+      return "NOT_CONFIRMED";
+  }
+  return "";
+}
+
+}  // namespace
+
+void StopState::take(const nodmap::stop_t& message, time::Timestamp received) {
+  stamp_ = node::stamp_of(message);
+  received_ = received;
+  const bool is_confirmed = node::is_confirmation(message);
+  if (message.is_stopped == 0) {
+    asked_.reset();
+    confirmed_.reset();
+  } else {
+    asked_ = asked_.value_or(received);
+  }
+  if (is_confirmed) {
+    confirmed_ = received;
+  }
+  // What the base driver says does not alternate with the repetitions of others.
+  if (is_confirmed || state() != State::kStopped) {
+    by_ = node::read_name(message.requested_by);
+  }
+}
+
+StopState::State StopState::state() const {
+  if (!asked_) {
+    return State::kReleased;
+  }
+  if (time::is_due(received_, confirmed_ ? confirmed_ : asked_, kPatience)) {
+    return State::kNotConfirmed;
+  }
+  return confirmed_ ? State::kStopped : State::kSent;
+}
+
+Json StopState::to_json() const {
+  return {{"timestamp", time_json(stamp_)}, {"state", name_of(state())}, {"by", by_}};
+}
+
+}  // namespace nodmap::foxglove
