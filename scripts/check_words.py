@@ -38,7 +38,7 @@ def find_word(words, line):
 
 def main():
     words = {word: in_parts(word) for word in sorted(set(old_words()))}
-    files = subprocess.run(["git", "ls-files", "*.hpp", "*.cpp", "*.py", "*.sh", "*.lcm", "*.md", "*.yaml", "*.pmd", "*.js", "nodmap"], cwd=ROOT,
+    files = subprocess.run(["git", "ls-files", "*.hpp", "*.cpp", "*.py", "*.sh", "*.lcm", "*.md", "*.yaml", "*.pmd", "*.js", "*.html", "*.css", "nodmap"], cwd=ROOT,
                            capture_output=True, text=True, check=True).stdout.split()
     errors = []
     for name in files:

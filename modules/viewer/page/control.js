@@ -5,7 +5,7 @@
 const LATE_MS = 2000;
 
 export class Control {
-  /** `stopBar` holds STOP and "Go on", `form` everything else. */
+  /** `stopBar` holds STOP and "Release", `form` everything else. */
   constructor(stopBar, form, view, connection) {
     this.stopBar = stopBar;
     this.form = form;

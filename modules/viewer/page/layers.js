@@ -154,6 +154,6 @@ export function makeLayers(frames, software) {
     ["scene/pose_graph", {name: "pose graph", swatch: "linear-gradient(to right, #5fb3ff 50%, #66e680 50%)", layer: entities(), off: true}],
     ["scene/pose_graph_6d", {name: "6D pose graph", swatch: "linear-gradient(to right, #5fb3ff 50%, #66e680 50%)", layer: entities(), off: true}],
     ["scene/goal", {name: "goal", swatch: "#1acc4d", layer: entities()}],
-    ["scene/people", {name: "people", swatch: "#d9339a", layer: entities()}],
+    ["scene/people", {name: "people (ground truth)", swatch: "#d9339a", layer: entities()}],
   ]);
 }

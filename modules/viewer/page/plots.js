@@ -16,13 +16,13 @@ const TIMED = {"nodmap-map-server": "maps", "nodmap-navigator": "navigator", "no
 
 /** The plots: a caption, their lines (name, quantity in a recording's history, factor to the plot's unit), and for each topic what it adds to which line. */
 const PLOTS = [
-  {caption: "speed, m/s", lines: [["speed", "forward_mps", 1], ["bound", "max_forward_mps", 1]],
-    from: {ODOMETRY: (m) => ({speed: m.forward_mps}), NAVIGATION: (m) => ({bound: m.max_forward_mps})}},
+  {caption: "speed, m/s", lines: [["speed", "forward_mps", 1], ["speed bound", "max_forward_mps", 1]],
+    from: {ODOMETRY: (m) => ({speed: m.forward_mps}), NAVIGATION: (m) => ({"speed bound": m.max_forward_mps})}},
   {caption: "pitch, °", lines: [["pitch", "pitch_rad", DEGREES]],
     from: {PITCH_STATE: (m) => ({pitch: DEGREES * m.pitch_rad}), SCAN: (m) => ({pitch: DEGREES * pitchOf(m.pose.orientation)})}},
-  {caption: "sweep time, s", lines: [["sweep", "sweep_s", 1]], from: {PITCH_COMMAND: (m) => ({sweep: m.sweep_s})}},
-  {caption: "obstacles, m", lines: [["nearest", "nearest_m", 1], ["clear distance", "clear_distance_m", 1]],
-    from: {OBSTACLE_MAP: (m, extra) => ({nearest: extra}), NAVIGATION: (m) => ({"clear distance": m.clear_distance_m})}},
+  {caption: "sweep duration, s", lines: [["sweep", "sweep_s", 1]], from: {PITCH_COMMAND: (m) => ({sweep: m.sweep_s})}},
+  {caption: "obstacles, m", lines: [["from centre", "nearest_m", 1], ["ahead of front", "clear_distance_m", 1]],
+    from: {OBSTACLE_MAP: (m, extra) => ({"from centre": extra}), NAVIGATION: (m) => ({"ahead of front": m.clear_distance_m})}},
   {caption: "latency (p99), ms", lines: Object.entries(TIMED).map(([process, name]) => [name, `latency_p99_us ${process}`, 1e-3]), logscale: true,
     gapS: STATUS_GAP_S, from: {STATUS: latenciesOf}},
 ];

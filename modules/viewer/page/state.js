@@ -106,7 +106,7 @@ export class State {
       facts.push(["goal", goalText(goal, navigation)]);
     }
     if (exploration) {
-      facts.push(["exploration", `${exploration.state_name.toLowerCase()}, ${number(exploration.seen_m2, 0, "m²")} seen`]);
+      facts.push(["exploration", `${exploration.state_name}, ${number(exploration.seen_m2, 0, "m²")} seen`]);
     }
     if (pitch) {
       facts.push(["pitch", number(DEGREES * pitch.pitch_rad, 1, "°")]);
@@ -118,7 +118,7 @@ export class State {
       facts.push(["6D SLAM", `${at(pose6d)}, ${pose6d.state_name}`]);
     }
     if (truth) {
-      facts.push(["clearance", number(truth.clearance_m, 2, "m")], ["collisions", String(truth.collisions)]);
+      facts.push(["ground truth", `clearance ${number(truth.clearance_m, 2, "m")}, collisions ${truth.collisions}`]);  // of a simulation
     }
     this.facts.replaceChildren(...[...facts, ...extra].flatMap(([name, value]) => [element("dt", name), element("dd", value)]));
   }
