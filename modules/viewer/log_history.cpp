@@ -22,10 +22,6 @@ namespace {
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 // Enough for a plot on a wide screen, because each interval has two samples.
 constexpr double kIntervals = 500.0;
-// Longest time between messages without a gap in the plot. STATUS, once a second, has the longest
-// period.
-constexpr double kGapS = 1.0;
-constexpr double kStatusGapS = 3.5;
 // Largest number of processes whose latencies are kept: more than a robot has.
 constexpr std::size_t kMaxSeries = 64;
 constexpr std::int64_t kEventsAtOnce = 1'000'000;

@@ -11,6 +11,11 @@ namespace nodmap::viewer {
 
 using foxglove::Json;
 
+/// Longest time between messages without a gap in a plot. STATUS, once a second, has the longest
+/// period.
+inline constexpr double kGapS = 1.0;
+inline constexpr double kStatusGapS = 3.5;
+
 /// One quantity over a whole recording, with as many samples as a plot can show: the smallest and
 /// the greatest value of each interval, with their times.
 class Series {

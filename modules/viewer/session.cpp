@@ -86,7 +86,7 @@ void Session::greet() {
   if (rights_.may_control) {
     capabilities.push_back("services");
   }
-  Json metadata = Json::object();
+  Json metadata(services_.metadata);
   if (rights_.may_control && services_.controls_processes) {
     metadata["process_control"] = "true";
   }

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -35,6 +36,8 @@ struct Services {
   std::function<Answer(const Json& request, time::Duration age)> control;
   /// Whether requests may also control processes and recordings.
   bool controls_processes = false;
+  /// What our page wants to know, by name.
+  std::map<std::string, std::string> metadata{};
 };
 
 /// The rights of one client.

@@ -8,6 +8,7 @@
 #include "common/node/clock.hpp"
 #include "common/node/log.hpp"
 #include "modules/viewer/access.hpp"
+#include "modules/viewer/log_history.hpp"
 
 namespace nodmap::viewer {
 namespace {
@@ -34,6 +35,9 @@ Viewer::Viewer(const Options& options, const ViewerParams& params, const Site& s
       server_(hub_, options.bind, options.port),
       period_(params.update_ms),
       pace_(period_) {
+  services_.metadata = {{"max_cloud_points", std::to_string(params.feed.max_cloud_points)},
+                        {"gap_s", std::to_string(kGapS)},
+                        {"status_gap_s", std::to_string(kStatusGapS)}};
   const std::string page = page_address(options.bind, server_.port());
   log::get().info("page on {}; Foxglove and Lichtblick: ws{}", page, page.substr(4));
   if (options.control) {

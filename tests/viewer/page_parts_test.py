@@ -217,6 +217,7 @@ class PlotsOverTime(PageCase):
         browser = self.browse(self.play())
         samples = """return import("/plots.js").then(({Plots}) => {
           const plots = new Plots(document.createElement("div"));
+          plots.gaps = nodmap.plots.gaps;
           arguments[0].forEach(([topic, timeS]) => plots.add(topic, {forward_mps: timeS, max_forward_mps: timeS}, timeS));
           return plots.plots[0].samples.map((line) => line.map(([timeS]) => timeS));
         })"""
@@ -225,7 +226,6 @@ class PlotsOverTime(PageCase):
         self.assertEqual(browser.run(samples, [*before, ("ODOMETRY", 400), ("ODOMETRY", 400.5)]), [[400, 400.5], []])
 
 
-class EventsOnTheTimeLine(PageCase):
 class WordsAboutTheRobot(PageCase):
     def test_a_stop_is_not_called_confirmed_before_it_is(self):
         browser = self.browse(self.play())
@@ -245,6 +245,7 @@ class WordsAboutTheRobot(PageCase):
         self.assertEqual(texts, [missed, missed, place + "taken", place + "reached", late, "none: the robot roams", late, late])
 
 
+class EventsOnTheTimeLine(PageCase):
     def test_a_text_of_several_lines_is_one_event(self):
         browser = self.browse(self.play())
         titles = browser.run("""nodmap.playback.showEvents(arguments[0]);

@@ -35,6 +35,12 @@ class Page(PageCase):
         self.save_image(browser, "page.png")
         self.assert_quiet(browser)
 
+    def test_it_keeps_as_many_points_as_the_viewer(self):
+        browser = self.browse(self.play("--set", "max_cloud_points=36000"))
+        # A keyframe of 12000 points comes every second.
+        self.assertIsNotNone(browser.wait_for("nodmap.playback.positionS > 5"))
+        self.assertEqual(browser.run("return nodmap.cloud.total"), 36000)
+
     def test_layers_can_be_hidden_and_shown(self):
         browser = self.browse(self.play())
         self.pause(browser)
@@ -142,6 +148,7 @@ class Page(PageCase):
                 const box = document.createElement("div");
                 document.body.append(box);
                 const plots = new Plots(box);
+                plots.gaps = nodmap.plots.gaps;
                 fill(plots);
                 plots.draw();
                 const {graph} = plots.plots[0];

@@ -6,9 +6,6 @@ import {pointsOf} from "./decode.js";
 import {setPose} from "./frames.js";
 import {SplatQuad} from "./splat.js";
 
-// The same as the server's default; the oldest keyframes are dropped first.
-const MAX_POINTS = 2e6;
-
 // The width of a point: near ones close up to surfaces, distant ones stay points.
 const POINT_M = 0.03;
 
@@ -61,6 +58,7 @@ export class Cloud {
     this.keyframes = new Map();  // by time, so that a keyframe sent again replaces itself
     this.poses = new Map();  // by time: the poses of keyframes after loop closures
     this.total = 0;
+    this.maxPoints = Infinity;  // the server says how many it keeps itself; the oldest keyframes are dropped first
     this.budget = Infinity;
   }
 
@@ -94,7 +92,7 @@ export class Cloud {
     this.group.add(object);
     this.total += points.length / 3;
     for (const oldest of this.keyframes.keys()) {
-      if (this.total <= MAX_POINTS || oldest === key) {
+      if (this.total <= this.maxPoints || oldest === key) {
         break;
       }
       this.remove(oldest);

@@ -114,6 +114,8 @@ const connection = new Connection({
     connected = true;
     byId("token-refused").hidden = true;  // a single failed attempt says little
     hasHistory = false;
+    cloud.maxPoints = Number(info.metadata.max_cloud_points);
+    plots.gaps = {steady: Number(info.metadata.gap_s), status: Number(info.metadata.status_gap_s)};
     plots.follow();
     forgetAll();
     playback.open(info);

@@ -7,9 +7,6 @@ import {element} from "./element.js";
 const WINDOW_S = 60;
 const DEGREES = 180 / Math.PI;
 const SAMPLE_S = 0.1;
-// Longest time between messages without a gap. STATUS, once a second, has the longest period.
-const GAP_S = 1;
-const STATUS_GAP_S = 3.5;
 const COLORS = ["#5fb3ff", "#ffb74d", "#8bd17c", "#ff8fd0"];
 // Processes whose latency is plotted: those that determine the robot's reaction time, and the two slow ones; with short names.
 const TIMED = {"nodmap-map-server": "maps", "nodmap-navigator": "navigator", "nodmap-slam2d": "2D", "nodmap-slam6d": "6D"};
@@ -24,7 +21,7 @@ const PLOTS = [
   {caption: "obstacles, m", lines: [["from centre", "nearest_m", 1], ["ahead of front", "clear_distance_m", 1]],
     from: {OBSTACLE_MAP: (m, extra) => ({"from centre": extra}), NAVIGATION: (m) => ({"ahead of front": m.clear_distance_m})}},
   {caption: "latency (p99), ms", lines: Object.entries(TIMED).map(([process, name]) => [name, `latency_p99_us ${process}`, 1e-3]), logscale: true,
-    gapS: STATUS_GAP_S, from: {STATUS: latenciesOf}},
+    gap: "status", from: {STATUS: latenciesOf}},
 ];
 
 /** The latencies in a STATUS, by process. A process that has handled nothing has none. */
@@ -44,8 +41,8 @@ function shortNumber(value) {
 
 /** One plot; added to the page when it has something to show. */
 class Plot {
-  constructor(parent, {caption, lines, from, logscale = false, gapS = GAP_S}) {
-    Object.assign(this, {lines, from, logscale, gapS});
+  constructor(parent, {caption, lines, from, logscale = false, gap = "steady"}) {
+    Object.assign(this, {lines, from, logscale, gap});
     this.samples = lines.map(() => []);  // for each line [seconds, value]; NaN where a gap begins
     this.window = null;                  // time window of a recording, seconds; null: the last minute
     this.figure = element("figure", "", {hidden: ""});
@@ -81,12 +78,12 @@ class Plot {
     });
   }
 
-  add(topic, message, timeS, extra) {
+  add(topic, message, timeS, extra, gaps) {
     if (this.window || !(topic in this.from)) {
       return;
     }
     for (const [name, value] of Object.entries(this.from[topic](message, extra))) {
-      this.addSample(this.samples[this.lines.findIndex(([line]) => line === name)], timeS, value);
+      this.addSample(this.samples[this.lines.findIndex(([line]) => line === name)], timeS, value, gaps[this.gap]);
     }
     this.samples.forEach((samples) => {
       while (samples.length && timeS - samples[0][0] > WINDOW_S) {
@@ -95,8 +92,8 @@ class Plot {
     });
   }
 
-  addSample(samples, timeS, value) {
-    if (samples.length && timeS < samples[samples.length - 1][0] - this.gapS) {
+  addSample(samples, timeS, value, gapS) {
+    if (samples.length && timeS < samples[samples.length - 1][0] - gapS) {
       // The clock was set back; a message that is only a little older than the last one came by a longer way.
       this.samples.forEach((line) => { line.length = 0; });
     }
@@ -104,7 +101,7 @@ class Plot {
     if (!Number.isFinite(value) || timeS - lastS < SAMPLE_S) {
       return;
     }
-    if (timeS - lastS > this.gapS && samples.length) {
+    if (timeS - lastS > gapS && samples.length) {
       samples.push([lastS, NaN]);
     }
     samples.push([timeS, value]);
@@ -156,12 +153,13 @@ class Plot {
 export class Plots {
   constructor(parent) {
     this.plots = PLOTS.map((description) => new Plot(parent, description));
+    this.gaps = {};  // longest time between messages without a gap, seconds, as the server has it in a recording's history: of STATUS, and of all others
     this.next = 0;
   }
 
   /** `extra`: a value already computed from the message, the nearest obstacle. */
   add(topic, message, timeS, extra) {
-    this.plots.forEach((plot) => plot.add(topic, message, timeS, extra));
+    this.plots.forEach((plot) => plot.add(topic, message, timeS, extra, this.gaps));
   }
 
   /** Shows a whole recording, independent of the playback. */

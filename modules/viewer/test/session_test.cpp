@@ -250,10 +250,11 @@ TEST_F(SessionTest, WithControlCallsAreAnswered) {
     return Answer{.ok = request["do"] == "stop", .text = "CommandOutput."};
   };
   services_.controls_processes = true;
+  services_.metadata = {{"gap_s", "1.0"}};
   Session session(store_, services_, {.may_play = true, .may_control = true});
   const Json info = text_frame(session);
   EXPECT_EQ(info["capabilities"], Json::array({"services"}));
-  EXPECT_EQ(info["metadata"]["process_control"], "true");
+  EXPECT_EQ(info["metadata"], Json({{"process_control", "true"}, {"gap_s", "1.0"}}));
   (void)session.next();
   EXPECT_EQ(text_frame(session)["services"][0]["name"], "control");
   receive(session, call(R"({"do":"stop"})"));
