@@ -9,36 +9,32 @@
 #include "common/node/request.hpp"
 #include "nodmap/save_request_t.hpp"
 
-namespace nodmap::save {
+namespace nodmap {
 namespace {
 
-constexpr double kWaitS = 2.5;
-
-int run(const std::string& requested_by, const std::string& lcm_url) {
+int run(const node::RequestOptions& options, const std::string& lcm_url) {
   bus::LiveBus bus(lcm_url);
   save_request_t request{};
   request.utime = time::to_utime(time::SystemClock().now());
-  request.requested_by = requested_by;
+  request.requested_by = options.by;
   bus.publish("SAVE_REQUEST", request);
-  return node::report_request(bus, {"nodmap-slam2d", "nodmap-slam6d"}, kWaitS);
+  return node::report_request(bus, {"nodmap-slam2d", "nodmap-slam6d"}, options.wait_s);
 }
 
 }  // namespace
-}  // namespace nodmap::save
+}  // namespace nodmap
 
 int main(int argc, char** argv) {
   using namespace nodmap;
-  std::string requested_by = "nodmap-save";
+  node::RequestOptions options{.by = "nodmap-save", .wait_s = 2.5};
   return node::run_program(
       argc, argv,
       {.name = "nodmap-save",
        .summary = "Asks 2D SLAM and 6D SLAM to write their maps now.",
        .uses_lcm = true,
        .add_options =
-           [&requested_by](CLI::App& app) {
-             app.add_option("--by", requested_by, "Name of the requester, for the log")
-                 ->capture_default_str();
+           [&options](CLI::App& app) {
+             node::add_request_options(app, options, "How long to listen for SLAM, seconds");
            },
-       .run = [&requested_by](
-                  const std::string& lcm_url) { return save::run(requested_by, lcm_url); }});
+       .run = [&options](const std::string& lcm_url) { return run(options, lcm_url); }});
 }
