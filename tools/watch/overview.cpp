@@ -4,10 +4,10 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "common/geometry/angle.hpp"
+#include "nodmap/json_messages.hpp"
 
 namespace nodmap::watch {
 namespace {
@@ -98,20 +98,14 @@ std::int64_t Overview::lost() const {
   return sum;
 }
 
-std::string behaviour_name(std::int8_t behaviour) {
-  static constexpr std::array<const char*, 5> kNames = {"STEER", "BRAKE", "TURN", "ARRIVED",
-                                                        "HALT"};
-  const auto index = static_cast<std::uint8_t>(behaviour);  // a negative number becomes a large one
-  return index < kNames.size() ? kNames.at(index) : "?";
-}
-
 std::string status_line(const Overview& overview, time::SteadyTime now) {
   std::string line = fmt::format(
       "{:<7} {:5.2f} m/s  pitch {:+5.1f} deg  nearest {:5.2f} m  keyframes {:<3} scans {:3.0f}/s  "
       "odometry {:3.0f}/s  lost {}",
-      behaviour_name(overview.behaviour()), overview.forward_mps(),
-      geometry::rad_to_deg(overview.pitch_rad()), overview.nearest_m(), overview.keyframes(),
-      overview.scans().per_second(now), overview.odometry().per_second(now), overview.lost());
+      JsonMessage<nodmap::navigation_t>::constant_name(overview.behaviour()),
+      overview.forward_mps(), geometry::rad_to_deg(overview.pitch_rad()), overview.nearest_m(),
+      overview.keyframes(), overview.scans().per_second(now), overview.odometry().per_second(now),
+      overview.lost());
   if (overview.collisions() >= 0) {
     line += fmt::format("  collisions {}", overview.collisions());
   }

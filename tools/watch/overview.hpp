@@ -109,7 +109,4 @@ class Overview {
 /// Formats one line for people, at most 120 characters.
 [[nodiscard]] std::string status_line(const Overview& overview, time::SteadyTime now);
 
-/// STEER, BRAKE, TURN, ARRIVED, HALT; "?" for any other number.
-[[nodiscard]] std::string behaviour_name(std::int8_t behaviour);
-
 }  // namespace nodmap::watch

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 
 namespace nodmap::watch {
 namespace overview_test {
@@ -118,10 +119,15 @@ TEST(Overview, AnExplorationThatEndsBeforeTheRobotIsHomeWasGivenUp) {
   EXPECT_FALSE(report(exploration_t::HOME));
 }
 
-TEST(BehaviourName, IsAQuestionMarkForAnUnknownNumber) {
-  EXPECT_EQ(behaviour_name(navigation_t::HALT), "HALT");
-  EXPECT_EQ(behaviour_name(-1), "?");
-  EXPECT_EQ(behaviour_name(17), "?");
+TEST(StatusLine, NamesTheBehaviour) {
+  Overview overview;
+  navigation_t navigation{};
+  for (const auto& [behaviour, name] :
+       {std::pair<std::int8_t, const char*>(navigation_t::HALT, "HALT"), {-1, "UNKNOWN"}}) {
+    navigation.behaviour = behaviour;
+    overview.add(navigation, at(0s));
+    EXPECT_TRUE(status_line(overview, at(0s)).starts_with(name));
+  }
 }
 
 }  // namespace overview_test
