@@ -57,10 +57,9 @@ class Collection {
 
   void add_keyframe(std::size_t k) {
     const Keyframe& keyframe = drive_.keyframes[k];
-    const VoxelMap voxels = voxelize(*keyframe.cloud, params_.voxels);
-    AdjustedSweep& sweep =
-        add(keyframe.sweep, keyframe.update, keyframe.T_map_base, oriented_points(voxels.level(0)));
-    sweep.planes = voxels.select(0).points;
+    AdjustedSweep& sweep = add(keyframe.sweep, keyframe.update, keyframe.T_map_base,
+                               adjusted_points(keyframe.cloud->points, params_.adjustment));
+    sweep.planes = voxelize(*keyframe.cloud, params_.voxels).select(0).points;
     if (k > 0 && keyframe.id == last_keyframe().id + 1) {
       add_motion(sweep, keyframe.update, drive_.steps[k - 1].T_from_to);
     } else if (k > 0) {
@@ -81,7 +80,7 @@ class Collection {
   [[nodiscard]] const Keyframe& last_keyframe() const { return drive_.keyframes[last_.keyframe]; }
 
   AdjustedSweep& add(std::size_t place, const PoseUpdate& update, const SE3& T_map_base,
-                     std::vector<OrientedPoint> points) {
+                     std::vector<MeanPoint> points) {
     all_.places.push_back(place);
     AdjustedSweep& sweep = all_.sweeps.emplace_back(
         AdjustedSweep{.T_map_base = T_map_base, .points = std::move(points)});

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/geometry/se3.hpp"
+#include "modules/slam6d/plane_adjustment.hpp"
 #include "modules/slam6d/pose_update.hpp"
 #include "modules/slam6d/sweep_cloud.hpp"
 #include "modules/slam6d/voxel_map.hpp"
@@ -33,9 +34,9 @@ struct Keyframe {
 
 /// A sweep that lies between two keyframes: what the plane adjustment needs of it.
 struct IntermediateSweep {
-  std::size_t sweep = 0;              ///< its number
-  std::vector<OrientedPoint> points;  ///< as those of a keyframe
-  PoseUpdate update = {};             ///< how it was found
+  std::size_t sweep = 0;          ///< its number
+  std::vector<MeanPoint> points;  ///< in base
+  PoseUpdate update = {};         ///< how it was found
 };
 
 }  // namespace nodmap::slam6d

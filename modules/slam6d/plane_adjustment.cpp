@@ -28,14 +28,12 @@ constexpr int kFitIterations = 4;
 constexpr double kFirstFitScale = 4.5;
 // Residuals below this are due to the rounding of voxel means.
 constexpr double kMinResidualM = 2e-3;
-// A point without a plane of its own is added only to patches that it does not see at a grazing
-// angle.
+// A point is added only to a patch that its beam does not meet at a grazing angle or from behind.
 constexpr float kMinViewCosine = 0.1F;
 
 // A voxel mean of a sweep.
 struct Sighting {
   Eigen::Vector3f p_map = Eigen::Vector3f::Zero();
-  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  // axes of map; zero: no plane of its own
   std::uint32_t sweep = 0;
   std::uint32_t patch = 0;
   float precision = 0.0F;  // inverse variance, relative to that of a single point
@@ -145,7 +143,7 @@ class Patch {
   double square_sum_m2_ = 0.0;
 };
 
-// Sightings, by cube and by the way their surfaces face.
+// Sightings, by cube.
 class PatchGrid {
  public:
   PatchGrid(std::span<const AdjustedSweep> sweeps, const VoxelMapParams& voxels,
@@ -161,11 +159,11 @@ class PatchGrid {
 
   // The planes that more than one sweep saw.
   [[nodiscard]] std::vector<Patch> patches(std::span<const AdjustedSweep> sweeps,
-                                           float min_normal_cosine, double scale_m) const {
+                                           double scale_m) const {
     std::vector<std::vector<Sighting>> by_patch(grid_.voxels().size());
     for (const Sighting& sighting : sightings_) {
       const Eigen::Vector3f p_base = sweeps[sighting.sweep].T_map_base.translation().cast<float>();
-      if (is_of_patch(sighting, p_base, min_normal_cosine)) {
+      if (is_of_patch(sighting, p_base)) {
         by_patch[sighting.patch].push_back(sighting);
       }
     }
@@ -202,10 +200,9 @@ class PatchGrid {
 
   void add_sightings(const AdjustedSweep& sweep, std::uint32_t k) {
     const Eigen::Isometry3f T_map_base = sweep.T_map_base.cast<float>();
-    for (const OrientedPoint& point : sweep.points) {
+    for (const MeanPoint& point : sweep.points) {
       Sighting sighting{
           .p_map = T_map_base * point.p,
-          .normal = T_map_base.linear() * point.normal,
           .sweep = k,
           .precision = trust(point.p) / (1.0F / point.num_points + kRoundingVariance)};
       sighting.patch = grid_.add(sighting.p_map, sighting.precision);
@@ -215,12 +212,8 @@ class PatchGrid {
     }
   }
 
-  [[nodiscard]] bool is_of_patch(const Sighting& sighting, const Eigen::Vector3f& p_base,
-                                 float min_normal_cosine) const {
+  [[nodiscard]] bool is_of_patch(const Sighting& sighting, const Eigen::Vector3f& p_base) const {
     const Eigen::Vector3f& normal = grid_.voxels()[sighting.patch].normal;
-    if (!sighting.normal.isZero(0.0F)) {
-      return sighting.normal.dot(normal) >= min_normal_cosine;
-    }
     const Eigen::Vector3f view = p_base - sighting.p_map;
     return normal.dot(view) > kMinViewCosine * view.norm();
   }
@@ -268,6 +261,18 @@ void add_odometry(PoseEquations& equations, std::span<const AdjustedSweep> sweep
 
 }  // namespace
 
+std::vector<MeanPoint> adjusted_points(std::span<const Eigen::Vector3f> points,
+                                       const AdjustmentParams& params) {
+  VoxelGrid grid(params.voxel_size_m);
+  grid.add(points);
+  std::vector<MeanPoint> means;
+  means.reserve(grid.voxels().size());
+  for (const Voxel& voxel : grid.voxels()) {
+    means.push_back({voxel.mean, voxel.weight});
+  }
+  return means;
+}
+
 std::vector<SE3> adjust_planes(std::span<const AdjustedSweep> sweeps, const VoxelMapParams& voxels,
                                const RegistrationParams& registration,
                                const AdjustmentParams& params) {
@@ -279,9 +284,7 @@ std::vector<SE3> adjust_planes(std::span<const AdjustedSweep> sweeps, const Voxe
     return poses;
   }
   const std::vector<Patch> patches =
-      PatchGrid(sweeps, voxels, params.patch_size_m)
-          .patches(sweeps, static_cast<float>(registration.min_normal_cosine),
-                   params.residual_scale_m);
+      PatchGrid(sweeps, voxels, params.patch_size_m).patches(sweeps, params.residual_scale_m);
   PoseEquations equations(sweeps.size());
   add_patches(equations, sweeps, patches, registration.residual_correlation);
   for (std::size_t k = 1; k < sweeps.size(); ++k) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
 #include <optional>
 #include <span>
 #include <vector>
@@ -14,6 +15,7 @@ namespace nodmap::slam6d {
 /// The joint adjustment of keyframes and the sweeps in between at the end.
 struct AdjustmentParams {
   bool use = true;
+  double voxel_size_m = 0.08;
   double patch_size_m = 0.4;
   double residual_scale_m = 0.015;
   double sweep_distance_m = 0.2;
@@ -23,6 +25,9 @@ struct AdjustmentParams {
     v.flag("use_adjustment", use,
            "Whether all keyframes and the sweeps in between are moved together at the end to where "
            "their planes agree best.");
+    v.number("voxel_size_m", voxel_size_m, {0.01, 1.0},
+             "Edge of the voxels within which the points of a sweep are averaged. Finer than those "
+             "of registration, because no point needs a plane of its own here.");
     v.number("patch_size_m", patch_size_m, {0.05, 5.0},
              "Edge of the cubes within which the points of all sweeps are taken as one plane.");
     v.number(
@@ -35,11 +40,20 @@ struct AdjustmentParams {
   }
 };
 
+/// The mean of the points that a sweep measured within one voxel.
+struct MeanPoint {
+  Eigen::Vector3f p = Eigen::Vector3f::Zero();
+  float num_points = 0.0F;
+};
+
+/// The points of a sweep as they are adjusted, in the same frame.
+[[nodiscard]] std::vector<MeanPoint> adjusted_points(std::span<const Eigen::Vector3f> points,
+                                                     const AdjustmentParams& params);
+
 /// A sweep whose pose is adjusted.
 struct AdjustedSweep {
   geometry::SE3 T_map_base = geometry::SE3::Identity();
-  /// Voxel means in base; normal zero where there is no plane.
-  std::vector<OrientedPoint> points = {};
+  std::vector<MeanPoint> points = {};  ///< in base
   /// The planes of all voxel sizes, in base. They tell which way patches face. May be empty if
   /// other sweeps saw the same.
   std::vector<OrientedPoint> planes = {};
@@ -55,7 +69,7 @@ struct AdjustedSweep {
 /// Computes the poses of all sweeps at which their planes agree best; the first pose is fixed.
 /// Performs one Gauss-Newton step from the present poses, which must be right to some centimetres.
 ///
-/// A patch is what all sweeps saw within one cube, facing one way: one plane, whose offset and
+/// A patch is what all sweeps saw within one cube, from its front: one plane, whose offset and
 /// tilts are unknowns like the poses, and are eliminated (plane adjustment: Ferrer 2019, Liu and
 /// Zhang 2021). The motions between successive sweeps determine what no plane does. If the
 /// equations have no solution, the poses are returned unchanged.

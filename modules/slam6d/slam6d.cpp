@@ -267,7 +267,8 @@ void Slam6d::add_to_map(const VoxelMap& sweep, const SweepCloud& cloud, const Po
   map_.add_sweep(sweep, update.T_map_base, keyframe);
   ever_free_.add_sweep(cloud, update.T_map_base, keyframe);
   if (!update.keyframe && is_adjusted(update)) {
-    between_.push_back({corrected_.num_added(), oriented_points(sweep.level(0)), update});
+    between_.push_back(
+        {corrected_.num_added(), adjusted_points(cloud.points, params_.adjustment), update});
   }
 }
 
@@ -305,7 +306,7 @@ Metrics Slam6d::metrics() const {
                                      keyframe.points.size() * sizeof(OrientedPoint);
   }
   for (const IntermediateSweep& sweep : between_) {
-    metrics.keyframe_memory_bytes += sweep.points.size() * sizeof(OrientedPoint);
+    metrics.keyframe_memory_bytes += sweep.points.size() * sizeof(MeanPoint);
   }
   return metrics;
 }

@@ -46,7 +46,7 @@ AdjustedSweep seen_from(
   }
   const VoxelMap voxels = VoxelMap::from_points(points, Eigen::Vector3f::Zero(), {});
   return {.T_map_base = T_world_base,
-          .points = oriented_points(voxels.level(0)),
+          .points = adjusted_points(points, {}),
           .planes = voxels.select(0).points};
 }
 
@@ -98,8 +98,8 @@ TEST(PlaneAdjustment, FindsTheTruePosesInAHall) {
 }
 
 // With 1 cm of noise most patches on walls consist of single points, and only the floor nearby is
-// dense. Both are weighted by their own standard deviations. Measured: an error of 3.12 mm, and of
-// 3.42 mm with the same standard deviation for all.
+// dense. Both are weighted by their own standard deviations. Measured: an error of 2.88 mm. With
+// means in voxels of 10 cm it was 3.12 mm, and 3.42 mm with the same standard deviation for all.
 TEST(PlaneAdjustment, SinglePointsAreWeightedByTheirOwnNoise) {
   std::mt19937 random(7);
   std::normal_distribution<double> noise_m(0.0, 0.01);
@@ -113,11 +113,11 @@ TEST(PlaneAdjustment, SinglePointsAreWeightedByTheirOwnNoise) {
       square_sum_m2 += std::pow(error_m(adjusted[k], k), 2);
     }
   }
-  EXPECT_LT(std::sqrt(square_sum_m2 / (kDrives * (kSweeps - 1))), 3.3e-3);
+  EXPECT_LT(std::sqrt(square_sum_m2 / (kDrives * (kSweeps - 1))), 3e-3);
 }
 
 // No plane determines the position along a bare corridor, but patches at its edges seem to. Sweeps
-// that are 4 mm off across the corridor therefore slide along it. Measured: at most 28 mm, if each
+// that are 4 mm off across the corridor therefore slide along it. Measured: at most 16 mm, if each
 // step of odometry has a standard deviation of 10 cm.
 TEST(PlaneAdjustment, SweepsHardlySlideAlongABareCorridor) {
   std::vector<AdjustedSweep> sweeps = drive(Room::corridor(), 0.1);
@@ -126,7 +126,7 @@ TEST(PlaneAdjustment, SweepsHardlySlideAlongABareCorridor) {
   }
   const std::vector<SE3> adjusted = adjust_planes(sweeps, {}, {}, {});
   for (std::size_t k = 1; k < kSweeps; ++k) {
-    EXPECT_LT(error_m(adjusted[k], k), 1.25 * 0.0282) << k;
+    EXPECT_LT(error_m(adjusted[k], k), 1.25 * 0.0158) << k;
   }
 }
 
@@ -195,6 +195,42 @@ TEST(PlaneAdjustment, WithoutCommonPlanesThePosesFollowOdometry) {
   }
   sweeps.erase(sweeps.begin() + 1, sweeps.end());
   EXPECT_TRUE(adjust_planes(sweeps, {}, {}, {})[0].isApprox(sweeps[0].T_map_base, 0.0));
+}
+
+// A thin board: two sweeps see its front and one its back, 4 cm behind. The back is not taken for
+// the front, so that odometry alone determines the pose of the third sweep.
+TEST(PlaneAdjustment, TheBackOfAThinBoardIsNotItsFront) {
+  std::vector<AdjustedSweep> sweeps(3);
+  for (std::size_t k = 0; k < sweeps.size(); ++k) {
+    sweeps[k].T_map_base = along(k < 2 ? 0.0 : 4.0);
+    sweeps[k].T_from_this = sweeps[0].T_map_base.inverse() * sweeps[k].T_map_base;
+    for (float y = -1.0F; y < 1.0F; y += 0.08F) {
+      for (float z = -1.0F; z < 1.0F; z += 0.08F) {
+        const Eigen::Vector3f p_base(k < 2 ? 2.0F : -1.96F, y, z);
+        sweeps[k].points.push_back({p_base, 5.0F});
+        if (k < 2) {
+          sweeps[k].planes.push_back({p_base, -Eigen::Vector3f::UnitX(), 5.0F});
+        }
+      }
+    }
+  }
+  const std::vector<SE3> adjusted = adjust_planes(sweeps, {}, {}, {});
+  EXPECT_LT(geometry::distance_m(adjusted[2], along(4.0)), 1e-9);
+}
+
+// Each point counts once, in the mean of the points that fall into the same voxel. Points that are
+// not finite are left out.
+TEST(AdjustedPoints, AreTheMeansOfVoxels) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const std::vector<Eigen::Vector3f> points{
+      {0.01F, 0.02F, 0.03F}, {nan, 0.0F, 0.0F}, {0.03F, 0.04F, 0.07F}, {0.09F, 0.02F, 0.03F}};
+  const auto means = adjusted_points(points, {.voxel_size_m = 0.08});
+  ASSERT_EQ(means.size(), 2U);
+  EXPECT_EQ(means[0].num_points, 2.0F);
+  EXPECT_TRUE(means[0].p.isApprox(Eigen::Vector3f(0.02F, 0.03F, 0.05F)));  // float rounding
+  EXPECT_EQ(means[1].num_points, 1.0F);
+  EXPECT_TRUE(means[1].p.isApprox(points[3]));
+  EXPECT_TRUE(adjusted_points({}, {}).empty());
 }
 
 // Equations that cannot be solved leave the poses as they are.
