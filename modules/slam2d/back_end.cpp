@@ -43,25 +43,19 @@ BackEnd::BackEnd(const BackEndParams& params, const MapParams& map, const Matche
 SavedMap BackEnd::save() const {
   SavedMap map;
   chain_.save(map);
-  for (const PoseEdge2d& edge : graph_.loops()) {
-    map.loops.push_back({edge, loops_.at({edge.from, edge.to}).score});
-  }
+  map.loops = graph_.accepted_loops();
   return map;
 }
 
 void BackEnd::restore(SavedMap map) {
   const std::vector<SavedMap::Loop> loops = std::move(map.loops);
   chain_.restore(std::move(map));
+  std::vector<PoseEdge2d> steps;
   for (std::size_t s = 1; s < submaps().size(); ++s) {
-    graph_.add_chain_edge(chain_.step_to_submap(s));
+    steps.push_back(chain_.step_to_submap(s));
   }
-  for (const SavedMap::Loop& loop : loops) {
-    const PoseEdge2d& edge = loop.edge;
-    graph_.add_loop(edge.from, edge.to, edge.T_from_to, edge.information);
-    loops_[{edge.from, edge.to}] = {edge.from, edge.to, LoopState::kAccepted, loop.score};
-  }
+  graph_.restore(std::move(steps), loops);
   begin_anew(kFoundSigmas);
-  ++graph_revision_;
 }
 
 CorrelativeMatch BackEnd::find_in_local(std::span<const OrientedPoint> scan,
@@ -77,7 +71,6 @@ void BackEnd::add_keyframe(Keyframe keyframe, const geometry::SE2& T_local_keyfr
   const bool is_finished = chain_.add(std::move(keyframe), T_local_keyframe, information);
   if (submaps().size() > std::max<std::size_t>(num_submaps, 1)) {
     graph_.add_chain_edge(chain_.step_to_submap(num_submaps));
-    ++graph_revision_;
   }
   close_loops();
   // One per keyframe; any others follow with the next ones.
@@ -115,11 +108,11 @@ void BackEnd::close_loops() {
     if (reach_m <= kCertainDistanceM && reach_rad <= kCertainRotationRad) {
       if (tracked < kMaxTracked) {
         ++tracked;
-        track_loop(near.submap, scan);
+        decide(track_loop(near.submap, scan), false);
       }
     } else if (is_search_due && searched < kMaxSearches) {
       ++searched;
-      search_loop(near.submap, scan, reach_m, reach_rad);
+      decide(search_loop(near.submap, scan, reach_m, reach_rad), true);
     }
   }
   optimise_if_due();
@@ -141,26 +134,77 @@ void BackEnd::optimise_if_due() {
   }
 }
 
-void BackEnd::track_loop(std::size_t submap_index, std::span<const OrientedPoint> scan) {
+LoopAttempt BackEnd::track_loop(std::size_t submap_index, std::span<const OrientedPoint> scan) {
   const Submap& submap = submaps()[submap_index];
-  const geometry::SE2 T_submap_guess =
-      submap.T_map_submap.inverse() * keyframes().back().T_map_base;
-  LoopAttempt attempt = closer_.track(submap, scan, T_submap_guess);
-  Loop& loop = attempt.loop;
-  loop.submap = submap_index;
-  loop.keyframe = keyframes().size() - 1;
+  LoopAttempt attempt =
+      closer_.track(submap, scan, submap.T_map_submap.inverse() * keyframes().back().T_map_base);
+  attempt.loop.submap = submap_index;
+  attempt.loop.keyframe = keyframes().size() - 1;
+  return attempt;
+}
+
+LoopAttempt BackEnd::search_loop(std::size_t submap_index, std::span<const OrientedPoint> scan,
+                                 double reach_m, double reach_rad) {
+  const Submap& submap = submaps()[submap_index];
+  const SearchWindow window{
+      submap.T_map_submap.inverse() * keyframes().back().T_map_base,
+      std::min(std::max(reach_m, kCertainDistanceM), params_.loop.search.max_distance_m),
+      std::min(std::max(reach_rad, kCertainRotationRad), params_.loop.search.max_rotation_rad)};
+  ++metrics_.searches;
+  LoopAttempt attempt = closer_.search(submap_index, submap, scan, window);
+  attempt.loop.submap = submap_index;
+  attempt.loop.keyframe = keyframes().size() - 1;
+  return attempt;
+}
+
+// Decides whether an attempt to recognise the newest keyframe becomes an edge of the graph. A place
+// that was searched for, or that contradicts the graph, needs the consensus of several keyframes.
+void BackEnd::decide(const LoopAttempt& attempt, bool was_searched) {
   if (attempt.state != LoopState::kAccepted) {
-    ++metrics_.refused_match;
-    record(loop, attempt.state);
-    return;
-  }
-  if (chi_squared(loop) > kMaxLoopChiSquared) {
+    metrics_.refused_ambiguous += attempt.state == LoopState::kAmbiguous ? 1 : 0;
+    metrics_.refused_match += attempt.state == LoopState::kLowScore ? 1 : 0;
+    refuse(attempt.loop, attempt.state);
+  } else if (was_searched) {
+    accept_by_consensus(attempt.loop);
+  } else if (chi_squared(attempt.loop) > kMaxLoopChiSquared) {
     ++metrics_.refused_by_graph;
-    accept_by_consensus(loop);
-    return;
+    accept_by_consensus(attempt.loop);
+  } else {
+    ++metrics_.loops_tracked;
+    accept(attempt.loop);
   }
-  ++metrics_.loops_tracked;
-  accept(loop);
+}
+
+// Where places look alike, several keyframes may find the same wrong one. The views of single scans
+// then show walls that are missing, or walls in the way.
+void BackEnd::accept_by_consensus(Loop loop) {
+  loop.is_contradicted = contradicts_views(loop);
+  metrics_.refused_by_view += loop.is_contradicted ? 1 : 0;
+  // The state until other keyframes agree.
+  refuse(loop, loop.is_contradicted ? LoopState::kLowScore : LoopState::kInconsistent);
+  for (const Loop& accepted : closer_.add_pending(loop, submaps(), keyframes())) {
+    ++metrics_.loops_searched;
+    accept(accepted);
+    has_searched_loops_ = true;
+  }
+}
+
+void BackEnd::accept(const Loop& loop) {
+  // The loop joins two submaps, because the keyframe is fixed in its own submap.
+  PoseEdge2d edge;
+  edge.from = loop.submap;
+  edge.to = chain_.submap_of(loop.keyframe);
+  const geometry::SE2 T_own_keyframe = submaps()[edge.to].pose_of(loop.keyframe);
+  edge.T_from_to = loop.T_submap_keyframe * T_own_keyframe.inverse();
+  const Eigen::Matrix3d J =
+      moment_arm_jacobian(loop.T_submap_keyframe.translation() - edge.T_from_to.translation());
+  edge.information = J.transpose() * loop.information * J;
+  graph_.add_loop(edge, loop.score, chi_squared(loop));
+  has_new_loops_ = true;
+}
+
+void BackEnd::refuse(const Loop& loop, LoopState state) {
+  graph_.refuse_loop({loop.submap, chain_.submap_of(loop.keyframe), state, loop.score});
 }
 
 // How far a loop is from the pose of its keyframe, by the covariances of both.
@@ -174,42 +218,8 @@ double BackEnd::chi_squared(const Loop& loop) const {
       geometry::angle_difference(loop.T_submap_keyframe.yaw, T_submap_keyframe.yaw));
   const Eigen::Matrix3d expected =
       registration::rotated(uncertainty_[loop.submap], -T_map_submap.yaw) +
-      graph_.variance_factor().value() * registration::covariance_of(loop.information);
+      graph_.variance_factor() * registration::covariance_of(loop.information);
   return off.dot(expected.inverse() * off);
-}
-
-void BackEnd::search_loop(std::size_t submap_index, std::span<const OrientedPoint> scan,
-                          double reach_m, double reach_rad) {
-  const Submap& submap = submaps()[submap_index];
-  const SearchWindow window{
-      submap.T_map_submap.inverse() * keyframes().back().T_map_base,
-      std::min(std::max(reach_m, kCertainDistanceM), params_.loop.search.max_distance_m),
-      std::min(std::max(reach_rad, kCertainRotationRad), params_.loop.search.max_rotation_rad)};
-  ++metrics_.searches;
-  LoopAttempt attempt = closer_.search(submap_index, submap, scan, window);
-  attempt.loop.submap = submap_index;
-  attempt.loop.keyframe = keyframes().size() - 1;
-  if (attempt.state == LoopState::kAccepted) {
-    accept_by_consensus(attempt.loop);
-    return;
-  }
-  metrics_.refused_ambiguous += attempt.state == LoopState::kAmbiguous ? 1 : 0;
-  metrics_.refused_match += attempt.state == LoopState::kLowScore ? 1 : 0;
-  record(attempt.loop, attempt.state);
-}
-
-// Where places look alike, several keyframes may find the same wrong one. The views of single scans
-// then show walls that are missing, or walls in the way.
-void BackEnd::accept_by_consensus(Loop loop) {
-  loop.is_contradicted = contradicts_views(loop);
-  metrics_.refused_by_view += loop.is_contradicted ? 1 : 0;
-  // The state until other keyframes agree.
-  record(loop, loop.is_contradicted ? LoopState::kLowScore : LoopState::kInconsistent);
-  for (const Loop& accepted : closer_.add_pending(loop, submaps(), keyframes())) {
-    ++metrics_.loops_searched;
-    accept(accepted);
-    has_searched_loops_ = true;
-  }
 }
 
 bool BackEnd::contradicts_views(const Loop& loop) const {
@@ -223,48 +233,6 @@ bool BackEnd::contradicts_views(const Loop& loop) const {
     }
   }
   return false;
-}
-
-void BackEnd::accept(const Loop& loop) {
-  // The loop joins two submaps, because the keyframe is fixed in its own submap.
-  const std::size_t own = chain_.submap_of(loop.keyframe);
-  if (!graph_.has_loop(loop.submap, own)) {  // further ones show the same error again
-    VarianceFactor& factor = graph_.variance_factor();
-    factor.add(chi_squared(loop) * factor.value());
-  }
-  const geometry::SE2 T_own_keyframe = submaps()[own].pose_of(loop.keyframe);
-  const geometry::SE2 T_from_to = loop.T_submap_keyframe * T_own_keyframe.inverse();
-  const Eigen::Matrix3d J =
-      moment_arm_jacobian(loop.T_submap_keyframe.translation() - T_from_to.translation());
-  const Eigen::Matrix3d information = J.transpose() * loop.information * J;
-  graph_.add_loop(loop.submap, own, T_from_to, information);
-  has_new_loops_ = true;
-  record(loop, LoopState::kAccepted);
-}
-
-void BackEnd::record(const Loop& loop, LoopState state) {
-  const std::size_t own = chain_.submap_of(loop.keyframe);
-  const auto [place, is_new] = loops_.try_emplace({loop.submap, own});
-  SubmapLoop& known = place->second;
-  if (is_new || state == LoopState::kAccepted || known.state != LoopState::kAccepted) {
-    graph_revision_ += is_new || known.state != state ? 1 : 0;
-    known = {loop.submap, own, state, loop.score};
-  }
-}
-
-std::vector<SubmapLoop> BackEnd::loops() const {
-  auto known = loops_;
-  for (const PoseEdge2d& edge : graph_.loops()) {
-    if (graph_.is_outlier(edge, submaps())) {
-      known.at({edge.from, edge.to}).state = LoopState::kOutlier;
-    }
-  }
-  std::vector<SubmapLoop> loops;
-  loops.reserve(known.size());
-  for (const auto& [submaps, loop] : known) {
-    loops.push_back(loop);
-  }
-  return loops;
 }
 
 void BackEnd::drop_replaced_submap() {
@@ -282,39 +250,15 @@ void BackEnd::drop_submap(std::size_t dropped) {
   graph_.drop_submap(dropped, submaps());
   dropped_ = chain_.drop_submap(dropped);
   closer_.drop_submap(dropped, dropped_->first, dropped_->first + dropped_->keyframes.size());
-  drop_from_loops(dropped);
   uncertainty_.clear();
   chain_.move_keyframes();
-  ++graph_revision_;
   ++metrics_.submaps_dropped;
-}
-
-void BackEnd::drop_from_loops(std::size_t dropped) {
-  std::map<std::pair<std::size_t, std::size_t>, SubmapLoop> kept;
-  double score = 0.0;  // of the loops that have got a new end
-  for (auto [pair, loop] : loops_) {
-    if (loop.from == dropped || loop.to == dropped) {
-      score = std::max(score, loop.state == LoopState::kAccepted ? loop.score : 0.0);
-      continue;
-    }
-    loop.from -= loop.from > dropped ? 1 : 0;
-    loop.to -= loop.to > dropped ? 1 : 0;
-    kept[{loop.from, loop.to}] = loop;
-  }
-  for (const PoseEdge2d& edge : graph_.loops()) {
-    SubmapLoop& loop = kept[{edge.from, edge.to}];
-    if (loop.state != LoopState::kAccepted) {
-      loop = {edge.from, edge.to, LoopState::kAccepted, score};
-    }
-  }
-  loops_ = std::move(kept);
 }
 
 void BackEnd::optimise() {
   graph_.optimise(chain_.submaps(), has_searched_loops_);
   chain_.move_keyframes();
   ++metrics_.optimisations;
-  ++graph_revision_;
   keyframes_since_optimised_ = 0;
   has_new_loops_ = false;
   has_searched_loops_ = false;

@@ -4,13 +4,10 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <span>
-#include <utility>
 #include <vector>
 
-#include "common/registration/pose_graph.hpp"
 #include "modules/slam2d/loop_closer.hpp"
 #include "modules/slam2d/params.hpp"
 #include "modules/slam2d/saved_map.hpp"
@@ -32,15 +29,6 @@ struct BackEndMetrics {
   std::int64_t refused_by_view = 0;   ///< walls where the other saw free space
   std::int64_t optimisations = 0;
   std::int64_t submaps_dropped = 0;  ///< newer ones have replaced them
-};
-
-/// The state of the loops between two submaps: of the loop accepted last or, if none was accepted,
-/// of the one tried last.
-struct SubmapLoop {
-  std::size_t from = 0;  ///< indices of submaps
-  std::size_t to = 0;
-  LoopState state = LoopState::kLowScore;
-  double score = 0.0;
 };
 
 /// Keeps the map consistent: submaps of consecutive keyframes, joined by odometry and by loops in a
@@ -98,26 +86,26 @@ class BackEnd {
   [[nodiscard]] std::span<const Submap> submaps() const { return chain_.submaps(); }
   [[nodiscard]] const BackEndMetrics& metrics() const { return metrics_; }
   /// One entry for each pair of submaps between which a loop was tried.
-  [[nodiscard]] std::vector<SubmapLoop> loops() const;
+  [[nodiscard]] std::vector<SubmapLoop> loops() const { return graph_.loops(submaps()); }
   /// Counts the changes of submaps and loops.
-  [[nodiscard]] std::int64_t graph_revision() const { return graph_revision_; }
+  [[nodiscard]] std::int64_t graph_revision() const { return graph_.revision(); }
   [[nodiscard]] std::size_t num_points() const { return chain_.num_points(); }
 
  private:
   void close_loops();
   void update_uncertainty();
   void optimise_if_due();
-  void track_loop(std::size_t submap_index, std::span<const OrientedPoint> scan);
-  void search_loop(std::size_t submap_index, std::span<const OrientedPoint> scan, double reach_m,
-                   double reach_rad);
+  [[nodiscard]] LoopAttempt track_loop(std::size_t submap, std::span<const OrientedPoint> scan);
+  [[nodiscard]] LoopAttempt search_loop(std::size_t submap, std::span<const OrientedPoint> scan,
+                                        double reach_m, double reach_rad);
+  void decide(const LoopAttempt& attempt, bool was_searched);
   void accept_by_consensus(Loop loop);
   void accept(const Loop& loop);
+  void refuse(const Loop& loop, LoopState state);
   [[nodiscard]] double chi_squared(const Loop& loop) const;
   [[nodiscard]] bool contradicts_views(const Loop& loop) const;
-  void record(const Loop& loop, LoopState state);
   void drop_replaced_submap();
   void drop_submap(std::size_t dropped);
-  void drop_from_loops(std::size_t dropped);
   void optimise();
 
   BackEndParams params_;
@@ -130,8 +118,6 @@ class BackEnd {
   bool has_searched_loops_ = false;
   std::vector<Eigen::Matrix3d> uncertainty_;  ///< of each submap relative to the local one
   Eigen::Matrix3d drift_covariance_ = Eigen::Matrix3d::Zero();
-  std::map<std::pair<std::size_t, std::size_t>, SubmapLoop> loops_;
-  std::int64_t graph_revision_ = 0;
   BackEndMetrics metrics_;
 };
 

@@ -12,6 +12,7 @@
 #include "modules/slam2d/params.hpp"
 #include "modules/slam2d/scan_matcher.hpp"
 #include "modules/slam2d/submap.hpp"
+#include "modules/slam2d/submap_graph.hpp"
 
 namespace nodmap::slam2d {
 
@@ -23,15 +24,6 @@ struct Loop {
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< in the frame of the submap
   double score = 0.0;                                     ///< of the match, 0..1
   bool is_contradicted = false;  ///< by what was seen: walls where the other saw free space
-};
-
-/// What became of a loop. The values are those of nodmap.pose_graph_t.
-enum class LoopState : std::uint8_t {
-  kAccepted = 0,
-  kAmbiguous = 1,     ///< another place fits as well
-  kLowScore = 2,      ///< the scan fits nowhere near, or contradicts what was seen there
-  kInconsistent = 3,  ///< with the graph, and too few other keyframes agree so far
-  kOutlier = 4,       ///< accepted, but it contradicts the graph and has lost its weight
 };
 
 /// A loop that was tried, and how it went. Without a match the loop is empty.
