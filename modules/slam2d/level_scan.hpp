@@ -17,12 +17,14 @@ namespace nodmap::slam2d {
 /// A level scan: the data set D of Eq. 3, and the robot's pose by odometry.
 struct LevelScan {
   time::Timestamp stamp{};  ///< of the first beam
+  /// In the frame in which odometry began: after a restart it continues from where it was.
   geometry::SE2 T_odom_base;
   Eigen::Vector2d sensor_origin_base = Eigen::Vector2d::Zero();
   std::span<const OrientedPoint> points_base;
   /// The longest time without odometry since the previous level scan.
   double odometry_gap_s = 0.0;
-  bool is_of_nod = false;  ///< from a nodding scanner: one level scan in each sweep
+  bool odometry_has_restarted = false;  ///< since the previous level scan
+  bool is_of_nod = false;               ///< from a nodding scanner: one level scan in each sweep
 
   /// Whether the robot may have moved farther than odometry has counted. Any odometry comes several
   /// times in half a second.
@@ -38,40 +40,38 @@ struct ScanCounts {
   std::int64_t implausible = 0;
   std::int64_t not_level = 0;
   std::int64_t without_odometry = 0;
-
-  ScanCounts& operator+=(const ScanCounts& other) {
-    implausible += other.implausible;
-    not_level += other.not_level;
-    without_odometry += other.without_odometry;
-    return *this;
-  }
 };
 
-/// Turns odometry and the scans of a nodding or level scanner into level scans.
+/// Turns odometry and the scans of a nodding or level scanner into level scans. "... extracting
+/// exactly those 2D scans that have been taken in the horizontal position" (section IV A).
 class LevelScanInput {
  public:
   explicit LevelScanInput(const LevelScanParams& params) : selector_(params) {}
 
-  /// Takes a pose of base by odometry. Returns false, and ignores it, when it is not finite.
-  bool add_odometry(time::Timestamp stamp, const geometry::SE3& T_odom_base);
-
-  /// Continues with odometry in another frame, in which the newest pose is `T_new_odom_base`.
-  /// Returns T_old_new, the new odom frame in the old one. Older odometry is dropped, so that no
-  /// scan is placed between the two frames.
-  geometry::SE2 change_odometry_frame(const geometry::SE3& T_new_odom_base);
+  /// Takes a pose of base by odometry; ignores it when it is not finite.
+  ///
+  /// `has_restarted`: this pose is the first in another frame, because the publisher of odometry
+  /// was restarted. It is taken as the same place as the newest pose before, so the robot stays
+  /// where it was. Older odometry is dropped: no scan is placed between the two frames.
+  void add_odometry(time::Timestamp stamp, const geometry::SE3& T_published_base,
+                    bool has_restarted = false);
 
   /// Takes the next scan. Returns the level scan that it completes, which is this scan or the
   /// previous one; valid until the next call. Returns nothing, and counts why, for a scan that is
   /// not level, implausible, or more than 50 ms from any odometry.
   [[nodiscard]] std::optional<LevelScan> add_scan(const scan::Scan& scan);
 
+  /// The frame of the odometry that is published now, in that of LevelScan::T_odom_base.
+  [[nodiscard]] const geometry::SE2& T_odom_published() const { return T_odom_published_; }
   [[nodiscard]] const ScanCounts& counts() const { return counts_; }
 
  private:
   LevelScanSelector selector_;
-  geometry::PoseHistory odometry_;
+  geometry::PoseHistory odometry_;  // as published, since the last restart
+  geometry::SE2 T_odom_published_;
   std::optional<time::Timestamp> odometry_stamp_;  // the newest
   double odometry_gap_s_ = 0.0;                    // the longest since the last level scan
+  bool odometry_has_restarted_ = false;            // since then
   OrientedPointExtractor extractor_;
   ScanCounts counts_;
 };

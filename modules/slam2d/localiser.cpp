@@ -29,40 +29,28 @@ Localiser::Localiser(const Slam2dParams& params, const KnownMap& map,
                      const std::optional<geometry::SE2>& T_map_start)
     : params_(params),
       map_(map),
-      input_(params.level_scans),
       matcher_(params.matcher),
       search_(params.search),
       relocaliser_(params.relocalise, params.matcher),
       T_map_start_(T_map_start),
       doubt_(params.doubt) {}
 
-void Localiser::change_odometry_frame(const geometry::SE3& T_new_odom_base) {
-  const geometry::SE2 T_old_new = input_.change_odometry_frame(T_new_odom_base);
-  T_map_odom_ = T_map_odom_ * T_old_new;
-  T_odom_found_ = T_old_new.inverse() * T_odom_found_;
-  if (T_odom_last_) {
-    T_odom_last_ = T_old_new.inverse() * *T_odom_last_;
-  }
-  failed_search_.reset();
-}
-
-std::optional<PoseUpdate> Localiser::add_scan(const scan::Scan& scan) {
-  const std::optional<LevelScan> level_scan = input_.add_scan(scan);
-  if (!level_scan) {
-    return std::nullopt;
-  }
+PoseUpdate Localiser::add_scan(const LevelScan& scan) {
   if (T_map_start_) {
-    T_map_odom_ = *T_map_start_ * level_scan->T_odom_base.inverse();
+    T_map_odom_ = *T_map_start_ * scan.T_odom_base.inverse();
     T_map_start_.reset();
     state_ = State::kLocated;
   }
+  if (scan.odometry_has_restarted) {
+    failed_search_.reset();  // the robot may have moved meanwhile
+  }
   if (T_odom_last_) {
     covariance_.move(T_map_odom_.yaw + T_odom_last_->yaw,
-                     T_odom_last_->inverse() * level_scan->T_odom_base);
-    begin_doubt_after_gap(*level_scan);
+                     T_odom_last_->inverse() * scan.T_odom_base);
+    begin_doubt_after_gap(scan);
   }
-  T_odom_last_ = level_scan->T_odom_base;
-  PoseUpdate update = state_ == State::kLost ? search_whole_map(*level_scan) : track(*level_scan);
+  T_odom_last_ = scan.T_odom_base;
+  PoseUpdate update = state_ == State::kLost ? search_whole_map(scan) : track(scan);
   update.T_map_odom = T_map_odom_;
   if (update.state != PoseState::kLost) {
     update.covariance = covariance_.matrix();

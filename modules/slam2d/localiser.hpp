@@ -33,20 +33,11 @@ class Localiser {
   Localiser(const Slam2dParams& params, const KnownMap& map,
             const std::optional<geometry::SE2>& T_map_start);
 
-  /// See Slam2d::add_odometry().
-  bool add_odometry(time::Timestamp stamp, const geometry::SE3& T_odom_base) {
-    return input_.add_odometry(stamp, T_odom_base);
-  }
-  /// See Slam2d::change_odometry_frame().
-  void change_odometry_frame(const geometry::SE3& T_new_odom_base);
-
-  /// Takes the next scan of a nodding or level scanner. Returns the pose when this completes a
-  /// level scan. Until the robot has been found for the first time, the pose has no meaning, and
-  /// its state is kLost.
-  std::optional<PoseUpdate> add_scan(const scan::Scan& scan);
+  /// Takes the next level scan and returns its pose. Until the robot has been found for the first
+  /// time, the pose has no meaning, and its state is kLost.
+  PoseUpdate add_scan(const LevelScan& scan);
 
   [[nodiscard]] const LocaliserMetrics& metrics() const { return metrics_; }
-  [[nodiscard]] const ScanCounts& scan_counts() const { return input_.counts(); }
 
  private:
   enum class State : std::uint8_t { kLost, kUnconfirmed, kLocated };
@@ -70,7 +61,6 @@ class Localiser {
 
   Slam2dParams params_;
   const KnownMap& map_;
-  LevelScanInput input_;
   ScanMatcher matcher_;
   PoseSearch search_;
   Relocaliser relocaliser_;

@@ -6,7 +6,6 @@
 #include "common/formats/input_file.hpp"
 #include "common/formats/tum.hpp"
 #include "common/node/log.hpp"
-#include "common/node/messages.hpp"
 #include "common/node/results.hpp"
 #include "modules/slam2d/map_file.hpp"
 #include "modules/slam2d/messages.hpp"
@@ -16,7 +15,7 @@ namespace nodmap::slam2d {
 LocaliserNode::LocaliserNode(node::Context& context, const Slam2dParams& params,
                              const node::MapOptions& options)
     : context_(context),
-      input_(context.counts, &context.bus),
+      input_(params.level_scans, context.counts, &context.bus),
       map_(read_ros_map(options.localise_in), params.map),
       grid_(to_occupancy_grid(map_.grid())),
       map_publisher_(context.bus, time::from_seconds(params.grid.publish_period_s)),
@@ -27,42 +26,25 @@ LocaliserNode::LocaliserNode(node::Context& context, const Slam2dParams& params,
                                   ": a map without any wall beside free space");
   }
   context_.bus.subscribe<nodmap::odometry_t>(
-      "ODOMETRY", [this](const nodmap::odometry_t& message) { on_odometry(message); });
+      "ODOMETRY", [this](const nodmap::odometry_t& message) { input_.read(message); });
   context_.bus.subscribe<nodmap::scan_t>(
       "SCAN", [this](const nodmap::scan_t& message) { on_scan(message); });
 }
 
-void LocaliserNode::on_odometry(const nodmap::odometry_t& message) {
-  const auto T_odom_base = input_.read(message);
-  if (!T_odom_base) {
-    return;
-  }
-  if (input_.odometry_restarted()) {
-    localiser_.change_odometry_frame(*T_odom_base);
-  }
-  localiser_.add_odometry(node::stamp_of(message), *T_odom_base);
-  context_.counts.use();
-}
-
 void LocaliserNode::on_scan(const nodmap::scan_t& message) {
-  if (!input_.read(message, scan_)) {
+  const std::optional<LevelScan> scan = input_.read(message);
+  if (!scan) {
     return;
   }
-  const std::int64_t without_odometry = localiser_.scan_counts().without_odometry;
-  const std::optional<PoseUpdate> update = localiser_.add_scan(scan_);
-  context_.counts.reject("scan_without_odometry",
-                         localiser_.scan_counts().without_odometry - without_odometry);
-  if (!update) {
-    return;
-  }
+  const PoseUpdate update = localiser_.add_scan(*scan);
   context_.counts.use();
-  context_.bus.publish("POSE_2D", write_pose(*update));
-  map_publisher_.publish_if_due(grid_, update->stamp);
-  last_stamp_ = update->stamp;
-  state_ = update->state;
-  if (update->state != PoseState::kLost) {
+  context_.bus.publish("POSE_2D", write_pose(update, input_.input().T_odom_published()));
+  map_publisher_.publish_if_due(grid_, update.stamp);
+  last_stamp_ = update.stamp;
+  state_ = update.state;
+  if (update.state != PoseState::kLost) {
     const Keyframe map_frame;  // as the map never changes
-    path_.add(*update, {&map_frame, 1});
+    path_.add(update, {&map_frame, 1});
   }
 }
 
@@ -84,7 +66,7 @@ void LocaliserNode::write_results(const std::filesystem::path& dir) {
 
 nlohmann::json LocaliserNode::metrics() const {
   const LocaliserMetrics& metrics = localiser_.metrics();
-  nlohmann::json result = scan_metrics(metrics.scans, localiser_.scan_counts());
+  nlohmann::json result = scan_metrics(metrics.scans, input_.input().counts());
   result["maps_published"] = map_publisher_.num_published();
   result["map_points"] = map_.points().points().size();
   result["localisation"] = {{"searches", metrics.searches},

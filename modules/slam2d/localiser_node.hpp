@@ -5,7 +5,7 @@
 
 #include "common/node/map_options.hpp"
 #include "common/node/node.hpp"
-#include "common/node/sensor_input.hpp"
+#include "modules/slam2d/level_scan_reader.hpp"
 #include "modules/slam2d/localiser.hpp"
 #include "modules/slam2d/map_publisher.hpp"
 #include "modules/slam2d/tracked_path.hpp"
@@ -28,16 +28,14 @@ class LocaliserNode : public node::Node {
   [[nodiscard]] node::Health health() const override;
 
  private:
-  void on_odometry(const nodmap::odometry_t& message);
   void on_scan(const nodmap::scan_t& message);
 
   node::Context& context_;
-  node::SensorInput input_;
+  LevelScanReader input_;
   KnownMap map_;
   OccupancyGrid grid_;  // of map_
   MapPublisher map_publisher_;
   Localiser localiser_;
-  scan::Scan scan_;                         // the last one; a member to reuse its memory
   time::Timestamp last_stamp_{};            // of a scan that was used
   PoseState state_ = PoseState::kTracking;  // of the last pose; before it nothing is wrong
   TrackedPath path_;                        // without the scans while it was lost

@@ -51,9 +51,10 @@ nodmap::grid_chunk_t write_tile(const OccupancyGrid& grid, GridTile tile) {
   return message;
 }
 
-nodmap::pose_t write_pose(const PoseUpdate& update) {
-  nodmap::pose_t message = node::write_corrected_pose(
-      update.stamp, geometry::to_se3(update.T_map_base), geometry::to_se3(update.T_map_odom));
+nodmap::pose_t write_pose(const PoseUpdate& update, const geometry::SE2& T_odom_published) {
+  nodmap::pose_t message =
+      node::write_corrected_pose(update.stamp, geometry::to_se3(update.T_map_base),
+                                 geometry::to_se3(update.T_map_odom * T_odom_published));
   message.inlier_ratio = update.inlier_ratio;
   message.inlier_rms_m = update.rms_m;
   message.state = pose_state(update.state);

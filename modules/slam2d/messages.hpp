@@ -11,7 +11,9 @@
 
 namespace nodmap::slam2d {
 
-[[nodiscard]] nodmap::pose_t write_pose(const PoseUpdate& update);
+/// `T_odom_published`: see LevelScanInput.
+[[nodiscard]] nodmap::pose_t write_pose(const PoseUpdate& update,
+                                        const geometry::SE2& T_odom_published);
 
 /// Of more than 2000 loops only the newest.
 [[nodiscard]] nodmap::pose_graph_t write_graph(time::Timestamp stamp, const BackEnd& back_end);

@@ -31,13 +31,13 @@ constexpr time::Duration kGraphPeriod = 1s;
 Slam2dNode::Slam2dNode(node::Context& context, const Params& params)
     : context_(context),
       params_(params),
-      input_(context.counts, &context.bus),
+      input_(params.level_scans, context.counts, &context.bus),
       slam_(params),
       map_(params.grid.cell_size_m),
       map_publisher_(context.bus, time::from_seconds(params.grid.publish_period_s)),
       saving_(context) {
   context_.bus.subscribe<nodmap::odometry_t>(
-      "ODOMETRY", [this](const nodmap::odometry_t& message) { on_odometry(message); });
+      "ODOMETRY", [this](const nodmap::odometry_t& message) { input_.read(message); });
   context_.bus.subscribe<nodmap::scan_t>(
       "SCAN", [this](const nodmap::scan_t& message) { on_scan(message); });
   context_.bus.subscribe<nodmap::clear_request_t>(
@@ -60,36 +60,19 @@ Slam2dNode::Slam2dNode(node::Context& context, const Params& params,
                   slam_.back_end().submaps().size());
 }
 
-void Slam2dNode::on_odometry(const nodmap::odometry_t& message) {
-  const auto T_odom_base = input_.read(message);
-  if (!T_odom_base) {
-    return;
-  }
-  if (input_.odometry_restarted()) {
-    slam_.change_odometry_frame(*T_odom_base);
-    if (search_) {
-      search_->localiser.change_odometry_frame(*T_odom_base);
-    }
-  }
-  slam_.add_odometry(node::stamp_of(message), *T_odom_base);
-  if (search_) {
-    search_->localiser.add_odometry(node::stamp_of(message), *T_odom_base);
-  }
-  context_.counts.use();
-}
-
 void Slam2dNode::on_scan(const nodmap::scan_t& message) {
-  if (!input_.read(message, scan_)) {
-    return;
-  }
-  last_scan_stamp_ = scan_.stamp;
-  if (saving_.is_retry_due(last_scan_stamp_)) {
+  const std::optional<LevelScan> scan = input_.read(message);
+  if (saving_.is_retry_due(input_.scan_stamp())) {
     save();
   }
-  const std::optional<PoseUpdate> update = search_ ? find_in_saved_map() : slam_.add_scan(scan_);
-  count_rejected();
-  if (update) {
+  if (!scan) {
+    return;
+  }
+  if (const auto update =
+          search_ ? std::optional(find_in_saved_map(*scan)) : slam_.add_scan(*scan)) {
     answer(*update);
+  } else {
+    context_.counts.reject("too_few_points");
   }
 }
 
@@ -97,7 +80,7 @@ void Slam2dNode::answer(const PoseUpdate& update) {
   context_.counts.use();
   last_state_ = update.state;
   last_stamp_ = update.stamp;
-  context_.bus.publish("POSE_2D", write_pose(update));
+  context_.bus.publish("POSE_2D", write_pose(update, input_.input().T_odom_published()));
   if (!search_) {
     update_grid(update);
     if (time::is_due(update.stamp, last_graph_stamp_, kGraphPeriod)) {
@@ -123,27 +106,10 @@ void Slam2dNode::update_grid(const PoseUpdate& update) {
   map_.redraw_moved(slam_.keyframes(), kMaxCheckedPerScan, kMaxRedrawnPerScan);
 }
 
-std::optional<PoseUpdate> Slam2dNode::find_in_saved_map() {
-  const std::optional<PoseUpdate> update = search_->localiser.add_scan(scan_);
+PoseUpdate Slam2dNode::find_in_saved_map(const LevelScan& scan) {
+  const PoseUpdate update = search_->localiser.add_scan(scan);
   search_metrics_ = search_->localiser.metrics();
-  search_scan_counts_ = search_->localiser.scan_counts();
   return update;
-}
-
-ScanCounts Slam2dNode::scan_counts() const {
-  ScanCounts counts = slam_.scan_counts();
-  counts += search_scan_counts_;
-  return counts;
-}
-
-void Slam2dNode::count_rejected() {
-  const ScanCounts scans = scan_counts();
-  const std::int64_t without_points = slam_.metrics().scans_without_points;
-  context_.counts.reject("scan_without_odometry",
-                         scans.without_odometry - counted_.without_odometry);
-  context_.counts.reject("too_few_points", without_points - counted_without_points_);
-  counted_ = scans;
-  counted_without_points_ = without_points;
 }
 
 void Slam2dNode::on_clear_request(const nodmap::clear_request_t& message) {
@@ -164,13 +130,13 @@ void Slam2dNode::on_clear_request(const nodmap::clear_request_t& message) {
 }
 
 void Slam2dNode::on_save_request(const nodmap::save_request_t& message) {
-  if (saving_.accept(message, last_scan_stamp_)) {
+  if (saving_.accept(message, input_.scan_stamp())) {
     save();
   }
 }
 
 void Slam2dNode::save() {
-  saving_.record(save_map(context_.out_dir), last_scan_stamp_);
+  saving_.record(save_map(context_.out_dir), input_.scan_stamp());
 }
 
 std::error_code Slam2dNode::save_map(const std::filesystem::path& dir) const {
@@ -241,7 +207,7 @@ nlohmann::json Slam2dNode::metrics() const {
   const double scans = static_cast<double>(std::max<std::int64_t>(1, metrics.scans.all));
   ScansByState all_scans = metrics.scans;
   all_scans += search_metrics_.scans;
-  nlohmann::json result = scan_metrics(all_scans, scan_counts());
+  nlohmann::json result = scan_metrics(all_scans, input_.input().counts());
   result.update({{"mean_inlier_ratio", metrics.inlier_ratio_sum / scans},
                  {"mean_score", metrics.score_sum / scans},
                  {"map_points", slam_.back_end().num_points()},

@@ -10,9 +10,9 @@
 #include "common/node/map_options.hpp"
 #include "common/node/map_saving.hpp"
 #include "common/node/node.hpp"
-#include "common/node/sensor_input.hpp"
 #include "modules/slam2d/keyframe_grid.hpp"
 #include "modules/slam2d/known_map.hpp"
+#include "modules/slam2d/level_scan_reader.hpp"
 #include "modules/slam2d/localiser.hpp"
 #include "modules/slam2d/map_publisher.hpp"
 #include "modules/slam2d/params.hpp"
@@ -41,16 +41,13 @@ class Slam2dNode : public node::Node {
   [[nodiscard]] node::Health health() const override;
 
  private:
-  void on_odometry(const nodmap::odometry_t& message);
   void on_scan(const nodmap::scan_t& message);
   void on_clear_request(const nodmap::clear_request_t& message);
   void on_save_request(const nodmap::save_request_t& message);
-  [[nodiscard]] std::optional<PoseUpdate> find_in_saved_map();
+  [[nodiscard]] PoseUpdate find_in_saved_map(const LevelScan& scan);
   void answer(const PoseUpdate& update);
   void save();
   [[nodiscard]] std::error_code save_map(const std::filesystem::path& dir) const;
-  [[nodiscard]] ScanCounts scan_counts() const;
-  void count_rejected();
   void update_grid(const PoseUpdate& update);
   void publish_graph(time::Timestamp stamp);
 
@@ -65,19 +62,14 @@ class Slam2dNode : public node::Node {
 
   node::Context& context_;
   Params params_;
-  node::SensorInput input_;
+  LevelScanReader input_;
   Slam2d slam_;
   std::size_t num_restored_ = 0;    // keyframes of the saved map
   std::unique_ptr<Search> search_;  // until the robot is found; null for a new map
   LocaliserMetrics search_metrics_;
-  ScanCounts search_scan_counts_;
-  ScanCounts counted_;  // as rejected, like the next
-  std::int64_t counted_without_points_ = 0;
   KeyframeGrid map_;
   MapPublisher map_publisher_;
-  scan::Scan scan_;                    // the last one; a member to reuse its memory
-  time::Timestamp last_stamp_{};       // of a scan that was used
-  time::Timestamp last_scan_stamp_{};  // of any scan
+  time::Timestamp last_stamp_{};  // of a scan that was used
   std::optional<time::Timestamp> last_graph_stamp_;
   std::int64_t graph_revision_published_ = 0;
   PoseState last_state_ = PoseState::kTracking;

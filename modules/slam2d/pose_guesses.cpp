@@ -40,11 +40,6 @@ void PoseGuesses::add_scan(time::Timestamp stamp, const geometry::SE2& T_last_ba
   last_stamp_ = stamp;
 }
 
-void PoseGuesses::change_odometry_frame(const geometry::SE2& T_old_new) {
-  T_map_odom_counted_ = T_map_odom_counted_ * T_old_new;
-  T_odom_counted_ = T_old_new.inverse() * T_odom_counted_;
-}
-
 bool PoseGuesses::is_fast_step(double step_s) const {
   return step_s >= params_.min_scan_period_s && step_s <= params_.max_scan_period_s;
 }

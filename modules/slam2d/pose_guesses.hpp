@@ -33,8 +33,6 @@ class PoseGuesses {
   }
   /// Forgets the motion up to the last scan, because its pose is not known.
   void forget_motion() { steps_.clear(); }
-  /// Odometry continues in another frame; T_old_new is the new one in the old one.
-  void change_odometry_frame(const geometry::SE2& T_old_new);
 
   /// T_map_base by the odometry that is counted, whatever was matched since.
   [[nodiscard]] geometry::SE2 by_counted_odometry(const LevelScan& scan) const {

@@ -46,8 +46,9 @@ struct ScansByState {
 struct PoseUpdate {
   time::Timestamp stamp{};  ///< of the first beam
   geometry::SE2 T_map_base = {};
-  geometry::SE2 T_map_odom = {};  ///< the correction of odometry, which itself never jumps
-  double inlier_ratio = 0.0;      ///< of the match, like the next two; 0 without a match
+  /// The correction of odometry, which itself never jumps. For odom see LevelScan::T_odom_base.
+  geometry::SE2 T_map_odom = {};
+  double inlier_ratio = 0.0;  ///< of the match, like the next two; 0 without a match
   double score = 0.0;
   double rms_m = 0.0;
   /// Of T_map_base: position (m) and heading (rad) of base in the axes of map. Zero where it is not

@@ -11,7 +11,6 @@ namespace nodmap::slam2d {
 
 Slam2d::Slam2d(const Slam2dParams& params)
     : params_(params),
-      input_(params.level_scans),
       pose_guesses_(params.people),
       place_search_(params),
       back_end_(params.back_end, params.map, params.matcher),
@@ -19,44 +18,28 @@ Slam2d::Slam2d(const Slam2dParams& params)
       hidden_view_(params),
       path_(params.path) {}
 
-void Slam2d::change_odometry_frame(const geometry::SE3& T_new_odom_base) {
-  const geometry::SE2 T_old_new = input_.change_odometry_frame(T_new_odom_base);
-  T_map_odom_ = T_map_odom_ * T_old_new;
-  T_first_odom_ = T_first_odom_ * T_old_new;
-  T_odom_keyframe_ = T_old_new.inverse() * T_odom_keyframe_;
-  T_odom_last_ = T_old_new.inverse() * T_odom_last_;
-  moving_points_.move_views(T_old_new);
-  pose_guesses_.change_odometry_frame(T_old_new);
-  place_search_.forget_failure();
-}
-
-std::optional<PoseUpdate> Slam2d::add_scan(const scan::Scan& raw) {
-  // "... extracting exactly those 2D scans that have been taken in the horizontal position."
-  const std::optional<LevelScan> scan = input_.add_scan(raw);
-  if (!scan) {
-    return std::nullopt;
-  }
+std::optional<PoseUpdate> Slam2d::add_scan(const LevelScan& scan) {
   if (!back_end_.has_local()) {
-    return begin_map(*scan);
+    return begin_map(scan);
   }
-  follow_odometry(*scan);
+  follow_odometry(scan);
   // "These can directly be used as data set D and matched against an incrementally built 2D map" M:
   // the transform that minimises Eq. 3, from the pose by odometry.
-  const FoundPlace found = find_place(*scan);
+  const FoundPlace found = find_place(scan);
   // The same transform corrects the pose.
-  PoseUpdate update = correct_pose(*scan, found);
-  record_motion(*scan, update);
+  PoseUpdate update = correct_pose(scan, found);
+  record_motion(scan, update);
   const bool is_sure_again = doubt_.update(update, found.place.is_sure);
   // "New scan points that do not show a correspondence to already existing points in M are added."
   // That may close a loop, which corrects the pose once more.
-  if (is_keyframe(update, *scan, found)) {
+  if (is_keyframe(update, scan, found)) {
     add_keyframe(found.scan, found.place.match, update);
-    moving_points_.add_keyframe(*scan);
+    moving_points_.add_keyframe(scan);
   }
-  correct_odometry(*scan, update);
+  correct_odometry(scan, update);
   // What odometry counted before does not contain what the robot has moved unseen.
   if (update.is_keyframe || found.has_slipped || is_sure_again) {
-    pose_guesses_.count_odometry_from(T_map_odom_, scan->T_odom_base);
+    pose_guesses_.count_odometry_from(T_map_odom_, scan.T_odom_base);
   }
   record(update);
   return update;
@@ -65,7 +48,6 @@ std::optional<PoseUpdate> Slam2d::add_scan(const scan::Scan& raw) {
 std::optional<PoseUpdate> Slam2d::begin_map(const LevelScan& scan) {
   moving_points_.add_keyframe(scan);
   if (!scan.has_enough_points()) {
-    ++metrics_.scans_without_points;
     return std::nullopt;
   }
   PoseUpdate update{.stamp = scan.stamp,
@@ -80,6 +62,9 @@ std::optional<PoseUpdate> Slam2d::begin_map(const LevelScan& scan) {
 
 // The pose by odometry becomes less certain, and doubtful after a time without odometry.
 void Slam2d::follow_odometry(const LevelScan& scan) {
+  if (scan.odometry_has_restarted) {
+    place_search_.forget_failure();  // the robot may have moved meanwhile
+  }
   pose_covariance_.move(T_map_odom_.yaw + T_odom_last_.yaw,
                         T_odom_last_.inverse() * scan.T_odom_base);
   if (scan.has_odometry_gap()) {

@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "common/geometry/time.hpp"
 #include "modules/slam2d/back_end.hpp"
 #include "modules/slam2d/doubt.hpp"
 #include "modules/slam2d/hidden_view.hpp"
@@ -26,15 +25,14 @@ namespace nodmap::slam2d {
 
 struct Metrics {
   ScansByState scans;
-  std::int64_t scans_without_points = 0;  ///< too few to begin a map
-  double inlier_ratio_sum = 0.0;          ///< over all `scans`
-  double score_sum = 0.0;                 ///< over all `scans`
+  double inlier_ratio_sum = 0.0;  ///< over all `scans`
+  double score_sum = 0.0;         ///< over all `scans`
 };
 
 /// 3DOF-SLAM (section IV A): level scans are matched against an incrementally built point map, and
 /// what is new in them is added to it. That map is a submap; the back end joins the submaps and
 /// closes loops between them. The map frame is the odom frame of the first scan, or that of the
-/// saved map.
+/// saved map. Level scans come from a LevelScanInput.
 class Slam2d {
  public:
   explicit Slam2d(const Slam2dParams& params);
@@ -50,22 +48,9 @@ class Slam2d {
     T_first_odom_ = T_map_odom;
   }
 
-  /// Takes a pose of base by odometry. Returns false, and ignores it, when it is not finite.
-  bool add_odometry(time::Timestamp stamp, const geometry::SE3& T_odom_base) {
-    return input_.add_odometry(stamp, T_odom_base);
-  }
-
-  /// Continues with odometry in another frame, after its publisher was restarted. The newest pose
-  /// in the old frame and `T_new_odom_base` are taken as the same place, so the robot stays where
-  /// it was in the map. Older odometry is dropped, so that no scan is placed between the two
-  /// frames.
-  void change_odometry_frame(const geometry::SE3& T_new_odom_base);
-
-  /// Takes the next scan of a nodding or level scanner. Returns the corrected pose when it
-  /// completes a level scan; that is this scan or the one before. Returns nothing, and counts why
-  /// in scan_counts() or metrics(), for a scan that is not level, implausible, more than 50 ms from
-  /// any odometry, or the first and without points.
-  std::optional<PoseUpdate> add_scan(const scan::Scan& raw);
+  /// Takes the next level scan. Returns the corrected pose, or nothing if there is no map yet and
+  /// the scan has too few points to begin one.
+  std::optional<PoseUpdate> add_scan(const LevelScan& scan);
 
   /// The pose of each of tracked_scans(), with all corrections known so far.
   [[nodiscard]] std::vector<geometry::SE2> trajectory() const { return path_.poses(keyframes()); }
@@ -84,7 +69,6 @@ class Slam2d {
   [[nodiscard]] std::span<const TrackedScan> tracked_scans() const { return path_.scans(); }
   [[nodiscard]] const Metrics& metrics() const { return metrics_; }
   [[nodiscard]] const PlaceSearch::Counts& search_counts() const { return place_search_.counts(); }
-  [[nodiscard]] const ScanCounts& scan_counts() const { return input_.counts(); }
 
  private:
   [[nodiscard]] std::optional<PoseUpdate> begin_map(const LevelScan& scan);
@@ -106,7 +90,6 @@ class Slam2d {
   void record(const PoseUpdate& update);
 
   Slam2dParams params_;
-  LevelScanInput input_;
   MovingPointFilter moving_points_;
   PoseGuesses pose_guesses_;
   PlaceSearch place_search_;
@@ -114,8 +97,8 @@ class Slam2d {
   geometry::SE2 T_map_odom_;
   PoseCovariance pose_covariance_;  // relative to the local submap, in the axes of map
   geometry::SE2 T_odom_last_;       // of the last level scan
-  geometry::SE2 T_odom_keyframe_;   // of the last keyframe, in the present odom frame
-  geometry::SE2 T_first_odom_;      // the present odom frame in that of the first keyframe
+  geometry::SE2 T_odom_keyframe_;   // of the last keyframe
+  geometry::SE2 T_first_odom_;      // the odom frame in that of the first keyframe
   Doubt doubt_;
   HiddenView hidden_view_;
   TrackedPath path_;

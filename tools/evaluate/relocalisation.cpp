@@ -12,11 +12,10 @@
 #include "common/bus/codec.hpp"
 #include "common/bus/event_log.hpp"
 #include "common/geometry/angle.hpp"
-#include "common/node/messages.hpp"
-#include "common/node/sensor_input.hpp"
+#include "common/node/message_counts.hpp"
 #include "modules/slam2d/group_relocaliser.hpp"
 #include "modules/slam2d/known_map.hpp"
-#include "modules/slam2d/level_scan.hpp"
+#include "modules/slam2d/level_scan_reader.hpp"
 #include "modules/slam2d/map_file.hpp"
 #include "tools/evaluate/trajectory_error.hpp"
 
@@ -33,22 +32,14 @@ void for_each_level_scan(const std::filesystem::path& log,
                          const std::function<void(const slam2d::LevelScan&)>& visit) {
   bus::LogReader reader(log);
   node::MessageCounts counts;
-  node::SensorInput messages(counts);
-  slam2d::LevelScanInput input({});
-  nodmap::scan_t scan_message;
-  nodmap::odometry_t odometry_message{};
-  scan::Scan scan;
+  slam2d::LevelScanReader level_scans({}, counts);
+  nodmap::scan_t scan{};
+  nodmap::odometry_t odometry{};
   while (const bus::LogEvent* event = reader.next()) {
-    if (event->channel == "ODOMETRY" && bus::decode_into(odometry_message, event->data)) {
-      if (const auto T_odom_base = messages.read(odometry_message)) {
-        if (messages.odometry_restarted()) {
-          input.change_odometry_frame(*T_odom_base);
-        }
-        input.add_odometry(node::stamp_of(odometry_message), *T_odom_base);
-      }
-    } else if (event->channel == "SCAN" && bus::decode_into(scan_message, event->data) &&
-               messages.read(scan_message, scan)) {
-      if (const auto level_scan = input.add_scan(scan)) {
+    if (event->channel == "ODOMETRY" && bus::decode_into(odometry, event->data)) {
+      level_scans.read(odometry);
+    } else if (event->channel == "SCAN" && bus::decode_into(scan, event->data)) {
+      if (const auto level_scan = level_scans.read(scan)) {
         visit(*level_scan);
       }
     }

@@ -10,6 +10,7 @@
 
 #include "modules/slam2d/slam2d.hpp"
 #include "modules/slam2d/test/drawn_world.hpp"
+#include "modules/slam2d/test/track.hpp"
 
 namespace nodmap::slam2d {
 namespace back_end_test {
@@ -112,9 +113,7 @@ class Mapping {
         const SE2 step = poses[i - 1].inverse() * poses[i];
         odom = odom * SE2{1.03 * step.x, 1.03 * step.y, step.yaw + 0.009 * std::abs(step.x)};
       }
-      const auto stamp = time::Timestamp(200ms * i);
-      slam_.add_odometry(stamp, geometry::to_se3(odom));
-      slam_.add_scan(scanner_.scan(plan_, poses[i], stamp));
+      track(slam_, scanner_.scan(plan_, poses[i], time::Timestamp(test::kPeriod * i)), odom);
       truth_.push_back(start_.inverse() * poses[i]);
     }
   }
@@ -138,7 +137,7 @@ class Mapping {
  private:
   FloorPlan plan_;
   Scanner scanner_;
-  Slam2d slam_;
+  test::Slam slam_;
   SE2 start_;
   std::vector<SE2> truth_;
 };
@@ -287,9 +286,8 @@ TEST(BackEnd, AMapWithDroppedSubmapsCanBeSavedAndRestored) {
 // and none of them is ever full.
 TEST(BackEnd, ARobotThatIsLostAgainAndAgainAtOnePlaceNeedsNoMoreMemory) {
   Scanner scanner;
-  Slam2d slam{Slam2dParams{}};
-  slam.add_odometry({}, geometry::to_se3(SE2{}));
-  ASSERT_TRUE(slam.add_scan(scanner.scan(test::room(), {})));
+  test::Slam slam;
+  ASSERT_TRUE(track(slam, scanner.scan(test::room(), {}), {}));
   const BackEndParams params;
   BackEnd back_end(params, {}, {});
   for (int i = 0; i < 100; ++i) {

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <optional>
 
-#include "modules/slam2d/slam2d.hpp"
 #include "modules/slam2d/test/drawn_world.hpp"
 #include "modules/slam2d/test/track.hpp"
 
@@ -19,7 +18,7 @@ using test::track;
 // Scans come once a second, with gaps in odometry between them, as in logs whose stamps come in
 // bursts. The robot has not moved in the gaps.
 TEST(Slam2d, AScanThatFitsAfterAGapStartsNoSearch) {
-  Slam2d slam{Slam2dParams{}};
+  test::Slam slam;
   Scanner scanner;
   for (int i = 0; i < 10; ++i) {
     const auto update = track(slam, scanner.scan(test::room(), {}, time::Timestamp(1s * i)), {});
@@ -31,7 +30,7 @@ TEST(Slam2d, AScanThatFitsAfterAGapStartsNoSearch) {
 
 // For a second nothing is recorded, and odometry does not count the robot's motion in this time.
 TEST(Slam2d, MotionDuringAPauseInOdometryIsFoundFromTheScans) {
-  Slam2d slam{Slam2dParams{}};
+  test::Slam slam;
   Scanner scanner;
   SE2 truth{-1.5, -0.5, 0.0};
   const SE2 start = truth;
@@ -67,7 +66,7 @@ TEST(Slam2d, MotionDuringAPauseInOdometryIsFoundFromTheScans) {
 // is.
 TEST(Slam2d, APlaceFoundAfterAPauseInOdometryIsKept) {
   for (const SE2& unseen : {SE2{0.2, 0.0, 0.0}, SE2{-0.9, -2.6, -0.6}}) {
-    Slam2d slam{Slam2dParams{}};
+    test::Slam slam;
     Scanner scanner;
     const SE2 start{-1.5, -0.5, 0.0};
     SE2 truth = start;
@@ -104,7 +103,7 @@ struct Found {
 // Returns the pose of the first scan after a pause in which the robot moved by 2.8 m, to a place
 // where a new board stands in front of it. Many of the scan's points are not in the map.
 Found after_pause_before_a_board(const Slam2dParams& params) {
-  Slam2d slam{params};
+  test::Slam slam{params};
   Scanner scanner;
   const SE2 step{0.1, 0.0, 0.08};
   const SE2 start{-1.5, -0.5, 0.0};
@@ -138,7 +137,7 @@ TEST(Slam2d, ASearchAcceptsAPartialFitOnlyAboveMinSearchScore) {
 // A search near odometry has failed where the robot stands, because of a board in front of it.
 // During a pause in odometry the robot is carried: that search does not tell where it is now.
 TEST(Slam2d, ASearchThatFailedBeforeAPauseInOdometryIsRepeatedAfterIt) {
-  Slam2d slam{Slam2dParams{}};
+  test::Slam slam;
   Scanner scanner;
   const SE2 start{-1.5, -0.5, 0.0};
   const SE2 step{0.1, 0.0, 0.08};
@@ -187,7 +186,7 @@ test::FloorPlan corridor_with_equal_niches() {
 // person stands in front of it. Neither its scans nor the new map that it makes from there
 // determine where it is.
 TEST(Slam2d, AnAmbiguousPlaceAfterAPauseIsNotTracked) {
-  Slam2d slam{Slam2dParams{}};
+  test::Slam slam;
   Scanner scanner;
   const test::FloorPlan plan = corridor_with_equal_niches();
   SE2 truth;

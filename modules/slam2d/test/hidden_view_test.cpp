@@ -5,7 +5,6 @@
 #include <utility>
 #include <vector>
 
-#include "modules/slam2d/slam2d.hpp"
 #include "modules/slam2d/test/drawn_world.hpp"
 #include "modules/slam2d/test/track.hpp"
 
@@ -19,7 +18,7 @@ using test::track;
 // Drives for 1.2 s at 77 scans a second; from the 40th to before the 80th of the 90 scans the
 // walls of `somebody` (in base, m) hide part of the view. Returns the last pose while somebody is
 // there, and the last pose of the drive.
-std::pair<PoseUpdate, PoseUpdate> drive_towards(Slam2d& slam, const test::FloorPlan& somebody) {
+std::pair<PoseUpdate, PoseUpdate> drive_towards(test::Slam& slam, const test::FloorPlan& somebody) {
   constexpr time::Duration kFast = 13ms;
   Scanner scanner;
   SE2 truth;
@@ -42,7 +41,7 @@ std::pair<PoseUpdate, PoseUpdate> drive_towards(Slam2d& slam, const test::FloorP
 
 // The visible part of the scan determines the pose.
 TEST(Slam2d, APersonWhoHidesMostOfTheViewDoesNotMoveThePose) {
-  Slam2d slam{Slam2dParams{}};
+  test::Slam slam;
   const auto [hidden, after] = drive_towards(slam, {{{0.5, -1.2}, {0.6, 0.9}}});
   EXPECT_LE(hidden.state, PoseState::kDegraded);
   EXPECT_EQ(after.state, PoseState::kTracking);
@@ -50,7 +49,7 @@ TEST(Slam2d, APersonWhoHidesMostOfTheViewDoesNotMoveThePose) {
 
 // Only odometry determines the pose.
 TEST(Slam2d, APersonWhoHidesTheWholeViewDoesNotMoveThePose) {
-  Slam2d slam{Slam2dParams{}};
+  test::Slam slam;
   const auto [hidden, after] = drive_towards(slam, {{{0.4, -9.0}, {0.5, 9.0}}});
   EXPECT_EQ(hidden.state, PoseState::kOdometry);
   EXPECT_FALSE(hidden.is_keyframe);
@@ -60,7 +59,7 @@ TEST(Slam2d, APersonWhoHidesTheWholeViewDoesNotMoveThePose) {
 // The wheels do not notice that the robot was carried away. For a second the new view could be that
 // of people who pass by, but no longer.
 TEST(Slam2d, ARobotThatIsCarriedAwayIsLostAfterASecond) {
-  Slam2d slam{Slam2dParams{}};
+  test::Slam slam;
   Scanner scanner;
   const test::FloorPlan elsewhere{{{0.7, -2}, {0.9, 0.5}}, {{0.9, 0.5}, {0.3, 1.5}}};
   std::optional<PoseUpdate> update;
@@ -77,7 +76,7 @@ TEST(Slam2d, ARobotThatIsCarriedAwayIsLostAfterASecond) {
 // stationary robot. In the scans from `from` to before `until` a person right in front of the
 // laser hides everything.
 std::vector<PoseState> nod_behind_somebody(int from, int until) {
-  Slam2d slam{Slam2dParams{}};
+  test::Slam slam;
   Scanner scanner;
   const test::FloorPlan somebody{{{0.4, -9.0}, {0.5, 9.0}}};
   constexpr double kStepRad = geometry::deg_to_rad(1.0);
@@ -123,7 +122,7 @@ TEST(Slam2d, WithANoddingLaserAViewHiddenForASecondMakesTheRobotLost) {
 TEST(Slam2d, ARobotThatIsPushedOrSlipsIsTrackedAgainAfterASecond) {
   for (const auto& [pushed, slipped] :
        {std::pair{SE2{0.0, 0.01, 0.0}, SE2{}}, {SE2{}, SE2{0.025, 0.0, 0.0}}}) {
-    Slam2d slam{Slam2dParams{}};
+    test::Slam slam;
     Scanner scanner;
     SE2 truth;
     SE2 odom;

@@ -21,7 +21,7 @@ KnownMap map_of_room() {
 class Drive {
  public:
   Drive(const KnownMap& map, const std::optional<SE2>& start, const Slam2dParams& params = {})
-      : localiser_(params, map, start) {}
+      : input_(params.level_scans), localiser_(params, map, start) {}
 
   // Odometry is absent for a time, in which the robot moves.
   void move_unseen(const SE2& motion, time::Duration duration) {
@@ -37,8 +37,14 @@ class Drive {
   }
   PoseUpdate stand() {
     stamp_ += 200ms;
-    localiser_.add_odometry(stamp_, geometry::to_se3(odom_));
-    return localiser_.add_scan(scanner_.scan(plan, truth, stamp_)).value_or(PoseUpdate{});
+    input_.add_odometry(stamp_, geometry::to_se3(odom_));
+    const auto scan = input_.add_scan(scanner_.scan(plan, truth, stamp_));
+    return scan ? localiser_.add_scan(*scan) : PoseUpdate{};
+  }
+  // The base driver restarts: odometry begins anew.
+  void restart_odometry() {
+    odom_ = {};
+    input_.add_odometry(stamp_ + 100ms, geometry::to_se3(odom_), true);
   }
   [[nodiscard]] double error_m(const PoseUpdate& update) const {
     return (update.T_map_base.translation() - truth.translation()).norm();
@@ -49,6 +55,7 @@ class Drive {
   test::FloorPlan plan = test::room();
 
  private:
+  LevelScanInput input_;
   Localiser localiser_;
   test::Scanner scanner_;
   SE2 odom_{7.0, -3.0, 1.0};  // odometry begins anywhere
@@ -210,25 +217,22 @@ TEST(Localiser, ARobotThatStandsInAGapOfOdometryStaysTracked) {
 
 TEST(Localiser, ARestartOfOdometryKeepsThePose) {
   const KnownMap map = map_of_room();
-  Localiser localiser({}, map, SE2{});
-  test::Scanner scanner;
-  localiser.add_odometry(time::Timestamp{}, geometry::to_se3({}));
-  ASSERT_TRUE(localiser.add_scan(scanner.scan(test::room(), {})));
-  localiser.change_odometry_frame(geometry::to_se3({5.0, 5.0, 1.0}));
-  localiser.add_odometry(time::Timestamp(200ms), geometry::to_se3({5.0, 5.0, 1.0}));
-  const auto update = localiser.add_scan(scanner.scan(test::room(), {}, time::Timestamp(200ms)));
-  ASSERT_TRUE(update);
-  EXPECT_EQ(update->state, PoseState::kTracking);
-  EXPECT_LT(update->T_map_base.translation().norm(), kMaxErrorM);
+  Drive drive(map, SE2{});
+  EXPECT_EQ(drive.stand().state, PoseState::kTracking);
+  drive.restart_odometry();
+  const PoseUpdate update = drive.stand();
+  EXPECT_EQ(update.state, PoseState::kTracking);
+  EXPECT_LT(drive.error_m(update), kMaxErrorM);
 }
 
 // What odometry counted before the first scan is no motion.
 TEST(Localiser, WhereOdometryBeginsDoesNotChangeTheCovariance) {
   const KnownMap map = map_of_room();
   const auto first_covariance = [&map](const SE2& T_odom_base) {
-    Localiser localiser({}, map, SE2{});
-    localiser.add_odometry(time::Timestamp{}, geometry::to_se3(T_odom_base));
-    return localiser.add_scan(test::Scanner().scan(test::room(), {})).value().covariance;
+    LevelScanInput input({});
+    input.add_odometry(time::Timestamp{}, geometry::to_se3(T_odom_base));
+    const auto scan = input.add_scan(test::Scanner().scan(test::room(), {}));
+    return Localiser({}, map, SE2{}).add_scan(scan.value()).covariance;
   };
   EXPECT_TRUE(first_covariance({100.0, 0.0, 0.0}).isApprox(first_covariance({}), 1e-6));
 }

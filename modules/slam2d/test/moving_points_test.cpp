@@ -7,8 +7,8 @@
 #include <list>
 #include <vector>
 
-#include "modules/slam2d/slam2d.hpp"
 #include "modules/slam2d/test/drawn_world.hpp"
+#include "modules/slam2d/test/track.hpp"
 
 namespace nodmap::slam2d {
 namespace moving_points_test {
@@ -125,7 +125,7 @@ TEST_F(MovingPoints, WithoutAKeyframeAllPointsAreKept) {
 
 // Six people walk back and forth across a hall, in front of a robot that drives through it.
 TEST(Slam2dAmongPeople, PeopleAffectNeitherThePoseNorTheMap) {
-  Slam2d slam{Slam2dParams{}};
+  test::Slam slam;
   test::Scanner scanner;
   SE2 truth{-4.5, -1.0, 0.0};
   const SE2 T_world_map = truth;
@@ -138,9 +138,8 @@ TEST(Slam2dAmongPeople, PeopleAffectNeitherThePoseNorTheMap) {
       const double t = 0.2 * i;
       people.emplace_back(-3.0 + 1.6 * person, 3.3 * std::sin(0.35 * t + 1.3 * person));
     }
-    scan::Scan scan = scanner.scan(hall(people), truth, time::Timestamp(200ms * i));
-    slam.add_odometry(scan.stamp, geometry::to_se3(odom));
-    const auto update = slam.add_scan(scan);
+    const auto update =
+        track(slam, scanner.scan(hall(people), truth, time::Timestamp(test::kPeriod * i)), odom);
     ASSERT_TRUE(update);
     const SE2 expected = T_world_map.inverse() * truth;
     worst_m = std::max(

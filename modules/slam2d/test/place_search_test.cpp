@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "modules/slam2d/slam2d.hpp"
 #include "modules/slam2d/test/drawn_world.hpp"
 #include "modules/slam2d/test/track.hpp"
 
@@ -17,7 +16,7 @@ using test::Scanner;
 using test::track;
 
 TEST(Slam2d, ARotationThatOdometryMissedIsFound) {
-  Slam2d slam{Slam2dParams{}};
+  test::Slam slam;
   Scanner scanner;
   ASSERT_TRUE(track(slam, scanner.scan(test::room(), {}), {}));
   const SE2 truth{0.1, 0.0, geometry::deg_to_rad(50.0)};
@@ -32,7 +31,7 @@ TEST(Slam2d, ARotationThatOdometryMissedIsFound) {
 
 // The rotation is missed as above, but only a piece of a wall is in view, which fits many places.
 TEST(Slam2d, AScanWithFewPointsStartsNoSearch) {
-  Slam2d slam{Slam2dParams{}};
+  test::Slam slam;
   Scanner scanner;
   ASSERT_TRUE(track(slam, scanner.scan(test::room(), {}), {}));
   const SE2 truth{0.1, 0.0, geometry::deg_to_rad(50.0)};
@@ -56,7 +55,7 @@ TEST(Slam2d, AScanWithFewPointsStartsNoSearch) {
 // second, so that nearly everything that the robot sees in the second is new, and would also fit
 // the first.
 TEST(Slam2d, ASimilarPlaceNearbyDoesNotReplaceThePoseByOdometry) {
-  Slam2d slam{Slam2dParams{}};
+  test::Slam slam;
   Scanner scanner;
   const test::FloorPlan bays{{{0.0, -1.5}, {0.0, 1.5}},
                              {{1.1, -1.5}, {1.1, 1.5}},
@@ -73,7 +72,7 @@ TEST(Slam2d, ASimilarPlaceNearbyDoesNotReplaceThePoseByOdometry) {
 }
 
 TEST(Slam2d, WithoutAnyMatchTheRobotIsLostAndTheMapContinuesFromOdometry) {
-  Slam2d slam{Slam2dParams{}};
+  test::Slam slam;
   Scanner scanner;
   ASSERT_TRUE(track(slam, scanner.scan(test::room(), {}), {}));
   // The robot is carried to a place where nothing of the map is in sight.
@@ -96,7 +95,7 @@ TEST(Slam2d, WithoutAnyMatchTheRobotIsLostAndTheMapContinuesFromOdometry) {
 // The robot drives past an obstacle and then sees another one, 1.2 m wide, which fits nothing in
 // the map. For a while odometry alone is good enough.
 TEST(Slam2d, AnAreaSeenForTheFirstTimeIsAddedByOdometry) {
-  Slam2d slam{Slam2dParams{}};
+  test::Slam slam;
   Scanner scanner;
   const test::FloorPlan obstacles{{{3, -1}, {3, 0}}, {{7, 1.4}, {7, 2.6}}};
   const SE2 before;

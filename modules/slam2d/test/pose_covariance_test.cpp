@@ -6,8 +6,8 @@
 #include <Eigen/Dense>
 #include <cmath>
 
-#include "modules/slam2d/slam2d.hpp"
 #include "modules/slam2d/test/drawn_world.hpp"
+#include "modules/slam2d/test/track.hpp"
 
 namespace nodmap::slam2d {
 namespace pose_covariance_test {
@@ -67,14 +67,13 @@ struct Outcome {
 
 // Drives with wheels that count 3 % too much distance, and a heading that drifts.
 Outcome drive(const test::FloorPlan& plan, const SE2& step, int steps) {
-  Slam2d slam{Slam2dParams{}};
+  test::Slam slam;
   test::Scanner scanner;
   Outcome outcome;
   SE2 odom;
   for (int i = 0; i < steps; ++i) {
-    scan::Scan scan = scanner.scan(plan, outcome.truth, time::Timestamp(200ms * i));
-    slam.add_odometry(scan.stamp, geometry::to_se3(odom));
-    outcome.update = slam.add_scan(scan).value();
+    const scan::Scan scan = scanner.scan(plan, outcome.truth, time::Timestamp(test::kPeriod * i));
+    outcome.update = track(slam, scan, odom).value();
     if (i + 1 < steps) {
       outcome.truth = outcome.truth * step;
       odom = odom * SE2{1.03 * step.x, 0.0, step.yaw + 0.0005};

@@ -78,26 +78,6 @@ TEST(PoseGuesses, MotionThatOdometryReportsLateIsNotCountedTwice) {
   EXPECT_TRUE(are_near(guesses.front(), drive.next_truth())) << "since the last keyframe";
 }
 
-TEST(PoseGuesses, ANewOdometryFrameLeavesTheGuessesUnchanged) {
-  Drive drive;
-  drive.go_on({});
-  const SE2 T_old_new{3.0, -1.0, 0.7};
-  PoseGuesses pose_guesses = drive.pose_guesses();
-  pose_guesses.change_odometry_frame(T_old_new);
-  const SE2 T_odom_now = kStep * kStep * kStep;
-  LevelScan old_frame;
-  old_frame.stamp = time::Timestamp(4 * kPeriod);
-  old_frame.T_odom_base = T_odom_now;
-  LevelScan new_frame = old_frame;
-  new_frame.T_odom_base = T_old_new.inverse() * T_odom_now;
-  const auto before = drive.pose_guesses().guesses(old_frame, {}, {});
-  const auto after = pose_guesses.guesses(new_frame, T_old_new, T_old_new.inverse());
-  ASSERT_EQ(before.size(), after.size());
-  for (std::size_t i = 0; i < before.size(); ++i) {
-    EXPECT_TRUE(are_near(before[i], after[i])) << i;
-  }
-}
-
 TEST(PoseGuesses, StampsInBurstsAreNotUsedToEstimateTheSpeed) {
   Drive drive;
   drive.wait(-kPeriod * 9 / 10);  // the next scan comes 20 ms after the last

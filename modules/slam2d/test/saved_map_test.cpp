@@ -17,6 +17,7 @@
 #include "modules/slam2d/node.hpp"
 #include "modules/slam2d/saved_map_file.hpp"
 #include "modules/slam2d/test/drawn_world.hpp"
+#include "modules/slam2d/test/track.hpp"
 #include "nodmap/keyframe_2d_t.hpp"
 #include "tests/support/data_dir.hpp"
 #include "tests/support/memory_bus.hpp"
@@ -93,12 +94,11 @@ std::vector<nodmap::keyframe_2d_t> keyframes_in(const std::filesystem::path& fil
 
 TEST(SavedMap, IsReadAsItWasWritten) {
   const nodmap::test::TemporaryDir dir;
-  Slam2d slam{Slam2dParams{}};
+  test::Slam slam;
   test::Scanner scanner;
   SE2 truth;
-  for (std::int64_t i = 0; i < 600; ++i) {
-    slam.add_odometry(time::Timestamp(200ms * i), geometry::to_se3(truth));
-    slam.add_scan(scanner.scan(test::room(), truth, time::Timestamp(200ms * i)));
+  for (int i = 0; i < 600; ++i) {
+    track(slam, scanner.scan(test::room(), truth, time::Timestamp(test::kPeriod * i)), truth);
     truth = truth * SE2{0.03, 0.0, 0.04};
   }
   SavedMap written = slam.back_end().save();

@@ -40,7 +40,7 @@ INSTANTIATE_TEST_SUITE_P(Metrics, Slam2dMetric,
 // when wheels slip. The correction absorbs all of it, at the scans and between them; odom is never
 // changed.
 TEST_P(Slam2dMetric, R34_TheCorrectionAbsorbsDriftAndJumpsOfOdometry) {
-  Slam2d slam{params()};
+  test::Slam slam{params()};
   Scanner scanner;
   SE2 truth;
   SE2 odom;
@@ -72,7 +72,7 @@ TEST_P(Slam2dMetric, R34_TheCorrectionAbsorbsDriftAndJumpsOfOdometry) {
 }
 
 // Adds the scans of a robot that is stationary for 60 s, while its odometry jitters by 1 mm.
-void stay_in_place(Slam2d& slam) {
+void stay_in_place(test::Slam& slam) {
   Scanner scanner;
   for (int i = 0; i < 60 * 5; ++i) {
     const SE2 odom{0.001 * (i % 2), 0.0, 0.0};
@@ -81,7 +81,7 @@ void stay_in_place(Slam2d& slam) {
 }
 
 TEST_P(Slam2dMetric, R36_AStationaryRobotAddsNoKeyframe) {
-  Slam2d slam{params()};
+  test::Slam slam{params()};
   stay_in_place(slam);
   EXPECT_EQ(slam.tracked_scans().size(), 300U);
   EXPECT_EQ(slam.keyframes().size(), 1U);
@@ -95,9 +95,9 @@ TEST_P(Slam2dMetric, R36_PointsWithACorrespondenceDoNotGrowTheMap) {
   Slam2dParams params = this->params();
   params.keyframe.distance_m = 0.0;
   params.back_end.submap.max_keyframes_per_place = 0;
-  Slam2d first{params};
+  test::Slam first{params};
   ASSERT_TRUE(track(first, Scanner().scan(test::room(), {}), {}));
-  Slam2d slam{params};
+  test::Slam slam{params};
   stay_in_place(slam);
   ASSERT_EQ(slam.keyframes().size(), 300U);
   EXPECT_LE(slam.map().points().size(), first.map().points().size() + 12);
@@ -106,7 +106,7 @@ TEST_P(Slam2dMetric, R36_PointsWithACorrespondenceDoNotGrowTheMap) {
 // The number of keyframes of a drive with nine level scans, 0.25 m apart. The laser nods by this
 // angle from scan to scan, or is held level if it is 0.
 std::size_t num_keyframes(double pitch_step_deg) {
-  Slam2d slam{Slam2dParams{}};
+  test::Slam slam;
   Scanner scanner;
   SE2 truth{-1.5, -0.5, 0.0};
   const double step_rad = geometry::deg_to_rad(pitch_step_deg);
@@ -136,7 +136,7 @@ TEST(Slam2d, EveryLevelScanOfANodBecomesAKeyframeWhileDriving) {
 
 TEST(Slam2d, R36_NoTwoPointsOfTheMapAreNearerThanDNew) {
   const Slam2dParams params;
-  Slam2d slam{params};
+  test::Slam slam{params};
   Scanner scanner;
   SE2 truth;
   for (int i = 0; i < 200; ++i) {
@@ -154,7 +154,7 @@ TEST(Slam2d, R36_NoTwoPointsOfTheMapAreNearerThanDNew) {
 }
 
 TEST(Slam2d, R37_InACorridorThePoseFollowsOdometryAlongAndTheWallsAcross) {
-  Slam2d slam{Slam2dParams{}};
+  test::Slam slam;
   Scanner scanner;
   SE2 truth;
   SE2 odom;
@@ -177,7 +177,7 @@ TEST(Slam2d, R37_InACorridorThePoseFollowsOdometryAlongAndTheWallsAcross) {
 
 // The largest heading error on a drive through the corridor with doors.
 double worst_heading_rad(const Slam2dParams& params) {
-  Slam2d slam{params};
+  test::Slam slam{params};
   Scanner scanner;
   double worst_rad = 0.0;
   for (int i = 0; i < 75; ++i) {
@@ -213,7 +213,7 @@ std::vector<SE2> steps_around_ring() {
 // Odometry is 3 % too long, and the error of its heading is a random walk of 1 degree per square
 // root of a metre.
 TEST(Slam2d, R38_ALoopOf48MetresEndsWhereItBegan) {
-  Slam2d slam{Slam2dParams{}};
+  test::Slam slam;
   Scanner scanner;
   std::mt19937 random(38);
   std::normal_distribution<double> unit(0.0, 1.0);
@@ -244,7 +244,7 @@ TEST(Slam2d, R38_ALoopOf48MetresEndsWhereItBegan) {
 }
 
 TEST(Slam2d, RejectsBadInputWithoutChangingTheMap) {
-  Slam2d slam{Slam2dParams{}};
+  test::Slam slam;
   Scanner scanner;
   scan::Scan empty = scanner.scan(test::room(), {});
   empty.ranges_m.clear();
@@ -272,14 +272,15 @@ TEST(Slam2d, RejectsBadInputWithoutChangingTheMap) {
 // Along a bare corridor the pose follows odometry, whose frame changes under way.
 TEST(Slam2d, ARestartOfOdometryChangesNeitherThePathByOdometryNorTheCovariance) {
   const auto drive = [](const SE2& T_new_old) {
-    Slam2d slam{Slam2dParams{}};
+    test::Slam slam;
     Scanner scanner(0.0);
     PoseUpdate update;
     for (int i = 0; i <= 100; ++i) {
       const SE2 truth{0.08 * i, 0.0, 0.0};
       if (i == 51) {  // with a keyframe before and after
         const SE2 before{0.08 * (i - 1), 0.0, 0.0};
-        slam.change_odometry_frame(geometry::to_se3(T_new_old * before));
+        slam.input.add_odometry(time::Timestamp(kPeriod * i - 10ms),
+                                geometry::to_se3(T_new_old * before), true);
       }
       const scan::Scan scan = scanner.scan(test::corridor(), truth, time::Timestamp(kPeriod * i));
       update = track(slam, scan, i <= 50 ? truth : T_new_old * truth).value_or(PoseUpdate{});
@@ -295,7 +296,7 @@ TEST(Slam2d, ARestartOfOdometryChangesNeitherThePathByOdometryNorTheCovariance) 
 
 // The scans have no points: that says nothing about the pose, but odometry suffices for 10 m only.
 TEST(Slam2d, WithoutEchoesTheRobotIsLostAfterTenMetres) {
-  Slam2d slam{Slam2dParams{}};
+  test::Slam slam;
   Scanner scanner;
   ASSERT_TRUE(track(slam, scanner.scan(test::room(), {}), {}));
   for (int i = 1; i <= 120; ++i) {
@@ -309,7 +310,7 @@ TEST(Slam2d, WithoutEchoesTheRobotIsLostAfterTenMetres) {
 }
 
 TEST(Slam2d, ScansKeepTheirOrderAndStampsWhenTimeStepsBack) {
-  Slam2d slam{Slam2dParams{}};
+  test::Slam slam;
   Scanner scanner;
   for (const time::Duration since_start : {1000ms, 1200ms, 300ms, 1400ms}) {
     const time::Timestamp stamp(since_start);
@@ -321,7 +322,7 @@ TEST(Slam2d, ScansKeepTheirOrderAndStampsWhenTimeStepsBack) {
 }
 
 TEST(Slam2d, UntilKeyframesMoveTheTrajectoryEqualsTheOnlinePoses) {
-  Slam2d slam{Slam2dParams{}};
+  test::Slam slam;
   Scanner scanner;
   SE2 truth;
   for (int i = 0; i < 50; ++i) {
@@ -338,7 +339,7 @@ TEST(Slam2d, UntilKeyframesMoveTheTrajectoryEqualsTheOnlinePoses) {
 
 TEST(Slam2d, TheSameScansGiveTheSamePoses) {
   const auto run = [] {
-    Slam2d slam{Slam2dParams{}};
+    test::Slam slam;
     Scanner scanner;
     SE2 truth;
     for (int i = 0; i < 60; ++i) {

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/slam2d/level_scan_reader.hpp"
+
+#include "common/node/messages.hpp"
+
+namespace nodmap::slam2d {
+
+void LevelScanReader::read(const nodmap::odometry_t& message) {
+  if (const auto T_odom_base = messages_.read(message)) {
+    input_.add_odometry(node::stamp_of(message), *T_odom_base, messages_.odometry_restarted());
+    counts_.use();
+  }
+}
+
+std::optional<LevelScan> LevelScanReader::read(const nodmap::scan_t& message) {
+  if (!messages_.read(message, scan_)) {
+    return std::nullopt;
+  }
+  scan_stamp_ = scan_.stamp;
+  const std::int64_t without_odometry = input_.counts().without_odometry;
+  std::optional<LevelScan> level_scan = input_.add_scan(scan_);
+  counts_.reject("scan_without_odometry", input_.counts().without_odometry - without_odometry);
+  return level_scan;
+}
+
+}  // namespace nodmap::slam2d

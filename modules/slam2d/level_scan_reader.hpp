@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+
+#include "common/bus/bus.hpp"
+#include "common/geometry/time.hpp"
+#include "common/node/message_counts.hpp"
+#include "common/node/sensor_input.hpp"
+#include "modules/slam2d/level_scan.hpp"
+#include "nodmap/odometry_t.hpp"
+#include "nodmap/scan_t.hpp"
+
+namespace nodmap::slam2d {
+
+/// Reads level scans from SCAN and ODOMETRY messages. Counts the odometry that it uses and all
+/// messages that it rejects: those of SensorInput, and `scan_without_odometry`.
+class LevelScanReader {
+ public:
+  /// `bus`: see SensorInput.
+  LevelScanReader(const LevelScanParams& params, node::MessageCounts& counts,
+                  const bus::Bus* bus = nullptr)
+      : counts_(counts), messages_(counts, bus), input_(params) {}
+
+  void read(const nodmap::odometry_t& message);
+  /// The level scan that this scan completes, if any; valid until the next call.
+  [[nodiscard]] std::optional<LevelScan> read(const nodmap::scan_t& message);
+
+  /// Of the last scan that was not rejected, level or not.
+  [[nodiscard]] time::Timestamp scan_stamp() const { return scan_stamp_; }
+  [[nodiscard]] const LevelScanInput& input() const { return input_; }
+
+ private:
+  node::MessageCounts& counts_;
+  node::SensorInput messages_;
+  LevelScanInput input_;
+  scan::Scan scan_;  // the last one; a member to reuse its memory
+  time::Timestamp scan_stamp_{};
+};
+
+}  // namespace nodmap::slam2d
