@@ -191,7 +191,7 @@ PoseUpdate Localiser::search_whole_map(const LevelScan& scan) {
   if (!scan.has_enough_points() || !is_search_due(scan)) {
     return update;
   }
-  ++metrics_.searches;
+  ++metrics_.searches.made;
   const Relocalisation found = relocaliser_.locate(map_, scan);
   if (found.status != Relocalisation::Status::kFound) {
     failed_search_ = FailedSearch{scan.stamp, scan.T_odom_base};
@@ -202,7 +202,7 @@ PoseUpdate Localiser::search_whole_map(const LevelScan& scan) {
   if (state_ == State::kLost) {
     failed_search_ = FailedSearch{scan.stamp, scan.T_odom_base};
   } else {
-    ++metrics_.found;
+    ++metrics_.searches.found;
   }
   return update;
 }

@@ -19,8 +19,7 @@ namespace nodmap::slam2d {
 
 struct LocaliserMetrics {
   ScansByState scans;
-  std::int64_t searches = 0;    ///< of the whole map
-  std::int64_t found = 0;       ///< searches that found the place
+  SearchCounts searches;        ///< of the whole map
   std::int64_t times_lost = 0;  ///< after its place was confirmed
 };
 

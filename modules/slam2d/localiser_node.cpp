@@ -4,9 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/formats/input_file.hpp"
-#include "common/formats/tum.hpp"
 #include "common/node/log.hpp"
-#include "common/node/results.hpp"
 #include "modules/slam2d/map_file.hpp"
 #include "modules/slam2d/messages.hpp"
 #include "modules/slam2d/results.hpp"
@@ -41,10 +39,9 @@ void LocaliserNode::on_scan(const nodmap::scan_t& message) {
   context_.bus.publish("POSE_2D", write_pose(update, input_.input().T_odom_published()));
   map_publisher_.publish_if_due(grid_, update.stamp);
   last_stamp_ = update.stamp;
-  state_ = update.state;
+  last_state_ = update.state;
   if (update.state != PoseState::kLost) {
-    const Keyframe map_frame;  // as the map never changes
-    path_.add(update, {&map_frame, 1});
+    path_.add(update, {&map_frame_, 1});
   }
 }
 
@@ -53,15 +50,10 @@ void LocaliserNode::finish() {
 }
 
 void LocaliserNode::write_results(const std::filesystem::path& dir) {
-  formats::Trajectory trajectory;
-  for (const TrackedScan& scan : path_.scans()) {
-    trajectory.push_back({scan.stamp, geometry::to_se3(scan.T_map_base_online)});
-  }
-  if (trajectory.empty()) {
+  if (path_.scans().empty()) {
     log::get().warn("the robot was not found in the saved map");
   }
-  node::write_each({[&] { formats::write_tum(dir / "trajectory.tum", trajectory); },
-                    [&] { formats::write_tum(dir / "online.tum", trajectory); }});
+  write_trajectories(dir, path_.scans(), path_.poses({&map_frame_, 1}));
 }
 
 nlohmann::json LocaliserNode::metrics() const {
@@ -69,23 +61,10 @@ nlohmann::json LocaliserNode::metrics() const {
   nlohmann::json result = scan_metrics(metrics.scans, input_.input().counts());
   result["maps_published"] = map_publisher_.num_published();
   result["map_points"] = map_.points().points().size();
-  result["localisation"] = {{"searches", metrics.searches},
-                            {"searches_found", metrics.found},
+  result["localisation"] = {{"searches", metrics.searches.made},
+                            {"searches_found", metrics.searches.found},
                             {"times_lost", metrics.times_lost}};
   return result;
-}
-
-node::Health LocaliserNode::health() const {
-  switch (state_) {
-    case PoseState::kLost:
-      return {node::HealthState::kDegraded, "Lost: the place in the map is not known."};
-    case PoseState::kOdometry:
-      return {node::HealthState::kDegraded, "Odometry only: the scan does not fit the map."};
-    case PoseState::kTracking:
-    case PoseState::kDegraded:
-      break;
-  }
-  return {};
 }
 
 }  // namespace nodmap::slam2d

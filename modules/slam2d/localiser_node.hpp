@@ -8,6 +8,7 @@
 #include "modules/slam2d/level_scan_reader.hpp"
 #include "modules/slam2d/localiser.hpp"
 #include "modules/slam2d/map_publisher.hpp"
+#include "modules/slam2d/messages.hpp"
 #include "modules/slam2d/tracked_path.hpp"
 #include "nodmap/odometry_t.hpp"
 #include "nodmap/scan_t.hpp"
@@ -25,7 +26,7 @@ class LocaliserNode : public node::Node {
   void finish() override;
   void write_results(const std::filesystem::path& dir) override;
   [[nodiscard]] nlohmann::json metrics() const override;
-  [[nodiscard]] node::Health health() const override;
+  [[nodiscard]] node::Health health() const override { return health_of(last_state_); }
 
  private:
   void on_scan(const nodmap::scan_t& message);
@@ -36,9 +37,10 @@ class LocaliserNode : public node::Node {
   OccupancyGrid grid_;  // of map_
   MapPublisher map_publisher_;
   Localiser localiser_;
-  time::Timestamp last_stamp_{};            // of a scan that was used
-  PoseState state_ = PoseState::kTracking;  // of the last pose; before it nothing is wrong
-  TrackedPath path_;                        // without the scans while it was lost
+  time::Timestamp last_stamp_{};                 // of a scan that was used
+  PoseState last_state_ = PoseState::kTracking;  // before it nothing is wrong
+  Keyframe map_frame_;                           // never moves
+  TrackedPath path_;                             // without the scans while it was lost
 };
 
 }  // namespace nodmap::slam2d

@@ -17,9 +17,6 @@ int main(int argc, char** argv) {
         if (!options.localise_in.empty()) {
           return std::make_unique<slam2d::LocaliserNode>(context, values, options);
         }
-        if (!options.map_in.empty()) {
-          return std::make_unique<slam2d::Slam2dNode>(context, values, options);
-        }
-        return std::make_unique<slam2d::Slam2dNode>(context, values);
+        return std::make_unique<slam2d::Slam2dNode>(context, values, options);
       });
 }

@@ -68,6 +68,20 @@ nodmap::pose_t write_pose(const PoseUpdate& update, const geometry::SE2& T_odom_
   return message;
 }
 
+node::Health health_of(PoseState state) {
+  switch (state) {
+    case PoseState::kLost:
+      return {node::HealthState::kDegraded, "Lost: the scan does not fit the map."};
+    case PoseState::kOdometry:
+      return {node::HealthState::kDegraded,
+              "Odometry only: the scan has too few points or does not fit the map."};
+    case PoseState::kTracking:
+    case PoseState::kDegraded:
+      break;
+  }
+  return {};
+}
+
 nodmap::pose_graph_t write_graph(time::Timestamp stamp, const BackEnd& back_end) {
   nodmap::pose_graph_t message{};
   message.utime = time::to_utime(stamp);

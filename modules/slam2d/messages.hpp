@@ -2,9 +2,10 @@
 #pragma once
 
 #include "common/geometry/time.hpp"
+#include "common/node/health.hpp"
 #include "modules/slam2d/back_end.hpp"
 #include "modules/slam2d/occupancy_grid.hpp"
-#include "modules/slam2d/slam2d.hpp"
+#include "modules/slam2d/pose_update.hpp"
 #include "nodmap/grid_chunk_t.hpp"
 #include "nodmap/pose_graph_t.hpp"
 #include "nodmap/pose_t.hpp"
@@ -14,6 +15,9 @@ namespace nodmap::slam2d {
 /// `T_odom_published`: see LevelScanInput.
 [[nodiscard]] nodmap::pose_t write_pose(const PoseUpdate& update,
                                         const geometry::SE2& T_odom_published);
+
+/// What STATUS says of the last pose.
+[[nodiscard]] node::Health health_of(PoseState state);
 
 /// Of more than 2000 loops only the newest.
 [[nodiscard]] nodmap::pose_graph_t write_graph(time::Timestamp stamp, const BackEnd& back_end);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <system_error>
@@ -11,9 +10,7 @@
 #include "common/node/map_saving.hpp"
 #include "common/node/node.hpp"
 #include "modules/slam2d/keyframe_grid.hpp"
-#include "modules/slam2d/known_map.hpp"
 #include "modules/slam2d/level_scan_reader.hpp"
-#include "modules/slam2d/localiser.hpp"
 #include "modules/slam2d/map_publisher.hpp"
 #include "modules/slam2d/params.hpp"
 #include "modules/slam2d/slam2d.hpp"
@@ -25,15 +22,14 @@
 namespace nodmap::slam2d {
 
 /// Runs 2D SLAM: subscribes to SCAN and ODOMETRY, and publishes POSE_2D, MAP_2D and POSE_GRAPH.
-/// Saves the map at SAVE_REQUEST and clears a region of it at CLEAR_REQUEST. To continue a saved
-/// map, a Localiser first finds the robot in it; until then nothing is added.
+/// Saves the map at SAVE_REQUEST and clears a region of it at CLEAR_REQUEST.
 class Slam2dNode : public node::Node {
  public:
   using Params = Slam2dParams;
 
-  Slam2dNode(node::Context& context, const Params& params);
-  /// Continues the map in `options.map_in`. Throws formats::InputFileError if it cannot be read.
-  Slam2dNode(node::Context& context, const Params& params, const node::MapOptions& options);
+  /// Continues the map in `options.map_in`, or begins a new one without it. Throws
+  /// formats::InputFileError if that map cannot be read.
+  Slam2dNode(node::Context& context, const Params& params, const node::MapOptions& options = {});
 
   void finish() override;
   void write_results(const std::filesystem::path& dir) override;
@@ -44,29 +40,15 @@ class Slam2dNode : public node::Node {
   void on_scan(const nodmap::scan_t& message);
   void on_clear_request(const nodmap::clear_request_t& message);
   void on_save_request(const nodmap::save_request_t& message);
-  [[nodiscard]] PoseUpdate find_in_saved_map(const LevelScan& scan);
-  void answer(const PoseUpdate& update);
+  void continue_map(const node::MapOptions& options);
   void save();
   [[nodiscard]] std::error_code save_map(const std::filesystem::path& dir) const;
   void update_grid(const PoseUpdate& update);
   void publish_graph(time::Timestamp stamp);
 
-  /// The search for the robot in the saved map.
-  struct Search {
-    Search(const OccupancyGrid& grid, const Slam2dParams& params,
-           const std::optional<geometry::SE2>& T_map_start)
-        : map(trinary(grid), params.map), localiser(params, map, T_map_start) {}
-    KnownMap map;
-    Localiser localiser;  // refers to `map`
-  };
-
   node::Context& context_;
-  Params params_;
   LevelScanReader input_;
   Slam2d slam_;
-  std::size_t num_restored_ = 0;    // keyframes of the saved map
-  std::unique_ptr<Search> search_;  // until the robot is found; null for a new map
-  LocaliserMetrics search_metrics_;
   KeyframeGrid map_;
   MapPublisher map_publisher_;
   time::Timestamp last_stamp_{};  // of a scan that was used

@@ -66,7 +66,7 @@ Place PlaceSearch::find(const Known& known, const LevelScan& scan, const LevelSc
   if (!scan.has_enough_to_search() || has_failed_here) {
     return {tracked, !known.doubt.is_there()};
   }
-  ++counts_.searches;
+  ++counts_.made;
   std::optional<Place> found;
   if (known.doubt.is_there()) {
     found = find_anywhere(known, scan, start.guesses, tracked);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
@@ -12,6 +11,7 @@
 #include "modules/slam2d/moving_points.hpp"
 #include "modules/slam2d/params.hpp"
 #include "modules/slam2d/pose_search.hpp"
+#include "modules/slam2d/pose_update.hpp"
 #include "modules/slam2d/scan_matcher.hpp"
 
 namespace nodmap::slam2d {
@@ -36,10 +36,6 @@ struct Place {
 /// covers all places where the robot may be.
 class PlaceSearch {
  public:
-  struct Counts {
-    std::int64_t searches = 0;
-    std::int64_t found = 0;
-  };
   /// The state at the time of a scan.
   struct Known {
     BackEnd& back_end;
@@ -66,7 +62,7 @@ class PlaceSearch {
   /// been carried, and farther than was searched.
   void forget_failure() { T_odom_failed_.reset(); }
 
-  [[nodiscard]] const Counts& counts() const { return counts_; }
+  [[nodiscard]] const SearchCounts& counts() const { return counts_; }
 
  private:
   [[nodiscard]] bool is_good(const Match& tracked, const Doubt& doubt) const;
@@ -85,7 +81,7 @@ class PlaceSearch {
   ScanMatcher matcher_;
   PoseSearch search_;
   std::optional<geometry::SE2> T_odom_failed_;  // of the last search, if it failed
-  Counts counts_;
+  SearchCounts counts_;
 };
 
 }  // namespace nodmap::slam2d

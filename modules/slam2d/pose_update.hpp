@@ -32,12 +32,16 @@ struct ScansByState {
     by_odometry += state == PoseState::kOdometry ? 1 : 0;
     lost += state == PoseState::kLost ? 1 : 0;
   }
-  ScansByState& operator+=(const ScansByState& other) {
-    all += other.all;
-    tracked += other.tracked;
-    degraded += other.degraded;
-    by_odometry += other.by_odometry;
-    lost += other.lost;
+};
+
+/// Searches for the robot.
+struct SearchCounts {
+  std::int64_t made = 0;
+  std::int64_t found = 0;  ///< that found it
+
+  SearchCounts& operator+=(const SearchCounts& other) {
+    made += other.made;
+    found += other.found;
     return *this;
   }
 };

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "common/drawing/plan_view.hpp"
+#include "common/formats/tum.hpp"
+#include "common/node/results.hpp"
 #include "modules/slam2d/map_file.hpp"
 
 namespace nodmap::slam2d {
@@ -87,6 +89,18 @@ drawing::Image draw_paths(std::span<const geometry::SE2> path,
   view.draw_legend(std::array{LegendEntry{"2d slam, from disc to square", kPathColour},
                               LegendEntry{"odometry", kOdometryColour}});
   return std::move(view).take();
+}
+
+void write_trajectories(const std::filesystem::path& dir, std::span<const TrackedScan> scans,
+                        std::span<const geometry::SE2> corrected) {
+  formats::Trajectory trajectory;
+  formats::Trajectory online;
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    trajectory.push_back({scans[i].stamp, geometry::to_se3(corrected[i])});
+    online.push_back({scans[i].stamp, geometry::to_se3(scans[i].T_map_base_online)});
+  }
+  node::write_each({[&] { formats::write_tum(dir / "trajectory.tum", trajectory); },
+                    [&] { formats::write_tum(dir / "online.tum", online); }});
 }
 
 nlohmann::json scan_metrics(const ScansByState& scans, const ScanCounts& rejected) {

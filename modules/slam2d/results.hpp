@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The images and metrics that are written with --out.
+// The trajectories, images and metrics that are written with --out.
 #pragma once
 
+#include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <span>
 
@@ -10,6 +11,7 @@
 #include "modules/slam2d/level_scan.hpp"
 #include "modules/slam2d/occupancy_grid.hpp"
 #include "modules/slam2d/pose_update.hpp"
+#include "modules/slam2d/tracked_path.hpp"
 
 namespace nodmap::slam2d {
 
@@ -22,6 +24,11 @@ namespace nodmap::slam2d {
 /// marks as draw_map().
 [[nodiscard]] drawing::Image draw_paths(std::span<const geometry::SE2> path,
                                         std::span<const geometry::SE2> odometry);
+
+/// Writes trajectory.tum with the `corrected` pose of each scan, and online.tum with the poses that
+/// were published.
+void write_trajectories(const std::filesystem::path& dir, std::span<const TrackedScan> scans,
+                        std::span<const geometry::SE2> corrected);
 
 /// The counts of scans in result.json.
 [[nodiscard]] nlohmann::json scan_metrics(const ScansByState& scans, const ScanCounts& rejected);

@@ -18,7 +18,23 @@ Slam2d::Slam2d(const Slam2dParams& params)
       hidden_view_(params),
       path_(params.path) {}
 
+void Slam2d::restore(SavedMap map, TrinaryGrid known,
+                     const std::optional<geometry::SE2>& T_map_start) {
+  back_end_.restore(std::move(map));
+  num_restored_ = keyframes().size();
+  finder_ = std::make_unique<Finder>(params_, std::move(known), T_map_start);
+}
+
+Metrics Slam2d::metrics() const {
+  Metrics metrics = metrics_;
+  metrics.searches += place_search_.counts();
+  return metrics;
+}
+
 std::optional<PoseUpdate> Slam2d::add_scan(const LevelScan& scan) {
+  if (finder_) {
+    return find_in_saved_map(scan);
+  }
   if (!back_end_.has_local()) {
     return begin_map(scan);
   }
@@ -41,7 +57,21 @@ std::optional<PoseUpdate> Slam2d::add_scan(const LevelScan& scan) {
   if (update.is_keyframe || found.has_slipped || is_sure_again) {
     pose_guesses_.count_odometry_from(T_map_odom_, scan.T_odom_base);
   }
-  record(update);
+  path_.add(update, keyframes());
+  count(update);
+  return update;
+}
+
+// The map is continued only once the pose is confirmed: a wrong one would spoil it. Odometry then
+// counts as begun in map.
+PoseUpdate Slam2d::find_in_saved_map(const LevelScan& scan) {
+  PoseUpdate update = finder_->localiser.add_scan(scan);
+  metrics_.searches = finder_->localiser.metrics().searches;
+  count(update);
+  if (update.state == PoseState::kTracking) {
+    T_map_odom_ = T_first_odom_ = update.T_map_odom;
+    finder_.reset();
+  }
   return update;
 }
 
@@ -56,7 +86,8 @@ std::optional<PoseUpdate> Slam2d::begin_map(const LevelScan& scan) {
   add_keyframe(scan, {}, update);
   correct_odometry(scan, update);
   pose_guesses_.count_odometry_from(T_map_odom_, scan.T_odom_base);
-  record(update);
+  path_.add(update, keyframes());
+  count(update);
   return update;
 }
 
@@ -223,8 +254,10 @@ void Slam2d::add_keyframe(const LevelScan& scan, const Match& match, PoseUpdate&
   back_end_.add_keyframe(std::move(keyframe), T_submap_base,
                          update.is_matched() ? match.information : Eigen::Matrix3d::Zero());
   update.T_map_base = keyframes().back().T_map_base;
-  if (back_end_.dropped()) {
-    path_.attach_to_others(*back_end_.dropped(), keyframes());
+  if (const std::optional<DroppedKeyframes>& dropped = back_end_.dropped()) {
+    path_.attach_to_others(*dropped, keyframes());
+    const std::size_t end = dropped->first + dropped->keyframes.size();
+    num_restored_ -= std::clamp(num_restored_, dropped->first, end) - dropped->first;
   }
   T_odom_keyframe_ = scan.T_odom_base;
   update.is_keyframe = true;
@@ -236,8 +269,7 @@ void Slam2d::correct_odometry(const LevelScan& scan, PoseUpdate& update) {
   update.T_map_odom = T_map_odom_;
 }
 
-void Slam2d::record(const PoseUpdate& update) {
-  path_.add(update, keyframes());
+void Slam2d::count(const PoseUpdate& update) {
   metrics_.scans.count(update.state);
   metrics_.inlier_ratio_sum += update.inlier_ratio;
   metrics_.score_sum += update.score;

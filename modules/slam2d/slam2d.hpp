@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstdint>
+#include <cstddef>
+#include <memory>
 #include <optional>
 #include <span>
 #include <utility>
@@ -10,7 +11,9 @@
 #include "modules/slam2d/back_end.hpp"
 #include "modules/slam2d/doubt.hpp"
 #include "modules/slam2d/hidden_view.hpp"
+#include "modules/slam2d/known_map.hpp"
 #include "modules/slam2d/level_scan.hpp"
+#include "modules/slam2d/localiser.hpp"
 #include "modules/slam2d/moving_points.hpp"
 #include "modules/slam2d/oriented_points.hpp"
 #include "modules/slam2d/params.hpp"
@@ -25,6 +28,7 @@ namespace nodmap::slam2d {
 
 struct Metrics {
   ScansByState scans;
+  SearchCounts searches;          ///< in the saved map and, later on, in the local submap
   double inlier_ratio_sum = 0.0;  ///< over all `scans`
   double score_sum = 0.0;         ///< over all `scans`
 };
@@ -32,21 +36,19 @@ struct Metrics {
 /// 3DOF-SLAM (section IV A): level scans are matched against an incrementally built point map, and
 /// what is new in them is added to it. That map is a submap; the back end joins the submaps and
 /// closes loops between them. The map frame is the odom frame of the first scan, or that of the
-/// saved map. Level scans come from a LevelScanInput.
+/// saved map that is continued. Level scans come from a LevelScanInput.
 class Slam2d {
  public:
   explicit Slam2d(const Slam2dParams& params);
 
-  /// Restores a saved map. Must be called before the first scan, and followed by begin_at(), which
-  /// says where the next level scan is added.
-  void restore(SavedMap map) { back_end_.restore(std::move(map)); }
-
-  /// Sets T_map_odom, as found by a Localiser in the saved map. Odometry then counts as begun in
-  /// map.
-  void begin_at(const geometry::SE2& T_map_odom) {
-    T_map_odom_ = T_map_odom;
-    T_first_odom_ = T_map_odom;
-  }
+  /// Restores a saved map, to be continued. Must be called before the first scan. First the robot
+  /// is found in `known`, the grid of that map, from `T_map_start` or by a search. Until its place
+  /// is confirmed nothing is added.
+  void restore(SavedMap map, TrinaryGrid known, const std::optional<geometry::SE2>& T_map_start);
+  /// Whether there is a saved map in which the robot has not been found yet.
+  [[nodiscard]] bool is_finding() const { return finder_ != nullptr; }
+  /// The number of keyframes that come from the saved map. They are the first ones.
+  [[nodiscard]] std::size_t num_restored() const { return num_restored_; }
 
   /// Takes the next level scan. Returns the corrected pose, or nothing if there is no map yet and
   /// the scan has too few points to begin one.
@@ -66,11 +68,21 @@ class Slam2d {
   [[nodiscard]] const std::optional<DroppedKeyframes>& dropped_keyframes() const {
     return back_end_.dropped();
   }
+  /// The scans with a pose, without those during which the robot was being found in a saved map.
   [[nodiscard]] std::span<const TrackedScan> tracked_scans() const { return path_.scans(); }
-  [[nodiscard]] const Metrics& metrics() const { return metrics_; }
-  [[nodiscard]] const PlaceSearch::Counts& search_counts() const { return place_search_.counts(); }
+  [[nodiscard]] Metrics metrics() const;
 
  private:
+  /// Finds the robot in a saved map.
+  struct Finder {
+    Finder(const Slam2dParams& params, TrinaryGrid grid,
+           const std::optional<geometry::SE2>& T_map_start)
+        : map(std::move(grid), params.map), localiser(params, map, T_map_start) {}
+    KnownMap map;
+    Localiser localiser;  // refers to `map`
+  };
+
+  [[nodiscard]] PoseUpdate find_in_saved_map(const LevelScan& scan);
   [[nodiscard]] std::optional<PoseUpdate> begin_map(const LevelScan& scan);
   void follow_odometry(const LevelScan& scan);
   [[nodiscard]] Start choose_start(const LevelScan& scan) const;
@@ -87,7 +99,7 @@ class Slam2d {
   void begin_submap_if_in_doubt();
   void add_keyframe(const LevelScan& scan, const Match& match, PoseUpdate& update);
   void correct_odometry(const LevelScan& scan, PoseUpdate& update);
-  void record(const PoseUpdate& update);
+  void count(const PoseUpdate& update);
 
   Slam2dParams params_;
   MovingPointFilter moving_points_;
@@ -102,7 +114,9 @@ class Slam2d {
   Doubt doubt_;
   HiddenView hidden_view_;
   TrackedPath path_;
-  Metrics metrics_;
+  std::unique_ptr<Finder> finder_;  // until the robot is found; null for a new map
+  std::size_t num_restored_ = 0;    // the first keyframes
+  Metrics metrics_;                 // the searches are those of the finder
 };
 
 }  // namespace nodmap::slam2d

@@ -25,7 +25,7 @@ TEST(Slam2d, AScanThatFitsAfterAGapStartsNoSearch) {
     ASSERT_TRUE(update);
     EXPECT_EQ(update->state, PoseState::kTracking);
   }
-  EXPECT_EQ(slam.search_counts().searches, 0);
+  EXPECT_EQ(slam.metrics().searches.made, 0);
 }
 
 // For a second nothing is recorded, and odometry does not count the robot's motion in this time.
@@ -158,7 +158,7 @@ TEST(Slam2d, ASearchThatFailedBeforeAPauseInOdometryIsRepeatedAfterIt) {
     stamp += kPeriod;
     ASSERT_TRUE(track(slam, scanner.scan(with_board, truth, stamp), odom));
   }
-  ASSERT_EQ(slam.search_counts().searches, 1);  // not repeated in the second scan: it failed
+  ASSERT_EQ(slam.metrics().searches.made, 1);  // not repeated in the second scan: it failed
   truth = truth * SE2{-0.9, -2.6, -0.6};
   update = track(slam, scanner.scan(test::room(), truth, stamp + 2s), odom);
   ASSERT_TRUE(update);

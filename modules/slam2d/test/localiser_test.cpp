@@ -72,7 +72,7 @@ TEST(Localiser, FollowsTheRobotFromAGivenPose) {
     EXPECT_EQ(update.state, PoseState::kTracking);
     EXPECT_LT(drive.error_m(update), kMaxErrorM) << i;
   }
-  EXPECT_EQ(drive.metrics().searches, 0);
+  EXPECT_EQ(drive.metrics().searches.made, 0);
   EXPECT_EQ(drive.metrics().scans.tracked, 100);
 }
 
@@ -89,7 +89,7 @@ TEST(Localiser, APlaceFoundWithoutAStartPoseIsTrackedAfterDriving) {
     EXPECT_LT(drive.error_m(update), kMaxErrorM);
   }
   EXPECT_EQ(update.state, PoseState::kTracking);
-  EXPECT_EQ(drive.metrics().searches, 1);
+  EXPECT_EQ(drive.metrics().searches.made, 1);
 }
 
 // The robot is carried away, and odometry does not notice it.
@@ -128,8 +128,8 @@ TEST(Localiser, APlaceThatIsNotAcceptedIsNotSearchedForWithEachScan) {
   for (int i = 0; i < 10; ++i) {  // 2 s
     EXPECT_EQ(drive.stand().state, PoseState::kLost);
   }
-  EXPECT_EQ(drive.metrics().searches, 2);
-  EXPECT_EQ(drive.metrics().found, 0);
+  EXPECT_EQ(drive.metrics().searches.made, 2);
+  EXPECT_EQ(drive.metrics().searches.found, 0);
   EXPECT_EQ(drive.metrics().times_lost, 0);
 }
 

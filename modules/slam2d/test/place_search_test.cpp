@@ -23,7 +23,7 @@ TEST(Slam2d, ARotationThatOdometryMissedIsFound) {
   const auto update =
       track(slam, scanner.scan(test::room(), truth, time::Timestamp(kPeriod)), {0.1, 0.0, 0.0});
   ASSERT_TRUE(update);
-  EXPECT_EQ(slam.search_counts().found, 1);
+  EXPECT_EQ(slam.metrics().searches.found, 1);
   // Measured against a map of a single scan: 5.2 mm and 0.127 degrees.
   EXPECT_LT(distance_m(update->T_map_base, truth), 0.0064);
   EXPECT_NEAR(update->T_map_base.yaw, truth.yaw, geometry::deg_to_rad(0.158));
@@ -46,7 +46,7 @@ TEST(Slam2d, AScanWithFewPointsStartsNoSearch) {
   const SE2 odom{0.1, 0.0, 0.0};
   const auto update = track(slam, scan, odom);
   ASSERT_TRUE(update);
-  EXPECT_EQ(slam.search_counts().searches, 0);
+  EXPECT_EQ(slam.metrics().searches.made, 0);
   EXPECT_NE(update->state, PoseState::kTracking);
   EXPECT_EQ(update->T_map_base.x, odom.x);
 }
@@ -66,7 +66,7 @@ TEST(Slam2d, ASimilarPlaceNearbyDoesNotReplaceThePoseByOdometry) {
   ASSERT_TRUE(track(slam, scanner.scan(bays, first), first));
   const auto update = track(slam, scanner.scan(bays, second, time::Timestamp(kPeriod)), second);
   ASSERT_TRUE(update);
-  EXPECT_EQ(slam.search_counts().searches, 1);
+  EXPECT_EQ(slam.metrics().searches.made, 1);
   EXPECT_NE(update->state, PoseState::kTracking);
   EXPECT_LT(distance_m(update->T_map_base, second), 0.1);  // by odometry, or matched near it
 }
