@@ -18,12 +18,12 @@
 
 #include "bench/timing.hpp"
 #include "common/geometry/angle.hpp"
-#include "modules/slam2d/group_relocaliser.hpp"
 #include "modules/slam2d/keyframe_grid.hpp"
 #include "modules/slam2d/known_map.hpp"
 #include "sim/body/collision.hpp"
 #include "sim/body/rangefinder.hpp"
 #include "sim/world/world_name.hpp"
+#include "tools/evaluate/group_relocaliser.hpp"
 
 namespace {
 
@@ -139,7 +139,7 @@ struct Result {
 void locate(const slam2d::KnownMap& map, Robot& robot, const SE2& first, std::size_t num_scans,
             Result& result) {
   const slam2d::Slam2dParams params;
-  const slam2d::GroupRelocaliser relocaliser(params.relocalise, params.matcher);
+  const evaluate::GroupRelocaliser relocaliser(params.relocalise, params.matcher);
   std::vector<std::vector<OrientedPoint>> points;
   std::vector<slam2d::LevelScan> scans;
   SE2 pose = first;

@@ -59,7 +59,7 @@ class Relocaliser {
   [[nodiscard]] Relocalisation locate(const KnownMap& map, const SearchWindow& window,
                                       const LevelScan& scan) const;
 
-  // The steps of locate(), also for a GroupRelocaliser.
+  // The steps of locate(), also for a group of scans.
 
   [[nodiscard]] Candidates find_places(const KnownMap& map, const SearchWindow& window,
                                        const LevelScan& scan) const;

@@ -13,10 +13,10 @@
 #include "common/bus/event_log.hpp"
 #include "common/geometry/angle.hpp"
 #include "common/node/message_counts.hpp"
-#include "modules/slam2d/group_relocaliser.hpp"
 #include "modules/slam2d/known_map.hpp"
 #include "modules/slam2d/level_scan_reader.hpp"
 #include "modules/slam2d/map_file.hpp"
+#include "tools/evaluate/group_relocaliser.hpp"
 #include "tools/evaluate/trajectory_error.hpp"
 
 namespace nodmap::evaluate {
@@ -91,7 +91,7 @@ RelocalisationResult measure_relocalisation(const std::filesystem::path& map,
                                             const RelocalisationPlan& plan) {
   const slam2d::Slam2dParams params;
   const slam2d::KnownMap known(slam2d::read_ros_map(map), params.map);
-  const slam2d::GroupRelocaliser relocaliser(params.relocalise, params.matcher);
+  const GroupRelocaliser relocaliser(params.relocalise, params.matcher);
   const int every = plan.every > 0 ? plan.every : default_every(log, plan.num_scans);
   Group group;
   int groups = 0;

@@ -6,7 +6,7 @@
 
 #include "modules/slam2d/relocaliser.hpp"
 
-namespace nodmap::slam2d {
+namespace nodmap::evaluate {
 
 /// Locates the last of one or more successive scans in a known map, for measurements. Each scan is
 /// placed on its own, and each place, moved by odometry, is tried for the others, too. Together the
@@ -14,18 +14,19 @@ namespace nodmap::slam2d {
 /// is not believed.
 class GroupRelocaliser {
  public:
-  GroupRelocaliser(const RelocaliserParams& params, const MatcherParams& matcher)
+  GroupRelocaliser(const slam2d::RelocaliserParams& params, const slam2d::MatcherParams& matcher)
       : params_(params), relocaliser_(params, matcher) {}
 
-  [[nodiscard]] Relocalisation locate(const KnownMap& map, std::span<const LevelScan> scans) const;
+  [[nodiscard]] slam2d::Relocalisation locate(const slam2d::KnownMap& map,
+                                              std::span<const slam2d::LevelScan> scans) const;
 
  private:
-  using Place = Relocaliser::Place;
+  using Place = slam2d::Relocaliser::Place;
 
   /// Where one scan fits.
   struct Alone {
-    Relocaliser::Candidates fits;
-    Relocalisation result;
+    slam2d::Relocaliser::Candidates fits;
+    slam2d::Relocalisation result;
   };
   /// How one scan fits a place.
   struct ScanFit {
@@ -39,15 +40,16 @@ class GroupRelocaliser {
     bool agrees = true;    ///< each scan fits there, and none is sure of another place
     bool is_sure = false;  ///< one scan alone tells that this is the place
   };
-  [[nodiscard]] Relocalisation join(const KnownMap& map, std::span<const LevelScan> scans,
-                                    std::span<const Alone> alone) const;
-  [[nodiscard]] ScanFit fit(const KnownMap& map, const LevelScan& scan, const Alone& alone,
-                            const geometry::SE2& T_map_base) const;
-  [[nodiscard]] GroupFit fit(const KnownMap& map, std::span<const LevelScan> scans,
+  [[nodiscard]] slam2d::Relocalisation join(const slam2d::KnownMap& map,
+                                            std::span<const slam2d::LevelScan> scans,
+                                            std::span<const Alone> alone) const;
+  [[nodiscard]] ScanFit fit(const slam2d::KnownMap& map, const slam2d::LevelScan& scan,
+                            const Alone& alone, const geometry::SE2& T_map_base) const;
+  [[nodiscard]] GroupFit fit(const slam2d::KnownMap& map, std::span<const slam2d::LevelScan> scans,
                              std::span<const Alone> alone, const geometry::SE2& T_map_last) const;
 
-  RelocaliserParams params_;
-  Relocaliser relocaliser_;
+  slam2d::RelocaliserParams params_;
+  slam2d::Relocaliser relocaliser_;
 };
 
-}  // namespace nodmap::slam2d
+}  // namespace nodmap::evaluate

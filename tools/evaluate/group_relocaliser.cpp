@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "modules/slam2d/group_relocaliser.hpp"
+#include "tools/evaluate/group_relocaliser.hpp"
 
 #include <cmath>
 #include <vector>
 
 #include "modules/slam2d/best_place.hpp"
 
-namespace nodmap::slam2d {
+namespace nodmap::evaluate {
+
+using slam2d::KnownMap;
+using slam2d::LevelScan;
+using slam2d::Relocalisation;
+using slam2d::Relocaliser;
+
 namespace {
 
 // Matches of successive scans, moved by odometry, agree on the place within this. Odometry may be a
@@ -74,8 +80,9 @@ Relocalisation GroupRelocaliser::join(const KnownMap& map, std::span<const Level
     return result;
   }
   const GroupFit& best = fits[Relocaliser::best_of(found.places)];
-  const BestPlace beside{.score = best.place.wall_score,
-                         .runner_up_score = Relocaliser::score_beside(best.place, wall_score)};
+  const slam2d::BestPlace beside{
+      .score = best.place.wall_score,
+      .runner_up_score = Relocaliser::score_beside(best.place, wall_score)};
   if (!best.agrees) {
     result.status = Relocalisation::Status::kNowhere;
   } else if (best.is_sure && beside.is_clear(params_.min_misfit_ratio)) {
@@ -91,7 +98,7 @@ GroupRelocaliser::ScanFit GroupRelocaliser::fit(const KnownMap& map, const Level
   const std::optional<Place> own = best_near(alone.fits.places, T_map_base);
   const bool is_sure = alone.result.status == Relocalisation::Status::kFound;
   const bool is_sure_of_this =
-      is_sure && own && is_same_place(own->T_map_base, alone.result.T_map_base);
+      is_sure && own && slam2d::is_same_place(own->T_map_base, alone.result.T_map_base);
   ScanFit fit{.match = own ? own : relocaliser_.match(map, scan, T_map_base),
               .is_sure = is_sure_of_this};
   fit.agrees = is_sure == is_sure_of_this && fit.match &&
@@ -122,4 +129,4 @@ GroupRelocaliser::GroupFit GroupRelocaliser::fit(const KnownMap& map,
   return group;
 }
 
-}  // namespace nodmap::slam2d
+}  // namespace nodmap::evaluate

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "modules/slam2d/group_relocaliser.hpp"
+#include "tools/evaluate/group_relocaliser.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,10 +8,14 @@
 
 #include "modules/slam2d/test/drawn_world.hpp"
 
-namespace nodmap::slam2d {
+namespace nodmap::evaluate {
 namespace group_relocaliser_test {
 
+namespace test = slam2d::test;
 using geometry::SE2;
+using slam2d::KnownMap;
+using slam2d::LevelScan;
+using slam2d::Relocalisation;
 using Status = Relocalisation::Status;
 
 class GroupRelocaliserTest : public testing::Test {
@@ -26,7 +30,7 @@ class GroupRelocaliserTest : public testing::Test {
   };
   Relocalisation locate_group(const KnownMap& map, const test::FloorPlan& plan,
                               const std::vector<TakenAt>& taken) {
-    std::vector<std::vector<OrientedPoint>> points;
+    std::vector<std::vector<slam2d::OrientedPoint>> points;
     std::vector<LevelScan> scans;
     for (const TakenAt& at : taken) {
       const auto seen = extractor_.extract(scanner_.scan(plan, at.truth), {});
@@ -37,14 +41,14 @@ class GroupRelocaliserTest : public testing::Test {
   }
 
   test::Scanner scanner_;
-  OrientedPointExtractor extractor_;
+  slam2d::OrientedPointExtractor extractor_;
 };
 
 TEST_F(GroupRelocaliserTest, AGroupOfOneScanGivesTheSameResultAsTheScan) {
-  const KnownMap map(trinary(test::drawn_grid(test::room(), test::poses_in_room())), {});
+  const KnownMap map(slam2d::trinary(test::drawn_grid(test::room(), test::poses_in_room())), {});
   const auto points = extractor_.extract(scanner_.scan(test::room(), {-1.0, 0.5, 0.3}), {});
   const LevelScan scan{.T_odom_base = {}, .points_base = points};
-  const Relocalisation alone = Relocaliser({}, {}).locate(map, scan);
+  const Relocalisation alone = slam2d::Relocaliser({}, {}).locate(map, scan);
   const Relocalisation group = GroupRelocaliser({}, {}).locate(map, {&scan, 1});
   EXPECT_EQ(alone.status, Status::kFound);
   EXPECT_EQ(alone.status, group.status);
@@ -76,7 +80,7 @@ class LookAlikeRooms : public GroupRelocaliserTest {
         poses.push_back({pose.x + 20.0 * i, 0.5, pose.yaw});
       }
     }
-    map_.emplace(trinary(test::drawn_grid(plan_, poses)), MapParams{});
+    map_.emplace(slam2d::trinary(test::drawn_grid(plan_, poses)), slam2d::MapParams{});
   }
 
   const SE2 right_{-0.3, 0.3, 0.0};
@@ -102,7 +106,7 @@ TEST_F(LookAlikeRooms, SeveralScansFindAPlaceThatNoneOfThemFindsAlone) {
 }
 
 TEST_F(GroupRelocaliserTest, OdometryThatLagsInARotationDoesNotMatter) {
-  const KnownMap map(trinary(test::drawn_grid(test::room(), test::poses_in_room())), {});
+  const KnownMap map(slam2d::trinary(test::drawn_grid(test::room(), test::poses_in_room())), {});
   const SE2 first{-1.0, 0.5, 0.3};
   const SE2 last{-0.8, 0.5, 0.6};
   const Relocalisation found =
@@ -116,7 +120,7 @@ TEST_F(GroupRelocaliserTest, OdometryThatLagsInARotationDoesNotMatter) {
 // Each scan alone is found at its place, but odometry says that the robot did not move from one
 // place to the other.
 TEST_F(GroupRelocaliserTest, ScansThatContradictEachOtherFindNothing) {
-  const KnownMap map(trinary(test::drawn_grid(test::room(), test::poses_in_room())), {});
+  const KnownMap map(slam2d::trinary(test::drawn_grid(test::room(), test::poses_in_room())), {});
   const SE2 first{-1.0, 0.5, 0.3};
   const SE2 carried{-0.2, 0.0, -0.4};
   for (const SE2& truth : {first, carried}) {
@@ -126,4 +130,4 @@ TEST_F(GroupRelocaliserTest, ScansThatContradictEachOtherFindNothing) {
 }
 
 }  // namespace group_relocaliser_test
-}  // namespace nodmap::slam2d
+}  // namespace nodmap::evaluate
