@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <system_error>
 
-#include "modules/slam2d/known_map.hpp"
 #include "modules/slam2d/occupancy_grid.hpp"
+#include "modules/slam2d/trinary_grid.hpp"
 
 namespace nodmap::slam2d {
 

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "modules/slam2d/known_map.hpp"
+#include "modules/slam2d/trinary_grid.hpp"
 
 namespace nodmap::slam2d {
 namespace occupancy_grid_test {
