@@ -329,7 +329,7 @@ struct Slam2dParams {
     v.section("lost", lost);
     v.section("path", path);
     v.section("map", map);
-    v.section("back_end", back_end);
+    back_end.describe(v);  // submap, loop, polish
     v.section("grid", grid);
     v.section("relocalise", relocalise);
     v.section("localise", localise);

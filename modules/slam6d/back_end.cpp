@@ -208,7 +208,8 @@ std::optional<std::size_t> BackEnd::nearest_keyframe(bool is_old) const {
     }
     const auto variance = uncertainty_[k].diagonal();
     const double drift_m = kReachSigmas * std::sqrt(std::max(variance[0], variance[1]));
-    if (distance_m < params_.max_distance_m + std::min(drift_m, params_.max_search_m)) {
+    if (distance_m <
+        params_.match.max_distance_m + std::min(drift_m, params_.search.max_distance_m)) {
       nearest = k;
       nearest_m = distance_m;
     }

@@ -87,7 +87,7 @@ LoopAttempt LoopCloser::match(VoxelMap& keyframe, const VoxelMap& place,
 }
 
 LoopAttempt LoopCloser::attempt(const Registration& found, const PosePrior& prior) const {
-  if (!found.is_accepted() || found.lowest_inlier_ratio() < params_.min_inlier_ratio) {
+  if (!found.is_accepted() || found.lowest_inlier_ratio() < params_.match.min_inlier_ratio) {
     return {};
   }
   return {.loop = Loop{.T_from_to = found.T_map_base,
@@ -111,8 +111,9 @@ LoopAttempt LoopCloser::search(VoxelMap& keyframe, const VoxelMap& place,
 std::vector<StartPose> LoopCloser::starts(const VoxelMap& keyframe, const VoxelMap& place,
                                           const PosePrior& prior) const {
   const Reach reach = reach_of(prior);
-  const int steps_m = num_steps(std::min(reach.distance_m, params_.max_search_m), kStepM);
-  const int steps_rad = num_steps(std::min(reach.heading_rad, params_.max_search_rad), kStepRad);
+  const int steps_m = num_steps(std::min(reach.distance_m, params_.search.max_distance_m), kStepM);
+  const int steps_rad =
+      num_steps(std::min(reach.heading_rad, params_.search.max_rotation_rad), kStepRad);
   const std::vector<OrientedPoint> points =
       some_of(keyframe.select(kSearchLevel).points, kMaxSearchPoints);
   const VoxelGrid& grid = place.level(kSearchLevel);
@@ -146,13 +147,13 @@ std::vector<Loop> LoopCloser::add_pending(const Loop& loop, std::span<const SE3>
   const SE3 here = consequence(loop);
   for (const Loop& other : pending_) {
     const double between_m = geometry::distance_m(T_map_keyframes[other.to], T_map_last);
-    if (!is_apart(here, consequence(other), params_.max_disagreement_m + 0.02 * between_m,
-                  params_.max_disagreement_rad)) {
+    if (!is_apart(here, consequence(other), params_.consensus.max_distance_m + 0.02 * between_m,
+                  params_.consensus.max_rotation_rad)) {
       consensus.push_back(other);
       keyframes.insert(other.to);
     }
   }
-  if (keyframes.size() < static_cast<std::size_t>(params_.min_keyframes)) {
+  if (keyframes.size() < static_cast<std::size_t>(params_.consensus.min_keyframes)) {
     return {};
   }
   pending_.clear();

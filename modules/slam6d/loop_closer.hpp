@@ -19,16 +19,59 @@ namespace nodmap::slam6d {
 /// Loops are searched for up to this many standard deviations from the estimated pose.
 inline constexpr double kReachSigmas = 3.0;
 
+/// A keyframe matched with earlier places: which places, and which matches count.
+struct LoopMatchParams {
+  double max_distance_m = 3.0;
+  double min_inlier_ratio = 0.5;
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.number(
+        "max_distance_m", max_distance_m, {0.1, 100.0},
+        "A keyframe is matched with earlier places within this distance, plus the possible drift.");
+    v.number("min_inlier_ratio", min_inlier_ratio, {0.0, 1.0},
+             "A loop is refused if less than this fraction of the keyframe's points, or of its "
+             "points on walls, lies on the planes of the place.");
+  }
+};
+
+/// The search for a loop where the drift is too large for a match alone.
+struct LoopSearchParams {
+  double max_distance_m = 6.0;
+  double max_rotation_rad = geometry::deg_to_rad(45.0);
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.number("max_distance_m", max_distance_m, {0.0, 100.0},
+             "A loop is searched for within the possible drift, at most up to this distance.");
+    v.angle("max_rotation_deg", max_rotation_rad, {0.0, 180.0}, "The same for the heading.");
+  }
+};
+
+/// When loops that were searched for are believed.
+struct LoopConsensusParams {
+  int min_keyframes = 3;
+  double max_distance_m = 0.2;
+  double max_rotation_rad = geometry::deg_to_rad(2.0);
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.integer(
+        "min_keyframes", min_keyframes, {1, 100},
+        "A loop found by a search is accepted when this many keyframes lead to the same pose.");
+    v.number("max_distance_m", max_distance_m, {0.001, 10.0},
+             "Poses of the robot count as the same within this distance plus 2 % of the distance "
+             "driven between the keyframes.");
+    v.angle("max_rotation_deg", max_rotation_rad, {0.1, 90.0}, "The same for rotations.");
+  }
+};
+
 /// When a keyframe counts as recognised at an earlier place.
 struct LoopParams {
   bool enabled = true;
-  double max_distance_m = 3.0;
-  double min_inlier_ratio = 0.5;
-  double max_search_m = 6.0;
-  double max_search_rad = geometry::deg_to_rad(45.0);
-  int min_keyframes = 3;
-  double max_disagreement_m = 0.2;
-  double max_disagreement_rad = geometry::deg_to_rad(2.0);
+  LoopMatchParams match{};
+  LoopSearchParams search{};
+  LoopConsensusParams consensus{};
   double recent_m = 40.0;
   double certain_m = 0.1;
   double certain_rad = geometry::deg_to_rad(1.0);
@@ -36,22 +79,9 @@ struct LoopParams {
   template <class Visitor>
   void describe(Visitor& v) {
     v.flag("enabled", enabled, "Whether loops are closed.");
-    v.number(
-        "max_distance_m", max_distance_m, {0.1, 100.0},
-        "A keyframe is matched with earlier places within this distance, plus the possible drift.");
-    v.number("min_inlier_ratio", min_inlier_ratio, {0.0, 1.0},
-             "A loop is refused if less than this fraction of the keyframe's points, or of its "
-             "points on walls, lies on the planes of the place.");
-    v.number("max_search_m", max_search_m, {0.0, 100.0},
-             "A loop is searched for within the possible drift, at most up to this distance.");
-    v.angle("max_search_deg", max_search_rad, {0.0, 180.0}, "The same for the heading.");
-    v.integer(
-        "min_keyframes", min_keyframes, {1, 100},
-        "A loop found by a search is accepted when this many keyframes lead to the same pose.");
-    v.number("max_disagreement_m", max_disagreement_m, {0.001, 10.0},
-             "Poses of the robot count as the same within this distance plus 2 % of the distance "
-             "driven between the keyframes.");
-    v.angle("max_disagreement_deg", max_disagreement_rad, {0.1, 90.0}, "The same for rotations.");
+    v.section("match", match);
+    v.section("search", search);
+    v.section("consensus", consensus);
     v.number("recent_m", recent_m, {1.0, 10000.0},
              "Keyframes on the last part of the path, of this length, stay in the map: it contains "
              "the drift since then already.");

@@ -52,7 +52,7 @@ class SweepRegistration {
       run_level(l, kernel_scale(l, params_.coarse_residual_scale_m));
     }
     count_inliers();
-    if (result_.degenerate_directions > 0 && params_.metric == ErrorMetric::kPlanes) {
+    if (result_.degenerate_directions > 0 && params_.metric == ErrorMetric::kPointToPlane) {
       if (const auto reach_m =
               normal_reach_m(result_.covariance, prior_covariance_, map_.level(0).voxel_size_m())) {
         look_along_normals(*reach_m);
@@ -104,8 +104,8 @@ class SweepRegistration {
     scale_m_ = static_cast<float>(scale_m);
     for (int i = 0; i < params_.iterations_per_level; ++i) {
       ++result_.iterations;
-      const Vector motion =
-          params_.metric == ErrorMetric::kPaper ? paper_step(selection) : plane_step(selection);
+      const Vector motion = params_.metric == ErrorMetric::kPointToPoint ? paper_step(selection)
+                                                                         : plane_step(selection);
       if constexpr (N == 12) {
         const Eigen::Matrix3d R_base_map = result_.T_map_base.linear().transpose();
         since_deskew_.translation_m += R_base_map * motion.template segment<3>(6);
@@ -118,7 +118,7 @@ class SweepRegistration {
       }
     }
     if constexpr (N == 12) {
-      if (level_ == 0 && params_.metric == ErrorMetric::kPlanes && params_.bend_rad > 0.0) {
+      if (level_ == 0 && params_.metric == ErrorMetric::kPointToPlane && params_.bend_rad > 0.0) {
         bend(selection);
       }
     }

@@ -20,8 +20,8 @@ inline constexpr double kLevelKernel = 3.0;
 
 /// The errors that registration minimises.
 enum class ErrorMetric {
-  kPaper,  ///< distances between corresponding points, Eq. 3 in closed form
-  kPlanes  ///< distances of points to the planes of their correspondences
+  kPointToPoint,  ///< distances between corresponding points, Eq. 3 in closed form
+  kPointToPlane,  ///< distances of points to the planes of their correspondences
 };
 
 /// How far the pose of a registration can be trusted.
@@ -32,7 +32,7 @@ enum class PoseState {
 };
 
 struct RegistrationParams {
-  ErrorMetric metric = ErrorMetric::kPlanes;
+  ErrorMetric metric = ErrorMetric::kPointToPlane;
   int iterations_per_level = 8;
   int min_planes = 50;
   double coarse_residual_scale_m = 0.15;
@@ -48,7 +48,9 @@ struct RegistrationParams {
 
   template <class Visitor>
   void describe(Visitor& v) {
-    v.choice("metric", metric, {{"paper", ErrorMetric::kPaper}, {"planes", ErrorMetric::kPlanes}},
+    v.choice("metric", metric,
+             {{"point_to_point", ErrorMetric::kPointToPoint},
+              {"point_to_plane", ErrorMetric::kPointToPlane}},
              "Distances that are minimised: between points (Eq. 3 of the paper), or from points to "
              "planes.");
     v.integer("iterations_per_level", iterations_per_level, {1, 1000},
@@ -136,9 +138,9 @@ struct Registration {
 
 /// Finds the pose at which a sweep fits the map: iterative closest points (ICP) from coarse to fine
 /// voxels. In each iteration each point of the sweep corresponds to the nearest map voxel of its
-/// size. With ErrorMetric::kPlanes the residual is the distance along the mean of both normals
-/// (symmetric objective, Rusinkiewicz 2019), weighted by a Geman-McClure kernel that narrows from
-/// level to level; a Gauss-Newton step joins the residuals with the prior
+/// size. With ErrorMetric::kPointToPlane the residual is the distance along the mean of both
+/// normals (symmetric objective, Rusinkiewicz 2019), weighted by a Geman-McClure kernel that
+/// narrows from level to level; a Gauss-Newton step joins the residuals with the prior
 /// (common/registration/motion_solver.hpp). Where a direction depends on a prior that may be
 /// farther off than the finest voxels reach, correspondences are also searched for along the
 /// normals.

@@ -227,7 +227,8 @@ TEST(Recordings, R44_TheSequenceIsTrackedToMillimetres) {
   RecordProperty("ate_mm", std::to_string(1e3 * error.ate_m));
   EXPECT_LT(error.ate_m, 1.25 * 0.0044);
   EXPECT_LT(error.rotation_rad, deg_to_rad(0.05));
-  const SequenceError paper = run_sequence(dir, {.registration = {.metric = ErrorMetric::kPaper}});
+  const SequenceError paper =
+      run_sequence(dir, {.registration = {.metric = ErrorMetric::kPointToPoint}});
   RecordProperty("paper_ate_mm", std::to_string(1e3 * paper.ate_m));
   EXPECT_LT(paper.ate_m, 0.265);  // better than odometry
 }

@@ -138,7 +138,7 @@ TEST(Registration, R44_ThePapersMetricIsRightToTwoCentimetres) {
   const SE3 T_guess = T_truth * pose(0.1, 0.05, 0.02, 0.5, 0.5, -2.0);
   const Registration found =
       registered(see(room, T_truth, 3), map_of(room), loose_prior(T_guess),
-                 {.metric = ErrorMetric::kPaper, .iterations_per_level = 60});
+                 {.metric = ErrorMetric::kPointToPoint, .iterations_per_level = 60});
   ASSERT_TRUE(found.is_accepted());
   EXPECT_LT(error_of(found, T_truth).translation().norm(), kMargin * 0.019);
   EXPECT_LT(geometry::rotation_angle(error_of(found, T_truth)), deg_to_rad(kMargin * 0.45));
@@ -363,7 +363,7 @@ TEST(Registration, WithoutCorrespondencesTheRobotIsLostAndTheGuessIsKept) {
   const VoxelMap empty{VoxelMapParams{}};
   const VoxelMap map = map_of(room);
   const SE3 T_guess = pose(100, 0, 0, 0, 0, 0);
-  for (const ErrorMetric metric : {ErrorMetric::kPaper, ErrorMetric::kPlanes}) {
+  for (const ErrorMetric metric : {ErrorMetric::kPointToPoint, ErrorMetric::kPointToPlane}) {
     const RegistrationParams params{.metric = metric};
     const Registration far = registered(sweep, map, loose_prior(T_guess), params);
     EXPECT_EQ(far.state, PoseState::kLost);
