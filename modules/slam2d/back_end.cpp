@@ -134,44 +134,45 @@ void BackEnd::optimise_if_due() {
   }
 }
 
-LoopAttempt BackEnd::track_loop(std::size_t submap_index, std::span<const OrientedPoint> scan) {
+Loop BackEnd::track_loop(std::size_t submap_index, std::span<const OrientedPoint> scan) {
   const Submap& submap = submaps()[submap_index];
-  LoopAttempt attempt =
+  Loop loop =
       closer_.track(submap, scan, submap.T_map_submap.inverse() * keyframes().back().T_map_base);
-  attempt.loop.submap = submap_index;
-  attempt.loop.keyframe = keyframes().size() - 1;
-  return attempt;
+  loop.submap = submap_index;
+  loop.keyframe = keyframes().size() - 1;
+  return loop;
 }
 
-LoopAttempt BackEnd::search_loop(std::size_t submap_index, std::span<const OrientedPoint> scan,
-                                 double reach_m, double reach_rad) {
+Loop BackEnd::search_loop(std::size_t submap_index, std::span<const OrientedPoint> scan,
+                          double reach_m, double reach_rad) {
   const Submap& submap = submaps()[submap_index];
   const SearchWindow window{
       submap.T_map_submap.inverse() * keyframes().back().T_map_base,
       std::min(std::max(reach_m, kCertainDistanceM), params_.loop.search.max_distance_m),
       std::min(std::max(reach_rad, kCertainRotationRad), params_.loop.search.max_rotation_rad)};
   ++metrics_.searches;
-  LoopAttempt attempt = closer_.search(submap_index, submap, scan, window);
-  attempt.loop.submap = submap_index;
-  attempt.loop.keyframe = keyframes().size() - 1;
-  return attempt;
+  Loop loop = closer_.search(submap_index, submap, scan, window);
+  loop.submap = submap_index;
+  loop.keyframe = keyframes().size() - 1;
+  return loop;
 }
 
-// Decides whether an attempt to recognise the newest keyframe becomes an edge of the graph. A place
-// that was searched for, or that contradicts the graph, needs the consensus of several keyframes.
-void BackEnd::decide(const LoopAttempt& attempt, bool was_searched) {
-  if (attempt.state != LoopState::kAccepted) {
-    metrics_.refused_ambiguous += attempt.state == LoopState::kAmbiguous ? 1 : 0;
-    metrics_.refused_match += attempt.state == LoopState::kLowScore ? 1 : 0;
-    refuse(attempt.loop, attempt.state);
+// Decides whether the attempt to recognise the newest keyframe becomes an edge of the graph. A
+// place that was searched for, or that contradicts the graph, needs the consensus of several
+// keyframes.
+void BackEnd::decide(const Loop& loop, bool was_searched) {
+  if (loop.state != LoopState::kAccepted) {
+    metrics_.refused_ambiguous += loop.state == LoopState::kAmbiguous ? 1 : 0;
+    metrics_.refused_match += loop.state == LoopState::kLowScore ? 1 : 0;
+    refuse(loop, loop.state);
   } else if (was_searched) {
-    accept_by_consensus(attempt.loop);
-  } else if (chi_squared(attempt.loop) > kMaxLoopChiSquared) {
+    accept_by_consensus(loop);
+  } else if (chi_squared(loop) > kMaxLoopChiSquared) {
     ++metrics_.refused_by_graph;
-    accept_by_consensus(attempt.loop);
+    accept_by_consensus(loop);
   } else {
     ++metrics_.loops_tracked;
-    accept(attempt.loop);
+    accept(loop);
   }
 }
 

@@ -95,10 +95,10 @@ class BackEnd {
   void close_loops();
   void update_uncertainty();
   void optimise_if_due();
-  [[nodiscard]] LoopAttempt track_loop(std::size_t submap, std::span<const OrientedPoint> scan);
-  [[nodiscard]] LoopAttempt search_loop(std::size_t submap, std::span<const OrientedPoint> scan,
-                                        double reach_m, double reach_rad);
-  void decide(const LoopAttempt& attempt, bool was_searched);
+  [[nodiscard]] Loop track_loop(std::size_t submap, std::span<const OrientedPoint> scan);
+  [[nodiscard]] Loop search_loop(std::size_t submap, std::span<const OrientedPoint> scan,
+                                 double reach_m, double reach_rad);
+  void decide(const Loop& loop, bool was_searched);
   void accept_by_consensus(Loop loop);
   void accept(const Loop& loop);
   void refuse(const Loop& loop, LoopState state);

@@ -32,25 +32,25 @@ MatcherParams from_near(MatcherParams params) {
 LoopCloser::LoopCloser(const LoopParams& params, const MatcherParams& matcher)
     : params_(params), matcher_(from_near(matcher)) {}
 
-LoopAttempt LoopCloser::attempt(const Match& match, const geometry::SE2& T_submap_base_start,
-                                double min_inlier_ratio) const {
+Loop LoopCloser::loop_of(const Match& match, const geometry::SE2& T_submap_base_start,
+                         double min_inlier_ratio) const {
   const geometry::SE2& T_submap_base = match.T_target_base;
-  LoopAttempt attempt;
-  attempt.loop.score = match.score;
-  attempt.loop.T_submap_keyframe = T_submap_base;
-  attempt.loop.information = match.information;
+  Loop loop;
+  loop.score = match.score;
+  loop.T_submap_keyframe = T_submap_base;
+  loop.information = match.information;
   if (match.found() && match.inlier_ratio >= min_inlier_ratio &&
       match.score >= params_.match.min_score * match.inlier_ratio &&
       geometry::distance_m(T_submap_base, T_submap_base_start) <= kMaxMatchShiftM &&
       rotation_between(T_submap_base, T_submap_base_start) <= kMaxMatchShiftRad) {
-    attempt.state = LoopState::kAccepted;
+    loop.state = LoopState::kAccepted;
   }
-  return attempt;
+  return loop;
 }
 
-LoopAttempt LoopCloser::track(const Submap& submap, std::span<const OrientedPoint> scan,
-                              const geometry::SE2& T_submap_base_guess) const {
-  return attempt(matcher_.match(submap.points, scan, T_submap_base_guess), T_submap_base_guess,
+Loop LoopCloser::track(const Submap& submap, std::span<const OrientedPoint> scan,
+                       const geometry::SE2& T_submap_base_guess) const {
+  return loop_of(matcher_.match(submap.points, scan, T_submap_base_guess), T_submap_base_guess,
                  params_.match.min_inlier_ratio);
 }
 
@@ -88,24 +88,24 @@ CorrelativeMatch LoopCloser::find(std::size_t submap_index, const Submap& submap
                           .max_peaks = max_places});
 }
 
-LoopAttempt LoopCloser::search(std::size_t submap_index, const Submap& submap,
-                               std::span<const OrientedPoint> scan, const SearchWindow& window) {
+Loop LoopCloser::search(std::size_t submap_index, const Submap& submap,
+                        std::span<const OrientedPoint> scan, const SearchWindow& window) {
   const CorrelativeMatch found =
       find(submap_index, submap, scan, window, params_.search.min_score, 2);
   if (found.complete && found.peaks.empty()) {
     return {};
   }
   if (!found.is_unique()) {
-    return {.loop = {}, .state = LoopState::kAmbiguous};
+    return {.state = LoopState::kAmbiguous};
   }
   const geometry::SE2& T_submap_found = found.peaks.front().T_target_base;
   const Match match = matcher_.match(submap.points, scan, T_submap_found);
-  LoopAttempt attempt = this->attempt(match, T_submap_found, params_.search.min_inlier_ratio);
+  Loop loop = loop_of(match, T_submap_found, params_.search.min_inlier_ratio);
   // Along a degenerate direction the loop could be anywhere.
   if (match.degenerate_directions > 0) {
-    attempt.state = LoopState::kLowScore;
+    loop.state = LoopState::kLowScore;
   }
-  return attempt;
+  return loop;
 }
 
 std::vector<Loop> LoopCloser::add_pending(const Loop& loop, std::span<const Submap> submaps,

@@ -16,20 +16,15 @@
 
 namespace nodmap::slam2d {
 
-/// A keyframe recognised in a submap that does not hold it.
+/// The attempt to recognise a keyframe in a submap that does not hold it.
 struct Loop {
   std::size_t submap = 0;
   std::size_t keyframe = 0;
-  geometry::SE2 T_submap_keyframe;
+  geometry::SE2 T_submap_keyframe = {};
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< in the frame of the submap
-  double score = 0.0;                                     ///< of the match, 0..1
+  double score = 0.0;  ///< of the match, 0..1; without a match it and the pose are zero
+  LoopState state = LoopState::kLowScore;  ///< by the match: kAccepted, kAmbiguous or kLowScore
   bool is_contradicted = false;  ///< by what was seen: walls where the other saw free space
-};
-
-/// A loop that was tried, and how it went. Without a match the loop is empty.
-struct LoopAttempt {
-  Loop loop;
-  LoopState state = LoopState::kLowScore;
 };
 
 /// Recognises places: finds the pose of a scan in a submap with its information matrix, and decides
@@ -39,8 +34,8 @@ class LoopCloser {
   LoopCloser(const LoopParams& params, const MatcherParams& matcher);
 
   /// Matches from a pose that is known to be near.
-  [[nodiscard]] LoopAttempt track(const Submap& submap, std::span<const OrientedPoint> scan,
-                                  const geometry::SE2& T_submap_base_guess) const;
+  [[nodiscard]] Loop track(const Submap& submap, std::span<const OrientedPoint> scan,
+                           const geometry::SE2& T_submap_base_guess) const;
 
   /// The poses within a window at which a scan fits a submap: at most `max_places`, none with a
   /// mean likelihood below `min_score`.
@@ -50,8 +45,8 @@ class LoopCloser {
                                       std::size_t max_places);
 
   /// Finds the best match within a window.
-  [[nodiscard]] LoopAttempt search(std::size_t submap_index, const Submap& submap,
-                                   std::span<const OrientedPoint> scan, const SearchWindow& window);
+  [[nodiscard]] Loop search(std::size_t submap_index, const Submap& submap,
+                            std::span<const OrientedPoint> scan, const SearchWindow& window);
 
   /// Keeps a loop that was found by a search. Through the present pose of its submap each loop
   /// gives a pose of the newest keyframe; loops that give the same pose agree on the drift. Returns
@@ -71,9 +66,10 @@ class LoopCloser {
     std::size_t last_use = 0;
     LikelihoodGrid grid;
   };
-  /// Accepts a match that fits, and is not far from the pose it started from.
-  [[nodiscard]] LoopAttempt attempt(const Match& match, const geometry::SE2& T_submap_base_start,
-                                    double min_inlier_ratio) const;
+  /// Accepts a match that fits, and is not far from the pose it started from. Submap and keyframe
+  /// are left to the caller.
+  [[nodiscard]] Loop loop_of(const Match& match, const geometry::SE2& T_submap_base_start,
+                             double min_inlier_ratio) const;
   const LikelihoodGrid& grid_of(std::size_t submap_index, const Submap& submap);
 
   LoopParams params_;

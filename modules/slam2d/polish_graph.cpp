@@ -65,10 +65,10 @@ std::vector<PoseEdge2d> PolishGraph::matches(const LoopCloser& closer,
         continue;
       }
       ++matched;
-      const LoopAttempt attempt =
+      const Loop loop =
           closer.track(submap, scan, submap.T_map_submap.inverse() * keyframes[k].T_map_base);
-      if (attempt.state == LoopState::kAccepted) {
-        edges.push_back(edge_to_nearest(submap, attempt.loop, k));
+      if (loop.state == LoopState::kAccepted) {
+        edges.push_back(edge_to_nearest(submap, loop, k));
       }
     }
   }
