@@ -27,7 +27,6 @@ void LevelScanInput::add_odometry(time::Timestamp stamp, const geometry::SE3& T_
 
 std::optional<LevelScan> LevelScanInput::add_scan(const scan::Scan& scan) {
   if (!scan::is_plausible(scan)) {
-    ++counts_.implausible;
     return std::nullopt;
   }
   const scan::Scan* level = selector_.add(scan);

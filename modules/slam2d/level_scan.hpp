@@ -37,7 +37,6 @@ struct LevelScan {
 
 /// Rejected scans, by cause.
 struct ScanCounts {
-  std::int64_t implausible = 0;
   std::int64_t not_level = 0;
   std::int64_t without_odometry = 0;
 };
@@ -57,8 +56,8 @@ class LevelScanInput {
                     bool has_restarted = false);
 
   /// Takes the next scan. Returns the level scan that it completes, which is this scan or the
-  /// previous one; valid until the next call. Returns nothing, and counts why, for a scan that is
-  /// not level, implausible, or more than 50 ms from any odometry.
+  /// previous one; valid until the next call. Returns nothing for one that is implausible and,
+  /// counting why, for one that is not level or more than 50 ms from any odometry.
   [[nodiscard]] std::optional<LevelScan> add_scan(const scan::Scan& scan);
 
   /// The frame of the odometry that is published now, in that of LevelScan::T_odom_base.

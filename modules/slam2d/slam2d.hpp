@@ -60,8 +60,6 @@ class Slam2d {
   /// Corrects all poses once more, with everything that is known. To be called after the last scan.
   void polish() { back_end_.polish(); }
 
-  /// The submap that scans are matched against. There is one as soon as a scan has a pose.
-  [[nodiscard]] const PointMap& map() const { return back_end_.local().points; }
   [[nodiscard]] const BackEnd& back_end() const { return back_end_; }
   [[nodiscard]] std::span<const Keyframe> keyframes() const { return back_end_.keyframes(); }
   /// What the last scan that became a keyframe has dropped from keyframes().
