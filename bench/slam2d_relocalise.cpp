@@ -5,7 +5,6 @@
 // nodmap-trial):
 //   nodmap-bench-slam2d-relocalise WORLD ...
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <exception>
 #include <limits>
@@ -161,9 +160,8 @@ void locate(const slam2d::KnownMap& map, Robot& robot, const SE2& first, std::si
     ++result.said_lost;
     return;
   }
-  const bool is_right =
-      geometry::distance_m(found.T_map_base, pose) <= kRightM &&
-      std::abs(geometry::angle_difference(found.T_map_base.yaw, pose.yaw)) <= kRightRad;
+  const bool is_right = geometry::distance_m(found.T_map_base, pose) <= kRightM &&
+                        geometry::rotation_rad(found.T_map_base, pose) <= kRightRad;
   ++(is_right ? result.right : result.wrong);
   if (!is_right) {
     std::fprintf(stderr, "wrong: at %.2f %.2f %.2f, found %.2f %.2f %.2f, score %.3f, next %.3f\n",

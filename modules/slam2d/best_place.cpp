@@ -2,7 +2,6 @@
 #include "modules/slam2d/best_place.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace nodmap::slam2d {
 namespace {
@@ -16,8 +15,7 @@ constexpr double kMinMargin = 0.02;
 }  // namespace
 
 bool is_same_place(const geometry::SE2& a, const geometry::SE2& b) {
-  return (a.translation() - b.translation()).norm() < kSamePlaceM &&
-         std::abs(geometry::angle_difference(a.yaw, b.yaw)) < kSamePlaceRad;
+  return geometry::distance_m(a, b) < kSamePlaceM && geometry::rotation_rad(a, b) < kSamePlaceRad;
 }
 
 bool BestPlace::is_clear(double min_misfit_ratio) const {

@@ -2,7 +2,6 @@
 #include "modules/slam2d/keyframe_grid.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 namespace nodmap::slam2d {
@@ -34,8 +33,7 @@ void for_each_ray(const Keyframe& keyframe, const geometry::SE2& T_map_base, Vis
 // Whether points at a typical range move by more than `distance_m` between the two poses.
 bool has_moved(const geometry::SE2& from, const geometry::SE2& to, double distance_m) {
   constexpr double kTypicalRangeM = 5.0;
-  return std::hypot(to.x - from.x, to.y - from.y) +
-             kTypicalRangeM * std::abs(geometry::angle_difference(to.yaw, from.yaw)) >
+  return geometry::distance_m(to, from) + kTypicalRangeM * geometry::rotation_rad(to, from) >
          distance_m;
 }
 

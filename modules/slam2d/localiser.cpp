@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/slam2d/localiser.hpp"
 
-#include <cmath>
-
 #include "modules/slam2d/best_place.hpp"
 
 namespace nodmap::slam2d {
@@ -19,8 +17,7 @@ constexpr double kConfirmRad = 0.5;
 
 bool is_beyond(const geometry::SE2& a, const geometry::SE2& b, double distance_m,
                double rotation_rad) {
-  return (a.translation() - b.translation()).norm() > distance_m ||
-         std::abs(geometry::angle_difference(a.yaw, b.yaw)) > rotation_rad;
+  return geometry::distance_m(a, b) > distance_m || geometry::rotation_rad(a, b) > rotation_rad;
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 #include "modules/slam2d/loop_closer.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <set>
 
 namespace nodmap::slam2d {
@@ -15,10 +14,6 @@ constexpr std::size_t kCachedGrids = 24;
 constexpr double kMaxMatchShiftM = 0.5;
 constexpr double kMaxMatchShiftRad = 0.15;
 constexpr double kTrackReachM = 0.4;
-
-double rotation_between(const geometry::SE2& a, const geometry::SE2& b) {
-  return std::abs(geometry::angle_difference(a.yaw, b.yaw));
-}
 
 // A start pose is more certain than the pose by odometry, for which `params` are chosen.
 MatcherParams from_near(MatcherParams params) {
@@ -42,7 +37,7 @@ Loop LoopCloser::loop_of(const Match& match, const geometry::SE2& T_submap_base_
   if (match.found() && match.inlier_ratio >= min_inlier_ratio &&
       match.score >= params_.match.min_score * match.inlier_ratio &&
       geometry::distance_m(T_submap_base, T_submap_base_start) <= kMaxMatchShiftM &&
-      rotation_between(T_submap_base, T_submap_base_start) <= kMaxMatchShiftRad) {
+      geometry::rotation_rad(T_submap_base, T_submap_base_start) <= kMaxMatchShiftRad) {
     loop.state = LoopState::kAccepted;
   }
   return loop;
@@ -130,7 +125,7 @@ std::vector<Loop> LoopCloser::add_pending(const Loop& loop, std::span<const Subm
         geometry::distance_m(keyframes[other.keyframe].T_map_base, T_map_last);
     const geometry::SE2 there = consequence(other);
     if (geometry::distance_m(here, there) < params.max_distance_m + 0.02 * distance_m &&
-        rotation_between(here, there) < params.max_rotation_rad) {
+        geometry::rotation_rad(here, there) < params.max_rotation_rad) {
       if (other.is_contradicted) {
         against.insert(other.keyframe);
         continue;

@@ -2,7 +2,6 @@
 #include "modules/slam2d/moving_points.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 namespace nodmap::slam2d {
@@ -52,8 +51,8 @@ void MovingPointFilter::move_views(const geometry::SE2& T_old_new) {
 const MovingPointFilter::KeyframeView& MovingPointFilter::oldest_near(
     const geometry::SE2& T_odom_base) const {
   return *std::find_if(views_.begin(), views_.end() - 1, [&](const KeyframeView& view) {
-    return (view.T_odom_base.translation() - T_odom_base.translation()).norm() < kNearM &&
-           std::abs(geometry::angle_difference(view.T_odom_base.yaw, T_odom_base.yaw)) < kNearRad;
+    return geometry::distance_m(view.T_odom_base, T_odom_base) < kNearM &&
+           geometry::rotation_rad(view.T_odom_base, T_odom_base) < kNearRad;
   });
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cmath>
 #include <cstdint>
 
 #include "common/geometry/angle.hpp"
@@ -186,7 +185,7 @@ struct KeyframeParams {
   /// Whether the robot has moved from `before` to `now` by more than keyframes are apart.
   [[nodiscard]] bool is_beyond(const geometry::SE2& before, const geometry::SE2& now) const {
     return geometry::distance_m(before, now) > distance_m ||
-           std::abs(geometry::angle_difference(before.yaw, now.yaw)) > rotation_rad;
+           geometry::rotation_rad(before, now) > rotation_rad;
   }
 
   template <class Visitor>

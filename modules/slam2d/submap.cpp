@@ -14,7 +14,7 @@ constexpr double kOnePlaceRad = geometry::deg_to_rad(30.0);
 
 bool shows_the_same(const geometry::SE2& a, const geometry::SE2& b) {
   return (a.translation() - b.translation()).squaredNorm() <= kOnePlaceM * kOnePlaceM &&
-         std::abs(geometry::angle_difference(a.yaw, b.yaw)) <= kOnePlaceRad;
+         geometry::rotation_rad(a, b) <= kOnePlaceRad;
 }
 
 // Whether a keyframe has at least `num_newer` newer ones at its place.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/evaluate/group_relocaliser.hpp"
 
-#include <cmath>
 #include <vector>
 
 #include "modules/slam2d/best_place.hpp"
@@ -22,7 +21,7 @@ constexpr double kMaxDisagreementRad = geometry::deg_to_rad(21.0);
 
 bool agree(const geometry::SE2& a, const geometry::SE2& b) {
   return geometry::distance_m(a, b) < kMaxDisagreementM &&
-         std::abs(geometry::angle_difference(a.yaw, b.yaw)) < kMaxDisagreementRad;
+         geometry::rotation_rad(a, b) < kMaxDisagreementRad;
 }
 
 // The mean wall score of scans if the last one was taken at a pose, and odometry is right.

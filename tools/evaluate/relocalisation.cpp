@@ -2,7 +2,6 @@
 #include "tools/evaluate/relocalisation.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <ctime>
 #include <functional>
 #include <optional>
@@ -79,8 +78,8 @@ double cpu_ms() {
 }
 
 bool is_right(const geometry::SE2& found, const geometry::SE2& truth) {
-  return (found.translation() - truth.translation()).norm() <= kRightM &&
-         std::abs(geometry::angle_difference(found.yaw, truth.yaw)) <= kRightRad;
+  return geometry::distance_m(found, truth) <= kRightM &&
+         geometry::rotation_rad(found, truth) <= kRightRad;
 }
 
 }  // namespace
