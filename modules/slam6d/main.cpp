@@ -13,9 +13,6 @@ int main(int argc, char** argv) {
       table,
       [&values](node::Context& context,
                 const node::MapOptions& options) -> std::unique_ptr<node::Node> {
-        if (options.localise_in.empty() && options.map_in.empty()) {
-          return std::make_unique<slam6d::Slam6dNode>(context, values);
-        }
         return std::make_unique<slam6d::Slam6dNode>(context, values, options);
       });
 }

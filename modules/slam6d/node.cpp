@@ -35,13 +35,17 @@ constexpr double kMinMapMotionAtEndM = 0.005;
 
 }  // namespace
 
-Slam6dNode::Slam6dNode(node::Context& context, const Params& params)
+Slam6dNode::Slam6dNode(node::Context& context, const Params& params,
+                       const node::MapOptions& options)
     : context_(context),
       params_(params),
       input_(context.counts, &context.bus),
       saving_(context),
       slam_(params),
       occupancy_(params.occupancy) {
+  if (!options.localise_in.empty() || !options.map_in.empty()) {
+    restore(options);
+  }
   // Enough for a second's delay on a busy machine: 75 scans and 100 odometry messages.
   constexpr int kQueue = 256;
   context.bus.subscribe<nodmap::odometry_t>(
@@ -52,9 +56,7 @@ Slam6dNode::Slam6dNode(node::Context& context, const Params& params)
       "SAVE_REQUEST", [this](const nodmap::save_request_t& message) { on_save_request(message); });
 }
 
-Slam6dNode::Slam6dNode(node::Context& context, const Params& params,
-                       const node::MapOptions& options)
-    : Slam6dNode(context, params) {
+void Slam6dNode::restore(const node::MapOptions& options) {
   only_localises_ = !options.localise_in.empty();
   std::optional<geometry::SE3> T_map_start;
   if (options.T_map_start) {

@@ -37,9 +37,9 @@ class Slam6dNode : public node::Node {
  public:
   using Params = Slam6dParams;
 
-  Slam6dNode(node::Context& context, const Params& params);
-  /// Starts with a saved map. Throws formats::InputFileError if the map cannot be read.
-  Slam6dNode(node::Context& context, const Params& params, const node::MapOptions& options);
+  /// Starts with the saved map of `options`, if one is given. Throws formats::InputFileError if it
+  /// cannot be read.
+  Slam6dNode(node::Context& context, const Params& params, const node::MapOptions& options = {});
 
   void finish() override;
   void write_results(const std::filesystem::path& dir) override;
@@ -47,6 +47,7 @@ class Slam6dNode : public node::Node {
   [[nodiscard]] node::Health health() const override;
 
  private:
+  void restore(const node::MapOptions& options);
   void on_odometry(const nodmap::odometry_t& message);
   void on_scan(const nodmap::scan_t& message);
   void on_save_request(const nodmap::save_request_t& message);

@@ -9,9 +9,7 @@
 #include <fstream>
 #include <iterator>
 #include <map>
-#include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <random>
 #include <string>
 #include <vector>
@@ -78,21 +76,20 @@ struct Outcome {
 
 /// Replays `name`.lcmlog of `dir`; the results are written to out_`name` beside it.
 inline Outcome replay(const fs::path& dir, const std::string& name, const Slam6dParams& params,
-                      const std::optional<node::MapOptions>& map = std::nullopt) {
+                      const node::MapOptions& map = {}) {
   Outcome outcome;
   const fs::path out = dir / ("out_" + name);
   fs::create_directories(out);
   {
     bus::ReplayBus bus(dir / (name + ".lcmlog"), out / "out.lcmlog");
     node::Context context{bus, outcome.counts, out};
-    const auto slam = map ? std::make_unique<Slam6dNode>(context, params, *map)
-                          : std::make_unique<Slam6dNode>(context, params);
+    Slam6dNode slam(context, params, map);
     while (bus.step()) {
     }
-    slam->finish();
-    slam->write_results(out);
-    outcome.metrics = slam->metrics();
-    outcome.health = slam->health();
+    slam.finish();
+    slam.write_results(out);
+    outcome.metrics = slam.metrics();
+    outcome.health = slam.health();
     EXPECT_TRUE(bus.flush());
   }
   bus::LogReader reader(out / "out.lcmlog");
