@@ -79,7 +79,8 @@ Crowd::Crowd(const World& world, const BodyParams& robot)
 
 ActorState Crowd::state(std::size_t actor) const {
   const Actor& a = actors_[actor];
-  return {a.reacts ? walkers_[actor].position : a.position(time_s_), a.radius_m, a.height_m, actor};
+  return {a.reacts ? walkers_[actor].position : a.position(time_s_), a.radius_m, a.height_m, actor,
+          a.reflectivity};
 }
 
 void Crowd::copy_present(std::vector<ActorState>& states) const {

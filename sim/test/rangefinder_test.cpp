@@ -45,6 +45,25 @@ TEST(Rangefinder, MeasuresWallsAtAnyAngle) {
   }
 }
 
+// Seen at a slant from 0.38 m above it, a floor of reflectivity r returns r * 0.38 m / d at 1 m and
+// so r * 0.38 m^3 / d^3 at d: as much as is needed up to 7.2 m if r is 0.8, up to 3.6 m if it is
+// 0.1.
+TEST(Rangefinder, ADarkFloorIsSeenOnlyNearby) {
+  for (const auto& [reflectivity, reach_m] : {std::pair{0.8, 7.2}, {0.3, 5.2}, {0.1, 3.6}}) {
+    World world;
+    world.floor_reflectivity = reflectivity;
+    const RayCaster caster(world);
+    const auto kind_at = [&](double range_m) {
+      geometry::SE3 T_world_laser = geometry::SE3::Identity();
+      T_world_laser.translation().z() = 0.38;
+      T_world_laser.linear() = geometry::pitch_rotation(-std::asin(0.38 / range_m));
+      return Rangefinder(without_noise(), 1).measure(caster, T_world_laser, 0.0, {}).kind;
+    };
+    EXPECT_EQ(kind_at(0.9 * reach_m), Echo::Kind::kRange) << reflectivity;
+    EXPECT_EQ(kind_at(1.1 * reach_m), Echo::Kind::kNothing) << reflectivity;
+  }
+}
+
 TEST(Rangefinder, NoiseHasItsSigmaAndBias) {
   World world;
   world.objects.push_back(wall(4.0, 0.8));

@@ -219,6 +219,17 @@ TEST(RayCaster, ReportsTheReflectivityOfTheSurfaceHit) {
   EXPECT_EQ(caster.cast({{0, 0, 1}, -Vec3::UnitZ()}, 10)->reflectivity, kDefaultReflectivity);
 }
 
+TEST(RayCaster, ReportsTheReflectivityOfTheFloorItsPitsAndActors) {
+  World world;
+  world.floor_reflectivity = 0.1;
+  world.pits.push_back({{2, -1}, {4, 1}, 0.5});
+  const RayCaster caster(world);
+  EXPECT_EQ(caster.cast({{0, 0, 1}, -Vec3::UnitZ()}, 10)->reflectivity, 0.1);
+  EXPECT_EQ(caster.cast({{3, 0, 1}, -Vec3::UnitZ()}, 10)->reflectivity, 0.1);
+  const std::vector<ActorState> actors{{{0, 3}, 0.25, 1.75, 0, 0.05}};
+  EXPECT_EQ(caster.cast({{0, 0, 1}, Vec3::UnitY()}, 10, actors)->reflectivity, 0.05);
+}
+
 TEST(RayCaster, HandlesAxisAlignedRaysAndFlatObjects) {
   World world;  // zero components, and a flat bounding box
   world.objects.push_back({Ramp{{1, 0, 0.5}, {3, 0, 0.5}, 1.0}});

@@ -63,8 +63,9 @@ objects:
   - mesh: {file: chair.ply, position: [1, 2, 3], yaw_deg: 90}
 pits:
   - {min: [6, -1], max: [9, 1], depth: 0.5}
+floor_reflectivity: 0.1
 actors:
-  - {cylinder: {radius: 0.25, height: 1.75}, path: [[0, 5, -2], [4, 5, 2]], loop: true, reacts: true, vanish_s: 60.0}
+  - {cylinder: {radius: 0.25, height: 1.75}, path: [[0, 5, -2], [4, 5, 2]], loop: true, reacts: true, reflectivity: 0.05, vanish_s: 60.0}
 robot: {start: [1, 2, 450]}
 goal: [12.0, 3.0]
 goal_heading: 90
@@ -88,9 +89,11 @@ goal_heading: 90
   EXPECT_EQ(mesh.triangles[1], Eigen::Vector3i(0, 2, 3));
   EXPECT_TRUE(mesh.vertices[1].isApprox(Eigen::Vector3d(1.0, 3.0, 3.0)));
   EXPECT_EQ(world.pits.at(0).depth_m, 0.5);
+  EXPECT_EQ(world.floor_reflectivity, 0.1);
   ASSERT_EQ(world.actors.size(), 1U);
   EXPECT_TRUE(world.actors[0].loop);
   EXPECT_TRUE(world.actors[0].reacts);
+  EXPECT_EQ(world.actors[0].reflectivity, 0.05);
   EXPECT_EQ(world.actors[0].vanish_s, 60.0);
   EXPECT_NEAR(world.T_world_start.yaw, deg_to_rad(90.0), 1e-12);
   EXPECT_THAT(world.goals, testing::ElementsAre(Eigen::Vector2d(12.0, 3.0)));
@@ -148,6 +151,8 @@ TEST_F(WorldFile, ErrorsNameTheLine) {
             "3: 'size': must be greater than 0");
   EXPECT_EQ(error_of(object(box + ", reflectivity: -0.1}")),
             "3: 'reflectivity': must not be negative");
+  EXPECT_EQ(error_of("name: x\nfloor_reflectivity: -1\n" + kTail),
+            "2: 'floor_reflectivity': must not be negative");
   EXPECT_EQ(error_of(object(box + ", yaw_deg: 1, yaw_deg: 2}")), "3: key 'yaw_deg' is given twice");
   EXPECT_EQ(error_of(object("cylinder: {center: [0, 0, 0], radius: 0, height: 1}")),
             "3: 'radius': must be greater than 0");
@@ -179,6 +184,8 @@ TEST_F(WorldFile, ErrorsInActorsNameTheLine) {
   EXPECT_EQ(error_of(actor("path: []")), "3: 'path': expected at least one waypoint [t_s, x, y]");
   EXPECT_EQ(error_of(actor("path: [[0, 1]]")), "3: 'path': expected 3 numbers");
   EXPECT_EQ(error_of(actor("path: [[0, 1, 1], [0, 2, 2]]")), "3: 'path': times must ascend");
+  EXPECT_EQ(error_of(actor("path: [[0, 1, 1]], reflectivity: -0.1")),
+            "3: 'reflectivity': must not be negative");
   EXPECT_EQ(error_of(actor("path: [[0, 1, 1]], loop: 3")), "3: 'loop': expected true or false");
   EXPECT_EQ(error_of(actor("path: [[0, 1, 1]], appear_s: 2, vanish_s: 1")),
             "3: 'vanish_s': must be after 'appear_s'");

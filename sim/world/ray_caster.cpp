@@ -73,7 +73,8 @@ Bounds bounds_of(const Object& object) {
   return bounds;
 }
 
-RayCaster::RayCaster(const World& world) : pits_(world.pits) {
+RayCaster::RayCaster(const World& world)
+    : pits_(world.pits), floor_reflectivity_(world.floor_reflectivity) {
   for (const Object& object : world.objects) {
     add(object);
   }
@@ -148,7 +149,7 @@ std::optional<Hit> RayCaster::cast(const Ray& ray, double max_range_m,
     if (distance_m < nearest.distance_m) {
       nearest.distance_m = distance_m;
       const Eigen::Vector3d p = ray.origin + distance_m * ray.direction;
-      hit = make_hit(distance_m, normal_at(cylinder, p), kDefaultReflectivity, ray);
+      hit = make_hit(distance_m, normal_at(cylinder, p), actor.reflectivity, ray);
     }
   }
   return hit;
@@ -234,7 +235,7 @@ std::optional<Hit> RayCaster::cast_ground(const Ray& ray, double max_range_m) co
   if (distance_m > max_range_m) {
     return std::nullopt;
   }
-  return make_hit(distance_m, normal, kDefaultReflectivity, ray);
+  return make_hit(distance_m, normal, floor_reflectivity_, ray);
 }
 
 }  // namespace nodmap::sim

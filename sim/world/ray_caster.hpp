@@ -54,6 +54,7 @@ class RayCaster {
   std::vector<Item> items_;
   std::vector<Node> nodes_;
   std::vector<Pit> pits_;
+  double floor_reflectivity_;
 };
 
 [[nodiscard]] Bounds bounds_of(const Object& object);

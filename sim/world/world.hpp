@@ -73,6 +73,7 @@ struct Actor {
   std::vector<Waypoint> path;
   bool loop = false;
   bool reacts = false;
+  double reflectivity = kDefaultReflectivity;  ///< of the clothes
   double appear_s = 0.0;
   double vanish_s = std::numeric_limits<double>::infinity();
 
@@ -88,6 +89,7 @@ struct ActorState {
   double radius_m = 0.0;
   double height_m = 0.0;
   std::size_t actor = 0;  ///< its index in World::actors
+  double reflectivity = kDefaultReflectivity;
 };
 
 /// When a drive to the goals has succeeded or failed, if this is not decided by the robot's own
@@ -111,6 +113,7 @@ struct World {
   std::string name;
   std::vector<Object> objects;
   std::vector<Pit> pits;
+  double floor_reflectivity = kDefaultReflectivity;  ///< also that of the pits
   std::vector<Actor> actors;
   geometry::SE2 T_world_start;
   double start_height_m = 0.0;         ///< height of the ramp or platform on which the robot starts

@@ -42,6 +42,7 @@ class Reader {
   // Reads a flag; false if it is missing.
   [[nodiscard]] bool flag(const YAML::Node& map, const std::string& key) const;
   [[nodiscard]] double positive(const YAML::Node& map, const std::string& key) const;
+  [[nodiscard]] double reflectivity(const YAML::Node& map, const std::string& key) const;
   template <int n>
   [[nodiscard]] Eigen::Matrix<double, n, 1> vector(const YAML::Node& node,
                                                    const std::string& key) const;
@@ -137,6 +138,14 @@ double Reader::positive(const YAML::Node& map, const std::string& key) const {
   return value;
 }
 
+double Reader::reflectivity(const YAML::Node& map, const std::string& key) const {
+  const double value = number_or(map, key, kDefaultReflectivity);
+  if (value < 0.0) {
+    fail(map[key], "'" + key + "': must not be negative");
+  }
+  return value;
+}
+
 template <int n>
 Eigen::Matrix<double, n, 1> Reader::vector(const YAML::Node& node, const std::string& key) const {
   if (!node.IsSequence() || node.size() != n) {
@@ -172,10 +181,7 @@ Object Reader::read_object(const YAML::Node& item) const {
   } else {
     fail(item, "unknown object '" + kind + "'; known are box, cylinder, wall, ramp, mesh");
   }
-  object.reflectivity = number_or(map, "reflectivity", kDefaultReflectivity);
-  if (object.reflectivity < 0.0) {
-    fail(map["reflectivity"], "'reflectivity': must not be negative");
-  }
+  object.reflectivity = reflectivity(map, "reflectivity");
   return object;
 }
 
@@ -253,7 +259,8 @@ Pit Reader::read_pit(const YAML::Node& map) const {
 }
 
 Actor Reader::read_actor(const YAML::Node& map) const {
-  check_keys(map, "actor", {"cylinder", "path", "loop", "reacts", "appear_s", "vanish_s"});
+  check_keys(map, "actor",
+             {"cylinder", "path", "loop", "reacts", "reflectivity", "appear_s", "vanish_s"});
   Actor actor;
   const YAML::Node cylinder = need(map, "cylinder");
   check_keys(cylinder, "cylinder", {"radius", "height"});
@@ -262,6 +269,7 @@ Actor Reader::read_actor(const YAML::Node& map) const {
   actor.path = read_path(need(map, "path"));
   actor.loop = flag(map, "loop");
   actor.reacts = flag(map, "reacts");
+  actor.reflectivity = reflectivity(map, "reflectivity");
   actor.appear_s = number_or(map, "appear_s", actor.appear_s);
   actor.vanish_s = number_or(map, "vanish_s", actor.vanish_s);
   if (actor.vanish_s <= actor.appear_s) {
@@ -288,7 +296,8 @@ std::vector<Waypoint> Reader::read_path(const YAML::Node& path) const {
 World Reader::read_world() const {
   const YAML::Node root = formats::read_yaml(file_);
   check_keys(root, "world",
-             {"name", "objects", "pits", "actors", "robot", "goal", "goals", "goal_heading"});
+             {"name", "objects", "pits", "floor_reflectivity", "actors", "robot", "goal", "goals",
+              "goal_heading"});
   World world;
   const YAML::Node name = need(root, "name");
   if (!name.IsScalar()) {
@@ -301,6 +310,7 @@ World Reader::read_world() const {
   for (const YAML::Node& item : list(root, "pits")) {
     world.pits.push_back(read_pit(item));
   }
+  world.floor_reflectivity = reflectivity(root, "floor_reflectivity");
   for (const YAML::Node& item : list(root, "actors")) {
     world.actors.push_back(read_actor(item));
   }

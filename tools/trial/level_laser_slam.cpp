@@ -59,9 +59,11 @@ void LevelLaserSlam::forward_scan(const nodmap::scan_t& message) {
 std::vector<sim::ActorState> LevelLaserSlam::actors_at(time::Timestamp stamp) const {
   const double time_s = time::seconds(stamp - kStart.wall);
   std::vector<sim::ActorState> states;
-  for (const sim::Actor& actor : world_.actors) {
+  for (std::size_t i = 0; i < world_.actors.size(); ++i) {
+    const sim::Actor& actor = world_.actors[i];
     if (actor.is_present(time_s)) {
-      states.push_back({actor.position(time_s), actor.radius_m, actor.height_m});
+      states.push_back(
+          {actor.position(time_s), actor.radius_m, actor.height_m, i, actor.reflectivity});
     }
   }
   return states;

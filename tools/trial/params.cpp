@@ -10,6 +10,7 @@ namespace {
 template <class Visit>
 void for_each_part(AllParams& all, const Visit& visit) {
   visit("loop", all.loop);
+  visit("world", all.world);
   visit("sim", all.sim);
   visit("kurt", all.kurt);
   visit("laser3d", all.laser3d);

@@ -41,9 +41,24 @@ struct LoopParams {
   }
 };
 
+/// What the trial changes in its world.
+struct WorldParams {
+  double floor_reflectivity = 0.0;
+  double people_reflectivity = 0.0;
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.number("floor_reflectivity", floor_reflectivity, {0.0, 1.0},
+             "Reflectivity of the floor, such as 0.1 for a dark carpet; 0: as in the world.");
+    v.number("people_reflectivity", people_reflectivity, {0.0, 1.0},
+             "Reflectivity of the people's clothes; 0: as in the world.");
+  }
+};
+
 /// The parameters of all parts of a trial.
 struct AllParams {
   LoopParams loop;
+  WorldParams world;
   sim::SimulatedRobotParams sim;
   kurt::KurtNode::Params kurt;
   laser3d::Laser3dNode::Params laser3d;

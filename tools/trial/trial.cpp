@@ -70,6 +70,20 @@ class GoalPublisher {
   std::size_t num_reached_ = 0;
 };
 
+// The setup with its world as the parameters want it.
+TrialSetup with_world_params(TrialSetup setup) {
+  const WorldParams& params = setup.params.world;
+  if (params.floor_reflectivity > 0.0) {
+    setup.world.floor_reflectivity = params.floor_reflectivity;
+  }
+  if (params.people_reflectivity > 0.0) {
+    for (sim::Actor& actor : setup.world.actors) {
+      actor.reflectivity = params.people_reflectivity;
+    }
+  }
+  return setup;
+}
+
 // The explorer begins at once.
 AllParams params_of(const TrialSetup& setup) {
   AllParams params = setup.params;
@@ -114,7 +128,9 @@ struct Trial::Parts {
 };
 
 Trial::Trial(const TrialSetup& setup, const std::filesystem::path& dir)
-    : setup_(setup), dir_(dir), parts_(std::make_unique<Parts>(setup_, dir / "trial.lcmlog")) {}
+    : setup_(with_world_params(setup)),
+      dir_(dir),
+      parts_(std::make_unique<Parts>(setup_, dir / "trial.lcmlog")) {}
 
 Trial::~Trial() = default;
 
