@@ -80,10 +80,12 @@ struct DriveParams {
   }
 };
 
-/// The pitch axis on the base, and the servo that moves the laser about it.
+/// The pitch axis on the base, the laser on its head, and the servo that moves it.
 struct ServoParams {
   double mount_x_m = 0.15;
   double mount_z_m = 0.38;
+  double mirror_forward_m = 0.0;
+  double mirror_up_m = 0.0;
   double pitch_limit_rad = geometry::deg_to_rad(65.0);
   double speed_rad_s = 3.5;
   double acceleration_rad_s2 = 50.0;
@@ -93,6 +95,10 @@ struct ServoParams {
     v.number("mount_x_m", mount_x_m, {-2.0, 2.0},
              "Distance of the pitch axis ahead of the base's origin.");
     v.number("mount_z_m", mount_z_m, {0.0, 3.0}, "Height of the pitch axis above the ground.");
+    v.number("mirror_forward_m", mirror_forward_m, {-0.5, 0.5},
+             "Distance of the laser's mirror ahead of the pitch axis, at pitch 0.");
+    v.number("mirror_up_m", mirror_up_m, {-0.5, 0.5},
+             "Height of the laser's mirror above the pitch axis, at pitch 0.");
     v.angle("pitch_limit_deg", pitch_limit_rad, {1.0, 90.0},
             "Largest pitch of the laser, up and down.");
     v.number("servo_speed_rad_s", speed_rad_s, {0.01, 100.0},

@@ -233,9 +233,11 @@ Echo RobotModel::measure(double angle_rad, time::SteadyTime fired) {
   // Before time 0 the robot was where it started.
   const Moment moment = history.at(std::max(fired, time::SteadyTime{}));
   const ServoParams& servo = state_->params.servo;
+  const Eigen::Vector3d p_head_mirror(servo.mirror_forward_m, 0.0, servo.mirror_up_m);
   geometry::SE3 T_base_laser = geometry::SE3::Identity();
-  T_base_laser.translation() << servo.mount_x_m, 0.0, servo.mount_z_m;
   T_base_laser.linear() = geometry::pitch_rotation(moment.pitch().pitch_rad);
+  T_base_laser.translation() << servo.mount_x_m, 0.0, servo.mount_z_m;
+  T_base_laser.translation() += T_base_laser.linear() * p_head_mirror;
   return state_->rangefinder.measure(state_->caster, moment.T_world_base() * T_base_laser,
                                      angle_rad, moment.actors());
 }
@@ -301,6 +303,7 @@ GroundTruth RobotModel::ground_truth() const {
   truth.T_world_base = now.T_world_base();
   truth.forward_mps = state_->base.forward_mps();
   truth.yaw_rate_rad_s = state_->base.yaw_rate_rad_s();
+  truth.acceleration_mps2 = state_->base.acceleration_mps2();
   truth.pitch_rad = now.pitch().pitch_rad;
   truth.pitch_rate_rad_s = now.pitch().rate_rad_s;
   truth.collisions = counts.collisions;

@@ -21,6 +21,7 @@ struct GroundTruth {
   geometry::SE3 T_world_base = geometry::SE3::Identity();
   double forward_mps = 0.0;
   double yaw_rate_rad_s = 0.0;
+  Eigen::Vector2d acceleration_mps2 = Eigen::Vector2d::Zero();  ///< ahead and to the left
   double pitch_rad = 0.0;
   double pitch_rate_rad_s = 0.0;
   double clearance_m = 0.0;          ///< from the body to the nearest obstacle or actor

@@ -118,18 +118,19 @@ void SkidSteerBase::move(double dt_s) {
 // Tilts the body by the wheels' acceleration, unless an obstacle blocks the robot.
 void SkidSteerBase::tilt(double dt_s, const WheelSpeeds& before) {
   const double gain = dt_s / (kTiltLagS + dt_s);
-  const double ahead_mps2 =
-      0.5 * (wheels_.left_mps - before.left_mps + wheels_.right_mps - before.right_mps) / dt_s;
-  const double left_mps2 = forward_mps_ * yaw_rate_rad_s_;
-  tilt_up_rad_ += gain * (params_.tilt_per_mps2_rad * ahead_mps2 - tilt_up_rad_);
+  acceleration_mps2_ = {
+      0.5 * (wheels_.left_mps - before.left_mps + wheels_.right_mps - before.right_mps) / dt_s,
+      forward_mps_ * yaw_rate_rad_s_};
+  tilt_up_rad_ += gain * (params_.tilt_per_mps2_rad * acceleration_mps2_.x() - tilt_up_rad_);
   // In a left curve the body tilts to the right.
-  tilt_left_rad_ += gain * (-params_.tilt_per_mps2_rad * left_mps2 - tilt_left_rad_);
+  tilt_left_rad_ += gain * (-params_.tilt_per_mps2_rad * acceleration_mps2_.y() - tilt_left_rad_);
 }
 
 void SkidSteerBase::block(const geometry::SE2& T_world_base) {
   T_world_base_ = T_world_base;
   forward_mps_ = 0.0;
   yaw_rate_rad_s_ = 0.0;
+  acceleration_mps2_.setZero();
 }
 
 }  // namespace nodmap::sim

@@ -47,6 +47,8 @@ class SkidSteerBase {
   [[nodiscard]] const WheelSpeeds& wheel_speeds() const { return wheels_; }
   [[nodiscard]] double forward_mps() const { return forward_mps_; }
   [[nodiscard]] double yaw_rate_rad_s() const { return yaw_rate_rad_s_; }
+  /// Ahead, by the wheels, and to the left, in a curve.
+  [[nodiscard]] const Eigen::Vector2d& acceleration_mps2() const { return acceleration_mps2_; }
   /// Tilt of the body on its tyres and on uneven ground: front up, left side down.
   [[nodiscard]] double tilt_up_rad() const { return tilt_up_rad_ + ground_up_.value; }
   [[nodiscard]] double tilt_left_rad() const { return tilt_left_rad_ + ground_left_.value; }
@@ -76,6 +78,7 @@ class SkidSteerBase {
   geometry::SE2 T_world_base_;
   double forward_mps_ = 0.0;
   double yaw_rate_rad_s_ = 0.0;
+  Eigen::Vector2d acceleration_mps2_ = Eigen::Vector2d::Zero();
   double tilt_up_rad_ = 0.0;
   double tilt_left_rad_ = 0.0;
   double slope_ = 0.0;

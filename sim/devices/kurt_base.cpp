@@ -48,6 +48,7 @@ constexpr int kSonarFar = 1100;
 
 constexpr double kTiltZero = 32'768.0;
 constexpr double kTiltPerG = 3932.0;
+constexpr double kGravityMps2 = 9.81;
 constexpr double kGyroPerDegree = 4'992'511.0;
 constexpr double kIdleMilliampere = 200.0;
 constexpr double kMilliamperePerMps = 800.0;
@@ -87,12 +88,11 @@ double yaw_of(const GroundTruth& truth) {
 
 }  // namespace
 
-KurtBase::KurtBase(const KurtBaseParams& params, RobotModel& model, time::SteadyTime power_on)
-    : params_(params),
-      model_(model),
-      start_(power_on),
-      last_command_(power_on),
-      gyro_zero_rad_(yaw_of(model.ground_truth())) {}
+KurtBase::KurtBase(const KurtBaseParams& params, RobotModel& model, time::SteadyTime power_on,
+                   std::uint64_t seed)
+    : params_(params), model_(model), start_(power_on), last_command_(power_on), engine_(seed) {
+  reset_gyro();
+}
 
 time::SteadyTime KurtBase::frame_due() const {
   const time::FineDuration slot = kHalfPeriod * (1.0 + 1e-6 * params_.clock_ppm);
@@ -142,7 +142,7 @@ void KurtBase::control(const CanFrame& frame) {
       model_.set_wheel_speeds({0.01 * i16(frame, 2), 0.01 * i16(frame, 4)});
       break;
     case kModeGyroReset:
-      gyro_zero_rad_ = yaw_of(model_.ground_truth());
+      reset_gyro();
       break;
     default:
       break;
@@ -178,7 +178,12 @@ void KurtBase::reset(time::SteadyTime now) {
   slot_ = 1;
   left_reported_ = ticks(model_.wheel_travel().left_m);
   right_reported_ = ticks(model_.wheel_travel().right_m);
+  reset_gyro();
+}
+
+void KurtBase::reset_gyro() {
   gyro_zero_rad_ = yaw_of(model_.ground_truth());
+  gyro_reset_ = model_.now();
 }
 
 std::int64_t KurtBase::ticks(double distance_m) const {
@@ -210,13 +215,22 @@ std::int64_t KurtBase::infrared_reading(robot::Infrared sensor) const {
                  : kInfraredFar;
 }
 
-CanFrame KurtBase::sensor_frame(std::int64_t period) const {
+CanFrame KurtBase::gyro_frame() {
+  const double drift_rad = params_.gyro_bias_rad_s * time::seconds(model_.now() - gyro_reset_) +
+                           params_.gyro_noise_rad * normal_(engine_);
+  const double yaw_deg = geometry::rad_to_deg(
+      geometry::angle_difference(yaw_of(model_.ground_truth()) + drift_rad, gyro_zero_rad_));
+  return frame_of(kGyro, std::llround(kGyroPerDegree * yaw_deg), 0);
+}
+
+CanFrame KurtBase::sensor_frame(std::int64_t period) {
   constexpr std::array kSenses = {kAdc0To3, kAdc4To7, kAdc8To11, kAdc12To15, kSpeed, kTilt, kGyro};
   const GroundTruth truth = model_.ground_truth();
   const Eigen::Matrix3d rotation = truth.T_world_base.linear();
   // Gravity along the robot's axes: left side up is a roll to the right, front up a pitch.
-  const std::int64_t roll = tilt_word(rotation(2, 1));
-  const std::int64_t pitch = tilt_word(rotation(2, 0));
+  const double felt = params_.tilt_feels_acceleration ? 1.0 / kGravityMps2 : 0.0;
+  const std::int64_t roll = tilt_word(rotation(2, 1) + felt * truth.acceleration_mps2.y());
+  const std::int64_t pitch = tilt_word(rotation(2, 0) + felt * truth.acceleration_mps2.x());
   using robot::Infrared;
   const std::uint16_t kind = kSenses[static_cast<std::size_t>(period) % kSenses.size()];
   switch (kind) {
@@ -242,18 +256,15 @@ CanFrame KurtBase::sensor_frame(std::int64_t period) const {
       return frame_of(kind, left_reported_, right_reported_);
     case kTilt:
       return frame_of(kind, {roll, pitch, 0, 0});
-    default: {
-      const double yaw_deg =
-          geometry::rad_to_deg(geometry::angle_difference(yaw_of(truth), gyro_zero_rad_));
-      return frame_of(kGyro, std::llround(kGyroPerDegree * yaw_deg), 0);
-    }
+    default:
+      return gyro_frame();
   }
 }
 
 SlcanKurtBase::SlcanKurtBase(const SlcanKurtParams& params, RobotModel& model,
-                             time::SteadyTime power_on)
+                             time::SteadyTime power_on, std::uint64_t seed)
     : baud_(params.baud),
-      base_(params.base, model, power_on),
+      base_(params.base, model, power_on, seed),
       now_(power_on),
       adapter_([this](const CanFrame& frame) { base_.receive(frame, now_); }) {}
 

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
+#include <random>
+
 #include "common/geometry/time.hpp"
 #include "common/robot/infrared.hpp"
 #include "sim/body/robot_model.hpp"
@@ -14,13 +17,30 @@ struct KurtBaseParams {
   double ticks_per_revolution = 21'950.0;
   double clock_ppm = 20.0;
   bool has_infrared = true;  ///< without range finders the readings are those of nothing in view
+  bool tilt_feels_acceleration = false;
+  double gyro_bias_rad_s = 0.0;
+  double gyro_noise_rad = 0.0;
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.number("base_clock_ppm", clock_ppm, {-2000.0, 2000.0},
+             "Error of the base's clock; positive: too slow.");
+    v.flag("tilt_feels_acceleration", tilt_feels_acceleration,
+           "The tilt sensor takes the base's acceleration for tilt, as an accelerometer does: 1 "
+           "m/s^2 for 5.8 degrees.");
+    v.angle("gyro_bias_deg_s", gyro_bias_rad_s, {-10.0, 10.0},
+            "Yaw rate that the gyro reports of a stationary robot.");
+    v.angle("gyro_noise_deg", gyro_noise_rad, {0.0, 10.0},
+            "Standard deviation of a yaw angle of the gyro.");
+  }
 };
 
 /// The controller of a KURT2: CAN frames in and out. It sends encoder ticks every 10 ms and one
 /// other kind of reading in between, and stops when no command has arrived for 100 ms.
 class KurtBase {
  public:
-  KurtBase(const KurtBaseParams& params, RobotModel& model, time::SteadyTime power_on);
+  KurtBase(const KurtBaseParams& params, RobotModel& model, time::SteadyTime power_on,
+           std::uint64_t seed);
 
   void receive(const CanFrame& frame, time::SteadyTime now);
 
@@ -37,8 +57,10 @@ class KurtBase {
   void control(const CanFrame& frame);
   void control_raw(const CanFrame& frame);
   void reset(time::SteadyTime now);
+  void reset_gyro();
   [[nodiscard]] CanFrame encoder_frame();
-  [[nodiscard]] CanFrame sensor_frame(std::int64_t period) const;
+  [[nodiscard]] CanFrame sensor_frame(std::int64_t period);
+  [[nodiscard]] CanFrame gyro_frame();
   /// Reading of the infrared range finder at a place on the body, in base.
   [[nodiscard]] std::int64_t infrared_reading(robot::Infrared sensor) const;
   [[nodiscard]] std::int64_t ticks(double distance_m) const;
@@ -52,6 +74,9 @@ class KurtBase {
   std::int64_t left_reported_ = 0;  // ticks since the start
   std::int64_t right_reported_ = 0;
   double gyro_zero_rad_ = 0.0;
+  time::SteadyTime gyro_reset_{};
+  std::mt19937_64 engine_;
+  std::normal_distribution<double> normal_;
 };
 
 struct SlcanKurtParams {
@@ -60,15 +85,15 @@ struct SlcanKurtParams {
 
   template <class Visitor>
   void describe(Visitor& v) {
-    v.number("base_clock_ppm", base.clock_ppm, {-2000.0, 2000.0},
-             "Error of the base's clock; positive: too slow.");
+    base.describe(v);
   }
 };
 
 /// A KURT2 behind an SLCAN adapter, at the end of a serial line.
 class SlcanKurtBase final : public SerialDevice {
  public:
-  SlcanKurtBase(const SlcanKurtParams& params, RobotModel& model, time::SteadyTime power_on = {});
+  SlcanKurtBase(const SlcanKurtParams& params, RobotModel& model, time::SteadyTime power_on = {},
+                std::uint64_t seed = 0);
 
   void receive(ByteView bytes, int baud, time::SteadyTime now) override;
   void transmit(time::SteadyTime now, int baud, Bytes& line) override;

@@ -18,7 +18,7 @@ SimulatedRobot::SimulatedRobot(const World& world, const SimulatedRobotParams& p
                                },
                                faults)),
       servo_(params.servo, model_),
-      base_(params.base, model_),
+      base_(params.base, model_, {}, seed),
       lines_{std::make_unique<FaultyDevice>(laser_, faults_of(Part::kLaser, faults), seed + 1),
              std::make_unique<FaultyDevice>(servo_, faults_of(Part::kServo, faults), seed + 2),
              std::make_unique<FaultyDevice>(base_, faults_of(Part::kBase, faults), seed + 3)} {}

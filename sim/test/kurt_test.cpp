@@ -237,7 +237,7 @@ TEST_F(KurtTest, AtAnotherBaudRateItReceivesOnlyNoise) {
 
 // The words of a frame of each kind.
 std::map<int, std::array<int, 4>> all_readings(const KurtBaseParams& params, RobotModel& model) {
-  KurtBase base(params, model, {});
+  KurtBase base(params, model, {}, 1);
   std::map<int, std::array<int, 4>> words;
   for (int i = 0; i < 14; ++i) {
     const CanFrame frame = base.next_frame();
@@ -283,6 +283,67 @@ TEST(Kurt, ABaseWithoutInfraredRangeFindersSeesNothing) {
                             words[0x006][2], words[0x006][3], words[0x007][1]}) {
     EXPECT_LT(reading, 100) << "below 100 means nothing in view";
   }
+}
+
+// A robot that neither slips nor tilts.
+RobotModelParams level_params() {
+  RobotModelParams params;
+  params.drive.slip_distance_m = 0.0;
+  params.drive.slip_heading_rad = 0.0;
+  params.drive.slip_turning_rad = 0.0;
+  params.drive.tilt_per_mps2_rad = 0.0;
+  params.drive.ground_tilt_rad = 0.0;
+  return params;
+}
+
+// An accelerometer that is to show 1 g as 3932.
+TEST(Kurt, ATiltSensorThatFeelsAccelerationTakesItForTilt) {
+  constexpr double kMps2 = 9.81 / 3932.0;
+  constexpr std::size_t kRoll = 0;
+  constexpr std::size_t kPitch = 1;
+  const KurtBaseParams feels{.tilt_feels_acceleration = true};
+  RobotModel model({}, level_params(), 1);
+  model.set_wheel_speeds({0.9, 1.1});
+  model.advance_to(at(49ms));
+  const double before_mps = model.ground_truth().forward_mps;
+  model.advance_to(at(50ms));
+  const double ahead_mps2 = 1000.0 * (model.ground_truth().forward_mps - before_mps);
+  ASSERT_GT(ahead_mps2, 3.0);
+  EXPECT_EQ(all_readings({}, model)[0x00D][kPitch], 32'768);
+  // The speeds are means over a millisecond, in which the acceleration changes by 2 %.
+  EXPECT_NEAR((all_readings(feels, model)[0x00D][kPitch] - 32'768) * kMps2, ahead_mps2, 0.1);
+  model.advance_to(at(3s));
+  const GroundTruth truth = model.ground_truth();
+  const double left_mps2 = truth.forward_mps * truth.yaw_rate_rad_s;
+  ASSERT_GT(left_mps2, 0.4);
+  auto words = all_readings(feels, model);
+  EXPECT_NEAR((words[0x00D][kRoll] - 32'768) * kMps2, left_mps2, kMps2);
+  EXPECT_EQ(words[0x00D][kPitch], 32'768);
+}
+
+double gyro_yaw_deg(KurtBase& base) {
+  CanFrame frame;
+  while (frame.id != 0x00E) {
+    frame = base.next_frame();
+  }
+  const auto word = static_cast<std::uint32_t>(frame.data[0]) << 24 | frame.data[1] << 16 |
+                    frame.data[2] << 8 | frame.data[3];
+  return static_cast<std::int32_t>(word) / 4'992'511.0;
+}
+
+TEST(Kurt, TheGyroHasItsBiasAndNoise) {
+  RobotModel model({}, {}, 1);
+  KurtBase biased({.gyro_bias_rad_s = geometry::deg_to_rad(0.5)}, model, {}, 1);
+  KurtBase noisy({.gyro_noise_rad = geometry::deg_to_rad(0.2)}, model, {}, 1);
+  model.advance_to(at(10s));
+  EXPECT_NEAR(gyro_yaw_deg(biased), 5.0, 1e-6) << "since the gyro was reset";
+  double sum_sq = 0.0;
+  constexpr int kReadings = 2000;
+  for (int i = 0; i < kReadings; ++i) {
+    sum_sq += std::pow(gyro_yaw_deg(noisy), 2);
+  }
+  // The estimate of a deviation errs by 1 / sqrt(2 n) = 1.6 %; four times that.
+  EXPECT_NEAR(std::sqrt(sum_sq / kReadings), 0.2, 0.013);
 }
 
 TEST(Kurt, TheSameCommandsGiveTheSameFrames) {

@@ -87,6 +87,22 @@ TEST(RobotModel, RangesAreMeasuredFromThePitchAxis) {
   EXPECT_NEAR(model.measure(0.0, at(1s)).range_m, 0.38 / std::sin(deg_to_rad(20.0)), 2.3e-4);
 }
 
+// The mirror goes round with the head: up moves it back when the laser looks up.
+TEST(RobotModel, RangesAreMeasuredFromTheMirror) {
+  RobotModelParams params = exact_params();
+  params.servo.mirror_forward_m = 0.04;
+  params.servo.mirror_up_m = 0.03;
+  RobotModel model(wall_ahead(3.0), params, 1);
+  model.advance_to(at(100ms));
+  EXPECT_NEAR(model.measure(0.0, at(100ms)).range_m, 2.81, 7e-6);
+  model.set_pitch_goal({deg_to_rad(20.0), 0.0, 0.0});
+  model.advance_to(at(1s));
+  const double cosine = std::cos(deg_to_rad(20.0));
+  const double ahead_m = 2.85 - 0.04 * cosine + 0.03 * std::sin(deg_to_rad(20.0));
+  // As above, on an oblique spot.
+  EXPECT_NEAR(model.measure(0.0, at(1s)).range_m, ahead_m / cosine, 5e-5);
+}
+
 TEST(RobotModel, MeasuresTheWorldAtAPastTime) {
   RobotModel model(wall_ahead(10.0), exact_params(), 1);
   model.set_wheel_speeds({1.0, 1.0});

@@ -93,7 +93,7 @@ AllParams params_of(const TrialSetup& setup) {
 
 Eigen::Vector3d mirror(const TrialSetup& setup) {
   const sim::ServoParams& servo = setup.params.sim.model.servo;
-  return {servo.mount_x_m, 0.0, servo.mount_z_m};
+  return {servo.mount_x_m + servo.mirror_forward_m, 0.0, servo.mount_z_m + servo.mirror_up_m};
 }
 
 }  // namespace

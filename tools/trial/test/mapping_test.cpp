@@ -172,5 +172,22 @@ TEST_F(MappingTest, R45_OnTheMoveTheModelIsOnlySlightlyMoreDistorted) {
   EXPECT_LE(moving_m, 1.09 * standing_m);  // 0.87 measured; R45 permits 1.5
 }
 
+// The laser sits beside the pitch axis, and its driver knows where.
+TEST_F(MappingTest, AMirrorOffThePitchAxisDoesNotDistortTheModel) {
+  TrialSetup trial = setup("cellar", 1002, 15.0);
+  trial.without = {"slam2d"};
+  trial.params.set_assignment("sim.mirror_forward_m=0.03");
+  trial.params.set_assignment("sim.mirror_up_m=0.03");
+  const double unknown_m = model_rms_m(trial, folder("unknown"));
+  trial.params.set_assignment("laser3d.mirror.forward_m=0.03");
+  trial.params.set_assignment("laser3d.mirror.up_m=0.03");
+  const auto dir = folder("known");
+  const double known_m = model_rms_m(trial, dir);
+  RecordProperty("unknown_mm", std::to_string(1e3 * unknown_m));
+  RecordProperty("known_mm", std::to_string(1e3 * known_m));
+  EXPECT_LE(known_m, 0.013);     // 0.0104 measured; 0.0113 with the mirror on the axis
+  EXPECT_GT(unknown_m, 0.0176);  // 0.0220: 3 cm do matter
+}
+
 }  // namespace mapping_test
 }  // namespace nodmap::trial

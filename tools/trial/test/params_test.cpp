@@ -26,6 +26,8 @@ TEST(AllParams, R6_EveryPartIsMadeForTheSameRobot) {
   EXPECT_EQ(robot.body.height_m, model.body.height_m);
   EXPECT_EQ(robot.mount.x_m, model.servo.mount_x_m);
   EXPECT_EQ(robot.mount.z_m, model.servo.mount_z_m);
+  EXPECT_EQ(params.laser3d.mirror.forward_m, model.servo.mirror_forward_m);
+  EXPECT_EQ(params.laser3d.mirror.up_m, model.servo.mirror_up_m);
 }
 
 }  // namespace params_test

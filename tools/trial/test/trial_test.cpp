@@ -183,6 +183,21 @@ INSTANTIATE_TEST_SUITE_P(
                       Loss{nullptr, "pitch_controller"}, Loss{nullptr, "map_server"},
                       Loss{nullptr, "navigator"}));
 
+// Braking, speeding up and curves read as tilts there, but not as a fall. Nothing else uses the
+// tilt, so the robot drives the same path.
+TEST_F(TrialTest, ATiltSensorThatFeelsAccelerationStopsNothing) {
+  TrialSetup trial = setup("corridor30", 1003, 16.0);
+  trial.faults.push_back(sim::parse_fault("laser:unplug@10+1"));
+  const auto drive = [&](const char* name) {
+    std::filesystem::create_directory(dir_.path() / name);
+    return drive_metrics(run(trial, dir_.path() / name).record);
+  };
+  const DriveMetrics true_tilt = drive("true");
+  trial.params.set_assignment("sim.tilt_feels_acceleration=true");
+  EXPECT_GT(true_tilt.distance_m, 5.0);
+  EXPECT_EQ(drive("felt").distance_m, true_tilt.distance_m);
+}
+
 // When odometry restarts at zero, the SLAMs keep their poses.
 TEST_F(TrialTest, SlamsKeepTheirPosesWhenTheBaseDriverRestarts) {
   TrialSetup trial = setup("corridor30", 1001, 16.0);
