@@ -12,7 +12,6 @@
 namespace nodmap::sim {
 namespace {
 
-constexpr std::array kNames = {"laser", "servo", "base"};
 constexpr time::Duration kTruthPeriod = 20ms;
 // Above this lag the health is degraded, because scans are late. The robot model stores 100 ms for
 // the laser.
@@ -29,7 +28,7 @@ Simulator::Simulator(SimulatedRobot& robot, const LinkDir& dir, bus::Bus& bus,
       last_position_(robot.model().ground_truth().T_world_base.translation()) {
   for (const Part part : SimulatedRobot::kParts) {
     const auto at = static_cast<std::size_t>(part);
-    lines_[at] = std::make_unique<PtyLine>(dir, kNames[at]);
+    lines_[at] = std::make_unique<PtyLine>(dir, name_of(part));
   }
   update_plugs({});
 }

@@ -28,6 +28,11 @@ constexpr double kLongestDelayS = 10.0;
                    " (PART:KIND@FROM+DURATION[=AMOUNT], as in laser:unplug@10+2)");
 }
 
+template <class Table, class Value>
+std::string name_in(const Table& table, Value value) {
+  return std::ranges::find(table, value, [](const auto& row) { return row.second; })->first;
+}
+
 template <class Table>
 auto look_up(const Table& table, std::string_view word, std::string_view text) {
   std::string allowed;
@@ -76,6 +81,14 @@ std::optional<double> max_amount(FaultKind kind) {
 }
 
 }  // namespace
+
+std::string name_of(Part part) {
+  return name_in(kParts, part);
+}
+
+std::string name_of(FaultKind kind) {
+  return name_in(kKinds, kind);
+}
 
 time::SteadyTime Fault::begin() const {
   return time::SteadyTime(time::from_seconds(from_s));

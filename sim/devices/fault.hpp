@@ -16,6 +16,8 @@ namespace nodmap::sim {
 
 enum class Part : std::uint8_t { kLaser, kServo, kBase };
 
+[[nodiscard]] std::string name_of(Part part);
+
 enum class FaultKind : std::uint8_t {
   kDrop,     ///< bytes are lost, each with probability `amount`
   kCorrupt,  ///< one bit of a byte is flipped, in each with probability `amount`
@@ -25,6 +27,8 @@ enum class FaultKind : std::uint8_t {
   kFreeze,   ///< the laser repeats its last measurement
   kStall,    ///< the servo's gear is blocked
 };
+
+[[nodiscard]] std::string name_of(FaultKind kind);
 
 /// A temporary failure of a device or its line. Times are in seconds since the start of the
 /// simulation.

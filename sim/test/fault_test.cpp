@@ -33,6 +33,19 @@ TEST(Fault, ReadsEveryKindFromText) {
   EXPECT_EQ(corrupt.amount, 0.01);
 }
 
+TEST(Fault, PartsAndKindsHaveTheNamesThatAreRead) {
+  for (const char* part : {"laser", "servo", "base"}) {
+    EXPECT_EQ(name_of(parse_fault(std::string(part) + ":unplug@1+1").part), part);
+  }
+  for (const char* kind : {"drop", "corrupt", "delay"}) {
+    EXPECT_EQ(name_of(parse_fault("laser:" + std::string(kind) + "@1+1=0.5").kind), kind);
+  }
+  for (const char* fault : {"laser:unplug", "laser:silent", "laser:freeze", "servo:stall"}) {
+    const std::string text = fault;
+    EXPECT_EQ(name_of(parse_fault(text + "@1+1").kind), text.substr(text.find(':') + 1));
+  }
+}
+
 TEST(Fault, ErrorsNameWhatIsAllowed) {
   const std::vector<std::pair<const char*, const char*>> wrong = {
       {"", "':' is missing"},

@@ -2,7 +2,6 @@
 #include "tools/trial/results.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <fstream>
 #include <iterator>
@@ -104,20 +103,14 @@ Json write(const Disturbance& disturbance, const StopMetrics& stop, double decel
   return json;
 }
 
-std::string describe(const sim::Fault& fault) {
-  constexpr std::array kParts{"laser", "servo", "base"};
-  constexpr std::array kKinds{"drop", "corrupt", "delay", "unplug", "silent", "freeze", "stall"};
-  return std::string(kParts.at(static_cast<std::size_t>(fault.part))) + " " +
-         kKinds.at(static_cast<std::size_t>(fault.kind));
-}
-
 std::vector<Disturbance> disturbances(const TrialSetup& setup) {
   std::vector<Disturbance> all;
   for (const Kill& kill : setup.kills) {
     all.push_back({"kill " + kill.process, kill.begin, kill.begin + kill.duration});
   }
   for (const sim::Fault& fault : setup.faults) {
-    all.push_back({describe(fault), fault.begin(), fault.end()});
+    all.push_back(
+        {sim::name_of(fault.part) + " " + sim::name_of(fault.kind), fault.begin(), fault.end()});
   }
   return all;
 }
