@@ -19,14 +19,15 @@ double distance_between(const TruthSample& a, const TruthSample& b) {
 }
 
 bool is_stationary(const TruthSample& sample) {
-  return std::abs(sample.forward_mps) < kStationaryMps;
+  return std::abs(sample.forward_mps) < kStationaryMps &&
+         std::abs(sample.yaw_rate_rad_s) < kStationaryRadS;
 }
 
 // A rotation on the spot also counts as motion.
 bool is_moving(const TruthSample& sample) {
   constexpr double kMinMps = 0.05;
-  constexpr double kMinRadS = 0.05;
-  return std::abs(sample.forward_mps) >= kMinMps || std::abs(sample.yaw_rate_rad_s) > kMinRadS;
+  return std::abs(sample.forward_mps) >= kMinMps ||
+         std::abs(sample.yaw_rate_rad_s) > kStationaryRadS;
 }
 
 auto first_from(const TrialRecord& record, time::SteadyTime instant) {
@@ -86,11 +87,26 @@ DriveMetrics drive_metrics(const TrialRecord& record) {
 namespace {
 
 // The robot reports its arrival by the pose of 2D SLAM. Where it then truly is may be farther from
-// the goal by this error of the pose.
+// the goal by this error of the pose. R37 permits the heading of 2D SLAM to err by half a degree.
 constexpr double kPoseErrorM = 0.02;
+constexpr double kPoseErrorRad = geometry::deg_to_rad(0.5);
+
+double distance_at_end(const TrialRecord& record, const sim::World& world) {
+  const Eigen::Vector2d end = record.truth.back().T_world_base.translation().head<2>();
+  return (end - world.goals.back()).norm();
+}
+
+// Empty if the goal has no heading.
+std::optional<double> heading_error_at_end(const TrialRecord& record, const sim::World& world) {
+  if (!world.goal_heading_rad) {
+    return std::nullopt;
+  }
+  const double yaw_rad = geometry::to_se2(record.truth.back().T_world_base).yaw;
+  return geometry::angle_difference(yaw_rad, *world.goal_heading_rad);
+}
 
 std::optional<time::SteadyTime> reached(const TrialRecord& record, const sim::World& world,
-                                        double tolerance_m) {
+                                        const GoalTolerance& tolerance) {
   if (world.task.arrival_radius_m) {
     return record.reached;
   }
@@ -98,8 +114,9 @@ std::optional<time::SteadyTime> reached(const TrialRecord& record, const sim::Wo
   if (num_goals == 0 || record.arrivals.size() < num_goals) {
     return std::nullopt;
   }
-  const Eigen::Vector2d end = record.truth.back().T_world_base.translation().head<2>();
-  const bool is_there = (end - world.goals.back()).norm() <= tolerance_m + kPoseErrorM;
+  const double heading_error_rad = heading_error_at_end(record, world).value_or(0.0);
+  const bool is_there = distance_at_end(record, world) <= tolerance.distance_m + kPoseErrorM &&
+                        std::abs(heading_error_rad) <= tolerance.heading_rad + kPoseErrorRad;
   return is_there ? std::optional(record.arrivals[num_goals - 1]) : std::nullopt;
 }
 
@@ -143,29 +160,25 @@ ExplorationMetrics exploration_metrics(const TrialRecord& record,
   return metrics;
 }
 
-GoalMetrics goal_metrics(const TrialRecord& record, const sim::World& world, double tolerance_m,
-                         std::optional<double> shortest_path_m) {
+GoalMetrics goal_metrics(const TrialRecord& record, const sim::World& world,
+                         const GoalTolerance& tolerance, std::optional<double> shortest_path_m) {
   GoalMetrics metrics;
   if (!record.started || record.truth.empty()) {
     return metrics;
   }
-  metrics.reached = reached(record, world, tolerance_m);
+  metrics.reached = reached(record, world, tolerance);
   metrics.path_m = path_until(record, metrics.reached);
   if (!world.goals.empty()) {
-    const Eigen::Vector2d end = record.truth.back().T_world_base.translation().head<2>();
     metrics.start_to_goal_m = (world.T_world_start.translation() - world.goals.back()).norm();
-    metrics.remaining_m = (end - world.goals.back()).norm();
-    if (world.goal_heading_rad) {
-      const double yaw_rad = geometry::to_se2(record.truth.back().T_world_base).yaw;
-      metrics.heading_error_rad = geometry::angle_difference(yaw_rad, *world.goal_heading_rad);
-    }
+    metrics.remaining_m = distance_at_end(record, world);
+    metrics.heading_error_rad = heading_error_at_end(record, world);
   }
   if (metrics.reached) {
     metrics.time_s = seconds(*metrics.reached - *record.started);
     metrics.after_motion_s = seconds(*metrics.reached - record.moved.value_or(time::SteadyTime{}));
   }
   if (shortest_path_m) {
-    const double radius_m = world.task.arrival_radius_m.value_or(tolerance_m);
+    const double radius_m = world.task.arrival_radius_m.value_or(tolerance.distance_m);
     const double shortest_m = std::max(0.0, *shortest_path_m - radius_m);
     metrics.spl = metrics.reached && shortest_m > 0.0
                       ? shortest_m / std::max(metrics.path_m, shortest_m)

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "common/geometry/angle.hpp"
 #include "common/geometry/time.hpp"
 #include "sim/world/world.hpp"
 #include "tools/trial/exploration_monitor.hpp"
@@ -75,11 +76,18 @@ struct ExplorationMetrics {
 [[nodiscard]] ExplorationMetrics exploration_metrics(const TrialRecord& record,
                                                      const ExplorationRecord& exploration);
 
-/// The robot has reached the last goal when it has reported the arrival at each goal and is not
-/// farther from the last one than `tolerance_m` and the error granted to its pose; for a Task with
-/// an arrival radius, as soon as it is within that radius.
+/// How near the robot must be to the last goal.
+struct GoalTolerance {
+  double distance_m = 0.0;
+  double heading_rad = geometry::kPi;  ///< of a goal with a heading
+};
+
+/// The robot has reached the last goal when it has reported the arrival at each goal and is within
+/// the tolerance of the last one, with the error granted to its pose; for a Task with an arrival
+/// radius, as soon as it is within that radius.
 [[nodiscard]] GoalMetrics goal_metrics(const TrialRecord& record, const sim::World& world,
-                                       double tolerance_m, std::optional<double> shortest_path_m);
+                                       const GoalTolerance& tolerance,
+                                       std::optional<double> shortest_path_m);
 
 /// A fault or kill that must stop the robot.
 struct Disturbance {
@@ -99,9 +107,10 @@ struct StopMetrics {
   std::optional<double> resumed_after_s;
 };
 
-/// Below this speed the robot counts as stationary; allows for encoder noise and the end of a
-/// braking curve.
+/// Below these the robot counts as stationary; allow for encoder noise and the end of a braking
+/// curve.
 inline constexpr double kStationaryMps = 0.02;
+inline constexpr double kStationaryRadS = 0.05;
 
 [[nodiscard]] StopMetrics stop_metrics(const TrialRecord& record, const Disturbance& disturbance,
                                        double deceleration_mps2);

@@ -126,6 +126,13 @@ Json stops(const TrialSetup& setup, const TrialRecord& record) {
   return all;
 }
 
+GoalTolerance goal_tolerance(const TrialSetup& setup) {
+  const LoopParams& loop = setup.params.loop;
+  return setup.world.goal_heading_rad
+             ? GoalTolerance{loop.docking_tolerance_m, loop.docking_tolerance_rad}
+             : GoalTolerance{loop.goal_tolerance_m};
+}
+
 Json heading_error_deg(const GoalMetrics& goal) {
   return goal.heading_error_rad ? Json(geometry::rad_to_deg(*goal.heading_error_rad)) : Json();
 }
@@ -182,11 +189,7 @@ Json summarise(const TrialSetup& setup, const TrialOutcome& outcome,
   const TrialRecord& record = outcome.record;
   const DriveMetrics drive = drive_metrics(record);
   const auto shortest_m = sim::shortest_path_m(setup.world, setup.params.sim.model.body);
-  const GoalMetrics goal =
-      goal_metrics(record, setup.world,
-                   setup.world.goal_heading_rad ? setup.params.loop.docking_tolerance_m
-                                                : setup.params.loop.goal_tolerance_m,
-                   shortest_m);
+  const GoalMetrics goal = goal_metrics(record, setup.world, goal_tolerance(setup), shortest_m);
   const std::size_t num_goals = setup.world.goals.size();
   const time::SteadyTime started = record.started.value_or(time::SteadyTime{});
   Json result = {

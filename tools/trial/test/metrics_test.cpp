@@ -76,14 +76,14 @@ TrialRecord arriving_record(sim::World& world) {
 TEST(TrialMetrics, SplIsTheShortestPathOverTheDriven) {
   sim::World world;
   const TrialRecord record = arriving_record(world);
-  const GoalMetrics goal = goal_metrics(record, world, 0.3, 0.8);
+  const GoalMetrics goal = goal_metrics(record, world, {0.3}, 0.8);
   EXPECT_EQ(goal.reached, at(1s));
   EXPECT_NEAR(goal.path_m, 1.0, 1e-9);
   EXPECT_NEAR(*goal.time_s, 1.0, 1e-9);
   EXPECT_NEAR(*goal.after_motion_s, 0.9, 1e-9);
   EXPECT_NEAR(*goal.spl, 0.5, 1e-9);  // (0.8 - 0.3) / 1.0
-  EXPECT_EQ(goal_metrics(record, world, 0.3, 2.0).spl, 1.0);
-  EXPECT_FALSE(goal_metrics(record, world, 0.3, std::nullopt).spl);
+  EXPECT_EQ(goal_metrics(record, world, {0.3}, 2.0).spl, 1.0);
+  EXPECT_FALSE(goal_metrics(record, world, {0.3}, std::nullopt).spl);
   EXPECT_NEAR(goal.start_to_goal_m, 1.0, 1e-9);
   EXPECT_NEAR(goal.remaining_m, 0.0, 1e-9);
 }
@@ -91,9 +91,22 @@ TEST(TrialMetrics, SplIsTheShortestPathOverTheDriven) {
 TEST(TrialMetrics, AHeadingIsComparedWhereTheGoalHasOne) {
   sim::World world;
   const TrialRecord record = arriving_record(world);
-  EXPECT_FALSE(goal_metrics(record, world, 0.3, 1.0).heading_error_rad);
+  EXPECT_FALSE(goal_metrics(record, world, {0.3}, 1.0).heading_error_rad);
   world.goal_heading_rad = -0.1;
-  EXPECT_NEAR(*goal_metrics(record, world, 0.3, 1.0).heading_error_rad, 0.1, 1e-12);
+  EXPECT_NEAR(*goal_metrics(record, world, {0.3}, 1.0).heading_error_rad, 0.1, 1e-12);
+}
+
+// The pose by which it reports may be half a degree wrong.
+TEST(TrialMetrics, ARobotThatFacesElsewhereHasNotDocked) {
+  sim::World world;
+  const TrialRecord record = arriving_record(world);
+  const GoalTolerance tolerance{0.02, geometry::deg_to_rad(1.0)};
+  world.goal_heading_rad = geometry::deg_to_rad(1.4);
+  EXPECT_TRUE(goal_metrics(record, world, tolerance, 1.0).reached);
+  world.goal_heading_rad = geometry::deg_to_rad(-1.6);
+  EXPECT_FALSE(goal_metrics(record, world, tolerance, 1.0).reached);
+  world.goal_heading_rad.reset();
+  EXPECT_TRUE(goal_metrics(record, world, tolerance, 1.0).reached);
 }
 
 TEST(TrialMetrics, ARobotThatReportsItsArrivalElsewhereHasNotArrived) {
@@ -101,17 +114,17 @@ TEST(TrialMetrics, ARobotThatReportsItsArrivalElsewhereHasNotArrived) {
   TrialRecord record = arriving_record(world);
   // It is at 1 m. The pose by which it reports may be 2 cm wrong.
   world.goals = {{1.31, 0.0}};
-  EXPECT_TRUE(goal_metrics(record, world, 0.3, 1.7).reached);
+  EXPECT_TRUE(goal_metrics(record, world, {0.3}, 1.7).reached);
   world.goals = {{1.33, 0.0}};
-  EXPECT_FALSE(goal_metrics(record, world, 0.3, 1.7).reached);
+  EXPECT_FALSE(goal_metrics(record, world, {0.3}, 1.7).reached);
   world.goals = {{1.7, 0.0}};
-  EXPECT_EQ(goal_metrics(record, world, 0.3, 1.7).spl, 0.0);
-  EXPECT_FALSE(goal_metrics(record, world, 0.3, 1.7).reached);
+  EXPECT_EQ(goal_metrics(record, world, {0.3}, 1.7).spl, 0.0);
+  EXPECT_FALSE(goal_metrics(record, world, {0.3}, 1.7).reached);
   // By the rules of a task its report does not count.
   world.task.arrival_radius_m = 1.0;
   record.reached = at(700ms);
-  EXPECT_EQ(goal_metrics(record, world, 0.3, 1.7).reached, at(700ms));
-  EXPECT_NEAR(goal_metrics(record, world, 0.3, 1.7).path_m, 0.7, 1e-9);
+  EXPECT_EQ(goal_metrics(record, world, {0.3}, 1.7).reached, at(700ms));
+  EXPECT_NEAR(goal_metrics(record, world, {0.3}, 1.7).path_m, 0.7, 1e-9);
 }
 
 TEST(TrialMetrics, TimeCloseToAPerson) {
@@ -161,6 +174,15 @@ TEST(TrialMetrics, AStationaryRobotHasResumedWhenItMoves) {
 
 TEST(TrialMetrics, ARobotThatDrivesOnHasNotStopped) {
   EXPECT_FALSE(stop_metrics(braking_record(), {"test", at(100ms), at(800ms)}, 2.0).stopped_after_s);
+}
+
+TEST(TrialMetrics, ARobotThatRotatesOnTheSpotHasNotStopped) {
+  TrialRecord record = braking_record();
+  for (std::size_t i = 100; i < 180; ++i) {
+    record.truth[i].yaw_rate_rad_s = -0.1;
+  }
+  const Disturbance disturbance{"test", at(900ms), at(2s)};
+  EXPECT_NEAR(*stop_metrics(record, disturbance, 2.0).stopped_after_s, 0.9, 1e-9);
 }
 
 }  // namespace metrics_test
