@@ -181,7 +181,7 @@ TEST_P(DriversOnDevices, ScansHaveTheTimeAndPitchOfTheirMeasurement) {
   }
   EXPECT_LT(worst, 1ms);
   // Half a step of the servo is 0.04 degrees; at 70 degrees/s a millisecond is 0.07 more.
-  EXPECT_LT(geometry::rad_to_deg(worst_pitch_rad), 0.25);
+  EXPECT_LT(geometry::rad_to_deg(worst_pitch_rad), 0.11);
   EXPECT_EQ(run.driver().counts().telegrams_missed, 0);
   RecordProperty("worst_stamp_error_us", std::to_string(worst.count()));
   RecordProperty("worst_pitch_error_deg", std::to_string(geometry::rad_to_deg(worst_pitch_rad)));

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """R47 in short: runs the whole robot live with both SLAMs and the viewer, with the program that otherwise measures it for ten minutes.
 
-Tests that the measurement is complete. Does not test times and lost messages, which depend on the machine.
+Tests that the measurement is complete and that no queue grows. Does not test speed and lost messages, which depend on the machine.
 Environment: NODMAP_BENCH_LIVE (program), NODMAP_WORLD (file).
 """
 import json
@@ -10,6 +10,9 @@ import os
 import subprocess
 import tempfile
 import unittest
+
+# A process that is 2 % too slow for 75 scans a second is later than this within five seconds; 0.4 to 2 ms are usual, also with other work on the machine.
+GROWING_QUEUE_US = 100_000
 
 PROCESSES = ["kurt", "laser3d", "logger", "map-server", "navigator", "pitch-controller", "sim", "slam2d", "slam6d", "viewer"]
 
@@ -34,6 +37,7 @@ class Endurance(unittest.TestCase):
                 # 75 scans a second in ten seconds, or in five; a busy machine may lose most of them.
                 self.assertGreater(part["n"], 50)
                 self.assertGreater(part["p99_us"], 0)
+                self.assertLess(part["p50_us"], GROWING_QUEUE_US)
         for name in PROCESSES:
             process = report["processes"][f"nodmap-{name}"]
             self.assertEqual(len(process["resident_mib_over_time"]), 11, name)

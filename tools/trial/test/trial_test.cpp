@@ -122,7 +122,8 @@ TEST_P(Appearing, ObstacleBeyondTheStoppingDistanceIsNotHit) {
   // It entered the stopping zone, and the robot braked or steered past.
   EXPECT_GT(std::ssize(outcome.brake_events) + outcome.num_evaded, 0);
   for (const BrakeEvent& event : outcome.brake_events) {
-    EXPECT_TRUE(event.answered);
+    ASSERT_TRUE(event.answered);
+    EXPECT_LE(*event.answered - event.started, event.limit());
   }
 }
 
@@ -136,9 +137,14 @@ TEST_F(TrialTest, AnObstacleAlsoAppearsWithALevelLaser) {
   EXPECT_NO_THROW(Trial(trial, dir_.path()));  // no log is in its way
 }
 
+// 1.25 times what was measured: 2.5 to 4.5 s; 9.1 s after a laser was silent, whose driver first
+// searches its baud rate.
+constexpr double kResumedWithinS = 5.6;
+
 struct Loss {
   const char* fault;
   const char* process;
+  double resumed_within_s = kResumedWithinS;
 
   friend void PrintTo(const Loss& loss, std::ostream* out) {
     *out << (loss.fault != nullptr ? loss.fault : loss.process);
@@ -170,14 +176,16 @@ TEST_P(Losing, APartStopsTheRobotAndItContinuesAfterwards) {
   RecordProperty("reaction_m", std::to_string(reaction_m));
   EXPECT_LE(reaction_s, 0.3);
   EXPECT_LE(reaction_m, 0.3);
-  EXPECT_TRUE(stop.resumed_after_s);
+  ASSERT_TRUE(stop.resumed_after_s);
+  RecordProperty("resumed_after_s", std::to_string(*stop.resumed_after_s));
+  EXPECT_LE(*stop.resumed_after_s, GetParam().resumed_within_s);
   EXPECT_EQ(drive_metrics(outcome.record).collisions, 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(
     Parts, Losing,
     ::testing::Values(Loss{"laser:unplug", nullptr}, Loss{"laser:freeze", nullptr},
-                      Loss{"laser:silent", nullptr}, Loss{"servo:unplug", nullptr},
+                      Loss{"laser:silent", nullptr, 11.4}, Loss{"servo:unplug", nullptr},
                       Loss{"servo:stall", nullptr}, Loss{"base:unplug", nullptr},
                       Loss{"base:silent", nullptr}, Loss{nullptr, "kurt"}, Loss{nullptr, "laser3d"},
                       Loss{nullptr, "pitch_controller"}, Loss{nullptr, "map_server"},
@@ -257,8 +265,9 @@ TEST_F(TrialTest, TheGeofenceIsNotLeft) {
   std::filesystem::create_directory(dir_.path() / "with");
   const TrialRecord record = run(trial, dir_.path() / "with").record;
   EXPECT_GT(drive_metrics(record).distance_m, 2.0);
-  // The error of 2D SLAM there.
-  EXPECT_LT(farthest_outside_m(record, body, 1.5), 0.05);
+  const double outside_m = farthest_outside_m(record, body, 1.5);
+  RecordProperty("outside_m", std::to_string(outside_m));
+  EXPECT_LT(outside_m, 0.0);  // -0.29 measured: it turns back before the fence
 }
 
 // The robot docks 12 cm in front of a box, in clutter.
