@@ -225,7 +225,7 @@ def loop(quick):
             least_m = min(result["distance_m"] for result in results)
             table.add(f"loop, once around, at least {least_m:.0f} m, {name}: error of the end pose, worst of {len(results)}",
                       f"{worst_m:.3f} m, {worst_deg:.2f} deg", "" if name == "odometry" else "<= 0.10 m, 1 deg", name == "odometry" or holds)
-        rounds = sum(result["goal_reached"] for result in results)
+        rounds = sum(result["goal"]["reached"] for result in results)
         table.add(f"loop: runs of {len(trials)} that returned to the start", rounds, "all", rounds == len(trials))
     return trials, add_rows
 
@@ -250,7 +250,7 @@ def drive_to_goal(world, seeds, duration_s):
         results = results_of(trials)
         table.add(f"{world}, {len(results)} runs: collisions (of these, falls)",
                   f"{sum(r['collisions'] for r in results)} ({sum(r['falls'] for r in results)})", "0", collided(results) == 0)
-        reached = sum(r["goal_reached"] for r in results)
+        reached = sum(r["goal"]["reached"] for r in results)
         table.add(f"{world}: goals reached; metres driven in a run",
                   f"{reached} of {len(results)}; {min(r['distance_m'] for r in results):.1f} to {max(r['distance_m'] for r in results):.1f}", "all",
                   reached == len(results))

@@ -31,7 +31,7 @@ def draw(trial):
 
 
 def make():
-    rounds = [trial for trial in TRIALS if trial.result["goal_reached"]]
+    rounds = [trial for trial in TRIALS if trial.result["goal"]["reached"]]
     if not rounds:
         raise RuntimeError("Fig. 7: no run went around the block")
     trial = rounds[0]
