@@ -12,7 +12,8 @@ at the first contact, within 1 m of the goal, or 100 s after the robot has moved
 where OT is the time for the reference path at 2 m/s, and T the time since the robot has moved by 0.1 m. The result is the mean over the runs of each
 world, and then over the worlds; the highest possible score is 0.5. The dynamic worlds contain nothing but moving objects, which gives 2D SLAM nothing to
 map; in them the robot drives by odometry. The worlds are the public ones, but the simulator is ours: the robot's motion, the laser's noise and the
-latencies are those of nodmap-trial, not those of the challenge's Gazebo. A run is determined by its seed.
+latencies are those of nodmap-trial, not those of the challenge's Gazebo, and each wheel counts 3 % too much (bench/seeds.py). A run is determined by
+its seed.
 """
 import argparse
 import concurrent.futures
@@ -24,6 +25,7 @@ import sys
 from navigation import mean
 from pool import Pool
 from programs import call, settings
+from seeds import ODOMETRY_NOISE
 from trial_runs import add_options, result_folder
 
 OPTIMAL_MPS = 2.0
@@ -39,7 +41,7 @@ def run(arguments, out, index, seed):
     without = ["--without", "slam2d"] if arguments.is_dynamic else []
     try:
         call(arguments.bin / "nodmap-trial", "--world", f"barn:{arguments.file}:{index}", "--seed", seed, "--out", folder, "--no-slam6d",
-             "--robot", arguments.robot, *settings(arguments.set), *without)
+             "--robot", arguments.robot, *ODOMETRY_NOISE, *settings(arguments.set), *without)
     except RuntimeError as error:
         raise RuntimeError(f"world {index}, seed {seed}: {error}") from None
     result = json.loads((folder / "result.json").read_text())

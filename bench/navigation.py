@@ -4,7 +4,7 @@
 
     bench/navigation.py [--seeds N] [--first SEED] [--only FAMILY ...] [--jobs N] [--set KEY=VALUE ...] [--label TEXT] [--json] [--out DIR] [--bin DIR]
 
-Seeds 0 to 999 are for reporting, 1000 to 1999 for choosing parameters (bench/seeds.py). The columns are:
+Seeds 0 to 999 are for reporting, 1000 to 1999 for choosing parameters, and each wheel counts 3 % too much (bench/seeds.py). The columns are:
   n                      runs; how many of how many if some have failed
   collisions, caused     contacts of the robot, and how many of them it caused: it moved at 0.05 m/s or more
   falls                  how often the robot fell into a hole
@@ -26,7 +26,7 @@ import statistics
 import sys
 
 from programs import settings as options_of
-from seeds import CHOOSING, REPORTING
+from seeds import CHOOSING, ODOMETRY_NOISE, REPORTING
 from trial_runs import Trial, add_options, result_folder, results_of, run_all, show_failures
 
 # For each family its scenarios, and the seconds that a run may take.
@@ -63,7 +63,7 @@ def world_name(scenario, seed, crowds):
 def make_trials(family, seeds, settings, crowds):
     """The trials of a family, and for families with people the same trials without them."""
     scenarios, duration_s = FAMILIES[family]
-    options = ["--no-slam6d", *options_of(settings)]
+    options = ["--no-slam6d", *ODOMETRY_NOISE, *options_of(settings)]
     trials, empty = [], []
     for scenario in scenarios:
         if scenario in FRAMES_PER_S and scenario not in crowds:

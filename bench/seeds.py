@@ -7,6 +7,6 @@ A script that reports results (bench/trials.py, scripts/figures) takes its seeds
 REPORTING = range(0, 1000)
 CHOOSING = range(1000, 2000)
 
-# Mapping is reported with this odometry: each wheel counts 3 % too much, and the heading drifts by a random walk with the simulator's default of
+# Mapping and navigation are reported with this odometry: each wheel counts 3 % too much, and the heading drifts by a random walk with the simulator's default of
 # 1 degree times the root of the metres over a long way: 0.9 degrees after 1 m, 1.9 degrees after 4 m and so on.
 ODOMETRY_NOISE = ("--set", "sim.odometry_scale_bias=0.03", "--set", "sim.slip_heading_deg=1")
