@@ -73,14 +73,19 @@ Crowd::Crowd(const World& world, const BodyParams& robot)
     const auto last = static_cast<std::ptrdiff_t>(actor.path.size()) - 1;
     walkers_.push_back({actor.position(0.0), Eigen::Vector2d::Zero(),
                         static_cast<std::size_t>(std::min(next - actor.path.begin(), last))});
+    gaits_.emplace_back(actor.position(0.0));
   }
   std::ranges::copy_if(world.objects, std::back_inserter(walls_), is_wall);
 }
 
 ActorState Crowd::state(std::size_t actor) const {
   const Actor& a = actors_[actor];
-  return {a.reacts ? walkers_[actor].position : a.position(time_s_), a.radius_m, a.height_m, actor,
-          a.reflectivity};
+  return {a.reacts ? walkers_[actor].position : a.position(time_s_),
+          a.radius_m,
+          a.height_m,
+          actor,
+          a.reflectivity,
+          a.has_legs ? std::optional(gaits_[actor].legs()) : std::nullopt};
 }
 
 void Crowd::copy_present(std::vector<ActorState>& states) const {
@@ -95,17 +100,26 @@ void Crowd::copy_present(std::vector<ActorState>& states) const {
 void Crowd::advance(double time_s, const geometry::SE2& T_world_robot) {
   const double dt_s = time_s - time_s_;
   time_s_ = time_s;
-  if (!any_reacts_) {
-    return;
+  if (any_reacts_) {
+    walk(T_world_robot, dt_s);
   }
-  const double since_s = time_s - updated_s_;
+  for (std::size_t i = 0; i < actors_.size(); ++i) {
+    if (actors_[i].has_legs) {
+      gaits_[i].move_to(actors_[i].reacts ? walkers_[i].position : actors_[i].position(time_s));
+    }
+  }
+}
+
+// Moves the actors that react.
+void Crowd::walk(const geometry::SE2& T_world_robot, double dt_s) {
+  const double since_s = time_s_ - updated_s_;
   const bool is_due = since_s >= kUpdateS;
-  updated_s_ = is_due ? time_s : updated_s_;
+  updated_s_ = is_due ? time_s_ : updated_s_;
   for (std::size_t i = 0; i < actors_.size(); ++i) {
     if (!actors_[i].reacts) {
       continue;
     }
-    if (!is_present(i) || time_s < actors_[i].path.front().time_s) {
+    if (!is_present(i) || time_s_ < actors_[i].path.front().time_s) {
       walkers_[i].velocity.setZero();
       continue;
     }

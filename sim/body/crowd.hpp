@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/geometry/se2.hpp"
+#include "sim/body/gait.hpp"
 #include "sim/body/params.hpp"
 #include "sim/world/world.hpp"
 
@@ -41,6 +42,7 @@ class Crowd {
     double radius_m;
   };
 
+  void walk(const geometry::SE2& T_world_robot, double dt_s);
   void update_velocity(std::size_t actor, double dt_s, const Disc& robot);
   /// The velocity that an undisturbed walker would have.
   [[nodiscard]] Eigen::Vector2d desired_velocity(std::size_t actor);
@@ -54,6 +56,7 @@ class Crowd {
   double updated_s_ = 0.0;
   bool any_reacts_ = false;
   std::vector<Walker> walkers_;  // of all actors; used for those that react
+  std::vector<Gait> gaits_;      // of all actors; used for those with legs
 };
 
 }  // namespace nodmap::sim

@@ -35,6 +35,23 @@ TEST(Crowd, AnActorThatDoesNotReactFollowsItsPath) {
   EXPECT_EQ(crowd.state(0).position, world.actors[0].position(3.0));
 }
 
+TEST(Crowd, LegsWalkAlong) {
+  for (const bool reacts : {false, true}) {
+    World world;
+    world.actors.push_back(walker({0.0, 0.0}, {8.0, 0.0}, 1.0));
+    world.actors[0].reacts = reacts;
+    Crowd crowd(world, {});
+    EXPECT_FALSE(crowd.state(0).legs);
+    world.actors[0].has_legs = true;
+    crowd = Crowd(world, {});
+    advance(crowd, 0.0, 3.0);
+    const ActorState state = crowd.state(0);
+    ASSERT_TRUE(state.legs);
+    EXPECT_NEAR((0.5 * (state.legs->left + state.legs->right) - state.position).norm(), 0.0, 1e-12);
+    EXPECT_NEAR(state.legs->left.y(), 0.1, 1e-9);
+  }
+}
+
 // v = v0 (1 - exp(-t / tau)) with tau = 0.5 s: at 1 m/s he has walked 3.5 m after 4 s.
 TEST(Crowd, AnUndisturbedWalkerReachesItsDesiredSpeedAndStopsAtTheEnd) {
   World world;

@@ -230,6 +230,20 @@ TEST(RayCaster, ReportsTheReflectivityOfTheFloorItsPitsAndActors) {
   EXPECT_EQ(caster.cast({{0, 0, 1}, Vec3::UnitY()}, 10, actors)->reflectivity, 0.05);
 }
 
+TEST(RayCaster, LooksBetweenLegsBelowTheHip) {
+  const RayCaster caster(World{});
+  const std::vector<ActorState> actors{
+      {{3, 0}, 0.25, 1.75, 0, kDefaultReflectivity, Legs{{3, 0.1}, {3, -0.1}}}};
+  const auto look = [&](double y, double z) {
+    return caster.cast({{0, y, z}, Vec3::UnitX()}, 10, actors);
+  };
+  EXPECT_FALSE(look(0.0, 0.4));
+  EXPECT_NEAR(look(0.1, 0.4)->distance_m, 3.0 - 0.07, 1e-12);
+  EXPECT_NEAR(look(-0.1, 0.4)->distance_m, 3.0 - 0.07, 1e-12);
+  EXPECT_FALSE(look(0.2, 0.4));
+  EXPECT_NEAR(look(0.0, 0.9)->distance_m, 3.0 - 0.25, 1e-12);
+}
+
 TEST(RayCaster, HandlesAxisAlignedRaysAndFlatObjects) {
   World world;  // zero components, and a flat bounding box
   world.objects.push_back({Ramp{{1, 0, 0.5}, {3, 0, 0.5}, 1.0}});

@@ -65,7 +65,7 @@ pits:
   - {min: [6, -1], max: [9, 1], depth: 0.5}
 floor_reflectivity: 0.1
 actors:
-  - {cylinder: {radius: 0.25, height: 1.75}, path: [[0, 5, -2], [4, 5, 2]], loop: true, reacts: true, reflectivity: 0.05, vanish_s: 60.0}
+  - {cylinder: {radius: 0.25, height: 1.75}, path: [[0, 5, -2], [4, 5, 2]], loop: true, reacts: true, legs: true, reflectivity: 0.05, vanish_s: 60.0}
 robot: {start: [1, 2, 450]}
 goal: [12.0, 3.0]
 goal_heading: 90
@@ -93,6 +93,7 @@ goal_heading: 90
   ASSERT_EQ(world.actors.size(), 1U);
   EXPECT_TRUE(world.actors[0].loop);
   EXPECT_TRUE(world.actors[0].reacts);
+  EXPECT_TRUE(world.actors[0].has_legs);
   EXPECT_EQ(world.actors[0].reflectivity, 0.05);
   EXPECT_EQ(world.actors[0].vanish_s, 60.0);
   EXPECT_NEAR(world.T_world_start.yaw, deg_to_rad(90.0), 1e-12);

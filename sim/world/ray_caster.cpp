@@ -142,14 +142,22 @@ std::optional<Hit> RayCaster::cast(const Ray& ray, double max_range_m,
     hit = make_hit(nearest.distance_m, normal, nearest.item->reflectivity, ray);
   }
   for (const ActorState& actor : actors) {
-    const RayCylinder cylinder({{actor.position.x(), actor.position.y(), 0.5 * actor.height_m},
-                                actor.radius_m,
-                                actor.height_m});
-    const double distance_m = distance_to(cylinder, ray);
-    if (distance_m < nearest.distance_m) {
-      nearest.distance_m = distance_m;
-      const Eigen::Vector3d p = ray.origin + distance_m * ray.direction;
-      hit = make_hit(distance_m, normal_at(cylinder, p), actor.reflectivity, ray);
+    const auto test = [&](const Eigen::Vector2d& axis, double radius_m, double bottom_m,
+                          double top_m) {
+      const RayCylinder cylinder(
+          {{axis.x(), axis.y(), 0.5 * (bottom_m + top_m)}, radius_m, top_m - bottom_m});
+      const double distance_m = distance_to(cylinder, ray);
+      if (distance_m < nearest.distance_m) {
+        nearest.distance_m = distance_m;
+        const Eigen::Vector3d p = ray.origin + distance_m * ray.direction;
+        hit = make_hit(distance_m, normal_at(cylinder, p), actor.reflectivity, ray);
+      }
+    };
+    const double hip_m = actor.legs ? std::min(Legs::kHipM, 0.5 * actor.height_m) : 0.0;
+    test(actor.position, actor.radius_m, hip_m, actor.height_m);
+    if (actor.legs) {
+      test(actor.legs->left, Legs::kRadiusM, 0.0, hip_m);
+      test(actor.legs->right, Legs::kRadiusM, 0.0, hip_m);
     }
   }
   return hit;

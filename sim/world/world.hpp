@@ -63,16 +63,17 @@ struct Waypoint {
   Eigen::Vector2d position = Eigen::Vector2d::Zero();
 };
 
-/// An upright cylinder on the floor that moves at constant speed from waypoint to waypoint. Before
-/// the first time it is at the first waypoint; after the last it starts again (loop) or stays. An
-/// actor that reacts walks to the same places at the same speed, but makes way for the robot, other
-/// actors and walls (sim/body/crowd.hpp).
+/// A person, or another upright cylinder on the floor, that moves at constant speed from waypoint
+/// to waypoint. Before the first time it is at the first waypoint; after the last it starts again
+/// (loop) or stays. An actor that reacts walks to the same places at the same speed, but makes way
+/// for the robot, other actors and walls (sim/body/crowd.hpp).
 struct Actor {
   double radius_m = 0.25;
   double height_m = 1.75;
   std::vector<Waypoint> path;
   bool loop = false;
   bool reacts = false;
+  bool has_legs = false;                       ///< up to the hip two legs, instead of the cylinder
   double reflectivity = kDefaultReflectivity;  ///< of the clothes
   double appear_s = 0.0;
   double vanish_s = std::numeric_limits<double>::infinity();
@@ -83,6 +84,15 @@ struct Actor {
   [[nodiscard]] double time_in_round(double time_s) const;
 };
 
+/// Where the axes of two legs are: upright cylinders from the floor to the hip.
+struct Legs {
+  static constexpr double kRadiusM = 0.07;
+  static constexpr double kHipM = 0.8;
+
+  Eigen::Vector2d left = Eigen::Vector2d::Zero();
+  Eigen::Vector2d right = Eigen::Vector2d::Zero();
+};
+
 /// An actor at one moment.
 struct ActorState {
   Eigen::Vector2d position = Eigen::Vector2d::Zero();
@@ -90,6 +100,7 @@ struct ActorState {
   double height_m = 0.0;
   std::size_t actor = 0;  ///< its index in World::actors
   double reflectivity = kDefaultReflectivity;
+  std::optional<Legs> legs = std::nullopt;
 };
 
 /// When a drive to the goals has succeeded or failed, if this is not decided by the robot's own

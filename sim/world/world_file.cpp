@@ -259,8 +259,9 @@ Pit Reader::read_pit(const YAML::Node& map) const {
 }
 
 Actor Reader::read_actor(const YAML::Node& map) const {
-  check_keys(map, "actor",
-             {"cylinder", "path", "loop", "reacts", "reflectivity", "appear_s", "vanish_s"});
+  check_keys(
+      map, "actor",
+      {"cylinder", "path", "loop", "reacts", "legs", "reflectivity", "appear_s", "vanish_s"});
   Actor actor;
   const YAML::Node cylinder = need(map, "cylinder");
   check_keys(cylinder, "cylinder", {"radius", "height"});
@@ -269,6 +270,7 @@ Actor Reader::read_actor(const YAML::Node& map) const {
   actor.path = read_path(need(map, "path"));
   actor.loop = flag(map, "loop");
   actor.reacts = flag(map, "reacts");
+  actor.has_legs = flag(map, "legs");
   actor.reflectivity = reflectivity(map, "reflectivity");
   actor.appear_s = number_or(map, "appear_s", actor.appear_s);
   actor.vanish_s = number_or(map, "vanish_s", actor.vanish_s);

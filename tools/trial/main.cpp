@@ -167,9 +167,10 @@ void run(const Arguments& arguments, TrialSetup setup) {
     setup.world.goal_heading_rad.reset();
   }
   setup.duration = time::from_seconds(duration_s(arguments, setup.world));
-  if (setup.level_laser &&
-      std::ranges::any_of(setup.world.actors, [](const sim::Actor& a) { return a.reacts; })) {
-    throw node::UsageError("--level-laser: not in a world with actors that react");
+  if (setup.level_laser && std::ranges::any_of(setup.world.actors, [&](const sim::Actor& a) {
+        return a.reacts || a.has_legs || setup.params.world.legs;
+      })) {
+    throw node::UsageError("--level-laser: not in a world with actors that react or have legs");
   }
   node::make_result_dir(dir);
   if (arguments.appear_s) {

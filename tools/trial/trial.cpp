@@ -76,10 +76,11 @@ TrialSetup with_world_params(TrialSetup setup) {
   if (params.floor_reflectivity > 0.0) {
     setup.world.floor_reflectivity = params.floor_reflectivity;
   }
-  if (params.people_reflectivity > 0.0) {
-    for (sim::Actor& actor : setup.world.actors) {
+  for (sim::Actor& actor : setup.world.actors) {
+    if (params.people_reflectivity > 0.0) {
       actor.reflectivity = params.people_reflectivity;
     }
+    actor.has_legs = actor.has_legs || params.legs;
   }
   return setup;
 }
