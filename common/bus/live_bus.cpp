@@ -14,9 +14,6 @@
 namespace nodmap::bus {
 namespace {
 
-// handle() returns after this many messages even if more are waiting.
-constexpr int kMaxPerHandle = 1000;
-
 std::string from_environment(const char* name) {
   const char* text = std::getenv(name);  // NOLINT(concurrency-mt-unsafe)
   return text != nullptr ? text : "";
@@ -123,11 +120,12 @@ LiveBus::~LiveBus() = default;
 
 int LiveBus::handle(std::chrono::milliseconds timeout) {
   if (impl_->receiver) {
-    return impl_->receiver->handle(timeout, kMaxPerHandle);
+    return impl_->receiver->handle(timeout, HandleLimit());
   }
+  HandleLimit limit;
   int handled = 0;
   int wait_ms = static_cast<int>(timeout.count());
-  while (handled < kMaxPerHandle && impl_->handle_one(wait_ms, url_)) {
+  while (limit.admits_another() && impl_->handle_one(wait_ms, url_)) {
     wait_ms = 0;
     ++handled;
     if (impl_->thrown) {

@@ -31,10 +31,10 @@ class LiveBus : public Bus {
   explicit LiveBus(const std::string& url);
   ~LiveBus() override;
 
-  /// Waits up to `timeout` for a message, then handles all waiting messages and returns their
-  /// number. This number is limited, so that a flood cannot block the caller forever. Rethrows the
-  /// exception of a handler after LCM has returned in a consistent state. Throws
-  /// std::runtime_error if LCM has no connection to its server (tcpq).
+  /// Waits up to `timeout` for a message, then handles the waiting messages and returns their
+  /// number. Their number and the time it takes are limited (HandleLimit), so that the caller is
+  /// never kept for long. Rethrows the exception of a handler after LCM has returned in a
+  /// consistent state. Throws std::runtime_error if LCM has no connection to its server (tcpq).
   int handle(std::chrono::milliseconds timeout);
 
   /// A descriptor that is readable while a message waits, for loops that also wait for other

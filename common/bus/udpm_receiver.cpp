@@ -213,13 +213,13 @@ void UdpmReceiver::subscribe(std::optional<std::string> channel, RawHandler hand
   }
 }
 
-int UdpmReceiver::handle(std::chrono::milliseconds timeout, int max) {
+int UdpmReceiver::handle(std::chrono::milliseconds timeout, HandleLimit limit) {
   pollfd entry{impl_->waiting.get(), POLLIN, 0};
   if (::poll(&entry, 1, static_cast<int>(timeout.count())) <= 0 && !impl_->catch_up()) {
     return 0;
   }
   int handled = 0;
-  while (handled < max) {
+  while (limit.admits_another()) {
     const std::optional<Impl::Queued> message = impl_->next();
     if (!message) {
       break;

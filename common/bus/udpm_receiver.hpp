@@ -27,6 +27,25 @@ struct RawMessage {
 };
 using RawHandler = std::function<void(const RawMessage&)>;
 
+/// How much one handle() does, so that its caller can also do something else while messages come
+/// faster than they are handled.
+class HandleLimit {
+ public:
+  static constexpr int kMaxMessages = 1000;
+  static constexpr std::chrono::milliseconds kMaxTime{50};  ///< in handlers
+
+  /// Counts a message and returns whether it may be handled. The first one always may.
+  [[nodiscard]] bool admits_another() {
+    const auto now = std::chrono::steady_clock::now();
+    end_ = num_messages_ == 0 ? now + kMaxTime : end_;
+    return now < end_ && num_messages_++ < kMaxMessages;
+  }
+
+ private:
+  int num_messages_ = 0;
+  std::chrono::steady_clock::time_point end_;
+};
+
 /// Numbers of messages and datagrams that a receiver did not deliver.
 struct ReceiverCounts {
   std::int64_t malformed = 0;  ///< datagrams that are not LCM's
@@ -56,11 +75,11 @@ class UdpmReceiver : private boost::noncopyable {
   /// Subscribes to a channel, or to all. Throws std::system_error if the socket cannot be opened.
   void subscribe(std::optional<std::string> channel, RawHandler handler, int queue_capacity);
 
-  /// Waits up to `timeout` for a message, then delivers the waiting messages, at most `max`, and
+  /// Waits up to `timeout` for a message, then delivers the waiting messages within `limit`, and
   /// returns their number. At the end of the wait it also reads the socket itself: 0 means that
   /// this host has received no message, not that the thread was late. Rethrows the exception of a
   /// handler.
-  int handle(std::chrono::milliseconds timeout, int max);
+  int handle(std::chrono::milliseconds timeout, HandleLimit limit);
 
   /// A descriptor that is readable while a message waits.
   [[nodiscard]] int poll_handle() const;

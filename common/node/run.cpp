@@ -138,7 +138,7 @@ void run_live(const ProgramInfo& info, const Options& options, const std::string
 
   const auto start = SteadyClock::now();
   while (!stop_requested()) {
-    // The timeout limits how late a STATUS or the reaction to a signal can be.
+    // The timeout and bus::HandleLimit limit how late a STATUS or the reaction to a signal can be.
     bus.handle(std::chrono::milliseconds(50));
     status.publish_if_due(*node);
   }
