@@ -134,7 +134,7 @@ void Deputy::on_info(const std::string& deputy_id) {
   }
   if (!is_serving_) {
     log::get().error("a deputy {} is already running", settings_.id);
-    exit_code_ = 2;
+    exit_code_ = 1;
   } else if (senders_.is_impostor(bus_.origin().sender)) {
     refusals_.add({"other_deputy", "another process reports as the deputy " + deputy_id},
                   time::steady_now());

@@ -6,8 +6,7 @@
 namespace nodmap::procman {
 
 /// Runs the deputy until SIGINT, SIGTERM, SIGHUP or SIGQUIT. Returns the exit code: 0 after a clean
-/// end, 1 if another deputy of this name is being started, 2 if one is running. Throws
-/// std::runtime_error.
+/// end, 1 if another deputy of this name is running or being started. Throws std::runtime_error.
 int run_deputy(const DeputySettings& settings);
 
 }  // namespace nodmap::procman
