@@ -11,6 +11,8 @@
 #include <string_view>
 #include <utility>
 
+#include "common/formats/user_error.hpp"
+
 namespace nodmap::bus {
 namespace {
 
@@ -44,16 +46,19 @@ std::string literal_channel(const std::string& channel) {
 // Uses LCM's C interface. Its C++ interface casts a pointer to a class that the object is not an
 // instance of, which UBSan rightly reports.
 struct LiveBus::Impl {
-  explicit Impl(const std::string& url) : lcm(::lcm_create(url.c_str())) {
+  explicit Impl(const std::string& url) {
+    const std::optional<UdpmUrl> udpm = parse_udpm_url(url);
+    if (!udpm && url.starts_with("udpm:")) {
+      throw formats::UserError(url +
+                               " is not a valid LCM URL; example: udpm://239.255.76.67:7667?ttl=0");
+    }
+    if (udpm) {
+      receiver.emplace(*udpm, from_environment("NODMAP_TRUSTED_HOSTS"));
+    }
+    lcm.reset(::lcm_create(url.c_str()));
     if (!lcm) {
       throw std::runtime_error("LCM cannot use " + url +
                                " (is there a multicast route? run nodmap-doctor)");
-    }
-    if (const std::optional<UdpmUrl> udpm = parse_udpm_url(url)) {
-      receiver.emplace(*udpm, from_environment("NODMAP_TRUSTED_HOSTS"));
-    } else if (url.starts_with("udpm:")) {
-      throw std::runtime_error(url +
-                               " is not a valid LCM URL; example: udpm://239.255.76.67:7667?ttl=0");
     }
   }
 

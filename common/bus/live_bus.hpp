@@ -27,7 +27,8 @@ class LiveBus : public Bus {
   /// than 64 KiB, those of the process manager smaller than this.
   static constexpr std::size_t kMaxMessageBytes = std::size_t{256} << 10U;
 
-  /// Throws std::runtime_error, naming the URL and what to try, when LCM cannot use it.
+  /// Throws formats::UserError if the URL, or $NODMAP_TRUSTED_HOSTS, is not well-formed;
+  /// std::runtime_error, naming the URL and what to try, when LCM cannot use it.
   explicit LiveBus(const std::string& url);
   ~LiveBus() override;
 

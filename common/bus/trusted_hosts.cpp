@@ -10,14 +10,15 @@
 #include <charconv>
 #include <memory>
 #include <sstream>
-#include <stdexcept>
 #include <string_view>
+
+#include "common/formats/user_error.hpp"
 
 namespace nodmap::bus {
 namespace {
 
 [[noreturn]] void throw_invalid(const std::string& part, const std::string& hosts) {
-  throw std::runtime_error("'" + part + "' of the trusted hosts '" + hosts +
+  throw formats::UserError("'" + part + "' of the trusted hosts '" + hosts +
                            "' is not an address or network (examples: 10.0.0.2, 10.0.0.0/24)");
 }
 

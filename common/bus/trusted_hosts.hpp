@@ -28,7 +28,7 @@ class TrustedHosts {
   using Time = std::chrono::steady_clock::time_point;
 
   /// `hosts`: addresses and networks, separated by commas: "10.0.0.2,10.0.1.0/24". Throws
-  /// std::runtime_error, naming the part that is invalid. `own_addresses` returns the addresses of
+  /// formats::UserError, naming the part that is invalid. `own_addresses` returns the addresses of
   /// this host; because interfaces come and go, it is called again when an unknown address appears,
   /// at most once a second.
   explicit TrustedHosts(

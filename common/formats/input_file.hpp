@@ -3,16 +3,17 @@
 
 #include <filesystem>
 #include <fstream>
-#include <stdexcept>
 #include <string>
+
+#include "common/formats/user_error.hpp"
 
 namespace nodmap::formats {
 
 /// Thrown when a file named by the user cannot be used, with a message such as "FILE: cannot open:
-/// REASON". Programs end with exit code 2, as for any wrong command line.
-class InputFileError : public std::runtime_error {
+/// REASON".
+class InputFileError : public UserError {
  public:
-  using std::runtime_error::runtime_error;
+  using UserError::UserError;
 };
 
 /// The exception for a file that the operating system could not open; `error` is the value of

@@ -290,7 +290,7 @@ auto read_file(const std::filesystem::path& file, Read&& read) {
   try {
     return read(in);
   } catch (const std::runtime_error& error) {
-    throw std::runtime_error(file.string() + ": " + error.what());
+    throw InputFileError(file.string() + ": " + error.what());
   }
 }
 

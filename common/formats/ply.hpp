@@ -26,11 +26,11 @@ struct TriangleMesh {
 void write_ply(const std::filesystem::path& file, const std::vector<ColouredPoint>& points);
 
 /// Reads the vertices of a PLY, binary little-endian or ASCII, with any properties beside x, y, z.
-/// Throws std::runtime_error naming the file and what is wrong: also where a vertex is not finite.
+/// Throws InputFileError naming the file and what is wrong: also where a vertex is not finite.
 [[nodiscard]] std::vector<Eigen::Vector3f> read_ply(const std::filesystem::path& file);
 
 /// Reads the vertices and faces of a PLY, binary little-endian or ASCII. A face of more than three
-/// corners becomes a fan of triangles. Throws std::runtime_error naming the file and what is wrong:
+/// corners becomes a fan of triangles. Throws InputFileError naming the file and what is wrong:
 /// also where a vertex is not finite, or where there is no face.
 [[nodiscard]] TriangleMesh read_ply_mesh(const std::filesystem::path& file);
 

@@ -6,10 +6,10 @@
 #include <cstdio>
 #include <cstdlib>
 #include <sstream>
-#include <stdexcept>
 #include <string>
 
 #include "common/formats/atomic_file.hpp"
+#include "common/formats/input_file.hpp"
 #include "common/formats/stamp.hpp"
 #include "common/formats/text_lines.hpp"
 
@@ -51,8 +51,8 @@ Trajectory read_tum(const std::filesystem::path& file) {
     fields >> stamp_text >> p.x() >> p.y() >> p.z() >> q.x() >> q.y() >> q.z() >> q.w();
     const auto stamp = parse_stamp(stamp_text);
     if (!fields || !stamp || std::abs(q.norm() - 1.0) > 0.01) {
-      throw std::runtime_error(lines.place() + ": expected 'timestamp x y z qx qy qz qw', found " +
-                               quote(line));
+      throw InputFileError(lines.place() + ": expected 'timestamp x y z qx qy qz qw', found " +
+                           quote(line));
     }
     trajectory.push_back({*stamp, geometry::make_se3(p, q.normalized())});
   }

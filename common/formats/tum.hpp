@@ -22,7 +22,7 @@ using Trajectory = std::vector<StampedPose>;
 void write_tum(const std::filesystem::path& file, const Trajectory& trajectory);
 
 /// Reads such lines; `#` comments and empty lines are skipped, stamps kept to the microsecond.
-/// Throws std::runtime_error naming file and line.
+/// Throws InputFileError naming file and line.
 [[nodiscard]] Trajectory read_tum(const std::filesystem::path& file);
 
 }  // namespace nodmap::formats

@@ -13,7 +13,6 @@
 #include <optional>
 #include <system_error>
 
-#include "common/formats/input_file.hpp"
 #include "common/node/log.hpp"
 #include "common/params/suggestion.hpp"
 
@@ -253,9 +252,7 @@ int run_program(int argc, char** argv, const Program& program) {
   try {
     const int code = program.run(options.lcm_url);
     return program.outlives_its_readers ? code : after_output(program.name, code);
-  } catch (const UsageError& error) {
-    return complain(program.name, error.what());
-  } catch (const formats::InputFileError& error) {
+  } catch (const formats::UserError& error) {
     return complain(program.name, error.what());
   } catch (const std::exception& error) {
     log::get().error("{}", error.what());

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <functional>
-#include <stdexcept>
 #include <string>
 
+#include "common/formats/user_error.hpp"
 #include "common/params/params.hpp"
 
 namespace CLI {  // NOLINT(readability-identifier-naming): not ours
@@ -14,10 +14,10 @@ class App;
 namespace nodmap::node {
 
 /// Thrown when the user's command cannot be executed as given: a file is missing, or options
-/// exclude each other. run_program() prints the message and returns 2.
-class UsageError : public std::runtime_error {
+/// exclude each other.
+class UsageError : public formats::UserError {
  public:
-  using std::runtime_error::runtime_error;
+  using formats::UserError::UserError;
 };
 
 /// The name of a program and what it does, for --help.
@@ -51,9 +51,9 @@ struct Program {
 /// main() of every program: reads the command line; loads --config, --set and flags into the
 /// parameters, in this order; starts the log; makes SIGINT, SIGTERM and SIGHUP request the end,
 /// unless `is_killed_by_signals`; and calls `run`. Returns the exit code: 2 for a wrong command
-/// line or configuration, a UsageError or a formats::InputFileError, and 1 for any other exception
-/// of `run`, each after one line on stderr; 0 after --help and --version; otherwise the result of
-/// `run`. 0 becomes 1, after a line on stderr, if stdout cannot be written.
+/// line or configuration, or a formats::UserError of `run`, and 1 for any other exception of it,
+/// each after one line on stderr; 0 after --help and --version; otherwise the result of `run`. 0
+/// becomes 1, after a line on stderr, if stdout cannot be written.
 int run_program(int argc, char** argv, const Program& program);
 
 /// Makes SIGINT, SIGTERM and SIGHUP request the end of the process instead of killing it; SIGHUP

@@ -3,17 +3,17 @@
 
 #include <exception>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
 #include <string>
 
 #include "common/formats/atomic_file.hpp"
+#include "common/formats/user_error.hpp"
 
 namespace nodmap::node {
 
 void make_result_dir(const std::filesystem::path& dir) {
   std::filesystem::create_directories(dir);
   if (!std::filesystem::is_empty(dir)) {
-    throw std::runtime_error(
+    throw formats::UserError(
         dir.string() + " is not empty, and results are never overwritten; name another --out");
   }
 }

@@ -6,19 +6,20 @@
 #include <functional>
 #include <initializer_list>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "common/formats/user_error.hpp"
+
 namespace nodmap::params {
 
 /// Thrown for an invalid configuration; what() is one line with source, key, value and allowed
 /// values.
-class ParamError : public std::runtime_error {
+class ParamError : public formats::UserError {
  public:
-  using std::runtime_error::runtime_error;
+  using formats::UserError::UserError;
 };
 
 /// The closed interval of values a parameter may take.

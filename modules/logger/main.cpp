@@ -3,7 +3,6 @@
 #include <cmath>
 #include <csignal>
 #include <filesystem>
-#include <stdexcept>
 #include <string>
 #include <utility>
 
@@ -81,8 +80,8 @@ void refuse_to_mix(const RecorderSettings& settings, const std::string& file) {
   }
   for (const auto& entry : std::filesystem::directory_iterator(settings.dir)) {
     if (settings.names.order_of(entry.path().filename().string())) {
-      throw std::runtime_error(entry.path().string() +
-                               " exists, and logs are never overwritten; name another --file");
+      throw node::UsageError(entry.path().string() +
+                             " exists, and logs are never overwritten; name another --file");
     }
   }
 }

@@ -382,7 +382,7 @@ Config load_config(const std::filesystem::path& file) {
     errors += describe(file.string(), error);
   }
   if (!errors.empty()) {
-    throw std::runtime_error(errors);
+    throw formats::InputFileError(errors);
   }
   return std::move(parsed.config);
 }

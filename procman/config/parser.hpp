@@ -35,8 +35,8 @@ struct ParsedConfig {
 /// Formats an error for people and editors: FILE:LINE:COLUMN: text.
 [[nodiscard]] std::string describe(const std::string& file, const ConfigError& error);
 
-/// Reads a file. Throws formats::InputFileError if it cannot be opened; std::runtime_error with all
-/// its errors, one per line.
+/// Reads a file. Throws formats::InputFileError if it cannot be opened, or with all its errors, one
+/// per line.
 [[nodiscard]] Config load_config(const std::filesystem::path& file);
 
 }  // namespace nodmap::procman

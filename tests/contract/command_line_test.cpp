@@ -3,9 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <fstream>
 #include <string>
 #include <vector>
 
+#include "tests/support/data_dir.hpp"
 #include "tests/support/program.hpp"
 
 namespace nodmap {
@@ -38,6 +41,26 @@ TEST(CommandLine, AnErrorNamesTheSubcommandAndTheNearestValidWord) {
               HasSubstr("did you mean 'start_robot'?"));
   EXPECT_THAT(run_program("nodmap-slam2d", {"--set", "max_itertions=3"}).err,
               HasSubstr("did you mean 'matcher.max_iterations'?"));
+}
+
+// systemd does not start a service again that ends with it.
+TEST(WrongInput, EndsWithExitCodeTwoAndOneLine) {
+  const test::TemporaryDir dir;
+  const std::string text = dir.path() / "text";
+  std::ofstream(text) << "neither a trajectory nor a cloud\n";
+  const std::vector<std::string> commands = {
+      "NODMAP_TRUSTED_HOSTS=robot " NODMAP_BIN
+      "/nodmap-map-server --lcm-url 'udpm://239.255.76.67:7667?ttl=0'",
+      NODMAP_BIN "/nodmap-map-server --lcm-url 'udpm://239.255.76.67:7667?tttl=1'",
+      NODMAP_BIN "/nodmap-evaluate trajectory " + text + " " + text,
+      NODMAP_BIN "/nodmap-evaluate relations " + text + " " + text,
+      NODMAP_BIN "/nodmap-evaluate cloud " + text +
+          " " NODMAP_KURT3D "/../../sim/worlds/cellar.yaml --start 0 0 0"};
+  for (const std::string& command : commands) {
+    const auto result = run_program("sh", {"-c", command});
+    EXPECT_EQ(result.exit_code, 2) << command << ": " << result.err;
+    EXPECT_EQ(std::ranges::count(result.err, '\n'), 1) << result.err;
+  }
 }
 
 TEST(Save, SaysWhenNobodyListens) {

@@ -167,7 +167,7 @@ TEST_P(EveryModule, NeverOverwritesResults) {
   const std::string file = dir.path() / "precious";
   write_odometry_log(file, 1);
   const auto result = run_program(GetParam(), {"--replay", file, "--out", dir.path().string()});
-  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_EQ(result.exit_code, 2);
   EXPECT_THAT(result.err, HasSubstr("not empty"));
 }
 

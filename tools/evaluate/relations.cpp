@@ -6,9 +6,9 @@
 #include <map>
 #include <optional>
 #include <sstream>
-#include <stdexcept>
 #include <string>
 
+#include "common/formats/input_file.hpp"
 #include "common/formats/stamp.hpp"
 #include "common/formats/text_lines.hpp"
 
@@ -70,8 +70,8 @@ std::vector<Relation> read_relations(const std::filesystem::path& file) {
     }
     const auto relation = parse_relation(line);
     if (!relation) {
-      throw std::runtime_error(lines.place() + ": expected 't1 t2 x y z roll pitch yaw', found " +
-                               formats::quote(line));
+      throw formats::InputFileError(
+          lines.place() + ": expected 't1 t2 x y z roll pitch yaw', found " + formats::quote(line));
     }
     relations.push_back(*relation);
   }

@@ -21,8 +21,8 @@ struct Relation {
   geometry::SE3 T_from_to = geometry::SE3::Identity();
 };
 
-/// Reads `t1 t2 x y z roll pitch yaw` lines (s, m, rad). Throws std::runtime_error with file and
-/// line, because an evaluation without a part of the truth would be worthless.
+/// Reads `t1 t2 x y z roll pitch yaw` lines (s, m, rad). Throws formats::InputFileError with file
+/// and line, because an evaluation without a part of the truth would be worthless.
 [[nodiscard]] std::vector<Relation> read_relations(const std::filesystem::path& file);
 
 struct RelationErrors {

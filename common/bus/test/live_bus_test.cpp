@@ -9,6 +9,8 @@
 #include <random>
 #include <stdexcept>
 
+#include "common/formats/user_error.hpp"
+
 namespace nodmap::bus {
 namespace live_bus_test {
 
@@ -203,6 +205,7 @@ TEST(LiveBus, ThePollHandleSignalsAWaitingMessage) {
 
 TEST(LiveBus, AUrlThatCannotWorkIsAnError) {
   EXPECT_THROW(LiveBus("nonsense://"), std::runtime_error);
+  EXPECT_THROW(LiveBus("udpm://239.255.76.67:7667?tttl=1"), formats::UserError);
 }
 
 // LCM itself would abort.

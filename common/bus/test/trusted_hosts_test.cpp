@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include <stdexcept>
+#include "common/formats/user_error.hpp"
 
 namespace nodmap::bus {
 namespace trusted_hosts_test {
@@ -53,7 +53,7 @@ TEST(TrustedHosts, AnInterfaceThatGetsItsAddressLaterIsKnownWithinASecond) {
 TEST(TrustedHosts, AnInvalidAddressIsAnError) {
   for (const char* text :
        {"robot", "10.0.0", "10.0.0.2/33", "10.0.0.2/", "10.0.0.2/-1", "10.0.0.256", ","}) {
-    EXPECT_THROW(TrustedHosts{text}, std::runtime_error) << text;
+    EXPECT_THROW(TrustedHosts{text}, formats::UserError) << text;
   }
 }
 

@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include "common/formats/atomic_file.hpp"
+#include "common/formats/input_file.hpp"
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::formats {
@@ -41,12 +42,12 @@ TEST(Ply, EmptyCutOffAndForeignFiles) {
   std::ofstream(dir.path() / "cut.ply")
       << "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n"
          "property float z\nend_header\n1\n";
-  EXPECT_THROW((void)read_ply(dir.path() / "cut.ply"), std::runtime_error);
+  EXPECT_THROW((void)read_ply(dir.path() / "cut.ply"), InputFileError);
   std::ofstream(dir.path() / "endless.ply")
       << "ply\nformat ascii 1.0\nelement vertex 9223372036854775808\nend_header\n1\n";
-  EXPECT_THROW((void)read_ply(dir.path() / "endless.ply"), std::runtime_error);
+  EXPECT_THROW((void)read_ply(dir.path() / "endless.ply"), InputFileError);
   std::ofstream(dir.path() / "text.ply") << "hello\n";
-  EXPECT_THROW((void)read_ply(dir.path() / "text.ply"), std::runtime_error);
+  EXPECT_THROW((void)read_ply(dir.path() / "text.ply"), InputFileError);
 }
 
 TEST(Ply, WhatCannotBeWrittenDoesNotReplaceTheFile) {
@@ -59,7 +60,7 @@ TEST(Ply, WhatCannotBeWrittenDoesNotReplaceTheFile) {
 }
 
 TEST(Ply, RefusesAHeaderWithoutEnd) {
-  EXPECT_THROW((void)read_ply("/dev/zero"), std::runtime_error);
+  EXPECT_THROW((void)read_ply("/dev/zero"), InputFileError);
 }
 
 TEST(Ply, AVertexThatIsNotFiniteIsRefused) {
@@ -68,7 +69,7 @@ TEST(Ply, AVertexThatIsNotFiniteIsRefused) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   for (const Eigen::Vector3f& p : {Eigen::Vector3f(kNan, 0, 0), Eigen::Vector3f(0, 0, kInfinity)}) {
     write_ply(dir.path() / "a.ply", {{{1, 2, 3}, {}}, {p, {}}});
-    EXPECT_THROW((void)read_ply(dir.path() / "a.ply"), std::runtime_error);
+    EXPECT_THROW((void)read_ply(dir.path() / "a.ply"), InputFileError);
   }
 }
 
@@ -85,8 +86,8 @@ TEST(Ply, WithoutAllThreeCoordinatesOfAVertexItIsRefused) {
         "element point 1\n" + x + y + z + face, face}) {
     std::ofstream(dir.path() / "a.ply") << "ply\nformat ascii 1.0\n"
                                         << elements << "end_header\n1 2 3\n3 0 0 0\n";
-    EXPECT_THROW((void)read_ply(dir.path() / "a.ply"), std::runtime_error) << elements;
-    EXPECT_THROW((void)read_ply_mesh(dir.path() / "a.ply"), std::runtime_error) << elements;
+    EXPECT_THROW((void)read_ply(dir.path() / "a.ply"), InputFileError) << elements;
+    EXPECT_THROW((void)read_ply_mesh(dir.path() / "a.ply"), InputFileError) << elements;
   }
 }
 
@@ -107,7 +108,7 @@ TEST(Ply, FacesBecomeFansOfTriangles) {
   EXPECT_EQ(read_ply(dir.path() / "m.ply").size(), 4U);  // the same vertices without the faces
   for (const std::string face : {"3 0 1 4", "2 0 1", "3 0 1 -1", "3 0 1", "2000 1", "3 0 1 x"}) {
     std::ofstream(dir.path() / "bad.ply") << head << square << face << '\n';
-    EXPECT_THROW((void)read_ply_mesh(dir.path() / "bad.ply"), std::runtime_error) << face;
+    EXPECT_THROW((void)read_ply_mesh(dir.path() / "bad.ply"), InputFileError) << face;
   }
 }
 

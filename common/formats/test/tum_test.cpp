@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "common/formats/atomic_file.hpp"
+#include "common/formats/input_file.hpp"
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::formats {
@@ -46,10 +47,10 @@ TEST(Tum, SkipsCommentsAndNamesTheLineOfAnError) {
   try {
     (void)read_tum(dir.path() / "a.tum");
     FAIL() << "a line of three numbers is no pose";
-  } catch (const std::runtime_error& error) {
+  } catch (const InputFileError& error) {
     EXPECT_NE(std::string(error.what()).find("a.tum:4"), std::string::npos) << error.what();
   }
-  EXPECT_THROW((void)read_tum(dir.path() / "none"), std::runtime_error);
+  EXPECT_THROW((void)read_tum(dir.path() / "none"), InputFileError);
 }
 
 TEST(Tum, ReadsShortAndLongDecimals) {

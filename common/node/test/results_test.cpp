@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "common/formats/user_error.hpp"
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::node {
@@ -19,7 +20,7 @@ TEST(ResultDir, IsMadeAndNeverOverwritten) {
   EXPECT_TRUE(std::filesystem::is_directory(dir.path() / "a" / "b"));
   EXPECT_NO_THROW(make_result_dir(dir.path() / "a" / "b"));  // exists, but empty
   std::ofstream(dir.path() / "a" / "b" / "result.json") << "{}";
-  EXPECT_THROW(make_result_dir(dir.path() / "a" / "b"), std::runtime_error);
+  EXPECT_THROW(make_result_dir(dir.path() / "a" / "b"), formats::UserError);
 }
 
 TEST(WriteEach, GoesOnAfterAnErrorAndThrowsTheFirst) {

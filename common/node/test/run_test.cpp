@@ -174,7 +174,7 @@ TEST(Run, ExitCodesDistinguishUserErrors) {
   EXPECT_EQ(run_echo({"--replay", log}), 2);  // where to?
   EXPECT_EQ(run_echo({"--replay", dir.path() / "none", "--out", dir.path() / "c"}), 2);
   std::ofstream(dir.path() / "precious") << "x";
-  EXPECT_EQ(run_echo({"--replay", log, "--out", dir.path()}), 1);  // not empty
+  EXPECT_EQ(run_echo({"--replay", log, "--out", dir.path()}), 2);  // not empty
 }
 
 TEST(StopSignals, EachOfThemRequestsTheEnd) {

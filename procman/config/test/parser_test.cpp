@@ -8,6 +8,7 @@
 #include <fstream>
 #include <string>
 
+#include "common/formats/input_file.hpp"
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::procman {
@@ -272,13 +273,13 @@ TEST(Parser, AnEmptyFileIsAnEmptyConfiguration) {
 
 TEST(Parser, ReadsAFileOrNamesAllItsErrors) {
   const test::TemporaryDir dir;
-  EXPECT_THROW(static_cast<void>(load_config(dir.path() / "none.pmd")), std::runtime_error);
+  EXPECT_THROW(static_cast<void>(load_config(dir.path() / "none.pmd")), formats::InputFileError);
   const std::filesystem::path file = dir.path() / "bad.pmd";
   std::ofstream(file) << "script \"s\" { start cmd \"x\";\nstop cmd \"y\"; }";
   try {
     static_cast<void>(load_config(file));
     FAIL();
-  } catch (const std::runtime_error& error) {
+  } catch (const formats::InputFileError& error) {
     EXPECT_THAT(error.what(), HasSubstr("bad.pmd:1:14: there is no command \"x\""));
     EXPECT_THAT(error.what(), HasSubstr("bad.pmd:2:1: there is no command \"y\""));
   }

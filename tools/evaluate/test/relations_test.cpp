@@ -7,6 +7,7 @@
 #include <numbers>
 #include <random>
 
+#include "common/formats/input_file.hpp"
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::evaluate {
@@ -99,7 +100,7 @@ TEST(Relations, NamesTheLineItCannotRead) {
   try {
     (void)read_relations(dir.path() / "a.relations");
     FAIL() << "five numbers are no relation";
-  } catch (const std::runtime_error& error) {
+  } catch (const formats::InputFileError& error) {
     EXPECT_NE(std::string(error.what()).find("a.relations:2"), std::string::npos) << error.what();
   }
   EXPECT_THROW((void)read_relations(dir.path() / "none"), std::runtime_error);
