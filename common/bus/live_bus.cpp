@@ -73,7 +73,7 @@ struct LiveBus::Impl {
     try {
       const auto data = std::as_bytes(
           std::span(static_cast<const char*>(buffer->data), std::size_t{buffer->data_size}));
-      listener->handler({channel, data, time::from_utime(buffer->recv_utime), {}});
+      listener->handler({channel, data, time::from_utime(buffer->recv_utime), {}, {}});
     } catch (...) {
       if (!listener->owner->thrown) {
         listener->owner->thrown = std::current_exception();
@@ -181,7 +181,7 @@ void LiveBus::listen(const std::string& channel, BytesHandler handler, int queue
           ++impl_->too_large;
           return;
         }
-        set_origin({message.sender, message.received});
+        set_origin({message.sender, message.received, message.arrived});
         handler(message.data);
       },
       queue_capacity);

@@ -14,7 +14,8 @@ void LoopNetwork::deliver() {
   while (!deliveries_.empty() && deliveries_.begin()->first.stamp <= now_) {
     const Delivery delivery = std::move(deliveries_.begin()->second);
     deliveries_.erase(deliveries_.begin());
-    delivery.owner->set_origin({delivery.sender, now_});
+    // Simulated time is set by nobody: it is both clocks.
+    delivery.owner->set_origin({delivery.sender, now_, time::SteadyTime(now_.time_since_epoch())});
     (*delivery.handler)(*delivery.bytes);
   }
 }

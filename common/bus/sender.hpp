@@ -22,6 +22,9 @@ struct Sender {
 struct Origin {
   Sender sender;               ///< unknown in replay and with memq://: then all are one
   time::Timestamp received{};  ///< when this host received it; the epoch in replay
+  /// The same moment by the steady clock, to tell how long a sender has been silent; zero where the
+  /// sender is unknown.
+  time::SteadyTime arrived{};
 };
 
 }  // namespace nodmap::bus

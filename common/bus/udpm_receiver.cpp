@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <csignal>
 #include <deque>
 #include <mutex>
@@ -96,6 +97,8 @@ struct UdpmReceiver::Impl {
     const auto count = static_cast<std::size_t>(std::max(0, batch.receive(socket.get())));
     const bool was_empty = queue.empty();
     const auto now = std::chrono::steady_clock::now();
+    const time::SteadyTime arrived(
+        std::chrono::duration_cast<time::Duration>(now.time_since_epoch()));
     for (std::size_t i = 0; i < count; ++i) {
       const Sender sender = batch.sender(i);
       if (!hosts.contains(sender.address, now)) {
@@ -104,7 +107,7 @@ struct UdpmReceiver::Impl {
         continue;
       }
       if (const auto message = assembler.take(sender, batch.datagram(i))) {
-        enqueue(*message, {sender, batch.received(i)});
+        enqueue(*message, {sender, batch.received(i), arrived});
       }
     }
     if (count > 0) {
@@ -228,7 +231,8 @@ int UdpmReceiver::handle(std::chrono::milliseconds timeout, HandleLimit limit) {
     message->subscription->handler({message->channel,
                                     {message->bytes.get(), message->size},
                                     message->origin.received,
-                                    message->origin.sender});
+                                    message->origin.sender,
+                                    message->origin.arrived});
   }
   return handled;
 }

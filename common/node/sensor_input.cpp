@@ -71,7 +71,7 @@ std::optional<geometry::SE3> SensorInput::read(const nodmap::odometry_t& message
 // Whether the message being handled is from the followed sender of its channel.
 bool SensorInput::follows(bus::FollowedSender& sender, const char* cause) {
   const bus::Origin origin = bus_ != nullptr ? bus_->origin() : bus::Origin{};
-  if (sender.follow(origin.sender, time::SteadyTime(origin.received.time_since_epoch()))) {
+  if (sender.follow(origin.sender, origin.arrived)) {
     return true;
   }
   counts_.reject(cause);

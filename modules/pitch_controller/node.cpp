@@ -57,8 +57,7 @@ void PitchControllerNode::on_odometry(const nodmap::odometry_t& message) {
 
 void PitchControllerNode::on_pitch_state(const nodmap::pitch_state_t& message) {
   const bus::Origin& origin = context_.bus.origin();
-  if (!pitch_state_sender_.follow(origin.sender,
-                                  time::SteadyTime(origin.received.time_since_epoch()))) {
+  if (!pitch_state_sender_.follow(origin.sender, origin.arrived)) {
     context_.counts.reject("other_sender_of_pitch_state");
     return;
   }

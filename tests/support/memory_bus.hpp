@@ -30,7 +30,7 @@ class MemoryBus final : public bus::Bus {
   template <class Message>
   void deliver_from(const bus::Sender& sender, const std::string& channel, const Message& message) {
     const bus::Origin own = origin();
-    set_origin({sender, own.received});
+    set_origin({sender, own.received, own.arrived});
     deliver(channel, message);
     set_origin(own);
   }

@@ -175,6 +175,7 @@ TEST_F(LoopBusTest, EachBusIsASenderOfItsOwn) {
   const std::set<Sender> distinct{{}, origins[0].sender, origins[1].sender, origins[3].sender};
   EXPECT_EQ(distinct.size(), 4U);
   EXPECT_EQ(origins[0].received, at(1ms));
+  EXPECT_EQ(origins[0].arrived, time::SteadyTime{} + (at(1ms) - time::Timestamp{}));
 }
 
 TEST_F(LoopBusTest, LogsEverythingWhenItWasSent) {

@@ -89,10 +89,12 @@ TEST_F(SensorInputTest, GapsInEitherStreamAreLosses) {
 TEST_F(SensorInputTest, OneSocketIsFollowedUntilItIsSilent) {
   const bus::Sender own{0x7F000001, 40'000};
   const bus::Sender other{0x7F000001, 40'001};
-  time::Timestamp now{24h};
+  time::SteadyTime now{24h};
   const auto reads = [&](const bus::Sender& sender, std::int64_t seq) {
-    bus_.set_origin({sender, now});
-    nodmap::odometry_t odometry = node::write_odometry(now, geometry::SE3::Identity());
+    // The wall clock is set an hour forwards or back with each message: it says nothing.
+    bus_.set_origin({sender, time::Timestamp{seq % 2 * 1h}, now});
+    nodmap::odometry_t odometry =
+        node::write_odometry(time::Timestamp{24h}, geometry::SE3::Identity());
     odometry.odometry_seq = seq;
     const bool reads_scan = input_.read(good_scan(seq), scan_);
     EXPECT_EQ(input_.read(odometry).has_value(), reads_scan);

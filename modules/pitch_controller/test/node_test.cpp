@@ -125,7 +125,7 @@ TEST_F(PitchControllerNodeTest, PitchStatesOfASecondProcessAreNotUsed) {
   const auto give = [this](std::uint16_t port, bool is_stalled) {
     auto state = next_state();
     state.is_stalled = is_stalled ? 1 : 0;
-    bus_.set_origin({{0x7F000001, port}, time::from_utime(state.utime)});
+    bus_.set_origin({{0x7F000001, port}, {}, {}});
     bus_.deliver("PITCH_STATE", state);
   };
   give(40'000, false);
