@@ -322,18 +322,17 @@ void Deputy::carry_out(const RefuseOrder& action) {
 
 void Deputy::carry_out(const StartCommand& action) {
   const time::SteadyTime now = time::steady_now();
-  if (!settings_.permissions.may_run(action.exec)) {
+  const auto resources = settings_.permissions.resources_of(action.id, action.exec);
+  if (!resources) {
     refusals_.add({"not_allowed", action.id + ": refused: " + action.exec}, now);
     carry_out(supervisor_.refused(action.id,
                                   "nodmap-deputy: refused: " + settings_.config_file +
-                                      " does not contain this exec line for the deputy " +
-                                      settings_.id,
+                                      " lists no such name and exec line for " + settings_.id,
                                   now));
     return;
   }
   try {
-    const pid_t pid =
-        children_.start(action.id, action.exec, settings_.permissions.resources_of(action.id));
+    const pid_t pid = children_.start(action.id, action.exec, *resources);
     supervisor_.started(action.id, pid, now);
     log::get().info("{} started (pid {})", action.id, pid);
     has_info_changed_ = true;
@@ -376,7 +375,8 @@ void Deputy::publish_info() {
 void Deputy::raise_serial_workers() {
   const std::vector<CommandStatus> statuses = supervisor_.statuses();
   serial_workers_.keep_raised(std::ranges::any_of(statuses, [this](const CommandStatus& status) {
-    return status.pid != 0 && settings_.permissions.resources_of(status.spec.id).realtime != 0;
+    const auto resources = settings_.permissions.resources_of(status.spec.id, status.spec.exec);
+    return status.pid != 0 && resources && resources->realtime != 0;
   }));
 }
 

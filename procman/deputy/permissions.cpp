@@ -17,13 +17,14 @@ Permissions Permissions::everything() {
   return permissions;
 }
 
-bool Permissions::may_run(const std::string& exec) const {
-  return is_everything_ || std::ranges::find(commands_, exec, &Command::exec) != commands_.end();
-}
-
-Resources Permissions::resources_of(const std::string& id) const {
+std::optional<Resources> Permissions::resources_of(const std::string& id,
+                                                   const std::string& exec) const {
+  if (is_everything_) {
+    return Resources{};
+  }
   const auto found = std::ranges::find(commands_, id, &Command::id);
-  return found == commands_.end() ? Resources{} : found->resources;
+  return found != commands_.end() && found->exec == exec ? std::optional(found->resources)
+                                                         : std::nullopt;
 }
 
 }  // namespace nodmap::procman

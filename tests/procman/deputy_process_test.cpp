@@ -221,15 +221,16 @@ TEST_F(DeputyProcess, RunsOnlyCommandsOfItsConfiguration) {
   std::ofstream(file) << "cmd \"good\" { exec = \"" << good << "\"; host = \"rover\"; }\n"
                       << "cmd \"far\" { exec = \"" << good << " 1\"; host = \"other\"; }\n";
   begin({file});
-  client_.order(
-      {wanted("good", good, 1), wanted("bad", good + " ; rm", 1), wanted("far", good + " 1", 1)});
+  client_.order({wanted("good", good, 1), wanted("bad", good + " ; rm", 1),
+                 wanted("far", good + " 1", 1), wanted("again", good, 1)});
   ASSERT_TRUE(client_.wait_until([this] {
     return client_.runs("good") && client_.status("bad").wait_status != 0 &&
-           client_.output("far") != "";
+           client_.output("far") != "" && client_.output("again") != "";
   }));
   EXPECT_EQ(client_.status("bad").wait_status, 127 << 8);
   EXPECT_THAT(client_.output("bad"), HasSubstr("refused"));
   EXPECT_THAT(client_.output("far"), HasSubstr("refused"));
+  EXPECT_THAT(client_.output("again"), HasSubstr("refused")) << "the exec line of another name";
   EXPECT_TRUE(client_.wait_until([this] { return processes_marked(mark_).size() == 1; }));
   end_cleanly();
 }

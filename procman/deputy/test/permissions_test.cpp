@@ -13,22 +13,33 @@ const char* const kConfig = R"(
     }
     cmd "b" { exec = "other"; host = "there"; })";
 
-TEST(Permissions, AreTheExecLinesOfTheDeputyCharacterByCharacter) {
+TEST(Permissions, AreTheCommandsOfTheDeputyCharacterByCharacter) {
   const Permissions here("here", parse_config(kConfig).config);
-  EXPECT_TRUE(here.may_run("prog --x"));
-  EXPECT_FALSE(here.may_run("prog  --x"));
-  EXPECT_FALSE(here.may_run("prog"));
-  EXPECT_FALSE(here.may_run("other")) << "that is for another deputy";
-  EXPECT_EQ(here.resources_of("a").nice, 5);
-  EXPECT_EQ(here.resources_of("unknown").nice, 0);
+  ASSERT_TRUE(here.resources_of("a", "prog --x"));
+  EXPECT_EQ(here.resources_of("a", "prog --x")->nice, 5);
+  EXPECT_FALSE(here.resources_of("a", "prog  --x"));
+  EXPECT_FALSE(here.resources_of("a", "prog"));
+  EXPECT_FALSE(here.resources_of("b", "other")) << "that is for another deputy";
   EXPECT_FALSE(here.is_empty());
   EXPECT_TRUE(Permissions("elsewhere", parse_config(kConfig).config).is_empty());
 }
 
+// Otherwise orders could start it a thousand times, or with the priority of another command.
+TEST(Permissions, AnExecLineIsPermittedUnderItsNameOnly) {
+  const char* const config = R"(
+    cmd "a" { exec = "prog"; host = "here"; }
+    cmd "b" { exec = "other"; host = "here"; })";
+  const Permissions here("here", parse_config(config).config);
+  EXPECT_TRUE(here.resources_of("a", "prog"));
+  EXPECT_FALSE(here.resources_of("a2", "prog"));
+  EXPECT_FALSE(here.resources_of("", "prog"));
+  EXPECT_FALSE(here.resources_of("b", "prog"));
+}
+
 TEST(Permissions, AreEverythingOnlyIfThatIsAskedFor) {
-  EXPECT_TRUE(Permissions::everything().may_run("rm -rf /"));
+  EXPECT_TRUE(Permissions::everything().resources_of("any", "rm -rf /"));
   EXPECT_FALSE(Permissions::everything().is_empty());
-  EXPECT_FALSE(Permissions().may_run("true"));
+  EXPECT_FALSE(Permissions().resources_of("", "true"));
   EXPECT_TRUE(Permissions().is_empty());
 }
 
