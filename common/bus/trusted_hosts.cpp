@@ -86,22 +86,17 @@ TrustedHosts::TrustedHosts(const std::string& hosts,
 }
 
 bool TrustedHosts::contains(std::uint32_t address, Time now) {
-  if (is_known(address)) {
+  const bool is_named = std::ranges::any_of(networks_, [address](const Network& network) {
+    return (address & network.mask) == network.address;
+  });
+  if (is_named) {
     return true;
   }
-  if (asked_at_ && now - *asked_at_ < std::chrono::seconds(1)) {
-    return false;
+  if (!asked_at_ || now - *asked_at_ >= std::chrono::seconds(1)) {
+    asked_at_ = now;
+    own_ = own_addresses_();
   }
-  asked_at_ = now;
-  own_ = own_addresses_();
-  return is_known(address);
-}
-
-bool TrustedHosts::is_known(std::uint32_t address) const {
-  return std::ranges::find(own_, address) != own_.end() ||
-         std::ranges::any_of(networks_, [address](const Network& network) {
-           return (address & network.mask) == network.address;
-         });
+  return std::ranges::find(own_, address) != own_.end();
 }
 
 }  // namespace nodmap::bus

@@ -29,8 +29,8 @@ class TrustedHosts {
 
   /// `hosts`: addresses and networks, separated by commas: "10.0.0.2,10.0.1.0/24". Throws
   /// formats::UserError, naming the part that is invalid. `own_addresses` returns the addresses of
-  /// this host; because interfaces come and go, it is called again when an unknown address appears,
-  /// at most once a second.
+  /// this host; because they come and go, and another host can have one next, an answer is used for
+  /// a second.
   explicit TrustedHosts(
       const std::string& hosts,
       std::function<std::vector<std::uint32_t>()> own_addresses = &addresses_of_this_host);
@@ -42,8 +42,6 @@ class TrustedHosts {
     std::uint32_t address = 0;
     std::uint32_t mask = 0;
   };
-
-  [[nodiscard]] bool is_known(std::uint32_t address) const;
 
   std::vector<Network> networks_;
   std::function<std::vector<std::uint32_t>()> own_addresses_;

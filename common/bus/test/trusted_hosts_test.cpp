@@ -50,6 +50,16 @@ TEST(TrustedHosts, AnInterfaceThatGetsItsAddressLaterIsKnownWithinASecond) {
   EXPECT_TRUE(hosts.contains(address(10, 0, 0, 1), kStart + milliseconds(1000)));
 }
 
+// Another host may have it by now.
+TEST(TrustedHosts, AnAddressThatThisHostHasLostIsForgottenWithinASecond) {
+  std::vector<std::uint32_t> own{address(10, 0, 0, 1)};
+  TrustedHosts hosts("", [&] { return own; });
+  EXPECT_TRUE(hosts.contains(address(10, 0, 0, 1), kStart));
+  own = {address(10, 0, 0, 7)};
+  EXPECT_FALSE(hosts.contains(address(10, 0, 0, 1), kStart + milliseconds(1000)));
+  EXPECT_TRUE(hosts.contains(address(10, 0, 0, 7), kStart + milliseconds(1000)));
+}
+
 TEST(TrustedHosts, AnInvalidAddressIsAnError) {
   for (const char* text :
        {"robot", "10.0.0", "10.0.0.2/33", "10.0.0.2/", "10.0.0.2/-1", "10.0.0.256", ","}) {
