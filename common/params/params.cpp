@@ -85,12 +85,10 @@ std::string help_for_unknown(std::string_view name, const std::vector<Entry>& en
   return !suggestion.empty() ? suggestion : !list.empty() ? list : "; there are none";
 }
 
-// The value as a line of YAML, after comments with its sentence, unit and range.
+// The value as a line of YAML, after comments with its sentence and range.
 std::string yaml_lines(const Entry& entry, const std::string& key, const std::string& indent) {
-  const std::string_view unit = unit_of(entry.name);
-  return indent + "# " + entry.help + "\n" + indent + "# " + entry.allowed +
-         (unit.empty() ? "" : ", in " + std::string(unit)) + "\n" + indent + key + ": " +
-         (entry.kind == Kind::kText ? quoted(entry.get()) : entry.get()) + "\n";
+  return indent + "# " + entry.help + "\n" + indent + "# " + entry.allowed + "\n" + indent + key +
+         ": " + (entry.kind == Kind::kText ? quoted(entry.get()) : entry.get()) + "\n";
 }
 
 std::string markdown_row(const Entry& entry) {
@@ -265,30 +263,6 @@ std::string Table::to_markdown() const {
     table += markdown_row(entry);
   }
   return table;
-}
-
-std::string_view unit_of(std::string_view name) {
-  // Longer suffixes first: "_deg_s" and "_mps" are not "_s".
-  static constexpr std::array<std::pair<std::string_view, std::string_view>, 12> kUnits{{
-      {"_deg_s", "deg/s"},
-      {"_rad_s", "rad/s"},
-      {"_mps2", "m/s^2"},
-      {"_mps", "m/s"},
-      {"_deg", "degrees"},
-      {"_rad", "radians"},
-      {"_us", "microseconds"},
-      {"_ms", "milliseconds"},
-      {"_mb", "megabytes"},
-      {"_hz", "hertz"},
-      {"_m", "metres"},
-      {"_s", "seconds"},
-  }};
-  for (const auto& [suffix, unit] : kUnits) {
-    if (name.ends_with(suffix)) {
-      return unit;
-    }
-  }
-  return {};
 }
 
 }  // namespace nodmap::params

@@ -126,7 +126,7 @@ class Table {
   /// not YAML.
   void load_yaml(const std::filesystem::path& file);
 
-  /// The effective parameters as YAML, sections as nested maps, with sentence, unit and range as
+  /// The effective parameters as YAML, sections as nested maps, with sentence and range as
   /// comments.
   [[nodiscard]] std::string to_yaml() const;
 
@@ -141,8 +141,5 @@ class Table {
   std::vector<Entry> entries_;
   std::vector<std::pair<std::string, std::string>> renamed_;  // old key, new key
 };
-
-/// The unit that a name's suffix denotes ("m", "deg", "m/s"); empty if there is none.
-[[nodiscard]] std::string_view unit_of(std::string_view name);
 
 }  // namespace nodmap::params

@@ -151,17 +151,8 @@ TEST_F(ParamsTest, ADumpLoadsAgain) {
   Table copy_table(copy);
   copy_table.load_yaml(file);
   EXPECT_EQ(copy_table.to_yaml(), table_.to_yaml());
-  EXPECT_THAT(table_.to_yaml(),
-              HasSubstr("# How far.\n# a number from 1 to 80, in metres\nrange_m: 1\n"));
+  EXPECT_THAT(table_.to_yaml(), HasSubstr("# How far.\n# a number from 1 to 80\nrange_m: 1\n"));
   EXPECT_THAT(table_.to_markdown(), HasSubstr("| `pitch_deg` | 33.3 |"));
-}
-
-TEST(Params, UnitsComeFromTheSuffix) {
-  EXPECT_EQ(unit_of("range_m"), "metres");
-  EXPECT_EQ(unit_of("speed_mps"), "m/s");
-  EXPECT_EQ(unit_of("rate_deg_s"), "deg/s");
-  EXPECT_EQ(unit_of("period_us"), "microseconds");
-  EXPECT_EQ(unit_of("count"), "");
 }
 
 struct PartParams {
