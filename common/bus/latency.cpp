@@ -6,7 +6,7 @@
 
 namespace nodmap::bus {
 
-void LatencyMeter::record(std::chrono::nanoseconds duration) {
+void LatencyMeter::Histogram::record(std::chrono::nanoseconds duration) {
   const std::int64_t ns = std::max<std::int64_t>(1, duration.count());
   const double octave = std::log2(static_cast<double>(ns));
   const auto bin = static_cast<std::size_t>(octave * static_cast<double>(kBinsPerOctave));
@@ -15,17 +15,19 @@ void LatencyMeter::record(std::chrono::nanoseconds duration) {
   max_ns_ = std::max(max_ns_, ns);
 }
 
-LatencyMeter::Summary LatencyMeter::summary() const {
+void LatencyMeter::Histogram::add(const Histogram& other) {
+  for (std::size_t bin = 0; bin < kBins; ++bin) {
+    bins_.at(bin) += other.bins_.at(bin);
+  }
+  count_ += other.count_;
+  max_ns_ = std::max(max_ns_, other.max_ns_);
+}
+
+LatencyMeter::Summary LatencyMeter::Histogram::summary() const {
   return {percentile_us(0.50), percentile_us(0.99), static_cast<double>(max_ns_) / 1000.0, count_};
 }
 
-LatencyMeter::Summary LatencyMeter::take() {
-  const Summary taken = summary();
-  *this = LatencyMeter();
-  return taken;
-}
-
-double LatencyMeter::percentile_us(double share) const {
+double LatencyMeter::Histogram::percentile_us(double share) const {
   if (count_ == 0) {
     return 0.0;
   }
@@ -40,6 +42,19 @@ double LatencyMeter::percentile_us(double share) const {
     }
   }
   return static_cast<double>(max_ns_) / 1000.0;
+}
+
+LatencyMeter::Summary LatencyMeter::summary() const {
+  Histogram all = before_;
+  all.add(recent_);
+  return all.summary();
+}
+
+LatencyMeter::Summary LatencyMeter::summary_since_last() {
+  const Summary summary = recent_.summary();
+  before_.add(recent_);
+  recent_ = {};
+  return summary;
 }
 
 }  // namespace nodmap::bus

@@ -9,8 +9,9 @@
 
 namespace nodmap::bus {
 
-/// Collects durations in a histogram of fixed size. The bins are a sixteenth of an octave wide, so
-/// percentiles are accurate to 5 %. Recording takes a few nanoseconds and never allocates.
+/// Collects durations in histograms of fixed size: those since the last report, and all before. The
+/// bins are a sixteenth of an octave wide, so percentiles are accurate to 5 %. Recording takes a
+/// few nanoseconds and never allocates.
 class LatencyMeter {
  public:
   struct Summary {
@@ -31,22 +32,34 @@ class LatencyMeter {
     std::chrono::steady_clock::time_point start_;
   };
 
-  void record(std::chrono::nanoseconds duration);
+  void record(std::chrono::nanoseconds duration) { recent_.record(duration); }
 
+  /// Of all durations.
   [[nodiscard]] Summary summary() const;
 
-  /// Returns the summary since the last call and clears the histogram.
-  [[nodiscard]] Summary take();
+  /// Of the durations since the last call.
+  [[nodiscard]] Summary summary_since_last();
 
  private:
-  static constexpr std::size_t kBinsPerOctave = 16;
-  static constexpr std::size_t kBins = 40 * kBinsPerOctave;  // 1 ns to 2^40 ns, 18 minutes
+  class Histogram {
+   public:
+    void record(std::chrono::nanoseconds duration);
+    void add(const Histogram& other);
+    [[nodiscard]] Summary summary() const;
 
-  [[nodiscard]] double percentile_us(double share) const;
+   private:
+    static constexpr std::size_t kBinsPerOctave = 16;
+    static constexpr std::size_t kBins = 40 * kBinsPerOctave;  // 1 ns to 2^40 ns, 18 minutes
 
-  std::array<std::uint32_t, kBins> bins_{};
-  std::int64_t count_ = 0;
-  std::int64_t max_ns_ = 0;
+    [[nodiscard]] double percentile_us(double share) const;
+
+    std::array<std::uint32_t, kBins> bins_{};
+    std::int64_t count_ = 0;
+    std::int64_t max_ns_ = 0;
+  };
+
+  Histogram recent_;  // since the last call of summary_since_last()
+  Histogram before_;
 };
 
 }  // namespace nodmap::bus

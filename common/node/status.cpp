@@ -55,7 +55,7 @@ void StatusReporter::publish(const Health& node_health) {
   const time::Duration elapsed = now - last_;
   const bus::BusCounts bus_counts = bus_.counts();
   const Health health = health_by_messages(node_health, bus_counts);
-  const bus::LatencyMeter::Summary latency = bus_.latency().take();
+  const bus::LatencyMeter::Summary latency = bus_.latency().summary_since_last();
   nodmap::status_t message{};
   message.utime = time::to_utime(now);
   message.process_name = process_name_;

@@ -38,11 +38,18 @@ TEST(LatencyMeter, AcceptsZeroNegativeAndHours) {
   EXPECT_DOUBLE_EQ(meter.summary().max_us, 86400e6);
 }
 
-TEST(LatencyMeter, TakeClearsTheHistogram) {
+// STATUS reports the last second, result.json the whole run.
+TEST(LatencyMeter, ASummarySinceTheLastOneLeavesTheSummaryOfAll) {
   LatencyMeter meter;
+  meter.record(microseconds(500));
+  EXPECT_EQ(meter.summary_since_last().count, 1);
+  EXPECT_EQ(meter.summary_since_last().count, 0);
   meter.record(microseconds(5));
-  EXPECT_EQ(meter.take().count, 1);
-  EXPECT_EQ(meter.take().count, 0);
+  EXPECT_EQ(meter.summary_since_last().max_us, 5.0);
+  meter.record(microseconds(50));
+  EXPECT_EQ(meter.summary().count, 3);
+  EXPECT_EQ(meter.summary().max_us, 500.0);
+  EXPECT_NEAR(meter.summary().p50_us, 50.0, 0.045 * 50.0);  // within a bin
 }
 
 }  // namespace latency_test
