@@ -13,7 +13,6 @@ namespace nodmap::serial {
 enum class IoStatus : std::uint8_t {
   kOk,
   kTimeout,       ///< nothing read, or not everything written, within the timeout
-  kStopped,       ///< the stop event was raised while waiting to read
   kDisconnected,  ///< the device is gone; this stream cannot recover, open a new one
 };
 
@@ -28,13 +27,11 @@ class ByteStream : private boost::noncopyable {
  public:
   virtual ~ByteStream() = default;
 
-  /// Reads the bytes that are available, waiting for them at most `timeout` (0: does not wait). A
-  /// raised stop event ends the wait at once.
+  /// Reads the bytes that are available, waiting for them at most `timeout` (0: does not wait).
   [[nodiscard]] virtual ReadResult read(std::span<std::uint8_t> buffer, time::Duration timeout) = 0;
 
   /// Writes all of `bytes`, or as many as the device accepts within `timeout`; after a time-out,
-  /// what it has not sent yet is dropped. The stop event does not interrupt a write, because the
-  /// last thing that a driver writes is the stop command.
+  /// what it has not sent yet is dropped.
   [[nodiscard]] virtual IoStatus write(std::span<const std::uint8_t> bytes,
                                        time::Duration timeout) = 0;
 
@@ -51,30 +48,11 @@ class ByteStream : private boost::noncopyable {
   [[nodiscard]] virtual int poll_handle() const = 0;
 };
 
-/// Ends a waiting read from outside. Once raised it stays raised. raise() may be called from
-/// another thread or a signal handler.
-class StopEvent : private boost::noncopyable {
- public:
-  /// Throws std::system_error when the process has no descriptors left.
-  StopEvent();
-  ~StopEvent();
-
-  void raise() const noexcept;
-  [[nodiscard]] bool raised() const noexcept;
-
-  /// Readable from the moment the event is raised.
-  [[nodiscard]] int poll_handle() const { return fd_; }
-
- private:
-  int fd_;
-};
-
 /// Reads and writes a non-blocking descriptor; the derived class opens, configures and closes it.
 /// The common part of serial ports and pseudo-terminals.
 class DescriptorStream : public ByteStream {
  public:
-  /// `stop` may be null; otherwise it must outlive the stream.
-  DescriptorStream(int fd, const StopEvent* stop) : fd_(fd), stop_(stop) {}
+  explicit DescriptorStream(int fd) : fd_(fd) {}
 
   [[nodiscard]] ReadResult read(std::span<std::uint8_t> buffer, time::Duration timeout) override;
   [[nodiscard]] IoStatus write(std::span<const std::uint8_t> bytes,
@@ -84,10 +62,7 @@ class DescriptorStream : public ByteStream {
   [[nodiscard]] int poll_handle() const override { return fd_; }
 
  private:
-  [[nodiscard]] ReadResult read_now(std::span<std::uint8_t> buffer);
-
   int fd_;
-  const StopEvent* stop_;
   bool connected_ = true;
 };
 

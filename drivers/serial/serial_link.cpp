@@ -111,7 +111,7 @@ void SerialLink::close(const std::string& reason) {
 }
 
 SerialLink::Opener port_opener(const std::string& device, int baud) {
-  return [device, baud] { return open_serial_port({device, baud, nullptr}); };
+  return [device, baud] { return open_serial_port({device, baud}); };
 }
 
 }  // namespace nodmap::serial

@@ -50,8 +50,8 @@ int descriptor_of(const sp_port* port) {
 // interrupted, and (0.1.1) measure timeouts by the wall clock.
 class SerialPort final : public DescriptorStream {
  public:
-  SerialPort(PortHandle open_port, const StopEvent* stop)
-      : DescriptorStream(descriptor_of(open_port.get()), stop), port_(std::move(open_port)) {}
+  explicit SerialPort(PortHandle open_port)
+      : DescriptorStream(descriptor_of(open_port.get())), port_(std::move(open_port)) {}
   ~SerialPort() override {
     if (exclusive_) {  // not if another process owns the port
       ::ioctl(poll_handle(), TIOCNXCL);
@@ -103,7 +103,7 @@ OpenResult open_with_libserialport(PortHandle port, const PortSettings& settings
     const int error = sp_last_error_code();
     return {nullptr, settings.device + ": " + last_error() + advice(error)};
   }
-  auto open_port = std::make_unique<SerialPort>(std::move(port), settings.stop);
+  auto open_port = std::make_unique<SerialPort>(std::move(port));
   if (!open_port->make_exclusive()) {
     return in_use(settings.device);
   }
@@ -133,7 +133,7 @@ bool set_raw(int fd, int baud) {
 
 class PtyPort final : public DescriptorStream {
  public:
-  PtyPort(int fd, const StopEvent* stop) : DescriptorStream(fd, stop) {}
+  explicit PtyPort(int fd) : DescriptorStream(fd) {}
   ~PtyPort() override { ::close(poll_handle()); }
 
   [[nodiscard]] bool set_baud(int baud) override { return set_raw(poll_handle(), baud); }
@@ -144,7 +144,7 @@ OpenResult open_pty(const PortSettings& settings) {
   if (fd < 0) {
     return {nullptr, settings.device + ": " + std::system_category().message(errno)};
   }
-  auto port = std::make_unique<PtyPort>(fd, settings.stop);
+  auto port = std::make_unique<PtyPort>(fd);
   if (!lock_device(fd)) {
     return in_use(settings.device);
   }

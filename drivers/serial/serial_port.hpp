@@ -10,9 +10,8 @@ namespace nodmap::serial {
 
 /// A line with 8 data bits, no parity, 1 stop bit and no flow control, as all our devices use.
 struct PortSettings {
-  std::string device;               ///< /dev/ttyUSB0, or a link such as /dev/serial/by-id/...
-  int baud = 115200;                ///< bit/s
-  const StopEvent* stop = nullptr;  ///< ends a waiting read; must outlive the stream
+  std::string device;  ///< /dev/ttyUSB0, or a link such as /dev/serial/by-id/...
+  int baud = 115200;   ///< bit/s
 };
 
 struct OpenResult {

@@ -82,19 +82,6 @@ TEST(SerialPort, AFullLineEndsTheWriteInTimeAndDropsTheRest) {
   EXPECT_LE(pty.receive(kTaken + 1, std::chrono::milliseconds(100)).size(), kTaken);
 }
 
-TEST(SerialPort, ARaisedStopEndsTheReadButNotTheWrite) {
-  const test::PtyPair pty;
-  const StopEvent stop;
-  const OpenResult port = open_serial_port({pty.name(), 115200, &stop});
-  ASSERT_NE(port.stream, nullptr) << port.error;
-  std::array<std::uint8_t, 8> buffer{};
-  std::thread raiser([&stop] { stop.raise(); });
-  EXPECT_EQ(port.stream->read(buffer, kLong).status, IoStatus::kStopped);
-  raiser.join();
-  EXPECT_EQ(port.stream->write(all_bytes(), kLong), IoStatus::kOk);
-  EXPECT_EQ(pty.receive(256), all_bytes());
-}
-
 TEST(SerialPort, APulledPlugIsSeenByTheReadAtOnce) {
   test::PtyPair pty;
   const OpenResult port = open_serial_port({pty.name()});
@@ -186,16 +173,6 @@ TEST(SerialPort, AnythingButAPortIsRefusedWithAReason) {
   EXPECT_EQ(file.stream, nullptr);
   EXPECT_NE(file.error, "");
   EXPECT_EQ(open_serial_port({""}).stream, nullptr);
-}
-
-TEST(StopEvent, StaysRaised) {
-  const StopEvent stop;
-  EXPECT_FALSE(stop.raised());
-  stop.raise();
-  EXPECT_TRUE(stop.raised());
-  EXPECT_TRUE(stop.raised());
-  stop.raise();
-  EXPECT_TRUE(stop.raised());
 }
 
 }  // namespace serial_port_test
