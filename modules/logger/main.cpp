@@ -11,7 +11,6 @@
 #include "common/params/params.hpp"
 #include "modules/logger/logger.hpp"
 #include "modules/logger/params.hpp"
-#include "modules/logger/receive_buffer.hpp"
 
 namespace nodmap::logger {
 namespace {
@@ -92,9 +91,7 @@ int record_until_stopped(const Options& options, const LoggerParams& params,
   ChannelFilter filter(params.channel_regex, params.exclude_regex);
   const RecorderSettings settings = recorder_settings(params, options.file);
   refuse_to_mix(settings, options.file);
-  const std::string url =
-      with_receive_buffer(bus::resolve_url(lcm_url), std::int64_t{1024} * params.receive_buffer_kb);
-  Logger logger(url, params.queue_messages, std::move(filter), settings);
+  Logger logger(lcm_url, params.queue_messages, std::move(filter), settings);
   logger.run();
   const RecorderCounts& counts = logger.counts();
   log::get().info(

@@ -13,7 +13,6 @@ struct LoggerParams {
   double quota_mb = 20'000.0;
   double reserve_mb = 1000.0;
   int queue_messages = 10'000;
-  int receive_buffer_kb = 4096;
 
   template <class Visitor>
   void describe(Visitor& v) {
@@ -33,9 +32,6 @@ struct LoggerParams {
              "deleted, and if that does not suffice, recording pauses; 0: none.");
     v.integer("queue_messages", queue_messages, {100, 1'000'000},
               "Messages that may wait while the disk is slow; beyond this the oldest is dropped.");
-    v.integer("receive_buffer_kb", receive_buffer_kb, {0, 1'000'000},
-              "Socket buffer to request (1024 bytes), unless the URL names one; limited by "
-              "net.core.rmem_max; 0: the system's default.");
   }
 };
 
