@@ -70,6 +70,15 @@ struct HeadLimits {
     return std::min(pitch_rate_rad_s, std::sqrt(range_rad * pitch_acceleration_rad_s2));
   }
 
+  /// The inverse of sweep_s(): the rate of a sweep of this duration, at most the head's fastest. If
+  /// no sweep is so short, the rate of the shortest.
+  [[nodiscard]] double rate_rad_s(double range_rad, double sweep_s) const {
+    const double a = pitch_acceleration_rad_s2;
+    const double root = sweep_s * sweep_s - 4.0 * range_rad / a;
+    return root < 0.0 ? best_rate_rad_s(range_rad)
+                      : std::min(0.5 * a * (sweep_s - std::sqrt(root)), pitch_rate_rad_s);
+  }
+
   template <class Visitor>
   void describe(Visitor& v) {
     v.angle("pitch_min_deg", pitch_min_rad, {-85.0, -5.0}, "Lowest pitch the mechanics allow.");

@@ -41,7 +41,7 @@ Laser3d::Laser3d(const Laser3dParams& params)
       // in the manual.
       mirror_sync_({.tick = kMirrorPeriod, .wrap_ticks = 256, .max_drift = 0.002}),
       servo_(make_servo(params)),
-      nod_(params.nod, params.robot),
+      nod_(params.nod, params.robot.head),
       joiner_(params.joiner),
       T_base_mount_(Eigen::Translation3d(params.robot.mount.x_m, params.robot.mount.y_m,
                                          params.robot.mount.z_m)) {}

@@ -50,25 +50,25 @@ time::Duration Nod::nod_period(time::SteadyTime now) const {
   if (range_rad < kFixedRad) {
     return {};
   }
-  const double speed_rad_s = speed_for(current);
-  const double sweep_s =
-      range_rad / speed_rad_s + speed_rad_s / robot_.head.pitch_acceleration_rad_s2;
+  const double sweep_s = head_.sweep_s(range_rad, head_.rate_rad_s(range_rad, current.sweep_s));
   return time::from_seconds(2.0 * std::min(sweep_s, kLongestSweepS));
 }
 
 Nod::Aim Nod::step(const PitchSample& where, time::SteadyTime now) {
   const AreaOfInterest current = area(now);
   watch_for_stall(where);
-  nods_ = current.max_rad - current.min_rad >= kFixedRad;
+  const double range_rad = current.max_rad - current.min_rad;
+  nods_ = range_rad >= kFixedRad;
   if (!nods_) {
-    aim_ = {0.5 * (current.min_rad + current.max_rad), 0.5 * robot_.head.pitch_rate_rad_s};
+    aim_ = {0.5 * (current.min_rad + current.max_rad), 0.5 * head_.pitch_rate_rad_s};
     return aim_;
   }
   if (has_arrived(where, current)) {
     reverse(where.stamp);
     ++sweep_;
   }
-  aim_ = {is_upwards_ ? current.max_rad : current.min_rad, speed_for(current)};
+  aim_ = {is_upwards_ ? current.max_rad : current.min_rad,
+          head_.rate_rad_s(range_rad, current.sweep_s)};
   return aim_;
 }
 
@@ -78,19 +78,9 @@ AreaOfInterest Nod::area(time::SteadyTime now) const {
 }
 
 AreaOfInterest Nod::within_limits(AreaOfInterest area) const {
-  area.min_rad = std::clamp(area.min_rad, robot_.head.pitch_min_rad, robot_.head.pitch_max_rad);
-  area.max_rad = std::clamp(area.max_rad, robot_.head.pitch_min_rad, robot_.head.pitch_max_rad);
+  area.min_rad = std::clamp(area.min_rad, head_.pitch_min_rad, head_.pitch_max_rad);
+  area.max_rad = std::clamp(area.max_rad, head_.pitch_min_rad, head_.pitch_max_rad);
   return area;
-}
-
-double Nod::speed_for(const AreaOfInterest& area) const {
-  // A sweep takes range / v, plus v / a for the reversal; solved for v.
-  const double range = area.max_rad - area.min_rad;
-  const double a = robot_.head.pitch_acceleration_rad_s2;
-  const double root = area.sweep_s * area.sweep_s - 4.0 * range / a;
-  const double speed =
-      root < 0.0 ? robot_.head.pitch_rate_rad_s : 0.5 * a * (area.sweep_s - std::sqrt(root));
-  return std::min(speed, robot_.head.pitch_rate_rad_s);
 }
 
 bool Nod::has_arrived(const PitchSample& where, const AreaOfInterest& area) const {
@@ -124,7 +114,7 @@ void Nod::watch_for_stall(const PitchSample& where) {
 time::Duration Nod::patience(const PitchSample& where) const {
   const double speed = std::max(aim_.speed_rad_s, kSlowestRadS);
   const double moving_s = 2.0 * kMovedRad / speed;
-  const double braking_rad = speed * speed / (2.0 * robot_.head.pitch_acceleration_rad_s2);
+  const double braking_rad = speed * speed / (2.0 * head_.pitch_acceleration_rad_s2);
   const bool reverses = moved_->stamp <= reversed_ ||
                         std::abs(aim_.goal_rad - where.pitch_rad) <= braking_rad + kMovedRad;
   return kMovePatience + time::from_seconds(moving_s + (reverses ? reversal_s(speed) : 0.0));
@@ -133,7 +123,7 @@ time::Duration Nod::patience(const PitchSample& where) const {
 // How much longer a reversal takes. If the head was last seen moving kMovedRad before the end, it
 // comes to rest over that angle and moves away over twice that angle, with constant acceleration.
 double Nod::reversal_s(double speed_rad_s) const {
-  const double a = robot_.head.pitch_acceleration_rad_s2;
+  const double a = head_.pitch_acceleration_rad_s2;
   const double to_rest_s = std::sqrt(2.0 * kMovedRad / a);
   return std::min(2.0 * speed_rad_s / a, (1.0 + std::sqrt(2.0)) * to_rest_s) + kReversalDelayS;
 }

@@ -48,8 +48,7 @@ class Nod {
     double speed_rad_s = 0.0;
   };
 
-  /// `robot` gives the limits of the mechanics: pitch, rate and acceleration.
-  Nod(const NodParams& params, const robot::RobotParams& robot) : params_(params), robot_(robot) {}
+  Nod(const NodParams& params, const robot::HeadLimits& head) : params_(params), head_(head) {}
 
   /// Nods over `area`, as decided at `decided`, until another command or until this one is too old.
   /// Limits it to what the mechanics can do. Returns false and changes nothing if it is invalid:
@@ -64,14 +63,13 @@ class Nod {
   /// The period of the nod, two sweeps; 0 when the laser is held.
   [[nodiscard]] time::Duration nod_period(time::SteadyTime now) const;
   /// The number of the present sweep; it increases at each end. When a stalled head reverses, the
-  /// number stays: others count sweeps to tell how often each direction has been seen.
+  /// number stays: the map server counts sweeps to tell how often each direction has been seen.
   [[nodiscard]] std::int64_t sweep() const { return sweep_; }
   [[nodiscard]] const Aim& aim() const { return aim_; }
 
  private:
   [[nodiscard]] AreaOfInterest area(time::SteadyTime now) const;
   [[nodiscard]] AreaOfInterest within_limits(AreaOfInterest area) const;
-  [[nodiscard]] double speed_for(const AreaOfInterest& area) const;
   [[nodiscard]] bool has_arrived(const PitchSample& where, const AreaOfInterest& area) const;
   void watch_for_stall(const PitchSample& where);
   /// How long the head may stay within a quarter of a degree: twice the time needed for that angle,
@@ -81,7 +79,7 @@ class Nod {
   void reverse(time::SteadyTime stamp);
 
   NodParams params_;
-  robot::RobotParams robot_;
+  robot::HeadLimits head_;
   std::optional<AreaOfInterest> commanded_;
   time::SteadyTime decided_;
   bool is_upwards_ = true;

@@ -22,14 +22,6 @@ constexpr double kFinestSpacingRad = geometry::deg_to_rad(0.25);
 // robot; this many iterations are exact to a microsecond.
 constexpr int kIterations = 16;
 
-// The rate of a sweep that takes `sweep_s`: the inverse of HeadLimits::sweep_s().
-double rate_of(double range_rad, double sweep_s, const robot::HeadLimits& head) {
-  const double a = head.pitch_acceleration_rad_s2;
-  const double root = sweep_s * sweep_s - 4.0 * range_rad / a;
-  return root < 0.0 ? head.best_rate_rad_s(range_rad)
-                    : std::min(0.5 * a * (sweep_s - std::sqrt(root)), head.pitch_rate_rad_s);
-}
-
 }  // namespace
 
 double line_spacing_rad(double obstacle_m, int lines, double distance_m, double axis_height_m) {
@@ -77,7 +69,7 @@ SweepPlan SweepPlanner::plan_from(double appears_m, double forward_mps, double l
       std::min(head.sweep_s(range_rad, kFinestSpacingRad / period_s), kMostScans * period_s));
   plan.sweep_s = std::clamp(head.sweep_s(range_rad, rate_rad_s), kFewestScans * period_s,
                             kMostScans * period_s);
-  plan.nod = {plan.sweep, rate_of(range_rad, plan.sweep_s, head), 0.0};
+  plan.nod = {plan.sweep, head.rate_rad_s(range_rad, plan.sweep_s), 0.0};
   plan.nod.reversal_s = plan.nod.rate_rad_s / head.pitch_acceleration_rad_s2;
   return plan;
 }

@@ -43,13 +43,11 @@ NodParams params() {
   return params;
 }
 
-robot::RobotParams robot() {
-  robot::RobotParams robot;
-  robot.head.pitch_min_rad = -1.0;
-  robot.head.pitch_max_rad = 1.0;
-  robot.head.pitch_rate_rad_s = 3.0;
-  robot.head.pitch_acceleration_rad_s2 = Head::kAcceleration;
-  return robot;
+robot::HeadLimits limits() {
+  return {.pitch_min_rad = -1.0,
+          .pitch_max_rad = 1.0,
+          .pitch_rate_rad_s = 3.0,
+          .pitch_acceleration_rad_s2 = Head::kAcceleration};
 }
 
 struct Movement {
@@ -88,7 +86,7 @@ Movement run(Nod& dut, Head& head, double seconds, time::SteadyTime& now) {
 }
 
 TEST(Nod, R7_NodsWithoutStoppingAtTheEnds) {
-  Nod dut(params(), robot());
+  Nod dut(params(), limits());
   Head head;
   time::SteadyTime now;
   run(dut, head, 1.0, now);
@@ -98,7 +96,7 @@ TEST(Nod, R7_NodsWithoutStoppingAtTheEnds) {
 }
 
 TEST(Nod, R9_ReachesBothEnds) {
-  Nod dut(params(), robot());
+  Nod dut(params(), limits());
   Head head;
   time::SteadyTime now;
   const Movement result = run(dut, head, 10.0, now);
@@ -110,7 +108,7 @@ TEST(Nod, R11_MeanSweepTimeIsWithinFivePercent) {
   for (const double sweep_s : {0.3, 0.8, 2.0}) {
     NodParams with = params();
     with.fallback = {-0.5, 0.2, sweep_s};
-    Nod dut(with, robot());
+    Nod dut(with, limits());
     Head head;
     time::SteadyTime now;
     run(dut, head, 3.0, now);
@@ -122,7 +120,7 @@ TEST(Nod, R11_MeanSweepTimeIsWithinFivePercent) {
 }
 
 TEST(Nod, R3_WhatTheMechanicsCannotDoIsCutOff) {
-  Nod dut(params(), robot());
+  Nod dut(params(), limits());
   time::SteadyTime now;
   EXPECT_TRUE(dut.command({-2.0, 2.0, 0.01}, now));
   const Nod::Aim aim = dut.step({now, 0.0, 0.0}, now);
@@ -131,14 +129,14 @@ TEST(Nod, R3_WhatTheMechanicsCannotDoIsCutOff) {
 }
 
 TEST(Nod, WithoutCommandsItFallsBack) {
-  Nod dut(params(), robot());
+  Nod dut(params(), limits());
   EXPECT_TRUE(dut.command({0.1, 0.2, 1.0}, at(0s)));
   EXPECT_EQ(dut.step({at(500ms), 0.0, 0.0}, at(500ms)).goal_rad, 0.2);
   EXPECT_EQ(dut.step({at(1500ms), 0.15, 0.1}, at(1500ms)).goal_rad, 0.3);
 }
 
 TEST(Nod, InvalidCommandsAreRefused) {
-  Nod dut(params(), robot());
+  Nod dut(params(), limits());
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(dut.command({nan, 0.0, 1.0}, at(0s)));
   EXPECT_FALSE(dut.command({0.5, -0.5, 1.0}, at(0s)));
@@ -150,7 +148,7 @@ TEST(Nod, InvalidCommandsAreRefused) {
 TEST(Nod, EqualEndsHoldTheLaser) {
   NodParams with = params();
   with.fallback = {0.0, 0.0, 1.0};
-  Nod dut(with, robot());
+  Nod dut(with, limits());
   Head head;
   head.pitch_rad = 0.4;
   time::SteadyTime now;
@@ -173,7 +171,7 @@ TEST(Nod, AJammedHeadIsNoticedInTimeWhereverItIs) {
     for (time::Duration jam_after = 3s; jam_after < 6s; jam_after += 10ms) {
       NodParams slow_or_fast = params();
       slow_or_fast.fallback.sweep_s = with.sweep_s;
-      Nod dut(slow_or_fast, robot());
+      Nod dut(slow_or_fast, limits());
       Head head;
       time::SteadyTime now;
       run(dut, head, time::seconds(jam_after), now);
@@ -187,7 +185,7 @@ TEST(Nod, AJammedHeadIsNoticedInTimeWhereverItIs) {
 }
 
 TEST(Nod, AJammedHeadTriesBothWaysAndComesBack) {
-  Nod dut(params(), robot());
+  Nod dut(params(), limits());
   Head head;
   time::SteadyTime now;
   run(dut, head, 2.2, now);
@@ -205,8 +203,18 @@ TEST(Nod, AJammedHeadTriesBothWaysAndComesBack) {
   EXPECT_GE(run(dut, head, 5.0, now).sweeps_s.size(), 5U);
 }
 
+// At the head's highest rate its reversals would take longer than the whole of the shortest sweep.
+TEST(Nod, ASweepShorterThanPossibleIsTheShortest) {
+  Nod dut(params(), limits());
+  constexpr double kRangeRad = 0.05;
+  ASSERT_TRUE(dut.command({0.0, kRangeRad, 0.01}, {}));
+  // Half of the way with constant acceleration, half with constant deceleration.
+  const double shortest_s = 2.0 * std::sqrt(kRangeRad / Head::kAcceleration);
+  EXPECT_NEAR(time::seconds(dut.nod_period({})), 2.0 * shortest_s, 1e-6) << "a microsecond";
+}
+
 TEST(Nod, AGapInTheReadingsIsNoStall) {
-  Nod dut(params(), robot());
+  Nod dut(params(), limits());
   Head head;
   time::SteadyTime now;
   run(dut, head, 2.2, now);
@@ -216,7 +224,7 @@ TEST(Nod, AGapInTheReadingsIsNoStall) {
 }
 
 TEST(Nod, AServoThatStopsShortOfItsGoalStillReverses) {
-  Nod dut(params(), robot());
+  Nod dut(params(), limits());
   time::SteadyTime now;
   double pitch_rad = 0.0;
   for (; now < at(10s); now += 5ms) {

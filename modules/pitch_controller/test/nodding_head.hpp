@@ -63,7 +63,7 @@ class NoddingHead {
     pitch_rad_ += rate_rad_s_ * dt_s;
   }
 
-  laser3d::Nod nod_{params(), robot()};
+  laser3d::Nod nod_{params(), robot().head};
   laser3d::Nod::Aim aim_;
   time::Timestamp stamp_{};
   double pitch_rad_ = 0.0;
