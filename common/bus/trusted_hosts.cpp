@@ -7,11 +7,11 @@
 
 #include <algorithm>
 #include <bit>
-#include <charconv>
 #include <memory>
 #include <sstream>
 #include <string_view>
 
+#include "common/formats/number.hpp"
 #include "common/formats/user_error.hpp"
 
 namespace nodmap::bus {
@@ -32,13 +32,11 @@ std::optional<std::uint32_t> parse_address(const std::string& text) {
 
 // The network mask with this number of leading bits.
 std::optional<std::uint32_t> parse_mask(std::string_view bits_text) {
-  unsigned int bits = 0;
-  const char* end = bits_text.data() + bits_text.size();
-  const auto [at, error] = std::from_chars(bits_text.data(), end, bits);
-  if (error != std::errc() || at != end || bits > 32) {
+  const auto bits = formats::parse_number<unsigned int>(bits_text);
+  if (!bits || *bits > 32) {
     return std::nullopt;
   }
-  return bits == 0 ? 0 : ~std::uint32_t{0} << (32 - bits);
+  return *bits == 0 ? 0 : ~std::uint32_t{0} << (32 - *bits);
 }
 
 }  // namespace

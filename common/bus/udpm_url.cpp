@@ -2,22 +2,19 @@
 #include "common/bus/udpm_url.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <limits>
 #include <regex>
 #include <sstream>
+
+#include "common/formats/number.hpp"
 
 namespace nodmap::bus {
 namespace {
 
 // Parses a whole number from 0 to `max`.
-std::optional<int> parse_number(const std::string& text, int max) {
-  int value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || value < 0 || value > max) {
-    return std::nullopt;
-  }
-  return value;
+std::optional<int> parse_up_to(const std::string& text, int max) {
+  const auto value = formats::parse_number<int>(text);
+  return value && *value >= 0 && *value <= max ? value : std::nullopt;
 }
 
 // Sets what NAME=VALUE says. Returns false for a name that LCM does not know, or a wrong value:
@@ -27,12 +24,12 @@ bool set_option(const std::string& option, UdpmUrl& url) {
   const std::string name = option.substr(0, equals);
   const std::string value = option.substr(std::min(equals + 1, option.size()));
   if (name == "ttl") {
-    const std::optional<int> ttl = parse_number(value, 255);
+    const std::optional<int> ttl = parse_up_to(value, 255);
     url.ttl = ttl.value_or(0);
     return ttl.has_value();
   }
   if (name == "recv_buf_size") {
-    const std::optional<int> bytes = parse_number(value, std::numeric_limits<int>::max());
+    const std::optional<int> bytes = parse_up_to(value, std::numeric_limits<int>::max());
     url.receive_buffer_bytes = bytes.value_or(url.receive_buffer_bytes);
     return bytes.has_value();
   }
@@ -56,14 +53,14 @@ std::optional<UdpmUrl> parse_udpm_url(const std::string& url) {
   }
   UdpmUrl parsed;
   for (std::size_t i = 0; part[1].matched && i < parsed.group.size(); ++i) {
-    const std::optional<int> octet = parse_number(part[i + 1], 255);
+    const std::optional<int> octet = parse_up_to(part[i + 1], 255);
     if (!octet) {
       return std::nullopt;
     }
     parsed.group.at(i) = static_cast<std::uint8_t>(*octet);
   }
   if (part[5].matched) {
-    const std::optional<int> port = parse_number(part[5], 65535);
+    const std::optional<int> port = parse_up_to(part[5], 65535);
     if (!port) {
       return std::nullopt;
     }

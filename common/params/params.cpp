@@ -10,6 +10,7 @@
 #include <numbers>
 #include <set>
 
+#include "common/formats/number.hpp"
 #include "common/formats/yaml_file.hpp"
 #include "common/params/suggestion.hpp"
 
@@ -25,20 +26,9 @@ std::string format(double value) {
   return {buffer.data(), end};
 }
 
-// Parses a number; empty if the text contains anything else.
-template <class Number>
-std::optional<Number> parse(std::string_view text) {
-  Number value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) {
-    return std::nullopt;
-  }
-  return value;
-}
-
 // A finite number within the range.
 std::optional<double> parse_within(std::string_view text, Range range) {
-  const std::optional<double> value = parse<double>(text);
+  const std::optional<double> value = formats::parse_number<double>(text);
   if (!value || !(*value >= range.min && *value <= range.max)) {
     return std::nullopt;
   }
@@ -147,7 +137,7 @@ void Table::integer(const std::string& name, int& value, Range range, std::strin
   entries_.push_back({prefix_ + name, std::move(help), whole_interval(range), Kind::kValue,
                       [&value] { return std::to_string(value); },
                       [&value, range](std::string_view text) {
-                        const auto given = parse<int>(text);
+                        const auto given = formats::parse_number<int>(text);
                         if (!given || *given < range.min || *given > range.max) {
                           return false;
                         }

@@ -3,8 +3,9 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cstdio>
+
+#include "common/formats/number.hpp"
 
 namespace nodmap::procman {
 namespace {
@@ -189,13 +190,12 @@ std::string TokenReader::expect_word(std::initializer_list<const char*> words) {
 int TokenReader::expect_integer(int min, int max) {
   const Place place = token_.place;
   const std::string text = expect(TokenKind::kInteger, "an integer");
-  int value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || value < min || value > max) {
+  const auto value = formats::parse_number<int>(text);
+  if (!value || *value < min || *value > max) {
     throw SyntaxError(
         place, text + " is not within " + std::to_string(min) + " to " + std::to_string(max));
   }
-  return value;
+  return *value;
 }
 
 }  // namespace nodmap::procman

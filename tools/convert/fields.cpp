@@ -2,24 +2,15 @@
 #include "tools/convert/fields.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <system_error>
 
+#include "common/formats/number.hpp"
 #include "common/formats/stamp.hpp"
 
 namespace nodmap::convert {
 namespace {
 
 constexpr std::string_view kBlanks = " \t\r";
-
-// Parses a whole word as a number; empty if that is not possible.
-template <class Number>
-bool parse(std::string_view word, Number& value) {
-  const char* end = word.data() + word.size();
-  const auto [stopped, error] = std::from_chars(word.data(), end, value);
-  return error == std::errc() && stopped == end;
-}
 
 }  // namespace
 
@@ -33,9 +24,9 @@ std::string_view Fields::word() {
 }
 
 double Fields::number() {
-  double value = 0.0;
-  ok_ = parse(word(), value) && ok_;
-  return ok_ ? value : 0.0;
+  const auto value = formats::parse_number<double>(word());
+  ok_ = ok_ && value.has_value();
+  return ok_ ? *value : 0.0;
 }
 
 double Fields::finite() {
@@ -45,9 +36,9 @@ double Fields::finite() {
 }
 
 std::size_t Fields::count() {
-  std::size_t value = 0;
-  ok_ = parse(word(), value) && ok_;
-  return ok_ ? value : 0;
+  const auto value = formats::parse_number<std::size_t>(word());
+  ok_ = ok_ && value.has_value();
+  return ok_ ? *value : 0;
 }
 
 time::Timestamp Fields::stamp() {
@@ -61,9 +52,9 @@ std::vector<float> Fields::numbers(std::size_t count) {
   // A damaged count must not allocate memory; each number takes at least two characters.
   values.reserve(std::min(count, rest_.size() / 2 + 1));
   for (std::size_t i = 0; i < count && ok_; ++i) {
-    float value = 0.0F;
-    ok_ = parse(word(), value) && ok_;
-    values.push_back(value);
+    const auto value = formats::parse_number<float>(word());
+    ok_ = ok_ && value.has_value();
+    values.push_back(value.value_or(0.0F));
   }
   return values;
 }
