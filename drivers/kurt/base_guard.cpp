@@ -11,8 +11,6 @@
 namespace nodmap::kurt {
 namespace {
 
-// Older readings are ignored. The base sends each sensor 15 times a second.
-constexpr time::Duration kReadingLife = 500ms;
 // From the measurement to the wheels: one cycle of the sensors and one control period.
 constexpr double kReactionS = 0.1;
 // Vibration exceeds any tilt for a moment only.

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "drivers/kurt/kurt_frames.hpp"
+
 namespace nodmap::kurt {
 namespace {
 
@@ -14,9 +16,9 @@ constexpr time::Duration kStep = kEncoderPeriod + kEncoderPeriod / 1000;
 constexpr int kWindowFrames = 50;
 // A threshold between persistent jitter (0) and one lost frame (1 period).
 constexpr time::Duration kLost = kEncoderPeriod * 7 / 10;
-// The base stops after 100 ms without a command, so after a longer silence it cannot be assumed
-// that the robot drove on as before.
-constexpr time::Duration kGap = 100ms;
+// After a longer silence the base may have stopped by itself: it cannot be assumed that the robot
+// drove on as before.
+constexpr time::Duration kGap = kBaseTimeout;
 // Stamps should not lag more than this behind the measurements, because DRIVE carries them and is
 // obeyed for 200 ms only. At a greater delay the window ends as soon as it has so many frames.
 constexpr time::Duration kMaxLag = 100ms;

@@ -8,9 +8,6 @@
 namespace nodmap::kurt {
 namespace {
 
-constexpr double kControlPeriodS = 0.01;
-// After this long without a command the base stops by itself.
-constexpr time::Duration kBaseTimeout = 100ms;
 // Number of implausible frames in a row that are bridged like lost ones (100 ms). A bit error
 // damages one frame only; bridging ends well before kBlind.
 constexpr int kBridgedInARow = 10;
@@ -166,7 +163,8 @@ std::string Kurt::control(const time::Moment& now) {
     limiter_.start_from({odometry_.state().forward_mps, odometry_.state().yaw_rate_rad_s});
   }
   if (state_now == KurtState::kDriving) {
-    limiter_.step(guard_.limit(*watchdog_.command(now.steady), now.steady), kControlPeriodS);
+    limiter_.step(guard_.limit(*watchdog_.command(now.steady), now.steady),
+                  time::seconds(kControlPeriod));
   } else {
     limiter_.stop();
   }

@@ -8,6 +8,7 @@
 #include <optional>
 #include <variant>
 
+#include "common/geometry/time.hpp"
 #include "common/robot/infrared.hpp"
 #include "drivers/kurt/slcan.hpp"
 
@@ -19,8 +20,14 @@ struct WheelSpeeds {
   double right_mps = 0.0;
 };
 
-/// Commands the base's own speed controller, in steps of 1 cm/s. The base stops by itself after 100
-/// ms without a frame, so this is sent every 10 ms.
+/// Period at which the base is sent its commands.
+inline constexpr time::Duration kControlPeriod = 10ms;
+/// After this long without a command the base stops by itself.
+inline constexpr time::Duration kBaseTimeout = 100ms;
+/// Older readings of its sensors are ignored. The base sends each 15 times a second.
+inline constexpr time::Duration kReadingLife = 500ms;
+
+/// Commands the base's own speed controller, in steps of 1 cm/s.
 [[nodiscard]] CanFrame speed_command(const WheelSpeeds& speeds);
 
 /// Switches both motors off and brakes them.

@@ -15,9 +15,7 @@
 namespace nodmap::kurt {
 namespace {
 
-constexpr time::Duration kControlPeriod = 10ms;
 constexpr time::Duration kSensorsPeriod = 50ms;
-constexpr time::Duration kSensorLife = 500ms;
 // Whoever has switched the base off, or works at it, does not expect it to drive off when it is
 // back after this long. The driver tries to reopen a port 0.1, 0.3, 0.7, 1.5, 3.1 and 6.3 s after
 // its loss, so that a plug must be back within 3.1 s.
@@ -38,7 +36,7 @@ std::span<const std::uint8_t> bytes_of(const std::string& text) {
 // The value; null if it is too old.
 template <class Value>
 const Value* fresh(const std::optional<Received<Value>>& received, time::SteadyTime steady) {
-  return received && steady - received->at <= kSensorLife ? &received->value : nullptr;
+  return received && steady - received->at <= kReadingLife ? &received->value : nullptr;
 }
 
 float range_or_nan(std::optional<double> range_m) {
