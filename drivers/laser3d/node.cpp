@@ -171,14 +171,18 @@ nlohmann::json Laser3dNode::metrics() const {
           {"expired_frames", errors.expired},
           {"skipped_bytes", errors.skipped_bytes},
           {"laser_connections", laser.connections},
+          {"laser_unexpected_scans", laser.unexpected_scans},
+          {"laser_stream_stops", laser.stream_stops},
           {"laser_freezes", laser.freezes},
           {"laser_power_ons", laser.power_ons},
           {"config_writes", laser.config_writes},
           {"laser_reconnects", laser_.reconnects()},
+          {"servo_connections", servo.connections},
           {"servo_unanswered", servo.unanswered},
           {"servo_damaged_requests", servo.damaged},
           {"servo_checksum_errors", servo.checksum_errors},
           {"servo_implausible", servo.implausible},
+          {"servo_shutdowns", servo.shutdowns},
           {"servo_reconnects", servo_.reconnects()}};
 }
 

@@ -65,10 +65,9 @@ void DynamixelSession::close() {
 }
 
 ServoCounts DynamixelSession::line_counts() const {
-  return {.unanswered = counts_.unanswered,
-          .damaged = counts_.damaged,
-          .checksum_errors = parser_.errors().checksum,
-          .implausible = counts_.implausible};
+  ServoCounts counts = counts_;
+  counts.checksum_errors = parser_.errors().checksum;
+  return counts;
 }
 
 ServoOutput DynamixelSession::poll(time::SteadyTime now) {
@@ -199,7 +198,6 @@ ServoOutput DynamixelSession::take(const DynamixelStatus& answer, time::SteadyTi
     return ask(dynamixel_x::read_hardware_errors(id_), now);
   }
   if (answer.error_code() != 0) {
-    ++counts_.refused;
     return fail("the servo refuses a command (error " + std::to_string(answer.error_code()) + ")",
                 now);
   }
@@ -284,7 +282,6 @@ std::optional<PitchSample> DynamixelSession::sample_of(const dynamixel_x::State&
     ++counts_.implausible;
     return std::nullopt;
   }
-  ++counts_.samples;
   last_error_.clear();
   back_off_.succeeded();
   const double sign = params_.dynamixel.inverted ? -1.0 : 1.0;

@@ -14,16 +14,6 @@ namespace nodmap::laser3d {
 /// moment.
 class DynamixelSession : public ServoSession {
  public:
-  struct Counts {
-    std::int64_t samples = 0;
-    std::int64_t connections = 0;
-    std::int64_t unanswered = 0;
-    std::int64_t damaged = 0;  ///< requests that arrived damaged, according to the servo
-    std::int64_t refused = 0;
-    std::int64_t implausible = 0;  ///< positions more than a revolution from level
-    std::int64_t shutdowns = 0;    ///< by the servo itself, for example overloaded
-  };
-
   /// The head accelerates by at most `acceleration_rad_s2`.
   DynamixelSession(const ServoParams& params, double acceleration_rad_s2);
 
@@ -40,7 +30,6 @@ class DynamixelSession : public ServoSession {
   [[nodiscard]] const std::string& last_error() const override { return last_error_; }
   [[nodiscard]] std::string warning() const override { return warning_; }
   [[nodiscard]] ServoCounts line_counts() const override;
-  [[nodiscard]] const Counts& counts() const { return counts_; }
 
  private:
   enum class Step : std::uint8_t {
@@ -95,7 +84,7 @@ class DynamixelSession : public ServoSession {
   time::SteadyTime next_alert_check_;
   std::string last_error_ = "not connected";
   std::string warning_;
-  Counts counts_;
+  ServoCounts counts_;
 };
 
 }  // namespace nodmap::laser3d

@@ -63,6 +63,7 @@ MaestroSession::MaestroSession(const ServoParams& params)
       period_(params.period()) {}
 
 ServoOutput MaestroSession::open(time::SteadyTime now) {
+  ++counts_.connections;
   is_open_ = true;
   last_error_ = "being started";
   is_waiting_ = false;

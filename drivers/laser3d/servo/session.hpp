@@ -107,12 +107,14 @@ class PendingAim {
   bool is_pending_ = false;
 };
 
-/// Counts of errors on the servo's line.
+/// What has happened on the servo's line.
 struct ServoCounts {
+  std::int64_t connections = 0;      ///< how often the servo was initialised
   std::int64_t unanswered = 0;       ///< requests
   std::int64_t damaged = 0;          ///< requests that arrived damaged, according to the servo
   std::int64_t checksum_errors = 0;  ///< of answers
   std::int64_t implausible = 0;      ///< positions that the head cannot have
+  std::int64_t shutdowns = 0;        ///< by the servo itself, for example overloaded
 };
 
 /// The session with a pitch servo, for any protocol: initialises it, moves it and reads its
@@ -135,8 +137,7 @@ class ServoSession : private boost::noncopyable {
   [[nodiscard]] virtual bool is_running() const = 0;
   /// Whether the pitch of the samples is measured; otherwise it is the commanded one.
   [[nodiscard]] virtual bool measures_pitch() const = 0;
-  /// The error counts; all zero for a protocol without them.
-  [[nodiscard]] virtual ServoCounts line_counts() const { return {}; }
+  [[nodiscard]] virtual ServoCounts line_counts() const = 0;
   /// Why the servo is not running; empty while it is.
   [[nodiscard]] virtual const std::string& last_error() const = 0;
   /// What is wrong although the servo is running; empty if nothing is.

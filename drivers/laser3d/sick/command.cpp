@@ -95,9 +95,6 @@ Bytes set_variant(SickVariant variant) {
 Bytes request_config() {
   return frame_one(0x74);
 }
-Bytes reset() {
-  return frame_one(0x10);
-}
 
 Bytes write_config(const SickConfig& config) {
   Bytes command = {0x77};

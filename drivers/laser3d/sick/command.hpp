@@ -43,7 +43,6 @@ namespace sick_command {
 [[nodiscard]] Bytes set_variant(SickVariant variant);
 [[nodiscard]] Bytes request_config();
 [[nodiscard]] Bytes write_config(const SickConfig& config);
-[[nodiscard]] Bytes reset();
 
 }  // namespace sick_command
 }  // namespace nodmap::laser3d

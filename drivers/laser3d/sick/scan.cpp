@@ -40,7 +40,6 @@ class RangeReader {
       return kNone;
     }
     if (below_top == kBeyondReach) {
-      ++scan_.num_beyond_reach;
       return std::numeric_limits<float>::infinity();
     }
     if (below_top < kBeyondReach) {

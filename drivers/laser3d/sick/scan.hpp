@@ -63,7 +63,6 @@ struct SickScan {
   std::optional<SickIndices> indices;
   SickStatusByte status;
   int num_dazzled = 0;
-  int num_beyond_reach = 0;
   int num_unmeasured = 0;  ///< codes for weak signals and faults, without dazzled beams
 };
 

@@ -173,7 +173,7 @@ TEST(DynamixelSession, ALostServoIsNoticedAndFoundAgain) {
   rig.servo.powered = true;
   rig.run(6.0);  // the longest back-off is 5 s
   EXPECT_TRUE(rig.dut.is_running());
-  EXPECT_EQ(rig.dut.counts().connections, 2);
+  EXPECT_EQ(rig.dut.line_counts().connections, 2);
 }
 
 TEST(DynamixelSession, AnAlertIsReportedAndTheServoRestarted) {
@@ -185,6 +185,7 @@ TEST(DynamixelSession, AnAlertIsReportedAndTheServoRestarted) {
   rig.run(0.1);
   EXPECT_FALSE(rig.dut.is_running());
   EXPECT_EQ(rig.dut.last_error(), "the servo switched itself off: overload");
+  EXPECT_EQ(rig.dut.line_counts().shutdowns, 1);
   rig.run(2.0);
   EXPECT_EQ(rig.servo.reboots, 1);
   EXPECT_TRUE(rig.dut.is_running());
@@ -235,7 +236,7 @@ TEST(DynamixelSession, ADamagedRequestIsRepeatedAlsoDuringAnAlert) {
     EXPECT_TRUE(rig.dut.is_running());
     EXPECT_NEAR(rig.servo.position, 2048.0 + goal_rad / dynamixel_x::kRadPerStep, 1.0);
   }
-  EXPECT_EQ(rig.dut.counts().connections, 1);
+  EXPECT_EQ(rig.dut.line_counts().connections, 1);
   EXPECT_EQ(rig.dut.line_counts().damaged, 100);
 }
 
@@ -248,7 +249,7 @@ TEST(DynamixelSession, AMoveThatIsRefusedAtAnAlertIsRepeated) {
   rig.servo.refuse_next = 1;
   rig.dut.aim(0.5, 5.0);
   rig.run(0.3);
-  EXPECT_EQ(rig.dut.counts().connections, 1);
+  EXPECT_EQ(rig.dut.line_counts().connections, 1);
   EXPECT_NEAR(rig.servo.position, 2048.0 + 0.5 / dynamixel_x::kRadPerStep, 1.0);
 }
 
@@ -273,7 +274,7 @@ TEST(DynamixelSession, ADamagedRequestIsRepeatedAndOnlyManyInARowAreALoss) {
   rig.servo.damage_next = 3;
   rig.run(0.2);
   EXPECT_TRUE(rig.dut.is_running());
-  EXPECT_EQ(rig.dut.counts().connections, 1);
+  EXPECT_EQ(rig.dut.line_counts().connections, 1);
   EXPECT_EQ(rig.dut.line_counts().damaged, 3);
   EXPECT_EQ(rig.dut.line_counts().unanswered, 0);
   rig.servo.damage_next = 1000;
@@ -291,10 +292,10 @@ TEST(DynamixelSession, PositionsWhereTheHeadCannotBeAreDropped) {
     rig.servo.told_position = position;
     rig.run(0.01);  // what is on the line already
     const std::size_t samples = rig.samples.size();
-    const std::int64_t implausible = rig.dut.counts().implausible;
+    const std::int64_t implausible = rig.dut.line_counts().implausible;
     rig.run(0.1);
     EXPECT_EQ(rig.samples.size(), samples) << position;
-    EXPECT_GT(rig.dut.counts().implausible, implausible + 10) << position;
+    EXPECT_GT(rig.dut.line_counts().implausible, implausible + 10) << position;
   }
   rig.servo.told_position = 2048 + 4096;
   rig.run(0.1);

@@ -21,7 +21,6 @@ TEST(SickCommand, ModesAreAsInTheManual) {
 
 TEST(SickCommand, RequestsAreAsInTheManual) {
   EXPECT_EQ(sick_command::request_config(), hex("02 00 01 00 74 50 12"));
-  EXPECT_EQ(sick_command::reset(), hex("02 00 01 00 10 34 12"));
 }
 
 TEST(SickCommand, BaudRatesAreAsInTheManual) {
