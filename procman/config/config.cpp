@@ -42,7 +42,7 @@ std::string fault_of(const Config& config, const Action& action) {
   if (const auto* order = std::get_if<Order>(&action.what)) {
     return fault_of(config, order->target);
   }
-  if (const auto* wait = std::get_if<WaitStatus>(&action.what)) {
+  if (const auto* wait = std::get_if<WaitFor>(&action.what)) {
     return fault_of(config, wait->target);
   }
   const auto* call = std::get_if<RunScript>(&action.what);

@@ -71,10 +71,10 @@ struct Order {
   Target target;
   std::optional<Wanted> wait;
 };
-struct WaitTime {
+struct Pause {
   std::int64_t duration_ms = 0;
 };
-struct WaitStatus {
+struct WaitFor {
   Target target;
   Wanted status = Wanted::kRunning;
 };
@@ -83,7 +83,7 @@ struct RunScript {
 };
 
 struct Action {
-  std::variant<Order, WaitTime, WaitStatus, RunScript> what;
+  std::variant<Order, Pause, WaitFor, RunScript> what;
   Place place;
 };
 

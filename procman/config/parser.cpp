@@ -103,7 +103,7 @@ class Parser {
   Action parse_action();
   Action parse_wait_for_health();
   Order parse_order(Verb verb);
-  std::variant<Order, WaitTime, WaitStatus, RunScript> parse_wait();
+  std::variant<Order, Pause, WaitFor, RunScript> parse_wait();
 
   Wanted expect_status();
   Target expect_named_target(const std::string& kind);
@@ -312,7 +312,7 @@ Action Parser::parse_wait_for_health() {
   Action action;
   action.place = reader_.token().place;
   reader_.expect_word({"wait"});
-  WaitStatus wait;
+  WaitFor wait;
   wait.target = expect_named_target(reader_.expect_word({"cmd", "group"}));
   reader_.expect_word({"status"});
   const Place place = reader_.token().place;
@@ -341,12 +341,12 @@ Order Parser::parse_order(Verb verb) {
   return order;
 }
 
-std::variant<Order, WaitTime, WaitStatus, RunScript> Parser::parse_wait() {
+std::variant<Order, Pause, WaitFor, RunScript> Parser::parse_wait() {
   const std::string kind = reader_.expect_word({"ms", "cmd", "group"});
   if (kind == "ms") {
-    return WaitTime{reader_.expect_integer(0, kMaxWaitMs)};
+    return Pause{reader_.expect_integer(0, kMaxWaitMs)};
   }
-  WaitStatus wait;
+  WaitFor wait;
   wait.target = expect_named_target(kind);
   reader_.expect_word({"status"});
   wait.status = expect_status();

@@ -27,12 +27,12 @@ const char* name_of(Wanted wanted) {
 }
 
 // The status that an action waits for, if any.
-std::optional<WaitStatus> wait_of(const Action& action) {
-  if (const auto* wait = std::get_if<WaitStatus>(&action.what)) {
+std::optional<WaitFor> wait_of(const Action& action) {
+  if (const auto* wait = std::get_if<WaitFor>(&action.what)) {
     return *wait;
   }
   const auto* order = std::get_if<Order>(&action.what);
-  return order != nullptr && order->wait ? std::optional(WaitStatus{order->target, *order->wait})
+  return order != nullptr && order->wait ? std::optional(WaitFor{order->target, *order->wait})
                                          : std::nullopt;
 }
 
@@ -101,10 +101,10 @@ void ScriptRunner::note_order(const Order& order) {
 
 // Returns whether an action is done; sets `failure_` if it cannot be done any more.
 bool ScriptRunner::try_to_finish(const Action& action, const Fleet& fleet, time::SteadyTime now) {
-  if (const auto* pause = std::get_if<WaitTime>(&action.what)) {
+  if (const auto* pause = std::get_if<Pause>(&action.what)) {
     return now - begin_ >= std::chrono::milliseconds(pause->duration_ms);
   }
-  const std::optional<WaitStatus> wait = wait_of(action);
+  const std::optional<WaitFor> wait = wait_of(action);
   if (!wait) {
     return true;
   }
@@ -114,7 +114,7 @@ bool ScriptRunner::try_to_finish(const Action& action, const Fleet& fleet, time:
   return has_arrived(*wait, fleet, now);
 }
 
-bool ScriptRunner::has_arrived(const WaitStatus& wait, const Fleet& fleet,
+bool ScriptRunner::has_arrived(const WaitFor& wait, const Fleet& fleet,
                                time::SteadyTime now) const {
   return std::ranges::all_of(config_.commands_of(wait.target), [&](const Command* command) {
     switch (wait.status) {
@@ -172,7 +172,7 @@ std::string ScriptRunner::waiting_for() const {
   if (at_ == actions_.size()) {
     return "the started commands to keep running";
   }
-  const std::optional<WaitStatus> wait = wait_of(*actions_[at_]);
+  const std::optional<WaitFor> wait = wait_of(*actions_[at_]);
   return wait ? describe(wait->target) + " to be " + name_of(wait->status) : "a moment";
 }
 

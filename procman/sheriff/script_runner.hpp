@@ -52,7 +52,7 @@ class ScriptRunner {
                                           time::SteadyTime now) const;
   void settle(const Fleet& fleet, time::SteadyTime now);
 
-  [[nodiscard]] bool has_arrived(const WaitStatus& wait, const Fleet& fleet,
+  [[nodiscard]] bool has_arrived(const WaitFor& wait, const Fleet& fleet,
                                  time::SteadyTime now) const;
 
   const Config& config_;

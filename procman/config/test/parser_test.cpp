@@ -135,9 +135,9 @@ TEST(Parser, ReadsEveryAction) {
   EXPECT_EQ(stop.target.kind, TargetKind::kGroup);
   EXPECT_EQ(stop.wait, Wanted::kStopped);
   EXPECT_EQ(std::get<Order>(actions[3].what).verb, Verb::kRestart);
-  EXPECT_EQ(std::get<WaitTime>(actions[4].what).duration_ms, 1500);
-  EXPECT_EQ(std::get<WaitStatus>(actions[5].what).status, Wanted::kRunning);
-  EXPECT_EQ(std::get<WaitStatus>(actions[6].what).target.kind, TargetKind::kGroup);
+  EXPECT_EQ(std::get<Pause>(actions[4].what).duration_ms, 1500);
+  EXPECT_EQ(std::get<WaitFor>(actions[5].what).status, Wanted::kRunning);
+  EXPECT_EQ(std::get<WaitFor>(actions[6].what).target.kind, TargetKind::kGroup);
   EXPECT_EQ(std::get<RunScript>(actions[7].what).name, "other");
   EXPECT_EQ(actions[4].place.line, 9);
 }
@@ -171,7 +171,7 @@ TEST(Parser, ReadsEveryVerbTargetAndWait) {
       const std::string word = wanted == Wanted::kRunning ? "running" : "stopped";
       const std::string text =
           head + "wait " + targets[target].first + " status \"" + word + "\"; }";
-      const auto wait = std::get<WaitStatus>(parsed(text).scripts.at(0).actions.at(0).what);
+      const auto wait = std::get<WaitFor>(parsed(text).scripts.at(0).actions.at(0).what);
       EXPECT_EQ(wait.target.kind, targets[target].second) << text;
       EXPECT_EQ(wait.status, wanted) << text;
     }
@@ -303,8 +303,8 @@ TEST(Parser, ReadsResourcesAndHealthFromOurComments) {
   EXPECT_EQ(parsed.config.commands[0].resources.cpus, (std::vector<int>{0, 2, 3}));
   const auto& actions = parsed.config.find_script("s")->actions;
   ASSERT_EQ(actions.size(), 3U);
-  EXPECT_EQ(std::get<WaitStatus>(actions[1].what).status, Wanted::kHealthy);
-  EXPECT_EQ(std::get<WaitStatus>(actions[1].what).target.name, "a");
+  EXPECT_EQ(std::get<WaitFor>(actions[1].what).status, Wanted::kHealthy);
+  EXPECT_EQ(std::get<WaitFor>(actions[1].what).target.name, "a");
 }
 
 TEST(Parser, RefusesAnInvalidListOfProcessors) {
