@@ -21,17 +21,8 @@ std::string from_environment(const char* name) {
   return text != nullptr ? text : "";
 }
 
-struct LcmDeleter {
-  void operator()(lcm_t* lcm) const { ::lcm_destroy(lcm); }
-};
-
-}  // namespace
-
-std::string resolve_url(const std::string& url) {
-  const std::string wanted = url.empty() ? from_environment("LCM_DEFAULT_URL") : url;
-  return wanted.empty() ? "udpm://239.255.76.67:7667?ttl=0" : wanted;
-}
-
+// A regular expression that matches exactly this channel name. LCM interprets the name given to
+// subscribe as an (anchored) regular expression: "LASER.1" would also match "LASER_1".
 std::string literal_channel(const std::string& channel) {
   std::string escaped;
   for (const char c : channel) {
@@ -41,6 +32,17 @@ std::string literal_channel(const std::string& channel) {
     escaped += c;
   }
   return escaped;
+}
+
+struct LcmDeleter {
+  void operator()(lcm_t* lcm) const { ::lcm_destroy(lcm); }
+};
+
+}  // namespace
+
+std::string resolve_url(const std::string& url) {
+  const std::string wanted = url.empty() ? from_environment("LCM_DEFAULT_URL") : url;
+  return wanted.empty() ? "udpm://239.255.76.67:7667?ttl=0" : wanted;
 }
 
 // Uses LCM's C interface. Its C++ interface casts a pointer to a class that the object is not an
@@ -64,7 +66,7 @@ struct LiveBus::Impl {
 
   struct Listener {
     Impl* owner;
-    AnyHandler handler;
+    RawHandler handler;
   };
 
   // Called by LCM's C code. Must not throw: if it did, the next handle() would abort.
@@ -82,7 +84,7 @@ struct LiveBus::Impl {
   }
 
   // Subscribes to a channel, or to all channels if `channel` is empty.
-  void listen(const std::optional<std::string>& channel, AnyHandler handler, int queue_capacity) {
+  void listen(const std::optional<std::string>& channel, RawHandler handler, int queue_capacity) {
     if (receiver) {
       receiver->subscribe(channel, std::move(handler), queue_capacity);
       return;
@@ -157,7 +159,7 @@ BusCounts LiveBus::counts() const {
   return counts;
 }
 
-void LiveBus::subscribe_all(AnyHandler handler, int queue_capacity) {
+void LiveBus::subscribe_all(RawHandler handler, int queue_capacity) {
   impl_->listen(
       std::nullopt,
       [this, handler = std::move(handler)](const RawMessage& message) {

@@ -14,10 +14,6 @@ namespace nodmap::bus {
 /// host (ttl=0).
 [[nodiscard]] std::string resolve_url(const std::string& url);
 
-/// A regular expression that matches exactly this channel name. LCM interprets the name given to
-/// subscribe as an (anchored) regular expression: "LASER.1" would also match "LASER_1".
-[[nodiscard]] std::string literal_channel(const std::string& channel);
-
 /// The bus on a network (or memq://, within this object only). For udpm://, UdpmReceiver receives
 /// the messages of this host and of the hosts in $NODMAP_TRUSTED_HOSTS ("10.0.0.2,10.0.1.0/24").
 /// liblcm does everything else.
@@ -43,10 +39,9 @@ class LiveBus : public Bus {
   [[nodiscard]] int poll_handle();
 
   using RawMessage = bus::RawMessage;
-  using AnyHandler = RawHandler;
 
   /// Subscribes to every channel without decoding the messages: for a logger.
-  void subscribe_all(AnyHandler handler, int queue_capacity);
+  void subscribe_all(RawHandler handler, int queue_capacity);
 
   [[nodiscard]] BusCounts counts() const override;
 

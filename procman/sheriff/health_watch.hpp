@@ -11,6 +11,7 @@
 #include "common/bus/sender.hpp"
 #include "common/bus/sender_watch.hpp"
 #include "common/geometry/time.hpp"
+#include "common/node/health.hpp"
 #include "procman/config/config.hpp"
 #include "procman/protocol/fleet.hpp"
 
@@ -18,7 +19,7 @@ namespace nodmap::procman {
 
 /// The health of a process from its STATUS.
 struct ProcessHealth {
-  enum class State : std::uint8_t { kOk, kDegraded, kFailed };
+  using State = node::HealthState;
   State state = State::kOk;
   std::string reason;
   double handled_per_s = 0.0;

@@ -11,8 +11,6 @@
 namespace nodmap::procman {
 namespace {
 
-constexpr time::Duration kMaxStatusAge = 3s;  // STATUS is published once a second
-
 ProcessHealth health_of(const nodmap::status_t& message) {
   ProcessHealth health;
   health.state = message.health == nodmap::status_t::OK         ? ProcessHealth::State::kOk
@@ -121,7 +119,8 @@ bool Sheriff::is_healthy(const std::string& command) const {
   const Fleet::Item* item = fleet_.find(command);
   const auto status = health_.last_status_of(command);
   return item != nullptr && status && status->health.state == ProcessHealth::State::kOk &&
-         status->received >= item->running_since && now() - status->received < kMaxStatusAge;
+         status->received >= item->running_since &&
+         now() - status->received < HealthWatch::kStatusSilence;
 }
 
 const Console* Sheriff::console(const std::string& command) const {

@@ -40,7 +40,6 @@ class Sheriff : boost::noncopyable {
     fleet_.take_command(now());
   }
   void observe() { is_observer_ = true; }
-  [[nodiscard]] bool is_observer() const { return is_observer_; }
 
   /// Does the restarts that the health rules require; returns them with their reasons.
   std::vector<HealthWatch::Restart> apply_health_rules();
