@@ -68,16 +68,16 @@ class LogWriter : private boost::noncopyable {
   explicit LogWriter(const std::filesystem::path& path);
   ~LogWriter();
 
-  /// Appends one event. False if the disk is full; the file then ends with the last event that was
-  /// written completely.
+  /// Appends one event. False after an error, such as a full disk; the file then ends with the last
+  /// event that was written completely.
   [[nodiscard]] bool write(std::int64_t log_utime_us, const std::string& channel,
                            std::span<const std::byte> data);
 
   /// Flushes everything to the operating system. False as for write().
   [[nodiscard]] bool flush();
 
-  /// Waits until everything flushed is on the disk, so that it survives a power cut; the first time
-  /// also the file's name. False as for write().
+  /// Waits until everything that flush() has written is on the disk, so that it survives a power
+  /// cut; the first time also the file's name. Does not flush. False as for write().
   [[nodiscard]] bool sync();
   /// How often the system has put the file, or its name, on the disk.
   [[nodiscard]] std::int64_t num_syncs() const { return num_syncs_; }

@@ -14,8 +14,8 @@ namespace nodmap::bus {
 ///
 /// While the accepted sender is alive, a message from another socket is from a stranger, whatever
 /// it contains. Several of them mean that there are two senders; which one is legitimate is not
-/// known. That is certain only when the accepted sender continues, because a process that has
-/// restarted has a new socket. A new or restarted sender is accepted once the old one has been
+/// known. Two are assumed only once the accepted one sends again, because a process that has
+/// restarted has a new socket, too. A new or restarted sender is accepted once the old one has been
 /// silent.
 ///
 /// All times must be of one clock; if it steps back, the watch starts again. It does not protect

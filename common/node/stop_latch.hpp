@@ -22,16 +22,24 @@ inline constexpr const char* kBaseDriver = "nodmap-kurt";
 
 /// Remembers who stopped the robot, by the messages on STOP.
 ///
-/// A STOP always stops. A release lifts what has stopped the robot before. It is sent several
-/// times, in case one is lost; a copy lifts nothing, because whatever has stopped the robot since
-/// the first is newer. Releases are told apart by their time and requester, never ordered by their
-/// time: hosts have different clocks.
+/// Both messages come several times: a release because one may be lost; a STOP because a viewer,
+/// with the time of the decision, and the base driver repeat it until a release has reached them.
 ///
-/// STOP is repeated as well: by a viewer, with the time of the decision, and by the base driver,
-/// until a release has reached them. A repetition stops, too, but it is no newer STOP: it does not
-/// take the place of another one, and a copy lifts it, because the first release may have crossed
-/// it, or may have been lost on its way to whoever repeats. Only in the base driver no copy lifts
-/// anything: if it is stopped, it says so to the others.
+/// | state          | STOP     | repetition of a STOP | release | copy of a release |
+/// |----------------|----------|----------------------|---------|-------------------|
+/// | free           | stopped  | only repeated        | free    | free              |
+/// | stopped        | stopped* | stopped              | free    | stopped           |
+/// | only repeated  | stopped* | only repeated*       | free    | free              |
+///
+/// * by whoever sent this one.
+///
+/// A copy does not lift a STOP, which is newer than the first release. It does lift what is only
+/// repeated: the first release may have crossed the repetition, or may have been lost on its way to
+/// whoever repeats. The base driver takes every repetition but its own for a STOP, so no copy
+/// lifts anything there: if it is stopped, it says so to the others.
+///
+/// Decisions are told apart by their time and requester, never ordered by their time: hosts have
+/// different clocks.
 class StopLatch {
  public:
   enum class Change : std::uint8_t { kNone, kStopped, kReleased };

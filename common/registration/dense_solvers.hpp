@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Inverses and eigenvalues of small matrices. Each of Eigen's decompositions takes seconds to
-// compile for each size, so they are compiled here only.
+// compile for each size: use these, which are compiled once.
 #pragma once
 
 #include <Eigen/Core>
