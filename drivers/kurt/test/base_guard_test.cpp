@@ -119,7 +119,16 @@ TEST_F(BaseGuardTest, SomethingAtAFrontCornerMakesItCreepAhead) {
 
 TEST_F(BaseGuardTest, AnOldReadingDoesNotCount) {
   guard_.add(sonar(sonar_raw(0.24)), now_);
+  EXPECT_EQ(guard_.limit(kFast, now_ + 500ms).forward_mps, params_.creep_mps);
   EXPECT_EQ(guard_.limit(kFast, now_ + 501ms).forward_mps, kFast.forward_mps);
+}
+
+TEST_F(BaseGuardTest, OnRequestRangesDoNotCount) {
+  GuardParams without = params_;
+  without.use_ranges = false;
+  BaseGuard blind(without, limits_);
+  blind.add(sonar(sonar_raw(0.24)), now_);
+  EXPECT_EQ(blind.limit(kFast, now_).forward_mps, kFast.forward_mps);
 }
 
 TEST_F(BaseGuardTest, ABumperRaisesTheAlarmOnce) {
@@ -166,12 +175,28 @@ TEST_F(BaseGuardTest, WhileTouchedOrTiltedItCreeps) {
 TEST_F(BaseGuardTest, ShakingDoesNotCountAsTilt) {
   guard_.add(Tilt{0.0, 1.2}, now_);
   guard_.add(Tilt{0.0, 0.1}, now_ + 300ms);
-  guard_.add(Tilt{-1.2, 0.0}, now_ + 400ms);
-  EXPECT_FALSE(guard_.take_alarm());
+  for (const time::Duration t : {400ms, 600ms, 899ms}) {
+    guard_.add(Tilt{-1.2, 0.0}, now_ + t);
+    EXPECT_FALSE(guard_.take_alarm());
+  }
   guard_.add(Tilt{-1.2, 0.0}, now_ + 900ms);
   EXPECT_EQ(guard_.take_alarm(), Alarm::kTilt);
   guard_.add(Tilt{-1.2, 0.0}, now_ + 2s);  // still tilted, after a person has released the robot
   EXPECT_FALSE(guard_.take_alarm());
+}
+
+TEST_F(BaseGuardTest, OnlyMoreThanThePermittedTiltCounts) {
+  for (const double sign : {1.0, -1.0}) {
+    for (const double beyond_rad : {-0.01, 0.01}) {
+      const double tilt_rad = sign * (params_.max_tilt_rad + beyond_rad);
+      for (const Tilt& tilt : {Tilt{tilt_rad, 0.0}, Tilt{0.0, tilt_rad}}) {
+        BaseGuard guard(params_, limits_);
+        guard.add(tilt, now_);
+        guard.add(tilt, now_ + 500ms);
+        EXPECT_EQ(guard.take_alarm().has_value(), beyond_rad > 0.0) << tilt_rad;
+      }
+    }
+  }
 }
 
 // What the wheels do, every 10 ms.
@@ -190,17 +215,39 @@ TEST_F(BaseGuardTest, AWheelThatShouldTurnAndDoesNotIsStalled) {
     return guard.take_alarm().has_value();
   };
   const WheelSpeeds fast{0.5, 0.5};
-  for (const Wheels& stalled : {Wheels{fast, {0, 0}, {0, 0}}, Wheels{fast, {0, 100}, {0, 100}},
-                                Wheels{fast, {100, 0}, {100, 0}}, Wheels{fast, {1, 1}, {-1, -1}},
-                                Wheels{{-0.5, 0.5}, {-100, 0}, {-100, 0}}}) {
+  for (const Wheels& stalled :
+       {Wheels{fast, {0, 0}, {0, 0}}, Wheels{fast, {0, 100}, {0, 100}},
+        Wheels{fast, {100, 0}, {100, 0}}, Wheels{fast, {1, 1}, {-1, -1}},
+        Wheels{{-0.5, 0.5}, {-100, 0}, {-100, 0}}, Wheels{{-0.5, -0.5}, {0, 0}, {0, 0}}}) {
     EXPECT_FALSE(is_stalled_after(stalled, 1990ms));
     EXPECT_TRUE(is_stalled_after(stalled, 2000ms));
   }
   for (const Wheels& turning :
        {Wheels{fast, {100, 100}, {100, 100}}, Wheels{fast, {0, 0}, {1, 1}},
-        Wheels{{0.5, 0.0}, {100, 0}, {100, 0}}, Wheels{{0.04, -0.04}, {0, 0}, {0, 0}}}) {
+        Wheels{{-0.5, -0.5}, {-100, -100}, {-100, -100}}, Wheels{{0.5, 0.0}, {100, 0}, {100, 0}},
+        Wheels{{0.04, -0.04}, {0, 0}, {0, 0}}}) {
     EXPECT_FALSE(is_stalled_after(turning, 10s));
   }
+}
+
+TEST_F(BaseGuardTest, AStallIsTimedFromTheLastTurnOfTheWheel) {
+  const WheelSpeeds fast{0.5, 0.5};
+  time::SteadyTime t = now_;
+  const auto add_for = [&](const EncoderTicks& ticks, const WheelSpeeds& commanded,
+                           time::Duration duration) {
+    for (const time::SteadyTime end = t + duration; t < end; t += 10ms) {
+      guard_.add(ticks, commanded, t);
+    }
+  };
+  add_for({100, 100}, fast, 3s);
+  add_for({0, 0}, fast, 1990ms);  // the last turn was 10 ms before
+  EXPECT_FALSE(guard_.take_alarm());
+  // It stood still on command, which ends what was timed before.
+  add_for({0, 0}, {0.0, 0.0}, 5s);
+  add_for({0, 0}, fast, 2s);
+  EXPECT_FALSE(guard_.take_alarm());
+  add_for({0, 0}, fast, 10ms);
+  EXPECT_EQ(guard_.take_alarm(), Alarm::kStall);
 }
 
 }  // namespace base_guard_test

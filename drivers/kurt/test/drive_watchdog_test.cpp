@@ -139,6 +139,18 @@ TEST(DriveWatchdog, NoCommandOfASecondSenderIsObeyed) {
   }
 }
 
+// Its clock is behind, so that each of its commands would be refused anyway.
+TEST(DriveWatchdog, ASecondSenderIsNoticedByItsStaleCommandsToo) {
+  DriveWatchdog watchdog(kTimeout);
+  for (time::SteadyTime now = kSteady; now < kSteady + 1s; now += 10ms) {
+    const time::Timestamp wall = kWall + (now - kSteady);
+    static_cast<void>(watchdog.offer({{0.5, 0.0}, wall, 1s, kOwn}, wall, now));
+    static_cast<void>(watchdog.offer({{5.0, 0.0}, wall - 1s, 1s, kOther}, wall, now));
+  }
+  EXPECT_TRUE(watchdog.is_contested(kSteady + 1s));
+  EXPECT_FALSE(watchdog.command(kSteady + 1s));
+}
+
 TEST(DriveWatchdog, ARefusedDriveDoesNotKeepTheSenderOut) {
   for (const time::Duration ahead : {45ms, -300ms}) {
     DriveWatchdog watchdog(kTimeout);
@@ -155,8 +167,8 @@ TEST(DriveWatchdog, AnImplausibleDriveRevokesThePreviousCommand) {
   for (const DriveRequest& nonsense :
        {request(nan, kWall), request(-infinity, kWall), request(11.0, kWall),
         request(0.5, kWall, 0us), request(0.5, kWall, -1us),
-        DriveRequest{{0.5, nan}, kWall, 100ms, kOwn},
-        DriveRequest{{0.5, 19.0}, kWall, 100ms, kOwn}}) {
+        DriveRequest{{0.5, nan}, kWall, 100ms, kOwn}, DriveRequest{{0.5, 19.0}, kWall, 100ms, kOwn},
+        request(-11.0, kWall), DriveRequest{{0.5, -19.0}, kWall, 100ms, kOwn}}) {
     DriveWatchdog watchdog(kTimeout);
     ASSERT_EQ(watchdog.offer(request(0.5, kWall), kWall, kSteady), DriveStatus::kObeyed);
     EXPECT_NE(watchdog.offer(nonsense, kWall, kSteady + 1ms), DriveStatus::kObeyed);

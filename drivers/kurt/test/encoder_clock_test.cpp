@@ -87,7 +87,7 @@ TEST(EncoderClock, ALostFrameIsFoundWithinHalfASecond) {
 // A bad line. DRIVE carries these stamps, and one that is 200 ms old is not obeyed.
 TEST(EncoderClock, ManyLostFramesAreFoundWhileStampsStayRecent) {
   constexpr int kPeriods = 6000;
-  for (const double share : {0.05, 0.1, 0.2}) {
+  for (const double share : {0.05, 0.1, 0.2, 0.25}) {
     EncoderClock clock;
     std::mt19937 random(6);
     std::bernoulli_distribution is_lost(share);
@@ -130,8 +130,17 @@ TEST(EncoderClock, ALongSilenceIsAGap) {
   clock.take(kStart + 10ms);
   EXPECT_EQ(clock.take(kStart + 1010ms).gap, 1s);
   EXPECT_EQ(clock.take(kStart + 1020ms).gap, 0us);
-  clock.restart();
-  EXPECT_EQ(clock.take(kStart + 1040ms).gap, 20ms);
+  EXPECT_EQ(clock.take(kStart + 1120ms).gap, 0us);
+  EXPECT_GT(clock.take(kStart + 1221ms).gap, 100ms);
+}
+
+// By more than half a period, for example because a slower adapter has been plugged in.
+TEST(EncoderClock, ADelayThatLastsIsNoLoss) {
+  EncoderClock clock;
+  for (int i = 0; i < 1000; ++i) {
+    const time::Duration delay = i < 220 ? 0ms : 6ms;
+    EXPECT_EQ(clock.take(kStart + i * kEncoderPeriod + delay).lost, 0) << i;
+  }
 }
 
 }  // namespace encoder_clock_test

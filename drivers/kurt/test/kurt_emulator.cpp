@@ -94,7 +94,9 @@ std::string KurtEmulator::tick() {
   if (base_off || mute_adapter || !open_) {
     return "";
   }
-  std::string frames = "t0068012C038400640064\r";  // sonar 900
+  std::string frames =
+      ranges_off ? ""
+                 : printed("t0068012C%04X0064%04X\r", static_cast<unsigned>(sonar_raw), 0x0064U);
   frames += bumper ? "t00A20400\r" : "t00A20000\r";
   if (drop_encoders > 0) {
     --drop_encoders;

@@ -27,6 +27,8 @@ class KurtEmulator {
   int wild_encoders = 0;      ///< number of encoder frames still to contain implausible ticks
   bool bumper = false;        ///< a bumper is touched
   bool stalled = false;       ///< no wheel turns, whatever is commanded
+  bool ranges_off = false;    ///< sends no frames of the range finders
+  int sonar_raw = 900;        ///< 1.1 m
 
   [[nodiscard]] bool channel_open() const { return open_; }
   /// Adapter reset: the channel is closed.

@@ -76,6 +76,7 @@ TEST(KurtFrames, RangesFollowTheSensorsCurves) {
   EXPECT_NEAR(infrared_range_m(100).value(), 0.533952, 1e-6);
   EXPECT_NEAR(sonar_range_m(500).value(), 0.672491, 1e-9);
   EXPECT_NEAR(sonar_range_m(1000).value(), 1.225751, 1e-9);
+  EXPECT_NEAR(sonar_range_m(100).value(), 0.229883, 1e-9);
   for (const int raw : {-1, 0, 10, 99}) {
     EXPECT_FALSE(infrared_range_m(raw).has_value()) << raw;
   }

@@ -39,6 +39,12 @@ class Robot {
     to_driver += base.take(kurt.control(moment()));
   }
 
+  // Lines from the adapter, besides those of the base.
+  void receive(const std::string& lines) {
+    const std::vector<std::uint8_t> bytes(lines.begin(), lines.end());
+    kurt.receive(bytes, moment());
+  }
+
   void run_for(time::Duration duration) {
     for (const time::SteadyTime end = now + duration; now < end;) {
       step();
@@ -131,10 +137,8 @@ TEST(Kurt, ADriveThatIsNotFiniteStopsTheRobotWithTheNextFrame) {
 // A safety stop is not limited, also if the navigator's next DRIVE is received before the next
 // control period.
 TEST(Kurt, ADriveRightAfterASafetyStopMakesNoRampOfIt) {
-  const std::string bumper_frame = "t00A20400\r";
-  const auto touch_bumper = [&](Robot& robot) {
-    const std::vector<std::uint8_t> bytes(bumper_frame.begin(), bumper_frame.end());
-    robot.kurt.receive(bytes, robot.moment());
+  const auto touch_bumper = [](Robot& robot) {
+    robot.receive("t00A20400\r");
     EXPECT_EQ(robot.kurt.take_alarm(), Alarm::kBumper);
   };
   const auto send_nonsense = [](Robot& robot) {
@@ -151,6 +155,43 @@ TEST(Kurt, ADriveRightAfterASafetyStopMakesNoRampOfIt) {
     robot.step();
     EXPECT_EQ(robot.base.left_cm_s(), 0);
   }
+}
+
+// Not even the command that was valid when the alarm was raised moves it.
+TEST(Kurt, AfterAnAlarmTheRobotWaitsForANewDrive) {
+  Robot robot;
+  robot.run_for(500ms);
+  robot.drive_for(1.0, 0.0, 1s);
+  robot.receive("t00A20400\r");  // the bumper
+  ASSERT_EQ(robot.kurt.take_alarm(), Alarm::kBumper);
+  for (int i = 0; i < 10; ++i) {
+    robot.step();
+    EXPECT_EQ(robot.base.left_cm_s(), 0);
+  }
+}
+
+TEST(Kurt, WhatTheSonarSeesSlowsItDown) {
+  Robot robot;
+  robot.run_for(500ms);
+  robot.base.sonar_raw = 200;  // 34 cm
+  robot.drive_for(1.0, 0.0, 1s);
+  // stoppable_speed() within 9 cm, after 0.1 s, at half of the wheels' 3 m/s^2
+  EXPECT_EQ(robot.base.left_cm_s(), 39);
+  robot.base.sonar_raw = 900;
+  robot.drive_for(1.0, 0.0, 1s);
+  EXPECT_EQ(robot.base.left_cm_s(), 100);
+}
+
+TEST(Kurt, ATiltedBaseRaisesTheAlarm) {
+  Robot robot;
+  robot.run_for(500ms);
+  for (int i = 0; i <= 50; ++i) {
+    EXPECT_FALSE(robot.kurt.take_alarm());
+    robot.receive("t00D88F5C800000000000\r");  // 0.98 g: 78 degrees
+    robot.step();
+  }
+  EXPECT_EQ(robot.kurt.take_alarm(), Alarm::kTilt);
+  EXPECT_EQ(robot.kurt.lasting_alarm(), Alarm::kTilt);
 }
 
 TEST(Kurt, ABaseThatFallsSilentIsToldToStop) {
@@ -203,8 +244,55 @@ TEST(Kurt, AfterALossTheRobotWaitsForANewDrive) {
   EXPECT_TRUE(robot.kurt.control(robot.moment()).empty());
   robot.kurt.connected(robot.moment());
   EXPECT_NE(robot.kurt.state(robot.now), KurtState::kDriving);
-  robot.run_for(1s);
-  EXPECT_EQ(robot.base.left_cm_s(), 0);
+  // The bus is open again before the command's 200 ms are over.
+  for (int i = 0; i < 100; ++i) {
+    robot.step();
+    EXPECT_TRUE(!robot.kurt.session().is_open() || robot.base.left_cm_s() == 0);
+  }
+  EXPECT_EQ(robot.kurt.state(robot.now), KurtState::kNoDrive);
+}
+
+TEST(Kurt, AfterALossTheBaseCountsAsAbsentUntilItSendsAgain) {
+  Robot robot;
+  robot.run_for(500ms);
+  robot.kurt.disconnected();
+  robot.kurt.connected(robot.moment());
+  const time::SteadyTime last_frame = robot.now;
+  robot.base.base_off = true;
+  while (!robot.kurt.session().is_open()) {
+    robot.step();
+  }
+  ASSERT_LT(robot.now - last_frame, kBlind);
+  EXPECT_EQ(robot.kurt.state(robot.now), KurtState::kNoBase);
+}
+
+// Opening the bus takes longer than the base drives on without a command. The frames of 80 ms
+// arrive at once, so the first of them was sent soon after that.
+TEST(Kurt, ALossIsAGapOfOdometryHoweverShort) {
+  Robot robot;
+  robot.run_for(500ms);
+  ASSERT_EQ(robot.kurt.counts().encoder_gaps, 0);
+  robot.kurt.disconnected();
+  robot.kurt.connected(robot.moment());
+  while (!robot.kurt.session().is_open()) {
+    robot.step();
+  }
+  robot.held_up_periods = 8;
+  robot.run_for(200ms);
+  EXPECT_EQ(robot.kurt.counts().encoder_gaps, 1);
+}
+
+TEST(Kurt, HalfALineFromBeforeALossIsForgotten) {
+  Robot robot;
+  robot.run_for(500ms);
+  robot.to_driver = "t0098";
+  robot.base.base_off = true;
+  robot.step();
+  robot.base.base_off = false;
+  robot.kurt.disconnected();
+  robot.kurt.connected(robot.moment());
+  robot.run_for(500ms);
+  EXPECT_EQ(robot.kurt.slcan_counts().malformed, 0);
 }
 
 // Three encoder frames lost at 1 m/s are 3 cm that odometry must not lose.
@@ -239,15 +327,16 @@ TEST(Kurt, ADamagedEncoderFrameIsBridged) {
   robot.drive_for(1.0, 0.0, 2s);
   const double before_m = robot.samples.back().state.T_odom_base.x;
   const std::size_t samples_before = robot.samples.size();
-  for (int i = 0; i < 5; ++i) {
+  for (int i = 0; i < 20; ++i) {  // more than are bridged in a row
     robot.base.wild_encoders = 1;
     robot.drive_for(1.0, 0.0, 100ms);
     EXPECT_EQ(robot.kurt.state(robot.now), KurtState::kDriving);
   }
-  EXPECT_EQ(robot.kurt.counts().encoder_implausible, 5);
+  EXPECT_EQ(robot.kurt.counts().encoder_implausible, 20);
   EXPECT_EQ(robot.kurt.counts().encoder_lost, 0);
-  EXPECT_EQ(robot.samples.size(), samples_before + 50);
-  EXPECT_NEAR(robot.samples.back().state.T_odom_base.x - before_m, 0.5, kTickM);
+  EXPECT_EQ(robot.samples.size(), samples_before + 200);
+  // Twenty periods are those before them again, each rounded by up to half a tick.
+  EXPECT_NEAR(robot.samples.back().state.T_odom_base.x - before_m, 2.0, 2.0 * kTickM);
 }
 
 // Frames keep arriving, but none of them shows what the wheels do: as bad as no frames at all.
@@ -296,21 +385,22 @@ TEST(Kurt, ABaseThatNeverSentAnythingPlausibleCountsAsAbsent) {
   EXPECT_EQ(robot.base.left_cm_s(), 0);
 }
 
-// The process was not scheduled for 80 ms: nothing is lost, and the stamps increase.
+// The process was not scheduled for 80 or 150 ms: nothing is lost, and each sample has the time at
+// which its frame was sent.
 TEST(Kurt, ADelayedProcessLosesNothing) {
   Robot robot;
   robot.run_for(500ms);
   robot.drive_for(1.0, 0.0, 2s);
   const double before_m = robot.samples.back().state.T_odom_base.x;
-  for (int i = 0; i < 5; ++i) {
-    robot.held_up_periods = 8;
+  for (const int periods : {8, 15, 8, 15, 8}) {
+    robot.held_up_periods = periods;
     robot.drive_for(1.0, 0.0, 400ms);
   }
   EXPECT_EQ(robot.kurt.counts().encoder_lost, 0);
   EXPECT_EQ(robot.kurt.counts().encoder_gaps, 0);
   EXPECT_NEAR(robot.samples.back().state.T_odom_base.x - before_m, 2.0, kTickM);
   for (std::size_t i = 1; i < robot.samples.size(); ++i) {
-    EXPECT_GT(robot.samples[i].stamp, robot.samples[i - 1].stamp);
+    EXPECT_EQ(robot.samples[i].stamp - robot.samples[i - 1].stamp, 10ms);
   }
 }
 

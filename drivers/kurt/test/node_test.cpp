@@ -46,6 +46,32 @@ TEST(KurtNode, OtherSensorsArePublished) {
   EXPECT_TRUE(std::isnan(message.roll_rad));
 }
 
+TEST(KurtNode, AnOldReadingIsNotPublished) {
+  Bench bench;
+  ASSERT_TRUE(bench.becomes_ready());
+  ASSERT_TRUE(bench.step_until([&] { return bench.sensors.count() >= 2; }, 200ms));
+  bench.base.ranges_off = true;
+  bench.drive_for(0.0, 0.0, 400ms);
+  EXPECT_EQ(bench.sensors.get()->sonar_raw, 900);
+  bench.drive_for(0.0, 0.0, 170ms);  // 500 ms, and one period of the message
+  EXPECT_EQ(bench.sensors.get()->sonar_raw, -1);
+  EXPECT_TRUE(std::isnan(bench.sensors.get()->sonar_m));
+}
+
+TEST(KurtNode, ADriveIsObeyedNoLongerThanItSays) {
+  Bench bench;
+  ASSERT_TRUE(bench.becomes_ready());
+  bench.drive_for(1.0, 0.0, 1500ms);
+  ASSERT_EQ(bench.base.left_cm_s(), 100);
+  nodmap::drive_t message{};
+  message.utime = time::to_utime(bench.clock.now());
+  message.drive_seq = bench.drive_seq++;
+  message.forward_mps = 1.0;
+  message.valid_us = 50'000;
+  bench.bus.publish("DRIVE", message);
+  EXPECT_TRUE(bench.step_until([&] { return bench.base.left_cm_s() == 0; }, 70ms));
+}
+
 TEST(KurtNode, WithoutDriveTheBaseIsTold_ZeroWithinTheTimeoutAndOneFrame) {
   Bench bench;
   ASSERT_TRUE(bench.becomes_ready());
@@ -72,6 +98,17 @@ TEST(KurtNode, ATouchedBumperStopsItUntilReleased) {
   bench.publish_stop(false);
   bench.drive_for(0.5, 0.0, 1s);
   EXPECT_EQ(bench.base.left_cm_s(), 50);
+}
+
+TEST(KurtNode, AnAlarmDoesNotHideWhoHasStoppedIt) {
+  Bench bench;
+  ASSERT_TRUE(bench.becomes_ready());
+  bench.publish_stop(true, "page");
+  bench.drive_for(0.0, 0.0, 50ms);
+  bench.base.bumper = true;
+  bench.drive_for(0.0, 0.0, 50ms);
+  EXPECT_NE(bench.node->health().reason.find("page"), std::string::npos)
+      << bench.node->health().reason;
 }
 
 // At a wall, for example: it must be possible to back off.

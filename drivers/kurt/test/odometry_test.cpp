@@ -117,7 +117,7 @@ TEST(Odometry, LostFramesAreBridgedAndIncreaseTheUncertainty) {
 
 TEST(Odometry, AGapKeepsThePoseAndIsUncertain) {
   Odometry odometry(millimetre_wheels(), {});
-  ASSERT_TRUE(odometry.add({10, 10}));  // 1 m/s
+  ASSERT_TRUE(odometry.add({9, 11}));  // 1 m/s
   const double x_m = odometry.state().T_odom_base.x;
   const double before = odometry.state().covariance(0, 0);
   odometry.bridge_gap(60.0);
@@ -125,6 +125,7 @@ TEST(Odometry, AGapKeepsThePoseAndIsUncertain) {
   // Half a second of rolling on at 1 m/s, not a minute.
   EXPECT_NEAR(odometry.state().covariance(0, 0) - before, 0.25, 1e-12);
   EXPECT_EQ(odometry.state().forward_mps, 0.0);
+  EXPECT_EQ(odometry.state().yaw_rate_rad_s, 0.0);
 }
 
 TEST(Odometry, TicksNoWheelCanMakeAreRefused) {
@@ -156,6 +157,51 @@ TEST(Odometry, UncertaintyAfterOneMetreIsAsConfigured) {
   }
   EXPECT_NEAR(std::sqrt(odometry.state().covariance(0, 0)), noise.distance_sigma_m, 1e-12);
   EXPECT_NEAR(std::sqrt(odometry.state().covariance(2, 2)), noise.heading_sigma_rad, 1e-12);
+}
+
+// Otherwise a robot that backs up or turns right would be ever more certain of its pose.
+TEST(Odometry, UncertaintyIsTheSameBackwardsAndToTheRight) {
+  const auto covariance_after = [](const EncoderTicks& ticks) {
+    Odometry odometry(millimetre_wheels(), {});
+    for (int i = 0; i < 100; ++i) {
+      EXPECT_TRUE(odometry.add(ticks));
+    }
+    return Eigen::Matrix3d(odometry.state().covariance);
+  };
+  const Eigen::Matrix3d forwards = covariance_after({10, 14});
+  for (const EncoderTicks& mirrored : {EncoderTicks{14, 10}, {-10, -14}, {-14, -10}}) {
+    const Eigen::Matrix3d covariance = covariance_after(mirrored);
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_NEAR(covariance(i, i), forwards(i, i), 1e-12);
+    }
+  }
+}
+
+// A lost period at 1 m/s: half of its 1 cm is added to the uncertainty of driving it.
+TEST(Odometry, ABridgedPeriodIsUncertainByHalfOfItsMotion) {
+  const OdometryNoiseParams noise;
+  Odometry odometry(millimetre_wheels(), noise);
+  ASSERT_TRUE(odometry.add({10, 10}));
+  const double before = odometry.state().covariance(0, 0);
+  odometry.bridge(1);
+  EXPECT_NEAR(odometry.state().covariance(0, 0) - before,
+              noise.distance_sigma_m * noise.distance_sigma_m * 0.01 + 0.005 * 0.005, 1e-15);
+}
+
+// Within a period the heading is uncertain halfway: the position gets half of that across the path.
+TEST(Odometry, TheHeadingsErrorOfAPeriodMovesItsEndAside) {
+  OdometryNoiseParams noise;
+  noise.rotation_sigma_rad = 0.0;  // rotating on the spot stays certain
+  Odometry odometry(millimetre_wheels(), noise);
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(odometry.add({-100, 100}));
+  }
+  ASSERT_EQ(odometry.state().covariance, Eigen::Matrix3d::Zero());
+  ASSERT_TRUE(odometry.add({100, 100}));
+  const double yaw_rad = odometry.state().T_odom_base.yaw;
+  const Eigen::Matrix3d& covariance = odometry.state().covariance;
+  EXPECT_NEAR(covariance(0, 2), -0.05 * std::sin(yaw_rad) * covariance(2, 2), 1e-15);
+  EXPECT_NEAR(covariance(1, 2), 0.05 * std::cos(yaw_rad) * covariance(2, 2), 1e-15);
 }
 
 // Oracle: the sampled covariance of the poses of robots whose wheels slip at random.

@@ -106,6 +106,21 @@ TEST(SlcanSession, AMuteBusIsOpenedAgainAndComesBack) {
   EXPECT_EQ(bench.session.restarts(), 1);
 }
 
+// Only attempts in a row count.
+TEST(SlcanSession, ABusThatIsMuteNowAndThenKeepsItsPort) {
+  Bench bench;
+  bench.session.start({});
+  bench.run_for(300ms);
+  for (int i = 1; i <= 5; ++i) {
+    bench.frames_come = false;
+    bench.run_for(520ms);
+    EXPECT_EQ(bench.session.restarts(), i);
+    bench.frames_come = true;
+    bench.run_for(1s);
+    EXPECT_TRUE(bench.session.is_open());
+  }
+}
+
 TEST(SlcanSession, ABusThatStaysMuteEndsWithGivingUpThePort) {
   Bench bench;
   bench.frames_come = false;
@@ -123,8 +138,12 @@ TEST(SlcanSession, RefusalsInARowOpenAgain) {
     bench.session.take({Kind::kRefused, {}, 0}, bench.now);
   }
   bench.session.take({Kind::kDone, {}, 0}, bench.now);  // a full queue that has emptied
+  for (int i = 0; i < 9; ++i) {
+    bench.session.take({Kind::kRefused, {}, 0}, bench.now);
+  }
   bench.run_for(20ms);
   EXPECT_EQ(bench.session.restarts(), 0);
+  bench.session.take({Kind::kDone, {}, 0}, bench.now);
   for (int i = 0; i < 10; ++i) {
     bench.session.take({Kind::kRefused, {}, 0}, bench.now);
   }

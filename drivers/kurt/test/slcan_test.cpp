@@ -126,8 +126,8 @@ TEST(SlcanParser, BellEndsALine) {
 
 TEST(SlcanParser, DropsAndCountsByCause) {
   SlcanParser parser;
-  EXPECT_TRUE(parse(parser, "t12\rt1239112233445566778899\rt123111G\rFxx\rF\r").empty());
-  EXPECT_EQ(parser.counts().malformed, 5);
+  EXPECT_TRUE(parse(parser, "t12\rt1239112233445566778899\rt123111G\rFxx\rF\rF8501\r").empty());
+  EXPECT_EQ(parser.counts().malformed, 6);
   EXPECT_TRUE(parse(parser, "V1013\rN4242\rsa01\re1a00\r").empty());
   EXPECT_EQ(parser.counts().unknown, 4);
   EXPECT_TRUE(parse(parser, "T1111222281122334455667788EA5F0\r").empty());  // one too long

@@ -62,6 +62,9 @@ TEST(SpeedLimiter, R6_NoWheelIsEverFasterThanTheRobot) {
     const WheelSpeeds fastest = settle(limiter, {100.0, 0.0});
     EXPECT_DOUBLE_EQ(fastest.left_mps, max_mps);
     EXPECT_DOUBLE_EQ(fastest.right_mps, max_mps);
+    const WheelSpeeds backwards = settle(limiter, {-100.0, 0.0});
+    EXPECT_DOUBLE_EQ(backwards.left_mps, -max_mps);
+    EXPECT_DOUBLE_EQ(backwards.right_mps, -max_mps);
   }
 }
 
@@ -112,6 +115,23 @@ TEST(SpeedLimiter, BrakingOnCommandHasItsOwnLimit) {
   EXPECT_EQ(steps, 50);  // 1.5 m/s at 3 m/s^2
 }
 
+TEST(SpeedLimiter, BackwardsTheLimitsAreTheSame) {
+  const SpeedLimits limits;
+  SpeedLimiter limiter(WheelParams{}, limits);
+  const auto steps_until = [&limiter](double target_mps, double reached_mps) {
+    const double sign = reached_mps > limiter.current().left_mps ? 1.0 : -1.0;
+    int steps = 0;
+    while (sign * (reached_mps - limiter.current().left_mps) > 1e-9) {  // rounding
+      limiter.step({target_mps, 0.0}, kPeriodS);
+      ++steps;
+    }
+    return steps;
+  };
+  EXPECT_EQ(steps_until(-1.5, -1.5), 100);  // 1.5 m/s at 1.5 m/s^2
+  EXPECT_EQ(steps_until(1.5, 0.0), 50);     // a reversal brakes at 3 m/s^2
+  EXPECT_EQ(steps_until(1.5, 1.5), 100);
+}
+
 TEST(SpeedLimiter, GoesOnFromAMeasuredMotionButNotFaster) {
   SpeedLimiter limiter{WheelParams{}, SpeedLimits{}};
   settle(limiter, {1.5, 0.0});
@@ -123,6 +143,20 @@ TEST(SpeedLimiter, GoesOnFromAMeasuredMotionButNotFaster) {
   limiter.stop();
   limiter.start_from({0.7, 0.3});
   EXPECT_EQ(limiter.current().left_mps, 0.0);
+}
+
+// With this steering odometry does not measure the commanded yaw rate.
+TEST(SpeedLimiter, GoesOnFromAMeasuredRotationAlsoWithKurtDriversSteering) {
+  WheelParams wheels;
+  wheels.steering = Steering::kKurtDriver;
+  SpeedLimiter limiter(wheels, SpeedLimits{});
+  settle(limiter, {0.5, 1.0});
+  Odometry odometry(wheels, {});
+  ASSERT_TRUE(odometry.add({100, 200}));
+  limiter.start_from({odometry.state().forward_mps, odometry.state().yaw_rate_rad_s});
+  const double mps_per_tick = wheels.perimeter_m / wheels.ticks_per_revolution / kPeriodS;
+  EXPECT_NEAR(limiter.current().left_mps, 100 * mps_per_tick, 1e-12);
+  EXPECT_NEAR(limiter.current().right_mps, 200 * mps_per_tick, 1e-12);
 }
 
 TEST(SpeedLimiter, AStopForSafetyIsAtOnce) {
