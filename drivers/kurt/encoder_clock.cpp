@@ -38,14 +38,12 @@ EncoderClock::Reading EncoderClock::take(time::SteadyTime arrival) {
 }
 
 EncoderClock::Reading EncoderClock::begin(time::SteadyTime arrival) {
-  const time::Duration gap = begun_before_ ? arrival - told_ : 0us;
-  started_ = true;
-  begun_before_ = true;
+  const time::Duration gap = std::exchange(started_, true) ? arrival - told_ : 0us;
   measured_ = arrival;
-  told_ = std::max(arrival, told_ + 1us);
+  told_ = arrival;
   least_late_ = time::Duration::max();
   in_window_ = 0;
-  return {told_, 0, std::max(gap, time::Duration{})};
+  return {told_, 0, gap};
 }
 
 int EncoderClock::lost_in_window(time::SteadyTime arrival) {

@@ -30,15 +30,11 @@ class EncoderClock {
   /// Adds a frame that arrived at `arrival`.
   Reading take(time::SteadyTime arrival);
 
-  /// Starts again with the next frame, after the line was lost.
-  void restart() { started_ = false; }
-
  private:
   [[nodiscard]] Reading begin(time::SteadyTime arrival);
   [[nodiscard]] int lost_in_window(time::SteadyTime arrival);
 
   bool started_ = false;
-  bool begun_before_ = false;
   time::SteadyTime last_arrival_;
   time::SteadyTime measured_;  // the best estimate; a frame with less delay moves it back
   time::SteadyTime told_;      // the last one returned; later ones must not be earlier

@@ -30,11 +30,9 @@ void Kurt::connected(const time::Moment& now) {
 void Kurt::disconnected() {
   line_open_ = false;
   session_.stop();
-  encoder_clock_.restart();
   last_encoder_.reset();
   // After a loss the robot is stationary until a new DRIVE is received.
   watchdog_.revoke();
-  limiter_.stop();
 }
 
 std::span<const OdometrySample> Kurt::receive(std::span<const std::uint8_t> bytes,
