@@ -30,6 +30,10 @@ TEST(TrustedHosts, ThisHostAlwaysAndOthersOnlyByName) {
   EXPECT_FALSE(with_others.contains(address(10, 0, 0, 3), kStart));
   EXPECT_FALSE(with_others.contains(address(10, 2, 0, 1), kStart));
 
+  TrustedHosts network_of_a_host("10.1.2.3/16", [] { return std::vector<std::uint32_t>(); });
+  EXPECT_TRUE(network_of_a_host.contains(address(10, 1, 255, 3), kStart));
+  EXPECT_FALSE(network_of_a_host.contains(address(10, 2, 2, 3), kStart));
+
   TrustedHosts everybody("0.0.0.0/0", [] { return std::vector<std::uint32_t>(); });
   EXPECT_TRUE(everybody.contains(address(192, 168, 0, 1), kStart));
 }
@@ -61,8 +65,8 @@ TEST(TrustedHosts, AnAddressThatThisHostHasLostIsForgottenWithinASecond) {
 }
 
 TEST(TrustedHosts, AnInvalidAddressIsAnError) {
-  for (const char* text :
-       {"robot", "10.0.0", "10.0.0.2/33", "10.0.0.2/", "10.0.0.2/-1", "10.0.0.256", ","}) {
+  for (const char* text : {"robot", "10.0.0", "10.0.0.2/33", "10.0.0.2/", "10.0.0.2/-1",
+                           "10.0.0.256", "10.0.0.0/24x", ","}) {
     EXPECT_THROW(TrustedHosts{text}, formats::UserError) << text;
   }
 }
