@@ -6,7 +6,7 @@
 namespace nodmap::navigator {
 
 bool ScanGap::begin() {
-  is_open_ = is_open_ || !ended_at_sweep_;
+  is_open_ = !ended_at_sweep_;
   return is_open_;
 }
 
