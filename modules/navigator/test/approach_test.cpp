@@ -148,6 +148,7 @@ TEST(Approach, APersonWhoCrossesThePathIsDetected) {
     approach.update(at(time::Timestamp(i * 10ms), view, T_odom_base), 1.5, points_base);
   }
   EXPECT_TRUE(approach.is_detected(time::Timestamp(990ms)));
+  EXPECT_FALSE(approach.is_detected(time::Timestamp(990ms) - 2s)) << "a clock that was set back";
 }
 
 // Whether something at (1.0, 0) counts as an approach: the laser first sees free floor there, then

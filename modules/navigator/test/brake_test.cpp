@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "modules/navigator/local_map/test/scanned_ground.hpp"
+
 namespace nodmap::navigator {
 namespace brake_test {
 
@@ -91,6 +93,59 @@ TEST(Brake, ASlowRobotThatHasRotatedMayDriveOn) {
   EXPECT_EQ(speed(0.3), 0.0);
 }
 
+TEST(Brake, DrivesAnArcAsFastAsLimitGoalAndObstaclesAllow) {
+  const Brake brake(NavigatorParams{});
+  const Arc arc{.curvature = 0.5, .free_distance_m = 2.0, .stop_margin_m = 0.15, .speed_mps = 0.8};
+  Situation now;
+  const Decision slowed = brake.drive(arc, 0.1, 1.0, now);
+  EXPECT_EQ(slowed.behaviour, Behaviour::kBrake);
+  EXPECT_EQ(slowed.reason, Reason(Why::kSlowsDown));
+  EXPECT_EQ(slowed.forward_mps, 0.8);
+  EXPECT_EQ(slowed.yaw_rate_rad_s, 0.4);
+  EXPECT_EQ(slowed.max_forward_mps, 0.8);
+  EXPECT_EQ(slowed.free_distance_m, 2.0);
+  const Decision limited = brake.drive(arc, 0.1, 0.6, now);
+  EXPECT_EQ(limited.behaviour, Behaviour::kSteer);
+  EXPECT_EQ(limited.forward_mps, 0.6);
+  EXPECT_EQ(limited.max_forward_mps, 0.6);
+  now.goal = GoalInBase{{0.05, 0.0}, 0.01};
+  EXPECT_EQ(brake.drive(arc, 0.1, 1.0, now).forward_mps, brake.stoppable_mps(0.05));
+  EXPECT_EQ(brake.drive(arc, 0.1, 1.0, now).max_forward_mps, 0.8);
+  // On its present arc, straight ahead, is an obstacle, whatever the other arc is like.
+  now.goal.reset();
+  now.forward_mps = 1.0;
+  now.points_base = {{0.4, 0.0}};
+  EXPECT_EQ(brake.drive(arc, 0.1, 1.0, now).forward_mps, 0.0);
+}
+
+TEST(Brake, RotatesNoFasterThanTurnMay) {
+  EXPECT_EQ(Brake(NavigatorParams{}).stoppable_rad_s(10.0), TurnParams{}.rate_rad_s);
+}
+
+// The ground drops at `from_m`, up to `until_m`. Floor counts as seen from blind_m on, 0.44 m ahead
+// of base, and ends at most one line before the drop: 5 cm, and two cells.
+TEST(Brake, DrivesNoFasterThanItCanStopOnSeenFloor) {
+  const NavigatorParams params;
+  const Brake brake(params);
+  constexpr double kBlindM = 0.44;
+  const auto speed_before = [&](double from_m, double until_m, bool is_held) {
+    LocalMap map(params.robot, params.local_map);
+    test::sweep(map, {{{{from_m, -3.0}, {until_m, 3.0}, -1.5}}}, {}, 1.0);
+    Situation now;
+    now.local_map = &map;
+    now.laser_is_held = is_held;
+    return brake.measure_arc(0.0, now).speed_mps;
+  };
+  const auto expect_to_stop_within = [&](double speed_mps, double distance_m, double deceleration) {
+    EXPECT_LE(speed_mps, robot::stoppable_speed(distance_m + 0.025, 0.1, deceleration));
+    EXPECT_GE(speed_mps, robot::stoppable_speed(distance_m - 0.1, 0.1, deceleration));
+  };
+  expect_to_stop_within(speed_before(1.0, 6.0, false), 1.0 - kBlindM, 1.5);
+  // Shorter than the wide gap, and longer than the greatest: with all of its brakes' force.
+  expect_to_stop_within(speed_before(0.8, 1.0, false), 0.8 - kBlindM, 3.0);
+  EXPECT_EQ(speed_before(1.0, 6.0, true), kInf) << "a laser that is held sees no floor";
+}
+
 // The corridor is 0.165 m + 0.06 m + 0.1 m wide to each side. The front is at 0.225 m, and 0.15 m
 // remain.
 TEST(Brake, StopsBeforeWhatMayBeTheCornerOfAHole) {
@@ -126,6 +181,7 @@ TEST(Brake, RotatesSlowlyOverGroundThatIsNotKnownToBeFree) {
   EXPECT_EQ(rotate(1.0, {{-0.3, 0.1}}), 1.0);  // the corners do not reach it
   EXPECT_NEAR(rotate(1.0, {behind}), std::sqrt(0.25 + 10.0 * free_rad) - 0.5, 1e-9);
   EXPECT_NEAR(rotate(-1.0, {{0.1, -0.153}}), -deg_to_rad(10.0), 1e-12);  // 0.3 degrees remain
+  EXPECT_NEAR(rotate(-deg_to_rad(15.0), {{0.1, -0.153}}), -deg_to_rad(10.0), 1e-12);
 }
 
 // An arc to the left swings the rear to the right.
@@ -135,9 +191,10 @@ TEST(Brake, SwingsItsRearSlowlyOverGroundThatIsNotKnownToBeFree) {
     Situation now;
     now.doubtful_base = {doubtful_base};
     Decision decision;
-    decision.forward_mps = 0.3;
+    decision.forward_mps = decision.max_forward_mps = 0.3;
     decision.yaw_rate_rad_s = 0.3 * curvature;
     brake.keep_to_known_ground(decision, now);
+    EXPECT_EQ(decision.max_forward_mps, decision.forward_mps);
     EXPECT_NEAR(decision.yaw_rate_rad_s, curvature * decision.forward_mps, 1e-12);
     return decision.forward_mps;
   };
@@ -145,6 +202,9 @@ TEST(Brake, SwingsItsRearSlowlyOverGroundThatIsNotKnownToBeFree) {
               1e-12);  // touched after 1 mm
   EXPECT_EQ(drive(4.0, {-0.15, 0.25}), 0.3);
   EXPECT_EQ(drive(0.0, {-0.15, -0.17}), 0.3);
+  // Beside the front, on the inner side; but ahead of the body seen floor counts instead.
+  EXPECT_NEAR(drive(4.0, {0.1, 0.153}), deg_to_rad(10.0) / 4.0, 1e-12);
+  EXPECT_EQ(drive(4.0, {0.3, 0.1}), 0.3);
 }
 
 // What is left of the command to steer at 0.7 m/s in a curve, given who is there.
@@ -195,6 +255,27 @@ TEST(Brake, DoesNotGiveWayToWhomItEscapesOrDoesNotMeet) {
     EXPECT_EQ(decision.forward_mps, 0.7);
     EXPECT_EQ(decision.yaw_rate_rad_s, 0.07);
   }
+}
+
+// Somebody crosses. Where a stop would be no help, the robot goes on.
+TEST(Brake, KeepsAMotionThatTakesItOutOfSomebodysWay) {
+  const NavigatorParams params;
+  const PassiveSafety safety(params.robot, params.drive, params.people);
+  int num_escapes = 0;
+  for (const double present_mps : {0.3, 0.7}) {
+    for (double x = -0.2; x < 1.0; x += 0.1) {
+      for (double y = 0.5; y < 1.5; y += 0.1) {
+        const People crossing{{{x, y}, {0.0, -1.0}, 0.25}};
+        const bool escapes = safety.escapes({present_mps, 0.0}, {0.7, 0.07}, crossing);
+        const bool is_safe = safety.is_safe({present_mps, 0.0}, crossing) &&
+                             safety.safe_factor({0.7, 0.07}, crossing) == 1.0;
+        const Decision decision = give_way(present_mps, crossing);
+        EXPECT_EQ(decision.forward_mps == 0.7, escapes || is_safe) << x << ' ' << y;
+        num_escapes += escapes && !is_safe ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_GT(num_escapes, 0);
 }
 
 }  // namespace brake_test

@@ -46,6 +46,8 @@ TEST(SeenDirections, ARotationBringsNewDirectionsAndForgetsOldOnes) {
   EXPECT_FALSE(view.is_seen(deg_to_rad(-60)));  // it was out of view in between
   view.update(0.0, 0);                          // the servo driver has restarted
   EXPECT_FALSE(view.is_seen(deg_to_rad(40)));
+  view.update(0.0, 2);
+  EXPECT_TRUE(view.is_seen(deg_to_rad(40)));
 }
 
 }  // namespace seen_directions_test

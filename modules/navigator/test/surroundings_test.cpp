@@ -99,6 +99,11 @@ TEST(Surroundings, ARampIsNoObstacleButSlowsTheRobotDown) {
   EXPECT_EQ(now.max_forward_mps, params.local_map.ground.sloped_mps);
   EXPECT_FALSE(has_point_near(now.points_base, on_ramp, 0.02));
   EXPECT_TRUE(has_point_near(now.points_base, beside, 1e-9));
+  Situation slow = with({});
+  slow.T_odom_base = robot.T_odom_base();
+  slow.max_forward_mps = 0.1;
+  surroundings.complete(slow);
+  EXPECT_EQ(slow.max_forward_mps, 0.1);
 }
 
 // Somebody crosses from right to left, 2.2 m ahead. The wall is no part of them.
@@ -166,6 +171,39 @@ TEST(Surroundings, ItWaitsForASecondAfterSomethingHasComeNearer) {
   surroundings.complete(now);
   EXPECT_EQ(surroundings.reason_to_wait(now.stamp), Reason(Why::kApproach));
   EXPECT_FALSE(surroundings.reason_to_wait(now.stamp + 2s));
+}
+
+// 0.6 m beyond the turning circle of 0.28 m, and 0.5 m more at 1 m/s.
+TEST(Surroundings, TheFasterItDrivesTheEarlierItWaitsForWhatComesNearer) {
+  for (const double forward_mps : {0.0, 1.0}) {
+    Surroundings surroundings{{}};
+    for (const std::int64_t sweep : {0, 2}) {
+      Situation now = with({{1.3, 0.0}});
+      now.sweep_count = sweep;
+      surroundings.complete(now);
+    }
+    Situation now = with({{1.2, 0.0}});
+    now.sweep_count = 2;
+    now.forward_mps = forward_mps;
+    surroundings.complete(now);
+    EXPECT_EQ(surroundings.reason_to_wait(now.stamp).has_value(), forward_mps > 0.0);
+  }
+}
+
+TEST(Surroundings, AfterAShortGapWhatWasNotSeenBeforeIsLookedAtAgain) {
+  Surroundings surroundings{{}};
+  const auto has_seen_ahead = [&](std::int64_t sweep) {
+    Situation now = with({});
+    now.sweep_count = sweep;
+    surroundings.complete(now);
+    return now.has_seen(0.0);
+  };
+  EXPECT_FALSE(has_seen_ahead(0));
+  EXPECT_FALSE(has_seen_ahead(1));
+  surroundings.miss_scans();
+  EXPECT_FALSE(has_seen_ahead(2));
+  EXPECT_FALSE(has_seen_ahead(3));
+  EXPECT_TRUE(has_seen_ahead(4));
 }
 
 TEST(Surroundings, AfterOneShortGapItKnowsWhatWasSeenAfterTwoItDoesNot) {

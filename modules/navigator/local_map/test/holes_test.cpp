@@ -19,6 +19,10 @@ TEST(Holes, OneCertainBeamOrTwoInTwoScansMakeAHole) {
   EXPECT_TRUE(grid.find(p)->is_hole());
   add_hole(grid, -p, true, 1, 0);
   EXPECT_TRUE(grid.find(-p)->is_hole());
+  const Eigen::Vector2d both(1.0, -0.5);  // in one scan
+  add_hole(grid, both, false, 1, 0);
+  add_hole(grid, both, true, 1, 0);
+  EXPECT_TRUE(grid.find(both)->is_hole());
   add_hole(grid, {1e6, 0.0}, true, 1, 0);  // outside the grid: ignored
 }
 

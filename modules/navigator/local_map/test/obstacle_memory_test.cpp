@@ -35,6 +35,10 @@ TEST(ObstacleMemory, TwoUncertainHitsOrOneCertainMakeAnObstacle) {
   EXPECT_TRUE(grid.find(p.head<2>())->is_obstacle());
   memory.add_hit(grid, {-1.0, 0.0, 0.2}, true, 1);
   EXPECT_TRUE(grid.find({-1.0, 0.0})->is_obstacle());
+  // A certain one counts also after an uncertain one of the same scan.
+  memory.add_hit(grid, {0.0, 1.0, 0.04}, false, 1);
+  memory.add_hit(grid, {0.0, 1.0, 0.2}, true, 1);
+  EXPECT_TRUE(grid.find({0.0, 1.0})->is_obstacle());
 }
 
 // Each scan whose beams pass through an obstacle takes away one unit of evidence. Beams above what
@@ -51,6 +55,11 @@ TEST(ObstacleMemory, ABeamThroughAnObstacleTakesEvidenceAwayOncePerScan) {
   ObstacleMemory::pass(grid, level_beam(0.205), 3.0, kTopM, 4);
   ObstacleMemory::pass(grid, level_beam(0.205), 3.0, kTopM, 4);
   EXPECT_EQ(cell.obstacle, evidence::kCertain - 1);
+  ObstacleMemory::pass(grid, level_beam(0.15), 3.0, kTopM, 5);  // below it
+  EXPECT_EQ(cell.obstacle, evidence::kCertain - 1);
+  memory.add_hit(grid, {1.0, 0.0, 0.10}, true, 6);
+  ObstacleMemory::pass(grid, level_beam(0.15), 3.0, kTopM, 7);
+  EXPECT_EQ(cell.obstacle, 2 * evidence::kCertain - 2);
 }
 
 TEST(ObstacleMemory, BeamsDoNotRemoveAContact) {
@@ -64,6 +73,8 @@ TEST(ObstacleMemory, BeamsDoNotRemoveAContact) {
     ObstacleMemory::pass(grid, level_beam(0.2), 3.0, kTopM, scan);
   }
   EXPECT_TRUE(touched.is_obstacle());
+  memory.add_contact(grid, {0.5, 0.0, 0.0}, body, false);
+  EXPECT_TRUE(grid.find({0.5 - body.half_length_m - kCellM, 0.0})->is_obstacle()) << "behind";
 }
 
 // Travel: each metre counts as 1 m, each radian of rotation as 4 m.
@@ -77,6 +88,53 @@ TEST(ObstacleMemory, ForgetsAfterTravel) {
   EXPECT_FALSE(memory.is_forgotten(cell));  // 19.9 m
   memory.move({11.9, 0.0, 2.0}, {12.1, 0.0, 2.0});
   EXPECT_TRUE(memory.is_forgotten(cell));
+}
+
+TEST(ObstacleMemory, WhatIsSeenAgainIsRememberedFromThenOn) {
+  ObstacleMemory memory(20.0);
+  LocalGrid grid = grid_around_origin();
+  const robot::Footprint body{0.225, 0.165};
+  const LocalCell& hit = *grid.find({2.0, 0.0});
+  const LocalCell& touched = *grid.find({body.half_length_m + kCellM, 0.0});
+  for (std::uint16_t scan = 1; scan < 4; ++scan) {
+    memory.add_hit(grid, {2.0, 0.0, 0.2}, true, scan);
+    memory.add_contact(grid, {}, body, true);
+    memory.move({}, {15.0, 0.0, 0.0});
+    EXPECT_FALSE(memory.is_forgotten(hit));
+    EXPECT_FALSE(memory.is_forgotten(touched));
+  }
+}
+
+// Otherwise a single beam that may be noise would bring it back.
+TEST(ObstacleMemory, WhatWasForgottenIsNoEvidence) {
+  ObstacleMemory memory(20.0);
+  LocalGrid grid = grid_around_origin();
+  memory.add_hit(grid, {2.0, 0.0, 0.2}, true, 1);
+  memory.move({}, {21.0, 0.0, 0.0});
+  memory.add_hit(grid, {2.0, 0.0, 0.04}, false, 2);
+  EXPECT_FALSE(grid.find({2.0, 0.0})->is_obstacle());
+}
+
+// The stamps of cells begin anew after 6553.6 m.
+TEST(ObstacleMemory, ForgetsAfterTheSameTravelHoweverFarTheRobotHasCome) {
+  ObstacleMemory memory(20.0);
+  LocalGrid grid = grid_around_origin();
+  memory.move({}, {6550.0, 0.0, 0.0});
+  memory.add_hit(grid, {2.0, 0.0, 0.2}, true, 1);
+  const LocalCell& cell = *grid.find({2.0, 0.0});
+  memory.move({}, {19.0, 0.0, 0.0});
+  EXPECT_FALSE(memory.is_forgotten(cell));
+  memory.move({}, {2.0, 0.0, 0.0});
+  EXPECT_TRUE(memory.is_forgotten(cell));
+}
+
+TEST(ObstacleMemory, AnObstacleNearTheRobotIsNeverOlderThanItsLastHit) {
+  ObstacleMemory memory(20.0);
+  LocalGrid grid = grid_around_origin();
+  memory.move({}, {1.0, 0.0, 0.0});
+  memory.add_hit(grid, {0.4, 0.0, 0.2}, true, 1);
+  memory.keep_near(grid, {0.0, 0.0});
+  EXPECT_FALSE(memory.is_forgotten(*grid.find({0.4, 0.0})));
 }
 
 // Near the robot, travel counts a fifth, except for the last metre: 95 m count as 18.8 m and 1 m.

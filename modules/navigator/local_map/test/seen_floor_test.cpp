@@ -33,6 +33,22 @@ TEST(SeenFloor, EndsWhereAGapIsLongerThanAllowed) {
   EXPECT_EQ(floor.distance({}, 0.0, 0.5, 0.15, false), 0.5);
 }
 
+// Columns are 4 cm apart. A single one may lie between beams; two are a hole that a wheel falls
+// into.
+TEST(SeenFloor, TwoColumnsWithoutFloorEndItAndOneDoesNot) {
+  for (const double until_y : {0.05, 0.1}) {
+    LocalGrid grid = floor_without(10.0, 10.0);
+    for (double x = 1.0; x < 3.0; x += 0.5 * kCellM) {
+      for (double y = 0.03; y < until_y; y += 0.5 * kCellM) {
+        grid.find({x, y})->is_floor = false;
+      }
+    }
+    const double seen_m =
+        SeenFloor(grid, kObstacles, kBody, kBlindM).distance({}, 0.0, 2.0, 0.15, false);
+    EXPECT_NEAR(seen_m, until_y == 0.05 ? 2.0 : 1.0 - kBlindM, kCellM) << until_y;
+  }
+}
+
 // A wall across the way ahead; two cells thick, as with the laser's noise.
 void add_wall(LocalGrid& grid, double x) {
   for (double y = -1.0; y < 1.0; y += 0.5 * kCellM) {

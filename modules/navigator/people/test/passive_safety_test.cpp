@@ -86,6 +86,7 @@ TEST(PassiveSafety, DrivingOnEscapesAWalkerWhoWouldWalkIntoTheStoppedRobot) {
   // If the robot stops, he passes ahead of it: there is nothing to escape from.
   const People ahead{{{1.2, 1.2}, {0.0, -1.0}, 0.25, 0.0, 0.0}};
   EXPECT_FALSE(safety.escapes({0.3, 0.0}, {1.0, 0.0}, ahead));
+  EXPECT_FALSE(safety.escapes({0.3, 0.0}, {0.3, 0.0}, {{{10.0, 0.0}, {0.0, 1.0}, 0.25}}));
   // Between two walkers there is no escape.
   People both = crossing;
   both.push_back({{2.0, 0.0}, {-1.0, 0.0}, 0.25, 0.0, 0.0});
@@ -105,6 +106,8 @@ TEST(PassiveSafety, DoesNotBackUpWhileAPersonIsTracked) {
   const PassiveSafety safety(params.robot, params.drive, params.people);
   EXPECT_EQ(safety.safe_factor({-0.15, 0.0}, {}), 1.0);
   EXPECT_EQ(safety.safe_factor({-0.15, 0.0}, {{{4.0, 0.0}, {0.0, 1.0}, 0.25, 0.0, 0.0}}), 0.0);
+  // Nor is it safe if it does, with somebody behind it.
+  EXPECT_FALSE(safety.is_safe({-0.7, 0.0}, {{{-1.0, 0.0}, {1.4, 0.0}, 0.25, 0.0, 0.0}}));
 }
 
 // The walker comes head on: the farther away he is, the faster the robot may drive.
