@@ -4,72 +4,18 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <functional>
 #include <limits>
-#include <vector>
 
-#include "drivers/kurt/test/kurt_emulator.hpp"
+#include "drivers/kurt/test/kurt_robot.hpp"
 
 namespace nodmap::kurt {
 namespace kurt_test {
 
-constexpr time::Timestamp kStart{1'700'000'000s};
+using test::kStart;
+using test::Robot;
+
 constexpr double kTickM = 0.379 / 21950.0;  // a tick of the encoders, default wheels
-
-class Robot {
- public:
-  Robot() { kurt.connected(moment()); }
-
-  [[nodiscard]] time::Moment moment() const { return {kStart + now.time_since_epoch(), now}; }
-
-  // One control period: the base sends, the driver takes it in and answers.
-  void step() {
-    now += 10ms;
-    to_driver += base.tick();
-    if (held_up_periods > 0) {
-      --held_up_periods;
-    } else {
-      const std::vector<std::uint8_t> bytes(to_driver.begin(), to_driver.end());
-      to_driver.clear();
-      for (const OdometrySample& sample : kurt.receive(bytes, moment())) {
-        samples.push_back(sample);
-      }
-    }
-    to_driver += base.take(kurt.control(moment()));
-  }
-
-  // Lines from the adapter, besides those of the base.
-  void receive(const std::string& lines) {
-    const std::vector<std::uint8_t> bytes(lines.begin(), lines.end());
-    kurt.receive(bytes, moment());
-  }
-
-  void run_for(time::Duration duration) {
-    for (const time::SteadyTime end = now + duration; now < end;) {
-      step();
-    }
-  }
-
-  DriveStatus drive(double forward_mps, double yaw_rate_rad_s) {
-    return kurt.drive({{forward_mps, yaw_rate_rad_s}, moment().wall, 1s}, moment());
-  }
-
-  // Drives as a navigator does, with a DRIVE every 10 ms.
-  void drive_for(double forward_mps, double yaw_rate_rad_s, time::Duration duration) {
-    for (const time::SteadyTime end = now + duration; now < end;) {
-      ASSERT_EQ(drive(forward_mps, yaw_rate_rad_s), DriveStatus::kObeyed);
-      step();
-    }
-  }
-
-  Kurt kurt{KurtParams{}};
-  test::KurtEmulator base;
-  time::SteadyTime now;
-  int held_up_periods = 0;
-  std::string to_driver;
-  std::vector<OdometrySample> samples;
-};
 
 TEST(Kurt, OpensTheBusAndIsStationaryUntilDriven) {
   Robot robot;
