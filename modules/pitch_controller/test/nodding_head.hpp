@@ -13,6 +13,7 @@ namespace nodmap::pitch_controller::test {
 class NoddingHead {
  public:
   double speed_gain = 1.0;  ///< a fault: the servo moves at this multiple of the commanded rate
+  double short_rad = 0.0;   ///< a fault: it stops so far before its goal
   bool jammed = false;
 
   /// Simulates until `stamp` in steps of a millisecond; returns a reading as the driver gives it.
@@ -56,9 +57,10 @@ class NoddingHead {
       return;
     }
     const double left = aim_.goal_rad - pitch_rad_;
+    const double to_stop = std::copysign(std::max(0.0, std::abs(left) - short_rad), left);
     const double allowed = std::min(speed_gain * aim_.speed_rad_s,
-                                    std::sqrt(2.0 * kAccelerationRadS2 * std::abs(left)));
-    const double change = std::copysign(allowed, left) - rate_rad_s_;
+                                    std::sqrt(2.0 * kAccelerationRadS2 * std::abs(to_stop)));
+    const double change = std::copysign(allowed, to_stop) - rate_rad_s_;
     rate_rad_s_ += std::clamp(change, -kAccelerationRadS2 * dt_s, kAccelerationRadS2 * dt_s);
     pitch_rad_ += rate_rad_s_ * dt_s;
   }

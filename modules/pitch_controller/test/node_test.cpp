@@ -116,9 +116,12 @@ TEST_F(PitchControllerNodeTest, InvalidMessagesAreCountedAndChangeNothing) {
   state = next_state();
   state.utime = std::numeric_limits<std::int64_t>::min();
   bus_.deliver("PITCH_STATE", state);
+  state = next_state();
+  state.sweep_count = -1;
+  bus_.deliver("PITCH_STATE", state);
   EXPECT_EQ(commands().size(), before);
   EXPECT_EQ(rejected("implausible_odometry"), 1);
-  EXPECT_EQ(rejected("implausible_pitch_state"), 3);
+  EXPECT_EQ(rejected("implausible_pitch_state"), 4);
 }
 
 TEST_F(PitchControllerNodeTest, PitchStatesOfASecondProcessAreNotUsed) {

@@ -51,6 +51,53 @@ TEST(ServoFollow, TheSlowerOfTheLastTwoSweepsCounts) {
   EXPECT_NEAR(dut.motion(plan(), {}).rate_rad_s, 2.0, 1e-12);
 }
 
+TEST(ServoFollow, TheFasterOfTheLastTwoSweepsCountsForTheSpacing) {
+  ServoFollow dut(plan(), kAccelerationRadS2);
+  dut.add(sweep(0.8, 0.0, true));
+  dut.add(sweep(1.0, 0.0, false));
+  EXPECT_NEAR(dut.peak_rate_rad_s(plan()), 2.5, 1e-12);
+  dut.add(sweep(1.0, 0.0, true));
+  EXPECT_NEAR(dut.peak_rate_rad_s(plan()), 2.0, 1e-12);
+}
+
+// A servo that does better than planned may do so only once.
+TEST(ServoFollow, NothingIsBetterThanThePlan) {
+  ServoFollow dut(plan(), kAccelerationRadS2);
+  for (const bool is_upwards : {true, false}) {
+    dut.add(sweep(0.8, -0.1, is_upwards));
+  }
+  EXPECT_NEAR(dut.motion(plan(), {}).rate_rad_s, 2.0, 1e-12);
+  EXPECT_EQ(dut.reached(plan()).min_rad, -0.6);
+  EXPECT_EQ(dut.reached(plan()).max_rad, 0.4);
+  for (const bool is_upwards : {true, false}) {
+    dut.add(sweep(1.25, 0.0, is_upwards));
+  }
+  EXPECT_NEAR(dut.peak_rate_rad_s(plan()), 2.0, 1e-12);
+}
+
+// During a sweep the plan was slower for a while: only that sweep may have been as slow.
+TEST(ServoFollow, ASweepIsComparedWithAllPlansDuringIt) {
+  SweepPlan slow = plan();
+  slow.nod.rate_rad_s = 1.0;
+  ServoFollow dut(plan(), kAccelerationRadS2);
+  dut.set_plan(slow);
+  dut.set_plan(plan());
+  dut.add(sweep(2.0, 0.0, true));
+  EXPECT_NEAR(dut.motion(plan(), {}).rate_rad_s, 2.0, 1e-12);
+  dut.add(sweep(2.0, 0.0, false));
+  EXPECT_NEAR(dut.motion(plan(), {}).rate_rad_s, 1.0, 1e-12);
+  // It was faster for a while.
+  SweepPlan fast = plan();
+  fast.nod.rate_rad_s = 4.0;
+  ServoFollow other(plan(), kAccelerationRadS2);
+  other.set_plan(fast);
+  other.set_plan(plan());
+  other.add(sweep(0.5, 0.0, true));
+  EXPECT_NEAR(other.peak_rate_rad_s(plan()), 2.0, 1e-12);
+  other.add(sweep(0.5, 0.0, false));
+  EXPECT_NEAR(other.peak_rate_rad_s(plan()), 4.0, 1e-12);
+}
+
 // A plan that has changed in the meantime is followed as badly.
 TEST(ServoFollow, IsRelativeToThePlan) {
   ServoFollow dut(plan(), kAccelerationRadS2);
@@ -73,6 +120,10 @@ TEST(ServoFollow, ThePresentSweepCounts) {
   present.duration_s = 0.3;
   EXPECT_EQ(dut.motion(plan(), present).ends.min_rad, -0.9);
   EXPECT_EQ(dut.motion(plan(), present).ends.max_rad, 0.4);
+  present.span = {-0.1, 0.7};
+  EXPECT_EQ(dut.motion(plan(), present).ends.min_rad, -0.6);
+  EXPECT_EQ(dut.motion(plan(), present).ends.max_rad, 0.7);
+  present.span = {-0.9, 0.1};
   EXPECT_NEAR(dut.motion(plan(), present).rate_rad_s, 2.0, 1e-12);
   present.duration_s = 1.35;  // 1.3 rad in 1.3 s, and the reversal
   EXPECT_NEAR(dut.motion(plan(), present).rate_rad_s, 1.0, 1e-12);

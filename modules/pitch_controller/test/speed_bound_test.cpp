@@ -107,6 +107,33 @@ TEST(SpeedBound, APlaceThatWasNotMeasuredYetLimitsIt) {
   EXPECT_DOUBLE_EQ(bound_of(view, nod, unseen), free_mps);
 }
 
+// The laser does not see the corridor as near as planned, so the place must be measured earlier.
+TEST(SpeedBound, WhereTheNodFallsShortThePlaceIsMeasuredFartherAway) {
+  const NodMotion nod = nod_from(0.5, 1.5);
+  UnseenPlaces unseen;
+  unseen.add(1.0);
+  constexpr double kShortM = 0.2;
+  const double v = speed_bound({{0.5, 3.0}, nod, kShortM}, unseen, kCorridor, kBraking, kDetection);
+  ASSERT_GT(v, 0.05);
+  const double hit_m = 1.0 - v * revisit_s(kCorridor, nod, 1.0, v);
+  const double d_min_m = kBraking.required_distance_m(v, kDetection.processing_s);
+  EXPECT_NEAR(hit_m, kCorridor.met_from_m(d_min_m + kShortM, kDetection.visible_obstacle_m), 2e-3);
+}
+
+// A tall obstacle is met before the corridor is seen completely, but the robot must stop for it.
+TEST(SpeedBound, AnObstacleThatIsMetLateLeavesRoomToStopWithFullForce) {
+  DetectionParams tall = kDetection;
+  tall.visible_obstacle_m = 0.3;
+  const NodMotion nod = nod_from(0.5, 1.5);
+  UnseenPlaces unseen;
+  unseen.add(1.0);
+  const double v = speed_bound({{0.1, 3.0}, nod}, unseen, kCorridor, kBraking, tall);
+  const double left_m =
+      1.0 - v * revisit_s(kCorridor, nod, 1.0, v) -
+      robot::stopping_distance(v, tall.processing_s, kBraking.emergency_deceleration_mps2);
+  EXPECT_NEAR(left_m, 0.05, 2e-3);
+}
+
 TEST(RisingBound, FallsAtOnceAndRisesSlowly) {
   RisingBound rising(0.5);
   EXPECT_DOUBLE_EQ(rising.limit(2.0, 0.0, 0.1), 0.05);

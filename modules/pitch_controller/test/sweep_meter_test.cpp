@@ -76,12 +76,25 @@ TEST(SweepMeter, ASweepWithAGapIsNotComplete) {
   Feeder feeder;
   feeder.sweep(-0.2, 0.2, 0.3);
   feeder.sweep(0.2, -0.2, 0.3);
-  feeder.stamp += 200ms;
-  const auto sweep = feeder.sweep(-0.2, 0.2, 0.3);
-  EXPECT_FALSE(sweep->is_complete);
-  EXPECT_FALSE(feeder.dut.last_two_sweeps());
+  for (const time::Duration missing : {200ms, 60ms}) {  // and the 5 ms to the next reading
+    feeder.sweep(-0.2, 0.2, 0.3);
+    ASSERT_TRUE(feeder.sweep(0.2, -0.2, 0.3)->is_complete);
+    feeder.stamp += missing;
+    const auto sweep = feeder.sweep(-0.2, 0.2, 0.3);
+    EXPECT_FALSE(sweep->is_complete);
+    EXPECT_FALSE(feeder.dut.last_two_sweeps());
+  }
   feeder.number += 3;  // reversals that were missed
   EXPECT_FALSE(feeder.sweep(0.2, -0.2, 0.3)->is_complete);
+}
+
+// Of a few readings, whose duration is not known to a reversal.
+TEST(SweepMeter, TheMeanRateOfTheShortestSweepIsPositive) {
+  MeasuredSweep sweep;
+  sweep.span = {0.0, 0.01};
+  sweep.duration_s = 0.005;
+  sweep.peak_rate_rad_s = 2.0;
+  EXPECT_GT(sweep.mean_rate_rad_s(40.0), 0.0);
 }
 
 // The clock was set a little.

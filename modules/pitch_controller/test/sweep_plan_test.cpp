@@ -52,6 +52,16 @@ TEST(SweepPlan, CoversTheWholeRangeWhileStationaryAndTheCorridorAtSpeed) {
   }
 }
 
+TEST(SweepPlan, ItsNodTakesAsLongAsItsSweep) {
+  const SweepPlanner planner = default_planner();
+  for (double v = 0.0; v < 4.0; v += 0.1) {
+    const SweepPlan plan = planner.plan(v);
+    EXPECT_NEAR(plan.nod.ends.range_rad() / plan.nod.rate_rad_s + plan.nod.reversal_s, plan.sweep_s,
+                1e-9)  // rounding, of a small difference of squares
+        << v;
+  }
+}
+
 TEST(SweepPlan, ChangesMonotonicallyWithTheSpeed) {
   const SweepPlanner planner = default_planner();
   SweepPlan before = planner.plan(0.0);

@@ -44,6 +44,14 @@ TEST(UnseenPlaces, ItIsForgottenOnceItWasMeasured) {
   EXPECT_TRUE(std::isinf(dut.least_protected_m()));
 }
 
+// It is not farther away because the laser was early.
+TEST(UnseenPlaces, OneThatWasMeasuredIsWhereItIs) {
+  UnseenPlaces dut;
+  dut.add(2.0);
+  dut.advance(0.5, 4.0);
+  EXPECT_DOUBLE_EQ(dut.nearest_hit_m(kNod, kRevisitS, 1.0), 1.5);
+}
+
 // A head that stands still measures nothing, however long it takes.
 TEST(UnseenPlaces, WithoutANodNothingIsForgotten) {
   UnseenPlaces dut;

@@ -151,6 +151,31 @@ TEST(ClearView, EveryObstacleWithinItIsHit) {
   }
 }
 
+// The outermost line may lie one spacing within the end of the sweep, and nearer than where the
+// corridor is covered, or the lines are dense enough, obstacles are missed.
+TEST(ClearView, BeginsWhereTheOutermostLineCoversTheCorridor) {
+  constexpr double kSpacingRad = 0.01;
+  for (const double covered_m : {1.0, 2.0}) {
+    const PitchInterval covers = kCorridorAtTheAxis.area_from(covered_m);
+    const PitchInterval ends{covers.min_rad - kSpacingRad, covers.max_rad + kSpacingRad};
+    for (const PitchInterval& seen :
+         {ends, PitchInterval{ends.min_rad, 1.0}, {-1.0, ends.max_rad}}) {
+      EXPECT_NEAR(clear_view(kCorridorAtTheAxis, seen, kSpacingRad, 0.05, 4.0).near_m, covered_m,
+                  1e-9);
+    }
+  }
+  // Lines of 0.06 rad are no more than 5 cm apart from 0.246 to 0.588 m only: o^2 > 4 dp^2 h^2.
+  EXPECT_NEAR(clear_view(kCorridorAtTheAxis, {-1.5, 1.5}, 0.06, 0.05, 4.0).near_m, 0.2457, 1e-4);
+}
+
+TEST(Revisit, ContainsTheReversal) {
+  const NodMotion nod{{-0.5, 0.5}, 2.0, 0.1};
+  NodMotion without = nod;
+  without.reversal_s = 0.0;
+  EXPECT_NEAR(revisit_s(kCorridorAtTheAxis, nod, 1.0, 0.0),
+              revisit_s(kCorridorAtTheAxis, without, 1.0, 0.0) + 0.1, 1e-12);
+}
+
 TEST(ClearView, EndsAtTheLookAheadDistance) {
   EXPECT_EQ(clear_view(kCorridorAtTheAxis, kWide, 0.005, 0.05, 4.0).far_m, 4.0);
 }
