@@ -115,7 +115,9 @@ time::Duration Nod::patience(const PitchSample& where) const {
   const double speed = std::max(aim_.speed_rad_s, kSlowestRadS);
   const double moving_s = 2.0 * kMovedRad / speed;
   const double braking_rad = speed * speed / (2.0 * head_.pitch_acceleration_rad_s2);
-  const bool reverses = moved_->stamp <= reversed_ ||
+  // After it was commanded to reverse, the head still moves on until it has braked.
+  const time::Duration braking = time::from_seconds(speed / head_.pitch_acceleration_rad_s2);
+  const bool reverses = moved_->stamp <= reversed_ + braking ||
                         std::abs(aim_.goal_rad - where.pitch_rad) <= braking_rad + kMovedRad;
   return kMovePatience + time::from_seconds(moving_s + (reverses ? reversal_s(speed) : 0.0));
 }

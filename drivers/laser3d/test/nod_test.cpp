@@ -20,6 +20,7 @@ class Head {
   double pitch_rad = 0.0;
   double rate_rad_s = 0.0;
   bool jammed = false;
+  double acceleration_rad_s2 = kAcceleration;
 
   void step(const Nod::Aim& aim, double dt_s) {
     if (jammed) {
@@ -28,9 +29,10 @@ class Head {
     }
     const double left = aim.goal_rad - pitch_rad;
     const double allowed =
-        std::min(aim.speed_rad_s, std::sqrt(2.0 * kAcceleration * std::abs(left)));
+        std::min(aim.speed_rad_s, std::sqrt(2.0 * acceleration_rad_s2 * std::abs(left)));
     const double wanted = std::copysign(allowed, left);
-    rate_rad_s += std::clamp(wanted - rate_rad_s, -kAcceleration * dt_s, kAcceleration * dt_s);
+    rate_rad_s +=
+        std::clamp(wanted - rate_rad_s, -acceleration_rad_s2 * dt_s, acceleration_rad_s2 * dt_s);
     pitch_rad += rate_rad_s * dt_s;
   }
 
@@ -126,6 +128,10 @@ TEST(Nod, R3_WhatTheMechanicsCannotDoIsCutOff) {
   const Nod::Aim aim = dut.step({now, 0.0, 0.0}, now);
   EXPECT_EQ(aim.goal_rad, 1.0);
   EXPECT_EQ(aim.speed_rad_s, 3.0);
+  EXPECT_EQ(dut.step({now + 1s, 1.0, 0.0}, now).goal_rad, -1.0);
+  // 5.5 rad/s would do for this one.
+  EXPECT_TRUE(dut.command({-1.0, 1.0, 0.5}, now));
+  EXPECT_EQ(dut.step({now + 1s, 0.0, 0.0}, now).speed_rad_s, 3.0);
 }
 
 TEST(Nod, WithoutCommandsItFallsBack) {
@@ -138,7 +144,10 @@ TEST(Nod, WithoutCommandsItFallsBack) {
 TEST(Nod, InvalidCommandsAreRefused) {
   Nod dut(params(), limits());
   const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double infinity = std::numeric_limits<double>::infinity();
   EXPECT_FALSE(dut.command({nan, 0.0, 1.0}, at(0s)));
+  EXPECT_FALSE(dut.command({-infinity, 0.0, 1.0}, at(0s)));
+  EXPECT_FALSE(dut.command({0.0, infinity, 1.0}, at(0s)));
   EXPECT_FALSE(dut.command({0.5, -0.5, 1.0}, at(0s)));
   EXPECT_FALSE(dut.command({-0.5, 0.5, 0.0}, at(0s)));
   EXPECT_FALSE(dut.command({-0.5, 0.5, nan}, at(0s)));
@@ -157,6 +166,42 @@ TEST(Nod, EqualEndsHoldTheLaser) {
   EXPECT_NEAR(head.pitch_rad, 0.0, 1.8e-5);
   EXPECT_EQ(dut.sweep(), 0);
   EXPECT_FALSE(dut.is_stalled());
+}
+
+TEST(Nod, AHeadThatDoesNotReachThePitchItIsToHoldIsStalled) {
+  NodParams with = params();
+  with.fallback = {0.0, 0.0, 1.0};
+  Nod dut(with, limits());
+  Head head;
+  head.pitch_rad = 0.4;
+  head.jammed = true;
+  time::SteadyTime now;
+  run(dut, head, 0.3, now);
+  EXPECT_TRUE(dut.is_stalled());
+}
+
+// At 0.1 rad/s or more; the pitch controller commands no less than a third of a radian. A head with
+// little acceleration takes long to reverse.
+TEST(Nod, AHeadThatFollowsIsNeverStalled) {
+  for (const double acceleration_rad_s2 : {Head::kAcceleration, 4.0}) {
+    for (const double range_rad : {0.1, 0.7, 1.5}) {
+      for (const double sweep_s : {0.35, 0.8, 10.0 * range_rad}) {
+        NodParams with = params();
+        with.fallback = {-0.6 * range_rad, 0.4 * range_rad, sweep_s};
+        robot::HeadLimits slow = limits();
+        slow.pitch_acceleration_rad_s2 = acceleration_rad_s2;
+        Nod dut(with, slow);
+        Head head;
+        head.acceleration_rad_s2 = acceleration_rad_s2;
+        time::SteadyTime now;
+        while (now < at(10s)) {
+          run(dut, head, 0.005, now);
+          ASSERT_FALSE(dut.is_stalled())
+              << range_rad << " rad, " << sweep_s << " s, " << acceleration_rad_s2;
+        }
+      }
+    }
+  }
 }
 
 // At any position, including the ends, where it takes longest: a reserve of 40 ms, the reversal of
@@ -190,11 +235,17 @@ TEST(Nod, AJammedHeadTriesBothWaysAndComesBack) {
   time::SteadyTime now;
   run(dut, head, 2.2, now);
   ASSERT_FALSE(dut.is_stalled());
+  const std::int64_t sweep = dut.sweep();
   head.jammed = true;
   run(dut, head, 0.3, now);
   EXPECT_TRUE(dut.is_stalled());
-  const std::int64_t sweep = dut.sweep();
-  run(dut, head, 5.0, now);
+  int num_up = 0;
+  for (int i = 0; i < 100; ++i) {
+    run(dut, head, 0.05, now);
+    num_up += dut.aim().goal_rad > head.pitch_rad ? 1 : 0;
+  }
+  EXPECT_GT(num_up, 25);
+  EXPECT_LT(num_up, 75);
   EXPECT_TRUE(dut.is_stalled());
   EXPECT_EQ(dut.sweep(), sweep) << "reversing in vain is no sweep";
   head.jammed = false;
@@ -218,6 +269,7 @@ TEST(Nod, AGapInTheReadingsIsNoStall) {
   Head head;
   time::SteadyTime now;
   run(dut, head, 2.2, now);
+  static_cast<void>(dut.step({now, head.pitch_rad, 0.0}, now));
   now += 10s;  // the servo was disconnected and is back at the same position
   static_cast<void>(dut.step({now, head.pitch_rad, 0.0}, now));
   EXPECT_FALSE(dut.is_stalled());
