@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+
 #include "drivers/laser3d/test/golden.hpp"
 
 namespace nodmap::laser3d::test {
@@ -15,6 +17,8 @@ class FakeSensor {
   bool frozen = false;
   bool blind = false;       // no echoes
   bool too_weak = false;    // echoes are too weak to be measured
+  bool covered = false;     // its window: every reading is less than 5 cm
+  int num_echoes = 1000;    // at most; no echoes of the beams after these
   bool interlaced = false;  // shifted by a quarter of a degree with each scan
   bool deaf_to_variant = false;
   std::uint8_t status = 0x10;
@@ -43,9 +47,12 @@ class FakeSensor {
     const int first = 1000 + (frozen ? quarter : scans_ % 50);
     Bytes data = {0xB0};
     serial::append_little(data, header());
+    const int echoes = std::min(num_echoes, static_cast<int>(values));
+    const int none = static_cast<int>(values) - echoes;
     data = data + (blind      ? same(0x7FF7)
                    : too_weak ? same(0x7FFF)
-                              : ramp(static_cast<int>(values), first));
+                   : covered  ? same(static_cast<std::uint16_t>(scans_ % 50))
+                              : ramp(echoes, first) + ramp(none, 0x7FF7, 0));
     data.push_back(static_cast<std::uint8_t>(scans_));  // a mirror revolution for each
     data.push_back(static_cast<std::uint8_t>(scans_));
     return sick_frame(data, status);

@@ -6,90 +6,17 @@
 #include <cmath>
 #include <functional>
 
-#include "drivers/laser3d/test/fake_sensor.hpp"
-#include "drivers/laser3d/test/fake_servo.hpp"
+#include "drivers/laser3d/test/laser3d_rig.hpp"
 
 namespace nodmap::laser3d {
 namespace laser3d_test {
-
-constexpr time::Duration kRevolution = 13'320us;
 
 time::SteadyTime last_beam(const scan::Scan& scan) {
   return time::SteadyTime(scan.last_stamp().time_since_epoch());
 }
 
-using test::FakeSensor;
-using test::FakeServo;
-using test::operator+;  // NOLINT(misc-unused-using-decls): an operator is used
-
-// Both devices on their lines, on simulated time in steps of a millisecond.
-class Rig {
- public:
-  explicit Rig(const Laser3dParams& params = {}) : dut(params) {
-    servo.registers[11] = 3;
-    servo.registers[117] = 2048 >> 8;
-  }
-
-  void open() {
-    handle(dut.laser_opened(now));
-    handle(dut.servo_opened(now));
-  }
-
-  void run(double seconds) {
-    const time::SteadyTime end = now + time::from_seconds(seconds);
-    for (; now < end; now += 1ms) {
-      servo.step_ms(static_cast<int>(now.time_since_epoch() / 1ms));
-      // A telegram takes 7 ms from the end of the half revolution to its last byte.
-      if (sensor.streaming && now - last_scan_ >= scan_period) {
-        last_scan_ += (now - last_scan_) / scan_period * scan_period;
-        if (sensor.powered && sensor.baud == laser_baud) {
-          const Bytes scan = sensor.next_scan();
-          on_the_laser_line = on_the_laser_line + (is_lost(++num_sent_) ? Bytes{} : scan);
-        }
-      }
-      const Bytes from_laser = std::exchange(on_the_laser_line, {});
-      const Bytes from_servo = std::exchange(on_the_servo_line, {});
-      handle(dut.receive_laser(from_laser, now));
-      handle(dut.receive_servo(from_servo, now));
-      handle(dut.poll(now));
-    }
-  }
-
-  void handle(const Laser3dOutput& output) {
-    for (const LineAction& action : output.laser) {
-      laser_baud = action.baud.value_or(laser_baud);
-      if (!action.send.empty()) {
-        on_the_laser_line = on_the_laser_line + sensor.answer(action.send, laser_baud);
-      }
-    }
-    for (const LineAction& action : output.servo) {
-      on_the_servo_line = on_the_servo_line + servo.answer(action.send);
-    }
-    for (const SteadyScan& steady : output.scans) {
-      scans.push_back(steady.scan);
-      scans.back().stamp = time::Timestamp(steady.first_beam.time_since_epoch());
-    }
-    pitch.insert(pitch.end(), output.pitch.begin(), output.pitch.end());
-  }
-
-  [[nodiscard]] node::Health health() const { return dut.health(now); }
-
-  Laser3d dut;
-  FakeSensor sensor;
-  FakeServo servo;
-  time::SteadyTime now{1s};
-  time::Duration scan_period = kRevolution;
-  std::function<bool(int)> is_lost = [](int /*scan*/) { return false; };  // on its line
-  int laser_baud = 0;
-  Bytes on_the_laser_line;
-  Bytes on_the_servo_line;
-  std::vector<scan::Scan> scans;
-  std::vector<PitchState> pitch;
-
- private:
-  time::SteadyTime last_scan_{1s};
-  int num_sent_ = 0;
-};
+using test::kRevolution;
+using test::Rig;
 
 TEST(Laser3d, R1_PublishesPitchedScansAt75Hz) {
   Rig rig;
@@ -232,6 +159,53 @@ TEST(Laser3d, ALaserThatSeesNothingIsBlind) {
   EXPECT_EQ(rig.health().state, node::HealthState::kOk) << rig.health().reason;
 }
 
+TEST(Laser3d, ACoveredWindowIsBlind) {
+  Rig rig;
+  rig.open();
+  rig.run(4.0);
+  rig.sensor.covered = true;
+  rig.run(2.0);
+  EXPECT_EQ(rig.health().reason, "laser: blind (no readings)");
+  const std::size_t scans = rig.scans.size();
+  rig.run(2.0);
+  EXPECT_EQ(rig.scans.size(), scans);
+}
+
+// Fewer than ten readings may be dust.
+TEST(Laser3d, TenReadingsAreSight) {
+  for (const auto& [num_echoes, is_blind] : {std::pair(9, true), std::pair(10, false)}) {
+    Rig rig;
+    rig.open();
+    rig.run(4.0);
+    rig.sensor.num_echoes = num_echoes;
+    rig.run(2.5);
+    EXPECT_EQ(rig.health().reason == "laser: blind (no readings)", is_blind) << num_echoes;
+  }
+}
+
+// The servo answers, but with positions that the head cannot have.
+TEST(Laser3d, WithoutAPitchItIsFailed) {
+  Rig rig;
+  rig.open();
+  rig.run(4.0);
+  rig.servo.told_position = 100'000;
+  rig.run(1.0);
+  EXPECT_EQ(rig.health().state, node::HealthState::kFailed);
+  EXPECT_EQ(rig.health().reason, "no scan could be given a pitch");
+}
+
+TEST(Laser3d, TheTimeOffsetIsAddedToEveryBeam) {
+  const auto last_stamp = [](double offset_s) {
+    Laser3dParams params;
+    params.laser.time_offset_s = offset_s;
+    Rig rig(params);
+    rig.open();
+    rig.run(4.0);
+    return rig.scans.at(100).stamp;
+  };
+  EXPECT_EQ(last_stamp(-0.004) - last_stamp(0.0), -4ms);
+}
+
 TEST(Laser3d, ALaserThatNeverSawAnythingIsBlindAtOnce) {
   Rig rig;
   rig.sensor.blind = true;
@@ -242,7 +216,8 @@ TEST(Laser3d, ALaserThatNeverSawAnythingIsBlindAtOnce) {
 }
 
 TEST(Laser3d, AFastNodMakesBlindnessKnownInASecondASlowOneInItsNod) {
-  for (const auto& [sweep_s, known_s] : {std::pair(0.3, 1.0), std::pair(3.0, 6.6)}) {
+  for (const auto& [sweep_s, known_s] :
+       {std::pair(0.3, 1.0), std::pair(3.0, 6.6), std::pair(10.0, 15.0)}) {
     Rig rig;
     rig.open();
     rig.run(4.0);
@@ -276,6 +251,15 @@ TEST(Laser3d, PollutionDegrades) {
   rig.run(4.0);
   EXPECT_EQ(rig.health().state, node::HealthState::kDegraded);
   EXPECT_EQ(rig.health().reason, "laser: the front window is dirty");
+}
+
+TEST(Laser3d, AnErrorOfTheSensorDegrades) {
+  Rig rig;
+  rig.open();
+  rig.sensor.status = 0x13;
+  rig.run(4.0);
+  EXPECT_EQ(rig.health().state, node::HealthState::kDegraded);
+  EXPECT_EQ(rig.health().reason, "laser: reports an error");
 }
 
 TEST(Laser3d, ReadingsThatTheSensorDoesNotBelieveDegrade) {

@@ -188,6 +188,51 @@ TEST(Laser3dNode, APitchCommandIsObeyedForASecondFromItsStamp) {
       << rig.pitch.get()->goal_pitch_rad;
 }
 
+// The clock of its sender is ahead.
+TEST(Laser3dNode, APitchCommandFromTheFutureIsObeyedNoLonger) {
+  Rig rig;
+  rig.run(3.0);
+  nodmap::pitch_command_t command{};
+  command.utime = time::to_utime(rig.now.wall + 900ms);
+  command.pitch_min_rad = -0.2;
+  command.pitch_max_rad = 0.05;
+  command.sweep_s = 0.5;
+  rig.bus.publish("PITCH_COMMAND", command);
+  rig.run(0.95);
+  EXPECT_NEAR(std::abs(rig.pitch.get()->goal_pitch_rad + 0.075), 0.125, 1e-9);
+  rig.run(0.1);
+  EXPECT_TRUE(rig.pitch.get()->goal_pitch_rad < -0.3 || rig.pitch.get()->goal_pitch_rad > 0.15)
+      << rig.pitch.get()->goal_pitch_rad;
+}
+
+TEST(Laser3dNode, AStallIsPublished) {
+  Rig rig;
+  rig.run(4.0);
+  EXPECT_EQ(rig.pitch.get()->is_stalled, 0);
+  rig.head.jammed = true;
+  rig.run(0.35);
+  EXPECT_EQ(rig.pitch.get()->is_stalled, 1);
+}
+
+// Its stamps are too old, so that each of its commands would be refused anyway.
+TEST(Laser3dNode, ASecondSenderIsNoticedByItsStaleCommandsToo) {
+  Rig rig;
+  rig.run(3.0);
+  bus::LoopBus other(rig.network);
+  nodmap::pitch_command_t command{};
+  command.pitch_min_rad = -0.2;
+  command.pitch_max_rad = 0.05;
+  command.sweep_s = 0.5;
+  for (int i = 0; i < 20; ++i) {
+    command.utime = time::to_utime(rig.now.wall);
+    rig.bus.publish("PITCH_COMMAND", command);
+    command.utime = time::to_utime(rig.now.wall - 5s);
+    other.publish("PITCH_COMMAND", command);
+    rig.run(0.02);
+  }
+  EXPECT_NE(rig.node.health().reason.find("two processes send PITCH_COMMAND"), std::string::npos);
+}
+
 // A second sender points the laser at the ceiling, 50 times a second. A second after the last
 // command that was obeyed the head nods as without commands, between -0.7 and 0.26 rad.
 TEST(Laser3dNode, ASecondSenderOfPitchCommandIsRefusedAndReported) {

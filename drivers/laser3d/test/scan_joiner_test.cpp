@@ -95,6 +95,15 @@ TEST(ScanJoiner, NothingBeforeTheFirstSampleAndNothingAcrossAGap) {
   EXPECT_EQ(dut.dropped(), 2);
 }
 
+TEST(ScanJoiner, AGapOfSixtyMillisecondsIsBridgedAndALongerOneIsNot) {
+  for (const time::Duration gap : {60ms, 61ms}) {
+    ScanJoiner dut;
+    dut.add(PitchSample{at(0ms), 0.0, 0.0});
+    dut.add(PitchSample{at(gap), 0.0, 0.0});
+    EXPECT_EQ(dut.pitch_at(at(30ms)).has_value(), gap == 60ms);
+  }
+}
+
 TEST(ScanJoiner, WithoutAServoNothingComesOutAndNothingPilesUp) {
   ScanJoiner dut;
   for (int i = 0; i < 1000; ++i) {
@@ -116,7 +125,10 @@ TEST(ScanJoiner, SamplesThatStepBackAreDropped) {
   ScanJoiner dut;
   dut.add(PitchSample{at(10ms), 1.0, 0.0});
   dut.add(PitchSample{at(9ms), 5.0, 0.0});
+  dut.add(PitchSample{at(10ms), 5.0, 0.0});
+  dut.add(PitchSample{at(20ms), 1.0, 0.0});
   EXPECT_EQ(dut.pitch_at(at(10ms)), 1.0);
+  EXPECT_EQ(dut.pitch_at(at(15ms)), 1.0);
   EXPECT_FALSE(dut.pitch_at(at(9ms)));
 }
 

@@ -125,6 +125,16 @@ TEST(DynamixelSession, NoRequestIsLeftOutBecauseOfAStaleAnswer) {
   }
 }
 
+TEST(DynamixelSession, AnotherServosAnswersAreNone) {
+  ServoParams params;
+  params.id = 2;  // the fake answers as 1
+  Rig rig(params);
+  rig.open();
+  rig.run(0.5);
+  EXPECT_FALSE(rig.dut.is_running());
+  EXPECT_EQ(rig.dut.last_error(), "the servo does not answer");
+}
+
 TEST(DynamixelSession, MovesAtTheSpeedAsked) {
   Rig rig;
   rig.open();

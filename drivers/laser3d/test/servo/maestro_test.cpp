@@ -66,6 +66,15 @@ TEST(MaestroSession, ReportsTheCommandedPitchAsSuch) {
   EXPECT_TRUE(dut.is_running());
 }
 
+TEST(MaestroSession, ItsRateIsThatBetweenTwoReadings) {
+  MaestroSession dut(params());
+  EXPECT_FALSE(dut.open(at(0s)).send.empty());
+  EXPECT_FALSE(dut.poll(at(0s)).send.empty());
+  EXPECT_EQ(dut.receive(answer(4 * 1500), at(2ms)).sample->rate_rad_s, 0.0);
+  EXPECT_FALSE(dut.poll(at(100ms)).send.empty());
+  EXPECT_NEAR(dut.receive(answer(4 * 1400), at(102ms)).sample->rate_rad_s, 2.0, 1e-12);
+}
+
 TEST(MaestroSession, SpeedComesBeforeTheTarget) {
   MaestroSession dut(params());
   EXPECT_FALSE(dut.open(at(0s)).send.empty());
