@@ -83,34 +83,6 @@ void PointMap::enter(const Eigen::Vector2d& p, std::uint32_t index) {
   }
 }
 
-template <typename Visit>
-void PointMap::for_each_around(const Eigen::Vector2d& p, double radius_m, Visit visit) const {
-  const CellIndex low = cell_index(p.array() - radius_m);
-  const CellIndex high = cell_index(p.array() + radius_m);
-  const CellIndex first = tile_index(low);
-  const CellIndex last = tile_index(high);
-  for (CellIndex index = first; index.y <= last.y; ++index.y) {
-    const std::int32_t first_row = std::max(low.y - kTileCells * index.y, 0);
-    const std::int32_t last_row = std::min(high.y - kTileCells * index.y, kTileCells - 1);
-    for (index.x = first.x; index.x <= last.x; ++index.x) {
-      const Tile* const tile = find_tile(index);
-      if (tile == nullptr) {
-        continue;
-      }
-      const std::int32_t first_column = std::max(low.x - kTileCells * index.x, 0);
-      const std::int32_t last_column = std::min(high.x - kTileCells * index.x, kTileCells - 1);
-      for (std::int32_t row = first_row; row <= last_row; ++row) {
-        const std::uint32_t* const begins =
-            &tile->begins[std::size_t{kTileCells} * static_cast<std::size_t>(row)];
-        const std::uint32_t end = begins[last_column + 1];
-        for (std::uint32_t i = begins[first_column]; i < end; ++i) {
-          visit(tile->places[i], tile->indices[i]);
-        }
-      }
-    }
-  }
-}
-
 bool PointMap::find_neighbours(const OrientedPoint& point) {
   const double line_m2 = params_.line_radius_m * params_.line_radius_m;
   const double new_m2 = params_.new_point_distance_m * params_.new_point_distance_m;

@@ -128,6 +128,11 @@ class PointMap {
 
   [[nodiscard]] std::span<const MapPoint> points() const { return points_; }
 
+  /// Calls `visit` with the place and the index of each point within `radius_m` in x and y, and of
+  /// some beyond.
+  template <typename Visit>
+  void for_each_around(const Eigen::Vector2d& p, double radius_m, Visit visit) const;
+
  private:
   /// A square of cells. Points lie in memory in the order in which a search reads them: cell after
   /// cell in a row, and row after row.
@@ -159,10 +164,6 @@ class PointMap {
   [[nodiscard]] static CellIndex tile_index(CellIndex cell);
   [[nodiscard]] const Tile* find_tile(CellIndex tile) const;
   void enter(const Eigen::Vector2d& p, std::uint32_t index);
-  /// Calls `visit` with the place and the index of each point within `radius_m` in x and y, and of
-  /// some beyond.
-  template <typename Visit>
-  void for_each_around(const Eigen::Vector2d& p, double radius_m, Visit visit) const;
   /// Reads the cells within `radius_m` of `p`, unless the block holds just these.
   void read_block(const Eigen::Vector2d& p, double radius_m, Block& block) const;
   /// Returns the points of the block within reach, valid until the next call.
@@ -190,6 +191,34 @@ class PointMap {
   // Number of each tile by its index. Never iterated, because its order is arbitrary.
   tsl::robin_map<CellIndex, std::uint32_t, CellHash> tile_numbers_;
 };
+
+template <typename Visit>
+void PointMap::for_each_around(const Eigen::Vector2d& p, double radius_m, Visit visit) const {
+  const CellIndex low = cell_index(p.array() - radius_m);
+  const CellIndex high = cell_index(p.array() + radius_m);
+  const CellIndex first = tile_index(low);
+  const CellIndex last = tile_index(high);
+  for (CellIndex index = first; index.y <= last.y; ++index.y) {
+    const std::int32_t first_row = std::max(low.y - kTileCells * index.y, 0);
+    const std::int32_t last_row = std::min(high.y - kTileCells * index.y, kTileCells - 1);
+    for (index.x = first.x; index.x <= last.x; ++index.x) {
+      const Tile* const tile = find_tile(index);
+      if (tile == nullptr) {
+        continue;
+      }
+      const std::int32_t first_column = std::max(low.x - kTileCells * index.x, 0);
+      const std::int32_t last_column = std::min(high.x - kTileCells * index.x, kTileCells - 1);
+      for (std::int32_t row = first_row; row <= last_row; ++row) {
+        const std::uint32_t* const begins =
+            &tile->begins[std::size_t{kTileCells} * static_cast<std::size_t>(row)];
+        const std::uint32_t end = begins[last_column + 1];
+        for (std::uint32_t i = begins[first_column]; i < end; ++i) {
+          visit(tile->places[i], tile->indices[i]);
+        }
+      }
+    }
+  }
+}
 
 /// The nearest of some map points with a normal similar to that of `point`.
 struct NearestOf {

@@ -6,15 +6,13 @@
 #include <limits>
 #include <numbers>
 
-#include "modules/slam2d/score_bound.hpp"
+#include "modules/slam2d/lattice_scores.hpp"
 
 namespace nodmap::slam2d {
 namespace {
 
-constexpr double kStepM = 0.25;  // ICP converges from half of it
-constexpr int kStepCells = static_cast<int>(kStepM / ScoreBound::kCellM);
+constexpr double kStepM = LatticeScores::kStepM;  // ICP converges from half of it
 constexpr double kMaxStepRad = geometry::deg_to_rad(4.0);
-constexpr double kMaxDistanceM = 0.25;  // a point this far from the map scores 0
 constexpr std::size_t kNumPoints = 90;  // enough to rank poses; 45 misplace a rotation of mit-csail
 constexpr std::size_t kMaxCandidates = 10;
 constexpr double kDistinctM = 0.4;
@@ -23,9 +21,6 @@ constexpr double kDistinctRad = 0.1;
 // poses with the same score the one nearer to odometry is more likely. People around the robot
 // halve the score at the true pose; with a cost of 0.1 poses would then be found anywhere.
 constexpr double kDeviationCost = 0.25;
-
-// Rounding of the bounds of scores.
-constexpr double kRounding = 1e-9;
 
 // A part of the points, spread over the scan.
 std::vector<OrientedPoint> points_to_score(std::span<const OrientedPoint> scan) {
@@ -49,24 +44,8 @@ double rotation_step_rad(std::span<const OrientedPoint> scan) {
   return std::min(kMaxStepRad, std::numbers::sqrt2 * kStepM / std::max(distance_m, kStepM));
 }
 
-// Mean over the points: 1 on a map point, 0 from `kMaxDistanceM` on.
-double quick_score(const PointMap& map, std::span<const OrientedPoint> scan,
-                   const geometry::SE2& T_target_base) {
-  const Eigen::Matrix2d R = T_target_base.rotation();
-  const Eigen::Vector2d t = T_target_base.translation();
-  double sum = 0.0;
-  for (const auto& [p, normal] : scan) {
-    const OrientedPoint point{R * p + t, R * normal};
-    if (const MapPoint* found = map.nearest(point, kMaxDistanceM)) {
-      sum += 1.0 - (found->point.p - point.p).norm() / kMaxDistanceM;
-    }
-  }
-  return scan.empty() ? 0.0 : sum / static_cast<double>(scan.size());
-}
-
 bool are_distinct(const geometry::SE2& a, const geometry::SE2& b) {
-  return std::hypot(a.x - b.x, a.y - b.y) >= kDistinctM ||
-         std::abs(geometry::angle_difference(a.yaw, b.yaw)) >= kDistinctRad;
+  return geometry::rotation_rad(a, b) >= kDistinctRad || geometry::distance_m(a, b) >= kDistinctM;
 }
 
 }  // namespace
@@ -104,65 +83,38 @@ std::vector<PoseSearch::Candidate> PoseSearch::poses_around(
     const PointMap& map, std::span<const OrientedPoint> scan,
     std::span<const geometry::SE2> guesses) const {
   const geometry::SE2& guess = guesses.front();
-  const int steps = static_cast<int>(params_.distance_m / kStepM);
+  const int steps = static_cast<int>(params_.distance_m / LatticeScores::kStepM);
   const double step_rad = rotation_step_rad(scan);
   const int rotations = static_cast<int>(params_.rotation_rad / step_rad);
-  const ScoreBound bound(map, guess.translation(), kMaxDistanceM, kStepCells * steps);
+  LatticeScores scores(map, guess.translation(), steps);
   std::vector<Candidate> poses;
-  std::vector<Eigen::Vector2d> points;
   for (int iyaw = -rotations; iyaw <= rotations; ++iyaw) {
-    const geometry::SE2 rotated{guess.x, guess.y,
-                                geometry::normalize_angle(guess.yaw + iyaw * step_rad)};
-    const Eigen::Matrix2d R = rotated.rotation();
-    points.clear();
-    for (const OrientedPoint& point : scan) {
-      points.emplace_back(R * point.p + rotated.translation());
-    }
-    const std::vector<std::size_t> cells = bound.cells_of(points);
+    const double yaw_rad = geometry::normalize_angle(guess.yaw + iyaw * step_rad);
+    scores.compute(scan, yaw_rad);
     for (int ix = -steps; ix <= steps; ++ix) {
       for (int iy = -steps; iy <= steps; ++iy) {
-        const geometry::SE2 pose{guess.x + ix * kStepM, guess.y + iy * kStepM, rotated.yaw};
-        const double cost = this->cost(pose, guesses);
-        poses.push_back(
-            {.score = bound.at(cells, kStepCells * ix, kStepCells * iy) + kRounding - cost,
-             .cost = cost,
-             .order = poses.size(),
-             .is_bound = true,
-             .T_target_base = pose});
+        const Eigen::Vector2d place = scores.place(ix, iy);
+        const geometry::SE2 pose{place.x(), place.y(), yaw_rad};
+        poses.push_back({scores.at(ix, iy) - cost(pose, guesses), pose});
       }
     }
   }
   return poses;
 }
 
-// Lazy evaluation: a queue holds all poses, the most promising first, at first with upper bounds of
-// their scores. A pose is scored only when it comes first; most never are.
 std::vector<geometry::SE2> PoseSearch::candidates(const PointMap& map,
                                                   std::span<const OrientedPoint> scan,
                                                   std::span<const geometry::SE2> guesses) const {
-  const std::vector<OrientedPoint> some = points_to_score(scan);
-  const auto is_worse = [](const Candidate& a, const Candidate& b) {
-    return a.score != b.score ? a.score < b.score : a.order > b.order;
-  };
-  std::vector<Candidate> queue = poses_around(map, some, guesses);
-  std::make_heap(queue.begin(), queue.end(), is_worse);
+  std::vector<Candidate> poses = poses_around(map, points_to_score(scan), guesses);
   std::vector<geometry::SE2> best;
-  while (!queue.empty() && best.size() < kMaxCandidates) {
-    std::pop_heap(queue.begin(), queue.end(), is_worse);
-    Candidate& candidate = queue.back();
-    const bool is_new = std::all_of(best.begin(), best.end(), [&](const geometry::SE2& other) {
-      return are_distinct(candidate.T_target_base, other);
+  while (!poses.empty() && best.size() < kMaxCandidates) {
+    // The first of those with the same score.
+    const geometry::SE2 next =
+        std::ranges::max_element(poses, {}, &Candidate::score)->T_target_base;
+    best.push_back(next);
+    std::erase_if(poses, [&](const Candidate& candidate) {
+      return !are_distinct(candidate.T_target_base, next);
     });
-    if (is_new && candidate.is_bound) {
-      candidate.score = quick_score(map, some, candidate.T_target_base) - candidate.cost;
-      candidate.is_bound = false;
-      std::push_heap(queue.begin(), queue.end(), is_worse);
-      continue;
-    }
-    if (is_new) {
-      best.push_back(candidate.T_target_base);
-    }
-    queue.pop_back();
   }
   return best;
 }

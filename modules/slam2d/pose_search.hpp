@@ -33,13 +33,10 @@ class PoseSearch {
 
  private:
   struct Candidate {
-    double score = 0.0;  ///< or an upper bound of it
-    double cost = 0.0;   ///< subtracted in it
-    std::size_t order = 0;
-    bool is_bound = false;
+    double score = 0.0;  ///< less the cost
     geometry::SE2 T_target_base;
   };
-  /// All start poses, with upper bounds of their scores.
+  /// All start poses, with their scores.
   [[nodiscard]] std::vector<Candidate> poses_around(const PointMap& map,
                                                     std::span<const OrientedPoint> scan,
                                                     std::span<const geometry::SE2> guesses) const;
