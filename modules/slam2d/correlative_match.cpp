@@ -65,6 +65,10 @@ class NodeQueue {
     }
     const Entry& entry = nodes_[list.first];
     list.first = entry.next;
+    if (entry.next != kNone) {
+      // Nodes are popped in another order than they were pushed in, so that each is a cache miss.
+      __builtin_prefetch(&nodes_[entry.next]);
+    }
     return entry.node;
   }
 
@@ -182,16 +186,20 @@ class Search {
   // Keeps the squares of the top level that reach the minimum; returns the best of them.
   [[nodiscard]] std::optional<Node> push_all(int rotation) {
     std::optional<Node> best;
-    const Cells& cells = rotated(rotation);
+    const auto cells = grid_.top_cells(rotated(rotation), -steps_, -steps_);
     for (const Eigen::Vector2i& first : allowed_chunks_) {
       const LikelihoodGrid::RowChunk bounds = grid_.top_bounds(cells, first.x(), first.y());
+      if (largest(bounds) < min_sum_) {
+        continue;
+      }
+      const int y = first.y() * kTopCells - steps_;
       for (int i = 0; i < LikelihoodGrid::kRowChunk; ++i) {
-        const int x = first.x() + i * kTopCells;
+        const int x = (first.x() + i) * kTopCells - steps_;
         const int bound = bounds[static_cast<std::size_t>(i)];
-        if (bound < min_sum_ || x > steps_ || !is_allowed(kTopLevel, x, first.y())) {
+        if (bound < min_sum_ || x > steps_ || !is_allowed(kTopLevel, x, y)) {
           continue;
         }
-        top_nodes_.push_back(make_node(bound, kTopLevel, rotation, x, first.y()));
+        top_nodes_.push_back(make_node(bound, kTopLevel, rotation, x, y));
         if (!best || best->bound < bound) {
           best = top_nodes_.back();
         }
@@ -200,18 +208,29 @@ class Search {
     return best;
   }
 
+  // Without branches, so that the compiler compares many at once.
+  [[nodiscard]] static int largest(const LikelihoodGrid::RowChunk& bounds) {
+    std::uint16_t largest = 0;
+    for (const std::uint16_t bound : bounds) {
+      largest = std::max(largest, bound);
+    }
+    return largest;
+  }
+
   [[nodiscard]] bool is_allowed(int level, int x, int y) const {
     return grid_.is_allowed(level, middle_.x() + x, middle_.y() + y);
   }
 
-  // The first squares of rows of squares side by side, which together hold all allowed ones.
+  // The first squares, counted from that at (-steps_, -steps_), of rows of squares side by side
+  // that together hold all allowed ones.
   [[nodiscard]] std::vector<Eigen::Vector2i> allowed_chunks() const {
     std::vector<Eigen::Vector2i> chunks;
-    for (int y = -steps_; y <= steps_; y += kTopCells) {
-      for (int x = -steps_; x <= steps_; x += kTopCells) {
-        if (is_allowed(kTopLevel, x, y)) {
-          chunks.emplace_back(x, y);
-          x += (LikelihoodGrid::kRowChunk - 1) * kTopCells;
+    const int squares = 2 * steps_ / kTopCells + 1;
+    for (int row = 0; row < squares; ++row) {
+      for (int column = 0; column < squares; ++column) {
+        if (is_allowed(kTopLevel, column * kTopCells - steps_, row * kTopCells - steps_)) {
+          chunks.emplace_back(column, row);
+          column += LikelihoodGrid::kRowChunk - 1;
         }
       }
     }
@@ -223,29 +242,19 @@ class Search {
             static_cast<std::int16_t>(x), static_cast<std::int16_t>(y)};
   }
 
-  [[nodiscard]] std::optional<Node> node_at(int level, int rotation, int x, int y) {
-    if (!is_allowed(level, x, y)) {
-      return std::nullopt;
-    }
-    const int bound = grid_.sum_of_largest(level, rotated(rotation), x, y, min_sum_);
-    if (bound < min_sum_) {
-      return std::nullopt;
-    }
-    return make_node(bound, level, rotation, x, y);
-  }
-
   // The quarters of a square that reach the minimum.
-  [[nodiscard]] boost::container::static_vector<Node, 4> children_of(const Node& node) {
+  [[nodiscard]] boost::container::static_vector<Node, 4> children_of(const Node& node) const {
     boost::container::static_vector<Node, 4> children;
-    const int half = 1 << (node.level - 1);
-    for (const int x : {node.x + 0, node.x + half}) {
-      for (const int y : {node.y + 0, node.y + half}) {
-        if (x > steps_ || y > steps_) {
-          continue;
-        }
-        if (const auto child = node_at(node.level - 1, node.rotation, x, y)) {
-          children.push_back(*child);
-        }
+    const int level = node.level - 1;
+    const int half = 1 << level;
+    const LikelihoodGrid::Quarters sums =
+        grid_.sums_of_quarters(level, rotated(node.rotation), node.x, node.y, min_sum_);
+    for (int quarter = 0; quarter < 4; ++quarter) {
+      const int x = node.x + half * (quarter / 2);
+      const int y = node.y + half * (quarter % 2);
+      const int bound = sums[static_cast<std::size_t>(quarter)];
+      if (bound >= min_sum_ && x <= steps_ && y <= steps_ && is_allowed(level, x, y)) {
+        children.push_back(make_node(bound, level, node.rotation, x, y));
       }
     }
     return children;
@@ -253,7 +262,7 @@ class Search {
 
   // The sum at a good pose in a square: the best quarter of the best quarter. 0 when none reaches
   // the minimum.
-  [[nodiscard]] int dive(Node node) {
+  [[nodiscard]] int dive(Node node) const {
     while (node.level > 0) {
       const auto children = children_of(node);
       if (children.empty()) {

@@ -13,7 +13,8 @@ constexpr double kStampSigmaCells = 1.0;
 
 // 16 bytes that are added at once. Eigen has no such type of bytes.
 using Bytes = std::uint8_t __attribute__((vector_size(LikelihoodGrid::kRowChunk)));
-constexpr int kTopStep = 17;  // 255 in 15 steps
+constexpr int kTopStep = 17;             // 255 in 15 steps
+constexpr std::size_t kCheckEvery = 16;  // points: whether the sum can still be reached
 
 }  // namespace
 
@@ -74,7 +75,7 @@ void LikelihoodGrid::draw(std::span<const Eigen::Vector2d> points, const Eigen::
     stamp(p);
   }
   add_windows(levels_);
-  add_top_rows();
+  add_top_table();
 }
 
 Eigen::Vector2i LikelihoodGrid::cell_of(const Eigen::Vector2d& p) const {
@@ -133,42 +134,56 @@ void LikelihoodGrid::set_allowed(std::span<const Eigen::Vector2d> places) {
   add_windows(allowed_);
 }
 
-void LikelihoodGrid::add_top_rows() {
-  const int columns = (width_ + kTopCells - 1) / kTopCells;
-  top_width_ = kRowChunk + columns + kRowChunk;
-  top_rows_.assign(
-      static_cast<std::size_t>(top_width_) * kTopCells * static_cast<std::size_t>(height_), 0);
+void LikelihoodGrid::add_top_table() {
+  top_width_ = kRowChunk + (width_ + kTopCells - 1) / kTopCells + kRowChunk;
+  top_height_ = (height_ + kTopCells - 1) / kTopCells;
+  top_table_.assign(static_cast<std::size_t>(kTopCells * top_width_) *
+                        static_cast<std::size_t>(kTopCells * top_height_),
+                    0);
   for (int y = 0; y < height_; ++y) {
     for (int x = 0; x < width_; ++x) {
-      const int row = y * kTopCells + x % kTopCells;
-      top_rows_[static_cast<std::size_t>(row) * static_cast<std::size_t>(top_width_) +
-                static_cast<std::size_t>(kRowChunk + x / kTopCells)] =
+      top_table_[static_cast<std::size_t>(top_cell(x, y).offset)] =
           static_cast<std::uint8_t>((largest(kTopLevel, x, y) + kTopStep - 1) / kTopStep);
     }
   }
 }
 
+// Shifts round down, below zero too.
+LikelihoodGrid::TopCell LikelihoodGrid::top_cell(int x, int y) const {
+  const int column = kRowChunk + (x >> kTopLevel);
+  const int row = y >> kTopLevel;
+  const int table = (y & (kTopCells - 1)) * kTopCells + (x & (kTopCells - 1));
+  return {column, row,
+          (std::ptrdiff_t{table} * top_height_ + row) * std::ptrdiff_t{top_width_} + column};
+}
+
+std::vector<LikelihoodGrid::TopCell> LikelihoodGrid::top_cells(
+    std::span<const Eigen::Vector2i> cells, int x, int y) const {
+  std::vector<TopCell> prepared;
+  prepared.reserve(cells.size());
+  for (const Eigen::Vector2i& cell : cells) {
+    prepared.push_back(top_cell(cell.x() + x, cell.y() + y));
+  }
+  return prepared;
+}
+
 // Sums of as many values of 4 bits as a byte holds, then of 16 bits.
-LikelihoodGrid::RowChunk LikelihoodGrid::top_bounds(std::span<const Eigen::Vector2i> cells, int x,
-                                                    int y) const {
+LikelihoodGrid::RowChunk LikelihoodGrid::top_bounds(std::span<const TopCell> cells, int column,
+                                                    int row) const {
   constexpr std::size_t kInByte = 17;  // times 15 is 255
+  const std::uint8_t* const values = top_table_.data() + std::ptrdiff_t{row} * top_width_ + column;
+  const auto height = static_cast<unsigned>(top_height_);
+  const auto columns = static_cast<unsigned>(top_width_ - kRowChunk);
   RowChunk sums{};
   for (std::size_t begin = 0; begin < cells.size(); begin += kInByte) {
     Bytes bytes{};
-    for (const Eigen::Vector2i& cell :
-         cells.subspan(begin, std::min(kInByte, cells.size() - begin))) {
-      const int cell_x = cell.x() + x;
-      const int cell_y = cell.y() + y;
-      const int column = kRowChunk + (cell_x >> kTopLevel);  // rounds down, below zero too
-      if (cell_y < 0 || cell_y >= height_ || column < 0 || column > top_width_ - kRowChunk) {
-        continue;
+    for (const TopCell& cell : cells.subspan(begin, std::min(kInByte, cells.size() - begin))) {
+      if (static_cast<unsigned>(cell.row + row) < height &&
+          static_cast<unsigned>(cell.column + column) <= columns) {
+        Bytes shifted;
+        std::memcpy(&shifted, values + cell.offset, sizeof(shifted));
+        bytes += shifted;
       }
-      const int row = cell_y * kTopCells + (cell_x & (kTopCells - 1));
-      Bytes values;
-      std::memcpy(&values,
-                  top_rows_.data() + static_cast<std::ptrdiff_t>(row) * top_width_ + column,
-                  sizeof(values));
-      bytes += values;
     }
     for (std::size_t i = 0; i < sums.size(); ++i) {
       sums[i] = static_cast<std::uint16_t>(sums[i] + kTopStep * bytes[i]);
@@ -177,25 +192,43 @@ LikelihoodGrid::RowChunk LikelihoodGrid::top_bounds(std::span<const Eigen::Vecto
   return sums;
 }
 
-int LikelihoodGrid::sum_of_largest(int level, std::span<const Eigen::Vector2i> cells, int x, int y,
-                                   int min_sum) const {
-  constexpr std::size_t kCheckEvery = 16;
-  const std::uint8_t* values = levels_[static_cast<std::size_t>(level)].data();
-  const auto width = static_cast<unsigned>(width_);
-  const auto height = static_cast<unsigned>(height_);
-  int sum = 0;
+LikelihoodGrid::Quarters LikelihoodGrid::sums_of_quarters(int level,
+                                                          std::span<const Eigen::Vector2i> cells,
+                                                          int x, int y, int min_sum) const {
+  const int half = 1 << level;
+  const std::uint8_t* const values = levels_[static_cast<std::size_t>(level)].data();
+  const auto width = static_cast<std::size_t>(width_);
+  const auto half_size = static_cast<std::size_t>(half);
+  // Within these limits all four quarters begin inside the grid.
+  const auto columns = static_cast<unsigned>(width_ - half);
+  const auto rows = static_cast<unsigned>(height_ - half);
+  Quarters sums{};
   for (std::size_t begin = 0; begin < cells.size(); begin += kCheckEvery) {
     const std::size_t end = std::min(begin + kCheckEvery, cells.size());
     for (std::size_t i = begin; i < end; ++i) {
-      const auto column = static_cast<unsigned>(cells[i].x() + x);
-      const auto row = static_cast<unsigned>(cells[i].y() + y);
-      sum += column < width && row < height ? values[std::size_t{row} * width + column] : 0;
+      const int cell_x = cells[i].x() + x;
+      const int cell_y = cells[i].y() + y;
+      const auto column = static_cast<unsigned>(cell_x);
+      const auto row = static_cast<unsigned>(cell_y);
+      if (column < columns && row < rows) {
+        const std::uint8_t* const value = values + std::size_t{row} * width + column;
+        sums[0] += value[0];
+        sums[1] += value[half_size * width];
+        sums[2] += value[half_size];
+        sums[3] += value[half_size * width + half_size];
+      } else {
+        sums[0] += largest(level, cell_x, cell_y);
+        sums[1] += largest(level, cell_x, cell_y + half);
+        sums[2] += largest(level, cell_x + half, cell_y);
+        sums[3] += largest(level, cell_x + half, cell_y + half);
+      }
     }
-    if (sum + 255 * static_cast<int>(cells.size() - end) < min_sum) {
+    const int best = std::max(std::max(sums[0], sums[1]), std::max(sums[2], sums[3]));
+    if (best + 255 * static_cast<int>(cells.size() - end) < min_sum) {
       break;
     }
   }
-  return sum;
+  return sums;
 }
 
 }  // namespace nodmap::slam2d

@@ -41,16 +41,28 @@ class LikelihoodGrid {
                             static_cast<std::size_t>(x)]
                   : 0;
   }
-  /// The sum of largest() over `cells`, all shifted by (x, y). As soon as `min_sum` cannot be
-  /// reached, returns some value below it.
-  [[nodiscard]] int sum_of_largest(int level, std::span<const Eigen::Vector2i> cells, int x, int y,
-                                   int min_sum) const;
+  /// The sums of largest() over `cells` for the four quarters, of 2^level cells, of windows twice
+  /// as wide. The cells are shifted by (x, y), (x, y + 2^level), (x + 2^level, y) and (x + 2^level,
+  /// y + 2^level). As soon as no sum can reach `min_sum`, returns some values below it.
+  using Quarters = std::array<int, 4>;
+  [[nodiscard]] Quarters sums_of_quarters(int level, std::span<const Eigen::Vector2i> cells, int x,
+                                          int y, int min_sum) const;
 
-  /// Upper bounds of the sum of largest() at the top level over `cells`, for kRowChunk shifts at
-  /// once: (x, y), and each next one kTopCells farther in x. That takes a tenth of the time.
+  /// Cells for top_bounds(), with the place of each in the table that it reads.
+  struct TopCell {
+    int column = 0;
+    int row = 0;
+    std::ptrdiff_t offset = 0;
+  };
+  /// `cells`, all shifted by (x, y).
+  [[nodiscard]] std::vector<TopCell> top_cells(std::span<const Eigen::Vector2i> cells, int x,
+                                               int y) const;
+  /// Upper bounds of the sum of largest() at the top level over `cells`, shifted by `column` and
+  /// `row` windows of the top level, and for kRowChunk shifts at once: each next one is a column
+  /// farther. That takes a tenth of the time.
   using RowChunk = std::array<std::uint16_t, 16>;
   static constexpr int kRowChunk = 16;
-  [[nodiscard]] RowChunk top_bounds(std::span<const Eigen::Vector2i> cells, int x, int y) const;
+  [[nodiscard]] RowChunk top_bounds(std::span<const TopCell> cells, int column, int row) const;
 
   /// Whether a place is allowed in the window of 2^level cells that begins at a cell.
   [[nodiscard]] bool is_allowed(int level, int x, int y) const {
@@ -68,7 +80,8 @@ class LikelihoodGrid {
   void draw(std::span<const Eigen::Vector2d> points, const Eigen::AlignedBox2d& box);
   void set_allowed(std::span<const Eigen::Vector2d> places);
   void stamp(const Eigen::Vector2d& p);
-  void add_top_rows();
+  void add_top_table();
+  [[nodiscard]] TopCell top_cell(int x, int y) const;
   void add_windows(std::vector<Level>& levels) const;
 
   double cell_size_m_;
@@ -76,10 +89,12 @@ class LikelihoodGrid {
   int width_ = 0;
   int height_ = 0;
   std::vector<Level> levels_;
-  /// The top level in 16 steps, rounded up: each row as kTopCells rows of every kTopCells-th cell,
-  /// with zeros before and after, `top_width_` long.
-  Level top_rows_;
+  /// The top level in 16 steps, rounded up. Shifts by whole windows stay in one of kTopCells x
+  /// kTopCells tables, each of every kTopCells-th cell in x and in y: row by row, with zeros before
+  /// and after each row.
+  Level top_table_;
   int top_width_ = 0;
+  int top_height_ = 0;
   std::vector<Level> allowed_;  // empty: everywhere
 };
 

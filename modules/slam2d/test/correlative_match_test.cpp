@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <span>
 
 namespace nodmap::slam2d {
 namespace correlative_match_test {
@@ -67,6 +68,16 @@ double exhaustive_score(const LikelihoodGrid& grid, const Points& scan,
     }
   }
   return best / (255.0 * static_cast<double>(scan.size()));
+}
+
+// The oracle for sums over many windows.
+int sum_of_largest(const LikelihoodGrid& grid, int level, std::span<const Eigen::Vector2i> cells,
+                   int x, int y) {
+  int sum = 0;
+  for (const Eigen::Vector2i& cell : cells) {
+    sum += grid.largest(level, cell.x() + x, cell.y() + y);
+  }
+  return sum;
 }
 
 TEST(LikelihoodGrid, EachLevelHoldsTheLargestValueOfItsWindow) {
@@ -173,15 +184,52 @@ TEST(LikelihoodGrid, BoundsOfManyWindowsAreNoLowerThanTheirSums) {
   for (const Eigen::Vector2d& p : seen_from({0.5, 0.2, 1.0}, map)) {
     cells.push_back(grid.cell_of(p));
   }
-  for (const int x : {-200, -77, -16, 0, 5, 64, 300}) {
-    for (const int y : {-90, -3, 0, 8, 71}) {
-      const LikelihoodGrid::RowChunk bounds = grid.top_bounds(cells, x, y);
-      for (int i = 0; i < LikelihoodGrid::kRowChunk; ++i) {
-        const int sum = grid.sum_of_largest(LikelihoodGrid::kTopLevel, cells,
-                                            x + i * LikelihoodGrid::kTopCells, y, 0);
-        ASSERT_GE(bounds[static_cast<std::size_t>(i)], sum);
-        // A step of 17 for each point that fits.
-        ASSERT_LE(bounds[static_cast<std::size_t>(i)], sum + 16 * static_cast<int>(cells.size()));
+  constexpr int kTopCells = LikelihoodGrid::kTopCells;
+  for (const int x : {-77, 0, 5}) {
+    for (const int y : {-3, 0, 8}) {
+      const auto top_cells = grid.top_cells(cells, x, y);
+      for (const int column : {-20, -2, 0, 8, 38}) {
+        for (const int row : {-11, -1, 0, 8}) {
+          const LikelihoodGrid::RowChunk bounds = grid.top_bounds(top_cells, column, row);
+          for (int i = 0; i < LikelihoodGrid::kRowChunk; ++i) {
+            const int sum = sum_of_largest(grid, LikelihoodGrid::kTopLevel, cells,
+                                           x + (column + i) * kTopCells, y + row * kTopCells);
+            ASSERT_GE(bounds[static_cast<std::size_t>(i)], sum);
+            // A step of 17 for each point that fits.
+            ASSERT_LE(bounds[static_cast<std::size_t>(i)],
+                      sum + 16 * static_cast<int>(cells.size()));
+          }
+        }
+      }
+    }
+  }
+}
+
+// The oracle: each quarter alone. Shifts include those at which points are partly or wholly outside
+// the grid.
+TEST(LikelihoodGrid, SumsOfQuartersAreThoseOfEachAlone) {
+  const Points map = room();
+  const LikelihoodGrid grid(map, kCellM, 50.0);
+  std::vector<Eigen::Vector2i> cells;
+  for (const Eigen::Vector2d& p : seen_from({0.5, 0.2, 1.0}, map)) {
+    cells.push_back(grid.cell_of(p));
+  }
+  for (int level = 0; level < LikelihoodGrid::kTopLevel; ++level) {
+    const int half = 1 << level;
+    for (const int x : {-200, -77, -16, 0, 5, 64, 300}) {
+      for (const int y : {-90, -3, 0, 8, 71}) {
+        const auto sum_at = [&](int dx, int dy) {
+          return sum_of_largest(grid, level, cells, x + dx, y + dy);
+        };
+        const LikelihoodGrid::Quarters expected{sum_at(0, 0), sum_at(0, half), sum_at(half, 0),
+                                                sum_at(half, half)};
+        ASSERT_EQ(grid.sums_of_quarters(level, cells, x, y, 0), expected);
+        // With a minimum, sums below it may be any that are below it.
+        const int min_sum = *std::ranges::max_element(expected);
+        const LikelihoodGrid::Quarters sums = grid.sums_of_quarters(level, cells, x, y, min_sum);
+        for (std::size_t i = 0; i < sums.size(); ++i) {
+          ASSERT_EQ(std::max(sums[i], min_sum - 1), std::max(expected[i], min_sum - 1));
+        }
       }
     }
   }
