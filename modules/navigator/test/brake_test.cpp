@@ -111,6 +111,8 @@ TEST(Brake, DrivesAnArcAsFastAsLimitGoalAndObstaclesAllow) {
   now.goal = GoalInBase{{0.05, 0.0}, 0.01};
   EXPECT_EQ(brake.drive(arc, 0.1, 1.0, now).forward_mps, brake.stoppable_mps(0.05));
   EXPECT_EQ(brake.drive(arc, 0.1, 1.0, now).max_forward_mps, 0.8);
+  now.goal = GoalInBase{{5.0, 0.0}, 0.01};
+  EXPECT_EQ(brake.drive(arc, 0.1, 0.6, now).forward_mps, 0.6);
   // On its present arc, straight ahead, is an obstacle, whatever the other arc is like.
   now.goal.reset();
   now.forward_mps = 1.0;
