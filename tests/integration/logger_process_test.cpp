@@ -221,7 +221,7 @@ TEST_F(LoggerProcess, AFullDiskIsReportedInStatusAndByTheExitCode) {
 TEST_F(LoggerProcess, RefusesToOverwriteAndInvalidParameters) {
   std::ofstream(log_) << "precious";
   ChildProcess existing(command());
-  EXPECT_EQ(existing.wait_for_end(kPatience), 1);
+  EXPECT_EQ(existing.wait_for_end(kPatience), 2);
   EXPECT_THAT(existing.said(), ::testing::HasSubstr("never overwritten"));
   EXPECT_EQ(std::filesystem::file_size(log_), 8U);
   ChildProcess wrong_regex(command({"--channel", "A("}));
