@@ -38,7 +38,7 @@ void ProcessFeed::reset() {
 // Whether the message being handled is from the process that is shown under its name.
 ProcessFeed::Trust ProcessFeed::follow(Senders& senders, const std::string& name) const {
   const bus::Origin& origin = bus_.origin();
-  const time::SteadyTime now(origin.received.time_since_epoch());
+  const time::SteadyTime now = origin.arrived;
   const std::pair key(name, origin.sender.address);
   if (!senders.contains(key) && senders.size() >= ProcessTable::kMaxProcesses) {
     return Trust::kTooMany;
