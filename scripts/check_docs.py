@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Fails when a document names what is not there: a link's file or heading, a path of the repository or a test, in `code style`;
+"""Fails when a document names what is not there: a link's file or heading, a path of the repository or a test (`x_test`, `Suite.Name`), in `code style`;
 and when a README does not name a header that it should explain, in `code style` without its folder and extension.
 """
 import functools
@@ -12,6 +12,7 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 LINK = re.compile(r"\]\(([^)#\s]*)(?:#([^)\s]+))?[^)]*\)")
 CODE = re.compile(r"`([^`\s]+)`")
+TEST = re.compile(r"([A-Z]\w+)\.([A-Z]\w+|\*)")
 
 
 def repository_files():
@@ -26,6 +27,13 @@ def unnamed_headers(files):
         folder = next((parent for parent in header.parents if parent in spans), None)
         if folder and not {"test", "tests"} & set(header.parts) and not re.search(rf"\b{header.stem}\b", spans[folder]):
             yield f"{folder}/README.md: does not say what {header} is for"
+
+
+def test_names(files):
+    """Suite.Name of each GoogleTest, and Suite.* of each suite."""
+    sources = (name for name in files if name.endswith("_test.cpp"))
+    found = {match for name in sources for match in re.findall(r"TEST(?:_[FP])?\(\s*(\w+),\s*(\w+)\)", (ROOT / name).read_text())}
+    return {f"{suite}.{name}" for suite, test in found for name in (test, "*")}
 
 
 @functools.cache
@@ -50,6 +58,8 @@ def main():
     stems = {pathlib.PurePath(name).stem for name in files}
     # A path may leave out its extension (`modules/slam2d/test/slam2d_test`), and may name a folder.
     paths = set(files) | {name.rsplit(".", 1)[0] for name in files} | {str(parent) for name in files for parent in pathlib.PurePath(name).parents}
+    tests = test_names(files)
+    suites = {name.split(".")[0] for name in tests}
     errors = list(unnamed_headers(files))
     for name in (f for f in files if f.endswith(".md")):
         for number, line in enumerate((ROOT / name).read_text().splitlines(), 1):
@@ -61,6 +71,8 @@ def main():
                 if re.fullmatch(r"[\w./-]+", path) and "/" in path and path.split("/")[0] in tops and path not in paths:
                     errors.append(f"{name}:{number}: there is no {word}")
                 elif re.fullmatch(r"\w+_test", path) and path not in stems:
+                    errors.append(f"{name}:{number}: there is no test {word}")
+                elif TEST.fullmatch(word) and (name == "SAFETY.md" or word.split(".")[0] in suites) and word not in tests:
                     errors.append(f"{name}:{number}: there is no test {word}")
     print("\n".join(errors) if errors else "every file that the documents name is there, and every header is named")
     return 1 if errors else 0
