@@ -16,17 +16,14 @@ latencies are those of nodmap-trial, not those of the challenge's Gazebo, and ea
 its seed.
 """
 import argparse
-import concurrent.futures
 import json
 import pathlib
-import shutil
 import sys
 
 from navigation import mean
-from pool import Pool
-from programs import call, settings
+from programs import settings
 from seeds import ODOMETRY_NOISE
-from trial_runs import add_options, result_folder
+from trial_runs import Trial, add_options, result_folder, run_all, show_failures
 
 OPTIMAL_MPS = 2.0
 
@@ -35,19 +32,13 @@ def world_indices(file):
     return [int(line.split()[1]) for line in file.read_text().splitlines() if line.startswith("W ")]
 
 
-def run(arguments, out, index, seed):
-    """Runs a world with a seed and returns its result.json."""
-    folder = out / f"{index}-{seed}"
-    without = ["--without", "slam2d"] if arguments.is_dynamic else []
-    try:
-        call(arguments.bin / "nodmap-trial", "--world", f"barn:{arguments.file}:{index}", "--seed", seed, "--out", folder, "--no-slam6d",
-             "--robot", arguments.robot, *ODOMETRY_NOISE, *settings(arguments.set), *without)
-    except RuntimeError as error:
-        raise RuntimeError(f"world {index}, seed {seed}: {error}") from None
-    result = json.loads((folder / "result.json").read_text())
-    if not arguments.out:
-        shutil.rmtree(folder)  # the log of a run is some 30 MB
-    return result
+def make_trials(arguments):
+    """The trials of each world, by its index."""
+    options = ["--no-slam6d", "--robot", arguments.robot, *ODOMETRY_NOISE, *settings(arguments.set)]
+    if "\nC " in arguments.file.read_text():  # dynamic
+        options += ["--without", "slam2d"]
+    indices = arguments.worlds or world_indices(arguments.file)[::arguments.every]
+    return {index: [Trial(f"{index}-{seed}", f"barn:{arguments.file}:{index}", seed, None, *options) for seed in range(arguments.runs)] for index in indices}
 
 
 def outcome_of(result):
@@ -62,11 +53,18 @@ def outcome_of(result):
     return "success", time_s, optimal_s / min(max(time_s, 2 * optimal_s), 8 * optimal_s)
 
 
+def run_of(trial):
+    """The outcome, time and score of a trial, and whether the robot caused a contact."""
+    outcome, time_s, score = outcome_of(trial.result)
+    print(f"world-seed {trial.name}: {outcome}" + (f" {time_s:.1f} s" if time_s else "") + f", score {score:.3f}", file=sys.stderr)
+    return outcome, time_s, score, trial.result["contacts_caused"] > 0
+
+
 def summary(worlds):
-    """Means over the runs. `worlds`: for each world a list of (outcome, time, score, whether the robot caused a contact), one for each run."""
-    runs = [run for world in worlds.values() for run in world]
+    """Means over the runs. `worlds`: for each world the list of its runs, as of run_of()."""
+    runs = [run for world in worlds for run in world]
     share = {name: mean([run[0] == name for run in runs]) for name in ("success", "collision", "timeout")}
-    return {"n": len(runs), "score": mean([mean([run[2] for run in world]) for world in worlds.values()]), **share,
+    return {"n": len(runs), "score": mean([mean([run[2] for run in world]) for world in worlds]), **share,
             "contact_caused": mean([run[3] for run in runs]), "time_s": mean([run[1] for run in runs if run[1] is not None])}
 
 
@@ -80,20 +78,13 @@ def main():
     parser.add_argument("--set", action="append", default=[], help="a parameter, as for nodmap-trial --set")
     add_options(parser)
     arguments = parser.parse_args()
-    arguments.is_dynamic = "\nC " in arguments.file.read_text()
-    indices = arguments.worlds or world_indices(arguments.file)[::arguments.every]
-    worlds = {index: [] for index in indices}
+    worlds = make_trials(arguments)
+    every = [trial for trials in worlds.values() for trial in trials]
     with result_folder(arguments.out) as out:
-        with Pool(arguments.jobs) as pool:
-            futures = {pool.submit(run, arguments, out, index, seed): (index, seed) for index in indices for seed in range(arguments.runs)}
-            for done, future in enumerate(concurrent.futures.as_completed(futures), 1):
-                index, seed = futures[future]
-                result = future.result()
-                outcome, time_s, score = outcome_of(result)
-                worlds[index].append((outcome, time_s, score, result["contacts_caused"] > 0))
-                print(f"{done}/{len(futures)} world {index} run {seed}: {outcome}" + (f" {time_s:.1f} s" if time_s else "") +
-                      f", score {score:.3f}", file=sys.stderr, flush=True)
-        print(json.dumps(summary(worlds)))
+        run_all(every, arguments.bin, out, arguments.jobs)
+    if show_failures(every):
+        return 1
+    print(json.dumps(summary([[run_of(trial) for trial in trials] for trials in worlds.values()])))
     return 0
 
 

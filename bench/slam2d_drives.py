@@ -11,12 +11,12 @@ errors for each setting; the first setting is the default parameters.
 import argparse
 import os
 import pathlib
-import shutil
 import tempfile
 
 import seeds
 from pool import Pool
-from programs import BIN, ROOT, call, evaluate, settings
+from programs import BIN, call, evaluate, settings
+from trial_runs import Trial
 
 CORRIDOR = [("corridor30", seed, 60) for seed in seeds.CHOOSING[:30]]
 CELLAR = [("cellar", seed, 120) for seed in seeds.CHOOSING[:20]]
@@ -29,13 +29,10 @@ class Drives:
 
     def drive(self, run):
         world, seed, duration_s = run
-        folder = self.out / f"{world}-{seed}-{duration_s}s"
-        if not folder.exists():
-            part = folder.with_suffix(".part")  # an interrupted drive is not used
-            shutil.rmtree(part, ignore_errors=True)
-            call(self.programs / "nodmap-trial", "--world", ROOT / "sim" / "worlds" / f"{world}.yaml", "--seed", seed, "--duration", duration_s,
-                 *seeds.ODOMETRY_NOISE, "--no-slam6d", "--out", part)
-            part.rename(folder)
+        trial = Trial(f"{world}-{seed}-{duration_s}s", world, seed, duration_s, *seeds.ODOMETRY_NOISE, "--no-slam6d", keep_log=True)
+        folder = self.out / trial.name
+        if not (folder / "result.json").exists() and not trial.run(self.programs, self.out).result:  # an interrupted drive has none
+            raise RuntimeError(trial.error)
         return folder
 
     def errors(self, run, setting):

@@ -14,24 +14,29 @@ WORLDS = ROOT / "sim" / "worlds"
 
 
 class Trial:
-    """One run of nodmap-trial and its result."""
+    """One run of nodmap-trial and its result. The same arguments give the same result."""
 
     def __init__(self, name, world, seed, duration_s, *options, keep_log=False):
-        self.name, self.world, self.seed, self.duration_s, self.options = name, world, seed, duration_s, options
-        self.keep_log = keep_log
+        """`world`: the name of a file in sim/worlds, or a world with a colon, as nodmap-trial takes it. `duration_s`: None leaves it to the world."""
+        self.name, self.seed, self.options, self.keep_log = name, seed, options, keep_log
+        self.world = world if ":" in world else WORLDS / f"{world}.yaml"
+        self.duration = [] if duration_s is None else ["--duration", duration_s]
         self.result, self.dir, self.error = None, None, ""
 
+    def arguments(self):
+        return ["--world", self.world, "--seed", self.seed, *self.duration, *self.options, "--out", self.dir]
+
     def run(self, bin_dir, out):
+        """Runs it into its folder in `out`; the result stays None, and `error` says why, if it fails."""
         self.dir = out / self.name
-        world = self.world if ":" in self.world else str(WORLDS / f"{self.world}.yaml")
         try:
-            call(bin_dir / "nodmap-trial", "--world", world, "--seed", self.seed, "--duration", self.duration_s, "--out", self.dir, *self.options)
+            call(bin_dir / "nodmap-trial", *self.arguments())
         except RuntimeError as error:
             self.error = str(error)
             return self
         self.result = json.loads((self.dir / "result.json").read_text())
         if not self.keep_log:
-            for log in self.dir.glob("*.lcmlog"):  # 20 MB a minute, and made again by the same command
+            for log in self.dir.glob("*.lcmlog"):  # 20 to 70 MB a minute, and made again by the same command
                 log.unlink()
         return self
 

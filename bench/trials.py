@@ -15,7 +15,7 @@ import traceback
 
 from programs import ROOT, call, evaluate
 from seeds import ODOMETRY_NOISE, REPORTING
-from trial_runs import WORLDS, Trial, add_options, result_folder, results_of, run_all, with_result
+from trial_runs import Trial, add_options, result_folder, results_of, run_all, with_result
 
 sys.path.insert(0, str(ROOT / "scripts" / "figures"))
 import moving_clouds  # Fig. 8 shows what is measured here
@@ -271,13 +271,13 @@ def occupancy(quick):
     def add_rows(table, _):
         for trial in with_result(trials):
             occupancy = trial.result["occupancy"]
-            table.add(f"OctoMap of {trial.world}, {trial.result['distance_m']:.0f} m: precision and recall, to one voxel of 5 cm",
+            table.add(f"OctoMap of {trial.world.stem}, {trial.result['distance_m']:.0f} m: precision and recall, to one voxel of 5 cm",
                       f"{occupancy['precision']:.3f}, {occupancy['recall']:.3f}", "", True)
     return trials, add_rows
 
 
 def map_error(trial, bin_dir):
-    return evaluate(bin_dir, "cloud", trial.dir / "slam6d" / "cloud.ply", WORLDS / f"{trial.world}.yaml")
+    return evaluate(bin_dir, "cloud", trial.dir / "slam6d" / "cloud.ply", trial.world)
 
 
 def clouds(quick):
@@ -287,7 +287,7 @@ def clouds(quick):
     cellar_moving = Trial("cellar-moving", "cellar", 2, 20 if quick else 40, *ODOMETRY_NOISE)
 
     def add_rows(table, bin_dir):
-        single = moving_clouds.measure(fast.dir, WORLDS / "cellar.yaml", lambda program, *words: call(bin_dir / program, *words))
+        single = moving_clouds.measure(fast.dir, fast.world, lambda program, *words: call(bin_dir / program, *words))
         worst_m = max(cloud["errors"]["rms_m"] for cloud in single)
         table.add(f"Fig. 8, one cloud at {moving_clouds.SPEED_MPS} m/s, worst of {len(single)}: distance from the true surfaces",
                   f"{1000 * worst_m:.1f} mm RMS", "<= 30 mm", worst_m <= 0.03)
@@ -309,7 +309,7 @@ def speed(quick):
         for trial in with_result(trials):
             result = trial.result
             per_cpu_s = result["realtime_factor"] * result["wall_s"] / result["cpu_s"]
-            table.add(f"{trial.world}, whole robot with both SLAMs: simulated seconds per second of CPU time", f"{per_cpu_s:.1f}",
+            table.add(f"{trial.world.stem}, whole robot with both SLAMs: simulated seconds per second of CPU time", f"{per_cpu_s:.1f}",
                       ">= 10", per_cpu_s >= 10.0)
     return trials, add_rows
 

@@ -19,9 +19,9 @@ import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "bench"))
-from pool import Pool
 from programs import call, evaluate
 from seeds import ODOMETRY_NOISE, REPORTING
+from trial_runs import Trial, results_of, run_all, show_failures
 DATA = pathlib.Path(os.environ.get("NODMAP_DATA", ROOT.parent / "shared" / "data"))
 DOCUMENTS = [ROOT / "README.md", ROOT / "docs" / "benchmark-2d.md", ROOT / "docs" / "benchmark-3d.md"]
 PEERS = json.loads((ROOT / "docs" / "peers.json").read_text())
@@ -76,32 +76,27 @@ def table_kurt3d(bin_dir, work):
 # What is driven, and nodmap-trial's worlds for it.
 DRIVES = {
     "random clutter, objects of 3 cm and more": "random:{seed}",
-    "an office": "office.yaml",
-    "a corridor of 30 m": "corridor30.yaml",
-    "a cellar": "cellar.yaml",
+    "an office": "office",
+    "a corridor of 30 m": "corridor30",
+    "a cellar": "cellar",
 }
 
 
-def drive(bin_dir, world, seed, out):
-    """A minute of the whole robot, with the errors of odometry that mapping is reported with."""
-    world = world.format(seed=seed) if ":" in world else ROOT / "sim" / "worlds" / world
-    call(bin_dir / "nodmap-trial", "--world", world, "--seed", seed, "--duration", 60, *ODOMETRY_NOISE, "--out", out)
-    result = json.loads((out / "result.json").read_text())
-    (out / "trial.lcmlog").unlink()  # 20 MB
-    return result
-
-
 def table_drives(bin_dir, work):
-    """Contacts, speed and the errors of both maps in simulated drives, as many at a time as there are processors."""
+    """Contacts, speed and the errors of both maps in simulated drives with the errors of odometry that mapping is reported with."""
     seeds = REPORTING[200:205]
+    drives = {name: [Trial(f"{name}-{seed}", world.format(seed=seed), seed, 60, *ODOMETRY_NOISE) for seed in seeds] for name, world in DRIVES.items()}
+    every = [trial for trials in drives.values() for trial in trials]
+    run_all(every, bin_dir, work, os.cpu_count())
+    if show_failures(every):
+        raise SystemExit("a drive has failed")
     rows = [f"| simulated drives of 60 s, {len(seeds)} each | contacts | speed | 2D SLAM | 6D SLAM | odometry |", "|---|---|---|---|---|---|"]
-    for name, world in DRIVES.items():
-        with Pool(os.cpu_count()) as pool:
-            results = list(pool.map(lambda seed, world=world, name=name: drive(bin_dir, world, seed, work / f"{name}-{seed}"), seeds))
 
-        def mean(values):
-            return sum(values) / len(seeds)
+    def mean(values):
+        return sum(values) / len(seeds)
 
+    for name, trials in drives.items():
+        results = results_of(trials)
         errors = (100 * mean(result[key]["ate_rmse_m"] for result in results) for key in ("slam2d", "slam6d", "odometry"))
         rows.append(f"| {name} | {sum(result['collisions'] for result in results)} | {mean(result['mean_speed_mps'] for result in results):.2f} m/s | "
                     + " | ".join(f"{error:.1f} cm" for error in errors) + " |")

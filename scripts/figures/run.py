@@ -2,33 +2,25 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Makes the paper's figures from simulated runs: docs/pictures/paper/figN.png and docs/paper.md. Exits 1 when a target is missed."""
 import argparse
-import concurrent.futures
 import importlib
 import os
+import shutil
 import sys
 
 import page
-from pool import Pool
+from trials import BIN, OUT
+from trial_runs import run_all, show_failures
 
 FIGURES = [3, 4, 5, 6, 7, 8, 9]
 
 
 def run_trials(figures, jobs):
-    """Runs all trials, `jobs` at a time."""
+    """Runs all trials, `jobs` at a time; returns how many have failed."""
     trials = [trial for figure in figures.values() for trial in figure.TRIALS]
-    with Pool(jobs) as pool:
-        running = {pool.submit(trial.run): trial for trial in trials}
-        for done, future in enumerate(concurrent.futures.as_completed(running), 1):
-            future.result()
-            show(f"run {done} of {len(trials)}: {running[future].name}")
-
-
-def show(text):
-    """Shows progress: on a terminal in one line that is overwritten, elsewhere in a line each."""
-    if sys.stdout.isatty():
-        print(f"\r\033[K{text}", end="", flush=True)
-    else:
-        print(text, flush=True)
+    for trial in trials:
+        shutil.rmtree(trial.dir, ignore_errors=True)  # with the tables of an earlier run
+    run_all(trials, BIN, OUT, jobs)
+    return show_failures(trials)
 
 
 def main():
@@ -41,13 +33,12 @@ def main():
     if unknown:
         parser.error(f"there is no figure {min(unknown)}; there are {', '.join(map(str, FIGURES))}")
     figures = {number: importlib.import_module(f"fig{number}") for number in wanted}
-    run_trials(figures, arguments.jobs)
+    if run_trials(figures, arguments.jobs):
+        return 1
     made = {}
     for number, figure in figures.items():
-        show(f"drawing figure {number}")
         made[number] = {"commands": [trial.command() for trial in figure.TRIALS], **figure.make()}
     page.write(made)
-    show("")
     for number, each in made.items():
         print(f"Fig. {number}: {each['title']}")
         for what, measured, target, ok in each.get("holds", []):

@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Runs nodmap-trial and reads its results."""
-import json
+"""The trials of the figures, of which each leaves its folder in logs/figures."""
 import pathlib
-import shutil
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "bench"))
 import programs
+import trial_runs
 from programs import BIN, ROOT
 from seeds import ODOMETRY_NOISE, REPORTING  # noqa: F401, for the figures
 
@@ -22,30 +21,17 @@ def evaluate(*arguments):
     return programs.evaluate(BIN, *arguments)
 
 
-class Trial:
-    """One run in a world of sim/worlds. The same arguments give the same result."""
+class Trial(trial_runs.Trial):
+    """A trial that a person can repeat, and whose channels can be read as tables."""
 
-    def __init__(self, name, world, seed, duration_s, *options, keep_log=True):
-        self.name, self.seed, self.keep_log = name, seed, keep_log
-        self.world = ROOT / "sim" / "worlds" / f"{world}.yaml"
-        self.dir = OUT / name
-        self.arguments = ["--seed", seed, "--duration", duration_s, *options]
+    def __init__(self, *arguments, keep_log=True):
+        super().__init__(*arguments, keep_log=keep_log)
+        self.dir = OUT / self.name
 
     def command(self):
         """The command as a person would type it in the project's folder."""
-        words = ["nodmap-trial", "--world", self.world.relative_to(ROOT), *self.arguments, "--out", self.dir.relative_to(ROOT)]
-        return " ".join(str(word) for word in words)
-
-    def run(self):
-        shutil.rmtree(self.dir, ignore_errors=True)
-        self.dir.parent.mkdir(parents=True, exist_ok=True)
-        call("nodmap-trial", "--world", self.world, *self.arguments, "--out", self.dir)
-        if not self.keep_log:
-            (self.dir / "trial.lcmlog").unlink()  # 70 MB a minute, and made again by the same command
-
-    @property
-    def result(self):
-        return json.loads((self.dir / "result.json").read_text())
+        words = (word.relative_to(ROOT) if isinstance(word, pathlib.Path) else word for word in self.arguments())
+        return " ".join(map(str, ["nodmap-trial", *words]))
 
     def table(self, channel):
         """The CSV file of a channel, which is exported from the log if it does not exist yet."""
