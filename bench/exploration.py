@@ -16,7 +16,7 @@ import sys
 from navigation import rounded
 from programs import settings as options_of
 from seeds import CHOOSING, ODOMETRY_NOISE, REPORTING
-from trial_runs import Trial, add_options, result_folder, run_all, show_failures
+from trial_runs import Trial, add_options, result_folder, run_all, show_failures, show_table
 
 POLICIES = ["tour", "nearest_frontier"]
 COLUMNS = ["seed", "policy", "to_90_m", "to_90_s", "seen", "home_s", "path_m", "from_start_m", "collisions"]
@@ -34,14 +34,6 @@ def row_of(seed, policy, result):
     for key, digits in (("to_90_m", 1), ("to_90_s", 0), ("home_s", 0), ("path_m", 1), ("from_start_m", 3)):
         row[key] = rounded(exploration[key], digits)
     return row
-
-
-def show(rows):
-    """Prints the rows as a Markdown table, to be copied into the document."""
-    print("| " + " | ".join(COLUMNS) + " |")
-    print("|---" * len(COLUMNS) + "|")
-    for row in rows:
-        print("| " + " | ".join("" if row[column] is None else str(row[column]) for column in COLUMNS) + " |")
 
 
 def show_ratio(rows):
@@ -71,7 +63,7 @@ def main():
             for row in rows:
                 print(json.dumps(row))
         else:
-            show(rows)
+            show_table(COLUMNS, [["" if row[column] is None else row[column] for column in COLUMNS] for row in rows])
             show_ratio(rows)
     return 1 if show_failures(trial for _, _, trial in trials) else 0
 

@@ -17,7 +17,7 @@ import sys
 from event_log import events
 from programs import ROOT, settings
 from seeds import CHOOSING
-from trial_runs import Trial, add_options, result_folder, run_all, show_failures
+from trial_runs import Trial, add_options, result_folder, run_all, show_failures, show_table
 
 sys.path.insert(0, str(ROOT / "lcmtypes"))
 import lcm_files  # noqa: E402
@@ -149,13 +149,10 @@ def show(columns):
     totals = ("seconds", "mean_mps", "collisions", "standstills")
     causes = sorted({cause for column in columns.values() for cause in column if cause not in totals},
                     key=lambda cause: -sum(column[cause] / column["seconds"] for column in columns.values()))
-    print("| lost to | " + " | ".join(f"{scenario}, s" for scenario in columns) + " |")
-    print("|---|" + "---|" * len(columns))
-    for cause in causes:
-        print(f"| {cause} | " + " | ".join(f"{column[cause]:.1f}" for column in columns.values()) + " |")
-    print("| of | " + " | ".join(f"{column['seconds']:.0f}" for column in columns.values()) + " |")
-    for name, digits in (("mean_mps", 2), ("collisions", 0), ("standstills", 0)):
-        print(f"| {name} | " + " | ".join(f"{column[name]:.{digits}f}" for column in columns.values()) + " |")
+    lines = [*((cause, cause, 1) for cause in causes), ("of", "seconds", 0), ("mean_mps", "mean_mps", 2),
+             ("collisions", "collisions", 0), ("standstills", "standstills", 0)]
+    show_table(["lost to", *(f"{scenario}, s" for scenario in columns)],
+               [[name, *(f"{column[key]:.{digits}f}" for column in columns.values())] for name, key, digits in lines])
 
 
 if __name__ == "__main__":

@@ -27,7 +27,7 @@ import sys
 
 from programs import settings as options_of
 from seeds import CHOOSING, ODOMETRY_NOISE, REPORTING
-from trial_runs import Trial, add_options, result_folder, results_of, run_all, show_failures
+from trial_runs import Trial, add_options, result_folder, results_of, run_all, show_failures, show_table
 
 # For each family its scenarios, and the seconds that a run may take.
 FAMILIES = {"random": (["random"], 60), "dense": (["dense"], 60), "holes": (["holes"], 120), "goals": (["goals"], 120),
@@ -143,12 +143,8 @@ def cell(column, value):
 
 
 def show(rows, label):
-    """Prints the rows as a Markdown table, to be copied into the document."""
     columns = COLUMNS + [column for column in DOCKING_COLUMNS if any(column in row for row in rows)]
-    print(f"| {label} | " + " | ".join(columns[1:]) + " |")
-    print("|---|" + "---|" * (len(columns) - 1))
-    for row in rows:
-        print("| " + " | ".join(cell(column, row.get(column)) for column in columns) + " |")
+    show_table([label, *columns[1:]], [[cell(column, row.get(column)) for column in columns] for row in rows])
 
 
 def has_contacts(row):

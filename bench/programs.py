@@ -6,6 +6,7 @@ import subprocess
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 BIN = ROOT / "build" / "release" / "bin"
+LOGS = ("intel", "fr079", "mit-csail")  # the public logs of 2D SLAM (docs/benchmark-2d.md)
 
 
 def call(program, *arguments):
@@ -23,3 +24,10 @@ def evaluate(bin_dir, *arguments):
 def settings(assignments):
     """The options for these assignments KEY=VALUE."""
     return [word for assignment in assignments for word in ("--set", assignment)]
+
+
+def map_log(bin_dir, clf, out, *options):
+    """Maps a CARMEN log into the folder `out`; leaves the converted log beside it."""
+    log = clf.with_suffix(".lcmlog")
+    call(bin_dir / "nodmap-convert", "carmen", clf, log)
+    call(bin_dir / "nodmap-slam2d", "--replay", log, "--out", out, *options)

@@ -20,7 +20,7 @@ import random
 import tempfile
 
 from event_log import poses_of
-from poses import compose, inverse
+from poses import compose, inverse, read_tum
 from slam2d_damage import KINDS, Bench, Line, damaged_at, moments, parse_arguments, read_log
 
 BEFORE_S, AFTER_S, DRIFT_S = 40.0, 15.0, 4.0
@@ -39,8 +39,7 @@ class AfterDamage(Bench):
         """Maps a CARMEN log: the published poses, and the poses corrected at the end by their time in ms."""
         with tempfile.TemporaryDirectory() as made:
             out = self.map(text, pathlib.Path(made))
-            rows = [list(map(float, line.split())) for line in (out / "trajectory.tum").read_text().splitlines() if line[0] != "#"]
-            corrected = {round(1e3 * row[0]): (row[1], row[2], 2.0 * math.atan2(row[6], row[7])) for row in rows}
+            corrected = {round(1e3 * time_s): tuple(pose) for time_s, *pose in read_tum(out / "trajectory.tum")}
             return list(poses_of(out / "out.lcmlog", "POSE_2D")), corrected
 
     def outcome(self, published, truth, begin_s, end_s):

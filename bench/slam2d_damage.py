@@ -22,8 +22,7 @@ import tempfile
 
 import seeds
 from poses import compose, inverse
-from programs import BIN, evaluate, settings
-from public_logs import LOGS, map_log
+from programs import BIN, LOGS, evaluate, map_log, settings
 
 KINDS = {"stall": (0.5, 1.5), "gap": (1.0, 5.0), "kick": (0.0, 0.0), "pause": (0.5, 1.5)}  # durations, s
 PERIOD_S = 30.0

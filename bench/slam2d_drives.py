@@ -14,9 +14,8 @@ import pathlib
 import tempfile
 
 import seeds
-from pool import Pool
 from programs import BIN, call, evaluate, settings
-from trial_runs import Trial
+from trial_runs import Pool, Trial
 
 CORRIDOR = [("corridor30", seed, 60) for seed in seeds.CHOOSING[:30]]
 CELLAR = [("cellar", seed, 120) for seed in seeds.CHOOSING[:20]]

@@ -11,8 +11,7 @@ import argparse
 import pathlib
 import tempfile
 
-from programs import BIN, evaluate
-from public_logs import LOGS, map_log
+from programs import BIN, LOGS, evaluate, map_log
 
 
 def split(log, first, second):

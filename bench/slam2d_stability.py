@@ -13,8 +13,7 @@ import math
 import pathlib
 import tempfile
 
-from programs import BIN, call, evaluate
-from public_logs import LOGS
+from programs import BIN, LOGS, call, evaluate
 
 # Parameters that do not affect the trajectory: publishing of the map, its cells, and those that only --localise uses.
 WITHOUT_EFFECT = ("grid.", "localise.", "relocalise.")

@@ -14,15 +14,11 @@ import argparse
 import math
 import pathlib
 import statistics
-import sys
 import tempfile
 
 from event_log import Writer, events, poses_of
-from poses import compose, inverse
-from programs import BIN, ROOT, call
-
-sys.path.insert(0, str(ROOT / "scripts" / "figures"))
-from moving_clouds import pose_at, read_poses  # noqa: E402
+from poses import compose, inverse, pose_at, read_tum
+from programs import BIN, call
 
 TRACKING, DEGRADED, LOST = range(3)
 MAX_ERROR_M, MAX_ERROR_RAD = 0.5, math.radians(5.0)
@@ -61,7 +57,7 @@ def evaluate(found, truth, T_map_world):
 
 
 def row(programs, folder, map_dir, T_map_world, drive, half, names):
-    truth = read_poses(drive / "truth.tum")
+    truth = read_tum(drive / "truth.tum")
     cells = []
     for name, option in (("localises", "--localise"), ("continues", "--map-in")):
         with tempfile.TemporaryDirectory() as out:
@@ -87,7 +83,7 @@ def main():
         for drive, following in zip(arguments.drives, [*arguments.drives[1:], None]):
             folder = folders[drive]
             mapped = session(arguments.bin, folder / "first.lcmlog", folder / "map")
-            T_map_world = compose(mapped[0][1], inverse(pose_at(read_poses(drive / "truth.tum"), mapped[0][0])))
+            T_map_world = compose(mapped[0][1], inverse(pose_at(read_tum(drive / "truth.tum"), mapped[0][0])))
             row(arguments.bin, folder, folder / "map", T_map_world, drive, "second", f"{drive.name}, its second half")
             if following and following.name.split("-")[0] == drive.name.split("-")[0]:
                 row(arguments.bin, folders[following], folder / "map", T_map_world, following, "first", f"{drive.name}, {following.name}")

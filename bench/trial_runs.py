@@ -7,10 +7,17 @@ import pathlib
 import sys
 import tempfile
 
-from pool import Pool
 from programs import BIN, ROOT, call
 
 WORLDS = ROOT / "sim" / "worlds"
+
+
+class Pool(concurrent.futures.ThreadPoolExecutor):
+    """Runs programs side by side; starts nothing more when its block is left by an exception, such as by Ctrl-C."""
+
+    def __exit__(self, kind, error, traceback):
+        self.shutdown(cancel_futures=kind is not None)
+        return False
 
 
 class Trial:
@@ -85,3 +92,11 @@ def show_failures(trials):
     for trial in failed:
         print(f"{trial.name}: {trial.error[-200:]}", file=sys.stderr)
     return len(failed)
+
+
+def show_table(head, rows):
+    """Prints a Markdown table, to be copied into a document."""
+    for cells in (head, *rows):
+        print("| " + " | ".join(map(str, cells)) + " |")
+        if cells is head:
+            print("|" + "---|" * len(head))

@@ -19,7 +19,8 @@ import tempfile
 import threading
 import time
 
-ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+from programs import BIN, ROOT
+
 sys.path.insert(0, os.path.join(ROOT, "tests", "viewer"))
 import webdriver  # noqa: E402
 from foxglove_client import Client  # noqa: E402
@@ -273,7 +274,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("--window", type=float, default=20.0, help="length of each window, seconds")
     parser.add_argument("--soak", type=float, default=0.0, help="how long the growth of memory with one client is measured, seconds")
-    parser.add_argument("--bin", default=os.path.join(ROOT, "build", "release", "bin"))
+    parser.add_argument("--bin", default=str(BIN))
     parser.add_argument("--world", default=os.path.join(ROOT, "sim", "worlds", "cellar.yaml"))
     arguments = parser.parse_args()
     os.environ["NODMAP_VIEWER"] = os.path.join(arguments.bin, "nodmap-viewer")

@@ -10,13 +10,13 @@ the programs; the default is those in build/release.
 """
 import argparse
 import os
-import pathlib
 import subprocess
 import sys
 import tempfile
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
-os.environ.setdefault("NODMAP_VIEWER", str(ROOT / "build/release/bin/nodmap-viewer"))
+from programs import BIN, ROOT
+
+os.environ.setdefault("NODMAP_VIEWER", str(BIN / "nodmap-viewer"))
 os.environ.setdefault("NODMAP_MAKE_ROBOT_LOG", str(ROOT / "build/release/tests/make_robot_log"))
 sys.path.insert(0, str(ROOT / "tests/viewer"))
 import webdriver  # noqa: E402

@@ -24,14 +24,14 @@ def draw_drive(axes, solids, trial, colour, title):
     scene.draw_plan(axes, solids)
     stamps, positions, yaw = formats.read_tum(trial.dir / "truth.tum")
     axes.plot(positions[:, 0], positions[:, 1], color=colour, linewidth=1.2, zorder=4)
-    axes.plot(*positions[0, :2], "o", color=colour, markersize=4, zorder=5)
+    axes.plot(*positions[0], "o", color=colour, markersize=4, zorder=5)
     hit_s = trial.result["first_collision_s"]
     if hit_s is not None:
         at = np.searchsorted(stamps - stamps[0], hit_s + trial.result["first_scan_s"])
         at = min(at, len(stamps) - 1)
-        body = scene.Solid([*positions[at, :2], 0.2], [0.225, 0.165, 0.2], yaw[at])
+        body = scene.Solid([*positions[at], 0.2], [0.225, 0.165, 0.2], yaw[at])
         axes.add_patch(plt.Polygon(body.outline(), facecolor="none", edgecolor=colour, linewidth=1.2, zorder=5))
-        axes.plot(*positions[at, :2], "x", color=colour, markersize=7, markeredgewidth=2, zorder=6)
+        axes.plot(*positions[at], "x", color=colour, markersize=7, markeredgewidth=2, zorder=6)
     axes.set_xlim(-1.2, 7.2)
     axes.set_ylim(-3.3, 3.2)
     axes.set_title(title)

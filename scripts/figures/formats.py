@@ -4,14 +4,13 @@ import csv
 import re
 
 import numpy as np
+import poses
 
 
 def read_tum(path):
-    """Reads a trajectory: stamps (s), positions (n x 3, m) and headings (rad)."""
-    rows = np.loadtxt(path, ndmin=2)
-    x, y, z, w = rows[:, 4:8].T
-    yaw = np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
-    return rows[:, 0], rows[:, 1:4], yaw
+    """Reads a trajectory: stamps (s), positions (n x 2, m) and headings (rad)."""
+    rows = np.array(poses.read_tum(path))
+    return rows[:, 0], rows[:, 1:3], rows[:, 3]
 
 
 def read_table(path):
@@ -59,5 +58,5 @@ def read_grid(yaml_path):
 def to_start(positions, yaw):
     """Transforms a trajectory to the frame of its first pose, in the plane: positions n x 2 (m), headings (rad)."""
     c, s = np.cos(yaw[0]), np.sin(yaw[0])
-    moved = positions[:, :2] - positions[0, :2]
+    moved = positions - positions[0]
     return moved @ np.array([[c, -s], [s, c]]), np.angle(np.exp(1j * (yaw - yaw[0])))

@@ -8,24 +8,12 @@ import csv
 import json
 import math
 
+from poses import pose_at, read_tum
+
 SCANS = 50
 SPEED_MPS = 1.5
 WINDOW_S = SCANS * 0.01332
 EVERY_S = 2.0  # from one cloud to the next that is measured
-
-
-def read_poses(path):
-    """Reads stamp (s), x, y (m) and yaw (rad) of each line of a trajectory in the plane."""
-    rows = [[float(word) for word in line.split()] for line in path.read_text().splitlines() if not line.startswith("#")]
-    return [(row[0], row[1], row[2], 2.0 * math.atan2(row[6], row[7])) for row in rows]
-
-
-def pose_at(poses, stamp):
-    """x, y (m) and yaw (rad) at a stamp, interpolated between the two poses around it."""
-    after = min(max(bisect.bisect(poses, (stamp,)), 1), len(poses) - 1)
-    (t0, x0, y0, yaw0), (t1, x1, y1, yaw1) = poses[after - 1], poses[after]
-    share = min(max((stamp - t0) / (t1 - t0), 0.0), 1.0)
-    return x0 + share * (x1 - x0), y0 + share * (y1 - y0), yaw0 + share * math.remainder(yaw1 - yaw0, 2.0 * math.pi)
 
 
 def read_motions(folder, call):
@@ -36,7 +24,7 @@ def read_motions(folder, call):
     with open(table, newline="") as file:
         rows = [(1e-6 * float(row["utime_us"]), float(row["forward_mps"]), float(row["yaw_rate_rad_s"])) for row in csv.DictReader(file)]
     # The trajectory begins with the run, but the first scan comes only when laser and servo are ready.
-    first_scan_s = read_poses(folder / "truth.tum")[0][0] + json.loads((folder / "result.json").read_text())["first_scan_s"]
+    first_scan_s = read_tum(folder / "truth.tum")[0][0] + json.loads((folder / "result.json").read_text())["first_scan_s"]
     return [(time_s - first_scan_s, *motion) for time_s, *motion in rows if time_s > first_scan_s]
 
 
@@ -54,12 +42,12 @@ def fast_windows(motions):
 
 def measure(folder, world, call):
     """Measures each such cloud of a trial that has kept its log, placed at the robot's true pose. `call` runs a program and returns what it prints."""
-    truth = read_poses(folder / "truth.tum")
+    truth = read_tum(folder / "truth.tum")
     clouds = []
     for start_s, rotation_deg in fast_windows(read_motions(folder, call)):
         path = folder / f"cloud{len(clouds)}.ply"
         call("nodmap-convert", "export", folder / "trial.lcmlog", path, "--start-s", f"{start_s:.3f}", "--scans", SCANS)
-        x, y, yaw = pose = pose_at(truth, read_poses(path.with_suffix(".tum"))[0][0])
+        x, y, yaw = pose = pose_at(truth, read_tum(path.with_suffix(".tum"))[0][0])
         errors = json.loads(call("nodmap-evaluate", "cloud", path, world, f"--start={x:.6f}", f"{y:.6f}", f"{math.degrees(yaw):.6f}"))
         clouds.append({"path": path, "pose": pose, "start_s": start_s, "rotation_deg": rotation_deg, "errors": errors})
     if not clouds:

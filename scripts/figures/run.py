@@ -4,12 +4,14 @@
 import argparse
 import importlib
 import os
+import pathlib
 import shutil
 import sys
 
-import page
-from trials import BIN, OUT
-from trial_runs import run_all, show_failures
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[2] / "bench"))
+import page  # noqa: E402
+from trial_runs import run_all, show_failures  # noqa: E402
+from trials import BIN, OUT  # noqa: E402
 
 FIGURES = [3, 4, 5, 6, 7, 8, 9]
 

@@ -1,9 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The trials of the figures, of which each leaves its folder in logs/figures."""
 import pathlib
-import sys
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "bench"))
 import programs
 import trial_runs
 from programs import BIN, ROOT
