@@ -98,7 +98,6 @@ measure() {
       ;;
     octomap)
       need_data nodding_seq || return 0
-      build/release/bench/octomap_bench
       $bin/nodmap-bench-octomap "$data/nodding_seq" --resolution 0.05 --max-range 10
       ;;
     trials)
