@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Maps damaged recordings with 2D SLAM: measures the error when odometry stands still, jumps or is missing for a while.
 
-bench/slam2d_damage.py --data DIR [--bin DIR] [--logs NAME ...] [--kinds KIND ...] [--seeds N ...] [--set KEY=VALUE ...]
+bench/slam2d_damage.py --data DIR [--alone] [--bin DIR] [--logs NAME ...] [--kinds KIND ...] [--seeds N ...] [--set KEY=VALUE ...]
 
 DIR holds NAME.clf and NAME.relations (docs/benchmark-2d.md). About twice a minute, while the robot moves, a log is damaged in one of these ways:
   stall   odometry repeats a pose for 0.5 to 1.5 s and then catches up, as with a driver that hangs
@@ -12,20 +12,36 @@ DIR holds NAME.clf and NAME.relations (docs/benchmark-2d.md). About twice a minu
 Prints a row for each log and kind of damage: the error of translation and rotation for each seed, over the relations whose two scans are left (a gap
 removes scans, and a pause, too), and how many are not; the first row is the undamaged log. Relations without a pose, though their scans are left, have a
 note of their own: whoever gives no pose where it is difficult must not look better.
+
+With --alone it tries each damage alone, in the piece of the log from 40 s before it to 15 s after it: is POSE_2D right afterwards, and if not, does it say
+so? The poses after the damage, relative to the last pose before it, are compared with those of the undamaged log. A pose is wrong if it is off by more than
+25 cm in the first 4 s, by more than 50 cm afterwards (because the map of a short piece drifts), or by more than 4 degrees. Prints a row for each log and kind
+of damage, with the number of damages after which POSE_2D is
+  right   never wrong for a second or longer
+  said    wrong, but DEGRADED or LOST meanwhile
+  silent  wrong, and TRACKING for a second or longer
+and the percentage of the poses after a damage that are not TRACKING, which is the cost.
+
 Seeds below 1000 are for reporting, others for choosing parameters (bench/seeds.py).
 """
 import argparse
+import bisect
+import functools
 import math
 import pathlib
 import random
 import tempfile
 
 import seeds
-from poses import compose, inverse
+from event_log import poses_of
+from poses import compose, inverse, read_tum
 from programs import BIN, LOGS, evaluate, map_log, settings
 
 KINDS = {"stall": (0.5, 1.5), "gap": (1.0, 5.0), "kick": (0.0, 0.0), "pause": (0.5, 1.5)}  # durations, s
 PERIOD_S = 30.0
+BEFORE_S, AFTER_S, DRIFT_S = 40.0, 15.0, 4.0
+WRONG_M, WRONG_WITH_DRIFT_M, WRONG_RAD = 0.25, 0.5, math.radians(4.0)
+LONG_SCANS = 5  # a second of the slowest log
 
 
 class Line:
@@ -104,7 +120,17 @@ def read_log(clf):
     return "".join(line for line in every if line.startswith("PARAM")), [line for line in every if line.startswith(("ODOM", "FLASER"))]
 
 
+def difference(a, b, c, d):
+    """The difference (m, rad) between the motion from a to b and that from c to d."""
+    x, y, yaw = compose(inverse(compose(inverse(a), b)), compose(inverse(c), d))
+    return math.hypot(x, y), abs(math.remainder(yaw, 2.0 * math.pi))
+
+
 class Bench:
+    """Damages whole logs."""
+    HEAD = "| log | damage | error for each seed: translation, rotation |\n|---|---|---|"
+    KINDS = ["as it is", *KINDS]
+
     def __init__(self, options):
         self.programs, self.data, self.settings = options.bin, options.data, settings(options.settings)
 
@@ -124,30 +150,73 @@ class Bench:
     def row(self, name, kind, numbers):
         head, texts = read_log(self.data / f"{name}.clf")
         if kind == "as it is":
-            return [self.errors(name, head + "".join(texts))]
+            return self.errors(name, head + "".join(texts))
         lines = [Line(text) for text in texts]
-        return [self.errors(name, head + "".join(damaged(lines, kind, seed))) for seed in numbers]
+        return "; ".join(self.errors(name, head + "".join(damaged(lines, kind, seed))) for seed in numbers)
 
 
-def parse_arguments(description, kinds):
-    """Reads the options of this script and of slam2d_after_damage.py. `kinds`: the kinds of damage if --kinds is not given."""
-    parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--data", type=pathlib.Path, required=True)
-    parser.add_argument("--bin", type=pathlib.Path, default=BIN)
-    parser.add_argument("--logs", nargs="*", default=LOGS)
-    parser.add_argument("--kinds", nargs="*", default=kinds)
-    parser.add_argument("--seeds", nargs="*", type=int, default=seeds.REPORTING[:3])
-    parser.add_argument("--set", nargs="*", default=[], dest="settings", help="parameters of nodmap-slam2d")
-    return parser.parse_args()
+class AfterDamage(Bench):
+    """Tries each damage alone."""
+    HEAD = "| log | damage | right | said | silent | no pose | not TRACKING in the 15 s afterwards |\n|---|---|---|---|---|---|---|"
+    KINDS = list(KINDS)
+
+    def poses(self, text):
+        """Maps a CARMEN log: the published poses, and the poses corrected at the end by their time in ms."""
+        with tempfile.TemporaryDirectory() as made:
+            out = self.map(text, pathlib.Path(made))
+            corrected = {round(1e3 * time_s): tuple(pose) for time_s, *pose in read_tum(out / "trajectory.tum")}
+            return list(poses_of(out / "out.lcmlog", "POSE_2D")), corrected
+
+    def outcome(self, published, truth, begin_s, end_s):
+        """The outcome (right, said, silent, or none without poses), how many poses after the damage are not TRACKING, and how many there are."""
+        known = [(time_s, pose, state, truth[round(1e3 * time_s)]) for time_s, pose, state in published if round(1e3 * time_s) in truth]
+        first = bisect.bisect_right([row[0] for row in known], begin_s) - 1
+        after = [row for row in known if row[0] >= end_s]
+        wrong = silent = 0
+        for time_s, pose, state, true_pose in after:
+            off_m, off_rad = difference(known[first][3], true_pose, known[first][1], pose)
+            if off_m > (WRONG_M if time_s < end_s + DRIFT_S else WRONG_WITH_DRIFT_M) or off_rad > WRONG_RAD:
+                wrong += 1
+                silent += state == 0
+        name = "none" if len(after) < LONG_SCANS else "silent" if silent >= LONG_SCANS else "said" if wrong >= LONG_SCANS else "right"
+        return name, sum(row[2] != 0 for row in after), len(after)
+
+    def row(self, name, kind, numbers):
+        head, texts = read_log(self.data / f"{name}.clf")
+        lines, truth = [Line(text) for text in texts], self.truth(name)
+        counts = dict.fromkeys(("right", "said", "silent", "none"), 0)
+        not_tracking = scans = 0
+        for seed in numbers:
+            for begin_s, end_s in moments(lines, kind, random.Random(f"{kind} {seed}")):
+                piece = [line for line in lines if begin_s - BEFORE_S <= line.time_s <= end_s + AFTER_S]
+                text = head + "".join(damaged_at([(begin_s, end_s)], piece, kind, random.Random(f"{kind} {seed} {begin_s}")))
+                result, degraded, total = self.outcome(self.poses(text)[0], truth, begin_s, end_s)
+                counts[result] += 1
+                not_tracking += degraded
+                scans += total
+        return " | ".join(map(str, counts.values())) + f" | {100.0 * not_tracking / max(1, scans):.1f} %"
+
+    @functools.cache
+    def truth(self, name):
+        """The corrected poses of the undamaged log by their time in ms."""
+        return self.poses((self.data / f"{name}.clf").read_text(errors="replace"))[1]
 
 
 def main():
-    options = parse_arguments(__doc__, ["as it is", *KINDS])
-    bench = Bench(options)
-    print("| log | damage | error for each seed: translation, rotation |\n|---|---|---|")
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--data", type=pathlib.Path, required=True)
+    parser.add_argument("--alone", action="store_true", help="try each damage alone")
+    parser.add_argument("--bin", type=pathlib.Path, default=BIN)
+    parser.add_argument("--logs", nargs="*", default=LOGS)
+    parser.add_argument("--kinds", nargs="*", help="default: all")
+    parser.add_argument("--seeds", nargs="*", type=int, default=seeds.REPORTING[:3])
+    parser.add_argument("--set", nargs="*", default=[], dest="settings", help="parameters of nodmap-slam2d")
+    options = parser.parse_args()
+    bench = (AfterDamage if options.alone else Bench)(options)
+    print(bench.HEAD)
     for name in options.logs:
-        for kind in options.kinds:
-            print(f"| {name} | {kind} | {'; '.join(bench.row(name, kind, options.seeds))} |", flush=True)
+        for kind in options.kinds or bench.KINDS:
+            print(f"| {name} | {kind} | {bench.row(name, kind, options.seeds)} |", flush=True)
 
 
 if __name__ == "__main__":

@@ -3,7 +3,8 @@
 # Measures what bench/REPORT.md states, entry by entry. Called by ./nodmap bench, which has built the programs.
 #   scripts/bench.sh [--list] [ENTRY ...]     without ENTRY: all of them, which takes hours
 # A measurement that misses its target does not keep the others from being made; the exit code is 1 then. Entries without a check of their own only print:
-# maps, decision, slam2d, kurt3d, registration, slam6d-scan, page, viewer, barn, exploration, ablation. The documents state their targets.
+# maps, decision, slam2d, damage, sessions, stability, relocalise, kurt3d, registration, slam6d-scan, slam6d-drives, hours, page, viewer, barn, exploration,
+# lost-time, ablation. The documents state their targets.
 set -euo pipefail
 cd "$(dirname "$(readlink -f "$0")")/.."
 bin=build/release/bin
@@ -18,9 +19,15 @@ maps             Map update
 decision         A decision of the navigator
 slam2d           Whole logs and a match alone (needs the recordings)
 level            What nodding costs the 2D map
+damage           docs/benchmark-2d.md: damaged recordings (needs the recordings)
+sessions         docs/benchmark-2d.md: two sessions (needs the recordings)
+stability        docs/benchmark-2d.md: stability (needs the recordings)
+relocalise       docs/benchmark-2d.md: relocalisation in other buildings
 kurt3d           KURT3D (needs the recordings)
 registration     clouds whose poses are known: docs/benchmark-3d.md (needs the recordings)
 slam6d-scan      A scan in 6D SLAM
+slam6d-drives    docs/benchmark-3d.md: simulated drives, in a saved map
+hours            6D SLAM for hours; docs/benchmark-2d.md: days in one building
 octomap          OctoMap (needs the recordings)
 trials           Trials, Stairs and a warehouse, The simulator
 stops            How the robot stops when a part fails: in trials
@@ -36,6 +43,7 @@ viewer           Beside the whole robot
 navigation       docs/benchmark-navigation.md: generated worlds
 barn             docs/benchmark-navigation.md: BARN (needs its worlds)
 exploration      docs/benchmark-navigation.md: exploration
+lost-time        docs/benchmark-navigation.md: where the time goes in clutter
 ablation         docs/ablation.md: what each part of the navigation is worth
 TEXT
 }
@@ -79,6 +87,16 @@ measure() {
       for name in intel fr079 mit-csail; do slam2d_log "$name"; done
       ;;
     level) python3 bench/trials.py --only level ;;
+    damage)
+      need_data slam2d || return 0
+      python3 bench/slam2d_damage.py --data "$data/slam2d" --seeds 1000 1001
+      python3 bench/slam2d_damage.py --data "$data/slam2d" --alone --seeds 0 1
+      ;;
+    sessions) need_data slam2d || return 0; python3 bench/slam2d_sessions.py --data "$data/slam2d" ;;
+    stability) need_data slam2d || return 0; python3 bench/slam2d_stability.py --data "$data/slam2d" ;;
+    relocalise)
+      $bin/nodmap-bench-slam2d-relocalise building:{0..3} maze:{0,1} sim/worlds/{office,cellar,loop,warehouse}.yaml
+      ;;
     kurt3d)
       need_data kurt3d || return 0
       mkdir -p "$out"
@@ -95,6 +113,14 @@ measure() {
       $bin/nodmap-trial --world sim/worlds/crowd.yaml --seed 1 --duration 35 --no-slam6d --set sim.odometry_scale_bias=0.03 \
         --set sim.slip_heading_deg=1 --out "$out/crowd"
       $bin/nodmap-bench-slam6d "$out/crowd/trial.lcmlog"
+      ;;
+    slam6d-drives)
+      python3 bench/slam6d_drives.py --out "$out/drives" --setting "" "adjustment.use_adjustment=false"
+      python3 bench/slam6d_sessions.py "$out"/drives/*
+      ;;
+    hours)
+      python3 bench/slam2d_days.py --hours 1 2 4 8 24
+      python3 bench/slam6d_days.py --hours 1 2 4
       ;;
     octomap)
       need_data nodding_seq || return 0
@@ -117,6 +143,7 @@ measure() {
     navigation) python3 bench/navigation.py ;;
     barn) need_data barn || return 0; python3 bench/barn.py "$data/barn/worlds.txt" --every 10 ;;
     exploration) python3 bench/exploration.py --seeds 10 ;;
+    lost-time) python3 bench/lost_time.py --seeds 16 ;;
     ablation) python3 bench/ablation.py ;;
   esac
 }

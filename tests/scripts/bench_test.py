@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """What the benchmarks' scripts do: bench.sh runs an entry with the arguments that its program needs, navigation.py fails where the robot hits something,
-trials.py shows what it has when something fails, slam2d_damage.py counts what it cannot measure, and slam6d_sessions.py compares a pose with the truth of the same time.
+trials.py shows what it has when something fails, slam2d_damage.py counts what it cannot measure, slam6d_sessions.py compares a pose with the truth of the same
+time, and lost_time.py knows the navigator's reasons.
 
 usage: bench_test.py SOURCE_DIR
 """
@@ -128,6 +129,15 @@ def check_progress(source):
     assert row["progress"] == 0.5 and row["n"] == "2 of 3", row
 
 
+def check_lost_time(source):
+    """The parts by which lost_time.py knows a reason are parts of the navigator's sentences."""
+    sys.path.insert(0, str(source / "bench"))
+    import lost_time
+    sentences = (source / "modules" / "navigator" / "reason.cpp").read_text()
+    for part, _ in lost_time.BY_REASON:
+        assert part in sentences, f"no reason says: {part}"
+
+
 def check_odometry_noise(source):
     """Maps are reported with this noise (bench/seeds.py)."""
     sys.path.insert(0, str(source / "bench"))
@@ -167,6 +177,7 @@ def main():
     check_trials(source)
     check_appearing(source)
     check_event_log(source)
+    check_lost_time(source)
     check_odometry_noise(source)
     check_progress(source)
     check_relations_without_a_scan(source)
