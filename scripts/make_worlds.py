@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Writes the simulator's larger worlds, sim/worlds/{corridor30,cellar,office,crowd,loop,ring,warehouse}.yaml. Every run writes the same bytes.
+"""Writes the simulator's larger worlds, sim/worlds/{corridor30,cellar,office,crowd,loop,ring,warehouse}.yaml. Every run writes the same bytes. With --check only
+compares.
 
-usage: scripts/make_worlds.py
+usage: make_worlds.py [--check]
 """
 import math
 import pathlib
 import random
+import sys
 
 OUT = pathlib.Path(__file__).resolve().parent.parent / "sim" / "worlds"
 CEILING = 2.6
@@ -91,9 +93,9 @@ class World:
         self.actors.append(f"  - {{cylinder: {{radius: {number(radius)}, height: {number(height)}}}, "
                            f"path: [{', '.join(numbers(p) for p in path)}], loop: true}}")
 
-    def write(self):
+    def text(self):
         lines = self.head + ["objects:"] + self.objects + (["actors:"] + self.actors if self.actors else []) + self.tail
-        (OUT / f"{self.name}.yaml").write_text("\n".join(lines) + "\n")
+        return "\n".join(lines) + "\n"
 
 
 def corridor30():
@@ -131,7 +133,7 @@ def corridor30():
                                     (26.2, -1, 0, 0.45, 0.15), (7.9, 1, 0, CEILING, 0.06), (22.1, 1, 0, CEILING, 0.06)):
         w.cylinder(x, side * (half - radius - 0.01), z0, z1, radius)
     w.tail = ["robot: {start: [0, 0, 0]}", "goal: [28, 0]"]
-    w.write()
+    return w
 
 
 def cellar():
@@ -180,7 +182,7 @@ def cellar():
     w.box(0, -2.0, 2.25, 2.4, 10.8, 0.12)
     w.box(4.3, 0, 2.2, 2.3, 0.1, 7.8)
     w.tail = ["robot: {start: [-0.5, -2.4, 0]}"]
-    w.write()
+    return w
 
 
 def office():
@@ -209,7 +211,7 @@ def office():
     w.cylinder(15.1, 0.7, 0, 0.45, 0.12)
     w.cylinder(9.0, 0.76, 0.8, 1.35, 0.08)
     w.tail = ["robot: {start: [0, 0, 0]}", "goal: [17.5, 0]"]
-    w.write()
+    return w
 
 
 def furnish(w, rng, left, width, side, y1, door_x, desks):
@@ -252,7 +254,7 @@ def crowd():
         if clear and all(math.dist(a, b) > 2.5 for a, b in legs) and math.dist(points[0], (0, 0)) > 2.0:
             w.walker(points, rng.uniform(0.5, 1.3), rng.choice((0.2, 0.25, 0.3)), rng.choice((1.2, 1.65, 1.75, 1.85)))
     w.tail = ["robot: {start: [0, 0, 0]}", "goal: [11.5, 0]"]
-    w.write()
+    return w
 
 
 def loop():
@@ -286,7 +288,7 @@ def loop():
     w.cylinder(-4.7, 0.8, 0, 2.2, 0.03)
     w.box(-6.5, -2.8, 0, 0.8, 0.7, 0.5, 85)
     w.tail = ["robot: {start: [0, -4.7, 0]}", "goals: [[5.6, -4.2], [5.6, 4.4], [-5.6, 4.6], [-5.6, -4.4], [0, -4.7]]"]
-    w.write()
+    return w
 
 
 def ring():
@@ -322,7 +324,7 @@ def ring():
         w.table(x + 2.5, -28, 1.6, 0.8, yaw=rng.uniform(-20, 20))
     once = "[26, -20], [30, -16], [30, 16], [26, 20], [-26, 20], [-30, 16], [-30, -16], [-26, -20], [-5, -20]"
     w.tail = ["robot: {start: [-12, -20, 0]}", f"goals: [{once}, {once}]"]
-    w.write()
+    return w
 
 
 def warehouse():
@@ -347,7 +349,7 @@ def warehouse():
     w.shelf(15.0, 4.0, 2.7, 0.9, height=3.0)
     w.box(18.0, -2.6, 0, 0.14, 1.2, 0.8, 15, 0.3)
     w.tail = ["robot: {start: [0, 0, 0]}", "goal: [24, 0]"]
-    w.write()
+    return w
 
 
 def distance_to_leg(point, leg):
@@ -357,11 +359,16 @@ def distance_to_leg(point, leg):
     return math.dist((x, y), (x0 + fraction * (x1 - x0), y0 + fraction * (y1 - y0)))
 
 
+def main():
+    worlds = {OUT / f"{world.name}.yaml": world.text() for world in (corridor30(), cellar(), office(), crowd(), loop(), ring(), warehouse())}
+    changed = [path for path, text in worlds.items() if not path.exists() or path.read_text() != text]
+    if "--check" in sys.argv[1:]:
+        print("worlds that scripts/make_worlds.py makes otherwise:" if changed else "worlds: up to date", *(path.name for path in changed))
+        return 1 if changed else 0
+    for path in changed:
+        path.write_text(worlds[path])
+    return 0
+
+
 if __name__ == "__main__":
-    corridor30()
-    cellar()
-    office()
-    crowd()
-    loop()
-    ring()
-    warehouse()
+    sys.exit(main())
