@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Sourced. What both demos say, and how they take their arguments.
 
-# Colours are for terminals: in a file they are noise.
-say() { if [[ -t 1 ]]; then printf '\033[1m==> %s\033[0m\n' "$*"; else printf '==> %s\n' "$*"; fi; }
-die() { printf 'nodmap demo: %s\n' "$*" >&2; exit 1; }
+# shellcheck disable=SC2034  # die says it
+speaker='nodmap demo'
+source scripts/say.sh
 usage_error() { printf 'nodmap demo: %s (see ./nodmap demo --help)\n' "$*" >&2; exit 2; }
 
 print_version() { sed -n 's/^project(nodmap VERSION \([^ ]*\).*/\1/p' CMakeLists.txt; }

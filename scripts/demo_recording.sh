@@ -132,5 +132,4 @@ player=
 
 say "stopping the processes"
 stop_all || die "not every process ended cleanly"
-python3 scripts/demo_recording_summary.py "$out"
-say "to see it again: $bin/nodmap-viewer --replay $(find "$out/logger" -type f | sort | tail -n 1), and a browser on http://127.0.0.1:8765/"
+python3 scripts/demo_summary.py recording "$out"

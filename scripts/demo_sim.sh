@@ -147,5 +147,5 @@ if [[ $watched -ne 0 ]]; then
   say "the robot has not come back home"
   code=1
 fi
-python3 scripts/demo_sim_summary.py "$out" || code=1
+python3 scripts/demo_summary.py sim "$out" || code=1
 exit $code
