@@ -4,8 +4,8 @@
 
     bench/trials.py [--jobs N] [--quick] [--only GROUP ...] [--out DIR] [--bin DIR]
 
-Each group is a function that defines its trials and adds rows with their results. Every trial is deterministic, so that the table is the same on every
-machine, apart from the times that the group `speed` measures. The exit code is 1 if a target is missed.
+The trials of the paper's figures are in scripts/figures. Each group is a function that defines its trials and adds rows with their results. Every trial is
+deterministic, so that the table is the same on every machine, apart from the times that the group `speed` measures. The exit code is 1 if a target is missed.
 """
 import argparse
 import math
@@ -13,12 +13,9 @@ import os
 import sys
 import traceback
 
-from programs import ROOT, call, evaluate
+from programs import evaluate
 from seeds import ODOMETRY_NOISE, REPORTING
 from trial_runs import Trial, add_options, result_folder, results_of, run_all, with_result
-
-sys.path.insert(0, str(ROOT / "scripts" / "figures"))
-import moving_clouds  # Fig. 8 shows what is measured here
 
 # After the loss of any part the robot may need this much more time and distance than braking takes.
 REACTION_S, REACTION_M = 0.3, 0.3
@@ -96,19 +93,6 @@ def random_clutter(quick):
     return trials, add_rows
 
 
-def fig5(quick):
-    n = 2 if quick else 20
-    nodding = [Trial(f"fig5-nodding-{s}", "fig5", s, 60, "--no-slam6d", "--pitch", "nodding") for s in REPORTING[:n]]
-    fixed = [Trial(f"fig5-fixed-{s}", "fig5", s, 60, "--no-slam6d", "--pitch", "fixed") for s in REPORTING[:n]]
-
-    def add_rows(table, _):
-        for name, results, target in (("nodding", results_of(nodding), "0"), ("fixed", results_of(fixed), "most")):
-            holds = collided(results) == 0 if target == "0" else collided(results) > n / 2
-            table.add(f"Fig. 5, {name}: runs of {len(results)} with a collision", collided(results), target, holds)
-        add_distance(table, "Fig. 5, nodding", results_of(nodding), 10)
-    return nodding + fixed, add_rows
-
-
 def crowd(quick):
     trials = [Trial(f"crowd-{s}", "crowd", s, 30 if quick else 60, "--no-slam6d") for s in REPORTING[1:3 if quick else 11]]
 
@@ -182,65 +166,19 @@ def stops(quick):
     return trials, add_rows
 
 
-def corridor(quick):
-    trial = Trial("corridor30", "corridor30", 1, 20 if quick else 60, *ODOMETRY_NOISE)
-
-    def add_rows(table, bin_dir):
-        odometry = trial.result["odometry"]
-        errors = evaluate(bin_dir, "corridor", trial.dir / "slam2d" / "trajectory.tum", trial.dir / "truth.tum")
-        length_percent, bow_m, heading_deg = (abs(errors[key]) for key in ("length_error_percent", "bow_m", "heading_error_deg"))
-        table.add(f"Fig. 6, {errors['length_m']:.1f} m, odometry with 3 % bias and 1 deg per root of a metre: length error", f"{length_percent:.2f} %", "<= 1 %",
-                  length_percent <= 1.0)
-        table.add("Fig. 6: greatest error across the corridor (end error of odometry)", f"{bow_m:.3f} m ({odometry['end_error_m']:.2f} m)", "<= 0.10 m",
-                  bow_m <= 0.10)
-        add_distance(table, "Fig. 6", [trial.result], 10)
-        table.add("Fig. 6: greatest error of the heading", f"{heading_deg:.2f} deg", "<= 0.5 deg", heading_deg <= 0.5)
-    return [trial], add_rows
-
-
 def cellar(quick):
     trial = Trial("cellar", "cellar", 1, 30 if quick else 120, *ODOMETRY_NOISE)
 
     def add_rows(table, _):
         slam, odometry = trial.result["slam2d"], trial.result["odometry"]
-        table.add(f"Fig. 7, {trial.result['distance_m']:.0f} m in the cellar, odometry with 3 % bias and 1 deg per root of a metre: error of the end pose",
+        table.add(f"cellar, {trial.result['distance_m']:.0f} m, odometry with 3 % bias and 1 deg per root of a metre: error of the end pose",
                   f"{slam['end_error_m']:.3f} m, {slam['end_error_deg']:.2f} deg", "<= 0.10 m, 1 deg",
                   slam["end_error_m"] <= 0.10 and slam["end_error_deg"] <= 1.0)
-        table.add("Fig. 7: error of the end pose by odometry, for comparison",
+        table.add("cellar: error of the end pose by odometry, for comparison",
                   f"{odometry['end_error_m']:.2f} m, {odometry['end_error_deg']:.1f} deg", "", True)
-        add_distance(table, "Fig. 7", [trial.result], 10)
+        add_distance(table, "cellar", [trial.result], 10)
         table.add("cellar: collisions", trial.result["collisions"], "0", trial.result["collisions"] == 0)
     return [trial], add_rows
-
-
-def loop(quick):
-    trials = [Trial(f"loop-{s}", "loop", s, 60 if quick else 240, *ODOMETRY_NOISE) for s in REPORTING[1:2 if quick else 6]]
-
-    def add_rows(table, _):
-        results = results_of(trials)
-        for name in ("slam2d", "slam6d", "odometry"):
-            ends = [result[name] for result in results]
-            worst_m, worst_deg = (max(end[key] for end in ends) for key in ("end_error_m", "end_error_deg"))
-            holds = worst_m <= 0.10 and worst_deg <= 1.0
-            least_m = min(result["distance_m"] for result in results)
-            table.add(f"loop, once around, at least {least_m:.0f} m, {name}: error of the end pose, worst of {len(results)}",
-                      f"{worst_m:.3f} m, {worst_deg:.2f} deg", "" if name == "odometry" else "<= 0.10 m, 1 deg", name == "odometry" or holds)
-        rounds = sum(result["goal"]["reached"] for result in results)
-        table.add(f"loop: runs of {len(trials)} that returned to the start", rounds, "all", rounds == len(trials))
-    return trials, add_rows
-
-
-def level_laser(quick):
-    trials = [Trial(f"level-{s}", "office", s, 25, "--no-slam6d", "--level-laser", *ODOMETRY_NOISE) for s in REPORTING[1:3 if quick else 11]]
-
-    def add_rows(table, _):
-        nodding, level = ([result[name]["ate_rmse_m"] for result in results_of(trials)] for name in ("slam2d", "slam2d_level"))
-        table.add(f"ATE of 2D SLAM, nodding / level laser, mean of {len(nodding)} drives (lowest, highest ratio)",
-                  f"{1000 * sum(nodding) / len(nodding):.1f} / {1000 * sum(level) / len(level):.1f} mm = {sum(nodding) / sum(level):.2f} "
-                  f"({min(n / l for n, l in zip(nodding, level)):.2f}, {max(n / l for n, l in zip(nodding, level)):.2f})", "<= 1.2",
-                  sum(nodding) <= 1.2 * sum(level))
-        add_distance(table, "nodding / level laser", results_of(trials), 5)
-    return trials, add_rows
 
 
 def drive_to_goal(world, seeds, duration_s):
@@ -281,16 +219,11 @@ def map_error(trial, bin_dir):
 
 
 def clouds(quick):
-    fast = Trial("fig8", "cellar", 1, 60, "--no-slam6d", keep_log=True)
     corridor_moving = Trial("corridor-moving", "corridor30", 2, 12 if quick else 25, *ODOMETRY_NOISE)
     stationary = Trial("cellar-standing", "cellar", 2, 12, "--without", "navigator")
     cellar_moving = Trial("cellar-moving", "cellar", 2, 20 if quick else 40, *ODOMETRY_NOISE)
 
     def add_rows(table, bin_dir):
-        single = moving_clouds.measure(fast.dir, fast.world, lambda program, *words: call(bin_dir / program, *words))
-        worst_m = max(cloud["errors"]["rms_m"] for cloud in single)
-        table.add(f"Fig. 8, one cloud at {moving_clouds.SPEED_MPS} m/s, worst of {len(single)}: distance from the true surfaces",
-                  f"{1000 * worst_m:.1f} mm RMS", "<= 30 mm", worst_m <= 0.03)
         table.add(f"3D map of {corridor_moving.result['distance_m']:.0f} m of corridor by 6D SLAM: distance from the true surfaces",
                   f"{1000 * map_error(corridor_moving, bin_dir)['rms_m']:.1f} mm RMS", "", True)
         still, moved = map_error(stationary, bin_dir), map_error(cellar_moving, bin_dir)
@@ -299,7 +232,7 @@ def clouds(quick):
         table.add("cellar: distance from the true surfaces, 3D map of a drive / of one place where the robot stands",
                   f"{ratio:.2f} ({1000 * moved['rms_m']:.1f} / {1000 * still['rms_m']:.1f} mm)",
                   "<= 1.5", ratio <= 1.5)
-    return [fast, corridor_moving, stationary, cellar_moving], add_rows
+    return [corridor_moving, stationary, cellar_moving], add_rows
 
 
 def speed(quick):
@@ -314,9 +247,8 @@ def speed(quick):
     return trials, add_rows
 
 
-GROUPS = {"random": random_clutter, "fig5": fig5, "crowd": crowd, "appearing": appearing, "stops": stops, "corridor": corridor,
-          "cellar": cellar, "loop": loop, "level": level_laser, "occupancy": occupancy, "stairs": stairs, "warehouse": warehouse,
-          "clouds": clouds, "speed": speed}
+GROUPS = {"random": random_clutter, "crowd": crowd, "appearing": appearing, "stops": stops, "cellar": cellar, "occupancy": occupancy,
+          "stairs": stairs, "warehouse": warehouse, "clouds": clouds, "speed": speed}
 
 
 def main():

@@ -18,7 +18,7 @@ entries() {
 maps             Map update
 decision         A decision of the navigator
 slam2d           Whole logs and a match alone (needs the recordings)
-level            What nodding costs the 2D map
+paper            docs/paper.md: the targets of the figures; What nodding costs the 2D map
 damage           docs/benchmark-2d.md: damaged recordings (needs the recordings)
 sessions         docs/benchmark-2d.md: two sessions (needs the recordings)
 stability        docs/benchmark-2d.md: stability (needs the recordings)
@@ -86,7 +86,7 @@ measure() {
       mkdir -p "$out"
       for name in intel fr079 mit-csail; do slam2d_log "$name"; done
       ;;
-    level) python3 bench/trials.py --only level ;;
+    paper) ./nodmap figures --no-page ;;
     damage)
       need_data slam2d || return 0
       python3 bench/slam2d_damage.py --data "$data/slam2d" --seeds 1000 1001
@@ -128,7 +128,7 @@ measure() {
       ;;
     trials)
       build/release/bench/sim_bench
-      python3 bench/trials.py --only random fig5 crowd appearing stairs warehouse corridor cellar loop occupancy clouds speed
+      python3 bench/trials.py --only random crowd appearing stairs warehouse cellar occupancy clouds speed
       ;;
     stops) python3 bench/trials.py --only stops ;;
     stops-live) live corridor30 faults ;;

@@ -7,7 +7,7 @@ import formats
 import style
 from trials import ODOMETRY_NOISE, REPORTING, Trial
 
-TRIALS = [Trial(f"fig7-{seed}", "loop", seed, 240, *ODOMETRY_NOISE, "--no-slam6d", keep_log=False) for seed in REPORTING[1:6]]
+TRIALS = [Trial(f"fig7-{seed}", "loop", seed, 240, *ODOMETRY_NOISE, keep_log=False) for seed in REPORTING[1:6]]
 
 
 def draw(trial):
@@ -30,6 +30,11 @@ def draw(trial):
     style.save(figure, "fig7.png")
 
 
+def worst_end(slam):
+    """The greatest error of an end pose: metres, degrees."""
+    return [max(trial.result[slam][key] for trial in TRIALS) for key in ("end_error_m", "end_error_deg")]
+
+
 def make():
     rounds = [trial for trial in TRIALS if trial.result["goal"]["reached"]]
     if not rounds:
@@ -37,13 +42,13 @@ def make():
     trial = rounds[0]
     draw(trial)
     loop_m = trial.result["distance_m"]
-    ends = [each.result["slam2d"] for each in TRIALS]
-    worst_m, worst_deg = (max(end[key] for end in ends) for key in ("end_error_m", "end_error_deg"))
+    worst_m, worst_deg = worst_end("slam2d")
+    worst_6d_m, worst_6d_deg = worst_end("slam6d")
     form = "{:.1f} cm, {:.2f}°"
     slam, odometry = (form.format(100 * end["end_error_m"], end["end_error_deg"])
                       for end in (trial.result["slam2d"], trial.result["odometry"]))
     rows = (f"| once around the block, {loop_m:.0f} m | {slam} | {odometry} | ≤ 10 cm, 1° |\n"
-            f"| worst of {len(ends)} runs | {form.format(100 * worst_m, worst_deg)} | | ≤ 10 cm, 1° |\n")
+            f"| worst of {len(TRIALS)} runs | {form.format(100 * worst_m, worst_deg)} | | ≤ 10 cm, 1° |\n")
     return {
         "title": "2D map of a cluttered loop",
         "alt": "Occupancy grid of a ring around a block: the trajectory of 2D SLAM lies on the true one, that of odometry beside it",
@@ -53,7 +58,10 @@ def make():
                     "The table shows the error of the last pose, which a square marks in the image:\n\n"
                     "| | 2D SLAM | odometry | target |\n|---|---|---|---|\n" + rows,
         "holds": [("runs that went around the block", f"{len(rounds)} of {len(TRIALS)}", "all", len(rounds) == len(TRIALS)),
-                  (f"end pose, worst of {len(ends)} runs", form.format(100 * worst_m, worst_deg), "≤ 10 cm, 1°",
-                   worst_m <= 0.10 and worst_deg <= 1.0), ("driven once around", f"{loop_m:.0f} m", "≥ 40 m", loop_m >= 40)],
+                  (f"end pose, worst of {len(TRIALS)} runs", form.format(100 * worst_m, worst_deg), "≤ 10 cm, 1°",
+                   worst_m <= 0.10 and worst_deg <= 1.0),
+                  (f"end pose by 6D SLAM, worst of {len(TRIALS)} runs", form.format(100 * worst_6d_m, worst_6d_deg), "≤ 10 cm, 1°",
+                   worst_6d_m <= 0.10 and worst_6d_deg <= 1.0),
+                  ("driven once around", f"{loop_m:.0f} m", "≥ 40 m", loop_m >= 40)],
         "commands": [trial.command()],
     }

@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Single clouds taken on the move (Fig. 8): finds when the robot drives fast in a run, and how far each cloud is from the true surfaces.
-
-Uses only Python's standard library, so that bench/trials.py can measure what fig8.py shows.
-"""
+"""Single clouds taken on the move (Fig. 8): finds when the robot drives fast in a run, and how far each cloud is from the true surfaces."""
 import bisect
 import csv
 import json

@@ -12,8 +12,9 @@ This page shows the figures 3 to 9 of *Continuous 3D Sensing for Navigation and 
 Surmann 2008). Each is drawn from a run of the whole robot in a simulated world (`nodmap-trial`): emulated devices, drivers, pitch controller, maps,
 navigator and SLAM in one closed loop on simulated time. There are no photographs; the scenes are drawn from the simulated worlds.
 
-    ./nodmap figures          draws all figures and writes this page
-    ./nodmap figures 5 8      draws only these figures
+    ./nodmap figures            draws all figures and writes this page
+    ./nodmap figures 5 8        draws only these figures
+    ./nodmap figures --no-page  only measures: prints the rows of the table below
 
 The runs are deterministic: the same program makes the same images and numbers. Each section names the commit at which it was drawn; a later version of the robot
 drives otherwise. Newer results of Fig. 6's comparison with a level laser are in [bench/REPORT.md](../bench/REPORT.md). The programs in the commands below are in `build/release/bin/`, and the results are written to `logs/figures/`.

@@ -10,6 +10,7 @@ import sys
 
 sys.path.append(str(pathlib.Path(__file__).resolve().parents[2] / "bench"))
 import page  # noqa: E402
+import style  # noqa: E402
 from trial_runs import run_all, show_failures  # noqa: E402
 from trials import BIN, OUT  # noqa: E402
 
@@ -29,7 +30,10 @@ def main():
     parser = argparse.ArgumentParser(prog="./nodmap figures", description=__doc__)
     parser.add_argument("figures", metavar="N", nargs="*", type=int, help=f"the figures to draw, of {FIGURES}; default: all")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="how many trials run at the same time; default: one for each processor")
+    parser.add_argument("--no-page", action="store_true", help="leave the page as it is, and its images; the new images are then in logs/figures")
     arguments = parser.parse_args()
+    if arguments.no_page:
+        style.PICTURES = OUT
     wanted = sorted(set(arguments.figures)) or FIGURES
     unknown = set(wanted) - set(FIGURES)
     if unknown:
@@ -40,12 +44,13 @@ def main():
     made = {}
     for number, figure in figures.items():
         made[number] = {"commands": [trial.command() for trial in figure.TRIALS], **figure.make()}
-    page.write(made)
+    if not arguments.no_page:
+        page.write(made)
+        print(f"the page is {page.PAGE}")
     for number, each in made.items():
         print(f"Fig. {number}: {each['title']}")
         for what, measured, target, ok in each.get("holds", []):
             print(f"    {what}: {measured} ({target}){'' if ok else '  MISSED'}")
-    print(f"the page is {page.PAGE}")
     return 0 if all(row[3] for each in made.values() for row in each.get("holds", [])) else 1
 
 

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The demo's page can be reached from outside although the demo runs in a network namespace of its own.
 
-page_door_test.py TOOLS_DIR
+page_door_test.py SCRIPTS_DIR
 """
 import os
 import socket

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The quality of the maps of a trial, compared with the simulated world: short versions of the
-// trials in bench/trials.py.
+// trials in bench/trials.py and scripts/figures.
 #include <gtest/gtest.h>
 
 #include <algorithm>

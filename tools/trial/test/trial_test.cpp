@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Short versions of the trials in bench/trials.py: the whole robot in a closed loop. Their seeds
-// are those for choosing (bench/seeds.py), because a change that fails here does not land.
+// Short versions of the trials in bench/trials.py and scripts/figures: the whole robot in a closed
+// loop. Their seeds are those for choosing (bench/seeds.py), because a change that fails here does
+// not land.
 #include "tools/trial/trial.hpp"
 
 #include <gtest/gtest.h>
