@@ -8,6 +8,9 @@ namespace nodmap::slam2d {
 
 void LevelScanInput::add_odometry(time::Timestamp stamp, const geometry::SE3& T_published_base,
                                   bool has_restarted) {
+  if (!T_published_base.matrix().allFinite()) {
+    return;
+  }
   const auto before = has_restarted ? odometry_.newest() : std::nullopt;
   if (has_restarted) {
     odometry_.clear();

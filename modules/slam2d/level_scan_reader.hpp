@@ -26,7 +26,7 @@ class LevelScanReader {
   /// The level scan that this scan completes, if any; valid until the next call.
   [[nodiscard]] std::optional<LevelScan> read(const nodmap::scan_t& message);
 
-  /// Of the last scan that was not rejected, level or not.
+  /// Of the last plausible scan, level or not, with odometry or without.
   [[nodiscard]] time::Timestamp scan_stamp() const { return scan_stamp_; }
   [[nodiscard]] const LevelScanInput& input() const { return input_; }
 

@@ -171,7 +171,7 @@ std::vector<LikelihoodGrid::TopCell> LikelihoodGrid::top_cells(
 LikelihoodGrid::RowChunk LikelihoodGrid::top_bounds(std::span<const TopCell> cells, int column,
                                                     int row) const {
   constexpr std::size_t kInByte = 17;  // times 15 is 255
-  const std::uint8_t* const values = top_table_.data() + std::ptrdiff_t{row} * top_width_ + column;
+  const std::ptrdiff_t corner = std::ptrdiff_t{row} * top_width_ + column;
   const auto height = static_cast<unsigned>(top_height_);
   const auto columns = static_cast<unsigned>(top_width_ - kRowChunk);
   RowChunk sums{};
@@ -181,7 +181,7 @@ LikelihoodGrid::RowChunk LikelihoodGrid::top_bounds(std::span<const TopCell> cel
       if (static_cast<unsigned>(cell.row + row) < height &&
           static_cast<unsigned>(cell.column + column) <= columns) {
         Bytes shifted;
-        std::memcpy(&shifted, values + cell.offset, sizeof(shifted));
+        std::memcpy(&shifted, top_table_.data() + (corner + cell.offset), sizeof(shifted));
         bytes += shifted;
       }
     }

@@ -71,7 +71,7 @@ nodmap::pose_t write_pose(const PoseUpdate& update, const geometry::SE2& T_odom_
 node::Health health_of(PoseState state) {
   switch (state) {
     case PoseState::kLost:
-      return {node::HealthState::kDegraded, "Lost: the scan does not fit the map."};
+      return {node::HealthState::kDegraded, "Lost: the place in the map is not known."};
     case PoseState::kOdometry:
       return {node::HealthState::kDegraded,
               "Odometry only: the scan has too few points or does not fit the map."};

@@ -71,10 +71,9 @@ std::optional<Match> PoseSearch::find_better(const ScanMatcher& matcher, const P
 double PoseSearch::cost(const geometry::SE2& pose, std::span<const geometry::SE2> guesses) const {
   double least = std::numeric_limits<double>::infinity();
   for (const geometry::SE2& guess : guesses) {
-    const double distance_m = std::hypot(pose.x - guess.x, pose.y - guess.y);
-    const double rotation_rad = std::abs(geometry::angle_difference(pose.yaw, guess.yaw));
-    least = std::min(least, rotation_rad / (0.5 * geometry::kPi) +
-                                distance_m / std::max(2.0 * params_.distance_m, kStepM));
+    least = std::min(
+        least, geometry::rotation_rad(pose, guess) / (0.5 * geometry::kPi) +
+                   geometry::distance_m(pose, guess) / std::max(2.0 * params_.distance_m, kStepM));
   }
   return kDeviationCost * least;
 }
@@ -83,7 +82,7 @@ std::vector<PoseSearch::Candidate> PoseSearch::poses_around(
     const PointMap& map, std::span<const OrientedPoint> scan,
     std::span<const geometry::SE2> guesses) const {
   const geometry::SE2& guess = guesses.front();
-  const int steps = static_cast<int>(params_.distance_m / LatticeScores::kStepM);
+  const int steps = static_cast<int>(params_.distance_m / kStepM);
   const double step_rad = rotation_step_rad(scan);
   const int rotations = static_cast<int>(params_.rotation_rad / step_rad);
   LatticeScores scores(map, guess.translation(), steps);

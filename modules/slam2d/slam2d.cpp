@@ -2,7 +2,6 @@
 #include "modules/slam2d/slam2d.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "common/registration/pose_edges.hpp"

@@ -131,6 +131,13 @@ struct Slam6dParams {
     v.renamed("octomap_period_s", "occupancy.publish_period_s");
     v.renamed("save_ot", "occupancy.save_ot");
     v.renamed("calibration.least_scatter", "calibration.min_scatter");
+    v.renamed("loop.max_distance_m", "loop.match.max_distance_m");
+    v.renamed("loop.min_inlier_ratio", "loop.match.min_inlier_ratio");
+    v.renamed("loop.max_search_m", "loop.search.max_distance_m");
+    v.renamed("loop.max_search_deg", "loop.search.max_rotation_deg");
+    v.renamed("loop.min_keyframes", "loop.consensus.min_keyframes");
+    v.renamed("loop.max_disagreement_m", "loop.consensus.max_distance_m");
+    v.renamed("loop.max_disagreement_deg", "loop.consensus.max_rotation_deg");
   }
 };
 

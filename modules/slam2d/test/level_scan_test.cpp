@@ -84,5 +84,14 @@ TEST_F(LevelScans, OdometryThatIsNotFiniteIsIgnored) {
   EXPECT_FALSE(scan_at(0ms));
 }
 
+TEST_F(LevelScans, OdometryThatIsNotFiniteIsIgnoredWhenItRestartsAsWell) {
+  put_odometry(0ms, {4.0, -7.0, 2.0});
+  put_odometry(200ms, {std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0}, true);
+  put_odometry(400ms, {}, true);
+  const auto scan = scan_at(400ms);
+  ASSERT_TRUE(scan);
+  expect_near(scan->T_odom_base, {4.0, -7.0, 2.0});
+}
+
 }  // namespace level_scan_test
 }  // namespace nodmap::slam2d

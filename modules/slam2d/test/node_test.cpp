@@ -317,6 +317,12 @@ TEST_F(Slam2dNodeTest, ContinuesAtItsPoseWhenOdometryRestarts) {
     // Scan noise is 1 cm; at the restart the guess lacks one step.
     EXPECT_NEAR(pose.position_m[0], truth.x, 0.03) << i;
     EXPECT_NEAR(pose.position_m[1], truth.y, 0.03) << i;
+    // With odometry as it is published, from which others continue until the next pose.
+    const auto T_map_odom = node::read_pose(pose.odom_position_m, pose.odom_orientation);
+    ASSERT_TRUE(T_map_odom) << i;
+    const geometry::SE2 map_from_odom = geometry::to_se2(*T_map_odom) * odom;
+    EXPECT_NEAR(map_from_odom.x, pose.position_m[0], 1e-9) << i;
+    EXPECT_NEAR(map_from_odom.y, pose.position_m[1], 1e-9) << i;
     truth = truth * step;
     odom = odom * step;
   }
