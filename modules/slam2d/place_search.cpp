@@ -91,13 +91,19 @@ bool PlaceSearch::is_good(const Match& tracked, const Doubt& doubt) const {
     return tracked.score >= (tracked.degenerate_directions > 0 ? doubt_params_.certain_score
                                                                : search_params_.score_threshold);
   }
-  return !doubt.since() && tracked.score >= doubt_params_.certain_score &&
-         tracked.least_information_ratio >=
+  return !doubt.since() && is_certain(tracked);
+}
+
+bool PlaceSearch::is_certain(const Match& match) const {
+  return match.score >= doubt_params_.certain_score &&
+         match.least_information_ratio >=
              kCertainInformationFactor * matcher_params_.min_information_ratio;
 }
 
 // A place away from odometry counts only if the scan contradicts what was seen from here. Otherwise
-// the scan shows something new, and the other place may merely look alike.
+// the scan shows something new, and the other place may merely look alike. But in a fast rotation
+// odometry may be late by any angle, and the same place does not look alike at another heading: a
+// scan that fits there certainly shows nothing new.
 std::optional<Place> PlaceSearch::find_near(const Known& known, const LevelScan& scan,
                                             const LevelScan& all_points,
                                             std::span<const geometry::SE2> guesses,
@@ -108,7 +114,8 @@ std::optional<Place> PlaceSearch::find_near(const Known& known, const LevelScan&
     return std::nullopt;
   }
   const bool is_here = std::any_of(guesses.begin(), guesses.end(), [&](const geometry::SE2& guess) {
-    return is_same_place(better->T_target_base, guess);
+    const geometry::SE2 turned{guess.x, guess.y, better->T_target_base.yaw};
+    return is_same_place(better->T_target_base, is_certain(*better) ? turned : guess);
   });
   return is_here || known.views.contradicts(all_points) ? std::optional(Place{*better})
                                                         : std::nullopt;
