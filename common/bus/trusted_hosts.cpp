@@ -10,6 +10,7 @@
 #include <memory>
 #include <sstream>
 #include <string_view>
+#include <utility>
 
 #include "common/formats/number.hpp"
 #include "common/formats/user_error.hpp"
@@ -48,10 +49,10 @@ std::string address_text(std::uint32_t address) {
   return text.str();
 }
 
-std::vector<std::uint32_t> addresses_of_this_host() {
+std::optional<std::vector<std::uint32_t>> addresses_of_this_host() {
   ifaddrs* first = nullptr;
   if (::getifaddrs(&first) != 0) {
-    return {};
+    return std::nullopt;
   }
   const std::unique_ptr<ifaddrs, decltype(&::freeifaddrs)> owner(first, &::freeifaddrs);
   std::vector<std::uint32_t> addresses;
@@ -66,7 +67,7 @@ std::vector<std::uint32_t> addresses_of_this_host() {
 }
 
 TrustedHosts::TrustedHosts(const std::string& hosts,
-                           std::function<std::vector<std::uint32_t>()> own_addresses)
+                           std::function<std::optional<std::vector<std::uint32_t>>()> own_addresses)
     : networks_{{parse_address("127.0.0.0").value(), parse_mask("8").value()},
                 {parse_address("0.0.0.0").value(), parse_mask("32").value()}},
       own_addresses_(std::move(own_addresses)) {
@@ -92,7 +93,9 @@ bool TrustedHosts::contains(std::uint32_t address, Time now) {
   }
   if (!asked_at_ || now - *asked_at_ >= std::chrono::seconds(1)) {
     asked_at_ = now;
-    own_ = own_addresses_();
+    if (auto addresses = own_addresses_()) {
+      own_ = std::move(*addresses);
+    }
   }
   return std::ranges::find(own_, address) != own_.end();
 }

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <optional>
+#include <vector>
+
 #include "common/formats/user_error.hpp"
 
 namespace nodmap::bus {
@@ -62,6 +65,17 @@ TEST(TrustedHosts, AnAddressThatThisHostHasLostIsForgottenWithinASecond) {
   own = {address(10, 0, 0, 7)};
   EXPECT_FALSE(hosts.contains(address(10, 0, 0, 1), kStart + milliseconds(1000)));
   EXPECT_TRUE(hosts.contains(address(10, 0, 0, 7), kStart + milliseconds(1000)));
+}
+
+// Without a file descriptor left, for example: the robot's own messages must not be refused then.
+TEST(TrustedHosts, AQuestionThatFailsForgetsNoAddress) {
+  std::optional<std::vector<std::uint32_t>> own{{address(10, 0, 0, 1)}};
+  TrustedHosts hosts("", [&] { return own; });
+  EXPECT_TRUE(hosts.contains(address(10, 0, 0, 1), kStart));
+  own.reset();
+  EXPECT_TRUE(hosts.contains(address(10, 0, 0, 1), kStart + milliseconds(1000)));
+  own = {address(10, 0, 0, 7)};
+  EXPECT_FALSE(hosts.contains(address(10, 0, 0, 1), kStart + milliseconds(2000)));
 }
 
 TEST(TrustedHosts, AnInvalidAddressIsAnError) {
