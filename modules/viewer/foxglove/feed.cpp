@@ -13,6 +13,7 @@
 #include "nodmap/pitch_state_t.hpp"
 #include "nodmap/pose_t.hpp"
 #include "nodmap/scan_t.hpp"
+#include "nodmap/status_t.hpp"
 #include "nodmap/stop_t.hpp"
 
 namespace nodmap::foxglove {
@@ -192,6 +193,12 @@ void Feed::subscribe_decisions(bus::Bus& bus) {
     post_stop(message);
     stop_state_.take(message, bus.origin().received);
     post(stop_state, node::stamp_of(message), [state = stop_state_] { return state.to_json(); });
+  });
+  // The viewer's own STATUS comes once a second, whoever else has died.
+  subscribe<nodmap::status_t>(bus, "STATUS", [=, this, &bus](const auto& message) {
+    if (stop_state_.pass(bus.origin().received)) {
+      post(stop_state, node::stamp_of(message), [state = stop_state_] { return state.to_json(); });
+    }
   });
   subscribe<nodmap::navigation_t>(
       bus, "NAVIGATION",

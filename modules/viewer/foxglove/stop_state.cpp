@@ -28,7 +28,7 @@ const char* name_of(StopState::State state) {
 
 void StopState::take(const nodmap::stop_t& message, time::Timestamp received) {
   stamp_ = node::stamp_of(message);
-  received_ = received;
+  now_ = received;
   const bool is_confirmed = node::is_confirmation(message);
   if (message.is_stopped == 0) {
     asked_.reset();
@@ -45,11 +45,17 @@ void StopState::take(const nodmap::stop_t& message, time::Timestamp received) {
   }
 }
 
+bool StopState::pass(time::Timestamp now) {
+  const State before = state();
+  now_ = now;
+  return state() != before;
+}
+
 StopState::State StopState::state() const {
   if (!asked_) {
     return State::kReleased;
   }
-  if (time::is_due(received_, confirmed_ ? confirmed_ : asked_, kPatience)) {
+  if (time::is_due(now_, confirmed_ ? confirmed_ : asked_, kPatience)) {
     return State::kNotConfirmed;
   }
   return confirmed_ ? State::kStopped : State::kSent;

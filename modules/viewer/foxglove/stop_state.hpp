@@ -26,14 +26,19 @@ class StopState {
   /// `received`: when this host received it, or in replay when it was logged.
   void take(const nodmap::stop_t& message, time::Timestamp received);
 
+  /// Lets time pass without a message on STOP, as when the base driver has died: a state lasts only
+  /// as long as it is confirmed. `now`: by the clock of `received`. Returns whether the state has
+  /// changed.
+  bool pass(time::Timestamp now);
+
   [[nodiscard]] State state() const;
 
   /// {timestamp, state, by}: the state in capitals, and the name of the requester.
   [[nodiscard]] Json to_json() const;
 
  private:
-  time::Timestamp stamp_{};     // of the newest message
-  time::Timestamp received_{};  // when it was received
+  time::Timestamp stamp_{};  // of the newest message
+  time::Timestamp now_{};    // when it was received, or that has passed since
   std::string by_;
   std::optional<time::Timestamp> asked_;      // first STOP since the release
   std::optional<time::Timestamp> confirmed_;  // last confirmation since then

@@ -53,6 +53,19 @@ TEST(StopState, IsStoppedOnlyWhenTheBaseDriverSaysSo) {
   EXPECT_EQ(stop.state(), State::kReleased);
 }
 
+// The base driver alone has sent STOP, and dies.
+TEST(StopState, AConfirmationDoesNotOutliveItsBaseDriver) {
+  StopState stop;
+  stop.take(confirmation(), kStart);
+  EXPECT_FALSE(stop.pass(kStart + 2400ms));
+  EXPECT_EQ(stop.state(), State::kStopped);
+  EXPECT_TRUE(stop.pass(kStart + 2500ms));
+  EXPECT_EQ(stop.state(), State::kNotConfirmed);
+  EXPECT_FALSE(stop.pass(kStart + 3s));
+  stop.take(confirmation(), kStart + 4s);
+  EXPECT_EQ(stop.state(), State::kStopped);
+}
+
 TEST(StopState, IsNotConfirmedIfNoBaseDriverSpeaks) {
   StopState stop;
   repeat(stop, 0s, 5s);
