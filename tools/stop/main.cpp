@@ -70,6 +70,7 @@ int release(bus::LiveBus& bus, node::StopSender& sender, double wait_s) {
   sender.release(time::SystemClock().now());
   if (!send_until(bus, sender, kSendS, [&] { return sender.is_sent(); }) ||
       bus.counts().not_published > 0) {
+    std::cerr << "nodmap-stop: not every copy of the release could be sent; the robot may drive\n";
     return 1;
   }
   // By an alarm that lasts, or somebody else's newer STOP.
@@ -85,8 +86,10 @@ int stop(bus::LiveBus& bus, node::StopSender& sender, double wait_s) {
   sender.stop(time::SystemClock().now());
   if (!send_until(bus, sender, kSendS, [&] { return sender.is_sent(); }) ||
       !send_until(bus, sender, wait_s, [&] { return sender.confirmed_by().has_value(); })) {
-    std::cerr << "nodmap-stop: STOP was sent, but no nodmap-kurt has confirmed it within " << wait_s
-              << " s\n";
+    std::cerr << "nodmap-stop: "
+              << (bus.counts().not_published > 0 ? "STOP could not be sent every time, and"
+                                                 : "STOP was sent, but")
+              << " no nodmap-kurt has confirmed it within " << wait_s << " s\n";
     return 1;
   }
   return 0;
