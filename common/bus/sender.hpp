@@ -21,9 +21,10 @@ struct Sender {
 /// Where a message came from, and when.
 struct Origin {
   Sender sender;               ///< unknown in replay and with memq://: then all are one
-  time::Timestamp received{};  ///< when this host received it; the epoch in replay
-  /// The same moment by the steady clock, to tell how long a sender has been silent; zero where the
-  /// sender is unknown.
+  time::Timestamp received{};  ///< when this host received it; the epoch in replay by a node
+  /// When this process read it, by the steady clock, to tell how long a sender has been silent: all
+  /// messages that waited while the process was frozen have the same time. Zero where the sender is
+  /// unknown.
   time::SteadyTime arrived{};
 };
 
