@@ -2,6 +2,7 @@
 #include "procman/deputy/deputy.hpp"
 
 #include <poll.h>
+#include <sched.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -373,10 +374,9 @@ void Deputy::publish_info() {
 // Raises the kernel's serial workers while a command with real-time priority runs, so that the
 // bytes of its devices are not delayed either.
 void Deputy::raise_serial_workers() {
-  const std::vector<CommandStatus> statuses = supervisor_.statuses();
-  serial_workers_.keep_raised(std::ranges::any_of(statuses, [this](const CommandStatus& status) {
-    const auto resources = settings_.permissions.resources_of(status.spec.id, status.spec.exec);
-    return status.pid != 0 && resources && resources->realtime != 0;
+  const std::vector<pid_t> running = pids();
+  serial_workers_.keep_raised(std::ranges::any_of(running, [](pid_t pid) {
+    return ::sched_getscheduler(pid) == SCHED_RR;  // the file may have been edited since its start
   }));
 }
 
