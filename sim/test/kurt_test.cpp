@@ -326,8 +326,10 @@ double gyro_yaw_deg(KurtBase& base) {
   while (frame.id != 0x00E) {
     frame = base.next_frame();
   }
-  const auto word = static_cast<std::uint32_t>(frame.data[0]) << 24 | frame.data[1] << 16 |
-                    frame.data[2] << 8 | frame.data[3];
+  std::uint32_t word = 0;  // big-endian
+  for (std::size_t i = 0; i < 4; ++i) {
+    word = word << 8U | frame.data[i];
+  }
   return static_cast<std::int32_t>(word) / 4'992'511.0;
 }
 
