@@ -49,36 +49,35 @@ void assign_options(const Options& options, params::Table& table) {
 
 // Throws node::UsageError if the parameters and --file contradict each other.
 RecorderSettings recorder_settings(const LoggerParams& params, const std::string& file) {
-  RecorderSettings settings{.dir = params.out_dir,
-                            .split_bytes = to_bytes(params.split_mb),
-                            .quota_bytes = to_bytes(params.quota_mb),
-                            .reserve_bytes = to_bytes(params.reserve_mb)};
-  if (settings.quota_bytes > 0 && settings.split_bytes == 0) {
+  LogFolderSettings folder{.dir = params.out_dir,
+                           .quota_bytes = to_bytes(params.quota_mb),
+                           .reserve_bytes = to_bytes(params.reserve_mb)};
+  const std::int64_t split_bytes = to_bytes(params.split_mb);
+  if (folder.quota_bytes > 0 && split_bytes == 0) {
     throw node::UsageError("quota_mb needs split_mb: only completed files can be deleted");
   }
-  if (settings.quota_bytes > 0 && settings.quota_bytes < 2 * settings.split_bytes) {
+  if (folder.quota_bytes > 0 && folder.quota_bytes < 2 * split_bytes) {
     throw node::UsageError(
         "quota_mb must be at least twice split_mb: whole files are deleted, and with a smaller "
         "quota each new file would delete all that was recorded before it");
-  }
-  if (file.empty()) {
-    return settings;
   }
   if (std::filesystem::path(file).has_parent_path()) {
     throw node::UsageError("--file '" + file +
                            "' must be a name without folder; --out gives the folder");
   }
-  settings.names = LogNames::fixed(file);
-  return settings;
+  if (!file.empty()) {
+    folder.names = LogNames::fixed(file);
+  }
+  return {std::move(folder), split_bytes};
 }
 
 // With --file the first log must have exactly this name; fails if it already exists.
-void refuse_to_mix(const RecorderSettings& settings, const std::string& file) {
-  if (file.empty() || !std::filesystem::is_directory(settings.dir)) {
+void refuse_to_mix(const LogFolderSettings& folder, const std::string& file) {
+  if (file.empty() || !std::filesystem::is_directory(folder.dir)) {
     return;
   }
-  for (const auto& entry : std::filesystem::directory_iterator(settings.dir)) {
-    if (settings.names.order_of(entry.path().filename().string())) {
+  for (const auto& entry : std::filesystem::directory_iterator(folder.dir)) {
+    if (folder.names.order_of(entry.path().filename().string())) {
       throw node::UsageError(entry.path().string() +
                              " exists, and logs are never overwritten; name another --file");
     }
@@ -90,7 +89,7 @@ int record_until_stopped(const Options& options, const LoggerParams& params,
                          const std::string& lcm_url) {
   ChannelFilter filter(params.channel_regex, params.exclude_regex);
   const RecorderSettings settings = recorder_settings(params, options.file);
-  refuse_to_mix(settings, options.file);
+  refuse_to_mix(settings.folder, options.file);
   Logger logger(lcm_url, params.queue_messages, std::move(filter), settings);
   logger.run();
   const RecorderCounts& counts = logger.counts();

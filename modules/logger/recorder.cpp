@@ -2,8 +2,6 @@
 #include "modules/logger/recorder.hpp"
 
 #include <algorithm>
-#include <limits>
-#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -23,20 +21,11 @@ bool has_passed(time::Duration period, time::Timestamp since, time::Timestamp no
 
 }  // namespace
 
-std::int64_t free_bytes(const std::filesystem::path& dir) {
-  std::error_code error;
-  const std::filesystem::space_info space = std::filesystem::space(dir, error);
-  constexpr auto kGreatest = std::numeric_limits<std::int64_t>::max();
-  return error ? kGreatest
-               : static_cast<std::int64_t>(std::min<std::uintmax_t>(
-                     space.available, static_cast<std::uintmax_t>(kGreatest)));
-}
-
 Recorder::Recorder(RecorderSettings settings, const time::Clock& clock)
-    : settings_(std::move(settings)), clock_(clock) {
+    : folder_(std::move(settings.folder)), split_bytes_(settings.split_bytes), clock_(clock) {
   begin_file();
   // Already now: after its first events the new file would be kept instead of the last recording.
-  if (!make_room()) {
+  if (!folder_.make_room(current_log())) {
     fail(kReserveReached);
   }
 }
@@ -44,7 +33,7 @@ Recorder::Recorder(RecorderSettings settings, const time::Clock& clock)
 void Recorder::record(time::Timestamp received, const std::string& channel,
                       std::span<const std::byte> data) {
   const std::int64_t event_bytes = bus::LogWriter::event_bytes(channel, data);
-  if (writer_ && must_split(writer_->size_bytes(), event_bytes, settings_.split_bytes)) {
+  if (writer_ && must_split(writer_->size_bytes(), event_bytes, split_bytes_)) {
     if (flush()) {
       sync();
       begin_next_file();
@@ -88,20 +77,15 @@ node::Health Recorder::health() const {
 }
 
 void Recorder::begin_file() {
-  std::filesystem::create_directories(settings_.dir);
-  std::vector<std::string> existing;
-  for (const auto& entry : std::filesystem::directory_iterator(settings_.dir)) {
-    existing.push_back(entry.path().filename().string());
-  }
   const time::Timestamp now = clock_.now();
-  file_ = settings_.dir / settings_.names.next(now, existing);
+  file_ = folder_.next_file(now);
   writer_.reset();
   writer_ = std::make_unique<bus::LogWriter>(file_);
   unflushed_ends_bytes_.clear();
   flushed_bytes_ = 0;
   flushed_ = now;
   ++counts_.files;
-  keep_quota();
+  folder_.delete_oldest(current_log());
   log::get().info("recording into {}", file_.string());
 }
 
@@ -119,10 +103,7 @@ bool Recorder::flush() {
     flushed_bytes_ = writer_->size_bytes();
     back_off_ = kFirstBackOff;
     failure_.clear();
-    if (settings_.quota_bytes > 0 && deletable_bytes_ > 0 &&
-        deletable_bytes_ + flushed_bytes_ > settings_.quota_bytes) {
-      keep_quota();
-    }
+    folder_.keep_quota(current_log());
   }
   return true;
 }
@@ -137,26 +118,13 @@ void Recorder::sync() {
     return;
   }
   counts_.syncs += writer_->num_syncs() > syncs_before ? 1 : 0;
-  if (!make_room()) {
+  if (!folder_.make_room(current_log())) {
     fail(kReserveReached);
   }
 }
 
-bool Recorder::has_room() const {
-  return settings_.reserve_bytes == 0 ||
-         settings_.available_bytes(settings_.dir) >= settings_.reserve_bytes;
-}
-
-// Deletes old files if the disk's reserve is used; returns whether it is free then.
-bool Recorder::make_room() {
-  if (!has_room()) {
-    keep_quota();
-  }
-  return has_room();
-}
-
 void Recorder::begin_next_file() {
-  if (!make_room()) {
+  if (!folder_.make_room(current_log())) {
     fail(kReserveReached);
     return;
   }
@@ -172,7 +140,7 @@ void Recorder::fail(const std::string& cause) {
     truncate_to_whole_events();
   }
   failed_ = clock_.now();
-  failure_ = "cannot record into " + settings_.dir.string() + ": " + cause;
+  failure_ = "cannot record into " + folder_.dir().string() + ": " + cause;
   log::get().error("{}; {} events dropped so far, next attempt in {} s", failure_, counts_.dropped,
                    back_off_ / 1s);
 }
@@ -197,74 +165,8 @@ void Recorder::truncate_to_whole_events() {
   }
 }
 
-// Deletes the oldest files until the logs comply with the quota and the disk's reserve.
-void Recorder::keep_quota() {
-  deletable_bytes_ = 0;
-  if (settings_.quota_bytes == 0 && settings_.reserve_bytes == 0) {
-    return;
-  }
-  const std::vector<SizedFile> files = files_in_folder();
-  for (const std::string& name :
-       files_over_quota(settings_.names, files, kept_files(files), allowed_bytes())) {
-    std::error_code error;
-    if (std::filesystem::remove(settings_.dir / name, error)) {
-      ++counts_.deleted_files;
-      log::get().info("deleted {} to make room", name);
-    } else {
-      log::get().warn("cannot delete {} to make room: {}", name, error.message());
-    }
-  }
-  const std::string current = writer_ ? file_.filename().string() : "";
-  for (const SizedFile& file : files_in_folder()) {
-    const bool is_ours = settings_.names.order_of(file.name).has_value() && file.name != current;
-    deletable_bytes_ += is_ours ? file.size_bytes : 0;
-  }
-}
-
-// The files that are never deleted: the one being written and, while that has no events or there
-// is none, the newest one with events.
-std::vector<std::string> Recorder::kept_files(const std::vector<SizedFile>& files) const {
-  const std::string current = writer_ ? file_.filename().string() : "";
-  std::optional<LogOrder> newest;
-  std::string newest_name;
-  for (const SizedFile& file : files) {
-    const std::optional<LogOrder> order = settings_.names.order_of(file.name);
-    if (order && file.size_bytes > 0 && file.name != current && order > newest) {
-      newest = order;
-      newest_name = file.name;
-    }
-  }
-  return writer_ && flushed_bytes_ > 0 ? std::vector{current} : std::vector{current, newest_name};
-}
-
-// The total size that the logs of this name may have.
-std::int64_t Recorder::allowed_bytes() const {
-  constexpr auto kGreatest = std::numeric_limits<std::int64_t>::max();
-  const std::int64_t quota_bytes = settings_.quota_bytes > 0 ? settings_.quota_bytes : kGreatest;
-  if (has_room()) {
-    return quota_bytes;
-  }
-  std::int64_t held_bytes = 0;
-  for (const SizedFile& file : files_in_folder()) {
-    held_bytes += settings_.names.order_of(file.name) ? file.size_bytes : 0;
-  }
-  const std::int64_t missing_bytes =
-      settings_.reserve_bytes - settings_.available_bytes(settings_.dir);
-  return std::min(quota_bytes, std::max<std::int64_t>(0, held_bytes - missing_bytes));
-}
-
-// The regular files; links and folders are never ours.
-std::vector<SizedFile> Recorder::files_in_folder() const {
-  std::vector<SizedFile> files;
-  std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(settings_.dir, error)) {
-    if (entry.symlink_status(error).type() == std::filesystem::file_type::regular) {
-      const std::uintmax_t size_bytes = entry.file_size(error);
-      files.push_back(
-          {entry.path().filename().string(), error ? 0 : static_cast<std::int64_t>(size_bytes)});
-    }
-  }
-  return files;
+CurrentLog Recorder::current_log() const {
+  return writer_ ? CurrentLog{file_.filename().string(), flushed_bytes_} : CurrentLog{};
 }
 
 }  // namespace nodmap::logger

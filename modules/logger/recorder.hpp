@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -15,30 +14,20 @@
 #include "common/geometry/time.hpp"
 #include "common/node/clock.hpp"
 #include "common/node/node.hpp"
-#include "modules/logger/quota.hpp"
-#include "modules/logger/rotation.hpp"
+#include "modules/logger/log_folder.hpp"
 
 namespace nodmap::logger {
 
-/// Free bytes on the disk that contains a folder; the greatest number if this is unknown.
-[[nodiscard]] std::int64_t free_bytes(const std::filesystem::path& dir);
-
 struct RecorderSettings {
-  std::filesystem::path dir;
-  LogNames names = LogNames::dated("lcmlog");
-  std::int64_t split_bytes = 0;  ///< 0: never
-  std::int64_t quota_bytes = 0;  ///< 0: none
-  /// Bytes to keep free on the disk; for this, too, the oldest logs are deleted.
-  std::int64_t reserve_bytes = 0;
-  std::function<std::int64_t(const std::filesystem::path&)> available_bytes = &free_bytes;
+  LogFolderSettings folder;
+  std::int64_t split_bytes = 0;  ///< size at which the next file begins; 0: never
 };
 
 struct RecorderCounts {
   std::int64_t written = 0;  ///< events written to a file, or buffered until the next flush
   std::int64_t dropped = 0;  ///< events for which the disk had no room
   std::int64_t files = 0;
-  std::int64_t deleted_files = 0;  ///< files deleted for quota and reserve
-  std::int64_t syncs = 0;          ///< waits until the disk had everything
+  std::int64_t syncs = 0;  ///< waits until the disk had everything
 };
 
 /// Writes events into a sequence of log files. If the disk is full, the complete events written so
@@ -69,6 +58,8 @@ class Recorder : private boost::noncopyable {
 
   [[nodiscard]] node::Health health() const;
   [[nodiscard]] const RecorderCounts& counts() const { return counts_; }
+  /// Files deleted for quota and reserve.
+  [[nodiscard]] std::int64_t num_deleted_files() const { return folder_.num_deleted(); }
   [[nodiscard]] const std::filesystem::path& current_file() const { return file_; }
 
  private:
@@ -76,22 +67,17 @@ class Recorder : private boost::noncopyable {
   bool flush();
   void sync();
   void begin_next_file();
-  [[nodiscard]] bool has_room() const;
-  [[nodiscard]] bool make_room();
   void fail(const std::string& cause);
   void truncate_to_whole_events();
-  void keep_quota();
-  [[nodiscard]] std::int64_t allowed_bytes() const;
-  [[nodiscard]] std::vector<std::string> kept_files(const std::vector<SizedFile>& files) const;
-  [[nodiscard]] std::vector<SizedFile> files_in_folder() const;
+  [[nodiscard]] CurrentLog current_log() const;
 
-  RecorderSettings settings_;
+  LogFolder folder_;
+  std::int64_t split_bytes_;
   const time::Clock& clock_;
   std::filesystem::path file_;
   std::unique_ptr<bus::LogWriter> writer_;          // null after a failure
   std::vector<std::int64_t> unflushed_ends_bytes_;  // file offsets at which unflushed events end
   std::int64_t flushed_bytes_ = 0;
-  std::int64_t deletable_bytes_ = 0;  // size of the family's other files, if there is a quota
   time::Timestamp flushed_{};
   time::Timestamp synced_{};
   time::Timestamp failed_{};

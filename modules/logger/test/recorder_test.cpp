@@ -77,7 +77,7 @@ class RecorderTest : public ::testing::Test {
 };
 
 TEST_F(RecorderTest, AnEventIsInTheFileWithinTheFlushPeriod) {
-  Recorder recorder({.dir = dir_.path()}, clock_);
+  Recorder recorder({.folder = {.dir = dir_.path()}}, clock_);
   record(recorder);
   recorder.tick();
   EXPECT_THAT(stamps("lcmlog-2026-11-21.00"), ElementsAre());
@@ -90,7 +90,7 @@ TEST_F(RecorderTest, AnEventIsInTheFileWithinTheFlushPeriod) {
 // periods make it 60.
 TEST_F(RecorderTest, EachEventIsInTheFileWithin100MillisecondsOfItsStamp) {
   constexpr time::Duration kTickPeriod = 20ms;  // the logger's longest wait for a message
-  Recorder recorder({.dir = dir_.path()}, clock_);
+  Recorder recorder({.folder = {.dir = dir_.path()}}, clock_);
   const time::Timestamp start = clock_.now();
   std::vector<time::Timestamp> recorded;
   for (time::Duration t = 0ms; t <= 1s; t += 1ms) {
@@ -110,7 +110,7 @@ TEST_F(RecorderTest, EachEventIsInTheFileWithin100MillisecondsOfItsStamp) {
 }
 
 TEST_F(RecorderTest, AClockSetBackDoesNotStopTheFlush) {
-  Recorder recorder({.dir = dir_.path()}, clock_);
+  Recorder recorder({.folder = {.dir = dir_.path()}}, clock_);
   record(recorder);
   clock_.advance(-1h);
   recorder.tick();
@@ -118,7 +118,7 @@ TEST_F(RecorderTest, AClockSetBackDoesNotStopTheFlush) {
 }
 
 TEST_F(RecorderTest, TheDiskHasEverythingOnceASecondAndAtTheEnd) {
-  Recorder recorder({.dir = dir_.path()}, clock_);
+  Recorder recorder({.folder = {.dir = dir_.path()}}, clock_);
   for (int i = 0; i < 100; ++i) {
     clock_.advance(100ms);
     record(recorder);
@@ -130,7 +130,7 @@ TEST_F(RecorderTest, TheDiskHasEverythingOnceASecondAndAtTheEnd) {
 }
 
 TEST_F(RecorderTest, ClosingWritesTheRest) {
-  Recorder recorder({.dir = dir_.path() / "made" / "here"}, clock_);
+  Recorder recorder({.folder = {.dir = dir_.path() / "made" / "here"}}, clock_);
   record(recorder);
   recorder.close();
   EXPECT_THAT(stamps("made/here/lcmlog-2026-11-21.00"), ElementsAre(0));
@@ -138,7 +138,7 @@ TEST_F(RecorderTest, ClosingWritesTheRest) {
 }
 
 TEST_F(RecorderTest, SplitsBySizeAndLosesNothingBetween) {
-  Recorder recorder({.dir = dir_.path(), .split_bytes = 3000}, clock_);
+  Recorder recorder({.folder = {.dir = dir_.path()}, .split_bytes = 3000}, clock_);
   for (int i = 0; i < 8; ++i) {
     record(recorder);
   }
@@ -155,7 +155,7 @@ TEST_F(RecorderTest, SplitsBySizeAndLosesNothingBetween) {
 
 TEST_F(RecorderTest, NeverTouchesExistingFiles) {
   std::ofstream(dir_.path() / "lcmlog-2026-11-21.00") << "precious";
-  Recorder recorder({.dir = dir_.path()}, clock_);
+  Recorder recorder({.folder = {.dir = dir_.path()}}, clock_);
   EXPECT_EQ(recorder.current_file().filename(), "lcmlog-2026-11-21.01");
   EXPECT_EQ(std::filesystem::file_size(dir_.path() / "lcmlog-2026-11-21.00"), 8U);
 }
@@ -163,7 +163,8 @@ TEST_F(RecorderTest, NeverTouchesExistingFiles) {
 TEST_F(RecorderTest, TheQuotaHoldsAtEveryMoment) {
   std::ofstream(dir_.path() / "notes.txt") << std::string(50'000, 'x');
   std::filesystem::create_symlink("notes.txt", dir_.path() / "lcmlog-2020-01-01.00");
-  Recorder recorder({.dir = dir_.path(), .split_bytes = 3000, .quota_bytes = 9000}, clock_);
+  Recorder recorder({.folder = {.dir = dir_.path(), .quota_bytes = 9000}, .split_bytes = 3000},
+                    clock_);
   for (int i = 0; i < 100; ++i) {
     record(recorder);
     clock_.advance(Recorder::kFlushPeriod);
@@ -177,7 +178,7 @@ TEST_F(RecorderTest, TheQuotaHoldsAtEveryMoment) {
   }
   recorder.close();
   EXPECT_EQ(recorder.counts().written, 100);
-  EXPECT_EQ(recorder.counts().deleted_files, recorder.counts().files - 3);
+  EXPECT_EQ(recorder.num_deleted_files(), recorder.counts().files - 3);
   EXPECT_THAT(names(), ElementsAre("lcmlog-2020-01-01.00", "lcmlog-2026-11-21.31",
                                    "lcmlog-2026-11-21.32", "lcmlog-2026-11-21.33", "notes.txt"));
   EXPECT_THAT(stamps("lcmlog-2026-11-21.33"), ElementsAre(99));
@@ -185,7 +186,7 @@ TEST_F(RecorderTest, TheQuotaHoldsAtEveryMoment) {
 
 TEST_F(RecorderTest, AFullDiskIsReportedAndKeepsTheWrittenEvents) {
   const FileSizeLimit full(2500);
-  Recorder recorder({.dir = dir_.path()}, clock_);
+  Recorder recorder({.folder = {.dir = dir_.path()}}, clock_);
   for (int i = 0; i < 4; ++i) {
     record(recorder);
   }
@@ -201,7 +202,7 @@ TEST_F(RecorderTest, AFullDiskIsReportedAndKeepsTheWrittenEvents) {
 
 TEST_F(RecorderTest, ContinuesInANewFileWhenThereIsSpaceAgain) {
   FileSizeLimit full(2500);
-  Recorder recorder({.dir = dir_.path()}, clock_);
+  Recorder recorder({.folder = {.dir = dir_.path()}}, clock_);
   for (int i = 0; i < 3; ++i) {
     record(recorder);
   }
@@ -227,7 +228,7 @@ TEST_F(RecorderTest, ContinuesInANewFileWhenThereIsSpaceAgain) {
 // While the disk stays full, every attempt creates a file, finds no space and removes it.
 TEST_F(RecorderTest, BacksOffAndLeavesNoEmptyFilesWhileTheDiskStaysFull) {
   FileSizeLimit full(0);
-  Recorder recorder({.dir = dir_.path()}, clock_);
+  Recorder recorder({.folder = {.dir = dir_.path()}}, clock_);
   int num_tries = 0;
   std::filesystem::path last_file;
   for (int tenths_s = 0; tenths_s < 1200; ++tenths_s) {
@@ -248,7 +249,7 @@ TEST_F(RecorderTest, BacksOffAndLeavesNoEmptyFilesWhileTheDiskStaysFull) {
 
 TEST_F(RecorderTest, AFailureInTheMiddleOfASplitIsNotForgotten) {
   FileSizeLimit full(1500);
-  Recorder recorder({.dir = dir_.path(), .split_bytes = 2000}, clock_);
+  Recorder recorder({.folder = {.dir = dir_.path()}, .split_bytes = 2000}, clock_);
   for (int i = 0; i < 3; ++i) {
     record(recorder);  // the third splits, which flushes the second, for which there is no room
   }
@@ -260,12 +261,12 @@ TEST_F(RecorderTest, AFailureInTheMiddleOfASplitIsNotForgotten) {
 
 TEST_F(RecorderTest, AFolderThatCannotBeCreatedIsAnErrorAtTheStart) {
   std::ofstream(dir_.path() / "file") << "x";
-  EXPECT_THROW(Recorder({.dir = dir_.path() / "file"}, clock_), std::exception);
+  EXPECT_THROW(Recorder({.folder = {.dir = dir_.path() / "file"}}, clock_), std::exception);
 }
 
 TEST_F(RecorderTest, ADeletedFolderIsCreatedAgain) {
   const auto dir = dir_.path() / "logs";
-  Recorder recorder({.dir = dir, .split_bytes = 1000}, clock_);
+  Recorder recorder({.folder = {.dir = dir}, .split_bytes = 1000}, clock_);
   record(recorder);
   std::filesystem::remove_all(dir);
   record(recorder);
@@ -282,11 +283,10 @@ TEST_F(RecorderTest, TheOldestLogsAreDeletedForTheReserveOfTheDisk) {
     }
     return 12'000 - used_bytes;
   };
-  Recorder recorder({.dir = dir_.path(),
-                     .split_bytes = 3000,
-                     .reserve_bytes = 5000,
-                     .available_bytes = available},
-                    clock_);
+  Recorder recorder(
+      {.folder = {.dir = dir_.path(), .reserve_bytes = 5000, .available_bytes = available},
+       .split_bytes = 3000},
+      clock_);
   for (int i = 0; i < 30; ++i) {
     record(recorder);
     clock_.advance(Recorder::kSyncPeriod);
@@ -295,7 +295,7 @@ TEST_F(RecorderTest, TheOldestLogsAreDeletedForTheReserveOfTheDisk) {
   }
   recorder.close();
   EXPECT_EQ(recorder.counts().dropped, 0);
-  EXPECT_GT(recorder.counts().deleted_files, 0);
+  EXPECT_GT(recorder.num_deleted_files(), 0);
   EXPECT_EQ(recorder.health().state, node::HealthState::kOk);
   EXPECT_EQ(stamps(names().back()).back(), 29) << "the newest events are kept";
 }
@@ -303,11 +303,10 @@ TEST_F(RecorderTest, TheOldestLogsAreDeletedForTheReserveOfTheDisk) {
 // Other files fill the disk: the reserve is not used, and this is reported.
 TEST_F(RecorderTest, RecordingPausesWhenOtherFilesFillTheDisk) {
   std::int64_t available_bytes = 10'000;
-  Recorder recorder(
-      {.dir = dir_.path(),
-       .reserve_bytes = 5000,
-       .available_bytes = [&](const std::filesystem::path&) { return available_bytes; }},
-      clock_);
+  Recorder recorder({.folder = {.dir = dir_.path(),
+                                .reserve_bytes = 5000,
+                                .available_bytes = [&](const auto&) { return available_bytes; }}},
+                    clock_);
   record(recorder);
   clock_.advance(Recorder::kSyncPeriod);
   recorder.tick();
@@ -334,16 +333,15 @@ TEST_F(RecorderTest, RecordingPausesWhenOtherFilesFillTheDisk) {
 // The disk is full for a moment after the logger has started again: the recording of the last run
 // is worth more than the first second of the new one.
 TEST_F(RecorderTest, ANewFileWithoutEventsDoesNotReplaceTheLastRecording) {
-  Recorder first({.dir = dir_.path()}, clock_);
+  Recorder first({.folder = {.dir = dir_.path()}}, clock_);
   record(first);
   first.close();
   std::int64_t available_bytes = 4000;
-  Recorder second(
-      {.dir = dir_.path(),
-       .quota_bytes = 500,
-       .reserve_bytes = 5000,
-       .available_bytes = [&](const std::filesystem::path&) { return available_bytes; }},
-      clock_);
+  Recorder second({.folder = {.dir = dir_.path(),
+                              .quota_bytes = 500,
+                              .reserve_bytes = 5000,
+                              .available_bytes = [&](const auto&) { return available_bytes; }}},
+                  clock_);
   for (int i = 0; i < 5; ++i) {
     record(second);
     clock_.advance(Recorder::kMaxBackOff);
