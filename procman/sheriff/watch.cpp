@@ -2,13 +2,13 @@
 #include "procman/sheriff/watch.hpp"
 
 #include <algorithm>
-#include <array>
 #include <iostream>
 #include <memory>
 
 #include "common/node/log.hpp"
 #include "common/node/program.hpp"
 #include "procman/config/config_watch.hpp"
+#include "procman/sheriff/live_view.hpp"
 #include "procman/sheriff/printable.hpp"
 #include "procman/sheriff/script_runner.hpp"
 #include "procman/sheriff/tasks.hpp"
@@ -18,22 +18,7 @@ namespace nodmap::procman {
 namespace {
 
 constexpr std::chrono::milliseconds kKeyWait = 50ms;
-constexpr std::size_t kScrollLines = 5;
-constexpr std::size_t kMaxScripts = 9;  // the number of keys
 constexpr time::Duration kReminderPeriod = 5s;
-
-// The order of a key, for the selected command or for its whole group.
-struct KeyOrder {
-  Key key;
-  Verb verb;
-  bool is_for_group;
-};
-constexpr std::array<KeyOrder, 6> kKeyOrders{{{Key::kStart, Verb::kStart, false},
-                                              {Key::kStop, Verb::kStop, false},
-                                              {Key::kRestart, Verb::kRestart, false},
-                                              {Key::kStartGroup, Verb::kStart, true},
-                                              {Key::kStopGroup, Verb::kStop, true},
-                                              {Key::kRestartGroup, Verb::kRestart, true}}};
 
 enum class Role : std::uint8_t {
   kLooking,    // for other sheriffs, and gives no orders yet
@@ -77,7 +62,7 @@ class Watch {
 
  private:
   void begin_script(const Script& script);
-  void begin_script_of(Key key);
+  void begin_script_of_key(std::size_t index);
   void step_script();
   void end_script();
   [[nodiscard]] int code_of_stop() const;
@@ -88,9 +73,9 @@ class Watch {
   void warn();
   void notify(const std::string& text);
   void show();
-  void press(Key key, const std::vector<ReportRow>& rows);
-  void scroll(Key key, const std::vector<ReportRow>& rows);
-  void order(Key key, const std::vector<ReportRow>& rows);
+  [[nodiscard]] const Console* output() const;
+  void fulfil(const KeyRequest& request);
+  void order(const OrderRequest& request);
   [[nodiscard]] std::string title() const;
   void print_changes();
 
@@ -101,7 +86,7 @@ class Watch {
   std::string script_name_;
   bool is_script_of_key_ = false;  // then its end does not end the watch
   std::unique_ptr<Terminal> terminal_;
-  ViewState view_;
+  LiveView view_;
   std::map<std::string, std::string> printed_;
   std::optional<int> exit_code_;
   Role role_ = Role::kObserver;
@@ -124,7 +109,7 @@ void Watch::warn() {
 
 void Watch::notify(const std::string& text) {
   if (terminal_) {
-    view_.message = printable(text);
+    view_.set_message(printable(text));
   } else {
     std::cout << printable(text)
               << std::endl;  // NOLINT(performance-avoid-endl): readers get each line at once
@@ -137,9 +122,8 @@ void Watch::begin_script(const Script& script) {
                   [this](const std::string& id) { return sheriff_.is_healthy(id); });
 }
 
-void Watch::begin_script_of(Key key) {
+void Watch::begin_script_of_key(std::size_t index) {
   const auto& scripts = sheriff_.config().scripts;
-  const auto index = static_cast<std::size_t>(key) - static_cast<std::size_t>(Key::kFirstScript);
   if (index >= scripts.size()) {
     notify("there is no script " + std::to_string(index + 1));
   } else if (runner_ && !runner_->is_over()) {
@@ -269,67 +253,41 @@ std::string Watch::title() const {
 }
 
 void Watch::show() {
-  const std::vector<ReportRow> rows = sheriff_.report();
-  view_.selected = std::min(view_.selected, rows.empty() ? 0 : rows.size() - 1);
+  view_.update(sheriff_.report());
   while (const std::optional<Key> key = terminal_->key()) {
-    press(*key, rows);
-  }
-  view_.title = title();
-  view_.scripts.clear();
-  for (const Script& script : sheriff_.config().scripts) {
-    if (view_.scripts.size() < kMaxScripts) {
-      view_.scripts.push_back(script.name);
+    if (const std::optional<KeyRequest> request = view_.press(*key, output())) {
+      fulfil(*request);
     }
   }
-  const Console* console = rows.empty() ? nullptr : sheriff_.console(rows[view_.selected].id);
   const Terminal::Size size = Terminal::size();
-  terminal_->draw(to_view(rows, console, view_, size.width, size.height), size);
+  terminal_->draw(view_.lines(title(), output(), sheriff_.config().scripts, size), size);
 }
 
-void Watch::press(Key key, const std::vector<ReportRow>& rows) {
-  if (key == Key::kUp) {
-    view_.selected -= view_.selected > 0 ? 1 : 0;
-    view_.lines_back = 0;
-  } else if (key == Key::kDown) {
-    view_.selected += view_.selected + 1 < rows.size() ? 1 : 0;
-    view_.lines_back = 0;
-  } else if (key == Key::kPageUp || key == Key::kPageDown) {
-    scroll(key, rows);
-  } else if (key == Key::kQuit) {
+// The output of the selected command, or null.
+const Console* Watch::output() const {
+  const ReportRow* selected = view_.selected();
+  return selected == nullptr ? nullptr : sheriff_.console(selected->id);
+}
+
+void Watch::fulfil(const KeyRequest& request) {
+  if (std::holds_alternative<QuitRequest>(request)) {
     exit_code_ = exit_code::kDone;
   } else if (role_ != Role::kInCommand) {
     notify(role_ == Role::kLooking ? "not yet: looking for other sheriffs"
                                    : "observing only: no orders");
-  } else if (key >= Key::kFirstScript && key <= Key::kLastScript) {
-    begin_script_of(key);
-  } else if (!rows.empty()) {
-    order(key, rows);
+  } else if (const auto* script = std::get_if<ScriptRequest>(&request)) {
+    begin_script_of_key(script->index);
+  } else {
+    order(std::get<OrderRequest>(request));
   }
 }
 
-// Scrolls through the output of the selected command.
-void Watch::scroll(Key key, const std::vector<ReportRow>& rows) {
-  const Console* console = rows.empty() ? nullptr : sheriff_.console(rows[view_.selected].id);
-  const std::size_t most = console == nullptr ? 0 : console->lines().size();
-  view_.lines_back = key == Key::kPageUp
-                         ? std::min(view_.lines_back + kScrollLines, most)
-                         : view_.lines_back - std::min(view_.lines_back, kScrollLines);
-}
-
-void Watch::order(Key key, const std::vector<ReportRow>& rows) {
-  const auto* const asked = std::ranges::find(kKeyOrders, key, &KeyOrder::key);
-  if (asked == kKeyOrders.end()) {
-    return;
-  }
-  const ReportRow& selected = rows[view_.selected];
-  const bool is_for_group = asked->is_for_group && !selected.group.empty();
-  for (const ReportRow& row : rows) {
-    if (is_for_group ? is_in_group(row.group, selected.group) : row.id == selected.id) {
-      sheriff_.fleet().order(asked->verb, row.id);
-    }
+void Watch::order(const OrderRequest& request) {
+  for (const std::string& command : request.commands) {
+    sheriff_.fleet().order(request.verb, command);
   }
   sheriff_.give_orders();
-  notify(name_of(asked->verb) + std::string(" ") + (is_for_group ? selected.group : selected.id));
+  notify(name_of(request.verb) + std::string(" ") + request.target);
 }
 
 void Watch::print_changes() {
