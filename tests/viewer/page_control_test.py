@@ -138,6 +138,18 @@ class Control(Page):
         self.browser.run(KEY, "Escape", "#pick")
         self.assertEqual(self.browser.run("return document.getElementById('pick').getAttribute('aria-pressed')"), "false")
 
+    def test_a_click_that_measures_is_no_goal(self):
+        self.open_with_token()
+        for first, then in (("pick", "measure"), ("measure", "pick")):
+            self.browser.run(f"document.getElementById('{first}').click(); document.getElementById('{then}').click()")
+            self.assertEqual(self.browser.run(f"return document.getElementById('{first}').getAttribute('aria-pressed')"), "false")
+            self.assertEqual(self.browser.run(f"return document.getElementById('{then}').getAttribute('aria-pressed')"), "true")
+            self.browser.run("nodmap.view.setClickMode('none')")
+        self.browser.run(f"{ANSWER} = ''; document.getElementById('pick').click(); document.getElementById('measure').click()")
+        self.browser.run(POINT, [0.5, 0.6], [0.5, 0.6])
+        self.assertIn("other end", self.browser.run("return document.getElementById('measured').value"))
+        self.assertEqual(self.browser.run(f"return {ANSWER}"), "")
+
     def test_stop_has_a_key_wherever_the_focus_is(self):
         self.open_with_token()
         for focus in ("#canvas", "#goal-x", "#save"):

@@ -43,6 +43,7 @@ export class Control {
       this.ask({do: "goal", x_m: x.valueAsNumber, y_m: y.valueAsNumber});
     });
     this.pick.addEventListener("click", () => this.setPicking(!this.isPicking));
+    this.view.onClickMode((mode) => this.pick.setAttribute("aria-pressed", mode === "goal"));
     this.view.onClick((event) => {
       const at = this.isPicking ? this.view.floorAt(event) : null;
       if (at) {
@@ -54,12 +55,11 @@ export class Control {
   }
 
   get isPicking() {
-    return this.pick.getAttribute("aria-pressed") === "true";
+    return this.view.clickMode === "goal";
   }
 
   setPicking(picking) {
-    this.pick.setAttribute("aria-pressed", picking);
-    this.view.canvas.classList.toggle("picking", picking);
+    this.view.setClickMode(picking ? "goal" : "none");
   }
 
   async ask(request) {

@@ -34,7 +34,7 @@ const plots = new Plots(byId("plots"));
 const state = new State({banner: byId("banner"), announcement: byId("announcement"), facts: byId("facts")});
 const playback = new Playback(byId("playback"), () => connection);
 tellOnClick(view, layers, {
-  isFree: () => !control.isPicking && !measuring.isOn, timeText: (timeS) => playback.timeText(timeS), say: (text) => { byId("told").textContent = text; },
+  isFree: () => view.clickMode === "none", timeText: (timeS) => playback.timeText(timeS), say: (text) => { byId("told").textContent = text; },
 });
 const control = new Control(byId("stop-bar"), byId("control"), view, () => connection);
 const output = new Output(byId("output"), (command) => connection.call("control", {do: "process_output", command}));

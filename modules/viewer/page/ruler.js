@@ -40,6 +40,7 @@ export class Measuring {
   constructor(button, view, say) {
     Object.assign(this, {button, view, say, ends: []});
     button.addEventListener("click", () => this.set(!this.isOn));
+    view.onClickMode((mode) => this.show(mode === "measure"));
     document.addEventListener("keydown", (event) => {
       if (event.key === "Escape" && this.isOn) {
         this.set(false);
@@ -53,12 +54,15 @@ export class Measuring {
   }
 
   get isOn() {
-    return this.button.getAttribute("aria-pressed") === "true";
+    return this.view.clickMode === "measure";
   }
 
   set(on) {
+    this.view.setClickMode(on ? "measure" : "none");
+  }
+
+  show(on) {
     this.button.setAttribute("aria-pressed", on);
-    this.view.canvas.classList.toggle("picking", on);
     this.ends = [];
     this.draw();
     this.say(on ? "Click two places on the floor." : "");

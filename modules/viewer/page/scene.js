@@ -35,6 +35,7 @@ export class View {
   constructor(canvas) {
     Object3D.DefaultUp.set(0, 0, 1);
     this.canvas = canvas;
+    Object.assign(this, {clickMode: "none", clickModeActs: []});
     this.renderer = makeRenderer(canvas);
     this.scene = new Scene();
     this.scene.add(new AmbientLight(0xffffff, 0.6));
@@ -63,6 +64,18 @@ export class View {
         act(event);
       }
     });
+  }
+
+  /** What a click in the scene does, one thing at a time: "goal", "measure", or "none": it tells what is there. */
+  setClickMode(mode) {
+    this.clickMode = mode;
+    this.canvas.classList.toggle("picking", mode !== "none");
+    this.clickModeActs.forEach((act) => act(mode));
+  }
+
+  /** Calls `act(mode)` at each change of the click mode. */
+  onClickMode(act) {
+    this.clickModeActs.push(act);
   }
 
   /** Marks the image as changed. */

@@ -100,13 +100,17 @@ export class State {
     const at = (pose) => `x ${number(pose.position_m[0], 2, "m")}, y ${number(pose.position_m[1], 2, "m")}`;
     const facts = [["speed", number(odometry?.forward_mps, 2, "m/s")]];
     if (navigation) {
-      facts.push(["behaviour", navigation.behaviour_name], ["speed bound", number(navigation.max_forward_mps, 2, "m/s")]);
+      facts.push(["behaviour", navigation.behaviour_name]);
+      if (navigation.reason) {
+        facts.push(["because", navigation.reason]);
+      }
+      facts.push(["speed bound", number(navigation.max_forward_mps, 2, "m/s")]);
     }
     if (goal) {
       facts.push(["goal", goalText(goal, navigation)]);
     }
     if (exploration) {
-      facts.push(["exploration", `${exploration.state_name}, ${number(exploration.seen_m2, 0, "m²")} seen`]);
+      facts.push(["exploration", `${exploration.state_name}, ${number(exploration.seen_m2, 0, "m²")} seen. ${exploration.reason}`.trim()]);
     }
     if (pitch) {
       facts.push(["pitch", number(DEGREES * pitch.pitch_rad, 1, "°")]);
