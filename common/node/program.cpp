@@ -53,10 +53,11 @@ void add_param_options(CLI::App& app, CommonOptions& options, const params::Tabl
   app.add_flag("--params-markdown", options.params_markdown,
                "Print the parameters as a Markdown table, and exit");
   for (const params::Entry& entry : table.entries()) {
-    if (entry.kind == params::Kind::kFlag) {
+    if (entry.kind == params::Kind::kFlag && entry.get() == "false") {
       app.add_flag_callback(
-          flag_name(entry.name), [&options, name = entry.name] { options.flags.push_back(name); },
-          entry.help);
+             flag_name(entry.name),
+             [&options, name = entry.name] { options.flags.push_back(name); }, entry.help)
+          ->disable_flag_override();  // else --name=false would be taken, and set nothing
     }
   }
 }

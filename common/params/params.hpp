@@ -62,7 +62,8 @@ class Table {
   void integer(const std::string& name, int& value, Range range, std::string help);
   /// An angle: degrees in configuration, name and range, radians in the struct.
   void angle(const std::string& name_deg, double& value_rad, Range range_deg, std::string help);
-  /// Also becomes the command-line flag --name-with-dashes.
+  /// If it is false by default, it is also the command-line flag --name-with-dashes; the others are
+  /// set to false by --set.
   void flag(const std::string& name, bool& value, std::string help);
   void text(const std::string& name, std::string& value, std::string help);
 

@@ -18,11 +18,13 @@ namespace run_test {
 struct EchoParams {
   double gain = 1.0;
   bool loud = false;
+  bool answers = true;
   int signal_at = 0;
   template <class Visitor>
   void describe(Visitor& v) {
     v.number("gain", gain, {0.0, 10.0}, "How strong.");
     v.flag("loud", loud, "Whether loud.");
+    v.flag("answers", answers, "Whether it answers.");
     v.integer("signal_at", signal_at, {0, 100}, "At which message a signal comes; 11: at the end.");
   }
 };
@@ -167,6 +169,9 @@ TEST(Run, ExitCodesDistinguishUserErrors) {
   EXPECT_EQ(run_echo({"--version"}), 0);
   EXPECT_EQ(run_echo({"--dump-params"}), 0);
   EXPECT_EQ(run_echo({"--no-such-option"}), 2);
+  EXPECT_EQ(run_echo({"--loud", "--dump-params"}), 0);
+  EXPECT_EQ(run_echo({"--loud=false", "--dump-params"}), 2) << "must not be taken and ignored";
+  EXPECT_EQ(run_echo({"--answers", "--dump-params"}), 2) << "it is true already";
   EXPECT_EQ(run_echo({"--set", "gain=11"}), 2);
   EXPECT_EQ(run_echo({"--set", "gian=1"}), 2);
   EXPECT_EQ(run_echo({"--config", dir.path() / "none.yaml"}), 2);
