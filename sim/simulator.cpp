@@ -120,8 +120,8 @@ nlohmann::json Simulator::metrics() const {
   const Eigen::Vector3d position = truth.T_world_base.translation();
   const Eigen::Vector3d ahead = truth.T_world_base.linear().col(0);
   return {{"duration_s", time::seconds(now_.time_since_epoch())},
-          {"collisions", truth.collisions},
-          {"bumps", truth.bumps},
+          {"collisions", truth.contacts.collisions},
+          {"bumps", truth.contacts.bumps},
           {"distance_m", distance_m_},
           {"min_clearance_m", std::isfinite(min_clearance_m_) ? nlohmann::json(min_clearance_m_)
                                                               : nlohmann::json(nullptr)},

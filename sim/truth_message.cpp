@@ -13,8 +13,8 @@ nodmap::truth_t write_truth(const GroundTruth& truth, time::Timestamp stamp) {
   message.yaw_rate_rad_s = truth.yaw_rate_rad_s;
   message.pitch_rad = truth.pitch_rad;
   message.clearance_m = truth.clearance_m;
-  message.collisions = truth.collisions;
-  message.bumps = truth.bumps;
+  message.collisions = truth.contacts.collisions;
+  message.bumps = truth.contacts.bumps;
   message.num_actors = static_cast<std::int32_t>(truth.actors.size());
   for (const ActorState& actor : truth.actors) {
     message.actor_position_m.push_back({actor.position.x(), actor.position.y()});

@@ -3,21 +3,13 @@
 
 #include <Eigen/Core>
 #include <cstddef>
-#include <cstdint>
 #include <set>
 
 #include "sim/body/collision.hpp"
+#include "sim/body/contact_counts.hpp"
 #include "sim/body/crowd.hpp"
 
 namespace nodmap::sim {
-
-/// How many contacts there have been; GroundTruth says what counts as which.
-struct ContactCounts {
-  std::int64_t collisions = 0;
-  std::int64_t bumps = 0;
-  std::int64_t contacts_caused = 0;
-  std::int64_t falls = 0;
-};
 
 /// Counts the contacts of the robot with obstacles, actors, and the edge of the ground that it
 /// drives on. Each counts once as what it is, until the two have separated.

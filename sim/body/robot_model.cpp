@@ -298,7 +298,6 @@ std::optional<double> RobotModel::distance_from(const Eigen::Vector3d& p_base, d
 
 GroundTruth RobotModel::ground_truth() const {
   const Moment now = state_->present();
-  const ContactCounts& counts = state_->contacts.counts();
   GroundTruth truth;
   truth.T_world_base = now.T_world_base();
   truth.forward_mps = state_->base.forward_mps();
@@ -306,10 +305,7 @@ GroundTruth RobotModel::ground_truth() const {
   truth.acceleration_mps2 = state_->base.acceleration_mps2();
   truth.pitch_rad = now.pitch().pitch_rad;
   truth.pitch_rate_rad_s = now.pitch().rate_rad_s;
-  truth.collisions = counts.collisions;
-  truth.bumps = counts.bumps;
-  truth.contacts_caused = counts.contacts_caused;
-  truth.falls = counts.falls;
+  truth.contacts = state_->contacts.counts();
   truth.actors = now.actors();
   truth.person_clearance_m = std::numeric_limits<double>::infinity();
   for (const ActorState& actor : truth.actors) {

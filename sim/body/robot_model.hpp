@@ -8,6 +8,7 @@
 
 #include "common/geometry/se3.hpp"
 #include "common/geometry/time.hpp"
+#include "sim/body/contact_counts.hpp"
 #include "sim/body/params.hpp"
 #include "sim/body/pitch_servo.hpp"
 #include "sim/body/rangefinder.hpp"
@@ -24,12 +25,9 @@ struct GroundTruth {
   Eigen::Vector2d acceleration_mps2 = Eigen::Vector2d::Zero();  ///< ahead and to the left
   double pitch_rad = 0.0;
   double pitch_rate_rad_s = 0.0;
-  double clearance_m = 0.0;          ///< from the body to the nearest obstacle or actor
-  double person_clearance_m = 0.0;   ///< from the body to the nearest actor; infinite without
-  std::int64_t collisions = 0;       ///< contacts with obstacles and actors, without bumps
-  std::int64_t bumps = 0;            ///< contacts with actors that walked into the stationary robot
-  std::int64_t contacts_caused = 0;  ///< collisions while a point of the body moved at >= 0.05 m/s
-  std::int64_t falls = 0;            ///< collisions with the edge of a pit or of a platform
+  double clearance_m = 0.0;         ///< from the body to the nearest obstacle or actor
+  double person_clearance_m = 0.0;  ///< from the body to the nearest actor; infinite without
+  ContactCounts contacts;
   std::vector<ActorState> actors;
 };
 

@@ -69,7 +69,7 @@ TEST(RobotModel, AStationaryRobotCountsNoTravelAndNoCollision) {
   EXPECT_EQ(model.wheel_travel().left_m, 0.0);
   EXPECT_EQ(model.wheel_travel().right_m, 0.0);
   EXPECT_TRUE(model.ground_truth().T_world_base.isApprox(geometry::SE3::Identity()));
-  EXPECT_EQ(model.ground_truth().collisions, 0);
+  EXPECT_EQ(model.ground_truth().contacts.collisions, 0);
 }
 
 TEST(RobotModel, RangesAreMeasuredFromThePitchAxis) {
@@ -135,7 +135,7 @@ TEST(RobotModel, AWallStopsTheRobotAndCountsAsOneCollision) {
   model.set_wheel_speeds({0.5, 0.5});
   model.advance_to(at(5s));
   const GroundTruth truth = model.ground_truth();
-  EXPECT_EQ(truth.collisions, 1);
+  EXPECT_EQ(truth.contacts.collisions, 1);
   // A step at 0.5 m/s is half a millimetre long.
   EXPECT_NEAR(truth.T_world_base.translation().x(), 1.0 - 0.225, 6e-4);
   EXPECT_NEAR(truth.clearance_m, 0.0, 6e-4);
@@ -148,7 +148,7 @@ TEST(RobotModel, AWallStopsTheRobotAndCountsAsOneCollision) {
   EXPECT_GT(model.ground_truth().clearance_m, 0.5);
   model.set_wheel_speeds({0.5, 0.5});
   model.advance_to(at(12s));
-  EXPECT_EQ(model.ground_truth().collisions, 2);
+  EXPECT_EQ(model.ground_truth().contacts.collisions, 2);
 }
 
 TEST(RobotModel, AnActorWhoWalksIntoTheStationaryRobotCountsAsABump) {
@@ -156,14 +156,14 @@ TEST(RobotModel, AnActorWhoWalksIntoTheStationaryRobotCountsAsABump) {
   world.actors.push_back(walker({{1.0, {2.0, 0.0}}, {4.0, {0.3, 0.0}}, {7.0, {2.0, 0.0}}}));
   RobotModel standing(world, exact_params(), 1);
   standing.advance_to(at(8s));
-  EXPECT_EQ(standing.ground_truth().bumps, 1);
-  EXPECT_EQ(standing.ground_truth().collisions, 0);
+  EXPECT_EQ(standing.ground_truth().contacts.bumps, 1);
+  EXPECT_EQ(standing.ground_truth().contacts.collisions, 0);
 
   RobotModel driving(world, exact_params(), 1);
   driving.set_wheel_speeds({0.1, 0.1});
   driving.advance_to(at(5s));
-  EXPECT_EQ(driving.ground_truth().bumps, 0);
-  EXPECT_EQ(driving.ground_truth().collisions, 1);
+  EXPECT_EQ(driving.ground_truth().contacts.bumps, 0);
+  EXPECT_EQ(driving.ground_truth().contacts.collisions, 1);
 }
 
 // Somebody who walks from (2, y) to `end` within a second, and stays there.
@@ -175,8 +175,8 @@ World somebody_who_walks_to(const Eigen::Vector2d& end) {
 
 void wait_until_bumped(RobotModel& model) {
   model.advance_to(at(2s));
-  ASSERT_EQ(model.ground_truth().bumps, 1);
-  ASSERT_EQ(model.ground_truth().collisions, 0);
+  ASSERT_EQ(model.ground_truth().contacts.bumps, 1);
+  ASSERT_EQ(model.ground_truth().contacts.collisions, 0);
 }
 
 double yaw_rad(const RobotModel& model) {
@@ -194,8 +194,8 @@ TEST(RobotModel, ARobotThatTurnsItsCornerIntoSomebodyWhoBumpedItCollides) {
   wait_until_bumped(model);
   model.set_wheel_speeds({-0.15, 0.15});
   model.advance_to(at(4s));
-  EXPECT_EQ(model.ground_truth().collisions, 1);
-  EXPECT_EQ(model.ground_truth().contacts_caused, 1);
+  EXPECT_EQ(model.ground_truth().contacts.collisions, 1);
+  EXPECT_EQ(model.ground_truth().contacts.contacts_caused, 1);
   EXPECT_EQ(yaw_rad(model), 0.0);
 }
 
@@ -205,7 +205,7 @@ TEST(RobotModel, ARobotMayTurnAwayFromSomebodyWhoBumpedIt) {
   wait_until_bumped(model);
   model.set_wheel_speeds({-0.15, 0.15});
   model.advance_to(at(2300ms));
-  EXPECT_EQ(model.ground_truth().collisions, 0);
+  EXPECT_EQ(model.ground_truth().contacts.collisions, 0);
   // 0.3 m/s between the wheels, 0.28 m apart, of which 0.69 turn the robot: 0.74 rad/s for 0.3 s
   // less the motors' lag of 50 ms.
   EXPECT_NEAR(yaw_rad(model), 0.3 / 0.28 * 0.69 * 0.25, 0.002);
@@ -217,7 +217,7 @@ TEST(RobotModel, ARobotMayBackOutOfSomebodyWhoStandsInIt) {
   model.set_wheel_speeds({0.15, 0.15});
   model.advance_to(at(3s));
   EXPECT_EQ(model.ground_truth().T_world_base.translation().x(), 0.0);
-  EXPECT_EQ(model.ground_truth().collisions, 1);
+  EXPECT_EQ(model.ground_truth().contacts.collisions, 1);
   model.set_wheel_speeds({-0.15, -0.15});
   model.advance_to(at(5s));
   EXPECT_LT(model.ground_truth().T_world_base.translation().x(), -0.25);
@@ -245,9 +245,9 @@ TEST(RobotModel, APitStopsTheRobotAndCountsAsACollision) {
   RobotModel model(world, exact_params(), 1);
   model.set_wheel_speeds({0.5, 0.5});
   model.advance_to(at(5s));
-  EXPECT_EQ(model.ground_truth().collisions, 1);
-  EXPECT_EQ(model.ground_truth().falls, 1);
-  EXPECT_EQ(model.ground_truth().contacts_caused, 1);
+  EXPECT_EQ(model.ground_truth().contacts.collisions, 1);
+  EXPECT_EQ(model.ground_truth().contacts.falls, 1);
+  EXPECT_EQ(model.ground_truth().contacts.contacts_caused, 1);
   // A step of a millisecond at 0.5 m/s.
   EXPECT_NEAR(model.ground_truth().T_world_base.translation().x(), 1.0 - 0.225, 5e-4);
 }
@@ -259,14 +259,14 @@ TEST(RobotModel, DrivesUpARampAndStopsAtItsEnd) {
   model.set_wheel_speeds({1.0, 1.0});
   model.advance_to(at(2500ms));
   const GroundTruth truth = model.ground_truth();
-  EXPECT_EQ(truth.collisions, 0);
+  EXPECT_EQ(truth.contacts.collisions, 0);
   const Eigen::Vector3d p = truth.T_world_base.translation();
   // On the slope, and tilted like it. The line between the wheels differs from the ramp only at its
   // foot.
   EXPECT_NEAR(p.z(), (p.x() - 1.0) / 6.0, 1e-6);
   EXPECT_NEAR(truth.T_world_base.linear()(2, 0), 0.5 / std::hypot(3.0, 0.5), 1e-6);
   model.advance_to(at(10s));
-  EXPECT_EQ(model.ground_truth().falls, 1);
+  EXPECT_EQ(model.ground_truth().contacts.falls, 1);
   // The front wheels, half of the wheelbase ahead of base, stop at the edge. Tolerance: a step at 1
   // m/s, 1 mm.
   EXPECT_NEAR(model.ground_truth().T_world_base.translation().x(), 4.0 - 0.15, 1e-3);
@@ -288,7 +288,7 @@ TEST(RobotModel, PitchGrowsWhileTheWheelsRollOntoARamp) {
   const double front_m = slope * (truth.T_world_base.translation().x() + 0.15 - 1.0);
   EXPECT_NEAR(truth.T_world_base.linear()(2, 0), std::sin(std::atan2(front_m, 0.3)), 1e-12);
   EXPECT_NEAR(truth.T_world_base.translation().z(), 0.5 * front_m, 1e-12);  // rounding
-  EXPECT_EQ(truth.collisions, 0);
+  EXPECT_EQ(truth.contacts.collisions, 0);
 }
 
 TEST(RobotModel, AWheelBeyondTheSideOfARampCountsAsAFall) {
@@ -299,7 +299,7 @@ TEST(RobotModel, AWheelBeyondTheSideOfARampCountsAsAFall) {
   model.advance_to(at(5s));
   model.set_wheel_speeds({0.4, 0.5});
   model.advance_to(at(12s));
-  EXPECT_EQ(model.ground_truth().falls, 1);
+  EXPECT_EQ(model.ground_truth().contacts.falls, 1);
 }
 
 TEST(RobotModel, TheSideOfARampIsAnObstacle) {
@@ -310,8 +310,8 @@ TEST(RobotModel, TheSideOfARampIsAnObstacle) {
   RobotModel model(world, exact_params(), 1);
   model.set_wheel_speeds({0.5, 0.5});
   model.advance_to(at(4s));
-  EXPECT_EQ(model.ground_truth().collisions, 1);
-  EXPECT_EQ(model.ground_truth().falls, 0);
+  EXPECT_EQ(model.ground_truth().contacts.collisions, 1);
+  EXPECT_EQ(model.ground_truth().contacts.falls, 0);
   EXPECT_LT(model.ground_truth().T_world_base.translation().y(), 0.5);
 }
 
@@ -347,7 +347,7 @@ TEST(RobotModel, GlassGivesNoEcho) {
   EXPECT_EQ(model.measure(deg_to_rad(10.0), at(100ms)).kind, Echo::Kind::kRange);
   model.set_wheel_speeds({0.5, 0.5});
   model.advance_to(at(6s));
-  EXPECT_EQ(model.ground_truth().collisions, 1);
+  EXPECT_EQ(model.ground_truth().contacts.collisions, 1);
 }
 
 // A range finder measures by reflected light, so it sees the wall through the pane behind the

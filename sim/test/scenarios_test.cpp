@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/formats/input_file.hpp"
 #include "sim/body/robot_model.hpp"
 #include "sim/body/shortest_path.hpp"
 #include "sim/test/host.hpp"
@@ -53,8 +54,8 @@ TEST_P(Holes, ARobotThatDrivesStraightOnFallsIn) {
   RobotModel model(looking_at_hole(make_holes(GetParam())), {}, 1);
   model.set_wheel_speeds({0.5, 0.5});
   model.advance_to(test::at(10s));
-  EXPECT_EQ(model.ground_truth().falls, 1);
-  EXPECT_EQ(model.ground_truth().collisions, 1);
+  EXPECT_EQ(model.ground_truth().contacts.falls, 1);
+  EXPECT_EQ(model.ground_truth().contacts.collisions, 1);
 }
 
 TEST_P(Holes, TheGoalCanBeReachedAroundThem) {
@@ -87,7 +88,7 @@ TEST_P(Ramps, ARobotThatDrivesStraightOverThemArrives) {
     steepest = std::max(steepest, std::abs(model.ground_truth().T_world_base.linear()(2, 0)));
   }
   EXPECT_LE(to_goal_m(), 0.1);
-  EXPECT_EQ(model.ground_truth().collisions, 0);
+  EXPECT_EQ(model.ground_truth().contacts.collisions, 0);
   constexpr double kSlopesDeg[] = {5.0, 10.0, 12.0};
   EXPECT_NEAR(steepest, std::sin(geometry::deg_to_rad(kSlopesDeg[GetParam() % 3])), 1e-6);
 }
@@ -101,7 +102,7 @@ TEST_P(Scenarios, TheStartIsFreeAndTheGoalsCanBeReached) {
     const World world = GetParam().make(seed);
     RobotModel model(world, {}, 1);
     model.advance_to(test::at(10ms));
-    EXPECT_EQ(model.ground_truth().collisions, 0) << seed;
+    EXPECT_EQ(model.ground_truth().contacts.collisions, 0) << seed;
     EXPECT_GT(model.ground_truth().clearance_m, 0.0) << seed;
     BodyParams body;
     body.width_m = 0.45;
@@ -232,9 +233,11 @@ TEST_F(BarnFile, RefusesInvalidFiles) {
   for (const char* text :
        {"", "W 1 2\n0 0\n", "W 1 1\n0\n", "W 1 -1\n", "V 1 1\n0 0\n", "W 1 1\nnan 0\n",
         "W 1 1\nC 0.5 4 2 name\n1 0 0\n1 0 0\n", "W 1 99999999\n"}) {
-    EXPECT_THROW(static_cast<void>(load_barn_world(write(text), 1)), std::runtime_error) << text;
+    EXPECT_THROW(static_cast<void>(load_barn_world(write(text), 1)), formats::InputFileError)
+        << text;
   }
-  EXPECT_THROW(static_cast<void>(load_barn_world(dir_.path() / "none", 1)), std::runtime_error);
+  EXPECT_THROW(static_cast<void>(load_barn_world(dir_.path() / "none", 1)),
+               formats::InputFileError);
 }
 
 // The challenge's own worlds. The lengths are those of data/barn/bottleneck.txt: they are for a
@@ -268,7 +271,7 @@ TEST_F(BarnFile, PedestriansFollowTheirRecording) {
   EXPECT_EQ(world.goals.size(), 1U);
   EXPECT_FALSE(first.reacts);
   for (const char* text : {"", "0 1 2\n", "0 1 0 0\n0 1 0 0\n", "0 1 nan 0\n"}) {
-    EXPECT_THROW(static_cast<void>(load_pedestrians(write(text), 2.5, 1)), std::runtime_error)
+    EXPECT_THROW(static_cast<void>(load_pedestrians(write(text), 2.5, 1)), formats::InputFileError)
         << text;
   }
 }

@@ -12,8 +12,8 @@ TEST(TruthMessage, ContainsPoseAndActors) {
   GroundTruth truth;
   // Three quarters of a turn: a quaternion with w < 0 describes it as well.
   truth.T_world_base = geometry::to_se3({1.0, -2.0, 1.5 * geometry::kPi});
-  truth.collisions = 3;
-  truth.bumps = 2;
+  truth.contacts.collisions = 3;
+  truth.contacts.bumps = 2;
   truth.actors = {{.position = {4.0, 5.0}, .radius_m = 0.25, .height_m = 1.75},
                   {.position = {-6.0, 7.0}, .radius_m = 0.2, .height_m = 1.2}};
   const nodmap::truth_t message = write_truth(truth, time::from_utime(42));

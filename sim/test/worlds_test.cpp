@@ -113,7 +113,7 @@ TEST(Worlds, TheRampBesideTheStairsLeadsToThePlatform) {
   RobotModel model(world, {}, 1);
   model.set_wheel_speeds({0.5, 0.5});
   model.advance_to(test::at(11s));
-  EXPECT_EQ(model.ground_truth().collisions, 0);
+  EXPECT_EQ(model.ground_truth().contacts.collisions, 0);
   EXPECT_NEAR(model.ground_truth().T_world_base.translation().z(), 0.4, 1e-9);
 }
 

@@ -20,13 +20,15 @@ constexpr time::Duration kTruthPeriod = 20ms;
 
 GroundTruthMonitor::GroundTruthMonitor(const sim::World& world, const sim::RobotModel& model,
                                        bus::LoopNetwork& network, BrakeLatencyMonitor brake_latency,
-                                       const Eigen::Vector3d& p_base_mirror)
+                                       const Eigen::Vector3d& p_base_mirror,
+                                       const slam6d::TraceParams& map)
     : world_(world),
       model_(model),
       caster_(world),
       bus_(network),
       brake_latency_(std::move(brake_latency)),
-      p_base_mirror_(p_base_mirror) {
+      p_base_mirror_(p_base_mirror),
+      observed_voxels_(map) {
   subscribe();
 }
 
@@ -91,8 +93,7 @@ void GroundTruthMonitor::update() {
   const sim::GroundTruth truth = model_.ground_truth();
   if (recorded) {
     record_.truth.push_back({now, truth.T_world_base, truth.forward_mps, truth.yaw_rate_rad_s,
-                             truth.clearance_m, truth.person_clearance_m, truth.collisions,
-                             truth.bumps, truth.contacts_caused, truth.falls});
+                             truth.clearance_m, truth.person_clearance_m, truth.contacts});
     record_progress(truth.T_world_base.translation().head<2>());
     T_world_base_.add(stamp_at(now), truth.T_world_base);
   }

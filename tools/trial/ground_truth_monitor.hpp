@@ -20,10 +20,10 @@ namespace nodmap::trial {
 /// which no part of the robot subscribes.
 class GroundTruthMonitor {
  public:
-  /// `p_base_mirror`: the laser's mirror at pitch 0, metres.
+  /// `p_base_mirror`: the laser's mirror at pitch 0, metres. `map`: the OctoMap of 6D SLAM.
   GroundTruthMonitor(const sim::World& world, const sim::RobotModel& model,
                      bus::LoopNetwork& network, BrakeLatencyMonitor brake_latency,
-                     const Eigen::Vector3d& p_base_mirror);
+                     const Eigen::Vector3d& p_base_mirror, const slam6d::TraceParams& map);
 
   /// To be called every millisecond of simulated time.
   void update();

@@ -70,15 +70,12 @@ DriveMetrics drive_metrics(const TrialRecord& record) {
     if (!metrics.first_motion_s && is_moving(*sample)) {
       metrics.first_motion_s = seconds(sample->instant - *record.started);
     }
-    if (sample->collisions > 0 && !metrics.first_collision_s) {
+    if (sample->contacts.collisions > 0 && !metrics.first_collision_s) {
       metrics.first_collision_s = seconds(sample->instant - *record.started);
     }
   }
   const TruthSample& last = record.truth.back();
-  metrics.collisions = last.collisions;
-  metrics.bumped = last.bumps;
-  metrics.contacts_caused = last.contacts_caused;
-  metrics.falls = last.falls;
+  metrics.contacts = last.contacts;
   metrics.duration_s = seconds(last.instant - first->instant);
   metrics.mean_speed_mps = metrics.duration_s > 0.0 ? metrics.distance_m / metrics.duration_s : 0.0;
   return metrics;

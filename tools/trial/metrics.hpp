@@ -28,10 +28,7 @@ struct Quantiles {
 
 /// Metrics of the drive from the first SCAN on.
 struct DriveMetrics {
-  std::int64_t collisions = 0;
-  std::int64_t bumped = 0;
-  std::int64_t contacts_caused = 0;
-  std::int64_t falls = 0;
+  sim::ContactCounts contacts;
   std::optional<double> first_collision_s;
   std::optional<double> first_motion_s;
   double duration_s = 0.0;

@@ -36,15 +36,14 @@ bool has_neighbour(const std::set<Voxel>& voxels, const Voxel& voxel) {
   return false;
 }
 
-Eigen::Vector3d centre_of(const Voxel& voxel) {
-  return ObservedVoxels::kVoxelM *
-         (Eigen::Vector3d(voxel[0], voxel[1], voxel[2]) + Eigen::Vector3d::Constant(0.5));
+Eigen::Vector3d centre_of(const Voxel& voxel, double voxel_m) {
+  return voxel_m * (Eigen::Vector3d(voxel[0], voxel[1], voxel[2]) + Eigen::Vector3d::Constant(0.5));
 }
 
 }  // namespace
 
-ObservedVoxels::Voxel ObservedVoxels::voxel_at(const Eigen::Vector3d& p_map) {
-  const Eigen::Vector3i voxel = (p_map / kVoxelM).array().floor().cast<std::int32_t>();
+ObservedVoxels::Voxel ObservedVoxels::voxel_at(const Eigen::Vector3d& p_map) const {
+  const Eigen::Vector3i voxel = (p_map / voxel_m()).array().floor().cast<std::int32_t>();
   return {voxel.x(), voxel.y(), voxel.z()};
 }
 
@@ -52,7 +51,7 @@ void ObservedVoxels::add(const scan::Scan& scan, const geometry::SE3& T_map_firs
                          const geometry::SE3& T_map_last) {
   for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
     const auto range_m = static_cast<double>(scan.ranges_m[beam]);
-    if (!scan.is_hit(beam) || range_m > kMaxRangeM) {
+    if (!scan.is_hit(beam) || range_m > params_.max_range_m) {
       continue;
     }
     const geometry::SE3 T_map_base =
@@ -65,19 +64,16 @@ OccupancyMetrics occupancy_metrics(const formats::OccupiedSpace& map,
                                    const ObservedVoxels& observed, const geometry::SE3& T_world_map,
                                    const sim::World& world) {
   OccupancyMetrics metrics;
-  constexpr double kSameSizeM = 1e-6;
-  if (std::abs(map.voxel_m - ObservedVoxels::kVoxelM) > kSameSizeM) {
-    return metrics;
-  }
   const std::set<Voxel> occupied = occupied_voxels(map);
   metrics.num_occupied = occupied.size();
   metrics.num_observed = observed.voxels().size();
   if (occupied.empty() || observed.voxels().empty()) {
     return metrics;
   }
+  const double voxel_m = observed.voxel_m();
   const evaluate::WorldSurfaces surfaces(world);
   const auto at_surface = std::ranges::count_if(occupied, [&](const Voxel& voxel) {
-    return surfaces.distance_m(T_world_map * centre_of(voxel)) <= ObservedVoxels::kVoxelM;
+    return surfaces.distance_m(T_world_map * centre_of(voxel, voxel_m)) <= voxel_m;
   });
   const auto found = std::ranges::count_if(
       observed.voxels(), [&](const Voxel& voxel) { return has_neighbour(occupied, voxel); });

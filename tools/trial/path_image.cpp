@@ -106,7 +106,7 @@ void draw(PlanView& view, const TrialRecord& record) {
                    drawing::colour_scale(std::abs(to.forward_mps) / kFastMps), 3.0);
   }
   for (std::size_t i = 1; i < record.truth.size(); ++i) {
-    if (record.truth[i].collisions > record.truth[i - 1].collisions) {
+    if (record.truth[i].contacts.collisions > record.truth[i - 1].contacts.collisions) {
       view.fill_disc(position(record.truth[i]), 0.08, kCollision);
       view.draw_circle(position(record.truth[i]), 0.28, kCollision);
     }

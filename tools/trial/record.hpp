@@ -9,6 +9,7 @@
 #include "common/formats/tum.hpp"
 #include "common/geometry/se3.hpp"
 #include "common/geometry/time.hpp"
+#include "sim/body/contact_counts.hpp"
 
 namespace nodmap::trial {
 
@@ -28,10 +29,7 @@ struct TruthSample {
   double yaw_rate_rad_s = 0.0;
   double clearance_m = 0.0;
   double person_clearance_m = 0.0;  ///< distance to the nearest actor; infinite without actors
-  std::int64_t collisions = 0;
-  std::int64_t bumps = 0;
-  std::int64_t contacts_caused = 0;
-  std::int64_t falls = 0;
+  sim::ContactCounts contacts;
 };
 
 /// The data of a trial from which its metrics are computed.

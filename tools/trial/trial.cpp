@@ -106,7 +106,8 @@ struct Trial::Parts {
                       .mean_jitter = time::from_seconds(setup.params.loop.message_jitter_s),
                       .seed = setup.seed}),
         monitor(setup.world, hardware.model(), network,
-                BrakeLatencyMonitor(stopping_zone(setup), setup.undisturbed), mirror(setup)),
+                BrakeLatencyMonitor(stopping_zone(setup), setup.undisturbed), mirror(setup),
+                setup.params.slam6d.occupancy.trace),
         goal(setup.world, setup.params.loop, network),
         robot(hardware, network, params_of(setup), setup.robot, omitted_processes(setup)) {
     if (setup.level_laser) {
@@ -185,7 +186,7 @@ bool Trial::has_failed() const {
   const TruthSample& last = record().truth.back();
   const bool is_late = task.time_limit_s && record().moved &&
                        now_ > *record().moved + time::from_seconds(*task.time_limit_s);
-  return is_late || (task.ends_at_contact && last.collisions + last.bumps > 0);
+  return is_late || (task.ends_at_contact && last.contacts.collisions + last.contacts.bumps > 0);
 }
 
 void Trial::apply_kills() {

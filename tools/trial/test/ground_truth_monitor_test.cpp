@@ -42,7 +42,7 @@ class GroundTruthMonitorTest : public ::testing::Test {
   bus::LoopNetwork network_{dir_.path() / "trial.lcmlog", {}};
   bus::LoopBus bus_{network_};
   GroundTruthMonitor monitor_{
-      world_, model_, network_, BrakeLatencyMonitor{StoppingZone{}}, {0.15, 0.0, 0.38}};
+      world_, model_, network_, BrakeLatencyMonitor{StoppingZone{}}, {0.15, 0.0, 0.38}, {}};
 };
 
 TEST_F(GroundTruthMonitorTest, ASweepLastsFromOneReversalToTheNext) {

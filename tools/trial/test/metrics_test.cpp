@@ -48,7 +48,7 @@ TEST(TrialMetrics, DriveCountsFromTheFirstScan) {
   TrialRecord record = braking_record();
   record.started = at(500ms);
   for (std::size_t i = 120; i < record.truth.size(); ++i) {
-    record.truth[i].collisions = 1;
+    record.truth[i].contacts.collisions = 1;
   }
   record.truth[10].clearance_m = 0.1;  // before the first scan
   record.truth[200].clearance_m = 0.3;
@@ -58,7 +58,7 @@ TEST(TrialMetrics, DriveCountsFromTheFirstScan) {
   EXPECT_NEAR(drive.mean_speed_mps, 0.4, 1e-9);
   EXPECT_EQ(drive.max_speed_mps, 1.0);
   EXPECT_EQ(drive.min_clearance_m, 0.3);
-  EXPECT_EQ(drive.collisions, 1);
+  EXPECT_EQ(drive.contacts.collisions, 1);
   EXPECT_NEAR(*drive.first_collision_s, 0.7, 1e-9);
   EXPECT_EQ(*drive.first_motion_s, 0.0);  // it drives already
 }

@@ -6,7 +6,9 @@
 namespace nodmap::trial {
 namespace occupancy_metrics_test {
 
-constexpr double kVoxelM = ObservedVoxels::kVoxelM;
+// Not the default of 6D SLAM, so that a size written elsewhere shows.
+constexpr double kVoxelM = 0.1;
+const slam6d::TraceParams kParams{.resolution_m = kVoxelM, .max_range_m = 2.0};
 
 // A wall across the x axis with its surface at 1 m.
 sim::World wall_world() {
@@ -20,7 +22,7 @@ formats::OccupiedSpace row_at(double x_m, int count) {
   formats::OccupiedSpace map;
   map.voxel_m = kVoxelM;
   for (int i = 0; i < count; ++i) {
-    const auto voxel = ObservedVoxels::voxel_at({x_m, (i + 0.5) * kVoxelM, 0.525});
+    const auto voxel = ObservedVoxels(kParams).voxel_at({x_m, (i + 0.5) * kVoxelM, 0.525});
     formats::OccupiedSpace::Cube cube;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       cube.key.at(axis) =
@@ -32,11 +34,11 @@ formats::OccupiedSpace row_at(double x_m, int count) {
 }
 
 // Beams from the mirror straight ahead, `count` side by side.
-ObservedVoxels observed_row(int count) {
+ObservedVoxels observed_row(int count, float range_m = 0.999F) {
   scan::Scan scan;
   scan.range_max_m = 30.0;
-  scan.ranges_m = {0.999F};
-  ObservedVoxels observed;
+  scan.ranges_m = {range_m};
+  ObservedVoxels observed(kParams);
   for (int i = 0; i < count; ++i) {
     geometry::SE3 T_map_base = geometry::SE3::Identity();
     T_map_base.translation() << 0.0, (i + 0.5) * kVoxelM, 0.525;
@@ -72,11 +74,13 @@ TEST(OccupancyMetrics, ACubeOfALevelIsAllOfItsVoxels) {
   EXPECT_EQ(compare(map, observed_row(1)).num_occupied, 8U);
 }
 
-TEST(OccupancyMetrics, NothingIsComparedWithoutAMapOrInOtherVoxels) {
+TEST(OccupancyMetrics, NothingIsComparedWithoutAMap) {
   EXPECT_EQ(compare({}, observed_row(1)).precision, 0.0);
-  formats::OccupiedSpace map = row_at(0.99, 1);
-  map.voxel_m = 0.1;
-  EXPECT_EQ(compare(map, observed_row(1)).num_occupied, 0U);
+}
+
+TEST(OccupancyMetrics, BeamsBeyondTheRangeOfTheMapAreNotExpectedInIt) {
+  EXPECT_EQ(observed_row(3, 1.99F).voxels().size(), 3U);
+  EXPECT_TRUE(observed_row(3, 2.01F).voxels().empty());
 }
 
 }  // namespace occupancy_metrics_test

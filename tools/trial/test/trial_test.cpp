@@ -73,13 +73,13 @@ TEST_F(TrialTest, TheSameSetupGivesTheSameBytes) {
 TEST_F(TrialTest, Fig5FixedCollides) {
   TrialSetup fixed = setup("fig5", 1001, 8.0);
   fixed.params.set_assignment("pitch_controller.mode=fixed");
-  EXPECT_GT(drive_metrics(run(fixed).record).collisions, 0);
+  EXPECT_GT(drive_metrics(run(fixed).record).contacts.collisions, 0);
 }
 
 TEST_F(TrialTest, Fig5NoddingDoesNot) {
   const DriveMetrics drive = drive_metrics(run(setup("fig5", 1001, 20.0)).record);
   RecordProperty("distance_m", std::to_string(drive.distance_m));
-  EXPECT_EQ(drive.collisions, 0);
+  EXPECT_EQ(drive.contacts.collisions, 0);
   EXPECT_GT(drive.distance_m, 14.3);  // 17.9 m measured; the box is 2 m ahead
 }
 
@@ -95,7 +95,7 @@ TEST_F(TrialTest, WithABlindLaserTheRobotDoesNotDrive) {
   };
   EXPECT_THROW(drive(), std::runtime_error);
   EXPECT_FALSE(trial.record().moved);
-  EXPECT_EQ(trial.record().truth.back().collisions, 0);
+  EXPECT_EQ(trial.record().truth.back().contacts.collisions, 0);
 }
 
 class RandomClutter : public TrialTest, public ::testing::WithParamInterface<std::uint64_t> {};
@@ -103,7 +103,7 @@ class RandomClutter : public TrialTest, public ::testing::WithParamInterface<std
 TEST_P(RandomClutter, IsDrivenThroughWithoutACollision) {
   const auto drive =
       drive_metrics(run(setup("random:" + std::to_string(GetParam()), GetParam(), 20.0)).record);
-  EXPECT_EQ(drive.collisions, 0);
+  EXPECT_EQ(drive.contacts.collisions, 0);
   RecordProperty("mean_speed_mps", std::to_string(drive.mean_speed_mps));
   EXPECT_GT(drive.mean_speed_mps, 0.65);  // 0.88 and 0.81 m/s measured
 }
@@ -119,7 +119,7 @@ TEST_P(Appearing, ObstacleBeyondTheStoppingDistanceIsNotHit) {
   const TrialOutcome outcome = run(trial);
   const DriveMetrics drive = drive_metrics(outcome.record);
   // A touch at less than 0.05 m/s counts as a bump, though this obstacle does not move.
-  EXPECT_EQ(drive.collisions + drive.bumped, 0);
+  EXPECT_EQ(drive.contacts.collisions + drive.contacts.bumps, 0);
   // It entered the stopping zone, and the robot braked or steered past.
   EXPECT_GT(std::ssize(outcome.brake_events) + outcome.num_evaded, 0);
   for (const BrakeEvent& event : outcome.brake_events) {
@@ -180,7 +180,7 @@ TEST_P(Losing, APartStopsTheRobotAndItContinuesAfterwards) {
   ASSERT_TRUE(stop.resumed_after_s);
   RecordProperty("resumed_after_s", std::to_string(*stop.resumed_after_s));
   EXPECT_LE(*stop.resumed_after_s, GetParam().resumed_within_s);
-  EXPECT_EQ(drive_metrics(outcome.record).collisions, 0);
+  EXPECT_EQ(drive_metrics(outcome.record).contacts.collisions, 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -230,9 +230,9 @@ TEST_P(Stairs, AreDrivenWithoutAFall) {
   TrialSetup trial = setup("stairs", 1001, 30.0);
   trial.params.world.floor_reflectivity = GetParam();
   const DriveMetrics drive = drive_metrics(run(trial).record);
-  EXPECT_EQ(drive.falls, 0);
+  EXPECT_EQ(drive.contacts.falls, 0);
   RecordProperty("distance_m", std::to_string(drive.distance_m));
-  EXPECT_EQ(drive.collisions, 0);
+  EXPECT_EQ(drive.contacts.collisions, 0);
   EXPECT_GT(drive.distance_m, 7.0);  // 9.0, 8.7 and 8.8 m measured
 }
 
