@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
 # The whole robot in a simulated building, every process by the process manager. Called by ./nodmap demo and ./nodmap explore.
-#   scripts/demo_sim.sh [--check-arguments] [--explore] [--world WORLD.yaml] [--duration SECONDS] [--out DIR]
+#   scripts/demo_sim.sh [--check-arguments] [--explore] [--world WORLD] [--duration SECONDS] [--out DIR]
 set -euo pipefail
 # First of all: without a trap bash goes on after a Ctrl-C if the command that it waits for has just ended by itself.
 trap 'exit 130' INT
@@ -13,12 +13,12 @@ source scripts/demo_common.sh
 
 usage() {
   cat <<'TEXT'
-usage: ./nodmap demo [--world WORLD.yaml] [--duration SECONDS] [--out DIR]
+usage: ./nodmap demo [--world WORLD] [--duration SECONDS] [--out DIR]
        ./nodmap demo RECORDING ...    runs on a recording: ./nodmap demo RECORDING --help
 
 Drives the robot through a simulated building, every process as on the robot, and maps it.
 
-  --world WORLD.yaml  the building (sim/worlds/cellar.yaml)
+  --world WORLD       the building: a file, or SCENARIO:SEED (sim/worlds/cellar.yaml)
   --duration SECONDS  how long it drives (60)
   --out DIR           a new folder for the results (logs/demo-DATE-TIME)
   --version           print the version
@@ -26,12 +26,12 @@ TEXT
 }
 usage_explore() {
   cat <<'TEXT'
-usage: ./nodmap explore [--world WORLD.yaml] [--duration SECONDS] [--out DIR]
+usage: ./nodmap explore [--world WORLD] [--duration SECONDS] [--out DIR]
 
 Lets the robot explore a simulated building, every process as on the robot: it drives until its 2D map shows all that it
 can reach, and back to where it began.
 
-  --world WORLD.yaml  the building (sim/worlds/office.yaml)
+  --world WORLD       the building: a file, or SCENARIO:SEED (sim/worlds/office.yaml)
   --duration SECONDS  the longest time (900)
   --out DIR           a new folder for the results (logs/explore-DATE-TIME)
   --version           print the version
@@ -51,13 +51,13 @@ while [[ $# -gt 0 ]]; do
     --explore) shift ;;
     --help | -h) [[ $what == demo ]] && usage || usage_explore; exit 0 ;;
     --version) print_version; exit 0 ;;
-    --world) need_value "$@"; world=$(from_caller "$2"); shift 2 ;;
+    --world) need_value "$@"; [[ "$2" == *:* ]] && world=$2 || world=$(from_caller "$2"); shift 2 ;;
     --duration) need_value "$@"; need_number "$1" "$2"; duration=$2; shift 2 ;;
     --out) need_value "$@"; out=$(from_caller "$2"); shift 2 ;;
     *) usage_error "unknown option $1" ;;
   esac
 done
-[[ -f "$world" ]] || usage_error "$world: cannot open: No such file or directory"
+[[ "$world" == *:* || -f "$world" ]] || usage_error "$world: cannot open: No such file or directory"
 need_new "$out"
 [[ $check_only -eq 0 ]] || exit 0
 source scripts/private_net.sh

@@ -19,7 +19,8 @@
 #include "common/params/params.hpp"
 #include "sim/devices/simulated_robot.hpp"
 #include "sim/simulator.hpp"
-#include "sim/world/world_file.hpp"
+#include "sim/world/scenarios/scenarios.hpp"
+#include "sim/world/world_name.hpp"
 
 namespace nodmap::sim {
 namespace {
@@ -37,7 +38,10 @@ struct Options {
 };
 
 void add_options(CLI::App& app, Options& options) {
-  app.add_option("--world", options.world, "The world: WORLD.yaml");
+  app.add_option("--world", options.world,
+                 "World file, SCENARIO:SEED for a generated one, barn:FILE:INDEX, or "
+                 "pedestrians:FILE:FRAMES_PER_SECOND:SEED; scenarios: " +
+                     scenario_names());
   app.add_option("--seed", options.seed, "Seed of all noise")->capture_default_str();
   app.add_option("--links", options.links,
                  "Folder for the links laser, servo and base; default nodmap-sim-PID in "
@@ -97,24 +101,25 @@ nlohmann::json run_loop(const Options& options, const std::string& lcm_url, Simu
 }
 
 // World and faults, as in --world and --fault.
-struct Scenario {
+struct Experiment {
   World world;
   std::vector<Fault> faults;
 };
 
-Scenario load_scenario(const Options& options) {
+Experiment load_experiment(const Options& options) {
   if (options.world.empty()) {
-    throw node::UsageError("--world: a WORLD.yaml is required");
+    throw node::UsageError(
+        "--world: a world is required, such as sim/worlds/cellar.yaml or corridor:1");
   }
-  Scenario scenario{load_world(options.world), {}};
-  std::ranges::transform(options.faults, std::back_inserter(scenario.faults),
+  Experiment experiment{make_world(options.world), {}};
+  std::ranges::transform(options.faults, std::back_inserter(experiment.faults),
                          [](const std::string& text) { return parse_fault(text); });
-  return scenario;
+  return experiment;
 }
 
-int run(const Options& options, const SimulatedRobotParams& params, const Scenario& scenario,
+int run(const Options& options, const SimulatedRobotParams& params, const Experiment& experiment,
         const std::string& lcm_url) {
-  SimulatedRobot robot(scenario.world, params, scenario.faults, options.seed);
+  SimulatedRobot robot(experiment.world, params, experiment.faults, options.seed);
   const std::filesystem::path out = node::make_next_result_dir(options.out);
   const nlohmann::json metrics = run_loop(options, lcm_url, robot);
   if (!out.empty()) {
@@ -130,7 +135,7 @@ int run_sim(int argc, char** argv) {
   Options options;
   SimulatedRobotParams params;
   params::Table table(params);
-  Scenario scenario;
+  Experiment experiment;
   return node::run_program(
       argc, argv,
       {.name = kName,
@@ -139,8 +144,9 @@ int run_sim(int argc, char** argv) {
        .uses_lcm = true,
        .outlives_its_readers = true,
        .add_options = [&options](CLI::App& app) { add_options(app, options); },
-       .check = [&] { scenario = load_scenario(options); },
-       .run = [&](const std::string& lcm_url) { return run(options, params, scenario, lcm_url); }});
+       .check = [&] { experiment = load_experiment(options); },
+       .run =
+           [&](const std::string& lcm_url) { return run(options, params, experiment, lcm_url); }});
 }
 
 }  // namespace

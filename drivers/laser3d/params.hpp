@@ -72,4 +72,8 @@ struct Laser3dParams {
   }
 };
 
+/// Checks what the limits of single parameters cannot express, such as a nod whose lower end is
+/// above its upper one. Throws params::ParamError, which names the parameter.
+void check(const Laser3dParams& params);
+
 }  // namespace nodmap::laser3d

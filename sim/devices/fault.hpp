@@ -4,11 +4,11 @@
 #include <cstdint>
 #include <deque>
 #include <random>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "common/formats/user_error.hpp"
 #include "common/geometry/time.hpp"
 #include "sim/devices/serial_device.hpp"
 
@@ -45,9 +45,9 @@ struct Fault {
 };
 
 /// Thrown for an invalid description of a fault; what() is one line that says what is allowed.
-class FaultError : public std::runtime_error {
+class FaultError : public formats::UserError {
  public:
-  using std::runtime_error::runtime_error;
+  using formats::UserError::UserError;
 };
 
 /// Parses "laser:unplug@10+2", "base:corrupt@5+10=0.01": part, kind, start, duration, amount.

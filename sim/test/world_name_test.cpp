@@ -41,7 +41,8 @@ TEST(WorldName, NamesAWorldByKindAndSeed) {
   EXPECT_THAT(error_of("barn:file"), HasSubstr("barn:FILE:INDEX"));
   EXPECT_THAT(error_of("barn:none:1"), HasSubstr("cannot open"));
   EXPECT_THAT(error_of("pedestrians:none:0:1"), HasSubstr("FRAMES"));
-  EXPECT_THAT(error_of("nothing:1"), HasSubstr("nothing:1"));
+  EXPECT_THAT(error_of("nothing:1"), HasSubstr("nothing:1: no such scenario; there are building,"));
+  EXPECT_THAT(error_of("nothing"), HasSubstr("cannot open")) << "a file";
 }
 
 }  // namespace world_name_test

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <optional>
 #include <sstream>
-#include <stdexcept>
 #include <string>
 
+#include "common/formats/input_file.hpp"
 #include "common/formats/text_lines.hpp"
 #include "common/geometry/angle.hpp"
 #include "sim/world/world_file.hpp"
@@ -58,7 +58,7 @@ class Lines {
     return value;
   }
   [[noreturn]] void fail(const std::string& what) const {
-    throw std::runtime_error(lines_.place() + ": " + what);
+    throw formats::InputFileError(lines_.place() + ": " + what);
   }
 
  private:
@@ -190,7 +190,7 @@ World load_barn_world(const std::filesystem::path& file, int index) {
       return world;
     }
   }
-  throw std::runtime_error(file.string() + ": there is no world " + std::to_string(index));
+  throw formats::InputFileError(file.string() + ": there is no world " + std::to_string(index));
 }
 
 }  // namespace nodmap::sim

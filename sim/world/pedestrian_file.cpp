@@ -5,10 +5,10 @@
 #include <cmath>
 #include <map>
 #include <sstream>
-#include <stdexcept>
 #include <string>
 #include <utility>
 
+#include "common/formats/input_file.hpp"
 #include "common/formats/text_lines.hpp"
 #include "common/geometry/angle.hpp"
 #include "sim/world/scenarios/builder.hpp"
@@ -35,18 +35,18 @@ Tracks read_tracks(const std::filesystem::path& file, double frames_per_s) {
     Eigen::Vector2d p;
     if (!(line >> frame >> pedestrian >> p.x() >> p.y()) ||
         !(p.array().abs() <= kMaxWorldNumber).all()) {
-      throw std::runtime_error(lines.place() +
-                               ": expected frame pedestrian x y, positions up to 1e5 m");
+      throw formats::InputFileError(lines.place() +
+                                    ": expected frame pedestrian x y, positions up to 1e5 m");
     }
     std::vector<Waypoint>& track = tracks[pedestrian];
     const double time_s = frame / frames_per_s;
     if (!track.empty() && time_s <= track.back().time_s) {
-      throw std::runtime_error(lines.place() + ": frames of a pedestrian must ascend");
+      throw formats::InputFileError(lines.place() + ": frames of a pedestrian must ascend");
     }
     track.push_back({time_s, p});
   }
   if (tracks.empty()) {
-    throw std::runtime_error(file.string() + ": contains no pedestrians");
+    throw formats::InputFileError(file.string() + ": contains no pedestrians");
   }
   return tracks;
 }

@@ -3,6 +3,7 @@
 
 #include <charconv>
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <sstream>
 #include <string_view>
@@ -74,6 +75,10 @@ World make_world(const std::string& name) {
       }
       return scenario.make(*seed);
     }
+  }
+  if (colon != std::string_view::npos && parse<std::uint64_t>(text.substr(colon + 1)) &&
+      !std::filesystem::exists(name)) {
+    throw WorldNameError(name + ": no such scenario; there are " + scenario_names());
   }
   return load_world(name);
 }

@@ -54,6 +54,14 @@ TEST(WrongInput, EndsWithExitCodeTwoAndOneLine) {
       NODMAP_BIN "/nodmap-map-server --lcm-url 'udpm://239.255.76.67:7667?tttl=1'",
       NODMAP_BIN "/nodmap-evaluate trajectory " + text + " " + text,
       NODMAP_BIN "/nodmap-evaluate relations " + text + " " + text,
+      NODMAP_BIN "/nodmap-trial --out " + dir.path().string() + "/t --world nosuch:1",
+      NODMAP_BIN "/nodmap-trial --out " + dir.path().string() + "/t --world barn:" + text + ":1",
+      NODMAP_BIN "/nodmap-trial --out " + dir.path().string() + "/t --world pedestrians:" + text +
+          ":15:1",
+      NODMAP_BIN "/nodmap-trial --out " + dir.path().string() + "/t --world maze:1 --fault x",
+      NODMAP_BIN "/nodmap-trial --out " + dir.path().string() + "/t --world maze:1 --kill x",
+      NODMAP_BIN "/nodmap-trial --out " + dir.path().string() +
+          "/t --world maze:1 --set laser3d.nod.default_min_deg=50",
       NODMAP_BIN "/nodmap-evaluate cloud " + text +
           " " NODMAP_KURT3D "/../../sim/worlds/cellar.yaml --start 0 0 0"};
   for (const std::string& command : commands) {

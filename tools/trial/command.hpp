@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <stdexcept>
 #include <string>
 #include <string_view>
 
+#include "common/formats/user_error.hpp"
 #include "tools/trial/trial.hpp"
 
 namespace nodmap::trial {
 
 /// Thrown for an invalid command line; what() is one line.
-class CommandError : public std::runtime_error {
+class CommandError : public formats::UserError {
  public:
-  using std::runtime_error::runtime_error;
+  using formats::UserError::UserError;
 };
 
 /// Throws CommandError, with a text that begins with `source`, for an unknown process.

@@ -45,14 +45,6 @@ struct Arguments {
   bool dump_params = false;
 };
 
-std::string scenario_names() {
-  std::string names;
-  for (const sim::Scenario& scenario : sim::scenarios()) {
-    names += (names.empty() ? "" : ", ") + std::string(scenario.name);
-  }
-  return names;
-}
-
 // The given duration; otherwise enough for the world's time limit if the robot starts late.
 double duration_s(const Arguments& arguments, const sim::World& world) {
   constexpr double kUntilMotionS = 30.0;
@@ -65,7 +57,7 @@ void add_options(CLI::App& app, Arguments& arguments) {
   app.add_option("--world", arguments.world,
                  "World file, SCENARIO:SEED for a generated one, barn:FILE:INDEX, or "
                  "pedestrians:FILE:FRAMES_PER_SECOND:SEED; scenarios: " +
-                     scenario_names());
+                     sim::scenario_names());
   app.add_option("--seed", arguments.seed, "Seed of the simulated noise")->capture_default_str();
   app.add_option(
          "--duration", arguments.duration_s,
@@ -149,6 +141,7 @@ TrialSetup make_setup(const Arguments& arguments) {
     setup.without.insert(process);
   }
   setup.explores = arguments.explore;
+  laser3d::check(setup.params.laser3d);
   check_kills(setup);
   check_options(arguments, setup);
   setup.level_laser = arguments.level_laser;

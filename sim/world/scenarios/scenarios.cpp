@@ -36,4 +36,12 @@ std::span<const Scenario> scenarios() {
   return kScenarios;
 }
 
+std::string scenario_names() {
+  std::string names;
+  for (const Scenario& scenario : kScenarios) {
+    names += (names.empty() ? "" : ", ") + std::string(scenario.name);
+  }
+  return names;
+}
+
 }  // namespace nodmap::sim

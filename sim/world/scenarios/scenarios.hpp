@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "sim/world/world.hpp"
@@ -18,6 +19,9 @@ struct Scenario {
 
 /// All scenarios, in the order of their names.
 [[nodiscard]] std::span<const Scenario> scenarios();
+
+/// Their names, as in a message: "building, corridor, ...".
+[[nodiscard]] std::string scenario_names();
 
 /// A hall whose floor has stairs down, a shaft, a trench with a bridge, pits, a kerb of 8 cm or the
 /// edge of a dock, by seed, between the start and a goal that can be reached around it.
