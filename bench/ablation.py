@@ -71,7 +71,7 @@ def main():
         for part in arguments.only:
             ablation = ABLATIONS[part]
             print(f"## {ablation.title}\n")
-            (out / part).mkdir()
+            (out / part).mkdir(exist_ok=True)
             rows, num_failed = measure(ablation, seeds, arguments.bin, out / part, arguments.jobs, crowds)
             failed += num_failed
             show(rows, "worlds")

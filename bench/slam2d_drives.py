@@ -15,7 +15,7 @@ import tempfile
 
 import seeds
 from programs import BIN, call, evaluate, settings
-from trial_runs import Pool, Trial
+from trial_runs import Pool, Trial, result_folder
 
 CORRIDOR = [("corridor30", seed, 60) for seed in seeds.CHOOSING[:30]]
 CELLAR = [("cellar", seed, 120) for seed in seeds.CHOOSING[:20]]
@@ -55,9 +55,8 @@ def main():
     parser.add_argument("--bin", type=pathlib.Path, default=BIN)
     parser.add_argument("--setting", nargs="+", default=SETTINGS, help="parameters of nodmap-slam2d; a row for each setting")
     options = parser.parse_args()
-    with tempfile.TemporaryDirectory(prefix="nodmap-drives-") as temporary:
-        drives = Drives(options.out or pathlib.Path(temporary), options.bin)
-        drives.out.mkdir(parents=True, exist_ok=True)
+    with result_folder(options.out, may_contain=True) as out:
+        drives = Drives(out, options.bin)
         print("| setting | Fig. 6: length | bow | heading | Fig. 7: end |\n|---|---|---|---|---|")
         for setting in options.setting:
             length_percent, bow_m, heading_deg = drives.worst(CORRIDOR, setting, ("length_error_percent", "bow_m", "heading_error_deg"))

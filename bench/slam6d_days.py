@@ -34,7 +34,8 @@ def lap():
         for k in range(steps):
             x = LENGTH_M * (k if there else steps - k) / steps
             poses.append((x, 0.2 * math.sin(0.5 * x), math.atan(0.1 * math.cos(0.5 * x)) + (0.0 if there else math.pi)))
-        x, y, yaw = LENGTH_M if there else 0.0, 0.2 * math.sin(0.5 * LENGTH_M) if there else 0.0, poses[-1][2]
+        x = LENGTH_M if there else 0.0
+        y = 0.2 * math.sin(0.5 * x)
         yaw = math.atan(0.1 * math.cos(0.5 * x)) + (0.0 if there else math.pi)
         poses += [(x, y, yaw)] * round(STAND_S / (PERIOD_US * 1e-6))
         turns = round(math.pi / (TURN_RAD_S * PERIOD_US * 1e-6))

@@ -16,6 +16,7 @@ import tempfile
 import seeds
 from programs import BIN, call, evaluate, settings
 from slam2d_drives import Drives
+from trial_runs import result_folder
 
 WORLDS = ("office", "cellar", "loop", "corridor30")
 DURATION_S = 100
@@ -37,9 +38,8 @@ def main():
     parser.add_argument("--setting", nargs="+", default=[""], help="parameters of nodmap-slam6d; a table for each setting")
     options = parser.parse_args()
     some_seeds = seeds.CHOOSING[1:3] if options.choose else seeds.REPORTING[101:103]
-    with tempfile.TemporaryDirectory(prefix="nodmap-drives-") as temporary:
-        drives = Drives(options.out or pathlib.Path(temporary), options.bin)
-        drives.out.mkdir(parents=True, exist_ok=True)
+    with result_folder(options.out, may_contain=True) as out:
+        drives = Drives(out, options.bin)
         for setting in options.setting:
             print(f"{setting or 'defaults'}:\n\n| drive | ATE | worst | rotation | ATE of 2D SLAM | sweeps | refused |\n|---|---|---|---|---|---|---|")
             for world in WORLDS:

@@ -71,15 +71,17 @@ def run_all(trials, bin_dir, out, jobs):
 def add_options(parser, jobs=2):
     """Adds the options of every script that runs trials."""
     parser.add_argument("--jobs", type=int, default=jobs, help="how many trials run at the same time")
-    parser.add_argument("--out", type=pathlib.Path, help="folder in which the results are kept; default: a temporary one")
+    parser.add_argument("--out", type=pathlib.Path, help="new folder in which the results are kept; default: a temporary one")
     parser.add_argument("--bin", type=pathlib.Path, default=BIN)
 
 
 @contextlib.contextmanager
-def result_folder(out):
-    """The folder of --out, or a temporary one for this block."""
+def result_folder(out, may_contain=False):
+    """The folder of --out, or a temporary one for this block. `may_contain`: it may contain drives of an earlier run, which are then used again."""
     if out:
         out.mkdir(parents=True, exist_ok=True)
+        if not may_contain and any(out.iterdir()):
+            raise SystemExit(f"{out}: is not empty, and results are never overwritten; name another --out")
         yield out
     else:
         with tempfile.TemporaryDirectory(prefix="nodmap-trials-") as made:
