@@ -69,4 +69,16 @@ class MessageLogReader : private boost::noncopyable {
   LogReader log_;
 };
 
+/// What a `Reader` makes of all events of a file: constructed with a MessageLogReader, it gets each
+/// event by add(), then finish(). `path`: the file, or a folder that contains it as `name`.
+template <class Reader>
+[[nodiscard]] auto read_message_log(const std::filesystem::path& path, const std::string& name) {
+  MessageLogReader log(std::filesystem::is_directory(path) ? path / name : path);
+  Reader reader(log);
+  while (const LogEvent* event = log.next()) {
+    reader.add(*event);
+  }
+  return reader.finish();
+}
+
 }  // namespace nodmap::bus

@@ -57,16 +57,4 @@ inline Moment now_on_both_clocks() {
   return read_together([] { return SystemClock().now(); }, steady_now);
 }
 
-/// A clock that shows the time that a test sets.
-class ManualClock : public Clock {
- public:
-  explicit ManualClock(Timestamp now) : now_(now) {}
-  [[nodiscard]] Timestamp now() const override { return now_; }
-  void set(Timestamp now) { now_ = now; }
-  void advance(Duration duration) { now_ += duration; }
-
- private:
-  Timestamp now_;
-};
-
 }  // namespace nodmap::time

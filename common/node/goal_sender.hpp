@@ -12,6 +12,9 @@
 
 namespace nodmap::node {
 
+/// A goal or a region with a greater coordinate, in metres, is refused as a mistake.
+inline constexpr double kMaxCoordinateM = 1e4;
+
 /// Publishes GOAL, or its cancellation, repeats it for a navigator that has missed it or was
 /// started later, and knows from GOAL and NAVIGATION what has become of it.
 class GoalSender {

@@ -32,6 +32,21 @@ std::filesystem::path make_next_result_dir(const std::filesystem::path& dir) {
   return next;
 }
 
+nlohmann::json messages_json(const bus::Bus& bus, const MessageCounts& counts) {
+  nlohmann::json rejected = nlohmann::json::object();
+  for (const auto& [cause, count] : counts.rejected()) {
+    rejected[cause] = count;
+  }
+  return {{"read", bus.counts().received},
+          {"used", counts.used()},
+          {"rejected", rejected},
+          {"corrupt", bus.counts().corrupt},
+          {"lost", counts.lost()},
+          {"overrun", bus.counts().overrun},
+          {"published", bus.counts().published},
+          {"not_published", bus.counts().not_published}};
+}
+
 void write_each(std::initializer_list<std::function<void()>> writers) {
   std::exception_ptr first;
   for (const std::function<void()>& write : writers) {

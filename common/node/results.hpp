@@ -6,6 +6,9 @@
 #include <initializer_list>
 #include <nlohmann/json_fwd.hpp>
 
+#include "common/bus/bus.hpp"
+#include "common/node/message_counts.hpp"
+
 namespace nodmap::node {
 
 /// Creates an empty folder for results. Throws std::runtime_error if it exists and is not empty, so
@@ -15,6 +18,9 @@ void make_result_dir(const std::filesystem::path& dir);
 /// The same for a live process, which may be restarted: if `dir` contains results, creates and
 /// returns the first of DIR.2, DIR.3, ... that contains none. Returns an empty name unchanged.
 [[nodiscard]] std::filesystem::path make_next_result_dir(const std::filesystem::path& dir);
+
+/// What has become of a process's messages: "messages" of result.json.
+[[nodiscard]] nlohmann::json messages_json(const bus::Bus& bus, const MessageCounts& counts);
 
 /// Calls all of these, each of which writes one result: one that cannot be written does not prevent
 /// the others. Afterwards throws what the first of those that failed has thrown.

@@ -38,22 +38,10 @@ double seconds_since(SteadyClock::time_point start) {
 // "metrics".
 nlohmann::json common_result(const ProgramInfo& info, bus::Bus& bus, const MessageCounts& counts) {
   const bus::LatencyMeter::Summary latency = bus.latency().summary();
-  nlohmann::json rejected = nlohmann::json::object();
-  for (const auto& [cause, count] : counts.rejected()) {
-    rejected[cause] = count;
-  }
   return {
       {"process", info.name},
       {"version", NODMAP_VERSION},
-      {"messages",
-       {{"read", bus.counts().received},
-        {"used", counts.used()},
-        {"rejected", rejected},
-        {"corrupt", bus.counts().corrupt},
-        {"lost", counts.lost()},
-        {"overrun", bus.counts().overrun},
-        {"published", bus.counts().published},
-        {"not_published", bus.counts().not_published}}},
+      {"messages", messages_json(bus, counts)},
       {"message_us", {{"p50", latency.p50_us}, {"p99", latency.p99_us}, {"max", latency.max_us}}}};
 }
 

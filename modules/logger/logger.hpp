@@ -29,6 +29,7 @@ class Logger : private boost::noncopyable {
   void run();
 
   [[nodiscard]] const RecorderCounts& counts() const { return recorder_.counts(); }
+  [[nodiscard]] std::int64_t num_deleted_files() const { return recorder_.num_deleted_files(); }
   [[nodiscard]] std::int64_t lost() const { return counts_.lost(); }
 
  private:

@@ -94,8 +94,9 @@ int record_until_stopped(const Options& options, const LoggerParams& params,
   logger.run();
   const RecorderCounts& counts = logger.counts();
   log::get().info(
-      "{} events in {} files; {} dropped for lack of disk space, {} lost before they were received",
-      counts.written, counts.files, counts.dropped, logger.lost());
+      "{} events in {} files; {} dropped for lack of disk space, {} lost before they were "
+      "received; {} old logs deleted",
+      counts.written, counts.files, counts.dropped, logger.lost(), logger.num_deleted_files());
   return counts.dropped == 0 ? 0 : 1;
 }
 

@@ -6,6 +6,6 @@ int main(int argc, char** argv) {
   return nodmap::node::run<nodmap::navigator::NavigatorNode>(
       argc, argv,
       {"nodmap-navigator",
-       "Drives the robot through free space, or to a goal, by the obstacle map (Holz et al. 2008, "
-       "III C)."});
+       "Drives the robot to a goal, or wherever there is room: by plan, or by Steer, Brake and "
+       "Turn (Holz et al. 2008, III C)."});
 }

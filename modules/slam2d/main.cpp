@@ -10,7 +10,8 @@ int main(int argc, char** argv) {
   return node::run_map_node(
       argc, argv,
       {"nodmap-slam2d",
-       "3DOF SLAM: matches level scans against a 2D point map and corrects the pose."},
+       "2D SLAM: estimates the robot's pose in the plane from level scans, and draws the 2D map; "
+       "with --localise, the pose in a finished map."},
       table,
       [&values](node::Context& context,
                 const node::MapOptions& options) -> std::unique_ptr<node::Node> {

@@ -9,7 +9,7 @@ int main(int argc, char** argv) {
   return node::run_map_node(
       argc, argv,
       {"nodmap-slam6d",
-       "Registers the sweeps of a nodding laser into a 3D model and an OctoMap (6DOF SLAM)."},
+       "6D SLAM: registers the sweeps of a nodding laser into a 3D model and an OctoMap."},
       table,
       [&values](node::Context& context,
                 const node::MapOptions& options) -> std::unique_ptr<node::Node> {

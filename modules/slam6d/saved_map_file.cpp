@@ -179,12 +179,7 @@ std::error_code write_saved_map(const std::filesystem::path& dir, const SavedMap
 }
 
 SavedMap read_saved_map(const std::filesystem::path& path) {
-  bus::MessageLogReader log(std::filesystem::is_directory(path) ? path / kFileName : path);
-  Reader reader(log);
-  while (const bus::LogEvent* event = log.next()) {
-    reader.add(*event);
-  }
-  return reader.finish();
+  return bus::read_message_log<Reader>(path, kFileName);
 }
 
 }  // namespace nodmap::slam6d

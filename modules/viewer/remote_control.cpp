@@ -37,7 +37,6 @@ constexpr std::array<std::string_view, 5> kRecipients = {node::kBaseDriver, kNav
 constexpr time::Duration kSilence = 3500ms;
 constexpr double kToleranceM = 0.3;
 // Farther than any map: a mistake or an attack.
-constexpr double kMaxCoordinateM = 1e4;
 
 // A member that is a number; `fallback` if it is missing, empty if it is not a number.
 std::optional<double> number_in(const Json& request, const char* name,
@@ -107,10 +106,10 @@ Answer RemoteControl::do_goal(const Json& request) {
   const auto x_m = number_in(request, "x_m");
   const auto y_m = number_in(request, "y_m");
   const auto tolerance_m = number_in(request, "tolerance_m", kToleranceM);
-  if (!x_m || !y_m || !tolerance_m || *tolerance_m <= 0.0 || *tolerance_m > kMaxCoordinateM) {
+  if (!x_m || !y_m || !tolerance_m || *tolerance_m <= 0.0 || *tolerance_m > node::kMaxCoordinateM) {
     return {.ok = false, .text = "A goal needs x_m and y_m, and a tolerance_m > 0 if any."};
   }
-  if (std::abs(*x_m) > kMaxCoordinateM || std::abs(*y_m) > kMaxCoordinateM) {
+  if (std::abs(*x_m) > node::kMaxCoordinateM || std::abs(*y_m) > node::kMaxCoordinateM) {
     return {.ok = false,
             .text = "A goal lies at most 10000 m from the map's origin along x and y."};
   }

@@ -8,14 +8,13 @@
 
 #include "common/bus/live_bus.hpp"
 #include "common/node/clock.hpp"
+#include "common/node/goal_sender.hpp"
 #include "common/node/program.hpp"
 #include "common/node/request.hpp"
 #include "nodmap/clear_request_t.hpp"
 
 namespace nodmap {
 namespace {
-
-constexpr double kMaxCoordinateM = 1e4;  // as nodmap-goal
 
 struct Arguments {
   std::vector<double> corners_m;  // x and y of one corner, x and y of the opposite one
@@ -58,7 +57,7 @@ int main(int argc, char** argv) {
              app.add_option("corners", arguments.corners_m,
                             "Two opposite corners, X1 Y1 X2 Y2 in map, metres")
                  ->expected(4)
-                 ->check(CLI::Range(-kMaxCoordinateM, kMaxCoordinateM))
+                 ->check(CLI::Range(-node::kMaxCoordinateM, node::kMaxCoordinateM))
                  ->required();
              app.parse_complete_callback([&arguments] {
                const std::vector<double>& m = arguments.corners_m;

@@ -48,7 +48,8 @@ void add_imports(CLI::App& app, Arguments& arguments) {
       ->callback([&arguments] {
         arguments.work = [&] { convert::import_carmen(arguments.in, arguments.out); };
       });
-  add_import(app, arguments, "nod", "Line-wise nodding recording (.nod) to an LCM event log")
+  add_import(app, arguments, "nod",
+             "Line-by-line recording of a nodding laser (.nod) to an LCM event log")
       ->callback([&arguments] {
         arguments.work = [&] { convert::import_nod(arguments.in, arguments.out); };
       });

@@ -25,7 +25,6 @@ constexpr std::chrono::milliseconds kLongestWait(100);
 constexpr time::Duration kLeastStay = 1s;
 constexpr double kToleranceM = 0.2;
 constexpr double kDockingToleranceM = 0.02;
-constexpr double kMaxCoordinateM = 1e4;  // as the page of nodmap-viewer
 
 struct Arguments {
   std::vector<double> coordinates_m;  // x and y of each waypoint
@@ -166,7 +165,7 @@ int main(int argc, char** argv) {
              app.add_option("waypoints", arguments.coordinates_m,
                             "X Y of each waypoint in map, metres; 0 0 is the origin of the map")
                  ->required()
-                 ->check(CLI::Range(-kMaxCoordinateM, kMaxCoordinateM));
+                 ->check(CLI::Range(-node::kMaxCoordinateM, node::kMaxCoordinateM));
              app.add_flag("--patrol", arguments.is_patrol,
                           "Start again after the last, until Ctrl-C; then the robot stays at the "
                           "waypoint that it drives to");

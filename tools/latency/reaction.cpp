@@ -119,11 +119,10 @@ void Reaction::add_odometry(std::span<const std::byte> data) {
 }
 
 void Reaction::count_gap(const std::string& channel, std::int64_t seq) {
-  const auto [last, is_first] = last_seq_.try_emplace(channel, seq);
-  if (!is_first && seq > last->second + 1) {
-    lost_[channel] += seq - last->second - 1;
+  const std::int64_t gap = counters_[channel].lost_before(seq);
+  if (gap > 0) {
+    lost_[channel] += gap;
   }
-  last->second = seq;  // a lower number means that the publisher was restarted
 }
 
 }  // namespace nodmap::latency

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "common/geometry/time.hpp"
+#include "common/node/message_counts.hpp"
 #include "nodmap/drive_t.hpp"
 #include "nodmap/egomap_t.hpp"
 #include "nodmap/odometry_t.hpp"
@@ -79,7 +80,7 @@ class Reaction {
   // A map refers to the scan by its number. Older scans will not be answered any more.
   std::deque<std::pair<std::int64_t, time::Timestamp>> open_scans_;  // scan_seq, received
   std::deque<Map> open_maps_;
-  std::map<std::string, std::int64_t> last_seq_;
+  std::map<std::string, node::SequenceCounter> counters_;
   std::map<std::string, std::int64_t> lost_;
   std::vector<Sample> scan_to_map_;
   std::vector<Sample> scan_to_drive_;

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "common/node/results.hpp"
 #include "tools/trial/level_scanner_node.hpp"
 
 namespace nodmap::trial {
@@ -32,18 +33,7 @@ nlohmann::json Process::report() const {
   if (!running_) {
     return nullptr;
   }
-  const node::MessageCounts& counts = running_->counts;
-  nlohmann::json rejected = nlohmann::json::object();
-  for (const auto& [cause, count] : counts.rejected()) {
-    rejected[cause] = count;
-  }
-  return {{"messages",
-           {{"read", running_->bus.counts().received},
-            {"used", counts.used()},
-            {"rejected", rejected},
-            {"corrupt", running_->bus.counts().corrupt},
-            {"lost", counts.lost()},
-            {"published", running_->bus.counts().published}}},
+  return {{"messages", node::messages_json(running_->bus, running_->counts)},
           {"metrics", running_->node->metrics()}};
 }
 

@@ -7,6 +7,7 @@
 
 #include "common/bus/live_bus.hpp"
 #include "nodmap/status_t.hpp"
+#include "tests/support/manual_clock.hpp"
 
 namespace nodmap::node {
 namespace status_test {
@@ -43,7 +44,7 @@ class StatusTest : public ::testing::Test {
 
   bus::LiveBus bus_{"memq://"};
   MessageCounts counts_;
-  time::ManualClock clock_{time::Timestamp(1s)};
+  test::ManualClock clock_{time::Timestamp(1s)};
   FakeNode node_;
   bus::Latest<nodmap::status_t> status_{bus_, "STATUS"};
 };

@@ -16,6 +16,7 @@
 #include "nodmap/odometry_t.hpp"
 #include "nodmap/status_t.hpp"
 #include "tests/support/data_dir.hpp"
+#include "tests/support/manual_clock.hpp"
 #include "tests/support/pty_pair.hpp"
 
 namespace nodmap::kurt {
@@ -111,7 +112,7 @@ class Bench {
   time::SteadyTime now;
   std::int64_t drive_seq = 0;
   std::int64_t stop_utime = 0;
-  time::ManualClock clock{kStart};
+  test::ManualClock clock{kStart};
   std::optional<test::PtyPair> pty{std::in_place};
   test::KurtEmulator base;
   test::TemporaryDir dir;

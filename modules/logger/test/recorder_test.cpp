@@ -12,6 +12,7 @@
 
 #include "common/bus/event_log.hpp"
 #include "tests/support/data_dir.hpp"
+#include "tests/support/manual_clock.hpp"
 
 namespace nodmap::logger {
 namespace recorder_test {
@@ -71,7 +72,7 @@ class RecorderTest : public ::testing::Test {
   }
 
   test::TemporaryDir dir_;
-  time::ManualClock clock_{time::from_utime(kStartUs)};
+  test::ManualClock clock_{time::from_utime(kStartUs)};
   std::vector<std::byte> data_{kDataBytes};
   std::int64_t num_recorded_ = 0;
 };

@@ -14,6 +14,7 @@
 #include "nodmap/save_request_t.hpp"
 #include "nodmap/status_t.hpp"
 #include "procman/config/parser.hpp"
+#include "tests/support/manual_clock.hpp"
 
 namespace nodmap::viewer {
 namespace remote_control_test {
@@ -62,7 +63,7 @@ class RemoteControlTest : public ::testing::Test {
   bus::Latest<nodmap::explore_t> explore_{bus_, "EXPLORE"};
   bus::Latest<nodmap::stop_t> stop_{bus_, "STOP"};
   bus::Latest<nodmap::save_request_t> save_{bus_, "SAVE_REQUEST"};
-  time::ManualClock clock_{time::from_utime(77)};
+  test::ManualClock clock_{time::from_utime(77)};
   RemoteControl control_{bus_, clock_, nullptr};
   std::string answer_;
 };
