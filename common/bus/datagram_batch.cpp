@@ -9,11 +9,6 @@
 namespace nodmap::bus {
 namespace {
 
-time::Timestamp wall_now() {
-  return time::Timestamp(std::chrono::duration_cast<time::Duration>(
-      std::chrono::system_clock::now().time_since_epoch()));
-}
-
 // The control message of this type that came with a datagram, if any.
 template <class Value>
 std::optional<Value> read_control(msghdr& header, int type) {
@@ -28,6 +23,11 @@ std::optional<Value> read_control(msghdr& header, int type) {
 }
 
 }  // namespace
+
+time::Timestamp wall_now() {
+  return time::Timestamp(std::chrono::duration_cast<time::Duration>(
+      std::chrono::system_clock::now().time_since_epoch()));
+}
 
 int DatagramBatch::receive(int socket) {
   for (std::size_t i = 0; i < kBatch; ++i) {

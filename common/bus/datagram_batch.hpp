@@ -15,9 +15,15 @@
 
 namespace nodmap::bus {
 
+/// The present time by the clock of the kernel's stamps.
+[[nodiscard]] time::Timestamp wall_now();
+
 /// Buffers for several datagrams of a socket of open_multicast_socket(), filled by one system call.
 class DatagramBatch {
  public:
+  /// The most that one call receives. Fewer: none waits any more.
+  static constexpr std::size_t kBatch = 16;
+
   /// Receives the datagrams that wait in the socket, without blocking. Returns their number; -1 if
   /// there are none.
   int receive(int socket);
@@ -36,7 +42,6 @@ class DatagramBatch {
 
  private:
   static constexpr std::size_t kMaxDatagramBytes = 65'536;  // UDP's largest is shorter
-  static constexpr std::size_t kBatch = 16;
   struct alignas(cmsghdr) Control : std::array<char, 64> {};
 
   std::vector<std::byte> bytes_ = std::vector<std::byte>(kBatch * kMaxDatagramBytes);

@@ -75,7 +75,12 @@ struct LiveBus::Impl {
     try {
       const auto data = std::as_bytes(
           std::span(static_cast<const char*>(buffer->data), std::size_t{buffer->data_size}));
-      listener->handler({channel, data, time::from_utime(buffer->recv_utime), {}, {}});
+      const auto now = std::chrono::steady_clock::now().time_since_epoch();
+      listener->handler({channel,
+                         data,
+                         time::from_utime(buffer->recv_utime),
+                         {},
+                         time::SteadyTime(std::chrono::duration_cast<time::Duration>(now))});
     } catch (...) {
       if (!listener->owner->thrown) {
         listener->owner->thrown = std::current_exception();

@@ -92,7 +92,10 @@ void LogPlayer::hand_over(Source& source) {
   const LogEvent& event = *source.event;
   event_time_ = time_of(event);
   logged_ = time::from_utime(event.log_utime_us);
-  set_origin({.sender = {}, .received = event_time_});
+  // The log's time, made continuous where the clock was set, is both clocks.
+  set_origin({.sender = {},
+              .received = event_time_,
+              .arrived = time::SteadyTime(event_time_.time_since_epoch())});
   if (const auto found = handlers_.find(event.channel); found != handlers_.end()) {
     for (const BytesHandler& handler : found->second) {
       handler(event.data);

@@ -22,9 +22,8 @@ struct Sender {
 struct Origin {
   Sender sender;               ///< unknown in replay and with memq://: then all are one
   time::Timestamp received{};  ///< when this host received it; the epoch in replay by a node
-  /// When this process read it, by the steady clock, to tell how long a sender has been silent: all
-  /// messages that waited while the process was frozen have the same time. Zero where the sender is
-  /// unknown.
+  /// The same by the steady clock, to tell how long a sender has been silent; see ArrivalClock.
+  /// Zero in replay by a node.
   time::SteadyTime arrived{};
 };
 

@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/bus/arrival_clock.hpp"
 #include "common/bus/datagram_batch.hpp"
 #include "common/bus/message_assembler.hpp"
 #include "common/bus/multicast_socket.hpp"
@@ -26,6 +27,10 @@ namespace {
 // The number of batches read in a row while none contains a wanted message: bounds how long a flood
 // can keep the caller.
 constexpr int kMaxBatches = 100;
+
+time::SteadyTime steady_time(std::chrono::steady_clock::time_point now) {
+  return time::SteadyTime(std::chrono::duration_cast<time::Duration>(now.time_since_epoch()));
+}
 
 }  // namespace
 
@@ -94,11 +99,10 @@ struct UdpmReceiver::Impl {
   // Moves datagrams from the socket into the queue without blocking and returns their number. The
   // mutex must be locked, so that each datagram is seen either in the socket or in the queue.
   std::size_t take_batch() {
+    const auto now = std::chrono::steady_clock::now();
+    arrivals.begin({wall_now(), steady_time(now)});
     const auto count = static_cast<std::size_t>(std::max(0, batch.receive(socket.get())));
     const bool was_empty = queue.empty();
-    const auto now = std::chrono::steady_clock::now();
-    const time::SteadyTime arrived(
-        std::chrono::duration_cast<time::Duration>(now.time_since_epoch()));
     for (std::size_t i = 0; i < count; ++i) {
       const Sender sender = batch.sender(i);
       if (!hosts.contains(sender.address, now)) {
@@ -107,8 +111,12 @@ struct UdpmReceiver::Impl {
         continue;
       }
       if (const auto message = assembler.take(sender, batch.datagram(i))) {
-        enqueue(*message, {sender, batch.received(i), arrived});
+        const time::Timestamp received = batch.received(i);
+        enqueue(*message, {sender, received, arrivals.arrival(received)});
       }
+    }
+    if (count < DatagramBatch::kBatch) {
+      arrivals.drained();
     }
     if (count > 0) {
       const std::uint32_t dropped = batch.num_dropped(count - 1);
@@ -184,6 +192,7 @@ struct UdpmReceiver::Impl {
 
   std::mutex mutex;  // guards the members below
   DatagramBatch batch;
+  ArrivalClock arrivals{steady_time(std::chrono::steady_clock::now())};
   TrustedHosts hosts;
   MessageAssembler assembler;
   std::list<Subscription> subscriptions;  // the queue keeps pointers to them

@@ -24,7 +24,7 @@ struct RawMessage {
   std::span<const std::byte> data;  ///< valid during the call
   time::Timestamp received{};       ///< when this host received it, before it was queued
   Sender sender{};
-  time::SteadyTime arrived{};  ///< when this process read it, by the steady clock
+  time::SteadyTime arrived{};  ///< the same by the steady clock; see Origin
 };
 using RawHandler = std::function<void(const RawMessage&)>;
 

@@ -50,6 +50,7 @@ TEST(LiveBus, TheSenderOfAMessageInMemoryIsUnknown) {
   handle_all(bus);
   EXPECT_EQ(origin.sender, Sender{});
   EXPECT_GT(origin.received, time::Timestamp{});
+  EXPECT_GT(origin.arrived, time::SteadyTime{});
 }
 
 // Trap: the channel given to subscribe is a regular expression.

@@ -64,8 +64,10 @@ TEST_F(LogPlayerTest, DeliversEventsUpToThePosition) {
 TEST_F(LogPlayerTest, AMessageWasReceivedAtItsLogTime) {
   LogPlayer player({log("a", {0us, 100us}, 'a')});
   std::vector<time::Timestamp> received;
-  player.subscribe_bytes(
-      "A", [&](std::span<const std::byte>) { received.push_back(player.origin().received); });
+  player.subscribe_bytes("A", [&](std::span<const std::byte>) {
+    received.push_back(player.origin().received);
+    EXPECT_EQ(player.origin().arrived.time_since_epoch(), received.back().time_since_epoch());
+  });
   player.advance(100us);
   EXPECT_TRUE(player.catch_up(kMany));
   EXPECT_THAT(received, ElementsAre(time::Timestamp(1'000'000us), time::Timestamp(1'000'100us)));
