@@ -2,8 +2,10 @@
 #include "common/bus/live_bus.hpp"
 
 #include <lcm/lcm.h>
+#include <poll.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdlib>
 #include <list>
 #include <optional>
@@ -112,10 +114,16 @@ struct LiveBus::Impl {
     return handle;
   }
 
-  // Waits for a message and handles it. Returns false if none has come.
-  bool handle_one(int wait_ms, const std::string& url) const {
+  // Waits for a message.
+  void wait(std::chrono::milliseconds timeout, const std::string& url) const {
+    pollfd entry{poll_handle(url), POLLIN, 0};
+    ::poll(&entry, 1, static_cast<int>(timeout.count()));
+  }
+
+  // Handles a message that has come. Returns false if none has.
+  bool handle_one(const std::string& url) const {
     (void)poll_handle(url);  // without a descriptor, LCM would abort
-    return ::lcm_handle_timeout(lcm.get(), wait_ms) > 0;
+    return ::lcm_handle_timeout(lcm.get(), 0) > 0;
   }
 
   std::int64_t too_large = 0;
@@ -134,11 +142,10 @@ int LiveBus::handle(std::chrono::milliseconds timeout) {
   if (impl_->receiver) {
     return impl_->receiver->handle(timeout, HandleLimit());
   }
-  HandleLimit limit;
+  impl_->wait(timeout, url_);
+  HandleLimit limit;  // of the time in handlers, without the wait
   int handled = 0;
-  int wait_ms = static_cast<int>(timeout.count());
-  while (limit.admits_another() && impl_->handle_one(wait_ms, url_)) {
-    wait_ms = 0;
+  while (limit.admits_another() && impl_->handle_one(url_)) {
     ++handled;
     if (impl_->thrown) {
       std::rethrow_exception(std::exchange(impl_->thrown, nullptr));

@@ -35,9 +35,10 @@ class HandleLimit {
   static constexpr int kMaxMessages = 1000;
   static constexpr std::chrono::milliseconds kMaxTime{50};  ///< in handlers
 
-  /// Counts a message and returns whether it may be handled. The first one always may.
-  [[nodiscard]] bool admits_another() {
-    const auto now = std::chrono::steady_clock::now();
+  /// Counts a message and returns whether it may be handled. The first one always may: time counts
+  /// from then on.
+  [[nodiscard]] bool admits_another(
+      std::chrono::steady_clock::time_point now = std::chrono::steady_clock::now()) {
     end_ = num_messages_ == 0 ? now + kMaxTime : end_;
     return now < end_ && num_messages_++ < kMaxMessages;
   }
