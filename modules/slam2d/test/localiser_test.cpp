@@ -133,6 +133,18 @@ TEST(Localiser, APlaceThatIsNotAcceptedIsNotSearchedForWithEachScan) {
   EXPECT_EQ(drive.metrics().times_lost, 0);
 }
 
+// Meanwhile somebody may have carried the robot.
+TEST(Localiser, ASearchThatFailedBeforeARestartOfOdometryIsRepeatedAfterIt) {
+  const KnownMap map = map_of_room();
+  Drive drive(map, std::nullopt, {.localise = {.min_score = 1.0}});
+  drive.stand();
+  drive.stand();
+  ASSERT_EQ(drive.metrics().searches.made, 1);
+  drive.restart_odometry();
+  drive.stand();
+  EXPECT_EQ(drive.metrics().searches.made, 2);
+}
+
 // Another building is never taken for the known one.
 TEST(Localiser, InAnotherBuildingTheRobotIsNeverTracked) {
   const KnownMap map = map_of_room();
