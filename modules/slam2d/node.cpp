@@ -65,7 +65,6 @@ void Slam2dNode::on_scan(const nodmap::scan_t& message) {
   if (!scan) {
     return;
   }
-  const bool is_mapping = !slam_.is_finding();
   const std::optional<PoseUpdate> update = slam_.add_scan(*scan);
   if (!update) {
     context_.counts.reject("too_few_points");
@@ -75,7 +74,7 @@ void Slam2dNode::on_scan(const nodmap::scan_t& message) {
   last_state_ = update->state;
   last_stamp_ = update->stamp;
   context_.bus.publish("POSE_2D", write_pose(*update, input_.input().T_odom_published()));
-  if (is_mapping) {
+  if (!slam_.is_finding()) {
     update_grid(*update);
     if (time::is_due(update->stamp, last_graph_stamp_, kGraphPeriod)) {
       publish_graph(update->stamp);

@@ -35,7 +35,7 @@ std::optional<PoseUpdate> Slam2d::add_scan(const LevelScan& scan) {
     return find_in_saved_map(scan);
   }
   if (!back_end_.has_local()) {
-    return begin_map(scan);
+    return begin_new_map(scan);
   }
   follow_odometry(scan);
   // "These can directly be used as data set D and matched against an incrementally built 2D map" M:
@@ -61,33 +61,41 @@ std::optional<PoseUpdate> Slam2d::add_scan(const LevelScan& scan) {
   return update;
 }
 
-// The map is continued only once the pose is confirmed: a wrong one would spoil it. Odometry then
+// The map is continued only once the pose is confirmed: a wrong one would spoil it. It is continued
+// by the scan that confirms it, because before the next one the robot may be moved unseen. Odometry
 // counts as begun in map.
 PoseUpdate Slam2d::find_in_saved_map(const LevelScan& scan) {
   PoseUpdate update = finder_->localiser.add_scan(scan);
   metrics_.searches = finder_->localiser.metrics().searches;
-  count(update);
   if (update.state == PoseState::kTracking) {
     T_map_odom_ = T_first_odom_ = update.T_map_odom;
     finder_.reset();
+    begin_at(scan, update);
   }
+  count(update);
   return update;
 }
 
-std::optional<PoseUpdate> Slam2d::begin_map(const LevelScan& scan) {
-  moving_points_.add_keyframe(scan);
+std::optional<PoseUpdate> Slam2d::begin_new_map(const LevelScan& scan) {
   if (!scan.has_enough_points()) {
+    moving_points_.add_keyframe(scan);
     return std::nullopt;
   }
   PoseUpdate update{.stamp = scan.stamp,
                     .T_map_base = T_map_odom_ * scan.T_odom_base,
                     .state = PoseState::kTracking};
+  begin_at(scan, update);
+  count(update);
+  return update;
+}
+
+// The scan becomes the first keyframe of a submap of its own.
+void Slam2d::begin_at(const LevelScan& scan, PoseUpdate& update) {
+  moving_points_.add_keyframe(scan);
   add_keyframe(scan, {}, update);
   correct_odometry(scan, update);
   pose_guesses_.count_odometry_from(T_map_odom_, scan.T_odom_base);
   path_.add(update, keyframes());
-  count(update);
-  return update;
 }
 
 // The pose by odometry becomes less certain, and doubtful after a time without odometry.

@@ -81,7 +81,8 @@ class Slam2d {
   };
 
   [[nodiscard]] PoseUpdate find_in_saved_map(const LevelScan& scan);
-  [[nodiscard]] std::optional<PoseUpdate> begin_map(const LevelScan& scan);
+  [[nodiscard]] std::optional<PoseUpdate> begin_new_map(const LevelScan& scan);
+  void begin_at(const LevelScan& scan, PoseUpdate& update);
   void follow_odometry(const LevelScan& scan);
   [[nodiscard]] Start choose_start(const LevelScan& scan) const;
   [[nodiscard]] FoundPlace find_place(const LevelScan& scan);

@@ -48,6 +48,11 @@ class Session {
       odom_ = odom_ * SE2{1.03 * step.x, 1.03 * step.y, step.yaw};
     }
   }
+  // Drives on while the base driver is away.
+  void move_unseen(SE2& truth, const SE2& motion, time::Duration duration) {
+    truth = truth * motion;
+    stamp_ += duration;
+  }
   void finish_into(const std::filesystem::path& dir) {
     node_.finish();
     node_.write_results(dir);
@@ -219,6 +224,26 @@ TEST(SavedMap, IsContinuedAtOnceFromAGivenStartPose) {
   run.drive(truth, 2, {0.03, 0.0, -0.04});
   EXPECT_EQ(run.last_pose().state, nodmap::pose_t::TRACKING);
   EXPECT_EQ(run.node().metrics()["keyframes"], saved + 1);
+}
+
+// The base driver is away just after the robot was found, while somebody pushes it.
+TEST(SavedMap, IsContinuedWhereTheRobotIsAfterAGapInOdometry) {
+  const nodmap::test::TemporaryDir dir;
+  map_room(dir.path());
+  SE2 truth{1.0, -0.7, 2.0};
+  Session run(dir.path(), kMapOfRoom * truth);
+  run.drive(truth, 1, {});
+  ASSERT_EQ(run.last_pose().state, nodmap::pose_t::TRACKING);
+  run.move_unseen(truth, {-0.6, 0.8, 0.4}, 2s);
+  for (int i = 0; i < 50; ++i) {
+    const Eigen::Vector2d expected = (kMapOfRoom * truth).translation();
+    run.drive(truth, 1, {0.03, 0.0, -0.04});
+    const nodmap::pose_t pose = run.last_pose();
+    EXPECT_NE(pose.state, nodmap::pose_t::LOST) << i;
+    // A cell of the grid in which the place was found.
+    EXPECT_NEAR(pose.position_m[0], expected.x(), 0.05) << i;
+    EXPECT_NEAR(pose.position_m[1], expected.y(), 0.05) << i;
+  }
 }
 
 TEST(SavedMap, StaysUnchangedIfTheRobotIsNotInIt) {
