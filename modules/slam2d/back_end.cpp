@@ -120,6 +120,7 @@ void BackEnd::close_loops() {
 
 void BackEnd::update_uncertainty() {
   uncertainty_ = graph_.uncertainties(submaps(), chain_.local_index());
+  uncertainty_factor_ = graph_.variance_factor();
   // The inverse: from submap 0 relative to the local one, to the local one relative to submap 0.
   const Eigen::Matrix3d J = registration::moment_arm_jacobian(
       local().T_map_submap.translation() - submaps()[0].T_map_submap.translation());
@@ -200,7 +201,7 @@ void BackEnd::accept(const Loop& loop) {
   const Eigen::Matrix3d J =
       moment_arm_jacobian(loop.T_submap_keyframe.translation() - edge.T_from_to.translation());
   edge.information = J.transpose() * loop.information * J;
-  graph_.add_loop(edge, loop.score, chi_squared(loop));
+  graph_.add_loop(edge, loop.score, uncertainty_factor_ * chi_squared(loop));
   has_new_loops_ = true;
 }
 
@@ -208,7 +209,8 @@ void BackEnd::refuse(const Loop& loop, LoopState state) {
   graph_.refuse_loop({loop.submap, chain_.submap_of(loop.keyframe), state, loop.score});
 }
 
-// How far a loop is from the pose of its keyframe, by the covariances of both.
+// How far a loop is from the pose of its keyframe, by the covariances of both, which have the same
+// variance factor.
 double BackEnd::chi_squared(const Loop& loop) const {
   const geometry::SE2& T_map_submap = submaps()[loop.submap].T_map_submap;
   const geometry::SE2 T_submap_keyframe =
@@ -219,7 +221,7 @@ double BackEnd::chi_squared(const Loop& loop) const {
       geometry::angle_difference(loop.T_submap_keyframe.yaw, T_submap_keyframe.yaw));
   const Eigen::Matrix3d expected =
       registration::rotated(uncertainty_[loop.submap], -T_map_submap.yaw) +
-      graph_.variance_factor() * registration::covariance_of(loop.information);
+      uncertainty_factor_ * registration::covariance_of(loop.information);
   return off.dot(expected.inverse() * off);
 }
 
@@ -269,6 +271,7 @@ void BackEnd::polish() {
   for (int round = 0; round < params_.polish.rounds; ++round) {
     if (round > 0) {
       chain_.rebuild_submaps();
+      ++num_rebuilt_;
     }
     const PolishGraph graph{keyframes(), submaps(), chain_.steps()};
     chain_.set_poses(graph.polished(closer_, params_.loop.match.max_distance_m));

@@ -88,7 +88,7 @@ class BackEnd {
   /// One entry for each pair of submaps between which a loop was tried.
   [[nodiscard]] std::vector<SubmapLoop> loops() const { return graph_.loops(submaps()); }
   /// Counts the changes of submaps and loops.
-  [[nodiscard]] std::int64_t graph_revision() const { return graph_.revision(); }
+  [[nodiscard]] std::int64_t graph_revision() const { return graph_.revision() + num_rebuilt_; }
   [[nodiscard]] std::size_t num_points() const { return chain_.num_points(); }
 
  private:
@@ -116,7 +116,9 @@ class BackEnd {
   std::size_t keyframes_since_optimised_ = 0;
   bool has_new_loops_ = false;
   bool has_searched_loops_ = false;
+  std::int64_t num_rebuilt_ = 0;              ///< how often polish() has made all submaps anew
   std::vector<Eigen::Matrix3d> uncertainty_;  ///< of each submap relative to the local one
+  double uncertainty_factor_ = 1.0;           ///< the variance factor in it
   Eigen::Matrix3d drift_covariance_ = Eigen::Matrix3d::Zero();
   BackEndMetrics metrics_;
 };

@@ -33,10 +33,9 @@ void SubmapGraph::add_loop(const PoseEdge2d& edge, double score, double chi_squa
   LoopSum& sum = loops_[{edge.from, edge.to}];
   if (!sum.is_accepted()) {
     // Only the first one shows whether the graph is too certain: others show the same error again.
-    variance_factor_.add(chi_squared * variance_factor_.value());
+    variance_factor_.add(chi_squared);
     sum.state = LoopState::kAccepted;
     sum.T_from_to = edge.T_from_to;
-    ++revision_;
   }
   const Eigen::Vector3d offset(edge.T_from_to.x - sum.T_from_to.x,
                                edge.T_from_to.y - sum.T_from_to.y,
@@ -44,6 +43,7 @@ void SubmapGraph::add_loop(const PoseEdge2d& edge, double score, double chi_squa
   sum.information += edge.information;
   sum.weighted_offset += edge.information * offset;
   sum.score = score;
+  ++revision_;
 }
 
 void SubmapGraph::refuse_loop(const SubmapLoop& loop) {
@@ -150,8 +150,8 @@ void SubmapGraph::drop_submap(std::size_t dropped, std::span<const Submap> subma
   std::vector<PoseEdge2d> loops;
   double score = 0.0;  // of the loops that get a new end
   for (const SavedMap::Loop& loop : take_loops_of(dropped)) {
-    score = std::max(score, loop.score);
     if (!is_outlier(loop.edge, submaps)) {
+      score = std::max(score, loop.score);
       loops.push_back(loop.edge);
     }
   }

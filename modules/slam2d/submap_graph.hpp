@@ -52,7 +52,7 @@ class SubmapGraph {
   /// Adds a loop that is accepted. All loops between the same two submaps are combined into one
   /// edge. `edge`: its information is the inverse covariance of (x, y in m, yaw in rad) in the
   /// frame of `from`; `score`: of its match; `chi_squared`: how far it is from the present poses,
-  /// by the covariances of graph and loop.
+  /// by the covariances of graph and loop as assumed, without the variance factor.
   void add_loop(const registration::PoseEdge2d& edge, double score, double chi_squared);
 
   /// Records a loop that was tried and is not accepted, or not yet.

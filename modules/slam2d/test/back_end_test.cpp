@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -154,6 +155,17 @@ TEST(BackEnd, ClosesTheLoopAroundABlock) {
             0);
   mapping.slam().polish();
   EXPECT_LT(mapping.worst_error_m(), 0.016);  // measured: 12.9 mm
+}
+
+// A second round makes the submaps anew, at new poses, which the page must get.
+TEST(BackEnd, PolishingInRoundsIsAChangeOfTheGraph) {
+  Slam2dParams params;
+  params.back_end.polish.rounds = 2;
+  Mapping mapping(ring(), params);
+  mapping.drive(drive_along({{-1, -1}, {5, -1}}));
+  const std::int64_t before = mapping.slam().back_end().graph_revision();
+  mapping.slam().polish();
+  EXPECT_GT(mapping.slam().back_end().graph_revision(), before);
 }
 
 TEST(BackEnd, LoopBetweenIdenticalCorridorsIsRefused) {

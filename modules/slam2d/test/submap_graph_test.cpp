@@ -142,12 +142,44 @@ TEST(SubmapGraph, WhatIsAnOutlierDependsOnTheVarianceFactor) {
 
 TEST(SubmapGraph, ContradictedLoopsOfADroppedSubmapAreDiscarded) {
   Row row;
-  add_loop(row.graph, edge(0, 1, row.between(0, 1) * SE2{3.0, 0.0, 0.0}, 9.0));
+  row.graph.add_loop(edge(0, 1, row.between(0, 1) * SE2{3.0, 0.0, 0.0}, 9.0), 0.95, 3.0);
   ASSERT_EQ(num_outliers(row.graph, row.submaps), 1);
   row.graph.drop_submap(1, row.submaps);
   row.submaps.erase(row.submaps.begin() + 1);
   EXPECT_EQ(row.graph.accepted_loops().size(), 2U);  // those from 1 to 3 and 4
+  for (const SavedMap::Loop& loop : row.graph.accepted_loops()) {
+    EXPECT_EQ(loop.score, 0.8) << "not that of the discarded one";
+  }
   EXPECT_EQ(num_outliers(row.graph, row.submaps), 0);
+}
+
+// Those of the dropped one vanish, others keep their state, and an accepted loop that is handed on
+// takes the place of a refused one.
+TEST(SubmapGraph, RefusedLoopsStayWithTheirSubmapsWhenOneIsDropped) {
+  Row row;
+  row.graph.refuse_loop({0, 1, LoopState::kAmbiguous, 0.1});
+  row.graph.refuse_loop({0, 3, LoopState::kLowScore, 0.2});
+  row.graph.refuse_loop({3, 4, LoopState::kInconsistent, 0.3});
+  row.graph.drop_submap(1, row.submaps);
+  row.submaps.erase(row.submaps.begin() + 1);
+  const std::vector<SubmapLoop> loops = row.graph.loops(row.submaps);
+  ASSERT_EQ(loops.size(), 3U);
+  const auto expect = [](const SubmapLoop& loop, const SubmapLoop& expected) {
+    EXPECT_EQ(loop.from, expected.from);
+    EXPECT_EQ(loop.to, expected.to);
+    EXPECT_EQ(loop.state, expected.state);
+    EXPECT_EQ(loop.score, expected.score);
+  };
+  expect(loops[0], {0, 2, LoopState::kLowScore, 0.2});
+  expect(loops[1], {1, 2, LoopState::kAccepted, 0.8});
+  expect(loops[2], {2, 3, LoopState::kAccepted, 0.8});
+}
+
+TEST(SubmapGraph, EveryAcceptedLoopIsAChange) {
+  Row row;
+  const std::int64_t before = row.graph.revision();
+  add_loop(row.graph, edge(1, 3, row.between(1, 3)));  // the second between these submaps
+  EXPECT_GT(row.graph.revision(), before);
 }
 
 // A refused loop is shown until one between the same submaps is accepted, and not in its stead.
