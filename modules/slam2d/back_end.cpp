@@ -44,17 +44,19 @@ SavedMap BackEnd::save() const {
   SavedMap map;
   chain_.save(map);
   map.loops = graph_.accepted_loops();
+  map.variance_factor = graph_.variance_factor();
   return map;
 }
 
 void BackEnd::restore(SavedMap map) {
   const std::vector<SavedMap::Loop> loops = std::move(map.loops);
+  const VarianceFactor variance_factor = map.variance_factor;
   chain_.restore(std::move(map));
   std::vector<PoseEdge2d> steps;
   for (std::size_t s = 1; s < submaps().size(); ++s) {
     steps.push_back(chain_.step_to_submap(s));
   }
-  graph_.restore(std::move(steps), loops);
+  graph_.restore(std::move(steps), loops, variance_factor);
   begin_anew(kFoundSigmas);
 }
 
@@ -120,7 +122,7 @@ void BackEnd::close_loops() {
 
 void BackEnd::update_uncertainty() {
   uncertainty_ = graph_.uncertainties(submaps(), chain_.local_index());
-  uncertainty_factor_ = graph_.variance_factor();
+  uncertainty_factor_ = graph_.variance_factor().value();
   // The inverse: from submap 0 relative to the local one, to the local one relative to submap 0.
   const Eigen::Matrix3d J = registration::moment_arm_jacobian(
       local().T_map_submap.translation() - submaps()[0].T_map_submap.translation());

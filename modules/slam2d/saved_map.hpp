@@ -7,6 +7,7 @@
 #include "common/registration/pose_graph.hpp"
 #include "modules/slam2d/cleared_region.hpp"
 #include "modules/slam2d/keyframe.hpp"
+#include "modules/slam2d/variance_factor.hpp"
 
 namespace nodmap::slam2d {
 
@@ -27,6 +28,7 @@ struct SavedMap {
   std::vector<registration::PoseEdge2d> steps;  ///< from keyframe k to k + 1
   std::vector<Submap> submaps;
   std::vector<Loop> loops;
+  VarianceFactor variance_factor;  ///< as the loops have shown, also those of dropped submaps
   std::vector<ClearedRegion> cleared;
 };
 

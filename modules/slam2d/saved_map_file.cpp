@@ -14,6 +14,7 @@
 #include "nodmap/cleared_region_2d_t.hpp"
 #include "nodmap/keyframe_2d_t.hpp"
 #include "nodmap/loop_2d_t.hpp"
+#include "nodmap/loop_statistics_2d_t.hpp"
 
 namespace nodmap::slam2d {
 namespace {
@@ -23,6 +24,7 @@ using registration::PoseEdge2d;
 constexpr const char* kFileName = "keyframes.lcmlog";
 constexpr const char* kKeyframeChannel = "KEYFRAME_2D";
 constexpr const char* kLoopChannel = "LOOP_2D";
+constexpr const char* kStatisticsChannel = "LOOP_STATISTICS_2D";
 constexpr const char* kClearedChannel = "CLEARED_REGION_2D";
 
 void write_pose(const geometry::SE2& pose, double (&out)[3]) {
@@ -89,6 +91,13 @@ nodmap::loop_2d_t write_loop(const SavedMap::Loop& loop) {
   return message;
 }
 
+nodmap::loop_statistics_2d_t write_statistics(const VarianceFactor& variance_factor) {
+  nodmap::loop_statistics_2d_t message{};
+  message.chi_squared_sum = variance_factor.chi_squared_sum();
+  message.num_loops = variance_factor.num_loops();
+  return message;
+}
+
 nodmap::cleared_region_2d_t write_cleared(const ClearedRegion& cleared) {
   nodmap::cleared_region_2d_t message{};
   message.num_keyframes = static_cast<std::int32_t>(cleared.num_keyframes);
@@ -115,6 +124,8 @@ class Reader {
       add_keyframe(log_.decode<nodmap::keyframe_2d_t>(event));
     } else if (event.channel == kLoopChannel) {
       add_loop(log_.decode<nodmap::loop_2d_t>(event));
+    } else if (event.channel == kStatisticsChannel) {
+      add_statistics(log_.decode<nodmap::loop_statistics_2d_t>(event));
     } else if (event.channel == kClearedChannel) {
       add_cleared(log_.decode<nodmap::cleared_region_2d_t>(event));
     }
@@ -207,6 +218,15 @@ class Reader {
     map_.loops.push_back(loop);
   }
 
+  // Maps of earlier versions have none: then the factor begins as for a new map.
+  void add_statistics(const nodmap::loop_statistics_2d_t& message) {
+    constexpr double kMost = 1e9;
+    require(message.num_loops >= 1.0 && message.num_loops <= kMost &&
+                message.chi_squared_sum >= 0.0 && message.chi_squared_sum <= kMost,
+            "impossible statistics of loops");
+    map_.variance_factor = {message.chi_squared_sum, message.num_loops};
+  }
+
   void add_cleared(const nodmap::cleared_region_2d_t& message) {
     const Region region{Eigen::Map<const Eigen::Vector2d>(message.low_m),
                         Eigen::Map<const Eigen::Vector2d>(message.high_m)};
@@ -236,6 +256,8 @@ std::error_code write_saved_map(const std::filesystem::path& dir, const SavedMap
   for (const SavedMap::Loop& loop : map.loops) {
     writer.write(map.keyframes.back().stamp, kLoopChannel, write_loop(loop));
   }
+  writer.write(map.keyframes.back().stamp, kStatisticsChannel,
+               write_statistics(map.variance_factor));
   for (const ClearedRegion& cleared : map.cleared) {
     writer.write(map.keyframes.back().stamp, kClearedChannel, write_cleared(cleared));
   }

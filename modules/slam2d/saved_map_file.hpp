@@ -9,8 +9,9 @@
 namespace nodmap::slam2d {
 
 /// Writes keyframes.lcmlog into a folder: an LCM event log with a keyframe_2d_t for each keyframe,
-/// a loop_2d_t for each pair of submaps that a loop joins, and a cleared_region_2d_t for each
-/// cleared region. An existing file stays in place until the new one is complete and on the disk.
+/// a loop_2d_t for each pair of submaps that a loop joins, a loop_statistics_2d_t, and a
+/// cleared_region_2d_t for each cleared region. An existing file stays in place until the new one
+/// is complete and on the disk.
 [[nodiscard]] std::error_code write_saved_map(const std::filesystem::path& dir,
                                               const SavedMap& map);
 

@@ -14,8 +14,10 @@ using registration::PoseEdge2d;
 using registration::PoseGraph2d;
 using registration::size_of;
 
-void SubmapGraph::restore(std::vector<PoseEdge2d> chain, std::span<const SavedMap::Loop> loops) {
+void SubmapGraph::restore(std::vector<PoseEdge2d> chain, std::span<const SavedMap::Loop> loops,
+                          const VarianceFactor& variance_factor) {
   chain_ = std::move(chain);
+  variance_factor_ = variance_factor;
   for (const SavedMap::Loop& loop : loops) {
     const PoseEdge2d& edge = loop.edge;
     loops_[{edge.from, edge.to}] = {LoopState::kAccepted, loop.score, edge.T_from_to,

@@ -39,12 +39,10 @@ struct SubmapLoop {
 /// decides which are.
 class SubmapGraph {
  public:
-  /// `variance_factor`: as earlier loops have shown.
-  explicit SubmapGraph(const VarianceFactor& variance_factor = {})
-      : variance_factor_(variance_factor) {}
-
   /// Restores the edges of a saved map; must be called before any other is added.
-  void restore(std::vector<registration::PoseEdge2d> chain, std::span<const SavedMap::Loop> loops);
+  /// `variance_factor`: as its loops have shown.
+  void restore(std::vector<registration::PoseEdge2d> chain, std::span<const SavedMap::Loop> loops,
+               const VarianceFactor& variance_factor);
 
   /// The edge from a submap to the next one.
   void add_chain_edge(const registration::PoseEdge2d& edge);
@@ -66,7 +64,7 @@ class SubmapGraph {
   void drop_submap(std::size_t dropped, std::span<const Submap> submaps);
 
   /// By how much the covariances of all edges are to be multiplied, as loops have shown.
-  [[nodiscard]] double variance_factor() const { return variance_factor_.value(); }
+  [[nodiscard]] const VarianceFactor& variance_factor() const { return variance_factor_; }
 
   /// One entry for each pair of submaps between which a loop was tried.
   [[nodiscard]] std::vector<SubmapLoop> loops(std::span<const Submap> submaps) const;

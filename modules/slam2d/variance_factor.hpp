@@ -13,16 +13,28 @@ namespace nodmap::slam2d {
 /// searches farther, and no longer refuses right loops.
 class VarianceFactor {
  public:
+  /// For a new map.
+  VarianceFactor() = default;
+  /// As it was saved with a map.
+  VarianceFactor(double chi_squared_sum, double num_loops)
+      : sum_(chi_squared_sum), num_loops_(num_loops), value_(mean()) {}
+
   /// `chi_squared`: of a loop, by the assumed covariances of graph and loop.
   void add(double chi_squared) {
     // A wrong loop must not count for more than the most that a right one would.
     sum_ += std::min(chi_squared, kMaxChiSquared * value_);
     ++num_loops_;
-    value_ = std::max(1.0, sum_ / (kExpected * num_loops_));
+    value_ = mean();
   }
   [[nodiscard]] double value() const { return value_; }
 
+  /// What is saved; both include the loops that count from the start.
+  [[nodiscard]] double chi_squared_sum() const { return sum_; }
+  [[nodiscard]] double num_loops() const { return num_loops_; }
+
  private:
+  [[nodiscard]] double mean() const { return std::max(1.0, sum_ / (kExpected * num_loops_)); }
+
   static constexpr double kExpected = 3.0;  // the mean of chi-squared, three degrees of freedom
   static constexpr double kMaxChiSquared = 16.3;  // 99.9 % are below this
   static constexpr double kFirstLoops = 8.0;      // so many loops as expected count from the start

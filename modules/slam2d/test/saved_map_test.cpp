@@ -108,6 +108,7 @@ TEST(SavedMap, IsReadAsItWasWritten) {
   }
   SavedMap written = slam.back_end().save();
   written.cleared = {{{{-1.5, 2.0}, {0.25, 3.0}}, 7}};
+  written.variance_factor = {900.0, 100.0};
   ASSERT_GT(written.submaps.size(), 3U);
   ASSERT_FALSE(written.loops.empty());
   ASSERT_FALSE(write_saved_map(dir.path(), written));
@@ -136,6 +137,8 @@ TEST(SavedMap, IsReadAsItWasWritten) {
     EXPECT_EQ(read.loops[i].edge.to, written.loops[i].edge.to);
     EXPECT_EQ(read.loops[i].edge.information, written.loops[i].edge.information);
   }
+  EXPECT_EQ(read.variance_factor.value(), 3.0);
+  EXPECT_EQ(read.variance_factor.num_loops(), 100.0);
   ASSERT_EQ(read.cleared.size(), 1U);
   EXPECT_EQ(read.cleared[0].region.low, written.cleared[0].region.low);
   EXPECT_EQ(read.cleared[0].region.high, written.cleared[0].region.high);
@@ -160,7 +163,8 @@ TEST(SavedMap, ALoopThatLeavesADirectionUndeterminedIsReadAsItWasWritten) {
 TEST(SavedMap, IsTheSameAfterRestoringAndSavingAgain) {
   const nodmap::test::TemporaryDir dir;
   map_room(dir.path());
-  const SavedMap read = read_saved_map(dir.path());
+  SavedMap read = read_saved_map(dir.path());
+  read.variance_factor = {900.0, 100.0};
   const Slam2dParams params;
   BackEnd back_end(params.back_end, params.map, params.matcher);
   back_end.restore(read);
@@ -168,6 +172,7 @@ TEST(SavedMap, IsTheSameAfterRestoringAndSavingAgain) {
   const SavedMap again = back_end.save();
   EXPECT_EQ(again.keyframes.size(), read.keyframes.size());
   EXPECT_EQ(again.submaps.size(), read.submaps.size());
+  EXPECT_EQ(again.variance_factor.value(), 3.0);
   ASSERT_EQ(again.loops.size(), read.loops.size());
   for (std::size_t i = 0; i < read.loops.size(); ++i) {
     EXPECT_EQ(again.loops[i].edge.from, read.loops[i].edge.from);
@@ -244,6 +249,22 @@ TEST(SavedMap, IsContinuedWhereTheRobotIsAfterAGapInOdometry) {
     EXPECT_NEAR(pose.position_m[0], expected.x(), 0.05) << i;
     EXPECT_NEAR(pose.position_m[1], expected.y(), 0.05) << i;
   }
+}
+
+TEST(SavedMap, OfAnEarlierVersionHasTheVarianceFactorOfANewOne) {
+  const nodmap::test::TemporaryDir dir;
+  map_room(dir.path());
+  const std::filesystem::path file = dir.path() / "old.lcmlog";
+  {
+    bus::LogReader log(dir.path() / "keyframes.lcmlog");
+    bus::LogWriter old(file);
+    while (const bus::LogEvent* event = log.next()) {
+      if (event->channel != "LOOP_STATISTICS_2D") {
+        EXPECT_TRUE(old.write(event->log_utime_us, event->channel, event->data));
+      }
+    }
+  }
+  EXPECT_EQ(read_saved_map(file).variance_factor.num_loops(), VarianceFactor().num_loops());
 }
 
 TEST(SavedMap, StaysUnchangedIfTheRobotIsNotInIt) {
