@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/formats/input_file.hpp"
+#include "common/formats/user_error.hpp"
 #include "sim/body/robot_model.hpp"
 #include "sim/body/shortest_path.hpp"
 #include "sim/test/host.hpp"
@@ -233,11 +233,11 @@ TEST_F(BarnFile, RefusesInvalidFiles) {
   for (const char* text :
        {"", "W 1 2\n0 0\n", "W 1 1\n0\n", "W 1 -1\n", "V 1 1\n0 0\n", "W 1 1\nnan 0\n",
         "W 1 1\nC 0.5 4 2 name\n1 0 0\n1 0 0\n", "W 1 99999999\n"}) {
-    EXPECT_THROW(static_cast<void>(load_barn_world(write(text), 1)), formats::InputFileError)
+    EXPECT_THROW(static_cast<void>(load_barn_world(write(text), 1)), formats::UserError)
         << text;
   }
   EXPECT_THROW(static_cast<void>(load_barn_world(dir_.path() / "none", 1)),
-               formats::InputFileError);
+               formats::UserError);
 }
 
 // The challenge's own worlds. The lengths are those of data/barn/bottleneck.txt: they are for a
@@ -271,7 +271,7 @@ TEST_F(BarnFile, PedestriansFollowTheirRecording) {
   EXPECT_EQ(world.goals.size(), 1U);
   EXPECT_FALSE(first.reacts);
   for (const char* text : {"", "0 1 2\n", "0 1 0 0\n0 1 0 0\n", "0 1 nan 0\n"}) {
-    EXPECT_THROW(static_cast<void>(load_pedestrians(write(text), 2.5, 1)), formats::InputFileError)
+    EXPECT_THROW(static_cast<void>(load_pedestrians(write(text), 2.5, 1)), formats::UserError)
         << text;
   }
 }

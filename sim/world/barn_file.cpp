@@ -7,8 +7,8 @@
 #include <sstream>
 #include <string>
 
-#include "common/formats/input_file.hpp"
 #include "common/formats/text_lines.hpp"
+#include "common/formats/user_error.hpp"
 #include "common/geometry/angle.hpp"
 #include "sim/world/world_file.hpp"
 
@@ -58,7 +58,7 @@ class Lines {
     return value;
   }
   [[noreturn]] void fail(const std::string& what) const {
-    throw formats::InputFileError(lines_.place() + ": " + what);
+    throw formats::UserError(lines_.place() + ": " + what);
   }
 
  private:
@@ -190,7 +190,7 @@ World load_barn_world(const std::filesystem::path& file, int index) {
       return world;
     }
   }
-  throw formats::InputFileError(file.string() + ": there is no world " + std::to_string(index));
+  throw formats::UserError(file.string() + ": there is no world " + std::to_string(index));
 }
 
 }  // namespace nodmap::sim

@@ -15,7 +15,7 @@ namespace nodmap::sim {
 ///                    or, dynamic:   n times "C radius period_s k name" and k lines "t x y"
 ///
 /// with the challenge's start, goal and rules. A file optimal.txt beside it contains the lengths of
-/// the reference paths. Throws formats::InputFileError that names file and line.
+/// the reference paths. Throws formats::UserError that names file and line.
 [[nodiscard]] World load_barn_world(const std::filesystem::path& file, int index);
 
 }  // namespace nodmap::sim

@@ -8,8 +8,8 @@
 #include <string>
 #include <utility>
 
-#include "common/formats/input_file.hpp"
 #include "common/formats/text_lines.hpp"
+#include "common/formats/user_error.hpp"
 #include "common/geometry/angle.hpp"
 #include "sim/world/scenarios/builder.hpp"
 #include "sim/world/world_file.hpp"
@@ -35,18 +35,18 @@ Tracks read_tracks(const std::filesystem::path& file, double frames_per_s) {
     Eigen::Vector2d p;
     if (!(line >> frame >> pedestrian >> p.x() >> p.y()) ||
         !(p.array().abs() <= kMaxWorldNumber).all()) {
-      throw formats::InputFileError(lines.place() +
-                                    ": expected frame pedestrian x y, positions up to 1e5 m");
+      throw formats::UserError(lines.place() +
+                               ": expected frame pedestrian x y, positions up to 1e5 m");
     }
     std::vector<Waypoint>& track = tracks[pedestrian];
     const double time_s = frame / frames_per_s;
     if (!track.empty() && time_s <= track.back().time_s) {
-      throw formats::InputFileError(lines.place() + ": frames of a pedestrian must ascend");
+      throw formats::UserError(lines.place() + ": frames of a pedestrian must ascend");
     }
     track.push_back({time_s, p});
   }
   if (tracks.empty()) {
-    throw formats::InputFileError(file.string() + ": contains no pedestrians");
+    throw formats::UserError(file.string() + ": contains no pedestrians");
   }
   return tracks;
 }

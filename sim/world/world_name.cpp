@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "common/formats/user_error.hpp"
 #include "sim/world/barn_file.hpp"
 #include "sim/world/pedestrian_file.hpp"
 #include "sim/world/scenarios/scenarios.hpp"
@@ -39,7 +40,7 @@ World load_barn(const std::string& name) {
   const std::vector<std::string> parts = split(name);
   const auto index = parts.size() == 3 ? parse<int>(parts[2]) : std::nullopt;
   if (!index) {
-    throw WorldNameError(name + ": must be barn:FILE:INDEX");
+    throw formats::UserError(name + ": must be barn:FILE:INDEX");
   }
   return load_barn_world(parts[1], *index);
 }
@@ -49,7 +50,7 @@ World load_recorded_crowd(const std::string& name) {
   const auto rate = parts.size() == 4 ? parse<double>(parts[2]) : std::nullopt;
   const auto seed = parts.size() == 4 ? parse<std::uint64_t>(parts[3]) : std::nullopt;
   if (!rate || !seed || !(*rate > 0.0)) {
-    throw WorldNameError(name + ": must be pedestrians:FILE:FRAMES_PER_SECOND:SEED");
+    throw formats::UserError(name + ": must be pedestrians:FILE:FRAMES_PER_SECOND:SEED");
   }
   return load_pedestrians(parts[1], *rate, *seed);
 }
@@ -70,7 +71,7 @@ World make_world(const std::string& name) {
     if (colon != std::string_view::npos && kind == scenario.name) {
       const auto seed = parse<std::uint64_t>(text.substr(colon + 1));
       if (!seed) {
-        throw WorldNameError(name + ": must be " + std::string(kind) + ":SEED, such as " +
+        throw formats::UserError(name + ": must be " + std::string(kind) + ":SEED, such as " +
                              std::string(kind) + ":1");
       }
       return scenario.make(*seed);
@@ -78,7 +79,7 @@ World make_world(const std::string& name) {
   }
   if (colon != std::string_view::npos && parse<std::uint64_t>(text.substr(colon + 1)) &&
       !std::filesystem::exists(name)) {
-    throw WorldNameError(name + ": no such scenario; there are " + scenario_names());
+    throw formats::UserError(name + ": no such scenario; there are " + scenario_names());
   }
   return load_world(name);
 }

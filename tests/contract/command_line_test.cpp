@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "common/bus/event_log.hpp"
 #include "tests/support/data_dir.hpp"
 #include "tests/support/program.hpp"
 
@@ -47,7 +48,11 @@ TEST(CommandLine, AnErrorNamesTheSubcommandAndTheNearestValidWord) {
 TEST(WrongInput, EndsWithExitCodeTwoAndOneLine) {
   const test::TemporaryDir dir;
   const std::string text = dir.path() / "text";
+  const std::string empty = dir.path() / "empty";
+  const std::string log = dir.path() / "log";
   std::ofstream(text) << "neither a trajectory nor a cloud\n";
+  const std::ofstream nothing(empty);
+  bus::LogWriter(log).write(1, "NOT_OURS", {});
   const std::vector<std::string> commands = {
       "NODMAP_TRUSTED_HOSTS=robot " NODMAP_BIN
       "/nodmap-map-server --lcm-url 'udpm://239.255.76.67:7667?ttl=0'",
@@ -63,7 +68,17 @@ TEST(WrongInput, EndsWithExitCodeTwoAndOneLine) {
       NODMAP_BIN "/nodmap-trial --out " + dir.path().string() +
           "/t --world maze:1 --set laser3d.nod.default_min_deg=50",
       NODMAP_BIN "/nodmap-evaluate cloud " + text +
-          " " NODMAP_KURT3D "/../../sim/worlds/cellar.yaml --start 0 0 0"};
+          " " NODMAP_KURT3D "/../../sim/worlds/cellar.yaml --start 0 0 0",
+      NODMAP_BIN "/nodmap-evaluate trajectory " + empty + " " + empty,
+      NODMAP_BIN "/nodmap-evaluate relations " + empty + " " + empty,
+      NODMAP_BIN "/nodmap-evaluate cloud " + empty + " barn:" + text,
+      NODMAP_BIN "/nodmap-convert carmen " + empty + " " + empty,
+      NODMAP_BIN "/nodmap-convert carmen " + empty + " " + text + ".lcmlog",
+      NODMAP_BIN "/nodmap-convert uos " + dir.path().string() + " " + text + ".lcmlog",
+      NODMAP_BIN "/nodmap-convert export " + log + " " + text + ".ply",
+      NODMAP_BIN "/nodmap-convert export " + log + " " + text + ".clf",
+      NODMAP_BIN "/nodmap-convert export --channel POSE_2D " + log + " " + text + ".csv",
+      NODMAP_BIN "/nodmap-convert mcap " + log + " " + text + ".mcap"};
   for (const std::string& command : commands) {
     const auto result = run_program("sh", {"-c", command});
     EXPECT_EQ(result.exit_code, 2) << command << ": " << result.err;

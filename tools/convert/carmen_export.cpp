@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "common/bus/codec.hpp"
+#include "common/formats/user_error.hpp"
 #include "common/geometry/pose_history.hpp"
 #include "common/node/log.hpp"
 #include "common/node/messages.hpp"
@@ -129,7 +130,7 @@ void export_carmen(const std::filesystem::path& log, const std::filesystem::path
     throw std::runtime_error(out.string() + ": cannot write");
   }
   if (writer.num_lines() == 0) {
-    throw std::runtime_error(log.string() + ": no ODOMETRY, and no SCAN without pitch");
+    throw formats::UserError(log.string() + ": no ODOMETRY, and no SCAN without pitch");
   }
   file.commit();
   log::get().info(

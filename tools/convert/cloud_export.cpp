@@ -5,13 +5,13 @@
 #include <cmath>
 #include <limits>
 #include <optional>
-#include <stdexcept>
 #include <vector>
 
 #include "common/bus/codec.hpp"
 #include "common/drawing/image.hpp"
 #include "common/formats/ply.hpp"
 #include "common/formats/tum.hpp"
+#include "common/formats/user_error.hpp"
 #include "common/geometry/pose_history.hpp"
 #include "common/node/log.hpp"
 #include "common/node/messages.hpp"
@@ -49,13 +49,13 @@ SensorLog read_sensors(const std::filesystem::path& log) {
 std::span<const scan::Scan> choose(const std::vector<scan::Scan>& scans, const CloudWindow& window,
                                    const std::filesystem::path& log) {
   if (scans.empty()) {
-    throw std::runtime_error(log.string() + ": contains no scan");
+    throw formats::UserError(log.string() + ": contains no scan");
   }
   const time::Timestamp start = scans.front().stamp + time::from_seconds(window.start_s);
   const auto first =
       std::ranges::find_if(scans, [start](const scan::Scan& scan) { return scan.stamp >= start; });
   if (static_cast<std::size_t>(scans.end() - first) < window.num_scans) {
-    throw std::runtime_error(log.string() + ": has only " + std::to_string(scans.end() - first) +
+    throw formats::UserError(log.string() + ": has only " + std::to_string(scans.end() - first) +
                              " scans after the requested start");
   }
   return {first, window.num_scans};
@@ -114,11 +114,11 @@ void export_cloud(const std::filesystem::path& log, const std::filesystem::path&
   const time::Timestamp middle = begin + (scans.back().last_stamp() - begin) / 2;
   const auto T_odom_base = recording.odometry.at(middle);
   if (!T_odom_base) {
-    throw std::runtime_error(log.string() + ": no odometry at the time of the scans");
+    throw formats::UserError(log.string() + ": no odometry at the time of the scans");
   }
   const auto points = deskew(scans, recording.odometry, T_odom_base->inverse());
   if (points.empty()) {
-    throw std::runtime_error(log.string() + ": no points in the scans");
+    throw formats::UserError(log.string() + ": no points in the scans");
   }
   formats::write_ply(cloud_file.partial_path(), colour_by_height(points));
   formats::write_tum(pose_file.partial_path(), {{middle, *T_odom_base}});

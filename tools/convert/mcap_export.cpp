@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "common/bus/log_player.hpp"
+#include "common/formats/user_error.hpp"
 #include "common/node/log.hpp"
 #include "common/node/program.hpp"
 #include "modules/viewer/foxglove/feed.hpp"
@@ -54,7 +55,7 @@ void export_mcap(const std::filesystem::path& log, const std::filesystem::path& 
     }
   }
   if (writer.num_messages() == 0) {
-    throw std::runtime_error(log.string() + ": contains no message of ours");
+    throw formats::UserError(log.string() + ": contains no message of ours");
   }
   writer.finish();
   file.commit();

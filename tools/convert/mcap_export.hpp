@@ -5,7 +5,7 @@
 
 namespace nodmap::convert {
 
-/// Writes everything that nodmap-viewer shows of a log as MCAP. Throws std::runtime_error if the
+/// Writes everything that nodmap-viewer shows of a log as MCAP. Throws formats::UserError if the
 /// log contains no event, or none of ours.
 void export_mcap(const std::filesystem::path& log, const std::filesystem::path& out);
 

@@ -5,12 +5,12 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <stdexcept>
 #include <string>
 #include <system_error>
 #include <utility>
 
 #include "common/formats/file_descriptor.hpp"
+#include "common/formats/user_error.hpp"
 
 namespace nodmap::convert {
 
@@ -44,7 +44,7 @@ void NewFile::commit() {
 
 void NewFile::refuse_to_overwrite() const {
   if (std::filesystem::exists(std::filesystem::symlink_status(path_))) {
-    throw std::runtime_error(path_.string() + ": exists and is never overwritten");
+    throw formats::UserError(path_.string() + ": exists and is never overwritten");
   }
 }
 

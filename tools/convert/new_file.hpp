@@ -10,8 +10,8 @@ namespace nodmap::convert {
 /// the same folder, renamed by commit(), and otherwise removed.
 class NewFile : private boost::noncopyable {
  public:
-  /// Throws std::runtime_error if `path` exists, because results are never overwritten, or cannot
-  /// be created.
+  /// Throws formats::UserError if `path` exists, because results are never overwritten, and
+  /// std::system_error if it cannot be created.
   explicit NewFile(std::filesystem::path path);
   ~NewFile();
 

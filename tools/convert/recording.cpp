@@ -3,6 +3,8 @@
 
 #include <stdexcept>
 
+#include "common/formats/user_error.hpp"
+
 namespace nodmap::convert {
 
 Recording::Recording(const std::filesystem::path& path)
@@ -20,7 +22,7 @@ void Recording::add_odometry(nodmap::odometry_t message) {
 
 void Recording::commit(const std::filesystem::path& in, const std::string& hint) {
   if (writer_.num_events() == 0) {
-    throw std::runtime_error(in.string() + ": contains nothing that can be used: " + hint);
+    throw formats::UserError(in.string() + ": contains nothing that can be used: " + hint);
   }
   if (!writer_.flush()) {
     throw std::runtime_error(file_.partial_path().string() + ": cannot write; is the disk full?");

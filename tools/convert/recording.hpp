@@ -28,7 +28,7 @@ class Recording {
   void add_scan(nodmap::scan_t message);
   void add_odometry(nodmap::odometry_t message);
 
-  /// Completes the file and gives it its name. If it is empty, throws std::runtime_error and leaves
+  /// Completes the file and gives it its name. If it is empty, throws formats::UserError and leaves
   /// no file; the message says so of `in`, and adds `hint`.
   void commit(const std::filesystem::path& in, const std::string& hint);
 

@@ -9,6 +9,7 @@
 
 #include "common/bus/codec.hpp"
 #include "common/formats/tum.hpp"
+#include "common/formats/user_error.hpp"
 #include "common/node/log.hpp"
 #include "common/node/messages.hpp"
 #include "tools/convert/log_events.hpp"
@@ -73,7 +74,7 @@ std::optional<formats::StampedPose> read_stamped_pose(std::span<const std::byte>
 void report(std::int64_t num_used, std::int64_t num_left_out, const std::filesystem::path& log,
             const std::string& channel) {
   if (num_used == 0) {
-    throw std::runtime_error(log.string() + ": channel " + channel + " contains nothing to write");
+    throw formats::UserError(log.string() + ": channel " + channel + " contains nothing to write");
   }
   log::get().info("{} messages, {} omitted, which were invalid or of another type", num_used,
                   num_left_out);

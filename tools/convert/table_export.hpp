@@ -13,7 +13,7 @@ void export_tum(const std::filesystem::path& log, const std::filesystem::path& o
 
 /// Writes one channel as CSV, a row for each message (table_rows.hpp names the types). A row may
 /// end with a list, whose length may differ from row to row: a scan's ranges, a map's points.
-/// Throws std::runtime_error if the channel contains no such messages.
+/// Throws formats::UserError if the channel contains no such messages.
 void export_csv(const std::filesystem::path& log, const std::filesystem::path& out,
                 const std::string& channel);
 

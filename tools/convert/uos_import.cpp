@@ -6,11 +6,11 @@
 #include <cmath>
 #include <map>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "common/formats/input_file.hpp"
+#include "common/formats/user_error.hpp"
 #include "common/node/log.hpp"
 #include "common/node/messages.hpp"
 #include "tools/convert/fields.hpp"
@@ -61,7 +61,7 @@ geometry::SE3 read_pose(const std::filesystem::path& file) {
     value = fields.finite();
   }
   if (!fields.ok()) {
-    throw std::runtime_error(file.string() + ": expected position (cm) and Euler angles (degrees)");
+    throw formats::UserError(file.string() + ": expected position (cm) and Euler angles (degrees)");
   }
   return from_uos_pose({values[0], values[1], values[2]}, {values[3], values[4], values[5]});
 }
@@ -122,7 +122,7 @@ class StopAndGo {
     const geometry::SE3 T_from_to = from.inverse() * to;
     const double distance_m = T_from_to.translation().norm();
     if (!(distance_m <= kFarthestDriveM)) {
-      throw std::runtime_error("two scans are " + std::to_string(distance_m) +
+      throw formats::UserError("two scans are " + std::to_string(distance_m) +
                                " m apart: poses must be in centimetres");
     }
     const double duration_s = std::max({kLeastDriveS, distance_m / kDriveSpeedMps,

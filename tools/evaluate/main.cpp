@@ -5,13 +5,13 @@
 #include <functional>
 #include <iostream>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "common/formats/ply.hpp"
 #include "common/formats/tum.hpp"
+#include "common/formats/user_error.hpp"
 #include "common/node/log.hpp"
 #include "common/node/option_checks.hpp"
 #include "common/node/program.hpp"
@@ -25,6 +25,7 @@
 namespace {
 
 namespace evaluate = nodmap::evaluate;
+using nodmap::formats::UserError;
 using nodmap::geometry::rad_to_deg;
 
 using evaluate::RelocalisationPlan;
@@ -47,14 +48,13 @@ struct Arguments {
 void print_relations(const Arguments& arguments) {
   const auto relations = evaluate::read_relations(arguments.truth);
   if (relations.empty()) {
-    throw std::runtime_error(arguments.truth + ": contains no relation");
+    throw UserError(arguments.truth + ": contains no relation");
   }
   const auto errors =
       evaluate::measure_relations(nodmap::formats::read_tum(arguments.trajectory), relations);
   if (errors.n == 0) {
-    throw std::runtime_error(arguments.trajectory +
-                             ": does not contain both stamps of any of the " +
-                             std::to_string(errors.missing) + " relations");
+    throw UserError(arguments.trajectory + ": does not contain both stamps of any of the " +
+                    std::to_string(errors.missing) + " relations");
   }
   const nlohmann::ordered_json result = {{"n", errors.n},
                                          {"missing", errors.missing},
@@ -79,15 +79,14 @@ Trajectories read_trajectories(const Arguments& arguments) {
   for (const auto& [file, poses] : {std::pair(arguments.trajectory, read.estimate.size()),
                                     std::pair(arguments.truth, read.truth.size())}) {
     if (poses == 0) {
-      throw std::runtime_error(file + ": contains no pose");
+      throw UserError(file + ": contains no pose");
     }
   }
   read.pairs = evaluate::associate(read.estimate, read.truth,
                                    nodmap::time::from_seconds(arguments.tolerance_s));
   if (read.pairs.empty()) {
-    throw std::runtime_error(arguments.trajectory + ": none of its " +
-                             std::to_string(read.estimate.size()) +
-                             " poses has a true pose at its time");
+    throw UserError(arguments.trajectory + ": none of its " + std::to_string(read.estimate.size()) +
+                    " poses has a true pose at its time");
   }
   return read;
 }
@@ -96,7 +95,7 @@ void print_corridor(const Arguments& arguments) {
   const auto pairs = read_trajectories(arguments).pairs;
   const auto errors = evaluate::measure_corridor(pairs);
   if (!errors) {
-    throw std::runtime_error(arguments.truth + ": is too short to be the path through a corridor");
+    throw UserError(arguments.truth + ": is too short to be the path through a corridor");
   }
   const nlohmann::ordered_json result = {
       {"n", pairs.size()},
@@ -141,7 +140,7 @@ void print_cloud(const Arguments& arguments) {
   };
   const auto errors = measure(arguments.cloud);
   if (errors.n == 0) {
-    throw std::runtime_error(arguments.cloud + ": contains no points");
+    throw UserError(arguments.cloud + ": contains no points");
   }
   nlohmann::ordered_json result = {{"n", errors.n},
                                    {"rms_m", errors.rms_m},
@@ -161,7 +160,7 @@ void print_relocalisations(const Arguments& arguments) {
   const auto result = evaluate::measure_relocalisation(
       arguments.map, arguments.log, nodmap::formats::read_tum(arguments.truth), arguments.plan);
   if (result.n == 0) {
-    throw std::runtime_error(arguments.log + ": contains no scan with a known true pose");
+    throw UserError(arguments.log + ": contains no scan with a known true pose");
   }
   const nlohmann::ordered_json json = {{"n", result.n},           {"right", result.right},
                                        {"wrong", result.wrong},   {"said_lost", result.said_lost},
