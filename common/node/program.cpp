@@ -4,7 +4,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cmath>
 #include <csignal>
 #include <cstdint>
@@ -13,6 +12,7 @@
 #include <optional>
 #include <system_error>
 
+#include "common/formats/number.hpp"
 #include "common/node/log.hpp"
 #include "common/params/suggestion.hpp"
 
@@ -149,10 +149,7 @@ std::string fault_of(const std::string& type, const std::string& text) {
       !std::isfinite(number)) {  // "nan" is within every CLI::Range
     return "'" + text + "' is not a finite number";
   }
-  std::uint64_t count = 0;
-  const char* const end = text.data() + text.size();
-  if (type.starts_with("UINT") &&
-      std::from_chars(text.data(), end, count) != std::from_chars_result{end, std::errc()}) {
+  if (type.starts_with("UINT") && !formats::parse_number<std::uint64_t>(text)) {
     return "'" + text + "' is not a whole number from 0 to 2^64 - 1";  // -1 wraps around
   }
   // It would pass for an option that is not given: a replay would become a live run.

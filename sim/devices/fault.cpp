@@ -3,11 +3,12 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <optional>
 #include <utility>
+
+#include "common/formats/number.hpp"
 
 namespace nodmap::sim {
 namespace {
@@ -58,13 +59,12 @@ std::string_view take_up_to(char mark, std::string_view& rest, std::string_view 
 }
 
 double number(std::string_view word, double max, const char* what, std::string_view text) {
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error != std::errc() || end != word.data() + word.size() || !(value >= 0.0 && value <= max)) {
+  const auto value = formats::parse_number<double>(word);
+  if (!value || !(*value >= 0.0 && *value <= max)) {
     fail(text, std::string(what) + " '" + std::string(word) + "' is not a number from 0 to " +
                    std::to_string(static_cast<std::int64_t>(max)));
   }
-  return value;
+  return *value;
 }
 
 // The largest amount of this kind; empty for kinds that have none.

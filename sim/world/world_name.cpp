@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim/world/world_name.hpp"
 
-#include <charconv>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -9,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "common/formats/number.hpp"
 #include "common/formats/user_error.hpp"
 #include "sim/world/barn_file.hpp"
 #include "sim/world/pedestrian_file.hpp"
@@ -17,14 +17,6 @@
 
 namespace nodmap::sim {
 namespace {
-
-template <class Number>
-std::optional<Number> parse(std::string_view text) {
-  Number number{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  return error == std::errc() && end == text.data() + text.size() ? std::optional(number)
-                                                                  : std::nullopt;
-}
 
 // Splits a text at its colons.
 std::vector<std::string> split(const std::string& text) {
@@ -38,7 +30,7 @@ std::vector<std::string> split(const std::string& text) {
 
 World load_barn(const std::string& name) {
   const std::vector<std::string> parts = split(name);
-  const auto index = parts.size() == 3 ? parse<int>(parts[2]) : std::nullopt;
+  const auto index = parts.size() == 3 ? formats::parse_number<int>(parts[2]) : std::nullopt;
   if (!index) {
     throw formats::UserError(name + ": must be barn:FILE:INDEX");
   }
@@ -47,8 +39,9 @@ World load_barn(const std::string& name) {
 
 World load_recorded_crowd(const std::string& name) {
   const std::vector<std::string> parts = split(name);
-  const auto rate = parts.size() == 4 ? parse<double>(parts[2]) : std::nullopt;
-  const auto seed = parts.size() == 4 ? parse<std::uint64_t>(parts[3]) : std::nullopt;
+  const auto rate = parts.size() == 4 ? formats::parse_number<double>(parts[2]) : std::nullopt;
+  const auto seed =
+      parts.size() == 4 ? formats::parse_number<std::uint64_t>(parts[3]) : std::nullopt;
   if (!rate || !seed || !(*rate > 0.0)) {
     throw formats::UserError(name + ": must be pedestrians:FILE:FRAMES_PER_SECOND:SEED");
   }
@@ -69,10 +62,10 @@ World make_world(const std::string& name) {
   }
   for (const Scenario& scenario : scenarios()) {
     if (colon != std::string_view::npos && kind == scenario.name) {
-      const auto seed = parse<std::uint64_t>(text.substr(colon + 1));
+      const auto seed = formats::parse_number<std::uint64_t>(text.substr(colon + 1));
       if (!seed) {
         throw formats::UserError(name + ": must be " + std::string(kind) + ":SEED, such as " +
-                             std::string(kind) + ":1");
+                                 std::string(kind) + ":1");
       }
       return scenario.make(*seed);
     }

@@ -2,7 +2,6 @@
 #include "tools/convert/uos_import.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -10,6 +9,7 @@
 #include <vector>
 
 #include "common/formats/input_file.hpp"
+#include "common/formats/number.hpp"
 #include "common/formats/user_error.hpp"
 #include "common/node/log.hpp"
 #include "common/node/messages.hpp"
@@ -79,9 +79,8 @@ std::map<int, std::filesystem::path> find_scans(const std::filesystem::path& dir
     const std::string stem = entry.path().stem().string();
     int number = -1;
     if (entry.path().extension() == ".3d" && stem.starts_with("scan")) {
-      const char* end = stem.data() + stem.size();
-      const bool is_whole = std::from_chars(stem.data() + 4, end, number).ptr == end;
-      number = is_whole ? number : -1;  // scan001_old.3d is none
+      // scan001_old.3d is none
+      number = formats::parse_number<int>(std::string_view(stem).substr(4)).value_or(-1);
     }
     if (number >= std::max(0, range.first) && number <= range.last) {
       scans.emplace(number, entry.path());

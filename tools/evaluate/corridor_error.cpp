@@ -36,8 +36,8 @@ std::optional<CorridorErrors> measure_corridor(const std::vector<PosePair>& pair
     const Eigen::Vector2d error = estimate.translation() - truth.translation();
     errors.length_error_m = along.dot(error);
     errors.bow_m = std::max(errors.bow_m, std::abs(across.dot(error)));
-    errors.heading_error_rad = std::max(
-        errors.heading_error_rad, std::abs(geometry::angle_difference(estimate.yaw, truth.yaw)));
+    errors.heading_error_rad =
+        std::max(errors.heading_error_rad, geometry::rotation_rad(estimate, truth));
   }
   return errors;
 }

@@ -3,9 +3,10 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <optional>
+
+#include "common/formats/number.hpp"
 
 namespace nodmap::trial {
 namespace {
@@ -13,14 +14,6 @@ namespace {
 constexpr std::array<std::string_view, 8> kProcesses{"kurt",       "laser3d",   "pitch_controller",
                                                      "map_server", "navigator", "explorer",
                                                      "slam2d",     "slam6d"};
-
-template <class Number>
-std::optional<Number> parse(std::string_view text) {
-  Number number{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  return error == std::errc() && end == text.data() + text.size() ? std::optional(number)
-                                                                  : std::nullopt;
-}
 
 // Rounds to whole milliseconds, the step of the loop.
 time::Duration whole_steps(double duration_s) {
@@ -48,8 +41,9 @@ Kill parse_kill(const std::string& text) {
     throw CommandError(source + ": must be PROCESS@T+D, such as navigator@10+2");
   }
   check_process(text.substr(0, at), source);
-  const auto time_s = parse<double>(std::string_view(text).substr(at + 1, plus - at - 1));
-  const auto duration_s = parse<double>(std::string_view(text).substr(plus + 1));
+  const auto time_s =
+      formats::parse_number<double>(std::string_view(text).substr(at + 1, plus - at - 1));
+  const auto duration_s = formats::parse_number<double>(std::string_view(text).substr(plus + 1));
   constexpr double kLongestS = 86'400.0;
   if (!time_s || !duration_s || !(*time_s >= 0.0 && *time_s <= kLongestS) ||
       !(*duration_s >= 0.001 && *duration_s <= kLongestS)) {
