@@ -12,6 +12,9 @@ namespace {
 // damages one frame only; bridging ends well before kBlind.
 constexpr int kBridgedInARow = 10;
 static_assert(kBridgedInARow * kEncoderPeriod < kBlind);
+// After a loss of the line the encoder clock must see a gap, in which the motion is unknown; it
+// would bridge a shorter silence at the speed before the loss.
+static_assert(SlcanSession::kSettle >= kBaseTimeout);
 
 }  // namespace
 

@@ -4,8 +4,6 @@
 namespace nodmap::kurt {
 namespace {
 
-// Lines received within this time after closing belong to the previous session and are ignored.
-constexpr time::Duration kSettle = 100ms;
 constexpr time::Duration kAnswerTimeout = 200ms;
 // The base sends its encoder ticks every 10 ms; 50 missing in a row are not an accident.
 constexpr time::Duration kMute = 500ms;

@@ -13,6 +13,9 @@ namespace nodmap::kurt {
 /// A pure state machine: lines and times in, text to send out.
 class SlcanSession {
  public:
+  /// Lines received within this time after closing belong to the previous session and are ignored.
+  static constexpr time::Duration kSettle = 100ms;
+
   /// To be called when the port has been opened.
   void start(time::SteadyTime now);
 
