@@ -9,7 +9,7 @@
 #include "drivers/kurt/kurt.hpp"
 #include "drivers/kurt/test/kurt_emulator.hpp"
 
-namespace nodmap::kurt::test {
+namespace nodmap::kurt::kurt_robot {
 
 inline constexpr time::Timestamp kStart{1'700'000'000s};
 
@@ -68,4 +68,4 @@ class Robot {
   std::vector<OdometrySample> samples;
 };
 
-}  // namespace nodmap::kurt::test
+}  // namespace nodmap::kurt::kurt_robot

@@ -12,8 +12,8 @@
 namespace nodmap::kurt {
 namespace kurt_test {
 
-using test::kStart;
-using test::Robot;
+using kurt_robot::kStart;
+using kurt_robot::Robot;
 
 constexpr double kTickM = 0.379 / 21950.0;  // a tick of the encoders, default wheels
 
