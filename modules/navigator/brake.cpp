@@ -159,10 +159,15 @@ void Brake::keep_to_known_ground(Decision& decision, const Situation& now) const
   decision.max_forward_mps *= factor;
 }
 
+// As for obstacles (speed_on_present_arc), the ordinary brakes decide how fast the robot may drive,
+// and all of their force when it must stop at once. That is safe because the base brakes towards a
+// slower command with all of its force, too: between the two it brakes no less than for a stop, and
+// the stop is commanded a reaction time before even an emergency stop would be too late. If one
+// border served for both, a robot that drives at it would stop for each error of a track.
 void Brake::give_way(Decision& decision, const Situation& now) const {
   const Twist present{now.forward_mps, now.yaw_rate_rad_s};
   const Twist commanded{decision.forward_mps, decision.yaw_rate_rad_s};
-  const bool is_late = !passive_safety_.is_safe(present, now.people);
+  const bool is_late = !passive_safety_.can_stop(present, now.people);
   const double factor = is_late ? 0.0 : passive_safety_.safe_factor(commanded, now.people);
   if (factor == 1.0 || passive_safety_.escapes(present, commanded, now.people)) {
     return;

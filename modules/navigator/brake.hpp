@@ -56,8 +56,9 @@ class Brake {
   /// be free, until the corners are so slow that they count as stationary.
   void keep_to_known_ground(Decision& decision, const Situation& now) const;
 
-  /// Slows any motion down so far that the robot is stationary before a walking person touches it;
-  /// to 0 if even the present motion is not safe any more. One motion is left as it is: the one
+  /// Slows any motion down so far that, with ordinary brakes, the robot is stationary before a
+  /// walking person touches it; to 0 if from the present motion only an emergency stop may suffice,
+  /// or not even that. One motion is left as it is: the one
   /// that takes the robot out of the way of a person who would otherwise walk into it.
   void give_way(Decision& decision, const Situation& now) const;
 

@@ -26,15 +26,16 @@ constexpr std::array kFactors{1.0, 0.85, 0.7, 0.55, 0.4, 0.27, 0.15};
 PassiveSafety::PassiveSafety(const robot::RobotParams& robot, const DriveParams& drive,
                              const PeopleParams& people)
     : body_(robot.body.footprint()),
-      deceleration_mps2_(robot.braking.deceleration_mps2),
+      braking_(robot.braking),
       reaction_s_(drive.reaction_s),
       margin_m_(people.margin_m) {}
 
-bool PassiveSafety::is_safe(const Twist& twist, const Person& person) const {
+bool PassiveSafety::stops_in_time(const Twist& twist, double deceleration_mps2,
+                                  const Person& person) const {
   const double corner_m = body_.turning_radius_m();
   const double speed_mps = std::abs(twist.forward_mps) + corner_m * std::abs(twist.yaw_rate_rad_s);
   // Linear and angular speed decrease together; the faster of the wheels takes the longest.
-  const double braking_s = speed_mps / deceleration_mps2_;
+  const double braking_s = speed_mps / deceleration_mps2;
   geometry::SE2 pose;
   for (double t = 0.0; t < kLongestStopS; t += kStepS) {
     const double factor =
@@ -77,7 +78,7 @@ bool PassiveSafety::escapes(const Twist& present, const Twist& commanded,
   if (keeps_clear(present, {}, people)) {
     return false;
   }
-  if (is_safe(present, people)) {
+  if (can_stop(present, people)) {
     return keeps_clear(present, commanded, people);
   }
   // Braking leads to a contact as well, so the likely motion counts instead of the worst one.
@@ -89,7 +90,18 @@ bool PassiveSafety::escapes(const Twist& present, const Twist& commanded,
 }
 
 bool PassiveSafety::is_safe(const Twist& twist, const People& people) const {
-  return std::ranges::all_of(people, [&](const Person& person) { return is_safe(twist, person); });
+  return stops_in_time(twist, braking_.deceleration_mps2, people);
+}
+
+bool PassiveSafety::can_stop(const Twist& twist, const People& people) const {
+  return stops_in_time(twist, braking_.emergency_deceleration_mps2, people);
+}
+
+bool PassiveSafety::stops_in_time(const Twist& twist, double deceleration_mps2,
+                                  const People& people) const {
+  return std::ranges::all_of(people, [&](const Person& person) {
+    return stops_in_time(twist, deceleration_mps2, person);
+  });
 }
 
 double PassiveSafety::safe_factor(const Twist& twist, const People& people) const {

@@ -23,6 +23,9 @@ class PassiveSafety {
   /// walked.
   [[nodiscard]] bool is_safe(const Twist& twist, const People& people) const;
 
+  /// The same with all of the brakes' force: whether it is not yet too late for an emergency stop.
+  [[nodiscard]] bool can_stop(const Twist& twist, const People& people) const;
+
   /// Whether driving avoids a contact that stopping does not. Within two seconds somebody would
   /// touch the robot if it braked from its present motion, and nobody would if it changed to the
   /// commanded one. Velocities count without their error if even braking comes too late.
@@ -34,10 +37,13 @@ class PassiveSafety {
 
  private:
   [[nodiscard]] bool keeps_clear(Twist twist, const Twist& command, const People& people) const;
-  [[nodiscard]] bool is_safe(const Twist& twist, const Person& person) const;
+  [[nodiscard]] bool stops_in_time(const Twist& twist, double deceleration_mps2,
+                                   const People& people) const;
+  [[nodiscard]] bool stops_in_time(const Twist& twist, double deceleration_mps2,
+                                   const Person& person) const;
 
   robot::Footprint body_;
-  double deceleration_mps2_;
+  robot::Braking braking_;
   double reaction_s_;
   double margin_m_;
 };

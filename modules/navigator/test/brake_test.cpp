@@ -222,7 +222,7 @@ Decision give_way(double present_mps, const People& people) {
   return decision;
 }
 
-// From 0.7 m/s the robot needs 0.57 s to stop; he is there after 0.3 s.
+// From 0.7 m/s an emergency stop takes 0.33 s; he is there after 0.3 s.
 TEST(Brake, StopsIfItIsTooLateToStopBeforeSomebodyTouchesIt) {
   const Decision decision = give_way(0.7, {{{1.0, 0.0}, {-1.4, 0.0}, 0.25}});
   EXPECT_EQ(decision.behaviour, Behaviour::kBrake);
@@ -232,19 +232,22 @@ TEST(Brake, StopsIfItIsTooLateToStopBeforeSomebodyTouchesIt) {
   EXPECT_EQ(decision.max_forward_mps, 0.0);
 }
 
-// He stands 0.2 m ahead of the body and its margin: enough to stop from 0.5 m/s, not from 0.7 m/s.
-// A command of 0.7 m/s is too fast; a robot that already is so fast has to stop.
+// He stands 0.2 m ahead of the body and its margin: enough to stop from 0.6 m/s, not from 0.7 m/s.
+// So a robot that already is so fast brakes, but does not stop: an emergency stop takes 0.15 m.
 TEST(Brake, SlowsDownOnItsArcAsFarAsSomebodyAheadRequires) {
   const NavigatorParams params;
   const double margins_m = 0.5 * params.robot.body.length_m + 0.25 + params.people.margin_m;
-  const People ahead{{{margins_m + 0.2, 0.0}, {0.0, 0.0}, 0.25}};
-  const Decision slower = give_way(0.3, ahead);
+  const auto ahead = [&](double free_m) {
+    return People{{{margins_m + free_m, 0.0}, {0.0, 0.0}, 0.25}};
+  };
+  const Decision slower = give_way(0.3, ahead(0.2));
   EXPECT_EQ(slower.reason, Reason(Why::kGivesWay));
   EXPECT_GT(slower.forward_mps, 0.3);
   EXPECT_LT(slower.forward_mps, 0.6);
   EXPECT_NEAR(slower.yaw_rate_rad_s, 0.1 * slower.forward_mps, 1e-12) << "the same curve";
   EXPECT_EQ(slower.max_forward_mps, slower.forward_mps);
-  EXPECT_EQ(give_way(0.7, ahead).forward_mps, 0.0);
+  EXPECT_EQ(give_way(0.7, ahead(0.2)).forward_mps, slower.forward_mps);
+  EXPECT_EQ(give_way(0.7, ahead(0.12)).forward_mps, 0.0);
 }
 
 // Nobody is near; or somebody from the side walks behind a robot that drives on, but into one that
@@ -269,7 +272,7 @@ TEST(Brake, KeepsAMotionThatTakesItOutOfSomebodysWay) {
       for (double y = 0.5; y < 1.5; y += 0.1) {
         const People crossing{{{x, y}, {0.0, -1.0}, 0.25}};
         const bool escapes = safety.escapes({present_mps, 0.0}, {0.7, 0.07}, crossing);
-        const bool is_safe = safety.is_safe({present_mps, 0.0}, crossing) &&
+        const bool is_safe = safety.can_stop({present_mps, 0.0}, crossing) &&
                              safety.safe_factor({0.7, 0.07}, crossing) == 1.0;
         const Decision decision = give_way(present_mps, crossing);
         EXPECT_EQ(decision.forward_mps == 0.7, escapes || is_safe) << x << ' ' << y;

@@ -12,18 +12,22 @@ namespace passive_safety_test {
 TEST(PassiveSafety, AMotionIsSafeIfTheRobotIsStationaryBeforeAWalkerTouchesIt) {
   const NavigatorParams params;
   const PassiveSafety safety(params.robot, params.drive, params.people);
-  const double a = params.robot.braking.deceleration_mps2;
   const double T = params.drive.reaction_s;
   for (const double v : {0.3, 0.7, 1.2}) {
     for (const double walker_mps : {0.5, 1.4, 2.0}) {
-      const double needed_m = v * T + (v * v - 0.0025) / (2.0 * a) +
-                              walker_mps * (T + (v - 0.05) / a) + 0.5 * params.robot.body.length_m +
-                              0.25 + params.people.margin_m;
-      const auto is_safe = [&](double distance_m) {
-        return safety.is_safe({v, 0.0}, {{{distance_m, 0.0}, {-walker_mps, 0.0}, 0.25, 0.0, 0.0}});
+      const auto needed_m = [&](double a) {
+        return v * T + (v * v - 0.0025) / (2.0 * a) + walker_mps * (T + (v - 0.05) / a) +
+               0.5 * params.robot.body.length_m + 0.25 + params.people.margin_m;
       };
-      EXPECT_FALSE(is_safe(needed_m - 0.15)) << v << ' ' << walker_mps;
-      EXPECT_TRUE(is_safe(needed_m + 0.15)) << v << ' ' << walker_mps;
+      const auto walker = [&](double distance_m) {
+        return People{{{distance_m, 0.0}, {-walker_mps, 0.0}, 0.25, 0.0, 0.0}};
+      };
+      const double ordinary_m = needed_m(params.robot.braking.deceleration_mps2);
+      EXPECT_FALSE(safety.is_safe({v, 0.0}, walker(ordinary_m - 0.15))) << v << ' ' << walker_mps;
+      EXPECT_TRUE(safety.is_safe({v, 0.0}, walker(ordinary_m + 0.15))) << v << ' ' << walker_mps;
+      const double emergency_m = needed_m(params.robot.braking.emergency_deceleration_mps2);
+      EXPECT_FALSE(safety.can_stop({v, 0.0}, walker(emergency_m - 0.15))) << v << ' ' << walker_mps;
+      EXPECT_TRUE(safety.can_stop({v, 0.0}, walker(emergency_m + 0.15))) << v << ' ' << walker_mps;
     }
   }
 }
@@ -74,14 +78,14 @@ TEST(PassiveSafety, DrivingOnEscapesAWalkerWhoWouldWalkIntoTheStoppedRobot) {
   const People crossing{{{0.3, 1.2}, {0.0, -1.0}, 0.25, 0.0, 0.0}};
   EXPECT_TRUE(safety.escapes({1.0, 0.0}, {1.0, 0.0}, crossing));
   EXPECT_FALSE(safety.escapes({1.0, 0.0}, {0.0, 0.0}, crossing)) << "to stop is no escape";
-  // With an error of 0.6 m/s he might be faster. At 1.5 m/s the robot can no longer stop in time,
+  // With an error of 0.6 m/s he might be faster. At 1.8 m/s not even an emergency stop is in time,
   // so the error does not count: it drives on where he most likely is not. At 0.3 m/s it can stop,
   // so the error counts.
   People uncertain = crossing;
   uncertain[0].velocity_sigma_mps = 0.6;
-  ASSERT_FALSE(safety.is_safe({1.5, 0.0}, uncertain));
-  EXPECT_TRUE(safety.escapes({1.5, 0.0}, {1.5, 0.0}, uncertain));
-  ASSERT_TRUE(safety.is_safe({0.3, 0.0}, uncertain));
+  ASSERT_FALSE(safety.can_stop({1.8, 0.0}, uncertain));
+  EXPECT_TRUE(safety.escapes({1.8, 0.0}, {1.8, 0.0}, uncertain));
+  ASSERT_TRUE(safety.can_stop({0.3, 0.0}, uncertain));
   EXPECT_FALSE(safety.escapes({0.3, 0.0}, {1.5, 0.0}, uncertain));
   // If the robot stops, he passes ahead of it: there is nothing to escape from.
   const People ahead{{{1.2, 1.2}, {0.0, -1.0}, 0.25, 0.0, 0.0}};
