@@ -70,7 +70,8 @@ World make_world(const std::string& name) {
       return scenario.make(*seed);
     }
   }
-  if (colon != std::string_view::npos && parse<std::uint64_t>(text.substr(colon + 1)) &&
+  if (colon != std::string_view::npos &&
+      formats::parse_number<std::uint64_t>(text.substr(colon + 1)) &&
       !std::filesystem::exists(name)) {
     throw formats::UserError(name + ": no such scenario; there are " + scenario_names());
   }
