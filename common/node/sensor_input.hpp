@@ -35,25 +35,32 @@ class SensorInput {
 
   /// T_odom_base at the message's utime; empty when the message was rejected.
   ///
-  /// A message that begins a new sequence, or is stamped more than 10 s before or after the last
-  /// one, is not used: anybody can send one. If the next message continues it, the driver has
-  /// restarted, or its clock was set.
+  /// A message that begins a new sequence, is stamped more than 10 s before or after the last one,
+  /// or has a pose that no robot can have reached since, is not used: anybody can send one. If the
+  /// next message continues it, the driver has restarted, its clock was set, or its pose was.
   [[nodiscard]] std::optional<geometry::SE3> read(const nodmap::odometry_t& message);
 
-  /// Whether the last accepted odometry is the first of a new odom frame. Its sequence number has
-  /// decreased, so the driver has restarted, and the pose starts at the origin again. Do not
-  /// interpolate between poses of the two frames: the transform between them is unknown.
+  /// Whether the last accepted odometry is the first of a new odom frame: its sequence number has
+  /// decreased, so the driver has restarted, and the pose starts at the origin again; or the pose
+  /// has jumped, as when a gyro is zeroed or a fused pose is corrected. Do not interpolate between
+  /// poses of the two frames: the transform between them is unknown.
   [[nodiscard]] bool odometry_restarted() const { return odometry_restarted_; }
 
  private:
   struct Odometry {
     std::int64_t seq = 0;
     time::Timestamp stamp;
+    geometry::SE3 T_odom_base;
+    double forward_mps = 0.0;
+    double yaw_rate_rad_s = 0.0;
+    time::Duration period{};  // since the message accepted before it
   };
 
   [[nodiscard]] bool follows(bus::FollowedSender& sender, const char* cause);
   [[nodiscard]] bool accept(const Odometry& odometry);
   [[nodiscard]] bool continues(const Odometry& odometry) const;
+  [[nodiscard]] static bool can_follow(const Odometry& odometry, const Odometry& other);
+  [[nodiscard]] static bool is_reachable(const Odometry& odometry, const Odometry& other);
 
   node::MessageCounts& counts_;
   const bus::Bus* bus_;

@@ -118,14 +118,14 @@ class OdometryInputTest : public SensorInputTest {
   static constexpr time::Timestamp kDay{24h};
 
  protected:
-  bool read(std::int64_t seq, time::Timestamp stamp = kDay) {
-    nodmap::odometry_t odometry = node::write_odometry(stamp, geometry::SE3::Identity());
+  bool read(std::int64_t seq, time::Timestamp stamp = kDay, const geometry::SE2& pose = {}) {
+    nodmap::odometry_t odometry = node::write_odometry(stamp, geometry::to_se3(pose));
     odometry.odometry_seq = seq;
     return input_.read(odometry).has_value();
   }
   // Whether the message is used as the first of a new frame, or of the same one.
-  bool restarts(std::int64_t seq, time::Timestamp stamp = kDay) {
-    EXPECT_TRUE(read(seq, stamp)) << seq;
+  bool restarts(std::int64_t seq, time::Timestamp stamp = kDay, const geometry::SE2& pose = {}) {
+    EXPECT_TRUE(read(seq, stamp, pose)) << seq;
     return input_.odometry_restarted();
   }
 };
@@ -181,6 +181,56 @@ TEST_F(OdometryInputTest, AStepOfTheClockCostsOneMessage) {
   EXPECT_FALSE(read(4, kDay));
   EXPECT_FALSE(restarts(5, kDay + 10ms));
   EXPECT_FALSE(restarts(6, kDay + 9s)) << "the driver was frozen";
+}
+
+// A gyro that is zeroed, or a fused pose that is corrected: in 10 ms no robot gets there.
+TEST_F(OdometryInputTest, APoseThatJumpsBeginsANewFrame) {
+  std::int64_t seq = 1;
+  time::Timestamp stamp = kDay;
+  ASSERT_FALSE(restarts(seq, stamp));
+  geometry::SE2 pose;
+  for (const geometry::SE2 jump : {geometry::SE2{0.0, 0.0, geometry::deg_to_rad(12.0)},
+                                   geometry::SE2{0.3, 0.0, 0.0}, geometry::SE2{-500.0, 0.0, 3.0}}) {
+    pose = pose * jump;
+    EXPECT_FALSE(read(++seq, stamp += 10ms, pose)) << "not until the next message confirms it";
+    EXPECT_TRUE(restarts(++seq, stamp += 10ms, pose));
+    EXPECT_FALSE(restarts(++seq, stamp += 10ms, pose));
+  }
+}
+
+TEST_F(OdometryInputTest, AWildPoseCostsNoOtherMessage) {
+  ASSERT_FALSE(restarts(1, kDay));
+  EXPECT_FALSE(read(2, kDay + 10ms, {3.0, 0.0, 1.0}));
+  EXPECT_FALSE(restarts(3, kDay + 20ms, {0.02, 0.0, 0.0}));
+}
+
+// The first of each two messages is stamped when the second one is sent.
+TEST_F(OdometryInputTest, ALateStampIsNoJump) {
+  std::int64_t seq = 1;
+  geometry::SE2 pose;
+  ASSERT_FALSE(restarts(seq, kDay));
+  for (time::Timestamp stamp = kDay; stamp < kDay + 2s; stamp += 200ms) {
+    pose = pose * geometry::SE2{0.05, 0.0, geometry::deg_to_rad(6.0)};
+    EXPECT_FALSE(restarts(++seq, stamp + 199'900us, pose));
+    pose = pose * geometry::SE2{0.05, 0.0, geometry::deg_to_rad(6.0)};
+    EXPECT_FALSE(restarts(++seq, stamp + 200ms, pose));
+  }
+}
+
+// 5.2 m/s and a turn of 3 rad/s, from a base that reports no speeds: every 10 ms, ten times a
+// second, and with a second of messages lost.
+TEST_F(OdometryInputTest, AFastRobotDoesNotJump) {
+  std::int64_t seq = 1;
+  time::Timestamp stamp = kDay;
+  geometry::SE2 pose;
+  ASSERT_FALSE(restarts(seq, stamp));
+  for (const time::Duration elapsed : {10ms, 100ms, 1000ms}) {
+    for (int i = 0; i < 20; ++i) {
+      const double seconds = time::seconds(elapsed);
+      pose = pose * geometry::SE2{5.2 * seconds, 0.0, 3.0 * seconds};
+      EXPECT_FALSE(restarts(++seq, stamp += elapsed, pose)) << seconds << " s";
+    }
+  }
 }
 
 }  // namespace sensor_input_test
