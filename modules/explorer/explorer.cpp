@@ -35,7 +35,6 @@ constexpr double kDirectionM = 0.4;
 // Added to a tolerance: the navigator has arrived by a newer pose than ours.
 constexpr double kArrivalM = 0.1;
 constexpr const char* kNoPathHome = "Everything has been seen, but there is no path home.";
-constexpr const char* kAtHome = "Everything has been seen; the robot is back home.";
 
 // The points of a straight line at intervals of at most `step_m`, with both ends.
 std::vector<Eigen::Vector2d> straight_path(const Eigen::Vector2d& from, const Eigen::Vector2d& to,
@@ -103,12 +102,21 @@ std::string Explorer::reason_to_wait() const {
     case State::kIdle:
       return "Waiting to be started.";
     case State::kHome:
-      return kAtHome;
+      return reason_at_home();
     case State::kExploring:
     case State::kReturning:
       break;
   }
   return grid_.is_empty() ? "There is no 2D map yet." : "";
+}
+
+std::string Explorer::reason_at_home() const {
+  const std::size_t num_given_up = failed_places_.num_given_up();
+  if (num_given_up == 0) {
+    return "Everything has been seen; the robot is back home.";
+  }
+  return "The robot is back home and has seen everything but what " + std::to_string(num_given_up) +
+         (num_given_up == 1 ? " place" : " places") + " would show that it could not reach.";
 }
 
 Decision Explorer::drive(const Situation& now) {
@@ -148,7 +156,8 @@ void Explorer::watch_visits(const Situation& now) {
 
 // Detects that the target has failed: the robot does not come nearer to it.
 void Explorer::watch_target(const Situation& now) {
-  const bool has_paused = std::chrono::abs(now.stamp - std::exchange(decided_, now.stamp)) > kPause;
+  const bool has_paused =
+      std::chrono::abs(now.stamp - std::exchange(decided_, now.stamp)) > kPause || !now.may_drive;
   if (has_paused || !now.has_no_path) {
     no_path_since_.reset();
   }
@@ -312,7 +321,7 @@ Decision Explorer::drive_home(const Situation& now) {
   if (distance_m <= params_.home_tolerance_m ||
       (now.has_arrived && distance_m <= params_.home_tolerance_m + kArrivalM)) {
     state_ = State::kHome;
-    decision.reason = kAtHome;
+    decision.reason = reason_at_home();
     return decision;
   }
   // By then the navigator has also looked around, and planned anew.

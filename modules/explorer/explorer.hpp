@@ -30,6 +30,7 @@ enum class State : std::uint8_t {
 struct Situation {
   time::Timestamp stamp{};
   geometry::SE2 T_map_base;
+  bool may_drive = true;     ///< else nothing that the robot does not reach has failed
   bool has_no_path = false;  ///< the navigator finds no path to its goal
   bool has_arrived = false;  ///< the navigator is at its goal
 };
@@ -86,6 +87,7 @@ class Explorer {
   void set_target(const Eigen::Vector2d& p_map, double length_m, const Situation& now);
   [[nodiscard]] Decision drive_tour(const Situation& now, std::vector<Viewpoint> tour);
   [[nodiscard]] Decision drive_home(const Situation& now);
+  [[nodiscard]] std::string reason_at_home() const;
   [[nodiscard]] bool has_no_path_for(double seconds, const Situation& now) const;
   [[nodiscard]] std::vector<Eigen::Vector2d> path_to(const Cell& cell) const;
 

@@ -32,4 +32,9 @@ bool LeftOutPlaces::forgive() {
   return any;
 }
 
+std::size_t LeftOutPlaces::num_given_up() const {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      places_, [this](const Place& place) { return place.num_tries >= max_tries_; }));
+}
+
 }  // namespace nodmap::explorer

@@ -24,6 +24,7 @@ class LeftOutPlaces {
   /// Permits all places that are not given up at once; returns false if there are none.
   bool forgive();
   [[nodiscard]] std::size_t size() const { return places_.size(); }
+  [[nodiscard]] std::size_t num_given_up() const;
   void clear() { places_.clear(); }
 
  private:

@@ -21,6 +21,10 @@ constexpr time::Duration kArrivalPeriod = 100ms;
 constexpr time::Duration kPoseTimeout = 5s;
 // The navigator says several times a second that there is no path, and nothing while it halts.
 constexpr time::Duration kPathTimeout = 1s;
+// After this long without NAVIGATION, which comes with every DRIVE, there is no navigator.
+constexpr time::Duration kNavigatorTimeout = 2s;
+// A robot that may not drive for this long while it is to explore is reported.
+constexpr time::Duration kLongestHalt = 10s;
 // A goal nearer to the last one than this counts as the same.
 constexpr double kSameGoalM = 0.05;
 // With this limit EXPLORATION stays far below 64 KiB.
@@ -86,27 +90,44 @@ ExplorerNode::ExplorerNode(node::Context& context, const Params& params)
   }
 }
 
+// A lower revision is that of a new map: 2D SLAM has restarted. One such tile alone may be a late
+// one of the map that is known, so the second one decides.
 void ExplorerNode::on_map(const nodmap::grid_chunk_t& message) {
-  const auto tile = read_tile(message);
-  // 2D SLAM has restarted: home and goal are positions in a map that no longer exists.
-  if (tile && message.map_revision < map_revision_) {
-    explorer_.forget_map();
-    const bool has_decided = explorer_.state() != State::kIdle && num_decisions_ > 0;
-    if (has_decided) {
-      end("The 2D map was restarted.");
+  if (message.map_revision < map_revision_ && read_tile(message)) {
+    if (!first_tile_) {
+      first_tile_ = message;
+      return;
     }
-    const GoalSender::Status status = goal_sender_.status();
-    if (has_decided || status == GoalSender::Status::kSent ||
-        status == GoalSender::Status::kTaken) {
-      place_ = Place::kToBeKept;
-    }
+    begin_new_map();
+    static_cast<void>(add_tile(*first_tile_));
   }
+  first_tile_.reset();
+  if (add_tile(message)) {
+    map_revision_ = message.map_revision;
+  }
+}
+
+bool ExplorerNode::add_tile(const nodmap::grid_chunk_t& message) {
+  const auto tile = read_tile(message);
   if (!tile || !explorer_.add(*tile)) {
     context_.counts.reject("implausible_map_tile");
-    return;
+    return false;
   }
   context_.counts.use();
-  map_revision_ = message.map_revision;
+  return true;
+}
+
+// Home and goal are positions in a map that no longer exists.
+void ExplorerNode::begin_new_map() {
+  explorer_.forget_map();
+  const bool has_decided = explorer_.state() != State::kIdle && num_decisions_ > 0;
+  if (has_decided) {
+    end("The 2D map was restarted.");
+  }
+  const GoalSender::Status status = goal_sender_.status();
+  if (has_decided || status == GoalSender::Status::kSent || status == GoalSender::Status::kTaken) {
+    place_ = Place::kToBeKept;
+  }
 }
 
 void ExplorerNode::on_pose(const nodmap::pose_t& message) {
@@ -152,6 +173,11 @@ void ExplorerNode::on_odometry(const nodmap::odometry_t& message) {
 
 void ExplorerNode::on_navigation(const nodmap::navigation_t& message) {
   context_.counts.use();
+  navigated_ = node::stamp_of(message);
+  navigator_halt_.reset();
+  if (message.behaviour == nodmap::navigation_t::HALT) {
+    navigator_halt_ = node::read_name(message.reason);
+  }
   if (!goal_sender_.take(message)) {
     return;
   }
@@ -257,9 +283,12 @@ void ExplorerNode::decide(time::Timestamp now) {
     return;
   }
   const bool was_idle = explorer_.state() == State::kIdle;
+  halt_reason_ = halt_reason(now);
+  halted_since_ = halt_reason_.empty() ? std::nullopt : std::optional(halted_since_.value_or(now));
   Decision decision =
       explorer_.decide({.stamp = now,
                         .T_map_base = *T_map_base(),
+                        .may_drive = halt_reason_.empty(),
                         .has_no_path = no_path_ && !time::is_due(now, no_path_, kPathTimeout),
                         .has_arrived = has_arrived_});
   if (decision.state == State::kIdle && !was_idle) {
@@ -268,12 +297,22 @@ void ExplorerNode::decide(time::Timestamp now) {
     decision.reason = idle_reason_;
   } else {
     ++num_decisions_;
+    if (explores() && !halt_reason_.empty()) {
+      decision.reason = halt_reason_;
+    }
   }
   seen_m2_ = decision.seen_m2;
   if (decision.goal) {
     send_goal(*decision.goal, now);
   }
   publish(decision, now);
+}
+
+std::string ExplorerNode::halt_reason(time::Timestamp now) const {
+  if (!navigated_ || time::is_due(now, *navigated_, kNavigatorTimeout)) {
+    return "No nodmap-navigator reports, so the robot does not drive.";
+  }
+  return navigator_halt_ ? "The robot may not drive: " + *navigator_halt_ : "";
 }
 
 void ExplorerNode::send_goal(const Goal& goal, time::Timestamp now) {
@@ -329,6 +368,9 @@ nlohmann::json ExplorerNode::metrics() const {
 node::Health ExplorerNode::health() const {
   if (is_lost_ && explorer_.state() != State::kIdle) {
     return {node::HealthState::kDegraded, "2D SLAM is lost: the exploration waits for a pose."};
+  }
+  if (explores() && halted_since_ && time::is_due(*decided_, *halted_since_, kLongestHalt)) {
+    return {node::HealthState::kDegraded, halt_reason_};
   }
   return {};
 }

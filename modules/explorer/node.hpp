@@ -47,6 +47,8 @@ class ExplorerNode final : public node::Node {
   };
 
   void on_map(const nodmap::grid_chunk_t& message);
+  [[nodiscard]] bool add_tile(const nodmap::grid_chunk_t& message);
+  void begin_new_map();
   void on_pose(const nodmap::pose_t& message);
   void on_odometry(const nodmap::odometry_t& message);
   void on_navigation(const nodmap::navigation_t& message);
@@ -66,6 +68,8 @@ class ExplorerNode final : public node::Node {
   /// that is.
   [[nodiscard]] std::optional<geometry::SE2> T_map_base() const;
   void send_goal(const Goal& goal, time::Timestamp now);
+  /// Why the robot may not drive; empty if it may.
+  [[nodiscard]] std::string halt_reason(time::Timestamp now) const;
   void publish(const Decision& decision, time::Timestamp now);
 
   node::Context& context_;
@@ -74,12 +78,17 @@ class ExplorerNode final : public node::Node {
   Explorer explorer_;
 
   std::int64_t map_revision_ = -1;
+  std::optional<nodmap::grid_chunk_t> first_tile_;  // perhaps of a new map
   std::optional<geometry::SE2> T_map_odom_;
   std::optional<time::Timestamp> posed_;  // stamp of the last pose
   std::optional<geometry::SE2> T_odom_base_;
   bool is_lost_ = false;
   node::StopLatch stop_latch_;
-  std::optional<time::Timestamp> no_path_;  // when the navigator last said so
+  std::optional<time::Timestamp> no_path_;       // when the navigator last said so
+  std::optional<time::Timestamp> navigated_;     // stamp of the last NAVIGATION
+  std::optional<std::string> navigator_halt_;  // why by that message the robot may not drive
+  std::optional<time::Timestamp> halted_since_;  // when halt_reason() began to hold
+  std::string halt_reason_;
   bool has_arrived_ = false;
   bool has_just_arrived_ = false;  // since the last decision
   std::string idle_reason_ = "Waiting to be started.";

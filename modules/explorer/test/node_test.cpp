@@ -171,6 +171,42 @@ TEST_F(ExplorerNodeTest, APathThatWasMissingOnceIsNotMissingForEver) {
   EXPECT_EQ(node_.metrics()["failures"], 0);
 }
 
+// A stop at the base, a laser that is out, or no navigator: what the robot has not tried has not
+// failed. It would give up all places, and report that everything has been seen.
+TEST_F(ExplorerNodeTest, ARobotThatMayNotDriveGivesUpNoPlace) {
+  give_map();
+  ask(true);
+  const auto wait_min = [&](int minutes, const auto& each) {
+    for (int i = 0; i < 120 * minutes; ++i) {
+      each();
+      EXPECT_EQ(give_pose().state, nodmap::exploration_t::EXPLORING);
+    }
+  };
+  wait_min(10, [] {});
+  EXPECT_EQ(node_.metrics()["failures"], 0);
+  EXPECT_EQ(node_.health().state, node::HealthState::kDegraded);
+  EXPECT_NE(node_.health().reason.find("No nodmap-navigator"), std::string::npos);
+  wait_min(10, [&] { give_navigation(nodmap::navigation_t::HALT, "No scans."); });
+  EXPECT_EQ(node_.metrics()["failures"], 0);
+  EXPECT_EQ(node_.health().reason, "The robot may not drive: No scans.");
+  EXPECT_EQ(bus_.last<nodmap::exploration_t>("EXPLORATION").reason, node_.health().reason);
+  wait_min(1, [&] { give_navigation(nodmap::navigation_t::STEER); });
+  EXPECT_GT(node_.metrics()["failures"], 0) << "it may drive and comes no nearer";
+  EXPECT_EQ(node_.health().state, node::HealthState::kOk);
+}
+
+TEST_F(ExplorerNodeTest, OneLateTileIsNoNewMap) {
+  give_map(7);
+  ask(true);
+  (void)give_pose();
+  give_map(8);
+  give_map(7);
+  EXPECT_EQ(give_pose().state, nodmap::exploration_t::EXPLORING);
+  give_map(8);
+  give_map(7);
+  EXPECT_EQ(give_pose().state, nodmap::exploration_t::EXPLORING);
+}
+
 // The tile's first cell is 2^31, which would be -2^31, far before the grid's memory.
 TEST_F(ExplorerNodeTest, ATileWhoseCellsCannotBeCountedIsRefused) {
   give_map();
