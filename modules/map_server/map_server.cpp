@@ -9,7 +9,8 @@ namespace nodmap::map_server {
 MapServer::MapServer(const MapServerParams& params)
     : body_(params.robot.body.footprint()),
       obstacle_map_(make_obstacle_map(params)),
-      structure_map_(make_structure_map(params)) {}
+      structure_map_(make_structure_map(params)),
+      sweeps_(params.noise.pitch_sigma_rad) {}
 
 ScanStatus MapServer::add_scan(const scan::Scan& scan, const geometry::SE3& T_odom_base) {
   if (!scan::is_plausible(scan) || scan.ranges_m.empty()) {

@@ -31,7 +31,9 @@ struct NoiseParams {
     v.number("range_sigma_m", range_sigma_m, {0.0, 0.5},
              "Standard deviation of a range measurement.");
     v.angle("pitch_sigma_deg", pitch_sigma_rad, {0.0, 5.0},
-            "Standard deviation of the pitch; raises the floor tolerance with distance.");
+            "Standard deviation of the pitch: raises the floor tolerance with distance, and how "
+            "far the "
+            "head must turn back to have reversed.");
   }
 };
 

@@ -15,6 +15,10 @@ using robot::PitchInterval;
 /// the scans alone. If the head is held still, every scan counts as a sweep.
 class SweepTracker {
  public:
+  /// `pitch_sigma_rad`: standard deviation of a scan's pitch. A head that noise alone seems to turn
+  /// back has not reversed.
+  explicit SweepTracker(double pitch_sigma_rad);
+
   /// Adds the pitches of the first and last beam of the next scan.
   void add(double pitch_first_rad, double pitch_last_rad);
 
@@ -30,6 +34,8 @@ class SweepTracker {
  private:
   void finish_sweep(PitchInterval next);
 
+  double reversed_rad_;   // the head has reversed when it has come back by more than this
+  int most_still_scans_;  // the head is held still when its pitch stays within that for more scans
   std::int64_t sweep_ = 0;
   int scans_ = 0;
   int still_scans_ = 0;  // number of scans for which the pitch has stayed near still_rad_
