@@ -6,7 +6,6 @@
 namespace nodmap::node {
 namespace {
 
-constexpr time::Duration kPeriod = 1s;
 // Up to this many corrupt messages in a second are counted, but do not degrade the health.
 constexpr std::int64_t kCorruptByAccident = 10;
 
@@ -47,7 +46,7 @@ void StatusReporter::publish_if_due(const Health& health) {
 bool StatusReporter::is_due() const {
   const time::Duration elapsed = clock_.now() - last_;
   // After the clock was set back, STATUS continues at once.
-  return elapsed < 0s || elapsed >= kPeriod;
+  return elapsed < 0s || elapsed >= kStatusPeriod;
 }
 
 void StatusReporter::publish(const Health& node_health) {

@@ -4,10 +4,16 @@
 #include <string>
 
 #include "common/bus/bus.hpp"
+#include "common/geometry/time.hpp"
 #include "common/node/clock.hpp"
 #include "common/node/node.hpp"
 
 namespace nodmap::node {
+
+/// Every process publishes STATUS once in this time.
+inline constexpr time::Duration kStatusPeriod = 1s;
+/// A process that has published none for so long, which is three, is not running, or hangs.
+inline constexpr time::Duration kStatusSilence = 3500ms;
 
 /// Publishes STATUS once a second. It contains the node's health or, if that is OK, DEGRADED when
 /// no message arrived, messages were dropped, or received messages may be an attack.

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "common/node/messages.hpp"
+#include "common/node/process_names.hpp"
 
 namespace nodmap::node {
 

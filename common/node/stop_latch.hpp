@@ -11,9 +11,6 @@
 
 namespace nodmap::node {
 
-/// The process name of the base driver.
-inline constexpr const char* kBaseDriver = "nodmap-kurt";
-
 /// The requester that the base driver names while it is stopped by `by`.
 [[nodiscard]] std::string confirmed_name(const std::string& by);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/node/clock.hpp"
 #include "common/node/device_node.hpp"
+#include "common/node/process_names.hpp"
 #include "common/node/program.hpp"
 #include "common/params/params.hpp"
 #include "drivers/kurt/node.hpp"
@@ -16,7 +17,8 @@ int main(int argc, char** argv) {
   };
   return node::run_device_node(
       argc, argv,
-      {"nodmap-kurt", "Drives the KURT2 base through an SLCAN adapter: DRIVE in, ODOMETRY out."},
+      {node::kBaseDriver,
+       "Drives the KURT2 base through an SLCAN adapter: DRIVE in, ODOMETRY out."},
       table, check, [&params](node::Context& context) {
         return std::make_unique<kurt::KurtNode>(context, params,
                                                 serial::port_opener(params.device, params.baud),

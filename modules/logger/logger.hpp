@@ -10,6 +10,7 @@
 #include "common/geometry/time.hpp"
 #include "common/node/clock.hpp"
 #include "common/node/message_counts.hpp"
+#include "common/node/process_names.hpp"
 #include "common/node/status.hpp"
 #include "modules/logger/channel_filter.hpp"
 #include "modules/logger/loss_watch.hpp"
@@ -17,7 +18,7 @@
 
 namespace nodmap::logger {
 
-inline constexpr const char* kProgram = "nodmap-logger";
+inline constexpr const char* kProgram = node::kLogger;
 
 /// Passes messages from the bus to the recorder.
 class Logger : private boost::noncopyable {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "common/node/process_names.hpp"
 #include "common/node/run.hpp"
 #include "modules/slam2d/localiser_node.hpp"
 #include "modules/slam2d/node.hpp"
@@ -9,7 +10,7 @@ int main(int argc, char** argv) {
   params::Table table(values);
   return node::run_map_node(
       argc, argv,
-      {"nodmap-slam2d",
+      {node::kSlam2d,
        "2D SLAM: estimates the robot's pose in the plane from level scans, and draws the 2D map; "
        "with --localise, the pose in a finished map."},
       table,

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "common/node/process_names.hpp"
 #include "common/node/run.hpp"
 #include "modules/slam6d/node.hpp"
 
@@ -8,7 +9,7 @@ int main(int argc, char** argv) {
   params::Table table(values);
   return node::run_map_node(
       argc, argv,
-      {"nodmap-slam6d",
+      {node::kSlam6d,
        "6D SLAM: registers the sweeps of a nodding laser into a 3D model and an OctoMap."},
       table,
       [&values](node::Context& context,

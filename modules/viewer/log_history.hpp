@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "common/geometry/time.hpp"
+#include "common/node/status.hpp"
 #include "modules/viewer/foxglove/foxglove.hpp"
 
 namespace nodmap::viewer {
@@ -14,7 +16,7 @@ using foxglove::Json;
 /// Longest time between messages without a gap in a plot. STATUS, once a second, has the longest
 /// period.
 inline constexpr double kGapS = 1.0;
-inline constexpr double kStatusGapS = 3.5;
+inline constexpr double kStatusGapS = time::seconds(node::kStatusSilence);
 
 /// One quantity over a whole recording, with as many samples as a plot can show: the smallest and
 /// the greatest value of each interval, with their times.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "common/node/process_names.hpp"
 #include "procman/protocol/messages.hpp"
 #include "procman/protocol/sheriff_messages.hpp"
 
@@ -112,7 +113,7 @@ Answer ProcessControl::change(Verb verb, const std::string& command) {
 
 Answer ProcessControl::change_recording(Verb verb) {
   for (const procman::Command& command : config_.commands) {
-    if (procman::program_of(command.exec) == "nodmap-logger") {
+    if (procman::program_of(command.exec) == node::kLogger) {
       return change(verb, command.id);
     }
   }

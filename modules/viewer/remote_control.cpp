@@ -14,8 +14,10 @@
 #include <optional>
 #include <string_view>
 
-#include "common/node/stop_latch.hpp"
+#include "common/node/process_names.hpp"
+#include "common/node/status.hpp"
 #include "modules/viewer/json.hpp"
+#include "modules/viewer/options.hpp"
 #include "nodmap/explore_t.hpp"
 #include "nodmap/goal_t.hpp"
 #include "nodmap/navigation_t.hpp"
@@ -25,16 +27,9 @@
 namespace nodmap::viewer {
 namespace {
 
-constexpr const char* kName = "nodmap-viewer";
-constexpr const char* kNavigator = "nodmap-navigator";
-constexpr const char* kExplorer = "nodmap-explorer";
-constexpr const char* kSlam2d = "nodmap-slam2d";
-constexpr const char* kSlam6d = "nodmap-slam6d";
 // Who carries out requests, by the names in STATUS.
-constexpr std::array<std::string_view, 5> kRecipients = {node::kBaseDriver, kNavigator, kExplorer,
-                                                         kSlam2d, kSlam6d};
-// Three reports are missing.
-constexpr time::Duration kSilence = 3500ms;
+constexpr std::array<std::string_view, 5> kRecipients = {
+    node::kBaseDriver, node::kNavigator, node::kExplorer, node::kSlam2d, node::kSlam6d};
 constexpr double kToleranceM = 0.3;
 // Farther than any map: a mistake or an attack.
 
@@ -64,7 +59,11 @@ Answer no_control_over_processes() {
 }  // namespace
 
 RemoteControl::RemoteControl(bus::Bus& bus, const time::Clock& clock, ProcessControl* processes)
-    : bus_(bus), clock_(clock), processes_(processes), goal_sender_(bus), stop_sender_(bus, kName) {
+    : bus_(bus),
+      clock_(clock),
+      processes_(processes),
+      goal_sender_(bus),
+      stop_sender_(bus, kProgram) {
   bus.subscribe<nodmap::stop_t>("STOP", [this](const auto& m) { stop_sender_.take(m); });
   bus.subscribe<nodmap::goal_t>("GOAL", [this](const auto& m) { goal_sender_.take(m); });
   bus.subscribe<nodmap::navigation_t>("NAVIGATION",
@@ -123,14 +122,15 @@ Answer RemoteControl::do_goal(const Json& request) {
   return {.ok = true,
           .text = fmt::format("Goal: x {:.2f} m, y {:.2f} m.", *x_m, *y_m) +
                   (is_outside ? " It lies outside of the map that is known so far." : "") +
-                  note_if_silent({kNavigator})};
+                  note_if_silent({node::kNavigator})};
 }
 
 Answer RemoteControl::do_roam() {
   goal_asked_ = clock_.now();
   goal_sender_.cancel(*goal_asked_);
-  return {.ok = true,
-          .text = "Goal cancelled: without one the robot roams." + note_if_silent({kNavigator})};
+  return {
+      .ok = true,
+      .text = "Goal cancelled: without one the robot roams." + note_if_silent({node::kNavigator})};
 }
 
 Answer RemoteControl::do_stop(bool is_stopped) {
@@ -148,21 +148,21 @@ Answer RemoteControl::do_explore(bool is_active) {
   nodmap::explore_t message{};
   message.utime = time::to_utime(clock_.now());
   message.is_active = static_cast<std::int8_t>(is_active);
-  message.requested_by = kName;
+  message.requested_by = kProgram;
   bus_.publish("EXPLORE", message);
   return {.ok = true,
           .text = (is_active ? "Exploration asked for. It ends when everything has been seen and "
                                "the robot is back here."
                              : "End of the exploration asked for; the robot stays where it is.") +
-                  note_if_silent({kExplorer})};
+                  note_if_silent({node::kExplorer})};
 }
 
 Answer RemoteControl::do_save_maps() {
   nodmap::save_request_t message{};
   message.utime = time::to_utime(clock_.now());
-  message.requested_by = kName;
+  message.requested_by = kProgram;
   bus_.publish("SAVE_REQUEST", message);
-  return {.ok = true, .text = "Maps asked for." + note_if_silent({kSlam2d, kSlam6d})};
+  return {.ok = true, .text = "Maps asked for." + note_if_silent({node::kSlam2d, node::kSlam6d})};
 }
 
 Answer RemoteControl::do_process(procman::Verb verb, const std::string& command) {
@@ -196,7 +196,8 @@ void RemoteControl::on_status(const nodmap::status_t& status) {
 std::string RemoteControl::note_if_silent(std::initializer_list<const char*> processes) const {
   const bool is_silent = std::ranges::none_of(processes, [this](const char* name) {
     const auto last = reported_.find(name);
-    return last != reported_.end() && !time::is_due(clock_.now(), last->second, kSilence);
+    return last != reported_.end() &&
+           !time::is_due(clock_.now(), last->second, node::kStatusSilence);
   });
   return is_silent ? fmt::format(" But no {} reports.", fmt::join(processes, " or ")) : "";
 }

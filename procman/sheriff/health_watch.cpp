@@ -48,7 +48,7 @@ HealthWatch::Process* HealthWatch::process_of(const std::string& process_name, c
     Process& process = processes_[command.id];
     const Fleet::Item* item = fleet.find(command.id);
     if (item != nullptr && process.last && process.last->received < item->running_since) {
-      process.sender = bus::SenderWatch(kStatusSilence);  // it was that of the run before
+      process.sender = bus::SenderWatch(node::kStatusSilence);  // it was that of the run before
     }
     const std::optional<bus::Sender> accepted = process.sender.accepted(now);
     if (accepted == sender) {

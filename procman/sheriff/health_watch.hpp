@@ -12,6 +12,7 @@
 #include "common/bus/sender_watch.hpp"
 #include "common/geometry/time.hpp"
 #include "common/node/health.hpp"
+#include "common/node/status.hpp"
 #include "procman/config/config.hpp"
 #include "procman/protocol/fleet.hpp"
 
@@ -35,17 +36,14 @@ struct ProcessHealth {
 /// STATUS of their processes and by their output.
 ///
 /// The STATUS of a command's process is taken from one socket of its host: from the first that
-/// sends it after the process was started, until that has been silent for kStatusSilence. So no
-/// other process can have it restarted, or hide that it fails.
+/// sends it after the process was started, until that has been silent for node::kStatusSilence. So
+/// no other process can have it restarted, or hide that it fails.
 class HealthWatch {
  public:
   /// Each restart doubles the limits of the rules, up to this often: a command that a restart does
   /// not fix must not keep the robot busy. A minute without a fault restores them.
   static constexpr int kMaxDoublings = 5;
   static constexpr time::Duration kForgiveTime = 60s;
-
-  /// Three STATUS are missing.
-  static constexpr time::Duration kStatusSilence = 3500ms;
 
   explicit HealthWatch(const Config& config) : config_(config) {}
 
@@ -76,7 +74,7 @@ class HealthWatch {
     std::optional<LastStatus> last;
     std::optional<time::SteadyTime> failed_since;
     std::optional<time::SteadyTime> degraded_since;  // or failed
-    bus::SenderWatch sender{kStatusSilence};
+    bus::SenderWatch sender{node::kStatusSilence};
   };
   struct Patience {
     int doublings = 0;

@@ -25,7 +25,7 @@ std::string state_sentence(const ReportRow& row) {
 }
 
 bool is_silent(const ReportRow& row) {
-  return row.silent > HealthWatch::kStatusSilence;
+  return row.silent > node::kStatusSilence;
 }
 
 std::string health_word(const ReportRow& row) {

@@ -119,8 +119,7 @@ bool Sheriff::is_healthy(const std::string& command) const {
   const Fleet::Item* item = fleet_.find(command);
   const auto status = health_.last_status_of(command);
   return item != nullptr && status && status->health.state == ProcessHealth::State::kOk &&
-         status->received >= item->running_since &&
-         now() - status->received < HealthWatch::kStatusSilence;
+         status->received >= item->running_since && now() - status->received < node::kStatusSilence;
 }
 
 const Console* Sheriff::console(const std::string& command) const {

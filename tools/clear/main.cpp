@@ -9,6 +9,7 @@
 #include "common/bus/live_bus.hpp"
 #include "common/node/clock.hpp"
 #include "common/node/goal_sender.hpp"
+#include "common/node/process_names.hpp"
 #include "common/node/program.hpp"
 #include "common/node/request.hpp"
 #include "nodmap/clear_request_t.hpp"
@@ -37,7 +38,7 @@ clear_request_t write_request(const Arguments& arguments) {
 int run(const Arguments& arguments, const std::string& lcm_url) {
   bus::LiveBus bus(lcm_url);
   bus.publish("CLEAR_REQUEST", write_request(arguments));
-  return node::report_request(bus, {"nodmap-slam2d"}, arguments.request.wait_s);
+  return node::report_request(bus, {node::kSlam2d}, arguments.request.wait_s);
 }
 
 }  // namespace

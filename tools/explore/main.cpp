@@ -7,6 +7,7 @@
 
 #include "common/bus/live_bus.hpp"
 #include "common/node/clock.hpp"
+#include "common/node/process_names.hpp"
 #include "common/node/program.hpp"
 #include "common/node/request.hpp"
 #include "nodmap/exploration_t.hpp"
@@ -50,7 +51,7 @@ int run(const Arguments& arguments, const std::string& lcm_url) {
   }
   std::cerr << "nodmap-explore: "
             << (exploration.get() ? "the explorer does not follow the request"
-                                  : "no nodmap-explorer")
+                                  : std::string("no ") + node::kExplorer)
             << " within " << arguments.request.wait_s << " s\n";
   return 1;
 }

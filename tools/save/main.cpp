@@ -5,6 +5,7 @@
 
 #include "common/bus/live_bus.hpp"
 #include "common/node/clock.hpp"
+#include "common/node/process_names.hpp"
 #include "common/node/program.hpp"
 #include "common/node/request.hpp"
 #include "nodmap/save_request_t.hpp"
@@ -18,7 +19,7 @@ int run(const node::RequestOptions& options, const std::string& lcm_url) {
   request.utime = time::to_utime(time::SystemClock().now());
   request.requested_by = options.by;
   bus.publish("SAVE_REQUEST", request);
-  return node::report_request(bus, {"nodmap-slam2d", "nodmap-slam6d"}, options.wait_s);
+  return node::report_request(bus, {node::kSlam2d, node::kSlam6d}, options.wait_s);
 }
 
 }  // namespace

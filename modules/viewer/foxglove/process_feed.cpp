@@ -4,13 +4,12 @@
 #include <algorithm>
 
 #include "common/node/messages.hpp"
+#include "common/node/status.hpp"
 
 namespace nodmap::foxglove {
 namespace {
 
 constexpr std::size_t kLogLines = 500;
-// Three reports are missing: another process may report under the name.
-constexpr time::Duration kReportSilence = 3500ms;
 
 // A STATUS in whose name another process sends, too.
 nodmap::status_t contested(nodmap::status_t status) {
@@ -43,7 +42,8 @@ ProcessFeed::Trust ProcessFeed::follow(Senders& senders, const std::string& name
   if (!senders.contains(key) && senders.size() >= ProcessTable::kMaxProcesses) {
     return Trust::kTooMany;
   }
-  bus::SenderWatch& watch = senders.try_emplace(key, kReportSilence).first->second;
+  // After so long another process may report under the name.
+  bus::SenderWatch& watch = senders.try_emplace(key, node::kStatusSilence).first->second;
   if (!watch.follow(origin.sender, now)) {
     return Trust::kRefused;
   }

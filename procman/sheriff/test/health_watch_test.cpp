@@ -220,7 +220,7 @@ TEST_F(HealthWatchTest, AProcessThatWasStartedAgainIsBelievedAtOnce) {
 TEST_F(HealthWatchTest, AnotherSocketIsBelievedWhenTheFirstIsSilent) {
   report();
   speak(ProcessHealth::State::kFailed);
-  now_ += HealthWatch::kStatusSilence - 1us;
+  now_ += node::kStatusSilence - 1us;
   report();
   speak(ProcessHealth::State::kOk, kOther);
   EXPECT_EQ(watch_.last_status_of("a")->health.state, ProcessHealth::State::kFailed);
