@@ -79,7 +79,7 @@ void run_live(const Options& options, const ViewerParams& params) {
     feed.set_configured_commands(*config);
     processes.emplace(bus, *config, time::now_on_both_clocks);
   }
-  RemoteControl control(bus, clock, processes ? &*processes : nullptr);
+  RemoteControl control(bus, time::now_on_both_clocks, processes ? &*processes : nullptr);
   Viewer viewer(
       options, params, site, store,
       {.name = kProgram,

@@ -6,13 +6,13 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <functional>
 #include <iterator>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 #include "common/node/process_names.hpp"
 #include "common/node/status.hpp"
@@ -58,9 +58,9 @@ Answer no_control_over_processes() {
 
 }  // namespace
 
-RemoteControl::RemoteControl(bus::Bus& bus, const time::Clock& clock, ProcessControl* processes)
+RemoteControl::RemoteControl(bus::Bus& bus, Clock clock, ProcessControl* processes)
     : bus_(bus),
-      clock_(clock),
+      clock_(std::move(clock)),
       processes_(processes),
       goal_sender_(bus),
       stop_sender_(bus, kProgram) {
@@ -116,8 +116,9 @@ Answer RemoteControl::do_goal(const Json& request) {
   goal.position_m[0] = *x_m;
   goal.position_m[1] = *y_m;
   goal.tolerance_m = *tolerance_m;
-  goal_asked_ = clock_.now();
-  goal_sender_.set(goal, *goal_asked_);
+  const time::Moment now = clock_();
+  goal_asked_ = now.steady;
+  goal_sender_.set(goal, now.wall);
   const bool is_outside = map_m_ && !map_m_->contains(Eigen::Vector2d(*x_m, *y_m));
   return {.ok = true,
           .text = fmt::format("Goal: x {:.2f} m, y {:.2f} m.", *x_m, *y_m) +
@@ -126,15 +127,16 @@ Answer RemoteControl::do_goal(const Json& request) {
 }
 
 Answer RemoteControl::do_roam() {
-  goal_asked_ = clock_.now();
-  goal_sender_.cancel(*goal_asked_);
+  const time::Moment now = clock_();
+  goal_asked_ = now.steady;
+  goal_sender_.cancel(now.wall);
   return {
       .ok = true,
       .text = "Goal cancelled: without one the robot roams." + note_if_silent({node::kNavigator})};
 }
 
 Answer RemoteControl::do_stop(bool is_stopped) {
-  is_stopped ? stop_sender_.stop(clock_.now()) : stop_sender_.release(clock_.now());
+  is_stopped ? stop_sender_.stop(clock_().wall) : stop_sender_.release(clock_().wall);
   return {.ok = true,
           .text = (is_stopped ? "STOP is sent until the robot is released. The banner says whether "
                                 "the base driver has confirmed it."
@@ -146,7 +148,7 @@ Answer RemoteControl::do_stop(bool is_stopped) {
 Answer RemoteControl::do_explore(bool is_active) {
   goal_asked_.reset();
   nodmap::explore_t message{};
-  message.utime = time::to_utime(clock_.now());
+  message.utime = time::to_utime(clock_().wall);
   message.is_active = static_cast<std::int8_t>(is_active);
   message.requested_by = kProgram;
   bus_.publish("EXPLORE", message);
@@ -159,7 +161,7 @@ Answer RemoteControl::do_explore(bool is_active) {
 
 Answer RemoteControl::do_save_maps() {
   nodmap::save_request_t message{};
-  message.utime = time::to_utime(clock_.now());
+  message.utime = time::to_utime(clock_().wall);
   message.requested_by = kProgram;
   bus_.publish("SAVE_REQUEST", message);
   return {.ok = true, .text = "Maps asked for." + note_if_silent({node::kSlam2d, node::kSlam6d})};
@@ -189,15 +191,15 @@ void RemoteControl::on_map(const nodmap::grid_chunk_t& tile) {
 void RemoteControl::on_status(const nodmap::status_t& status) {
   const auto* const process = std::ranges::find(kRecipients, status.process_name);
   if (process != kRecipients.end()) {
-    reported_[status.process_name] = clock_.now();
+    reported_[status.process_name] = clock_().steady;
   }
 }
 
 std::string RemoteControl::note_if_silent(std::initializer_list<const char*> processes) const {
-  const bool is_silent = std::ranges::none_of(processes, [this](const char* name) {
+  const time::SteadyTime now = clock_().steady;
+  const bool is_silent = std::ranges::none_of(processes, [&](const char* name) {
     const auto last = reported_.find(name);
-    return last != reported_.end() &&
-           !time::is_due(clock_.now(), last->second, node::kStatusSilence);
+    return last != reported_.end() && now - last->second < node::kStatusSilence;
   });
   return is_silent ? fmt::format(" But no {} reports.", fmt::join(processes, " or ")) : "";
 }
@@ -205,11 +207,11 @@ std::string RemoteControl::note_if_silent(std::initializer_list<const char*> pro
 // The robot must not begin to drive to a goal of which nobody thinks any more, for a navigator that
 // is started later.
 void RemoteControl::poll() {
-  const time::Timestamp now = clock_.now();
-  stop_sender_.repeat_if_due(now);
-  const bool is_asked = goal_asked_ && std::chrono::abs(now - *goal_asked_) <= kMaxAge;
+  const time::Moment now = clock_();
+  stop_sender_.repeat_if_due(now.wall);
+  const bool is_asked = goal_asked_ && now.steady - *goal_asked_ <= kMaxAge;
   if (is_asked && goal_sender_.status() == node::GoalSender::Status::kSent) {
-    goal_sender_.repeat_if_due(now);
+    goal_sender_.repeat_if_due(now.wall);
   }
 }
 

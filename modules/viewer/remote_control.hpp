@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <functional>
 #include <initializer_list>
 #include <map>
 #include <optional>
@@ -9,7 +10,6 @@
 
 #include "common/bus/bus.hpp"
 #include "common/geometry/time.hpp"
-#include "common/node/clock.hpp"
 #include "common/node/goal_sender.hpp"
 #include "common/node/stop_sender.hpp"
 #include "modules/viewer/answer.hpp"
@@ -38,8 +38,11 @@ class RemoteControl {
   /// starts or ends anything.
   static constexpr time::Duration kMaxAge = 2s;
 
-  /// `processes` may be null: then processes cannot be controlled. All must outlive this object.
-  RemoteControl(bus::Bus& bus, const time::Clock& clock, ProcessControl* processes);
+  using Clock = std::function<time::Moment()>;
+
+  /// `processes` may be null: then processes cannot be controlled. It and the bus must outlive this
+  /// object.
+  RemoteControl(bus::Bus& bus, Clock clock, ProcessControl* processes);
 
   /// Executes a request if possible. `age`: the greatest that it can have. An answer that is ok
   /// means that the request was sent, not that the robot has obeyed: the topics show that.
@@ -64,13 +67,13 @@ class RemoteControl {
   [[nodiscard]] std::string note_if_silent(std::initializer_list<const char*> processes) const;
 
   bus::Bus& bus_;
-  const time::Clock& clock_;
+  Clock clock_;
   ProcessControl* processes_;
   node::GoalSender goal_sender_;
-  std::optional<time::Timestamp> goal_asked_;  // while that goal may still be repeated
+  std::optional<time::SteadyTime> goal_asked_;  // while that goal may still be repeated
   node::StopSender stop_sender_;
-  std::optional<Eigen::AlignedBox2d> map_m_;         // extent of the newest MAP_2D
-  std::map<std::string, time::Timestamp> reported_;  // when we received the last STATUS of each
+  std::optional<Eigen::AlignedBox2d> map_m_;          // extent of the newest MAP_2D
+  std::map<std::string, time::SteadyTime> reported_;  // when we received the last STATUS of each
 };
 
 }  // namespace nodmap::viewer

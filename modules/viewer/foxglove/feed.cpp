@@ -191,12 +191,12 @@ void Feed::subscribe_decisions(bus::Bus& bus) {
   const std::size_t stop_state = store_.add({"stop_state", "nodmap.stop_state"});
   subscribe<nodmap::stop_t>(bus, "STOP", [=, this, &bus](const auto& message) {
     post_stop(message);
-    stop_state_.take(message, bus.origin().received);
+    stop_state_.take(message, bus.origin().arrived);
     post(stop_state, node::stamp_of(message), [state = stop_state_] { return state.to_json(); });
   });
   // The viewer's own STATUS comes once a second, whoever else has died.
   subscribe<nodmap::status_t>(bus, "STATUS", [=, this, &bus](const auto& message) {
-    if (stop_state_.pass(bus.origin().received)) {
+    if (stop_state_.pass(bus.origin().arrived)) {
       post(stop_state, node::stamp_of(message), [state = stop_state_] { return state.to_json(); });
     }
   });

@@ -26,18 +26,18 @@ const char* name_of(StopState::State state) {
 
 }  // namespace
 
-void StopState::take(const nodmap::stop_t& message, time::Timestamp received) {
+void StopState::take(const nodmap::stop_t& message, time::SteadyTime arrived) {
   stamp_ = node::stamp_of(message);
-  now_ = received;
+  now_ = arrived;
   const bool is_confirmed = node::is_confirmation(message);
   if (message.is_stopped == 0) {
     asked_.reset();
     confirmed_.reset();
   } else {
-    asked_ = asked_.value_or(received);
+    asked_ = asked_.value_or(arrived);
   }
   if (is_confirmed) {
-    confirmed_ = received;
+    confirmed_ = arrived;
   }
   // What the base driver says does not alternate with the repetitions of others.
   if (is_confirmed || state() != State::kStopped) {
@@ -45,7 +45,7 @@ void StopState::take(const nodmap::stop_t& message, time::Timestamp received) {
   }
 }
 
-bool StopState::pass(time::Timestamp now) {
+bool StopState::pass(time::SteadyTime now) {
   const State before = state();
   now_ = now;
   return state() != before;
@@ -55,7 +55,7 @@ StopState::State StopState::state() const {
   if (!asked_) {
     return State::kReleased;
   }
-  if (time::is_due(now_, confirmed_ ? confirmed_ : asked_, kPatience)) {
+  if (now_ - confirmed_.value_or(*asked_) >= kPatience) {
     return State::kNotConfirmed;
   }
   return confirmed_ ? State::kStopped : State::kSent;

@@ -23,13 +23,13 @@ class StopState {
     kNotConfirmed,  ///< the base driver is silent about it
   };
 
-  /// `received`: when this host received it, or in replay when it was logged.
-  void take(const nodmap::stop_t& message, time::Timestamp received);
+  /// `arrived`: when this host received it, or in replay when it was logged.
+  void take(const nodmap::stop_t& message, time::SteadyTime arrived);
 
   /// Lets time pass without a message on STOP, as when the base driver has died: a state lasts only
-  /// as long as it is confirmed. `now`: by the clock of `received`. Returns whether the state has
+  /// as long as it is confirmed. `now`: by the clock of `arrived`. Returns whether the state has
   /// changed.
-  bool pass(time::Timestamp now);
+  bool pass(time::SteadyTime now);
 
   [[nodiscard]] State state() const;
 
@@ -38,10 +38,10 @@ class StopState {
 
  private:
   time::Timestamp stamp_{};  // of the newest message
-  time::Timestamp now_{};    // when it was received, or that has passed since
+  time::SteadyTime now_{};   // when it arrived, or that has passed since
   std::string by_;
-  std::optional<time::Timestamp> asked_;      // first STOP since the release
-  std::optional<time::Timestamp> confirmed_;  // last confirmation since then
+  std::optional<time::SteadyTime> asked_;      // first STOP since the release
+  std::optional<time::SteadyTime> confirmed_;  // last confirmation since then
 };
 
 }  // namespace nodmap::foxglove

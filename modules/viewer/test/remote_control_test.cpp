@@ -14,7 +14,6 @@
 #include "nodmap/save_request_t.hpp"
 #include "nodmap/status_t.hpp"
 #include "procman/config/parser.hpp"
-#include "tests/support/manual_clock.hpp"
 
 namespace nodmap::viewer {
 namespace remote_control_test {
@@ -35,7 +34,8 @@ class RemoteControlTest : public ::testing::Test {
   }
 
   void pass(time::Duration duration) {
-    clock_.advance(duration);
+    now_.wall += duration;
+    now_.steady += duration;
     control_.poll();
     handle();
   }
@@ -63,8 +63,8 @@ class RemoteControlTest : public ::testing::Test {
   bus::Latest<nodmap::explore_t> explore_{bus_, "EXPLORE"};
   bus::Latest<nodmap::stop_t> stop_{bus_, "STOP"};
   bus::Latest<nodmap::save_request_t> save_{bus_, "SAVE_REQUEST"};
-  test::ManualClock clock_{time::from_utime(77)};
-  RemoteControl control_{bus_, clock_, nullptr};
+  time::Moment now_{time::from_utime(77), time::SteadyTime(5h)};
+  RemoteControl control_{bus_, [this] { return now_; }, nullptr};
   std::string answer_;
 };
 
@@ -168,7 +168,7 @@ TEST_F(RemoteControlTest, AnAnswerSaysIfNobodyReportsWhoCouldDoIt) {
     report(process);
     EXPECT_TRUE(ask(request));
     EXPECT_FALSE(answer_has("reports")) << answer_;
-    clock_.advance(5s);  // the process has ended
+    pass(5s);  // the process has ended
     EXPECT_TRUE(ask(request));
     EXPECT_TRUE(answer_has("reports")) << answer_;
   }
@@ -197,6 +197,26 @@ TEST_F(RemoteControlTest, AGoalThatNobodyTakesIsNotRepeatedForLong) {
   }
 }
 
+// The 2 s are over, although by the wall clock they seem to lie ahead.
+TEST_F(RemoteControlTest, AClockThatIsSetBackDoesNotProlongAGoal) {
+  EXPECT_TRUE(ask({{"do", "goal"}, {"x_m", 1}, {"y_m", 1}}));
+  pass(1900ms);
+  const std::int64_t count = goal_.count();
+  now_.wall -= 3s;
+  pass(200ms);
+  pass_ten_seconds();
+  EXPECT_EQ(goal_.count(), count);
+}
+
+TEST_F(RemoteControlTest, AClockThatIsSetSilencesNobody) {
+  report("nodmap-navigator");
+  for (const time::Duration set_by : {-1h, 2h}) {
+    now_.wall += set_by;
+    EXPECT_TRUE(ask({{"do", "roam"}}));
+    EXPECT_FALSE(answer_has("reports")) << answer_;
+  }
+}
+
 // The explorer takes the repetition for a goal of somebody else, which ends the exploration.
 TEST_F(RemoteControlTest, AnExplorationEndsTheRepetitionOfAGoal) {
   EXPECT_TRUE(ask({{"do", "goal"}, {"x_m", 1}, {"y_m", 1}}));
@@ -213,7 +233,7 @@ TEST_F(RemoteControlTest, AReleaseByAnotherSenderEndsTheRepetition) {
   handle();
   pass(node::StopSender::kPeriod);
   EXPECT_TRUE(stop_.get()->is_stopped);
-  other.utime = time::to_utime(clock_.now()) + 1;
+  other.utime = time::to_utime(now_.wall) + 1;
   bus_.publish("STOP", other);
   handle();
   pass(10 * node::StopSender::kPeriod);
@@ -225,7 +245,7 @@ TEST_F(RemoteControlTest, ARepetitionOfAStopIsNotNewerThanAReleaseSinceTheStop) 
   EXPECT_TRUE(ask({{"do", "stop"}}));
   pass(1s);
   nodmap::stop_t release{};
-  release.utime = time::to_utime(clock_.now() - 150ms);
+  release.utime = time::to_utime(now_.wall - 150ms);
   bus_.publish("STOP", release);
   handle();
   const std::int64_t count = stop_.count();
@@ -285,7 +305,8 @@ TEST_F(RemoteControlTest, ProcessCommandsArePassedToProcessControl) {
       bus_,
       procman::parse_config(R"(cmd "slam2d" { exec = "nodmap-slam2d"; host = "robot"; })").config,
       [] { return time::Moment{}; });
-  RemoteControl control(bus_, clock_, &processes);
+  RemoteControl control(
+      bus_, [this] { return now_; }, &processes);
   // All else is tested with ProcessControl.
   EXPECT_EQ(control.answer({{"do", "restart_process"}, {"command", "slam2d"}}, 0s).text,
             "The deputy robot does not answer.");

@@ -10,7 +10,7 @@ namespace stop_state_test {
 
 using State = StopState::State;
 
-constexpr time::Timestamp kStart{1'700'000'000s};
+constexpr time::SteadyTime kStart{5h};
 
 nodmap::stop_t stop_by(const std::string& by) {
   nodmap::stop_t message{};
