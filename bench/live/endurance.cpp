@@ -181,7 +181,8 @@ Json Endurance::report_reaction(const std::vector<Sample>& samples, time::Durati
   const auto measured = within(samples, begin_, end_);
   Json json = to_json(measured);
   json["target_p99_us"] = time::to_us(target);
-  json["p99_us_over_time"] = latency::p99_us_over_time(measured, kParts);
+  json["min_us_over_time"] = latency::us_over_time(measured, kParts, &latency::Summary::min);
+  json["p99_us_over_time"] = latency::us_over_time(measured, kParts, &latency::Summary::p99);
   if (options_.viewer) {
     json["without_viewer"] = to_json(within(samples, begin_, half_));
     json["with_viewer"] = to_json(within(samples, half_, end_));
@@ -226,8 +227,9 @@ Json Endurance::report_process(const Process& process) const {
 Json Endurance::report() const {
   Json lags;
   for (const auto& [channel, samples] : lags_) {
-    lags[channel] = {{"n", samples.size()},
-                     {"p99_us_over_time", latency::p99_us_over_time(samples, kParts)}};
+    lags[channel] = {
+        {"n", samples.size()},
+        {"p99_us_over_time", latency::us_over_time(samples, kParts, &latency::Summary::p99)}};
   }
   Json processes;
   for (const auto& [name, process] : processes_) {

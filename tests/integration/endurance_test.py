@@ -11,8 +11,7 @@ import subprocess
 import tempfile
 import unittest
 
-# A process that is 2 % too slow for 75 scans a second is later than this within five seconds; 0.4 to 2 ms are usual, also with other work on the machine.
-GROWING_QUEUE_US = 100_000
+SCAN_PERIOD_US = 13_320
 
 PROCESSES = ["kurt", "laser3d", "logger", "map-server", "navigator", "pitch-controller", "sim", "slam2d", "slam6d", "viewer"]
 
@@ -37,7 +36,10 @@ class Endurance(unittest.TestCase):
                 # 75 scans a second in ten seconds, or in five; a busy machine may lose most of them.
                 self.assertGreater(part["n"], 50)
                 self.assertGreater(part["p99_us"], 0)
-                self.assertLess(part["p50_us"], GROWING_QUEUE_US)
+            # While a queue grows, every message waits for longer than all before it. Other work on the machine delays some, so the least wait
+            # of a second tells. One below the period of the scans is no queue: the next scan has not even come.
+            least_us = report[reaction]["min_us_over_time"]
+            self.assertLess(least_us[-1], max(SCAN_PERIOD_US, 2 * least_us[0]), least_us)
         for name in PROCESSES:
             process = report["processes"][f"nodmap-{name}"]
             self.assertEqual(len(process["resident_mib_over_time"]), 11, name)

@@ -50,7 +50,7 @@ nlohmann::ordered_json to_json(const std::vector<Sample>& samples) {
           {"p50_us", time::to_us(summary.p50)},
           {"p99_us", time::to_us(summary.p99)},
           {"max_us", time::to_us(summary.max)},
-          {"p99_us_over_time", p99_us_over_time(samples, kParts)}};
+          {"p99_us_over_time", us_over_time(samples, kParts, &Summary::p99)}};
 }
 
 struct Arguments {

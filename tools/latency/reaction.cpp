@@ -36,14 +36,16 @@ Summary summarize(std::span<const Sample> samples) {
     waits.push_back(sample.wait);
   }
   std::ranges::sort(waits);
-  return {waits.size(), nearest_rank(waits, 0.50), nearest_rank(waits, 0.99), waits.back()};
+  return {waits.size(), waits.front(), nearest_rank(waits, 0.50), nearest_rank(waits, 0.99),
+          waits.back()};
 }
 
-std::vector<std::int64_t> p99_us_over_time(std::span<const Sample> samples, std::size_t parts) {
-  std::vector<std::int64_t> p99(parts, 0);
+std::vector<std::int64_t> us_over_time(std::span<const Sample> samples, std::size_t parts,
+                                       time::Duration Summary::*percentile) {
+  std::vector<std::int64_t> values(parts, 0);
   std::vector<std::vector<Sample>> split(parts);
   if (samples.empty() || parts == 0) {
-    return p99;
+    return values;
   }
   const time::Timestamp first = samples.front().at;
   const time::Duration span = std::max<time::Duration>(samples.back().at - first, 1us);
@@ -53,9 +55,10 @@ std::vector<std::int64_t> p99_us_over_time(std::span<const Sample> samples, std:
         std::clamp(share * static_cast<double>(parts), 0.0, static_cast<double>(parts) - 1.0);
     split[static_cast<std::size_t>(part)].push_back(sample);
   }
-  std::ranges::transform(split, p99.begin(),
-                         [](const auto& part) { return time::to_us(summarize(part).p99); });
-  return p99;
+  std::ranges::transform(split, values.begin(), [percentile](const auto& part) {
+    return time::to_us(summarize(part).*percentile);
+  });
+  return values;
 }
 
 void Reaction::add(std::string_view channel, std::span<const std::byte> data,

@@ -30,6 +30,7 @@ struct Sample {
 /// Percentiles of waiting times, by nearest rank.
 struct Summary {
   std::size_t n = 0;
+  time::Duration min{};
   time::Duration p50{};
   time::Duration p99{};
   time::Duration max{};
@@ -37,10 +38,13 @@ struct Summary {
 
 [[nodiscard]] Summary summarize(std::span<const Sample> samples);
 
-/// The 99th percentile, in microseconds, in each of `parts` equal parts of the time from the first
-/// sample to the last. A growing queue appears as increasing values. A part without a sample is 0.
-[[nodiscard]] std::vector<std::int64_t> p99_us_over_time(std::span<const Sample> samples,
-                                                         std::size_t parts);
+/// One percentile, `&Summary::p99` or another, in microseconds, in each of `parts` equal parts of
+/// the time from the first sample to the last. A growing queue appears as increasing values; the
+/// minimum shows nothing else, because no other work delays every message of a part. A part without
+/// a sample is 0.
+[[nodiscard]] std::vector<std::int64_t> us_over_time(std::span<const Sample> samples,
+                                                     std::size_t parts,
+                                                     time::Duration Summary::*percentile);
 
 /// Measures the time from a scan on the bus to the map that contains it and to the following
 /// command, from the times at which an observer received these messages. The same observer receives

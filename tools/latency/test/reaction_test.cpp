@@ -108,21 +108,23 @@ TEST(Summary, IsByNearestRank) {
   }
   const Summary summary = summarize(samples);
   EXPECT_EQ(summary.n, 200U);
+  EXPECT_EQ(summary.min, 1us);
   EXPECT_EQ(summary.p50, 100us);
   EXPECT_EQ(summary.p99, 198us);
   EXPECT_EQ(summary.max, 200us);
   EXPECT_EQ(summarize({}).n, 0U);
 }
 
-TEST(P99OverTime, ShowsAQueueThatGrows) {
+TEST(UsOverTime, ShowsAQueueThatGrows) {
   std::vector<Sample> samples;
   for (std::int64_t i = 0; i < 100; ++i) {
     samples.push_back({time::from_utime(1000 * i), time::Duration(i)});
   }
-  EXPECT_THAT(p99_us_over_time(samples, 4), ElementsAre(24, 49, 74, 99));
-  EXPECT_THAT(p99_us_over_time({}, 2), ElementsAre(0, 0));
+  EXPECT_THAT(us_over_time(samples, 4, &Summary::p99), ElementsAre(24, 49, 74, 99));
+  EXPECT_THAT(us_over_time(samples, 4, &Summary::min), ElementsAre(0, 25, 50, 75));
+  EXPECT_THAT(us_over_time({}, 2, &Summary::p99), ElementsAre(0, 0));
   const std::vector<Sample> one = {{time::from_utime(5), 6us}};
-  EXPECT_THAT(p99_us_over_time(one, 2), ElementsAre(6, 0));
+  EXPECT_THAT(us_over_time(one, 2, &Summary::p99), ElementsAre(6, 0));
 }
 
 }  // namespace reaction_test
