@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What slam2d_days.py and slam6d_days.py share: the corridor that the robot paces for days, and what a map of it costs."""
+"""What slam2d_days.py and slam6d_days.py share: the corridor in which the robot drives up and down for days, and what a map of it costs."""
 import argparse
 import json
 import math

@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Whether 6D SLAM lives with its map for days: pacing one corridor and standing, for hours of log time.
+"""Measures whether 6D SLAM's costs stay constant for days: the robot drives up and down one corridor, for hours of log time.
 
 bench/slam6d_days.py [--bin DIR] [--hours H ...] [--set KEY=VALUE ...]
 
-Writes the recording of a robot that paces the corridor of bench/days.py and stands for a minute at either end: a nodding laser with 181 beams
+Writes the recording of a robot that drives up and down the corridor of bench/days.py and stops for a minute at each end: a nodding laser with 181 beams
 and a range noise of 1 cm, 75 scans a second, wheels that drift. Maps a recording of H hours for each H and prints a row: CPU time of a sweep, peak
 memory without the recording (sampled every 50 ms), what the map holds, and the error of all poses. The CPU time is that of the whole process, by the number of
 sweeps; it contains the final adjustment once, and falls with the hours. That of a *further* sweep, of those which the row before does not
-have, shows whether costs grow. With flat costs all further ones are alike.
+have, shows whether costs grow. If the costs are constant, all further sweeps are alike.
 """
 import math
 import pathlib

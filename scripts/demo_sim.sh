@@ -117,7 +117,7 @@ run "$bin/nodmap-sheriff" "$config" --script demo --on-script-complete exit --ti
 
 need_deputy
 
-# The base driver stands after each start until somebody says so.
+# After each start the base driver keeps the robot stopped until somebody releases it.
 run "$bin/nodmap-stop" --go --wait 30 --by demo || die "the robot is not released; see $out/deputy.log"
 
 token=$(grep -o -m 1 '#token=[0-9a-f]*' "$out/viewer.log") || true
