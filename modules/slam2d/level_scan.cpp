@@ -52,7 +52,7 @@ std::optional<LevelScan> LevelScanInput::add_scan(const scan::Scan& scan) {
       .points_base = extractor_.extract(*level, T_published_base.inverse() * T_published_last),
       .odometry_gap_s = std::exchange(odometry_gap_s_, 0.0),
       .odometry_has_restarted = std::exchange(odometry_has_restarted_, false),
-      .is_of_nod = !is_stationary(*level)};
+      .is_of_nod = !has_constant_pitch(*level)};
 }
 
 }  // namespace nodmap::slam2d

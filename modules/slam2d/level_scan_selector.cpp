@@ -8,7 +8,7 @@ namespace nodmap::slam2d {
 namespace {
 
 // Less than the pitch step of the slowest nod (0.25 deg), more than the noise of an encoder.
-constexpr double kStationaryRad = geometry::deg_to_rad(0.05);
+constexpr double kConstantRad = geometry::deg_to_rad(0.05);
 
 bool looks_up(const scan::Scan& scan) {
   return scan.pitch_mid_rad() >= 0.0;
@@ -16,8 +16,8 @@ bool looks_up(const scan::Scan& scan) {
 
 }  // namespace
 
-bool is_stationary(const scan::Scan& scan) {
-  return std::abs(scan.pitch_last_rad - scan.pitch_first_rad) <= kStationaryRad;
+bool has_constant_pitch(const scan::Scan& scan) {
+  return std::abs(scan.pitch_last_rad - scan.pitch_first_rad) <= kConstantRad;
 }
 
 bool LevelScanSelector::is_level(const scan::Scan& scan) const {
@@ -29,13 +29,13 @@ const scan::Scan* LevelScanSelector::add(const scan::Scan& scan) {
   current_ = scan;
   const bool previous_was_used = std::exchange(current_was_used_, false);
   const double last_pitch = previous_ ? previous_->pitch_mid_rad() : 0.0;
-  const bool has_stopped =
-      is_stationary(scan) && std::abs(scan.pitch_mid_rad() - last_pitch) <= kStationaryRad;
-  return select(has_stopped, previous_was_used);
+  const bool is_held =
+      has_constant_pitch(scan) && std::abs(scan.pitch_mid_rad() - last_pitch) <= kConstantRad;
+  return select(is_held, previous_was_used);
 }
 
-const scan::Scan* LevelScanSelector::select(bool is_stationary, bool previous_was_used) {
-  if (is_stationary) {
+const scan::Scan* LevelScanSelector::select(bool is_held, bool previous_was_used) {
+  if (is_held) {
     current_was_used_ = is_level(*current_);
     return current_was_used_ ? &*current_ : nullptr;
   }

@@ -9,11 +9,11 @@
 namespace nodmap::slam2d {
 
 /// Whether the pitch is the same at the first and the last beam: the scanner does not nod.
-[[nodiscard]] bool is_stationary(const scan::Scan& scan);
+[[nodiscard]] bool has_constant_pitch(const scan::Scan& scan);
 
 /// Selects the scans taken in the horizontal position from the stream of a nodding scanner (section
 /// IV A): of each sweep the one whose mean pitch is nearest to 0, at most half a pitch step away.
-/// Selects every scan of a scanner that is stationary and level.
+/// Selects every scan of a scanner that is held level.
 class LevelScanSelector {
  public:
   explicit LevelScanSelector(const LevelScanParams& params) : params_(params) {}
@@ -24,7 +24,7 @@ class LevelScanSelector {
 
  private:
   [[nodiscard]] bool is_level(const scan::Scan& scan) const;
-  [[nodiscard]] const scan::Scan* select(bool is_stationary, bool previous_was_used);
+  [[nodiscard]] const scan::Scan* select(bool is_held, bool previous_was_used);
 
   LevelScanParams params_;
   std::optional<scan::Scan> previous_;

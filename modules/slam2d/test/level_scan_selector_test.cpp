@@ -65,7 +65,7 @@ TEST(LevelScanSelector, AScanIsUsedOnlyOnce) {
   EXPECT_EQ(selected({-1, 0, -1, 0, -1}), (std::vector<std::int64_t>{1, 3}));
 }
 
-TEST(LevelScanSelector, SelectsEveryScanOfAStationaryLevelScanner) {
+TEST(LevelScanSelector, SelectsEveryScanOfAScannerHeldLevel) {
   EXPECT_EQ(selected({0, 0, 0, 0}), (std::vector<std::int64_t>{0, 1, 2, 3}));
   EXPECT_EQ(selected({0.01, -0.01, 0.01}), (std::vector<std::int64_t>{0, 1, 2}));
 }
