@@ -80,7 +80,7 @@ class Laser3d {
   [[nodiscard]] node::Health health(time::SteadyTime now) const;
   [[nodiscard]] const Counts& counts() const { return counts_; }
   [[nodiscard]] const SickSession::Counts& laser_counts() const { return sick_.counts(); }
-  [[nodiscard]] ServoCounts servo_line() const { return servo_->line_counts(); }
+  [[nodiscard]] ServoCounts servo_counts() const { return servo_->line_counts(); }
   [[nodiscard]] const SickParser& laser_line() const { return parser_; }
 
  private:

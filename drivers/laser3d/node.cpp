@@ -159,7 +159,7 @@ nlohmann::json Laser3dNode::metrics() const {
   const SickSession::Counts& laser = driver_.laser_counts();
   const SickParser& parser = driver_.laser_line();
   const serial::FrameScanner::Errors& errors = parser.errors();
-  const ServoCounts servo = driver_.servo_line();
+  const ServoCounts servo = driver_.servo_counts();
   return {{"scans", scanner.scans},
           {"scans_without_pitch", scanner.scans_without_pitch},
           {"telegrams_missed", scanner.telegrams_missed},
