@@ -66,14 +66,14 @@ void print_reactions() {
   }
 }
 
-// How soon a robot that drives as fast as permitted, from standing, is at a speed. The base
+// How soon a robot that drives as fast as permitted, from rest, is at a speed. The base
 // accelerates at 1.5 m/s^2.
 void print_accelerations() {
   constexpr double kBaseStepMps = 1.5 * 0.01;
   test::Loop loop;
   loop.run(5.0, 0.0);
   const time::Timestamp start = loop.now;
-  std::puts("\n| from standing to | after |\n|---|---|");
+  std::puts("\n| from rest to | after |\n|---|---|");
   for (const double wanted_mps : {0.5, 1.0, 1.5}) {
     const double limit_mps = wanted_mps - 1e-6;
     while (loop.speed < limit_mps && loop.now - start < 30s) {

@@ -220,7 +220,7 @@ def map_error(trial, bin_dir):
 
 def clouds(quick):
     corridor_moving = Trial("corridor-moving", "corridor30", 2, 12 if quick else 25, *ODOMETRY_NOISE)
-    stationary = Trial("cellar-standing", "cellar", 2, 12, "--without", "navigator")
+    stationary = Trial("cellar-stationary", "cellar", 2, 12, "--without", "navigator")
     cellar_moving = Trial("cellar-moving", "cellar", 2, 20 if quick else 40, *ODOMETRY_NOISE)
 
     def add_rows(table, bin_dir):

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/live/ground_truth_monitor.hpp"
+#include "bench/live/robot_observer.hpp"
 #include "bench/live/stop_metrics.hpp"
 #include "common/bus/live_bus.hpp"
 #include "common/node/clock.hpp"
@@ -256,7 +256,7 @@ bool is_kept(Promise promise, const std::vector<Motion>& motions, time::Timestam
 }
 
 // Attacks for `duration_s`, and then until `is_answered`, because a busy machine may react late.
-void strike_until(const Attack& attack, GroundTruthMonitor& monitor, double duration_s,
+void strike_until(const Attack& attack, RobotObserver& observer, double duration_s,
                   const std::function<bool()>& is_answered) {
   using Clock = std::chrono::steady_clock;
   Forger forger;
@@ -264,7 +264,7 @@ void strike_until(const Attack& attack, GroundTruthMonitor& monitor, double dura
   const auto enough = next + std::chrono::duration<double>(duration_s);
   const auto period = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(
       attack.rate_hz > 0.0 ? 1.0 / attack.rate_hz : 2.0 * (duration_s + kPatienceS)));
-  monitor.listen(duration_s + kPatienceS, [&] {
+  observer.listen(duration_s + kPatienceS, [&] {
     for (; attack.strike && next <= Clock::now(); next += period) {
       attack.strike(forger);
     }
@@ -272,14 +272,14 @@ void strike_until(const Attack& attack, GroundTruthMonitor& monitor, double dura
   });
 }
 
-void stop_and_restart_pair(RobotProcesses& robot, GroundTruthMonitor& monitor) {
+void stop_and_restart_pair(RobotProcesses& robot, RobotObserver& observer) {
   Forger forger;
   nodmap::stop_t stop{};
   stop.utime = time::to_utime(now());
   stop.is_stopped = 1;
   stop.requested_by = "the bench";
   forger.publish("STOP", stop);
-  monitor.listen(1.0);
+  observer.listen(1.0);
   for (const char* name : {"kurt", "navigator"}) {
     robot.kill(name);
   }
@@ -289,28 +289,28 @@ void stop_and_restart_pair(RobotProcesses& robot, GroundTruthMonitor& monitor) {
 }
 
 Outcome examine(const Attack& attack, const RobotProcesses::Options& options, double duration_s) {
-  GroundTruthMonitor monitor;
+  RobotObserver observer;
   RobotProcesses robot(options);
   Outcome outcome;
-  outcome.drove_before = monitor.listen(kPatienceS, [&] { return monitor.driving(kDrivingMps); });
-  static_cast<void>(monitor.take_complaints());  // of the start
+  outcome.drove_before = observer.listen(kPatienceS, [&] { return observer.driving(kDrivingMps); });
+  static_cast<void>(observer.take_complaints());  // of the start
   const time::Timestamp from = now() + time::from_seconds(kTimeToStopS);
   if (attack.restarts_stopped_pair) {
-    stop_and_restart_pair(robot, monitor);
+    stop_and_restart_pair(robot, observer);
   }
-  strike_until(attack, monitor, duration_s, [&] {
-    const bool is_told = attack.teller.empty() || monitor.complaints().contains(attack.teller);
+  strike_until(attack, observer, duration_s, [&] {
+    const bool is_told = attack.teller.empty() || observer.complaints().contains(attack.teller);
     return is_told && (attack.promise == Promise::kStationary ||
-                       is_kept(attack.promise, monitor.motions(), from));
+                       is_kept(attack.promise, observer.motions(), from));
   });
-  outcome.driven_m = driven_m(monitor.motions(), from);
-  outcome.is_kept = is_kept(attack.promise, monitor.motions(), from);
-  outcome.complaints = monitor.take_complaints();
+  outcome.driven_m = driven_m(observer.motions(), from);
+  outcome.is_kept = is_kept(attack.promise, observer.motions(), from);
+  outcome.complaints = observer.take_complaints();
   if (attack.restarts_stopped_pair) {
     robot.release();
   }
-  outcome.drove_after = monitor.listen(kPatienceS, [&] { return monitor.driving(kDrivingMps); });
-  outcome.collisions = monitor.collisions();
+  outcome.drove_after = observer.listen(kPatienceS, [&] { return observer.driving(kDrivingMps); });
+  outcome.collisions = observer.collisions();
   outcome.dead = robot.take_dead();
   return outcome;
 }

@@ -8,7 +8,7 @@
 #include <sstream>
 #include <vector>
 
-#include "bench/live/ground_truth_monitor.hpp"
+#include "bench/live/robot_observer.hpp"
 #include "bench/live/stop_metrics.hpp"
 #include "common/node/clock.hpp"
 #include "drivers/kurt/params.hpp"
@@ -50,15 +50,15 @@ struct Outcome {
 };
 
 // Kills the process while the robot drives, waits, and restarts it. Returns the time of the kill.
-std::optional<time::Timestamp> kill_and_restart(RobotProcesses& robot, GroundTruthMonitor& monitor,
+std::optional<time::Timestamp> kill_and_restart(RobotProcesses& robot, RobotObserver& observer,
                                                 const std::string& process) {
-  monitor.listen(5.0);
-  if (!monitor.listen(30.0, [&] { return monitor.driving(kDrivingMps); })) {
+  observer.listen(5.0);
+  if (!observer.listen(30.0, [&] { return observer.driving(kDrivingMps); })) {
     return std::nullopt;
   }
   const time::Timestamp at = time::SystemClock().now();
   robot.kill(process);
-  monitor.listen(kFaultForS);
+  observer.listen(kFaultForS);
   robot.start(process);
   if (process == "kurt") {
     robot.release();
@@ -66,12 +66,12 @@ std::optional<time::Timestamp> kill_and_restart(RobotProcesses& robot, GroundTru
   return at;
 }
 
-std::optional<time::Timestamp> wait_for_fault(GroundTruthMonitor& monitor) {
-  if (!monitor.listen(10.0, [&] { return !monitor.motions().empty(); })) {
+std::optional<time::Timestamp> wait_for_fault(RobotObserver& observer) {
+  if (!observer.listen(10.0, [&] { return !observer.motions().empty(); })) {
     return std::nullopt;
   }
-  const time::Timestamp at = monitor.motions().front().stamp + time::from_seconds(kFaultAtS);
-  monitor.listen(kFaultAtS + kFaultForS);
+  const time::Timestamp at = observer.motions().front().stamp + time::from_seconds(kFaultAtS);
+  observer.listen(kFaultAtS + kFaultForS);
   return at;
 }
 
@@ -81,17 +81,17 @@ Outcome examine(const Case& what, RobotProcesses::Options options) {
     fault << what.fault << "@" << kFaultAtS << "+" << kFaultForS;
     options.faults = {fault.str()};
   }
-  GroundTruthMonitor monitor;
+  RobotObserver observer;
   RobotProcesses robot(options);
-  const auto at = what.process.empty() ? wait_for_fault(monitor)
-                                       : kill_and_restart(robot, monitor, what.process);
+  const auto at = what.process.empty() ? wait_for_fault(observer)
+                                       : kill_and_restart(robot, observer, what.process);
   Outcome outcome;
   if (at) {
-    outcome.stop = stop_metrics(monitor.motions(), *at);  // until the fault's end
+    outcome.stop = stop_metrics(observer.motions(), *at);  // until the fault's end
     outcome.goes_on =
-        monitor.listen(kDrivesOnWithinS, [&] { return monitor.driving(kDrivesOnMps); });
+        observer.listen(kDrivesOnWithinS, [&] { return observer.driving(kDrivesOnMps); });
   }
-  outcome.collisions = monitor.collisions();
+  outcome.collisions = observer.collisions();
   return outcome;
 }
 

@@ -15,10 +15,11 @@
 
 namespace nodmap::bench {
 
-/// Records TRUTH, the true state of the simulated robot, and the processes whose health is not OK.
-class GroundTruthMonitor {
+/// Listens to TRUTH and STATUS: how the simulated robot really moves, and which processes complain
+/// of what.
+class RobotObserver {
  public:
-  GroundTruthMonitor() : bus_("") {
+  RobotObserver() : bus_("") {
     bus_.subscribe<nodmap::truth_t>("TRUTH", [this](const nodmap::truth_t& truth) {
       collisions_ = truth.collisions;
       motions_.push_back({time::from_utime(truth.utime), truth.position_m[0], truth.position_m[1],
