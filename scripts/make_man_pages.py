@@ -12,7 +12,7 @@ import sys
 
 OPTION = re.compile(r"^ {2,4}(-\S+)(.*)$")
 WORD = re.compile(r"^ {2}([A-Za-z]\S*)(.*)$")
-FILE_OPTIONS = {"--config", "--replay", "--out", "--world", "--log", "--logs", "--json", "--procman", "--links"}
+FILE_OPTIONS = {"--config", "--replay", "--out", "--world", "--logs", "--json", "--procman", "--links"}
 
 
 def run(*command):

@@ -178,7 +178,7 @@ TEST(Texts, MustNotBeEmpty) {
       {"nodmap-slam6d", "--map-in", ""},
       {"nodmap-map-server", "--config", ""},
       {"nodmap-explorer", "--set", ""},
-      {"nodmap-latency", "--log", ""},
+      {"nodmap-latency", "--replay", ""},
       {"nodmap-viewer", "--control", "--procman", ""},
       {"nodmap-logger", "--file", ""},
       {"nodmap-stop", "--lcm-url", ""},
@@ -213,7 +213,7 @@ TEST(Trial, RefusesOptionsThatContradictEachOther) {
 TEST(Options, ThatWouldHaveNoEffectAreRefused) {
   const std::vector<std::vector<std::string>> commands = {
       {"nodmap-goal", "3", "1", "--heading-tolerance", "2"},
-      {"nodmap-latency", "--duration", "2", "--log", "x.lcmlog"},
+      {"nodmap-latency", "--duration", "2", "--replay", "x.lcmlog"},
       {"nodmap-convert", "export", "x.lcmlog", "x.clf", "--channel", "SCAN"},
       {"nodmap-convert", "export", "x.lcmlog", "x.ply", "--channel", "SCAN"},
       {"nodmap-convert", "export", "x.lcmlog", "x.csv", "--start-s", "2"},

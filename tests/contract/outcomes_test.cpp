@@ -35,7 +35,7 @@ TEST(Localisation, SaysThatTheRobotWasNotFound) {
 TEST(Latency, SaysWhyItHasNothingToMeasure) {
   const test::TemporaryDir dir;
   write_odometry_log(dir.path() / "in.lcmlog", 3);
-  const auto result = run_program("nodmap-latency", {"--log", dir.path() / "in.lcmlog"});
+  const auto result = run_program("nodmap-latency", {"--replay", dir.path() / "in.lcmlog"});
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_THAT(result.err, HasSubstr("no SCAN was followed by an OBSTACLE_MAP"));
 }

@@ -306,7 +306,7 @@ INSTANTIATE_TEST_SUITE_P(
                       ReadingCommand{"nodmap-evaluate", {"relations", "/dev/null"}, {}},
                       ReadingCommand{"nodmap-evaluate", {"cloud", "/dev/null"}, {}},
                       ReadingCommand{"nodmap-deputy", {}, {}},
-                      ReadingCommand{"nodmap-latency", {"--log"}, {}},
+                      ReadingCommand{"nodmap-latency", {"--replay"}, {}},
                       ReadingCommand{"nodmap-sheriff", {}, {}},
                       ReadingCommand{"nodmap-sim", {"--world"}, {}},
                       ReadingCommand{"nodmap-slam2d", {"--config"}, {}},
@@ -354,7 +354,7 @@ INSTANTIATE_TEST_SUITE_P(
                       ReadingCommand{"nodmap-convert", {"mcap"}, {"new.mcap"}},
                       ReadingCommand{"nodmap-convert", {"export", "--channel", "A"}, {"new.csv"}},
                       ReadingCommand{"nodmap-convert", {"export"}, {"new.ply"}},
-                      ReadingCommand{"nodmap-latency", {"--log"}, {}}),
+                      ReadingCommand{"nodmap-latency", {"--replay"}, {}}),
     name_of);
 
 }  // namespace programs_test

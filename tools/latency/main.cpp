@@ -54,7 +54,7 @@ nlohmann::ordered_json to_json(const std::vector<Sample>& samples) {
 }
 
 struct Arguments {
-  std::string log;
+  std::string replay;
   double duration_s = 60.0;
 };
 
@@ -62,14 +62,14 @@ void add_options(CLI::App& app, Arguments& arguments) {
   auto* duration = app.add_option("--duration", arguments.duration_s, "How long to listen, seconds")
                        ->check(node::above_zero())
                        ->capture_default_str();
-  app.add_option("--log", arguments.log, "Measure in this recording of nodmap-logger instead")
+  app.add_option("--replay", arguments.replay, "Measure in this recording of nodmap-logger instead")
       ->excludes(duration);
 }
 
 int run(const Arguments& arguments, const std::string& lcm_url) {
   Reaction reaction;
-  arguments.log.empty() ? listen(lcm_url, arguments.duration_s, reaction)
-                        : read_log(arguments.log, reaction);
+  arguments.replay.empty() ? listen(lcm_url, arguments.duration_s, reaction)
+                           : read_log(arguments.replay, reaction);
   const nlohmann::ordered_json result = {{"scans", reaction.scans()},
                                          {"lost", reaction.lost()},
                                          {"corrupt", reaction.corrupt()},
