@@ -164,8 +164,7 @@ struct LocalMapParams {
   template <class Visitor>
   void describe(Visitor& v) {
     v.flag("use_local_map", use,
-           "Whether the robot also drives by the local map; without it holes and low obstacles are "
-           "not seen.");
+           "Also drive by the local map; without it holes and low obstacles are not seen.");
     v.number("cell_size_m", cell_size_m, {0.015, 0.1}, "Edge of a cell.");
     v.number("range_m", range_m, {0.5, 5.0},
              "Obstacles and holes of the local map count up to this distance.");
@@ -210,10 +209,8 @@ struct PlannerParams {
   template <class Visitor>
   void describe(Visitor& v) {
     v.flag("use_planner", use,
-           "Whether the robot drives to a goal by plan and rollouts; otherwise by Steer, Brake and "
-           "Turn.");
-    v.flag("roams", roams,
-           "Whether the robot roams by plan and rollouts; otherwise by Steer, Brake and Turn.");
+           "Drive to a goal by plan and rollouts; otherwise by Steer, Brake and Turn.");
+    v.flag("roams", roams, "Roam by plan and rollouts; otherwise by Steer, Brake and Turn.");
     v.number("replan_s", replan_s, {0.05, 10.0}, "Time from one global plan to the next.");
     v.number(
         "min_clearance_m", min_clearance_m, {0.0, 0.5},
@@ -276,8 +273,7 @@ struct PeopleParams {
   template <class Visitor>
   void describe(Visitor& v) {
     v.flag("use_people", use,
-           "Whether the robot tracks people and gives way to them; otherwise it only waits for "
-           "what approaches.");
+           "Track people and give way to them; otherwise only wait for what approaches.");
     v.number("margin_m", margin_m, {0.0, 0.5},
              "Distance from a walking person at which the robot is stationary, in addition to the "
              "errors of the track.");

@@ -29,10 +29,10 @@ struct EverFreeParams {
 
   template <class Visitor>
   void describe(Visitor& v) {
-    v.flag(
-        "remove_moved", remove_moved,
-        "Leaves points out of cloud.ply and the OctoMap if they were measured where other sweeps "
-        "saw empty space, as on people who walked through.");
+    v.flag("remove_moved", remove_moved,
+           "Leave points out of cloud.ply and the OctoMap if they were measured where other sweeps "
+           "saw "
+           "empty space, as on people who walked through.");
     v.number("moved_voxel_m", voxel_size_m, {0.02, 1.0},
              "Edge of the voxels for which sweeps vote whether they are empty.");
     v.number(

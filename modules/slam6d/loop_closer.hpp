@@ -78,7 +78,7 @@ struct LoopParams {
 
   template <class Visitor>
   void describe(Visitor& v) {
-    v.flag("enabled", enabled, "Whether loops are closed.");
+    v.flag("enabled", enabled, "Close loops.");
     v.section("match", match);
     v.section("search", search);
     v.section("consensus", consensus);

@@ -45,7 +45,7 @@ struct KeyframeParams {
             "A sweep becomes a keyframe when its heading differs from the last keyframe's by more "
             "than this.");
     v.flag("stationary_only", stationary_only,
-           "Uses only sweeps during which the robot was stationary: stop, scan and go.");
+           "Use only sweeps during which the robot was stationary: stop, scan and go.");
     v.integer("max_per_place", max_per_place, {0, 10000},
               "A keyframe is dropped once this many newer ones are at its place: within 0.75 m and "
               "30 degrees. All other sweeps there are dropped as well. 0: none is dropped.");
@@ -68,7 +68,7 @@ struct OccupancyParams {
     v.number("publish_period_s", publish_period_s, {0.0, 3600.0},
              "Shortest time between two publications of the OctoMap. If it has not changed it is "
              "published again after twelve times this time; 0: never published.");
-    v.flag("save_ot", save_ot, "Saves map.ot, with probabilities, beside map.bt.");
+    v.flag("save_ot", save_ot, "Save map.ot, with probabilities, beside map.bt.");
   }
 };
 
@@ -94,7 +94,7 @@ struct Slam6dParams {
     v.section("sweep", sweep);
     v.section("range", range);
     v.flag("assume_stationary", assume_stationary,
-           "Takes the robot as stationary if a recording has no odometry at all.");
+           "Treat the robot as stationary: for recordings without odometry.");
     v.section("odometry", odometry);
     v.section("calibration", calibration);
     v.section("pitch_latency", pitch_latency);

@@ -22,9 +22,10 @@ struct AdjustmentParams {
 
   template <class Visitor>
   void describe(Visitor& v) {
-    v.flag("use_adjustment", use,
-           "Whether all keyframes and the sweeps in between are moved together at the end to where "
-           "their planes agree best.");
+    v.flag(
+        "use_adjustment", use,
+        "At the end move all keyframes, and the sweeps in between, together to where their planes "
+        "agree best.");
     v.number("voxel_size_m", voxel_size_m, {0.01, 1.0},
              "Edge of the voxels within which the points of a sweep are averaged. Finer than those "
              "of registration, because no point needs a plane of its own here.");

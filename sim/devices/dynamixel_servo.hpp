@@ -24,8 +24,8 @@ struct DynamixelParams {
              "Error of the servo's clock; positive: too fast.");
     v.integer("servo_level_position", level_position, {0, 4095},
               "Position of the servo at which the laser looks straight ahead.");
-    v.flag("servo_inverted", inverted, "Whether larger positions of the servo look down.");
-    v.flag("servo_echo", echo, "Whether the servo's adapter echoes the host's bytes.");
+    v.flag("servo_inverted", inverted, "Let larger positions of the servo look down.");
+    v.flag("servo_echo", echo, "Let the servo's adapter echo the host's bytes.");
   }
 };
 

@@ -26,7 +26,7 @@ struct KurtBaseParams {
     v.number("base_clock_ppm", clock_ppm, {-2000.0, 2000.0},
              "Error of the base's clock; positive: too slow.");
     v.flag("tilt_feels_acceleration", tilt_feels_acceleration,
-           "The tilt sensor takes the base's acceleration for tilt, as an accelerometer does: 1 "
+           "Let the tilt sensor take the base's acceleration for tilt, as an accelerometer does: 1 "
            "m/s^2 for 5.8 degrees.");
     v.angle("gyro_bias_deg_s", gyro_bias_rad_s, {-10.0, 10.0},
             "Yaw rate that the gyro reports of a stationary robot.");

@@ -34,7 +34,7 @@ struct Lms200Params {
              "Time from power-on to the laser's first telegram.");
     v.number("mirror_ppm", mirror_ppm, {-2000.0, 2000.0},
              "Error of the mirror's speed; positive: too slow.");
-    v.flag("laser_polluted", polluted, "Whether the laser reports that its window is dirty.");
+    v.flag("laser_polluted", polluted, "Let the laser report that its window is dirty.");
   }
 };
 

@@ -53,7 +53,7 @@ struct WorldParams {
              "Reflectivity of the floor, such as 0.1 for a dark carpet; 0: as in the world.");
     v.number("people_reflectivity", people_reflectivity, {0.0, 1.0},
              "Reflectivity of the people's clothes; 0: as in the world.");
-    v.flag("legs", legs, "All people have legs, instead of a cylinder down to the floor.");
+    v.flag("legs", legs, "Give all people legs, instead of a cylinder down to the floor.");
   }
 };
 

@@ -26,7 +26,7 @@ struct DynamixelParams {
   void describe(Visitor& v) {
     v.integer("level_position", level_position, {0, 4095},
               "Position at which the laser looks straight ahead.");
-    v.flag("inverted", inverted, "Whether larger positions look down.");
+    v.flag("inverted", inverted, "Set this if larger positions look down.");
   }
 };
 

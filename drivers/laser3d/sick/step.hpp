@@ -46,7 +46,7 @@ struct SickParams {
              "Shortest valid range; shorter readings hit the housing or the robot.");
     v.number("range_max_m", range_max_m, {1.0, 80.0}, "Longest valid range.");
     v.flag("upside_down", upside_down,
-           "Whether the laser is mounted upside down: its left is the robot's right.");
+           "Set this if the laser is mounted upside down: its left is the robot's right.");
     v.number("time_offset_s", time_offset_s, {-0.1, 0.1},
              "Added to the time of every beam, to correct the constant latency, which must be "
              "measured on the robot.");
