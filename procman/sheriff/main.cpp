@@ -47,10 +47,11 @@ void add_options(CLI::App& app, Options& options) {
                  "observe")
       ->check(CLI::IsMember({"exit", "stay", "observe"}))
       ->needs(script);
-  app.add_option("--timeout", options.timeout_s, "Exit with code 1 if the script takes longer (s)")
+  app.add_option("--timeout", options.timeout_s,
+                 "Exit with code 1 if the script takes longer, seconds")
       ->check(node::above_zero())
       ->needs(script);
-  auto* what = app.add_option_group("instead");
+  auto* what = app.add_option_group("instead of a script");
   what->add_flag("--check", options.check,
                  "Check the configuration: print its contents or its errors");
   auto* status = what->add_flag("--status", options.status, "Print the state of all commands");

@@ -55,7 +55,7 @@ int main(int argc, char** argv) {
        .uses_lcm = true,
        .add_options =
            [&arguments](CLI::App& app) {
-             app.add_option("corners", arguments.corners_m,
+             app.add_option("CORNERS", arguments.corners_m,
                             "Two opposite corners, X1 Y1 X2 Y2 in map, metres")
                  ->expected(4)
                  ->check(CLI::Range(-node::kMaxCoordinateM, node::kMaxCoordinateM))
@@ -64,7 +64,7 @@ int main(int argc, char** argv) {
                const std::vector<double>& m = arguments.corners_m;
                const double area_m2 = (m.at(2) - m.at(0)) * (m.at(3) - m.at(1));
                if (!std::isfinite(area_m2) || area_m2 == 0.0) {
-                 throw CLI::ValidationError("corners", "a rectangle with an area is needed");
+                 throw CLI::ValidationError("CORNERS", "a rectangle with an area is needed");
                }
              });
              node::add_request_options(app, arguments.request,

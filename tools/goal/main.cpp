@@ -38,7 +38,7 @@ struct Arguments {
 
 std::vector<Eigen::Vector2d> read_waypoints(const std::vector<double>& coordinates_m) {
   if (coordinates_m.size() % 2 != 0) {
-    throw node::UsageError("waypoints: each needs an x and a y, not " +
+    throw node::UsageError("WAYPOINTS: each needs an x and a y, not " +
                            std::to_string(coordinates_m.size()) + " numbers");
   }
   std::vector<Eigen::Vector2d> waypoints_map;
@@ -62,6 +62,7 @@ class Guide {
         return;
       }
       obeyed_ = time::steady_now();
+      reason_ = m.reason;
       if (!arguments_.is_patrol || obeyed_ - decided_ >= kLeastStay) {
         tell(route_.take_arrival(m.behaviour == navigation_t::ARRIVED));
       }
@@ -81,7 +82,7 @@ class Guide {
     while (!route_.is_over() && !is_overruled() && !node::stop_requested()) {
       if (time::steady_now() - obeyed_ > time::from_seconds(arguments_.wait_s)) {
         std::cerr << "nodmap-goal: for " << arguments_.wait_s
-                  << " s no nodmap-navigator has driven to this goal\n";
+                  << " s no nodmap-navigator has reported on this goal\n";
         return 1;
       }
       goal_sender_.repeat_if_due(time::SystemClock().now());
@@ -125,13 +126,16 @@ class Guide {
       return;
     }
     std::cout << "waypoint " << told_index_ + 1 << " of " << route_.size()
-              << (event == Route::Event::kReached ? " reached"
-                                                  : " missed: there is no path, or it cannot dock")
+              << (event == Route::Event::kReached ? " reached" : " missed" + why_missed())
               << std::endl;
     told_index_ = route_.index();
     if (!route_.is_over() && !is_overruled()) {
       set_goal();
     }
+  }
+
+  [[nodiscard]] std::string why_missed() const {
+    return reason_.empty() ? ": there is no path" : "; the navigator says: " + reason_;
   }
 
   Arguments arguments_;
@@ -140,6 +144,7 @@ class Guide {
   Route route_;
   time::SteadyTime decided_{};
   time::SteadyTime obeyed_{};  // when the navigator last reported on this goal
+  std::string reason_;         // of its behaviour, in that report
   std::size_t told_index_ = 0;
 };
 
@@ -162,7 +167,7 @@ int main(int argc, char** argv) {
        .uses_lcm = true,
        .add_options =
            [&arguments](CLI::App& app) {
-             app.add_option("waypoints", arguments.coordinates_m,
+             app.add_option("WAYPOINTS", arguments.coordinates_m,
                             "X Y of each waypoint in map, metres; 0 0 is the origin of the map")
                  ->required()
                  ->check(CLI::Range(-node::kMaxCoordinateM, node::kMaxCoordinateM));
@@ -182,14 +187,17 @@ int main(int argc, char** argv) {
                     "--heading-tolerance", arguments.heading_tolerance_deg,
                     "Largest error of the heading with which the robot counts as docked, degrees")
                  ->check(CLI::Range(0.1, 90.0))
+                 ->capture_default_str()
                  ->needs(heading);
              app.add_option("--patience", arguments.patience_s,
                             "Seconds without a path after which a waypoint is missed")
-                 ->check(CLI::Range(1.0, 3600.0));
+                 ->check(CLI::Range(1.0, 3600.0))
+                 ->capture_default_str();
              app.add_option("--wait", arguments.wait_s,
                             "Seconds without a report of the navigator on the goal after which to "
                             "give up")
-                 ->check(CLI::Range(0.1, 3600.0));
+                 ->check(CLI::Range(0.1, 3600.0))
+                 ->capture_default_str();
            },
        .run = [&arguments](const std::string& lcm_url) { return run(arguments, lcm_url); }});
 }

@@ -8,6 +8,7 @@
 #include "common/bus/live_bus.hpp"
 #include "nodmap/goal_t.hpp"
 #include "nodmap/navigation_t.hpp"
+#include "nodmap/path_t.hpp"
 #include "tests/support/child_process.hpp"
 
 namespace nodmap {
@@ -15,14 +16,24 @@ namespace goal_process_test {
 
 constexpr const char* kUrl = "udpm://239.255.76.67:7667?ttl=0";
 
-// Emulates a navigator until the program ends; returns its exit code. `obeys`: it takes the goal,
-// and arrives when it is sent for the third time; else it drives to another goal.
-std::optional<int> navigate(bool obeys, test::ChildProcess& program) {
+// What an emulated navigator does with a goal.
+enum class Does {
+  kArrive,      // when it is sent for the third time
+  kFindNoPath,  // and says so
+  kIgnore,      // it drives to another goal
+};
+
+// Emulates a navigator until the program ends; returns its exit code.
+std::optional<int> navigate(Does does, test::ChildProcess& program) {
   bus::LiveBus bus(kUrl);
   nodmap::navigation_t navigation{};
+  nodmap::path_t path{};
+  path.state = does == Does::kFindNoPath ? nodmap::path_t::NO_PATH : nodmap::path_t::PLANNED;
+  navigation.reason = does == Does::kFindNoPath ? "A wall is in the way." : "";
   bus.subscribe<nodmap::goal_t>("GOAL", [&](const nodmap::goal_t& goal) {
-    navigation.goal_utime = obeys ? goal.utime : 1;
-    const bool has_arrived = obeys && goal.goal_seq == 2;
+    navigation.goal_utime = does == Does::kIgnore ? 1 : goal.utime;
+    path.goal_utime = navigation.goal_utime;
+    const bool has_arrived = does == Does::kArrive && goal.goal_seq == 2;
     navigation.behaviour =
         has_arrived ? nodmap::navigation_t::ARRIVED : nodmap::navigation_t::STEER;
   });
@@ -32,19 +43,27 @@ std::optional<int> navigate(bool obeys, test::ChildProcess& program) {
     code = program.wait_for_end(std::chrono::milliseconds(50));
     (void)bus.handle(std::chrono::milliseconds(0));
     bus.publish("NAVIGATION", navigation);
+    bus.publish("PATH", path);
   }
   return code;
 }
 
 TEST(GoalProcess, ANavigatorThatDrivesToTheGoalIsWaitedFor) {
   test::ChildProcess program({NODMAP_GOAL_PROGRAM, "3", "1", "--wait", "2", "--lcm-url", kUrl});
-  EXPECT_EQ(navigate(true, program), 0) << program.said();
+  EXPECT_EQ(navigate(Does::kArrive, program), 0) << program.said();
 }
 
 TEST(GoalProcess, ANavigatorThatDoesNotTakeTheGoalIsNotWaitedForForEver) {
   test::ChildProcess program({NODMAP_GOAL_PROGRAM, "3", "1", "--wait", "1", "--lcm-url", kUrl});
-  EXPECT_EQ(navigate(false, program), 1);
+  EXPECT_EQ(navigate(Does::kIgnore, program), 1);
   EXPECT_TRUE(program.wait_for_stderr("no nodmap-navigator", test::kPatience));
+}
+
+TEST(GoalProcess, AMissedWaypointIsReportedWithTheNavigatorsReason) {
+  test::ChildProcess program({"sh", "-c", R"(exec "$0" "$@" >&2)", NODMAP_GOAL_PROGRAM, "3", "1",
+                              "--patience", "1", "--lcm-url", kUrl});
+  EXPECT_EQ(navigate(Does::kFindNoPath, program), 1);
+  EXPECT_TRUE(program.wait_for_stderr("missed; the navigator says: A wall", test::kPatience));
 }
 
 }  // namespace goal_process_test
