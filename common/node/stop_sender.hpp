@@ -38,8 +38,9 @@ class StopSender {
   /// Whether the present decision has been sent as often as a release is.
   [[nodiscard]] bool is_sent() const { return num_sent_ >= kNumCopies; }
 
-  /// Whom the base driver has named since the present decision: it is stopped by him. After a
-  /// release, since its last copy: before that, the base driver may not have received it.
+  /// Who has stopped the robot, as the base driver has reported since the present decision; empty:
+  /// it has not reported that the robot is stopped. After a release only reports since its last
+  /// copy count, because before that the base driver may not have received it.
   [[nodiscard]] const std::optional<std::string>& confirmed_by() const { return confirmed_by_; }
 
  private:

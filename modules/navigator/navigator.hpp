@@ -38,19 +38,14 @@ class Navigator {
  public:
   explicit Navigator(const NavigatorParams& params);
 
-  /// Adds a scan to the local map and to the tracks of people. `T_odom_base`: at the middle of the
-  /// scan. `laser_is_held`: the laser does not nod.
+  // What Surroundings needs to know; documented there.
   void add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base,
                 bool laser_is_held = false) {
     surroundings_.add_scan(scan, T_odom_base, laser_is_held);
   }
-
-  /// The wheels rotate and the robot does not move; see LocalMap::add_contact().
   void add_contact(const geometry::SE2& T_odom_base, bool at_front) {
     surroundings_.add_contact(T_odom_base, at_front);
   }
-
-  /// Adds readings of the base's range finders; `T_odom_base` is the pose at `stamp`.
   void add_ranges(time::Timestamp stamp, const Proximity::Ranges& ranges_m,
                   const geometry::SE2& T_odom_base) {
     surroundings_.add_ranges(stamp, ranges_m, T_odom_base);

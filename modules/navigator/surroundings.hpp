@@ -26,9 +26,14 @@ class Surroundings {
  public:
   explicit Surroundings(const NavigatorParams& params);
 
-  // As in Navigator.
+  /// Adds a scan to the local map and to the tracks of people. `T_odom_base`: at the middle of the
+  /// scan. `laser_is_held`: the laser does not nod.
   void add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base, bool laser_is_held);
+
+  /// The wheels rotate and the robot does not move; see LocalMap::add_contact().
   void add_contact(const geometry::SE2& T_odom_base, bool at_front);
+
+  /// Adds readings of the base's range finders; `T_odom_base` is the pose at `stamp`.
   void add_ranges(time::Timestamp stamp, const Proximity::Ranges& ranges_m,
                   const geometry::SE2& T_odom_base);
 

@@ -33,10 +33,10 @@ struct Metrics {
   double score_sum = 0.0;         ///< over all `scans`
 };
 
-/// 3DOF-SLAM (section IV A): level scans are matched against an incrementally built point map, and
-/// what is new in them is added to it. That map is a submap; the back end joins the submaps and
-/// closes loops between them. The map frame is the odom frame of the first scan, or that of the
-/// saved map that is continued. Level scans come from a LevelScanInput.
+/// 2D SLAM, the paper's 3DOF SLAM (section IV A): level scans are matched against an incrementally
+/// built point map, and what is new in them is added to it. That map is a submap; the back end
+/// joins the submaps and closes loops between them. The map frame is the odom frame of the first
+/// scan, or that of the saved map that is continued. Level scans come from a LevelScanInput.
 class Slam2d {
  public:
   explicit Slam2d(const Slam2dParams& params);

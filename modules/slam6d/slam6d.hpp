@@ -29,7 +29,8 @@
 
 namespace nodmap::slam6d {
 
-/// 6DOF-SLAM of section IV B: scans and odometry in, poses and registered clouds out.
+/// 6D SLAM, the paper's 6DOF SLAM (section IV B): scans and odometry in, poses and registered
+/// clouds out.
 class Slam6d {
  public:
   explicit Slam6d(const Slam6dParams& params);

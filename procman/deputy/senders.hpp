@@ -20,8 +20,8 @@ class Senders {
   /// A sheriff is followed until it has been silent for this long: three of its orders.
   static constexpr time::Duration kSheriffSilence = 3s;
 
-  /// @param id     the deputy's name
-  /// @param nonce  in its discovery messages, so that it recognises them
+  /// `id`: the deputy's name. `nonce`: a number in its discovery messages, by which it recognises
+  /// them.
   Senders(std::string id, std::int64_t nonce) : id_(std::move(id)), nonce_(nonce) {}
 
   [[nodiscard]] std::int64_t nonce() const { return nonce_; }
