@@ -14,6 +14,7 @@
 8. What a test file defines is in a namespace named after the file, as several are compiled as one (nodmap_join_sources).
 9. A function whose name asks a question (is_, has_, may_) changes nothing: as a member it is const, and no argument is a reference to what is not const.
 10. /// documents what a header promises; comments in a .cpp file are //.
+11. A header includes what it uses of the standard library and of Eigen: it compiles whatever comes before it.
 Besides: every source file names its licence, and a transform is called T_a_b, never a_to_b or a2b.
 """
 import pathlib
@@ -45,6 +46,30 @@ MICROSECONDS = re.compile(r"\bint64_t>?[ &]+(\w+_us_?|k\w+Us)\b")
 QUESTION = re.compile(r"^( *)(?:\[\[nodiscard\]\] )?((?:virtual |static |constexpr |inline |friend )*)bool ((?:\w+::)*(?:is|has|may)_\w+)\(([^;{}]*)\)([^;{}()]*)[;{]", re.M)
 # Parameters that a question may change: a cache.
 CACHES = re.compile(r"\bLookup& ")
+# What a header needs for each name that it uses: <X> for std::X, except for these; and for Eigen any of Eigen's headers.
+SAME_NAME = ("array atomic bitset chrono deque exception filesystem future initializer_list list map mutex numbers optional regex set span string"
+             " string_view thread tuple unordered_map unordered_set variant vector")
+NAMES = {
+    "algorithm": "clamp max min minmax ranges sort",
+    "cmath": "abs atan2 ceil cos exp floor fmod hypot isfinite isnan lround pow remainder round sin sqrt tan",
+    "cstddef": "byte ptrdiff_t size_t",
+    "cstdint": "int8_t int16_t int32_t int64_t uint8_t uint16_t uint32_t uint64_t uintptr_t",
+    "fstream": "ifstream ofstream",
+    "functional": "function hash reference_wrapper",
+    "limits": "numeric_limits",
+    "memory": "make_shared make_unique shared_ptr unique_ptr weak_ptr",
+    "numeric": "accumulate iota",
+    "optional": "nullopt",
+    "random": "mt19937 mt19937_64 normal_distribution uniform_int_distribution uniform_real_distribution",
+    "stdexcept": "invalid_argument logic_error out_of_range runtime_error",
+    "string": "to_string",
+    "system_error": "error_code system_error",
+    "type_traits": "conditional_t decay_t is_enum_v is_same_v remove_cvref_t underlying_type_t",
+    "utility": "exchange forward in_place move pair swap",
+}
+HEADER_OF = {name: name for name in SAME_NAME.split()} | {name: header for header, names in NAMES.items() for name in names.split()}
+COMMENT_OR_TEXT = re.compile(r'//.*|"(?:[^"\\\n]|\\.)*"')
+USED_NAME = re.compile(r"\b(std|Eigen)::(\w+)")
 BAD_NAME = re.compile(r"\b(base|map|odom|laser|mount|body|sensor|world)(_to_|2)(base|map|odom|laser|mount|body|sensor|world)\b")
 
 
@@ -86,6 +111,22 @@ def include_errors(path, include):
         yield "the simulator includes no driver: a parser's bug must show"
 
 
+def missing_includes(text):
+    """The names that a header uses, each with the header that it does not include for it."""
+    lines = text.splitlines()
+    included = {match.group(1) for line in lines if (match := INCLUDE.match(line))}
+    if any(header.startswith("Eigen/") for header in included):
+        included.add("Eigen/Core")
+    if "common/geometry/time.hpp" in included:
+        included.add("chrono")  # an algorithm has it from there only
+    for number, line in enumerate(lines, 1):
+        for room, name in USED_NAME.findall("" if INCLUDE.match(line) else COMMENT_OR_TEXT.sub("", line)):
+            header = "Eigen/Core" if room == "Eigen" else HEADER_OF.get(name)
+            if header and header not in included:
+                included.add(header)  # one error for each
+                yield number, f"uses {room}::{name} without #include <{header}>"
+
+
 def question_errors(path, text):
     """The functions that are named like a question and change something: line and what is wrong."""
     for match in QUESTION.finditer(text):
@@ -107,6 +148,8 @@ def main():
         if not lines or "SPDX-License-Identifier: BSD-3-Clause" not in lines[0]:
             errors.append(f"{path}:1: the first line names the licence")
         errors += [f"{path}:{number}: {error}" for number, error in question_errors(path, text)]
+        if path.suffix == ".hpp":
+            errors += [f"{path}:{number}: {error}" for number, error in missing_includes(text)]
         for number, line in enumerate(lines, 1):
             if BAD_NAME.search(line):
                 errors.append(f"{path}:{number}: write T_a_b: {line.strip()}")

@@ -7,6 +7,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "common/geometry/time.hpp"
 #include "common/node/device_node.hpp"

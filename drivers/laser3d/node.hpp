@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
+#include <string>
 
 #include "common/bus/sender_watch.hpp"
 #include "common/geometry/time.hpp"

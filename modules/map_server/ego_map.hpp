@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "modules/map_server/extended_scan.hpp"
 #include "modules/map_server/update_rule.hpp"

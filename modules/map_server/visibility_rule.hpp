@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
+
 #include "common/robot/footprint.hpp"
 #include "modules/map_server/update_rule.hpp"
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
+
 #include "common/robot/footprint.hpp"
 #include "modules/navigator/obstacle_points.hpp"
 #include "modules/navigator/side.hpp"

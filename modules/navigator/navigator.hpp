@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/geometry/time.hpp"
 #include "modules/navigator/back_up.hpp"

@@ -8,6 +8,7 @@
 #include <boost/beast/http/span_body.hpp>
 #include <memory>
 #include <optional>
+#include <string_view>
 
 #include "modules/viewer/hub.hpp"
 

@@ -7,8 +7,10 @@
 #include <boost/beast/http/empty_body.hpp>
 #include <boost/beast/http/message.hpp>
 #include <boost/beast/websocket/stream.hpp>
+#include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "modules/viewer/heartbeat.hpp"
 #include "modules/viewer/hub.hpp"

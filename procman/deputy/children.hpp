@@ -4,10 +4,12 @@
 #include <poll.h>
 
 #include <boost/core/noncopyable.hpp>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>

@@ -2,6 +2,7 @@
 // Packets of the Dynamixel protocol 2.0 from the servo's side (ROBOTIS e-manual, Protocol 2.0).
 #pragma once
 
+#include <cstdint>
 #include <optional>
 
 #include "sim/devices/serial_device.hpp"

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
+#include <cstdint>
 
 #include "sim/devices/dynamixel_packet.hpp"
 #include "sim/devices/serial_device.hpp"

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
+
 #include "common/geometry/time.hpp"
 #include "sim/body/robot_model.hpp"
 #include "sim/devices/dynamixel_packet.hpp"

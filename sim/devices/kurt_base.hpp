@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <random>
+#include <string>
 
 #include "common/geometry/time.hpp"
 #include "common/robot/infrared.hpp"

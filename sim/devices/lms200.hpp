@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <vector>
 
 #include "common/geometry/time.hpp"
 #include "sim/devices/lms_controller.hpp"

@@ -3,6 +3,8 @@
 // (SICK, Telegrams for Configuring and Operating the LMS2xx, 2006, chapters 3 and 12.)
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <variant>
 

@@ -5,6 +5,7 @@
 #include <functional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "sim/devices/serial_device.hpp"
 #include "tests/support/hex.hpp"

@@ -2,6 +2,7 @@
 // The lines of a CARMEN log (.clf), as values. Poses are in the frame of the log's odometry.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <vector>
 
 #include "common/bus/loop_bus.hpp"
 #include "common/geometry/pose_history.hpp"

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "common/drawing/plan_view.hpp"
 #include "common/formats/tum.hpp"
 #include "sim/world/world.hpp"

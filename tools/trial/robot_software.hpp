@@ -2,7 +2,9 @@
 #pragma once
 
 #include <boost/core/noncopyable.hpp>
+#include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <set>

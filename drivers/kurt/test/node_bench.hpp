@@ -5,8 +5,11 @@
 #include <sys/ioctl.h>
 
 #include <chrono>
+#include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "common/bus/loop_bus.hpp"
 #include "common/node/status.hpp"

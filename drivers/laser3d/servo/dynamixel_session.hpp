@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+
 #include "common/geometry/time.hpp"
 #include "drivers/laser3d/passive_sync.hpp"
 #include "drivers/laser3d/servo/dynamixel_x.hpp"

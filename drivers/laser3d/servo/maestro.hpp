@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
+#include <string>
+
 #include "common/geometry/time.hpp"
 #include "drivers/laser3d/servo/session.hpp"
 #include "drivers/serial/back_off.hpp"

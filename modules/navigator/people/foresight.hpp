@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
+
 #include "common/geometry/se2.hpp"
 #include "common/robot/footprint.hpp"
 #include "modules/navigator/people/person.hpp"

@@ -3,10 +3,15 @@
 // limits of the KURT's wheels. Of the navigator it uses the value types only.
 #pragma once
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <limits>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "common/geometry/time.hpp"

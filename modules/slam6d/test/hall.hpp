@@ -2,7 +2,9 @@
 // Whole sweeps in halls, and maps of them.
 #pragma once
 
+#include <Eigen/Core>
 #include <cmath>
+#include <cstddef>
 #include <memory>
 #include <random>
 #include <utility>

@@ -2,6 +2,7 @@
 // Assembles maps and clouds from their numbered parts.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>

@@ -3,8 +3,10 @@
 // https://docs.foxglove.dev/docs/sdk/schemas
 #pragma once
 
+#include <Eigen/Geometry>
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>

@@ -2,6 +2,7 @@
 // Poses as Foxglove's FrameTransform and PosesInFrame.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <map>

@@ -2,6 +2,10 @@
 // Drawings as Foxglove's SceneUpdate.
 #pragma once
 
+#include <Eigen/Core>
+#include <cstddef>
+#include <optional>
+
 #include "common/geometry/time.hpp"
 #include "common/robot/robot_params.hpp"
 #include "modules/viewer/foxglove/foxglove.hpp"

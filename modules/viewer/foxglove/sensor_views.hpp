@@ -2,6 +2,7 @@
 // Measurements and maps as Foxglove's LaserScan, PointCloud, Grid and VoxelGrid.
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <span>
 #include <string>

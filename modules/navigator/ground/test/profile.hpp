@@ -2,9 +2,13 @@
 // For tests: ground that rises and falls along x only, and the scans of a robot that stands on it.
 #pragma once
 
+#include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "common/geometry/angle.hpp"

@@ -2,8 +2,10 @@
 // For tests: ground with boxes and pits, and the scans an ideal nodding laser makes of it.
 #pragma once
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <vector>
 
