@@ -241,6 +241,7 @@ struct PlannerParams {
 
 /// The last metre to a goal with a heading.
 struct DockingParams {
+  double rotation_rad_s = geometry::deg_to_rad(30.0);
   double staging_m = 0.8;
   double line_m = 0.12;
   double speed_mps = 0.15;
@@ -249,6 +250,9 @@ struct DockingParams {
 
   template <class Visitor>
   void describe(Visitor& v) {
+    v.angle("rotation_deg_s", rotation_rad_s, {5.0, 180.0},
+            "Fastest yaw rate on the spot on the way to the staging place: the faster the robot "
+            "rotates, the less exactly 2D SLAM maps what docking then relies on.");
     v.number("staging_m", staging_m, {0.3, 3.0},
              "Distance of the staging place, where docking begins, straight behind the goal.");
     v.number("line_m", line_m, {0.05, 1.0},

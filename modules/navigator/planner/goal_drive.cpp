@@ -82,7 +82,13 @@ Decision GoalDrive::dock(const Situation& now) {
     case DockingStep::Kind::kPlan: {
       Situation staging = now;
       staging.goal = GoalInBase{step.staging_base, Docking::kStagingToleranceM};
-      return drive_by_plan(staging);
+      Decision decision = drive_by_plan(staging);
+      // What a slower rotation passes is part of what the faster one passes, so it is as safe.
+      if (decision.forward_mps == 0.0) {
+        const double most_rad_s = params_.docking.rotation_rad_s;
+        decision.yaw_rate_rad_s = std::clamp(decision.yaw_rate_rad_s, -most_rad_s, most_rad_s);
+      }
+      return decision;
     }
     case DockingStep::Kind::kMove: {
       if (auto moved = local_planner_.drive({step.forward_mps, step.yaw_rate_rad_s}, now)) {

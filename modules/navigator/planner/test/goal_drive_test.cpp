@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 
 #include "modules/navigator/local_map/test/scanned_ground.hpp"
 
@@ -110,6 +111,8 @@ class Driver {
 
   // From now on the local map is this one.
   void show(const LocalMap& map) { now_.local_map = &map; }
+  // The goal has this heading in odom.
+  void set_heading(std::optional<double> yaw_rad) { heading_rad_ = yaw_rad; }
   void set_people(const People& people_base) { now_.people = people_base; }
 
   const Situation& now() const { return now_; }
@@ -122,6 +125,9 @@ class Driver {
   Decision decide(const Eigen::Vector2d& goal_odom, double tolerance_m) {
     now_.stamp += time::from_seconds(kStepS);
     now_.goal = GoalInBase{now_.T_odom_base.inverse() * goal_odom, tolerance_m};
+    if (heading_rad_) {
+      now_.goal->heading = {*heading_rad_ - now_.T_odom_base.yaw, geometry::deg_to_rad(1.0)};
+    }
     goal_ = {goal_odom.x(), goal_odom.y(), 0.0};
     seen_.update(now_.T_odom_base.yaw, 2 * num_steps_++);
     return drive_.decide(now_);
@@ -142,6 +148,7 @@ class Driver {
   GoalDrive drive_{NavigatorParams{}};
   SeenDirections seen_{SteerParams{}};
   Situation now_;
+  std::optional<double> heading_rad_;
   geometry::SE2 goal_;  // of the last decision; map is odom
   std::int64_t num_steps_ = 0;
 };
@@ -167,6 +174,26 @@ TEST(GoalDrive, ArrivesAtAGoalThatIsNearerThanTheShortestRollout) {
                                 << " degrees";
     }
   }
+}
+
+// The goal is behind the robot, and so is the staging place of a dock there.
+TEST(GoalDrive, RotatesMoreSlowlyOnItsWayToADock) {
+  const LocalMap map = open_floor();
+  const auto fastest_rotation = [&](std::optional<double> heading_rad) {
+    Driver driver(map);
+    driver.set_heading(heading_rad);
+    double fastest_rad_s = 0.0;
+    for (int i = 0; i < 150; ++i) {  // 2 s
+      const Decision decision = driver.step({-1.5, 0.0}, 0.1);
+      if (decision.forward_mps == 0.0) {
+        fastest_rad_s = std::max(fastest_rad_s, std::abs(decision.yaw_rate_rad_s));
+      }
+    }
+    return fastest_rad_s;
+  };
+  const NavigatorParams params;
+  EXPECT_GT(fastest_rotation(std::nullopt), params.docking.rotation_rad_s);
+  EXPECT_DOUBLE_EQ(fastest_rotation(geometry::kPi), params.docking.rotation_rad_s);
 }
 
 // The explorer sends goal after goal.
