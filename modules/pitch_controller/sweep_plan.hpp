@@ -14,7 +14,9 @@ inline constexpr double kMostScans = 500.0;
 struct SweepPlan {
   double d_min_m = 0.0;  ///< distance ahead of the front beyond which the corridor is covered
   PitchInterval area;    ///< area of interest
-  PitchInterval sweep;   ///< the area and one line more at both ends, within the mechanical range
+  /// The area and one line more at both ends, within the mechanical range. From 1.2 m/s on it ends
+  /// lower, so that the floor is seen densely.
+  PitchInterval sweep;
   double line_spacing_rad = 0.0;  ///< largest permitted angle between neighbouring scans
   NodMotion nod;                  ///< the head's motion in such sweeps
   double sweep_s = 0.0;           ///< T_sweep: the shortest duration of `sweep`
