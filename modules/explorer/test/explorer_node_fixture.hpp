@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <string>
 
 #include "common/node/messages.hpp"
 #include "modules/explorer/node.hpp"
