@@ -86,7 +86,7 @@ class ExplorerNode final : public node::Node {
   node::StopLatch stop_latch_;
   std::optional<time::Timestamp> no_path_;       // when the navigator last said so
   std::optional<time::Timestamp> navigated_;     // stamp of the last NAVIGATION
-  std::optional<std::string> navigator_halt_;  // why by that message the robot may not drive
+  std::optional<std::string> navigator_halt_;    // why by that message the robot may not drive
   std::optional<time::Timestamp> halted_since_;  // when halt_reason() began to hold
   std::string halt_reason_;
   bool has_arrived_ = false;

@@ -52,7 +52,7 @@ TEST(WrongInput, EndsWithExitCodeTwoAndOneLine) {
   const std::string log = dir.path() / "log";
   std::ofstream(text) << "neither a trajectory nor a cloud\n";
   const std::ofstream nothing(empty);
-  bus::LogWriter(log).write(1, "NOT_OURS", {});
+  ASSERT_TRUE(bus::LogWriter(log).write(1, "NOT_OURS", {}));
   const std::vector<std::string> commands = {
       "NODMAP_TRUSTED_HOSTS=robot " NODMAP_BIN
       "/nodmap-map-server --lcm-url 'udpm://239.255.76.67:7667?ttl=0'",
