@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "modules/navigator/local_map/local_map.hpp"
 
@@ -23,6 +24,9 @@ constexpr double kHiddenSeenM = 0.05;
 constexpr double kCornerMarginM = 0.1;
 // At this yaw rate the corners of KURT3D move at 5 cm/s: they do not push away what they touch.
 constexpr double kCreepRadS = geometry::deg_to_rad(10.0);
+// The base has followed a command after about this time, of which 50 ms are the motors' lag. So
+// with commands that are slower than it is by what it can lose in this time, it brakes ordinarily.
+constexpr double kFollowsS = 0.07;
 // Deceleration of a rotation, a third of what the wheels can do.
 constexpr double kDecelerationRadS2 = 5.0;
 
@@ -113,6 +117,23 @@ double Brake::speed_on_present_arc(const Situation& now) const {
   const double emergency_mps = robot::stoppable_speed(arc.free_distance_m - arc.stop_margin_m, 0.0,
                                                       braking_.emergency_deceleration_mps2);
   return forward_mps > emergency_mps ? 0.0 : arc.speed_mps;
+}
+
+// Why that is safe: in each decision speed_on_present_arc() limits the speed on this arc, as for
+// any arc that is driven, and is 0 where only an emergency stop suffices. As the curvature stays,
+// yaw rate and lateral acceleration only decrease.
+Decision Brake::slow_down(Reason reason, const Situation& now) const {
+  Decision decision = stationary(std::move(reason));
+  const double forward_mps = now.forward_mps;
+  if (std::min(forward_mps, now.max_forward_mps) < kLeastSpeedMps) {
+    return decision;
+  }
+  const double slower_mps = forward_mps - braking_.deceleration_mps2 * kFollowsS;
+  decision.forward_mps =
+      std::max(0.0, std::min({slower_mps, now.max_forward_mps, speed_on_present_arc(now)}));
+  decision.yaw_rate_rad_s = decision.forward_mps * now.yaw_rate_rad_s / forward_mps;
+  decision.max_forward_mps = decision.forward_mps;
+  return decision;
 }
 
 Decision Brake::drive(const Arc& arc, double direction_rad, double limit_mps,

@@ -47,6 +47,10 @@ class Brake {
   /// robot hardly moves. Below the creep speed the margins of a creeping robot suffice.
   [[nodiscard]] double speed_on_present_arc(const Situation& now) const;
 
+  /// A stop that nothing demands: with ordinary brakes along the present arc, and as fast as that
+  /// arc requires. A robot that hardly moves stops at once.
+  [[nodiscard]] Decision slow_down(Reason reason, const Situation& now) const;
+
   /// Drives an arc, which leads in `direction_rad`, as fast as is safe, but at most at `limit_mps`,
   /// and stops at the goal.
   [[nodiscard]] Decision drive(const Arc& arc, double direction_rad, double limit_mps,

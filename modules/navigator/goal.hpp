@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <optional>
@@ -30,6 +31,11 @@ struct GoalInBase {
   std::optional<Heading> heading = std::nullopt;
 
   [[nodiscard]] double distance_m() const { return p_base.norm(); }
+  /// How far ahead a robot within the tolerance leaves it again.
+  [[nodiscard]] double way_out_m() const {
+    return p_base.x() +
+           std::sqrt(std::max(0.0, tolerance_m * tolerance_m - p_base.y() * p_base.y()));
+  }
   /// Positive left.
   [[nodiscard]] double bearing_rad() const { return std::atan2(p_base.y(), p_base.x()); }
 };

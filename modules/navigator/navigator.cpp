@@ -86,9 +86,7 @@ Decision Navigator::behave(const Situation& now) {
   if (arrived_map_) {
     end_turn();
     steering_.detour().end();
-    Decision decision = brake(now, Why::kNothingToAdd);
-    decision.behaviour = Behaviour::kArrived;
-    return decision;
+    return arrive(now);
   }
   if (auto reason = surroundings_.reason_to_wait(now.stamp)) {
     return wait(now, std::move(*reason));
@@ -99,7 +97,7 @@ Decision Navigator::behave(const Situation& now) {
   if (now.goal && drives_by_plan(now)) {
     end_turn();
     watch_first_look(now);
-    return has_looked_ ? goal_drive_.decide(now) : brake(now, Why::kFirstLook);
+    return has_looked_ ? goal_drive_.decide(now) : slow_down(now, Why::kFirstLook);
   }
   if (!turn_.is_active()) {
     if (const auto decision = drive_ahead(now)) {
@@ -107,6 +105,17 @@ Decision Navigator::behave(const Situation& now) {
     }
   }
   return turn(now);
+}
+
+// Stops within the tolerance. What the robot must wait for stops it at once here, too.
+Decision Navigator::arrive(const Situation& now) const {
+  Decision decision = slow_down(now, Why::kNothingToAdd);
+  if (surroundings_.reason_to_wait(now.stamp) ||
+      decision.forward_mps > brake_.stoppable_mps(now.goal->way_out_m())) {
+    decision = brake(now, Why::kNothingToAdd);
+  }
+  decision.behaviour = Behaviour::kArrived;
+  return decision;
 }
 
 bool Navigator::drives_by_plan(const Situation& now) const {
@@ -120,7 +129,7 @@ std::optional<Decision> Navigator::drive_ahead(const Situation& now) {
   if (roams) {
     watch_first_look(now);
     if (!has_looked_) {
-      return brake(now, Why::kFirstLook);
+      return slow_down(now, Why::kFirstLook);
     }
   }
   if (auto decision = roams ? roaming_.decide(now) : steering_.steer(now)) {
@@ -157,7 +166,14 @@ void Navigator::watch_first_look(const Situation& now) {
 }
 
 Decision Navigator::brake(const Situation& now, Reason reason) const {
-  Decision decision = stationary(std::move(reason));
+  return with_free_distance(stationary(std::move(reason)), now);
+}
+
+Decision Navigator::slow_down(const Situation& now, Reason reason) const {
+  return with_free_distance(brake_.slow_down(std::move(reason), now), now);
+}
+
+Decision Navigator::with_free_distance(Decision decision, const Situation& now) const {
   decision.free_distance_m =
       free_distance(now.points_base, 0.0, body_, params_.drive.side_margin_m);
   return decision;

@@ -86,7 +86,10 @@ class Navigator {
   void watch_first_look(const Situation& now);
   [[nodiscard]] Decision behave(const Situation& now);
   [[nodiscard]] std::optional<Decision> drive_ahead(const Situation& now);
+  [[nodiscard]] Decision arrive(const Situation& now) const;
   [[nodiscard]] Decision brake(const Situation& now, Reason reason) const;
+  [[nodiscard]] Decision slow_down(const Situation& now, Reason reason) const;
+  [[nodiscard]] Decision with_free_distance(Decision decision, const Situation& now) const;
   [[nodiscard]] Decision wait(const Situation& now, Reason reason) const;
   [[nodiscard]] Decision turn(const Situation& now);
   [[nodiscard]] TurnInput turn_input(const Situation& now) const;

@@ -133,7 +133,7 @@ Decision GoalDrive::drive_by_plan(const Situation& now) {
   if (const CostToGo* former = former_plan(T_map_base.translation())) {
     return drive_by(*former, now);
   }
-  return stationary(Why::kPlans);
+  return local_planner_.slow_down(Why::kPlans, now);
 }
 
 // With a new goal the robot drives on by the plan to the previous one until the new plan is
@@ -155,7 +155,8 @@ Decision GoalDrive::drive_by(const CostToGo& cost_to_go, const Situation& now) {
   if (const auto squeezed = squeeze(cost_to_go, now)) {
     return *squeezed;
   }
-  return stationary(local_planner_.has_rollout() ? Why::kFirstLook : Why::kNoMotion);
+  return local_planner_.slow_down(local_planner_.has_rollout() ? Why::kFirstLook : Why::kNoMotion,
+                                  now);
 }
 
 std::optional<std::vector<Eigen::Vector2d>> GoalDrive::path_map(
@@ -221,7 +222,7 @@ Decision GoalDrive::without_path(const Situation& now) {
   if (look_around_.take_end()) {
     global_planner_.forget_ground();
   }
-  return stationary(Why::kNoPath);
+  return local_planner_.slow_down(Why::kNoPath, now);
 }
 
 // Gives up the path if the robot makes no progress, because the plan must then be wrong about what

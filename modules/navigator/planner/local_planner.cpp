@@ -143,11 +143,13 @@ std::optional<Decision> LocalPlanner::rotate(double yaw_rate_rad_s, const Situat
   if (free_rad < kLeastRotationRad) {
     return std::nullopt;
   }
-  Decision decision;
+  // While the body moves on, free_rotation() is true of a place that it leaves.
+  Decision decision = brake_.slow_down(Why::kTurnsToPath, now);
   decision.behaviour = Behaviour::kTurn;
-  decision.reason = Why::kTurnsToPath;
-  decision.yaw_rate_rad_s =
-      sign(side) * std::min(std::abs(yaw_rate_rad_s), brake_.stoppable_rad_s(free_rad));
+  if (now.forward_mps < kLeastSpeedMps) {
+    decision.yaw_rate_rad_s =
+        sign(side) * std::min(std::abs(yaw_rate_rad_s), brake_.stoppable_rad_s(free_rad));
+  }
   decision.steering_angle_rad = sign(side) * 0.5 * geometry::kPi;
   return decision;
 }

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <span>
+#include <utility>
 
 #include "modules/navigator/brake.hpp"
 #include "modules/navigator/decision.hpp"
@@ -36,9 +37,14 @@ class LocalPlanner {
   /// Drives one motion; empty if it cannot be driven.
   [[nodiscard]] std::optional<Decision> drive(const Twist& motion, const Situation& now) const;
 
-  /// Rotates on the spot, at most at this yaw rate; empty if there is no room. Not yet slowed down
-  /// for doubtful ground and people.
+  /// Rotates on the spot, at most at this yaw rate; empty if there is no room. A robot that drives
+  /// slows down on its arc first. Not yet slowed down for doubtful ground and people.
   [[nodiscard]] std::optional<Decision> rotate(double yaw_rate_rad_s, const Situation& now) const;
+
+  /// See Brake.
+  [[nodiscard]] Decision slow_down(Reason reason, const Situation& now) const {
+    return brake_.slow_down(std::move(reason), now);
+  }
 
  private:
   [[nodiscard]] std::optional<Decision> move(const Twist& motion, const Situation& now) const;

@@ -35,7 +35,7 @@ std::optional<Decision> Roaming::decide(const Situation& now) {
   global_planner_.step_onward(now);
   const CostToGo* cost_to_go = global_planner_.cost_to_go();
   if (cost_to_go == nullptr) {
-    return stationary(Why::kPlans);
+    return local_planner_.slow_down(Why::kPlans, now);
   }
   const geometry::SE2 T_map_base = now.T_map_base();
   if (!std::isfinite(cost_to_go->least_near(T_map_base.translation()))) {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "common/geometry/angle.hpp"
+#include "modules/navigator/brake.hpp"
 #include "modules/navigator/corridor.hpp"
 #include "modules/navigator/people/foresight.hpp"
 
@@ -61,6 +62,14 @@ constexpr std::array kYawRates{-1.0, -0.75, -0.55, -0.38, -0.24, -0.13, -0.05, 0
 constexpr double kSlowestRotation = 0.2;
 constexpr std::array kNextYawRates{-0.8, -0.4, -0.15, 0.0, 0.15, 0.4, 0.8};
 constexpr std::array kBackwardMps{-0.08, -0.15};
+
+// The motion a step later. A robot that is to rotate slows down on its arc first.
+Twist towards(const Twist& motion, const Twist& now) {
+  const Twist next = after(now, motion, kStepS);
+  const bool slows_down = motion.forward_mps == 0.0 && motion.yaw_rate_rad_s != 0.0 &&
+                          now.forward_mps >= kLeastSpeedMps;
+  return slows_down ? now.scaled(next.forward_mps / now.forward_mps) : next;
+}
 
 // The plan's cost of a motion's end, place and heading.
 double end_cost(const geometry::SE2& T_map_end, const CostToGo& cost_to_go) {
@@ -217,7 +226,7 @@ bool Rollouts::advance(Progress& progress, const Twist& motion, int until_step,
                        const Situation& now) const {
   geometry::SE2& pose = progress.pose_base;
   while (progress.steps < until_step && !progress.has_arrived) {
-    progress.twist = after(progress.twist, motion, kStepS);
+    progress.twist = towards(motion, progress.twist);
     const auto [v, w] = progress.twist;
     const double middle_yaw_rad = pose.yaw + 0.5 * kStepS * w;
     pose = {pose.x + kStepS * v * std::cos(middle_yaw_rad),
@@ -273,8 +282,10 @@ void Rollouts::add(const Twist& first, double next_yaw_rate_rad_s, const Progres
   Rollout rollout{first.forward_mps, first.yaw_rate_rad_s, next_yaw_rate_rad_s, 0.0};
   const geometry::SE2 T_map_end = now.T_map_base() * end.pose_base;
   const bool is_rotation = first.forward_mps == 0.0 && first.yaw_rate_rad_s != 0.0;
-  const double end_m = is_rotation ? rotation_cost(T_map_end, end.pose_base.yaw, cost_to_go)
-                                   : end_cost(T_map_end, cost_to_go);
+  const double yaw_rad = end.pose_base.yaw;
+  const double end_m =
+      is_rotation ? rotation_cost(T_map_end, side_of(first.yaw_rate_rad_s), yaw_rad, cost_to_go)
+                  : end_cost(T_map_end, cost_to_go);
   rollout.cost_m =
       (end.has_arrived ? 0.0 : end_m) + params_.clearance_weight * end.nearness_m +
       people_params_.obstruction_cost_m_per_s * foreseen_obstruction_s(end, now.people) +
@@ -286,15 +297,14 @@ void Rollouts::add(const Twist& first, double next_yaw_rate_rad_s, const Progres
   }
 }
 
-// The plan's cost of a rotation on the spot that has come to `T_map_end`, by `rotated_rad`, and
-// goes on to the best heading that is free. A path that leads back begins beyond what a rollout
-// can rotate, and all headings before it cost the same: without looking further the robot would
-// not turn round, but rotate a little to and fro.
-double Rollouts::rotation_cost(const geometry::SE2& T_map_end, double rotated_rad,
+// The plan's cost of a rotation on the spot that has come to `T_map_end`, by `yaw_rad`, and goes on
+// to this side, to the best heading that is free. A path that leads back begins beyond what a
+// rollout can rotate, and all headings before it cost the same: without looking further the robot
+// would not turn round, but rotate a little to and fro.
+double Rollouts::rotation_cost(const geometry::SE2& T_map_end, Side side, double yaw_rad,
                                const CostToGo& cost_to_go) const {
-  const Side side = side_of(rotated_rad);
   const double free_rad = side == Side::kLeft ? free_left_rad_ : free_right_rad_;
-  const double most_rad = std::min(geometry::kPi, free_rad) - std::abs(rotated_rad);
+  const double most_rad = std::min(geometry::kPi, free_rad) - std::abs(yaw_rad);
   double cost_m = end_cost(T_map_end, cost_to_go);
   for (double rad = kFurtherStepRad; rad <= most_rad; rad += kFurtherStepRad) {
     const geometry::SE2 T_map_further = T_map_end * geometry::SE2{0.0, 0.0, sign(side) * rad};

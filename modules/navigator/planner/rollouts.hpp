@@ -79,7 +79,7 @@ class Rollouts {
   [[nodiscard]] double foresee(Progress progress, bool stops, const People& people) const;
   void add(const Twist& first, double next_yaw_rate_rad_s, const Progress& end,
            const Situation& now, const CostToGo& cost_to_go);
-  [[nodiscard]] double rotation_cost(const geometry::SE2& T_map_end, double rotated_rad,
+  [[nodiscard]] double rotation_cost(const geometry::SE2& T_map_end, Side side, double yaw_rad,
                                      const CostToGo& cost_to_go) const;
   [[nodiscard]] double clearance_by_cells_m(const geometry::SE2& pose_base) const;
   [[nodiscard]] double least_clearance_m(const Twist& motion, double forward_mps) const;

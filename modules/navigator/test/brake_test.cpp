@@ -209,6 +209,48 @@ TEST(Brake, SwingsItsRearSlowlyOverGroundThatIsNotKnownToBeFree) {
   EXPECT_EQ(drive(4.0, {0.3, 0.1}), 0.3);
 }
 
+// The base has done what is commanded after 0.07 s, in which ordinary brakes take 0.105 m/s.
+TEST(Brake, SlowsDownWithOrdinaryBrakesOnItsArc) {
+  const Brake brake{NavigatorParams{}};
+  Situation now;
+  now.max_forward_mps = 1.5;
+  const auto slow_down = [&](double forward_mps, double yaw_rate_rad_s) {
+    now.forward_mps = forward_mps;
+    now.yaw_rate_rad_s = yaw_rate_rad_s;
+    return brake.slow_down(Why::kPlans, now);
+  };
+  const Decision decision = slow_down(1.0, 0.5);
+  EXPECT_EQ(decision.reason, Reason(Why::kPlans));
+  EXPECT_NEAR(decision.forward_mps, 1.0 - 0.105, 1e-12);
+  EXPECT_NEAR(decision.yaw_rate_rad_s, 0.5 * decision.forward_mps, 1e-12);
+  EXPECT_EQ(decision.max_forward_mps, decision.forward_mps);
+  EXPECT_EQ(slow_down(0.1, -0.3).forward_mps, 0.0);
+  for (const double slow_mps : {0.05, 0.0, -0.1}) {
+    EXPECT_EQ(slow_down(slow_mps, 1.0).forward_mps, 0.0);
+    EXPECT_EQ(slow_down(slow_mps, 1.0).yaw_rate_rad_s, 0.0);
+  }
+  now.max_forward_mps = 0.4;
+  EXPECT_EQ(slow_down(1.0, 0.0).forward_mps, 0.4) << "the pitch controller's bound";
+  now.max_forward_mps = 0.05;
+  EXPECT_EQ(slow_down(1.0, 0.0).forward_mps, 0.0);
+}
+
+// From 1 m/s an ordinary stop takes 0.43 m, and an emergency stop 0.17 m. The front is at 0.225 m,
+// and 0.15 m remain.
+TEST(Brake, SlowsDownAsFastAsItsArcRequires) {
+  const Brake brake{NavigatorParams{}};
+  Situation now;
+  now.forward_mps = now.max_forward_mps = 1.0;
+  const auto forward_mps = [&](double stop_m) {
+    now.points_base = {{0.225 + 0.15 + stop_m, 0.0}};
+    return brake.slow_down(Why::kPlans, now).forward_mps;
+  };
+  EXPECT_NEAR(forward_mps(0.44), 1.0 - 0.105, 1e-12);
+  EXPECT_NEAR(forward_mps(0.3), brake.stoppable_mps(0.3), 1e-9);
+  EXPECT_LT(forward_mps(0.3), 1.0 - 0.105);
+  EXPECT_EQ(forward_mps(0.16), 0.0);
+}
+
 // What is left of the command to steer at 0.7 m/s in a curve, given who is there.
 Decision give_way(double present_mps, const People& people) {
   Situation now;

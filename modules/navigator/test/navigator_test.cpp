@@ -69,6 +69,24 @@ TEST_F(NavigatorTest, WithoutASpeedFromThePitchControllerItDoesNotMoveToAGoal) {
   EXPECT_GT(std::abs(decision.yaw_rate_rad_s), 0.1);
 }
 
+// At the goal nothing demands a stop, unless something is ahead: from 0.4 m/s even an emergency
+// stop takes 2.7 cm, and the front is at 0.225 m. Ordinary brakes take 0.105 m/s in the 0.07 s
+// until the base has done what is commanded; from 0.295 m/s the robot stops within 5.9 cm.
+TEST_F(NavigatorTest, AtTheGoalItStopsWithOrdinaryBrakesIfTheySuffice) {
+  now.forward_mps = 0.4;
+  const auto forward_mps = [&](double x, double y) {
+    const Decision decision = decide(Eigen::Vector2d(x, y));
+    EXPECT_EQ(decision.behaviour, Behaviour::kArrived);
+    return decision.forward_mps;
+  };
+  EXPECT_NEAR(forward_mps(0.09, 0.0), 0.4 - 0.105, 1e-12);
+  // It would leave the tolerance of 10 cm: it has 2 cm, or is at its side.
+  EXPECT_EQ(forward_mps(-0.08, 0.0), 0.0);
+  EXPECT_EQ(forward_mps(0.0, 0.09), 0.0);
+  points_odom = {{0.225 + 0.15 + 0.02, 0.0}};
+  EXPECT_EQ(forward_mps(0.09, 0.0), 0.0);
+}
+
 // They walk at 1.2 m/s towards a robot that drives at up to 1 m/s. Without the planner only
 // decide() gives way.
 TEST_F(NavigatorTest, IsStationaryBeforeSomebodyWalksIntoIt) {

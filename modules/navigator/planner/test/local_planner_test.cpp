@@ -29,5 +29,32 @@ TEST(LocalPlanner, ARolloutThatMustGiveWayIsNotTheBest) {
   EXPECT_EQ(with_somebody->yaw_rate_rad_s, 0.5);
 }
 
+// It turns left at 1.2 m/s. A rotation to the right would lead it off its arc, which Brake has
+// measured, and there is something ahead of it.
+TEST(LocalPlanner, ARobotThatDrivesSlowsDownOnItsArcBeforeItRotates) {
+  const NavigatorParams params;
+  const LocalPlanner planner(params, false);
+  Situation now;
+  now.max_forward_mps = 1.5;
+  now.yaw_rate_rad_s = 0.6;
+  now.points_base = {{1.2, 0.0}};
+  const auto rotate = [&](double forward_mps) {
+    now.forward_mps = forward_mps;
+    return planner.rotate(-1.0, now).value_or(Decision());
+  };
+  const Decision fast = rotate(1.2);
+  EXPECT_EQ(fast.reason, Reason(Why::kTurnsToPath));
+  EXPECT_GT(fast.forward_mps, 0.0);
+  EXPECT_LT(fast.forward_mps, 1.2);
+  EXPECT_NEAR(fast.yaw_rate_rad_s, 0.5 * fast.forward_mps, 1e-12);
+  const Decision slow = rotate(0.05);
+  EXPECT_EQ(slow.forward_mps, 0.0);
+  EXPECT_EQ(slow.yaw_rate_rad_s, -1.0);
+  // Too near for ordinary brakes: all of their force, and no rotation yet.
+  now.points_base = {{0.5, 0.05}};
+  EXPECT_EQ(rotate(1.2).forward_mps, 0.0);
+  EXPECT_EQ(rotate(1.2).yaw_rate_rad_s, 0.0);
+}
+
 }  // namespace local_planner_test
 }  // namespace nodmap::navigator
