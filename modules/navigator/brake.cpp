@@ -216,6 +216,11 @@ double Brake::stoppable_mps(double distance_m) const {
   return robot::stoppable_speed(distance_m, drive_params_.reaction_s, braking_.deceleration_mps2);
 }
 
+double Brake::stopping_m(double forward_mps) const {
+  return robot::stopping_distance(forward_mps, drive_params_.reaction_s,
+                                  braking_.deceleration_mps2);
+}
+
 double Brake::stoppable_rad_s(double angle_rad) const {
   return navigator::stoppable_rad_s(angle_rad, turn_params_, drive_params_.reaction_s);
 }

@@ -72,6 +72,8 @@ class Brake {
 
   /// The speed from which the robot stops within a distance, without any margin.
   [[nodiscard]] double stoppable_mps(double distance_m) const;
+  /// The inverse: the distance that an ordinary stop takes.
+  [[nodiscard]] double stopping_m(double forward_mps) const;
   /// The same for a rotation on the spot.
   [[nodiscard]] double stoppable_rad_s(double angle_rad) const;
 

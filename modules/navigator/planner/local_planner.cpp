@@ -10,8 +10,12 @@
 namespace nodmap::navigator {
 namespace {
 
-// The direction of an arc is that of its point at this length.
-constexpr double kLookM = 0.5;
+// Places of an arc are this far apart where it is examined whether the laser has looked there.
+constexpr double kLookStepM = 0.05;
+// A place farther aside than this comes into view when the robot has turned.
+constexpr double kFarthestAsideRad = 1.2;
+// The direction that is shown for an arc is that of its place at this length.
+constexpr double kShownM = 0.5;
 // The number of forward rollouts, the best ones, that are offered to Brake.
 constexpr std::size_t kMostOffered = 40;
 // Margin behind the robot, where it knows only what it remembers.
@@ -22,9 +26,9 @@ constexpr double kBackwardSeenM = 0.3;
 constexpr double kRotationMarginM = 0.02;
 constexpr double kLeastRotationRad = geometry::deg_to_rad(2.0);
 
-// Direction of a motion forwards, in base.
-double direction_rad(const Twist& motion) {
-  return std::clamp(0.5 * kLookM * motion.yaw_rate_rad_s / motion.forward_mps, -1.2, 1.2);
+// Direction of an arc's place at a length, in base: that of the chord.
+double direction_rad(double curvature, double length_m) {
+  return std::clamp(0.5 * length_m * curvature, -kFarthestAsideRad, kFarthestAsideRad);
 }
 
 }  // namespace
@@ -95,19 +99,37 @@ std::optional<Decision> LocalPlanner::move(const Twist& motion, const Situation&
 std::optional<Decision> LocalPlanner::drive_forwards(const Twist& motion,
                                                      const Situation& now) const {
   const double curvature = motion.yaw_rate_rad_s / motion.forward_mps;
-  if (!now.has_seen(direction_rad(motion))) {
+  const double limit_mps =
+      std::min(brake_.speed_limit(curvature, now.max_forward_mps), motion.forward_mps);
+  const double seen_mps = speed_where_looked(curvature, std::max(limit_mps, kLeastSpeedMps), now);
+  if (seen_mps < kLeastSpeedMps) {
     return std::nullopt;
   }
-  const Arc arc = brake_.measure_arc(curvature, now);
+  Arc arc = brake_.measure_arc(curvature, now);
+  arc.speed_mps = std::min(arc.speed_mps, seen_mps);
   if (arc.speed_mps < kLeastSpeedMps) {
     return std::nullopt;
   }
-  const double limit_mps =
-      std::min(brake_.speed_limit(curvature, now.max_forward_mps), motion.forward_mps);
-  Decision decision = brake_.drive(arc, direction_rad(motion), limit_mps, now);
+  Decision decision = brake_.drive(arc, direction_rad(curvature, kShownM), limit_mps, now);
   // An emergency stop applies to all rollouts, so it is no reason to prefer another one.
   decision.max_forward_mps = std::min(limit_mps, arc.speed_mps);
   return decision;
+}
+
+// The speed, at most `limit_mps`, from which the front stops before the first place of an arc in
+// whose direction the laser has not looked yet. So the robot is always stationary before it, as for
+// floor that was not seen (Brake::speed_on_seen_floor()); here also for what is above the floor.
+// The border lies less than a step before that place, so a step is kept.
+double LocalPlanner::speed_where_looked(double curvature, double limit_mps,
+                                        const Situation& now) const {
+  const double front_m = body_.half_length_m + kLookStepM;
+  const double longest_m = front_m + brake_.stopping_m(limit_mps);
+  for (double length_m = kLookStepM; length_m < longest_m; length_m += kLookStepM) {
+    if (!now.has_seen(direction_rad(curvature, length_m))) {
+      return std::min(limit_mps, brake_.stoppable_mps(length_m - front_m));
+    }
+  }
+  return limit_mps;
 }
 
 // Slowly, only over floor that was seen, and on the strip that the body has driven: the laser does

@@ -15,9 +15,10 @@
 namespace nodmap::navigator {
 
 /// The local planner: chooses the best of many rollouts, and makes of it a decision that is as slow
-/// as safety requires. Forwards the robot drives as Brake allows, and only where the laser has
-/// looked; backwards only over floor that was seen, on the strip that the body has driven; on the
-/// spot it rotates as far as there is room. What is safe does not depend on the plan.
+/// as safety requires. Forwards the robot drives as Brake allows, and so slowly that it stops
+/// before a place where the laser has not looked; backwards only over floor that was seen, on the
+/// strip that the body has driven; on the spot it rotates as far as there is room. What is safe
+/// does not depend on the plan.
 class LocalPlanner {
  public:
   /// `creeps`: see Brake.
@@ -50,6 +51,8 @@ class LocalPlanner {
   [[nodiscard]] std::optional<Decision> move(const Twist& motion, const Situation& now) const;
   [[nodiscard]] std::optional<Decision> drive_forwards(const Twist& motion,
                                                        const Situation& now) const;
+  [[nodiscard]] double speed_where_looked(double curvature, double limit_mps,
+                                          const Situation& now) const;
   [[nodiscard]] std::optional<Decision> drive_backwards(const Twist& motion,
                                                         const Situation& now) const;
 

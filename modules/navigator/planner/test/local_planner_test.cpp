@@ -56,5 +56,36 @@ TEST(LocalPlanner, ARobotThatDrivesSlowsDownOnItsArcBeforeItRotates) {
   EXPECT_EQ(rotate(1.2).yaw_rate_rad_s, 0.0);
 }
 
+// The laser has looked 12 degrees to each side. An arc of curvature k leaves these directions where
+// its chord does, at the length 2 * 12 degrees / k. The front is 0.225 m ahead, and up to 5 cm are
+// lost to the step. So the robot is stationary before that place, however fast it may drive.
+TEST(LocalPlanner, StopsBeforeWhereTheLaserHasNotLooked) {
+  NavigatorParams params;
+  params.steer.view_half_rad = geometry::deg_to_rad(12.0);
+  const LocalPlanner planner(params, false);
+  const Brake brake(params);
+  SeenDirections seen(params.steer);
+  seen.update(0.0, 0);
+  seen.update(0.0, 2);
+  Situation now;
+  now.seen = &seen;
+  now.max_forward_mps = 1.5;
+  const auto forward_mps = [&](double curvature) {
+    const double limit_mps = brake.speed_limit(curvature, 1.5);
+    return planner.drive({limit_mps, limit_mps * curvature}, now).value_or(Decision()).forward_mps;
+  };
+  EXPECT_EQ(forward_mps(0.0), 1.5);
+  EXPECT_EQ(forward_mps(0.1), 1.5) << "it looks 4 m ahead";
+  for (const double curvature : {0.6, 0.8, 1.0, -1.0}) {
+    const double seen_m =
+        2.0 * params.steer.view_half_rad / std::abs(curvature) - params.robot.body.length_m / 2.0;
+    EXPECT_LE(forward_mps(curvature), brake.stoppable_mps(seen_m)) << curvature;
+    EXPECT_GE(forward_mps(curvature), brake.stoppable_mps(seen_m - 0.05)) << curvature;
+    EXPECT_LT(forward_mps(curvature), 0.95 * brake.speed_limit(curvature, 1.5)) << curvature;
+  }
+  EXPECT_EQ(forward_mps(2.0), 0.0) << "not even the place before its front";
+  EXPECT_EQ(planner.drive({0.04, 0.03}, now).value_or(Decision()).forward_mps, 0.04);
+}
+
 }  // namespace local_planner_test
 }  // namespace nodmap::navigator
