@@ -42,6 +42,7 @@ constexpr auto kSentences = std::to_array<Sentence>({
     {Why::kNoWayBack, "Cannot turn, and no path back is known to be free."},
     {Why::kPlans, "Plans the path to the goal."},
     {Why::kNoMotion, "No motion is free."},
+    {Why::kCannotMove, "Cannot move: for a while no motion has been free."},
     {Why::kSqueezes, "Squeezes through a narrow place."},
     {Why::kNoPathLooks, "There is no path to the goal: looks around."},
     {Why::kNoPath, "There is no path to the goal."},

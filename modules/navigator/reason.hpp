@@ -43,6 +43,7 @@ enum class Why : std::uint8_t {
   // To a goal by plan.
   kPlans,
   kNoMotion,
+  kCannotMove,
   kSqueezes,
   kNoPathLooks,
   kNoPath,

@@ -59,10 +59,12 @@ GoalDrive::GoalDrive(const NavigatorParams& params)
       local_planner_(params, true),
       squeezing_planner_(squeezing(params), true),
       docking_(params.docking),
-      patience_(kPatience) {}
+      patience_(kPatience),
+      standing_(kPatience) {}
 
 Decision GoalDrive::decide(const Situation& now) {
   patience_.record(now.stamp);
+  cannot_move_ = false;
   decided_goal_map_ = goal_in_map(now);
   if (now.goal->heading) {
     return dock(now);
@@ -155,7 +157,18 @@ Decision GoalDrive::drive_by(const CostToGo& cost_to_go, const Situation& now) {
   if (const auto squeezed = squeeze(cost_to_go, now)) {
     return *squeezed;
   }
-  return local_planner_.slow_down(local_planner_.has_rollout() ? Why::kFirstLook : Why::kNoMotion,
+  return stay(now);
+}
+
+// A robot that cannot move reports it after its patience, as it reports a goal without a path. It
+// keeps trying. Time with people around does not count.
+Decision GoalDrive::stay(const Situation& now) {
+  standing_.record(now.stamp);
+  if (!now.people.empty() || !standing_.has_begun()) {
+    standing_.begin(now.stamp);
+  }
+  cannot_move_ = standing_.is_over(now.stamp);
+  return local_planner_.slow_down(cannot_move_ ? Why::kCannotMove : local_planner_.reason_to_stay(),
                                   now);
 }
 
@@ -174,7 +187,7 @@ std::optional<std::vector<Eigen::Vector2d>> GoalDrive::path_map(
     return std::nullopt;
   }
   std::vector<Eigen::Vector2d> path;
-  if (dock_map_ && docking_.has_failed()) {
+  if (cannot_move_ || (dock_map_ && docking_.has_failed())) {
     return path;
   }
   if (!std::isfinite(cost_to_go->least_near(T_map_base.translation()))) {

@@ -34,8 +34,9 @@ class GoalDrive {
   [[nodiscard]] Decision decide(const Situation& now);
 
   /// The planned path from the robot to a goal, frame map, a point every 20 cm, as far as the grid
-  /// reaches. It has no points if there is no path or docking has failed; empty before the first
-  /// plan to this goal is complete. The yaw of a goal without a heading is 0.
+  /// reaches. It has no points if there is no path, the robot cannot move or docking has failed;
+  /// empty before the first plan to this goal is complete. The yaw of a goal without a heading is
+  /// 0.
   [[nodiscard]] std::optional<std::vector<Eigen::Vector2d>> path_map(
       const geometry::SE2& T_map_base, const geometry::SE2& T_map_goal) const;
 
@@ -44,6 +45,7 @@ class GoalDrive {
   [[nodiscard]] Decision dock(const Situation& now);
   [[nodiscard]] const CostToGo* former_plan(const Eigen::Vector2d& p_map) const;
   [[nodiscard]] Decision drive_by(const CostToGo& cost_to_go, const Situation& now);
+  [[nodiscard]] Decision stay(const Situation& now);
   [[nodiscard]] std::optional<Decision> squeeze(const CostToGo& cost_to_go, const Situation& now);
   [[nodiscard]] Decision without_path(const Situation& now);
   void watch_progress(const Situation& now, double cost_m);
@@ -59,6 +61,8 @@ class GoalDrive {
   double least_cost_m_ = 0.0;  // since the goal was given, or the last failure
   double last_cost_m_ = 0.0;
   Patience patience_;
+  Patience standing_;         // without any motion that can be driven
+  bool cannot_move_ = false;  // and that for longer than its patience
   LookAround look_around_;
 };
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "modules/navigator/trail.hpp"
 
@@ -39,8 +40,30 @@ LocalPlanner::LocalPlanner(const NavigatorParams& params, bool creeps)
 std::optional<Decision> LocalPlanner::drive_best(const Situation& now, const CostToGo& cost_to_go) {
   const double max_forward_mps = brake_.speed_limit(0.0, now.max_forward_mps);
   const std::vector<Rollout>& rollouts = rollouts_.plan(now, cost_to_go, max_forward_mps);
-  has_rollout_ = !rollouts.empty();
-  return drive_best_of(rollouts, now);
+  auto best = drive_best_of(rollouts, now);
+  if (!best) {
+    why_stays_ = reason_to_stay(rollouts, now);
+  }
+  return best;
+}
+
+// What keeps the robot from all rollouts, none of which touches anything: that the laser has not
+// looked where one leads, somebody, or that they lead back where it has not driven.
+Why LocalPlanner::reason_to_stay(std::span<const Rollout> rollouts, const Situation& now) const {
+  const auto waits_for_laser = [&](const Rollout& rollout) {
+    return rollout.forward_mps > 0.0 &&
+           speed_where_looked(rollout.yaw_rate_rad_s / rollout.forward_mps, kLeastSpeedMps, now) <
+               kLeastSpeedMps;
+  };
+  if (std::ranges::any_of(rollouts, waits_for_laser)) {
+    return Why::kFirstLook;
+  }
+  if (!rollouts.empty() && !now.people.empty()) {
+    return Why::kGivesWay;
+  }
+  const bool leads_back = std::ranges::any_of(
+      rollouts, [](const Rollout& rollout) { return rollout.forward_mps < 0.0; });
+  return leads_back ? Why::kNoWayBack : Why::kNoMotion;
 }
 
 // The best rollout after Brake has slowed it down: the loss of speed counts as cost.

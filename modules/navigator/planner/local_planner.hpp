@@ -28,8 +28,8 @@ class LocalPlanner {
   [[nodiscard]] std::optional<Decision> drive_best(const Situation& now,
                                                    const CostToGo& cost_to_go);
 
-  /// Whether, at the last call of drive_best(), any rollout touched nothing.
-  [[nodiscard]] bool has_rollout() const { return has_rollout_; }
+  /// Why the last call of drive_best() that was empty found nothing to drive.
+  [[nodiscard]] Reason reason_to_stay() const { return why_stays_; }
 
   /// Drives the best of these rollouts, which are sorted by cost; empty if none can be driven.
   [[nodiscard]] std::optional<Decision> drive_best_of(std::span<const Rollout> rollouts,
@@ -51,6 +51,7 @@ class LocalPlanner {
   [[nodiscard]] std::optional<Decision> move(const Twist& motion, const Situation& now) const;
   [[nodiscard]] std::optional<Decision> drive_forwards(const Twist& motion,
                                                        const Situation& now) const;
+  [[nodiscard]] Why reason_to_stay(std::span<const Rollout> rollouts, const Situation& now) const;
   [[nodiscard]] double speed_where_looked(double curvature, double limit_mps,
                                           const Situation& now) const;
   [[nodiscard]] std::optional<Decision> drive_backwards(const Twist& motion,
@@ -59,7 +60,7 @@ class LocalPlanner {
   robot::Footprint body_;
   Brake brake_;
   Rollouts rollouts_;
-  bool has_rollout_ = false;
+  Why why_stays_ = Why::kNoMotion;
 };
 
 }  // namespace nodmap::navigator

@@ -92,6 +92,44 @@ TEST(GoalDrive, DrivesMoreSlowlyInANarrowerPlace) {
   EXPECT_EQ(between_rows(0.5 * params.squeeze_margin_m).forward_mps, 0.0);
 }
 
+// Both walls are 5 mm beside the body, and the robot has not driven here.
+TEST(GoalDrive, ARobotThatCannotMoveSaysSoAfterAWhile) {
+  LocalMap map({}, {});
+  test::sweep(map, {});
+  const robot::Footprint body = NavigatorParams().robot.body.footprint();
+  Situation now;
+  now.local_map = &map;
+  now.max_forward_mps = 1.0;
+  now.goal = GoalInBase{{2.0, 0.0}, 0.3};
+  for (double x = -body.half_length_m; x < body.half_length_m + 0.5; x += 0.01) {
+    now.points_base.emplace_back(x, body.half_width_m + 0.005);
+    now.points_base.emplace_back(x, -body.half_width_m - 0.005);
+  }
+  SeenDirections seen(SteerParams{});
+  seen.update(0.0, 0);
+  seen.update(0.0, 2);
+  now.seen = &seen;
+  GoalDrive drive({});
+  const auto reason_at = [&](double time_s) {
+    Decision decision;
+    for (; now.stamp < time::Timestamp(time::from_seconds(time_s)); now.stamp += 100ms) {
+      decision = drive.decide(now);
+      EXPECT_TRUE(decision.forward_mps == 0.0 || time_s > 25.0);
+    }
+    return decision.reason;
+  };
+  const auto num_points_of_path = [&] {
+    return drive.path_map({}, {2.0, 0.0, 0.0}).value_or(std::vector<Eigen::Vector2d>()).size();
+  };
+  EXPECT_EQ(reason_at(11.0), Reason(Why::kNoWayBack));
+  EXPECT_GT(num_points_of_path(), 0U);
+  EXPECT_EQ(reason_at(25.0), Reason(Why::kCannotMove));
+  EXPECT_EQ(num_points_of_path(), 0U);
+  now.points_base.clear();
+  EXPECT_NE(reason_at(25.5), Reason(Why::kCannotMove));
+  EXPECT_GT(num_points_of_path(), 0U);
+}
+
 // A local map of free floor, seen all around.
 LocalMap open_floor() {
   LocalMap map({}, {});
