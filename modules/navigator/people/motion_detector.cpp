@@ -5,6 +5,8 @@
 #include <cmath>
 #include <functional>
 
+#include "modules/navigator/people/legs.hpp"
+
 namespace nodmap::navigator {
 namespace {
 
@@ -31,6 +33,12 @@ constexpr double kLeastFree = 0.6;
 constexpr double kWidestM = 1.4;
 constexpr double kLeastRadiusM = 0.15;
 constexpr double kMostRadiusM = 0.7;
+// A leg is no wider than this; the legs of a person have a gap between them, in direction or in
+// range.
+constexpr double kLegM = 0.2;
+constexpr double kLegRadiusM = 0.07;
+constexpr double kBetweenLegsM = 0.12;
+constexpr std::size_t kBeamsOnLeg = 2;
 // Half the distance between neighbouring beams.
 constexpr double kHalfBeamM = 0.03;
 
@@ -38,6 +46,11 @@ constexpr double kHalfBeamM = 0.03;
 const auto is_beside = [](const auto& a, const auto& b) {
   const std::size_t beams = std::max(a.beam, b.beam) - std::min(a.beam, b.beam);
   return beams <= 2 && (a.p_odom - b.p_odom).norm() < kGapM;
+};
+
+// Whether there may be a gap between two successive hits.
+const auto has_gap = [](const auto& a, const auto& b) {
+  return b.beam - a.beam > 1 || (a.p_odom - b.p_odom).norm() > kBetweenLegsM;
 };
 
 // Whether a beam has hit something nearer than the neighbouring beam has, so that the neighbour
@@ -72,16 +85,14 @@ std::vector<Detection> MotionDetector::add_scan(const scan::Scan& scan,
   for (auto first = leg_hits_.cbegin(); first != leg_hits_.cend();) {
     const auto last = std::adjacent_find(first, leg_hits_.cend(), std::not_fn(is_beside));
     const auto end = last == leg_hits_.cend() ? last : last + 1;
-    if (const auto detection = detect(first, end, sensor_odom, scan, laser_is_held)) {
-      detections.push_back(*detection);
-    }
+    detect(first, end, sensor_odom, scan, laser_is_held, detections);
     first = end;
   }
   for (const Hit& hit : leg_hits_) {
     space_.hit(hit.p_odom, hit.height_m);
   }
   add_passes(scan, T_odom_base);
-  return detections;
+  return laser_is_held ? detections : join_legs(detections);
 }
 
 void MotionDetector::collect_hits(const scan::Scan& scan, const geometry::SE2& T_odom_base) {
@@ -140,41 +151,69 @@ std::span<const MotionDetector::Hit> MotionDetector::whole_group(const Hit& firs
   return {begin, end};
 }
 
-std::optional<Detection> MotionDetector::detect(Hits::const_iterator first,
-                                                Hits::const_iterator end,
-                                                const Eigen::Vector2d& sensor_odom,
-                                                const scan::Scan& scan, bool laser_is_held) const {
+void MotionDetector::detect(Hits::const_iterator first, Hits::const_iterator end,
+                            const Eigen::Vector2d& sensor_odom, const scan::Scan& scan,
+                            bool laser_is_held, std::vector<Detection>& detections) const {
   const auto num = static_cast<std::size_t>(end - first);
-  if (num < kFewestBeams || ((end - 1)->p_odom - first->p_odom).norm() > kWidestM) {
-    return std::nullopt;
+  const double apart_m = ((end - 1)->p_odom - first->p_odom).norm();
+  if (num < (laser_is_held ? kFewestBeams : kBeamsOnLeg) || apart_m > kWidestM) {
+    return;
   }
   const auto num_free = std::count_if(first, end, [&](const Hit& hit) {
     return space_.is_free(hit.p_odom, hit.height_m, laser_is_held);
   });
   const double free_ratio = static_cast<double>(num_free) / static_cast<double>(num);
   if (free_ratio < kLeastFree && !laser_is_held) {
-    return std::nullopt;
+    return;
   }
   const std::span<const Hit> group = whole_group(*first, *(end - 1));
   if (group.front().beam < kEdgeBeams || group.back().beam + kEdgeBeams >= num_beams_) {
-    return std::nullopt;
+    return;
   }
   if (free_ratio < kLeastFree && (!is_before(scan, group.front().beam, group.front().beam - 1) ||
                                   !is_before(scan, group.back().beam, group.back().beam + 1))) {
-    return std::nullopt;
+    return;
   }
+  const auto add = [&](std::span<const Hit> part, bool is_leg) {
+    detections.push_back(detection_of(part, is_leg, sensor_odom));
+    detections.back().free_ratio = free_ratio;
+  };
+  const auto gap = std::ranges::adjacent_find(group, has_gap);
+  const auto num_before = static_cast<std::size_t>(gap - group.begin()) + 1;
+  if (!laser_is_held && gap != group.end() && is_leg(group.first(num_before)) &&
+      is_leg(group.subspan(num_before))) {
+    add(group.first(num_before), true);
+    add(group.subspan(num_before), true);
+  } else {
+    add(group, !laser_is_held && is_leg(group));
+  }
+}
+
+bool MotionDetector::is_leg(std::span<const Hit> group) {
+  return group.size() >= kBeamsOnLeg &&
+         (group.back().p_odom - group.front().p_odom).norm() <= kLegM;
+}
+
+Detection MotionDetector::detection_of(std::span<const Hit> group, bool is_leg,
+                                       const Eigen::Vector2d& sensor_odom) {
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
   for (const Hit& hit : group) {
     mean += hit.p_odom / static_cast<double>(group.size());
   }
   const double width_m = (group.back().p_odom - group.front().p_odom).norm();
-  const double radius_m = std::clamp(0.5 * width_m + kHalfBeamM, kLeastRadiusM, kMostRadiusM);
+  const auto [lowest, highest] = std::ranges::minmax(group, {}, &Hit::height_m);
+  Detection detection;
+  detection.radius_m = std::clamp(0.5 * width_m + kHalfBeamM, kLeastRadiusM, kMostRadiusM);
   // Equally spaced beams on the front of a disc have their mean pi/4 of the radius before its
   // centre.
   const Eigen::Vector2d away = (mean - sensor_odom).normalized();
-  const auto [lowest, highest] = std::ranges::minmax(group, {}, &Hit::height_m);
-  return Detection{mean + 0.25 * geometry::kPi * radius_m * away, radius_m, lowest.height_m,
-                   highest.height_m, free_ratio};
+  detection.p_odom =
+      mean + 0.25 * geometry::kPi * (is_leg ? kLegRadiusM : detection.radius_m) * away;
+  detection.lowest_m = lowest.height_m;
+  detection.highest_m = highest.height_m;
+  detection.num_legs = is_leg ? 1 : 0;
+  detection.num_beams = group.size();
+  return detection;
 }
 
 }  // namespace nodmap::navigator

@@ -3,24 +3,15 @@
 
 #include <Eigen/Core>
 #include <cstddef>
-#include <optional>
 #include <span>
 #include <vector>
 
 #include "common/geometry/se2.hpp"
 #include "common/scan/scan.hpp"
+#include "modules/navigator/people/detection.hpp"
 #include "modules/navigator/people/ever_free.hpp"
 
 namespace nodmap::navigator {
-
-/// Something compact in a scan.
-struct Detection {
-  Eigen::Vector2d p_odom = Eigen::Vector2d::Zero();  ///< centre of a disc with this radius
-  double radius_m = 0.0;
-  double lowest_m = 0.0;  ///< height of the lowest and the highest hit above the floor
-  double highest_m = 0.0;
-  double free_ratio = 1.0;  ///< the fraction of its hits in ever-free space
-};
 
 /// Finds in each scan what has moved: groups of neighbouring beams that end close together at the
 /// height of legs, most of them in ever-free space. On a person who is near, only a part of the
@@ -50,11 +41,14 @@ class MotionDetector {
 
   void collect_hits(const scan::Scan& scan, const geometry::SE2& T_odom_base);
   void add_passes(const scan::Scan& scan, const geometry::SE2& T_odom_base);
-  /// The detection of a group of neighbouring hits at the height of legs; `end` is past the last.
-  [[nodiscard]] std::optional<Detection> detect(Hits::const_iterator first,
-                                                Hits::const_iterator end,
-                                                const Eigen::Vector2d& sensor_odom,
-                                                const scan::Scan& scan, bool laser_is_held) const;
+  /// Adds what a group of neighbouring hits at the height of legs shows: a body, a leg or two legs.
+  /// `end` is past the last.
+  void detect(Hits::const_iterator first, Hits::const_iterator end,
+              const Eigen::Vector2d& sensor_odom, const scan::Scan& scan, bool laser_is_held,
+              std::vector<Detection>& detections) const;
+  [[nodiscard]] static bool is_leg(std::span<const Hit> group);
+  [[nodiscard]] static Detection detection_of(std::span<const Hit> group, bool is_leg,
+                                              const Eigen::Vector2d& sensor_odom);
   /// All hits, at any height, that continue such a group to both sides.
   [[nodiscard]] std::span<const Hit> whole_group(const Hit& first, const Hit& last) const;
 

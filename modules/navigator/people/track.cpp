@@ -21,7 +21,8 @@ constexpr double kLeastHeightM = 0.1;
 // measures it in each scan, as much as noise does not explain.
 constexpr double kPartlyFree = 0.25;
 constexpr double kMostlyFree = 0.6;
-// A radius shrinks by this much per detection, because two people who touch are measured as one.
+// A radius shrinks by this much per detection, because two people who touch are measured as one. A
+// leg does not tell how wide its person is.
 constexpr double kShrinksM = 0.005;
 constexpr double kWalksMps = 0.25;
 constexpr double kSigmas = 2.0;
@@ -55,7 +56,8 @@ Track::Track(time::Timestamp stamp, const Detection& detection, std::int64_t id,
       laser_is_held_(laser_is_held),
       lowest_m_(detection.lowest_m),
       highest_m_(detection.highest_m),
-      has_come_(detection.free_ratio >= kMostlyFree) {
+      has_come_(detection.free_ratio >= kMostlyFree),
+      has_two_legs_(detection.num_legs == 2) {
   state_ << detection.p_odom, Eigen::Vector2d::Zero();
   const double p = kPositionSigmaM * kPositionSigmaM;
   const double v = kVelocitySigmaMps * kVelocitySigmaMps;
@@ -78,17 +80,19 @@ void Track::predict(time::Timestamp stamp) {
 
 void Track::update(const Detection& detection) {
   const Eigen::Matrix2d S = covariance_.topLeftCorner<2, 2>() +
-                            kPositionSigmaM * kPositionSigmaM * Eigen::Matrix2d::Identity();
+                            sigma_m(detection) * sigma_m(detection) * Eigen::Matrix2d::Identity();
   const Eigen::Matrix<double, 4, 2> K = covariance_.leftCols<2>() * S.inverse();
   state_ += K * (detection.p_odom - state_.head<2>());
   covariance_ -= K * covariance_.topRows<2>();
   covariance_ = 0.5 * (covariance_ + covariance_.transpose()).eval();
-  radius_m_ = std::max(radius_m_ - kShrinksM, detection.radius_m);
+  radius_m_ =
+      std::max(radius_m_ - (is_one_of_two_legs(detection) ? 0.0 : kShrinksM), detection.radius_m);
   seen_at_ = stamp_;
   lowest_m_ = std::min(lowest_m_, detection.lowest_m);
   highest_m_ = std::max(highest_m_, detection.highest_m);
   num_contradictions_ = 0;
   has_come_ = has_come_ || detection.free_ratio >= (laser_is_held_ ? kPartlyFree : kMostlyFree);
+  has_two_legs_ = has_two_legs_ || detection.num_legs == 2;
   ++num_sightings_;
   const double speed_mps = state_.tail<2>().norm();
   const double sigma_mps = worse_sigma(covariance_.bottomRightCorner<2, 2>());
@@ -113,7 +117,7 @@ bool Track::is_new() const {
 double Track::distance_squared(const Detection& detection) const {
   const Eigen::Vector2d innovation = detection.p_odom - state_.head<2>();
   const Eigen::Matrix2d S = covariance_.topLeftCorner<2, 2>() +
-                            kPositionSigmaM * kPositionSigmaM * Eigen::Matrix2d::Identity();
+                            sigma_m(detection) * sigma_m(detection) * Eigen::Matrix2d::Identity();
   return innovation.norm() > kFarthestDetectionM ? std::numeric_limits<double>::infinity()
                                                  : innovation.dot(S.inverse() * innovation);
 }

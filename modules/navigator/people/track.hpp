@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "common/geometry/time.hpp"
-#include "modules/navigator/people/motion_detector.hpp"
+#include "modules/navigator/people/detection.hpp"
 #include "modules/navigator/people/person.hpp"
 
 namespace nodmap::navigator {
@@ -21,6 +21,9 @@ class Track {
   /// Error of a detection's centre: noise, and the unknown middle of the body. It is larger than a
   /// single scan would need, because the scans of a sweep share the second part.
   static constexpr double kPositionSigmaM = 0.08;
+  /// Error of a person whose other leg is hidden: the one in view is up to 0.2 m from their middle,
+  /// and for all of a sweep on the same side.
+  static constexpr double kLegSigmaM = 0.25;
   /// Error of the velocity before it is known: people walk at up to 1.4 m/s in any direction.
   static constexpr double kVelocitySigmaMps = 1.0;
 
@@ -55,6 +58,13 @@ class Track {
 
  private:
   [[nodiscard]] bool has_legs() const;
+  /// Standard deviation of a detection's centre as the person's, in each direction.
+  [[nodiscard]] double sigma_m(const Detection& detection) const {
+    return is_one_of_two_legs(detection) ? kLegSigmaM : kPositionSigmaM;
+  }
+  [[nodiscard]] bool is_one_of_two_legs(const Detection& detection) const {
+    return has_two_legs_ && detection.num_legs == 1;
+  }
 
   std::int64_t id_;
   Eigen::Vector4d state_;  // position, velocity; odom
@@ -69,7 +79,8 @@ class Track {
   bool laser_is_held_;
   double lowest_m_;  // lowest and highest hit above the floor
   double highest_m_;
-  bool has_come_;  // it was measured where space was free before
+  bool has_come_;      // it was measured where space was free before
+  bool has_two_legs_;  // both were measured at once
   bool moves_ = false;
 };
 

@@ -58,6 +58,44 @@ TEST(PeopleTracker, FollowsAWalkerFromSweepToSweep) {
   }
 }
 
+// The legs of somebody who has walked so far: 14 cm thick, 20 cm apart, they swing by 18 cm along
+// the way, one against the other, once in two steps of 0.7 m.
+std::vector<Pillar> legs_of(const Eigen::Vector2d& p, const Eigen::Vector2d& velocity,
+                            double walked_m) {
+  const Eigen::Vector2d heading = velocity.normalized();
+  const Eigen::Vector2d ahead = 0.18 * std::sin(2.0 * geometry::kPi * walked_m / 1.4) * heading;
+  const Eigen::Vector2d left = 0.1 * Eigen::Vector2d(-heading.y(), heading.x());
+  return {{p + left + ahead, 0.07, 1.7}, {p - left - ahead, 0.07, 1.7}};
+}
+
+// A leg moves at 0.2 to 1.8 times the speed of its person. Measured: errors of up to 0.034 m and
+// 0.058 m/s (0.117 m and 0.333 m/s when each leg was a body).
+TEST(PeopleTracker, FollowsAWalkerByBothLegs) {
+  for (const Eigen::Vector2d& velocity :
+       {Eigen::Vector2d(-1.2, 0.1), Eigen::Vector2d(0.0, 1.0), Eigen::Vector2d(-0.8, -0.9)}) {
+    PeopleTracker tracker;
+    const Eigen::Vector2d start = Eigen::Vector2d(2.0, 0.0) - 4.0 * velocity;
+    double known_s = 0.0;
+    double worst_m = 0.0;
+    double worst_mps = 0.0;
+    for (double time_s = 0.0; time_s < 4.5; time_s += kScanS) {
+      const Eigen::Vector2d p = start + time_s * velocity;
+      const WalkingScene scene{legs_of(p, velocity, time_s * velocity.norm()), 8.0};
+      tracker.add_scan(scene.scan(at(time_s), {}, test::nodding_pitch_rad(time_s)), {});
+      const People people = tracker.people_odom(at(time_s));
+      if (time_s > 3.5 && !people.empty()) {
+        ASSERT_EQ(people.size(), 1U) << time_s;
+        known_s += kScanS;
+        worst_m = std::max(worst_m, (people[0].position - p).norm());
+        worst_mps = std::max(worst_mps, (people[0].velocity - velocity).norm());
+      }
+    }
+    EXPECT_GT(known_s, 0.8) << velocity.transpose();
+    EXPECT_LT(worst_m, 1.25 * 0.034) << velocity.transpose();
+    EXPECT_LT(worst_mps, 1.25 * 0.058) << velocity.transpose();
+  }
+}
+
 // Its beams come in the opposite order, as those of a laser that is mounted upside down. Somebody
 // walks past an obstacle in his way and out of view, and turns round before a wall behind the
 // robot.
