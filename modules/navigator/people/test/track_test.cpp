@@ -67,6 +67,19 @@ TEST(Track, EqualsTheGaussianConditionedOnAllDetections) {
   EXPECT_NEAR(track.person().position_sigma_m, std::sqrt(variance), 1e-9);
 }
 
+// Oracle: the mean of two measurements, weighted by their variances. Tolerance: rounding.
+TEST(Track, ASingleLegIsLessExactOnceBothHaveBeenSeen) {
+  for (const int num_legs : {0, 1, 2}) {
+    Track track(time::Timestamp{}, {{1.0, 0.0}, 0.25, 0.2, 0.4, 1.0, num_legs});
+    track.update({{1.2, 0.0}, 0.15, 0.2, 0.4, 1.0, 1});
+    const double first = std::pow(Track::kPositionSigmaM, 2);
+    const double second =
+        num_legs == 2 ? std::pow(Track::kLegSigmaM, 2) : std::pow(Track::kPositionSigmaM, 2);
+    EXPECT_NEAR(track.person().position.x(), 1.0 + 0.2 * first / (first + second), 1e-12);
+    EXPECT_EQ(track.person().radius_m == 0.25, num_legs == 2);
+  }
+}
+
 TEST(Track, TheErrorGrowsBetweenSightings) {
   Track track(time::Timestamp{}, {{1.0, 0.0}, 0.25});
   double last_m = 0.0;
