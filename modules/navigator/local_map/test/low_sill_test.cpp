@@ -67,7 +67,7 @@ struct Nod {
 
   static Nod at(double forward_mps) {
     constexpr std::array<Nod, 4> kPlans{
-        {{-60.0, 60.0, 1.65}, {-48.5, 29.8, 1.87}, {-28.5, 11.2, 1.44}, {-17.4, 6.5, 1.0}}};
+        {{-60.0, 60.0, 1.65}, {-48.5, 29.8, 1.87}, {-28.5, 11.2, 1.49}, {-20.4, 6.5, 0.91}}};
     const double place = std::clamp(forward_mps / 0.5, 0.0, 2.999);
     const auto i = static_cast<std::size_t>(place);
     const double w = place - static_cast<double>(i);
