@@ -2,6 +2,7 @@
 #include "modules/slam6d/plane_adjustment.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -28,6 +29,12 @@ constexpr int kFitIterations = 4;
 constexpr double kFirstFitScale = 4.5;
 // Residuals below this are due to the rounding of voxel means.
 constexpr double kMinResidualM = 2e-3;
+// A motion that hardly any plane determined may be wrong by more than the kernel is wide. So the
+// kernel of the first step is as wide as such a motion may be wrong, in standard deviations, if
+// that is much wider than its scale, and at most a quarter of a patch.
+constexpr double kScaleSigmas = 3.0;
+constexpr double kMinScaleRatio = 2.0;
+constexpr double kMaxScaleM = 0.1;
 // A point is added only to a patch that its beam does not meet at a grazing angle or from behind.
 constexpr float kMinViewCosine = 0.1F;
 
@@ -259,6 +266,43 @@ void add_odometry(PoseEquations& equations, std::span<const AdjustedSweep> sweep
   equations.gradient(k) -= information * error;
 }
 
+// The largest standard deviation of a position in the motions between sweeps.
+double largest_sigma_m(std::span<const AdjustedSweep> sweeps) {
+  double variance_m2 = 0.0;
+  for (std::size_t k = 1; k < sweeps.size(); ++k) {
+    const Eigen::Matrix3d position = sweeps[k].covariance.topLeftCorner<3, 3>();
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> directions(position,
+                                                                    Eigen::EigenvaluesOnly);
+    variance_m2 = std::max(variance_m2, directions.eigenvalues()[2]);
+  }
+  return std::sqrt(variance_m2);
+}
+
+// One Gauss-Newton step.
+void step(std::vector<AdjustedSweep>& sweeps, const VoxelMapParams& voxels,
+          const RegistrationParams& registration, double patch_size_m, double scale_m) {
+  if (sweeps.size() < 2) {
+    return;
+  }
+  const std::vector<Patch> patches =
+      PatchGrid(sweeps, voxels, patch_size_m).patches(sweeps, scale_m);
+  PoseEquations equations(sweeps.size());
+  add_patches(equations, sweeps, patches, registration.residual_correlation);
+  for (std::size_t k = 1; k < sweeps.size(); ++k) {
+    add_odometry(equations, sweeps, k);
+    if (sweeps[k].level) {
+      const auto level = level_evidence(*sweeps[k].level, sweeps[k].T_map_base);
+      equations.block(k, k) += level.H;
+      equations.gradient(k) += level.b;
+    }
+  }
+  const auto motions = equations.solve();
+  for (std::size_t k = 0; motions && k < sweeps.size(); ++k) {
+    SE3& pose = sweeps[k].T_map_base;
+    pose = normalized(moved(pose, motions->segment<6>(static_cast<Eigen::Index>(6 * k))));
+  }
+}
+
 }  // namespace
 
 std::vector<MeanPoint> adjusted_points(std::span<const Eigen::Vector3f> points,
@@ -273,32 +317,17 @@ std::vector<MeanPoint> adjusted_points(std::span<const Eigen::Vector3f> points,
   return means;
 }
 
-std::vector<SE3> adjust_planes(std::span<const AdjustedSweep> sweeps, const VoxelMapParams& voxels,
+std::vector<SE3> adjust_planes(std::vector<AdjustedSweep> sweeps, const VoxelMapParams& voxels,
                                const RegistrationParams& registration,
                                const AdjustmentParams& params) {
+  const double wide_scale_m = std::min(kMaxScaleM, kScaleSigmas * largest_sigma_m(sweeps));
+  if (wide_scale_m > kMinScaleRatio * params.residual_scale_m) {
+    step(sweeps, voxels, registration, params.patch_size_m, wide_scale_m);
+  }
+  step(sweeps, voxels, registration, params.patch_size_m, params.residual_scale_m);
   std::vector<SE3> poses;
   for (const AdjustedSweep& sweep : sweeps) {
     poses.push_back(sweep.T_map_base);
-  }
-  if (sweeps.size() < 2) {
-    return poses;
-  }
-  const std::vector<Patch> patches =
-      PatchGrid(sweeps, voxels, params.patch_size_m).patches(sweeps, params.residual_scale_m);
-  PoseEquations equations(sweeps.size());
-  add_patches(equations, sweeps, patches, registration.residual_correlation);
-  for (std::size_t k = 1; k < sweeps.size(); ++k) {
-    add_odometry(equations, sweeps, k);
-    if (sweeps[k].level) {
-      const auto level = level_evidence(*sweeps[k].level, sweeps[k].T_map_base);
-      equations.block(k, k) += level.H;
-      equations.gradient(k) += level.b;
-    }
-  }
-  const auto motions = equations.solve();
-  for (std::size_t k = 0; motions && k < poses.size(); ++k) {
-    const Vector6d motion = motions->segment<6>(static_cast<Eigen::Index>(6 * k));
-    poses[k] = normalized(moved(poses[k], motion));
   }
   return poses;
 }

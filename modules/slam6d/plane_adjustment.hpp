@@ -70,12 +70,14 @@ struct AdjustedSweep {
 
 /// Computes the poses of all sweeps at which their planes agree best; the first pose is fixed.
 /// Performs one Gauss-Newton step from the present poses, which must be right to some centimetres.
+/// If a motion between sweeps is so uncertain that the planes of both may lie outside the robust
+/// kernel, one step with a wider kernel comes first.
 ///
 /// A patch is what all sweeps saw within one cube, from its front: one plane, whose offset and
 /// tilts are unknowns like the poses, and are eliminated (plane adjustment: Ferrer 2019, Liu and
 /// Zhang 2021). The motions between successive sweeps determine what no plane does. If the
 /// equations have no solution, the poses are returned unchanged.
-[[nodiscard]] std::vector<geometry::SE3> adjust_planes(std::span<const AdjustedSweep> sweeps,
+[[nodiscard]] std::vector<geometry::SE3> adjust_planes(std::vector<AdjustedSweep> sweeps,
                                                        const VoxelMapParams& voxels,
                                                        const RegistrationParams& registration,
                                                        const AdjustmentParams& params);

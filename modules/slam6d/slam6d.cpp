@@ -357,10 +357,10 @@ void Slam6d::polish() {
 }
 
 void Slam6d::adjust() {
-  const AdjustedDrive drive = adjusted_sweeps(
+  AdjustedDrive drive = adjusted_sweeps(
       {keyframes_, between_, corrected_, back_end_.graph().steps()}, tracker_, params_);
-  const std::vector<SE3> poses =
-      adjust_planes(drive.sweeps, params_.voxels, params_.registration, params_.adjustment);
+  const std::vector<SE3> poses = adjust_planes(std::move(drive.sweeps), params_.voxels,
+                                               params_.registration, params_.adjustment);
   std::vector<SE3> T_map_keyframes;
   std::vector<CorrectedPoses::Correction> corrections;
   for (std::size_t i = 0; i < poses.size(); ++i) {
