@@ -48,9 +48,10 @@ TEST(ObstacleMemory, ABeamThroughAnObstacleTakesEvidenceAwayOncePerScan) {
   LocalGrid grid = grid_around_origin();
   memory.add_hit(grid, {1.0, 0.0, 0.20}, true, 1);
   const LocalCell& cell = *grid.find({1.0, 0.0});
-  ObstacleMemory::pass(grid, level_beam(0.30), 3.0, kTopM, 2);
+  ObstacleMemory::pass(grid, level_beam(0.215), 3.0, kTopM, 2);  // above it
   EXPECT_EQ(cell.obstacle, evidence::kCertain);
-  ObstacleMemory::pass(grid, level_beam(0.205), 0.9, kTopM, 3);  // ends before it
+  ObstacleMemory::pass(grid, level_beam(0.205), 0.9, kTopM, 3);   // ends before it
+  ObstacleMemory::pass(grid, level_beam(0.205), 1.02, kTopM, 3);  // ends at it, within the noise
   EXPECT_EQ(cell.obstacle, evidence::kCertain);
   ObstacleMemory::pass(grid, level_beam(0.205), 3.0, kTopM, 4);
   ObstacleMemory::pass(grid, level_beam(0.205), 3.0, kTopM, 4);
@@ -66,8 +67,12 @@ TEST(ObstacleMemory, BeamsDoNotRemoveAContact) {
   const ObstacleMemory memory(20.0);
   LocalGrid grid = grid_around_origin();
   const robot::Footprint body{0.225, 0.165};
+  const Eigen::Vector2d p(0.5 + body.half_length_m + kCellM, 0.0);
+  // Nor by the heights that were measured there before: a beam between them passes beside it.
+  memory.add_hit(grid, {p.x(), p.y(), 0.1}, true, 0);
+  memory.add_hit(grid, {p.x(), p.y(), 0.3}, true, 0);
   memory.add_contact(grid, {0.5, 0.0, 0.0}, body, true);
-  const LocalCell& touched = *grid.find({0.5 + body.half_length_m + kCellM, 0.0});
+  const LocalCell& touched = *grid.find(p);
   ASSERT_TRUE(touched.is_obstacle());
   for (std::uint16_t scan = 1; scan < 20; ++scan) {
     ObstacleMemory::pass(grid, level_beam(0.2), 3.0, kTopM, scan);
