@@ -57,8 +57,9 @@ class LevelScanInput {
                     bool has_restarted = false);
 
   /// Takes the next scan. Returns the level scan that it completes, which is this scan or the
-  /// previous one; valid until the next call. Returns nothing for one that is implausible and,
-  /// counting why, for one that is not level or more than 50 ms from any odometry.
+  /// previous one; valid until the next call. Returns nothing for one that is implausible, which
+  /// SensorInput counts, and, counting why, for one that is not level or more than 50 ms from any
+  /// odometry.
   [[nodiscard]] std::optional<LevelScan> add_scan(const scan::Scan& scan);
 
   /// The frame of the odometry that is published now, in that of LevelScan::T_odom_base.
