@@ -9,6 +9,7 @@
 #include "modules/navigator/params.hpp"
 #include "modules/navigator/planner/cost_to_go.hpp"
 #include "modules/navigator/planner/distance_field.hpp"
+#include "modules/navigator/side.hpp"
 #include "modules/navigator/situation.hpp"
 #include "modules/navigator/twist.hpp"
 
