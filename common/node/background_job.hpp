@@ -1,20 +1,32 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <chrono>
 #include <future>
 #include <optional>
 #include <utility>
 
 namespace nodmap::node {
 
-/// Runs one piece of work at a time on a thread of its own, while messages are handled. The number
-/// of messages after which the result is taken is fixed when the work starts, however long the work
-/// takes, so that a replay gives the same bytes on any machine. Until then nobody else may use the
-/// data that the work uses.
+/// When the result of work in the background is used.
+enum class ResultsUsed {
+  /// At a message that is fixed when the work starts, however long the work takes: a replay gives
+  /// the same bytes on any machine. A message waits for a result that is not ready by then.
+  kAtFixedMessage,
+  /// At the first message after it is ready: no message waits, so none are lost behind a slow disk.
+  kWhenReady
+};
+
+/// Runs one piece of work at a time on a thread of its own, while messages are handled. Until its
+/// result is taken nobody else may use the data that the work uses.
 template <class Result>
 class BackgroundJob {
  public:
-  /// Starts `work()`. The last result must have been taken.
+  explicit BackgroundJob(ResultsUsed results_used = ResultsUsed::kAtFixedMessage)
+      : results_used_(results_used) {}
+
+  /// Starts `work()`. The last result must have been taken. `messages_until_due` is the number of
+  /// messages for ResultsUsed::kAtFixedMessage.
   template <class Work>
   void start(Work work, int messages_until_due) {
     result_ = std::async(std::launch::async, std::move(work));
@@ -24,9 +36,18 @@ class BackgroundJob {
   /// Whether there is work whose result has not been taken.
   [[nodiscard]] bool is_running() const { return result_.valid(); }
 
-  /// Counts one message. Returns the result when it is due, waiting for it if need be.
+  /// Counts one message. Returns the result if it is to be used at this one.
   [[nodiscard]] std::optional<Result> count_message() {
+    if (results_used_ == ResultsUsed::kWhenReady) {
+      return is_ready() ? take() : std::nullopt;
+    }
     return result_.valid() && --messages_until_due_ <= 0 ? take() : std::nullopt;
+  }
+
+  /// For a message that needs the result. With kAtFixedMessage waits for it; with kWhenReady
+  /// returns it only if it is ready, and the caller tries again at a later message.
+  [[nodiscard]] std::optional<Result> take_early() {
+    return results_used_ == ResultsUsed::kAtFixedMessage || is_ready() ? take() : std::nullopt;
   }
 
   /// Waits for the result and returns it; empty if there is no work. Rethrows an exception of the
@@ -43,6 +64,12 @@ class BackgroundJob {
   }
 
  private:
+  [[nodiscard]] bool is_ready() const {
+    return result_.valid() &&
+           result_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+  }
+
+  ResultsUsed results_used_;
   std::future<Result> result_;
   int messages_until_due_ = 0;
 };

@@ -6,6 +6,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "common/bus/bus.hpp"
+#include "common/node/background_job.hpp"
 #include "common/node/health.hpp"
 #include "common/node/message_counts.hpp"
 
@@ -17,10 +18,13 @@ struct Context {
   MessageCounts& counts;
   /// Folder for the results; empty when a live process was started without --out.
   std::filesystem::path out_dir;
+  /// kWhenReady in a live process: the only difference between live operation and a replay.
+  ResultsUsed results_used = ResultsUsed::kAtFixedMessage;
 };
 
 /// The layer around an algorithm that receives and publishes its messages. The same class runs live
-/// and on a recording, and cannot tell the difference: it takes the time from its messages.
+/// and on a recording: it takes the time from its messages. The only difference is when it uses the
+/// results of work in the background (Context::results_used).
 class Node : boost::noncopyable {
  public:
   virtual ~Node() = default;

@@ -118,7 +118,7 @@ void run_live(const ProgramInfo& info, const Options& options, const std::string
   const std::filesystem::path dir = make_next_result_dir(options.out);
   bus::LiveBus bus(lcm_url);
   MessageCounts counts;
-  Context context{bus, counts, dir};
+  Context context{bus, counts, dir, ResultsUsed::kWhenReady};
   const std::unique_ptr<Node> node = make_node(context);
   const time::SystemClock clock;
   StatusReporter status(info.name, bus, counts, clock);

@@ -42,7 +42,8 @@ Slam6dNode::Slam6dNode(node::Context& context, const Params& params,
       input_(context.counts, &context.bus),
       saving_(context),
       slam_(params),
-      occupancy_(params.occupancy) {
+      occupancy_(params.occupancy, context.results_used),
+      registering_(context.results_used) {
   if (!options.localise_in.empty() || !options.map_in.empty()) {
     restore(options);
   }
@@ -91,8 +92,8 @@ void Slam6dNode::on_scan(const nodmap::scan_t& message) {
   last_stamp_ = scan.stamp;
   answer(registering_.count_message());
   answer_saved(occupancy_.count_message());
-  if (saving_.is_retry_due(last_stamp_) && !occupancy_.is_working()) {
-    save_again();
+  if (is_save_waiting_ || saving_.is_retry_due(last_stamp_)) {
+    save_when_idle();
   }
   if (auto sweep = slam_.collect(std::move(scan))) {
     register_sweep(std::move(*sweep));
@@ -104,7 +105,10 @@ void Slam6dNode::on_scan(const nodmap::scan_t& message) {
 
 // A LOST robot that drives registers one sweep after the other: the sweep that is being registered
 // is awaited. It may begin an update of the occupancy map.
-void Slam6dNode::save_again() {
+void Slam6dNode::save_when_idle() {
+  if (occupancy_.is_working()) {
+    return;
+  }
   answer(registering_.take());
   if (!occupancy_.is_working()) {
     start_saving();
@@ -235,15 +239,17 @@ void Slam6dNode::on_save_request(const nodmap::save_request_t& message) {
   if (only_localises_) {
     return;
   }
-  answer_saved(occupancy_.take());  // a save that failed after the last scan
+  answer_saved(occupancy_.take_early());  // a save that failed after the last scan
   if (saving_.accept(message, last_stamp_)) {
     answer(registering_.take());
-    answer_saved(occupancy_.take());
-    start_saving();
+    answer_saved(occupancy_.take_early());
+    is_save_waiting_ = true;
+    save_when_idle();
   }
 }
 
 void Slam6dNode::start_saving() {
+  is_save_waiting_ = false;
   occupancy_.save(save_with_keyframes());
 }
 
@@ -307,15 +313,13 @@ nlohmann::json Slam6dNode::metrics() const {
 
 node::Health Slam6dNode::health() const {
   using node::HealthState;
-  registering_.wait();
   if (const auto problem = saving_.problem()) {
     return *problem;
   }
-  if (slam_.scan_counts().in_sweeps > 0 && slam_.num_sweeps() == 0) {
-    return {HealthState::kDegraded, "There are scans, but no odometry for them."};
-  }
   if (!last_update_) {
-    return {};
+    return slam_.scan_counts().in_sweeps > 0 && !registering_.is_running()
+               ? node::Health{HealthState::kDegraded, "There are scans, but no odometry for them."}
+               : node::Health{};
   }
   if (!last_update_->is_place_known) {
     return {HealthState::kDegraded, "The robot has not been found in the saved map yet."};

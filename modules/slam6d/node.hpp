@@ -29,7 +29,9 @@ namespace nodmap::slam6d {
 /// The node around Slam6d. It receives SCAN and ODOMETRY. It publishes POSE_6D for each sweep,
 /// CLOUD for each keyframe, POSE_GRAPH_6D when the graph has changed, and OCTOMAP every few
 /// seconds while it changes. SAVE_REQUEST writes the map. Sweeps are registered, loops closed and
-/// the occupancy map updated on other threads, so that a scan is handled within microseconds.
+/// the occupancy map updated and saved on other threads, so that a scan is handled within
+/// microseconds. Live, a scan waits for none of them, only a whole sweep for the registration of
+/// the one before.
 ///
 /// With a saved map the node either continues that map or only localises the robot in it. In the
 /// second case it publishes poses and the clouds of that map, and does not write the map.
@@ -52,7 +54,7 @@ class Slam6dNode : public node::Node {
   void on_scan(const nodmap::scan_t& message);
   void on_save_request(const nodmap::save_request_t& message);
 
-  void save_again();
+  void save_when_idle();
   void register_sweep(PlacedSweep sweep);
   void answer(const std::optional<PoseUpdate>& update);
   void publish(const PoseUpdate& update);
@@ -83,6 +85,7 @@ class Slam6dNode : public node::Node {
   time::Timestamp last_stamp_{};  // of SCAN
   std::optional<PoseUpdate> last_update_;
   std::int64_t maps_saved_ = 0;
+  bool is_save_waiting_ = false;  // for other work of `occupancy_`
   // These two are declared last, so that their threads end before the data they use are destroyed:
   // `registering_` uses `slam_`; `occupancy_` uses its own map and what save_map() reads.
   OccupancyMapper occupancy_;

@@ -14,6 +14,9 @@ namespace {
 constexpr int kScansUntilMapped = 60;
 // A map that has not changed is handed out again after this many periods.
 constexpr double kPeriodsUntilRepeated = 12.0;
+// The file is written as a whole. As it is written only when it has grown by this much, all that is
+// written is about eleven times as large as the last file, however large the map becomes.
+constexpr std::size_t kSavedGrowthPercent = 10;
 // To save a keyframe, 174 kB, takes 3 ms.
 constexpr std::size_t kSavedKeyframesPerScan = 4;
 
@@ -24,8 +27,8 @@ std::size_t number_of(std::span<const Keyframe> keyframes) {
 
 }  // namespace
 
-OccupancyMapper::OccupancyMapper(const OccupancyParams& params)
-    : params_(params), map_(params.trace) {}
+OccupancyMapper::OccupancyMapper(const OccupancyParams& params, node::ResultsUsed results_used)
+    : params_(params), map_(params.trace), work_(results_used) {}
 
 // Keyframes that newer ones have replaced. Both are in the order of their ids.
 void OccupancyMapper::forget_dropped(std::span<const Keyframe> keyframes) {
@@ -67,6 +70,7 @@ void OccupancyMapper::update(std::span<const Keyframe> keyframes, time::Timestam
   }
   if (prepare_save && is_save_due(number_of(keyframes))) {
     work.save = prepare_save();
+    num_saved_ = number_of(keyframes);
   }
   for (const Keyframe& keyframe : added) {
     mapped_.push_back({keyframe.id, keyframe.cloud, keyframe.T_map_base, keyframe.is_moved});
@@ -80,8 +84,8 @@ void OccupancyMapper::update(std::span<const Keyframe> keyframes, time::Timestam
 
 bool OccupancyMapper::is_save_due(std::size_t num_keyframes) const {
   const auto every = static_cast<std::size_t>(params_.save_every_keyframes);
-  const std::size_t num_mapped = mapped_.empty() ? 0 : mapped_.back().id + 1;
-  return every > 0 && num_keyframes / every > num_mapped / every;
+  return every > 0 &&
+         num_keyframes >= num_saved_ + std::max(every, num_saved_ * kSavedGrowthPercent / 100);
 }
 
 OccupancyMapper::Result OccupancyMapper::execute(const Work& work) {
@@ -108,6 +112,10 @@ void OccupancyMapper::save(const Save& save) {
 
 std::optional<std::error_code> OccupancyMapper::count_message() {
   return handle(work_.count_message());
+}
+
+std::optional<std::error_code> OccupancyMapper::take_early() {
+  return handle(work_.take_early());
 }
 
 std::optional<std::error_code> OccupancyMapper::take() {

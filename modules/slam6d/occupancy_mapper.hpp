@@ -31,7 +31,8 @@ class OccupancyMapper {
   /// Saves the map, together with the keyframes it was made from.
   using Save = std::function<std::error_code(const OccupancyMap&)>;
 
-  explicit OccupancyMapper(const OccupancyParams& params);
+  explicit OccupancyMapper(const OccupancyParams& params,
+                           node::ResultsUsed results_used = node::ResultsUsed::kAtFixedMessage);
 
   [[nodiscard]] bool is_working() const { return work_.is_running(); }
 
@@ -44,9 +45,9 @@ class OccupancyMapper {
   /// Starts to save the map as it is. No work may be under way.
   void save(const Save& save);
 
-  /// Counts one message, and takes the work's result when it is due; take() waits for it. Returns
-  /// the outcome of saving, if the map was saved.
+  /// As those of BackgroundJob; they return the outcome of saving, if the map was saved.
   [[nodiscard]] std::optional<std::error_code> count_message();
+  [[nodiscard]] std::optional<std::error_code> take_early();
   [[nodiscard]] std::optional<std::error_code> take();
 
   /// The next part of the map that is being handed out.
@@ -91,6 +92,7 @@ class OccupancyMapper {
   OccupancyParams params_;
   OccupancyMap map_;
   std::vector<Mapped> mapped_;
+  std::size_t num_saved_ = 0;  // keyframes there were when the map was last saved
   OctomapParts parts_;
   std::optional<time::Timestamp> published_at_;  // when the map was last handed out
   bool has_changed_since_ = false;               // what it contains

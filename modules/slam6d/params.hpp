@@ -62,9 +62,10 @@ struct OccupancyParams {
   template <class Visitor>
   void describe(Visitor& v) {
     trace.describe(v);
-    v.integer("save_every_keyframes", save_every_keyframes, {0, 100000},
-              "The map is saved each time this many keyframes were added; 0: only at the end and "
-              "on request.");
+    v.integer(
+        "save_every_keyframes", save_every_keyframes, {0, 100000},
+        "The map is saved each time this many keyframes were added, and a tenth of all; 0: only "
+        "at the end and on request.");
     v.number("publish_period_s", publish_period_s, {0.0, 3600.0},
              "Shortest time between two publications of the OctoMap. If it has not changed it is "
              "published again after twelve times this time; 0: never published.");

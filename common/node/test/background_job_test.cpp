@@ -34,12 +34,40 @@ TEST(BackgroundJob, ASlowJobIsWaitedForWhenItsResultIsDue) {
   EXPECT_EQ(job.count_message(), 8);
 }
 
+TEST(BackgroundJob, LiveNoMessageWaitsForASlowJob) {
+  std::promise<void> may_end;
+  BackgroundJob<int> job(ResultsUsed::kWhenReady);
+  job.start(
+      [end = may_end.get_future().share()] {
+        end.wait();
+        return 8;
+      },
+      1);
+  EXPECT_FALSE(job.count_message());
+  EXPECT_FALSE(job.count_message());
+  EXPECT_FALSE(job.take_early());
+  may_end.set_value();
+  job.wait();
+  EXPECT_EQ(job.count_message(), 8);
+}
+
+TEST(BackgroundJob, LiveAResultIsUsedAsSoonAsItIsReady) {
+  BackgroundJob<int> job(ResultsUsed::kWhenReady);
+  EXPECT_FALSE(job.count_message());
+  job.start([] { return 7; }, 100);
+  job.wait();
+  EXPECT_EQ(job.count_message(), 7);
+  job.start([] { return 9; }, 100);
+  job.wait();
+  EXPECT_EQ(job.take_early(), 9);
+}
+
 TEST(BackgroundJob, CanBeTakenEarlyAndStartedAgain) {
   BackgroundJob<int> job;
   EXPECT_FALSE(job.take());
   job.start([] { return 1; }, 100);
-  EXPECT_EQ(job.take(), 1);
-  EXPECT_FALSE(job.take());
+  EXPECT_EQ(job.take_early(), 1);
+  EXPECT_FALSE(job.take_early());
   job.start([] { return 2; }, 1);
   EXPECT_EQ(job.count_message(), 2);
 }

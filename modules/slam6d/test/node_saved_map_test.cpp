@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // When the node saves its map, and how it continues a saved one.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <csignal>
+#include <future>
 #include <optional>
 #include <random>
 #include <set>
@@ -12,6 +14,7 @@
 
 #include "common/bus/codec.hpp"
 #include "common/bus/replay_bus.hpp"
+#include "common/formats/atomic_file.hpp"
 #include "common/formats/tum.hpp"
 #include "common/node/messages.hpp"
 #include "modules/slam6d/node.hpp"
@@ -218,6 +221,30 @@ TEST(Slam6dNode, TriesAgainToSaveAMapThatCouldNotBeSaved) {
   put_scans(225);  // 12 s after the request
   EXPECT_TRUE(fs::exists(context.out_dir / "map.bt"));
   EXPECT_EQ(slam.health().state, node::HealthState::kOk) << slam.health().reason;
+}
+
+// The disk is a pipe that nobody reads, so that saving does not end before the scans have.
+TEST(Slam6dNode, LiveNoScanWaitsUntilTheMapIsSaved) {
+  const test::TemporaryDir dir;
+  const fs::path pipe = formats::unfinished_name(dir.path() / "map.bt");
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  test::MemoryBus bus;
+  node::MessageCounts counts;
+  node::Context context{bus, counts, dir.path(), node::ResultsUsed::kWhenReady};
+  Slam6dNode slam(context, {.assume_stationary = true});
+  std::mt19937 random(9);
+  const auto still = [](time::Timestamp) { return geometry::SE3::Identity(); };
+  bus.deliver("SAVE_REQUEST", nodmap::save_request_t{});
+  for (std::int64_t i = 0; i < 320; ++i) {  // four sweeps
+    bus.deliver("SCAN", node::write_scan(NoddingScanner{}.scan(i, Room::hall(), still, random)));
+  }
+  EXPECT_EQ(slam.health().state, node::HealthState::kOk) << slam.health().reason;
+  const auto drained = std::async(std::launch::async, [&] { return read(pipe); });
+  slam.finish();
+  EXPECT_EQ(bus.count("POSE_6D"), 4U);
+  EXPECT_EQ(counts.used(), 321);
+  // A pipe cannot be synced to the disk.
+  EXPECT_EQ(slam.health().state, node::HealthState::kDegraded);
 }
 
 TEST(Slam6dNode, AfterAFailedSaveARequestIsCarriedOutAtOnce) {

@@ -5,7 +5,9 @@
 
 #include <chrono>
 #include <memory>
+#include <numeric>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -128,6 +130,33 @@ TEST(OccupancyMapper, AnUnchangedMapIsHandedOutAgainAfterTwelvePeriods) {
   EXPECT_EQ(handed_out(mapper), "");
   update(mapper, keyframe, 160);
   EXPECT_TRUE(handed_out(mapper) == first);
+}
+
+// A file of N keyframes is written as a whole: written every ten of them, all files of a long drive
+// would be N / 20 times as large as the last one.
+TEST(OccupancyMapper, WhatIsSavedOnALongDriveGrowsWithTheMap) {
+  const Keyframe keyframe = keyframe_before_a_wall(1);
+  std::vector<Keyframe> keyframes;
+  std::vector<std::size_t> saved;  // number of keyframes
+  OccupancyMapper mapper({.save_every_keyframes = 10, .publish_period_s = 0.0});
+  constexpr std::size_t kNumber = 2000;
+  while (keyframes.size() < kNumber) {
+    keyframes.push_back(keyframe);
+    keyframes.back().id = keyframes.size() - 1;
+    mapper.update(keyframes, {}, 0.1, [&] {
+      saved.push_back(keyframes.size());
+      return [](const OccupancyMap&) { return std::error_code{}; };
+    });
+    (void)mapper.take();
+  }
+  ASSERT_GT(saved.size(), 3U);
+  EXPECT_EQ(saved[0], 10U);
+  EXPECT_EQ(saved[1], 20U);
+  const std::size_t all = std::accumulate(saved.begin(), saved.end(), std::size_t{0});
+  // A geometric series with ratio 1.1 adds up to eleven times its last element.
+  EXPECT_LT(all, 11U * kNumber);
+  // Of a process that is killed, at most a tenth is lost.
+  EXPECT_GT(11U * saved.back(), 10U * (kNumber - 1));
 }
 
 TEST(OccupancyMapper, AtTheEndAMapThatHasChangedIsHandedOutAtOnce) {
