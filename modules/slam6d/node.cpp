@@ -125,6 +125,8 @@ void Slam6dNode::finish() {
   answer(registering_.take());
   answer(slam_.flush());
   count_scans();
+  answer_saved(occupancy_.take());
+  save_unpolished();
   slam_.polish();
   if (!slam_.keyframes().empty()) {
     publish_graph(slam_.keyframes().back().cloud->stamp);
@@ -135,7 +137,6 @@ void Slam6dNode::finish() {
   if (only_localises_) {
     return;
   }
-  answer_saved(occupancy_.take());
   occupancy_.update(slam_.keyframes(), last_stamp_, kMinMapMotionAtEndM);
   const auto publish_rest = [this] {
     answer_saved(occupancy_.take());
@@ -145,6 +146,14 @@ void Slam6dNode::finish() {
   publish_rest();
   occupancy_.publish_last();
   publish_rest();
+}
+
+// To polish a large map may take longer than the time that a process has to stop before it is
+// killed. Until then the newest keyframes would be in memory only.
+void Slam6dNode::save_unpolished() {
+  if (!only_localises_ && !context_.out_dir.empty() && !slam_.keyframes().empty()) {
+    answer_saved(save_map(context_.out_dir, occupancy_.map(), slam_.save()));
+  }
 }
 
 // Whether a scan was used is known only when its sweep is complete.
@@ -261,6 +270,12 @@ OccupancyMapper::Save Slam6dNode::save_with_keyframes() const {
 
 std::error_code Slam6dNode::save_map(const std::filesystem::path& dir, const OccupancyMap& map,
                                      const SavedMap& keyframes) const {
+  // First what cannot be made again: if the disk fills up in between, the other files are older.
+  if (!keyframes.keyframes.empty()) {
+    if (const auto error = write_saved_map(dir, keyframes)) {
+      return error;
+    }
+  }
   using Format = OccupancyMap::Format;
   std::vector<std::pair<Format, const char*>> files{{Format::kBt, "map.bt"}};
   if (params_.occupancy.save_ot) {
@@ -275,7 +290,7 @@ std::error_code Slam6dNode::save_map(const std::filesystem::path& dir, const Occ
       return error;
     }
   }
-  return keyframes.keyframes.empty() ? std::error_code{} : write_saved_map(dir, keyframes);
+  return {};
 }
 
 void Slam6dNode::write_results(const std::filesystem::path& dir) {

@@ -55,6 +55,7 @@ class Slam6dNode : public node::Node {
   void on_save_request(const nodmap::save_request_t& message);
 
   void save_when_idle();
+  void save_unpolished();
   void register_sweep(PlacedSweep sweep);
   void answer(const std::optional<PoseUpdate>& update);
   void publish(const PoseUpdate& update);

@@ -193,8 +193,9 @@ TEST(Slam6dNode, SavesOnRequestAndEveryFewKeyframes) {
   const Outcome outcome =
       replay(dir.path(), "save",
              {.keyframe = {.distance_m = 2.0}, .occupancy = {.save_every_keyframes = 1}});
-  // Saved four times: after each of the two keyframes, on request, and at the end.
-  EXPECT_EQ(outcome.metrics["occupancy_map"]["times_saved"], 4);
+  // Saved five times: after each of the two keyframes, on request, before the map is polished, and
+  // at the end.
+  EXPECT_EQ(outcome.metrics["occupancy_map"]["times_saved"], 5);
 }
 
 TEST(Slam6dNode, TriesAgainToSaveAMapThatCouldNotBeSaved) {
@@ -243,8 +244,31 @@ TEST(Slam6dNode, LiveNoScanWaitsUntilTheMapIsSaved) {
   slam.finish();
   EXPECT_EQ(bus.count("POSE_6D"), 4U);
   EXPECT_EQ(counts.used(), 321);
-  // A pipe cannot be synced to the disk.
-  EXPECT_EQ(slam.health().state, node::HealthState::kDegraded);
+  EXPECT_TRUE(fs::is_regular_file(dir.path() / "map.bt"));
+}
+
+// A process that takes too long to stop is killed while it polishes its map.
+TEST(Slam6dNode, IsSavedBeforeItIsPolished) {
+  const test::TemporaryDir dir;
+  LogFile log(dir.path() / "drive.lcmlog");
+  log.add_drive(true);
+  log.close();
+  bus::ReplayBus bus(dir.path() / "drive.lcmlog", dir.path() / "out.lcmlog");
+  node::MessageCounts counts;
+  node::Context context{bus, counts, dir.path()};
+  Slam6dNode slam(context, {.keyframe = {.distance_m = 2.0}});
+  while (bus.step()) {
+  }
+  slam.finish();
+  const SavedMap before = read_saved_map(dir.path());
+  EXPECT_TRUE(fs::exists(dir.path() / "map.bt"));
+  slam.write_results(dir.path());
+  const SavedMap after = read_saved_map(dir.path());
+  ASSERT_EQ(before.keyframes.size(), 2U);
+  ASSERT_EQ(after.keyframes.size(), 2U);
+  EXPECT_GT(geometry::distance_m(before.keyframes[1].T_map_base, after.keyframes[1].T_map_base),
+            0.0)
+      << "the first file is that of the polished map";
 }
 
 TEST(Slam6dNode, AfterAFailedSaveARequestIsCarriedOutAtOnce) {
