@@ -27,6 +27,7 @@ void CloudTracer::trace(const SweepCloud& cloud, const SE3& T_map_base, CloudVox
   std::size_t i = 0;
   for (const SweepCloud::Line& line : cloud.lines) {
     if (!begin_line(line, T_map_base)) {
+      beams_outside_ += line.end - i;
       i = line.end;
       continue;
     }
@@ -34,6 +35,8 @@ void CloudTracer::trace(const SweepCloud& cloud, const SE3& T_map_base, CloudVox
       const Eigen::Vector3f p_map = (T_map_base * cloud.points[i].cast<double>()).cast<float>();
       if (is_near(p_map)) {
         add_beam(p_map, !is_moved.empty() && is_moved[i], voxels);
+      } else {
+        ++beams_outside_;
       }
     }
   }
@@ -76,6 +79,7 @@ void CloudTracer::add_beam(const Eigen::Vector3f& p_map, bool is_moved, CloudVox
                                         static_cast<float>(params_.max_range_m);
   const auto end = grid_.key_of(p_map_end);
   if (!end) {
+    ++beams_outside_;
     return;
   }
   if (ends_inside && !is_moved) {

@@ -30,7 +30,7 @@ struct TraceParams {
 /// Marks the voxels that the beams of a cloud pass through as free, and those in which they end as
 /// occupied. Each beam starts where the sensor was when it was measured. The end of a beam is not
 /// occupied if the beam is cut off at the maximum range, or if it met something that has moved
-/// since. Beams that end outside of the octree (65536 voxels wide) are left out.
+/// since. Beams that end outside of the octree (65536 voxels wide) are left out, and counted.
 class CloudTracer {
  public:
   explicit CloudTracer(const TraceParams& params);
@@ -43,6 +43,7 @@ class CloudTracer {
   void trace_free(const SweepCloud& cloud, const geometry::SE3& T_map_base, CloudVoxels& voxels);
 
   [[nodiscard]] const OctreeGrid& grid() const { return grid_; }
+  [[nodiscard]] std::size_t beams_outside() const { return beams_outside_; }
   [[nodiscard]] std::size_t memory_bytes() const;
 
  private:
@@ -55,6 +56,7 @@ class CloudTracer {
   std::vector<Beam> beams_;                                 // not yet walked
   Eigen::Vector3f p_map_origin_ = Eigen::Vector3f::Zero();  // of the sensor, for these beams
   std::optional<VoxelKey> origin_;
+  std::size_t beams_outside_ = 0;
 };
 
 }  // namespace nodmap::slam6d

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/slam6d/node.hpp"
 
+#include <spdlog/fmt/fmt.h>
+
 #include <algorithm>
 #include <cstdlib>
 #include <functional>
@@ -16,6 +18,7 @@
 #include "common/node/messages.hpp"
 #include "common/node/results.hpp"
 #include "modules/slam6d/messages.hpp"
+#include "modules/slam6d/octree_grid.hpp"
 #include "modules/slam6d/results.hpp"
 #include "modules/slam6d/saved_map_file.hpp"
 #include "nodmap/octomap_chunk_t.hpp"
@@ -156,6 +159,20 @@ void Slam6dNode::save_unpolished() {
   }
 }
 
+// The map begins where odometry is 0, as that of 2D SLAM does, so that both agree.
+bool Slam6dNode::is_outside_octree(const geometry::SE3& T_map_base) const {
+  const OctreeGrid grid(params_.occupancy.trace.resolution_m);
+  return !(T_map_base.translation().cwiseAbs().maxCoeff() < grid.reach_m());
+}
+
+std::string Slam6dNode::describe_outside(const geometry::SE3& T_map_base) const {
+  const OctreeGrid grid(params_.occupancy.trace.resolution_m);
+  return fmt::format(
+      "The robot is {:.1f} km from the map's origin, where odometry was 0; the OctoMap ends at "
+      "{:.1f} km. Let odometry begin again at 0.",
+      1e-3 * T_map_base.translation().norm(), 1e-3 * grid.reach_m());
+}
+
 // Whether a scan was used is known only when its sweep is complete.
 void Slam6dNode::count_scans() {
   const ScanCounts& scans = slam_.scan_counts();
@@ -177,6 +194,10 @@ void Slam6dNode::answer(const std::optional<PoseUpdate>& update) {
 }
 
 void Slam6dNode::publish(const PoseUpdate& update) {
+  if (update.is_place_known && is_outside_octree(update.T_map_base) &&
+      !std::exchange(has_warned_outside_, true)) {
+    log::get().warn("{}", describe_outside(update.T_map_base));
+  }
   last_update_ = update;
   context_.bus.publish("POSE_6D", write_pose(update));
   if (update.keyframe) {
@@ -321,6 +342,7 @@ nlohmann::json Slam6dNode::metrics() const {
     metrics["localisation"] = localisation_metrics(slam_);
   }
   metrics["occupancy_map"] = {{"nodes", occupancy_.map().num_nodes()},
+                              {"beams_outside", occupancy_.map().beams_outside()},
                               {"memory_bytes", occupancy_.map().memory_bytes()},
                               {"times_saved", maps_saved_}};
   return metrics;
@@ -338,6 +360,9 @@ node::Health Slam6dNode::health() const {
   }
   if (!last_update_->is_place_known) {
     return {HealthState::kDegraded, "The robot has not been found in the saved map yet."};
+  }
+  if (is_outside_octree(last_update_->T_map_base)) {
+    return {HealthState::kDegraded, describe_outside(last_update_->T_map_base)};
   }
   if (last_update_->num_points == 0) {
     return {HealthState::kDegraded,

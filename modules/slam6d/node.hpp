@@ -65,6 +65,8 @@ class Slam6dNode : public node::Node {
   void answer_saved(const std::optional<std::error_code>& error);
   /// Returns whether there was a part to publish.
   bool publish_octomap_part();
+  [[nodiscard]] bool is_outside_octree(const geometry::SE3& T_map_base) const;
+  [[nodiscard]] std::string describe_outside(const geometry::SE3& T_map_base) const;
   void count_scans();
   /// Reads `slam_`; may be called only while neither job runs.
   void start_saving();
@@ -85,6 +87,7 @@ class Slam6dNode : public node::Node {
   ScanCounts counted_;
   time::Timestamp last_stamp_{};  // of SCAN
   std::optional<PoseUpdate> last_update_;
+  bool has_warned_outside_ = false;  // of the octree
   std::int64_t maps_saved_ = 0;
   bool is_save_waiting_ = false;  // for other work of `occupancy_`
   // These two are declared last, so that their threads end before the data they use are destroyed:

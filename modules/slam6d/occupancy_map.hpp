@@ -39,6 +39,9 @@ class OccupancyMap {
   /// Number of inner nodes and leaves of the octree. Visits the whole map.
   [[nodiscard]] std::size_t num_nodes() const;
 
+  /// Beams that were left out because they end farther from the origin than the octree reaches.
+  [[nodiscard]] std::size_t beams_outside() const { return tracer_.beams_outside(); }
+
   /// Bytes held, including buffers that are reused for the next cloud.
   [[nodiscard]] std::size_t memory_bytes() const;
 

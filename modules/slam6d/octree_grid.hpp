@@ -66,6 +66,9 @@ class OctreeGrid {
 
   [[nodiscard]] double resolution_m() const { return resolution_m_; }
 
+  /// How far the grid reaches from the origin, along each axis.
+  [[nodiscard]] double reach_m() const { return kOriginKey * resolution_m_; }
+
   /// The key of the voxel that contains a point; empty outside of the grid.
   [[nodiscard]] std::optional<VoxelKey> key_of(const Eigen::Vector3f& p) const {
     VoxelKey key{};

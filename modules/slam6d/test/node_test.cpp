@@ -157,6 +157,29 @@ TEST(Slam6dNode, ContinuesAtItsPoseWhenOdometryRestarts) {
   }
 }
 
+// A base that has counted on while 6D SLAM was restarted, or odometry in the coordinates of a
+// country: the octree ends 1638 m from the origin.
+TEST(Slam6dNode, ARobotOutsideOfTheOctreeIsReported) {
+  const test::TemporaryDir dir;
+  for (const double x_m : {1000.0, 2000.0, 500'000.0}) {
+    const std::string name = std::to_string(static_cast<int>(x_m));
+    LogFile log(dir.path() / (name + ".lcmlog"));
+    geometry::SE3 T_odom_world = geometry::SE3::Identity();
+    T_odom_world.translation().x() = x_m;
+    log.add_drive(true, 0, T_odom_world);
+    log.close();
+    const Outcome outcome = replay(dir.path(), name, {});
+    const bool is_inside = x_m < 1638.0;
+    EXPECT_EQ(outcome.metrics["occupancy_map"]["nodes"] > 0, is_inside) << name;
+    EXPECT_EQ(outcome.metrics["occupancy_map"]["beams_outside"] == 0, is_inside) << name;
+    EXPECT_EQ(outcome.health.state == node::HealthState::kOk, is_inside) << name;
+    if (!is_inside) {
+      const std::string km = std::to_string(static_cast<int>(x_m / 1000.0)) + ".0 km";
+      EXPECT_NE(outcome.health.reason.find(km), std::string::npos) << outcome.health.reason;
+    }
+  }
+}
+
 TEST(Slam6dNode, BadMessagesAreCountedByCause) {
   const test::TemporaryDir dir;
   LogFile log(dir.path() / "bad.lcmlog");
