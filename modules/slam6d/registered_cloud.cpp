@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/slam6d/registered_cloud.hpp"
 
-#include <cstddef>
+#include <algorithm>
 
 #include "modules/slam6d/voxel_grid.hpp"
 
@@ -27,25 +27,50 @@ Eigen::Vector3f normal_at(const Eigen::Vector3f& p, const VoxelGrid& normals) {
   return nearest == VoxelGrid::kNone ? Eigen::Vector3f::Zero() : normals.voxels()[nearest].normal;
 }
 
-void add_keyframe(const Keyframe& keyframe, std::vector<drawing::DrawnPoint>& points) {
-  const VoxelGrid normals_base = normals_of(keyframe.points);
-  const Eigen::Matrix3f R_map_base = keyframe.T_map_base.linear().cast<float>();
-  for (std::size_t i = 0; i < keyframe.cloud->points.size(); ++i) {
-    if (!keyframe.is_moved.empty() && keyframe.is_moved[i]) {
-      continue;
-    }
-    const Eigen::Vector3f& p = keyframe.cloud->points[i];
-    points.push_back({(keyframe.T_map_base * p.cast<double>()).cast<float>(),
-                      R_map_base * normal_at(p, normals_base)});
-  }
+bool is_moved(const Keyframe& keyframe, std::size_t i) {
+  return !keyframe.is_moved.empty() && keyframe.is_moved[i];
+}
+
+Eigen::Vector3f in_map(const Keyframe& keyframe, std::size_t i) {
+  return (keyframe.T_map_base * keyframe.cloud->points[i].cast<double>()).cast<float>();
 }
 
 }  // namespace
 
-std::vector<drawing::DrawnPoint> registered_cloud(std::span<const Keyframe> keyframes) {
-  std::vector<drawing::DrawnPoint> points;
+std::size_t num_registered(std::span<const Keyframe> keyframes) {
+  std::size_t number = 0;
   for (const Keyframe& keyframe : keyframes) {
-    add_keyframe(keyframe, points);
+    number += keyframe.cloud->points.size() -
+              static_cast<std::size_t>(std::ranges::count(keyframe.is_moved, true));
+  }
+  return number;
+}
+
+std::vector<Eigen::Vector3f> registered_points(const Keyframe& keyframe) {
+  std::vector<Eigen::Vector3f> points;
+  points.reserve(keyframe.cloud->points.size());
+  for (std::size_t i = 0; i < keyframe.cloud->points.size(); ++i) {
+    if (!is_moved(keyframe, i)) {
+      points.push_back(in_map(keyframe, i));
+    }
+  }
+  return points;
+}
+
+std::vector<drawing::DrawnPoint> drawn_cloud(std::span<const Keyframe> keyframes,
+                                             std::size_t max_points) {
+  const std::size_t every = num_registered(keyframes) / (max_points + 1) + 1;
+  std::vector<drawing::DrawnPoint> points;
+  std::size_t number = 0;
+  for (const Keyframe& keyframe : keyframes) {
+    const VoxelGrid normals_base = normals_of(keyframe.points);
+    const Eigen::Matrix3f R_map_base = keyframe.T_map_base.linear().cast<float>();
+    for (std::size_t i = 0; i < keyframe.cloud->points.size(); ++i) {
+      if (!is_moved(keyframe, i) && number++ % every == 0) {
+        points.push_back(
+            {in_map(keyframe, i), R_map_base * normal_at(keyframe.cloud->points[i], normals_base)});
+      }
+    }
   }
   return points;
 }

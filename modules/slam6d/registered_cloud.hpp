@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -9,9 +11,14 @@
 
 namespace nodmap::slam6d {
 
-/// All measured points of the keyframes, in frame `map`, each with the normal of its surface.
-/// Points on something that moved are left out.
-[[nodiscard]] std::vector<drawing::DrawnPoint> registered_cloud(
-    std::span<const Keyframe> keyframes);
+/// The registered cloud: all measured points of the keyframes, in frame `map`. Points on something
+/// that moved are left out.
+[[nodiscard]] std::size_t num_registered(std::span<const Keyframe> keyframes);
+[[nodiscard]] std::vector<Eigen::Vector3f> registered_points(const Keyframe& keyframe);
+
+/// The registered cloud with the normals of its surfaces, for drawing. Of more than `max_points`
+/// points only each second one is taken, each third one and so on.
+[[nodiscard]] std::vector<drawing::DrawnPoint> drawn_cloud(std::span<const Keyframe> keyframes,
+                                                           std::size_t max_points);
 
 }  // namespace nodmap::slam6d

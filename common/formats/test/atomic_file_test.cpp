@@ -7,6 +7,7 @@
 #include <iterator>
 #include <string>
 
+#include "common/formats/file_replacement.hpp"
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::formats {
@@ -59,6 +60,24 @@ TEST(AtomicFile, R46_AFailingFolderKeepsTheOldFile) {
   fs::create_directories(dir.path() / "map.bt" / "old");
   EXPECT_TRUE(replace_file(dir.path() / "map.bt", "new"));
   EXPECT_TRUE(fs::is_directory(dir.path() / "map.bt" / "old"));
+  EXPECT_EQ(files_in(dir.path()), 1U);
+}
+
+TEST(FileReplacement, ReplacesTheFileWhenAllPartsAreWritten) {
+  const test::TemporaryDir dir;
+  const fs::path file = dir.path() / "cloud.ply";
+  ASSERT_FALSE(replace_file(file, "old"));
+  {
+    FileReplacement given_up(file);
+    given_up.write("new");
+  }
+  EXPECT_EQ(read(file), "old");
+  FileReplacement replacement(file);
+  replacement.write("new ");
+  replacement.write("and in parts");
+  EXPECT_EQ(read(file), "old");
+  EXPECT_FALSE(replacement.replace());
+  EXPECT_EQ(read(file), "new and in parts");
   EXPECT_EQ(files_in(dir.path()), 1U);
 }
 
