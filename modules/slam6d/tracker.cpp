@@ -87,6 +87,7 @@ PosePrior Tracker::predict(const SweepCloud& cloud, const PoseUpdate& update) co
              .tilt_sigma_rad = odometry_.level_tilt_rad};
   }
   OdometryMotion within = motion_of(cloud.motion());
+  within.lost_sweeps = lost_sweeps_;  // wheels that spin do so during the sweep as well
   within.scatter = scatter_.factor();
   return {.T_map_base = T_map_base,
           .covariance = end_covariance_ +

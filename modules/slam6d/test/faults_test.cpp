@@ -143,5 +143,47 @@ TEST(Faults, SweepsOfTwoMinutesAreNotCut) {
   }
 }
 
+// Somebody holds the robot: from the third sweep on its wheels count 0.3 m/s while it stands. What
+// is wrong is the motion within each sweep, not only where the sweep begins.
+TEST(Faults, WheelsThatSpinAllTheTimeDoNotKeepTheRobotLost) {
+  constexpr std::int64_t kStandingScans = 2 * FaultyDrive::kScansPerSweep;
+  const NoddingScanner scanner{.noise_m = 0.01};
+  const auto stand = [](time::Timestamp) { return SE3::Identity(); };
+  // Small, so that all of it is seen: along a corridor odometry would rightly be believed.
+  const Room chamber{{{{0, 0, 1}, 0.0},
+                      {{0, 0, 1}, 2.5},
+                      {{0, 1, 0}, 1.6},
+                      {{0, 1, 0}, -1.4},
+                      {{1, 0, 0}, 2.2},
+                      {{1, 0, 0}, -2.0}}};
+  std::mt19937 random(23);
+  Slam6d slam({});
+  std::vector<PoseUpdate> updates;
+  for (std::int64_t i = 0; i < 12 * FaultyDrive::kScansPerSweep; ++i) {
+    scan::Scan scan = scanner.scan(i, chamber, stand, random);
+    for (const time::Timestamp stamp : {scan.stamp, scan.last_stamp()}) {
+      const time::Duration spinning =
+          stamp - time::Timestamp(kStandingScans * NoddingScanner::kPeriod);
+      slam.add_odometry(stamp,
+                        drive_ahead(0.3, time::Timestamp(std::max(time::Duration{}, spinning))));
+    }
+    if (const auto update = slam.add_scan(std::move(scan))) {
+      updates.push_back(*update);
+    }
+  }
+  ASSERT_GE(updates.size(), 11U);
+  // Each refused sweep doubles the deviation that is possible, so the fourth is accepted.
+  bool is_found = false;
+  for (std::size_t k = 2; k < 6; ++k) {
+    is_found = is_found || updates[k].is_tracked();
+  }
+  EXPECT_TRUE(is_found);
+  for (const PoseUpdate& update : updates) {
+    if (update.is_tracked()) {
+      EXPECT_LT(update.T_map_base.translation().norm(), 0.05);
+    }
+  }
+}
+
 }  // namespace faults_test
 }  // namespace nodmap::slam6d
