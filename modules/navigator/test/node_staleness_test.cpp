@@ -138,7 +138,9 @@ TEST_F(NavigatorNodeTest, DrivesOnAfterTheBaseDriverHasRestartedAndThenTheClockI
 
 TEST_F(NavigatorNodeTest, AMapTooFarFromOdometryHaltsIt) {
   run(1.5);
-  x_ = 50.0;
+  auto map = empty_map(now_us_);
+  map.position_m[0] = 50.0;
+  bus_.deliver("OBSTACLE_MAP", map);
   give_odometry(now_us_ + 10'000);
   EXPECT_TRUE(halts());
 }
