@@ -30,8 +30,7 @@ bool has_plausible_speeds(const nodmap::odometry_t& message) {
 
 // How far a pose may be from the one before: by the speeds of the message, and because some bases
 // report none, 6 m/s and 8 rad/s more. The constant parts are for stamps that jitter. Every 10 ms
-// it is 0.16 m and 11 degrees. No message of the public logs that the project is measured on is
-// beyond it.
+// it is 0.16 m and 11 degrees. No message of intel, fr079 and mit-csail is beyond it.
 constexpr double kStepM = 0.1;
 constexpr double kStepRad = geometry::deg_to_rad(6.0);
 constexpr double kUnreportedMps = 6.0;

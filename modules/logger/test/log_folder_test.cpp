@@ -4,9 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <fstream>
 
+#include "modules/logger/test/names_in.hpp"
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::logger {
@@ -25,12 +25,7 @@ class LogFolderTest : public ::testing::Test {
   }
 
   [[nodiscard]] std::vector<std::string> names() const {
-    std::vector<std::string> found;
-    for (const auto& entry : std::filesystem::directory_iterator(dir_.path())) {
-      found.push_back(entry.path().filename().string());
-    }
-    std::ranges::sort(found);
-    return found;
+    return names_in_folder::names_in(dir_.path());
   }
 
   test::TemporaryDir dir_;

@@ -5,12 +5,12 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
-#include <algorithm>
 #include <boost/core/noncopyable.hpp>
 #include <csignal>
 #include <fstream>
 
 #include "common/bus/event_log.hpp"
+#include "modules/logger/test/names_in.hpp"
 #include "tests/support/data_dir.hpp"
 #include "tests/support/manual_clock.hpp"
 
@@ -50,12 +50,7 @@ class RecorderTest : public ::testing::Test {
   }
 
   [[nodiscard]] std::vector<std::string> names() const {
-    std::vector<std::string> found;
-    for (const auto& entry : std::filesystem::directory_iterator(dir_.path())) {
-      found.push_back(entry.path().filename().string());
-    }
-    std::ranges::sort(found);
-    return found;
+    return names_in_folder::names_in(dir_.path());
   }
 
   // The stamps of the events in a file, which must contain nothing else.

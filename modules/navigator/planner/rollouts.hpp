@@ -25,9 +25,9 @@ struct Rollout {
 
 /// Rates up to 880 motions of the next 1.6 s. Each is an arc followed by another one, within the
 /// accelerations of the base: forwards, backwards, on the spot and, if there are people,
-/// stationary. Those that touch something are left out. The others cost the sum of four
-/// terms: the plan's cost of their end, nearness to obstacles, the time for which they obstruct
-/// people, and the change of motion.
+/// stationary. Those that touch something are left out. The others cost the sum of five terms: the
+/// plan's cost of their end, nearness to obstacles, the time for which they obstruct people, the
+/// change of motion, and a price for driving backwards.
 ///
 /// For 3 s the body is compared at each step with the predicted places of people. Once somebody
 /// touches it, all the rest of the rollout obstructs: the later that is, the less it costs. After

@@ -49,31 +49,43 @@ TEST(GoalDrive, WithoutAPathItLooksAroundOnceAndThenStaysWithAReason) {
   EXPECT_NEAR(rotated_rad, 2.0 * geometry::kPi, 0.05);
 }
 
-// The decision of a robot on floor that it has seen, 2 m before its goal, between two rows of
-// points. These are `beside_m` beside its body, and reach from its rear to half a metre ahead of
-// it.
-Decision between_rows(double beside_m) {
-  LocalMap map({}, {});
-  test::sweep(map, {});
-  const robot::Footprint body = NavigatorParams().robot.body.footprint();
-  Situation now;
-  now.local_map = &map;
-  now.max_forward_mps = 1.0;
-  now.goal = GoalInBase{{2.0, 0.0}, 0.3};
-  for (double x = -body.half_length_m; x < body.half_length_m + 0.5; x += 0.01) {
-    for (const double side : {-1.0, 1.0}) {
-      now.points_base.emplace_back(x, side * (body.half_width_m + beside_m));
+// A robot on floor that it has seen, 2 m before its goal, between two rows of points. These are
+// `beside_m` beside its body, and reach from its rear to half a metre ahead of it.
+class BetweenRows {
+ public:
+  explicit BetweenRows(double beside_m) {
+    test::sweep(map_, {});
+    seen_.update(0.0, 0);
+    seen_.update(0.0, 2);
+    now.local_map = &map_;
+    now.seen = &seen_;
+    now.max_forward_mps = 1.0;
+    now.goal = GoalInBase{{2.0, 0.0}, 0.3};
+    const robot::Footprint body = NavigatorParams().robot.body.footprint();
+    for (double x = -body.half_length_m; x < body.half_length_m + 0.5; x += 0.01) {
+      for (const double side : {-1.0, 1.0}) {
+        now.points_base.emplace_back(x, side * (body.half_width_m + beside_m));
+      }
     }
   }
-  SeenDirections seen(SteerParams{});
-  seen.update(0.0, 0);
-  seen.update(0.0, 2);
-  now.seen = &seen;
+  BetweenRows(const BetweenRows&) = delete;
+  BetweenRows& operator=(const BetweenRows&) = delete;
+
+  Situation now;
+
+ private:
+  LocalMap map_{{}, {}};
+  SeenDirections seen_{SteerParams{}};
+};
+
+// What it decides when it has a plan.
+Decision between_rows(double beside_m) {
+  BetweenRows rows(beside_m);
   GoalDrive drive({});
   Decision decision;
-  for (int i = 0; i < 40; ++i) {  // until there is a plan
-    now.stamp = time::Timestamp(time::from_seconds(kStepS * i));
-    decision = drive.decide(now);
+  for (int i = 0; i < 40; ++i) {
+    rows.now.stamp = time::Timestamp(time::from_seconds(kStepS * i));
+    decision = drive.decide(rows.now);
   }
   return decision;
 }
@@ -94,21 +106,8 @@ TEST(GoalDrive, DrivesMoreSlowlyInANarrowerPlace) {
 
 // Both walls are 5 mm beside the body, and the robot has not driven here.
 TEST(GoalDrive, ARobotThatCannotMoveSaysSoAfterAWhile) {
-  LocalMap map({}, {});
-  test::sweep(map, {});
-  const robot::Footprint body = NavigatorParams().robot.body.footprint();
-  Situation now;
-  now.local_map = &map;
-  now.max_forward_mps = 1.0;
-  now.goal = GoalInBase{{2.0, 0.0}, 0.3};
-  for (double x = -body.half_length_m; x < body.half_length_m + 0.5; x += 0.01) {
-    now.points_base.emplace_back(x, body.half_width_m + 0.005);
-    now.points_base.emplace_back(x, -body.half_width_m - 0.005);
-  }
-  SeenDirections seen(SteerParams{});
-  seen.update(0.0, 0);
-  seen.update(0.0, 2);
-  now.seen = &seen;
+  BetweenRows rows(0.005);
+  Situation& now = rows.now;
   GoalDrive drive({});
   const auto reason_at = [&](double time_s) {
     Decision decision;
