@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <limits>
 #include <map>
-#include <ranges>
 
 #include "common/node/log.hpp"
 
@@ -96,8 +95,11 @@ std::vector<LogFolder::Log> LogFolder::logs_oldest_first() const {
       logs[*order] = {name, error ? 0 : static_cast<std::int64_t>(size_bytes)};
     }
   }
-  const auto values = std::views::values(logs);
-  return {values.begin(), values.end()};
+  std::vector<Log> oldest_first;
+  for (const auto& [order, log] : logs) {
+    oldest_first.push_back(log);
+  }
+  return oldest_first;
 }
 
 // What the logs may take: the quota, or less if some of the reserve is used.
