@@ -36,7 +36,10 @@ class DeputyClient {
   [[nodiscard]] bool runs(const std::string& id) const { return status(id).pid != 0; }
   [[nodiscard]] const std::vector<procman::DeputyInfo>& infos() const { return infos_; }
   /// The whole output of a command.
-  [[nodiscard]] const std::string& output(const std::string& id) { return outputs_[id]; }
+  [[nodiscard]] std::string output(const std::string& id) const {
+    const auto found = outputs_.find(id);
+    return found == outputs_.end() ? "" : found->second;
+  }
   [[nodiscard]] bus::LiveBus& bus() { return bus_; }
 
  private:

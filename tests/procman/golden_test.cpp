@@ -91,15 +91,18 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
+using Outputs = std::map<std::string, std::string>;  // a command's output, by its id
+
 struct Recording {
   struct Sent {
     time::Timestamp received{};
     procman::Orders orders;
     std::size_t num_infos = 0;  // number of INFOs recorded before
+    Outputs outputs;            // what had been printed before
   };
   std::vector<Sent> orders;
   std::vector<DeputyInfo> infos;
-  std::map<std::string, std::string> outputs;
+  Outputs outputs;
 };
 
 Recording read(const std::filesystem::path& file) {
@@ -110,7 +113,8 @@ Recording read(const std::filesystem::path& file) {
       procman_lcm::orders_t message{};
       EXPECT_TRUE(bus::decode_into(message, event->data));
       recording.orders.push_back({time::from_utime(event->log_utime_us),
-                                  procman::from_message(message), recording.infos.size()});
+                                  procman::from_message(message), recording.infos.size(),
+                                  recording.outputs});
     } else if (event->channel == procman::kInfoChannel) {
       procman_lcm::deputy_info_t message{};
       EXPECT_TRUE(bus::decode_into(message, event->data));
@@ -126,6 +130,13 @@ Recording read(const std::filesystem::path& file) {
   return recording;
 }
 
+// Whether every command has printed at least as many lines as these.
+bool has_printed(const test::DeputyClient& client, const Outputs& outputs) {
+  return std::all_of(outputs.begin(), outputs.end(), [&client](const auto& item) {
+    return lines_of(client.output(item.first)).size() >= lines_of(item.second).size();
+  });
+}
+
 TEST(Golden, OurDeputyGoesThroughTheRecordedStates) {
   NODMAP_REQUIRE_DATA(file, "procman/golden.lcmlog");
   NODMAP_REQUIRE_DATA(config, "procman/golden.pmd");
@@ -137,16 +148,17 @@ TEST(Golden, OurDeputyGoesThroughTheRecordedStates) {
   ASSERT_TRUE(deputy.wait_for_stderr("serving", test::kPatience)) << deputy.said();
   ASSERT_TRUE(client.wait_until([&] { return !client.infos().empty(); }));
   // Each order follows the previous one after the recorded time, and not before the deputy is in
-  // the state in which the existing one was by then.
+  // the state in which the existing one was by then, and its commands have printed as much.
   time::Timestamp before = recording.orders.front().received;
   auto sent = SteadyClock::now();
-  for (const auto& [received, orders, num_infos] : recording.orders) {
+  for (const auto& [received, orders, num_infos, outputs] : recording.orders) {
     const auto due = sent + (received - before);
     const std::vector<DeputyInfo> infos_before(
         recording.infos.begin(), recording.infos.begin() + static_cast<std::ptrdiff_t>(num_infos));
     ASSERT_TRUE(client.wait_until([&] {
       // `stubborn` is that from its first pause on.
       return SteadyClock::now() >= due && has_reached(client.infos(), infos_before) &&
+             has_printed(client, outputs) &&
              (!client.runs("stubborn") || test::is_running({"sleep", "0.2"}));
     })) << testing::PrintToString(histories(client.infos()));
     client.order(orders.commands);
