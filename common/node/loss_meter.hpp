@@ -18,7 +18,7 @@ class LossMeter {
     if (now - *since_ < std::chrono::seconds(1)) {
       return;
     }
-    const double all = static_cast<double>(lost - lost_ + delivered - delivered_);
+    const auto all = static_cast<double>(lost - lost_ + delivered - delivered_);
     ratio_ = all > 0.0 ? static_cast<double>(lost - lost_) / all : 0.0;
     since_ = now;
     lost_ = lost;

@@ -99,7 +99,8 @@ class YamlLoader {
       if (item.first.IsScalar() && item.second.IsMap()) {
         const std::string section = prefix + item.first.Scalar();
         if (!table_.has_section(section)) {
-          throw ParamError(where + ": unknown section '" + section + "'");
+          throw ParamError(
+              std::string(where).append(": unknown section '").append(section).append("'"));
         }
         load(item.second, section + ".");
       } else if (item.first.IsScalar() && item.second.IsScalar()) {

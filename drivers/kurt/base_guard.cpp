@@ -43,14 +43,7 @@ const char* name_of(Alarm alarm) {
 
 void BaseGuard::add(const RangeReadings& readings, time::SteadyTime now) {
   if (readings.sonar_raw) {
-    if (const auto range_m = sonar_range_m(*readings.sonar_raw)) {
-      ahead_ = {*range_m, now};
-    } else if (*readings.sonar_raw < kSonarNearest && ahead_ &&
-               ahead_->range_m < params_.near_m + kApproachM) {
-      ahead_ = {0.0, now};  // the obstacle is now too near to be measured
-    } else {
-      ahead_.reset();
-    }
+    add_sonar(*readings.sonar_raw, now);
   }
   for (const auto& [sensor, corner] :
        {std::pair(Infrared::kLeftFront, &left_corner_), {Infrared::kRightFront, &right_corner_}}) {
@@ -65,6 +58,16 @@ void BaseGuard::add(const RangeReadings& readings, time::SteadyTime now) {
     } else {
       behind_.reset();
     }
+  }
+}
+
+void BaseGuard::add_sonar(int raw, time::SteadyTime now) {
+  if (const auto range_m = sonar_range_m(raw)) {
+    ahead_ = {*range_m, now};
+  } else if (raw < kSonarNearest && ahead_ && ahead_->range_m < params_.near_m + kApproachM) {
+    ahead_ = {0.0, now};  // the obstacle is now too near to be measured
+  } else {
+    ahead_.reset();
   }
 }
 

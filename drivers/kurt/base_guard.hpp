@@ -49,6 +49,8 @@ class BaseGuard {
   [[nodiscard]] std::optional<Alarm> lasting_alarm() const;
 
  private:
+  void add_sonar(int raw, time::SteadyTime now);
+
   /// A reading of one range finder.
   struct Seen {
     double range_m = 0.0;

@@ -10,16 +10,12 @@ int main(int argc, char** argv) {
   using namespace nodmap;  // NOLINT(google-build-using-namespace): a program of one page
   kurt::KurtParams params;
   params::Table table(params);
-  const auto check = [&params] {
-    if (params.device.empty()) {
-      throw node::UsageError("device: is not set; name the serial port of the CAN adapter");
-    }
-  };
   return node::run_device_node(
       argc, argv,
       {node::kBaseDriver,
        "Drives the KURT2 base through an SLCAN adapter: DRIVE in, ODOMETRY out."},
-      table, check, [&params](node::Context& context) {
+      table, [&params] { kurt::check(params); },
+      [&params](node::Context& context) {
         return std::make_unique<kurt::KurtNode>(context, params,
                                                 serial::port_opener(params.device, params.baud),
                                                 time::now_on_both_clocks);

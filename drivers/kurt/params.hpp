@@ -152,4 +152,7 @@ struct KurtParams {
   }
 };
 
+/// Checks that the parameters name a device. Throws params::ParamError.
+void check(const KurtParams& params);
+
 }  // namespace nodmap::kurt

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/explorer/frontiers.hpp"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -15,12 +16,9 @@ constexpr int kLookoutBlockCells = 4;
 const std::array<Cell, 4> kSides{Cell(1, 0), Cell(-1, 0), Cell(0, 1), Cell(0, -1)};
 
 bool is_at_unknown(const PlanningGrid& grid, const Cell& cell) {
-  for (const Cell& offset : kSides) {
-    if (grid.ground_at(cell + offset) == Ground::kUnknown) {
-      return true;
-    }
-  }
-  return false;
+  return std::any_of(kSides.begin(), kSides.end(), [&](const Cell& offset) {
+    return grid.ground_at(cell + offset) == Ground::kUnknown;
+  });
 }
 
 // The block of lookouts that a cell is in.

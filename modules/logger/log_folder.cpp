@@ -96,6 +96,7 @@ std::vector<LogFolder::Log> LogFolder::logs_oldest_first() const {
     }
   }
   std::vector<Log> oldest_first;
+  oldest_first.reserve(logs.size());
   for (const auto& [order, log] : logs) {
     oldest_first.push_back(log);
   }

@@ -276,7 +276,7 @@ void NavigatorNode::publish(const Decision& decision) {
   if (newest_.odometry) {
     display_.publish(time::from_utime(drive_.utime), navigator_, decision, newest_);
   }
-  ++decisions_[static_cast<std::size_t>(navigation_.behaviour)];
+  ++decisions_[static_cast<std::size_t>(decision.behaviour)];
   inhibit_reason_.reset();
   if (decision.behaviour == Behaviour::kHalt) {
     inhibit_reason_ = decision.reason;

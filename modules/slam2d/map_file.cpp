@@ -220,6 +220,19 @@ std::error_code write_ros_map(const std::filesystem::path& dir, const OccupancyG
   return {};
 }
 
+namespace {
+
+// The state of a cell whose image value is 0 (black) to 1 (white).
+CellState state_of(double value, const MapHeader& header) {
+  const double occupied = header.negate ? value : 1.0 - value;
+  if (occupied > header.occupied_threshold) {
+    return CellState::kOccupied;
+  }
+  return occupied < header.free_threshold ? CellState::kFree : CellState::kUnknown;
+}
+
+}  // namespace
+
 TrinaryGrid read_ros_map(const std::filesystem::path& path) {
   if (path.extension() == ".pgm") {
     refuse(path, "is only the image of a map; its map.yaml is needed");
@@ -239,11 +252,7 @@ TrinaryGrid read_ros_map(const std::filesystem::path& path) {
   grid.cells.reserve(image.values.size());
   for (int y = image.height - 1; y >= 0; --y) {
     for (int x = 0; x < image.width; ++x) {
-      const double value = image.at(x, y);
-      const double occupied = header.negate ? value : 1.0 - value;
-      grid.cells.push_back(occupied > header.occupied_threshold ? CellState::kOccupied
-                           : occupied < header.free_threshold   ? CellState::kFree
-                                                                : CellState::kUnknown);
+      grid.cells.push_back(state_of(image.at(x, y), header));
     }
   }
   return grid;

@@ -40,7 +40,7 @@ void BendSums::add(const Eigen::Vector3f& moment, float residual_m, float time, 
 Bend BendSums::solve(double scale, double sigma_rad) const {
   Matrix H = bend_information(sigma_rad);
   Eigen::Matrix<double, kUnknowns, 1> b = Eigen::Matrix<double, kUnknowns, 1>::Zero();
-  const auto add = [&](int i, int j, const Sums& sums) {
+  const auto add = [&](Eigen::Index i, Eigen::Index j, const Sums& sums) {
     H.block<3, 3>(3 * i, 3 * j) += scale * sums.topLeftCorner<3, 3>().cast<double>();
     b.segment<3>(3 * i) += scale * sums.topRightCorner<3, 1>().cast<double>();
   };

@@ -200,9 +200,8 @@ void EverFreeSpace::move(const Cube& cube, VoxelCode code, const SE3& T_new_old,
   const Eigen::Vector3f corner = grid.center_of(first);
   Eigen::AlignedBox3f box;
   for (int i = 0; i < 8; ++i) {
-    box.extend(to_new * (corner + edge_m * Eigen::Vector3f(static_cast<float>(i % 2),
-                                                           static_cast<float>(i / 2 % 2),
-                                                           static_cast<float>(i / 4))));
+    const Eigen::Vector3i along(i & 1, (i >> 1) & 1, i >> 2);
+    box.extend(to_new * (corner + edge_m * along.cast<float>()));
   }
   const auto begin = grid.key_of(box.min());
   const auto end = grid.key_of(box.max());

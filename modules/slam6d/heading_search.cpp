@@ -36,7 +36,8 @@ Registration register_sweep(VoxelMap& sweep_base, const VoxelMap& map, const Pos
       kMaxHeadingSteps, std::ceil(kHeadingSigmas * heading_sigma_rad / kHeadingStepRad - 0.5)));
   for (int i = 1; i <= 2 * num_steps; ++i) {
     // 1, -1, 2, -2, ...
-    const double offset_rad = kHeadingStepRad * ((i + 1) / 2) * (i % 2 == 1 ? 1.0 : -1.0);
+    const int steps = (i + 1) / 2 * (i % 2 == 1 ? 1 : -1);
+    const double offset_rad = kHeadingStepRad * steps;
     SE3 T_map_start = prior.T_map_base;
     T_map_start.linear() = geometry::rotation_of(offset_rad * up_map) * T_map_start.linear();
     VoxelMap sweep = as_measured.value_or(sweep_base);

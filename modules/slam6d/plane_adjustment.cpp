@@ -326,6 +326,7 @@ std::vector<SE3> adjust_planes(std::vector<AdjustedSweep> sweeps, const VoxelMap
   }
   step(sweeps, voxels, registration, params.patch_size_m, params.residual_scale_m);
   std::vector<SE3> poses;
+  poses.reserve(sweeps.size());
   for (const AdjustedSweep& sweep : sweeps) {
     poses.push_back(sweep.T_map_base);
   }

@@ -235,10 +235,10 @@ class SweepRegistration {
   struct Residual {
     Eigen::Vector3f normal;
     Eigen::Vector3f arm;  // from where the base was at that time
-    float distance_m;
-    float time;
-    float kernel;     // its robust weight
-    float precision;  // inverse variance, relative to that of single points
+    float distance_m = 0.0F;
+    float time = 0.0F;
+    float kernel = 0.0F;     // its robust weight
+    float precision = 0.0F;  // inverse variance, relative to that of single points
   };
 
   template <class Use>

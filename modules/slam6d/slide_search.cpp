@@ -155,7 +155,7 @@ void widen(Matrix6d& covariance, const Eigen::Vector3d& axis, double sigma_m) {
 Registration register_sweep_sliding(VoxelMap& sweep_base, const VoxelMap& map,
                                     const PosePrior& prior, const RegistrationParams& params) {
   const auto as_measured = sweep_base.is_moving() ? std::optional(sweep_base) : std::nullopt;
-  const Registration found = register_sweep(sweep_base, map, prior, params);
+  Registration found = register_sweep(sweep_base, map, prior, params);
   const Eigen::Vector3d axis = least_determined_axis(found.covariance);
   const double prior_sigma_m = sigma_along(prior.covariance, axis);
   if (!found.is_accepted() || !(prior_sigma_m > kWideM)) {

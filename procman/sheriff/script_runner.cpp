@@ -140,6 +140,18 @@ std::string ScriptRunner::dead_commands(const Target& target, const Fleet& fleet
   return dead;
 }
 
+namespace {
+
+// Why a started command that has not lasted is not settled either; empty if nothing is wrong yet.
+std::string failure_of(const std::string& id, const Fleet::Item& item, CommandState state) {
+  if (state == CommandState::kUnknown || state == CommandState::kStarting) {
+    return id + " has not been started";
+  }
+  return item.failed_status ? describe_failure(item) : "";
+}
+
+}  // namespace
+
 // After the last action: checks that all started commands keep running or have ended without
 // error.
 void ScriptRunner::settle(const Fleet& fleet, time::SteadyTime now) {
@@ -153,10 +165,9 @@ void ScriptRunner::settle(const Fleet& fleet, time::SteadyTime now) {
         state == CommandState::kRunning && now - item.running_since >= kLastingTime;
     const bool is_dead = state == CommandState::kStoppedError && !item.spec.auto_respawn;
     is_clear = is_clear && (has_lasted || is_dead || state == CommandState::kStoppedOk);
-    const bool is_waiting = state == CommandState::kUnknown || state == CommandState::kStarting;
-    if (!has_lasted && (item.failed_status || is_waiting)) {
-      failed += (failed.empty() ? "" : ", ") +
-                (is_waiting ? id + " has not been started" : describe_failure(item));
+    const std::string failure = has_lasted ? "" : failure_of(id, item, state);
+    if (!failure.empty()) {
+      failed += (failed.empty() ? "" : ", ") + failure;
     }
   }
   if (is_clear || now - *done_ >= kSettleTimeout) {

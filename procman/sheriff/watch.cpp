@@ -208,12 +208,12 @@ void Watch::reload_config() {
 void Watch::look_for_other_sheriff() {
   const time::SteadyTime now = Sheriff::now();
   const auto other = sheriff_.fleet().other_sheriffs().running(now);
-  if (role_ == Role::kLooking && other) {
+  const bool must_yield =
+      role_ == Role::kLooking || (role_ == Role::kInCommand && sheriff_.fleet().must_yield(now));
+  if (other && must_yield) {
     yield_to(*other);
   } else if (role_ == Role::kLooking && !is_looking_for_others(sheriff_.fleet(), begin_, now)) {
     take_command();
-  } else if (role_ == Role::kInCommand && other && sheriff_.fleet().must_yield(now)) {
-    yield_to(*other);
   } else if (role_ == Role::kInCommand && other.has_value() != knows_other_) {
     knows_other_ = other.has_value();
     notify(other ? "the sheriff " + *other + " gives orders here as well: two sheriffs"
