@@ -53,14 +53,16 @@ void LogFolder::delete_oldest(const CurrentLog& current) {
     }
     const bool is_kept = log.name == newest && current.flushed_bytes == 0;
     if (held_bytes > allowed && !is_kept) {
-      all_removed &= remove(log);
-      held_bytes -= log.size_bytes;
+      const bool is_removed = remove(log);
+      held_bytes -= is_removed ? log.size_bytes : 0;
+      all_removed &= is_removed;
     } else {
       deletable_bytes_ += log.size_bytes;
     }
   }
   if (!all_removed) {
-    deletable_bytes_ = 0;  // with the next log again: keep_quota() is called at every flush
+    // Tried again with the next log, not at each flush as keep_quota() would.
+    deletable_bytes_ = 0;
   }
 }
 

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <utility>
 
 #include "modules/logger/test/names_in.hpp"
 #include "tests/support/data_dir.hpp"
@@ -109,6 +110,24 @@ TEST_F(LogFolderTest, ALogThatCannotBeDeletedIsTriedAgainOnlyWithTheNextLog) {
   EXPECT_EQ(num_looks, 1) << "nothing was tried";
   dut.delete_oldest({"lcmlog-2026-11-21.03", 1});
   EXPECT_EQ(dut.num_deleted(), 2);
+}
+
+TEST_F(LogFolderTest, InPlaceOfALogThatCannotBeDeletedTheNextOldestAreDeleted) {
+  bool is_first_look = true;
+  const auto available = [&](const std::filesystem::path& dir) {
+    if (std::exchange(is_first_look, false)) {
+      std::filesystem::remove(dir / "lcmlog-2026-11-21.00");
+      std::filesystem::create_directories(dir / "lcmlog-2026-11-21.00" / "content");
+    }
+    return std::int64_t{70};  // 30 of the reserve are missing
+  };
+  add("lcmlog-2026-11-21.00", 500);
+  add("lcmlog-2026-11-21.01", 20);
+  add("lcmlog-2026-11-21.02", 20);
+  add("lcmlog-2026-11-21.03", 20);
+  LogFolder dut({.dir = dir_.path(), .reserve_bytes = 100, .available_bytes = available});
+  dut.delete_oldest({"lcmlog-2026-11-21.04", 1});
+  EXPECT_THAT(names(), ElementsAre("lcmlog-2026-11-21.00", "lcmlog-2026-11-21.03"));
 }
 
 }  // namespace log_folder_test
