@@ -5,6 +5,7 @@
 // exit code is 1 if one of the two has not handled all messages: what it lost cost it nothing.
 // Needs a multicast route:
 //   tests/support/private_network.sh nodmap-bench-receive
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <iostream>
@@ -104,7 +105,9 @@ nlohmann::json compare(std::size_t size, int bursts) {
 }  // namespace
 }  // namespace nodmap
 
-int main() {
+int main(int argc, char** argv) {
+  CLI::App app("Compares how long our receiver and LCM's take for bursts of messages.");
+  CLI11_PARSE(app, argc, argv);
   nlohmann::json rows = nlohmann::json::array();
   for (const auto& [size, bursts] :
        {std::pair<std::size_t, int>{200, 500}, {900, 500}, {7300, 200}}) {

@@ -9,11 +9,11 @@
 #include <termios.h>
 #include <unistd.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstdint>
-#include <cstdlib>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -129,11 +129,12 @@ nlohmann::json measure(const Line& line, int seconds) {
 }  // namespace nodmap
 
 int main(int argc, char** argv) {
-  const int seconds = argc == 2 ? std::atoi(argv[1]) : 0;
-  if (seconds <= 0) {
-    std::cerr << "Usage: nodmap-bench-serial SECONDS\n";
-    return 2;
-  }
+  CLI::App app("Measures how late bytes of a pipe and of a pseudo-terminal arrive.");
+  int seconds = 0;
+  app.add_option("SECONDS", seconds, "duration of each measurement")
+      ->required()
+      ->check(CLI::Range(1, 3600));
+  CLI11_PARSE(app, argc, argv);
   nlohmann::json result;
   result["pipe"] = nodmap::measure(nodmap::open_pipe(), seconds);
   result["pseudo_terminal"] = nodmap::measure(nodmap::open_pseudo_terminal(), seconds);

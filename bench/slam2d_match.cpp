@@ -3,9 +3,11 @@
 // twenty keyframes before it, starting from its pose by odometry. Call (DIR is the output folder of
 // nodmap-slam2d --out):
 //   nodmap-bench-slam2d-match DIR
+#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "bench/timing.hpp"
@@ -55,12 +57,12 @@ void measure(const std::vector<Keyframe>& keyframes) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 2) {
-    std::fprintf(stderr, "usage: nodmap-bench-slam2d-match DIR\n");
-    return 2;
-  }
   try {
-    measure(read_saved_map(argv[1]).keyframes);
+    CLI::App app("Measures how long a scan is matched with the map that the other keyframes make.");
+    std::string dir;
+    app.add_option("DIR", dir, "a saved map of 2D SLAM")->required()->check(CLI::ExistingDirectory);
+    CLI11_PARSE(app, argc, argv);
+    measure(read_saved_map(dir).keyframes);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "nodmap-bench-slam2d-match: %s\n", error.what());
     return 1;

@@ -4,13 +4,13 @@
 // and in groups of three. Prints a table for docs/benchmark-2d.md. Call (WORLD as for
 // nodmap-trial):
 //   nodmap-bench-slam2d-relocalise WORLD ...
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <limits>
 #include <random>
 #include <set>
-#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -202,17 +202,17 @@ void measure(const std::string& name) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc < 2) {
-    std::fprintf(stderr, "usage: nodmap-bench-slam2d-relocalise WORLD ...\n");
-    return 2;
-  }
-  std::printf(
-      "| world | floor | one scan: right / wrong / said lost | three scans | ms, median and most "
-      "|\n");
-  std::printf("|---|---|---|---|---|\n");
   try {
-    for (const char* const name : std::span(argv, static_cast<std::size_t>(argc)).subspan(1)) {
-      measure(name);
+    CLI::App app("Places single scans and groups of three from nothing in the maps of worlds.");
+    std::vector<std::string> worlds;
+    app.add_option("WORLD", worlds, "a world file, or SCENARIO:SEED")->required();
+    CLI11_PARSE(app, argc, argv);
+    std::printf(
+        "| world | floor | one scan: right / wrong / said lost | three scans | ms, median and most "
+        "|\n");
+    std::printf("|---|---|---|---|---|\n");
+    for (const std::string& world : worlds) {
+      measure(world);
     }
   } catch (const std::exception& error) {
     std::fprintf(stderr, "nodmap-bench-slam2d-relocalise: %s\n", error.what());
