@@ -38,8 +38,8 @@ struct Arguments {
 
 std::vector<Eigen::Vector2d> read_waypoints(const std::vector<double>& coordinates_m) {
   if (coordinates_m.size() % 2 != 0) {
-    throw node::UsageError("WAYPOINTS: each needs an x and a y, not " +
-                           std::to_string(coordinates_m.size()) + " numbers");
+    throw node::UsageError("WAYPOINTS: each needs an x and a y; the number of coordinates, " +
+                           std::to_string(coordinates_m.size()) + ", is odd");
   }
   std::vector<Eigen::Vector2d> waypoints_map;
   for (std::size_t i = 0; i < coordinates_m.size(); i += 2) {
