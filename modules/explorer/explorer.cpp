@@ -3,35 +3,21 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
-
-#include "modules/explorer/tour.hpp"
 
 namespace nodmap::explorer {
 namespace {
 
-// Viewpoints nearer to each other than this count as the same one.
-constexpr double kSameViewpointM = 0.8;
 // Reduction of the path length that counts as progress.
 constexpr double kProgressM = 0.2;
 // After a pause without decisions of this length, the time without progress starts again.
 constexpr time::Duration kPause = 2s;
-// Greatest distance of a lookout from its frontier: from farther away only a slit is visible
-// through a door.
-constexpr double kLookoutM = 2.0;
-// The same for nearest_frontier, which drives to the frontier itself.
-constexpr double kAtFrontierM = 0.4;
 // Places nearer to each other than this fail together, and are visited together.
 constexpr double kSameFailureM = 0.7;
 constexpr double kSameVisitM = 0.4;
-// Cost of rotating to the start of the path, in metres of driving.
-constexpr double kRotationMPerRad = 0.5;
 // On the way home, a viewpoint is worth turning back for if it shows this multiple of the minimum
 // gain.
 constexpr double kTurnBackGainRatio = 2.0;
-// Distance at which a path's direction is measured.
-constexpr double kDirectionM = 0.4;
 // Added to a tolerance: the navigator has arrived by a newer pose than ours.
 constexpr double kArrivalM = 0.1;
 constexpr const char* kNoPathHome = "Everything has been seen, but there is no path home.";
@@ -47,25 +33,12 @@ std::vector<Eigen::Vector2d> straight_path(const Eigen::Vector2d& from, const Ei
   return points;
 }
 
-// The lengths of the paths; straight lines replace unknown paths.
-std::vector<double> lengths_m(const Reach& reach, const Eigen::Vector2d& from_map,
-                              const std::vector<Cell>& cells) {
-  std::vector<double> lengths;
-  lengths.reserve(cells.size());
-  for (const Cell& cell : cells) {
-    lengths.push_back(reach.paths.is_reached(cell)
-                          ? reach.paths.length_m(cell)
-                          : (reach.grid.center_of(cell) - from_map).norm());
-  }
-  return lengths;
-}
-
 }  // namespace
 
 Explorer::Explorer(const ExplorerParams& params)
     : params_(params),
       grid_(0.5 * params.robot.body.width_m + params.side_margin_m),
-      chooser_(params),
+      tour_planner_(params),
       waypoints_(params.goal_tolerance_m),
       failed_places_(params.patience.retry_s, params.patience.max_tries, kSameFailureM),
       visited_places_(params.patience.look_s, params.patience.max_tries, kSameVisitM) {}
@@ -80,7 +53,7 @@ void Explorer::start() {
 void Explorer::end() {
   state_ = State::kIdle;
   home_map_.reset();
-  target_map_.reset();
+  target_.reset();
   waypoints_.clear();
   passing_map_.clear();
 }
@@ -136,7 +109,7 @@ Decision Explorer::drive(const Situation& now) {
     tour = find_tour(now);
   }
   Decision decision = tour.empty() ? drive_home(now) : drive_tour(now, std::move(tour));
-  for (const Cell& cell : frontiers_.cells()) {
+  for (const Cell& cell : tour_planner_.frontier_cells()) {
     decision.frontier_map.emplace_back(grid_.center_of(cell).cast<float>());
   }
   return decision;
@@ -164,139 +137,54 @@ void Explorer::watch_target(const Situation& now) {
   if (now.has_no_path) {
     no_path_since_ = no_path_since_.value_or(now.stamp);
   }
-  if (state_ != State::kExploring || !target_map_) {
+  if (state_ != State::kExploring || !target_) {
     return;
   }
-  const double length_m = paths_.length_m(grid_.cell_of(*target_map_));
-  if (has_paused || length_m < least_length_m_ - kProgressM) {
-    least_length_m_ = std::min(least_length_m_, length_m);
-    progressed_ = now.stamp;
+  const double length_m = paths_.length_m(grid_.cell_of(target_->p_map));
+  if (has_paused || length_m < target_->least_length_m - kProgressM) {
+    target_->least_length_m = std::min(target_->least_length_m, length_m);
+    target_->progressed = now.stamp;
   }
   const bool has_no_path = has_no_path_for(params_.patience.no_path_s, now);
-  if (has_no_path ||
-      std::chrono::abs(now.stamp - progressed_) > time::from_seconds(params_.patience.stuck_s)) {
+  if (has_no_path || std::chrono::abs(now.stamp - target_->progressed) >
+                         time::from_seconds(params_.patience.stuck_s)) {
     // The goal is the last of the viewpoints on the way, and the navigator has planned to it only.
     const bool is_behind_target = has_no_path && !passing_map_.empty();
-    failed_places_.add(is_behind_target ? passing_map_.back() : *target_map_, now.stamp);
-    target_map_.reset();
+    failed_places_.add(is_behind_target ? passing_map_.back() : target_->p_map, now.stamp);
+    target_.reset();
     waypoints_.clear();
   }
 }
 
 std::vector<Viewpoint> Explorer::find_tour(const Situation& now) {
-  frontiers_.find(reach());
-  const bool by_tour = params_.policy == Policy::kTour;
-  std::vector<Cell> lookouts = frontiers_.lookouts(reach(), by_tour ? kLookoutM : kAtFrontierM);
-  const Eigen::Vector2d p_robot_map = now.T_map_base.translation();
-  std::erase_if(lookouts, [&](const Cell& cell) {
-    const Eigen::Vector2d p_map = grid_.center_of(cell);
-    return (p_map - p_robot_map).norm() < params_.goal_tolerance_m ||
-           failed_places_.excludes(p_map, now.stamp) || visited_places_.excludes(p_map, now.stamp);
-  });
-  std::vector<Viewpoint> found = by_tour ? chooser_.choose(reach(), lookouts, now.T_map_base.yaw)
-                                         : nearest_frontier(now, lookouts);
-  const double least_m2 =
-      params_.view.min_gain_m2 * (state_ == State::kReturning ? kTurnBackGainRatio : 1.0);
-  std::erase_if(found, [&](const Viewpoint& v) { return v.gain_m2 < least_m2; });
-  return by_tour && !found.empty() ? in_order(now, std::move(found)) : found;
-}
-
-// The nearest viewpoint. The previous one is kept until the robot is there, or until nothing is
-// left to see from it.
-std::vector<Viewpoint> Explorer::nearest_frontier(const Situation& now,
-                                                  const std::vector<Cell>& lookouts) {
-  const Eigen::Vector2d p_map = now.T_map_base.translation();
-  if (target_map_ && (p_map - *target_map_).norm() > params_.goal_tolerance_m &&
-      paths_.is_reached(grid_.cell_of(*target_map_))) {
-    if (const auto same = chooser_.nearest(reach(), {grid_.cell_of(*target_map_)})) {
-      return {*same};
-    }
-  }
-  const auto nearest = chooser_.nearest(reach(), lookouts);
-  return nearest ? std::vector<Viewpoint>{*nearest} : std::vector<Viewpoint>{};
-}
-
-// Orders the viewpoints in the best tour; it starts with the present target unless another tour is
-// clearly better.
-std::vector<Viewpoint> Explorer::in_order(const Situation& now, std::vector<Viewpoint> viewpoints) {
-  TourProblem problem;
-  const Eigen::Vector2d p_map = now.T_map_base.translation();
-  problem.length_weight = params_.tour.home_weight_m2;
-  std::vector<Cell> cells;
-  const std::optional<std::size_t> present = present_target(viewpoints);
-  for (const Viewpoint& viewpoint : viewpoints) {
-    cells.push_back(viewpoint.cell);
-    problem.weight.push_back(viewpoint.gain_m2);
-    problem.from_start_m.push_back(viewpoint.length_m +
-                                   kRotationMPerRad * rotation_rad(viewpoint, now.T_map_base));
-  }
-  for (const Viewpoint& viewpoint : viewpoints) {
-    paths_between_.compute(grid_, viewpoint.p_map, cells);
-    problem.between_m.push_back(lengths_m({grid_, paths_between_}, viewpoint.p_map, cells));
-  }
-  paths_between_.compute(grid_, *home_map_, cells);
-  problem.to_end_m = lengths_m({grid_, paths_between_}, *home_map_, cells);
-  problem.from_start_to_end_m = lengths_m(reach(), p_map, {grid_.cell_of(*home_map_)}).front();
-  Tour tour = shortest_tour(problem);
-  if (present && tour.order.front() != *present) {
-    const Tour same = shortest_tour(problem, present);
-    if (same.cost < (1.0 + params_.tour.hysteresis_ratio) * tour.cost) {
-      tour = same;
-    }
-  }
-  leave_out_detours(problem, params_.tour.min_gain_m2_per_m, params_.tour.always_gain_m2,
-                    tour.order);
-  std::vector<Viewpoint> ordered;
-  for (const std::size_t stop : tour.order) {
-    ordered.push_back(viewpoints[stop]);
-  }
-  return ordered;
-}
-
-// The viewpoint that is the present target.
-std::optional<std::size_t> Explorer::present_target(
-    const std::vector<Viewpoint>& viewpoints) const {
-  if (!target_map_) {
-    return std::nullopt;
-  }
-  const auto from_target_m = [&](const Viewpoint& viewpoint) {
-    return (viewpoint.p_map - *target_map_).norm();
+  const double turn_back = state_ == State::kReturning ? kTurnBackGainRatio : 1.0;
+  const auto is_left_out = [&](const Eigen::Vector2d& p_map) {
+    return failed_places_.excludes(p_map, now.stamp) || visited_places_.excludes(p_map, now.stamp);
   };
-  const auto nearest = std::ranges::min_element(viewpoints, {}, from_target_m);
-  if (nearest == viewpoints.end() || from_target_m(*nearest) >= kSameViewpointM) {
-    return std::nullopt;
-  }
-  return static_cast<std::size_t>(nearest - viewpoints.begin());
+  return tour_planner_.plan(reach(),
+                            {.T_map_base = now.T_map_base,
+                             .home_map = *home_map_,
+                             .target_map = target_ ? std::optional(target_->p_map) : std::nullopt,
+                             .min_gain_m2 = params_.view.min_gain_m2 * turn_back,
+                             .is_left_out = is_left_out});
 }
 
-// How far the robot must rotate to drive along the path to a viewpoint.
-double Explorer::rotation_rad(const Viewpoint& viewpoint, const geometry::SE2& T_map_base) const {
-  const std::vector<Eigen::Vector2d> path_map = path_to(viewpoint.cell);
-  const auto ahead = std::ranges::find_if(path_map, [&](const Eigen::Vector2d& p) {
-    return (p - T_map_base.translation()).norm() > kDirectionM;
-  });
-  const Eigen::Vector2d to =
-      (ahead == path_map.end() ? viewpoint.p_map : *ahead) - T_map_base.translation();
-  return std::abs(geometry::angle_difference(std::atan2(to.y(), to.x()), T_map_base.yaw));
-}
-
-void Explorer::set_target(const Eigen::Vector2d& p_map, double length_m, const Situation& now) {
-  if (!target_map_ || (*target_map_ - p_map).norm() > kSameViewpointM) {
-    least_length_m_ = length_m;
-    progressed_ = now.stamp;
+void Explorer::set_target(const Viewpoint& viewpoint, const Situation& now) {
+  if (!target_ || (target_->p_map - viewpoint.p_map).norm() > kSameViewpointM) {
+    target_ = Target{.least_length_m = viewpoint.length_m, .progressed = now.stamp};
     no_path_since_.reset();
-  } else if (const double present_m = paths_.length_m(grid_.cell_of(*target_map_));
+  } else if (const double present_m = paths_.length_m(grid_.cell_of(target_->p_map));
              std::isfinite(present_m)) {
     // A frontier may recede as fast as the robot drives: what counts is the way driven.
-    least_length_m_ += length_m - present_m;
+    target_->least_length_m += viewpoint.length_m - present_m;
   }
-  target_map_ = p_map;
+  target_->p_map = viewpoint.p_map;
 }
 
 Decision Explorer::drive_tour(const Situation& now, std::vector<Viewpoint> tour) {
   Decision decision;
   state_ = State::kExploring;
-  set_target(tour.front().p_map, tour.front().length_m, now);
+  set_target(tour.front(), now);
   decision.reason = "Driving to the next viewpoint.";
   const Eigen::Vector2d p_map = now.T_map_base.translation();
   const std::size_t num_passing = num_on_line(grid_, tour, p_map, params_.goal_tolerance_m);
@@ -305,7 +193,7 @@ Decision Explorer::drive_tour(const Situation& now, std::vector<Viewpoint> tour)
     passing_map_.push_back(tour[i].p_map);
   }
   decision.path_map = num_passing == 1
-                          ? path_to(tour.front().cell)
+                          ? reach().path_to(tour.front().cell)
                           : straight_path(p_map, passing_map_.back(), grid_.cell_size_m());
   decision.goal = waypoints_.next(grid_, decision.path_map, p_map, params_.goal_tolerance_m);
   for (const Viewpoint& viewpoint : tour) {
@@ -317,9 +205,7 @@ Decision Explorer::drive_tour(const Situation& now, std::vector<Viewpoint> tour)
 
 Decision Explorer::drive_home(const Situation& now) {
   Decision decision;
-  const double distance_m = (now.T_map_base.translation() - *home_map_).norm();
-  if (distance_m <= params_.home_tolerance_m ||
-      (now.has_arrived && distance_m <= params_.home_tolerance_m + kArrivalM)) {
+  if (is_home(now)) {
     state_ = State::kHome;
     decision.reason = reason_at_home();
     return decision;
@@ -331,40 +217,49 @@ Decision Explorer::drive_home(const Situation& now) {
     return decision;
   }
   if (state_ != State::kReturning) {
-    state_ = State::kReturning;
-    no_path_since_.reset();
-    is_home_cut_off_ = false;
+    begin_return();
   }
-  target_map_.reset();
-  passing_map_.clear();
   decision.reason = "Everything has been seen: driving home.";
+  decision.path_map = path_home(now);
+  decision.goal = waypoints_.next(grid_, decision.path_map, now.T_map_base.translation(),
+                                  params_.home_tolerance_m);
+  return decision;
+}
+
+bool Explorer::is_home(const Situation& now) const {
+  const double distance_m = (now.T_map_base.translation() - *home_map_).norm();
+  return distance_m <= params_.home_tolerance_m ||
+         (now.has_arrived && distance_m <= params_.home_tolerance_m + kArrivalM);
+}
+
+void Explorer::begin_return() {
+  state_ = State::kReturning;
+  no_path_since_.reset();
+  is_home_cut_off_ = false;
+  target_.reset();
+  passing_map_.clear();
+}
+
+// The path to the place nearest to home that the map shows, and on to home. From that place on it
+// is home alone: the navigator may know a path, or that there is none.
+std::vector<Eigen::Vector2d> Explorer::path_home(const Situation& now) {
   // The start position was in no beam, so its cell may still be unknown.
   const auto near_home = std::ranges::min_element(paths_.cells(), {}, [&](const Cell& cell) {
     return (grid_.center_of(cell) - *home_map_).squaredNorm();
   });
-  // Where the map shows no path any farther, the navigator may know one, or that there is none.
-  const Eigen::Vector2d p_map = now.T_map_base.translation();
-  is_home_cut_off_ = is_home_cut_off_ || (grid_.center_of(*near_home) - p_map).norm() <
-                                             params_.goal_tolerance_m + kArrivalM;
+  const double distance_m = (grid_.center_of(*near_home) - now.T_map_base.translation()).norm();
+  is_home_cut_off_ |= distance_m < params_.goal_tolerance_m + kArrivalM;
+  std::vector<Eigen::Vector2d> path_map;
   if (!is_home_cut_off_) {
-    decision.path_map = path_to(*near_home);
+    path_map = reach().path_to(*near_home);
   }
-  decision.path_map.push_back(*home_map_);
-  decision.goal = waypoints_.next(grid_, decision.path_map, p_map, params_.home_tolerance_m);
-  return decision;
+  path_map.push_back(*home_map_);
+  return path_map;
 }
 
 bool Explorer::has_no_path_for(double seconds, const Situation& now) const {
   return no_path_since_ &&
          std::chrono::abs(now.stamp - *no_path_since_) > time::from_seconds(seconds);
-}
-
-std::vector<Eigen::Vector2d> Explorer::path_to(const Cell& cell) const {
-  std::vector<Eigen::Vector2d> path_map;
-  for (const Cell& on_path : paths_.path_to(cell)) {
-    path_map.push_back(grid_.center_of(on_path));
-  }
-  return path_map;
 }
 
 }  // namespace nodmap::explorer

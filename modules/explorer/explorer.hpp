@@ -10,11 +10,11 @@
 
 #include "common/geometry/se2.hpp"
 #include "common/geometry/time.hpp"
-#include "modules/explorer/frontiers.hpp"
 #include "modules/explorer/left_out_places.hpp"
 #include "modules/explorer/params.hpp"
 #include "modules/explorer/planning_grid.hpp"
 #include "modules/explorer/shortest_paths.hpp"
+#include "modules/explorer/tour_planner.hpp"
 #include "modules/explorer/viewpoints.hpp"
 #include "modules/explorer/waypoints.hpp"
 
@@ -71,6 +71,13 @@ class Explorer {
   [[nodiscard]] Decision decide(const Situation& now);
 
  private:
+  /// The viewpoint that the robot drives to.
+  struct Target {
+    Eigen::Vector2d p_map = Eigen::Vector2d::Zero();
+    double least_length_m = 0.0;   ///< of the path to it, when the robot last came nearer
+    time::Timestamp progressed{};  ///< when that was
+  };
+
   /// Why there is nothing to decide; empty otherwise.
   [[nodiscard]] std::string reason_to_wait() const;
   [[nodiscard]] Decision drive(const Situation& now);
@@ -78,36 +85,26 @@ class Explorer {
   void watch_visits(const Situation& now);
   void watch_target(const Situation& now);
   [[nodiscard]] std::vector<Viewpoint> find_tour(const Situation& now);
-  [[nodiscard]] std::vector<Viewpoint> nearest_frontier(const Situation& now,
-                                                        const std::vector<Cell>& lookouts);
-  [[nodiscard]] std::vector<Viewpoint> in_order(const Situation& now,
-                                                std::vector<Viewpoint> viewpoints);
-  [[nodiscard]] std::optional<std::size_t> present_target(
-      const std::vector<Viewpoint>& viewpoints) const;
-  [[nodiscard]] double rotation_rad(const Viewpoint& viewpoint,
-                                    const geometry::SE2& T_map_base) const;
-  void set_target(const Eigen::Vector2d& p_map, double length_m, const Situation& now);
+  void set_target(const Viewpoint& viewpoint, const Situation& now);
   [[nodiscard]] Decision drive_tour(const Situation& now, std::vector<Viewpoint> tour);
   [[nodiscard]] Decision drive_home(const Situation& now);
+  [[nodiscard]] bool is_home(const Situation& now) const;
+  void begin_return();
+  [[nodiscard]] std::vector<Eigen::Vector2d> path_home(const Situation& now);
   [[nodiscard]] std::string reason_at_home() const;
   [[nodiscard]] bool has_no_path_for(double seconds, const Situation& now) const;
-  [[nodiscard]] std::vector<Eigen::Vector2d> path_to(const Cell& cell) const;
 
   ExplorerParams params_;
   PlanningGrid grid_;
-  ShortestPaths paths_;
-  ShortestPaths paths_between_;
-  Frontiers frontiers_;
-  ViewpointChooser chooser_;
+  ShortestPaths paths_;  // from the robot
+  TourPlanner tour_planner_;
   Waypoints waypoints_;
   LeftOutPlaces failed_places_;
   LeftOutPlaces visited_places_;  // until what was seen from there is in the map
 
   State state_ = State::kIdle;
   std::optional<Eigen::Vector2d> home_map_;
-  std::optional<Eigen::Vector2d> target_map_;  ///< the present viewpoint
-  double least_length_m_ = 0.0;                ///< length of the path to it at progressed_
-  time::Timestamp progressed_{};
+  std::optional<Target> target_;
   time::Timestamp decided_{};
   std::optional<time::Timestamp> no_path_since_;  ///< to the viewpoint, or home
   std::vector<Eigen::Vector2d> passing_map_;      ///< viewpoints on the way to the goal

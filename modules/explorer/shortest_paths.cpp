@@ -118,4 +118,12 @@ double ShortestPaths::heading_rad(const Cell& cell, double otherwise_rad) const 
   return along.isZero() ? otherwise_rad : std::atan2(along.y(), along.x());
 }
 
+std::vector<Eigen::Vector2d> Reach::path_to(const Cell& cell) const {
+  std::vector<Eigen::Vector2d> path_map;
+  for (const Cell& on_path : paths.path_to(cell)) {
+    path_map.push_back(grid.center_of(on_path));
+  }
+  return path_map;
+}
+
 }  // namespace nodmap::explorer

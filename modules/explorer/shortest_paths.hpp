@@ -56,6 +56,9 @@ class ShortestPaths {
 struct Reach {
   const PlanningGrid& grid;
   const ShortestPaths& paths;
+
+  /// The centres of the cells on the path to a cell.
+  [[nodiscard]] std::vector<Eigen::Vector2d> path_to(const Cell& cell) const;
 };
 
 }  // namespace nodmap::explorer

@@ -22,6 +22,9 @@ struct Viewpoint {
   double length_m = 0.0;  ///< length of the path from the robot
 };
 
+/// Viewpoints nearer to each other than this count as the same one.
+inline constexpr double kSameViewpointM = 0.8;
+
 /// Chooses viewpoints among lookouts.
 class ViewpointChooser {
  public:
