@@ -41,6 +41,23 @@ def wall_m(segments, x, y, angle):
     return nearest
 
 
+class Wheels:
+    """Odometry: 1 % too long and too far round, and a heading that drifts. `drift`: the error of the heading (rad) after so many metres."""
+
+    def __init__(self, pose, drift):
+        self.last, self.drift, (self.x, self.y, self.yaw) = pose, drift, pose
+
+    def count(self, pose):
+        """Drives to the next true pose; returns the pose by odometry."""
+        ahead = math.hypot(pose[0] - self.last[0], pose[1] - self.last[1])
+        rotation = (pose[2] - self.last[2] + math.pi) % (2.0 * math.pi) - math.pi
+        self.last = pose
+        self.yaw += 1.01 * rotation + self.drift(ahead)
+        self.x += 1.01 * ahead * math.cos(self.yaw)
+        self.y += 1.01 * ahead * math.sin(self.yaw)
+        return self.x, self.y, self.yaw
+
+
 def parser(description, hours, program):
     """The arguments that both have."""
     arguments = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)

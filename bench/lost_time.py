@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Measures what keeps the robot from its fastest speed in clutter: drives worlds without a goal, and prints the seconds lost to each cause.
 
-    bench/lost_time.py [--seeds N] [--first SEED] [--only SCENARIO ...] [--fastest MPS] [--jobs N] [--set KEY=VALUE ...] [--out DIR] [--bin DIR]
+    bench/lost_time.py [--seeds N] [--first SEED] [--only SCENARIO ...] [--fastest MPS] [--duration S] [--jobs N] [--set KEY=VALUE ...] [--out DIR] [--bin DIR]
 
 A decision that commands the speed v, and that the next decision follows dt later, loses the time dt (1 - v / fastest). The sum over a run is the time that
 the robot would save at its fastest speed. The cause is the rule that set v. Usually the reason in NAVIGATION names it. For a robot that steers it follows
@@ -11,6 +11,7 @@ yaw rate) or the rollout that the robot chose. The last row counts how often the
 """
 import argparse
 import collections
+import re
 import struct
 import sys
 
@@ -28,12 +29,21 @@ CREEPING_RAD_S = 0.2
 # The bound that a decision has used may be one message newer than the last one before it in the log. It rises by 1 cm/s in 20 ms.
 SAME_MPS = 0.03
 START = "start: laser and servo"
-# Pairs of a part of a reason's sentence (modules/navigator/reason.cpp) and the cause.
-BY_REASON = [("approaches", '"something approaches", where nothing moves'), ("Somebody is close", "a person is close"), ("Gives way", "giving way"),
-             ("laser has", "waiting until the laser has looked"), ("no speed", "the pitch controller's bound"),
-             ("Slows down", "Brake: obstacles, ground not seen, the arc it is on"), ("obstacle ahead", "Brake: obstacles, ground not seen, the arc it is on"),
-             ("acks up", "backing up"), ("No direction", "no motion is free"), ("No motion", "no motion is free"), ("no path", "no motion is free"),
-             ("direction ahead is free", "waiting until the laser has looked")]
+# The cause that these reasons (modules/navigator/reason.cpp) name. Where the robot moves for any other reason, the cause follows from its motion; where it does
+# not, the reason's sentence is the cause.
+CAUSES = {
+    '"something approaches", where nothing moves': "Approach",
+    "a person is close": "SomebodyClose",
+    "giving way": "GivesWay",
+    "waiting until the laser has looked": "FirstLook LooksAhead FreeAhead",
+    "the pitch controller's bound": "NoSpeed",
+    "Brake: obstacles, ground not seen, the arc it is on": "SlowsDown ObstacleAhead",
+    "backing up": "BacksUp BacksUpTrail",
+    "no motion is free": "NoFreeDirection NoMotion CannotMove NoWayBack NoPath NoPathLooks",
+}
+SENTENCES = dict(re.findall(r'\{Why::k(\w+),\s*"([^"]*)"\}', (ROOT / "modules" / "navigator" / "reason.cpp").read_text(encoding="utf-8")))
+CAUSE_OF = {SENTENCES[reason]: cause for cause, reasons in CAUSES.items() for reason in reasons.split()}
+KNOWN = re.compile("|".join(re.escape(sentence).replace("%", ".+") for sentence in SENTENCES.values()))
 
 
 def reader_of(name):
@@ -84,9 +94,10 @@ def decisions(path):
 
 
 def cause_of(forward_mps, yaw_rate_rad_s, bound_mps, behaviour, reason, fastest_mps):
-    for part, cause in BY_REASON:
-        if part in reason:
-            return cause
+    if not KNOWN.fullmatch(reason):
+        raise ValueError(f"the log has a reason that reason.cpp does not have: {reason}")
+    if reason in CAUSE_OF:
+        return CAUSE_OF[reason]
     if behaviour == TURN and forward_mps <= 0.0:
         return "rotation on the spot" if abs(yaw_rate_rad_s) > CREEPING_RAD_S else "slow rotation on the spot over doubtful ground, or a standstill"
     if behaviour == STEER:

@@ -14,7 +14,7 @@ import pathlib
 import random
 import tempfile
 
-from days import BEAMS, LENGTH_M, MAX_RANGE_M, further, map_recording, parser, wall_m, walls
+from days import BEAMS, LENGTH_M, MAX_RANGE_M, Wheels, further, map_recording, parser, wall_m, walls
 from programs import call
 
 STEP_M, STEP_S, STAND_S = 0.15, 0.3, 60.0
@@ -41,17 +41,13 @@ def write_log(path, hours, seed=1):
     segments = walls()
     poses = lap()
     scans = [ranges_m(segments, *pose[:3]) for pose in poses]
-    time_s, x, y, yaw, last = 1.6e9, 0.0, 0.0, 0.0, poses[0]
+    wheels = Wheels(poses[0][:3], lambda ahead: 0.003 * ahead * noise.gauss(1.0, 1.0))
+    time_s = 1.6e9
     lines = 0
     with path.open("w", encoding="ascii") as log:
         while time_s < 1.6e9 + 3600.0 * hours:
             for pose, scan in zip(poses, scans):
-                ahead = math.hypot(pose[0] - last[0], pose[1] - last[1])
-                rotation = (pose[2] - last[2] + math.pi) % (2.0 * math.pi) - math.pi
-                yaw += rotation * 1.01 + 0.003 * ahead * noise.gauss(1.0, 1.0)
-                x += 1.01 * ahead * math.cos(yaw)
-                y += 1.01 * ahead * math.sin(yaw)
-                last = pose
+                x, y, yaw = wheels.count(pose[:3])
                 measured = " ".join(f"{max(0.1, r + noise.gauss(0.0, 0.01)):.2f}" if r < MAX_RANGE_M else "81.83" for r in scan)
                 at = f"{x:.4f} {y:.4f} {yaw:.5f}"
                 log.write(f"ODOM {at} 0 0 0 {time_s:.3f} host {time_s:.3f}\n")

@@ -17,7 +17,7 @@ import re
 import struct
 import tempfile
 
-from days import BEAMS, LENGTH_M, MAX_RANGE_M, further, map_recording, parser, wall_m, walls
+from days import BEAMS, LENGTH_M, MAX_RANGE_M, Wheels, further, map_recording, parser, wall_m, walls
 from event_log import Event, Writer
 from programs import ROOT, evaluate
 
@@ -70,22 +70,6 @@ def cast_lap(poses):
     return scans
 
 
-class Wheels:
-    """Odometry: 1 % too long and too far round, and a heading that drifts."""
-
-    def __init__(self, pose):
-        self.noise, self.last, (self.x, self.y, self.yaw) = random.Random(1), pose, pose
-
-    def count(self, pose):
-        ahead = math.hypot(pose[0] - self.last[0], pose[1] - self.last[1])
-        turn = (pose[2] - self.last[2] + math.pi) % (2.0 * math.pi) - math.pi
-        self.last = pose
-        self.yaw += 1.01 * turn + 0.003 * ahead + 0.004 * math.sqrt(ahead) * self.noise.gauss(0.0, 1.0)
-        self.x += 1.01 * ahead * math.cos(self.yaw)
-        self.y += 1.01 * ahead * math.sin(self.yaw)
-        return self.x, self.y, self.yaw
-
-
 class Recording(Writer):
     """An LCM log of SCAN and ODOMETRY."""
 
@@ -108,7 +92,8 @@ def write_recording(folder, hours, poses, scans):
     """days.lcmlog and truth.tum. Returns the number of sweeps."""
     noise = random.Random(2)
     errors = [noise.gauss(0.0, NOISE_M) for _ in range(100003)]
-    wheels = Wheels(poses[0])
+    noise_of_wheels = random.Random(1)
+    wheels = Wheels(poses[0], lambda ahead: 0.003 * ahead + 0.004 * math.sqrt(ahead) * noise_of_wheels.gauss(0.0, 1.0))
     count = len(poses) * max(1, round(3600e6 * hours / (PERIOD_US * len(poses))))
     with Recording(folder / "days.lcmlog") as recording, (folder / "truth.tum").open("w", encoding="ascii") as truth:
         for seq in range(count):

@@ -2,9 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Measures what bench/REPORT.md states, entry by entry. Called by ./nodmap bench, which has built the programs.
 #   scripts/bench.sh [--list] [ENTRY ...]     without ENTRY: all of them, which takes hours
-# A measurement that misses its target does not keep the others from being made; the exit code is 1 then. Entries without a check of their own only print:
-# maps, decision, slam2d, damage, sessions, stability, relocalise, kurt3d, registration, slam6d-scan, slam6d-drives, hours, page, viewer, barn, exploration,
-# lost-time, ablation. The documents state their targets.
+# A measurement that misses its target does not keep the others from being made; the exit code is 1 then.
 set -euo pipefail
 cd "$(dirname "$(readlink -f "$0")")/.."
 bin=build/release/bin
@@ -12,39 +10,40 @@ data=${NODMAP_DATA:-../shared/data}
 export NODMAP_BENCH_OUT=${NODMAP_BENCH_OUT-logs/bench-$(date +%Y%m%d-%H%M%S)}
 out=$NODMAP_BENCH_OUT
 
-# Each entry with the section of bench/REPORT.md that it measures.
+# Each entry, whether it checks its targets or only prints (the documents then state the targets), and the section of bench/REPORT.md that it
+# measures.
 entries() {
   cat <<'TEXT'
-maps             Map update
-decision         A decision of the navigator
-slam2d           Whole logs and a match alone (needs the recordings)
-paper            docs/paper.md: the targets of the figures; What nodding costs the 2D map
-damage           docs/benchmark-2d.md: damaged recordings (needs the recordings)
-sessions         docs/benchmark-2d.md: two sessions (needs the recordings)
-stability        docs/benchmark-2d.md: stability (needs the recordings)
-relocalise       docs/benchmark-2d.md: relocalisation in other buildings
-kurt3d           KURT3D (needs the recordings)
-registration     clouds whose poses are known: docs/benchmark-3d.md (needs the recordings)
-slam6d-scan      A scan in 6D SLAM
-slam6d-drives    docs/benchmark-3d.md: simulated drives, in a saved map
-hours            6D SLAM for hours; docs/benchmark-2d.md: days in one building
-octomap          OctoMap (needs the recordings)
-trials           Trials, Stairs and a warehouse, The simulator
-stops            How the robot stops when a part fails: in trials
-stops-live       How the robot stops when a part fails: live
-live             The robot live
-attacks          The robot live under attack
-busy-page        The page opened while the demo runs
-receive          Receiving over LCM
-serial           The page opened while the demo runs: the kernel's threads
-deputy           Deputy
-page             Images per second
-viewer           Beside the whole robot
-navigation       docs/benchmark-navigation.md: generated worlds
-barn             docs/benchmark-navigation.md: BARN (needs its worlds)
-exploration      docs/benchmark-navigation.md: exploration
-lost-time        docs/benchmark-navigation.md: where the time goes in clutter
-ablation         docs/ablation.md: what each part of the navigation is worth
+maps           prints  Map update
+decision       prints  A decision of the navigator
+slam2d         prints  Whole logs and a match alone (needs the recordings)
+paper          checks  docs/paper.md: the targets of the figures; What nodding costs the 2D map
+damage         prints  docs/benchmark-2d.md: damaged recordings (needs the recordings)
+sessions       prints  docs/benchmark-2d.md: two sessions (needs the recordings)
+stability      prints  docs/benchmark-2d.md: stability (needs the recordings)
+relocalise     prints  docs/benchmark-2d.md: relocalisation in other buildings
+kurt3d         prints  KURT3D (needs the recordings)
+registration   prints  clouds whose poses are known: docs/benchmark-3d.md (needs the recordings)
+slam6d-scan    prints  A scan in 6D SLAM
+slam6d-drives  prints  docs/benchmark-3d.md: simulated drives, in a saved map
+hours          prints  6D SLAM for hours; docs/benchmark-2d.md: days in one building
+octomap        checks  OctoMap (needs the recordings)
+trials         checks  Trials, Stairs and a warehouse, The simulator
+stops          checks  How the robot stops when a part fails: in trials
+stops-live     checks  How the robot stops when a part fails: live
+live           checks  The robot live
+attacks        checks  The robot live under attack
+busy-page      checks  The page opened while the demo runs
+receive        checks  Receiving over LCM
+serial         checks  The page opened while the demo runs: the kernel's threads
+deputy         checks  Deputy
+page           prints  Images per second
+viewer         prints  Beside the whole robot
+navigation     checks  docs/benchmark-navigation.md: generated worlds
+barn           prints  docs/benchmark-navigation.md: BARN (needs its worlds)
+exploration    prints  docs/benchmark-navigation.md: exploration
+lost-time      prints  docs/benchmark-navigation.md: where the time goes in clutter
+ablation       prints  docs/ablation.md: what each part of the navigation is worth
 TEXT
 }
 
@@ -61,6 +60,9 @@ beside_loops() {
   trap "kill ${loops[*]}" EXIT
   "${@:2}"
 }
+
+# in_bench MODULE.NAME: the words of a list in bench/MODULE.py.
+in_bench() { PYTHONPATH=bench python3 -c "import ${1%%.*}; print(*$1)"; }
 
 need_data() {
   [[ -e "$data/$1" ]] && return
@@ -84,7 +86,7 @@ measure() {
     slam2d)
       need_data slam2d || return 0
       mkdir -p "$out"
-      for name in intel fr079 mit-csail; do slam2d_log "$name"; done
+      for name in $(in_bench "programs.LOGS"); do slam2d_log "$name"; done
       ;;
     paper) ./nodmap figures --no-page ;;
     damage)
@@ -110,8 +112,8 @@ measure() {
       ;;
     slam6d-scan)
       mkdir -p "$out"
-      $bin/nodmap-trial --world sim/worlds/crowd.yaml --seed 1 --duration 35 --no-slam6d --set sim.odometry_scale_bias=0.03 \
-        --set sim.slip_heading_deg=1 --out "$out/crowd"
+      # shellcheck disable=SC2046
+      $bin/nodmap-trial --world sim/worlds/crowd.yaml --seed 1 --duration 35 --no-slam6d $(in_bench "seeds.ODOMETRY_NOISE") --out "$out/crowd"
       $bin/nodmap-bench-slam6d "$out/crowd/trial.lcmlog"
       ;;
     slam6d-drives)
