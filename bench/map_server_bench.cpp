@@ -9,6 +9,7 @@
 
 #include "bench/costmap_baseline.hpp"
 #include "bench/timing.hpp"
+#include "common/statistics/quantile.hpp"
 #include "modules/map_server/map_server.hpp"
 #include "modules/map_server/test/world.hpp"
 
@@ -55,8 +56,8 @@ void time_scans(benchmark::State& state, const AddScan& add_scan) {
     scan_us.push_back(std::chrono::duration<double, std::micro>(Clock::now() - start).count());
     i = (i + 1) % steps.size();
   }
-  state.counters["p50_us"] = bench::quantile(scan_us, 0.50);
-  state.counters["p99_us"] = bench::quantile(scan_us, 0.99);
+  state.counters["p50_us"] = statistics::quantile(scan_us, 0.50);
+  state.counters["p99_us"] = statistics::quantile(scan_us, 0.99);
 }
 
 MapServerParams params_for(const benchmark::State& state, RemovalRule rule) {

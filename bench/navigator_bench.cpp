@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "bench/timing.hpp"
+#include "common/statistics/quantile.hpp"
 #include "modules/navigator/navigator.hpp"
 
 namespace nodmap::navigator {
@@ -34,9 +35,9 @@ double cpu_us() {
 
 // Reports percentiles of single durations as counters.
 void report(benchmark::State& state, const std::vector<double>& durations_us) {
-  state.counters["p50_us"] = bench::quantile(durations_us, 0.50);
-  state.counters["p99_us"] = bench::quantile(durations_us, 0.99);
-  state.counters["max_us"] = bench::quantile(durations_us, 1.0);
+  state.counters["p50_us"] = statistics::quantile(durations_us, 0.50);
+  state.counters["p99_us"] = statistics::quantile(durations_us, 0.99);
+  state.counters["max_us"] = statistics::quantile(durations_us, 1.0);
 }
 
 // A sweep of 40 scans of 181 beams over a flat floor with a pillar every 20 beams.

@@ -10,7 +10,6 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstdint>
@@ -21,6 +20,7 @@
 #include <vector>
 
 #include "common/node/serial_workers.hpp"
+#include "common/statistics/quantile.hpp"
 
 namespace nodmap {
 namespace {
@@ -72,12 +72,11 @@ double us_since(Clock::time_point before) {
   return std::chrono::duration<double, std::micro>(Clock::now() - before).count();
 }
 
-nlohmann::json summary(Latencies latencies_us) {
-  std::sort(latencies_us.begin(), latencies_us.end());
-  const auto quantile = [&](std::size_t per_mille) {
-    return latencies_us[(latencies_us.size() - 1) * per_mille / 1000];
-  };
-  return {{"p50", quantile(500)}, {"p99", quantile(990)}, {"worst", latencies_us.back()}};
+nlohmann::json summary(const Latencies& latencies_us) {
+  using statistics::quantile;
+  return {{"p50", quantile(latencies_us, 0.50)},
+          {"p99", quantile(latencies_us, 0.99)},
+          {"worst", quantile(latencies_us, 1.0)}};
 }
 
 // Writes the current time once each period, from which the reader computes the latency.

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "bench/timing.hpp"
+#include "common/statistics/quantile.hpp"
 #include "modules/slam2d/saved_map_file.hpp"
 #include "modules/slam2d/scan_matcher.hpp"
 #include "modules/slam2d/submap.hpp"
@@ -19,8 +20,8 @@ namespace {
 
 using namespace nodmap::slam2d;
 using nodmap::bench::process_cpu_ms;
-using nodmap::bench::quantile;
 using nodmap::geometry::SE2;
+using nodmap::statistics::quantile;
 
 constexpr std::size_t kKeyframes = 20;
 

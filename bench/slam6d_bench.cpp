@@ -12,6 +12,7 @@
 
 #include "bench/timing.hpp"
 #include "common/bus/replay_bus.hpp"
+#include "common/statistics/quantile.hpp"
 #include "modules/slam6d/node.hpp"
 
 namespace nodmap::slam6d {
@@ -53,7 +54,7 @@ int main(int argc, char** argv) {
     std::fputs("no SCAN in the log\n", stderr);
     return 1;
   }
-  using nodmap::bench::quantile;
+  using nodmap::statistics::quantile;
   const nlohmann::json figures{{"scans", durations_ms.size()},
                                {"p50_ms", quantile(durations_ms, 0.50)},
                                {"p99_ms", quantile(durations_ms, 0.99)},

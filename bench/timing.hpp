@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Processor times, and quantiles of what was measured.
+// Processor times.
 #pragma once
 
-#include <algorithm>
-#include <cstddef>
 #include <ctime>
-#include <vector>
 
 namespace nodmap::bench {
 
@@ -23,14 +20,6 @@ inline double process_cpu_ms() {
 /// The same of this thread.
 inline double thread_cpu_ms() {
   return cpu_ms(CLOCK_THREAD_CPUTIME_ID);
-}
-
-/// The largest value of this share of the values, 0 to 1; 0 without values.
-inline double quantile(std::vector<double> values, double share) {
-  std::ranges::sort(values);
-  return values.empty()
-             ? 0.0
-             : values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
 }
 
 }  // namespace nodmap::bench

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/geometry/angle.hpp"
+#include "common/statistics/quantile.hpp"
 
 namespace nodmap::drawing {
 namespace {
@@ -48,8 +49,9 @@ Interval extent_along(std::span<const DrawnPoint> points, const Eigen::Vector3d&
   for (const DrawnPoint& point : points) {
     places.push_back(direction.cast<float>().dot(point.p_map));
   }
-  const double low = static_cast<double>(quantile(places, kStrayShare));
-  const double high = static_cast<double>(quantile(std::move(places), 1.0 - kStrayShare));
+  const double low = static_cast<double>(statistics::quantile(places, kStrayShare));
+  const double high =
+      static_cast<double>(statistics::quantile(std::move(places), 1.0 - kStrayShare));
   return {low, std::max(high, low + 1.0)};
 }
 
@@ -97,8 +99,8 @@ Camera fitted(Camera camera, std::span<const DrawnPoint> points, const ImageSize
     }
   }
   const auto ends = [](std::vector<float>& values) {
-    return Interval{static_cast<double>(quantile(values, kStrayShare)),
-                    static_cast<double>(quantile(values, 1.0 - kStrayShare))};
+    return Interval{static_cast<double>(statistics::quantile(values, kStrayShare)),
+                    static_cast<double>(statistics::quantile(values, 1.0 - kStrayShare))};
   };
   const Interval x = ends(xs);
   const Interval y = ends(ys);

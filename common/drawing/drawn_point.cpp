@@ -2,8 +2,10 @@
 #include "common/drawing/drawn_point.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
+#include <vector>
+
+#include "common/statistics/quantile.hpp"
 
 namespace nodmap::drawing {
 
@@ -14,18 +16,9 @@ HeightRange height_range(std::span<const DrawnPoint> points) {
     heights.push_back(point.p_map.z());
   }
   HeightRange range;
-  range.low_m = quantile(heights, 0.02);
-  range.high_m = std::max(quantile(std::move(heights), 0.90), range.low_m + 0.1F);
+  range.low_m = statistics::quantile(heights, 0.02);
+  range.high_m = std::max(statistics::quantile(std::move(heights), 0.90), range.low_m + 0.1F);
   return range;
-}
-
-float quantile(std::vector<float> values, double share) {
-  if (values.empty()) {
-    return 0.0F;
-  }
-  const auto place = std::lround(share * static_cast<double>(values.size() - 1));
-  std::ranges::nth_element(values, values.begin() + place);
-  return values[static_cast<std::size_t>(place)];
 }
 
 }  // namespace nodmap::drawing

@@ -3,7 +3,6 @@
 
 #include <Eigen/Core>
 #include <span>
-#include <vector>
 
 namespace nodmap::drawing {
 
@@ -26,8 +25,5 @@ struct HeightRange {
 };
 
 [[nodiscard]] HeightRange height_range(std::span<const DrawnPoint> points);
-
-/// The value below which `share` (0..1) of the values lie; 0 without values.
-[[nodiscard]] float quantile(std::vector<float> values, double share);
 
 }  // namespace nodmap::drawing

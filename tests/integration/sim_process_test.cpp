@@ -13,6 +13,7 @@
 
 #include "common/bus/live_bus.hpp"
 #include "common/geometry/time.hpp"
+#include "common/statistics/quantile.hpp"
 #include "nodmap/odometry_t.hpp"
 #include "nodmap/pitch_state_t.hpp"
 #include "nodmap/scan_t.hpp"
@@ -48,10 +49,7 @@ struct Stamps {
   void clear() { stamps.clear(); }
   // From the median of the intervals, so that losses on a busy machine do not count.
   [[nodiscard]] double rate_hz() const {
-    std::vector<time::Duration> sorted = intervals();
-    const auto median = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-    std::ranges::nth_element(sorted, median);
-    return 1.0 / time::seconds(*median);
+    return 1.0 / time::seconds(statistics::quantile(intervals(), 0.5));
   }
   [[nodiscard]] double longest_gap_s() const {
     return time::seconds(std::ranges::max(intervals()));

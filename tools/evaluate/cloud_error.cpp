@@ -5,7 +5,9 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <utility>
 
+#include "common/statistics/quantile.hpp"
 #include "tools/evaluate/world_surfaces.hpp"
 
 namespace nodmap::evaluate {
@@ -67,9 +69,7 @@ CloudErrors measure_cloud(const std::vector<Eigen::Vector3f>& cloud_map,
   errors.outlier_share = static_cast<double>(std::ranges::count_if(
                              distances, [](double d) { return d > kOutlierM; })) /
                          n;
-  const auto p95 = distances.begin() + static_cast<std::ptrdiff_t>(0.95 * (n - 1.0));
-  std::ranges::nth_element(distances, p95);
-  errors.p95_m = *p95;
+  errors.p95_m = statistics::quantile(std::move(distances), 0.95);
   const auto samples = surfaces.samples(kSampleSpacingM);
   const auto seen =
       std::ranges::count_if(samples, [&cells](const auto& p) { return cells.has_near(p); });

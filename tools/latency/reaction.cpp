@@ -2,19 +2,14 @@
 #include "tools/latency/reaction.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "common/bus/codec.hpp"
+#include "common/statistics/quantile.hpp"
 
 namespace nodmap::latency {
 namespace {
 
 constexpr std::size_t kMaxOpen = 256;  // 3.4 s of scans; later answers do not count
-
-time::Duration nearest_rank(const std::vector<time::Duration>& sorted, double share) {
-  const auto rank = static_cast<std::size_t>(std::ceil(share * static_cast<double>(sorted.size())));
-  return sorted[std::clamp<std::size_t>(rank, 1, sorted.size()) - 1];
-}
 
 template <class Entry>
 void push_bounded(std::deque<Entry>& queue, const Entry& entry) {
@@ -35,9 +30,9 @@ Summary summarize(std::span<const Sample> samples) {
   for (const Sample& sample : samples) {
     waits.push_back(sample.wait);
   }
-  std::ranges::sort(waits);
-  return {waits.size(), waits.front(), nearest_rank(waits, 0.50), nearest_rank(waits, 0.99),
-          waits.back()};
+  const auto [min, max] = std::ranges::minmax(waits);
+  return {waits.size(), min, statistics::quantile(waits, 0.50), statistics::quantile(waits, 0.99),
+          max};
 }
 
 std::vector<std::int64_t> us_over_time(std::span<const Sample> samples, std::size_t parts,

@@ -7,6 +7,7 @@
 
 #include "common/geometry/angle.hpp"
 #include "common/geometry/se3.hpp"
+#include "common/statistics/quantile.hpp"
 #include "tools/trial/record.hpp"
 
 namespace nodmap::trial {
@@ -37,17 +38,9 @@ auto first_from(const TrialRecord& record, time::SteadyTime instant) {
 
 }  // namespace
 
-Quantiles quantiles(std::vector<double> values) {
-  if (values.empty()) {
-    return {};
-  }
-  std::ranges::sort(values);
-  const auto rank = [&values](double quantile) {
-    const auto n =
-        static_cast<std::size_t>(std::ceil(quantile * static_cast<double>(values.size())));
-    return values[std::max<std::size_t>(n, 1) - 1];
-  };
-  return {rank(0.5), rank(0.99), values.back(), values.size()};
+Quantiles quantiles(const std::vector<double>& values) {
+  return {statistics::quantile(values, 0.5), statistics::quantile(values, 0.99),
+          statistics::quantile(values, 1.0), values.size()};
 }
 
 DriveMetrics drive_metrics(const TrialRecord& record) {

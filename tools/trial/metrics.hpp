@@ -24,7 +24,7 @@ struct Quantiles {
   std::size_t n = 0;
 };
 
-[[nodiscard]] Quantiles quantiles(std::vector<double> values);
+[[nodiscard]] Quantiles quantiles(const std::vector<double>& values);
 
 /// Metrics of the drive from the first SCAN on.
 struct DriveMetrics {

@@ -9,10 +9,6 @@ namespace nodmap::drawing {
 namespace drawn_point_test {
 
 TEST(DrawnPoint, TheHeightRangeIgnoresStrayPoints) {
-  EXPECT_EQ(quantile({}, 0.5), 0.0F);
-  EXPECT_EQ(quantile({3.0F, 1.0F, 2.0F}, 0.0), 1.0F);
-  EXPECT_EQ(quantile({3.0F, 1.0F, 2.0F}, 0.5), 2.0F);
-  EXPECT_EQ(quantile({3.0F, 1.0F, 2.0F}, 1.0), 3.0F);
   std::vector<DrawnPoint> points(1001);
   for (std::size_t i = 0; i < points.size(); ++i) {
     points[i].p_map = Eigen::Vector3f(0, 0, 0.01F * static_cast<float>(i));
