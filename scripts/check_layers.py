@@ -29,7 +29,7 @@ SHELL = re.compile(r"^(node|display|.*_node|.*_publisher|.*_reader|main|messages
 # Modules that are nothing but a shell: they move bytes or images, there is no algorithm to keep clean.
 SHELL_MODULES = {"logger", "viewer"}
 WORLD = re.compile(
-    r"^(lcm/|nodmap/|common/(bus|node|drawing|formats)/|spdlog/|fmt/|nlohmann/|yaml-cpp/|CLI/|png\.h"
+    r"^(lcm/|nodmap/|common/(bus|node|drawing|formats)/|common/geometry/clock\.hpp|spdlog/|fmt/|nlohmann/|yaml-cpp/|CLI/|png\.h"
     r"|chrono$|ctime$|thread$|mutex$|atomic$|future$|condition_variable$|shared_mutex$"
     r"|fstream$|filesystem$|cstdio$|iostream$|unistd\.h$|fcntl\.h$|sys/)")
 TOOL_MAY_USE = {"evaluate": ("modules/slam2d/",)}

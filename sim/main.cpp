@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/bus/live_bus.hpp"
-#include "common/node/clock.hpp"
+#include "common/geometry/clock.hpp"
 #include "common/node/log.hpp"
 #include "common/node/option_checks.hpp"
 #include "common/node/program.hpp"

@@ -15,7 +15,7 @@
 #include "bench/live/robot_observer.hpp"
 #include "bench/live/stop_metrics.hpp"
 #include "common/bus/live_bus.hpp"
-#include "common/node/clock.hpp"
+#include "common/geometry/clock.hpp"
 #include "nodmap/base_sensors_t.hpp"
 #include "nodmap/drive_t.hpp"
 #include "nodmap/egomap_t.hpp"
@@ -171,7 +171,7 @@ void publish_odometry_of_listener(Forger& forger, time::Duration ahead) {
   forger.publish("ODOMETRY", odometry);
 }
 
-enum class Promise { kStationary, kDrivesOn };
+enum class Promise : std::uint8_t { kStationary, kDrivesOn };
 
 struct Attack {
   std::string name;

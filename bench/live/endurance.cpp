@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include "common/bus/codec.hpp"
-#include "common/node/clock.hpp"
+#include "common/geometry/clock.hpp"
 
 namespace nodmap::bench {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "bench/live/robot_observer.hpp"
 #include "bench/live/stop_metrics.hpp"
-#include "common/node/clock.hpp"
+#include "common/geometry/clock.hpp"
 #include "drivers/kurt/params.hpp"
 
 namespace nodmap::bench {

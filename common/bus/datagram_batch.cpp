@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/bus/datagram_batch.hpp"
 
-#include <chrono>
 #include <cstring>
 #include <ctime>
 #include <optional>
+
+#include "common/geometry/clock.hpp"
 
 namespace nodmap::bus {
 namespace {
@@ -24,11 +25,6 @@ std::optional<Value> read_control(msghdr& header, int type) {
 
 }  // namespace
 
-time::Timestamp wall_now() {
-  return time::Timestamp(std::chrono::duration_cast<time::Duration>(
-      std::chrono::system_clock::now().time_since_epoch()));
-}
-
 int DatagramBatch::receive(int socket) {
   for (std::size_t i = 0; i < kBatch; ++i) {
     parts_[i] = {&bytes_[i * kMaxDatagramBytes], kMaxDatagramBytes};
@@ -45,7 +41,8 @@ int DatagramBatch::receive(int socket) {
 
 time::Timestamp DatagramBatch::received(std::size_t i) {
   const auto stamp = read_control<timeval>(headers_.at(i).msg_hdr, SCM_TIMESTAMP);
-  return stamp ? time::Timestamp(stamp->tv_sec * 1s + stamp->tv_usec * 1us) : wall_now();
+  return stamp ? time::Timestamp(stamp->tv_sec * 1s + stamp->tv_usec * 1us)
+               : time::SystemClock().now();
 }
 
 std::uint32_t DatagramBatch::num_dropped(std::size_t i) {

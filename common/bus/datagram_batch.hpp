@@ -15,9 +15,6 @@
 
 namespace nodmap::bus {
 
-/// The present time by the clock of the kernel's stamps.
-[[nodiscard]] time::Timestamp wall_now();
-
 /// Buffers for several datagrams of a socket of open_multicast_socket(), filled by one system call.
 class DatagramBatch {
  public:

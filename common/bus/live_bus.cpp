@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "common/formats/user_error.hpp"
+#include "common/geometry/clock.hpp"
 
 namespace nodmap::bus {
 namespace {
@@ -77,12 +78,8 @@ struct LiveBus::Impl {
     try {
       const auto data = std::as_bytes(
           std::span(static_cast<const char*>(buffer->data), std::size_t{buffer->data_size}));
-      const auto now = std::chrono::steady_clock::now().time_since_epoch();
-      listener->handler({channel,
-                         data,
-                         time::from_utime(buffer->recv_utime),
-                         {},
-                         time::SteadyTime(std::chrono::duration_cast<time::Duration>(now))});
+      listener->handler(
+          {channel, data, time::from_utime(buffer->recv_utime), {}, time::steady_now()});
     } catch (...) {
       if (!listener->owner->thrown) {
         listener->owner->thrown = std::current_exception();

@@ -84,14 +84,14 @@ TrustedHosts::TrustedHosts(const std::string& hosts,
   }
 }
 
-bool TrustedHosts::contains(std::uint32_t address, Time now) {
+bool TrustedHosts::contains(std::uint32_t address, time::SteadyTime now) {
   const bool is_named = std::ranges::any_of(networks_, [address](const Network& network) {
     return (address & network.mask) == network.address;
   });
   if (is_named) {
     return true;
   }
-  if (!asked_at_ || now - *asked_at_ >= std::chrono::seconds(1)) {
+  if (!asked_at_ || now - *asked_at_ >= 1s) {
     asked_at_ = now;
     if (auto addresses = own_addresses_()) {
       own_ = std::move(*addresses);

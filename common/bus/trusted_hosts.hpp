@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "common/geometry/time.hpp"
 
 namespace nodmap::bus {
 
@@ -25,8 +26,6 @@ namespace nodmap::bus {
 /// be forged by any host on the same network.
 class TrustedHosts {
  public:
-  using Time = std::chrono::steady_clock::time_point;
-
   /// `hosts`: addresses and networks, separated by commas: "10.0.0.2,10.0.1.0/24". Throws
   /// formats::UserError, naming the part that is invalid. `own_addresses` returns the addresses of
   /// this host; because they come and go, and another host can have one next, an answer is used for
@@ -35,7 +34,7 @@ class TrustedHosts {
                         std::function<std::optional<std::vector<std::uint32_t>>()> own_addresses =
                             &addresses_of_this_host);
 
-  [[nodiscard]] bool contains(std::uint32_t address, Time now);
+  [[nodiscard]] bool contains(std::uint32_t address, time::SteadyTime now);
 
  private:
   struct Network {
@@ -46,7 +45,7 @@ class TrustedHosts {
   std::vector<Network> networks_;
   std::function<std::optional<std::vector<std::uint32_t>>()> own_addresses_;
   std::vector<std::uint32_t> own_;
-  std::optional<Time> asked_at_;
+  std::optional<time::SteadyTime> asked_at_;
 };
 
 }  // namespace nodmap::bus

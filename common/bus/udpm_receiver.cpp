@@ -20,6 +20,7 @@
 #include "common/bus/message_assembler.hpp"
 #include "common/bus/multicast_socket.hpp"
 #include "common/bus/trusted_hosts.hpp"
+#include "common/geometry/clock.hpp"
 
 namespace nodmap::bus {
 namespace {
@@ -27,10 +28,6 @@ namespace {
 // The number of batches read in a row while none contains a wanted message: bounds how long a flood
 // can keep the caller.
 constexpr int kMaxBatches = 100;
-
-time::SteadyTime steady_time(std::chrono::steady_clock::time_point now) {
-  return time::SteadyTime(std::chrono::duration_cast<time::Duration>(now.time_since_epoch()));
-}
 
 }  // namespace
 
@@ -99,13 +96,13 @@ struct UdpmReceiver::Impl {
   // Moves datagrams from the socket into the queue without blocking and returns their number. The
   // mutex must be locked, so that each datagram is seen either in the socket or in the queue.
   std::size_t take_batch() {
-    const auto now = std::chrono::steady_clock::now();
-    arrivals.begin({wall_now(), steady_time(now)});
+    const time::Moment now{time::SystemClock().now(), time::steady_now()};
+    arrivals.begin(now);
     const auto count = static_cast<std::size_t>(std::max(0, batch.receive(socket.get())));
     const bool was_empty = queue.empty();
     for (std::size_t i = 0; i < count; ++i) {
       const Sender sender = batch.sender(i);
-      if (!hosts.contains(sender.address, now)) {
+      if (!hosts.contains(sender.address, now.steady)) {
         ++counts.refused;
         refused_address = sender.address;
         continue;
@@ -192,7 +189,7 @@ struct UdpmReceiver::Impl {
 
   std::mutex mutex;  // guards the members below
   DatagramBatch batch;
-  ArrivalClock arrivals{steady_time(std::chrono::steady_clock::now())};
+  ArrivalClock arrivals{time::steady_now()};
   TrustedHosts hosts;
   MessageAssembler assembler;
   std::list<Subscription> subscriptions;  // the queue keeps pointers to them

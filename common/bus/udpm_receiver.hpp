@@ -14,6 +14,7 @@
 
 #include "common/bus/sender.hpp"
 #include "common/bus/udpm_url.hpp"
+#include "common/geometry/clock.hpp"
 #include "common/geometry/time.hpp"
 
 namespace nodmap::bus {
@@ -33,19 +34,18 @@ using RawHandler = std::function<void(const RawMessage&)>;
 class HandleLimit {
  public:
   static constexpr int kMaxMessages = 1000;
-  static constexpr std::chrono::milliseconds kMaxTime{50};  ///< in handlers
+  static constexpr time::Duration kMaxTime = 50ms;  ///< in handlers
 
   /// Counts a message and returns whether it may be handled. The first one always may: time counts
   /// from then on.
-  [[nodiscard]] bool admits_another(
-      std::chrono::steady_clock::time_point now = std::chrono::steady_clock::now()) {
+  [[nodiscard]] bool admits_another(time::SteadyTime now = time::steady_now()) {
     end_ = num_messages_ == 0 ? now + kMaxTime : end_;
     return now < end_ && num_messages_++ < kMaxMessages;
   }
 
  private:
   int num_messages_ = 0;
-  std::chrono::steady_clock::time_point end_;
+  time::SteadyTime end_;
 };
 
 /// Numbers of messages and datagrams that a receiver did not deliver.

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/bus/live_bus.hpp"
-#include "common/node/clock.hpp"
+#include "common/geometry/clock.hpp"
 #include "common/node/log.hpp"
 #include "common/node/status.hpp"
 

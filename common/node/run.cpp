@@ -14,7 +14,7 @@
 
 #include "common/bus/live_bus.hpp"
 #include "common/bus/replay_bus.hpp"
-#include "common/node/clock.hpp"
+#include "common/geometry/clock.hpp"
 #include "common/node/log.hpp"
 #include "common/node/progress.hpp"
 #include "common/node/results.hpp"

@@ -4,8 +4,8 @@
 #include <string>
 
 #include "common/bus/bus.hpp"
+#include "common/geometry/clock.hpp"
 #include "common/geometry/time.hpp"
-#include "common/node/clock.hpp"
 #include "common/node/node.hpp"
 
 namespace nodmap::node {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "common/node/clock.hpp"
+#include "common/geometry/clock.hpp"
 #include "common/node/device_node.hpp"
 #include "common/node/process_names.hpp"
 #include "common/node/program.hpp"

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "common/bus/live_bus.hpp"
+#include "common/geometry/clock.hpp"
 #include "common/geometry/time.hpp"
-#include "common/node/clock.hpp"
 #include "common/node/message_counts.hpp"
 #include "common/node/process_names.hpp"
 #include "common/node/status.hpp"

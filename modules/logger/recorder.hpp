@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "common/bus/event_log.hpp"
+#include "common/geometry/clock.hpp"
 #include "common/geometry/time.hpp"
-#include "common/node/clock.hpp"
 #include "common/node/node.hpp"
 #include "modules/logger/log_folder.hpp"
 

@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "common/bus/live_bus.hpp"
-#include "common/node/clock.hpp"
+#include "common/geometry/clock.hpp"
 #include "common/node/log.hpp"
 #include "common/node/program.hpp"
 #include "common/node/status.hpp"

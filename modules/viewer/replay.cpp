@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "common/bus/log_player.hpp"
-#include "common/node/clock.hpp"
+#include "common/geometry/clock.hpp"
 #include "common/node/log.hpp"
 #include "common/node/message_counts.hpp"
 #include "common/node/program.hpp"

@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "common/node/clock.hpp"
+#include "common/geometry/clock.hpp"
 #include "common/node/log.hpp"
 #include "modules/viewer/access.hpp"
 #include "modules/viewer/log_history.hpp"

@@ -6,7 +6,7 @@
 #include <chrono>
 #include <utility>
 
-#include "common/node/clock.hpp"
+#include "common/geometry/clock.hpp"
 
 namespace nodmap::viewer {
 namespace {

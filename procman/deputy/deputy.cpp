@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "common/bus/live_bus.hpp"
-#include "common/node/clock.hpp"
+#include "common/geometry/clock.hpp"
 #include "common/node/log.hpp"
 #include "common/node/serial_workers.hpp"
 #include "common/node/status.hpp"

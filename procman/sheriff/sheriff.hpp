@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "common/bus/live_bus.hpp"
+#include "common/geometry/clock.hpp"
 #include "common/geometry/time.hpp"
-#include "common/node/clock.hpp"
 #include "procman/config/config.hpp"
 #include "procman/protocol/console.hpp"
 #include "procman/protocol/fleet.hpp"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "common/bus/live_bus.hpp"
-#include "common/node/clock.hpp"
+#include "common/geometry/clock.hpp"
 #include "procman/protocol/values.hpp"
 #include "tests/support/child_process.hpp"
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "common/geometry/clock.hpp"
 #include "common/geometry/time.hpp"
-#include "common/node/clock.hpp"
 
 namespace nodmap::test {
 

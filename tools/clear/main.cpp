@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "common/bus/live_bus.hpp"
-#include "common/node/clock.hpp"
+#include "common/geometry/clock.hpp"
 #include "common/node/goal_sender.hpp"
 #include "common/node/process_names.hpp"
 #include "common/node/program.hpp"

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "common/bus/live_bus.hpp"
-#include "common/node/clock.hpp"
+#include "common/geometry/clock.hpp"
 #include "common/node/process_names.hpp"
 #include "common/node/program.hpp"
 #include "common/node/request.hpp"

@@ -9,7 +9,7 @@
 
 #include "common/bus/live_bus.hpp"
 #include "common/geometry/angle.hpp"
-#include "common/node/clock.hpp"
+#include "common/geometry/clock.hpp"
 #include "common/node/goal_sender.hpp"
 #include "common/node/program.hpp"
 #include "nodmap/goal_t.hpp"

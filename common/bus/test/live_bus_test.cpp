@@ -165,18 +165,16 @@ TEST(LiveBus, LatestHoldsTheNewestOfABurst) {
   EXPECT_EQ(latest.count(), 50);
 }
 
-using SteadyPoint = std::chrono::steady_clock::time_point;
-
 TEST(HandleLimit, AdmitsSoManyMessages) {
   HandleLimit dut;
   for (int i = 0; i < HandleLimit::kMaxMessages; ++i) {
-    EXPECT_TRUE(dut.admits_another(SteadyPoint{}));
+    EXPECT_TRUE(dut.admits_another(time::SteadyTime{}));
   }
-  EXPECT_FALSE(dut.admits_another(SteadyPoint{}));
+  EXPECT_FALSE(dut.admits_another(time::SteadyTime{}));
 }
 
 TEST(HandleLimit, AdmitsMessagesForSoLongAfterTheFirst) {
-  const SteadyPoint first{24h};
+  const time::SteadyTime first{24h};
   HandleLimit dut;
   EXPECT_TRUE(dut.admits_another(first));
   EXPECT_TRUE(dut.admits_another(first + HandleLimit::kMaxTime - 1us));
@@ -200,8 +198,8 @@ TEST(LiveBus, HandleReturnsWhenHandlersHaveTakenLong) {
   int seen = 0;
   bus.subscribe<nodmap::odometry_t>("ODOMETRY", [&](const nodmap::odometry_t&) {
     ++seen;
-    const auto end = std::chrono::steady_clock::now() + HandleLimit::kMaxTime;
-    while (std::chrono::steady_clock::now() < end) {
+    const auto end = time::steady_now() + HandleLimit::kMaxTime;
+    while (time::steady_now() < end) {
     }
   });
   for (int i = 1; i <= 3; ++i) {

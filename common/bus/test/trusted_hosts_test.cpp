@@ -18,7 +18,7 @@ constexpr std::uint32_t address(std::uint32_t a, std::uint32_t b, std::uint32_t 
   return a << 24U | b << 16U | c << 8U | d;
 }
 
-constexpr TrustedHosts::Time kStart{};
+constexpr time::SteadyTime kStart{};
 
 TEST(TrustedHosts, ThisHostAlwaysAndOthersOnlyByName) {
   TrustedHosts alone("", [] { return std::vector{address(10, 0, 0, 1)}; });

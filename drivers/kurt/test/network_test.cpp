@@ -9,7 +9,7 @@
 #include <string>
 
 #include "common/bus/live_bus.hpp"
-#include "common/node/clock.hpp"
+#include "common/geometry/clock.hpp"
 #include "drivers/kurt/test/kurt_emulator.hpp"
 #include "nodmap/drive_t.hpp"
 #include "nodmap/odometry_t.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "common/node/clock.hpp"
+#include "common/geometry/clock.hpp"
 
 #include <gtest/gtest.h>
 
