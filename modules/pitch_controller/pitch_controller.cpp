@@ -83,6 +83,7 @@ std::optional<PitchDecision> PitchController::decide(time::Timestamp now) {
   if (since >= 0us && since < kPeriod && !has_reversed_) {
     return std::nullopt;
   }
+  const double dt_s = since_decision_s(now, time::seconds(kPeriod));
   plan_for_present_speed(now);
   decided_ = now;
   has_reversed_ = false;
@@ -96,27 +97,32 @@ std::optional<PitchDecision> PitchController::decide(time::Timestamp now) {
     decision.sweep_s = kHoldS;
     return decision;
   }
-  const double dt_s = std::clamp(time::seconds(since), 0.0, 1.0);
-  const double present_mps = speed_ ? std::clamp(speed_->forward_mps, 0.0, kImpossibleMps) : 0.0;
   decision.max_forward_mps =
-      rising_.limit(may_drive ? bound_of_coming_sweeps() : 0.0, present_mps, dt_s);
+      rising_.limit(may_drive ? bound_of_coming_sweeps() : 0.0, present_mps(), dt_s);
   commanded_s_ = regulator_.command_s(plan_.sweep_s, plan_.fastest_s, plan_.slowest_s);
   decision.sweep = plan_.sweep;
   decision.sweep_s = commanded_s_;
   return decision;
 }
 
+double PitchController::present_mps() const {
+  return speed_ ? std::clamp(speed_->forward_mps, 0.0, kImpossibleMps) : 0.0;
+}
+
+double PitchController::since_decision_s(time::Timestamp now, double at_first_s) const {
+  return decided_ ? std::clamp(time::seconds(now - *decided_), 0.0, 1.0) : at_first_s;
+}
+
 void PitchController::plan_for_present_speed(time::Timestamp now) {
   // Without odometry the plan stays as it is, because the robot may still be rolling.
   if (speed_ && is_fresh(speed_->stamp, now)) {
-    const double dt_s = decided_ ? std::clamp(time::seconds(now - *decided_), 0.0, 1.0) : 1.0;
+    const double dt_s = since_decision_s(now, 1.0);
     // Driving backwards is planned like standstill: the robot is slow, and the laser looks the
     // other way. While the robot brakes, the planned speed falls no faster than the assumed
     // deceleration: a wide nod does not look far enough ahead for the speed that the robot may
     // still have.
-    const double forward_mps = std::clamp(speed_->forward_mps, 0.0, kImpossibleMps);
     planned_mps_ =
-        std::max(forward_mps, planned_mps_ - params_.robot.braking.deceleration_mps2 * dt_s);
+        std::max(present_mps(), planned_mps_ - params_.robot.braking.deceleration_mps2 * dt_s);
     // The part of the area beyond the corridor is for looking around while the robot is stationary.
     // During a short stop it costs more than it is worth: two wide sweeps, and twice the reaction
     // time when the robot continues.
@@ -129,11 +135,10 @@ void PitchController::plan_for_present_speed(time::Timestamp now) {
 }
 
 void PitchController::add_unseen_place(time::Timestamp now) {
-  const double dt_s = decided_ ? std::clamp(time::seconds(now - *decided_), 0.0, 1.0) : 0.0;
-  const double forward_mps = speed_ ? std::clamp(speed_->forward_mps, 0.0, kImpossibleMps) : 0.0;
+  const double forward_mps = present_mps();
   const double protected_mps = std::max(forward_mps, kLeastProtectedMps);
   const NodMotion nod = follow_.motion(plan_, meter_.present());
-  unseen_.advance(dt_s * forward_mps, std::exchange(turned_rad_, 0.0));
+  unseen_.advance(since_decision_s(now, 0.0) * forward_mps, std::exchange(turned_rad_, 0.0));
   unseen_.add(params_.robot.braking.required_distance_m(
       protected_mps, params_.detection.reaction_s(planner_.plan(protected_mps).sweep_s)));
   unseen_.forget_measured(nod, revisit_s(corridor_, nod, unseen_.least_protected_m(), forward_mps));
@@ -179,7 +184,7 @@ InhibitReason PitchController::inhibit_reason(time::Timestamp now) const {
     return std::abs(pitch_->pitch_rad) <= kLevelRad ? InhibitReason::kNone
                                                     : InhibitReason::kNotLevel;
   }
-  const bool late = meter_.present_sweep_s() > kLateFactor * commanded_s_ + kLateS;
+  const bool late = meter_.present().duration_s > kLateFactor * commanded_s_ + kLateS;
   return meter_.last_two_sweeps() && !late ? InhibitReason::kNone : InhibitReason::kNotNodding;
 }
 

@@ -78,6 +78,11 @@ class PitchController {
     double forward_mps = 0.0;
   };
 
+  /// Forward speed by odometry, m/s; 0 if it is unknown or backwards.
+  [[nodiscard]] double present_mps() const;
+  /// At most 1 s, so that a clock that was set has little effect; `at_first_s` before the first
+  /// decision.
+  [[nodiscard]] double since_decision_s(time::Timestamp now, double at_first_s) const;
   void plan_for_present_speed(time::Timestamp now);
   void add_unseen_place(time::Timestamp now);
   void count(const MeasuredSweep& sweep);

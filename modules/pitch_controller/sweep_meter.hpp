@@ -48,7 +48,6 @@ class SweepMeter {
 
   /// The present sweep so far.
   [[nodiscard]] const MeasuredSweep& present() const { return present_; }
-  [[nodiscard]] double present_sweep_s() const { return present_.duration_s; }
 
  private:
   void begin(const PitchReading& reading, bool at_its_end);
