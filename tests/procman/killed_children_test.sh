@@ -7,20 +7,10 @@
 set -euo pipefail
 cd "$(dirname "$(readlink -f "$0")")/../.."
 bin=$(readlink -f "$1")
-work=$(mktemp -d)
+. tests/procman/background_processes.sh
 export LCM_DEFAULT_URL='udpm://239.255.76.67:7695?ttl=0&recv_buf_size=2000000'
 export NODMAP_WORLD=sim/worlds/cellar.yaml NODMAP_RUN=$work/run NODMAP_PORT=8765
 mkdir "$NODMAP_RUN"
-pids=()
-end() {
-  trap - EXIT
-  local pid
-  for pid in "${pids[@]}"; do kill -TERM "$pid" 2>/dev/null || true; done
-  for pid in "${pids[@]}"; do wait "$pid" 2>/dev/null || true; done
-  rm -rf "$work"
-}
-trap end EXIT
-fail() { echo "FAILED: $*"; tail -n 20 "$work"/*.log; exit 1; }
 
 # A line for each command: name, pid, first word of its health, state.
 look() {

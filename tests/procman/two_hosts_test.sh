@@ -15,17 +15,7 @@ if [[ "${NODMAP_HOST_A:-}" != 1 ]]; then
   exec env NODMAP_HOST_A=1 $own_network "$0" "$bin"
 fi
 
-work=$(mktemp -d)
-pids=()
-end() {
-  trap - EXIT
-  local pid
-  for pid in "${pids[@]}"; do kill -TERM "$pid" 2>/dev/null || true; done
-  for pid in "${pids[@]}"; do wait "$pid" 2>/dev/null || true; done
-  rm -rf "$work"
-}
-trap end EXIT
-fail() { echo "FAILED: $*"; tail -n 20 "$work"/*.log; exit 1; }
+. tests/procman/background_processes.sh
 
 # A host, and the switch between them, is the network namespace of a process that only sleeps; `on PID command` runs a command in it.
 new_network() {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <random>
 
 #include "drivers/laser3d/test/golden.hpp"
@@ -23,6 +24,15 @@ std::vector<SickEvent> drain(SickParser& dut) {
   return events;
 }
 
+// Of the sensor.
+const auto kGoldenTelegrams = std::to_array<const Bytes*>(
+    {&test::kModeOk,         &test::kWrongPassword,  &test::kVariant180x100, &test::kVariant180x050,
+     &test::kVariantRefused, &test::kResetDone,      &test::kNotAccepted,    &test::kNoErrors,
+     &test::kModeOkFrom1,    &test::kPowerOn,        &test::kType,           &test::kConfig,
+     &test::kConfigWritten,  &test::kThreeMm,        &test::kThreeMmIndexed, &test::kThreeCm,
+     &test::kFlat181,        &test::kRamp181,        &test::kRamp181Indexed, &test::kFlat361,
+     &test::kPartial50,      &test::kPartial50Marked});
+
 std::vector<SickEvent> parse(const Bytes& bytes) {
   SickParser dut;
   dut.feed(bytes, kStart);
@@ -40,14 +50,7 @@ std::vector<SickReply> replies(const std::vector<SickEvent>& events) {
 }
 
 TEST(SickParser, ReadsEveryGoldenTelegram) {
-  for (const Bytes* frame : {&test::kModeOk,         &test::kWrongPassword,  &test::kVariant180x100,
-                             &test::kVariant180x050, &test::kVariantRefused, &test::kResetDone,
-                             &test::kNotAccepted,    &test::kNoErrors,       &test::kModeOkFrom1,
-                             &test::kPowerOn,        &test::kType,           &test::kConfig,
-                             &test::kConfigWritten,  &test::kThreeMm,        &test::kThreeMmIndexed,
-                             &test::kThreeCm,        &test::kFlat181,        &test::kRamp181,
-                             &test::kRamp181Indexed, &test::kFlat361,        &test::kPartial50,
-                             &test::kPartial50Marked}) {
+  for (const Bytes* frame : kGoldenTelegrams) {
     const std::vector<SickEvent> events = parse(*frame);
     ASSERT_EQ(events.size(), 1U) << "reply " << int{(*frame)[4]};
     const auto& telegram = std::get<SickTelegram>(events.front());
@@ -188,14 +191,7 @@ std::uint16_t computed_crc(const Bytes& frame) {
 }
 
 TEST(SickCrc, HoldsForEveryGoldenTelegramOfTheSensor) {
-  for (const Bytes* frame : {&test::kModeOk,         &test::kWrongPassword,  &test::kVariant180x100,
-                             &test::kVariant180x050, &test::kVariantRefused, &test::kResetDone,
-                             &test::kNotAccepted,    &test::kNoErrors,       &test::kModeOkFrom1,
-                             &test::kPowerOn,        &test::kType,           &test::kConfig,
-                             &test::kConfigWritten,  &test::kThreeMm,        &test::kThreeMmIndexed,
-                             &test::kThreeCm,        &test::kFlat181,        &test::kRamp181,
-                             &test::kRamp181Indexed, &test::kFlat361,        &test::kPartial50,
-                             &test::kPartial50Marked}) {
+  for (const Bytes* frame : kGoldenTelegrams) {
     EXPECT_EQ(computed_crc(*frame), trailing_crc(*frame)) << "reply " << int{(*frame)[4]};
   }
 }
