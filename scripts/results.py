@@ -60,15 +60,14 @@ def table_2d_online(bin_dir, work):
 
 
 def table_kurt3d(bin_dir, work):
-    """Distance of each scan's points to the planes of the scan before, by an independent program."""
-    log, out, plane_residual = work / "kurt3d.lcmlog", work / "kurt3d", work / "plane_residual"
+    """Distance of each scan's points to the planes of the scan before."""
+    log, out = work / "kurt3d.lcmlog", work / "kurt3d"
     call(bin_dir / "nodmap-convert", "uos", DATA / "kurt3d", log)
     call(bin_dir / "nodmap-slam6d", "--replay", log, "--out", out)
-    call("g++", "-O2", "-std=c++17", "-I/usr/include/eigen3", DATA.parent / "tools" / "plane_residual.cpp", "-o", plane_residual)
     rows = ["| KURT3D, 3 scans | second on first | third on second |", "|---|---|---|"]
     # The recording has the poses by odometry and those by 3DTK.
-    for name, poses in {"nodmap-slam6d": out / "trajectory.tum", "odometry alone": "--pose", "3DTK, its result of 2009": "--frames"}.items():
-        first, second = re.findall(r"residual median\s+([0-9.]+)", call(plane_residual, DATA / "kurt3d", poses))
+    for name, poses in {"nodmap-slam6d": out / "trajectory.tum", "odometry alone": "odometry", "3DTK, its result of 2009": "3dtk"}.items():
+        first, second = re.findall(r"residual median ([0-9.]+)", call(bin_dir / "nodmap-bench-kurt3d-planes", DATA / "kurt3d", poses))
         rows.append(f"| {name} | {float(first):.2f} cm | {float(second):.2f} cm |")
     return rows
 
