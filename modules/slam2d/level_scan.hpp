@@ -2,16 +2,11 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cstdint>
-#include <optional>
 #include <span>
 
-#include "common/geometry/pose_history.hpp"
+#include "common/geometry/se2.hpp"
 #include "common/geometry/time.hpp"
-#include "common/scan/scan.hpp"
-#include "modules/slam2d/level_scan_selector.hpp"
 #include "modules/slam2d/oriented_points.hpp"
-#include "modules/slam2d/params.hpp"
 
 namespace nodmap::slam2d {
 
@@ -34,47 +29,6 @@ struct LevelScan {
   [[nodiscard]] bool has_enough_points() const { return points_base.size() >= 10; }
   /// Whether there are enough points to search a wide window: fewer would fit somewhere by chance.
   [[nodiscard]] bool has_enough_to_search() const { return points_base.size() >= 30; }
-};
-
-/// Rejected scans, by cause.
-struct ScanCounts {
-  std::int64_t not_level = 0;
-  std::int64_t without_odometry = 0;
-};
-
-/// Turns odometry and the scans of a nodding or level scanner into level scans. "... extracting
-/// exactly those 2D scans that have been taken in the horizontal position" (section IV A).
-class LevelScanInput {
- public:
-  explicit LevelScanInput(const LevelScanParams& params) : selector_(params) {}
-
-  /// Takes a pose of base by odometry; ignores it when it is not finite.
-  ///
-  /// `has_restarted`: this pose is the first in another frame, because the publisher of odometry
-  /// was restarted. It is taken as the same place as the newest pose before, so the robot stays
-  /// where it was. Older odometry is dropped: no scan is placed between the two frames.
-  void add_odometry(time::Timestamp stamp, const geometry::SE3& T_published_base,
-                    bool has_restarted = false);
-
-  /// Takes the next scan. Returns the level scan that it completes, which is this scan or the
-  /// previous one; valid until the next call. Returns nothing for one that is implausible, which
-  /// SensorInput counts, and, counting why, for one that is not level or more than 50 ms from any
-  /// odometry.
-  [[nodiscard]] std::optional<LevelScan> add_scan(const scan::Scan& scan);
-
-  /// The frame of the odometry that is published now, in that of LevelScan::T_odom_base.
-  [[nodiscard]] const geometry::SE2& T_odom_published() const { return T_odom_published_; }
-  [[nodiscard]] const ScanCounts& counts() const { return counts_; }
-
- private:
-  LevelScanSelector selector_;
-  geometry::PoseHistory odometry_;  // as published, since the last restart
-  geometry::SE2 T_odom_published_;
-  std::optional<time::Timestamp> odometry_stamp_;  // the newest
-  double odometry_gap_s_ = 0.0;                    // the longest since the last level scan
-  bool odometry_has_restarted_ = false;            // since then
-  OrientedPointExtractor extractor_;
-  ScanCounts counts_;
 };
 
 }  // namespace nodmap::slam2d

@@ -7,7 +7,7 @@
 #include "common/geometry/time.hpp"
 #include "common/node/message_counts.hpp"
 #include "common/node/sensor_input.hpp"
-#include "modules/slam2d/level_scan.hpp"
+#include "modules/slam2d/level_scan_input.hpp"
 #include "nodmap/odometry_t.hpp"
 #include "nodmap/scan_t.hpp"
 

@@ -8,7 +8,7 @@
 
 #include "common/drawing/image.hpp"
 #include "common/geometry/se2.hpp"
-#include "modules/slam2d/level_scan.hpp"
+#include "modules/slam2d/level_scan_input.hpp"
 #include "modules/slam2d/occupancy_grid.hpp"
 #include "modules/slam2d/pose_update.hpp"
 #include "modules/slam2d/tracked_path.hpp"

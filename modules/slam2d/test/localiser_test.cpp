@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "modules/slam2d/level_scan_input.hpp"
 #include "modules/slam2d/test/drawn_world.hpp"
 
 namespace nodmap::slam2d {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "modules/slam2d/level_scan.hpp"
+#include "modules/slam2d/level_scan_input.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include "modules/slam2d/test/drawn_world.hpp"
 
 namespace nodmap::slam2d {
-namespace level_scan_test {
+namespace level_scan_input_test {
 
 using geometry::SE2;
 
@@ -93,5 +93,5 @@ TEST_F(LevelScans, OdometryThatIsNotFiniteIsIgnoredWhenItRestartsAsWell) {
   expect_near(scan->T_odom_base, {4.0, -7.0, 2.0});
 }
 
-}  // namespace level_scan_test
+}  // namespace level_scan_input_test
 }  // namespace nodmap::slam2d

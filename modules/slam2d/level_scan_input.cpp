@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "modules/slam2d/level_scan.hpp"
+#include "modules/slam2d/level_scan_input.hpp"
 
 #include <algorithm>
 #include <utility>
