@@ -27,6 +27,31 @@ constexpr time::Duration kDouble = 200ms;
 constexpr double kBlindRangeM = 0.5;
 constexpr int kMostContradictions = 4;
 
+// Whether the laser sees this place at some pitch.
+bool is_in_view(const Eigen::Vector2d& p_base, const scan::Scan& scan) {
+  const Eigen::Vector2d p = p_base - scan.T_base_mount.translation().head<2>();
+  const double half_span_rad =
+      0.5 * static_cast<double>(scan.ranges_m.size() - 1) * scan.angle_step_rad;
+  const double middle_rad = scan.angle_first_rad + half_span_rad;
+  const double from_middle_rad = geometry::angle_difference(std::atan2(p.y(), p.x()), middle_rad);
+  // The beams of a laser that is mounted upside down are in clockwise order.
+  return std::abs(from_middle_rad) < std::abs(half_span_rad) && p.norm() > kBlindRangeM;
+}
+
+// Whether an obstacle will soon stop a person who walks in this direction. An obstacle at the
+// person's own place does not count: it may be the person as last measured.
+bool is_before_obstacle(const Person& person, const Eigen::Vector2d& direction,
+                        const PeopleTracker::IsBlocked& is_blocked) {
+  constexpr double kStepM = 0.05;
+  const Eigen::Vector2d ahead = direction.normalized();
+  for (double d = person.radius_m + kOnTrackM; d <= kTurnsBeforeM; d += kStepM) {
+    if (is_blocked(person.position + d * ahead)) {
+      return true;
+    }
+  }
+  return false;
+}
+
 }  // namespace
 
 void PeopleTracker::add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base,
@@ -93,34 +118,16 @@ void PeopleTracker::mark_walkers(const scan::Scan& scan, const geometry::SE2& T_
 // Predicts tracks beside and behind the robot, where they cannot be detected.
 void PeopleTracker::follow_unseen(const scan::Scan& scan, const geometry::SE2& T_odom_base,
                                   const IsBlocked& is_blocked) {
-  constexpr double kStepM = 0.05;
   const geometry::SE2 T_base_odom = T_odom_base.inverse();
-  const Eigen::Vector2d mount_base = scan.T_base_mount.translation().head<2>();
-  const double half_span_rad =
-      0.5 * static_cast<double>(scan.ranges_m.size() - 1) * scan.angle_step_rad;
-  const double middle_rad = scan.angle_first_rad + half_span_rad;
   for (Track& track : tracks_) {
     const Person person = track.person();
-    const Eigen::Vector2d p = T_base_odom * person.position - mount_base;
-    const double from_middle_rad = geometry::angle_difference(std::atan2(p.y(), p.x()), middle_rad);
-    // The beams of a laser that is mounted upside down are in clockwise order.
-    const bool is_in_view = std::abs(from_middle_rad) < std::abs(half_span_rad);
-    if (is_in_view && p.norm() > kBlindRangeM) {
+    if (is_in_view(T_base_odom * person.position, scan)) {
       continue;
     }
     track.hide(scan.mid_stamp());
-    const auto is_stopped = [&](double side) {
-      const Eigen::Vector2d ahead = side * person.velocity.normalized();
-      for (double d = person.radius_m + kOnTrackM; d <= kTurnsBeforeM; d += kStepM) {
-        if (is_blocked(person.position + d * ahead)) {
-          return true;
-        }
-      }
-      return false;
-    };
-    // An obstacle at the track itself may be the person as last measured. Between two obstacles the
-    // track goes on.
-    if (is_blocked && is_stopped(1.0) && !is_stopped(-1.0)) {
+    // Between two obstacles the track goes on.
+    if (is_blocked && is_before_obstacle(person, person.velocity, is_blocked) &&
+        !is_before_obstacle(person, -person.velocity, is_blocked)) {
       track.turn_round();
     }
   }
