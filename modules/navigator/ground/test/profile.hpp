@@ -14,6 +14,7 @@
 #include "common/geometry/angle.hpp"
 #include "common/geometry/se3.hpp"
 #include "common/scan/scan.hpp"
+#include "modules/navigator/test/kurt_scan.hpp"
 
 namespace nodmap::navigator::test {
 
@@ -84,21 +85,11 @@ class NoddingRobot {
 
  private:
   scan::Scan scan_at(double pitch_rad) {
-    scan::Scan scan;
+    scan::Scan scan = kurt_scan(true_pose(), pitch_rad,
+                                [this](const Eigen::Vector3d& origin, const Eigen::Vector3d& ray) {
+                                  return profile_.range_m(origin, ray) + noise_(random_);
+                                });
     scan.duration = 6660us;
-    scan.angle_first_rad = -0.5 * geometry::kPi;
-    scan.angle_step_rad = geometry::deg_to_rad(1.0);
-    scan.pitch_first_rad = scan.pitch_last_rad = pitch_rad;
-    scan.range_min_m = 0.05;
-    scan.range_max_m = 80.0;
-    scan.T_base_mount.translation() = Eigen::Vector3d(0.15, 0.0, 0.38);
-    const geometry::SE3 T_odom_mount = true_pose() * scan.T_base_mount;
-    for (std::size_t i = 0; i < 181; ++i) {
-      const double range_m = profile_.range_m(
-          T_odom_mount.translation(),
-          T_odom_mount.linear() * scan::beam_direction(scan.angle_rad(i), pitch_rad));
-      scan.ranges_m.push_back(static_cast<float>(range_m + noise_(random_)));
-    }
     return scan;
   }
 

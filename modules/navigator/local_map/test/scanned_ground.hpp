@@ -13,6 +13,7 @@
 #include "common/geometry/se3.hpp"
 #include "common/scan/scan.hpp"
 #include "modules/navigator/local_map/local_map.hpp"
+#include "modules/navigator/test/kurt_scan.hpp"
 
 namespace nodmap::navigator::test {
 
@@ -58,21 +59,11 @@ struct Ground {
 /// A scan of 181 beams from the pitch axis of KURT3D.
 inline scan::Scan scan_of(const Ground& ground, const geometry::SE2& T_odom_base,
                           double pitch_rad) {
-  scan::Scan scan;
+  scan::Scan scan = kurt_scan(geometry::to_se3(T_odom_base), pitch_rad,
+                              [&ground](const Eigen::Vector3d& origin, const Eigen::Vector3d& ray) {
+                                return ground.range_m(origin, ray);
+                              });
   scan.duration = 6660us;
-  scan.angle_first_rad = -0.5 * geometry::kPi;
-  scan.angle_step_rad = geometry::deg_to_rad(1.0);
-  scan.pitch_first_rad = scan.pitch_last_rad = pitch_rad;
-  scan.range_min_m = 0.05;
-  scan.range_max_m = 80.0;
-  scan.T_base_mount.translation() = Eigen::Vector3d(0.15, 0.0, 0.38);
-  scan.ranges_m.resize(181);
-  const geometry::SE3 T_odom_mount = geometry::to_se3(T_odom_base) * scan.T_base_mount;
-  for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
-    scan.ranges_m[i] = static_cast<float>(
-        ground.range_m(T_odom_mount.translation(),
-                       T_odom_mount.linear() * scan::beam_direction(scan.angle_rad(i), pitch_rad)));
-  }
   return scan;
 }
 

@@ -13,6 +13,7 @@
 #include "common/geometry/se2.hpp"
 #include "common/geometry/time.hpp"
 #include "common/scan/scan.hpp"
+#include "modules/navigator/test/kurt_scan.hpp"
 
 namespace nodmap::navigator::test {
 
@@ -59,21 +60,11 @@ struct WalkingScene {
 
   [[nodiscard]] scan::Scan scan(time::Timestamp stamp, const geometry::SE2& T_odom_base,
                                 double pitch_rad) const {
-    scan::Scan scan;
+    scan::Scan scan = kurt_scan(geometry::to_se3(T_odom_base), pitch_rad,
+                                [this](const Eigen::Vector3d& origin, const Eigen::Vector3d& ray) {
+                                  return range_m(origin, ray);
+                                });
     scan.stamp = stamp;
-    scan.angle_first_rad = -0.5 * geometry::kPi;
-    scan.angle_step_rad = geometry::deg_to_rad(1.0);
-    scan.pitch_first_rad = scan.pitch_last_rad = pitch_rad;
-    scan.range_min_m = 0.05;
-    scan.range_max_m = 80.0;
-    scan.T_base_mount.translation() = Eigen::Vector3d(0.15, 0.0, 0.38);
-    scan.ranges_m.resize(181);
-    const geometry::SE3 T_odom_mount = geometry::to_se3(T_odom_base) * scan.T_base_mount;
-    for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
-      scan.ranges_m[i] = static_cast<float>(
-          range_m(T_odom_mount.translation(),
-                  T_odom_mount.linear() * scan::beam_direction(scan.angle_rad(i), pitch_rad)));
-    }
     return scan;
   }
 };
