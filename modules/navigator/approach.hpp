@@ -24,8 +24,9 @@ namespace nodmap::navigator {
 class Approach {
  public:
   /// Takes the obstacles of a moment. Those farther than `reach_m` from base are only remembered.
-  /// Where floor must be seen, only what the local map also has, and where floor was seen before,
-  /// has approached: what comes into view from behind a corner was there already.
+  /// Where the robot may drive only over floor that it has seen, a point counts as approaching only
+  /// if the local map has it too and floor was seen there before: what comes into view from behind
+  /// a corner was there already.
   void update(const Situation& now, double reach_m, const Points& points_base);
 
   /// Whether something has come nearer within the last second: about the time from one measurement

@@ -222,10 +222,10 @@ double Brake::stopping_m(double forward_mps) const {
 }
 
 double Brake::stoppable_rad_s(double angle_rad) const {
-  return navigator::stoppable_rad_s(angle_rad, turn_params_, drive_params_.reaction_s);
+  return rate_to_stop_within_rad_s(angle_rad, turn_params_, drive_params_.reaction_s);
 }
 
-double stoppable_rad_s(double angle_rad, const TurnParams& params, double reaction_s) {
+double rate_to_stop_within_rad_s(double angle_rad, const TurnParams& params, double reaction_s) {
   return std::min(params.rate_rad_s,
                   robot::stoppable_speed(angle_rad, reaction_s, kDecelerationRadS2));
 }

@@ -21,7 +21,8 @@ struct Arc {
 };
 
 /// The yaw rate from which a rotation on the spot stops within an angle, at most that of Turn.
-[[nodiscard]] double stoppable_rad_s(double angle_rad, const TurnParams& params, double reaction_s);
+[[nodiscard]] double rate_to_stop_within_rad_s(double angle_rad, const TurnParams& params,
+                                               double reaction_s);
 
 /// Brake (paper, III C): computes the greatest speed from which the robot stops before anything in
 /// the virtual corridor along its arc; common/robot/stopping.hpp has the formula.

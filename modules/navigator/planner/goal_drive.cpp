@@ -60,7 +60,7 @@ GoalDrive::GoalDrive(const NavigatorParams& params)
       squeezing_planner_(squeezing(params), true),
       docking_(params.docking),
       patience_(kPatience),
-      standing_(kPatience) {}
+      without_motion_(kPatience) {}
 
 Decision GoalDrive::decide(const Situation& now) {
   patience_.record(now.stamp);
@@ -163,11 +163,11 @@ Decision GoalDrive::drive_by(const CostToGo& cost_to_go, const Situation& now) {
 // A robot that cannot move reports it after its patience, as it reports a goal without a path. It
 // keeps trying. Time with people around does not count.
 Decision GoalDrive::stay(const Situation& now) {
-  standing_.record(now.stamp);
-  if (!now.people.empty() || !standing_.has_begun()) {
-    standing_.begin(now.stamp);
+  without_motion_.record(now.stamp);
+  if (!now.people.empty() || !without_motion_.has_begun()) {
+    without_motion_.restart(now.stamp);
   }
-  cannot_move_ = standing_.is_over(now.stamp);
+  cannot_move_ = without_motion_.is_over(now.stamp);
   return local_planner_.slow_down(cannot_move_ ? Why::kCannotMove : local_planner_.reason_to_stay(),
                                   now);
 }
@@ -251,7 +251,7 @@ void GoalDrive::watch_progress(const Situation& now, double cost_m) {
     global_planner_.give_up_path_from(now.T_map_base().translation());
   }
   if (is_stuck || !patience_.has_begun() || cost_m <= least_cost_m_ - kProgressM) {
-    patience_.begin(now.stamp);
+    patience_.restart(now.stamp);
     least_cost_m_ = cost_m;
   }
 }

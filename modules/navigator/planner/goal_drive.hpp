@@ -61,7 +61,7 @@ class GoalDrive {
   double least_cost_m_ = 0.0;  // since the goal was given, or the last failure
   double last_cost_m_ = 0.0;
   Patience patience_;
-  Patience standing_;         // without any motion that can be driven
+  Patience without_motion_;   // since any could last be driven
   bool cannot_move_ = false;  // and that for longer than its patience
   LookAround look_around_;
 };

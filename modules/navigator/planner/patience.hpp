@@ -26,8 +26,8 @@ class Patience {
     decided_at_ = stamp;
   }
 
-  /// There was progress.
-  void begin(time::Timestamp stamp) { began_at_ = stamp; }
+  /// Begins to wait anew, because there was progress.
+  void restart(time::Timestamp stamp) { began_at_ = stamp; }
   void end() { began_at_.reset(); }
 
   [[nodiscard]] bool has_begun() const { return began_at_.has_value(); }

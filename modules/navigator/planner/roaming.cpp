@@ -58,7 +58,7 @@ void Roaming::watch_progress(const Situation& now) {
   const geometry::SE2 moved = progress_odom_.inverse() * now.T_odom_base;
   if (!patience_.has_begun() || !now.people.empty() || moved.translation().norm() > kFartherM ||
       std::abs(moved.yaw) > kRotatedRad) {
-    patience_.begin(now.stamp);
+    patience_.restart(now.stamp);
     progress_odom_ = now.T_odom_base;
   }
 }

@@ -18,17 +18,17 @@ void decide_until(Patience& patience, time::Timestamp from, time::Timestamp unti
 TEST(Patience, IsOverAfterItsTimeWithoutProgress) {
   Patience patience(3s);
   EXPECT_FALSE(patience.is_over(kStart));
-  patience.begin(kStart);
+  patience.restart(kStart);
   decide_until(patience, kStart, kStart + 3s);
   EXPECT_FALSE(patience.is_over(kStart + 2999ms));
   EXPECT_TRUE(patience.is_over(kStart + 3s));
-  patience.begin(kStart + 3s);
+  patience.restart(kStart + 3s);
   EXPECT_FALSE(patience.is_over(kStart + 3s));
 }
 
 TEST(Patience, APauseDoesNotCount) {
   Patience patience(3s);
-  patience.begin(kStart);
+  patience.restart(kStart);
   decide_until(patience, kStart, kStart + 2s);
   patience.record(kStart + 2201ms);
   EXPECT_FALSE(patience.has_begun());
