@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <future>
 #include <optional>
 #include <utility>
@@ -9,7 +10,7 @@
 namespace nodmap::node {
 
 /// When the result of work in the background is used.
-enum class ResultsUsed {
+enum class ResultsUsed : std::uint8_t {
   /// At a message that is fixed when the work starts, however long the work takes: a replay gives
   /// the same bytes on any machine. A message waits for a result that is not ready by then.
   kAtFixedMessage,

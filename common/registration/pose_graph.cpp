@@ -83,10 +83,9 @@ Eigen::Vector3d residual(const PoseEdge2d& edge, const SE2& T_map_from, const SE
           geometry::angle_difference(T_from_to.yaw, edge.T_from_to.yaw)};
 }
 
-Eigen::Matrix<double, 6, 1> residual(const PoseEdge3d& edge, const SE3& T_map_from,
-                                     const SE3& T_map_to) {
+Vector6d residual(const PoseEdge3d& edge, const SE3& T_map_from, const SE3& T_map_to) {
   const SE3 T_from_to = T_map_from.inverse() * T_map_to;
-  Eigen::Matrix<double, 6, 1> error;
+  Vector6d error;
   error << T_from_to.translation() - edge.T_from_to.translation(),
       geometry::rotation_vector(T_from_to.linear() * edge.T_from_to.linear().transpose());
   return error;

@@ -11,6 +11,7 @@
 
 #include "common/geometry/se2.hpp"
 #include "common/geometry/se3.hpp"
+#include "common/registration/dense_solvers.hpp"
 
 namespace nodmap::registration {
 
@@ -60,9 +61,8 @@ struct PoseEdge {
 [[nodiscard]] Eigen::Vector3d residual(const PoseEdge<geometry::SE2>& edge,
                                        const geometry::SE2& T_map_from,
                                        const geometry::SE2& T_map_to);
-[[nodiscard]] Eigen::Matrix<double, 6, 1> residual(const PoseEdge<geometry::SE3>& edge,
-                                                   const geometry::SE3& T_map_from,
-                                                   const geometry::SE3& T_map_to);
+[[nodiscard]] Vector6d residual(const PoseEdge<geometry::SE3>& edge,
+                                const geometry::SE3& T_map_from, const geometry::SE3& T_map_to);
 
 /// A robust pose graph in the plane (SE2) or in space (SE3). It computes the poses that fit all
 /// measured relative poses best (Lu and Milios 1997), by Gauss-Newton steps on sparse normal

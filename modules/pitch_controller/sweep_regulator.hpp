@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
+
 #include "modules/pitch_controller/params.hpp"
 
 namespace nodmap::pitch_controller {
@@ -23,7 +25,7 @@ class SweepRegulator {
   [[nodiscard]] double command_s(double wanted_s, double fastest_s, double slowest_s);
 
  private:
-  enum class Limit { kNone, kFastest, kSlowest };
+  enum class Limit : std::uint8_t { kNone, kFastest, kSlowest };
 
   RegulatorParams gains_;
   double error_ = 0.0;  // relative error of the last sweep; negative: it was too slow

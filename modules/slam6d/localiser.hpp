@@ -121,7 +121,7 @@ class Localiser {
   void count_from(const Metrics& metrics) { metrics_ = metrics; }
 
  private:
-  enum class State { kUnknown, kUnconfirmed, kConfirmed };
+  enum class State : std::uint8_t { kUnknown, kUnconfirmed, kConfirmed };
   struct Failure {
     time::Timestamp stamp{};
     geometry::SE3 T_odom_base = geometry::SE3::Identity();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
@@ -104,7 +105,7 @@ struct Loop {
 };
 
 /// Why there is no loop.
-enum class LoopRefusal {
+enum class LoopRefusal : std::uint8_t {
   kLowScore,    ///< too few points fit
   kAmbiguous,   ///< another place fits as well
   kUnconfirmed  ///< too few other keyframes agree so far

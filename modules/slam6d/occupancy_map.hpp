@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -19,7 +20,7 @@ namespace nodmap::slam6d {
 /// does not keep the clouds: after poses were corrected, they are inserted into a new map.
 class OccupancyMap {
  public:
-  enum class Format {
+  enum class Format : std::uint8_t {
     kBt,  ///< occupied or free, compact
     kOt   ///< with probabilities
   };

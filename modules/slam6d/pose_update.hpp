@@ -13,7 +13,7 @@
 namespace nodmap::slam6d {
 
 /// Why the map keeps a sweep.
-enum class KeyframeReason { kFirst, kInterruption, kDistance, kRotation };
+enum class KeyframeReason : std::uint8_t { kFirst, kInterruption, kDistance, kRotation };
 
 /// The robot's pose in the middle of one sweep, and how it was found.
 struct PoseUpdate {

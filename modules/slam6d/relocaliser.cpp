@@ -147,7 +147,7 @@ std::vector<Relocaliser::WallPoint> Relocaliser::wall_points(const VoxelMap& swe
 }
 
 PosePrior Relocaliser::prior_at(const SE3& T_map_start) const {
-  Eigen::Matrix<double, 6, 1> sigma;
+  Vector6d sigma;
   sigma << params_.step_m, params_.step_m, kSigmaHeightM, kSigmaTiltRad, kSigmaTiltRad,
       params_.heading_step_rad;
   return {.T_map_base = T_map_start, .covariance = sigma.cwiseAbs2().asDiagonal()};

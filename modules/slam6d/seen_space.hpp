@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <span>
 
 #include "common/geometry/se3.hpp"
@@ -56,7 +57,7 @@ class SeenSpace {
     tracer_.trace(cloud, T_map_base, voxels_);
   }
 
-  enum class Content {
+  enum class Content : std::uint8_t {
     kUnknown,  ///< anything else
     kFree,     ///< beams went through here and through all 26 voxels beside, and ended in none
     kOccupied  ///< a beam ended here or in a voxel beside

@@ -13,7 +13,7 @@ namespace nodmap::slam6d {
 
 /// The scans of one complete pitch movement (IV B), in order of arrival.
 struct Sweep {
-  enum class End {
+  enum class End : std::uint8_t {
     kReversal,     ///< the pitch changed direction
     kJumpBack,     ///< the pitch went back in one step: a scanner that sweeps one way only
     kInterrupted,  ///< a pause, or stamps that step back

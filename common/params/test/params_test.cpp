@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <fstream>
 #include <numbers>
 
@@ -16,7 +17,7 @@ namespace params_test {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-enum class Rule { kPaper, kConfirmed };
+enum class Rule : std::uint8_t { kPaper, kConfirmed };
 
 struct SampleParams {
   double range_m = 20.0;

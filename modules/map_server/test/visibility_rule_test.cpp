@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <random>
 #include <set>
@@ -30,7 +31,7 @@ constexpr HeightBand kBand{.floor_m = 0.05, .floor_rise = 0.0, .ceiling_m = 0.5}
 
 // Readings in the direction of the point, as ratios of its distance, so different that no two of
 // them belong to the same surface. kOnIt: 2 cm behind the point, within the tolerance of 5 cm.
-enum class Reading { kBefore, kOnIt, kBeyond, kNothingHit, kInvalid };
+enum class Reading : std::uint8_t { kBefore, kOnIt, kBeyond, kNothingHit, kInvalid };
 
 float range_of(Reading reading) {
   switch (reading) {

@@ -16,7 +16,7 @@ using geometry::deg_to_rad;
 using geometry::SE3;
 
 Matrix6d information(double sigma_m, double sigma_rad) {
-  Eigen::Matrix<double, 6, 1> sigma;
+  Vector6d sigma;
   sigma << Eigen::Vector3d::Constant(sigma_m), Eigen::Vector3d::Constant(sigma_rad);
   return sigma.cwiseAbs2().cwiseInverse().asDiagonal();
 }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <cstdint>
 #include <optional>
 
 #include "common/bus/live_bus.hpp"
@@ -17,7 +18,7 @@ namespace goal_process_test {
 constexpr const char* kUrl = "udpm://239.255.76.67:7667?ttl=0";
 
 // What an emulated navigator does with a goal.
-enum class Does {
+enum class Does : std::uint8_t {
   kArrive,      // when it is sent for the third time
   kFindNoPath,  // and says so
   kIgnore,      // it drives to another goal
