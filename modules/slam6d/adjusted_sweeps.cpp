@@ -85,9 +85,7 @@ class Collection {
     AdjustedSweep& sweep = all_.sweeps.emplace_back(
         AdjustedSweep{.T_map_base = T_map_base, .points = std::move(points)});
     if (is_planar(update.T_odom_base)) {
-      sweep.level = {.height_m = 0.0,
-                     .height_sigma_m = params_.odometry.level_height_m,
-                     .tilt_sigma_rad = params_.odometry.level_tilt_rad};
+      sweep.level = {.height_m = 0.0, .ground = params_.odometry.level_ground()};
     }
     return sweep;
   }

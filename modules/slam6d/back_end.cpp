@@ -38,7 +38,7 @@ BackEnd::BackEnd(const LoopParams& loops, const RegistrationParams& registration
       odometry_(odometry),
       voxels_(voxels),
       closer_(loops, registration),
-      graph_({odometry.level_height_m, odometry.level_tilt_rad}),
+      graph_(odometry.level_ground()),
       old_map_(voxels) {}
 
 void BackEnd::restore(const SavedMap& saved) {

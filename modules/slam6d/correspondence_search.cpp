@@ -51,8 +51,9 @@ CorrespondenceSearch::Match CorrespondenceSearch::look_up(const VoxelGrid& grid,
   return {p_map, nearest.slack_m * nearest.slack_m, nearest.place};
 }
 
-PlaneFit CorrespondenceSearch::fit(std::size_t level, const Eigen::Vector3f& p_map,
-                                   const Eigen::Vector3f& normal_map, float max_distance_m) const {
+FitToPlane CorrespondenceSearch::fit(std::size_t level, const Eigen::Vector3f& p_map,
+                                     const Eigen::Vector3f& normal_map,
+                                     float max_distance_m) const {
   for (; level < VoxelMap::kLevels; ++level) {
     const VoxelGrid& grid = map_.level(level);
     const std::uint32_t place = grid.nearest(p_map, max_correspondence_m(grid));
@@ -60,10 +61,10 @@ PlaneFit CorrespondenceSearch::fit(std::size_t level, const Eigen::Vector3f& p_m
       const Voxel& voxel = grid.voxels()[place];
       const bool is_on = corresponds(place, grid, normal_map) &&
                          std::abs(voxel.normal.dot(voxel.mean - p_map)) < max_distance_m;
-      return is_on ? PlaneFit::kOn : PlaneFit::kOff;
+      return is_on ? FitToPlane::kOn : FitToPlane::kOff;
     }
   }
-  return PlaneFit::kUnknown;
+  return FitToPlane::kUnknown;
 }
 
 }  // namespace nodmap::slam6d

@@ -20,7 +20,7 @@ namespace nodmap::slam6d {
                                                    double voxel_size_m);
 
 /// How a point of a sweep fits a map.
-enum class PlaneFit {
+enum class FitToPlane : std::uint8_t {
   kUnknown,  ///< the map has no plane near the point
   kOff,      ///< the point is off the nearest plane, or faces another way
   kOn
@@ -57,8 +57,8 @@ class CorrespondenceSearch {
   /// How a point of `level` fits the map's plane there: whether it is within `max_distance_m` of it
   /// and faces the same way. The plane is one of that size or, where the map is too sparse for one,
   /// of a larger size.
-  [[nodiscard]] PlaneFit fit(std::size_t level, const Eigen::Vector3f& p_map,
-                             const Eigen::Vector3f& normal_map, float max_distance_m) const;
+  [[nodiscard]] FitToPlane fit(std::size_t level, const Eigen::Vector3f& p_map,
+                               const Eigen::Vector3f& normal_map, float max_distance_m) const;
 
  private:
   // The nearest voxel to where a point was when it was looked up, and how far the point may move

@@ -37,7 +37,7 @@ InlierRatios count_inliers(const VoxelMap::Selection& sweep, const Correspondenc
       const Eigen::Vector3f p_map = R * point.p + t;
       const Eigen::Vector3f normal_map = R * point.normal;
       const bool is_inlier =
-          map.fit(l, p_map, normal_map, static_cast<float>(max_m)) == PlaneFit::kOn;
+          map.fit(l, p_map, normal_map, static_cast<float>(max_m)) == FitToPlane::kOn;
       all.add(is_inlier);
       if (is_upright(normal_map.z())) {
         upright.add(is_inlier);

@@ -121,9 +121,9 @@ void KeyframeGraph::drop_keyframe(std::size_t dropped) {
 
 // The information of height, roll and pitch, axes of map.
 Matrix6d KeyframeGraph::level_information() const {
-  Eigen::Matrix<double, 6, 1> information = Eigen::Matrix<double, 6, 1>::Zero();
-  information[2] = 1.0 / (ground_.height_m * ground_.height_m);
-  information[3] = information[4] = 1.0 / (ground_.tilt_rad * ground_.tilt_rad);
+  Vector6d information = Vector6d::Zero();
+  information[2] = 1.0 / (ground_.height_sigma_m * ground_.height_sigma_m);
+  information[3] = information[4] = 1.0 / (ground_.tilt_sigma_rad * ground_.tilt_sigma_rad);
   return information.asDiagonal();
 }
 

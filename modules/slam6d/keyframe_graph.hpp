@@ -8,15 +8,10 @@
 
 #include "common/geometry/se3.hpp"
 #include "common/registration/pose_graph.hpp"
+#include "modules/slam6d/level_ground.hpp"
 #include "modules/slam6d/matrix6d.hpp"
 
 namespace nodmap::slam6d {
-
-/// How level the ground is, where it is level: standard deviations of height and tilt.
-struct LevelGround {
-  double height_m = 0.005;
-  double tilt_rad = 0.002;
-};
 
 /// The keyframes as nodes of a pose graph. Each is joined to the next by odometry and its match,
 /// and to others by loop closures. Keyframes on level ground are held at the height, roll and pitch

@@ -7,6 +7,8 @@
 
 #include "common/geometry/angle.hpp"
 #include "common/registration/pose_edges.hpp"
+#include "modules/slam6d/level_ground.hpp"
+#include "modules/slam6d/matrix6d.hpp"
 #include "modules/slam6d/registration.hpp"
 
 namespace nodmap::slam6d {
@@ -47,6 +49,8 @@ struct OdometryParams {
     v.angle("interruption_deg", interruption_rad, {0.0, 180.0},
             "Error of the orientation over an interruption of the stream.");
   }
+
+  [[nodiscard]] LevelGround level_ground() const { return {level_height_m, level_tilt_rad}; }
 };
 
 /// Whether odometry comes from wheels alone, without height and tilt.
@@ -57,8 +61,9 @@ struct OdometryParams {
 /// Whether a pose is on level ground: not on a ramp or on another storey.
 [[nodiscard]] inline bool is_level(const geometry::SE3& T_map_base, const OdometryParams& params) {
   constexpr double kSigmas = 4.0;
-  return std::abs(T_map_base.translation().z()) < kSigmas * params.level_height_m &&
-         T_map_base.linear().col(2).head<2>().norm() < kSigmas * params.level_tilt_rad;
+  const LevelGround ground = params.level_ground();
+  return std::abs(T_map_base.translation().z()) < kSigmas * ground.height_sigma_m &&
+         T_map_base.linear().col(2).head<2>().norm() < kSigmas * ground.tilt_sigma_rad;
 }
 
 /// A motion as measured by odometry.
@@ -88,7 +93,7 @@ struct OdometryMotion {
   const double yaw_rad = rotation_rad + params.yaw_rad_per_m * motion.distance_m +
                          params.yaw_rad_per_rad * motion.rotation_rad;
   const double growth = std::ldexp(1.0, std::min(motion.lost_sweeps, kMaxDoublings));
-  Eigen::Matrix<double, 6, 1> sigma;
+  Vector6d sigma;
   sigma << Eigen::Vector3d::Constant(translation_m), tilt_rad, tilt_rad, yaw_rad;
   sigma *= growth;
   return registration::rotated(sigma.cwiseAbs2().asDiagonal(), T_map_base.linear());

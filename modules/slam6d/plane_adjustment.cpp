@@ -14,6 +14,7 @@
 #include "modules/slam6d/corrected_poses.hpp"
 #include "modules/slam6d/level_evidence.hpp"
 #include "modules/slam6d/pose_equations.hpp"
+#include "modules/slam6d/robust_kernel.hpp"
 #include "modules/slam6d/sweep_motion.hpp"
 
 namespace nodmap::slam6d {

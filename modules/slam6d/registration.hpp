@@ -3,10 +3,12 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <cstdint>
 #include <optional>
 
 #include "common/geometry/angle.hpp"
 #include "common/geometry/se3.hpp"
+#include "modules/slam6d/level_ground.hpp"
 #include "modules/slam6d/matrix6d.hpp"
 #include "modules/slam6d/voxel_map.hpp"
 
@@ -19,13 +21,13 @@ inline constexpr float kRoundingVariance = 0.1F;
 inline constexpr double kLevelKernel = 3.0;
 
 /// The errors that registration minimises.
-enum class ErrorMetric {
+enum class ErrorMetric : std::uint8_t {
   kPointToPoint,  ///< distances between corresponding points, Eq. 3 in closed form
   kPointToPlane,  ///< distances of points to the planes of their correspondences
 };
 
 /// How far the pose of a registration can be trusted.
-enum class PoseState {
+enum class PoseState : std::uint8_t {
   kTracking,  ///< the map determines all six directions
   kDegraded,  ///< odometry alone determines some directions
   kLost       ///< refused: it does not fit the map, or is too far from odometry
@@ -104,8 +106,7 @@ struct PosePrior {
   /// weight the more the sweep contradicts it, as on ramps or on another storey.
   struct Level {
     double height_m = 0.0;
-    double height_sigma_m = 0.02;
-    double tilt_sigma_rad = 0.005;
+    LevelGround ground;
   };
   std::optional<Level> level = std::nullopt;
 };

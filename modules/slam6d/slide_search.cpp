@@ -75,9 +75,9 @@ double fit_ratio(std::span<const WallPoint> points, const CorrespondenceSearch& 
   std::size_t known = 0;
   std::size_t on = 0;
   for (const WallPoint& point : points) {
-    const PlaneFit fit = map.fit(point.level, point.p + step, point.normal, max_m);
-    known += fit == PlaneFit::kUnknown ? 0 : 1;
-    on += fit == PlaneFit::kOn ? 1 : 0;
+    const FitToPlane fit = map.fit(point.level, point.p + step, point.normal, max_m);
+    known += fit == FitToPlane::kUnknown ? 0 : 1;
+    on += fit == FitToPlane::kOn ? 1 : 0;
   }
   return static_cast<double>(on) / static_cast<double>(std::max<std::size_t>(1, known));
 }

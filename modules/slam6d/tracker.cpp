@@ -82,9 +82,7 @@ PosePrior Tracker::predict(const SweepCloud& cloud, const PoseUpdate& update) co
   const SE3& T_map_base = update.T_map_base;
   std::optional<PosePrior::Level> level;
   if (is_planar(cloud.T_odom_base)) {
-    level = {.height_m = 0.0,
-             .height_sigma_m = odometry_.level_height_m,
-             .tilt_sigma_rad = odometry_.level_tilt_rad};
+    level = {.height_m = 0.0, .ground = odometry_.level_ground()};
   }
   OdometryMotion within = motion_of(cloud.motion());
   within.lost_sweeps = lost_sweeps_;  // wheels that spin do so during the sweep as well

@@ -13,8 +13,10 @@ namespace keyframe_graph_test {
 
 using geometry::SE3;
 
+constexpr LevelGround kGround = {.height_sigma_m = 0.005, .tilt_sigma_rad = 0.002};
+
 Matrix6d information(double sigma_m, double sigma_rad) {
-  Eigen::Matrix<double, 6, 1> sigma;
+  Vector6d sigma;
   sigma << Eigen::Vector3d::Constant(sigma_m), Eigen::Vector3d::Constant(sigma_rad);
   return sigma.cwiseAbs2().cwiseInverse().asDiagonal();
 }
@@ -40,7 +42,7 @@ TEST(KeyframeGraph, WrongLoopClosuresDoNotMoveTheKeyframes) {
   SE3 step_error = SE3::Identity();
   step_error.translation().x() = 0.02;
   step_error.linear() = geometry::rotation_of({0.0, 0.0, 0.005});
-  KeyframeGraph graph({});
+  KeyframeGraph graph(kGround);
   std::vector<SE3> start{truth[0]};
   graph.add_keyframe(true);
   for (std::size_t k = 1; k < truth.size(); ++k) {
@@ -84,7 +86,7 @@ TEST(KeyframeGraph, WrongLoopClosuresDoNotMoveTheKeyframes) {
 // second round the graph still finds all others where they were, and is of none more certain.
 TEST(KeyframeGraph, WithoutSomeKeyframesTheOthersStay) {
   std::vector<SE3> truth = rounds();
-  KeyframeGraph graph({});
+  KeyframeGraph graph(kGround);
   const auto edge = [&](std::size_t from, std::size_t to) -> registration::PoseEdge3d {
     return {.from = from, .to = to, .T_from_to = truth[from].inverse() * truth[to]};
   };
@@ -136,7 +138,7 @@ TEST(KeyframeGraph, WithoutSomeKeyframesTheOthersStay) {
 // optimised.
 TEST(KeyframeGraph, ALoopWithAWeightCountsAtOnce) {
   const std::vector<SE3> poses = rounds();
-  KeyframeGraph graph({});
+  KeyframeGraph graph(kGround);
   for (std::size_t k = 0; k < poses.size(); ++k) {
     graph.add_keyframe(false);
     if (k > 0) {

@@ -190,7 +190,7 @@ TEST(PlaneAdjustment, DoesNotDependOnTheMapFrame) {
 TEST(PlaneAdjustment, LevelGroundDeterminesTheHeightWithoutPlanes) {
   std::vector<AdjustedSweep> sweeps = drive(Room{}, 0.1);
   for (AdjustedSweep& sweep : sweeps) {
-    sweep.level = {.height_m = 1.0, .height_sigma_m = 1e-3, .tilt_sigma_rad = 1e-3};
+    sweep.level = {.height_m = 1.0, .ground = {.height_sigma_m = 1e-3, .tilt_sigma_rad = 1e-3}};
   }
   sweeps[2].T_map_base.translation().z() += 1e-3;
   const std::vector<SE3> adjusted = adjust_planes(sweeps, {}, {}, {});

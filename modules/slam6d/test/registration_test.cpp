@@ -323,7 +323,8 @@ TEST(Registration, R41_ARotationThatOdometryMissesIsFound) {
 TEST(Registration, TheGroundIsTakenAsLevelUnlessTheSweepContradicts) {
   const Room room = Room::hall();
   PosePrior prior = loose_prior(SE3::Identity());
-  prior.level = PosePrior::Level{.height_sigma_m = 0.005, .tilt_sigma_rad = deg_to_rad(0.1)};
+  prior.level =
+      PosePrior::Level{.ground = {.height_sigma_m = 0.005, .tilt_sigma_rad = deg_to_rad(0.1)}};
   const SE3 T_ramp = pose(0.3, 0.0, 0.08, 0.0, -6.0, 2.0);
   const Registration on_ramp = registered(see(room, T_ramp, 4), map_of(room), prior, {});
   ASSERT_EQ(on_ramp.state, PoseState::kTracking);
