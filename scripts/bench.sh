@@ -104,6 +104,7 @@ measure() {
       mkdir -p "$out"
       $bin/nodmap-convert uos "$data/kurt3d" "$out/kurt3d.lcmlog"
       time $bin/nodmap-slam6d --replay "$out/kurt3d.lcmlog" --out "$out/kurt3d"
+      $bin/nodmap-bench-kurt3d-planes "$data/kurt3d" "$out/kurt3d/trajectory.tum"
       ;;
     registration)
       need_data nodding_pairs || return 0
