@@ -11,7 +11,7 @@ SPEEDS_MPS = [0.5, 1.0, 1.5]
 SCAN_S = 0.01332
 WINDOW_S = 2.4
 
-STATIONARY = Trial("fig3-standing", "corridor30", 1, 8, "--without", "navigator", "--no-slam6d")
+STATIONARY = Trial("fig3-stationary", "corridor30", 1, 8, "--without", "navigator", "--no-slam6d")
 DRIVES = [Trial(f"fig3-{speed}", "corridor30", 1, 12, "--set", f"navigator.drive.max_forward_mps={speed}", "--no-slam6d")
           for speed in SPEEDS_MPS]
 TRIALS = [STATIONARY, *DRIVES]
@@ -61,7 +61,7 @@ def draw(nods):
         axis.plot(time_s, low, time_s, high, color=style.SLAM, linewidth=0.6, linestyle="--")
         axis.plot(nod.pitch["time_s"], np.degrees(nod.pitch["pitch_rad"]), color=style.TRUTH, label="pitch, measured")
         axis.axhline(0, color=style.GREY, linewidth=0.4)
-        axis.set_title("standing" if nod.speed_mps < 0.01 else f"{nod.speed_mps:.1f} m/s")
+        axis.set_title("stationary" if nod.speed_mps < 0.01 else f"{nod.speed_mps:.1f} m/s")
         axis.set_xlabel("time (s)")
         axis.set_xlim(0, WINDOW_S)
     axes[0].set_ylabel(r"$\theta_\mathrm{pitch}$ (degrees, positive up)")

@@ -15,9 +15,9 @@ MOVING = [Trial(f"fig9-moving-{seed}", "cellar", seed, 60, *SLAM, keep_log=False
 SPARSE = [Trial(f"fig9-sparse-{seed}", "cellar", seed, 60, *SLAM, "--set", "slam6d.keyframe.distance_m=2", keep_log=False) for seed in SEEDS]
 # The navigator is killed for 4 s of each 9 s. Then the robot is stationary and nods over the whole 120 degrees; only those sweeps are registered.
 STOPS = [word for second in range(8, 150, 9) for word in ("--kill", f"navigator@{second}+4")]
-STANDING = [Trial(f"fig9-standing-{seed}", "cellar", seed, 150, *SLAM, "--set", "slam6d.keyframe.stationary_only=true", *STOPS, keep_log=False)
+STATIONARY = [Trial(f"fig9-stationary-{seed}", "cellar", seed, 150, *SLAM, "--set", "slam6d.keyframe.stationary_only=true", *STOPS, keep_log=False)
             for seed in SEEDS]
-TRIALS = MOVING + SPARSE + STANDING
+TRIALS = MOVING + SPARSE + STATIONARY
 TOP_M = 2.2  # points above this are on the ceiling, which would hide everything else
 
 
@@ -58,14 +58,14 @@ def below_ceiling(trial):
 
 
 def draw():
-    best = min(STANDING, key=lambda trial: errors_of(trial)["rms_m"])
-    moving, standing = below_ceiling(MOVING[0]), below_ceiling(best)
+    best = min(STATIONARY, key=lambda trial: errors_of(trial)["rms_m"])
+    moving, stationary = below_ceiling(MOVING[0]), below_ceiling(best)
     figure = plt.figure(figsize=(7.2, 5.6), constrained_layout=True)
     parts = figure.add_gridspec(2, 2, height_ratios=[1.25, 1])
     drawn = draw_oblique(figure.add_subplot(parts[0, :]), moving)
     plans = [figure.add_subplot(parts[1, i]) for i in (0, 1)]
     draw_plan(plans[0], moving, MOVING[0], "(b) the same from above")
-    draw_plan(plans[1], standing, best, "(c) from standing scans")
+    draw_plan(plans[1], stationary, best, "(c) from stationary scans")
     bar = figure.colorbar(drawn, ax=plans, location="right", shrink=0.9, aspect=22)
     bar.set_label("height (m)")
     style.save(figure, "fig9.png", colours=48)
@@ -73,15 +73,15 @@ def draw():
 
 def make():
     draw()
-    pairs = [(errors_of(moving), errors_of(standing)) for moving, standing in zip(MOVING, STANDING)]
+    pairs = [(errors_of(moving), errors_of(stationary)) for moving, stationary in zip(MOVING, STATIONARY)]
     # The reference is the best of the stationary models, because a stationary run may fail, too, and is then no reference.
-    reference_m = min(standing["rms_m"] for _, standing in pairs)
+    reference_m = min(stationary["rms_m"] for _, stationary in pairs)
     ratios = [moving["rms_m"] / reference_m for moving, _ in pairs]
     sparse = [errors_of(trial)["rms_m"] / reference_m for trial in SPARSE]
     rows = "".join(
         f"| {seed} | {trial.result['distance_m']:.0f} m | {1000 * moving['rms_m']:.1f} mm ({100 * moving['outlier_share']:.1f} %) "
-        f"| {still.result['distance_m']:.0f} m | {1000 * standing['rms_m']:.1f} mm ({100 * standing['outlier_share']:.1f} %) | {ratio:.2f} |\n"
-        for seed, trial, still, (moving, standing), ratio in zip(SEEDS, MOVING, STANDING, pairs, ratios))
+        f"| {still.result['distance_m']:.0f} m | {1000 * stationary['rms_m']:.1f} mm ({100 * stationary['outlier_share']:.1f} %) | {ratio:.2f} |\n"
+        for seed, trial, still, (moving, stationary), ratio in zip(SEEDS, MOVING, STATIONARY, pairs, ratios))
     return {
         "title": "3D model",
         "alt": "3D model of the cellar, coloured by height: from scans on the move, seen obliquely and from above, and from stationary scans",
@@ -99,7 +99,7 @@ def make():
                     f"overlap less, and the ratios are {', '.join(f'{ratio:.2f}' for ratio in sparse)}. All other parameters are the defaults, which were "
                     "chosen in other worlds ([decision 5](decisions/005-every-sweep-is-tracked.md)).",
         "holds": [(f"distortion moving / best stationary, worst of {len(ratios)} seeds", f"{max(ratios):.2f}", "≤ 1.5", max(ratios) <= 1.5)],
-        "commands": [MOVING[0].command(), short(STANDING[0].command())],
+        "commands": [MOVING[0].command(), short(STATIONARY[0].command())],
     }
 
 
