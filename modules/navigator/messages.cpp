@@ -164,4 +164,15 @@ nodmap::local_map_t local_map_message(const LocalMap& local_map, const Eigen::Ve
   return message;
 }
 
+// A raw reading tells a range finder with nothing in its measuring range from one that is silent.
+Proximity::Ranges ranges_of(const nodmap::base_sensors_t& message) {
+  Proximity::Ranges ranges_m;
+  for (std::size_t i = 0; i < ranges_m.size(); ++i) {
+    const bool measures_nothing = std::isnan(message.infrared_m[i]) && message.infrared_raw[i] >= 0;
+    ranges_m[i] = measures_nothing ? std::numeric_limits<double>::infinity()
+                                   : static_cast<double>(message.infrared_m[i]);
+  }
+  return ranges_m;
+}
+
 }  // namespace nodmap::navigator

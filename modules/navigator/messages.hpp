@@ -11,6 +11,8 @@
 #include "modules/navigator/goal.hpp"
 #include "modules/navigator/local_map/local_map.hpp"
 #include "modules/navigator/people/person.hpp"
+#include "modules/navigator/people/proximity.hpp"
+#include "nodmap/base_sensors_t.hpp"
 #include "nodmap/goal_t.hpp"
 #include "nodmap/local_map_t.hpp"
 #include "nodmap/navigation_t.hpp"
@@ -50,5 +52,8 @@ namespace nodmap::navigator {
 [[nodiscard]] nodmap::local_map_t local_map_message(const LocalMap& local_map,
                                                     const Eigen::Vector2d& p_odom,
                                                     double half_size_m);
+
+/// The ranges of the infrared range finders.
+[[nodiscard]] Proximity::Ranges ranges_of(const nodmap::base_sensors_t& message);
 
 }  // namespace nodmap::navigator

@@ -109,9 +109,8 @@ void NavigatorNode::on_base_sensors(const nodmap::base_sensors_t& message) {
     return;
   }
   context_.counts.use();
-  Proximity::Ranges ranges_m;
-  std::ranges::copy(message.infrared_m, ranges_m.begin());
-  navigator_.add_ranges(node::stamp_of(message), ranges_m, geometry::to_se2(*T_odom_base));
+  navigator_.add_ranges(node::stamp_of(message), ranges_of(message),
+                        geometry::to_se2(*T_odom_base));
 }
 
 void NavigatorNode::on_odometry(const nodmap::odometry_t& message) {

@@ -91,6 +91,7 @@ struct TurnParams {
 struct BackUpParams {
   double speed_mps = 0.1;
   double distance_m = 2.0;
+  double unseen_m = 1.2;
 
   template <class Visitor>
   void describe(Visitor& v) {
@@ -98,6 +99,10 @@ struct BackUpParams {
              "Speed at which the robot backs up along its trail where it cannot turn.");
     v.number("distance_m", distance_m, {0.05, 4.0},
              "Longest distance that the robot backs up at once.");
+    v.number("unseen_m", unseen_m, {0.0, 2.0},
+             "How far from where it was set down the robot backs out of a place in which it cannot "
+             "turn, over ground that it has not seen, as far as its range finders show free space. "
+             "0: not at all.");
   }
 };
 

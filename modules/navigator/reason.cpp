@@ -47,6 +47,7 @@ constexpr auto kSentences = std::to_array<Sentence>({
     {Why::kNoPathLooks, "There is no path to the goal: looks around."},
     {Why::kNoPath, "There is no path to the goal."},
     {Why::kBacksUp, "Backs up."},
+    {Why::kBacksOut, "Backs out of where it was set down, by its range finders."},
     {Why::kTurnsToPath, "Turns towards the path."},
     {Why::kDockTurns, "Docks: turns to the heading of the goal."},
     {Why::kDockBacksOff, "Docks: backs off for another try."},

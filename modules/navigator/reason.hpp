@@ -48,6 +48,7 @@ enum class Why : std::uint8_t {
   kNoPathLooks,
   kNoPath,
   kBacksUp,
+  kBacksOut,
   kTurnsToPath,
 
   // Docking.

@@ -15,6 +15,7 @@ namespace nodmap::navigator {
 
 class Geofence;
 class LocalMap;
+class RearView;
 class Trail;
 
 /// Everything that a decision depends on. Inputs::situation() makes one of the newest messages;
@@ -38,6 +39,7 @@ struct Situation {
   People people;                         ///< people who walk, in base
   const SeenDirections* seen = nullptr;  ///< null: none
   const LocalMap* local_map = nullptr;   ///< null: it has no scan
+  const RearView* rear_view = nullptr;   ///< behind the robot; null: none
   const Trail* trail = nullptr;          ///< of the strip that the body has driven; null: none
 
   [[nodiscard]] geometry::SE2 T_map_base() const { return T_map_odom * T_odom_base; }

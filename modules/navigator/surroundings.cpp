@@ -28,6 +28,7 @@ Surroundings::Surroundings(const NavigatorParams& params)
     : params_(params),
       body_(params.robot.body.footprint()),
       local_map_(params.robot, params.local_map),
+      rear_view_(params),
       seen_(params.steer),
       gap_(params.steer.sweeps_to_trust) {}
 
@@ -60,6 +61,7 @@ void Surroundings::add_contact(const geometry::SE2& T_odom_base, bool at_front) 
 
 void Surroundings::add_ranges(time::Timestamp stamp, const Proximity::Ranges& ranges_m,
                               const geometry::SE2& T_odom_base) {
+  rear_view_.add(stamp, ranges_m, T_odom_base);
   if (params_.people.use && params_.local_map.use && local_map_.has_scan()) {
     proximity_.add(stamp, ranges_m, T_odom_base, local_map_, people_.people_odom(stamp));
   }
@@ -82,6 +84,7 @@ void Surroundings::complete(Situation& now) {
   seen_.update(now.T_odom_base.yaw, now.sweep_count);
   now.seen = &seen_;
   now.local_map = local_map_.has_scan() ? &local_map_ : nullptr;
+  now.rear_view = &rear_view_;
   now.people = in_base(people_.people_odom(now.stamp), now.T_odom_base);
   slow_down(now);
   erase_floor(now);

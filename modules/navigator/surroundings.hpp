@@ -12,6 +12,7 @@
 #include "modules/navigator/params.hpp"
 #include "modules/navigator/people/people_tracker.hpp"
 #include "modules/navigator/people/proximity.hpp"
+#include "modules/navigator/rear_view.hpp"
 #include "modules/navigator/reason.hpp"
 #include "modules/navigator/scan_gap.hpp"
 #include "modules/navigator/seen_directions.hpp"
@@ -72,6 +73,7 @@ class Surroundings {
   LocalMap local_map_;
   PeopleTracker people_;
   Proximity proximity_;
+  RearView rear_view_;
   SeenDirections seen_;
   Approach approach_;
   ScanGap gap_;

@@ -22,7 +22,7 @@ class LocalMap;
 /// It remains one until a range finder looks through its place, or the robot is 1 m away.
 class Proximity {
  public:
-  /// As in nodmap.base_sensors_t, metres; NaN: nothing in the measuring range.
+  /// As in nodmap.base_sensors_t, metres; infinity: nothing in the measuring range; NaN: no answer.
   using Ranges = std::array<double, robot::kInfraredCount>;
 
   /// Adds readings; `T_odom_base` is the pose at `stamp`. Readings on a tracked person are left

@@ -58,6 +58,7 @@ GoalDrive::GoalDrive(const NavigatorParams& params)
       global_planner_(params.robot.body.footprint(), params.planner),
       local_planner_(params, true),
       squeezing_planner_(squeezing(params), true),
+      back_out_(params),
       docking_(params.docking),
       patience_(kPatience),
       without_motion_(kPatience) {}
@@ -151,6 +152,13 @@ const CostToGo* GoalDrive::former_plan(const Eigen::Vector2d& p_map) const {
 }
 
 Decision GoalDrive::drive_by(const CostToGo& cost_to_go, const Situation& now) {
+  if (const auto backed_out = back_out_.step(now)) {
+    return *backed_out;
+  }
+  return drive_or_stay(cost_to_go, back_out_.has_begun() ? with_rear_view(now) : now);
+}
+
+Decision GoalDrive::drive_or_stay(const CostToGo& cost_to_go, const Situation& now) {
   if (const auto best = local_planner_.drive_best(now, cost_to_go)) {
     return *best;
   }

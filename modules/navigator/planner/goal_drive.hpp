@@ -8,6 +8,7 @@
 
 #include "modules/navigator/decision.hpp"
 #include "modules/navigator/params.hpp"
+#include "modules/navigator/planner/back_out.hpp"
 #include "modules/navigator/planner/docking.hpp"
 #include "modules/navigator/planner/global_planner.hpp"
 #include "modules/navigator/planner/local_planner.hpp"
@@ -45,6 +46,7 @@ class GoalDrive {
   [[nodiscard]] Decision dock(const Situation& now);
   [[nodiscard]] const CostToGo* former_plan(const Eigen::Vector2d& p_map) const;
   [[nodiscard]] Decision drive_by(const CostToGo& cost_to_go, const Situation& now);
+  [[nodiscard]] Decision drive_or_stay(const CostToGo& cost_to_go, const Situation& now);
   [[nodiscard]] Decision stay(const Situation& now);
   [[nodiscard]] std::optional<Decision> squeeze(const CostToGo& cost_to_go, const Situation& now);
   [[nodiscard]] Decision without_path(const Situation& now);
@@ -54,6 +56,7 @@ class GoalDrive {
   GlobalPlanner global_planner_;
   LocalPlanner local_planner_;
   LocalPlanner squeezing_planner_;
+  BackOut back_out_;
   Docking docking_;
   std::optional<geometry::SE2> dock_map_;
   std::optional<geometry::SE2> decided_goal_map_;  // of the last decision to drive to a goal

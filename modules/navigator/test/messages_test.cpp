@@ -111,5 +111,19 @@ TEST(GoalMessage, IsNotFartherAwayThanAnyRobotDrives) {
   EXPECT_TRUE(is_plausible(cancelled));
 }
 
+TEST(NavigatorMessages, ARangeFinderWithNothingInItsRangeIsNotSilent) {
+  nodmap::base_sensors_t message{};
+  message.infrared_m[0] = 0.25F;
+  message.infrared_raw[0] = 200;
+  message.infrared_m[1] = std::numeric_limits<float>::quiet_NaN();
+  message.infrared_raw[1] = 60;
+  message.infrared_m[2] = std::numeric_limits<float>::quiet_NaN();
+  message.infrared_raw[2] = -1;
+  const Proximity::Ranges ranges_m = ranges_of(message);
+  EXPECT_EQ(ranges_m[0], 0.25);
+  EXPECT_EQ(ranges_m[1], std::numeric_limits<double>::infinity());
+  EXPECT_TRUE(std::isnan(ranges_m[2]));
+}
+
 }  // namespace messages_test
 }  // namespace nodmap::navigator

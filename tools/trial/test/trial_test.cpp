@@ -238,6 +238,14 @@ TEST_P(Stairs, AreDrivenWithoutAFall) {
 
 INSTANTIATE_TEST_SUITE_P(Floors, Stairs, ::testing::Values(0.8, 0.1, 0.01));
 
+// It faces the corner, 6 cm from both walls, and cannot turn round there.
+TEST_F(TrialTest, OutOfACornerThatItFacesItBacksByItsRangeFinders) {
+  const TrialSetup trial = setup("slot:1002", 1002, 25.0);
+  const DriveMetrics drive = drive_metrics(run(trial).record);
+  EXPECT_EQ(drive.contacts.collisions, 0);
+  EXPECT_GT(drive.distance_m, 3.0);  // 6.1 m to the goal measured
+}
+
 // The greatest distance of the robot's corners outside a square around its start, metres.
 double farthest_outside_m(const TrialRecord& record, const robot::Footprint& body, double half_m) {
   const geometry::SE2 T_map_world = geometry::to_se2(record.truth.front().T_world_base).inverse();

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/navigator/planner/back_out.hpp"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+
+#include "modules/navigator/corridor.hpp"
+#include "modules/navigator/rear_view.hpp"
+
+namespace nodmap::navigator {
+namespace {
+
+// A robot that has not got farther than this in this time is stuck. Squeezing at 0.1 m/s it would.
+constexpr double kStuckM = 0.05;
+constexpr time::Duration kStuck = 5s;
+// The robot can turn round if it can rotate by this much to one side.
+constexpr double kTurnRad = geometry::deg_to_rad(150.0);
+// Margin of that rotation, with which the local planner rotates, and with which backing out ends:
+// otherwise the noise of the ranges would use up the room at once.
+constexpr double kTurnMarginM = 0.025;
+constexpr double kAmpleTurnMarginM = 0.055;
+// Distance kept behind the body: the error of a range finder, about a tenth of what it measures, at
+// the distance at which the robot stops, and what it moves between two readings.
+constexpr double kBehindMarginM = 0.05;
+// Margin beside the body, and the one that it keeps where there is room.
+constexpr double kBesideMarginM = 0.015;
+constexpr double kAmpleBesideMarginM = 0.045;
+// Beyond this distance room does not count: the range finders do not see what is beside it.
+constexpr double kAheadM = 0.3;
+constexpr std::array kCurvatures{0.0, 0.3, -0.3, 0.7, -0.7, 1.5, -1.5};
+// A tighter arc must gain this much, metres for each 1/m.
+constexpr double kPriceOfBend = 0.03;
+constexpr double kLeastMps = 0.01;
+
+}  // namespace
+
+// The base counts a wheel that stands still as stalled only above 0.05 m/s, and a slower body does
+// not push away what it touches.
+BackOut::BackOut(const NavigatorParams& params)
+    : body_(params.robot.body.footprint()),
+      brake_(params, true),
+      speed_mps_(0.5 * params.back_up.speed_mps) {}
+
+std::optional<Decision> BackOut::step(const Situation& now) {
+  const RearView* rear = now.rear_view;
+  if (rear == nullptr || !rear->is_looking(now.stamp) || !now.people.empty()) {
+    is_active_ = false;
+    T_odom_stuck_.reset();
+    return std::nullopt;
+  }
+  const Points points_base = with_rear_view(now).points_base;
+  if (can_turn_round(points_base)) {
+    is_active_ = false;
+    T_odom_stuck_.reset();
+    return std::nullopt;
+  }
+  is_active_ = is_active_ || is_stuck(now);
+  if (!is_active_ || now.forward_mps > kLeastSpeedMps) {
+    return std::nullopt;
+  }
+  const double curvature = curvature_with_most_room(points_base);
+  const double free_m = free_distance_backwards(points_base, curvature, body_, kBesideMarginM);
+  const double distance_m = std::min(std::min(free_m, RearView::kReachM) - kBehindMarginM,
+                                     rear->permitted_m(now.T_odom_base));
+  const double forward_mps = std::min(speed_mps_, brake_.stoppable_mps(distance_m));
+  if (forward_mps < kLeastMps) {
+    return std::nullopt;
+  }
+  has_begun_ = true;
+  Decision decision;
+  decision.behaviour = Behaviour::kTurn;
+  decision.reason = Why::kBacksOut;
+  decision.forward_mps = -forward_mps;
+  decision.yaw_rate_rad_s = -forward_mps * curvature;
+  return decision;
+}
+
+bool BackOut::can_turn_round(const Points& points_base) const {
+  const double margin_m = is_active_ ? kAmpleTurnMarginM : kTurnMarginM;
+  return std::max(free_rotation(points_base, Side::kLeft, body_, margin_m),
+                  free_rotation(points_base, Side::kRight, body_, margin_m)) >= kTurnRad;
+}
+
+bool BackOut::is_stuck(const Situation& now) {
+  if (!T_odom_stuck_ || geometry::distance_m(*T_odom_stuck_, now.T_odom_base) > kStuckM ||
+      now.stamp < stuck_since_) {
+    T_odom_stuck_ = now.T_odom_base;
+    stuck_since_ = now.stamp;
+  }
+  return now.stamp - stuck_since_ >= kStuck;
+}
+
+double BackOut::curvature_with_most_room(const Points& points_base) const {
+  const auto room_m = [&](double curvature) {
+    const double free_m =
+        free_distance_backwards(points_base, curvature, body_, kAmpleBesideMarginM);
+    return std::min(free_m, kAheadM) - kPriceOfBend * std::abs(curvature);
+  };
+  return *std::ranges::max_element(kCurvatures, {}, room_m);
+}
+
+Situation with_rear_view(Situation now) {
+  if (now.rear_view != nullptr) {
+    const Points more = now.rear_view->points_base(now.T_odom_base);
+    now.points_base.insert(now.points_base.end(), more.begin(), more.end());
+  }
+  return now;
+}
+
+}  // namespace nodmap::navigator
