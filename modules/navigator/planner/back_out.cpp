@@ -77,6 +77,11 @@ std::optional<Decision> BackOut::step(const Situation& now) {
   return decision;
 }
 
+bool BackOut::is_leaving(const Situation& now) const {
+  return has_begun_ && now.rear_view != nullptr &&
+         now.rear_view->permitted_m(now.T_odom_base) > 0.0;
+}
+
 bool BackOut::can_turn_round(const Points& points_base) const {
   const double margin_m = is_active_ ? kAmpleTurnMarginM : kTurnMarginM;
   return std::max(free_rotation(points_base, Side::kLeft, body_, margin_m),

@@ -23,9 +23,9 @@ class BackOut {
   /// The next motion; empty while it need not back out, or cannot.
   [[nodiscard]] std::optional<Decision> step(const Situation& now);
 
-  /// Whether it has backed out. The place is so narrow that from then on what the range finders
-  /// have measured counts as obstacles.
-  [[nodiscard]] bool has_begun() const { return has_begun_; }
+  /// Whether it has backed out, and is still near the place where it was set down. There what the
+  /// range finders have measured counts as obstacles.
+  [[nodiscard]] bool is_leaving(const Situation& now) const;
 
  private:
   [[nodiscard]] bool can_turn_round(const Points& points_base) const;

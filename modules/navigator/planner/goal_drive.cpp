@@ -41,6 +41,14 @@ bool is_same(const geometry::SE2& a, const geometry::SE2& b) {
          std::abs(geometry::angle_difference(a.yaw, b.yaw)) < 1e-3;
 }
 
+// What a slower rotation passes is part of what the faster one passes, so it is as safe.
+Decision rotating_slowly(Decision decision, double most_rad_s) {
+  if (decision.forward_mps == 0.0) {
+    decision.yaw_rate_rad_s = std::clamp(decision.yaw_rate_rad_s, -most_rad_s, most_rad_s);
+  }
+  return decision;
+}
+
 // Without a heading of the goal, that of the map.
 geometry::SE2 goal_in_map(const Situation& now) {
   const geometry::SE2 T_map_base = now.T_map_base();
@@ -85,13 +93,7 @@ Decision GoalDrive::dock(const Situation& now) {
     case DockingStep::Kind::kPlan: {
       Situation staging = now;
       staging.goal = GoalInBase{step.staging_base, Docking::kStagingToleranceM};
-      Decision decision = drive_by_plan(staging);
-      // What a slower rotation passes is part of what the faster one passes, so it is as safe.
-      if (decision.forward_mps == 0.0) {
-        const double most_rad_s = params_.docking.rotation_rad_s;
-        decision.yaw_rate_rad_s = std::clamp(decision.yaw_rate_rad_s, -most_rad_s, most_rad_s);
-      }
-      return decision;
+      return rotating_slowly(drive_by_plan(staging), params_.docking.rotation_rad_s);
     }
     case DockingStep::Kind::kMove: {
       if (auto moved = local_planner_.drive({step.forward_mps, step.yaw_rate_rad_s}, now)) {
@@ -155,7 +157,13 @@ Decision GoalDrive::drive_by(const CostToGo& cost_to_go, const Situation& now) {
   if (const auto backed_out = back_out_.step(now)) {
     return *backed_out;
   }
-  return drive_or_stay(cost_to_go, back_out_.has_begun() ? with_rear_view(now) : now);
+  if (!back_out_.is_leaving(now)) {
+    return drive_or_stay(cost_to_go, now);
+  }
+  // It turns away from all that 2D SLAM has mapped. What that matches a degree off in a fast
+  // rotation is decimetres at the goal.
+  return rotating_slowly(drive_or_stay(cost_to_go, with_rear_view(now)),
+                         params_.docking.rotation_rad_s);
 }
 
 Decision GoalDrive::drive_or_stay(const CostToGo& cost_to_go, const Situation& now) {

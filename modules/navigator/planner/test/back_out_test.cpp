@@ -29,7 +29,7 @@ class BackOutTest : public testing::Test {
     return -T_odom_base_.x;
   }
 
-  std::optional<Decision> step() {
+  [[nodiscard]] Situation situation() const {
     Situation now;
     now.stamp = time::Timestamp(time::from_seconds(100.0 + time_s_));
     now.T_odom_base = T_odom_base_;
@@ -45,6 +45,11 @@ class BackOutTest : public testing::Test {
     for (double y = -kWallM; y <= kWallM; y += 0.02) {
       now.points_base.push_back(T_odom_base_.inverse() * Eigen::Vector2d(kFrontM, y));
     }
+    return now;
+  }
+
+  std::optional<Decision> step() {
+    const Situation now = situation();
     rear_.add(now.stamp, ranges(), T_odom_base_);
     return back_out_.step(now);
   }
@@ -80,9 +85,9 @@ class BackOutTest : public testing::Test {
 
 TEST_F(BackOutTest, BacksOutWhenItHasBeenStuckForFiveSeconds) {
   EXPECT_EQ(back_up_for(4.9), 0.0);
-  EXPECT_FALSE(back_out_.has_begun());
+  EXPECT_FALSE(back_out_.is_leaving(situation()));
   EXPECT_GT(back_up_for(2.0), 0.05);
-  EXPECT_TRUE(back_out_.has_begun());
+  EXPECT_TRUE(back_out_.is_leaving(situation()));
 }
 
 TEST_F(BackOutTest, StopsBeforeWhatTheRangeFindersShowBehindIt) {
