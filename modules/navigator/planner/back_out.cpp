@@ -97,11 +97,15 @@ bool BackOut::is_stuck(const Situation& now) {
   return now.stamp - stuck_since_ >= kStuck;
 }
 
+// Points within a margin already do not count for it, so each margin alone may take an arc for free
+// on which the front swings into a wall.
 double BackOut::curvature_with_most_room(const Points& points_base) const {
   const auto room_m = [&](double curvature) {
-    const double free_m =
-        free_distance_backwards(points_base, curvature, body_, kAmpleBesideMarginM);
-    return std::min(free_m, kAheadM) - kPriceOfBend * std::abs(curvature);
+    const auto free_m = [&](double margin_m) {
+      return std::min(kAheadM, free_distance_backwards(points_base, curvature, body_, margin_m));
+    };
+    return 2.0 * free_m(kBesideMarginM) + free_m(kAmpleBesideMarginM) -
+           kPriceOfBend * std::abs(curvature);
   };
   return *std::ranges::max_element(kCurvatures, {}, room_m);
 }

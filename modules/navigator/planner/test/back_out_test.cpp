@@ -62,6 +62,7 @@ class BackOutTest : public testing::Test {
       ranges_m[static_cast<std::size_t>(robot::Infrared::kRight)] = kBesideM;
     }
     if (has_range_finders_) {
+      ranges_m[static_cast<std::size_t>(robot::Infrared::kRightBack)] = right_back_m_;
       const double behind_m = T_odom_base_.x - body_.half_length_m + 0.008 - behind_x_m_;
       ranges_m[static_cast<std::size_t>(robot::Infrared::kBack)] =
           behind_m < 0.5 ? behind_m : kNothing;
@@ -81,6 +82,7 @@ class BackOutTest : public testing::Test {
   bool has_walls_ = true;
   bool has_range_finders_ = true;
   double behind_x_m_ = -kNothing;  // in odom
+  double right_back_m_ = kNothing;
 };
 
 TEST_F(BackOutTest, BacksOutWhenItHasBeenStuckForFiveSeconds) {
@@ -102,6 +104,13 @@ TEST_F(BackOutTest, GoesNoFartherThanPermittedFromWhereItWasSetDown) {
   const double backed_up_m = back_up_for(60.0);
   EXPECT_GT(backed_up_m, 0.5);
   EXPECT_LT(backed_up_m, NavigatorParams{}.back_up.unseen_m);
+}
+
+// 1.5 cm from the right wall. On the arc that leads the rear away from it the front would touch it.
+TEST_F(BackOutTest, BacksOutAlongANearWall) {
+  T_odom_base_.y = -0.045;
+  right_back_m_ = 0.08;
+  EXPECT_GT(back_up_for(10.0), 0.15);  // 0.25 m at its speed
 }
 
 TEST_F(BackOutTest, WithoutRangeFindersItStays) {
