@@ -2,7 +2,6 @@
 #include "modules/navigator/rear_view.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "common/robot/infrared.hpp"

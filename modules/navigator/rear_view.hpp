@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
+#include <Eigen/Core>
 #include <deque>
 #include <optional>
 

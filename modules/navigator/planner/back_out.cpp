@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 
 #include "modules/navigator/corridor.hpp"
@@ -56,7 +55,7 @@ std::optional<Decision> BackOut::step(const Situation& now) {
     T_odom_stuck_.reset();
     return std::nullopt;
   }
-  is_active_ = is_active_ || is_stuck(now);
+  is_active_ = is_active_ || counts_as_stuck(now);
   if (!is_active_ || now.forward_mps > kLeastSpeedMps) {
     return std::nullopt;
   }
@@ -88,7 +87,7 @@ bool BackOut::can_turn_round(const Points& points_base) const {
                   free_rotation(points_base, Side::kRight, body_, margin_m)) >= kTurnRad;
 }
 
-bool BackOut::is_stuck(const Situation& now) {
+bool BackOut::counts_as_stuck(const Situation& now) {
   if (!T_odom_stuck_ || geometry::distance_m(*T_odom_stuck_, now.T_odom_base) > kStuckM ||
       now.stamp < stuck_since_) {
     T_odom_stuck_ = now.T_odom_base;

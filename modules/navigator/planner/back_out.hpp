@@ -29,7 +29,7 @@ class BackOut {
 
  private:
   [[nodiscard]] bool can_turn_round(const Points& points_base) const;
-  [[nodiscard]] bool is_stuck(const Situation& now);
+  [[nodiscard]] bool counts_as_stuck(const Situation& now);
   [[nodiscard]] double curvature_with_most_room(const Points& points_base) const;
 
   robot::Footprint body_;
