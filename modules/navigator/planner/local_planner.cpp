@@ -32,6 +32,10 @@ double direction_rad(double curvature, double length_m) {
   return std::clamp(0.5 * length_m * curvature, -kFarthestAsideRad, kFarthestAsideRad);
 }
 
+bool is_stop(const Decision& decision) {
+  return decision.forward_mps == 0.0 && decision.yaw_rate_rad_s == 0.0;
+}
+
 }  // namespace
 
 LocalPlanner::LocalPlanner(const NavigatorParams& params, bool creeps)
@@ -99,14 +103,14 @@ std::optional<Decision> LocalPlanner::drive(const Twist& motion, const Situation
     return stationary(Why::kGivesWay);
   }
   std::optional<Decision> decision = move(motion, now);
-  if (decision) {
-    brake_.keep_to_known_ground(*decision, now);
-    brake_.give_way(*decision, now);
-    if (decision->forward_mps == 0.0 && decision->yaw_rate_rad_s == 0.0) {
-      return std::nullopt;
-    }
+  if (!decision) {
+    return std::nullopt;
   }
-  return decision;
+  // To rotate, a robot that drives may have to stop first. It is the rotation that it then drives.
+  const bool stops_to_rotate = motion.forward_mps == 0.0 && is_stop(*decision);
+  brake_.keep_to_known_ground(*decision, now);
+  brake_.give_way(*decision, now);
+  return is_stop(*decision) && !stops_to_rotate ? std::nullopt : decision;
 }
 
 std::optional<Decision> LocalPlanner::move(const Twist& motion, const Situation& now) const {

@@ -56,6 +56,39 @@ TEST(LocalPlanner, ARobotThatDrivesSlowsDownOnItsArcBeforeItRotates) {
   EXPECT_EQ(rotate(1.2).yaw_rate_rad_s, 0.0);
 }
 
+// Before it rotates it passes the speeds that ordinary brakes take at once: their command is to
+// stop. If that did not count as a motion that can be driven, it would drive the arc, be faster,
+// slow down again and so on, and drive in circles round a goal beside it.
+TEST(LocalPlanner, ARobotThatIsToRotateDoesSoHoweverFastItDrives) {
+  const NavigatorParams params;
+  const LocalPlanner planner(params, false);
+  SeenDirections seen(params.steer);
+  seen.update(0.0, 0);
+  const std::vector<Rollout> rollouts{{.yaw_rate_rad_s = 1.0, .cost_m = 1.0},
+                                      {.forward_mps = 0.25, .yaw_rate_rad_s = -0.5, .cost_m = 1.1}};
+  for (const double forward_mps : {0.05, 0.07, 0.1, 0.12, 0.3, 1.0}) {
+    Situation now;
+    now.seen = &seen;
+    now.laser_is_held = true;
+    now.max_forward_mps = 1.5;
+    now.forward_mps = forward_mps;
+    now.yaw_rate_rad_s = -2.0 * forward_mps;
+    // At 75 decisions a second; 1 s is longer than an ordinary stop from 1 m/s takes.
+    for (int i = 0; i < 75; ++i) {
+      const auto decision = planner.drive_best_of(rollouts, now);
+      ASSERT_TRUE(decision);
+      EXPECT_EQ(decision->reason, Reason(Why::kTurnsToPath)) << now.forward_mps;
+      const Twist next = after({now.forward_mps, now.yaw_rate_rad_s},
+                               {decision->forward_mps, decision->yaw_rate_rad_s}, 1.0 / 75.0);
+      EXPECT_LE(next.forward_mps, now.forward_mps);
+      now.forward_mps = next.forward_mps;
+      now.yaw_rate_rad_s = next.yaw_rate_rad_s;
+    }
+    EXPECT_EQ(now.forward_mps, 0.0);
+    EXPECT_NEAR(now.yaw_rate_rad_s, 1.0, 1e-12);
+  }
+}
+
 // The laser has looked 12 degrees to each side. An arc of curvature k leaves these directions where
 // its chord does, at the length 2 * 12 degrees / k. The front is 0.225 m ahead, and up to 5 cm are
 // lost to the step. So the robot is stationary before that place, however fast it may drive.
