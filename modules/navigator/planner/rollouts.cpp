@@ -35,6 +35,10 @@ constexpr double kAheadM = 0.3;
 constexpr double kAheadWeight = 0.6;
 // Without a path from that point, its cost is that of the robot's place plus this.
 constexpr double kBlockedAheadM = 0.6;
+// Cost of a second until the goal is reached. If all rollouts that reach it cost the same, the
+// robot would put off its arrival in every decision, and drive in circles round a goal beside it.
+// For the length of a rollout this is less than the cost of any that does not reach the goal.
+constexpr double kUntilArrivalMPerS = 0.1;
 // A rotation on the spot can go on to a better heading, at this cost for each radian.
 constexpr double kFurtherMPerRad = 0.2;
 constexpr double kFurtherStepRad = geometry::deg_to_rad(15.0);
@@ -287,7 +291,8 @@ void Rollouts::add(const Twist& first, double next_yaw_rate_rad_s, const Progres
       is_rotation ? rotation_cost(T_map_end, side_of(first.yaw_rate_rad_s), yaw_rad, cost_to_go)
                   : end_cost(T_map_end, cost_to_go);
   rollout.cost_m =
-      (end.has_arrived ? 0.0 : end_m) + params_.clearance_weight * end.nearness_m +
+      (end.has_arrived ? kUntilArrivalMPerS * kStepS * end.steps : end_m) +
+      params_.clearance_weight * end.nearness_m +
       people_params_.obstruction_cost_m_per_s * foreseen_obstruction_s(end, now.people) +
       params_.smoothness_weight * (std::abs(first.yaw_rate_rad_s - now.yaw_rate_rad_s) +
                                    std::abs(first.forward_mps - now.forward_mps)) +

@@ -34,7 +34,7 @@ struct Rollout {
 /// its end a rollout is continued by driving on or by stopping, whichever obstructs less.
 ///
 /// A rollout that comes within the goal's tolerance ends there. Otherwise a goal that is nearer
-/// than the slowest rollout is long could not be reached.
+/// than the slowest rollout is long could not be reached. The sooner it does, the less it costs.
 class Rollouts {
  public:
   static constexpr double kDurationS = 1.6;
