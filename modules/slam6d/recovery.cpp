@@ -81,10 +81,10 @@ void Recovery::classify_place(const Known& known, const VoxelMap& sweep, const S
   if (update.registration->is_accepted() != was_accepted) {
     follow_odometry(known.tracker, cloud, update);
   }
-  is_map_closed_ = is_map_fixed_ || !localiser_->is_confirmed() ||
-                   update.registration->state != PoseState::kTracking;
-  if (!is_map_closed_) {
+  // Whatever its state: along a bare corridor poses stay DEGRADED, as for a robot never lost.
+  if (localiser_->is_confirmed()) {
     by_odometry_.reset();
+    is_map_closed_ = is_map_fixed_ || !update.is_tracked();
   }
 }
 

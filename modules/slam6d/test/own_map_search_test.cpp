@@ -125,6 +125,45 @@ TEST_F(RobotInAHall, FollowsOdometryWhereAPlaceProvedWrong) {
   expect_near_odometry();
 }
 
+// The robot is carried back to the end of a corridor and rotated, is found there, and drives on to
+// where the map ends and beyond. Elsewhere only odometry, which is exact here, says how far it is
+// along the corridor, so these poses are DEGRADED.
+TEST(OwnMapSearch, APlaceIsConfirmedInABareCorridor) {
+  Room room = Room::corridor();
+  room.walls.push_back({Eigen::Vector3d(1.0, 0.3, 0.0).normalized(), -1.5});
+  room.boxes = {{Eigen::Vector3d(-0.8, 0.5, 0.0), Eigen::Vector3d(0.4, 1.1, 2.0)}};
+  Slam6d slam({});
+  unsigned seed = 0;
+  time::Timestamp stamp{};
+  const auto see = [&](const SE3& T_map_base, const SE3& T_odom_map) {
+    SweepCloud cloud = cloud_at(room, T_map_base, ++seed);
+    constexpr float kRangeM = 2.5F;
+    std::erase_if(cloud.points, [](const Eigen::Vector3f& p) { return p.norm() > kRangeM; });
+    cloud.lines.back().end = cloud.points.size();
+    stamp += 1s;
+    cloud.stamp = stamp;
+    cloud.T_odom_base = T_odom_map * T_map_base;
+    cloud.scans_used = 80;
+    return slam.add_cloud(std::move(cloud));
+  };
+  constexpr double kMapEndM = 10.0;
+  for (double x_m = 0.0; x_m <= kMapEndM; x_m += 0.5) {
+    (void)see(pose(x_m, 0.0, 0.0), SE3::Identity());
+  }
+  const SE3 T_odom_map = pose(kMapEndM, 0.0, 0.0) * pose(0.4, 0.0, 100.0).inverse();
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_FALSE(see(pose(0.4, 0.0, 100.0), T_odom_map).is_tracked());
+  }
+  // The tolerance is 1 cm, and a hundredth of the way, by which walls may pull along a corridor.
+  for (double x_m = 0.4; x_m <= 25.0; x_m += 0.5) {
+    const PoseUpdate update = see(pose(x_m, 0.0, 100.0), T_odom_map);
+    ASSERT_TRUE(update.is_tracked()) << x_m;
+    EXPECT_NEAR(update.T_map_base.translation().x(), x_m, 0.01 + 0.01 * x_m);
+  }
+  EXPECT_EQ(slam.localiser()->metrics().found, 1);
+  EXPECT_EQ(slam.localiser()->metrics().times_lost, 0);
+}
+
 // The robot is moved by 0.3 m and rotated by 30 degrees during a gap of 2 s. From then on odometry
 // counts 10 % too much rotation.
 TEST_F(RobotInAHall, IsNeverTrackedAtAWrongPoseAfterAKick) {
