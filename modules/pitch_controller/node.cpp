@@ -27,6 +27,9 @@ const char* describe(InhibitReason reason) {
       return "The pitch servo is stalled: driving is inhibited.";
     case InhibitReason::kNotNodding:
       return "The head is not nodding, or has not completed two sweeps yet: driving is inhibited.";
+    case InhibitReason::kPitchGaps:
+      return "PITCH_STATE comes more than 60 ms apart, so no sweep can be measured: driving is "
+             "inhibited.";
     case InhibitReason::kNotLevel:
       return "The laser is not level yet: driving is inhibited.";
   }

@@ -185,7 +185,10 @@ InhibitReason PitchController::inhibit_reason(time::Timestamp now) const {
                                                     : InhibitReason::kNotLevel;
   }
   const bool late = meter_.present().duration_s > kLateFactor * commanded_s_ + kLateS;
-  return meter_.last_two_sweeps() && !late ? InhibitReason::kNone : InhibitReason::kNotNodding;
+  if (meter_.last_two_sweeps() && !late) {
+    return InhibitReason::kNone;
+  }
+  return meter_.has_gap() && !late ? InhibitReason::kPitchGaps : InhibitReason::kNotNodding;
 }
 
 // The bound of the sweeps to come. What the laser has measured counts no more for what appears

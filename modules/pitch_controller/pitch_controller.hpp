@@ -22,6 +22,7 @@ enum class InhibitReason : std::uint8_t {
   kNoPitch,     ///< the pitch is missing or stale
   kStalled,
   kNotNodding,  ///< not nodding, or fewer than two complete sweeps so far
+  kPitchGaps,   ///< the same, because readings are too far apart to measure a sweep
   kNotLevel,    ///< fixed mode only
 };
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace nodmap::pitch_controller {
 namespace {
@@ -34,6 +35,7 @@ std::optional<MeasuredSweep> SweepMeter::add(const PitchReading& reading) {
   const bool reversed = reading.sweep != newest_->sweep;
   const bool no_gap = reading.stamp - newest_->stamp <= kGap && reading.sweep - newest_->sweep <= 1;
   present_.is_complete = present_.is_complete && no_gap;
+  has_gap_ = has_gap_ || !no_gap;
   extend(reading);
   newest_ = reading;
   if (!reversed) {
@@ -42,6 +44,7 @@ std::optional<MeasuredSweep> SweepMeter::add(const PitchReading& reading) {
   present_.is_upwards = 2.0 * reading.pitch_rad > present_.span.min_rad + present_.span.max_rad;
   before_last_ = last_;
   last_ = present_;
+  had_gap_ = std::exchange(has_gap_, false);
   begin(reading, no_gap);
   return last_;
 }

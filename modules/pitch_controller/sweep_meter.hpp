@@ -49,6 +49,10 @@ class SweepMeter {
   /// The present sweep so far.
   [[nodiscard]] const MeasuredSweep& present() const { return present_; }
 
+  /// Whether the last sweep or the present one is not measured from end to end because readings
+  /// were more than 60 ms apart.
+  [[nodiscard]] bool has_gap() const { return had_gap_ || has_gap_; }
+
  private:
   void begin(const PitchReading& reading, bool at_its_end);
   void extend(const PitchReading& reading);
@@ -58,6 +62,8 @@ class SweepMeter {
   MeasuredSweep present_;
   std::optional<MeasuredSweep> last_;
   std::optional<MeasuredSweep> before_last_;
+  bool had_gap_ = false;  // in the last sweep
+  bool has_gap_ = false;  // in the present one
 };
 
 }  // namespace nodmap::pitch_controller

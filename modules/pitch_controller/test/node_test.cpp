@@ -101,6 +101,19 @@ TEST_F(PitchControllerNodeTest, AMissingInputInhibitsDriving) {
   EXPECT_NE(node_.health().reason.find("ODOMETRY"), std::string::npos);
 }
 
+// A head that reports its pitch ten times a second.
+TEST_F(PitchControllerNodeTest, AHeadThatReportsTooRarelyIsNamed) {
+  for (int i = 0; i < 100; ++i) {
+    now_us_ += 100'000;
+    bus_.deliver("PITCH_STATE", next_state());
+    give_odometry(0.0);
+  }
+  EXPECT_EQ(commands().back().max_forward_mps, 0.0);
+  EXPECT_NE(node_.health().reason.find("60 ms apart"), std::string::npos) << node_.health().reason;
+  run(5.0, 0.0);
+  EXPECT_EQ(node_.health().reason, "");
+}
+
 TEST_F(PitchControllerNodeTest, InvalidMessagesAreCountedAndChangeNothing) {
   run(5.0, 0.0);
   const std::size_t before = commands().size();
