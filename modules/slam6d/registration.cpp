@@ -40,12 +40,12 @@ class SweepRegistration {
         params_(params),
         correspondences_(map, params.min_normal_cosine) {
     result_.T_map_base = T_map_start;
+    prior_half_path_map_ = prior.T_map_base.linear() * sweep.half_path().template cast<double>();
     const Matrix covariance =
-        motion_covariance<N>(prior.covariance, prior.motion_covariance,
-                             prior.T_map_base.linear() * sweep.half_path().template cast<double>());
+        motion_covariance<N>(prior.covariance, prior.motion_covariance, prior_half_path_map_);
     prior_information_.H = registration::inverse_definite<N>(covariance);
     prior_covariance_ = covariance.template topLeftCorner<6, 6>();
-    result_.prior_end_covariance = end_covariance<N>(covariance);
+    result_.prior_end_covariance = end_covariance<N>(covariance, prior_half_path_map_);
   }
 
   Registration run() {
@@ -158,6 +158,11 @@ class SweepRegistration {
     motion.template head<6>() = motion_between(result_.T_map_base, prior_.T_map_base);
     if constexpr (N == 12) {
       const Eigen::Matrix3d& R_map_base = result_.T_map_base.linear();
+      // The covariance takes the first half of the path as turned by a small angle.
+      const Eigen::Vector3d turned =
+          R_map_base * prior_.T_map_base.linear().transpose() * prior_half_path_map_;
+      motion.template head<3>() +=
+          turned - prior_half_path_map_ + motion.template segment<3>(3).cross(prior_half_path_map_);
       motion.template segment<3>(6) =
           -R_map_base * (result_.correction.translation_m + since_deskew_.translation_m);
       motion.template segment<3>(9) =
@@ -273,19 +278,31 @@ class SweepRegistration {
     sums.flush();
     result_.residual_rms_m = std::sqrt(sums.mean_square_m2());
     const double scale = unit_information_ = sums.scale(params_.residual_correlation);
-    Information<N> measurement = sums.information();
-    measurement.H *= scale;
-    measurement.b *= scale;
+    const Information<N> measurement = sums.information();
+    const Matrix imitated = sums.imitated_information(params_.normal_error_rad);
+    const Eigen::Vector3d half_path_map =
+        result_.T_map_base.linear() * sweep_.half_path().template cast<double>();
+    const Matrix turn = turned_path(half_path_map);
     const Information<N> prior = prior_here();
     const auto estimate = registration::solve_motion<N>(
-        measurement, scale * sums.imitated_information(params_.normal_error_rad), prior);
+        {scale * turn.transpose() * measurement.H * turn, scale * turn.transpose() * measurement.b},
+        scale * turn.transpose() * imitated * turn, prior);
     result_.response =
         Matrix6d::Identity() - (estimate.covariance * prior.H).template topLeftCorner<6, 6>();
     result_.degenerate_directions = degenerate_directions(estimate.covariance);
     result_.covariance = estimate.covariance.template topLeftCorner<6, 6>();
-    result_.end_covariance = end_covariance<N>(estimate.covariance);
+    result_.end_covariance = end_covariance<N>(estimate.covariance, half_path_map);
     is_valid_ = estimate.is_valid;
     return estimate.x;
+  }
+
+  // From the unknowns to those of ResidualSums, whose path does not turn with the base.
+  [[nodiscard]] static Matrix turned_path(const Eigen::Vector3d& half_path_map) {
+    Matrix turn = Matrix::Identity();
+    if constexpr (N == 12) {
+      turn.template bottomLeftCorner<6, 6>() = by_rotation(half_path_map);
+    }
+    return turn;
   }
 
   // The number of directions of the pose about which the map says less than the prior.
@@ -348,6 +365,7 @@ class SweepRegistration {
   const RegistrationParams& params_;
   Registration result_;
   Information<N> prior_information_;
+  Eigen::Vector3d prior_half_path_map_;
   Matrix6d prior_covariance_;      // of the pose in the middle of the sweep
   MotionCorrection since_deskew_;  // not yet in the sweep's voxels
   CorrespondenceSearch correspondences_;

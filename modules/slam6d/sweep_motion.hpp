@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The unknowns of a registration: a small motion of the middle of the sweep about the base's
-// position (m, rad; axes of map) and, if the robot moves during the sweep (N = 12), its change per
-// unit of time.
+// position (m, rad; axes of map) and, if the robot moves during the sweep (N = 12), the correction
+// of its path and its rotation from there to the last beam. The path turns with the base.
 #pragma once
 
 #include <Eigen/Core>
@@ -25,6 +25,13 @@ namespace nodmap::slam6d {
   return motion;
 }
 
+/// How a small rotation of the base moves it at the end of a path that turns with it.
+[[nodiscard]] inline Matrix6d by_rotation(const Eigen::Vector3d& path_map) {
+  Matrix6d motion = Matrix6d::Zero();
+  motion.topRightCorner<3, 3>() = -geometry::skew(path_map);
+  return motion;
+}
+
 /// Computes the prior from the covariances of the pose at the first beam and of the motion to the
 /// last one. `half_path_map`: path of the base from the middle of the sweep to its end.
 template <int N>
@@ -34,13 +41,9 @@ template <int N>
   if constexpr (N == 6) {
     return at_first_beam;
   } else {
-    // A rotation at the first beam moves the base at the last one.
-    Matrix6d by_rotation = Matrix6d::Zero();
-    by_rotation.topRightCorner<3, 3>() = -geometry::skew(half_path_map);
     Eigen::Matrix<double, N, N> from_ends = 0.5 * Eigen::Matrix<double, N, N>::Identity();
-    from_ends.template topLeftCorner<6, 6>() = Matrix6d::Identity() + by_rotation;
+    from_ends.template topLeftCorner<6, 6>() = Matrix6d::Identity() + by_rotation(half_path_map);
     from_ends.template topRightCorner<6, 6>() = 0.5 * Matrix6d::Identity();
-    from_ends.template bottomLeftCorner<6, 6>() = by_rotation;
     Eigen::Matrix<double, N, N> ends = Eigen::Matrix<double, N, N>::Zero();
     ends.template topLeftCorner<6, 6>() = at_first_beam;
     ends.template bottomRightCorner<6, 6>() = of_motion;
@@ -50,13 +53,15 @@ template <int N>
 
 /// The covariance of the pose at the last beam.
 template <int N>
-[[nodiscard]] Matrix6d end_covariance(const Eigen::Matrix<double, N, N>& covariance) {
-  Matrix6d end = covariance.template topLeftCorner<6, 6>();
-  if constexpr (N == 12) {
-    const Matrix6d cross = covariance.template topRightCorner<6, 6>();
-    end += cross + cross.transpose() + covariance.template bottomRightCorner<6, 6>();
+[[nodiscard]] Matrix6d end_covariance(const Eigen::Matrix<double, N, N>& covariance,
+                                      const Eigen::Vector3d& half_path_map) {
+  if constexpr (N == 6) {
+    return covariance;
+  } else {
+    Eigen::Matrix<double, 6, N> to_end;
+    to_end << Matrix6d::Identity() + by_rotation(half_path_map), Matrix6d::Identity();
+    return to_end * covariance * to_end.transpose();
   }
-  return end;
 }
 
 }  // namespace nodmap::slam6d
