@@ -102,6 +102,7 @@ PoseUpdate Slam6d::add_cloud(SweepCloud cloud) {
   PoseUpdate update = follow_odometry(cloud);
   auto sweep = voxels_to_register(cloud, update);
   if (!sweep) {
+    tracker_.pass(cloud);
     record(update);
     return update;
   }
@@ -118,6 +119,8 @@ PoseUpdate Slam6d::add_cloud(SweepCloud cloud) {
   if (update.is_tracked()) {
     tracker_.accept(cloud, update);
     add_to_map(*sweep, cloud, update);
+  } else {
+    tracker_.pass(cloud);
   }
   record(update);
   if (update.keyframe) {
@@ -284,14 +287,11 @@ bool Slam6d::is_adjusted(const PoseUpdate& update) const {
 }
 
 std::optional<KeyframeReason> Slam6d::keyframe_reason(const PoseUpdate& update) const {
-  if (recovery_.is_map_closed()) {
+  if (recovery_.is_map_closed() || !(keyframes_.empty() || update.is_tracked())) {
     return std::nullopt;
   }
   if (keyframes_.empty()) {
     return KeyframeReason::kFirst;
-  }
-  if (!update.is_tracked()) {
-    return std::nullopt;
   }
   return keyframe_is_due_ ? KeyframeReason::kInterruption
                           : params_.keyframe.reason(update.distance_m, update.rotation_rad);

@@ -70,8 +70,10 @@ SE3 Tracker::counted_since_accepted(const SE3& T_odom_base) const {
 }
 
 OdometryMotion Tracker::motion_since_accepted(const SweepCloud& cloud) const {
-  OdometryMotion motion =
-      motion_of(counted_since_accepted(cloud.T_odom_base * cloud.T_base_first_counted));
+  OdometryMotion motion = motion_of(T_first_passed_.inverse() * T_first_odom_ * cloud.T_odom_base *
+                                    cloud.T_base_first_counted);
+  motion.distance_m += passed_.distance_m;
+  motion.rotation_rad += passed_.rotation_rad;
   motion.is_interrupted = is_interrupted_;
   motion.lost_sweeps = lost_sweeps_;
   motion.scatter = scatter_.factor();
@@ -199,6 +201,18 @@ void Tracker::refuse() {
   last_nod_.reset();
 }
 
+void Tracker::pass(const SweepCloud& cloud) {
+  const SE3 T_first_base = T_first_odom_ * cloud.T_odom_base;
+  for (const SE3& T_base_counted :
+       {cloud.T_base_first_counted, SE3(SE3::Identity()), cloud.T_base_last_counted}) {
+    const SE3 T_first_counted = T_first_base * T_base_counted;
+    const OdometryMotion motion = motion_of(T_first_passed_.inverse() * T_first_counted);
+    passed_.distance_m += motion.distance_m;
+    passed_.rotation_rad += motion.rotation_rad;
+    T_first_passed_ = T_first_counted;
+  }
+}
+
 void Tracker::accept(SweepCloud& cloud, PoseUpdate& update) {
   const SE3 T_odom_end = update.T_odom_base * cloud.T_base_last_counted;
   if (update.registration) {
@@ -207,7 +221,8 @@ void Tracker::accept(SweepCloud& cloud, PoseUpdate& update) {
   }
   T_map_end_ = update.T_map_base * cloud.T_base_last;
   T_map_odom_ = T_map_end_ * T_odom_end.inverse();
-  T_first_end_ = T_first_odom_ * T_odom_end;
+  T_first_end_ = T_first_passed_ = T_first_odom_ * T_odom_end;
+  passed_ = {};
   update.T_map_odom = T_map_odom_;
   has_pose_ = true;
   lost_sweeps_ = 0;
@@ -217,7 +232,8 @@ void Tracker::accept(SweepCloud& cloud, PoseUpdate& update) {
 void Tracker::begin_at(const SE3& T_map_base, const SweepCloud& cloud) {
   T_map_end_ = T_map_base;
   T_map_odom_ = T_map_base * cloud.T_odom_base.inverse();
-  T_first_end_ = T_first_odom_ * cloud.T_odom_base;
+  T_first_end_ = T_first_passed_ = T_first_odom_ * cloud.T_odom_base;
+  passed_ = {};
   end_covariance_.setZero();
   last_nod_.reset();
   has_pose_ = true;

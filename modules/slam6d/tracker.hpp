@@ -44,6 +44,9 @@ class Tracker {
   /// Refuses the sweep that was just tracked, because its pose is wrong.
   void refuse();
 
+  /// To be called with each sweep whose pose is not accepted: sums up the motion during it.
+  void pass(const SweepCloud& cloud);
+
   /// Accepts a pose, from which the next one is extrapolated. Deskews the cloud with the motion
   /// that was found.
   void accept(SweepCloud& cloud, PoseUpdate& update);
@@ -102,6 +105,10 @@ class Tracker {
   geometry::SE3 T_map_end_ = geometry::SE3::Identity();
   geometry::SE3 T_first_end_ = geometry::SE3::Identity();
   Matrix6d end_covariance_ = Matrix6d::Zero();
+  /// The motion by odometry from there to the end of the last sweep, summed from sweep to sweep: a
+  /// robot that turned by 350 degrees did not turn by 10. And the pose at that end.
+  OdometryMotion passed_;
+  geometry::SE3 T_first_passed_ = geometry::SE3::Identity();
   /// The present odom frame in the first one.
   geometry::SE3 T_first_odom_ = geometry::SE3::Identity();
   bool has_pose_ = false;

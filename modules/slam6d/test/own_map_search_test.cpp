@@ -164,6 +164,22 @@ TEST(OwnMapSearch, APlaceIsConfirmedInABareCorridor) {
   EXPECT_EQ(slam.localiser()->metrics().times_lost, 0);
 }
 
+// The robot turns nearly once round without seeing anything. Odometry counts a tenth
+// too much: that it counted 350 degrees, not 10, says how far off it may be.
+TEST_F(RobotInAHall, ATurnWhileItIsBlindCountsAsAWhole) {
+  constexpr int kSteps = 14;
+  constexpr double kTurnDeg = 315.0;
+  const auto turned = [](double deg) { return along_hall().back() * pose(0.0, 0.0, deg); };
+  for (int i = 1; i <= kSteps; ++i) {
+    const double part = static_cast<double>(i) / kSteps;
+    const PoseUpdate blind = see(Room{}, turned(part * kTurnDeg), turned(part * kTurnDeg / 0.9));
+    EXPECT_FALSE(blind.registration) << i;
+  }
+  const PoseUpdate update = see(Room::hall(), turned(kTurnDeg), turned(kTurnDeg / 0.9));
+  EXPECT_TRUE(update.is_tracked());
+  expect_right(update, turned(kTurnDeg));
+}
+
 // The robot is moved by 0.3 m and rotated by 30 degrees during a gap of 2 s. From then on odometry
 // counts 10 % too much rotation.
 TEST_F(RobotInAHall, IsNeverTrackedAtAWrongPoseAfterAKick) {
