@@ -24,6 +24,7 @@ bool MapSaving::accept(const nodmap::save_request_t& request, time::Timestamp no
     return false;
   }
   accepted_ = now;
+  is_request_waiting_ = true;
   has_logged_refusal_ = false;
   context_.counts.use();
   log::get().info("{} asked to save the map", name);

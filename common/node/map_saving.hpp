@@ -28,10 +28,14 @@ class MapSaving {
   /// less than kRequestPeriod ago and did not fail to save since. Logs the requester.
   [[nodiscard]] bool accept(const nodmap::save_request_t& request, time::Timestamp now);
 
-  /// Whether the map could not be saved, and kRetryPeriod has passed.
-  [[nodiscard]] bool is_retry_due(time::Timestamp now) const {
-    return error_ && time::is_due(now, attempted_, kRetryPeriod);
+  /// Whether to save now: an accepted request is waiting, or the map could not be saved and
+  /// kRetryPeriod has passed. Stays so while an earlier attempt is under way.
+  [[nodiscard]] bool is_due(time::Timestamp now) const {
+    return is_request_waiting_ || (error_ && time::is_due(now, attempted_, kRetryPeriod));
   }
+
+  /// An attempt begins, with the map as it is now: it carries out the request that was waiting.
+  void begin() { is_request_waiting_ = false; }
 
   /// Records and logs the outcome of an attempt. After a failure the next request is accepted at
   /// once: after the last scan no time passes, so it would otherwise be refused for ever.
@@ -43,6 +47,7 @@ class MapSaving {
  private:
   const Context& context_;
   std::optional<time::Timestamp> accepted_;
+  bool is_request_waiting_ = false;
   bool has_logged_refusal_ = false;  // since then
   std::optional<time::Timestamp> attempted_;
   std::error_code error_;  // of the last attempt

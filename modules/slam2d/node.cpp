@@ -33,7 +33,8 @@ Slam2dNode::Slam2dNode(node::Context& context, const Params& params,
       slam_(params),
       map_(params.grid.cell_size_m),
       map_publisher_(context.bus, time::from_seconds(params.grid.publish_period_s)),
-      saving_(context) {
+      saving_(context),
+      writing_(context.results_used) {
   if (!options.map_in.empty()) {
     continue_map(options);
   }
@@ -59,9 +60,8 @@ void Slam2dNode::continue_map(const node::MapOptions& options) {
 
 void Slam2dNode::on_scan(const nodmap::scan_t& message) {
   const std::optional<LevelScan> scan = input_.read(message);
-  if (saving_.is_retry_due(input_.scan_stamp())) {
-    save();
-  }
+  answer_saved(writing_.count_message());
+  save_if_due();
   if (!scan) {
     return;
   }
@@ -109,26 +109,50 @@ void Slam2dNode::on_clear_request(const nodmap::clear_request_t& message) {
 }
 
 void Slam2dNode::on_save_request(const nodmap::save_request_t& message) {
+  answer_saved(writing_.take_early());  // a save that failed after the last scan
   if (saving_.accept(message, input_.scan_stamp())) {
-    save();
+    save_if_due();
   }
 }
 
-void Slam2dNode::save() {
-  saving_.record(save_map(context_.out_dir), input_.scan_stamp());
+// A replay waits for the disk at once: what it logs and when it tries again must not depend on it.
+void Slam2dNode::save_if_due() {
+  if (writing_.is_running() || !saving_.is_due(input_.scan_stamp())) {
+    return;
+  }
+  saving_.begin();
+  writing_.start(prepare_save(context_.out_dir), 0);
+  answer_saved(writing_.take_early());
 }
 
-std::error_code Slam2dNode::save_map(const std::filesystem::path& dir) const {
-  const auto error = write_ros_map(dir, map_.grid());
-  if (error || slam_.keyframes().empty()) {
-    return error;
+void Slam2dNode::answer_saved(const std::optional<std::error_code>& error) {
+  if (error) {
+    saving_.record(*error, input_.scan_stamp());
   }
+}
+
+std::function<std::error_code()> Slam2dNode::prepare_save(const std::filesystem::path& dir) const {
   SavedMap saved = slam_.back_end().save();
   saved.cleared = map_.cleared();
-  return write_saved_map(dir, saved);
+  // After a loop many keyframes are still drawn where they were before.
+  return [dir, map = map_, saved = std::move(saved)]() mutable {
+    map.redraw_all_moved(saved.keyframes);
+    const auto error = write_ros_map(dir, map.grid());
+    return error || saved.keyframes.empty() ? error : write_saved_map(dir, saved);
+  };
+}
+
+// On a slow disk, to polish a large map and to save it may take longer than the time that a process
+// has to stop before it is killed. Until then the newest keyframes would be in memory only.
+void Slam2dNode::save_unpolished() {
+  if (!context_.out_dir.empty() && !slam_.keyframes().empty()) {
+    answer_saved(prepare_save(context_.out_dir)());
+  }
 }
 
 void Slam2dNode::finish() {
+  answer_saved(writing_.take());
+  save_unpolished();
   slam_.polish();
   map_.redraw_all_moved(slam_.keyframes());
   map_publisher_.publish_rest(map_.grid(), last_stamp_);
@@ -162,7 +186,7 @@ void Slam2dNode::write_results(const std::filesystem::path& dir) {
                                        : "the map is empty: no scan was used");
   }
   const auto save = [&] {
-    if (const auto error = save_map(dir)) {
+    if (const auto error = prepare_save(dir)()) {
       throw std::system_error(error, dir.string() + ": cannot save the map");
     }
   };

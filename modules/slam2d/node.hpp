@@ -3,11 +3,13 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <system_error>
 
 #include "common/geometry/time.hpp"
+#include "common/node/background_job.hpp"
 #include "common/node/map_options.hpp"
 #include "common/node/map_saving.hpp"
 #include "common/node/node.hpp"
@@ -24,7 +26,8 @@
 namespace nodmap::slam2d {
 
 /// Runs 2D SLAM: subscribes to SCAN and ODOMETRY, and publishes POSE_2D, MAP_2D and POSE_GRAPH.
-/// Saves the map at SAVE_REQUEST and clears a region of it at CLEAR_REQUEST.
+/// Saves the map at SAVE_REQUEST and clears a region of it at CLEAR_REQUEST. Live, no scan waits
+/// until the map is on the disk.
 class Slam2dNode : public node::Node {
  public:
   using Params = Slam2dParams;
@@ -43,8 +46,12 @@ class Slam2dNode : public node::Node {
   void on_clear_request(const nodmap::clear_request_t& message);
   void on_save_request(const nodmap::save_request_t& message);
   void continue_map(const node::MapOptions& options);
-  void save();
-  [[nodiscard]] std::error_code save_map(const std::filesystem::path& dir) const;
+  void save_if_due();
+  void save_unpolished();
+  void answer_saved(const std::optional<std::error_code>& error);
+  /// The function that writes the map, as it is now, into a folder. It may run on another thread.
+  [[nodiscard]] std::function<std::error_code()> prepare_save(
+      const std::filesystem::path& dir) const;
   void update_grid(const PoseUpdate& update);
   void publish_graph(time::Timestamp stamp);
 
@@ -58,6 +65,7 @@ class Slam2dNode : public node::Node {
   std::int64_t graph_revision_published_ = 0;
   PoseState last_state_ = PoseState::kTracking;
   node::MapSaving saving_;
+  node::BackgroundJob<std::error_code> writing_;  // a copy of the map
 };
 
 }  // namespace nodmap::slam2d

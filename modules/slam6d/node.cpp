@@ -95,7 +95,7 @@ void Slam6dNode::on_scan(const nodmap::scan_t& message) {
   last_stamp_ = scan.stamp;
   answer(registering_.count_message());
   answer_saved(occupancy_.count_message());
-  if (is_save_waiting_ || saving_.is_retry_due(last_stamp_)) {
+  if (saving_.is_due(last_stamp_)) {
     save_when_idle();
   }
   if (auto sweep = slam_.collect(std::move(scan))) {
@@ -273,13 +273,12 @@ void Slam6dNode::on_save_request(const nodmap::save_request_t& message) {
   if (saving_.accept(message, last_stamp_)) {
     answer(registering_.take());
     answer_saved(occupancy_.take_early());
-    is_save_waiting_ = true;
     save_when_idle();
   }
 }
 
 void Slam6dNode::start_saving() {
-  is_save_waiting_ = false;
+  saving_.begin();
   occupancy_.save(save_with_keyframes());
 }
 

@@ -89,7 +89,6 @@ class Slam6dNode : public node::Node {
   std::optional<PoseUpdate> last_update_;
   bool has_warned_outside_ = false;  // of the octree
   std::int64_t maps_saved_ = 0;
-  bool is_save_waiting_ = false;  // for other work of `occupancy_`
   // These two are declared last, so that their threads end before the data they use are destroyed:
   // `registering_` uses `slam_`; `occupancy_` uses its own map and what save_map() reads.
   OccupancyMapper occupancy_;

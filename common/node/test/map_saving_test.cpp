@@ -42,21 +42,21 @@ TEST_F(MapSavingTest, WithoutAFolderNoRequestIsCarriedOut) {
 }
 
 TEST_F(MapSavingTest, AFailureIsReportedAndTheSaveRepeatedUntilItSucceeds) {
-  EXPECT_FALSE(saving.is_retry_due(start));
+  EXPECT_FALSE(saving.is_due(start));
   EXPECT_FALSE(saving.problem());
   saving.record(full, start);
   ASSERT_TRUE(saving.problem());
   EXPECT_EQ(saving.problem()->state, HealthState::kDegraded);
-  EXPECT_FALSE(saving.is_retry_due(start + MapSaving::kRetryPeriod - 1us));
+  EXPECT_FALSE(saving.is_due(start + MapSaving::kRetryPeriod - 1us));
   time::Timestamp retry = start + MapSaving::kRetryPeriod;
-  EXPECT_TRUE(saving.is_retry_due(retry));
+  EXPECT_TRUE(saving.is_due(retry));
   saving.record(full, retry);
-  EXPECT_FALSE(saving.is_retry_due(retry));
+  EXPECT_FALSE(saving.is_due(retry));
   retry += MapSaving::kRetryPeriod;
-  EXPECT_TRUE(saving.is_retry_due(retry));
+  EXPECT_TRUE(saving.is_due(retry));
   saving.record({}, retry);
   EXPECT_FALSE(saving.problem());
-  EXPECT_FALSE(saving.is_retry_due(retry + 1h));
+  EXPECT_FALSE(saving.is_due(retry + 1h));
 }
 
 }  // namespace map_saving_test
