@@ -52,6 +52,18 @@ auto* find_in(auto& items, const std::string& id) {
   return found == items.end() ? nullptr : &*found;
 }
 
+// The item of a command on a certain host: one that was moved to another host in the configuration
+// has two.
+auto* find_in(auto& items, const std::string& id, const std::string& deputy) {
+  const auto found = std::ranges::find_if(
+      items, [&](const Fleet::Item& item) { return item.spec.id == id && item.deputy == deputy; });
+  return found == items.end() ? nullptr : &*found;
+}
+
+bool has_process(const Fleet::Item& item) {
+  return item.status && item.status->pid != 0;
+}
+
 // Whether a deputy reports a command.
 bool lists(const DeputyInfo& info, const std::string& id) {
   return std::ranges::any_of(info.commands,
@@ -185,7 +197,7 @@ void Fleet::start(const std::string& id) {
   if (item == nullptr) {
     return;
   }
-  const bool runs = item->status && item->status->pid != 0;
+  const bool runs = has_process(*item);
   const bool starts =
       item->desired_run != 0 && (!item->status || item->status->actual_run != item->desired_run);
   if (!item->force_quit && (runs || starts)) {
@@ -223,11 +235,11 @@ bool Fleet::take_info(const DeputyInfo& info, time::SteadyTime now, const bus::S
       item.is_adopted = true;
     }
   }
+  newest_info_ = now;
   bool is_urgent = false;
   for (const CommandStatus& status : info.commands) {
     Item* item = find_or_add(status.spec, info.deputy_id);
-    // Another host may have a command of this name; its own deputy reports it.
-    if (item != nullptr && item->deputy == info.deputy_id) {
+    if (item != nullptr) {
       take_status(*item, status, now);
       is_urgent |= status.pid == 0 && !item->force_quit && item->desired_run != status.actual_run;
     }
@@ -235,15 +247,19 @@ bool Fleet::take_info(const DeputyInfo& info, time::SteadyTime now, const bus::S
   return is_urgent;
 }
 
-// The item of a command that a deputy reports; null if it is unknown and there are too many.
+// The item of a command that a deputy reports; null if it is unknown and there are too many, or
+// ours of this name is on another host, which its own deputy reports.
 Fleet::Item* Fleet::find_or_add(const CommandSpec& spec, const std::string& deputy) {
-  Item* item = find_in(items_, spec.id);
-  if (item == nullptr && items_.size() < kMaxItems) {
-    item = &items_.emplace_back();
-    item->spec = spec;
-    item->deputy = deputy;
+  if (Item* item = find_in(items_, spec.id, deputy)) {
+    return item;
   }
-  return item;
+  if (find_in(items_, spec.id) != nullptr || items_.size() >= kMaxItems) {
+    return nullptr;
+  }
+  Item& added = items_.emplace_back();
+  added.spec = spec;
+  added.deputy = deputy;
+  return &added;
 }
 
 // Takes over a command that an earlier sheriff started. It continues as it is; orders already
@@ -297,8 +313,7 @@ void Fleet::take_runs(const Runs& runs, time::SteadyTime now, const bus::Sender&
     return;
   }
   for (const CommandRun& run : runs.runs) {
-    Item* item = find_in(items_, run.command_id);
-    if (item != nullptr && item->deputy == runs.deputy_id) {
+    if (Item* item = find_in(items_, run.command_id, runs.deputy_id)) {
       item->reported_run = Run{run.pid, now - run.uptime, run.num_restarts};
     }
   }
@@ -328,26 +343,42 @@ std::optional<Orders> Fleet::orders_for(const std::string& deputy, time::Timesta
   Orders orders{stamp, deputy, sheriff_id_, {}};
   for (const Item& item : items_) {
     if (item.deputy == deputy) {
-      orders.commands.push_back({item.spec, item.desired_run, item.force_quit});
+      orders.commands.push_back(
+          {item.spec, item.desired_run, item.force_quit || waits_for_former_host(item)});
     }
   }
   return orders;
 }
 
+// A host that no longer reports is not waited for: it may have been the reason for the move.
+bool Fleet::waits_for_former_host(const Item& item) const {
+  return !has_process(item) && std::ranges::any_of(items_, [&](const Item& other) {
+    return other.spec.id == item.spec.id && other.deputy != item.deputy && other.is_configured &&
+           has_process(other) && deputies_.is_reporting(other.deputy, newest_info_);
+  });
+}
+
 CommandState Fleet::state_of(const std::string& id, time::SteadyTime now) const {
   const Item* item = find(id);
-  if (item == nullptr || !deputies_.is_reporting(item->deputy, now)) {
+  return item == nullptr ? CommandState::kUnknown : state_of(*item, now);
+}
+
+CommandState Fleet::state_of(const Item& item, time::SteadyTime now) const {
+  if (!deputies_.is_reporting(item.deputy, now)) {
     return CommandState::kUnknown;
   }
-  if (item->status && item->status->pid != 0) {
-    return state_of_running(*item);
+  if (has_process(item)) {
+    return state_of_running(item);
   }
-  const bool is_wanted = item->desired_run != 0 && !item->force_quit;
-  const bool was_this_run = item->status && item->status->actual_run == item->desired_run;
+  if (waits_for_former_host(item)) {
+    return CommandState::kStopping;
+  }
+  const bool is_wanted = item.desired_run != 0 && !item.force_quit;
+  const bool was_this_run = item.status && item.status->actual_run == item.desired_run;
   if (is_wanted && !was_this_run) {
     return CommandState::kStarting;
   }
-  const bool is_good = !item->status || is_good_end(*item);
+  const bool is_good = !item.status || is_good_end(item);
   return is_good ? CommandState::kStoppedOk : CommandState::kStoppedError;
 }
 

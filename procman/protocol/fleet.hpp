@@ -74,8 +74,9 @@ class Fleet {
   Fleet(const Config& config, std::string sheriff_id);
 
   /// Adopts an edited configuration. Stops removed commands and restarts running ones whose exec
-  /// line has changed; new ones wait to be started, and all others continue. Returns a line for
-  /// each change, for people.
+  /// line has changed; new ones wait to be started, and all others continue. A command that was
+  /// moved to another host is stopped on the first, and not started on the second before that has
+  /// ended. Returns a line for each change, for people.
   std::vector<std::string> reconfigure(const Config& config);
 
   // Change the requested state of a command. Unknown names have no effect.
@@ -100,7 +101,10 @@ class Fleet {
   [[nodiscard]] std::optional<Orders> orders_for(const std::string& deputy,
                                                  time::Timestamp stamp) const;
 
+  /// The state of a command: on the host that the configuration names, or kStopping while it still
+  /// runs on one that it was moved from.
   [[nodiscard]] CommandState state_of(const std::string& id, time::SteadyTime now) const;
+  [[nodiscard]] CommandState state_of(const Item& item, time::SteadyTime now) const;
   [[nodiscard]] bool is_running(const std::string& id, time::SteadyTime now) const;
   [[nodiscard]] bool is_stopped(const std::string& id, time::SteadyTime now) const;
 
@@ -116,6 +120,7 @@ class Fleet {
   [[nodiscard]] const std::string& sheriff_id() const { return sheriff_id_; }
 
   [[nodiscard]] const std::vector<Item>& items() const { return items_; }
+  /// The item of a command, on the host that the configuration names.
   [[nodiscard]] const Item* find(const std::string& id) const;
   /// The deputies of the configuration and those from which INFO was received.
   [[nodiscard]] const DeputyReports& deputies() const { return deputies_; }
@@ -129,6 +134,7 @@ class Fleet {
                                                      const Command& command);
   [[nodiscard]] static Item configure(std::optional<Item> before, const Command& command,
                                       std::vector<std::string>& changes);
+  [[nodiscard]] bool waits_for_former_host(const Item& item) const;
   static void begin_run(Item& item);
   static void adopt(Item& item, const CommandStatus& status, time::SteadyTime now);
   static void take_status(Item& item, const CommandStatus& status, time::SteadyTime now);
@@ -136,6 +142,7 @@ class Fleet {
   std::string sheriff_id_;
   std::vector<Item> items_;
   DeputyReports deputies_;
+  time::SteadyTime newest_info_{};  // when it was received
   OtherSheriffs other_sheriffs_;
   std::optional<time::SteadyTime> commands_since_;
 };

@@ -55,7 +55,7 @@ std::vector<ReportRow> report(const Fleet& fleet, const HealthWatch& health,
     row.id = item.spec.id;
     row.group = item.spec.group;
     row.deputy = item.deputy;
-    row.state = fleet.state_of(row.id, now);
+    row.state = fleet.state_of(item, now);
     const Fleet::Run run = Fleet::run_of(item);
     row.restarts = run.num_restarts;
     if (item.status && row.state != CommandState::kUnknown) {

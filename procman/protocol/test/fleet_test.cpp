@@ -106,6 +106,44 @@ TEST_F(FleetTest, AnEditOfTheConfigurationStartsNoCommand) {
   EXPECT_EQ(fleet_.orders_for("other", {})->commands.front().desired_run, 0);
 }
 
+// Two base drivers, or two navigators, must not run at the same time.
+TEST_F(FleetTest, ACommandMovedToAnotherHostStartsOnlyWhenTheFirstHasEndedIt) {
+  report({status("a", 7, 1), status("r", 8, 1)});
+  report({}, "other");
+  (void)fleet_.reconfigure(parse_config(R"(
+      cmd "a" { exec = "x"; host = "other"; }
+      cmd "r" { exec = "y"; host = "h"; auto_respawn = "true"; })")
+                               .config);
+  const auto order_there = [this] { return fleet_.orders_for("other", {})->commands.front(); };
+  fleet_.start("a");
+  report({status("a", 7, 1), status("r", 8, 1)});
+  report({}, "other");
+  EXPECT_TRUE(order("a").force_quit);
+  EXPECT_TRUE(order_there().force_quit);
+  EXPECT_FALSE(fleet_.is_stopped("a", now_));
+  EXPECT_EQ(state("a"), "Stopping (Command Sent)");
+  report({status("a", 0, 1, SIGINT), status("r", 8, 1)});
+  EXPECT_FALSE(order_there().force_quit);
+  EXPECT_EQ(order_there().desired_run, 1);
+  EXPECT_EQ(state("a"), "Starting (Command Sent)");
+  report({status("a", 9, 1)}, "other");
+  EXPECT_EQ(state("a"), "Running");
+  EXPECT_EQ(order("r").force_quit, false) << "the other command is left alone";
+}
+
+// The host may be broken: that is a reason to move the command.
+TEST_F(FleetTest, AMovedCommandDoesNotWaitForAHostThatNoLongerReports) {
+  report({status("a", 7, 1)});
+  (void)fleet_.reconfigure(parse_config(R"(cmd "a" { exec = "x"; host = "other"; })").config);
+  report({}, "other");
+  fleet_.start("a");
+  EXPECT_TRUE(fleet_.orders_for("other", {})->commands.front().force_quit);
+  now_ += DeputyReports::kMaxInfoAge + 1s;
+  report({}, "other");
+  EXPECT_FALSE(fleet_.orders_for("other", {})->commands.front().force_quit);
+  EXPECT_EQ(state("a"), "Starting (Command Sent)");
+}
+
 TEST_F(FleetTest, StartsRestartsAndStops) {
   report({});
   fleet_.start("a");
