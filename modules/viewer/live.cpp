@@ -57,7 +57,7 @@ void reload_procman(procman::ConfigWatch& watch, ProcessControl& processes, foxg
 Answer answer_and_log(RemoteControl& control, const Json& request, time::Duration age) {
   Answer answer = control.answer(request, age);
   if (text_in(request, "do") != "process_output") {
-    log::get().info("asked for {}: {}", foxglove::to_text(request), answer.text);
+    log::get().info("{}", log_line(request, answer));
   }
   return answer;
 }

@@ -58,6 +58,10 @@ Answer no_control_over_processes() {
 
 }  // namespace
 
+std::string log_line(const Json& request, const Answer& answer) {
+  return fmt::format("asked for {:.200}: {:.200}", foxglove::to_text(request), answer.text);
+}
+
 RemoteControl::RemoteControl(bus::Bus& bus, Clock clock, ProcessControl* processes)
     : bus_(bus),
       clock_(std::move(clock)),

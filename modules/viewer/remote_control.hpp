@@ -22,6 +22,10 @@ namespace nodmap::viewer {
 
 using foxglove::Json;
 
+/// A request and its answer for the log: the first 200 characters of each, because a client may
+/// send any text, many times a second.
+[[nodiscard]] std::string log_line(const Json& request, const Answer& answer);
+
 /// Executes the requests of clients with control, by their member `do`:
 ///   goal  x_m, y_m, tolerance_m?    drive to this place in map
 ///   roam                            cancel the goal

@@ -318,5 +318,11 @@ TEST_F(RemoteControlTest, ProcessCommandsArePassedToProcessControl) {
             "The process configuration has no nodmap-logger.");
 }
 
+TEST(LogLine, IsShortWhateverAClientSends) {
+  EXPECT_EQ(log_line({{"do", "stop"}}, {true, "sent"}), R"(asked for {"do":"stop"}: sent)");
+  const std::string text(32'000, 'x');
+  EXPECT_EQ(log_line({{"do", text}}, {false, text}).size(), 412U);  // "asked for ", ": "
+}
+
 }  // namespace remote_control_test
 }  // namespace nodmap::viewer
