@@ -62,15 +62,15 @@ std::vector<double> believed_lengths(const Keyframe& keyframe) {
   return lengths_m;
 }
 
-void draw(const Keyframe& keyframe, const geometry::SE2& T_map_base, OccupancyGrid& grid,
-          std::span<const CellRange> left_out) {
+std::int64_t draw(const Keyframe& keyframe, const geometry::SE2& T_map_base, OccupancyGrid& grid,
+                  std::span<const CellRange> left_out) {
+  std::int64_t num_beyond = 0;
   for_each_ray(keyframe, T_map_base, [&](const auto& from, const auto& to, bool is_whole) {
-    if (is_whole) {
-      grid.add_ray(from, to, left_out);
-    } else {
-      grid.add_free_ray(from, to, left_out);
-    }
+    const bool is_drawn =
+        is_whole ? grid.add_ray(from, to, left_out) : grid.add_free_ray(from, to, left_out);
+    num_beyond += is_drawn ? 0 : 1;
   });
+  return num_beyond;
 }
 
 void erase(const Keyframe& keyframe, const geometry::SE2& T_map_base, OccupancyGrid& grid,
@@ -87,7 +87,7 @@ void erase(const Keyframe& keyframe, const geometry::SE2& T_map_base, OccupancyG
 void KeyframeGrid::draw_new(std::span<const Keyframe> keyframes) {
   while (drawn_at_.size() < keyframes.size()) {
     const std::size_t k = drawn_at_.size();
-    draw(keyframes[k], keyframes[k].T_map_base, grid_, left_out(k));
+    rays_beyond_ += draw(keyframes[k], keyframes[k].T_map_base, grid_, left_out(k));
     drawn_at_.push_back(keyframes[k].T_map_base);
   }
 }
@@ -116,7 +116,7 @@ void KeyframeGrid::redraw_all_moved(std::span<const Keyframe> keyframes) {
 void KeyframeGrid::redraw(std::span<const Keyframe> keyframes, std::size_t keyframe) {
   const std::vector<CellRange> left_out = this->left_out(keyframe);
   erase(keyframes[keyframe], drawn_at_[keyframe], grid_, left_out);
-  draw(keyframes[keyframe], keyframes[keyframe].T_map_base, grid_, left_out);
+  rays_beyond_ += draw(keyframes[keyframe], keyframes[keyframe].T_map_base, grid_, left_out);
   drawn_at_[keyframe] = keyframes[keyframe].T_map_base;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <utility>
 #include <vector>
@@ -22,9 +23,9 @@ namespace nodmap::slam2d {
 
 /// Draws the rays of a keyframe at the pose `T_map_base`. A ray that is believed over its whole
 /// length is drawn with the hit at its end, any other only as free space as far as it is believed.
-/// The cells `left_out` are not changed.
-void draw(const Keyframe& keyframe, const geometry::SE2& T_map_base, OccupancyGrid& grid,
-          std::span<const CellRange> left_out = {});
+/// The cells `left_out` are not changed. Returns the number of rays that the grid cannot hold.
+std::int64_t draw(const Keyframe& keyframe, const geometry::SE2& T_map_base, OccupancyGrid& grid,
+                  std::span<const CellRange> left_out = {});
 
 /// Reverses draw() from the same pose with the same cells left out.
 void erase(const Keyframe& keyframe, const geometry::SE2& T_map_base, OccupancyGrid& grid,
@@ -36,6 +37,10 @@ class KeyframeGrid {
   explicit KeyframeGrid(double cell_size_m) : grid_(cell_size_m) {}
 
   [[nodiscard]] const OccupancyGrid& grid() const { return grid_; }
+
+  /// How many rays are missing because the grid cannot hold them; those of a keyframe that was
+  /// drawn again count again.
+  [[nodiscard]] std::int64_t rays_beyond() const { return rays_beyond_; }
 
   /// Draws the keyframes that were added since the last call.
   void draw_new(std::span<const Keyframe> keyframes);
@@ -70,6 +75,7 @@ class KeyframeGrid {
   OccupancyGrid grid_;
   std::vector<geometry::SE2> drawn_at_;  // T_map_base of each keyframe in the grid
   std::size_t next_redrawn_ = 0;
+  std::int64_t rays_beyond_ = 0;
   std::vector<ClearedRegion> cleared_;
 };
 

@@ -104,6 +104,8 @@ LikelihoodGrid likelihood_of(const PointMap& map, const std::vector<Eigen::Vecto
 // The middles of all free cells, in map.
 std::vector<Eigen::Vector2d> free_places(const TrinaryGrid& grid) {
   std::vector<Eigen::Vector2d> places;
+  // A large map has millions.
+  places.reserve(static_cast<std::size_t>(std::ranges::count(grid.cells, CellState::kFree)));
   for (int y = 0; y < grid.height; ++y) {
     for (int x = 0; x < grid.width; ++x) {
       if (grid.at(x, y) == CellState::kFree) {
@@ -132,11 +134,15 @@ SearchWindow window_around(const std::vector<Eigen::Vector2d>& places) {
 }  // namespace
 
 KnownMap::KnownMap(TrinaryGrid grid, const MapParams& params)
+    : KnownMap(free_places(grid), grid, params) {}
+
+KnownMap::KnownMap(const std::vector<Eigen::Vector2d>& free, TrinaryGrid& grid,
+                   const MapParams& params)
     : grid_(std::move(grid)),
       steps_to_occupied_(steps_to_occupied(grid_)),
       points_(surfaces_of(grid_, params)),
-      likelihood_(likelihood_of(points_, free_places(grid_))),
-      window_(window_around(free_places(grid_))) {}
+      likelihood_(likelihood_of(points_, free)),
+      window_(window_around(free)) {}
 
 WallFit KnownMap::fit_walls(std::span<const OrientedPoint> scan,
                             const Eigen::Vector2d& sensor_origin_base,

@@ -47,6 +47,9 @@ class KnownMap {
                                   const geometry::SE2& T_map_base) const;
 
  private:
+  /// Takes over the grid. `free`: the middles of all free cells, in map.
+  KnownMap(const std::vector<Eigen::Vector2d>& free, TrinaryGrid& grid, const MapParams& params);
+
   /// From a place in the grid, in cells; empty outside.
   [[nodiscard]] std::optional<int> steps_to_occupied_at(const Eigen::Vector2d& cell) const;
   /// Whether a ray meets an occupied cell. In cells of the grid; `direction` has length 1.

@@ -204,6 +204,7 @@ nlohmann::json Slam2dNode::metrics() const {
   result.update({{"mean_inlier_ratio", metrics.inlier_ratio_sum / scans},
                  {"mean_score", metrics.score_sum / scans},
                  {"map_points", slam_.back_end().num_points()},
+                 {"rays_beyond_grid", map_.rays_beyond()},
                  {"maps_published", map_publisher_.num_published()},
                  {"keyframes", slam_.keyframes().size()},
                  {"submaps", slam_.back_end().submaps().size()},
@@ -228,6 +229,11 @@ node::Health Slam2dNode::health() const {
   }
   if (slam_.is_finding() && last_state_ != PoseState::kTracking) {
     return {node::HealthState::kDegraded, "The robot has not been found in the saved map yet."};
+  }
+  if (last_state_ == PoseState::kTracking && map_.rays_beyond() > 0) {
+    return {node::HealthState::kDegraded,
+            "A part of the map is missing: it needs a grid of more than 64 million cells. Use a "
+            "larger grid.cell_size_m."};
   }
   return health_of(last_state_);
 }

@@ -63,6 +63,18 @@ TEST(KeyframeGrid, ErasingUndoesDrawing) {
   }
 }
 
+// 64 million cells of 5 cm: two corridors of 420 m at a right angle need more.
+TEST(KeyframeGrid, RaysBeyondTheLargestGridAreCounted) {
+  std::vector<Keyframe> keyframes(3, fan({3, 3, 3, 3, 3}));
+  KeyframeGrid map(0.05);
+  keyframes[1].T_map_base = {420.0, 0.0, 0.0};
+  map.draw_new(std::span(keyframes).first(2));
+  EXPECT_EQ(map.rays_beyond(), 0);
+  keyframes[2].T_map_base = {0.0, 420.0, 0.0};
+  map.draw_new(keyframes);
+  EXPECT_EQ(map.rays_beyond(), 5);
+}
+
 // The known cells of a grid with their places in map: the same for grids that differ only in size.
 std::vector<std::vector<int>> known_cells(const OccupancyGrid& grid) {
   std::vector<std::vector<int>> cells;

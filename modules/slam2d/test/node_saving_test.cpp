@@ -9,6 +9,7 @@
 #include <fstream>
 #include <future>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 
@@ -16,6 +17,7 @@
 #include "common/node/messages.hpp"
 #include "modules/slam2d/map_file.hpp"
 #include "modules/slam2d/node.hpp"
+#include "modules/slam2d/saved_map_file.hpp"
 #include "modules/slam2d/test/slam2d_node_fixture.hpp"
 #include "nodmap/save_request_t.hpp"
 #include "tests/support/data_dir.hpp"
@@ -215,6 +217,25 @@ TEST_F(Slam2dNodeTest, SavesTheWallsWhereALoopHasMovedThem) {
   // Less than half a cell of motion is not redrawn; it may round to the next cell but one.
   EXPECT_LT(misplaced_walls(saved.path(), anew.path()), 0.005);
   EXPECT_LT(misplaced_walls(anew.path(), saved.path()), 0.005);
+}
+
+TEST_F(Slam2dNodeTest, AMapLargerThanTheGridIsReported) {
+  for (std::int64_t i = 0; i < 3; ++i) {
+    const geometry::SE2 truth{0.4 * static_cast<double>(i), 0.0, 0.0};
+    put_odometry(1s * i, truth);
+    put_scan(1s * i, truth);
+  }
+  EXPECT_EQ(node_.health().state, node::HealthState::kOk);
+  EXPECT_EQ(node_.metrics()["rays_beyond_grid"], 0);
+  const nodmap::test::TemporaryDir dir;
+  node_.write_results(dir.path());
+  SavedMap saved = read_saved_map(dir.path());
+  ASSERT_GT(saved.keyframes.size(), 1U);
+  saved.keyframes.back().T_map_base = {500.0, 500.0, 0.0};
+  ASSERT_FALSE(write_saved_map(dir.path(), saved));
+  const Slam2dNode next{context_, Slam2dParams{}, {{}, dir.path(), std::nullopt}};
+  EXPECT_EQ(next.health().state, node::HealthState::kDegraded);
+  EXPECT_GT(next.metrics()["rays_beyond_grid"], 100);
 }
 
 }  // namespace node_saving_test
