@@ -35,7 +35,7 @@ struct Inputs {
   struct MapPose {
     geometry::SE2 T_map_odom;
     double sigma_m = 0.0;                  ///< in its worst direction
-    std::optional<time::Timestamp> stamp;  ///< by odometry, when it was used
+    std::optional<time::Timestamp> stamp;  ///< when it was measured; empty before any odometry
     // The state of the last POSE_2D, also of one that was not used because it is LOST.
     bool is_degraded = false;
     bool is_lost = false;

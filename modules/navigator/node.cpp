@@ -199,6 +199,10 @@ void NavigatorNode::on_goal(const nodmap::goal_t& message) {
 // a robot on the way to one halts.
 void NavigatorNode::on_pose(const nodmap::pose_t& message) {
   const auto T_map_odom = node::read_pose(message.odom_position_m, message.odom_orientation);
+  if (T_map_odom && node::stamp_of(message) < odometry_frame_began_) {
+    context_.counts.reject("pose_of_former_odometry");
+    return;
+  }
   if (T_map_odom) {
     newest_.pose.is_degraded = message.state == nodmap::pose_t::DEGRADED;
     newest_.pose.is_lost = message.state == nodmap::pose_t::LOST;
@@ -212,6 +216,9 @@ void NavigatorNode::on_pose(const nodmap::pose_t& message) {
   newest_.pose.T_map_odom = geometry::to_se2(*T_map_odom);
   newest_.pose.sigma_m = position_sigma_m(message);
   newest_.pose.stamp = newest_.stamps.odometry;
+  if (newest_.pose.stamp) {  // a pose from the future is no newer than the odometry
+    newest_.pose.stamp = std::min(*newest_.pose.stamp, node::stamp_of(message));
+  }
   watch_slip(message);
 }
 

@@ -58,6 +58,35 @@ TEST_F(NavigatorNodeGeofence, DrivesOnlyWhileThePoseIsAtMostTwoSecondsOld) {
   EXPECT_EQ(navigation().reason, "There is a geofence, but no pose from 2D SLAM.");
 }
 
+TEST_F(NavigatorNodeGeofence, TheAgeOfAPoseCountsFromItsMeasurement) {
+  run_with_poses(2.0);
+  ASSERT_TRUE(drives());
+  nodmap::pose_t delayed{};
+  delayed.utime = now_us_ - 2'500'000;
+  delayed.state = nodmap::pose_t::TRACKING;
+  delayed.orientation[0] = delayed.odom_orientation[0] = 1.0;
+  bus_.deliver("POSE_2D", delayed);
+  tick();
+  EXPECT_TRUE(halts());
+  EXPECT_EQ(navigation().reason, "There is a geofence, but no pose from 2D SLAM.");
+}
+
+TEST_F(NavigatorNodeGeofence, APoseOfFormerOdometryIsNotUsed) {
+  run_with_poses(2.0);
+  run(0.3, kOdometry);  // a process takes at least as long to start
+  odometry_seq_ = 0;
+  give_odometry(now_us_);
+  give_odometry(now_us_ + 10'000);
+  now_us_ -= 100'000;
+  give_pose(0.0);  // was still under way
+  now_us_ += 100'000;
+  EXPECT_EQ(rejected("pose_of_former_odometry"), 1);
+  run(0.5);
+  EXPECT_EQ(navigation().reason, "There is a geofence, but no pose from 2D SLAM.");
+  run_with_poses(2.0);
+  EXPECT_TRUE(drives());
+}
+
 TEST_F(NavigatorNodeGeofence, BrakesBeforeTheBoundaryAndHaltsOutside) {
   run_with_poses(2.0, 1.0);
   ASSERT_TRUE(drives());
