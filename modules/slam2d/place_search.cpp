@@ -55,7 +55,15 @@ Match PlaceSearch::match(const Submap& local, const LevelScan& scan, const Start
 Place PlaceSearch::find(const Known& known, const LevelScan& scan, const LevelScan& all_points,
                         const Start& start) {
   const bool is_matched = start.match && scan.points_base.size() == all_points.points_base.size();
-  const Match tracked = is_matched ? *start.match : match(known.back_end.local(), scan, start);
+  Match tracked = is_matched ? *start.match : match(known.back_end.local(), scan, start);
+  // A place away from odometry counts only if the scan contradicts what was seen from here.
+  // Otherwise the scan shows something new, and the other place may merely look alike.
+  const auto counts = [&](const Match& match) {
+    return is_near(match, start.guesses) || known.views.contradicts(all_points);
+  };
+  if (!known.doubt.is_there() && !counts(tracked)) {
+    tracked = {};
+  }
   if (is_good(tracked, known.doubt)) {
     T_odom_failed_.reset();
     return {tracked};
@@ -100,10 +108,15 @@ bool PlaceSearch::is_certain(const Match& match) const {
              kCertainInformationFactor * matcher_params_.min_information_ratio;
 }
 
-// A place away from odometry counts only if the scan contradicts what was seen from here. Otherwise
-// the scan shows something new, and the other place may merely look alike. But in a fast rotation
-// odometry may be late by any angle, and the same place does not look alike at another heading: a
-// scan that fits there certainly shows nothing new.
+// In a fast rotation odometry may be late by any angle, and the same place does not look alike at
+// another heading: a scan that fits there certainly shows nothing new.
+bool PlaceSearch::is_near(const Match& match, std::span<const geometry::SE2> guesses) const {
+  return std::any_of(guesses.begin(), guesses.end(), [&](const geometry::SE2& guess) {
+    const geometry::SE2 turned{guess.x, guess.y, match.T_target_base.yaw};
+    return is_same_place(match.T_target_base, is_certain(match) ? turned : guess);
+  });
+}
+
 std::optional<Place> PlaceSearch::find_near(const Known& known, const LevelScan& scan,
                                             const LevelScan& all_points,
                                             std::span<const geometry::SE2> guesses,
@@ -113,12 +126,9 @@ std::optional<Place> PlaceSearch::find_near(const Known& known, const LevelScan&
   if (!better) {
     return std::nullopt;
   }
-  const bool is_here = std::any_of(guesses.begin(), guesses.end(), [&](const geometry::SE2& guess) {
-    const geometry::SE2 turned{guess.x, guess.y, better->T_target_base.yaw};
-    return is_same_place(better->T_target_base, is_certain(*better) ? turned : guess);
-  });
-  return is_here || known.views.contradicts(all_points) ? std::optional(Place{*better})
-                                                        : std::nullopt;
+  return is_near(*better, guesses) || known.views.contradicts(all_points)
+             ? std::optional(Place{*better})
+             : std::nullopt;
 }
 
 // Returns the best of all places in reach and of those near the guesses. It is sure if the scan

@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <random>
 #include <vector>
 
 #include "modules/slam2d/test/drawn_world.hpp"
@@ -88,6 +90,46 @@ TEST(Slam2d, AScanWithFewPointsStartsNoSearch) {
   EXPECT_EQ(slam.metrics().searches.made, 0);
   EXPECT_NE(update->state, PoseState::kTracking);
   EXPECT_EQ(update->T_map_base.x, odom.x);
+}
+
+// Posts of 15 cm that stand about at random, as in BARN's worlds.
+test::FloorPlan posts(std::uint64_t seed) {
+  std::mt19937_64 engine(seed);
+  std::uniform_real_distribution<double> x(0.6, 5.0);
+  std::uniform_real_distribution<double> y(-2.0, 2.0);
+  constexpr int kNumSides = 8;
+  constexpr double kRadiusM = 0.075;
+  test::FloorPlan plan;
+  for (int post = 0; post < 40; ++post) {
+    const Eigen::Vector2d center(x(engine), y(engine));
+    const auto corner = [&](int i) -> Eigen::Vector2d {
+      const double angle_rad = 2.0 * geometry::kPi * i / kNumSides;
+      return center + kRadiusM * Eigen::Vector2d(std::cos(angle_rad), std::sin(angle_rad));
+    };
+    for (int i = 0; i < kNumSides; ++i) {
+      plan.push_back({corner(i), corner(i + 1)});
+    }
+  }
+  return plan;
+}
+
+// The robot drives towards the end of a field of posts, and sees ever fewer of them, most of which
+// were hidden before: a scan fits at many poses.
+TEST(Slam2d, NewPostsDoNotMoveThePoseAwayFromOdometry) {
+  for (std::uint64_t seed = 1000; seed < 1040; ++seed) {
+    test::Slam slam;
+    Scanner scanner;
+    const test::FloorPlan plan = posts(seed);
+    for (int step = 0; step < 6; ++step) {
+      const SE2 truth{0.9 * step, 0.0, 0.0};
+      const auto update =
+          track(slam, scanner.scan(plan, truth, time::Timestamp(kPeriod * step)), truth);
+      if (update) {
+        // Measured 0.201 at most. Each match may differ from odometry by 0.2.
+        EXPECT_NEAR(update->T_map_base.yaw, 0.0, 0.25) << seed << " " << step;
+      }
+    }
+  }
 }
 
 // There are two bays side by side, 1.1 m apart. From the first bay the wall between them hides the
