@@ -155,7 +155,7 @@ TEST(Golden, OurDeputyGoesThroughTheRecordedStates) {
     const auto due = sent + (received - before);
     const std::vector<DeputyInfo> infos_before(
         recording.infos.begin(), recording.infos.begin() + static_cast<std::ptrdiff_t>(num_infos));
-    ASSERT_TRUE(client.wait_until([&] {
+    ASSERT_TRUE(client.wait_until([&, &outputs = outputs] {
       // `stubborn` is that from its first pause on.
       return SteadyClock::now() >= due && has_reached(client.infos(), infos_before) &&
              has_printed(client, outputs) &&
