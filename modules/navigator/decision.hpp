@@ -36,4 +36,14 @@ struct Decision {
   return decision;
 }
 
+/// A decision to drive backwards at `speed_mps` on an arc.
+[[nodiscard]] inline Decision backing(double speed_mps, double curvature, Reason reason) {
+  Decision decision;
+  decision.behaviour = Behaviour::kTurn;
+  decision.reason = std::move(reason);
+  decision.forward_mps = -speed_mps;
+  decision.yaw_rate_rad_s = -speed_mps * curvature;
+  return decision;
+}
+
 }  // namespace nodmap::navigator

@@ -63,17 +63,12 @@ std::optional<Decision> BackOut::step(const Situation& now) {
   const double free_m = free_distance_backwards(points_base, curvature, body_, kBesideMarginM);
   const double distance_m = std::min(std::min(free_m, RearView::kReachM) - kBehindMarginM,
                                      rear->permitted_m(now.T_odom_base));
-  const double forward_mps = std::min(speed_mps_, brake_.stoppable_mps(distance_m));
-  if (forward_mps < kLeastMps) {
+  const double speed_mps = std::min(speed_mps_, brake_.stoppable_mps(distance_m));
+  if (speed_mps < kLeastMps) {
     return std::nullopt;
   }
   has_begun_ = true;
-  Decision decision;
-  decision.behaviour = Behaviour::kTurn;
-  decision.reason = Why::kBacksOut;
-  decision.forward_mps = -forward_mps;
-  decision.yaw_rate_rad_s = -forward_mps * curvature;
-  return decision;
+  return backing(speed_mps, curvature, Why::kBacksOut);
 }
 
 bool BackOut::is_leaving(const Situation& now) const {

@@ -178,12 +178,7 @@ std::optional<Decision> LocalPlanner::drive_backwards(const Twist& motion,
   if (speed_mps < 0.5 * kLeastSpeedMps || now.forward_mps > kLeastSpeedMps) {
     return std::nullopt;
   }
-  Decision decision;
-  decision.behaviour = Behaviour::kTurn;
-  decision.reason = Why::kBacksUp;
-  decision.forward_mps = -speed_mps;
-  decision.yaw_rate_rad_s = -speed_mps * curvature;
-  return decision;
+  return backing(speed_mps, curvature, Why::kBacksUp);
 }
 
 std::optional<Decision> LocalPlanner::rotate(double yaw_rate_rad_s, const Situation& now) const {
