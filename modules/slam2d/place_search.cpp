@@ -56,12 +56,7 @@ Place PlaceSearch::find(const Known& known, const LevelScan& scan, const LevelSc
                         const Start& start) {
   const bool is_matched = start.match && scan.points_base.size() == all_points.points_base.size();
   Match tracked = is_matched ? *start.match : match(known.back_end.local(), scan, start);
-  // A place away from odometry counts only if the scan contradicts what was seen from here.
-  // Otherwise the scan shows something new, and the other place may merely look alike.
-  const auto counts = [&](const Match& match) {
-    return is_near(match, start.guesses) || known.views.contradicts(all_points);
-  };
-  if (!known.doubt.is_there() && !counts(tracked)) {
+  if (!known.doubt.is_there() && !is_plausible(tracked, known, all_points, start.guesses)) {
     tracked = {};
   }
   if (is_good(tracked, known.doubt)) {
@@ -108,13 +103,18 @@ bool PlaceSearch::is_certain(const Match& match) const {
              kCertainInformationFactor * matcher_params_.min_information_ratio;
 }
 
-// In a fast rotation odometry may be late by any angle, and the same place does not look alike at
-// another heading: a scan that fits there certainly shows nothing new.
-bool PlaceSearch::is_near(const Match& match, std::span<const geometry::SE2> guesses) const {
-  return std::any_of(guesses.begin(), guesses.end(), [&](const geometry::SE2& guess) {
+// A place away from odometry counts only if the scan contradicts what was seen from here. Otherwise
+// the scan shows something new, and the other place may merely look alike. But in a fast rotation
+// odometry may be late by any angle, and the same place does not look alike at another heading: a
+// scan that fits there certainly shows nothing new.
+bool PlaceSearch::is_plausible(const Match& match, const Known& known, const LevelScan& all_points,
+                               std::span<const geometry::SE2> guesses) const {
+  const auto is_here = [&](const geometry::SE2& guess) {
     const geometry::SE2 turned{guess.x, guess.y, match.T_target_base.yaw};
     return is_same_place(match.T_target_base, is_certain(match) ? turned : guess);
-  });
+  };
+  return std::any_of(guesses.begin(), guesses.end(), is_here) ||
+         known.views.contradicts(all_points);
 }
 
 std::optional<Place> PlaceSearch::find_near(const Known& known, const LevelScan& scan,
@@ -123,12 +123,8 @@ std::optional<Place> PlaceSearch::find_near(const Known& known, const LevelScan&
                                             const Match& tracked) const {
   const auto better = search_.find_better(matcher_, known.back_end.local().points, scan.points_base,
                                           guesses, tracked);
-  if (!better) {
-    return std::nullopt;
-  }
-  return is_near(*better, guesses) || known.views.contradicts(all_points)
-             ? std::optional(Place{*better})
-             : std::nullopt;
+  return better && is_plausible(*better, known, all_points, guesses) ? std::optional(Place{*better})
+                                                                     : std::nullopt;
 }
 
 // Returns the best of all places in reach and of those near the guesses. It is sure if the scan

@@ -67,7 +67,9 @@ class PlaceSearch {
  private:
   [[nodiscard]] bool is_good(const Match& tracked, const Doubt& doubt) const;
   [[nodiscard]] bool is_certain(const Match& match) const;
-  [[nodiscard]] bool is_near(const Match& match, std::span<const geometry::SE2> guesses) const;
+  [[nodiscard]] bool is_plausible(const Match& match, const Known& known,
+                                  const LevelScan& all_points,
+                                  std::span<const geometry::SE2> guesses) const;
   [[nodiscard]] std::optional<Place> find_near(const Known& known, const LevelScan& scan,
                                                const LevelScan& all_points,
                                                std::span<const geometry::SE2> guesses,

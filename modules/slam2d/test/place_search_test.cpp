@@ -116,6 +116,7 @@ test::FloorPlan posts(std::uint64_t seed) {
 // The robot drives towards the end of a field of posts, and sees ever fewer of them, most of which
 // were hidden before: a scan fits at many poses.
 TEST(Slam2d, NewPostsDoNotMoveThePoseAwayFromOdometry) {
+  constexpr double kTurnedRad = 0.25;  // a match near odometry may turn the pose by 0.2
   int num_turned = 0;
   for (std::uint64_t seed = 1000; seed < 1040; ++seed) {
     test::Slam slam;
@@ -126,12 +127,12 @@ TEST(Slam2d, NewPostsDoNotMoveThePoseAwayFromOdometry) {
       const SE2 truth{0.9 * step, 0.0, 0.0};
       const time::Timestamp stamp(kPeriod * step);
       const auto update = track(slam, scanner.scan(plan, truth, stamp), truth);
-      is_turned |= update && std::abs(update->T_map_base.yaw) > 0.25;
+      is_turned |= update && std::abs(update->T_map_base.yaw) > kTurnedRad;
     }
     num_turned += is_turned ? 1 : 0;
   }
-  // Measured: none as compiled by g++, 2 as by clang. A scan that seems to contradict the map may
-  // still turn the pose.
+  // Measured: none as compiled by g++, 2 as by clang, because a scan that seems to contradict the
+  // map may still turn the pose; 4 or more if matches far from odometry count.
   EXPECT_LE(num_turned, 2);
 }
 
