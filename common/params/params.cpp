@@ -107,7 +107,8 @@ class YamlLoader {
         const std::string key = prefix + item.first.Scalar();
         // Of two values that contradict each other, neither is known to be the one that is meant.
         if (!keys_.insert(key).second) {
-          throw ParamError(where + ": key '" + key + "' is already set in this file");
+          throw ParamError(std::string(where).append(": key '").append(key).append(
+              "' is already set in this file"));
         }
         table_.set(key, item.second.Scalar(), where);
       } else {
