@@ -45,14 +45,10 @@ NavigatorNode::NavigatorNode(node::Context& context, const Params& params)
   bus.subscribe<nodmap::stop_t>("STOP", [this](const auto& m) { on_stop(m); });
 }
 
-InputSenders::Message NavigatorNode::from_bus(time::Timestamp stamp) const {
-  return {stamp, context_.bus.origin().sender};
-}
-
 // Follows the sender of the message being handled. Counts the message and returns false if another
 // one is followed.
-bool NavigatorNode::follow_sender(InputSenders::Input input, time::Timestamp stamp) {
-  if (senders_.follow(input, from_bus(stamp), newest_.stamps)) {
+bool NavigatorNode::follow_sender(InputSenders::Input input) {
+  if (senders_.follow(input, context_.bus.origin())) {
     return true;
   }
   context_.counts.reject(InputSenders::cause_of(input));
@@ -70,7 +66,7 @@ void NavigatorNode::on_map(const nodmap::egomap_t& message) {
     context_.counts.reject("map_of_former_odometry");
     return;
   }
-  if (!follow_sender(Input::kObstacleMap, node::stamp_of(message))) {
+  if (!follow_sender(Input::kObstacleMap)) {
     return;
   }
   context_.counts.use();
@@ -82,7 +78,7 @@ void NavigatorNode::on_map(const nodmap::egomap_t& message) {
 
 void NavigatorNode::on_scan(const nodmap::scan_t& message) {
   if (!input_.read(message, scan_)) {
-    senders_.refuse(Input::kScan, from_bus(node::stamp_of(message)), newest_.stamps);
+    senders_.refuse(Input::kScan, context_.bus.origin());
     return;
   }
   const auto T_odom_base = odometry_history_.at(scan_.mid_stamp());
@@ -90,7 +86,7 @@ void NavigatorNode::on_scan(const nodmap::scan_t& message) {
     context_.counts.reject("scan_without_odometry");
     return;
   }
-  if (!follow_sender(Input::kScan, node::stamp_of(message))) {
+  if (!follow_sender(Input::kScan)) {
     return;
   }
   context_.counts.use();
@@ -105,7 +101,7 @@ void NavigatorNode::on_base_sensors(const nodmap::base_sensors_t& message) {
     context_.counts.reject("base_sensors_without_odometry");
     return;
   }
-  if (!follow_sender(Input::kBaseSensors, node::stamp_of(message))) {
+  if (!follow_sender(Input::kBaseSensors)) {
     return;
   }
   context_.counts.use();
@@ -117,10 +113,10 @@ void NavigatorNode::on_odometry(const nodmap::odometry_t& message) {
   const auto T_odom_base = input_.read(message);
   odom_frame_is_new_ = odom_frame_is_new_ || input_.odometry_restarted();
   if (!T_odom_base) {
-    senders_.refuse(Input::kOdometry, from_bus(node::stamp_of(message)), newest_.stamps);
+    senders_.refuse(Input::kOdometry, context_.bus.origin());
     return;
   }
-  if (!follow_sender(Input::kOdometry, node::stamp_of(message))) {
+  if (!follow_sender(Input::kOdometry)) {
     return;
   }
   if (std::exchange(odom_frame_is_new_, false)) {
@@ -156,7 +152,7 @@ void NavigatorNode::on_pitch_command(const nodmap::pitch_command_t& message) {
     context_.counts.reject("implausible_pitch_command");
     return;
   }
-  if (!follow_sender(Input::kPitchCommand, node::stamp_of(message))) {
+  if (!follow_sender(Input::kPitchCommand)) {
     return;
   }
   context_.counts.use();
@@ -171,7 +167,7 @@ void NavigatorNode::on_pitch_state(const nodmap::pitch_state_t& message) {
     context_.counts.reject("implausible_pitch_state");
     return;
   }
-  if (!follow_sender(Input::kPitchState, node::stamp_of(message))) {
+  if (!follow_sender(Input::kPitchState)) {
     return;
   }
   context_.counts.use();
@@ -253,7 +249,8 @@ Decision NavigatorNode::halt(Reason reason) {
 }
 
 std::optional<Reason> NavigatorNode::find_inhibit_reason(const StalenessParams& limits) const {
-  return inhibit_reason(newest_, senders_.contested_channel(newest_.stamps), params_, limits);
+  return inhibit_reason(newest_, senders_.contested_channel(context_.bus.origin().arrived), params_,
+                        limits);
 }
 
 void NavigatorNode::publish(const Decision& decision) {

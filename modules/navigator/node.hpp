@@ -58,8 +58,8 @@ class NavigatorNode final : public node::Node {
   void on_pose(const nodmap::pose_t& message);
   void on_stop(const nodmap::stop_t& message);
 
-  [[nodiscard]] InputSenders::Message from_bus(time::Timestamp stamp) const;
-  [[nodiscard]] bool follow_sender(InputSenders::Input input, time::Timestamp stamp);
+  [[nodiscard]] bool follow_sender(InputSenders::Input input);
+  void watch_map_frame();
   void watch_slip(const nodmap::pose_t& message);
   void begin_odometry_frame(time::Timestamp stamp);
   [[nodiscard]] Decision halt(Reason reason);

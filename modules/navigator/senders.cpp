@@ -18,33 +18,23 @@ constexpr std::array<Names, 6> kNames{
      {"OBSTACLE_MAP", "other_sender_of_obstacle_map"},
      {"BASE_SENSORS", "other_sender_of_base_sensors"}}};  // by input
 
-// The time by which an input is watched. Odometry comes all the time, so its stamps are the clock
-// of the other inputs; for odometry itself it is the readings of the servo. A step back begins
-// anew.
-time::SteadyTime clock_of(Input input, time::Timestamp otherwise, const InputStamps& stamps) {
-  const auto& newest = input == Input::kOdometry ? stamps.pitch_state : stamps.odometry;
-  return time::SteadyTime(newest.value_or(otherwise).time_since_epoch());
-}
-
 }  // namespace
 
-bool InputSenders::follow(Input input, const Message& message, const InputStamps& stamps) {
-  return watches_[static_cast<std::size_t>(input)].follow(message.sender,
-                                                          clock_of(input, message.stamp, stamps));
+bool InputSenders::follow(Input input, const bus::Origin& origin) {
+  return watches_[static_cast<std::size_t>(input)].follow(origin.sender, origin.arrived);
 }
 
-void InputSenders::refuse(Input input, const Message& message, const InputStamps& stamps) {
-  watches_[static_cast<std::size_t>(input)].refuse(message.sender,
-                                                   clock_of(input, message.stamp, stamps));
+void InputSenders::refuse(Input input, const bus::Origin& origin) {
+  watches_[static_cast<std::size_t>(input)].refuse(origin.sender, origin.arrived);
 }
 
 const char* InputSenders::cause_of(Input input) {
   return kNames[static_cast<std::size_t>(input)].cause;
 }
 
-std::optional<std::string> InputSenders::contested_channel(const InputStamps& stamps) const {
+std::optional<std::string> InputSenders::contested_channel(time::SteadyTime now) const {
   for (std::size_t i = 0; i < watches_.size(); ++i) {
-    if (watches_[i].is_contested(clock_of(static_cast<Input>(i), {}, stamps))) {
+    if (watches_[i].is_contested(now)) {
       return kNames[i].channel;
     }
   }

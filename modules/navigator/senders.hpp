@@ -9,7 +9,6 @@
 #include "common/bus/sender.hpp"
 #include "common/bus/sender_watch.hpp"
 #include "common/geometry/time.hpp"
-#include "modules/navigator/staleness.hpp"
 
 namespace nodmap::navigator {
 
@@ -26,23 +25,18 @@ class InputSenders {
     kBaseSensors
   };
 
-  struct Message {
-    time::Timestamp stamp;
-    bus::Sender sender;
-  };
-
   /// Takes a message. Returns false if it comes from another sender than the one that is followed.
-  /// `stamps`: of the messages used so far.
-  [[nodiscard]] bool follow(Input input, const Message& message, const InputStamps& stamps);
+  [[nodiscard]] bool follow(Input input, const bus::Origin& origin);
 
   /// Takes a message that is refused for another reason: it may reveal a second sender.
-  void refuse(Input input, const Message& message, const InputStamps& stamps);
+  void refuse(Input input, const bus::Origin& origin);
 
   /// The name under which messages of other senders are counted.
   [[nodiscard]] static const char* cause_of(Input input);
 
-  /// The channel of an input that two processes send; empty if there is none.
-  [[nodiscard]] std::optional<std::string> contested_channel(const InputStamps& stamps) const;
+  /// The channel of an input that two processes send; empty if there is none. `now`: by the clock
+  /// of Origin::arrived.
+  [[nodiscard]] std::optional<std::string> contested_channel(time::SteadyTime now) const;
 
  private:
   std::array<bus::SenderWatch, 6> watches_;  // by input

@@ -31,6 +31,9 @@ class NavigatorNodeTest : public ::testing::Test {
     return params;
   }
 
+  /// All further messages come from this sender.
+  void send_as(const bus::Sender& sender) { bus_.set_origin({sender, {}, arrived_}); }
+
   void give_odometry(std::int64_t utime_us) {
     auto message = node::write_odometry(time::from_utime(utime_us), geometry::to_se3({x_, 0, 0}));
     message.odometry_seq = odometry_seq_++;
@@ -74,6 +77,8 @@ class NavigatorNodeTest : public ::testing::Test {
   /// Delivers ten milliseconds of all inputs but the lost one.
   void tick(int lost = -1) {
     now_us_ += 10'000;
+    arrived_ += 10ms;
+    send_as(bus_.origin().sender);
     if (lost != kCommand) {
       give_command(now_us_, max_forward_mps_);
     }
@@ -116,6 +121,7 @@ class NavigatorNodeTest : public ::testing::Test {
   node::Context context_{bus_, counts_, {}};
   NavigatorNode node_;
   std::int64_t now_us_ = 1'000'000'000;
+  time::SteadyTime arrived_{};  ///< the steady clock, which nobody sets
   std::int64_t odometry_seq_ = 0;
   std::int64_t map_seq_ = 0;
   std::int64_t command_seq_ = 0;
