@@ -16,7 +16,6 @@ using geometry::kPi;
 constexpr double kNever = std::numeric_limits<double>::infinity();
 // Arcs flatter than this count as straight: after 5 m they are 1.2 cm beside the line.
 constexpr double kStraightCurvature = 1e-3;
-constexpr double kImpossibleDepthM = 0.03;
 // The margin that remains for points that are within the margin already.
 constexpr double kTightMarginM = 0.005;
 
@@ -117,7 +116,7 @@ double arc_distance(const Eigen::Vector2d& p, double curvature, const robot::Foo
 }  // namespace
 
 bool is_error_of_map(const Eigen::Vector2d& p_base, const robot::Footprint& body) {
-  return body.grown(-kImpossibleDepthM, -kImpossibleDepthM).contains(p_base);
+  return body.grown(-kErrorOfMapM, -kErrorOfMapM).contains(p_base);
 }
 
 double free_distance(const Points& points_base, double curvature, const robot::Footprint& body,

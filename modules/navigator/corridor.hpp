@@ -9,6 +9,9 @@
 
 namespace nodmap::navigator {
 
+/// A point this deep within the body is an error of the map, metres.
+inline constexpr double kErrorOfMapM = 0.03;
+
 /// Whether a point is so deep within the body that it is an error of the map: odometry has drifted
 /// since it was seen. It is ignored, because it would block the robot for ever.
 [[nodiscard]] bool is_error_of_map(const Eigen::Vector2d& p_base, const robot::Footprint& body);

@@ -75,6 +75,21 @@ bool Geofence::contains(const Eigen::Vector2d& p_map) const {
   return bg::within(Corner(p_map.x(), p_map.y()), shape);
 }
 
+bool Geofence::contains(const geometry::SE2& T_map_base, const robot::Footprint& body) const {
+  const bg::model::polygon<Corner>& shape = *polygon_;
+  const double x = body.half_length_m;
+  const double y = body.half_width_m;
+  bg::model::ring<Corner> outline;
+  // Clockwise and closed, as Boost.Geometry has them.
+  for (const Eigen::Vector2d& corner_base :
+       {Eigen::Vector2d(x, y), Eigen::Vector2d(x, -y), Eigen::Vector2d(-x, -y),
+        Eigen::Vector2d(-x, y), Eigen::Vector2d(x, y)}) {
+    const Eigen::Vector2d corner_map = T_map_base * corner_base;
+    outline.emplace_back(corner_map.x(), corner_map.y());
+  }
+  return bg::within(outline, shape);
+}
+
 Points Geofence::boundary_near(const Eigen::Vector2d& p_map, double radius_m) const {
   const bg::model::polygon<Corner>& shape = *polygon_;
   Points points_map;

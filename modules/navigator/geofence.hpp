@@ -5,6 +5,8 @@
 #include <memory>
 #include <string>
 
+#include "common/geometry/se2.hpp"
+#include "common/robot/footprint.hpp"
 #include "modules/navigator/obstacle_points.hpp"
 
 namespace nodmap::navigator {
@@ -23,6 +25,9 @@ class Geofence {
 
   /// Whether a place lies inside. The boundary does not.
   [[nodiscard]] bool contains(const Eigen::Vector2d& p_map) const;
+
+  /// Whether the whole body lies inside. It may touch the boundary.
+  [[nodiscard]] bool contains(const geometry::SE2& T_map_base, const robot::Footprint& body) const;
 
   /// Points on the boundary within `radius_m` of a place, so close together (2 cm) that no body
   /// fits between them. Frame map.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/navigator/inhibit_reason.hpp"
 
+#include "modules/navigator/corridor.hpp"
 #include "modules/navigator/geofence.hpp"
 
 namespace nodmap::navigator {
@@ -14,17 +15,20 @@ constexpr double kTopSpeedMps = 5.2;
 constexpr time::Duration kFencePose = 2s;
 
 // With a geofence the robot drives only while it knows that it is inside. If it has got outside,
-// it does not drive back: nothing says that the path back is allowed.
-std::optional<Reason> reason_by_geofence(const Inputs& inputs) {
+// it does not drive back: nothing says that the path back is allowed. It is outside if any part of
+// the boundary is so deep within the body that Brake would ignore it there.
+std::optional<Reason> reason_by_geofence(const Inputs& inputs, const robot::Footprint& body) {
   if (inputs.geofence == nullptr) {
     return std::nullopt;
+  }
+  if (inputs.is_fence_void) {
+    return Why::kVoidFence;
   }
   if (!inputs.pose.stamp || inputs.pose.is_lost ||
       std::chrono::abs(*inputs.stamps.odometry - *inputs.pose.stamp) > kFencePose) {
     return Why::kNoPoseInFence;
   }
-  if (!inputs.geofence->contains(inputs.pose.T_map_odom *
-                                 inputs.odometry->T_odom_base.translation())) {
+  if (!inputs.geofence->contains(inputs.T_map_base(), body.grown(-kErrorOfMapM, -kErrorOfMapM))) {
     return Why::kOutsideFence;
   }
   if (inputs.goal_state() == GoalState::kOutsideFence) {
@@ -51,6 +55,9 @@ std::optional<Reason> inhibit_reason(const Inputs& inputs,
   if (inputs.stopped_by) {
     return Reason(Why::kStopped, *inputs.stopped_by);
   }
+  if (inputs.is_goal_void) {
+    return Why::kVoidGoal;
+  }
   if (inputs.goal && inputs.pose.is_lost) {
     return Why::kLostPose;
   }
@@ -63,7 +70,7 @@ std::optional<Reason> inhibit_reason(const Inputs& inputs,
   if (inputs.servo_is_stalled) {
     return Why::kStalledServo;
   }
-  if (auto reason = reason_by_geofence(inputs)) {
+  if (auto reason = reason_by_geofence(inputs, params.robot.body.footprint())) {
     return reason;
   }
   const bool docks = inputs.goal && inputs.goal->heading_tolerance_rad;

@@ -16,11 +16,18 @@ constexpr double kGoalSigmas = 3.0;
 
 void Inputs::forget_odom_frame() {
   map.reset();
-  // A goal in map could be anywhere in the new frame, until the next pose.
+  // A goal in map could be anywhere in the new frame, until the next pose; without 2D SLAM there is
+  // none.
+  is_goal_void = is_goal_void || (goal && !pose.stamp && !pose.is_lost);
   pose.is_lost = pose.is_lost || pose.stamp;
   pose.stamp.reset();
   stamps.map.reset();
   stamps.scan.reset();
+}
+
+void Inputs::forget_map_frame() {
+  is_goal_void = goal.has_value();
+  is_fence_void = geofence != nullptr;
 }
 
 Situation Inputs::situation(const DriveParams& drive) const {

@@ -188,6 +188,7 @@ void NavigatorNode::on_goal(const nodmap::goal_t& message) {
   }
   context_.counts.use();
   newest_.goal = read_goal(message);
+  newest_.is_goal_void = false;
 }
 
 // Moves the goal in odom. A stale or missing pose is no reason to halt: it leads the robot to
@@ -200,6 +201,7 @@ void NavigatorNode::on_pose(const nodmap::pose_t& message) {
     return;
   }
   if (T_map_odom) {
+    watch_map_frame();
     newest_.pose.is_degraded = message.state == nodmap::pose_t::DEGRADED;
     newest_.pose.is_lost = message.state == nodmap::pose_t::LOST;
   }
@@ -216,6 +218,15 @@ void NavigatorNode::on_pose(const nodmap::pose_t& message) {
     newest_.pose.stamp = std::min(*newest_.pose.stamp, node::stamp_of(message));
   }
   watch_slip(message);
+}
+
+// A 2D SLAM that was restarted has another map, or at least may have one: it does not say.
+void NavigatorNode::watch_map_frame() {
+  const bus::Sender sender = context_.bus.origin().sender;
+  if (pose_sender_ && *pose_sender_ != sender) {
+    newest_.forget_map_frame();
+  }
+  pose_sender_ = sender;
 }
 
 // Only while 2D SLAM is sure in all directions: along a bare corridor it follows the wheels.
@@ -237,6 +248,7 @@ void NavigatorNode::watch_slip(const nodmap::pose_t& message) {
 void NavigatorNode::on_stop(const nodmap::stop_t& message) {
   context_.counts.use();
   stop_latch_.take(message);
+  newest_.is_fence_void = newest_.is_fence_void && message.is_stopped != 0;
   newest_.stopped_by = stop_latch_.stopped_by();
 }
 

@@ -79,6 +79,7 @@ class NavigatorNode final : public node::Node {
 
   node::SequenceCounter pitch_commands_watch_;
   InputSenders senders_;
+  std::optional<bus::Sender> pose_sender_;  // of the last POSE_2D
   node::SequenceCounter pitch_states_watch_;
   time::Timestamp odometry_frame_began_{};
   bool odom_frame_is_new_ = false;  // since the odometry used last

@@ -13,12 +13,14 @@ enum class Why : std::uint8_t {
 
   // Why the robot must not drive: the inhibit reasons.
   kStopped,  // by whom
+  kVoidGoal,
   kLostPose,
   kNoInput,      // which
   kStaleInput,   // which
   kFutureInput,  // which
   kTwoSenders,   // of which channel
   kStalledServo,
+  kVoidFence,
   kNoPoseInFence,
   kOutsideFence,
   kGoalOutsideFence,

@@ -35,6 +35,30 @@ TEST(Geofence, ContainsPointsInsideTheOuterRingAndOutsideTheHoles) {
   EXPECT_FALSE(fence.contains({std::nan(""), 0.0}));
 }
 
+// The oracle: all corners are inside, and no point of the boundary is within the body.
+TEST(Geofence, ContainsABodyOfWhichNoPartIsOutside) {
+  const Geofence fence(kWithHole);
+  const robot::Footprint body{0.4, 0.2};
+  std::mt19937 random(9);
+  std::uniform_real_distribution<double> uniform(-2.5, 2.5);
+  int num_contained = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const geometry::SE2 T_map_base{uniform(random), uniform(random), uniform(random)};
+    bool is_inside = true;
+    for (const Eigen::Vector2d& corner_base :
+         {Eigen::Vector2d(0.4, 0.2), Eigen::Vector2d(0.4, -0.2), Eigen::Vector2d(-0.4, 0.2),
+          Eigen::Vector2d(-0.4, -0.2)}) {
+      is_inside = is_inside && fence.contains(T_map_base * corner_base);
+    }
+    for (const Eigen::Vector2d& p_map : fence.boundary_near({0.0, 0.0}, 100.0)) {
+      is_inside = is_inside && !body.contains(T_map_base.inverse() * p_map);
+    }
+    EXPECT_EQ(fence.contains(T_map_base, body), is_inside) << i;
+    num_contained += is_inside ? 1 : 0;
+  }
+  EXPECT_GT(num_contained, 200) << "both answers must occur: a quarter of the places is expected";
+}
+
 TEST(Geofence, TheBoundaryNearAPlaceIsThePartWithinTheRadius) {
   const Geofence fence(kWithHole);
   const Points whole = fence.boundary_near({0.0, 0.0}, 100.0);

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "modules/navigator/corridor.hpp"
 #include "modules/navigator/geofence.hpp"
 
 namespace nodmap::navigator {
@@ -82,6 +83,17 @@ TEST_F(InhibitReasonTest, WithAGeofenceItMustKnowThatItIsInside) {
   inputs_.goal = {{3.0, 0.0, 0.0}, 0.1, std::nullopt};
   EXPECT_EQ(reason(), Reason(Why::kGoalOutsideFence));
   inputs_.pose.T_map_odom.y = 2.1;
+  EXPECT_EQ(reason(), Reason(Why::kOutsideFence));
+}
+
+// From there on Brake takes the boundary for an error of the map.
+TEST_F(InhibitReasonTest, ItIsOutsideAGeofenceThatCrossesItsBody) {
+  inputs_.geofence = &fence_;
+  inputs_.pose.stamp = inputs_.stamps.odometry;
+  const double touches_m = 2.0 - params_.robot.body.footprint().half_length_m;
+  inputs_.pose.T_map_odom.x = touches_m + kErrorOfMapM - 1e-6;
+  EXPECT_EQ(reason(), std::nullopt);
+  inputs_.pose.T_map_odom.x = touches_m + kErrorOfMapM + 1e-6;
   EXPECT_EQ(reason(), Reason(Why::kOutsideFence));
 }
 

@@ -18,6 +18,8 @@ namespace node_goal_test {
 using test::NavigatorNodeScans;
 using test::NavigatorNodeTest;
 
+constexpr bus::Sender kOther{0x7F000001, 40'001};
+
 // A navigator with a geofence: a square of 8 m.
 class NavigatorNodeGeofence : public NavigatorNodeTest {
  protected:
@@ -87,6 +89,22 @@ TEST_F(NavigatorNodeGeofence, APoseOfFormerOdometryIsNotUsed) {
   EXPECT_TRUE(drives());
 }
 
+// Its map begins where the robot is, so the fence would be elsewhere on the floor.
+TEST_F(NavigatorNodeGeofence, AfterARestartOf2DSlamItHaltsUntilReleased) {
+  run_with_poses(2.0);
+  ASSERT_TRUE(drives());
+  send_as(kOther);
+  give_pose(0.0);
+  send_as({});
+  run(0.1);
+  EXPECT_TRUE(halts());
+  EXPECT_EQ(navigation().reason,
+            "2D SLAM has started anew: the geofence must be confirmed by a release.");
+  bus_.deliver("STOP", nodmap::stop_t{});
+  run(1.5);
+  EXPECT_TRUE(drives());
+}
+
 TEST_F(NavigatorNodeGeofence, BrakesBeforeTheBoundaryAndHaltsOutside) {
   run_with_poses(2.0, 1.0);
   ASSERT_TRUE(drives());
@@ -141,6 +159,35 @@ TEST_F(NavigatorNodeTest, GoesToAGoalInTheCorrectedMap) {
   bus_.deliver("GOAL", goal);
   run(1.5);
   EXPECT_TRUE(drives());
+}
+
+TEST_F(NavigatorNodeTest, AGoalIsVoidOnceItsFrameIsGone) {
+  nodmap::goal_t goal{};
+  goal.is_active = 1;
+  goal.tolerance_m = 0.2;
+  goal.position_m[0] = 100.0;
+  const auto expect_to_wait_for_a_goal = [&] {
+    run(1.0);
+    EXPECT_TRUE(halts());
+    EXPECT_EQ(navigation().reason,
+              "The map in which the goal was given is gone: waits for a new goal.");
+    bus_.deliver("GOAL", goal);
+    run(2.0);
+    EXPECT_TRUE(drives());
+  };
+  run(1.5);
+  bus_.deliver("GOAL", goal);
+  run(1.0);
+  ASSERT_TRUE(drives());
+  odometry_seq_ = 0;
+  expect_to_wait_for_a_goal();  // there is no 2D SLAM, so map was odom
+  const auto pose = node::write_corrected_pose(time::from_utime(now_us_), geometry::SE3::Identity(),
+                                               geometry::SE3::Identity());
+  bus_.deliver("POSE_2D", pose);
+  run(1.0);
+  ASSERT_TRUE(drives());
+  bus_.deliver_from(kOther, "POSE_2D", pose);
+  expect_to_wait_for_a_goal();  // 2D SLAM has been restarted
 }
 
 // The robot has arrived within 5 cm, and stays so up to 15 cm; a goal 14 cm ahead is another one.
