@@ -36,22 +36,19 @@ void LogFolder::delete_oldest(const CurrentLog& current) {
   if (settings_.quota_bytes == 0 && settings_.reserve_bytes == 0) {
     return;
   }
-  const std::vector<Log> logs = logs_oldest_first();
+  std::vector<Log> logs = logs_oldest_first();
   std::int64_t held_bytes = 0;
-  std::string newest;  // with events, beside the current one
   for (const Log& log : logs) {
     held_bytes += log.size_bytes;
-    if (log.size_bytes > 0 && log.name != current.name) {
-      newest = log.name;
-    }
   }
+  std::erase_if(logs, [&](const Log& log) { return log.name == current.name; });
+  const auto newest = std::ranges::find_if(logs.rbegin(), logs.rend(),
+                                           [](const Log& log) { return log.size_bytes > 0; });
   const std::int64_t allowed = allowed_bytes(held_bytes);
   bool all_removed = true;
   for (const Log& log : logs) {
-    if (log.name == current.name) {
-      continue;
-    }
-    const bool is_kept = log.name == newest && current.flushed_bytes == 0;
+    const bool is_kept =
+        newest != logs.rend() && log.name == newest->name && current.flushed_bytes == 0;
     if (held_bytes > allowed && !is_kept) {
       const bool is_removed = remove(log);
       held_bytes -= is_removed ? log.size_bytes : 0;
