@@ -5,7 +5,6 @@
 #include <cstdint>
 
 #include "common/node/messages.hpp"
-#include "common/node/stop_latch.hpp"
 
 namespace nodmap::node {
 
@@ -19,6 +18,7 @@ void StopSender::decide(bool is_stopped, time::Timestamp now) {
   message_.is_stopped = static_cast<std::int8_t>(is_stopped);
   num_sent_ = 0;
   confirmed_by_.reset();
+  latch_.take(message_);
   publish(now);
 }
 
@@ -30,11 +30,11 @@ void StopSender::repeat_if_due(time::Timestamp now) {
 }
 
 void StopSender::take(const nodmap::stop_t& message) {
+  const bool has_been_released = latch_.take(message) == StopLatch::Change::kReleased;
   if (is_confirmation(message)) {
     confirmed_by_ = read_name(message.requested_by);
-  } else if (message.is_stopped == 0 && message_.is_stopped != 0 &&
-             message.utime > message_.utime) {
-    // Somebody else has released the robot; otherwise two senders would contradict each other.
+  } else if (has_been_released && message_.is_stopped != 0) {
+    // By somebody else: otherwise two senders would contradict each other.
     message_.is_stopped = 0;
     num_sent_ = kNumCopies;
     confirmed_by_.reset();

@@ -7,6 +7,7 @@
 
 #include "common/bus/bus.hpp"
 #include "common/geometry/time.hpp"
+#include "common/node/stop_latch.hpp"
 #include "nodmap/stop_t.hpp"
 
 namespace nodmap::node {
@@ -28,8 +29,8 @@ class StopSender {
   /// Releases the robot.
   void release(time::Timestamp now) { decide(false, now); }
 
-  /// Publishes the message that is due now, if any. A copy has the time of its decision: whatever
-  /// somebody else has decided since then is newer.
+  /// Publishes the message that is due now, if any. A copy has the time of its decision, by which
+  /// it is recognised.
   void repeat_if_due(time::Timestamp now);
 
   /// Takes a message on STOP. The bus delivers our own as well.
@@ -49,6 +50,7 @@ class StopSender {
 
   bus::Bus& bus_;
   nodmap::stop_t message_{};   // of the newest decision, with the number of the last message
+  StopLatch latch_;            // what all requesters have decided
   int num_sent_ = kNumCopies;  // of this decision, up to kNumCopies; none is due before the first
   std::optional<time::Timestamp> sent_;
   std::optional<std::string> confirmed_by_;
