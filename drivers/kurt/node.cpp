@@ -185,6 +185,7 @@ void KurtNode::on_drive(const nodmap::drive_t& message) {
   const DriveStatus status = kurt_.drive(request, clock_());
   if (status == DriveStatus::kObeyed) {
     context_.counts.use();
+    stop_on_new_driver(request.sender);
   } else {
     context_.counts.reject(name_of(status));
   }
@@ -199,6 +200,9 @@ void KurtNode::on_stop(const nodmap::stop_t& message) {
   if (change == node::StopLatch::Change::kStopped) {
     kurt_.brake();  // not only with the next DRIVE, which may not come
   }
+  if (message.is_stopped == 0) {
+    driver_.reset();  // also while it is free: whoever sends next has been released
+  }
   if (change != node::StopLatch::Change::kNone) {
     log::get().info("{} by {}", stop_latch_.is_stopped() ? "stopped" : "free to drive",
                     node::read_name(message.requested_by));
@@ -211,6 +215,21 @@ void KurtNode::stop_on_alarm() {
     stop_latch_.stop(name_of(*alarm));
     log::get().warn("stopped by {}", *stop_latch_.stopped_by());
   }
+}
+
+// Stops the robot if DRIVE comes from another process than after the release. A navigator that has
+// been restarted knows neither the goal nor whether the robot was at it, nor which ground it had
+// seen: a robot at its goal would drive off.
+void KurtNode::stop_on_new_driver(const bus::Sender& sender) {
+  if (stop_latch_.is_stopped()) {
+    return;
+  }
+  if (driver_ && *driver_ != sender) {
+    stop_latch_.stop("a new sender of DRIVE");
+    kurt_.brake();
+    log::get().warn("stopped by {}", *stop_latch_.stopped_by());
+  }
+  driver_ = sender;
 }
 
 // Stops the robot if its base, or this process, was absent for long. The base counts as present

@@ -5,10 +5,12 @@
 #include <cstdint>
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 
+#include "common/bus/sender.hpp"
 #include "common/geometry/time.hpp"
 #include "common/node/device_node.hpp"
 #include "common/node/loss_meter.hpp"
@@ -56,6 +58,7 @@ class KurtNode final : public node::DeviceNode {
   void send(const time::Moment& now);
   void on_drive(const nodmap::drive_t& message);
   void on_stop(const nodmap::stop_t& message);
+  void stop_on_new_driver(const bus::Sender& sender);
   void publish_odometry(const OdometrySample& sample);
   void publish_sensors(const time::Moment& now);
   /// Stops the robot if the base's own sensors demand it.
@@ -70,6 +73,7 @@ class KurtNode final : public node::DeviceNode {
   serial::SerialLink link_;
   std::function<time::Moment()> clock_;
   node::StopLatch stop_latch_;
+  std::optional<bus::Sender> driver_;  // whose DRIVE has been obeyed since the release
   StopRepeater stop_repeater_;
   std::int64_t reported_lost_ = 0;
   node::LossMeter encoder_loss_;

@@ -143,7 +143,7 @@ void RobotSoftware::kill(const std::string& name) {
 
 void RobotSoftware::start(const std::string& name) {
   process(name).start();
-  if (name == "kurt") {
+  if (name == "kurt" || name == "navigator") {
     release_robot();
   }
 }

@@ -282,6 +282,47 @@ TEST(KurtNode, ASecondSenderOfDriveStopsTheRobotAndIsReported) {
   EXPECT_EQ(bench.base.left_cm_s(), 50);
 }
 
+// A navigator that has been restarted does not know that the robot was to stand.
+TEST(KurtNode, AnotherSenderOfDriveIsObeyedOnlyAfterARelease) {
+  Bench bench;
+  ASSERT_TRUE(bench.becomes_ready());
+  bench.drive_for(0.0, 0.0, 1s);
+  const bus::Latest<nodmap::stop_t> stop(bench.bus, "STOP");
+  bus::LoopBus restarted(bench.network);
+  nodmap::drive_t message{};
+  message.forward_mps = 0.5;
+  message.valid_us = 200'000;
+  const auto moves = [&] {
+    message.utime = time::to_utime(bench.clock.now());
+    ++message.drive_seq;
+    restarted.publish("DRIVE", message);
+    bench.step();
+    return bench.base.left_cm_s() != 0;
+  };
+  EXPECT_FALSE(bench.step_until(moves, 2s));
+  ASSERT_TRUE(stop.get());
+  EXPECT_EQ(stop.get()->requested_by, "nodmap-kurt, for a new sender of DRIVE");
+  bench.publish_stop(false);
+  EXPECT_TRUE(bench.step_until(moves, 200ms));
+}
+
+// Whoever starts the navigator again may release the robot before it sends anything.
+TEST(KurtNode, AReleaseAlsoPermitsASenderOfDriveThatComesLater) {
+  Bench bench;
+  ASSERT_TRUE(bench.becomes_ready());
+  bench.drive_for(0.5, 0.0, 1s);
+  bench.step_until([] { return false; }, 1s);
+  bench.publish_stop(false);
+  bench.step_until([] { return false; }, 1s);
+  bus::LoopBus restarted(bench.network);
+  nodmap::drive_t message{};
+  message.forward_mps = 0.5;
+  message.valid_us = 200'000;
+  message.utime = time::to_utime(bench.clock.now());
+  restarted.publish("DRIVE", message);
+  EXPECT_TRUE(bench.step_until([&] { return bench.base.left_cm_s() != 0; }, 100ms));
+}
+
 TEST(KurtNode, RefusedCommandsAreCountedByCause) {
   Bench bench;
   ASSERT_TRUE(bench.becomes_ready());
