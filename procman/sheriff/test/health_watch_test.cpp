@@ -4,6 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <map>
+#include <string>
+
 #include "procman/config/parser.hpp"
 
 namespace nodmap::procman {
@@ -271,6 +274,43 @@ TEST_F(HealthWatchTest, DoesNotRestartACommandThatDoesNotRun) {
   report(0);
   EXPECT_THAT(watch_.due_restarts(fleet_, now_), IsEmpty());
 }
+
+// Our processes are DEGRADED while anybody sends what they refuse, and where the configuration
+// makes them: a laser that is held level, a servo that does not measure. A restart would change
+// nothing, and cost the obstacle map.
+class ShippedRules : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(ShippedRules, AnHourOfRefusedMessagesRestartsNothing) {
+  const Config config = load_config(std::string(NODMAP_PMD_DIR) + "/" + GetParam());
+  Fleet fleet(config, "me:1:1");
+  HealthWatch watch(config);
+  std::map<std::string, DeputyInfo> deputies;
+  for (const Command& command : config.commands) {
+    CommandStatus status;
+    status.spec.id = command.id;
+    status.pid = 7;
+    status.actual_run = 1;
+    DeputyInfo& deputy = deputies[command.deputy];
+    deputy.deputy_id = command.deputy;
+    deputy.commands.push_back(status);
+  }
+  const ProcessHealth refusing{.state = ProcessHealth::State::kDegraded,
+                               .reason = "messages of 10.9.9.9 are refused"};
+  for (time::SteadyTime now{1000s}; now < time::SteadyTime{4600s}; now += 1s) {
+    for (const auto& [name, info] : deputies) {
+      fleet.take_info(info, now, {kHost, 1});
+    }
+    std::uint16_t port = 40'000;
+    for (const Command& command : config.commands) {
+      watch.take_status(status_name(command), refusing, fleet, now, {kHost, port++});
+    }
+    const auto restarts = watch.due_restarts(fleet, now);
+    ASSERT_THAT(restarts, IsEmpty()) << restarts[0].command_id << ": " << restarts[0].reason;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, ShippedRules,
+                         ::testing::Values("robot.pmd", "sim.pmd", "replay.pmd", "two_hosts.pmd"));
 
 }  // namespace health_watch_test
 }  // namespace nodmap::procman
