@@ -50,8 +50,13 @@ const char* cause_of(Refusal refusal) {
 HttpConnection::HttpConnection(beast::tcp_stream stream, Hub& hub)
     : stream_(std::move(stream)),
       hub_(hub),
-      ticket_(std::make_unique<Ticket>(hub)),
+      ticket_(std::make_unique<Ticket>(hub, [this] { yield_place(); })),
       input_(std::size_t{2} * kMaxHeadBytes) {}
+
+void HttpConnection::yield_place() {
+  hub_.refuse("slow_request");
+  stream_.close();
+}
 
 void HttpConnection::read() {
   parser_.emplace();

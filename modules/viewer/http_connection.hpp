@@ -21,14 +21,12 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
 
   void start() { read(); }
 
-  /// Ends the connection and cancels its reads and writes.
-  void close() { stream_.close(); }
-
  private:
   using ErrorCode = boost::beast::error_code;
   using Parser = boost::beast::http::request_parser<boost::beast::http::empty_body>;
   using Response = boost::beast::http::response<boost::beast::http::span_body<const char>>;
 
+  void yield_place();
   void read();
   void on_read(ErrorCode error);
   void upgrade();

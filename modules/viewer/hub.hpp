@@ -3,9 +3,11 @@
 #pragma once
 
 #include <boost/core/noncopyable.hpp>
-#include <deque>
+#include <functional>
+#include <list>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/node/log.hpp"
@@ -17,7 +19,7 @@
 
 namespace nodmap::viewer {
 
-class HttpConnection;
+class Ticket;
 class WebSocketClient;
 
 struct Hub {
@@ -30,10 +32,8 @@ struct Hub {
   bool sends_news = true;  ///< whether news is sent now; see Session::next()
   node::MessageCounts counts{};
   log::Throttle throttle{};
-  int connections = 0;
+  std::list<Ticket*> tickets{};  ///< one for each connection, the oldest first
   std::vector<std::weak_ptr<WebSocketClient>> clients{};
-  std::deque<std::weak_ptr<HttpConnection>>
-      requests{};  ///< connections in their HTTP phase, the oldest first
 
   /// Counts a refusal, and logs it at most once in five seconds. `cause` is a snake_case word.
   void refuse(const std::string& cause) {
@@ -44,14 +44,24 @@ struct Hub {
   }
 };
 
-/// Counts a connection during its lifetime.
+/// The place of a connection among all others, during its lifetime.
 class Ticket : boost::noncopyable {
  public:
-  explicit Ticket(Hub& hub) : hub_(hub) { ++hub_.connections; }
-  ~Ticket() { --hub_.connections; }
+  /// `yield` ends the connection, to give its place to a newer one.
+  Ticket(Hub& hub, std::function<void()> yield)
+      : hub_(hub), place_(hub.tickets.insert(hub.tickets.end(), this)), yield_(std::move(yield)) {}
+  ~Ticket() { hub_.tickets.erase(place_); }
+
+  /// Replaces what ends the connection; null: it keeps its place.
+  void on_yield(std::function<void()> yield) { yield_ = std::move(yield); }
+  [[nodiscard]] bool may_yield() const { return yield_ != nullptr; }
+  /// Ends the connection. Its ticket may exist for some time afterwards, but does not yield again.
+  void yield() { std::exchange(yield_, nullptr)(); }
 
  private:
   Hub& hub_;
+  std::list<Ticket*>::iterator place_;
+  std::function<void()> yield_;
 };
 
 }  // namespace nodmap::viewer

@@ -17,7 +17,8 @@ struct ViewerParams {
               "Period at which messages are taken from LCM and sent to the clients.");
     v.integer("max_clients", max_clients, {1, 1000},
               "Greatest number of simultaneous connections; a page has up to seven while it loads. "
-              "Further ones are refused.");
+              "A further one replaces the oldest that does not control the robot; if all do, it is "
+              "refused.");
     v.integer("idle_timeout_s", idle_timeout_s, {2, 3600},
               "A client that has not answered a ping for this long is disconnected.");
     feed.describe(v);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/viewer/server.hpp"
 
+#include <algorithm>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>
@@ -59,34 +60,31 @@ struct Server::Impl {
       pause.async_wait([this](ErrorCode) { accept(); });
       return;
     }
-    if (hub.connections >= hub.max_connections && !end_oldest_request()) {
+    if (is_full() && !make_room()) {
       hub.refuse("too_many_connections");
     } else {
       ErrorCode ignored;
       socket.set_option(tcp::no_delay(true), ignored);
       socket.set_option(asio::socket_base::send_buffer_size(kSendBufferBytes), ignored);
-      const auto connection =
-          std::make_shared<HttpConnection>(boost::beast::tcp_stream(std::move(socket)), hub);
-      std::erase_if(hub.requests, [](const auto& request) { return request.expired(); });
-      hub.requests.push_back(connection);
-      connection->start();
+      std::make_shared<HttpConnection>(boost::beast::tcp_stream(std::move(socket)), hub)->start();
     }
     accept();
   }
 
-  // Ends the oldest connection that has not become a client yet, to make room for a new one; a
-  // browser sends its request within milliseconds. Returns whether there was one.
-  bool end_oldest_request() {
-    while (!hub.requests.empty()) {
-      const auto oldest = hub.requests.front().lock();
-      hub.requests.pop_front();
-      if (oldest) {
-        oldest->close();
-        hub.refuse("slow_request");
-        return true;
-      }
+  [[nodiscard]] bool is_full() const {
+    return hub.tickets.size() >= static_cast<std::size_t>(hub.max_connections);
+  }
+
+  // Ends the oldest connection that does not control the robot. Whoever wants to control it sends
+  // the token within milliseconds, before as many others have come. So however many only read, and
+  // however many say nothing, they keep nobody with the token out. Returns whether there was one.
+  bool make_room() {
+    const auto oldest = std::ranges::find_if(hub.tickets, &Ticket::may_yield);
+    if (oldest == hub.tickets.end()) {
+      return false;
     }
-    return false;
+    (*oldest)->yield();
+    return true;
   }
 
   template <class Do>

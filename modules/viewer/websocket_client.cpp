@@ -32,6 +32,16 @@ WebSocketClient::WebSocketClient(beast::tcp_stream stream, Hub& hub, std::unique
       rest_(socket_.get_executor(), boost::asio::steady_timer::time_point::max()),
       heartbeat_(time::steady_now()) {
   set_options(access.protocol);
+  if (access.rights.may_control) {
+    ticket_->on_yield(nullptr);
+  } else {
+    ticket_->on_yield([this] { yield_place(); });
+  }
+}
+
+void WebSocketClient::yield_place() {
+  hub_.refuse("replaced_reader");
+  beast::get_lowest_layer(socket_).close();
 }
 
 void WebSocketClient::set_options(const std::string& protocol) {

@@ -37,6 +37,7 @@ class WebSocketClient : public std::enable_shared_from_this<WebSocketClient> {
  private:
   using ErrorCode = boost::beast::error_code;
 
+  void yield_place();
   void set_options(const std::string& protocol);
   void on_accept(ErrorCode error);
   void read();

@@ -65,7 +65,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   viewer.server.poll();
   ::close(socket);
   viewer.server.run_for(milliseconds(1));
-  if (viewer.hub.connections > viewer.hub.max_connections + 1) {
+  if (viewer.hub.tickets.size() > static_cast<std::size_t>(viewer.hub.max_connections + 1)) {
     std::abort();
   }
   return 0;

@@ -271,6 +271,34 @@ class HostileClients(WithLog):
         for half in halves:
             half.close()
 
+    def test_many_readers_do_not_keep_the_token_out(self):
+        with Viewer("--control", "--set", "max_clients=20") as viewer:
+            readers = [Client(viewer.port, headers={"Origin": "http://evil.example"}) for _ in range(20)]
+            self.assertEqual(get(viewer.port, "/")[0], 200)
+            driver = Client(viewer.port, target=f"/?token={viewer.token}")
+            self.assertTrue(driver.call({"do": "stop"})["ok"])
+            # A page or a reader that comes now replaces the oldest, and the one with the token stays.
+            readers += [Client(viewer.port, headers={"Origin": "http://evil.example"}) for _ in range(30)]
+            self.assertTrue(driver.call({"do": "stop"})["ok"])
+            with self.assertRaises(OSError):
+                while True:
+                    readers[0].socket.receive()
+            readers[-1].subscribe("STOP")
+            readers[-1].collect(bool)
+            for reader in readers:
+                reader.close()
+
+    def test_those_with_the_token_keep_their_places(self):
+        with Viewer("--control", "--set", "max_clients=5") as viewer:
+            drivers = [Client(viewer.port, target=f"/?token={viewer.token}") for _ in range(5)]
+            with self.assertRaises(OSError):
+                Client(viewer.port, target=f"/?token={viewer.token}")
+            for driver in drivers:
+                self.assertTrue(driver.call({"do": "stop"})["ok"])
+            drivers.pop().close()
+            viewer.stop()
+            self.assertIn("refused to clients: 1 too_many_connections", viewer.said())
+
     def test_ten_thousand_connections_do_no_harm(self):
         """All 10^4 are held open by this side; the viewer serves 40 of them at a time, closes the others, and stays able to serve."""
         needed = 10_000 + 100
