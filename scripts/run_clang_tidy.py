@@ -22,6 +22,8 @@ import shlex
 import subprocess
 import sys
 
+from check_layers import is_test
+
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 GOOD = pathlib.Path(os.environ.get("XDG_CACHE_HOME") or "~/.cache").expanduser() / "nodmap" / "clang-tidy"
 VERSION = subprocess.run(["clang-tidy", "--version"], capture_output=True).stdout
@@ -35,10 +37,6 @@ def sources_of(entry):
         files = [pathlib.Path(name) for name in re.findall(r'#include "(.*)"', unit.read_text())]
     build = pathlib.Path(entry["directory"])
     return [file.relative_to(ROOT) for file in files if file.is_relative_to(ROOT) and not file.is_relative_to(build)]
-
-
-def is_test(path):
-    return "test" in path.parts or path.parts[0] in ("tests", "bench")
 
 
 def key_of(entry, config):
