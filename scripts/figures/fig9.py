@@ -27,7 +27,7 @@ def errors_of(trial):
 
 def draw_oblique(axes, points):
     camera, at = np.array([0.3, -8.2, 7.4]), np.array([0.5, 2.2, 0.3])
-    uv, depth, order = scene.project(points, camera, at, 62.0)
+    uv, _, order = scene.project(points, camera, at, 62.0)
     drawn = axes.scatter(uv[:, 0], uv[:, 1], s=0.7, c=points[order, 2], cmap=style.HEIGHT_MAP, vmin=0, vmax=TOP_M, linewidths=0)
     low, high = np.percentile(uv, [0.2, 99.8], axis=0)
     axes.set_xlim(low[0] - 0.03, high[0] + 0.03)

@@ -92,14 +92,19 @@ def robot(x, y, yaw_rad):
                   colour=(0.25, 0.25, 0.28))]
 
 
+def axes_of_camera(camera, at):
+    """The directions right, up and ahead of a camera at `camera` that is directed at `at`."""
+    ahead = (at - camera) / np.linalg.norm(at - camera)
+    right = np.cross(ahead, [0, 0, 1])
+    right /= np.linalg.norm(right)
+    return right, np.cross(right, ahead), ahead
+
+
 def photograph(solids, camera, at, width=640, height=400, view_deg=60.0, see_through=False):
     """Renders what a camera at `camera` sees when it is directed at `at`: height x width x 3. `see_through` leaves out the walls between
     the two."""
     camera, at = np.array(camera, float), np.array(at, float)
-    ahead = (at - camera) / np.linalg.norm(at - camera)
-    right = np.cross(ahead, [0, 0, 1])
-    right /= np.linalg.norm(right)
-    up = np.cross(right, ahead)
+    right, up, ahead = axes_of_camera(camera, at)
     u = (np.arange(width) + 0.5 - 0.5 * width) / (0.5 * width) * math.tan(math.radians(0.5 * view_deg))
     v = (0.5 * height - np.arange(height) - 0.5) / (0.5 * width) * math.tan(math.radians(0.5 * view_deg))
     rays = (ahead + u[None, :, None] * right + v[:, None, None] * up).reshape(-1, 3)
@@ -122,10 +127,7 @@ def photograph(solids, camera, at, width=640, height=400, view_deg=60.0, see_thr
 
 def project(points, camera, at, view_deg):
     """Image coordinates (in units of the half width), distances and indices of the points in front of the camera, the farthest first."""
-    ahead = (at - camera) / np.linalg.norm(at - camera)
-    right = np.cross(ahead, [0, 0, 1])
-    right /= np.linalg.norm(right)
-    seen = (points - camera) @ np.stack([right, np.cross(right, ahead), ahead]).T
+    seen = (points - camera) @ np.stack(axes_of_camera(camera, at)).T
     order = np.argsort(-seen[:, 2])
     order = order[seen[order, 2] > 0.2]
     seen = seen[order]
