@@ -12,8 +12,7 @@ import dataclasses
 import sys
 
 from navigation import make_trials, recorded_crowds, row_of, show
-from seeds import REPORTING
-from trial_runs import add_options, result_folder, run_all, show_failures
+from trial_runs import add_options, add_seed_options, result_folder, run_all, seeds_of, show_failures
 
 WITHOUT_LOCAL_MAP = ["navigator.local_map.use_local_map=false"]
 BEHAVIOURS = ["navigator.planner.use_planner=false", "navigator.planner.roams=false"]
@@ -60,11 +59,9 @@ def measure(ablation, seeds, bin_dir, out, jobs, crowds):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--only", nargs="+", choices=ABLATIONS, default=list(ABLATIONS))
-    parser.add_argument("--seeds", type=int, default=10, help="number of seeds in each family")
-    parser.add_argument("--first", type=int, default=REPORTING[0])
+    add_seed_options(parser, 10)
     add_options(parser)
     arguments = parser.parse_args()
-    seeds = range(arguments.first, arguments.first + arguments.seeds)
     failed = 0
     with result_folder(arguments.out) as out:
         crowds = recorded_crowds(out)
@@ -72,7 +69,7 @@ def main():
             ablation = ABLATIONS[part]
             print(f"## {ablation.title}\n")
             (out / part).mkdir(exist_ok=True)
-            rows, num_failed = measure(ablation, seeds, arguments.bin, out / part, arguments.jobs, crowds)
+            rows, num_failed = measure(ablation, seeds_of(arguments), arguments.bin, out / part, arguments.jobs, crowds)
             failed += num_failed
             show(rows, "worlds")
             print(flush=True)

@@ -23,7 +23,7 @@ import sys
 from navigation import mean
 from programs import settings
 from seeds import ODOMETRY_NOISE
-from trial_runs import Trial, add_options, result_folder, run_all, show_failures
+from trial_runs import Trial, add_options, add_set_option, result_folder, run_all, show_failures
 
 OPTIMAL_MPS = 2.0
 
@@ -75,7 +75,7 @@ def main():
     parser.add_argument("--runs", type=int, default=1, help="runs of each world, with the seeds 0, 1, ...")
     parser.add_argument("--worlds", type=int, nargs="+", help="indices of the worlds; default: all")
     parser.add_argument("--every", type=int, default=1, help="drive only every K-th world")
-    parser.add_argument("--set", action="append", default=[], help="a parameter, as for nodmap-trial --set")
+    add_set_option(parser)
     add_options(parser)
     arguments = parser.parse_args()
     worlds = make_trials(arguments)

@@ -15,8 +15,8 @@ import sys
 
 from navigation import rounded
 from programs import settings as options_of
-from seeds import CHOOSING, ODOMETRY_NOISE, REPORTING
-from trial_runs import Trial, add_options, result_folder, run_all, show_failures, show_table
+from seeds import ODOMETRY_NOISE
+from trial_runs import Trial, add_options, add_seed_options, add_set_option, result_folder, run_all, seeds_of, show_failures, show_table
 
 POLICIES = ["tour", "nearest_frontier"]
 COLUMNS = ["seed", "policy", "to_90_m", "to_90_s", "seen", "home_s", "path_m", "from_start_m", "collisions"]
@@ -48,14 +48,13 @@ def show_ratio(rows):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--seeds", type=int, default=10)
-    parser.add_argument("--first", type=int, default=REPORTING[0], help=f"first seed; from {CHOOSING[0]} on for choosing parameters")
+    add_seed_options(parser, 10)
     parser.add_argument("--duration", type=float, default=600.0, help="longest time of an exploration, seconds")
-    parser.add_argument("--set", action="append", default=[], help="a parameter, as for nodmap-trial --set")
+    add_set_option(parser)
     parser.add_argument("--json", action="store_true", help="print a JSON object for each exploration instead of the table")
     add_options(parser)
     arguments = parser.parse_args()
-    trials = make_trials(range(arguments.first, arguments.first + arguments.seeds), arguments.duration, arguments.set)
+    trials = make_trials(seeds_of(arguments), arguments.duration, arguments.set)
     with result_folder(arguments.out) as out:
         run_all([trial for _, _, trial in trials], arguments.bin, out, arguments.jobs)
         rows = [row_of(seed, policy, trial.result) for seed, policy, trial in trials if trial.result]

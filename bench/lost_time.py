@@ -18,7 +18,7 @@ import sys
 from event_log import events
 from programs import ROOT, settings
 from seeds import CHOOSING
-from trial_runs import Trial, add_options, result_folder, run_all, show_failures, show_table
+from trial_runs import Trial, add_options, add_seed_options, add_set_option, result_folder, run_all, seeds_of, show_failures, show_table
 
 sys.path.insert(0, str(ROOT / "lcmtypes"))
 import lcm_files  # noqa: E402
@@ -125,17 +125,15 @@ def lost_seconds(path, fastest_mps):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--seeds", type=int, default=4, help="number of seeds in each scenario")
-    parser.add_argument("--first", type=int, default=CHOOSING[1], help="first seed")
+    add_seed_options(parser, 4, CHOOSING[1])
     parser.add_argument("--only", nargs="+", default=["dense", "random"], help="scenarios without a goal")
     parser.add_argument("--fastest", type=float, default=1.5, help="speed relative to which time is lost, m/s")
     parser.add_argument("--duration", type=float, default=60.0, help="length of a run from the first scan on, seconds")
-    parser.add_argument("--set", action="append", default=[], help="a parameter, as for nodmap-trial --set")
+    add_set_option(parser)
     add_options(parser)
     arguments = parser.parse_args()
     options = ["--no-slam6d", *settings(arguments.set)]
-    seeds = range(arguments.first, arguments.first + arguments.seeds)
-    runs = {scenario: [Trial(f"{scenario}-{s}", f"{scenario}:{s}", s, arguments.duration, *options, keep_log=True) for s in seeds] for scenario in arguments.only}
+    runs = {scenario: [Trial(f"{scenario}-{s}", f"{scenario}:{s}", s, arguments.duration, *options, keep_log=True) for s in seeds_of(arguments)] for scenario in arguments.only}
     columns = {}
     every = [trial for trials in runs.values() for trial in trials]
     with result_folder(arguments.out) as out:

@@ -26,8 +26,8 @@ import statistics
 import sys
 
 from programs import settings as options_of
-from seeds import CHOOSING, ODOMETRY_NOISE, REPORTING
-from trial_runs import Trial, add_options, result_folder, results_of, run_all, show_failures, show_table
+from seeds import ODOMETRY_NOISE
+from trial_runs import Trial, add_options, add_seed_options, add_set_option, result_folder, results_of, run_all, seeds_of, show_failures, show_table
 
 # For each family its scenarios, and the seconds that a run may take.
 FAMILIES = {"random": (["random"], 60), "dense": (["dense"], 60), "holes": (["holes"], 120), "goals": (["goals"], 120),
@@ -153,18 +153,16 @@ def has_contacts(row):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--seeds", type=int, default=10, help="number of seeds in each scenario")
-    parser.add_argument("--first", type=int, default=REPORTING[0], help=f"first seed; from {CHOOSING[0]} on for choosing parameters")
+    add_seed_options(parser, 10)
     parser.add_argument("--only", nargs="+", choices=FAMILIES, default=list(FAMILIES))
-    parser.add_argument("--set", action="append", default=[], help="a parameter, as for nodmap-trial --set")
+    add_set_option(parser)
     parser.add_argument("--label", default="family", help="heading of the table's first column")
     parser.add_argument("--json", action="store_true", help="print a JSON object for each family instead of the table")
     add_options(parser)
     arguments = parser.parse_args()
-    seeds = range(arguments.first, arguments.first + arguments.seeds)
     with result_folder(arguments.out) as out:
         crowds = recorded_crowds(out)
-        families = {family: make_trials(family, seeds, arguments.set, crowds) for family in arguments.only}
+        families = {family: make_trials(family, seeds_of(arguments), arguments.set, crowds) for family in arguments.only}
         every = [trial for trials, empty in families.values() for trial in trials + empty]
         run_all(every, arguments.bin, out, arguments.jobs)
         rows = [row_of(family, trials, empty) for family, (trials, empty) in families.items()]

@@ -8,6 +8,7 @@ import sys
 import tempfile
 
 from programs import BIN, ROOT, call
+from seeds import CHOOSING, REPORTING
 
 WORLDS = ROOT / "sim" / "worlds"
 
@@ -73,6 +74,20 @@ def add_options(parser, jobs=2):
     parser.add_argument("--jobs", type=int, default=jobs, help="how many trials run at the same time")
     parser.add_argument("--out", type=pathlib.Path, help="new folder in which the results are kept; default: a temporary one")
     parser.add_argument("--bin", type=pathlib.Path, default=BIN)
+
+
+def add_set_option(parser):
+    parser.add_argument("--set", action="append", default=[], help="a parameter, as for nodmap-trial --set")
+
+
+def add_seed_options(parser, number, first=REPORTING[0]):
+    """Adds --seeds and --first, with these defaults; seeds_of() gives the seeds."""
+    parser.add_argument("--seeds", type=int, default=number, help="number of seeds in each scenario")
+    parser.add_argument("--first", type=int, default=first, help=f"first seed; from {CHOOSING[0]} on for choosing parameters")
+
+
+def seeds_of(arguments):
+    return range(arguments.first, arguments.first + arguments.seeds)
 
 
 @contextlib.contextmanager
