@@ -16,8 +16,10 @@ navigator and SLAM in one closed loop on simulated time. There are no photograph
     ./nodmap figures 5 8        draws only these figures
     ./nodmap figures --no-page  only measures: prints the rows of the table below
 
-The runs are deterministic: the same program makes the same images and numbers. Each section names the commit at which it was drawn; a later version of the robot
-drives otherwise. Newer results of Fig. 6's comparison with a level laser are in [bench/REPORT.md](../bench/REPORT.md). The programs in the commands below are in `build/release/bin/`, and the results are written to `logs/figures/`.
+As many runs are made in parallel as there are processors. They are deterministic: the same program makes the same images and numbers. Each section names
+the commit at which it was drawn; a later version of the robot drives otherwise. Newer results of Fig. 6's comparison with a level laser are in
+[bench/REPORT.md](../bench/REPORT.md). The programs in the commands below are in `build/release/bin/`, and the results are written to `logs/figures/`. The
+scripts are in `scripts/figures/`: each `figN.py` lists the runs of one figure (`TRIALS`), and its `make()` draws the figure and returns the section's text.
 """
 
 
