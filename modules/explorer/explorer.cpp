@@ -115,7 +115,7 @@ Decision Explorer::drive(const Situation& now) {
   return decision;
 }
 
-// Notes which viewpoints the robot has visited; what it has seen from there is not yet in the map.
+// What the robot has seen from there is not yet in the map.
 void Explorer::watch_visits(const Situation& now) {
   const Eigen::Vector2d p_map = now.T_map_base.translation();
   std::erase_if(passing_map_, [&](const Eigen::Vector2d& viewpoint_map) {
@@ -127,7 +127,6 @@ void Explorer::watch_visits(const Situation& now) {
   });
 }
 
-// Detects that the target has failed: the robot does not come nearer to it.
 void Explorer::watch_target(const Situation& now) {
   const bool has_paused =
       std::chrono::abs(now.stamp - std::exchange(decided_, now.stamp)) > kPause || !now.may_drive;

@@ -82,9 +82,13 @@ class Explorer {
   [[nodiscard]] std::string reason_to_wait() const;
   [[nodiscard]] Decision drive(const Situation& now);
   [[nodiscard]] Reach reach() const { return {grid_, paths_}; }
+  /// Notes which viewpoints the robot has visited.
   void watch_visits(const Situation& now);
+  /// Gives up a target to which the robot does not come nearer.
   void watch_target(const Situation& now);
+  /// The viewpoints that are worth a visit now; none: everything has been seen.
   [[nodiscard]] std::vector<Viewpoint> find_tour(const Situation& now);
+  /// Patience begins anew only if this is another place than the present target.
   void set_target(const Viewpoint& viewpoint, const Situation& now);
   [[nodiscard]] Decision drive_tour(const Situation& now, std::vector<Viewpoint> tour);
   [[nodiscard]] Decision drive_home(const Situation& now);

@@ -16,7 +16,7 @@ constexpr double kImpossibleMps = 20.0;
 
 // A sweep that takes this much longer than commanded counts as not nodding.
 constexpr double kLateFactor = 2.0;
-constexpr double kLateS = 0.2;
+constexpr time::Duration kLate = 200ms;
 
 // Rate at which the speed that determines the width of the area of interest may fall: after a stop
 // from 1 m/s the area takes ten seconds to open completely.
@@ -137,6 +137,7 @@ void PitchController::plan_for_present_speed(time::Timestamp now) {
 void PitchController::add_unseen_place(time::Timestamp now) {
   const double forward_mps = present_mps();
   const double protected_mps = std::max(forward_mps, kLeastProtectedMps);
+  // With the plan of the last decision, by which the head has turned since.
   const NodMotion nod = follow_.motion(plan_, meter_.present());
   unseen_.advance(since_decision_s(now, 0.0) * forward_mps, std::exchange(turned_rad_, 0.0));
   unseen_.add(params_.robot.braking.required_distance_m(
@@ -184,7 +185,7 @@ InhibitReason PitchController::inhibit_reason(time::Timestamp now) const {
     return std::abs(pitch_->pitch_rad) <= kLevelRad ? InhibitReason::kNone
                                                     : InhibitReason::kNotLevel;
   }
-  const bool late = meter_.present().duration_s > kLateFactor * commanded_s_ + kLateS;
+  const bool late = meter_.present().duration_s > kLateFactor * commanded_s_ + time::seconds(kLate);
   if (meter_.last_two_sweeps() && !late) {
     return InhibitReason::kNone;
   }
