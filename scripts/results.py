@@ -114,12 +114,24 @@ def numbers(text):
     return re.findall(r"\d+\.\d+", "\n".join(line for line in text.splitlines() if line.startswith("|")))
 
 
-def agree(old, new):
-    """Whether two tables' numbers, as printed, are the same within rounding."""
-    def is_near(a, b):
-        last_digit = 10.0 ** -len(a.split(".")[1])
-        return abs(float(a) - float(b)) <= max(1.001 * last_digit, 0.02 * abs(float(b)))
-    return len(old) == len(new) and all(is_near(a, b) for a, b in zip(old, new))
+def is_near(a, b):
+    """Whether two numbers, as printed, are the same within rounding."""
+    last_digit = 10.0 ** -len(a.split(".")[1])
+    return abs(float(a) - float(b)) <= max(1.001 * last_digit, 0.02 * abs(float(b)))
+
+
+def difference(old, new):
+    """What differs between two tables, as text; empty if nothing does."""
+    if len(numbers(old)) != len(numbers(new)):
+        return "other rows"
+    changed = sum(not is_near(a, b) for a, b in zip(numbers(old), numbers(new)))
+    return f"{changed} of {len(numbers(new))} numbers" if changed else ""
+
+
+def commit_of(table):
+    """The commit at which a table was written."""
+    found = re.search(r"at commit (\w+)", table)
+    return found.group(1) if found else "an unknown commit"
 
 
 def main():
@@ -143,11 +155,11 @@ def main():
                 stale.append(f"{name}, which no document has a place for")
             for document, text in texts.items():
                 for table in block(name).findall(text):
-                    if not agree(numbers(table), numbers(fresh)):
-                        stale.append(f"{name} in {document.name}")
+                    if changed := difference(table, fresh):
+                        stale.append(f"{name} in {document.name}: {changed} since {commit_of(table)}")
                 texts[document] = block(name).sub(lambda _: f"<!-- results: {name} -->\n{fresh}<!-- /results -->", text)
     if check:
-        print(f"documents are stale ({', '.join(stale)}): run ./nodmap results" if stale else "the documents agree")
+        print(f"documents are stale ({'; '.join(stale)}): run ./nodmap results" if stale else "the documents agree")
         return 1 if stale else 0
     for document, text in texts.items():
         document.write_text(text)
