@@ -164,19 +164,19 @@ void PlanView::draw_end(const Vector2d& p, Rgb colour) {
   image_.fill_rectangle(u - 4, v - 4, 9, 9, colour);
 }
 
-void PlanView::draw_scale_bar(Rgb colour) {
+void PlanView::draw_scale_bar() {
   const double max_m = 0.25 * image_.width() / px_per_m_;
   const double power = std::pow(10.0, std::floor(std::log10(max_m)));
   const double length_m = power * (max_m >= 5.0 * power ? 5.0 : max_m >= 2.0 * power ? 2.0 : 1.0);
   const int bar_y = image_.height() - kMarginPx - 4;
   image_.fill_rectangle(kMarginPx, bar_y, static_cast<int>(std::lround(length_m * px_per_m_)), 4,
-                        colour);
+                        kBlack);
   std::string label = std::to_string(length_m);
   label.erase(label.find_last_not_of('0') + 1);
   if (label.back() == '.') {
     label.pop_back();
   }
-  draw_text(image_, kMarginPx, bar_y - kLineHeightPx, label + " m", colour);
+  draw_text(image_, kMarginPx, bar_y - kLineHeightPx, label + " m");
 }
 
 void PlanView::draw_legend(std::span<const LegendEntry> entries) {
@@ -184,13 +184,13 @@ void PlanView::draw_legend(std::span<const LegendEntry> entries) {
   int y = kMarginPx;
   for (const LegendEntry& entry : entries) {
     image_.fill_rectangle(kMarginPx, y + 3, kSwatchPx, 4, entry.colour);
-    draw_text(image_, kMarginPx + kSwatchPx + 8, y, entry.text, kBlack);
+    draw_text(image_, kMarginPx + kSwatchPx + 8, y, entry.text);
     y += kLineHeightPx;
   }
 }
 
-int draw_text(Image& image, int x, int y, const std::string& text, Rgb colour, int dot_px) {
-  const int start_x = x;
+void draw_text(Image& image, int x, int y, const std::string& text) {
+  constexpr int kDotPx = 2;
   for (const char c : text) {
     const auto capital = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
     const auto* glyph = std::ranges::find(kGlyphs, capital, &Glyph::character);
@@ -198,13 +198,12 @@ int draw_text(Image& image, int x, int y, const std::string& text, Rgb colour, i
       const int dots = glyph->rows[static_cast<std::size_t>(row)] - '0';
       for (int column = 0; column < kGlyphWidth; ++column) {
         if ((dots >> (kGlyphWidth - 1 - column) & 1) != 0) {
-          image.fill_rectangle(x + dot_px * column, y + dot_px * row, dot_px, dot_px, colour);
+          image.fill_rectangle(x + kDotPx * column, y + kDotPx * row, kDotPx, kDotPx, kBlack);
         }
       }
     }
-    x += dot_px * (kGlyphWidth + 1);
+    x += kDotPx * (kGlyphWidth + 1);
   }
-  return x - start_x;
 }
 
 }  // namespace nodmap::drawing

@@ -68,7 +68,7 @@ class PlanView {
   void draw_start(const Eigen::Vector2d& p, Rgb colour);
   void draw_end(const Eigen::Vector2d& p, Rgb colour);
   /// Draws a scale bar with its length, at the lower left: 1, 2 or 5 times a power of ten metres.
-  void draw_scale_bar(Rgb colour = kBlack);
+  void draw_scale_bar();
   /// Draws the legend at the upper left: a coloured line and a text for each entry.
   void draw_legend(std::span<const LegendEntry> entries);
 
@@ -85,9 +85,8 @@ class PlanView {
   Image image_;
 };
 
-/// Writes a text with its upper left corner at (x, y), in capitals of 5 x 3 dots of `dot_px`
-/// pixels; characters other than letters, digits and .,:-+/%() become spaces. Returns the width in
-/// pixels.
-int draw_text(Image& image, int x, int y, const std::string& text, Rgb colour, int dot_px = 2);
+/// Writes a text in black with its upper left corner at (x, y), in capitals of 5 x 3 dots of 2 x 2
+/// pixels; characters other than letters, digits and .,:-+/%() become spaces.
+void draw_text(Image& image, int x, int y, const std::string& text);
 
 }  // namespace nodmap::drawing

@@ -88,19 +88,22 @@ TEST(PlanView, GridCellsAreDrawnInTheirPlaces) {
 
 TEST(PlanView, ScaleBarIsAsLongAsItSays) {
   PlanView view(square(10.0), 20.0);  // a quarter of the width is 5 m
-  view.draw_scale_bar(kRed);
+  view.draw_scale_bar();
   int length_px = 0;
   for (int x = 0; x < view.image().width(); ++x) {
-    length_px += view.image().at(x, view.image().height() - 14) == kRed ? 1 : 0;
+    length_px += view.image().at(x, view.image().height() - 14) == kBlack ? 1 : 0;
   }
   EXPECT_EQ(length_px, 100);
 }
 
-TEST(Text, IsAsWideAsItsCharactersAndCutOffOutside) {
+TEST(Text, IsDrawnInDotsAndCutOffOutside) {
   Image image(40, 12);
-  EXPECT_EQ(draw_text(image, 0, 0, "A1?", kRed), 24);
-  EXPECT_GT(count(image, kRed), 0);
-  EXPECT_EQ(draw_text(image, 30, 8, "far outside", kRed), 88);
+  draw_text(image, 0, 0, "L1?");
+  const int num_drawn = count(image, kBlack);
+  // An L of 7 dots, a 1 of 8; the rest is a space.
+  EXPECT_EQ(num_drawn, 4 * (7 + 8));
+  draw_text(image, 30, 8, "far outside");
+  EXPECT_GT(count(image, kBlack), num_drawn);
 }
 
 }  // namespace plan_view_test
