@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "common/formats/text_lines.hpp"
+
 namespace nodmap::node {
 namespace {
 
@@ -92,10 +94,7 @@ std::optional<geometry::SE3> read_odometry(const nodmap::odometry_t& message) {
 }
 
 std::string read_name(std::string_view name) {
-  std::string text(name.substr(0, kMaxNameLength));
-  std::ranges::replace_if(
-      text, [](char c) { return c < ' ' || c > '~'; }, '?');
-  return text;
+  return formats::printable(name.substr(0, kMaxNameLength));
 }
 
 nodmap::odometry_t write_odometry(time::Timestamp stamp, const geometry::SE3& T_odom_base) {
