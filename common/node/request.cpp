@@ -13,6 +13,23 @@
 #include "nodmap/status_t.hpp"
 
 namespace nodmap::node {
+namespace {
+
+// Those of the processes from which a STATUS was received in time.
+std::set<std::string> await_processes(bus::LiveBus& bus, const std::set<std::string>& names,
+                                      double wait_s) {
+  // Shared with the subscription, which lasts as long as the bus.
+  const auto running = std::make_shared<std::set<std::string>>();
+  bus.subscribe<nodmap::status_t>("STATUS", [names, running](const nodmap::status_t& status) {
+    if (names.contains(status.process_name)) {
+      running->insert(status.process_name);
+    }
+  });
+  (void)handle_until(bus, wait_s, [&] { return *running == names; });
+  return *running;
+}
+
+}  // namespace
 
 void add_request_options(CLI::App& app, RequestOptions& options, const std::string& wait_help) {
   app.add_option("--wait", options.wait_s, wait_help)
@@ -30,19 +47,6 @@ bool handle_until(bus::LiveBus& bus, double wait_s, const std::function<bool()>&
     }
   } while (!stop_requested() && std::chrono::steady_clock::now() < end);
   return false;
-}
-
-std::set<std::string> await_processes(bus::LiveBus& bus, const std::set<std::string>& names,
-                                      double wait_s) {
-  // Shared with the subscription, which lasts as long as the bus.
-  const auto running = std::make_shared<std::set<std::string>>();
-  bus.subscribe<nodmap::status_t>("STATUS", [names, running](const nodmap::status_t& status) {
-    if (names.contains(status.process_name)) {
-      running->insert(status.process_name);
-    }
-  });
-  (void)handle_until(bus, wait_s, [&] { return *running == names; });
-  return *running;
 }
 
 int report_request(bus::LiveBus& bus, const std::set<std::string>& names, double wait_s) {

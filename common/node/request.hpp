@@ -24,12 +24,6 @@ void add_request_options(CLI::App& app, RequestOptions& options, const std::stri
 [[nodiscard]] bool handle_until(bus::LiveBus& bus, double wait_s,
                                 const std::function<bool()>& is_done);
 
-/// Waits at most `wait_s` seconds for a STATUS of each process in `names`, and returns those from
-/// which one was received. (A message published before its recipient listens is lost.)
-[[nodiscard]] std::set<std::string> await_processes(bus::LiveBus& bus,
-                                                    const std::set<std::string>& names,
-                                                    double wait_s);
-
 /// Reports whether a published request had a recipient: waits up to `wait_s` seconds for the STATUS
 /// of the processes in `names`, and prints on stdout those from which one was received. (LCM
 /// does not acknowledge messages; each process publishes its STATUS once a second.) Returns the
