@@ -25,7 +25,7 @@ struct Stream {
   }
 };
 
-TEST(LossMeter, JudgesTheLastWholeSecond) {
+TEST(LossMeter, CountsTheLastWholeSecond) {
   Stream stream;
   for (const int num_lost : {0, 10, 11, 100, 0}) {
     stream.run(num_lost);

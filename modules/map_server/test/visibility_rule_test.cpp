@@ -247,9 +247,10 @@ TEST(VisibilityRule, RemovesWhenEnoughSweepsHavePassedAtAllItsHeights) {
       ASSERT_EQ(dut.point().highest_m, oracle.highest_m);
     }
   }
+  // Both outcomes are frequent among the 2000 points, and most points were confirmed before.
   EXPECT_GT(num_removed, 200);
   EXPECT_LT(num_removed, 1800);
-  EXPECT_GT(num_confirmed, 200);
+  EXPECT_GT(num_confirmed, 2000) << "looks";
 }
 
 // A point that is neither measured nor passed: each scan adds at most 0.5 s to its age, and two
