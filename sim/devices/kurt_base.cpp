@@ -81,18 +81,15 @@ std::int64_t tilt_word(double sine) {
   return std::llround(kTiltZero + kTiltPerG * sine);
 }
 
-double yaw_of(const GroundTruth& truth) {
-  const Eigen::Vector3d ahead = truth.T_world_base.linear().col(0);
-  return std::atan2(ahead.y(), ahead.x());
-}
-
 }  // namespace
 
 KurtBase::KurtBase(const KurtBaseParams& params, RobotModel& model, time::SteadyTime power_on,
                    std::uint64_t seed)
-    : params_(params), model_(model), start_(power_on), last_command_(power_on), engine_(seed) {
-  reset_gyro();
-}
+    : params_(params),
+      model_(model),
+      start_(power_on),
+      last_command_(power_on),
+      gyro_(params.gyro, model.ground_truth().T_world_base.linear(), model.now(), seed) {}
 
 time::SteadyTime KurtBase::frame_due() const {
   const time::FineDuration slot = kHalfPeriod * (1.0 + 1e-6 * params_.clock_ppm);
@@ -142,7 +139,7 @@ void KurtBase::control(const CanFrame& frame) {
       model_.set_wheel_speeds({0.01 * i16(frame, 2), 0.01 * i16(frame, 4)});
       break;
     case kModeGyroReset:
-      reset_gyro();
+      gyro_.reset();
       break;
     default:
       break;
@@ -178,12 +175,7 @@ void KurtBase::reset(time::SteadyTime now) {
   slot_ = 1;
   left_reported_ = ticks(model_.wheel_travel().left_m);
   right_reported_ = ticks(model_.wheel_travel().right_m);
-  reset_gyro();
-}
-
-void KurtBase::reset_gyro() {
-  gyro_zero_rad_ = yaw_of(model_.ground_truth());
-  gyro_reset_ = model_.now();
+  gyro_.reset();
 }
 
 std::int64_t KurtBase::ticks(double distance_m) const {
@@ -213,14 +205,6 @@ std::int64_t KurtBase::infrared_reading(robot::Infrared sensor) const {
       model_.distance_from({mount.x, mount.y, kInfraredHeightM}, mount.yaw, kInfraredReachM);
   return range_m ? std::llround(10.0 + 30'000.0 / std::pow(100.0 * *range_m + 10.0, 1.4))
                  : kInfraredFar;
-}
-
-CanFrame KurtBase::gyro_frame() {
-  const double drift_rad = params_.gyro_bias_rad_s * time::seconds(model_.now() - gyro_reset_) +
-                           params_.gyro_noise_rad * normal_(engine_);
-  const double yaw_deg = geometry::rad_to_deg(
-      geometry::angle_difference(yaw_of(model_.ground_truth()) + drift_rad, gyro_zero_rad_));
-  return frame_of(kGyro, std::llround(kGyroPerDegree * yaw_deg), 0);
 }
 
 CanFrame KurtBase::sensor_frame(std::int64_t period) {
@@ -257,7 +241,10 @@ CanFrame KurtBase::sensor_frame(std::int64_t period) {
     case kTilt:
       return frame_of(kind, {roll, pitch, 0, 0});
     default:
-      return gyro_frame();
+      return frame_of(
+          kGyro,
+          std::llround(kGyroPerDegree * geometry::rad_to_deg(gyro_.read(rotation, model_.now()))),
+          0);
   }
 }
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <random>
 #include <string>
 
 #include "common/geometry/time.hpp"
@@ -10,6 +9,7 @@
 #include "sim/body/robot_model.hpp"
 #include "sim/devices/serial_device.hpp"
 #include "sim/devices/slcan_adapter.hpp"
+#include "sim/devices/yaw_gyro.hpp"
 
 namespace nodmap::sim {
 
@@ -19,8 +19,7 @@ struct KurtBaseParams {
   double clock_ppm = 20.0;
   bool has_infrared = true;  ///< without range finders the readings are those of nothing in view
   bool tilt_feels_acceleration = false;
-  double gyro_bias_rad_s = 0.0;
-  double gyro_noise_rad = 0.0;
+  YawGyroParams gyro{};
 
   template <class Visitor>
   void describe(Visitor& v) {
@@ -29,10 +28,7 @@ struct KurtBaseParams {
     v.flag("tilt_feels_acceleration", tilt_feels_acceleration,
            "Let the tilt sensor take the base's acceleration for tilt, as an accelerometer does: 1 "
            "m/s^2 for 5.8 degrees.");
-    v.angle("gyro_bias_deg_s", gyro_bias_rad_s, {-10.0, 10.0},
-            "Yaw rate that the gyro reports of a stationary robot.");
-    v.angle("gyro_noise_deg", gyro_noise_rad, {0.0, 10.0},
-            "Standard deviation of a yaw angle of the gyro.");
+    gyro.describe(v);
   }
 };
 
@@ -58,10 +54,8 @@ class KurtBase {
   void control(const CanFrame& frame);
   void control_raw(const CanFrame& frame);
   void reset(time::SteadyTime now);
-  void reset_gyro();
   [[nodiscard]] CanFrame encoder_frame();
   [[nodiscard]] CanFrame sensor_frame(std::int64_t period);
-  [[nodiscard]] CanFrame gyro_frame();
   /// Reading of the infrared range finder at a place on the body, in base.
   [[nodiscard]] std::int64_t infrared_reading(robot::Infrared sensor) const;
   [[nodiscard]] std::int64_t ticks(double distance_m) const;
@@ -74,10 +68,7 @@ class KurtBase {
   bool has_timed_out_ = true;
   std::int64_t left_reported_ = 0;  // ticks since the start
   std::int64_t right_reported_ = 0;
-  double gyro_zero_rad_ = 0.0;
-  time::SteadyTime gyro_reset_{};
-  std::mt19937_64 engine_;
-  std::normal_distribution<double> normal_;
+  YawGyro gyro_;
 };
 
 struct SlcanKurtParams {

@@ -335,8 +335,14 @@ double gyro_yaw_deg(KurtBase& base) {
 
 TEST(Kurt, TheGyroHasItsBiasAndNoise) {
   RobotModel model({}, {}, 1);
-  KurtBase biased({.gyro_bias_rad_s = geometry::deg_to_rad(0.5)}, model, {}, 1);
-  KurtBase noisy({.gyro_noise_rad = geometry::deg_to_rad(0.2)}, model, {}, 1);
+  YawGyroParams exact{};
+  exact.bias_rad_s = exact.bias_walk_rad_s = exact.random_walk_rad = exact.noise_rad = 0.0;
+  KurtBaseParams with_bias{.gyro = exact};
+  with_bias.gyro.bias_rad_s = geometry::deg_to_rad(0.5);
+  KurtBaseParams with_noise{.gyro = exact};
+  with_noise.gyro.noise_rad = geometry::deg_to_rad(0.2);
+  KurtBase biased(with_bias, model, {}, 1);
+  KurtBase noisy(with_noise, model, {}, 1);
   model.advance_to(at(10s));
   EXPECT_NEAR(gyro_yaw_deg(biased), 5.0, 1e-6) << "since the gyro was reset";
   double sum_sq = 0.0;
