@@ -9,6 +9,7 @@ namespace nodmap::kurt {
 
 /// Period at which the base sends its encoder ticks.
 inline constexpr time::Duration kEncoderPeriod = 10ms;
+inline constexpr double kEncoderPeriodS = time::seconds(kEncoderPeriod);
 
 /// Estimates when an encoder frame was measured, and how many before it were lost, from the times
 /// at which frames arrive; they contain neither a number nor a time.

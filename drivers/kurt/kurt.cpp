@@ -19,7 +19,7 @@ static_assert(SlcanSession::kSettle >= kBaseTimeout);
 }  // namespace
 
 Kurt::Kurt(const KurtParams& params)
-    : odometry_(params.wheels, params.odometry),
+    : odometry_(params.wheels, params.odometry, params.gyro),
       limiter_(params.wheels, params.limits),
       watchdog_(time::from_seconds(params.drive_timeout_s)),
       guard_(params.guard, params.limits) {}
@@ -40,24 +40,29 @@ void Kurt::disconnected() {
 
 std::span<const OdometrySample> Kurt::receive(std::span<const std::uint8_t> bytes,
                                               const time::Moment& now) {
-  ticks_.clear();
+  motion_.clear();
   samples_.clear();
-  parser_.push(bytes, [this, &now](const SlcanLine& line) {
+  std::int64_t waited = 0;
+  parser_.push(bytes, [this, &now, &waited](const SlcanLine& line) {
     session_.take(line, now.steady);
     if (line.kind != SlcanLine::Kind::kFrame || !session_.is_open()) {
       return;
     }
     const Report report = decode(line.frame);
     if (const auto* ticks = std::get_if<EncoderTicks>(&report)) {
-      ticks_.push_back(*ticks);
+      motion_.emplace_back(*ticks);
+      ++waited;
     } else {
       take_sensor(report, now.steady);
     }
   });
   // Frames received in one read were sent one period apart; all but the last have waited.
-  std::int64_t waited = std::ssize(ticks_);
-  for (const EncoderTicks& ticks : ticks_) {
-    take_encoder(ticks, now.steady - --waited * kEncoderPeriod, now);
+  for (const auto& measured : motion_) {
+    if (const auto* ticks = std::get_if<EncoderTicks>(&measured)) {
+      take_encoder(*ticks, now.steady - --waited * kEncoderPeriod, now);
+    } else {
+      odometry_.correct(std::get<Gyro>(measured));
+    }
   }
   return samples_;
 }
@@ -108,6 +113,7 @@ void Kurt::take_sensor(const Report& report, time::SteadyTime now) {
           sensors_.tilt = {value, now};
         } else if constexpr (std::is_same_v<Value, Gyro>) {
           sensors_.gyro = {value, now};
+          motion_.emplace_back(value);
         } else if constexpr (std::is_same_v<Value, MotorCurrents>) {
           sensors_.motor_currents = {value, now};
         }

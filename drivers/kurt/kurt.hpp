@@ -6,12 +6,14 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "common/geometry/time.hpp"
 #include "drivers/kurt/base_guard.hpp"
 #include "drivers/kurt/drive_watchdog.hpp"
 #include "drivers/kurt/encoder_clock.hpp"
+#include "drivers/kurt/gyro_heading.hpp"
 #include "drivers/kurt/kurt_frames.hpp"
 #include "drivers/kurt/odometry.hpp"
 #include "drivers/kurt/params.hpp"
@@ -109,6 +111,7 @@ class Kurt {
 
   [[nodiscard]] const BaseSensors& sensors() const { return sensors_; }
   [[nodiscard]] const KurtCounts& counts() const { return counts_; }
+  [[nodiscard]] const GyroHeading& gyro() const { return odometry_.gyro(); }
   [[nodiscard]] const SlcanCounts& slcan_counts() const { return parser_.counts(); }
   [[nodiscard]] const SlcanSession& session() const { return session_; }
 
@@ -132,7 +135,7 @@ class Kurt {
   std::optional<time::SteadyTime> last_control_;
   int implausible_in_a_row_ = 0;
   bool line_open_ = false;
-  std::vector<EncoderTicks> ticks_;
+  std::vector<std::variant<EncoderTicks, Gyro>> motion_;  // of one read, in order
   std::vector<OdometrySample> samples_;
 };
 

@@ -8,6 +8,7 @@
 #include <optional>
 #include <variant>
 
+#include "common/geometry/angle.hpp"
 #include "common/geometry/time.hpp"
 #include "common/robot/infrared.hpp"
 #include "drivers/kurt/slcan.hpp"
@@ -57,6 +58,10 @@ struct Tilt {
   double pitch_rad = 0.0;
 };
 
+/// How far apart the ends of the gyro's 32 bits are.
+inline constexpr double kGyroRangeRad = geometry::deg_to_rad(4294967296.0 / 4992511.0);
+
+/// The angle wraps; see GyroHeading.
 struct Gyro {
   double yaw_rad = 0.0;
   double variance_rad2 = 0.0;

@@ -298,6 +298,9 @@ nlohmann::json KurtNode::metrics() const {
           {"lines_malformed", lines.malformed},
           {"lines_too_long", lines.too_long},
           {"commands_refused", lines.refused},
+          {"gyro_used", kurt_.gyro().counts().used},
+          {"gyro_refused", kurt_.gyro().counts().refused},
+          {"gyro_silences", kurt_.gyro().counts().silences},
           {"bus_restarts", kurt_.session().restarts()},
           {"reconnects", link_.reconnects()}};
 }
@@ -343,7 +346,13 @@ std::string KurtNode::shortcoming() const {
   if ((kurt_.session().flags() & (kErrorPassive | kBusError)) != 0) {
     return "errors on the CAN bus: check cable and termination";
   }
-  return encoder_loss_.loses_many() ? "many encoder frames are lost: check the line" : "";
+  if (encoder_loss_.loses_many()) {
+    return "many encoder frames are lost: check the line";
+  }
+  if (const std::string_view fault = fault_of(kurt_.gyro().use()); !fault.empty()) {
+    return "the heading comes from the wheels alone: " + std::string(fault);
+  }
+  return "";
 }
 
 }  // namespace nodmap::kurt

@@ -9,7 +9,6 @@
 namespace nodmap::kurt {
 namespace {
 
-constexpr double kPeriodS = time::seconds(kEncoderPeriod);
 // A wheel in the air was measured at 7.7 m/s (data/kurt); bit errors give more.
 constexpr double kFastestWheelMps = 2.0 * kTopSpeedMps;
 // During a lost period the robot is assumed to move as before, with a standard deviation of half
@@ -32,7 +31,7 @@ double square(double x) {
 
 bool Odometry::is_plausible(const EncoderTicks& ticks) const {
   return m_per_tick() * std::max(std::abs(ticks.left), std::abs(ticks.right)) <=
-         kFastestWheelMps * kPeriodS;
+         kFastestWheelMps * kEncoderPeriodS;
 }
 
 bool Odometry::add(const EncoderTicks& ticks) {
@@ -42,17 +41,18 @@ bool Odometry::add(const EncoderTicks& ticks) {
   }
   const double left_m = m_per_tick() * ticks.left;
   const double right_m = m_per_tick() * ticks.right;
-  const double distance_m = 0.5 * (left_m + right_m);
-  const double rotation_rad = (right_m - left_m) / wheels_.axis_m * wheels_.turning_adaptation;
-  move(distance_m, rotation_rad, 0.0);
-  state_.forward_mps = distance_m / kPeriodS;
-  state_.yaw_rate_rad_s = rotation_rad / kPeriodS;
+  last_motion_ = {.distance_m = 0.5 * (left_m + right_m),
+                  .rotation_rad = (right_m - left_m) / wheels_.axis_m * wheels_.turning_adaptation,
+                  .path_m = 0.5 * (std::abs(left_m) + std::abs(right_m))};
+  move(last_motion_, 1, 0.0);
   return true;
 }
 
 void Odometry::bridge(int lost_frames) {
-  const double duration_s = kPeriodS * lost_frames;
-  move(state_.forward_mps * duration_s, state_.yaw_rate_rad_s * duration_s, kBridgeSigmaRatio);
+  move({.distance_m = lost_frames * last_motion_.distance_m,
+        .rotation_rad = lost_frames * last_motion_.rotation_rad,
+        .path_m = lost_frames * last_motion_.path_m},
+       lost_frames, kBridgeSigmaRatio);
 }
 
 void Odometry::bridge_gap(double gap_s) {
@@ -63,9 +63,24 @@ void Odometry::bridge_gap(double gap_s) {
       Eigen::Vector3d(square(distance_m), square(distance_m), square(rotation_rad));
   state_.forward_mps = 0.0;
   state_.yaw_rate_rad_s = 0.0;
+  last_motion_ = {};
+  gyro_.interrupt();
 }
 
-void Odometry::move(double distance_m, double rotation_rad, double sigma_ratio) {
+void Odometry::move(const Motion& motion, int periods, double sigma_ratio) {
+  const double distance_m = motion.distance_m;
+  // The slip of one period is independent of that of the next, so variances grow with the distance.
+  const double path_m = std::abs(distance_m);
+  const GyroHeading::Rotation rotation = gyro_.rotate(
+      {.rotation_rad = motion.rotation_rad,
+       .path_m = motion.path_m,
+       .variance_rad2 = square(noise_.heading_sigma_rad) * path_m +
+                        square(noise_.rotation_sigma_rad) * std::abs(motion.rotation_rad),
+       .periods = periods});
+  const double rotation_rad = rotation.rotation_rad;
+  state_.forward_mps = distance_m / (kEncoderPeriodS * periods);
+  state_.yaw_rate_rad_s = rotation_rad / (kEncoderPeriodS * periods);
+
   // The chord of the arc points along the heading after half the rotation.
   const double chord_m = distance_m * sinc(0.5 * rotation_rad);
   const double direction_rad = state_.T_odom_base.yaw + 0.5 * rotation_rad;
@@ -84,13 +99,9 @@ void Odometry::move(double distance_m, double rotation_rad, double sigma_ratio) 
   G << c, -0.5 * chord_m * s,  //
       s, 0.5 * chord_m * c,    //
       0.0, 1.0;
-  // The slip of one period is independent of that of the next, so variances grow with the distance.
-  const double path_m = std::abs(distance_m);
   const Eigen::Vector2d variance(
       square(noise_.distance_sigma_m) * path_m + square(sigma_ratio * distance_m),
-      square(noise_.heading_sigma_rad) * path_m +
-          square(noise_.rotation_sigma_rad) * std::abs(rotation_rad) +
-          square(sigma_ratio * rotation_rad));
+      rotation.variance_rad2 + square(sigma_ratio * rotation_rad));
   state_.covariance =
       F * state_.covariance * F.transpose() + G * variance.asDiagonal() * G.transpose();
 }

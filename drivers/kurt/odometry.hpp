@@ -4,12 +4,13 @@
 #include <Eigen/Core>
 
 #include "common/geometry/se2.hpp"
+#include "drivers/kurt/gyro_heading.hpp"
 #include "drivers/kurt/kurt_frames.hpp"
 #include "drivers/kurt/params.hpp"
 
 namespace nodmap::kurt {
 
-/// The pose and motion of the robot by its wheels, with covariance.
+/// The pose and motion of the robot by its wheels and its gyro, with covariance.
 struct OdometryState {
   geometry::SE2 T_odom_base;
   double forward_mps = 0.0;
@@ -21,10 +22,11 @@ struct OdometryState {
 /// Odometry of a skid-steered robot. The three wheels of a side are coupled, so they slip sideways
 /// when the robot rotates, and it rotates by less than the difference of the wheels implies;
 /// turning_adaptation calibrates by how much. Formulas of uos/kurt_driver, in a right-handed frame.
+/// The gyro corrects the rotation.
 class Odometry {
  public:
-  Odometry(const WheelParams& wheels, const OdometryNoiseParams& noise)
-      : wheels_(wheels), noise_(noise) {}
+  Odometry(const WheelParams& wheels, const OdometryNoiseParams& noise, const GyroParams& gyro = {})
+      : wheels_(wheels), noise_(noise), gyro_(gyro) {}
 
   /// Whether wheels can be as fast as these ticks imply.
   [[nodiscard]] bool is_plausible(const EncoderTicks& ticks) const;
@@ -32,6 +34,9 @@ class Odometry {
   /// Adds the encoder ticks of one period. Implausible ticks return false, and the period is
   /// bridged like a lost one.
   bool add(const EncoderTicks& ticks);
+
+  /// Takes an angle of the gyro, measured between the last encoder ticks and the next.
+  void correct(const Gyro& gyro) { gyro_.add(gyro); }
 
   /// Bridges lost encoder frames: assumes that the robot moved on roughly as before.
   void bridge(int lost_frames);
@@ -41,18 +46,28 @@ class Odometry {
   void bridge_gap(double gap_s);
 
   [[nodiscard]] const OdometryState& state() const { return state_; }
+  [[nodiscard]] const GyroHeading& gyro() const { return gyro_; }
 
  private:
   [[nodiscard]] double m_per_tick() const {
     return wheels_.perimeter_m / wheels_.ticks_per_revolution;
   }
 
-  /// Moves the pose along an arc. `sigma_ratio` times distance and rotation is a standard deviation
-  /// added to the wheels' own noise.
-  void move(double distance_m, double rotation_rad, double sigma_ratio);
+  /// What the wheels measure in a period.
+  struct Motion {
+    double distance_m = 0.0;
+    double rotation_rad = 0.0;
+    double path_m = 0.0;  ///< mean of the ways of both sides, each positive
+  };
+
+  /// Moves the pose along an arc, by the motion of so many periods. `sigma_ratio` times distance
+  /// and rotation is a standard deviation added to the wheels' own noise.
+  void move(const Motion& motion, int periods, double sigma_ratio);
 
   WheelParams wheels_;
   OdometryNoiseParams noise_;
+  GyroHeading gyro_;
+  Motion last_motion_;
   OdometryState state_;
 };
 

@@ -60,6 +60,34 @@ struct OdometryNoiseParams {
   }
 };
 
+/// How the gyro corrects the heading of odometry. The defaults are those of a MEMS gyro.
+struct GyroParams {
+  bool use_gyro = true;
+  double scale = 1.0;
+  double noise_rad = geometry::deg_to_rad(0.07);
+  double scale_sigma = 0.005;
+  double bias_walk_rad_s = geometry::deg_to_rad(0.003);
+  double max_bias_rad_s = geometry::deg_to_rad(3.0);
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.flag("use_gyro", use_gyro,
+           "Correct the heading of odometry by the gyro, once its bias has been measured.");
+    v.number("scale", scale, {-2.0, 2.0},
+             "Rotation of the robot divided by that of the gyro's angle; negative for a gyro that "
+             "turns the other way round.");
+    v.angle("noise_deg", noise_rad, {0.0, 10.0},
+            "Standard deviation of the gyro's angle after 1 s; grows with the root of the time.");
+    v.number("scale_sigma", scale_sigma, {0.0, 0.2},
+             "Standard deviation of the relative error of its rotations.");
+    v.angle("bias_walk_deg_s", bias_walk_rad_s, {0.0, 1.0},
+            "Standard deviation of the change of its bias in 1 s; grows with the root of the "
+            "time.");
+    v.angle("max_bias_deg_s", max_bias_rad_s, {0.0, 60.0},
+            "Bias beyond which the gyro is not used.");
+  }
+};
+
 /// Limits of the wheels' speed and of its change.
 struct SpeedLimits {
   double max_speed_mps = kTopSpeedMps;
@@ -113,6 +141,7 @@ struct KurtParams {
   int baud = 1'000'000;
   WheelParams wheels;
   OdometryNoiseParams odometry;
+  GyroParams gyro;
   SpeedLimits limits;
   GuardParams guard;
   double drive_timeout_s = 0.2;
@@ -127,6 +156,7 @@ struct KurtParams {
               "Rate of the serial line, bit/s; 1000000 for the Lawicel CANUSB.");
     v.section("wheels", wheels);
     v.section("odometry", odometry);
+    v.section("gyro", gyro);
     v.section("limits", limits);
     v.section("guard", guard);
     v.number("drive_timeout_s", drive_timeout_s, {0.02, 0.2},

@@ -84,6 +84,15 @@ std::string KurtEmulator::obey_frame(const std::string& line) {
   return "z\r";
 }
 
+// Every seventh period, with the angle at the end of the last period.
+std::string KurtEmulator::gyro_frame() {
+  if (!gyro_ratio || ++periods_ % 7 != 0) {
+    return "";
+  }
+  const auto angle = static_cast<std::uint32_t>(std::llround(gyro_deg * 4'992'511.0));
+  return printed("t00E8%04X%04X00000000\r", angle >> 16U, angle);
+}
+
 std::string KurtEmulator::tick() {
   if (++silent_periods_ > 10) {  // 100 ms without a command
     left_cm_s_ = 0;
@@ -98,6 +107,10 @@ std::string KurtEmulator::tick() {
       ranges_off ? ""
                  : printed("t0068012C%04X0064%04X\r", static_cast<unsigned>(sonar_raw), 0x0064U);
   frames += bumper ? "t00A20400\r" : "t00A20000\r";
+  frames += gyro_frame();
+  const double left_m = left * 0.01 / kTicksPerCm;
+  const double right_m = right * 0.01 / kTicksPerCm;
+  gyro_deg += gyro_ratio.value_or(0.0) * (right_m - left_m) / 0.28 * 0.69 * 180.0 / M_PI;
   if (drop_encoders > 0) {
     --drop_encoders;
     return frames;

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "tests/support/pty_pair.hpp"
@@ -29,6 +30,10 @@ class KurtEmulator {
   bool stalled = false;       ///< no wheel turns, whatever is commanded
   bool ranges_off = false;    ///< sends no frames of the range finders
   int sonar_raw = 900;        ///< 1.1 m
+  /// Rotation that the gyro reports for one of the wheels' (with the driver's calibration); empty:
+  /// no gyro.
+  std::optional<double> gyro_ratio;
+  double gyro_deg = 0.0;  ///< its angle
 
   [[nodiscard]] bool channel_open() const { return open_; }
   /// Adapter reset: the channel is closed.
@@ -45,6 +50,7 @@ class KurtEmulator {
  private:
   std::string obey(const std::string& line);
   std::string obey_frame(const std::string& line);
+  std::string gyro_frame();
 
   std::string pending_;
   bool open_ = false;
@@ -55,6 +61,7 @@ class KurtEmulator {
   double left_rest_ = 0.0;
   double right_rest_ = 0.0;
   int silent_periods_ = 0;
+  int periods_ = 0;
   int commands_ = 0;
   int nonsense_ = 0;
 };

@@ -100,6 +100,21 @@ TEST(KurtNode, ATouchedBumperStopsItUntilReleased) {
   EXPECT_EQ(bench.base.left_cm_s(), 50);
 }
 
+TEST(KurtNode, ASilentGyroIsReported) {
+  Bench bench;
+  bench.base.gyro_ratio = 1.0;
+  ASSERT_TRUE(bench.becomes_ready());
+  bench.drive_for(0.0, 0.0, 4s);
+  bench.drive_for(0.2, 0.3, 1s);
+  EXPECT_EQ(bench.node->health().state, node::HealthState::kOk);
+  EXPECT_GT(bench.node->metrics()["gyro_used"], 0);
+  bench.base.gyro_ratio.reset();
+  bench.drive_for(0.2, 0.3, 1s);
+  EXPECT_EQ(bench.node->health().state, node::HealthState::kDegraded);
+  EXPECT_EQ(bench.node->health().reason,
+            "the heading comes from the wheels alone: the gyro is silent");
+}
+
 TEST(KurtNode, AnAlarmDoesNotHideWhoHasStoppedIt) {
   Bench bench;
   ASSERT_TRUE(bench.becomes_ready());

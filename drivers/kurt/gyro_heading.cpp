@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/kurt/gyro_heading.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "common/geometry/angle.hpp"
+#include "drivers/kurt/encoder_clock.hpp"
+
+namespace nodmap::kurt {
+namespace {
+
+using geometry::deg_to_rad;
+
+// The gyro sends an angle every 7 periods; over as many its correction is spread.
+constexpr int kReleasePeriods = 7;
+constexpr int kSilentPeriods = static_cast<int>(kReadingLife / kEncoderPeriod);
+// In a period. More than one tick of an encoder that rests on an edge (17 um, of kurt_fast 74, and
+// half as much in the mean of both sides), less than one side at the slowest commanded speed, 1
+// cm/s.
+constexpr double kStillM = 0.04e-3;
+// The body rocks on its tyres for a while after the wheels have stopped.
+constexpr int kSettlePeriods = 30;
+constexpr double kStillWindowS = 1.0;
+// How many windows in a row must show about the same rate before it is taken for the first bias,
+// and for a new one: somebody may be turning the robot by hand.
+constexpr int kFirstWindows = 2;
+constexpr int kNewWindows = 5;
+constexpr double kSameRateRadS = deg_to_rad(0.5);
+// Beyond the noise, a bias changes by no more than this from one standstill to the next.
+constexpr double kBiasStepRadS = deg_to_rad(0.1);
+// Shorter paths say nothing about slip.
+constexpr double kLeastPathM = 0.002;
+
+// How far the robot's rotation can differ from that of its wheels. They may spin while an obstacle
+// holds the robot, and on a floor on which they do not skid they rotate it by 1 /
+// turning_adaptation = 1.45 times as much. The rest is for slip (1.6 degrees per metre in the
+// simulator, one sigma) and for the time of the angle, which is known to 10 ms: 1.1 degrees at 2
+// rad/s.
+constexpr double kComparisonS = 1.0;
+constexpr double kMostRotation = 1.5;
+constexpr double kMarginRad = deg_to_rad(3.0);
+constexpr double kMarginRadPerM = deg_to_rad(10.0);
+// How far a gyro that has disagreed must rotate with the wheels until it is trusted again.
+constexpr double kAgreedRad = deg_to_rad(20.0);
+// An angle that is exactly the last one is that of a dead gyro if the wheels rotate by this much.
+constexpr double kRotatesRad = deg_to_rad(0.1);
+
+double variance_of(double sigma) {
+  return sigma * sigma;
+}
+
+// The rotation between two angles, which wrap at 180 degrees or where their 32 bits end: the base's
+// manual does not say which.
+double rotation_between(double before_rad, double after_rad) {
+  const double difference_rad = after_rad - before_rad;
+  const auto is_smaller = [](double a, double b) { return std::abs(a) < std::abs(b); };
+  return std::min({geometry::normalize_angle(difference_rad), difference_rad - kGyroRangeRad,
+                   difference_rad + kGyroRangeRad},
+                  is_smaller);
+}
+
+}  // namespace
+
+std::string_view fault_of(GyroUse use) {
+  switch (use) {
+    case GyroUse::kSilent:
+      return "the gyro is silent";
+    case GyroUse::kFrozen:
+      return "the gyro repeats one angle";
+    case GyroUse::kDisagrees:
+      return "the gyro disagrees with the wheels";
+    case GyroUse::kRunsOff:
+      return "the gyro runs off while the robot is stationary";
+    default:
+      return "";
+  }
+}
+
+std::optional<double> GyroHeading::bias_rad_s() const {
+  return bias_ ? std::optional(bias_->rate_rad_s) : std::nullopt;
+}
+
+GyroHeading::Rotation GyroHeading::rotate(const WheelStep& wheels) {
+  const double dt_s = kEncoderPeriodS * wheels.periods;
+  const double predicted_rad = wheels.rotation_rad + slip_rad_per_m_ * wheels.path_m;
+  last_step_ = {wheels.rotation_rad, predicted_rad, wheels.path_m, wheels.periods};
+  since_.wheels_rad += wheels.rotation_rad;
+  since_.predicted_rad += predicted_rad;
+  since_.path_m += wheels.path_m;
+  since_.periods += wheels.periods;
+  still_periods_ = wheels.path_m <= kStillM * wheels.periods ? still_periods_ + wheels.periods : 0;
+  if (bias_) {
+    bias_->age_s += dt_s;
+  }
+  if (last_angle_rad_ && since_.periods > kSilentPeriods) {
+    ++counts_.silences;
+    use_ = GyroUse::kSilent;
+    forget_angle();
+  }
+  double rotation_rad = predicted_rad;
+  if (release_periods_ > 0) {
+    const int periods = std::min(wheels.periods, release_periods_);
+    const double released_rad = to_release_rad_ * periods / release_periods_;
+    to_release_rad_ -= released_rad;
+    release_periods_ -= periods;
+    rotation_rad += released_rad;
+  }
+  const bool moves = still_periods_ < kSettlePeriods;
+  return {rotation_rad, use_ != GyroUse::kUsed ? wheels.variance_rad2
+                        : moves                ? gyro_variance(rotation_rad, dt_s)
+                                               : 0.0};
+}
+
+// The error of the bias acts all the time since it was measured, so the heading's error grows with
+// the time, and its variance with the square of it. Rotations to the left and to the right cancel
+// each other's error of scale; each radian is taken to have one of its own.
+double GyroHeading::gyro_variance(double rotation_rad, double dt_s) const {
+  const double age_s = bias_->age_s;
+  const double by_bias =
+      2.0 * bias_->variance * age_s + variance_of(params_.bias_walk_rad_s * age_s);
+  return (variance_of(params_.noise_rad) + by_bias) * dt_s +
+         variance_of(params_.scale_sigma) * std::abs(rotation_rad);
+}
+
+void GyroHeading::add(const Gyro& gyro) {
+  if (!params_.use_gyro) {
+    return;
+  }
+  if (last_angle_rad_ && since_.periods == 0) {
+    return;  // encoder frames were lost; the next angle will contain this one's rotation
+  }
+  const std::optional<double> before = std::exchange(last_angle_rad_, gyro.yaw_rad);
+  const Interval interval = end_interval();
+  if (!before) {
+    if (use_ == GyroUse::kAbsent || use_ == GyroUse::kSilent) {
+      resume();
+    }
+    return;
+  }
+  const double dt_s = kEncoderPeriodS * interval.periods;
+  const double gyro_rad = params_.scale * rotation_between(*before, gyro.yaw_rad);
+  if (still_periods_ >= kSettlePeriods) {
+    measure_bias(gyro_rad, dt_s);
+    return;
+  }
+  still_time_s_ = 0.0;
+  still_angle_rad_ = 0.0;
+  if (bias_) {
+    correct(gyro_rad, interval, dt_s);
+  }
+}
+
+// The angle was measured after the last period, and before the end of the next: halfway, with an
+// error of half a period at most. The interval before it ends there, and the next one begins.
+GyroHeading::Interval GyroHeading::end_interval() {
+  const Interval half{0.5 * last_step_.wheels_rad, 0.5 * last_step_.predicted_rad,
+                      0.5 * last_step_.path_m, 0};
+  const Interval ended{since_.wheels_rad + half.wheels_rad,
+                       since_.predicted_rad + half.predicted_rad, since_.path_m + half.path_m,
+                       since_.periods};
+  since_ = {-half.wheels_rad, -half.predicted_rad, -half.path_m, 0};
+  return ended;
+}
+
+void GyroHeading::correct(double gyro_rad, const Interval& interval, double dt_s) {
+  const double rotation_rad = gyro_rad - bias_->rate_rad_s * dt_s;
+  comparison_.add(rotation_rad, interval.wheels_rad, interval.path_m, dt_s);
+  const Comparison now{rotation_rad, interval.wheels_rad, interval.path_m};
+  update_doubt(now, now.is_plausible() && comparison_.is_plausible());
+  if (!now.is_plausible()) {
+    comparison_ = {};  // a jump says nothing about the rotations before and after it
+  }
+  const bool is_frozen = gyro_rad == 0.0 && std::abs(interval.wheels_rad) > kRotatesRad &&
+                         last_step_.wheels_rad != 0.0;
+  if (is_frozen || is_doubted_) {
+    ++counts_.refused;
+    use_ = is_frozen ? GyroUse::kFrozen : GyroUse::kDisagrees;
+    slip_rad_per_m_ = 0.0;
+    return;
+  }
+  ++counts_.used;
+  use_ = GyroUse::kUsed;
+  to_release_rad_ += rotation_rad - interval.predicted_rad;
+  release_periods_ = kReleasePeriods;
+  slip_rad_per_m_ =
+      interval.path_m < kLeastPathM ? 0.0 : (rotation_rad - interval.wheels_rad) / interval.path_m;
+}
+
+// A gyro of the wrong sign disagrees only while the robot rotates, so it is trusted again only once
+// it has followed rotations.
+void GyroHeading::update_doubt(const Comparison& now, bool is_plausible) {
+  if (!is_plausible) {
+    is_doubted_ = true;
+    agreed_rad_ = 0.0;
+  } else if (is_doubted_) {
+    const double common_rad = std::min(std::abs(now.gyro_rad), std::abs(now.wheels_rad));
+    agreed_rad_ =
+        std::max(agreed_rad_ + std::copysign(common_rad, now.gyro_rad * now.wheels_rad), 0.0);
+    is_doubted_ = agreed_rad_ < kAgreedRad;
+  }
+}
+
+void GyroHeading::Comparison::add(double gyro, double wheels, double path, double dt_s) {
+  const double keep = std::exp(-dt_s / kComparisonS);
+  gyro_rad = keep * gyro_rad + gyro;
+  wheels_rad = keep * wheels_rad + wheels;
+  path_m = keep * path_m + path;
+}
+
+bool GyroHeading::Comparison::is_plausible() const {
+  const double margin_rad = kMarginRad + kMarginRadPerM * path_m;
+  const double most_rad = kMostRotation * wheels_rad;
+  return gyro_rad >= std::min(0.0, most_rad) - margin_rad &&
+         gyro_rad <= std::max(0.0, most_rad) + margin_rad;
+}
+
+void GyroHeading::measure_bias(double gyro_rad, double dt_s) {
+  slip_rad_per_m_ = 0.0;
+  comparison_ = {};
+  still_angle_rad_ += gyro_rad;
+  still_time_s_ += dt_s;
+  if (still_time_s_ >= kStillWindowS) {
+    take_still_rate(still_angle_rad_ / still_time_s_, still_time_s_);
+    still_angle_rad_ = 0.0;
+    still_time_s_ = 0.0;
+  }
+}
+
+void GyroHeading::take_still_rate(double rate_rad_s, double dt_s) {
+  const double variance = variance_of(params_.noise_rad) / dt_s;
+  if (bias_) {
+    const double before = bias_->variance + variance_of(params_.bias_walk_rad_s) * bias_->age_s;
+    if (std::abs(rate_rad_s - bias_->rate_rad_s) <=
+        4.0 * std::sqrt(before + variance) + kBiasStepRadS) {
+      const double gain = before / (before + variance);
+      *bias_ = {bias_->rate_rad_s + gain * (rate_rad_s - bias_->rate_rad_s), (1.0 - gain) * before,
+                0.0};
+      odd_windows_ = 0;
+      resume();
+      return;
+    }
+  }
+  const bool is_same = std::abs(rate_rad_s - odd_rate_rad_s_) <= kSameRateRadS;
+  odd_windows_ = odd_windows_ > 0 && is_same ? odd_windows_ + 1 : 1;
+  odd_rate_rad_s_ = rate_rad_s;
+  if (odd_windows_ < (bias_ ? kNewWindows : kFirstWindows)) {
+    return;
+  }
+  odd_windows_ = 0;
+  if (std::abs(rate_rad_s) <= params_.max_bias_rad_s) {
+    bias_ = Bias{rate_rad_s, variance, 0.0};
+    resume();
+  } else {
+    bias_.reset();
+    use_ = GyroUse::kRunsOff;
+  }
+}
+
+void GyroHeading::resume() {
+  use_ = !bias_ ? GyroUse::kUnsettled : is_doubted_ ? GyroUse::kDisagrees : GyroUse::kUsed;
+}
+
+void GyroHeading::interrupt() {
+  forget_angle();
+  since_ = {};
+  last_step_ = {};
+  to_release_rad_ = 0.0;
+  release_periods_ = 0;
+}
+
+// The wheels alone, until the next two angles.
+void GyroHeading::forget_angle() {
+  last_angle_rad_.reset();
+  slip_rad_per_m_ = 0.0;
+  still_angle_rad_ = 0.0;
+  still_time_s_ = 0.0;
+}
+
+}  // namespace nodmap::kurt
