@@ -8,6 +8,7 @@
 #include <functional>
 #include <map>
 
+#include "common/geometry/angle.hpp"
 #include "drivers/kurt/kurt.hpp"
 #include "drivers/laser3d/laser3d.hpp"
 #include "sim/devices/dynamixel_servo.hpp"
@@ -288,9 +289,11 @@ class BaseRun {
  public:
   static constexpr time::Duration kValidity = 100ms;
 
-  BaseRun() { driver_.connected({}); }
+  explicit BaseRun(const sim::RobotModelParams& params = {}) : model_(sim::World{}, params, 1) {
+    driver_.connected({});
+  }
 
-  void run_until(time::SteadyTime end, double forward_mps) {
+  void run_until(time::SteadyTime end, double forward_mps, double yaw_rate_rad_s = 0.0) {
     while (now_ < end) {
       now_ = std::min({device_.next_due(), next_control_, end});
       model_.advance_to(now_);
@@ -301,7 +304,7 @@ class BaseRun {
       }
       if (now_ >= next_control_) {
         next_control_ += 10ms;
-        driver_.drive({{forward_mps, 0.0}, moment().wall, kValidity}, moment());
+        driver_.drive({{forward_mps, yaw_rate_rad_s}, moment().wall, kValidity}, moment());
         const std::string line = driver_.control(moment());
         device_.receive(sim::Bytes(line.begin(), line.end()), cable_.baud, now_);
       }
@@ -319,7 +322,7 @@ class BaseRun {
 
   time::SteadyTime now_{};
   time::SteadyTime next_control_{};
-  sim::RobotModel model_{sim::World{}, {}, 1};
+  sim::RobotModel model_;
   kurt::Kurt driver_{kurt::KurtParams{}};
   sim::SlcanKurtBase device_{{}, model_};
   Cable cable_{device_, 1'000'000};
@@ -337,6 +340,28 @@ TEST(BaseOnDevice, OdometryComesEveryTenMillisecondsAndMeasuresTheDistance) {
   EXPECT_NEAR(run.samples.back().state.T_odom_base.translation().norm(), distance_m, 0.02);
   EXPECT_EQ(run.driver().counts().encoder_lost, 0);
   EXPECT_EQ(run.driver().slcan_counts().malformed, 0);
+}
+
+// Wheels that count a tenth too much would be 23 degrees off.
+TEST(BaseOnDevice, TheHeadingIsThatOfTheGyro) {
+  sim::RobotModelParams params;
+  params.drive.odometry_scale_bias = 0.1;
+  BaseRun run(params);
+  run.run_until(at(6s), 0.0);
+  ASSERT_EQ(run.driver().gyro().use(), kurt::GyroUse::kUsed);
+  // The bias is the simulator's 0.3 degrees per second; the random walk of 0.07 degrees is the
+  // error of a second, in the mean of four windows; four times that.
+  EXPECT_NEAR(geometry::rad_to_deg(*run.driver().gyro().bias_rad_s()), 0.3, 0.14);
+  run.run_until(at(10s), 0.3, 1.0);
+  run.run_until(at(11s), 0.0);
+  const Eigen::Vector3d ahead = run.model().ground_truth().T_world_base.linear().col(0);
+  const double truth_rad = std::atan2(ahead.y(), ahead.x());
+  const double error_rad =
+      geometry::angle_difference(run.samples.back().state.T_odom_base.yaw, truth_rad);
+  // The gyro's scale is 0.5 % too large, 1.1 degrees; the rest is bias and noise, one degree at
+  // three standard deviations.
+  EXPECT_NEAR(geometry::rad_to_deg(error_rad), 1.1, 1.0);
+  EXPECT_EQ(run.driver().gyro().counts().refused, 0);
 }
 
 }  // namespace drivers_on_devices_test
