@@ -107,16 +107,17 @@ GyroHeading::Rotation GyroHeading::rotate(const WheelStep& wheels) {
     release_periods_ -= periods;
     rotation_rad += released_rad;
   }
-  const bool moves = still_periods_ < kSettlePeriods;
-  return {rotation_rad, use_ != GyroUse::kUsed ? wheels.variance_rad2
-                        : moves                ? gyro_variance(rotation_rad, dt_s)
-                                               : 0.0};
+  return {rotation_rad, use_ == GyroUse::kUsed ? gyro_variance(rotation_rad, dt_s)
+                                               : wheels.variance_rad2};
 }
 
 // The error of the bias acts all the time since it was measured, so the heading's error grows with
 // the time, and its variance with the square of it. Rotations to the left and to the right cancel
 // each other's error of scale; each radian is taken to have one of its own.
 double GyroHeading::gyro_variance(double rotation_rad, double dt_s) const {
+  if (still_periods_ >= kSettlePeriods) {
+    return 0.0;
+  }
   const double age_s = bias_->age_s;
   const double by_bias =
       2.0 * bias_->variance * age_s + variance_of(params_.bias_walk_rad_s * age_s);
@@ -259,7 +260,11 @@ void GyroHeading::take_still_rate(double rate_rad_s, double dt_s) {
 }
 
 void GyroHeading::resume() {
-  use_ = !bias_ ? GyroUse::kUnsettled : is_doubted_ ? GyroUse::kDisagrees : GyroUse::kUsed;
+  if (bias_) {
+    use_ = is_doubted_ ? GyroUse::kDisagrees : GyroUse::kUsed;
+  } else {
+    use_ = GyroUse::kUnsettled;
+  }
 }
 
 void GyroHeading::interrupt() {
