@@ -2,8 +2,14 @@
 #include "common/geometry/pose_history.hpp"
 
 #include <algorithm>
+#include <chrono>
 
 namespace nodmap::geometry {
+namespace {
+
+constexpr time::Duration kLongestWait = 500ms;
+
+}  // namespace
 
 bool PoseHistory::add(time::Timestamp stamp, const SE3& T_odom_base) {
   if (!T_odom_base.matrix().allFinite()) {
@@ -39,6 +45,11 @@ std::optional<SE3> PoseHistory::at(time::Timestamp stamp) const {
   const auto before = std::prev(after);
   const double fraction = time::ratio(stamp - before->stamp, after->stamp - before->stamp);
   return interpolate(before->T_odom_base, after->T_odom_base, fraction);
+}
+
+bool PoseHistory::is_awaited(time::Timestamp stamp, time::Timestamp now) const {
+  return !samples_.empty() && stamp > samples_.back().stamp + max_extrapolation_ &&
+         std::chrono::abs(now - stamp) <= kLongestWait;
 }
 
 std::optional<SE3> PoseHistory::newest() const {

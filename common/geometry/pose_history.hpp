@@ -28,6 +28,11 @@ class PoseHistory {
   /// than `max_extrapolation` outside the samples.
   [[nodiscard]] std::optional<SE3> at(time::Timestamp stamp) const;
 
+  /// Whether a measurement at a time should wait for its pose: it is too far beyond the newest
+  /// sample, and newer ones may still come. They do within half a second (`now` is the time of the
+  /// newest measurement) at 5 samples a second, even if one is lost. Not without any sample.
+  [[nodiscard]] bool is_awaited(time::Timestamp stamp, time::Timestamp now) const;
+
   /// The sample with the latest stamp.
   [[nodiscard]] std::optional<SE3> newest() const;
 

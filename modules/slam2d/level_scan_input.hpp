@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <optional>
 
 #include "common/geometry/pose_history.hpp"
@@ -36,18 +37,32 @@ class LevelScanInput {
   void add_odometry(time::Timestamp stamp, const geometry::SE3& T_published_base,
                     bool has_restarted = false);
 
-  /// Takes the next scan. Returns the level scan that it completes, which is this scan or the
-  /// previous one; valid until the next call. Returns nothing for one that is implausible, which
-  /// SensorInput counts, and, counting why, for one that is not level or more than 50 ms from any
-  /// odometry.
-  [[nodiscard]] std::optional<LevelScan> add_scan(const scan::Scan& scan);
+  /// Takes the next scan. It completes a level scan, which is this scan or the previous one, or is
+  /// counted as not level. Ignores one that is implausible, which SensorInput counts.
+  void add_scan(const scan::Scan& scan);
+
+  /// The next level scan; valid until the next call. To be called after add_scan() until it returns
+  /// none. A level scan waits until odometry has come as far, for at most half a second. One that
+  /// is more than 50 ms from any odometry then is left out and counted.
+  [[nodiscard]] std::optional<LevelScan> next();
+
+  /// Leaves out and counts the level scans that still wait: no odometry comes for them.
+  void stop_waiting();
+
+  /// Whether the last level scan was left out for lack of odometry.
+  [[nodiscard]] bool lacks_odometry() const { return lacks_odometry_; }
 
   /// The frame of the odometry that is published now, in that of LevelScan::T_odom_base.
   [[nodiscard]] const geometry::SE2& T_odom_published() const { return T_odom_published_; }
   [[nodiscard]] const ScanCounts& counts() const { return counts_; }
 
  private:
+  [[nodiscard]] std::optional<LevelScan> place(const scan::Scan& scan);
+
   LevelScanSelector selector_;
+  std::deque<scan::Scan> waiting_;  // level scans without odometry so far
+  time::Timestamp newest_scan_{};   // the end of the last one, level or not
+  bool lacks_odometry_ = false;
   geometry::PoseHistory odometry_;  // as published, since the last restart
   geometry::SE2 T_odom_published_;
   std::optional<time::Timestamp> odometry_stamp_;  // the newest

@@ -12,15 +12,27 @@ void LevelScanReader::read(const nodmap::odometry_t& message) {
   }
 }
 
-std::optional<LevelScan> LevelScanReader::read(const nodmap::scan_t& message) {
-  if (!messages_.read(message, scan_)) {
-    return std::nullopt;
+void LevelScanReader::read(const nodmap::scan_t& message) {
+  if (messages_.read(message, scan_)) {
+    scan_stamp_ = scan_.stamp;
+    input_.add_scan(scan_);
   }
-  scan_stamp_ = scan_.stamp;
-  const std::int64_t without_odometry = input_.counts().without_odometry;
-  std::optional<LevelScan> level_scan = input_.add_scan(scan_);
-  counts_.reject("scan_without_odometry", input_.counts().without_odometry - without_odometry);
+}
+
+std::optional<LevelScan> LevelScanReader::next() {
+  std::optional<LevelScan> level_scan = input_.next();
+  reject_without_odometry();
   return level_scan;
+}
+
+void LevelScanReader::finish() {
+  input_.stop_waiting();
+  reject_without_odometry();
+}
+
+void LevelScanReader::reject_without_odometry() {
+  counts_.reject("scan_without_odometry", input_.counts().without_odometry - without_odometry_);
+  without_odometry_ = input_.counts().without_odometry;
 }
 
 }  // namespace nodmap::slam2d

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <optional>
 
 #include "common/bus/bus.hpp"
@@ -23,18 +24,25 @@ class LevelScanReader {
       : counts_(counts), messages_(counts, bus), input_(params) {}
 
   void read(const nodmap::odometry_t& message);
-  /// The level scan that this scan completes, if any; valid until the next call.
-  [[nodiscard]] std::optional<LevelScan> read(const nodmap::scan_t& message);
+  void read(const nodmap::scan_t& message);
+  /// The next level scan; valid until the next call. To be called after each scan until it returns
+  /// none: while odometry comes late, level scans wait.
+  [[nodiscard]] std::optional<LevelScan> next();
+  /// To be called at the end: counts the level scans that still wait as rejected.
+  void finish();
 
   /// Of the last plausible scan, level or not, with odometry or without.
   [[nodiscard]] time::Timestamp scan_stamp() const { return scan_stamp_; }
   [[nodiscard]] const LevelScanInput& input() const { return input_; }
 
  private:
+  void reject_without_odometry();
+
   node::MessageCounts& counts_;
   node::SensorInput messages_;
   LevelScanInput input_;
-  scan::Scan scan_;  // the last one; a member to reuse its memory
+  std::int64_t without_odometry_ = 0;  // counted so far
+  scan::Scan scan_;                    // the last one; a member to reuse its memory
   time::Timestamp scan_stamp_{};
 };
 

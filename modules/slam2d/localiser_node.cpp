@@ -30,11 +30,14 @@ LocaliserNode::LocaliserNode(node::Context& context, const Slam2dParams& params,
 }
 
 void LocaliserNode::on_scan(const nodmap::scan_t& message) {
-  const std::optional<LevelScan> scan = input_.read(message);
-  if (!scan) {
-    return;
+  input_.read(message);
+  while (const std::optional<LevelScan> scan = input_.next()) {
+    add_scan(*scan);
   }
-  const PoseUpdate update = localiser_.add_scan(*scan);
+}
+
+void LocaliserNode::add_scan(const LevelScan& scan) {
+  const PoseUpdate update = localiser_.add_scan(scan);
   context_.counts.use();
   context_.bus.publish("POSE_2D", write_pose(update, input_.input().T_odom_published()));
   map_publisher_.publish_if_due(grid_, update.stamp);
@@ -46,6 +49,7 @@ void LocaliserNode::on_scan(const nodmap::scan_t& message) {
 }
 
 void LocaliserNode::finish() {
+  input_.finish();
   map_publisher_.publish_rest(grid_, last_stamp_);
 }
 

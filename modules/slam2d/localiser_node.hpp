@@ -27,10 +27,13 @@ class LocaliserNode : public node::Node {
   void finish() override;
   void write_results(const std::filesystem::path& dir) override;
   [[nodiscard]] nlohmann::json metrics() const override;
-  [[nodiscard]] node::Health health() const override { return health_of(last_state_); }
+  [[nodiscard]] node::Health health() const override {
+    return health_of(last_state_, input_.input().lacks_odometry());
+  }
 
  private:
   void on_scan(const nodmap::scan_t& message);
+  void add_scan(const LevelScan& scan);
 
   node::Context& context_;
   LevelScanReader input_;

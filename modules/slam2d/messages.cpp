@@ -68,7 +68,10 @@ nodmap::pose_t write_pose(const PoseUpdate& update, const geometry::SE2& T_odom_
   return message;
 }
 
-node::Health health_of(PoseState state) {
+node::Health health_of(PoseState state, bool lacks_odometry) {
+  if (lacks_odometry) {
+    return {node::HealthState::kDegraded, "There was no odometry for the last level scan."};
+  }
   switch (state) {
     case PoseState::kLost:
       return {node::HealthState::kDegraded, "Lost: the place in the map is not known."};

@@ -16,8 +16,9 @@ namespace nodmap::slam2d {
 [[nodiscard]] nodmap::pose_t write_pose(const PoseUpdate& update,
                                         const geometry::SE2& T_odom_published);
 
-/// What STATUS says of the last pose.
-[[nodiscard]] node::Health health_of(PoseState state);
+/// What STATUS says of the last pose. `lacks_odometry`: the last level scan has none for that
+/// reason.
+[[nodiscard]] node::Health health_of(PoseState state, bool lacks_odometry);
 
 /// Of more than 2000 loops only the newest.
 [[nodiscard]] nodmap::pose_graph_t write_graph(time::Timestamp stamp, const BackEnd& back_end);

@@ -59,13 +59,16 @@ void Slam2dNode::continue_map(const node::MapOptions& options) {
 }
 
 void Slam2dNode::on_scan(const nodmap::scan_t& message) {
-  const std::optional<LevelScan> scan = input_.read(message);
+  input_.read(message);
   answer_saved(writing_.count_message());
   save_if_due();
-  if (!scan) {
-    return;
+  while (const std::optional<LevelScan> scan = input_.next()) {
+    add_scan(*scan);
   }
-  const std::optional<PoseUpdate> update = slam_.add_scan(*scan);
+}
+
+void Slam2dNode::add_scan(const LevelScan& scan) {
+  const std::optional<PoseUpdate> update = slam_.add_scan(scan);
   if (!update) {
     context_.counts.reject("too_few_points");
     return;
@@ -151,6 +154,7 @@ void Slam2dNode::save_unpolished() {
 }
 
 void Slam2dNode::finish() {
+  input_.finish();
   answer_saved(writing_.take());
   save_unpolished();
   slam_.polish();
@@ -235,7 +239,7 @@ node::Health Slam2dNode::health() const {
             "A part of the map is missing: it needs a grid of more than 64 million cells. Use a "
             "larger grid.cell_size_m."};
   }
-  return health_of(last_state_);
+  return health_of(last_state_, input_.input().lacks_odometry());
 }
 
 }  // namespace nodmap::slam2d

@@ -43,6 +43,7 @@ class Slam2dNode : public node::Node {
 
  private:
   void on_scan(const nodmap::scan_t& message);
+  void add_scan(const LevelScan& scan);
   void on_clear_request(const nodmap::clear_request_t& message);
   void on_save_request(const nodmap::save_request_t& message);
   void continue_map(const node::MapOptions& options);

@@ -80,7 +80,9 @@ void Slam6dNode::on_odometry(const nodmap::odometry_t& message) {
   }
   if (input_.odometry_restarted()) {
     answer(registering_.take());
-    answer(slam_.change_odometry_frame(*T_odom_base));
+    for (const PoseUpdate& update : slam_.change_odometry_frame(*T_odom_base)) {
+      publish(update);
+    }
     count_scans();
   }
   slam_.add_odometry(node::stamp_of(message), *T_odom_base);
@@ -126,7 +128,9 @@ void Slam6dNode::register_sweep(PlacedSweep sweep) {
 
 void Slam6dNode::finish() {
   answer(registering_.take());
-  answer(slam_.flush());
+  while (const auto update = slam_.flush()) {
+    publish(*update);
+  }
   count_scans();
   answer_saved(occupancy_.take());
   save_unpolished();
@@ -177,7 +181,11 @@ std::string Slam6dNode::describe_outside(const geometry::SE3& T_map_base) const 
 void Slam6dNode::count_scans() {
   const ScanCounts& scans = slam_.scan_counts();
   const std::size_t without_pose = scans.without_pose - counted_.without_pose;
-  const std::size_t used = scans.in_sweeps - counted_.in_sweeps - without_pose;
+  const std::size_t in_sweeps = scans.in_sweeps - counted_.in_sweeps;
+  const std::size_t used = in_sweeps - without_pose;
+  if (in_sweeps > 0) {
+    lacks_odometry_ = without_pose > 0;
+  }
   for (std::size_t i = 0; i < used; ++i) {
     context_.counts.use();
   }
@@ -352,10 +360,11 @@ node::Health Slam6dNode::health() const {
   if (const auto problem = saving_.problem()) {
     return *problem;
   }
+  if (lacks_odometry_) {
+    return {HealthState::kDegraded, "There was no odometry for some scans of the last sweep."};
+  }
   if (!last_update_) {
-    return slam_.scan_counts().in_sweeps > 0 && !registering_.is_running()
-               ? node::Health{HealthState::kDegraded, "There are scans, but no odometry for them."}
-               : node::Health{};
+    return {};
   }
   if (!last_update_->is_place_known) {
     return {HealthState::kDegraded, "The robot has not been found in the saved map yet."};

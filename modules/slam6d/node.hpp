@@ -85,6 +85,7 @@ class Slam6dNode : public node::Node {
   std::int64_t graph_revision_ = 0;   // last one published
   std::optional<time::Timestamp> graph_stamp_;  // of the last one
   ScanCounts counted_;
+  bool lacks_odometry_ = false;   // for some scans of the last sweep
   time::Timestamp last_stamp_{};  // of SCAN
   std::optional<PoseUpdate> last_update_;
   bool has_warned_outside_ = false;  // of the octree

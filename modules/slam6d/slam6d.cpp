@@ -30,15 +30,18 @@ Slam6d::Slam6d(const Slam6dParams& params)
       back_end_(params.loop, params.registration, params.odometry, params.voxels),
       recovery_(params) {}
 
-std::optional<PoseUpdate> Slam6d::change_odometry_frame(const SE3& T_new_odom_base) {
-  auto update = flush();
+std::vector<PoseUpdate> Slam6d::change_odometry_frame(const SE3& T_new_odom_base) {
+  std::vector<PoseUpdate> updates;
+  while (const auto update = flush()) {
+    updates.push_back(*update);
+  }
   const auto T_old_new = collector_.change_odometry_frame(T_new_odom_base);
   if (T_old_new) {
     tracker_.change_odometry_frame(*T_old_new);
     keyframe_is_due_ = true;
   }
   recovery_.change_odometry_frame(T_old_new);
-  return update;
+  return updates;
 }
 
 void Slam6d::restore(const SavedMap& saved, const std::optional<SE3>& T_map_start, bool is_fixed) {

@@ -56,16 +56,18 @@ class Slam6d {
 
   /// Continues with odometry in another frame. The newest pose in the old frame and
   /// `T_new_odom_base` are taken as the same place, so the robot stays where it was in the map. The
-  /// running sweep ends, and its update is returned. Older odometry is forgotten, so that no beam
-  /// is placed between the frames. The next sweep is registered as after an interruption.
-  [[nodiscard]] std::optional<PoseUpdate> change_odometry_frame(
-      const geometry::SE3& T_new_odom_base);
+  /// running sweep ends; its update is returned, after those of sweeps that waited for odometry.
+  /// Older odometry is forgotten, so that no beam is placed between the frames. The next sweep is
+  /// registered as after an interruption.
+  [[nodiscard]] std::vector<PoseUpdate> change_odometry_frame(const geometry::SE3& T_new_odom_base);
 
   /// Adds the next scan of the stream, which must be plausible (scan::is_plausible()). Returns the
-  /// pose of the sweep that it completes, if it completes one and there was odometry for it.
+  /// pose of the sweep that it completes, if it completes one and there was odometry for it. If
+  /// odometry comes late, the sweep waits, and a later scan returns its pose.
   [[nodiscard]] std::optional<PoseUpdate> add_scan(scan::Scan scan);
 
-  /// Registers the unfinished sweep at the end of the stream.
+  /// At the end of the stream registers the next of the sweeps that wait for odometry, at last the
+  /// unfinished one. Empty once none is left.
   [[nodiscard]] std::optional<PoseUpdate> flush();
 
   /// add_scan() and flush() in two steps: collecting the scans of a sweep, which takes

@@ -31,16 +31,29 @@ std::optional<SE3> SweepCollector::change_odometry_frame(const SE3& T_new_odom_b
 
 // IV B: "segment the continuous data flow to reflect one complete pitch movement per point cloud".
 std::optional<PlacedSweep> SweepCollector::add_scan(scan::Scan scan) {
-  auto sweep = segmenter_.add(std::move(scan));
-  return sweep ? place_sweep(std::move(*sweep)) : std::nullopt;
+  const time::Timestamp now = scan.last_stamp();
+  if (auto sweep = segmenter_.add(std::move(scan))) {
+    waiting_.push_back(std::move(*sweep));
+  }
+  return waiting_.empty() || odometry_.is_awaited(waiting_.front().scans.back().last_stamp(), now)
+             ? std::nullopt
+             : place_oldest();
 }
 
 std::optional<PlacedSweep> SweepCollector::flush() {
-  auto sweep = segmenter_.flush();
-  return sweep ? place_sweep(std::move(*sweep)) : std::nullopt;
+  if (auto sweep = segmenter_.flush()) {
+    waiting_.push_back(std::move(*sweep));
+  }
+  std::optional<PlacedSweep> placed;
+  while (!placed && !waiting_.empty()) {
+    placed = place_oldest();
+  }
+  return placed;
 }
 
-std::optional<PlacedSweep> SweepCollector::place_sweep(Sweep sweep) {
+std::optional<PlacedSweep> SweepCollector::place_oldest() {
+  Sweep sweep = std::move(waiting_.front());
+  waiting_.pop_front();
   const auto pose_at = [this](time::Timestamp stamp) -> std::optional<SE3> {
     if (odometry_.empty() && assume_stationary_) {
       return SE3::Identity();

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <optional>
 
 #include "common/geometry/pose_history.hpp"
@@ -36,20 +37,23 @@ class SweepCollector {
   std::optional<geometry::SE3> change_odometry_frame(const geometry::SE3& T_new_odom_base);
 
   /// Adds the next scan of the stream. Returns the sweep that it completes, if it completes one and
-  /// there was odometry for it.
+  /// there was odometry for it. A complete sweep waits until odometry has come as far as its end,
+  /// for at most half a second; then it is returned with a later scan.
   [[nodiscard]] std::optional<PlacedSweep> add_scan(scan::Scan scan);
 
-  /// The unfinished sweep at the end of the stream.
+  /// At the end of the stream: the next of the sweeps that wait for odometry, at last the
+  /// unfinished one. Empty once none is left that there was odometry for.
   [[nodiscard]] std::optional<PlacedSweep> flush();
 
   [[nodiscard]] const ScanCounts& counts() const { return counts_; }
 
  private:
-  [[nodiscard]] std::optional<PlacedSweep> place_sweep(Sweep sweep);
+  [[nodiscard]] std::optional<PlacedSweep> place_oldest();
 
   bool assume_stationary_;
   SweepSegmenter segmenter_;
   geometry::PoseHistory odometry_;
+  std::deque<Sweep> waiting_;            // complete, but odometry has not come as far yet
   bool stream_was_interrupted_ = false;  // since the last sweep that could be placed
   ScanCounts counts_;
 };

@@ -38,7 +38,8 @@ void for_each_level_scan(const std::filesystem::path& log,
     if (event->channel == "ODOMETRY" && bus::decode_into(odometry, event->data)) {
       level_scans.read(odometry);
     } else if (event->channel == "SCAN" && bus::decode_into(scan, event->data)) {
-      if (const auto level_scan = level_scans.read(scan)) {
+      level_scans.read(scan);
+      while (const auto level_scan = level_scans.next()) {
         visit(*level_scan);
       }
     }

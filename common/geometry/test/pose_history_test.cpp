@@ -57,6 +57,20 @@ TEST(PoseHistory, SteppingBackReplacesWhatItContradicts) {
   EXPECT_FALSE(history.at(at(3s)).has_value());
 }
 
+TEST(PoseHistory, APoseIsAwaitedUntilSamplesReachItButNotForever) {
+  PoseHistory history(10s, 50ms);
+  EXPECT_FALSE(history.is_awaited(at(1s), at(1s)));  // nothing comes
+  history.add(at(1s), at_x(1));
+  EXPECT_FALSE(history.is_awaited(at(1050ms), at(1050ms)));
+  EXPECT_TRUE(history.is_awaited(at(1051ms), at(1051ms)));
+  EXPECT_TRUE(history.is_awaited(at(1051ms), at(1551ms)));
+  EXPECT_FALSE(history.is_awaited(at(1051ms), at(1552ms)));
+  EXPECT_FALSE(history.is_awaited(at(9s), at(8s)));    // the clock stepped back
+  EXPECT_FALSE(history.is_awaited(at(-9s), at(-9s)));  // too old: no sample will tell it
+  history.add(at(1200ms), at_x(1));
+  EXPECT_FALSE(history.is_awaited(at(1051ms), at(1200ms)));
+}
+
 TEST(PoseHistory, ForgetsBeyondItsSpanAndRefusesNonsense) {
   PoseHistory history(1s, 0s);
   for (int i = 0; i <= 100; ++i) {

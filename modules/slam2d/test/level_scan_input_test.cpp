@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
+#include <vector>
 
 #include "modules/slam2d/test/drawn_world.hpp"
 
@@ -18,7 +20,8 @@ class LevelScans : public testing::Test {
     input_.add_odometry(time::Timestamp(since_epoch), geometry::to_se3(pose), has_restarted);
   }
   std::optional<LevelScan> scan_at(time::Duration since_epoch) {
-    return input_.add_scan(scanner_.scan(test::room(), {}, time::Timestamp(since_epoch)));
+    input_.add_scan(scanner_.scan(test::room(), {}, time::Timestamp(since_epoch)));
+    return input_.next();
   }
 
   LevelScanInput input_{{}};
@@ -77,6 +80,49 @@ TEST_F(LevelScans, TheLongestGapInOdometrySinceTheLastLevelScanIsKnown) {
   put_odometry(800ms, {});
   EXPECT_EQ(scan_at(800ms).value().odometry_gap_s, 0.7);
   EXPECT_EQ(scan_at(810ms).value().odometry_gap_s, 0.0);
+}
+
+// A level laser of 75 scans a second on a base that sends its pose 5 times a second.
+TEST_F(LevelScans, LevelScansWaitForSlowOdometry) {
+  constexpr double kSpeedMps = 1.0;
+  constexpr time::Duration kScanPeriod = 13ms;
+  constexpr time::Duration kOdometryPeriod = 200ms;
+  std::vector<time::Timestamp> placed;
+  const auto place_waiting = [&] {
+    while (const auto scan = input_.next()) {
+      placed.push_back(scan->stamp);
+      const double time_s = time::seconds(scan->stamp.time_since_epoch());
+      expect_near(scan->T_odom_base, {kSpeedMps * time_s, 0.0, 0.0});
+    }
+  };
+  time::Duration odometry = -kOdometryPeriod;
+  for (time::Duration now{}; now < 2s; now += kScanPeriod) {
+    for (; odometry <= now; odometry += kOdometryPeriod) {
+      put_odometry(odometry, {kSpeedMps * time::seconds(odometry), 0.0, 0.0});
+    }
+    input_.add_scan(scanner_.scan(test::room(), {}, time::Timestamp(now)));
+    place_waiting();
+  }
+  EXPECT_EQ(input_.counts().without_odometry, 0);
+  EXPECT_FALSE(input_.lacks_odometry());
+  EXPECT_TRUE(std::ranges::is_sorted(placed));
+  EXPECT_EQ(placed.back(), time::Timestamp(1846ms));  // 1.8 s of odometry and 50 ms, cut to a scan
+  EXPECT_EQ(placed.size(), 143U);
+}
+
+TEST_F(LevelScans, AScanForWhichNoOdometryComesIsCountedAfterHalfASecond) {
+  put_odometry(0ms, {});
+  EXPECT_FALSE(scan_at(100ms));
+  EXPECT_FALSE(scan_at(590ms));
+  EXPECT_EQ(input_.counts().without_odometry, 0);
+  EXPECT_FALSE(scan_at(620ms));
+  EXPECT_EQ(input_.counts().without_odometry, 1);
+  EXPECT_TRUE(input_.lacks_odometry());
+  input_.stop_waiting();
+  EXPECT_EQ(input_.counts().without_odometry, 3);
+  put_odometry(700ms, {});
+  EXPECT_TRUE(scan_at(700ms));
+  EXPECT_FALSE(input_.lacks_odometry());
 }
 
 TEST_F(LevelScans, OdometryThatIsNotFiniteIsIgnored) {

@@ -259,6 +259,7 @@ TEST(Slam2d, RejectsBadInputWithoutChangingTheMap) {
   const scan::Scan good = scanner.scan(test::room(), {}, time::Timestamp(kPeriod));
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(track(slam, good, {kNan, 0.0, 0.0}));
+  slam.input.stop_waiting();
   scan::Scan broken = good;
   broken.angle_step_rad = kNan;
   EXPECT_FALSE(track(slam, broken, {}));

@@ -21,7 +21,8 @@ struct Slam : Slam2d {
 inline std::optional<PoseUpdate> track(Slam& slam, const scan::Scan& scan,
                                        const geometry::SE2& T_odom_base) {
   slam.input.add_odometry(scan.stamp, geometry::to_se3(T_odom_base));
-  const std::optional<LevelScan> level_scan = slam.input.add_scan(scan);
+  slam.input.add_scan(scan);
+  const std::optional<LevelScan> level_scan = slam.input.next();
   return level_scan ? slam.add_scan(*level_scan) : std::nullopt;
 }
 

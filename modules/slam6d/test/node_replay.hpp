@@ -40,15 +40,16 @@ class LogFile {
   /// Adds a drive of 4.3 m through a hall at 1 m/s: 320 scans, which are 4 sweeps. From scan
   /// `restart` on, odometry begins at zero again, with its sequence numbers and its pose, as after
   /// a restart of the base driver. `T_odom_world` is the pose of the world in odom at the
-  /// beginning.
+  /// beginning. There is odometry with every `odometry_every`th scan before scan `odometry_end`.
   void add_drive(bool with_odometry, std::int64_t restart = 0,
-                 const geometry::SE3& T_odom_world = geometry::SE3::Identity()) {
+                 const geometry::SE3& T_odom_world = geometry::SE3::Identity(),
+                 std::int64_t odometry_every = 1, std::int64_t odometry_end = 320) {
     std::mt19937 random(9);
     const NoddingScanner scanner{.noise_m = 0.01};
     const auto motion = [](time::Timestamp t) { return drive_ahead(1.0, t); };
     for (std::int64_t i = 0; i < 320; ++i) {
       const time::Timestamp stamp(i * NoddingScanner::kPeriod);
-      if (with_odometry) {
+      if (with_odometry && i % odometry_every == 0 && i < odometry_end) {
         const std::int64_t first = i < restart ? 0 : restart;
         const geometry::SE3 T_start_odom = motion(time::Timestamp(first * NoddingScanner::kPeriod));
         auto odometry =

@@ -215,5 +215,29 @@ TEST(Slam6dNode, WithoutOdometryScansAreRejectedUnlessStationaryIsAssumed) {
   EXPECT_EQ(stationary.metrics["keyframes"].size(), 1U);
 }
 
+// A base that sends 7 messages a second, the last one with the last scan.
+TEST(Slam6dNode, SlowOdometrySuffices) {
+  const test::TemporaryDir dir;
+  LogFile log(dir.path() / "slow.lcmlog");
+  log.add_drive(true, 0, geometry::SE3::Identity(), 11);
+  log.close();
+  const Outcome outcome = replay(dir.path(), "slow", {});
+  EXPECT_EQ(outcome.metrics["sweeps"], 4);
+  EXPECT_EQ(outcome.metrics["sweeps_tracked"], 3);  // the first one is the map
+  EXPECT_TRUE(outcome.counts.rejected().empty());
+  EXPECT_EQ(outcome.health.state, node::HealthState::kOk);
+}
+
+TEST(Slam6dNode, OdometryThatStopsIsReported) {
+  const test::TemporaryDir dir;
+  LogFile log(dir.path() / "stops.lcmlog");
+  log.add_drive(true, 0, geometry::SE3::Identity(), 1, 200);
+  log.close();
+  const Outcome outcome = replay(dir.path(), "stops", {});
+  EXPECT_NEAR(static_cast<double>(outcome.counts.rejected().at("scan_without_odometry")), 120.0,
+              4.0);  // all but those within 50 ms
+  EXPECT_EQ(outcome.health.state, node::HealthState::kDegraded);
+}
+
 }  // namespace node_test
 }  // namespace nodmap::slam6d
