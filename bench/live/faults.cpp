@@ -22,8 +22,6 @@ constexpr double kMaxExcessS = 0.3;  // promised by SAFETY.md
 constexpr double kMaxExcessM = 0.3;
 constexpr double kFaultAtS = 12.0;  // after the simulator's start: the robot is driving
 constexpr double kFaultForS = 2.5;  // a plug that is back within 3.1 s needs no release
-// A navigator that has been restarted sends DRIVE by then, and the base driver stops the robot.
-constexpr double kUntilStoppedS = 2.0;
 constexpr double kDrivingMps = 1.2;
 constexpr double kDrivesOnMps = kDrivingMps / 2;  // when the fault begins, and again afterwards
 constexpr double kDrivesOnWithinS = 20.0;         // of its end
@@ -62,9 +60,6 @@ std::optional<time::Timestamp> kill_and_restart(RobotProcesses& robot, RobotObse
   robot.kill(process);
   observer.listen(kFaultForS);
   robot.start(process);
-  if (process == "navigator") {
-    observer.listen(kUntilStoppedS);
-  }
   if (process == "kurt" || process == "navigator") {
     robot.release();
   }
