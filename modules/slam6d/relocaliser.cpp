@@ -17,7 +17,8 @@ constexpr std::size_t kWallLevel = 1;
 // Numbers of wall points that are tried: the most, and the least that determine a place.
 constexpr std::size_t kMaxPoints = 300;
 constexpr std::size_t kMinPoints = 60;
-// The most cells: a building of 200 m x 200 m x 5 m, 25 MB. A larger one is not searched.
+// The most cells of a size: a building of 200 m x 200 m x 5 m, 25 MB. In a larger one the smallest
+// cells are not used.
 constexpr double kMaxCells = 2.5e7;
 // Number of cell sizes: from two thirds of a position step up to the size for walls 37 m away.
 constexpr std::size_t kCellLevels = 4;
@@ -138,7 +139,8 @@ std::vector<Relocaliser::WallPoint> Relocaliser::wall_points(const VoxelMap& swe
   for (const Eigen::Vector3f& p : some_of(all, kMaxPoints)) {
     const double off_m = 0.5 * params_.heading_step_rad * static_cast<double>(p.norm());
     std::size_t level = 0;
-    while (level + 1 < kCellLevels && static_cast<double>(cells_[level].cell_m) < off_m) {
+    while (level + 1 < kCellLevels &&
+           (cells_[level].near_wall.empty() || static_cast<double>(cells_[level].cell_m) < off_m)) {
       ++level;
     }
     some.push_back({p, level});

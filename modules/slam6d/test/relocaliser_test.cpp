@@ -29,6 +29,18 @@ TEST(Relocaliser, APlaceInAHallWithDistantWallsIsFound) {
   }
 }
 
+// Walls of the map are up to 450 m apart, too far for cells of 20 cm.
+TEST(Relocaliser, APlaceInALargeBuildingIsFound) {
+  const std::vector<SE3> keyframes = along_hall();
+  TestMap map(Room::hall(), keyframes);
+  const SE3 T_map_far = pose(320.0, 320.0, 0.0);
+  map.voxels.add_sweep(sweep_at(Room::hall(), SE3::Identity(), 98), T_map_far);
+  const SE3 T_map_base = pose(0.2, -0.1, 3.0);
+  const StartsResult found = find(map, keyframes, sweep_at(Room::hall(), T_map_base, 99));
+  ASSERT_TRUE(found.best);
+  EXPECT_FALSE(is_apart(T_map_base, found.best->T_map_base, 0.01, geometry::deg_to_rad(0.2)));
+}
+
 // A square hall looks the same at four headings.
 TEST(Relocaliser, APlaceThatIsThereTwiceIsAmbiguous) {
   Room square = Room::corridor();
