@@ -26,6 +26,7 @@ kurt3d         prints  KURT3D (needs the recordings)
 registration   prints  clouds whose poses are known: docs/benchmark-3d.md (needs the recordings)
 slam6d-scan    prints  A scan in 6D SLAM
 slam6d-drives  prints  docs/benchmark-3d.md: simulated drives, in a saved map
+slow-odometry  prints  docs/benchmark-3d.md: slow odometry
 hours          prints  6D SLAM for hours; docs/benchmark-2d.md: days in one building
 octomap        checks  OctoMap (needs the recordings)
 trials         checks  Trials, Stairs and a warehouse, The simulator
@@ -121,6 +122,7 @@ measure() {
       python3 bench/slam6d_drives.py --out "$out/drives" --setting "" "adjustment.use_adjustment=false"
       python3 bench/slam6d_sessions.py "$out"/drives/*
       ;;
+    slow-odometry) python3 bench/slow_odometry.py --out "$out/drives" ;;
     hours)
       python3 bench/slam2d_days.py --hours 1 2 4 8 24
       python3 bench/slam6d_days.py --hours 1 2 4
