@@ -5,7 +5,10 @@
 
 #include <fstream>
 #include <sstream>
+#include <string>
 #include <vector>
+
+#include "procman/deputy/process_table.hpp"
 
 namespace nodmap::bench {
 namespace {
@@ -21,34 +24,15 @@ std::vector<std::string> words_of(const std::string& text) {
 
 }  // namespace
 
-std::optional<ProcessLoad> parse_load(const std::string& stat, double tick_s, double page_bytes) {
-  // The second field is the name in parentheses; it may contain any character.
-  const std::size_t name_end = stat.rfind(')');
-  if (name_end == std::string::npos) {
-    return std::nullopt;
-  }
-  // proc(5) counts fields from 1; the first word after the name is field 3.
-  constexpr std::size_t kUserTime = 14 - 3;
-  constexpr std::size_t kSystemTime = 15 - 3;
-  constexpr std::size_t kResident = 24 - 3;
-  const std::vector<std::string> words = words_of(stat.substr(name_end + 1));
-  if (words.size() <= kResident) {
-    return std::nullopt;
-  }
-  try {
-    return ProcessLoad{tick_s * (std::stod(words[kUserTime]) + std::stod(words[kSystemTime])),
-                       std::stod(words[kResident]) * page_bytes / (1024.0 * 1024.0)};
-  } catch (const std::logic_error&) {
-    return std::nullopt;
-  }
-}
-
 std::optional<ProcessLoad> read_load(pid_t pid) {
-  std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
-  std::string stat;
-  std::getline(file, stat);
-  return parse_load(stat, 1.0 / static_cast<double>(::sysconf(_SC_CLK_TCK)),
-                    static_cast<double>(::sysconf(_SC_PAGESIZE)));
+  const auto row = procman::read_process(pid);
+  if (!row) {
+    return std::nullopt;
+  }
+  constexpr double kMib = 1024.0 * 1024.0;
+  return ProcessLoad{
+      static_cast<double>(row->cpu_ticks) / static_cast<double>(::sysconf(_SC_CLK_TCK)),
+      static_cast<double>(row->rss_pages) * static_cast<double>(::sysconf(_SC_PAGESIZE)) / kMib};
 }
 
 UdpQueues parse_udp_queues(std::istream& table) {

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <iosfwd>
 #include <optional>
-#include <string>
 
 namespace nodmap::bench {
 
@@ -15,11 +14,6 @@ struct ProcessLoad {
   double cpu_s = 0.0;  ///< of all threads, in user and system, since its start
   double resident_mib = 0.0;
 };
-
-/// Parses a line of /proc/PID/stat; nothing if it is malformed. `tick_s`: the kernel's clock tick
-/// (s).
-[[nodiscard]] std::optional<ProcessLoad> parse_load(const std::string& stat, double tick_s,
-                                                    double page_bytes);
 
 /// Nothing if there is no such process.
 [[nodiscard]] std::optional<ProcessLoad> read_load(pid_t pid);
