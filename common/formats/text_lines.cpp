@@ -33,6 +33,16 @@ bool TextLines::next() {
   return true;
 }
 
+bool TextLines::next_content() {
+  while (next()) {
+    const std::size_t first = line_.find_first_not_of(" \t\r");
+    if (first != std::string_view::npos && line_[first] != '#') {
+      return true;
+    }
+  }
+  return false;
+}
+
 std::string TextLines::place() const {
   return file_.string() + ":" + std::to_string(number_);
 }

@@ -20,6 +20,8 @@ class TextLines {
   /// megabyte, because a file of another kind may be a single line as large as the memory, and
   /// std::runtime_error if the disk fails; both name the file.
   [[nodiscard]] bool next();
+  /// The same, to the next line that is neither blank nor a comment after '#'.
+  [[nodiscard]] bool next_content();
   /// The line without its end; valid until next().
   [[nodiscard]] std::string_view line() const { return line_; }
   /// FILE:NUMBER of the line, for messages.
@@ -33,7 +35,8 @@ class TextLines {
   std::int64_t number_ = 0;
 };
 
-/// A text from a file for messages on the terminal: '?' for what is not printable ASCII.
+/// A text from a file or from another process, for messages on the terminal and in the log: '?' for
+/// what is not printable ASCII.
 [[nodiscard]] std::string printable(std::string_view text);
 
 /// The same in quotation marks, and at most 80 characters of it.

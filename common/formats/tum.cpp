@@ -38,12 +38,8 @@ void write_tum(const std::filesystem::path& file, const Trajectory& trajectory) 
 Trajectory read_tum(const std::filesystem::path& file) {
   TextLines lines(file);
   Trajectory trajectory;
-  while (lines.next()) {
+  while (lines.next_content()) {
     const std::string line(lines.line());
-    const std::size_t first = line.find_first_not_of(" \t\r");
-    if (first == std::string::npos || line[first] == '#') {
-      continue;
-    }
     std::istringstream fields(line);
     std::string stamp_text;
     Eigen::Vector3d p = Eigen::Vector3d::Zero();

@@ -62,12 +62,8 @@ Moments moments(std::span<const double> values) {
 std::vector<Relation> read_relations(const std::filesystem::path& file) {
   formats::TextLines lines(file);
   std::vector<Relation> relations;
-  while (lines.next()) {
+  while (lines.next_content()) {
     const std::string line(lines.line());
-    const std::size_t first = line.find_first_not_of(" \t\r");
-    if (first == std::string::npos || line[first] == '#') {
-      continue;
-    }
     const auto relation = parse_relation(line);
     if (!relation) {
       throw formats::InputFileError(

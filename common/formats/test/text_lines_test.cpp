@@ -38,6 +38,17 @@ TEST_F(TextLinesTest, TheLastLineNeedsNoEnd) {
   EXPECT_THAT(lines_of(std::string("a\0b\n", 4)), ElementsAre(std::string("a\0b", 3)));
 }
 
+TEST_F(TextLinesTest, BlankLinesAndCommentsHaveNoContent) {
+  std::ofstream(file()) << "# a\n \t\r\n\n1 # b\n  # c\n2";
+  TextLines lines(file());
+  ASSERT_TRUE(lines.next_content());
+  EXPECT_EQ(lines.line(), "1 # b");
+  ASSERT_TRUE(lines.next_content());
+  EXPECT_EQ(lines.line(), "2");
+  EXPECT_EQ(lines.place(), file().string() + ":6");
+  EXPECT_FALSE(lines.next_content());
+}
+
 TEST_F(TextLinesTest, RefusesALineOfMoreThanAMegabyte) {
   const std::string longest(1'000'000, 'x');
   EXPECT_THAT(lines_of(longest), ElementsAre(longest));
