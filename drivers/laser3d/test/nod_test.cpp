@@ -244,6 +244,7 @@ TEST(Nod, AJammedHeadTriesBothWaysAndComesBack) {
     run(dut, head, 0.05, now);
     num_up += dut.aim().goal_rad > head.pitch_rad ? 1 : 0;
   }
+  // Each way half of the time.
   EXPECT_GT(num_up, 25);
   EXPECT_LT(num_up, 75);
   EXPECT_TRUE(dut.is_stalled());
@@ -287,7 +288,7 @@ TEST(Nod, AServoThatStopsShortOfItsGoalStillReverses) {
     pitch_rad += step;
     static_cast<void>(dut.step({now, pitch_rad, step / 0.005}, now));
   }
-  EXPECT_GT(dut.sweep(), 9);
+  EXPECT_GE(dut.sweep(), 12);  // 0.8 s each at most
   EXPECT_FALSE(dut.is_stalled());
 }
 

@@ -129,8 +129,9 @@ class Rig {
 TEST(Laser3dNode, PublishesScansAndPitchStampedWithTheWallClock) {
   Rig rig;
   rig.run(4.0);
-  EXPECT_GT(rig.scans.count(), 50);
-  EXPECT_GT(rig.pitch.count(), 500);
+  // Of 4 s the laser's start takes two; the servo answers every 5 ms almost from the beginning.
+  EXPECT_GT(rig.scans.count(), 75);
+  EXPECT_GT(rig.pitch.count(), 750);
   EXPECT_EQ(rig.node.health().state, node::HealthState::kOk) << rig.node.health().reason;
   const nodmap::scan_t& scan = *rig.scans.get();
   EXPECT_LE(rig.now.wall - time::from_utime(scan.utime), 60ms);
@@ -285,7 +286,7 @@ TEST(Laser3dNode, UnpluggingTheLaserEndsTheScansAndReplugsResumeThem) {
   EXPECT_EQ(rig.scans.count(), scans);
   rig.laser.plugged = true;
   rig.run(8.0);
-  EXPECT_GT(rig.scans.count(), scans + 50);
+  EXPECT_GT(rig.scans.count(), scans + 375);  // 5 s of the 8, as it starts again
   EXPECT_EQ(rig.node.health().state, node::HealthState::kOk) << rig.node.health().reason;
 }
 
@@ -300,7 +301,7 @@ TEST(Laser3dNode, UnpluggingTheServoEndsTheScansAndReplugsResumeThem) {
   EXPECT_EQ(rig.scans.count(), scans);
   rig.servo.plugged = true;
   rig.run(8.0);
-  EXPECT_GT(rig.scans.count(), scans + 50);
+  EXPECT_GT(rig.scans.count(), scans + 375);  // 5 s of the 8, as it starts again
 }
 
 TEST(Laser3dNode, EndsWithTheLaserAtRest) {
