@@ -119,7 +119,7 @@ double longest_gap_on_floor_m(const SweepPlan& plan, double forward_mps, double 
   const double sweep_s = plan.sweep_s / servo;
   std::vector<double> places_m;
   for (double t = 0.0; t < 40.0; t += kScanS) {
-    // The reversals count as turning points at constant rate.
+    // The reversals take no time here: the rate is constant.
     const double phase = std::fmod(t / sweep_s, 2.0);
     const double pitch_rad =
         plan.sweep.min_rad + plan.sweep.range_rad() * (phase < 1.0 ? phase : 2.0 - phase);

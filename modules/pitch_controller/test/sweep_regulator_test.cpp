@@ -26,7 +26,8 @@ TEST(SweepRegulator, AGainFaultLeavesNoSteadyError) {
 
 TEST(SweepRegulator, WithoutTheIntegralAGainFaultLeavesAnError) {
   EXPECT_NEAR(error_after(SweepRegulator({0.0, 0.0}), 1.25, 50), 0.25, 1e-12);
-  EXPECT_GT(error_after(SweepRegulator({0.1, 0.0}), 1.25, 50), 0.15);
+  // The error e at which 1 + e = gain * (1 - p * e).
+  EXPECT_NEAR(error_after(SweepRegulator({0.1, 0.0}), 1.25, 50), 0.25 / (1.0 + 1.25 * 0.1), 1e-12);
 }
 
 TEST(SweepRegulator, OvershootIsBelowTenPercent) {

@@ -127,7 +127,8 @@ TEST_F(RoamingTest, PassesTheEndOfAWallWithoutStopping) {
   const auto decision = decide({{{{1.4, -2.5}, {1.5, 0.3}, 0.5}}}, 0.6, 20);
   ASSERT_TRUE(decision);
   EXPECT_GT(decision->forward_mps, 0.3);
-  EXPECT_GT(decision->yaw_rate_rad_s, 0.0);
+  // The wall's end is 0.3 m aside and 1.4 m ahead: a curvature of 2 * 0.3 / 1.4^2.
+  EXPECT_GT(decision->yaw_rate_rad_s, 0.3 * decision->forward_mps);
 }
 
 // A lane 0.9 m wide ends 0.4 m before the robot. All headings that a rollout of 1.6 s reaches face
@@ -139,7 +140,8 @@ TEST_F(RoamingTest, AtTheEndOfALaneItTurnsRoundAtOnce) {
                                0.0, 40, 4);
   ASSERT_TRUE(decision);
   EXPECT_EQ(decision->forward_mps, 0.0);
-  EXPECT_GT(std::abs(decision->yaw_rate_rad_s), 0.8);
+  EXPECT_NEAR(std::abs(decision->yaw_rate_rad_s), NavigatorParams().turn.rate_rad_s,
+              1e-9);  // rounding
 }
 
 TEST_F(RoamingTest, WaitsForItsFirstPlan) {
@@ -156,10 +158,11 @@ TEST_F(RoamingTest, WithoutProgressItTakesAnotherPath) {
   max_forward_mps = 0.2;
   const auto first = decide({}, 0.0, 40);
   ASSERT_TRUE(first);
-  EXPECT_LT(std::abs(first->yaw_rate_rad_s), 0.1);
+  EXPECT_EQ(first->yaw_rate_rad_s, 0.0);
   const auto later = decide({}, 0.0, 40 + 300);
   ASSERT_TRUE(later);
-  EXPECT_GT(std::abs(later->yaw_rate_rad_s), 0.3)
+  // Half of the body's width aside after 0.4 m: a curvature of 2 * 0.165 / 0.4^2.
+  EXPECT_GT(std::abs(later->yaw_rate_rad_s), 2.0 * later->forward_mps)
       << later->forward_mps << " " << to_text(later->reason);
 }
 

@@ -74,10 +74,11 @@ TEST(CloudDownsampler, TheSamePointsAgainAreDroppedWhateverTheBasePose) {
   }
   downsampler.downsample(again);
   EXPECT_EQ(size(again), 0U);
+  // Elsewhere, by a whole number of cubes, they are downsampled as at first.
   CloudView elsewhere = all;
   elsewhere.T_frame_points.translation() = Eigen::Vector3d(3.0, -2.0, 0.5);
   downsampler.downsample(elsewhere);
-  EXPECT_GT(size(elsewhere), size(first) / 2);
+  EXPECT_EQ(elsewhere.xyz_m, first.xyz_m);
 }
 
 TEST(CloudDownsampler, WithoutASpacingOnlyEqualPointsAreDropped) {
