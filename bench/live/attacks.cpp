@@ -65,20 +65,20 @@ class Forger {
   [[nodiscard]] std::int64_t next_seq() { return seq_++; }
 
   // The newest number of the legitimate sender.
-  [[nodiscard]] std::int64_t heard_seq(const std::string& channel) {
+  [[nodiscard]] std::int64_t received_seq(const std::string& channel) {
     bus_.handle(std::chrono::milliseconds(0));
-    return heard_seqs_[channel];
+    return received_seqs_[channel];
   }
 
-  // Sends what has been heard on all these channels again, with the numbers that come next.
+  // Sends what has been received on all these channels again, with the numbers that come next.
   void repeat(const std::vector<std::string>& channels) {
     bus_.handle(std::chrono::milliseconds(0));
     for (const std::string& channel : channels) {
-      if (const auto found = heard_.find(channel); found != heard_.end()) {
+      if (const auto found = received_.find(channel); found != received_.end()) {
         bus_.publish_bytes(channel, found->second);
       }
     }
-    heard_.clear();
+    received_.clear();
   }
 
   template <class Message>
@@ -107,10 +107,10 @@ class Forger {
   void listen(const std::string& channel, std::int64_t Message::*seq) {
     bus_.subscribe<Message>(channel, [this, channel, seq](const Message& message) {
       if (bus_.origin().sender != own_) {
-        heard_seqs_[channel] = message.*seq;
+        received_seqs_[channel] = message.*seq;
         Message next = message;
         ++(next.*seq);
-        bus::encode_into(heard_[channel], next);
+        bus::encode_into(received_[channel], next);
       }
     });
   }
@@ -119,8 +119,9 @@ class Forger {
   bus::Sender own_;
   test::Attacker attacker_{kPort};
   std::int64_t seq_ = 0;
-  std::map<std::string, std::int64_t> heard_seqs_;       // by channel
-  std::map<std::string, std::vector<std::byte>> heard_;  // the newest message, with the next number
+  std::map<std::string, std::int64_t> received_seqs_;  // by channel
+  std::map<std::string, std::vector<std::byte>>
+      received_;  // the newest message, with the next number
 };
 
 time::Timestamp now() {
@@ -161,13 +162,13 @@ nodmap::odometry_t forged_odometry(Forger& forger, time::Duration ahead) {
 // The same with numbers that the legitimate sender has not reached yet.
 void publish_drive_of_listener(Forger& forger, std::int64_t step) {
   nodmap::drive_t drive = forged_drive(forger, 0us);
-  drive.drive_seq = forger.heard_seq("DRIVE") + step;
+  drive.drive_seq = forger.received_seq("DRIVE") + step;
   forger.publish("DRIVE", drive);
 }
 
 void publish_odometry_of_listener(Forger& forger, time::Duration ahead) {
   nodmap::odometry_t odometry = forged_odometry(forger, ahead);
-  odometry.odometry_seq = forger.heard_seq("ODOMETRY") + kSkippedByListener;
+  odometry.odometry_seq = forger.received_seq("ODOMETRY") + kSkippedByListener;
   forger.publish("ODOMETRY", odometry);
 }
 

@@ -118,7 +118,7 @@ printf '#!/bin/sh\n/bin/mkdir "$@"\nkill -INT "$PPID"\n' >"$work/stub/mkdir"
 chmod +x "$work/stub/mkdir"
 code=0
 PATH=$work/stub:$PATH env --default-signal=INT bash scripts/demo_sim.sh --duration 1 --out "$work/at-the-end-of-a-command" >"$work/log" 2>&1 || code=$?
-[[ $code -eq 130 ]] || fail "a Ctrl-C as a command of the script ends is not heard: exit code $code"
+[[ $code -eq 130 ]] || fail "a Ctrl-C as a command of the script ends has no effect: exit code $code"
 
 # It listens for two seconds first.
 for seconds in 0 1 2.3 3 4 6 9; do

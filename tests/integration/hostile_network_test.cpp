@@ -157,20 +157,21 @@ TEST_F(HostileNetwork, ALargeMessageArrivesComplete) {
   for (std::size_t i = 0; i < large.size(); ++i) {
     large[i] = static_cast<std::byte>(i * 7 % 251);
   }
-  std::vector<std::byte> heard;
-  bus_.subscribe_bytes(
-      "LARGE", [&](std::span<const std::byte> bytes) { heard.assign(bytes.begin(), bytes.end()); });
+  std::vector<std::byte> received;
+  bus_.subscribe_bytes("LARGE", [&](std::span<const std::byte> bytes) {
+    received.assign(bytes.begin(), bytes.end());
+  });
   bus_.publish_bytes("LARGE", large);
   EXPECT_EQ(bus_.handle(kPatience), 1);
-  EXPECT_EQ(heard, large);
+  EXPECT_EQ(received, large);
 }
 
 // A robot that has fallen behind needs the newest messages.
 TEST_F(HostileNetwork, AFullQueueDropsItsOldestMessages) {
-  std::vector<int> heard;
+  std::vector<int> received;
   bus_.subscribe_bytes(
       "COUNT",
-      [&](std::span<const std::byte> bytes) { heard.push_back(std::to_integer<int>(bytes[0])); },
+      [&](std::span<const std::byte> bytes) { received.push_back(std::to_integer<int>(bytes[0])); },
       4);
   for (int i = 0; i < 100; ++i) {
     bus_.publish_bytes("COUNT", std::vector<std::byte>{static_cast<std::byte>(i)});
@@ -180,7 +181,7 @@ TEST_F(HostileNetwork, AFullQueueDropsItsOldestMessages) {
     ::sched_yield();
   }
   EXPECT_EQ(bus_.handle(milliseconds(0)), 4);
-  EXPECT_EQ(heard, (std::vector<int>{96, 97, 98, 99}));
+  EXPECT_EQ(received, (std::vector<int>{96, 97, 98, 99}));
 }
 
 }  // namespace hostile_network_test

@@ -71,18 +71,19 @@ TEST_F(DeputyLoad, TheDroppedBytesOfAFloodThatEndsAreCountedExactly) {
   ASSERT_TRUE(client_.wait_until([this] { return client_.status("flood").wait_status == 7 << 8; }))
       << "it is slowed down, but not blocked for ever";
   const double took_s = std::chrono::duration<double>(SteadyClock::now() - begun).count();
-  const auto heard = [this] {
+  const auto received = [this] {
     const std::string& output = client_.output("flood");
     // The report of dropped bytes does not contain this letter.
     return static_cast<std::int64_t>(std::count(output.begin(), output.end(), 'x'));
   };
   EXPECT_TRUE(client_.wait_until([&] {
-    return heard() + bytes_dropped(client_.output("flood")) == kWritten;
-  })) << heard()
-      << " heard, " << bytes_dropped(client_.output("flood")) << " dropped";
+    return received() + bytes_dropped(client_.output("flood")) == kWritten;
+  })) << received()
+      << " received, " << bytes_dropped(client_.output("flood")) << " dropped";
   std::printf("a flood of %.0f MB: read at %.1f MB/s, %.2f MB published at %.0f KiB/s\n",
               static_cast<double>(kWritten) * 1e-6, static_cast<double>(kWritten) * 1e-6 / took_s,
-              static_cast<double>(heard()) * 1e-6, static_cast<double>(heard()) / 1024.0 / took_s);
+              static_cast<double>(received()) * 1e-6,
+              static_cast<double>(received()) / 1024.0 / took_s);
   end_cleanly();
 }
 

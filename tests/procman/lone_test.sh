@@ -85,4 +85,4 @@ wait "$listener" || true
 grep -q "failing: .*/no/such/file" "$work/deputy.log" || fail "the deputy's log has not the last words"
 kill -TERM "$deputy"
 wait "$deputy" || fail "the deputy does not end well"
-echo "the last words are heard later, and are in the log"
+echo "the last words are received later, and are in the log"

@@ -57,7 +57,7 @@ TEST_F(SheriffProcess, TheNextSheriffIsObeyedAtOnce) {
   EXPECT_EQ(status.get()->total_rejected, 0);
 }
 
-// A sheriff that has heard one forged order looks whether it is repeated, and then begins.
+// A sheriff that has received one forged order looks whether it is repeated, and then begins.
 TEST_F(SheriffProcess, OneForgedOrderDoesNotKeepASheriffFromBeginning) {
   begin_deputy();
   const bus::Latest<procman_lcm::discovery_t> discovery(client_.bus(), procman::kDiscoverChannel);

@@ -118,7 +118,7 @@ class Processes(unittest.TestCase):
         self.driver = master(self.viewer)
         self.assertEqual(self.driver.info["metadata"]["process_control"], "true")
         self.driver.subscribe("PM_INFO")
-        # The deputy has been heard; before that it cannot be asked for anything.
+        # A message of the deputy has been received; before that it cannot be asked for anything.
         self.driver.collect(lambda m: m and m["PM_INFO"][-1][1]["hosts"])
 
     def ask(self, **request):

@@ -113,7 +113,7 @@ TEST_F(GoalSenderTest, KnowsFromReportsWhetherTheNavigatorHasTheGoal) {
   EXPECT_EQ(sender_.status(), Status::kTaken);
   sender_.set(goal_at(2.0), kStart + 200ms);
   EXPECT_FALSE(report(former, 300ms));
-  EXPECT_EQ(sender_.status(), Status::kSent) << "it has not heard of it yet";
+  EXPECT_EQ(sender_.status(), Status::kSent) << "it has not received it yet";
   const std::int64_t present = last().utime;
   EXPECT_TRUE(report(present, 400ms));
   EXPECT_FALSE(report(0, 500ms));
@@ -123,7 +123,7 @@ TEST_F(GoalSenderTest, KnowsFromReportsWhetherTheNavigatorHasTheGoal) {
   nodmap::goal_t foreign = goal_at(3.0);
   sender_.take(foreign);
   EXPECT_TRUE(report(present, 700ms));
-  EXPECT_EQ(sender_.status(), Status::kOverruled) << "it has not heard of the other yet";
+  EXPECT_EQ(sender_.status(), Status::kOverruled) << "it has not received the other yet";
 }
 
 TEST_F(GoalSenderTest, ACancellationIsRepeatedUntilTheNavigatorHasNoGoal) {
@@ -134,7 +134,7 @@ TEST_F(GoalSenderTest, ACancellationIsRepeatedUntilTheNavigatorHasNoGoal) {
   EXPECT_EQ(last().is_active, 0);
   EXPECT_GT(last().utime, former);
   EXPECT_FALSE(report(former, 300ms));
-  EXPECT_EQ(sender_.status(), Status::kSent) << "it has not heard of it yet";
+  EXPECT_EQ(sender_.status(), Status::kSent) << "it has not received it yet";
   sender_.repeat_if_due(kStart + 1200ms);
   EXPECT_EQ(bus_.count("GOAL"), 3U);
   EXPECT_FALSE(sender_.take(last())) << "our own";

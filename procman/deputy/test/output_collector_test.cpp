@@ -78,16 +78,16 @@ TEST(OutputCollector, LimitsAFloodCountsTheDroppedBytesAndReportsThem) {
 
 TEST(OutputCollector, AFloodDoesNotReduceTheOutputOfOtherCommands) {
   OutputCollector output;
-  int heard = 0;
+  int received = 0;
   for (std::int64_t step = 0; step < 1'000; ++step) {
     const time::SteadyTime now = at(1s + step * 10ms);
     output.add("flood", std::string(100'000, 'x'), now);
     output.add("quiet", "tick\n", now);
     for (const CommandOutput& part : output.take(now)) {
-      heard += part.command_id == "quiet" ? 1 : 0;
+      received += part.command_id == "quiet" ? 1 : 0;
     }
   }
-  EXPECT_EQ(heard, 1'000);
+  EXPECT_EQ(received, 1'000);
 }
 
 TEST(OutputCollector, AllCommandsTogetherHaveALimitAsWell) {

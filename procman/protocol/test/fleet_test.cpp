@@ -375,7 +375,7 @@ TEST_F(FleetTest, ASheriffThatHasGivenOrdersForLongDoesNotYield) {
 TEST_F(FleetTest, TheAgeOfARunIsThatReportedByItsDeputy) {
   report({status("a", 10, 1)});
   const auto run = [this] { return Fleet::run_of(*fleet_.find("a")); };
-  EXPECT_EQ(run().started, now_) << "when this sheriff first heard of it";
+  EXPECT_EQ(run().started, now_) << "when this sheriff first received it";
   fleet_.take_runs({{}, "h", {{"a", 10, 3600s, 4}, {"unknown", 1, 1s, 1}}}, now_);
   EXPECT_EQ(run().started, now_ - 3600s);
   EXPECT_EQ(run().num_restarts, 4);

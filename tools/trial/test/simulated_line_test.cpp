@@ -17,8 +17,8 @@ constexpr std::array<std::uint8_t, 2> kWord{7, 8};
 class Ticker : public sim::SerialDevice {
  public:
   void receive(std::span<const std::uint8_t> bytes, int baud, time::SteadyTime now) override {
-    heard.insert(heard.end(), bytes.begin(), bytes.end());
-    heard_baud = baud;
+    received_bytes.insert(received_bytes.end(), bytes.begin(), bytes.end());
+    received_baud = baud;
     received = now;
   }
   void transmit(time::SteadyTime now, int /*baud*/, std::vector<std::uint8_t>& line) override {
@@ -29,8 +29,8 @@ class Ticker : public sim::SerialDevice {
   [[nodiscard]] time::SteadyTime next_due() const override { return next; }
   [[nodiscard]] bool is_plugged_in(time::SteadyTime /*now*/) const override { return plugged; }
 
-  std::vector<std::uint8_t> heard;
-  int heard_baud = 0;
+  std::vector<std::uint8_t> received_bytes;
+  int received_baud = 0;
   time::SteadyTime received{};
   time::SteadyTime next{1ms};
   bool plugged = true;
@@ -52,8 +52,8 @@ TEST_F(SimulatedLineTest, CarriesBytesBothWaysAtTheHostsRate) {
   line_.move_bytes(time::SteadyTime(2ms));
   ASSERT_TRUE(stream->set_baud(500000));
   EXPECT_EQ(stream->write(kWord, microseconds(0)), IoStatus::kOk);
-  EXPECT_EQ(device_.heard, (std::vector<std::uint8_t>{7, 8}));
-  EXPECT_EQ(device_.heard_baud, 500000);
+  EXPECT_EQ(device_.received_bytes, (std::vector<std::uint8_t>{7, 8}));
+  EXPECT_EQ(device_.received_baud, 500000);
   EXPECT_EQ(device_.received, time::SteadyTime(2ms));
   EXPECT_EQ(read(*stream).count, 2U);
   EXPECT_EQ(buffer_[1], 2);
@@ -92,7 +92,7 @@ TEST_F(SimulatedLineTest, NothingComesThroughACutLine) {
   const auto stream = line_.open(9600).stream;
   line_.cut();
   EXPECT_EQ(stream->write(kWord, microseconds(0)), IoStatus::kDisconnected);
-  EXPECT_TRUE(device_.heard.empty());
+  EXPECT_TRUE(device_.received_bytes.empty());
 }
 
 }  // namespace simulated_line_test

@@ -62,7 +62,7 @@ TEST(CommandTable, ListsConfiguredCommandsOnce) {
   }
   table.set_configured(config);
   EXPECT_EQ(table.commands()["commands"][0]["state"], "no deputy")
-      << "its deputy was not heard yet";
+      << "nothing was received from its deputy yet";
   ASSERT_TRUE(table.update(info("robot", {command("a", 17, 0)})));
   const Json list = table.commands()["commands"];
   ASSERT_EQ(list.size(), 2U);

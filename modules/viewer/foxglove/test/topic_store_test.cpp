@@ -80,11 +80,11 @@ TEST(TopicStore, AfterAClearReadersContinueWithNewPosts) {
 TEST(TopicStore, AListenerGetsEveryMessage) {
   TopicStore store;
   const std::size_t topic = store.add({"SCAN", "s"});
-  std::string heard;
-  store.listen([&heard](std::size_t, Post& post) { heard += post.text(); });
+  std::string received;
+  store.listen([&received](std::size_t, Post& post) { received += post.text(); });
   store.post(topic, time::from_utime(1), says("a"));
   store.post(topic, time::from_utime(2), says("b"));
-  EXPECT_EQ(heard, "ab");
+  EXPECT_EQ(received, "ab");
 }
 
 }  // namespace topic_store_test
