@@ -99,7 +99,9 @@ TEST(ReplacedKeyframe, PacingFillsNoMemory) {
   robot.pace(4);
   // The first keyframe stays, and each place keeps one that has not been replaced often enough.
   EXPECT_LE(robot.slam.keyframes().size(), 1 + PacingRobot::kPlaces * (1 + kMaxPerPlace));
-  EXPECT_GT(robot.slam.back_end().metrics().keyframes_dropped, 40);
+  EXPECT_EQ(robot.slam.keyframes().size() +
+                static_cast<std::size_t>(robot.slam.back_end().metrics().keyframes_dropped),
+            8U * PacingRobot::kSteps);
   // Sweeps of one place differ by some of their voxels only.
   EXPECT_LT(static_cast<double>(robot.slam.metrics().keyframe_memory_bytes),
             1.05 * static_cast<double>(bytes));
@@ -108,8 +110,9 @@ TEST(ReplacedKeyframe, PacingFillsNoMemory) {
   keeps_all.pace(8);
   keeps_all.slam.polish();
   EXPECT_EQ(keeps_all.slam.keyframes().size(), 8U * PacingRobot::kSteps);
-  EXPECT_LT(robot.worst_error_m(), keeps_all.worst_error_m() + 0.002);
-  EXPECT_LT(robot.worst_error_m(), 0.01);
+  // 1.25 times what is measured.
+  EXPECT_LT(robot.worst_error_m(), 0.0022);
+  EXPECT_LT(keeps_all.worst_error_m(), 0.0013);
 }
 
 // What is left can be saved and continued: each keyframe is joined to the one before it.
@@ -124,7 +127,7 @@ TEST(ReplacedKeyframe, TheGraphStaysWhole) {
     EXPECT_EQ(step.to, k + 1);
     const SE3 error = step.T_from_to.inverse() * saved.keyframes[k].T_map_base.inverse() *
                       saved.keyframes[k + 1].T_map_base;
-    EXPECT_LT(error.translation().norm(), 0.02) << k;
+    EXPECT_LT(error.translation().norm(), 1e-9) << k;  // rounding
   }
   for (const registration::PoseEdge3d& loop : saved.loops) {
     EXPECT_LT(loop.from, loop.to);

@@ -63,6 +63,7 @@ TEST(VoxelGrid, AddingInPartsEqualsAddingAtOnce) {
   ASSERT_EQ(whole.voxels().size(), parts.voxels().size());
   ASSERT_EQ(whole.voxels().size(), singly.voxels().size());
   for (std::size_t i = 0; i < whole.voxels().size(); ++i) {
+    // Rounding of floats of up to 1 m.
     EXPECT_LT((whole.voxels()[i].mean - parts.voxels()[i].mean).norm(), 1e-6F);
     EXPECT_LT((whole.voxels()[i].mean - singly.voxels()[i].mean).norm(), 1e-6F);
   }
