@@ -19,8 +19,9 @@ constexpr double kOffWallsM = 0.1;
 constexpr std::size_t kMostCells = 1'000'000;
 constexpr std::int8_t kOccupiedPercent = 25;
 
-}  // namespace
-
+// The floor of a world that can be seen from its start: cells of 5 cm, connected with the start, at
+// least 10 cm from everything that the robot's body would touch. (Nearer to walls, beams hit a cell
+// only by chance.) Returns the centres of the cells in map, metres.
 std::vector<Eigen::Vector2d> seeable_floor_map(const sim::World& world,
                                                const sim::BodyParams& body) {
   sim::BodyParams point = body;
@@ -50,6 +51,8 @@ std::vector<Eigen::Vector2d> seeable_floor_map(const sim::World& world,
   }
   return floor;
 }
+
+}  // namespace
 
 ExplorationMonitor::ExplorationMonitor(const sim::World& world, const sim::RobotModel& model,
                                        const sim::BodyParams& body, bus::LoopNetwork& network)

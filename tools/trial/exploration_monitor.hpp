@@ -14,12 +14,6 @@
 
 namespace nodmap::trial {
 
-/// The floor of a world that can be seen from its start: cells of 5 cm, connected with the start,
-/// at least 10 cm from everything that the robot's body would touch. (Nearer to walls, beams hit a
-/// cell only by chance.) Returns the centres of the cells in map, metres.
-[[nodiscard]] std::vector<Eigen::Vector2d> seeable_floor_map(const sim::World& world,
-                                                             const sim::BodyParams& body);
-
 /// The fraction seen at one moment.
 struct SeenSample {
   time::SteadyTime instant{};
