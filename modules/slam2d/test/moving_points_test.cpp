@@ -147,7 +147,7 @@ TEST(Slam2dAmongPeople, PeopleAffectNeitherThePoseNorTheMap) {
     truth = truth * step;
     odom = odom * SE2{1.02 * step.x, 0.0, step.yaw + 0.0003};
   }
-  EXPECT_LT(worst_m, 0.03);
+  EXPECT_LT(worst_m, 0.01);  // the noise of a range
   // There is nothing but people inside the hall, so map points there are on people.
   std::size_t inside = 0;
   std::size_t all = 0;
@@ -158,7 +158,8 @@ TEST(Slam2dAmongPeople, PeopleAffectNeitherThePoseNorTheMap) {
       ++all;
     }
   }
-  EXPECT_LT(static_cast<double>(inside), 0.1 * static_cast<double>(all));
+  // 1.25 times what is measured.
+  EXPECT_LT(static_cast<double>(inside), 0.07 * static_cast<double>(all));
 }
 
 }  // namespace moving_points_test

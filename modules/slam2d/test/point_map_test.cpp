@@ -9,27 +9,17 @@
 #include <random>
 #include <vector>
 
+#include "modules/slam2d/test/random_points.hpp"
+
 namespace nodmap::slam2d {
 namespace point_map_test {
+
+using test::random_points;
 
 constexpr MapParams kParams{.line_radius_m = 0.25};
 // Points up to 10 cm from those of the map only refine its lines.
 constexpr MapParams kRefineParams{.new_point_distance_m = 0.1, .line_radius_m = 0.25};
 const Eigen::Vector2d kNoNormal = Eigen::Vector2d::Zero();
-
-std::vector<OrientedPoint> random_points(int count, unsigned seed, double half_size) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> coordinate(-half_size, half_size);
-  std::uniform_real_distribution<double> angle(-geometry::kPi, geometry::kPi);
-  std::vector<OrientedPoint> points;
-  for (int i = 0; i < count; ++i) {
-    const double a = angle(random);
-    const bool without_normal = i % 5 == 0;
-    points.push_back({{coordinate(random), coordinate(random)},
-                      without_normal ? kNoNormal : Eigen::Vector2d(std::cos(a), std::sin(a))});
-  }
-  return points;
-}
 
 // Expects that all lines lie on the wall y = 2 m, which was seen from smaller y: to this angle,
 // and to this distance across it.
