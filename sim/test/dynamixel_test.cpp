@@ -26,7 +26,6 @@ const Bytes kTorqueOff = hex("FF FF FD 00 01 06 00 03 40 00 00 DE E6");
 const Bytes kPositionMode = hex("FF FF FD 00 01 06 00 03 0B 00 03 48 E3");
 const Bytes kReadPosition = hex("FF FF FD 00 01 07 00 02 84 00 04 00 1D 15");
 const Bytes kAtLevel = hex("FF FF FD 00 01 08 00 55 00 00 08 00 00 1C 38");
-const Bytes kReadTickToPosition = hex("FF FF FD 00 01 07 00 02 78 00 10 00 35 5D");
 const Bytes kGoalMinusOne = hex("FF FF FD 00 01 09 00 03 74 00 FF FF FF FF C8 89");
 
 constexpr time::Duration kBootTime = 500ms;
@@ -235,9 +234,9 @@ class InvertedDynamixelTest : public DynamixelTest {
 };
 
 TEST_F(InvertedDynamixelTest, LargerPositionsLookDownAndRequestsAreEchoed) {
-  const Bytes heard = ask(kPing);
-  EXPECT_THAT(Bytes(heard.begin(), heard.begin() + 10), ElementsAreArray(kPing));
-  EXPECT_THAT(Bytes(heard.begin() + 10, heard.end()), ElementsAreArray(kPingAnswer));
+  const Bytes received = ask(kPing);
+  EXPECT_THAT(Bytes(received.begin(), received.begin() + 10), ElementsAreArray(kPing));
+  EXPECT_THAT(Bytes(received.begin() + 10, received.end()), ElementsAreArray(kPingAnswer));
   ask(kTorqueOn);
   ask(write_u32(116, 2048 + 200));
   host_.bytes_for(1s);

@@ -75,11 +75,11 @@ TEST(Fault, ErrorsNameWhatIsAllowed) {
 // A device that sends one numbered byte every millisecond and records the received bytes.
 class Counter : public SerialDevice {
  public:
-  Bytes heard;
+  Bytes received;
 
   void receive(std::span<const std::uint8_t> bytes, int /*baud*/,
                time::SteadyTime /*now*/) override {
-    append(heard, bytes);
+    append(received, bytes);
   }
   void transmit(time::SteadyTime now, int /*baud*/, std::vector<std::uint8_t>& line) override {
     for (; next_ <= now; next_ += 1ms) {
@@ -122,17 +122,17 @@ TEST_F(FaultyDeviceTest, DropsThisFractionOfBytesInBothDirections) {
   // 10000 draws: their standard deviation is 43.
   EXPECT_NEAR(static_cast<double>(host.bytes_for(10s).size()), 7500.0, 200.0);
   host.send(Bytes(10'000, 7));
-  EXPECT_NEAR(static_cast<double>(counter_.heard.size()), 7500.0, 200.0);
+  EXPECT_NEAR(static_cast<double>(counter_.received.size()), 7500.0, 200.0);
 }
 
 TEST_F(FaultyDeviceTest, CorruptsOneBitInThisFractionOfBytes) {
   start("base:corrupt@0+100=0.1");
   Host host(*line_, 9600);
-  const Bytes heard = host.bytes_for(10s);
-  ASSERT_EQ(heard.size(), 10'000U);
+  const Bytes received = host.bytes_for(10s);
+  ASSERT_EQ(received.size(), 10'000U);
   int wrong = 0;
-  for (std::size_t i = 0; i < heard.size(); ++i) {
-    const int bits = __builtin_popcount(heard[i] ^ static_cast<std::uint8_t>(i + 1));
+  for (std::size_t i = 0; i < received.size(); ++i) {
+    const int bits = __builtin_popcount(received[i] ^ static_cast<std::uint8_t>(i + 1));
     EXPECT_LE(bits, 1);
     wrong += bits;
   }
@@ -158,10 +158,10 @@ TEST_F(FaultyDeviceTest, UnpluggedItPassesNoBytesInEitherDirection) {
   EXPECT_THAT(host.bytes_for(100ms), IsEmpty());
   EXPECT_FALSE(line_->is_plugged_in(host.now()));
   host.send(Bytes{1, 2, 3});
-  EXPECT_THAT(counter_.heard, IsEmpty());
+  EXPECT_THAT(counter_.received, IsEmpty());
   EXPECT_THAT(host.bytes_for(10'001us), ElementsAreArray(numbers(200, 210)));
   host.send(Bytes{4});
-  EXPECT_THAT(counter_.heard, ElementsAreArray(Bytes{4}));
+  EXPECT_THAT(counter_.received, ElementsAreArray(Bytes{4}));
 }
 
 TEST_F(FaultyDeviceTest, SilentItReceivesButDoesNotSend) {
@@ -169,7 +169,7 @@ TEST_F(FaultyDeviceTest, SilentItReceivesButDoesNotSend) {
   Host host(*line_, 9600);
   EXPECT_THAT(host.bytes_for(500ms), IsEmpty());
   host.send(Bytes{1, 2, 3});
-  EXPECT_THAT(counter_.heard, ElementsAreArray(Bytes{1, 2, 3}));
+  EXPECT_THAT(counter_.received, ElementsAreArray(Bytes{1, 2, 3}));
 }
 
 TEST(FreezeFault, RepeatsTheLastMeasurementOfEachAngle) {

@@ -38,8 +38,6 @@ class PtyPair : private boost::noncopyable {
   /// Unplugs the device: the terminal side hangs up and its name disappears.
   void unplug();
 
-  [[nodiscard]] int device_handle() const { return device_; }
-
  private:
   int device_ = -1;
   // Kept open, so that the code under test can close and reopen the terminal.
