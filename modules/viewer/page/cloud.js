@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The registered cloud, keyframe by keyframe.
 import {BufferAttribute, BufferGeometry, Group, Points, ShaderMaterial} from "./three/build/three.module.js";
-import {CUT_GLSL, RAMP_GLSL, shared} from "./colors.js";
+import {COLOR_FRAGMENT, CUT_GLSL, RAMP_GLSL, shared} from "./colors.js";
 import {pointsOf} from "./decode.js";
 import {setPose} from "./frames.js";
 import {SplatQuad} from "./splat.js";
@@ -21,11 +21,6 @@ void main() {
   gl_Position = projectionMatrix * viewMatrix * world;
   gl_PointSize = clamp(${POINT_M} * focalPx / gl_Position.w, 1.5, 5.0);
   ${CUT_GLSL}
-}`;
-const FRAGMENT = `
-varying vec3 color;
-void main() {
-  gl_FragColor = vec4(color, 1.0);
 }`;
 
 /** Shuffles points, so that the first n are a fair sample of all. */
@@ -84,7 +79,7 @@ export class Cloud {
     const geometry = new BufferGeometry();
     geometry.setAttribute("position", new BufferAttribute(points, 3));
     const object = new Points(geometry, new ShaderMaterial({
-      uniforms: {...shared, newness: {value: 1}}, vertexShader: VERTEX, fragmentShader: FRAGMENT}));
+      uniforms: {...shared, newness: {value: 1}}, vertexShader: VERTEX, fragmentShader: COLOR_FRAGMENT}));
     object.timeS = message.timestamp.sec + 1e-9 * message.timestamp.nsec;
     object.visible = !this.software;
     setPose(object, this.poses.get(key) ?? message.pose);

@@ -34,3 +34,10 @@ export const shared = {ceilingM: {value: 2}, byAge: {value: false}, focalPx: {va
 
 /** For a vertex shader, after gl_Position is set: moves a cut-off vertex out of the image. */
 export const CUT_GLSL = "if (world.z > ceilingM) { gl_Position = vec4(2.0, 2.0, 2.0, 1.0); }";
+
+/** A fragment shader: the colour that the vertex shader has computed. */
+export const COLOR_FRAGMENT = `
+varying vec3 color;
+void main() {
+  gl_FragColor = vec4(color, 1.0);
+}`;

@@ -31,7 +31,7 @@ function latenciesOf(status) {
 }
 
 /** The pitch of an orientation, radians; positive looks up. */
-export function pitchOf(q) {
+function pitchOf(q) {
   return Math.asin(Math.min(Math.max(2 * (q.x * q.z - q.w * q.y), -1), 1));
 }
 

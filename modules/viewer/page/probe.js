@@ -8,7 +8,7 @@ const REACH_M = 0.06;  // greatest distance of a point from the line of sight
 const POINTS_FIRST_M = 0.1;
 
 /** The nearest visible object at a point of the canvas: {name, at, timeS}; null if there is none. */
-export function whatIsAt(event, view, layers) {
+function whatIsAt(event, view, layers) {
   const box = view.canvas.getBoundingClientRect();
   const ray = new Raycaster();
   ray.params.Points.threshold = REACH_M;

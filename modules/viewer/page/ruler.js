@@ -7,13 +7,13 @@ const MAX_BAR_PX = 120;
 const LIFT_M = 0.03;
 
 /** The longest of 1, 2 and 5 times a power of ten that is at most `metres`. */
-export function roundLength(metres) {
+function roundLength(metres) {
   const power = 10 ** Math.floor(Math.log10(metres));
   return [5, 2, 1].find((factor) => factor * power <= metres) * power;
 }
 
 /** Formats a length for people. */
-export function lengthText(metres) {
+function lengthText(metres) {
   return metres < 1 ? `${Math.round(100 * metres)} cm` : `${Number(metres.toFixed(2))} m`;
 }
 

@@ -2,7 +2,7 @@
 // OctoMap's occupied voxels as cubes: the free faces of each, without the lower ones. All in one geometry, because software WebGL
 // draws each instance of an instanced geometry separately.
 import {BufferAttribute, BufferGeometry, DoubleSide, Mesh, ShaderMaterial} from "./three/build/three.module.js";
-import {CUT_GLSL, RAMP_GLSL, shared} from "./colors.js";
+import {COLOR_FRAGMENT, CUT_GLSL, RAMP_GLSL, shared} from "./colors.js";
 import {bytesOf} from "./decode.js";
 import {setPose} from "./frames.js";
 
@@ -24,16 +24,11 @@ void main() {
   gl_Position = projectionMatrix * viewMatrix * world;
   ${CUT_GLSL}
 }`;
-const FRAGMENT = `
-varying vec3 color;
-void main() {
-  gl_FragColor = vec4(color, 1.0);
-}`;
 const material = new ShaderMaterial({
-  uniforms: {ceilingM: shared.ceilingM}, vertexShader: VERTEX, fragmentShader: FRAGMENT, side: DoubleSide});
+  uniforms: {ceilingM: shared.ceilingM}, vertexShader: VERTEX, fragmentShader: COLOR_FRAGMENT, side: DoubleSide});
 
 /** A foxglove.VoxelGrid with a uint8 field `occupied`, as {cells, columns, rows, slices, size}; cells without padding, x fastest. */
-export function occupancyOf(grid) {
+function occupancyOf(grid) {
   const bytes = bytesOf(grid.data);
   const field = grid.fields.find(({name}) => name === "occupied");
   const [columns, rows] = [grid.column_count, grid.row_count];
@@ -51,7 +46,7 @@ export function occupancyOf(grid) {
 }
 
 /** The same with voxels of twice the edge, occupied if one of the eight parts is. */
-export function coarser({cells, columns, rows, slices, size}) {
+function coarser({cells, columns, rows, slices, size}) {
   const half = (count) => Math.ceil(count / 2);
   const coarse = {columns: half(columns), rows: half(rows), slices: half(slices), size: {x: 2 * size.x, y: 2 * size.y, z: 2 * size.z}};
   coarse.cells = new Uint8Array(coarse.columns * coarse.rows * coarse.slices);
@@ -67,7 +62,7 @@ export function coarser({cells, columns, rows, slices, size}) {
 }
 
 /** The free faces: for each [x, y, z of its voxel's centre relative to the grid's corner, index in FACES]. */
-export function freeFacesOf({cells, columns, rows, slices, size}) {
+function freeFacesOf({cells, columns, rows, slices, size}) {
   const free = [];
   const isOccupied = (x, y, z) => x >= 0 && x < columns && y >= 0 && y < rows && z >= 0 && z < slices && cells[(z * rows + y) * columns + x];
   cells.forEach((occupied, i) => {
