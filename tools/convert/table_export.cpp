@@ -76,8 +76,8 @@ void report(std::int64_t num_used, std::int64_t num_left_out, const std::filesys
   if (num_used == 0) {
     throw formats::UserError(log.string() + ": channel " + channel + " contains nothing to write");
   }
-  log::get().info("{} messages, {} omitted, which were invalid or of another type", num_used,
-                  num_left_out);
+  log::get().info("{} messages of {}, {} omitted, which were invalid or of another type", num_used,
+                  channel, num_left_out);
 }
 
 }  // namespace
