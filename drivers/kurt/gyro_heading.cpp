@@ -107,8 +107,8 @@ GyroHeading::Rotation GyroHeading::rotate(const WheelStep& wheels) {
     release_periods_ -= periods;
     rotation_rad += released_rad;
   }
-  return {rotation_rad, use_ == GyroUse::kUsed ? gyro_variance(rotation_rad, dt_s)
-                                               : wheels.variance_rad2};
+  return {rotation_rad,
+          use_ == GyroUse::kUsed ? gyro_variance(rotation_rad, dt_s) : wheels.variance_rad2};
 }
 
 // The error of the bias acts all the time since it was measured, so the heading's error grows with

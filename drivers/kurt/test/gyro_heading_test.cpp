@@ -267,12 +267,12 @@ TEST(GyroHeading, AGyroOfTheWrongSignIsNoticedAndStaysOff) {
   EXPECT_LT(std::abs(drive.error_deg()), 10.0);
   GyroParams reversed;
   reversed.scale = -1.0;
-  Drive repaired(reversed);
-  repaired.gyro_scale = -1.0;
-  repaired.stand(4.0);
-  repaired.rotate(1.0, 2.0, 1.1);
-  repaired.stand(0.2);
-  EXPECT_NEAR(repaired.error_deg(), 0.0, 1e-9);
+  Drive corrected(reversed);
+  corrected.gyro_scale = -1.0;
+  corrected.stand(4.0);
+  corrected.rotate(1.0, 2.0, 1.1);
+  corrected.stand(0.2);
+  EXPECT_NEAR(corrected.error_deg(), 0.0, 1e-9);
 }
 
 // A person or a wall holds the robot: the wheels spin, and the gyro knows.
