@@ -226,10 +226,12 @@ TEST_F(RemoteControlTest, AnExplorationEndsTheRepetitionOfAGoal) {
 }
 
 TEST_F(RemoteControlTest, AReleaseByAnotherSenderEndsTheRepetition) {
-  EXPECT_TRUE(ask({{"do", "stop"}}));
   nodmap::stop_t other{};
-  other.utime = 76;  // from before our stop, delayed on the network
+  other.utime = 76;
   bus_.publish("STOP", other);
+  handle();
+  EXPECT_TRUE(ask({{"do", "stop"}}));
+  bus_.publish("STOP", other);  // a copy of what was sent before our stop
   handle();
   pass(node::StopSender::kPeriod);
   EXPECT_TRUE(stop_.get()->is_stopped);
