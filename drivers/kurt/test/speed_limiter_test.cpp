@@ -115,6 +115,28 @@ TEST(SpeedLimiter, BrakingOnCommandHasItsOwnLimit) {
   EXPECT_EQ(steps, 50);  // 1.5 m/s at 3 m/s^2
 }
 
+// The outer wheel has its limit, and the curve is kept: the centre decelerates by less, as the
+// navigator's Brake expects.
+TEST(SpeedLimiter, OnAnArcTheCentreBrakesByLess) {
+  const SpeedLimits limits;
+  const WheelParams wheels;
+  const double arm_m = 0.5 * wheels.axis_m / wheels.turning_adaptation;
+  for (const DriveCommand& command : {DriveCommand{1.5, 0.53}, {1.0, -0.8}, {0.57, 1.4}}) {
+    SpeedLimiter limiter(wheels, limits);
+    settle(limiter, command);
+    double driven_m = 0.0;
+    for (int i = 0; i < 200; ++i) {
+      const WheelSpeeds now = limiter.step({0.0, 0.0}, kPeriodS);
+      driven_m += 0.5 * (now.left_mps + now.right_mps) * kPeriodS;
+    }
+    const double curvature = std::abs(command.yaw_rate_rad_s) / command.forward_mps;
+    const double deceleration_mps2 = limits.max_deceleration_mps2 / (1.0 + arm_m * curvature);
+    // The distance of one step.
+    EXPECT_NEAR(driven_m, command.forward_mps * command.forward_mps / (2.0 * deceleration_mps2),
+                command.forward_mps * kPeriodS);
+  }
+}
+
 TEST(SpeedLimiter, BackwardsTheLimitsAreTheSame) {
   const SpeedLimits limits;
   SpeedLimiter limiter(WheelParams{}, limits);

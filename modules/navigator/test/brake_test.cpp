@@ -76,6 +76,27 @@ TEST(Brake, StopsAtOnceIfEvenAnEmergencyStopWouldBeTooLong) {
   EXPECT_EQ(speed(0.05, 0.3), kInf);
 }
 
+// At 1 m/s and 0.8 rad/s the wheels are 0.2 m beside the centre, so the outer one drives 1.16 m/s.
+// Where it loses 3 m/s^2, the centre loses 2.59 and stops after 0.193 m, not after 0.167 m.
+TEST(Brake, OnAnArcAnEmergencyStopTakesLonger) {
+  const Brake brake(NavigatorParams{});
+  Situation now;
+  now.forward_mps = 1.0;
+  now.yaw_rate_rad_s = 0.8;
+  const auto speed = [&](double x_m) {
+    now.points_base = {{x_m, 0.06}};
+    return brake.speed_on_present_arc(now);
+  };
+  const auto free_m = [&](double x_m) {
+    now.points_base = {{x_m, 0.06}};
+    return brake.measure_arc(0.8, now).free_distance_m - 0.15;
+  };
+  EXPECT_GT(free_m(0.56), 0.17);
+  EXPECT_EQ(speed(0.56), 0.0);
+  EXPECT_GT(free_m(0.58), 0.195);
+  EXPECT_GT(speed(0.58), 0.0);
+}
+
 // The robot rotates at 0.45 rad/s and begins to drive. On its arc, with a radius of 0.16 m, the
 // front left corner comes to an obstacle beside the body after 0.11 m: that is less than the margin
 // of 0.15 m, but a robot at 0.07 m/s needs no such margin. At 0.3 m/s, on the same arc, it does.
