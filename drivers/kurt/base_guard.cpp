@@ -17,6 +17,8 @@ constexpr double kReactionS = 0.1;
 constexpr time::Duration kTiltedFor = 500ms;
 // Distance of the body's corners from the centre, by which they move when the robot rotates.
 constexpr double kTurningRadiusM = 0.3;
+// For this long what was seen slows the robot down, also when the sensor says nothing more.
+constexpr time::Duration kReadingLife = 500ms;
 constexpr double kUnlimitedMps = std::numeric_limits<double>::infinity();
 // At slower commands a wheel may stand still although nothing blocks it.
 constexpr double kSurelyTurningMps = 0.05;

@@ -25,8 +25,6 @@ struct WheelSpeeds {
 inline constexpr time::Duration kControlPeriod = 10ms;
 /// After this long without a command the base stops by itself.
 inline constexpr time::Duration kBaseTimeout = 100ms;
-/// Older readings of its sensors are ignored. The base sends each 15 times a second.
-inline constexpr time::Duration kReadingLife = 500ms;
 
 /// Commands the base's own speed controller, in steps of 1 cm/s.
 [[nodiscard]] CanFrame speed_command(const WheelSpeeds& speeds);

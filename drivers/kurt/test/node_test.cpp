@@ -64,9 +64,9 @@ TEST(KurtNode, AnOldReadingIsNotPublished) {
   ASSERT_TRUE(bench.becomes_ready());
   ASSERT_TRUE(bench.step_until([&] { return bench.sensors.count() >= 2; }, 200ms));
   bench.base.ranges_off = true;
-  bench.drive_for(0.0, 0.0, 400ms);
+  bench.drive_for(0.0, 0.0, 80ms);
   EXPECT_EQ(bench.sensors.get()->sonar_raw, 900);
-  bench.drive_for(0.0, 0.0, 170ms);  // 500 ms, and one period of the message
+  bench.drive_for(0.0, 0.0, 90ms);  // 100 ms, and one period of the message
   EXPECT_EQ(bench.sensors.get()->sonar_raw, -1);
   EXPECT_TRUE(std::isnan(bench.sensors.get()->sonar_m));
 }

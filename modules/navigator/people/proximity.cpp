@@ -67,10 +67,14 @@ void Proximity::add(time::Timestamp stamp, const Ranges& ranges_m, const geometr
                     const LocalMap& local_map, const People& people_odom) {
   forget_far_places(T_odom_base);
   for (std::size_t i = 0; i < robot::kInfraredCount; ++i) {
-    const geometry::SE2 T_odom_sensor = T_odom_base * robot::kInfraredMounts[i];
-    const bool is_reading = ranges_m[i] >= 0.0 && ranges_m[i] <= kFarthestReadingM;  // no NaN
-    forget_places_before(T_odom_sensor, is_reading ? ranges_m[i] : kSensorReachM);
     std::optional<Stranger>& stranger = strangers_[i];
+    if (std::isnan(ranges_m[i])) {  // it has not looked: what it measured may still be there
+      stranger.reset();
+      continue;
+    }
+    const geometry::SE2 T_odom_sensor = T_odom_base * robot::kInfraredMounts[i];
+    const bool is_reading = ranges_m[i] >= 0.0 && ranges_m[i] <= kFarthestReadingM;
+    forget_places_before(T_odom_sensor, is_reading ? ranges_m[i] : kSensorReachM);
     if (!is_reading) {
       stranger.reset();
       continue;

@@ -114,6 +114,8 @@ TEST_F(ProximityTest, WhoeverStandsIsAnObstacleUntilTheSensorLooksThroughTheirPl
   static_cast<void>(sees(12.2, only(kRight, 0.08)));
   EXPECT_FALSE(proximity_.points_base(here).empty()) << "noise";
   static_cast<void>(sees(12.3, only(kRight, std::numeric_limits<double>::quiet_NaN())));
+  EXPECT_FALSE(proximity_.points_base(here).empty()) << "it has not looked";
+  static_cast<void>(sees(12.4, only(kRight, std::numeric_limits<double>::infinity())));
   EXPECT_TRUE(proximity_.points_base(here).empty());
 }
 
