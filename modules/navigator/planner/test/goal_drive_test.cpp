@@ -273,9 +273,10 @@ TEST(GoalDrive, DoesNotBrakeWhenItGetsANewGoal) {
   ASSERT_LT(driver.now().T_odom_base.x, 1.5);
   Decision decision = driver.step({3.0, 1.0}, 0.3);
   for (int i = 0; i < 60; ++i) {  // 0.8 s, more than planning takes
-    EXPECT_GT(decision.forward_mps, 0.3) << "step " << i;
     EXPECT_NE(decision.reason, Reason(Why::kPlans));
     decision = driver.step({3.0, 1.0}, 0.3);
+    // Of the robot: near the end of the floor that it has seen, single decisions are slower.
+    EXPECT_GE(driver.now().forward_mps, 0.4) << "step " << i;
   }
 }
 
