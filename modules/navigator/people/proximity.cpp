@@ -61,6 +61,11 @@ bool is_tracked(const Eigen::Vector2d& p_odom, const People& people_odom) {
   });
 }
 
+// False for NaN, too.
+bool is_reading(double range_m) {
+  return range_m >= 0.0 && range_m <= kFarthestReadingM;
+}
+
 }  // namespace
 
 void Proximity::add(time::Timestamp stamp, const Ranges& ranges_m, const geometry::SE2& T_odom_base,
@@ -68,14 +73,9 @@ void Proximity::add(time::Timestamp stamp, const Ranges& ranges_m, const geometr
   forget_far_places(T_odom_base);
   for (std::size_t i = 0; i < robot::kInfraredCount; ++i) {
     std::optional<Stranger>& stranger = strangers_[i];
-    if (std::isnan(ranges_m[i])) {  // it has not looked: what it measured may still be there
-      stranger.reset();
-      continue;
-    }
     const geometry::SE2 T_odom_sensor = T_odom_base * robot::kInfraredMounts[i];
-    const bool is_reading = ranges_m[i] >= 0.0 && ranges_m[i] <= kFarthestReadingM;
-    forget_places_before(T_odom_sensor, is_reading ? ranges_m[i] : kSensorReachM);
-    if (!is_reading) {
+    forget_places_before(T_odom_sensor, ranges_m[i]);
+    if (!is_reading(ranges_m[i])) {
       stranger.reset();
       continue;
     }
@@ -102,15 +102,20 @@ void Proximity::forget_far_places(const geometry::SE2& T_odom_base) {
   }
 }
 
-// A sensor that measures something farther away has looked through the places before it.
+// A sensor that measures something farther away has looked through the places before it. NaN: it
+// has not looked, so what it has measured may still be there.
 void Proximity::forget_places_before(const geometry::SE2& T_odom_sensor, double range_m) {
+  if (std::isnan(range_m)) {
+    return;
+  }
+  const double looked_m = is_reading(range_m) ? range_m : kSensorReachM;
   for (std::optional<geometry::SE2>& place : standing_) {
     if (!place) {
       continue;
     }
     const Eigen::Vector2d p = T_odom_sensor.inverse() * place->translation();
     const bool is_gone =
-        p.x() > -kStandsM && p.x() < range_m - kStandsM && std::abs(p.y()) < kConeM;
+        p.x() > -kStandsM && p.x() < looked_m - kStandsM && std::abs(p.y()) < kConeM;
     if (is_gone) {
       place.reset();
     }
