@@ -2,6 +2,7 @@
 #include "common/registration/pose_edges.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <limits>
 #include <utility>
@@ -58,7 +59,26 @@ std::vector<std::vector<Neighbour<Pose>>> neighbours(std::span<const Pose> T_map
   return all;
 }
 
+template <int N>
+bool can_be_information(const Eigen::Matrix<double, N, N>& matrix) {
+  constexpr double kAsymmetry = 1e-6;
+  constexpr double kRounding = 1e-9;
+  if (!matrix.allFinite() || !matrix.isApprox(matrix.transpose(), kAsymmetry)) {
+    return false;
+  }
+  const auto values = eigensystem(matrix).values;
+  return values[0] >= -kRounding * std::abs(values[N - 1]);
+}
+
 }  // namespace
+
+bool is_information(const Eigen::Matrix3d& matrix) {
+  return can_be_information(matrix);
+}
+
+bool is_information(const Matrix6d& matrix) {
+  return can_be_information(matrix);
+}
 
 Eigen::Matrix3d rotated(const Eigen::Matrix3d& matrix, double yaw_rad) {
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();

@@ -19,6 +19,12 @@ namespace nodmap::registration {
 [[nodiscard]] Eigen::Matrix3d rotated(const Eigen::Matrix3d& matrix, double yaw_rad);
 [[nodiscard]] Matrix6d rotated(const Matrix6d& matrix, const Eigen::Matrix3d& R);
 
+/// Whether a matrix can be the information of an edge: finite, symmetric and, apart from rounding,
+/// without a negative eigenvalue. A loop may leave a direction undetermined, for example along a
+/// corridor.
+[[nodiscard]] bool is_information(const Eigen::Matrix3d& matrix);
+[[nodiscard]] bool is_information(const Matrix6d& matrix);
+
 /// The Jacobian of a pose attached to another at the end of a moment arm (2D or 3D), with respect
 /// to a small motion of that other.
 template <class Vector>

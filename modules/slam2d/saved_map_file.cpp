@@ -2,7 +2,6 @@
 #include "modules/slam2d/saved_map_file.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -11,6 +10,7 @@
 
 #include "common/bus/message_log.hpp"
 #include "common/node/messages.hpp"
+#include "common/registration/pose_edges.hpp"
 #include "nodmap/cleared_region_2d_t.hpp"
 #include "nodmap/keyframe_2d_t.hpp"
 #include "nodmap/loop_2d_t.hpp"
@@ -42,10 +42,6 @@ using RowMajor3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 void write_matrix(const Eigen::Matrix3d& matrix, double (&out)[3][3]) {
   Eigen::Map<RowMajor3d> rows(&out[0][0]);
   rows = matrix;
-}
-
-Eigen::Matrix3d read_matrix(const double (&in)[3][3]) {
-  return Eigen::Map<const RowMajor3d>(&in[0][0]);
 }
 
 void write_points(const std::vector<Eigen::Vector2f>& points,
@@ -104,14 +100,6 @@ nodmap::cleared_region_2d_t write_cleared(const ClearedRegion& cleared) {
   Eigen::Map<Eigen::Vector2d>(message.low_m) = cleared.region.low;
   Eigen::Map<Eigen::Vector2d>(message.high_m) = cleared.region.high;
   return message;
-}
-
-// Whether no direction has less than no information, apart from rounding. A loop may leave a
-// direction undetermined, for example along a corridor.
-bool is_semidefinite(const Eigen::Matrix3d& information) {
-  constexpr double kRounding = 1e-9;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(information, Eigen::EigenvaluesOnly);
-  return solver.eigenvalues()[0] >= -kRounding * std::abs(solver.eigenvalues()[2]);
 }
 
 // Builds a map from messages; throws if one of them cannot be part of it.
@@ -235,9 +223,8 @@ class Reader {
   }
 
   [[nodiscard]] Eigen::Matrix3d read_information(const double (&in)[3][3]) const {
-    Eigen::Matrix3d information = read_matrix(in);
-    require(information.allFinite() && information.isApprox(information.transpose(), 1e-6) &&
-                is_semidefinite(information),
+    Eigen::Matrix3d information = Eigen::Map<const RowMajor3d>(&in[0][0]);
+    require(registration::is_information(information),
             "an edge without a valid information matrix");
     return information;
   }

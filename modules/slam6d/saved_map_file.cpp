@@ -10,6 +10,7 @@
 
 #include "common/bus/message_log.hpp"
 #include "common/node/messages.hpp"
+#include "common/registration/pose_edges.hpp"
 #include "modules/slam6d/matrix6d.hpp"
 #include "nodmap/keyframe_6d_t.hpp"
 #include "nodmap/loop_6d_t.hpp"
@@ -104,8 +105,7 @@ class Reader {
 
   [[nodiscard]] Matrix6d read_information(const double (&in)[6][6]) const {
     Matrix6d information = Eigen::Map<const RowMajor6d>(&in[0][0]);
-    require(information.allFinite() && information.isApprox(information.transpose(), 1e-6) &&
-                (information.diagonal().array() >= 0.0).all(),
+    require(registration::is_information(information),
             "an edge without a valid information matrix");
     return information;
   }

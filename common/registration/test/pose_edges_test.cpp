@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <limits>
 #include <vector>
 
 #include "common/registration/test/moved.hpp"
@@ -184,6 +185,28 @@ TYPED_TEST(PoseEdges, ACovarianceIsThatOfTheMostCertainPath) {
   const auto from_last = covariances_from<Pose>(2, poses, edges);
   EXPECT_TRUE(is_that_of(from_last[1], reversed(second)));
   EXPECT_TRUE(is_that_of(from_last[0], reversed(composed(first, second))));
+}
+
+TYPED_TEST(PoseEdges, WhatCanBeAnInformationMatrix) {
+  using Information = PoseMatrix<TypeParam>;
+  const Information valid = TestFixture::some_information(100.0);
+  const auto changed = [&](int row, int column, double value) {
+    Information matrix = valid;
+    matrix(row, column) = value;
+    return matrix;
+  };
+  EXPECT_TRUE(is_information(valid));
+  EXPECT_TRUE(is_information(Information(Information::Zero())));
+  Information one_direction = Information::Zero();
+  one_direction(0, 0) = 1.0;
+  EXPECT_TRUE(is_information(one_direction));
+  EXPECT_FALSE(is_information(changed(0, 0, -1.0)));
+  EXPECT_FALSE(is_information(changed(0, 1, 2.0 * valid(0, 1) + 1.0)));
+  EXPECT_FALSE(is_information(changed(0, 0, std::numeric_limits<double>::quiet_NaN())));
+  EXPECT_FALSE(is_information(changed(0, 0, std::numeric_limits<double>::infinity())));
+  Information correlated = Information::Identity();
+  correlated(0, 1) = correlated(1, 0) = 2.0;
+  EXPECT_FALSE(is_information(correlated));
 }
 
 // Of ten straight steps of 1 m, only the heading is uncertain. Seen from the first node, the

@@ -110,7 +110,8 @@ TEST(SavedMapFile, TheErrorNamesTheImpossiblePart) {
   map.loops[0].from = 7;
   refused(map, "a loop from a keyframe that does not exist");
   map = three_keyframes();
-  map.loops[0].information(0, 0) = -1.0;
+  // Each diagonal element is 400: that is a correlation of 2.
+  map.loops[0].information(0, 1) = map.loops[0].information(1, 0) = 800.0;
   refused(map, "an edge without a valid information matrix");
   map = three_keyframes();
   auto cloud = std::make_shared<SweepCloud>(*map.keyframes[1].cloud);
