@@ -29,17 +29,6 @@ constexpr double kCreepRadS = geometry::deg_to_rad(10.0);
 constexpr double kFollowsS = 0.07;
 // Deceleration of a rotation, a third of what the wheels can do.
 constexpr double kDecelerationRadS2 = 5.0;
-// By how much a wheel is faster than the centre, divided by the yaw rate: of nodmap-kurt, axis_m /
-// (2 turning_adaptation).
-constexpr double kWheelArmM = 0.2;
-
-// The deceleration that the base reaches on command on an arc. It keeps the arc, and its outer
-// wheel decelerates no harder than on a straight line. An ordinary stop, with half of it, reaches
-// its own deceleration on every arc wider than the wheel arm; tighter ones are driven so slowly
-// that its distance is at most 4 mm too short.
-double emergency_mps2(const robot::Braking& braking, double curvature) {
-  return braking.emergency_deceleration_mps2 / (1.0 + kWheelArmM * std::abs(curvature));
-}
 
 }  // namespace
 
@@ -97,9 +86,8 @@ double Brake::speed_on_seen_floor(double curvature, double max_mps, const Situat
   };
   const SeenFloor floor = now.local_map->seen_floor();
   double speed_mps = max_mps;
-  for (const Rule& rule :
-       {Rule{local_map_params_.wide_gap_m, braking_.deceleration_mps2},
-        Rule{local_map_params_.max_gap_m, emergency_mps2(braking_, curvature)}}) {
+  for (const Rule& rule : {Rule{local_map_params_.wide_gap_m, braking_.deceleration_mps2},
+                           Rule{local_map_params_.max_gap_m, braking_.emergency_mps2(curvature)}}) {
     const double longest_m =
         robot::stopping_distance(speed_mps, drive_params_.reaction_s, rule.deceleration_mps2);
     const double seen_m = floor.distance(now.T_odom_base, curvature, longest_m, rule.max_gap_m);
@@ -126,7 +114,7 @@ double Brake::speed_on_present_arc(const Situation& now) const {
   const bool creeps = creeps_ || forward_mps < drive_params_.creep_mps;
   const Arc arc = measure_arc(now.yaw_rate_rad_s / forward_mps, creeps, now);
   const double emergency_mps = robot::stoppable_speed(arc.free_distance_m - arc.stop_margin_m, 0.0,
-                                                      emergency_mps2(braking_, arc.curvature));
+                                                      braking_.emergency_mps2(arc.curvature));
   return forward_mps > emergency_mps ? 0.0 : arc.speed_mps;
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <random>
 
+#include "common/robot/robot_params.hpp"
 #include "drivers/kurt/odometry.hpp"
 
 namespace nodmap::kurt {
@@ -120,7 +121,9 @@ TEST(SpeedLimiter, BrakingOnCommandHasItsOwnLimit) {
 TEST(SpeedLimiter, OnAnArcTheCentreBrakesByLess) {
   const SpeedLimits limits;
   const WheelParams wheels;
-  const double arm_m = 0.5 * wheels.axis_m / wheels.turning_adaptation;
+  const robot::Braking braking;
+  // Rounded to centimetres.
+  EXPECT_NEAR(braking.wheel_arm_m, 0.5 * wheels.axis_m / wheels.turning_adaptation, 0.005);
   for (const DriveCommand& command : {DriveCommand{1.5, 0.53}, {1.0, -0.8}, {0.57, 1.4}}) {
     SpeedLimiter limiter(wheels, limits);
     settle(limiter, command);
@@ -130,10 +133,11 @@ TEST(SpeedLimiter, OnAnArcTheCentreBrakesByLess) {
       driven_m += 0.5 * (now.left_mps + now.right_mps) * kPeriodS;
     }
     const double curvature = std::abs(command.yaw_rate_rad_s) / command.forward_mps;
-    const double deceleration_mps2 = limits.max_deceleration_mps2 / (1.0 + arm_m * curvature);
     // The distance of one step.
-    EXPECT_NEAR(driven_m, command.forward_mps * command.forward_mps / (2.0 * deceleration_mps2),
-                command.forward_mps * kPeriodS);
+    EXPECT_NEAR(
+        driven_m,
+        command.forward_mps * command.forward_mps / (2.0 * braking.emergency_mps2(curvature)),
+        command.forward_mps * kPeriodS);
   }
 }
 
