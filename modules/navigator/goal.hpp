@@ -32,7 +32,7 @@ struct GoalInBase {
 
   [[nodiscard]] double distance_m() const { return p_base.norm(); }
   /// How far ahead a robot within the tolerance leaves it again.
-  [[nodiscard]] double way_out_m() const {
+  [[nodiscard]] double exit_distance_m() const {
     return p_base.x() +
            std::sqrt(std::max(0.0, tolerance_m * tolerance_m - p_base.y() * p_base.y()));
   }

@@ -111,7 +111,7 @@ Decision Navigator::behave(const Situation& now) {
 Decision Navigator::arrive(const Situation& now) const {
   Decision decision = slow_down(now, Why::kNothingToAdd);
   if (surroundings_.reason_to_wait(now.stamp) ||
-      decision.forward_mps > brake_.stoppable_mps(now.goal->way_out_m())) {
+      decision.forward_mps > brake_.stoppable_mps(now.goal->exit_distance_m())) {
     decision = brake(now, Why::kNothingToAdd);
   }
   decision.behaviour = Behaviour::kArrived;
