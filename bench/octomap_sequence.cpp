@@ -73,8 +73,8 @@ void insert_stock(octomap::OcTree& tree, const PlacedCloud& placed, const TraceP
   for (const Eigen::Vector3f& p : placed.cloud.points) {
     points.push_back(to_octomap(placed.T_world_sensor * p.cast<double>()));
   }
-  tree.insertPointCloud(points, to_octomap(placed.T_world_sensor.translation()),
-                        params.max_range_m);
+  tree.insertPointCloud(points, to_octomap(placed.T_world_sensor.translation()), params.max_range_m,
+                        false, params.discretize);
 }
 
 template <typename Work>
@@ -143,6 +143,7 @@ int main(int argc, char** argv) {
     app.add_option("--max-range", params.max_range_m, "beams are inserted up to this length (m)")
         ->check(CLI::Range(0.5, 100.0))
         ->capture_default_str();
+    app.add_flag("--discretize", params.discretize, "one beam for each voxel that is hit");
     CLI11_PARSE(app, argc, argv);
     const auto result = compare(read_sequence(dir), params);
     std::cout << result.dump(2) << "\n";

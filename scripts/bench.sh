@@ -130,6 +130,7 @@ measure() {
     octomap)
       need_data nodding_seq || return 0
       $bin/nodmap-bench-octomap "$data/nodding_seq" --resolution 0.05 --max-range 10
+      $bin/nodmap-bench-octomap "$data/nodding_seq" --resolution 0.05 --max-range 10 --discretize
       ;;
     trials)
       build/release/bench/sim_bench

@@ -24,6 +24,7 @@ CloudTracer::CloudTracer(const TraceParams& params) : params_(params), grid_(par
 
 void CloudTracer::trace(const SweepCloud& cloud, const SE3& T_map_base, CloudVoxels& voxels,
                         const std::vector<bool>& is_moved) {
+  ends_.clear();
   std::size_t i = 0;
   for (const SweepCloud::Line& line : cloud.lines) {
     if (!begin_line(line, T_map_base)) {
@@ -33,10 +34,13 @@ void CloudTracer::trace(const SweepCloud& cloud, const SE3& T_map_base, CloudVox
     }
     for (; i < line.end; ++i) {
       const Eigen::Vector3f p_map = (T_map_base * cloud.points[i].cast<double>()).cast<float>();
-      if (is_near(p_map)) {
-        add_beam(p_map, !is_moved.empty() && is_moved[i], voxels);
-      } else {
+      const bool has_moved = !is_moved.empty() && is_moved[i];
+      if (!is_near(p_map)) {
         ++beams_outside_;
+      } else if (!params_.discretize || has_moved) {
+        add_beam(p_map, has_moved, voxels);
+      } else {
+        add_first_beam_into_voxel(p_map, voxels);
       }
     }
   }
@@ -66,6 +70,16 @@ bool CloudTracer::begin_line(const SweepCloud::Line& line, const SE3& T_map_base
   }
   origin_ = grid_.key_of(p_map_origin_);
   return true;
+}
+
+// As in OctoMap's computeDiscreteUpdate().
+void CloudTracer::add_first_beam_into_voxel(const Eigen::Vector3f& p_map, CloudVoxels& voxels) {
+  const auto end = grid_.key_of(p_map);
+  if (!end) {
+    ++beams_outside_;
+  } else if (ends_.mark_occupied(code_of(*end))) {
+    add_beam(grid_.center_of(*end), false, voxels);
+  }
 }
 
 // As in OctoMap's computeUpdate().
@@ -100,7 +114,7 @@ void CloudTracer::walk_beams(CloudVoxels& voxels) {
 }
 
 std::size_t CloudTracer::memory_bytes() const {
-  return beams_.capacity() * sizeof(Beam);
+  return ends_.memory_bytes() + beams_.capacity() * sizeof(Beam);
 }
 
 }  // namespace nodmap::slam6d

@@ -18,12 +18,16 @@ namespace nodmap::slam6d {
 struct TraceParams {
   double resolution_m = 0.05;
   double max_range_m = 10.0;  ///< beams longer than this are cut off, and free up to there
+  bool discretize = false;    ///< as OctoMap's computeDiscreteUpdate()
 
   template <class Visitor>
   void describe(Visitor& v) {
     v.number("resolution_m", resolution_m, {0.01, 1.0}, "Edge of an OctoMap voxel.");
     v.number("max_range_m", max_range_m, {0.5, 100.0},
              "Beams are entered into the OctoMap up to this length.");
+    v.flag("discretize", discretize,
+           "Enter only the first beam of a sweep into each voxel, and to its middle: faster for "
+           "dense clouds, and less exact.");
   }
 };
 
@@ -47,12 +51,14 @@ class CloudTracer {
   [[nodiscard]] std::size_t memory_bytes() const;
 
  private:
+  void add_first_beam_into_voxel(const Eigen::Vector3f& p_map, CloudVoxels& voxels);
   void add_beam(const Eigen::Vector3f& p_map, bool is_moved, CloudVoxels& voxels);
   bool begin_line(const SweepCloud::Line& line, const geometry::SE3& T_map_base);
   void walk_beams(CloudVoxels& voxels);
 
   TraceParams params_;
   OctreeGrid grid_;
+  CloudVoxels ends_;                                        // of the beams of this cloud
   std::vector<Beam> beams_;                                 // not yet walked
   Eigen::Vector3f p_map_origin_ = Eigen::Vector3f::Zero();  // of the sensor, for these beams
   std::optional<VoxelKey> origin_;

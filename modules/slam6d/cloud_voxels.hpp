@@ -35,7 +35,14 @@ class CloudVoxels {
   void clear();
 
   void mark_free(VoxelCode voxel) { word_of(cube_of(voxel).free, voxel) |= bit_of(voxel); }
-  void mark_occupied(VoxelCode voxel) { word_of(cube_of(voxel).occupied, voxel) |= bit_of(voxel); }
+
+  /// Returns whether the voxel was not occupied before.
+  bool mark_occupied(VoxelCode voxel) {
+    std::uint64_t& word = word_of(cube_of(voxel).occupied, voxel);
+    const bool is_new = (word & bit_of(voxel)) == 0U;
+    word |= bit_of(voxel);
+    return is_new;
+  }
 
   [[nodiscard]] bool is_free(VoxelCode voxel) const {
     const Cube* cube = find(voxel >> 3U * kLevels);

@@ -72,7 +72,7 @@ TEST(CloudVoxels, EqualsAMapOfSingleVoxels) {
                                        static_cast<std::uint16_t>(coordinate(random))});
       Marks& marks = expected[voxel];
       if (hit(random)) {
-        voxels.mark_occupied(voxel);
+        EXPECT_EQ(voxels.mark_occupied(voxel), !marks.occupied);
         marks.occupied = true;
       } else {
         voxels.mark_free(voxel);
@@ -87,11 +87,11 @@ TEST(CloudVoxels, ClearingRemovesAllVoxelsAndKeepsTheMemory) {
   CloudVoxels voxels;
   EXPECT_TRUE(voxels.cubes().empty());
   voxels.mark_free(123);
-  voxels.mark_occupied(456);
+  EXPECT_TRUE(voxels.mark_occupied(456));
   const std::size_t memory_bytes = voxels.memory_bytes();
   voxels.clear();
   EXPECT_TRUE(voxels.cubes().empty());
-  voxels.mark_occupied(456);
+  EXPECT_TRUE(voxels.mark_occupied(456));
   EXPECT_EQ(list(voxels).size(), 1U);
   EXPECT_EQ(voxels.memory_bytes(), memory_bytes);
 }
