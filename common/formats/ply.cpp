@@ -297,39 +297,6 @@ auto read_file(const std::filesystem::path& file, Read&& read) {
 
 }  // namespace
 
-PlyWriter::PlyWriter(std::filesystem::path file, std::size_t num_points)
-    : file_(std::move(file)), replacement_(file_) {
-  replacement_.write("ply\nformat binary_little_endian 1.0\nelement vertex " +
-                     std::to_string(num_points) +
-                     "\nproperty float x\nproperty float y\nproperty float z\n"
-                     "property uchar red\nproperty uchar green\nproperty uchar blue\n"
-                     "end_header\n");
-}
-
-void PlyWriter::write(std::span<const ColouredPoint> points) {
-  constexpr std::size_t kSize = 15;
-  bytes_.resize(kSize * points.size());
-  char* to = bytes_.data();
-  for (const ColouredPoint& point : points) {
-    std::memcpy(to, point.p_map.data(), 12);
-    std::memcpy(to + 12, point.rgb.data(), 3);
-    to += kSize;
-  }
-  replacement_.write(bytes_);
-}
-
-void PlyWriter::finish() {
-  if (const std::error_code error = replacement_.replace()) {
-    throw std::system_error(error, file_.string() + ": cannot write");
-  }
-}
-
-void write_ply(const std::filesystem::path& file, const std::vector<ColouredPoint>& points) {
-  PlyWriter writer(file, points.size());
-  writer.write(points);
-  writer.finish();
-}
-
 std::vector<Eigen::Vector3f> read_ply(const std::filesystem::path& file) {
   return read_file(file, read_points);
 }

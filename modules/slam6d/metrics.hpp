@@ -12,6 +12,7 @@ struct Metrics {
   std::size_t sweeps_tracked = 0;
   std::size_t sweeps_degraded = 0;
   std::size_t sweeps_lost = 0;
+  std::size_t sweeps_unused = 0;  ///< not registered: cut short, too few planes, place unknown
   std::size_t map_voxels = 0;
   std::size_t map_memory_bytes = 0;
   std::size_t keyframe_memory_bytes = 0;  ///< of their clouds, and of the sweeps in between

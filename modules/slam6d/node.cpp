@@ -322,9 +322,16 @@ std::error_code Slam6dNode::save_map(const std::filesystem::path& dir, const Occ
 }
 
 void Slam6dNode::write_results(const std::filesystem::path& dir) {
-  if (std::ranges::none_of(slam_.sweeps(), &SweepPose::is_place_known)) {
-    log::get().warn(slam_.localiser() ? "the robot was not found in the saved map"
-                                      : "the map is empty: no scan was used");
+  if (slam_.localiser() && std::ranges::none_of(slam_.sweeps(), &SweepPose::is_place_known)) {
+    log::get().warn("the robot was not found in the saved map");
+  } else if (slam_.sweeps().empty()) {
+    log::get().warn("the map is empty: no scan was used");
+  } else if (slam_.keyframes().empty()) {
+    log::get().warn(
+        "the map is empty: none of {} sweeps has {} planes (registration.min_planes, in voxels of "
+        "voxels.voxel_size_m = {} m); points nearer than range.min_m = {} m are left out",
+        slam_.num_sweeps(), params_.registration.min_planes, params_.voxels.voxel_size_m,
+        params_.range.min_m);
   }
   if (only_localises_) {
     write_trajectories(slam_, dir);
@@ -337,7 +344,8 @@ void Slam6dNode::write_results(const std::filesystem::path& dir) {
     ++maps_saved_;
   };
   node::write_each({save,  // first what cannot be had again
-                    [&] { write_trajectories(slam_, dir); }, [&] { write_cloud(slam_, dir); }});
+                    [&] { write_trajectories(slam_, dir); },
+                    [&] { write_cloud(slam_, params_.save_pcd, dir); }});
 }
 
 nlohmann::json Slam6dNode::metrics() const {

@@ -88,6 +88,7 @@ struct Slam6dParams {
   AdjustmentParams adjustment{};
   LocaliseParams localise{};
   EverFreeParams cloud{};
+  bool save_pcd = false;
   OccupancyParams occupancy{};
 
   template <class Visitor>
@@ -107,6 +108,7 @@ struct Slam6dParams {
     v.section("adjustment", adjustment);
     v.section("localise", localise);
     v.section("cloud", cloud);
+    v.flag("save_pcd", save_pcd, "Save cloud.pcd beside cloud.ply.");
     v.section("occupancy", occupancy);
     describe_renamed(v);
   }

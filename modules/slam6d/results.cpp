@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <sstream>
@@ -10,10 +11,11 @@
 
 #include "common/drawing/cloud_view.hpp"
 #include "common/drawing/image.hpp"
-#include "common/formats/ply.hpp"
+#include "common/formats/cloud_file.hpp"
 #include "common/formats/tum.hpp"
 #include "common/geometry/angle.hpp"
 #include "common/node/results.hpp"
+#include "common/registration/dense_solvers.hpp"
 #include "modules/slam6d/registered_cloud.hpp"
 
 namespace nodmap::slam6d {
@@ -100,15 +102,27 @@ std::vector<LoopRun> runs_of(std::span<const KeyframeGraph::WeightedLoop> loops)
   return runs;
 }
 
+// The standard deviation of a keyframe's position along its most uncertain direction, metres; NaN
+// for a keyframe of a saved map, of which it is not known.
+float position_sigma_m(const Keyframe& keyframe) {
+  if (!keyframe.update.keyframe) {
+    return std::numeric_limits<float>::quiet_NaN();
+  }
+  const Eigen::Matrix3d covariance = keyframe.update.covariance.topLeftCorner<3, 3>();
+  return static_cast<float>(std::sqrt(registration::eigensystem(covariance).values[2]));
+}
+
 // Keyframe by keyframe: a large cloud would be in memory several times.
 void write_coloured(std::span<const Keyframe> keyframes, const drawing::HeightRange& heights,
-                    const std::filesystem::path& file) {
-  formats::PlyWriter writer(file, num_registered(keyframes));
-  std::vector<formats::ColouredPoint> coloured;
+                    const std::filesystem::path& file, formats::CloudFormat format) {
+  formats::CloudWriter writer(file, format, num_registered(keyframes));
+  std::vector<formats::CloudPoint> coloured;
   for (const Keyframe& keyframe : keyframes) {
     coloured.clear();
+    const double time_s = time::seconds(keyframe.cloud->stamp.time_since_epoch());
+    const float sigma_m = position_sigma_m(keyframe);
     for (const Eigen::Vector3f& p_map : registered_points(keyframe)) {
-      coloured.push_back({p_map, drawing::colour_scale(heights.place(p_map.z()))});
+      coloured.push_back({p_map, drawing::colour_scale(heights.place(p_map.z())), time_s, sigma_m});
     }
     writer.write(coloured);
   }
@@ -151,9 +165,14 @@ DrivenPath driven_path(const Slam6d& slam) {
   return path;
 }
 
-void write_cloud(const Slam6d& slam, const std::filesystem::path& dir) {
+void write_cloud(const Slam6d& slam, bool with_pcd, const std::filesystem::path& dir) {
   const std::vector<drawing::DrawnPoint> points = drawn_cloud(slam.keyframes(), kMaxDrawnPoints);
-  write_coloured(slam.keyframes(), drawing::height_range(points), dir / "cloud.ply");
+  const drawing::HeightRange heights = drawing::height_range(points);
+  using Format = formats::CloudFormat;
+  write_coloured(slam.keyframes(), heights, dir / "cloud.ply", Format::kPly);
+  if (with_pcd) {
+    write_coloured(slam.keyframes(), heights, dir / "cloud.pcd", Format::kPcd);
+  }
 
   const DrivenPath driven = driven_path(slam);
   std::vector<Eigen::Vector3d> keyframes;
@@ -214,6 +233,7 @@ nlohmann::json slam_metrics(const Slam6d& slam) {
           {"sweeps_tracked", metrics.sweeps_tracked},
           {"sweeps_degraded", metrics.sweeps_degraded},
           {"sweeps_lost", metrics.sweeps_lost},
+          {"sweeps_unused", metrics.sweeps_unused},
           {"scans_in_sweeps", slam.scan_counts().in_sweeps},
           {"scans_without_odometry", slam.scan_counts().without_pose},
           {"odometry_errors",

@@ -23,8 +23,8 @@ struct DrivenPath {
 };
 [[nodiscard]] DrivenPath driven_path(const Slam6d& slam);
 
-/// cloud.ply, map.png and path.png. Throws std::runtime_error.
-void write_cloud(const Slam6d& slam, const std::filesystem::path& dir);
+/// cloud.ply, on request cloud.pcd, map.png and path.png. Throws std::runtime_error.
+void write_cloud(const Slam6d& slam, bool with_pcd, const std::filesystem::path& dir);
 
 /// The loops that were accepted and refused.
 [[nodiscard]] nlohmann::json loop_metrics(const BackEnd& back_end);

@@ -184,6 +184,8 @@ void Slam6d::track(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update)
 void Slam6d::record(const PoseUpdate& update) {
   if (update.registration) {
     counts_.count(update.registration->state);
+  } else if (update.keyframe != KeyframeReason::kFirst) {
+    ++counts_.sweeps_unused;
   }
   if (corrected_.is_full()) {
     std::vector<std::size_t> used;

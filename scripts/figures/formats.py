@@ -36,11 +36,11 @@ def read_last_map(path):
 
 
 def read_ply(path):
-    """Reads the points (n x 3, m) of a binary PLY with x, y, z, red, green, blue."""
+    """Reads the points (n x 3, m) of a binary PLY that nodmap has written."""
     data = path.read_bytes()
     head, body = data.split(b"end_header\n", 1)
     count = int(next(line for line in head.splitlines() if line.startswith(b"element vertex")).split()[2])
-    vertex = np.dtype([("p", "<f4", 3), ("rgb", "u1", 3)])
+    vertex = np.dtype([("p", "<f4", 3), ("rgb", "u1", 3), ("time", "<f8"), ("sigma", "<f4")])
     return np.frombuffer(body, vertex, count)["p"].astype(float)
 
 

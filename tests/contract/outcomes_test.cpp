@@ -32,6 +32,19 @@ TEST(Localisation, SaysThatTheRobotWasNotFound) {
   EXPECT_THAT(result.err, HasSubstr("the robot was not found in the saved map"));
 }
 
+// Everything is nearer than range.min_m.
+TEST(SmallScene, IsRefusedWithTheParametersThatRefuseIt) {
+  NODMAP_REQUIRE_DATA(recording, "tilting/cardboard_box.nod");
+  const test::TemporaryDir dir;
+  const std::string log = dir.path() / "box.lcmlog";
+  ASSERT_EQ(run_program("nodmap-convert", {"nod", recording, log}).exit_code, 0);
+  const auto result = run_program(
+      "nodmap-slam6d", {"--replay", log, "--assume-stationary", "--out", dir.path() / "out"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("the map is empty: none of 2 sweeps"));
+  EXPECT_THAT(result.err, HasSubstr("range.min_m = 0.5 m"));
+}
+
 TEST(Latency, SaysWhyItHasNothingToMeasure) {
   const test::TemporaryDir dir;
   write_odometry_log(dir.path() / "in.lcmlog", 3);

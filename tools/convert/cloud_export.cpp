@@ -9,7 +9,7 @@
 
 #include "common/bus/codec.hpp"
 #include "common/drawing/image.hpp"
-#include "common/formats/ply.hpp"
+#include "common/formats/cloud_file.hpp"
 #include "common/formats/tum.hpp"
 #include "common/formats/user_error.hpp"
 #include "common/geometry/pose_history.hpp"
@@ -86,18 +86,21 @@ std::vector<Eigen::Vector3f> deskew(std::span<const scan::Scan> scans,
   return points;
 }
 
-std::vector<formats::ColouredPoint> colour_by_height(const std::vector<Eigen::Vector3f>& points) {
+std::vector<formats::CloudPoint> colour_by_height(const std::vector<Eigen::Vector3f>& points,
+                                                  time::Timestamp stamp) {
   float low = std::numeric_limits<float>::infinity();
   float high = -low;
   for (const Eigen::Vector3f& p : points) {
     low = std::min(low, p.z());
     high = std::max(high, p.z());
   }
-  std::vector<formats::ColouredPoint> coloured;
+  std::vector<formats::CloudPoint> coloured;
   coloured.reserve(points.size());
   for (const Eigen::Vector3f& p : points) {
     const float place = high > low ? (p.z() - low) / (high - low) : 0.5F;
-    coloured.push_back({p, drawing::colour_scale(static_cast<double>(place))});
+    coloured.push_back({.p = p,
+                        .rgb = drawing::colour_scale(static_cast<double>(place)),
+                        .time_s = time::seconds(stamp.time_since_epoch())});
   }
   return coloured;
 }
@@ -105,7 +108,7 @@ std::vector<formats::ColouredPoint> colour_by_height(const std::vector<Eigen::Ve
 }  // namespace
 
 void export_cloud(const std::filesystem::path& log, const std::filesystem::path& out,
-                  const CloudWindow& window) {
+                  formats::CloudFormat format, const CloudWindow& window) {
   NewFile cloud_file(out);
   NewFile pose_file(std::filesystem::path(out).replace_extension(".tum"));
   const SensorLog recording = read_sensors(log);
@@ -120,7 +123,7 @@ void export_cloud(const std::filesystem::path& log, const std::filesystem::path&
   if (points.empty()) {
     throw formats::UserError(log.string() + ": no points in the scans");
   }
-  formats::write_ply(cloud_file.partial_path(), colour_by_height(points));
+  formats::write_cloud(cloud_file.partial_path(), format, colour_by_height(points, middle));
   formats::write_tum(pose_file.partial_path(), {{middle, *T_odom_base}});
   cloud_file.commit();
   pose_file.commit();

@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <filesystem>
 
+#include "common/formats/cloud_file.hpp"
+
 namespace nodmap::convert {
 
 /// The scans that form the cloud.
@@ -13,10 +15,10 @@ struct CloudWindow {
 };
 
 /// Forms one cloud of consecutive scans as 6D SLAM does (IV B, Fig. 8): deskewed with ODOMETRY,
-/// with points in the base frame at the middle of their time. Writes `out` as PLY, coloured by
-/// height, and a file ending in .tum with the middle time and the odometry pose of base. Throws
-/// formats::UserError if the log has fewer scans or no odometry there.
+/// with points in the base frame at the middle of their time. Writes `out` as PLY or PCD,
+/// coloured by height, and a file ending in .tum with the middle time and the odometry pose of
+/// base. Throws formats::UserError if the log has fewer scans or no odometry there.
 void export_cloud(const std::filesystem::path& log, const std::filesystem::path& out,
-                  const CloudWindow& window);
+                  formats::CloudFormat format, const CloudWindow& window);
 
 }  // namespace nodmap::convert

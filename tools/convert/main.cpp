@@ -15,6 +15,7 @@
 #include "tools/convert/mcap_export.hpp"
 #include "tools/convert/nod_import.hpp"
 #include "tools/convert/table_export.hpp"
+#include "tools/convert/uos_export.hpp"
 #include "tools/convert/uos_import.hpp"
 
 namespace {
@@ -75,8 +76,10 @@ void export_log(const Arguments& arguments) {
     convert::export_carmen(arguments.in, arguments.out);
   } else if (ending == ".csv") {
     convert::export_csv(arguments.in, arguments.out, channel_or("SCAN"));
-  } else if (ending == ".ply") {
-    convert::export_cloud(arguments.in, arguments.out, arguments.window);
+  } else if (ending == ".ply" || ending == ".pcd") {
+    using Format = nodmap::formats::CloudFormat;
+    convert::export_cloud(arguments.in, arguments.out,
+                          ending == ".ply" ? Format::kPly : Format::kPcd, arguments.window);
   } else {
     convert::export_tum(arguments.in, arguments.out, channel_or("ODOMETRY"));
   }
@@ -91,36 +94,43 @@ void add_exports(CLI::App& app, Arguments& arguments) {
   mcap->callback([&arguments] {
     arguments.work = [&] { convert::export_mcap(arguments.in, arguments.out); };
   });
+  CLI::App* uos = add_command(app, arguments, "uos-export",
+                              "Saved 3D map (keyframes.lcmlog) to a folder of 3DTK scans");
+  uos->add_option("OUT", arguments.out, "Folder to make")->required();
+  uos->callback(
+      [&arguments] { arguments.work = [&] { convert::export_uos(arguments.in, arguments.out); }; });
   CLI::App* command = add_command(app, arguments, "export",
-                                  "LCM event log to CARMEN, CSV, a TUM trajectory or a PLY cloud");
+                                  "LCM event log to CARMEN, CSV, a TUM trajectory or a cloud");
   command
       ->add_option("OUT", arguments.out,
-                   "File to write, .clf, .csv, .tum or .ply; never overwritten")
+                   "File to write, .clf, .csv, .tum, .ply or .pcd; never overwritten")
       ->required()
       ->check([](const std::string& out) {
         const std::string ending = std::filesystem::path(out).extension();
-        const bool known =
-            ending == ".clf" || ending == ".csv" || ending == ".tum" || ending == ".ply";
-        return known ? std::string() : "'" + out + "' does not end in .clf, .csv, .tum or .ply";
+        const bool is_known = ending == ".clf" || ending == ".csv" || ending == ".tum" ||
+                              ending == ".ply" || ending == ".pcd";
+        return is_known ? std::string()
+                        : "'" + out + "' does not end in .clf, .csv, .tum, .ply or .pcd";
       });
   auto* channel = command->add_option(
       "--channel", arguments.channel,
-      "Channel to export; default: SCAN for .csv, ODOMETRY for .tum; .clf and .ply use both");
+      "Channel to export; default: SCAN for .csv, ODOMETRY for .tum; others use both");
   auto* start = command
                     ->add_option("--start-s", arguments.window.start_s,
-                                 ".ply: seconds from the log's first scan to the cloud's")
+                                 "Cloud: seconds from the log's first scan to the cloud's")
                     ->check(nodmap::node::at_least_zero())
                     ->capture_default_str();
   auto* scans = command
                     ->add_option("--scans", arguments.window.num_scans,
-                                 ".ply: consecutive scans in the cloud")
+                                 "Cloud: consecutive scans in the cloud")
                     ->check(nodmap::node::above_zero())
                     ->capture_default_str();
   command->callback([&arguments, channel, start, scans] {
     const std::string ending = std::filesystem::path(arguments.out).extension();
     for (const CLI::Option* option : {channel, start, scans}) {
       const bool is_for_cloud = option != channel;
-      const bool is_used = is_for_cloud ? ending == ".ply" : ending == ".csv" || ending == ".tum";
+      const bool is_used = is_for_cloud ? ending == ".ply" || ending == ".pcd"
+                                        : ending == ".csv" || ending == ".tum";
       if (option->count() > 0 && !is_used) {
         throw CLI::ValidationError(option->get_name(), "has no effect on a " + ending + " file");
       }

@@ -138,10 +138,29 @@ class SliceBuilder {
   int num_pitches_ = 0;
 };
 
+// Rotates a vector of the file into our axes.
+Eigen::Matrix3d ours_from_uos() {
+  Eigen::Matrix3d rotation;
+  rotation << 0, 0, 1, -1, 0, 0, 0, 1, 0;
+  return rotation;
+}
+
 }  // namespace
 
 Eigen::Vector3d from_uos(const Eigen::Vector3d& p_uos_cm) {
-  return 0.01 * Eigen::Vector3d(p_uos_cm.z(), -p_uos_cm.x(), p_uos_cm.y());
+  return 0.01 * (ours_from_uos() * p_uos_cm);
+}
+
+Eigen::Vector3d to_uos(const Eigen::Vector3d& p_m) {
+  return 100.0 * (ours_from_uos().transpose() * p_m);
+}
+
+UosPose to_uos_pose(const geometry::SE3& pose) {
+  const Eigen::Matrix3d R = ours_from_uos().transpose() * pose.linear() * ours_from_uos();
+  const Eigen::Vector3d euler_rad(std::atan2(-R(1, 2), R(2, 2)),
+                                  std::asin(std::clamp(R(0, 2), -1.0, 1.0)),
+                                  std::atan2(-R(0, 1), R(0, 0)));
+  return {to_uos(pose.translation()), euler_rad / deg_to_rad(1.0)};
 }
 
 geometry::SE3 from_uos_pose(const Eigen::Vector3d& position_cm, const Eigen::Vector3d& euler_deg) {
@@ -151,10 +170,8 @@ geometry::SE3 from_uos_pose(const Eigen::Vector3d& position_cm, const Eigen::Vec
                                  Eigen::AngleAxisd(e.y(), Eigen::Vector3d::UnitY()) *
                                  Eigen::AngleAxisd(e.z(), Eigen::Vector3d::UnitZ()))
                                     .toRotationMatrix();
-  Eigen::Matrix3d ours_from_uos;
-  ours_from_uos << 0, 0, 1, -1, 0, 0, 0, 1, 0;
   geometry::SE3 pose = geometry::SE3::Identity();
-  pose.linear() = ours_from_uos * R_uos * ours_from_uos.transpose();
+  pose.linear() = ours_from_uos() * R_uos * ours_from_uos().transpose();
   pose.translation() = from_uos(position_cm);
   return pose;
 }

@@ -18,6 +18,17 @@ namespace nodmap::convert {
 [[nodiscard]] geometry::SE3 from_uos_pose(const Eigen::Vector3d& position_cm,
                                           const Eigen::Vector3d& euler_deg);
 
+/// The inverse: a point or vector in metres as one of the file, cm.
+[[nodiscard]] Eigen::Vector3d to_uos(const Eigen::Vector3d& p_m);
+
+/// The content of a .pose file.
+struct UosPose {
+  Eigen::Vector3d position_cm = Eigen::Vector3d::Zero();
+  Eigen::Vector3d euler_deg = Eigen::Vector3d::Zero();
+};
+/// The inverse of from_uos_pose().
+[[nodiscard]] UosPose to_uos_pose(const geometry::SE3& pose);
+
 /// One mirror revolution: a plane through the scanner's left-right axis.
 struct UosSlice {
   double pitch_rad = 0.0;  ///< positive looks up

@@ -170,6 +170,7 @@ TEST(Recordings, ASceneWithinHalfAMetreIsMappedOnlyIfTheMinimumRangeAllows) {
   Slam6d blind({.assume_stationary = true});
   add_nod(file, blind);
   EXPECT_TRUE(blind.keyframes().empty());
+  EXPECT_EQ(blind.metrics().sweeps_unused, 2U);
   for (const SweepPose& pose : blind.sweeps()) {
     EXPECT_FALSE(pose.is_tracked);
   }

@@ -55,7 +55,7 @@ class CloudExport : public testing::Test {
 };
 
 TEST_F(CloudExport, PutsTheWallIntoOnePlaneSeenFromTheMiddle) {
-  export_cloud(log(), out(), {.start_s = 0.4, .num_scans = 51});
+  export_cloud(log(), out(), formats::CloudFormat::kPly, {.start_s = 0.4, .num_scans = 51});
   // The first scan not before 0.4 s is the 31st.
   const time::Timestamp middle(31 * kScanPeriod + 25 * kScanPeriod);
   const auto pose = formats::read_tum(dir_.path() / "cloud.tum");
@@ -70,7 +70,9 @@ TEST_F(CloudExport, PutsTheWallIntoOnePlaneSeenFromTheMiddle) {
 }
 
 TEST_F(CloudExport, TooFewScansAreAnErrorAndLeaveNothing) {
-  EXPECT_THROW(export_cloud(log(), out(), {.start_s = 1.0, .num_scans = 50}), std::runtime_error);
+  EXPECT_THROW(
+      export_cloud(log(), out(), formats::CloudFormat::kPly, {.start_s = 1.0, .num_scans = 50}),
+      std::runtime_error);
   EXPECT_FALSE(std::filesystem::exists(out()));
   EXPECT_FALSE(std::filesystem::exists(dir_.path() / "cloud.tum"));
 }
