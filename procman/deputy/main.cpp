@@ -22,7 +22,7 @@ struct Options {
 };
 
 void add_options(CLI::App& app, Options& options) {
-  app.add_option("CONFIG", options.config,
+  app.add_option("CONFIG,--config", options.config,
                  "Configuration (.pmd) with the commands that this deputy may run");
   app.add_option("-i,--id", options.id,
                  "Name of this deputy; default: the only one in CONFIG, else the host's name");

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "common/node/messages.hpp"
+#include "modules/navigator/reason.hpp"
 #include "nodmap/drive_t.hpp"
 #include "nodmap/navigation_t.hpp"
 #include "sim/truth_message.hpp"
@@ -54,7 +55,20 @@ void GroundTruthMonitor::subscribe() {
         std::exchange(reached_goal_utime_, message.goal_utime) != message.goal_utime) {
       record_.arrivals.push_back(model_.now());
     }
+    record_refusal(message);
   });
+}
+
+// PATH says the same, but another listener would change the delays of the messages.
+void GroundTruthMonitor::record_refusal(const nodmap::navigation_t& message) {
+  using navigator::Why;
+  const auto is_reason = [&message](Why why) { return message.reason == navigator::to_text(why); };
+  if (message.behaviour == nodmap::navigation_t::STEER ||
+      message.behaviour == nodmap::navigation_t::ARRIVED) {
+    record_.refused.reset();
+  } else if (!record_.refused && (is_reason(Why::kNoPath) || is_reason(Why::kNoPathLooks))) {
+    record_.refused = model_.now();
+  }
 }
 
 void GroundTruthMonitor::on_scan(const nodmap::scan_t& message) {

@@ -7,6 +7,7 @@
 
 #include "common/bus/loop_bus.hpp"
 #include "common/geometry/pose_history.hpp"
+#include "nodmap/navigation_t.hpp"
 #include "nodmap/pitch_state_t.hpp"
 #include "nodmap/scan_t.hpp"
 #include "sim/body/robot_model.hpp"
@@ -37,6 +38,7 @@ class GroundTruthMonitor {
 
  private:
   void subscribe();
+  void record_refusal(const nodmap::navigation_t& message);
   void on_scan(const nodmap::scan_t& message);
   void on_pitch_state(const nodmap::pitch_state_t& message);
   void record_progress(const Eigen::Vector2d& position);

@@ -163,6 +163,9 @@ GoalMetrics goal_metrics(const TrialRecord& record, const sim::World& world,
     metrics.remaining_m = distance_at_end(record, world);
     metrics.heading_error_rad = heading_error_at_end(record, world);
   }
+  if (record.refused) {
+    metrics.no_path_s = seconds(*record.refused - *record.started);
+  }
   if (metrics.reached) {
     metrics.time_s = seconds(*metrics.reached - *record.started);
     metrics.after_motion_s = seconds(*metrics.reached - record.moved.value_or(time::SteadyTime{}));

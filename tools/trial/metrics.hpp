@@ -50,9 +50,12 @@ struct GoalMetrics {
   std::optional<time::SteadyTime> reached;  ///< when the last goal was reached
   double path_m = 0.0;           ///< path length from the first scan until then, or until the end
   std::optional<double> time_s;  ///< from the first scan until then
-  std::optional<double> after_motion_s;     ///< from when the robot had moved by 0.1 m
-  double start_to_goal_m = 0.0;             ///< straight-line distance
-  double remaining_m = 0.0;                 ///< straight-line distance at the end
+  std::optional<double> after_motion_s;  ///< from when the robot had moved by 0.1 m
+  double start_to_goal_m = 0.0;          ///< straight-line distance
+  double remaining_m = 0.0;              ///< straight-line distance at the end
+  /// From the first scan until the navigator reported that no path leads to the goal, after which
+  /// it did not drive on.
+  std::optional<double> no_path_s;
   std::optional<double> heading_error_rad;  ///< at the end; empty if the goal has no heading
   /// Success weighted by path length (Anderson et al., On Evaluation of Embodied Navigation Agents,
   /// 2018), for the path to where the goal counts as reached. Empty if the shortest path is

@@ -44,6 +44,8 @@ struct TrialRecord {
   std::optional<time::SteadyTime> moved;      ///< when the robot had moved by 0.1 m from its start
   std::vector<time::SteadyTime> arrivals;     ///< when the navigator reported its arrival at a goal
   std::optional<time::SteadyTime> reached;    ///< within Task::arrival_radius_m of the last goal
+  /// When the navigator reported that no path leads to its goal; empty if it has driven on since.
+  std::optional<time::SteadyTime> refused;
 };
 
 }  // namespace nodmap::trial

@@ -145,10 +145,31 @@ Json write(const GoalMetrics& goal, const std::optional<double>& shortest_m,
           {"path_m", goal.path_m},
           {"start_to_goal_m", goal.start_to_goal_m},
           {"remaining_m", goal.remaining_m},
+          {"no_path_s", number_or_null(goal.no_path_s)},
           {"heading_error_deg", heading_error_deg(goal)},
           {"shortest_path_m", number_or_null(shortest_m)},
           {"reference_path_m", number_or_null(task.reference_path_m)},
           {"spl", number_or_null(goal.spl)}};
+}
+
+// How many goals the robot has reached, and whether it reports that no path leads to the next one.
+Json write_goals(std::size_t num_goals, const TrialRecord& record) {
+  const std::size_t num_reached = std::min(record.arrivals.size(), num_goals);
+  const bool is_refused = num_reached < num_goals && record.refused;
+  return {{"asked", num_goals}, {"reached", num_reached}, {"refused", is_refused ? 1 : 0}};
+}
+
+// Seconds from the first scan, and the fraction of the floor that MAP_2D shows then; null without
+// the explorer.
+Json seen_share(const TrialOutcome& outcome) {
+  if (!outcome.exploration || !outcome.record.started) {
+    return nullptr;
+  }
+  Json series = Json::array();
+  for (const SeenSample& sample : outcome.exploration->seen) {
+    series.push_back({time::seconds(sample.instant - *outcome.record.started), sample.ratio});
+  }
+  return series;
 }
 
 // Metrics of the exploration; null without the explorer.
@@ -207,9 +228,12 @@ Json summarise(const TrialSetup& setup, const TrialOutcome& outcome,
       {"first_motion_s", number_or_null(drive.first_motion_s)},
       {"contacts_caused", drive.contacts.contacts_caused},
       {"falls", drive.contacts.falls},
-      {"goals", {{"asked", num_goals}, {"reached", std::min(record.arrivals.size(), num_goals)}}},
+      {"goals", write_goals(num_goals, record)},
+      {"goal_reached", goal.reached.has_value()},
+      {"goal_time_s", number_or_null(goal.time_s)},
       {"goal", num_goals > 0 ? write(goal, shortest_m, setup.world.task) : Json(nullptr)},
       {"exploration", exploration(outcome)},
+      {"seen_share", seen_share(outcome)},
       {"close_to_person_s", drive.close_to_person_s},
       {"brake_latency_ms", brake_latency(outcome)},
       {"sweep_s", write(quantiles(record.sweep_times_s))},
