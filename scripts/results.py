@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Runs what the documents claim and writes their tables between the markers, with the commit they were measured at. With --check only
-compares, and fails when a number there is not what the programs reach now: by more than the last digit printed, and by more than
+"""Runs what the documents claim and writes their tables between the markers, with the commit they were measured at,
+and the images of the maps. With --check only compares, and fails when a number there is not what the programs reach now: by more than the last digit printed, and by more than
 2 %, for another processor's square roots and sines may round in another way. The simulated drives, which take minutes, are not checked.
 
 usage: results.py BIN_DIR [--check]
@@ -14,6 +14,7 @@ import json
 import os
 import pathlib
 import re
+import shutil
 import sys
 import tempfile
 
@@ -102,6 +103,23 @@ def table_drives(bin_dir, work):
     return rows
 
 
+# The images in docs/pictures/maps, and of which run above each is.
+MAPS = {
+    "intel": "intel/map.png",
+    "fr079": "fr079/map.png",
+    "mit-csail": "mit-csail/map.png",
+    "office-3d": f"an office-{REPORTING[200]}/slam6d/map.png",
+    "cellar-3d": f"a cellar-{REPORTING[200]}/slam6d/map.png",
+}
+
+
+def copy_maps(work):
+    pictures = ROOT / "docs" / "pictures" / "maps"
+    pictures.mkdir(exist_ok=True)
+    for name, file in MAPS.items():
+        shutil.copyfile(work / file, pictures / f"{name}.png")
+
+
 QUICK_TABLES = {"2d": table_2d, "2d_online": table_2d_online, "kurt3d": table_kurt3d}
 TABLES = QUICK_TABLES | {"drives": table_drives}
 
@@ -158,6 +176,8 @@ def main():
                     if changed := difference(table, fresh):
                         stale.append(f"{name} in {document.name}: {changed} since {commit_of(table)}")
                 texts[document] = block(name).sub(lambda _: f"<!-- results: {name} -->\n{fresh}<!-- /results -->", text)
+        if not check:
+            copy_maps(pathlib.Path(work))
     if check:
         print(f"documents are stale ({'; '.join(stale)}): run ./nodmap results" if stale else "the documents agree")
         return 1 if stale else 0
