@@ -8,7 +8,7 @@ import scene
 import style
 from trials import ODOMETRY_NOISE, REPORTING, Trial, evaluate
 
-SEEDS = REPORTING[1:4]
+SEEDS = REPORTING[1:11]
 SLAM = [*ODOMETRY_NOISE, "--without", "slam2d"]
 MOVING = [Trial(f"fig9-moving-{seed}", "cellar", seed, 60, *SLAM, keep_log=False) for seed in SEEDS]
 # The paper's keyframes are 2 m apart; our default is 1 m.
@@ -76,6 +76,7 @@ def make():
     pairs = [(errors_of(moving), errors_of(stationary)) for moving, stationary in zip(MOVING, STATIONARY)]
     # The reference is the best of the stationary models, because a stationary run may fail, too, and is then no reference.
     reference_m = min(stationary["rms_m"] for _, stationary in pairs)
+    worst_stationary_m = max(stationary["rms_m"] for _, stationary in pairs)
     ratios = [moving["rms_m"] / reference_m for moving, _ in pairs]
     sparse = [errors_of(trial)["rms_m"] / reference_m for trial in SPARSE]
     rows = "".join(
@@ -87,18 +88,19 @@ def make():
         "alt": "3D model of the cellar, coloured by height: from scans on the move, seen obliquely and from above, and from stationary scans",
         "paper": "A 3D model from clouds taken while roaming; \"slightly more distorted compared to those that can be achieved by "
                  "performing 3D scans while standing\".",
-        "measured": "The robot drives through a cellar with the odometry errors of Fig. 7 (3 % too much, 1° times the root of the metres), and 6D SLAM registers its sweeps. "
+        "measured": "The robot drives through a cellar with the odometry errors of Fig. 7 (3 % too much, 1° times the root of the metres, a gyro), and 6D SLAM registers its sweeps. "
                     "For comparison the robot stops for 4 s of each 9 s, and only the sweeps over the whole 120° that it takes while stationary are "
                     "registered (`slam6d.keyframe.stationary_only`). The table shows the RMS distance of the registered points from the true surfaces, and "
-                    "in brackets the fraction of points farther away than 10 cm. The paper gives no number; our target is a ratio of at most 1.5 to the best "
-                    "model from stationary scans:\n\n"
+                    "in brackets the fraction of points farther away than 10 cm. The paper gives no number; our targets are 10 mm for the models from stationary scans, and a ratio of at "
+                    "most 1.2 to the best of them:\n\n"
                     f"| seed | driven | on the move | driven | stationary | ratio to the best stationary model ({1000 * reference_m:.1f} mm) |\n|---|---|---|---|---|---|\n" + rows + "\n"
                     "The few stationary clouds overlap little. After a slip between two of them one may be placed wrongly; the fraction of points farther "
                     "away than 10 cm then shows it. Sweeps at speed cover the virtual corridor: walls, but hardly any floor or ceiling. Odometry and the "
                     "earlier sweeps therefore determine the height and tilt of their clouds. With the paper's 2 m between two keyframes, successive clouds "
                     f"overlap less, and the ratios are {', '.join(f'{ratio:.2f}' for ratio in sparse)}. All other parameters are the defaults, which were "
                     "chosen in other worlds ([decision 5](decisions/005-every-sweep-is-tracked.md)).",
-        "holds": [(f"distortion moving / best stationary, worst of {len(ratios)} seeds", f"{max(ratios):.2f}", "≤ 1.5", max(ratios) <= 1.5)],
+        "holds": [(f"stationary, worst of {len(pairs)} seeds", f"{1000 * worst_stationary_m:.1f} mm", "≤ 10 mm", worst_stationary_m <= 0.010),
+                  (f"distortion moving / best stationary, worst of {len(ratios)} seeds", f"{max(ratios):.2f}", "≤ 1.2", max(ratios) <= 1.2)],
         "commands": [MOVING[0].command(), short(STATIONARY[0].command())],
     }
 
