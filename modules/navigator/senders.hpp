@@ -25,7 +25,7 @@ class InputSenders {
     kBaseSensors
   };
 
-  /// Takes a message. Returns false if it comes from another sender than the one that is followed.
+  /// Takes a message. Returns false if it comes from a sender other than the one followed.
   [[nodiscard]] bool follow(Input input, const bus::Origin& origin);
 
   /// Takes a message that is refused for another reason: it may reveal a second sender.

@@ -12,7 +12,7 @@ namespace nodmap::slam2d {
 /// How far a pose can be trusted, by how it was found.
 enum class PoseState : std::uint8_t {
   kTracking = 0,  ///< by matching, in all directions
-  kDegraded = 1,  ///< by matching, and by odometry along degenerate directions or since it was lost
+  kDegraded = 1,  ///< by matching; degenerate directions, or the place, by odometry
   kOdometry = 2,  ///< by odometry: the scan has too few points, or shows only what is new
   kLost = 3,      ///< by odometry, in doubt: the scan contradicts the map
 };

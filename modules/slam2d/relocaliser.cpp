@@ -75,7 +75,7 @@ std::optional<Relocaliser::Place> Relocaliser::match(const KnownMap& map, const 
                solver.eigenvectors().col(0)};
 }
 
-// How clear the best place is tells the wall score at all others, and beside it.
+// The wall scores at all other places, and beside the best one, tell how clear it is.
 Relocalisation Relocaliser::choose(const Candidates& found, const WallScore& wall_score) const {
   if (found.places.empty()) {
     return {};

@@ -33,8 +33,8 @@ struct BrakeEvent {
   time::SteadyTime started{};
   double speed_mps = 0.0;  ///< of the robot, or the commanded one, whichever is lower
   double sweep_s = 0.0;    ///< duration of the last sweep at that time
-  std::optional<time::SteadyTime>
-      answered;  ///< when the robot braked; empty: not before the end of the trial
+  /// When the robot braked; empty: not before the end of the trial.
+  std::optional<time::SteadyTime> answered;
 
   /// Within which it should brake: two sweeps, a scan, and 20 ms (R32).
   [[nodiscard]] time::Duration limit() const {
