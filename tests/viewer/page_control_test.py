@@ -202,13 +202,29 @@ class Control(Page):
     def test_what_is_asked_while_the_link_is_down_is_not_done_except_stop(self):
         """A stopped viewer is like a link that is down: the connection stays, and requests wait in it."""
         self.open_with_token()
-        for button, answer in (("explore", "Refused: Too old: not done."), ("stop", "STOP is sent")):
+        for button, meanwhile, answer in (("explore", "No answer yet.", "Refused: Too old: not done."), ("stop", "STOP has no answer yet", "STOP is sent")):
             self.viewer.process.send_signal(signal.SIGSTOP)
             self.addCleanup(self.viewer.process.send_signal, signal.SIGCONT)
             self.browser.run("document.getElementById(arguments[0]).click()", button)
-            self.assertIsNotNone(self.browser.wait_for(f"{ANSWER} === 'No answer yet.'"), button)
+            self.assertIsNotNone(self.browser.wait_for(f"{ANSWER}.startsWith('{meanwhile}')"), button)
             self.viewer.process.send_signal(signal.SIGCONT)
             self.assertIsNotNone(self.browser.wait_for(f"{ANSWER}.startsWith('{answer}')"), button)
+
+    def test_a_stop_is_sent_again_until_it_is_answered(self):
+        """A connection whose link was away for long is dead at the server's end; the browser learns of it late, and loses what is sent until then."""
+        self.open_with_token()
+        for link in ("nodmap.connection.socket.send = () => {}", "nodmap.connection.socket.close()", "nodmap.connection.renew()"):
+            said = self.browser.run(f"{link}; document.getElementById('stop').click(); document.getElementById('go').click(); return {ANSWER}")
+            self.assertIn("STOP has no answer yet", said)  # "Release" must not overtake it
+            self.assertIsNotNone(self.browser.wait_for(f"{ANSWER}.startsWith('STOP is sent')", 20), link)
+            self.assertIsNotNone(self.browser.wait_for(f"{BANNER}.includes('STOP')"), link)
+            self.assertFalse(self.press("#go").startswith("Refused"))
+            self.assertIsNotNone(self.browser.wait_for(f"!{BANNER}.includes('STOP')"))
+
+    def test_a_connection_that_brings_nothing_is_replaced(self):
+        self.open_with_token()
+        self.browser.run("window.former = nodmap.connection.socket; window.former.onmessage = null")
+        self.assertIsNotNone(self.browser.wait_for("nodmap.connection.socket !== window.former && nodmap.connection.services.size > 0", 40))
 
     def test_saving_the_maps_is_requested(self):
         self.open_with_token()

@@ -3,6 +3,11 @@
 
 const SUBPROTOCOL = "foxglove.websocket.v1";
 const RETRY_MS = 1000;
+// A live server sends its own STATUS every second, one that plays a recording the time 50 times a second.
+const SECOND_MS = 1000;
+const SILENT_S = 5;
+const MAX_SILENT_S = 40;
+const LONG_LIFE_S = 60;
 // The first byte of a binary frame, from the server and from us.
 const MESSAGE_DATA = 1;
 const TIME = 2;
@@ -15,8 +20,9 @@ export function tokenIn(hash) {
 }
 
 /**
- * Subscribes to every topic of the server that the page came from, and connects again when the connection is lost.
- * handlers: open(serverInfo), close(), tokenRefused(), message(topic, read, timeS), time(timeS), parameters(map).
+ * Subscribes to every topic of the server that the page came from, and connects again when the connection is lost, or brings nothing: after a
+ * radio link was away for long, a browser keeps a connection of which the server knows nothing any more.
+ * handlers: open(serverInfo), services(), close(), tokenRefused(), message(topic, read, timeS), time(timeS), parameters(map).
  * `read()` returns the message; a message that is never read is never decoded.
  */
 export class Connection {
@@ -25,10 +31,14 @@ export class Connection {
     // After '#', so that browsers do not send it; only the WebSocket gets it.
     this.token = tokenIn(location.hash);
     this.decoder = new TextDecoder();
+    this.maxSilentS = SILENT_S;
     this.connect();
+    setInterval(() => this.watch(), SECOND_MS);
   }
 
   connect() {
+    clearTimeout(this.retry);
+    this.openS = this.silentS = 0;  // counted in calls of watch(), so that a page that is busy or suspended finds no silence
     const query = this.token ? `?token=${encodeURIComponent(this.token)}` : "";
     this.topics = new Map();    // by subscription id
     this.services = new Map();  // ids by name
@@ -38,6 +48,7 @@ export class Connection {
     this.socket = new WebSocket(`${scheme}://${location.host}/${query}`, [SUBPROTOCOL]);
     this.socket.binaryType = "arraybuffer";
     this.socket.onmessage = (event) => {
+      this.silentS = 0;
       if (typeof event.data === "string") {
         this.onText(JSON.parse(event.data));
       } else {
@@ -50,10 +61,36 @@ export class Connection {
       if (this.token && !opened) {
         this.askWhetherRefused();
       }
-      this.calls.forEach((done) => done({ok: false, text: "No answer: the connection was lost."}));
-      this.handlers.close();
-      setTimeout(() => this.connect(), RETRY_MS);
+      this.end();
+      this.retry = setTimeout(() => this.connect(), RETRY_MS);
     };
+  }
+
+  end() {
+    this.calls.forEach((done) => done({ok: false, isLost: true, text: "No answer: the connection was lost."}));
+    this.calls.clear();
+    this.handlers.close();
+  }
+
+  /** Gives up the present connection for a new one. */
+  renew() {
+    this.socket.onmessage = this.socket.onopen = this.socket.onclose = null;
+    this.socket.close();
+    this.end();
+    this.connect();
+  }
+
+  /** Once a second. No message arrives while a large one is on a slow link: therefore connections that soon end in silence are given more time. */
+  watch() {
+    const isOpen = this.socket.readyState === WebSocket.OPEN;
+    this.openS += isOpen ? 1 : 0;
+    this.silentS += 1;
+    if (this.silentS > (isOpen ? this.maxSilentS : SILENT_S)) {
+      if (isOpen) {
+        this.maxSilentS = this.openS > LONG_LIFE_S ? SILENT_S : Math.min(2 * this.maxSilentS, MAX_SILENT_S);
+      }
+      this.renew();
+    }
   }
 
   /** A browser does not say why a WebSocket was refused; if the page itself is still served, it was because of the token. */
@@ -71,6 +108,7 @@ export class Connection {
       this.subscribe(message.channels);
     } else if (message.op === "advertiseServices") {
       message.services.forEach((service) => this.services.set(service.name, service.id));
+      this.handlers.services();
     } else if (message.op === "serviceCallFailure") {
       this.answer(message.callId, {ok: false, text: message.message});
     } else if (message.op === "parameterValues") {
@@ -114,10 +152,10 @@ export class Connection {
     this.calls.delete(callId);
   }
 
-  /** Calls a service; returns a promise of its answer, {ok, text}. */
+  /** Calls a service; returns a promise of its answer, {ok, text}. `isLost`: it is this page that says so, and the server may not know of the call. */
   call(service, request) {
     if (this.socket.readyState !== WebSocket.OPEN || !this.services.has(service)) {
-      return Promise.resolve({ok: false, text: "Not sent: no connection."});
+      return Promise.resolve({ok: false, isLost: true, text: "Not sent: no connection."});
     }
     const encoding = new TextEncoder().encode("json");
     const payload = new TextEncoder().encode(JSON.stringify(request));

@@ -3,6 +3,9 @@
 
 // An answer comes at once unless the link is down; later, the server carries out nothing but STOP (RemoteControl::kMaxAge).
 const LATE_MS = 2000;
+// How long an answer to STOP may take at first, and at most after each connection that has brought none.
+const STOP_MS = 1000;
+const MAX_STOP_MS = 8000;
 
 export class Control {
   /** `stopBar` holds STOP and "Release", `form` everything else. */
@@ -13,8 +16,10 @@ export class Control {
     this.answer = form.querySelector("#answer");
     this.pick = form.querySelector("#pick");
     this.view = view;
-    const simple = {stop: "stop", go: "go", roam: "roam", explore: "explore", "explore-end": "end_exploration", save: "save_maps", record: "start_recording", "record-end": "stop_recording"};
+    this.stopMs = null;  // while a STOP has no answer: how long one may take
+    const simple = {go: "go", roam: "roam", explore: "explore", "explore-end": "end_exploration", save: "save_maps", record: "start_recording", "record-end": "stop_recording"};
     Object.entries(simple).forEach(([id, what]) => document.getElementById(id).addEventListener("click", () => this.ask({do: what})));
+    document.getElementById("stop").addEventListener("click", () => this.stop());
     document.addEventListener("keydown", (event) => this.onKey(event));
     this.takeGoals();
   }
@@ -23,7 +28,7 @@ export class Control {
   onKey(event) {
     if (event.key.toLowerCase() === "s" && !event.ctrlKey && !event.altKey && !event.metaKey && !this.stopBar.hidden) {
       event.preventDefault();
-      this.ask({do: "stop"});
+      this.stop();
     } else if (event.key === "Escape" && this.isPicking) {
       this.setPicking(false);
     }
@@ -62,7 +67,42 @@ export class Control {
     this.view.setClickMode(picking ? "goal" : "none");
   }
 
+  /**
+   * Sends STOP until it is answered. A connection may be dead without anybody knowing: one that brings no answer is replaced. The server obeys a
+   * STOP of any age, however often.
+   */
+  stop() {
+    this.stopMs ??= STOP_MS;
+    this.showAnswer(true, "Asked.");
+    this.sendStop();
+  }
+
+  /** To be called as soon as a new connection can take it. */
+  async sendStop() {
+    if (this.stopMs === null) {
+      return;
+    }
+    const late = setTimeout(() => {
+      if (this.stopMs !== null) {
+        this.stopMs = Math.min(2 * this.stopMs, MAX_STOP_MS);
+        this.connection().renew();
+      }
+    }, this.stopMs);
+    const {ok, text, isLost} = await this.connection().call("control", {do: "stop"});
+    clearTimeout(late);
+    if (!isLost) {
+      this.stopMs = null;
+      this.showAnswer(ok, ok ? text : `Refused: ${text}`);
+    } else if (this.stopMs !== null) {
+      this.showAnswer(false, "STOP has no answer yet: it is sent again until it has one.");
+    }
+  }
+
   async ask(request) {
+    if (request.do === "go" && this.stopMs !== null) {
+      this.showAnswer(false, "Not sent: STOP has no answer yet, and is sent again until it has one.");
+      return;
+    }
     this.showAnswer(true, "Asked.");
     const late = setTimeout(() => this.showAnswer(false, "No answer yet."), LATE_MS);
     const {ok, text} = await this.connection().call("control", request);
@@ -78,6 +118,7 @@ export class Control {
   /** To be called for each new connection; returns whether processes can be started and stopped. */
   open({capabilities, metadata}) {
     this.form.hidden = this.stopBar.hidden = !capabilities.includes("services");
+    this.stopMs = this.form.hidden ? null : this.stopMs;  // nobody takes a STOP from a page that may only read
     const processes = !this.form.hidden && metadata?.process_control === "true";
     this.form.querySelectorAll(".process-control").forEach((part) => { part.hidden = !processes; });
     document.body.classList.toggle("has-control", !this.form.hidden);

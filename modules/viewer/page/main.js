@@ -124,6 +124,9 @@ const connection = new Connection({
     connection.send({op: "getParameters", parameterNames: [], id: "page"});
     processes.canControl = control.open(info);
   },
+  services() {
+    control.sendStop();
+  },
   tokenRefused() {
     byId("token-refused").hidden = false;
   },
