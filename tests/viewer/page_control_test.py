@@ -17,14 +17,25 @@ from page_case import main  # noqa: E402
 from viewer_process import Viewer  # noqa: E402
 from websocket import PATIENCE_S  # noqa: E402
 
-# Presses the pointer at one place of the canvas and releases it at another; places are fractions of width and height.
-POINT = """
+# A function that sends a pointer event to a place of the canvas, in fractions of width and height.
+POINTER = """
   const {canvas} = nodmap.view;
   const box = canvas.getBoundingClientRect();
-  const event = (type, [x, y]) => canvas.dispatchEvent(new PointerEvent(type, {
-    clientX: box.left + x * box.width, clientY: box.top + y * box.height}));
-  event("pointerdown", arguments[0]);
-  event("pointerup", arguments[1]);
+  const event = (type, [x, y], more) => canvas.dispatchEvent(new PointerEvent(type, {
+    clientX: box.left + x * box.width, clientY: box.top + y * box.height, pointerId: 1, isPrimary: true, ...more}));
+"""
+# Presses the pointer at one place and releases it at another.
+POINT = POINTER + """
+  event("pointerdown", arguments[0], arguments[2]);
+  event("pointerup", arguments[1], arguments[2]);
+"""
+# Two fingers, of which the first one moves.
+PINCH = POINTER + """
+  const second = {pointerId: 2, isPrimary: false};
+  event("pointerdown", [0.4, 0.6]);
+  event("pointerdown", [0.6, 0.6], second);
+  event("pointerup", [0.2, 0.6]);
+  event("pointerup", [0.6, 0.6], second);
 """
 ANSWER = "document.getElementById('answer').textContent"
 BANNER = "document.getElementById('banner').textContent"
@@ -112,6 +123,17 @@ class Control(Page):
         self.assertEqual(self.browser.run("return document.getElementById('pick').getAttribute('aria-pressed')"), "false")
         self.assertFalse(self.press("#roam").startswith("Refused"))
         self.assertIsNotNone(self.browser.wait_for("nodmap.layers.get('scene/goal').layer.group.children.length === 0"))
+
+    def test_only_the_main_button_and_a_single_finger_give_a_goal(self):
+        self.open_with_token()
+        self.browser.run(f"{ANSWER} = ''; document.getElementById('pick').click()")
+        place = [0.5, 0.6]
+        self.browser.run(POINT, place, place, {"button": 2})  # a pan that was broken off
+        self.browser.run(PINCH)
+        self.assertEqual(self.browser.run(f"return {ANSWER}"), "")
+        self.assertEqual(self.browser.run("return document.getElementById('pick').getAttribute('aria-pressed')"), "true")
+        self.browser.run(POINT, place, place)
+        self.assertIsNotNone(self.browser.wait_for(f"{ANSWER}.startsWith('Goal')"))
 
     def test_an_exploration_is_started_and_ended(self):
         self.open_with_token()

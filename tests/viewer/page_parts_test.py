@@ -51,8 +51,8 @@ class SceneExplainsItself(PageCase):
             const box = canvas.getBoundingClientRect();
             const ends = [[0.4, 0.5], [0.6, 0.6]].map(([x, y]) => ({clientX: box.left + x * box.width, clientY: box.top + y * box.height}));
             for (const end of ends) {
-              canvas.dispatchEvent(new PointerEvent('pointerdown', {...end, pointerId: 1, bubbles: true}));
-              canvas.dispatchEvent(new PointerEvent('pointerup', {...end, pointerId: 1, bubbles: true}));
+              canvas.dispatchEvent(new PointerEvent('pointerdown', {...end, pointerId: 1, isPrimary: true, bubbles: true}));
+              canvas.dispatchEvent(new PointerEvent('pointerup', {...end, pointerId: 1, isPrimary: true, bubbles: true}));
             }
             const [a, b] = ends.map((end) => nodmap.view.floorAt(end));
             return a.distanceTo(b)""")
@@ -99,7 +99,7 @@ class SceneExplainsItself(PageCase):
     def click(self, browser, x, y):
         browser.run("""
             for (const type of ['pointerdown', 'pointerup']) {
-              nodmap.view.canvas.dispatchEvent(new PointerEvent(type, {clientX: arguments[0], clientY: arguments[1], pointerId: 1, bubbles: true}));
+              nodmap.view.canvas.dispatchEvent(new PointerEvent(type, {clientX: arguments[0], clientY: arguments[1], pointerId: 1, isPrimary: true, bubbles: true}));
             }""", x, y)
 
     def test_help_names_every_key(self):

@@ -55,12 +55,15 @@ export class View {
     this.setMode("follow");
   }
 
-  /** Calls `act(event)` for each click that is not a drag. Does not use "click", which the camera's controls suppress on touch screens. */
+  /**
+   * Calls `act(event)` for each click with the main button or with one finger that is not a drag. Does not use "click", which the camera's controls
+   * suppress on touch screens.
+   */
   onClick(act) {
-    let down = null;
-    this.canvas.addEventListener("pointerdown", (event) => { down = event; });
+    let down = null;  // none while a second finger moves the camera, or another button
+    this.canvas.addEventListener("pointerdown", (event) => { down = event.isPrimary && event.button === 0 ? event : null; });
     this.canvas.addEventListener("pointerup", (event) => {
-      if (down && Math.hypot(event.clientX - down.clientX, event.clientY - down.clientY) <= DRAG_PX) {
+      if (down?.pointerId === event.pointerId && event.button === 0 && Math.hypot(event.clientX - down.clientX, event.clientY - down.clientY) <= DRAG_PX) {
         act(event);
       }
     });
