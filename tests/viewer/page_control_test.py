@@ -347,6 +347,15 @@ class WhatThisPageDependsOn(Page):
         self.assertEqual(said, ["map saved in logs/slam2d", "map not saved: no space", "", ""])
 
 
+class WithoutStorage(Page):
+    def test_the_page_works_where_the_browser_may_not_store_anything(self):
+        with webdriver.Browser(settings={"profile.default_content_setting_values.cookies": 2}) as self.browser:
+            self.browser.open(f"http://127.0.0.1:{self.viewer.port}/#token={self.viewer.token}")
+            self.assertIsNotNone(self.browser.wait_for("window.nodmap && !document.getElementById('control').hidden", 20))
+            self.browser.run("document.querySelector('#layers input').click()")
+            self.assertIn("STOP is sent", self.press("#stop"))
+
+
 class WithoutWebGl(Control):
     """The same page in a browser without 3D graphics."""
 

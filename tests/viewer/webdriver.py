@@ -34,9 +34,9 @@ def free_port():
 
 
 class Browser:
-    """One window of one browser; a context manager. `more_flags`: besides those that all have."""
+    """One window of one browser; a context manager. `more_flags`: besides those that all have; `settings`: of the user, by Chromium's names."""
 
-    def __init__(self, width=1280, height=720, more_flags=()):
+    def __init__(self, width=1280, height=720, more_flags=(), settings=None):
         self.profile = tempfile.TemporaryDirectory(prefix="nodmap-chromium-")
         self.driver = subprocess.Popen(["chromedriver", f"--port={free_port()}"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
         self.base = f"http://127.0.0.1:{self._port()}"
@@ -44,7 +44,7 @@ class Browser:
         flags = [*FLAGS, *more_flags, f"--user-data-dir={self.profile.name}"]
         answer = self._call("POST", "", {"capabilities": {"alwaysMatch": {
             "browserName": "chrome", "goog:loggingPrefs": {"browser": "ALL"},
-            "goog:chromeOptions": {"binary": shutil.which("chromium"), "args": flags}}}})
+            "goog:chromeOptions": {"binary": shutil.which("chromium"), "args": flags, "prefs": settings or {}}}}})
         self.session = "/" + answer["sessionId"]
         self.resize(width, height)
 

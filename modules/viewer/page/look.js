@@ -3,16 +3,33 @@
 import {HEIGHTS_M, rampCss, shared} from "./colors.js";
 import {element} from "./element.js";
 
+/** A setting that this browser remembers; null if there is none, or if it may not remember anything. */
+function recall(key) {
+  try {
+    return localStorage.getItem(key);
+  } catch (error) {
+    return null;
+  }
+}
+
+function remember(key, value) {
+  try {
+    localStorage.setItem(key, value);
+  } catch (error) {
+    console.info(`not remembered: ${error.message}`);
+  }
+}
+
 /** Creates a check box for each layer. `changed()` is called when the image must be redrawn. */
 export function makeLayerList(fieldset, layers, changed) {
   for (const [topic, {name, layer, off, swatch}] of layers) {
     const key = `layer:${topic}`;
     const box = element("input", "", {type: "checkbox", "data-topic": topic});
-    box.checked = (localStorage.getItem(key) ?? (off ? "off" : "on")) === "on";
+    box.checked = (recall(key) ?? (off ? "off" : "on")) === "on";
     layer.visible = box.checked;
     box.addEventListener("change", () => {
       layer.visible = box.checked;
-      localStorage.setItem(key, box.checked ? "on" : "off");
+      remember(key, box.checked ? "on" : "off");
       changed();
     });
     const label = element("label", "");
@@ -31,10 +48,10 @@ export function makeTheme(select, view) {
     document.documentElement.dataset.theme = theme;
     view.setTheme(theme);
   };
-  const kept = localStorage.getItem("look:theme");
+  const kept = recall("look:theme");
   select.value = [...select.options].some(({value}) => value === kept) ? kept : select.value;
   select.addEventListener("change", () => {
-    localStorage.setItem("look:theme", select.value);
+    remember("look:theme", select.value);
     apply();
   });
   light.addEventListener("change", apply);
@@ -51,10 +68,10 @@ export function makeLook({color, ceiling, low, high, ramp}, changed) {
   };
   for (const select of [color, ceiling]) {
     const key = `look:${select.id}`;
-    const kept = localStorage.getItem(key);
+    const kept = recall(key);
     select.value = [...select.options].some(({value}) => value === kept) ? kept : select.value;
     select.addEventListener("change", () => {
-      localStorage.setItem(key, select.value);
+      remember(key, select.value);
       apply();
     });
   }
