@@ -46,7 +46,7 @@ FACTS = "document.getElementById('facts').innerText"
 KEY = """
   const at = document.querySelector(arguments[1]);
   at.focus();
-  at.dispatchEvent(new KeyboardEvent("keydown", {key: arguments[0], bubbles: true, cancelable: true}));
+  at.dispatchEvent(new KeyboardEvent("keydown", {key: arguments[0], code: arguments[2] ?? "", bubbles: true, cancelable: true}));
 """
 
 
@@ -179,6 +179,17 @@ class Control(Page):
             self.browser.run(KEY, "s", focus)
             self.assertIsNotNone(self.browser.wait_for(f"{ANSWER}.startsWith('STOP is sent')"), focus)
         self.assertFalse(self.press("#go").startswith("Refused"))
+
+    def test_the_key_of_stop_is_found_by_its_place_on_a_keyboard_without_latin_letters(self):
+        self.open_with_token()
+        self.browser.run(f"{ANSWER} = ''")
+        for key, code in (("o", "KeyS"), ("ö", "Semicolon"), ("ы", "KeyA")):  # Dvorak; German; not its place
+            self.browser.run(KEY, key, "#canvas", code)
+        self.assertEqual(self.browser.run(f"return {ANSWER}"), "")
+        for key, code in (("ы", "KeyS"), ("σ", "KeyS"), ("S", "Semicolon")):
+            self.browser.run(KEY, key, "#canvas", code)
+            self.assertIsNotNone(self.browser.wait_for(f"{ANSWER}.startsWith('STOP is sent')", 20), key)
+            self.browser.run(f"{ANSWER} = ''")
 
     def test_the_stop_button_stays_in_place(self):
         self.open_with_token()

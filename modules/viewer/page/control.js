@@ -7,6 +7,12 @@ const LATE_MS = 2000;
 const STOP_MS = 1000;
 const MAX_STOP_MS = 8000;
 
+/** The key of a keyboard event; by its place where the layout has other letters than Latin ones. */
+export function keyOf({key, code}) {
+  const isOther = /^[^\x00-\x7f]$/.test(key) && code.startsWith("Key");
+  return (isOther ? code.slice("Key".length) : key).toLowerCase();
+}
+
 export class Control {
   /** `stopBar` holds STOP and "Release", `form` everything else. */
   constructor(stopBar, form, view, connection) {
@@ -26,7 +32,7 @@ export class Control {
 
   /** S stops the robot whatever has the focus, because no field of the page takes letters. Escape ends the choice of a goal. */
   onKey(event) {
-    if (event.key.toLowerCase() === "s" && !event.ctrlKey && !event.altKey && !event.metaKey && !this.stopBar.hidden) {
+    if (keyOf(event) === "s" && !event.ctrlKey && !event.altKey && !event.metaKey && !this.stopBar.hidden) {
       event.preventDefault();
       this.stop();
     } else if (event.key === "Escape" && this.isPicking) {

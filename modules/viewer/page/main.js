@@ -2,7 +2,7 @@
 // The page: messages in, images and texts out.
 import {Connection, tokenIn} from "./connection.js";
 import {confirmed} from "./confirm.js";
-import {Control} from "./control.js";
+import {Control, keyOf} from "./control.js";
 import {pointsOf} from "./decode.js";
 import {Detail} from "./detail.js";
 import {makeLayers} from "./layers.js";
@@ -200,7 +200,7 @@ const keys = {
 };
 document.addEventListener("keydown", (event) => {
   if (!event.ctrlKey && !event.altKey && !event.metaKey && !event.target.closest?.("select")) {
-    keys[event.key.toLowerCase()]?.();
+    keys[keyOf(event)]?.();
   }
 });
 byId("help-open").addEventListener("click", keys["?"]);
