@@ -102,6 +102,16 @@ class SceneExplainsItself(PageCase):
               nodmap.view.canvas.dispatchEvent(new PointerEvent(type, {clientX: arguments[0], clientY: arguments[1], pointerId: 1, isPrimary: true, bubbles: true}));
             }""", x, y)
 
+    def test_yes_answers_only_the_question_that_is_shown(self):
+        browser = self.browse(self.play())
+        answers = browser.run("""return import("./confirm.js").then(({confirmed}) => {
+            const dialog = document.getElementById("confirm");
+            const asked = [confirmed(dialog, "Stop?"), confirmed(dialog, "Restart?")];
+            dialog.querySelector("[value=yes]").click();
+            return Promise.all(asked);
+          });""")
+        self.assertEqual(answers, [False, True])
+
     def test_help_names_every_key(self):
         browser = self.browse(self.play())
         browser.run("document.body.dispatchEvent(new KeyboardEvent('keydown', {key: '?', bubbles: true}))")
