@@ -184,6 +184,27 @@ class Clouds(PageCase):
         self.assertEqual(browser.run(begin + shown), [[10, 11, 20], 3])
         self.assertEqual(browser.run(begin + "move(20);" + shown), [[20], 1])
 
+    def test_keyframes_of_a_former_map_that_wait_are_not_shown(self):
+        """A page that is not visible draws nothing, but receives. 6D SLAM is started again meanwhile."""
+        browser = self.browse(self.play())
+        self.pause(browser)
+        browser.run("""
+          const time = (sec) => ({sec, nsec: 0});
+          const pose = {position: {x: 0, y: 0, z: 0}, orientation: {x: 0, y: 0, z: 0, w: 1}};
+          const cloud = (sec) => nodmap.take("CLOUD", {timestamp: time(sec), frame_id: "map_6d", pose, point_stride: 12, data: btoa("\\0".repeat(12))}, sec);
+          const poses = (...secs) => nodmap.take("keyframes", {timestamp: time(secs.at(-1)), frame_id: "map_6d", times: secs.map(time), poses: secs.map(() => pose)}, secs.at(-1));
+          nodmap.cloud.clear();
+          poses(1);
+          cloud(1);
+          poses(1, 2);
+          cloud(2);
+          cloud(101);  // may arrive before its pose
+          poses(101, 102);
+          cloud(102);
+          cloud(103);""")
+        self.assertIsNotNone(browser.wait_for("nodmap.cloud.keyframes.has('103.0')"))
+        self.assertEqual(browser.run("return [...nodmap.cloud.keyframes.values()].map(({timeS}) => timeS)"), [101, 102, 103])
+
 
 class Look(PageCase):
     def choose(self, browser, name, value):

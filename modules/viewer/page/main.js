@@ -21,6 +21,7 @@ import {State} from "./state.js";
 
 const PLOT_MS = 100;
 const WORDS_MS = 250;
+const MAX_POSES = 2000;  // that the server's topic `keyframes` holds
 
 const byId = (id) => document.getElementById(id);
 
@@ -41,7 +42,7 @@ const output = new Output(byId("output"), (command) => connection.call("control"
 const processes = new Processes(byId("processes").tBodies[0], askProcess, (command) => output.show(command));
 new Results(byId("results"), () => state.processes, (command) => connection.call("control", {do: "process_output", command}));
 const pending = new Map();  // the newest message of each topic since the last image
-const keyframes = [];       // all keyframes that wait to be shown
+let keyframes = [];         // all keyframes that wait to be shown: {read, timeS}
 let connected = false;
 let received = 0;
 let hasHistory = false;     // whether the plots show the recording's history
@@ -63,7 +64,7 @@ async function askProcess(what, command, program) {
 
 function forgetAll() {
   pending.clear();
-  keyframes.length = 0;
+  keyframes = [];
   layers.forEach(({layer}) => layer.clear());
   view.frames.clear();
   view.touch();
@@ -85,14 +86,24 @@ function take(topic, read, timeS) {
   ++received;
   state.noteArrival(topic);
   if (topic === "CLOUD") {
-    keyframes.push(read);
+    keyframes.push({read, timeS});
   } else {
-    pending.set(topic, {read, timeS});
+    pending.set(topic, {read, timeS, keyframesBefore: keyframes.length});
   }
 }
 
+/** Drops what waits of another map: keyframes that arrived before this message, as `count` did, and are not in it. */
+function dropOtherMap({times}, count) {
+  if (times.length >= MAX_POSES) {
+    return;  // it names the newest ones only
+  }
+  const microseconds = (timeS) => Math.round(1e6 * timeS);
+  const known = new Set(times.map(({sec, nsec}) => microseconds(sec + 1e-9 * nsec)));
+  keyframes = keyframes.filter(({timeS}, i) => i >= count || known.has(microseconds(timeS)));
+}
+
 /** Draws a message received since the last image; messages that were replaced meanwhile cost nothing. */
-function show(topic, {read, timeS}) {
+function show(topic, {read, timeS, keyframesBefore}) {
   const message = read();
   state.note(topic, message);
   if (topic.startsWith("tf/")) {
@@ -105,6 +116,9 @@ function show(topic, {read, timeS}) {
   } else if (layers.has(topic)) {
     layers.get(topic).layer.show(message);
     view.touch();
+  }
+  if (topic === "keyframes") {
+    dropOtherMap(message, keyframesBefore);
   }
   plots.add(topic, message, timeS, topic === "OBSTACLE_MAP" ? nearestOf(message) : undefined);
 }
@@ -215,7 +229,7 @@ function onFrame(nowMs) {
   pending.forEach((value, topic) => show(topic, value));
   pending.clear();
   if (keyframes.length > 0) {
-    layers.get("CLOUD").layer.show(keyframes.shift()());  // one per image, so that a long history does not block the view
+    layers.get("CLOUD").layer.show(keyframes.shift().read());  // one per image, so that a long history does not block the view
     view.touch();
   }
   if (detail.step(nowMs, view.update(), cloud.total)) {
