@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
 # Measures what bench/REPORT.md states, entry by entry. Called by ./nodmap bench, which has built the programs.
-#   scripts/bench.sh [--list] [ENTRY ...]     without ENTRY: all of them, which takes hours
+#   scripts/bench.sh [--check-arguments] [--list | ENTRY ...]     without ENTRY: all of them, which takes hours
 # A measurement that misses its target does not keep the others from being made; the exit code is 1 then.
 set -euo pipefail
 cd "$(dirname "$(readlink -f "$0")")/.."
@@ -154,12 +154,16 @@ measure() {
   esac
 }
 
+check_only=0
+[[ "${1-}" != --check-arguments ]] || { check_only=1; shift; }
+case " $* " in *" --help "* | *" -h "*) echo 'usage: ./nodmap bench [--list | ENTRY ...]     without ENTRY: all of them, which takes hours'; exit 0 ;; esac
 [[ "${1-}" != --list ]] || { entries; exit 0; }
 [[ "${1-}" != --measure ]] || { measure "$2"; exit; }
 mapfile -t names < <(entries | cut -d' ' -f1)
 for name in "$@"; do
-  [[ " ${names[*]} " == *" $name "* ]] || { echo "nodmap bench: there is no entry '$name'; --list names them" >&2; exit 2; }
+  [[ " ${names[*]} " == *" $name "* ]] || { echo "nodmap bench: there is no entry '$name'; ./nodmap bench --list names them" >&2; exit 2; }
 done
+[[ $check_only -eq 0 ]] || exit 0
 [[ $# -eq 0 ]] || names=("$@")
 missed=()
 for name in "${names[@]}"; do

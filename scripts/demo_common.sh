@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# Sourced. What both demos say, and how they take their arguments.
+# Sourced. What the demos say, and how they take their arguments. $what is the command: demo or explore.
 
-# shellcheck disable=SC2034  # die says it
-speaker='nodmap demo'
+speaker="nodmap ${what-demo}"
 source scripts/say.sh
-usage_error() { printf 'nodmap demo: %s (see ./nodmap demo --help)\n' "$*" >&2; exit 2; }
+usage_error() { printf '%s: %s (see ./%s --help)\n' "$speaker" "$*" "$speaker" >&2; exit 2; }
 
 print_version() { sed -n 's/^project(nodmap VERSION \([^ ]*\).*/\1/p' CMakeLists.txt; }
 

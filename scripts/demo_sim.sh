@@ -9,6 +9,10 @@ export NODMAP_CALLER=${NODMAP_CALLER:-$PWD}
 cd "$(dirname "$(readlink -f "$0")")/.."
 bin=$PWD/build/release/bin
 config=procman/sim.pmd
+what=demo world=sim/worlds/cellar.yaml duration=60
+if [[ " $* " == *" --explore "* ]]; then
+  what=explore world=sim/worlds/office.yaml duration=900
+fi
 source scripts/demo_common.sh
 
 usage() {
@@ -40,10 +44,6 @@ TEXT
 
 arguments=("$@")
 check_only=0
-what=demo world=sim/worlds/cellar.yaml duration=60
-if [[ " $* " == *" --explore "* ]]; then
-  what=explore world=sim/worlds/office.yaml duration=900
-fi
 out=logs/$what-$(date +%Y%m%d-%H%M%S)
 while [[ $# -gt 0 ]]; do
   case "$1" in
@@ -54,7 +54,7 @@ while [[ $# -gt 0 ]]; do
     --world) need_value "$@"; [[ "$2" == *:* ]] && world=$2 || world=$(from_caller "$2"); shift 2 ;;
     --duration) need_value "$@"; need_number "$1" "$2"; duration=$2; shift 2 ;;
     --out) need_value "$@"; out=$(from_caller "$2"); shift 2 ;;
-    *) usage_error "unknown option $1" ;;
+    *) [[ $what == demo ]] && usage_error "unknown option $1 (a RECORDING comes before its options)" || usage_error "unknown option $1" ;;
   esac
 done
 [[ "$world" == *:* || -f "$world" ]] || usage_error "$world: cannot open: No such file or directory"

@@ -1,20 +1,17 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """Makes the paper's figures from simulated runs: docs/pictures/paper/figN.png and docs/paper.md. Exits 1 when a target is missed."""
-import argparse
 import importlib
-import os
 import pathlib
 import shutil
 import sys
 
 sys.path.append(str(pathlib.Path(__file__).resolve().parents[2] / "bench"))
+from arguments import read_arguments  # noqa: E402
 import page  # noqa: E402
 import style  # noqa: E402
 from trial_runs import run_all, show_failures  # noqa: E402
 from trials import BIN, OUT  # noqa: E402
-
-FIGURES = [3, 4, 5, 6, 7, 8, 9]
 
 
 def run_trials(figures, jobs):
@@ -27,18 +24,10 @@ def run_trials(figures, jobs):
 
 
 def main():
-    parser = argparse.ArgumentParser(prog="./nodmap figures", description=__doc__)
-    parser.add_argument("figures", metavar="N", nargs="*", type=int, help=f"the figures to draw, of {FIGURES}; default: all")
-    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="how many trials run at the same time; default: one for each processor")
-    parser.add_argument("--no-page", action="store_true", help="leave the page as it is, and its images; the new images are then in logs/figures")
-    arguments = parser.parse_args()
+    arguments = read_arguments()
     if arguments.no_page:
         style.PICTURES = OUT
-    wanted = sorted(set(arguments.figures)) or FIGURES
-    unknown = set(wanted) - set(FIGURES)
-    if unknown:
-        parser.error(f"there is no figure {min(unknown)}; there are {', '.join(map(str, FIGURES))}")
-    figures = {number: importlib.import_module(f"fig{number}") for number in wanted}
+    figures = {number: importlib.import_module(f"fig{number}") for number in arguments.figures}
     if run_trials(figures, arguments.jobs):
         return 1
     made = {}

@@ -35,6 +35,28 @@ code=0
 timeout 10 ./nodmap explore --duration 0 >"$work/out" 2>&1 || code=$?
 [[ $code -eq 2 ]] || fail "explore takes a duration of 0"
 code=0
+timeout 10 ./nodmap explore x >"$work/out" 2>&1 || code=$?
+[[ $code -eq 2 ]] && grep -qF "nodmap explore: unknown option x (see ./nodmap explore --help)" "$work/out" || { cat "$work/out"; fail "explore x: code $code"; }
+# Arguments are checked before anything is installed or built.
+mkdir "$work/stubs"
+for program in cmake sudo apt-get; do
+  printf '#!/bin/sh\ntouch %s/started\nexit 9\n' "$work" >"$work/stubs/$program"
+  chmod +x "$work/stubs/$program"
+done
+while read -r wanted command; do
+  code=0
+  # shellcheck disable=SC2086  # a command line
+  PATH=$work/stubs:$PATH timeout 10 ./nodmap $command >"$work/out" 2>&1 || code=$?
+  [[ $code -eq $wanted && ! -e "$work/started" ]] || { cat "$work/out"; fail "$command: code $code, not $wanted, or something was begun"; }
+  grep -qF "./nodmap ${command%% *}" "$work/out" || { cat "$work/out"; fail "$command: does not say how it is used"; }
+done <<'TEXT'
+2 bench typo
+0 bench --help
+2 figures 99
+2 figures --jobs many
+0 figures --help
+TEXT
+code=0
 timeout 10 ./nodmap bulid >"$work/out" 2>&1 || code=$?
 [[ $code -eq 2 ]] && grep -qF "unknown command 'bulid'" "$work/out" || fail "an unknown command is not named: $code"
 # A mistyped option does not start what takes hours, or writes documents.
@@ -55,6 +77,7 @@ done
 # An event log is recognised by its contents.
 printf '\xed\xa1\xda\x01' >"$work/recording"
 scripts/demo_recording.sh --check-arguments "$work/recording" --out "$work/new"
+expect 2 "unknown option --speed (a RECORDING comes before its options)" --speed 2 "$work/recording"
 [[ ! -e "$work/new" ]] || fail "a check has made a folder"
 
 # Paths are those of the shell that calls, whatever its folder.
