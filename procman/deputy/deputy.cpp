@@ -14,6 +14,7 @@
 #include "common/bus/live_bus.hpp"
 #include "common/geometry/clock.hpp"
 #include "common/node/log.hpp"
+#include "common/node/program.hpp"
 #include "common/node/serial_workers.hpp"
 #include "common/node/status.hpp"
 #include "procman/config/config_watch.hpp"
@@ -54,6 +55,9 @@ class Deputy {
   }
 
   int run() {
+    if (node::stop_requested()) {
+      return 0;  // by a signal that came before the SignalReader
+    }
     subscribe();
     log::get().info("deputy {} on {}", settings_.id, bus_.url());
     while (!exit_code_) {

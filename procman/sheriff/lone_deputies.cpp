@@ -15,6 +15,23 @@
 namespace nodmap::procman {
 namespace {
 
+// Runs in the child, up to execv(), with all signals blocked.
+[[noreturn]] void become(const std::vector<char*>& arguments, pid_t parent,
+                         const sigset_t& signals) noexcept {
+  // Its own process group: Ctrl-C on the terminal is for the sheriff, which then stops the
+  // deputy. A second signal would kill its commands at once.
+  ::setpgid(0, 0);
+  ::prctl(PR_SET_PDEATHSIG, SIGTERM);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    std::signal(signal, SIG_DFL);
+  }
+  ::pthread_sigmask(SIG_SETMASK, &signals, nullptr);
+  if (::getppid() == parent) {
+    ::execv(arguments.front(), arguments.data());
+  }
+  ::_exit(127);
+}
+
 pid_t start(std::vector<std::string> words) {
   std::vector<char*> arguments;
   arguments.reserve(words.size() + 1);
@@ -23,19 +40,20 @@ pid_t start(std::vector<std::string> words) {
   }
   arguments.push_back(nullptr);
   const pid_t parent = ::getpid();
+  // No signal may reach the child while it still has the sheriff's handlers, which would swallow
+  // it: then the deputy would serve for ever.
+  sigset_t all;
+  sigset_t before;
+  ::sigfillset(&all);
+  ::pthread_sigmask(SIG_SETMASK, &all, &before);
   const pid_t pid = ::fork();
-  if (pid < 0) {
-    throw std::system_error(errno, std::system_category(), "fork");
-  }
   if (pid == 0) {
-    // Its own process group: Ctrl-C on the terminal is for the sheriff, which then stops the
-    // deputy. A second signal would kill its commands at once.
-    ::setpgid(0, 0);
-    ::prctl(PR_SET_PDEATHSIG, SIGTERM);
-    if (::getppid() == parent) {
-      ::execv(arguments.front(), arguments.data());
-    }
-    ::_exit(127);
+    become(arguments, parent, before);
+  }
+  const int error = errno;
+  ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  if (pid < 0) {
+    throw std::system_error(error, std::system_category(), "fork");
   }
   return pid;
 }

@@ -47,6 +47,15 @@ for signal in INT TERM KILL; do
   echo "SIG$signal: everything has ended"
 done
 
+# The deputies end also if they were started only just before, and a script that does not exist is said to be missing.
+for _ in $(seq 20); do
+  code=0
+  timeout --signal=KILL 10 "$bin/nodmap-sheriff" "$work/a.pmd" --lone --script pu >"$work/typo.log" 2>&1 || code=$?
+  [[ $code -eq 2 ]] && grep -q 'has no script "pu"' "$work/typo.log" || fail "exit code $code after a script that does not exist"
+done
+wait_for is_gone
+echo "a script that does not exist ends a lone sheriff"
+
 "$bin/nodmap-deputy" "$work/a.pmd" --id here 2>"$work/deputy.log" &
 deputy=$!
 wait_for grep -q serving "$work/deputy.log"
