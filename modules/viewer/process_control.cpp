@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "common/node/process_names.hpp"
+#include "procman/config/exec_line.hpp"
 #include "procman/protocol/messages.hpp"
 #include "procman/protocol/sheriff_messages.hpp"
 

@@ -3,8 +3,9 @@
 
 #include <algorithm>
 #include <set>
-#include <sstream>
 #include <utility>
+
+#include "procman/config/exec_line.hpp"
 
 namespace nodmap::procman {
 namespace {
@@ -101,17 +102,6 @@ std::string normalized_group(std::string_view path) {
 bool is_in_group(std::string_view group, std::string_view ancestor) {
   return group == ancestor || (group.starts_with(ancestor) && group.size() > ancestor.size() &&
                                group[ancestor.size()] == '/');
-}
-
-std::string program_of(std::string_view exec) {
-  std::istringstream words{std::string(exec)};
-  std::string word;
-  while (words >> word) {
-    if (word.find('=') == std::string::npos) {
-      return word.substr(word.rfind('/') + 1);
-    }
-  }
-  return {};
 }
 
 std::string status_name(const Command& command) {

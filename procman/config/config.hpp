@@ -113,10 +113,6 @@ struct Config {
 /// Whether `group` is `ancestor` or below it.
 [[nodiscard]] bool is_in_group(std::string_view group, std::string_view ancestor);
 
-/// The program that an exec line runs, without its folder: the first word that does not set a
-/// variable. Empty if there is none.
-[[nodiscard]] std::string program_of(std::string_view exec);
-
 /// The name under which a command's process publishes STATUS.
 [[nodiscard]] std::string status_name(const Command& command);
 

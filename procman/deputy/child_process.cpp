@@ -56,46 +56,9 @@ std::string find_program(const std::string& name, const std::string& search_path
   return name;  // execve() will report that it does not exist
 }
 
-bool is_blank(char c) {
-  return c == ' ' || (c >= '\t' && c <= '\r');
-}
-
 bool is_in_name(char c, bool is_first) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' ||
          (!is_first && c >= '0' && c <= '9');
-}
-
-// The word that begins at `at`; moves `at` behind it.
-std::string take_word(std::string_view line, std::size_t& at) {
-  std::string word;
-  char quote = '\0';
-  for (; at < line.size() && (quote != '\0' || !is_blank(line[at])); ++at) {
-    const char c = line[at];
-    if (c == '\\') {
-      word += at + 1 < line.size() ? line[++at] : c;
-    } else if (quote == '\0' && (c == '\'' || c == '"')) {
-      quote = c;
-    } else if (quote != '\0' && c == quote) {
-      quote = '\0';
-    } else {
-      word += c;
-    }
-  }
-  return word;
-}
-
-std::vector<std::string> words_of(std::string_view line) {
-  std::vector<std::string> words;
-  std::size_t at = 0;
-  while (true) {
-    while (at < line.size() && is_blank(line[at])) {
-      ++at;
-    }
-    if (at == line.size()) {
-      return words;
-    }
-    words.push_back(take_word(line, at));
-  }
 }
 
 // The name of the variable at the start of `text` (after the $), and its length including braces;
@@ -246,14 +209,9 @@ void apply_resources(const Resources& resources) noexcept {
 }  // namespace
 
 ExecLine parse_exec_line(std::string_view line, const Lookup& lookup) {
-  ExecLine exec;
-  for (const std::string& word : words_of(line)) {
-    const std::size_t assign = word.find('=');
-    if (exec.arguments.empty() && assign != std::string::npos && assign > 0) {
-      exec.environment.emplace_back(word.substr(0, assign), word.substr(assign + 1));
-    } else {
-      exec.arguments.push_back(expanded(word, lookup));
-    }
+  ExecLine exec = split_exec_line(line);
+  for (std::string& argument : exec.arguments) {
+    argument = expanded(argument, lookup);
   }
   return exec;
 }

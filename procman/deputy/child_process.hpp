@@ -7,27 +7,19 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "common/formats/file_descriptor.hpp"
 #include "procman/config/config.hpp"
+#include "procman/config/exec_line.hpp"
 
 namespace nodmap::procman {
-
-/// The parts of an exec line: `NAME=VALUE ... program arguments ...`.
-struct ExecLine {
-  std::vector<std::pair<std::string, std::string>> environment;
-  std::vector<std::string> arguments;  ///< the program first; empty if the line has none
-};
 
 /// Looks up an environment variable; empty if it is not set.
 using Lookup = std::function<std::optional<std::string>(const std::string& name)>;
 
-/// Parses an exec line as the existing deputy does, without a shell. Words are separated by blanks;
-/// '...' and "..." may contain blanks; a backslash quotes the next character. Then $NAME and
-/// ${NAME} in the program's words are replaced by the deputy's variables; unset ones stay
-/// unchanged.
+/// split_exec_line(), after which $NAME and ${NAME} in the program's words are replaced by the
+/// deputy's variables; unset ones stay unchanged.
 [[nodiscard]] ExecLine parse_exec_line(std::string_view line, const Lookup& lookup);
 
 /// A program to run: arguments and environment as the kernel expects them.

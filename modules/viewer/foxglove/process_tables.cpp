@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "nodmap/json_messages.hpp"
+#include "procman/config/exec_line.hpp"
 
 namespace nodmap::foxglove {
 namespace {

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "procman/config/exec_line.hpp"
 #include "procman/config/parser.hpp"
 #include "tests/support/program.hpp"
 
@@ -60,6 +61,9 @@ TEST(ProgramOf, IsTheFirstWordThatIsNotAnAssignment) {
   EXPECT_EQ(program_of("nodmap-slam2d"), "nodmap-slam2d");
   EXPECT_EQ(program_of("A=1 B=2 bin/nodmap-sim --x"), "nodmap-sim");
   EXPECT_EQ(program_of(""), "");
+  EXPECT_EQ(program_of("NOTE='a b' nodmap-logger --out x"), "nodmap-logger");
+  EXPECT_EQ(program_of("A='x y' '/opt/my robot/nodmap-kurt' -v"), "nodmap-kurt");
+  EXPECT_EQ(program_of("/opt/my\\ robot/nodmap-kurt"), "nodmap-kurt");
 }
 
 }  // namespace config_test

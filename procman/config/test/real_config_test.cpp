@@ -7,6 +7,7 @@
 #include <sstream>
 #include <string>
 
+#include "procman/config/exec_line.hpp"
 #include "procman/config/parser.hpp"
 #include "tests/support/program.hpp"
 
