@@ -26,8 +26,17 @@ constexpr std::array<KeyOrder, 6> kKeyOrders{{{Key::kStart, Verb::kStart, false}
 }  // namespace
 
 void LiveView::update(std::vector<ReportRow> rows) {
+  const ReportRow* before = selected();
+  const auto same = std::ranges::find_if(rows, [&](const ReportRow& row) {
+    return before != nullptr && row.id == before->id && row.deputy == before->deputy;
+  });
+  if (same != rows.end()) {
+    state_.selected = static_cast<std::size_t>(same - rows.begin());
+  } else {
+    state_.selected = std::min(state_.selected, rows.empty() ? 0 : rows.size() - 1);
+    state_.lines_back = 0;
+  }
   rows_ = std::move(rows);
-  state_.selected = std::min(state_.selected, rows_.empty() ? 0 : rows_.size() - 1);
 }
 
 const ReportRow* LiveView::selected() const {

@@ -32,7 +32,8 @@ using KeyRequest = std::variant<QuitRequest, ScriptRequest, OrderRequest>;
 /// change it, or ask for something that is left to the caller.
 class LiveView {
  public:
-  /// The commands to show from now on. The selection stays at its line.
+  /// The commands to show from now on. The selection stays at its command, because a key is for
+  /// what the screen showed; if that command is gone, at its line.
   void update(std::vector<ReportRow> rows);
   /// Null if there are no commands.
   [[nodiscard]] const ReportRow* selected() const;

@@ -51,6 +51,20 @@ TEST_F(LiveViewTest, TheSelectionStaysInsideWhenCommandsVanish) {
   EXPECT_FALSE(dut_.press(Key::kDown, nullptr));
 }
 
+// A key is for what the screen showed when it was pressed.
+TEST_F(LiveViewTest, TheSelectionStaysAtItsCommandWhenOthersAppearOrVanish) {
+  dut_.press(Key::kDown, nullptr);
+  dut_.update({row("camera", ""), row("sim", ""), row("kurt", "drivers"), row("slam", "slam")});
+  EXPECT_THAT(order(Key::kStop).commands, ElementsAre("kurt"));
+  dut_.update({row("kurt", "drivers"), row("slam", "slam")});
+  EXPECT_THAT(order(Key::kStop).commands, ElementsAre("kurt"));
+  // A command that was moved has a row on each host for a while.
+  ReportRow elsewhere = row("kurt", "drivers");
+  elsewhere.deputy = "a";
+  dut_.update({elsewhere, row("kurt", "drivers"), row("slam", "slam")});
+  EXPECT_EQ(dut_.selected()->deputy, "");
+}
+
 TEST_F(LiveViewTest, KeysOrderForTheCommandOrItsGroup) {
   dut_.update({row("kurt", "drivers"), row("laser", "drivers/laser"), row("slam", "slam")});
   EXPECT_EQ(order(Key::kStop).verb, Verb::kStop);
