@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "procman/sheriff/terminal.hpp"
 
+#include <fcntl.h>
 #include <poll.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
@@ -13,15 +14,7 @@
 namespace nodmap::procman {
 namespace {
 
-void put(std::string_view text) {
-  while (!text.empty()) {
-    const ssize_t size = ::write(STDOUT_FILENO, text.data(), text.size());
-    if (size <= 0) {
-      return;  // the next frame follows soon
-    }
-    text.remove_prefix(static_cast<std::size_t>(size));
-  }
-}
+constexpr int kLastWaitMs = 1000;
 
 std::string style_of(Tone tone) {
   switch (tone) {
@@ -102,20 +95,27 @@ std::optional<Key> take_key(std::string& typed) {
   return std::nullopt;
 }
 
-Terminal::Terminal() {
+// Opens stdout anew: O_NONBLOCK on stdout itself would also hold for the shell that shares it.
+Terminal::Terminal()
+    : screen_(::open("/proc/self/fd/1", O_WRONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC)) {
   ::tcgetattr(STDIN_FILENO, &before_);
   termios raw = before_;
   raw.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
+  raw.c_iflag &= ~static_cast<tcflag_t>(IXON);  // Ctrl-S, beside the keys s and S, stops no output
   raw.c_cc[VMIN] = 0;
   raw.c_cc[VTIME] = 0;
   raw.c_cc[VSUSP] =
       _POSIX_VDISABLE;  // no suspending: after it the screen and the key mode would be wrong
   ::tcsetattr(STDIN_FILENO, TCSANOW, &raw);
-  put("\x1B[?1049h\x1B[?25l");  // alternate screen, no cursor
+  waiting_ = "\x1B[?1049h\x1B[?25l";  // alternate screen, no cursor
+  write_waiting();
 }
 
 Terminal::~Terminal() {
-  put("\x1B[?25h\x1B[?1049l");
+  waiting_ = "\x1B[?25h\x1B[?1049l";
+  pollfd ready{screen_.get(), POLLOUT, 0};
+  ::poll(&ready, 1, kLastWaitMs);
+  write_waiting();
   ::tcsetattr(STDIN_FILENO, TCSANOW, &before_);
 }
 
@@ -132,7 +132,21 @@ Terminal::Size Terminal::size() {
   return {window.ws_col, window.ws_row};
 }
 
+void Terminal::write_waiting() {
+  while (!waiting_.empty()) {
+    const ssize_t size = ::write(screen_.get(), waiting_.data(), waiting_.size());
+    if (size <= 0) {
+      return;
+    }
+    waiting_.erase(0, static_cast<std::size_t>(size));
+  }
+}
+
 void Terminal::draw(const std::vector<ViewLine>& lines, Size size) {
+  write_waiting();
+  if (!waiting_.empty()) {
+    return;
+  }
   std::string screen = "\x1B[H";
   for (std::size_t i = 0; i < lines.size(); ++i) {
     screen += (i == 0 ? "" : "\r\n");
@@ -140,7 +154,8 @@ void Terminal::draw(const std::vector<ViewLine>& lines, Size size) {
   }
   screen += "\x1B[J";
   if (screen != drawn_ || !(size == drawn_size_)) {
-    put(screen);
+    waiting_ = screen;
+    write_waiting();
     drawn_ = std::move(screen);
     drawn_size_ = size;
   }

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "common/formats/file_descriptor.hpp"
 #include "procman/sheriff/view.hpp"
 
 namespace nodmap::procman {
@@ -45,12 +46,17 @@ class Terminal : boost::noncopyable {
     bool operator==(const Size&) const = default;
   };
   [[nodiscard]] static Size size();
-  /// Shows the lines; writes nothing if they are already shown.
+  /// Shows the lines; writes nothing if they are already shown. Does not wait: frames that come
+  /// before the terminal has taken the last one are left out.
   void draw(const std::vector<ViewLine>& lines, Size size);
   /// The next key with a meaning, if one was pressed. Does not wait.
   [[nodiscard]] std::optional<Key> key();
 
  private:
+  void write_waiting();
+
+  formats::FileDescriptor screen_;
+  std::string waiting_;  // what the terminal has not taken yet
   termios before_{};
   std::string pressed_;
   std::string drawn_;
