@@ -113,7 +113,11 @@ deputy=$!
 # The viewer says the token of the page by its output, and the deputy hands that on.
 setpriv --pdeathsig TERM "$bin/nodmap-sheriff" "$config" --output viewer >"$out/viewer.log" 2>&1 &
 listener=$!
-run "$bin/nodmap-sheriff" "$config" --script demo --on-script-complete exit --timeout 30 >"$out/sheriff.log" || die "not every process started; see $out/sheriff.log"
+run "$bin/nodmap-sheriff" "$config" --script demo --on-script-complete exit --timeout 30 >"$out/sheriff.log" || {
+  # The deputy warns with what a process said before it failed.
+  sed -n 's/^[0-9:.]* nodmap-deputy warning: //p' "$out/deputy.log" | tail -n 5 >&2
+  die "not every process started; see $out/sheriff.log and $out/deputy.log"
+}
 
 need_deputy
 

@@ -146,6 +146,10 @@ start_demo not-home 5 --explore
 expect_a_failure "an exploration that is too short"
 grep -q "m driven" "$out.log" || fail "an exploration that is too short is not summarised"
 
+start_demo nowhere 5 --world officce:1
+expect_a_failure "a scenario that does not exist"
+grep -q "officce:1: no such scenario" "$out.log" || { cat "$out.log"; fail "the demo does not say why it did not start"; }
+
 start_demo beheaded-at-the-start 30
 wait_for "starting the processes"
 kill_sheriff
