@@ -98,18 +98,27 @@ AfterScript after_script(const std::string& word) {
                           : AfterScript::kObserve;
 }
 
+// The script of the options, or null. Throws node::UsageError.
+const Script* find_script(const Options& options, const Config& config) {
+  if (options.script.empty()) {
+    return nullptr;
+  }
+  const Script* found = config.find_script(options.script);
+  if (found == nullptr) {
+    std::vector<std::string> names;
+    for (const Script& script : config.scripts) {
+      names.push_back(script.name);
+    }
+    throw node::UsageError(options.config + " has no script \"" + options.script + "\"" +
+                           params::did_you_mean(options.script, names));
+  }
+  return found;
+}
+
 int serve(const Options& options, const Config& config) {
   WatchOptions watching;
-  if (!options.script.empty()) {
-    watching.script = config.find_script(options.script);
-    if (watching.script == nullptr) {
-      std::vector<std::string> names;
-      for (const Script& script : config.scripts) {
-        names.push_back(script.name);
-      }
-      throw node::UsageError(options.config + " has no script \"" + options.script + "\"" +
-                             params::did_you_mean(options.script, names));
-    }
+  watching.script = find_script(options, config);
+  if (watching.script != nullptr) {
     watching.after_script = after_script(options.after_script);
     watching.timeout_s = options.timeout_s;
   }
@@ -136,6 +145,7 @@ int serve(const Options& options, const Config& config) {
 
 // The same with --lone: runs the deputies as well.
 int serve_alone(const Options& options, const Config& config) {
+  find_script(options, config);  // before anything is started
   LoneDeputies deputies(options.config, config, options.lcm_url);
   const int code = serve(options, config);
   return deputies.stop() || code != exit_code::kDone ? code : exit_code::kFailed;
