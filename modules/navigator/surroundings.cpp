@@ -146,8 +146,8 @@ void Surroundings::erase_people(Situation& now) {
   Points points_of_things = without_wakes(now.people, now.points_base);
   watch_approach(now, points_of_things);
   if (now.local_map != nullptr) {
-    now.points_base =
-        std::move(points_of_things);  // what stands beside a person is also in the local map
+    // What has been beside a person for some seconds is also in the local map.
+    now.points_base = std::move(points_of_things);
   }
 }
 

@@ -55,9 +55,15 @@ struct LocalCell {
   std::int16_t high_cm = 0;
   std::uint16_t scan = 0;        ///< the last one in which evidence changed
   std::uint16_t seen_at_dm = 0;  ///< travel at the last hit, see ObstacleMemory
+  /// In tenths of a second: since when something has been hit here, again and again, and the last
+  /// hit, see ObstacleMemory.
+  std::uint16_t hit_since_ds = 0;
+  std::uint16_t hit_at_ds = 0;
 
   [[nodiscard]] bool is_obstacle() const { return obstacle >= evidence::kEnough; }
   [[nodiscard]] bool is_hole() const { return hole >= evidence::kEnough; }
+  /// Whether the obstacle is a contact, which no beam has shown.
+  [[nodiscard]] bool is_contact() const { return low_cm > high_cm; }
   /// Whether beams have passed through an obstacle or a hole measured there before.
   [[nodiscard]] bool is_cleared() const { return scan != 0 && !is_obstacle() && !is_hole(); }
 

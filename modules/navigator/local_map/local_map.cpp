@@ -50,6 +50,7 @@ void LocalMap::add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base
   }
   move(T_odom_base);
   ++scan_;
+  obstacles_.begin_scan(scan.mid_stamp());
   const std::size_t n = scan.ranges_m.size();
   floor_.begin_scan(n);
   low_hits_.begin_scan(n);
@@ -223,8 +224,7 @@ void LocalMap::look_again(const TrackedGround::Joined& joined) {
         cell->may_be_ramp = false;
       }
       const double range_m = (p_odom - T_odom_base_->translation()).norm();
-      const bool is_contact = cell->low_cm > cell->high_cm;
-      if (!is_contact &&
+      if (!cell->is_contact() &&
           cell->high_cm <= to_centimetres(ground_.height_m(p_odom) + tolerance_m(range_m))) {
         cell->obstacle = 0;
       }
@@ -254,8 +254,10 @@ void LocalMap::visit_disc(const Eigen::Vector2d& p_odom, double radius_m,
 void LocalMap::forget_walker(const Eigen::Vector2d& p_odom, double radius_m) {
   const SeenFloor floor = seen_floor();
   visit_disc(p_odom, radius_m, [&](const Eigen::Vector2i& index) {
-    if (grid_.at(index).is_obstacle() && floor.is_around(grid_.center_of(index))) {
-      grid_.at(index).obstacle = 0;
+    LocalCell& cell = grid_.at(index);
+    if (cell.is_obstacle() && obstacles_.may_be_walker(cell) &&
+        floor.is_around(grid_.center_of(index))) {
+      cell.obstacle = 0;
     }
   });
 }

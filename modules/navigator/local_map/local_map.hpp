@@ -49,8 +49,9 @@ class LocalMap {
 
   [[nodiscard]] bool has_scan() const { return T_odom_base_.has_value(); }
 
-  /// Removes the obstacles on known floor around a place, because they were a person who walks
-  /// there, or did a moment ago.
+  /// Removes the obstacles on known floor around a place that were a person who walks there, or did
+  /// a moment ago. What has been there for longer stays, however thin it is: around a chair's leg,
+  /// too, there is floor on all sides.
   void forget_walker(const Eigen::Vector2d& p_odom, double radius_m);
 
   /// Adds an obstacle at the body's front or rear, because the robot pushes against something that

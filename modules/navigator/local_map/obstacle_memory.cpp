@@ -18,8 +18,21 @@ constexpr int kNearFactor = 5;
 constexpr double kBeforeEndM = 0.03;
 // The stamps of cells are 16 bits of decimetres.
 constexpr double kLongestTravelM = 6553.6;
+// The times of hits are 16 bits of this. They wrap around after 1.8 hours: then what was never hit
+// in between counts for three seconds as something that has just come.
+constexpr time::Duration kTimeStep = 100ms;
+// Somebody who walks has not been in one place for as long as this. At 0.5 m/s a body of 0.5 m is
+// there for 1 s, and its wake (people/wake.hpp) for 1 s more.
+constexpr time::Duration kLongestWalk = 3s;
+// What is hit again within this time is the same thing. Of a thin post, beams that pass beside it
+// take the evidence away, and it may be several sweeps until one hits it again.
+constexpr time::Duration kAgain = 4s;
 
 }  // namespace
+
+void ObstacleMemory::begin_scan(time::Timestamp stamp) {
+  now_ds_ = static_cast<std::uint16_t>(stamp.time_since_epoch() / kTimeStep);
+}
 
 void ObstacleMemory::move(const geometry::SE2& from, const geometry::SE2& to) {
   travel_m_ = std::fmod(travel_m_ + travel_m(from, to), kLongestTravelM);
@@ -61,6 +74,9 @@ void ObstacleMemory::add_hit(LocalGrid& grid, const Eigen::Vector3d& p_odom, boo
   if (cell == nullptr) {
     return;
   }
+  if (!is_remembered(*cell) && since(cell->hit_at_ds) > kAgain) {
+    cell->hit_since_ds = now_ds_;
+  }
   const std::int16_t height_cm = to_centimetres(p_odom.z());
   if (cell->obstacle == 0 || is_forgotten(*cell)) {
     cell->obstacle = 0;
@@ -73,6 +89,15 @@ void ObstacleMemory::add_hit(LocalGrid& grid, const Eigen::Vector3d& p_odom, boo
   cell->high_cm = std::max(cell->high_cm, height_cm);
   cell->scan = scan;
   cell->seen_at_dm = travel_dm();
+  cell->hit_at_ds = now_ds_;
+}
+
+bool ObstacleMemory::may_be_walker(const LocalCell& cell) const {
+  return !cell.is_contact() && since(cell.hit_since_ds) < kLongestWalk;
+}
+
+time::Duration ObstacleMemory::since(std::uint16_t stamp_ds) const {
+  return kTimeStep * static_cast<std::uint16_t>(now_ds_ - stamp_ds);
 }
 
 void ObstacleMemory::add_contact(LocalGrid& grid, const geometry::SE2& T_odom_base,

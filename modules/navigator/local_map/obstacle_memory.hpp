@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "common/geometry/se2.hpp"
+#include "common/geometry/time.hpp"
 #include "common/robot/footprint.hpp"
 #include "modules/navigator/local_map/fan.hpp"
 #include "modules/navigator/local_map/local_cell.hpp"
@@ -20,6 +21,9 @@ class ObstacleMemory {
   static constexpr double kFarthestPassM = 3.5;
 
   explicit ObstacleMemory(double forget_after_m) : forget_after_m_(forget_after_m) {}
+
+  /// Hits from now on were measured at this time.
+  void begin_scan(time::Timestamp stamp);
 
   /// The robot has moved from one pose to another, in odom.
   void move(const geometry::SE2& from, const geometry::SE2& to);
@@ -49,13 +53,20 @@ class ObstacleMemory {
     return cell.is_obstacle() && !is_forgotten(cell);
   }
 
+  /// Whether what was hit in a cell may have been somebody who walks. What has been hit there for
+  /// longer than anybody who walks is in one place is something else, and so is a contact.
+  [[nodiscard]] bool may_be_walker(const LocalCell& cell) const;
+
   /// The travel as cells store it, in decimetres, which wrap around after 6.5 km.
   [[nodiscard]] std::uint16_t travel_dm() const;
 
  private:
+  [[nodiscard]] time::Duration since(std::uint16_t stamp_ds) const;
+
   double forget_after_m_;
   double travel_m_ = 0.0;
   std::uint16_t kept_near_at_dm_ = 0;  // travel
+  std::uint16_t now_ds_ = 0;           // tenths of a second
 };
 
 }  // namespace nodmap::navigator

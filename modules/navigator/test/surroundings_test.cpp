@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "modules/navigator/corridor.hpp"
 #include "modules/navigator/geofence.hpp"
 #include "modules/navigator/ground/test/profile.hpp"
 #include "modules/navigator/local_map/test/scanned_ground.hpp"
@@ -125,6 +127,36 @@ TEST(Surroundings, PeopleAreTracksAndNoPoints) {
   EXPECT_FALSE(has_point_near(now.points_base, person, 1e-9));
   EXPECT_FALSE(has_point_near(now.points_base, person - 0.5 * velocity, 1e-9));
   EXPECT_TRUE(has_point_near(now.points_base, {4.0, 0.0}, 1e-9));
+}
+
+// A post of 3 cm stands 7.5 cm beside the robot's rear quarter, where the laser saw it before the
+// robot drove past it. Both maps have it. Somebody walks by, 32 cm from the post. The robot must
+// not turn its corner into the post then.
+TEST(Surroundings, APostBesideTheRobotStaysWhenSomebodyWalksBy) {
+  const NavigatorParams params;
+  const auto free_rotation_after = [&](double until_s) {
+    Surroundings surroundings(params);
+    test::WalkingScene scene{{{{-0.12, 0.24}, 0.015, 1.0}, {{4.0, 0.56}, 0.25, 1.7}}, 12.0};
+    geometry::SE2 T_odom_base{-2.5, 0.0, 0.0};
+    for (double time_s = 0.0; time_s < until_s; time_s += test::kScanS) {
+      T_odom_base.x = std::clamp(0.5 * (time_s - 1.0) - 2.5, -2.5, 0.0);
+      scene.pillars[1].center.x() = std::min(4.0, 4.0 - (time_s - 8.0));
+      const scan::Scan scan =
+          scene.scan(at(100.0 + time_s), T_odom_base, test::nodding_pitch_rad(time_s));
+      surroundings.add_scan(scan, T_odom_base, false);
+    }
+    Situation now = with({{-0.12, 0.24}});
+    now.stamp = at(100.0 + until_s);
+    surroundings.complete(now);
+    return std::pair(free_rotation(now.points_base, Side::kRight, params.robot.body.footprint(), 0),
+                     now.people.size());
+  };
+  const auto [free_before_rad, people_before] = free_rotation_after(8.0);
+  const auto [free_after_rad, people_after] = free_rotation_after(12.2);
+  EXPECT_EQ(people_before, 0U);
+  ASSERT_EQ(people_after, 1U);
+  ASSERT_LT(free_before_rad, 0.5);
+  EXPECT_EQ(free_after_rad, free_before_rad);
 }
 
 // Somebody crosses. Then the robot is before a ramp, where nobody is tracked.

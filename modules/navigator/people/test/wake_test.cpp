@@ -5,6 +5,7 @@
 
 #include "modules/navigator/local_map/local_map.hpp"
 #include "modules/navigator/local_map/test/scanned_ground.hpp"
+#include "modules/navigator/people/test/walking_scene.hpp"
 
 namespace nodmap::navigator {
 namespace wake_test {
@@ -62,6 +63,46 @@ TEST(Wake, ObstaclesInItAreForgotten) {
   person.is_in_sight = true;
   person.position = {1.0, 1.6};
   EXPECT_TRUE(is_known_after(person));
+}
+
+// A post on floor that was seen, half a second behind the person. It has been there for a while
+// when the person comes.
+TEST(Wake, WhatIsThereLongerThanAnybodyWalksThereStays) {
+  const auto is_known_after = [](double stands_s) {
+    LocalMap map({}, {});
+    const auto sweep = [&](const test::Ground& ground, double time_s) {
+      for (double deg = -60.0; deg <= 2.0; deg += 3.0) {
+        scan::Scan scan = test::scan_of(ground, {}, geometry::deg_to_rad(deg));
+        scan.stamp = test::at(time_s);
+        map.add_scan(scan, {});
+      }
+    };
+    sweep({}, 99.0);
+    for (double time_s = 0.0; time_s <= stands_s; time_s += 0.5) {
+      sweep({{{{0.95, -0.05}, {1.05, 0.05}, 0.45}}}, 100.0 + time_s);
+    }
+    Person person = walker();
+    person.position = {1.0, 0.5};
+    forget_wakes({person}, map);
+    return !map.points_base({}, 2.0).empty();
+  };
+  EXPECT_FALSE(is_known_after(2.5));
+  EXPECT_TRUE(is_known_after(3.5));
+}
+
+// The robot touches glass 2 cm before its front. Somebody has walked past it, on floor that was
+// seen.
+TEST(Wake, AContactStays) {
+  LocalMap map({}, {});
+  test::sweep(map, {}, {-1.0, 0.0, 0.0}, 1.0);
+  map.add_contact({0.3, 0.0, 0.0}, true);
+  ASSERT_TRUE(map.seen_floor().is_around({0.55, 0.0}));
+  const std::size_t num_points = map.points_base({}, 2.0).size();
+  ASSERT_GT(num_points, 0U);
+  Person person = walker();
+  person.position = {0.5, 0.5};
+  forget_wakes({person}, map);
+  EXPECT_EQ(map.points_base({}, 2.0).size(), num_points);
 }
 
 }  // namespace wake_test
