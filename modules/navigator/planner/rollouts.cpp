@@ -190,9 +190,13 @@ const std::vector<Rollout>& Rollouts::plan(const Situation& now, const CostToGo&
   return rollouts_;
 }
 
-// Motions with the same first half share its rollout.
+// Motions with the same first half share its rollout. A speed of 0 is none of them: squeezing and
+// creeping can be switched off so.
 void Rollouts::consider_forwards(double forward_mps, const Situation& now,
                                  const CostToGo& cost_to_go) {
+  if (forward_mps <= 0.0) {
+    return;
+  }
   for (const double yaw_rate : kYawRates) {
     const Twist motion{forward_mps, yaw_rate * drive_params_.max_yaw_rate_rad_s};
     if (motion.forward_mps * std::abs(motion.yaw_rate_rad_s) > drive_params_.max_lateral_mps2) {

@@ -18,10 +18,11 @@ const robot::Footprint kBody = robot::Body{}.footprint();
 
 // Oracle: the signed distance of a point from the body at a pose, by the definition of a
 // rectangle.
-double distance_m(const Eigen::Vector2d& p, const geometry::SE2& pose) {
+double distance_m(const Eigen::Vector2d& p, const geometry::SE2& pose,
+                  const robot::Footprint& body = kBody) {
   const Eigen::Vector2d q = pose.inverse() * p;
-  const double dx = std::abs(q.x()) - kBody.half_length_m;
-  const double dy = std::abs(q.y()) - kBody.half_width_m;
+  const double dx = std::abs(q.x()) - body.half_length_m;
+  const double dy = std::abs(q.y()) - body.half_width_m;
   return std::max(dx, dy) < 0.0 ? std::max(dx, dy)
                                 : std::hypot(std::max(dx, 0.0), std::max(dy, 0.0));
 }
@@ -119,6 +120,27 @@ TEST(Rollouts, StraightOnAndStraightBackArePossibleBetweenTwoNarrowPosts) {
     EXPECT_FALSE(has_straight(1.0)) << x;
     EXPECT_TRUE(has_straight(-1.0)) << x;
   }
+}
+
+// Without creeping, or without any speed, some of the speeds are 0. To stand still is no way on:
+// the planner would take it for ever. It is one only if there are people to give way to.
+TEST(Rollouts, OnlyPeopleAreAReasonToStandStill) {
+  const GlobalPlanner planner = planner_to_ahead();
+  ASSERT_NE(planner.cost_to_go(), nullptr);
+  NavigatorParams params;
+  params.drive.creep_mps = 0.0;
+  Rollouts rollouts{params};
+  Situation now;
+  const auto may_stand_still = [&](double max_forward_mps) {
+    return std::ranges::any_of(rollouts.plan(now, *planner.cost_to_go(), max_forward_mps),
+                               [](const Rollout& rollout) {
+                                 return rollout.forward_mps == 0.0 && rollout.yaw_rate_rad_s == 0.0;
+                               });
+  };
+  EXPECT_FALSE(may_stand_still(1.0));
+  EXPECT_FALSE(may_stand_still(0.0));
+  now.people = {{{3.0, 0.0}, {-1.0, 0.0}, 0.25, 0.02, 0.05}};
+  EXPECT_TRUE(may_stand_still(1.0));
 }
 
 // Smallest distance from the body to a person's centre within 3 s. The robot starts from rest,
