@@ -143,6 +143,33 @@ void ToAGoalInAKnownBuilding(benchmark::State& state) {
   measure(state, navigator, full_map(1.0, 4.0), goal_odom, now.stamp);
 }
 
+// Before the edge of a dock 0.9 m ahead, at which the robot has looked from all sides, by its
+// fastest speed in tenths of a metre per second: the distance within which holes count grows with
+// its square.
+void BeforeAnEdge(benchmark::State& state) {
+  NavigatorParams params;
+  params.drive.max_forward_mps = 0.1 * static_cast<double>(state.range(0));
+  Navigator navigator(params);
+  for (int turn = -6; turn <= 6; ++turn) {
+    const geometry::SE2 T_odom_base{0.0, 0.0, 0.2 * turn};
+    for (double deg = -60.0; deg <= -2.0; deg += 1.0) {
+      scan::Scan scan = sweep().front();
+      scan.pitch_first_rad = scan.pitch_last_rad = geometry::deg_to_rad(deg);
+      const geometry::SE3 T_odom_mount = geometry::to_se3(T_odom_base) * scan.T_base_mount;
+      for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
+        const Eigen::Vector3d ray =
+            T_odom_mount.linear() *
+            scan::beam_direction(scan.angle_rad(beam), scan.pitch_first_rad);
+        const double to_floor_m = -0.38 / ray.z();
+        const bool is_floor = T_odom_mount.translation().x() + to_floor_m * ray.x() < 0.9;
+        scan.ranges_m[beam] = static_cast<float>(is_floor ? to_floor_m : -1.38 / ray.z());
+      }
+      navigator.add_scan(scan, T_odom_base);
+    }
+  }
+  measure(state, navigator, full_map(1.0, 4.0), Eigen::Vector2d(5.0, 1.0));
+}
+
 void Roaming(benchmark::State& state) {
   decide(state, full_map(1.0, 4.0), false);
 }
@@ -166,6 +193,7 @@ BENCHMARK(ToAGoalByPlan);
 BENCHMARK(ToAGoalInAKnownBuilding)->Iterations(3000);
 BENCHMARK(LocalMapScan);
 BENCHMARK(ObstaclesAllAround);
+BENCHMARK(BeforeAnEdge)->Arg(15)->Arg(50);
 
 }  // namespace
 }  // namespace nodmap::navigator

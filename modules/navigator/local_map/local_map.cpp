@@ -316,25 +316,40 @@ Points LocalMap::doubtful_points_base(const geometry::SE2& T_odom_base, double r
   return points;
 }
 
+// Most of what may be a ramp is far from every hole, so the search begins at the holes. Of these,
+// one at their border is the nearest to any place outside of them.
 Points LocalMap::hole_corners_base(const geometry::SE2& T_odom_base, double range_m) const {
   // From beside a flight of stairs the last 20 cm before its far corner look like a ramp.
   constexpr double kBesideM = 0.2;
+  const double reach_m = kBesideM + 0.5 * grid_.cell_size_m();  // to the nearest cell
+  const auto size = static_cast<std::size_t>(grid_.size());
+  std::vector<bool> is_beside(size * size);
+  const auto number_of = [&](const Eigen::Vector2i& index) {
+    const Eigen::Vector2i offset = index - grid_.first();
+    return static_cast<std::size_t>(offset.y()) * size + static_cast<std::size_t>(offset.x());
+  };
+  visit_disc(T_odom_base.translation(), range_m + kBesideM, [&](const Eigen::Vector2i& hole) {
+    if (is_border_of_hole(hole)) {
+      visit_disc(grid_.center_of(hole), reach_m,
+                 [&](const Eigen::Vector2i& index) { is_beside[number_of(index)] = true; });
+    }
+  });
   Points corners;
-  Points holes;
   visit_cells(T_odom_base, range_m, [&](const Eigen::Vector2i& index, const auto& p_base) {
     const LocalCell& cell = grid_.at(index);
-    if (cell.is_hole()) {
-      holes.push_back(p_base());
-    } else if (cell.may_be_ramp) {
+    if (cell.may_be_ramp && !cell.is_hole() && is_beside[number_of(index)]) {
       corners.push_back(p_base());
     }
   });
-  std::erase_if(corners, [&](const Eigen::Vector2d& p) {
-    return std::ranges::none_of(holes, [&](const Eigen::Vector2d& hole) {
-      return (hole - p).squaredNorm() < kBesideM * kBesideM;
-    });
-  });
   return corners;
+}
+
+bool LocalMap::is_border_of_hole(const Eigen::Vector2i& index) const {
+  const auto is_hole = [&](int dx, int dy) {
+    const Eigen::Vector2i at = index + Eigen::Vector2i(dx, dy);
+    return grid_.contains(at) && grid_.at(at).is_hole();
+  };
+  return is_hole(0, 0) && !(is_hole(1, 0) && is_hole(-1, 0) && is_hole(0, 1) && is_hole(0, -1));
 }
 
 bool LocalMap::is_only_floor(const Eigen::Vector2d& p_odom) const {

@@ -107,6 +107,8 @@ class LocalMap {
   [[nodiscard]] static double range_to(const Plane& plane, const Beam& beam);
   void look_again(const TrackedGround::Joined& joined);
   [[nodiscard]] double tolerance_m(double range_m) const;
+  /// Whether there is a hole in a cell, and none in one of the four beside it.
+  [[nodiscard]] bool is_border_of_hole(const Eigen::Vector2i& index) const;
   [[nodiscard]] bool is_floor_around(const Eigen::Vector2d& p_odom, bool may_be_assumed) const;
   /// Calls `visit(index)` for the cells within `radius_m` of a place.
   template <class Visit>
