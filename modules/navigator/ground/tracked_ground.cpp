@@ -37,16 +37,19 @@ void TrackedGround::move(const geometry::SE2& T_odom_base) {
     T_odom_base_ = geometry::to_se3(T_odom_base);
     return;
   }
-  for (std::size_t i = 0; i < wheel_heights_m_.size(); ++i) {
+  for (std::size_t i = 0; i < under_wheels_.size(); ++i) {
     const Eigen::Vector2d wheel(i < 2 ? 0.5 : -0.5, i % 2 == 0 ? 0.5 : -0.5);
     const Eigen::Vector2d p_odom =
         T_odom_base * Eigen::Vector2d(params_.wheelbase_m * wheel.x(), params_.track_m * wheel.y());
-    const Ground ground = under_wheel(p_odom, wheel_heights_m_[i]);
-    wheel_heights_m_[i] = ground.height_m;
+    Ground& ground = under_wheels_[i];
+    ground = under_wheel(p_odom, ground.height_m);
     facets_[ground.facet].is_fixed = true;
     join(p_odom, ground.facet);
   }
-  const auto& [front_left, front_right, rear_left, rear_right] = wheel_heights_m_;
+  const double front_left = under_wheels_[0].height_m;
+  const double front_right = under_wheels_[1].height_m;
+  const double rear_left = under_wheels_[2].height_m;
+  const double rear_right = under_wheels_[3].height_m;
   const Eigen::Vector2d rise_base(
       0.5 * (front_left + front_right - rear_left - rear_right) / params_.wheelbase_m,
       0.5 * (front_left + rear_left - front_right - rear_right) / params_.track_m);
@@ -191,7 +194,7 @@ std::size_t TrackedGround::add_facet(const PlaneFit& fit, std::size_t before, bo
     before -= before > dropped ? 1 : 0;
   }
   if (facets_.size() == 1) {
-    wheel_heights_m_.fill(0.0);
+    under_wheels_.fill({});
   }
   Facet facet;
   facet.fit = fit;
@@ -206,15 +209,24 @@ std::size_t TrackedGround::add_facet(const PlaneFit& fit, std::size_t before, bo
   return facets_.size() - 1;
 }
 
-// Drops the oldest facet that the robot is neither on nor about to reach. Its cells are unknown
-// until they are seen as ground again.
+bool TrackedGround::is_under_robot(std::size_t facet) const {
+  return facet == under_base_ || std::ranges::any_of(under_wheels_, [&](const Ground& ground) {
+           return ground.facet == facet;
+         });
+}
+
+// Drops the oldest facet that the robot is neither on, with any wheel, nor about to reach. Its
+// cells are unknown until they are seen as ground again.
 std::size_t TrackedGround::drop_facet_other_than(std::size_t kept) {
   std::size_t dropped = 0;
-  while (dropped == under_base_ || dropped == kept) {
+  while (is_under_robot(dropped) || dropped == kept) {
     ++dropped;
   }
   facets_.erase(facets_.begin() + static_cast<std::ptrdiff_t>(dropped));
   under_base_ -= under_base_ > dropped ? 1 : 0;
+  for (Ground& ground : under_wheels_) {
+    ground.facet -= ground.facet > dropped ? 1 : 0;
+  }
   for (Facet& facet : facets_) {
     if (facet.before == dropped) {
       facet.before = kNone;

@@ -88,21 +88,22 @@ class TrackedGround {
     bool is_fixed = false;  ///< not refined any more: the robot was on it, and it gives the tilt
   };
   struct Ground {
-    double height_m;
-    std::size_t facet;
+    double height_m = 0.0;
+    std::size_t facet = 0;
   };
 
   [[nodiscard]] Mask mask_at(const Eigen::Vector2d& p_odom) const;
   [[nodiscard]] Ground ground_of(Mask mask, const Eigen::Vector2d& p_odom) const;
   [[nodiscard]] Ground under_wheel(const Eigen::Vector2d& p_odom, double last_m) const;
   [[nodiscard]] bool level_around(const Eigen::Vector2d& p_odom) const;
+  [[nodiscard]] bool is_under_robot(std::size_t facet) const;
   std::size_t drop_facet_other_than(std::size_t kept);
 
   GroundParams params_;
   double max_slope_;
   std::vector<Facet> facets_;
   RollingGrid<Mask> cells_;
-  std::array<double, 4> wheel_heights_m_{};
+  std::array<Ground, 4> under_wheels_{};  // front left, front right, rear left, rear right
   std::size_t under_base_ = 0;
   geometry::SE3 T_odom_base_ = geometry::SE3::Identity();
   bool is_level_ = true;

@@ -180,6 +180,24 @@ TEST(TrackedGround, AFacetBeginsNowhereOnceTheOneBeforeItIsDropped) {
   EXPECT_NEAR(ground.height_m(p_odom), 0.2, 1e-9);
 }
 
+// The rear wheels are on the floor, which is the oldest facet; the middle of the robot is on the
+// ramp, 1 cm behind its kink.
+TEST(TrackedGround, AFacetUnderAWheelIsNotDropped) {
+  TrackedGround ground = ground_with_ramp();
+  for (int cm = 0; cm <= 101; ++cm) {
+    ground.move({0.01 * cm, 0.0, 0.0});
+  }
+  const geometry::SE3 before = ground.T_odom_base();
+  const Eigen::Vector2d behind(0.6, 0.0);
+  ASSERT_NEAR(ground.height_m(behind), 0.0, 1e-9);
+  for (int i = 0; i < 20; ++i) {
+    ground.add_facet(level_at(0.5), ground.facet_under_base(), true);
+  }
+  EXPECT_NEAR(ground.height_m(behind), 0.0, 1e-9);
+  ground.move({1.01, 0.0, 0.0});
+  EXPECT_TRUE(ground.T_odom_base().isApprox(before, 1e-9));
+}
+
 // In closed form: the front wheels are 0.1 m up the ramp, so 2 cm high, and the wheelbase is 0.3 m.
 TEST(TrackedGround, TheBodysTiltFollowsFromTheHeightsOfItsWheels) {
   TrackedGround ground = ground_with_ramp();
