@@ -51,6 +51,7 @@ DockingStep Docking::next(const GoalInBase& goal, time::Timestamp stamp) {
   const double phase_s = time::seconds(std::chrono::abs(stamp - phase_began_));
   if (phase_ == Phase::kFailed && phase_s > kTryAgainS) {
     reset();
+    decided_at_ = phase_began_ = stamp;
   }
   Phase phase = phase_;
   if (is_done(goal, phase_s)) {

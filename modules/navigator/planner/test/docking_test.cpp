@@ -128,6 +128,20 @@ TEST(Docking, GivesUpAfterFiveTriesAndBeginsAgainLater) {
   dock.run_until(Kind::kDocked, dock.time_s + 60.0 + 25.0);
 }
 
+// The wheels never move. Each round has five tries of 25 s, however often it has failed before.
+TEST(Docking, HasAllItsTriesAfterEachFailure) {
+  Dock dock({-DockingParams{}.staging_m, 0.0, deg_to_rad(60.0)});
+  dock.forward_ratio = 0.0;
+  dock.yaw_ratio = 0.0;
+  for (int round = 0; round < 3; ++round) {
+    const double began_s = dock.time_s;
+    dock.run_until(Kind::kFailed, began_s + 300.0);
+    // Each of the tries and plans begins with the decision after the last one.
+    EXPECT_NEAR(dock.time_s - began_s, 5 * 25.0, 15 * kStepS) << "round " << round;
+    dock.run_until(Kind::kMove, dock.time_s + 61.0);
+  }
+}
+
 // Somebody has pressed the stop: the robot has had less time than the 25 s of a phase.
 TEST(Docking, APauseBetweenItsDecisionsDoesNotMakeItLate) {
   Dock dock({-2.0, 0.0, 0.0});
