@@ -59,7 +59,8 @@ void FacetFinder::add(const Eigen::Vector3d& p_odom, const Eigen::Vector2d& p_ba
     return;
   }
   const double share = 0.5 + 0.5 * p_base.y() / kHalfWidthM;
-  Column& column = columns_[static_cast<std::size_t>(share * static_cast<double>(kColumns))];
+  const auto number = static_cast<std::size_t>(share * static_cast<double>(kColumns));
+  Column& column = columns_[std::min(number, kColumns - 1)];  // a share may be rounded to 1
   if (column.num_points == 0) {
     column.min_odom = column.max_odom = p_odom;
   }

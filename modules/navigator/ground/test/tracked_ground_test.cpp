@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "modules/navigator/ground/facet_finder.hpp"
 #include "modules/navigator/ground/test/profile.hpp"
 #include "modules/navigator/local_map/local_map.hpp"
 
@@ -235,6 +236,19 @@ TEST(TrackedGround, TheSideOfARampIsAnObstacleFromBelowAndADropFromAbove) {
   EXPECT_EQ(ground.look(floor, 0.02).kind, Kind::kBelow);
   EXPECT_EQ(ground.look(side, 0.02).kind, Kind::kBelow);
   EXPECT_EQ(ground.look({2.0, 0.0, 0.2}, 0.02).kind, Kind::kGround);
+}
+
+// Beside the last number before the strip's left edge there is no room for rounding.
+TEST(FacetFinder, APointAtTheVeryEdgeOfTheStripIsInItsLastColumn) {
+  const Eigen::Vector2d p_base(1.0, std::nextafter(0.35, 0.0));
+  TrackedGround ground{GroundParams{}};
+  ground.move({});
+  FacetFinder finder{LocalMapParams{}};
+  for (int i = 0; i < 10; ++i) {
+    finder.add({p_base.x(), p_base.y(), 0.0}, p_base);
+  }
+  finder.end_scan(ground, {});
+  EXPECT_EQ(ground.num_facets(), 1U);
 }
 
 TEST(PlaneFit, IsExactOnAPlaneAndEmptyOnALine) {
