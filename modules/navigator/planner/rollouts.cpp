@@ -18,6 +18,7 @@ constexpr double kReachM = 2.5;
 // Largest error of the clearance by cells: a cell of 2.5 cm stands for any point in it, and the
 // discs do not cover all of the body.
 constexpr double kCellErrorM = 0.035;
+constexpr double kUncoveredM = 0.01;
 // That error is larger than the margin of a creeping body. Below this clearance by cells, the
 // clearance is measured to the points themselves, within kExactReachM, which a slow motion can
 // reach.
@@ -95,7 +96,13 @@ Rollouts::Rollouts(const NavigatorParams& params)
   const double length_m = body_.half_length_m;
   const double width_m = body_.half_width_m;
   const double radius_m = std::min(length_m, width_m);
-  for (const double along : {-1.0, 0.0, 1.0}) {
+  // So near to each other that between two discs they leave out no more than kUncoveredM.
+  const double covered_m = std::max(0.0, radius_m - kUncoveredM);
+  const double most_apart_m = 2.0 * std::sqrt(radius_m * radius_m - covered_m * covered_m);
+  const double to_end_m = std::max(length_m, width_m) - radius_m;
+  const int num_to_end = std::max(1, static_cast<int>(std::ceil(to_end_m / most_apart_m)));
+  for (int i = -num_to_end; i <= num_to_end; ++i) {
+    const double along = static_cast<double>(i) / num_to_end;
     discs_.push_back({{along * (length_m - radius_m), along * (width_m - radius_m)}, radius_m});
   }
   const double corner_m = 0.3 * radius_m;

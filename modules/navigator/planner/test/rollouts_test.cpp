@@ -50,6 +50,31 @@ TEST(Rollouts, ClearanceIsThatOfTheRectangle) {
   EXPECT_GT(near, 100);
 }
 
+// The same for bodies that are much longer than wide, or wider than long.
+TEST(Rollouts, ClearanceIsThatOfALongRectangle) {
+  std::mt19937 random(6);
+  std::uniform_real_distribution<double> share(-1.0, 1.0);
+  for (const Eigen::Vector2d& size_m :
+       {Eigen::Vector2d(1.0, 0.4), {1.5, 0.4}, Eigen::Vector2d(0.4, 1.0)}) {
+    NavigatorParams params;
+    params.robot.body.length_m = size_m.x();
+    params.robot.body.width_m = size_m.y();
+    const robot::Footprint body = params.robot.body.footprint();
+    Rollouts rollouts{params};
+    for (int i = 0; i < 1000; ++i) {
+      const Eigen::Vector2d p(share(random) * (body.half_length_m + 0.2),
+                              share(random) * (body.half_width_m + 0.2));
+      if (is_error_of_map(p, body)) {
+        continue;
+      }
+      rollouts.measure_clearance({p});
+      const double truth_m = distance_m(p, {}, body);
+      EXPECT_NEAR(rollouts.clearance_m({}), truth_m, truth_m < 0.06 ? 1e-9 : 0.035)
+          << size_m.transpose() << ": " << p.transpose();
+    }
+  }
+}
+
 // A plan to a goal 6 m ahead, over unknown ground.
 GlobalPlanner planner_to_ahead() {
   const LocalMap map({}, {});
