@@ -53,6 +53,7 @@ void ObstacleMemory::keep_near(LocalGrid& grid, const Eigen::Vector2d& p_odom) {
     return;
   }
   kept_near_at_dm_ = now_dm;
+  keep_forgotten(grid);
   const int younger_dm = travelled_dm - travelled_dm / kNearFactor;
   const auto reach = static_cast<int>(kNearM / grid.cell_size_m());
   const Eigen::Vector2i middle = grid.index_of(p_odom);
@@ -63,6 +64,26 @@ void ObstacleMemory::keep_near(LocalGrid& grid, const Eigen::Vector2d& p_odom) {
         const int age_dm = static_cast<std::uint16_t>(now_dm - cell.seen_at_dm);
         cell.seen_at_dm =
             static_cast<std::uint16_t>(cell.seen_at_dm + std::min(younger_dm, age_dm));
+      }
+    }
+  }
+}
+
+// Once a kilometre, whatever is older than 3 km becomes 3 km old. So nothing is older than 4 km,
+// and no stamp comes to be young again after 6.5 km.
+void ObstacleMemory::keep_forgotten(LocalGrid& grid) {
+  constexpr int kEveryDm = 10'000;
+  constexpr int kOldestDm = 30'000;
+  const std::uint16_t now_dm = travel_dm();
+  if (static_cast<std::uint16_t>(now_dm - kept_forgotten_at_dm_) < kEveryDm) {
+    return;
+  }
+  kept_forgotten_at_dm_ = now_dm;
+  for (int row = 0; row < grid.size(); ++row) {
+    for (int column = 0; column < grid.size(); ++column) {
+      LocalCell& cell = grid.at_offset(column, row);
+      if (static_cast<std::uint16_t>(now_dm - cell.seen_at_dm) > kOldestDm) {
+        cell.seen_at_dm = static_cast<std::uint16_t>(now_dm - kOldestDm);
       }
     }
   }

@@ -30,7 +30,8 @@ class ObstacleMemory {
 
   /// Lets obstacles near the robot, which is at `p_odom`, age more slowly: the laser does not look
   /// beside and behind the body, and an error of the heading hardly moves what is near. Forgotten
-  /// obstacles stay forgotten, because odometry has drifted since.
+  /// obstacles stay forgotten, because odometry has drifted since, also when the stamps of cells
+  /// wrap around. Call it after each move.
   void keep_near(LocalGrid& grid, const Eigen::Vector2d& p_odom);
 
   /// A beam of the scan number `scan` ended at `p_odom`. All uncertain beams of a scan
@@ -61,12 +62,14 @@ class ObstacleMemory {
   [[nodiscard]] std::uint16_t travel_dm() const;
 
  private:
+  void keep_forgotten(LocalGrid& grid);
   [[nodiscard]] time::Duration since(std::uint16_t stamp_ds) const;
 
   double forget_after_m_;
   double travel_m_ = 0.0;
-  std::uint16_t kept_near_at_dm_ = 0;  // travel
-  std::uint16_t now_ds_ = 0;           // tenths of a second
+  std::uint16_t kept_near_at_dm_ = 0;       // travel
+  std::uint16_t kept_forgotten_at_dm_ = 0;  // travel
+  std::uint16_t now_ds_ = 0;                // tenths of a second
 };
 
 }  // namespace nodmap::navigator

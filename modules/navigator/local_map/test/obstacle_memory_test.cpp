@@ -133,6 +133,23 @@ TEST(ObstacleMemory, ForgetsAfterTheSameTravelHoweverFarTheRobotHasCome) {
   EXPECT_TRUE(memory.is_forgotten(cell));
 }
 
+// Neither far from the robot nor near it.
+TEST(ObstacleMemory, WhatIsForgottenNeverComesBack) {
+  ObstacleMemory memory(20.0);
+  LocalGrid grid = grid_around_origin();
+  memory.add_hit(grid, {2.0, 0.0, 0.2}, true, 1);
+  memory.add_hit(grid, {0.4, 0.0, 0.2}, true, 1);
+  double travel_m = 0.0;
+  for (; travel_m < 15e3; travel_m += 10.0) {
+    memory.move({0.0, 0.0, 0.0}, {10.0, 0.0, 0.0});
+    memory.keep_near(grid, {0.0, 0.0});
+    const bool is_back = travel_m > 200.0 && (!memory.is_forgotten(*grid.find({2.0, 0.0})) ||
+                                              !memory.is_forgotten(*grid.find({0.4, 0.0})));
+    ASSERT_FALSE(is_back) << travel_m;
+  }
+  EXPECT_TRUE(grid.find({2.0, 0.0})->is_obstacle()) << "beams have not passed";
+}
+
 TEST(ObstacleMemory, AnObstacleNearTheRobotIsNeverOlderThanItsLastHit) {
   ObstacleMemory memory(20.0);
   LocalGrid grid = grid_around_origin();
