@@ -74,6 +74,9 @@ void ProcessFeed::subscribe_status(bus::Bus& bus) {
     }
     counts_.use();
     store_.post(table, node::stamp_of(message), [this] { return to_text(processes_.processes()); });
+    if (commands_.advance(bus_.origin().received)) {
+      post_commands(node::stamp_of(message));
+    }
     if (change.health_changed) {
       store_.post(log, node::stamp_of(message), [message] { return to_text(health_log(message)); });
     }
@@ -89,7 +92,7 @@ void ProcessFeed::subscribe_info(bus::Bus& bus) {
       counts_.reject("other_sender_of_pm_info");
       return;
     }
-    if (trust == Trust::kTooMany || !commands_.update(message)) {
+    if (trust == Trust::kTooMany || !commands_.update(message, bus_.origin().received)) {
       counts_.reject("too_many_commands");
       return;
     }

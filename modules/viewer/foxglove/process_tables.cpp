@@ -8,6 +8,7 @@
 #include <tuple>
 #include <utility>
 
+#include "common/node/status.hpp"
 #include "nodmap/json_messages.hpp"
 #include "procman/config/exec_line.hpp"
 
@@ -114,13 +115,26 @@ Json health_log(const nodmap::status_t& status) {
           {"line", 0}};
 }
 
-bool CommandTable::update(const procman_lcm::deputy_info_t& info) {
+bool CommandTable::update(const procman_lcm::deputy_info_t& info, time::Timestamp received) {
   const bool is_known = hosts_.contains(info.deputy_id);
   if ((!is_known && hosts_.size() >= kMaxHosts) || info.cmds.size() > kMaxCommands) {
     return false;
   }
-  hosts_[info.deputy_id] = info;
+  hosts_[info.deputy_id] = {info, received};
+  advance(received);
   return true;
+}
+
+bool CommandTable::advance(time::Timestamp received) {
+  now_ = received;  // also back, as after the clock was set
+  const std::ptrdiff_t before = silent_hosts_;
+  silent_hosts_ =
+      std::ranges::count_if(hosts_, [this](const auto& host) { return is_silent(host.second); });
+  return silent_hosts_ > before;
+}
+
+bool CommandTable::is_silent(const Host& host) const {
+  return now_ - host.received >= node::kStatusSilence;
 }
 
 Json CommandTable::commands() const {
@@ -128,18 +142,23 @@ Json CommandTable::commands() const {
   Json hosts = Json::array();
   Json commands = Json::array();
   std::set<std::pair<std::string, std::string>> told;
-  for (const auto& [host, info] : hosts_) {
-    newest = std::max(newest, time::from_utime(info.utime));
-    hosts.push_back(host_json(info));
-    for (const procman_lcm::cmd_status_t& status : info.cmds) {
-      told.emplace(host, status.cmd.command_id);
-      commands.push_back(command_json(host, status));
+  for (const auto& [name, host] : hosts_) {
+    newest = std::max(newest, time::from_utime(host.info.utime));
+    hosts.push_back(host_json(host.info));
+    hosts.back()["age_s"] = time::seconds(now_ - host.received);
+    for (const procman_lcm::cmd_status_t& status : host.info.cmds) {
+      told.emplace(name, status.cmd.command_id);
+      commands.push_back(command_json(name, status));
+      if (is_silent(host)) {
+        commands.back()["state"] = "no deputy";
+      }
     }
   }
   for (const procman::Command& command : configured_) {
     if (!told.contains({command.deputy, command.id})) {
       commands.push_back(command_json(command.deputy, never_run(command)));
-      if (!hosts_.contains(command.deputy)) {
+      const auto host = hosts_.find(command.deputy);
+      if (host == hosts_.end() || is_silent(host->second)) {
         commands.back()["state"] = "no deputy";
       }
     }

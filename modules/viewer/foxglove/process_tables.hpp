@@ -56,17 +56,29 @@ class CommandTable {
   void set_configured(const procman::Config& config) { configured_ = config.commands; }
 
   /// Returns false if there are too many hosts or commands.
-  bool update(const procman_lcm::deputy_info_t& info);
+  bool update(const procman_lcm::deputy_info_t& info, time::Timestamp received);
+  /// Some message was received at this time; returns whether hosts have become silent since the
+  /// last call: a host that is switched off does not say so.
+  bool advance(time::Timestamp received);
   void clear() { hosts_.clear(); }
 
-  /// {timestamp, hosts: [...], commands: [{command, group, host, process_name, state, pid,
+  /// {timestamp, hosts: [{..., age_s}], commands: [{command, group, host, process_name, state, pid,
   /// cpu_share, rss_bytes, end}]}; state is "running", "stopped" or "failed", `end` says how it
-  /// failed.
+  /// failed; or "no deputy": its host is silent. age_s: how much earlier than the newest message
+  /// that of the host was received.
   [[nodiscard]] Json commands() const;
 
  private:
+  struct Host {
+    procman_lcm::deputy_info_t info;
+    time::Timestamp received;
+  };
+  [[nodiscard]] bool is_silent(const Host& host) const;
+
   std::vector<procman::Command> configured_;
-  std::map<std::string, procman_lcm::deputy_info_t> hosts_;
+  std::map<std::string, Host> hosts_;
+  time::Timestamp now_;
+  std::ptrdiff_t silent_hosts_ = 0;
 };
 
 }  // namespace nodmap::foxglove

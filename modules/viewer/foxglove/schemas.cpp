@@ -189,7 +189,8 @@ std::map<std::string, Json> own_schemas() {
   const Json host = object({{"host", text()},
                             {"cpu_share", number_or_null()},
                             {"memory_total_bytes", integer()},
-                            {"memory_free_bytes", integer()}});
+                            {"memory_free_bytes", integer()},
+                            {"age_s", number()}});
   const Json command = object({{"command", text()},
                                {"group", text()},
                                {"host", text()},

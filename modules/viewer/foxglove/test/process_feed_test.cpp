@@ -89,5 +89,34 @@ TEST_F(ProcessFeedTest, AForgedInfoIsNotShown) {
   EXPECT_EQ(counts_.rejected().at("other_sender_of_pm_info"), 1);
 }
 
+procman_lcm::deputy_info_t info_of(const std::string& host) {
+  procman_lcm::cmd_status_t status{};
+  status.cmd.command_id = "of " + host;
+  status.pid = 17;
+  procman_lcm::deputy_info_t info{};
+  info.deputy_id = host;
+  info.ncmds = 1;
+  info.cmds = {status};
+  return info;
+}
+
+// A deputy's commands die with it, but nobody says so.
+TEST_F(ProcessFeedTest, CommandsOfASilentHostHaveNoDeputy) {
+  const auto state = [this](int i) { return newest("PM_INFO")["commands"][i]["state"]; };
+  send(own_, "PM_INFO", info_of("a"));
+  send(other_, "PM_INFO", info_of("b"));
+  EXPECT_EQ(state(0), "running");
+  now_ += 4s;
+  send(own_, "PM_INFO", info_of("a"));
+  EXPECT_EQ(state(0), "running");
+  EXPECT_EQ(state(1), "no deputy");
+  EXPECT_EQ(newest("PM_INFO")["hosts"][1]["age_s"], 4.0);
+  now_ += 4s;
+  send_status(own_, nodmap::status_t::OK);  // such as the viewer's own
+  EXPECT_EQ(state(0), "no deputy");
+  send(other_, "PM_INFO", info_of("b"));
+  EXPECT_EQ(state(1), "running");
+}
+
 }  // namespace process_feed_test
 }  // namespace nodmap::foxglove

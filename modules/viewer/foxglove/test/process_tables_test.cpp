@@ -36,7 +36,8 @@ procman_lcm::deputy_info_t info(const std::string& host,
 TEST(CommandTable, ReportsTheStateOfCommands) {
   CommandTable table;
   ASSERT_TRUE(table.update(info("robot", {command("d", 0, SIGTERM), command("a", 17, 0),
-                                          command("b", 0, 3 << 8), command("c", 0, SIGSEGV)})));
+                                          command("b", 0, 3 << 8), command("c", 0, SIGSEGV)}),
+                           {}));
   const Json list = table.commands()["commands"];
   ASSERT_EQ(list.size(), 4U);
   EXPECT_EQ(list[0]["process_name"], "nodmap-a");
@@ -63,7 +64,7 @@ TEST(CommandTable, ListsConfiguredCommandsOnce) {
   table.set_configured(config);
   EXPECT_EQ(table.commands()["commands"][0]["state"], "no deputy")
       << "nothing was received from its deputy yet";
-  ASSERT_TRUE(table.update(info("robot", {command("a", 17, 0)})));
+  ASSERT_TRUE(table.update(info("robot", {command("a", 17, 0)}), {}));
   const Json list = table.commands()["commands"];
   ASSERT_EQ(list.size(), 2U);
   EXPECT_EQ(list[0]["command"], "z");
@@ -75,12 +76,12 @@ TEST(CommandTable, ListsConfiguredCommandsOnce) {
 TEST(CommandTable, DoesNotGrowWithInventedNames) {
   CommandTable table;
   for (std::size_t i = 0; i < CommandTable::kMaxHosts; ++i) {
-    EXPECT_TRUE(table.update(info("host" + std::to_string(i), {})));
+    EXPECT_TRUE(table.update(info("host" + std::to_string(i), {}), {}));
   }
-  EXPECT_FALSE(table.update(info("one more", {})));
-  EXPECT_TRUE(table.update(info("host0", {})));
+  EXPECT_FALSE(table.update(info("one more", {}), {}));
+  EXPECT_TRUE(table.update(info("host0", {}), {}));
   EXPECT_FALSE(table.update(
-      info("host0", std::vector<procman_lcm::cmd_status_t>(CommandTable::kMaxCommands + 1))));
+      info("host0", std::vector<procman_lcm::cmd_status_t>(CommandTable::kMaxCommands + 1)), {}));
 }
 
 TEST(ProcessTable, KeepsTheNewestStatusOfEachProcessSortedByName) {
