@@ -103,6 +103,33 @@ bool is_as_wanted(const Fleet& fleet, const Command& command, Verb verb) {
                              : state == CommandState::kRunning || state == CommandState::kStoppedOk;
 }
 
+// The health rules and resources of a command, as they were read: a comment that is almost an
+// extension is none.
+std::string extensions_of(const Command& command) {
+  std::string text;
+  const auto add = [&text](const char* name, const std::optional<int>& value) {
+    text += value ? std::string(" ") + name + " = " + std::to_string(*value) + ";" : "";
+  };
+  const auto add_if_set = [&add](const char* name, int value) {
+    add(name, value != 0 ? std::optional(value) : std::nullopt);
+  };
+  const HealthRule& health = command.health;
+  text += health.status_name.empty() ? "" : " status_name = \"" + health.status_name + "\";";
+  add("restart_silent_s", health.restart_silent_s);
+  add("restart_failed_s", health.restart_failed_s);
+  add("restart_degraded_s", health.restart_degraded_s);
+  add("restart_mute_s", health.restart_mute_s);
+  add_if_set("nice", command.resources.nice);
+  add_if_set("realtime", command.resources.realtime);
+  add_if_set("memory_mb", command.resources.memory_mb);
+  std::string cpus;
+  for (const int cpu : command.resources.cpus) {
+    cpus += (cpus.empty() ? "" : ",") + std::to_string(cpu);
+  }
+  text += cpus.empty() ? "" : " cpus = \"" + cpus + "\";";
+  return text;
+}
+
 }  // namespace
 
 bool is_looking_for_others(const Fleet& fleet, time::SteadyTime begin, time::SteadyTime now) {
@@ -116,6 +143,9 @@ int print_config(const std::string& file, const Config& config) {
     std::printf("command %s%s%s on %s: %s\n", command.group.c_str(),
                 command.group.empty() ? "" : "/", command.id.c_str(), command.deputy.c_str(),
                 command.exec.c_str());
+    if (const std::string extensions = extensions_of(command); !extensions.empty()) {
+      std::printf("    #nodmap:%s\n", extensions.c_str());
+    }
   }
   for (const std::string& group : config.groups) {
     std::printf("group %s: %zu commands\n", group.c_str(),

@@ -314,6 +314,11 @@ TEST(SheriffCheck, PrintsTheConfigurationOrItsErrors) {
   const auto good = run_program("nodmap-sheriff", {file, "--check"});
   EXPECT_EQ(good.exit_code, 0);
   EXPECT_THAT(good.out, HasSubstr("1 commands, 1 groups, 1 scripts"));
+  // A health rule that is missing shows by that.
+  std::ofstream(file) << "cmd \"a\" { exec = \"x\";\n #nodmap: restart_silent_s = 5; nice = 7;\n"
+                         " # nodmap: restart_failed_s = 6;\n}";
+  EXPECT_THAT(run_program("nodmap-sheriff", {file, "--check"}).out,
+              HasSubstr("#nodmap: restart_silent_s = 5; nice = 7;\n"));
   std::ofstream(file) << "cmd \"a\" {\n  exe = \"x\";\n}";
   const auto bad = run_program("nodmap-sheriff", {file, "--check"});
   EXPECT_EQ(bad.exit_code, 2);
