@@ -94,7 +94,7 @@ class Deputy {
   void carry_out(const WriteOutput& action);
   void carry_out(const ForgetCommand& action);
   void carry_out(const PublishInfo& /*action*/) { has_info_changed_ = true; }
-  void carry_out(const RefuseOrder& action);
+  void carry_out(const RefuseOrder& action) { refusals_.add(action, time::steady_now()); }
   [[nodiscard]] node::Health health(time::SteadyTime now) const;
   void publish_output(time::SteadyTime now);
   void publish_info();
@@ -319,10 +319,6 @@ void Deputy::carry_out(const WriteOutput& action) {
 void Deputy::carry_out(const ForgetCommand& action) {
   output_.forget(action.id);
   has_info_changed_ = true;
-}
-
-void Deputy::carry_out(const RefuseOrder& action) {
-  refusals_.add(action, time::steady_now());
 }
 
 void Deputy::carry_out(const StartCommand& action) {
