@@ -18,7 +18,7 @@ constexpr time::Duration kTiltedFor = 500ms;
 // Distance of the body's corners from the centre, by which they move when the robot rotates.
 constexpr double kTurningRadiusM = 0.3;
 // For this long what was seen slows the robot down, also when the sensor says nothing more.
-constexpr time::Duration kReadingLife = 500ms;
+constexpr time::Duration kSeenFor = 500ms;
 constexpr double kUnlimitedMps = std::numeric_limits<double>::infinity();
 // At slower commands a wheel may stand still although nothing blocks it.
 constexpr double kSurelyTurningMps = 0.05;
@@ -136,7 +136,7 @@ double BaseGuard::safe_speed_mps(const DriveCommand& command, time::SteadyTime n
 }
 
 double BaseGuard::safe_speed_mps(const std::optional<Seen>& seen, time::SteadyTime now) const {
-  if (!seen || now - seen->at > kReadingLife) {
+  if (!seen || now - seen->at > kSeenFor) {
     return kUnlimitedMps;
   }
   const double distance_m = std::max(0.0, seen->range_m - params_.near_m);

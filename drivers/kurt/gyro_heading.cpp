@@ -15,7 +15,9 @@ using geometry::deg_to_rad;
 
 // The gyro sends an angle every 7 periods; over as many its correction is spread.
 constexpr int kReleasePeriods = 7;
-constexpr int kSilentPeriods = static_cast<int>(kReadingLife / kEncoderPeriod);
+// Half a second: seven angles in a row are not lost by accident. Until then, and from then on, the
+// rotation is that of the wheels, so the limit only decides when this is said.
+constexpr int kSilentPeriods = 50;
 // In a period. More than one tick of an encoder that rests on an edge (17 um, of kurt_fast 74, and
 // half as much in the mean of both sides), less than one side at the slowest commanded speed, 1
 // cm/s.

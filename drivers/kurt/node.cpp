@@ -19,7 +19,7 @@ constexpr time::Duration kSensorsPeriod = 50ms;
 // Older readings are not published, because their readers take them for as new as the message. The
 // base sends each 15 times a second. At 1.8 m/s the robot drives 0.18 m meanwhile, less than by
 // which the navigator lets a reading differ from its map.
-constexpr time::Duration kReadingLife = 100ms;
+constexpr time::Duration kPublishedFor = 100ms;
 // Whoever has switched the base off, or works at it, does not expect it to drive off when it is
 // back after this long. The driver tries to reopen a port 0.1, 0.3, 0.7, 1.5, 3.1 and 6.3 s after
 // its loss, so that a plug must be back within 3.1 s.
@@ -40,7 +40,7 @@ std::span<const std::uint8_t> bytes_of(const std::string& text) {
 // The value; null if it is too old.
 template <class Value>
 const Value* fresh(const std::optional<Received<Value>>& received, time::SteadyTime steady) {
-  return received && steady - received->at <= kReadingLife ? &received->value : nullptr;
+  return received && steady - received->at <= kPublishedFor ? &received->value : nullptr;
 }
 
 float range_or_nan(std::optional<double> range_m) {
