@@ -14,6 +14,8 @@ class BackOff {
   static constexpr time::Duration kFirst = 100ms;
   static constexpr time::Duration kLongest = 5s;
 
+  explicit BackOff(time::Duration longest = kLongest) : longest_(longest) {}
+
   /// Whether an attempt is due.
   [[nodiscard]] bool due(time::SteadyTime now) const { return now >= next_; }
 
@@ -25,7 +27,7 @@ class BackOff {
   /// To be called when an attempt has failed.
   void failed(time::SteadyTime now) {
     next_ = now + delay_;
-    delay_ = std::min(2 * delay_, kLongest);
+    delay_ = std::min(2 * delay_, longest_);
   }
 
   /// To be called when an attempt has succeeded: the next failure counts as the first again.
@@ -35,6 +37,7 @@ class BackOff {
   }
 
  private:
+  time::Duration longest_;
   time::Duration delay_ = kFirst;
   time::SteadyTime next_;
 };

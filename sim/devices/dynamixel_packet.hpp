@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <utility>
 
 #include "sim/devices/serial_device.hpp"
 
@@ -38,11 +39,20 @@ struct DynamixelInstruction {
 /// Finds instructions in the bytes from the bus.
 class DynamixelReader {
  public:
-  void feed(ByteView bytes) { append(buffer_, bytes); }
+  /// After this long without a byte an incomplete packet is given up.
+  static constexpr time::Duration kExpiry = 100ms;
+
+  void feed(ByteView bytes, time::SteadyTime now) {
+    if (!bytes.empty() && now - std::exchange(last_byte_, now) > kExpiry) {
+      buffer_.clear();
+    }
+    append(buffer_, bytes);
+  }
   [[nodiscard]] std::optional<DynamixelInstruction> next();
 
  private:
   Bytes buffer_;
+  time::SteadyTime last_byte_{};
 };
 
 }  // namespace nodmap::sim

@@ -47,7 +47,7 @@ void DynamixelServo::receive(ByteView bytes, int baud, time::SteadyTime now) {
   if (now < booted_) {
     return;
   }
-  reader_.feed(received_bytes(params_.baud, bytes, baud));
+  reader_.feed(received_bytes(params_.baud, bytes, baud), now);
   while (const auto instruction = reader_.next()) {
     handle(*instruction, now);
   }

@@ -67,7 +67,7 @@ TEST(DynamixelPacket, BytesLikeAHeaderAreStuffed) {
   EXPECT_THAT(Bytes(status.begin() + 9, status.begin() + 14),
               ElementsAreArray(hex("FF FF FD FD 07")));
   DynamixelReader reader;
-  reader.feed(hex("FF FF FD 00 01 0A 00 03 74 00 FF FF FD FD 00 21 E7"));
+  reader.feed(hex("FF FF FD 00 01 0A 00 03 74 00 FF FF FD FD 00 21 E7"), {});
   const auto instruction = reader.next();
   ASSERT_TRUE(instruction.has_value());
   EXPECT_FALSE(instruction->is_damaged);
@@ -76,15 +76,26 @@ TEST(DynamixelPacket, BytesLikeAHeaderAreStuffed) {
 
 TEST(DynamixelPacket, AnInstructionIsFoundInNoiseAndInPieces) {
   DynamixelReader reader;
-  reader.feed(hex("12 FF FF FF FD 01 FF FF"));
+  reader.feed(hex("12 FF FF FF FD 01 FF FF"), {});
   EXPECT_FALSE(reader.next().has_value());
-  reader.feed(hex("FD 00 01 03 00 01 19"));
+  reader.feed(hex("FD 00 01 03 00 01 19"), {});
   EXPECT_FALSE(reader.next().has_value());
-  reader.feed(hex("4E"));
+  reader.feed(hex("4E"), {});
   const auto instruction = reader.next();
   ASSERT_TRUE(instruction.has_value());
   EXPECT_EQ(instruction->code, 0x01);
   EXPECT_FALSE(instruction->is_damaged);
+}
+
+// One whose length was damaged would swallow all that follow.
+TEST(DynamixelPacket, AnIncompletePacketIsGivenUpAfterATenthOfASecond) {
+  DynamixelReader reader;
+  constexpr time::SteadyTime kBegin{1s};
+  reader.feed(hex("FF FF FD 00 01 43 00 01 19"), kBegin);
+  reader.feed(kPing, kBegin + 100ms);
+  EXPECT_FALSE(reader.next().has_value());
+  reader.feed(kPing, kBegin + 201ms);
+  EXPECT_TRUE(reader.next().has_value());
 }
 
 // The servo on a bench: there is nothing in the world but the floor.

@@ -77,7 +77,7 @@ class DynamixelSession : public ServoSession {
   double acceleration_rad_s2_;
   DynamixelParser parser_;
   PassiveSync sync_;
-  serial::BackOff back_off_;
+  serial::BackOff back_off_{kLongestServoPause};
   Step step_ = Step::kClosed;
   bool is_waiting_ = false;  // for an answer
   std::size_t expected_parameters_ = 0;

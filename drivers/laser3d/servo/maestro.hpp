@@ -51,7 +51,7 @@ class MaestroSession : public ServoSession {
   double level_us_;
   double us_per_rad_;
   time::Duration period_;
-  serial::BackOff back_off_;
+  serial::BackOff back_off_{kLongestServoPause};
   bool is_open_ = false;
   time::SteadyTime asked_;
   time::SteadyTime next_;

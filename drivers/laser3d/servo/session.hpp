@@ -107,6 +107,10 @@ class PendingAim {
   bool is_pending_ = false;
 };
 
+/// The longest pause before a silent servo is queried again. A query costs a few bytes, and the
+/// robot stands until one is answered: when the line is sound again, after a second at most.
+inline constexpr time::Duration kLongestServoPause = 1s;
+
 /// What has happened on the servo's line.
 struct ServoCounts {
   std::int64_t connections = 0;      ///< how often the servo was initialised

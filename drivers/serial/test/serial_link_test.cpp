@@ -190,6 +190,15 @@ TEST(BackOff, DoublesFromATenthOfASecondToFiveSeconds) {
             (std::vector<time::Duration>{100ms, 200ms, 400ms, 800ms, 1600ms, 3200ms, 5s, 5s}));
 }
 
+TEST(BackOff, PausesNoLongerThanItsLongest) {
+  BackOff back_off(300ms);
+  constexpr time::SteadyTime now;
+  for (const time::Duration pause : {100ms, 200ms, 300ms, 300ms}) {
+    back_off.failed(now);
+    EXPECT_EQ(back_off.wait(now), pause);
+  }
+}
+
 TEST(BackOff, SuccessStartsOver) {
   BackOff back_off;
   constexpr time::SteadyTime kBegin;

@@ -326,5 +326,19 @@ TEST(DynamixelSession, SamplesAreStampedWithinAMillisecond) {
   EXPECT_NEAR(rate, 1.007, 0.0086);  // 1 ms and one step of 0.088 degrees in 0.3 s
 }
 
+TEST(DynamixelSession, AServoThatIsBackAfterLongIsFoundWithinASecond) {
+  Rig rig;
+  rig.open();
+  rig.run(1.0);
+  ASSERT_TRUE(rig.dut.is_running());
+  rig.servo.powered = false;
+  rig.run(20.0);
+  EXPECT_FALSE(rig.dut.is_running());
+  rig.servo.powered = true;
+  // The pause, four questions that were not answered, and a session of a dozen requests.
+  rig.run(1.0 + 4 * 0.041 + 0.1);
+  EXPECT_TRUE(rig.dut.is_running());
+}
+
 }  // namespace dynamixel_session_test
 }  // namespace nodmap::laser3d
