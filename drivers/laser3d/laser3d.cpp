@@ -177,7 +177,9 @@ time::SteadyTime Laser3d::sent_at(const SickScan& scan) {
   if (!scan.indices) {
     return scan.first_byte;
   }
-  if (last_telegram_index_ && connections_ == sick_.counts().connections) {
+  if (connections_ != sick_.counts().connections) {
+    mirror_sync_.reset();
+  } else if (last_telegram_index_) {
     counts_.telegrams_missed +=
         static_cast<std::uint8_t>(scan.indices->telegram - *last_telegram_index_ - 1);
   }
@@ -270,6 +272,9 @@ std::string Laser3d::shortcoming() const {
   }
   if (status_.polluted()) {
     return "laser: the front window is dirty";
+  }
+  if (const time::FineDuration delay = mirror_sync_.delay(); delay > 0us) {
+    return "laser: " + describe_delay(delay);
   }
   // The lines of a sweep are then farther apart than the pitch controller has computed.
   if (telegram_loss_.loses_many()) {

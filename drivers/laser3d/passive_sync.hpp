@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "common/geometry/time.hpp"
 
@@ -23,6 +24,10 @@ struct DeviceClock {
 /// clock. The estimate is the smallest of these: it follows the smallest latency observed, is never
 /// later than the stamp, and forgets a small latency only at the rate of the drift. The constant
 /// part of the latency cannot be observed; the caller must subtract it.
+///
+/// When all events of a second are late by more than 20 ms, the line delays them. The estimates
+/// then stay those of the clocks before the delay, so that readers see how old the events are. It
+/// ends with the first event that is on time.
 class PassiveSync {
  public:
   explicit PassiveSync(const DeviceClock& clock) : clock_(clock) {}
@@ -32,7 +37,13 @@ class PassiveSync {
   [[nodiscard]] time::SteadyTime to_host(std::int64_t ticks, time::SteadyTime stamp);
 
   /// Starts again, because the device has been restarted.
-  void reset() { has_started_ = false; }
+  void reset() {
+    has_started_ = false;
+    delay_ = {};
+  }
+
+  /// By how much the line delays all events; 0 if it does not.
+  [[nodiscard]] time::FineDuration delay() const { return delay_; }
 
   /// How often it has started again because the clocks no longer agreed.
   [[nodiscard]] std::int64_t restarts() const { return restarts_; }
@@ -49,7 +60,11 @@ class PassiveSync {
   std::int64_t ticks_since_sync_ = 0;  // device time since then
   time::SteadyTime window_start_;
   time::FineDuration least_late_{};  // in this window
+  time::FineDuration delay_{};
   std::int64_t restarts_ = 0;
 };
+
+/// Says so, in tens of milliseconds, so that the text does not change with every scan.
+[[nodiscard]] std::string describe_delay(time::FineDuration delay);
 
 }  // namespace nodmap::laser3d

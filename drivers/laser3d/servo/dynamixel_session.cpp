@@ -70,6 +70,10 @@ ServoCounts DynamixelSession::line_counts() const {
   return counts;
 }
 
+std::string DynamixelSession::warning() const {
+  return warning_.empty() && sync_.delay() > 0us ? describe_delay(sync_.delay()) : warning_;
+}
+
 ServoOutput DynamixelSession::poll(time::SteadyTime now) {
   if (step_ == Step::kClosed) {
     return {};

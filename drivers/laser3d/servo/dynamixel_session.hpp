@@ -33,7 +33,7 @@ class DynamixelSession : public ServoSession {
   }
   [[nodiscard]] bool measures_pitch() const override { return true; }
   [[nodiscard]] const std::string& last_error() const override { return last_error_; }
-  [[nodiscard]] std::string warning() const override { return warning_; }
+  [[nodiscard]] std::string warning() const override;
   [[nodiscard]] ServoCounts line_counts() const override;
 
  private:

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <deque>
 #include <functional>
 #include <utility>
 #include <vector>
@@ -38,7 +39,12 @@ class Rig {
           on_the_laser_line = on_the_laser_line + (is_lost(++num_sent_) ? Bytes{} : scan);
         }
       }
-      const Bytes from_laser = std::exchange(on_the_laser_line, {});
+      late_.push_back({now + laser_delay, std::exchange(on_the_laser_line, {})});
+      Bytes from_laser;
+      while (!late_.empty() && late_.front().first <= now) {
+        from_laser = from_laser + late_.front().second;
+        late_.pop_front();
+      }
       const Bytes from_servo = std::exchange(on_the_servo_line, {});
       handle(dut.receive_laser(from_laser, now));
       handle(dut.receive_servo(from_servo, now));
@@ -71,6 +77,7 @@ class Rig {
   time::SteadyTime now{1s};
   time::Duration scan_period = kRevolution;
   std::function<bool(int)> is_lost = [](int /*scan*/) { return false; };  // on its line
+  time::Duration laser_delay{};                                           // of what the laser sends
   int laser_baud = 0;
   Bytes on_the_laser_line;
   Bytes on_the_servo_line;
@@ -78,6 +85,7 @@ class Rig {
   std::vector<PitchState> pitch;
 
  private:
+  std::deque<std::pair<time::SteadyTime, Bytes>> late_;
   time::SteadyTime last_scan_{1s};
   int num_sent_ = 0;
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/laser3d/laser3d.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -297,6 +298,29 @@ TEST(Laser3d, LostScansDegrade) {
     rig.run(2.0);
     EXPECT_EQ(rig.health().state, HealthState::kOk) << rig.health().reason;
   }
+}
+
+// Scans keep the time at which they were measured, by which the navigator sees how old they are.
+TEST(Laser3d, ALateLaserDegradesAndItsScansStayOld) {
+  Rig rig;
+  rig.open();
+  rig.run(4.0);
+  const auto age_after = [&rig](double seconds) {
+    rig.run(seconds);
+    return rig.now - last_beam(rig.scans.back());
+  };
+  const time::Duration age = age_after(1.0);
+  EXPECT_EQ(rig.health().state, node::HealthState::kOk) << rig.health().reason;
+  rig.laser_delay = 100ms;
+  for (int i = 0; i < 10; ++i) {
+    // A revolution, as it is not known when in it the run ends; the drift in ten seconds.
+    EXPECT_NEAR(time::seconds(age_after(1.0) - age), 0.1, 0.0134 + 0.02);
+  }
+  EXPECT_EQ(rig.health().state, node::HealthState::kDegraded);
+  EXPECT_THAT(rig.health().reason, ::testing::StartsWith("laser: its data arrive"));
+  rig.laser_delay = 0ms;
+  EXPECT_NEAR(time::seconds(age_after(1.0) - age), 0.0, 0.0134);
+  EXPECT_EQ(rig.health().state, node::HealthState::kOk) << rig.health().reason;
 }
 
 TEST(Laser3d, ScansWithoutAPitchDegrade) {
