@@ -72,6 +72,7 @@ void Kurt::take_encoder(const EncoderTicks& ticks, time::SteadyTime arrival,
   ++counts_.encoder_frames;
   guard_.add(ticks, limiter_.current(), arrival);
   if (!accept_ticks(ticks, arrival)) {
+    odometry_.ignore(ticks);
     return;
   }
   const EncoderClock::Reading reading = encoder_clock_.take(arrival);

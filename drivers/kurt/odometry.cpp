@@ -11,6 +11,14 @@ namespace {
 
 // A wheel in the air was measured at 7.7 m/s (data/kurt); bit errors give more.
 constexpr double kFastestWheelMps = 2.0 * kTopSpeedMps;
+// A wheel changes its speed by no more than this in a period: 0.3 m/s are 30 m/s^2, ten times the
+// deceleration that the driver commands, and a period of the base may be a tenth longer or shorter.
+// SLCAN has no checksum, so a damaged digit looks like ticks; of one that is still believed, 3 mm
+// remain at rest. Brakes on a hit or a wheel that loses the ground may be quicker. They are
+// believed some periods later, as the permitted change grows with the time since ticks were last
+// believed.
+constexpr double kFastestChangeMps = 0.3;
+constexpr double kFastestChangeRatio = 0.2;
 // During a lost period the robot is assumed to move as before, with a standard deviation of half
 // of that motion.
 constexpr double kBridgeSigmaRatio = 0.5;
@@ -30,15 +38,39 @@ double square(double x) {
 }  // namespace
 
 bool Odometry::is_plausible(const EncoderTicks& ticks) const {
-  return m_per_tick() * std::max(std::abs(ticks.left), std::abs(ticks.right)) <=
-         kFastestWheelMps * kEncoderPeriodS;
+  if (m_per_tick() * std::max(std::abs(ticks.left), std::abs(ticks.right)) >
+      kFastestWheelMps * kEncoderPeriodS) {
+    return false;
+  }
+  return can_follow(believed_, ticks, std::min(periods_since_believed_, kRemembered)) ||
+         (periods_since_believed_ > kRemembered && can_follow(received_, ticks, 1));
+}
+
+// Whether both sides can have changed from `before` to `ticks` in so many periods.
+bool Odometry::can_follow(const EncoderTicks& before, const EncoderTicks& ticks,
+                          int periods) const {
+  const auto can = [&](int from, int to) {
+    const double limit_m =
+        kFastestChangeMps * kEncoderPeriodS + kFastestChangeRatio * m_per_tick() * std::abs(from);
+    return m_per_tick() * std::abs(to - from) <= periods * limit_m;
+  };
+  return can(before.left, ticks.left) && can(before.right, ticks.right);
+}
+
+void Odometry::ignore(const EncoderTicks& ticks) {
+  received_ = ticks;
+  ++periods_since_believed_;
 }
 
 bool Odometry::add(const EncoderTicks& ticks) {
   if (!is_plausible(ticks)) {
+    received_ = ticks;
     bridge(1);
     return false;
   }
+  believed_ = ticks;
+  received_ = ticks;
+  periods_since_believed_ = 1;
   const double left_m = m_per_tick() * ticks.left;
   const double right_m = m_per_tick() * ticks.right;
   last_motion_ = {.distance_m = 0.5 * (left_m + right_m),
@@ -49,6 +81,7 @@ bool Odometry::add(const EncoderTicks& ticks) {
 }
 
 void Odometry::bridge(int lost_frames) {
+  periods_since_believed_ += lost_frames;
   move({.distance_m = lost_frames * last_motion_.distance_m,
         .rotation_rad = lost_frames * last_motion_.rotation_rad,
         .path_m = lost_frames * last_motion_.path_m},
@@ -64,6 +97,7 @@ void Odometry::bridge_gap(double gap_s) {
   state_.forward_mps = 0.0;
   state_.yaw_rate_rad_s = 0.0;
   last_motion_ = {};
+  periods_since_believed_ = kRemembered;
   gyro_.interrupt();
 }
 

@@ -28,12 +28,16 @@ class Odometry {
   Odometry(const WheelParams& wheels, const OdometryNoiseParams& noise, const GyroParams& gyro = {})
       : wheels_(wheels), noise_(noise), gyro_(gyro) {}
 
-  /// Whether wheels can be as fast as these ticks imply.
+  /// Whether wheels can be as fast as these ticks imply, and can have become so since the last
+  /// ones.
   [[nodiscard]] bool is_plausible(const EncoderTicks& ticks) const;
 
   /// Adds the encoder ticks of one period. Implausible ticks return false, and the period is
   /// bridged like a lost one.
   bool add(const EncoderTicks& ticks);
+
+  /// Leaves out the period of these implausible ticks: the robot is not assumed to move in it.
+  void ignore(const EncoderTicks& ticks);
 
   /// Takes an angle of the gyro, measured between the last encoder ticks and the next.
   void correct(const Gyro& gyro) { gyro_.add(gyro); }
@@ -49,6 +53,12 @@ class Odometry {
   [[nodiscard]] const GyroHeading& gyro() const { return gyro_; }
 
  private:
+  /// After more periods than this without ticks to believe, two that follow from each other are as
+  /// good: otherwise an odometry that once believed the wrong ones would never find back.
+  static constexpr int kRemembered = 10;
+
+  [[nodiscard]] bool can_follow(const EncoderTicks& before, const EncoderTicks& ticks,
+                                int periods) const;
   [[nodiscard]] double m_per_tick() const {
     return wheels_.perimeter_m / wheels_.ticks_per_revolution;
   }
@@ -68,6 +78,9 @@ class Odometry {
   OdometryNoiseParams noise_;
   GyroHeading gyro_;
   Motion last_motion_;
+  EncoderTicks believed_;  // the last plausible ones
+  EncoderTicks received_;  // the last ones, or {} after a gap
+  int periods_since_believed_ = kRemembered;
   OdometryState state_;
 };
 
