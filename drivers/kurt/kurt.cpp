@@ -75,6 +75,10 @@ void Kurt::take_encoder(const EncoderTicks& ticks, time::SteadyTime arrival,
     odometry_.ignore(ticks);
     return;
   }
+  if (session_.delay() > 0us) {
+    odometry_.add(ticks);  // when they were measured is unknown: the pose is right, but no sample
+    return;
+  }
   const EncoderClock::Reading reading = encoder_clock_.take(arrival);
   if (reading.gap > 0us) {
     ++counts_.encoder_gaps;
@@ -160,6 +164,9 @@ KurtState Kurt::state(time::SteadyTime steady) const {
   }
   if (!last_encoder_ || steady - *last_encoder_ >= kBlind) {
     return KurtState::kNoBase;
+  }
+  if (session_.delay() > 0us) {
+    return KurtState::kLate;
   }
   return watchdog_.command(steady) ? KurtState::kDriving : KurtState::kNoDrive;
 }

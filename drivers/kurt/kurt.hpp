@@ -60,6 +60,7 @@ enum class KurtState : std::uint8_t {
   kNoLine,   ///< the serial line is not open
   kNoBus,    ///< the adapter has not opened the CAN bus
   kNoBase,   ///< no plausible encoder frames, for example because the base is switched off
+  kLate,     ///< the base's line is late, so that it is unknown what the wheels do now
   kNoDrive,  ///< no valid DRIVE: the robot is stationary
   kDriving,
 };

@@ -92,6 +92,8 @@ const char* describe(KurtState state, bool is_contested) {
       return "the CAN bus is not open: the adapter has not answered";
     case KurtState::kNoBase:
       return "no plausible encoder frames: is the base switched on?";
+    case KurtState::kLate:
+      return "the base answers late: the robot is stationary until it answers in time";
     case KurtState::kNoDrive:
       return is_contested ? "two processes send DRIVE: the robot is stationary until one has ended"
                           : "no DRIVE: the robot is stationary";
@@ -239,7 +241,7 @@ void KurtNode::stop_on_new_driver(const bus::Sender& sender) {
 // Stops the robot if its base, or this process, was absent for long. The base counts as present
 // until kBlind after its last encoder frame.
 void KurtNode::stop_on_return(const time::Moment& now) {
-  if (kurt_.state(now.steady) < KurtState::kNoDrive) {
+  if (kurt_.state(now.steady) < KurtState::kLate) {
     return;
   }
   const time::Duration absence = now.steady - std::exchange(base_seen_, now.steady);
@@ -305,6 +307,7 @@ nlohmann::json KurtNode::metrics() const {
           {"gyro_used", kurt_.gyro().counts().used},
           {"gyro_refused", kurt_.gyro().counts().refused},
           {"gyro_silences", kurt_.gyro().counts().silences},
+          {"delay_ms", time::seconds(kurt_.session().delay()) * 1e3},
           {"bus_restarts", kurt_.session().restarts()},
           {"reconnects", link_.reconnects()}};
 }
@@ -318,6 +321,7 @@ node::Health KurtNode::health() const {
       return {node::HealthState::kFailed, link_.error()};
     case KurtState::kNoBus:
     case KurtState::kNoBase:
+    case KurtState::kLate:
       return {node::HealthState::kFailed, lack(state)};
     case KurtState::kNoDrive:
       if (is_contested || !stop_latch_.is_stopped()) {

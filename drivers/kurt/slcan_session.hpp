@@ -10,7 +10,8 @@
 namespace nodmap::kurt {
 
 /// Opens the CAN bus on an SLCAN adapter in any state, and detects when the adapter leaves the bus.
-/// A pure state machine: lines and times in, text to send out.
+/// Measures by the adapter's answers how late its line is. A pure state machine: lines and times
+/// in, text to send out.
 class SlcanSession {
  public:
   /// Lines received within this time after closing belong to the previous session and are ignored.
@@ -40,6 +41,10 @@ class SlcanSession {
   /// The adapter's error flags (SlcanFlag) when last asked.
   [[nodiscard]] std::uint8_t flags() const { return flags_; }
 
+  /// How late the adapter's last answer was, or is by now; 0 if it answers in time. Frames from the
+  /// bus are then as late, which they do not show.
+  [[nodiscard]] time::Duration delay() const { return delay_; }
+
   /// How often the bus was reopened because the adapter was silent or refused commands.
   [[nodiscard]] std::int64_t restarts() const { return restarts_; }
 
@@ -50,6 +55,8 @@ class SlcanSession {
   [[nodiscard]] std::string close_channel(time::SteadyTime now);
   [[nodiscard]] std::string restart(time::SteadyTime now);
   [[nodiscard]] std::string poll_open(time::SteadyTime now);
+  void watch_answer(time::SteadyTime now);
+  void take_flags(std::uint8_t flags, time::SteadyTime now);
 
   State state_ = State::kStopped;
   enum class Answer : std::uint8_t { kNone, kDone, kRefused };
@@ -57,6 +64,10 @@ class SlcanSession {
   time::SteadyTime entered_;
   time::SteadyTime last_frame_;
   time::SteadyTime flags_asked_;
+  bool is_asked_ = false;    // and not answered yet
+  bool is_overdue_ = false;  // the answer was not there in time, or has not come
+  bool is_doubted_ = false;  // that the line is in time; then one late answer is enough
+  time::Duration delay_{};
   int attempts_ = 0;
   int refused_in_a_row_ = 0;
   std::uint8_t flags_ = 0;

@@ -100,6 +100,9 @@ std::string KurtEmulator::tick() {
   }
   const int left = stalled ? 0 : ticks_of(left_cm_s_, left_rest_);
   const int right = stalled ? 0 : ticks_of(right_cm_s_, right_rest_);
+  const double left_m = left * 0.01 / kTicksPerCm;
+  const double right_m = right * 0.01 / kTicksPerCm;
+  driven_m_ += left_m;
   if (base_off || mute_adapter || !open_) {
     return "";
   }
@@ -108,8 +111,6 @@ std::string KurtEmulator::tick() {
                  : printed("t0068012C%04X0064%04X\r", static_cast<unsigned>(sonar_raw), 0x0064U);
   frames += bumper ? "t00A20400\r" : "t00A20000\r";
   frames += gyro_frame();
-  const double left_m = left * 0.01 / kTicksPerCm;
-  const double right_m = right * 0.01 / kTicksPerCm;
   gyro_deg += gyro_ratio.value_or(0.0) * (right_m - left_m) / 0.28 * 0.69 * 180.0 / M_PI;
   if (drop_encoders > 0) {
     --drop_encoders;

@@ -41,6 +41,8 @@ class KurtEmulator {
 
   [[nodiscard]] int left_cm_s() const { return left_cm_s_; }
   [[nodiscard]] int right_cm_s() const { return right_cm_s_; }
+  /// How far the base has driven, by its left wheel.
+  [[nodiscard]] double driven_m() const { return driven_m_; }
   [[nodiscard]] bool braked() const { return braked_; }
   /// Number of CONTROL frames received.
   [[nodiscard]] int commands() const { return commands_; }
@@ -58,6 +60,7 @@ class KurtEmulator {
   bool braked_ = true;
   int left_cm_s_ = 0;
   int right_cm_s_ = 0;
+  double driven_m_ = 0.0;
   double left_rest_ = 0.0;
   double right_rest_ = 0.0;
   int silent_periods_ = 0;

@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <deque>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "drivers/kurt/kurt.hpp"
@@ -24,7 +26,11 @@ class Robot {
   // One control period: the base sends, the driver takes it in and answers.
   void step() {
     now += 10ms;
-    to_driver += base.tick();
+    sent.push_back(std::exchange(answers, {}) + base.tick());
+    while (std::ssize(sent) > late_periods) {
+      to_driver += sent.front();
+      sent.pop_front();
+    }
     if (held_up_periods > 0) {
       --held_up_periods;
     } else {
@@ -34,7 +40,8 @@ class Robot {
         samples.push_back(sample);
       }
     }
-    to_driver += base.take(kurt.control(moment()));
+    const std::string answer = base.take(kurt.control(moment()));
+    (late_periods > 0 ? answers : to_driver) += answer;
   }
 
   // Lines from the adapter, besides those of the base.
@@ -65,6 +72,9 @@ class Robot {
   nodmap::test::KurtEmulator base;
   time::SteadyTime now;
   int held_up_periods = 0;
+  int late_periods = 0;  ///< by which all that the adapter sends arrives late
+  std::deque<std::string> sent;
+  std::string answers;
   std::string to_driver;
   std::vector<OdometrySample> samples;
 };

@@ -338,7 +338,7 @@ TEST(Kurt, ADelayedProcessLosesNothing) {
   robot.run_for(500ms);
   robot.drive_for(1.0, 0.0, 2s);
   const double before_m = robot.samples.back().state.T_odom_base.x;
-  for (const int periods : {8, 15, 8, 15, 8}) {
+  for (const int periods : {8, 10, 8, 10, 8}) {
     robot.held_up_periods = periods;
     robot.drive_for(1.0, 0.0, 400ms);
   }
@@ -362,10 +362,40 @@ TEST(Kurt, AfterALateCommandTheWheelsStartWithARamp) {
   }
   ASSERT_EQ(robot.base.left_cm_s(), 0);
   robot.drive_for(1.0, 0.0, 100ms);
+  EXPECT_EQ(robot.kurt.counts().encoder_gaps, 0);  // all frames have waited and are read now
+  EXPECT_EQ(robot.kurt.counts().encoder_lost, 0);
   EXPECT_GT(robot.base.left_cm_s(), 0);
   EXPECT_LE(robot.base.left_cm_s(), 15);  // 1.5 m/s^2
   robot.drive_for(1.0, 0.0, 1s);
   EXPECT_EQ(robot.base.left_cm_s(), 100);
+}
+
+// Two seconds during which all that the adapter sends arrives late.
+TEST(Kurt, ALateLineStopsTheRobotUntilItIsInTime) {
+  for (const int periods : {10, 12, 15}) {
+    Robot robot;
+    robot.run_for(500ms);
+    robot.drive_for(1.0, 0.0, 2s);
+    robot.late_periods = periods;
+    robot.drive_for(1.0, 0.0, 150ms);
+    EXPECT_EQ(robot.kurt.state(robot.now), KurtState::kLate);
+    EXPECT_EQ(robot.base.left_cm_s(), 0);
+    const std::size_t samples_before = robot.samples.size();
+    robot.drive_for(1.0, 0.0, 1850ms);
+    EXPECT_EQ(robot.kurt.state(robot.now), KurtState::kLate);
+    EXPECT_EQ(robot.samples.size(), samples_before) << "their time is unknown";
+    EXPECT_EQ(robot.kurt.counts().encoder_lost, 0);
+    robot.late_periods = 0;
+    robot.run_for(200ms);
+    EXPECT_EQ(robot.kurt.state(robot.now), KurtState::kNoDrive);
+    robot.drive_for(1.0, 0.0, 1s);
+    EXPECT_EQ(robot.kurt.state(robot.now), KurtState::kDriving);
+    EXPECT_EQ(robot.base.left_cm_s(), 100);
+    // No period is lost or counted twice. The emulated base stops at once, as no real one does; the
+    // two periods until that is believed are bridged, with half a tick each.
+    EXPECT_NEAR(robot.samples.back().state.T_odom_base.x, robot.base.driven_m() + 0.02,
+                2.0 * kTickM);
+  }
 }
 
 TEST(Kurt, OtherSensorsAreKeptWithTheirTime) {

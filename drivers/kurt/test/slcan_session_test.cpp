@@ -3,8 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <deque>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace nodmap::kurt {
@@ -21,17 +24,37 @@ struct Bench {
     return std::vector<Kind>{Kind::kDone};
   };
   bool frames_come = true;
+  // Of the adapter's answers and the base's frames.
+  std::function<time::Duration(time::SteadyTime)> late = [](time::SteadyTime) { return 0ms; };
+  int flags_to_lose = 0;
+  time::SteadyTime waits_until;  // the driver's process is not scheduled until then
+  std::deque<std::pair<time::SteadyTime, Kind>> on_the_line;
 
   void run_for(time::Duration duration) {
     for (const time::SteadyTime end = now + duration; now < end; now += 10ms) {
       if (session.is_open() && frames_come) {
-        session.take({Kind::kFrame, {}, 0}, now);
+        on_the_line.push_back({now + late(now), Kind::kFrame});
+      }
+      if (now < waits_until) {
+        continue;
+      }
+      while (!on_the_line.empty() && on_the_line.front().first <= now) {
+        session.take({on_the_line.front().second, {}, 0x80}, now);
+        on_the_line.pop_front();
       }
       const std::string text = session.poll(now);
       if (text.empty()) {
         continue;
       }
       sent.push_back(text);
+      if (text == "F\r") {
+        if (flags_to_lose > 0) {
+          --flags_to_lose;
+        } else {
+          on_the_line.push_back({now + std::max<time::Duration>(late(now), 10ms), Kind::kFlags});
+        }
+        continue;
+      }
       for (const Kind kind : answer(text)) {
         session.take({kind, {}, 0x80}, now);
       }
@@ -153,9 +176,6 @@ TEST(SlcanSession, RefusalsInARowOpenAgain) {
 
 TEST(SlcanSession, AsksForTheFlagsOnceASecond) {
   Bench bench;
-  bench.answer = [](const std::string& text) {
-    return std::vector<Kind>{text == "F\r" ? Kind::kFlags : Kind::kDone};
-  };
   bench.session.start({});
   bench.run_for(10'200ms);
   EXPECT_EQ(std::ranges::count(bench.sent, "F\r"), 10);
@@ -163,6 +183,76 @@ TEST(SlcanSession, AsksForTheFlagsOnceASecond) {
   bench.session.stop();
   EXPECT_FALSE(bench.session.is_open());
   EXPECT_EQ(bench.session.poll(bench.now), "");
+}
+
+// At a delay of 100 ms the silence at its begin ends before the base counts as absent.
+TEST(SlcanSession, ALateLineIsNoticedUntilItIsInTimeAgain) {
+  for (const time::Duration delay : {100ms, 150ms, 300ms}) {
+    for (const time::Duration moment : {0ms, 30ms, 60ms, 500ms}) {
+      Bench bench;
+      bench.session.start({});
+      bench.run_for(3s + moment);
+      const time::SteadyTime begin = bench.now;
+      bench.late = [&](time::SteadyTime now) { return now < begin + 3s ? delay : 0ms; };
+      EXPECT_EQ(bench.session.delay(), 0ms);
+      // 40 ms without a frame, 70 ms for the answer, and two periods.
+      bench.run_for(130ms);
+      for (int i = 0; i < 287; ++i) {
+        ASSERT_GT(bench.session.delay(), 70ms) << i;
+        bench.run_for(10ms);
+      }
+      // The late answer arrives, the next question is asked within 0.1 s and answered.
+      bench.run_for(delay + 200ms);
+      EXPECT_EQ(bench.session.delay(), 0ms);
+      bench.run_for(5s);
+      EXPECT_EQ(bench.session.delay(), 0ms);
+      EXPECT_EQ(bench.session.restarts(), 0);
+    }
+  }
+}
+
+TEST(SlcanSession, ALineThatIsLateFromTheStartIsNoticed) {
+  Bench bench;
+  bench.late = [](time::SteadyTime) { return 150ms; };
+  bench.session.start({});
+  bench.run_for(1500ms);
+  EXPECT_EQ(bench.session.delay(), 150ms);
+}
+
+// A USB adapter with a latency of 16 ms, and an answer in a hundred that is damaged.
+TEST(SlcanSession, ASlowAdapterAndALostAnswerAreNoDelay) {
+  Bench bench;
+  bench.late = [](time::SteadyTime now) { return now.time_since_epoch() % 37ms; };
+  bench.session.start({});
+  for (int i = 0; i < 1000; ++i) {
+    bench.flags_to_lose = i % 100 == 99 ? 1 : 0;
+    bench.run_for(100ms);
+    EXPECT_EQ(bench.session.delay(), 0ms) << i;
+  }
+}
+
+// What has arrived meanwhile is read at once. It has waited for the driver, not on the line.
+TEST(SlcanSession, AProcessThatWasNotScheduledSeesNoDelay) {
+  Bench bench;
+  bench.session.start({});
+  bench.run_for(400ms);
+  for (int i = 0; i < 100; ++i) {
+    bench.waits_until = bench.now + 150ms;
+    bench.run_for(330ms);
+    EXPECT_EQ(bench.session.delay(), 0ms) << i;
+  }
+}
+
+// The base is switched off, the adapter answers: its frames are missing, not late.
+TEST(SlcanSession, ASilentBaseIsNotLate) {
+  Bench bench;
+  bench.session.start({});
+  bench.run_for(2s);
+  bench.frames_come = false;
+  for (int i = 0; i < 45; ++i) {
+    bench.run_for(10ms);
+    EXPECT_EQ(bench.session.delay(), 0ms);
+  }
 }
 
 }  // namespace slcan_session_test
