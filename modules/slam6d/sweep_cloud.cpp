@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "common/geometry/pose_history.hpp"
@@ -27,9 +28,11 @@ double time_in_sweep(const scan::Scan& scan, time::Timestamp first, time::Timest
              : 0.0;
 }
 
-// A beam without an echo met nothing up to here, except black surfaces or glass. Only beams upwards
-// are believed, because one that grazes the floor brings no echo, either.
+// A beam without an echo met nothing up to here, or as far as the scanner measures, except black
+// surfaces or glass. Only beams upwards are believed, because one that grazes the floor brings no
+// echo, either.
 constexpr double kFreeWithoutEchoM = 5.0;
+constexpr float kNoEcho = std::numeric_limits<float>::infinity();
 
 void append_scan(const scan::Scan& scan, const ScanMotion& motion, const RangeLimits& range,
                  scan::ScanProjector& projector, SweepCloud& cloud) {
@@ -49,12 +52,12 @@ void append_scan(const scan::Scan& scan, const ScanMotion& motion, const RangeLi
   }
   const Eigen::Vector3d p_mirror =
       scan.T_base_mount * (geometry::pitch_rotation(scan.pitch_mid_rad()) * scan.mirror_offset_m);
+  const double free_m = std::min({kFreeWithoutEchoM, range.max_m, scan.range_max_m});
   for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
-    if (!std::isinf(scan.ranges_m[beam])) {
+    if (scan.ranges_m[beam] != kNoEcho) {
       continue;
     }
-    const Eigen::Vector3d p_base =
-        scan::point_in_base(scan, beam, std::min(kFreeWithoutEchoM, range.max_m));
+    const Eigen::Vector3d p_base = scan::point_in_base(scan, beam, free_m);
     if (p_base.z() > p_mirror.z()) {
       cloud.free_points.emplace_back((T_base_at(beam) * p_base).cast<float>());
     }

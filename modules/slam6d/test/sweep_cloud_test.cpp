@@ -165,5 +165,20 @@ TEST(SweepCloud, UpwardBeamsWithoutAnEchoAreFree) {
   EXPECT_EQ(cloud->lines[1].free_end, 0U);
 }
 
+// SCAN's contract: +infinity is free up to the scanner's longest range, and any other value without
+// a measurement says nothing. Drivers report -infinity for what is too near to be measured.
+TEST(SweepCloud, ABeamWithoutAnEchoIsFreeOnlyAsFarAsTheScannerMeasures) {
+  const auto stand = [](time::Timestamp) { return SE3::Identity(); };
+  auto scans = record({}, Room::hall(), stand, 1);
+  scans[0].pitch_first_rad = scans[0].pitch_last_rad = geometry::deg_to_rad(20.0);
+  scans[0].range_max_m = 4.0;
+  scans[0].ranges_m.assign(181, -std::numeric_limits<float>::infinity());
+  scans[0].ranges_m[90] = std::numeric_limits<float>::infinity();
+  const auto cloud = deskew(scans, stand, kAnyRange);
+  ASSERT_TRUE(cloud);
+  ASSERT_EQ(cloud->free_points.size(), 1U);
+  EXPECT_NEAR((cloud->free_points[0] - cloud->lines[0].p_base_mirror).norm(), 4.0F, 1e-5F);
+}
+
 }  // namespace sweep_cloud_test
 }  // namespace nodmap::slam6d
