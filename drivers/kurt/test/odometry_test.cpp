@@ -75,10 +75,10 @@ TEST(Odometry, ACircleIsACircle) {
   const WheelParams wheels = millimetre_wheels();
   const OdometryNoiseParams noise;
   Odometry odometry(wheels, noise);
-  const double rotation_rad = 0.010 / wheels.axis_m * wheels.turning_adaptation;  // per step
-  const double radius_m = 0.015 / rotation_rad;
+  const double rotation_rad = 0.005 / wheels.axis_m * wheels.turning_adaptation;  // per step
+  const double radius_m = 0.0075 / rotation_rad;
   for (int i = 1; i <= 1000; ++i) {
-    ASSERT_TRUE(odometry.add({10, 20}));
+    ASSERT_TRUE(odometry.add({5, 10}));
     const geometry::SE2& pose = odometry.state().T_odom_base;
     // 1000 additions of rounding
     EXPECT_NEAR(pose.x, radius_m * std::sin(rotation_rad * i), 1e-10);
