@@ -21,6 +21,10 @@ from trial_runs import Trial, add_options, result_folder, results_of, run_all, w
 REACTION_S, REACTION_M = 0.3, 0.3
 FAULTS = ["laser:unplug", "laser:silent", "laser:freeze", "servo:unplug", "servo:silent", "servo:stall", "base:unplug",
           "base:silent"]
+# Lines that damage or delay some of what is sent: amounts of bytes, seconds. At 1 % of the bytes it may be some time until one hurts, and what is
+# lost or damaged then may not hurt at all, so that the robot need not stop at once, or not at all.
+DAMAGES = [f"{part}:{kind}={amount}" for part in ["laser", "servo", "base"] for kind, amount in [
+    ("drop", 0.01), ("drop", 0.1), ("corrupt", 0.01), ("corrupt", 0.1), ("delay", 0.1), ("delay", 0.3)]]
 PROCESSES = ["kurt", "laser3d", "pitch_controller", "map_server", "navigator"]
 
 
@@ -166,6 +170,29 @@ def stops(quick):
     return trials, add_rows
 
 
+def damages(quick):
+    def trial_of(damage):
+        what, amount = damage.split("=")
+        return Trial(f"damage-{what.replace(':', '-')}-{amount}", "corridor30", 3, 36, "--no-slam6d", "--fault", f"{what}@10+6={amount}")
+
+    trials = [trial_of(damage) for damage in (DAMAGES[::5] if quick else DAMAGES)]
+
+    def add_rows(table, _):
+        for trial in with_result(trials):
+            stop, odometry, slam = (trial.result[key] for key in ("stops", "odometry", "slam2d"))
+            stop = stop[0]
+            is_rare = trial.name.endswith("-0.01")
+            beyond_m = stop["distance_m"] - stop["braking_distance_m"]
+            stopped, resumed = stop["stopped_after_s"] is not None, stop["resumed_after_s"]
+            in_time = stopped and stop["reaction_s"] <= REACTION_S and beyond_m <= REACTION_M
+            holds = stop["speed_mps"] >= 0.5 and (is_rare or in_time) and resumed is not None and trial.result["collisions"] == 0
+            table.add(f"{trial.name} at {stop['speed_mps']:.1f} m/s: beyond braking; on again after; end of odometry, 2D SLAM off by",
+                      (f"{1000 * stop['reaction_s']:.0f} ms, {beyond_m:.2f} m" if stopped else "did not stop") +
+                      (f"; {resumed:.1f} s" if resumed is not None else "; never") +
+                      f"; {odometry['end_error_m']:.2f} m, {slam['end_error_m']:.3f} m", "drives on" if is_rare else "300 ms, 0.30 m", holds)
+    return trials, add_rows
+
+
 def cellar(quick):
     trial = Trial("cellar", "cellar", 1, 30 if quick else 120, *ODOMETRY_NOISE)
 
@@ -247,7 +274,7 @@ def speed(quick):
     return trials, add_rows
 
 
-GROUPS = {"random": random_clutter, "crowd": crowd, "appearing": appearing, "stops": stops, "cellar": cellar, "occupancy": occupancy,
+GROUPS = {"random": random_clutter, "crowd": crowd, "appearing": appearing, "stops": stops, "damages": damages, "cellar": cellar, "occupancy": occupancy,
           "stairs": stairs, "warehouse": warehouse, "clouds": clouds, "speed": speed}
 
 

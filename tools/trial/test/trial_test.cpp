@@ -160,7 +160,9 @@ TEST_P(Losing, APartStopsTheRobotAndItContinuesAfterwards) {
   // Undisturbed it drives at 1.5 m/s then.
   const Disturbance loss{"", time::SteadyTime(12s), time::SteadyTime(14s)};
   if (GetParam().fault != nullptr) {
-    trial.faults.push_back(sim::parse_fault(std::string(GetParam().fault) + "@12+2"));
+    std::string fault = GetParam().fault;
+    fault.insert(std::min(fault.find('='), fault.size()), "@12+2");
+    trial.faults.push_back(sim::parse_fault(fault));
   } else {
     trial.kills.push_back({GetParam().process, loss.started, loss.ended - loss.started});
   }
@@ -188,9 +190,11 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(Loss{"laser:unplug", nullptr}, Loss{"laser:freeze", nullptr},
                       Loss{"laser:silent", nullptr, 11.4}, Loss{"servo:unplug", nullptr},
                       Loss{"servo:stall", nullptr}, Loss{"base:unplug", nullptr},
-                      Loss{"base:silent", nullptr}, Loss{nullptr, "kurt"}, Loss{nullptr, "laser3d"},
-                      Loss{nullptr, "pitch_controller"}, Loss{nullptr, "map_server"},
-                      Loss{nullptr, "navigator"}));
+                      Loss{"base:silent", nullptr}, Loss{"laser:delay=0.1", nullptr},
+                      Loss{"base:delay=0.1", nullptr}, Loss{"servo:drop=0.1", nullptr},
+                      Loss{"laser:corrupt=0.1", nullptr}, Loss{nullptr, "kurt"},
+                      Loss{nullptr, "laser3d"}, Loss{nullptr, "pitch_controller"},
+                      Loss{nullptr, "map_server"}, Loss{nullptr, "navigator"}));
 
 // Braking, speeding up and curves read as tilts there, but not as a fall. Nothing else uses the
 // tilt, so the robot drives the same path.
