@@ -257,7 +257,7 @@ void LocalMap::forget_walker(const Eigen::Vector2d& p_odom, double radius_m) {
     LocalCell& cell = grid_.at(index);
     if (cell.is_obstacle() && obstacles_.may_be_walker(cell) &&
         floor.is_around(grid_.center_of(index))) {
-      cell.obstacle = 0;
+      obstacles_.remove_walker(cell);
     }
   });
 }

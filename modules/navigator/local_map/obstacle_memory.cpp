@@ -117,6 +117,12 @@ bool ObstacleMemory::may_be_walker(const LocalCell& cell) const {
   return !cell.is_contact() && since(cell.hit_since_ds) < kLongestWalk;
 }
 
+void ObstacleMemory::remove_walker(LocalCell& cell) const {
+  constexpr auto kLongAgo = static_cast<std::uint16_t>(kAgain / kTimeStep + 1);
+  cell.obstacle = 0;
+  cell.hit_at_ds = static_cast<std::uint16_t>(now_ds_ - kLongAgo);
+}
+
 time::Duration ObstacleMemory::since(std::uint16_t stamp_ds) const {
   return kTimeStep * static_cast<std::uint16_t>(now_ds_ - stamp_ds);
 }

@@ -57,6 +57,8 @@ class ObstacleMemory {
   /// Whether what was hit in a cell may have been somebody who walks. What has been hit there for
   /// longer than anybody who walks is in one place is something else, and so is a contact.
   [[nodiscard]] bool may_be_walker(const LocalCell& cell) const;
+  /// Removes what was hit in a cell. The next hit there is of something that has just come.
+  void remove_walker(LocalCell& cell) const;
 
   /// The travel as cells store it, in decimetres, which wrap around after 6.5 km.
   [[nodiscard]] std::uint16_t travel_dm() const;
