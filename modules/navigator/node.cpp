@@ -240,7 +240,10 @@ void NavigatorNode::watch_slip(const nodmap::pose_t& message) {
   if (const auto by_wheels = slip_.update(node::stamp_of(message), T_odom_base_2d,
                                           newest_.pose.T_map_odom * T_odom_base_2d)) {
     ++num_slips_;
-    navigator_.add_contact(T_odom_base_2d, by_wheels->dot(T_odom_base_2d.rotation().col(0)) >= 0.0);
+    // Not where odometry was at the pose's stamp: the wheels have rotated on since, so that place
+    // is under the body by now.
+    navigator_.add_contact(newest_.odometry->T_odom_base,
+                           by_wheels->dot(T_odom_base_2d.rotation().col(0)) >= 0.0);
   }
 }
 

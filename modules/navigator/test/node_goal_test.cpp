@@ -289,9 +289,12 @@ class NavigatorNodeSlips : public NavigatorNodeScans {
     }
   }
 
-  void give_pose(std::int8_t state) {
-    auto pose = node::write_corrected_pose(time::from_utime(now_us_), geometry::SE3::Identity(),
-                                           geometry::to_se3({-x_, 0.0, 0.0}));
+  // `age`: for how long the wheels have rotated since the pose was measured.
+  void give_pose(std::int8_t state, time::Duration age = {}, double wheels_mps = 0.0) {
+    const double x_then = x_ - wheels_mps * time::seconds(age);
+    auto pose =
+        node::write_corrected_pose(time::from_utime(now_us_) - age, geometry::SE3::Identity(),
+                                   geometry::to_se3({-x_then, 0.0, 0.0}));
     pose.state = state;
     bus_.deliver("POSE_2D", pose);
   }
@@ -319,6 +322,19 @@ TEST_F(NavigatorNodeSlips, TheContactIsWhereTheWheelsHaveDriven) {
   run_on_the_spot(0.5, 0.0);  // the local map is published twice a second
   EXPECT_TRUE(is_obstacle(-half_m - 0.025));
   EXPECT_FALSE(is_obstacle(half_m + 0.025));
+}
+
+// At 1 m/s the wheels count 8 cm until 2D SLAM has matched the scan.
+TEST_F(NavigatorNodeSlips, TheContactIsWhereOdometryIsWhenAFastRobotNoticesIt) {
+  const double half_m = robot::Body{}.footprint().half_length_m;
+  run_on_the_spot(1.0, 0.0);
+  run_on_the_spot(0.2, 1.0);
+  give_pose(nodmap::pose_t::TRACKING);
+  run_on_the_spot(0.2, 1.0);
+  give_pose(nodmap::pose_t::TRACKING, 80ms, 1.0);
+  ASSERT_EQ(num_slips(), 1);
+  run_on_the_spot(0.5, 0.0);
+  EXPECT_TRUE(is_obstacle(half_m + 0.025));
 }
 
 // What is found again after it was lost is elsewhere: that does not compare.
