@@ -39,7 +39,8 @@ class SheriffProcess : public ::testing::Test {
       script "up" { start group "g" wait "running"; }
       script "down" { stop group "g" wait "stopped"; }
       script "never" { start cmd "far" wait "running"; }
-      script "dead" { start group "g" wait "running"; start cmd "wrong"; }
+      # Waits, because "wrong" may take longer to end than what counts as running on.
+      script "dead" { start group "g" wait "running"; start cmd "wrong" wait "stopped"; }
     )";
   }
   void TearDown() override {
