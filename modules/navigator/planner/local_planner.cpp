@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "modules/navigator/local_map/local_map.hpp"
 #include "modules/navigator/trail.hpp"
 
 namespace nodmap::navigator {

@@ -102,7 +102,7 @@ procman_lcm::deputy_info_t info_of(const std::string& host) {
 
 // A deputy's commands die with it, but nobody says so.
 TEST_F(ProcessFeedTest, CommandsOfASilentHostHaveNoDeputy) {
-  const auto state = [this](int i) { return newest("PM_INFO")["commands"][i]["state"]; };
+  const auto state = [this](std::size_t i) { return newest("PM_INFO")["commands"][i]["state"]; };
   send(own_, "PM_INFO", info_of("a"));
   send(other_, "PM_INFO", info_of("b"));
   EXPECT_EQ(state(0), "running");
