@@ -20,6 +20,11 @@ constexpr int kAroundCells = 8;
 // ramp change it by 5 mm. A larger difference belongs to the ground beside the wheel's ramp.
 constexpr double kWheelStepM = 0.03;
 
+// The number of a facet once another one is gone.
+std::size_t renumbered(std::size_t facet, std::size_t dropped) {
+  return facet > dropped ? facet - 1 : facet;
+}
+
 }  // namespace
 
 TrackedGround::TrackedGround(const GroundParams& params)
@@ -223,15 +228,15 @@ std::size_t TrackedGround::drop_facet_other_than(std::size_t kept) {
     ++dropped;
   }
   facets_.erase(facets_.begin() + static_cast<std::ptrdiff_t>(dropped));
-  under_base_ -= under_base_ > dropped ? 1 : 0;
+  under_base_ = renumbered(under_base_, dropped);
   for (Ground& ground : under_wheels_) {
-    ground.facet -= ground.facet > dropped ? 1 : 0;
+    ground.facet = renumbered(ground.facet, dropped);
   }
   for (Facet& facet : facets_) {
     if (facet.before == dropped) {
       facet.before = kNone;
     } else if (facet.before != kNone) {
-      facet.before -= facet.before > dropped ? 1 : 0;
+      facet.before = renumbered(facet.before, dropped);
     }
   }
   for (int row = 0; row < cells_.size(); ++row) {
