@@ -14,22 +14,16 @@ import concurrent.futures
 import json
 import os
 import pathlib
-import shlex
 import subprocess
 import sys
 
 from check_layers import is_test
-from run_clang_tidy import ROOT, changed_sources, sources_of
+from run_clang_tidy import ROOT, changed_sources, compiler_command, sources_of
 
 
 def command_for(entry, source):
     """The build's command, for this source instead of the unit that it is joined into."""
-    command = shlex.split(entry["command"])
-    if "ccache" in command[0]:
-        command = command[1:]
-    out = command.index("-o")
-    command = command[:out] + command[out + 2:]
-    return [str(ROOT / source) if word == entry["file"] else word for word in command] + ["-fsyntax-only"]
+    return [str(ROOT / source) if word == entry["file"] else word for word in compiler_command(entry)] + ["-fsyntax-only"]
 
 
 def check(entry, source):

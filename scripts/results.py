@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """Runs what the documents claim and writes their tables between the markers, with the commit they were measured at,
-and the images of the maps. With --check only compares, and fails when a number there is not what the programs reach now: by more than the last digit printed, and by more than
-2 %, for another processor's square roots and sines may round in another way. The simulated drives, which take minutes, are not checked.
+and the images of the maps. With --check only compares, and fails when a number there is not what the programs reach now: by more than the
+last digit printed, and by more than 2 %, because the square roots and sines of another processor may round in another way. The simulated
+drives, which take minutes, are not checked.
 
 usage: results.py BIN_DIR [--check]
 

@@ -39,13 +39,18 @@ def sources_of(entry):
     return [file.relative_to(ROOT) for file in files if file.is_relative_to(ROOT) and not file.is_relative_to(build)]
 
 
-def key_of(entry, config):
-    """A digest of all that clang-tidy would see, or None where the preprocessor fails."""
+def compiler_command(entry):
+    """The words of the compiler's command of an entry, without a cache in front and without its output."""
     command = shlex.split(entry["command"])
     if "ccache" in command[0]:
         command = command[1:]
     out = command.index("-o")
-    command = command[:out] + command[out + 2:]
+    return command[:out] + command[out + 2:]
+
+
+def key_of(entry, config):
+    """A digest of all that clang-tidy would see, or None where the preprocessor fails."""
+    command = compiler_command(entry)
     # With comments, which hold the NOLINT marks. What is precompiled is of the packages, whose version is clang's own.
     run = subprocess.run(command + ["-E", "-P", "-CC"], cwd=entry["directory"], capture_output=True)
     return hashlib.sha256(run.stdout + config.read_bytes() + VERSION).hexdigest() if run.returncode == 0 else None

@@ -20,8 +20,7 @@ constexpr double kFastestWheelMps = 2.0 * kTopSpeedMps;
 constexpr double kFastestChangeMps = 0.3;
 constexpr double kFastestChangeRatio = 0.2;
 // It grows no further than for a stop at once from any speed (1.3 m/s a period from 5.2 m/s), and
-// for 1.5 m/s after the start: a wrong speed that is
-// believed would be bridged for ten periods.
+// for 1.5 m/s after the start: a wrong speed that is believed would be bridged for ten periods.
 constexpr int kMostPeriods = 5;
 // During a lost period the robot is assumed to move as before, with a standard deviation of half
 // of that motion.
