@@ -12,9 +12,9 @@
 
 #include "bench/timing.hpp"
 #include "common/statistics/quantile.hpp"
-#include "modules/slam2d/saved_map_file.hpp"
-#include "modules/slam2d/scan_matcher.hpp"
-#include "modules/slam2d/submap.hpp"
+#include "modules/slam2d/back_end/saved_map_file.hpp"
+#include "modules/slam2d/back_end/submap.hpp"
+#include "modules/slam2d/matching/scan_matcher.hpp"
 
 namespace {
 

@@ -17,8 +17,8 @@
 
 #include "bench/timing.hpp"
 #include "common/geometry/angle.hpp"
-#include "modules/slam2d/keyframe_grid.hpp"
-#include "modules/slam2d/known_map.hpp"
+#include "modules/slam2d/grid/keyframe_grid.hpp"
+#include "modules/slam2d/localise/known_map.hpp"
 #include "sim/body/collision.hpp"
 #include "sim/body/rangefinder.hpp"
 #include "sim/world/world_name.hpp"

@@ -5,7 +5,7 @@
 
 #include "common/formats/input_file.hpp"
 #include "common/node/log.hpp"
-#include "modules/slam2d/map_file.hpp"
+#include "modules/slam2d/grid/map_file.hpp"
 #include "modules/slam2d/messages.hpp"
 #include "modules/slam2d/results.hpp"
 

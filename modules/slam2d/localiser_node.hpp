@@ -6,11 +6,11 @@
 
 #include "common/node/map_options.hpp"
 #include "common/node/node.hpp"
-#include "modules/slam2d/level_scan_reader.hpp"
-#include "modules/slam2d/localiser.hpp"
+#include "modules/slam2d/back_end/tracked_path.hpp"
+#include "modules/slam2d/localise/localiser.hpp"
 #include "modules/slam2d/map_publisher.hpp"
 #include "modules/slam2d/messages.hpp"
-#include "modules/slam2d/tracked_path.hpp"
+#include "modules/slam2d/scan/level_scan_reader.hpp"
 #include "nodmap/odometry_t.hpp"
 #include "nodmap/scan_t.hpp"
 

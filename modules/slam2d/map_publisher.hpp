@@ -7,7 +7,7 @@
 
 #include "common/bus/bus.hpp"
 #include "common/geometry/time.hpp"
-#include "modules/slam2d/occupancy_grid.hpp"
+#include "modules/slam2d/grid/occupancy_grid.hpp"
 
 namespace nodmap::slam2d {
 

@@ -3,8 +3,8 @@
 
 #include "common/geometry/time.hpp"
 #include "common/node/health.hpp"
-#include "modules/slam2d/back_end.hpp"
-#include "modules/slam2d/occupancy_grid.hpp"
+#include "modules/slam2d/back_end/back_end.hpp"
+#include "modules/slam2d/grid/occupancy_grid.hpp"
 #include "modules/slam2d/pose_update.hpp"
 #include "nodmap/grid_chunk_t.hpp"
 #include "nodmap/pose_graph_t.hpp"

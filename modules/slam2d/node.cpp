@@ -10,10 +10,10 @@
 #include "common/node/log.hpp"
 #include "common/node/messages.hpp"
 #include "common/node/results.hpp"
-#include "modules/slam2d/map_file.hpp"
+#include "modules/slam2d/back_end/saved_map_file.hpp"
+#include "modules/slam2d/grid/map_file.hpp"
 #include "modules/slam2d/messages.hpp"
 #include "modules/slam2d/results.hpp"
-#include "modules/slam2d/saved_map_file.hpp"
 
 namespace nodmap::slam2d {
 namespace {

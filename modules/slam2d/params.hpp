@@ -5,7 +5,7 @@
 
 #include "common/geometry/angle.hpp"
 #include "common/geometry/se2.hpp"
-#include "modules/slam2d/back_end_params.hpp"
+#include "modules/slam2d/back_end/back_end_params.hpp"
 
 namespace nodmap::slam2d {
 

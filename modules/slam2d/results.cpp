@@ -10,7 +10,7 @@
 #include "common/drawing/plan_view.hpp"
 #include "common/formats/tum.hpp"
 #include "common/node/results.hpp"
-#include "modules/slam2d/map_file.hpp"
+#include "modules/slam2d/grid/map_file.hpp"
 
 namespace nodmap::slam2d {
 namespace {

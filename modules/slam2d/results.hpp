@@ -8,10 +8,10 @@
 
 #include "common/drawing/image.hpp"
 #include "common/geometry/se2.hpp"
-#include "modules/slam2d/level_scan_input.hpp"
-#include "modules/slam2d/occupancy_grid.hpp"
+#include "modules/slam2d/back_end/tracked_path.hpp"
+#include "modules/slam2d/grid/occupancy_grid.hpp"
 #include "modules/slam2d/pose_update.hpp"
-#include "modules/slam2d/tracked_path.hpp"
+#include "modules/slam2d/scan/level_scan_input.hpp"
 
 namespace nodmap::slam2d {
 

@@ -9,21 +9,21 @@
 #include <utility>
 #include <vector>
 
-#include "modules/slam2d/back_end.hpp"
-#include "modules/slam2d/doubt.hpp"
-#include "modules/slam2d/hidden_view.hpp"
-#include "modules/slam2d/known_map.hpp"
-#include "modules/slam2d/level_scan.hpp"
-#include "modules/slam2d/localiser.hpp"
-#include "modules/slam2d/moving_points.hpp"
-#include "modules/slam2d/oriented_points.hpp"
+#include "modules/slam2d/back_end/back_end.hpp"
+#include "modules/slam2d/back_end/tracked_path.hpp"
+#include "modules/slam2d/front_end/doubt.hpp"
+#include "modules/slam2d/front_end/hidden_view.hpp"
+#include "modules/slam2d/front_end/moving_points.hpp"
+#include "modules/slam2d/front_end/place_search.hpp"
+#include "modules/slam2d/front_end/pose_covariance.hpp"
+#include "modules/slam2d/front_end/pose_guesses.hpp"
+#include "modules/slam2d/localise/known_map.hpp"
+#include "modules/slam2d/localise/localiser.hpp"
+#include "modules/slam2d/matching/point_map.hpp"
 #include "modules/slam2d/params.hpp"
-#include "modules/slam2d/place_search.hpp"
-#include "modules/slam2d/point_map.hpp"
-#include "modules/slam2d/pose_covariance.hpp"
-#include "modules/slam2d/pose_guesses.hpp"
 #include "modules/slam2d/pose_update.hpp"
-#include "modules/slam2d/tracked_path.hpp"
+#include "modules/slam2d/scan/level_scan.hpp"
+#include "modules/slam2d/scan/oriented_points.hpp"
 
 namespace nodmap::slam2d {
 

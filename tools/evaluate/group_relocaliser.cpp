@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "modules/slam2d/best_place.hpp"
+#include "modules/slam2d/matching/best_place.hpp"
 
 namespace nodmap::evaluate {
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <span>
 
-#include "modules/slam2d/relocaliser.hpp"
+#include "modules/slam2d/localise/relocaliser.hpp"
 
 namespace nodmap::evaluate {
 

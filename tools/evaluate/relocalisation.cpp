@@ -12,9 +12,9 @@
 #include "common/bus/event_log.hpp"
 #include "common/geometry/angle.hpp"
 #include "common/node/message_counts.hpp"
-#include "modules/slam2d/known_map.hpp"
-#include "modules/slam2d/level_scan_reader.hpp"
-#include "modules/slam2d/map_file.hpp"
+#include "modules/slam2d/grid/map_file.hpp"
+#include "modules/slam2d/localise/known_map.hpp"
+#include "modules/slam2d/scan/level_scan_reader.hpp"
 #include "tools/evaluate/group_relocaliser.hpp"
 #include "tools/evaluate/trajectory_error.hpp"
 

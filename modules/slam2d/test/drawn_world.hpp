@@ -14,8 +14,8 @@
 #include "common/geometry/se2.hpp"
 #include "common/geometry/time.hpp"
 #include "common/scan/scan.hpp"
-#include "modules/slam2d/occupancy_grid.hpp"
-#include "modules/slam2d/oriented_points.hpp"
+#include "modules/slam2d/grid/occupancy_grid.hpp"
+#include "modules/slam2d/scan/oriented_points.hpp"
 
 namespace nodmap::slam2d::test {
 

@@ -15,9 +15,9 @@
 
 #include "common/formats/atomic_file.hpp"
 #include "common/node/messages.hpp"
-#include "modules/slam2d/map_file.hpp"
+#include "modules/slam2d/back_end/saved_map_file.hpp"
+#include "modules/slam2d/grid/map_file.hpp"
 #include "modules/slam2d/node.hpp"
-#include "modules/slam2d/saved_map_file.hpp"
 #include "modules/slam2d/test/slam2d_node_fixture.hpp"
 #include "nodmap/save_request_t.hpp"
 #include "tests/support/data_dir.hpp"

@@ -16,8 +16,8 @@
 
 #include "common/formats/tum.hpp"
 #include "common/node/messages.hpp"
+#include "modules/slam2d/grid/map_file.hpp"
 #include "modules/slam2d/localiser_node.hpp"
-#include "modules/slam2d/map_file.hpp"
 #include "modules/slam2d/test/slam2d_node_fixture.hpp"
 #include "nodmap/clear_request_t.hpp"
 #include "nodmap/grid_chunk_t.hpp"

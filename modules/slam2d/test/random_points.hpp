@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "common/geometry/angle.hpp"
-#include "modules/slam2d/oriented_points.hpp"
+#include "modules/slam2d/scan/oriented_points.hpp"
 
 namespace nodmap::slam2d::test {
 

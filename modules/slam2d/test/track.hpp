@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "modules/slam2d/level_scan_input.hpp"
+#include "modules/slam2d/scan/level_scan_input.hpp"
 #include "modules/slam2d/slam2d.hpp"
 
 namespace nodmap::slam2d::test {

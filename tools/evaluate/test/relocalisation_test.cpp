@@ -8,7 +8,7 @@
 #include "common/bus/codec.hpp"
 #include "common/bus/event_log.hpp"
 #include "common/node/messages.hpp"
-#include "modules/slam2d/map_file.hpp"
+#include "modules/slam2d/grid/map_file.hpp"
 #include "modules/slam2d/test/drawn_world.hpp"
 #include "tests/support/data_dir.hpp"
 

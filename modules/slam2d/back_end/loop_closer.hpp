@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "modules/slam2d/back_end/submap.hpp"
+#include "modules/slam2d/back_end/submap_graph.hpp"
+#include "modules/slam2d/matching/correlative_match.hpp"
+#include "modules/slam2d/matching/scan_matcher.hpp"
+#include "modules/slam2d/params.hpp"
+
+namespace nodmap::slam2d {
+
+/// The attempt to recognise a keyframe in a submap that does not hold it.
+struct Loop {
+  std::size_t submap = 0;
+  std::size_t keyframe = 0;
+  geometry::SE2 T_submap_keyframe = {};
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< in the frame of the submap
+  double score = 0.0;  ///< of the match, 0..1; without a match it and the pose are zero
+  LoopState state = LoopState::kLowScore;  ///< by the match: kAccepted, kAmbiguous or kLowScore
+  bool is_contradicted = false;  ///< by what was seen: walls where the other saw free space
+};
+
+/// Recognises places: finds the pose of a scan in a submap with its information matrix, and decides
+/// which of several loops agree.
+class LoopCloser {
+ public:
+  LoopCloser(const LoopParams& params, const MatcherParams& matcher);
+
+  /// Matches from a pose that is known to be near.
+  [[nodiscard]] Loop track(const Submap& submap, std::span<const OrientedPoint> scan,
+                           const geometry::SE2& T_submap_base_guess) const;
+
+  /// The poses within a window at which a scan fits a submap: at most `max_places`, none with a
+  /// mean likelihood below `min_score`.
+  [[nodiscard]] CorrelativeMatch find(std::size_t submap_index, const Submap& submap,
+                                      std::span<const OrientedPoint> scan,
+                                      const SearchWindow& window, double min_score,
+                                      std::size_t max_places);
+
+  /// Finds the best match within a window.
+  [[nodiscard]] Loop search(std::size_t submap_index, const Submap& submap,
+                            std::span<const OrientedPoint> scan, const SearchWindow& window);
+
+  /// Keeps a loop that was found by a search. Through the present pose of its submap each loop
+  /// gives a pose of the newest keyframe; loops that give the same pose agree on the drift. Returns
+  /// the loops that agree with this one, and drops all others, once they come from
+  /// `consensus.min_keyframes` keyframes; otherwise returns none. Each keyframe whose loop is
+  /// contradicted raises the number needed by `min_keyframes`.
+  [[nodiscard]] std::vector<Loop> add_pending(const Loop& loop, std::span<const Submap> submaps,
+                                              std::span<const Keyframe> keyframes);
+
+  /// Forgets a submap and the keyframes from `first_keyframe` to before `end_keyframe`. The indices
+  /// of all after them move up.
+  void drop_submap(std::size_t dropped, std::size_t first_keyframe, std::size_t end_keyframe);
+
+ private:
+  struct CachedGrid {
+    std::size_t num_points = 0;
+    std::size_t last_use = 0;
+    LikelihoodGrid grid;
+  };
+  /// Accepts a match that fits, and is not far from the pose it started from. Submap and keyframe
+  /// are left to the caller.
+  [[nodiscard]] Loop loop_of(const Match& match, const geometry::SE2& T_submap_base_start,
+                             double min_inlier_ratio) const;
+  const LikelihoodGrid& grid_of(std::size_t submap_index, const Submap& submap);
+
+  LoopParams params_;
+  ScanMatcher matcher_;
+  std::map<std::size_t, CachedGrid> grids_;
+  std::size_t uses_ = 0;
+  std::vector<Loop> pending_;
+};
+
+}  // namespace nodmap::slam2d

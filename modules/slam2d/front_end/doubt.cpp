@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/slam2d/front_end/doubt.hpp"
+
+#include <algorithm>
+
+namespace nodmap::slam2d {
+namespace {
+
+// Greatest speed of a robot without odometry.
+constexpr double kMaxSpeedMps = 3.0;
+
+}  // namespace
+
+void Doubt::begin(double odometry_gap_s) {
+  reach_m_ = std::min(reach_m_ + kMaxSpeedMps * odometry_gap_s, params_.search_distance_m);
+}
+
+bool Doubt::update(const PoseUpdate& update, bool is_sure) {
+  const bool was_there = is_there();
+  if (update.state == PoseState::kLost) {
+    reach_m_ = params_.search_distance_m;
+  } else if (update.is_matched() && is_sure) {
+    reach_m_ = 0.0;
+  }
+  since_ = is_there() ? std::optional(since_.value_or(update.stamp)) : std::nullopt;
+  return was_there && !is_there();
+}
+
+void Doubt::end() {
+  reach_m_ = 0.0;
+  since_.reset();
+}
+
+}  // namespace nodmap::slam2d

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+
+#include "common/geometry/pose_history.hpp"
+#include "common/geometry/se2.hpp"
+#include "common/geometry/se3.hpp"
+#include "common/geometry/time.hpp"
+#include "common/scan/scan.hpp"
+#include "modules/slam2d/params.hpp"
+#include "modules/slam2d/scan/level_scan.hpp"
+#include "modules/slam2d/scan/level_scan_selector.hpp"
+#include "modules/slam2d/scan/oriented_points.hpp"
+
+namespace nodmap::slam2d {
+
+/// Rejected scans, by cause.
+struct ScanCounts {
+  std::int64_t not_level = 0;
+  std::int64_t without_odometry = 0;
+};
+
+/// Turns odometry and the scans of a nodding or level scanner into level scans. "... extracting
+/// exactly those 2D scans that have been taken in the horizontal position" (section IV A).
+class LevelScanInput {
+ public:
+  explicit LevelScanInput(const LevelScanParams& params) : selector_(params) {}
+
+  /// Takes a pose of base by odometry; ignores it when it is not finite.
+  ///
+  /// `has_restarted`: this pose is the first in another frame, because the publisher of odometry
+  /// was restarted. It is taken as the same place as the newest pose before, so the robot stays
+  /// where it was. Older odometry is dropped: no scan is placed between the two frames.
+  void add_odometry(time::Timestamp stamp, const geometry::SE3& T_published_base,
+                    bool has_restarted = false);
+
+  /// Takes the next scan. It completes a level scan, which is this scan or the previous one, or is
+  /// counted as not level. Ignores one that is implausible, which SensorInput counts.
+  void add_scan(const scan::Scan& scan);
+
+  /// The next level scan; valid until the next call. To be called after add_scan() until it returns
+  /// none. A level scan waits until odometry has come as far, for at most half a second. One that
+  /// is more than 50 ms from any odometry then is left out and counted.
+  [[nodiscard]] std::optional<LevelScan> next();
+
+  /// Leaves out and counts the level scans that still wait: no odometry comes for them.
+  void stop_waiting();
+
+  /// Whether the last level scan was left out for lack of odometry.
+  [[nodiscard]] bool lacks_odometry() const { return lacks_odometry_; }
+
+  /// The frame of the odometry that is published now, in that of LevelScan::T_odom_base.
+  [[nodiscard]] const geometry::SE2& T_odom_published() const { return T_odom_published_; }
+  [[nodiscard]] const ScanCounts& counts() const { return counts_; }
+
+ private:
+  [[nodiscard]] std::optional<LevelScan> place(const scan::Scan& scan);
+
+  LevelScanSelector selector_;
+  std::deque<scan::Scan> waiting_;  // level scans without odometry so far
+  time::Timestamp newest_scan_{};   // the end of the last one, level or not
+  bool lacks_odometry_ = false;
+  geometry::PoseHistory odometry_;  // as published, since the last restart
+  geometry::SE2 T_odom_published_;
+  std::optional<time::Timestamp> odometry_stamp_;  // the newest
+  double odometry_gap_s_ = 0.0;                    // the longest since the last level scan
+  bool odometry_has_restarted_ = false;            // since then
+  OrientedPointExtractor extractor_;
+  ScanCounts counts_;
+};
+
+}  // namespace nodmap::slam2d

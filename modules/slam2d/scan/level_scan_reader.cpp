@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/slam2d/scan/level_scan_reader.hpp"
+
+#include "common/node/messages.hpp"
+
+namespace nodmap::slam2d {
+
+void LevelScanReader::read(const nodmap::odometry_t& message) {
+  if (const auto T_odom_base = messages_.read(message)) {
+    input_.add_odometry(node::stamp_of(message), *T_odom_base, messages_.odometry_restarted());
+    counts_.use();
+  }
+}
+
+void LevelScanReader::read(const nodmap::scan_t& message) {
+  if (messages_.read(message, scan_)) {
+    scan_stamp_ = scan_.stamp;
+    input_.add_scan(scan_);
+  }
+}
+
+std::optional<LevelScan> LevelScanReader::next() {
+  std::optional<LevelScan> level_scan = input_.next();
+  reject_without_odometry();
+  return level_scan;
+}
+
+void LevelScanReader::finish() {
+  input_.stop_waiting();
+  reject_without_odometry();
+}
+
+void LevelScanReader::reject_without_odometry() {
+  counts_.reject("scan_without_odometry", input_.counts().without_odometry - without_odometry_);
+  without_odometry_ = input_.counts().without_odometry;
+}
+
+}  // namespace nodmap::slam2d

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/slam2d/scan/level_scan_input.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <vector>
+
+#include "modules/slam2d/test/drawn_world.hpp"
+
+namespace nodmap::slam2d {
+namespace level_scan_input_test {
+
+using geometry::SE2;
+
+class LevelScans : public testing::Test {
+ protected:
+  void put_odometry(time::Duration since_epoch, const SE2& pose, bool has_restarted = false) {
+    input_.add_odometry(time::Timestamp(since_epoch), geometry::to_se3(pose), has_restarted);
+  }
+  std::optional<LevelScan> scan_at(time::Duration since_epoch) {
+    input_.add_scan(scanner_.scan(test::room(), {}, time::Timestamp(since_epoch)));
+    return input_.next();
+  }
+
+  LevelScanInput input_{{}};
+  test::Scanner scanner_;
+};
+
+void expect_near(const SE2& a, const SE2& b) {
+  EXPECT_LT(distance_m(a, b), 1e-9);
+  EXPECT_LT(rotation_rad(a, b), 1e-9);
+}
+
+// The first pose of the new frame is the same place as the last of the old one.
+TEST_F(LevelScans, OdometryContinuesWhereItWasWhenItRestarts) {
+  const SE2 step{0.3, 0.1, 0.5};
+  SE2 expected{4.0, -7.0, 2.0};
+  put_odometry(0ms, expected);
+  for (const SE2& begin : {SE2{}, SE2{1.0, 2.0, -3.0}}) {  // restarts twice
+    const std::int64_t i = begin.x == 0.0 ? 1 : 3;
+    put_odometry(200ms * i, begin, true);
+    put_odometry(200ms * (i + 1), begin * step);
+    expected = expected * step;
+    const auto scan = scan_at(200ms * (i + 1));
+    ASSERT_TRUE(scan);
+    expect_near(scan->T_odom_base, expected);
+    expect_near(input_.T_odom_published() * (begin * step), expected);
+  }
+}
+
+// The scan after a restart says so, and the next one does not.
+TEST_F(LevelScans, OneLevelScanFollowsARestart) {
+  put_odometry(0ms, {});
+  EXPECT_FALSE(scan_at(0ms).value().odometry_has_restarted);
+  put_odometry(200ms, {1.0, 0.0, 0.0}, true);
+  EXPECT_TRUE(scan_at(200ms).value().odometry_has_restarted);
+  EXPECT_FALSE(scan_at(210ms).value().odometry_has_restarted);
+}
+
+TEST_F(LevelScans, NoScanIsPlacedBetweenTwoOdometryFrames) {
+  put_odometry(0ms, {3.0, 0.0, 0.0});
+  put_odometry(400ms, {}, true);
+  EXPECT_FALSE(scan_at(200ms));
+  EXPECT_EQ(input_.counts().without_odometry, 1);
+}
+
+TEST_F(LevelScans, ARestartBeforeAnyOdometryBeginsAtThePublishedPose) {
+  put_odometry(0ms, {3.0, 0.0, 1.0}, true);
+  const auto scan = scan_at(0ms);
+  ASSERT_TRUE(scan);
+  EXPECT_EQ(scan->T_odom_base.x, 3.0);
+  EXPECT_EQ(scan->T_odom_base.yaw, 1.0);
+}
+
+TEST_F(LevelScans, TheLongestGapInOdometrySinceTheLastLevelScanIsKnown) {
+  put_odometry(0ms, {});
+  put_odometry(700ms, {});
+  put_odometry(800ms, {});
+  EXPECT_EQ(scan_at(800ms).value().odometry_gap_s, 0.7);
+  EXPECT_EQ(scan_at(810ms).value().odometry_gap_s, 0.0);
+}
+
+// A level laser of 75 scans a second on a base that sends its pose 5 times a second.
+TEST_F(LevelScans, LevelScansWaitForSlowOdometry) {
+  constexpr double kSpeedMps = 1.0;
+  constexpr time::Duration kScanPeriod = 13ms;
+  constexpr time::Duration kOdometryPeriod = 200ms;
+  std::vector<time::Timestamp> placed;
+  const auto place_waiting = [&] {
+    while (const auto scan = input_.next()) {
+      placed.push_back(scan->stamp);
+      const double time_s = time::seconds(scan->stamp.time_since_epoch());
+      expect_near(scan->T_odom_base, {kSpeedMps * time_s, 0.0, 0.0});
+    }
+  };
+  time::Duration odometry = -kOdometryPeriod;
+  for (time::Duration now{}; now < 2s; now += kScanPeriod) {
+    for (; odometry <= now; odometry += kOdometryPeriod) {
+      put_odometry(odometry, {kSpeedMps * time::seconds(odometry), 0.0, 0.0});
+    }
+    input_.add_scan(scanner_.scan(test::room(), {}, time::Timestamp(now)));
+    place_waiting();
+  }
+  EXPECT_EQ(input_.counts().without_odometry, 0);
+  EXPECT_FALSE(input_.lacks_odometry());
+  EXPECT_TRUE(std::ranges::is_sorted(placed));
+  EXPECT_EQ(placed.back(), time::Timestamp(1846ms));  // 1.8 s of odometry and 50 ms, cut to a scan
+  EXPECT_EQ(placed.size(), 143U);
+}
+
+TEST_F(LevelScans, AScanForWhichNoOdometryComesIsCountedAfterHalfASecond) {
+  put_odometry(0ms, {});
+  EXPECT_FALSE(scan_at(100ms));
+  EXPECT_FALSE(scan_at(590ms));
+  EXPECT_EQ(input_.counts().without_odometry, 0);
+  EXPECT_FALSE(scan_at(620ms));
+  EXPECT_EQ(input_.counts().without_odometry, 1);
+  EXPECT_TRUE(input_.lacks_odometry());
+  input_.stop_waiting();
+  EXPECT_EQ(input_.counts().without_odometry, 3);
+  put_odometry(700ms, {});
+  EXPECT_TRUE(scan_at(700ms));
+  EXPECT_FALSE(input_.lacks_odometry());
+}
+
+TEST_F(LevelScans, OdometryThatIsNotFiniteIsIgnored) {
+  put_odometry(0ms, {std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0});
+  EXPECT_FALSE(scan_at(0ms));
+}
+
+TEST_F(LevelScans, OdometryThatIsNotFiniteIsIgnoredWhenItRestartsAsWell) {
+  put_odometry(0ms, {4.0, -7.0, 2.0});
+  put_odometry(200ms, {std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0}, true);
+  put_odometry(400ms, {}, true);
+  const auto scan = scan_at(400ms);
+  ASSERT_TRUE(scan);
+  expect_near(scan->T_odom_base, {4.0, -7.0, 2.0});
+}
+
+}  // namespace level_scan_input_test
+}  // namespace nodmap::slam2d
