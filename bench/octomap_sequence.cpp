@@ -21,7 +21,7 @@
 
 #include "bench/timing.hpp"
 #include "common/geometry/se3.hpp"
-#include "modules/slam6d/occupancy_map.hpp"
+#include "modules/slam6d/occupancy/occupancy_map.hpp"
 #include "tests/support/cloud_file.hpp"
 
 namespace {

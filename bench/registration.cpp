@@ -7,7 +7,7 @@
 // NAME_inite.txt (easy). `sequence` tracks the clouds NNN.bin with the odometry NNN_odo.txt. The
 // true poses are in *_gt.txt. `generate` writes such folders (DIR/pairs, DIR/seq) from a simulated
 // floor.
-#include "modules/slam6d/registration.hpp"
+#include "modules/slam6d/registration/registration.hpp"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -29,7 +29,7 @@
 #include "bench/timing.hpp"
 #include "common/geometry/angle.hpp"
 #include "common/params/params.hpp"
-#include "modules/slam6d/heading_search.hpp"
+#include "modules/slam6d/registration/heading_search.hpp"
 #include "modules/slam6d/slam6d.hpp"
 #include "tests/support/cloud_file.hpp"
 

@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "modules/slam6d/registration.hpp"
+#include "modules/slam6d/registration/registration.hpp"
 
 namespace nodmap::slam6d {
 

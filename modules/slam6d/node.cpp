@@ -17,10 +17,10 @@
 #include "common/node/log.hpp"
 #include "common/node/messages.hpp"
 #include "common/node/results.hpp"
+#include "modules/slam6d/back_end/saved_map_file.hpp"
 #include "modules/slam6d/messages.hpp"
-#include "modules/slam6d/octree_grid.hpp"
+#include "modules/slam6d/occupancy/octree_grid.hpp"
 #include "modules/slam6d/results.hpp"
-#include "modules/slam6d/saved_map_file.hpp"
 #include "nodmap/octomap_chunk_t.hpp"
 
 namespace nodmap::slam6d {

@@ -16,7 +16,7 @@
 #include "common/node/message_counts.hpp"
 #include "common/node/node.hpp"
 #include "common/node/sensor_input.hpp"
-#include "modules/slam6d/occupancy_mapper.hpp"
+#include "modules/slam6d/occupancy/occupancy_mapper.hpp"
 #include "modules/slam6d/params.hpp"
 #include "modules/slam6d/pose_update.hpp"
 #include "modules/slam6d/slam6d.hpp"

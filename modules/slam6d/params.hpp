@@ -4,20 +4,20 @@
 #include <optional>
 
 #include "common/geometry/angle.hpp"
-#include "modules/slam6d/cloud_tracer.hpp"
-#include "modules/slam6d/corrected_poses.hpp"
-#include "modules/slam6d/ever_free_space.hpp"
-#include "modules/slam6d/localiser.hpp"
-#include "modules/slam6d/loop_closer.hpp"
-#include "modules/slam6d/odometry_calibration.hpp"
-#include "modules/slam6d/odometry_prior.hpp"
-#include "modules/slam6d/pitch_latency.hpp"
-#include "modules/slam6d/plane_adjustment.hpp"
+#include "modules/slam6d/back_end/loop_closer.hpp"
+#include "modules/slam6d/back_end/plane_adjustment.hpp"
+#include "modules/slam6d/localise/localiser.hpp"
+#include "modules/slam6d/model/voxel_map.hpp"
+#include "modules/slam6d/occupancy/cloud_tracer.hpp"
+#include "modules/slam6d/occupancy/ever_free_space.hpp"
 #include "modules/slam6d/pose_update.hpp"
-#include "modules/slam6d/registration.hpp"
-#include "modules/slam6d/sweep_cloud.hpp"
-#include "modules/slam6d/sweep_segmenter.hpp"
-#include "modules/slam6d/voxel_map.hpp"
+#include "modules/slam6d/registration/registration.hpp"
+#include "modules/slam6d/sweep/sweep_cloud.hpp"
+#include "modules/slam6d/sweep/sweep_segmenter.hpp"
+#include "modules/slam6d/tracking/corrected_poses.hpp"
+#include "modules/slam6d/tracking/odometry_calibration.hpp"
+#include "modules/slam6d/tracking/odometry_prior.hpp"
+#include "modules/slam6d/tracking/pitch_latency.hpp"
 
 namespace nodmap::slam6d {
 

@@ -7,8 +7,8 @@
 
 #include "common/geometry/se3.hpp"
 #include "common/geometry/time.hpp"
-#include "modules/slam6d/matrix6d.hpp"
-#include "modules/slam6d/registration.hpp"
+#include "modules/slam6d/registration/matrix6d.hpp"
+#include "modules/slam6d/registration/registration.hpp"
 
 namespace nodmap::slam6d {
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "modules/slam6d/voxel_grid.hpp"
+#include "modules/slam6d/model/voxel_grid.hpp"
 
 namespace nodmap::slam6d {
 namespace {

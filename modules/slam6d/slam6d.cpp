@@ -6,9 +6,9 @@
 #include <memory>
 #include <utility>
 
-#include "modules/slam6d/adjusted_sweeps.hpp"
-#include "modules/slam6d/odometry_prior.hpp"
-#include "modules/slam6d/plane_adjustment.hpp"
+#include "modules/slam6d/back_end/adjusted_sweeps.hpp"
+#include "modules/slam6d/back_end/plane_adjustment.hpp"
+#include "modules/slam6d/tracking/odometry_prior.hpp"
 
 namespace nodmap::slam6d {
 namespace {

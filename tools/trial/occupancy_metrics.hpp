@@ -10,7 +10,7 @@
 #include "common/formats/octomap_file.hpp"
 #include "common/geometry/se3.hpp"
 #include "common/scan/scan.hpp"
-#include "modules/slam6d/cloud_tracer.hpp"
+#include "modules/slam6d/occupancy/cloud_tracer.hpp"
 #include "sim/world/world.hpp"
 
 namespace nodmap::trial {

@@ -12,10 +12,10 @@
 
 #include "common/geometry/angle.hpp"
 #include "common/geometry/se3.hpp"
-#include "modules/slam6d/keyframe.hpp"
-#include "modules/slam6d/sweep_cloud.hpp"
+#include "modules/slam6d/back_end/keyframe.hpp"
+#include "modules/slam6d/model/voxel_map.hpp"
+#include "modules/slam6d/sweep/sweep_cloud.hpp"
 #include "modules/slam6d/test/room.hpp"
-#include "modules/slam6d/voxel_map.hpp"
 
 namespace nodmap::slam6d {
 

@@ -12,8 +12,8 @@
 #include <span>
 #include <vector>
 
+#include "modules/slam6d/model/voxel_grid.hpp"
 #include "modules/slam6d/test/room.hpp"
-#include "modules/slam6d/voxel_grid.hpp"
 
 namespace nodmap::slam6d {
 namespace slam6d_test {

@@ -11,7 +11,7 @@
 #include "common/formats/ply.hpp"
 #include "common/geometry/pose_history.hpp"
 #include "common/node/messages.hpp"
-#include "modules/slam6d/sweep_cloud.hpp"
+#include "modules/slam6d/sweep/sweep_cloud.hpp"
 #include "sim/world/world_file.hpp"
 #include "tests/support/data_dir.hpp"
 #include "tools/evaluate/cloud_error.hpp"

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/slam6d/registration/inliers.hpp"
+
+#include <algorithm>
+#include <cstddef>
+
+namespace nodmap::slam6d {
+namespace {
+
+// With fewer upright points than this, their ratio means nothing.
+constexpr std::size_t kMinUprightPoints = 100;
+
+struct InlierCount {
+  std::size_t points = 0;
+  std::size_t inliers = 0;
+
+  void add(bool is_inlier) {
+    ++points;
+    inliers += is_inlier ? 1 : 0;
+  }
+  [[nodiscard]] double ratio() const {
+    return static_cast<double>(inliers) / static_cast<double>(std::max<std::size_t>(1, points));
+  }
+};
+
+}  // namespace
+
+InlierRatios count_inliers(const VoxelMap::Selection& sweep, const CorrespondenceSearch& map,
+                           const geometry::SE3& T_map_base, double max_m) {
+  const Eigen::Matrix3f R = T_map_base.linear().cast<float>();
+  const Eigen::Vector3f t = T_map_base.translation().cast<float>();
+  InlierCount all;
+  InlierCount upright;
+  for (std::size_t l = 0; l < VoxelMap::kLevels; ++l) {
+    for (std::size_t i = sweep.first_of_level[l]; i < sweep.first_of_level[l + 1]; ++i) {
+      const OrientedPoint& point = sweep.points[i];
+      const Eigen::Vector3f p_map = R * point.p + t;
+      const Eigen::Vector3f normal_map = R * point.normal;
+      const bool is_inlier =
+          map.fit(l, p_map, normal_map, static_cast<float>(max_m)) == FitToPlane::kOn;
+      all.add(is_inlier);
+      if (is_upright(normal_map.z())) {
+        upright.add(is_inlier);
+      }
+    }
+  }
+  return {.all = all.ratio(),
+          .upright = upright.points < kMinUprightPoints ? all.ratio() : upright.ratio()};
+}
+
+}  // namespace nodmap::slam6d
