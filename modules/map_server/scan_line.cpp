@@ -51,6 +51,8 @@ ScanLine::ScanLine(const scan::Scan& scan) : scan_(&scan) {
   last_plane_ = laser_plane(scan, scan.pitch_last_rad);
   beams_per_rad_ = 1.0 / std::abs(scan.angle_step_rad);
   last_beam_ = static_cast<double>(scan.ranges_m.size()) - 1.0;
+  closes_the_circle_ = std::abs((last_beam_ + 1.0) * std::abs(scan.angle_step_rad) -
+                                2.0 * geometry::kPi) < 0.5 * std::abs(scan.angle_step_rad);
 }
 
 std::optional<ScanLine::Crossing> ScanLine::crossing_at(const Eigen::Vector2d& p_base) const {
@@ -67,30 +69,37 @@ std::optional<ScanLine::Crossing> ScanLine::crossing_at(const Eigen::Vector2d& p
   while (from_first_rad < 0.0) {  // at most twice: the first beam is within 2 pi of 0
     from_first_rad += 2.0 * geometry::kPi;
   }
-  const double place = from_first_rad * beams_per_rad_;
-  if (!(place <= last_beam_)) {
-    return std::nullopt;
+  while (from_first_rad >= 2.0 * geometry::kPi) {
+    from_first_rad -= 2.0 * geometry::kPi;
   }
+  const double beams = from_first_rad * beams_per_rad_;  // from the first beam
   Crossing crossing;
-  crossing.beam =
-      std::min(static_cast<std::size_t>(static_cast<int>(place)), scan_->ranges_m.size() - 2);
-  crossing.between = place - static_cast<double>(crossing.beam);
-  crossing.height_m = z_first + place / last_beam_ * (z_last - z_first);
+  if (beams <= last_beam_) {
+    crossing.beam =
+        std::min(static_cast<std::size_t>(static_cast<int>(beams)), scan_->ranges_m.size() - 2);
+    crossing.next = crossing.beam + 1;
+  } else if (closes_the_circle_) {
+    crossing.beam = scan_->ranges_m.size() - 1;
+  } else {
+    return std::nullopt;  // NaN, too
+  }
+  crossing.between = std::min(beams - static_cast<double>(crossing.beam), 1.0);
+  crossing.height_m = z_first + std::min(beams / last_beam_, 1.0) * (z_last - z_first);
   sight.z() = crossing.height_m - sensor_origin_.z();
   crossing.range_m = sight.norm();
   return crossing;
 }
 
 std::optional<double> ScanLine::measured_range_m(const Crossing& crossing) const {
-  const std::size_t nearer = crossing.between < 0.5 ? crossing.beam : crossing.beam + 1;
+  const std::size_t nearer = crossing.between < 0.5 ? crossing.beam : crossing.next;
   if (!scan_->is_hit(nearer)) {
     return std::nullopt;
   }
   const auto r1 = static_cast<double>(scan_->ranges_m[crossing.beam]);
-  const auto r2 = static_cast<double>(scan_->ranges_m[crossing.beam + 1]);
+  const auto r2 = static_cast<double>(scan_->ranges_m[crossing.next]);
   const double widest = kCotangentOfGrazing * std::abs(scan_->angle_step_rad) * std::min(r1, r2);
-  const bool one_surface = scan_->is_hit(crossing.beam) && scan_->is_hit(crossing.beam + 1) &&
-                           std::abs(r1 - r2) <= widest;
+  const bool one_surface =
+      scan_->is_hit(crossing.beam) && scan_->is_hit(crossing.next) && std::abs(r1 - r2) <= widest;
   if (!one_surface) {
     return static_cast<double>(scan_->ranges_m[nearer]);
   }

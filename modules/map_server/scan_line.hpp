@@ -26,8 +26,9 @@ class ScanLine {
  public:
   /// Where the scan crosses a point on the ground: between which beams, and at which height.
   struct Crossing {
-    std::size_t beam = 0;   ///< the point is between this beam and the next
-    double between = 0.0;   ///< fraction: 0 on this beam, 1 on the next
+    std::size_t beam = 0;   ///< the point is between this beam
+    std::size_t next = 0;   ///< and this one: the first again after the last beam of a full circle
+    double between = 0.0;   ///< fraction: 0 on `beam`, 1 on `next`
     double range_m = 0.0;   ///< from the mirror to the point, in the laser plane
     double height_m = 0.0;  ///< of the laser plane above the point, in base
   };
@@ -45,14 +46,14 @@ class ScanLine {
   /// Whether the beams on BOTH sides reach farther than `range_m`. One beam alone proves nothing:
   /// it may graze the wall that the point belongs to.
   [[nodiscard]] bool both_reach_beyond(const Crossing& crossing, double range_m) const {
-    return reaches_beyond(crossing.beam, range_m) && reaches_beyond(crossing.beam + 1, range_m);
+    return reaches_beyond(crossing.beam, range_m) && reaches_beyond(crossing.next, range_m);
   }
 
   /// Whether one of the two beams ends before the point and the other reaches beyond it.
   [[nodiscard]] bool ends_on_either_side(const Crossing& crossing) const {
-    return scan_->is_hit(crossing.beam) && scan_->is_hit(crossing.beam + 1) &&
+    return scan_->is_hit(crossing.beam) && scan_->is_hit(crossing.next) &&
            reaches_beyond(crossing.beam, crossing.range_m) !=
-               reaches_beyond(crossing.beam + 1, crossing.range_m);
+               reaches_beyond(crossing.next, crossing.range_m);
   }
 
  private:
@@ -66,6 +67,7 @@ class ScanLine {
   std::optional<SlantedPlane> last_plane_;   // and of the last: the pitch changes during a scan
   double beams_per_rad_ = 0.0;
   double last_beam_ = 0.0;
+  bool closes_the_circle_ = false;  // one step after the last beam is the first one
 };
 
 }  // namespace nodmap::map_server

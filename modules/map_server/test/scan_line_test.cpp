@@ -5,6 +5,7 @@
 
 #include <limits>
 #include <random>
+#include <tuple>
 
 namespace nodmap::map_server {
 namespace scan_line_test {
@@ -48,6 +49,47 @@ TEST(ScanLine, FindsTheBeamOverAPlace) {
                 2e-6 / deg_to_rad(1));
     EXPECT_NEAR(crossing->range_m, r, 1e-9);
     EXPECT_NEAR(crossing->height_m, p.z(), 1e-9);
+  }
+}
+
+// Between the last and the first beam of a full circle there is no gap.
+TEST(ScanLine, AFullCircleHasNoSeam) {
+  for (const auto& [first_deg, step_deg, beams] :
+       {std::tuple{0.0, 1.0, 360}, std::tuple{-180.0, 1.0, 360}, std::tuple{0.0, -0.5, 720}}) {
+    scan::Scan scan = fan(0, 0, 5.0);
+    scan.angle_first_rad = deg_to_rad(first_deg);
+    scan.angle_step_rad = deg_to_rad(step_deg);
+    scan.ranges_m.assign(static_cast<std::size_t>(beams), 5.0F);
+    scan.ranges_m.front() = 3.0F;
+    const double seam_rad = scan.angle_first_rad - 0.25 * scan.angle_step_rad;
+    const Eigen::Vector3d p =
+        scan.T_base_mount * (scan.mirror_offset_m + 2.0 * scan::beam_direction(seam_rad, 0.0));
+    const ScanLine line(scan);
+    const auto crossing = line.crossing_at(p.head<2>());
+    ASSERT_TRUE(crossing) << first_deg;
+    EXPECT_EQ(crossing->beam, scan.ranges_m.size() - 1);
+    EXPECT_EQ(crossing->next, 0U);
+    EXPECT_NEAR(crossing->between, 0.75, 1e-3);
+    EXPECT_NEAR(crossing->range_m, 2.0, 1e-9);
+    EXPECT_NEAR(line.measured_range_m(*crossing).value(), 3.0, 1e-6);  // of the nearer beam
+    EXPECT_TRUE(line.both_reach_beyond(*crossing, 2.0));
+  }
+}
+
+// Angles may be counted from -270 degrees as well.
+TEST(ScanLine, AFanThatBeginsBeyondHalfATurnIsTheSame) {
+  const scan::Scan same = fan(0, 0, 5.0);
+  for (const double turns : {-1.0, 1.0}) {
+    scan::Scan scan = same;
+    scan.angle_first_rad += turns * deg_to_rad(360);
+    for (std::size_t beam = 0; beam < 180; beam += 20) {
+      const Eigen::Vector2d p =
+          (0.5 * (scan::point_in_base(same, beam, 4.0) + scan::point_in_base(same, beam + 1, 4.0)))
+              .head<2>();
+      const auto crossing = ScanLine(scan).crossing_at(p);
+      ASSERT_TRUE(crossing) << beam;
+      EXPECT_EQ(crossing->beam, beam);
+    }
   }
 }
 
@@ -114,7 +156,7 @@ TEST(ScanLine, BothBeamsMustReachBeyond) {
   scan::Scan scan = fan(0, 0, 5.0);
   scan.ranges_m[90] = 1.0F;
   const auto beyond = [&](std::size_t beam) {
-    return ScanLine(scan).both_reach_beyond({beam, 0.5, 2.0, 0.3}, 2.1);
+    return ScanLine(scan).both_reach_beyond({beam, beam + 1, 0.5, 2.0, 0.3}, 2.1);
   };
   EXPECT_FALSE(beyond(89));
   EXPECT_FALSE(beyond(90));
