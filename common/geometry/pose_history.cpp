@@ -48,8 +48,8 @@ std::optional<SE3> PoseHistory::at(time::Timestamp stamp) const {
 }
 
 bool PoseHistory::is_awaited(time::Timestamp stamp, time::Timestamp now) const {
-  return !samples_.empty() && stamp > samples_.back().stamp + max_extrapolation_ &&
-         std::chrono::abs(now - stamp) <= kLongestWait;
+  return !samples_.empty() && stamp > samples_.back().stamp + max_extrapolation_ && now >= stamp &&
+         now - stamp <= kLongestWait;
 }
 
 std::optional<SE3> PoseHistory::newest() const {

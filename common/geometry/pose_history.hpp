@@ -30,7 +30,9 @@ class PoseHistory {
 
   /// Whether a measurement at a time should wait for its pose: it is too far beyond the newest
   /// sample, and newer ones may still come. They do within half a second (`now` is the time of the
-  /// newest measurement) at 5 samples a second, even if one is lost. Not without any sample.
+  /// newest measurement) at 5 samples a second, even if one is lost. Not without any sample, nor
+  /// if `now` is before the measurement: the clock was set back, and samples of the new time do not
+  /// tell it.
   [[nodiscard]] bool is_awaited(time::Timestamp stamp, time::Timestamp now) const;
 
   /// The sample with the latest stamp.

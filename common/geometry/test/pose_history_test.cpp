@@ -65,8 +65,9 @@ TEST(PoseHistory, APoseIsAwaitedUntilSamplesReachItButNotForever) {
   EXPECT_TRUE(history.is_awaited(at(1051ms), at(1051ms)));
   EXPECT_TRUE(history.is_awaited(at(1051ms), at(1551ms)));
   EXPECT_FALSE(history.is_awaited(at(1051ms), at(1552ms)));
-  EXPECT_FALSE(history.is_awaited(at(9s), at(8s)));    // the clock stepped back
-  EXPECT_FALSE(history.is_awaited(at(-9s), at(-9s)));  // too old: no sample will tell it
+  EXPECT_FALSE(history.is_awaited(at(9s), at(8s)));         // the clock stepped back
+  EXPECT_FALSE(history.is_awaited(at(1051ms), at(700ms)));  // by little
+  EXPECT_FALSE(history.is_awaited(at(-9s), at(-9s)));       // too old: no sample will tell it
   history.add(at(1200ms), at_x(1));
   EXPECT_FALSE(history.is_awaited(at(1051ms), at(1200ms)));
 }
