@@ -60,8 +60,8 @@ NodLine parse_slice(Fields fields) {
   scan.ranges_m = fields.numbers(num_beams);
   for (float& range : scan.ranges_m) {
     const double range_m = 0.01 * static_cast<double>(range);
-    range = range_m < kSickIndoorRangeMaxM ? static_cast<float>(range_m)
-                                           : std::numeric_limits<float>::infinity();
+    range = range_m >= kSickIndoorRangeMaxM ? std::numeric_limits<float>::infinity()
+                                            : static_cast<float>(range_m);  // NaN stays NaN
   }
   return checked<NodSlice>(fields, std::move(scan));
 }

@@ -34,6 +34,16 @@ TEST(Nod, SlicesCountUpwardsFromTheRightInCentimetres) {
                   .isApprox(Eigen::Vector3d(std::sqrt(3.0), 0.0, 1.0), 1e-12));
 }
 
+// Free space removes obstacles from maps, so only a reading may say that it is free.
+TEST(Nod, AMissingReadingOfASliceIsNotFreeSpace) {
+  const NodLine line = parse_nod_line("SLICE 0 -10 4 0 1 100 nan inf 3300");
+  const auto* slice = std::get_if<NodSlice>(&line);
+  ASSERT_NE(slice, nullptr);
+  EXPECT_TRUE(std::isnan(slice->scan.ranges_m[1]));
+  EXPECT_TRUE(std::isinf(slice->scan.ranges_m[2]));
+  EXPECT_TRUE(std::isinf(slice->scan.ranges_m[3]));
+}
+
 TEST(Nod, DamagedLinesAreUnreadable) {
   for (const char* line :
        {"NOD", "NOD 1.0 30 3 -1.5 1.5 0.02 5.6 1 2", "NOD 1.0 30 2 -1.5 1.5 0.02 5.6 1 2 3",
