@@ -42,6 +42,7 @@ void Logger::run() {
 int Logger::work(std::chrono::milliseconds wait) {
   const int handled = bus_.handle(wait);
   recorder_.tick();
+  count_dropped();
   status_.publish_if_due(recorder_.health());
   return handled;
 }
@@ -52,9 +53,13 @@ void Logger::take(const bus::LiveBus::RawMessage& message) {
   if (!filter_.wants(message.channel)) {
     return;
   }
-  const std::int64_t dropped_before = recorder_.counts().dropped;
   recorder_.record(message.received, message.channel, message.data);
-  counts_.reject("no_room", recorder_.counts().dropped - dropped_before);
+}
+
+// Events are lost when they are recorded and when they are flushed.
+void Logger::count_dropped() {
+  counts_.reject("no_room", recorder_.counts().dropped - dropped_);
+  dropped_ = recorder_.counts().dropped;
 }
 
 // Records everything that this host received before the signal.

@@ -36,6 +36,7 @@ class Logger : private boost::noncopyable {
  private:
   int work(std::chrono::milliseconds wait);
   void take(const bus::LiveBus::RawMessage& message);
+  void count_dropped();
   void drain();
 
   time::SystemClock clock_;
@@ -45,6 +46,7 @@ class Logger : private boost::noncopyable {
   bus::LiveBus bus_;
   Recorder recorder_;
   node::StatusReporter status_;
+  std::int64_t dropped_ = 0;  // counted so far
   time::Timestamp newest_{};  // when the newest event was received
 };
 
