@@ -57,6 +57,8 @@ class LogPlayer : public Bus {
   [[nodiscard]] time::Timestamp now() const { return first_ + position_; }
   /// Time of the event being delivered; the epoch before the first.
   [[nodiscard]] time::Timestamp event_time() const { return event_time_; }
+  /// The log time of this event as it stands in its file, where it may step.
+  [[nodiscard]] time::Timestamp logged_time() const { return logged_.value_or(time::Timestamp{}); }
   [[nodiscard]] bool at_end() const { return position_ >= duration(); }
 
  private:

@@ -45,7 +45,7 @@ void export_mcap(const std::filesystem::path& log, const std::filesystem::path& 
     writer.add_channel({topic.name, topic.schema_name, foxglove::schema_text(topic.schema_name)});
   }
   store.listen([&](std::size_t topic, foxglove::Post& post) {
-    writer.write(static_cast<std::uint16_t>(topic), nanoseconds(player.event_time()),
+    writer.write(static_cast<std::uint16_t>(topic), nanoseconds(player.logged_time()),
                  nanoseconds(post.stamp()), post.text());
   });
   (void)player.seek(player.duration());

@@ -11,8 +11,11 @@
 #include <stdexcept>
 #include <string>
 
+#include "common/bus/codec.hpp"
+#include "common/bus/event_log.hpp"
 #include "modules/viewer/foxglove/test/robot_log.hpp"
 #include "modules/viewer/foxglove/test/robot_messages.hpp"
+#include "nodmap/odometry_t.hpp"
 #include "tests/support/data_dir.hpp"
 #include "tools/convert/mcap_export.hpp"
 #include "tools/convert/mcap_writer.hpp"
@@ -231,6 +234,26 @@ TEST(McapExport, HoldsEveryMessageOfTheLog) {
   }
   EXPECT_EQ(file.count_in_statistics, num_messages);
   EXPECT_EQ(file.num_indexed, num_messages);
+}
+
+// A pause of an hour, which playing skips.
+TEST(McapExport, KeepsTheLogTimesAfterAPause) {
+  const nodmap::test::TemporaryDir dir;
+  {
+    bus::LogWriter log(dir.path() / "a.lcmlog");
+    std::vector<std::byte> bytes;
+    for (const std::int64_t utime_us : {1'000'000'000LL, 1'001'000'000LL, 4'600'000'000LL}) {
+      nodmap::odometry_t message{};
+      message.utime = utime_us;
+      message.orientation[0] = 1.0;
+      bus::encode_into(bytes, message);
+      ASSERT_TRUE(log.write(utime_us, "ODOMETRY", bytes));
+    }
+  }
+  export_mcap(dir.path() / "a.lcmlog", dir.path() / "a.mcap");
+  const auto messages = read(dir.path() / "a.mcap").messages.at("ODOMETRY");
+  ASSERT_EQ(messages.size(), 3U);
+  EXPECT_EQ(messages.back().first, 4'600'000'000'000U);
 }
 
 // The field of a message that a panel of a layout names: "SCAN.angle_step_rad".
