@@ -83,7 +83,8 @@ def main():
     lines += ["", "/// Every message type there is, for what looks into any log.", "[[nodiscard]] inline std::span<const MessageType> message_types() {",
               "  static const MessageType kTypes[] = {"]
     for struct in structs:
-        lines.append(f'      {{"{struct.full_name}", {struct.cpp_name}::getHash(), WireLayout<{struct.cpp_name}>::kFields}},')
+        begins_with_utime = str(struct.fields[0][:2] == ("int64_t", "utime")).lower()
+        lines.append(f'      {{"{struct.full_name}", {struct.cpp_name}::getHash(), WireLayout<{struct.cpp_name}>::kFields, {begins_with_utime}}},')
     lines += ["  };", "  return kTypes;", "}", "", "}  // namespace nodmap::bus", ""]
     arguments.output.parent.mkdir(parents=True, exist_ok=True)
     arguments.output.write_text("\n".join(lines))

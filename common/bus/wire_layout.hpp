@@ -40,6 +40,7 @@ struct MessageType {
   std::string_view name;  ///< as in the .lcm file: nodmap.scan_t
   std::int64_t fingerprint = 0;
   std::span<const WireField> fields;
+  bool begins_with_utime = false;  ///< its first member is the time of measurement, us
 };
 
 /// Whether `bytes` (without the fingerprint) are exactly one message of this layout: no negative

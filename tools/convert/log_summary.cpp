@@ -32,7 +32,7 @@ std::string type_name(const bus::MessageType* type, std::span<const std::byte> m
   return text;
 }
 
-// The time of measurement, with which each of our messages begins.
+// The time of measurement, with which most of our messages begin.
 time::Timestamp measured(std::span<const std::byte> message) {
   return time::from_utime(bus::fingerprint_of(message.subspan(bus::kFingerprintBytes)));
 }
@@ -64,6 +64,9 @@ void LogSummary::add(const bus::LogEvent& event) {
   }
   if (!bus::fits_layout(type->fields, event.data.subspan(bus::kFingerprintBytes))) {
     ++channel.corrupt;
+    return;
+  }
+  if (!type->begins_with_utime) {
     return;
   }
   channel.steps_back += measured(event.data) < channel.last_measured ? 1 : 0;

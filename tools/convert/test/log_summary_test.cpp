@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "common/bus/codec.hpp"
+#include "nodmap/loop_2d_t.hpp"
 #include "nodmap/odometry_t.hpp"
 #include "nodmap/status_t.hpp"
 #include "tests/support/data_dir.hpp"
@@ -50,6 +51,21 @@ class LogSummaryTest : public testing::Test {
   test::TemporaryDir dir_;
   std::filesystem::path log_ = dir_.path() / "a.lcmlog";
 };
+
+// In a saved map a loop begins with the number of a submap.
+TEST_F(LogSummaryTest, AMessageWithoutATimeDoesNotStepBack) {
+  {
+    bus::LogWriter writer(log_);
+    for (const std::int32_t submap : {9, 2, 5}) {
+      nodmap::loop_2d_t loop{};
+      loop.from_submap = submap;
+      ASSERT_TRUE(writer.write(1'000'000, "LOOP_2D", encoded(loop)));
+    }
+  }
+  const ChannelSummary loops = summarize_log(log_).channels.at("LOOP_2D");
+  EXPECT_EQ(loops.corrupt, 0);
+  EXPECT_EQ(loops.steps_back, 0);
+}
 
 // As in two recordings, one behind the other in a file.
 TEST_F(LogSummaryTest, ALogWhoseTimeStepsBackHasADuration) {
