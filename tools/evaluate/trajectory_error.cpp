@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/evaluate/trajectory_error.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
 #include <algorithm>
@@ -38,6 +39,16 @@ geometry::SE3 align_first_pose(const std::vector<PosePair>& pairs) {
   return pairs.front().T_truth_base * pairs.front().T_map_base.inverse();
 }
 
+// Whether noise could decide the rotation about a path, because it departs from a straight line by
+// less than a hundredth of its length.
+bool is_straight(const Eigen::Matrix3Xd& p) {
+  const Eigen::Matrix3Xd centred = p.colwise() - p.rowwise().mean();
+  const Eigen::Vector3d spread =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(centred * centred.transpose()).eigenvalues();
+  return spread(1) < 1e-4 * spread(2);
+}
+
+// The motion of a straight path is looked for in the plane only: its vertical axis is known.
 geometry::SE3 align_least_squares(const std::vector<PosePair>& pairs) {
   const auto n = static_cast<Eigen::Index>(pairs.size());
   Eigen::Matrix3Xd p_map(3, n);
@@ -47,7 +58,17 @@ geometry::SE3 align_least_squares(const std::vector<PosePair>& pairs) {
     p_map.col(i) = pair.T_map_base.translation();
     p_truth.col(i) = pair.T_truth_base.translation();
   }
-  return geometry::SE3(Eigen::umeyama(p_map, p_truth, false));
+  if (!is_straight(p_map) && !is_straight(p_truth)) {
+    return geometry::SE3(Eigen::umeyama(p_map, p_truth, false));
+  }
+  const Eigen::Vector3d mean_map = p_map.rowwise().mean();
+  const Eigen::Vector3d mean_truth = p_truth.rowwise().mean();
+  const Eigen::Matrix3d cross =
+      (p_truth.colwise() - mean_truth) * (p_map.colwise() - mean_map).transpose();
+  const double yaw = std::atan2(cross(1, 0) - cross(0, 1), cross(0, 0) + cross(1, 1));
+  geometry::SE3 T_truth_map(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()));
+  T_truth_map.translation() = mean_truth - T_truth_map.linear() * mean_map;
+  return T_truth_map;
 }
 
 double true_length_m(const std::vector<PosePair>& pairs) {
