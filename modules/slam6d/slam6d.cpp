@@ -152,7 +152,10 @@ PoseUpdate Slam6d::follow_odometry(const SweepCloud& cloud) {
 // against odometry: somebody stands in front of the laser.
 std::optional<VoxelMap> Slam6d::voxels_to_register(const SweepCloud& cloud,
                                                    const PoseUpdate& update) const {
-  if (!is_usable(update)) {
+  // So far from the origin of odometry that the map has no voxels there.
+  const double farthest_m =
+      update.T_map_base.translation().cwiseAbs().maxCoeff() + params_.range.max_m;
+  if (!is_usable(update) || farthest_m > map_.level(0).reach_m()) {
     return std::nullopt;
   }
   VoxelMap sweep = voxelize(cloud, params_.voxels);

@@ -102,6 +102,10 @@ VoxelGrid::VoxelGrid(double voxel_size_m)
   rehash(kMinSlots);
 }
 
+double VoxelGrid::reach_m() const {
+  return (kHalfRange - 2) * voxel_size_m_;
+}
+
 std::optional<VoxelGrid::Key> VoxelGrid::key_of(const Eigen::Vector3f& p) const {
   const Eigen::Vector3f scaled = p * per_m_;
   // NaN fails this comparison. One voxel of margin, so that neighbours have keys, too.

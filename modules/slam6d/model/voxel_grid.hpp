@@ -87,6 +87,8 @@ class VoxelGrid {
 
   [[nodiscard]] std::span<const Voxel> voxels() const { return voxels_; }
   [[nodiscard]] double voxel_size_m() const { return voxel_size_m_; }
+  /// Points farther than this from the origin, along any axis, have no voxel, m.
+  [[nodiscard]] double reach_m() const;
   /// Bytes held.
   [[nodiscard]] std::size_t memory_bytes() const;
 
