@@ -8,6 +8,7 @@
 #include "common/geometry/angle.hpp"
 #include "common/geometry/time.hpp"
 #include "common/node/messages.hpp"
+#include "common/scan/ego_map_points.hpp"
 
 namespace nodmap::node {
 namespace {
@@ -54,6 +55,19 @@ bool SensorInput::read(const nodmap::scan_t& message, scan::Scan& scan) {
     return false;
   }
   return true;
+}
+
+std::optional<std::vector<Eigen::Vector2d>> SensorInput::read(const nodmap::egomap_t& message) {
+  if (!follows(structure_map_sender_, "other_sender_of_structure_map")) {
+    return std::nullopt;
+  }
+  auto points_base =
+      scan::read_ego_map_points(message.distance_m, message.point_x_m, message.point_y_m);
+  if (!points_base || !time::is_plausible(stamp_of(message))) {
+    counts_.reject("implausible_structure_map");
+    return std::nullopt;
+  }
+  return points_base;
 }
 
 std::optional<geometry::SE3> SensorInput::read(const nodmap::odometry_t& message) {

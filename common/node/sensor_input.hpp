@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "common/bus/bus.hpp"
 #include "common/bus/followed_sender.hpp"
@@ -11,16 +13,18 @@
 #include "common/geometry/time.hpp"
 #include "common/node/message_counts.hpp"
 #include "common/scan/scan.hpp"
+#include "nodmap/egomap_t.hpp"
 #include "nodmap/odometry_t.hpp"
 #include "nodmap/scan_t.hpp"
 
 namespace nodmap::node {
 
-/// Converts SCAN and ODOMETRY messages to values, in the same way for every module. Counts lost
-/// messages and rejects unusable ones, including all but those of one sender on each channel. An
-/// accepted message is not yet counted as used.
+/// Converts SCAN, ODOMETRY and STRUCTURE_MAP messages to values, in the same way for every module.
+/// Counts lost messages and rejects unusable ones, including all but those of one sender on each
+/// channel. An accepted message is not yet counted as used.
 ///
-/// Causes of rejection: `other_sender_of_scan`, `other_sender_of_odometry`, `implausible_scan`
+/// Causes of rejection: `other_sender_of_scan`, `other_sender_of_odometry`,
+/// `other_sender_of_structure_map`, `implausible_structure_map`, `implausible_scan`
 /// (geometry, stamp or counts that make no sense), `empty_scan` (no beams), `implausible_odometry`
 /// (pose, stamp or speeds that make no sense), `unconfirmed_odometry` (another sequence or far from
 /// the last stamp, and the message before was not).
@@ -32,6 +36,10 @@ class SensorInput {
 
   /// Reads into `scan`, reusing its memory; false when the message was rejected.
   [[nodiscard]] bool read(const nodmap::scan_t& message, scan::Scan& scan);
+
+  /// The points of a structure map, in base at the message's utime and in the order of their
+  /// directions; empty when the message was rejected.
+  [[nodiscard]] std::optional<std::vector<Eigen::Vector2d>> read(const nodmap::egomap_t& message);
 
   /// T_odom_base at the message's utime; empty when the message was rejected.
   ///
@@ -66,6 +74,7 @@ class SensorInput {
   const bus::Bus* bus_;
   bus::FollowedSender scan_sender_{bus::SenderWatch::kSilence};
   bus::FollowedSender odometry_sender_{bus::SenderWatch::kSilence};
+  bus::FollowedSender structure_map_sender_{bus::SenderWatch::kSilence};
   node::SequenceCounter scans_;
   node::SequenceCounter odometry_;
   std::optional<Odometry> last_odometry_;  // last accepted

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/node/messages.hpp"
+#include "common/scan/ego_map_points.hpp"
 #include "modules/navigator/inhibit_reason.hpp"
 
 namespace nodmap::navigator {
@@ -57,7 +58,8 @@ bool NavigatorNode::follow_sender(InputSenders::Input input) {
 
 void NavigatorNode::on_map(const nodmap::egomap_t& message) {
   const auto T_odom_map = node::read_pose(message.position_m, message.orientation);
-  auto points_map = read_points(message.distance_m, message.point_x_m, message.point_y_m);
+  auto points_map =
+      scan::read_ego_map_points(message.distance_m, message.point_x_m, message.point_y_m);
   if (!T_odom_map || !points_map || !time::is_plausible(node::stamp_of(message))) {
     context_.counts.reject("implausible_obstacle_map");
     return;

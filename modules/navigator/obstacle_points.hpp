@@ -2,8 +2,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <optional>
-#include <span>
 #include <vector>
 
 #include "common/geometry/se2.hpp"
@@ -12,13 +10,6 @@ namespace nodmap::navigator {
 
 /// Obstacles as points on the ground plane, metres. The name of the variable says the frame.
 using Points = std::vector<Eigen::Vector2d>;
-
-/// Reads the points of an egocentric map from its bins (distance, x and y), as in nodmap.egomap_t.
-/// A direction without a point has the distance +infinity. Empty if distance and point of any bin
-/// disagree: a map that is wrong in one place is not used at all.
-[[nodiscard]] std::optional<Points> read_points(std::span<const float> distance_m,
-                                                std::span<const float> x_m,
-                                                std::span<const float> y_m);
 
 /// Transforms the points of a map made at T_odom_map into base at T_odom_base. Needed because the
 /// map is as old as a scan and its transmission, in which a point moves by 3 cm at 1.5 m/s, and a

@@ -27,11 +27,21 @@ LocaliserNode::LocaliserNode(node::Context& context, const Slam2dParams& params,
       "ODOMETRY", [this](const nodmap::odometry_t& message) { input_.read(message); });
   context_.bus.subscribe<nodmap::scan_t>(
       "SCAN", [this](const nodmap::scan_t& message) { on_scan(message); });
+  if (params.level_scans.from_structure_map) {
+    context_.bus.subscribe<nodmap::egomap_t>(
+        "STRUCTURE_MAP", [this](const nodmap::egomap_t& message) { on_structure_map(message); });
+  }
 }
 
 void LocaliserNode::on_scan(const nodmap::scan_t& message) {
   input_.read(message);
   while (const std::optional<LevelScan> scan = input_.next()) {
+    add_scan(*scan);
+  }
+}
+
+void LocaliserNode::on_structure_map(const nodmap::egomap_t& message) {
+  if (const std::optional<LevelScan> scan = input_.read(message)) {
     add_scan(*scan);
   }
 }

@@ -11,6 +11,7 @@
 #include "modules/slam2d/map_publisher.hpp"
 #include "modules/slam2d/messages.hpp"
 #include "modules/slam2d/scan/level_scan_reader.hpp"
+#include "nodmap/egomap_t.hpp"
 #include "nodmap/odometry_t.hpp"
 #include "nodmap/scan_t.hpp"
 
@@ -33,6 +34,7 @@ class LocaliserNode : public node::Node {
 
  private:
   void on_scan(const nodmap::scan_t& message);
+  void on_structure_map(const nodmap::egomap_t& message);
   void add_scan(const LevelScan& scan);
 
   node::Context& context_;

@@ -42,6 +42,10 @@ Slam2dNode::Slam2dNode(node::Context& context, const Params& params,
       "ODOMETRY", [this](const nodmap::odometry_t& message) { input_.read(message); });
   context_.bus.subscribe<nodmap::scan_t>(
       "SCAN", [this](const nodmap::scan_t& message) { on_scan(message); });
+  if (params.level_scans.from_structure_map) {
+    context_.bus.subscribe<nodmap::egomap_t>(
+        "STRUCTURE_MAP", [this](const nodmap::egomap_t& message) { on_structure_map(message); });
+  }
   context_.bus.subscribe<nodmap::clear_request_t>(
       "CLEAR_REQUEST",
       [this](const nodmap::clear_request_t& message) { on_clear_request(message); });
@@ -63,6 +67,12 @@ void Slam2dNode::on_scan(const nodmap::scan_t& message) {
   answer_saved(writing_.count_message());
   save_if_due();
   while (const std::optional<LevelScan> scan = input_.next()) {
+    add_scan(*scan);
+  }
+}
+
+void Slam2dNode::on_structure_map(const nodmap::egomap_t& message) {
+  if (const std::optional<LevelScan> scan = input_.read(message)) {
     add_scan(*scan);
   }
 }

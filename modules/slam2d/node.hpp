@@ -19,6 +19,7 @@
 #include "modules/slam2d/scan/level_scan_reader.hpp"
 #include "modules/slam2d/slam2d.hpp"
 #include "nodmap/clear_request_t.hpp"
+#include "nodmap/egomap_t.hpp"
 #include "nodmap/odometry_t.hpp"
 #include "nodmap/save_request_t.hpp"
 #include "nodmap/scan_t.hpp"
@@ -43,6 +44,7 @@ class Slam2dNode : public node::Node {
 
  private:
   void on_scan(const nodmap::scan_t& message);
+  void on_structure_map(const nodmap::egomap_t& message);
   void add_scan(const LevelScan& scan);
   void on_clear_request(const nodmap::clear_request_t& message);
   void on_save_request(const nodmap::save_request_t& message);

@@ -11,12 +11,20 @@ namespace nodmap::slam2d {
 
 struct LevelScanParams {
   double max_pitch_rad = geometry::deg_to_rad(1.0);
+  bool from_structure_map = false;
+  double structure_period_s = 0.3;
 
   template <class Visitor>
   void describe(Visitor& v) {
     v.angle("max_pitch_deg", max_pitch_rad, {0.05, 5.0},
             "Of each sweep the scan with the pitch nearest to 0 is used, if its pitch is at most "
             "this.");
+    v.flag(
+        "from_structure_map", from_structure_map,
+        "Instead of level scans, match the structure map (STRUCTURE_MAP): a virtual scan of walls, "
+        "without what the sweeps see over (paper, section III B).");
+    v.number("structure_period_s", structure_period_s, {0.0, 10.0},
+             "Time from one structure map that is matched to the next.");
   }
 };
 

@@ -57,24 +57,50 @@ void LevelScanInput::stop_waiting() {
   waiting_.clear();
 }
 
-std::optional<LevelScan> LevelScanInput::place(const scan::Scan& scan) {
-  const auto T_published_first = odometry_.at(scan.stamp);
-  lacks_odometry_ = !T_published_first;
+std::optional<geometry::SE2> LevelScanInput::find_odometry(time::Timestamp stamp) {
+  const auto T_published_base = odometry_.at(stamp);
+  lacks_odometry_ = !T_published_base;
   if (lacks_odometry_) {
     ++counts_.without_odometry;
     return std::nullopt;
   }
-  const geometry::SE2 T_published_base = geometry::to_se2(*T_published_first);
-  const geometry::SE2 T_published_last =
-      geometry::to_se2(odometry_.at(scan.last_stamp()).value_or(*T_published_first));
-  return LevelScan{
-      .stamp = scan.stamp,
-      .T_odom_base = T_odom_published_ * T_published_base,
-      .sensor_origin_base = scan::point_in_base(scan, 0, 0.0).head<2>(),
-      .points_base = extractor_.extract(scan, T_published_base.inverse() * T_published_last),
-      .odometry_gap_s = std::exchange(odometry_gap_s_, 0.0),
-      .odometry_has_restarted = std::exchange(odometry_has_restarted_, false),
-      .is_of_nod = !has_constant_pitch(scan)};
+  return geometry::to_se2(*T_published_base);
+}
+
+LevelScan LevelScanInput::begin_level_scan(time::Timestamp stamp,
+                                           const geometry::SE2& T_published_base) {
+  LevelScan level_scan;
+  level_scan.stamp = stamp;
+  level_scan.T_odom_base = T_odom_published_ * T_published_base;
+  level_scan.odometry_gap_s = std::exchange(odometry_gap_s_, 0.0);
+  level_scan.odometry_has_restarted = std::exchange(odometry_has_restarted_, false);
+  return level_scan;
+}
+
+std::optional<LevelScan> LevelScanInput::place(const scan::Scan& scan) {
+  const auto T_published_first = find_odometry(scan.stamp);
+  if (!T_published_first) {
+    return std::nullopt;
+  }
+  const auto last = odometry_.at(scan.last_stamp());
+  const geometry::SE2 T_published_last = last ? geometry::to_se2(*last) : *T_published_first;
+  LevelScan level_scan = begin_level_scan(scan.stamp, *T_published_first);
+  level_scan.sensor_origin_base = scan::point_in_base(scan, 0, 0.0).head<2>();
+  level_scan.points_base =
+      extractor_.extract(scan, T_published_first->inverse() * T_published_last);
+  level_scan.is_of_nod = !has_constant_pitch(scan);
+  return level_scan;
+}
+
+std::optional<LevelScan> LevelScanInput::add_virtual_scan(
+    time::Timestamp stamp, std::span<const Eigen::Vector2d> points_base) {
+  const auto T_published_base = find_odometry(stamp);
+  if (!T_published_base) {
+    return std::nullopt;
+  }
+  LevelScan level_scan = begin_level_scan(stamp, *T_published_base);
+  level_scan.points_base = extractor_.extract(points_base, level_scan.sensor_origin_base);
+  return level_scan;
 }
 
 }  // namespace nodmap::slam2d

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <deque>
 #include <optional>
+#include <span>
 
 #include "common/geometry/pose_history.hpp"
 #include "common/geometry/se2.hpp"
@@ -46,6 +47,12 @@ class LevelScanInput {
   /// is more than 50 ms from any odometry then is left out and counted.
   [[nodiscard]] std::optional<LevelScan> next();
 
+  /// The level scan of points that were measured at once, in base and in the order of their
+  /// directions from it: a virtual scan. Valid until the next call. Empty, and counted, if it is
+  /// more than 50 ms from any odometry.
+  [[nodiscard]] std::optional<LevelScan> add_virtual_scan(
+      time::Timestamp stamp, std::span<const Eigen::Vector2d> points_base);
+
   /// Leaves out and counts the level scans that still wait: no odometry comes for them.
   void stop_waiting();
 
@@ -58,6 +65,11 @@ class LevelScanInput {
 
  private:
   [[nodiscard]] std::optional<LevelScan> place(const scan::Scan& scan);
+  /// The published pose of base at a time; counts a scan for which there is none.
+  [[nodiscard]] std::optional<geometry::SE2> find_odometry(time::Timestamp stamp);
+  /// A level scan without points.
+  [[nodiscard]] LevelScan begin_level_scan(time::Timestamp stamp,
+                                           const geometry::SE2& T_published_base);
 
   LevelScanSelector selector_;
   std::deque<scan::Scan> waiting_;  // level scans without odometry so far

@@ -15,8 +15,25 @@ void LevelScanReader::read(const nodmap::odometry_t& message) {
 void LevelScanReader::read(const nodmap::scan_t& message) {
   if (messages_.read(message, scan_)) {
     scan_stamp_ = scan_.stamp;
-    input_.add_scan(scan_);
+    if (!uses_structure_map_) {
+      input_.add_scan(scan_);
+    }
   }
+}
+
+std::optional<LevelScan> LevelScanReader::read(const nodmap::egomap_t& message) {
+  const time::Timestamp stamp = node::stamp_of(message);
+  if (!uses_structure_map_ || !time::is_due(stamp, last_structure_map_, structure_period_)) {
+    return std::nullopt;
+  }
+  const auto points_base = messages_.read(message);
+  if (!points_base) {
+    return std::nullopt;
+  }
+  last_structure_map_ = stamp;
+  std::optional<LevelScan> level_scan = input_.add_virtual_scan(stamp, *points_base);
+  reject_without_odometry();
+  return level_scan;
 }
 
 std::optional<LevelScan> LevelScanReader::next() {

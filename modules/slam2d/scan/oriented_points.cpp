@@ -73,14 +73,18 @@ Eigen::Vector2d estimate_normal(std::span<const Eigen::Vector2d> points, std::si
 std::span<const OrientedPoint> OrientedPointExtractor::extract(const scan::Scan& scan,
                                                                const geometry::SE2& T_first_last) {
   positions_.clear();
-  points_.clear();
   for (const scan::ScanProjector::Point& hit : projector_.hits(scan)) {
     const geometry::SE2 T_first_beam = interpolate(T_first_last, scan.fraction(hit.beam));
     positions_.emplace_back(T_first_beam * Eigen::Vector2d(hit.p_base.head<2>()));
   }
-  const Eigen::Vector2d sensor_origin = scan::point_in_base(scan, 0, 0.0).head<2>();
-  for (std::size_t i = 0; i < positions_.size(); ++i) {
-    points_.push_back({positions_[i], estimate_normal(positions_, i, sensor_origin)});
+  return extract(positions_, scan::point_in_base(scan, 0, 0.0).head<2>());
+}
+
+std::span<const OrientedPoint> OrientedPointExtractor::extract(
+    std::span<const Eigen::Vector2d> points_base, const Eigen::Vector2d& sensor_origin_base) {
+  points_.clear();
+  for (std::size_t i = 0; i < points_base.size(); ++i) {
+    points_.push_back({points_base[i], estimate_normal(points_base, i, sensor_origin_base)});
   }
   return points_;
 }

@@ -36,6 +36,11 @@ class OrientedPointExtractor {
   [[nodiscard]] std::span<const OrientedPoint> extract(const scan::Scan& scan,
                                                        const geometry::SE2& T_first_last);
 
+  /// The same for points that were measured at once, in the order of their directions from
+  /// `sensor_origin_base`.
+  [[nodiscard]] std::span<const OrientedPoint> extract(std::span<const Eigen::Vector2d> points_base,
+                                                       const Eigen::Vector2d& sensor_origin_base);
+
  private:
   scan::ScanProjector projector_;
   std::vector<Eigen::Vector2d> positions_;
