@@ -86,12 +86,16 @@ def further(cpu_s, count, before):
     return f"{1e3 * (cpu_s - before[0]) / (count - before[1]):.2f} ms" if before and count != before[1] else ""
 
 
-def map_recording(options, program, folder):
-    """Maps FOLDER/days.lcmlog into FOLDER/out; returns CPU time (s), peak memory (bytes) and the metrics."""
+def replay(program, log, out, *options):
+    """Replays a log into the new folder `out`; returns CPU time (s), peak memory (bytes) and the metrics."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    command = [options.bin / program, "--replay", folder / "days.lcmlog", "--out", folder / "out", *settings(options.set)]
-    memory_b = peak_memory_b(command, folder / "errors.txt")
+    memory_b = peak_memory_b([program, "--replay", log, "--out", out, *options], out.with_suffix(".errors.txt"))
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     cpu_s = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-    metrics = json.loads((folder / "out" / "result.json").read_text(encoding="utf-8"))["metrics"]
+    metrics = json.loads((out / "result.json").read_text(encoding="utf-8"))["metrics"]
     return cpu_s, memory_b, metrics
+
+
+def map_recording(options, program, folder):
+    """Maps FOLDER/days.lcmlog into FOLDER/out; returns CPU time (s), peak memory (bytes) and the metrics."""
+    return replay(options.bin / program, folder / "days.lcmlog", folder / "out", *settings(options.set))

@@ -22,10 +22,15 @@ damage         prints  docs/benchmark-2d.md: damaged recordings (needs the recor
 sessions       prints  docs/benchmark-2d.md: two sessions (needs the recordings)
 stability      prints  docs/benchmark-2d.md: stability (needs the recordings)
 relocalise     prints  docs/benchmark-2d.md: relocalisation in other buildings
+pose-graph     prints  docs/decisions/007-own-pose-graph.md (needs the recordings, and libceres-dev)
 kurt3d         prints  KURT3D (needs the recordings)
 registration   prints  clouds whose poses are known: docs/benchmark-3d.md (needs the recordings)
 slam6d-scan    prints  A scan in 6D SLAM
 slam6d-drives  prints  docs/benchmark-3d.md: simulated drives, in a saved map
+slam6d-ablation  prints  docs/benchmark-3d.md: what each part is worth
+slam6d-jumps   checks  docs/benchmark-3d.md: 200 drives without a jump
+laps           prints  docs/benchmark-3d.md: two kilometres in one building
+structure-map  prints  docs/benchmark-2d.md: the structure map as a virtual scan
 slow-odometry  prints  docs/benchmark-3d.md: slow odometry
 hours          prints  6D SLAM for hours; docs/benchmark-2d.md: days in one building
 octomap        checks  OctoMap (needs the recordings)
@@ -100,6 +105,15 @@ measure() {
     relocalise)
       $bin/nodmap-bench-slam2d-relocalise building:{0..3} maze:{0,1} sim/worlds/{office,cellar,loop,warehouse}.yaml
       ;;
+    pose-graph)
+      need_data slam2d || return 0
+      [[ -x $bin/nodmap-bench-pose-graph ]] || { echo "skipped: built without Ceres; install libceres-dev, and build again"; return 0; }
+      for name in intel fr079 mit-csail; do
+        $bin/nodmap-convert carmen "$data/slam2d/$name.clf" "$out/$name.lcmlog"
+        $bin/nodmap-slam2d --replay "$out/$name.lcmlog" --out "$out/$name"
+        $bin/nodmap-bench-pose-graph "$out/$name"
+      done
+      ;;
     kurt3d)
       need_data kurt3d || return 0
       mkdir -p "$out"
@@ -122,6 +136,10 @@ measure() {
       python3 bench/slam6d_drives.py --out "$out/drives" --setting "" "adjustment.use_adjustment=false"
       python3 bench/slam6d_sessions.py "$out"/drives/*
       ;;
+    slam6d-ablation) python3 bench/slam6d_ablation.py ;;
+    slam6d-jumps) python3 bench/slam6d_jumps.py ;;
+    laps) python3 bench/slam_laps.py ;;
+    structure-map) python3 bench/slam2d_structure_map.py ;;
     slow-odometry) python3 bench/slow_odometry.py --out "$out/drives" ;;
     hours)
       python3 bench/slam2d_days.py --hours 1 2 4 8 24
@@ -147,7 +165,11 @@ measure() {
     page) python3 bench/viewer_frames.py ;;
     viewer) alone python3 bench/viewer.py --soak 1800 ;;
     navigation) python3 bench/navigation.py ;;
-    barn) need_data barn || return 0; python3 bench/barn.py "$data/barn/worlds.txt" --every 10 ;;
+    barn)
+      need_data barn || return 0
+      python3 bench/barn.py "$data/barn/worlds.txt" --runs 10
+      python3 bench/barn.py "$data/barn/worlds.txt" --runs 10 --robot jackal
+      ;;
     exploration) python3 bench/exploration.py --seeds 10 ;;
     lost-time) python3 bench/lost_time.py --seeds 16 ;;
     ablation) python3 bench/ablation.py ;;
