@@ -13,7 +13,7 @@ namespace nodmap::kurt {
 /// The motion of the wheels in one or more periods of the encoders.
 struct WheelStep {
   double rotation_rad = 0.0;  ///< of the robot, by the wheels; positive turns left
-  double path_m = 0.0;        ///< mean of the ways of both sides, each positive
+  double path_m = 0.0;        ///< mean distance driven by the two sides, each positive
   double variance_rad2 = 0.0;
   int periods = 1;
 };

@@ -86,8 +86,8 @@ class Kurt {
   /// Brakes the robot until the next DRIVE, as a DRIVE with zero speed does.
   void brake() { watchdog_.brake(); }
 
-  /// The text to send to the adapter now, with a command for the base in it each time. To be called
-  /// every 10 ms.
+  /// The text to send to the adapter now: once the session is open, with a command for the base
+  /// each time. To be called every 10 ms.
   [[nodiscard]] std::string control(const time::Moment& now);
 
   /// The text to send last: motors off and braked.

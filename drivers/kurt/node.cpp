@@ -223,9 +223,9 @@ void KurtNode::stop_on_alarm() {
   }
 }
 
-// Stops the robot if DRIVE comes from another process than after the release. A navigator that has
-// been restarted knows neither the goal nor whether the robot was at it, nor which ground it had
-// seen: a robot at its goal would drive off.
+// Stops the robot if DRIVE comes from a process other than the one obeyed since the release. A
+// navigator that has been restarted knows neither the goal nor whether the robot was at it, nor
+// which ground it had seen: a robot at its goal would drive off.
 void KurtNode::stop_on_new_driver(const bus::Sender& sender) {
   if (stop_latch_.is_stopped()) {
     return;

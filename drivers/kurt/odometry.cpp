@@ -78,7 +78,7 @@ bool Odometry::add(const EncoderTicks& ticks) {
   const double right_m = m_per_tick() * ticks.right;
   last_motion_ = {.distance_m = 0.5 * (left_m + right_m),
                   .rotation_rad = (right_m - left_m) / wheels_.axis_m * wheels_.turning_adaptation,
-                  .path_m = 0.5 * (std::abs(left_m) + std::abs(right_m))};
+                  .wheel_path_m = 0.5 * (std::abs(left_m) + std::abs(right_m))};
   move(last_motion_, 1, 0.0);
   return true;
 }
@@ -87,7 +87,7 @@ void Odometry::bridge(int lost_frames) {
   periods_since_believed_ += lost_frames;
   move({.distance_m = lost_frames * last_motion_.distance_m,
         .rotation_rad = lost_frames * last_motion_.rotation_rad,
-        .path_m = lost_frames * last_motion_.path_m},
+        .wheel_path_m = lost_frames * last_motion_.wheel_path_m},
        lost_frames, kBridgeSigmaRatio);
 }
 
@@ -108,11 +108,11 @@ void Odometry::bridge_gap(double gap_s) {
 void Odometry::move(const Motion& motion, int periods, double sigma_ratio) {
   const double distance_m = motion.distance_m;
   // The slip of one period is independent of that of the next, so variances grow with the distance.
-  const double path_m = std::abs(distance_m);
+  const double driven_m = std::abs(distance_m);
   const GyroHeading::Rotation rotation = gyro_.rotate(
       {.rotation_rad = motion.rotation_rad,
-       .path_m = motion.path_m,
-       .variance_rad2 = square(noise_.heading_sigma_rad) * path_m +
+       .path_m = motion.wheel_path_m,
+       .variance_rad2 = square(noise_.heading_sigma_rad) * driven_m +
                         square(noise_.rotation_sigma_rad) * std::abs(motion.rotation_rad),
        .periods = periods});
   const double rotation_rad = rotation.rotation_rad;
@@ -138,7 +138,7 @@ void Odometry::move(const Motion& motion, int periods, double sigma_ratio) {
       s, 0.5 * chord_m * c,    //
       0.0, 1.0;
   const Eigen::Vector2d variance(
-      square(noise_.distance_sigma_m) * path_m + square(sigma_ratio * distance_m),
+      square(noise_.distance_sigma_m) * driven_m + square(sigma_ratio * distance_m),
       rotation.variance_rad2 + square(sigma_ratio * rotation_rad));
   state_.covariance =
       F * state_.covariance * F.transpose() + G * variance.asDiagonal() * G.transpose();

@@ -67,7 +67,7 @@ class Odometry {
   struct Motion {
     double distance_m = 0.0;
     double rotation_rad = 0.0;
-    double path_m = 0.0;  ///< mean of the ways of both sides, each positive
+    double wheel_path_m = 0.0;  ///< mean distance driven by the two sides, each positive
   };
 
   /// Moves the pose along an arc, by the motion of so many periods. `sigma_ratio` times distance

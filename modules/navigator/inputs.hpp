@@ -53,13 +53,14 @@ struct Inputs {
   bool is_goal_void = false;  ///< its map, or without 2D SLAM its odom frame, is gone
   std::optional<std::string> stopped_by;
   const Geofence* geofence = nullptr;  ///< null: none
-  /// 2D SLAM was restarted, so that the frame map is another one than that of the geofence may be.
+  /// 2D SLAM was restarted, so its map frame may no longer be the one in which the geofence was
+  /// given.
   bool is_fence_void = false;
 
   /// Forgets what belongs to the former odom frame.
   void forget_odom_frame();
 
-  /// The frame map is another one from now on: goal and geofence could be anywhere in it.
+  /// The map frame is a new one from now on: goal and geofence could be anywhere in it.
   void forget_map_frame();
 
   /// Needs odometry and map.

@@ -90,7 +90,7 @@ class NavigatorNode final : public node::Node {
   nodmap::navigation_t navigation_{};
   std::int64_t next_drive_seq_ = 0;
   std::array<std::int64_t, 5> decisions_{};  // by navigation_t's number of the behaviour
-  std::optional<Reason> inhibit_reason_ = Reason(Why::kNoInput, "odometry");  // of the last one
+  std::optional<Reason> inhibit_reason_ = Reason(Why::kNoInput, "odometry");
 };
 
 }  // namespace nodmap::navigator
