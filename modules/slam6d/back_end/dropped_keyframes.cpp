@@ -12,7 +12,7 @@ void DroppedKeyframes::drop(const ReplacedKeyframe& replaced, bool is_restored,
   const std::size_t next_sweep = keyframes[replaced.index + 1].sweep;
   std::erase_if(between, [&](const IntermediateSweep& sweep) {
     return (dropped.sweep < sweep.sweep && sweep.sweep < next_sweep) ||
-           is_same_place(poses.pose_of(sweep.sweep), dropped.T_map_base);
+           shows_the_same(poses.pose_of(sweep.sweep), dropped.T_map_base);
   });
   if (!is_restored) {
     sweeps_.push_back({dropped.sweep, replaced.index});

@@ -6,6 +6,8 @@
 #include <set>
 #include <utility>
 
+#include "common/geometry/pose_tolerance.hpp"
+
 namespace nodmap::slam6d {
 namespace {
 
@@ -147,8 +149,9 @@ std::vector<Loop> LoopCloser::add_pending(const Loop& loop, std::span<const SE3>
   const SE3 here = consequence(loop);
   for (const Loop& other : pending_) {
     const double between_m = geometry::distance_m(T_map_keyframes[other.to], T_map_last);
-    if (!is_apart(here, consequence(other), params_.consensus.max_distance_m + 0.02 * between_m,
-                  params_.consensus.max_rotation_rad)) {
+    if (geometry::is_within(here, consequence(other),
+                            {.distance_m = params_.consensus.max_distance_m + 0.02 * between_m,
+                             .rotation_rad = params_.consensus.max_rotation_rad})) {
       consensus.push_back(other);
       keyframes.insert(other.to);
     }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/geometry/angle.hpp"
+#include "common/geometry/pose_tolerance.hpp"
 #include "common/geometry/time.hpp"
 
 namespace nodmap::slam6d {
@@ -78,8 +79,8 @@ bool Localiser::is_possible(const Sweep& sweep, const VoxelMap& map, const SE3& 
 
 bool Localiser::is_search_due(const PoseUpdate& by_odometry) const {
   return !failed_ ||
-         is_apart(failed_->T_odom_base, by_odometry.T_odom_base, params_.search_again_m,
-                  params_.search_again_rad) ||
+         !geometry::is_within(failed_->T_odom_base, by_odometry.T_odom_base,
+                              {params_.search_again_m, params_.search_again_rad}) ||
          std::chrono::abs(by_odometry.stamp - failed_->stamp) >=
              time::from_seconds(params_.search_again_s);
 }

@@ -24,7 +24,7 @@ struct ReplacedKeyframe {
 };
 
 /// Whether sweeps at these poses show nearly the same: within 0.75 m and 30 degrees.
-[[nodiscard]] bool is_same_place(const geometry::SE3& a, const geometry::SE3& b);
+[[nodiscard]] bool shows_the_same(const geometry::SE3& a, const geometry::SE3& b);
 
 /// The oldest keyframe at the place of the newest one that has at least `num_newer` newer ones at
 /// its place. Elsewhere nothing has changed. Only keyframes in the same map count, because their

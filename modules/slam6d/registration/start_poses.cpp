@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "common/geometry/pose_tolerance.hpp"
+
 namespace nodmap::slam6d {
 namespace {
 
@@ -10,16 +12,15 @@ using geometry::SE3;
 
 constexpr std::size_t kMaxStarts = 8;
 // Start poses within this of a better one are left out.
-constexpr double kApartM = 0.7;
-constexpr double kApartRad = geometry::deg_to_rad(10.0);
+constexpr geometry::PoseTolerance kSameStart{.distance_m = 0.7,
+                                             .rotation_rad = geometry::deg_to_rad(10.0)};
+// Registrations from different start poses that end within this are the same place.
+constexpr geometry::PoseTolerance kSamePlace{.distance_m = 0.5 * kSameStart.distance_m,
+                                             .rotation_rad = 0.5 * kSameStart.rotation_rad};
 // Another place fits as well if its inlier ratio is lower by less than this.
 constexpr double kAmbiguity = 0.1;
 
 }  // namespace
-
-bool is_apart(const SE3& a, const SE3& b, double distance_m, double rotation_rad) {
-  return geometry::distance_m(a, b) > distance_m || geometry::rotation_rad(a, b) > rotation_rad;
-}
 
 std::vector<StartPose> best_starts(std::vector<StartPose> tried) {
   std::ranges::stable_sort(tried, std::ranges::greater{}, &StartPose::score);
@@ -29,7 +30,7 @@ std::vector<StartPose> best_starts(std::vector<StartPose> tried) {
       break;
     }
     if (std::ranges::all_of(best, [&](const StartPose& better) {
-          return is_apart(better.T_map_base, start.T_map_base, kApartM, kApartRad);
+          return !geometry::is_within(better.T_map_base, start.T_map_base, kSameStart);
         })) {
       best.push_back(start);
     }
@@ -57,7 +58,7 @@ StartsResult register_from(std::span<const StartPose> starts, VoxelMap& sweep_ba
   }
   const bool is_ambiguous = std::ranges::any_of(found, [&](const Registration& other) {
     return ratio(other) > ratio(*best) - kAmbiguity &&
-           is_apart(best->T_map_base, other.T_map_base, 0.5 * kApartM, 0.5 * kApartRad);
+           !geometry::is_within(best->T_map_base, other.T_map_base, kSamePlace);
   });
   return is_ambiguous ? StartsResult{.is_ambiguous = true} : StartsResult{.best = *best};
 }

@@ -18,10 +18,6 @@ struct StartPose {
   double score = 0.0;  ///< higher if more points fit
 };
 
-/// Whether two poses differ by more than this much.
-[[nodiscard]] bool is_apart(const geometry::SE3& a, const geometry::SE3& b, double distance_m,
-                            double rotation_rad);
-
 /// The eight best poses, none of them near a better one.
 [[nodiscard]] std::vector<StartPose> best_starts(std::vector<StartPose> tried);
 

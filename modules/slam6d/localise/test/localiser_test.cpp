@@ -5,6 +5,7 @@
 
 #include <optional>
 
+#include "common/geometry/pose_tolerance.hpp"
 #include "modules/slam6d/test/hall.hpp"
 
 namespace nodmap::slam6d {
@@ -109,7 +110,7 @@ TEST_F(LocaliserInAHall, IsNotFoundInASimilarHall) {
   Localiser believes(credulous, {}, map_.keyframes, map_.voxels, std::nullopt);
   const auto found = find(believes, map_, look_alike_hall(), T_map_base);
   ASSERT_TRUE(found);
-  EXPECT_FALSE(is_apart(T_map_base, *found, 0.01, geometry::deg_to_rad(0.2)));
+  EXPECT_TRUE(geometry::is_within(T_map_base, *found, {0.01, geometry::deg_to_rad(0.2)}));
   Localiser doubts = localiser();
   EXPECT_FALSE(find(doubts, map_, look_alike_hall(), T_map_base));
 }

@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "common/geometry/pose_tolerance.hpp"
 #include "modules/slam6d/test/hall.hpp"
 
 namespace nodmap::slam6d {
@@ -25,7 +26,8 @@ TEST(Relocaliser, APlaceInAHallWithDistantWallsIsFound) {
   for (const SE3& T_map_base : {pose(9.13, 0.4, 97.4), pose(-9.2, -0.3, -42.6)}) {
     const StartsResult found = find(map, keyframes, sweep_at(slanting_hall(), T_map_base, 99));
     ASSERT_TRUE(found.best);
-    EXPECT_FALSE(is_apart(T_map_base, found.best->T_map_base, 0.01, geometry::deg_to_rad(0.1)));
+    EXPECT_TRUE(
+        geometry::is_within(T_map_base, found.best->T_map_base, {0.01, geometry::deg_to_rad(0.1)}));
   }
 }
 
@@ -38,7 +40,8 @@ TEST(Relocaliser, APlaceInALargeBuildingIsFound) {
   const SE3 T_map_base = pose(0.2, -0.1, 3.0);
   const StartsResult found = find(map, keyframes, sweep_at(Room::hall(), T_map_base, 99));
   ASSERT_TRUE(found.best);
-  EXPECT_FALSE(is_apart(T_map_base, found.best->T_map_base, 0.01, geometry::deg_to_rad(0.2)));
+  EXPECT_TRUE(
+      geometry::is_within(T_map_base, found.best->T_map_base, {0.01, geometry::deg_to_rad(0.2)}));
 }
 
 // A square hall looks the same at four headings.
@@ -70,10 +73,11 @@ TEST(Relocaliser, OnlyPossiblePlacesCount) {
   const VoxelMap sweep = sweep_at(Room::hall(), T_map_base, 99);
   const StartsResult found = find(map, keyframes, sweep);
   ASSERT_TRUE(found.best);
-  EXPECT_FALSE(is_apart(T_map_base, found.best->T_map_base, 0.01, geometry::deg_to_rad(0.2)));
+  EXPECT_TRUE(
+      geometry::is_within(T_map_base, found.best->T_map_base, {0.01, geometry::deg_to_rad(0.2)}));
   const Relocaliser search({}, {}, keyframes, map.voxels);
   const StartsResult elsewhere = search.find(sweep, map.voxels, [&](const SE3& T_map_tried) {
-    return is_apart(T_map_base, T_map_tried, 0.1, geometry::deg_to_rad(2.0));
+    return !geometry::is_within(T_map_base, T_map_tried, {0.1, geometry::deg_to_rad(2.0)});
   });
   EXPECT_TRUE(!elsewhere.best || elsewhere.best->lowest_inlier_ratio() < 0.5);
 }
