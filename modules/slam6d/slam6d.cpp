@@ -63,18 +63,7 @@ void Slam6d::restore(const SavedMap& saved, const std::optional<SE3>& T_map_star
 }
 
 SavedMap Slam6d::save() const {
-  const KeyframeGraph& graph = back_end_.graph();
-  SavedMap saved;
-  saved.steps.assign(graph.steps().begin(), graph.steps().end());
-  for (std::size_t k = 0; k < keyframes_.size(); ++k) {
-    saved.keyframes.push_back({.cloud = keyframes_[k].cloud,
-                               .T_map_base = keyframes_[k].T_map_base,
-                               .is_level = graph.is_level(k)});
-  }
-  for (const KeyframeGraph::WeightedLoop& loop : graph.loops()) {
-    saved.loops.push_back(loop.edge);
-  }
-  return saved;
+  return back_end_.save(keyframes_);
 }
 
 // The text of section IV B, where it describes what is done here.
@@ -310,11 +299,10 @@ Metrics Slam6d::metrics() const {
   metrics.map_voxels = map_.level(0).voxels().size();
   metrics.map_memory_bytes = map_.memory_bytes();
   for (const Keyframe& keyframe : keyframes_) {
-    metrics.keyframe_memory_bytes += keyframe.cloud->points.size() * sizeof(Eigen::Vector3f) +
-                                     keyframe.points.size() * sizeof(OrientedPoint);
+    metrics.keyframe_memory_bytes += keyframe.memory_bytes();
   }
   for (const IntermediateSweep& sweep : between_) {
-    metrics.keyframe_memory_bytes += sweep.points.size() * sizeof(MeanPoint);
+    metrics.keyframe_memory_bytes += sweep.memory_bytes();
   }
   return metrics;
 }

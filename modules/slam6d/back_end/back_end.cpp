@@ -55,6 +55,20 @@ void BackEnd::restore(const SavedMap& saved) {
   (void)graph_.optimise(T_map_keyframes_, false);  // what the loops weigh at the saved poses
 }
 
+SavedMap BackEnd::save(std::span<const Keyframe> keyframes) const {
+  SavedMap saved;
+  saved.steps.assign(graph_.steps().begin(), graph_.steps().end());
+  for (std::size_t k = 0; k < keyframes.size(); ++k) {
+    saved.keyframes.push_back({.cloud = keyframes[k].cloud,
+                               .T_map_base = keyframes[k].T_map_base,
+                               .is_level = graph_.is_level(k)});
+  }
+  for (const KeyframeGraph::WeightedLoop& loop : graph_.loops()) {
+    saved.loops.push_back(loop.edge);
+  }
+  return saved;
+}
+
 std::optional<std::vector<SE3>> BackEnd::add_keyframe(const TrackedKeyframe& keyframe,
                                                       const VoxelMap& sweep_base, VoxelMap& map) {
   add_step(keyframe);

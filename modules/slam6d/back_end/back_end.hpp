@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/geometry/se3.hpp"
+#include "modules/slam6d/back_end/keyframe.hpp"
 #include "modules/slam6d/back_end/keyframe_graph.hpp"
 #include "modules/slam6d/back_end/loop_closer.hpp"
 #include "modules/slam6d/back_end/saved_map.hpp"
@@ -64,6 +65,9 @@ class BackEnd {
   /// Restores the keyframes of a saved map. Must be called before the first keyframe is added. That
   /// keyframe is joined to the nearest restored one by its match with the map.
   void restore(const SavedMap& saved);
+
+  /// The keyframes, which are those of its graph, and how they are joined.
+  [[nodiscard]] SavedMap save(std::span<const Keyframe> keyframes) const;
 
   /// Adds a keyframe whose sweep is already in `map`, and searches for it in the old map. Returns
   /// the poses of all keyframes if they have moved. Then the voxels of `map` have moved with them,

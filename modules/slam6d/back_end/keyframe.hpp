@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <memory>
 #include <vector>
@@ -22,6 +23,11 @@ struct Keyframe {
   std::vector<OrientedPoint> points;  ///< the voxel means of the cloud; normal zero where no plane
   std::vector<bool> is_moved = {};    ///< of the cloud's points: on people or objects that moved
   PoseUpdate update = {};             ///< how it was found; empty if it comes from a saved map
+
+  /// Of its points.
+  [[nodiscard]] std::size_t memory_bytes() const {
+    return cloud->points.size() * sizeof(Eigen::Vector3f) + points.size() * sizeof(OrientedPoint);
+  }
 };
 
 /// How far a sweep's points move when its base pose changes from `T_old` to `T_new`: the mean over
@@ -37,6 +43,8 @@ struct IntermediateSweep {
   std::size_t sweep = 0;          ///< its number
   std::vector<MeanPoint> points;  ///< in base
   PoseUpdate update = {};         ///< how it was found
+
+  [[nodiscard]] std::size_t memory_bytes() const { return points.size() * sizeof(MeanPoint); }
 };
 
 }  // namespace nodmap::slam6d
