@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "common/geometry/angle.hpp"
+#include "common/geometry/pose_tolerance.hpp"
 #include "common/geometry/se2.hpp"
 #include "modules/slam2d/back_end/back_end_params.hpp"
 
@@ -123,8 +124,8 @@ struct DoubtParams {
     v.number(
         "search_distance_m", search_distance_m, {0.1, 100.0},
         "The local submap, or the known map, is searched up to this distance from odometry, in "
-        "x and in y; after a gap in odometry up to 3 m for each second of the gap, if that is "
-        "less.");
+        "x and in y; after a gap in odometry no farther than a "
+        "robot can have driven in it.");
     v.angle("search_rotation_deg", search_rotation_rad, {0.0, 180.0},
             "The local submap, or the known map, is searched up to this rotation from odometry.");
     v.number("min_search_score", min_search_score, {0.05, 1.0},
@@ -140,7 +141,7 @@ struct SlipParams {
   double max_mps = 1.0;
   double max_rad_s = geometry::deg_to_rad(60.0);
   double max_ratio = 0.5;
-  double wheel_distance_m = 0.4;
+  double effective_wheel_distance_m = 0.4;
 
   template <class Visitor>
   void describe(Visitor& v) {
@@ -155,9 +156,9 @@ struct SlipParams {
     v.number("max_ratio", max_ratio, {0.0, 1.0},
              "Largest slip of the wheels since the last keyframe, as a ratio of what odometry has "
              "counted.");
-    v.number("wheel_distance_m", wheel_distance_m, {0.05, 5.0},
-             "Distance between the left and the right wheels: if those of one side slip, the robot "
-             "rotates.");
+    v.number("effective_wheel_distance_m", effective_wheel_distance_m, {0.05, 5.0},
+             "If the wheels of one side slip, the robot rotates: by the slip divided by this "
+             "distance, that of the wheels divided by the base's turning adaptation.");
   }
 };
 
@@ -192,8 +193,7 @@ struct KeyframeParams {
 
   /// Whether the robot has moved from `before` to `now` by more than keyframes are apart.
   [[nodiscard]] bool is_beyond(const geometry::SE2& before, const geometry::SE2& now) const {
-    return geometry::distance_m(before, now) > distance_m ||
-           geometry::rotation_rad(before, now) > rotation_rad;
+    return !geometry::is_within(before, now, {distance_m, rotation_rad});
   }
 
   template <class Visitor>
@@ -224,15 +224,17 @@ struct LostParams {
     v.number("score_threshold", score_threshold, {0.0, 1.0},
              "The robot is lost when a match scores below this.");
     v.number("distance_m", distance_m, {0.0, 100.0},
-             "When lost, the map is continued from odometry beyond this distance from the last "
-             "keyframe.");
-    v.number("max_s", max_s, {0.0, 3600.0},
-             "When lost, the map is also continued from odometry after this time.");
+             "While the robot's place is in doubt, the map is continued from odometry beyond this "
+             "distance from the last keyframe.");
+    v.number(
+        "max_s", max_s, {0.0, 3600.0},
+        "While the robot's place is in doubt, the map is also continued from odometry after this "
+        "time.");
     v.number(
         "max_sigma_m", max_sigma_m, {0.01, 100.0},
         "By odometry alone the robot is lost where the standard deviation of its position is above "
         "this, as after some 10 m: in x or in y if the scan fits nothing, in every direction if it "
-        "has fewer than 10 points.");
+        "has too few points.");
     v.number("begin_sigma_m", begin_sigma_m, {0.1, 100.0},
              "Standard deviation of the place at which a lost robot continues the map.");
     v.angle("begin_sigma_deg", begin_sigma_rad, {1.0, 180.0},
@@ -306,7 +308,7 @@ struct LocaliserParams {
     v.number(
         "max_misfit_s", max_misfit_s, {0.0, 3600.0},
         "The robot is lost once scans have not fitted for this time; it follows odometry until "
-        "then. Scans with fewer than 10 points do not count.");
+        "then. Scans with too few points do not count.");
   }
 };
 
@@ -366,6 +368,7 @@ struct Slam2dParams {
     v.renamed("map_period_s", "grid.publish_period_s");
     v.renamed("people.slip.max_m_per_s", "people.slip.max_mps");
     v.renamed("people.slip.max_deg_per_s", "people.slip.max_deg_s");
+    v.renamed("people.slip.wheel_distance_m", "people.slip.effective_wheel_distance_m");
   }
 };
 

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/geometry/pose_tolerance.hpp"
+
 namespace nodmap::slam2d {
 namespace {
 
@@ -16,16 +18,11 @@ constexpr double kMaxStepRatio = 2.0;
 constexpr std::size_t kMeanSteps = 8;
 // From guesses nearer than this, ICP finds the same pose. A robot that brakes at 2 m/s^2, or begins
 // to rotate at 3 rad/s^2, is this far off after about a quarter of a second.
-constexpr double kSameM = 0.12;
-constexpr double kSameRad = 0.12;
+constexpr geometry::PoseTolerance kSame{.distance_m = 0.12, .rotation_rad = 0.12};
 
-bool are_same(const geometry::SE2& a, const geometry::SE2& b) {
-  return distance_m(a, b) <= kSameM && rotation_rad(a, b) <= kSameRad;
-}
-
-// The distance between two poses, in units of the limits of are_same().
+// The distance between two poses, in units of that.
 double difference(const geometry::SE2& a, const geometry::SE2& b) {
-  return distance_m(a, b) / kSameM + rotation_rad(a, b) / kSameRad;
+  return distance_m(a, b) / kSame.distance_m + rotation_rad(a, b) / kSame.rotation_rad;
 }
 
 }  // namespace
@@ -59,7 +56,7 @@ bool PoseGuesses::is_beyond_slip(const LevelScan& scan, const geometry::SE2& T_m
   const double step_s = time::seconds(scan.stamp - *last_stamp_);
   const double slipped_m = slip.max_ratio * distance_m(T_odom_counted_, scan.T_odom_base);
   const double slipped_rad = slip.max_ratio * rotation_rad(T_odom_counted_, scan.T_odom_base) +
-                             slipped_m / slip.wheel_distance_m;
+                             slipped_m / slip.effective_wheel_distance_m;
   return is_beyond(T_map_guess, slip.max_mps * step_s, slip.max_rad_s * step_s) ||
          is_beyond(by_counted_odometry(scan), slipped_m, slipped_rad);
 }
@@ -108,7 +105,7 @@ std::vector<geometry::SE2> PoseGuesses::guesses(const LevelScan& scan,
   }
   const geometry::SE2 by_motion = T_map_odom * T_odom_last * *step;
   geometry::SE2 by_counted_odometry = this->by_counted_odometry(scan);
-  if (are_same(by_odometry, by_motion)) {
+  if (is_within(by_odometry, by_motion, kSame)) {
     return {by_odometry};
   }
   // When odometry catches up, one of its two guesses contains the same motion twice.
@@ -118,7 +115,7 @@ std::vector<geometry::SE2> PoseGuesses::guesses(const LevelScan& scan,
   std::vector<geometry::SE2> guesses{by_odometry};
   for (const geometry::SE2& other : {by_counted_odometry, by_motion}) {
     if (std::none_of(guesses.begin(), guesses.end(),
-                     [&](const geometry::SE2& guess) { return are_same(guess, other); })) {
+                     [&](const geometry::SE2& guess) { return is_within(guess, other, kSame); })) {
       guesses.push_back(other);
     }
   }
