@@ -27,8 +27,6 @@ constexpr double kSigmas = 3.0;
 // Where the graph knows a pose to within this, a match finds the place without a search.
 constexpr double kCertainDistanceM = 0.35;
 constexpr double kCertainRotationRad = 0.1;
-// 99.9 % of correct loops are below this (chi-squared, three degrees of freedom).
-constexpr double kMaxLoopChiSquared = 16.3;
 // Views from farther apart have less in common, and occlusion hides more.
 constexpr double kViewDistanceM = 2.0;
 
@@ -63,7 +61,10 @@ void BackEnd::restore(SavedMap map) {
 CorrelativeMatch BackEnd::find_in_local(std::span<const OrientedPoint> scan,
                                         const SearchWindow& window, double min_score,
                                         std::size_t max_places) {
-  return closer_.find(chain_.local_index(), local(), scan, window, min_score, max_places);
+  return match_in_window(grids_.of(chain_.local_index(), local()), points_to_search(scan), window,
+                         {.min_score = min_score,
+                          .min_peak_ratio = params_.loop.search.max_runner_up_ratio,
+                          .max_peaks = max_places});
 }
 
 void BackEnd::add_keyframe(Keyframe keyframe, const geometry::SE2& T_local_keyframe,
@@ -139,11 +140,8 @@ void BackEnd::optimise_if_due() {
 
 Loop BackEnd::track_loop(std::size_t submap_index, std::span<const OrientedPoint> scan) {
   const Submap& submap = submaps()[submap_index];
-  Loop loop =
-      closer_.track(submap, scan, submap.T_map_submap.inverse() * keyframes().back().T_map_base);
-  loop.submap = submap_index;
-  loop.keyframe = keyframes().size() - 1;
-  return loop;
+  return closer_.track({submap_index, keyframes().size() - 1, scan}, submap,
+                       submap.T_map_submap.inverse() * keyframes().back().T_map_base);
 }
 
 Loop BackEnd::search_loop(std::size_t submap_index, std::span<const OrientedPoint> scan,
@@ -154,10 +152,8 @@ Loop BackEnd::search_loop(std::size_t submap_index, std::span<const OrientedPoin
       std::min(std::max(reach_m, kCertainDistanceM), params_.loop.search.max_distance_m),
       std::min(std::max(reach_rad, kCertainRotationRad), params_.loop.search.max_rotation_rad)};
   ++metrics_.searches;
-  Loop loop = closer_.search(submap_index, submap, scan, window);
-  loop.submap = submap_index;
-  loop.keyframe = keyframes().size() - 1;
-  return loop;
+  return closer_.search({submap_index, keyframes().size() - 1, scan}, submap,
+                        grids_.of(submap_index, submap), window);
 }
 
 // Decides whether the attempt to recognise the newest keyframe becomes an edge of the graph. A
@@ -167,7 +163,7 @@ void BackEnd::decide(const Loop& loop, bool was_searched) {
   if (loop.state != LoopState::kAccepted) {
     metrics_.refused_ambiguous += loop.state == LoopState::kAmbiguous ? 1 : 0;
     metrics_.refused_match += loop.state == LoopState::kLowScore ? 1 : 0;
-    refuse(loop, loop.state);
+    record_try(loop, loop.state);
   } else if (was_searched) {
     accept_by_consensus(loop);
   } else if (chi_squared(loop) > kMaxLoopChiSquared) {
@@ -185,7 +181,7 @@ void BackEnd::accept_by_consensus(Loop loop) {
   loop.is_contradicted = contradicts_views(loop);
   metrics_.refused_by_view += loop.is_contradicted ? 1 : 0;
   // The state until other keyframes agree.
-  refuse(loop, loop.is_contradicted ? LoopState::kLowScore : LoopState::kInconsistent);
+  record_try(loop, loop.is_contradicted ? LoopState::kLowScore : LoopState::kInconsistent);
   for (const Loop& accepted : closer_.add_pending(loop, submaps(), keyframes())) {
     ++metrics_.loops_searched;
     accept(accepted);
@@ -207,8 +203,8 @@ void BackEnd::accept(const Loop& loop) {
   has_new_loops_ = true;
 }
 
-void BackEnd::refuse(const Loop& loop, LoopState state) {
-  graph_.refuse_loop({loop.submap, chain_.submap_of(loop.keyframe), state, loop.score});
+void BackEnd::record_try(const Loop& loop, LoopState state) {
+  graph_.record_try({loop.submap, chain_.submap_of(loop.keyframe), state, loop.score});
 }
 
 // How far a loop is from the pose of its keyframe, by the covariances of both, which have the same
@@ -254,6 +250,7 @@ void BackEnd::drop_replaced_submap() {
 void BackEnd::drop_submap(std::size_t dropped) {
   graph_.drop_submap(dropped, submaps());
   dropped_ = chain_.drop_submap(dropped);
+  grids_.clear();
   closer_.drop_submap(dropped, dropped_->first, dropped_->first + dropped_->keyframes.size());
   uncertainty_.clear();
   chain_.move_keyframes();

@@ -13,6 +13,8 @@
 #include "modules/slam2d/back_end/submap.hpp"
 #include "modules/slam2d/back_end/submap_chain.hpp"
 #include "modules/slam2d/back_end/submap_graph.hpp"
+#include "modules/slam2d/back_end/submap_grids.hpp"
+#include "modules/slam2d/back_end/variance_factor.hpp"
 #include "modules/slam2d/matching/scan_matcher.hpp"
 #include "modules/slam2d/params.hpp"
 
@@ -101,7 +103,7 @@ class BackEnd {
   void decide(const Loop& loop, bool was_searched);
   void accept_by_consensus(Loop loop);
   void accept(const Loop& loop);
-  void refuse(const Loop& loop, LoopState state);
+  void record_try(const Loop& loop, LoopState state);
   [[nodiscard]] double chi_squared(const Loop& loop) const;
   [[nodiscard]] bool contradicts_views(const Loop& loop) const;
   void drop_replaced_submap();
@@ -111,6 +113,7 @@ class BackEnd {
   BackEndParams params_;
   SubmapChain chain_;
   LoopCloser closer_;
+  SubmapGrids grids_;
   SubmapGraph graph_;
   std::optional<DroppedKeyframes> dropped_;
   std::size_t keyframes_since_optimised_ = 0;

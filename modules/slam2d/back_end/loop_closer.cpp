@@ -4,15 +4,13 @@
 #include <algorithm>
 #include <set>
 
+#include "common/geometry/pose_tolerance.hpp"
+
 namespace nodmap::slam2d {
 namespace {
 
-constexpr double kSearchCellM = 0.1;
-constexpr double kGridRangeM = 25.0;
-constexpr std::size_t kCachedGrids = 24;
 // A match is refused when it ends farther than this from the pose it started from.
-constexpr double kMaxMatchShiftM = 0.5;
-constexpr double kMaxMatchShiftRad = 0.15;
+constexpr geometry::PoseTolerance kMaxMatchShift{.distance_m = 0.5, .rotation_rad = 0.15};
 constexpr double kTrackReachM = 0.4;
 
 // A start pose is more certain than the pose by odometry, for which `params` are chosen.
@@ -27,75 +25,43 @@ MatcherParams from_near(MatcherParams params) {
 LoopCloser::LoopCloser(const LoopParams& params, const MatcherParams& matcher)
     : params_(params), matcher_(from_near(matcher)) {}
 
-Loop LoopCloser::loop_of(const Match& match, const geometry::SE2& T_submap_base_start,
-                         double min_inlier_ratio) const {
-  const geometry::SE2& T_submap_base = match.T_target_base;
-  Loop loop;
-  loop.score = match.score;
-  loop.T_submap_keyframe = T_submap_base;
-  loop.information = match.information;
+Loop LoopCloser::loop_of(const LoopQuery& query, const Match& match,
+                         const geometry::SE2& T_submap_base_start, double min_inlier_ratio) const {
+  Loop loop{.submap = query.submap,
+            .keyframe = query.keyframe,
+            .T_submap_keyframe = match.T_target_base,
+            .information = match.information,
+            .score = match.score};
   if (match.found() && match.inlier_ratio >= min_inlier_ratio &&
       match.score >= params_.match.min_score * match.inlier_ratio &&
-      geometry::distance_m(T_submap_base, T_submap_base_start) <= kMaxMatchShiftM &&
-      geometry::rotation_rad(T_submap_base, T_submap_base_start) <= kMaxMatchShiftRad) {
+      geometry::is_within(match.T_target_base, T_submap_base_start, kMaxMatchShift)) {
     loop.state = LoopState::kAccepted;
   }
   return loop;
 }
 
-Loop LoopCloser::track(const Submap& submap, std::span<const OrientedPoint> scan,
+Loop LoopCloser::track(const LoopQuery& query, const Submap& submap,
                        const geometry::SE2& T_submap_base_guess) const {
-  return loop_of(matcher_.match(submap.points, scan, T_submap_base_guess), T_submap_base_guess,
-                 params_.match.min_inlier_ratio);
+  return loop_of(query, matcher_.match(submap.points, query.scan, T_submap_base_guess),
+                 T_submap_base_guess, params_.match.min_inlier_ratio);
 }
 
-const LikelihoodGrid& LoopCloser::grid_of(std::size_t submap_index, const Submap& submap) {
-  ++uses_;
-  const std::size_t num_points = submap.points.points().size();
-  if (const auto found = grids_.find(submap_index);
-      found != grids_.end() && found->second.num_points == num_points) {
-    found->second.last_use = uses_;
-    return found->second.grid;
-  }
-  if (grids_.size() >= kCachedGrids) {
-    grids_.erase(std::min_element(grids_.begin(), grids_.end(), [](const auto& a, const auto& b) {
-      return a.second.last_use < b.second.last_use;
-    }));
-  }
-  std::vector<Eigen::Vector2d> points;
-  points.reserve(num_points);
-  for (const MapPoint& point : submap.points.points()) {
-    points.push_back(point.point.p);
-  }
-  grids_.erase(submap_index);
-  return grids_
-      .emplace(submap_index,
-               CachedGrid{num_points, uses_, LikelihoodGrid(points, kSearchCellM, kGridRangeM)})
-      .first->second.grid;
-}
-
-CorrelativeMatch LoopCloser::find(std::size_t submap_index, const Submap& submap,
-                                  std::span<const OrientedPoint> scan, const SearchWindow& window,
-                                  double min_score, std::size_t max_places) {
-  return match_in_window(grid_of(submap_index, submap), points_to_search(scan), window,
-                         {.min_score = min_score,
-                          .min_peak_ratio = params_.search.max_runner_up_ratio,
-                          .max_peaks = max_places});
-}
-
-Loop LoopCloser::search(std::size_t submap_index, const Submap& submap,
-                        std::span<const OrientedPoint> scan, const SearchWindow& window) {
+Loop LoopCloser::search(const LoopQuery& query, const Submap& submap, const LikelihoodGrid& grid,
+                        const SearchWindow& window) const {
   const CorrelativeMatch found =
-      find(submap_index, submap, scan, window, params_.search.min_score, 2);
+      match_in_window(grid, points_to_search(query.scan), window,
+                      {.min_score = params_.search.min_score,
+                       .min_peak_ratio = params_.search.max_runner_up_ratio,
+                       .max_peaks = 2});
   if (found.complete && found.peaks.empty()) {
-    return {};
+    return {.submap = query.submap, .keyframe = query.keyframe};
   }
   if (!found.is_unique()) {
-    return {.state = LoopState::kAmbiguous};
+    return {.submap = query.submap, .keyframe = query.keyframe, .state = LoopState::kAmbiguous};
   }
   const geometry::SE2& T_submap_found = found.peaks.front().T_target_base;
-  const Match match = matcher_.match(submap.points, scan, T_submap_found);
-  Loop loop = loop_of(match, T_submap_found, params_.search.min_inlier_ratio);
+  const Match match = matcher_.match(submap.points, query.scan, T_submap_found);
+  Loop loop = loop_of(query, match, T_submap_found, params_.search.min_inlier_ratio);
   // Along a degenerate direction the loop could be anywhere.
   if (match.degenerate_directions > 0) {
     loop.state = LoopState::kLowScore;
@@ -123,9 +89,9 @@ std::vector<Loop> LoopCloser::add_pending(const Loop& loop, std::span<const Subm
   for (const Loop& other : pending_) {
     const double distance_m =
         geometry::distance_m(keyframes[other.keyframe].T_map_base, T_map_last);
-    const geometry::SE2 there = consequence(other);
-    if (geometry::distance_m(here, there) < params.max_distance_m + 0.02 * distance_m &&
-        geometry::rotation_rad(here, there) < params.max_rotation_rad) {
+    if (geometry::is_within(here, consequence(other),
+                            {.distance_m = params.max_distance_m + 0.02 * distance_m,
+                             .rotation_rad = params.max_rotation_rad})) {
       if (other.is_contradicted) {
         against.insert(other.keyframe);
         continue;
@@ -143,7 +109,6 @@ std::vector<Loop> LoopCloser::add_pending(const Loop& loop, std::span<const Subm
 
 void LoopCloser::drop_submap(std::size_t dropped, std::size_t first_keyframe,
                              std::size_t end_keyframe) {
-  grids_.clear();  // they are built again when needed
   std::erase_if(pending_, [&](const Loop& loop) {
     return loop.submap == dropped ||
            (loop.keyframe >= first_keyframe && loop.keyframe < end_keyframe);

@@ -3,8 +3,6 @@
 
 #include <Eigen/Core>
 #include <cstddef>
-#include <map>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -27,6 +25,13 @@ struct Loop {
   bool is_contradicted = false;  ///< by what was seen: walls where the other saw free space
 };
 
+/// A keyframe, and the submap in which it may be recognised.
+struct LoopQuery {
+  std::size_t submap = 0;
+  std::size_t keyframe = 0;
+  std::span<const OrientedPoint> scan;  ///< of the keyframe, in base
+};
+
 /// Recognises places: finds the pose of a scan in a submap with its information matrix, and decides
 /// which of several loops agree.
 class LoopCloser {
@@ -34,19 +39,12 @@ class LoopCloser {
   LoopCloser(const LoopParams& params, const MatcherParams& matcher);
 
   /// Matches from a pose that is known to be near.
-  [[nodiscard]] Loop track(const Submap& submap, std::span<const OrientedPoint> scan,
+  [[nodiscard]] Loop track(const LoopQuery& query, const Submap& submap,
                            const geometry::SE2& T_submap_base_guess) const;
 
-  /// The poses within a window at which a scan fits a submap: at most `max_places`, none with a
-  /// mean likelihood below `min_score`.
-  [[nodiscard]] CorrelativeMatch find(std::size_t submap_index, const Submap& submap,
-                                      std::span<const OrientedPoint> scan,
-                                      const SearchWindow& window, double min_score,
-                                      std::size_t max_places);
-
-  /// Finds the best match within a window.
-  [[nodiscard]] Loop search(std::size_t submap_index, const Submap& submap,
-                            std::span<const OrientedPoint> scan, const SearchWindow& window);
+  /// Finds the best match within a window. `grid`: that of the submap.
+  [[nodiscard]] Loop search(const LoopQuery& query, const Submap& submap,
+                            const LikelihoodGrid& grid, const SearchWindow& window) const;
 
   /// Keeps a loop that was found by a search. Through the present pose of its submap each loop
   /// gives a pose of the newest keyframe; loops that give the same pose agree on the drift. Returns
@@ -61,21 +59,13 @@ class LoopCloser {
   void drop_submap(std::size_t dropped, std::size_t first_keyframe, std::size_t end_keyframe);
 
  private:
-  struct CachedGrid {
-    std::size_t num_points = 0;
-    std::size_t last_use = 0;
-    LikelihoodGrid grid;
-  };
-  /// Accepts a match that fits, and is not far from the pose it started from. Submap and keyframe
-  /// are left to the caller.
-  [[nodiscard]] Loop loop_of(const Match& match, const geometry::SE2& T_submap_base_start,
+  /// Accepts a match that fits, and is not far from the pose it started from.
+  [[nodiscard]] Loop loop_of(const LoopQuery& query, const Match& match,
+                             const geometry::SE2& T_submap_base_start,
                              double min_inlier_ratio) const;
-  const LikelihoodGrid& grid_of(std::size_t submap_index, const Submap& submap);
 
   LoopParams params_;
   ScanMatcher matcher_;
-  std::map<std::size_t, CachedGrid> grids_;
-  std::size_t uses_ = 0;
   std::vector<Loop> pending_;
 };
 

@@ -65,8 +65,8 @@ std::vector<PoseEdge2d> PolishGraph::matches(const LoopCloser& closer,
         continue;
       }
       ++matched;
-      const Loop loop =
-          closer.track(submap, scan, submap.T_map_submap.inverse() * keyframes[k].T_map_base);
+      const Loop loop = closer.track({near.submap, k, scan}, submap,
+                                     submap.T_map_submap.inverse() * keyframes[k].T_map_base);
       if (loop.state == LoopState::kAccepted) {
         edges.push_back(edge_to_nearest(submap, loop, k));
       }

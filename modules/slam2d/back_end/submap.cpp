@@ -5,16 +5,17 @@
 #include <cmath>
 #include <limits>
 
+#include "common/geometry/pose_tolerance.hpp"
+
 namespace nodmap::slam2d {
 namespace {
 
 // Within this distance and rotation, scans show nearly the same.
-constexpr double kOnePlaceM = 0.75;
-constexpr double kOnePlaceRad = geometry::deg_to_rad(30.0);
+constexpr geometry::PoseTolerance kSameView{.distance_m = 0.75,
+                                            .rotation_rad = geometry::deg_to_rad(30.0)};
 
 bool shows_the_same(const geometry::SE2& a, const geometry::SE2& b) {
-  return (a.translation() - b.translation()).squaredNorm() <= kOnePlaceM * kOnePlaceM &&
-         geometry::rotation_rad(a, b) <= kOnePlaceRad;
+  return geometry::is_within(a, b, kSameView);
 }
 
 // Whether a keyframe has at least `num_newer` newer ones at its place.
@@ -35,7 +36,7 @@ void Submap::add(const geometry::SE2& T_submap_base, std::span<const OrientedPoi
 
 std::vector<NearbySubmap> nearest_submaps(std::span<const Submap> submaps,
                                           std::span<const Keyframe> keyframes,
-                                          const Eigen::Vector2d& place_map, double distance_m,
+                                          const Eigen::Vector2d& p_map, double distance_m,
                                           std::size_t end_submap) {
   std::vector<NearbySubmap> found;
   std::size_t end_keyframe = 0;
@@ -47,7 +48,7 @@ std::vector<NearbySubmap> nearest_submaps(std::span<const Submap> submaps,
     double nearest_m2 = std::numeric_limits<double>::infinity();
     for (std::size_t k = submaps[s].first_keyframe; k < submaps[s].end_keyframe(); ++k) {
       nearest_m2 =
-          std::min(nearest_m2, (keyframes[k].T_map_base.translation() - place_map).squaredNorm());
+          std::min(nearest_m2, (keyframes[k].T_map_base.translation() - p_map).squaredNorm());
     }
     if (nearest_m2 < distance_m * distance_m) {
       found.push_back({std::sqrt(nearest_m2), s});

@@ -51,7 +51,7 @@ struct NearbySubmap {
 /// first. Successive submaps overlap and show the same, so only every second one is considered.
 [[nodiscard]] std::vector<NearbySubmap> nearest_submaps(std::span<const Submap> submaps,
                                                         std::span<const Keyframe> keyframes,
-                                                        const Eigen::Vector2d& place_map,
+                                                        const Eigen::Vector2d& p_map,
                                                         double distance_m, std::size_t end_submap);
 
 /// The oldest submap near the newest keyframe that newer keyframes replace: each of its keyframes

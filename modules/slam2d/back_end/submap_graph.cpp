@@ -48,7 +48,7 @@ void SubmapGraph::add_loop(const PoseEdge2d& edge, double score, double chi_squa
   ++revision_;
 }
 
-void SubmapGraph::refuse_loop(const SubmapLoop& loop) {
+void SubmapGraph::record_try(const SubmapLoop& loop) {
   const auto [place, is_new] = loops_.try_emplace({loop.from, loop.to});
   LoopSum& sum = place->second;
   if (sum.is_accepted()) {

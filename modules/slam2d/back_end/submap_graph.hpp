@@ -54,7 +54,7 @@ class SubmapGraph {
   void add_loop(const registration::PoseEdge2d& edge, double score, double chi_squared);
 
   /// Records a loop that was tried and is not accepted, or not yet.
-  void refuse_loop(const SubmapLoop& loop);
+  void record_try(const SubmapLoop& loop);
 
   /// Removes a submap, which must not be the last; the indices of those after it move up by one.
   /// The submaps before and after it are joined directly. Its loops go to the submap to which it is

@@ -5,6 +5,9 @@
 
 namespace nodmap::slam2d {
 
+/// 99.9 % of right loops have a chi-squared below this (three degrees of freedom).
+inline constexpr double kMaxLoopChiSquared = 16.3;
+
 /// How much larger the covariances of the pose graph are than assumed, at least 1.
 ///
 /// They are right for scans in quick succession in rooms; where scans are far apart or have few
@@ -22,7 +25,7 @@ class VarianceFactor {
   /// `chi_squared`: of a loop, by the assumed covariances of graph and loop.
   void add(double chi_squared) {
     // A wrong loop must not count for more than the most that a right one would.
-    sum_ += std::min(chi_squared, kMaxChiSquared * value_);
+    sum_ += std::min(chi_squared, kMaxLoopChiSquared * value_);
     ++num_loops_;
     value_ = mean();
   }
@@ -35,9 +38,8 @@ class VarianceFactor {
  private:
   [[nodiscard]] double mean() const { return std::max(1.0, sum_ / (kExpected * num_loops_)); }
 
-  static constexpr double kExpected = 3.0;  // the mean of chi-squared, three degrees of freedom
-  static constexpr double kMaxChiSquared = 16.3;  // 99.9 % are below this
-  static constexpr double kFirstLoops = 8.0;      // so many loops as expected count from the start
+  static constexpr double kExpected = 3.0;    // the mean of chi-squared, three degrees of freedom
+  static constexpr double kFirstLoops = 8.0;  // so many loops as expected count from the start
 
   double sum_ = kFirstLoops * kExpected;
   double num_loops_ = kFirstLoops;

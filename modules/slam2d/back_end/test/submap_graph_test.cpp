@@ -158,9 +158,9 @@ TEST(SubmapGraph, ContradictedLoopsOfADroppedSubmapAreDiscarded) {
 // takes the place of a refused one.
 TEST(SubmapGraph, RefusedLoopsStayWithTheirSubmapsWhenOneIsDropped) {
   Row row;
-  row.graph.refuse_loop({0, 1, LoopState::kAmbiguous, 0.1});
-  row.graph.refuse_loop({0, 3, LoopState::kLowScore, 0.2});
-  row.graph.refuse_loop({3, 4, LoopState::kInconsistent, 0.3});
+  row.graph.record_try({0, 1, LoopState::kAmbiguous, 0.1});
+  row.graph.record_try({0, 3, LoopState::kLowScore, 0.2});
+  row.graph.record_try({3, 4, LoopState::kInconsistent, 0.3});
   row.graph.drop_submap(1, row.submaps);
   row.submaps.erase(row.submaps.begin() + 1);
   const std::vector<SubmapLoop> loops = row.graph.loops(row.submaps);
@@ -187,16 +187,16 @@ TEST(SubmapGraph, EveryAcceptedLoopIsAChange) {
 TEST(SubmapGraph, AnAcceptedLoopReplacesARefusedOneAndNotTheOtherWayRound) {
   Row row;
   const auto state = [&row] { return row.graph.loops(row.submaps).at(0).state; };
-  row.graph.refuse_loop({0, 2, LoopState::kAmbiguous, 0.0});
+  row.graph.record_try({0, 2, LoopState::kAmbiguous, 0.0});
   EXPECT_EQ(state(), LoopState::kAmbiguous);
   EXPECT_EQ(row.graph.accepted_loops().size(), 2U);
-  row.graph.refuse_loop({0, 2, LoopState::kInconsistent, 0.0});
+  row.graph.record_try({0, 2, LoopState::kInconsistent, 0.0});
   EXPECT_EQ(state(), LoopState::kInconsistent);
   add_loop(row.graph, edge(0, 2, row.between(0, 2)));
   EXPECT_EQ(state(), LoopState::kAccepted);
   EXPECT_EQ(row.graph.accepted_loops().size(), 3U);
   const std::int64_t revision = row.graph.revision();
-  row.graph.refuse_loop({0, 2, LoopState::kLowScore, 0.0});
+  row.graph.record_try({0, 2, LoopState::kLowScore, 0.0});
   EXPECT_EQ(state(), LoopState::kAccepted);
   EXPECT_EQ(row.graph.revision(), revision);
 }
