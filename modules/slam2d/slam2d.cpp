@@ -11,10 +11,10 @@ namespace nodmap::slam2d {
 Slam2d::Slam2d(const Slam2dParams& params)
     : params_(params),
       pose_guesses_(params.people),
-      place_search_(params),
       back_end_(params.back_end, params.map, params.matcher),
       doubt_(params.doubt),
-      hidden_view_(params),
+      place_search_(params, back_end_, moving_points_, doubt_),
+      hidden_view_(params, place_search_, back_end_, moving_points_, pose_guesses_, doubt_),
       path_(params.path) {}
 
 void Slam2d::restore(SavedMap map, TrinaryGrid known,
@@ -37,21 +37,21 @@ std::optional<PoseUpdate> Slam2d::add_scan(const LevelScan& scan) {
   if (!back_end_.has_local()) {
     return begin_new_map(scan);
   }
-  follow_odometry(scan);
+  predict(scan);
   // "These can directly be used as data set D and matched against an incrementally built 2D map" M:
   // the transform that minimises Eq. 3, from the pose by odometry.
-  const FoundPlace found = find_place(scan);
+  const FoundPose found = hidden_view_.find_pose(scan, choose_start(scan));
   // The same transform corrects the pose.
   PoseUpdate update = correct_pose(scan, found);
   record_motion(scan, update);
-  const bool is_sure_again = doubt_.update(update, found.place.is_sure);
+  const bool is_sure_again = doubt_.update(update, found.pose.is_sure);
   // "New scan points that do not show a correspondence to already existing points in M are added."
   // That may close a loop, which corrects the pose once more.
   if (is_keyframe(update, scan, found)) {
-    add_keyframe(found.scan, found.place.match, update);
+    add_keyframe(found.scan, found.pose.match, update);
     moving_points_.add_keyframe(scan);
   }
-  correct_odometry(scan, update);
+  update_T_map_odom(scan, update);
   // What odometry counted before does not contain what the robot has moved unseen.
   if (update.is_keyframe || found.has_slipped || is_sure_again) {
     pose_guesses_.count_odometry_from(T_map_odom_, scan.T_odom_base);
@@ -93,20 +93,20 @@ std::optional<PoseUpdate> Slam2d::begin_new_map(const LevelScan& scan) {
 void Slam2d::begin_at(const LevelScan& scan, PoseUpdate& update) {
   moving_points_.add_keyframe(scan);
   add_keyframe(scan, {}, update);
-  correct_odometry(scan, update);
+  update_T_map_odom(scan, update);
   pose_guesses_.count_odometry_from(T_map_odom_, scan.T_odom_base);
   path_.add(update, keyframes());
 }
 
 // The pose by odometry becomes less certain, and doubtful after a time without odometry.
-void Slam2d::follow_odometry(const LevelScan& scan) {
+void Slam2d::predict(const LevelScan& scan) {
   if (scan.odometry_has_restarted) {
     place_search_.forget_failure();  // the robot may have moved meanwhile
   }
-  pose_covariance_.move(T_map_odom_.yaw + T_odom_last_.yaw,
-                        T_odom_last_.inverse() * scan.T_odom_base);
+  pose_covariance_.predict(T_map_odom_.yaw + T_odom_last_.yaw,
+                           T_odom_last_.inverse() * scan.T_odom_base);
   if (scan.has_odometry_gap()) {
-    if (!doubt_.is_there()) {
+    if (!doubt_.is_active()) {
       place_search_.forget_failure();  // it was near odometry
     }
     doubt_.begin(scan.odometry_gap_s);
@@ -114,55 +114,50 @@ void Slam2d::follow_odometry(const LevelScan& scan) {
   }
 }
 
-Start Slam2d::choose_start(const LevelScan& scan) const {
+StartPoses Slam2d::choose_start(const LevelScan& scan) const {
   std::vector<geometry::SE2> guesses = pose_guesses_.guesses(scan, T_map_odom_, T_odom_last_);
   for (geometry::SE2& guess : guesses) {
     guess = back_end_.local().T_map_submap.inverse() * guess;
   }
-  return place_search_.choose_start(back_end_.local(), scan, std::move(guesses));
+  return place_search_.choose_start(scan, std::move(guesses));
 }
 
-FoundPlace Slam2d::find_place(const LevelScan& scan) {
-  return hidden_view_.find_place({place_search_, back_end_, moving_points_, pose_guesses_, doubt_},
-                                 scan, choose_start(scan));
-}
-
-PoseUpdate Slam2d::correct_pose(const LevelScan& scan, const FoundPlace& found) {
-  const Match& match = found.place.match;
+PoseUpdate Slam2d::correct_pose(const LevelScan& scan, const FoundPose& found) {
+  const Match& match = found.pose.match;
   PoseUpdate update{.stamp = scan.stamp,
                     .T_map_base = T_map_odom_ * scan.T_odom_base,
                     .inlier_ratio = match.inlier_ratio,
                     .score = match.score,
                     .rms_m = match.rms_m,
                     .state = classify(scan, found)};
-  if (update.is_matched() && (found.place.is_sure || match.score >= params_.doubt.certain_score)) {
+  if (update.is_matched() && (found.pose.is_sure || match.score >= params_.doubt.certain_score)) {
     const geometry::SE2& T_submap_base = match.T_target_base;
     update.T_map_base = back_end_.local().T_map_submap * T_submap_base;
   }
   if (found.is_hidden) {  // whoever hides the view may have dragged the pose along
     update.T_map_base = pose_guesses_.by_counted_odometry(scan);
   }
-  update.covariance = estimate_covariance(found.place, update);
+  update.covariance = estimate_covariance(found.pose, update);
   return update;
 }
 
 // Adds the covariance of the pose in the local submap, and that of the submap's own pose at the end
 // of its moment arm.
-Eigen::Matrix3d Slam2d::estimate_covariance(const Place& place, const PoseUpdate& update) {
+Eigen::Matrix3d Slam2d::estimate_covariance(const MatchedPose& pose, const PoseUpdate& update) {
   if (update.state == PoseState::kLost) {
     return Eigen::Matrix3d::Zero();
   }
   const geometry::SE2& T_map_submap = back_end_.local().T_map_submap;
-  if (update.is_matched() && place.is_sure) {
-    pose_covariance_.match(registration::rotated(place.match.information, T_map_submap.yaw));
+  if (update.is_matched() && pose.is_sure) {
+    pose_covariance_.update(registration::rotated(pose.match.information, T_map_submap.yaw));
   }
   const Eigen::Matrix3d J = registration::moment_arm_jacobian(update.T_map_base.translation() -
                                                               T_map_submap.translation());
   return pose_covariance_.matrix() + J * back_end_.drift_covariance() * J.transpose();
 }
 
-PoseState Slam2d::classify(const LevelScan& scan, const FoundPlace& found) const {
-  const Match& match = found.place.match;
+PoseState Slam2d::classify(const LevelScan& scan, const FoundPose& found) const {
+  const Match& match = found.pose.match;
   if (found.is_hidden) {
     return PoseState::kOdometry;
   }
@@ -170,7 +165,7 @@ PoseState Slam2d::classify(const LevelScan& scan, const FoundPlace& found) const
     return pose_covariance_.least_sigma_m() > params_.lost.max_sigma_m ? PoseState::kLost
                                                                        : PoseState::kOdometry;
   }
-  const double min_score = doubt_.is_there()
+  const double min_score = doubt_.is_active()
                                ? std::max(params_.doubt.min_score, params_.lost.score_threshold)
                                : params_.lost.score_threshold;
   if (!match.found() || match.score < min_score) {
@@ -179,7 +174,7 @@ PoseState Slam2d::classify(const LevelScan& scan, const FoundPlace& found) const
   const Eigen::Matrix3d& drift = back_end_.drift_covariance();
   const double max_sigma_m = params_.lost.max_drift_sigma_m;
   const bool has_drifted = std::max(drift(0, 0), drift(1, 1)) > max_sigma_m * max_sigma_m;
-  return match.degenerate_directions > 0 || has_drifted || !found.place.is_sure
+  return match.degenerate_directions > 0 || has_drifted || !found.pose.is_sure
              ? PoseState::kDegraded
              : PoseState::kTracking;
 }
@@ -190,16 +185,16 @@ PoseState Slam2d::classify(const LevelScan& scan, const FoundPlace& found) const
 bool Slam2d::is_lost(const LevelScan& scan) const {
   const Eigen::Matrix3d& covariance = pose_covariance_.matrix();
   const double max_sigma_m = params_.lost.max_sigma_m;
-  return doubt_.is_there() || moving_points_.contradicts(scan) ||
+  return doubt_.is_active() || moving_points_.contradicts(scan) ||
          std::max(covariance(0, 0), covariance(1, 1)) > max_sigma_m * max_sigma_m;
 }
 
 bool Slam2d::is_keyframe(const PoseUpdate& update, const LevelScan& scan,
-                         const FoundPlace& found) const {
+                         const FoundPose& found) const {
   if (!scan.has_enough_points() || found.is_hidden) {
     return false;
   }
-  if (doubt_.is_there()) {
+  if (doubt_.is_active()) {
     return continues_in_doubt(update, scan.T_odom_base);
   }
   // A nodding laser gives few level scans: one that just misses the distance would leave a gap
@@ -221,7 +216,7 @@ bool Slam2d::continues_in_doubt(const PoseUpdate& update, const geometry::SE2& T
 // earlier keyframes move along with the odom frame, so that scans are compared with them as before.
 void Slam2d::record_motion(const LevelScan& scan, const PoseUpdate& update) {
   const bool has_moved_unseen =
-      doubt_.is_there() &&
+      doubt_.is_active() &&
       params_.keyframe.is_beyond(T_map_odom_ * scan.T_odom_base, update.T_map_base);
   pose_guesses_.add_scan(update.stamp, (T_map_odom_ * T_odom_last_).inverse() * update.T_map_base);
   if (update.state == PoseState::kLost || has_moved_unseen) {
@@ -235,7 +230,7 @@ void Slam2d::record_motion(const LevelScan& scan, const PoseUpdate& update) {
 
 // The robot is where that submap begins: there its pose has no error.
 void Slam2d::begin_submap_if_in_doubt() {
-  if (doubt_.is_there()) {
+  if (doubt_.is_active()) {
     const LostParams& lost = params_.lost;
     back_end_.begin_anew({lost.begin_sigma_m, lost.begin_sigma_m, lost.begin_sigma_rad});
     pose_covariance_ = {};
@@ -270,7 +265,7 @@ void Slam2d::add_keyframe(const LevelScan& scan, const Match& match, PoseUpdate&
   update.is_keyframe = true;
 }
 
-void Slam2d::correct_odometry(const LevelScan& scan, PoseUpdate& update) {
+void Slam2d::update_T_map_odom(const LevelScan& scan, PoseUpdate& update) {
   T_map_odom_ = update.T_map_base * scan.T_odom_base.inverse();
   T_odom_last_ = scan.T_odom_base;
   update.T_map_odom = T_map_odom_;

@@ -41,6 +41,8 @@ struct Metrics {
 class Slam2d {
  public:
   explicit Slam2d(const Slam2dParams& params);
+  Slam2d(const Slam2d&) = delete;  // its parts refer to each other
+  Slam2d& operator=(const Slam2d&) = delete;
 
   /// Restores a saved map, to be continued. Must be called before the first scan. First the robot
   /// is found in `known`, the grid of that map, from `T_map_start` or by a search. Until its place
@@ -84,27 +86,26 @@ class Slam2d {
   [[nodiscard]] PoseUpdate find_in_saved_map(const LevelScan& scan);
   [[nodiscard]] std::optional<PoseUpdate> begin_new_map(const LevelScan& scan);
   void begin_at(const LevelScan& scan, PoseUpdate& update);
-  void follow_odometry(const LevelScan& scan);
-  [[nodiscard]] Start choose_start(const LevelScan& scan) const;
-  [[nodiscard]] FoundPlace find_place(const LevelScan& scan);
-  [[nodiscard]] PoseUpdate correct_pose(const LevelScan& scan, const FoundPlace& found);
-  [[nodiscard]] Eigen::Matrix3d estimate_covariance(const Place& place, const PoseUpdate& update);
-  [[nodiscard]] PoseState classify(const LevelScan& scan, const FoundPlace& found) const;
+  void predict(const LevelScan& scan);
+  [[nodiscard]] StartPoses choose_start(const LevelScan& scan) const;
+  [[nodiscard]] PoseUpdate correct_pose(const LevelScan& scan, const FoundPose& found);
+  [[nodiscard]] Eigen::Matrix3d estimate_covariance(const MatchedPose& pose,
+                                                    const PoseUpdate& update);
+  [[nodiscard]] PoseState classify(const LevelScan& scan, const FoundPose& found) const;
   [[nodiscard]] bool is_lost(const LevelScan& scan) const;
   [[nodiscard]] bool is_keyframe(const PoseUpdate& update, const LevelScan& scan,
-                                 const FoundPlace& found) const;
+                                 const FoundPose& found) const;
   [[nodiscard]] bool continues_in_doubt(const PoseUpdate& update,
                                         const geometry::SE2& T_odom_base) const;
   void record_motion(const LevelScan& scan, const PoseUpdate& update);
   void begin_submap_if_in_doubt();
   void add_keyframe(const LevelScan& scan, const Match& match, PoseUpdate& update);
-  void correct_odometry(const LevelScan& scan, PoseUpdate& update);
+  void update_T_map_odom(const LevelScan& scan, PoseUpdate& update);
   void count(const PoseUpdate& update);
 
   Slam2dParams params_;
   MovingPointFilter moving_points_;
   PoseGuesses pose_guesses_;
-  PlaceSearch place_search_;
   BackEnd back_end_;
   geometry::SE2 T_map_odom_;
   PoseCovariance pose_covariance_;  // relative to the local submap, in the axes of map
@@ -112,6 +113,7 @@ class Slam2d {
   geometry::SE2 T_odom_keyframe_;   // of the last keyframe
   geometry::SE2 T_first_odom_;      // the odom frame in that of the first keyframe
   Doubt doubt_;
+  PlaceSearch place_search_;
   HiddenView hidden_view_;
   TrackedPath path_;
   std::unique_ptr<Finder> finder_;  // until the robot is found; null for a new map

@@ -21,7 +21,7 @@ class GroupRelocaliser {
                                               std::span<const slam2d::LevelScan> scans) const;
 
  private:
-  using Place = slam2d::Relocaliser::Place;
+  using Candidate = slam2d::Relocaliser::Candidate;
 
   /// Where one scan fits.
   struct Alone {
@@ -30,13 +30,13 @@ class GroupRelocaliser {
   };
   /// How one scan fits a place.
   struct ScanFit {
-    std::optional<Place> match;  ///< as the scan matches near there, if it does
-    bool agrees = false;         ///< it fits there, and is not sure of another place
-    bool is_sure = false;        ///< it alone tells that this is the place
+    std::optional<Candidate> match;  ///< as the scan matches near there, if it does
+    bool agrees = false;             ///< it fits there, and is not sure of another place
+    bool is_sure = false;            ///< it alone tells that this is the place
   };
   /// How all scans together fit a place of the last one.
   struct GroupFit {
-    Place place;           ///< as the last scan matches there; the mean scores of all
+    Candidate candidate;   ///< as the last scan matches there; the mean scores of all
     bool agrees = true;    ///< each scan fits there, and none is sure of another place
     bool is_sure = false;  ///< one scan alone tells that this is the place
   };

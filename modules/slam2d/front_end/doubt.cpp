@@ -16,14 +16,14 @@ void Doubt::begin(double odometry_gap_s) {
 }
 
 bool Doubt::update(const PoseUpdate& update, bool is_sure) {
-  const bool was_there = is_there();
+  const bool was_active = is_active();
   if (update.state == PoseState::kLost) {
     reach_m_ = params_.search_distance_m;
   } else if (update.is_matched() && is_sure) {
     reach_m_ = 0.0;
   }
-  since_ = is_there() ? std::optional(since_.value_or(update.stamp)) : std::nullopt;
-  return was_there && !is_there();
+  since_ = is_active() ? std::optional(since_.value_or(update.stamp)) : std::nullopt;
+  return was_active && !is_active();
 }
 
 void Doubt::end() {

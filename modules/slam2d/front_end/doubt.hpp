@@ -23,7 +23,7 @@ class Doubt {
   bool update(const PoseUpdate& update, bool is_sure);
   void end();
 
-  [[nodiscard]] bool is_there() const { return reach_m_ > 0.0; }
+  [[nodiscard]] bool is_active() const { return reach_m_ > 0.0; }
   /// How far the robot may be from its pose by odometry, metres; 0: no doubt.
   [[nodiscard]] double reach_m() const { return reach_m_; }
   /// The stamp of the first scan whose place was not sure, if there was one.

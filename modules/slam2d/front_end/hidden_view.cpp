@@ -12,36 +12,27 @@ bool is_mostly_moving(const LevelScan& stationary, const LevelScan& all_points) 
   return 2 * stationary.points_base.size() < all_points.points_base.size();
 }
 
-LevelScan without_moving_points(const HiddenView::Known& known, const LevelScan& all_points,
-                                const Start& start) {
+}  // namespace
+
+LevelScan HiddenView::without_moving_points(const LevelScan& all_points, const StartPoses& start) {
   LevelScan scan = all_points;
-  if (start.is_by_odometry && !known.doubt.is_there()) {
-    scan.points_base = known.moving_points.stationary(all_points);
+  if (start.is_by_odometry && !doubt_.is_active()) {
+    scan.points_base = moving_points_.stationary(all_points);
   }
   return scan;
 }
 
 // Whether odometry goes on so smoothly that the robot cannot be elsewhere.
-bool is_smooth(const HiddenView::Known& known, const LevelScan& scan, const Start& start) {
-  return start.guesses.size() == 1 && !known.doubt.is_there() &&
-         known.pose_guesses.is_fast(scan.stamp);
+bool HiddenView::is_smooth(const LevelScan& scan, const StartPoses& start) const {
+  return start.guesses.size() == 1 && !doubt_.is_active() && pose_guesses_.is_fast(scan.stamp);
 }
 
-Place search(const HiddenView::Known& known, const LevelScan& scan, const LevelScan& all_points,
-             const Start& start) {
-  return known.place_search.find({known.back_end, known.moving_points, known.doubt}, scan,
-                                 all_points, start);
-}
-
-}  // namespace
-
-FoundPlace HiddenView::find_place(const Known& known, const LevelScan& all_points,
-                                  const Start& start) {
-  LevelScan scan = without_moving_points(known, all_points, start);
-  if (is_smooth(known, all_points, start)) {
-    if (const auto place = find_between_people(known, scan, all_points, start)) {
+FoundPose HiddenView::find_pose(const LevelScan& all_points, const StartPoses& start) {
+  LevelScan scan = without_moving_points(all_points, start);
+  if (is_smooth(all_points, start)) {
+    if (const auto pose = find_between_people(scan, all_points, start)) {
       hidden_since_.reset();
-      return {*place, scan};
+      return {*pose, scan};
     }
     if (const auto by_odometry = wait_for_people(scan)) {
       return *by_odometry;
@@ -50,58 +41,58 @@ FoundPlace HiddenView::find_place(const Known& known, const LevelScan& all_point
   if (is_mostly_moving(scan, all_points)) {
     scan = all_points;
   }
-  const Place place = search(known, scan, all_points, start);
+  const MatchedPose pose = place_search_.find(scan, all_points, start);
   // The level scans of a nodding laser are too far apart to give a speed. But whoever hides the
   // view from one of them has passed by the next, and the robot is not elsewhere meanwhile.
-  if (all_points.is_of_nod && !known.doubt.is_there() && !fits_by_odometry(place.match, start) &&
-      known.moving_points.contradicts(all_points)) {
+  if (all_points.is_of_nod && !doubt_.is_active() && !fits_by_odometry(pose.match, start) &&
+      moving_points_.contradicts(all_points)) {
     if (const auto by_odometry = wait_for_people(scan)) {
       return *by_odometry;
     }
   }
   const bool has_slipped = hidden_since_.has_value();
   hidden_since_.reset();
-  return {.place = place, .scan = scan, .has_slipped = has_slipped};
+  return {.pose = pose, .scan = scan, .has_slipped = has_slipped};
 }
 
 // People nearby may hide all but a few walls. The remaining points determine the pose if they fit
 // well. A match of all points would follow the people: somebody who walks ahead of a stationary
 // robot would shift its pose.
-std::optional<Place> HiddenView::find_between_people(const Known& known, const LevelScan& scan,
-                                                     const LevelScan& all_points,
-                                                     const Start& start) const {
-  Place place;
+std::optional<MatchedPose> HiddenView::find_between_people(const LevelScan& scan,
+                                                           const LevelScan& all_points,
+                                                           const StartPoses& start) {
+  MatchedPose pose;
   if (!is_mostly_moving(scan, all_points)) {
-    place = search(known, scan, all_points, start);
+    pose = place_search_.find(scan, all_points, start);
   } else if (scan.has_enough_to_search()) {
-    place.match = known.place_search.match(known.back_end.local(), scan, start);
-    if (place.match.score < doubt_params_.certain_score) {
+    pose.match = place_search_.match(scan, start);
+    if (pose.match.score < doubt_params_.certain_score) {
       return std::nullopt;
     }
   } else {
     return std::nullopt;
   }
-  const geometry::SE2& T_map_submap = known.back_end.local().T_map_submap;
-  const geometry::SE2& T_submap_base = place.match.T_target_base;
-  const bool is_odd = place.match.found() &&
-                      known.pose_guesses.is_beyond_slip(scan, T_map_submap * start.guesses.front(),
-                                                        T_map_submap * T_submap_base);
-  return is_odd ? std::nullopt : std::optional(place);
+  const geometry::SE2& T_map_submap = back_end_.local().T_map_submap;
+  const geometry::SE2& T_submap_base = pose.match.T_target_base;
+  const bool is_odd =
+      pose.match.found() && pose_guesses_.is_beyond_slip(scan, T_map_submap * start.guesses.front(),
+                                                         T_map_submap * T_submap_base);
+  return is_odd ? std::nullopt : std::optional(pose);
 }
 
 // Whether a scan fits, at the pose by odometry or beside it.
-bool HiddenView::fits_by_odometry(const Match& match, const Start& start) const {
+bool HiddenView::fits_by_odometry(const Match& match, const StartPoses& start) const {
   return match.found() && match.score >= lost_params_.score_threshold &&
          is_same_place(match.T_target_base, start.guesses.front());
 }
 
 // By odometry; empty once the view has been hidden for longer than people take to pass.
-std::optional<FoundPlace> HiddenView::wait_for_people(const LevelScan& scan) {
+std::optional<FoundPose> HiddenView::wait_for_people(const LevelScan& scan) {
   hidden_since_ = hidden_since_.value_or(scan.stamp);
   if (time::seconds(std::chrono::abs(scan.stamp - *hidden_since_)) >= people_params_.max_hidden_s) {
     return std::nullopt;
   }
-  return FoundPlace{.place = {}, .scan = scan, .is_hidden = true};
+  return FoundPose{.pose = {}, .scan = scan, .is_hidden = true};
 }
 
 }  // namespace nodmap::slam2d

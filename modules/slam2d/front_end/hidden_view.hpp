@@ -15,8 +15,8 @@
 namespace nodmap::slam2d {
 
 /// The place of a scan, and how it was found.
-struct FoundPlace {
-  Place place;
+struct FoundPose {
+  MatchedPose pose;
   LevelScan scan;            ///< without the points that have moved
   bool has_slipped = false;  ///< odometry, not people, has been wrong for a second
   bool is_hidden = false;    ///< people surround the robot: its pose is by odometry alone
@@ -27,29 +27,36 @@ struct FoundPlace {
 /// had time to pass.
 class HiddenView {
  public:
-  /// The state at the time of a scan.
-  struct Known {
-    PlaceSearch& place_search;
-    BackEnd& back_end;
-    MovingPointFilter& moving_points;
-    const PoseGuesses& pose_guesses;
-    const Doubt& doubt;
-  };
-
-  explicit HiddenView(const Slam2dParams& params)
-      : people_params_(params.people), lost_params_(params.lost), doubt_params_(params.doubt) {}
+  /// The parts that it uses must outlive it.
+  HiddenView(const Slam2dParams& params, PlaceSearch& place_search, const BackEnd& back_end,
+             MovingPointFilter& moving_points, const PoseGuesses& pose_guesses, const Doubt& doubt)
+      : place_search_(place_search),
+        back_end_(back_end),
+        moving_points_(moving_points),
+        pose_guesses_(pose_guesses),
+        doubt_(doubt),
+        people_params_(params.people),
+        lost_params_(params.lost),
+        doubt_params_(params.doubt) {}
 
   /// Finds the place of a scan; valid until the next call.
-  [[nodiscard]] FoundPlace find_place(const Known& known, const LevelScan& all_points,
-                                      const Start& start);
+  [[nodiscard]] FoundPose find_pose(const LevelScan& all_points, const StartPoses& start);
 
  private:
-  [[nodiscard]] std::optional<Place> find_between_people(const Known& known, const LevelScan& scan,
-                                                         const LevelScan& all_points,
-                                                         const Start& start) const;
-  [[nodiscard]] bool fits_by_odometry(const Match& match, const Start& start) const;
-  [[nodiscard]] std::optional<FoundPlace> wait_for_people(const LevelScan& scan);
+  [[nodiscard]] LevelScan without_moving_points(const LevelScan& all_points,
+                                                const StartPoses& start);
+  [[nodiscard]] bool is_smooth(const LevelScan& scan, const StartPoses& start) const;
+  [[nodiscard]] std::optional<MatchedPose> find_between_people(const LevelScan& scan,
+                                                               const LevelScan& all_points,
+                                                               const StartPoses& start);
+  [[nodiscard]] bool fits_by_odometry(const Match& match, const StartPoses& start) const;
+  [[nodiscard]] std::optional<FoundPose> wait_for_people(const LevelScan& scan);
 
+  PlaceSearch& place_search_;
+  const BackEnd& back_end_;
+  MovingPointFilter& moving_points_;
+  const PoseGuesses& pose_guesses_;
+  const Doubt& doubt_;
   PeopleParams people_params_;
   LostParams lost_params_;
   DoubtParams doubt_params_;

@@ -4,17 +4,15 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/geometry/pose_tolerance.hpp"
+
 namespace nodmap::slam2d {
 namespace {
 
 // Keyframes within this distance and rotation by odometry are compared: they show nearly the same,
 // and odometry over them is still precise.
-constexpr double kNearM = 1.0;
-constexpr double kNearRad = 0.6;
+constexpr geometry::PoseTolerance kNear{.distance_m = 1.0, .rotation_rad = 0.6};
 constexpr std::size_t kMaxViews = 8;
-// A person at 7 m gives three points at one beam per degree. Fewer points may belong to a thin
-// object, or to an edge, that the beams of the keyframe missed.
-constexpr std::size_t kMinPoints = 3;
 
 View view_of(const LevelScan& scan) {
   std::vector<Eigen::Vector2d> points_base;
@@ -51,8 +49,7 @@ void MovingPointFilter::move_views(const geometry::SE2& T_old_new) {
 const MovingPointFilter::KeyframeView& MovingPointFilter::oldest_near(
     const geometry::SE2& T_odom_base) const {
   return *std::find_if(views_.begin(), views_.end() - 1, [&](const KeyframeView& view) {
-    return geometry::distance_m(view.T_odom_base, T_odom_base) < kNearM &&
-           geometry::rotation_rad(view.T_odom_base, T_odom_base) < kNearRad;
+    return geometry::is_within(view.T_odom_base, T_odom_base, kNear);
   });
 }
 
@@ -77,7 +74,8 @@ std::span<const OrientedPoint> MovingPointFilter::stationary(const LevelScan& sc
     while (end < points.size() && has_moved_there(points[end].p)) {
       ++end;
     }
-    if (end - begin < kMinPoints) {
+    // A person at 7 m gives three points at one beam per degree.
+    if (end - begin < View::kMinPoints) {
       stationary_.insert(stationary_.end(), points.begin() + static_cast<std::ptrdiff_t>(begin),
                          points.begin() + static_cast<std::ptrdiff_t>(end));
     }

@@ -18,17 +18,21 @@ constexpr std::size_t kMaxPlaces = 8;  // with more places the scan determines n
 
 }  // namespace
 
-PlaceSearch::PlaceSearch(const Slam2dParams& params)
-    : matcher_params_(params.matcher),
+PlaceSearch::PlaceSearch(const Slam2dParams& params, BackEnd& back_end,
+                         const MovingPointFilter& views, const Doubt& doubt)
+    : back_end_(back_end),
+      views_(views),
+      doubt_(doubt),
+      matcher_params_(params.matcher),
       search_params_(params.search),
       doubt_params_(params.doubt),
       keyframe_params_(params.keyframe),
       matcher_(params.matcher),
       search_(params.search) {}
 
-Start PlaceSearch::choose_start(const Submap& local, const LevelScan& all_points,
-                                std::vector<geometry::SE2> guesses) const {
-  Start start{std::move(guesses)};
+StartPoses PlaceSearch::choose_start(const LevelScan& all_points,
+                                     std::vector<geometry::SE2> guesses) const {
+  StartPoses start{std::move(guesses)};
   if (start.guesses.size() == 1) {
     return start;
   }
@@ -36,7 +40,8 @@ Start PlaceSearch::choose_start(const Submap& local, const LevelScan& all_points
   std::size_t best = 0;
   double best_score = -min_gain;
   for (std::size_t i = 0; i < start.guesses.size(); ++i) {
-    const Match match = matcher_.match(local.points, all_points.points_base, start.guesses[i]);
+    const Match match =
+        matcher_.match(back_end_.local().points, all_points.points_base, start.guesses[i]);
     if (match.score > best_score + min_gain) {
       best = i;
       best_score = match.score;
@@ -48,18 +53,18 @@ Start PlaceSearch::choose_start(const Submap& local, const LevelScan& all_points
   return start;
 }
 
-Match PlaceSearch::match(const Submap& local, const LevelScan& scan, const Start& start) const {
-  return matcher_.match(local.points, scan.points_base, start.guesses.front());
+Match PlaceSearch::match(const LevelScan& scan, const StartPoses& start) const {
+  return matcher_.match(back_end_.local().points, scan.points_base, start.guesses.front());
 }
 
-Place PlaceSearch::find(const Known& known, const LevelScan& scan, const LevelScan& all_points,
-                        const Start& start) {
+MatchedPose PlaceSearch::find(const LevelScan& scan, const LevelScan& all_points,
+                              const StartPoses& start) {
   const bool is_matched = start.match && scan.points_base.size() == all_points.points_base.size();
-  Match tracked = is_matched ? *start.match : match(known.back_end.local(), scan, start);
-  if (!known.doubt.is_there() && !is_plausible(tracked, known, all_points, start.guesses)) {
+  Match tracked = is_matched ? *start.match : match(scan, start);
+  if (!doubt_.is_active() && !is_plausible(tracked, all_points, start.guesses)) {
     tracked = {};
   }
-  if (is_good(tracked, known.doubt)) {
+  if (is_good(tracked)) {
     T_odom_failed_.reset();
     return {tracked};
   }
@@ -67,18 +72,18 @@ Place PlaceSearch::find(const Known& known, const LevelScan& scan, const LevelSc
   const bool has_failed_here =
       T_odom_failed_ && !keyframe_params_.is_beyond(*T_odom_failed_, scan.T_odom_base);
   if (!scan.has_enough_to_search() || has_failed_here) {
-    return {tracked, !known.doubt.is_there()};
+    return {tracked, !doubt_.is_active()};
   }
   ++counts_.made;
-  std::optional<Place> found;
-  if (known.doubt.is_there()) {
-    found = find_anywhere(known, scan, start.guesses, tracked);
+  std::optional<MatchedPose> found;
+  if (doubt_.is_active()) {
+    found = find_anywhere(scan, start.guesses, tracked);
   } else {
-    found = find_near(known, scan, all_points, start.guesses, tracked);
+    found = find_near(scan, all_points, start.guesses, tracked);
   }
   if (!found || !found->is_sure) {
     T_odom_failed_ = scan.T_odom_base;
-    return found.value_or(Place{tracked});
+    return found.value_or(MatchedPose{tracked});
   }
   ++counts_.found;
   T_odom_failed_.reset();
@@ -87,14 +92,14 @@ Place PlaceSearch::find(const Known& known, const LevelScan& scan, const LevelSc
 
 // After a scan whose place was not sure, a match near the guess does not suffice, because the guess
 // may be wrong.
-bool PlaceSearch::is_good(const Match& tracked, const Doubt& doubt) const {
-  if (!doubt.is_there()) {
+bool PlaceSearch::is_good(const Match& tracked) const {
+  if (!doubt_.is_active()) {
     // Along a degenerate direction a match that does not fit surely may be off by the error of
     // odometry.
     return tracked.score >= (tracked.degenerate_directions > 0 ? doubt_params_.certain_score
                                                                : search_params_.score_threshold);
   }
-  return !doubt.since() && is_certain(tracked);
+  return !doubt_.since() && is_certain(tracked);
 }
 
 bool PlaceSearch::is_certain(const Match& match) const {
@@ -107,37 +112,36 @@ bool PlaceSearch::is_certain(const Match& match) const {
 // the scan shows something new, and the other place may merely look alike. But in a fast rotation
 // odometry may be late by any angle, and the same place does not look alike at another heading: a
 // scan that fits there certainly shows nothing new.
-bool PlaceSearch::is_plausible(const Match& match, const Known& known, const LevelScan& all_points,
+bool PlaceSearch::is_plausible(const Match& match, const LevelScan& all_points,
                                std::span<const geometry::SE2> guesses) const {
   const auto is_here = [&](const geometry::SE2& guess) {
     const geometry::SE2 turned{guess.x, guess.y, match.T_target_base.yaw};
     return is_same_place(match.T_target_base, is_certain(match) ? turned : guess);
   };
-  return std::any_of(guesses.begin(), guesses.end(), is_here) ||
-         known.views.contradicts(all_points);
+  return std::any_of(guesses.begin(), guesses.end(), is_here) || views_.contradicts(all_points);
 }
 
-std::optional<Place> PlaceSearch::find_near(const Known& known, const LevelScan& scan,
-                                            const LevelScan& all_points,
-                                            std::span<const geometry::SE2> guesses,
-                                            const Match& tracked) const {
-  const auto better = search_.find_better(matcher_, known.back_end.local().points, scan.points_base,
-                                          guesses, tracked);
-  return better && is_plausible(*better, known, all_points, guesses) ? std::optional(Place{*better})
-                                                                     : std::nullopt;
+std::optional<MatchedPose> PlaceSearch::find_near(const LevelScan& scan,
+                                                  const LevelScan& all_points,
+                                                  std::span<const geometry::SE2> guesses,
+                                                  const Match& tracked) const {
+  const auto better =
+      search_.find_better(matcher_, back_end_.local().points, scan.points_base, guesses, tracked);
+  return better && is_plausible(*better, all_points, guesses) ? std::optional(MatchedPose{*better})
+                                                              : std::nullopt;
 }
 
 // Returns the best of all places in reach and of those near the guesses. It is sure if the scan
 // fits clearly worse at every other.
-Place PlaceSearch::find_anywhere(const Known& known, const LevelScan& scan,
-                                 std::span<const geometry::SE2> guesses,
-                                 const Match& tracked) const {
+MatchedPose PlaceSearch::find_anywhere(const LevelScan& scan,
+                                       std::span<const geometry::SE2> guesses,
+                                       const Match& tracked) const {
   const DoubtParams& params = doubt_params_;
-  const PointMap& map = known.back_end.local().points;
+  const PointMap& map = back_end_.local().points;
   std::vector<Match> matches{
       search_.find_better(matcher_, map, scan.points_base, guesses, tracked).value_or(tracked)};
-  const CorrelativeMatch search = known.back_end.find_in_local(
-      scan.points_base, {guesses.front(), known.doubt.reach_m(), params.search_rotation_rad},
+  const CorrelativeMatch search = back_end_.find_in_local(
+      scan.points_base, {guesses.front(), doubt_.reach_m(), params.search_rotation_rad},
       params.min_search_score, kMaxPlaces);
   for (const Peak& peak : search.peaks) {
     matches.push_back(matcher_.match(map, scan.points_base, peak.T_target_base));
@@ -160,8 +164,8 @@ Place PlaceSearch::find_anywhere(const Known& known, const LevelScan& scan,
   // there.
   const BestPlace better = best_of(std::array{places.front(), places[best.index]});
   return is_sure || (best.score >= params.found_score && better.is_clear(params.min_misfit_ratio))
-             ? Place{matches[best.index], is_sure}
-             : Place{matches.front(), false};
+             ? MatchedPose{matches[best.index], is_sure}
+             : MatchedPose{matches.front(), false};
 }
 
 }  // namespace nodmap::slam2d

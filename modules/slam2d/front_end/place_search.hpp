@@ -17,7 +17,7 @@
 namespace nodmap::slam2d {
 
 /// The pose guesses from which matching begins.
-struct Start {
+struct StartPoses {
   std::vector<geometry::SE2> guesses;  ///< of T_submap_base, in the local submap; the best first
   bool is_by_odometry = true;          ///< the best guess is the pose by odometry
   /// The match of all points of the scan from the best guess; only set if there are several
@@ -26,7 +26,7 @@ struct Start {
 };
 
 /// The pose at which a scan fits the local submap, and whether every other place is excluded.
-struct Place {
+struct MatchedPose {
   Match match;
   bool is_sure = true;
 };
@@ -36,27 +36,22 @@ struct Place {
 /// covers all places where the robot may be.
 class PlaceSearch {
  public:
-  /// The state at the time of a scan.
-  struct Known {
-    BackEnd& back_end;
-    const MovingPointFilter& views;  ///< what was seen from here
-    const Doubt& doubt;
-  };
-
-  explicit PlaceSearch(const Slam2dParams& params);
+  /// `views`: what was seen from here. All three must outlive the search.
+  PlaceSearch(const Slam2dParams& params, BackEnd& back_end, const MovingPointFilter& views,
+              const Doubt& doubt);
 
   /// Chooses the guess from which the scan fits clearly best, and puts it first. Several guesses
   /// mean that odometry contradicts the robot's motion. Then all points are used, because moving
   /// points are detected by odometry.
-  [[nodiscard]] Start choose_start(const Submap& local, const LevelScan& all_points,
-                                   std::vector<geometry::SE2> guesses) const;
+  [[nodiscard]] StartPoses choose_start(const LevelScan& all_points,
+                                        std::vector<geometry::SE2> guesses) const;
 
   /// Matches from the best guess, without a search.
-  [[nodiscard]] Match match(const Submap& local, const LevelScan& scan, const Start& start) const;
+  [[nodiscard]] Match match(const LevelScan& scan, const StartPoses& start) const;
 
   /// Matches or searches. `scan`: the part of `all_points` that has not moved.
-  [[nodiscard]] Place find(const Known& known, const LevelScan& scan, const LevelScan& all_points,
-                           const Start& start);
+  [[nodiscard]] MatchedPose find(const LevelScan& scan, const LevelScan& all_points,
+                                 const StartPoses& start);
 
   /// Allows another search at the same place after one that failed: since then the robot may have
   /// been carried, and farther than was searched.
@@ -65,19 +60,21 @@ class PlaceSearch {
   [[nodiscard]] const SearchCounts& counts() const { return counts_; }
 
  private:
-  [[nodiscard]] bool is_good(const Match& tracked, const Doubt& doubt) const;
+  [[nodiscard]] bool is_good(const Match& tracked) const;
   [[nodiscard]] bool is_certain(const Match& match) const;
-  [[nodiscard]] bool is_plausible(const Match& match, const Known& known,
-                                  const LevelScan& all_points,
+  [[nodiscard]] bool is_plausible(const Match& match, const LevelScan& all_points,
                                   std::span<const geometry::SE2> guesses) const;
-  [[nodiscard]] std::optional<Place> find_near(const Known& known, const LevelScan& scan,
-                                               const LevelScan& all_points,
-                                               std::span<const geometry::SE2> guesses,
-                                               const Match& tracked) const;
-  [[nodiscard]] Place find_anywhere(const Known& known, const LevelScan& scan,
-                                    std::span<const geometry::SE2> guesses,
-                                    const Match& tracked) const;
+  [[nodiscard]] std::optional<MatchedPose> find_near(const LevelScan& scan,
+                                                     const LevelScan& all_points,
+                                                     std::span<const geometry::SE2> guesses,
+                                                     const Match& tracked) const;
+  [[nodiscard]] MatchedPose find_anywhere(const LevelScan& scan,
+                                          std::span<const geometry::SE2> guesses,
+                                          const Match& tracked) const;
 
+  BackEnd& back_end_;
+  const MovingPointFilter& views_;
+  const Doubt& doubt_;
   MatcherParams matcher_params_;
   SearchParams search_params_;
   DoubtParams doubt_params_;

@@ -16,7 +16,7 @@ constexpr double kZeroRatio = 1e-9;
 
 }  // namespace
 
-void PoseCovariance::move(double yaw_rad, const geometry::SE2& T_before_now) {
+void PoseCovariance::predict(double yaw_rad, const geometry::SE2& T_before_now) {
   const Eigen::Vector2d step =
       geometry::SE2{0.0, 0.0, yaw_rad}.rotation() * T_before_now.translation();
   const Eigen::Matrix3d J = registration::moment_arm_jacobian(step);
@@ -31,7 +31,7 @@ void PoseCovariance::lose_track(double duration_s) {
 
 // Directions that the match determines take its information. The others, the null space of the
 // information, keep what was known before.
-void PoseCovariance::match(const Eigen::Matrix3d& information) {
+void PoseCovariance::update(const Eigen::Matrix3d& information) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(information);
   const Eigen::Vector3d& values = eigen.eigenvalues();  // increasing
   if (!(values[2] > 0.0)) {

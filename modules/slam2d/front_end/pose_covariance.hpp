@@ -16,11 +16,11 @@ namespace nodmap::slam2d {
 class PoseCovariance {
  public:
   /// Base moved by odometry. `T_before_now`: the motion; `yaw_rad`: the heading in map before it.
-  void move(double yaw_rad, const geometry::SE2& T_before_now);
+  void predict(double yaw_rad, const geometry::SE2& T_before_now);
 
   /// The pose was matched. `information`: the inverse covariance in the axes of map, zero along
   /// degenerate directions.
-  void match(const Eigen::Matrix3d& information);
+  void update(const Eigen::Matrix3d& information);
 
   /// Nothing is known of the robot's motion during `duration_s`.
   void lose_track(double duration_s);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/slam2d/localise/localiser.hpp"
 
+#include "common/geometry/pose_tolerance.hpp"
 #include "modules/slam2d/matching/best_place.hpp"
 
 namespace nodmap::slam2d {
@@ -8,17 +9,10 @@ namespace {
 
 // A failed search is repeated only after the robot has moved by more than this, or after this time:
 // something else may have moved.
-constexpr double kSearchAgainM = 0.1;
-constexpr double kSearchAgainRad = 0.2;
+constexpr geometry::PoseTolerance kSearched{.distance_m = 0.1, .rotation_rad = 0.2};
 constexpr time::Duration kSearchAgain = 1s;
 // A scan confirms a place only from this far away, where it shows something else.
-constexpr double kConfirmM = 0.5;
-constexpr double kConfirmRad = 0.5;
-
-bool is_beyond(const geometry::SE2& a, const geometry::SE2& b, double distance_m,
-               double rotation_rad) {
-  return geometry::distance_m(a, b) > distance_m || geometry::rotation_rad(a, b) > rotation_rad;
-}
+constexpr geometry::PoseTolerance kUnconfirmed{.distance_m = 0.5, .rotation_rad = 0.5};
 
 }  // namespace
 
@@ -42,8 +36,8 @@ PoseUpdate Localiser::add_scan(const LevelScan& scan) {
     failed_search_.reset();  // the robot may have moved meanwhile
   }
   if (T_odom_last_) {
-    covariance_.move(T_map_odom_.yaw + T_odom_last_->yaw,
-                     T_odom_last_->inverse() * scan.T_odom_base);
+    covariance_.predict(T_map_odom_.yaw + T_odom_last_->yaw,
+                        T_odom_last_->inverse() * scan.T_odom_base);
     begin_doubt_after_gap(scan);
   }
   T_odom_last_ = scan.T_odom_base;
@@ -71,7 +65,7 @@ void Localiser::begin_doubt_after_gap(const LevelScan& scan) {
 PoseUpdate Localiser::track(const LevelScan& scan) {
   std::optional<Match> match;
   if (scan.has_enough_points()) {
-    match = doubt_.is_there() ? match_in_doubt(scan) : this->match(scan);
+    match = doubt_.is_active() ? match_in_doubt(scan) : this->match(scan);
   }
   PoseUpdate update{.stamp = scan.stamp, .T_map_base = T_map_odom_ * scan.T_odom_base};
   if (!match) {
@@ -84,11 +78,11 @@ PoseUpdate Localiser::track(const LevelScan& scan) {
   update.score = match->score;
   update.rms_m = match->rms_m;
   T_map_odom_ = update.T_map_base * scan.T_odom_base.inverse();
-  if (!doubt_.is_there()) {  // otherwise the scan fits elsewhere, too
-    covariance_.match(match->information);
+  if (!doubt_.is_active()) {  // otherwise the scan fits elsewhere, too
+    covariance_.update(match->information);
     confirm(scan);
   }
-  const bool is_sure = state_ == State::kLocated && !doubt_.is_there();
+  const bool is_sure = state_ == State::kLocated && !doubt_.is_active();
   update.state =
       is_sure && match->degenerate_directions == 0 ? PoseState::kTracking : PoseState::kDegraded;
   return update;
@@ -152,7 +146,7 @@ void Localiser::take_place(const geometry::SE2& T_map_base, const LevelScan& sca
 
 void Localiser::confirm(const LevelScan& scan) {
   if (state_ == State::kUnconfirmed &&
-      is_beyond(T_odom_found_, scan.T_odom_base, kConfirmM, kConfirmRad)) {
+      !geometry::is_within(T_odom_found_, scan.T_odom_base, kUnconfirmed)) {
     state_ = State::kLocated;
   }
 }
@@ -177,7 +171,7 @@ void Localiser::follow_odometry(const LevelScan& scan, PoseUpdate& update) {
 // Whether a scan that does not fit makes the robot lost. A place that was never confirmed, or is
 // in doubt, is given up at once.
 bool Localiser::is_misfit_lost(time::Timestamp stamp) const {
-  return state_ == State::kUnconfirmed || doubt_.is_there() ||
+  return state_ == State::kUnconfirmed || doubt_.is_active() ||
          std::chrono::abs(stamp - *misfit_since_) >=
              time::from_seconds(params_.localise.max_misfit_s);
 }
@@ -206,7 +200,7 @@ PoseUpdate Localiser::search_whole_map(const LevelScan& scan) {
 
 bool Localiser::is_search_due(const LevelScan& scan) const {
   return !failed_search_ ||
-         is_beyond(failed_search_->T_odom_base, scan.T_odom_base, kSearchAgainM, kSearchAgainRad) ||
+         !geometry::is_within(failed_search_->T_odom_base, scan.T_odom_base, kSearched) ||
          time::is_due(scan.stamp, failed_search_->stamp, kSearchAgain);
 }
 

@@ -40,13 +40,14 @@ Relocalisation Relocaliser::locate(const KnownMap& map, const LevelScan& scan) c
 
 Relocalisation Relocaliser::locate(const KnownMap& map, const SearchWindow& window,
                                    const LevelScan& scan) const {
-  return choose(find_places(map, window, scan), [&](const geometry::SE2& T_map_base) {
+  return choose(find_candidates(map, window, scan), [&](const geometry::SE2& T_map_base) {
     return map.fit_walls(scan.points_base, scan.sensor_origin_base, T_map_base).score();
   });
 }
 
-Relocaliser::Candidates Relocaliser::find_places(const KnownMap& map, const SearchWindow& window,
-                                                 const LevelScan& scan) const {
+Relocaliser::Candidates Relocaliser::find_candidates(const KnownMap& map,
+                                                     const SearchWindow& window,
+                                                     const LevelScan& scan) const {
   const CorrelativeMatch search =
       match_in_window(map.likelihood(), points_to_search(scan.points_base), window,
                       {.min_score = params_.min_search_score,
@@ -54,15 +55,15 @@ Relocaliser::Candidates Relocaliser::find_places(const KnownMap& map, const Sear
                        .max_peaks = kMaxPeaks});
   Candidates found{.is_complete = search.complete && search.peaks.size() < kMaxPeaks};
   for (const Peak& peak : search.peaks) {
-    if (const std::optional<Place> place = match(map, scan, peak.T_target_base)) {
-      found.places.push_back(*place);
+    if (const std::optional<Candidate> candidate = match(map, scan, peak.T_target_base)) {
+      found.all.push_back(*candidate);
     }
   }
   return found;
 }
 
-std::optional<Relocaliser::Place> Relocaliser::match(const KnownMap& map, const LevelScan& scan,
-                                                     const geometry::SE2& T_map_guess) const {
+std::optional<Relocaliser::Candidate> Relocaliser::match(const KnownMap& map, const LevelScan& scan,
+                                                         const geometry::SE2& T_map_guess) const {
   const Match match = matcher_.match(map.points(), scan.points_base, T_map_guess);
   if (!match.found()) {
     return std::nullopt;
@@ -71,20 +72,20 @@ std::optional<Relocaliser::Place> Relocaliser::match(const KnownMap& map, const 
   const WallFit walls = map.fit_walls(scan.points_base, scan.sensor_origin_base, T_map_base);
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(
       match.information.topLeftCorner<2, 2>());
-  return Place{T_map_base, match.score - walls.through_walls, walls.score(),
-               solver.eigenvectors().col(0)};
+  return Candidate{T_map_base, match.score - walls.through_walls, walls.score(),
+                   solver.eigenvectors().col(0)};
 }
 
 // The wall scores at all other places, and beside the best one, tell how clear it is.
 Relocalisation Relocaliser::choose(const Candidates& found, const WallScore& wall_score) const {
-  if (found.places.empty()) {
+  if (found.all.empty()) {
     return {};
   }
-  const Place& best = found.places[best_of(found.places)];
+  const Candidate& best = found.all[best_of(found.all)];
   BestPlace clear{.score = best.wall_score, .runner_up_score = score_beside(best, wall_score)};
-  for (const Place& place : found.places) {
-    if (!is_same_place(place.T_map_base, best.T_map_base)) {
-      clear.runner_up_score = std::max(clear.runner_up_score, place.wall_score);
+  for (const Candidate& candidate : found.all) {
+    if (!is_same_place(candidate.T_map_base, best.T_map_base)) {
+      clear.runner_up_score = std::max(clear.runner_up_score, candidate.wall_score);
     }
   }
   Relocalisation result{.T_map_base = best.T_map_base,
@@ -100,20 +101,20 @@ Relocalisation Relocaliser::choose(const Candidates& found, const WallScore& wal
   return result;
 }
 
-std::size_t Relocaliser::best_of(std::span<const Place> places) {
+std::size_t Relocaliser::best_of(std::span<const Candidate> candidates) {
   const auto best = std::max_element(
-      places.begin(), places.end(),
-      [](const Place& a, const Place& b) { return a.match_score < b.match_score; });
-  return static_cast<std::size_t>(best - places.begin());
+      candidates.begin(), candidates.end(),
+      [](const Candidate& a, const Candidate& b) { return a.match_score < b.match_score; });
+  return static_cast<std::size_t>(best - candidates.begin());
 }
 
 // Along a corridor with few features a scan fits as well a little farther on.
-double Relocaliser::score_beside(const Place& place, const WallScore& wall_score) {
+double Relocaliser::score_beside(const Candidate& candidate, const WallScore& wall_score) {
   double score = 0.0;
   for (const double distance_m : kBesideM) {
     const Eigen::Vector2d beside =
-        place.T_map_base.translation() + distance_m * place.least_determined;
-    score = std::max(score, wall_score({beside.x(), beside.y(), place.T_map_base.yaw}));
+        candidate.T_map_base.translation() + distance_m * candidate.least_determined;
+    score = std::max(score, wall_score({beside.x(), beside.y(), candidate.T_map_base.yaw}));
   }
   return score;
 }

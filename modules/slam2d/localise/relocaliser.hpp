@@ -37,7 +37,7 @@ struct Relocalisation {
 class Relocaliser {
  public:
   /// A pose at which a scan was matched.
-  struct Place {
+  struct Candidate {
     geometry::SE2 T_map_base;
     double match_score = 0.0;  ///< less the part measured through walls; tells the best place
     double wall_score = 0.0;   ///< tells how clear it is: noise in the map hardly changes it
@@ -45,7 +45,7 @@ class Relocaliser {
   };
   /// Where a scan fits.
   struct Candidates {
-    std::vector<Place> places = {};
+    std::vector<Candidate> all = {};
     bool is_complete = true;  ///< false: it may fit elsewhere, too
   };
   /// The wall score if the scan was taken at T_map_base.
@@ -61,17 +61,17 @@ class Relocaliser {
 
   // The steps of locate(), also for a group of scans.
 
-  [[nodiscard]] Candidates find_places(const KnownMap& map, const SearchWindow& window,
-                                       const LevelScan& scan) const;
+  [[nodiscard]] Candidates find_candidates(const KnownMap& map, const SearchWindow& window,
+                                           const LevelScan& scan) const;
   /// Matches from a pose that is known to be near.
-  [[nodiscard]] std::optional<Place> match(const KnownMap& map, const LevelScan& scan,
-                                           const geometry::SE2& T_map_guess) const;
+  [[nodiscard]] std::optional<Candidate> match(const KnownMap& map, const LevelScan& scan,
+                                               const geometry::SE2& T_map_guess) const;
   /// Chooses the best place, and decides whether it is believed.
   [[nodiscard]] Relocalisation choose(const Candidates& found, const WallScore& wall_score) const;
-  /// The index of the best of some places, which must not be empty.
-  [[nodiscard]] static std::size_t best_of(std::span<const Place> places);
-  /// The best wall score a few decimetres beside a place.
-  [[nodiscard]] static double score_beside(const Place& place, const WallScore& wall_score);
+  /// The index of the best of some candidates, which must not be empty.
+  [[nodiscard]] static std::size_t best_of(std::span<const Candidate> candidates);
+  /// The best wall score a few decimetres beside a candidate.
+  [[nodiscard]] static double score_beside(const Candidate& candidate, const WallScore& wall_score);
 
  private:
   RelocaliserParams params_;

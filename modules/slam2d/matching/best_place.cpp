@@ -3,11 +3,12 @@
 
 #include <algorithm>
 
+#include "common/geometry/pose_tolerance.hpp"
+
 namespace nodmap::slam2d {
 namespace {
 
-constexpr double kSamePlaceM = 0.5;
-constexpr double kSamePlaceRad = 0.2;
+constexpr geometry::PoseTolerance kSamePlace{.distance_m = 0.5, .rotation_rad = 0.2};
 // Minimum difference of the scores: where nearly every point fits, the ratio of the misfits means
 // little.
 constexpr double kMinMargin = 0.02;
@@ -15,7 +16,7 @@ constexpr double kMinMargin = 0.02;
 }  // namespace
 
 bool is_same_place(const geometry::SE2& a, const geometry::SE2& b) {
-  return geometry::distance_m(a, b) < kSamePlaceM && geometry::rotation_rad(a, b) < kSamePlaceRad;
+  return geometry::is_within(a, b, kSamePlace);
 }
 
 bool BestPlace::is_clear(double min_misfit_ratio) const {

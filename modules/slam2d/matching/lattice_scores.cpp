@@ -62,12 +62,12 @@ void LatticeScores::compute(std::span<const OrientedPoint> scan, double yaw_rad)
 
 // Compares a point of the scan, `moment_arm` from each place, with a map point.
 void LatticeScores::compare(const Eigen::Vector2d& moment_arm, const Eigen::Vector2d& p_map) {
-  const Eigen::Vector2d offset = p_map - (moment_arm + place(-steps_, -steps_));
+  const Eigen::Vector2d offset = p_map - (moment_arm + position(-steps_, -steps_));
   const LinesInReach x(offset.x(), 2 * steps_);
   const LinesInReach y(offset.y(), 2 * steps_);
   for (int ix = x.begin; ix < x.end; ++ix) {
     for (int iy = y.begin; iy < y.end; ++iy) {
-      const Eigen::Vector2d p = moment_arm + place(ix - steps_, iy - steps_);
+      const Eigen::Vector2d p = moment_arm + position(ix - steps_, iy - steps_);
       double& nearest_m2 = nearest_m2_[index(ix - steps_, iy - steps_)];
       nearest_m2 = std::min(nearest_m2, (p_map - p).squaredNorm());
     }

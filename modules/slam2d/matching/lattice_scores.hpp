@@ -26,8 +26,8 @@ class LatticeScores {
   /// each side.
   LatticeScores(const PointMap& map, const Eigen::Vector2d& middle, int steps);
 
-  /// The place at (x, y) steps from the middle.
-  [[nodiscard]] Eigen::Vector2d place(int x, int y) const {
+  /// The position at (x, y) steps from the middle.
+  [[nodiscard]] Eigen::Vector2d position(int x, int y) const {
     return {middle_.x() + x * kStepM, middle_.y() + y * kStepM};
   }
 

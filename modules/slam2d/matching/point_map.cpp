@@ -274,7 +274,7 @@ void PointMap::look_around(const OrientedPoint& point, double max_distance_m, Ne
     }
     if (search.nearest != nullptr || reach_m >= max_distance_m) {
       around.nearest = search.nearest;
-      around.place = point;
+      around.center = point;
       around.free_m = std::sqrt(search.other_m2);
       around.known_m = std::sqrt(search.forgotten_m2);
       return;

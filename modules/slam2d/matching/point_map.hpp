@@ -48,8 +48,8 @@ struct alignas(64) Neighbourhood {
   static constexpr std::size_t kMaxOthers = 8;
 
   const MapPoint* nearest = nullptr;  ///< with a similar normal; null if there is none in reach
-  OrientedPoint place;
-  /// Within this distance of `place` there is no map point but `nearest`. Points whose normals
+  OrientedPoint center;
+  /// Within this distance of `center` there is no map point but `nearest`. Points whose normals
   /// would not be similar even after a small rotation do not count. Negative: not searched yet.
   double free_m = -1.0;
   /// Within this distance there are no map points but `nearest` and those in `others`, with the
@@ -249,10 +249,10 @@ inline std::optional<const MapPoint*> Neighbourhood::recall(const OrientedPoint&
   // A result holds for rotations of the point up to 0.1 rad.
   constexpr double kMinCosine = 0.9951;
   constexpr double kRoundingM = 1e-9;
-  if (free_m < 0.0 || !have_similar_normals(point.normal, place.normal, kMinCosine)) {
+  if (free_m < 0.0 || !have_similar_normals(point.normal, center.normal, kMinCosine)) {
     return std::nullopt;
   }
-  const double moved_m = (point.p - place.p).norm() + kRoundingM;
+  const double moved_m = (point.p - center.p).norm() + kRoundingM;
   NearestOf search{.point = point, .nearest_m2 = max_distance_m * max_distance_m};
   if (nearest != nullptr) {
     search.consider(*nearest);
@@ -271,7 +271,7 @@ inline std::optional<const MapPoint*> Neighbourhood::recall(const OrientedPoint&
     if (search.nearest != nearest) {
       *std::ranges::find(known, search.nearest) = std::exchange(nearest, search.nearest);
     }
-    place.p = point.p;
+    center.p = point.p;
     known_m -= moved_m;
     free_m = std::min(std::sqrt(search.other_m2), known_m);
   }

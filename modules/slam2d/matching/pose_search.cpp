@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "common/geometry/pose_tolerance.hpp"
 #include "modules/slam2d/matching/lattice_scores.hpp"
 
 namespace nodmap::slam2d {
@@ -15,8 +16,7 @@ constexpr double kStepM = LatticeScores::kStepM;  // ICP converges from half of 
 constexpr double kMaxStepRad = geometry::deg_to_rad(4.0);
 constexpr std::size_t kNumPoints = 90;  // enough to rank poses; 45 misplace a rotation of mit-csail
 constexpr std::size_t kMaxCandidates = 10;
-constexpr double kDistinctM = 0.4;
-constexpr double kDistinctRad = 0.1;
+constexpr geometry::PoseTolerance kSamePose{.distance_m = 0.4, .rotation_rad = 0.1};
 // Cost, in units of score, of a rotation of 90 degrees or of twice the search distance: of two
 // poses with the same score the one nearer to odometry is more likely. People around the robot
 // halve the score at the true pose; with a cost of 0.1 poses would then be found anywhere.
@@ -42,10 +42,6 @@ double rotation_step_rad(std::span<const OrientedPoint> scan) {
   }
   const double distance_m = std::sqrt(sum_m2 / std::max(1.0, static_cast<double>(scan.size())));
   return std::min(kMaxStepRad, std::numbers::sqrt2 * kStepM / std::max(distance_m, kStepM));
-}
-
-bool are_distinct(const geometry::SE2& a, const geometry::SE2& b) {
-  return geometry::rotation_rad(a, b) >= kDistinctRad || geometry::distance_m(a, b) >= kDistinctM;
 }
 
 }  // namespace
@@ -92,8 +88,8 @@ std::vector<PoseSearch::Candidate> PoseSearch::poses_around(
     scores.compute(scan, yaw_rad);
     for (int ix = -steps; ix <= steps; ++ix) {
       for (int iy = -steps; iy <= steps; ++iy) {
-        const Eigen::Vector2d place = scores.place(ix, iy);
-        const geometry::SE2 pose{place.x(), place.y(), yaw_rad};
+        const Eigen::Vector2d p_map = scores.position(ix, iy);
+        const geometry::SE2 pose{p_map.x(), p_map.y(), yaw_rad};
         poses.push_back({scores.at(ix, iy) - cost(pose, guesses), pose});
       }
     }
@@ -112,7 +108,7 @@ std::vector<geometry::SE2> PoseSearch::candidates(const PointMap& map,
         std::ranges::max_element(poses, {}, &Candidate::score)->T_target_base;
     best.push_back(next);
     std::erase_if(poses, [&](const Candidate& candidate) {
-      return !are_distinct(candidate.T_target_base, next);
+      return geometry::is_within(candidate.T_target_base, next, kSamePose);
     });
   }
   return best;

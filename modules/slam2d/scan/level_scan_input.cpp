@@ -42,13 +42,13 @@ void LevelScanInput::add_scan(const scan::Scan& scan) {
 }
 
 std::optional<LevelScan> LevelScanInput::next() {
-  std::optional<LevelScan> placed;
-  while (!placed && !waiting_.empty() &&
+  std::optional<LevelScan> level_scan;
+  while (!level_scan && !waiting_.empty() &&
          !odometry_.is_awaited(waiting_.front().last_stamp(), newest_scan_)) {
-    placed = place(waiting_.front());
+    level_scan = to_level_scan(waiting_.front());
     waiting_.pop_front();
   }
-  return placed;
+  return level_scan;
 }
 
 void LevelScanInput::stop_waiting() {
@@ -77,7 +77,7 @@ LevelScan LevelScanInput::begin_level_scan(time::Timestamp stamp,
   return level_scan;
 }
 
-std::optional<LevelScan> LevelScanInput::place(const scan::Scan& scan) {
+std::optional<LevelScan> LevelScanInput::to_level_scan(const scan::Scan& scan) {
   const auto T_published_first = find_odometry(scan.stamp);
   if (!T_published_first) {
     return std::nullopt;

@@ -64,7 +64,7 @@ class LevelScanInput {
   [[nodiscard]] const ScanCounts& counts() const { return counts_; }
 
  private:
-  [[nodiscard]] std::optional<LevelScan> place(const scan::Scan& scan);
+  [[nodiscard]] std::optional<LevelScan> to_level_scan(const scan::Scan& scan);
   /// The published pose of base at a time; counts a scan for which there is none.
   [[nodiscard]] std::optional<geometry::SE2> find_odometry(time::Timestamp stamp);
   /// A level scan without points.

@@ -15,9 +15,7 @@ namespace {
 // an error of odometry.
 constexpr double kMarginM = 0.3;
 // At a correct pose this part of a scan may be people who have approached, and edges.
-constexpr double kMaxDeniedRatio = 0.25;
-// Fewer points may belong to a thin object, or to an edge, that the beams of the other view missed.
-constexpr std::size_t kMinDenied = 3;
+constexpr double kMaxContradictedRatio = 0.25;
 
 std::size_t bin_of(const Eigen::Vector2d& direction, std::size_t num_bins) {
   const double turns = std::atan2(direction.y(), direction.x()) / (2.0 * geometry::kPi) + 0.5;
@@ -53,20 +51,21 @@ bool View::saw_free(const Eigen::Vector2d& p_base) const {
 }
 
 bool View::contradicts(const View& other, const geometry::SE2& T_this_other) const {
-  return denies(other, T_this_other) || other.denies(*this, T_this_other.inverse());
+  return saw_through(other, T_this_other) || other.saw_through(*this, T_this_other.inverse());
 }
 
-// Compares only points in directions in which this view has measured a range.
-bool View::denies(const View& other, const geometry::SE2& T_this_other) const {
+// Whether beams of this view have passed through what the other one measured. Compares only points
+// in directions in which this view has measured a range.
+bool View::saw_through(const View& other, const geometry::SE2& T_this_other) const {
   std::size_t compared = 0;
-  std::size_t denied = 0;
+  std::size_t contradicted = 0;
   for (const Eigen::Vector2d& p_other : other.points_base_) {
     const Eigen::Vector2d p = T_this_other * p_other;
     compared += free_m_[bin_of(p - sensor_origin_base_, kNumBins)] > 0.0 ? 1 : 0;
-    denied += saw_free(p) ? 1 : 0;
+    contradicted += saw_free(p) ? 1 : 0;
   }
-  return denied >= kMinDenied &&
-         static_cast<double>(denied) > kMaxDeniedRatio * static_cast<double>(compared);
+  return contradicted >= kMinPoints &&
+         static_cast<double>(contradicted) > kMaxContradictedRatio * static_cast<double>(compared);
 }
 
 }  // namespace nodmap::slam2d

@@ -14,6 +14,10 @@ namespace nodmap::slam2d {
 /// free.
 class View {
  public:
+  /// Fewer points may belong to a thin object, or to an edge, that the beams of another view
+  /// missed.
+  static constexpr std::size_t kMinPoints = 3;
+
   View(std::vector<Eigen::Vector2d> points_base, const Eigen::Vector2d& sensor_origin_base);
 
   /// Whether the view shows free space as far as `p_base` and 0.3 m beyond.
@@ -27,7 +31,7 @@ class View {
  private:
   static constexpr std::size_t kNumBins = 360;
 
-  [[nodiscard]] bool denies(const View& other, const geometry::SE2& T_this_other) const;
+  [[nodiscard]] bool saw_through(const View& other, const geometry::SE2& T_this_other) const;
 
   Eigen::Vector2d sensor_origin_base_;
   std::vector<Eigen::Vector2d> points_base_;

@@ -16,10 +16,10 @@ using geometry::SE2;
 
 TEST(PoseCovariance, GrowsWithTheDistanceByOdometry) {
   PoseCovariance once;
-  once.move(0.0, {4.0, 0.0, 0.0});
+  once.predict(0.0, {4.0, 0.0, 0.0});
   PoseCovariance in_steps;
   for (int i = 0; i < 400; ++i) {
-    in_steps.move(0.0, {0.01, 0.0, 0.0});
+    in_steps.predict(0.0, {0.01, 0.0, 0.0});
   }
   EXPECT_NEAR(once.matrix()(0, 0), 4.0 * 0.016, 1e-12);
   EXPECT_NEAR(in_steps.matrix()(0, 0), 4.0 * 0.016, 1e-9);
@@ -27,7 +27,7 @@ TEST(PoseCovariance, GrowsWithTheDistanceByOdometry) {
   // variance of q per metre adds q s^3 / 3.
   EXPECT_NEAR(in_steps.matrix()(1, 1), 4.0 * 0.016 + 0.004 * 64.0 / 3.0, 2e-3);
   PoseCovariance stationary;
-  stationary.move(1.0, {});
+  stationary.predict(1.0, {});
   EXPECT_TRUE(stationary.matrix().isZero(0.0));
 }
 
@@ -41,21 +41,21 @@ TEST(PoseCovariance, AMatchInAllDirectionsSetsTheInverseOfItsInformation) {
   Eigen::Matrix3d information;
   information << 400.0, 20.0, -90.0, 20.0, 900.0, 50.0, -90.0, 50.0, 2500.0;
   PoseCovariance covariance;
-  covariance.move(0.3, {5.0, 0.0, 1.0});
-  covariance.match(information);
+  covariance.predict(0.3, {5.0, 0.0, 1.0});
+  covariance.update(information);
   EXPECT_TRUE(covariance.matrix().isApprox(information.inverse(), 1e-9));
-  covariance.match(information);  // the same match again adds no information
+  covariance.update(information);  // the same match again adds no information
   EXPECT_TRUE(covariance.matrix().isApprox(information.inverse(), 1e-9));
 }
 
 TEST(PoseCovariance, ADegenerateDirectionKeepsTheUncertaintyOfOdometry) {
   PoseCovariance covariance;
-  covariance.move(0.0, {5.0, 0.0, 0.0});
+  covariance.predict(0.0, {5.0, 0.0, 0.0});
   const double along_m2 = covariance.matrix()(0, 0);
-  covariance.match(Eigen::Vector3d(0.0, 900.0, 2500.0).asDiagonal());
+  covariance.update(Eigen::Vector3d(0.0, 900.0, 2500.0).asDiagonal());
   EXPECT_NEAR(covariance.matrix()(0, 0), along_m2, 1e-12);
   EXPECT_NEAR(covariance.matrix()(1, 1), 1.0 / 900.0, 1e-12);
-  covariance.match(Eigen::Matrix3d::Zero());  // nothing matched: nothing changes
+  covariance.update(Eigen::Matrix3d::Zero());  // nothing matched: nothing changes
   EXPECT_NEAR(covariance.matrix()(0, 0), along_m2, 1e-12);
 }
 

@@ -45,8 +45,8 @@ void expect_scores_of_a_search(const PointMap& map, const std::vector<OrientedPo
     scores.compute(scan, yaw_rad);
     for (int x = -steps; x <= steps; ++x) {
       for (int y = -steps; y <= steps; ++y) {
-        const Eigen::Vector2d place = scores.place(x, y);
-        ASSERT_EQ(scores.at(x, y), score_by_searching(map, scan, {place.x(), place.y(), yaw_rad}))
+        const Eigen::Vector2d p_map = scores.position(x, y);
+        ASSERT_EQ(scores.at(x, y), score_by_searching(map, scan, {p_map.x(), p_map.y(), yaw_rad}))
             << x << " " << y;
       }
     }

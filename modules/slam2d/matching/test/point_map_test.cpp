@@ -105,7 +105,7 @@ TEST(PointMap, WithinTheFreeDistanceThereIsNoOtherPoint) {
           !point.has_normal() || !query.has_normal() ||
           point.normal.dot(query.normal) > std::cos(geometry::deg_to_rad(65.0));
       if (may_be_similar && (around.nearest == nullptr || point.p != around.nearest->point.p)) {
-        EXPECT_GE((point.p - around.place.p).norm(), around.free_m - 1e-12);  // rounding
+        EXPECT_GE((point.p - around.center.p).norm(), around.free_m - 1e-12);  // rounding
       }
     }
   }
@@ -135,7 +135,7 @@ TEST(PointMap, WithinTheKnownDistanceAllPointsAreListed) {
                       around.others.begin() + static_cast<std::ptrdiff_t>(around.num_others),
                       [&](const MapPoint* other) { return other->point.p == point.p; });
       if (may_be_similar && !is_known) {
-        EXPECT_GE((point.p - around.place.p).norm(), around.known_m - 1e-12);  // rounding
+        EXPECT_GE((point.p - around.center.p).norm(), around.known_m - 1e-12);  // rounding
       }
     }
   }
