@@ -93,14 +93,14 @@ void BaseGuard::add(const Bumpers& bumpers) {
 }
 
 void BaseGuard::add(const EncoderTicks& ticks, const WheelSpeeds& commanded, time::SteadyTime now) {
-  const time::Duration longest = std::max(left_wheel_.add(ticks.left, commanded.left_mps, now),
-                                          right_wheel_.add(ticks.right, commanded.right_mps, now));
+  const time::Duration longest = std::max(left_stall_.add(ticks.left, commanded.left_mps, now),
+                                          right_stall_.add(ticks.right, commanded.right_mps, now));
   if (longest >= time::from_seconds(params_.stall_s)) {
     alarm_ = Alarm::kStall;
   }
 }
 
-time::Duration BaseGuard::TurningWheel::add(int ticks, double commanded_mps, time::SteadyTime now) {
+time::Duration BaseGuard::StallTimer::add(int ticks, double commanded_mps, time::SteadyTime now) {
   ticks_ += ticks;
   if (std::abs(commanded_mps) < kSurelyTurningMps) {
     since_.reset();

@@ -57,8 +57,8 @@ class BaseGuard {
     time::SteadyTime at;
   };
 
-  /// A wheel that should turn.
-  class TurningWheel {
+  /// Times a wheel that should turn and does not.
+  class StallTimer {
    public:
     /// Returns for how long it has not turned.
     time::Duration add(int ticks, double commanded_mps, time::SteadyTime now);
@@ -81,8 +81,8 @@ class BaseGuard {
   bool is_touched_ = false;
   std::optional<time::SteadyTime> tilted_since_;
   bool is_tilted_ = false;
-  TurningWheel left_wheel_;
-  TurningWheel right_wheel_;
+  StallTimer left_stall_;
+  StallTimer right_stall_;
   std::optional<Alarm> alarm_;
 };
 
