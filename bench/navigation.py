@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Drives the generated worlds, family by family, and prints a table for docs/benchmark-navigation.md.
 
-    bench/navigation.py [--seeds N] [--first SEED] [--only FAMILY ...] [--jobs N] [--set KEY=VALUE ...] [--label TEXT] [--json] [--out DIR] [--bin DIR]
+    bench/navigation.py [--seeds N] [--first SEED] [--only FAMILY ...] [--jobs N] [--set KEY=VALUE ...] [--explored] [--label TEXT] [--json] [--out DIR] [--bin DIR]
 
-Seeds 0 to 999 are for reporting, 1000 to 1999 for choosing parameters, and each wheel counts 3 % too much (bench/seeds.py). The columns are:
+Seeds 0 to 999 are for reporting, 1000 to 1999 for choosing parameters, and each wheel counts 3 % too much (bench/seeds.py). With --explored
+the robot explores each world first, and then drives to the goal from where it began, localising in the map that it has saved. The columns are:
   n                      runs; how many of how many if some have failed
   collisions, caused     contacts of the robot, and how many of them it caused: it moved at 0.05 m/s or more
   falls                  how often the robot fell into a hole
@@ -35,6 +36,7 @@ FAMILIES = {"random": (["random"], 60), "dense": (["dense"], 60), "holes": (["ho
             "people": (["people"], 60), "reacting": (["reacting"], 60), "recorded": (["eth", "zara01"], 60),
             "ramps": (["ramps"], 60), "sills": (["sills"], 90), "glass": (["glass"], 90), "drums": (["drums"], 90),
             "corridor": (["corridor"], 120), "docks": (["dock"], 120)}
+EXPLORATION_S = 400
 WITH_PEOPLE = ["people", "reacting", "recorded"]
 FRAMES_PER_S = {"eth": 15, "zara01": 2.5}
 COLUMNS = ["family", "n", "collisions", "caused", "falls", "bumped", "reached", "spl", "time_s", "mean_mps", "clearance_m", "close_s", "progress"]
@@ -75,6 +77,15 @@ def make_trials(family, seeds, settings, crowds):
             if family in WITH_PEOPLE:
                 empty.append(Trial(f"{scenario}-{seed}-nobody", world, seed, duration_s, *options, "--no-actors"))
     return trials, empty
+
+
+def explore_first(trials, bin_dir, out, jobs):
+    """Explores the world of each trial, and lets the trial localise in the map of that. Returns the explorations."""
+    explorations = [Trial(f"{trial.name}-explored", trial.world, trial.seed, EXPLORATION_S, *trial.options, "--explore") for trial in trials]
+    run_all(explorations, bin_dir, out, jobs)
+    for trial, exploration in zip(trials, explorations):
+        trial.options = [*trial.options, "--localise", exploration.dir / "slam2d"]
+    return explorations
 
 
 def mean(values):
@@ -156,6 +167,7 @@ def main():
     add_seed_options(parser, 10)
     parser.add_argument("--only", nargs="+", choices=FAMILIES, default=list(FAMILIES))
     add_set_option(parser)
+    parser.add_argument("--explored", action="store_true", help="explore each world first, and localise in the map of that")
     parser.add_argument("--label", default="family", help="heading of the table's first column")
     parser.add_argument("--json", action="store_true", help="print a JSON object for each family instead of the table")
     add_options(parser)
@@ -164,6 +176,7 @@ def main():
         crowds = recorded_crowds(out)
         families = {family: make_trials(family, seeds_of(arguments), arguments.set, crowds) for family in arguments.only}
         every = [trial for trials, empty in families.values() for trial in trials + empty]
+        explorations = explore_first(every, arguments.bin, out, arguments.jobs) if arguments.explored else []
         run_all(every, arguments.bin, out, arguments.jobs)
         rows = [row_of(family, trials, empty) for family, (trials, empty) in families.items()]
         if arguments.json:
@@ -171,7 +184,7 @@ def main():
                 print(json.dumps(row))
         else:
             show(rows, arguments.label)
-    return 1 if show_failures(every) or any(has_contacts(row) for row in rows) else 0
+    return 1 if show_failures(explorations + every) or any(has_contacts(row) for row in rows) else 0
 
 
 if __name__ == "__main__":

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/node/log.hpp"
+#include "common/node/map_tile.hpp"
 #include "common/node/messages.hpp"
 
 namespace nodmap::explorer {
@@ -30,10 +31,6 @@ constexpr double kSameGoalM = 0.05;
 // With this limit EXPLORATION stays far below 64 KiB.
 constexpr std::size_t kMaxPathPoints = 500;
 constexpr std::size_t kMaxFrontierPoints = 2000;
-// Tiles farther away than this are refused, so that cell indices stay exact.
-constexpr double kFarthestM = 10'000.0;
-// Grids with more cells to a side are refused, so that cell indices do not overflow.
-constexpr int kMostCells = 1 << 20;
 
 std::int8_t code_of(State state) {
   switch (state) {
@@ -47,20 +44,6 @@ std::int8_t code_of(State state) {
       return nodmap::exploration_t::HOME;
   }
   return nodmap::exploration_t::IDLE;
-}
-
-// Converts a tile; empty if its numbers are not plausible.
-std::optional<MapTile> read_tile(const nodmap::grid_chunk_t& message) {
-  const Eigen::Vector2d origin_m(message.origin_x_m, message.origin_y_m);
-  if (!(message.cell_size_m > 0.001) || !std::isfinite(message.cell_size_m) ||
-      !origin_m.allFinite() || origin_m.cwiseAbs().maxCoeff() > kFarthestM || message.tile_x < 0 ||
-      message.tile_y < 0 || message.tile_x > std::min(message.grid_width, kMostCells) ||
-      message.tile_y > std::min(message.grid_height, kMostCells)) {
-    return std::nullopt;
-  }
-  const Cell origin = (origin_m / message.cell_size_m).array().round().cast<int>();
-  return MapTile{message.cell_size_m, origin + Cell(message.tile_x, message.tile_y),
-                 message.tile_width, message.tile_height, message.cells};
 }
 
 // The step n for which every n-th of `count` items gives at most `most`.
@@ -93,7 +76,7 @@ ExplorerNode::ExplorerNode(node::Context& context, const Params& params)
 // A lower revision is that of a new map: 2D SLAM has restarted. One such tile alone may be a late
 // one of the map that is known, so the second one decides.
 void ExplorerNode::on_map(const nodmap::grid_chunk_t& message) {
-  if (message.map_revision < map_revision_ && read_tile(message)) {
+  if (message.map_revision < map_revision_ && node::read_map_tile(message)) {
     if (!first_tile_) {
       first_tile_ = message;
       return;
@@ -108,7 +91,7 @@ void ExplorerNode::on_map(const nodmap::grid_chunk_t& message) {
 }
 
 bool ExplorerNode::add_tile(const nodmap::grid_chunk_t& message) {
-  const auto tile = read_tile(message);
+  const auto tile = node::read_map_tile(message);
   if (!tile || !explorer_.add(*tile)) {
     context_.counts.reject("implausible_map_tile");
     return false;

@@ -9,9 +9,6 @@
 namespace nodmap::explorer {
 namespace {
 
-// The same threshold as in the images of the map. It is low because many rays only graze the cell
-// of a wall.
-constexpr std::int8_t kOccupiedPercent = 25;
 // The widest gap in a wall that is filled: 0.3 m where map cells are 5 cm wide.
 constexpr int kWallGapCells = 3;
 // The grid grows in blocks of this many map cells, so that it seldom grows.
@@ -34,7 +31,7 @@ Ground ground_of(std::int8_t occupancy) {
   if (occupancy < 0) {
     return Ground::kUnknown;
   }
-  return occupancy >= kOccupiedPercent ? Ground::kOccupied : Ground::kFree;
+  return occupancy >= MapTile::kOccupiedPercent ? Ground::kOccupied : Ground::kFree;
 }
 
 bool is_plausible(const MapTile& tile) {

@@ -5,24 +5,15 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <utility>
 #include <vector>
 
+#include "common/geometry/map_tile.hpp"
 #include "modules/explorer/raster.hpp"
 
 namespace nodmap::explorer {
 
-/// A rectangle of the 2D map, as in MAP_2D. Cells are numbered from the origin of map: cell (0, 0)
-/// extends from 0 to one cell size in x and y.
-struct MapTile {
-  double cell_size_m = 0.05;
-  Cell first = Cell::Zero();
-  int width = 0;
-  int height = 0;
-  std::span<const std::int8_t>
-      cells;  ///< row by row, x fastest; 0 free .. 100 occupied, -1 unknown
-};
+using geometry::MapTile;
 
 /// In this order: the greatest of several cells counts.
 enum class Ground : std::uint8_t { kUnknown, kFree, kOccupied };

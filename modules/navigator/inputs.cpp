@@ -41,6 +41,7 @@ Situation Inputs::situation(const DriveParams& drive) const {
   now.max_forward_mps = permitted_mps(drive);
   now.sweep_count = sweep_count;
   now.geofence = geofence;
+  now.map_2d = map_2d;
   now.laser_is_held = laser_is_held;
   if (goal) {
     const geometry::SE2 T_base_goal = T_map_base().inverse() * goal->T_map_goal;

@@ -53,6 +53,7 @@ struct Inputs {
   bool is_goal_void = false;  ///< its map, or without 2D SLAM its odom frame, is gone
   std::optional<std::string> stopped_by;
   const Geofence* geofence = nullptr;  ///< null: none
+  const Map2d* map_2d = nullptr;       ///< in the frame map; null: not used
   /// 2D SLAM was restarted, so its map frame may no longer be the one in which the geofence was
   /// given.
   bool is_fence_void = false;

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "common/node/map_tile.hpp"
 #include "common/node/messages.hpp"
 #include "common/scan/ego_map_points.hpp"
 #include "modules/navigator/inhibit_reason.hpp"
@@ -32,6 +33,7 @@ NavigatorNode::NavigatorNode(node::Context& context, const Params& params)
   if (!params.geofence.empty()) {
     newest_.geofence = &geofence_.emplace(params.geofence);
   }
+  newest_.map_2d = params.planner.use_map ? &map_2d_ : nullptr;
   bus::Bus& bus = context.bus;
   bus.subscribe<nodmap::scan_t>("SCAN", [this](const auto& m) { on_scan(m); });
   bus.subscribe<nodmap::egomap_t>("OBSTACLE_MAP", [this](const auto& m) { on_map(m); });
@@ -43,6 +45,9 @@ NavigatorNode::NavigatorNode(node::Context& context, const Params& params)
   bus.subscribe<nodmap::pitch_state_t>("PITCH_STATE", [this](const auto& m) { on_pitch_state(m); });
   bus.subscribe<nodmap::goal_t>("GOAL", [this](const auto& m) { on_goal(m); });
   bus.subscribe<nodmap::pose_t>("POSE_2D", [this](const auto& m) { on_pose(m); });
+  if (params.planner.use_map) {
+    bus.subscribe<nodmap::grid_chunk_t>("MAP_2D", [this](const auto& m) { on_map_tile(m); });
+  }
   bus.subscribe<nodmap::stop_t>("STOP", [this](const auto& m) { on_stop(m); });
 }
 
@@ -227,8 +232,54 @@ void NavigatorNode::watch_map_frame() {
   const bus::Sender sender = context_.bus.origin().sender;
   if (pose_sender_ && *pose_sender_ != sender) {
     newest_.forget_map_frame();
+    begin_2d_map();
   }
   pose_sender_ = sender;
+}
+
+// The 2D map changes the plan, and nothing that keeps the robot from hitting something. It must be
+// in the frame of the pose, so it is taken only from the process whose poses are used.
+void NavigatorNode::on_map_tile(const nodmap::grid_chunk_t& message) {
+  const auto tile = node::read_map_tile(message);
+  if (!tile) {
+    context_.counts.reject("implausible_map_tile");
+    return;
+  }
+  if (pose_sender_ != context_.bus.origin().sender) {
+    context_.counts.reject("map_tile_without_pose");
+    return;
+  }
+  if (!follow_revision(message.map_revision)) {
+    context_.counts.reject("map_tile_of_older_revision");
+    return;
+  }
+  if (!map_2d_.add(*tile)) {
+    context_.counts.reject("map_tile_of_unusable_size");
+    return;
+  }
+  context_.counts.use();
+}
+
+// A lower revision is that of a new map: in a recording the sender does not tell. One such tile
+// alone may be a late one of the map that is known, so the second one decides. The first one comes
+// again in its turn.
+bool NavigatorNode::follow_revision(std::int64_t revision) {
+  const bool is_older = revision < map_revision_;
+  if (is_older && !std::exchange(last_tile_was_older_, true)) {
+    return false;
+  }
+  if (is_older) {
+    begin_2d_map();
+  }
+  last_tile_was_older_ = false;
+  map_revision_ = revision;
+  return true;
+}
+
+void NavigatorNode::begin_2d_map() {
+  map_2d_.clear();
+  map_revision_ = 0;
+  last_tile_was_older_ = false;
 }
 
 // Only while 2D SLAM is sure in all directions: along a bare corridor it follows the wheels.

@@ -18,6 +18,7 @@
 #include "modules/navigator/inputs.hpp"
 #include "modules/navigator/messages.hpp"
 #include "modules/navigator/navigator.hpp"
+#include "modules/navigator/planner/map_2d.hpp"
 #include "modules/navigator/senders.hpp"
 #include "modules/navigator/slip.hpp"
 #include "modules/navigator/staleness.hpp"
@@ -25,6 +26,7 @@
 #include "nodmap/drive_t.hpp"
 #include "nodmap/egomap_t.hpp"
 #include "nodmap/goal_t.hpp"
+#include "nodmap/grid_chunk_t.hpp"
 #include "nodmap/navigation_t.hpp"
 #include "nodmap/odometry_t.hpp"
 #include "nodmap/pitch_command_t.hpp"
@@ -56,10 +58,13 @@ class NavigatorNode final : public node::Node {
   void on_pitch_state(const nodmap::pitch_state_t& message);
   void on_goal(const nodmap::goal_t& message);
   void on_pose(const nodmap::pose_t& message);
+  void on_map_tile(const nodmap::grid_chunk_t& message);
   void on_stop(const nodmap::stop_t& message);
 
   [[nodiscard]] bool follow_sender(InputSenders::Input input);
   void watch_map_frame();
+  [[nodiscard]] bool follow_revision(std::int64_t revision);
+  void begin_2d_map();
   void watch_slip(const nodmap::pose_t& message);
   void begin_odometry_frame(time::Timestamp stamp);
   [[nodiscard]] Decision halt(Reason reason);
@@ -71,6 +76,7 @@ class NavigatorNode final : public node::Node {
   node::SensorInput input_;
   node::StopLatch stop_latch_;
   std::optional<Geofence> geofence_;
+  Map2d map_2d_;
   Inputs newest_;
   Navigator navigator_;
   Display display_;
@@ -80,6 +86,8 @@ class NavigatorNode final : public node::Node {
   node::SequenceCounter pitch_commands_watch_;
   InputSenders senders_;
   std::optional<bus::Sender> pose_sender_;  // of the last POSE_2D
+  std::int64_t map_revision_ = 0;           // of the newest MAP_2D
+  bool last_tile_was_older_ = false;        // than that
   node::SequenceCounter pitch_states_watch_;
   time::Timestamp odometry_frame_began_{};
   bool odom_frame_is_new_ = false;  // since the odometry used last

@@ -198,11 +198,13 @@ struct LocalMapParams {
 struct PlannerParams {
   bool use = true;
   bool roams = true;
+  bool use_map = true;
   double replan_s = 0.5;
   double min_clearance_m = 0.06;
   double wide_m = 0.35;
   double nearness_price = 3.0;
   double unknown_price = 0.7;
+  double map_price = 0.35;
   double failure_price = 3.0;
   double ample_clearance_m = 0.1;
   double ample_clearance_m_per_mps = 0.15;
@@ -216,6 +218,8 @@ struct PlannerParams {
     v.flag("use_planner", use,
            "Drive to a goal by plan and rollouts; otherwise by Steer, Brake and Turn.");
     v.flag("roams", roams, "Roam by plan and rollouts; otherwise by Steer, Brake and Turn.");
+    v.flag("use_map", use_map,
+           "Plan to a goal on the 2D map as well, where the local map has not shown the ground.");
     v.number("replan_s", replan_s, {0.05, 10.0}, "Time from one global plan to the next.");
     v.number(
         "min_clearance_m", min_clearance_m, {0.0, 0.5},
@@ -228,6 +232,8 @@ struct PlannerParams {
              "Additional cost of a metre of path at the least clearance, metres.");
     v.number("unknown_price", unknown_price, {0.0, 5.0},
              "Additional cost of a metre of path over ground that was not seen, metres.");
+    v.number("map_price", map_price, {0.0, 5.0},
+             "The same over ground that only the 2D map shows as free, metres.");
     v.number("failure_price", failure_price, {0.0, 10.0},
              "Additional cost of a metre of path where the robot could not go on, metres.");
     v.number("ample_clearance_m", ample_clearance_m, {0.01, 1.0},

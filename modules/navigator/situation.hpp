@@ -15,6 +15,7 @@ namespace nodmap::navigator {
 
 class Geofence;
 class LocalMap;
+class Map2d;
 class RearView;
 class Trail;
 
@@ -31,6 +32,7 @@ struct Situation {
   bool laser_is_held = false;    ///< it does not nod, so waiting brings nothing new into view
   std::optional<GoalInBase> goal;
   const Geofence* geofence = nullptr;  ///< null: none
+  const Map2d* map_2d = nullptr;       ///< null: none
   Points points_base;  ///< obstacles of the obstacle map; when complete, also of the local map
 
   // Added by Surroundings::complete(), the trail by Navigator:

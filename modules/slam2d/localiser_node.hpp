@@ -18,7 +18,7 @@
 namespace nodmap::slam2d {
 
 /// Localises in a map that it reads and never changes: subscribes to SCAN and ODOMETRY, and
-/// publishes POSE_2D, and the map as MAP_2D for the page and the explorer.
+/// publishes POSE_2D, and the map as MAP_2D for the page, the explorer and the navigator.
 class LocaliserNode : public node::Node {
  public:
   /// Throws formats::InputFileError for a map that cannot be read.

@@ -38,6 +38,8 @@ struct Arguments {
   std::vector<std::string> faults;
   std::vector<std::string> kills;
   std::vector<std::string> without;
+  std::string localise;
+  std::string map_in;
   std::optional<double> appear_s;
   bool explore = false;
   bool level_laser = false;
@@ -88,6 +90,10 @@ void add_options(CLI::App& app, Arguments& arguments) {
                "Also run 2D SLAM on the scans that the laser would measure if held level");
   app.add_option("--without", arguments.without, "Omit this process; repeatable")
       ->allow_extra_args(false);
+  auto* localise = app.add_option(
+      "--localise", arguments.localise,
+      "Localise 2D SLAM in a map that an earlier trial has saved: its folder slam2d");
+  app.add_option("--map-in", arguments.map_in, "Let 2D SLAM extend such a map")->excludes(localise);
   app.add_flag_callback(
       "--no-slam6d", [&arguments] { arguments.without.emplace_back("slam6d"); },
       "Same as --without slam6d");
@@ -141,6 +147,8 @@ TrialSetup make_setup(const Arguments& arguments) {
     setup.without.insert(process);
   }
   setup.explores = arguments.explore;
+  setup.map.localise_in = arguments.localise;
+  setup.map.map_in = arguments.map_in;
   laser3d::check(setup.params.laser3d);
   check_kills(setup);
   check_options(arguments, setup);

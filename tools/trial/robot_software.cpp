@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/node/results.hpp"
+#include "modules/slam2d/localiser_node.hpp"
 #include "tools/trial/level_scanner_node.hpp"
 
 namespace nodmap::trial {
@@ -38,12 +39,14 @@ nlohmann::json Process::report() const {
 }
 
 RobotSoftware::RobotSoftware(sim::SimulatedRobot& hardware, bus::LoopNetwork& network,
-                             AllParams params, Robot robot, std::set<std::string> without)
+                             AllParams params, Robot robot, std::set<std::string> without,
+                             node::MapOptions map)
     : hardware_(hardware),
       network_(network),
       person_(network),
       params_(std::move(params)),
       without_(std::move(without)),
+      map_(std::move(map)),
       laser_line_(hardware.device(sim::Part::kLaser)),
       servo_line_(hardware.device(sim::Part::kServo)),
       base_line_(hardware.device(sim::Part::kBase)) {
@@ -70,8 +73,11 @@ RobotSoftware::RobotSoftware(sim::SimulatedRobot& hardware, bus::LoopNetwork& ne
   add("explorer", [this](node::Context& context) {
     return std::make_unique<explorer::ExplorerNode>(context, params_.explorer);
   });
-  add("slam2d", [this](node::Context& context) {
-    return std::make_unique<slam2d::Slam2dNode>(context, params_.slam2d);
+  add("slam2d", [this](node::Context& context) -> std::unique_ptr<node::Node> {
+    if (!map_.localise_in.empty()) {
+      return std::make_unique<slam2d::LocaliserNode>(context, params_.slam2d, map_);
+    }
+    return std::make_unique<slam2d::Slam2dNode>(context, params_.slam2d, map_);
   });
   add("slam6d", [this](node::Context& context) {
     return std::make_unique<slam6d::Slam6dNode>(context, params_.slam6d);

@@ -13,6 +13,7 @@
 
 #include "common/bus/loop_bus.hpp"
 #include "common/node/device_node.hpp"
+#include "common/node/map_options.hpp"
 #include "common/node/run.hpp"
 #include "sim/devices/simulated_robot.hpp"
 #include "tools/trial/params.hpp"
@@ -65,9 +66,9 @@ class Process {
 /// connected to the simulated devices.
 class RobotSoftware : private boost::noncopyable {
  public:
-  /// Leaves out the processes named in `without`.
+  /// Leaves out the processes named in `without`. `map`: for 2D SLAM.
   RobotSoftware(sim::SimulatedRobot& hardware, bus::LoopNetwork& network, AllParams params,
-                Robot robot, std::set<std::string> without);
+                Robot robot, std::set<std::string> without, node::MapOptions map);
 
   /// Lets lines and drivers do what is due at the hardware's time.
   void step();
@@ -95,6 +96,7 @@ class RobotSoftware : private boost::noncopyable {
   std::int64_t stop_seq_ = 0;
   AllParams params_;
   std::set<std::string> without_;
+  node::MapOptions map_;
   SimulatedLine laser_line_;
   SimulatedLine servo_line_;
   SimulatedLine base_line_;

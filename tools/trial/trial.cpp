@@ -109,7 +109,8 @@ struct Trial::Parts {
                 BrakeLatencyMonitor(stopping_zone(setup), setup.undisturbed), mirror(setup),
                 setup.params.slam6d.occupancy.trace),
         goal(setup.world, setup.params.loop, network),
-        robot(hardware, network, params_of(setup), setup.robot, omitted_processes(setup)) {
+        robot(hardware, network, params_of(setup), setup.robot, omitted_processes(setup),
+              setup.map) {
     if (setup.level_laser) {
       level_laser.emplace(setup.world, setup.params, setup.seed + kLevelLaserSeed,
                           monitor.T_world_base(), network,

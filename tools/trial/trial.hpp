@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "common/geometry/time.hpp"
+#include "common/node/map_options.hpp"
 #include "sim/devices/fault.hpp"
 #include "sim/world/world.hpp"
 #include "tools/trial/brake_latency.hpp"
@@ -35,6 +36,7 @@ struct TrialSetup {
   AllParams params;
   std::uint64_t seed = 0;
   time::Duration duration{};  ///< from the first SCAN on
+  node::MapOptions map;       ///< that 2D SLAM is given
   std::set<std::string> without;
   std::vector<Kill> kills;
   std::vector<sim::Fault> faults;

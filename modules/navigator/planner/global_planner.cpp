@@ -51,15 +51,14 @@ struct Prices {
   double least_m;    // nearer than this it is tight
   const PlannerParams& params;
 
-  [[nodiscard]] float at(double distance_m, bool is_unknown) const {
+  [[nodiscard]] float at(double distance_m, double ground_price) const {
     if (distance_m < blocked_m) {
       return kBlockedPrice;
     }
     const double nearness = std::max(0.0, 1.0 - (distance_m - least_m) / params.wide_m);
     const double tight_price = distance_m < least_m ? kTightPrice : 0.0;
-    const double unknown_price = is_unknown ? params.unknown_price : 0.0;
     return static_cast<float>(1.0 + params.nearness_price * nearness * nearness + tight_price +
-                              unknown_price);
+                              ground_price);
   }
 };
 
@@ -91,6 +90,7 @@ void GlobalPlanner::step(const Situation& now) {
   const Eigen::Vector2d p_map = T_map_base.translation();
   const Eigen::Vector2d goal_map = T_map_base * now.goal->p_base;
   const double tolerance_m = now.goal->tolerance_m;
+  map_2d_ = now.map_2d != nullptr && !now.map_2d->is_empty() ? now.map_2d : nullptr;
   goal_is_new_ = (goal_map - goal_map_).norm() > 0.5 * tolerance_m || tolerance_m != tolerance_m_;
   if (goal_is_new_) {
     take_new_goal();
@@ -106,7 +106,7 @@ void GlobalPlanner::step(const Situation& now) {
     tolerance_m_ = tolerance_m;
     goal_is_new_ = false;
     ground_.update(now);
-    begin(ground_.window_around(p_map, goal_map_));
+    begin(ground_.window_around(p_map, goal_map_, map_2d_));
   }
 }
 
@@ -146,7 +146,7 @@ bool GlobalPlanner::start_if_due(time::Timestamp stamp) {
     return false;
   }
   started_at_ = stamp;
-  is_last_resort_ = false;
+  attempt_ = Attempt::kUsual;
   return true;
 }
 
@@ -203,20 +203,16 @@ void GlobalPlanner::begin_search() {
   price_failures();
   if (onward_from_) {
     search_.begin_onward(window_, price_,
-                         {*onward_from_, is_last_resort_ ? kShortestM : kOnwardM - kRingM, kOnwardM,
+                         {*onward_from_, is_tight() ? kShortestM : kOnwardM - kRingM, kOnwardM,
                           kShortPrice, kAsideMPerRad});
   } else {
     search_.begin(window_, price_, goal_map_, tolerance_m_, 1.0 + params_.unknown_price);
   }
 }
 
-// If there is no path, plans once more: to a goal over everything that is not next to an occupied
-// cell, without a goal to nearer ends.
+// If there is no path, tries the next attempt.
 void GlobalPlanner::finish(const Eigen::Vector2d& p_map) {
-  if (!is_last_resort_ && !std::isfinite(search_.found().least_near(p_map))) {
-    is_last_resort_ = true;
-    phase_ = Phase::kPrice;
-    row_ = 0;
+  if (!std::isfinite(search_.found().least_near(p_map)) && try_next()) {
     return;
   }
   search_.exchange_found(complete_ ? *complete_ : complete_.emplace());
@@ -225,10 +221,40 @@ void GlobalPlanner::finish(const Eigen::Vector2d& p_map) {
   phase_ = Phase::kIdle;
 }
 
+// Begins the next attempt at this plan. Returns false after the last one.
+bool GlobalPlanner::try_next() {
+  if (!is_tight()) {
+    attempt_ = attempt_ == Attempt::kUsual ? Attempt::kTight : Attempt::kTightWithoutMap;
+    phase_ = Phase::kPrice;
+    row_ = 0;
+    return true;
+  }
+  if (uses_map()) {
+    attempt_ = Attempt::kWithoutMap;
+    begin(window_);
+    return true;
+  }
+  return false;
+}
+
+// Reads a row of the 2D map, or of unknown cells if it is not used.
+void GlobalPlanner::read_map_row(const Eigen::Vector2i& first) {
+  map_row_.assign(static_cast<std::size_t>(window_.width), Map2d::Kind::kUnknown);
+  if (uses_map()) {
+    map_2d_->read_row(first, map_row_);
+  }
+}
+
+// The 2D map is off by some centimetres: beside what the local map has shown its walls do not
+// count.
 void GlobalPlanner::occupy_row(int row) {
-  const Eigen::Vector2i first = ground_.first_of(window_);
+  const Eigen::Vector2i first = ground_.first_of(window_) + Eigen::Vector2i(0, row);
+  read_map_row(first);
   for (int column = 0; column < window_.width; ++column) {
-    if (ground_.at(first + Eigen::Vector2i(column, row)) == KnownGround::Kind::kBlocked) {
+    const Eigen::Vector2i cell = first + Eigen::Vector2i(column, 0);
+    if (ground_.at(cell) == KnownGround::Kind::kBlocked ||
+        (map_row_[static_cast<std::size_t>(column)] == Map2d::Kind::kOccupied &&
+         !ground_.is_seen_near(cell))) {
       obstacle_distances_.occupy(column, row);
     }
   }
@@ -247,14 +273,20 @@ void GlobalPlanner::occupy_boundary(const Geofence& geofence) {
 }
 
 void GlobalPlanner::price_row(int row) {
-  const Eigen::Vector2i first = ground_.first_of(window_);
-  const bool crosses_tight = is_last_resort_ && !onward_from_;
+  const Eigen::Vector2i first = ground_.first_of(window_) + Eigen::Vector2i(0, row);
+  read_map_row(first);
+  const bool crosses_tight = is_tight() && !onward_from_;
   const Prices prices{crosses_tight ? kOccupiedM : body_.half_width_m,
                       body_.half_width_m + params_.min_clearance_m, params_};
   for (int column = 0; column < window_.width; ++column) {
-    const bool is_unknown =
-        ground_.at(first + Eigen::Vector2i(column, row)) == KnownGround::Kind::kUnknown;
-    price_[window_.place(column, row)] = prices.at(obstacle_distances_.at(column, row), is_unknown);
+    double ground_price = 0.0;
+    if (ground_.at(first + Eigen::Vector2i(column, 0)) != KnownGround::Kind::kFloor) {
+      ground_price = map_row_[static_cast<std::size_t>(column)] == Map2d::Kind::kFree
+                         ? params_.map_price
+                         : params_.unknown_price;
+    }
+    price_[window_.place(column, row)] =
+        prices.at(obstacle_distances_.at(column, row), ground_price);
   }
 }
 

@@ -19,13 +19,17 @@
 
 namespace nodmap::navigator {
 
-/// Plans to the goal on all the ground that the local map has shown. Unknown ground can be crossed
-/// at a price. The work is done in small portions, so that no decision waits for it.
+/// Plans to the goal on all the ground that the local map has shown and, where it has shown none,
+/// on the 2D map. Unknown ground can be crossed at a price. The work is done in small portions, so
+/// that no decision waits for it.
 ///
 /// The robot's centre stays half the body's width away from blocked cells. A cell with less than
 /// the least clearance costs much more; with a little more clearance it still costs a little more.
 /// Where the robot cannot turn, or where a place is narrower than the grid shows, the local planner
 /// finds out; a narrow place in which the robot could not go on is closed.
+///
+/// The 2D map may show a door closed that is open by now. If it leaves no path, the plan is made
+/// without it: there is a path to every goal to which there would be one without a 2D map.
 class GlobalPlanner {
  public:
   GlobalPlanner(const robot::Footprint& body, const PlannerParams& params);
@@ -60,6 +64,9 @@ class GlobalPlanner {
 
  private:
   enum class Phase : std::uint8_t { kIdle, kOccupy, kMeasureDistances, kPrice, kSearch };
+  /// What a plan takes as passable; if it leaves no path, the next one is tried. Tight: to a goal
+  /// only occupied cells block, without a goal the path is shorter.
+  enum class Attempt : std::uint8_t { kUsual, kTight, kWithoutMap, kTightWithoutMap };
 
   void take_new_goal();
   [[nodiscard]] bool start_if_due(time::Timestamp stamp);
@@ -70,6 +77,14 @@ class GlobalPlanner {
   void occupy_boundary(const Geofence& geofence);
   void begin_search();
   void price_row(int row);
+  [[nodiscard]] bool is_tight() const {
+    return attempt_ == Attempt::kTight || attempt_ == Attempt::kTightWithoutMap;
+  }
+  [[nodiscard]] bool uses_map() const {
+    return map_2d_ != nullptr && (attempt_ == Attempt::kUsual || attempt_ == Attempt::kTight);
+  }
+  [[nodiscard]] bool try_next();
+  void read_map_row(const Eigen::Vector2i& first);
   void price_failures();
   void finish(const Eigen::Vector2d& p_map);
 
@@ -79,8 +94,10 @@ class GlobalPlanner {
   std::deque<Eigen::Vector2d> failures_map_;  // the oldest first
 
   Phase phase_ = Phase::kIdle;
-  int row_ = 0;                  // the next one to be occupied or priced
-  bool is_last_resort_ = false;  // only occupied cells block, because there is no other path
+  int row_ = 0;  // the next one to be occupied or priced
+  Attempt attempt_ = Attempt::kUsual;
+  const Map2d* map_2d_ = nullptr;     // of this step; null: none
+  std::vector<Map2d::Kind> map_row_;  // of the row being occupied or priced
   std::optional<time::Timestamp> started_at_;
   Eigen::Vector2d goal_map_ = Eigen::Vector2d::Zero();  // of the last plan that was begun
   double tolerance_m_ = 0.0;                            // the same

@@ -16,6 +16,9 @@ constexpr double kBesideM = 0.6;
 // Margin around robot, goal and all known ground, for detours over unknown ground.
 constexpr double kAroundM = 3.0;
 
+// What is nearer to a cell than this is beside it.
+constexpr int kNearCells = 2;
+
 using Quarters = std::array<Eigen::Vector2d, 4>;
 
 // The offsets from the middle of a cell to those of its quarters, each of which lies in another
@@ -35,6 +38,11 @@ unsigned bits_around(const LocalView& view, const Eigen::Vector2d& middle,
     bits |= view.at(Eigen::Vector2d(middle + quarter));
   }
   return bits;
+}
+
+// What the local map has shown, except that an obstacle is gone.
+bool is_seen(KnownGround::Kind kind) {
+  return kind == KnownGround::Kind::kFloor || kind == KnownGround::Kind::kBlocked;
 }
 
 }  // namespace
@@ -72,7 +80,7 @@ void KnownGround::update(const Situation& now) {
       }
       const Eigen::Vector2d q_map = grid_.center_of(index);
       const Eigen::Vector2d p_base = R_base_map * q_map + T_base_map.translation();
-      if (grid_.at(index) == Kind::kUnknown || p_base.x() >= 0.0 || p_base.norm() <= kBesideM) {
+      if (!is_seen(grid_.at(index)) || p_base.x() >= 0.0 || p_base.norm() <= kBesideM) {
         const Eigen::Vector2d q_odom = R_odom_map * q_map + T_odom_map.translation();
         update_cell(index, bits_around(view, view.in_cells(q_odom), quarters));
       }
@@ -91,16 +99,33 @@ void KnownGround::update_cell(const Eigen::Vector2i& index, unsigned bits) {
     grid_.at(index) = is_blocked ? Kind::kBlocked : Kind::kFloor;
   } else if ((bits & LocalView::kCleared) != 0U && grid_.at(index) == Kind::kBlocked) {
     // A level laser sees no floor, but it does see that an obstacle is not there any more.
-    grid_.at(index) = Kind::kUnknown;
+    grid_.at(index) = Kind::kCleared;
   }
 }
 
-PlanWindow KnownGround::window_around(const Eigen::Vector2d& p_map,
-                                      const Eigen::Vector2d& goal_map) const {
+bool KnownGround::is_seen_near(const Eigen::Vector2i& index) const {
+  for (int dy = -kNearCells; dy <= kNearCells; ++dy) {
+    for (int dx = -kNearCells; dx <= kNearCells; ++dx) {
+      const Eigen::Vector2i near = index + Eigen::Vector2i(dx, dy);
+      if (grid_.contains(near) && grid_.at(near) != Kind::kUnknown) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+PlanWindow KnownGround::window_around(const Eigen::Vector2d& p_map, const Eigen::Vector2d& goal_map,
+                                      const Map2d* map_2d) const {
   const auto around = static_cast<int>(kAroundM / kCellM);
   const Eigen::Vector2i margin = Eigen::Vector2i::Constant(around);
-  return window_between(grid_.index_of(known_min_.cwiseMin(p_map).cwiseMin(goal_map)) - margin,
-                        grid_.index_of(known_max_.cwiseMax(p_map).cwiseMax(goal_map)) + margin);
+  Eigen::Vector2i low = grid_.index_of(known_min_.cwiseMin(p_map).cwiseMin(goal_map)) - margin;
+  Eigen::Vector2i high = grid_.index_of(known_max_.cwiseMax(p_map).cwiseMax(goal_map)) + margin;
+  if (map_2d != nullptr && map_2d->extent()) {
+    low = low.cwiseMin(map_2d->extent()->first);
+    high = high.cwiseMax(map_2d->extent()->last);
+  }
+  return window_between(low, high);
 }
 
 PlanWindow KnownGround::window_within(const Eigen::Vector2d& p_map, double half_size_m) const {

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "modules/navigator/local_map/rolling_grid.hpp"
+#include "modules/navigator/planner/map_2d.hpp"
 #include "modules/navigator/planner/plan_window.hpp"
 #include "modules/navigator/situation.hpp"
 
@@ -16,7 +17,8 @@ class KnownGround {
  public:
   static constexpr double kCellM = PlanWindow::kCellM;
 
-  enum class Kind : std::uint8_t { kUnknown, kFloor, kBlocked };
+  /// kCleared: an obstacle was there and is gone, but no floor was seen.
+  enum class Kind : std::uint8_t { kUnknown, kFloor, kBlocked, kCleared };
 
   KnownGround() : grid_(kCellM, kLog2Size) {}
 
@@ -26,9 +28,11 @@ class KnownGround {
   /// Makes everything unknown again.
   void forget();
 
-  /// The window around the robot, the goal and all known ground, as far as the grid reaches.
+  /// The window around the robot, the goal, all known ground and the 2D map, as far as the grid
+  /// reaches.
   [[nodiscard]] PlanWindow window_around(const Eigen::Vector2d& p_map,
-                                         const Eigen::Vector2d& goal_map) const;
+                                         const Eigen::Vector2d& goal_map,
+                                         const Map2d* map_2d) const;
 
   /// The window that reaches `half_size_m` to each side of a place.
   [[nodiscard]] PlanWindow window_within(const Eigen::Vector2d& p_map, double half_size_m) const;
@@ -38,6 +42,8 @@ class KnownGround {
     return grid_.index_of(window.origin + Eigen::Vector2d(0.01, 0.01));
   }
   [[nodiscard]] Kind at(const Eigen::Vector2i& index) const { return grid_.at(index); }
+  /// Whether the local map has shown a cell within 10 cm.
+  [[nodiscard]] bool is_seen_near(const Eigen::Vector2i& index) const;
 
  private:
   static constexpr int kLog2Size = 10;

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/navigator/planner/map_2d.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace nodmap::navigator {
+namespace {
+
+using geometry::MapTile;
+
+// Maps with smaller or larger cells are not used: with larger ones no door would be open.
+constexpr double kSmallestCellM = 0.01;
+constexpr double kLargestCellM = 0.2;
+// More than a tile of 2D SLAM has, even with the largest cells. A tile may claim any size, and no
+// decision must wait until it has been added: this takes less than a millisecond.
+constexpr double kMostTileCells = 1 << 18;
+// Of 128 x 128 cells: 16 MB.
+constexpr std::size_t kMostBlocks = 1024;
+// A plan's cell that touches one of the map's cells by less than this part of it does not count.
+constexpr double kTouch = 1e-6;
+
+Map2d::Kind kind_of(std::int8_t occupancy) {
+  if (occupancy < 0) {
+    return Map2d::Kind::kUnknown;
+  }
+  return occupancy >= MapTile::kOccupiedPercent ? Map2d::Kind::kOccupied : Map2d::Kind::kFree;
+}
+
+// The cells along one axis, from `first` to `last`.
+struct Line {
+  int first;
+  int last;
+  [[nodiscard]] int size() const { return last - first + 1; }
+};
+
+// The cells of the plan whose middles are in `count` cells of the map.
+Line covered(int first, int count, double ratio) {
+  return {static_cast<int>(std::ceil(ratio * first - 0.5)),
+          static_cast<int>(std::ceil(ratio * (first + count) - 0.5)) - 1};
+}
+
+// The cells of the tile that a cell of the plan overlaps, from 0 on. `ratio`: map cell by plan
+// cell.
+Line overlapped(int index, int first, int count, double ratio) {
+  const auto low = static_cast<int>(std::floor(index / ratio + kTouch)) - first;
+  const auto high = static_cast<int>(std::ceil((index + 1) / ratio - kTouch)) - 1 - first;
+  return {std::clamp(low, 0, count - 1), std::clamp(high, 0, count - 1)};
+}
+
+Map2d::Kind greatest(const MapTile& tile, const Line& columns, const Line& rows) {
+  auto greatest = Map2d::Kind::kUnknown;
+  for (int row = rows.first; row <= rows.last; ++row) {
+    for (int column = columns.first; column <= columns.last; ++column) {
+      const std::size_t place =
+          static_cast<std::size_t>(row) * static_cast<std::size_t>(tile.width) +
+          static_cast<std::size_t>(column);
+      greatest = std::max(greatest, kind_of(tile.cells[place]));
+    }
+  }
+  return greatest;
+}
+
+// The block of a cell along one axis.
+int block_of(int index) {
+  return index >= 0 ? index / Map2d::kBlockCells
+                    : -((Map2d::kBlockCells - 1 - index) / Map2d::kBlockCells);
+}
+
+// Calls `visit(column, count, block column, place in the block)` for each piece of a row that lies
+// in one block. `column`: from the row's beginning; the place: of its first cell.
+void for_each_piece(const Eigen::Vector2i& first, int size, const auto& visit) {
+  const int row_in_block = first.y() - Map2d::kBlockCells * block_of(first.y());
+  for (int column = 0; column < size;) {
+    const int x = first.x() + column;
+    const int block = block_of(x);
+    const int in_block = x - Map2d::kBlockCells * block;
+    const int count = std::min(size - column, Map2d::kBlockCells - in_block);
+    visit(column, count, block, Map2d::kBlockCells * row_in_block + in_block);
+    column += count;
+  }
+}
+
+}  // namespace
+
+void Map2d::clear() {
+  *this = Map2d();
+}
+
+bool Map2d::add(const MapTile& tile) {
+  if (!(tile.cell_size_m >= kSmallestCellM && tile.cell_size_m <= kLargestCellM)) {
+    return false;
+  }
+  const double ratio = tile.cell_size_m / PlanWindow::kCellM;
+  const double num_cells = static_cast<double>(tile.width) * tile.height;
+  if (num_cells * std::max(1.0, ratio * ratio) > kMostTileCells) {
+    return false;
+  }
+  const Line columns = covered(tile.first.x(), tile.width, ratio);
+  const Line rows = covered(tile.first.y(), tile.height, ratio);
+  if (!has_room({columns.first, rows.first}, {columns.last, rows.last})) {
+    return false;
+  }
+  std::vector<Kind> kinds(static_cast<std::size_t>(columns.size()));
+  for (int row = rows.first; row <= rows.last; ++row) {
+    const Line tile_rows = overlapped(row, tile.first.y(), tile.height, ratio);
+    for (int column = columns.first; column <= columns.last; ++column) {
+      kinds[static_cast<std::size_t>(column - columns.first)] =
+          greatest(tile, overlapped(column, tile.first.x(), tile.width, ratio), tile_rows);
+    }
+    write_row({columns.first, row}, kinds);
+  }
+  return true;
+}
+
+bool Map2d::has_room(const Eigen::Vector2i& first, const Eigen::Vector2i& last) const {
+  std::size_t num_blocks = blocks_.size();
+  for (int row = block_of(first.y()); row <= block_of(last.y()); ++row) {
+    for (int column = block_of(first.x()); column <= block_of(last.x()); ++column) {
+      num_blocks += blocks_.contains({row, column}) ? 0 : 1;
+    }
+  }
+  return num_blocks <= kMostBlocks;
+}
+
+void Map2d::write_row(const Eigen::Vector2i& first, std::span<const Kind> row) {
+  for_each_piece(
+      first, static_cast<int>(row.size()), [&](int column, int count, int block, int to) {
+        std::ranges::copy(
+            row.subspan(static_cast<std::size_t>(column), static_cast<std::size_t>(count)),
+            blocks_[{block_of(first.y()), block}].begin() + to);
+      });
+  const auto is_known = [](Kind kind) { return kind != Kind::kUnknown; };
+  const auto known = std::ranges::find_if(row, is_known);
+  if (known == row.end()) {
+    return;
+  }
+  const auto last = std::find_if(row.rbegin(), row.rend(), is_known);
+  const Eigen::Vector2i low(first.x() + static_cast<int>(known - row.begin()), first.y());
+  const Eigen::Vector2i high(first.x() + static_cast<int>(row.rend() - last) - 1, first.y());
+  if (!extent_) {
+    extent_ = {low, high};
+  }
+  extent_ = {extent_->first.cwiseMin(low), extent_->last.cwiseMax(high)};
+}
+
+void Map2d::read_row(const Eigen::Vector2i& first, std::span<Kind> row) const {
+  for_each_piece(
+      first, static_cast<int>(row.size()), [&](int column, int count, int block, int at) {
+        const auto piece =
+            row.subspan(static_cast<std::size_t>(column), static_cast<std::size_t>(count));
+        const auto found = blocks_.find({block_of(first.y()), block});
+        if (found == blocks_.end()) {
+          std::ranges::fill(piece, Kind::kUnknown);
+        } else {
+          std::copy_n(found->second.begin() + at, count, piece.begin());
+        }
+      });
+}
+
+}  // namespace nodmap::navigator
