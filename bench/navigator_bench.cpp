@@ -6,6 +6,8 @@
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <random>
 #include <vector>
@@ -13,6 +15,7 @@
 #include "bench/timing.hpp"
 #include "common/statistics/quantile.hpp"
 #include "modules/navigator/navigator.hpp"
+#include "modules/navigator/planner/map_2d.hpp"
 
 namespace nodmap::navigator {
 namespace {
@@ -81,11 +84,13 @@ void LocalMapScan(benchmark::State& state) {
 
 // Measures decisions, 75 a second, from `start` on.
 void measure(benchmark::State& state, Navigator& navigator, const Points& points,
-             const std::optional<Eigen::Vector2d>& goal_base, time::Timestamp start = {}) {
+             const std::optional<Eigen::Vector2d>& goal_base, time::Timestamp start = {},
+             const Map2d* map_2d = nullptr) {
   std::vector<double> decision_us;
   decision_us.reserve(1U << 20U);
   Situation now;
   now.stamp = start;
+  now.map_2d = map_2d;
   now.max_forward_mps = 1.5;
   now.forward_mps = 0.5;
   now.yaw_rate_rad_s = 0.3;
@@ -143,6 +148,41 @@ void ToAGoalInAKnownBuilding(benchmark::State& state) {
   measure(state, navigator, full_map(1.0, 4.0), goal_odom, now.stamp);
 }
 
+// The same goal with a 2D map of 102 m x 102 m of rooms of 6.4 m with doors, of which the local map
+// has shown only the first. Its plan covers 51 m x 51 m as well.
+void ToAGoalOnA2dMap(benchmark::State& state) {
+  constexpr int kTile = 128;
+  std::vector<std::int8_t> room(std::size_t{kTile} * kTile, 0);
+  for (int i = 0; i < kTile; ++i) {
+    const bool is_door = i >= 56 && i < 76;
+    room[static_cast<std::size_t>(i)] = room[static_cast<std::size_t>(kTile * i)] =
+        is_door ? std::int8_t{0} : std::int8_t{100};
+  }
+  Map2d map;
+  for (int row = -8; row < 8; ++row) {
+    for (int column = -8; column < 8; ++column) {
+      const Eigen::Vector2i first(kTile * column + kTile / 2, kTile * row + kTile / 2);
+      static_cast<void>(map.add({0.05, first, kTile, kTile, room}));
+    }
+  }
+  Navigator navigator{{}};
+  for (int i = 0; i < 4; ++i) {
+    for (const scan::Scan& scan : sweep()) {
+      navigator.add_scan(scan, {});
+    }
+  }
+  measure(state, navigator, full_map(1.0, 4.0), Eigen::Vector2d(15.0, 10.0), {}, &map);
+}
+
+// Adds a tile of 2D SLAM to the 2D map.
+void A2dMapTile(benchmark::State& state) {
+  const std::vector<std::int8_t> cells(std::size_t{128} * 128, 0);
+  Map2d map;
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(map.add({0.05, {0, 0}, 128, 128, cells}));
+  }
+}
+
 // Before the edge of a dock 0.9 m ahead, at which the robot has looked from all sides, by its
 // fastest speed in tenths of a metre per second: the distance within which holes count grows with
 // its square.
@@ -191,6 +231,8 @@ BENCHMARK(RoamingByPlan);
 BENCHMARK(ToAGoal);
 BENCHMARK(ToAGoalByPlan);
 BENCHMARK(ToAGoalInAKnownBuilding)->Iterations(3000);
+BENCHMARK(ToAGoalOnA2dMap)->Iterations(3000);
+BENCHMARK(A2dMapTile);
 BENCHMARK(LocalMapScan);
 BENCHMARK(ObstaclesAllAround);
 BENCHMARK(BeforeAnEdge)->Arg(15)->Arg(50);
