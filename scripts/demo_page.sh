@@ -4,7 +4,7 @@
 # Says where the page will be, on $NODMAP_PORT.
 name_page() {
   if [[ -n "${NODMAP_DOOR:-}" ]]; then
-    python3 scripts/page_door.py guard &
+    python3 scripts/page_door.py guard $$ &
     exec {NODMAP_DOOR}>&-
     unset NODMAP_DOOR
   else

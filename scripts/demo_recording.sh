@@ -55,6 +55,7 @@ source scripts/demo_page.sh
 need_multicast "$0" "$recording" --speed "$speed" --out "$out"
 
 mkdir -p "$out"
+trap 'rmdir "$out" 2>/dev/null || true' EXIT  # a recording that cannot be converted leaves nothing
 name_page
 log=$out/recording.lcmlog
 map_config=()

@@ -5,8 +5,8 @@
 page_door.py port                    prints a free port of this host's loopback: $NODMAP_PORT (8765), or one of the next
 page_door.py open COMMAND [ARG...]   opens such a port, then becomes COMMAND, which enters the namespace; it inherits the
                                      open socket: NODMAP_DOOR is its number, NODMAP_PORT the port
-page_door.py guard                   in there: hands what comes to NODMAP_DOOR on to NODMAP_PORT of the namespace's loopback,
-                                     until the parent process ends
+page_door.py guard PID               in there: hands what comes to NODMAP_DOOR on to NODMAP_PORT of the namespace's loopback,
+                                     until its parent process PID ends, perhaps before the guard has begun
 """
 import asyncio
 import os
@@ -47,8 +47,7 @@ async def visit(reader, writer):
     await asyncio.gather(pass_on(reader, inner_writer), pass_on(inner_reader, writer))
 
 
-async def guard():
-    parent = os.getppid()
+async def guard(parent):
     door = socket.socket(fileno=int(os.environ["NODMAP_DOOR"]))
     async with await asyncio.start_server(visit, sock=door):
         while os.getppid() == parent:
@@ -64,7 +63,7 @@ def main(what, command):
         os.environ.update(NODMAP_DOOR=str(door.fileno()), NODMAP_PORT=str(door.getsockname()[1]))
         os.execvp(command[0], command)
     else:
-        asyncio.run(guard())
+        asyncio.run(guard(int(command[0])))
 
 
 if __name__ == "__main__":

@@ -16,9 +16,15 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 unset LCM_DEFAULT_URL
 
+fail() { echo "FAILED: $*"; exit 1; }
+# A folder without scans: the demo ends, and nothing of it is left. The pipe ends only when the last process has closed it.
+mkdir "$work/empty"
+code=0
+timeout 60 scripts/demo_recording.sh "$work/empty" --out "$work/none" 2>&1 | cat >"$work/said" || code=$?
+[[ $code -eq 2 && ! -e "$work/none" ]] || { cat "$work/said"; fail "an empty folder: code $code"; }
+
 scripts/demo_recording.sh "$data" --out "$work/demo"
 
-fail() { echo "FAILED: $*"; exit 1; }
 for module in slam2d slam6d; do
   "$bin/nodmap-$module" --replay "$work/demo/recording.lcmlog" --out "$work/$module"
   cmp "$work/demo/$module/trajectory.tum" "$work/$module/trajectory.tum" || fail "$module: live and replay differ"

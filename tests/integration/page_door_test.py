@@ -14,7 +14,7 @@ DOOR = [sys.executable, os.path.join(sys.argv.pop(), "page_door.py")]
 # Inside: a server behind the guard, which answers with its name for the network. It ends when its standard input is closed.
 INSIDE = """
 ip link set lo up
-"$1" "$2" guard &
+"$1" "$2" guard $$ &
 exec "$1" -c '
 import os, socketserver, sys, threading
 class Answer(socketserver.BaseRequestHandler):
@@ -51,6 +51,14 @@ class PageDoor(unittest.TestCase):
                 self.assertNotIn(os.readlink("/proc/self/ns/net").encode(), said)
             inside.stdin.close()
             self.assertEqual(inside.wait(timeout=20), 0)
+
+    def test_a_guard_whose_demo_has_ended_before_it_began_ends(self):
+        with subprocess.Popen(["true"]) as demo:
+            demo.wait()
+        with socket.create_server(("127.0.0.1", 0)) as door:
+            guard = subprocess.run([*DOOR, "guard", str(demo.pid)], env={**os.environ, "NODMAP_DOOR": str(door.fileno())},
+                                   pass_fds=[door.fileno()], timeout=20)
+        self.assertEqual(guard.returncode, 0)
 
 
 if __name__ == "__main__":
