@@ -13,8 +13,11 @@ namespace {
 constexpr double kFarthestDetectionM = 1.0;
 // A track moves if it was seen this often, for this long (more than one sweep), at this speed.
 constexpr int kFewestSightings = 4;
-// A new track counts after this many scans, about half of a sweep's on a person.
+// A new track counts after this many scans, about half of a sweep's on a person,
 constexpr int kFewestOfNew = 3;
+// and for this long, or after it has stopped. What has not moved for longer is an obstacle, which
+// the local map has by then: the robot would wait for it for ever.
+constexpr time::Duration kNewFor = 2s;
 constexpr time::Duration kShortest = 150ms;
 constexpr double kLeastHeightM = 0.1;
 // Least fraction of a detection in ever-free space: most of it, or, with a held laser, which
@@ -53,6 +56,7 @@ Track::Track(time::Timestamp stamp, const Detection& detection, std::int64_t id,
       stamp_(stamp),
       first_seen_(stamp),
       seen_at_(stamp),
+      stationary_since_(stamp),
       laser_is_held_(laser_is_held),
       lowest_m_(detection.lowest_m),
       highest_m_(detection.highest_m),
@@ -100,6 +104,7 @@ void Track::update(const Detection& detection) {
                         seen_at_ - first_seen_ >= kShortest;
   moves_ = moves_ ? speed_mps > kStandsMps
                   : is_known && speed_mps > std::max(kWalksMps, kSigmas * sigma_mps);
+  stationary_since_ = moves_ ? seen_at_ : stationary_since_;
 }
 
 // Whether it was measured over a range of heights, as a leg is by three or four lines of a sweep.
@@ -111,7 +116,7 @@ bool Track::has_legs() const {
 
 bool Track::is_new() const {
   return !moves_ && has_come_ && num_sightings_ >= kFewestOfNew && has_legs() &&
-         stamp_ - seen_at_ < kInSight;
+         stamp_ - seen_at_ < kInSight && stamp_ - stationary_since_ < kNewFor;
 }
 
 double Track::distance_squared(const Detection& detection) const {

@@ -53,7 +53,8 @@ class Track {
   void hide(time::Timestamp stamp) { hidden_at_ = stamp; }
   /// Seen in at least two sweeps, at the heights of a leg, and faster than its velocity error.
   [[nodiscard]] bool moves() const { return moves_; }
-  /// Seen in some scans of the last two sweeps, but too few to say that it moves.
+  /// Seen in some scans of the last two sweeps, but too few to say that it moves, and for less than
+  /// two seconds; or it has stopped less than two seconds ago.
   [[nodiscard]] bool is_new() const;
 
  private:
@@ -73,6 +74,7 @@ class Track {
   time::Timestamp stamp_;
   time::Timestamp first_seen_;
   time::Timestamp seen_at_;
+  time::Timestamp stationary_since_;  // first_seen_, until it has moved
   time::Timestamp hidden_at_{};
   int num_sightings_ = 1;
   int num_contradictions_ = 0;

@@ -93,6 +93,29 @@ TEST(Track, TheErrorGrowsBetweenSightings) {
 // A board at one height, hit by scan lines in one place after another, is not a person, however
 // well these places fit a motion. Somebody who moves the same way and is measured at several
 // heights is.
+// A post that came into view where free space was assumed is no newcomer for ever: the robot would
+// wait for it. Somebody who has walked and stops counts for two seconds more.
+TEST(Track, WhatHasNotMovedForTwoSecondsIsNotNew) {
+  Track post(at(0.0), {.p_odom = {2.0, 0.0}, .radius_m = 0.1, .free_ratio = 1.0}, 0, true);
+  for (double t = 0.1; t < 5.0; t += 0.1) {
+    post.predict(at(t));
+    post.update({.p_odom = {2.0, 0.0}, .radius_m = 0.1, .free_ratio = 1.0});
+    EXPECT_EQ(post.is_new(), t > 0.15 && t < 1.95) << t;
+  }
+  const auto x_m = [](double t) { return 2.0 + std::min(t, 3.0); };  // walks for 3 s
+  Track walker(at(0.0), {.p_odom = {2.0, 0.0}, .radius_m = 0.25, .free_ratio = 1.0}, 0, true);
+  double was_walking_s = 0.0;
+  for (double t = 0.1; t < 8.0; t += 0.1) {
+    walker.predict(at(t));
+    walker.update({.p_odom = {x_m(t), 0.0}, .radius_m = 0.25, .free_ratio = 1.0});
+    was_walking_s = walker.moves() ? t : was_walking_s;
+    if (t > 1.0) {
+      EXPECT_EQ(walker.moves() || walker.is_new(), t - was_walking_s < 1.95) << t;
+    }
+  }
+  EXPECT_GT(was_walking_s, 3.0);
+}
+
 TEST(Track, AnObjectMeasuredAtOneHeightIsNotAPerson) {
   for (const double height_m : {0.04, 0.3}) {
     Track track(time::Timestamp{}, {{2.0, 0.0}, 0.25, 0.44, 0.44});
