@@ -18,6 +18,10 @@ constexpr double kSameObstacleM = 0.7;
 // little.
 constexpr double kRoomToTurnM = 0.03;
 
+// The plan avoids places so far to the left and right of a contact: where the robot would pass it
+// with its side.
+constexpr double kBesideContactM = 0.45;
+
 constexpr double kEndless = std::numeric_limits<double>::infinity();
 
 // The nearer of two free directions, positive left; empty if there is none or both are equally
@@ -42,7 +46,8 @@ Navigator::Navigator(const NavigatorParams& params)
       trail_(params.local_map.forget_after_m),
       back_up_(params),
       goal_drive_(params),
-      roaming_(params) {}
+      roaming_(params),
+      leave_contact_(params) {}
 
 void Navigator::reset() {
   *this = Navigator(params_);
@@ -59,14 +64,65 @@ Decision Navigator::pause(Reason reason) {
 }
 
 Decision Navigator::decide(Situation now) {
+  if (auto stops = stop_at_contact(now)) {
+    return *stops;
+  }
   surroundings_.complete(now);
   record_trail(now);
   Decision decision = behave(now);
+  if (!leave_contact_.is_active()) {
+    remember_contacts(now);
+  }
   brake_.keep_to_known_ground(decision, now);
   // Plans count only people who walk for certain; Brake also counts those who have just appeared.
   surroundings_.add_newcomers(now);
   brake_.give_way(decision, now);
   return decision;
+}
+
+// Once the wheels are stationary, begins anew what has a place in odom: while they slipped,
+// odometry counted a motion that was none. Plans are in map.
+std::optional<Decision> Navigator::stop_at_contact(const Situation& now) {
+  if (!leave_contact_.is_stopping()) {
+    return std::nullopt;
+  }
+  if (const auto contact_odom = leave_contact_.take_contact(now)) {
+    surroundings_.begin_anew();
+    trail_ = Trail(params_.local_map.forget_after_m);
+    back_up_ = BackUp(params_);
+    end_turn();
+    turn_ended_at_.reset();
+    fresh_contacts_odom_.push_back(*contact_odom);
+    for (const Contact& fresh_odom : fresh_contacts_odom_) {
+      surroundings_.add_contact(fresh_odom);
+    }
+  }
+  return stationary(Why::kTouches);
+}
+
+// Once the robot has left what it touched, 2D SLAM has found where it is: the contact has its place
+// in map, and earlier ones have their new place in odom. What was touched is probably wider than
+// the body, so the plan prefers to pass it at some distance.
+void Navigator::remember_contacts(const Situation& now) {
+  constexpr std::size_t kMostContacts = 50;
+  if (fresh_contacts_odom_.empty()) {
+    return;
+  }
+  const geometry::SE2 T_odom_map = now.T_map_odom.inverse();
+  for (const Contact& contact_map : contacts_map_) {
+    surroundings_.add_contact({T_odom_map * contact_map.T_base, contact_map.at_front});
+  }
+  for (const Contact& contact_odom : std::exchange(fresh_contacts_odom_, {})) {
+    const geometry::SE2 T_map_contact = now.T_map_odom * contact_odom.T_base;
+    contacts_map_.push_back({T_map_contact, contact_odom.at_front});
+    const double x = (contact_odom.at_front ? 1.0 : -1.0) * body_.half_length_m;
+    for (const double y : {-kBesideContactM, kBesideContactM}) {
+      goal_drive_.avoid(T_map_contact * Eigen::Vector2d(x, y));
+    }
+  }
+  while (contacts_map_.size() > kMostContacts) {
+    contacts_map_.pop_front();
+  }
 }
 
 void Navigator::record_trail(Situation& now) {
@@ -93,6 +149,9 @@ Decision Navigator::behave(const Situation& now) {
   }
   if (now.max_forward_mps < kLeastSpeedMps) {
     return wait(now, Why::kNoSpeed);
+  }
+  if (const auto leaves = leave_contact_.step(now)) {
+    return *leaves;
   }
   if (now.goal && drives_by_plan(now)) {
     end_turn();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <deque>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "modules/navigator/back_up.hpp"
 #include "modules/navigator/brake.hpp"
 #include "modules/navigator/decision.hpp"
+#include "modules/navigator/leave_contact.hpp"
 #include "modules/navigator/params.hpp"
 #include "modules/navigator/planner/goal_drive.hpp"
 #include "modules/navigator/planner/roaming.hpp"
@@ -45,13 +47,21 @@ class Navigator {
                 bool laser_is_held = false) {
     surroundings_.add_scan(scan, T_odom_base, laser_is_held);
   }
-  void add_contact(const geometry::SE2& T_odom_base, bool at_front) {
-    surroundings_.add_contact(T_odom_base, at_front);
-  }
   void add_ranges(time::Timestamp stamp, const Proximity::Ranges& ranges_m,
                   const geometry::SE2& T_odom_base) {
     surroundings_.add_ranges(stamp, ranges_m, T_odom_base);
+    leave_contact_.add_ranges(stamp, ranges_m);
   }
+
+  /// The wheels rotate and the robot does not move: stops, and leaves what it touches.
+  /// `T_odom_before`: when they did not slip yet.
+  void leave_contact(const geometry::SE2& T_odom_before, const geometry::SE2& T_odom_base) {
+    leave_contact_.begin(T_odom_before, T_odom_base, trail_);
+  }
+  /// Whether it still stops, so that the wheels may still slip.
+  [[nodiscard]] bool slips() const { return leave_contact_.is_stopping(); }
+  /// The frame map is another one from now on.
+  void forget_contacts() { contacts_map_.clear(); }
 
   /// Decides what to do. `now.points_base`: those of the obstacle map; the local map's are added.
   [[nodiscard]] Decision decide(Situation now);
@@ -80,6 +90,8 @@ class Navigator {
 
  private:
   void record_trail(Situation& now);
+  [[nodiscard]] std::optional<Decision> stop_at_contact(const Situation& now);
+  void remember_contacts(const Situation& now);
   void watch_arrival(const Situation& now);
   void end_turn();
   [[nodiscard]] bool drives_by_plan(const Situation& now) const;
@@ -106,6 +118,9 @@ class Navigator {
   BackUp back_up_;
   GoalDrive goal_drive_;
   Roaming roaming_;
+  LeaveContact leave_contact_;
+  std::vector<Contact> fresh_contacts_odom_;
+  std::deque<Contact> contacts_map_;
   std::optional<Eigen::Vector2d> arrived_map_;  // the goal at which the robot is; empty: at none
   bool has_looked_ = false;                     ///< ahead, since the start
   std::optional<geometry::SE2> turn_ended_at_;  ///< T_odom_base

@@ -99,6 +99,11 @@ void NavigatorNode::on_scan(const nodmap::scan_t& message) {
   context_.counts.use();
   newest_.stamps.scan = scan_.mid_stamp();
   navigator_.add_scan(scan_, geometry::to_se2(*T_odom_base), newest_.laser_is_held);
+  if (!may_notice_slip()) {
+    scan_slip_.reset();
+  } else if (const auto before = scan_slip_.update(scan_, geometry::to_se2(*T_odom_base))) {
+    leave_contact(*before);
+  }
 }
 
 // Not every base has range finders. Without them nobody who comes from behind is noticed.
@@ -149,6 +154,7 @@ void NavigatorNode::begin_odometry_frame(time::Timestamp stamp) {
   newest_.forget_odom_frame();
   odometry_history_.clear();
   slip_.reset();
+  scan_slip_.reset();
   navigator_.reset();
 }
 
@@ -233,6 +239,7 @@ void NavigatorNode::watch_map_frame() {
   if (pose_sender_ && *pose_sender_ != sender) {
     newest_.forget_map_frame();
     begin_2d_map();
+    navigator_.forget_contacts();
   }
   pose_sender_ = sender;
 }
@@ -285,19 +292,28 @@ void NavigatorNode::begin_2d_map() {
 // Only while 2D SLAM is sure in all directions: along a bare corridor it follows the wheels.
 void NavigatorNode::watch_slip(const nodmap::pose_t& message) {
   const auto T_odom_base = odometry_history_.at(node::stamp_of(message));
-  if (message.state != nodmap::pose_t::TRACKING || !T_odom_base) {
+  if (message.state != nodmap::pose_t::TRACKING || !T_odom_base || !may_notice_slip()) {
     slip_.reset();
     return;
   }
   const geometry::SE2 T_odom_base_2d = geometry::to_se2(*T_odom_base);
-  if (const auto by_wheels = slip_.update(node::stamp_of(message), T_odom_base_2d,
-                                          newest_.pose.T_map_odom * T_odom_base_2d)) {
-    ++num_slips_;
-    // Not where odometry was at the pose's stamp: the wheels have rotated on since, so that place
-    // is under the body by now.
-    navigator_.add_contact(newest_.odometry->T_odom_base,
-                           by_wheels->dot(T_odom_base_2d.rotation().col(0)) >= 0.0);
+  if (const auto before = slip_.update(node::stamp_of(message), T_odom_base_2d,
+                                       newest_.pose.T_map_odom * T_odom_base_2d)) {
+    leave_contact(*before);
   }
+}
+
+// On slopes scans meet the floor, and may not show that the robot moves.
+bool NavigatorNode::may_notice_slip() const {
+  const LocalMap& map = navigator_.local_map();
+  return map.has_scan() && map.ground().is_level() && !navigator_.slips();
+}
+
+void NavigatorNode::leave_contact(const geometry::SE2& T_odom_before) {
+  ++num_slips_;
+  slip_.reset();
+  scan_slip_.reset();
+  navigator_.leave_contact(T_odom_before, newest_.odometry->T_odom_base);
 }
 
 // Remains in force until a message releases it, even if the sender has ended.

@@ -19,6 +19,7 @@
 #include "modules/navigator/messages.hpp"
 #include "modules/navigator/navigator.hpp"
 #include "modules/navigator/planner/map_2d.hpp"
+#include "modules/navigator/scan_slip.hpp"
 #include "modules/navigator/senders.hpp"
 #include "modules/navigator/slip.hpp"
 #include "modules/navigator/staleness.hpp"
@@ -66,6 +67,8 @@ class NavigatorNode final : public node::Node {
   [[nodiscard]] bool follow_revision(std::int64_t revision);
   void begin_2d_map();
   void watch_slip(const nodmap::pose_t& message);
+  [[nodiscard]] bool may_notice_slip() const;
+  void leave_contact(const geometry::SE2& T_odom_before);
   void begin_odometry_frame(time::Timestamp stamp);
   [[nodiscard]] Decision halt(Reason reason);
   [[nodiscard]] std::optional<Reason> find_inhibit_reason(const StalenessParams& limits) const;
@@ -81,6 +84,7 @@ class NavigatorNode final : public node::Node {
   Navigator navigator_;
   Display display_;
   SlipMonitor slip_;
+  ScanSlip scan_slip_;
   std::int64_t num_slips_ = 0;
 
   node::SequenceCounter pitch_commands_watch_;

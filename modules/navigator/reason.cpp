@@ -42,6 +42,8 @@ constexpr auto kSentences = std::to_array<Sentence>({
     {Why::kFreeAhead, "The direction ahead is free."},
     {Why::kBacksUpTrail, "Cannot turn: backs up along its trail."},
     {Why::kNoWayBack, "Cannot turn, and no path back is known to be free."},
+    {Why::kTouches, "The wheels slip: has run into something that the laser does not see."},
+    {Why::kLeavesContact, "Backs up from something that the laser does not see."},
     {Why::kPlans, "Plans the path to the goal."},
     {Why::kNoMotion, "No motion is free."},
     {Why::kCannotMove, "Cannot move: for a while no motion has been free."},

@@ -41,6 +41,8 @@ enum class Why : std::uint8_t {
   kFreeAhead,
   kBacksUpTrail,
   kNoWayBack,
+  kTouches,
+  kLeavesContact,
 
   // To a goal by plan.
   kPlans,

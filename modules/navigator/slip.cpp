@@ -15,22 +15,22 @@ constexpr double kMovedFraction = 0.33;
 
 }  // namespace
 
-std::optional<Eigen::Vector2d> SlipMonitor::update(time::Timestamp stamp,
-                                                   const geometry::SE2& T_odom_base,
-                                                   const geometry::SE2& T_map_base) {
+std::optional<geometry::SE2> SlipMonitor::update(time::Timestamp stamp,
+                                                 const geometry::SE2& T_odom_base,
+                                                 const geometry::SE2& T_map_base) {
   if (!poses_.empty() && stamp <= poses_.back().stamp) {
     poses_.clear();
   }
-  poses_.push_back({stamp, T_odom_base.translation(), T_map_base.translation()});
+  poses_.push_back({stamp, T_odom_base, T_map_base.translation()});
   while (poses_.size() > kLeastPoses && stamp - poses_.front().stamp > kWindow) {
     poses_.pop_front();
   }
   if (!is_slip()) {
     return std::nullopt;
   }
-  const Eigen::Vector2d by_wheels = poses_.back().p_odom - poses_.front().p_odom;
+  const geometry::SE2 T_odom_before = poses_.front().T_odom_base;
   poses_.clear();
-  return by_wheels;
+  return T_odom_before;
 }
 
 // Whether there is slip over all poses, and also without any one of the intervals between them.
@@ -39,13 +39,14 @@ bool SlipMonitor::is_slip() const {
                              double least_m) {
     return by_wheels.norm() >= least_m && by_slam.norm() <= kMovedFraction * by_wheels.norm();
   };
-  const Eigen::Vector2d by_wheels = poses_.back().p_odom - poses_.front().p_odom;
+  const auto p_odom = [this](std::size_t i) { return poses_[i].T_odom_base.translation(); };
+  const Eigen::Vector2d by_wheels = p_odom(poses_.size() - 1) - p_odom(0);
   const Eigen::Vector2d by_slam = poses_.back().p_map - poses_.front().p_map;
   if (!shows_slip(by_wheels, by_slam, kLeastDistanceM)) {
     return false;
   }
   for (std::size_t i = 1; i < poses_.size(); ++i) {
-    if (!shows_slip(by_wheels - (poses_[i].p_odom - poses_[i - 1].p_odom),
+    if (!shows_slip(by_wheels - (p_odom(i) - p_odom(i - 1)),
                     by_slam - (poses_[i].p_map - poses_[i - 1].p_map), kLeastRestM)) {
       return false;
     }

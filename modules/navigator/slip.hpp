@@ -22,18 +22,18 @@ namespace nodmap::navigator {
 class SlipMonitor {
  public:
   /// Takes a pose that 2D SLAM is sure of, and odometry of the same time. If the wheels have
-  /// rotated without moving the robot, returns how far they count that it has moved, in odom; the
-  /// comparison then begins anew.
-  [[nodiscard]] std::optional<Eigen::Vector2d> update(time::Timestamp stamp,
-                                                      const geometry::SE2& T_odom_base,
-                                                      const geometry::SE2& T_map_base);
+  /// rotated without moving the robot, returns base in odom before that; the comparison then begins
+  /// anew.
+  [[nodiscard]] std::optional<geometry::SE2> update(time::Timestamp stamp,
+                                                    const geometry::SE2& T_odom_base,
+                                                    const geometry::SE2& T_map_base);
 
   void reset() { poses_.clear(); }
 
  private:
   struct Pose {
     time::Timestamp stamp{};
-    Eigen::Vector2d p_odom;
+    geometry::SE2 T_odom_base;
     Eigen::Vector2d p_map;
   };
   [[nodiscard]] bool is_slip() const;

@@ -49,14 +49,24 @@ void Surroundings::add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_
     local_map_.add_scan(scan, T_odom_base,
                         tracks_people ? people_.is_walker() : std::vector<bool>{});
     forget_wakes(people_.people_odom(scan.mid_stamp()), local_map_);
+    for (const Contact& contact_odom : std::exchange(new_contacts_odom_, {})) {
+      add_contact(contact_odom);
+    }
   }
 }
 
-void Surroundings::add_contact(const geometry::SE2& T_odom_base, bool at_front) {
-  // On slopes level scans meet the floor, so 2D SLAM may not notice that the robot moves.
-  if (local_map_.has_scan() && local_map_.ground().is_level()) {
-    local_map_.add_contact(T_odom_base, at_front);
+void Surroundings::add_contact(const Contact& contact_odom) {
+  if (local_map_.has_scan()) {
+    local_map_.add_contact(contact_odom.T_base, contact_odom.at_front);
+  } else {
+    new_contacts_odom_.push_back(contact_odom);
   }
+}
+
+void Surroundings::begin_anew() {
+  const RearView rear_view = rear_view_;
+  *this = Surroundings(params_);
+  rear_view_ = rear_view;
 }
 
 void Surroundings::add_ranges(time::Timestamp stamp, const Proximity::Ranges& ranges_m,

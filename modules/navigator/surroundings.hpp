@@ -2,12 +2,14 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "common/geometry/se2.hpp"
 #include "common/geometry/time.hpp"
 #include "common/robot/footprint.hpp"
 #include "common/scan/scan.hpp"
 #include "modules/navigator/approach.hpp"
+#include "modules/navigator/leave_contact.hpp"
 #include "modules/navigator/local_map/local_map.hpp"
 #include "modules/navigator/params.hpp"
 #include "modules/navigator/people/people_tracker.hpp"
@@ -31,8 +33,13 @@ class Surroundings {
   /// scan. `laser_is_held`: the laser does not nod.
   void add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base, bool laser_is_held);
 
-  /// The wheels rotate and the robot does not move; see LocalMap::add_contact().
-  void add_contact(const geometry::SE2& T_odom_base, bool at_front);
+  /// Adds something that the robot has touched, but that no beam shows; see
+  /// LocalMap::add_contact(). After begin_anew() with the next scan.
+  void add_contact(const Contact& contact_odom);
+
+  /// Forgets all that has a place in odom, because the wheels have slipped; what is measured behind
+  /// the robot stays.
+  void begin_anew();
 
   /// Adds readings of the base's range finders; `T_odom_base` is the pose at `stamp`.
   void add_ranges(time::Timestamp stamp, const Proximity::Ranges& ranges_m,
@@ -77,6 +84,7 @@ class Surroundings {
   SeenDirections seen_;
   Approach approach_;
   ScanGap gap_;
+  std::vector<Contact> new_contacts_odom_;  // for the local map
   std::optional<time::Timestamp> saw_people_at_;
 };
 

@@ -31,6 +31,9 @@ class GoalDrive {
     decided_goal_map_.reset();
   }
 
+  /// Paths to the present goal cost more near this place from now on.
+  void avoid(const Eigen::Vector2d& p_map) { global_planner_.add_failure(p_map); }
+
   /// `now` must have a goal and a local map.
   [[nodiscard]] Decision decide(const Situation& now);
 

@@ -337,6 +337,28 @@ TEST_F(NavigatorNodeSlips, TheContactIsWhereOdometryIsWhenAFastRobotNoticesIt) {
   EXPECT_TRUE(is_obstacle(half_m + 0.025));
 }
 
+// It has driven half a metre ahead before it runs into glass.
+TEST_F(NavigatorNodeSlips, BacksUpTheWayItCame) {
+  run_on_the_spot(0.24, 0.0);
+  for (int i = 0; i < 50; ++i) {
+    x_ += 0.01;
+    tick_with_scan();
+  }
+  run_on_the_spot(2.0, 0.0);
+  run_on_the_spot(0.2, 1.0);
+  give_pose(nodmap::pose_t::TRACKING);
+  run_on_the_spot(0.2, 1.0);
+  ASSERT_EQ(num_slips(), 0);
+  give_pose(nodmap::pose_t::TRACKING);
+  ASSERT_EQ(num_slips(), 1);
+  run_on_the_spot(0.2, 0.0);
+  EXPECT_EQ(drive().forward_mps, -BackUpParams{}.speed_mps) << navigation().reason;
+  EXPECT_EQ(drive().yaw_rate_rad_s, 0.0);
+  // The contact stays where it is while the robot backs up.
+  run_on_the_spot(1.0, -0.1);
+  EXPECT_TRUE(is_obstacle(robot::Body{}.footprint().half_length_m + 0.1 + 0.025));
+}
+
 // What is found again after it was lost is elsewhere: that does not compare.
 TEST_F(NavigatorNodeSlips, APoseThatWasLostIsNotCompared) {
   run_on_the_spot(1.0, 0.0);
