@@ -267,6 +267,9 @@ void BackEnd::optimise() {
 }
 
 void BackEnd::polish() {
+  if (params_.polish.rounds > 0 && chain_.straighten_beginning()) {
+    ++num_rebuilt_;
+  }
   for (int round = 0; round < params_.polish.rounds; ++round) {
     if (round > 0) {
       chain_.rebuild_submaps();

@@ -81,7 +81,8 @@ class BackEnd {
   /// What the last add_keyframe() has dropped, if anything. The newest keyframes always stay.
   [[nodiscard]] const std::optional<DroppedKeyframes>& dropped() const { return dropped_; }
 
-  /// Matches every keyframe anew against the submaps around it, and optimises all their poses.
+  /// Straightens the beginning of the map, then matches every keyframe anew against the submaps
+  /// around it, and optimises all their poses.
   void polish();
 
   [[nodiscard]] const std::vector<Keyframe>& keyframes() const { return chain_.keyframes(); }

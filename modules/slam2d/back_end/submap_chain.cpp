@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/registration/pose_edges.hpp"
+#include "modules/slam2d/back_end/line_adjustment.hpp"
 #include "modules/slam2d/back_end/wheel_errors.hpp"
 
 namespace nodmap::slam2d {
@@ -21,6 +22,9 @@ using registration::PoseEdge2d;
 constexpr double kStepInformationFactor = 5.0;
 constexpr double kStepDistanceM = 0.3;
 constexpr double kStepRotationRad = geometry::deg_to_rad(15.0);
+
+// Steps that all lines have adjusted have a third of the standard deviation of others.
+constexpr double kAdjustedFactor = 10.0;
 
 // Added to each step over dropped keyframes; equals a standard deviation of 1 km. Such a step may
 // be so long and uncertain, because the robot was lost on it, that composed() counts it as unknown.
@@ -46,6 +50,7 @@ void SubmapChain::save(SavedMap& map) const {
 }
 
 void SubmapChain::restore(SavedMap map) {
+  is_beginning_straight_ = true;  // since the end of the drive that began it
   keyframes_ = std::move(map.keyframes);
   steps_ = std::move(map.steps);
   for (const SavedMap::Submap& submap : map.submaps) {
@@ -119,6 +124,11 @@ void SubmapChain::insert_into_submaps(const geometry::SE2& T_local_keyframe) {
   }
 }
 
+Eigen::Matrix3d SubmapChain::odometry_information_on_step(std::size_t to) const {
+  return odometry_information(keyframes_[to - 1].T_odom_base.inverse() *
+                              keyframes_[to].T_odom_base);
+}
+
 void SubmapChain::add_step(std::size_t keyframe, const geometry::SE2& T_local_keyframe,
                            const Eigen::Matrix3d& information) {
   const geometry::SE2& T_local_last = submaps_[local_].pose_of(keyframe - 1);
@@ -126,11 +136,9 @@ void SubmapChain::add_step(std::size_t keyframe, const geometry::SE2& T_local_ke
   edge.from = keyframe - 1;
   edge.to = keyframe;
   edge.T_from_to = T_local_last.inverse() * T_local_keyframe;
-  const geometry::SE2 T_odom_step =
-      keyframes_[keyframe - 1].T_odom_base.inverse() * keyframes_[keyframe].T_odom_base;
   edge.information =
       information_factor(edge.T_from_to) * registration::rotated(information, -T_local_last.yaw) +
-      odometry_information(T_odom_step);
+      odometry_information_on_step(keyframe);
   steps_.push_back(edge);
 }
 
@@ -218,6 +226,46 @@ void SubmapChain::set_poses(std::span<const geometry::SE2> T_map_keyframe) {
   for (std::size_t k = 0; k < keyframes_.size(); ++k) {
     keyframes_[k].T_map_base = T_map_keyframe[k];
   }
+}
+
+// Up to where the drive was interrupted: beyond a step that even odometry would have told better,
+// the pose may be wrong by more than lines can mend.
+std::size_t SubmapChain::end_of_beginning() const {
+  const std::size_t end =
+      std::min(keyframes_.size(), std::size_t{2} * static_cast<std::size_t>(params_.num_keyframes));
+  const auto is_surer_by_odometry = [this](std::size_t to) {
+    const Eigen::Array3d known = steps_[to - 1].information.diagonal();
+    return (known < 0.5 * odometry_information_on_step(to).diagonal().array()).any();
+  };
+  std::size_t k = 1;
+  while (k < end && !is_surer_by_odometry(k)) {
+    ++k;
+  }
+  return std::min(k, end);
+}
+
+bool SubmapChain::straighten_beginning() {
+  if (std::exchange(is_beginning_straight_, true)) {
+    return false;
+  }
+  const std::size_t end = end_of_beginning();
+  const std::vector<geometry::SE2> T_map_keyframe =
+      adjusted_to_lines(std::span(keyframes_).first(end), map_params_);
+  for (std::size_t k = 0; k < end; ++k) {
+    keyframes_[k].T_map_base = T_map_keyframe[k];
+  }
+  for (std::size_t k = 1; k < end; ++k) {
+    PoseEdge2d& step = steps_[k - 1];
+    step.T_from_to = T_map_keyframe[k - 1].inverse() * T_map_keyframe[k];
+    step.information +=
+        (kAdjustedFactor - 1.0) * (step.information - odometry_information_on_step(k));
+  }
+  for (Submap& submap : submaps_) {
+    if (submap.end_keyframe() <= end) {
+      submap = build_submap(submap.first_keyframe, submap.end_keyframe());
+    }
+  }
+  return true;
 }
 
 void SubmapChain::rebuild_submaps() {

@@ -55,6 +55,10 @@ class SubmapChain {
   void move_keyframes();
   /// Sets T_map_base of each keyframe. The submaps do not move.
   void set_poses(std::span<const geometry::SE2> T_map_keyframe);
+  /// Moves the first keyframes, those of about two submaps, to where the lines that they saw agree
+  /// best, and their steps and submaps with them. The others stay until set_poses(). Returns false,
+  /// and does nothing, the second time, and for a restored map.
+  bool straighten_beginning();
   /// Rebuilds the submaps from the present poses of their keyframes.
   void rebuild_submaps();
 
@@ -72,6 +76,8 @@ class SubmapChain {
   [[nodiscard]] bool is_full(const Submap& submap, double ratio) const;
   void begin_local();
   void insert_into_submaps(const geometry::SE2& T_local_keyframe);
+  [[nodiscard]] Eigen::Matrix3d odometry_information_on_step(std::size_t to) const;
+  [[nodiscard]] std::size_t end_of_beginning() const;
   void add_step(std::size_t keyframe, const geometry::SE2& T_local_keyframe,
                 const Eigen::Matrix3d& information);
   [[nodiscard]] DroppedKeyframes drop_keyframes(std::size_t first, std::size_t end);
@@ -83,6 +89,7 @@ class SubmapChain {
   std::vector<std::size_t> submap_of_;  ///< the one each keyframe was matched against
   std::vector<Submap> submaps_;
   std::size_t local_ = 0;
+  bool is_beginning_straight_ = false;
   std::size_t num_separate_ = 0;  ///< submaps before the last begin_anew()
   /// Standard deviations of a submap's first pose after begin_anew(), relative to the previous
   /// keyframe: x, y in m, yaw in rad.
