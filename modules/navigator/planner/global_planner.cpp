@@ -47,11 +47,11 @@ constexpr float kBlockedPrice = -1.0F;
 
 // What a metre of path costs, by the distance of the robot's centre from obstacles.
 struct Prices {
-  double blocked_m;  // nearer than this no path leads through
-  double least_m;    // nearer than this it is tight
+  double least_m;  // nearer than this it is tight
   const PlannerParams& params;
 
-  [[nodiscard]] float at(double distance_m, double ground_price) const {
+  // `blocked_m`: nearer than this no path leads through.
+  [[nodiscard]] float at(double distance_m, double blocked_m, double ground_price) const {
     if (distance_m < blocked_m) {
       return kBlockedPrice;
     }
@@ -272,21 +272,24 @@ void GlobalPlanner::occupy_boundary(const Geofence& geofence) {
   }
 }
 
+// A door that only the 2D map shows is narrower there than it is: the map is off by some
+// centimetres, and noise adds to both sides. The robot goes there and looks.
 void GlobalPlanner::price_row(int row) {
   const Eigen::Vector2i first = ground_.first_of(window_) + Eigen::Vector2i(0, row);
   read_map_row(first);
   const bool crosses_tight = is_tight() && !onward_from_;
-  const Prices prices{crosses_tight ? kOccupiedM : body_.half_width_m,
-                      body_.half_width_m + params_.min_clearance_m, params_};
+  const double usual_m = crosses_tight ? kOccupiedM : body_.half_width_m;
+  const Prices prices{body_.half_width_m + params_.min_clearance_m, params_};
   for (int column = 0; column < window_.width; ++column) {
-    double ground_price = 0.0;
-    if (ground_.at(first + Eigen::Vector2i(column, 0)) != KnownGround::Kind::kFloor) {
-      ground_price = map_row_[static_cast<std::size_t>(column)] == Map2d::Kind::kFree
-                         ? params_.map_price
-                         : params_.unknown_price;
+    const double distance_m = obstacle_distances_.at(column, row);
+    float& price = price_[window_.place(column, row)];
+    if (ground_.at(first + Eigen::Vector2i(column, 0)) == KnownGround::Kind::kFloor) {
+      price = prices.at(distance_m, usual_m, 0.0);
+    } else if (map_row_[static_cast<std::size_t>(column)] == Map2d::Kind::kFree) {
+      price = prices.at(distance_m, kOccupiedM, params_.map_price);
+    } else {
+      price = prices.at(distance_m, usual_m, params_.unknown_price);
     }
-    price_[window_.place(column, row)] =
-        prices.at(obstacle_distances_.at(column, row), ground_price);
   }
 }
 

@@ -16,8 +16,9 @@ constexpr double kBesideM = 0.6;
 // Margin around robot, goal and all known ground, for detours over unknown ground.
 constexpr double kAroundM = 3.0;
 
-// What is nearer to a cell than this is beside it.
-constexpr int kNearCells = 2;
+// What is nearer to a cell than this is beside it: more than half the body's width, so that ground
+// that was seen is not blocked from beyond.
+constexpr int kNearCells = 4;
 
 using Quarters = std::array<Eigen::Vector2d, 4>;
 
@@ -104,6 +105,11 @@ void KnownGround::update_cell(const Eigen::Vector2i& index, unsigned bits) {
 }
 
 bool KnownGround::is_seen_near(const Eigen::Vector2i& index) const {
+  const Eigen::Array2d p_map = grid_.center_of(index);
+  constexpr double kNearM = (kNearCells + 0.5) * kCellM;
+  if ((p_map < known_min_.array() - kNearM).any() || (p_map > known_max_.array() + kNearM).any()) {
+    return false;  // most of a large map, at little cost
+  }
   for (int dy = -kNearCells; dy <= kNearCells; ++dy) {
     for (int dx = -kNearCells; dx <= kNearCells; ++dx) {
       const Eigen::Vector2i near = index + Eigen::Vector2i(dx, dy);

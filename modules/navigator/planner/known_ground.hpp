@@ -42,7 +42,7 @@ class KnownGround {
     return grid_.index_of(window.origin + Eigen::Vector2d(0.01, 0.01));
   }
   [[nodiscard]] Kind at(const Eigen::Vector2i& index) const { return grid_.at(index); }
-  /// Whether the local map has shown a cell within 10 cm.
+  /// Whether the local map has shown a cell within 20 cm.
   [[nodiscard]] bool is_seen_near(const Eigen::Vector2i& index) const;
 
  private:

@@ -294,6 +294,26 @@ TEST_F(TrialTest, DocksWithinTwoCentimetresAndADegree) {
   EXPECT_LE(std::abs(result["goal"]["heading_error_deg"].get<double>()), 1.0);
 }
 
+// The second drive localises in the map of the first one, which the navigator plans on, and has no
+// detour that the first one had not.
+TEST_F(TrialTest, ASecondDriveUsesTheMapOfTheFirst) {
+  TrialSetup trial = setup("dead-end:1007", 1007, 60.0);
+  std::vector<double> paths_m;
+  for (const char* name : {"first", "second"}) {
+    const std::filesystem::path dir = dir_.path() / name;
+    std::filesystem::create_directory(dir);
+    const auto result = summarise(trial, run(trial, dir), dir);
+    EXPECT_TRUE(result["goal"]["reached"]) << name;
+    EXPECT_EQ(result["collisions"], 0) << name;
+    paths_m.push_back(result["goal"]["path_m"]);
+    const nlohmann::json rejected = result["processes"]["navigator"]["messages"]["rejected"];
+    EXPECT_FALSE(rejected.contains("implausible_map_tile")) << name << ": " << rejected;
+    EXPECT_FALSE(rejected.contains("map_tile_without_pose")) << name << ": " << rejected;
+    trial.map.localise_in = dir / "slam2d";
+  }
+  EXPECT_LE(paths_m[1], 1.1 * paths_m[0]);  // 1.01 measured
+}
+
 // R38, Fig. 7: a drive around a block, back to the start.
 TEST_F(TrialTest, ALoopRoundABlockCloses) {
   TrialSetup trial = setup("loop", 1003, 120.0);
