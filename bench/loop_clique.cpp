@@ -70,33 +70,34 @@ class Steps {
   std::span<const PoseEdge2d> steps_;
 };
 
-bool agree(const PoseEdge2d& a, const PoseEdge2d& b, const Steps& steps, double max_chi_squared) {
+bool are_consistent(const PoseEdge2d& a, const PoseEdge2d& b, const Steps& steps,
+                    double max_chi_squared) {
   const Motion round = motion_of(a) * steps.between(a.to, b.to) * inverse(motion_of(b)) *
                        steps.between(b.from, a.from);
   const Eigen::Vector3d off(round.T.x, round.T.y, round.T.yaw);
   return off.dot(round.covariance.inverse() * off) < max_chi_squared;
 }
 
-using Agreement = std::vector<std::vector<bool>>;
+using Consistency = std::vector<std::vector<bool>>;
 
 // A clique with `first`, to which the loop that agrees with most of the others is added each time.
-std::vector<std::size_t> clique_with(std::size_t first, const Agreement& agreement) {
+std::vector<std::size_t> clique_with(std::size_t first, const Consistency& consistent) {
   std::vector<std::size_t> clique{first};
   std::vector<std::size_t> open;
-  for (std::size_t k = 0; k < agreement.size(); ++k) {
-    if (k != first && agreement[first][k]) {
+  for (std::size_t k = 0; k < consistent.size(); ++k) {
+    if (k != first && consistent[first][k]) {
       open.push_back(k);
     }
   }
   const auto num_agreeing = [&](std::size_t k) {
-    return std::count_if(open.begin(), open.end(), [&](std::size_t o) { return agreement[k][o]; });
+    return std::count_if(open.begin(), open.end(), [&](std::size_t o) { return consistent[k][o]; });
   };
   while (!open.empty()) {
     const std::size_t best = *std::max_element(
         open.begin(), open.end(),
         [&](std::size_t a, std::size_t b) { return num_agreeing(a) < num_agreeing(b); });
     clique.push_back(best);
-    std::erase_if(open, [&](std::size_t k) { return k == best || !agreement[best][k]; });
+    std::erase_if(open, [&](std::size_t k) { return k == best || !consistent[best][k]; });
   }
   return clique;
 }
@@ -106,15 +107,16 @@ std::vector<std::size_t> clique_with(std::size_t first, const Agreement& agreeme
 std::vector<PoseEdge2d> largest_clique(std::span<const PoseEdge2d> steps,
                                        std::span<const PoseEdge2d> loops, double max_chi_squared) {
   const Steps along(steps);
-  Agreement agreement(loops.size(), std::vector<bool>(loops.size(), true));
+  Consistency consistent(loops.size(), std::vector<bool>(loops.size(), true));
   for (std::size_t a = 0; a < loops.size(); ++a) {
     for (std::size_t b = 0; b < a; ++b) {
-      agreement[a][b] = agreement[b][a] = agree(loops[a], loops[b], along, max_chi_squared);
+      consistent[a][b] = consistent[b][a] =
+          are_consistent(loops[a], loops[b], along, max_chi_squared);
     }
   }
   std::vector<std::size_t> largest;
   for (std::size_t k = 0; k < loops.size(); ++k) {
-    std::vector<std::size_t> clique = clique_with(k, agreement);
+    std::vector<std::size_t> clique = clique_with(k, consistent);
     if (clique.size() > largest.size()) {
       largest = std::move(clique);
     }

@@ -113,8 +113,8 @@ TEST(PlanOnMap, LeadsAroundAWallThatOnlyTheMapShows) {
   EXPECT_GT(highest_m, 3.0 + kBody.half_width_m);
 }
 
-// The map shows a wall ahead where the laser sees floor, as where somebody stood while it was
-// drawn.
+// The map shows a wall ahead where the laser sees floor, as where somebody was standing while it
+// was drawn.
 TEST(PlanOnMap, WallsDoNotCountWhereTheLocalMapHasShownTheFloor) {
   const LocalMap floor = look(kOpenFloor);
   const Map2d empty = DrawnMap().map();
