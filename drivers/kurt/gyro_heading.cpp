@@ -75,9 +75,13 @@ std::string_view fault_of(GyroUse use) {
       return "the gyro disagrees with the wheels";
     case GyroUse::kRunsOff:
       return "the gyro runs off while the robot is stationary";
-    default:
-      return "";
+    case GyroUse::kOff:
+    case GyroUse::kAbsent:
+    case GyroUse::kUnsettled:
+    case GyroUse::kUsed:
+      break;
   }
+  return "";
 }
 
 std::optional<double> GyroHeading::bias_rad_s() const {

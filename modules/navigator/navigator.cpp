@@ -267,10 +267,12 @@ Decision Navigator::turn(const Situation& now) {
     case TurnCommand::Kind::kWait:
       decision.reason = Why::kNoFreeDirection;
       break;
-    default:
+    case TurnCommand::Kind::kBackUp:  // decided above
+    case TurnCommand::Kind::kFinished:
       turn_.end();
       turn_ended_at_ = now.T_odom_base;
       decision.reason = Why::kFreeAhead;
+      break;
   }
   return decision;
 }

@@ -93,9 +93,10 @@ bool Docking::is_done(const GoalInBase& goal, double phase_s) const {
       return T.x <= -0.6 * params_.staging_m;
     case Phase::kDocked:
       return !has_arrived(goal, true) || std::abs(T.yaw) > goal.heading->tolerance_rad + kLeaveRad;
-    default:
-      return false;
+    case Phase::kFailed:
+      break;
   }
+  return false;
 }
 
 // The phase after the present one, when that is done.
@@ -114,9 +115,10 @@ Docking::Phase Docking::next_phase(const GoalInBase& goal) const {
       return after_settling(goal);
     case Phase::kDocked:
       return Phase::kStage;
-    default:
-      return phase_;
+    case Phase::kFailed:
+      break;
   }
+  return phase_;
 }
 
 // The phase after one that takes too long: after the last rotation the pose is checked as it is,
@@ -129,9 +131,13 @@ Docking::Phase Docking::phase_when_late() const {
       return Phase::kStage;
     case Phase::kSquare:
       return Phase::kSettle;
-    default:
-      return phase_;
+    case Phase::kStage:
+    case Phase::kSettle:
+    case Phase::kDocked:
+    case Phase::kFailed:
+      break;
   }
+  return phase_;
 }
 
 Docking::Phase Docking::after_settling(const GoalInBase& goal) {
@@ -173,10 +179,11 @@ DockingStep Docking::step(const GoalInBase& goal) const {
       step.kind = Kind::kFailed;
       step.reason = Why::kDockFailed;
       return step;
-    default:
-      step.reason = Why::kDockSettles;
-      return step;
+    case Phase::kSettle:
+      break;
   }
+  step.reason = Why::kDockSettles;
+  return step;
 }
 
 // The distance y to the line and the angle to it decay critically damped, with s along the line:

@@ -110,8 +110,10 @@ Decision GoalDrive::dock(const Situation& now) {
       docked.behaviour = Behaviour::kArrived;
       return docked;
     }
-    default:
-      return stationary(step.reason);
+    case DockingStep::Kind::kStay:
+    case DockingStep::Kind::kFailed:
+      break;
+  return stationary(step.reason);
   }
 }
 
