@@ -68,7 +68,7 @@ Decision Navigator::decide(Situation now) {
     return *stops;
   }
   surroundings_.complete(now);
-  record_trail(now);
+  record_drive(now);
   Decision decision = behave(now);
   if (!leave_contact_.is_active()) {
     remember_contacts(now);
@@ -125,7 +125,7 @@ void Navigator::remember_contacts(const Situation& now) {
   }
 }
 
-void Navigator::record_trail(Situation& now) {
+void Navigator::record_drive(Situation& now) {
   back_up_.record(now.T_odom_base, now.forward_mps);
   trail_.move(now.T_odom_base);
   if (now.forward_mps > -kReversingMps) {

@@ -89,7 +89,7 @@ class Navigator {
   void reset();
 
  private:
-  void record_trail(Situation& now);
+  void record_drive(Situation& now);
   [[nodiscard]] std::optional<Decision> stop_at_contact(const Situation& now);
   void remember_contacts(const Situation& now);
   void watch_arrival(const Situation& now);
