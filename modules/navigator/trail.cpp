@@ -5,24 +5,20 @@
 #include <cmath>
 
 #include "common/geometry/angle.hpp"
+#include "common/geometry/pose_tolerance.hpp"
 #include "modules/navigator/travel.hpp"
 
 namespace nodmap::navigator {
 namespace {
 
-constexpr double kSpacingM = 0.03;
-constexpr double kSpacingRad = geometry::deg_to_rad(5.0);
+constexpr geometry::PoseTolerance kSpacing{.distance_m = 0.03,
+                                           .rotation_rad = geometry::deg_to_rad(5.0)};
 constexpr std::size_t kMaxPoses = 170;
 // Distance back to the pose that the arc leads to: so short that the arc follows the trail.
 constexpr double kLookBackM = 0.08;
 // Up to this rotation from the heading of the trail the body stays on the strip that it has
 // driven, within the margin it kept there.
 constexpr double kMaxRotationRad = geometry::deg_to_rad(10.0);
-
-bool is_near(const geometry::SE2& a, const geometry::SE2& b) {
-  return geometry::distance_m(a, b) < kSpacingM &&
-         std::abs(geometry::angle_difference(a.yaw, b.yaw)) < kSpacingRad;
-}
 
 }  // namespace
 
@@ -35,7 +31,7 @@ void Trail::move(const geometry::SE2& T_odom_base) {
 }
 
 void Trail::record(const geometry::SE2& T_odom_base) {
-  if (!poses_.empty() && is_near(poses_.back().T_odom_base, T_odom_base)) {
+  if (!poses_.empty() && geometry::is_within(poses_.back().T_odom_base, T_odom_base, kSpacing)) {
     return;
   }
   poses_.push_back({T_odom_base, travel_m_});
@@ -71,7 +67,8 @@ double Trail::distance_backwards(const geometry::SE2& T_odom_base, double curvat
   geometry::SE2 T_odom_back = T_odom_base;
   double distance_m = 0.0;
   while (distance_m < kLongestM) {
-    T_odom_back = T_odom_back * geometry::SE2{-kSpacingM, 0.0, -kSpacingM * curvature};
+    T_odom_back =
+        T_odom_back * geometry::SE2{-kSpacing.distance_m, 0.0, -kSpacing.distance_m * curvature};
     const bool was_here = std::ranges::any_of(poses_, [&](const Past& past) {
       const geometry::SE2& was = past.T_odom_base;
       return geometry::distance_m(was, T_odom_back) < kAsideM &&
@@ -80,7 +77,7 @@ double Trail::distance_backwards(const geometry::SE2& T_odom_base, double curvat
     if (!was_here) {
       break;
     }
-    distance_m += kSpacingM;
+    distance_m += kSpacing.distance_m;
   }
   return distance_m;
 }

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/geometry/pose_tolerance.hpp"
+
 namespace nodmap::navigator {
 namespace {
 
@@ -36,10 +38,7 @@ NavigatorParams squeezing(NavigatorParams params) {
 }
 
 // Up to rounding: both are poses in the map, whatever the robot's pose is.
-bool is_same(const geometry::SE2& a, const geometry::SE2& b) {
-  return (a.translation() - b.translation()).norm() < 1e-3 &&
-         std::abs(geometry::angle_difference(a.yaw, b.yaw)) < 1e-3;
-}
+constexpr geometry::PoseTolerance kSameGoal{.distance_m = 1e-3, .rotation_rad = 1e-3};
 
 // What a slower rotation passes is part of what the faster one passes, so it is as safe.
 Decision rotating_slowly(Decision decision, double most_rad_s) {
@@ -84,7 +83,7 @@ Decision GoalDrive::decide(const Situation& now) {
 
 Decision GoalDrive::dock(const Situation& now) {
   const geometry::SE2 goal_map = goal_in_map(now);
-  if (!dock_map_ || !is_same(*dock_map_, goal_map)) {
+  if (!dock_map_ || !geometry::is_within(*dock_map_, goal_map, kSameGoal)) {
     docking_.reset();
     dock_map_ = goal_map;
   }
@@ -113,8 +112,8 @@ Decision GoalDrive::dock(const Situation& now) {
     case DockingStep::Kind::kStay:
     case DockingStep::Kind::kFailed:
       break;
-  return stationary(step.reason);
   }
+  return stationary(step.reason);
 }
 
 Decision GoalDrive::drive_by_plan(const Situation& now) {
@@ -194,7 +193,7 @@ std::optional<std::vector<Eigen::Vector2d>> GoalDrive::path_map(
     const geometry::SE2& T_map_base, const geometry::SE2& T_map_goal) const {
   constexpr double kLongestM = 100.0;
   constexpr std::size_t kStep = 4;  // cells
-  if (!decided_goal_map_ || !is_same(*decided_goal_map_, T_map_goal)) {
+  if (!decided_goal_map_ || !geometry::is_within(*decided_goal_map_, T_map_goal, kSameGoal)) {
     return std::nullopt;
   }
   if (dock_map_ && docking_.is_docking()) {
