@@ -36,7 +36,7 @@ LocalView::LocalView(const LocalGrid& grid, const ObstacleMemory& obstacles,
       const LocalCell& cell = grid.at({x, y});
       const Eigen::Vector2i offset = Eigen::Vector2i(x, y) - first_;
       if (is_inside(offset)) {
-        bits_[place(offset)] |= static_cast<std::uint8_t>(bits_of(cell, obstacles));
+        bits_[index_of(offset)] |= static_cast<std::uint8_t>(bits_of(cell, obstacles));
       }
       if (cell.is_hole()) {
         block_around_hole(grid, {x, y});
@@ -49,7 +49,7 @@ void LocalView::block_around_hole(const LocalGrid& grid, const Eigen::Vector2i& 
   for (const Eigen::Vector2i& step : kAcrossEdge) {
     const Eigen::Vector2i offset = index + step - first_;
     if (is_inside(offset) && grid.contains(index + step)) {
-      bits_[place(offset)] |= std::uint8_t{kBlocked};
+      bits_[index_of(offset)] |= std::uint8_t{kBlocked};
     }
   }
 }

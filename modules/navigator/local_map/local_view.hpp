@@ -28,7 +28,7 @@ class LocalView {
 
   [[nodiscard]] unsigned at(const Eigen::Vector2i& index) const {
     const Eigen::Vector2i offset = index - first_;
-    return is_inside(offset) ? bits_[place(offset)] : 0U;
+    return is_inside(offset) ? bits_[index_of(offset)] : 0U;
   }
   /// The same for a place converted by in_cells().
   [[nodiscard]] unsigned at(const Eigen::Vector2d& cells) const {
@@ -44,12 +44,12 @@ class LocalView {
  private:
   [[nodiscard]] unsigned at_offset(const Eigen::Vector2d& cells) const {
     const Eigen::Vector2i offset = cells.cast<int>();
-    return is_inside(offset) ? bits_[place(offset)] : 0U;
+    return is_inside(offset) ? bits_[index_of(offset)] : 0U;
   }
   [[nodiscard]] bool is_inside(const Eigen::Vector2i& offset) const {
     return offset.x() >= 0 && offset.y() >= 0 && offset.x() < size_ && offset.y() < size_;
   }
-  [[nodiscard]] std::size_t place(const Eigen::Vector2i& offset) const {
+  [[nodiscard]] std::size_t index_of(const Eigen::Vector2i& offset) const {
     return static_cast<std::size_t>(offset.y()) * static_cast<std::size_t>(size_) +
            static_cast<std::size_t>(offset.x());
   }

@@ -38,8 +38,8 @@ class RollingGrid {
   }
 
   /// Only for cells inside.
-  [[nodiscard]] Cell& at(const Eigen::Vector2i& index) { return cells_[place(index)]; }
-  [[nodiscard]] const Cell& at(const Eigen::Vector2i& index) const { return cells_[place(index)]; }
+  [[nodiscard]] Cell& at(const Eigen::Vector2i& index) { return cells_[slot_of(index)]; }
+  [[nodiscard]] const Cell& at(const Eigen::Vector2i& index) const { return cells_[slot_of(index)]; }
 
   /// The cell at a place; null outside.
   [[nodiscard]] Cell* find(const Eigen::Vector2d& p_odom) {
@@ -81,14 +81,14 @@ class RollingGrid {
     constexpr double kFarthest = 1 << 28;
     return static_cast<int>(std::clamp(std::floor(odom_m / cell_size_m_), -kFarthest, kFarthest));
   }
-  [[nodiscard]] std::size_t place(const Eigen::Vector2i& index) const {
+  [[nodiscard]] std::size_t slot_of(const Eigen::Vector2i& index) const {
     const int mask = size_ - 1;
-    const int place = ((index.y() & mask) << log2_size_) | (index.x() & mask);
-    return static_cast<std::size_t>(place);
+    const int slot = ((index.y() & mask) << log2_size_) | (index.x() & mask);
+    return static_cast<std::size_t>(slot);
   }
   void clear_line(int axis, int line) {
     for (int along = 0; along < size_; ++along) {
-      cells_[place(axis == 0 ? Eigen::Vector2i(line, along) : Eigen::Vector2i(along, line))] = {};
+      cells_[slot_of(axis == 0 ? Eigen::Vector2i(line, along) : Eigen::Vector2i(along, line))] = {};
     }
   }
 

@@ -39,7 +39,7 @@ constexpr std::array<Neighbour, 8> kNeighbours{{{1, 0, kStraightM},
 double CostToGo::at(const Eigen::Vector2d& p_map) const {
   const Eigen::Vector2i cell = window_.cell_of(p_map);
   return window_.contains(cell.x(), cell.y())
-             ? static_cast<double>(cost_[window_.place(cell.x(), cell.y())])
+             ? static_cast<double>(cost_[window_.index_of(cell.x(), cell.y())])
              : std::numeric_limits<double>::infinity();
 }
 
@@ -131,10 +131,10 @@ void CostSearch::seed_goal(std::span<const float> price, const Eigen::Vector2d& 
     for (double dx = -radius_m; dx <= radius_m; dx += PlanWindow::kCellM) {
       const Eigen::Vector2i cell = window.cell_of(goal_map + Eigen::Vector2d(dx, dy));
       if (dx * dx + dy * dy > radius_m * radius_m || !window.contains(cell.x(), cell.y()) ||
-          price[window.place(cell.x(), cell.y())] < 0.0F) {
+          price[window.index_of(cell.x(), cell.y())] < 0.0F) {
         continue;
       }
-      push(window.place(cell.x(), cell.y()), static_cast<float>(std::hypot(dx, dy)));
+      push(window.index_of(cell.x(), cell.y()), static_cast<float>(std::hypot(dx, dy)));
     }
   }
 }
@@ -159,7 +159,7 @@ void CostSearch::seed_border(std::span<const float> price, const Eigen::Vector2d
 
 void CostSearch::add_seed(std::span<const float> price, const Eigen::Vector2i& cell,
                           double cost_m) {
-  const std::size_t place = found_.window_.place(cell.x(), cell.y());
+  const std::size_t place = found_.window_.index_of(cell.x(), cell.y());
   if (price[place] >= 0.0F) {
     seeds_.emplace_back(static_cast<float>(cost_m), place);
   }
@@ -223,7 +223,7 @@ void CostSearch::spread_from(std::span<const float> price, int column, int row, 
     if (!found_.window_.contains(x, y)) {
       continue;
     }
-    const std::size_t next = found_.window_.place(x, y);
+    const std::size_t next = found_.window_.index_of(x, y);
     if (price[next] < 0.0F) {
       continue;
     }

@@ -40,9 +40,9 @@ bool DistanceField::compute_line() {
   const int line = num_lines_;
   num_lines_ = (line + 1) % (2 * height_ + width_);
   if (line < height_) {
-    transform(&squared_[place(0, line)], 1, width_);
+    transform(&squared_[index_of(0, line)], 1, width_);
   } else if (line < height_ + width_) {
-    transform(&squared_[place(line - height_, 0)], width_, height_);
+    transform(&squared_[index_of(line - height_, 0)], width_, height_);
   } else {
     take_root(line - height_ - width_);
   }
@@ -50,7 +50,7 @@ bool DistanceField::compute_line() {
 }
 
 void DistanceField::take_root(int row) {
-  const auto first = static_cast<std::ptrdiff_t>(place(0, row));
+  const auto first = static_cast<std::ptrdiff_t>(index_of(0, row));
   const auto squared = squared_.begin() + first;
   std::transform(squared, squared + width_, distance_m_.begin() + first, [this](float value) {
     return value >= kNone ? static_cast<float>(kFarM)

@@ -16,7 +16,7 @@ class DistanceField {
   void begin(const Eigen::Vector2d& origin, double cell_size_m, int width, int height);
   /// Ignores places outside the grid.
   void occupy(const Eigen::Vector2d& p);
-  void occupy(int column, int row) { squared_[place(column, row)] = 0.0F; }
+  void occupy(int column, int row) { squared_[index_of(column, row)] = 0.0F; }
   void compute() {
     while (compute_line()) {
     }
@@ -31,16 +31,16 @@ class DistanceField {
     const auto row = static_cast<int>(std::floor((p.y() - origin_.y()) * cells_per_m_));
     return column < 0 || row < 0 || column >= width_ || row >= height_
                ? kFarM
-               : static_cast<double>(distance_m_[place(column, row)]);
+               : static_cast<double>(distance_m_[index_of(column, row)]);
   }
   [[nodiscard]] double at(int column, int row) const {
-    return static_cast<double>(distance_m_[place(column, row)]);
+    return static_cast<double>(distance_m_[index_of(column, row)]);
   }
 
   static constexpr double kFarM = 1e3;
 
  private:
-  [[nodiscard]] std::size_t place(int column, int row) const {
+  [[nodiscard]] std::size_t index_of(int column, int row) const {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(width_) +
            static_cast<std::size_t>(column);
   }

@@ -282,7 +282,7 @@ void GlobalPlanner::price_row(int row) {
   const Prices prices{body_.half_width_m + params_.min_clearance_m, params_};
   for (int column = 0; column < window_.width; ++column) {
     const double distance_m = obstacle_distances_.at(column, row);
-    float& price = price_[window_.place(column, row)];
+    float& price = price_[window_.index_of(column, row)];
     if (ground_.at(first + Eigen::Vector2i(column, 0)) == KnownGround::Kind::kFloor) {
       price = prices.at(distance_m, usual_m, 0.0);
     } else if (map_row_[static_cast<std::size_t>(column)] == Map2d::Kind::kFree) {
@@ -304,10 +304,10 @@ void GlobalPlanner::price_failures() {
         const int column = middle.x() + dx;
         const int row = middle.y() + dy;
         if (!window_.contains(column, row) || dx * dx + dy * dy > reach * reach ||
-            price_[window_.place(column, row)] <= 0.0F) {
+            price_[window_.index_of(column, row)] <= 0.0F) {
           continue;
         }
-        float& price = price_[window_.place(column, row)];
+        float& price = price_[window_.index_of(column, row)];
         price = obstacle_distances_.at(column, row) < least_m
                     ? kBlockedPrice
                     : std::min(CostSearch::kHighestPrice,

@@ -21,7 +21,7 @@ struct PlanWindow {
     return column >= 0 && row >= 0 && column < width && row < height;
   }
   /// The index of a cell inside; cells are stored row by row.
-  [[nodiscard]] std::size_t place(int column, int row) const {
+  [[nodiscard]] std::size_t index_of(int column, int row) const {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +
            static_cast<std::size_t>(column);
   }

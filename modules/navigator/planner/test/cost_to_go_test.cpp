@@ -31,7 +31,7 @@ struct Prices {
     }
   }
   [[nodiscard]] double at(int column, int row) const {
-    return static_cast<double>(price[window.place(column, row)]);
+    return static_cast<double>(price[window.index_of(column, row)]);
   }
   [[nodiscard]] Eigen::Vector2d middle(int column, int row) const {
     return window.origin + PlanWindow::kCellM * Eigen::Vector2d(column + 0.5, row + 0.5);
@@ -53,9 +53,9 @@ std::vector<double> relax(const Prices& prices, std::vector<double> cost) {
           if (!window.contains(column + dx, row + dy) || prices.at(column, row) < 0.0) {
             continue;
           }
-          const double total = cost[window.place(column + dx, row + dy)] +
+          const double total = cost[window.index_of(column + dx, row + dy)] +
                                0.05 * std::hypot(dx, dy) * prices.at(column, row);
-          double& here = cost[window.place(column, row)];
+          double& here = cost[window.index_of(column, row)];
           if (total < here - 1e-12) {
             here = total;
             has_changed = true;
@@ -85,7 +85,7 @@ void expect_costs(const CostToGo& found, const std::vector<double>& expected,
   for (int row = 0; row < prices.window.height; ++row) {
     for (int column = 0; column < prices.window.width; ++column) {
       const double cost = found.at(prices.middle(column, row));
-      const double truth = expected[prices.window.place(column, row)];
+      const double truth = expected[prices.window.index_of(column, row)];
       ASSERT_EQ(std::isfinite(cost), std::isfinite(truth)) << column << " " << row;
       if (std::isfinite(truth)) {
         ++num_reached;
@@ -109,7 +109,7 @@ TEST(CostSearch, CostsEqualThoseOfBruteForce) {
         if (dx * dx + dy * dy <= radius_m * radius_m && prices.at(cell.x(), cell.y()) >= 0.0) {
           // Seeds are not at the centres of cells: a later one of the same cell replaces an earlier
           // one.
-          seeds[prices.window.place(cell.x(), cell.y())] = std::hypot(dx, dy);
+          seeds[prices.window.index_of(cell.x(), cell.y())] = std::hypot(dx, dy);
         }
       }
     }
@@ -128,7 +128,7 @@ TEST(CostSearch, OnwardPathsEndInTheCellsBetweenTwoDistances) {
       for (int column = 0; column < prices.window.width; ++column) {
         const Eigen::Vector2d p = T_map_base.inverse() * prices.middle(column, row);
         if (p.norm() >= 0.4 && p.norm() <= 0.6 && prices.at(column, row) >= 0.0) {
-          seeds[prices.window.place(column, row)] =
+          seeds[prices.window.index_of(column, row)] =
               0.8 * std::abs(std::atan2(p.y(), p.x())) + 3.0 * (0.6 - p.norm());
         }
       }
@@ -152,7 +152,7 @@ TEST(CostSearch, AGoalOutsideTheWindowIsReachedAcrossItsBorder) {
         const bool is_border = row == 0 || column == 0 || row == prices.window.height - 1 ||
                                column == prices.window.width - 1;
         if (is_border && prices.at(column, row) >= 0.0) {
-          seeds[prices.window.place(column, row)] =
+          seeds[prices.window.index_of(column, row)] =
               kOutsidePrice * (goal_map - prices.middle(column, row)).norm();
         }
       }
