@@ -24,28 +24,8 @@ constexpr int kSilentPeriods = 50;
 constexpr double kStillM = 0.04e-3;
 // The body rocks on its tyres for a while after the wheels have stopped.
 constexpr int kSettlePeriods = 30;
-constexpr double kStillWindowS = 1.0;
-// How many windows in a row must show about the same rate before it is taken for the first bias,
-// and for a new one: somebody may be turning the robot by hand.
-constexpr int kFirstWindows = 2;
-constexpr int kNewWindows = 5;
-constexpr double kSameRateRadS = deg_to_rad(0.5);
-// Beyond the noise, a bias changes by no more than this from one standstill to the next.
-constexpr double kBiasStepRadS = deg_to_rad(0.1);
 // Shorter paths say nothing about slip.
 constexpr double kLeastPathM = 0.002;
-
-// How far the robot's rotation can differ from that of its wheels. They may spin while an obstacle
-// holds the robot, and on a floor on which they do not skid they rotate it by 1 /
-// turning_adaptation = 1.45 times as much. The rest is for slip (1.6 degrees per metre in the
-// simulator, one sigma) and for the time of the angle, which is known to 10 ms: 1.1 degrees at 2
-// rad/s.
-constexpr double kComparisonS = 1.0;
-constexpr double kMostRotation = 1.5;
-constexpr double kMarginRad = deg_to_rad(3.0);
-constexpr double kMarginRadPerM = deg_to_rad(10.0);
-// How far a gyro that has disagreed must rotate with the wheels until it is trusted again.
-constexpr double kAgreedRad = deg_to_rad(20.0);
 // An angle that is exactly the last one is that of a dead gyro if the wheels rotate by this much.
 constexpr double kRotatesRad = deg_to_rad(0.1);
 
@@ -85,7 +65,7 @@ std::string_view fault_of(GyroUse use) {
 }
 
 std::optional<double> GyroHeading::bias_rad_s() const {
-  return bias_ ? std::optional(bias_->rate_rad_s) : std::nullopt;
+  return bias_.rate_rad_s();
 }
 
 GyroHeading::Rotation GyroHeading::rotate(const WheelStep& wheels) {
@@ -97,9 +77,7 @@ GyroHeading::Rotation GyroHeading::rotate(const WheelStep& wheels) {
   since_.path_m += wheels.path_m;
   since_.periods += wheels.periods;
   still_periods_ = wheels.path_m <= kStillM * wheels.periods ? still_periods_ + wheels.periods : 0;
-  if (bias_) {
-    bias_->age_s += dt_s;
-  }
+  bias_.age(dt_s);
   if (last_angle_rad_ && since_.periods > kSilentPeriods) {
     ++counts_.silences;
     use_ = GyroUse::kSilent;
@@ -114,20 +92,16 @@ GyroHeading::Rotation GyroHeading::rotate(const WheelStep& wheels) {
     rotation_rad += released_rad;
   }
   return {rotation_rad,
-          use_ == GyroUse::kUsed ? gyro_variance(rotation_rad, dt_s) : wheels.variance_rad2};
+          use_ == GyroUse::kUsed ? gyro_variance_rad2(rotation_rad, dt_s) : wheels.variance_rad2};
 }
 
-// The error of the bias acts all the time since it was measured, so the heading's error grows with
-// the time, and its variance with the square of it. Rotations to the left and to the right cancel
-// each other's error of scale; each radian is taken to have one of its own.
-double GyroHeading::gyro_variance(double rotation_rad, double dt_s) const {
+// Rotations to the left and to the right cancel each other's error of scale; each radian is taken
+// to have one of its own.
+double GyroHeading::gyro_variance_rad2(double rotation_rad, double dt_s) const {
   if (still_periods_ >= kSettlePeriods) {
     return 0.0;
   }
-  const double age_s = bias_->age_s;
-  const double by_bias =
-      2.0 * bias_->variance * age_s + variance_of(params_.bias_walk_rad_s * age_s);
-  return (variance_of(params_.noise_rad) + by_bias) * dt_s +
+  return (variance_of(params_.noise_rad) + bias_.variance_rad2_per_s()) * dt_s +
          variance_of(params_.scale_sigma) * std::abs(rotation_rad);
 }
 
@@ -152,10 +126,9 @@ void GyroHeading::add(const Gyro& gyro) {
     measure_bias(gyro_rad, dt_s);
     return;
   }
-  still_time_s_ = 0.0;
-  still_angle_rad_ = 0.0;
-  if (bias_) {
-    correct(gyro_rad, interval, dt_s);
+  bias_.end_standstill();
+  if (const std::optional<double> rate_rad_s = bias_.rate_rad_s()) {
+    correct(gyro_rad, *rate_rad_s, interval, dt_s);
   }
 }
 
@@ -171,17 +144,13 @@ GyroHeading::Interval GyroHeading::end_interval() {
   return ended;
 }
 
-void GyroHeading::correct(double gyro_rad, const Interval& interval, double dt_s) {
-  const double rotation_rad = gyro_rad - bias_->rate_rad_s * dt_s;
-  comparison_.add(rotation_rad, interval.wheels_rad, interval.path_m, dt_s);
-  const Comparison now{rotation_rad, interval.wheels_rad, interval.path_m};
-  update_doubt(now, now.is_plausible() && comparison_.is_plausible());
-  if (!now.is_plausible()) {
-    comparison_ = {};  // a jump says nothing about the rotations before and after it
-  }
+void GyroHeading::correct(double gyro_rad, double bias_rad_s, const Interval& interval,
+                          double dt_s) {
+  const double rotation_rad = gyro_rad - bias_rad_s * dt_s;
+  doubt_.add({rotation_rad, interval.wheels_rad, interval.path_m}, dt_s);
   const bool is_frozen = gyro_rad == 0.0 && std::abs(interval.wheels_rad) > kRotatesRad &&
                          last_step_.wheels_rad != 0.0;
-  if (is_frozen || is_doubted_) {
+  if (is_frozen || doubt_.is_active()) {
     ++counts_.refused;
     use_ = is_frozen ? GyroUse::kFrozen : GyroUse::kDisagrees;
     slip_rad_per_m_ = 0.0;
@@ -195,79 +164,24 @@ void GyroHeading::correct(double gyro_rad, const Interval& interval, double dt_s
       interval.path_m < kLeastPathM ? 0.0 : (rotation_rad - interval.wheels_rad) / interval.path_m;
 }
 
-// A gyro of the wrong sign disagrees only while the robot rotates, so it is trusted again only once
-// it has followed rotations.
-void GyroHeading::update_doubt(const Comparison& now, bool is_plausible) {
-  if (!is_plausible) {
-    is_doubted_ = true;
-    agreed_rad_ = 0.0;
-  } else if (is_doubted_) {
-    const double common_rad = std::min(std::abs(now.gyro_rad), std::abs(now.wheels_rad));
-    agreed_rad_ =
-        std::max(agreed_rad_ + std::copysign(common_rad, now.gyro_rad * now.wheels_rad), 0.0);
-    is_doubted_ = agreed_rad_ < kAgreedRad;
-  }
-}
-
-void GyroHeading::Comparison::add(double gyro, double wheels, double path, double dt_s) {
-  const double keep = std::exp(-dt_s / kComparisonS);
-  gyro_rad = keep * gyro_rad + gyro;
-  wheels_rad = keep * wheels_rad + wheels;
-  path_m = keep * path_m + path;
-}
-
-bool GyroHeading::Comparison::is_plausible() const {
-  const double margin_rad = kMarginRad + kMarginRadPerM * path_m;
-  const double most_rad = kMostRotation * wheels_rad;
-  return gyro_rad >= std::min(0.0, most_rad) - margin_rad &&
-         gyro_rad <= std::max(0.0, most_rad) + margin_rad;
-}
-
 void GyroHeading::measure_bias(double gyro_rad, double dt_s) {
   slip_rad_per_m_ = 0.0;
-  comparison_ = {};
-  still_angle_rad_ += gyro_rad;
-  still_time_s_ += dt_s;
-  if (still_time_s_ >= kStillWindowS) {
-    take_still_rate(still_angle_rad_ / still_time_s_, still_time_s_);
-    still_angle_rad_ = 0.0;
-    still_time_s_ = 0.0;
-  }
-}
-
-void GyroHeading::take_still_rate(double rate_rad_s, double dt_s) {
-  const double variance = variance_of(params_.noise_rad) / dt_s;
-  if (bias_) {
-    const double before = bias_->variance + variance_of(params_.bias_walk_rad_s) * bias_->age_s;
-    if (std::abs(rate_rad_s - bias_->rate_rad_s) <=
-        4.0 * std::sqrt(before + variance) + kBiasStepRadS) {
-      const double gain = before / (before + variance);
-      *bias_ = {bias_->rate_rad_s + gain * (rate_rad_s - bias_->rate_rad_s), (1.0 - gain) * before,
-                0.0};
-      odd_windows_ = 0;
+  doubt_.forget_sums();
+  switch (bias_.add_still(gyro_rad, dt_s)) {
+    case GyroBias::Result::kMeasured:
       resume();
-      return;
-    }
-  }
-  const bool is_same = std::abs(rate_rad_s - odd_rate_rad_s_) <= kSameRateRadS;
-  odd_windows_ = odd_windows_ > 0 && is_same ? odd_windows_ + 1 : 1;
-  odd_rate_rad_s_ = rate_rad_s;
-  if (odd_windows_ < (bias_ ? kNewWindows : kFirstWindows)) {
-    return;
-  }
-  odd_windows_ = 0;
-  if (std::abs(rate_rad_s) <= params_.max_bias_rad_s) {
-    bias_ = Bias{rate_rad_s, variance, 0.0};
-    resume();
-  } else {
-    bias_.reset();
-    use_ = GyroUse::kRunsOff;
+      break;
+    case GyroBias::Result::kRunsOff:
+      use_ = GyroUse::kRunsOff;
+      break;
+    case GyroBias::Result::kNothing:
+      break;
   }
 }
 
 void GyroHeading::resume() {
-  if (bias_) {
-    use_ = is_doubted_ ? GyroUse::kDisagrees : GyroUse::kUsed;
+  if (bias_.rate_rad_s()) {
+    use_ = doubt_.is_active() ? GyroUse::kDisagrees : GyroUse::kUsed;
   } else {
     use_ = GyroUse::kUnsettled;
   }
@@ -285,8 +199,7 @@ void GyroHeading::interrupt() {
 void GyroHeading::forget_angle() {
   last_angle_rad_.reset();
   slip_rad_per_m_ = 0.0;
-  still_angle_rad_ = 0.0;
-  still_time_s_ = 0.0;
+  bias_.end_standstill();
 }
 
 }  // namespace nodmap::kurt

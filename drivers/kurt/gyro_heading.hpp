@@ -5,6 +5,8 @@
 #include <optional>
 #include <string_view>
 
+#include "drivers/kurt/gyro_bias.hpp"
+#include "drivers/kurt/gyro_doubt.hpp"
 #include "drivers/kurt/kurt_frames.hpp"
 #include "drivers/kurt/params.hpp"
 
@@ -53,7 +55,7 @@ class GyroHeading {
   };
 
   explicit GyroHeading(const GyroParams& params)
-      : params_(params), use_(params.use_gyro ? GyroUse::kAbsent : GyroUse::kOff) {}
+      : params_(params), use_(params.use_gyro ? GyroUse::kAbsent : GyroUse::kOff), bias_(params) {}
 
   /// The rotation of the robot during this motion of its wheels.
   Rotation rotate(const WheelStep& wheels);
@@ -70,20 +72,6 @@ class GyroHeading {
   [[nodiscard]] std::optional<double> bias_rad_s() const;
 
  private:
-  struct Bias {
-    double rate_rad_s = 0.0;
-    double variance = 0.0;  // when it was measured
-    double age_s = 0.0;     // since then
-  };
-  /// Sums over about a second, of what the gyro and the wheels measured.
-  struct Comparison {
-    double gyro_rad = 0.0;
-    double wheels_rad = 0.0;
-    double path_m = 0.0;
-
-    void add(double gyro, double wheels, double path, double dt_s);
-    [[nodiscard]] bool is_plausible() const;
-  };
   /// Since the last angle.
   struct Interval {
     double wheels_rad = 0.0;
@@ -92,14 +80,12 @@ class GyroHeading {
     int periods = 0;
   };
 
-  void correct(double gyro_rad, const Interval& interval, double dt_s);
-  void update_doubt(const Comparison& now, bool is_plausible);
+  void correct(double gyro_rad, double bias_rad_s, const Interval& interval, double dt_s);
   void measure_bias(double gyro_rad, double dt_s);
-  void take_still_rate(double rate_rad_s, double dt_s);
   void forget_angle();
   void resume();
   [[nodiscard]] Interval end_interval();
-  [[nodiscard]] double gyro_variance(double rotation_rad, double dt_s) const;
+  [[nodiscard]] double gyro_variance_rad2(double rotation_rad, double dt_s) const;
 
   GyroParams params_;
   GyroUse use_;
@@ -110,16 +96,9 @@ class GyroHeading {
   double slip_rad_per_m_ = 0.0;
   double to_release_rad_ = 0.0;
   int release_periods_ = 0;
-  Comparison comparison_;
-  bool is_doubted_ = false;
-  double agreed_rad_ = 0.0;  // by so much it has followed the wheels since
-
   int still_periods_ = 0;
-  double still_angle_rad_ = 0.0;
-  double still_time_s_ = 0.0;
-  std::optional<Bias> bias_;
-  double odd_rate_rad_s_ = 0.0;  // a rate that is not that of the bias
-  int odd_windows_ = 0;          // for so many windows in a row
+  GyroBias bias_;
+  GyroDoubt doubt_;
 };
 
 }  // namespace nodmap::kurt
