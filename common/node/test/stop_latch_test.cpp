@@ -8,6 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "common/node/process_names.hpp"
+#include "tests/support/program.hpp"
+
 namespace nodmap::node {
 namespace stop_latch_test {
 
@@ -23,6 +26,15 @@ nodmap::stop_t message(bool is_stopped, std::int64_t utime, const std::string& b
 
 nodmap::stop_t repetition(std::int64_t utime) {
   return message(true, utime, confirmed_name("a bumper"));
+}
+
+// The driver of another robot may be written in another language.
+TEST(StopLatch, TheDocumentSaysByWhatABaseDriverIsRecognised) {
+  const std::string document = test::slurp(NODMAP_OWN_ROBOT);
+  for (const std::string& text : {"`process_name` is `" + std::string(kBaseDriver) + "`",
+                                  "`" + confirmed_name("NAME") + "`"}) {
+    EXPECT_NE(document.find(text), std::string::npos) << text;
+  }
 }
 
 TEST(StopLatch, AStopHoldsUntilItIsReleased) {
