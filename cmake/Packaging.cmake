@@ -13,7 +13,12 @@ install(DIRECTORY config/ DESTINATION ${CMAKE_INSTALL_DATADIR}/nodmap/config PAT
 install(FILES config/kurt3d/nodmap.rules DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples)
 # With procman/sim.pmd: the simulated robot without the sources.
 install(DIRECTORY sim/worlds DESTINATION ${CMAKE_INSTALL_DATADIR}/nodmap/sim)
-install(FILES README.md docs/frames.md docs/multi-host.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+# What who uses the robot reads, in the folders of the repository, so that the links lead from one to the other.
+install(FILES README.md SAFETY.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES docs/frames.md docs/glossary.md docs/multi-host.md docs/own-robot.md docs/quickstart.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/docs)
+foreach(folder procman lcmtypes tools drivers/laser3d)
+  install(FILES ${folder}/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/${folder})
+endforeach()
 # As Debian wants them: the licence as "copyright", the changes in its own format.
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright)
 string(TIMESTAMP date "%a, %d %b %Y %H:%M:%S +0000" UTC)  # of $SOURCE_DATE_EPOCH where that is set

@@ -16,6 +16,19 @@ fail() { cat "$work/log"; echo "FAILED: $*"; exit 1; }
 # The robot's settings name devices: the example of udev rules gives exactly these names.
 diff <(sed -n 's|.*: */dev/||p' "$work"/moved/share/nodmap/config/kurt3d/*.yaml | sort) \
   <(sed -n 's/.*SYMLINK+="\(.*\)".*/\1/p' "$work/moved/share/doc/nodmap/examples/nodmap.rules" | sort) >"$work/log" || fail "names of devices"
+# What the README tells the user to read next is there, and links to further documents lead somewhere.
+documents=$work/moved/share/doc/nodmap
+cd "$documents"
+for document in SAFETY.md docs/quickstart.md docs/own-robot.md docs/multi-host.md procman/README.md; do
+  [[ -s $document ]] || echo "$document is missing"
+done >"$work/log"
+for document in docs/*.md; do
+  for link in $(grep -o '](\([^)#:]*\.md\)' "$document" | sed 's/.*(//'); do
+    [[ -s ${document%/*}/$link ]] || echo "$document: the link to $link is dead"
+  done
+done >>"$work/log"
+cd - >/dev/null
+[[ ! -s "$work/log" ]] || fail "documents"
 
 # configure_consumer ARGUMENT ...: configures another project, with the LCM of this build.
 prefixes=$(sed -n 's/^CMAKE_PREFIX_PATH:[^=]*=//p' "$build/CMakeCache.txt")
