@@ -13,7 +13,13 @@ namespace nodmap::watch {
 namespace {
 
 constexpr double kJumpM = 1.0;  // a larger step means that odometry was restarted
-constexpr std::size_t kLineLength = 120;
+constexpr std::size_t kLineLength = 132;
+
+std::string behaviour_name(const Overview& overview) {
+  return overview.behaviour()
+             ? JsonMessage<nodmap::navigation_t>::constant_name(*overview.behaviour())
+             : "-";
+}
 
 }  // namespace
 
@@ -37,6 +43,7 @@ void Overview::add(const nodmap::scan_t& /*message*/, time::SteadyTime now) {
 void Overview::add(const nodmap::odometry_t& message, time::SteadyTime now) {
   odometry_.add(now);
   forward_mps_ = message.forward_mps;
+  yaw_rate_rad_s_ = message.yaw_rate_rad_s;
   max_forward_mps_ = std::max(max_forward_mps_, std::abs(message.forward_mps));
   const double step_m =
       std::hypot(message.position_m[0] - last_x_m_, message.position_m[1] - last_y_m_);
@@ -100,12 +107,12 @@ std::int64_t Overview::lost() const {
 
 std::string status_line(const Overview& overview, time::SteadyTime now) {
   std::string line = fmt::format(
-      "{:<7} {:5.2f} m/s  pitch {:+5.1f} deg  nearest {:5.2f} m  keyframes {:<3} scans {:3.0f}/s  "
-      "odometry {:3.0f}/s  lost {}",
-      JsonMessage<nodmap::navigation_t>::constant_name(overview.behaviour()),
-      overview.forward_mps(), geometry::rad_to_deg(overview.pitch_rad()), overview.nearest_m(),
-      overview.keyframes(), overview.scans().per_second(now), overview.odometry().per_second(now),
-      overview.lost());
+      "{:<7} {:5.2f} m/s {:+4.0f} deg/s  pitch {:+5.1f} deg  nearest {:5.2f} m  keyframes {:<3} "
+      "scans {:3.0f}/s  odometry {:3.0f}/s  lost {}",
+      behaviour_name(overview), overview.forward_mps(),
+      geometry::rad_to_deg(overview.yaw_rate_rad_s()), geometry::rad_to_deg(overview.pitch_rad()),
+      overview.nearest_m(), overview.keyframes(), overview.scans().per_second(now),
+      overview.odometry().per_second(now), overview.lost());
   if (overview.collisions() >= 0) {
     line += fmt::format("  collisions {}", overview.collisions());
   }

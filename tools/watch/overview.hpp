@@ -59,13 +59,16 @@ class Overview {
   void add(const nodmap::truth_t& message, time::SteadyTime now);
 
   [[nodiscard]] double forward_mps() const { return forward_mps_; }
+  /// Positive to the left.
+  [[nodiscard]] double yaw_rate_rad_s() const { return yaw_rate_rad_s_; }
   [[nodiscard]] double pitch_rad() const { return pitch_rad_; }
   /// Distance driven, by odometry, metres.
   [[nodiscard]] double distance_m() const { return distance_m_; }
   [[nodiscard]] double max_forward_mps() const { return max_forward_mps_; }
   /// Distance from base's origin to the nearest point of the obstacle map; +infinity without any.
   [[nodiscard]] double nearest_m() const { return nearest_m_; }
-  [[nodiscard]] std::int8_t behaviour() const { return behaviour_; }
+  /// Of the navigator; empty if it has not said anything yet.
+  [[nodiscard]] std::optional<std::int8_t> behaviour() const { return behaviour_; }
   [[nodiscard]] const std::string& reason() const { return reason_; }
   [[nodiscard]] std::int64_t keyframes() const { return keyframes_; }
   /// Whether everything has been seen and the robot is back at the start of the exploration.
@@ -87,6 +90,7 @@ class Overview {
   Rate scans_;
   Rate odometry_;
   double forward_mps_ = 0.0;
+  double yaw_rate_rad_s_ = 0.0;
   double max_forward_mps_ = 0.0;
   double pitch_rad_ = 0.0;
   double distance_m_ = 0.0;
@@ -94,7 +98,7 @@ class Overview {
   bool has_position_ = false;
   double last_x_m_ = 0.0;
   double last_y_m_ = 0.0;
-  std::int8_t behaviour_ = nodmap::navigation_t::HALT;
+  std::optional<std::int8_t> behaviour_;
   std::string reason_;
   std::int64_t keyframes_ = 0;
   bool is_home_ = false;
@@ -106,7 +110,7 @@ class Overview {
   std::map<std::string, ProcessView> processes_;
 };
 
-/// Formats one line for people, at most 120 characters.
+/// Formats one line for people, at most 132 characters.
 [[nodiscard]] std::string status_line(const Overview& overview, time::SteadyTime now);
 
 }  // namespace nodmap::watch

@@ -91,16 +91,25 @@ TEST(StatusLine, SaysWhatTheRobotDoes) {
   pitch_state_t pitch{};
   pitch.pitch_rad = -0.5;
   overview.add(pitch, at(0s));
-  overview.add(odometry_at(0, 0, 1.25), at(0s));
+  odometry_t odometry = odometry_at(0, 0, 1.25);
+  odometry.yaw_rate_rad_s = -0.5;
+  overview.add(odometry, at(0s));
   EXPECT_THAT(status_line(overview, at(0s)), HasSubstr("TURN"));
   EXPECT_THAT(status_line(overview, at(0s)), HasSubstr("1.25 m/s"));
-  EXPECT_THAT(status_line(overview, at(0s)), HasSubstr("-28.6 deg"));
+  EXPECT_THAT(status_line(overview, at(0s)), HasSubstr("m/s  -29 deg/s  pitch -28.6 deg"));
   EXPECT_THAT(status_line(overview, at(0s)), Not(HasSubstr("collisions")));
   truth_t truth{};
   truth.collisions = 2;
   overview.add(truth, at(0s));
   EXPECT_THAT(status_line(overview, at(0s)), HasSubstr("collisions 2"));
-  EXPECT_LE(status_line(overview, at(0s)).size(), 120U);
+  EXPECT_LE(status_line(overview, at(0s)).size(), 132U);
+}
+
+TEST(StatusLine, NamesNoBehaviourWithoutANavigator) {
+  Overview overview;
+  overview.add(odometry_at(0, 0, 0.5), at(0s));
+  EXPECT_TRUE(status_line(overview, at(0s)).starts_with("-  "));
+  EXPECT_THAT(status_line(overview, at(0s)), Not(HasSubstr("HALT")));
 }
 
 TEST(Overview, AnExplorationThatEndsBeforeTheRobotIsHomeWasGivenUp) {
