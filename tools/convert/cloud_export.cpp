@@ -110,7 +110,8 @@ std::vector<formats::CloudPoint> colour_by_height(const std::vector<Eigen::Vecto
 void export_cloud(const std::filesystem::path& log, const std::filesystem::path& out,
                   formats::CloudFormat format, const CloudWindow& window) {
   NewFile cloud_file(out);
-  NewFile pose_file(std::filesystem::path(out).replace_extension(".tum"));
+  NewFile pose_file(std::filesystem::path(out).replace_extension(".tum"),
+                    "the time and pose of " + out.string());
   const SensorLog recording = read_sensors(log);
   const std::span<const scan::Scan> scans = choose(recording.scans, window, log);
   const time::Timestamp begin = scans.front().stamp;

@@ -14,7 +14,8 @@
 
 namespace nodmap::convert {
 
-NewFile::NewFile(std::filesystem::path path) : path_(std::move(path)), partial_path_(path_) {
+NewFile::NewFile(std::filesystem::path path, std::string content)
+    : path_(std::move(path)), content_(std::move(content)), partial_path_(path_) {
   refuse_to_overwrite();
   partial_path_ += ".";
   partial_path_ += std::to_string(::getpid());
@@ -44,7 +45,8 @@ void NewFile::commit() {
 
 void NewFile::refuse_to_overwrite() const {
   if (std::filesystem::exists(std::filesystem::symlink_status(path_))) {
-    throw formats::UserError(path_.string() + ": exists and is never overwritten");
+    throw formats::UserError(path_.string() + ": exists and is never overwritten" +
+                             (content_.empty() ? "" : "; needed for " + content_));
   }
 }
 

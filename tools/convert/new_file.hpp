@@ -3,6 +3,7 @@
 
 #include <boost/core/noncopyable.hpp>
 #include <filesystem>
+#include <string>
 
 namespace nodmap::convert {
 
@@ -11,8 +12,9 @@ namespace nodmap::convert {
 class NewFile : private boost::noncopyable {
  public:
   /// Throws formats::UserError if `path` exists, because results are never overwritten, and
-  /// std::system_error if it cannot be created.
-  explicit NewFile(std::filesystem::path path);
+  /// std::system_error if it cannot be created. `content` explains in the first of these errors a
+  /// file that the user has not named.
+  explicit NewFile(std::filesystem::path path, std::string content = "");
   ~NewFile();
 
   /// The file to write.
@@ -25,6 +27,7 @@ class NewFile : private boost::noncopyable {
   void try_to_create() const;
 
   std::filesystem::path path_;
+  std::string content_;
   std::filesystem::path partial_path_;
 };
 

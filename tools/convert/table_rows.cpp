@@ -2,6 +2,7 @@
 #include "tools/convert/table_rows.hpp"
 
 #include <charconv>
+#include <string>
 
 namespace nodmap::convert {
 namespace {
@@ -13,6 +14,15 @@ void put_number(std::ostream& out, Number value) {
   const char* end = std::to_chars(digits, digits + sizeof digits, value).ptr;
   out << ',';
   out.write(digits, end - digits);
+}
+
+// Writes a comma and the text in quotes (RFC 4180), whatever is in it.
+void put_text(std::ostream& out, const std::string& text) {
+  out << ",\"";
+  for (const char c : text) {
+    out << (c == '"' ? "\"\"" : std::string(1, c));
+  }
+  out << '"';
 }
 
 template <class... Numbers>
@@ -64,7 +74,7 @@ const char* row_header(const nodmap::pitch_command_t& /*message*/) {
 
 const char* row_header(const nodmap::navigation_t& /*message*/) {
   return ",behaviour,steering_angle_rad,corridor_length_m,corridor_width_m,clear_distance_m,"
-         "max_forward_mps";
+         "max_forward_mps,reason";
 }
 
 void put_row(std::ostream& out, const nodmap::scan_t& message) {
@@ -116,6 +126,7 @@ void put_row(std::ostream& out, const nodmap::navigation_t& message) {
   put(out, static_cast<int>(message.behaviour), message.steering_angle_rad,
       message.corridor_length_m, message.corridor_width_m, message.clear_distance_m,
       message.max_forward_mps);
+  put_text(out, message.reason);
 }
 
 }  // namespace nodmap::convert

@@ -25,7 +25,8 @@ namespace nodmap::convert {
 [[nodiscard]] const char* row_header(const nodmap::pitch_command_t& message);
 [[nodiscard]] const char* row_header(const nodmap::navigation_t& message);
 
-/// Numbers are written with as many digits as are necessary to read the same number again.
+/// Numbers are written with as many digits as are necessary to read the same number again, text in
+/// quotes.
 void put_row(std::ostream& out, const nodmap::scan_t& message);  ///< ends with all ranges
 void put_row(std::ostream& out, const nodmap::odometry_t& message);
 void put_row(std::ostream& out, const nodmap::pose_t& message);

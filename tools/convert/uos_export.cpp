@@ -2,9 +2,12 @@
 #include "tools/convert/uos_export.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
+#include <boost/core/noncopyable.hpp>
 #include <fstream>
 #include <system_error>
+#include <utility>
 
 #include "common/bus/codec.hpp"
 #include "common/formats/user_error.hpp"
@@ -16,6 +19,33 @@
 
 namespace nodmap::convert {
 namespace {
+
+// A result folder that gets its name only when it is complete, as a NewFile does.
+class NewFolder : private boost::noncopyable {
+ public:
+  explicit NewFolder(std::filesystem::path path) : path_(std::move(path)), partial_path_(path_) {
+    if (std::filesystem::exists(std::filesystem::symlink_status(path_))) {
+      throw formats::UserError(path_.string() + ": exists; results are never overwritten");
+    }
+    partial_path_ += fmt::format(".{}.part", ::getpid());
+    std::error_code error;
+    std::filesystem::create_directory(partial_path_, error);
+    if (error) {
+      throw formats::UserError(path_.string() + ": " + error.message());
+    }
+  }
+  ~NewFolder() {
+    std::error_code ignored;  // after commit() there is nothing to remove
+    std::filesystem::remove_all(partial_path_, ignored);
+  }
+
+  [[nodiscard]] const std::filesystem::path& partial_path() const { return partial_path_; }
+  void commit() const { std::filesystem::rename(partial_path_, path_); }
+
+ private:
+  std::filesystem::path path_;
+  std::filesystem::path partial_path_;
+};
 
 void write_file(const std::filesystem::path& file, const std::string& text) {
   std::ofstream out(file);
@@ -44,11 +74,7 @@ void write_scan(const nodmap::keyframe_6d_t& keyframe, const geometry::SE3& T_ma
 }  // namespace
 
 void export_uos(const std::filesystem::path& map, const std::filesystem::path& out) {
-  std::error_code error;
-  if (!std::filesystem::create_directory(out, error)) {
-    throw formats::UserError(out.string() + ": " +
-                             (error ? error.message() : "exists; results are never overwritten"));
-  }
+  const NewFolder folder(out);
   const std::filesystem::path log =
       std::filesystem::is_directory(map) ? map / "keyframes.lcmlog" : map;
   int num_scans = 0;
@@ -61,11 +87,13 @@ void export_uos(const std::filesystem::path& map, const std::filesystem::path& o
     if (!T_map_base) {
       throw formats::UserError(log.string() + ": an impossible pose");
     }
-    write_scan(keyframe, *T_map_base, out / fmt::format("scan{:03}", num_scans++));
+    write_scan(keyframe, *T_map_base,
+               folder.partial_path() / fmt::format("scan{:03}", num_scans++));
   });
   if (num_scans == 0) {
     throw formats::UserError(log.string() + ": contains no keyframe of a 3D map");
   }
+  folder.commit();
   log::get().info("{} scans in {}", num_scans, out.string());
 }
 

@@ -89,6 +89,16 @@ std::map<int, std::filesystem::path> find_scans(const std::filesystem::path& dir
   return scans;
 }
 
+// What is missing in a folder of which nothing could be used.
+std::string missing(const UosRange& range) {
+  const UosRange all;
+  if (range.first == all.first && range.last == all.last) {
+    return "no scanNNN.3d with slices";
+  }
+  return "no scanNNN.3d with slices from number " + std::to_string(range.first) +
+         (range.last == all.last ? " on" : " to " + std::to_string(range.last));
+}
+
 // Emulates robot and scanner, and advances the time accordingly.
 class StopAndGo {
  public:
@@ -167,7 +177,7 @@ void import_uos(const std::filesystem::path& dir, const std::filesystem::path& o
     }
     ++num_used;
   }
-  recording.commit(dir, "no scanNNN.3d with slices");
+  recording.commit(dir, missing(range));
   log::get().info("{} scans with {} slices in total, {} odometry messages, {} lines skipped",
                   num_used, recording.num_scans(), recording.num_odometry(), num_skipped);
 }

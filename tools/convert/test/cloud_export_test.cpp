@@ -8,6 +8,7 @@
 
 #include "common/formats/ply.hpp"
 #include "common/formats/tum.hpp"
+#include "common/formats/user_error.hpp"
 #include "common/node/messages.hpp"
 #include "tests/support/data_dir.hpp"
 #include "tools/convert/recording.hpp"
@@ -66,6 +67,21 @@ TEST_F(CloudExport, PutsTheWallIntoOnePlaneSeenFromTheMiddle) {
   for (const Eigen::Vector3f& p : points) {
     // Ranges are floats of some metres: a few 1e-7.
     EXPECT_NEAR(p.x(), kWallM - kSpeedMps * time::seconds(middle.time_since_epoch()), 1e-5);
+  }
+}
+
+// The user has named x.pcd, and x.tum belongs to x.ply or is a trajectory.
+TEST_F(CloudExport, SaysWhyThereMustBeNoTumFile) {
+  export_cloud(log(), out(), formats::CloudFormat::kPly, {.start_s = 0.4, .num_scans = 51});
+  const std::filesystem::path pcd = dir_.path() / "cloud.pcd";
+  try {
+    export_cloud(log(), pcd, formats::CloudFormat::kPcd, {.start_s = 0.4, .num_scans = 51});
+    ADD_FAILURE() << "it was written";
+  } catch (const formats::UserError& error) {
+    EXPECT_EQ(error.what(),
+              (dir_.path() / "cloud.tum").string() +
+                  ": exists and is never overwritten; needed for the time and pose of " +
+                  pcd.string());
   }
 }
 

@@ -192,6 +192,22 @@ TEST_F(Import, UosTakesNoFileWhoseNameOnlyBeginsLikeThatOfAScan) {
   EXPECT_EQ(messages.odometry.back().position_m[0], 0.0);
 }
 
+TEST_F(Import, UosSaysThatThereIsNoScanInTheRange) {
+  write("scan000.3d", tiny_uos_scan());
+  write("scan000.pose", "0 0 0\n0 0 0\n");
+  const auto error_of = [this](const UosRange& range) -> std::string {
+    try {
+      import_uos(dir_.path(), file("a.lcmlog"), range);
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+    return "none";
+  };
+  EXPECT_THAT(error_of({5, 9}), testing::EndsWith("no scanNNN.3d with slices from number 5 to 9"));
+  EXPECT_THAT(error_of({5, UosRange{}.last}), testing::EndsWith("from number 5 on"));
+  EXPECT_EQ(error_of({}), "none");
+}
+
 TEST_F(Import, UosWithoutAPoseIsAnErrorThatNamesTheFile) {
   write("scan000.3d", tiny_uos_scan());
   try {

@@ -18,7 +18,7 @@ std::string row_of(const Message& message) {
   return out.str();
 }
 
-// Checks that a row of a message without lists has a number for each name in the header.
+// Checks that a row of a message without lists has a value for each name in the header.
 template <class Message>
 class FlatRow : public testing::Test {};
 
@@ -62,7 +62,8 @@ TEST(TableRows, Navigation) {
   message.corridor_width_m = 0.5;
   message.clear_distance_m = std::numeric_limits<double>::infinity();
   message.max_forward_mps = 0.75;
-  EXPECT_EQ(row_of(message), ",2,-1,2,0.5,inf,0.75");
+  message.reason = "stale: obstacle map, by \"nobody\"";
+  EXPECT_EQ(row_of(message), R"(,2,-1,2,0.5,inf,0.75,"stale: obstacle map, by ""nobody""")");
 }
 
 TEST(TableRows, TruthEndsWithThePositionsOfTheActors) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <iterator>
 #include <random>
 #include <vector>
 
@@ -76,6 +77,10 @@ TEST(UosExport, SaysWhatItCannotDo) {
   }
   EXPECT_THROW(export_uos(dir.path(), dir.path() / "scans"), formats::UserError);
   EXPECT_THROW(export_uos(dir.path(), dir.path()), formats::UserError);
+  EXPECT_THROW(export_uos(dir.path(), dir.path() / "none" / "scans"), formats::UserError);
+  // The corrected command must not find the folder of the failed one.
+  const std::filesystem::directory_iterator files(dir.path());
+  EXPECT_EQ(std::distance(begin(files), end(files)), 1) << "only the log";
 }
 
 }  // namespace uos_export_test
