@@ -4,6 +4,7 @@
 #include <exception>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <system_error>
 
 #include "common/formats/atomic_file.hpp"
 #include "common/formats/user_error.hpp"
@@ -11,8 +12,13 @@
 namespace nodmap::node {
 
 void make_result_dir(const std::filesystem::path& dir) {
-  std::filesystem::create_directories(dir);
-  if (!std::filesystem::is_empty(dir)) {
+  std::error_code error;
+  std::filesystem::create_directories(dir, error);
+  const bool is_empty = !error && std::filesystem::is_empty(dir, error);
+  if (error) {
+    throw formats::UserError(dir.string() + ": cannot make this folder: " + error.message());
+  }
+  if (!is_empty) {
     throw formats::UserError(
         dir.string() + " is not empty, and results are never overwritten; name another --out");
   }

@@ -23,6 +23,19 @@ TEST(ResultDir, IsMadeAndNeverOverwritten) {
   EXPECT_THROW(make_result_dir(dir.path() / "a" / "b"), formats::UserError);
 }
 
+TEST(ResultDir, ThatCannotBeMadeIsAnErrorOfTheUser) {
+  const test::TemporaryDir dir;
+  std::ofstream(dir.path() / "file") << "in the way";
+  for (const std::filesystem::path& out : {dir.path() / "file", dir.path() / "file" / "a"}) {
+    try {
+      make_result_dir(out);
+      ADD_FAILURE() << out << " was made";
+    } catch (const formats::UserError& error) {
+      EXPECT_EQ(error.what(), out.string() + ": cannot make this folder: Not a directory");
+    }
+  }
+}
+
 TEST(WriteEach, GoesOnAfterAnErrorAndThrowsTheFirst) {
   std::string written;
   try {
