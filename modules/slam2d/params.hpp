@@ -124,8 +124,7 @@ struct DoubtParams {
     v.number(
         "search_distance_m", search_distance_m, {0.1, 100.0},
         "The local submap, or the known map, is searched up to this distance from odometry, in "
-        "x and in y; after a gap in odometry no farther than a "
-        "robot can have driven in it.");
+        "x and in y; after a gap in odometry no farther than a robot can have driven in it.");
     v.angle("search_rotation_deg", search_rotation_rad, {0.0, 180.0},
             "The local submap, or the known map, is searched up to this rotation from odometry.");
     v.number("min_search_score", min_search_score, {0.05, 1.0},

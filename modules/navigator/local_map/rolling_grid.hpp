@@ -39,7 +39,9 @@ class RollingGrid {
 
   /// Only for cells inside.
   [[nodiscard]] Cell& at(const Eigen::Vector2i& index) { return cells_[slot_of(index)]; }
-  [[nodiscard]] const Cell& at(const Eigen::Vector2i& index) const { return cells_[slot_of(index)]; }
+  [[nodiscard]] const Cell& at(const Eigen::Vector2i& index) const {
+    return cells_[slot_of(index)];
+  }
 
   /// The cell at a place; null outside.
   [[nodiscard]] Cell* find(const Eigen::Vector2d& p_odom) {
