@@ -10,13 +10,16 @@ the robot explores each world first, and then drives to the goal from where it b
   collisions, caused     contacts of the robot, and how many of them it caused: it moved at 0.05 m/s or more
   falls                  how often the robot fell into a hole
   bumped                 how often a person walked into the stationary robot
-  reached                runs that reached the goal without a collision
+  reached                runs that reached the goal without a collision (family contact: also with)
   spl, time_s            success weighted by path length; median time of the runs that reached the goal
   mean_mps, clearance_m  mean speed; least clearance of all runs
   close_s                seconds with a person nearer than 0.45 m, over all runs (families with people)
   progress               speed towards the goal, relative to the same worlds without people (families with people)
+  slips                  how often the robot noticed that its wheels slip
+  noticed_s              how long after a contact: median, worst, and how many within 0.5 s (family contact)
   off_cm, off_deg        true distance and angle from a goal with a heading after docking: median and worst
-The exit code is 1 if a run failed, or if the robot has hit something or fallen in a family without people.
+The exit code is 1 if a run failed, or if the robot has hit something or fallen in a family without people. In the family contact
+the robot runs into what its laser does not see.
 """
 import argparse
 import json
@@ -35,11 +38,15 @@ FAMILIES = {"random": (["random"], 60), "dense": (["dense"], 60), "holes": (["ho
             "mazes": (["maze", "zigzag", "dead-end", "slot"], 180), "doors": (["doors", "office"], 180),
             "people": (["people"], 60), "reacting": (["reacting"], 60), "recorded": (["eth", "zara01"], 60),
             "ramps": (["ramps"], 60), "sills": (["sills"], 90), "glass": (["glass"], 90), "drums": (["drums"], 90),
+            "contact": (["contact"], 60),
             "corridor": (["corridor"], 120), "docks": (["dock"], 120)}
 EXPLORATION_S = 400
+# The robot runs into something that its laser does not see, and must leave it again.
+INTO_CONTACT = ["contact"]
 WITH_PEOPLE = ["people", "reacting", "recorded"]
 FRAMES_PER_S = {"eth": 15, "zara01": 2.5}
-COLUMNS = ["family", "n", "collisions", "caused", "falls", "bumped", "reached", "spl", "time_s", "mean_mps", "clearance_m", "close_s", "progress"]
+COLUMNS = ["family", "n", "collisions", "caused", "falls", "bumped", "reached", "spl", "time_s", "mean_mps", "clearance_m", "slips", "close_s", "progress"]
+CONTACT_COLUMNS = ["noticed_s", "worst_noticed_s", "within_half_s"]
 # For families whose goals have a heading.
 DOCKING_COLUMNS = ["off_cm", "worst_off_cm", "off_deg", "worst_off_deg"]
 
@@ -119,7 +126,7 @@ def row_of(family, trials, empty):
     for column, key in (("collisions", "collisions"), ("caused", "contacts_caused"), ("falls", "falls"), ("bumped", "bumped")):
         row[column] = sum(result[key] for result in results)
     goals = [result for result in results if result["goal"]]
-    reached = [result for result in goals if result["goal"]["reached"] and not result["collisions"]]
+    reached = [result for result in goals if result["goal"]["reached"] and (family in INTO_CONTACT or not result["collisions"])]
     row["reached"] = f"{len(reached)}/{len(goals)}" if goals else None
     without_path = [trial.name for trial in trials if trial.result in goals and not trial.result["goal"]["shortest_path_m"]]
     if without_path:
@@ -132,8 +139,20 @@ def row_of(family, trials, empty):
     row["clearance_m"] = rounded(min(clearances), 3) if clearances else None
     row["close_s"] = rounded(sum(result["close_to_person_s"] for result in results), 1) if empty else None
     row["progress"] = rounded(relative_progress(trials, empty), 2)
+    row["slips"] = sum(result["slips"] for result in results)
+    if family in INTO_CONTACT:
+        add_noticing(row, results)
     add_docking(row, [result["goal"] for result in reached])
     return row
+
+
+def add_noticing(row, results):
+    """Adds how soon after each contact slip was noticed; a contact that was not noticed before the next one counts as missed."""
+    delays_s = [delay for result in results for delay in result["noticed_s"]]
+    noticed_s = [delay for delay in delays_s if delay is not None]
+    row["noticed_s"] = rounded(statistics.median(noticed_s), 2) if noticed_s else None
+    row["worst_noticed_s"] = rounded(max(noticed_s), 2) if noticed_s else None
+    row["within_half_s"] = f"{sum(delay <= 0.5 for delay in noticed_s)}/{len(delays_s)}"
 
 
 def add_docking(row, goals):
@@ -154,12 +173,12 @@ def cell(column, value):
 
 
 def show(rows, label):
-    columns = COLUMNS + [column for column in DOCKING_COLUMNS if any(column in row for row in rows)]
+    columns = COLUMNS + [column for column in CONTACT_COLUMNS + DOCKING_COLUMNS if any(column in row for row in rows)]
     show_table([label, *columns[1:]], [[cell(column, row.get(column)) for column in columns] for row in rows])
 
 
 def has_contacts(row):
-    return row["family"] not in WITH_PEOPLE and row["collisions"] + row["bumped"] + row["falls"] > 0
+    return row["family"] not in WITH_PEOPLE + INTO_CONTACT and row["collisions"] + row["bumped"] + row["falls"] > 0
 
 
 def main():

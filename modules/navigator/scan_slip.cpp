@@ -46,8 +46,8 @@ constexpr double kTurnsRad = geometry::deg_to_rad(0.5);
 constexpr int kLeastVotes = 30;
 constexpr int kTimesMore = 4;
 constexpr int kVotesForMotion = 5;
-constexpr int kLeastPairs = 2;
-constexpr int kLeastScans = 2;
+constexpr int kLeastPairs = 3;
+constexpr int kLeastScans = 4;
 
 bool fits(double error_m) {
   return std::abs(error_m) <= kFitsM;

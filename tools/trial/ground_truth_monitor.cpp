@@ -56,6 +56,11 @@ void GroundTruthMonitor::subscribe() {
       record_.arrivals.push_back(model_.now());
     }
     record_refusal(message);
+    const bool slips = message.reason == navigator::to_text(navigator::Why::kTouches);
+    if (slips && !reports_slip_) {
+      record_.slips.push_back(model_.now());
+    }
+    reports_slip_ = slips;
   });
 }
 

@@ -58,6 +58,7 @@ class GroundTruthMonitor {
   std::optional<std::int64_t> sweep_;
   std::optional<time::Timestamp> reversed_;  // when sweep_ began, unless the head came from rest
   std::int64_t reached_goal_utime_ = 0;      // of the last goal at which the robot has arrived
+  bool reports_slip_ = false;                // the navigator, with its last NAVIGATION
   std::int64_t truth_seq_ = 0;
 };
 

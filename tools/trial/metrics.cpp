@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "common/geometry/angle.hpp"
 #include "common/geometry/se3.hpp"
@@ -34,6 +35,24 @@ bool is_moving(const TruthSample& sample) {
 auto first_from(const TrialRecord& record, time::SteadyTime instant) {
   return std::ranges::find_if(
       record.truth, [instant](const TruthSample& sample) { return sample.instant >= instant; });
+}
+
+std::vector<std::optional<double>> noticed_s(const TrialRecord& record) {
+  std::vector<time::SteadyTime> collisions;
+  std::int64_t counted = 0;
+  for (const TruthSample& sample : record.truth) {
+    if (std::exchange(counted, sample.contacts.collisions) < sample.contacts.collisions) {
+      collisions.push_back(sample.instant);
+    }
+  }
+  std::vector<std::optional<double>> delays_s;
+  for (std::size_t i = 0; i < collisions.size(); ++i) {
+    const auto slip = std::ranges::lower_bound(record.slips, collisions[i]);
+    const bool is_noticed =
+        slip != record.slips.end() && (i + 1 == collisions.size() || *slip <= collisions[i + 1]);
+    delays_s.push_back(is_noticed ? std::optional(seconds(*slip - collisions[i])) : std::nullopt);
+  }
+  return delays_s;
 }
 
 }  // namespace
@@ -69,6 +88,7 @@ DriveMetrics drive_metrics(const TrialRecord& record) {
   }
   const TruthSample& last = record.truth.back();
   metrics.contacts = last.contacts;
+  metrics.noticed_s = noticed_s(record);
   metrics.duration_s = seconds(last.instant - first->instant);
   metrics.mean_speed_mps = metrics.duration_s > 0.0 ? metrics.distance_m / metrics.duration_s : 0.0;
   return metrics;

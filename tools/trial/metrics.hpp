@@ -30,6 +30,9 @@ struct Quantiles {
 struct DriveMetrics {
   sim::ContactCounts contacts;
   std::optional<double> first_collision_s;
+  /// For each collision, how long after it the navigator reported that the wheels slip; empty if it
+  /// did not before the next collision.
+  std::vector<std::optional<double>> noticed_s;
   std::optional<double> first_motion_s;
   double duration_s = 0.0;
   double distance_m = 0.0;  ///< path length of base's origin

@@ -46,6 +46,8 @@ struct TrialRecord {
   std::optional<time::SteadyTime> reached;    ///< within Task::arrival_radius_m of the last goal
   /// When the navigator reported that no path leads to its goal; empty if it has driven on since.
   std::optional<time::SteadyTime> refused;
+  /// Each time that the navigator began to report that the wheels slip.
+  std::vector<time::SteadyTime> slips;
 };
 
 }  // namespace nodmap::trial

@@ -26,6 +26,14 @@ Json number_or_null(std::optional<double> value) {
   return value && std::isfinite(*value) ? Json(*value) : Json(nullptr);
 }
 
+Json numbers_or_null(const std::vector<std::optional<double>>& values) {
+  Json list = Json::array();
+  for (const std::optional<double>& value : values) {
+    list.push_back(number_or_null(value));
+  }
+  return list;
+}
+
 Json write(const Quantiles& quantiles) {
   if (quantiles.n == 0) {
     return {{"p50", nullptr}, {"p99", nullptr}, {"max", nullptr}, {"n", 0}};
@@ -218,6 +226,8 @@ Json summarise(const TrialSetup& setup, const TrialOutcome& outcome,
       {"seed", setup.seed},
       {"collisions", drive.contacts.collisions},
       {"first_collision_s", number_or_null(drive.first_collision_s)},
+      {"noticed_s", numbers_or_null(drive.noticed_s)},
+      {"slips", record.slips.size()},
       {"bumped", drive.contacts.bumps},
       {"distance_m", drive.distance_m},
       {"duration_s", drive.duration_s},

@@ -64,6 +64,20 @@ World make_glass(std::uint64_t seed) {
   return hall.finish();
 }
 
+World make_contact(std::uint64_t seed) {
+  Builder hall("contact", seed);
+  add_hall(hall);
+  // The body is 0.47 m high: it runs into the pane, and beams pass above and below.
+  hall.box({hall.between(3.2, 4.8), hall.between(-0.5, 0.5)},
+           {hall.between(0.3, 1.2), hall.between(0.8, 1.6)}, {0.43, 0.45}, 0.0, 0.0);
+  for (const double x : {0.8, 2.4, 5.6, 7.2}) {
+    hall.box({x + hall.between(-0.3, 0.3), hall.side() * 2.1},
+             {hall.between(0.3, 0.8), hall.between(0.3, 0.7)}, {0.0, hall.between(0.8, 1.6)},
+             hall.between(-0.5, 0.5));
+  }
+  return hall.finish();
+}
+
 World make_drums(std::uint64_t seed) {
   Builder hall("drums", seed);
   add_hall(hall);

@@ -10,6 +10,7 @@ namespace {
 
 constexpr std::array kScenarios{
     Scenario{"building", "ten rooms on a corridor, to explore", make_building},
+    Scenario{"contact", "a table top of glass on the path", make_contact},
     Scenario{"corridor", "100 m, boxes of 10 cm", make_corridor},
     Scenario{"dead-end", "0.7 m wide", make_dead_end},
     Scenario{"dense", "clutter to roam in, passages of 0.5 m", dense_clutter},

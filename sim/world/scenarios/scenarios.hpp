@@ -47,6 +47,8 @@ struct Scenario {
 [[nodiscard]] World make_sills(std::uint64_t seed);
 /// Panes of glass, which return no light, across the path; only their posts are seen.
 [[nodiscard]] World make_glass(std::uint64_t seed);
+/// A pane of glass that lies as a table top across the path, in a furnished hall.
+[[nodiscard]] World make_contact(std::uint64_t seed);
 /// Rows of drums of 12 and 16 cm with gaps of 0.55 to 0.75 m.
 [[nodiscard]] World make_drums(std::uint64_t seed);
 /// Ramps of 5, 10 and 12 degrees (seed % 3): up to a platform, over a hill, or down (seed / 3 % 3).

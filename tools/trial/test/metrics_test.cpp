@@ -63,6 +63,20 @@ TEST(TrialMetrics, DriveCountsFromTheFirstScan) {
   EXPECT_EQ(*drive.first_motion_s, 0.0);  // it drives already
 }
 
+TEST(TrialMetrics, ACollisionIsNoticedWhenSlipIsReportedBeforeTheNext) {
+  TrialRecord record = braking_record();
+  record.started = at(0ms);
+  for (std::size_t i = 50; i < record.truth.size(); ++i) {
+    record.truth[i].contacts.collisions = i < 100 ? 1 : i < 200 ? 2 : 3;
+  }
+  record.slips = {at(300ms), at(800ms), at(900ms), at(2100ms)};
+  const auto noticed_s = drive_metrics(record).noticed_s;
+  ASSERT_EQ(noticed_s.size(), 3U);
+  EXPECT_NEAR(noticed_s[0].value(), 0.3, 1e-9);
+  EXPECT_FALSE(noticed_s[1]);
+  EXPECT_NEAR(noticed_s[2].value(), 0.1, 1e-9);
+}
+
 // 1 m along x in a second, as braking_record() begins, with a goal at its end.
 TrialRecord arriving_record(sim::World& world) {
   TrialRecord record = braking_record();

@@ -250,6 +250,16 @@ TEST_F(TrialTest, OutOfACornerThatItFacesItBacksByItsRangeFinders) {
   EXPECT_GT(drive.distance_m, 3.0);  // 6.1 m to the goal measured
 }
 
+// It runs into a table top of glass, which the laser does not see.
+TEST_F(TrialTest, WhatItHasRunIntoItLeavesAndDrivesAround) {
+  const TrialSetup trial = setup("contact:1001", 1001, 60.0);
+  const auto result = summarise(trial, run(trial), dir_.path());
+  RecordProperty("contacts", std::to_string(result["collisions"].get<int>()));
+  RecordProperty("goal", result["goal"].dump());
+  EXPECT_GE(result["collisions"], 1);
+  EXPECT_LT(result["goal"]["remaining_m"], 0.3);
+}
+
 // The greatest distance of the robot's corners outside a square around its start, metres.
 double farthest_outside_m(const TrialRecord& record, const robot::Footprint& body, double half_m) {
   const geometry::SE2 T_map_world = geometry::to_se2(record.truth.front().T_world_base).inverse();
