@@ -47,6 +47,7 @@ std::error_code MessageLogWriter::replace() {
 const LogEvent* MessageLogReader::next() {
   const LogEvent* event = log_.next();
   if (event == nullptr && !log_.damage().empty()) {
+    log_.require_event();  // a file of another kind is not damaged
     throw formats::InputFileError(log_.damage());
   }
   return event;

@@ -183,7 +183,8 @@ int run_map_node(int argc, char** argv, const ProgramInfo& info, params::Table& 
   const auto add_options = [&](CLI::App& app) {
     auto* localise = app.add_option("--localise", localise_in,
                                     "Localise in this map without changing it: a folder written by "
-                                    "--out or a save request, or the map file in it");
+                                    "--out or a save request, or the map file in it; for "
+                                    "nodmap-slam2d also the map.yaml of another program");
     app.add_option("--map-in", map_in,
                    "Extend this map: a folder written by --out or a save request, with "
                    "keyframes.lcmlog. It is not changed; the extended map is written to --out")

@@ -89,6 +89,16 @@ TEST_F(MessageLog, ATruncatedFileIsAnError) {
   EXPECT_THROW((void)read(), formats::InputFileError);
 }
 
+TEST_F(MessageLog, AFileOfAnotherKindIsNotSaidToBeDamaged) {
+  std::ofstream(file_) << "image: map.pgm";
+  try {
+    (void)read();
+    ADD_FAILURE() << "it was read";
+  } catch (const formats::InputFileError& error) {
+    EXPECT_EQ(error.what(), file_.string() + ": not an LCM event log (no event found)");
+  }
+}
+
 TEST_F(MessageLog, AWrongMessageIsNamed) {
   {
     MessageLogWriter writer(file_);

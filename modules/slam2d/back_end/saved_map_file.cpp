@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/bus/message_log.hpp"
+#include "common/formats/input_file.hpp"
 #include "common/node/messages.hpp"
 #include "common/registration/pose_edges.hpp"
 #include "nodmap/cleared_region_2d_t.hpp"
@@ -252,6 +253,11 @@ std::error_code write_saved_map(const std::filesystem::path& dir, const SavedMap
 }
 
 SavedMap read_saved_map(const std::filesystem::path& path) {
+  if (path.extension() == ".yaml") {
+    throw formats::InputFileError(path.string() +
+                                  ": contains no keyframes, so it cannot be extended; --localise "
+                                  "can use it, --map-in needs keyframes.lcmlog");
+  }
   return bus::read_message_log<Reader>(path, kFileName);
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <functional>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -334,6 +335,19 @@ TEST(SavedMap, ThatIsTruncatedOrMissingIsRefused) {
   std::filesystem::resize_file(file, std::filesystem::file_size(file) - 10);
   EXPECT_THROW((void)read_saved_map(dir.path()), formats::InputFileError);
   EXPECT_THROW((void)read_saved_map(dir.path() / "nowhere"), formats::InputFileError);
+}
+
+TEST(SavedMap, AMapOfAnotherProgramIsSaidToHaveNoKeyframes) {
+  const nodmap::test::TemporaryDir dir;
+  const std::filesystem::path file = dir.path() / "map.yaml";
+  std::ofstream(file) << "image: map.pgm\nresolution: 0.05\norigin: [0, 0, 0]\n";
+  try {
+    (void)read_saved_map(file);
+    ADD_FAILURE() << "it was read";
+  } catch (const formats::InputFileError& error) {
+    EXPECT_TRUE(std::string(error.what()).starts_with(file.string() + ": contains no keyframes"))
+        << error.what();
+  }
 }
 
 }  // namespace saved_map_test
