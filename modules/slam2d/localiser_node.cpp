@@ -61,6 +61,7 @@ void LocaliserNode::add_scan(const LevelScan& scan) {
 void LocaliserNode::finish() {
   input_.finish();
   map_publisher_.publish_rest(grid_, last_stamp_);
+  log_scans(localiser_.metrics().scans);
 }
 
 void LocaliserNode::write_results(const std::filesystem::path& dir) {

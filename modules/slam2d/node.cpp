@@ -171,6 +171,7 @@ void Slam2dNode::finish() {
   map_.redraw_all_moved(slam_.keyframes());
   map_publisher_.publish_rest(map_.grid(), last_stamp_);
   publish_graph(last_stamp_);
+  log_scans(slam_.metrics().scans);
   const BackEndMetrics& loops = slam_.back_end().metrics();
   log::get().info(
       "{} loops closed between {} submaps: {} by a match, {} by {} searches; refused: {} fitted "

@@ -9,6 +9,7 @@
 
 #include "common/drawing/plan_view.hpp"
 #include "common/formats/tum.hpp"
+#include "common/node/log.hpp"
 #include "common/node/results.hpp"
 #include "modules/slam2d/grid/map_file.hpp"
 
@@ -107,6 +108,13 @@ nlohmann::json scan_metrics(const ScansByState& scans, const ScanCounts& rejecte
   return {{"scans_used", scans.all},          {"scans_tracked", scans.tracked},
           {"scans_degraded", scans.degraded}, {"scans_by_odometry", scans.by_odometry},
           {"scans_lost", scans.lost},         {"scans_not_level", rejected.not_level}};
+}
+
+void log_scans(const ScansByState& scans) {
+  const bool is_mostly_lost = 2 * scans.lost > scans.all;
+  log::get().log(is_mostly_lost ? spdlog::level::warn : spdlog::level::info,
+                 "scans: {} tracked, {} degraded, {} lost of {}", scans.tracked,
+                 scans.degraded + scans.by_odometry, scans.lost, scans.all);
 }
 
 }  // namespace nodmap::slam2d

@@ -33,4 +33,8 @@ void write_trajectories(const std::filesystem::path& dir, std::span<const Tracke
 /// The counts of scans in result.json.
 [[nodiscard]] nlohmann::json scan_metrics(const ScansByState& scans, const ScanCounts& rejected);
 
+/// Logs how many scans were tracked, degraded and lost: as a warning if most were lost, because the
+/// process has done all that it could and ends well.
+void log_scans(const ScansByState& scans);
+
 }  // namespace nodmap::slam2d

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "tests/support/logged.hpp"
+
 namespace nodmap::slam2d {
 namespace results_test {
 
@@ -46,6 +48,20 @@ TEST(Results, TheStartAndOdometryAreDrawn) {
     }
   }
   EXPECT_GT(grey, 500);
+}
+
+// A localisation in the map of another building.
+TEST(Results, ThatMostScansWereLostIsAWarning) {
+  EXPECT_EQ(nodmap::test::logged([&] {
+              log_scans({.all = 10, .tracked = 2, .degraded = 1, .by_odometry = 2, .lost = 5});
+            }),
+            "info: scans: 2 tracked, 3 degraded, 5 lost of 10\n");
+  EXPECT_EQ(nodmap::test::logged([&] {
+              log_scans({.all = 11, .tracked = 2, .degraded = 1, .by_odometry = 2, .lost = 6});
+            }),
+            "warning: scans: 2 tracked, 3 degraded, 6 lost of 11\n");
+  EXPECT_EQ(nodmap::test::logged([&] { log_scans({}); }),
+            "info: scans: 0 tracked, 0 degraded, 0 lost of 0\n");
 }
 
 }  // namespace results_test
