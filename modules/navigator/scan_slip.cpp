@@ -42,7 +42,7 @@ constexpr double kStepM = 0.04;
 constexpr double kTurnsRad = geometry::deg_to_rad(0.5);
 
 // A robot that moves as odometry says has dozens of votes for it and one or two against it. A
-// single pair of scans, or a single scan, may err; two that agree, 13 ms apart, hardly.
+// single pair of scans, or a single scan, may err; several that agree hardly.
 constexpr int kLeastVotes = 30;
 constexpr int kTimesMore = 4;
 constexpr int kVotesForMotion = 5;
