@@ -138,6 +138,7 @@ void Slam6dNode::finish() {
   if (!slam_.keyframes().empty()) {
     publish_graph(slam_.keyframes().back().cloud->stamp);
   }
+  log_sweeps(slam_.metrics(), slam_.num_sweeps());
   if (slam_.back_end().has_loops()) {
     log::get().info("{}", describe_loops(slam_.back_end()));
   }

@@ -14,6 +14,7 @@
 #include "common/formats/cloud_file.hpp"
 #include "common/formats/tum.hpp"
 #include "common/geometry/angle.hpp"
+#include "common/node/log.hpp"
 #include "common/node/results.hpp"
 #include "common/registration/dense_solvers.hpp"
 #include "modules/slam6d/registered_cloud.hpp"
@@ -221,6 +222,14 @@ nlohmann::json localisation_metrics(const Slam6d& slam) {
           {"searches_found", metrics.found},
           {"times_lost", metrics.times_lost},
           {"times_contradicted", metrics.times_contradicted}};
+}
+
+void log_sweeps(const Metrics& metrics, std::size_t num_sweeps) {
+  const bool is_mostly_lost = 2 * (metrics.sweeps_lost + metrics.sweeps_unused) > num_sweeps;
+  log::get().log(is_mostly_lost ? spdlog::level::warn : spdlog::level::info,
+                 "sweeps: {} tracked, {} degraded, {} lost, {} not registered of {}",
+                 metrics.sweeps_tracked, metrics.sweeps_degraded, metrics.sweeps_lost,
+                 metrics.sweeps_unused, num_sweeps);
 }
 
 nlohmann::json slam_metrics(const Slam6d& slam) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
@@ -34,6 +35,10 @@ void write_cloud(const Slam6d& slam, bool with_pcd, const std::filesystem::path&
 
 /// How the robot was found in a saved map. May be called only if slam.localiser() exists.
 [[nodiscard]] nlohmann::json localisation_metrics(const Slam6d& slam);
+
+/// Logs how many of `num_sweeps` were tracked, degraded, lost and not registered: as a warning if
+/// most were lost or not registered.
+void log_sweeps(const Metrics& metrics, std::size_t num_sweeps);
 
 /// Counts of sweeps and scans, and the keyframes, each with its reason and the quality of its
 /// registration.

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "modules/slam6d/test/hall.hpp"
+#include "tests/support/logged.hpp"
 
 namespace nodmap::slam6d {
 namespace results_test {
@@ -23,6 +24,21 @@ void see(Slam6d& slam, const Room& room, const SE3& T_world_base, const SE3& T_o
   cloud.scans_used = 80;
   (void)slam.add_odometry(cloud.stamp, T_odom_base);
   (void)slam.add_cloud(std::move(cloud));
+}
+
+// The first sweep is the map, and in none of the counts.
+TEST(Results, ThatMostSweepsWereLostIsAWarning) {
+  Metrics metrics;
+  metrics.sweeps_tracked = 4;
+  metrics.sweeps_degraded = 1;
+  metrics.sweeps_lost = 2;
+  metrics.sweeps_unused = 4;
+  EXPECT_EQ(nodmap::test::logged([&] { log_sweeps(metrics, 12); }),
+            "info: sweeps: 4 tracked, 1 degraded, 2 lost, 4 not registered of 12\n");
+  metrics.sweeps_lost = 3;
+  metrics.sweeps_tracked = 3;
+  EXPECT_EQ(nodmap::test::logged([&] { log_sweeps(metrics, 12); }),
+            "warning: sweeps: 3 tracked, 1 degraded, 3 lost, 4 not registered of 12\n");
 }
 
 // Odometry is exact, and restarts at zero half way along the hall.
