@@ -327,6 +327,9 @@ void Slam6dNode::write_results(const std::filesystem::path& dir) {
     log::get().warn("the robot was not found in the saved map");
   } else if (slam_.sweeps().empty()) {
     log::get().warn("the map is empty: no scan was used");
+  } else if (slam_.keyframes().empty() && last_update_ &&
+             is_outside_octree(last_update_->T_map_base)) {
+    log::get().warn("the map is empty: {}", describe_outside(last_update_->T_map_base));
   } else if (slam_.keyframes().empty()) {
     log::get().warn(
         "the map is empty: none of {} sweeps has {} planes (registration.min_planes, in voxels of "

@@ -36,7 +36,7 @@ def measure(source, entry, program, text):
 
 
 GOAL = {"reached": True, "spl": 1.0, "time_s": 9.0, "shortest_path_m": 7.0, "start_to_goal_m": 7.0, "remaining_m": 0.2, "heading_error_deg": None}
-NO_CONTACT = {"collisions": 0, "contacts_caused": 0, "falls": 0, "bumped": 0, "mean_speed_mps": 0.7, "min_clearance_m": 0.1, "close_to_person_s": 0.0,
+NO_CONTACT = {"collisions": 0, "contacts_caused": 0, "falls": 0, "bumped": 0, "mean_speed_mps": 0.7, "min_clearance_m": 0.1, "close_to_person_s": 0.0, "slips": 0,
               "duration_s": 10.0, "distance_m": 20.0, "realtime_factor": 9.0, "goal": GOAL}
 TRIAL = """\
 #!/bin/sh
