@@ -47,7 +47,7 @@ constexpr int kLeastVotes = 30;
 constexpr int kTimesMore = 4;
 constexpr int kVotesForMotion = 5;
 constexpr int kLeastPairs = 3;
-constexpr int kLeastScans = 2;
+constexpr int kLeastScans = 4;
 
 bool fits(double error_m) {
   return std::abs(error_m) <= kFitsM;
