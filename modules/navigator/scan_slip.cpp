@@ -162,8 +162,8 @@ int ScanSlip::count(const View& before, const geometry::SE2& T_before_now, const
 // The motion that explains most points if the robot followed odometry until one of the earlier
 // scans and is still there. A base with a gyro counts how far it turns while it slips; one without
 // may not turn at all.
-ScanSlip::Explanation ScanSlip::explain_by_slip(Views::const_iterator before, const View& now,
-                                                const Points& points) const {
+ScanSlip::Explanation ScanSlip::explain_by_slip(const Views::const_iterator& before,
+                                                const View& now, const Points& points) const {
   const geometry::SE2 T_before_odom = before->T_odom_base.inverse();
   const double least_slip_m = std::max(
       kLeastSlipM, kLeastSlipShare * geometry::distance_m(before->T_odom_base, now.T_odom_base));
@@ -193,7 +193,7 @@ ScanSlip::Explanation ScanSlip::explain_by_slip(Views::const_iterator before, co
   return best;
 }
 
-ScanSlip::Evidence ScanSlip::compare(Views::const_iterator before, const View& now) const {
+ScanSlip::Evidence ScanSlip::compare(const Views::const_iterator& before, const View& now) const {
   const geometry::SE2 by_odometry = before->T_odom_base.inverse() * now.T_odom_base;
   Points fitting;
   Points misfitting;

@@ -62,9 +62,9 @@ class ScanSlip {
   template <class Holds>
   [[nodiscard]] static int count(const View& before, const geometry::SE2& T_before_now,
                                  const Points& points, const Holds& holds);
-  [[nodiscard]] Explanation explain_by_slip(Views::const_iterator before, const View& now,
+  [[nodiscard]] Explanation explain_by_slip(const Views::const_iterator& before, const View& now,
                                             const Points& points) const;
-  [[nodiscard]] Evidence compare(Views::const_iterator before, const View& now) const;
+  [[nodiscard]] Evidence compare(const Views::const_iterator& before, const View& now) const;
   [[nodiscard]] static std::optional<double> behind_m(const View& before,
                                                       const Eigen::Vector2d& p_before);
 

@@ -51,7 +51,7 @@ std::optional<PoseUpdate> Slam2d::add_scan(const LevelScan& scan) {
     add_keyframe(found.scan, found.pose.match, update);
     moving_points_.add_keyframe(scan);
   }
-  update_T_map_odom(scan, update);
+  update_map_odom(scan, update);
   // What odometry counted before does not contain what the robot has moved unseen.
   if (update.is_keyframe || found.has_slipped || is_sure_again) {
     pose_guesses_.count_odometry_from(T_map_odom_, scan.T_odom_base);
@@ -93,7 +93,7 @@ std::optional<PoseUpdate> Slam2d::begin_new_map(const LevelScan& scan) {
 void Slam2d::begin_at(const LevelScan& scan, PoseUpdate& update) {
   moving_points_.add_keyframe(scan);
   add_keyframe(scan, {}, update);
-  update_T_map_odom(scan, update);
+  update_map_odom(scan, update);
   pose_guesses_.count_odometry_from(T_map_odom_, scan.T_odom_base);
   path_.add(update, keyframes());
 }
@@ -265,7 +265,7 @@ void Slam2d::add_keyframe(const LevelScan& scan, const Match& match, PoseUpdate&
   update.is_keyframe = true;
 }
 
-void Slam2d::update_T_map_odom(const LevelScan& scan, PoseUpdate& update) {
+void Slam2d::update_map_odom(const LevelScan& scan, PoseUpdate& update) {
   T_map_odom_ = update.T_map_base * scan.T_odom_base.inverse();
   T_odom_last_ = scan.T_odom_base;
   update.T_map_odom = T_map_odom_;

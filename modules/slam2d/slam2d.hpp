@@ -100,7 +100,7 @@ class Slam2d {
   void record_motion(const LevelScan& scan, const PoseUpdate& update);
   void begin_submap_if_in_doubt();
   void add_keyframe(const LevelScan& scan, const Match& match, PoseUpdate& update);
-  void update_T_map_odom(const LevelScan& scan, PoseUpdate& update);
+  void update_map_odom(const LevelScan& scan, PoseUpdate& update);
   void count(const PoseUpdate& update);
 
   Slam2dParams params_;
