@@ -91,7 +91,7 @@ def explore_first(trials, bin_dir, out, jobs):
     explorations = [Trial(f"{trial.name}-explored", trial.world, trial.seed, EXPLORATION_S, *trial.options, "--explore") for trial in trials]
     run_all(explorations, bin_dir, out, jobs)
     for trial, exploration in zip(trials, explorations):
-        trial.options = [*trial.options, "--localise", exploration.dir / "slam2d"]
+        trial.options = ["--set", "navigator.planner.use_map=true", *trial.options, "--localise", exploration.dir / "slam2d"]
     return explorations
 
 

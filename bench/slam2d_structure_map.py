@@ -4,8 +4,9 @@
 
 bench/slam2d_structure_map.py [--out DIR] [--bin DIR] [--choose]
 
-Drives 60 s through crowd, people, office and cellar, three seeds each, with the odometry noise of bench/seeds.py. A drive that is already in DIR is used again. Prints a row for each
-world: the mean ATE and rotation error of all poses, with the first poses aligned, with level scans and with the structure map.
+Drives 60 s through crowd, people, office and cellar, three seeds each, with the odometry noise of bench/seeds.py. A drive that is already in DIR is
+used again. Prints a row for each world: the mean ATE and rotation error of all poses, with the first poses aligned, with level scans and with the
+structure map.
 """
 import argparse
 import pathlib
@@ -24,7 +25,8 @@ DURATION_S = 60
 def errors(drives, folder, from_structure_map):
     with tempfile.TemporaryDirectory() as made:
         out = pathlib.Path(made) / "slam2d"
-        call(drives.programs / "nodmap-slam2d", "--replay", folder / "trial.lcmlog", "--out", out, "--set", f"level_scans.from_structure_map={from_structure_map}")
+        call(drives.programs / "nodmap-slam2d", "--replay", folder / "trial.lcmlog", "--out", out,
+             "--set", f"level_scans.from_structure_map={from_structure_map}")
         measured = evaluate(drives.programs, "trajectory", out / "trajectory.tum", folder / "truth.tum")
         return measured["ate_rmse_m"], measured["rot_rmse_deg"]
 

@@ -4,9 +4,9 @@
 
 bench/slam6d_ablation.py [--out DIR] [--bin DIR] [--choose] [--only PART ...]
 
-The drives are those of bench/slam6d_drives.py, and one of 388 m around `ring`; the clouds are those of nodding_seq, if NODMAP_DATA has them. A drive that is already in DIR is
-used again. Prints a row for each part: mean and worst ATE and mean rotation error of the drives and their sweeps LOST, the ATE around the ring, and ATE and rotation
-error of nodding_seq. A part that is left out is not replaced.
+The drives are those of bench/slam6d_drives.py, and one of 388 m around `ring`; the clouds are those of nodding_seq, if NODMAP_DATA has them. A drive
+that is already in DIR is used again. Prints a row for each part: mean and worst ATE and mean rotation error of the drives and their sweeps LOST, the
+ATE around the ring, and ATE and rotation error of nodding_seq. A part that is left out is not replaced.
 """
 import argparse
 import json

@@ -4,9 +4,10 @@
 
 bench/slam6d_jumps.py [--seeds N] [--first SEED] [--duration S] [--jobs N] [--out DIR] [--bin DIR]
 
-Drives S seconds (60) with N seeds in each of four worlds, with the odometry noise of bench/seeds.py. A jump is a change of POSE_6D's error, from one pose to the next, by more than
-5 cm. It is said if one of the two poses is not TRACKING. Prints a row for each world: drives, poses, how many were not TRACKING, jumps that were said and
-that were not, the largest change of the error while TRACKING, and the mean and the worst ATE of trajectory.tum. The exit code is 1 if a jump was not said.
+Drives S seconds (60) with N seeds in each of four worlds, with the odometry noise of bench/seeds.py. A jump is a change of POSE_6D's error, from one
+pose to the next, by more than 5 cm. It is said if one of the two poses is not TRACKING. Prints a row for each world: drives, poses, how many were not
+TRACKING, jumps that were said and that were not, the largest change of the error while TRACKING, and the mean and the worst ATE of trajectory.tum.
+The exit code is 1 if a jump was not said.
 """
 import argparse
 import sys
@@ -35,7 +36,7 @@ def errors_of(folder):
 
 def jumps_of(folder):
     """The numbers of poses, of those that are not TRACKING, of jumps said and not said, and the largest step (m) while TRACKING."""
-    said, silent, largest_m, others = 0, 0, 0.0, 0
+    said, silent, largest_m = 0, 0, 0.0
     every = list(errors_of(folder))
     for (x0, y0, state0), (x1, y1, state1) in zip(every, every[1:]):
         step_m = ((x1 - x0) ** 2 + (y1 - y0) ** 2) ** 0.5

@@ -4,8 +4,9 @@
 
 bench/slam_laps.py [--laps N] [--seed S] [--out DIR] [--bin DIR]
 
-N is 10 by default. The odometry noise is that of bench/seeds.py. Prints a row for each SLAM: the length of the drive, the errors of trajectory.tum relative to the truth with the first
-poses aligned (RMS and worst of the positions, RMS of the rotation), the CPU time of the replay, and its peak memory without the log.
+N is 10 by default. The odometry noise is that of bench/seeds.py. Prints a row for each SLAM: the length of the drive, the errors of trajectory.tum
+relative to the truth with the first poses aligned (RMS and worst of the positions, RMS of the rotation), the CPU time of the replay, and its peak
+memory without the log.
 """
 import argparse
 import math

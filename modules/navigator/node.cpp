@@ -303,10 +303,14 @@ void NavigatorNode::watch_slip(const nodmap::pose_t& message) {
   }
 }
 
-// On slopes scans meet the floor, and may not show that the robot moves.
+// On slopes scans meet the floor, and may not show that the robot moves. What it touches beside
+// people may be one of them, who goes on alone; to begin anew would forget where they all are.
 bool NavigatorNode::may_notice_slip() const {
+  constexpr double kNearM = 2.0;  // a second of brisk walking, and both bodies
   const LocalMap& map = navigator_.local_map();
-  return map.has_scan() && map.ground().is_level() && !navigator_.slips();
+  return map.has_scan() && map.ground().is_level() && !navigator_.slips() &&
+         !navigator_.people().is_anybody_near(newest_.odometry->T_odom_base.translation(), kNearM,
+                                              scan_.mid_stamp());
 }
 
 void NavigatorNode::leave_contact(const geometry::SE2& T_odom_before) {

@@ -181,6 +181,13 @@ People PeopleTracker::newcomers_odom(time::Timestamp stamp) const {
   return select(stamp, [](const Track& track) { return track.is_new(); });
 }
 
+bool PeopleTracker::is_anybody_near(const Eigen::Vector2d& p_odom, double distance_m,
+                                    time::Timestamp stamp) const {
+  return std::ranges::any_of(people_odom(stamp), [&](const Person& person) {
+    return (person.position - p_odom).norm() < distance_m;
+  });
+}
+
 People in_base(People people_odom, const geometry::SE2& T_odom_base) {
   const geometry::SE2 T_base_odom = T_odom_base.inverse();
   const Eigen::Matrix2d R_base_odom = T_base_odom.rotation();

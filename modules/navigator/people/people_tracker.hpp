@@ -45,6 +45,10 @@ class PeopleTracker {
   /// Tracks that are too new to have a velocity, in places that were free before. In odom.
   [[nodiscard]] People newcomers_odom(time::Timestamp stamp) const;
 
+  /// Whether somebody of people_odom() is nearer than this to a place in odom.
+  [[nodiscard]] bool is_anybody_near(const Eigen::Vector2d& p_odom, double distance_m,
+                                     time::Timestamp stamp) const;
+
  private:
   template <class Select>
   [[nodiscard]] People select(time::Timestamp stamp, const Select& is_wanted) const;

@@ -13,10 +13,10 @@ namespace {
 constexpr double kFarthestDetectionM = 1.0;
 // A track moves if it was seen this often, for this long (more than one sweep), at this speed.
 constexpr int kFewestSightings = 4;
-// A new track counts after this many scans, about half of a sweep's on a person,
+// A new track counts after this many scans, about half of a sweep's on a person.
 constexpr int kFewestOfNew = 3;
-// and for this long, or after it has stopped. What has not moved for longer is an obstacle, which
-// the local map has by then: the robot would wait for it for ever.
+// It counts for this long, as does one that has stopped. What has not moved for longer is an
+// obstacle of the local map by then, for which the robot must not wait for ever.
 constexpr time::Duration kNewFor = 2s;
 constexpr time::Duration kShortest = 150ms;
 constexpr double kLeastHeightM = 0.1;

@@ -53,10 +53,10 @@ Map2d::Kind greatest(const MapTile& tile, const Line& columns, const Line& rows)
   auto greatest = Map2d::Kind::kUnknown;
   for (int row = rows.first; row <= rows.last; ++row) {
     for (int column = columns.first; column <= columns.last; ++column) {
-      const std::size_t place =
+      const std::size_t index =
           static_cast<std::size_t>(row) * static_cast<std::size_t>(tile.width) +
           static_cast<std::size_t>(column);
-      greatest = std::max(greatest, kind_of(tile.cells[place]));
+      greatest = std::max(greatest, kind_of(tile.cells[index]));
     }
   }
   return greatest;
@@ -68,8 +68,8 @@ int block_of(int index) {
                     : -((Map2d::kBlockCells - 1 - index) / Map2d::kBlockCells);
 }
 
-// Calls `visit(column, count, block column, place in the block)` for each piece of a row that lies
-// in one block. `column`: from the row's beginning; the place: of its first cell.
+// Calls `visit(column, count, block column, index in the block)` for each piece of a row that lies
+// in one block. `column`: from the row's beginning; the index: of its first cell.
 void for_each_piece(const Eigen::Vector2i& first, int size, const auto& visit) {
   const int row_in_block = first.y() - Map2d::kBlockCells * block_of(first.y());
   for (int column = 0; column < size;) {

@@ -20,13 +20,15 @@ class NavigatorNodeTest : public ::testing::Test {
  protected:
   enum Input { kOdometry, kMap, kCommand, kState };
 
-  /// Drives by the obstacle map alone, which tick() delivers, without the local map.
+  /// Drives by the obstacle map alone, which tick() delivers, without the local map. With it, it
+  /// plans on the 2D map as well.
   explicit NavigatorNodeTest(bool use_local_map = false, const char* geofence = "")
       : node_{context_, params(use_local_map, geofence)} {}
 
   static NavigatorParams params(bool use_local_map, const char* geofence) {
     NavigatorParams params;
     params.local_map.use = use_local_map;
+    params.planner.use_map = use_local_map;
     params.geofence = geofence;
     return params;
   }

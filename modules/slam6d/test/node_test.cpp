@@ -173,6 +173,7 @@ TEST(Slam6dNode, ARobotOutsideOfTheOctreeIsReported) {
     EXPECT_EQ(outcome.metrics["occupancy_map"]["nodes"] > 0, is_inside) << name;
     const bool is_mapped = x_m < 105e3;  // where the voxels end
     EXPECT_EQ(outcome.metrics["occupancy_map"]["beams_outside"] > 0, is_mapped && !is_inside);
+    EXPECT_EQ(!outcome.metrics["keyframes"].empty(), is_mapped) << name;
     EXPECT_EQ(outcome.health.state == node::HealthState::kOk, is_inside) << name;
     if (!is_inside) {
       const std::string km = std::to_string(static_cast<int>(x_m / 1000.0)) + ".0 km";

@@ -308,6 +308,7 @@ TEST_F(TrialTest, DocksWithinTwoCentimetresAndADegree) {
 // detour that the first one had not.
 TEST_F(TrialTest, ASecondDriveUsesTheMapOfTheFirst) {
   TrialSetup trial = setup("dead-end:1007", 1007, 60.0);
+  trial.params.set_assignment("navigator.planner.use_map=true");
   std::vector<double> paths_m;
   for (const char* name : {"first", "second"}) {
     const std::filesystem::path dir = dir_.path() / name;
