@@ -52,6 +52,9 @@ TEST(PeopleTracker, FollowsAWalkerFromSweepToSweep) {
         known_s += kScanS;
         EXPECT_LT((people[0].position - p).norm(), 1.25 * 0.042) << time_s;
         EXPECT_LT((people[0].velocity - velocity).norm(), 1.25 * 0.068) << time_s;
+        const double distance_m = people[0].position.norm();
+        EXPECT_TRUE(tracker.is_anybody_near({0.0, 0.0}, distance_m + 0.01, at(time_s)));
+        EXPECT_FALSE(tracker.is_anybody_near({0.0, 0.0}, distance_m - 0.01, at(time_s)));
       }
     });
     EXPECT_GT(known_s, 0.9 * seen_s) << velocity.transpose();
