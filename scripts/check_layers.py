@@ -15,8 +15,11 @@
 9. A function whose name asks a question (is_, has_, may_) changes nothing: as a member it is const, and no argument is a reference to what is not const.
 10. /// documents what a header promises; comments in a .cpp file are //.
 11. A header includes what it uses of the standard library and of Eigen: it compiles whatever comes before it.
+12. Neighbouring folders do not include each other, neither directly nor through others.
 Besides: every source file names its licence, and a transform is called T_a_b, never a_to_b or a2b.
 """
+import collections
+import graphlib
 import pathlib
 import re
 import sys
@@ -111,6 +114,27 @@ def include_errors(path, include):
         yield "the simulator includes no driver: a parser's bug must show"
 
 
+def neighbours(path, include):
+    """The two neighbouring folders of which the one, with this file, includes the other; None if one contains the other."""
+    own, other = path.parent.parts, pathlib.PurePath(include).parent.parts
+    for depth, (a, b) in enumerate(zip(own, other), 1):
+        if a != b:
+            return "/".join(own[:depth]), "/".join(other[:depth])
+    return None
+
+
+def folder_circles(includes):
+    """Folders that include each other, given (file, include) pairs: one error, or none."""
+    included_by = collections.defaultdict(set)
+    for path, include in includes:
+        if pair := neighbours(path, include):
+            included_by[pair[0]].add(pair[1])
+    try:
+        graphlib.TopologicalSorter(included_by).prepare()
+    except graphlib.CycleError as error:
+        yield "folders include each other: " + ", which is included by ".join(error.args[1])
+
+
 def missing_includes(text):
     """The names that a header uses, each with the header that it does not include for it."""
     lines = text.splitlines()
@@ -142,6 +166,7 @@ def question_errors(text):
 
 def main():
     errors = []
+    includes = []
     for path in sources():
         text = (ROOT / path).read_text()
         lines = text.splitlines()
@@ -164,7 +189,9 @@ def main():
                 continue
             include = match.group(1)
             if not is_test(path):
+                includes.append((path, include))
                 errors += [f"{path}:{number}: {reason}: {line.strip()}" for reason in include_errors(path, include)]
+    errors += folder_circles(includes)
     print("\n".join(errors) if errors else "include rules hold")
     return 1 if errors else 0
 

@@ -10,8 +10,8 @@
 #include "common/geometry/se2.hpp"
 #include "common/geometry/se3.hpp"
 #include "modules/navigator/ground/plane.hpp"
-#include "modules/navigator/local_map/rolling_grid.hpp"
 #include "modules/navigator/params.hpp"
+#include "modules/navigator/rolling_grid.hpp"
 
 namespace nodmap::navigator {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "modules/navigator/local_map/rolling_grid.hpp"
+#include "modules/navigator/rolling_grid.hpp"
 
 namespace nodmap::navigator {
 

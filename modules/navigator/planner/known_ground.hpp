@@ -4,9 +4,9 @@
 #include <Eigen/Core>
 #include <cstdint>
 
-#include "modules/navigator/local_map/rolling_grid.hpp"
 #include "modules/navigator/planner/map_2d.hpp"
 #include "modules/navigator/planner/plan_window.hpp"
+#include "modules/navigator/rolling_grid.hpp"
 #include "modules/navigator/situation.hpp"
 
 namespace nodmap::navigator {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "modules/navigator/local_map/rolling_grid.hpp"
+#include "modules/navigator/rolling_grid.hpp"
 
 #include <gtest/gtest.h>
 
