@@ -9,12 +9,6 @@
 namespace nodmap::navigator {
 namespace {
 
-// What counts as progress, and for how long the robot may make none before it gives up the path
-// ahead.
-constexpr double kProgressM = 0.15;
-constexpr time::Duration kPatience = 12s;
-// A plan that costs this much more than the last one leads elsewhere.
-constexpr double kNewPathM = 1.0;
 // With less than this left to the previous goal the robot stops and plans to the new one.
 constexpr double kNearlyThereM = 0.5;
 
@@ -67,11 +61,9 @@ GoalDrive::GoalDrive(const NavigatorParams& params)
       squeezing_planner_(squeezing(params), true),
       back_out_(params),
       docking_(params.docking),
-      patience_(kPatience),
-      without_motion_(kPatience) {}
+      without_motion_(PathProgress::kPatience) {}
 
 Decision GoalDrive::decide(const Situation& now) {
-  patience_.record(now.stamp);
   cannot_move_ = false;
   decided_goal_map_ = goal_in_map(now);
   if (now.goal->heading) {
@@ -121,21 +113,21 @@ Decision GoalDrive::drive_by_plan(const Situation& now) {
   const Eigen::Vector2d goal_map = T_map_base * now.goal->p_base;
   if ((goal_map - goal_map_).norm() > now.goal->tolerance_m) {
     goal_map_ = goal_map;
-    patience_.end();
+    path_progress_.reset();
     look_around_.reset();
   }
   global_planner_.step(now);
   if (const CostToGo* cost_to_go = global_planner_.cost_to_go()) {
     const double cost_m = cost_to_go->least_near(T_map_base.translation());
     if (!std::isfinite(cost_m)) {
-      patience_.end();
+      path_progress_.restart();
       return without_path(now);
     }
     look_around_.pause();
     watch_progress(now, cost_m);
     return drive_by(*cost_to_go, now);
   }
-  patience_.end();
+  path_progress_.restart();
   if (const CostToGo* former = former_plan(T_map_base.translation())) {
     return drive_by(*former, now);
   }
@@ -255,21 +247,14 @@ Decision GoalDrive::without_path(const Situation& now) {
   return local_planner_.slow_down(Why::kNoPath, now);
 }
 
-// Gives up the path if the robot makes no progress, because the plan must then be wrong about what
-// is ahead. The count begins anew when new obstacles have made the path longer. Time with people
-// around does not count: they walk on, and the path is free again.
+// Time with people around does not count: they walk on, and the path is free again.
 void GoalDrive::watch_progress(const Situation& now, double cost_m) {
-  if (cost_m > last_cost_m_ + kNewPathM || !now.people.empty()) {
-    patience_.end();
+  const Eigen::Vector2d p_map = now.T_map_base().translation();
+  if (!now.people.empty()) {
+    path_progress_.restart();
   }
-  last_cost_m_ = cost_m;
-  const bool is_stuck = patience_.is_over(now.stamp);
-  if (is_stuck) {
-    global_planner_.give_up_path_from(now.T_map_base().translation());
-  }
-  if (is_stuck || !patience_.has_begun() || cost_m <= least_cost_m_ - kProgressM) {
-    patience_.restart(now.stamp);
-    least_cost_m_ = cost_m;
+  if (path_progress_.gives_up(now.stamp, p_map, cost_m)) {
+    global_planner_.give_up_path_from(p_map);
   }
 }
 

@@ -13,6 +13,7 @@
 #include "modules/navigator/planner/global_planner.hpp"
 #include "modules/navigator/planner/local_planner.hpp"
 #include "modules/navigator/planner/look_around.hpp"
+#include "modules/navigator/planner/path_progress.hpp"
 #include "modules/navigator/planner/patience.hpp"
 #include "modules/navigator/situation.hpp"
 
@@ -64,9 +65,7 @@ class GoalDrive {
   std::optional<geometry::SE2> dock_map_;
   std::optional<geometry::SE2> decided_goal_map_;  // of the last decision to drive to a goal
   Eigen::Vector2d goal_map_ = Eigen::Vector2d::Zero();
-  double least_cost_m_ = 0.0;  // since the goal was given, or the last failure
-  double last_cost_m_ = 0.0;
-  Patience patience_;
+  PathProgress path_progress_;
   Patience without_motion_;   // since any could last be driven
   bool cannot_move_ = false;  // and that for longer than its patience
   LookAround look_around_;
