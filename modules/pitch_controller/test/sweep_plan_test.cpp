@@ -9,6 +9,7 @@
 
 #include "common/robot/stopping.hpp"
 #include "modules/pitch_controller/speed_bound.hpp"
+#include "tests/support/commanded_sweeps.hpp"
 
 namespace nodmap::pitch_controller {
 namespace sweep_plan_test {
@@ -22,6 +23,18 @@ const PitchControllerParams kParams;
 
 SweepPlanner default_planner() {
   return {kParams.robot, kParams.detection, kParams.speed.fast_mps};
+}
+
+// The navigator's tests of low sills nod with these. Their last digit is a tenth of a degree, and a
+// hundredth for the lines.
+TEST(SweepPlan, IsWhatTestsOfOtherModulesNodWith) {
+  const SweepPlanner planner = default_planner();
+  for (const nodmap::test::CommandedSweep& expected : nodmap::test::kCommandedSweeps) {
+    const SweepPlan plan = planner.plan(expected.forward_mps);
+    EXPECT_NEAR(rad_to_deg(plan.sweep.min_rad), expected.low_deg, 0.05) << expected.forward_mps;
+    EXPECT_NEAR(rad_to_deg(plan.sweep.max_rad), expected.high_deg, 0.05) << expected.forward_mps;
+    EXPECT_NEAR(rad_to_deg(plan.line_spacing_rad), expected.line_deg, 0.005);
+  }
 }
 
 TEST(SweepPlan, TheSpacingIsThatOfTheReferenceTable) {

@@ -3,11 +3,11 @@
 // moment of the nod, with the noise of the laser and of the body's tilt.
 #include <gtest/gtest.h>
 
-#include <array>
 #include <random>
 
 #include "modules/navigator/brake.hpp"
 #include "modules/navigator/local_map/local_map.hpp"
+#include "tests/support/commanded_sweeps.hpp"
 
 namespace nodmap::navigator {
 namespace low_sill_test {
@@ -59,31 +59,25 @@ struct Sill {
   }
 };
 
-// The sweeps that the pitch controller commands for a speed (from its README; linear in between).
-struct Nod {
-  double low_deg;
-  double high_deg;
-  double line_deg;
-
-  static Nod at(double forward_mps) {
-    constexpr std::array<Nod, 4> kPlans{
-        {{-60.0, 60.0, 1.65}, {-48.5, 29.8, 1.87}, {-28.5, 11.2, 1.49}, {-20.4, 6.5, 0.91}}};
-    const double place = std::clamp(forward_mps / 0.5, 0.0, 2.999);
-    const auto i = static_cast<std::size_t>(place);
-    const double w = place - static_cast<double>(i);
-    const Nod& a = kPlans[i];
-    const Nod& b = kPlans[i + 1];
-    return {a.low_deg + w * (b.low_deg - a.low_deg), a.high_deg + w * (b.high_deg - a.high_deg),
-            a.line_deg + w * (b.line_deg - a.line_deg)};
-  }
-};
+// The sweep at a speed: linear between those that are known.
+nodmap::test::CommandedSweep sweep_at(double forward_mps) {
+  constexpr double kSpacingMps = 0.5;
+  const auto& sweeps = nodmap::test::kCommandedSweeps;
+  const double place = std::clamp(forward_mps / kSpacingMps, 0.0, sweeps.size() - 1.001);
+  const auto i = static_cast<std::size_t>(place);
+  const double w = place - static_cast<double>(i);
+  const auto between = [&](double a, double b) { return a + w * (b - a); };
+  return {forward_mps, between(sweeps[i].low_deg, sweeps[i + 1].low_deg),
+          between(sweeps[i].high_deg, sweeps[i + 1].high_deg),
+          between(sweeps[i].line_deg, sweeps[i + 1].line_deg)};
+}
 
 class SillApproach {
  public:
   SillApproach(const Sill& sill, double speed_mps, std::uint32_t seed)
       : sill_(sill), limit_mps_(speed_mps), engine_(seed) {
-    const Nod nod = Nod::at(speed_mps);
-    pitch_deg_ = std::uniform_real_distribution(nod.low_deg, nod.high_deg)(engine_);
+    const nodmap::test::CommandedSweep sweep = sweep_at(speed_mps);
+    pitch_deg_ = std::uniform_real_distribution(sweep.low_deg, sweep.high_deg)(engine_);
     step_ = engine_() % 2 == 0 ? 1.0 : -1.0;
   }
 
@@ -118,13 +112,13 @@ class SillApproach {
 
  private:
   void scan_once() {
-    const Nod nod = Nod::at(v_mps_);
-    if (pitch_deg_ > nod.high_deg) {
+    const nodmap::test::CommandedSweep sweep = sweep_at(v_mps_);
+    if (pitch_deg_ > sweep.high_deg) {
       step_ = -1.0;
-    } else if (pitch_deg_ < nod.low_deg) {
+    } else if (pitch_deg_ < sweep.low_deg) {
       step_ = 1.0;
     }
-    pitch_deg_ += step_ * nod.line_deg;
+    pitch_deg_ += step_ * sweep.line_deg;
     // The tilt changes with the uneven ground, about every 20 cm.
     const double keep = std::exp(-v_mps_ * kScanS / 0.2);
     tilt_rad_ = keep * tilt_rad_ + std::sqrt(1.0 - keep * keep) * kTiltRad * normal_(engine_);
