@@ -1,34 +1,88 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/slam6d/back_end/pose_equations.hpp"
 
+#include <Eigen/OrderingMethods>
 #include <Eigen/SparseCholesky>
-#include <Eigen/SparseCore>
+#include <algorithm>
+#include <utility>
 #include <vector>
 
 namespace nodmap::slam6d {
 
-std::optional<Eigen::VectorXd> PoseEquations::solve() const {
-  std::vector<Eigen::Triplet<double>> lower_triangle;
-  lower_triangle.reserve(36 * blocks_.size());
+// Whole poses are ordered instead of their six unknowns each: that takes hardly any time, and no
+// further copies of H, which is the largest thing in memory at the end of a long drive.
+Eigen::VectorXi PoseEquations::elimination_order() const {
+  std::vector<Eigen::Triplet<double>> joined;
+  joined.reserve(blocks_.size());
   for (const auto& [key, block] : blocks_) {
-    const std::size_t row = key / num_poses_;
-    const std::size_t column = key % num_poses_;
-    for (int r = 0; row > 0 && r < 6; ++r) {
-      for (int c = row == column ? r : 0; c < 6; ++c) {
-        lower_triangle.emplace_back(static_cast<int>(6 * (column - 1)) + c,
-                                    static_cast<int>(6 * (row - 1)) + r, block(r, c));
-      }
+    if (const std::size_t row = key / num_poses_; row > 0) {
+      joined.emplace_back(static_cast<int>(row - 1), static_cast<int>(key % num_poses_ - 1), 1.0);
     }
   }
-  const auto size = static_cast<Eigen::Index>(6 * (num_poses_ - 1));
-  Eigen::SparseMatrix<double> H(size, size);
-  H.setFromTriplets(lower_triangle.begin(), lower_triangle.end());
-  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(H);
+  Eigen::SparseMatrix<double> graph(num_free(), num_free());
+  graph.setFromTriplets(joined.begin(), joined.end());
+  Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> order;
+  Eigen::AMDOrdering<int>()(graph.selfadjointView<Eigen::Upper>(), order);
+  return order.inverse().eval().indices();
+}
+
+Eigen::SparseMatrix<double> PoseEquations::upper_triangle(const Eigen::VectorXi& order) const {
+  struct PlacedBlock {
+    Eigen::Index column;
+    Eigen::Index row;  // at most `column`
+    const Matrix6d* block;
+    bool is_transposed;
+  };
+  std::vector<PlacedBlock> placed;
+  placed.reserve(blocks_.size());
+  for (const auto& [key, block] : blocks_) {
+    if (key >= num_poses_) {
+      const Eigen::Index row = order(static_cast<Eigen::Index>(key / num_poses_ - 1));
+      const Eigen::Index column = order(static_cast<Eigen::Index>(key % num_poses_ - 1));
+      placed.push_back({std::max(row, column), std::min(row, column), &block, row > column});
+    }
+  }
+  std::ranges::sort(placed, {}, [](const PlacedBlock& at) { return std::pair(at.column, at.row); });
+  Eigen::SparseMatrix<double> H(6 * num_free(), 6 * num_free());
+  H.reserve(static_cast<Eigen::Index>(36 * placed.size()));
+  auto begin = placed.begin();
+  for (Eigen::Index pose = 0; pose < num_free(); ++pose) {
+    const auto end =
+        std::find_if(begin, placed.end(), [&](const auto& at) { return at.column != pose; });
+    for (Eigen::Index c = 0; c < 6; ++c) {
+      const Eigen::Index column = 6 * pose + c;
+      H.startVec(column);
+      for (auto at = begin; at != end; ++at) {
+        for (Eigen::Index r = 0; r < 6 && 6 * at->row + r <= column; ++r) {
+          H.insertBack(6 * at->row + r, column) =
+              at->is_transposed ? (*at->block)(c, r) : (*at->block)(r, c);
+        }
+      }
+    }
+    begin = end;
+  }
+  H.finalize();
+  return H;
+}
+
+std::optional<Eigen::VectorXd> PoseEquations::solve() const {
+  const Eigen::VectorXi order = elimination_order();
+  const Eigen::SparseMatrix<double> H = upper_triangle(order);
+  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Upper,
+                              Eigen::NaturalOrdering<int>>
+      solver(H);
   if (solver.info() != Eigen::Success) {
     return std::nullopt;
   }
-  Eigen::VectorXd motions = Eigen::VectorXd::Zero(size + 6);
-  motions.tail(size) = solver.solve(g_.tail(size));
+  Eigen::VectorXd g(6 * num_free());
+  for (Eigen::Index i = 0; i < num_free(); ++i) {
+    g.segment<6>(6 * order(i)) = g_.segment<6>(6 * (i + 1));
+  }
+  const Eigen::VectorXd x = solver.solve(g);
+  Eigen::VectorXd motions = Eigen::VectorXd::Zero(g_.size());
+  for (Eigen::Index i = 0; i < num_free(); ++i) {
+    motions.segment<6>(6 * (i + 1)) = x.segment<6>(6 * order(i));
+  }
   return motions.allFinite() ? std::optional(motions) : std::nullopt;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/SparseCore>
 #include <cstddef>
 #include <optional>
 #include <unordered_map>
@@ -32,6 +33,13 @@ class PoseEquations {
   [[nodiscard]] std::optional<Eigen::VectorXd> solve() const;
 
  private:
+  /// The poses that are not fixed.
+  [[nodiscard]] Eigen::Index num_free() const { return static_cast<Eigen::Index>(num_poses_ - 1); }
+  /// The place of each of them in the order of elimination by which few blocks fill in.
+  [[nodiscard]] Eigen::VectorXi elimination_order() const;
+  /// H of these poses in this order.
+  [[nodiscard]] Eigen::SparseMatrix<double> upper_triangle(const Eigen::VectorXi& order) const;
+
   std::size_t num_poses_;
   std::unordered_map<std::size_t, Matrix6d> blocks_;
   Eigen::VectorXd g_;

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "common/geometry/angle.hpp"
-#include "modules/slam6d/back_end/pose_equations.hpp"
 #include "modules/slam6d/test/room.hpp"
 
 namespace nodmap::slam6d {
@@ -256,29 +255,6 @@ TEST(PlaneAdjustment, WithoutASolutionThePosesStay) {
   for (std::size_t k = 0; k < kSweeps; ++k) {
     EXPECT_TRUE(adjusted[k].isApprox(sweeps[k].T_map_base, 0.0)) << k;
   }
-}
-
-// The oracle: dense equations without the first pose, which is fixed.
-TEST(PoseEquations, SolutionEqualsThatOfDenseEquations) {
-  constexpr int kPoses = 4;
-  std::mt19937 random(5);
-  std::normal_distribution<double> any;
-  const Eigen::MatrixXd root = Eigen::MatrixXd::NullaryExpr(24, 24, [&] { return any(random); });
-  const Eigen::MatrixXd H = root * root.transpose() + Eigen::MatrixXd::Identity(24, 24);
-  const Eigen::VectorXd g = Eigen::VectorXd::NullaryExpr(24, [&] { return any(random); });
-  PoseEquations equations(kPoses);
-  for (int i = 0; i < kPoses; ++i) {
-    const auto row = static_cast<std::size_t>(i);
-    equations.gradient(row) += g.segment<6>(6 * i);
-    for (int j = i; j < kPoses; ++j) {
-      equations.block(row, static_cast<std::size_t>(j)) += H.block<6, 6>(6 * i, 6 * j);
-    }
-  }
-  const auto motions = equations.solve();
-  ASSERT_TRUE(motions.has_value());
-  EXPECT_TRUE(motions->head<6>().isZero(0.0));
-  const Eigen::VectorXd dense = H.bottomRightCorner(18, 18).ldlt().solve(g.tail(18));
-  EXPECT_LT((motions->tail(18) - dense).norm(), 1e-9 * dense.norm());
 }
 
 }  // namespace plane_adjustment_test
