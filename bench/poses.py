@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Poses in the plane: (x, y, yaw), metres and radians."""
+"""Poses in the plane: (x, y, yaw), metres and radians; and heights."""
 import bisect
 import math
 
@@ -24,6 +24,18 @@ def read_tum(path):
     """Reads a trajectory: stamp (s), x, y, yaw of each line."""
     rows = [list(map(float, line.split())) for line in path.read_text().splitlines() if not line.startswith("#")]
     return [(stamp, x, y, yaw_of(qw, qx, qy, qz)) for stamp, x, y, _, qx, qy, qz, qw in rows]
+
+
+def read_heights(path):
+    """Reads the heights of a trajectory: stamp (s) and z (m) of each line."""
+    return [(row[0], row[3]) for row in (list(map(float, line.split())) for line in path.read_text().splitlines() if not line.startswith("#"))]
+
+
+def greatest_height_error(heights, truth):
+    """The greatest error (m) of the heights above the first one. `truth`: has a height within milliseconds of each stamp."""
+    stamps = [stamp for stamp, _ in truth]
+    true_heights = [truth[min(bisect.bisect_left(stamps, stamp), len(truth) - 1)][1] for stamp, _ in heights]
+    return max(abs((z - heights[0][1]) - (true_z - true_heights[0])) for (_, z), true_z in zip(heights, true_heights))
 
 
 def pose_at(trajectory, stamp):

@@ -13,6 +13,7 @@ import os
 import sys
 import traceback
 
+from poses import greatest_height_error, read_heights
 from programs import evaluate
 from seeds import ODOMETRY_NOISE, REPORTING
 from trial_runs import Trial, add_options, result_folder, results_of, run_all, with_result
@@ -230,6 +231,21 @@ def warehouse(quick):
     return drive_to_goal("warehouse", REPORTING[1:3 if quick else 11], 60)
 
 
+def storeys(quick):
+    trials = [Trial(f"storeys-{s}", "storeys", s, 240, *ODOMETRY_NOISE) for s in REPORTING[: 1 if quick else 3]]
+
+    def add_rows(table, _):
+        results = results_of(trials)
+        table.add(f"storeys, {len(results)} runs: collisions (of these, falls)",
+                  f"{sum(r['collisions'] for r in results)} ({sum(r['falls'] for r in results)})", "0", collided(results) == 0)
+        reached, asked = (sum(r["goals"][what] for r in results) for what in ("reached", "asked"))
+        table.add("storeys: goals reached, up and down the ramp", f"{reached} of {asked}", "all", reached == asked)
+        for trial in with_result(trials):
+            worst_m = greatest_height_error(read_heights(trial.dir / "slam6d" / "trajectory.tum"), read_heights(trial.dir / "truth.tum"))
+            table.add(f"{trial.name}: greatest error of the height by 6D SLAM, 3 m up", f"{100 * worst_m:.1f} cm", "<= 5 cm", worst_m <= 0.05)
+    return trials, add_rows
+
+
 def occupancy(quick):
     trials = [Trial(f"occupancy-{world}", world, 1, 20 if quick else 60, "--without", "slam2d", *ODOMETRY_NOISE) for world in ("cellar", "office")]
 
@@ -275,7 +291,7 @@ def speed(quick):
 
 
 GROUPS = {"random": random_clutter, "crowd": crowd, "appearing": appearing, "stops": stops, "damages": damages, "cellar": cellar, "occupancy": occupancy,
-          "stairs": stairs, "warehouse": warehouse, "clouds": clouds, "speed": speed}
+          "stairs": stairs, "warehouse": warehouse, "storeys": storeys, "clouds": clouds, "speed": speed}
 
 
 def main():

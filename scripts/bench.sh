@@ -152,7 +152,7 @@ measure() {
       ;;
     trials)
       build/release/bench/sim_bench
-      python3 bench/trials.py --only random crowd appearing stairs warehouse cellar occupancy clouds speed
+      python3 bench/trials.py --only random crowd appearing stairs warehouse storeys cellar occupancy clouds speed
       ;;
     stops) python3 bench/trials.py --only stops ;;
     stops-live) live corridor30 faults ;;

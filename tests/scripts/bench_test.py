@@ -84,8 +84,18 @@ def check_trials(source):
     for group, row in (("crowd", "distance driven"), ("stairs", "goals reached"), ("warehouse", "goals reached")):
         text, code = table(source, [group], TRIAL, NO_CONTACT | {"distance_m": 0.0, "goal": GOAL | {"reached": False}})
         assert code == 1 and any(row in line and line.endswith("MISSED") for line in text.splitlines()), "a robot that stands still hits nothing: " + text
+    text, code = table(source, ["storeys"], TRIAL, NO_CONTACT | {"goals": {"asked": 5, "reached": 4}})
+    assert code == 1 and any("goals reached" in line and line.endswith("MISSED") for line in text.splitlines()), text
     text, code = table(source, ["crowd"], "#!/bin/sh\nexit 1\n", NO_CONTACT)
     assert text.count("MISSED") == 3 and code == 1, text
+
+
+def check_heights(source):
+    """The greatest error of the height above the first one: here the trajectory begins 1 m higher than the truth, and ends 2 cm too low."""
+    sys.path.insert(0, str(source / "bench"))
+    from poses import greatest_height_error
+    truth = [(0.01 * i, 0.001 * i) for i in range(101)]
+    assert abs(greatest_height_error([(0.0, 1.0), (0.5, 1.05), (1.0, 1.08)], truth) - 0.02) < 1e-9
 
 
 def check_appearing(source):
@@ -183,6 +193,7 @@ def main():
     source = pathlib.Path(sys.argv[1])
     check_truth_between_samples(source)
     check_trials(source)
+    check_heights(source)
     check_appearing(source)
     check_event_log(source)
     check_lost_time(source)

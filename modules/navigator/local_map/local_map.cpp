@@ -30,6 +30,18 @@ bool LocalMap::is_blocked(const LocalCell& cell) const {
   return obstacles_.is_remembered(cell) || cell.is_hole();
 }
 
+bool LocalMap::could_be_ramp(const Eigen::Vector2d& p_odom) const {
+  const LocalCell* cell = grid_.find(p_odom);
+  if (cell == nullptr || cell->is_hole() || cell->is_contact() || !T_odom_base_) {
+    return false;
+  }
+  const PossibleRamp ramp(grid_, ground_, params_, T_odom_base_->translation());
+  const double top_odom_m = 0.01 * cell->high_cm;
+  return ramp.could_lead_up({p_odom.x(), p_odom.y(), top_odom_m},
+                            top_odom_m - ground_.height_m(p_odom),
+                            tolerance_m((p_odom - T_odom_base_->translation()).norm()));
+}
+
 LocalView LocalMap::view_around(const Eigen::Vector2d& p_odom, double half_size_m) const {
   return {grid_, obstacles_, grid_.index_of(p_odom),
           static_cast<int>(half_size_m / grid_.cell_size_m())};

@@ -5,11 +5,11 @@
 
 namespace nodmap::navigator {
 
-bool PossibleRamp::leads_up(const Eigen::Vector3d& p_odom, double height_m,
-                            double tolerance_m) const {
+bool PossibleRamp::could_lead_up(const Eigen::Vector3d& p_odom, double height_m,
+                                 double tolerance_m) const {
   const Eigen::Vector2d p = p_odom.head<2>();
   const double distance_m = (p - robot_odom_).norm();
-  if (ground_.is_level() || distance_m < params_.ground.doubt_from_m || grid_.find(p) == nullptr) {
+  if (distance_m < params_.ground.doubt_from_m || grid_.find(p) == nullptr) {
     return false;
   }
   // A ramp that is this high there has begun here at the latest.

@@ -24,7 +24,13 @@ class PossibleRamp {
   /// fast, and the narrow nod has a low sill in view for a short time only, so everything there is
   /// an obstacle at once.
   [[nodiscard]] bool leads_up(const Eigen::Vector3d& p_odom, double height_m,
-                              double tolerance_m) const;
+                              double tolerance_m) const {
+    return !ground_.is_level() && could_lead_up(p_odom, height_m, tolerance_m);
+  }
+  /// The same on level ground as well: what is an obstacle to the robot, but should be looked at
+  /// from nearer before a plan leads elsewhere.
+  [[nodiscard]] bool could_lead_up(const Eigen::Vector3d& p_odom, double height_m,
+                                   double tolerance_m) const;
 
   /// Whether a ramp could lead down to a point from the last floor seen before the place where the
   /// beam passed below the ground. It could, unless the beam looked down more steeply than the

@@ -25,6 +25,9 @@ constexpr std::size_t kMostFailures = 50;
 // and noise add to both sides of a door. If there is no other path, the robot goes there; the
 // rollouts measure what is really free.
 constexpr double kTightPrice = 4.0;
+// Additional price of what is an obstacle now but may be a ramp: a detour of some metres round it
+// is better, one through unknown rooms is not.
+constexpr double kPossibleRampPrice = 2.0;
 // A plan older than this is not used any more, because the ground may have changed.
 constexpr double kRecentS = 2.0;
 // Without a goal the robot plans this far: more than two seconds, or four plans, at its fastest
@@ -285,6 +288,8 @@ void GlobalPlanner::price_row(int row) {
     float& price = price_[window_.index_of(column, row)];
     if (ground_.at(first + Eigen::Vector2i(column, 0)) == KnownGround::Kind::kFloor) {
       price = prices.at(distance_m, usual_m, 0.0);
+    } else if (ground_.at(first + Eigen::Vector2i(column, 0)) == KnownGround::Kind::kPossibleRamp) {
+      price = prices.at(distance_m, usual_m, kPossibleRampPrice);
     } else if (map_row_[static_cast<std::size_t>(column)] == Map2d::Kind::kFree) {
       price = prices.at(distance_m, kOccupiedM, params_.map_price);
     } else {

@@ -41,9 +41,29 @@ unsigned bits_around(const LocalView& view, const Eigen::Vector2d& middle,
   return bits;
 }
 
+// Whether all obstacles in a cell of KnownGround could be a ramp. The edge of a hole could not.
+bool could_be_ramp_around(const LocalMap& local_map, const Eigen::Vector2d& q_odom) {
+  constexpr double kAsideM = 0.25 * KnownGround::kCellM;
+  bool is_ramp = false;
+  for (const double dx : {-kAsideM, kAsideM}) {
+    for (const double dy : {-kAsideM, kAsideM}) {
+      const Eigen::Vector2d p_odom = q_odom + Eigen::Vector2d(dx, dy);
+      const LocalCell* cell = local_map.cell_at(p_odom);
+      if (cell != nullptr && local_map.is_blocked(*cell)) {
+        if (!local_map.could_be_ramp(p_odom)) {
+          return false;
+        }
+        is_ramp = true;
+      }
+    }
+  }
+  return is_ramp;
+}
+
 // What the local map has shown, except that an obstacle is gone.
 bool is_seen(KnownGround::Kind kind) {
-  return kind == KnownGround::Kind::kFloor || kind == KnownGround::Kind::kBlocked;
+  return kind == KnownGround::Kind::kFloor || kind == KnownGround::Kind::kBlocked ||
+         kind == KnownGround::Kind::kPossibleRamp;
 }
 
 }  // namespace
@@ -83,21 +103,27 @@ void KnownGround::update(const Situation& now) {
       const Eigen::Vector2d p_base = R_base_map * q_map + T_base_map.translation();
       if (!is_seen(grid_.at(index)) || p_base.x() >= 0.0 || p_base.norm() <= kBesideM) {
         const Eigen::Vector2d q_odom = R_odom_map * q_map + T_odom_map.translation();
-        update_cell(index, bits_around(view, view.in_cells(q_odom), quarters));
+        const unsigned bits = bits_around(view, view.in_cells(q_odom), quarters);
+        const bool could_be_ramp = (bits & LocalView::kBlocked) != 0U &&
+                                   grid_.at(index) != Kind::kBlocked &&
+                                   could_be_ramp_around(*now.local_map, q_odom);
+        update_cell(index, bits, could_be_ramp);
       }
     }
   }
 }
 
 // Updates a cell from `bits`, the joined states of the cells of the local map in it.
-void KnownGround::update_cell(const Eigen::Vector2i& index, unsigned bits) {
+void KnownGround::update_cell(const Eigen::Vector2i& index, unsigned bits, bool could_be_ramp) {
   const bool is_blocked = (bits & LocalView::kBlocked) != 0U;
   const bool is_floor = (bits & LocalView::kFloor) != 0U && (bits & LocalView::kForgotten) == 0U;
   if (is_blocked || is_floor) {
     const Eigen::Vector2d q_map = grid_.center_of(index);
     known_min_ = known_min_.cwiseMin(q_map);
     known_max_ = known_max_.cwiseMax(q_map);
-    grid_.at(index) = is_blocked ? Kind::kBlocked : Kind::kFloor;
+    grid_.at(index) = could_be_ramp ? Kind::kPossibleRamp
+                      : is_blocked  ? Kind::kBlocked
+                                    : Kind::kFloor;
   } else if ((bits & LocalView::kCleared) != 0U && grid_.at(index) == Kind::kBlocked) {
     // A level laser sees no floor, but it does see that an obstacle is not there any more.
     grid_.at(index) = Kind::kCleared;

@@ -17,8 +17,9 @@ class KnownGround {
  public:
   static constexpr double kCellM = PlanWindow::kCellM;
 
-  /// kCleared: an obstacle was there and is gone, but no floor was seen.
-  enum class Kind : std::uint8_t { kUnknown, kFloor, kBlocked, kCleared };
+  /// kCleared: an obstacle was there and is gone, but no floor was seen. kPossibleRamp: an obstacle
+  /// that was only seen from afar, and no higher than a ramp would be there.
+  enum class Kind : std::uint8_t { kUnknown, kFloor, kBlocked, kCleared, kPossibleRamp };
 
   KnownGround() : grid_(kCellM, kLog2Size) {}
 
@@ -50,7 +51,7 @@ class KnownGround {
 
   [[nodiscard]] PlanWindow window_between(const Eigen::Vector2i& low,
                                           const Eigen::Vector2i& high) const;
-  void update_cell(const Eigen::Vector2i& index, unsigned bits);
+  void update_cell(const Eigen::Vector2i& index, unsigned bits, bool could_be_ramp);
 
   RollingGrid<Kind> grid_;
   Eigen::Vector2d known_min_ = Eigen::Vector2d::Zero();

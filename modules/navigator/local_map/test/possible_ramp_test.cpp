@@ -48,5 +48,28 @@ TEST_F(PossibleRampTest, OnLevelGroundNothingIsARampUp) {
   EXPECT_FALSE(ramp.leads_up({2.0, 0.0, 0.05}, 0.05, 0.03));
 }
 
+// From afar, anything that rises from the floor's end no more steeply than the steepest ramp could
+// be one, also on level ground.
+TEST_F(PossibleRampTest, FromAfarWhatIsNoSteeperThanARampCouldBeOne) {
+  const PossibleRamp ramp(grid_, ground_, params_, {0.0, 0.0});
+  const double steepest = std::tan(params_.ground.max_slope_rad);
+  constexpr double kToleranceM = 0.03;
+  for (const double beyond_m : {0.6, 1.0, 2.0}) {
+    // Floor ends within a cell of 1 m, and the tolerance counts twice.
+    const double highest_m = steepest * beyond_m + 2.0 * kToleranceM;
+    const auto could = [&](double height_m) {
+      return ramp.could_lead_up({1.0 + beyond_m, 0.0, height_m}, height_m, kToleranceM);
+    };
+    EXPECT_TRUE(could(highest_m - 0.01)) << beyond_m;
+    EXPECT_FALSE(could(highest_m + 0.02)) << beyond_m;
+  }
+}
+
+TEST_F(PossibleRampTest, FromNearNothingCouldBeARamp) {
+  const PossibleRamp ramp(grid_, ground_, params_, {0.0, 0.0});
+  EXPECT_TRUE(ramp.could_lead_up({params_.ground.doubt_from_m + 0.01, 0.0, 0.08}, 0.08, 0.03));
+  EXPECT_FALSE(ramp.could_lead_up({params_.ground.doubt_from_m - 0.01, 0.0, 0.08}, 0.08, 0.03));
+}
+
 }  // namespace possible_ramp_test
 }  // namespace nodmap::navigator
