@@ -13,6 +13,7 @@ Slam2d::Slam2d(const Slam2dParams& params)
       pose_guesses_(params.people),
       back_end_(params.back_end, params.map, params.matcher),
       doubt_(params.doubt),
+      slip_detector_(params, back_end_),
       place_search_(params, back_end_, moving_points_, doubt_),
       hidden_view_(params, place_search_, back_end_, moving_points_, pose_guesses_, doubt_),
       path_(params.path) {}
@@ -40,7 +41,12 @@ std::optional<PoseUpdate> Slam2d::add_scan(const LevelScan& scan) {
   predict(scan);
   // "These can directly be used as data set D and matched against an incrementally built 2D map" M:
   // the transform that minimises Eq. 3, from the pose by odometry.
-  const FoundPose found = hidden_view_.find_pose(scan, choose_start(scan));
+  const SlipFinding slip = check_slip(scan);
+  LevelScan matched = scan;
+  if (!slip.points_without_people.empty()) {
+    matched.points_base = slip.points_without_people;
+  }
+  const FoundPose found = hidden_view_.find_pose(matched, choose_start(matched, slip));
   // The same transform corrects the pose.
   PoseUpdate update = correct_pose(scan, found);
   record_motion(scan, update);
@@ -48,7 +54,8 @@ std::optional<PoseUpdate> Slam2d::add_scan(const LevelScan& scan) {
   // "New scan points that do not show a correspondence to already existing points in M are added."
   // That may close a loop, which corrects the pose once more.
   if (is_keyframe(update, scan, found)) {
-    add_keyframe(found.scan, found.pose.match, update);
+    // Somebody ahead is known again in the next scan only if this one shows him.
+    add_keyframe(slip.points_without_people.empty() ? found.scan : scan, found.pose.match, update);
     moving_points_.add_keyframe(scan);
   }
   update_map_odom(scan, update);
@@ -114,12 +121,46 @@ void Slam2d::predict(const LevelScan& scan) {
   }
 }
 
-StartPoses Slam2d::choose_start(const LevelScan& scan) const {
-  std::vector<geometry::SE2> guesses = pose_guesses_.guesses(scan, T_map_odom_, T_odom_last_);
+// Removes slip of the wheels since the last scan from odometry.
+SlipFinding Slam2d::check_slip(const LevelScan& scan) {
+  const std::vector<geometry::SE2> guesses = pose_guesses_.guesses(scan, T_map_odom_, T_odom_last_);
+  // Unless scans are far apart, odometry that contradicts the motion so far hangs, or catches up.
+  if (doubt_.is_active() || (guesses.size() > 1 && !scan.is_of_nod)) {
+    return {};
+  }
+  SlipFinding slip = slip_detector_.check(scan, T_map_odom_ * T_odom_last_, guesses.front());
+  if (slip.T_map_base) {
+    remove_slip(*slip.T_map_base, scan.T_odom_base);
+  }
+  return slip;
+}
+
+// From here on odometry is in a frame in which it has not slipped, and what it measured before
+// moves into that frame.
+void Slam2d::remove_slip(const geometry::SE2& T_map_base, const geometry::SE2& T_odom_base) {
+  const geometry::SE2 T_map_odom = T_map_base * T_odom_base.inverse();
+  const geometry::SE2 T_old_new = T_map_odom_.inverse() * T_map_odom;
+  moving_points_.move_views(T_old_new);
+  T_odom_last_ = T_old_new.inverse() * T_odom_last_;
+  T_odom_keyframe_ = T_old_new.inverse() * T_odom_keyframe_;
+  T_first_odom_ = T_first_odom_ * T_old_new;
+  T_map_odom_ = T_map_odom;
+  pose_guesses_.count_odometry_from(T_map_odom_, T_odom_base);
+  place_search_.forget_failure();
+}
+
+StartPoses Slam2d::choose_start(const LevelScan& scan, const SlipFinding& slip) const {
+  std::vector<geometry::SE2> guesses = slip.T_map_base
+                                           ? std::vector{*slip.T_map_base}
+                                           : pose_guesses_.guesses(scan, T_map_odom_, T_odom_last_);
   for (geometry::SE2& guess : guesses) {
     guess = back_end_.local().T_map_submap.inverse() * guess;
   }
-  return place_search_.choose_start(scan, std::move(guesses));
+  StartPoses start = place_search_.choose_start(scan, std::move(guesses));
+  if (start.guesses.size() == 1) {
+    start.match = slip.match;
+  }
+  return start;
 }
 
 PoseUpdate Slam2d::correct_pose(const LevelScan& scan, const FoundPose& found) {

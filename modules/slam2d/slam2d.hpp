@@ -17,6 +17,7 @@
 #include "modules/slam2d/front_end/place_search.hpp"
 #include "modules/slam2d/front_end/pose_covariance.hpp"
 #include "modules/slam2d/front_end/pose_guesses.hpp"
+#include "modules/slam2d/front_end/slip_detector.hpp"
 #include "modules/slam2d/localise/known_map.hpp"
 #include "modules/slam2d/localise/localiser.hpp"
 #include "modules/slam2d/matching/point_map.hpp"
@@ -87,7 +88,9 @@ class Slam2d {
   [[nodiscard]] std::optional<PoseUpdate> begin_new_map(const LevelScan& scan);
   void begin_at(const LevelScan& scan, PoseUpdate& update);
   void predict(const LevelScan& scan);
-  [[nodiscard]] StartPoses choose_start(const LevelScan& scan) const;
+  [[nodiscard]] SlipFinding check_slip(const LevelScan& scan);
+  void remove_slip(const geometry::SE2& T_map_base, const geometry::SE2& T_odom_base);
+  [[nodiscard]] StartPoses choose_start(const LevelScan& scan, const SlipFinding& slip) const;
   [[nodiscard]] PoseUpdate correct_pose(const LevelScan& scan, const FoundPose& found);
   [[nodiscard]] Eigen::Matrix3d estimate_covariance(const MatchedPose& pose,
                                                     const PoseUpdate& update);
@@ -113,6 +116,7 @@ class Slam2d {
   geometry::SE2 T_odom_keyframe_;   // of the last keyframe
   geometry::SE2 T_first_odom_;      // the odom frame in that of the first keyframe
   Doubt doubt_;
+  SlipDetector slip_detector_;
   PlaceSearch place_search_;
   HiddenView hidden_view_;
   TrackedPath path_;

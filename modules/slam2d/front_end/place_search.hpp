@@ -20,8 +20,7 @@ namespace nodmap::slam2d {
 struct StartPoses {
   std::vector<geometry::SE2> guesses;  ///< of T_submap_base, in the local submap; the best first
   bool is_by_odometry = true;          ///< the best guess is the pose by odometry
-  /// The match of all points of the scan from the best guess; only set if there are several
-  /// guesses.
+  /// The match of all points of the scan from the best guess, if it was made.
   std::optional<Match> match = std::nullopt;
 };
 
