@@ -117,7 +117,7 @@ TEST(SlipDetector, PeopleWhoWalkAheadInABareCorridorDoNotHoldThePoseBack) {
 TEST(SlipDetector, SlipBeforeTheEndOfANarrowCorridorIsFound) {
   const test::FloorPlan narrow{
       {{-9, -0.9}, {6, -0.9}}, {{6, -0.9}, {6, 0.9}}, {{6, 0.9}, {-9, 0.9}}};
-  const SE2 counted{0.6, 0.0, 0.0};
+  const SE2 counted{0.9, 0.0, 0.0};
   const Outcome outcome = drive(narrow, with_slip({{{}, counted}, {{}, counted}}));
   EXPECT_LT(outcome.end_m, 0.02);  // the scan noise, twice
   EXPECT_LT(outcome.worst_tracked_m, 0.02);
