@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "common/formats/text_lines.hpp"
@@ -21,29 +23,50 @@ constexpr double kWindowS = 120.0;
 constexpr double kRadiusM = 0.25;
 constexpr double kBorderM = 1.5;
 constexpr double kHalfCrossingM = 5.0;
+constexpr double kMaxPedestrian = 1e9;
 
 // The waypoints of each pedestrian, by number.
 using Tracks = std::map<int, std::vector<Waypoint>>;
+
+// Where a pedestrian was in a frame.
+struct Sighting {
+  double frame = 0.0;
+  int pedestrian = 0;
+  Eigen::Vector2d position;
+};
+
+// The numbers of pedestrians are whole, but often written as floats: "1.0". Empty if the line is
+// anything else than four numbers.
+std::optional<Sighting> read_sighting(std::string_view text) {
+  std::istringstream line{std::string(text)};
+  Sighting sighting;
+  double pedestrian = 0.0;
+  line >> sighting.frame >> pedestrian >> sighting.position.x() >> sighting.position.y();
+  if (!line || !(line >> std::ws).eof() || pedestrian != std::round(pedestrian) ||
+      !(std::abs(pedestrian) <= kMaxPedestrian) ||
+      !(sighting.position.array().abs() <= kMaxWorldNumber).all()) {
+    return std::nullopt;
+  }
+  sighting.pedestrian = static_cast<int>(pedestrian);
+  return sighting;
+}
 
 Tracks read_tracks(const std::filesystem::path& file, double frames_per_s) {
   formats::TextLines lines(file);
   Tracks tracks;
   while (lines.next()) {
-    std::istringstream line{std::string(lines.line())};
-    double frame = 0.0;
-    int pedestrian = 0;
-    Eigen::Vector2d p;
-    if (!(line >> frame >> pedestrian >> p.x() >> p.y()) ||
-        !(p.array().abs() <= kMaxWorldNumber).all()) {
+    const std::optional<Sighting> sighting = read_sighting(lines.line());
+    if (!sighting) {
       throw formats::UserError(lines.place() +
-                               ": expected frame pedestrian x y, positions up to 1e5 m");
+                               ": expected frame pedestrian x y and nothing else, the pedestrian "
+                               "a whole number, positions up to 1e5 m");
     }
-    std::vector<Waypoint>& track = tracks[pedestrian];
-    const double time_s = frame / frames_per_s;
+    std::vector<Waypoint>& track = tracks[sighting->pedestrian];
+    const double time_s = sighting->frame / frames_per_s;
     if (!track.empty() && time_s <= track.back().time_s) {
       throw formats::UserError(lines.place() + ": frames of a pedestrian must ascend");
     }
-    track.push_back({time_s, p});
+    track.push_back({time_s, sighting->position});
   }
   if (tracks.empty()) {
     throw formats::UserError(file.string() + ": contains no pedestrians");
