@@ -115,7 +115,8 @@ void SkidSteerBase::move(double dt_s) {
   T_world_base_.yaw = geometry::normalize_angle(T_world_base_.yaw + yaw_rate_rad_s_ * dt_s);
 }
 
-// Tilts the body by the wheels' acceleration, unless an obstacle blocks the robot.
+// Tilts the body by the wheels' acceleration, also while an obstacle blocks the robot: the motors
+// press it against the obstacle.
 void SkidSteerBase::tilt(double dt_s, const WheelSpeeds& before) {
   const double gain = dt_s / (kTiltLagS + dt_s);
   acceleration_mps2_ = {

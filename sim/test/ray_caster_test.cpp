@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <optional>
 #include <random>
 
 namespace nodmap::sim {
@@ -255,6 +256,18 @@ TEST(RayCaster, HandlesAxisAlignedRaysAndFlatObjects) {
   EXPECT_NEAR(caster.cast({{2, 0, 1}, -Vec3::UnitZ()}, 10)->distance_m, 0.5, 1e-12);
   EXPECT_FALSE(caster.cast({{0, 3, 1}, Vec3::UnitX()}, 10).has_value());
   EXPECT_FALSE(caster.cast({{0, 0, 1}, Vec3::UnitX()}, 4.4).has_value());
+}
+
+// A ray within the plane of a side touches the box, whichever side it is.
+TEST(RayCaster, RaysAlongTheSidesOfABoxHitIt) {
+  World world;
+  world.objects.push_back({Box{{5, 0, 1}, {1, 1, 1}, 0}});
+  const RayCaster caster(world);
+  for (const Vec3& origin : {Vec3(0, -0.5, 1), Vec3(0, 0.5, 1), Vec3(0, 0, 0.5), Vec3(0, 0, 1.5)}) {
+    const std::optional<Hit> hit = caster.cast({origin, Vec3::UnitX()}, 10);
+    ASSERT_TRUE(hit) << origin.transpose();
+    EXPECT_NEAR(hit->distance_m, 4.5, 1e-12) << origin.transpose();
+  }
 }
 
 TEST(RayCaster, AnEmptyWorldHasAFloor) {

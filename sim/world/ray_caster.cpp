@@ -23,7 +23,7 @@ Eigen::Vector3d center_of(const RayShape& shape) {
 }
 
 // Distance at which the ray enters the bounds; kNoHit if that is not before `limit`. The inverse
-// of a zero component is infinite; min and max are ordered so that 0 * infinity has no effect.
+// of a zero component is infinite.
 double entry(const Bounds& bounds, const Eigen::Vector3d& origin, const Eigen::Vector3d& inverse,
              double limit) {
   double enter = 0.0;
@@ -31,6 +31,10 @@ double entry(const Bounds& bounds, const Eigen::Vector3d& origin, const Eigen::V
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
     const double a = (bounds.min[axis] - origin[axis]) * inverse[axis];
     const double b = (bounds.max[axis] - origin[axis]) * inverse[axis];
+    // Parallel to the sides and between them (infinity - infinity) or in one (0 * infinity).
+    if (std::isnan(a + b)) {
+      continue;
+    }
     enter = std::max(enter, std::min(a, b));
     leave = std::min(leave, std::max(a, b));
   }
