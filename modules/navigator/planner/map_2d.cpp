@@ -35,14 +35,45 @@ struct Line {
   [[nodiscard]] int size() const { return last - first + 1; }
 };
 
-// The cells of the plan whose middles are in `count` cells of the map.
-Line covered(int first, int count, double ratio) {
-  return {static_cast<int>(std::ceil(ratio * first - 0.5)),
-          static_cast<int>(std::ceil(ratio * (first + count) - 0.5)) - 1};
+// The cells of the plan that `count` cells of the map overlap. `ratio`: map cell by plan cell.
+Line overlapping(int first, int count, double ratio) {
+  return {static_cast<int>(std::floor(ratio * first + kTouch)),
+          static_cast<int>(std::ceil(ratio * (first + count) - kTouch)) - 1};
 }
 
-// The cells of the tile that a cell of the plan overlaps, from 0 on. `ratio`: map cell by plan
-// cell.
+// A cell of the plan at the border of tiles is partly in each of them: a quarter has two bits in
+// the cell's byte. Which quarters a tile gives, along one axis:
+struct Halves {
+  std::uint8_t low;
+  std::uint8_t high;
+};
+constexpr Halves kColumns{0b00'11'00'11, 0b11'00'11'00};
+constexpr Halves kRows{0b00'00'11'11, 0b11'11'00'00};
+
+// The halves of a cell of the plan that `count` cells of the map give: the high one if they begin
+// inside it, the low one if they end inside it, otherwise both.
+std::uint8_t given(const Halves& halves, int index, int first, int count, double ratio) {
+  const bool begins_inside = ratio * first > index + kTouch;
+  const bool ends_inside = ratio * (first + count) < index + 1 - kTouch;
+  if (begins_inside == ends_inside) {
+    return halves.low | halves.high;
+  }
+  return begins_inside ? halves.high : halves.low;
+}
+
+// The same kind in all quarters, and the greatest of them.
+std::uint8_t in_all_quarters(Map2d::Kind kind) {
+  return static_cast<std::uint8_t>(0b01'01'01'01 * static_cast<unsigned>(kind));
+}
+
+Map2d::Kind greatest_quarter(std::uint8_t quarters) {
+  if ((quarters & in_all_quarters(Map2d::Kind::kOccupied)) != 0) {
+    return Map2d::Kind::kOccupied;
+  }
+  return quarters == 0 ? Map2d::Kind::kUnknown : Map2d::Kind::kFree;
+}
+
+// The cells of the tile that a cell of the plan overlaps, from 0 on.
 Line overlapped(int index, int first, int count, double ratio) {
   const auto low = static_cast<int>(std::floor(index / ratio + kTouch)) - first;
   const auto high = static_cast<int>(std::ceil((index + 1) / ratio - kTouch)) - 1 - first;
@@ -97,19 +128,22 @@ bool Map2d::add(const MapTile& tile) {
   if (num_cells * std::max(1.0, ratio * ratio) > kMostTileCells) {
     return false;
   }
-  const Line columns = covered(tile.first.x(), tile.width, ratio);
-  const Line rows = covered(tile.first.y(), tile.height, ratio);
+  const Line columns = overlapping(tile.first.x(), tile.width, ratio);
+  const Line rows = overlapping(tile.first.y(), tile.height, ratio);
   if (!has_room({columns.first, rows.first}, {columns.last, rows.last})) {
     return false;
   }
-  std::vector<Kind> kinds(static_cast<std::size_t>(columns.size()));
+  std::vector<Part> parts(static_cast<std::size_t>(columns.size()));
   for (int row = rows.first; row <= rows.last; ++row) {
     const Line tile_rows = overlapped(row, tile.first.y(), tile.height, ratio);
+    const std::uint8_t half = given(kRows, row, tile.first.y(), tile.height, ratio);
     for (int column = columns.first; column <= columns.last; ++column) {
-      kinds[static_cast<std::size_t>(column - columns.first)] =
-          greatest(tile, overlapped(column, tile.first.x(), tile.width, ratio), tile_rows);
+      parts[static_cast<std::size_t>(column - columns.first)] = {
+          greatest(tile, overlapped(column, tile.first.x(), tile.width, ratio), tile_rows),
+          static_cast<std::uint8_t>(half &
+                                    given(kColumns, column, tile.first.x(), tile.width, ratio))};
     }
-    write_row({columns.first, row}, kinds);
+    write_row({columns.first, row}, parts);
   }
   return true;
 }
@@ -124,14 +158,18 @@ bool Map2d::has_room(const Eigen::Vector2i& first, const Eigen::Vector2i& last) 
   return num_blocks <= kMostBlocks;
 }
 
-void Map2d::write_row(const Eigen::Vector2i& first, std::span<const Kind> row) {
+void Map2d::write_row(const Eigen::Vector2i& first, std::span<const Part> row) {
   for_each_piece(
       first, static_cast<int>(row.size()), [&](int column, int count, int block, int to) {
-        std::ranges::copy(
-            row.subspan(static_cast<std::size_t>(column), static_cast<std::size_t>(count)),
-            blocks_[{block_of(first.y()), block}].begin() + to);
+        auto* cell = blocks_[{block_of(first.y()), block}].begin() + to;
+        for (const Part& part :
+             row.subspan(static_cast<std::size_t>(column), static_cast<std::size_t>(count))) {
+          *cell = static_cast<std::uint8_t>((*cell & ~part.quarters) |
+                                            (in_all_quarters(part.kind) & part.quarters));
+          ++cell;
+        }
       });
-  const auto is_known = [](Kind kind) { return kind != Kind::kUnknown; };
+  const auto is_known = [](const Part& part) { return part.kind != Kind::kUnknown; };
   const auto known = std::ranges::find_if(row, is_known);
   if (known == row.end()) {
     return;
@@ -154,7 +192,8 @@ void Map2d::read_row(const Eigen::Vector2i& first, std::span<Kind> row) const {
         if (found == blocks_.end()) {
           std::ranges::fill(piece, Kind::kUnknown);
         } else {
-          std::copy_n(found->second.begin() + at, count, piece.begin());
+          std::transform(found->second.begin() + at, found->second.begin() + at + count,
+                         piece.begin(), greatest_quarter);
         }
       });
 }

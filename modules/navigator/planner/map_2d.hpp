@@ -23,8 +23,9 @@ class Map2d {
   /// In this order: the greatest of several cells counts.
   enum class Kind : std::uint8_t { kUnknown, kFree, kOccupied };
 
-  /// Replaces what the tile covers. Returns false and changes nothing if its cells are too small,
-  /// too large or too many, or if the map would become larger than 4096 x 4096 cells of a plan.
+  /// Replaces what the tile covers; a cell at its border keeps what its neighbours give of it.
+  /// Returns false and changes nothing if its cells are too small, too large or too many, or if the
+  /// map would become larger than 4096 x 4096 cells of a plan.
   bool add(const geometry::MapTile& tile);
   void clear();
 
@@ -44,11 +45,18 @@ class Map2d {
   static constexpr int kBlockCells = 128;
 
  private:
-  using Block = std::array<Kind, std::size_t{kBlockCells} * kBlockCells>;
+  // What a tile gives of a cell: at the tile's border not all of its quarters.
+  struct Part {
+    Kind kind;
+    std::uint8_t quarters;  // a mask of two bits for each
+  };
+  // The kind in each quarter of each cell. At the border of tiles the quarters of a cell come from
+  // different tiles, and each tile replaces only its own.
+  using Block = std::array<std::uint8_t, std::size_t{kBlockCells} * kBlockCells>;
   using BlockIndex = std::pair<int, int>;  // row, column
 
   [[nodiscard]] bool has_room(const Eigen::Vector2i& first, const Eigen::Vector2i& last) const;
-  void write_row(const Eigen::Vector2i& first, std::span<const Kind> row);
+  void write_row(const Eigen::Vector2i& first, std::span<const Part> row);
 
   std::map<BlockIndex, Block> blocks_;
   std::optional<Extent> extent_;

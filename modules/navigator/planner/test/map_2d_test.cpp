@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -77,7 +78,7 @@ TEST(Map2d, OtherCellSizesGiveTheGreatestOfWhatACellOverlaps) {
       const int row = static_cast<int>(std::floor(y_m / cell_size_m)) - first.y();
       return cells[static_cast<std::size_t>(kSize * row + column)];
     };
-    // Only cells of the plan that lie in the tile as a whole: those at its border are cut off.
+    // Only cells of the plan that lie in the tile as a whole; the border of tiles is tested below.
     const auto line_after = [&](int cell) {
       return static_cast<int>(std::ceil(cell * cell_size_m / 0.05)) + 1;
     };
@@ -93,6 +94,59 @@ TEST(Map2d, OtherCellSizesGiveTheGreatestOfWhatACellOverlaps) {
                                  : greatest == kFree   ? Kind::kFree
                                                        : Kind::kUnknown)
             << cell_size_m << " m: " << x << ", " << y;
+      }
+    }
+  }
+}
+
+constexpr int kTile = 32;
+
+// One of three tiles in a row along an axis, with a wall one cell thick across it if the wall's
+// cell, counted along the row, is in this tile.
+Uniform tile_with_wall(double cell_size_m, int axis, int index, int wall) {
+  Eigen::Vector2i first(0, 0);
+  first[axis] = kTile * index;
+  Uniform uniform(cell_size_m, first, kTile, kTile, kFree);
+  for (int i = 0; i < kTile && wall >= 0 && wall / kTile == index; ++i) {
+    const int along = wall % kTile;
+    const int cell = axis == 0 ? kTile * i + along : kTile * along + i;
+    uniform.cells[static_cast<std::size_t>(cell)] = kOccupied;
+  }
+  return uniform;
+}
+
+// Which cells of the plan along an axis are occupied.
+std::vector<int> occupied(const Map2d& map, int axis) {
+  std::vector<int> cells;
+  for (int i = -1; i < 160; ++i) {
+    if ((axis == 0 ? at(map, i, 1) : at(map, 1, i)) == Kind::kOccupied) {
+      cells.push_back(i);
+    }
+  }
+  return cells;
+}
+
+// A wall is in all cells of the plan that it overlaps, wherever the border of two tiles is and in
+// whichever order they come. It goes when the tile that it was in comes without it.
+TEST(Map2d, AWallAtTheBorderOfTwoTilesIsInThePlan) {
+  for (const double cell_size_m : {0.01, 0.015, 0.02, 0.03, 0.05, 0.08}) {
+    for (int i = 0; i < 2 * 3 * kTile; ++i) {
+      const int axis = i % 2;
+      const int wall = i / 2;
+      std::vector<int> expected;
+      // More than a rounding error of a cell.
+      for (int cell = static_cast<int>(std::floor(wall * cell_size_m / 0.05 + 1e-6));
+           0.05 * cell < (wall + 1) * cell_size_m - 1e-6; ++cell) {
+        expected.push_back(cell);
+      }
+      for (const auto& order : {std::array{0, 1, 2}, std::array{2, 1, 0}, std::array{1, 2, 0}}) {
+        Map2d map;
+        for (const int index : order) {
+          ASSERT_TRUE(map.add(tile_with_wall(cell_size_m, axis, index, wall).tile));
+        }
+        ASSERT_EQ(occupied(map, axis), expected) << cell_size_m << " m, cell " << wall;
+        ASSERT_TRUE(map.add(tile_with_wall(cell_size_m, axis, wall / kTile, -1).tile));
+        ASSERT_EQ(occupied(map, axis), std::vector<int>()) << cell_size_m << " m, cell " << wall;
       }
     }
   }
