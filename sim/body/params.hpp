@@ -86,6 +86,8 @@ struct ServoParams {
   double mount_z_m = 0.38;
   double mirror_forward_m = 0.0;
   double mirror_up_m = 0.0;
+  double laser_roll_rad = 0.0;
+  double laser_yaw_rad = 0.0;
   double pitch_limit_rad = geometry::deg_to_rad(65.0);
   double speed_rad_s = 3.5;
   double acceleration_rad_s2 = 50.0;
@@ -99,6 +101,10 @@ struct ServoParams {
              "Distance of the laser's mirror ahead of the pitch axis, at pitch 0.");
     v.number("mirror_up_m", mirror_up_m, {-0.5, 0.5},
              "Height of the laser's mirror above the pitch axis, at pitch 0.");
+    v.angle("laser_roll_deg", laser_roll_rad, {-10.0, 10.0},
+            "Roll of the laser on its head, positive to the right; the drivers assume none.");
+    v.angle("laser_yaw_deg", laser_yaw_rad, {-10.0, 10.0},
+            "Yaw of the laser on its head, positive to the left; the drivers assume none.");
     v.angle("pitch_limit_deg", pitch_limit_rad, {1.0, 90.0},
             "Largest pitch of the laser, up and down.");
     v.number("servo_speed_rad_s", speed_rad_s, {0.01, 100.0},

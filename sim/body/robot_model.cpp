@@ -238,6 +238,8 @@ Echo RobotModel::measure(double angle_rad, time::SteadyTime fired) {
   T_base_laser.linear() = geometry::pitch_rotation(moment.pitch().pitch_rad);
   T_base_laser.translation() << servo.mount_x_m, 0.0, servo.mount_z_m;
   T_base_laser.translation() += T_base_laser.linear() * p_head_mirror;
+  T_base_laser.rotate(Eigen::AngleAxisd(servo.laser_yaw_rad, Eigen::Vector3d::UnitZ()));
+  T_base_laser.rotate(Eigen::AngleAxisd(servo.laser_roll_rad, Eigen::Vector3d::UnitX()));
   return state_->rangefinder.measure(state_->caster, moment.T_world_base() * T_base_laser,
                                      angle_rad, moment.actors());
 }
