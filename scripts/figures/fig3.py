@@ -5,14 +5,17 @@ import numpy as np
 
 import formats
 import style
+from steady import TOLERANCE, steady_from
 from trials import Trial
 
 SPEEDS_MPS = [0.5, 1.0, 1.5]
 SCAN_S = 0.01332
 WINDOW_S = 2.4
+STATIONARY_FROM_S = 4.0
 
-STATIONARY = Trial("fig3-stationary", "corridor30", 1, 8, "--without", "navigator", "--no-slam6d")
-DRIVES = [Trial(f"fig3-{speed}", "corridor30", 1, 12, "--set", f"navigator.drive.max_forward_mps={speed}", "--no-slam6d")
+# In a corridor long enough for the fastest of these robots to hold its speed.
+STATIONARY = Trial("fig3-stationary", "corridor:1", 1, 8, "--without", "navigator", "--no-slam6d")
+DRIVES = [Trial(f"fig3-{speed}", "corridor:1", 1, 30, "--set", f"navigator.drive.max_forward_mps={speed}", "--no-slam6d")
           for speed in SPEEDS_MPS]
 TRIALS = [STATIONARY, *DRIVES]
 
@@ -23,8 +26,8 @@ class Nod:
     def __init__(self, trial, speed_mps):
         pitch, command = formats.read_table(trial.table("PITCH_STATE")), formats.read_table(trial.table("PITCH_COMMAND"))
         truth = formats.read_table(trial.table("TRUTH"))
-        fast_us = truth["utime_us"][np.argmax(truth["forward_mps"] >= 0.97 * speed_mps)]
-        start_us = fast_us + (0.3e6 if speed_mps else 4e6)
+        start_s = steady_from(truth["time_s"], truth["forward_mps"], speed_mps, WINDOW_S) if speed_mps else STATIONARY_FROM_S
+        start_us = truth["utime_us"][0] + 1e6 * start_s
         inside = [self.window(table, start_us) for table in (pitch, command, truth)]
         self.pitch, self.command, self.truth = inside
         self.speed_mps = self.truth["forward_mps"].mean()
@@ -75,15 +78,20 @@ def make():
     rows = "\n".join(f"| {'stationary' if n.speed_mps < 0.01 else f'{n.speed_mps:.2f} m/s'} | {n.span_deg()[0]:.0f}° to {n.span_deg()[1]:.0f}° "
                      f"| {n.sweep_s:.2f} s | {n.scans():.0f} | {n.step_deg():.2f}° |" for n in nods)
     slowest, fastest = nods[0], nods[-1]
+    lowest, highest = fastest.span_deg()
     return {
         "title": "the nod",
         "alt": "Pitch angle over time at four speeds, with the bounds of the area of interest",
         "paper": "The scanner nods up and down between the bounds of the area of interest (AOI). A PI controller adapts the bounds and the pitch "
                  "rate to the robot's speed: the AOI covers the whole 120° when the robot is stationary, and only the virtual corridor when it "
                  "drives fast. A point cloud consists of 15 to 500 scans.",
-        "measured": "The measured pitch at constant speed, in the corridor of Fig. 6:\n\n"
+        "measured": f"The measured pitch at constant speed (within {100 * TOLERANCE:.0f} % for {WINDOW_S} s), in a corridor of 100 m:\n\n"
                     "| speed | pitch | sweep duration | scans in a sweep | pitch from scan to scan |\n|---|---|---|---|---|\n" + rows + "\n\n"
                     f"At {fastest.speed_mps:.1f} m/s a sweep takes 1/{slowest.sweep_s / fastest.sweep_s:.1f} of the time that it takes when the robot is "
                     "stationary. When the robot is stationary, the servo is the limit: a sweep over the 120° takes a second. A sweep of the paper's "
                     "fine scans (480 scans, 0.25° apart) takes six.",
+        # At this speed the sweep is planned over the virtual corridor, a line beyond it, and 3 degrees of floor: from -21.5 to 7.5 degrees.
+        "holds": [(f"sweep duration at {SPEEDS_MPS[-1]} m/s", f"{fastest.sweep_s:.2f} s", f"≤ half of {slowest.sweep_s:.2f} s",
+                   fastest.sweep_s <= 0.5 * slowest.sweep_s),
+                  (f"pitch at {SPEEDS_MPS[-1]} m/s", f"{lowest:.0f}° to {highest:.0f}°", "within -24° to 10°", lowest >= -24 and highest <= 10)],
     }

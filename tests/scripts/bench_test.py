@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What the benchmarks' scripts do: bench.sh runs an entry with the arguments that its program needs, navigation.py fails where the robot hits something,
 trials.py shows what it has when something fails, slam2d_damage.py counts what it cannot measure, slam6d_sessions.py compares a pose with the truth of the same
-time, and lost_time.py knows the navigator's reasons.
+time, lost_time.py knows the navigator's reasons, and Fig. 3 shows a speed that is held.
 
 usage: bench_test.py SOURCE_DIR
 """
@@ -166,6 +166,23 @@ def check_odometry_noise(source):
         assert "sim.odometry_scale_bias=0.03" in trial.options, trial.name
 
 
+def check_steady_speed(source):
+    """A window begins only after a dip, and there is none in a drive that never holds the speed or never reaches it."""
+    sys.path.append(str(source / "scripts" / "figures"))
+    from steady import steady_from
+    times_s = [0.02 * i for i in range(500)]
+    dip = [0.05 if 1.0 <= time_s < 3.0 else 1.5 for time_s in times_s]
+    assert abs(steady_from(times_s, dip, 1.5, 2.4) - 3.3) < 0.03, "0.3 s after the dip, to one sample and a rounding error"
+    assert abs(steady_from(times_s, dip, 1.5, 0.5) - 0.3) < 0.01, "before the dip"
+    for never in ([1.0] * 500, [1.5 if time_s % 2 > 0.1 else 1.4 for time_s in times_s], [1.6] * 500):
+        try:
+            steady_from(times_s, never, 1.5, 2.4)
+        except RuntimeError as error:
+            assert "never holds 1.5 m/s" in str(error)
+            continue
+        raise AssertionError("a speed that is never held was found")
+
+
 def check_truth_between_samples(source):
     """A robot at 1 m/s, whose truth has a sample every 10 ms, and whose pose has no error."""
     sys.path.insert(0, str(source / "bench"))
@@ -200,6 +217,7 @@ def main():
     check_odometry_noise(source)
     check_progress(source)
     check_relations_without_a_scan(source)
+    check_steady_speed(source)
     printed = measure(source, "serial", "nodmap-bench-serial", SERIAL_BENCH)
     assert printed == "20 s beside 6 loops\n", printed
     assert drive(source, "holes", NO_CONTACT) == 0
