@@ -61,8 +61,8 @@ def make():
         "paper": "With the laser fixed level the robot does not perceive obstacles below or above the scan plane, and collides "
                  "with them. With the laser nodding it perceives and avoids them.",
         "measured": f"The room holds boxes 10 to 30 cm high and table tops at 40 to 46 cm; the fixed laser measures in a level plane at "
-                    f"38 cm. Each laser was tried in {n} runs of 60 s, with the same seeds. With the fixed laser **{hit_fixed} of {n}** runs have a collision, "
-                    f"with the nodding laser **{hit_nodding} of {n}**.{when} With the nodding laser the robot drives {np.median(driven_m):.0f} m "
+                    f"38 cm. Each laser was tried in {n} runs of 60 s, with the same seeds and wheels that count exactly. With the fixed laser "
+                    f"**{hit_fixed} of {n}** runs have a collision, with the nodding laser **{hit_nodding} of {n}**.{when} With the nodding laser the robot drives {np.median(driven_m):.0f} m "
                     f"(median) and never comes nearer than {100 * clearance:.0f} cm to anything. "
                     f"The image shows seed {SHOWN}: objects below the level laser's plane are brown, the table tops above it are blue.",
         "holds": [(f"runs of {n} with a collision, laser fixed", hit_fixed, "most", hit_fixed > n / 2),

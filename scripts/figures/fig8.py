@@ -67,8 +67,8 @@ def make():
         "alt": "The scene, the cloud of 50 scans coloured by height, and the same cloud as a depth image",
         "paper": "A point cloud from 50 consecutive scans, taken while the robot moves forward by approximately 1 m (in 0.67 s, at 1.5 m/s), and "
                  "the same cloud as a depth image.",
-        "measured": f"The cloud consists of {SCANS} scans at {SPEED_MPS} m/s. It is deskewed by odometry and placed at the robot's true pose. The RMS "
-                    f"distance of its {shown['n']} points from the true surfaces of the world is **{1000 * shown['rms_m']:.1f} mm**; 95 % of them are nearer "
+        "measured": f"The cloud consists of {SCANS} scans at {SPEED_MPS} m/s. It is deskewed by odometry, whose wheels count exactly here, and placed at "
+                    f"the robot's true pose. The RMS distance of its {shown['n']} points from the true surfaces of the world is **{1000 * shown['rms_m']:.1f} mm**; 95 % of them are nearer "
                     f"than {1000 * shown['p95_m']:.0f} mm. The worst of {len(clouds)} such clouds on this drive has {1000 * worst['rms_m']:.1f} mm (target "
                     "14 mm). At this speed the AOI, and therefore the cloud, covers only the virtual corridor.",
         "holds": [(f"residual at {SPEED_MPS} m/s, worst of {len(clouds)} clouds", f"{1000 * worst['rms_m']:.1f} mm", "≤ 14 mm",
