@@ -87,43 +87,6 @@ TEST(RobotModel, RangesAreMeasuredFromThePitchAxis) {
   EXPECT_NEAR(model.measure(0.0, at(1s)).range_m, 0.38 / std::sin(deg_to_rad(20.0)), 2.3e-4);
 }
 
-// The mirror goes round with the head: up moves it back when the laser looks up.
-TEST(RobotModel, RangesAreMeasuredFromTheMirror) {
-  RobotModelParams params = exact_params();
-  params.servo.mirror_forward_m = 0.04;
-  params.servo.mirror_up_m = 0.03;
-  RobotModel model(wall_ahead(3.0), params, 1);
-  model.advance_to(at(100ms));
-  EXPECT_NEAR(model.measure(0.0, at(100ms)).range_m, 2.81, 7e-6);
-  model.set_pitch_goal({deg_to_rad(20.0), 0.0, 0.0});
-  model.advance_to(at(1s));
-  const double cosine = std::cos(deg_to_rad(20.0));
-  const double ahead_m = 2.85 - 0.04 * cosine + 0.03 * std::sin(deg_to_rad(20.0));
-  // As above, on an oblique spot.
-  EXPECT_NEAR(model.measure(0.0, at(1s)).range_m, ahead_m / cosine, 5e-5);
-}
-
-// A laser that is screwed on askew: yaw turns the scan, roll raises its left half, and the floor
-// comes into view on the right.
-TEST(RobotModel, ALaserMayBeAskewOnItsHead) {
-  RobotModelParams params = exact_params();
-  params.servo.laser_yaw_rad = deg_to_rad(5.0);
-  RobotModel turned(wall_ahead(3.0), params, 1);
-  turned.advance_to(at(100ms));
-  // The tolerances are those of the same ranges in the tests above.
-  EXPECT_NEAR(turned.measure(deg_to_rad(-5.0), at(100ms)).range_m, 2.85, 7e-6);
-  EXPECT_NEAR(turned.measure(deg_to_rad(55.0), at(100ms)).range_m, 5.7, 8.8e-5);
-
-  params.servo.laser_yaw_rad = 0.0;
-  params.servo.laser_roll_rad = deg_to_rad(10.0);
-  RobotModel rolled(World{}, params, 1);
-  rolled.advance_to(at(100ms));
-  EXPECT_EQ(rolled.measure(deg_to_rad(90.0), at(100ms)).kind, Echo::Kind::kNothing);
-  // As the floor at -20 degrees above, three times as oblique.
-  EXPECT_NEAR(rolled.measure(deg_to_rad(-90.0), at(100ms)).range_m,
-              0.38 / std::sin(deg_to_rad(10.0)), 2e-3);
-}
-
 TEST(RobotModel, MeasuresTheWorldAtAPastTime) {
   RobotModel model(wall_ahead(10.0), exact_params(), 1);
   model.set_wheel_speeds({1.0, 1.0});
