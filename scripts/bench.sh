@@ -32,6 +32,7 @@ slam6d-jumps   checks  docs/benchmark-3d.md: 200 drives without a jump
 laps           prints  docs/benchmark-3d.md: two kilometres in one building
 structure-map  prints  docs/benchmark-2d.md: the structure map as a virtual scan
 slow-odometry  prints  docs/benchmark-3d.md: slow odometry
+sensitivity    prints  docs/benchmark-3d.md: the simulator's ideal parts
 hours          prints  6D SLAM for hours; docs/benchmark-2d.md: days in one building
 octomap        checks  OctoMap (needs the recordings)
 trials         checks  Trials, Stairs and a warehouse, The simulator
@@ -141,6 +142,7 @@ measure() {
     laps) python3 bench/slam_laps.py ;;
     structure-map) python3 bench/slam2d_structure_map.py ;;
     slow-odometry) python3 bench/slow_odometry.py --out "$out/drives" ;;
+    sensitivity) python3 bench/sensitivity.py ;;
     hours)
       python3 bench/slam2d_days.py --hours 1 2 4 8 24
       python3 bench/slam6d_days.py --hours 1 2 4
