@@ -18,6 +18,10 @@ using geometry::SE3;
 // A saved keyframe votes for the sweeps up to the next one as well, which were not saved.
 constexpr int kVotesOfSavedKeyframe = 2;
 
+bool is_slipped(const PoseUpdate& update) {
+  return update.registration && update.registration->is_slipped;
+}
+
 }  // namespace
 
 Slam6d::Slam6d(const Slam6dParams& params)
@@ -154,7 +158,7 @@ std::optional<VoxelMap> Slam6d::voxels_to_register(const SweepCloud& cloud,
 }
 
 // The first sweep has no pose to be tracked from: it is the map.
-void Slam6d::track(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update) {
+void Slam6d::track(VoxelMap& sweep, SweepCloud& cloud, PoseUpdate& update) {
   if (!update.is_place_known) {
     recovery_.find_place(known(), sweep, cloud, update);
   }
@@ -204,8 +208,7 @@ void Slam6d::add_keyframe(const VoxelMap& sweep, SweepCloud cloud, const PoseUpd
   keyframe_is_due_ = false;
 }
 
-// The first sweep may be cut short, because the head was already moving when it began. No whole
-// sweep would ever fit such a sliver.
+// The first sweep may be cut short, as the head may move already. No whole sweep would fit it.
 bool Slam6d::is_better_beginning(const VoxelMap& sweep) const {
   constexpr std::size_t kCutShort = 2;
   return num_restored_ == 0 && tracker_.has_pose() &&
@@ -258,9 +261,9 @@ void Slam6d::learn_pitch_latency_at_start(const PlacedSweep& sweep) {
   ever_free_.add_sweep(*first.cloud, first.T_map_base, 0);
 }
 
-// Only what was registered enters the map: a refused sweep leaves no trace.
+// Only what was registered enters the map: a refused sweep leaves no trace, nor does slip.
 void Slam6d::add_to_map(const VoxelMap& sweep, const SweepCloud& cloud, const PoseUpdate& update) {
-  if (recovery_.is_map_closed()) {
+  if (recovery_.is_map_closed() || is_slipped(update)) {
     return;
   }
   const std::size_t keyframe = keyframes_.size() - (update.keyframe ? 0 : 1);
@@ -284,7 +287,8 @@ bool Slam6d::is_adjusted(const PoseUpdate& update) const {
 }
 
 std::optional<KeyframeReason> Slam6d::keyframe_reason(const PoseUpdate& update) const {
-  if (recovery_.is_map_closed() || !(keyframes_.empty() || update.is_tracked())) {
+  if (recovery_.is_map_closed() || is_slipped(update) ||
+      !(keyframes_.empty() || update.is_tracked())) {
     return std::nullopt;
   }
   if (keyframes_.empty()) {

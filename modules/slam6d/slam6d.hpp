@@ -116,7 +116,7 @@ class Slam6d {
   [[nodiscard]] PoseUpdate follow_odometry(const SweepCloud& cloud);
   [[nodiscard]] std::optional<VoxelMap> voxels_to_register(const SweepCloud& cloud,
                                                            const PoseUpdate& update) const;
-  void track(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update);
+  void track(VoxelMap& sweep, SweepCloud& cloud, PoseUpdate& update);
   void add_to_map(const VoxelMap& sweep, const SweepCloud& cloud, const PoseUpdate& update);
   [[nodiscard]] bool is_adjusted(const PoseUpdate& update) const;
   [[nodiscard]] std::optional<KeyframeReason> keyframe_reason(const PoseUpdate& update) const;

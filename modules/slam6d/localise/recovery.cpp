@@ -56,8 +56,8 @@ void Recovery::find_place(const Known& known, const VoxelMap& sweep, const Sweep
   update = known.tracker.extrapolate(cloud);
 }
 
-bool Recovery::check_place(const Known& known, int lost_before, VoxelMap& sweep,
-                           const SweepCloud& cloud, PoseUpdate& update) {
+bool Recovery::check_place(const Known& known, int lost_before, VoxelMap& sweep, SweepCloud& cloud,
+                           PoseUpdate& update) {
   bool is_found = false;
   if (!is_map_closed_ && lost_before > 0) {
     if (lost_before == 1 && localiser_) {
@@ -92,8 +92,7 @@ void Recovery::classify_place(const Known& known, const VoxelMap& sweep, const S
 // little about its place, and walls fit walls in many places, so a place that contradicts the space
 // that was seen is refused. This is not checked if odometry excludes all other places, because
 // people nearby contradict that space, too.
-bool Recovery::recover(const Known& known, VoxelMap& sweep, const SweepCloud& cloud,
-                       PoseUpdate& update) {
+bool Recovery::recover(const Known& known, VoxelMap& sweep, SweepCloud& cloud, PoseUpdate& update) {
   Tracker& tracker = known.tracker;
   if (update.is_tracked() && !is_certain(tracker.extrapolate(cloud).covariance, params_.localise) &&
       localiser_in_own_map(known).is_contradicted_at(sweep, update.T_map_base)) {
@@ -117,7 +116,7 @@ Localiser& Recovery::localiser_in_own_map(const Known& known) {
 }
 
 // Searches as in a saved map.
-bool Recovery::search_own_map(const Known& known, VoxelMap& sweep, const SweepCloud& cloud,
+bool Recovery::search_own_map(const Known& known, VoxelMap& sweep, SweepCloud& cloud,
                               PoseUpdate& update) {
   Tracker& tracker = known.tracker;
   VoxelMap as_measured = voxelize(cloud, params_.voxels);

@@ -71,15 +71,15 @@ class Recovery {
   /// sweeps refused in a row before this one. Returns whether the robot was found by a search: its
   /// motion since the last keyframe is then unknown.
   [[nodiscard]] bool check_place(const Known& known, int lost_before, VoxelMap& sweep,
-                                 const SweepCloud& cloud, PoseUpdate& update);
+                                 SweepCloud& cloud, PoseUpdate& update);
 
  private:
   void classify_place(const Known& known, const VoxelMap& sweep, const SweepCloud& cloud,
                       PoseUpdate& update);
-  [[nodiscard]] bool recover(const Known& known, VoxelMap& sweep, const SweepCloud& cloud,
+  [[nodiscard]] bool recover(const Known& known, VoxelMap& sweep, SweepCloud& cloud,
                              PoseUpdate& update);
   [[nodiscard]] Localiser& localiser_in_own_map(const Known& known);
-  [[nodiscard]] bool search_own_map(const Known& known, VoxelMap& sweep, const SweepCloud& cloud,
+  [[nodiscard]] bool search_own_map(const Known& known, VoxelMap& sweep, SweepCloud& cloud,
                                     PoseUpdate& update);
   void take_back_place(const Known& known, const SweepCloud& cloud, PoseUpdate& update);
 

@@ -2,6 +2,7 @@
 #include "modules/slam6d/registration/inliers.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 
 namespace nodmap::slam6d {
@@ -9,6 +10,7 @@ namespace {
 
 // With fewer upright points than this, their ratio means nothing.
 constexpr std::size_t kMinUprightPoints = 100;
+constexpr std::size_t kMinAcrossPoints = 50;
 
 struct InlierCount {
   std::size_t points = 0;
@@ -23,29 +25,53 @@ struct InlierCount {
   }
 };
 
-}  // namespace
-
-InlierRatios count_inliers(const VoxelMap::Selection& sweep, const CorrespondenceSearch& map,
-                           const geometry::SE3& T_map_base, double max_m) {
+// Calls `use(normal_map, is_inlier)` for each point.
+template <class Use>
+void for_each_point(const VoxelMap::Selection& sweep, const CorrespondenceSearch& map,
+                    const geometry::SE3& T_map_base, double max_m, const Use& use) {
   const Eigen::Matrix3f R = T_map_base.linear().cast<float>();
   const Eigen::Vector3f t = T_map_base.translation().cast<float>();
-  InlierCount all;
-  InlierCount upright;
   for (std::size_t l = 0; l < VoxelMap::kLevels; ++l) {
     for (std::size_t i = sweep.first_of_level[l]; i < sweep.first_of_level[l + 1]; ++i) {
       const OrientedPoint& point = sweep.points[i];
       const Eigen::Vector3f p_map = R * point.p + t;
       const Eigen::Vector3f normal_map = R * point.normal;
-      const bool is_inlier =
-          map.fit(l, p_map, normal_map, static_cast<float>(max_m)) == FitToPlane::kOn;
-      all.add(is_inlier);
-      if (is_upright(normal_map.z())) {
-        upright.add(is_inlier);
-      }
+      use(normal_map, map.fit(l, p_map, normal_map, static_cast<float>(max_m)) == FitToPlane::kOn);
     }
   }
+}
+
+}  // namespace
+
+InlierRatios count_inliers(const VoxelMap::Selection& sweep, const CorrespondenceSearch& map,
+                           const geometry::SE3& T_map_base, double max_m) {
+  InlierCount all;
+  InlierCount upright;
+  for_each_point(sweep, map, T_map_base, max_m,
+                 [&](const Eigen::Vector3f& normal_map, bool is_inlier) {
+                   all.add(is_inlier);
+                   if (is_upright(normal_map.z())) {
+                     upright.add(is_inlier);
+                   }
+                 });
   return {.all = all.ratio(),
           .upright = upright.points < kMinUprightPoints ? all.ratio() : upright.ratio()};
+}
+
+std::optional<double> inlier_ratio_across(const VoxelMap::Selection& sweep,
+                                          const CorrespondenceSearch& map,
+                                          const geometry::SE3& T_map_base,
+                                          const Eigen::Vector3d& way_map, double max_m) {
+  constexpr float kMinCosine = 0.5F;
+  const Eigen::Vector3f way = way_map.cast<float>();
+  InlierCount across;
+  for_each_point(sweep, map, T_map_base, max_m,
+                 [&](const Eigen::Vector3f& normal_map, bool is_inlier) {
+                   if (is_upright(normal_map.z()) && std::abs(normal_map.dot(way)) > kMinCosine) {
+                     across.add(is_inlier);
+                   }
+                 });
+  return across.points < kMinAcrossPoints ? std::nullopt : std::optional(across.ratio());
 }
 
 }  // namespace nodmap::slam6d

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
+#include <optional>
+
 #include "common/geometry/se3.hpp"
 #include "modules/slam6d/model/voxel_map.hpp"
 #include "modules/slam6d/registration/correspondence_search.hpp"
@@ -22,5 +25,14 @@ struct InlierRatios {
 [[nodiscard]] InlierRatios count_inliers(const VoxelMap::Selection& sweep,
                                          const CorrespondenceSearch& map,
                                          const geometry::SE3& T_map_base, double max_m);
+
+/// The fraction of the points of walls across a way (their normals are within 60 degrees of it)
+/// that lie on the map's planes: these alone tell how far along it the robot is. Empty if there are
+/// hardly any. `way_map`: a unit vector.
+[[nodiscard]] std::optional<double> inlier_ratio_across(const VoxelMap::Selection& sweep,
+                                                        const CorrespondenceSearch& map,
+                                                        const geometry::SE3& T_map_base,
+                                                        const Eigen::Vector3d& way_map,
+                                                        double max_m);
 
 }  // namespace nodmap::slam6d

@@ -133,6 +133,8 @@ struct Registration {
   double residual_rms_m = 0.0;  ///< of the inliers, weighted by the robust kernel
   double prior_distance = 0.0;  ///< of the result from the prior, in standard deviations
   int degenerate_directions = 6;
+  /// The robot did not move as odometry counted: the wheels slipped.
+  bool is_slipped = false;
 
   [[nodiscard]] bool is_accepted() const { return state != PoseState::kLost; }
 };

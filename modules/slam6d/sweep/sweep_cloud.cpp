@@ -65,7 +65,8 @@ void append_scan(const scan::Scan& scan, const ScanMotion& motion, const RangeLi
   const SE3 T_base_mid = geometry::interpolate(T_base_first, T_base_last, 0.5);
   cloud.lines.push_back({.p_base_mirror = (T_base_mid * p_mirror).cast<float>(),
                          .end = cloud.points.size(),
-                         .free_end = cloud.free_points.size()});
+                         .free_end = cloud.free_points.size(),
+                         .p_base_then = T_base_mid.translation().cast<float>()});
 }
 
 // Over two scans the steps of the servo's reading hardly matter.
@@ -124,9 +125,38 @@ void SweepCloud::correct(const MotionCorrection& correction) {
       free_points[i_free] = change * free_points[i_free];
     }
     line.p_base_mirror = change * line.p_base_mirror;
+    line.p_base_then = change * line.p_base_then;
   }
   T_base_first = correction.correct(T_base_first, -1.0);
   T_base_last = correction.correct(T_base_last, 1.0);
+}
+
+void SweepCloud::stop_at(double time) {
+  Eigen::Vector3d p_stop = T_base_first.translation();
+  for (const Line& line : lines) {
+    if (line.time <= time) {
+      p_stop = line.p_base_then.cast<double>();
+    }
+  }
+  const Eigen::Vector3d p_middle = time < 0.0 ? p_stop : Eigen::Vector3d::Zero();
+  std::size_t i = 0;
+  std::size_t i_free = 0;
+  for (Line& line : lines) {
+    const Eigen::Vector3f p_then = line.time > time
+                                       ? (p_stop - p_middle).cast<float>()
+                                       : Eigen::Vector3f(line.p_base_then - p_middle.cast<float>());
+    const Eigen::Vector3f change = p_then - line.p_base_then;
+    for (; i < line.end; ++i) {
+      points[i] += change;
+    }
+    for (; i_free < line.free_end; ++i_free) {
+      free_points[i_free] += change;
+    }
+    line.p_base_mirror += change;
+    line.p_base_then = p_then;
+  }
+  T_base_first.translation() -= p_middle;
+  T_base_last.translation() = p_stop - p_middle;
 }
 
 void SweepCloud::drop_free_points() {

@@ -64,6 +64,7 @@ struct SweepCloud {
     std::size_t end = 0;
     double time = 0.0;         ///< of the scan: from -1 (the sweep's first beam) to 1 (the last)
     std::size_t free_end = 0;  ///< its part of `free_points`, likewise
+    Eigen::Vector3f p_base_then = Eigen::Vector3f::Zero();  ///< where the base was
   };
 
   time::Timestamp stamp{};  ///< of the base pose P_b
@@ -99,6 +100,9 @@ struct SweepCloud {
   void drop_free_points();
   /// Deskews again: places each point anew with the motion as it is known now.
   void correct(const MotionCorrection& correction);
+  /// Deskews again, as if an obstacle had stopped the base at `time` (from -1 to 1), wherever its
+  /// wheels went on. It turned as before. P_b is then where it was stopped, or was before.
+  void stop_at(double time);
 };
 
 /// Returns T_odom_base at a time; empty if it is not known.

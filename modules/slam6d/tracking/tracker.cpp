@@ -4,6 +4,7 @@
 #include "common/registration/pose_edges.hpp"
 #include "modules/slam6d/registration/heading_search.hpp"
 #include "modules/slam6d/registration/slide_search.hpp"
+#include "modules/slam6d/registration/slip_search.hpp"
 #include "modules/slam6d/tracking/corrected_poses.hpp"
 
 namespace nodmap::slam6d {
@@ -29,6 +30,7 @@ Tracker::Tracker(const Slam6dParams& params)
     : odometry_(params.odometry),
       registration_(params.registration),
       range_(params.range),
+      voxels_(params.voxels),
       calibration_(params.calibration),
       scatter_(params.calibration.min_scatter),
       pitch_latency_(params.pitch_latency) {}
@@ -98,12 +100,18 @@ PosePrior Tracker::predict(const SweepCloud& cloud, const PoseUpdate& update) co
 
 // IV B: "registered into an incrementally built 3D model"; IV: "the same transformation can be
 // applied [...] to correct the former pose estimation obtained via odometry".
-void Tracker::track(VoxelMap& sweep, const VoxelMap& map, const SweepCloud& cloud,
-                    PoseUpdate& update) {
+void Tracker::track(VoxelMap& sweep, const VoxelMap& map, SweepCloud& cloud, PoseUpdate& update) {
   const PoseUpdate predicted = update;
   const PosePrior prior = predict(cloud, update);
   update.registration = is_interrupted_ ? register_sweep_sliding(sweep, map, prior, registration_)
                                         : register_sweep(sweep, map, prior, registration_);
+  if (!is_interrupted_) {
+    look_for_slip(sweep, map, cloud, prior, *update.registration);
+    // It may still be wrong by more than its covariance says.
+    if (update.registration->is_accepted() && is_far_from_odometry(*update.registration)) {
+      update.registration->state = PoseState::kDegraded;
+    }
+  }
   update.T_map_base = update.registration->T_map_base;
   update.covariance = update.registration->covariance;
   calibrate(cloud, predicted, update);
@@ -114,11 +122,36 @@ void Tracker::track(VoxelMap& sweep, const VoxelMap& map, const SweepCloud& clou
   }
 }
 
+// Wheels that push against an obstacle count a way that the robot does not go.
+void Tracker::look_for_slip(VoxelMap& sweep, const VoxelMap& map, SweepCloud& cloud,
+                            const PosePrior& prior, Registration& registration) const {
+  const Eigen::Vector3d p_map_last = T_map_end_.translation();
+  CountedWay way{.T_map_last = T_map_end_,
+                 .last_motion = last_motion_,
+                 .to_first_m = prior.T_map_base * cloud.T_base_first.translation() - p_map_last,
+                 .to_last_m = prior.T_map_base * cloud.T_base_last.translation() - p_map_last};
+  const auto ratio = doubtful_ratio(sweep, map, registration, way, registration_);
+  if (!ratio) {
+    return;
+  }
+  way.inlier_ratio = *ratio;
+  if (auto slipped =
+          register_slipped(cloud, map, prior, registration, way, registration_, voxels_)) {
+    cloud = std::move(slipped->cloud);
+    sweep = std::move(slipped->voxels);
+    registration = slipped->registration;
+  }
+}
+
 // Learns the errors of the wheels from the motion since the last sweep.
 void Tracker::calibrate(const SweepCloud& cloud, const PoseUpdate& predicted,
                         const PoseUpdate& update) {
   const Registration& registration = *update.registration;
-  if (!registration.is_accepted() || is_interrupted_ || lost_sweeps_ > 0) {
+  if (registration.is_slipped) {
+    scatter_.forget();
+  }
+  if (!registration.is_accepted() || registration.is_slipped || is_interrupted_ ||
+      lost_sweeps_ > 0) {
     return;
   }
   const SE3 T_map_predicted = predicted.T_map_base * cloud.T_base_last;
@@ -152,7 +185,7 @@ void Tracker::calibrate(const SweepCloud& cloud, const PoseUpdate& predicted,
 // ground does not explain.
 void Tracker::learn_pitch_latency(const SweepCloud& cloud, const PoseUpdate& update) {
   const Registration& registration = *update.registration;
-  if (!registration.is_accepted() || !is_planar(cloud.T_odom_base)) {
+  if (!registration.is_accepted() || registration.is_slipped || !is_planar(cloud.T_odom_base)) {
     last_nod_.reset();
     return;
   }
@@ -219,7 +252,8 @@ void Tracker::accept(SweepCloud& cloud, PoseUpdate& update) {
     cloud.correct(update.registration->correction);
     end_covariance_ = update.registration->end_covariance;
   }
-  T_map_end_ = update.T_map_base * cloud.T_base_last;
+  last_motion_ = cloud.T_base_last;
+  T_map_end_ = update.T_map_base * last_motion_;
   T_map_odom_ = T_map_end_ * T_odom_end.inverse();
   T_first_end_ = T_first_passed_ = T_first_odom_ * T_odom_end;
   passed_ = {};
@@ -230,6 +264,7 @@ void Tracker::accept(SweepCloud& cloud, PoseUpdate& update) {
 }
 
 void Tracker::begin_at(const SE3& T_map_base, const SweepCloud& cloud) {
+  last_motion_.setIdentity();
   T_map_end_ = T_map_base;
   T_map_odom_ = T_map_base * cloud.T_odom_base.inverse();
   T_first_end_ = T_first_passed_ = T_first_odom_ * cloud.T_odom_base;

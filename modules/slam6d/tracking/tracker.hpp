@@ -38,8 +38,9 @@ class Tracker {
     return T_map_end_ * calibration_.calibrate(T_first_end_.inverse() * T_first_base);
   }
 
-  /// Registers the sweep of an extrapolated pose with the map.
-  void track(VoxelMap& sweep, const VoxelMap& map, const SweepCloud& cloud, PoseUpdate& update);
+  /// Registers the sweep of an extrapolated pose with the map. If the wheels slipped, the cloud is
+  /// deskewed without that part of their motion.
+  void track(VoxelMap& sweep, const VoxelMap& map, SweepCloud& cloud, PoseUpdate& update);
 
   /// Refuses the sweep that was just tracked, because its pose is wrong.
   void refuse();
@@ -78,12 +79,15 @@ class Tracker {
   [[nodiscard]] OdometryMotion motion_since_accepted(const SweepCloud& cloud) const;
   [[nodiscard]] geometry::SE3 counted_since_accepted(const geometry::SE3& T_odom_base) const;
   [[nodiscard]] PosePrior predict(const SweepCloud& cloud, const PoseUpdate& update) const;
+  void look_for_slip(VoxelMap& sweep, const VoxelMap& map, SweepCloud& cloud,
+                     const PosePrior& prior, Registration& registration) const;
   void calibrate(const SweepCloud& cloud, const PoseUpdate& predicted, const PoseUpdate& update);
   void learn_pitch_latency(const SweepCloud& cloud, const PoseUpdate& update);
 
   OdometryParams odometry_;
   RegistrationParams registration_;
   RangeLimits range_;
+  VoxelMapParams voxels_;
   OdometryCalibration calibration_;
   OdometryScatter scatter_;
   PitchLatency pitch_latency_;
@@ -104,6 +108,7 @@ class Tracker {
   /// That pose, in map and by odometry in the first odom frame, and its covariance.
   geometry::SE3 T_map_end_ = geometry::SE3::Identity();
   geometry::SE3 T_first_end_ = geometry::SE3::Identity();
+  geometry::SE3 last_motion_ = geometry::SE3::Identity();  ///< from its middle to its last beam
   Matrix6d end_covariance_ = Matrix6d::Zero();
   /// The motion by odometry from there to the end of the last sweep, summed from sweep to sweep: a
   /// robot that turned by 350 degrees did not turn by 10. And the pose at that end.

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/slam6d/registration/slip_search.hpp"
+
+#include <array>
+#include <utility>
+
+#include "modules/slam6d/registration/inliers.hpp"
+
+namespace nodmap::slam6d {
+namespace {
+
+using geometry::SE3;
+
+// A shorter way is within what registration corrects without help: the coarsest kernel is wider.
+constexpr double kMinWayM = 0.1;
+// Less than this ratio of the walls across the way on the map is doubtful. In known places it is
+// above 0.8, so that the search is rarely needed.
+constexpr double kDoubtfulRatio = 0.6;
+// Farther from odometry than this, in standard deviations, wheels that grip are hardly ever.
+constexpr double kDoubtfulDistance = 4.0;
+// The result is taken if at most this ratio of the walls that did not fit still does not.
+constexpr double kClearlyBetter = 0.5;
+// Standard deviation of what the robot did of the way, as a ratio of it: anything from none to all.
+constexpr double kSlipShare = 0.4;
+// A robot that is stopped during a sweep is taken as stopped at its beginning, here or in its
+// middle.
+constexpr double kStopEarly = -0.5;
+
+// The walls across the way, of a sweep at a pose.
+std::optional<double> ratio_across(const VoxelMap& sweep_base, const VoxelMap& map,
+                                   const SE3& T_map_base, const CountedWay& way,
+                                   const RegistrationParams& params) {
+  return inlier_ratio_across(sweep_base.select(0), {map, params.min_normal_cosine}, T_map_base,
+                             way.to_last_m.normalized(),
+                             kInlierScales * params.fine_residual_scale_m);
+}
+
+// When the robot was stopped, from -1 to 1, and where its base was in the middle of the sweep.
+struct Stop {
+  double time = -1.0;
+  Eigen::Vector3d p_map_base = Eigen::Vector3d::Zero();
+};
+
+// When an obstacle stops the robot late in a sweep, what is seen later in it need not show it. So
+// it may have been stopped in the middle of the last one.
+std::array<Stop, 4> stops(const SweepCloud& cloud, const PosePrior& prior, const CountedWay& way) {
+  SweepCloud stopped = cloud;
+  stopped.stop_at(kStopEarly);
+  const Eigen::Vector3d p_base_stopped =
+      cloud.T_base_first.translation() - stopped.T_base_first.translation();
+  const SE3 T_map_last_middle = way.T_map_last * way.last_motion.inverse();
+  return {{{-1.0, way.T_map_last.translation()},
+           {-1.0, T_map_last_middle.translation()},
+           {kStopEarly, prior.T_map_base * p_base_stopped},
+           {0.0, prior.T_map_base.translation()}}};
+}
+
+Matrix6d widened(Matrix6d covariance, double sigma_m) {
+  covariance.diagonal().head<3>().array() += sigma_m * sigma_m;
+  return covariance;
+}
+
+}  // namespace
+
+bool is_far_from_odometry(const Registration& registration) {
+  return registration.prior_distance > kDoubtfulDistance;
+}
+
+std::optional<double> doubtful_ratio(const VoxelMap& sweep_base, const VoxelMap& map,
+                                     const Registration& as_counted, const CountedWay& way,
+                                     const RegistrationParams& params) {
+  if (way.to_last_m.norm() < kMinWayM) {
+    return std::nullopt;
+  }
+  const auto ratio = ratio_across(sweep_base, map, as_counted.T_map_base, way, params);
+  return ratio && (*ratio < kDoubtfulRatio || is_far_from_odometry(as_counted)) ? ratio
+                                                                                : std::nullopt;
+}
+
+std::optional<SlippedSweep> register_slipped(const SweepCloud& cloud, const VoxelMap& map,
+                                             const PosePrior& prior, const Registration& as_counted,
+                                             const CountedWay& way,
+                                             const RegistrationParams& params,
+                                             const VoxelMapParams& voxels) {
+  PosePrior slipped = prior;
+  slipped.covariance =
+      widened(prior.covariance,
+              kSlipShare * (way.to_first_m.norm() + way.last_motion.translation().norm()));
+  slipped.motion_covariance =
+      widened(prior.motion_covariance, kSlipShare * cloud.motion().translation().norm());
+  double misfit_to_beat =
+      (is_far_from_odometry(as_counted) ? 1.0 : kClearlyBetter) * (1.0 - way.inlier_ratio);
+  std::optional<SlippedSweep> best;
+  for (const Stop& stop : stops(cloud, prior, way)) {
+    SweepCloud stopped = cloud;
+    stopped.stop_at(stop.time);
+    VoxelMap sweep = voxelize(stopped, voxels);
+    slipped.T_map_base.translation() = stop.p_map_base;
+    Registration found = register_sweep_from(sweep, map, slipped, slipped.T_map_base, params);
+    const auto ratio = ratio_across(sweep, map, found.T_map_base, way, params);
+    if (found.state == PoseState::kTracking && ratio && 1.0 - *ratio < misfit_to_beat &&
+        found.lowest_inlier_ratio() >= as_counted.lowest_inlier_ratio()) {
+      misfit_to_beat = 1.0 - *ratio;
+      found.is_slipped = true;
+      best = {std::move(stopped), std::move(sweep), found};
+    }
+  }
+  return best;
+}
+
+}  // namespace nodmap::slam6d
