@@ -22,9 +22,6 @@ constexpr double kDoubtfulDistance = 4.0;
 constexpr double kClearlyBetter = 0.5;
 // Standard deviation of what the robot did of the way, as a ratio of it: anything from none to all.
 constexpr double kSlipShare = 0.4;
-// A robot that is stopped during a sweep is taken as stopped at its beginning, here or in its
-// middle.
-constexpr double kStopEarly = -0.5;
 
 // The walls across the way, of a sweep at a pose.
 std::optional<double> ratio_across(const VoxelMap& sweep_base, const VoxelMap& map,
@@ -35,24 +32,10 @@ std::optional<double> ratio_across(const VoxelMap& sweep_base, const VoxelMap& m
                              kInlierScales * params.fine_residual_scale_m);
 }
 
-// When the robot was stopped, from -1 to 1, and where its base was in the middle of the sweep.
-struct Stop {
-  double time = -1.0;
-  Eigen::Vector3d p_map_base = Eigen::Vector3d::Zero();
-};
-
-// When an obstacle stops the robot late in a sweep, what is seen later in it need not show it. So
-// it may have been stopped in the middle of the last one.
-std::array<Stop, 4> stops(const SweepCloud& cloud, const PosePrior& prior, const CountedWay& way) {
-  SweepCloud stopped = cloud;
-  stopped.stop_at(kStopEarly);
-  const Eigen::Vector3d p_base_stopped =
-      cloud.T_base_first.translation() - stopped.T_base_first.translation();
-  const SE3 T_map_last_middle = way.T_map_last * way.last_motion.inverse();
-  return {{{-1.0, way.T_map_last.translation()},
-           {-1.0, T_map_last_middle.translation()},
-           {kStopEarly, prior.T_map_base * p_base_stopped},
-           {0.0, prior.T_map_base.translation()}}};
+// Where an obstacle stopped the robot. What is seen late in a sweep need not show that, so it may
+// have been in the middle of the last one.
+std::array<Eigen::Vector3d, 2> stops(const CountedWay& way) {
+  return {way.T_map_last.translation(), (way.T_map_last * way.last_motion.inverse()).translation()};
 }
 
 Matrix6d widened(Matrix6d covariance, double sigma_m) {
@@ -90,19 +73,20 @@ std::optional<SlippedSweep> register_slipped(const SweepCloud& cloud, const Voxe
       widened(prior.motion_covariance, kSlipShare * cloud.motion().translation().norm());
   double misfit_to_beat =
       (is_far_from_odometry(as_counted) ? 1.0 : kClearlyBetter) * (1.0 - way.inlier_ratio);
+  SweepCloud stopped = cloud;
+  stopped.stop_at(-1.0);
+  const VoxelMap stopped_voxels = voxelize(stopped, voxels);
   std::optional<SlippedSweep> best;
-  for (const Stop& stop : stops(cloud, prior, way)) {
-    SweepCloud stopped = cloud;
-    stopped.stop_at(stop.time);
-    VoxelMap sweep = voxelize(stopped, voxels);
-    slipped.T_map_base.translation() = stop.p_map_base;
+  for (const Eigen::Vector3d& p_map_stop : stops(way)) {
+    VoxelMap sweep = stopped_voxels;
+    slipped.T_map_base.translation() = p_map_stop;
     Registration found = register_sweep_from(sweep, map, slipped, slipped.T_map_base, params);
     const auto ratio = ratio_across(sweep, map, found.T_map_base, way, params);
     if (found.state == PoseState::kTracking && ratio && 1.0 - *ratio < misfit_to_beat &&
         found.lowest_inlier_ratio() >= as_counted.lowest_inlier_ratio()) {
       misfit_to_beat = 1.0 - *ratio;
       found.is_slipped = true;
-      best = {std::move(stopped), std::move(sweep), found};
+      best = {stopped, std::move(sweep), found};
     }
   }
   return best;

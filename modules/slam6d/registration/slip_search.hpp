@@ -42,7 +42,7 @@ struct SlippedSweep {
 };
 
 /// Registers a sweep of a doubtful way as if the wheels had slipped: as if the robot had been
-/// stopped before the sweep or during it, with a prior that allows any part of the way. Returns the
+/// stopped before the sweep, with a prior that allows any part of the way. Returns the
 /// result with which the walls across the way fit best, if they fit clearly better than in
 /// `as_counted` (better, if that is far from odometry), and no fewer of all points fit. Empty
 /// otherwise, as in a bare corridor, which looks the same all along. `cloud`: as odometry counted
