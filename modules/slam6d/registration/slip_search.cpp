@@ -12,7 +12,7 @@ namespace {
 using geometry::SE3;
 
 // A shorter way is within what registration corrects without help: the coarsest kernel is wider.
-constexpr double kMinWayM = 0.1;
+constexpr double kShortestM = 0.1;
 // Less than this ratio of the walls across the way on the map is doubtful. In known places it is
 // above 0.8, so that the search is rarely needed.
 constexpr double kDoubtfulRatio = 0.6;
@@ -52,7 +52,7 @@ bool is_far_from_odometry(const Registration& registration) {
 std::optional<double> doubtful_ratio(const VoxelMap& sweep_base, const VoxelMap& map,
                                      const Registration& as_counted, const CountedWay& way,
                                      const RegistrationParams& params) {
-  if (way.to_last_m.norm() < kMinWayM) {
+  if (way.to_last_m.norm() < kShortestM) {
     return std::nullopt;
   }
   const auto ratio = ratio_across(sweep_base, map, as_counted.T_map_base, way, params);
