@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <boost/circular_buffer.hpp>
 #include <cstdint>
 #include <optional>
@@ -14,6 +15,10 @@ namespace nodmap::node {
 
 /// A goal or a region with a greater coordinate, in metres, is refused as a mistake.
 inline constexpr double kMaxCoordinateM = 1e4;
+
+/// Home, x and y in map: the map's origin, where odometry began when 2D SLAM began the map. A map
+/// that is continued, or in which the robot is localised, keeps its origin.
+inline constexpr std::array<double, 2> kHomeM = {0.0, 0.0};
 
 /// Publishes GOAL, or its cancellation, repeats it for a navigator that has missed it or was
 /// started later, and knows from GOAL and NAVIGATION what has become of it.

@@ -31,7 +31,6 @@ namespace {
 constexpr std::array<std::string_view, 5> kRecipients = {
     node::kBaseDriver, node::kNavigator, node::kExplorer, node::kSlam2d, node::kSlam6d};
 constexpr double kToleranceM = 0.3;
-// Farther than any map: a mistake or an attack.
 
 // A member that is a number; `fallback` if it is missing, empty if it is not a number.
 std::optional<double> number_in(const Json& request, const char* name,
@@ -81,6 +80,7 @@ Answer RemoteControl::answer(const Json& request, time::Duration age) {
   const std::string command = text_in(request, "command");
   const ControlRequest requests[] = {
       {"goal", Age::kFresh, [&] { return do_goal(request); }},
+      {"home", Age::kFresh, [&] { return do_home(); }},
       {"roam", Age::kFresh, [&] { return do_roam(); }},
       {"explore", Age::kFresh, [&] { return do_explore(true); }},
       {"end_exploration", Age::kFresh, [&] { return do_explore(false); }},
@@ -116,16 +116,27 @@ Answer RemoteControl::do_goal(const Json& request) {
     return {.ok = false,
             .text = "A goal lies at most 10000 m from the map's origin along x and y."};
   }
+  return send_goal({*x_m, *y_m}, *tolerance_m,
+                   fmt::format("Goal: x {:.2f} m, y {:.2f} m.", *x_m, *y_m));
+}
+
+Answer RemoteControl::do_home() {
+  return send_goal(Eigen::Vector2d(node::kHomeM.data()), kToleranceM,
+                   "Goal: home, the origin of the map.");
+}
+
+Answer RemoteControl::send_goal(const Eigen::Vector2d& p_map, double tolerance_m,
+                                std::string text) {
   nodmap::goal_t goal{};
-  goal.position_m[0] = *x_m;
-  goal.position_m[1] = *y_m;
-  goal.tolerance_m = *tolerance_m;
+  goal.position_m[0] = p_map.x();
+  goal.position_m[1] = p_map.y();
+  goal.tolerance_m = tolerance_m;
   const time::Moment now = clock_();
   goal_asked_ = now.steady;
   goal_sender_.set(goal, now.wall);
-  const bool is_outside = map_m_ && !map_m_->contains(Eigen::Vector2d(*x_m, *y_m));
+  const bool is_outside = map_m_ && !map_m_->contains(p_map);
   return {.ok = true,
-          .text = fmt::format("Goal: x {:.2f} m, y {:.2f} m.", *x_m, *y_m) +
+          .text = std::move(text) +
                   (is_outside ? " It lies outside of the map that is known so far." : "") +
                   note_if_silent({node::kNavigator})};
 }

@@ -28,6 +28,7 @@ using foxglove::Json;
 
 /// Executes the requests of clients with control, by their member `do`:
 ///   goal  x_m, y_m, tolerance_m?    drive to this place in map
+///   home                            drive to the map's origin (node::kHomeM)
 ///   roam                            cancel the goal
 ///   explore, end_exploration        start or end an exploration
 ///   stop, go                        keep the robot stationary until `go` releases it
@@ -58,6 +59,7 @@ class RemoteControl {
 
  private:
   Answer do_goal(const Json& request);
+  Answer do_home();
   Answer do_roam();
   Answer do_explore(bool is_active);
   Answer do_stop(bool is_stopped);
@@ -65,6 +67,8 @@ class RemoteControl {
   Answer do_process(procman::Verb verb, const std::string& command);
   Answer do_recording(procman::Verb verb);
   Answer do_process_output(const std::string& command);
+  // Sends it and says so, beginning with this text.
+  Answer send_goal(const Eigen::Vector2d& p_map, double tolerance_m, std::string text);
   void on_map(const nodmap::grid_chunk_t& tile);
   void on_status(const nodmap::status_t& status);
   /// A sentence if none of these processes has reported lately; otherwise nothing.

@@ -138,6 +138,15 @@ TEST(Places, BeyondTenKilometresAreRefused) {
               HasSubstr("-1e300 not in range"));
 }
 
+TEST(Goal, NeedsAWaypointOrHome) {
+  const auto result = run_program("nodmap-goal", {"--lcm-url", "memq://"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, StartsWith("nodmap-goal: WAYPOINTS or --home is required"));
+  const auto home = run_program("nodmap-goal", {"--home", "--wait", "0.1", "--lcm-url", "memq://"});
+  EXPECT_EQ(home.exit_code, 1) << home.err;
+  EXPECT_THAT(home.err, HasSubstr("no nodmap-navigator has reported"));
+}
+
 // And not with all 309 digits of the largest number.
 TEST(Numbers, AnErrorSaysWhatIsAllowed) {
   const std::string not_below_zero = "is not a number of 0 or more";

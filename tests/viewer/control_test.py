@@ -22,7 +22,7 @@ cmd "other" { exec = "sleep 1001"; host = "here"; stop_signal = 15; stop_time_al
 cmd "logger" { exec = "nodmap-logger --out OUT"; host = "here"; stop_signal = 15; stop_time_allowed = 2; }
 script "begin" { start cmd "sleeper"; }
 """
-REQUESTS = [{"do": "goal", "x_m": 1, "y_m": 1}, {"do": "roam"}, {"do": "explore"}, {"do": "end_exploration"}, {"do": "stop"}, {"do": "go"}, {"do": "save_maps"},
+REQUESTS = [{"do": "goal", "x_m": 1, "y_m": 1}, {"do": "home"}, {"do": "roam"}, {"do": "explore"}, {"do": "end_exploration"}, {"do": "stop"}, {"do": "go"}, {"do": "save_maps"},
             {"do": "start_process", "command": "sleeper"}, {"do": "stop_process", "command": "sleeper"},
             {"do": "restart_process", "command": "sleeper"}, {"do": "start_recording"}, {"do": "stop_recording"},
             {"do": "process_output", "command": "sleeper"}]
@@ -90,7 +90,7 @@ class Requests(unittest.TestCase):
                 self.assertLess(time.monotonic(), end)
                 driver.collect(bool)  # the viewer's next STATUS, once a second
             watcher.subscribe("GOAL", "STOP")
-            for request in ({"do": "go"}, {"do": "roam"}, {"do": "explore"}, {"do": "goal", "x_m": 1, "y_m": 1}):
+            for request in ({"do": "go"}, {"do": "home"}, {"do": "roam"}, {"do": "explore"}, {"do": "goal", "x_m": 1, "y_m": 1}):
                 self.assertEqual(driver.call(request), {"ok": False, "text": "Too old: not done."})
             self.assertTrue(driver.call({"do": "stop"})["ok"])
             messages = watcher.collect(bool)

@@ -124,6 +124,12 @@ class Control(Page):
         self.assertFalse(self.press("#roam").startswith("Refused"))
         self.assertIsNotNone(self.browser.wait_for("nodmap.layers.get('scene/goal').layer.group.children.length === 0"))
 
+    def test_home_is_the_origin_of_the_map(self):
+        self.open_with_token()
+        said = self.press("#home")
+        self.assertTrue(said.startswith("Goal: home"), said)
+        self.assertIsNotNone(self.browser.wait_for(f"{FACTS}.includes('x 0.00 m, y 0.00 m, not taken')"))
+
     def test_only_the_main_button_and_a_single_finger_give_a_goal(self):
         self.open_with_token()
         self.browser.run(f"{ANSWER} = ''; document.getElementById('pick').click()")

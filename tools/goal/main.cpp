@@ -34,9 +34,14 @@ struct Arguments {
   double patience_s = 20.0;
   double wait_s = 10.0;
   bool is_patrol = false;
+  bool goes_home = false;
 };
 
-std::vector<Eigen::Vector2d> read_waypoints(const std::vector<double>& coordinates_m) {
+std::vector<Eigen::Vector2d> read_waypoints(const Arguments& arguments) {
+  const std::vector<double>& coordinates_m = arguments.coordinates_m;
+  if (coordinates_m.empty() && !arguments.goes_home) {
+    throw node::UsageError("WAYPOINTS or --home is required");
+  }
   if (coordinates_m.size() % 2 != 0) {
     throw node::UsageError("WAYPOINTS: each needs an x and a y; the number of coordinates, " +
                            std::to_string(coordinates_m.size()) + ", is odd");
@@ -44,6 +49,9 @@ std::vector<Eigen::Vector2d> read_waypoints(const std::vector<double>& coordinat
   std::vector<Eigen::Vector2d> waypoints_map;
   for (std::size_t i = 0; i < coordinates_m.size(); i += 2) {
     waypoints_map.emplace_back(coordinates_m[i], coordinates_m[i + 1]);
+  }
+  if (arguments.goes_home) {
+    waypoints_map.emplace_back(node::kHomeM.data());
   }
   return waypoints_map;
 }
@@ -55,7 +63,7 @@ class Guide {
       : arguments_(arguments),
         bus_(bus),
         goal_sender_(bus),
-        route_(read_waypoints(arguments.coordinates_m), arguments.is_patrol,
+        route_(read_waypoints(arguments), arguments.is_patrol,
                time::from_seconds(arguments.patience_s)) {
     bus_.subscribe<navigation_t>("NAVIGATION", [this](const navigation_t& m) {
       if (!goal_sender_.take(m)) {
@@ -168,9 +176,11 @@ int main(int argc, char** argv) {
        .add_options =
            [&arguments](CLI::App& app) {
              app.add_option("WAYPOINTS", arguments.coordinates_m,
-                            "X Y of each waypoint in map, metres; 0 0 is the origin of the map")
-                 ->required()
+                            "X Y of each waypoint in map, metres")
                  ->check(CLI::Range(-node::kMaxCoordinateM, node::kMaxCoordinateM));
+             app.add_flag("--home", arguments.goes_home,
+                          "Drive home, after the waypoints if any: to 0 0, the origin of the map, "
+                          "where odometry began, or the origin of the saved map");
              app.add_flag("--patrol", arguments.is_patrol,
                           "Start again after the last, until Ctrl-C; then the robot stays at the "
                           "waypoint that it drives to");

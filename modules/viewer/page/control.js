@@ -23,7 +23,7 @@ export class Control {
     this.pick = form.querySelector("#pick");
     this.view = view;
     this.stopMs = null;  // while a STOP has no answer: how long one may take
-    const simple = {go: "go", roam: "roam", explore: "explore", "explore-end": "end_exploration", save: "save_maps", record: "start_recording", "record-end": "stop_recording"};
+    const simple = {go: "go", home: "home", roam: "roam", explore: "explore", "explore-end": "end_exploration", save: "save_maps", record: "start_recording", "record-end": "stop_recording"};
     Object.entries(simple).forEach(([id, what]) => document.getElementById(id).addEventListener("click", () => this.ask({do: what})));
     document.getElementById("stop").addEventListener("click", () => this.stop());
     document.addEventListener("keydown", (event) => this.onKey(event));

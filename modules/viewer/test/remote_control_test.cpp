@@ -81,6 +81,19 @@ TEST_F(RemoteControlTest, AGoalIsPublished) {
   EXPECT_EQ(goal_.get()->goal_seq, 1);
 }
 
+// Where odometry began, which is the map's origin: not where the robot drove last.
+TEST_F(RemoteControlTest, HomeIsTheOriginOfTheMap) {
+  EXPECT_TRUE(ask({{"do", "goal"}, {"x_m", 1.5}, {"y_m", -2.0}}));
+  EXPECT_TRUE(ask({{"do", "home"}}));
+  EXPECT_TRUE(answer_has("Goal: home")) << answer_;
+  EXPECT_TRUE(goal_.get()->is_active);
+  EXPECT_EQ(goal_.get()->position_m[0], 0.0);
+  EXPECT_EQ(goal_.get()->position_m[1], 0.0);
+  EXPECT_DOUBLE_EQ(goal_.get()->tolerance_m, 0.3);
+  EXPECT_FALSE(goal_.get()->has_heading) << "there may be a wall behind it";
+  EXPECT_EQ(goal_.get()->goal_seq, 1);
+}
+
 TEST_F(RemoteControlTest, AnExplorationIsStartedAndEnded) {
   EXPECT_TRUE(ask({{"do", "explore"}}));
   ASSERT_TRUE(explore_.get());
@@ -156,6 +169,7 @@ TEST_F(RemoteControlTest, NoAnswerClaimsWhatNobodyHasConfirmed) {
 TEST_F(RemoteControlTest, AnAnswerSaysIfNobodyReportsWhoCouldDoIt) {
   const std::pair<Json, const char*> recipients[] = {
       {{{"do", "goal"}, {"x_m", 1}, {"y_m", 1}}, "nodmap-navigator"},
+      {{{"do", "home"}}, "nodmap-navigator"},
       {{{"do", "roam"}}, "nodmap-navigator"},
       {{{"do", "explore"}}, "nodmap-explorer"},
       {{{"do", "end_exploration"}}, "nodmap-explorer"},
@@ -188,8 +202,8 @@ TEST_F(RemoteControlTest, AGoalIsRepeatedUntilTheNavigatorHasTakenIt) {
 
 // A navigator that is started later must not drive to a place of which nobody thinks any more.
 TEST_F(RemoteControlTest, AGoalThatNobodyTakesIsNotRepeatedForLong) {
-  for (const Json& request :
-       {Json({{"do", "goal"}, {"x_m", 1}, {"y_m", 1}}), Json({{"do", "roam"}})}) {
+  for (const Json& request : {Json({{"do", "goal"}, {"x_m", 1}, {"y_m", 1}}),
+                              Json({{"do", "home"}}), Json({{"do", "roam"}})}) {
     const std::int64_t count = goal_.count();
     EXPECT_TRUE(ask(request));
     pass_ten_seconds();
@@ -265,8 +279,9 @@ TEST_F(RemoteControlTest, ARequestToSaveMapsIsPublished) {
 TEST_F(RemoteControlTest, AnOldRequestIsRefusedUnlessItStopsTheRobot) {
   const Json goal = {{"do", "goal"}, {"x_m", 1}, {"y_m", 1}};
   for (const Json& request :
-       {goal, Json({{"do", "roam"}}), Json({{"do", "explore"}}), Json({{"do", "end_exploration"}}),
-        Json({{"do", "go"}}), Json({{"do", "start_process"}, {"command", "navigator"}})}) {
+       {goal, Json({{"do", "home"}}), Json({{"do", "roam"}}), Json({{"do", "explore"}}),
+        Json({{"do", "end_exploration"}}), Json({{"do", "go"}}),
+        Json({{"do", "start_process"}, {"command", "navigator"}})}) {
     EXPECT_FALSE(ask(request, 5s));
     EXPECT_EQ(answer_, "Too old: not done.") << request;
   }

@@ -5,6 +5,8 @@
 #include <chrono>
 #include <cstdint>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "common/bus/live_bus.hpp"
 #include "nodmap/goal_t.hpp"
@@ -19,22 +21,27 @@ constexpr const char* kUrl = "udpm://239.255.76.67:7667?ttl=0";
 
 // What an emulated navigator does with a goal.
 enum class Does : std::uint8_t {
-  kArrive,      // when it is sent for the third time
+  kArrive,      // from the third GOAL on
   kFindNoPath,  // and says so
   kIgnore,      // it drives to another goal
 };
 
-// Emulates a navigator until the program ends; returns its exit code.
-std::optional<int> navigate(Does does, test::ChildProcess& program) {
+// Emulates a navigator until the program ends; returns its exit code. `last_goal`: the last that it
+// got.
+std::optional<int> navigate(Does does, test::ChildProcess& program,
+                            nodmap::goal_t* last_goal = nullptr) {
   bus::LiveBus bus(kUrl);
   nodmap::navigation_t navigation{};
   nodmap::path_t path{};
   path.state = does == Does::kFindNoPath ? nodmap::path_t::NO_PATH : nodmap::path_t::PLANNED;
   navigation.reason = does == Does::kFindNoPath ? "A wall is in the way." : "";
   bus.subscribe<nodmap::goal_t>("GOAL", [&](const nodmap::goal_t& goal) {
+    if (last_goal != nullptr) {
+      *last_goal = goal;
+    }
     navigation.goal_utime = does == Does::kIgnore ? 1 : goal.utime;
     path.goal_utime = navigation.goal_utime;
-    const bool has_arrived = does == Does::kArrive && goal.goal_seq == 2;
+    const bool has_arrived = does == Does::kArrive && goal.goal_seq >= 2;
     navigation.behaviour =
         has_arrived ? nodmap::navigation_t::ARRIVED : nodmap::navigation_t::STEER;
   });
@@ -52,6 +59,22 @@ std::optional<int> navigate(Does does, test::ChildProcess& program) {
 TEST(GoalProcess, ANavigatorThatDrivesToTheGoalIsWaitedFor) {
   test::ChildProcess program({NODMAP_GOAL_PROGRAM, "3", "1", "--wait", "2", "--lcm-url", kUrl});
   EXPECT_EQ(navigate(Does::kArrive, program), 0) << program.said();
+}
+
+TEST(GoalProcess, HomeIsTheOriginOfTheMapAndComesLast) {
+  for (const std::vector<std::string>& waypoints :
+       {std::vector<std::string>{}, std::vector<std::string>{"3", "1"}}) {
+    std::vector<std::string> command{NODMAP_GOAL_PROGRAM, "--home", "--wait", "2",
+                                     "--lcm-url",         kUrl};
+    command.insert(command.begin() + 1, waypoints.begin(), waypoints.end());
+    test::ChildProcess program(command);
+    nodmap::goal_t goal{};
+    goal.position_m[0] = goal.position_m[1] = 9.0;
+    EXPECT_EQ(navigate(Does::kArrive, program, &goal), 0) << program.said();
+    EXPECT_EQ(goal.position_m[0], 0.0);
+    EXPECT_EQ(goal.position_m[1], 0.0);
+    EXPECT_FALSE(goal.has_heading) << "there may be a wall behind it";
+  }
 }
 
 TEST(GoalProcess, ANavigatorThatDoesNotTakeTheGoalIsNotWaitedForForEver) {
