@@ -58,6 +58,14 @@ class RollingGrid {
     return at(Eigen::Vector2i(first_.x() + column, first_.y() + row));
   }
 
+  /// Makes every cell Cell{}.
+  void clear() { cells_.assign(cells_.size(), Cell{}); }
+
+  /// The same as center_on() for a grid in which every cell is Cell{}.
+  void center_empty_on(const Eigen::Vector2d& p_odom) {
+    first_ = index_of(p_odom) - Eigen::Vector2i::Constant(size_ / 2);
+  }
+
   /// Moves the grid so that `p_odom` is in its middle; cells that enter are Cell{}.
   void center_on(const Eigen::Vector2d& p_odom) {
     const Eigen::Vector2i first = index_of(p_odom) - Eigen::Vector2i::Constant(size_ / 2);
@@ -66,7 +74,7 @@ class RollingGrid {
     const Eigen::Vector2i old_first = first_;
     first_ = first;
     if (is_far) {
-      cells_.assign(cells_.size(), Cell{});
+      clear();
       return;
     }
     for (int axis = 0; axis < 2; ++axis) {

@@ -10,18 +10,20 @@
 namespace nodmap::navigator {
 namespace {
 
-// Costs are queued by buckets this wide: the error of a path is at most a bucket for each cell.
-// A diagonal step at the highest price is still shorter than all buckets together.
+// Costs are queued by buckets this wide, in proportion to the edge of a cell: the error of a path
+// is at most a bucket for each cell. A diagonal step at the highest price is still shorter than all
+// buckets together.
 constexpr float kBucketM = 0.02F;
 constexpr std::size_t kNumBuckets = 64;
 // The plan is read within this distance, because the robot may be where no path leads through.
 constexpr double kSearchRadiusM = 0.3;
 constexpr float kNever = std::numeric_limits<float>::infinity();
+constexpr double kUnreached = std::numeric_limits<double>::infinity();
 
 struct Neighbour {
   int dx;
   int dy;
-  float length_m;
+  float length_m;  // with cells of the usual edge
 };
 constexpr auto kStraightM = static_cast<float>(PlanWindow::kCellM);
 constexpr float kDiagonalM = 0.0707107F;
@@ -45,8 +47,8 @@ double CostToGo::at(const Eigen::Vector2d& p_map) const {
 
 double CostToGo::least_near(const Eigen::Vector2d& p_map) const {
   double least = std::numeric_limits<double>::infinity();
-  for (double dx = -kSearchRadiusM; dx <= kSearchRadiusM; dx += PlanWindow::kCellM) {
-    for (double dy = -kSearchRadiusM; dy <= kSearchRadiusM; dy += PlanWindow::kCellM) {
+  for (double dx = -kSearchRadiusM; dx <= kSearchRadiusM; dx += window_.cell_m) {
+    for (double dy = -kSearchRadiusM; dy <= kSearchRadiusM; dy += window_.cell_m) {
       least = std::min(least, at(p_map + Eigen::Vector2d(dx, dy)) + std::hypot(dx, dy));
     }
   }
@@ -56,15 +58,15 @@ double CostToGo::least_near(const Eigen::Vector2d& p_map) const {
 std::vector<Eigen::Vector2d> CostToGo::path_from(const Eigen::Vector2d& p_map, double max_m) const {
   // From the middle of one cell to the middle of the next: on a border rounding would choose the
   // cell.
-  const Eigen::Vector2d cell = ((p_map - window_.origin) / PlanWindow::kCellM).array().floor();
+  const Eigen::Vector2d cell = ((p_map - window_.origin) / window_.cell_m).array().floor();
   std::vector<Eigen::Vector2d> path{window_.origin +
-                                    PlanWindow::kCellM * (cell + Eigen::Vector2d(0.5, 0.5))};
-  const auto max_points = static_cast<std::size_t>(max_m / PlanWindow::kCellM);
+                                    window_.cell_m * (cell + Eigen::Vector2d(0.5, 0.5))};
+  const auto max_points = static_cast<std::size_t>(max_m / window_.cell_m);
   while (path.size() < max_points) {
     Eigen::Vector2d next = path.back();
     double least = at(path.back());
     for (const Neighbour& n : kNeighbours) {
-      const Eigen::Vector2d p = path.back() + PlanWindow::kCellM * Eigen::Vector2d(n.dx, n.dy);
+      const Eigen::Vector2d p = path.back() + window_.cell_m * Eigen::Vector2d(n.dx, n.dy);
       if (at(p) < least) {
         least = at(p);
         next = p;
@@ -82,14 +84,38 @@ CostSearch::CostSearch() : buckets_(kNumBuckets) {}
 
 void CostSearch::begin(const PlanWindow& window, std::span<const float> price,
                        const Eigen::Vector2d& goal_map, double tolerance_m, double outside_price) {
+  begin_at_goal(window, price, goal_map, tolerance_m);
+  const Eigen::Vector2i goal = window.cell_of(goal_map);
+  if (!window.contains(goal.x(), goal.y())) {
+    seed_border(price, [&](const Eigen::Vector2d& p_map, const Eigen::Vector2d& /*outwards*/) {
+      return outside_price * (goal_map - p_map).norm();
+    });
+  }
+}
+
+// A path from the border back through the window is for the window's own cells to find.
+void CostSearch::begin(const PlanWindow& window, std::span<const float> price,
+                       const Eigen::Vector2d& goal_map, double tolerance_m,
+                       const CostToGo& beyond) {
+  begin_at_goal(window, price, goal_map, tolerance_m);
+  seed_border(price, [&](const Eigen::Vector2d& p_map, const Eigen::Vector2d& outwards) {
+    const Eigen::Vector2d aside(-outwards.y(), outwards.x());
+    const double cost_m = beyond.at(p_map);
+    bool leads_out = false;
+    for (const Eigen::Vector2d& step :
+         {outwards, Eigen::Vector2d(outwards + aside), Eigen::Vector2d(outwards - aside)}) {
+      leads_out = leads_out || beyond.at(p_map + beyond.window_.cell_m * step) < cost_m;
+    }
+    return leads_out ? cost_m : kUnreached;
+  });
+}
+
+// Seeds no cell if the goal is outside.
+void CostSearch::begin_at_goal(const PlanWindow& window, std::span<const float> price,
+                               const Eigen::Vector2d& goal_map, double tolerance_m) {
   clear(window);
-  const Eigen::Vector2d size =
-      PlanWindow::kCellM *
-      Eigen::Vector2d(static_cast<double>(window.width), static_cast<double>(window.height));
-  const Eigen::Array2d from_corner = (goal_map - window.origin).array();
-  if ((from_corner < 0.0).any() || (from_corner >= size.array()).any()) {
-    seed_border(price, goal_map, outside_price);
-  } else {
+  const Eigen::Vector2i goal = window.cell_of(goal_map);
+  if (window.contains(goal.x(), goal.y())) {
     seed_goal(price, goal_map, tolerance_m);
   }
 }
@@ -103,6 +129,7 @@ void CostSearch::clear(const PlanWindow& window) {
   bucket_ = 0;
   num_queued_ = 0;
   seeds_.clear();
+  scale_ = static_cast<float>(window.cell_m / PlanWindow::kCellM);
 }
 
 void CostSearch::begin_onward(const PlanWindow& window, std::span<const float> price,
@@ -126,9 +153,9 @@ void CostSearch::begin_onward(const PlanWindow& window, std::span<const float> p
 void CostSearch::seed_goal(std::span<const float> price, const Eigen::Vector2d& goal_map,
                            double tolerance_m) {
   const PlanWindow& window = found_.window_;
-  const double radius_m = std::max(PlanWindow::kCellM, 0.7 * tolerance_m);
-  for (double dy = -radius_m; dy <= radius_m; dy += PlanWindow::kCellM) {
-    for (double dx = -radius_m; dx <= radius_m; dx += PlanWindow::kCellM) {
+  const double radius_m = std::max(window.cell_m, 0.7 * tolerance_m);
+  for (double dy = -radius_m; dy <= radius_m; dy += window.cell_m) {
+    for (double dx = -radius_m; dx <= radius_m; dx += window.cell_m) {
       const Eigen::Vector2i cell = window.cell_of(goal_map + Eigen::Vector2d(dx, dy));
       if (dx * dx + dy * dy > radius_m * radius_m || !window.contains(cell.x(), cell.y()) ||
           price[window.index_of(cell.x(), cell.y())] < 0.0F) {
@@ -139,20 +166,22 @@ void CostSearch::seed_goal(std::span<const float> price, const Eigen::Vector2d& 
   }
 }
 
-void CostSearch::seed_border(std::span<const float> price, const Eigen::Vector2d& goal_map,
-                             double outside_price) {
+// `cost_at`: the cost to go at a cell's middle, from which one direction leads out of the window.
+void CostSearch::seed_border(std::span<const float> price, const auto& cost_at) {
   const PlanWindow& window = found_.window_;
-  const auto add = [&](int column, int row) {
-    add_seed(price, {column, row},
-             outside_price * (goal_map - window.center_of(column, row)).norm());
+  const auto add = [&](int column, int row, const Eigen::Vector2d& outwards) {
+    const double cost_m = cost_at(window.center_of(column, row), outwards);
+    if (std::isfinite(cost_m)) {
+      add_seed(price, {column, row}, cost_m);
+    }
   };
   for (int column = 0; column < window.width; ++column) {
-    add(column, 0);
-    add(column, window.height - 1);
+    add(column, 0, {0.0, -1.0});
+    add(column, window.height - 1, {0.0, 1.0});
   }
-  for (int row = 1; row < window.height - 1; ++row) {
-    add(0, row);
-    add(window.width - 1, row);
+  for (int row = 0; row < window.height; ++row) {
+    add(0, row, {-1.0, 0.0});
+    add(window.width - 1, row, {1.0, 0.0});
   }
   std::ranges::sort(seeds_, std::greater());
 }
@@ -165,9 +194,12 @@ void CostSearch::add_seed(std::span<const float> price, const Eigen::Vector2i& c
   }
 }
 
+std::size_t CostSearch::bucket_of(float cost) const {
+  return static_cast<std::size_t>(cost / (scale_ * kBucketM));
+}
+
 // Seeds wait for their turn, because the buckets hold only a short range of costs.
 void CostSearch::take_seeds() {
-  const auto bucket_of = [](float cost) { return static_cast<std::size_t>(cost / kBucketM); };
   if (num_queued_ == 0 && !seeds_.empty()) {
     bucket_ = std::max(bucket_, bucket_of(seeds_.back().first));
   }
@@ -182,8 +214,7 @@ void CostSearch::take_seeds() {
 
 void CostSearch::push(std::size_t cell, float cost) {
   found_.cost_[cell] = cost;
-  buckets_[static_cast<std::size_t>(cost / kBucketM) % kNumBuckets].push_back(
-      static_cast<std::uint32_t>(cell));
+  buckets_[bucket_of(cost) % kNumBuckets].push_back(static_cast<std::uint32_t>(cell));
   ++num_queued_;
 }
 
@@ -206,7 +237,7 @@ bool CostSearch::advance(std::span<const float> price, int max_cells) {
     --num_queued_;
     // It was queued again at a lower cost, and has been spread from already.
     const float cost = found_.cost_[cell];
-    if (static_cast<std::size_t>(cost / kBucketM) < bucket_) {
+    if (bucket_of(cost) < bucket_) {
       continue;
     }
     ++count;
@@ -227,7 +258,7 @@ void CostSearch::spread_from(std::span<const float> price, int column, int row, 
     if (price[next] < 0.0F) {
       continue;
     }
-    const float total = cost + n.length_m * price[next];
+    const float total = cost + scale_ * n.length_m * price[next];
     if (total < found_.cost_[next] - 1e-4F) {
       push(next, total);
     }

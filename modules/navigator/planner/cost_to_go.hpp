@@ -45,6 +45,10 @@ class CostSearch {
   /// `outside_price` per metre.
   void begin(const PlanWindow& window, std::span<const float> price,
              const Eigen::Vector2d& goal_map, double tolerance_m, double outside_price);
+  /// The same for a window that is part of a greater one, whose cells may be coarser: paths may
+  /// leave it wherever `beyond`, the cost to go in the greater one, becomes less outwards.
+  void begin(const PlanWindow& window, std::span<const float> price,
+             const Eigen::Vector2d& goal_map, double tolerance_m, const CostToGo& beyond);
 
   /// Where a path without a goal may end: in any direction, between two distances from base.
   struct Onward {
@@ -67,18 +71,21 @@ class CostSearch {
 
  private:
   void clear(const PlanWindow& window);
+  void begin_at_goal(const PlanWindow& window, std::span<const float> price,
+                     const Eigen::Vector2d& goal_map, double tolerance_m);
   void seed_goal(std::span<const float> price, const Eigen::Vector2d& goal_map, double tolerance_m);
-  void seed_border(std::span<const float> price, const Eigen::Vector2d& goal_map,
-                   double outside_price);
+  void seed_border(std::span<const float> price, const auto& cost_at);
   void add_seed(std::span<const float> price, const Eigen::Vector2i& cell, double cost_m);
   void take_seeds();
   void spread_from(std::span<const float> price, int column, int row, float cost);
   void push(std::size_t cell, float cost);
+  [[nodiscard]] std::size_t bucket_of(float cost) const;
 
   CostToGo found_;
   std::vector<std::vector<std::uint32_t>> buckets_;
   std::size_t bucket_ = 0;
   std::size_t num_queued_ = 0;
+  float scale_ = 1.0F;  // edge of the window's cells, compared with the usual one
   /// Cells whose cost is known from the start, the cheapest last: at the window's border for a goal
   /// beyond it, or the ends of a search without a goal.
   std::vector<std::pair<float, std::size_t>> seeds_;

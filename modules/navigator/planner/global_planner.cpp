@@ -4,71 +4,34 @@
 #include <algorithm>
 #include <cmath>
 
-#include "modules/navigator/geofence.hpp"
-
 namespace nodmap::navigator {
 namespace {
 
-// Cells of a portion: about 0.5 ms.
-constexpr int kPortion = 8000;
-// The same (2 ms) while the robot has no plan to its goal, and waits or drives by an old one.
-constexpr int kFirstPortion = 4 * kPortion;
-// While a search is prepared each cell is visited five times. So many visits take about 4 ms: a
-// window of 22 m x 22 m is prepared at once, one of 51 m x 51 m in six portions.
-constexpr int kPreparedAtOnce = 1'000'000;
-// The price is raised within this distance of a place where the robot could not go on.
-constexpr double kFailureM = 0.3;
-// So many of them are remembered: with each the robot has made no progress for some seconds.
+// About 0.5 ms of search. While a search is prepared each cell is visited five times. So many
+// visits take about 4 ms: a window of 22 m x 22 m is prepared at once, one of 51 m x 51 m in six
+// portions.
+constexpr GroundPlan::Portion kPortion{.prepared = 1'000'000, .searched = 8000};
+// The same with 2 ms of search, while the robot has no plan to its goal, and waits or drives by an
+// old one.
+constexpr GroundPlan::Portion kFirstPortion{.prepared = 1'000'000, .searched = 32'000};
+// In addition, beyond the window, where nothing is urgent: 0.25 ms of search or 0.8 ms before it.
+constexpr GroundPlan::Portion kPortionBeyond{.prepared = 200'000, .searched = 4000};
+// The time from one plan of all ground to the next: what it bears on lies beyond the window, 25 m
+// away, of which the robot drives a third in this time.
+constexpr double kReplanBeyondS = 5.0;
+// So many places where the robot could not go on are remembered: with each it has made no progress
+// for some seconds.
 constexpr std::size_t kMostFailures = 50;
-// Additional price where the grid leaves less than the least clearance. Such a place may be wider
-// than it looks: an occupied cell extends up to 3.5 cm beyond the obstacle in it, and mixed pixels
-// and noise add to both sides of a door. If there is no other path, the robot goes there; the
-// rollouts measure what is really free.
-constexpr double kTightPrice = 4.0;
-// Additional price of what is an obstacle now but may be a ramp: a detour of some metres round it
-// is better, one through unknown rooms is not.
-constexpr double kPossibleRampPrice = 2.0;
 // A plan older than this is not used any more, because the ground may have changed.
 constexpr double kRecentS = 2.0;
-// Without a goal the robot plans this far: more than two seconds, or four plans, at its fastest
-// speed. The farther an end is from straight ahead, the more it costs, so that the robot turns
-// round only if a path ahead would be 2.5 m shorter, or if there is none.
-constexpr double kOnwardM = 3.5;
-constexpr double kRingM = 0.1;
 // A plan onward is dropped when the robot is farther than this from where it was made. From one
 // plan to the next it drives 0.9 m at 1.5 m/s.
 constexpr double kLeftM = 1.75;
-constexpr double kAsideMPerRad = 0.8;
-// If no path leads that far, as in a small room, a shorter one will do: at least this long, at
-// this price for each metre that is missing.
-constexpr double kShortestM = 0.6;
-constexpr double kShortPrice = 3.0;
-// As a last resort a path keeps this distance from the middle of an occupied cell: enough not to
-// slip through a wall whose cells only touch at their corners, or of which one or two are missing.
-constexpr double kOccupiedM = 0.1;
-constexpr float kBlockedPrice = -1.0F;
-
-// What a metre of path costs, by the distance of the robot's centre from obstacles.
-struct Prices {
-  double least_m;  // nearer than this it is tight
-  const PlannerParams& params;
-
-  // `blocked_m`: nearer than this no path leads through.
-  [[nodiscard]] float at(double distance_m, double blocked_m, double ground_price) const {
-    if (distance_m < blocked_m) {
-      return kBlockedPrice;
-    }
-    const double nearness = std::max(0.0, 1.0 - (distance_m - least_m) / params.wide_m);
-    const double tight_price = distance_m < least_m ? kTightPrice : 0.0;
-    return static_cast<float>(1.0 + params.nearness_price * nearness * nearness + tight_price +
-                              ground_price);
-  }
-};
 
 }  // namespace
 
 GlobalPlanner::GlobalPlanner(const robot::Footprint& body, const PlannerParams& params)
-    : body_(body), params_(params) {}
+    : params_(params), plan_(body, params), beyond_plan_(body, params) {}
 
 void GlobalPlanner::add_failure(const Eigen::Vector2d& p_map) {
   if (failures_map_.size() == kMostFailures) {
@@ -85,12 +48,14 @@ void GlobalPlanner::give_up_path_from(const Eigen::Vector2d& p_map) {
 void GlobalPlanner::forget_ground() {
   ground_.forget();
   started_at_.reset();
-  phase_ = Phase::kIdle;
+  plan_.stop();
+  beyond_started_at_.reset();
+  beyond_plan_.stop();
+  beyond_.reset();
 }
 
 void GlobalPlanner::step(const Situation& now) {
   const geometry::SE2 T_map_base = now.T_map_base();
-  const Eigen::Vector2d p_map = T_map_base.translation();
   const Eigen::Vector2d goal_map = T_map_base * now.goal->p_base;
   const double tolerance_m = now.goal->tolerance_m;
   map_2d_ = now.map_2d != nullptr && !now.map_2d->is_empty() ? now.map_2d : nullptr;
@@ -102,14 +67,17 @@ void GlobalPlanner::step(const Situation& now) {
     is_former_ = false;
     complete_.reset();
   }
-  if (phase_ != Phase::kIdle) {
-    go_on(p_map, now.geofence);
+  go_on_beyond(now);
+  if (plan_.is_active()) {
+    const bool is_first = cost_to_go() == nullptr;
+    if (plan_.advance(basis(now), T_map_base.translation(), is_first ? kFirstPortion : kPortion)) {
+      finish(T_map_base.translation());
+    }
   } else if (start_if_due(now.stamp)) {
     goal_map_ = goal_map;
     tolerance_m_ = tolerance_m;
     goal_is_new_ = false;
-    ground_.update(now);
-    begin(ground_.window_around(p_map, goal_map_, map_2d_));
+    begin(now);
   }
 }
 
@@ -120,9 +88,10 @@ void GlobalPlanner::take_new_goal() {
   failures_map_.clear();
   if (cost_to_go() != nullptr) {
     is_former_ = true;
-    phase_ = Phase::kIdle;
+    plan_.stop();
+    beyond_plan_.stop();
   }
-  if (phase_ == Phase::kIdle) {
+  if (!plan_.is_active()) {
     started_at_.reset();
   }
 }
@@ -132,13 +101,17 @@ void GlobalPlanner::step_onward(const Situation& now) {
   // The last plan onward may have been made elsewhere, before the robot drove to a goal.
   if (onward_from_ && (T_map_base.translation() - onward_from_->translation()).norm() > kLeftM) {
     complete_.reset();
-    phase_ = Phase::kIdle;
+    plan_.stop();
   }
-  if (phase_ != Phase::kIdle) {
-    go_on(T_map_base.translation(), now.geofence);
+  if (plan_.is_active()) {
+    if (plan_.advance(basis(now), T_map_base.translation(), complete_ ? kPortion : kFirstPortion)) {
+      finish(T_map_base.translation());
+    }
   } else if (start_if_due(now.stamp)) {
     ground_.update(now);
-    begin(ground_.window_within(T_map_base.translation(), kOnwardM + 2.0 * KnownGround::kCellM));
+    plan_.begin_onward(ground_.window_within(T_map_base.translation(),
+                                             GroundPlan::kOnwardM + 2.0 * KnownGround::kCellM),
+                       T_map_base);
     onward_from_ = T_map_base;
   }
 }
@@ -149,177 +122,89 @@ bool GlobalPlanner::start_if_due(time::Timestamp stamp) {
     return false;
   }
   started_at_ = stamp;
-  attempt_ = Attempt::kUsual;
   return true;
 }
 
-void GlobalPlanner::begin(const PlanWindow& window) {
-  window_ = window;
-  obstacle_distances_.begin(window.origin, PlanWindow::kCellM, window.width, window.height);
-  price_.resize(window.num_cells());
-  phase_ = Phase::kOccupy;
-  row_ = 0;
-}
-
-void GlobalPlanner::go_on(const Eigen::Vector2d& p_map, const Geofence* geofence) {
-  if (phase_ == Phase::kSearch) {
-    if (search_.advance(price_, complete_ && !is_former_ ? kPortion : kFirstPortion)) {
-      return;
-    }
-    finish(p_map);
-  }
-  for (int cells = kPreparedAtOnce;
-       cells > 0 && phase_ != Phase::kSearch && phase_ != Phase::kIdle;) {
-    cells -= prepare_line(geofence);
+// Begins a plan to the goal. A plan to a goal outside of the window waits for the first plan of all
+// ground: on a straight line the robot could set off the wrong way.
+void GlobalPlanner::begin(const Situation& now) {
+  const Eigen::Vector2d p_map = now.T_map_base().translation();
+  ground_.update(now);
+  begin_beyond(now.stamp, p_map);
+  const PlanWindow window = ground_.window_around(p_map, goal_map_, map_2d_);
+  const Eigen::Vector2i goal = window.cell_of(goal_map_);
+  if (window.contains(goal.x(), goal.y()) || !waits_for_beyond()) {
+    plan_.begin(window, goal_map_, tolerance_m_);
   }
 }
 
-// Does one more line of what the search needs: blocked cells, distances to them, prices. Returns
-// how many cells that were.
-int GlobalPlanner::prepare_line(const Geofence* geofence) {
-  if (phase_ == Phase::kOccupy) {
-    occupy_row(row_);
-    if (++row_ == window_.height) {
-      if (geofence != nullptr) {
-        occupy_boundary(*geofence);
-      }
-      phase_ = Phase::kMeasureDistances;
-    }
-    return window_.width;
-  }
-  if (phase_ == Phase::kMeasureDistances) {
-    if (!obstacle_distances_.compute_line()) {
-      phase_ = Phase::kPrice;
-      row_ = 0;
-    }
-    return std::max(window_.width, window_.height);
-  }
-  price_row(row_);
-  if (++row_ == window_.height) {
-    begin_search();
-    phase_ = Phase::kSearch;
-  }
-  return window_.width;
-}
-
-void GlobalPlanner::begin_search() {
-  price_failures();
-  if (onward_from_) {
-    search_.begin_onward(window_, price_,
-                         {*onward_from_, is_tight() ? kShortestM : kOnwardM - kRingM, kOnwardM,
-                          kShortPrice, kAsideMPerRad});
-  } else {
-    search_.begin(window_, price_, goal_map_, tolerance_m_, 1.0 + params_.unknown_price);
-  }
-}
-
-// If there is no path, tries the next attempt.
-void GlobalPlanner::finish(const Eigen::Vector2d& p_map) {
-  if (!std::isfinite(search_.found().least_near(p_map)) && try_next()) {
+// Begins a plan of all ground, if that is more than the window shows and the last one began long
+// enough ago or leads to another goal.
+void GlobalPlanner::begin_beyond(time::Timestamp stamp, const Eigen::Vector2d& p_map) {
+  const bool is_due =
+      !beyond_started_at_ ||
+      time::seconds(std::chrono::abs(stamp - *beyond_started_at_)) >= kReplanBeyondS ||
+      !is_to_goal(beyond_goal_map_);
+  if (!is_due || beyond_plan_.is_active()) {
     return;
   }
-  search_.exchange_found(complete_ ? *complete_ : complete_.emplace());
+  beyond_started_at_ = stamp;
+  beyond_goal_map_ = goal_map_;
+  if (const auto window = ground_.window_of_all(p_map, goal_map_, map_2d_)) {
+    beyond_plan_.begin(*window, goal_map_, tolerance_m_);
+  } else {
+    beyond_.reset();
+  }
+}
+
+// It waits while the plan in the window is prepared, which takes as long as a decision may wait.
+void GlobalPlanner::go_on_beyond(const Situation& now) {
+  if (!beyond_plan_.is_active() || plan_.is_preparing()) {
+    return;
+  }
+  const bool is_waited_for = cost_to_go() == nullptr && !plan_.is_active();
+  PlanBasis all = basis(now);
+  all.beyond = nullptr;
+  all.waits_for_beyond = false;
+  if (beyond_plan_.advance(all, now.T_map_base().translation(),
+                           is_waited_for ? kFirstPortion : kPortionBeyond)) {
+    beyond_plan_.exchange_found(beyond_ ? *beyond_ : beyond_.emplace());
+    beyond_complete_goal_map_ = beyond_goal_map_;
+    if (is_waited_for) {
+      started_at_.reset();
+    }
+  }
+}
+
+PlanBasis GlobalPlanner::basis(const Situation& now) const {
+  return {.ground = ground_,
+          .map_2d = map_2d_,
+          .geofence = now.geofence,
+          .failures_map = failures_map_,
+          .beyond = beyond(),
+          .waits_for_beyond = waits_for_beyond()};
+}
+
+const CostToGo* GlobalPlanner::beyond() const {
+  return beyond_ && is_to_goal(beyond_complete_goal_map_) ? &*beyond_ : nullptr;
+}
+
+bool GlobalPlanner::waits_for_beyond() const {
+  return beyond() == nullptr && beyond_plan_.is_active() && is_to_goal(beyond_goal_map_);
+}
+
+bool GlobalPlanner::is_to_goal(const Eigen::Vector2d& goal_map) const {
+  return (goal_map - goal_map_).norm() <= tolerance_m_;
+}
+
+// That there is no path in the window is not known to be true before all ground has been planned.
+void GlobalPlanner::finish(const Eigen::Vector2d& p_map) {
+  if (waits_for_beyond() && !std::isfinite(plan_.found().least_near(p_map))) {
+    return;
+  }
+  plan_.exchange_found(complete_ ? *complete_ : complete_.emplace());
   completed_from_ = *started_at_;
   is_former_ = goal_is_new_;
-  phase_ = Phase::kIdle;
-}
-
-// Begins the next attempt at this plan. Returns false after the last one.
-bool GlobalPlanner::try_next() {
-  if (!is_tight()) {
-    attempt_ = attempt_ == Attempt::kUsual ? Attempt::kTight : Attempt::kTightWithoutMap;
-    phase_ = Phase::kPrice;
-    row_ = 0;
-    return true;
-  }
-  if (uses_map()) {
-    attempt_ = Attempt::kWithoutMap;
-    begin(window_);
-    return true;
-  }
-  return false;
-}
-
-// Reads a row of the 2D map, or of unknown cells if it is not used.
-void GlobalPlanner::read_map_row(const Eigen::Vector2i& first) {
-  map_row_.assign(static_cast<std::size_t>(window_.width), Map2d::Kind::kUnknown);
-  if (uses_map()) {
-    map_2d_->read_row(first, map_row_);
-  }
-}
-
-// The 2D map is off by some centimetres: beside what the local map has shown its walls do not
-// count.
-void GlobalPlanner::occupy_row(int row) {
-  const Eigen::Vector2i first = ground_.first_of(window_) + Eigen::Vector2i(0, row);
-  read_map_row(first);
-  for (int column = 0; column < window_.width; ++column) {
-    const Eigen::Vector2i cell = first + Eigen::Vector2i(column, 0);
-    if (ground_.at(cell) == KnownGround::Kind::kBlocked ||
-        (map_row_[static_cast<std::size_t>(column)] == Map2d::Kind::kOccupied &&
-         !ground_.is_seen_near(cell))) {
-      obstacle_distances_.occupy(column, row);
-    }
-  }
-}
-
-void GlobalPlanner::occupy_boundary(const Geofence& geofence) {
-  const Eigen::Vector2d half_size =
-      0.5 * PlanWindow::kCellM * Eigen::Vector2i(window_.width, window_.height).cast<double>();
-  const Eigen::Vector2d middle_map = window_.origin + half_size;
-  for (const auto& p_map : geofence.boundary_near(middle_map, half_size.norm())) {
-    const Eigen::Vector2i cell = window_.cell_of(p_map);
-    if (window_.contains(cell.x(), cell.y())) {
-      obstacle_distances_.occupy(cell.x(), cell.y());
-    }
-  }
-}
-
-// A door that only the 2D map shows is narrower there than it is: the map is off by some
-// centimetres, and noise adds to both sides. The robot goes there and looks.
-void GlobalPlanner::price_row(int row) {
-  const Eigen::Vector2i first = ground_.first_of(window_) + Eigen::Vector2i(0, row);
-  read_map_row(first);
-  const bool crosses_tight = is_tight() && !onward_from_;
-  const double usual_m = crosses_tight ? kOccupiedM : body_.half_width_m;
-  const Prices prices{body_.half_width_m + params_.min_clearance_m, params_};
-  for (int column = 0; column < window_.width; ++column) {
-    const double distance_m = obstacle_distances_.at(column, row);
-    float& price = price_[window_.index_of(column, row)];
-    if (ground_.at(first + Eigen::Vector2i(column, 0)) == KnownGround::Kind::kFloor) {
-      price = prices.at(distance_m, usual_m, 0.0);
-    } else if (ground_.at(first + Eigen::Vector2i(column, 0)) == KnownGround::Kind::kPossibleRamp) {
-      price = prices.at(distance_m, usual_m, kPossibleRampPrice);
-    } else if (map_row_[static_cast<std::size_t>(column)] == Map2d::Kind::kFree) {
-      price = prices.at(distance_m, kOccupiedM, params_.map_price);
-    } else {
-      price = prices.at(distance_m, usual_m, params_.unknown_price);
-    }
-  }
-}
-
-// Raises the price where the robot could not go on. A place that also looked too narrow is closed.
-void GlobalPlanner::price_failures() {
-  const double least_m = body_.half_width_m + params_.min_clearance_m;
-  const int reach = static_cast<int>(kFailureM / PlanWindow::kCellM);
-  for (const Eigen::Vector2d& p_map : failures_map_) {
-    const Eigen::Vector2i middle = window_.cell_of(p_map);
-    for (int dy = -reach; dy <= reach; ++dy) {
-      for (int dx = -reach; dx <= reach; ++dx) {
-        const int column = middle.x() + dx;
-        const int row = middle.y() + dy;
-        if (!window_.contains(column, row) || dx * dx + dy * dy > reach * reach ||
-            price_[window_.index_of(column, row)] <= 0.0F) {
-          continue;
-        }
-        float& price = price_[window_.index_of(column, row)];
-        price = obstacle_distances_.at(column, row) < least_m
-                    ? kBlockedPrice
-                    : std::min(CostSearch::kHighestPrice,
-                               price + static_cast<float>(params_.failure_price));
-      }
-    }
-  }
 }
 
 }  // namespace nodmap::navigator

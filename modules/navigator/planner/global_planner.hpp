@@ -2,19 +2,17 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cstdint>
 #include <deque>
 #include <optional>
-#include <vector>
 
 #include "common/geometry/se2.hpp"
 #include "common/geometry/time.hpp"
 #include "common/robot/footprint.hpp"
 #include "modules/navigator/params.hpp"
 #include "modules/navigator/planner/cost_to_go.hpp"
-#include "modules/navigator/planner/distance_field.hpp"
+#include "modules/navigator/planner/ground_plan.hpp"
 #include "modules/navigator/planner/known_ground.hpp"
-#include "modules/navigator/planner/plan_window.hpp"
+#include "modules/navigator/planner/map_2d.hpp"
 #include "modules/navigator/situation.hpp"
 
 namespace nodmap::navigator {
@@ -27,6 +25,10 @@ namespace nodmap::navigator {
 /// the least clearance costs much more; with a little more clearance it still costs a little more.
 /// Where the robot cannot turn, or where a place is narrower than the grid shows, the local planner
 /// finds out; a narrow place in which the robot could not go on is closed.
+///
+/// The plan covers a window around the robot. If more than that is known, or the goal is farther
+/// away, a plan of all ground, coarser if that is large, says what it costs to go on from the
+/// window's border. So a dead end that is longer than the window is remembered, and left for good.
 ///
 /// The 2D map may show a door closed that is open by now. If it leaves no path, the plan is made
 /// without it: there is a path to every goal to which there would be one without a 2D map.
@@ -63,53 +65,39 @@ class GlobalPlanner {
   void forget_ground();
 
  private:
-  enum class Phase : std::uint8_t { kIdle, kOccupy, kMeasureDistances, kPrice, kSearch };
-  /// What a plan takes as passable; if it leaves no path, the next one is tried. Tight: to a goal
-  /// only occupied cells block, without a goal the path is shorter.
-  enum class Attempt : std::uint8_t { kUsual, kTight, kWithoutMap, kTightWithoutMap };
-
   void take_new_goal();
   [[nodiscard]] bool start_if_due(time::Timestamp stamp);
-  void go_on(const Eigen::Vector2d& p_map, const Geofence* geofence);
-  void begin(const PlanWindow& window);
-  [[nodiscard]] int prepare_line(const Geofence* geofence);
-  void occupy_row(int row);
-  void occupy_boundary(const Geofence& geofence);
-  void begin_search();
-  void price_row(int row);
-  [[nodiscard]] bool is_tight() const {
-    return attempt_ == Attempt::kTight || attempt_ == Attempt::kTightWithoutMap;
-  }
-  [[nodiscard]] bool uses_map() const {
-    return map_2d_ != nullptr && (attempt_ == Attempt::kUsual || attempt_ == Attempt::kTight);
-  }
-  [[nodiscard]] bool try_next();
-  void read_map_row(const Eigen::Vector2i& first);
-  void price_failures();
+  void begin(const Situation& now);
+  void begin_beyond(time::Timestamp stamp, const Eigen::Vector2d& p_map);
+  void go_on_beyond(const Situation& now);
   void finish(const Eigen::Vector2d& p_map);
+  [[nodiscard]] PlanBasis basis(const Situation& now) const;
+  [[nodiscard]] const CostToGo* beyond() const;
+  [[nodiscard]] bool waits_for_beyond() const;
+  // Whether a plan and the present one lead to the same goal.
+  [[nodiscard]] bool is_to_goal(const Eigen::Vector2d& goal_map) const;
 
-  robot::Footprint body_;
   PlannerParams params_;
   KnownGround ground_;
   std::deque<Eigen::Vector2d> failures_map_;  // the oldest first
 
-  Phase phase_ = Phase::kIdle;
-  int row_ = 0;  // the next one to be occupied or priced
-  Attempt attempt_ = Attempt::kUsual;
-  const Map2d* map_2d_ = nullptr;     // of this step; null: none
-  std::vector<Map2d::Kind> map_row_;  // of the row being occupied or priced
+  const Map2d* map_2d_ = nullptr;  // of this step; null: none
   std::optional<time::Timestamp> started_at_;
   Eigen::Vector2d goal_map_ = Eigen::Vector2d::Zero();  // of the last plan that was begun
   double tolerance_m_ = 0.0;                            // the same
   bool goal_is_new_ = false;                            // since that plan was begun
   std::optional<geometry::SE2> onward_from_;            // T_map_base; empty: to the goal
-  PlanWindow window_;
-  DistanceField obstacle_distances_;
-  std::vector<float> price_;  // of a metre of path, by cell; negative: blocked
-  CostSearch search_;
+  GroundPlan plan_;
   std::optional<CostToGo> complete_;
   time::Timestamp completed_from_{};  // when the plan that is complete was begun
   bool is_former_ = false;            // complete_ is the plan to a previous goal
+
+  // The same for all ground, where the window leaves something out.
+  std::optional<time::Timestamp> beyond_started_at_;
+  Eigen::Vector2d beyond_goal_map_ = Eigen::Vector2d::Zero();
+  GroundPlan beyond_plan_;
+  std::optional<CostToGo> beyond_;
+  Eigen::Vector2d beyond_complete_goal_map_ = Eigen::Vector2d::Zero();
 };
 
 }  // namespace nodmap::navigator

@@ -20,6 +20,18 @@ constexpr double kAroundM = 3.0;
 // that was seen is not blocked from beyond.
 constexpr int kNearCells = 4;
 
+// A window has at most so many cells a side: a plan takes two seconds then.
+constexpr int kWindowCells = 1024;
+// The greatest edge of a cell in the window of all ground, in cells of the grid: so coarse a cell
+// is still half as wide as the robot.
+constexpr int kCoarsest = 4;
+constexpr double kMostCells = 1'100'000;
+
+PlanWindow window_of(const Eigen::Vector2i& low, const Eigen::Vector2i& high) {
+  const Eigen::Vector2i size = high - low + Eigen::Vector2i::Ones();
+  return {KnownGround::kCellM * low.cast<double>(), std::max(1, size.x()), std::max(1, size.y())};
+}
+
 using Quarters = std::array<Eigen::Vector2d, 4>;
 
 // The offsets from the middle of a cell to those of its quarters, each of which lies in another
@@ -69,7 +81,7 @@ bool is_seen(KnownGround::Kind kind) {
 }  // namespace
 
 void KnownGround::forget() {
-  grid_.center_on({1e6, 1e6});  // far away: every cell begins anew
+  grid_.clear();
   is_empty_ = true;
 }
 
@@ -79,11 +91,12 @@ void KnownGround::forget() {
 void KnownGround::update(const Situation& now) {
   const geometry::SE2 T_map_base = now.T_map_base();
   const Eigen::Vector2d p_map = T_map_base.translation();
-  grid_.center_on(p_map);
   if (is_empty_) {
+    grid_.center_empty_on(p_map);
     known_min_ = known_max_ = p_map;
     is_empty_ = false;
   }
+  grid_.center_on(p_map);
   const geometry::SE2 T_odom_map = now.T_map_odom.inverse();
   const geometry::SE2 T_base_map = T_map_base.inverse();
   const Eigen::Matrix2d R_odom_map = T_odom_map.rotation();
@@ -147,31 +160,58 @@ bool KnownGround::is_seen_near(const Eigen::Vector2i& index) const {
   return false;
 }
 
-PlanWindow KnownGround::window_around(const Eigen::Vector2d& p_map, const Eigen::Vector2d& goal_map,
-                                      const Map2d* map_2d) const {
+KnownGround::Extent KnownGround::extent(const Eigen::Vector2d& p_map,
+                                        const Eigen::Vector2d& goal_map,
+                                        const Map2d* map_2d) const {
   const auto around = static_cast<int>(kAroundM / kCellM);
   const Eigen::Vector2i margin = Eigen::Vector2i::Constant(around);
-  Eigen::Vector2i low = grid_.index_of(known_min_.cwiseMin(p_map).cwiseMin(goal_map)) - margin;
-  Eigen::Vector2i high = grid_.index_of(known_max_.cwiseMax(p_map).cwiseMax(goal_map)) + margin;
+  Extent all{grid_.index_of(known_min_.cwiseMin(p_map).cwiseMin(goal_map)) - margin,
+             grid_.index_of(known_max_.cwiseMax(p_map).cwiseMax(goal_map)) + margin};
   if (map_2d != nullptr && map_2d->extent()) {
-    low = low.cwiseMin(map_2d->extent()->first);
-    high = high.cwiseMax(map_2d->extent()->last);
+    all.low = all.low.cwiseMin(map_2d->extent()->first);
+    all.high = all.high.cwiseMax(map_2d->extent()->last);
   }
-  return window_between(low, high);
+  return all;
+}
+
+KnownGround::Extent KnownGround::around(const Eigen::Vector2d& p_map) const {
+  const Eigen::Vector2i low = grid_.index_of(p_map) - Eigen::Vector2i::Constant(kWindowCells / 2);
+  return {low, low + Eigen::Vector2i::Constant(kWindowCells - 1)};
+}
+
+PlanWindow KnownGround::window_around(const Eigen::Vector2d& p_map, const Eigen::Vector2d& goal_map,
+                                      const Map2d* map_2d) const {
+  const Extent window = extent(p_map, goal_map, map_2d).within(around(p_map));
+  return window_of(window.low, window.high);
+}
+
+// As fine as possible: where both plans price the same cells they agree, and the robot does not
+// turn back when a place enters or leaves the window. Coarser cells stay in their places while the
+// robot drives.
+std::optional<PlanWindow> KnownGround::window_of_all(const Eigen::Vector2d& p_map,
+                                                     const Eigen::Vector2d& goal_map,
+                                                     const Map2d* map_2d) const {
+  const Extent all = extent(p_map, goal_map, map_2d);
+  if (all == all.within(around(p_map))) {
+    return std::nullopt;
+  }
+  const Eigen::Vector2i border = Eigen::Vector2i::Constant(kCoarsest);
+  const Eigen::Vector2i last = grid_.first() + Eigen::Vector2i::Constant(grid_.size() - 1);
+  const Extent known = all.within({grid_.first() + border, last - border});
+  const Eigen::Array2d size = (known.high - known.low).cast<double>();
+  int cells = 1;
+  while (cells < kCoarsest && size.prod() > kMostCells * cells * cells) {
+    cells *= 2;
+  }
+  const auto floor_of = [cells](int index) { return index - (index % cells + cells) % cells; };
+  const Eigen::Vector2i low = known.low.unaryExpr(floor_of);
+  const Eigen::Vector2i num = (known.high.unaryExpr(floor_of) - low) / cells;
+  return PlanWindow{kCellM * low.cast<double>(), num.x() + 1, num.y() + 1, cells * kCellM};
 }
 
 PlanWindow KnownGround::window_within(const Eigen::Vector2d& p_map, double half_size_m) const {
   const Eigen::Vector2d half_size = Eigen::Vector2d::Constant(half_size_m);
-  return window_between(grid_.index_of(p_map - half_size), grid_.index_of(p_map + half_size));
-}
-
-// As far as the grid reaches.
-PlanWindow KnownGround::window_between(const Eigen::Vector2i& low,
-                                       const Eigen::Vector2i& high) const {
-  const Eigen::Vector2i last = grid_.first() + Eigen::Vector2i::Constant(grid_.size() - 1);
-  const Eigen::Vector2i from = low.cwiseMax(grid_.first());
-  const Eigen::Vector2i size = high.cwiseMin(last) - from + Eigen::Vector2i::Ones();
-  return {kCellM * from.cast<double>(), std::max(1, size.x()), std::max(1, size.y())};
+  return window_of(grid_.index_of(p_map - half_size), grid_.index_of(p_map + half_size));
 }
 
 }  // namespace nodmap::navigator

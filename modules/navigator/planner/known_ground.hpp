@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 
 #include "modules/navigator/planner/map_2d.hpp"
 #include "modules/navigator/planner/plan_window.hpp"
@@ -11,8 +12,8 @@
 
 namespace nodmap::navigator {
 
-/// All the ground that the local map has shown so far: a grid around the robot in map, 51 m x 51 m,
-/// with cells of 5 cm.
+/// All the ground that the local map has shown so far: a grid around the robot in map, 204 m x
+/// 204 m, with cells of 5 cm (16 MB).
 class KnownGround {
  public:
   static constexpr double kCellM = PlanWindow::kCellM;
@@ -29,11 +30,17 @@ class KnownGround {
   /// Makes everything unknown again.
   void forget();
 
-  /// The window around the robot, the goal, all known ground and the 2D map, as far as the grid
-  /// reaches.
+  /// The window around the robot, the goal, all known ground and the 2D map, at most 51 m x 51 m
+  /// with the robot in its middle.
   [[nodiscard]] PlanWindow window_around(const Eigen::Vector2d& p_map,
                                          const Eigen::Vector2d& goal_map,
                                          const Map2d* map_2d) const;
+
+  /// The same as far as the grid reaches, with cells of 5 cm or, to have about a million of them at
+  /// most, coarser ones. Empty if window_around() leaves nothing out.
+  [[nodiscard]] std::optional<PlanWindow> window_of_all(const Eigen::Vector2d& p_map,
+                                                        const Eigen::Vector2d& goal_map,
+                                                        const Map2d* map_2d) const;
 
   /// The window that reaches `half_size_m` to each side of a place.
   [[nodiscard]] PlanWindow window_within(const Eigen::Vector2d& p_map, double half_size_m) const;
@@ -47,10 +54,20 @@ class KnownGround {
   [[nodiscard]] bool is_seen_near(const Eigen::Vector2i& index) const;
 
  private:
-  static constexpr int kLog2Size = 10;
+  static constexpr int kLog2Size = 12;
 
-  [[nodiscard]] PlanWindow window_between(const Eigen::Vector2i& low,
-                                          const Eigen::Vector2i& high) const;
+  // First and last row and column.
+  struct Extent {
+    Eigen::Vector2i low;
+    Eigen::Vector2i high;
+    [[nodiscard]] Extent within(const Extent& other) const {
+      return {low.cwiseMax(other.low), high.cwiseMin(other.high)};
+    }
+    friend bool operator==(const Extent&, const Extent&) = default;
+  };
+  [[nodiscard]] Extent extent(const Eigen::Vector2d& p_map, const Eigen::Vector2d& goal_map,
+                              const Map2d* map_2d) const;
+  [[nodiscard]] Extent around(const Eigen::Vector2d& p_map) const;
   void update_cell(const Eigen::Vector2i& index, unsigned bits, bool could_be_ramp);
 
   RollingGrid<Kind> grid_;

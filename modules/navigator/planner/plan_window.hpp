@@ -6,13 +6,14 @@
 
 namespace nodmap::navigator {
 
-/// The rectangle of cells that a plan covers; frame map.
+/// The rectangle of cells that a plan covers; frame map. The cells of a plan far ahead are coarser.
 struct PlanWindow {
-  static constexpr double kCellM = 0.05;
+  static constexpr double kCellM = 0.05;  ///< of the ground and of the usual plan
 
   Eigen::Vector2d origin = Eigen::Vector2d::Zero();  ///< outer corner of cell (0, 0)
   int width = 0;
   int height = 0;
+  double cell_m = kCellM;  ///< a multiple of kCellM
 
   [[nodiscard]] std::size_t num_cells() const {
     return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
@@ -26,11 +27,11 @@ struct PlanWindow {
            static_cast<std::size_t>(column);
   }
   [[nodiscard]] Eigen::Vector2d center_of(int column, int row) const {
-    return origin + kCellM * Eigen::Vector2d(column + 0.5, row + 0.5);
+    return origin + cell_m * Eigen::Vector2d(column + 0.5, row + 0.5);
   }
   /// The column and row of a place, which may be outside.
   [[nodiscard]] Eigen::Vector2i cell_of(const Eigen::Vector2d& p_map) const {
-    return ((p_map - origin) / kCellM).array().floor().cast<int>();
+    return ((p_map - origin) / cell_m).array().floor().cast<int>();
   }
 };
 

@@ -161,6 +161,38 @@ TEST(CostSearch, AGoalOutsideTheWindowIsReachedAcrossItsBorder) {
   }
 }
 
+// A part of the window, which the paths leave and enter again: beyond it the costs are known from
+// the whole.
+TEST(CostSearch, InAPartOfTheWindowTheCostsAreThoseOfTheWhole) {
+  for (std::uint64_t seed = 1000; seed < 1006; ++seed) {
+    const Prices whole(seed);
+    Prices part = whole;
+    part.window.origin = whole.window.origin + PlanWindow::kCellM * Eigen::Vector2d(20.0, 10.0);
+    part.window.width = 30;
+    part.window.height = 20;
+    part.price.clear();
+    for (int row = 0; row < part.window.height; ++row) {
+      for (int column = 0; column < part.window.width; ++column) {
+        part.price.push_back(whole.price[whole.window.index_of(column + 20, row + 10)]);
+      }
+    }
+    for (const Eigen::Vector2d& goal_map : {Eigen::Vector2d(0.3, 0.4), Eigen::Vector2d(1.7, 1.2)}) {
+      const CostToGo beyond = search(whole, goal_map, 1 << 20);
+      CostSearch dut;
+      dut.begin(part.window, part.price, goal_map, kToleranceM, beyond);
+      while (dut.advance(part.price, 100)) {
+      }
+      std::vector<double> expected;
+      for (std::size_t i = 0; i < part.window.num_cells(); ++i) {
+        const auto column = static_cast<int>(i % 30);
+        const auto row = static_cast<int>(i / 30);
+        expected.push_back(beyond.at(part.middle(column, row)));
+      }
+      expect_costs(dut.found(), expected, part);
+    }
+  }
+}
+
 TEST(CostSearch, TheResultDoesNotDependOnTheSizeOfThePortions) {
   const Prices prices(1000);
   const CostToGo at_once = search(prices, {0.3, 0.4}, 1 << 20);

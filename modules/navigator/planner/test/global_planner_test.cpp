@@ -125,25 +125,12 @@ TEST(GlobalPlanner, PlansTowardsAGoalBeyondTheGrid) {
   plan(planner, LocalMap({}, {}), goal);
   ASSERT_NE(planner.cost_to_go(), nullptr);
   const double price = 1.0 + PlannerParams{}.unknown_price;
-  // The distance times the price of unknown ground; distances on the grid are 8 % too long at
-  // worst.
+  // The distance times the price of unknown ground; distances on the grid are 8.2 % too long at
+  // worst, and the path crosses the window's border somewhere in a cell of 10 cm.
   EXPECT_NEAR(planner.cost_to_go()->at({0.0, 0.0}), price * goal.norm(),
-              0.08 * price * goal.norm());
+              price * (0.082 * goal.norm() + 0.1));
   const auto path = planner.cost_to_go()->path_from({0.0, 0.0}, 100.0);
   EXPECT_LT((goal - path.back()).norm(), goal.norm() - 20.0) << "up to the border, 25 m away";
-}
-
-// The plan covers 28.6 m x 28.6 m: 327 000 cells, each of which is visited five times before the
-// search. No decision visits more than a million of them, or searches more than 32 000.
-TEST(GlobalPlanner, ALargePlanIsPreparedInPortions) {
-  GlobalPlanner planner(kBody, {});
-  const LocalMap map({}, {});
-  int num_steps = 0;
-  for (; num_steps < 400 && planner.cost_to_go() == nullptr; ++num_steps) {
-    planner.step(at(time::Timestamp(13'320us * num_steps), map, {80.0, 80.0}));
-  }
-  EXPECT_GE(num_steps, 1 + 2 + 11);
-  EXPECT_LE(num_steps, 1 + 2 + 12);
 }
 
 TEST(GlobalPlanner, NoGoalCanBeReachedThroughAClosedFence) {
