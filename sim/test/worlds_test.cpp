@@ -2,12 +2,16 @@
 // Checks that the robot has room in the simulator's own worlds and in random ones.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <deque>
 #include <filesystem>
-#include <set>
+#include <map>
 
+#include "common/geometry/angle.hpp"
 #include "sim/body/collision.hpp"
+#include "sim/body/ground.hpp"
 #include "sim/body/robot_model.hpp"
 #include "sim/test/host.hpp"
 #include "sim/world/random_world.hpp"
@@ -18,19 +22,21 @@ namespace worlds_test {
 
 constexpr double kCellM = 0.1;
 
-// The places that the robot can reach from its start on flat ground, with room to rotate
-// everywhere.
+// The places that the robot can reach from its start on the floor, ramps and platforms, with room
+// to rotate everywhere.
 class Reached {
  public:
-  explicit Reached(const World& world) : collision_(world, needle()), start_(world.T_world_start) {
+  explicit Reached(const World& world)
+      : collision_(world, square()), ground_(world, {}), start_(world.T_world_start) {
     std::deque<Cell> open{{0, 0}};
-    cells_.insert({0, 0});
+    heights_m_[{0, 0}] = world.start_height_m;
     while (!open.empty()) {
       const auto [x, y] = open.front();
       open.pop_front();
+      const double height_m = heights_m_[{x, y}];
       for (const Cell& next : {Cell{x + 1, y}, Cell{x - 1, y}, Cell{x, y + 1}, Cell{x, y - 1}}) {
-        if (cells_.size() < 200'000 && !cells_.contains(next) && has_room(next)) {
-          cells_.insert(next);
+        if (heights_m_.size() < 200'000 && !heights_m_.contains(next) && has_room(next, height_m)) {
+          heights_m_[next] = ground_.roll(place_of(next), height_m).height_m;
           open.push_back(next);
         }
       }
@@ -38,30 +44,46 @@ class Reached {
   }
 
   [[nodiscard]] double area_m2() const {
-    return static_cast<double>(cells_.size()) * kCellM * kCellM;
+    return static_cast<double>(heights_m_.size()) * kCellM * kCellM;
   }
   [[nodiscard]] bool holds(const Eigen::Vector2d& p) const {
     const Eigen::Vector2d v = (p - start_.translation()) / kCellM;
-    return cells_.contains(
+    return heights_m_.contains(
         {static_cast<int>(std::lround(v.x())), static_cast<int>(std::lround(v.y()))});
   }
 
  private:
   using Cell = std::pair<int, int>;
 
-  static BodyParams needle() {
+  // At 0 and 45 degrees, its corners lie on the circle in which the robot rotates.
+  static BodyParams square() {
     BodyParams params;
-    params.length_m = params.width_m = 1e-6;
+    params.length_m = params.width_m = std::hypot(0.45, 0.33) / std::sqrt(2.0);
     return params;
   }
-  [[nodiscard]] bool has_room(const Cell& cell) const {
-    const BodyPose body{{start_.x + kCellM * cell.first, start_.y + kCellM * cell.second, 0.0}};
-    return collision_.clearance_m(body) > 0.5 * std::hypot(0.45, 0.33);
+  [[nodiscard]] Eigen::Vector2d place_of(const Cell& cell) const {
+    return start_.translation() + kCellM * Eigen::Vector2d(cell.first, cell.second);
+  }
+  // `height_m`: of the ground beside the cell. The edge of a platform is not driven over.
+  [[nodiscard]] bool has_room(const Cell& cell, double height_m) const {
+    // Between the corners of both squares, the circle is this far from them.
+    constexpr double kBetweenCornersM = 0.07;
+    const Eigen::Vector2d p = place_of(cell);
+    const double ground_m = ground_.roll(p, height_m).height_m;
+    return std::abs(ground_m - height_m) <= kMaxRiseM &&
+           std::ranges::all_of(std::array{0.0, 0.25 * geometry::kPi}, [&](double yaw_rad) {
+             const BodyPose body{{p.x(), p.y(), yaw_rad}, ground_m, kMaxRiseM};
+             return collision_.clearance_m(body) > kBetweenCornersM;
+           });
   }
 
+  // Of a ramp of 15 degrees, from one cell to the next.
+  static constexpr double kMaxRiseM = 0.27 * kCellM;
+
   Collision collision_;
+  Ground ground_;
   geometry::SE2 start_;
-  std::set<Cell> cells_;
+  std::map<Cell, double> heights_m_;  // of the ground
 };
 
 std::string file_of(const std::string& name) {

