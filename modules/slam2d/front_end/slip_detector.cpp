@@ -100,6 +100,14 @@ std::vector<geometry::SE2> poses_short_of(const geometry::SE2& T_last_odometry) 
   return poses;
 }
 
+// Whether a motion is a part of the one that was counted: wheels that slip count too much, and the
+// rotation has the sign and at most the size of theirs.
+bool is_part_of(const geometry::SE2& moved, const geometry::SE2& counted) {
+  return moved.translation().norm() <= counted.translation().norm() - kMinSlipM &&
+         moved.yaw >= std::min(0.0, counted.yaw) - kMinSlipRad &&
+         moved.yaw <= std::max(0.0, counted.yaw) + kMinSlipRad;
+}
+
 }  // namespace
 
 SlipFinding SlipDetector::check(const LevelScan& scan, const geometry::SE2& T_map_last,
@@ -117,7 +125,8 @@ SlipFinding SlipDetector::check(const LevelScan& scan, const geometry::SE2& T_ma
       find_better(scan, T_submap_last, T_submap_odometry, by_odometry.score + min_gain_);
   const Match& best = better ? *better : by_odometry;
   const geometry::SE2& T_submap_base = best.T_target_base;
-  if (best.score < min_score_ || distance_m(T_submap_last, T_submap_base) > counted_m - kMinSlipM) {
+  if (best.score < min_score_ || !is_part_of(T_submap_last.inverse() * T_submap_base,
+                                             T_submap_last.inverse() * T_submap_odometry)) {
     return {.match = by_odometry};
   }
   const std::vector<bool> are_only_here = only_at(map, scan, T_submap_base, T_submap_odometry);
