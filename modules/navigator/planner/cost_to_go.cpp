@@ -106,7 +106,7 @@ void CostSearch::begin(const PlanWindow& window, std::span<const float> price,
          {outwards, Eigen::Vector2d(outwards + aside), Eigen::Vector2d(outwards - aside)}) {
       leads_out = leads_out || beyond.at(p_map + beyond.window_.cell_m * step) < cost_m;
     }
-    return leads_out ? cost_m : kUnreached;
+    return leads_out ? cost_m : std::numeric_limits<double>::infinity();
   });
 }
 

@@ -11,7 +11,7 @@ namespace nodmap::slam6d {
 
 // Whole poses are ordered instead of their six unknowns each: that takes hardly any time, and no
 // further copies of H, which is the largest thing in memory at the end of a long drive.
-Eigen::VectorXi PoseEquations::elimination_order() const {
+PoseEquations::Order PoseEquations::elimination_order() const {
   std::vector<Eigen::Triplet<double>> joined;
   joined.reserve(blocks_.size());
   for (const auto& [key, block] : blocks_) {
@@ -23,16 +23,10 @@ Eigen::VectorXi PoseEquations::elimination_order() const {
   graph.setFromTriplets(joined.begin(), joined.end());
   Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> order;
   Eigen::AMDOrdering<int>()(graph.selfadjointView<Eigen::Upper>(), order);
-  return order.inverse().eval().indices();
+  return order.inverse().eval().indices().cast<Eigen::Index>();
 }
 
-Eigen::SparseMatrix<double> PoseEquations::upper_triangle(const Eigen::VectorXi& order) const {
-  struct PlacedBlock {
-    Eigen::Index column;
-    Eigen::Index row;  // at most `column`
-    const Matrix6d* block;
-    bool is_transposed;
-  };
+std::vector<PoseEquations::PlacedBlock> PoseEquations::placed_blocks(const Order& order) const {
   std::vector<PlacedBlock> placed;
   placed.reserve(blocks_.size());
   for (const auto& [key, block] : blocks_) {
@@ -43,30 +37,33 @@ Eigen::SparseMatrix<double> PoseEquations::upper_triangle(const Eigen::VectorXi&
     }
   }
   std::ranges::sort(placed, {}, [](const PlacedBlock& at) { return std::pair(at.column, at.row); });
+  return placed;
+}
+
+Eigen::SparseMatrix<double> PoseEquations::upper_triangle(const Order& order) const {
+  const std::vector<PlacedBlock> placed = placed_blocks(order);
   Eigen::SparseMatrix<double> H(6 * num_free(), 6 * num_free());
   H.reserve(static_cast<Eigen::Index>(36 * placed.size()));
   auto begin = placed.begin();
-  for (Eigen::Index pose = 0; pose < num_free(); ++pose) {
-    const auto end =
-        std::find_if(begin, placed.end(), [&](const auto& at) { return at.column != pose; });
-    for (Eigen::Index c = 0; c < 6; ++c) {
-      const Eigen::Index column = 6 * pose + c;
-      H.startVec(column);
-      for (auto at = begin; at != end; ++at) {
-        for (Eigen::Index r = 0; r < 6 && 6 * at->row + r <= column; ++r) {
-          H.insertBack(6 * at->row + r, column) =
-              at->is_transposed ? (*at->block)(c, r) : (*at->block)(r, c);
-        }
+  for (Eigen::Index column = 0; column < H.cols(); ++column) {
+    const Eigen::Index pose = column / 6;
+    H.startVec(column);
+    auto end = begin;
+    for (; end != placed.end() && end->column == pose; ++end) {
+      for (Eigen::Index r = 0; r < 6 && 6 * end->row + r <= column; ++r) {
+        H.insertBack(6 * end->row + r, column) = end->at(r, column % 6);
       }
     }
-    begin = end;
+    if (column % 6 == 5) {
+      begin = end;
+    }
   }
   H.finalize();
   return H;
 }
 
 std::optional<Eigen::VectorXd> PoseEquations::solve() const {
-  const Eigen::VectorXi order = elimination_order();
+  const Order order = elimination_order();
   const Eigen::SparseMatrix<double> H = upper_triangle(order);
   const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Upper,
                               Eigen::NaturalOrdering<int>>

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <optional>
 #include <unordered_map>
+#include <vector>
 
 #include "modules/slam6d/registration/matrix6d.hpp"
 
@@ -33,12 +34,26 @@ class PoseEquations {
   [[nodiscard]] std::optional<Eigen::VectorXd> solve() const;
 
  private:
-  /// The poses that are not fixed.
+  /// The place of each pose in the order of elimination by which few blocks fill in.
+  using Order = Eigen::Matrix<Eigen::Index, Eigen::Dynamic, 1>;
+  /// A block of H, or its transpose, where it is in the upper triangle.
+  struct PlacedBlock {
+    Eigen::Index column;
+    Eigen::Index row;
+    const Matrix6d* block;
+    bool is_transposed;
+
+    [[nodiscard]] double at(Eigen::Index r, Eigen::Index c) const {
+      return is_transposed ? (*block)(c, r) : (*block)(r, c);
+    }
+  };
+
+  /// The poses that are not fixed. Of these alone are the order, the blocks and the matrix below.
   [[nodiscard]] Eigen::Index num_free() const { return static_cast<Eigen::Index>(num_poses_ - 1); }
-  /// The place of each of them in the order of elimination by which few blocks fill in.
-  [[nodiscard]] Eigen::VectorXi elimination_order() const;
-  /// H of these poses in this order.
-  [[nodiscard]] Eigen::SparseMatrix<double> upper_triangle(const Eigen::VectorXi& order) const;
+  [[nodiscard]] Order elimination_order() const;
+  /// The blocks in this order, by column and row.
+  [[nodiscard]] std::vector<PlacedBlock> placed_blocks(const Order& order) const;
+  [[nodiscard]] Eigen::SparseMatrix<double> upper_triangle(const Order& order) const;
 
   std::size_t num_poses_;
   std::unordered_map<std::size_t, Matrix6d> blocks_;
