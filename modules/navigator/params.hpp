@@ -218,9 +218,10 @@ struct PlannerParams {
     v.flag("use_planner", use,
            "Drive to a goal by plan and rollouts; otherwise by Steer, Brake and Turn.");
     v.flag("roams", roams, "Roam by plan and rollouts; otherwise by Steer, Brake and Turn.");
-    v.flag("use_map", use_map,
-           "Plan to a goal on the 2D map as well, where the local map has not shown the ground: for a "
-           "robot with a saved map. With the map that is still being drawn it is slower.");
+    v.flag(
+        "use_map", use_map,
+        "Plan to a goal on the 2D map as well, where the local map has not shown the ground: for a "
+        "robot with a saved map. With the map that is still being drawn it is slower.");
     v.number("replan_s", replan_s, {0.05, 10.0}, "Time from one global plan to the next.");
     v.number(
         "min_clearance_m", min_clearance_m, {0.0, 0.5},
