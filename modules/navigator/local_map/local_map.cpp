@@ -36,10 +36,8 @@ bool LocalMap::could_be_ramp(const Eigen::Vector2d& p_odom) const {
     return false;
   }
   const PossibleRamp ramp(grid_, ground_, params_, T_odom_base_->translation());
-  const double top_odom_m = 0.01 * cell->high_cm;
-  return ramp.could_lead_up({p_odom.x(), p_odom.y(), top_odom_m},
-                            top_odom_m - ground_.height_m(p_odom),
-                            tolerance_m((p_odom - T_odom_base_->translation()).norm()));
+  return ramp.could_be(p_odom, cell->high_cm,
+                       tolerance_m((p_odom - T_odom_base_->translation()).norm()));
 }
 
 LocalView LocalMap::view_around(const Eigen::Vector2d& p_odom, double half_size_m) const {

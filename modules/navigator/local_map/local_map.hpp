@@ -85,8 +85,8 @@ class LocalMap {
   }
   /// Whether a cell is blocked by a hole, or by an obstacle that is not forgotten.
   [[nodiscard]] bool is_blocked(const LocalCell& cell) const;
-  /// Whether the obstacle in a cell could, by its height, be a ramp that leads up from the floor
-  /// before it. It could only from afar.
+  /// Whether the obstacle in a cell could, by its height and what rises behind it, be a ramp that
+  /// leads up from the floor before it. It could only from afar.
   [[nodiscard]] bool could_be_ramp(const Eigen::Vector2d& p_odom) const;
   /// A view of all cells in a square, `half_size_m` to each side.
   [[nodiscard]] LocalView view_around(const Eigen::Vector2d& p_odom, double half_size_m) const;

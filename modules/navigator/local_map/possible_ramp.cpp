@@ -20,6 +20,40 @@ bool PossibleRamp::could_lead_up(const Eigen::Vector3d& p_odom, double height_m,
                           ground_.max_slope() * (p - floor_odom).norm();
 }
 
+// A sill is as low as the foot of a ramp; but behind it nothing rises.
+bool PossibleRamp::could_be(const Eigen::Vector2d& p_odom, std::int16_t high_cm,
+                            double tolerance_m) const {
+  constexpr double kHighestSillM = 0.25;
+  const double top_odom_m = 0.01 * high_cm;
+  const double height_m = top_odom_m - ground_.height_m(p_odom);
+  return could_lead_up({p_odom.x(), p_odom.y(), top_odom_m}, height_m, tolerance_m) &&
+         (height_m > kHighestSillM || rises_behind(p_odom, high_cm));
+}
+
+// Whether obstacles 0.3 to 1 m behind a place are higher than `high_cm`, by 3 cm at least, and
+// there is no floor on the way.
+bool PossibleRamp::rises_behind(const Eigen::Vector2d& p_odom, std::int16_t high_cm) const {
+  constexpr double kNearestM = 0.3;
+  constexpr double kFarthestM = 1.0;
+  constexpr int kRiseCm = 3;
+  const Eigen::Vector2d step = grid_.cell_size_m() * (p_odom - robot_odom_).normalized();
+  const Eigen::Vector2d aside(-step.y(), step.x());
+  const int farthest = static_cast<int>(kFarthestM / grid_.cell_size_m());
+  const int nearest = static_cast<int>(kNearestM / grid_.cell_size_m());
+  for (int i = 1; i < farthest; ++i) {
+    for (const double side : {-1.0, 0.0, 1.0}) {
+      const LocalCell* cell = grid_.find(Eigen::Vector2d(p_odom + i * step + side * aside));
+      if (cell == nullptr || cell->is_floor) {
+        return false;
+      }
+      if (i >= nearest && cell->is_obstacle() && cell->high_cm >= high_cm + kRiseCm) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
 bool PossibleRamp::leads_down(const Eigen::Vector3d& p_odom,
                               const Eigen::Vector2d& crossing_odom) const {
   constexpr double kFarthestM = 0.6;  // two lines on the floor at 2 m

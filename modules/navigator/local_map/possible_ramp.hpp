@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 
 #include "modules/navigator/ground/tracked_ground.hpp"
 #include "modules/navigator/local_map/local_cell.hpp"
@@ -32,6 +33,11 @@ class PossibleRamp {
   [[nodiscard]] bool could_lead_up(const Eigen::Vector3d& p_odom, double height_m,
                                    double tolerance_m) const;
 
+  /// The same of an obstacle that is at most `high_cm` (odom) high, if something higher rises
+  /// behind it: a sill is no ramp.
+  [[nodiscard]] bool could_be(const Eigen::Vector2d& p_odom, std::int16_t high_cm,
+                              double tolerance_m) const;
+
   /// Whether a ramp could lead down to a point from the last floor seen before the place where the
   /// beam passed below the ground. It could, unless the beam looked down more steeply than the
   /// steepest ramp.
@@ -39,6 +45,7 @@ class PossibleRamp {
                                 const Eigen::Vector2d& crossing_odom) const;
 
  private:
+  [[nodiscard]] bool rises_behind(const Eigen::Vector2d& p_odom, std::int16_t high_cm) const;
   [[nodiscard]] Eigen::Vector2d last_floor_before(const Eigen::Vector2d& p_odom,
                                                   double farthest_m) const;
 
