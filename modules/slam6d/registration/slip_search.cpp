@@ -74,7 +74,7 @@ std::optional<SlippedSweep> register_slipped(const SweepCloud& cloud, const Voxe
   double misfit_to_beat =
       (is_far_from_odometry(as_counted) ? 1.0 : kClearlyBetter) * (1.0 - way.inlier_ratio);
   SweepCloud stopped = cloud;
-  stopped.stop_at(-1.0);
+  stopped.stop();
   const VoxelMap stopped_voxels = voxelize(stopped, voxels);
   std::optional<SlippedSweep> best;
   for (const Eigen::Vector3d& p_map_stop : stops(way)) {

@@ -131,32 +131,21 @@ void SweepCloud::correct(const MotionCorrection& correction) {
   T_base_last = correction.correct(T_base_last, 1.0);
 }
 
-void SweepCloud::stop_at(double time) {
-  Eigen::Vector3d p_stop = T_base_first.translation();
-  for (const Line& line : lines) {
-    if (line.time <= time) {
-      p_stop = line.p_base_then.cast<double>();
-    }
-  }
-  const Eigen::Vector3d p_middle = time < 0.0 ? p_stop : Eigen::Vector3d::Zero();
+void SweepCloud::stop() {
   std::size_t i = 0;
   std::size_t i_free = 0;
   for (Line& line : lines) {
-    const Eigen::Vector3f p_then = line.time > time
-                                       ? (p_stop - p_middle).cast<float>()
-                                       : Eigen::Vector3f(line.p_base_then - p_middle.cast<float>());
-    const Eigen::Vector3f change = p_then - line.p_base_then;
     for (; i < line.end; ++i) {
-      points[i] += change;
+      points[i] -= line.p_base_then;
     }
     for (; i_free < line.free_end; ++i_free) {
-      free_points[i_free] += change;
+      free_points[i_free] -= line.p_base_then;
     }
-    line.p_base_mirror += change;
-    line.p_base_then = p_then;
+    line.p_base_mirror -= line.p_base_then;
+    line.p_base_then.setZero();
   }
-  T_base_first.translation() -= p_middle;
-  T_base_last.translation() = p_stop - p_middle;
+  T_base_first.translation().setZero();
+  T_base_last.translation().setZero();
 }
 
 void SweepCloud::drop_free_points() {

@@ -100,9 +100,9 @@ struct SweepCloud {
   void drop_free_points();
   /// Deskews again: places each point anew with the motion as it is known now.
   void correct(const MotionCorrection& correction);
-  /// Deskews again, as if an obstacle had stopped the base at `time` (from -1 to 1), wherever its
-  /// wheels went on. It turned as before. P_b is then where it was stopped, or was before.
-  void stop_at(double time);
+  /// Deskews again, as if an obstacle had stopped the base before the sweep, wherever its wheels
+  /// went on. It turned as before.
+  void stop();
 };
 
 /// Returns T_odom_base at a time; empty if it is not known.
