@@ -5,12 +5,14 @@
 
 #include "sim/body/robot_model.hpp"
 #include "sim/test/host.hpp"
+#include "sim/test/wall_ahead.hpp"
 
 namespace nodmap::sim {
 namespace laser_mount_test {
 
 using geometry::deg_to_rad;
 using test::at;
+using test::wall_ahead;
 
 // Level ground and ranges without noise.
 RobotModelParams exact_params() {
@@ -18,12 +20,6 @@ RobotModelParams exact_params() {
   params.laser.range_sigma_m = 0.0;
   params.drive.ground_tilt_rad = 0.0;
   return params;
-}
-
-World wall_ahead(double x_m) {
-  World world;
-  world.objects.push_back({Box{{x_m + 0.05, 0.0, 1.0}, {0.1, 10.0, 2.0}, 0.0}});
-  return world;
 }
 
 // The mirror goes round with the head: up moves it back when the laser looks up.

@@ -8,12 +8,14 @@
 #include <vector>
 
 #include "sim/test/host.hpp"
+#include "sim/test/wall_ahead.hpp"
 
 namespace nodmap::sim {
 namespace robot_model_test {
 
 using geometry::deg_to_rad;
 using test::at;
+using test::wall_ahead;
 
 // A robot without noise or slip.
 RobotModelParams exact_params() {
@@ -25,12 +27,6 @@ RobotModelParams exact_params() {
   params.drive.tilt_per_mps2_rad = 0.0;
   params.drive.ground_tilt_rad = 0.0;
   return params;
-}
-
-World wall_ahead(double x_m) {
-  World world;
-  world.objects.push_back({Box{{x_m + 0.05, 0.0, 1.0}, {0.1, 10.0, 2.0}, 0.0}});
-  return world;
 }
 
 Actor walker(std::vector<Waypoint> path) {
