@@ -53,20 +53,18 @@ unsigned bits_around(const LocalView& view, const Eigen::Vector2d& middle,
   return bits;
 }
 
-// Whether all obstacles in a cell of KnownGround could be a ramp. The edge of a hole could not.
-bool could_be_ramp_around(const LocalMap& local_map, const Eigen::Vector2d& q_odom) {
-  constexpr double kAsideM = 0.25 * KnownGround::kCellM;
+// Whether all obstacles in the quarters of a cell could be a ramp. The edge of a hole could not.
+bool could_be_ramp_around(const LocalMap& local_map, const Eigen::Vector2d& q_odom,
+                          const Quarters& quarters, double cells_per_m) {
   bool is_ramp = false;
-  for (const double dx : {-kAsideM, kAsideM}) {
-    for (const double dy : {-kAsideM, kAsideM}) {
-      const Eigen::Vector2d p_odom = q_odom + Eigen::Vector2d(dx, dy);
-      const LocalCell* cell = local_map.cell_at(p_odom);
-      if (cell != nullptr && local_map.is_blocked(*cell)) {
-        if (!local_map.could_be_ramp(p_odom)) {
-          return false;
-        }
-        is_ramp = true;
+  for (const Eigen::Vector2d& quarter : quarters) {
+    const Eigen::Vector2d p_odom = q_odom + quarter / cells_per_m;
+    const LocalCell* cell = local_map.cell_at(p_odom);
+    if (cell != nullptr && local_map.is_blocked(*cell)) {
+      if (!local_map.could_be_ramp(p_odom)) {
+        return false;
       }
+      is_ramp = true;
     }
   }
   return is_ramp;
@@ -117,9 +115,9 @@ void KnownGround::update(const Situation& now) {
       if (!is_seen(grid_.at(index)) || p_base.x() >= 0.0 || p_base.norm() <= kBesideM) {
         const Eigen::Vector2d q_odom = R_odom_map * q_map + T_odom_map.translation();
         const unsigned bits = bits_around(view, view.in_cells(q_odom), quarters);
-        const bool could_be_ramp = (bits & LocalView::kBlocked) != 0U &&
-                                   grid_.at(index) != Kind::kBlocked &&
-                                   could_be_ramp_around(*now.local_map, q_odom);
+        const bool could_be_ramp =
+            (bits & LocalView::kBlocked) != 0U && grid_.at(index) != Kind::kBlocked &&
+            could_be_ramp_around(*now.local_map, q_odom, quarters, view.cells_per_m());
         update_cell(index, bits, could_be_ramp);
       }
     }

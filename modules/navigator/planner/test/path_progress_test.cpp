@@ -68,8 +68,8 @@ TEST(PathProgress, TwoPathsThatAlternateAreNoProgress) {
   EXPECT_LE(*given_up, 3s + PathProgress::kPatience + 1s);
 }
 
-// The short path shows itself once more before the robot is on its way along the longer one, of
-// which 20 s are less than the difference.
+// The short path shows itself once more before the robot drives along the longer one, of which more
+// is left for a minute than there was of the short one.
 TEST(PathProgress, WhoeverDrivesAlongTheLongerPathMakesProgress) {
   EXPECT_FALSE(given_up_after(60s, [](time::Duration after) {
     const double driven_m = after < 3s ? 0.0 : 0.1 * time::seconds(after - 3s);
