@@ -7,7 +7,7 @@
 #include "common/geometry/se2.hpp"
 #include "common/geometry/time.hpp"
 #include "modules/navigator/decision.hpp"
-#include "modules/navigator/inputs.hpp"
+#include "modules/navigator/inputs/inputs.hpp"
 #include "modules/navigator/navigator.hpp"
 
 namespace nodmap::navigator {

@@ -8,18 +8,18 @@
 #include <vector>
 
 #include "common/geometry/time.hpp"
-#include "modules/navigator/back_up.hpp"
-#include "modules/navigator/brake.hpp"
+#include "modules/navigator/behaviours/back_up.hpp"
+#include "modules/navigator/behaviours/brake.hpp"
+#include "modules/navigator/behaviours/steering.hpp"
+#include "modules/navigator/behaviours/turn.hpp"
+#include "modules/navigator/contact/leave_contact.hpp"
 #include "modules/navigator/decision.hpp"
-#include "modules/navigator/leave_contact.hpp"
 #include "modules/navigator/params.hpp"
 #include "modules/navigator/planner/goal_drive.hpp"
 #include "modules/navigator/planner/roaming.hpp"
 #include "modules/navigator/situation.hpp"
-#include "modules/navigator/steering.hpp"
-#include "modules/navigator/surroundings.hpp"
+#include "modules/navigator/surroundings/surroundings.hpp"
 #include "modules/navigator/trail.hpp"
-#include "modules/navigator/turn.hpp"
 
 namespace nodmap::navigator {
 

@@ -9,7 +9,7 @@
 #include "common/node/map_tile.hpp"
 #include "common/node/messages.hpp"
 #include "common/scan/ego_map_points.hpp"
-#include "modules/navigator/inhibit_reason.hpp"
+#include "modules/navigator/inputs/inhibit_reason.hpp"
 
 namespace nodmap::navigator {
 namespace {

@@ -9,7 +9,7 @@
 #include "modules/navigator/goal.hpp"
 #include "modules/navigator/obstacle_points.hpp"
 #include "modules/navigator/people/person.hpp"
-#include "modules/navigator/seen_directions.hpp"
+#include "modules/navigator/surroundings/seen_directions.hpp"
 
 namespace nodmap::navigator {
 

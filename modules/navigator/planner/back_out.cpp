@@ -5,8 +5,8 @@
 #include <array>
 #include <cmath>
 
-#include "modules/navigator/corridor.hpp"
-#include "modules/navigator/rear_view.hpp"
+#include "modules/navigator/behaviours/corridor.hpp"
+#include "modules/navigator/surroundings/rear_view.hpp"
 
 namespace nodmap::navigator {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "common/geometry/se2.hpp"
 #include "common/geometry/time.hpp"
-#include "modules/navigator/brake.hpp"
+#include "modules/navigator/behaviours/brake.hpp"
 #include "modules/navigator/decision.hpp"
 #include "modules/navigator/params.hpp"
 #include "modules/navigator/situation.hpp"

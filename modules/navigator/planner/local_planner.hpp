@@ -5,7 +5,7 @@
 #include <span>
 #include <utility>
 
-#include "modules/navigator/brake.hpp"
+#include "modules/navigator/behaviours/brake.hpp"
 #include "modules/navigator/decision.hpp"
 #include "modules/navigator/params.hpp"
 #include "modules/navigator/planner/rollouts.hpp"

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "common/geometry/angle.hpp"
-#include "modules/navigator/brake.hpp"
-#include "modules/navigator/corridor.hpp"
+#include "modules/navigator/behaviours/brake.hpp"
+#include "modules/navigator/behaviours/corridor.hpp"
 #include "modules/navigator/people/foresight.hpp"
 
 namespace nodmap::navigator {

@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "common/robot/footprint.hpp"
+#include "modules/navigator/behaviours/side.hpp"
 #include "modules/navigator/decision.hpp"
 #include "modules/navigator/params.hpp"
 #include "modules/navigator/planner/cost_to_go.hpp"
 #include "modules/navigator/planner/distance_field.hpp"
-#include "modules/navigator/side.hpp"
 #include "modules/navigator/situation.hpp"
 #include "modules/navigator/twist.hpp"
 

@@ -5,7 +5,7 @@
 
 #include <random>
 
-#include "modules/navigator/brake.hpp"
+#include "modules/navigator/behaviours/brake.hpp"
 #include "modules/navigator/local_map/local_map.hpp"
 #include "tests/support/commanded_sweeps.hpp"
 

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "common/robot/infrared.hpp"
-#include "modules/navigator/rear_view.hpp"
+#include "modules/navigator/surroundings/rear_view.hpp"
 
 namespace nodmap::navigator {
 namespace back_out_test {

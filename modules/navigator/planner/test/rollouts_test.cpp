@@ -7,7 +7,7 @@
 #include <cmath>
 #include <random>
 
-#include "modules/navigator/corridor.hpp"
+#include "modules/navigator/behaviours/corridor.hpp"
 #include "modules/navigator/local_map/local_map.hpp"
 #include "modules/navigator/planner/global_planner.hpp"
 
