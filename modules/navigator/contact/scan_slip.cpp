@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <utility>
 
 #include "common/geometry/angle.hpp"
@@ -88,7 +89,10 @@ std::optional<geometry::SE2> ScanSlip::update(const scan::Scan& scan,
 
 ScanSlip::View ScanSlip::look(const scan::Scan& scan, const geometry::SE2& T_odom_base) {
   View view{scan.mid_stamp(), T_odom_base, scan.pitch_mid_rad(), {}, {}, {}};
-  for (const auto& [p_base, beam] : projector_.hits(scan)) {
+  const auto hits = projector_.hits(scan);
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    // The beams of a laser that is mounted upside down are in clockwise order.
+    const auto& p_base = hits[scan.angle_step_rad > 0.0 ? i : hits.size() - 1 - i].p_base;
     const double bearing_rad = std::atan2(p_base.y(), p_base.x());
     if (!view.bearings_rad.empty() && bearing_rad <= view.bearings_rad.back()) {
       continue;

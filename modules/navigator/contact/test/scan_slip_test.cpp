@@ -24,10 +24,11 @@ struct Hall {
 // The laser nods between -20 and 12 degrees in 0.35 s, as on the way. The range noise is 1 cm.
 class Robot {
  public:
-  explicit Robot(const Hall& hall) : hall_(hall) {
+  // `side`: -1.0 for a laser that is mounted upside down, whose beams come in the opposite order.
+  explicit Robot(const Hall& hall, double side = 1.0) : hall_(hall) {
     scan_.duration = 13'333us;
-    scan_.angle_first_rad = -0.5 * geometry::kPi;
-    scan_.angle_step_rad = geometry::deg_to_rad(1.0);
+    scan_.angle_first_rad = -0.5 * side * geometry::kPi;
+    scan_.angle_step_rad = side * geometry::deg_to_rad(1.0);
     scan_.range_min_m = 0.05;
     scan_.range_max_m = 30.0;
     scan_.T_base_mount.translation().z() = kMountM;
@@ -91,6 +92,12 @@ TEST(ScanSlip, IsNoticedWithinAboutHalfASecond) {
       EXPECT_LE(after_s, 0.55) << before_s << " s, " << mps << " m/s";
     }
   }
+}
+
+TEST(ScanSlip, ALaserThatIsMountedUpsideDownShowsItAsWell) {
+  Robot robot({2.5, 6.0}, -1.0);
+  ASSERT_LT(robot.noticed_after_s(1.0, 1.5, 1.5), 0.0);
+  EXPECT_GT(robot.noticed_after_s(2.0, 1.5, 0.0), 0.0);
 }
 
 TEST(ScanSlip, IsSilentWhileTheRobotMovesOrIsStationary) {
