@@ -40,7 +40,8 @@ constexpr double kLeastBackingMps = 0.01;
 BackOut::BackOut(const NavigatorParams& params)
     : body_(params.robot.body.footprint()),
       brake_(params, true),
-      speed_mps_(0.5 * params.back_up.speed_mps) {}
+      speed_mps_(0.5 * params.back_up.speed_mps),
+      without_progress_(kStuck) {}
 
 std::optional<Decision> BackOut::step(const Situation& now) {
   const RearView* rear = now.rear_view;
@@ -82,13 +83,15 @@ bool BackOut::can_turn_round(const Points& points_base) const {
                   free_rotation(points_base, Side::kRight, body_, margin_m)) >= kTurnRad;
 }
 
+// Time in which the robot was halted does not count.
 bool BackOut::counts_as_stuck(const Situation& now) {
-  if (!T_odom_stuck_ || geometry::distance_m(*T_odom_stuck_, now.T_odom_base) > kStuckM ||
-      now.stamp < stuck_since_) {
+  without_progress_.record(now.stamp);
+  if (!T_odom_stuck_ || !without_progress_.has_begun() ||
+      geometry::distance_m(*T_odom_stuck_, now.T_odom_base) > kStuckM) {
     T_odom_stuck_ = now.T_odom_base;
-    stuck_since_ = now.stamp;
+    without_progress_.restart(now.stamp);
   }
-  return now.stamp - stuck_since_ >= kStuck;
+  return without_progress_.is_over(now.stamp);
 }
 
 // Points within a margin already do not count for it, so each margin alone may take an arc for free

@@ -8,6 +8,7 @@
 #include "modules/navigator/behaviours/brake.hpp"
 #include "modules/navigator/decision.hpp"
 #include "modules/navigator/params.hpp"
+#include "modules/navigator/planner/patience.hpp"
 #include "modules/navigator/situation.hpp"
 
 namespace nodmap::navigator {
@@ -37,8 +38,8 @@ class BackOut {
   double speed_mps_;
   bool is_active_ = false;
   bool has_begun_ = false;
-  std::optional<geometry::SE2> T_odom_stuck_;  // where the robot has been since stuck_since_
-  time::Timestamp stuck_since_{};
+  std::optional<geometry::SE2> T_odom_stuck_;  // where the robot has been all the time
+  Patience without_progress_;
 };
 
 /// The situation with what the range finders have measured beside and behind the robot.

@@ -92,6 +92,13 @@ TEST_F(BackOutTest, BacksOutWhenItHasBeenStuckForFiveSeconds) {
   EXPECT_TRUE(back_out_.is_leaving(situation()));
 }
 
+TEST_F(BackOutTest, TimeInWhichItWasHaltedDoesNotCountAsStuck) {
+  EXPECT_EQ(back_up_for(1.0), 0.0);
+  time_s_ += 60.0;  // a STOP, during which nothing decides
+  EXPECT_EQ(back_up_for(4.5), 0.0);
+  EXPECT_GT(back_up_for(2.0), 0.05);
+}
+
 TEST_F(BackOutTest, StopsBeforeWhatTheRangeFindersShowBehindIt) {
   behind_x_m_ = -body_.half_length_m - 0.3;
   const double backed_up_m = back_up_for(30.0);
