@@ -71,6 +71,9 @@ class Guide {
       }
       obeyed_ = time::steady_now();
       reason_ = m.reason;
+      if (m.behaviour == navigation_t::HALT) {
+        route_.take_halt(obeyed_);
+      }
       if (!arguments_.is_patrol || obeyed_ - decided_ >= kLeastStay) {
         tell(route_.take_arrival(m.behaviour == navigation_t::ARRIVED));
       }

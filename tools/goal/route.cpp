@@ -18,6 +18,7 @@ Route::Event Route::take_arrival(bool has_arrived) {
 }
 
 Route::Event Route::take_path(bool has_path, time::SteadyTime now) {
+  reported_ = now;
   if (has_path || is_over_) {
     no_path_since_.reset();
     return Event::kNone;
@@ -30,6 +31,13 @@ Route::Event Route::take_path(bool has_path, time::SteadyTime now) {
   ++missed_in_turn_;
   go_on();
   return Event::kMissed;
+}
+
+void Route::take_halt(time::SteadyTime now) {
+  if (no_path_since_) {
+    *no_path_since_ += now - reported_;
+  }
+  reported_ = now;
 }
 
 void Route::go_on() {

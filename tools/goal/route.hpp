@@ -28,6 +28,10 @@ class Route {
   /// Takes the navigator's report whether it knows a path to the waypoint.
   Event take_path(bool has_path, time::SteadyTime now);
 
+  /// Takes the navigator's report that the robot is halted. Meanwhile it looks for no path, so this
+  /// is no time without one.
+  void take_halt(time::SteadyTime now);
+
   /// Whether no waypoint is left; on patrol, whether all were missed in turn.
   [[nodiscard]] bool is_over() const { return is_over_; }
   /// The present or last waypoint, counted from 0.
@@ -43,7 +47,8 @@ class Route {
   bool is_patrol_ = false;
   time::Duration patience_;
   std::size_t index_ = 0;
-  std::optional<time::SteadyTime> no_path_since_;
+  std::optional<time::SteadyTime> no_path_since_;  // later by the halts since then
+  time::SteadyTime reported_{};                    // the last path or halt
   std::size_t missed_in_turn_ = 0;
   int num_missed_ = 0;
   bool is_over_ = false;

@@ -44,6 +44,15 @@ TEST(Route, AWaypointIsMissedAfterALongTimeWithoutAPath) {
   EXPECT_EQ(route.take_path(false, at(24.1)), Event::kNone) << "the patience begins anew";
 }
 
+TEST(Route, TimeInWhichTheRobotIsHaltedIsNoTimeWithoutAPath) {
+  Route route(kThree, false, time::from_seconds(10));
+  EXPECT_EQ(route.take_path(false, at(3)), Event::kNone);
+  route.take_halt(at(8));
+  route.take_halt(at(60));
+  EXPECT_EQ(route.take_path(false, at(69.9)), Event::kNone);
+  EXPECT_EQ(route.take_path(false, at(70)), Event::kMissed);
+}
+
 TEST(Route, APatrolGoesRoundUntilEveryWaypointIsMissedInTurn) {
   Route route(kThree, true, time::from_seconds(1));
   double now_s = 0.0;
