@@ -55,8 +55,9 @@ class Navigator {
 
   /// The wheels rotate and the robot does not move: stops, and leaves what it touches.
   /// `T_odom_before`: when they did not slip yet.
-  void leave_contact(const geometry::SE2& T_odom_before, const geometry::SE2& T_odom_base) {
-    leave_contact_.begin(T_odom_before, T_odom_base, trail_);
+  void leave_contact(time::Timestamp stamp, const geometry::SE2& T_odom_before,
+                     const geometry::SE2& T_odom_base) {
+    leave_contact_.begin(stamp, T_odom_before, T_odom_base, trail_);
   }
   /// Whether it still stops, so that the wheels may still slip.
   [[nodiscard]] bool slips() const { return leave_contact_.is_stopping(); }

@@ -317,7 +317,7 @@ void NavigatorNode::leave_contact(const geometry::SE2& T_odom_before) {
   ++num_slips_;
   slip_.reset();
   scan_slip_.reset();
-  navigator_.leave_contact(T_odom_before, newest_.odometry->T_odom_base);
+  navigator_.leave_contact(*newest_.stamps.odometry, T_odom_before, newest_.odometry->T_odom_base);
 }
 
 // Remains in force until a message releases it, even if the sender has ended.

@@ -20,16 +20,18 @@ constexpr time::Duration kFreshRanges = 200ms;
 // as they have passed them on the way.
 constexpr double kBehindM = 0.08;
 constexpr double kCornerM = 0.04;
-// At 0.1 m/s it takes 3 s. It does not wait for ever for somebody behind it.
+// At 0.1 m/s it takes 3 s after the wheels have stopped. It does not wait for ever for somebody
+// behind it; and whoever has halted it for longer may have moved it, or stand on the way back.
 constexpr time::Duration kLongestLeaving = 10s;
 
 }  // namespace
 
 // The contact is a little beyond T_odom_before, on the same strip: what is free behind the one is
 // free behind the other.
-void LeaveContact::begin(const geometry::SE2& T_odom_before, const geometry::SE2& T_odom_base,
-                         const Trail& trail) {
+void LeaveContact::begin(time::Timestamp stamp, const geometry::SE2& T_odom_before,
+                         const geometry::SE2& T_odom_base, const Trail& trail) {
   phase_ = Phase::kStopping;
+  began_at_ = stamp;
   at_front_ = (T_odom_before.inverse() * T_odom_base).x >= 0.0;
   const auto path = trail.path_back(T_odom_before);
   curvature_ = path ? path->curvature : 0.0;
@@ -47,7 +49,6 @@ std::optional<Contact> LeaveContact::take_contact(const Situation& now) {
   }
   phase_ = at_front_ ? Phase::kLeaving : Phase::kNone;
   T_odom_contact_ = now.T_odom_base;
-  began_at_ = now.stamp;
   return Contact{now.T_odom_base, at_front_};
 }
 

@@ -35,8 +35,8 @@ class LeaveContact {
   explicit LeaveContact(const NavigatorParams& params) : speed_mps_(params.back_up.speed_mps) {}
 
   /// The wheels slip. `T_odom_before`: when they did not yet; `trail`: of that time, too.
-  void begin(const geometry::SE2& T_odom_before, const geometry::SE2& T_odom_base,
-             const Trail& trail);
+  void begin(time::Timestamp stamp, const geometry::SE2& T_odom_before,
+             const geometry::SE2& T_odom_base, const Trail& trail);
 
   void add_ranges(time::Timestamp stamp, const Proximity::Ranges& ranges_m);
 

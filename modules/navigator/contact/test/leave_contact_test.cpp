@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace nodmap::navigator {
 namespace leave_contact_test {
@@ -35,7 +36,7 @@ Trail trail_of(double length_m, double curvature) {
 // It has slipped by 0.4 m and is now stationary at 0.4 m.
 LeaveContact touching(const Trail& trail) {
   LeaveContact leave{NavigatorParams{}};
-  leave.begin({}, {0.4, 0.0, 0.0}, trail);
+  leave.begin(at(0.0).stamp, {}, {0.4, 0.0, 0.0}, trail);
   EXPECT_TRUE(leave.take_contact(at(0.4)));
   return leave;
 }
@@ -43,7 +44,7 @@ LeaveContact touching(const Trail& trail) {
 TEST(LeaveContact, TheContactIsWhereTheWheelsCameToRest) {
   LeaveContact leave{NavigatorParams{}};
   EXPECT_FALSE(leave.take_contact(at(0.0))) << "it touches nothing";
-  leave.begin({}, {0.3, 0.0, 0.0}, trail_of(1.0, 0.0));
+  leave.begin(at(0.0).stamp, {}, {0.3, 0.0, 0.0}, trail_of(1.0, 0.0));
   EXPECT_FALSE(leave.take_contact(at(0.3, 1.5)));
   EXPECT_TRUE(leave.is_stopping());
   const auto contact = leave.take_contact(at(0.4));
@@ -76,11 +77,22 @@ TEST(LeaveContact, BacksUpNoFartherThanItHasDriven) {
 
 TEST(LeaveContact, AfterDrivingBackwardsIntoSomethingItOnlyStops) {
   LeaveContact leave{NavigatorParams{}};
-  leave.begin({}, {-0.2, 0.0, 0.0}, trail_of(1.0, 0.0));
+  leave.begin(at(0.0).stamp, {}, {-0.2, 0.0, 0.0}, trail_of(1.0, 0.0));
   const auto contact = leave.take_contact(at(-0.2));
   ASSERT_TRUE(contact);
   EXPECT_FALSE(contact->at_front);
   EXPECT_FALSE(leave.step(at(-0.2)));
+}
+
+// By a STOP, during which nothing is decided and somebody may move it.
+TEST(LeaveContact, ARobotThatIsHaltedForLongBeforeItHasStoppedDoesNotBackUpAfterwards) {
+  for (const auto& [halted, leaves] : {std::pair(2s, true), std::pair(60s, false)}) {
+    LeaveContact leave{NavigatorParams{}};
+    leave.begin(at(0.0).stamp, {}, {0.3, 0.0, 0.0}, trail_of(1.0, 0.0));
+    const Situation now = at(0.4, 0.0, halted);
+    EXPECT_TRUE(leave.take_contact(now)) << "it is still there";
+    EXPECT_EQ(leave.step(now).has_value(), leaves);
+  }
 }
 
 TEST(LeaveContact, EndsBeforeWhatIsMeasuredBehindAndAfterTenSeconds) {
