@@ -200,8 +200,7 @@ void NavigatorNode::on_goal(const nodmap::goal_t& message) {
     return;
   }
   context_.counts.use();
-  newest_.goal = read_goal(message);
-  newest_.is_goal_void = false;
+  newest_.take_goal(read_goal(message));
 }
 
 // Moves the goal in odom. A stale or missing pose is no reason to halt: it leads the robot to

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "common/geometry/pose_tolerance.hpp"
 #include "modules/navigator/geofence.hpp"
 
 namespace nodmap::navigator {
@@ -13,6 +14,14 @@ constexpr double kDegradedSpeedRatio = 0.5;
 constexpr double kGoalSigmas = 3.0;
 
 }  // namespace
+
+// Senders repeat their goal. Whoever gave it in a frame that is gone has not given it in this one.
+void Inputs::take_goal(const std::optional<GoalInMap>& new_goal) {
+  const bool is_repeated = goal && new_goal && new_goal->utime == goal->utime &&
+                           geometry::is_within(new_goal->T_map_goal, goal->T_map_goal, {});
+  is_goal_void = is_goal_void && is_repeated;
+  goal = new_goal;
+}
 
 void Inputs::forget_odom_frame() {
   map.reset();

@@ -58,6 +58,9 @@ struct Inputs {
   /// given.
   bool is_fence_void = false;
 
+  /// Takes the goal of a GOAL message; empty if it cancels the goal.
+  void take_goal(const std::optional<GoalInMap>& new_goal);
+
   /// Forgets what belongs to the former odom frame.
   void forget_odom_frame();
 

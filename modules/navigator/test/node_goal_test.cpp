@@ -172,6 +172,10 @@ TEST_F(NavigatorNodeTest, AGoalIsVoidOnceItsFrameIsGone) {
     EXPECT_EQ(navigation().reason,
               "The map in which the goal was given is gone: waits for a new goal.");
     bus_.deliver("GOAL", goal);
+    run(1.0);
+    EXPECT_TRUE(halts()) << "its sender only repeats it";
+    ++goal.utime;
+    bus_.deliver("GOAL", goal);
     run(2.0);
     EXPECT_TRUE(drives());
   };
