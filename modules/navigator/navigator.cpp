@@ -53,6 +53,12 @@ void Navigator::reset() {
   *this = Navigator(params_);
 }
 
+void Navigator::forget_map() {
+  contacts_map_.clear();
+  goal_drive_.forget_map();
+  roaming_.forget_map();
+}
+
 Decision Navigator::halt(Reason reason) {
   surroundings_.forget_seen();
   return halted(std::move(reason));

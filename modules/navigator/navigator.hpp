@@ -61,8 +61,8 @@ class Navigator {
   }
   /// Whether it still stops, so that the wheels may still slip.
   [[nodiscard]] bool slips() const { return leave_contact_.is_stopping(); }
-  /// The frame map is another one from now on.
-  void forget_contacts() { contacts_map_.clear(); }
+  /// The frame map is another one from now on: forgets the contacts and the ground known in it.
+  void forget_map();
 
   /// Decides what to do. `now.points_base`: those of the obstacle map; the local map's are added.
   [[nodiscard]] Decision decide(Situation now);

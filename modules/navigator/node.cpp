@@ -223,7 +223,9 @@ void NavigatorNode::on_pose(const nodmap::pose_t& message) {
     return;
   }
   context_.counts.use();
-  newest_.pose.T_map_odom = geometry::to_se2(*T_map_odom);
+  if (newest_.correct_pose(geometry::to_se2(*T_map_odom))) {
+    navigator_.forget_map();
+  }
   newest_.pose.sigma_m = position_sigma_m(message);
   newest_.pose.stamp = newest_.stamps.odometry;
   if (newest_.pose.stamp) {  // a pose from the future is no newer than the odometry
@@ -238,7 +240,7 @@ void NavigatorNode::watch_map_frame() {
   if (pose_sender_ && *pose_sender_ != sender) {
     newest_.forget_map_frame();
     begin_2d_map();
-    navigator_.forget_contacts();
+    navigator_.forget_map();
   }
   pose_sender_ = sender;
 }

@@ -2,7 +2,9 @@
 #include "modules/navigator/inputs/inputs.hpp"
 
 #include <algorithm>
+#include <utility>
 
+#include "common/geometry/angle.hpp"
 #include "common/geometry/pose_tolerance.hpp"
 #include "modules/navigator/geofence.hpp"
 
@@ -13,6 +15,11 @@ namespace {
 constexpr double kDegradedSpeedRatio = 0.5;
 constexpr double kGoalSigmas = 3.0;
 
+// A pose that moves the robot farther in map than this was found elsewhere, or is the first one in
+// a saved map. Known walls that are so far off would close doors.
+constexpr geometry::PoseTolerance kSamePlace{.distance_m = 1.0,
+                                             .rotation_rad = geometry::deg_to_rad(15.0)};
+
 }  // namespace
 
 // Senders repeat their goal. Whoever gave it in a frame that is gone has not given it in this one.
@@ -21,6 +28,12 @@ void Inputs::take_goal(const std::optional<GoalInMap>& new_goal) {
                            geometry::is_within(new_goal->T_map_goal, goal->T_map_goal, {});
   is_goal_void = is_goal_void && is_repeated;
   goal = new_goal;
+}
+
+bool Inputs::correct_pose(const geometry::SE2& T_map_odom) {
+  const geometry::SE2 before = std::exchange(pose.T_map_odom, T_map_odom);
+  return odometry && !geometry::is_within(before * odometry->T_odom_base,
+                                          T_map_odom * odometry->T_odom_base, kSamePlace);
 }
 
 void Inputs::forget_odom_frame() {

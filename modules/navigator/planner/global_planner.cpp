@@ -54,6 +54,13 @@ void GlobalPlanner::forget_ground() {
   beyond_.reset();
 }
 
+void GlobalPlanner::forget_map() {
+  forget_ground();
+  forget_failures();
+  complete_.reset();
+  is_former_ = false;
+}
+
 void GlobalPlanner::step(const Situation& now) {
   const geometry::SE2 T_map_base = now.T_map_base();
   const Eigen::Vector2d goal_map = T_map_base * now.goal->p_base;

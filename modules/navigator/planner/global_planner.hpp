@@ -63,6 +63,8 @@ class GlobalPlanner {
 
   /// Forgets all ground; the next plan uses only what the local map holds.
   void forget_ground();
+  /// The frame map is another one from now on: forgets the plan and the failures as well.
+  void forget_map();
 
  private:
   void take_new_goal();

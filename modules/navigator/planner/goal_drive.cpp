@@ -63,6 +63,13 @@ GoalDrive::GoalDrive(const NavigatorParams& params)
       docking_(params.docking),
       without_motion_(PathProgress::kPatience) {}
 
+void GoalDrive::forget_map() {
+  forget_goal();
+  global_planner_.forget_map();
+  path_progress_.reset();
+  look_around_.reset();
+}
+
 Decision GoalDrive::decide(const Situation& now) {
   cannot_move_ = false;
   decided_goal_map_ = goal_in_map(now);

@@ -32,6 +32,9 @@ class GoalDrive {
     decided_goal_map_.reset();
   }
 
+  /// The frame map is another one from now on: forgets what it knows of places in map.
+  void forget_map();
+
   /// Paths to the present goal cost more near this place from now on.
   void avoid(const Eigen::Vector2d& p_map) { global_planner_.add_failure(p_map); }
 

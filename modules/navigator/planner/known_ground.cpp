@@ -79,7 +79,9 @@ bool is_seen(KnownGround::Kind kind) {
 }  // namespace
 
 void KnownGround::forget() {
-  grid_.clear();
+  if (!is_empty_) {
+    grid_.clear();
+  }
   is_empty_ = true;
 }
 

@@ -51,6 +51,11 @@ std::optional<Decision> Roaming::decide(const Situation& now) {
   return local_planner_.drive_best(now, *cost_to_go);
 }
 
+void Roaming::forget_map() {
+  global_planner_.forget_map();
+  failed_at_.reset();
+}
+
 // Progress is to get farther, or to rotate. Time in which the robot waited for people, or in which
 // others decided, counts as progress.
 void Roaming::watch_progress(const Situation& now) {

@@ -25,6 +25,9 @@ class Roaming {
   /// a local map.
   [[nodiscard]] std::optional<Decision> decide(const Situation& now);
 
+  /// The frame map is another one from now on: forgets what it knows of places in map.
+  void forget_map();
+
  private:
   void watch_progress(const Situation& now);
   void give_up_path(const geometry::SE2& T_map_base);

@@ -21,11 +21,12 @@ constexpr bus::Sender kOther{0x7F000001, 40'002};
 // 2 m on the left.
 class NavigatorNodeMap : public test::NavigatorNodeScans {
  protected:
-  void give_pose(const bus::Sender& sender = kSlam) {
-    nodmap::pose_t pose{};
-    pose.utime = now_us_;
-    pose.orientation[0] = pose.odom_orientation[0] = 1.0;
-    bus_.deliver_from(sender, "POSE_2D", pose);
+  void give_pose(const bus::Sender& sender = kSlam, const geometry::SE2& T_map_odom = {}) {
+    bus_.deliver_from(
+        sender, "POSE_2D",
+        node::write_corrected_pose(time::from_utime(now_us_),
+                                   geometry::to_se3(T_map_odom * geometry::SE2{x_, 0.0, 0.0}),
+                                   geometry::to_se3(T_map_odom)));
   }
 
   void give_goal() {
@@ -92,6 +93,53 @@ TEST_F(NavigatorNodeMap, OnlyTheMapOfTheProcessThatSendsThePosesIsUsed) {
   give_pose(kOther);
   give_goal();
   EXPECT_LT(leftmost_m(), 0.5);
+}
+
+// A wall is ahead of the robot. In another map, which is a quarter turn off, the goal is to the
+// robot's right, where the wall was in the former map.
+class NavigatorNodeMapOfAnotherFrame : public NavigatorNodeMap {
+ protected:
+  static constexpr geometry::SE2 kQuarterTurn{0.0, 0.0, 0.5 * geometry::kPi};
+
+  // The wall alone might be a ramp; with floor seen right before it, it is none.
+  void see_wall() {
+    const test::Ground ground{{{{2.5, -4.0}, {2.6, 4.0}, 1.0}}};
+    const auto wall = test::scan_of(ground, {}, 0.0);
+    const auto floor = test::scan_of(ground, {}, geometry::deg_to_rad(-12.0));
+    for (int i = 0; i < 75; ++i) {
+      tick_with(wall);
+      tick_with(floor);
+    }
+  }
+
+  // How far ahead or back the path leads, metres.
+  double farthest_ahead_m() {
+    see_wall();
+    const auto path = bus_.last<nodmap::path_t>("PATH");
+    EXPECT_EQ(path.state, nodmap::path_t::PLANNED);
+    EXPECT_FALSE(path.x_m.empty());
+    double farthest_m = 0.0;
+    for (const double x_m : path.x_m) {
+      farthest_m = std::max(farthest_m, std::abs(x_m));
+    }
+    return farthest_m;
+  }
+};
+
+TEST_F(NavigatorNodeMapOfAnotherFrame, GroundKnownBefore2dSlamWasRestartedIsForgotten) {
+  give_pose();
+  give_goal();
+  EXPECT_GT(farthest_ahead_m(), 2.0) << "the goal is behind the wall";
+  give_pose(kOther, kQuarterTurn);
+  give_goal();
+  EXPECT_LT(farthest_ahead_m(), 0.5);
+}
+
+TEST_F(NavigatorNodeMapOfAnotherFrame, GroundKnownBeforeTheRobotWasFoundInASavedMapIsForgotten) {
+  give_goal();
+  EXPECT_GT(farthest_ahead_m(), 2.0);
+  give_pose(kSlam, kQuarterTurn);
+  EXPECT_LT(farthest_ahead_m(), 0.5);
 }
 
 // In a recording all senders are one; there the number of the revision tells.
