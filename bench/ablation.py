@@ -36,6 +36,9 @@ ABLATIONS = {
     "planner": Ablation("Plan and rollouts, or Steer, Brake and Turn", ["random", "dense", "goals", "doors"], {
         "plan and rollouts": [],
         "Steer, Brake, Turn": BEHAVIOURS}),
+    "nod": Ablation("Nod by speed or by plan", ["random", "dense", "goals", "holes"], {
+        "by speed": [],
+        "by plan": ["pitch_controller.follows_path=true"]}),
     "people": Ablation("Tracking of people", ["people", "reacting"], {
         "with": [],
         "without": ["navigator.people.use_people=false"]}),

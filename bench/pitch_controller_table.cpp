@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <initializer_list>
+#include <limits>
 
 #include "common/geometry/angle.hpp"
 #include "modules/pitch_controller/speed_bound.hpp"
@@ -15,15 +16,16 @@ namespace {
 using geometry::deg_to_rad;
 using geometry::rad_to_deg;
 
-void print_plans(const PitchControllerParams& params) {
+// `used_m`: how far ahead the robot can use what it sees.
+void print_plans(const PitchControllerParams& params, double used_m) {
   const DetectionParams& detection = params.detection;
   const SweepPlanner planner(params.robot, detection, params.speed.fast_mps);
   const VirtualCorridor corridor = VirtualCorridor::of(params.robot);
   std::puts(
-      "| speed m/s | d_min m | area of interest deg | spacing deg | T_sweep s (scans) | T s "
+      "\n| speed m/s | d_min m | area of interest deg | spacing deg | T_sweep s (scans) | T s "
       "| clear view m | bound m/s |\n|---|---|---|---|---|---|---|---|");
   for (const double v : {0.0, 0.5, 1.0, 1.5, 2.0}) {
-    const SweepPlan plan = planner.plan(v);
+    const SweepPlan plan = planner.plan(v, v, {.used_m = used_m});
     const ClearView view = clear_view(corridor, plan.sweep, plan.line_spacing_rad,
                                       detection.visible_obstacle_m, detection.look_ahead_m);
     const double bound_mps =
@@ -66,21 +68,32 @@ void print_reactions() {
   }
 }
 
-// How soon a robot that drives as fast as permitted, from rest, is at a speed. The base
+// How soon a robot that drives as fast as permitted, from rest, is at a speed, s. The base
 // accelerates at 1.5 m/s^2.
-void print_accelerations() {
+double reached_after_s(test::Loop& loop, double wanted_mps, time::Timestamp start) {
   constexpr double kBaseStepMps = 1.5 * 0.01;
-  test::Loop loop;
-  loop.run(5.0, 0.0);
-  const time::Timestamp start = loop.now;
-  std::puts("\n| from rest to | after |\n|---|---|");
+  const double limit_mps = wanted_mps - 1e-6;
+  while (loop.speed < limit_mps && loop.now - start < 30s) {
+    loop.run(0.01,
+             [&] { return std::min(loop.speed + kBaseStepMps, loop.decision.max_forward_mps); });
+  }
+  return time::seconds(loop.now - start);
+}
+
+void print_accelerations() {
+  PitchControllerParams follows;
+  follows.follows_path = true;
+  test::Loop by_speed;
+  test::Loop by_plan(follows);
+  by_plan.free_m = 0.0;
+  by_speed.run(5.0, 0.0);
+  by_plan.run(5.0, 0.0);
+  const time::Timestamp start = by_speed.now;
+  std::puts("\n| from rest to | by speed, after | by plan on a short arc, after |\n|---|---|---|");
   for (const double wanted_mps : {0.5, 1.0, 1.5}) {
-    const double limit_mps = wanted_mps - 1e-6;
-    while (loop.speed < limit_mps && loop.now - start < 30s) {
-      loop.run(0.01,
-               [&] { return std::min(loop.speed + kBaseStepMps, loop.decision.max_forward_mps); });
-    }
-    std::printf("| %.1f m/s | %.1f s |\n", wanted_mps, time::seconds(loop.now - start));
+    const double by_speed_s = reached_after_s(by_speed, wanted_mps, start);
+    const double by_plan_s = reached_after_s(by_plan, wanted_mps, start);
+    std::printf("| %.1f m/s | %.1f s | %.1f s |\n", wanted_mps, by_speed_s, by_plan_s);
   }
 }
 
@@ -88,7 +101,8 @@ void print_accelerations() {
 }  // namespace nodmap::pitch_controller
 
 int main() {
-  nodmap::pitch_controller::print_plans({});
+  nodmap::pitch_controller::print_plans({}, std::numeric_limits<double>::infinity());
+  nodmap::pitch_controller::print_plans({}, 0.0);
   nodmap::pitch_controller::print_reactions();
   nodmap::pitch_controller::print_accelerations();
   return 0;

@@ -15,6 +15,22 @@ bool is_plausible(const nodmap::pitch_state_t& message) {
          std::abs(message.pitch_rad) <= geometry::kPi && std::isfinite(message.pitch_rate_rad_s);
 }
 
+bool is_plausible(const nodmap::navigation_t& message) {
+  return time::is_plausible(time::from_utime(message.utime)) && message.clear_distance_m >= 0.0 &&
+         std::isfinite(message.max_forward_mps) && message.max_forward_mps >= 0.0;
+}
+
+OnArc on_arc(std::int8_t behaviour) {
+  switch (behaviour) {
+    case nodmap::navigation_t::STEER:
+      return OnArc::kDrives;
+    case nodmap::navigation_t::BRAKE:
+      return OnArc::kSlowed;
+    default:
+      return OnArc::kElse;
+  }
+}
+
 const char* describe(InhibitReason reason) {
   switch (reason) {
     case InhibitReason::kNone:
@@ -47,6 +63,10 @@ PitchControllerNode::PitchControllerNode(node::Context& context, const Params& p
       "ODOMETRY", [this](const nodmap::odometry_t& message) { on_odometry(message); });
   context.bus.subscribe<nodmap::pitch_state_t>(
       "PITCH_STATE", [this](const nodmap::pitch_state_t& message) { on_pitch_state(message); });
+  if (params.follows_path) {
+    context.bus.subscribe<nodmap::navigation_t>(
+        "NAVIGATION", [this](const nodmap::navigation_t& message) { on_navigation(message); });
+  }
 }
 
 void PitchControllerNode::on_odometry(const nodmap::odometry_t& message) {
@@ -74,6 +94,22 @@ void PitchControllerNode::on_pitch_state(const nodmap::pitch_state_t& message) {
   controller_.add_pitch({time::from_utime(message.utime), message.pitch_rad,
                          message.pitch_rate_rad_s, message.sweep_count, message.is_stalled != 0});
   decide(time::from_utime(message.utime));
+}
+
+// Decides nothing by itself: without ODOMETRY and PITCH_STATE there must be no command.
+void PitchControllerNode::on_navigation(const nodmap::navigation_t& message) {
+  const bus::Origin& origin = context_.bus.origin();
+  if (!navigation_sender_.follow(origin.sender, origin.arrived)) {
+    context_.counts.reject("other_sender_of_navigation");
+    return;
+  }
+  if (!is_plausible(message)) {
+    context_.counts.reject("implausible_navigation");
+    return;
+  }
+  context_.counts.use();
+  controller_.add_chosen_arc({time::from_utime(message.utime), on_arc(message.behaviour),
+                              message.clear_distance_m, message.max_forward_mps});
 }
 
 void PitchControllerNode::decide(time::Timestamp now) {

@@ -10,6 +10,7 @@
 #include "common/node/node.hpp"
 #include "common/node/sensor_input.hpp"
 #include "modules/pitch_controller/pitch_controller.hpp"
+#include "nodmap/navigation_t.hpp"
 #include "nodmap/odometry_t.hpp"
 #include "nodmap/pitch_state_t.hpp"
 
@@ -32,12 +33,14 @@ class PitchControllerNode final : public node::Node {
  private:
   void on_odometry(const nodmap::odometry_t& message);
   void on_pitch_state(const nodmap::pitch_state_t& message);
+  void on_navigation(const nodmap::navigation_t& message);
   void decide(time::Timestamp now);
 
   node::Context& context_;
   Params params_;
   node::SensorInput input_;
   bus::FollowedSender pitch_state_sender_{bus::SenderWatch::kSilence};
+  bus::FollowedSender navigation_sender_{bus::SenderWatch::kSilence};
   node::SequenceCounter pitch_states_;
   PitchController controller_;
   InhibitReason inhibited_ = InhibitReason::kNone;

@@ -68,6 +68,7 @@ struct RegulatorParams {
 
 struct PitchControllerParams {
   Mode mode = Mode::kNodding;
+  bool follows_path = false;
   robot::RobotParams robot;
   DetectionParams detection;
   SpeedParams speed;
@@ -79,6 +80,9 @@ struct PitchControllerParams {
     v.choice("mode", mode, {{"nodding", Mode::kNodding}, {"fixed", Mode::kFixed}},
              "Nod, or hold the laser level. Fixed is UNSAFE and for comparisons only: it sees one "
              "plane.");
+    v.flag("follows_path", follows_path,
+           "Nod by plan: look as far as the arc that the navigator has chosen is free, and down at "
+           "ground that was not seen; otherwise by the speed alone.");
     robot.describe(v);
     v.section("detection", detection);
     v.section("speed", speed);

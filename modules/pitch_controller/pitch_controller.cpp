@@ -97,8 +97,8 @@ std::optional<PitchDecision> PitchController::decide(time::Timestamp now) {
     decision.sweep_s = kHoldS;
     return decision;
   }
-  decision.max_forward_mps =
-      rising_.limit(may_drive ? bound_of_coming_sweeps() : 0.0, present_mps(), dt_s);
+  decision.max_forward_mps = told_mps_ =
+      rising_.limit(may_drive ? plans_bound_mps_ : 0.0, present_mps(), dt_s);
   commanded_s_ = regulator_.command_s(plan_.sweep_s, plan_.fastest_s, plan_.slowest_s);
   decision.sweep = plan_.sweep;
   decision.sweep_s = commanded_s_;
@@ -129,9 +129,36 @@ void PitchController::plan_for_present_speed(time::Timestamp now) {
     looking_mps_ = std::max(planned_mps_, looking_mps_ - kWideningMps2 * dt_s);
   }
   add_unseen_place(now);
-  plan_ = planner_.plan(planned_mps_, looking_mps_);
+  plan_for_way(present_way(now));
   follow_.set_plan(plan_);
   plan_held_ = plan_held_ && is_same(plan_, plan_at_reversal_);
+}
+
+WayAhead PitchController::present_way(time::Timestamp now) const {
+  if (!params_.follows_path || !arc_ || !is_fresh(arc_->stamp, now)) {
+    return {};
+  }
+  return way_ahead(*arc_, present_mps(), told_mps_, params_.robot.braking,
+                   params_.detection.processing_s);
+}
+
+// Longer sweeps allow less. Where they would make the robot brake, those for the last way remain
+// until the laser has measured what may have appeared.
+void PitchController::plan_for_way(const WayAhead& way) {
+  plan_ = planner_.plan(planned_mps_, looking_mps_, way);
+  plans_bound_mps_ = bound_of(plan_);
+  const WayAhead last = std::exchange(way_, way);
+  const bool is_same_way = last.used_m == way.used_m && last.floor_from_m == way.floor_from_m;
+  if (is_same_way || plans_bound_mps_ >= present_mps()) {
+    return;
+  }
+  const SweepPlan plan = planner_.plan(planned_mps_, looking_mps_, last);
+  const double bound_mps = bound_of(plan);
+  if (bound_mps > plans_bound_mps_) {
+    plan_ = plan;
+    plans_bound_mps_ = bound_mps;
+    way_ = last;
+  }
 }
 
 void PitchController::add_unseen_place(time::Timestamp now) {
@@ -194,14 +221,14 @@ InhibitReason PitchController::inhibit_reason(time::Timestamp now) const {
 
 // The bound of the sweeps to come. What the laser has measured counts no more for what appears
 // from now on; it shows how the servo follows the plan.
-double PitchController::bound_of_coming_sweeps() const {
+double PitchController::bound_of(const SweepPlan& plan) const {
   const DetectionParams& detection = params_.detection;
   ComingSweeps sweeps;
-  sweeps.view = clear_view(corridor_, follow_.reached(plan_),
-                           follow_.peak_rate_rad_s(plan_) * detection.scan_period_s,
+  sweeps.view = clear_view(corridor_, follow_.reached(plan),
+                           follow_.peak_rate_rad_s(plan) * detection.scan_period_s,
                            detection.visible_obstacle_m, detection.look_ahead_m);
-  sweeps.nod = follow_.motion(plan_, meter_.present());
-  sweeps.short_of_m = std::max(0.0, sweeps.view.near_m - plan_.d_min_m);
+  sweeps.nod = follow_.motion(plan, meter_.present());
+  sweeps.short_of_m = std::max(0.0, sweeps.view.near_m - plan.d_min_m);
   return std::min(speed_bound(sweeps, unseen_, corridor_, params_.robot.braking, detection),
                   params_.speed.top_mps);
 }

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "common/geometry/time.hpp"
+#include "modules/pitch_controller/chosen_arc.hpp"
 #include "modules/pitch_controller/params.hpp"
 #include "modules/pitch_controller/servo_follow.hpp"
 #include "modules/pitch_controller/speed_bound.hpp"
@@ -65,6 +66,9 @@ class PitchController {
   /// Adds a forward speed measured by odometry, metres per second, finite.
   void add_speed(time::Timestamp stamp, double forward_mps);
   void add_pitch(const PitchReading& reading);
+  /// Adds what the navigator says of the arc that it has chosen. Used only if the parameters ask
+  /// for it, and while it is fresh. Whatever it says, the bound is that of the sweeps planned.
+  void add_chosen_arc(const ChosenArc& arc) { arc_ = arc; }
 
   /// To be called with the time of each new measurement. Returns a decision every 20 ms and at each
   /// reversal of the head.
@@ -85,12 +89,14 @@ class PitchController {
   /// decision.
   [[nodiscard]] double since_decision_s(time::Timestamp now, double at_first_s) const;
   void plan_for_present_speed(time::Timestamp now);
+  [[nodiscard]] WayAhead present_way(time::Timestamp now) const;
+  void plan_for_way(const WayAhead& way);
   void add_unseen_place(time::Timestamp now);
   void count(const MeasuredSweep& sweep);
   void regulate(const MeasuredSweep& sweep);
   [[nodiscard]] bool is_fresh(time::Timestamp stamp, time::Timestamp now) const;
   [[nodiscard]] InhibitReason inhibit_reason(time::Timestamp now) const;
-  [[nodiscard]] double bound_of_coming_sweeps() const;
+  [[nodiscard]] double bound_of(const SweepPlan& plan) const;
   [[nodiscard]] double bound_of_level_laser() const;
 
   PitchControllerParams params_;
@@ -103,10 +109,14 @@ class PitchController {
 
   std::optional<Speed> speed_;
   std::optional<PitchReading> pitch_;
+  std::optional<ChosenArc> arc_;
   std::optional<time::Timestamp> decided_;
   double planned_mps_ = 0.0;
   double looking_mps_ = 0.0;  // the area of interest is at most as wide as at this speed
+  double told_mps_ = 0.0;     // the bound of the last decision
+  WayAhead way_;              // that the sweep is planned for
   SweepPlan plan_;
+  double plans_bound_mps_ = 0.0;
   double commanded_s_ = 0.0;
   ServoFollow follow_;
   UnseenPlaces unseen_;

@@ -14,6 +14,10 @@ constexpr int kLinesOnObstacle = 2;
 // could never accelerate. 1.3 suffices for that, but between its lines, 1.7 degrees apart at 1 m/s,
 // bricks of 5 cm are missed.
 constexpr double kReserve = 1.4;
+// The least reserve, where the robot cannot use what is farther away. With it the lines still reach
+// the protected distance, and a still smaller one makes the sweeps no shorter: two lines must hit
+// the obstacle at d_min.
+constexpr double kLeastReserve = 1.2;
 
 // How much lower the sweep of a fast robot ends than the corridor needs. The navigator stops before
 // floor on which scan lines were more than 15 cm apart. What is just nearer than the lower end of
@@ -49,27 +53,29 @@ SweepPlanner::SweepPlanner(const robot::RobotParams& robot, const DetectionParam
       fast_mps_(fast_mps),
       corridor_(VirtualCorridor::of(robot)) {}
 
-SweepPlan SweepPlanner::plan(double forward_mps, double looking_mps) const {
+SweepPlan SweepPlanner::plan(double forward_mps, double looking_mps, const WayAhead& way) const {
   // Fixed-point iteration: the distance at which an obstacle may appear and the duration of the
   // sweep depend on each other.
   SweepPlan plan;
   double appears_m = 0.0;
   for (int i = 0; i < kIterations; ++i) {
-    plan = plan_from(appears_m, forward_mps, looking_mps);
+    plan = plan_from(appears_m, forward_mps, looking_mps, way);
     appears_m = plan.d_min_m + forward_mps * revisit_s(corridor_, plan.nod, appears_m, forward_mps);
   }
   return plan;
 }
 
-SweepPlan SweepPlanner::plan_from(double appears_m, double forward_mps, double looking_mps) const {
+SweepPlan SweepPlanner::plan_from(double appears_m, double forward_mps, double looking_mps,
+                                  const WayAhead& way) const {
   const PitchInterval mechanics = robot_.head.pitch();
   SweepPlan plan;
   plan.d_min_m = robot_.braking.required_distance_m(forward_mps, detection_.processing_s);
   plan.area =
       area_of_interest(looking_mps, fast_mps_, corridor_.area_from(plan.d_min_m), mechanics);
-  plan.line_spacing_rad = planned_spacing_rad(plan.d_min_m, appears_m);
+  plan.line_spacing_rad = planned_spacing_rad(plan.d_min_m, appears_m, way.used_m);
   const double below_rad = plan.line_spacing_rad + floor_dip_rad(forward_mps);
-  plan.sweep = {std::max(plan.area.min_rad - below_rad, mechanics.min_rad),
+  const double lowest_rad = std::min(plan.area.min_rad - below_rad, floor_from_rad(way));
+  plan.sweep = {std::max(lowest_rad, mechanics.min_rad),
                 std::min(plan.area.max_rad + plan.line_spacing_rad, mechanics.max_rad)};
 
   const robot::HeadLimits& head = robot_.head;
@@ -88,14 +94,20 @@ SweepPlan SweepPlanner::plan_from(double appears_m, double forward_mps, double l
   return plan;
 }
 
-double SweepPlanner::planned_spacing_rad(double d_min_m, double appears_m) const {
+double SweepPlanner::floor_from_rad(const WayAhead& way) const {
+  return std::isfinite(way.floor_from_m)
+             ? -std::atan(corridor_.axis_height_m / corridor_.from_axis_m(way.floor_from_m))
+             : robot_.head.pitch().max_rad;
+}
+
+double SweepPlanner::planned_spacing_rad(double d_min_m, double appears_m, double used_m) const {
+  const double until_m = std::clamp(used_m, kLeastReserve * appears_m, kReserve * appears_m);
   const double resolved_rad =
       std::min(line_spacing_rad(detection_.visible_obstacle_m, kLinesOnObstacle,
                                 corridor_.from_axis_m(d_min_m), corridor_.axis_height_m),
-               line_spacing_rad(
-                   detection_.visible_obstacle_m, 1,
-                   corridor_.from_axis_m(std::min(kReserve * appears_m, detection_.look_ahead_m)),
-                   corridor_.axis_height_m));
+               line_spacing_rad(detection_.visible_obstacle_m, 1,
+                                corridor_.from_axis_m(std::min(until_m, detection_.look_ahead_m)),
+                                corridor_.axis_height_m));
   const double head_rad = robot_.head.pitch_rate_rad_s * detection_.scan_period_s;
   return std::max(std::min(resolved_rad, head_rad), kFinestSpacingRad);
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <limits>
+
 #include "modules/pitch_controller/params.hpp"
 #include "modules/pitch_controller/virtual_corridor.hpp"
 
@@ -25,6 +27,14 @@ struct SweepPlan {
   double slowest_s = 0.0;  ///< duration of `sweep` at 0.25 degrees per scan, at most 500 scans
 };
 
+/// What the robot needs to see ahead, beside what may appear; metres ahead of the front.
+struct WayAhead {
+  /// It cannot use what is farther away, such as what is behind the first obstacle.
+  double used_m = std::numeric_limits<double>::infinity();
+  /// The sweep covers the floor beyond this distance; infinite: none.
+  double floor_from_m = std::numeric_limits<double>::infinity();
+};
+
 /// The angle dp between scans at which `lines` scan lines hit an upright obstacle of height
 /// `obstacle_m` at distance `distance_m` from the pitch axis: at distance d neighbouring lines are
 /// dp (d^2 + h^2) / d apart, where h is the height of the axis above the floor.
@@ -44,15 +54,20 @@ class SweepPlanner {
   SweepPlanner(const robot::RobotParams& robot, const DetectionParams& detection, double fast_mps);
 
   /// Plans the sweep for a forward speed, metres per second, >= 0.
-  [[nodiscard]] SweepPlan plan(double forward_mps) const { return plan(forward_mps, forward_mps); }
+  [[nodiscard]] SweepPlan plan(double forward_mps) const {
+    return plan(forward_mps, forward_mps, {});
+  }
 
   /// The same, but beyond the virtual corridor the area of interest is only as wide as at a greater
-  /// speed, `looking_mps`.
-  [[nodiscard]] SweepPlan plan(double forward_mps, double looking_mps) const;
+  /// speed, `looking_mps`, and for a way ahead. Where the robot uses less than 1.4 (d_min + v R),
+  /// the lines are dense enough only so far, but at least to 1.2 (d_min + v R).
+  [[nodiscard]] SweepPlan plan(double forward_mps, double looking_mps, const WayAhead& way) const;
 
  private:
-  [[nodiscard]] SweepPlan plan_from(double appears_m, double forward_mps, double looking_mps) const;
-  [[nodiscard]] double planned_spacing_rad(double d_min_m, double appears_m) const;
+  [[nodiscard]] SweepPlan plan_from(double appears_m, double forward_mps, double looking_mps,
+                                    const WayAhead& way) const;
+  [[nodiscard]] double floor_from_rad(const WayAhead& way) const;
+  [[nodiscard]] double planned_spacing_rad(double d_min_m, double appears_m, double used_m) const;
 
   robot::RobotParams robot_;
   DetectionParams detection_;

@@ -57,11 +57,52 @@ struct Drive {
   }
 };
 
+// What a navigator may say of its arc, honest or not: for a random time of up to a second the same,
+// something else with each odometry, or nothing.
+class RandomArcs {
+ public:
+  explicit RandomArcs(unsigned seed) : random_(seed) {}
+
+  std::optional<ChosenArc> next(time::Timestamp now, double bound_mps) {
+    if (now >= until_) {
+      until_ = now + time::from_seconds(0.02 + uniform_(random_));
+      kind_ = random_() % 4;
+      arc_ = any();
+    }
+    if (kind_ == 0) {
+      return std::nullopt;
+    }
+    ChosenArc arc = kind_ == 1 ? any() : arc_;
+    arc.stamp = now;
+    arc.max_forward_mps = kind_ == 3 ? bound_mps : arc.max_forward_mps;
+    return arc;
+  }
+
+ private:
+  ChosenArc any() {
+    constexpr OnArc kDoes[] = {OnArc::kDrives, OnArc::kDrives, OnArc::kSlowed, OnArc::kElse};
+    const double free_m = 4.0 * uniform_(random_);
+    const double mps = 2.0 * uniform_(random_);
+    const bool is_open = random_() % 4 == 0;
+    return {{},
+            kDoes[random_() % std::size(kDoes)],
+            is_open ? std::numeric_limits<double>::infinity() : free_m,
+            mps};
+  }
+
+  std::mt19937 random_;
+  std::uniform_real_distribution<double> uniform_{0.0, 1.0};
+  time::Timestamp until_{};
+  unsigned kind_ = 0;
+  ChosenArc arc_;
+};
+
 // Drives as fast as permitted, except for random stops and slower stretches.
 Drive drive(const PitchControllerParams& params, unsigned seed, double seconds,
             double fastest_mps) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  RandomArcs arcs(seed);
   PitchController controller(params);
   test::NoddingHead head;
   Drive result;
@@ -98,6 +139,9 @@ Drive drive(const PitchControllerParams& params, unsigned seed, double seconds,
     result.moments.push_back({place_m, speed_mps});
     if (is_odometry) {
       controller.add_speed(now, speed_mps);
+      if (const auto arc = arcs.next(now, bound_mps)) {
+        controller.add_chosen_arc(*arc);
+      }
       take(controller.decide(now));
     }
     const PitchReading before = last;
@@ -167,6 +211,21 @@ TEST(AppearingObstacle, TheRobotStopsBeforeWhateverAppearsAtAnyMoment) {
     }
     // The robot does drive: 0.65 m/s in the slowest of these four drives.
     EXPECT_GT(driven.mean_mps(), 0.6) << seed;
+  }
+}
+
+// Whatever the navigator says of its arc, also when that changes in the middle of a sweep and when
+// its messages are lost.
+TEST(AppearingObstacle, ANodThatFollowsThePathStopsAsWellWhateverTheNavigatorSays) {
+  PitchControllerParams params;
+  params.follows_path = true;
+  for (const unsigned seed : {1U, 2U, 3U, 104U, 5U, 6U}) {
+    const Drive driven = drive(params, seed, 60.0, 1.5);
+    for (const Strip& strip : kStrips) {
+      EXPECT_GT(least_left_m(driven, params, strip), 0.0) << seed << " " << strip.name;
+    }
+    // 0.59 m/s in the slowest of these drives.
+    EXPECT_GT(driven.mean_mps(), 0.55) << seed;
   }
 }
 

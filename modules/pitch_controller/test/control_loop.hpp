@@ -27,6 +27,9 @@ class Loop {
       if (give_speed && now.time_since_epoch() % 10ms == 0us) {
         speed = speed_mps();
         dut.add_speed(now, speed);
+        if (free_m) {
+          dut.add_chosen_arc({now, OnArc::kDrives, *free_m, decision.max_forward_mps});
+        }
         take(dut.decide(now));
       }
       if (give_pitch) {
@@ -59,6 +62,7 @@ class Loop {
   double speed = 0.0;
   bool give_speed = true;
   bool give_pitch = true;
+  std::optional<double> free_m;  ///< of an arc on which the navigator drives as fast as permitted
   PitchDecision decision;
   std::vector<PitchDecision> decisions;
   std::vector<Sweep> sweeps;

@@ -2,6 +2,9 @@
 // The speed bound of the controller in closed loop with a servo.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <optional>
+
 #include "modules/pitch_controller/test/control_loop.hpp"
 
 namespace nodmap::pitch_controller {
@@ -71,6 +74,33 @@ TEST(PitchControllerBound, TheBoundFallsOnTheWayToWhatMayHaveAppeared) {
     const double before_mps = loop.decision.max_forward_mps;
     loop.run(0.02, 1.0);
     EXPECT_LT(loop.decision.max_forward_mps, before_mps) << i;
+  }
+}
+
+// A robot on a short arc, whose arc becomes long, or whose navigator falls silent: the sweeps
+// become longer only as its speed allows it, and after a while they are those by speed again.
+TEST(PitchControllerBound, LongerSweepsForAnotherWayDoNotMakeTheRobotBrake) {
+  PitchControllerParams params;
+  params.follows_path = true;
+  for (const bool falls_silent : {false, true}) {
+    Loop loop(params);
+    loop.free_m = 0.0;
+    const auto as_permitted = [&] {
+      return std::min({1.5, loop.speed + 0.015, loop.decision.max_forward_mps});
+    };
+    loop.run(3.5, 0.0);
+    loop.run(3.0, as_permitted);
+    const SweepPlan short_way = loop.dut.plan();
+    loop.free_m = falls_silent ? std::nullopt : std::optional(100.0);
+    for (int i = 0; i < 300; ++i) {
+      const double before_mps = loop.speed;
+      loop.run(0.01, as_permitted);
+      EXPECT_GE(loop.speed, before_mps - 0.01) << falls_silent << " " << i;
+    }
+    const SweepPlan by_speed =
+        SweepPlanner(params.robot, params.detection, params.speed.fast_mps).plan(loop.speed);
+    EXPECT_NEAR(loop.dut.plan().sweep_s, by_speed.sweep_s, 0.01 * by_speed.sweep_s) << falls_silent;
+    EXPECT_LT(short_way.sweep_s, 0.95 * by_speed.sweep_s) << falls_silent;
   }
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -171,6 +172,63 @@ TEST_F(PitchControllerNodeTest, GapsInSequenceNumbersAreCountedAsLosses) {
   state_seq_ += 3;
   bus_.deliver("PITCH_STATE", next_state());
   EXPECT_EQ(counts_.lost(), 3);
+}
+
+class FollowingNodeTest : public PitchControllerNodeTest {
+ protected:
+  FollowingNodeTest()
+      : PitchControllerNodeTest([] {
+          PitchControllerParams params;
+          params.follows_path = true;
+          return params;
+        }()) {}
+
+  nodmap::navigation_t navigation(double clear_m) {
+    nodmap::navigation_t message{};
+    message.utime = now_us_;
+    message.behaviour = nodmap::navigation_t::STEER;
+    message.clear_distance_m = clear_m;
+    message.max_forward_mps = 1.5;
+    return message;
+  }
+
+  // The sweep commanded at 1 m/s after `seconds` more, with a NAVIGATION every 10 ms if asked for.
+  double sweep_s_after(double seconds, bool is_navigated) {
+    for (int i = 0; i < static_cast<int>(std::lround(100 * seconds)); ++i) {
+      if (is_navigated) {
+        bus_.deliver("NAVIGATION", navigation(0.5));
+      }
+      run(0.01, 1.0);
+    }
+    return commands().back().sweep_s;
+  }
+};
+
+TEST_F(FollowingNodeTest, OnAShortArcTheSweepsAreShorterAndWithoutNewsAsBefore) {
+  const double by_speed_s = sweep_s_after(5.0, false);
+  EXPECT_LT(sweep_s_after(0.1, true), 0.97 * by_speed_s);
+  // Stale after 0.2 s. The head of this test does not obey, so its regulator is at a limit of the
+  // duration.
+  EXPECT_NEAR(sweep_s_after(0.3, false), by_speed_s, 0.01 * by_speed_s);
+}
+
+TEST_F(FollowingNodeTest, NavigationThatMakesNoSenseIsCountedAndNotUsed) {
+  const double by_speed_s = sweep_s_after(5.0, false);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  bus_.deliver("NAVIGATION", navigation(nan));
+  bus_.deliver("NAVIGATION", navigation(-1.0));
+  nodmap::navigation_t message = navigation(0.5);
+  message.max_forward_mps = nan;
+  bus_.deliver("NAVIGATION", message);
+  message = navigation(0.5);
+  message.utime = std::numeric_limits<std::int64_t>::min();
+  bus_.deliver("NAVIGATION", message);
+  EXPECT_EQ(rejected("implausible_navigation"), 4);
+  EXPECT_NEAR(sweep_s_after(0.1, false), by_speed_s, 0.01 * by_speed_s);
+}
+
+TEST_F(PitchControllerNodeTest, ByDefaultItDoesNotSubscribeToNavigation) {
+  EXPECT_THROW(bus_.deliver("NAVIGATION", nodmap::navigation_t{}), std::out_of_range);
 }
 
 class FixedNodeTest : public PitchControllerNodeTest {

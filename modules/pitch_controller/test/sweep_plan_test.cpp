@@ -209,6 +209,52 @@ TEST(SweepPlan, ASweepForASpeedAllowsAHigherSpeed) {
   }
 }
 
+// Where the robot cannot use what is far ahead, fewer lines still hit the smallest obstacle from
+// d_min to beyond where it is protected, and the bound is above the speed, so speed and nod do not
+// block each other.
+TEST(SweepPlan, AShortWayMakesShorterSweepsThatStillReachTheProtectedDistance) {
+  const SweepPlanner planner = default_planner();
+  const VirtualCorridor corridor = VirtualCorridor::of(kParams.robot);
+  for (double v = 0.0; v <= kParams.speed.top_mps; v += kStepMps) {
+    const SweepPlan open = planner.plan(v);
+    for (const double used_m : {0.0, 1.0, 2.0}) {
+      const SweepPlan plan = planner.plan(v, v, {.used_m = used_m});
+      EXPECT_LE(plan.sweep_s, open.sweep_s + 1e-9) << v;
+      EXPECT_LE(corridor.covered_from_m(plan.area), plan.d_min_m + 1e-9) << v;
+      const ClearView view =
+          clear_view(corridor, plan.sweep, plan.line_spacing_rad,
+                     kParams.detection.visible_obstacle_m, kParams.detection.look_ahead_m);
+      const double protected_m =
+          kParams.robot.braking.required_distance_m(v, kParams.detection.reaction_s(open.sweep_s));
+      EXPECT_GE(view.far_m, protected_m) << v << " " << used_m;
+      EXPECT_LE(view.near_m, plan.d_min_m + 0.05) << v;
+      EXPECT_GT(
+          speed_bound({view, plan.nod}, {}, corridor, kParams.robot.braking, kParams.detection),
+          v + 0.05)
+          << v << " " << used_m;
+    }
+  }
+}
+
+TEST(SweepPlan, GroundThatWasNotSeenMovesTheLowerEndOnly) {
+  const SweepPlanner planner = default_planner();
+  const VirtualCorridor corridor = VirtualCorridor::of(kParams.robot);
+  for (const double v : {0.3, 0.7, 1.0, 1.5}) {
+    const SweepPlan plan = planner.plan(v);
+    for (const double from_m : {0.0, 0.2, 0.5, 1.0, 5.0}) {
+      const SweepPlan down = planner.plan(v, v, {.floor_from_m = from_m});
+      const double floor_rad = -std::atan(corridor.axis_height_m / corridor.from_axis_m(from_m));
+      EXPECT_NEAR(
+          down.sweep.min_rad,
+          std::max(kParams.robot.head.pitch().min_rad, std::min(plan.sweep.min_rad, floor_rad)),
+          0.01)  // of the iteration: a longer sweep needs lines to look farther ahead
+          << v << " " << from_m;
+      EXPECT_GE(down.sweep.max_rad, plan.area.max_rad);
+      EXPECT_LE(down.line_spacing_rad, plan.line_spacing_rad + 1e-12);
+    }
+  }
+}
+
 // A robot that was faster a moment ago looks around less far. The corridor beyond d_min is covered
 // as before, by lines no farther apart and in a shorter time, so the permitted speed is not lower.
 TEST(SweepPlan, ANarrowerSweepCoversTheCorridorInAShorterTime) {
@@ -223,7 +269,7 @@ TEST(SweepPlan, ANarrowerSweepCoversTheCorridorInAShorterTime) {
   for (double v = 0.0; v < 1.5; v += 0.05) {
     for (double looking_mps = v; looking_mps < 1.5; looking_mps += 0.1) {
       const SweepPlan wide = planner.plan(v);
-      const SweepPlan narrow = planner.plan(v, looking_mps);
+      const SweepPlan narrow = planner.plan(v, looking_mps, {});
       EXPECT_EQ(narrow.d_min_m, wide.d_min_m);
       EXPECT_LE(corridor.covered_from_m(narrow.area), narrow.d_min_m + 1e-9) << v;
       EXPECT_LE(narrow.sweep_s, wide.sweep_s + 1e-9) << v;
