@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 
+#include "common/geometry/se2.hpp"
 #include "modules/navigator/rolling_grid.hpp"
 
 namespace nodmap::navigator {
@@ -25,8 +26,8 @@ class EverFree {
   /// forgotten, before odometry has drifted.
   explicit EverFree(double range_m = 0.0);
 
-  /// Begins a scan, made from about `p_odom`.
-  void begin_scan(const Eigen::Vector2d& p_odom);
+  /// Begins a scan, made from about `T_odom_base`.
+  void begin_scan(const geometry::SE2& T_odom_base);
 
   /// A beam of this scan has ended at a place. All hits of a scan are added before its passes.
   void hit(const Eigen::Vector2d& p_odom, double height_m);
@@ -36,7 +37,9 @@ class EverFree {
             double to_height_m);
 
   /// Whether a place between kLowestM and kHighestM was free before. `laser_is_held`: the laser
-  /// does not nod and sees only one layer, so the other layers do not count.
+  /// does not nod. It sees only one layer, so the other layers do not count, and with each scan all
+  /// that is in view, so what it has not seen free lately was hidden. What comes into view there
+  /// may have been there all the time, beside where odometry remembers it.
   [[nodiscard]] bool is_free(const Eigen::Vector2d& p_odom, double height_m,
                              bool laser_is_held = false) const;
 
@@ -49,14 +52,18 @@ class EverFree {
     std::array<std::uint8_t, kLayers> free{};  ///< scans with a pass minus scans with a hit
     std::uint32_t changed = 0;                 ///< the scan of the last change
     std::uint32_t passed = 0;                  ///< the scan of the last pass
+    float passed_at_m = 0.0F;                  ///< what the robot had travelled by then
   };
 
   [[nodiscard]] static int layer_of(double height_m);
   /// In all of these layers.
   [[nodiscard]] bool is_free(const Eigen::Vector2i& index, int lowest, int highest) const;
+  [[nodiscard]] bool was_in_view(const Eigen::Vector2i& index) const;
 
   RollingGrid<Column> grid_;
   std::uint32_t scan_ = 0;
+  geometry::SE2 T_odom_base_;
+  double travelled_m_ = 0.0;  // since the first scan, see travel_m()
 };
 
 }  // namespace nodmap::navigator

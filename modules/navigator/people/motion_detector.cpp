@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 
+#include "modules/navigator/local_map/mixed_pixel.hpp"
 #include "modules/navigator/people/legs.hpp"
 
 namespace nodmap::navigator {
@@ -78,8 +79,8 @@ std::vector<Detection> MotionDetector::add_scan(const scan::Scan& scan,
     farthest_m_ = farthest_of(scan);
     space_ = EverFree(farthest_m_);
   }
-  space_.begin_scan(T_odom_base.translation());
-  collect_hits(scan, T_odom_base);
+  space_.begin_scan(T_odom_base);
+  collect_hits(scan, T_odom_base, laser_is_held);
   const Eigen::Vector2d sensor_odom =
       T_odom_base * Eigen::Vector2d(scan.T_base_mount.translation().head<2>());
   for (auto first = leg_hits_.cbegin(); first != leg_hits_.cend();) {
@@ -95,7 +96,11 @@ std::vector<Detection> MotionDetector::add_scan(const scan::Scan& scan,
   return laser_is_held ? detections : join_legs(detections);
 }
 
-void MotionDetector::collect_hits(const scan::Scan& scan, const geometry::SE2& T_odom_base) {
+// Mixed pixels are in free space, where nothing is. To a laser that is held, one of them beside
+// three other beams on a post would be a fourth of something that has come. To one that nods, a leg
+// is two or three beams wide, and what is measured at one height is nobody.
+void MotionDetector::collect_hits(const scan::Scan& scan, const geometry::SE2& T_odom_base,
+                                  bool laser_is_held) {
   num_beams_ = scan.ranges_m.size();
   hits_.clear();
   leg_hits_.clear();
@@ -106,7 +111,7 @@ void MotionDetector::collect_hits(const scan::Scan& scan, const geometry::SE2& T
       continue;
     }
     const Eigen::Vector3d p_base = scan::point_in_base(scan, beam, range_m);
-    if (p_base.z() < kFloorHitM) {
+    if (p_base.z() < kFloorHitM || (laser_is_held && is_mixed_pixel(scan, beam))) {
       continue;
     }
     hits_.push_back({beam, R * p_base.head<2>() + T_odom_base.translation(), p_base.z()});

@@ -39,7 +39,7 @@ class MotionDetector {
 
   using Hits = std::vector<Hit>;
 
-  void collect_hits(const scan::Scan& scan, const geometry::SE2& T_odom_base);
+  void collect_hits(const scan::Scan& scan, const geometry::SE2& T_odom_base, bool laser_is_held);
   void add_passes(const scan::Scan& scan, const geometry::SE2& T_odom_base);
   /// Adds what a group of neighbouring hits at the height of legs shows: a body, a leg or two legs.
   /// `end` is past the last.
