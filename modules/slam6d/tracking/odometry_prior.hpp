@@ -66,6 +66,21 @@ struct OdometryParams {
          T_map_base.linear().col(2).head<2>().norm() < kSigmas * ground.tilt_sigma_rad;
 }
 
+/// How level the ground is believed to be while the robot is tracked at this pose. Up or down a
+/// slope the map bends, because nothing shows how steep the slope is. If all evidence counted where
+/// the ground is level again, the map would be torn there, and no adjustment could mend it. So
+/// there it counts little, until the adjustment at the end.
+[[nodiscard]] inline LevelGround level_ground_at(const geometry::SE3& T_map_base,
+                                                 const OdometryParams& params) {
+  constexpr double kSigmas = 20.0;  // more than the map drifts on level ground
+  constexpr double kAfterSlope = 5.0;
+  LevelGround ground = params.level_ground();
+  if (std::abs(T_map_base.translation().z()) > kSigmas * ground.height_sigma_m) {
+    ground.tilt_sigma_rad *= kAfterSlope;
+  }
+  return ground;
+}
+
 /// A motion as measured by odometry.
 struct OdometryMotion {
   double distance_m = 0.0;

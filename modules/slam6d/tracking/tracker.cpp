@@ -86,7 +86,7 @@ PosePrior Tracker::predict(const SweepCloud& cloud, const PoseUpdate& update) co
   const SE3& T_map_base = update.T_map_base;
   std::optional<PosePrior::Level> level;
   if (is_planar(cloud.T_odom_base)) {
-    level = {.height_m = 0.0, .ground = odometry_.level_ground()};
+    level = {.height_m = 0.0, .ground = level_ground_at(T_map_base, odometry_)};
   }
   OdometryMotion within = motion_of(cloud.motion());
   within.lost_sweeps = lost_sweeps_;  // wheels that spin do so during the sweep as well

@@ -46,5 +46,24 @@ TEST(OdometryPrior, IsInTheAxesOfTheMap) {
   EXPECT_NEAR(upended(5, 5), level(3, 3), 1e-12);
 }
 
+// Up to 20 standard deviations of the height the robot may be on the ground floor. On a slope or
+// another storey roll and pitch count 25 times less, whether it is above or below; the height,
+// which the kernel ignores there, is left alone.
+TEST(OdometryPrior, LevelGroundCountsLittleOnAnotherStorey) {
+  const OdometryParams params;
+  const auto ground_at = [&params](double height_m) {
+    SE3 T_map_base = SE3::Identity();
+    T_map_base.translation().z() = height_m;
+    return level_ground_at(T_map_base, params);
+  };
+  for (const double height_m : {0.0, 0.09, -0.09}) {
+    EXPECT_EQ(ground_at(height_m).tilt_sigma_rad, params.level_tilt_rad) << height_m;
+  }
+  for (const double height_m : {0.11, -0.11, 3.0}) {
+    EXPECT_NEAR(ground_at(height_m).tilt_sigma_rad, 5.0 * params.level_tilt_rad, 1e-12) << height_m;
+    EXPECT_EQ(ground_at(height_m).height_sigma_m, params.level_height_m) << height_m;
+  }
+}
+
 }  // namespace odometry_prior_test
 }  // namespace nodmap::slam6d
