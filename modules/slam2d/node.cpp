@@ -2,6 +2,7 @@
 #include "modules/slam2d/node.hpp"
 
 #include <algorithm>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <system_error>
 #include <utility>
@@ -14,6 +15,7 @@
 #include "modules/slam2d/grid/map_file.hpp"
 #include "modules/slam2d/messages.hpp"
 #include "modules/slam2d/results.hpp"
+#include "modules/slam2d/thread_executor.hpp"
 
 namespace nodmap::slam2d {
 namespace {
@@ -30,7 +32,7 @@ Slam2dNode::Slam2dNode(node::Context& context, const Params& params,
                        const node::MapOptions& options)
     : context_(context),
       input_(params.level_scans, context.counts, &context.bus),
-      slam_(params),
+      slam_(params, std::make_unique<ThreadExecutor>()),
       map_(params.grid.cell_size_m),
       map_publisher_(context.bus, time::from_seconds(params.grid.publish_period_s)),
       saving_(context),
@@ -88,7 +90,7 @@ void Slam2dNode::add_scan(const LevelScan& scan) {
   last_stamp_ = update->stamp;
   context_.bus.publish("POSE_2D", write_pose(*update, input_.input().T_odom_published()));
   if (!slam_.is_finding()) {
-    update_grid(*update);
+    update_grid();
     if (time::is_due(update->stamp, last_graph_stamp_, kGraphPeriod)) {
       publish_graph(update->stamp);
     }
@@ -96,12 +98,16 @@ void Slam2dNode::add_scan(const LevelScan& scan) {
   map_publisher_.publish_if_due(map_.grid(), update->stamp);
 }
 
-void Slam2dNode::update_grid(const PoseUpdate& update) {
-  if (update.is_keyframe && slam_.dropped_keyframes()) {
-    map_.drop(*slam_.dropped_keyframes());
-  }
+void Slam2dNode::update_grid() {
+  drop_from_grid();
   map_.draw_new(slam_.keyframes());
   map_.redraw_moved(slam_.keyframes(), kMaxCheckedPerScan, kMaxRedrawnPerScan);
+}
+
+void Slam2dNode::drop_from_grid() {
+  if (const DroppedKeyframes* const dropped = slam_.dropped_keyframes()) {
+    map_.drop(*dropped);
+  }
 }
 
 void Slam2dNode::on_clear_request(const nodmap::clear_request_t& message) {
@@ -166,13 +172,15 @@ void Slam2dNode::save_unpolished() {
 void Slam2dNode::finish() {
   input_.finish();
   answer_saved(writing_.take());
+  slam_.finish_loops();
+  drop_from_grid();
   save_unpolished();
   slam_.polish();
   map_.redraw_all_moved(slam_.keyframes());
   map_publisher_.publish_rest(map_.grid(), last_stamp_);
   publish_graph(last_stamp_);
   log_scans(slam_.metrics().scans);
-  const BackEndMetrics& loops = slam_.back_end().metrics();
+  const BackEndMetrics loops = slam_.back_end().metrics();
   log::get().info(
       "{} loops closed between {} submaps: {} by a match, {} by {} searches; refused: {} fitted "
       "poorly, {} fitted several places, {} contradicted the graph, {} saw through walls",
@@ -213,7 +221,7 @@ void Slam2dNode::write_results(const std::filesystem::path& dir) {
 
 nlohmann::json Slam2dNode::metrics() const {
   const Metrics metrics = slam_.metrics();
-  const BackEndMetrics& back_end = slam_.back_end().metrics();
+  const BackEndMetrics back_end = slam_.back_end().metrics();
   const double scans = static_cast<double>(std::max<std::int64_t>(1, metrics.scans.all));
   nlohmann::json result = scan_metrics(metrics.scans, input_.input().counts());
   result.update({{"mean_inlier_ratio", metrics.inlier_ratio_sum / scans},

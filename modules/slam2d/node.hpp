@@ -27,8 +27,8 @@
 namespace nodmap::slam2d {
 
 /// Runs 2D SLAM: subscribes to SCAN and ODOMETRY, and publishes POSE_2D, MAP_2D and POSE_GRAPH.
-/// Saves the map at SAVE_REQUEST and clears a region of it at CLEAR_REQUEST. Live, no scan waits
-/// until the map is on the disk.
+/// Saves the map at SAVE_REQUEST and clears a region of it at CLEAR_REQUEST. Loops are closed on a
+/// thread of their own. Live, no scan waits until the map is on the disk.
 class Slam2dNode : public node::Node {
  public:
   using Params = Slam2dParams;
@@ -55,7 +55,8 @@ class Slam2dNode : public node::Node {
   /// The function that writes the map, as it is now, into a folder. It may run on another thread.
   [[nodiscard]] std::function<std::error_code()> prepare_save(
       const std::filesystem::path& dir) const;
-  void update_grid(const PoseUpdate& update);
+  void update_grid();
+  void drop_from_grid();
   void publish_graph(time::Timestamp stamp);
 
   node::Context& context_;

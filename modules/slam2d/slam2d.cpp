@@ -7,8 +7,15 @@
 #include "common/registration/pose_edges.hpp"
 
 namespace nodmap::slam2d {
+namespace {
 
-Slam2d::Slam2d(const Slam2dParams& params)
+// The loops of a keyframe are applied at the first scan this long after it, or with the next
+// keyframe if that is sooner. To find them and to optimise the graph of intel takes up to 15 ms.
+constexpr time::Duration kLoopTime = 200ms;
+
+}  // namespace
+
+Slam2d::Slam2d(const Slam2dParams& params, std::unique_ptr<Executor> executor)
     : params_(params),
       pose_guesses_(params.people),
       back_end_(params.back_end, params.map, params.matcher),
@@ -16,7 +23,8 @@ Slam2d::Slam2d(const Slam2dParams& params)
       slip_detector_(params, back_end_),
       place_search_(params, back_end_, moving_points_, doubt_),
       hidden_view_(params, place_search_, back_end_, moving_points_, pose_guesses_, doubt_),
-      path_(params.path) {}
+      path_(params.path),
+      executor_(std::move(executor)) {}
 
 void Slam2d::restore(SavedMap map, TrinaryGrid known,
                      const std::optional<geometry::SE2>& T_map_start) {
@@ -31,12 +39,20 @@ Metrics Slam2d::metrics() const {
   return metrics;
 }
 
+const DroppedKeyframes* Slam2d::dropped_keyframes() const {
+  return has_applied_loops_ && back_end_.dropped() ? &*back_end_.dropped() : nullptr;
+}
+
 std::optional<PoseUpdate> Slam2d::add_scan(const LevelScan& scan) {
+  has_applied_loops_ = false;
   if (finder_) {
     return find_in_saved_map(scan);
   }
   if (!back_end_.has_local()) {
     return begin_new_map(scan);
+  }
+  if (are_loops_due(scan)) {
+    apply_loops();
   }
   predict(scan);
   // "These can directly be used as data set D and matched against an incrementally built 2D map" M:
@@ -52,7 +68,7 @@ std::optional<PoseUpdate> Slam2d::add_scan(const LevelScan& scan) {
   record_motion(scan, update);
   const bool is_sure_again = doubt_.update(update, found.pose.is_sure);
   // "New scan points that do not show a correspondence to already existing points in M are added."
-  // That may close a loop, which corrects the pose once more.
+  // That may close a loop, which later corrects the pose once more.
   if (is_keyframe(update, scan, found)) {
     // Somebody ahead is known again in the next scan only if this one shows him.
     add_keyframe(slip.points_without_people.empty() ? found.scan : scan, found.pose.match, update);
@@ -269,6 +285,38 @@ void Slam2d::record_motion(const LevelScan& scan, const PoseUpdate& update) {
   }
 }
 
+// In log time, so that a replay gives the same poses however long the executor takes.
+bool Slam2d::are_loops_due(const LevelScan& scan) const {
+  return closing_since_ && std::chrono::abs(scan.stamp - *closing_since_) >= kLoopTime;
+}
+
+void Slam2d::finish_loops() {
+  has_applied_loops_ = false;
+  apply_loops();
+}
+
+// Returns by how much they have moved the local submap, in map; the poses since the keyframe, which
+// were found in it, move along.
+geometry::SE2 Slam2d::apply_loops() {
+  if (!closing_since_) {
+    return {};
+  }
+  executor_->wait();
+  closing_since_.reset();
+  const geometry::SE2 T_map_submap = back_end_.local().T_map_submap;
+  back_end_.apply_loops();
+  has_applied_loops_ = true;
+  const geometry::SE2 T_new_old = back_end_.local().T_map_submap * T_map_submap.inverse();
+  T_map_odom_ = T_new_old * T_map_odom_;
+  pose_guesses_.move_map(T_new_old);
+  if (const std::optional<DroppedKeyframes>& dropped = back_end_.dropped()) {
+    path_.attach_to_others(*dropped, keyframes());
+    const std::size_t end = dropped->first + dropped->keyframes.size();
+    num_restored_ -= std::clamp(num_restored_, dropped->first, end) - dropped->first;
+  }
+  return T_new_old;
+}
+
 // The robot is where that submap begins: there its pose has no error.
 void Slam2d::begin_submap_if_in_doubt() {
   if (doubt_.is_active()) {
@@ -280,6 +328,7 @@ void Slam2d::begin_submap_if_in_doubt() {
 }
 
 void Slam2d::add_keyframe(const LevelScan& scan, const Match& match, PoseUpdate& update) {
+  update.T_map_base = apply_loops() * update.T_map_base;
   Keyframe keyframe{.stamp = scan.stamp,
                     .T_odom_base = T_first_odom_ * scan.T_odom_base,
                     .T_map_base = update.T_map_base,
@@ -296,12 +345,8 @@ void Slam2d::add_keyframe(const LevelScan& scan, const Match& match, PoseUpdate&
                             : geometry::SE2{};
   back_end_.add_keyframe(std::move(keyframe), T_submap_base,
                          update.is_matched() ? match.information : Eigen::Matrix3d::Zero());
-  update.T_map_base = keyframes().back().T_map_base;
-  if (const std::optional<DroppedKeyframes>& dropped = back_end_.dropped()) {
-    path_.attach_to_others(*dropped, keyframes());
-    const std::size_t end = dropped->first + dropped->keyframes.size();
-    num_restored_ -= std::clamp(num_restored_, dropped->first, end) - dropped->first;
-  }
+  closing_since_ = scan.stamp;
+  executor_->start([this] { back_end_.close_loops(); });
   T_odom_keyframe_ = scan.T_odom_base;
   update.is_keyframe = true;
 }

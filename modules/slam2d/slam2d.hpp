@@ -11,6 +11,7 @@
 
 #include "modules/slam2d/back_end/back_end.hpp"
 #include "modules/slam2d/back_end/tracked_path.hpp"
+#include "modules/slam2d/executor.hpp"
 #include "modules/slam2d/front_end/doubt.hpp"
 #include "modules/slam2d/front_end/hidden_view.hpp"
 #include "modules/slam2d/front_end/moving_points.hpp"
@@ -41,7 +42,10 @@ struct Metrics {
 /// scan, or that of the saved map that is continued. Level scans come from a LevelScanInput.
 class Slam2d {
  public:
-  explicit Slam2d(const Slam2dParams& params);
+  /// `executor`: closes the loops after each keyframe. They are applied at a scan that the stamps
+  /// alone determine, so that when and where it runs changes no pose.
+  explicit Slam2d(const Slam2dParams& params,
+                  std::unique_ptr<Executor> executor = std::make_unique<ImmediateExecutor>());
   Slam2d(const Slam2d&) = delete;  // its parts refer to each other
   Slam2d& operator=(const Slam2d&) = delete;
 
@@ -61,15 +65,19 @@ class Slam2d {
   /// The pose of each of tracked_scans(), with all corrections known so far.
   [[nodiscard]] std::vector<geometry::SE2> trajectory() const { return path_.poses(keyframes()); }
 
-  /// Corrects all poses once more, with everything that is known. To be called after the last scan.
+  /// Waits for the loops of the newest keyframe, if they are not applied yet, and applies them. To
+  /// be called after the last scan.
+  void finish_loops();
+
+  /// Corrects all poses once more, with everything that is known. To be called after
+  /// finish_loops().
   void polish() { back_end_.polish(); }
 
   [[nodiscard]] const BackEnd& back_end() const { return back_end_; }
   [[nodiscard]] std::span<const Keyframe> keyframes() const { return back_end_.keyframes(); }
-  /// What the last scan that became a keyframe has dropped from keyframes().
-  [[nodiscard]] const std::optional<DroppedKeyframes>& dropped_keyframes() const {
-    return back_end_.dropped();
-  }
+  /// What the last add_scan() or finish_loops() has dropped from keyframes(), before a keyframe was
+  /// added; null if nothing.
+  [[nodiscard]] const DroppedKeyframes* dropped_keyframes() const;
   /// The scans with a pose, without those during which the robot was being found in a saved map.
   [[nodiscard]] std::span<const TrackedScan> tracked_scans() const { return path_.scans(); }
   [[nodiscard]] Metrics metrics() const;
@@ -101,6 +109,8 @@ class Slam2d {
   [[nodiscard]] bool continues_in_doubt(const PoseUpdate& update,
                                         const geometry::SE2& T_odom_base) const;
   void record_motion(const LevelScan& scan, const PoseUpdate& update);
+  [[nodiscard]] bool are_loops_due(const LevelScan& scan) const;
+  geometry::SE2 apply_loops();
   void begin_submap_if_in_doubt();
   void add_keyframe(const LevelScan& scan, const Match& match, PoseUpdate& update);
   void update_map_odom(const LevelScan& scan, PoseUpdate& update);
@@ -120,9 +130,12 @@ class Slam2d {
   PlaceSearch place_search_;
   HiddenView hidden_view_;
   TrackedPath path_;
-  std::unique_ptr<Finder> finder_;  // until the robot is found; null for a new map
-  std::size_t num_restored_ = 0;    // the first keyframes
-  Metrics metrics_;                 // the searches are those of the finder
+  std::unique_ptr<Finder> finder_;                // until the robot is found; null for a new map
+  std::size_t num_restored_ = 0;                  // the first keyframes
+  Metrics metrics_;                               // the searches are those of the finder
+  std::optional<time::Timestamp> closing_since_;  // loops of the keyframe with this stamp
+  bool has_applied_loops_ = false;                // since the last scan
+  std::unique_ptr<Executor> executor_;            // the last member: its work uses `back_end_`
 };
 
 }  // namespace nodmap::slam2d

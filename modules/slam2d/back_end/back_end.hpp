@@ -8,28 +8,19 @@
 #include <span>
 #include <vector>
 
-#include "modules/slam2d/back_end/loop_closer.hpp"
 #include "modules/slam2d/back_end/saved_map.hpp"
 #include "modules/slam2d/back_end/submap.hpp"
 #include "modules/slam2d/back_end/submap_chain.hpp"
 #include "modules/slam2d/back_end/submap_graph.hpp"
 #include "modules/slam2d/back_end/submap_grids.hpp"
-#include "modules/slam2d/back_end/variance_factor.hpp"
+#include "modules/slam2d/back_end/submap_loops.hpp"
 #include "modules/slam2d/matching/scan_matcher.hpp"
 #include "modules/slam2d/params.hpp"
 
 namespace nodmap::slam2d {
 
 /// What the back end did, in counts.
-struct BackEndMetrics {
-  std::int64_t loops_tracked = 0;   ///< found by a match from the pose of the graph
-  std::int64_t loops_searched = 0;  ///< accepted by consensus
-  std::int64_t searches = 0;
-  std::int64_t refused_ambiguous = 0;
-  std::int64_t refused_match = 0;
-  std::int64_t refused_by_graph = 0;  ///< contradicts the pose of the graph
-  std::int64_t refused_by_view = 0;   ///< walls where the other saw free space
-  std::int64_t optimisations = 0;
+struct BackEndMetrics : LoopMetrics {
   std::int64_t submaps_dropped = 0;  ///< newer ones have replaced them
 };
 
@@ -38,6 +29,10 @@ struct BackEndMetrics {
 ///
 /// The area bounds its memory, not the time: a submap, and the keyframes that no other submap
 /// holds, are dropped once newer keyframes show the same places.
+///
+/// After each add_keyframe(), close_loops() and then apply_loops() must be called. In between scans
+/// may be matched against the local submap: close_loops() may run on another thread, because it
+/// changes nothing that the const functions and find_in_local() use.
 class BackEnd {
  public:
   BackEnd(const BackEndParams& params, const MapParams& map, const MatcherParams& matcher);
@@ -56,12 +51,15 @@ class BackEnd {
 
   /// Whether there is a submap to match scans against: once a keyframe was added.
   [[nodiscard]] bool has_local() const { return chain_.has_local(); }
-  /// The submap that scans are matched against. Valid until the next keyframe is added.
+  /// The submap that scans are matched against. Valid until the next keyframe is added, or loops
+  /// are applied.
   [[nodiscard]] const Submap& local() const { return chain_.local(); }
 
   /// The covariance (x, y in m, yaw in rad, in the axes of map) of the local submap's pose relative
   /// to the first one: the drift since the map began that loops have not corrected.
-  [[nodiscard]] const Eigen::Matrix3d& drift_covariance() const { return drift_covariance_; }
+  [[nodiscard]] const Eigen::Matrix3d& drift_covariance() const {
+    return loops_.drift_covariance();
+  }
 
   /// Searches the local submap for the poses at which a scan fits, at the resolution of a cell.
   /// `scan`: points in base; `window`: the poses to search, in the frame of the submap. Returns at
@@ -70,15 +68,22 @@ class BackEnd {
                                                const SearchWindow& window, double min_score,
                                                std::size_t max_places);
 
-  /// Adds a keyframe at its place in the local submap, closes loops with older submaps, and moves
-  /// all submaps if that changed anything. `information`: inverse covariance of (x, y in m, yaw in
-  /// rad) in the frame of the submap, from the match that found the place; zero without a match.
-  /// Without a local submap the keyframe begins one at its T_map_base, and the other arguments are
-  /// not used.
+  /// Adds a keyframe at its place in the local submap. `information`: inverse covariance of (x, y
+  /// in m, yaw in rad) in the frame of the submap, from the match that found the place; zero
+  /// without a match. Without a local submap the keyframe begins one at its T_map_base, and the
+  /// other arguments are not used.
   void add_keyframe(Keyframe keyframe, const geometry::SE2& T_local_keyframe,
                     const Eigen::Matrix3d& information);
 
-  /// What the last add_keyframe() has dropped, if anything. The newest keyframes always stay.
+  /// Finds loops between the newest keyframe and older submaps, and the poses of all submaps that
+  /// agree best with them.
+  void close_loops();
+
+  /// Moves the submaps to where close_loops() has found that they belong, and drops one that newer
+  /// keyframes replace.
+  void apply_loops();
+
+  /// What the last apply_loops() has dropped, if anything. The newest keyframes always stay.
   [[nodiscard]] const std::optional<DroppedKeyframes>& dropped() const { return dropped_; }
 
   /// Straightens the beginning of the map, then matches every keyframe anew against the submaps
@@ -87,44 +92,35 @@ class BackEnd {
 
   [[nodiscard]] const std::vector<Keyframe>& keyframes() const { return chain_.keyframes(); }
   [[nodiscard]] std::span<const Submap> submaps() const { return chain_.submaps(); }
-  [[nodiscard]] const BackEndMetrics& metrics() const { return metrics_; }
+  [[nodiscard]] BackEndMetrics metrics() const { return {loops_.metrics(), submaps_dropped_}; }
   /// One entry for each pair of submaps between which a loop was tried.
-  [[nodiscard]] std::vector<SubmapLoop> loops() const { return graph_.loops(submaps()); }
+  [[nodiscard]] std::vector<SubmapLoop> loops() const { return loops_.graph().loops(submaps()); }
   /// Counts the changes of submaps and loops.
-  [[nodiscard]] std::int64_t graph_revision() const { return graph_.revision() + num_rebuilt_; }
+  [[nodiscard]] std::int64_t graph_revision() const {
+    return loops_.graph().revision() + loops_.metrics().optimisations + num_rebuilt_;
+  }
   [[nodiscard]] std::size_t num_points() const { return chain_.num_points(); }
 
  private:
-  void close_loops();
-  void update_uncertainty();
-  void optimise_if_due();
-  [[nodiscard]] Loop track_loop(std::size_t submap, std::span<const OrientedPoint> scan);
-  [[nodiscard]] Loop search_loop(std::size_t submap, std::span<const OrientedPoint> scan,
-                                 double reach_m, double reach_rad);
-  void decide(const Loop& loop, bool was_searched);
-  void accept_by_consensus(Loop loop);
-  void accept(const Loop& loop);
-  void record_try(const Loop& loop, LoopState state);
-  [[nodiscard]] double chi_squared(const Loop& loop) const;
-  [[nodiscard]] bool contradicts_views(const Loop& loop) const;
+  /// What close_loops() has found, until it is applied.
+  struct ClosedLoops {
+    SubmapLoops loops;
+    std::optional<std::vector<geometry::SE2>> T_map_submaps;  // nothing: they stay
+  };
+
   void drop_replaced_submap();
-  void drop_submap(std::size_t dropped);
-  void optimise();
 
   BackEndParams params_;
   SubmapChain chain_;
-  LoopCloser closer_;
+  SubmapLoops loops_;
+  // Only close_loops() uses these two until apply_loops().
   SubmapGrids grids_;
-  SubmapGraph graph_;
+  std::optional<ClosedLoops> closed_;
+  SubmapGrids local_grid_{1};
   std::optional<DroppedKeyframes> dropped_;
-  std::size_t keyframes_since_optimised_ = 0;
-  bool has_new_loops_ = false;
-  bool has_searched_loops_ = false;
-  std::int64_t num_rebuilt_ = 0;              ///< how often polish() has made all submaps anew
-  std::vector<Eigen::Matrix3d> uncertainty_;  ///< of each submap relative to the local one
-  double uncertainty_factor_ = 1.0;           ///< the variance factor in it
-  Eigen::Matrix3d drift_covariance_ = Eigen::Matrix3d::Zero();
-  BackEndMetrics metrics_;
+  bool may_be_replaced_ = false;  // a submap, since the newest keyframe
+  std::int64_t submaps_dropped_ = 0;
+  std::int64_t num_rebuilt_ = 0;  // how often polish() has made all submaps anew
 };
 
 }  // namespace nodmap::slam2d

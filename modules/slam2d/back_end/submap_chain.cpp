@@ -188,6 +188,7 @@ DroppedKeyframes SubmapChain::drop_submap(std::size_t dropped) {
   for (std::size_t s = dropped; s < submaps_.size(); ++s) {
     submaps_[s].first_keyframe -= end - first;
   }
+  move_keyframes();
   --local_;
   num_separate_ -= dropped < num_separate_ ? 1 : 0;
   return dropped_keyframes;
@@ -213,6 +214,13 @@ DroppedKeyframes SubmapChain::drop_keyframes(std::size_t first, std::size_t end)
   keyframes_.erase(at(keyframes_, first), at(keyframes_, end));
   submap_of_.erase(at(submap_of_, first), at(submap_of_, end));
   return dropped;
+}
+
+void SubmapChain::move_submaps(std::span<const geometry::SE2> T_map_submaps) {
+  for (std::size_t s = 0; s < submaps_.size(); ++s) {
+    submaps_[s].T_map_submap = T_map_submaps[s];
+  }
+  move_keyframes();
 }
 
 void SubmapChain::move_keyframes() {

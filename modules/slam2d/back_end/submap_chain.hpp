@@ -51,8 +51,8 @@ class SubmapChain {
   /// indices of those after them move up.
   DroppedKeyframes drop_submap(std::size_t dropped);
 
-  /// Moves the keyframes with their submaps.
-  void move_keyframes();
+  /// Moves the submaps, and the keyframes with them.
+  void move_submaps(std::span<const geometry::SE2> T_map_submaps);
   /// Sets T_map_base of each keyframe. The submaps do not move.
   void set_poses(std::span<const geometry::SE2> T_map_keyframe);
   /// Moves the first keyframes, those of about two submaps, to where the lines that they saw agree
@@ -64,7 +64,6 @@ class SubmapChain {
 
   [[nodiscard]] const std::vector<Keyframe>& keyframes() const { return keyframes_; }
   [[nodiscard]] std::span<const Submap> submaps() const { return submaps_; }
-  [[nodiscard]] std::span<Submap> submaps() { return submaps_; }
   [[nodiscard]] std::span<const registration::PoseEdge2d> steps() const { return steps_; }
   /// The submap that a keyframe was matched against.
   [[nodiscard]] std::size_t submap_of(std::size_t keyframe) const { return submap_of_[keyframe]; }
@@ -73,6 +72,7 @@ class SubmapChain {
   [[nodiscard]] std::size_t num_points() const;
 
  private:
+  void move_keyframes();
   [[nodiscard]] bool is_full(const Submap& submap, double ratio) const;
   void begin_local();
   void insert_into_submaps(const geometry::SE2& T_local_keyframe);

@@ -197,7 +197,7 @@ void SubmapGraph::renumber_without(std::size_t dropped) {
   ++revision_;
 }
 
-void SubmapGraph::optimise(std::span<Submap> submaps, bool graduated) {
+std::vector<SE2> SubmapGraph::optimised(std::span<const Submap> submaps, bool graduated) const {
   PoseGraph2d graph;
   for (const Submap& submap : submaps) {
     graph.add_node(submap.T_map_submap);
@@ -206,10 +206,7 @@ void SubmapGraph::optimise(std::span<Submap> submaps, bool graduated) {
     graph.add_edge(edge);
   }
   graph.optimise(graduated, graduated ? 60 : 2);
-  for (std::size_t s = 0; s < submaps.size(); ++s) {
-    submaps[s].T_map_submap = graph.nodes()[s];
-  }
-  ++revision_;
+  return {graph.nodes().begin(), graph.nodes().end()};
 }
 
 }  // namespace nodmap::slam2d

@@ -77,11 +77,12 @@ class SubmapGraph {
   [[nodiscard]] std::vector<Eigen::Matrix3d> uncertainties(std::span<const Submap> submaps,
                                                            std::size_t local) const;
 
-  /// Moves the submaps to where they agree best with all edges. `graduated`: to the minimum, as
-  /// PoseGraph2d::optimise() does; otherwise two steps towards it.
-  void optimise(std::span<Submap> submaps, bool graduated);
+  /// The T_map_submap of each submap at which they agree best with all edges. `graduated`: at the
+  /// minimum, as PoseGraph2d::optimise() finds it; otherwise two steps towards it.
+  [[nodiscard]] std::vector<geometry::SE2> optimised(std::span<const Submap> submaps,
+                                                     bool graduated) const;
 
-  /// Counts the changes of poses and edges.
+  /// Counts the changes of edges.
   [[nodiscard]] std::int64_t revision() const { return revision_; }
 
  private:

@@ -10,7 +10,6 @@ namespace {
 
 constexpr double kSearchCellM = 0.1;
 constexpr double kGridRangeM = 25.0;
-constexpr std::size_t kCachedGrids = 24;
 
 }  // namespace
 
@@ -22,7 +21,7 @@ const LikelihoodGrid& SubmapGrids::of(std::size_t submap_index, const Submap& su
     found->second.last_use = uses_;
     return found->second.grid;
   }
-  if (grids_.size() >= kCachedGrids) {
+  if (grids_.size() >= max_grids_) {
     grids_.erase(std::min_element(grids_.begin(), grids_.end(), [](const auto& a, const auto& b) {
       return a.second.last_use < b.second.last_use;
     }));

@@ -13,6 +13,9 @@ namespace nodmap::slam2d {
 /// keyframe is searched for in the same few.
 class SubmapGrids {
  public:
+  /// Keeps at most `max_grids`, at least 1.
+  explicit SubmapGrids(std::size_t max_grids) : max_grids_(max_grids) {}
+
   /// The grid of a submap, valid until the next call.
   [[nodiscard]] const LikelihoodGrid& of(std::size_t submap_index, const Submap& submap);
 
@@ -26,6 +29,7 @@ class SubmapGrids {
     LikelihoodGrid grid;
   };
 
+  std::size_t max_grids_;
   std::map<std::size_t, Cached> grids_;
   std::size_t uses_ = 0;
 };

@@ -31,6 +31,10 @@ class PoseGuesses {
     T_map_odom_counted_ = T_map_odom;
     T_odom_counted_ = T_odom_base;
   }
+  /// The map has moved under the robot: `T_new_old` is its old frame in the new one.
+  void move_map(const geometry::SE2& T_new_old) {
+    T_map_odom_counted_ = T_new_old * T_map_odom_counted_;
+  }
   /// Forgets the motion up to the last scan, because its pose is not known.
   void forget_motion() { steps_.clear(); }
 
