@@ -223,7 +223,10 @@ void NavigatorNode::on_pose(const nodmap::pose_t& message) {
     return;
   }
   context_.counts.use();
-  if (newest_.correct_pose(geometry::to_se2(*T_map_odom))) {
+  // What was known before the first pose is where odometry began, not where the robot was found in
+  // a saved map. A later jump corrects odometry, such as wheels that slipped: the map is the same.
+  const bool is_first = !newest_.pose.stamp;
+  if (newest_.correct_pose(geometry::to_se2(*T_map_odom)) && is_first) {
     navigator_.forget_map();
   }
   newest_.pose.sigma_m = position_sigma_m(message);

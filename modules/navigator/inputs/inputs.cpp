@@ -15,8 +15,8 @@ namespace {
 constexpr double kDegradedSpeedRatio = 0.5;
 constexpr double kGoalSigmas = 3.0;
 
-// A pose that moves the robot farther in map than this was found elsewhere, or is the first one in
-// a saved map. Known walls that are so far off would close doors.
+// A pose that moves the robot farther in map than this puts it elsewhere. Known walls that are so
+// far off would close doors.
 constexpr geometry::PoseTolerance kSamePlace{.distance_m = 1.0,
                                              .rotation_rad = geometry::deg_to_rad(15.0)};
 

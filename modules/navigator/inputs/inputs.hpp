@@ -61,8 +61,7 @@ struct Inputs {
   /// Takes the goal of a GOAL message; empty if it cancels the goal.
   void take_goal(const std::optional<GoalInMap>& new_goal);
 
-  /// Corrects the pose. Returns whether the robot is elsewhere in map now: the ground known there
-  /// so far is not.
+  /// Corrects the pose. Returns whether it puts the robot elsewhere in map.
   [[nodiscard]] bool correct_pose(const geometry::SE2& T_map_odom);
 
   /// Forgets what belongs to the former odom frame.
