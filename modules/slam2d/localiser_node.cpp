@@ -35,6 +35,10 @@ LocaliserNode::LocaliserNode(node::Context& context, const Slam2dParams& params,
 
 void LocaliserNode::on_scan(const nodmap::scan_t& message) {
   input_.read(message);
+  add_level_scans();
+}
+
+void LocaliserNode::add_level_scans() {
   while (const std::optional<LevelScan> scan = input_.next()) {
     add_scan(*scan);
   }
@@ -59,6 +63,8 @@ void LocaliserNode::add_scan(const LevelScan& scan) {
 }
 
 void LocaliserNode::finish() {
+  input_.end_scans();
+  add_level_scans();
   input_.finish();
   map_publisher_.publish_rest(grid_, last_stamp_);
   log_scans(localiser_.metrics().scans);

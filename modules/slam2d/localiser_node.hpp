@@ -35,6 +35,7 @@ class LocaliserNode : public node::Node {
  private:
   void on_scan(const nodmap::scan_t& message);
   void on_structure_map(const nodmap::egomap_t& message);
+  void add_level_scans();
   void add_scan(const LevelScan& scan);
 
   node::Context& context_;

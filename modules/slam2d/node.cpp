@@ -68,6 +68,10 @@ void Slam2dNode::on_scan(const nodmap::scan_t& message) {
   input_.read(message);
   answer_saved(writing_.count_message());
   save_if_due();
+  add_level_scans();
+}
+
+void Slam2dNode::add_level_scans() {
   while (const std::optional<LevelScan> scan = input_.next()) {
     add_scan(*scan);
   }
@@ -170,6 +174,8 @@ void Slam2dNode::save_unpolished() {
 }
 
 void Slam2dNode::finish() {
+  input_.end_scans();
+  add_level_scans();
   input_.finish();
   answer_saved(writing_.take());
   slam_.finish_loops();

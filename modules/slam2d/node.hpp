@@ -45,6 +45,7 @@ class Slam2dNode : public node::Node {
  private:
   void on_scan(const nodmap::scan_t& message);
   void on_structure_map(const nodmap::egomap_t& message);
+  void add_level_scans();
   void add_scan(const LevelScan& scan);
   void on_clear_request(const nodmap::clear_request_t& message);
   void on_save_request(const nodmap::save_request_t& message);

@@ -12,6 +12,7 @@ namespace nodmap::slam2d {
 
 struct LevelScanParams {
   double max_pitch_rad = geometry::deg_to_rad(1.0);
+  bool leave_out_slopes = true;
   bool from_structure_map = false;
   double structure_period_s = 0.3;
 
@@ -20,6 +21,9 @@ struct LevelScanParams {
     v.angle("max_pitch_deg", max_pitch_rad, {0.05, 5.0},
             "Of each sweep the scan with the pitch nearest to 0 is used, if its pitch is at most "
             "this.");
+    v.flag("leave_out_slopes", leave_out_slopes,
+           "Leave out the points of a level scan that are on ramps, as the scans beside it in the "
+           "sweep show.");
     v.flag(
         "from_structure_map", from_structure_map,
         "Instead of level scans, match the structure map (STRUCTURE_MAP): a virtual scan of walls, "

@@ -5,6 +5,13 @@
 #include <utility>
 
 namespace nodmap::slam2d {
+namespace {
+
+constexpr std::size_t kNumBelow = 2;  // what SlopedPoints compares a level scan with
+// Two periods of a SICK (13.3 ms) and some jitter: scans that have not come by then are lost.
+constexpr time::Duration kMaxWaitBelow = 50ms;
+
+}  // namespace
 
 void LevelScanInput::add_odometry(time::Timestamp stamp, const geometry::SE3& T_published_base,
                                   bool has_restarted) {
@@ -34,21 +41,61 @@ void LevelScanInput::add_scan(const scan::Scan& scan) {
     return;
   }
   newest_scan_ = scan.last_stamp();
+  if (leaves_out_slopes_ && !has_constant_pitch(scan)) {
+    walls_behind_.add(scan);
+  }
+  for (Waiting& waiting : waiting_) {
+    if (waiting.awaits_below) {
+      waiting.take_below(scan);
+    }
+  }
   if (const scan::Scan* level = selector_.add(scan)) {
-    waiting_.push_back(*level);
+    waiting_.push_back(begin_waiting(*level));
   } else {
     ++counts_.not_level;
   }
 }
 
+void LevelScanInput::Waiting::take_below(const scan::Scan& scan) {
+  below.push_back(scan);
+  awaits_below = below.size() < kNumBelow;
+}
+
+// A sweep that goes up shows what is below the level scan before it, one that goes down after it.
+LevelScanInput::Waiting LevelScanInput::begin_waiting(const scan::Scan& level) const {
+  Waiting waiting{.level = level};
+  const auto before = selector_.before();
+  if (!leaves_out_slopes_ || before[0] == nullptr) {
+    return waiting;
+  }
+  waiting.awaits_below = before[0]->pitch_mid_rad() > level.pitch_mid_rad();
+  if (!waiting.awaits_below) {
+    waiting.below = {*before[0], *before[1]};
+  } else if (const scan::Scan* after = selector_.after()) {
+    waiting.take_below(*after);
+  }
+  return waiting;
+}
+
+bool LevelScanInput::is_ready(const Waiting& waiting) const {
+  const bool may_come = newest_scan_ - waiting.level.last_stamp() < kMaxWaitBelow;
+  return !(waiting.awaits_below && may_come) &&
+         !odometry_.is_awaited(waiting.level.last_stamp(), newest_scan_);
+}
+
 std::optional<LevelScan> LevelScanInput::next() {
   std::optional<LevelScan> level_scan;
-  while (!level_scan && !waiting_.empty() &&
-         !odometry_.is_awaited(waiting_.front().last_stamp(), newest_scan_)) {
+  while (!level_scan && !waiting_.empty() && is_ready(waiting_.front())) {
     level_scan = to_level_scan(waiting_.front());
     waiting_.pop_front();
   }
   return level_scan;
+}
+
+void LevelScanInput::end_scans() {
+  for (Waiting& waiting : waiting_) {
+    waiting.awaits_below = false;
+  }
 }
 
 void LevelScanInput::stop_waiting() {
@@ -77,19 +124,60 @@ LevelScan LevelScanInput::begin_level_scan(time::Timestamp stamp,
   return level_scan;
 }
 
-std::optional<LevelScan> LevelScanInput::to_level_scan(const scan::Scan& scan) {
+std::optional<LevelScan> LevelScanInput::to_level_scan(const Waiting& waiting) {
+  const scan::Scan& scan = waiting.level;
   const auto T_published_first = find_odometry(scan.stamp);
   if (!T_published_first) {
     return std::nullopt;
   }
-  const auto last = odometry_.at(scan.last_stamp());
-  const geometry::SE2 T_published_last = last ? geometry::to_se2(*last) : *T_published_first;
+  const SweepScan placed = place(scan, *T_published_first).value_or(SweepScan{scan});
   LevelScan level_scan = begin_level_scan(scan.stamp, *T_published_first);
   level_scan.sensor_origin_base = scan::point_in_base(scan, 0, 0.0).head<2>();
-  level_scan.points_base =
-      extractor_.extract(scan, T_published_first->inverse() * T_published_last);
+  level_scan.points_base = extractor_.extract(scan, placed.T_level_last);
   level_scan.is_of_nod = !has_constant_pitch(scan);
+  if (waiting.below.size() == kNumBelow) {
+    level_scan.points_base =
+        without_slopes(level_scan.points_base, placed, waiting.below, *T_published_first);
+  }
   return level_scan;
+}
+
+std::optional<SweepScan> LevelScanInput::place(const scan::Scan& scan,
+                                               const geometry::SE2& T_published_level) const {
+  const auto first = odometry_.at(scan.stamp);
+  const auto last = odometry_.at(scan.last_stamp());
+  if (!first || !last) {
+    return std::nullopt;
+  }
+  const geometry::SE2 T_level_published = T_published_level.inverse();
+  return SweepScan{scan, T_level_published * geometry::to_se2(*first),
+                   T_level_published * geometry::to_se2(*last)};
+}
+
+std::span<const OrientedPoint> LevelScanInput::without_slopes(
+    std::span<const OrientedPoint> points_base, const SweepScan& level,
+    const std::vector<scan::Scan>& below, const geometry::SE2& T_published_level) {
+  const auto first = place(below.front(), T_published_level);
+  const auto second = place(below.back(), T_published_level);
+  if (!first || !second) {
+    return points_base;
+  }
+  const auto kept = sloped_points_.remove(points_base, level, {*first, *second});
+  if (kept.size() == points_base.size()) {
+    return points_base;
+  }
+  const auto walls =
+      walls_behind_.find(level.scan, sloped_points_.are_left_out(),
+                         [&](const scan::Scan& scan) { return place(scan, T_published_level); });
+  positions_.clear();
+  for (std::size_t beam = 0; beam < walls.size(); ++beam) {
+    if (walls[beam]) {
+      positions_.push_back(*walls[beam]);
+    } else if (sloped_points_.is_kept(beam)) {
+      positions_.push_back(sloped_points_.points_by_beam()[beam].p);
+    }
+  }
+  return extractor_.extract(positions_, scan::point_in_base(level.scan, 0, 0.0).head<2>());
 }
 
 std::optional<LevelScan> LevelScanInput::add_virtual_scan(

@@ -6,6 +6,7 @@
 #include <deque>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "common/geometry/pose_history.hpp"
 #include "common/geometry/se2.hpp"
@@ -16,6 +17,9 @@
 #include "modules/slam2d/scan/level_scan.hpp"
 #include "modules/slam2d/scan/level_scan_selector.hpp"
 #include "modules/slam2d/scan/oriented_points.hpp"
+#include "modules/slam2d/scan/sloped_points.hpp"
+#include "modules/slam2d/scan/sweep_scan.hpp"
+#include "modules/slam2d/scan/walls_behind.hpp"
 
 namespace nodmap::slam2d {
 
@@ -29,7 +33,8 @@ struct ScanCounts {
 /// exactly those 2D scans that have been taken in the horizontal position" (section IV A).
 class LevelScanInput {
  public:
-  explicit LevelScanInput(const LevelScanParams& params) : selector_(params) {}
+  explicit LevelScanInput(const LevelScanParams& params)
+      : selector_(params), leaves_out_slopes_(params.leave_out_slopes) {}
 
   /// Takes a pose of base by odometry; ignores it when it is not finite.
   ///
@@ -45,7 +50,8 @@ class LevelScanInput {
 
   /// The next level scan; valid until the next call. To be called after add_scan() until it returns
   /// none. A level scan waits until odometry has come as far, for at most half a second. One that
-  /// is more than 50 ms from any odometry then is left out and counted.
+  /// is more than 50 ms from any odometry then is left out and counted. In a sweep that goes down a
+  /// level scan also waits for the next two scans, until one comes that is 50 ms later.
   [[nodiscard]] std::optional<LevelScan> next();
 
   /// The level scan of points that were measured at once, in base and in the order of their
@@ -53,6 +59,9 @@ class LevelScanInput {
   /// more than 50 ms from any odometry.
   [[nodiscard]] std::optional<LevelScan> add_virtual_scan(
       time::Timestamp stamp, std::span<const Eigen::Vector2d> points_base);
+
+  /// No scan comes any more: what still waits does not wait for scans below it.
+  void end_scans();
 
   /// Leaves out and counts the level scans that still wait: no odometry comes for them.
   void stop_waiting();
@@ -65,7 +74,27 @@ class LevelScanInput {
   [[nodiscard]] const ScanCounts& counts() const { return counts_; }
 
  private:
-  [[nodiscard]] std::optional<LevelScan> to_level_scan(const scan::Scan& scan);
+  /// A level scan and, if it is to be compared with them, the two scans below it in its sweep: they
+  /// came before it, or are still to come.
+  struct Waiting {
+    scan::Scan level;
+    std::vector<scan::Scan> below = {};
+    bool awaits_below = false;
+
+    void take_below(const scan::Scan& scan);
+  };
+  [[nodiscard]] Waiting begin_waiting(const scan::Scan& level) const;
+  [[nodiscard]] bool is_ready(const Waiting& waiting) const;
+  [[nodiscard]] std::optional<LevelScan> to_level_scan(const Waiting& waiting);
+  /// The points of a level scan; instead of those on slopes the walls behind these, as far as they
+  /// were seen.
+  [[nodiscard]] std::span<const OrientedPoint> without_slopes(
+      std::span<const OrientedPoint> points_base, const SweepScan& level,
+      const std::vector<scan::Scan>& below, const geometry::SE2& T_published_level);
+  /// The scan with the motion of base since the level scan began at `T_published_level`; nothing
+  /// if there is no odometry for it.
+  [[nodiscard]] std::optional<SweepScan> place(const scan::Scan& scan,
+                                               const geometry::SE2& T_published_level) const;
   /// The published pose of base at a time; counts a scan for which there is none.
   [[nodiscard]] std::optional<geometry::SE2> find_odometry(time::Timestamp stamp);
   /// A level scan without points.
@@ -73,8 +102,9 @@ class LevelScanInput {
                                            const geometry::SE2& T_published_base);
 
   LevelScanSelector selector_;
-  std::deque<scan::Scan> waiting_;  // level scans without odometry so far
-  time::Timestamp newest_scan_{};   // the end of the last one, level or not
+  bool leaves_out_slopes_;
+  std::deque<Waiting> waiting_;    // for odometry or for scans below
+  time::Timestamp newest_scan_{};  // the end of the last one, level or not
   bool lacks_odometry_ = false;
   geometry::PoseHistory odometry_;  // as published, since the last restart
   geometry::SE2 T_odom_published_;
@@ -82,6 +112,9 @@ class LevelScanInput {
   double odometry_gap_s_ = 0.0;                    // the longest since the last level scan
   bool odometry_has_restarted_ = false;            // since then
   OrientedPointExtractor extractor_;
+  SlopedPoints sloped_points_;
+  WallsBehind walls_behind_;
+  std::vector<Eigen::Vector2d> positions_;  // with the walls behind slopes
   ScanCounts counts_;
 };
 

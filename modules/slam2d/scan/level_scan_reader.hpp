@@ -37,6 +37,8 @@ class LevelScanReader {
   /// The next level scan; valid until the next call. To be called after each scan until it returns
   /// none: while odometry comes late, level scans wait.
   [[nodiscard]] std::optional<LevelScan> next();
+  /// To be called when no scan comes any more: next() then returns what waited for more of them.
+  void end_scans() { input_.end_scans(); }
   /// To be called at the end: counts the level scans that still wait as rejected.
   void finish();
 

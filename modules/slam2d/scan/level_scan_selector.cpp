@@ -25,13 +25,15 @@ bool LevelScanSelector::is_level(const scan::Scan& scan) const {
 }
 
 const scan::Scan* LevelScanSelector::add(const scan::Scan& scan) {
+  std::swap(older_[1], older_[0]);
+  std::swap(older_[0], previous_);
   std::swap(previous_, current_);
   current_ = scan;
   const bool previous_was_used = std::exchange(current_was_used_, false);
   const double last_pitch = previous_ ? previous_->pitch_mid_rad() : 0.0;
-  const bool is_held =
+  is_held_ =
       has_constant_pitch(scan) && std::abs(scan.pitch_mid_rad() - last_pitch) <= kConstantRad;
-  return select(is_held, previous_was_used);
+  return select(is_held_, previous_was_used);
 }
 
 const scan::Scan* LevelScanSelector::select(bool is_held, bool previous_was_used) {
@@ -50,6 +52,15 @@ const scan::Scan* LevelScanSelector::select(bool is_held, bool previous_was_used
   }
   current_was_used_ = !previous_is_nearer;
   return &nearest;
+}
+
+std::array<const scan::Scan*, 2> LevelScanSelector::before() const {
+  const std::optional<scan::Scan>& last = current_was_used_ ? previous_ : older_[0];
+  const std::optional<scan::Scan>& last_but_one = current_was_used_ ? older_[0] : older_[1];
+  if (is_held_ || !last || !last_but_one) {
+    return {nullptr, nullptr};
+  }
+  return {&*last, &*last_but_one};
 }
 
 }  // namespace nodmap::slam2d

@@ -116,19 +116,19 @@ std::size_t num_keyframes(double pitch_step_deg) {
   Scanner scanner;
   SE2 truth{-1.5, -0.5, 0.0};
   const double step_rad = geometry::deg_to_rad(pitch_step_deg);
-  double pitch_rad = 1.2 * step_rad;
+  const int num_scans = pitch_step_deg > 0.0 ? 5 : 1;  // of each sweep, the level one amid
+  double pitch_rad = 2.7 * step_rad;
   for (int i = 0; i < 9; ++i) {
     const double direction = i % 2 == 0 ? -1.0 : 1.0;
-    const int num_scans = pitch_step_deg > 0.0 ? 2 : 1;  // of each sweep, up to the level one
+    int num_updates = 0;
     for (int k = 0; k < num_scans; ++k) {
-      scan::Scan scan =
-          scanner.scan(test::room(), truth, time::Timestamp(kPeriod * (num_scans * i + k)));
+      scan::Scan scan = scanner.scan(test::room(), truth, time::Timestamp(kPeriod * i + 13ms * k));
       scan.pitch_first_rad = pitch_rad;
       pitch_rad += direction * step_rad;
       scan.pitch_last_rad = pitch_rad;
-      const auto update = track(slam, scan, truth);
-      EXPECT_EQ(update.has_value(), k + 1 == num_scans);
+      num_updates += track(slam, scan, truth) ? 1 : 0;
     }
+    EXPECT_EQ(num_updates, 1);
     pitch_rad += direction * 0.4 * step_rad;  // the sweep goes on to its reversal
     truth = truth * SE2{0.25, 0.0, 0.0};
   }

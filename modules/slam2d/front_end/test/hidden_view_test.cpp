@@ -84,7 +84,7 @@ std::vector<PoseState> nod_behind_somebody(int from, int until) {
   for (int i = 0; i < 12; ++i) {
     const double direction = i % 2 == 0 ? 1.0 : -1.0;
     double pitch_rad = -0.9 * direction * kStepRad;
-    for (int k = 0; k < 2; ++k) {  // of each sweep, up to the level one
+    for (int k = 0; k < 4; ++k) {  // of each sweep, from the level one on
       scan::Scan scan = scanner.scan(i >= from && i < until ? somebody : test::room(), {},
                                      time::Timestamp(500ms * i + 13ms * k));
       scan.pitch_first_rad = pitch_rad;

@@ -139,5 +139,89 @@ TEST_F(LevelScans, OdometryThatIsNotFiniteIsIgnoredWhenItRestartsAsWell) {
   expect_near(scan->T_odom_base, {4.0, -7.0, 2.0});
 }
 
+// A laser that nods by a degree from scan to scan, in 13 ms each, over a robot that does not move.
+class ANod : public LevelScans {
+ protected:
+  ANod() {
+    for (int i = 0; i < 100; ++i) {
+      put_odometry(kScanPeriod * i, {});
+    }
+  }
+  // Adds a scan with this mean pitch; returns the stamp of the level scan that is ready then.
+  std::optional<time::Timestamp> add(double pitch_deg, double nod_deg = -1.0) {
+    scan::Scan scan = scanner_.scan(test::room(), {}, now_);
+    scan.pitch_first_rad = geometry::deg_to_rad(pitch_deg - nod_deg / 2);
+    scan.pitch_last_rad = geometry::deg_to_rad(pitch_deg + nod_deg / 2);
+    now_ += kScanPeriod;
+    input_.add_scan(scan);
+    return next();
+  }
+  std::optional<time::Timestamp> next() {
+    const auto level_scan = input_.next();
+    EXPECT_TRUE(!level_scan || level_scan->points_base.size() == 181U);
+    return level_scan ? std::optional(level_scan->stamp) : std::nullopt;
+  }
+  // Three scans of a sweep that goes down, of which the last is level.
+  time::Timestamp begin_sweep() {
+    const time::Timestamp level = now_ + 2 * kScanPeriod;
+    for (const double pitch_deg : {1.8, 0.8, -0.2}) {
+      EXPECT_FALSE(add(pitch_deg));
+    }
+    return level;
+  }
+
+  static constexpr time::Duration kScanPeriod = 13ms;
+  time::Timestamp now_{};
+};
+
+TEST_F(ANod, InASweepThatGoesDownALevelScanWaitsForTheTwoScansBelowIt) {
+  const time::Timestamp level = begin_sweep();
+  EXPECT_FALSE(add(-1.2));
+  EXPECT_EQ(add(-2.2), level);
+  EXPECT_FALSE(add(-3.2));
+}
+
+TEST_F(ANod, InASweepThatGoesUpALevelScanDoesNotWait) {
+  EXPECT_FALSE(add(-2.2, 1.0));
+  EXPECT_FALSE(add(-1.2, 1.0));
+  EXPECT_FALSE(add(-0.2, 1.0));
+  EXPECT_EQ(add(0.8, 1.0), time::Timestamp(26ms));
+}
+
+TEST_F(ANod, WithTheSlopesLeftInALevelScanDoesNotWait) {
+  input_ = LevelScanInput({.leave_out_slopes = false});
+  put_odometry(0ms, {});
+  EXPECT_FALSE(add(1.8));
+  EXPECT_FALSE(add(0.8));
+  EXPECT_EQ(add(-0.2), time::Timestamp(26ms));
+}
+
+TEST_F(ANod, ALevelScanDoesNotWaitForScansThatAreLost) {
+  const time::Timestamp level = begin_sweep();
+  now_ += 4 * kScanPeriod;
+  EXPECT_EQ(add(-6.2), level);
+}
+
+TEST_F(ANod, AtTheEndALevelScanIsUsedWithoutTheScansBelowIt) {
+  const time::Timestamp level = begin_sweep();
+  input_.end_scans();
+  EXPECT_EQ(next(), level);
+  EXPECT_FALSE(next());
+  EXPECT_EQ(input_.counts().without_odometry, 0);
+}
+
+// The servo is held, or goes back, where the scans below the level one would come.
+TEST_F(ANod, ALevelScanDoesNotWaitForAServoThatStops) {
+  const time::Timestamp level = begin_sweep();
+  EXPECT_FALSE(add(-0.7, 0.0));
+  EXPECT_EQ(add(-0.7, 0.0), level);
+}
+
+TEST_F(ANod, ALevelScanDoesNotWaitForAServoThatGoesBack) {
+  const time::Timestamp level = begin_sweep();
+  EXPECT_FALSE(add(-0.7));
+  EXPECT_EQ(add(-0.1, 1.0), level);
+}
+
 }  // namespace level_scan_input_test
 }  // namespace nodmap::slam2d
