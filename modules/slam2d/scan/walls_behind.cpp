@@ -9,6 +9,8 @@ namespace {
 
 // In this time the robot drives 15 cm and its tilt hardly changes.
 constexpr time::Duration kMaxAge = 300ms;
+// More than a fast scanner sends in this time; stamps may stand still.
+constexpr std::size_t kMaxRecent = 100;
 // Above it the laser sees ceilings and lamps rather than walls.
 constexpr double kMaxPitchRad = geometry::deg_to_rad(20.0);
 constexpr double kMaxHeightM = 1.8;
@@ -22,7 +24,8 @@ constexpr double kVerticalRatio = 0.25;
 
 void WallsBehind::add(const scan::Scan& scan) {
   recent_.push_back(scan);
-  while (scan.stamp - recent_.front().stamp > kMaxAge || recent_.front().stamp > scan.stamp) {
+  while (scan.stamp - recent_.front().stamp > kMaxAge || recent_.front().stamp > scan.stamp ||
+         recent_.size() > kMaxRecent) {
     recent_.pop_front();
   }
 }
