@@ -48,7 +48,6 @@ class SlopedPoints {
 
   scan::ScanProjector projector_;
   std::array<BeamHits, 3> hits_;               // by increasing pitch
-  std::size_t level_ = 0;                      // the index of the level scan in hits_
   std::vector<OrientedPoint> lines_;           // of the level scan, by beam
   std::vector<std::optional<bool>> findings_;  // by beam
   std::vector<bool> are_left_out_;             // by beam
