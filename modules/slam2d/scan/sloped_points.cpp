@@ -95,7 +95,7 @@ bool SlopedPoints::is_agreed(std::size_t beam) const {
 std::span<const OrientedPoint> SlopedPoints::remove(std::span<const OrientedPoint> points_base,
                                                     const SweepScan& level,
                                                     const std::array<SweepScan, 2>& below) {
-  const std::array<const SweepScan*, 3> scans{&below[1], &below[0], &level};
+  const std::array<const SweepScan*, 3> scans{&below.back(), &below.front(), &level};
   const auto pitch_of = [&](std::size_t i) { return scans[i]->scan.pitch_mid_rad(); };
   const std::size_t num_beams = level.scan.ranges_m.size();
   if (pitch_of(1) - pitch_of(0) < kMinStepRad || pitch_of(2) - pitch_of(1) < kMinStepRad ||

@@ -33,15 +33,16 @@ void WallsBehind::add(const scan::Scan& scan) {
 std::vector<const scan::Scan*> WallsBehind::scans_above(const scan::Scan& level) const {
   std::vector<const scan::Scan*> above;
   double pitch_rad = level.pitch_mid_rad();
-  for (auto scan = recent_.rbegin(); scan != recent_.rend(); ++scan) {
-    if (scan->stamp >= level.stamp || scan->ranges_m.size() != level.ranges_m.size()) {
+  for (std::size_t i = recent_.size(); i > 0; --i) {
+    const scan::Scan& scan = recent_[i - 1];
+    if (scan.stamp >= level.stamp || scan.ranges_m.size() != level.ranges_m.size()) {
       continue;
     }
-    if (scan->pitch_mid_rad() <= pitch_rad || scan->pitch_mid_rad() > kMaxPitchRad) {
+    if (scan.pitch_mid_rad() <= pitch_rad || scan.pitch_mid_rad() > kMaxPitchRad) {
       break;  // before the last reversal
     }
-    pitch_rad = scan->pitch_mid_rad();
-    above.push_back(&*scan);
+    pitch_rad = scan.pitch_mid_rad();
+    above.push_back(&scan);
   }
   return above;
 }
