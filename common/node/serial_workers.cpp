@@ -3,6 +3,7 @@
 
 #include <sched.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <fstream>
 #include <string>
@@ -26,6 +27,20 @@ std::string first_line(const fs::path& file) {
   return line;
 }
 
+bool is_ordinary(pid_t pid) {
+  return ::sched_getscheduler(pid) == SCHED_OTHER;
+}
+
+bool make_real_time(pid_t pid) {
+  const sched_param lowest{::sched_get_priority_min(SCHED_FIFO)};
+  return ::sched_setscheduler(pid, SCHED_FIFO, &lowest) == 0;
+}
+
+bool make_ordinary(pid_t pid) {
+  const sched_param ordinary{};
+  return ::sched_setscheduler(pid, SCHED_OTHER, &ordinary) == 0;
+}
+
 }  // namespace
 
 std::vector<pid_t> serial_workers(const fs::path& proc) {
@@ -42,26 +57,24 @@ std::vector<pid_t> serial_workers(const fs::path& proc) {
   return workers;
 }
 
-bool may_raise_serial_workers() {
-  for (const pid_t pid : serial_workers()) {
-    // Sets the priority to its present value, which needs the same privilege.
-    sched_param same{};
-    const int policy = ::sched_getscheduler(pid);
-    if (policy >= 0 && ::sched_getparam(pid, &same) == 0) {
-      return ::sched_setscheduler(pid, policy, &same) == 0;
-    }
+bool may_raise_serial_workers(const fs::path& proc) {
+  // Setting the priority that a worker already has would prove nothing: root may do so without the
+  // right to raise it.
+  const std::vector<pid_t> workers = serial_workers(proc);
+  const auto ordinary = std::ranges::find_if(workers, is_ordinary);
+  if (ordinary == workers.end()) {
+    return !workers.empty();  // somebody has raised them all
   }
-  return false;
+  return make_real_time(*ordinary) && make_ordinary(*ordinary);
 }
 
 bool SerialWorkers::raise() {
-  const sched_param lowest{::sched_get_priority_min(SCHED_FIFO)};
-  const std::vector<pid_t> workers = serial_workers();
+  const std::vector<pid_t> workers = serial_workers(proc_);
   for (const pid_t pid : workers) {
-    if (::sched_getscheduler(pid) != SCHED_OTHER) {
+    if (!is_ordinary(pid)) {
       continue;  // already raised, or ended
     }
-    if (::sched_setscheduler(pid, SCHED_FIFO, &lowest) == 0) {
+    if (make_real_time(pid)) {
       raised_.insert(pid);
     } else if (errno == EPERM) {
       return false;
@@ -74,10 +87,9 @@ void SerialWorkers::restore() {
   if (raised_.empty()) {
     return;
   }
-  const sched_param ordinary{};
-  for (const pid_t pid : serial_workers()) {
+  for (const pid_t pid : serial_workers(proc_)) {
     if (raised_.contains(pid)) {
-      ::sched_setscheduler(pid, SCHED_OTHER, &ordinary);
+      make_ordinary(pid);
     }
   }
   raised_.clear();

@@ -6,6 +6,7 @@
 #include <boost/core/noncopyable.hpp>
 #include <filesystem>
 #include <set>
+#include <utility>
 #include <vector>
 
 namespace nodmap::node {
@@ -15,8 +16,9 @@ namespace nodmap::node {
 /// Empty inside a container, which does not see kernel threads.
 [[nodiscard]] std::vector<pid_t> serial_workers(const std::filesystem::path& proc = "/proc");
 
-/// Whether this process has the right to change their priority (CAP_SYS_NICE). Changes nothing.
-[[nodiscard]] bool may_raise_serial_workers();
+/// Whether this process has the right to raise their priority (CAP_SYS_NICE). Tries it on one of
+/// them that has ordinary priority, and gives that back at once.
+[[nodiscard]] bool may_raise_serial_workers(const std::filesystem::path& proc = "/proc");
 
 /// Gives the kernel's workers priority over all ordinary processes during its lifetime.
 ///
@@ -27,7 +29,7 @@ namespace nodmap::node {
 /// of the kernel (writing files) cannot delay them.
 class SerialWorkers : private boost::noncopyable {
  public:
-  SerialWorkers() = default;
+  explicit SerialWorkers(std::filesystem::path proc = "/proc") : proc_(std::move(proc)) {}
   ~SerialWorkers() { restore(); }
 
   /// Raises the workers that are not raised yet; returns false if that is not permitted.
@@ -41,6 +43,7 @@ class SerialWorkers : private boost::noncopyable {
   void keep_raised(bool wanted);
 
  private:
+  std::filesystem::path proc_;
   std::set<pid_t> raised_;
   bool refused_ = false;
 };
