@@ -15,8 +15,8 @@ namespace nodmap::bench {
 namespace {
 
 constexpr double kVoxelM = 0.1;
-constexpr double kLeastRangeM = 0.48;
-constexpr double kMostRangeM = 30.0;
+constexpr double kMinRangeM = 0.48;
+constexpr double kMaxRangeM = 30.0;
 constexpr std::size_t kNeighbours = 16;
 constexpr double kNeighboursWithinM = 0.6;
 constexpr double kFlat = 0.02;
@@ -57,7 +57,7 @@ std::optional<Eigen::Vector3d> normal_at(const Eigen::Vector3d& p,
 std::vector<Eigen::Vector3d> voxel_means(std::span<const Eigen::Vector3d> points) {
   std::map<std::array<long, 3>, std::pair<Eigen::Vector3d, double>> voxels;  // sum and number
   for (const Eigen::Vector3d& p : points) {
-    if (p.norm() < kLeastRangeM || p.norm() > kMostRangeM) {
+    if (p.norm() < kMinRangeM || p.norm() > kMaxRangeM) {
       continue;
     }
     const auto cell = [](double m) { return std::lround(std::floor(m / kVoxelM)); };

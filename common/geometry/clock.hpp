@@ -37,10 +37,10 @@ inline SteadyTime steady_now() {
 template <class WallClock, class SteadyClock>
 [[nodiscard]] Moment read_together(WallClock wall, SteadyClock steady) {
   constexpr Duration kClose = std::chrono::microseconds(100);
-  constexpr int kMostTries = 3;
+  constexpr int kMaxTries = 3;
   Moment best;
   Duration shortest = Duration::max();
-  for (int i = 0; i < kMostTries && shortest > kClose; ++i) {
+  for (int i = 0; i < kMaxTries && shortest > kClose; ++i) {
     const SteadyTime before = steady();
     const Timestamp stamp = wall();
     const Duration taken = steady() - before;

@@ -11,8 +11,8 @@ namespace nodmap::node {
 namespace {
 
 // Before this time the remaining time cannot be estimated.
-constexpr double kLeastElapsedS = 1.0;
-constexpr double kLeastShare = 0.02;
+constexpr double kMinElapsedS = 1.0;
+constexpr double kMinShare = 0.02;
 
 }  // namespace
 
@@ -24,7 +24,7 @@ std::string progress_line(const std::string& what, double share, double elapsed_
   const int length = std::snprintf(line.data(), line.size(), "%s [%-40s] %3d %%", what.c_str(),
                                    bar.c_str(), static_cast<int>(100.0 * done));
   line.resize(static_cast<std::size_t>(length));
-  if (elapsed_s < kLeastElapsedS || done < kLeastShare) {
+  if (elapsed_s < kMinElapsedS || done < kMinShare) {
     return line;
   }
   const auto left_s = static_cast<int>(std::ceil(elapsed_s * (1.0 - done) / done));

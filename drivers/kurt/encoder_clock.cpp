@@ -22,7 +22,7 @@ constexpr time::Duration kGap = kBaseTimeout;
 // Stamps should not lag more than this behind the measurements, because DRIVE carries them and is
 // obeyed for 200 ms only. At a greater delay the window ends as soon as it has so many frames.
 constexpr time::Duration kMaxLag = 100ms;
-constexpr int kFewestFrames = 10;
+constexpr int kMinFrames = 10;
 
 }  // namespace
 
@@ -49,7 +49,7 @@ EncoderClock::Reading EncoderClock::begin(time::SteadyTime arrival) {
 int EncoderClock::lost_in_window(time::SteadyTime arrival) {
   const time::Duration late = arrival - measured_;
   least_late_ = std::min(least_late_, late);
-  if (++in_window_ < (late > kMaxLag ? kFewestFrames : kWindowFrames)) {
+  if (++in_window_ < (late > kMaxLag ? kMinFrames : kWindowFrames)) {
     return 0;
   }
   int lost = 0;

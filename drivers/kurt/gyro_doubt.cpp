@@ -17,7 +17,7 @@ using geometry::deg_to_rad;
 // simulator, one sigma) and for the time of the angle, which is known to 10 ms: 1.1 degrees at 2
 // rad/s.
 constexpr double kSummedS = 1.0;
-constexpr double kMostRotation = 1.5;
+constexpr double kMaxRotation = 1.5;
 constexpr double kMarginRad = deg_to_rad(3.0);
 constexpr double kMarginRadPerM = deg_to_rad(10.0);
 // How far a gyro that has disagreed must rotate with the wheels until it is trusted again.
@@ -25,7 +25,7 @@ constexpr double kAgreedRad = deg_to_rad(20.0);
 
 bool are_plausible(const GyroDoubt::Rotations& rotations) {
   const double margin_rad = kMarginRad + kMarginRadPerM * rotations.path_m;
-  const double most_rad = kMostRotation * rotations.wheels_rad;
+  const double most_rad = kMaxRotation * rotations.wheels_rad;
   return rotations.gyro_rad >= std::min(0.0, most_rad) - margin_rad &&
          rotations.gyro_rad <= std::max(0.0, most_rad) + margin_rad;
 }

@@ -25,7 +25,7 @@ constexpr double kStillM = 0.04e-3;
 // The body rocks on its tyres for a while after the wheels have stopped.
 constexpr int kSettlePeriods = 30;
 // Shorter paths say nothing about slip.
-constexpr double kLeastPathM = 0.002;
+constexpr double kMinPathM = 0.002;
 // An angle that is exactly the last one is that of a dead gyro if the wheels rotate by this much.
 constexpr double kRotatesRad = deg_to_rad(0.1);
 
@@ -161,7 +161,7 @@ void GyroHeading::correct(double gyro_rad, double bias_rad_s, const Interval& in
   to_release_rad_ += rotation_rad - interval.predicted_rad;
   release_periods_ = kReleasePeriods;
   slip_rad_per_m_ =
-      interval.path_m < kLeastPathM ? 0.0 : (rotation_rad - interval.wheels_rad) / interval.path_m;
+      interval.path_m < kMinPathM ? 0.0 : (rotation_rad - interval.wheels_rad) / interval.path_m;
 }
 
 void GyroHeading::measure_bias(double gyro_rad, double dt_s) {

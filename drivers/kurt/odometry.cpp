@@ -21,7 +21,7 @@ constexpr double kFastestChangeMps = 0.3;
 constexpr double kFastestChangeRatio = 0.2;
 // It grows no further than for a stop at once from any speed (1.3 m/s a period from 5.2 m/s), and
 // for 1.5 m/s after the start: a wrong speed that is believed would be bridged for ten periods.
-constexpr int kMostPeriods = 5;
+constexpr int kMaxPeriods = 5;
 // During a lost period the robot is assumed to move as before, with a standard deviation of half
 // of that motion.
 constexpr double kBridgeSigmaRatio = 0.5;
@@ -45,7 +45,7 @@ bool Odometry::is_plausible(const EncoderTicks& ticks) const {
       kFastestWheelMps * kEncoderPeriodS) {
     return false;
   }
-  return can_follow(believed_, ticks, std::min(periods_since_believed_, kMostPeriods)) ||
+  return can_follow(believed_, ticks, std::min(periods_since_believed_, kMaxPeriods)) ||
          (periods_since_believed_ > kRemembered && can_follow(received_, ticks, 1));
 }
 
@@ -101,7 +101,7 @@ void Odometry::bridge_gap(double gap_s) {
   state_.yaw_rate_rad_s = 0.0;
   last_motion_ = {};
   believed_ = {};  // the base has stopped the motors
-  periods_since_believed_ = kMostPeriods;
+  periods_since_believed_ = kMaxPeriods;
   gyro_.interrupt();
 }
 

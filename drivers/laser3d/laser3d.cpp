@@ -22,7 +22,7 @@ constexpr time::Duration kShortestBlind = 1s;
 constexpr time::Duration kLongestBlind = 15s;
 constexpr double kNodReserve = 1.1;
 // Fewer readings may be dust or the laser's own noise.
-constexpr int kFewestReadings = 10;
+constexpr int kMinReadings = 10;
 
 std::unique_ptr<ServoSession> make_servo(const Laser3dParams& params) {
   if (params.servo.kind == ServoKind::kMaestro) {
@@ -164,7 +164,7 @@ bool Laser3d::sees_something(const SickScan& scan) const {
     return range_m >= params_.laser.range_min_m && range_m <= params_.laser.range_max_m;
   };
   const auto readings = std::ranges::count_if(scan.ranges_m, counts);
-  return readings >= kFewestReadings;
+  return readings >= kMinReadings;
 }
 
 bool Laser3d::is_blind(time::SteadyTime now) const {

@@ -13,7 +13,7 @@ constexpr time::Duration kMaxGap = 60ms;
 // How long a revolution waits for a pitch sample later than its last beam.
 constexpr time::Duration kPitchPatience = 30ms;
 // More than the revolutions that wait for this long at 75 Hz, with room for bursts.
-constexpr std::size_t kMostWaiting = 16;
+constexpr std::size_t kMaxWaiting = 16;
 
 }  // namespace
 
@@ -28,7 +28,7 @@ void ScanJoiner::add(const PitchSample& sample) {
 }
 
 void ScanJoiner::add(MirrorRevolution revolution) {
-  if (waiting_.size() == kMostWaiting) {
+  if (waiting_.size() == kMaxWaiting) {
     waiting_.pop_front();
     ++dropped_;
   }

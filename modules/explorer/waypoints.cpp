@@ -15,7 +15,7 @@ constexpr double kSameWaypointM = 0.5;
 // there and stops.
 constexpr double kReachedM = 0.2;
 // Added to the tolerance: a waypoint is at least this far away, even around a corner.
-constexpr double kLeastAheadM = 0.5;
+constexpr double kMinAheadM = 0.5;
 // Cells within this distance of the robot must not be occupied, but may be near to what is.
 constexpr double kAroundRobotM = 0.4;
 
@@ -73,7 +73,7 @@ Goal Waypoints::next(const PlanningGrid& grid, const std::vector<Eigen::Vector2d
   const Eigen::Vector2d& last = path_map.back();
   if (!waypoint_map_ || !is_ahead(path_map, *waypoint_map_, p_map)) {
     const auto far = std::ranges::find_if(path_map, [&](const Eigen::Vector2d& p) {
-      return (p - p_map).norm() >= tolerance_m_ + kLeastAheadM;
+      return (p - p_map).norm() >= tolerance_m_ + kMinAheadM;
     });
     // Later points may be near again, behind a wall.
     const auto after =

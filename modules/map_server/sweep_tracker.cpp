@@ -12,7 +12,7 @@ namespace {
 // The smallest step between scans (paper, II).
 constexpr double kSmallestStepRad = geometry::deg_to_rad(0.25);
 // A reversal is at least this, the resolution of the servo with some jitter.
-constexpr double kLeastReversalRad = geometry::deg_to_rad(0.2);
+constexpr double kMinReversalRad = geometry::deg_to_rad(0.2);
 // The farthest of some scans and the present one differ by five standard deviations of a scan's
 // pitch less than once in a thousand sweeps.
 constexpr double kReversalSigmas = 5.0;
@@ -26,7 +26,7 @@ int scans_at_reversal(double reversed_rad) {
 }  // namespace
 
 SweepTracker::SweepTracker(double pitch_sigma_rad)
-    : reversed_rad_(std::max(kLeastReversalRad, kReversalSigmas * pitch_sigma_rad)),
+    : reversed_rad_(std::max(kMinReversalRad, kReversalSigmas * pitch_sigma_rad)),
       most_still_scans_(scans_at_reversal(reversed_rad_)) {}
 
 void SweepTracker::add(double pitch_first_rad, double pitch_last_rad) {

@@ -110,7 +110,7 @@ std::optional<Decision> Navigator::stop_at_contact(const Situation& now) {
 // in map, and earlier ones have their new place in odom. What was touched is probably wider than
 // the body, so the plan prefers to pass it at some distance.
 void Navigator::remember_contacts(const Situation& now) {
-  constexpr std::size_t kMostContacts = 50;
+  constexpr std::size_t kMaxContacts = 50;
   if (fresh_contacts_odom_.empty()) {
     return;
   }
@@ -126,7 +126,7 @@ void Navigator::remember_contacts(const Situation& now) {
       goal_drive_.avoid(T_map_contact * Eigen::Vector2d(x, y));
     }
   }
-  while (contacts_map_.size() > kMostContacts) {
+  while (contacts_map_.size() > kMaxContacts) {
     contacts_map_.pop_front();
   }
 }
@@ -153,7 +153,7 @@ Decision Navigator::behave(const Situation& now) {
   if (auto reason = surroundings_.reason_to_wait(now.stamp)) {
     return wait(now, std::move(*reason));
   }
-  if (now.max_forward_mps < kLeastSpeedMps) {
+  if (now.max_forward_mps < kMinSpeedMps) {
     return wait(now, Why::kNoSpeed);
   }
   if (const auto leaves = leave_contact_.step(now)) {

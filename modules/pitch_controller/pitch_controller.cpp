@@ -32,7 +32,7 @@ constexpr double kHoldS = 1.0;
 
 // What appears nearer than the required distance of this speed, 0.9 m, may be touched by a robot
 // that starts: it may get there before the laser has passed again.
-constexpr double kLeastProtectedMps = 0.5;
+constexpr double kMinProtectedMps = 0.5;
 
 bool is_same(const SweepPlan& a, const SweepPlan& b) {
   return std::abs(a.sweep_s - b.sweep_s) < kSameTime * b.sweep_s &&
@@ -163,7 +163,7 @@ void PitchController::plan_for_way(const WayAhead& way) {
 
 void PitchController::add_unseen_place(time::Timestamp now) {
   const double forward_mps = present_mps();
-  const double protected_mps = std::max(forward_mps, kLeastProtectedMps);
+  const double protected_mps = std::max(forward_mps, kMinProtectedMps);
   // With the plan of the last decision, by which the head has turned since.
   const NodMotion nod = follow_.motion(plan_, meter_.present());
   unseen_.advance(since_decision_s(now, 0.0) * forward_mps, std::exchange(turned_rad_, 0.0));
@@ -178,8 +178,8 @@ void PitchController::count(const MeasuredSweep& sweep) {
   }
   const double scans = std::round(sweep.duration_s / params_.detection.scan_period_s);
   ++counts_.complete;
-  counts_.too_short += scans < kFewestScans ? 1 : 0;
-  counts_.too_long += scans > kMostScans ? 1 : 0;
+  counts_.too_short += scans < kMinScans ? 1 : 0;
+  counts_.too_long += scans > kMaxScans ? 1 : 0;
 }
 
 void PitchController::regulate(const MeasuredSweep& sweep) {

@@ -9,7 +9,7 @@ namespace {
 // Allows for the lag of the wheels behind the command.
 constexpr double kHeadroomMps = 0.2;
 // Left before an obstacle for which the robot stops with all of its brakes' force.
-constexpr double kLeastLeftM = 0.05;
+constexpr double kMinLeftM = 0.05;
 // Halvings of the interval in which the bound lies: to 0.3 mm/s.
 constexpr int kHalvings = 14;
 
@@ -30,7 +30,7 @@ double speed_bound(const ComingSweeps& sweeps, const UnseenPlaces& unseen,
     const double was_there_m =
         unseen.nearest_hit_m(sweeps.nod, revisit_s(corridor, sweeps.nod, protected_m, v), v);
     const double emergency_m =
-        kLeastLeftM +
+        kMinLeftM +
         robot::stopping_distance(v, detection.processing_s, braking.emergency_deceleration_mps2);
     const double met_m =
         corridor.met_from_m(d_min_m + sweeps.short_of_m, detection.visible_obstacle_m);

@@ -17,7 +17,7 @@ constexpr double kReserve = 1.4;
 // The least reserve, where the robot cannot use what is farther away. With it the lines still reach
 // the protected distance, and a still smaller one makes the sweeps no shorter: two lines must hit
 // the obstacle at d_min.
-constexpr double kLeastReserve = 1.2;
+constexpr double kMinReserve = 1.2;
 
 // How much lower the sweep of a fast robot ends than the corridor needs. The navigator stops before
 // floor on which scan lines were more than 15 cm apart. What is just nearer than the lower end of
@@ -26,10 +26,10 @@ constexpr double kLeastReserve = 1.2;
 // nothing more.
 constexpr double kDipFromMps = 1.2;
 constexpr double kDipRadPerMps = geometry::deg_to_rad(10.0);
-constexpr double kMostDipRad = geometry::deg_to_rad(3.0);
+constexpr double kMaxDipRad = geometry::deg_to_rad(3.0);
 
 double floor_dip_rad(double forward_mps) {
-  return std::clamp(kDipRadPerMps * (forward_mps - kDipFromMps), 0.0, kMostDipRad);
+  return std::clamp(kDipRadPerMps * (forward_mps - kDipFromMps), 0.0, kMaxDipRad);
 }
 
 // The finest step of the scanner (paper, II).
@@ -86,9 +86,9 @@ SweepPlan SweepPlanner::plan_from(double appears_m, double forward_mps, double l
   plan.fastest_s = head.sweep_s(range_rad, best_rad_s);
   plan.slowest_s = std::max(
       plan.fastest_s,
-      std::min(head.sweep_s(range_rad, kFinestSpacingRad / period_s), kMostScans * period_s));
-  plan.sweep_s = std::clamp(head.sweep_s(range_rad, rate_rad_s), kFewestScans * period_s,
-                            kMostScans * period_s);
+      std::min(head.sweep_s(range_rad, kFinestSpacingRad / period_s), kMaxScans * period_s));
+  plan.sweep_s =
+      std::clamp(head.sweep_s(range_rad, rate_rad_s), kMinScans * period_s, kMaxScans * period_s);
   plan.nod = {plan.sweep, head.rate_rad_s(range_rad, plan.sweep_s), 0.0};
   plan.nod.reversal_s = plan.nod.rate_rad_s / head.pitch_acceleration_rad_s2;
   return plan;
@@ -101,7 +101,7 @@ double SweepPlanner::floor_from_rad(const WayAhead& way) const {
 }
 
 double SweepPlanner::planned_spacing_rad(double d_min_m, double appears_m, double used_m) const {
-  const double until_m = std::clamp(used_m, kLeastReserve * appears_m, kReserve * appears_m);
+  const double until_m = std::clamp(used_m, kMinReserve * appears_m, kReserve * appears_m);
   const double resolved_rad =
       std::min(line_spacing_rad(detection_.visible_obstacle_m, kLinesOnObstacle,
                                 corridor_.from_axis_m(d_min_m), corridor_.axis_height_m),

@@ -9,8 +9,8 @@
 namespace nodmap::pitch_controller {
 
 /// Fewest and most scans in a sweep (paper, IV B).
-inline constexpr double kFewestScans = 15.0;
-inline constexpr double kMostScans = 500.0;
+inline constexpr double kMinScans = 15.0;
+inline constexpr double kMaxScans = 500.0;
 
 /// The planned sweep for a speed.
 struct SweepPlan {

@@ -8,7 +8,7 @@ namespace nodmap::pitch_controller {
 namespace {
 
 // Of ten seconds: only a head that has stopped nodding leaves that many.
-constexpr std::size_t kMostPlaces = 500;
+constexpr std::size_t kMaxPlaces = 500;
 
 }  // namespace
 
@@ -20,7 +20,7 @@ void UnseenPlaces::advance(double moved_m, double turned_rad) {
 }
 
 void UnseenPlaces::add(double protected_m) {
-  if (places_.size() == kMostPlaces) {
+  if (places_.size() == kMaxPlaces) {
     const Place oldest = places_.front();
     places_.erase(places_.begin());
     Place& next = places_.front();

@@ -36,7 +36,7 @@ constexpr time::Duration kResetTime = 200ms;
 
 constexpr double kTopSpeedMps = 5.2;
 constexpr int kFullPwm = 1023;
-constexpr std::int64_t kMostTicks = std::numeric_limits<std::int16_t>::max();  // in a frame
+constexpr std::int64_t kMaxTicks = std::numeric_limits<std::int16_t>::max();  // in a frame
 
 // The infrared range finders (Sharp GP2D12): beams without width or noise. Beyond their range they
 // read kInfraredFar. How high they are mounted is not documented.
@@ -186,7 +186,7 @@ std::int64_t KurtBase::ticks(double distance_m) const {
 // Whole ticks since the last frame; fractions are carried over.
 CanFrame KurtBase::encoder_frame() {
   const auto delta = [](std::int64_t total, std::int64_t& reported) {
-    const std::int64_t ticks = std::clamp(total - reported, -kMostTicks, kMostTicks);
+    const std::int64_t ticks = std::clamp(total - reported, -kMaxTicks, kMaxTicks);
     reported += ticks;
     return ticks;
   };

@@ -21,7 +21,7 @@ constexpr double kNarrowPassageM = 0.5;
 // Free radius around a goal, in which the robot can rotate.
 constexpr double kGoalFreeM = 0.4;
 // Greatest number of tries to find a place; if there is one, a few hundred suffice.
-constexpr int kMostTries = 100'000;
+constexpr int kMaxTries = 100'000;
 constexpr double kLegRadiusM = 0.015;
 // Just higher than the robot can drive over (BodyParams::climb_height_m).
 constexpr double kMinHeightM = 0.031;
@@ -101,7 +101,7 @@ World Maker::make() {
 World Maker::make_with_goal() {
   constexpr double kFarM = 6.0;
   World world = make();
-  for (int i = 0; i < kMostTries; ++i) {
+  for (int i = 0; i < kMaxTries; ++i) {
     const Eigen::Vector2d start = free_place(kGoalFreeM);
     const Eigen::Vector2d goal = free_place(kGoalFreeM);
     if ((start - goal).norm() >= kFarM) {
@@ -120,7 +120,7 @@ World Maker::make_with_dock() {
   // 12 cm ahead of the body, so that its corners pass when it rotates.
   constexpr double kToStationM = 0.35;
   World world = make_with_goal();
-  for (int i = 0; i < kMostTries; ++i) {
+  for (int i = 0; i < kMaxTries; ++i) {
     const Eigen::Vector2d goal = free_place(kGoalFreeM);
     const double heading_rad = between(-geometry::kPi, geometry::kPi);
     const Eigen::Vector2d ahead(std::cos(heading_rad), std::sin(heading_rad));
@@ -149,7 +149,7 @@ bool Maker::is_free(const Eigen::Vector2d& p, double free_m) const {
 // A random free place. All free space is connected by passages between the bounding circles.
 Eigen::Vector2d Maker::free_place(double free_m) {
   const double reach_m = kHalfRoomM - free_m;
-  for (int i = 0; i < kMostTries; ++i) {
+  for (int i = 0; i < kMaxTries; ++i) {
     Eigen::Vector2d p(between(-reach_m, reach_m), between(-reach_m, reach_m));
     if (is_free(p, free_m)) {
       return p;

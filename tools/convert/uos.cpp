@@ -18,10 +18,10 @@ using geometry::deg_to_rad;
 // the file has a resolution of 0.01.
 constexpr double kSamePlaneRad = deg_to_rad(0.2);
 // Beams closer to the pitch axis than this determine the pitch too poorly.
-constexpr double kLeastSineForPitch = 0.05;
+constexpr double kMinSineForPitch = 0.05;
 // Points closer together than this are one beam; the finest step of a SICK is a quarter of a
 // degree.
-constexpr double kLeastStepRad = deg_to_rad(0.1);
+constexpr double kMinStepRad = deg_to_rad(0.1);
 
 // A point as the scanner measured it.
 struct Beam {
@@ -35,7 +35,7 @@ Beam to_beam(const Eigen::Vector3d& p_m) {
   Beam beam;
   beam.range_m = p_m.norm();
   beam.angle_rad = std::atan2(p_m.y(), across_m);
-  if (across_m > kLeastSineForPitch * beam.range_m) {
+  if (across_m > kMinSineForPitch * beam.range_m) {
     beam.pitch_rad = std::atan2(p_m.z(), p_m.x());
   }
   return beam;
@@ -52,7 +52,7 @@ double median_step_rad(std::span<const Beam> beams) {
   std::vector<double> steps;
   for (std::size_t i = 1; i < beams.size(); ++i) {
     const double step_rad = beams[i].angle_rad - beams[i - 1].angle_rad;
-    if (std::abs(step_rad) > kLeastStepRad) {
+    if (std::abs(step_rad) > kMinStepRad) {
       steps.push_back(step_rad);
     }
   }

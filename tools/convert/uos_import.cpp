@@ -25,7 +25,7 @@ namespace {
 constexpr time::Duration kDrivePeriod = 10ms;
 constexpr double kDriveSpeedMps = 0.5;
 constexpr double kDriveTurnRateRadS = 0.5;
-constexpr double kLeastDriveS = 2.0;
+constexpr double kMinDriveS = 2.0;
 // Greatest distance between two scans; more is an error, because the drive between them is written
 // step by step.
 constexpr double kFarthestDriveM = 1000.0;
@@ -134,7 +134,7 @@ class StopAndGo {
       throw formats::UserError("two scans are " + std::to_string(distance_m) +
                                " m apart: poses must be in centimetres");
     }
-    const double duration_s = std::max({kLeastDriveS, distance_m / kDriveSpeedMps,
+    const double duration_s = std::max({kMinDriveS, distance_m / kDriveSpeedMps,
                                         geometry::rotation_angle(T_from_to) / kDriveTurnRateRadS});
     const auto num_steps =
         static_cast<std::int64_t>(std::ceil(duration_s / time::seconds(kDrivePeriod)));

@@ -109,9 +109,8 @@ void print_corridor(const Arguments& arguments) {
 
 void print_trajectory(const Arguments& arguments) {
   const auto [estimate, truth, pairs] = read_trajectories(arguments);
-  const auto errors =
-      evaluate::measure_trajectory(pairs, arguments.align ? evaluate::Alignment::kLeastSquares
-                                                          : evaluate::Alignment::kFirstPose);
+  const auto errors = evaluate::measure_trajectory(
+      pairs, arguments.align ? evaluate::Alignment::kMinSquares : evaluate::Alignment::kFirstPose);
   nlohmann::ordered_json result = {{"n", errors.n},
                                    {"without_truth", estimate.size() - errors.n},
                                    {"longest_gap_s", evaluate::longest_gap_s(estimate, truth)},

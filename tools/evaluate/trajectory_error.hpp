@@ -31,8 +31,8 @@ struct PosePair {
                                    const formats::Trajectory& truth);
 
 enum class Alignment : std::uint8_t {
-  kFirstPose,     ///< the first pair agrees, as for a robot that starts at a known pose
-  kLeastSquares,  ///< all positions agree in the least-squares sense (Umeyama 1991, no scale)
+  kFirstPose,   ///< the first pair agrees, as for a robot that starts at a known pose
+  kMinSquares,  ///< all positions agree in the least-squares sense (Umeyama 1991, no scale)
 };
 
 struct TrajectoryErrors {

@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kLongestWait(100);
 // On patrol the robot stays this long where it already is when it is sent there.
-constexpr time::Duration kLeastStay = 1s;
+constexpr time::Duration kMinStay = 1s;
 constexpr double kToleranceM = 0.2;
 constexpr double kDockingToleranceM = 0.02;
 
@@ -74,7 +74,7 @@ class Guide {
       if (m.behaviour == navigation_t::HALT) {
         route_.take_halt(obeyed_);
       }
-      if (!arguments_.is_patrol || obeyed_ - decided_ >= kLeastStay) {
+      if (!arguments_.is_patrol || obeyed_ - decided_ >= kMinStay) {
         tell(route_.take_arrival(m.behaviour == navigation_t::ARRIVED));
       }
     });

@@ -16,7 +16,7 @@ namespace {
 constexpr double kCellM = 0.05;
 constexpr double kOffWallsM = 0.1;
 // Limit for open worlds, which are infinite.
-constexpr std::size_t kMostCells = 1'000'000;
+constexpr std::size_t kMaxCells = 1'000'000;
 constexpr std::int8_t kOccupiedPercent = 25;
 
 // The floor of a world that can be seen from its start: cells of 5 cm, connected with the start, at
@@ -30,7 +30,7 @@ std::vector<Eigen::Vector2d> seeable_floor_map(const sim::World& world,
   std::set<std::pair<int, int>> visited{{0, 0}};
   std::vector<std::pair<int, int>> front{{0, 0}};
   std::vector<Eigen::Vector2d> floor;
-  while (!front.empty() && visited.size() < kMostCells) {
+  while (!front.empty() && visited.size() < kMaxCells) {
     const auto [column, row] = front.back();
     front.pop_back();
     const Eigen::Vector2d p_map = kCellM * Eigen::Vector2d(column + 0.5, row + 0.5);

@@ -23,7 +23,7 @@ constexpr time::Duration kSettle = 250ms;
 
 // The sensor's memory wears out. If the configuration still differs after this many writes, it
 // never will agree: some firmware keeps a value of its own.
-constexpr int kMostConfigWrites = 2;
+constexpr int kMaxConfigWrites = 2;
 
 // A scan with fewer readings than this may equal the last one by chance.
 constexpr int kReadingsThatVary = 10;
@@ -228,7 +228,7 @@ SickOutput SickSession::after_config(const SickTelegram& telegram, time::SteadyT
         writes_since_wanted_ = 0;
         return enter(Step::kSetVariant, now);
       }
-      if (writes_since_wanted_ >= kMostConfigWrites) {
+      if (writes_since_wanted_ >= kMaxConfigWrites) {
         return fail("the sensor does not keep the configuration", now);
       }
       return enter(Step::kInstall, now);

@@ -107,7 +107,7 @@ class Detours : public ::testing::TestWithParam<int> {};
 // Oracle: computes the length of the whole tour with and without each part, and leaves out the
 // worst part in every step.
 TEST_P(Detours, TheWorstPartIsLeftOutUntilEachPartIsWorthItsWay) {
-  constexpr double kLeastPerM = 1.5;
+  constexpr double kMinPerM = 1.5;
   constexpr double kAlways = 12.0;
   const TourProblem problem = random_problem(8, 0.0, static_cast<std::uint64_t>(GetParam()));
   const std::vector<std::size_t> all = shortest_tour(problem).order;
@@ -118,8 +118,8 @@ TEST_P(Detours, TheWorstPartIsLeftOutUntilEachPartIsWorthItsWay) {
     for (std::size_t first = 0; first < expected.size(); ++first) {
       for (std::size_t end = first + 1; end <= expected.size(); ++end) {
         const auto [weight, saved_m] = part_of(problem, expected, first, end);
-        if (weight < kAlways && weight - kLeastPerM * saved_m < least_surplus) {
-          least_surplus = weight - kLeastPerM * saved_m;
+        if (weight < kAlways && weight - kMinPerM * saved_m < least_surplus) {
+          least_surplus = weight - kMinPerM * saved_m;
           worst = {first, end};
         }
       }
@@ -131,7 +131,7 @@ TEST_P(Detours, TheWorstPartIsLeftOutUntilEachPartIsWorthItsWay) {
                    expected.begin() + static_cast<std::ptrdiff_t>(worst.second));
   }
   std::vector<std::size_t> order = all;
-  leave_out_detours(problem, kLeastPerM, kAlways, order);
+  leave_out_detours(problem, kMinPerM, kAlways, order);
   EXPECT_EQ(order, expected);
   order = all;
   leave_out_detours(problem, 0.0, kAlways, order);

@@ -8,11 +8,11 @@ namespace nodmap::navigator {
 namespace {
 
 // A shorter rotation back to the heading of the trail does not help.
-constexpr double kLeastRotationRad = geometry::deg_to_rad(2.0);
+constexpr double kMinRotationRad = geometry::deg_to_rad(2.0);
 // Margin beside and behind the body over its own trail.
 constexpr double kMarginM = 0.02;
 // With less than this beyond the margin the robot would not move.
-constexpr double kLeastDistanceM = 0.01;
+constexpr double kMinDistanceM = 0.01;
 // If the robot cannot rotate to the heading of its trail at all, as between people's feet, it
 // backs up straight, unless its heading is off by more than this. Over the 8 cm to the next pose
 // of the trail this leads 6 cm aside: as much as the clearance that it kept there.
@@ -42,7 +42,7 @@ std::optional<Twist> BackUp::step(const Situation& now, const Brake& brake) {
   const auto path = trail_.path_back(now.T_odom_base);
   const Side side = path ? side_of(path->rotation_rad) : Side::kLeft;
   const double free_rad = free_rotation(now.points_base, side, body_, turn_margin_m_);
-  const bool can_rotate = free_rad >= kLeastRotationRad;
+  const bool can_rotate = free_rad >= kMinRotationRad;
   const double backed_up_m = geometry::distance_m(*began_at_, now.T_odom_base);
   if (!path || (!can_rotate && std::abs(path->rotation_rad) > kObliqueRad) ||
       backed_up_m >= params_.distance_m) {
@@ -56,7 +56,7 @@ std::optional<Twist> BackUp::step(const Situation& now, const Brake& brake) {
   trail_.forget_ahead(now.T_odom_base);
   const double distance_m =
       free_distance_backwards(now.points_base, path->curvature, body_, kMarginM) - kMarginM;
-  if (distance_m < kLeastDistanceM) {
+  if (distance_m < kMinDistanceM) {
     end();
     return std::nullopt;
   }

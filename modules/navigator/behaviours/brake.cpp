@@ -106,7 +106,7 @@ double Brake::speed_on_seen_floor(double curvature, double max_mps, const Situat
 
 double Brake::speed_on_present_arc(const Situation& now) const {
   const double forward_mps = now.forward_mps;
-  if (forward_mps < kLeastSpeedMps) {
+  if (forward_mps < kMinSpeedMps) {
     return std::numeric_limits<double>::infinity();
   }
   // A robot that has rotated and begins to drive is on a tight arc, on which 15 cm are 50 degrees.
@@ -124,7 +124,7 @@ double Brake::speed_on_present_arc(const Situation& now) const {
 Decision Brake::slow_down(Reason reason, const Situation& now) const {
   Decision decision = stationary(std::move(reason));
   const double forward_mps = now.forward_mps;
-  if (std::min(forward_mps, now.max_forward_mps) < kLeastSpeedMps) {
+  if (std::min(forward_mps, now.max_forward_mps) < kMinSpeedMps) {
     return decision;
   }
   const double slower_mps = forward_mps - braking_.deceleration_mps2 * kFollowsS;

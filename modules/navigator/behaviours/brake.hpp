@@ -10,7 +10,7 @@
 namespace nodmap::navigator {
 
 /// Slower than this the robot does not start to drive; it turns instead.
-inline constexpr double kLeastSpeedMps = 0.06;
+inline constexpr double kMinSpeedMps = 0.06;
 
 /// An arc (curvature in 1/m, positive left): how far it is free, and how fast it may be driven.
 struct Arc {

@@ -96,7 +96,7 @@ std::optional<Arc> Steering::arc_towards(double direction_rad, const Situation& 
   const double curvature = 2.0 * std::sin(direction_rad) / chord_m;
   for (const double factor : {1.0, 0.5, 0.0}) {
     const Arc arc = brake_.measure_arc(factor * curvature, now);
-    if (arc.speed_mps >= kLeastSpeedMps) {
+    if (arc.speed_mps >= kMinSpeedMps) {
       return arc;
     }
   }

@@ -13,8 +13,8 @@ namespace {
 
 // How much more odometry must count than the robot has moved: so far that a range error is no slip,
 // and by more than wheels slip without any contact, on a smooth floor or in a bend.
-constexpr double kLeastSlipM = 0.12;
-constexpr double kLeastSlipShare = 0.25;
+constexpr double kMinSlipM = 0.12;
+constexpr double kMinSlipShare = 0.25;
 constexpr double kFarthestViewM = 1.2;
 constexpr time::Duration kLongestView = 3s;
 // Scans nearer to each other are not both kept.
@@ -23,8 +23,8 @@ constexpr double kViewSpacingM = 0.02;
 constexpr double kPairSpacingM = 0.04;
 constexpr int kMaxPairs = 6;
 // Difference of their pitch. Farther apart they show different parts of the furniture.
-constexpr double kLeastPitchRad = geometry::deg_to_rad(1.0);
-constexpr double kMostPitchRad = geometry::deg_to_rad(25.0);
+constexpr double kMinPitchRad = geometry::deg_to_rad(1.0);
+constexpr double kMaxPitchRad = geometry::deg_to_rad(25.0);
 
 // Where upright surfaces are looked for: above what may be floor, below what may be a ceiling, and
 // not on the robot itself.
@@ -44,11 +44,11 @@ constexpr double kTurnsRad = geometry::deg_to_rad(0.5);
 
 // A robot that moves as odometry says has dozens of votes for it and one or two against it. A
 // single pair of scans, or a single scan, may err; several that agree hardly.
-constexpr int kLeastVotes = 30;
+constexpr int kMinVotes = 30;
 constexpr int kTimesMore = 4;
 constexpr int kVotesForMotion = 5;
-constexpr int kLeastPairs = 3;
-constexpr int kLeastScans = 4;
+constexpr int kMinPairs = 3;
+constexpr int kMinScans = 4;
 
 bool fits(double error_m) {
   return std::abs(error_m) <= kFitsM;
@@ -72,9 +72,9 @@ std::optional<geometry::SE2> ScanSlip::update(const scan::Scan& scan,
     views_.pop_front();
   }
   scans_with_slip_ = shows_slip(now) ? scans_with_slip_ + 1 : 0;
-  if (scans_with_slip_ >= kLeastScans) {
+  if (scans_with_slip_ >= kMinScans) {
     const auto before = std::ranges::find_if(views_.rbegin(), views_.rend(), [&](const View& view) {
-      return geometry::distance_m(view.T_odom_base, T_odom_base) >= kLeastSlipM;
+      return geometry::distance_m(view.T_odom_base, T_odom_base) >= kMinSlipM;
     });
     const geometry::SE2 T_odom_before = before->T_odom_base;
     reset();
@@ -117,9 +117,9 @@ bool ScanSlip::shows_slip(const View& now) const {
   for (auto before = views_.end(); before != views_.begin() && pairs < kMaxPairs;) {
     --before;
     const double turned_rad = std::abs(before->pitch_rad - now.pitch_rad);
-    if (geometry::distance_m(before->T_odom_base, now.T_odom_base) < kLeastSlipM ||
+    if (geometry::distance_m(before->T_odom_base, now.T_odom_base) < kMinSlipM ||
         geometry::distance_m(before->T_odom_base, last->T_odom_base) < kPairSpacingM ||
-        turned_rad < kLeastPitchRad || turned_rad > kMostPitchRad) {
+        turned_rad < kMinPitchRad || turned_rad > kMaxPitchRad) {
       continue;
     }
     const Evidence evidence = compare(before, now);
@@ -130,7 +130,7 @@ bool ScanSlip::shows_slip(const View& now) const {
     with_slip += evidence == Evidence::kSlipped ? 1 : 0;
     last = &*before;
   }
-  return with_slip >= kLeastPairs;
+  return with_slip >= kMinPairs;
 }
 
 // How far a place is behind what the earlier scan shows in its direction; empty if that shows
@@ -170,7 +170,7 @@ ScanSlip::Explanation ScanSlip::explain_by_slip(const Views::const_iterator& bef
                                                 const View& now, const Points& points) const {
   const geometry::SE2 T_before_odom = before->T_odom_base.inverse();
   const double least_slip_m = std::max(
-      kLeastSlipM, kLeastSlipShare * geometry::distance_m(before->T_odom_base, now.T_odom_base));
+      kMinSlipM, kMinSlipShare * geometry::distance_m(before->T_odom_base, now.T_odom_base));
   Explanation best;
   auto tried = views_.end();
   for (auto stopped = before; stopped != views_.end(); ++stopped) {
@@ -210,11 +210,11 @@ ScanSlip::Evidence ScanSlip::compare(const Views::const_iterator& before, const 
     }
   }
   Explanation slip;
-  if (misfitting.size() >= static_cast<std::size_t>(kLeastVotes)) {
+  if (misfitting.size() >= static_cast<std::size_t>(kMinVotes)) {
     slip = explain_by_slip(before, now, misfitting);
   }
   const int for_motion = count(*before, slip.T_before_now, fitting, misfits);
-  if (slip.votes >= kLeastVotes && slip.votes >= kTimesMore * for_motion) {
+  if (slip.votes >= kMinVotes && slip.votes >= kTimesMore * for_motion) {
     return Evidence::kSlipped;
   }
   return for_motion >= kVotesForMotion && for_motion > slip.votes ? Evidence::kMoved

@@ -6,10 +6,10 @@ namespace {
 
 constexpr time::Duration kWindow = 1s;
 // With fewer poses there is no other interval to compare with.
-constexpr std::size_t kLeastPoses = 3;
-constexpr double kLeastDistanceM = 0.12;
+constexpr std::size_t kMinPoses = 3;
+constexpr double kMinDistanceM = 0.12;
 // Without any one interval the wheels must still count this much.
-constexpr double kLeastRestM = 0.06;
+constexpr double kMinRestM = 0.06;
 // The wheels slip if, by 2D SLAM, the robot has moved less than this fraction of what they count.
 constexpr double kMovedFraction = 0.33;
 
@@ -22,7 +22,7 @@ std::optional<geometry::SE2> SlipMonitor::update(time::Timestamp stamp,
     poses_.clear();
   }
   poses_.push_back({stamp, T_odom_base, T_map_base.translation()});
-  while (poses_.size() > kLeastPoses && stamp - poses_.front().stamp > kWindow) {
+  while (poses_.size() > kMinPoses && stamp - poses_.front().stamp > kWindow) {
     poses_.pop_front();
   }
   if (!is_slip()) {
@@ -42,12 +42,12 @@ bool SlipMonitor::is_slip() const {
   const auto p_odom = [this](std::size_t i) { return poses_[i].T_odom_base.translation(); };
   const Eigen::Vector2d by_wheels = p_odom(poses_.size() - 1) - p_odom(0);
   const Eigen::Vector2d by_slam = poses_.back().p_map - poses_.front().p_map;
-  if (!shows_slip(by_wheels, by_slam, kLeastDistanceM)) {
+  if (!shows_slip(by_wheels, by_slam, kMinDistanceM)) {
     return false;
   }
   for (std::size_t i = 1; i < poses_.size(); ++i) {
     if (!shows_slip(by_wheels - (p_odom(i) - p_odom(i - 1)),
-                    by_slam - (poses_[i].p_map - poses_[i - 1].p_map), kLeastRestM)) {
+                    by_slam - (poses_[i].p_map - poses_[i - 1].p_map), kMinRestM)) {
       return false;
     }
   }

@@ -17,7 +17,7 @@ constexpr double kFarthestM = 3.0;
 constexpr double kHalfWidthM = 0.35;
 // A patch has at least this many points. They lie along a line: not on a face, nor on both sides
 // of an edge.
-constexpr int kLeastPoints = 4;
+constexpr int kMinPoints = 4;
 constexpr double kLongestPatchM = 0.25;
 constexpr double kHighestPatchM = 0.04;
 // A patch farther than this from the ground is not part of it; the error of the tilt is added. The
@@ -25,30 +25,30 @@ constexpr double kHighestPatchM = 0.04;
 constexpr double kPatchToleranceM = 0.012;
 // About ten sweeps: each sweep sees two lines of a flat ramp 2 m ahead.
 constexpr int kOldestScans = 600;
-constexpr std::size_t kMostPatches = 256;
+constexpr std::size_t kMaxPatches = 256;
 // A change of the tilt from one scan to the next that is only rounding.
 constexpr double kSteadyRad = 1e-6;
 // A surface extends far enough ahead, twice as far as a plank, without gaps, was measured in scans
 // of several pitches, and is as wide as the body.
-constexpr double kLeastLengthM = 0.4;
+constexpr double kMinLengthM = 0.4;
 constexpr double kWidestGapM = 0.25;
-constexpr std::size_t kLeastPatches = 12;
-constexpr std::size_t kLeastScans = 6;
-constexpr std::size_t kLeastColumns = 3;
+constexpr std::size_t kMinPatches = 12;
+constexpr std::size_t kMinScans = 6;
+constexpr std::size_t kMinColumns = 3;
 // A surface is flat: a step of 3 cm in the middle of 0.4 m is 0.75 cm off even the best plane.
 constexpr double kFirstResidualM = 0.02;
 constexpr double kResidualM = 0.015;
 constexpr double kRmsM = 0.007;
-constexpr double kLeastShare = 0.8;
+constexpr double kMinShare = 0.8;
 // The kink lies no farther than this before the first patch. A ramp of 5 degrees is 3 cm high 0.35
 // m behind its kink, and the next line on it may be 0.25 m farther. A plank 6 cm high would have
 // to slope by 6 degrees.
 constexpr double kFarthestKinkM = 0.6;
 // The slope of the flattest ramp, less the error of a measured slope.
-const double kLeastKink = std::tan(geometry::deg_to_rad(4.0));
+const double kMinKink = std::tan(geometry::deg_to_rad(4.0));
 // A surface reaches at least this far above or below the ground before it. Sills and planks, which
 // may look flat together with the floor around them, do not.
-constexpr double kLeastRiseM = 0.07;
+constexpr double kMinRiseM = 0.07;
 
 }  // namespace
 
@@ -85,10 +85,10 @@ void FacetFinder::end_scan(TrackedGround& ground, const geometry::SE2& T_odom_ba
     has_new |= add_patch(columns[i], i, ground, T_odom_base);
   }
   while (!patches_.empty() &&
-         (patches_.size() > kMostPatches || patches_.front().scan < scan_ - kOldestScans)) {
+         (patches_.size() > kMaxPatches || patches_.front().scan < scan_ - kOldestScans)) {
     patches_.pop_front();
   }
-  if (has_new && patches_.size() >= kLeastPatches &&
+  if (has_new && patches_.size() >= kMinPatches &&
       (find(true, ground, T_odom_base) || find(false, ground, T_odom_base))) {
     patches_.clear();  // they were compared with the ground as known before
   }
@@ -98,7 +98,7 @@ void FacetFinder::end_scan(TrackedGround& ground, const geometry::SE2& T_odom_ba
 bool FacetFinder::add_patch(const Column& column, std::size_t number, TrackedGround& ground,
                             const geometry::SE2& T_odom_base) {
   const Eigen::Vector3d size = column.max_odom - column.min_odom;
-  if (column.num_points < kLeastPoints || size.z() > kHighestPatchM ||
+  if (column.num_points < kMinPoints || size.z() > kHighestPatchM ||
       size.head<2>().norm() > kLongestPatchM) {
     return false;
   }
@@ -152,7 +152,7 @@ bool FacetFinder::find(bool is_above, TrackedGround& ground, const geometry::SE2
 std::optional<FacetFinder::Surface> FacetFinder::surface_from(std::span<const Patch> patches) {
   Surface surface;
   for (const Patch& patch : patches) {
-    if (patch.ahead_m > patches.front().ahead_m + kLeastLengthM) {
+    if (patch.ahead_m > patches.front().ahead_m + kMinLengthM) {
       break;
     }
     surface.fit.add(patch.p_odom);
@@ -194,7 +194,7 @@ FacetFinder::Surface FacetFinder::surface_on(const Plane& plane, double residual
 
 // Whether a surface is long and wide enough for a facet, and was measured in enough scans.
 bool FacetFinder::is_large(const Surface& surface) {
-  if (surface.patches.size() < kLeastPatches) {
+  if (surface.patches.size() < kMinPatches) {
     return false;
   }
   std::set<int> scans;
@@ -204,15 +204,14 @@ bool FacetFinder::is_large(const Surface& surface) {
     columns.insert(patch.column);
   }
   const double length_m = surface.patches.back().ahead_m - surface.patches.front().ahead_m;
-  return length_m >= kLeastLengthM && columns.size() >= kLeastColumns &&
-         scans.size() >= kLeastScans;
+  return length_m >= kMinLengthM && columns.size() >= kMinColumns && scans.size() >= kMinScans;
 }
 
 // Whether a surface has no steps: its patches lie on its plane, and few others are among them.
 bool FacetFinder::is_flat(const Surface& surface) {
   const auto num_patches = static_cast<double>(surface.patches.size());
   return surface.sum_square_m2 <= kRmsM * kRmsM * num_patches &&
-         num_patches >= kLeastShare * static_cast<double>(surface.num_within);
+         num_patches >= kMinShare * static_cast<double>(surface.num_within);
 }
 
 // The facet that a surface meets in a kink before it; empty if there is none, or the surface is
@@ -242,7 +241,7 @@ std::optional<std::size_t> FacetFinder::facet_before(const Surface& surface, boo
       const double kink = (plane.slope - ground.plane(before).slope).norm();
       const Eigen::Vector2d farthest = surface.patches.back().p_odom.head<2>();
       const double rise_m = plane.at(farthest) - ground.plane(before).at(farthest);
-      const bool is_ramp = kink > kLeastKink && std::abs(rise_m) > kLeastRiseM;
+      const bool is_ramp = kink > kMinKink && std::abs(rise_m) > kMinRiseM;
       return s > 0.0 && ground.is_known(p) && is_ramp ? std::optional(before) : std::nullopt;
     }
   }

@@ -194,7 +194,7 @@ void TrackedGround::refine(std::size_t facet, const Eigen::Vector3d& p_odom) {
 }
 
 std::size_t TrackedGround::add_facet(const PlaneFit& fit, std::size_t before, bool rises) {
-  if (facets_.size() == kMostFacets) {
+  if (facets_.size() == kMaxFacets) {
     const std::size_t dropped = drop_facet_other_than(before);
     before -= before > dropped ? 1 : 0;
   }

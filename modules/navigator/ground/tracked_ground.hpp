@@ -78,8 +78,8 @@ class TrackedGround {
 
  private:
   using Mask = std::uint16_t;
-  static constexpr std::size_t kMostFacets = 16;
-  static constexpr std::size_t kNone = kMostFacets;  ///< in no mask
+  static constexpr std::size_t kMaxFacets = 16;
+  static constexpr std::size_t kNone = kMaxFacets;  ///< in no mask
   struct Facet {
     Plane plane;
     PlaneFit fit;

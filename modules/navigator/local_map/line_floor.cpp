@@ -10,7 +10,7 @@ namespace {
 constexpr std::size_t kBeamsBeside = 25;
 // The quartile of fewer heights is too noisy. Of 12 it is 2 mm off, if ranges have a noise of 1
 // cm.
-constexpr std::size_t kLeastBeams = 12;
+constexpr std::size_t kMinBeams = 12;
 
 }  // namespace
 
@@ -31,7 +31,7 @@ std::optional<double> LineFloor::level_around(std::size_t beam) const {
       heights_m.push_back(*heights_m_[i]);
     }
   }
-  if (heights_m.size() < kLeastBeams) {
+  if (heights_m.size() < kMinBeams) {
     return std::nullopt;
   }
   const auto quartile = heights_m.begin() + static_cast<std::ptrdiff_t>(heights_m.size() / 4);

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kCellM = 0.1;
 constexpr double kLayerM = 0.1;
-constexpr std::uint8_t kMostFree = 12;
+constexpr std::uint8_t kMaxFree = 12;
 // A layer is free after this many scans with a pass. At 3 m a sweep has about one line in each
 // layer.
 constexpr std::uint8_t kEnough = 2;
@@ -68,7 +68,7 @@ void EverFree::pass(const Eigen::Vector2d& from_odom, double from_height_m,
       continue;
     }
     std::uint8_t& free = column.free[static_cast<std::size_t>(layer)];
-    free = std::min<std::uint8_t>(kMostFree, static_cast<std::uint8_t>(free + 1));
+    free = std::min<std::uint8_t>(kMaxFree, static_cast<std::uint8_t>(free + 1));
     column.changed = column.passed = scan_;
     column.passed_at_m = static_cast<float>(travelled_m_);
   }

@@ -9,7 +9,7 @@ namespace {
 
 // Largest allowance for the error of a predicted place. The error grows beyond this, but by then
 // the robot will have seen the person again.
-constexpr double kMostErrorM = 0.3;
+constexpr double kMaxErrorM = 0.3;
 
 }  // namespace
 
@@ -21,8 +21,8 @@ double distance_to_body(const Eigen::Vector2d& p_base, const robot::Footprint& b
 
 bool is_touched(const robot::Footprint& body, const geometry::SE2& pose_base, const Person& person,
                 double time_s, double margin_m) {
-  const double error_m = std::min(
-      kMostErrorM, std::hypot(person.position_sigma_m, person.velocity_sigma_mps * time_s));
+  const double error_m =
+      std::min(kMaxErrorM, std::hypot(person.position_sigma_m, person.velocity_sigma_mps * time_s));
   const double reach_m = person.radius_m + margin_m + error_m;
   const Eigen::Vector2d p_base = person.position_after(time_s);
   return (p_base - pose_base.translation()).norm() < reach_m + body.turning_radius_m() &&

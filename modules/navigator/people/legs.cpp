@@ -13,7 +13,7 @@ constexpr double kLegsApartM = 0.5;
 constexpr double kBodyRadiusM = 0.25;
 // A single leg needs this many beams, and so does one of a pair: mixed pixels at an edge are one or
 // two.
-constexpr std::size_t kFewestBeamsOfLeg = 3;
+constexpr std::size_t kMinBeamsOfLeg = 3;
 
 struct Pair {
   std::size_t first;
@@ -28,7 +28,7 @@ std::optional<Pair> nearest_legs(const std::vector<Detection>& detections) {
     for (std::size_t j = i + 1; j < detections.size(); ++j) {
       const double apart_m = (detections[i].p_odom - detections[j].p_odom).norm();
       const bool is_certain =
-          std::max(detections[i].num_beams, detections[j].num_beams) >= kFewestBeamsOfLeg;
+          std::max(detections[i].num_beams, detections[j].num_beams) >= kMinBeamsOfLeg;
       if (is_certain && detections[i].num_legs == 1 && detections[j].num_legs == 1 &&
           apart_m < least_m) {
         least_m = apart_m;
@@ -59,7 +59,7 @@ std::vector<Detection> join_legs(std::vector<Detection> detections) {
     detections.erase(detections.begin() + static_cast<std::ptrdiff_t>(legs->second));
   }
   std::erase_if(detections,
-                [](const Detection& detection) { return detection.num_beams < kFewestBeamsOfLeg; });
+                [](const Detection& detection) { return detection.num_beams < kMinBeamsOfLeg; });
   return detections;
 }
 

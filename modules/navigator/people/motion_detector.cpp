@@ -26,14 +26,14 @@ constexpr double kFloorHitM = 0.05;
 // Neighbouring beams that end farther apart than this have hit different things.
 constexpr double kGapM = 0.25;
 // A detection needs this many beams: mixed pixels at an edge are one or two.
-constexpr std::size_t kFewestBeams = 3;
+constexpr std::size_t kMinBeams = 3;
 // A group that ends within this many beams of the edge of the view may be cut off, and its centre
 // would be wrong.
 constexpr std::size_t kEdgeBeams = 2;
-constexpr double kLeastFree = 0.6;
+constexpr double kMinFree = 0.6;
 constexpr double kWidestM = 1.4;
-constexpr double kLeastRadiusM = 0.15;
-constexpr double kMostRadiusM = 0.7;
+constexpr double kMinRadiusM = 0.15;
+constexpr double kMaxRadiusM = 0.7;
 // A leg is no wider than this; the legs of a person have a gap between them, in direction or in
 // range.
 constexpr double kLegM = 0.2;
@@ -161,22 +161,22 @@ void MotionDetector::detect(Hits::const_iterator first, Hits::const_iterator end
                             bool laser_is_held, std::vector<Detection>& detections) const {
   const auto num = static_cast<std::size_t>(end - first);
   const double apart_m = ((end - 1)->p_odom - first->p_odom).norm();
-  if (num < (laser_is_held ? kFewestBeams : kBeamsOnLeg) || apart_m > kWidestM) {
+  if (num < (laser_is_held ? kMinBeams : kBeamsOnLeg) || apart_m > kWidestM) {
     return;
   }
   const auto num_free = std::count_if(first, end, [&](const Hit& hit) {
     return space_.is_free(hit.p_odom, hit.height_m, laser_is_held);
   });
   const double free_ratio = static_cast<double>(num_free) / static_cast<double>(num);
-  if (free_ratio < kLeastFree && !laser_is_held) {
+  if (free_ratio < kMinFree && !laser_is_held) {
     return;
   }
   const std::span<const Hit> group = whole_group(*first, *(end - 1));
   if (group.front().beam < kEdgeBeams || group.back().beam + kEdgeBeams >= num_beams_) {
     return;
   }
-  if (free_ratio < kLeastFree && (!is_before(scan, group.front().beam, group.front().beam - 1) ||
-                                  !is_before(scan, group.back().beam, group.back().beam + 1))) {
+  if (free_ratio < kMinFree && (!is_before(scan, group.front().beam, group.front().beam - 1) ||
+                                !is_before(scan, group.back().beam, group.back().beam + 1))) {
     return;
   }
   const auto add = [&](std::span<const Hit> part, bool is_leg) {
@@ -208,7 +208,7 @@ Detection MotionDetector::detection_of(std::span<const Hit> group, bool is_leg,
   const double width_m = (group.back().p_odom - group.front().p_odom).norm();
   const auto [lowest, highest] = std::ranges::minmax(group, {}, &Hit::height_m);
   Detection detection;
-  detection.radius_m = std::clamp(0.5 * width_m + kHalfBeamM, kLeastRadiusM, kMostRadiusM);
+  detection.radius_m = std::clamp(0.5 * width_m + kHalfBeamM, kMinRadiusM, kMaxRadiusM);
   // Equally spaced beams on the front of a disc have their mean pi/4 of the radius before its
   // centre.
   const Eigen::Vector2d away = (mean - sensor_odom).normalized();

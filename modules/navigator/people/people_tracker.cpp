@@ -25,7 +25,7 @@ constexpr double kTurnsBeforeM = 0.6;
 constexpr time::Duration kDouble = 200ms;
 // This near to the laser a person may be below or beside its beams.
 constexpr double kBlindRangeM = 0.5;
-constexpr int kMostContradictions = 4;
+constexpr int kMaxContradictions = 4;
 
 // Whether the laser sees this place at some pitch.
 bool is_in_view(const Eigen::Vector2d& p_base, const scan::Scan& scan) {
@@ -146,7 +146,7 @@ void PeopleTracker::drop_lost(time::Timestamp stamp) {
   std::erase_if(tracks_, [&](const Track& track) {
     return std::chrono::abs(stamp - track.missed_since()) > kLost ||
            std::chrono::abs(stamp - track.seen_at()) > (track.moves() ? kUnseen : kLost) ||
-           track.num_contradictions() > kMostContradictions;
+           track.num_contradictions() > kMaxContradictions;
   });
 }
 

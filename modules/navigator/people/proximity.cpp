@@ -16,10 +16,10 @@ constexpr double kFarthestReadingM = 2.0;
 // drift of odometry.
 constexpr double kSameM = 0.2;
 // A reading this near to a track is the tracked person; the track's own error adds to it, at most
-// kMostTrackErrorM. Something that moves less than kStandsM in kStands is stationary: at 0.1 m/s
+// kMaxTrackErrorM. Something that moves less than kStandsM in kStands is stationary: at 0.1 m/s
 // it would move more.
 constexpr double kSameTrackM = 0.15;
-constexpr double kMostTrackErrorM = 0.3;
+constexpr double kMaxTrackErrorM = 0.3;
 constexpr double kStandsM = 0.05;
 constexpr time::Duration kStands = 600ms;
 constexpr time::Duration kHold = 500ms;
@@ -56,7 +56,7 @@ bool is_free(const Eigen::Vector2d& p_odom, const LocalMap& map) {
 // Whether a reading is on a tracked person, within the track's error.
 bool is_tracked(const Eigen::Vector2d& p_odom, const People& people_odom) {
   return std::ranges::any_of(people_odom, [&](const Person& person) {
-    const double error_m = std::min(kMostTrackErrorM, 2.0 * person.position_sigma_m);
+    const double error_m = std::min(kMaxTrackErrorM, 2.0 * person.position_sigma_m);
     return (p_odom - person.position).norm() < person.radius_m + kSameTrackM + error_m;
   });
 }

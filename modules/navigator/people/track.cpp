@@ -12,14 +12,14 @@ namespace {
 // A detection farther away than this is not of the track.
 constexpr double kFarthestDetectionM = 1.0;
 // A track moves if it was seen this often, for this long (more than one sweep), at this speed.
-constexpr int kFewestSightings = 4;
+constexpr int kMinSightings = 4;
 // A new track counts after this many scans, about half of a sweep's on a person.
-constexpr int kFewestOfNew = 3;
+constexpr int kMinOfNew = 3;
 // It counts for this long, as does one that has stopped. What has not moved for longer is an
 // obstacle of the local map by then, for which the robot must not wait for ever.
 constexpr time::Duration kNewFor = 2s;
 constexpr time::Duration kShortest = 150ms;
-constexpr double kLeastHeightM = 0.1;
+constexpr double kMinHeightM = 0.1;
 // Least fraction of a detection in ever-free space: most of it, or, with a held laser, which
 // measures it in each scan, as much as noise does not explain.
 constexpr double kPartlyFree = 0.25;
@@ -33,7 +33,7 @@ constexpr double kSigmas = 2.0;
 constexpr double kStandsMps = 0.15;
 // Largest position error out of view. With a larger one the robot would not move at all. What is
 // known is the line along which the person walks, and roughly when.
-constexpr double kMostUnseenSigmaM = 0.5;
+constexpr double kMaxUnseenSigmaM = 0.5;
 // A track is in sight if it was seen in one of the last two sweeps.
 constexpr time::Duration kInSight = 800ms;
 
@@ -100,7 +100,7 @@ void Track::update(const Detection& detection) {
   ++num_sightings_;
   const double speed_mps = state_.tail<2>().norm();
   const double sigma_mps = worse_sigma(covariance_.bottomRightCorner<2, 2>());
-  const bool is_known = has_come_ && num_sightings_ >= kFewestSightings && has_legs() &&
+  const bool is_known = has_come_ && num_sightings_ >= kMinSightings && has_legs() &&
                         seen_at_ - first_seen_ >= kShortest;
   moves_ = moves_ ? speed_mps > kStandsMps
                   : is_known && speed_mps > std::max(kWalksMps, kSigmas * sigma_mps);
@@ -111,11 +111,11 @@ void Track::update(const Detection& detection) {
 // A board or a seat is measured at one height. It, too, may appear in ever-free space, if lines
 // have passed under and over it before, and seems to move with the line on it.
 bool Track::has_legs() const {
-  return laser_is_held_ || highest_m_ - lowest_m_ > kLeastHeightM;
+  return laser_is_held_ || highest_m_ - lowest_m_ > kMinHeightM;
 }
 
 bool Track::is_new() const {
-  return !moves_ && has_come_ && num_sightings_ >= kFewestOfNew && has_legs() &&
+  return !moves_ && has_come_ && num_sightings_ >= kMinOfNew && has_legs() &&
          stamp_ - seen_at_ < kInSight && stamp_ - stationary_since_ < kNewFor;
 }
 
@@ -132,7 +132,7 @@ Person Track::person() const {
   return {state_.head<2>(),
           state_.tail<2>(),
           radius_m_,
-          hidden_at_ > seen_at_ ? std::min(kMostUnseenSigmaM, sigma_m) : sigma_m,
+          hidden_at_ > seen_at_ ? std::min(kMaxUnseenSigmaM, sigma_m) : sigma_m,
           worse_sigma(covariance_.bottomRightCorner<2, 2>()),
           stamp_ - seen_at_ < kInSight,
           id_};

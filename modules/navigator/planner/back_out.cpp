@@ -31,7 +31,7 @@ constexpr double kAheadM = 0.3;
 constexpr std::array kCurvatures{0.0, 0.3, -0.3, 0.7, -0.7, 1.5, -1.5};
 // A tighter arc must gain this much, metres for each 1/m.
 constexpr double kPriceOfBend = 0.03;
-constexpr double kLeastBackingMps = 0.01;
+constexpr double kMinBackingMps = 0.01;
 
 }  // namespace
 
@@ -57,7 +57,7 @@ std::optional<Decision> BackOut::step(const Situation& now) {
     return std::nullopt;
   }
   is_active_ = is_active_ || counts_as_stuck(now);
-  if (!is_active_ || now.forward_mps > kLeastSpeedMps) {
+  if (!is_active_ || now.forward_mps > kMinSpeedMps) {
     return std::nullopt;
   }
   const double curvature = curvature_with_most_room(points_base);
@@ -65,7 +65,7 @@ std::optional<Decision> BackOut::step(const Situation& now) {
   const double distance_m = std::min(std::min(free_m, RearView::kReachM) - kBehindMarginM,
                                      rear->permitted_m(now.T_odom_base));
   const double speed_mps = std::min(speed_mps_, brake_.stoppable_mps(distance_m));
-  if (speed_mps < kLeastBackingMps) {
+  if (speed_mps < kMinBackingMps) {
     return std::nullopt;
   }
   has_begun_ = true;

@@ -19,14 +19,14 @@ constexpr double kSteepestRad = deg_to_rad(30.0);
 constexpr double kMaxCurvature = 2.5;  // 1/m: the body's rear hardly swings aside
 // Speed for each metre that is left, and the least speed: five steps of the base's speed command.
 constexpr double kSpeedPerMetre = 0.8;
-constexpr double kLeastMps = 0.05;
+constexpr double kMinMps = 0.05;
 // It still rolls this far at the least speed: half a reaction time after the command to stop.
 constexpr double kRollsM = 0.003;
 // It stops rotating when the heading error is below this fraction of the tolerance.
 constexpr double kSquareRatio = 0.4;
 constexpr double kYawRatePerRad = 1.2;
-constexpr double kLeastYawRate = deg_to_rad(3.0);
-constexpr double kMostYawRate = deg_to_rad(25.0);
+constexpr double kMinYawRate = deg_to_rad(3.0);
+constexpr double kMaxYawRate = deg_to_rad(25.0);
 constexpr double kBackOffMps = 0.1;
 // A phase after the staging place takes less than this, unless somebody is in the way.
 constexpr double kPatienceS = 25.0;
@@ -162,7 +162,7 @@ DockingStep Docking::step(const GoalInBase& goal) const {
     case Phase::kSquare:
       step.kind = Kind::kMove;
       step.yaw_rate_rad_s = -std::copysign(
-          std::clamp(kYawRatePerRad * std::abs(T.yaw), kLeastYawRate, kMostYawRate), T.yaw);
+          std::clamp(kYawRatePerRad * std::abs(T.yaw), kMinYawRate, kMaxYawRate), T.yaw);
       step.reason = Why::kDockTurns;
       return step;
     case Phase::kFollowLine:
@@ -195,7 +195,7 @@ DockingStep Docking::follow_line(const geometry::SE2& T_goal_base) const {
                                       -kMaxCurvature, kMaxCurvature);
   DockingStep step;
   step.kind = DockingStep::Kind::kMove;
-  step.forward_mps = std::clamp(kSpeedPerMetre * -T_goal_base.x, kLeastMps, params_.speed_mps);
+  step.forward_mps = std::clamp(kSpeedPerMetre * -T_goal_base.x, kMinMps, params_.speed_mps);
   step.yaw_rate_rad_s = curvature * step.forward_mps;
   step.reason = Why::kDocks;
   return step;

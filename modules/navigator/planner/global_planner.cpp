@@ -21,7 +21,7 @@ constexpr GroundPlan::Portion kPortionBeyond{.prepared = 200'000, .searched = 40
 constexpr double kReplanBeyondS = 5.0;
 // So many places where the robot could not go on are remembered: with each it has made no progress
 // for some seconds.
-constexpr std::size_t kMostFailures = 50;
+constexpr std::size_t kMaxFailures = 50;
 // A plan older than this is not used any more, because the ground may have changed.
 constexpr double kRecentS = 2.0;
 // A plan onward is dropped when the robot is farther than this from where it was made. From one
@@ -34,7 +34,7 @@ GlobalPlanner::GlobalPlanner(const robot::Footprint& body, const PlannerParams& 
     : params_(params), plan_(body, params), beyond_plan_(body, params) {}
 
 void GlobalPlanner::add_failure(const Eigen::Vector2d& p_map) {
-  if (failures_map_.size() == kMostFailures) {
+  if (failures_map_.size() == kMaxFailures) {
     failures_map_.pop_front();
   }
   failures_map_.push_back(p_map);

@@ -25,7 +25,7 @@ constexpr int kWindowCells = 1024;
 // The greatest edge of a cell in the window of all ground, in cells of the grid: so coarse a cell
 // is still half as wide as the robot.
 constexpr int kCoarsest = 4;
-constexpr double kMostCells = 1'100'000;
+constexpr double kMaxCells = 1'100'000;
 
 PlanWindow window_of(const Eigen::Vector2i& low, const Eigen::Vector2i& high) {
   const Eigen::Vector2i size = high - low + Eigen::Vector2i::Ones();
@@ -200,7 +200,7 @@ std::optional<PlanWindow> KnownGround::window_of_all(const Eigen::Vector2d& p_ma
   const Extent known = all.within({grid_.first() + border, last - border});
   const Eigen::Array2d size = (known.high - known.low).cast<double>();
   int cells = 1;
-  while (cells < kCoarsest && size.prod() > kMostCells * cells * cells) {
+  while (cells < kCoarsest && size.prod() > kMaxCells * cells * cells) {
     cells *= 2;
   }
   const auto floor_of = [cells](int index) { return index - (index % cells + cells) % cells; };

@@ -19,14 +19,14 @@ constexpr double kFarthestAsideRad = 1.2;
 // The direction that is shown for an arc is that of its place at this length.
 constexpr double kShownM = 0.5;
 // The number of forward rollouts, the best ones, that are offered to Brake.
-constexpr std::size_t kMostOffered = 40;
+constexpr std::size_t kMaxOffered = 40;
 // Margin behind the robot, where it knows only what it remembers.
 constexpr double kBackwardMarginM = 0.03;
 // Seen floor is looked for this far behind the body: more than any stop from driving backwards
 // takes.
 constexpr double kBackwardSeenM = 0.3;
 constexpr double kRotationMarginM = 0.02;
-constexpr double kLeastRotationRad = geometry::deg_to_rad(2.0);
+constexpr double kMinRotationRad = geometry::deg_to_rad(2.0);
 
 // Direction of an arc's place at a length, in base: that of the chord.
 double direction_rad(double curvature, double length_m) {
@@ -57,8 +57,8 @@ std::optional<Decision> LocalPlanner::drive_best(const Situation& now, const Cos
 Why LocalPlanner::reason_to_stay(std::span<const Rollout> rollouts, const Situation& now) const {
   const auto waits_for_laser = [&](const Rollout& rollout) {
     return rollout.forward_mps > 0.0 &&
-           speed_where_looked(rollout.yaw_rate_rad_s / rollout.forward_mps, kLeastSpeedMps, now) <
-               kLeastSpeedMps;
+           speed_where_looked(rollout.yaw_rate_rad_s / rollout.forward_mps, kMinSpeedMps, now) <
+               kMinSpeedMps;
   };
   if (std::ranges::any_of(rollouts, waits_for_laser)) {
     return Why::kFirstLook;
@@ -82,7 +82,7 @@ std::optional<Decision> LocalPlanner::drive_best_of(std::span<const Rollout> rol
       break;
     }
     // Rotations and driving backwards are cheap to check.
-    if (rollout.forward_mps > 0.0 && ++num_offered > kMostOffered) {
+    if (rollout.forward_mps > 0.0 && ++num_offered > kMaxOffered) {
       continue;
     }
     const auto driven = drive({rollout.forward_mps, rollout.yaw_rate_rad_s}, now);
@@ -129,13 +129,13 @@ std::optional<Decision> LocalPlanner::drive_forwards(const Twist& motion,
   const double curvature = motion.yaw_rate_rad_s / motion.forward_mps;
   const double limit_mps =
       std::min(brake_.speed_limit(curvature, now.max_forward_mps), motion.forward_mps);
-  const double seen_mps = speed_where_looked(curvature, std::max(limit_mps, kLeastSpeedMps), now);
-  if (seen_mps < kLeastSpeedMps) {
+  const double seen_mps = speed_where_looked(curvature, std::max(limit_mps, kMinSpeedMps), now);
+  if (seen_mps < kMinSpeedMps) {
     return std::nullopt;
   }
   Arc arc = brake_.measure_arc(curvature, now);
   arc.speed_mps = std::min(arc.speed_mps, seen_mps);
-  if (arc.speed_mps < kLeastSpeedMps) {
+  if (arc.speed_mps < kMinSpeedMps) {
     return std::nullopt;
   }
   Decision decision = brake_.drive(arc, direction_rad(curvature, kShownM), limit_mps, now);
@@ -176,7 +176,7 @@ std::optional<Decision> LocalPlanner::drive_backwards(const Twist& motion,
                                           now.T_odom_base, curvature, kBackwardSeenM));
   }
   const double speed_mps = std::min(-motion.forward_mps, brake_.stoppable_mps(distance_m));
-  if (speed_mps < 0.5 * kLeastSpeedMps || now.forward_mps > kLeastSpeedMps) {
+  if (speed_mps < 0.5 * kMinSpeedMps || now.forward_mps > kMinSpeedMps) {
     return std::nullopt;
   }
   return backing(speed_mps, curvature, Why::kBacksUp);
@@ -185,13 +185,13 @@ std::optional<Decision> LocalPlanner::drive_backwards(const Twist& motion,
 std::optional<Decision> LocalPlanner::rotate(double yaw_rate_rad_s, const Situation& now) const {
   const Side side = side_of(yaw_rate_rad_s);
   const double free_rad = free_rotation(now.points_base, side, body_, kRotationMarginM);
-  if (free_rad < kLeastRotationRad) {
+  if (free_rad < kMinRotationRad) {
     return std::nullopt;
   }
   // While the body moves on, free_rotation() is true of a place that it leaves.
   Decision decision = brake_.slow_down(Why::kTurnsToPath, now);
   decision.behaviour = Behaviour::kTurn;
-  if (now.forward_mps < kLeastSpeedMps) {
+  if (now.forward_mps < kMinSpeedMps) {
     decision.yaw_rate_rad_s =
         sign(side) * std::min(std::abs(yaw_rate_rad_s), brake_.stoppable_rad_s(free_rad));
   }

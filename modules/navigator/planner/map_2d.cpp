@@ -15,9 +15,9 @@ constexpr double kSmallestCellM = 0.01;
 constexpr double kLargestCellM = 0.2;
 // More than a tile of 2D SLAM has, even with the largest cells. A tile may claim any size, and no
 // decision must wait until it has been added: this takes less than a millisecond.
-constexpr double kMostTileCells = 1 << 18;
+constexpr double kMaxTileCells = 1 << 18;
 // Of 128 x 128 cells: 16 MB.
-constexpr std::size_t kMostBlocks = 1024;
+constexpr std::size_t kMaxBlocks = 1024;
 // A plan's cell that touches one of the map's cells by less than this part of it does not count.
 constexpr double kTouch = 1e-6;
 
@@ -125,7 +125,7 @@ bool Map2d::add(const MapTile& tile) {
   }
   const double ratio = tile.cell_size_m / PlanWindow::kCellM;
   const double num_cells = static_cast<double>(tile.width) * tile.height;
-  if (num_cells * std::max(1.0, ratio * ratio) > kMostTileCells) {
+  if (num_cells * std::max(1.0, ratio * ratio) > kMaxTileCells) {
     return false;
   }
   const Line columns = overlapping(tile.first.x(), tile.width, ratio);
@@ -155,7 +155,7 @@ bool Map2d::has_room(const Eigen::Vector2i& first, const Eigen::Vector2i& last) 
       num_blocks += blocks_.contains({row, column}) ? 0 : 1;
     }
   }
-  return num_blocks <= kMostBlocks;
+  return num_blocks <= kMaxBlocks;
 }
 
 void Map2d::write_row(const Eigen::Vector2i& first, std::span<const Part> row) {

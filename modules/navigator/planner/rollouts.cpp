@@ -71,8 +71,8 @@ constexpr std::array kBackwardMps{-0.08, -0.15};
 // The motion a step later. A robot that is to rotate slows down on its arc first.
 Twist towards(const Twist& motion, const Twist& now) {
   const Twist next = after(now, motion, kStepS);
-  const bool slows_down = motion.forward_mps == 0.0 && motion.yaw_rate_rad_s != 0.0 &&
-                          now.forward_mps >= kLeastSpeedMps;
+  const bool slows_down =
+      motion.forward_mps == 0.0 && motion.yaw_rate_rad_s != 0.0 && now.forward_mps >= kMinSpeedMps;
   return slows_down ? now.scaled(next.forward_mps / now.forward_mps) : next;
 }
 

@@ -24,7 +24,7 @@ constexpr double kLossMps2 = 3.0;
 constexpr double kLagS = 0.05;
 // A robot that starts may reach an obstacle that appears nearer than the required distance of this
 // speed, 0.9 m, before the laser has passed there again.
-constexpr double kLeastProtectedMps = 0.5;
+constexpr double kMinProtectedMps = 0.5;
 // As high as the smallest obstacle: a box on the floor above the floor tolerance, a strip in the
 // middle of the virtual corridor, and one at its top.
 struct Strip {
@@ -189,7 +189,7 @@ double least_left_m(const Drive& drive, const PitchControllerParams& params, con
   for (double time_s = 4.0; time_s < kStepS * static_cast<double>(drive.moments.size());
        time_s += 2.0 * kStepS) {
     const Drive::Moment& now = drive.at(time_s);
-    const double speed_mps = std::max(kLeastProtectedMps, now.speed_mps);
+    const double speed_mps = std::max(kMinProtectedMps, now.speed_mps);
     const double protected_m = params.robot.braking.required_distance_m(
         speed_mps, params.detection.reaction_s(planner.plan(speed_mps).sweep_s));
     for (double distance_m = protected_m; distance_m < protected_m + 1.5; distance_m += 0.05) {

@@ -28,7 +28,7 @@ constexpr double kAdjustedFactor = 10.0;
 
 // Added to each step over dropped keyframes; equals a standard deviation of 1 km. Such a step may
 // be so long and uncertain, because the robot was lost on it, that composed() counts it as unknown.
-constexpr double kLeastStepInformation = 1e-6;
+constexpr double kMinStepInformation = 1e-6;
 
 double information_factor(const geometry::SE2& step) {
   const double num_steps = std::floor(
@@ -201,7 +201,7 @@ DroppedKeyframes SubmapChain::drop_keyframes(std::size_t first, std::size_t end)
   // The steps over the gap become one.
   for (std::size_t k = first; first > 0 && k < end; ++k) {
     steps_[first - 1] = composed(steps_[first - 1], steps_[k]);
-    steps_[first - 1].information.diagonal().array() += kLeastStepInformation;
+    steps_[first - 1].information.diagonal().array() += kMinStepInformation;
   }
   steps_.erase(at(steps_, first), at(steps_, end));
   for (std::size_t k = 0; k < steps_.size(); ++k) {

@@ -12,7 +12,7 @@ namespace {
 constexpr int kBits = 21;
 constexpr std::int32_t kHalfRange = 1 << (kBits - 1);
 constexpr std::size_t kMinSlots = 1024;
-constexpr float kMostSlackVoxels = 0.1F;
+constexpr float kMaxSlackVoxels = 0.1F;
 
 constexpr std::uint64_t pack(std::int32_t x, std::int32_t y, std::int32_t z) {
   return (static_cast<std::uint64_t>(x) << (2 * kBits)) + (static_cast<std::uint64_t>(y) << kBits) +
@@ -242,7 +242,7 @@ void VoxelGrid::add_normal(std::uint32_t voxel, const Eigen::Vector3f& normal, f
 }
 
 VoxelGrid::Nearest VoxelGrid::find_nearest(const Eigen::Vector3f& p, float max_distance_m) const {
-  const float most_slack_m = kMostSlackVoxels * static_cast<float>(voxel_size_m_);
+  const float most_slack_m = kMaxSlackVoxels * static_cast<float>(voxel_size_m_);
   const auto key = key_of(p);
   if (!key) {
     return {kNone, most_slack_m};

@@ -8,7 +8,7 @@ namespace nodmap::slam6d {
 namespace {
 
 // Older motions count less, because floors and loads change.
-constexpr double kMostMotions = 40.0;
+constexpr double kMaxMotions = 40.0;
 
 }  // namespace
 
@@ -26,7 +26,7 @@ void OdometryScatter::learn(const MotionEvidence& forward, double variance_m2) {
   const double weight = variance_m2 / (variance_m2 + measured_m2);
   square_ =
       (motions_ * square_ + weight * deviation_m * deviation_m / variance_m2) / (motions_ + weight);
-  motions_ = std::min(motions_ + weight, kMostMotions);
+  motions_ = std::min(motions_ + weight, kMaxMotions);
 }
 
 double OdometryScatter::factor() const {

@@ -62,7 +62,7 @@ TEST(TrajectoryError, AStraightDriveIsNotAlignedUpsideDown) {
           Eigen::Vector3d(noise_m(random), noise_m(random), noise_m(random));
     }
     const auto errors = measure_trajectory(
-        associate(moved(to_se3({3.0, 1.0, 0.7}), estimate), truth, 0s), Alignment::kLeastSquares);
+        associate(moved(to_se3({3.0, 1.0, 0.7}), estimate), truth, 0s), Alignment::kMinSquares);
     // The heading of a line of 20 m through 100 points, each 2 mm off: 3.5e-5 rad; five times that.
     EXPECT_LT(errors.rot_rmse_rad, 1.8e-4);
     EXPECT_LT(errors.ate_rmse_m, 0.005);  // 2 mm in each of three directions: 3.5 mm
@@ -72,7 +72,7 @@ TEST(TrajectoryError, AStraightDriveIsNotAlignedUpsideDown) {
 TEST(TrajectoryError, IsZeroForTheTruthInAnotherFrame) {
   const auto pairs = associate(moved(kElsewhere, circle(40)), circle(40), 0s);
   ASSERT_EQ(pairs.size(), 40U);
-  for (const Alignment alignment : {Alignment::kFirstPose, Alignment::kLeastSquares}) {
+  for (const Alignment alignment : {Alignment::kFirstPose, Alignment::kMinSquares}) {
     const TrajectoryErrors errors = measure_trajectory(pairs, alignment);
     EXPECT_LT(errors.ate_max_m, 1e-9);     // rounding of a singular value decomposition at 10 m
     EXPECT_LT(errors.rot_rmse_rad, 1e-7);  // an angle near zero: square root of rounding
@@ -104,7 +104,7 @@ TEST(TrajectoryError, LeastSquaresIsNeverWorseAndForgivesABadStart) {
   estimate.front().pose = estimate.front().pose * to_se3({0.0, 0.0, 0.2});
   const auto pairs = associate(moved(kElsewhere, estimate), circle(60), 0s);
   const TrajectoryErrors first = measure_trajectory(pairs, Alignment::kFirstPose);
-  const TrajectoryErrors best = measure_trajectory(pairs, Alignment::kLeastSquares);
+  const TrajectoryErrors best = measure_trajectory(pairs, Alignment::kMinSquares);
   EXPECT_GT(first.ate_rmse_m, 0.5);  // 0.2 rad at up to 10 m
   EXPECT_LT(best.ate_rmse_m, 0.1);   // two axes of 0.05 m
   EXPECT_EQ(first.drift_percent, best.drift_percent);
@@ -137,8 +137,8 @@ TEST(TrajectoryError, AssociatesWithinToleranceOnly) {
 TEST(TrajectoryError, HandlesEmptyTrajectoriesAndSinglePoses) {
   EXPECT_TRUE(associate({}, circle(3), 0s).empty());
   EXPECT_TRUE(associate(circle(3), {}, 0s).empty());
-  EXPECT_EQ(measure_trajectory({}, Alignment::kLeastSquares).n, 0U);
-  for (const Alignment alignment : {Alignment::kFirstPose, Alignment::kLeastSquares}) {
+  EXPECT_EQ(measure_trajectory({}, Alignment::kMinSquares).n, 0U);
+  for (const Alignment alignment : {Alignment::kFirstPose, Alignment::kMinSquares}) {
     const TrajectoryErrors one = measure_trajectory({{kElsewhere, to_se3({})}}, alignment);
     EXPECT_LT(one.ate_max_m, 1e-9);
     EXPECT_FALSE(one.drift_percent);  // no path, no percent of it

@@ -80,7 +80,7 @@ CostToGo search(const Prices& prices, const Eigen::Vector2d& goal_map, int porti
 void expect_costs(const CostToGo& found, const std::vector<double>& expected,
                   const Prices& prices) {
   constexpr double kStepErrorM = 1e-4;
-  constexpr int kMostSteps = 300;
+  constexpr int kMaxSteps = 300;
   int num_reached = 0;
   for (int row = 0; row < prices.window.height; ++row) {
     for (int column = 0; column < prices.window.width; ++column) {
@@ -90,7 +90,7 @@ void expect_costs(const CostToGo& found, const std::vector<double>& expected,
       if (std::isfinite(truth)) {
         ++num_reached;
         EXPECT_GE(cost, truth * (1.0 - 1e-5));
-        EXPECT_LE(cost, truth + kStepErrorM * kMostSteps) << column << " " << row;
+        EXPECT_LE(cost, truth + kStepErrorM * kMaxSteps) << column << " " << row;
       }
     }
   }
