@@ -1,23 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/slam6d/model/voxel_grid.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <bit>
 #include <cmath>
+
+#include "modules/slam6d/model/plane_normal.hpp"
 
 namespace nodmap::slam6d {
 namespace {
 
-constexpr int kBits = 21;
-constexpr std::int32_t kHalfRange = 1 << (kBits - 1);
-constexpr std::size_t kMinSlots = 1024;
+constexpr std::int32_t kHalfRange = 1 << 20;
 constexpr float kMaxSlackVoxels = 0.1F;
-
-constexpr std::uint64_t pack(std::int32_t x, std::int32_t y, std::int32_t z) {
-  return (static_cast<std::uint64_t>(x) << (2 * kBits)) + (static_cast<std::uint64_t>(y) << kBits) +
-         static_cast<std::uint64_t>(z);
-}
 
 // std::floor is a call without SSE4.1.
 std::int32_t floor_to_int(float x) {
@@ -25,32 +18,26 @@ std::int32_t floor_to_int(float x) {
   return truncated - static_cast<std::int32_t>(x < static_cast<float>(truncated));
 }
 
-// For each axis, the step from the voxel of a point to the neighbour that the point is nearer to.
-// `p_voxels`: the point, in units of voxels.
-std::array<std::uint64_t, 3> steps_towards(const Eigen::Vector3f& p_voxels) {
-  std::array<std::uint64_t, 3> steps{};
-  for (int axis = 0; axis < 3; ++axis) {
-    const float in_voxel = p_voxels[axis] - static_cast<float>(floor_to_int(p_voxels[axis]));
-    const std::uint64_t unit = std::uint64_t{1} << (kBits * (2 - axis));
-    steps[static_cast<std::size_t>(axis)] = in_voxel < 0.5F ? std::uint64_t{0} - unit : unit;
+// The place of a point's voxel; empty if it is out of reach. `p_voxels`: the point, in voxels.
+std::optional<VoxelPlace> place_of(const Eigen::Vector3f& p_voxels) {
+  // One voxel of margin, so that neighbours have places, too. NaN fails the comparison.
+  constexpr auto kReach = static_cast<float>(kHalfRange - 2);
+  if (!(std::abs(p_voxels.x()) < kReach && std::abs(p_voxels.y()) < kReach &&
+        std::abs(p_voxels.z()) < kReach)) {
+    return std::nullopt;
   }
-  return steps;
+  return VoxelPlace{floor_to_int(p_voxels.x()) + kHalfRange,
+                    floor_to_int(p_voxels.y()) + kHalfRange,
+                    floor_to_int(p_voxels.z()) + kHalfRange};
 }
 
-// Half of the 26 neighbours of a voxel, so that each pair of neighbours is looked up once.
-constexpr std::array<std::uint64_t, 13> half_neighbourhood() {
-  std::array<std::uint64_t, 13> offsets{};
-  std::size_t n = 0;
-  for (std::int32_t x = -1; x <= 1; ++x) {
-    for (std::int32_t y = -1; y <= 1; ++y) {
-      for (std::int32_t z = -1; z <= 1; ++z) {
-        if (n < offsets.size() && 9 * x + 3 * y + z > 0) {
-          offsets[n++] = pack(x, y, z);
-        }
-      }
-    }
-  }
-  return offsets;
+// For each axis, the step from the voxel of a point to the neighbour that the point is nearer to.
+VoxelPlace steps_towards(const Eigen::Vector3f& p_voxels, const VoxelPlace& place) {
+  const auto step = [&](int axis) {
+    const std::int32_t border = place[static_cast<std::size_t>(axis)] - kHalfRange;
+    return p_voxels[axis] - static_cast<float>(border) < 0.5F ? -1 : 1;
+  };
+  return {step(0), step(1), step(2)};
 }
 
 // The voxel nearest to a point, and the distance of the second nearest.
@@ -59,14 +46,11 @@ struct NearestTwo {
   float second_sq_m2 = 0.0F;
   std::uint32_t best = VoxelGrid::kNone;
 
+  // Without branches, which could not be foretold.
   void add(std::uint32_t voxel, float sq_m2) {
-    if (sq_m2 < best_sq_m2) {
-      second_sq_m2 = best_sq_m2;
-      best_sq_m2 = sq_m2;
-      best = voxel;
-    } else if (sq_m2 < second_sq_m2) {
-      second_sq_m2 = sq_m2;
-    }
+    best = sq_m2 < best_sq_m2 ? voxel : best;
+    second_sq_m2 = std::max(best_sq_m2, std::min(second_sq_m2, sq_m2));
+    best_sq_m2 = std::min(best_sq_m2, sq_m2);
   }
 };
 
@@ -98,63 +82,18 @@ struct Moments {
 }  // namespace
 
 VoxelGrid::VoxelGrid(double voxel_size_m)
-    : voxel_size_m_(voxel_size_m), per_m_(static_cast<float>(1.0 / voxel_size_m)) {
-  rehash(kMinSlots);
-}
+    : voxel_size_m_(voxel_size_m), per_m_(static_cast<float>(1.0 / voxel_size_m)) {}
 
 double VoxelGrid::reach_m() const {
   return (kHalfRange - 2) * voxel_size_m_;
 }
 
-std::optional<VoxelGrid::Key> VoxelGrid::key_of(const Eigen::Vector3f& p) const {
-  const Eigen::Vector3f scaled = p * per_m_;
-  // NaN fails this comparison. One voxel of margin, so that neighbours have keys, too.
-  if (!(scaled.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() < static_cast<float>(kHalfRange - 2))) {
-    return std::nullopt;
-  }
-  return pack(floor_to_int(scaled.x()) + kHalfRange, floor_to_int(scaled.y()) + kHalfRange,
-              floor_to_int(scaled.z()) + kHalfRange);
-}
-
-std::uint32_t VoxelGrid::find(Key key) const {
-  const std::size_t mask = slots_.size() - 1;
-  for (std::size_t i = (key * 0x9E3779B97F4A7C15ULL) >> shift_;; i = (i + 1) & mask) {
-    const std::uint32_t voxel = slots_[i];
-    if (voxel == kNone || keys_[voxel] == key) {
-      return voxel;
-    }
-  }
-}
-
-std::uint32_t VoxelGrid::find_or_add(Key key) {
-  const std::size_t mask = slots_.size() - 1;
-  std::size_t i = (key * 0x9E3779B97F4A7C15ULL) >> shift_;
-  for (; slots_[i] != kNone; i = (i + 1) & mask) {
-    if (keys_[slots_[i]] == key) {
-      return slots_[i];
-    }
-  }
-  const auto voxel = static_cast<std::uint32_t>(voxels_.size());
-  slots_[i] = voxel;
-  keys_.push_back(key);
-  voxels_.emplace_back();
-  if (2 * voxels_.size() > slots_.size()) {
-    rehash(2 * slots_.size());
+std::uint32_t VoxelGrid::voxel_at(const VoxelPlace& place) {
+  const std::uint32_t voxel = index_.find_or_add(place);
+  if (voxel == voxels_.size()) {
+    voxels_.emplace_back();
   }
   return voxel;
-}
-
-void VoxelGrid::rehash(std::size_t num_slots) {
-  shift_ = 64 - std::countr_zero(num_slots);
-  slots_.assign(num_slots, kNone);
-  const std::size_t mask = num_slots - 1;
-  for (std::uint32_t voxel = 0; voxel < keys_.size(); ++voxel) {
-    std::size_t i = (keys_[voxel] * 0x9E3779B97F4A7C15ULL) >> shift_;
-    while (slots_[i] != kNone) {
-      i = (i + 1) & mask;
-    }
-    slots_[i] = voxel;
-  }
 }
 
 // Successive beams of a scan often fall into the same voxel, which is looked up once.
@@ -165,17 +104,17 @@ std::vector<std::uint32_t> VoxelGrid::add(std::span<const Eigen::Vector3f> point
   for (std::size_t i = 0; i < num_old; ++i) {
     voxels_[i].mean *= voxels_[i].weight;
   }
-  Key last_key = 0;
+  VoxelPlace last{};
   std::uint32_t voxel = kNone;
   for (const Eigen::Vector3f& p : points) {
-    const auto key = key_of(p);
-    if (!key) {
+    const auto place = place_of(p * per_m_);
+    if (!place) {
       places.push_back(kNone);
       continue;
     }
-    if (voxel == kNone || *key != last_key) {
-      voxel = find_or_add(*key);
-      last_key = *key;
+    if (voxel == kNone || *place != last) {
+      voxel = voxel_at(*place);
+      last = *place;
     }
     voxels_[voxel].mean += p;
     voxels_[voxel].weight += 1.0F;
@@ -188,33 +127,26 @@ std::vector<std::uint32_t> VoxelGrid::add(std::span<const Eigen::Vector3f> point
 }
 
 std::uint32_t VoxelGrid::add(const Eigen::Vector3f& mean, float weight) {
-  const auto key = key_of(mean);
-  if (!key) {
+  const auto place = place_of(mean * per_m_);
+  if (!place) {
     return kNone;
   }
-  const std::uint32_t place = find_or_add(*key);
-  Voxel& voxel = voxels_[place];
+  const std::uint32_t number = voxel_at(*place);
+  Voxel& voxel = voxels_[number];
   voxel.weight += weight;
   voxel.mean += (weight / voxel.weight) * (mean - voxel.mean);
-  return place;
+  return number;
 }
 
 void VoxelGrid::find_planes(const Eigen::Vector3f& p_sensor, const PlaneParams& params) {
-  static constexpr auto kHalfNeighbourhood = half_neighbourhood();
   std::vector<Moments> moments(voxels_.size());
-  for (std::size_t i = 0; i < voxels_.size(); ++i) {
-    for (const Key offset : kHalfNeighbourhood) {
-      const std::uint32_t j = find(keys_[i] + offset);
-      if (j != kNone) {
-        const Eigen::Vector3f d = voxels_[j].mean - voxels_[i].mean;
-        moments[i].add(d);
-        moments[j].add(-d);
-      }
-    }
-  }
+  index_.for_each_pair([&](std::uint32_t i, std::uint32_t j) {
+    const Eigen::Vector3f d = voxels_[j].mean - voxels_[i].mean;
+    moments[i].add(d);
+    moments[j].add(-d);
+  });
   const auto min_count = static_cast<float>(params.min_neighbours);
   const auto max_thickness = static_cast<float>(params.max_thickness);
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> eigen;
   for (std::size_t i = 0; i < voxels_.size(); ++i) {
     Voxel& voxel = voxels_[i];
     voxel.normal.setZero();
@@ -222,13 +154,11 @@ void VoxelGrid::find_planes(const Eigen::Vector3f& p_sensor, const PlaneParams& 
     if (moments[i].count < min_count) {
       continue;
     }
-    eigen.computeDirect(moments[i].covariance());
-    if (!(eigen.eigenvalues()[0] < max_thickness * eigen.eigenvalues()[1])) {
-      continue;
+    if (const auto normal = plane_normal(moments[i].covariance(), max_thickness)) {
+      voxel.normal =
+          normal->dot(p_sensor - voxel.mean) < 0.0F ? Eigen::Vector3f(-*normal) : *normal;
+      voxel.normal_weight = voxel.weight;
     }
-    const Eigen::Vector3f normal = eigen.eigenvectors().col(0);
-    voxel.normal = normal.dot(p_sensor - voxel.mean) < 0.0F ? Eigen::Vector3f(-normal) : normal;
-    voxel.normal_weight = voxel.weight;
   }
 }
 
@@ -243,19 +173,16 @@ void VoxelGrid::add_normal(std::uint32_t voxel, const Eigen::Vector3f& normal, f
 
 VoxelGrid::Nearest VoxelGrid::find_nearest(const Eigen::Vector3f& p, float max_distance_m) const {
   const float most_slack_m = kMaxSlackVoxels * static_cast<float>(voxel_size_m_);
-  const auto key = key_of(p);
-  if (!key) {
+  const Eigen::Vector3f p_voxels = p * per_m_;
+  const auto place = place_of(p_voxels);
+  if (!place) {
     return {kNone, most_slack_m};
   }
   const float reach_sq_m2 = max_distance_m * max_distance_m;
   NearestTwo nearest{reach_sq_m2, reach_sq_m2};
-  const std::array<Key, 3> side = steps_towards(p * per_m_);
-  for (unsigned corner = 0; corner < 8; ++corner) {
-    const Key neighbour = *key + ((corner & 1U) != 0 ? side[0] : 0) +
-                          ((corner & 2U) != 0 ? side[1] : 0) + ((corner & 4U) != 0 ? side[2] : 0);
-    if (const std::uint32_t voxel = find(neighbour); voxel != kNone) {
-      nearest.add(voxel, (voxels_[voxel].mean - p).squaredNorm());
-    }
+  const VoxelIndex::Some around = index_.corners(*place, steps_towards(p_voxels, *place));
+  for (const std::uint32_t voxel : std::span(around.numbers).first(around.count)) {
+    nearest.add(voxel, (voxels_[voxel].mean - p).squaredNorm());
   }
   if (nearest.best == kNone) {
     return {kNone, most_slack_m};
@@ -266,8 +193,7 @@ VoxelGrid::Nearest VoxelGrid::find_nearest(const Eigen::Vector3f& p, float max_d
 }
 
 std::size_t VoxelGrid::memory_bytes() const {
-  return voxels_.capacity() * sizeof(Voxel) + keys_.capacity() * sizeof(Key) +
-         slots_.capacity() * sizeof(std::uint32_t);
+  return voxels_.capacity() * sizeof(Voxel) + index_.memory_bytes();
 }
 
 }  // namespace nodmap::slam6d

@@ -2,18 +2,18 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "modules/slam6d/model/voxel_index.hpp"
+
 namespace nodmap::slam6d {
 
 /// One cube of the grid: the mean of the points measured in it, and the plane on which it lies.
-struct Voxel {
+struct alignas(32) Voxel {
   Eigen::Vector3f mean = Eigen::Vector3f::Zero();
   float weight = 0.0F;  ///< of the mean: sum of the weights of its points
   /// Unit vector towards the side from which the plane was seen; zero where there is no plane.
@@ -45,7 +45,7 @@ struct PlaneParams {
 class VoxelGrid {
  public:
   /// The index that stands for no voxel.
-  static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+  static constexpr std::uint32_t kNone = VoxelIndex::kNone;
 
   explicit VoxelGrid(double voxel_size_m);
 
@@ -93,20 +93,13 @@ class VoxelGrid {
   [[nodiscard]] std::size_t memory_bytes() const;
 
  private:
-  // Three indices of 21 bits: a sum of keys is the key of the sum of indices.
-  using Key = std::uint64_t;
-
-  [[nodiscard]] std::optional<Key> key_of(const Eigen::Vector3f& p) const;
-  [[nodiscard]] std::uint32_t find(Key key) const;
-  std::uint32_t find_or_add(Key key);
-  void rehash(std::size_t num_slots);
+  /// The voxel at `place`, which is added if there is none.
+  std::uint32_t voxel_at(const VoxelPlace& place);
 
   double voxel_size_m_;
   float per_m_;
-  std::vector<Voxel> voxels_;
-  std::vector<Key> keys_;             // of voxels_
-  std::vector<std::uint32_t> slots_;  // places in voxels_ or kNone; a power of two of them
-  int shift_ = 0;                     // of the hash to a slot
+  VoxelIndex index_;
+  std::vector<Voxel> voxels_;  // by their numbers in index_
 };
 
 }  // namespace nodmap::slam6d

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/slam6d/registration/slip_search.hpp"
 
-#include <array>
 #include <utility>
+#include <vector>
 
 #include "modules/slam6d/registration/inliers.hpp"
 
@@ -34,8 +34,21 @@ std::optional<double> ratio_across(const VoxelMap& sweep_base, const VoxelMap& m
 
 // Where an obstacle stopped the robot. What is seen late in a sweep need not show that, so it may
 // have been in the middle of the last one.
-std::array<Eigen::Vector3d, 2> stops(const CountedWay& way) {
-  return {way.T_map_last.translation(), (way.T_map_last * way.last_motion.inverse()).translation()};
+std::vector<Eigen::Vector3d> stops(const CountedWay& way) {
+  std::vector<Eigen::Vector3d> p_map{way.T_map_last.translation()};
+  const SE3 T_map_middle = way.T_map_last * way.last_motion.inverse();
+  if (T_map_middle.translation() != p_map.front()) {
+    p_map.emplace_back(T_map_middle.translation());
+  }
+  return p_map;
+}
+
+// The voxels of `stopped`, which is `cloud` after stop().
+VoxelMap voxels_of_stopped(const SweepCloud& stopped, const SweepCloud& cloud,
+                           const VoxelMap& sweep_base, const VoxelMapParams& voxels) {
+  const bool is_same = !sweep_base.is_moving() && cloud.T_base_first.translation().isZero(0.0) &&
+                       cloud.T_base_last.translation().isZero(0.0);
+  return is_same ? sweep_base : voxelize(stopped, voxels);
 }
 
 Matrix6d widened(Matrix6d covariance, double sigma_m) {
@@ -60,9 +73,9 @@ std::optional<double> doubtful_ratio(const VoxelMap& sweep_base, const VoxelMap&
                                                                                 : std::nullopt;
 }
 
-std::optional<SlippedSweep> register_slipped(const SweepCloud& cloud, const VoxelMap& map,
-                                             const PosePrior& prior, const Registration& as_counted,
-                                             const CountedWay& way,
+std::optional<SlippedSweep> register_slipped(const SweepCloud& cloud, const VoxelMap& sweep_base,
+                                             const VoxelMap& map, const PosePrior& prior,
+                                             const Registration& as_counted, const CountedWay& way,
                                              const RegistrationParams& params,
                                              const VoxelMapParams& voxels) {
   PosePrior slipped = prior;
@@ -75,7 +88,7 @@ std::optional<SlippedSweep> register_slipped(const SweepCloud& cloud, const Voxe
       (is_far_from_odometry(as_counted) ? 1.0 : kClearlyBetter) * (1.0 - way.inlier_ratio);
   SweepCloud stopped = cloud;
   stopped.stop();
-  const VoxelMap stopped_voxels = voxelize(stopped, voxels);
+  const VoxelMap stopped_voxels = voxels_of_stopped(stopped, cloud, sweep_base, voxels);
   std::optional<SlippedSweep> best;
   for (const Eigen::Vector3d& p_map_stop : stops(way)) {
     VoxelMap sweep = stopped_voxels;

@@ -46,10 +46,10 @@ struct SlippedSweep {
 /// result with which the walls across the way fit best, if they fit clearly better than in
 /// `as_counted` (better, if that is far from odometry), and no fewer of all points fit. Empty
 /// otherwise, as in a bare corridor, which looks the same all along. `cloud`: as odometry counted
-/// the motion.
+/// the motion. `sweep_base`: its voxels, deskewed by that registration.
 [[nodiscard]] std::optional<SlippedSweep> register_slipped(
-    const SweepCloud& cloud, const VoxelMap& map, const PosePrior& prior,
-    const Registration& as_counted, const CountedWay& way, const RegistrationParams& params,
-    const VoxelMapParams& voxels);
+    const SweepCloud& cloud, const VoxelMap& sweep_base, const VoxelMap& map,
+    const PosePrior& prior, const Registration& as_counted, const CountedWay& way,
+    const RegistrationParams& params, const VoxelMapParams& voxels);
 
 }  // namespace nodmap::slam6d

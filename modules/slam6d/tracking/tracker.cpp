@@ -136,7 +136,7 @@ void Tracker::look_for_slip(VoxelMap& sweep, const VoxelMap& map, SweepCloud& cl
   }
   way.inlier_ratio = *ratio;
   if (auto slipped =
-          register_slipped(cloud, map, prior, registration, way, registration_, voxels_)) {
+          register_slipped(cloud, sweep, map, prior, registration, way, registration_, voxels_)) {
     cloud = std::move(slipped->cloud);
     sweep = std::move(slipped->voxels);
     registration = slipped->registration;
