@@ -132,6 +132,18 @@ void EverFreeSpace::add_sweep(const SweepCloud& cloud, const SE3& T_map_base, st
     T_voxels_keyframes_.push_back(T_voxels_base);
   }
   num_votes_ = std::min(num_votes_ + num_votes, kMinVotes);
+  if (num_votes_ < kMinVotes) {
+    waiting_.push_back({cloud, T_voxels_base, keyframe, num_votes});
+    return;
+  }
+  for (const Voter& voter : std::exchange(waiting_, {})) {
+    count_votes(voter.cloud, voter.T_voxels_base, voter.keyframe, voter.num_votes);
+  }
+  count_votes(cloud, T_voxels_base, keyframe, num_votes);
+}
+
+void EverFreeSpace::count_votes(const SweepCloud& cloud, const SE3& T_voxels_base,
+                                std::size_t keyframe, int num_votes) {
   of_sweep_.clear();
   tracer_.trace(cloud, T_voxels_base, of_sweep_);
   tracer_.trace_free(cloud, T_voxels_base, of_sweep_);
@@ -169,6 +181,9 @@ void EverFreeSpace::move_keyframes(std::span<const SE3> T_map_keyframes) {
   if (std::ranges::none_of(is_far, std::identity())) {
     return;
   }
+  for (Voter& voter : waiting_) {
+    voter.T_voxels_base = T_new_old[voter.keyframe] * voter.T_voxels_base;
+  }
   Cubes moved;
   for (const auto& [code, cube] : cubes_) {
     move(cube, code, T_new_old[cube.keyframe], moved);
@@ -184,6 +199,9 @@ void EverFreeSpace::drop_keyframe(const ReplacedKeyframe& replaced) {
                             static_cast<std::ptrdiff_t>(replaced.index));
   for (auto& [code, cube] : cubes_) {
     cube.keyframe = replaced.renumbered(cube.keyframe);
+  }
+  for (Voter& voter : waiting_) {
+    voter.keyframe = replaced.renumbered(voter.keyframe);
   }
 }
 
@@ -267,6 +285,9 @@ void EverFreeSpace::add_rest(std::span<const std::optional<VoxelKey>> keys,
     std::ranges::copy_if(uncertain, std::back_inserter(rest), [&](std::size_t i) {
       return !is_moved[i] && counts.have_many_moved(*keys[i]);
     });
+    if (rest.empty()) {
+      break;
+    }
     for (const std::size_t i : rest) {
       is_moved[i] = true;
       counts.add_moved(*keys[i]);
@@ -307,7 +328,11 @@ const EverFreeSpace::Votes* EverFreeSpace::Lookup::find(VoxelCode voxel) {
 }
 
 std::size_t EverFreeSpace::memory_bytes() const {
-  return cubes_.size() * sizeof(Cubes::value_type) + of_sweep_.memory_bytes();
+  std::size_t bytes = cubes_.size() * sizeof(Cubes::value_type) + of_sweep_.memory_bytes();
+  for (const Voter& voter : waiting_) {
+    bytes += (voter.cloud.points.size() + voter.cloud.free_points.size()) * sizeof(Eigen::Vector3f);
+  }
+  return bytes;
 }
 
 }  // namespace nodmap::slam6d

@@ -58,7 +58,8 @@ struct EverFreeParams {
 /// something certain is beside them. Whoever stands still while the robot passes cannot be
 /// distinguished from furniture. After Duberg et al., DUFOMap, 2024, where one sighting is enough.
 ///
-/// Only sums of votes are kept, so memory grows with the space, not with time.
+/// Only sums of votes are kept, so memory grows with the space, not with time. The first sweeps
+/// wait until there are enough votes to decide anything, and are counted then.
 class EverFreeSpace {
  public:
   explicit EverFreeSpace(const EverFreeParams& params);
@@ -97,6 +98,13 @@ class EverFreeSpace {
     void add(const CloudVoxels::Cube& of_sweep, int num_votes);
   };
   using Cubes = std::map<VoxelCode, Cube>;
+  /// A sweep that votes.
+  struct Voter {
+    SweepCloud cloud;
+    geometry::SE3 T_voxels_base;
+    std::size_t keyframe = 0;
+    int num_votes = 1;
+  };
 
   /// Finds the votes for a voxel; null if there are none. It keeps the cube of the last voxel,
   /// which is mostly that of the next one, too.
@@ -111,6 +119,8 @@ class EverFreeSpace {
     const Cube* cube_ = nullptr;
   };
 
+  void count_votes(const SweepCloud& cloud, const geometry::SE3& T_voxels_base,
+                   std::size_t keyframe, int num_votes);
   [[nodiscard]] bool is_empty(const Votes* votes) const;
   /// Whether everything that was seen there may be somebody who walked by.
   [[nodiscard]] bool is_passing(const Votes* votes) const;
@@ -125,8 +135,9 @@ class EverFreeSpace {
 
   EverFreeParams params_;
   CloudTracer tracer_;
-  int num_votes_ = 0;     // so far; not counted beyond what is needed
-  CloudVoxels of_sweep_;  // of the last sweep; kept to reuse its memory
+  int num_votes_ = 0;           // so far; not counted beyond what is needed
+  std::vector<Voter> waiting_;  // whose votes are not counted yet
+  CloudVoxels of_sweep_;        // of the last sweep; kept to reuse its memory
   Cubes cubes_;
   std::vector<geometry::SE3> T_voxels_keyframes_;  // the poses at which the votes are
 };

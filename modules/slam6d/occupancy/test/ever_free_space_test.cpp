@@ -196,6 +196,37 @@ TEST(EverFreeSpace, VotesOfADroppedKeyframeGoToTheOneThatReplacesIt) {
   }
 }
 
+// A loop is closed, and a keyframe dropped, before enough sweeps have voted: those that wait then
+// vote from where they are by now, as if they had been measured there.
+TEST(EverFreeSpace, SweepsThatWaitMoveWithTheirKeyframes) {
+  const SE3 T_new_old = pose(1.0, 0.3, 30.0);
+  EverFreeSpace moved{EverFreeParams{}};
+  EverFreeSpace there{EverFreeParams{}};
+  const SweepCloud visited = cloud_at(hall_with_somebody(), SE3::Identity(), 1);
+  const SweepCloud empty_hall = cloud_at(Room::hall(), SE3::Identity(), 2);
+  moved.add_sweep(visited, SE3::Identity(), 0);
+  there.add_sweep(visited, T_new_old, 0);
+  for (const std::size_t keyframe : {1, 2}) {
+    moved.add_sweep(empty_hall, SE3::Identity(), keyframe, 4);
+    there.add_sweep(empty_hall, T_new_old, keyframe, 4);
+  }
+  EXPECT_TRUE(moved.moved_points(visited, 0).empty());
+  moved.drop_keyframe({.index = 1, .by = 2});
+  moved.move_keyframes(std::vector{T_new_old, T_new_old});
+  moved.add_sweep(empty_hall, T_new_old, 1);
+  there.add_sweep(empty_hall, T_new_old, 2);
+  const std::vector<bool> found = moved.moved_points(visited, 0);
+  const std::vector<bool> expected = there.moved_points(visited, 0);
+  ASSERT_EQ(found.size(), visited.points.size());
+  EXPECT_GT(std::ranges::count(expected, true), 50);
+  // Rounding of poses may bring a point at a border into the next voxel.
+  std::size_t num_different = 0;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    num_different += found[i] != expected[i] ? 1 : 0;
+  }
+  EXPECT_LT(num_different, found.size() / 1000);
+}
+
 // The robot is stationary for an hour: the sums must not overflow, and must not take more memory.
 TEST(EverFreeSpace, MemoryDoesNotGrowWithTime) {
   EverFreeSpace space{EverFreeParams{}};
