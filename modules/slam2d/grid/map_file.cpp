@@ -64,8 +64,9 @@ std::string contents_of(const std::filesystem::path& file) {
 // map.yaml is. Needs to do nothing if map.yaml stays as it is, or names another image already.
 std::error_code keep_previous_image(const std::filesystem::path& dir, std::string_view new_yaml) {
   std::string yaml = contents_of(dir / "map.yaml");
+  std::error_code unknown;  // no error that matters: then the image cannot be read either
   if (yaml == new_yaml || !yaml.starts_with(kImageLine) ||
-      !std::filesystem::exists(dir / "map.pgm")) {
+      !std::filesystem::exists(dir / "map.pgm", unknown)) {
     return {};
   }
   const auto error = formats::replace_file(dir / "map.previous.pgm", contents_of(dir / "map.pgm"));

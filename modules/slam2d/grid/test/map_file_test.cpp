@@ -120,6 +120,20 @@ TEST(MapFile, AfterAnInterruptedSaveTheImageStillBelongsToTheYaml) {
   EXPECT_FALSE(std::filesystem::exists(dir.path() / "map.previous.pgm"));
 }
 
+// An image that cannot even be examined, here a link to itself, is replaced. On the thread that
+// saves, an exception would end the process.
+TEST(MapFile, AnImageThatCannotBeExaminedIsReplaced) {
+  const nodmap::test::TemporaryDir dir;
+  OccupancyGrid grid(0.5);
+  ASSERT_TRUE(grid.add_ray({0.25, 0.25}, {0.25, 1.25}));
+  ASSERT_FALSE(write_ros_map(dir.path(), grid));
+  std::filesystem::remove(dir.path() / "map.pgm");
+  std::filesystem::create_symlink("map.pgm", dir.path() / "map.pgm");
+  ASSERT_TRUE(grid.add_ray({0.25, 0.25}, {0.25, -100.0}));  // map.yaml changes, too
+  ASSERT_FALSE(write_ros_map(dir.path(), grid));
+  EXPECT_EQ(read_ros_map(dir.path()).cells, trinary(grid).cells);
+}
+
 void put(const std::filesystem::path& file, const std::string& content) {
   std::ofstream(file, std::ios::binary) << content;
 }
