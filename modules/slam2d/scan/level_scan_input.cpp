@@ -162,19 +162,18 @@ std::span<const OrientedPoint> LevelScanInput::without_slopes(
   if (!first || !second) {
     return points_base;
   }
-  const auto kept = sloped_points_.remove(points_base, level, {*first, *second});
-  if (kept.size() == points_base.size()) {
+  if (!sloped_points_.find(points_base, level, {*first, *second})) {
     return points_base;
   }
   const auto walls =
-      walls_behind_.find(level.scan, sloped_points_.are_left_out(),
+      walls_behind_.find(level.scan, sloped_points_.are_on_slopes(),
                          [&](const scan::Scan& scan) { return place(scan, T_published_level); });
   positions_.clear();
   for (std::size_t beam = 0; beam < walls.size(); ++beam) {
     if (walls[beam]) {
       positions_.push_back(*walls[beam]);
-    } else if (sloped_points_.is_kept(beam)) {
-      positions_.push_back(sloped_points_.points_by_beam()[beam].p);
+    } else if (const OrientedPoint* const other = sloped_points_.other_point(beam)) {
+      positions_.push_back(other->p);
     }
   }
   return extractor_.extract(positions_, scan::point_in_base(level.scan, 0, 0.0).head<2>());

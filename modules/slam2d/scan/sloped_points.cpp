@@ -92,17 +92,15 @@ bool SlopedPoints::is_agreed(std::size_t beam) const {
   return agreeing >= kMinAgreeing && agreeing >= kMinAgreeingRatio * known;
 }
 
-std::span<const OrientedPoint> SlopedPoints::remove(std::span<const OrientedPoint> points_base,
-                                                    const SweepScan& level,
-                                                    const std::array<SweepScan, 2>& below) {
+bool SlopedPoints::find(std::span<const OrientedPoint> points_base, const SweepScan& level,
+                        const std::array<SweepScan, 2>& below) {
   const std::array<const SweepScan*, 3> scans{&below.back(), &below.front(), &level};
   const auto pitch_of = [&](std::size_t i) { return scans[i]->scan.pitch_mid_rad(); };
   const std::size_t num_beams = level.scan.ranges_m.size();
   if (pitch_of(1) - pitch_of(0) < kMinStepRad || pitch_of(2) - pitch_of(1) < kMinStepRad ||
       std::ranges::any_of(
           scans, [&](const SweepScan* s) { return s->scan.ranges_m.size() != num_beams; })) {
-    are_left_out_.clear();
-    return points_base;
+    return false;
   }
   for (std::size_t i = 0; i < scans.size(); ++i) {
     hits_[i] = deskewed(*scans[i], projector_);
@@ -112,17 +110,11 @@ std::span<const OrientedPoint> SlopedPoints::remove(std::span<const OrientedPoin
   for (std::size_t beam = 0; beam < num_beams; ++beam) {
     findings_[beam] = is_on_slope(beam);
   }
-  are_left_out_.resize(num_beams);
+  are_on_slopes_.resize(num_beams);
   for (std::size_t beam = 0; beam < num_beams; ++beam) {
-    are_left_out_[beam] = findings_[beam].value_or(false) && is_agreed(beam);
+    are_on_slopes_[beam] = findings_[beam].value_or(false) && is_agreed(beam);
   }
-  points_.clear();
-  for (std::size_t beam = 0; beam < num_beams; ++beam) {
-    if (is_kept(beam)) {
-      points_.push_back(lines_[beam]);
-    }
-  }
-  return points_;
+  return std::ranges::find(are_on_slopes_, true) != are_on_slopes_.end();
 }
 
 }  // namespace nodmap::slam2d

@@ -14,7 +14,7 @@
 
 namespace nodmap::slam2d {
 
-/// Leaves out the points of a level scan that lie on slopes: ramps, or the floor that a robot on a
+/// Finds the points of a level scan that lie on slopes: ramps, or the floor that a robot on a
 /// ramp looks down on. Where a level scan meets a slope depends on the pitch, not only on where the
 /// robot is, so the slope is no wall to match.
 ///
@@ -22,20 +22,18 @@ namespace nodmap::slam2d {
 /// proportion to what the beam rises.
 class SlopedPoints {
  public:
-  /// Returns `points_base` without those on slopes, valid until the next call. `points_base`: the
-  /// points of all hits of `level`, as OrientedPointExtractor extracts them. `below`: the
-  /// two scans below `level` in its sweep, the nearer one first; what is above a ramp may be over
-  /// it. All points are returned if the pitches do not differ or the head has turned round.
-  [[nodiscard]] std::span<const OrientedPoint> remove(std::span<const OrientedPoint> points_base,
-                                                      const SweepScan& level,
-                                                      const std::array<SweepScan, 2>& below);
+  /// Returns whether any points are on slopes. `points_base`: the points of all hits of `level`, as
+  /// OrientedPointExtractor extracts them. `below`: the two scans below `level` in its sweep, the
+  /// nearer one first; what is above a ramp may be over it. Finds none if the pitches do not differ
+  /// or the head has turned round.
+  [[nodiscard]] bool find(std::span<const OrientedPoint> points_base, const SweepScan& level,
+                          const std::array<SweepScan, 2>& below);
 
-  /// Which points the last call has left out, by beam; empty if it has compared nothing.
-  [[nodiscard]] const std::vector<bool>& are_left_out() const { return are_left_out_; }
-  /// By beam: the points of the level scan of the last call that compared something.
-  [[nodiscard]] const std::vector<OrientedPoint>& points_by_beam() const { return lines_; }
-  [[nodiscard]] bool is_kept(std::size_t beam) const {
-    return hits_[kLevel][beam].has_value() && !are_left_out_[beam];
+  /// By beam: which points the last call has found, if any.
+  [[nodiscard]] const std::vector<bool>& are_on_slopes() const { return are_on_slopes_; }
+  /// The point of a beam that is on no slope, if there is one; only if the last call has found any.
+  [[nodiscard]] const OrientedPoint* other_point(std::size_t beam) const {
+    return hits_[kLevel][beam] && !are_on_slopes_[beam] ? &lines_[beam] : nullptr;
   }
 
  private:
@@ -50,8 +48,7 @@ class SlopedPoints {
   std::array<BeamHits, 3> hits_;               // by increasing pitch
   std::vector<OrientedPoint> lines_;           // of the level scan, by beam
   std::vector<std::optional<bool>> findings_;  // by beam
-  std::vector<bool> are_left_out_;             // by beam
-  std::vector<OrientedPoint> points_;
+  std::vector<bool> are_on_slopes_;            // by beam
 };
 
 }  // namespace nodmap::slam2d

@@ -53,8 +53,15 @@ Outcome remove_slopes(const Surfaces& surfaces, double step_deg, bool goes_up,
   Outcome outcome;
   const auto all = extractor.extract(scans[level], {});
   outcome.all.assign(all.begin(), all.end());
-  const auto kept = sloped.remove(all, placed(level), {placed(1), placed(2 - level)});
-  outcome.kept.assign(kept.begin(), kept.end());
+  if (!sloped.find(all, placed(level), {placed(1), placed(2 - level)})) {
+    outcome.kept = outcome.all;
+    return outcome;
+  }
+  for (std::size_t beam = 0; beam < sloped.are_on_slopes().size(); ++beam) {
+    if (const OrientedPoint* const other = sloped.other_point(beam)) {
+      outcome.kept.push_back(*other);
+    }
+  }
   return outcome;
 }
 
