@@ -104,10 +104,7 @@ std::set<Place> reachable_places(const sim::World& world, const Robot& robot) {
 
 void draw_scan(Robot& robot, const SE2& pose, slam2d::OccupancyGrid& grid) {
   slam2d::Keyframe keyframe;
-  for (const OrientedPoint& point : robot.scan(pose)) {
-    keyframe.points_base.emplace_back(point.p.cast<float>());
-    keyframe.normals_base.emplace_back(point.normal.cast<float>());
-  }
+  set_points(keyframe, robot.scan(pose));
   draw(keyframe, pose, grid);
 }
 

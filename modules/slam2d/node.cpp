@@ -154,13 +154,14 @@ void Slam2dNode::answer_saved(const std::optional<std::error_code>& error) {
   }
 }
 
-std::function<std::error_code()> Slam2dNode::prepare_save(const std::filesystem::path& dir) const {
+std::function<std::error_code()> Slam2dNode::prepare_save(const std::filesystem::path& dir) {
   SavedMap saved = slam_.back_end().save();
   saved.cleared = map_.cleared();
+  const auto map = std::make_shared<KeyframeGrid>(map_.snapshot());
   // After a loop many keyframes are still drawn where they were before.
-  return [dir, map = map_, saved = std::move(saved)]() mutable {
-    map.redraw_all_moved(saved.keyframes);
-    const auto error = write_ros_map(dir, map.grid());
+  return [dir, map, saved = std::move(saved)] {
+    map->redraw_all_moved(saved.keyframes);
+    const auto error = write_ros_map(dir, map->grid());
     return error || saved.keyframes.empty() ? error : write_saved_map(dir, saved);
   };
 }

@@ -54,8 +54,7 @@ class Slam2dNode : public node::Node {
   void save_unpolished();
   void answer_saved(const std::optional<std::error_code>& error);
   /// The function that writes the map, as it is now, into a folder. It may run on another thread.
-  [[nodiscard]] std::function<std::error_code()> prepare_save(
-      const std::filesystem::path& dir) const;
+  [[nodiscard]] std::function<std::error_code()> prepare_save(const std::filesystem::path& dir);
   void update_grid();
   void drop_from_grid();
   void publish_graph(time::Timestamp stamp);

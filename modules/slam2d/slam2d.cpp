@@ -333,12 +333,7 @@ void Slam2d::add_keyframe(const LevelScan& scan, const Match& match, PoseUpdate&
                     .T_odom_base = T_first_odom_ * scan.T_odom_base,
                     .T_map_base = update.T_map_base,
                     .sensor_origin_base = scan.sensor_origin_base};
-  keyframe.points_base.reserve(scan.points_base.size());
-  keyframe.normals_base.reserve(scan.points_base.size());
-  for (const OrientedPoint& point : scan.points_base) {
-    keyframe.points_base.emplace_back(point.p.cast<float>());
-    keyframe.normals_base.emplace_back(point.normal.cast<float>());
-  }
+  set_points(keyframe, scan.points_base);
   begin_submap_if_in_doubt();
   const geometry::SE2 T_submap_base =
       back_end_.has_local() ? back_end_.local().T_map_submap.inverse() * update.T_map_base

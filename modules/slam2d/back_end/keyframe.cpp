@@ -5,6 +5,19 @@
 
 namespace nodmap::slam2d {
 
+void set_points(Keyframe& keyframe, std::span<const OrientedPoint> points_base) {
+  std::vector<Eigen::Vector2f> points;
+  std::vector<Eigen::Vector2f> normals;
+  points.reserve(points_base.size());
+  normals.reserve(points_base.size());
+  for (const OrientedPoint& point : points_base) {
+    points.emplace_back(point.p.cast<float>());
+    normals.emplace_back(point.normal.cast<float>());
+  }
+  keyframe.points_base = SharedPoints(std::move(points));
+  keyframe.normals_base = SharedPoints(std::move(normals));
+}
+
 std::vector<OrientedPoint> oriented_points(const Keyframe& keyframe) {
   std::vector<OrientedPoint> points;
   points.reserve(keyframe.points_base.size());

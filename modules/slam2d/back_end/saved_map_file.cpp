@@ -45,8 +45,7 @@ void write_matrix(const Eigen::Matrix3d& matrix, double (&out)[3][3]) {
   rows = matrix;
 }
 
-void write_points(const std::vector<Eigen::Vector2f>& points,
-                  std::vector<std::vector<float>>& out) {
+void write_points(const SharedPoints& points, std::vector<std::vector<float>>& out) {
   out.reserve(points.size());
   for (const Eigen::Vector2f& p : points) {
     out.push_back({p.x(), p.y()});
@@ -141,6 +140,15 @@ class Reader {
             "keyframe " + std::to_string(map_.keyframes.size()) + " holds an impossible number");
   }
 
+  [[nodiscard]] SharedPoints read_points(const std::vector<std::vector<float>>& message) const {
+    std::vector<Eigen::Vector2f> points;
+    for (const std::vector<float>& p : message) {
+      points.emplace_back(p[0], p[1]);
+      require_finite(static_cast<double>(points.back().norm()));
+    }
+    return SharedPoints(std::move(points));
+  }
+
   void add_keyframe(const nodmap::keyframe_2d_t& message) {
     for (const auto* pose : {&message.map_from_base, &message.odom_from_base, &message.step}) {
       std::for_each(std::begin(*pose), std::end(*pose), [this](double v) { require_finite(v); });
@@ -152,12 +160,8 @@ class Reader {
         .T_odom_base = read_pose(message.odom_from_base),
         .T_map_base = read_pose(message.map_from_base),
         .sensor_origin_base = {message.sensor_origin_m[0], message.sensor_origin_m[1]}};
-    for (std::size_t i = 0; i < message.points_m.size(); ++i) {
-      keyframe.points_base.emplace_back(message.points_m[i][0], message.points_m[i][1]);
-      keyframe.normals_base.emplace_back(message.normals[i][0], message.normals[i][1]);
-      require_finite(static_cast<double>(keyframe.points_base.back().norm()));
-      require_finite(static_cast<double>(keyframe.normals_base.back().norm()));
-    }
+    keyframe.points_base = read_points(message.points_m);
+    keyframe.normals_base = read_points(message.normals);
     add_to_submaps(message.first_submap, message.last_submap);
     if (!map_.keyframes.empty()) {
       add_step(message);

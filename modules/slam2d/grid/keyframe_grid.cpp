@@ -92,6 +92,15 @@ void KeyframeGrid::draw_new(std::span<const Keyframe> keyframes) {
   }
 }
 
+KeyframeGrid KeyframeGrid::snapshot() {
+  KeyframeGrid copy(grid_.snapshot());
+  copy.drawn_at_ = drawn_at_;
+  copy.next_redrawn_ = next_redrawn_;
+  copy.rays_beyond_ = rays_beyond_;
+  copy.cleared_ = cleared_;
+  return copy;
+}
+
 void KeyframeGrid::redraw_moved(std::span<const Keyframe> keyframes, std::size_t max_checked,
                                 std::size_t max_drawn) {
   std::size_t drawn = 0;

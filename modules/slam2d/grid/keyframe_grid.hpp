@@ -36,6 +36,9 @@ class KeyframeGrid {
  public:
   explicit KeyframeGrid(double cell_size_m) : grid_(cell_size_m) {}
 
+  /// A copy at little cost: see OccupancyGrid::snapshot().
+  [[nodiscard]] KeyframeGrid snapshot();
+
   [[nodiscard]] const OccupancyGrid& grid() const { return grid_; }
 
   /// How many rays are missing because the grid cannot hold them; those of a keyframe that was
@@ -68,6 +71,8 @@ class KeyframeGrid {
   void restore_cleared(std::vector<ClearedRegion> cleared) { cleared_ = std::move(cleared); }
 
  private:
+  explicit KeyframeGrid(OccupancyGrid grid) : grid_(std::move(grid)) {}
+
   /// The cells in which a keyframe is not drawn.
   [[nodiscard]] std::vector<CellRange> left_out(std::size_t keyframe) const;
   void redraw(std::span<const Keyframe> keyframes, std::size_t keyframe);

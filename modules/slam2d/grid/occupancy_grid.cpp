@@ -65,6 +65,21 @@ bool looks_alike(const std::vector<std::int8_t>& a, const std::vector<std::int8_
 
 }  // namespace
 
+OccupancyGrid OccupancyGrid::snapshot() {
+  for (Tile& tile : tiles_) {
+    tile.is_shared = true;
+  }
+  return *this;
+}
+
+// Must be called before the counts of a tile change.
+void OccupancyGrid::make_own(Tile& tile) {
+  if (tile.is_shared) {
+    tile.counts = std::make_shared<Counts>(*tile.counts);
+    tile.is_shared = false;
+  }
+}
+
 bool OccupancyGrid::add_ray(const Eigen::Vector2d& sensor_origin, const Eigen::Vector2d& end,
                             std::span<const CellRange> left_out) {
   return count_ray(sensor_origin, end, {1, 1}, left_out);
@@ -96,7 +111,7 @@ bool OccupancyGrid::add_cell(const Eigen::Vector2d& p_map, bool is_occupied) {
     return false;
   }
   Tile& tile = enter_tile(cell);
-  std::vector<std::uint32_t>& counts = is_occupied ? tile.ended : tile.passed;
+  std::vector<std::uint32_t>& counts = is_occupied ? tile.counts->ended : tile.counts->passed;
   ++counts[place_in_tile(cell - kTileCells * tile.position)];
   return true;
 }
@@ -129,7 +144,7 @@ bool OccupancyGrid::count_ray(const Eigen::Vector2d& sensor_origin, const Eigen:
     }
   }
   if (is_counted(last, left_out)) {
-    tile->ended[place_in_tile(last - kTileCells * tile->position)] += counted.ended;
+    tile->counts->ended[place_in_tile(last - kTileCells * tile->position)] += counted.ended;
   }
   return true;
 }
@@ -137,7 +152,7 @@ bool OccupancyGrid::count_ray(const Eigen::Vector2d& sensor_origin, const Eigen:
 void OccupancyGrid::pass_through(Tile& tile, const Eigen::Vector2i& at, RayWalk& ray, int steps,
                                  std::uint32_t passed, std::span<const CellRange> left_out) {
   const auto place = static_cast<std::ptrdiff_t>(place_in_tile(at));
-  std::uint32_t* const counts = tile.passed.data();
+  std::uint32_t* const counts = tile.counts->passed.data();
   if (left_out.empty()) {  // the usual case
     ray.advance(steps, place, kTileCells, [&](std::size_t k) { counts[k] += passed; });
     return;
@@ -162,14 +177,18 @@ void OccupancyGrid::clear(const CellRange& cells) {
     const Eigen::Vector2i first = kTileCells * tile.position;
     const Eigen::Vector2i low = (cells.low - first).cwiseMax(0);
     const Eigen::Vector2i high = (cells.high - first).cwiseMin(kTileCells - 1);
+    if ((low.array() > high.array()).any()) {
+      continue;
+    }
+    make_own(tile);
     for (int y = low.y(); y <= high.y(); ++y) {
       for (int x = low.x(); x <= high.x(); ++x) {
         const std::size_t place = place_in_tile({x, y});
-        tile.passed[place] = 0;
-        tile.ended[place] = 0;
+        tile.counts->passed[place] = 0;
+        tile.counts->ended[place] = 0;
       }
     }
-    tile.num_changes += (low.array() <= high.array()).all() ? 1 : 0;
+    ++tile.num_changes;
   }
 }
 
@@ -185,11 +204,13 @@ OccupancyGrid::Tile& OccupancyGrid::enter_tile(const Eigen::Vector2i& cell) {
   std::int32_t& number = tile_at(position);
   if (number == kNoTile) {
     number = static_cast<std::int32_t>(tiles_.size());
-    tiles_.push_back({.position = position,
-                      .passed = std::vector<std::uint32_t>(kCellsPerTile),
-                      .ended = std::vector<std::uint32_t>(kCellsPerTile)});
+    tiles_.push_back(
+        {.position = position,
+         .counts = std::make_shared<Counts>(Counts{std::vector<std::uint32_t>(kCellsPerTile),
+                                                   std::vector<std::uint32_t>(kCellsPerTile)})});
   }
   Tile& tile = tiles_[static_cast<std::size_t>(number)];
+  make_own(tile);
   ++tile.num_changes;
   return tile;
 }
@@ -221,8 +242,8 @@ bool OccupancyGrid::make_room(const Eigen::Vector2i& low, const Eigen::Vector2i&
 }
 
 std::int8_t OccupancyGrid::occupancy(const Tile& tile, std::size_t cell) {
-  const std::uint64_t ended = tile.ended[cell];
-  const std::uint64_t rays = ended + tile.passed[cell];
+  const std::uint64_t ended = tile.counts->ended[cell];
+  const std::uint64_t rays = ended + tile.counts->passed[cell];
   if (ended == 0) {  // the usual case, without a division
     return rays == 0 ? kUnknown : std::int8_t{0};
   }
@@ -244,18 +265,19 @@ GridTile OccupancyGrid::cut_tile(std::size_t number) const {
   constexpr std::size_t kAtOnce = 16;
   static_assert(kCellsPerTile % kAtOnce == 0);
   const Tile& tile = tiles_[number];
+  const Counts& counts = *tile.counts;
   const Eigen::Vector2i first = first_cell(number);
   GridTile cut{.number = number, .x = first.x(), .y = first.y(), .cells = {}};
   cut.cells.resize(kCellsPerTile);
-  std::transform(tile.passed.begin(), tile.passed.end(), cut.cells.begin(),
+  std::transform(counts.passed.begin(), counts.passed.end(), cut.cells.begin(),
                  [](std::uint32_t passed) { return passed == 0 ? kUnknown : std::int8_t{0}; });
   for (std::size_t begin = 0; begin < kCellsPerTile; begin += kAtOnce) {
     std::uint32_t any_ended = 0;
     for (std::size_t i = begin; i < begin + kAtOnce; ++i) {
-      any_ended |= tile.ended[i];
+      any_ended |= counts.ended[i];
     }
     for (std::size_t i = begin; any_ended != 0 && i < begin + kAtOnce; ++i) {
-      if (tile.ended[i] != 0) {
+      if (counts.ended[i] != 0) {
         cut.cells[i] = occupancy(tile, i);
       }
     }

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -32,7 +33,8 @@ struct CellRange {
 
 /// A 2D grid in the map frame. Counts, for each cell, the rays that ended in it and those that
 /// passed through. It grows tile by tile to hold whatever is drawn, so its memory follows the area
-/// that was seen, not the rectangle around it.
+/// that was seen, not the rectangle around it. A grid can be as large as 500 MB: it is copied only
+/// by snapshot().
 class OccupancyGrid {
  public:
   static constexpr std::int8_t kUnknown = -1;
@@ -40,6 +42,14 @@ class OccupancyGrid {
   static constexpr int kTileCells = 128;
 
   explicit OccupancyGrid(double cell_size_m) : cell_size_m_(cell_size_m) {}
+  OccupancyGrid(OccupancyGrid&&) = default;
+  OccupancyGrid& operator=(OccupancyGrid&&) = default;
+  OccupancyGrid& operator=(const OccupancyGrid&) = delete;
+  ~OccupancyGrid() = default;
+
+  /// A copy at little cost: it shares the counts of each tile until one of the two changes them.
+  /// The copy may be used, changed and destroyed on another thread.
+  [[nodiscard]] OccupancyGrid snapshot();
 
   /// Draws a ray from the scanner to the point it hit, both in map, metres. Returns false, and
   /// draws nothing, for a ray that is not finite or needs a grid of more than 64 million cells. The
@@ -97,10 +107,18 @@ class OccupancyGrid {
   }
 
  private:
-  struct Tile {
-    Eigen::Vector2i position;           ///< in tiles from the map's origin
+  OccupancyGrid(const OccupancyGrid&) = default;  // for snapshot()
+
+  struct Counts {
     std::vector<std::uint32_t> passed;  ///< rays through each cell, row by row, x fastest
     std::vector<std::uint32_t> ended;   ///< and those that ended in it
+  };
+  struct Tile {
+    Eigen::Vector2i position;  ///< in tiles from the map's origin
+    std::shared_ptr<Counts> counts;
+    /// Since a snapshot: the counts are copied before they change. Not the number of owners, which
+    /// another thread may be reducing.
+    bool is_shared = false;
     std::uint64_t num_changes = 0;
   };
   static constexpr std::int32_t kNoTile = -1;
@@ -119,6 +137,7 @@ class OccupancyGrid {
   /// The number of the tile at a position within the grid, or kNoTile.
   [[nodiscard]] std::int32_t& tile_at(const Eigen::Vector2i& position);
   [[nodiscard]] Tile& enter_tile(const Eigen::Vector2i& cell);
+  static void make_own(Tile& tile);
   [[nodiscard]] static std::int8_t occupancy(const Tile& tile, std::size_t cell);
 
   double cell_size_m_;

@@ -172,6 +172,43 @@ TEST(Executor, AnExceptionOfTheWorkComesWithWaiting) {
   EXPECT_TRUE(is_done);
 }
 
+// As while a map is saved: the copy is drawn anew and destroyed, while the map grows.
+TEST(Executor, ASnapshotOfTheGridIsDrawnOnAnotherThread) {
+  const std::vector<Keyframe> keyframes = [] {
+    Slam2d slam({}, std::make_unique<ImmediateExecutor>());
+    LevelScanInput input({});
+    test::Scanner scanner;
+    for (int i = 0; i < 10; ++i) {
+      const SE2 pose{0.31 * i, 0.0, 0.0};
+      const time::Timestamp stamp(1s * i);
+      input.add_odometry(stamp, geometry::to_se3(pose));
+      input.add_scan(scanner.scan(test::corridor(), pose, stamp));
+      if (const std::optional<LevelScan> scan = input.next()) {
+        EXPECT_TRUE(slam.add_scan(*scan));
+      }
+    }
+    return std::vector(slam.keyframes().begin(), slam.keyframes().end());
+  }();
+  ASSERT_GE(keyframes.size(), 4U);
+  KeyframeGrid map(0.05);
+  ThreadExecutor executor;
+  for (std::size_t end = 1; end <= keyframes.size(); ++end) {
+    map.draw_new({keyframes.data(), end});
+    executor.wait();
+    auto moved = keyframes;
+    for (Keyframe& keyframe : moved) {
+      keyframe.T_map_base.x += 0.5;
+    }
+    executor.start([snapshot = std::make_shared<KeyframeGrid>(map.snapshot()), moved] {
+      snapshot->redraw_all_moved(moved);
+    });
+  }
+  executor.wait();
+  KeyframeGrid expected(0.05);
+  expected.draw_new(keyframes);
+  EXPECT_EQ(trinary(map.grid()).cells, trinary(expected.grid()).cells);
+}
+
 // While loops are closed the node publishes the graph, and saves.
 TEST_F(Slam2dNodeTest, PublishesAndSavesTheMapWhileLoopsAreClosed) {
   const nodmap::test::TemporaryDir dir;

@@ -29,11 +29,7 @@ std::vector<Keyframe> bent_drive(const test::FloorPlan& plan) {
     Keyframe keyframe;
     keyframe.T_odom_base = {0.3 * k, 0.0, 0.0};
     keyframe.T_map_base = T_map_base;
-    for (const OrientedPoint& point :
-         extractor.extract(scanner.scan(plan, keyframe.T_odom_base), {})) {
-      keyframe.points_base.emplace_back(point.p.cast<float>());
-      keyframe.normals_base.emplace_back(point.normal.cast<float>());
-    }
+    set_points(keyframe, extractor.extract(scanner.scan(plan, keyframe.T_odom_base), {}));
     keyframes.push_back(keyframe);
     T_map_base = T_map_base * SE2{0.3, 0.0, k < 10 ? deg_to_rad(0.03) : 0.0};
   }
@@ -87,8 +83,7 @@ TEST(LineAdjustment, OneKeyframeStaysAndNoneIsNone) {
 TEST(LineAdjustment, KeyframesWithoutPointsStay) {
   std::vector<Keyframe> keyframes = bent_drive(test::corridor());
   for (Keyframe& keyframe : keyframes) {
-    keyframe.points_base.clear();
-    keyframe.normals_base.clear();
+    set_points(keyframe, {});
   }
   const std::vector<SE2> poses = adjusted_to_lines(keyframes, MapParams{});
   for (std::size_t k = 0; k < poses.size(); ++k) {

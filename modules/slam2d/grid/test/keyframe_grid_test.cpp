@@ -12,12 +12,14 @@ namespace keyframe_grid_test {
 
 // A keyframe whose rays are one degree apart and have these lengths.
 Keyframe fan(const std::vector<double>& lengths_m) {
-  Keyframe keyframe;
+  std::vector<Eigen::Vector2f> points;
   for (std::size_t i = 0; i < lengths_m.size(); ++i) {
     const double angle_rad = geometry::deg_to_rad(static_cast<double>(i));
-    keyframe.points_base.emplace_back(
+    points.emplace_back(
         (lengths_m[i] * Eigen::Vector2d(std::cos(angle_rad), std::sin(angle_rad))).cast<float>());
   }
+  Keyframe keyframe;
+  keyframe.points_base = SharedPoints(std::move(points));
   return keyframe;
 }
 
@@ -109,6 +111,29 @@ std::vector<Keyframe> row_of_fans(int count) {
 }
 
 const Region kRegion{{0.8, 0.9}, {1.9, 2.2}};
+
+// Both are drawn on, cleared and moved in tiles that they share at first.
+TEST(KeyframeGrid, ASnapshotAndItsOriginalDoNotChangeEachOther) {
+  std::vector<Keyframe> keyframes = row_of_fans(4);
+  KeyframeGrid map(0.05);
+  map.draw_new({keyframes.data(), 3});
+  KeyframeGrid snapshot = map.snapshot();
+  const auto before = known_cells(map.grid());
+  EXPECT_EQ(known_cells(snapshot.grid()), before);
+  map.draw_new(keyframes);
+  ASSERT_TRUE(map.clear(kRegion));
+  EXPECT_EQ(known_cells(snapshot.grid()), before);
+  const auto after = known_cells(map.grid());
+  for (Keyframe& keyframe : keyframes) {
+    keyframe.T_map_base = geometry::SE2{0.4, 0.3, 0.1} * keyframe.T_map_base;
+  }
+  snapshot.redraw_all_moved(keyframes);
+  EXPECT_NE(known_cells(snapshot.grid()), before);
+  EXPECT_EQ(known_cells(map.grid()), after);
+  KeyframeGrid expected(0.05);
+  expected.draw_new({keyframes.data(), 3});
+  EXPECT_EQ(known_cells(snapshot.grid()), known_cells(expected.grid()));
+}
 
 TEST(KeyframeGrid, AClearedRegionIsUnknownAndTheRestStays) {
   const std::vector<Keyframe> keyframes = row_of_fans(3);
