@@ -6,8 +6,8 @@
 
 For each seed the robot drives through the cellar, an office and a random world, with the odometry noise of bench/seeds.py. The ground is less even, or the
 laser's zero, mount or ranges are wrong and the robot does not know. Prints a row for each variant: contacts of all drives, mean speed, and the errors of all
-poses of 2D and 6D SLAM relative to the truth, with the first poses aligned: the mean of the drives, and in brackets the worst drive. A drive that is already in
-DIR is used again.
+poses of 2D and 6D SLAM relative to the truth, with the first poses aligned: the mean of the drives, and in brackets the worst drive. A drive of the same variant,
+world, seed and duration that is already in DIR is used again: use another DIR for another build.
 """
 import argparse
 import json
@@ -42,7 +42,7 @@ def take_from(out, trials):
 
 
 def make_trials(variant, worlds, seeds, duration_s):
-    return [Trial(f"{variant}-{world}-{seed}".replace(" ", "-"), WORLDS[world](seed), seed, duration_s, *ODOMETRY_NOISE, *settings(VARIANTS[variant]))
+    return [Trial(f"{variant}-{world}-{seed}-{duration_s}s".replace(" ", "-"), WORLDS[world](seed), seed, duration_s, *ODOMETRY_NOISE, *settings(VARIANTS[variant]))
             for world in worlds for seed in seeds]
 
 

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What the benchmarks' scripts do: bench.sh runs an entry with the arguments that its program needs, navigation.py fails where the robot hits something,
 trials.py shows what it has when something fails, slam2d_damage.py counts what it cannot measure, slam6d_sessions.py compares a pose with the truth of the same
-time, lost_time.py knows the navigator's reasons, and Fig. 3 shows a speed that is held.
+time, lost_time.py knows the navigator's reasons, sensitivity.py keeps drives apart, and Fig. 3 shows a speed that is held.
 
 usage: bench_test.py SOURCE_DIR
 """
@@ -206,6 +206,14 @@ def check_relations_without_a_scan(source):
     assert slam2d_damage.cell(errors, 0) == "0.0100 m, 0.100°, **1 without a pose**"
 
 
+def check_kept_drives(source):
+    """Two drives that differ never have the same folder, in which an earlier one would be found and used for the other."""
+    sys.path.insert(0, str(source / "bench"))
+    import sensitivity
+    trials = [trial for duration_s in (20, 40) for variant in sensitivity.VARIANTS for trial in sensitivity.make_trials(variant, sensitivity.WORLDS, range(12), duration_s)]
+    assert len({trial.name for trial in trials}) == len(trials)
+
+
 def main():
     source = pathlib.Path(sys.argv[1])
     check_truth_between_samples(source)
@@ -217,6 +225,7 @@ def main():
     check_odometry_noise(source)
     check_progress(source)
     check_relations_without_a_scan(source)
+    check_kept_drives(source)
     check_steady_speed(source)
     printed = measure(source, "serial", "nodmap-bench-serial", SERIAL_BENCH)
     assert printed == "20 s beside 6 loops\n", printed
