@@ -73,7 +73,8 @@ class MessageLogReader : private boost::noncopyable {
 /// event by add(), then finish(). `path`: the file, or a folder that contains it as `name`.
 template <class Reader>
 [[nodiscard]] auto read_message_log(const std::filesystem::path& path, const std::string& name) {
-  MessageLogReader log(std::filesystem::is_directory(path) ? path / name : path);
+  std::error_code unknown;  // opening the file will report it
+  MessageLogReader log(std::filesystem::is_directory(path, unknown) ? path / name : path);
   Reader reader(log);
   while (const LogEvent* event = log.next()) {
     reader.add(*event);

@@ -83,6 +83,18 @@ TEST_F(MessageLog, ErrorsHaveACode) {
   EXPECT_FALSE(fs::exists(file_.string() + ".part"));
 }
 
+// What a reader of nothing makes of a file.
+struct NoReader {
+  explicit NoReader(const MessageLogReader& /*log*/) {}
+  void add(const LogEvent& /*event*/) {}
+  [[nodiscard]] bool finish() const { return true; }
+};
+
+TEST_F(MessageLog, APathThatCannotBeExaminedIsAnErrorOfTheUser) {
+  fs::create_symlink(file_.filename(), file_);
+  EXPECT_THROW((void)read_message_log<NoReader>(file_, "requests.lcmlog"), formats::InputFileError);
+}
+
 TEST_F(MessageLog, ATruncatedFileIsAnError) {
   write({"a", "b"});
   fs::resize_file(file_, fs::file_size(file_) - 1);

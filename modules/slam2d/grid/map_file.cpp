@@ -195,6 +195,15 @@ GreyImage read_pgm(const std::filesystem::path& file) {
   return image;
 }
 
+// The state of a cell whose image value is 0 (black) to 1 (white).
+CellState state_of(double value, const MapHeader& header) {
+  const double occupied = header.negate ? value : 1.0 - value;
+  if (occupied > header.occupied_threshold) {
+    return CellState::kOccupied;
+  }
+  return occupied < header.free_threshold ? CellState::kFree : CellState::kUnknown;
+}
+
 }  // namespace
 
 std::uint8_t grey_of(const OccupancyGrid& grid, int x, int y) {
@@ -221,25 +230,13 @@ std::error_code write_ros_map(const std::filesystem::path& dir, const OccupancyG
   return {};
 }
 
-namespace {
-
-// The state of a cell whose image value is 0 (black) to 1 (white).
-CellState state_of(double value, const MapHeader& header) {
-  const double occupied = header.negate ? value : 1.0 - value;
-  if (occupied > header.occupied_threshold) {
-    return CellState::kOccupied;
-  }
-  return occupied < header.free_threshold ? CellState::kFree : CellState::kUnknown;
-}
-
-}  // namespace
-
 TrinaryGrid read_ros_map(const std::filesystem::path& path) {
   if (path.extension() == ".pgm") {
     refuse(path, "is only the image of a map; its map.yaml is needed");
   }
+  std::error_code unknown;  // opening the file will report it
   const MapHeader header =
-      read_header(std::filesystem::is_directory(path) ? path / "map.yaml" : path);
+      read_header(std::filesystem::is_directory(path, unknown) ? path / "map.yaml" : path);
   const GreyImage image = read_pgm(header.image);
   if (static_cast<double>(image.values.size()) * header.cell_size_m * header.cell_size_m >
       kMaxAreaM2) {

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "common/formats/input_file.hpp"
 #include "modules/slam2d/test/drawn_world.hpp"
 #include "tests/support/data_dir.hpp"
 
@@ -132,6 +133,12 @@ TEST(MapFile, AnImageThatCannotBeExaminedIsReplaced) {
   ASSERT_TRUE(grid.add_ray({0.25, 0.25}, {0.25, -100.0}));  // map.yaml changes, too
   ASSERT_FALSE(write_ros_map(dir.path(), grid));
   EXPECT_EQ(read_ros_map(dir.path()).cells, trinary(grid).cells);
+}
+
+TEST(MapFile, APathThatCannotBeExaminedIsAnErrorOfTheUser) {
+  const nodmap::test::TemporaryDir dir;
+  std::filesystem::create_symlink("map.yaml", dir.path() / "map.yaml");
+  EXPECT_THROW((void)read_ros_map(dir.path() / "map.yaml"), formats::InputFileError);
 }
 
 void put(const std::filesystem::path& file, const std::string& content) {
