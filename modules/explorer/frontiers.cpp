@@ -5,6 +5,8 @@
 #include <array>
 #include <utility>
 
+#include "common/geometry/whole_steps.hpp"
+
 namespace nodmap::explorer {
 namespace {
 
@@ -56,7 +58,7 @@ void Frontiers::spread(const PlanningGrid& grid, const std::vector<Cell>& from, 
 
 void Frontiers::find(const Reach& reach) {
   cells_.clear();
-  const auto beside = static_cast<int>(kBesideReachM / reach.grid.cell_size_m());
+  const int beside = geometry::whole_steps(kBesideReachM, reach.grid.cell_size_m());
   spread(reach.grid, reach.paths.cells(), beside, [&](const Cell& cell) {
     if (is_at_unknown(reach.grid, cell)) {
       cells_.push_back(cell);
@@ -65,7 +67,7 @@ void Frontiers::find(const Reach& reach) {
 }
 
 std::vector<Cell> Frontiers::lookouts(const Reach& reach, double max_m) {
-  spread(reach.grid, cells_, static_cast<int>(max_m / reach.grid.cell_size_m()),
+  spread(reach.grid, cells_, geometry::whole_steps(max_m, reach.grid.cell_size_m()),
          [](const Cell&) {});
   Raster<std::uint8_t> taken;
   const Raster<Ground>& ground = reach.grid.ground();

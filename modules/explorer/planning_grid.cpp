@@ -6,6 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "common/geometry/whole_steps.hpp"
+
 namespace nodmap::explorer {
 namespace {
 
@@ -109,7 +111,7 @@ bool PlanningGrid::make_room(const MapTile& tile) {
 
 void PlanningGrid::find_near_offsets() {
   const double map_cell_m = 0.5 * cell_size_m_;
-  reach_cells_ = static_cast<int>(inflation_radius_m_ / map_cell_m);
+  reach_cells_ = geometry::whole_steps(inflation_radius_m_, map_cell_m);
   for (int dy = -reach_cells_; dy <= reach_cells_; ++dy) {
     for (int dx = -reach_cells_; dx <= reach_cells_; ++dx) {
       if (map_cell_m * std::hypot(dx, dy) < inflation_radius_m_) {

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "common/geometry/whole_steps.hpp"
+
 namespace nodmap::explorer {
 namespace {
 
@@ -30,7 +32,7 @@ const std::vector<std::uint32_t>& RayCaster::unknown_cells(const PlanningGrid& g
     from_map = p_map;
   }
   const double step_rad = grid.cell_size_m() / kFullDensityM;
-  const int num_beams = static_cast<int>(params_.half_angle_rad / step_rad);
+  const int num_beams = geometry::whole_steps(params_.half_angle_rad, step_rad);
   for (int i = -num_beams; i <= num_beams; ++i) {
     cast(grid, from_map, heading_rad + step_rad * i);
   }
@@ -41,8 +43,8 @@ void RayCaster::cast(const PlanningGrid& grid, const Eigen::Vector2d& from_map, 
   const Raster<Ground>& ground = grid.ground();
   const Eigen::Vector2d step(std::cos(angle_rad), std::sin(angle_rad));
   Eigen::Vector2d p = from_map / grid.cell_size_m();
-  const int num_steps = static_cast<int>(params_.range_m / grid.cell_size_m());
-  int unknown_left = static_cast<int>(params_.unknown_depth_m / grid.cell_size_m());
+  const int num_steps = geometry::whole_steps(params_.range_m, grid.cell_size_m());
+  int unknown_left = geometry::whole_steps(params_.unknown_depth_m, grid.cell_size_m());
   Cell cell = p.array().floor().cast<int>();
   for (int i = 0; i < num_steps && unknown_left > 0; ++i) {
     p += step;

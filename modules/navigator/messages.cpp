@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "common/geometry/angle.hpp"
+#include "common/geometry/whole_steps.hpp"
 
 namespace nodmap::navigator {
 namespace {
@@ -137,7 +138,7 @@ nodmap::local_map_t local_map_message(const LocalMap& local_map, const Eigen::Ve
   constexpr int kPerCell = 2;
   const LocalGrid& grid = local_map.grid();
   const double cell_size_m = kPerCell * grid.cell_size_m();
-  const int size = 2 * static_cast<int>(half_size_m / cell_size_m);
+  const int size = 2 * geometry::whole_steps(half_size_m, cell_size_m);
   // A multiple of kPerCell: a cell of the message is the same ground in the next one.
   const Eigen::Vector2i middle = grid.index_of(p_odom);
   const Eigen::Vector2i first = Eigen::Vector2i(middle.x() & -kPerCell, middle.y() & -kPerCell) -

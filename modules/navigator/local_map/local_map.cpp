@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "common/geometry/whole_steps.hpp"
 #include "modules/navigator/local_map/dazzled_surface.hpp"
 #include "modules/navigator/local_map/holes.hpp"
 #include "modules/navigator/local_map/mixed_pixel.hpp"
@@ -42,7 +43,7 @@ bool LocalMap::could_be_ramp(const Eigen::Vector2d& p_odom) const {
 
 LocalView LocalMap::view_around(const Eigen::Vector2d& p_odom, double half_size_m) const {
   return {grid_, obstacles_, grid_.index_of(p_odom),
-          static_cast<int>(half_size_m / grid_.cell_size_m())};
+          geometry::whole_steps(half_size_m, grid_.cell_size_m())};
 }
 
 // The greatest measured height, above or below 0, of a point on the floor: by noise, uneven floor,
@@ -249,7 +250,7 @@ void LocalMap::add_contact(const geometry::SE2& T_odom_base, bool at_front) {
 template <class Visit>
 void LocalMap::visit_disc(const Eigen::Vector2d& p_odom, double radius_m,
                           const Visit& visit) const {
-  const auto reach = static_cast<int>(radius_m / grid_.cell_size_m());
+  const int reach = geometry::whole_steps(radius_m, grid_.cell_size_m());
   const Eigen::Vector2i middle = grid_.index_of(p_odom);
   for (int dy = -reach; dy <= reach; ++dy) {
     for (int dx = -reach; dx <= reach; ++dx) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "common/geometry/whole_steps.hpp"
 #include "modules/navigator/travel.hpp"
 
 namespace nodmap::navigator {
@@ -55,7 +56,7 @@ void ObstacleMemory::keep_near(LocalGrid& grid, const Eigen::Vector2d& p_odom) {
   kept_near_at_dm_ = now_dm;
   keep_forgotten(grid);
   const int younger_dm = travelled_dm - travelled_dm / kNearFactor;
-  const auto reach = static_cast<int>(kNearM / grid.cell_size_m());
+  const int reach = geometry::whole_steps(kNearM, grid.cell_size_m());
   const Eigen::Vector2i middle = grid.index_of(p_odom);
   for (int dy = -reach; dy <= reach; ++dy) {
     for (int dx = -reach; dx <= reach; ++dx) {

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "common/geometry/whole_steps.hpp"
+
 namespace nodmap::navigator {
 
 bool PossibleRamp::could_lead_up(const Eigen::Vector3d& p_odom, double height_m,
@@ -38,8 +40,8 @@ bool PossibleRamp::rises_behind(const Eigen::Vector2d& p_odom, std::int16_t high
   constexpr int kRiseCm = 3;
   const Eigen::Vector2d step = grid_.cell_size_m() * (p_odom - robot_odom_).normalized();
   const Eigen::Vector2d aside(-step.y(), step.x());
-  const int farthest = static_cast<int>(kFarthestM / grid_.cell_size_m());
-  const int nearest = static_cast<int>(kNearestM / grid_.cell_size_m());
+  const int farthest = geometry::whole_steps(kFarthestM, grid_.cell_size_m());
+  const int nearest = geometry::whole_steps(kNearestM, grid_.cell_size_m());
   for (int i = 1; i < farthest; ++i) {
     for (const double side : {-1.0, 0.0, 1.0}) {
       const LocalCell* cell = grid_.find(Eigen::Vector2d(p_odom + i * step + side * aside));

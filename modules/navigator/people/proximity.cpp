@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "common/geometry/whole_steps.hpp"
 #include "modules/navigator/local_map/local_map.hpp"
 
 namespace nodmap::navigator {
@@ -41,7 +42,7 @@ bool may_stand(const LocalCell* cell) {
 // Whether the laser saw floor at a place, and no obstacle near it.
 bool is_free(const Eigen::Vector2d& p_odom, const LocalMap& map) {
   const double cell_m = map.grid().cell_size_m();
-  const int reach = static_cast<int>(kSameM / cell_m);
+  const int reach = geometry::whole_steps(kSameM, cell_m);
   for (int dx = -reach; dx <= reach; ++dx) {
     for (int dy = -reach; dy <= reach; ++dy) {
       const Eigen::Vector2d beside = p_odom + cell_m * Eigen::Vector2d(dx, dy);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/geometry/whole_steps.hpp"
 #include "modules/navigator/geofence.hpp"
 
 namespace nodmap::navigator {
@@ -245,7 +246,7 @@ void GroundPlan::price_row(const PlanBasis& basis, int row) {
 // Raises the price where the robot could not go on. A place that also looked too narrow is closed.
 void GroundPlan::price_failures(const std::deque<Eigen::Vector2d>& failures_map) {
   const double least_m = body_.half_width_m + params_.min_clearance_m;
-  const int reach = static_cast<int>(kFailureM / window_.cell_m);
+  const int reach = geometry::whole_steps(kFailureM, window_.cell_m);
   for (const Eigen::Vector2d& p_map : failures_map) {
     const Eigen::Vector2i middle = window_.cell_of(p_map);
     for (int dy = -reach; dy <= reach; ++dy) {

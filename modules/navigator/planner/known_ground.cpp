@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 
+#include "common/geometry/whole_steps.hpp"
 #include "modules/navigator/local_map/local_map.hpp"
 
 namespace nodmap::navigator {
@@ -104,7 +105,7 @@ void KnownGround::update(const Situation& now) {
   const LocalView view =
       now.local_map->view_around(now.T_odom_base.translation(), kTakeOverM + 2.0 * kCellM);
   const auto quarters = quarters_of_cell(view.cells_per_m() * R_odom_map);
-  const int reach = static_cast<int>(kTakeOverM / kCellM);
+  const int reach = geometry::whole_steps(kTakeOverM, kCellM);
   const Eigen::Vector2i middle = grid_.index_of(p_map);
   for (int dy = -reach; dy <= reach; ++dy) {
     for (int dx = -reach; dx <= reach; ++dx) {
@@ -163,7 +164,7 @@ bool KnownGround::is_seen_near(const Eigen::Vector2i& index) const {
 KnownGround::Extent KnownGround::extent(const Eigen::Vector2d& p_map,
                                         const Eigen::Vector2d& goal_map,
                                         const Map2d* map_2d) const {
-  const auto around = static_cast<int>(kAroundM / kCellM);
+  const int around = geometry::whole_steps(kAroundM, kCellM);
   const Eigen::Vector2i margin = Eigen::Vector2i::Constant(around);
   Extent all{grid_.index_of(known_min_.cwiseMin(p_map).cwiseMin(goal_map)) - margin,
              grid_.index_of(known_max_.cwiseMax(p_map).cwiseMax(goal_map)) + margin};

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "common/geometry/pose_tolerance.hpp"
+#include "common/geometry/whole_steps.hpp"
 #include "modules/slam2d/matching/lattice_scores.hpp"
 
 namespace nodmap::slam2d {
@@ -78,7 +79,7 @@ std::vector<PoseSearch::Candidate> PoseSearch::poses_around(
     const PointMap& map, std::span<const OrientedPoint> scan,
     std::span<const geometry::SE2> guesses) const {
   const geometry::SE2& guess = guesses.front();
-  const int steps = static_cast<int>(params_.distance_m / kStepM);
+  const int steps = geometry::whole_steps(params_.distance_m, kStepM);
   const double step_rad = rotation_step_rad(scan);
   const int rotations = static_cast<int>(params_.rotation_rad / step_rad);
   LatticeScores scores(map, guess.translation(), steps);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "common/geometry/whole_steps.hpp"
 #include "modules/slam6d/registration/inliers.hpp"
 
 namespace nodmap::slam6d {
@@ -43,7 +44,7 @@ std::vector<Eigen::Vector3f> wall_means(const VoxelMap& map) {
 // A grid of positions around the keyframes, each once, at the height of a keyframe near it.
 std::vector<Eigen::Vector3d> places_about(std::span<const SE3> T_map_keyframes, double reach_m,
                                           double step_m) {
-  const int reach = static_cast<int>(reach_m / step_m);
+  const int reach = geometry::whole_steps(reach_m, step_m);
   std::set<std::array<int, 3>> taken;
   std::vector<Eigen::Vector3d> places;
   for (const SE3& T_map_base : T_map_keyframes) {
