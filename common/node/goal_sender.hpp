@@ -16,6 +16,9 @@ namespace nodmap::node {
 /// A goal or a region with a greater coordinate, in metres, is refused as a mistake.
 inline constexpr double kMaxCoordinateM = 1e4;
 
+/// A goal with a greater tolerance, in metres, is refused as a mistake.
+inline constexpr double kMaxGoalToleranceM = 10.0;
+
 /// Home, x and y in map: the map's origin, where odometry began when 2D SLAM began the map. A map
 /// that is continued, or in which the robot is localised, keeps its origin.
 inline constexpr std::array<double, 2> kHomeM = {0.0, 0.0};

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "common/node/goal_sender.hpp"
 #include "common/node/map_tile.hpp"
 #include "common/node/messages.hpp"
 #include "common/scan/ego_map_points.hpp"
@@ -197,6 +198,10 @@ void NavigatorNode::on_pitch_state(const nodmap::pitch_state_t& message) {
 void NavigatorNode::on_goal(const nodmap::goal_t& message) {
   if (!is_plausible(message)) {
     context_.counts.reject("implausible_goal");
+    return;
+  }
+  if (message.is_active != 0 && message.tolerance_m > node::kMaxGoalToleranceM) {
+    context_.counts.reject("goal_tolerance_above_10_m");
     return;
   }
   context_.counts.use();

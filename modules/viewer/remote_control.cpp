@@ -109,8 +109,11 @@ Answer RemoteControl::do_goal(const Json& request) {
   const auto x_m = number_in(request, "x_m");
   const auto y_m = number_in(request, "y_m");
   const auto tolerance_m = number_in(request, "tolerance_m", kToleranceM);
-  if (!x_m || !y_m || !tolerance_m || *tolerance_m <= 0.0 || *tolerance_m > node::kMaxCoordinateM) {
+  if (!x_m || !y_m || !tolerance_m || *tolerance_m <= 0.0) {
     return {.ok = false, .text = "A goal needs x_m and y_m, and a tolerance_m > 0 if any."};
+  }
+  if (*tolerance_m > node::kMaxGoalToleranceM) {
+    return {.ok = false, .text = "The tolerance of a goal is at most 10 m."};
   }
   if (std::abs(*x_m) > node::kMaxCoordinateM || std::abs(*y_m) > node::kMaxCoordinateM) {
     return {.ok = false,

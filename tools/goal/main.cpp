@@ -190,7 +190,7 @@ int main(int argc, char** argv) {
              app.add_option("--tolerance", arguments.tolerance_m,
                             "Distance at which a waypoint counts as reached, metres; default 0.2; "
                             "with --heading, 0.02 for the last one")
-                 ->check(CLI::Range(0.01, 10.0));
+                 ->check(CLI::Range(0.01, node::kMaxGoalToleranceM));
              auto* heading =
                  app.add_option("--heading", arguments.heading_deg,
                                 "Dock at the last waypoint with this heading in map, degrees, 0 "

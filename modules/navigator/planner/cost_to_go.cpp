@@ -7,6 +7,8 @@
 #include <functional>
 #include <limits>
 
+#include "common/geometry/whole_steps.hpp"
+
 namespace nodmap::navigator {
 namespace {
 
@@ -41,7 +43,7 @@ constexpr std::array<Neighbour, 8> kNeighbours{{{1, 0, kStraightM},
 double CostToGo::at(const Eigen::Vector2d& p_map) const {
   const Eigen::Vector2i cell = window_.cell_of(p_map);
   return window_.contains(cell.x(), cell.y())
-             ? static_cast<double>(cost_[window_.index_of(cell.x(), cell.y())])
+             ? offset_m_ + static_cast<double>(cost_[window_.index_of(cell.x(), cell.y())])
              : std::numeric_limits<double>::infinity();
 }
 
@@ -61,7 +63,7 @@ std::vector<Eigen::Vector2d> CostToGo::path_from(const Eigen::Vector2d& p_map, d
   const Eigen::Vector2d cell = ((p_map - window_.origin) / window_.cell_m).array().floor();
   std::vector<Eigen::Vector2d> path{window_.origin +
                                     window_.cell_m * (cell + Eigen::Vector2d(0.5, 0.5))};
-  const auto max_points = static_cast<std::size_t>(max_m / window_.cell_m);
+  const auto max_points = static_cast<std::size_t>(geometry::whole_steps(max_m, window_.cell_m));
   while (path.size() < max_points) {
     Eigen::Vector2d next = path.back();
     double least = at(path.back());
@@ -122,6 +124,7 @@ void CostSearch::begin_at_goal(const PlanWindow& window, std::span<const float> 
 
 void CostSearch::clear(const PlanWindow& window) {
   found_.window_ = window;
+  found_.offset_m_ = 0.0;
   found_.cost_.assign(window.num_cells(), kNever);
   for (auto& bucket : buckets_) {
     bucket.clear();
@@ -154,25 +157,31 @@ void CostSearch::seed_goal(std::span<const float> price, const Eigen::Vector2d& 
                            double tolerance_m) {
   const PlanWindow& window = found_.window_;
   const double radius_m = std::max(window.cell_m, 0.7 * tolerance_m);
-  for (double dy = -radius_m; dy <= radius_m; dy += window.cell_m) {
-    for (double dx = -radius_m; dx <= radius_m; dx += window.cell_m) {
-      const Eigen::Vector2i cell = window.cell_of(goal_map + Eigen::Vector2d(dx, dy));
-      if (dx * dx + dy * dy > radius_m * radius_m || !window.contains(cell.x(), cell.y()) ||
-          price[window.index_of(cell.x(), cell.y())] < 0.0F) {
-        continue;
+  const Eigen::Vector2d corner_map = goal_map - Eigen::Vector2d::Constant(radius_m);
+  const Eigen::Vector2i first = window.cell_of(corner_map);
+  const int steps = geometry::whole_steps(2.0 * radius_m, window.cell_m);
+  // Only cells of the window, however large the tolerance.
+  for (int j = std::max(0, -first.y()); j <= std::min(steps, window.height - 1 - first.y()); ++j) {
+    for (int i = std::max(0, -first.x()); i <= std::min(steps, window.width - 1 - first.x()); ++i) {
+      const double dx = i * window.cell_m - radius_m;
+      const double dy = j * window.cell_m - radius_m;
+      const std::size_t cell = window.index_of(first.x() + i, first.y() + j);
+      if (dx * dx + dy * dy <= radius_m * radius_m && price[cell] >= 0.0F) {
+        push(cell, static_cast<float>(std::hypot(dx, dy)));
       }
-      push(window.index_of(cell.x(), cell.y()), static_cast<float>(std::hypot(dx, dy)));
     }
   }
 }
 
 // `cost_at`: the cost to go at a cell's middle, from which one direction leads out of the window.
+// With a goal inside, which costs nothing, there is no offset.
 void CostSearch::seed_border(std::span<const float> price, const auto& cost_at) {
   const PlanWindow& window = found_.window_;
+  std::vector<std::pair<double, Eigen::Vector2i>> border;
   const auto add = [&](int column, int row, const Eigen::Vector2d& outwards) {
     const double cost_m = cost_at(window.center_of(column, row), outwards);
     if (std::isfinite(cost_m)) {
-      add_seed(price, {column, row}, cost_m);
+      border.emplace_back(cost_m, Eigen::Vector2i(column, row));
     }
   };
   for (int column = 0; column < window.width; ++column) {
@@ -182,6 +191,13 @@ void CostSearch::seed_border(std::span<const float> price, const auto& cost_at) 
   for (int row = 0; row < window.height; ++row) {
     add(0, row, {-1.0, 0.0});
     add(window.width - 1, row, {1.0, 0.0});
+  }
+  if (num_queued_ == 0 && !border.empty()) {
+    found_.offset_m_ =
+        std::ranges::min_element(border, {}, [](const auto& seed) { return seed.first; })->first;
+  }
+  for (const auto& [cost_m, cell] : border) {
+    add_seed(price, cell, cost_m - found_.offset_m_);
   }
   std::ranges::sort(seeds_, std::greater());
 }

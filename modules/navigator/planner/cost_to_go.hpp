@@ -28,6 +28,9 @@ class CostToGo {
  private:
   friend class CostSearch;
   PlanWindow window_;
+  // Costs are stored relative to this, the least at the border if the goal is beyond it: a float
+  // has steps of 12 cm at the distance of a goal 1000 km away.
+  double offset_m_ = 0.0;
   std::vector<float> cost_;
 };
 
@@ -88,7 +91,7 @@ class CostSearch {
   float scale_ = 1.0F;  // edge of the window's cells, compared with the usual one
   /// Cells whose cost is known from the start, the cheapest last: at the window's border for a goal
   /// beyond it, or the ends of a search without a goal.
-  std::vector<std::pair<float, std::size_t>> seeds_;
+  std::vector<std::pair<float, std::size_t>> seeds_;  // costs without the offset
 };
 
 }  // namespace nodmap::navigator

@@ -155,6 +155,9 @@ TEST_F(NavigatorNodeTest, GoesToAGoalInTheCorrectedMap) {
   goal.tolerance_m = 0.0;
   bus_.deliver("GOAL", goal);
   EXPECT_EQ(rejected("implausible_goal"), 1);
+  goal.tolerance_m = 10.5;
+  bus_.deliver("GOAL", goal);
+  EXPECT_EQ(rejected("goal_tolerance_above_10_m"), 1);
   goal.is_active = false;
   bus_.deliver("GOAL", goal);
   run(1.5);

@@ -303,6 +303,7 @@ TEST_F(RemoteControlTest, InvalidRequestsAreRefused) {
         Json({{"do", "goal"}, {"x_m", "1"}, {"y_m", 1}}),
         Json({{"do", "goal"}, {"x_m", 1e9}, {"y_m", 1}}),
         Json({{"do", "goal"}, {"x_m", 1}, {"y_m", 1}, {"tolerance_m", 0}}),
+        Json({{"do", "goal"}, {"x_m", 1}, {"y_m", 1}, {"tolerance_m", 10.5}}),
         Json({{"do", "goal"}, {"x_m", 1}, {"y_m", 1}, {"tolerance_m", "1"}}), Json::object(),
         Json({{"do", 1}}), Json({{"do", "fly"}}), Json({{"do", "DRIVE"}, {"forward_mps", 1}})}) {
     EXPECT_FALSE(ask(request)) << request;

@@ -193,6 +193,56 @@ TEST(CostSearch, InAPartOfTheWindowTheCostsAreThoseOfTheWhole) {
   }
 }
 
+// A float has steps of 12 cm at such a cost, more than a cell costs.
+TEST(CostSearch, CostsAreExactForAGoalAThousandKilometresAway) {
+  Prices prices(1000);
+  std::ranges::fill(prices.price, static_cast<float>(kOutsidePrice));
+  const Eigen::Vector2d goal_map(1e6, 0.4);
+  const CostToGo found = search(prices, goal_map, 1 << 20);
+  for (int column = 0; column < prices.window.width; ++column) {
+    const Eigen::Vector2d p = prices.middle(column, 20);
+    // Each step may be 0.1 mm off.
+    EXPECT_NEAR(found.at(p), kOutsidePrice * (goal_map.x() - p.x()), 0.01) << column;
+  }
+  const auto path = found.path_from(prices.middle(0, 20), 100.0);
+  EXPECT_GT(path.back().x(), prices.middle(prices.window.width - 2, 20).x());
+}
+
+TEST(CostSearch, AThousandKilometresFromTheOriginTheCostsAreTheSame) {
+  Prices prices(1000);
+  const Eigen::Vector2d goal_map(0.32, 0.42);  // in the middle of a cell, with its window
+  const CostToGo near = search(prices, goal_map, 1 << 20);
+  const Eigen::Vector2d far_away(1e6, -1e6);
+  prices.window.origin += far_away;
+  const CostToGo far = search(prices, goal_map + far_away, 1 << 20);
+  for (int row = 0; row < prices.window.height; ++row) {
+    for (int column = 0; column < prices.window.width; ++column) {
+      const Eigen::Vector2d p = prices.middle(column, row);
+      if (std::isfinite(far.at(p))) {
+        EXPECT_NEAR(far.at(p), near.at(p - far_away), 1e-4);
+      } else {
+        EXPECT_EQ(far.at(p), near.at(p - far_away));
+      }
+    }
+  }
+}
+
+// The work depends on the window, not on the tolerance; every cell is the goal.
+TEST(CostSearch, ATolerancePastTheWindowCostsNoMoreThanTheWindow) {
+  Prices prices(1000);
+  std::ranges::fill(prices.price, 1.0F);
+  const Eigen::Vector2d goal_map(0.3, 0.4);
+  CostSearch dut;
+  dut.begin(prices.window, prices.price, goal_map, 1e6, kOutsidePrice);
+  while (dut.advance(prices.price, 1 << 20)) {
+  }
+  for (int column = 0; column < prices.window.width; ++column) {
+    const Eigen::Vector2d p = prices.middle(column, 20);
+    // Seeds are not at the centres of cells, but off by up to half of their diagonal.
+    EXPECT_NEAR(dut.found().at(p), (p - goal_map).norm(), 0.036) << column;
+  }
+}
+
 TEST(CostSearch, TheResultDoesNotDependOnTheSizeOfThePortions) {
   const Prices prices(1000);
   const CostToGo at_once = search(prices, {0.3, 0.4}, 1 << 20);
