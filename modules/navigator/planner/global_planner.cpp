@@ -16,9 +16,6 @@ constexpr GroundPlan::Portion kPortion{.prepared = 1'000'000, .searched = 8000};
 constexpr GroundPlan::Portion kFirstPortion{.prepared = 1'000'000, .searched = 32'000};
 // In addition, beyond the window, where nothing is urgent: 0.25 ms of search or 0.8 ms before it.
 constexpr GroundPlan::Portion kPortionBeyond{.prepared = 200'000, .searched = 4000};
-// The time from one plan of all ground to the next: what it bears on lies beyond the window, 25 m
-// away, of which the robot drives a third in this time.
-constexpr double kReplanBeyondS = 5.0;
 // So many places where the robot could not go on are remembered: with each it has made no progress
 // for some seconds.
 constexpr std::size_t kMaxFailures = 50;
@@ -31,7 +28,7 @@ constexpr double kLeftM = 1.75;
 }  // namespace
 
 GlobalPlanner::GlobalPlanner(const robot::Footprint& body, const PlannerParams& params)
-    : params_(params), plan_(body, params), beyond_plan_(body, params) {}
+    : params_(params), plan_(body, params), far_plan_(body, params) {}
 
 void GlobalPlanner::add_failure(const Eigen::Vector2d& p_map) {
   if (failures_map_.size() == kMaxFailures) {
@@ -49,9 +46,7 @@ void GlobalPlanner::forget_ground() {
   ground_.forget();
   started_at_.reset();
   plan_.stop();
-  beyond_started_at_.reset();
-  beyond_plan_.stop();
-  beyond_.reset();
+  far_plan_.forget();
 }
 
 void GlobalPlanner::forget_map() {
@@ -66,7 +61,8 @@ void GlobalPlanner::step(const Situation& now) {
   const Eigen::Vector2d goal_map = T_map_base * now.goal->p_base;
   const double tolerance_m = now.goal->tolerance_m;
   map_2d_ = now.map_2d != nullptr && !now.map_2d->is_empty() ? now.map_2d : nullptr;
-  goal_is_new_ = (goal_map - goal_map_).norm() > 0.5 * tolerance_m || tolerance_m != tolerance_m_;
+  goal_is_new_ =
+      (goal_map - goal_.p_map).norm() > 0.5 * tolerance_m || tolerance_m != goal_.tolerance_m;
   if (goal_is_new_) {
     take_new_goal();
   }
@@ -74,15 +70,11 @@ void GlobalPlanner::step(const Situation& now) {
     is_former_ = false;
     complete_.reset();
   }
-  go_on_beyond(now);
+  advance_far_plan(now);
   if (plan_.is_active()) {
-    const bool is_first = cost_to_go() == nullptr;
-    if (plan_.advance(basis(now), T_map_base.translation(), is_first ? kFirstPortion : kPortion)) {
-      finish(T_map_base.translation());
-    }
+    advance(now);
   } else if (start_if_due(now.stamp)) {
-    goal_map_ = goal_map;
-    tolerance_m_ = tolerance_m;
+    goal_ = {goal_map, tolerance_m};
     goal_is_new_ = false;
     begin(now);
   }
@@ -96,7 +88,7 @@ void GlobalPlanner::take_new_goal() {
   if (cost_to_go() != nullptr) {
     is_former_ = true;
     plan_.stop();
-    beyond_plan_.stop();
+    far_plan_.stop();
   }
   if (!plan_.is_active()) {
     started_at_.reset();
@@ -111,9 +103,7 @@ void GlobalPlanner::step_onward(const Situation& now) {
     plan_.stop();
   }
   if (plan_.is_active()) {
-    if (plan_.advance(basis(now), T_map_base.translation(), complete_ ? kPortion : kFirstPortion)) {
-      finish(T_map_base.translation());
-    }
+    advance(now);
   } else if (start_if_due(now.stamp)) {
     ground_.update(now);
     plan_.begin_onward(ground_.window_within(T_map_base.translation(),
@@ -137,49 +127,24 @@ bool GlobalPlanner::start_if_due(time::Timestamp stamp) {
 void GlobalPlanner::begin(const Situation& now) {
   const Eigen::Vector2d p_map = now.T_map_base().translation();
   ground_.update(now);
-  begin_beyond(now.stamp, p_map);
-  const PlanWindow window = ground_.window_around(p_map, goal_map_, map_2d_);
-  const Eigen::Vector2i goal = window.cell_of(goal_map_);
-  if (window.contains(goal.x(), goal.y()) || !waits_for_beyond()) {
-    plan_.begin(window, goal_map_, tolerance_m_);
-  }
-}
-
-// Begins a plan of all ground, if that is more than the window shows and the last one began long
-// enough ago or leads to another goal.
-void GlobalPlanner::begin_beyond(time::Timestamp stamp, const Eigen::Vector2d& p_map) {
-  const bool is_due =
-      !beyond_started_at_ ||
-      time::seconds(std::chrono::abs(stamp - *beyond_started_at_)) >= kReplanBeyondS ||
-      !is_to_goal(beyond_goal_map_);
-  if (!is_due || beyond_plan_.is_active()) {
-    return;
-  }
-  beyond_started_at_ = stamp;
-  beyond_goal_map_ = goal_map_;
-  if (const auto window = ground_.window_of_all(p_map, goal_map_, map_2d_)) {
-    beyond_plan_.begin(*window, goal_map_, tolerance_m_);
-  } else {
-    beyond_.reset();
+  far_plan_.begin_if_due(now.stamp, basis(now), p_map, goal_);
+  const PlanWindow window = ground_.window_around(p_map, goal_.p_map, map_2d_);
+  const Eigen::Vector2i goal = window.cell_of(goal_.p_map);
+  if (window.contains(goal.x(), goal.y()) || !far_plan_.is_coming(goal_)) {
+    plan_.begin(window, goal_.p_map, goal_.tolerance_m);
   }
 }
 
 // It waits while the plan in the window is prepared, which takes as long as a decision may wait.
-void GlobalPlanner::go_on_beyond(const Situation& now) {
-  if (!beyond_plan_.is_active() || plan_.is_preparing()) {
+void GlobalPlanner::advance_far_plan(const Situation& now) {
+  if (!far_plan_.is_active() || plan_.is_preparing()) {
     return;
   }
   const bool is_waited_for = cost_to_go() == nullptr && !plan_.is_active();
-  PlanBasis all = basis(now);
-  all.beyond = nullptr;
-  all.waits_for_beyond = false;
-  if (beyond_plan_.advance(all, now.T_map_base().translation(),
-                           is_waited_for ? kFirstPortion : kPortionBeyond)) {
-    beyond_plan_.exchange_found(beyond_ ? *beyond_ : beyond_.emplace());
-    beyond_complete_goal_map_ = beyond_goal_map_;
-    if (is_waited_for) {
-      started_at_.reset();
-    }
+  if (far_plan_.advance(basis(now), now.T_map_base().translation(),
+                        is_waited_for ? kFirstPortion : kPortionBeyond) &&
+      is_waited_for) {
+    started_at_.reset();
   }
 }
 
@@ -188,25 +153,18 @@ PlanBasis GlobalPlanner::basis(const Situation& now) const {
           .map_2d = map_2d_,
           .geofence = now.geofence,
           .failures_map = failures_map_,
-          .beyond = beyond(),
-          .waits_for_beyond = waits_for_beyond()};
-}
-
-const CostToGo* GlobalPlanner::beyond() const {
-  return beyond_ && is_to_goal(beyond_complete_goal_map_) ? &*beyond_ : nullptr;
-}
-
-bool GlobalPlanner::waits_for_beyond() const {
-  return beyond() == nullptr && beyond_plan_.is_active() && is_to_goal(beyond_goal_map_);
-}
-
-bool GlobalPlanner::is_to_goal(const Eigen::Vector2d& goal_map) const {
-  return (goal_map - goal_map_).norm() <= tolerance_m_;
+          .beyond = far_plan_.to(goal_),
+          .waits_for_beyond = far_plan_.is_coming(goal_)};
 }
 
 // That there is no path in the window is not known to be true before all ground has been planned.
-void GlobalPlanner::finish(const Eigen::Vector2d& p_map) {
-  if (waits_for_beyond() && !std::isfinite(plan_.found().least_near(p_map))) {
+void GlobalPlanner::advance(const Situation& now) {
+  const Eigen::Vector2d p_map = now.T_map_base().translation();
+  const bool is_first = cost_to_go() == nullptr;
+  if (!plan_.advance(basis(now), p_map, is_first ? kFirstPortion : kPortion)) {
+    return;
+  }
+  if (far_plan_.is_coming(goal_) && !std::isfinite(plan_.found().least_near(p_map))) {
     return;
   }
   plan_.exchange_found(complete_ ? *complete_ : complete_.emplace());

@@ -10,6 +10,7 @@
 #include "common/robot/footprint.hpp"
 #include "modules/navigator/params.hpp"
 #include "modules/navigator/planner/cost_to_go.hpp"
+#include "modules/navigator/planner/far_plan.hpp"
 #include "modules/navigator/planner/ground_plan.hpp"
 #include "modules/navigator/planner/known_ground.hpp"
 #include "modules/navigator/planner/map_2d.hpp"
@@ -27,8 +28,8 @@ namespace nodmap::navigator {
 /// finds out; a narrow place in which the robot could not go on is closed.
 ///
 /// The plan covers a window around the robot. If more than that is known, or the goal is farther
-/// away, a plan of all ground, coarser if that is large, says what it costs to go on from the
-/// window's border. So a dead end that is longer than the window is remembered, and left for good.
+/// away, a plan of all ground (FarPlan) says what it costs to go on from the window's border. So a
+/// dead end that is longer than the window is remembered, and left for good.
 ///
 /// The 2D map may show a door closed that is open by now. If it leaves no path, the plan is made
 /// without it: there is a path to every goal to which there would be one without a 2D map.
@@ -70,14 +71,9 @@ class GlobalPlanner {
   void take_new_goal();
   [[nodiscard]] bool start_if_due(time::Timestamp stamp);
   void begin(const Situation& now);
-  void begin_beyond(time::Timestamp stamp, const Eigen::Vector2d& p_map);
-  void go_on_beyond(const Situation& now);
-  void finish(const Eigen::Vector2d& p_map);
+  void advance_far_plan(const Situation& now);
+  void advance(const Situation& now);
   [[nodiscard]] PlanBasis basis(const Situation& now) const;
-  [[nodiscard]] const CostToGo* beyond() const;
-  [[nodiscard]] bool waits_for_beyond() const;
-  // Whether a plan and the present one lead to the same goal.
-  [[nodiscard]] bool is_to_goal(const Eigen::Vector2d& goal_map) const;
 
   PlannerParams params_;
   KnownGround ground_;
@@ -85,21 +81,14 @@ class GlobalPlanner {
 
   const Map2d* map_2d_ = nullptr;  // of this step; null: none
   std::optional<time::Timestamp> started_at_;
-  Eigen::Vector2d goal_map_ = Eigen::Vector2d::Zero();  // of the last plan that was begun
-  double tolerance_m_ = 0.0;                            // the same
-  bool goal_is_new_ = false;                            // since that plan was begun
-  std::optional<geometry::SE2> onward_from_;            // T_map_base; empty: to the goal
+  FarPlan::Goal goal_;                        // of the last plan that was begun
+  bool goal_is_new_ = false;                  // since that plan was begun
+  std::optional<geometry::SE2> onward_from_;  // T_map_base; empty: to the goal
   GroundPlan plan_;
   std::optional<CostToGo> complete_;
   time::Timestamp completed_from_{};  // when the plan that is complete was begun
   bool is_former_ = false;            // complete_ is the plan to a previous goal
-
-  // The same for all ground, where the window leaves something out.
-  std::optional<time::Timestamp> beyond_started_at_;
-  Eigen::Vector2d beyond_goal_map_ = Eigen::Vector2d::Zero();
-  GroundPlan beyond_plan_;
-  std::optional<CostToGo> beyond_;
-  Eigen::Vector2d beyond_complete_goal_map_ = Eigen::Vector2d::Zero();
+  FarPlan far_plan_;
 };
 
 }  // namespace nodmap::navigator

@@ -212,6 +212,46 @@ TEST(FarGoal, TheRobotDoesNotEnterADeadEndThatIsLongerThanTheWindow) {
   }
 }
 
+// While all ground is planned for a first goal there is a second one. Straight ahead to it is the
+// dead end.
+TEST(FarGoal, TheRobotDoesNotSetOffStraightToASecondGoalEither) {
+  const Building building = dead_end();
+  const Map2d map = building.map();
+  const LocalMap nothing({}, {});
+  GlobalPlanner planner(kBody, flat());
+  Situation now;
+  now.local_map = &nothing;
+  now.map_2d = &map;
+  now.goal = GoalInBase{{72.0, 20.0}, 0.2};
+  for (int i = 0; i < 5; ++i, now.stamp += 13'320us) {
+    planner.step(now);
+  }
+  ASSERT_EQ(planner.cost_to_go(), nullptr);
+  const Eigen::Vector2d second(72.0, 0.0);
+  now.goal = GoalInBase{second, 0.2};
+  for (int i = 0; i < 2000 && planner.cost_to_go() == nullptr; ++i, now.stamp += 13'320us) {
+    planner.step(now);
+  }
+  ASSERT_NE(planner.cost_to_go(), nullptr);
+  EXPECT_NEAR(planner.cost_to_go()->least_near({0.0, 0.0}), building.path_m({0.0, 0.0}, second),
+              0.8);
+}
+
+// A goal that moves on before all ground has been planned for it.
+TEST(FarGoal, AGoalThatMovesIsApproachedAllTheSame) {
+  const LocalMap nothing({}, {});
+  GlobalPlanner planner(kBody, {});
+  Situation now;
+  now.local_map = &nothing;
+  for (int i = 0; i < 750; ++i, now.stamp += 13'320us) {  // 10 s
+    now.goal = GoalInBase{{80.0, -20.0 + 0.02 * i}, 0.2};
+    planner.step(now);
+    if (i >= 300) {
+      EXPECT_TRUE(planner.cost_to_go() != nullptr || planner.former_cost_to_go() != nullptr) << i;
+    }
+  }
+}
+
 // A decision visits at most a million cells before a search, and searches at most 32 000.
 TEST(FarGoal, AllGroundIsPlannedInPortions) {
   GlobalPlanner planner(kBody, {});

@@ -282,6 +282,49 @@ TEST(GlobalPlanner, RemembersTheLastFiftyFailures) {
   EXPECT_EQ(cost_m(), before_m);
 }
 
+// 0.3 m is six cells, although 0.3 / 0.05 is rounded to less than 6.
+TEST(GlobalPlanner, APlaceWithinThirtyCentimetresOfAFailureCostsMore) {
+  GlobalPlanner planner(kBody, {});
+  const LocalMap map({}, {});
+  int num_seconds = 0;
+  const auto cost_m = [&](const Eigen::Vector2d& p_map) {
+    num_seconds += 10;
+    for (int i = 0; i < 100; ++i) {
+      planner.step(at(time::Timestamp(num_seconds * 1s + 13'320us * i), map, {3.0, 0.0}));
+    }
+    return planner.cost_to_go()->at(p_map);
+  };
+  const Eigen::Vector2d sixth(1.525, 0.025);
+  const Eigen::Vector2d seventh(1.525, -0.025);
+  const double sixth_m = cost_m(sixth);
+  const double seventh_m = cost_m(seventh);
+  planner.add_failure({1.525, 0.325});
+  EXPECT_NEAR(cost_m(sixth), sixth_m + 0.05 * PlannerParams{}.failure_price, 1e-3);
+  EXPECT_NEAR(cost_m(seventh), seventh_m, 1e-3);
+}
+
+// As where map is in the coordinates of a country.
+TEST(GlobalPlanner, AThousandKilometresFromTheOriginThePlanIsTheSame) {
+  const LocalMap map = look(test::fence(0.55));
+  const auto path_from = [&map](const geometry::SE2& T_map_odom) {
+    const Eigen::Vector2d goal = T_map_odom * Eigen::Vector2d(3.0, 0.5);
+    GlobalPlanner planner(kBody, {});
+    for (int i = 0; i < 400; ++i) {
+      planner.step(at(time::Timestamp(13'320us * i), map, goal, {}, T_map_odom));
+    }
+    return planner.cost_to_go()->path_from(T_map_odom.translation(), 20.0);
+  };
+  const auto near = path_from({0.02, 0.02, 0.3});
+  const Eigen::Vector2d far_away(1e6, -1e6);
+  const auto far = path_from({far_away.x() + 0.02, far_away.y() + 0.02, 0.3});
+  ASSERT_EQ(far.size(), near.size());
+  ASSERT_GT(near.size(), 50U);
+  for (std::size_t i = 0; i < near.size(); ++i) {
+    // Rounding may choose the neighbouring cell.
+    EXPECT_LT((far[i] - far_away - near[i]).norm(), 1.5 * PlanWindow::kCellM) << i;
+  }
+}
+
 TEST(GlobalPlanner, AfterFailuresOnOneSideOfAWallThePathLeadsAroundTheOtherSide) {
   const Ground ground{{{{1.5, -0.9}, {1.6, 1.0}, 0.5}}};
   const LocalMap map = look(ground);
