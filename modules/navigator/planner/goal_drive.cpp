@@ -68,6 +68,7 @@ void GoalDrive::forget_map() {
   global_planner_.forget_map();
   path_progress_.reset();
   look_around_.reset();
+  without_motion_.end();
 }
 
 Decision GoalDrive::decide(const Situation& now) {
@@ -122,6 +123,7 @@ Decision GoalDrive::drive_by_plan(const Situation& now) {
     goal_map_ = goal_map;
     path_progress_.reset();
     look_around_.reset();
+    without_motion_.end();
   }
   global_planner_.step(now);
   if (const CostToGo* cost_to_go = global_planner_.cost_to_go()) {
@@ -167,13 +169,15 @@ Decision GoalDrive::drive_by(const CostToGo& cost_to_go, const Situation& now) {
 }
 
 Decision GoalDrive::drive_or_stay(const CostToGo& cost_to_go, const Situation& now) {
-  if (const auto best = local_planner_.drive_best(now, cost_to_go)) {
-    return *best;
+  auto decision = local_planner_.drive_best(now, cost_to_go);
+  if (!decision) {
+    decision = squeeze(cost_to_go, now);
   }
-  if (const auto squeezed = squeeze(cost_to_go, now)) {
-    return *squeezed;
+  if (!decision) {
+    return stay(now);
   }
-  return stay(now);
+  without_motion_.end();
+  return *decision;
 }
 
 // A robot that cannot move reports it after its patience, as it reports a goal without a path. It

@@ -129,6 +129,29 @@ TEST(GoalDrive, ARobotThatCannotMoveSaysSoAfterAWhile) {
   EXPECT_GT(num_points_of_path(), 0U);
 }
 
+// A motion now and then is a motion: where the robot jerks through, PathProgress says whether it
+// gets on. And a new goal is tried anew.
+TEST(GoalDrive, OnlyTimeWithoutAnyMotionCountsAsNotBeingAbleToMove) {
+  BetweenRows rows(0.005);
+  Situation& now = rows.now;
+  const auto rows_base = now.points_base;
+  GoalDrive drive({});
+  int num_decisions = 0;
+  for (; now.stamp < time::Timestamp(25s); now.stamp += 100ms) {
+    now.points_base = ++num_decisions % 2 == 0 ? rows_base : std::vector<Eigen::Vector2d>();
+    EXPECT_NE(drive.decide(now).reason, Reason(Why::kCannotMove));
+  }
+  now.points_base = rows_base;
+  for (; now.stamp < time::Timestamp(50s); now.stamp += 100ms) {
+    (void)drive.decide(now);
+  }
+  EXPECT_EQ(drive.decide(now).reason, Reason(Why::kCannotMove));
+  now.goal = GoalInBase{{1.5, 0.5}, 0.3};
+  for (const time::Timestamp until = now.stamp + 5s; now.stamp < until; now.stamp += 100ms) {
+    EXPECT_NE(drive.decide(now).reason, Reason(Why::kCannotMove));
+  }
+}
+
 // A local map of free floor, seen all around.
 LocalMap open_floor() {
   LocalMap map({}, {});
