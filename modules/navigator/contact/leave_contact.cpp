@@ -23,6 +23,9 @@ constexpr double kCornerM = 0.04;
 // At 0.1 m/s it takes 3 s after the wheels have stopped. It does not wait for ever for somebody
 // behind it; and whoever has halted it for longer may have moved it, or stand on the way back.
 constexpr time::Duration kLongestLeaving = 10s;
+// The base stops from any speed in less than half of it. Wheels that rotate for longer do so by
+// themselves, as on a slope, or somebody pushes the robot.
+constexpr time::Duration kLongestStopping = 5s;
 
 }  // namespace
 
@@ -44,10 +47,12 @@ void LeaveContact::add_ranges(time::Timestamp stamp, const Proximity::Ranges& ra
 }
 
 std::optional<Contact> LeaveContact::take_contact(const Situation& now) {
-  if (phase_ != Phase::kStopping || std::abs(now.forward_mps) > kWheelsStandMps) {
+  const bool is_stationary = std::abs(now.forward_mps) <= kWheelsStandMps;
+  if (phase_ != Phase::kStopping ||
+      (!is_stationary && std::chrono::abs(now.stamp - began_at_) <= kLongestStopping)) {
     return std::nullopt;
   }
-  phase_ = at_front_ ? Phase::kLeaving : Phase::kNone;
+  phase_ = is_stationary && at_front_ ? Phase::kLeaving : Phase::kNone;
   T_odom_contact_ = now.T_odom_base;
   return Contact{now.T_odom_base, at_front_};
 }

@@ -44,7 +44,8 @@ class LeaveContact {
   [[nodiscard]] bool is_stopping() const { return phase_ == Phase::kStopping; }
   [[nodiscard]] bool is_active() const { return phase_ != Phase::kNone; }
 
-  /// While stopping: the contact in odom, once the wheels are stationary.
+  /// While stopping: the contact in odom, once the wheels are stationary. If they do not come to
+  /// rest for 5 s, it is where the robot is then, and the robot does not back up.
   [[nodiscard]] std::optional<Contact> take_contact(const Situation& now);
 
   /// After that: the next motion. Ends, and returns nothing, once the robot has left.

@@ -54,6 +54,15 @@ TEST(LeaveContact, TheContactIsWhereTheWheelsCameToRest) {
   EXPECT_FALSE(leave.is_stopping());
 }
 
+TEST(LeaveContact, WheelsThatDoNotComeToRestDoNotStopItForEver) {
+  LeaveContact leave{NavigatorParams{}};
+  leave.begin(at(0.0).stamp, {}, {0.3, 0.0, 0.0}, trail_of(1.0, 0.0));
+  EXPECT_FALSE(leave.take_contact(at(0.4, 0.05, 4s)));
+  EXPECT_TRUE(leave.take_contact(at(0.6, 0.05, 6s)));
+  EXPECT_FALSE(leave.is_active());
+  EXPECT_FALSE(leave.step(at(0.6, 0.05, 6s))) << "it is not known how far it may back up";
+}
+
 TEST(LeaveContact, BacksUpForThirtyCentimetresOnTheArcOnWhichItCame) {
   for (const double curvature : {0.0, 0.5, -1.5}) {
     LeaveContact leave = touching(trail_of(1.0, curvature));
