@@ -22,6 +22,11 @@ struct Metrics {
     sweeps_degraded += state == PoseState::kDegraded ? 1 : 0;
     sweeps_lost += state == PoseState::kLost ? 1 : 0;
   }
+  /// So many of the unused sweeps had been registered, before the map began again.
+  void count_tracked_before(std::size_t num_sweeps) {
+    sweeps_unused -= num_sweeps;
+    sweeps_tracked += num_sweeps;
+  }
 };
 
 }  // namespace nodmap::slam6d

@@ -13,7 +13,6 @@
 #include <utility>
 #include <vector>
 
-#include "common/formats/atomic_file.hpp"
 #include "common/node/log.hpp"
 #include "common/node/messages.hpp"
 #include "common/node/results.hpp"
@@ -68,6 +67,7 @@ void Slam6dNode::restore(const node::MapOptions& options) {
   }
   slam_.restore(read_saved_map(only_localises_ ? options.localise_in : options.map_in), T_map_start,
                 only_localises_);
+  clouds_end_id_ = slam_.num_restored();
   log::get().info("{} {} keyframes",
                   only_localises_ ? "localises in a map of" : "continues a map of",
                   slam_.num_restored());
@@ -104,7 +104,7 @@ void Slam6dNode::on_scan(const nodmap::scan_t& message) {
     register_sweep(std::move(*sweep));
   }
   count_scans();
-  publish_restored_cloud();
+  publish_next_cloud();
   (void)publish_octomap_part();
 }
 
@@ -139,6 +139,7 @@ void Slam6dNode::finish() {
     publish_graph(slam_.keyframes().back().cloud->stamp);
   }
   log_sweeps(slam_.metrics(), slam_.num_sweeps());
+  log_mount(slam_);
   if (slam_.back_end().has_loops()) {
     log::get().info("{}", describe_loops(slam_.back_end()));
   }
@@ -160,7 +161,8 @@ void Slam6dNode::finish() {
 // killed. Until then the newest keyframes would be in memory only.
 void Slam6dNode::save_unpolished() {
   if (!only_localises_ && !context_.out_dir.empty() && !slam_.keyframes().empty()) {
-    answer_saved(save_map(context_.out_dir, occupancy_.map(), slam_.save()));
+    answer_saved(
+        save_map(context_.out_dir, occupancy_.map(), slam_.save(), params_.occupancy.save_ot));
   }
 }
 
@@ -209,7 +211,11 @@ void Slam6dNode::publish(const PoseUpdate& update) {
   }
   last_update_ = update;
   context_.bus.publish("POSE_6D", write_pose(update));
-  if (update.keyframe) {
+  if (update.begins_anew) {
+    log_mount(slam_);
+    next_cloud_id_ = 0;
+    clouds_end_id_ = slam_.keyframes().empty() ? 0 : slam_.keyframes().back().id + 1;
+  } else if (update.keyframe) {
     publish_cloud(slam_.keyframes().back());
   }
   if (time::is_due(update.stamp, graph_stamp_, kGraphPeriod)) {
@@ -224,15 +230,15 @@ void Slam6dNode::publish(const PoseUpdate& update) {
 }
 
 // Publishes one with each scan, so that no receiver's queue overflows.
-void Slam6dNode::publish_restored_cloud() {
+void Slam6dNode::publish_next_cloud() {
   if (registering_.is_running()) {
     return;
   }
-  const auto restored = slam_.keyframes().first(slam_.num_restored());
-  const auto next = std::ranges::lower_bound(restored, next_restored_id_, {}, &Keyframe::id);
-  if (next != restored.end()) {
+  const auto keyframes = slam_.keyframes();
+  const auto next = std::ranges::lower_bound(keyframes, next_cloud_id_, {}, &Keyframe::id);
+  if (next != keyframes.end() && next->id < clouds_end_id_) {
     publish_cloud(*next);
-    next_restored_id_ = next->id + 1;
+    next_cloud_id_ = next->id + 1;
   }
 }
 
@@ -293,33 +299,8 @@ void Slam6dNode::start_saving() {
 
 OccupancyMapper::Save Slam6dNode::save_with_keyframes() const {
   return [this, keyframes = slam_.save()](const OccupancyMap& map) {
-    return save_map(context_.out_dir, map, keyframes);
+    return save_map(context_.out_dir, map, keyframes, params_.occupancy.save_ot);
   };
-}
-
-std::error_code Slam6dNode::save_map(const std::filesystem::path& dir, const OccupancyMap& map,
-                                     const SavedMap& keyframes) const {
-  // First what cannot be made again: if the disk fills up in between, the other files are older.
-  if (!keyframes.keyframes.empty()) {
-    if (const auto error = write_saved_map(dir, keyframes)) {
-      return error;
-    }
-  }
-  using Format = OccupancyMap::Format;
-  std::vector<std::pair<Format, const char*>> files{{Format::kBt, "map.bt"}};
-  if (params_.occupancy.save_ot) {
-    files.emplace_back(Format::kOt, "map.ot");
-  }
-  for (const auto& [format, name] : files) {
-    const auto bytes = map.encode(format);
-    if (!bytes) {
-      return std::make_error_code(std::errc::io_error);
-    }
-    if (const auto error = formats::replace_file(dir / name, *bytes)) {
-      return error;
-    }
-  }
-  return {};
 }
 
 void Slam6dNode::write_results(const std::filesystem::path& dir) {
@@ -342,7 +323,8 @@ void Slam6dNode::write_results(const std::filesystem::path& dir) {
     return;
   }
   const auto save = [&] {
-    if (const auto error = save_map(dir, occupancy_.map(), slam_.save())) {
+    if (const auto error =
+            save_map(dir, occupancy_.map(), slam_.save(), params_.occupancy.save_ot)) {
       throw std::system_error(error, dir.string() + ": cannot save the map");
     }
     ++maps_saved_;

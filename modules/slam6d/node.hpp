@@ -60,7 +60,7 @@ class Slam6dNode : public node::Node {
   void answer(const std::optional<PoseUpdate>& update);
   void publish(const PoseUpdate& update);
   void publish_cloud(const Keyframe& keyframe);
-  void publish_restored_cloud();
+  void publish_next_cloud();
   void publish_graph(time::Timestamp stamp);
   void answer_saved(const std::optional<std::error_code>& error);
   /// Returns whether there was a part to publish.
@@ -72,8 +72,6 @@ class Slam6dNode : public node::Node {
   void start_saving();
   /// The function that saves an occupancy map together with the present keyframes.
   [[nodiscard]] OccupancyMapper::Save save_with_keyframes() const;
-  [[nodiscard]] std::error_code save_map(const std::filesystem::path& dir, const OccupancyMap& map,
-                                         const SavedMap& keyframes) const;
 
   node::Context& context_;
   Params params_;
@@ -81,8 +79,11 @@ class Slam6dNode : public node::Node {
   node::MapSaving saving_;
   Slam6d slam_;
   bool only_localises_ = false;
-  std::size_t next_restored_id_ = 0;  // of the next keyframe of a saved map to be published
-  std::int64_t graph_revision_ = 0;   // last one published
+  /// The keyframes whose clouds are still to be published: those of a saved map, or of one that
+  /// began again. Ids.
+  std::size_t next_cloud_id_ = 0;
+  std::size_t clouds_end_id_ = 0;
+  std::int64_t graph_revision_ = 0;             // last one published
   std::optional<time::Timestamp> graph_stamp_;  // of the last one
   ScanCounts counted_;
   bool lacks_odometry_ = false;   // for some scans of the last sweep
@@ -91,7 +92,7 @@ class Slam6dNode : public node::Node {
   bool has_warned_outside_ = false;  // of the octree
   std::int64_t maps_saved_ = 0;
   // These two are declared last, so that their threads end before the data they use are destroyed:
-  // `registering_` uses `slam_`; `occupancy_` uses its own map and what save_map() reads.
+  // `registering_` uses `slam_`; `occupancy_` uses its own map and the folder for results.
   OccupancyMapper occupancy_;
   node::BackgroundJob<PoseUpdate> registering_;
 };

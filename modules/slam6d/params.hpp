@@ -15,6 +15,7 @@
 #include "modules/slam6d/sweep/sweep_cloud.hpp"
 #include "modules/slam6d/sweep/sweep_segmenter.hpp"
 #include "modules/slam6d/tracking/corrected_poses.hpp"
+#include "modules/slam6d/tracking/mount_estimate.hpp"
 #include "modules/slam6d/tracking/odometry_calibration.hpp"
 #include "modules/slam6d/tracking/odometry_prior.hpp"
 #include "modules/slam6d/tracking/pitch_latency.hpp"
@@ -80,6 +81,7 @@ struct Slam6dParams {
   OdometryParams odometry{};
   CalibrationParams calibration{};
   PitchLatencyParams pitch_latency{};
+  MountParams mount{};
   VoxelMapParams voxels{};
   RegistrationParams registration{};
   KeyframeParams keyframe{};
@@ -100,6 +102,7 @@ struct Slam6dParams {
     v.section("odometry", odometry);
     v.section("calibration", calibration);
     v.section("pitch_latency", pitch_latency);
+    v.section("mount", mount);
     v.section("voxels", voxels);
     v.section("registration", registration);
     v.section("keyframe", keyframe);

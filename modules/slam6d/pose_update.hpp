@@ -39,11 +39,15 @@ struct PoseUpdate {
   /// Empty for a sweep that is too thin and follows odometry, and for the first, which is the map.
   std::optional<Registration> registration = std::nullopt;
   std::optional<KeyframeReason> keyframe = std::nullopt;  ///< empty: not kept
+  /// The map began again with the first sweep: all keyframes are others than before.
+  bool begins_anew = false;
 
   /// Whether the map determines this pose, not odometry alone.
   [[nodiscard]] bool is_tracked() const {
     return registration ? registration->is_accepted() : keyframe == KeyframeReason::kFirst;
   }
+  /// Whether the wheels slipped.
+  [[nodiscard]] bool is_slipped() const { return registration && registration->is_slipped; }
 };
 
 }  // namespace nodmap::slam6d

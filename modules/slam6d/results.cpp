@@ -3,20 +3,26 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <sstream>
+#include <string>
+#include <system_error>
+#include <utility>
 #include <vector>
 
 #include "common/drawing/cloud_view.hpp"
 #include "common/drawing/image.hpp"
+#include "common/formats/atomic_file.hpp"
 #include "common/formats/cloud_file.hpp"
 #include "common/formats/tum.hpp"
 #include "common/geometry/angle.hpp"
 #include "common/node/log.hpp"
 #include "common/node/results.hpp"
 #include "common/registration/dense_solvers.hpp"
+#include "modules/slam6d/back_end/saved_map_file.hpp"
 #include "modules/slam6d/registered_cloud.hpp"
 
 namespace nodmap::slam6d {
@@ -130,6 +136,17 @@ void write_coloured(std::span<const Keyframe> keyframes, const drawing::HeightRa
   writer.finish();
 }
 
+nlohmann::json mount_metrics(const Slam6d& slam) {
+  const auto degrees = [](const MountError& error) {
+    return nlohmann::json{{"pitch_deg", geometry::rad_to_deg(error.pitch_rad)},
+                          {"roll_deg", geometry::rad_to_deg(error.roll_rad)}};
+  };
+  return {{"floors", slam.mount().num_sweeps()},
+          {"learned", degrees(slam.mount().median())},
+          {"sigma", degrees(slam.mount().sigma())},
+          {"corrected", degrees(slam.corrected_mount())}};
+}
+
 }  // namespace
 
 void write_trajectories(const Slam6d& slam, const std::filesystem::path& dir) {
@@ -185,6 +202,31 @@ void write_cloud(const Slam6d& slam, bool with_pcd, const std::filesystem::path&
   drawing::draw_path_on_cloud(points, path).write_png(dir / "path.png");
 }
 
+std::error_code save_map(const std::filesystem::path& dir, const OccupancyMap& map,
+                         const SavedMap& keyframes, bool with_ot) {
+  // First what cannot be made again: if the disk fills up in between, the other files are older.
+  if (!keyframes.keyframes.empty()) {
+    if (const auto error = write_saved_map(dir, keyframes)) {
+      return error;
+    }
+  }
+  using Format = OccupancyMap::Format;
+  std::vector<std::pair<Format, const char*>> files{{Format::kBt, "map.bt"}};
+  if (with_ot) {
+    files.emplace_back(Format::kOt, "map.ot");
+  }
+  for (const auto& [format, name] : files) {
+    const auto bytes = map.encode(format);
+    if (!bytes) {
+      return std::make_error_code(std::errc::io_error);
+    }
+    if (const auto error = formats::replace_file(dir / name, *bytes)) {
+      return error;
+    }
+  }
+  return {};
+}
+
 nlohmann::json loop_metrics(const BackEnd& back_end) {
   const BackEndMetrics& metrics = back_end.metrics();
   return {{"tracked", metrics.loops_tracked},
@@ -224,6 +266,29 @@ nlohmann::json localisation_metrics(const Slam6d& slam) {
           {"times_contradicted", metrics.times_contradicted}};
 }
 
+void log_mount(const Slam6d& slam) {
+  // The steps of a Dynamixel, 4096 in a revolution.
+  constexpr double kStepDeg = 360.0 / 4096.0;
+  const MountError& error = slam.mount().believed();
+  if (error.is_zero()) {
+    return;
+  }
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(2);
+  if (const double pitch_deg = geometry::rad_to_deg(error.pitch_rad); pitch_deg != 0.0) {
+    const auto steps = std::lround(-pitch_deg / kStepDeg);
+    text << " looks " << std::abs(pitch_deg) << " degrees "
+         << (pitch_deg > 0.0 ? "higher" : "lower") << " than its pitch says: add " << steps
+         << " to servo.dynamixel.level_position, or change the level of another servo as much;";
+  }
+  if (const double roll_deg = geometry::rad_to_deg(error.roll_rad); roll_deg != 0.0) {
+    text << " is rolled on its head by " << std::abs(roll_deg) << " degrees, its "
+         << (roll_deg > 0.0 ? "left" : "right") << " side higher: turn it back;";
+  }
+  log::get().warn("the floor around the robot shows that the laser{} {} in this map", text.str(),
+                  slam.corrected_mount().is_zero() ? "not corrected" : "corrected");
+}
+
 void log_sweeps(const Metrics& metrics, std::size_t num_sweeps) {
   const bool is_mostly_lost = 2 * (metrics.sweeps_lost + metrics.sweeps_unused) > num_sweeps;
   log::get().log(is_mostly_lost ? spdlog::level::warn : spdlog::level::info,
@@ -250,6 +315,7 @@ nlohmann::json slam_metrics(const Slam6d& slam) {
             {"per_rad", slam.calibration().errors()[1]},
             {"yaw_per_m_deg", geometry::rad_to_deg(slam.calibration().errors()[2])}}},
           {"pitch_latency_s", slam.pitch_latency_s()},
+          {"mount_errors", mount_metrics(slam)},
           {"map_voxels", metrics.map_voxels},
           {"map_memory_bytes", metrics.map_memory_bytes},
           {"keyframe_memory_bytes", metrics.keyframe_memory_bytes},

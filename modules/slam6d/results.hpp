@@ -6,8 +6,11 @@
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <system_error>
 #include <vector>
 
+#include "modules/slam6d/back_end/saved_map.hpp"
+#include "modules/slam6d/occupancy/occupancy_map.hpp"
 #include "modules/slam6d/slam6d.hpp"
 
 namespace nodmap::slam6d {
@@ -27,6 +30,10 @@ struct DrivenPath {
 /// cloud.ply, on request cloud.pcd, map.png and path.png. Throws std::runtime_error.
 void write_cloud(const Slam6d& slam, bool with_pcd, const std::filesystem::path& dir);
 
+/// Saves keyframes.lcmlog, map.bt and on request map.ot.
+[[nodiscard]] std::error_code save_map(const std::filesystem::path& dir, const OccupancyMap& map,
+                                       const SavedMap& keyframes, bool with_ot);
+
 /// The loops that were accepted and refused.
 [[nodiscard]] nlohmann::json loop_metrics(const BackEnd& back_end);
 
@@ -39,6 +46,9 @@ void write_cloud(const Slam6d& slam, bool with_pcd, const std::filesystem::path&
 /// Logs how many of `num_sweeps` were tracked, degraded, lost and not registered: as a warning if
 /// most were lost or not registered.
 void log_sweeps(const Metrics& metrics, std::size_t num_sweeps);
+
+/// Warns if the laser is mounted other than described, and says what is to be changed.
+void log_mount(const Slam6d& slam);
 
 /// Counts of sweeps and scans, and the keyframes, each with its reason and the quality of its
 /// registration.

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "modules/slam6d/back_end/adjusted_sweeps.hpp"
-#include "modules/slam6d/back_end/plane_adjustment.hpp"
 #include "modules/slam6d/tracking/odometry_prior.hpp"
 
 namespace nodmap::slam6d {
@@ -18,16 +17,13 @@ using geometry::SE3;
 // A saved keyframe votes for the sweeps up to the next one as well, which were not saved.
 constexpr int kVotesOfSavedKeyframe = 2;
 
-bool is_slipped(const PoseUpdate& update) {
-  return update.registration && update.registration->is_slipped;
-}
-
 }  // namespace
 
 Slam6d::Slam6d(const Slam6dParams& params)
     : params_(params),
       collector_(params.sweep, params.assume_stationary),
       tracker_(params),
+      mount_(params.mount),
       map_(params.voxels),
       ever_free_(params.cloud),
       corrected_(params.path),
@@ -40,6 +36,7 @@ std::vector<PoseUpdate> Slam6d::change_odometry_frame(const SE3& T_new_odom_base
     updates.push_back(*update);
   }
   const auto T_old_new = collector_.change_odometry_frame(T_new_odom_base);
+  first_sweeps_.drop();  // the motion to them is unknown
   if (T_old_new) {
     tracker_.change_odometry_frame(*T_old_new);
     keyframe_is_due_ = true;
@@ -63,11 +60,8 @@ void Slam6d::restore(const SavedMap& saved, const std::optional<SE3>& T_map_star
   back_end_.restore(saved);
   recovery_.begin_in_saved_map(known(), T_map_start, is_fixed);
   num_restored_ = keyframes_.size();
+  first_sweeps_.drop();
   keyframe_is_due_ = true;
-}
-
-SavedMap Slam6d::save() const {
-  return back_end_.save(keyframes_);
 }
 
 // The text of section IV B, where it describes what is done here.
@@ -83,11 +77,41 @@ std::optional<PoseUpdate> Slam6d::flush() {
 }
 
 PoseUpdate Slam6d::add_sweep(const PlacedSweep& sweep) {
-  if (first_sweep_) {
+  mount_.learn(sweep);
+  first_sweeps_.add(sweep);
+  if (mount_.is_corrected_anew(tracker_.mount()) && tracker_.lost_sweeps() == 0) {
+    if (first_sweeps_.are_kept() && !recovery_.is_map_closed()) {
+      return repeat_first_sweeps();
+    }
+    // A saved map is right, because it has begun again in its time.
+    if (num_restored_ > 0 && recovery_.has_place()) {
+      tracker_.correct_mount(mount_.error());
+    }
+  }
+  return register_sweep(sweep);
+}
+
+// All sweeps so far were deskewed as if the laser were mounted otherwise, and have tilted the map,
+// so that later ones, deskewed rightly, would not fit it.
+PoseUpdate Slam6d::repeat_first_sweeps() {
+  const CorrectedPoses published = std::exchange(corrected_, CorrectedPoses(params_.path));
+  counts_ = {};
+  tracker_ = Tracker(params_, mount_.error());
+  recovery_ = Recovery(params_);
+  forget_map();
+  PoseUpdate update;
+  for (const PlacedSweep& sweep : first_sweeps_.sweeps()) {
+    update = register_sweep(sweep);
+  }
+  corrected_.keep_online(published);
+  counts_.count_tracked_before(first_sweeps_.num_emptied());
+  update.begins_anew = true;
+  return update;
+}
+
+PoseUpdate Slam6d::register_sweep(const PlacedSweep& sweep) {
+  if (corrected_.num_added() == 1 && first_sweeps_.are_kept()) {
     learn_pitch_latency_at_start(sweep);
-    first_sweep_.reset();
-  } else if (corrected_.num_added() == 0) {
-    first_sweep_ = sweep;
   }
   // "The robot's movement in space [...] during the pitching movement, is stripped from the point
   // cloud by transforming the successively gathered 2D scans": to the base pose P_b.
@@ -184,13 +208,7 @@ void Slam6d::record(const PoseUpdate& update) {
     ++counts_.sweeps_unused;
   }
   if (corrected_.is_full()) {
-    std::vector<std::size_t> used;
-    const auto use = [&used](const auto& kept) { used.push_back(kept.sweep); };
-    std::ranges::for_each(keyframes_, use);
-    std::ranges::for_each(between_, use);
-    std::ranges::sort(used);
-    corrected_.drop_sweeps(used);
-    dropped_.forget_sweeps_not_in(corrected_);
+    dropped_.make_room(corrected_, keyframes_, between_);
   }
   corrected_.add(update);
 }
@@ -218,6 +236,12 @@ bool Slam6d::is_better_beginning(const VoxelMap& sweep) const {
 
 void Slam6d::begin_anew() {
   corrected_.take_back(keyframes_.front().sweep);
+  forget_map();
+  tracker_.forget_pose();
+  counts_.sweeps_lost = 0;
+}
+
+void Slam6d::forget_map() {
   map_ = VoxelMap(params_.voxels);
   ever_free_ = EverFreeSpace(params_.cloud);
   keyframes_.clear();
@@ -226,14 +250,6 @@ void Slam6d::begin_anew() {
   const std::int64_t graph_revision = back_end_.graph_revision();
   back_end_ = BackEnd(params_.loop, params_.registration, params_.odometry, params_.voxels);
   back_end_.count_revisions_from(graph_revision);
-  tracker_.forget_pose();
-  counts_.sweeps_lost = 0;
-}
-
-bool Slam6d::is_usable(const PoseUpdate& update) const {
-  return update.num_points > 0 &&
-         update.scans_used >= static_cast<std::size_t>(params_.sweep.min_scans) &&
-         (update.is_stationary || !params_.keyframe.stationary_only);
 }
 
 // If the robot is stationary at first, its second sweep gives the latency at once. Then the map
@@ -252,7 +268,7 @@ void Slam6d::learn_pitch_latency_at_start(const PlacedSweep& sweep) {
                                              first.cloud->pitch_rate_rad_s)) {
     return;
   }
-  first.cloud = std::make_shared<const SweepCloud>(tracker_.deskew(*first_sweep_));
+  first.cloud = std::make_shared<const SweepCloud>(tracker_.deskew(first_sweeps_.sweeps().front()));
   const VoxelMap first_voxels = voxelize(*first.cloud, params_.voxels);
   first.points = oriented_points(first_voxels.level(0));
   map_ = VoxelMap(params_.voxels);
@@ -263,7 +279,7 @@ void Slam6d::learn_pitch_latency_at_start(const PlacedSweep& sweep) {
 
 // Only what was registered enters the map: a refused sweep leaves no trace, nor does slip.
 void Slam6d::add_to_map(const VoxelMap& sweep, const SweepCloud& cloud, const PoseUpdate& update) {
-  if (recovery_.is_map_closed() || is_slipped(update)) {
+  if (recovery_.is_map_closed() || update.is_slipped()) {
     return;
   }
   const std::size_t keyframe = keyframes_.size() - (update.keyframe ? 0 : 1);
@@ -287,7 +303,7 @@ bool Slam6d::is_adjusted(const PoseUpdate& update) const {
 }
 
 std::optional<KeyframeReason> Slam6d::keyframe_reason(const PoseUpdate& update) const {
-  if (recovery_.is_map_closed() || is_slipped(update) ||
+  if (recovery_.is_map_closed() || update.is_slipped() ||
       !(keyframes_.empty() || update.is_tracked())) {
     return std::nullopt;
   }
@@ -302,12 +318,7 @@ Metrics Slam6d::metrics() const {
   Metrics metrics = counts_;
   metrics.map_voxels = map_.level(0).voxels().size();
   metrics.map_memory_bytes = map_.memory_bytes();
-  for (const Keyframe& keyframe : keyframes_) {
-    metrics.keyframe_memory_bytes += keyframe.memory_bytes();
-  }
-  for (const IntermediateSweep& sweep : between_) {
-    metrics.keyframe_memory_bytes += sweep.memory_bytes();
-  }
+  metrics.keyframe_memory_bytes = memory_bytes(keyframes_) + memory_bytes(between_);
   return metrics;
 }
 
@@ -357,21 +368,10 @@ void Slam6d::polish() {
 }
 
 void Slam6d::adjust() {
-  AdjustedDrive drive = adjusted_sweeps(
+  const AdjustedPoses adjusted = adjusted_poses(
       {keyframes_, between_, corrected_, back_end_.graph().steps()}, tracker_, params_);
-  const std::vector<SE3> poses = adjust_planes(std::move(drive.sweeps), params_.voxels,
-                                               params_.registration, params_.adjustment);
-  std::vector<SE3> T_map_keyframes;
-  std::vector<CorrectedPoses::Correction> corrections;
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    corrections.push_back({drive.places[i], poses[i]});
-    if (T_map_keyframes.size() < keyframes_.size() &&
-        keyframes_[T_map_keyframes.size()].sweep == drive.places[i]) {
-      T_map_keyframes.push_back(poses[i]);
-    }
-  }
-  move_keyframes(T_map_keyframes);
-  corrected_.move(corrections);
+  move_keyframes(adjusted.T_map_keyframes);
+  corrected_.move(adjusted.sweeps);
 }
 
 void Slam6d::find_moved_points() {

@@ -22,9 +22,12 @@
 #include "modules/slam6d/occupancy/ever_free_space.hpp"
 #include "modules/slam6d/params.hpp"
 #include "modules/slam6d/pose_update.hpp"
+#include "modules/slam6d/sweep/mount_error.hpp"
 #include "modules/slam6d/sweep/sweep_cloud.hpp"
 #include "modules/slam6d/sweep/sweep_collector.hpp"
 #include "modules/slam6d/tracking/corrected_poses.hpp"
+#include "modules/slam6d/tracking/first_sweeps.hpp"
+#include "modules/slam6d/tracking/mount_estimate.hpp"
 #include "modules/slam6d/tracking/tracker.hpp"
 
 namespace nodmap::slam6d {
@@ -42,7 +45,7 @@ class Slam6d {
   void restore(const SavedMap& saved, const std::optional<geometry::SE3>& T_map_start,
                bool is_fixed);
   /// Everything that restore() needs.
-  [[nodiscard]] SavedMap save() const;
+  [[nodiscard]] SavedMap save() const { return back_end_.save(keyframes_); }
   /// Localises the robot in a saved map, or in its own map after it was lost. Empty before it is
   /// needed.
   [[nodiscard]] const std::optional<Localiser>& localiser() const { return recovery_.localiser(); }
@@ -92,6 +95,9 @@ class Slam6d {
   [[nodiscard]] const VoxelMap& map() const { return map_; }
   [[nodiscard]] const OdometryCalibration& calibration() const { return tracker_.calibration(); }
   [[nodiscard]] double pitch_latency_s() const { return tracker_.pitch_latency_s(); }
+  /// How the laser is mounted other than described, as the floor shows it, and what is corrected.
+  [[nodiscard]] const MountEstimate& mount() const { return mount_; }
+  [[nodiscard]] const MountError& corrected_mount() const { return tracker_.mount(); }
   [[nodiscard]] const ScanCounts& scan_counts() const { return collector_.counts(); }
   [[nodiscard]] Metrics metrics() const;
 
@@ -106,10 +112,17 @@ class Slam6d {
   [[nodiscard]] const BackEnd& back_end() const { return back_end_; }
 
  private:
-  [[nodiscard]] bool is_usable(const PoseUpdate& update) const;
+  [[nodiscard]] bool is_usable(const PoseUpdate& update) const {
+    return update.num_points > 0 &&
+           update.scans_used >= static_cast<std::size_t>(params_.sweep.min_scans) &&
+           (update.is_stationary || !params_.keyframe.stationary_only);
+  }
   void learn_pitch_latency_at_start(const PlacedSweep& sweep);
   [[nodiscard]] bool is_better_beginning(const VoxelMap& sweep) const;
   void begin_anew();
+  void forget_map();
+  PoseUpdate repeat_first_sweeps();
+  PoseUpdate register_sweep(const PlacedSweep& sweep);
   [[nodiscard]] Recovery::Known known() {
     return {tracker_, map_, keyframes_, back_end_.graph_revision(), corrected_, counts_};
   }
@@ -131,7 +144,8 @@ class Slam6d {
   Slam6dParams params_;
   SweepCollector collector_;
   Tracker tracker_;
-  std::optional<PlacedSweep> first_sweep_;  // until the second
+  MountEstimate mount_;
+  FirstSweeps first_sweeps_;
   VoxelMap map_;
   EverFreeSpace ever_free_;
   /// The motion since the last keyframe is unknown: there was an interruption, odometry began a new

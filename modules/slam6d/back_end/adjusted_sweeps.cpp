@@ -137,4 +137,20 @@ AdjustedDrive adjusted_sweeps(const TrackedDrive& drive, const Tracker& tracker,
   return collection.take();
 }
 
+AdjustedPoses adjusted_poses(const TrackedDrive& drive, const Tracker& tracker,
+                             const Slam6dParams& params) {
+  AdjustedDrive adjusted = adjusted_sweeps(drive, tracker, params);
+  const std::vector<SE3> poses = adjust_planes(std::move(adjusted.sweeps), params.voxels,
+                                               params.registration, params.adjustment);
+  AdjustedPoses result;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    result.sweeps.push_back({adjusted.places[i], poses[i]});
+    const std::size_t k = result.T_map_keyframes.size();
+    if (k < drive.keyframes.size() && drive.keyframes[k].sweep == adjusted.places[i]) {
+      result.T_map_keyframes.push_back(poses[i]);
+    }
+  }
+  return result;
+}
+
 }  // namespace nodmap::slam6d

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "common/geometry/se3.hpp"
 #include "common/registration/pose_graph.hpp"
 #include "modules/slam6d/back_end/keyframe.hpp"
 #include "modules/slam6d/back_end/plane_adjustment.hpp"
@@ -34,5 +35,15 @@ struct AdjustedDrive {
 /// odometry alone would pull them apart by centimetres.
 [[nodiscard]] AdjustedDrive adjusted_sweeps(const TrackedDrive& drive, const Tracker& tracker,
                                             const Slam6dParams& params);
+
+/// Where everything is after the adjustment.
+struct AdjustedPoses {
+  std::vector<geometry::SE3> T_map_keyframes;
+  std::vector<CorrectedPoses::Correction> sweeps;  ///< in order of time, keyframes included
+};
+
+/// Adjusts keyframes and the sweeps in between together: adjust_planes() of adjusted_sweeps().
+[[nodiscard]] AdjustedPoses adjusted_poses(const TrackedDrive& drive, const Tracker& tracker,
+                                           const Slam6dParams& params);
 
 }  // namespace nodmap::slam6d

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/slam6d/back_end/dropped_keyframes.hpp"
 
+#include <algorithm>
+
 namespace nodmap::slam6d {
 
 using geometry::SE3;
@@ -33,6 +35,17 @@ std::vector<CorrectedPoses::Correction> DroppedKeyframes::corrections(
                                             poses.pose_of(sweep.sweep)});
   }
   return corrections;
+}
+
+void DroppedKeyframes::make_room(CorrectedPoses& poses, std::span<const Keyframe> keyframes,
+                                 std::span<const IntermediateSweep> between) {
+  std::vector<std::size_t> used;
+  const auto use = [&used](const auto& kept) { used.push_back(kept.sweep); };
+  std::ranges::for_each(keyframes, use);
+  std::ranges::for_each(between, use);
+  std::ranges::sort(used);
+  poses.drop_sweeps(used);
+  forget_sweeps_not_in(poses);
 }
 
 void DroppedKeyframes::forget_sweeps_not_in(const CorrectedPoses& poses) {

@@ -29,6 +29,9 @@ class DroppedKeyframes {
 
   /// Forgets the sweeps that `poses` does not keep.
   void forget_sweeps_not_in(const CorrectedPoses& poses);
+  /// Drops sweeps of a path that is full, but none that `keyframes` and `between` need.
+  void make_room(CorrectedPoses& poses, std::span<const Keyframe> keyframes,
+                 std::span<const IntermediateSweep> between);
   void clear() { sweeps_.clear(); }
 
  private:

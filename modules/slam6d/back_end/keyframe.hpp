@@ -47,4 +47,14 @@ struct IntermediateSweep {
   [[nodiscard]] std::size_t memory_bytes() const { return points.size() * sizeof(MeanPoint); }
 };
 
+/// The memory of keyframes, or of the sweeps in between.
+template <class Kept>
+[[nodiscard]] std::size_t memory_bytes(const std::vector<Kept>& kept) {
+  std::size_t sum = 0;
+  for (const Kept& one : kept) {
+    sum += one.memory_bytes();
+  }
+  return sum;
+}
+
 }  // namespace nodmap::slam6d

@@ -34,8 +34,17 @@ double time_in_sweep(const scan::Scan& scan, time::Timestamp first, time::Timest
 constexpr double kFreeWithoutEchoM = 5.0;
 constexpr float kNoEcho = std::numeric_limits<float>::infinity();
 
+// From where a laser without roll on its head would see a point, to where this one does.
+Eigen::Isometry3d roll_about_mirror(const scan::Scan& scan, const Eigen::Vector3d& p_base_mirror,
+                                    double roll_rad) {
+  const Eigen::Vector3d forward =
+      scan.T_base_mount.linear() * geometry::pitch_rotation(scan.pitch_mid_rad()).col(0);
+  return Eigen::Translation3d(p_base_mirror) * Eigen::AngleAxisd(roll_rad, forward) *
+         Eigen::Translation3d(-p_base_mirror);
+}
+
 void append_scan(const scan::Scan& scan, const ScanMotion& motion, const RangeLimits& range,
-                 scan::ScanProjector& projector, SweepCloud& cloud) {
+                 double roll_rad, scan::ScanProjector& projector, SweepCloud& cloud) {
   const SE3& T_base_first = motion.T_base_first;
   const SE3& T_base_last = motion.T_base_last;
   const bool is_stationary = T_base_first.isApprox(T_base_last, 1e-12);
@@ -43,21 +52,22 @@ void append_scan(const scan::Scan& scan, const ScanMotion& motion, const RangeLi
     return is_stationary ? T_base_first
                          : geometry::interpolate(T_base_first, T_base_last, scan.fraction(beam));
   };
+  const Eigen::Vector3d p_mirror =
+      scan.T_base_mount * (geometry::pitch_rotation(scan.pitch_mid_rad()) * scan.mirror_offset_m);
+  const SE3 roll = roll_rad == 0.0 ? SE3::Identity() : roll_about_mirror(scan, p_mirror, roll_rad);
   for (const auto& hit : projector.hits(scan)) {
     const auto range_m = static_cast<double>(scan.ranges_m[hit.beam]);
     if (range_m < range.min_m || range_m > range.max_m) {
       continue;
     }
-    cloud.points.emplace_back((T_base_at(hit.beam) * hit.p_base).cast<float>());
+    cloud.points.emplace_back((T_base_at(hit.beam) * (roll * hit.p_base)).cast<float>());
   }
-  const Eigen::Vector3d p_mirror =
-      scan.T_base_mount * (geometry::pitch_rotation(scan.pitch_mid_rad()) * scan.mirror_offset_m);
   const double free_m = std::min({kFreeWithoutEchoM, range.max_m, scan.range_max_m});
   for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
     if (scan.ranges_m[beam] != kNoEcho) {
       continue;
     }
-    const Eigen::Vector3d p_base = scan::point_in_base(scan, beam, free_m);
+    const Eigen::Vector3d p_base = roll * scan::point_in_base(scan, beam, free_m);
     if (p_base.z() > p_mirror.z()) {
       cloud.free_points.emplace_back((T_base_at(beam) * p_base).cast<float>());
     }
@@ -182,7 +192,7 @@ std::optional<PlacedSweep> place(std::vector<scan::Scan> scans, const PoseLookup
 }
 
 SweepCloud deskew(const PlacedSweep& sweep, const RangeLimits& range, const Calibration& calibrate,
-                  double pitch_latency_s) {
+                  double pitch_latency_s, const MountError& mount) {
   SweepCloud cloud;
   cloud.stamp = sweep.stamp;
   cloud.T_odom_base = sweep.T_odom_base;
@@ -196,13 +206,14 @@ SweepCloud deskew(const PlacedSweep& sweep, const RangeLimits& range, const Cali
   scan::ScanProjector projector;
   for (const PlacedScan& placed : sweep.scans) {
     scan::Scan scan = placed.scan;
-    scan.pitch_first_rad += pitch_latency_s * placed.pitch_rate_rad_s;
-    scan.pitch_last_rad += pitch_latency_s * placed.pitch_rate_rad_s;
+    const double pitch_error_rad = mount.pitch_rad + pitch_latency_s * placed.pitch_rate_rad_s;
+    scan.pitch_first_rad += pitch_error_rad;
+    scan.pitch_last_rad += pitch_error_rad;
     cloud.pitch_rate_rad_s += placed.pitch_rate_rad_s / static_cast<double>(sweep.scans.size());
     append_scan(
         scan,
         {calibrate(T_base_odom * placed.T_odom_first), calibrate(T_base_odom * placed.T_odom_last)},
-        range, projector, cloud);
+        range, mount.roll_rad, projector, cloud);
     cloud.lines.back().time = time_in_sweep(placed.scan, sweep.scans.front().scan.stamp,
                                             sweep.scans.back().scan.last_stamp());
   }

@@ -12,6 +12,7 @@
 #include "common/geometry/se3.hpp"
 #include "common/geometry/time.hpp"
 #include "common/scan/scan.hpp"
+#include "modules/slam6d/sweep/mount_error.hpp"
 
 namespace nodmap::slam6d {
 
@@ -133,9 +134,11 @@ struct RangeLimits {
 /// Deskews a sweep (IV B: the robot's movement during the pitching movement is stripped). Each beam
 /// is placed with the pitch and the robot's pose at its own time, relative to the base pose P_b:
 /// the pose in the middle of the sweep's time, from which the longest motion to a beam is shortest.
-/// `pitch_latency_s`: how much later the pitch is stamped than the beams.
+/// `pitch_latency_s`: how much later the pitch is stamped than the beams. `mount`: an error of the
+/// laser's mount, which is corrected.
 [[nodiscard]] SweepCloud deskew(const PlacedSweep& sweep, const RangeLimits& range,
-                                const Calibration& calibrate, double pitch_latency_s);
+                                const Calibration& calibrate, double pitch_latency_s,
+                                const MountError& mount = {});
 
 /// The same for scans whose poses are to be looked up.
 [[nodiscard]] std::optional<SweepCloud> deskew(

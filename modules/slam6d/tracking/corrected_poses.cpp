@@ -41,6 +41,15 @@ void CorrectedPoses::add(const PoseUpdate& update) {
                      .odometry_frame = odometry_frame_});
 }
 
+void CorrectedPoses::keep_online(const CorrectedPoses& published) {
+  for (SweepPose& sweep : sweeps_) {
+    const auto before = published.find(sweep.sweep);
+    if (before != published.sweeps_.end() && before->sweep == sweep.sweep) {
+      sweep.T_map_base_online = before->T_map_base_online;
+    }
+  }
+}
+
 std::vector<SweepPose>::const_iterator CorrectedPoses::find(std::size_t sweep) const {
   return std::ranges::lower_bound(sweeps_, sweep, {}, &SweepPose::sweep);
 }

@@ -57,6 +57,9 @@ class CorrectedPoses {
     sweeps_.back().T_map_base_online = T_map_base;
   }
 
+  /// The same for sweeps that were added again, after `published`.
+  void keep_online(const CorrectedPoses& published);
+
   [[nodiscard]] std::span<const SweepPose> sweeps() const { return sweeps_; }
   /// The number of sweeps that were added, which is that of the next one.
   [[nodiscard]] std::size_t num_added() const { return num_added_; }

@@ -26,11 +26,12 @@ Vector6d pitch_axis(const SE3& T_map_base) {
 
 }  // namespace
 
-Tracker::Tracker(const Slam6dParams& params)
+Tracker::Tracker(const Slam6dParams& params, const MountError& mount)
     : odometry_(params.odometry),
       registration_(params.registration),
       range_(params.range),
       voxels_(params.voxels),
+      mount_(mount),
       calibration_(params.calibration),
       scatter_(params.calibration.min_scatter),
       pitch_latency_(params.pitch_latency) {}
@@ -44,7 +45,7 @@ void Tracker::change_odometry_frame(const SE3& T_old_new) {
 SweepCloud Tracker::deskew(const PlacedSweep& sweep) const {
   return slam6d::deskew(
       sweep, range_, [this](const SE3& motion) { return calibration_.calibrate(motion); },
-      pitch_latency_.seconds());
+      pitch_latency_.seconds(), mount_);
 }
 
 // Reference [5]: odometry's motion since the last registered pose, in that pose's frame:

@@ -8,6 +8,7 @@
 #include "modules/slam6d/params.hpp"
 #include "modules/slam6d/pose_update.hpp"
 #include "modules/slam6d/registration/registration.hpp"
+#include "modules/slam6d/sweep/mount_error.hpp"
 #include "modules/slam6d/sweep/sweep_cloud.hpp"
 #include "modules/slam6d/tracking/odometry_calibration.hpp"
 #include "modules/slam6d/tracking/odometry_prior.hpp"
@@ -21,12 +22,16 @@ namespace nodmap::slam6d {
 /// pitch's stamps.
 class Tracker {
  public:
-  explicit Tracker(const Slam6dParams& params);
+  /// `mount`: the error of the laser's mount, which is corrected.
+  explicit Tracker(const Slam6dParams& params, const MountError& mount = {});
 
   /// Continues with odometry in another frame; the motion in between is unknown.
   void change_odometry_frame(const geometry::SE3& T_old_new);
   /// The motion before the next sweep is unknown.
   void interrupt() { is_interrupted_ = true; }
+
+  /// Later sweeps are deskewed with another error of the laser's mount.
+  void correct_mount(const MountError& mount) { mount_ = mount; }
 
   /// Deskews a sweep with the calibration learned so far.
   [[nodiscard]] SweepCloud deskew(const PlacedSweep& sweep) const;
@@ -71,6 +76,7 @@ class Tracker {
   [[nodiscard]] const OdometryCalibration& calibration() const { return calibration_; }
   /// OdometryScatter::factor() of the wheels.
   [[nodiscard]] double odometry_scatter() const { return scatter_.factor(); }
+  [[nodiscard]] const MountError& mount() const { return mount_; }
   [[nodiscard]] double pitch_latency_s() const { return pitch_latency_.seconds(); }
   /// Number of sweeps refused since the last accepted one.
   [[nodiscard]] int lost_sweeps() const { return lost_sweeps_; }
@@ -88,6 +94,7 @@ class Tracker {
   RegistrationParams registration_;
   RangeLimits range_;
   VoxelMapParams voxels_;
+  MountError mount_;
   OdometryCalibration calibration_;
   OdometryScatter scatter_;
   PitchLatency pitch_latency_;
