@@ -213,6 +213,9 @@ void Slam6dNode::publish(const PoseUpdate& update) {
   context_.bus.publish("POSE_6D", write_pose(update));
   if (update.begins_anew) {
     log_mount(slam_);
+    if (slam_.corrected_mount().is_zero()) {
+      log::get().info("the laser is mounted as described after all; the map has begun again");
+    }
     next_cloud_id_ = 0;
     clouds_end_id_ = slam_.keyframes().empty() ? 0 : slam_.keyframes().back().id + 1;
   } else if (update.keyframe) {
