@@ -59,8 +59,8 @@ class Navigator {
                      const geometry::SE2& T_odom_base) {
     leave_contact_.begin(stamp, T_odom_before, T_odom_base, trail_);
   }
-  /// Whether it still stops, so that the wheels may still slip.
-  [[nodiscard]] bool slips() const { return leave_contact_.is_stopping(); }
+  /// Whether it still stops at a contact, so that the wheels may still slip.
+  [[nodiscard]] bool is_stopping_at_contact() const { return leave_contact_.is_stopping(); }
   /// The frame map is another one from now on: forgets the contacts and the ground known in it.
   void forget_map();
 

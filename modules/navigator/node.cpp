@@ -317,7 +317,7 @@ void NavigatorNode::watch_slip(const nodmap::pose_t& message) {
 bool NavigatorNode::may_notice_slip() const {
   constexpr double kNearM = 2.0;  // a second of brisk walking, and both bodies
   const LocalMap& map = navigator_.local_map();
-  return map.has_scan() && map.ground().is_level() && !navigator_.slips() &&
+  return map.has_scan() && map.ground().is_level() && !navigator_.is_stopping_at_contact() &&
          !navigator_.people().is_anybody_near(newest_.odometry->T_odom_base.translation(), kNearM,
                                               scan_.mid_stamp());
 }

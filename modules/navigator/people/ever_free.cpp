@@ -20,7 +20,7 @@ constexpr std::uint8_t kEnough = 2;
 // degrees at 2 m, or 3 % of 3 m. In a second even somebody who walks at 0.4 m/s comes to where he
 // had hidden nothing.
 constexpr double kKnownForM = 2.0;
-constexpr std::uint32_t kKnownForScans = 40;  // 1 s at the rate of a held laser
+constexpr time::Duration kKnownFor = 1s;
 
 }  // namespace
 
@@ -31,7 +31,8 @@ int EverFree::layer_of(double height_m) {
   return static_cast<int>(std::floor((height_m - kLowestM) / kLayerM)) + 1;
 }
 
-void EverFree::begin_scan(const geometry::SE2& T_odom_base) {
+void EverFree::begin_scan(time::Timestamp stamp, const geometry::SE2& T_odom_base) {
+  stamp_ = stamp;
   travelled_m_ += scan_ == 0 ? 0.0 : travel_m(T_odom_base_, T_odom_base);
   T_odom_base_ = T_odom_base;
   grid_.center_on(T_odom_base.translation());
@@ -70,6 +71,7 @@ void EverFree::pass(const Eigen::Vector2d& from_odom, double from_height_m,
     std::uint8_t& free = column.free[static_cast<std::size_t>(layer)];
     free = std::min<std::uint8_t>(kMaxFree, static_cast<std::uint8_t>(free + 1));
     column.changed = column.passed = scan_;
+    column.passed_at = stamp_;
     column.passed_at_m = static_cast<float>(travelled_m_);
   }
 }
@@ -85,7 +87,8 @@ bool EverFree::is_free(const Eigen::Vector2i& index, int lowest, int highest) co
 
 bool EverFree::was_in_view(const Eigen::Vector2i& index) const {
   const Column& column = grid_.at(index);
-  return scan_ - column.passed < kKnownForScans ||
+  // abs(): a stamp that stepped back must not make a place known for ever.
+  return std::chrono::abs(stamp_ - column.passed_at) < kKnownFor ||
          travelled_m_ - static_cast<double>(column.passed_at_m) < kKnownForM;
 }
 

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "common/geometry/se2.hpp"
+#include "common/geometry/time.hpp"
 #include "modules/navigator/rolling_grid.hpp"
 
 namespace nodmap::navigator {
@@ -26,8 +27,8 @@ class EverFree {
   /// forgotten, before odometry has drifted.
   explicit EverFree(double range_m = 0.0);
 
-  /// Begins a scan, made from about `T_odom_base`.
-  void begin_scan(const geometry::SE2& T_odom_base);
+  /// Begins a scan, made at `stamp` from about `T_odom_base`.
+  void begin_scan(time::Timestamp stamp, const geometry::SE2& T_odom_base);
 
   /// A beam of this scan has ended at a place. All hits of a scan are added before its passes.
   void hit(const Eigen::Vector2d& p_odom, double height_m);
@@ -52,6 +53,7 @@ class EverFree {
     std::array<std::uint8_t, kLayers> free{};  ///< scans with a pass minus scans with a hit
     std::uint32_t changed = 0;                 ///< the scan of the last change
     std::uint32_t passed = 0;                  ///< the scan of the last pass
+    time::Timestamp passed_at{};               ///< its stamp
     float passed_at_m = 0.0F;                  ///< what the robot had travelled by then
   };
 
@@ -62,6 +64,7 @@ class EverFree {
 
   RollingGrid<Column> grid_;
   std::uint32_t scan_ = 0;
+  time::Timestamp stamp_{};
   geometry::SE2 T_odom_base_;
   double travelled_m_ = 0.0;  // since the first scan, see travel_m()
 };

@@ -79,7 +79,7 @@ std::vector<Detection> MotionDetector::add_scan(const scan::Scan& scan,
     farthest_m_ = farthest_of(scan);
     space_ = EverFree(farthest_m_);
   }
-  space_.begin_scan(T_odom_base);
+  space_.begin_scan(scan.mid_stamp(), T_odom_base);
   collect_hits(scan, T_odom_base, laser_is_held);
   const Eigen::Vector2d sensor_odom =
       T_odom_base * Eigen::Vector2d(scan.T_base_mount.translation().head<2>());

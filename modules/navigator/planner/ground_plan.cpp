@@ -128,7 +128,7 @@ void GroundPlan::begin_search(const PlanBasis& basis) {
   price_failures(basis.failures_map);
   if (onward_from_) {
     search_.begin_onward(window_, price_,
-                         {*onward_from_, is_tight() ? kShortestM : kOnwardM - kRingM, kOnwardM,
+                         {*onward_from_, is_relaxed() ? kShortestM : kOnwardM - kRingM, kOnwardM,
                           kShortPrice, kAsideMPerRad});
   } else if (basis.beyond != nullptr) {
     search_.begin(window_, price_, goal_map_, tolerance_m_, *basis.beyond);
@@ -139,8 +139,8 @@ void GroundPlan::begin_search(const PlanBasis& basis) {
 
 // Begins the next attempt at this plan. Returns false after the last one.
 bool GroundPlan::try_next(const PlanBasis& basis) {
-  if (!is_tight()) {
-    attempt_ = attempt_ == Attempt::kUsual ? Attempt::kTight : Attempt::kTightWithoutMap;
+  if (!is_relaxed()) {
+    attempt_ = attempt_ == Attempt::kUsual ? Attempt::kRelaxed : Attempt::kRelaxedWithoutMap;
     phase_ = Phase::kPrice;
     row_ = 0;
     return true;
@@ -220,8 +220,8 @@ void GroundPlan::read_surfaces(const PlanBasis& basis, int row) {
 // centimetres, and noise adds to both sides. The robot goes there and looks.
 void GroundPlan::price_row(const PlanBasis& basis, int row) {
   read_surfaces(basis, row);
-  const bool crosses_tight = is_tight() && !onward_from_;
-  const double usual_m = crosses_tight ? kOccupiedM : body_.half_width_m;
+  const bool crosses_narrow = is_relaxed() && !onward_from_;
+  const double usual_m = crosses_narrow ? kOccupiedM : body_.half_width_m;
   const Prices prices{body_.half_width_m + params_.min_clearance_m, params_};
   for (int column = 0; column < window_.width; ++column) {
     const double distance_m = obstacle_distances_.at(column, row);

@@ -67,9 +67,10 @@ class GroundPlan {
 
  private:
   enum class Phase : std::uint8_t { kIdle, kOccupy, kMeasureDistances, kPrice, kSearch };
-  /// What a plan takes as passable; if it leaves no path, the next one is tried. Tight: to a goal
-  /// only occupied cells block, without a goal the path is shorter.
-  enum class Attempt : std::uint8_t { kUsual, kTight, kWithoutMap, kTightWithoutMap };
+  /// How much a plan asks for; if that leaves no path, the next attempt is made. Relaxed: to a goal
+  /// a path may be narrower than the body on the grid (GroundPlan::price_row()), without a goal it
+  /// may be shorter.
+  enum class Attempt : std::uint8_t { kUsual, kRelaxed, kWithoutMap, kRelaxedWithoutMap };
   /// What is known of a cell; of several the greatest counts.
   enum class Surface : std::uint8_t { kUnknown, kFreeInMap, kPossibleRamp, kFloor };
 
@@ -82,11 +83,12 @@ class GroundPlan {
   void price_row(const PlanBasis& basis, int row);
   void price_failures(const std::deque<Eigen::Vector2d>& failures_map);
   void read_map_row(const PlanBasis& basis, const Eigen::Vector2i& first);
-  [[nodiscard]] bool is_tight() const {
-    return attempt_ == Attempt::kTight || attempt_ == Attempt::kTightWithoutMap;
+  [[nodiscard]] bool is_relaxed() const {
+    return attempt_ == Attempt::kRelaxed || attempt_ == Attempt::kRelaxedWithoutMap;
   }
   [[nodiscard]] bool uses_map(const PlanBasis& basis) const {
-    return basis.map_2d != nullptr && (attempt_ == Attempt::kUsual || attempt_ == Attempt::kTight);
+    return basis.map_2d != nullptr &&
+           (attempt_ == Attempt::kUsual || attempt_ == Attempt::kRelaxed);
   }
   [[nodiscard]] bool try_next(const PlanBasis& basis);
 
