@@ -38,6 +38,7 @@ function shuffle(points) {
 }
 
 const keyOf = ({sec, nsec}) => `${sec}.${nsec}`;
+const secondsOf = ({sec, nsec}) => sec + 1e-9 * nsec;
 
 /**
  * All keyframes received. Draws as many of their points as `budget` allows, the same fraction of each keyframe; on the
@@ -57,12 +58,19 @@ export class Cloud {
     this.budget = Infinity;
   }
 
-  /** Moves keyframes, including those not yet received, to their present poses. If none of them is known, 6D SLAM has begun another map. */
+  /**
+   * Moves keyframes, including those not yet received, to their present poses, and removes those that the map does not
+   * have any more. If none of them is known, 6D SLAM has begun another map.
+   */
   move({times, poses}) {
     const keys = times.map(keyOf);
+    const inMap = new Set(keys);
     if (this.poses.size > 0 && !keys.some((key) => this.poses.has(key))) {
-      this.forgetAllBut(new Set(keys));
+      this.forgetAllBut(inMap);
     }
+    // Older ones may only have been left out of a long message; the poses of newer ones may come later.
+    const [firstS, lastS] = [Math.min(...times.map(secondsOf)), Math.max(...times.map(secondsOf))];
+    this.forget(({timeS}, key) => timeS >= firstS && timeS <= lastS && !inMap.has(key));
     this.poses = new Map(keys.map((key, i) => [key, poses[i]]));
     this.keyframes.forEach((object, key) => {
       if (this.poses.has(key)) {
@@ -80,7 +88,7 @@ export class Cloud {
     geometry.setAttribute("position", new BufferAttribute(points, 3));
     const object = new Points(geometry, new ShaderMaterial({
       uniforms: {...shared, newness: {value: 1}}, vertexShader: VERTEX, fragmentShader: COLOR_FRAGMENT}));
-    object.timeS = message.timestamp.sec + 1e-9 * message.timestamp.nsec;
+    object.timeS = secondsOf(message.timestamp);
     object.visible = !this.software;
     setPose(object, this.poses.get(key) ?? message.pose);
     this.keyframes.set(key, object);
@@ -113,7 +121,12 @@ export class Cloud {
   }
 
   forgetAllBut(keys) {
-    [...this.keyframes.keys()].filter((key) => !keys.has(key)).forEach((key) => this.remove(key));
+    this.forget((_, key) => !keys.has(key));
+  }
+
+  /** Removes the keyframes for which `isGone(object, key)`. */
+  forget(isGone) {
+    [...this.keyframes].filter(([key, object]) => isGone(object, key)).forEach(([key]) => this.remove(key));
   }
 
   /** Computes the age of each keyframe: 0 the oldest, 1 the newest. */

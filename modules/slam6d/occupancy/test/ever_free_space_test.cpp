@@ -206,7 +206,7 @@ TEST(EverFreeSpace, SweepsThatWaitMoveWithTheirKeyframes) {
   const SweepCloud empty_hall = cloud_at(Room::hall(), SE3::Identity(), 2);
   moved.add_sweep(visited, SE3::Identity(), 0);
   there.add_sweep(visited, T_new_old, 0);
-  for (const std::size_t keyframe : {1, 2}) {
+  for (const std::size_t keyframe : {1U, 2U}) {
     moved.add_sweep(empty_hall, SE3::Identity(), keyframe, 4);
     there.add_sweep(empty_hall, T_new_old, keyframe, 4);
   }
