@@ -118,8 +118,10 @@ void KnownGround::update(const Situation& now) {
       if (!is_seen(grid_.at(index)) || p_base.x() >= 0.0 || p_base.norm() <= kBesideM) {
         const Eigen::Vector2d q_odom = R_odom_map * q_map + T_odom_map.translation();
         const unsigned bits = bits_around(view, view.in_cells(q_odom), quarters);
+        // A laser that is held never finds out.
         const bool could_be_ramp =
-            (bits & LocalView::kBlocked) != 0U && grid_.at(index) != Kind::kBlocked &&
+            now.needs_seen_floor() && (bits & LocalView::kBlocked) != 0U &&
+            grid_.at(index) != Kind::kBlocked &&
             could_be_ramp_around(*now.local_map, q_odom, quarters, view.cells_per_m());
         update_cell(index, bits, could_be_ramp);
       }
