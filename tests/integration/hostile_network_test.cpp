@@ -15,6 +15,7 @@
 
 #include "common/bus/event_log.hpp"
 #include "common/bus/live_bus.hpp"
+#include "common/bus/udpm_receiver.hpp"
 #include "common/formats/file_descriptor.hpp"
 #include "nodmap/status_t.hpp"
 #include "tests/support/attacker.hpp"
@@ -182,6 +183,32 @@ TEST_F(HostileNetwork, AFullQueueDropsItsOldestMessages) {
   }
   EXPECT_EQ(bus_.handle(milliseconds(0)), 4);
   EXPECT_EQ(received, (std::vector<int>{96, 97, 98, 99}));
+}
+
+// 100 MB that nobody handles meanwhile. Each PACE after the first is counted as an overrun, once
+// all that was sent before it has left the socket, which therefore never is full.
+TEST_F(HostileNetwork, MessagesThatAreNotHandledTakeAtMost64MB) {
+  std::size_t handled_bytes = 0;
+  bus_.subscribe_bytes(
+      "DATA", [&](std::span<const std::byte> bytes) { handled_bytes += bytes.size(); }, 3000);
+  bus_.subscribe_bytes(
+      "PACE", [](std::span<const std::byte> /*bytes*/) {}, 1);
+  bus_.publish_bytes("PACE", {});
+  const std::vector<std::byte> data(50'000);
+  const auto start = std::chrono::steady_clock::now();
+  for (int i = 0; i < 2000; ++i) {
+    const std::int64_t before = bus_.counts().overrun;
+    bus_.publish_bytes("DATA", data);
+    bus_.publish_bytes("PACE", {});
+    while (bus_.counts().overrun == before &&
+           std::chrono::steady_clock::now() - start < kPatience) {
+      ::sched_yield();
+    }
+  }
+  while (bus_.handle(milliseconds(0)) > 0) {
+  }
+  EXPECT_LE(handled_bytes, bus::UdpmReceiver::kMaxQueuedBytes);
+  EXPECT_GT(handled_bytes, bus::UdpmReceiver::kMaxQueuedBytes - data.size());
 }
 
 }  // namespace hostile_network_test

@@ -12,6 +12,7 @@
 #include "common/bus/codec.hpp"
 #include "common/bus/event_log.hpp"
 #include "common/formats/tum.hpp"
+#include "common/formats/user_error.hpp"
 #include "common/node/messages.hpp"
 #include "tests/support/data_dir.hpp"
 #include "tools/convert/carmen_export.hpp"
@@ -206,6 +207,18 @@ TEST_F(Import, UosSaysThatThereIsNoScanInTheRange) {
   EXPECT_THAT(error_of({5, 9}), testing::EndsWith("no scanNNN.3d with slices from number 5 to 9"));
   EXPECT_THAT(error_of({5, UosRange{}.last}), testing::EndsWith("from number 5 on"));
   EXPECT_EQ(error_of({}), "none");
+}
+
+// Each drive between two scans is written every 10 ms: one of 2^31 cm would fill the disk.
+TEST_F(Import, UosScansFartherApartThanARobotDrivesAreRefused) {
+  write("scan000.3d", tiny_uos_scan());
+  write("scan000.pose", "0 0 0\n0 0 0\n");
+  write("scan001.3d", tiny_uos_scan());
+  for (const char* far : {"2147483648 0 0\n0 0 0\n", "0 0 -100100\n0 0 0\n"}) {
+    write("scan001.pose", far);
+    EXPECT_THROW(import_uos(dir_.path(), file("a.lcmlog"), {}), formats::UserError) << far;
+    EXPECT_FALSE(std::filesystem::exists(file("a.lcmlog")));
+  }
 }
 
 TEST_F(Import, UosWithoutAPoseIsAnErrorThatNamesTheFile) {
