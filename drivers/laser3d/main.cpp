@@ -13,7 +13,11 @@ int main(int argc, char** argv) {
       argc, argv,
       {"nodmap-laser3d",
        "Drives the nodding 3D scanner, a SICK LMS2xx on a pitch servo: SCAN out."},
-      table, [&params] { laser3d::check(params); },
+      table,
+      [&params] {
+        laser3d::check(params);
+        laser3d::check_devices(params);
+      },
       [&params](node::Context& context) {
         return std::make_unique<laser3d::Laser3dNode>(
             context, params,

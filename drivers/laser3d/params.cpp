@@ -21,4 +21,13 @@ void check(const Laser3dParams& params) {
   }
 }
 
+void check_devices(const Laser3dParams& params) {
+  if (params.laser.device.empty()) {
+    throw params::ParamError("laser.device: is not set; name the serial port of the laser");
+  }
+  if (params.servo.device.empty()) {
+    throw params::ParamError("servo.device: is not set; name the serial port of the servo");
+  }
+}
+
 }  // namespace nodmap::laser3d

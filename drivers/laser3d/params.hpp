@@ -76,4 +76,7 @@ struct Laser3dParams {
 /// above its upper one. Throws params::ParamError, which names the parameter.
 void check(const Laser3dParams& params);
 
+/// Checks that the parameters name both serial ports. Throws params::ParamError.
+void check_devices(const Laser3dParams& params);
+
 }  // namespace nodmap::laser3d

@@ -13,7 +13,7 @@
 
 namespace nodmap::test {
 
-/// Writes a log of this many messages of a robot that stands, which every module uses.
+/// Writes a log of this many messages of a stationary robot, which every module uses.
 inline void write_odometry_log(const std::filesystem::path& file, int num_messages) {
   bus::LogWriter log(file);
   std::vector<std::byte> bytes;

@@ -137,31 +137,6 @@ TEST_P(EveryProcess, DumpsParametersThatItLoadsAgain) {
 
 INSTANTIATE_TEST_SUITE_P(All, EveryProcess, ::testing::ValuesIn(kProcesses));
 
-class EveryProcessThatKnowsTheRobot : public ::testing::TestWithParam<const char*> {};
-
-// The file describes the KURT3D, and so do the defaults: a difference would be an error in one of
-// them.
-TEST_P(EveryProcessThatKnowsTheRobot, LoadingTheFileOfTheRobotChangesNoDefault) {
-  const auto defaults = run_program(GetParam(), {"--dump-params"});
-  const auto told =
-      run_program(GetParam(), {"--config", NODMAP_KURT3D "/robot.yaml", "--dump-params"});
-  ASSERT_EQ(told.exit_code, 0) << told.err;
-  EXPECT_EQ(told.out, defaults.out);
-}
-
-INSTANTIATE_TEST_SUITE_P(All, EveryProcessThatKnowsTheRobot,
-                         ::testing::Values("nodmap-explorer", "nodmap-laser3d", "nodmap-map-server",
-                                           "nodmap-navigator", "nodmap-pitch-controller",
-                                           "nodmap-viewer"));
-
-// SAFETY.md names this speed.
-TEST(Kurt3d, ItsFileLimitsTheSpeedOfTheWheels) {
-  const auto params =
-      run_program("nodmap-kurt", {"--config", NODMAP_KURT3D "/kurt.yaml", "--dump-params"});
-  EXPECT_EQ(params.exit_code, 0) << params.err;
-  EXPECT_THAT(params.out, HasSubstr("max_speed_mps: 1.8\n"));
-}
-
 class EveryModule : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(EveryModule, NeverOverwritesResults) {

@@ -46,7 +46,7 @@ struct MaestroParams {
 
 struct ServoParams {
   ServoKind kind = ServoKind::kDynamixel;
-  std::string device = "/dev/servo";
+  std::string device;
   int baud = 1'000'000;
   int id = 1;
   double poll_hz = 200.0;
@@ -57,7 +57,8 @@ struct ServoParams {
   void describe(Visitor& v) {
     v.choice("kind", kind, {{"dynamixel", ServoKind::kDynamixel}, {"maestro", ServoKind::kMaestro}},
              "Pitch servo: Dynamixel X (measured pitch) or Pololu Maestro (open loop).");
-    v.text("device", device, "Serial line of the servo.");
+    v.text("device", device,
+           "Serial port of the servo, preferably /dev/serial/by-id/...; required.");
     v.integer("baud", baud, {9600, 4'500'000}, "Rate of the servo's serial line, bit/s.");
     v.integer("id", id, {0, 252}, "Dynamixel id, or Maestro channel.");
     v.number("poll_hz", poll_hz, {20.0, 500.0}, "How often the pitch is read.");
@@ -108,7 +109,7 @@ class PendingAim {
 };
 
 /// The longest pause before a silent servo is queried again. A query costs a few bytes, and the
-/// robot stands until one is answered: when the line is sound again, after a second at most.
+/// robot halts until one is answered: when the line is sound again, after a second at most.
 inline constexpr time::Duration kLongestServoPause = 1s;
 
 /// What has happened on the servo's line.

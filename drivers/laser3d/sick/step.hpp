@@ -11,7 +11,7 @@ namespace nodmap::laser3d {
 
 /// The sensor's settings and the validity of its readings.
 struct SickParams {
-  std::string device = "/dev/scanner";
+  std::string device;
   int baud = 500000;
   SickVariant variant = SickVariant::k180x100;
   bool interlaced = false;
@@ -25,7 +25,8 @@ struct SickParams {
 
   template <class Visitor>
   void describe(Visitor& v) {
-    v.text("device", device, "Serial line of the SICK LMS2xx.");
+    v.text("device", device,
+           "Serial port of the SICK LMS2xx, preferably /dev/serial/by-id/...; required.");
     v.choice("baud", baud, {{"9600", 9600}, {"19200", 19200}, {"38400", 38400}, {"500000", 500000}},
              "Rate of the stream, bit/s; below 500000 (RS-422) scans are lost.");
     v.choice("variant", variant,
