@@ -98,6 +98,11 @@ TEST_F(SensorInputTest, OneSocketIsFollowedUntilItIsSilent) {
     odometry.odometry_seq = seq;
     const bool reads_scan = input_.read(good_scan(seq), scan_);
     EXPECT_EQ(input_.read(odometry).has_value(), reads_scan);
+    nodmap::egomap_t structure_map{};
+    structure_map.utime = time::to_utime(time::Timestamp{24h});
+    structure_map.distance_m = structure_map.point_x_m = {1.0F};
+    structure_map.point_y_m = {0.0F};
+    EXPECT_EQ(input_.read(structure_map).has_value(), reads_scan);
     return reads_scan;
   };
   for (std::int64_t seq = 0; seq < 100; ++seq, now += 10ms) {
@@ -106,6 +111,7 @@ TEST_F(SensorInputTest, OneSocketIsFollowedUntilItIsSilent) {
   }
   EXPECT_EQ(counts_.rejected().at("other_sender_of_scan"), 100);
   EXPECT_EQ(counts_.rejected().at("other_sender_of_odometry"), 100);
+  EXPECT_EQ(counts_.rejected().at("other_sender_of_structure_map"), 100);
   EXPECT_EQ(counts_.lost(), 0);
   now += bus::SenderWatch::kSilence - 11ms;
   EXPECT_FALSE(reads(other, 100));
