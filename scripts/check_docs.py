@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """Fails when a document names what is not there: a link's file or heading, a path of the repository or a test (`x_test`, `Suite.Name`), in `code style`;
-and when a README does not name a header that it should explain, in `code style` without its folder and extension.
+when a README does not name a header that it should explain, in `code style` without its folder and extension; and when an entry of bench/REPORT.md
+does not name its commit.
 """
 import functools
 import pathlib
@@ -12,6 +13,7 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 LINK = re.compile(r"\]\(([^)#\s]*)(?:#([^)\s]+))?[^)]*\)")
 CODE = re.compile(r"`([^`\s]+)`")
+ENTRY = re.compile(r"### .*\(.*\b(?=[0-9a-f]*\d)[0-9a-f]{7,10}\b.*\)$")
 TEST = re.compile(r"([A-Z]\w+)\.([A-Z]\w+|\*)")
 
 
@@ -27,6 +29,13 @@ def unnamed_headers(files):
         folder = next((parent for parent in header.parents if parent in spans), None)
         if folder and not {"test", "tests"} & set(header.parts) and not re.search(rf"\b{header.stem}\b", spans[folder]):
             yield f"{folder}/README.md: does not say what {header} is for"
+
+
+def entries_without_commit(report):
+    """Entries of the report of benchmarks whose title does not say of which commit the results are."""
+    for number, line in enumerate((ROOT / report).read_text().splitlines(), 1):
+        if line.startswith("### ") and not ENTRY.fullmatch(line):
+            yield f"{report}:{number}: the entry names no commit: {line}"
 
 
 def test_names(files):
@@ -60,7 +69,7 @@ def main():
     paths = set(files) | {name.rsplit(".", 1)[0] for name in files} | {str(parent) for name in files for parent in pathlib.PurePath(name).parents}
     tests = test_names(files)
     suites = {name.split(".")[0] for name in tests}
-    errors = list(unnamed_headers(files))
+    errors = [*unnamed_headers(files), *entries_without_commit("bench/REPORT.md")]
     for name in (f for f in files if f.endswith(".md")):
         for number, line in enumerate((ROOT / name).read_text().splitlines(), 1):
             for target, heading in LINK.findall(line):
@@ -74,7 +83,7 @@ def main():
                     errors.append(f"{name}:{number}: there is no test {word}")
                 elif TEST.fullmatch(word) and (name == "SAFETY.md" or word.split(".")[0] in suites) and word not in tests:
                     errors.append(f"{name}:{number}: there is no test {word}")
-    print("\n".join(errors) if errors else "every file that the documents name is there, and every header is named")
+    print("\n".join(errors) if errors else "every file that the documents name is there, every header is named, and every benchmark names its commit")
     return 1 if errors else 0
 
 
