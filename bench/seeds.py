@@ -8,5 +8,5 @@ REPORTING = range(0, 1000)
 CHOOSING = range(1000, 2000)
 
 # Mapping and navigation are reported with this odometry: each wheel counts 3 % too much, and the heading drifts by a random walk with the simulator's default of
-# 1 degree times the root of the metres over a long way: 0.9 degrees after 1 m, 1.9 degrees after 4 m and so on.
+# 1 degree times the root of the metres over a long drive: 0.9 degrees after 1 m, 1.9 degrees after 4 m and so on.
 ODOMETRY_NOISE = ("--set", "sim.odometry_scale_bias=0.03", "--set", "sim.slip_heading_deg=1")

@@ -55,9 +55,9 @@ int main(int argc, char** argv) {
     return 1;
   }
   using nodmap::statistics::quantile;
-  const nlohmann::json figures{{"scans", durations_ms.size()},
+  const nlohmann::json metrics{{"scans", durations_ms.size()},
                                {"p50_ms", quantile(durations_ms, 0.50)},
                                {"p99_ms", quantile(durations_ms, 0.99)},
                                {"max_ms", quantile(durations_ms, 1.0)}};
-  std::puts(figures.dump(2).c_str());
+  std::puts(metrics.dump(2).c_str());
 }

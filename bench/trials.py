@@ -76,7 +76,7 @@ def collided(results):
 
 
 def add_distance(table, what, results, least_m):
-    """A robot that stands still meets nearly every other target."""
+    """A stationary robot meets nearly every other target."""
     driven_m = min(result["distance_m"] for result in results)
     table.add(f"{what}: least distance driven, m", f"{driven_m:.1f}", f">= {least_m}", driven_m >= least_m)
 

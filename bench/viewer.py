@@ -217,7 +217,7 @@ def stop_and_go(observer):
         begin = time.monotonic()
         assert driver.call({"do": "stop"})["ok"]
         truth.collect(lambda m: m and abs(m["TRUTH"][-1][1]["forward_mps"]) < 0.01)
-        result = {"stands_after_s": round(time.monotonic() - begin, 2), "fastest_mps_in_5_s_after": round(fastest_mps(truth, 5), 3)}
+        result = {"stationary_after_s": round(time.monotonic() - begin, 2), "fastest_mps_in_5_s_after": round(fastest_mps(truth, 5), 3)}
         first.process.kill()
     result["fastest_mps_in_5_s_after_the_viewer_died"] = round(fastest_mps(truth, 5), 3)
     with Viewer("--control") as second:

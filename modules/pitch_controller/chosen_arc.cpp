@@ -11,18 +11,18 @@ constexpr double kSameBoundMps = 0.05;
 
 }  // namespace
 
-WayAhead way_ahead(const ChosenArc& arc, double present_mps, double bound_mps,
-                   const robot::Braking& braking, double processing_s) {
-  WayAhead way;
+NeededView needed_view(const ChosenArc& arc, double present_mps, double bound_mps,
+                       const robot::Braking& braking, double processing_s) {
+  NeededView view;
   if (arc.does == OnArc::kDrives && arc.max_forward_mps >= bound_mps - kSameBoundMps) {
-    way.used_m = arc.free_m;
+    view.used_m = arc.free_m;
   }
   const bool is_free = arc.free_m > braking.required_distance_m(bound_mps, processing_s);
   if (arc.does == OnArc::kSlowed && is_free) {
-    way.floor_from_m =
+    view.floor_from_m =
         robot::stopping_distance(present_mps, processing_s, braking.emergency_deceleration_mps2);
   }
-  return way;
+  return view;
 }
 
 }  // namespace nodmap::pitch_controller

@@ -30,7 +30,7 @@ struct ChosenArc {
 ///   sweeps may be shorter.
 /// - If something slows it down although the first obstacle is far enough ahead for the bound, it
 ///   is likely ground that it has not seen: it looks down to where it could just stop.
-[[nodiscard]] WayAhead way_ahead(const ChosenArc& arc, double present_mps, double bound_mps,
-                                 const robot::Braking& braking, double processing_s);
+[[nodiscard]] NeededView needed_view(const ChosenArc& arc, double present_mps, double bound_mps,
+                                     const robot::Braking& braking, double processing_s);
 
 }  // namespace nodmap::pitch_controller

@@ -129,27 +129,27 @@ void PitchController::plan_for_present_speed(time::Timestamp now) {
     looking_mps_ = std::max(planned_mps_, looking_mps_ - kWideningMps2 * dt_s);
   }
   add_unseen_place(now);
-  plan_for_way(present_way(now));
+  plan_for_view(present_view(now));
   follow_.set_plan(plan_);
   plan_held_ = plan_held_ && is_same(plan_, plan_at_reversal_);
 }
 
-WayAhead PitchController::present_way(time::Timestamp now) const {
+NeededView PitchController::present_view(time::Timestamp now) const {
   if (!params_.follows_path || !arc_ || !is_fresh(arc_->stamp, now)) {
     return {};
   }
-  return way_ahead(*arc_, present_mps(), told_mps_, params_.robot.braking,
-                   params_.detection.processing_s);
+  return needed_view(*arc_, present_mps(), told_mps_, params_.robot.braking,
+                     params_.detection.processing_s);
 }
 
-// Longer sweeps allow less. Where they would make the robot brake, those for the last way remain
+// Longer sweeps allow less. Where they would make the robot brake, those for the last view remain
 // until the laser has measured what may have appeared.
-void PitchController::plan_for_way(const WayAhead& way) {
-  plan_ = planner_.plan(planned_mps_, looking_mps_, way);
+void PitchController::plan_for_view(const NeededView& view) {
+  plan_ = planner_.plan(planned_mps_, looking_mps_, view);
   plans_bound_mps_ = bound_of(plan_);
-  const WayAhead last = std::exchange(way_, way);
-  const bool is_same_way = last.used_m == way.used_m && last.floor_from_m == way.floor_from_m;
-  if (is_same_way || plans_bound_mps_ >= present_mps()) {
+  const NeededView last = std::exchange(view_, view);
+  const bool is_same_view = last.used_m == view.used_m && last.floor_from_m == view.floor_from_m;
+  if (is_same_view || plans_bound_mps_ >= present_mps()) {
     return;
   }
   const SweepPlan plan = planner_.plan(planned_mps_, looking_mps_, last);
@@ -157,7 +157,7 @@ void PitchController::plan_for_way(const WayAhead& way) {
   if (bound_mps > plans_bound_mps_) {
     plan_ = plan;
     plans_bound_mps_ = bound_mps;
-    way_ = last;
+    view_ = last;
   }
 }
 

@@ -89,8 +89,8 @@ class PitchController {
   /// decision.
   [[nodiscard]] double since_decision_s(time::Timestamp now, double at_first_s) const;
   void plan_for_present_speed(time::Timestamp now);
-  [[nodiscard]] WayAhead present_way(time::Timestamp now) const;
-  void plan_for_way(const WayAhead& way);
+  [[nodiscard]] NeededView present_view(time::Timestamp now) const;
+  void plan_for_view(const NeededView& view);
   void add_unseen_place(time::Timestamp now);
   void count(const MeasuredSweep& sweep);
   void regulate(const MeasuredSweep& sweep);
@@ -114,7 +114,7 @@ class PitchController {
   double planned_mps_ = 0.0;
   double looking_mps_ = 0.0;  // the area of interest is at most as wide as at this speed
   double told_mps_ = 0.0;     // the bound of the last decision
-  WayAhead way_;              // that the sweep is planned for
+  NeededView view_;           // that the sweep is planned for
   SweepPlan plan_;
   double plans_bound_mps_ = 0.0;
   double commanded_s_ = 0.0;

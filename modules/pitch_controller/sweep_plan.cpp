@@ -53,28 +53,28 @@ SweepPlanner::SweepPlanner(const robot::RobotParams& robot, const DetectionParam
       fast_mps_(fast_mps),
       corridor_(VirtualCorridor::of(robot)) {}
 
-SweepPlan SweepPlanner::plan(double forward_mps, double looking_mps, const WayAhead& way) const {
+SweepPlan SweepPlanner::plan(double forward_mps, double looking_mps, const NeededView& view) const {
   // Fixed-point iteration: the distance at which an obstacle may appear and the duration of the
   // sweep depend on each other.
   SweepPlan plan;
   double appears_m = 0.0;
   for (int i = 0; i < kIterations; ++i) {
-    plan = plan_from(appears_m, forward_mps, looking_mps, way);
+    plan = plan_from(appears_m, forward_mps, looking_mps, view);
     appears_m = plan.d_min_m + forward_mps * revisit_s(corridor_, plan.nod, appears_m, forward_mps);
   }
   return plan;
 }
 
 SweepPlan SweepPlanner::plan_from(double appears_m, double forward_mps, double looking_mps,
-                                  const WayAhead& way) const {
+                                  const NeededView& view) const {
   const PitchInterval mechanics = robot_.head.pitch();
   SweepPlan plan;
   plan.d_min_m = robot_.braking.required_distance_m(forward_mps, detection_.processing_s);
   plan.area =
       area_of_interest(looking_mps, fast_mps_, corridor_.area_from(plan.d_min_m), mechanics);
-  plan.line_spacing_rad = planned_spacing_rad(plan.d_min_m, appears_m, way.used_m);
+  plan.line_spacing_rad = planned_spacing_rad(plan.d_min_m, appears_m, view.used_m);
   const double below_rad = plan.line_spacing_rad + floor_dip_rad(forward_mps);
-  const double lowest_rad = std::min(plan.area.min_rad - below_rad, floor_from_rad(way));
+  const double lowest_rad = std::min(plan.area.min_rad - below_rad, floor_from_rad(view));
   plan.sweep = {std::max(lowest_rad, mechanics.min_rad),
                 std::min(plan.area.max_rad + plan.line_spacing_rad, mechanics.max_rad)};
 
@@ -94,9 +94,9 @@ SweepPlan SweepPlanner::plan_from(double appears_m, double forward_mps, double l
   return plan;
 }
 
-double SweepPlanner::floor_from_rad(const WayAhead& way) const {
-  return std::isfinite(way.floor_from_m)
-             ? -std::atan(corridor_.axis_height_m / corridor_.from_axis_m(way.floor_from_m))
+double SweepPlanner::floor_from_rad(const NeededView& view) const {
+  return std::isfinite(view.floor_from_m)
+             ? -std::atan(corridor_.axis_height_m / corridor_.from_axis_m(view.floor_from_m))
              : robot_.head.pitch().max_rad;
 }
 

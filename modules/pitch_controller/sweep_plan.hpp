@@ -28,7 +28,7 @@ struct SweepPlan {
 };
 
 /// What the robot needs to see ahead, beside what may appear; metres ahead of the front.
-struct WayAhead {
+struct NeededView {
   /// It cannot use what is farther away, such as what is behind the first obstacle.
   double used_m = std::numeric_limits<double>::infinity();
   /// The sweep covers the floor beyond this distance; infinite: none.
@@ -59,14 +59,15 @@ class SweepPlanner {
   }
 
   /// The same, but beyond the virtual corridor the area of interest is only as wide as at a greater
-  /// speed, `looking_mps`, and for a way ahead. Where the robot uses less than 1.4 (d_min + v R),
-  /// the lines are dense enough only so far, but at least to 1.2 (d_min + v R).
-  [[nodiscard]] SweepPlan plan(double forward_mps, double looking_mps, const WayAhead& way) const;
+  /// speed, `looking_mps`, and for what it needs to see. Where the robot uses less than 1.4 (d_min
+  /// + v R), the lines are dense enough only so far, but at least to 1.2 (d_min + v R).
+  [[nodiscard]] SweepPlan plan(double forward_mps, double looking_mps,
+                               const NeededView& view) const;
 
  private:
   [[nodiscard]] SweepPlan plan_from(double appears_m, double forward_mps, double looking_mps,
-                                    const WayAhead& way) const;
-  [[nodiscard]] double floor_from_rad(const WayAhead& way) const;
+                                    const NeededView& view) const;
+  [[nodiscard]] double floor_from_rad(const NeededView& view) const;
   [[nodiscard]] double planned_spacing_rad(double d_min_m, double appears_m, double used_m) const;
 
   robot::RobotParams robot_;

@@ -39,7 +39,7 @@ struct ReportRow {
 [[nodiscard]] bool is_silent(const ReportRow& row);
 /// OK, DEGRADED, FAILED or SILENT; empty if no STATUS was received.
 [[nodiscard]] std::string health_word(const ReportRow& row);
-/// The same with its reason and figures.
+/// The same with its reason, message rate, latencies and losses.
 [[nodiscard]] std::string health_sentence(const ReportRow& row);
 
 /// The present state of all commands. `consoles`: their output.

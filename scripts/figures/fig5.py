@@ -67,7 +67,7 @@ def make():
                     f"The image shows seed {SHOWN}: objects below the level laser's plane are brown, the table tops above it are blue.",
         "holds": [(f"runs of {n} with a collision, laser fixed", hit_fixed, "most", hit_fixed > n / 2),
                   (f"runs of {n} with a collision, laser nodding", hit_nodding, "0", hit_nodding == 0),
-                  # A robot that stands still hits nothing.
+                  # A stationary robot hits nothing.
                   ("least distance driven, laser nodding", f"{min(driven_m):.1f} m", "≥ 10 m", min(driven_m) >= 10)],
         "commands": [FIXED[shown].command(), NODDING[shown].command()],
     }

@@ -67,8 +67,8 @@ struct DriveParams {
         "odometry_scale_difference", odometry_scale_difference, {-0.1, 0.1},
         "Difference of this excess between left and right wheels, as caused by unequal diameters.");
     v.number("slip_distance_m", slip_distance_m, {0.0, 1.0},
-             "Standard deviation of the distance error by slip over a long way, divided by the "
-             "root of the way in m; after 1 m a tenth smaller.");
+             "Standard deviation of the distance error by slip over a long drive, divided by the "
+             "root of its length in m; after 1 m a tenth smaller.");
     v.angle("slip_heading_deg", slip_heading_rad, {0.0, 45.0}, "The same of the heading error.");
     v.angle("slip_turning_deg", slip_turning_rad, {0.0, 45.0},
             "Standard deviation of the heading error by slip in a long rotation on the spot, "

@@ -31,7 +31,7 @@ TEST(Crowd, AnActorThatDoesNotReactFollowsItsPath) {
   world.actors.push_back(walker({0.0, 0.0}, {8.0, 0.0}, 1.0));
   world.actors[0].reacts = false;
   Crowd crowd(world, {});
-  advance(crowd, 0.0, 3.0, {3.0, 0.0, 0.0});  // the robot stands in the way
+  advance(crowd, 0.0, 3.0, {3.0, 0.0, 0.0});  // the stationary robot is in the way
   EXPECT_EQ(crowd.state(0).position, world.actors[0].position(3.0));
 }
 

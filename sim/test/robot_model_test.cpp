@@ -134,10 +134,10 @@ TEST(RobotModel, AWallStopsTheRobotAndCountsAsOneCollision) {
 TEST(RobotModel, AnActorWhoWalksIntoTheStationaryRobotCountsAsABump) {
   World world;
   world.actors.push_back(walker({{1.0, {2.0, 0.0}}, {4.0, {0.3, 0.0}}, {7.0, {2.0, 0.0}}}));
-  RobotModel standing(world, exact_params(), 1);
-  standing.advance_to(at(8s));
-  EXPECT_EQ(standing.ground_truth().contacts.bumps, 1);
-  EXPECT_EQ(standing.ground_truth().contacts.collisions, 0);
+  RobotModel stationary(world, exact_params(), 1);
+  stationary.advance_to(at(8s));
+  EXPECT_EQ(stationary.ground_truth().contacts.bumps, 1);
+  EXPECT_EQ(stationary.ground_truth().contacts.collisions, 0);
 
   RobotModel driving(world, exact_params(), 1);
   driving.set_wheel_speeds({0.1, 0.1});

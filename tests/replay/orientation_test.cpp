@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// R5: no exported map is mirrored. The robot stands in a world that has the shape of the letter F,
-// seen from above: the stem points ahead on the right, and both arms point to the left. Every
-// exported map must show an F as well.
+// R5: no exported map is mirrored. The stationary robot is in a world that has the shape of the
+// letter F, seen from above: the stem points ahead on the right, and both arms point to the left.
+// Every exported map must show an F as well.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -83,7 +83,7 @@ def check_trials(source):
     assert "occupancy: not evaluated" in text and "crowd, 2 runs: collisions" in text and code == 1, text
     for group, row in (("crowd", "distance driven"), ("stairs", "goals reached"), ("warehouse", "goals reached")):
         text, code = table(source, [group], TRIAL, NO_CONTACT | {"distance_m": 0.0, "goal": GOAL | {"reached": False}})
-        assert code == 1 and any(row in line and line.endswith("MISSED") for line in text.splitlines()), "a robot that stands still hits nothing: " + text
+        assert code == 1 and any(row in line and line.endswith("MISSED") for line in text.splitlines()), "a stationary robot hits nothing: " + text
     text, code = table(source, ["storeys"], TRIAL, NO_CONTACT | {"goals": {"asked": 5, "reached": 4}})
     assert code == 1 and any("goals reached" in line and line.endswith("MISSED") for line in text.splitlines()), text
     text, code = table(source, ["crowd"], "#!/bin/sh\nexit 1\n", NO_CONTACT)

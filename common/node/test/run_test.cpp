@@ -147,7 +147,7 @@ TEST(Run, LaterConfigurationsOverrideAndAssignmentsOverrideAll) {
   write_log(log);
   std::ofstream(dir.path() / "robot.yaml") << "gain: 3\nloud: true\n";
   std::ofstream(dir.path() / "mine.yaml") << "gain: 4\n";
-  const auto figures = [&](const std::string& out, std::vector<std::string> more) {
+  const auto metrics_of = [&](const std::string& out, std::vector<std::string> more) {
     std::vector<std::string> args = {"--replay", log, "--out", dir.path() / out};
     args.insert(args.end(), more.begin(), more.end());
     EXPECT_EQ(run_echo(args), 0);
@@ -155,10 +155,10 @@ TEST(Run, LaterConfigurationsOverrideAndAssignmentsOverrideAll) {
   };
   const std::vector<std::string> both = {"--config", dir.path() / "robot.yaml", "--config",
                                          dir.path() / "mine.yaml"};
-  EXPECT_EQ(figures("a", both)["gain"], 4.0);
-  EXPECT_EQ(figures("b", both)["loud"], true);
-  EXPECT_EQ(figures("c", {both[2], both[3], both[0], both[1]})["gain"], 3.0);
-  EXPECT_EQ(figures("d", {"--set", "gain=5", both[0], both[1]})["gain"], 5.0);
+  EXPECT_EQ(metrics_of("a", both)["gain"], 4.0);
+  EXPECT_EQ(metrics_of("b", both)["loud"], true);
+  EXPECT_EQ(metrics_of("c", {both[2], both[3], both[0], both[1]})["gain"], 3.0);
+  EXPECT_EQ(metrics_of("d", {"--set", "gain=5", both[0], both[1]})["gain"], 5.0);
 }
 
 TEST(Run, ExitCodesDistinguishUserErrors) {

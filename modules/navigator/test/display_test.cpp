@@ -75,7 +75,7 @@ TEST_F(DisplayTest, AGoalGivenDuringAStopHasNoPathYet) {
   EXPECT_EQ(bus_.last<nodmap::path_t>("PATH").goal_utime, 78);
 }
 
-// While the head stands the robot waits without planning, and does not halt.
+// While the head is stationary, the robot waits without planning, and does not halt.
 TEST_F(DisplayTest, AGoalGivenWhileItWaitsHasNoPathYet) {
   give_goal(3.0, 77);
   run_scans(kUntilPlanned);

@@ -79,7 +79,7 @@ TEST(PitchControllerBound, TheBoundFallsOnTheWayToWhatMayHaveAppeared) {
 
 // A robot on a short arc, whose arc becomes long, or whose navigator falls silent: the sweeps
 // become longer only as its speed allows it, and after a while they are those by speed again.
-TEST(PitchControllerBound, LongerSweepsForAnotherWayDoNotMakeTheRobotBrake) {
+TEST(PitchControllerBound, LongerSweepsForAnotherViewDoNotMakeTheRobotBrake) {
   PitchControllerParams params;
   params.follows_path = true;
   for (const bool falls_silent : {false, true}) {
@@ -90,7 +90,7 @@ TEST(PitchControllerBound, LongerSweepsForAnotherWayDoNotMakeTheRobotBrake) {
     };
     loop.run(3.5, 0.0);
     loop.run(3.0, as_permitted);
-    const SweepPlan short_way = loop.dut.plan();
+    const SweepPlan short_view = loop.dut.plan();
     loop.free_m = falls_silent ? std::nullopt : std::optional(100.0);
     for (int i = 0; i < 300; ++i) {
       const double before_mps = loop.speed;
@@ -100,7 +100,7 @@ TEST(PitchControllerBound, LongerSweepsForAnotherWayDoNotMakeTheRobotBrake) {
     const SweepPlan by_speed =
         SweepPlanner(params.robot, params.detection, params.speed.fast_mps).plan(loop.speed);
     EXPECT_NEAR(loop.dut.plan().sweep_s, by_speed.sweep_s, 0.01 * by_speed.sweep_s) << falls_silent;
-    EXPECT_LT(short_way.sweep_s, 0.95 * by_speed.sweep_s) << falls_silent;
+    EXPECT_LT(short_view.sweep_s, 0.95 * by_speed.sweep_s) << falls_silent;
   }
 }
 

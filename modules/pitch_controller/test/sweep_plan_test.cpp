@@ -212,7 +212,7 @@ TEST(SweepPlan, ASweepForASpeedAllowsAHigherSpeed) {
 // Where the robot cannot use what is far ahead, fewer lines still hit the smallest obstacle from
 // d_min to beyond where it is protected, and the bound is above the speed, so speed and nod do not
 // block each other.
-TEST(SweepPlan, AShortWayMakesShorterSweepsThatStillReachTheProtectedDistance) {
+TEST(SweepPlan, AShortViewMakesShorterSweepsThatStillReachTheProtectedDistance) {
   const SweepPlanner planner = default_planner();
   const VirtualCorridor corridor = VirtualCorridor::of(kParams.robot);
   for (double v = 0.0; v <= kParams.speed.top_mps; v += kStepMps) {

@@ -52,7 +52,7 @@ TEST(UnseenPlaces, OneThatWasMeasuredIsWhereItIs) {
   EXPECT_DOUBLE_EQ(dut.nearest_hit_m(kNod, kRevisitS, 1.0), 1.5);
 }
 
-// A head that stands still measures nothing, however long it takes.
+// A head that is stationary measures nothing, however long it takes.
 TEST(UnseenPlaces, WithoutANodNothingIsForgotten) {
   UnseenPlaces dut;
   dut.add(1.0);

@@ -61,9 +61,9 @@ class Robot {
   time::Duration gap_{};
 };
 
-// An interruption leaves 0.3 m of uncertainty (odometry.interruption_m), and a robot that stands
-// adds next to nothing to it.
-TEST(Corridor, ARobotThatStandsAfterAnInterruptionStays) {
+// An interruption leaves 0.3 m of uncertainty (odometry.interruption_m), and a stationary
+// robot adds next to nothing to it.
+TEST(Corridor, AStationaryRobotStaysAfterAnInterruption) {
   Robot robot;
   robot.add_sweeps(7, kSpeedMps);
   robot.pause(2s);

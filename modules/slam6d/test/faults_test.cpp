@@ -143,10 +143,10 @@ TEST(Faults, SweepsOfTwoMinutesAreNotCut) {
   }
 }
 
-// Somebody holds the robot: from the third sweep on its wheels count 0.3 m/s while it stands. What
-// is wrong is the motion within each sweep, not only where the sweep begins.
+// Somebody holds the robot: from the third sweep on its wheels count 0.3 m/s while it is
+// stationary. What is wrong is the motion within each sweep, not only where the sweep begins.
 TEST(Faults, WheelsThatSpinAllTheTimeDoNotKeepTheRobotLost) {
-  constexpr std::int64_t kStandingScans = 2 * FaultyDrive::kScansPerSweep;
+  constexpr std::int64_t kStationaryScans = 2 * FaultyDrive::kScansPerSweep;
   const NoddingScanner scanner{.noise_m = 0.01};
   const auto stand = [](time::Timestamp) { return SE3::Identity(); };
   // Small, so that all of it is seen: along a corridor odometry would rightly be believed.
@@ -163,7 +163,7 @@ TEST(Faults, WheelsThatSpinAllTheTimeDoNotKeepTheRobotLost) {
     scan::Scan scan = scanner.scan(i, chamber, stand, random);
     for (const time::Timestamp stamp : {scan.stamp, scan.last_stamp()}) {
       const time::Duration spinning =
-          stamp - time::Timestamp(kStandingScans * NoddingScanner::kPeriod);
+          stamp - time::Timestamp(kStationaryScans * NoddingScanner::kPeriod);
       slam.add_odometry(stamp,
                         drive_ahead(0.3, time::Timestamp(std::max(time::Duration{}, spinning))));
     }

@@ -31,7 +31,7 @@ struct Drive {
   std::size_t facets = 0;
 };
 
-// The robot stands for two sweeps, then drives to `end_x`.
+// The robot is stationary for two sweeps, then drives to `end_x`.
 Drive drive(NoddingRobot robot, double end_x) {
   LocalMap map({}, {});
   Drive result;

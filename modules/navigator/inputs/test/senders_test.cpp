@@ -114,7 +114,7 @@ TEST_F(NavigatorNodeTest, ASecondSenderOfAnySensorHaltsItUntilItHasEnded) {
 }
 
 // A second process repeats all messages of the first, with the next numbers, and reports that
-// nothing is near and that the robot stands still. At each message that it gets in, its numbers
+// nothing is near and that the robot is stationary. At each message that it gets in, its numbers
 // would be right.
 TEST_F(NavigatorNodeTest, ASecondProcessThatCopiesTheNumbersHaltsItAndIsNotBelieved) {
   run(1.5);

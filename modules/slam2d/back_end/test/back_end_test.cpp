@@ -297,8 +297,8 @@ TEST(BackEnd, AMapWithDroppedSubmapsCanBeSavedAndRestored) {
   }
 }
 
-// A robot that stands among a crowd is lost again and again. Each time a separate submap begins,
-// and none of them is ever full.
+// A stationary robot in a crowd is lost again and again. Each time a separate submap begins, and
+// none of them is ever full.
 TEST(BackEnd, ARobotThatIsLostAgainAndAgainAtOnePlaceNeedsNoMoreMemory) {
   Scanner scanner;
   test::Slam slam;

@@ -61,9 +61,9 @@ TEST(Slam2d, MotionDuringAPauseInOdometryIsFoundFromTheScans) {
   EXPECT_LT(worst_m, 0.0043);  // measured 3.5 mm, from scan noise of 1 cm
 }
 
-// As above, but the scans follow one another within milliseconds, and the robot stands still after
-// the pause. The last keyframe is from before it: odometry since then does not tell where the robot
-// is.
+// As above, but the scans follow one another within milliseconds, and the robot is stationary
+// after the pause. The last keyframe is from before it: odometry since then does not tell where the
+// robot is.
 TEST(Slam2d, APlaceFoundAfterAPauseInOdometryIsKept) {
   for (const SE2& unseen : {SE2{0.2, 0.0, 0.0}, SE2{-0.9, -2.6, -0.6}}) {
     test::Slam slam;

@@ -82,7 +82,7 @@ std::vector<Step> with_slip(const std::vector<Step>& slip) {
 
 TEST(SlipDetector, WheelsThatSlipInAHallDoNotTakeThePoseAlong) {
   const std::vector<std::pair<const char*, std::vector<Step>>> slips{
-      {"the wheels count 1.9 m, the robot stands still",
+      {"the wheels count 1.9 m, the robot is stationary",
        {{{}, {0.6, 0.0, 0.0}}, {{}, {0.3, 0.0, 0.0}}, {{}, {1.0, 0.0, 0.0}}}},
       {"backwards", {{{}, {-0.7, 0.0, 0.0}}, {{}, {-0.7, 0.0, 0.0}}}},
       {"half", {{{0.35, 0.0, 0.0}, {0.7, 0.0, 0.0}}, {{0.35, 0.0, 0.0}, {0.7, 0.0, 0.0}}}},
@@ -127,9 +127,9 @@ TEST(SlipDetector, SlipBeforeTheEndOfANarrowCorridorIsFound) {
 TEST(SlipDetector, SlipDoesNotEnterTheMap) {
   const SE2 counted{0.7, 0.0, 0.0};
   const Outcome slipping = drive(hall(), with_slip({{{}, counted}, {{}, counted}}));
-  const Outcome standing = drive(hall(), with_slip({{}, {}}));
+  const Outcome stationary = drive(hall(), with_slip({{}, {}}));
   // A wall drawn twice would add 100 points.
-  EXPECT_LT(slipping.num_map_points, standing.num_map_points + 20);
+  EXPECT_LT(slipping.num_map_points, stationary.num_map_points + 20);
 }
 
 }  // namespace slip_detector_test

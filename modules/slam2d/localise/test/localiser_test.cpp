@@ -158,7 +158,7 @@ TEST(Localiser, InAnotherBuildingTheRobotIsNeverTracked) {
   EXPECT_GT(drive.metrics().scans.lost, 40);
 }
 
-// The lens is dirty. As long as the robot stands, odometry suffices; after 10 m it does not.
+// The lens is dirty. As long as the robot is stationary, odometry suffices; after 10 m it does not.
 TEST(Localiser, WithoutEchoesTheRobotIsLostAfterTenMetres) {
   const KnownMap map = map_of_room();
   Drive drive(map, SE2{});
@@ -220,7 +220,7 @@ TEST(Localiser, MotionDuringAGapInOdometryIsFoundFromTheScan) {
 }
 
 // As in recordings in which odometry comes once a second.
-TEST(Localiser, ARobotThatStandsInAGapOfOdometryStaysTracked) {
+TEST(Localiser, AStationaryRobotStaysTrackedInAGapOfOdometry) {
   const KnownMap map = map_of_room();
   Drive drive(map, SE2{});
   for (int i = 0; i < 10; ++i) {
