@@ -27,9 +27,9 @@ struct PlaneResidual {
 
 /// Measures how far the points of `scan` are from the planes of `model`, at the relative pose of
 /// the two. Both are voxel means. A point of the model has a plane if its 16 nearest points, itself
-/// included, lie within 60 cm, and their variance along the normal is less than 2 % of that in the
-/// direction in which they are second narrowest. A point of the scan counts if its nearest point in
-/// the model is within 50 cm and has a plane.
+/// included, lie within 60 cm, and the smallest of their three principal variances is less than 2 %
+/// of the middle one. A point of the scan counts if its nearest point in the model is within 50 cm
+/// and has a plane.
 [[nodiscard]] PlaneResidual plane_residual(std::span<const Eigen::Vector3d> model,
                                            std::span<const Eigen::Vector3d> scan,
                                            const geometry::SE3& T_model_scan);

@@ -23,11 +23,11 @@ struct ComingSweeps {
 ///
 ///        F - v R(F, v) >= max(N, v T_processing + v^2 / 2a + margin)
 ///
-/// 2. The robot may have been slower a moment ago, and its protected distance shorter. Each place
-///    where something may have appeared since then and was not measured yet is, when it is measured
-///    at last, still met by the sweeps planned for v, and far enough away to react and brake with
-///    all of the brakes' force. So a robot accelerates only as its sweeps prove that nothing has
-///    appeared.
+/// 2. The robot may have been slower a moment ago, and its protected distance shorter. Since then
+///    something may have appeared in places that the laser has not measured again yet. When the
+///    laser measures such a place, the sweeps planned for v still meet it, and it is far enough
+///    away to react and brake with all of the brakes' force. So a robot accelerates only as its
+///    sweeps prove that nothing has appeared.
 [[nodiscard]] double speed_bound(const ComingSweeps& sweeps, const UnseenPlaces& unseen,
                                  const VirtualCorridor& corridor, const robot::Braking& braking,
                                  const DetectionParams& detection);

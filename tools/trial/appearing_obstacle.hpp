@@ -7,10 +7,10 @@
 
 namespace nodmap::trial {
 
-/// Adds an obstacle that appears straight ahead at the far end of the stopping zone, where the
-/// robot must brake at once, as soon after `from_s` (seconds from power-on) as the robot drives
-/// straight at 0.5 m/s or more. The seed selects a box on the floor of 0.10 m, the leg of a chair,
-/// or a person.
+/// Adds an obstacle that appears straight ahead, at the far end of the stopping zone, where the
+/// robot must brake at once. It appears when the robot first drives straight at 0.5 m/s or more
+/// after `from_s` (seconds from power-on). The seed selects a box on the floor of 0.10 m, the leg
+/// of a chair, or a person.
 ///
 /// A trial without it determines where the robot will be, because the same setup gives the same
 /// drive until the obstacle appears. It goes on for another 3 s, longer than any answer may take,
