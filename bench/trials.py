@@ -271,8 +271,8 @@ def clouds(quick):
                   f"{1000 * map_error(corridor_moving, bin_dir)['rms_m']:.1f} mm RMS", "", True)
         still, moved = map_error(stationary, bin_dir), map_error(cellar_moving, bin_dir)
         ratio = moved["rms_m"] / still["rms_m"]
-        # Fig. 9 compares drives with drives that stop; this reference is one place where the robot stands, without any registration.
-        table.add("cellar: distance from the true surfaces, 3D map of a drive / of one place where the robot stands",
+        # Fig. 9 compares drives with drives that stop; this reference is one place with a stationary robot, without any registration.
+        table.add("cellar: distance from the true surfaces, 3D map of a drive / of one place, stationary",
                   f"{ratio:.2f} ({1000 * moved['rms_m']:.1f} / {1000 * still['rms_m']:.1f} mm)",
                   "<= 1.5", ratio <= 1.5)
     return [corridor_moving, stationary, cellar_moving], add_rows

@@ -60,7 +60,7 @@ class DriveWatchdog {
   /// Whether two processes send DRIVE, so that neither is obeyed.
   [[nodiscard]] bool is_contested(time::SteadyTime now) const { return sender_.is_contested(now); }
 
-  /// Makes the command obeyed now one to stand still, until the next one.
+  /// Replaces the command obeyed now by zero speed, until the next one.
   void brake() {
     if (obeyed_) {
       obeyed_->command = {};

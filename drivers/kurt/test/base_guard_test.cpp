@@ -242,7 +242,7 @@ TEST_F(BaseGuardTest, AStallIsTimedFromTheLastTurnOfTheWheel) {
   add_for({100, 100}, fast, 3s);
   add_for({0, 0}, fast, 1990ms);  // the last turn was 10 ms before
   EXPECT_FALSE(guard_.take_alarm());
-  // A command to stand still ends what was timed before.
+  // A command of zero speed ends what was timed before.
   add_for({0, 0}, {0.0, 0.0}, 5s);
   add_for({0, 0}, fast, 2s);
   EXPECT_FALSE(guard_.take_alarm());

@@ -144,7 +144,7 @@ TrackedGround::Place TrackedGround::look(const Eigen::Vector3d& p_odom, double t
   if (height_m > 0.0) {
     return {Kind::kAbove, height_m, ground.facet};
   }
-  // Beside a ramp: the floor that the robot stands on, and the side of the ramp.
+  // Beside a ramp: the floor under the robot, and the side of the ramp.
   if ((mask >> under_base_ & 1U) != 0 && under_base_ != ground.facet) {
     const double above_own_m = p_odom.z() - facets_[under_base_].plane.at(p);
     if (above_own_m >= -tolerance_m) {

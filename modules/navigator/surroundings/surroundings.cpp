@@ -135,7 +135,7 @@ void Surroundings::slow_down(Situation& now) {
 }
 
 // Removes points of the obstacle map where the local map, made from the same scans, knows only
-// floor. The obstacle map measures heights above the plane on which the robot stands, so it takes
+// floor. The obstacle map measures heights above the plane under the robot, so it takes
 // sloped ground for obstacles; and it keeps people who have passed beside or behind the robot.
 void Surroundings::erase_floor(Situation& now) {
   if (!now.people.empty()) {

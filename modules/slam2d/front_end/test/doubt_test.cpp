@@ -134,7 +134,7 @@ TEST(Slam2d, ASearchAcceptsAPartialFitOnlyAboveMinSearchScore) {
   EXPECT_EQ(after_pause_before_a_board(params).update.state, PoseState::kLost);
 }
 
-// A search near odometry fails where the robot stands, because of a board in front of it.
+// A search near odometry fails where the robot is, because of a board in front of it.
 struct FailedSearch {
   FailedSearch() {
     const SE2 step{0.1, 0.0, 0.08};

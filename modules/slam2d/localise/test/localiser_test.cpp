@@ -122,7 +122,7 @@ TEST(Localiser, AKidnappedRobotReportsThatItIsLostAndFindsItsPlaceAgain) {
 }
 
 // What a search finds need not suffice for tracking. Then the search has failed, too, and is
-// repeated once a second where the robot stands.
+// repeated once a second while the robot is stationary.
 TEST(Localiser, APlaceThatIsNotAcceptedIsNotSearchedForWithEachScan) {
   const KnownMap map = map_of_room();
   Drive drive(map, std::nullopt, {.localise = {.min_score = 1.0}});
