@@ -64,8 +64,8 @@ TEST(Slam2d, ARotationThatOdometryMissedIsFoundWhereNothingIsContradicted) {
     EXPECT_EQ(slam.metrics().searches.found, 1);
     EXPECT_EQ(update->state, PoseState::kTracking);
     // As the match from the true pose, measured: 1.2 mm and 0.083 degrees.
-    EXPECT_LT(distance_m(update->T_map_base, truth), 0.003);
-    EXPECT_NEAR(update->T_map_base.yaw, truth.yaw, geometry::deg_to_rad(0.15));
+    EXPECT_LT(distance_m(update->T_map_base, truth), 0.0015);
+    EXPECT_NEAR(update->T_map_base.yaw, truth.yaw, geometry::deg_to_rad(0.105));
   }
 }
 
