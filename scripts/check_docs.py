@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """Fails when a document names what is not there: a link's file or heading, a path of the repository or a test (`x_test`, `Suite.Name`), in `code style`;
-when a README does not name a header that it should explain, in `code style` without its folder and extension; and when an entry of bench/REPORT.md
-does not name its commit.
+when a README does not name a header that it should explain, in `code style` without its folder and extension; when an entry of bench/REPORT.md
+does not name its commit; and when a comment refers to a requirement (R1) that tests/README.md does not list.
 """
 import functools
 import pathlib
@@ -38,6 +38,19 @@ def entries_without_commit(report):
             yield f"{report}:{number}: the entry names no commit: {line}"
 
 
+def unknown_requirements(files):
+    """Comments about a requirement that is not in the table of tests/README.md, where a row may be about several: R10, R11 or R13 to R27."""
+    known = set()
+    for row in re.findall(r"^\| (R\d[^|]*) \|", (ROOT / "tests" / "README.md").read_text(), re.M):
+        numbers = [int(number) for number in re.findall(r"\d+", row)]
+        known |= set(range(numbers[0], numbers[-1] + 1)) if " to " in row else set(numbers)
+    for name in (f for f in files if f.endswith((".cpp", ".hpp"))):
+        for number, line in enumerate((ROOT / name).read_text().splitlines(), 1):
+            for requirement in re.findall(r"\bR(\d{1,2})\b", line.partition("//")[2]):
+                if int(requirement) not in known:
+                    yield f"{name}:{number}: tests/README.md has no requirement R{requirement}"
+
+
 def test_names(files):
     """Suite.Name of each GoogleTest, and Suite.* of each suite."""
     sources = (name for name in files if name.endswith("_test.cpp"))
@@ -69,7 +82,7 @@ def main():
     paths = set(files) | {name.rsplit(".", 1)[0] for name in files} | {str(parent) for name in files for parent in pathlib.PurePath(name).parents}
     tests = test_names(files)
     suites = {name.split(".")[0] for name in tests}
-    errors = [*unnamed_headers(files), *entries_without_commit("bench/REPORT.md")]
+    errors = [*unnamed_headers(files), *entries_without_commit("bench/REPORT.md"), *unknown_requirements(files)]
     for name in (f for f in files if f.endswith(".md")):
         for number, line in enumerate((ROOT / name).read_text().splitlines(), 1):
             for target, heading in LINK.findall(line):

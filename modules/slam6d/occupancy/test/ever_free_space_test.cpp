@@ -85,8 +85,7 @@ struct Drive {
 constexpr std::size_t kVisited = 2;  // the keyframe that sees the person
 constexpr std::pair kWalksBy{kSweepsPerKeyframe * 2, kSweepsPerKeyframe * 2 + 2};
 
-// R49 requires that 95 % of the points that moved are removed, and that 99.5 % of all others are
-// kept.
+// Target: 95 % of the points that moved are removed, and 99.5 % of all others are kept.
 TEST(EverFreeSpace, PointsOfAPassingPersonCountAsMovedAndThoseOfWallsDoNot) {
   const Drive drive(kWalksBy);
   EXPECT_GT(drive.moved_of(kVisited).of_somebody, 0.95);
