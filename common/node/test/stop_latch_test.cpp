@@ -122,6 +122,7 @@ TEST(StopLatch, TheRuleHoldsInAllSequences) {
     std::size_t last_person = kRepetition;  // none
     bool is_stopped_by_person = false;
     bool is_stopped_by_repetition = false;
+    std::string last_repeated;
     std::set<std::size_t> releases;
     for (int rest = sequence, i = 0; i < 6; rest /= 5, ++i) {
       const auto which = static_cast<std::size_t>(rest % 5);
@@ -131,6 +132,7 @@ TEST(StopLatch, TheRuleHoldsInAllSequences) {
         is_stopped_by_repetition = false;
       } else if (which == kRepetition || which == last_person) {
         is_stopped_by_repetition = true;
+        last_repeated = messages[which].requested_by;
       } else {
         last_person = which;
         is_stopped_by_person = true;
@@ -140,6 +142,8 @@ TEST(StopLatch, TheRuleHoldsInAllSequences) {
           << "sequence " << sequence << ", message " << i;
       if (is_stopped_by_person) {
         ASSERT_EQ(latch.stopped_by(), messages[last_person].requested_by);
+      } else if (is_stopped_by_repetition) {
+        ASSERT_EQ(latch.stopped_by(), last_repeated);
       }
     }
   }
