@@ -31,6 +31,11 @@ std::optional<VoxelPlace> place_of(const Eigen::Vector3f& p_voxels) {
                     floor_to_int(p_voxels.z()) + kHalfRange};
 }
 
+// Part by part: a comparison of the whole would have to wait until all parts are stored.
+bool are_same(const VoxelPlace& a, const VoxelPlace& b) {
+  return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
+}
+
 // For each axis, the step from the voxel of a point to the neighbour that the point is nearer to.
 VoxelPlace steps_towards(const Eigen::Vector3f& p_voxels, const VoxelPlace& place) {
   const auto step = [&](int axis) {
@@ -112,7 +117,7 @@ std::vector<std::uint32_t> VoxelGrid::add(std::span<const Eigen::Vector3f> point
       places.push_back(kNone);
       continue;
     }
-    if (voxel == kNone || *place != last) {
+    if (voxel == kNone || !are_same(*place, last)) {
       voxel = voxel_at(*place);
       last = *place;
     }
@@ -140,10 +145,14 @@ std::uint32_t VoxelGrid::add(const Eigen::Vector3f& mean, float weight) {
 
 void VoxelGrid::find_planes(const Eigen::Vector3f& p_sensor, const PlaneParams& params) {
   std::vector<Moments> moments(voxels_.size());
-  index_.for_each_pair([&](std::uint32_t i, std::uint32_t j) {
-    const Eigen::Vector3f d = voxels_[j].mean - voxels_[i].mean;
-    moments[i].add(d);
-    moments[j].add(-d);
+  index_.for_each_with_others([&](std::uint32_t i, std::span<const std::uint32_t> others) {
+    Moments here = moments[i];
+    for (const std::uint32_t j : others) {
+      const Eigen::Vector3f d = voxels_[j].mean - voxels_[i].mean;
+      here.add(d);
+      moments[j].add(-d);
+    }
+    moments[i] = here;
   });
   const auto min_count = static_cast<float>(params.min_neighbours);
   const auto max_thickness = static_cast<float>(params.max_thickness);
@@ -180,8 +189,8 @@ VoxelGrid::Nearest VoxelGrid::find_nearest(const Eigen::Vector3f& p, float max_d
   }
   const float reach_sq_m2 = max_distance_m * max_distance_m;
   NearestTwo nearest{reach_sq_m2, reach_sq_m2};
-  const VoxelIndex::Some around = index_.corners(*place, steps_towards(p_voxels, *place));
-  for (const std::uint32_t voxel : std::span(around.numbers).first(around.count)) {
+  const VoxelIndex::Corners corners = index_.corners(*place, steps_towards(p_voxels, *place));
+  for (const std::uint32_t voxel : corners.numbers()) {
     nearest.add(voxel, (voxels_[voxel].mean - p).squaredNorm());
   }
   if (nearest.best == kNone) {

@@ -62,18 +62,20 @@ void VoxelIndex::rehash(std::size_t num_slots) {
 }
 
 std::uint32_t VoxelIndex::find_or_add(const VoxelPlace& place) {
-  const std::uint32_t block = find_or_add_block(block_key(place));
+  const Key key = block_key(place);
+  if (last_ == kNoBlock || blocks_[last_].key != key) {
+    last_ = find_or_add_block(key);
+  }
   const std::uint32_t cell = cell_of(place);
-  std::uint32_t& voxel = blocks_[block].voxels[cell];
+  std::uint32_t& voxel = blocks_[last_].voxels[cell];
   if (voxel == kNone) {
     voxel = static_cast<std::uint32_t>(cells_.size());
-    cells_.push_back(block * static_cast<std::uint32_t>(kCells) + cell);
+    cells_.push_back(last_ * static_cast<std::uint32_t>(kCells) + cell);
   }
   return voxel;
 }
 
-// Without branches on which voxels exist, which cannot be foretold.
-VoxelIndex::Some VoxelIndex::corners(const VoxelPlace& place, const VoxelPlace& steps) const {
+VoxelIndex::Corners VoxelIndex::corners(const VoxelPlace& place, const VoxelPlace& steps) const {
   std::array<Key, 3> key_steps{};
   std::array<std::array<std::uint32_t, 2>, 3> cells{};  // by axis, without and with the step
   std::size_t crossed = 0;  // axes along which the step leaves the block
@@ -96,13 +98,11 @@ VoxelIndex::Some VoxelIndex::corners(const VoxelPlace& place, const VoxelPlace& 
                                                (corner >> 1U & 1U) * key_steps[1] +
                                                (corner >> 2U) * key_steps[2])];
   }
-  Some found;
+  Corners found;
   for (std::size_t corner = 0; corner < blocks.size(); ++corner) {
     const std::uint32_t cell =
         cells[0][corner & 1U] | cells[1][corner >> 1U & 1U] | cells[2][corner >> 2U];
-    const std::uint32_t voxel = blocks[corner]->voxels[cell];
-    found.numbers[found.count] = voxel;
-    found.count += voxel != kNone ? 1 : 0;
+    found.add(blocks[corner]->voxels[cell]);
   }
   return found;
 }

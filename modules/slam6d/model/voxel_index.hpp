@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 namespace nodmap::slam6d {
@@ -28,18 +29,33 @@ class VoxelIndex {
   /// The number of the voxel at `place`; that of a new one is the size() before.
   std::uint32_t find_or_add(const VoxelPlace& place);
 
-  /// Numbers of voxels; those from `count` on mean nothing.
-  struct Some {
-    std::array<std::uint32_t, 8> numbers{};
-    std::size_t count = 0;
+  /// Numbers of up to N voxels, those that exist of N places.
+  template <std::size_t N>
+  class Found {
+   public:
+    [[nodiscard]] std::span<const std::uint32_t> numbers() const {
+      return std::span(numbers_).first(count_);
+    }
+
+    /// Without a branch on whether the voxel exists, which cannot be foretold.
+    void add(std::uint32_t number_or_none) {
+      numbers_[count_] = number_or_none;
+      count_ += number_or_none != kNone ? 1 : 0;
+    }
+
+   private:
+    std::array<std::uint32_t, N> numbers_{};  // those from count_ on mean nothing
+    std::size_t count_ = 0;
   };
+  using Corners = Found<8>;
   /// The numbers of the voxel at `place` and of the seven that are one step away along one or more
   /// axes, as far as they exist. `steps`: 1 or -1 along each axis.
-  [[nodiscard]] Some corners(const VoxelPlace& place, const VoxelPlace& steps) const;
+  [[nodiscard]] Corners corners(const VoxelPlace& place, const VoxelPlace& steps) const;
 
-  /// Calls `use(i, j)` once for each two voxels that touch, in the order of i.
+  /// Calls `use(i, others)` for each voxel, in their order, with half of those that touch it, so
+  /// that each two that touch are met once. `others`: their numbers, a span.
   template <class Use>
-  void for_each_pair(const Use& use) const;
+  void for_each_with_others(const Use& use) const;
 
   /// Bytes held.
   [[nodiscard]] std::size_t memory_bytes() const;
@@ -67,7 +83,8 @@ class VoxelIndex {
     std::uint8_t block = 0;  // of NearBlocks
     std::uint8_t cell = 0;
   };
-  using NearCells = std::array<std::array<NearCell, 13>, kCells>;
+  static constexpr std::size_t kHalfAround = 13;
+  using NearCells = std::array<std::array<NearCell, kHalfAround>, kCells>;
   // The blocks that these are in: 0 or 1 step along x, -1 to 1 along y and z.
   using NearBlocks = std::array<std::uint32_t, 18>;
 
@@ -100,6 +117,7 @@ class VoxelIndex {
   std::vector<Block> blocks_;         // kNoBlock has no voxels and stands for all that are missing
   std::vector<Slot> slots_;           // open addressing, a power of two
   int shift_ = 0;                     // of the hash to a slot
+  std::uint32_t last_ = kNoBlock;     // the block of the last voxel that was found or added
   std::vector<std::uint32_t> cells_;  // of each voxel: block * kCells + cell
 };
 
@@ -121,7 +139,7 @@ constexpr VoxelIndex::NearCells VoxelIndex::near_cells() {
 }
 
 template <class Use>
-void VoxelIndex::for_each_pair(const Use& use) const {
+void VoxelIndex::for_each_with_others(const Use& use) const {
   static constexpr NearCells kNearCells = near_cells();
   std::vector<NearBlocks> near(blocks_.size());
   for (std::uint32_t block = kNoBlock + 1; block < blocks_.size(); ++block) {
@@ -129,11 +147,11 @@ void VoxelIndex::for_each_pair(const Use& use) const {
   }
   for (std::uint32_t i = 0; i < cells_.size(); ++i) {
     const NearBlocks& blocks = near[cells_[i] / kCells];
+    Found<kHalfAround> others;
     for (const NearCell& at : kNearCells[cells_[i] % kCells]) {
-      if (const std::uint32_t j = blocks_[blocks[at.block]].voxels[at.cell]; j != kNone) {
-        use(i, j);
-      }
+      others.add(blocks_[blocks[at.block]].voxels[at.cell]);
     }
+    use(i, others.numbers());
   }
 }
 

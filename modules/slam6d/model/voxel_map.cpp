@@ -166,6 +166,7 @@ void VoxelMap::drop_keyframe(const ReplacedKeyframe& replaced) {
 
 VoxelMap::Selection VoxelMap::select(std::size_t l) const {
   Selection selection;
+  selection.points.reserve(levels_[l].voxels().size());
   std::vector<char> is_covered(levels_[l].voxels().size(), 0);
   for (std::size_t level = l; level < kLevels; ++level) {
     selection.first_of_level[level] = selection.points.size();

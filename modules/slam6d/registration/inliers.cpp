@@ -25,7 +25,7 @@ struct InlierCount {
   }
 };
 
-// Calls `use(normal_map, is_inlier)` for each point.
+// Calls `use(normal_map, is_inlier)` for each point; is_inlier() searches the map.
 template <class Use>
 void for_each_point(const VoxelMap::Selection& sweep, const CorrespondenceSearch& map,
                     const geometry::SE3& T_map_base, double max_m, const Use& use) {
@@ -36,7 +36,9 @@ void for_each_point(const VoxelMap::Selection& sweep, const CorrespondenceSearch
       const OrientedPoint& point = sweep.points[i];
       const Eigen::Vector3f p_map = R * point.p + t;
       const Eigen::Vector3f normal_map = R * point.normal;
-      use(normal_map, map.fit(l, p_map, normal_map, static_cast<float>(max_m)) == FitToPlane::kOn);
+      use(normal_map, [&] {
+        return map.fit(l, p_map, normal_map, static_cast<float>(max_m)) == FitToPlane::kOn;
+      });
     }
   }
 }
@@ -48,10 +50,11 @@ InlierRatios count_inliers(const VoxelMap::Selection& sweep, const Correspondenc
   InlierCount all;
   InlierCount upright;
   for_each_point(sweep, map, T_map_base, max_m,
-                 [&](const Eigen::Vector3f& normal_map, bool is_inlier) {
-                   all.add(is_inlier);
+                 [&](const Eigen::Vector3f& normal_map, const auto& is_inlier) {
+                   const bool is_in = is_inlier();
+                   all.add(is_in);
                    if (is_upright(normal_map.z())) {
-                     upright.add(is_inlier);
+                     upright.add(is_in);
                    }
                  });
   return {.all = all.ratio(),
@@ -66,9 +69,9 @@ std::optional<double> inlier_ratio_across(const VoxelMap::Selection& sweep,
   const Eigen::Vector3f way = way_map.cast<float>();
   InlierCount across;
   for_each_point(sweep, map, T_map_base, max_m,
-                 [&](const Eigen::Vector3f& normal_map, bool is_inlier) {
+                 [&](const Eigen::Vector3f& normal_map, const auto& is_inlier) {
                    if (is_upright(normal_map.z()) && std::abs(normal_map.dot(way)) > kMinCosine) {
-                     across.add(is_inlier);
+                     across.add(is_inlier());
                    }
                  });
   return across.points < kMinAcrossPoints ? std::nullopt : std::optional(across.ratio());

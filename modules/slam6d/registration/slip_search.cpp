@@ -19,7 +19,7 @@ constexpr double kDoubtfulRatio = 0.6;
 // Farther from odometry than this, in standard deviations, wheels that grip are hardly ever.
 constexpr double kDoubtfulDistance = 4.0;
 // The result is taken if at most this ratio of the walls that did not fit still does not.
-constexpr double kClearlyBetter = 0.5;
+constexpr double kMaxMisfitRatio = 0.5;
 // Standard deviation of what the robot did of the way, as a ratio of it: anything from none to all.
 constexpr double kSlipShare = 0.4;
 
@@ -43,12 +43,10 @@ std::vector<Eigen::Vector3d> stops(const CountedWay& way) {
   return p_map;
 }
 
-// The voxels of `stopped`, which is `cloud` after stop().
-VoxelMap voxels_of_stopped(const SweepCloud& stopped, const SweepCloud& cloud,
-                           const VoxelMap& sweep_base, const VoxelMapParams& voxels) {
-  const bool is_same = !sweep_base.is_moving() && cloud.T_base_first.translation().isZero(0.0) &&
-                       cloud.T_base_last.translation().isZero(0.0);
-  return is_same ? sweep_base : voxelize(stopped, voxels);
+// Whether the cloud is the same after stop(), as its voxels are.
+bool is_stopped(const SweepCloud& cloud, const VoxelMap& sweep_base) {
+  return !sweep_base.is_moving() && cloud.T_base_first.translation().isZero(0.0) &&
+         cloud.T_base_last.translation().isZero(0.0);
 }
 
 Matrix6d widened(Matrix6d covariance, double sigma_m) {
@@ -85,10 +83,16 @@ std::optional<SlippedSweep> register_slipped(const SweepCloud& cloud, const Voxe
   slipped.motion_covariance =
       widened(prior.motion_covariance, kSlipShare * cloud.motion().translation().norm());
   double misfit_to_beat =
-      (is_far_from_odometry(as_counted) ? 1.0 : kClearlyBetter) * (1.0 - way.inlier_ratio);
-  SweepCloud stopped = cloud;
-  stopped.stop();
-  const VoxelMap stopped_voxels = voxels_of_stopped(stopped, cloud, sweep_base, voxels);
+      (is_far_from_odometry(as_counted) ? 1.0 : kMaxMisfitRatio) * (1.0 - way.inlier_ratio);
+  std::optional<SweepCloud> cloud_anew;
+  std::optional<VoxelMap> voxels_anew;
+  if (!is_stopped(cloud, sweep_base)) {
+    cloud_anew = cloud;
+    cloud_anew->stop();
+    voxels_anew = voxelize(*cloud_anew, voxels);
+  }
+  const SweepCloud& stopped = cloud_anew ? *cloud_anew : cloud;
+  const VoxelMap& stopped_voxels = voxels_anew ? *voxels_anew : sweep_base;
   std::optional<SlippedSweep> best;
   for (const Eigen::Vector3d& p_map_stop : stops(way)) {
     VoxelMap sweep = stopped_voxels;

@@ -74,10 +74,8 @@ TEST(VoxelIndex, CornersAreTheVoxelsOneStepAway) {
         expected.push_back(found->second);
       }
     }
-    const VoxelIndex::Some corners = index.corners(place, steps);
-    EXPECT_EQ(std::vector(corners.numbers.begin(),
-                          corners.numbers.begin() + static_cast<std::ptrdiff_t>(corners.count)),
-              expected);
+    const VoxelIndex::Corners corners = index.corners(place, steps);
+    EXPECT_TRUE(std::ranges::equal(corners.numbers(), expected));
   }
 }
 
@@ -95,18 +93,20 @@ TEST(VoxelIndex, EachPairOfTouchingVoxelsIsMetOnce) {
   }
   std::set<std::pair<std::uint32_t, std::uint32_t>> met;
   std::uint32_t last = 0;
-  index_of(places).for_each_pair([&](std::uint32_t i, std::uint32_t j) {
+  index_of(places).for_each_with_others([&](std::uint32_t i, auto others) {
     EXPECT_GE(i, last);
     last = i;
-    EXPECT_TRUE(met.emplace(std::min(i, j), std::max(i, j)).second);
+    for (const std::uint32_t j : others) {
+      EXPECT_TRUE(met.emplace(std::min(i, j), std::max(i, j)).second);
+    }
   });
   EXPECT_EQ(met, expected);
 }
 
 TEST(VoxelIndex, AnEmptyOneHasNoVoxels) {
   const VoxelIndex index;
-  EXPECT_EQ(index.corners({5, 5, 5}, {1, -1, 1}).count, 0U);
-  index.for_each_pair([](std::uint32_t, std::uint32_t) { FAIL(); });
+  EXPECT_EQ(index.corners({5, 5, 5}, {1, -1, 1}).numbers().size(), 0U);
+  index.for_each_with_others([](std::uint32_t, auto) { FAIL(); });
 }
 
 }  // namespace voxel_index_test
