@@ -51,10 +51,9 @@ void Slam6d::restore(const SavedMap& saved, const std::optional<SE3>& T_map_star
     map_.add_sweep(sweep, keyframe.T_map_base, keyframes_.size());
     ever_free_.add_sweep(*keyframe.cloud, keyframe.T_map_base, keyframes_.size(),
                          kVotesOfSavedKeyframe);
-    keyframes_.push_back({.id = keyframes_.size(),
-                          .T_map_base = keyframe.T_map_base,
-                          .cloud = keyframe.cloud,
-                          .points = oriented_points(sweep.level(0))});
+    keyframes_.push_back(
+        {.id = keyframes_.size(), .T_map_base = keyframe.T_map_base, .cloud = keyframe.cloud});
+    keyframes_.back().keep_voxels(sweep);
   }
   find_moved_points();
   back_end_.restore(saved);
@@ -219,9 +218,9 @@ void Slam6d::add_keyframe(const VoxelMap& sweep, SweepCloud cloud, const PoseUpd
                         .sweep = corrected_.num_added() - 1,
                         .T_map_base = update.T_map_base,
                         .cloud = std::make_shared<const SweepCloud>(std::move(cloud)),
-                        .points = oriented_points(sweep.level(0)),
                         .update = update});
   Keyframe& keyframe = keyframes_.back();
+  keyframe.keep_voxels(sweep);
   keyframe.is_moved = ever_free_.moved_points(*keyframe.cloud, keyframes_.size() - 1);
   keyframe_is_due_ = false;
 }
@@ -270,7 +269,7 @@ void Slam6d::learn_pitch_latency_at_start(const PlacedSweep& sweep) {
   }
   first.cloud = std::make_shared<const SweepCloud>(tracker_.deskew(first_sweeps_.sweeps().front()));
   const VoxelMap first_voxels = voxelize(*first.cloud, params_.voxels);
-  first.points = oriented_points(first_voxels.level(0));
+  first.keep_voxels(first_voxels);
   map_ = VoxelMap(params_.voxels);
   map_.add_sweep(first_voxels, first.T_map_base);
   ever_free_ = EverFreeSpace(params_.cloud);

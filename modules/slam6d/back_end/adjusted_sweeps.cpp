@@ -59,7 +59,7 @@ class Collection {
     const Keyframe& keyframe = drive_.keyframes[k];
     AdjustedSweep& sweep = add(keyframe.sweep, keyframe.update, keyframe.T_map_base,
                                adjusted_points(keyframe.cloud->points, params_.adjustment));
-    sweep.planes = voxelize(*keyframe.cloud, params_.voxels).select(0).points;
+    sweep.planes = keyframe.planes();
     if (k > 0 && keyframe.id == last_keyframe().id + 1) {
       add_motion(sweep, keyframe.update, drive_.steps[k - 1].T_from_to);
     } else if (k > 0) {

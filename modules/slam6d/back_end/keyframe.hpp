@@ -20,13 +20,20 @@ struct Keyframe {
   std::size_t sweep = 0;  ///< its number; 0 if it comes from a saved map
   geometry::SE3 T_map_base = geometry::SE3::Identity();
   std::shared_ptr<const SweepCloud> cloud;  ///< in base; shared with the occupancy map's thread
-  std::vector<OrientedPoint> points;  ///< the voxel means of the cloud; normal zero where no plane
-  std::vector<bool> is_moved = {};    ///< of the cloud's points: on people or objects that moved
-  PoseUpdate update = {};             ///< how it was found; empty if it comes from a saved map
+  std::vector<OrientedPoint> points = {};   ///< its voxel means; normal zero where no plane
+  std::vector<OrientedPoint> coarse_planes = {};  ///< of larger voxels, where `points` have none
+  std::vector<bool> is_moved = {};  ///< of the cloud's points: on people or objects that moved
+  PoseUpdate update = {};           ///< how it was found; empty if it comes from a saved map
+
+  /// Keeps the means and planes of the cloud's voxels.
+  void keep_voxels(const VoxelMap& voxels);
+  /// The planes of all voxel sizes, in base, as VoxelMap::select() gives them.
+  [[nodiscard]] std::vector<OrientedPoint> planes() const;
 
   /// Of its points.
   [[nodiscard]] std::size_t memory_bytes() const {
-    return cloud->points.size() * sizeof(Eigen::Vector3f) + points.size() * sizeof(OrientedPoint);
+    return cloud->points.size() * sizeof(Eigen::Vector3f) +
+           (points.size() + coarse_planes.size()) * sizeof(OrientedPoint);
   }
 };
 
