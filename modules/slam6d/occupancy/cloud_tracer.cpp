@@ -24,7 +24,12 @@ CloudTracer::CloudTracer(const TraceParams& params) : params_(params), grid_(par
 
 void CloudTracer::trace(const SweepCloud& cloud, const SE3& T_map_base, CloudVoxels& voxels,
                         const std::vector<bool>& is_moved) {
-  ends_.clear();
+  if (params_.discretize) {
+    ends_.clear();
+  }
+  if (params_.walk_once) {
+    walked_.clear();
+  }
   std::size_t i = 0;
   for (const SweepCloud::Line& line : cloud.lines) {
     if (!begin_line(line, T_map_base)) {
@@ -69,6 +74,7 @@ bool CloudTracer::begin_line(const SweepCloud::Line& line, const SE3& T_map_base
     return false;
   }
   origin_ = grid_.key_of(p_map_origin_);
+  origin_voxel_ = origin_ ? code_of(*origin_) : 0;
   return true;
 }
 
@@ -96,10 +102,12 @@ void CloudTracer::add_beam(const Eigen::Vector3f& p_map, bool is_moved, CloudVox
     ++beams_outside_;
     return;
   }
+  const VoxelCode end_voxel = code_of(*end);
   if (ends_inside && !is_moved) {
-    voxels.mark_occupied(code_of(*end));
+    voxels.mark_occupied(end_voxel);
   }
-  if (!origin_ || *origin_ == *end) {
+  if (!origin_ || origin_voxel_ == end_voxel ||
+      (params_.walk_once && !walked_.remember(origin_voxel_, end_voxel))) {
     return;
   }
   beams_.push_back(make_beam(grid_, p_map_origin_, *origin_, p_map_end, *end));
@@ -114,7 +122,7 @@ void CloudTracer::walk_beams(CloudVoxels& voxels) {
 }
 
 std::size_t CloudTracer::memory_bytes() const {
-  return ends_.memory_bytes() + beams_.capacity() * sizeof(Beam);
+  return ends_.memory_bytes() + walked_.memory_bytes() + beams_.capacity() * sizeof(Beam);
 }
 
 }  // namespace nodmap::slam6d

@@ -10,6 +10,7 @@
 #include "modules/slam6d/occupancy/beam.hpp"
 #include "modules/slam6d/occupancy/cloud_voxels.hpp"
 #include "modules/slam6d/occupancy/octree_grid.hpp"
+#include "modules/slam6d/occupancy/walked_beams.hpp"
 #include "modules/slam6d/sweep/sweep_cloud.hpp"
 
 namespace nodmap::slam6d {
@@ -19,6 +20,9 @@ struct TraceParams {
   double resolution_m = 0.05;
   double max_range_m = 10.0;  ///< beams longer than this are cut off, and free up to there
   bool discretize = false;    ///< as OctoMap's computeDiscreteUpdate()
+  /// Of the beams between the same two voxels walk only one, which passes through nearly the same
+  /// voxels as the others. No parameter: OctoMap walks all.
+  bool walk_once = false;
 
   template <class Visitor>
   void describe(Visitor& v) {
@@ -59,9 +63,11 @@ class CloudTracer {
   TraceParams params_;
   OctreeGrid grid_;
   CloudVoxels ends_;                                        // of the beams of this cloud
+  WalkedBeams walked_;                                      // the same, if they are walked once
   std::vector<Beam> beams_;                                 // not yet walked
   Eigen::Vector3f p_map_origin_ = Eigen::Vector3f::Zero();  // of the sensor, for these beams
   std::optional<VoxelKey> origin_;
+  VoxelCode origin_voxel_ = 0;  // the same
   std::size_t beams_outside_ = 0;
 };
 

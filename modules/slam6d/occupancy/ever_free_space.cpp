@@ -8,6 +8,7 @@
 #include <iterator>
 #include <optional>
 #include <unordered_map>
+#include <unordered_set>
 #include <utility>
 
 #include "common/geometry/angle.hpp"
@@ -96,6 +97,39 @@ class MovedCounts {
   std::unordered_map<VoxelCode, Counts> counts_;
 };
 
+// The blocks of 4 x 4 x 4 voxels in which points moved, and those beside them: all that is within 4
+// voxels of such a point, and some beyond.
+class NearMoved {
+ public:
+  static constexpr unsigned kLevels = 2;  // of an octree within a block
+
+  // `points`: with their keys.
+  template <class Points>
+  NearMoved(const Points& points, const std::vector<bool>& is_moved) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (is_moved[i]) {
+        add(*points[i].key);
+      }
+    }
+  }
+
+  [[nodiscard]] bool contains(VoxelCode voxel) const {
+    return blocks_.contains(voxel >> 3U * kLevels);
+  }
+
+ private:
+  void add(const VoxelKey& key) {
+    VoxelKey block = key;
+    for (std::uint16_t& place : block) {
+      place = static_cast<std::uint16_t>(place >> kLevels);
+    }
+    const auto near = neighbourhood_of(block);
+    blocks_.insert(near.begin(), near.end());
+  }
+
+  std::unordered_set<VoxelCode> blocks_;
+};
+
 // Calls `use` with the place of each bit that is set, the lowest first.
 template <class Use>
 void for_each_bit(std::uint64_t bits, const Use& use) {
@@ -120,7 +154,9 @@ void EverFreeSpace::Votes::add(int more_through, int more_hits) {
 
 EverFreeSpace::EverFreeSpace(const EverFreeParams& params)
     : params_(params),
-      tracer_({.resolution_m = params.voxel_size_m, .max_range_m = params.max_range_m}) {}
+      tracer_({.resolution_m = params.voxel_size_m,
+               .max_range_m = params.max_range_m,
+               .walk_once = true}) {}
 
 void EverFreeSpace::add_sweep(const SweepCloud& cloud, const SE3& T_map_base, std::size_t keyframe,
                               int num_votes) {
@@ -246,63 +282,71 @@ std::vector<bool> EverFreeSpace::moved_points(const SweepCloud& cloud, std::size
   if (keyframe >= T_voxels_keyframes_.size() || num_votes_ < kMinVotes) {
     return {};
   }
-  std::vector<std::optional<VoxelKey>> keys;
-  keys.reserve(cloud.points.size());
+  std::vector<PlacedPoint> points;
+  points.reserve(cloud.points.size());
   std::vector<bool> is_moved;
   is_moved.reserve(cloud.points.size());
   Lookup lookup(cubes_);
   for (const Eigen::Vector3f& p : cloud.points) {
-    keys.push_back(
-        tracer_.grid().key_of((T_voxels_keyframes_[keyframe] * p.cast<double>()).cast<float>()));
-    is_moved.push_back(keys.back() && is_ever_free(*keys.back(), lookup));
+    const auto key =
+        tracer_.grid().key_of((T_voxels_keyframes_[keyframe] * p.cast<double>()).cast<float>());
+    points.push_back({key, key ? lookup.find(code_of(*key)) : nullptr});
+    is_moved.push_back(key && is_ever_free(points.back(), lookup));
   }
   if (std::ranges::find(is_moved, true) != is_moved.end()) {
-    add_rest(keys, is_moved);
+    add_rest(points, is_moved);
   }
   return is_moved;
 }
 
 // No beam passed close enough to these points to show their voxels empty. They are those with
 // nothing certain beside them, of whose neighbours many have moved. Points in certain voxels,
-// nearly all, are beside none of them and need not be counted.
-void EverFreeSpace::add_rest(std::span<const std::optional<VoxelKey>> keys,
+// nearly all, are beside none of them and need not be counted; nor do points far from all that
+// moved.
+void EverFreeSpace::add_rest(std::span<const PlacedPoint> points,
                              std::vector<bool>& is_moved) const {
-  constexpr int kSteps = 3;  // each reaches one voxel farther
+  constexpr int kSteps = 3;  // each reaches one voxel farther, and counts what is beside it
+  static_assert(kSteps + 1 <= 1 << NearMoved::kLevels);
+  const NearMoved near_moved(points, is_moved);
   Lookup lookup(cubes_);
   MovedCounts counts;
   std::vector<std::size_t> uncertain;
-  for (std::size_t i = 0; i < keys.size(); ++i) {
-    if (!keys[i] || is_certain(lookup.find(code_of(*keys[i])))) {
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!points[i].key || is_certain(points[i].votes)) {
       continue;
     }
-    counts.add(code_of(*keys[i]), is_moved[i]);
-    if (!is_moved[i] && is_uncertain(*keys[i], lookup)) {
+    const VoxelCode voxel = code_of(*points[i].key);
+    if (!near_moved.contains(voxel)) {
+      continue;
+    }
+    counts.add(voxel, is_moved[i]);
+    if (!is_moved[i] && is_uncertain(points[i], lookup)) {
       uncertain.push_back(i);
     }
   }
   for (int step = 0; step < kSteps; ++step) {
     std::vector<std::size_t> rest;
     std::ranges::copy_if(uncertain, std::back_inserter(rest), [&](std::size_t i) {
-      return !is_moved[i] && counts.have_many_moved(*keys[i]);
+      return !is_moved[i] && counts.have_many_moved(*points[i].key);
     });
     if (rest.empty()) {
       break;
     }
     for (const std::size_t i : rest) {
       is_moved[i] = true;
-      counts.add_moved(*keys[i]);
+      counts.add_moved(*points[i].key);
     }
   }
 }
 
-bool EverFreeSpace::is_ever_free(const VoxelKey& key, Lookup& lookup) const {
-  return is_empty(lookup.find(code_of(key))) &&
-         !has_beside(key, [&](VoxelCode voxel) { return !is_empty(lookup.find(voxel)); });
+bool EverFreeSpace::is_ever_free(const PlacedPoint& point, Lookup& lookup) const {
+  return is_empty(point.votes) &&
+         !has_beside(*point.key, [&](VoxelCode voxel) { return !is_empty(lookup.find(voxel)); });
 }
 
-bool EverFreeSpace::is_uncertain(const VoxelKey& key, Lookup& lookup) const {
-  return is_passing(lookup.find(code_of(key))) &&
-         !has_beside(key, [&](VoxelCode voxel) { return is_certain(lookup.find(voxel)); });
+bool EverFreeSpace::is_uncertain(const PlacedPoint& point, Lookup& lookup) const {
+  return is_passing(point.votes) &&
+         !has_beside(*point.key, [&](VoxelCode voxel) { return is_certain(lookup.find(voxel)); });
 }
 
 bool EverFreeSpace::is_certain(const Votes* votes) const {

@@ -106,6 +106,12 @@ class EverFreeSpace {
     int num_votes = 1;
   };
 
+  /// A point's voxel, empty outside of the grid, and the votes for it, null if there are none.
+  struct PlacedPoint {
+    std::optional<VoxelKey> key;
+    const Votes* votes = nullptr;
+  };
+
   /// Finds the votes for a voxel; null if there are none. It keeps the cube of the last voxel,
   /// which is mostly that of the next one, too.
   class Lookup {
@@ -126,11 +132,11 @@ class EverFreeSpace {
   [[nodiscard]] bool is_passing(const Votes* votes) const;
   /// Whether a wall or furniture is there.
   [[nodiscard]] bool is_certain(const Votes* votes) const;
-  [[nodiscard]] bool is_ever_free(const VoxelKey& key, Lookup& lookup) const;
+  [[nodiscard]] bool is_ever_free(const PlacedPoint& point, Lookup& lookup) const;
   /// Whether a point there may be what is left of somebody: nothing is certain there or beside it.
-  [[nodiscard]] bool is_uncertain(const VoxelKey& key, Lookup& lookup) const;
+  [[nodiscard]] bool is_uncertain(const PlacedPoint& point, Lookup& lookup) const;
   /// Adds the points that are left of somebody.
-  void add_rest(std::span<const std::optional<VoxelKey>> keys, std::vector<bool>& is_moved) const;
+  void add_rest(std::span<const PlacedPoint> points, std::vector<bool>& is_moved) const;
   void move(const Cube& cube, VoxelCode code, const geometry::SE3& T_new_old, Cubes& moved) const;
 
   EverFreeParams params_;

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <utility>
 
 namespace nodmap::slam6d {
 
@@ -71,18 +72,19 @@ class OctreeGrid {
 
   /// The key of the voxel that contains a point; empty outside of the grid.
   [[nodiscard]] std::optional<VoxelKey> key_of(const Eigen::Vector3f& p) const {
-    VoxelKey key{};
-    for (std::size_t axis = 0; axis < key.size(); ++axis) {
+    // Filled in place: the processor would wait with a copy until all three parts are stored.
+    std::optional<VoxelKey> key(std::in_place);
+    for (std::size_t axis = 0; axis < key->size(); ++axis) {
       const float coordinate_m = p[static_cast<Eigen::Index>(axis)];
       // NaN, or more voxels than an integer can hold.
-      if (!(std::abs(voxels_per_m_ * static_cast<double>(coordinate_m)) <= kOriginKey)) {
-        return std::nullopt;
-      }
-      const int place = place_of(coordinate_m);
+      const bool is_in_reach =
+          std::abs(voxels_per_m_ * static_cast<double>(coordinate_m)) <= kOriginKey;
+      const int place = is_in_reach ? place_of(coordinate_m) : -1;
       if (place < 0 || place > 0xFFFF) {
-        return std::nullopt;
+        key.reset();
+        return key;
       }
-      key[axis] = static_cast<std::uint16_t>(place);
+      (*key)[axis] = static_cast<std::uint16_t>(place);
     }
     return key;
   }
