@@ -30,6 +30,13 @@ struct MountParams {
   }
 };
 
+/// The error of the laser's mount by which the floor right around the robot would be the plane
+/// z = 0 of base, as it is for wheels that stand on it, whatever the slope. One sweep tells it no
+/// better than the ground is even.
+///
+/// Empty if the sweep sees too little floor, or too much else near it.
+[[nodiscard]] std::optional<MountError> mount_error_by_floor(const PlacedSweep& sweep);
+
 /// Learns how the laser is mounted other than described, while the robot drives: the median of what
 /// single sweeps show, which differ by how uneven the ground is. Sweeps that see a slope ahead, or
 /// furniture, are outliers. What is learned is believed once it is too large for chance.
