@@ -37,7 +37,7 @@ struct Situation {
 
   // Added by Surroundings::complete(), the trail by Navigator:
   Points doubtful_base;                  ///< doubtful ground, see LocalMap::doubtful_points_base()
-  Points hole_corners_base;              ///< see LocalMap::hole_corners_base()
+  Points possible_ramps_down_base;       ///< see LocalMap::possible_ramps_down_base()
   People people;                         ///< people who walk, in base
   const SeenDirections* seen = nullptr;  ///< null: none
   const LocalMap* local_map = nullptr;   ///< null: it has no scan

@@ -18,10 +18,10 @@ constexpr double kCreepStopMarginM = 0.05;
 // slowly that it is stationary after 1.5 cm, with 5 cm left.
 constexpr double kHiddenMps = 0.1;
 constexpr double kHiddenSeenM = 0.05;
-// Margin beside what may be the corner of a hole, in addition to the side margin. A beam that ends
-// 3 cm below the floor counts as floor at 1.2 m: to this beam the last 9 cm of a hole look like
-// floor.
-constexpr double kCornerMarginM = 0.1;
+// Margin beside places where beams passed through the floor, in addition to the side margin. A beam
+// that ends 3 cm below the floor counts as floor at 1.2 m: to this beam the last 9 cm of a hole
+// look like floor.
+constexpr double kEdgeMarginM = 0.1;
 // At this yaw rate the corners of KURT3D move at 5 cm/s: they do not push away what they touch.
 constexpr double kCreepRadS = geometry::deg_to_rad(10.0);
 // The base has followed a command after about this time, of which 50 ms are the motors' lag. So
@@ -50,7 +50,7 @@ Arc Brake::measure_arc(double curvature, bool creeps, const Situation& now) cons
     const double limit_mps = std::min(arc.speed_mps, drive_params_.max_forward_mps);
     arc.speed_mps = std::min(arc.speed_mps, speed_on_seen_floor(curvature, limit_mps, now));
   }
-  arc.speed_mps = std::min(arc.speed_mps, speed_before_corners(curvature, now));
+  arc.speed_mps = std::min(arc.speed_mps, speed_before_ramps_down(curvature, now));
   return arc;
 }
 
@@ -60,11 +60,13 @@ Arc Brake::measure_corridor(double curvature, double side_margin_m, double stop_
   return {curvature, distance_m, stop_margin_m, stoppable_mps(distance_m - stop_margin_m)};
 }
 
-// The corner of a hole is narrower than any gap that speed_on_seen_floor() bridges. So an arc is
-// blocked where beams passed through the floor beside a hole, also where that could be a ramp.
-double Brake::speed_before_corners(double curvature, const Situation& now) const {
-  const double distance_m = free_distance(now.hole_corners_base, curvature, body_,
-                                          drive_params_.side_margin_m + kCornerMarginM);
+// A gap in the floor that was not looked at is bridged by speed_on_seen_floor(), also along the
+// whole edge of the body. Where beams passed through the floor nothing is bridged: a narrow hole,
+// or the corner of one, looks no lower from the distance of a stop than a ramp could be. A ramp is
+// known as ground once the robot has slowed down before it and looked at it from nearer.
+double Brake::speed_before_ramps_down(double curvature, const Situation& now) const {
+  const double distance_m = free_distance(now.possible_ramps_down_base, curvature, body_,
+                                          drive_params_.side_margin_m + kEdgeMarginM);
   return braking_.permitted_mps(distance_m, drive_params_.reaction_s);
 }
 

@@ -82,7 +82,7 @@ class Brake {
   [[nodiscard]] Arc measure_arc(double curvature, bool creeps, const Situation& now) const;
   [[nodiscard]] Arc measure_corridor(double curvature, double side_margin_m, double stop_margin_m,
                                      const Situation& now) const;
-  [[nodiscard]] double speed_before_corners(double curvature, const Situation& now) const;
+  [[nodiscard]] double speed_before_ramps_down(double curvature, const Situation& now) const;
   /// At most `max_mps`.
   [[nodiscard]] double speed_on_seen_floor(double curvature, double max_mps,
                                            const Situation& now) const;

@@ -154,6 +154,11 @@ TrackedGround::Place TrackedGround::look(const Eigen::Vector3d& p_odom, double t
   return {Kind::kBelow, height_m, ground.facet};
 }
 
+std::optional<std::size_t> TrackedGround::known_facet_at(const Eigen::Vector2d& p_odom) const {
+  const Mask mask = mask_at(p_odom);
+  return mask == 0 ? std::nullopt : std::optional(ground_of(mask, p_odom).facet);
+}
+
 double TrackedGround::height_m(const Eigen::Vector2d& p_odom) const {
   return facets_.size() == 1 ? 0.0 : ground_of(mask_at(p_odom), p_odom).height_m;
 }

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "common/geometry/se2.hpp"
@@ -54,6 +55,8 @@ class TrackedGround {
   [[nodiscard]] std::size_t facet_under_base() const { return under_base_; }
   [[nodiscard]] const Plane& plane(std::size_t facet) const { return facets_[facet].plane; }
   [[nodiscard]] bool is_known(const Eigen::Vector2d& p_odom) const { return mask_at(p_odom) != 0; }
+  /// The facet that is the ground at a place; empty where the ground is not known.
+  [[nodiscard]] std::optional<std::size_t> known_facet_at(const Eigen::Vector2d& p_odom) const;
   /// The steepest slope that the robot drives on, as a ratio.
   [[nodiscard]] double max_slope() const { return max_slope_; }
 

@@ -21,4 +21,21 @@ void add_possible_ramp(LocalGrid& grid, const Eigen::Vector2d& p_odom) {
   }
 }
 
+bool is_possible_ramp_down(const LocalGrid& grid, const Eigen::Vector2i& index) {
+  const LocalCell& cell = grid.at(index);
+  if (!cell.may_be_ramp || cell.is_hole()) {
+    return false;
+  }
+  constexpr int kReach = 2;
+  for (int dy = -kReach; dy <= kReach; ++dy) {
+    for (int dx = -kReach; dx <= kReach; ++dx) {
+      const Eigen::Vector2i at = index + Eigen::Vector2i(dx, dy);
+      if (at != index && grid.contains(at) && (grid.at(at).may_be_ramp || grid.at(at).is_hole())) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
 }  // namespace nodmap::navigator

@@ -27,4 +27,9 @@ void add_hole(LocalGrid& grid, const Eigen::Vector2d& p_odom, bool is_certain, s
 /// A beam passed through the floor at `p_odom`, but ended no lower than a ramp down could be.
 void add_possible_ramp(LocalGrid& grid, const Eigen::Vector2d& p_odom);
 
+/// Whether beams have passed through the floor in a cell, down to what may be a ramp, and in
+/// another cell at most two away as well. A single cell may be noise, or be left over where lines
+/// have met the floor around it.
+[[nodiscard]] bool is_possible_ramp_down(const LocalGrid& grid, const Eigen::Vector2i& index);
+
 }  // namespace nodmap::navigator

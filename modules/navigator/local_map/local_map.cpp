@@ -191,20 +191,46 @@ double LocalMap::range_to(const Plane& plane, const Beam& beam) {
                                         : std::numeric_limits<double>::infinity();
 }
 
-// A beam is below a facet at `range_m`: it has seen a hole where it passed through the facet,
+// The facet through which a beam that ends at `range_m`, below `facet`, may have passed. Where the
+// ground is known to be lower, it is that ground: the level ground does not go on over a ramp down.
+std::size_t LocalMap::facet_passed(const Beam& beam, double range_m, std::size_t facet) const {
+  double to_facet_m = range_to(ground_.plane(facet), beam);
+  for (std::size_t i = 0; i < ground_.num_facets() && to_facet_m <= range_m; ++i) {
+    const auto known =
+        ground_.known_facet_at((beam.origin + to_facet_m * beam.direction).head<2>());
+    const double farther_m = known ? range_to(ground_.plane(*known), beam) : to_facet_m;
+    if (farther_m <= to_facet_m) {
+      break;
+    }
+    facet = *known;
+    to_facet_m = farther_m;
+  }
+  return facet;
+}
+
+// A beam is below a facet at `range_m`: it has seen a hole where it passed through the ground,
 // unless a ramp may lead down there.
 void LocalMap::classify_below(const Beam& beam, double range_m, std::size_t facet,
                               bool is_certain) {
-  const double to_floor_m = range_to(ground_.plane(facet), beam);
+  const Eigen::Vector3d p_odom = beam.origin + range_m * beam.direction;
+  const double tolerance = tolerance_m(range_m);
+  const std::size_t passed = facet_passed(beam, range_m, facet);
+  const Plane& plane = ground_.plane(passed);
+  const double height_m = p_odom.z() - plane.at(p_odom.head<2>());
+  if (passed != facet && height_m >= -tolerance) {
+    pass(beam, range_m);  // it ended on this facet, farther than that is known
+    return;
+  }
+  const double to_floor_m = range_to(plane, beam);
   pass(beam, std::min(to_floor_m, range_m));
   if (to_floor_m > range_m) {
     return;
   }
   const Eigen::Vector2d crossing_odom = (beam.origin + to_floor_m * beam.direction).head<2>();
   const PossibleRamp ramp(grid_, ground_, params_, T_odom_base_->translation());
-  if (ramp.leads_down(beam.origin + range_m * beam.direction, crossing_odom)) {
+  if (ramp.leads_down(p_odom, crossing_odom, plane, tolerance)) {
     add_possible_ramp(grid_, crossing_odom);
-  } else if (is_certain) {
+  } else if (is_certain && height_m < -tolerance - evidence::kCertainM) {
     add_hole(grid_, crossing_odom, true, scan_, obstacles_.travel_dm());
   } else {
     uncertain_holes_.push_back(crossing_odom);
@@ -218,9 +244,9 @@ void LocalMap::pass(const Beam& beam, double until_m) {
   ObstacleMemory::pass(grid_, beam, until_m, highest_m, scan_);
 }
 
-// A cell has joined a facet. An obstacle in it that is no higher than the facet was this ground,
-// and so was a hole on a facet ahead, which was not known before. Both are looked at again from
-// nearer.
+// A cell has joined a facet: it was seen as ground. An obstacle in it that is no higher than the
+// facet was this ground, and so was what may have been a ramp, and a hole on a facet ahead, which
+// was not known before. All of it is looked at again from nearer.
 void LocalMap::look_again(const TrackedGround::Joined& joined) {
   const double half_m = 0.5 * (ground_.cell_size_m() - grid_.cell_size_m());
   for (double dx = -half_m; dx <= half_m + 1e-6; dx += grid_.cell_size_m()) {
@@ -230,9 +256,9 @@ void LocalMap::look_again(const TrackedGround::Joined& joined) {
       if (cell == nullptr) {
         continue;
       }
+      cell->may_be_ramp = false;
       if (joined.is_ahead) {
         cell->hole = 0;
-        cell->may_be_ramp = false;
       }
       const double range_m = (p_odom - T_odom_base_->translation()).norm();
       if (!cell->is_contact() &&
@@ -327,40 +353,14 @@ Points LocalMap::doubtful_points_base(const geometry::SE2& T_odom_base, double r
   return points;
 }
 
-// Most of what may be a ramp is far from every hole, so the search begins at the holes. Of these,
-// one at their border is the nearest to any place outside of them.
-Points LocalMap::hole_corners_base(const geometry::SE2& T_odom_base, double range_m) const {
-  // From beside a flight of stairs the last 20 cm before its far corner look like a ramp.
-  constexpr double kBesideM = 0.2;
-  const double reach_m = kBesideM + 0.5 * grid_.cell_size_m();  // to the nearest cell
-  const auto size = static_cast<std::size_t>(grid_.size());
-  std::vector<bool> is_beside(size * size);
-  const auto number_of = [&](const Eigen::Vector2i& index) {
-    const Eigen::Vector2i offset = index - grid_.first();
-    return static_cast<std::size_t>(offset.y()) * size + static_cast<std::size_t>(offset.x());
-  };
-  visit_disc(T_odom_base.translation(), range_m + kBesideM, [&](const Eigen::Vector2i& hole) {
-    if (is_border_of_hole(hole)) {
-      visit_disc(grid_.center_of(hole), reach_m,
-                 [&](const Eigen::Vector2i& index) { is_beside[number_of(index)] = true; });
-    }
-  });
-  Points corners;
+Points LocalMap::possible_ramps_down_base(const geometry::SE2& T_odom_base, double range_m) const {
+  Points points;
   visit_cells(T_odom_base, range_m, [&](const Eigen::Vector2i& index, const auto& p_base) {
-    const LocalCell& cell = grid_.at(index);
-    if (cell.may_be_ramp && !cell.is_hole() && is_beside[number_of(index)]) {
-      corners.push_back(p_base());
+    if (is_possible_ramp_down(grid_, index)) {
+      points.push_back(p_base());
     }
   });
-  return corners;
-}
-
-bool LocalMap::is_border_of_hole(const Eigen::Vector2i& index) const {
-  const auto is_hole = [&](int dx, int dy) {
-    const Eigen::Vector2i at = index + Eigen::Vector2i(dx, dy);
-    return grid_.contains(at) && grid_.at(at).is_hole();
-  };
-  return is_hole(0, 0) && !(is_hole(1, 0) && is_hole(-1, 0) && is_hole(0, 1) && is_hole(0, -1));
+  return points;
 }
 
 bool LocalMap::is_only_floor(const Eigen::Vector2d& p_odom) const {

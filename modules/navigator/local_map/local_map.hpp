@@ -66,9 +66,11 @@ class LocalMap {
   /// since. The ground on which the robot was set down counts as seen.
   [[nodiscard]] Points doubtful_points_base(const geometry::SE2& T_odom_base, double range_m) const;
 
-  /// Places within `range_m` of base, in base, that may be the corner of a hole: beams have passed
-  /// through the floor there, to what could be a ramp down if there were no hole beside it.
-  [[nodiscard]] Points hole_corners_base(const geometry::SE2& T_odom_base, double range_m) const;
+  /// Places within `range_m` of base, in base, where beams have passed through the floor, down to
+  /// what could be a ramp: there is one, or a hole, but no floor on which the robot may drive
+  /// before it has looked from nearer.
+  [[nodiscard]] Points possible_ramps_down_base(const geometry::SE2& T_odom_base,
+                                                double range_m) const;
 
   /// The lowest and highest points, above the ground, of the obstacles within `radius_m` of a
   /// place; empty if there are none.
@@ -106,12 +108,11 @@ class LocalMap {
   void classify(const Beam& beam, std::size_t index, double range_max_m);
   void add_dazzled(const Beam& beam);
   void classify_below(const Beam& beam, double range_m, std::size_t facet, bool is_certain);
+  [[nodiscard]] std::size_t facet_passed(const Beam& beam, double range_m, std::size_t facet) const;
   void pass(const Beam& beam, double until_m);
   [[nodiscard]] static double range_to(const Plane& plane, const Beam& beam);
   void look_again(const TrackedGround::Joined& joined);
   [[nodiscard]] double tolerance_m(double range_m) const;
-  /// Whether there is a hole in a cell, and none in one of the four beside it.
-  [[nodiscard]] bool is_border_of_hole(const Eigen::Vector2i& index) const;
   [[nodiscard]] bool is_floor_around(const Eigen::Vector2d& p_odom, bool may_be_assumed) const;
   /// Calls `visit(index)` for the cells within `radius_m` of a place.
   template <class Visit>

@@ -56,12 +56,14 @@ bool PossibleRamp::rises_behind(const Eigen::Vector2d& p_odom, std::int16_t high
   return false;
 }
 
-bool PossibleRamp::leads_down(const Eigen::Vector3d& p_odom,
-                              const Eigen::Vector2d& crossing_odom) const {
+bool PossibleRamp::leads_down(const Eigen::Vector3d& p_odom, const Eigen::Vector2d& crossing_odom,
+                              const Plane& plane, double tolerance_m) const {
   constexpr double kFarthestM = 0.6;  // two lines on the floor at 2 m
   const Eigen::Vector2d floor_odom = last_floor_before(crossing_odom, kFarthestM);
-  return p_odom.z() > ground_.height_m(floor_odom) - params_.floor_tolerance_m -
-                          ground_.max_slope() * (p_odom.head<2>() - floor_odom).norm();
+  const double floor_m =
+      ground_.is_known(floor_odom) ? ground_.height_m(floor_odom) : plane.at(floor_odom);
+  return p_odom.z() >
+         floor_m - tolerance_m - ground_.max_slope() * (p_odom.head<2>() - floor_odom).norm();
 }
 
 // The nearest place with seen floor between a place and the robot. If there is none within

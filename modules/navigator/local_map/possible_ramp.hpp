@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 
+#include "modules/navigator/ground/plane.hpp"
 #include "modules/navigator/ground/tracked_ground.hpp"
 #include "modules/navigator/local_map/local_cell.hpp"
 #include "modules/navigator/params.hpp"
@@ -39,10 +40,11 @@ class PossibleRamp {
                               double tolerance_m) const;
 
   /// Whether a ramp could lead down to a point from the last floor seen before the place where the
-  /// beam passed below the ground. It could, unless the beam looked down more steeply than the
-  /// steepest ramp.
-  [[nodiscard]] bool leads_down(const Eigen::Vector3d& p_odom,
-                                const Eigen::Vector2d& crossing_odom) const;
+  /// beam passed down through `plane`, the ground that is known there. It could, unless the beam
+  /// looked down more steeply than the steepest ramp. `tolerance_m`: of heights at the point's
+  /// distance.
+  [[nodiscard]] bool leads_down(const Eigen::Vector3d& p_odom, const Eigen::Vector2d& crossing_odom,
+                                const Plane& plane, double tolerance_m) const;
 
  private:
   [[nodiscard]] bool rises_behind(const Eigen::Vector2d& p_odom, std::int16_t high_cm) const;

@@ -171,16 +171,16 @@ TEST(Brake, DrivesNoFasterThanItCanStopOnSeenFloor) {
 
 // The corridor is 0.165 m + 0.06 m + 0.1 m wide to each side. The front is at 0.225 m, and 0.15 m
 // remain.
-TEST(Brake, StopsBeforeWhatMayBeTheCornerOfAHole) {
+TEST(Brake, StopsBeforeWhatMayBeARampDownOrAHole) {
   const NavigatorParams params;
   Situation now;
   for (const bool creeps : {false, true}) {
     const Brake brake(params, creeps);
-    now.hole_corners_base = {{1.0, 0.32}};
+    now.possible_ramps_down_base = {{1.0, 0.32}};
     EXPECT_EQ(brake.measure_arc(0.0, now).speed_mps, brake.stoppable_mps(1.0 - 0.225 - 0.15));
-    now.hole_corners_base = {{1.0, 0.33}, {-0.5, 0.0}};
+    now.possible_ramps_down_base = {{1.0, 0.33}, {-0.5, 0.0}};
     EXPECT_EQ(brake.measure_arc(0.0, now).speed_mps, kInf);
-    now.hole_corners_base = {{0.37, 0.1}};
+    now.possible_ramps_down_base = {{0.37, 0.1}};
     EXPECT_EQ(brake.measure_arc(0.0, now).speed_mps, 0.0);
   }
 }

@@ -38,5 +38,22 @@ TEST(Holes, APossibleRampIsNoHoleAndLeavesFloorAsItIs) {
   add_possible_ramp(grid, {1e6, 0.0});  // outside the grid: ignored
 }
 
+// A second cell at most two away says the same; a cell that is a hole is no ramp itself.
+TEST(Holes, ASingleCellIsNoPossibleRampDown) {
+  LocalGrid grid(0.025, 9);
+  grid.center_on({0.0, 0.0});
+  const Eigen::Vector2i index = grid.index_of({1.0, 0.5});
+  grid.at(index).may_be_ramp = true;
+  EXPECT_FALSE(is_possible_ramp_down(grid, index));
+  const Eigen::Vector2i beside = index + Eigen::Vector2i(2, -2);
+  grid.at(index + Eigen::Vector2i(3, 0)).may_be_ramp = true;
+  EXPECT_FALSE(is_possible_ramp_down(grid, index));
+  grid.at(beside).may_be_ramp = true;
+  EXPECT_TRUE(is_possible_ramp_down(grid, index));
+  grid.at(beside).hole = evidence::kMost;
+  EXPECT_TRUE(is_possible_ramp_down(grid, index));
+  EXPECT_FALSE(is_possible_ramp_down(grid, beside));
+}
+
 }  // namespace holes_test
 }  // namespace nodmap::navigator

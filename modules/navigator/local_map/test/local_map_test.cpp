@@ -134,14 +134,14 @@ TEST(LocalMap, AHoleIsBlockedFromItsEdge) {
 
 // Looking along the side of a flight of stairs, the laser sees the far wall of the first step just
 // below its edge, no lower than a ramp could be. So the last 20 cm before the corner are no hole,
-// but they count as its corner, all but the 9 cm that look like floor within the tolerance.
+// but they may be a ramp, all but the 9 cm that look like floor within the tolerance.
 TEST(LocalMap, TheFarCornerOfAHoleIsKnown) {
   LocalMap map({}, {});
   const Ground stairs{{{{5.0, 0.6}, {5.3, 2.4}, -0.17}, {{5.3, 0.6}, {5.6, 2.4}, -0.34}}};
   const geometry::SE2 T_odom_base{4.43, 1.35, 1.09};
   sweep(map, stairs, T_odom_base);
   Points known = map.points_base(T_odom_base, 2.0);
-  const Points corners = map.hole_corners_base(T_odom_base, 2.0);
+  const Points corners = map.possible_ramps_down_base(T_odom_base, 2.0);
   EXPECT_FALSE(corners.empty());
   for (const Eigen::Vector2d& p : corners) {
     EXPECT_LT(stairs.height_m(T_odom_base * p), 0.0) << p.transpose();
@@ -157,16 +157,33 @@ TEST(LocalMap, TheFarCornerOfAHoleIsKnown) {
   }
 }
 
-// A kerb of 8 cm, 1.2 m away, could be a ramp. Nothing beside it is certainly a hole.
-TEST(LocalMap, APossibleRampWithoutAHoleBesideItIsNoCorner) {
+// A kerb of 8 cm, 1.2 m away, could be a ramp. Beams cross the floor beyond the edge only.
+TEST(LocalMap, AKerbFarAwayMayBeARampDownAndBeginsAtItsEdge) {
   LocalMap map({}, {});
   sweep(map, {{{{1.2, -1.0}, {3.0, 1.0}, -0.08}}}, {});
-  int num_possible = 0;
-  for (double x = 1.2; x < 1.6; x += kCellM) {
-    num_possible += map.cell_at({x, 0.0})->may_be_ramp ? 1 : 0;
+  const Points points = map.possible_ramps_down_base({}, 2.0);
+  ASSERT_FALSE(points.empty());
+  for (const Eigen::Vector2d& p : points) {
+    EXPECT_GT(p.x(), 1.2 - 0.5 * kCellM) << p.transpose();
   }
-  EXPECT_GT(num_possible, 0);
-  EXPECT_TRUE(map.hole_corners_base({}, 2.0).empty());
+  // Two lines are 6 cm apart there.
+  EXPECT_LT(nearest_m(points), 1.2 + 0.06 + kCellM);
+}
+
+// Beams that end beyond the known part of a ramp pass over that part: they have not passed through
+// it, although they have passed below the level of the floor before it.
+TEST(LocalMap, AKnownRampDownIsNoPossibleRamp) {
+  LocalMap map({}, {});
+  Ground ground;
+  ground.ramp_from_x_m = 0.9;
+  ground.slope = -std::tan(geometry::deg_to_rad(10.0));
+  for (int i = 0; i < 4; ++i) {
+    sweep(map, ground, {});
+  }
+  ASSERT_FALSE(map.ground().is_level());
+  for (const Eigen::Vector2d& p : map.possible_ramps_down_base({}, 1.6)) {
+    EXPECT_FALSE(std::abs(p.y()) < 0.3 && map.ground().is_known(p)) << p.transpose();
+  }
 }
 
 // 29 cm in floating point are 28.999 cm: the beams that pass must count as being at the same height

@@ -3,21 +3,15 @@
 // moment of the nod, with the noise of the laser and of the body's tilt.
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <random>
 
-#include "modules/navigator/behaviours/brake.hpp"
-#include "modules/navigator/local_map/local_map.hpp"
-#include "tests/support/commanded_sweeps.hpp"
+#include "modules/navigator/local_map/test/braking_drive.hpp"
 
 namespace nodmap::navigator {
 namespace low_sill_test {
 
-using geometry::deg_to_rad;
-
-constexpr double kScanS = 0.01332;
-constexpr double kRangeSigmaM = 0.01;         // SICK LMS200
-const double kTiltRad = deg_to_rad(0.1);      // standard deviation on uneven ground
-const double kTiltPerMps2 = deg_to_rad(0.1);  // the body tilts on its tyres
+using test::BrakingDrive;
 
 // A box on the floor, rotated about its middle.
 struct Sill {
@@ -59,105 +53,6 @@ struct Sill {
   }
 };
 
-// The sweep at a speed: linear between those that are known.
-nodmap::test::CommandedSweep sweep_at(double forward_mps) {
-  constexpr double kSpacingMps = 0.5;
-  const auto& sweeps = nodmap::test::kCommandedSweeps;
-  const double place = std::clamp(forward_mps / kSpacingMps, 0.0, sweeps.size() - 1.001);
-  const auto i = static_cast<std::size_t>(place);
-  const double w = place - static_cast<double>(i);
-  const auto between = [&](double a, double b) { return a + w * (b - a); };
-  return {forward_mps, between(sweeps[i].low_deg, sweeps[i + 1].low_deg),
-          between(sweeps[i].high_deg, sweeps[i + 1].high_deg),
-          between(sweeps[i].line_deg, sweeps[i + 1].line_deg)};
-}
-
-class SillApproach {
- public:
-  SillApproach(const Sill& sill, double speed_mps, std::uint32_t seed)
-      : sill_(sill), limit_mps_(speed_mps), engine_(seed) {
-    const nodmap::test::CommandedSweep sweep = sweep_at(speed_mps);
-    pitch_deg_ = std::uniform_real_distribution(sweep.low_deg, sweep.high_deg)(engine_);
-    step_ = engine_() % 2 == 0 ? 1.0 : -1.0;
-  }
-
-  // Distance from the body's front to the sill when the robot stops, or after 10 s, metres; 0 or
-  // less: it was touched.
-  double drive() {
-    const double end_m = sill_.begins_m(body_.half_width_m) - body_.half_length_m;
-    for (int i = 0; i < 750 && x_m_ < end_m; ++i) {
-      scan_once();
-      Situation now;
-      now.T_odom_base = {x_m_, 0.0, 0.0};
-      now.points_base = map_.points_base(now.T_odom_base, 1.6);  // a stop takes up to 1 m
-      now.local_map = &map_;
-      now.forward_mps = v_mps_;
-      // The robot has come over floor that it had seen: Brake limits its speed only after the first
-      // second.
-      double wanted_mps = limit_mps_;
-      if (i >= 75) {
-        wanted_mps = std::min(
-            {limit_mps_, brake_.measure_arc(0.0, now).speed_mps, brake_.speed_on_present_arc(now)});
-      }
-      const double before_mps = v_mps_;
-      v_mps_ += std::clamp(wanted_mps - v_mps_, -3.0 * kScanS, 1.5 * kScanS);
-      acceleration_mps2_ = (v_mps_ - before_mps) / kScanS;
-      x_m_ += v_mps_ * kScanS;
-      if (i > 150 && v_mps_ < 0.01) {
-        break;
-      }
-    }
-    return end_m - x_m_;
-  }
-
- private:
-  void scan_once() {
-    const nodmap::test::CommandedSweep sweep = sweep_at(v_mps_);
-    if (pitch_deg_ > sweep.high_deg) {
-      step_ = -1.0;
-    } else if (pitch_deg_ < sweep.low_deg) {
-      step_ = 1.0;
-    }
-    pitch_deg_ += step_ * sweep.line_deg;
-    // The tilt changes with the uneven ground, about every 20 cm.
-    const double keep = std::exp(-v_mps_ * kScanS / 0.2);
-    tilt_rad_ = keep * tilt_rad_ + std::sqrt(1.0 - keep * keep) * kTiltRad * normal_(engine_);
-    const double up_rad = tilt_rad_ + kTiltPerMps2 * acceleration_mps2_;
-    scan::Scan scan;
-    scan.duration = 6660us;
-    scan.angle_first_rad = -0.5 * geometry::kPi;
-    scan.angle_step_rad = deg_to_rad(1.0);
-    scan.pitch_first_rad = scan.pitch_last_rad = deg_to_rad(pitch_deg_);
-    scan.range_min_m = 0.05;
-    scan.range_max_m = 80.0;
-    scan.T_base_mount.translation() = Eigen::Vector3d(0.15, 0.0, 0.38);
-    scan.ranges_m.resize(181);
-    const Eigen::Vector3d mount(x_m_ + 0.15, 0.0, 0.38 + 0.15 * up_rad);
-    for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
-      const Eigen::Vector3d ray =
-          scan::beam_direction(scan.angle_rad(i), scan.pitch_first_rad + up_rad);
-      const double floor_m = ray.z() < 0.0 ? -mount.z() / ray.z() : 1e9;
-      const double range_m = std::min({floor_m, sill_.range_m(mount, ray), 6.0});
-      scan.ranges_m[i] = static_cast<float>(range_m + kRangeSigmaM * normal_(engine_));
-    }
-    map_.add_scan(scan, {x_m_, 0.0, 0.0});
-  }
-
-  Sill sill_;
-  double limit_mps_;
-  std::mt19937 engine_;
-  std::normal_distribution<double> normal_;
-  robot::Footprint body_{0.225, 0.165};
-  LocalMap map_{{}, {}};
-  Brake brake_{NavigatorParams{}};
-  double x_m_ = 0.0;
-  double v_mps_ = 0.0;
-  double acceleration_mps2_ = 0.0;
-  double pitch_deg_ = 0.0;
-  double step_ = 1.0;
-  double tilt_rad_ = 0.0;
-};
-
 // Range of the half width of a sill, metres.
 struct Widths {
   double least_m;
@@ -183,7 +78,14 @@ TEST(LowSill, TheRobotStopsBeforeItAtAnySpeedAndMomentOfTheNod) {
     const double half_depth_m = 0.5 * between(0.02, 0.25);
     const double height_m = between(0.03, 0.04);
     const Sill sill{{x_m, aside_m, yaw_rad}, {half_depth_m, half_width_m}, height_m};
-    EXPECT_GT(SillApproach(sill, speed_mps, static_cast<std::uint32_t>(run)).drive(), 0.0)
+    BrakingDrive drive(
+        [&](const Eigen::Vector3d& origin, const Eigen::Vector3d& ray) {
+          const double floor_m = ray.z() < 0.0 ? -origin.z() / ray.z() : 1e9;
+          return std::min(floor_m, sill.range_m(origin, ray));
+        },
+        speed_mps, static_cast<std::uint32_t>(run));
+    const robot::Footprint& body = drive.body();
+    EXPECT_GT(drive.until(sill.begins_m(body.half_width_m) - body.half_length_m), 0.0)
         << "run " << run << ": " << height_m << " m high, at " << speed_mps << " m/s";
   }
 }

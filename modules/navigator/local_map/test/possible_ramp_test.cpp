@@ -33,11 +33,16 @@ TEST_F(PossibleRampTest, GroundBelowTheSteepestRampIsNotARampDown) {
   const PossibleRamp ramp(grid_, ground_, params_, {0.0, 0.0});
   const double steepest = std::tan(params_.ground.max_slope_rad);
   const Eigen::Vector2d crossing(1.1, 0.0);
+  constexpr double kToleranceM = 0.03;
   for (const double beyond_m : {0.2, 0.4, 0.6}) {
     // Floor ends within a cell of 1 m.
-    const double lowest_m = -params_.floor_tolerance_m - steepest * beyond_m;
-    EXPECT_TRUE(ramp.leads_down({1.0 + beyond_m, 0.0, lowest_m + 0.01}, crossing)) << beyond_m;
-    EXPECT_FALSE(ramp.leads_down({1.0 + beyond_m, 0.0, lowest_m - 0.01}, crossing)) << beyond_m;
+    const double lowest_m = -kToleranceM - steepest * beyond_m;
+    const auto leads_down = [&](double height_m) {
+      return ramp.leads_down({1.0 + beyond_m, 0.0, height_m}, crossing, ground_.plane(0),
+                             kToleranceM);
+    };
+    EXPECT_TRUE(leads_down(lowest_m + 0.01)) << beyond_m;
+    EXPECT_FALSE(leads_down(lowest_m - 0.01)) << beyond_m;
   }
 }
 

@@ -30,13 +30,13 @@ struct Block {
 
 struct Ground {
   std::vector<Block> blocks;
-  /// From this x on the floor rises by `slope` m/m, towards +x.
+  /// From this x on the floor rises by `slope` m/m, towards +x; falls if it is negative.
   double ramp_from_x_m = 0.0;
   double slope = 0.0;
 
   /// Oracle: height at a place, by the definition.
   [[nodiscard]] double height_m(const Eigen::Vector2d& p) const {
-    double height = std::max(0.0, slope * (p.x() - ramp_from_x_m));
+    double height = slope * std::max(0.0, p.x() - ramp_from_x_m);
     for (const Block& block : blocks) {
       height = block.covers(p) ? block.height_m : height;
     }
