@@ -80,7 +80,8 @@ double Brake::speed_before_ramps_down(double curvature, const Situation& now) co
 // the robot drives, because what was seen stays seen. While the robot brakes with a, v(F) falls no
 // faster than v (stopping.hpp). A hole as long as the wide gap has had a beam in it: the robot
 // stops for it as for an obstacle. For a hole as long as the max gap it stops with the force that
-// the base has in reserve. Over a shorter one, with floor on both sides, the wheels roll.
+// the base has in reserve. Over a shorter one that no beam has entered, with floor on both sides,
+// the wheels roll.
 double Brake::speed_on_seen_floor(double curvature, double max_mps, const Situation& now) const {
   struct Rule {
     double max_gap_m;

@@ -49,7 +49,8 @@ struct LocalCell {
   std::uint8_t hole = 0;        ///< evidence of a drop
   bool is_floor : 1 = false;    ///< seen, directly or between two beams that hit the floor
   bool is_assumed : 1 = false;  ///< not seen, but floor: the robot was set down there
-  /// A beam passed through the floor, down to what may be a ramp, and none has met the floor since.
+  /// A beam passed through the floor, down to what may be a ramp, and floor has not been seen here
+  /// since.
   bool may_be_ramp : 1 = false;
   std::int16_t low_cm = 0;  ///< lowest and highest measured point of the obstacle, in odom
   std::int16_t high_cm = 0;

@@ -12,8 +12,8 @@
 namespace nodmap::navigator {
 
 /// Decides whether something that was measured beside the known ground could be a ramp that is not
-/// known yet. Such a place stays unknown until the laser has seen it from nearer; the robot stops
-/// before it (SeenFloor). A view of the map at one moment.
+/// known yet. Such a place stays unknown until the laser has seen it from nearer; Brake stops
+/// before it. A view of the map at one moment.
 class PossibleRamp {
  public:
   PossibleRamp(const LocalGrid& grid, const TrackedGround& ground, const LocalMapParams& params,

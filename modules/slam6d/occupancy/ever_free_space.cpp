@@ -372,7 +372,8 @@ const EverFreeSpace::Votes* EverFreeSpace::Lookup::find(VoxelCode voxel) {
 }
 
 std::size_t EverFreeSpace::memory_bytes() const {
-  std::size_t bytes = cubes_.size() * sizeof(Cubes::value_type) + of_sweep_.memory_bytes();
+  std::size_t bytes =
+      cubes_.size() * sizeof(Cubes::value_type) + of_sweep_.memory_bytes() + tracer_.memory_bytes();
   for (const Voter& voter : waiting_) {
     bytes += (voter.cloud.points.size() + voter.cloud.free_points.size()) * sizeof(Eigen::Vector3f);
   }

@@ -14,7 +14,7 @@ namespace nodmap::slam6d {
 class WalkedBeams {
  public:
   /// Forgets all.
-  void clear() { last_.assign(std::size_t{1} << kHashBits, {}); }
+  void clear() { last_.assign(last_.size(), {}); }
 
   /// Remembers a beam between two voxels that differ. Returns whether none between them was
   /// remembered.
@@ -33,9 +33,10 @@ class WalkedBeams {
 
     bool operator==(const Ends&) const = default;
   };
-  static constexpr unsigned kHashBits = 13;  // a sweep ends in some thousands of voxels
+  // The beams of a sweep end in some thousands of voxels.
+  static constexpr unsigned kHashBits = 13;
 
-  std::vector<Ends> last_;
+  std::vector<Ends> last_ = std::vector<Ends>(std::size_t{1} << kHashBits);
 };
 
 }  // namespace nodmap::slam6d

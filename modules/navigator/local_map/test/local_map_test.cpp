@@ -141,12 +141,12 @@ TEST(LocalMap, TheFarCornerOfAHoleIsKnown) {
   const geometry::SE2 T_odom_base{4.43, 1.35, 1.09};
   sweep(map, stairs, T_odom_base);
   Points known = map.points_base(T_odom_base, 2.0);
-  const Points corners = map.possible_ramps_down_base(T_odom_base, 2.0);
-  EXPECT_FALSE(corners.empty());
-  for (const Eigen::Vector2d& p : corners) {
+  const Points marks = map.possible_ramps_down_base(T_odom_base, 2.0);
+  EXPECT_FALSE(marks.empty());
+  for (const Eigen::Vector2d& p : marks) {
     EXPECT_LT(stairs.height_m(T_odom_base * p), 0.0) << p.transpose();
   }
-  known.insert(known.end(), corners.begin(), corners.end());
+  known.insert(known.end(), marks.begin(), marks.end());
   for (double y = 1.6; y < 2.4 - 0.09; y += 0.02) {
     const Eigen::Vector2d p_base = T_odom_base.inverse() * Eigen::Vector2d(5.05, y);
     double nearest_m = 1.0;
@@ -177,7 +177,9 @@ TEST(LocalMap, AKnownRampDownIsNoPossibleRamp) {
   Ground ground;
   ground.ramp_from_x_m = 0.9;
   ground.slope = -std::tan(geometry::deg_to_rad(10.0));
-  for (int i = 0; i < 4; ++i) {
+  sweep(map, ground, {});
+  EXPECT_FALSE(map.possible_ramps_down_base({}, 1.6).empty()) << "before the ramp is known";
+  for (int i = 0; i < 3; ++i) {
     sweep(map, ground, {});
   }
   ASSERT_FALSE(map.ground().is_level());
