@@ -160,7 +160,7 @@ struct LocalMapParams {
   double range_m = 2.5;
   double floor_tolerance_m = 0.02;
   double tilt_tolerance_rad = geometry::deg_to_rad(0.4);
-  double floor_return_m = 2.0;
+  double floor_return_m = 1.6;
   double max_gap_m = 0.15;
   double wide_gap_m = 0.3;
   double forget_after_m = 20.0;
