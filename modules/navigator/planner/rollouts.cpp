@@ -137,9 +137,13 @@ double Rollouts::clearance_m(const geometry::SE2& pose_base) const {
   }
   const Eigen::Matrix2d R_pose_base = pose_base.rotation().transpose();
   double clearance = by_cells_m + kCellErrorM;
+  // What is farther from base than this is not nearer to the body than `clearance`.
+  const double within_m = body_.turning_radius_m() + clearance;
   for (const Eigen::Vector2d& p_base : near_points_base_) {
-    const Eigen::Vector2d p_pose = R_pose_base * (p_base - pose_base.translation());
-    clearance = std::min(clearance, distance_to_body(p_pose, body_));
+    const Eigen::Vector2d step = p_base - pose_base.translation();
+    if (step.squaredNorm() < within_m * within_m) {
+      clearance = std::min(clearance, distance_to_body(R_pose_base * step, body_));
+    }
   }
   return clearance;
 }
