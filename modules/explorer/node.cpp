@@ -73,31 +73,25 @@ ExplorerNode::ExplorerNode(node::Context& context, const Params& params)
   }
 }
 
-// A lower revision is that of a new map: 2D SLAM has restarted. One such tile alone may be a late
-// one of the map that is known, so the second one decides.
 void ExplorerNode::on_map(const nodmap::grid_chunk_t& message) {
-  if (message.map_revision < map_revision_ && node::read_map_tile(message)) {
-    if (!first_tile_) {
-      first_tile_ = message;
-      return;
-    }
-    begin_new_map();
-    static_cast<void>(add_tile(*first_tile_));
-  }
-  first_tile_.reset();
-  if (add_tile(message)) {
-    map_revision_ = message.map_revision;
-  }
-}
-
-bool ExplorerNode::add_tile(const nodmap::grid_chunk_t& message) {
   const auto tile = node::read_map_tile(message);
-  if (!tile || !explorer_.add(*tile)) {
+  if (!tile) {
     context_.counts.reject("implausible_map_tile");
-    return false;
+    return;
+  }
+  const auto map = map_revision_.classify(message.map_revision);
+  if (map == node::MapRevision::Tile::kLate) {
+    context_.counts.reject("map_tile_of_older_revision");
+    return;
+  }
+  if (map == node::MapRevision::Tile::kOfNewMap) {
+    begin_new_map();
+  }
+  if (!explorer_.add(*tile)) {
+    context_.counts.reject("map_tile_of_unusable_size");
+    return;
   }
   context_.counts.use();
-  return true;
 }
 
 // Home and goal are positions in a map that no longer exists.

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "common/node/goal_sender.hpp"
+#include "common/node/map_revision.hpp"
 #include "common/node/node.hpp"
 #include "common/node/sensor_input.hpp"
 #include "common/node/stop_latch.hpp"
@@ -47,7 +48,6 @@ class ExplorerNode final : public node::Node {
   };
 
   void on_map(const nodmap::grid_chunk_t& message);
-  [[nodiscard]] bool add_tile(const nodmap::grid_chunk_t& message);
   void begin_new_map();
   void on_pose(const nodmap::pose_t& message);
   void on_odometry(const nodmap::odometry_t& message);
@@ -77,8 +77,7 @@ class ExplorerNode final : public node::Node {
   node::SensorInput input_;
   Explorer explorer_;
 
-  std::int64_t map_revision_ = -1;
-  std::optional<nodmap::grid_chunk_t> first_tile_;  // perhaps of a new map
+  node::MapRevision map_revision_;
   std::optional<geometry::SE2> T_map_odom_;
   std::optional<time::Timestamp> posed_;  // stamp of the last pose
   std::optional<geometry::SE2> T_odom_base_;

@@ -247,14 +247,16 @@ void NavigatorNode::watch_map_frame() {
   const bus::Sender sender = context_.bus.origin().sender;
   if (pose_sender_ && *pose_sender_ != sender) {
     newest_.forget_map_frame();
-    begin_2d_map();
+    map_2d_.clear();
+    map_revision_ = {};
     navigator_.forget_map();
   }
   pose_sender_ = sender;
 }
 
 // The 2D map changes the plan, and nothing that keeps the robot from hitting something. It must be
-// in the frame of the pose, so it is taken only from the process whose poses are used.
+// in the frame of the pose, so it is taken only from the process whose poses are used. In a
+// recording the sender does not tell that 2D SLAM has begun another map; the revision does.
 void NavigatorNode::on_map_tile(const nodmap::grid_chunk_t& message) {
   const auto tile = node::read_map_tile(message);
   if (!tile) {
@@ -265,37 +267,19 @@ void NavigatorNode::on_map_tile(const nodmap::grid_chunk_t& message) {
     context_.counts.reject("map_tile_without_pose");
     return;
   }
-  if (!follow_revision(message.map_revision)) {
+  const auto map = map_revision_.classify(message.map_revision);
+  if (map == node::MapRevision::Tile::kLate) {
     context_.counts.reject("map_tile_of_older_revision");
     return;
+  }
+  if (map == node::MapRevision::Tile::kOfNewMap) {
+    map_2d_.clear();
   }
   if (!map_2d_.add(*tile)) {
     context_.counts.reject("map_tile_of_unusable_size");
     return;
   }
   context_.counts.use();
-}
-
-// A lower revision is that of a new map: in a recording the sender does not tell. One such tile
-// alone may be a late one of the map that is known, so the second one decides. The first one comes
-// again in its turn.
-bool NavigatorNode::follow_revision(std::int64_t revision) {
-  const bool is_older = revision < map_revision_;
-  if (is_older && !std::exchange(last_tile_was_older_, true)) {
-    return false;
-  }
-  if (is_older) {
-    begin_2d_map();
-  }
-  last_tile_was_older_ = false;
-  map_revision_ = revision;
-  return true;
-}
-
-void NavigatorNode::begin_2d_map() {
-  map_2d_.clear();
-  map_revision_ = 0;
-  last_tile_was_older_ = false;
 }
 
 // Only while 2D SLAM is sure in all directions: along a bare corridor it follows the wheels.

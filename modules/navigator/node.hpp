@@ -10,6 +10,7 @@
 
 #include "common/geometry/pose_history.hpp"
 #include "common/geometry/time.hpp"
+#include "common/node/map_revision.hpp"
 #include "common/node/node.hpp"
 #include "common/node/sensor_input.hpp"
 #include "common/node/stop_latch.hpp"
@@ -64,8 +65,6 @@ class NavigatorNode final : public node::Node {
 
   [[nodiscard]] bool follow_sender(InputSenders::Input input);
   void watch_map_frame();
-  [[nodiscard]] bool follow_revision(std::int64_t revision);
-  void begin_2d_map();
   void watch_slip(const nodmap::pose_t& message);
   [[nodiscard]] bool may_notice_slip() const;
   void leave_contact(const geometry::SE2& T_odom_before);
@@ -90,8 +89,7 @@ class NavigatorNode final : public node::Node {
   node::SequenceCounter pitch_commands_watch_;
   InputSenders senders_;
   std::optional<bus::Sender> pose_sender_;  // of the last POSE_2D
-  std::int64_t map_revision_ = 0;           // of the newest MAP_2D
-  bool last_tile_was_older_ = false;        // than that
+  node::MapRevision map_revision_;
   node::SequenceCounter pitch_states_watch_;
   time::Timestamp odometry_frame_began_{};
   bool odom_frame_is_new_ = false;  // since the odometry used last
