@@ -10,8 +10,6 @@
 namespace nodmap::node {
 namespace {
 
-// Farther than any robot drives, and small enough for cell indices of 32 bits.
-constexpr double kFarthestM = 1e6;
 // Planar lasers have at most some thousand beams.
 constexpr std::size_t kMaxRanges = 16'384;
 constexpr std::size_t kMaxNameLength = 100;

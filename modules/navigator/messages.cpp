@@ -8,12 +8,10 @@
 
 #include "common/geometry/angle.hpp"
 #include "common/geometry/whole_steps.hpp"
+#include "common/node/messages.hpp"
 
 namespace nodmap::navigator {
 namespace {
-
-// As for poses: farther than any robot drives, and small enough for cell indices of 32 bits.
-constexpr double kFarthestM = 1e6;
 
 // Length of the arc that is shown.
 constexpr double kArcS = 1.6;
@@ -56,9 +54,9 @@ std::int8_t kind_of(const LocalMap& local_map, const LocalCell& cell) {
 }  // namespace
 
 bool is_plausible(const nodmap::goal_t& message) {
-  const auto is_tolerance = [](double value) { return value > 0.0 && value <= kFarthestM; };
-  const bool is_place = std::abs(message.position_m[0]) <= kFarthestM &&
-                        std::abs(message.position_m[1]) <= kFarthestM &&
+  const auto is_tolerance = [](double value) { return value > 0.0 && value <= node::kFarthestM; };
+  const bool is_place = std::abs(message.position_m[0]) <= node::kFarthestM &&
+                        std::abs(message.position_m[1]) <= node::kFarthestM &&
                         is_tolerance(message.tolerance_m);
   const bool is_heading = message.has_heading == 0 || (std::isfinite(message.heading_rad) &&
                                                        is_tolerance(message.heading_tolerance_rad));

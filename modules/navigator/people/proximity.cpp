@@ -11,8 +11,6 @@
 namespace nodmap::navigator {
 namespace {
 
-// No infrared range finder measures farther; larger readings are invalid.
-constexpr double kFarthestReadingM = 2.0;
 // A reading this near to an obstacle of the local map is that obstacle: error of the sensor and
 // drift of odometry.
 constexpr double kSameM = 0.2;
@@ -60,11 +58,6 @@ bool is_tracked(const Eigen::Vector2d& p_odom, const People& people_odom) {
     const double error_m = std::min(kMaxTrackErrorM, 2.0 * person.position_sigma_m);
     return (p_odom - person.position).norm() < person.radius_m + kSameTrackM + error_m;
   });
-}
-
-// False for NaN, too.
-bool is_reading(double range_m) {
-  return range_m >= 0.0 && range_m <= kFarthestReadingM;
 }
 
 }  // namespace

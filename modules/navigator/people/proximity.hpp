@@ -25,6 +25,10 @@ class Proximity {
   /// As in nodmap.base_sensors_t, metres; infinity: nothing in the measuring range; NaN: no answer.
   using Ranges = std::array<double, robot::kInfraredCount>;
 
+  /// Whether a range finder has measured something. None measures farther than 2 m: larger ranges
+  /// are invalid, and so are NaN and infinity.
+  [[nodiscard]] static bool is_reading(double range_m) { return range_m >= 0.0 && range_m <= 2.0; }
+
   /// Adds readings; `T_odom_base` is the pose at `stamp`. Readings on a tracked person are left
   /// out, because the robot stops for the track.
   void add(time::Timestamp stamp, const Ranges& ranges_m, const geometry::SE2& T_odom_base,

@@ -18,8 +18,6 @@ constexpr std::array kBesideAndBehind{Infrared::kLeft, Infrared::kLeftBack, Infr
 constexpr time::Duration kFresh = 200ms;
 // In this time the whole body passes what was measured behind it; odometry hardly drifts.
 constexpr time::Duration kRemembered = 10s;
-// No infrared range finder measures farther; larger readings are invalid.
-constexpr double kFarthestReadingM = 2.0;
 
 double range_of(const Proximity::Ranges& ranges_m, Infrared sensor) {
   return ranges_m[static_cast<std::size_t>(sensor)];
@@ -35,10 +33,7 @@ void RearView::add(time::Timestamp stamp, const Proximity::Ranges& ranges_m,
     points_.clear();
     return;
   }
-  const auto is_reading = [](double range_m) {
-    return range_m >= 0.0 && range_m <= kFarthestReadingM;  // no NaN
-  };
-  has_measured_ = has_measured_ || std::ranges::any_of(ranges_m, is_reading);
+  has_measured_ = has_measured_ || std::ranges::any_of(ranges_m, Proximity::is_reading);
   const bool have_answered = std::ranges::none_of(
       kBehind, [&](Infrared sensor) { return std::isnan(range_of(ranges_m, sensor)); });
   answered_at_ = have_answered ? std::optional(stamp) : std::nullopt;
@@ -48,7 +43,7 @@ void RearView::add(time::Timestamp stamp, const Proximity::Ranges& ranges_m,
   });
   for (const Infrared sensor : kBesideAndBehind) {
     const double range_m = range_of(ranges_m, sensor);
-    if (is_reading(range_m)) {
+    if (Proximity::is_reading(range_m)) {
       const geometry::SE2 T_odom_sensor = T_odom_base * robot::mount_of(sensor);
       points_.push_back({stamp, T_odom_sensor * Eigen::Vector2d(range_m, 0.0)});
     }
