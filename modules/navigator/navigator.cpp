@@ -295,14 +295,24 @@ TurnInput Navigator::turn_input(const Situation& now) const {
   input.yaw_rate_rad_s = now.yaw_rate_rad_s;
   input.clear_direction_rad = nearer_direction(seen_and_free);
   input.more_room_side = side_with_more_room(space);
-  input.ahead_is_free = space.at(0) >= until_free_m;
   input.ahead_is_seen = now.has_seen(0.0);
+  input.ahead_is_free = space.at(0) >= until_free_m && brake_lets_ahead(now);
   input.left = {free_rotation(now.points_base, Side::kLeft, body_, margin_m),
                 without_points.left_rad.value_or(kEndless)};
   input.right = {free_rotation(now.points_base, Side::kRight, body_, margin_m),
                  without_points.right_rad ? -*without_points.right_rad : kEndless};
   input.has_path_back = back_up_.has_path(now.T_odom_base);
   return input;
+}
+
+// Whether Brake would let the robot drive ahead as it does where no obstacle is nearer than Turn
+// requires. If Turn ended before ground that Brake does not let it drive on, it would begin again
+// at once. What the laser has not looked at yet does not count: Turn looks at it first.
+bool Navigator::brake_lets_ahead(const Situation& now) const {
+  const double free_mps =
+      brake_.stoppable_mps(params_.turn.until_free_m - params_.robot.braking.stop_margin_m);
+  return !now.has_seen(0.0) || brake_.measure_arc(0.0, now).speed_mps >=
+                                   std::min(free_mps, params_.drive.max_forward_mps);
 }
 
 Side Navigator::preferred_side(const Situation& now) {

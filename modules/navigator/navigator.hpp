@@ -106,6 +106,7 @@ class Navigator {
   [[nodiscard]] Decision wait(const Situation& now, Reason reason) const;
   [[nodiscard]] Decision turn(const Situation& now);
   [[nodiscard]] TurnInput turn_input(const Situation& now) const;
+  [[nodiscard]] bool brake_lets_ahead(const Situation& now) const;
   [[nodiscard]] Side preferred_side(const Situation& now);
   [[nodiscard]] Decision back_up(const Situation& now);
 

@@ -108,6 +108,22 @@ TEST_F(NavigatorTest, IsStationaryBeforeSomebodyWalksIntoIt) {
   EXPECT_EQ(decide({}).reason, Reason(Why::kGivesWay));
 }
 
+// Before a step down of 3.5 cm, which is neither floor nor certainly a hole. Brake does not let the
+// robot drive there, so Turn must not end there either: the robot would stay for good.
+TEST_F(NavigatorTest, TurnsAwayFromWhereBrakeDoesNotLetItDrive) {
+  constexpr double kStepM = 0.4;
+  params.planner.use = params.planner.roams = false;
+  navigator = Navigator(params);
+  for (int sweep = 0; sweep < 3; ++sweep) {
+    test::look_around(navigator, {{{{kStepM, -3.0}, {4.0, 3.0}, -0.035}}});
+  }
+  for (int i = 0; i < 600; ++i) {  // 8 s
+    drive({});
+    ASSERT_LT(now.T_odom_base.x, kStepM - params.robot.body.footprint().half_length_m);
+  }
+  EXPECT_LT(now.T_odom_base.x, -0.3);
+}
+
 // Where the robot ends that has driven 0.8 m straight to the origin, perhaps rotates there, and
 // then gets a goal 0.5 m behind it. It is between two rows of points and before a third one, so it
 // can neither rotate nor drive on.
