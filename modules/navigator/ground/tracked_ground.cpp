@@ -35,21 +35,24 @@ TrackedGround::TrackedGround(const GroundParams& params)
   facets_.front().is_fixed = true;
 }
 
+// The ground under the wheels is known. A robot that has driven fast has seen none between its
+// front and what the lowest beams meet once it stops, which may be a ramp that begins in between.
 void TrackedGround::move(const geometry::SE2& T_odom_base) {
   cells_.center_on(T_odom_base.translation());
-  if (facets_.size() == 1) {
-    join(T_odom_base.translation(), 0);
-    T_odom_base_ = geometry::to_se3(T_odom_base);
-    return;
-  }
   for (std::size_t i = 0; i < under_wheels_.size(); ++i) {
     const Eigen::Vector2d wheel(i < 2 ? 0.5 : -0.5, i % 2 == 0 ? 0.5 : -0.5);
     const Eigen::Vector2d p_odom =
         T_odom_base * Eigen::Vector2d(params_.wheelbase_m * wheel.x(), params_.track_m * wheel.y());
-    Ground& ground = under_wheels_[i];
-    ground = under_wheel(p_odom, ground.height_m);
-    facets_[ground.facet].is_fixed = true;
-    join(p_odom, ground.facet);
+    if (facets_.size() > 1) {
+      under_wheels_[i] = under_wheel(p_odom, under_wheels_[i].height_m);
+    }
+    const std::size_t facet = under_wheels_[i].facet;
+    facets_[facet].is_fixed = true;
+    join(p_odom, facet);
+  }
+  if (facets_.size() == 1) {
+    T_odom_base_ = geometry::to_se3(T_odom_base);
+    return;
   }
   const double front_left = under_wheels_[0].height_m;
   const double front_right = under_wheels_[1].height_m;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// For tests: a robot that drives straight ahead as fast as Brake allows, with the noise of the
-// laser and of the body's tilt.
+// For tests: a robot that drives straight ahead as fast as Brake allows, over level floor or a
+// profile, with the noise of the laser and of the body's tilt.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,10 +9,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <random>
 #include <utility>
 
 #include "common/geometry/angle.hpp"
+#include "common/geometry/se3.hpp"
 #include "common/scan/scan.hpp"
 #include "modules/navigator/behaviours/brake.hpp"
 #include "modules/navigator/local_map/local_map.hpp"
@@ -37,34 +39,41 @@ inline nodmap::test::CommandedSweep sweep_at(double forward_mps) {
 /// chooses the moment of the nod at the start.
 class BrakingDrive {
  public:
-  /// Range from an origin along a ray to the first surface, metres.
+  /// Range from an origin along a ray to the first surface, metres; beyond that of the laser there
+  /// is no echo.
   using Range = std::function<double(const Eigen::Vector3d& origin, const Eigen::Vector3d& ray)>;
+  /// The true pose of base in odom at a place on the x axis.
+  using PoseAt = std::function<geometry::SE3(double x)>;
 
-  BrakingDrive(Range range_m, double speed_mps, std::uint32_t seed)
-      : range_m_(std::move(range_m)), limit_mps_(speed_mps), engine_(seed) {
+  BrakingDrive(Range range_m, double speed_mps, std::uint32_t seed, PoseAt pose_at = on_floor)
+      : range_m_(std::move(range_m)),
+        pose_at_(std::move(pose_at)),
+        limit_mps_(speed_mps),
+        engine_(seed) {
     const nodmap::test::CommandedSweep sweep = sweep_at(speed_mps);
     pitch_deg_ = std::uniform_real_distribution(sweep.low_deg, sweep.high_deg)(engine_);
     step_ = engine_() % 2 == 0 ? 1.0 : -1.0;
   }
 
-  /// Drives until base is at `end_m`, the robot stops, or 10 s are over. Returns how far base is
-  /// from `end_m` then, metres; 0 or less: it got there.
+  /// Drives until base is at `end_m`, the robot has stopped for good, or 40 s are over. Returns how
+  /// far base is from `end_m` then, metres; 0 or less: it got there.
   double until(double end_m) {
-    constexpr int kScans = 750;
-    for (int i = 0; i < kScans && x_m_ < end_m; ++i) {
+    constexpr int kMaxScans = 3000;
+    constexpr int kForGood = 150;  // 2 s, two sweeps of a stationary robot
+    for (int stationary = 0; num_scans_ < kMaxScans && x_m_ < end_m && stationary < kForGood;) {
       scan_once();
       // The robot has come over floor that it had seen: Brake limits its speed only after the first
       // second.
-      accelerate_to(i < 75 ? limit_mps_ : allowed_mps());
+      accelerate_to(num_scans_ < 75 ? limit_mps_ : allowed_mps());
       x_m_ += v_mps_ * kScanS;
-      if (i > 150 && v_mps_ < 0.01) {
-        break;
-      }
+      stationary = v_mps_ < 0.01 ? stationary + 1 : 0;
+      ++num_scans_;
     }
     return end_m - x_m_;
   }
 
   [[nodiscard]] const robot::Footprint& body() const { return body_; }
+  [[nodiscard]] const LocalMap& map() const { return map_; }
 
  private:
   static constexpr double kScanS = 0.01332;
@@ -78,8 +87,12 @@ class BrakingDrive {
     now.possible_ramps_down_base = map_.possible_ramps_down_base(now.T_odom_base, 1.6);
     now.local_map = &map_;
     now.forward_mps = v_mps_;
-    return std::min(
-        {limit_mps_, brake_.measure_arc(0.0, now).speed_mps, brake_.speed_on_present_arc(now)});
+    const double sloped_mps =
+        map_.ground().is_level() ? limit_mps_ : params_.local_map.ground.sloped_mps;
+    const double arc_mps = brake_.measure_arc(0.0, now).speed_mps;
+    // Slower than this the robot does not start to drive.
+    return std::min({limit_mps_, sloped_mps, arc_mps < kMinSpeedMps ? 0.0 : arc_mps,
+                     brake_.speed_on_present_arc(now)});
   }
 
   void accelerate_to(double wanted_mps) {
@@ -109,25 +122,34 @@ class BrakingDrive {
     scan.pitch_first_rad = scan.pitch_last_rad = geometry::deg_to_rad(pitch_deg_);
     scan.range_min_m = 0.05;
     scan.range_max_m = 80.0;
-    scan.T_base_mount.translation() = Eigen::Vector3d(0.15, 0.0, 0.38);
+    const robot::Mount& mount = params_.robot.mount;
+    scan.T_base_mount.translation() = Eigen::Vector3d(mount.x_m, mount.y_m, mount.z_m);
     scan.ranges_m.resize(181);
-    const Eigen::Vector3d mount(x_m_ + 0.15, 0.0, 0.38 + 0.15 * up_rad);
+    geometry::SE3 T_odom_base = pose_at_(x_m_);
+    T_odom_base.linear() *= geometry::pitch_rotation(up_rad);
+    const Eigen::Vector3d origin = T_odom_base * scan.T_base_mount.translation();
     for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
       const Eigen::Vector3d ray =
-          scan::beam_direction(scan.angle_rad(i), scan.pitch_first_rad + up_rad);
-      const double range_m = std::min(range_m_(mount, ray), 6.0);
-      scan.ranges_m[i] = static_cast<float>(range_m + kRangeSigmaM * normal_(engine_));
+          T_odom_base.linear() * scan::beam_direction(scan.angle_rad(i), scan.pitch_first_rad);
+      const double range_m = range_m_(origin, ray) + kRangeSigmaM * normal_(engine_);
+      scan.ranges_m[i] = range_m < scan.range_max_m ? static_cast<float>(range_m)
+                                                    : std::numeric_limits<float>::infinity();
     }
     map_.add_scan(scan, {x_m_, 0.0, 0.0});
   }
 
+  static geometry::SE3 on_floor(double x) { return geometry::to_se3({x, 0.0, 0.0}); }
+
+  NavigatorParams params_;
   Range range_m_;
+  PoseAt pose_at_;
   double limit_mps_;
   std::mt19937 engine_;
   std::normal_distribution<double> normal_;
-  robot::Footprint body_{0.225, 0.165};
-  LocalMap map_{{}, {}};
-  Brake brake_{NavigatorParams{}};
+  robot::Footprint body_ = params_.robot.body.footprint();
+  LocalMap map_{params_.robot, params_.local_map};
+  Brake brake_{params_};
+  int num_scans_ = 0;
   double x_m_ = 0.0;
   double v_mps_ = 0.0;
   double acceleration_mps2_ = 0.0;
