@@ -147,9 +147,11 @@ TrackedGround::Place TrackedGround::look(const Eigen::Vector3d& p_odom, double t
   if (height_m > 0.0) {
     return {Kind::kAbove, height_m, ground.facet};
   }
-  // Beside a ramp: the floor under the robot, and the side of the ramp.
-  if ((mask >> under_base_ & 1U) != 0 && under_base_ != ground.facet) {
-    const double above_own_m = p_odom.z() - facets_[under_base_].plane.at(p);
+  // Beside a ramp: the level floor under the robot, and the side of the ramp. A ramp under the
+  // robot does not go on below the ground at its foot: what is there is a hole.
+  const Plane& own = facets_[under_base_].plane;
+  if ((mask >> under_base_ & 1U) != 0 && under_base_ != ground.facet && own.slope.isZero()) {
+    const double above_own_m = p_odom.z() - own.at(p);
     if (above_own_m >= -tolerance_m) {
       return {above_own_m <= tolerance_m ? Kind::kGround : Kind::kAbove, above_own_m, under_base_};
     }

@@ -262,6 +262,31 @@ TEST(TrackedGround, TheSideOfARampIsAnObstacleFromBelowAndADropFromAbove) {
   EXPECT_EQ(ground.look({2.0, 0.0, 0.2}, 0.02).kind, Kind::kGround);
 }
 
+// The ramp falls 0.2 m per metre, x from 0 to 1, to level ground. Below that ground, where the ramp
+// would go on, there is a hole.
+TEST(TrackedGround, SeenFromARampAHoleBehindItsFootIsNotTheRamp) {
+  using Kind = TrackedGround::Place::Kind;
+  TrackedGround ground{GroundParams{}};
+  ground.move({-0.5, 0.0, 0.0});
+  PlaneFit fit;
+  for (const Eigen::Vector2d& p : {Eigen::Vector2d(0.0, 0.0), {1.0, 0.0}, {0.0, 1.0}}) {
+    fit.add({p.x(), p.y(), -0.2 * p.x()});
+  }
+  const std::size_t ramp = ground.add_facet(fit, 0, false);
+  const std::size_t level = ground.add_facet(level_at(-0.2), ramp, true);
+  for (double x = 0.1; x < 2.0; x += 0.1) {
+    ground.join({x, 0.0}, x < 1.0 ? ramp : level);
+  }
+  for (int cm = -50; cm <= 60; ++cm) {
+    ground.move({0.01 * cm, 0.0, 0.0});
+  }
+  ASSERT_EQ(ground.facet_under_base(), ramp);
+  constexpr double kToleranceM = 0.03;
+  EXPECT_EQ(ground.look({1.3, 0.0, -0.2}, kToleranceM).kind, Kind::kGround);
+  EXPECT_EQ(ground.look({1.3, 0.0, -0.26}, kToleranceM).kind, Kind::kBelow);
+  EXPECT_EQ(ground.look({1.3, 0.0, -0.24}, kToleranceM).kind, Kind::kBelow);
+}
+
 // Beside the last number before the strip's left edge there is no room for rounding.
 TEST(FacetFinder, APointAtTheVeryEdgeOfTheStripIsInItsLastColumn) {
   const Eigen::Vector2d p_base(1.0, std::nextafter(0.35, 0.0));
