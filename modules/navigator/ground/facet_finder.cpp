@@ -240,8 +240,10 @@ std::optional<std::size_t> FacetFinder::facet_before(const Surface& surface, boo
       const std::size_t before = ground.look({p.x(), p.y(), ground.height_m(p)}, 0.0).facet;
       const double kink = (plane.slope - ground.plane(before).slope).norm();
       const Eigen::Vector2d farthest = surface.patches.back().p_odom.head<2>();
-      const double rise_m = plane.at(farthest) - ground.plane(before).at(farthest);
-      const bool is_ramp = kink > kMinKink && std::abs(rise_m) > kMinRiseM;
+      const double higher_m = plane.at(farthest) - ground.plane(before).at(farthest);
+      // Where the known ground changes from one facet to another the surface meets neither.
+      const double rise_m = is_above ? higher_m : -higher_m;
+      const bool is_ramp = kink > kMinKink && rise_m > kMinRiseM;
       return s > 0.0 && ground.is_known(p) && is_ramp ? std::optional(before) : std::nullopt;
     }
   }

@@ -93,6 +93,16 @@ TEST(TrackedGround, FlatFloorIsExactlyFlat) {
   EXPECT_EQ(result.points_ahead, 0U);
 }
 
+// How far a robot that drives as fast as Brake allows, but at most at `speed_mps`, remains from
+// `end_x`, metres; 0 or less: it gets there.
+double remains_m(const Profile& profile, double speed_mps, int seed, double end_x) {
+  test::BrakingDrive drive([&](const Eigen::Vector3d& origin,
+                               const Eigen::Vector3d& ray) { return profile.range_m(origin, ray); },
+                           speed_mps, static_cast<std::uint32_t>(seed),
+                           [&](double x) { return profile.pose_at(x); });
+  return drive.until(end_x);
+}
+
 // A fast robot looks far ahead, stops about 11 cm before a ramp that it does not know, and then
 // looks down as steeply as it can: at the ramp. Of the floor before that it has seen nothing. If it
 // did not know the ground up to its front wheels, the ramp would begin nowhere: of 48 such robots,
@@ -106,11 +116,28 @@ TEST(TrackedGround, ARobotThatHasStoppedBeforeARampFindsIt) {
     const double from_x = between(2.5, 4.0);
     const double rise = (run % 4 == 0 ? 2.0 : -2.0) * std::tan(deg_to_rad(between(8.0, 12.0)));
     const Profile ramp{{{-kFar, 0.0}, {from_x, 0.0}, {from_x + 2.0, rise}, {kFar, rise}}};
-    test::BrakingDrive drive([&](const Eigen::Vector3d& origin,
-                                 const Eigen::Vector3d& ray) { return ramp.range_m(origin, ray); },
-                             between(0.4, 1.3), static_cast<std::uint32_t>(run),
-                             [&](double x) { return ramp.pose_at(x); });
-    EXPECT_LE(drive.until(from_x + 0.5), 0.0) << run;
+    EXPECT_LE(remains_m(ramp, between(0.4, 1.3), run, from_x + 0.5), 0.0) << run;
+  }
+}
+
+// Two ramps meet at the bottom. Where the known ground changed from the level floor to the first
+// ramp, the second one seemed to meet it in a kink from above, and was the ground where the lower
+// of the two is: of 60 robots, 5 would stay on the first ramp.
+TEST(TrackedGround, TwoRampsThatMeetAtTheirFeetAreDrivenOver) {
+  for (int run = 0; run < 24; ++run) {
+    std::mt19937 engine(static_cast<std::uint32_t>(run));
+    const auto between = [&](double a, double b) {
+      return std::uniform_real_distribution(a, b)(engine);
+    };
+    const double from_x = between(2.5, 4.0);
+    const double length = between(1.2, 1.6);
+    const double fall = length * std::tan(deg_to_rad(between(6.0, 12.0)));
+    const Profile dip{{{-kFar, 0.0},
+                       {from_x, 0.0},
+                       {from_x + length, -fall},
+                       {from_x + 2.0 * length, 0.0},
+                       {kFar, 0.0}}};
+    EXPECT_LE(remains_m(dip, between(0.4, 1.3), run, from_x + 2.0 * length + 0.5), 0.0) << run;
   }
 }
 
