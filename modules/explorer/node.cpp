@@ -79,6 +79,11 @@ void ExplorerNode::on_map(const nodmap::grid_chunk_t& message) {
     context_.counts.reject("implausible_map_tile");
     return;
   }
+  slam_sender_ = slam_sender_.value_or(context_.bus.origin().sender);
+  if (*slam_sender_ != context_.bus.origin().sender) {
+    context_.counts.reject("map_tile_of_other_sender");
+    return;
+  }
   const auto map = map_revision_.classify(message.map_revision);
   if (map == node::MapRevision::Tile::kLate) {
     context_.counts.reject("map_tile_of_older_revision");
@@ -114,11 +119,22 @@ void ExplorerNode::on_pose(const nodmap::pose_t& message) {
     return;
   }
   context_.counts.use();
+  watch_2d_slam();
   is_lost_ = message.state == nodmap::pose_t::LOST;
   if (!is_lost_) {
     T_map_odom_ = geometry::to_se2(*T_map_odom);
     posed_ = node::stamp_of(message);
   }
+}
+
+// A 2D SLAM that was restarted, or a second one, has another map.
+void ExplorerNode::watch_2d_slam() {
+  const bus::Sender sender = context_.bus.origin().sender;
+  if (slam_sender_ && *slam_sender_ != sender) {
+    begin_new_map();
+    map_revision_ = {};
+  }
+  slam_sender_ = sender;
 }
 
 // Poses of 2D SLAM come with level scans, one a second when the robot is slow. Odometry says where
@@ -261,7 +277,8 @@ void ExplorerNode::decide(time::Timestamp now) {
   }
   const bool was_idle = explorer_.state() == State::kIdle;
   halt_reason_ = halt_reason(now);
-  halted_since_ = halt_reason_.empty() ? std::nullopt : std::optional(halted_since_.value_or(now));
+  halted_since_ = explores() && !halt_reason_.empty() ? std::optional(halted_since_.value_or(now))
+                                                      : std::nullopt;
   Decision decision =
       explorer_.decide({.stamp = now,
                         .T_map_base = *T_map_base(),
@@ -346,7 +363,7 @@ node::Health ExplorerNode::health() const {
   if (is_lost_ && explorer_.state() != State::kIdle) {
     return {node::HealthState::kDegraded, "2D SLAM is lost: the exploration waits for a pose."};
   }
-  if (explores() && halted_since_ && time::is_due(*decided_, *halted_since_, kLongestHalt)) {
+  if (halted_since_ && time::is_due(*decided_, *halted_since_, kLongestHalt)) {
     return {node::HealthState::kDegraded, halt_reason_};
   }
   return {};

@@ -50,6 +50,7 @@ class ExplorerNode final : public node::Node {
   void on_map(const nodmap::grid_chunk_t& message);
   void begin_new_map();
   void on_pose(const nodmap::pose_t& message);
+  void watch_2d_slam();
   void on_odometry(const nodmap::odometry_t& message);
   void on_navigation(const nodmap::navigation_t& message);
   void on_path(const nodmap::path_t& message);
@@ -77,6 +78,9 @@ class ExplorerNode final : public node::Node {
   node::SensorInput input_;
   Explorer explorer_;
 
+  // Of the last POSE_2D; before the first, of MAP_2D: a map is in the frame of the same process's
+  // poses.
+  std::optional<bus::Sender> slam_sender_;
   node::MapRevision map_revision_;
   std::optional<geometry::SE2> T_map_odom_;
   std::optional<time::Timestamp> posed_;  // stamp of the last pose
@@ -86,7 +90,7 @@ class ExplorerNode final : public node::Node {
   std::optional<time::Timestamp> no_path_;       // when the navigator last said so
   std::optional<time::Timestamp> navigated_;     // stamp of the last NAVIGATION
   std::optional<std::string> navigator_halt_;    // why by that message the robot may not drive
-  std::optional<time::Timestamp> halted_since_;  // when halt_reason() began to hold
+  std::optional<time::Timestamp> halted_since_;  // when it began to keep the exploration waiting
   std::string halt_reason_;
   bool has_arrived_ = false;
   bool has_just_arrived_ = false;  // since the last decision

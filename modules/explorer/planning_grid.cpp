@@ -18,6 +18,10 @@ constexpr int kBlockCells = 256;
 // Map cells farther from the origin than this are refused, so that indices stay exact.
 constexpr int kFarthestCell = 1 << 20;
 
+// 2D SLAM draws none smaller. Each changed cell changes all within the inflation radius: at 1 mm
+// some 200,000.
+constexpr double kSmallestCellM = 0.01;
+
 // The planning cell of a map cell.
 Cell halved(const Cell& map_cell) {
   return {floor_divide(map_cell.x(), 2), floor_divide(map_cell.y(), 2)};
@@ -37,7 +41,7 @@ Ground ground_of(std::int8_t occupancy) {
 }
 
 bool is_plausible(const MapTile& tile) {
-  return tile.width > 0 && tile.height > 0 && tile.cell_size_m > 0.0 &&
+  return tile.width > 0 && tile.height > 0 && tile.cell_size_m >= kSmallestCellM &&
          std::isfinite(tile.cell_size_m) &&
          tile.cells.size() ==
              static_cast<std::size_t>(tile.width) * static_cast<std::size_t>(tile.height) &&
@@ -55,12 +59,11 @@ bool PlanningGrid::add(const MapTile& tile) {
   if (!is_plausible(tile)) {
     return false;
   }
-  if (near_offsets_.empty() || 2.0 * tile.cell_size_m != cell_size_m_) {
-    clear();
+  if (is_empty()) {
     cell_size_m_ = 2.0 * tile.cell_size_m;
     find_near_offsets();
   }
-  if (!make_room(tile)) {
+  if (2.0 * tile.cell_size_m != cell_size_m_ || !make_room(tile)) {
     return false;
   }
   Cell low = Cell::Constant(kFarthestCell);
@@ -111,6 +114,7 @@ bool PlanningGrid::make_room(const MapTile& tile) {
 
 void PlanningGrid::find_near_offsets() {
   const double map_cell_m = 0.5 * cell_size_m_;
+  near_offsets_.clear();
   reach_cells_ = geometry::whole_steps(inflation_radius_m_, map_cell_m);
   for (int dy = -reach_cells_; dy <= reach_cells_; ++dy) {
     for (int dx = -reach_cells_; dx <= reach_cells_; ++dx) {

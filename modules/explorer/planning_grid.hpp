@@ -34,8 +34,8 @@ class PlanningGrid {
   /// cells.
   explicit PlanningGrid(double inflation_radius_m) : inflation_radius_m_(inflation_radius_m) {}
 
-  /// Adds a tile. A tile with another cell size starts a new map. Returns false and changes nothing
-  /// if the map would become too large or the tile contradicts itself.
+  /// Adds a tile. Returns false and changes nothing if the map would become too large, the tile
+  /// contradicts itself, or its cells have another size than the map's.
   bool add(const MapTile& tile);
   void clear();
 

@@ -63,6 +63,14 @@ bool is_plausible(const nodmap::goal_t& message) {
   return message.is_active == 0 || (is_place && is_heading);
 }
 
+bool is_plausible(const nodmap::pitch_command_t& message) {
+  const bool is_sweep = std::isfinite(message.pitch_min_rad) &&
+                        std::isfinite(message.pitch_max_rad) &&
+                        message.pitch_min_rad <= message.pitch_max_rad && message.sweep_s > 0.0;
+  return is_sweep && time::is_plausible(node::stamp_of(message)) &&
+         std::isfinite(message.max_forward_mps) && message.max_forward_mps >= 0.0;
+}
+
 std::optional<GoalInMap> read_goal(const nodmap::goal_t& message) {
   if (message.is_active == 0) {
     return std::nullopt;

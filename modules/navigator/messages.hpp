@@ -17,6 +17,7 @@
 #include "nodmap/local_map_t.hpp"
 #include "nodmap/navigation_t.hpp"
 #include "nodmap/path_t.hpp"
+#include "nodmap/pitch_command_t.hpp"
 #include "nodmap/pose_t.hpp"
 #include "nodmap/tracks_t.hpp"
 
@@ -26,6 +27,11 @@ namespace nodmap::navigator {
 
 /// Whether a GOAL message is plausible: a goal, or the end of one.
 [[nodiscard]] bool is_plausible(const nodmap::goal_t& message);
+
+/// Whether a PITCH_COMMAND message is plausible. The laser driver does not carry out a sweep whose
+/// ends are exchanged, so the navigator must not take it for that of a held laser, which needs no
+/// floor ahead.
+[[nodiscard]] bool is_plausible(const nodmap::pitch_command_t& message);
 
 /// Reads a plausible GOAL; empty if it ends the goal.
 [[nodiscard]] std::optional<GoalInMap> read_goal(const nodmap::goal_t& message);

@@ -161,8 +161,7 @@ void NavigatorNode::begin_odometry_frame(time::Timestamp stamp) {
 
 void NavigatorNode::on_pitch_command(const nodmap::pitch_command_t& message) {
   context_.counts.lose(pitch_commands_watch_.lost_before(message.command_seq));
-  if (!time::is_plausible(node::stamp_of(message)) || !std::isfinite(message.max_forward_mps) ||
-      message.max_forward_mps < 0.0) {
+  if (!is_plausible(message)) {
     context_.counts.reject("implausible_pitch_command");
     return;
   }

@@ -150,12 +150,12 @@ void Deputy::on_orders(const procman_lcm::orders_t& message) {
   if (!is_serving_) {
     return;
   }
-  counts_.use();
-  const time::Duration age = clock_.now() - time::from_utime(message.utime);
   if (message.ncmds > static_cast<int>(Supervisor::kMaxCommands)) {
     counts_.reject("too_many_commands");
     return;
   }
+  counts_.use();
+  const time::Duration age = clock_.now() - time::from_utime(message.utime);
   const bool is_for_us = message.deputy_id == settings_.id && age <= Supervisor::kMaxOrdersAge;
   if (!is_for_us || obeys(message.sheriff_id)) {
     carry_out(supervisor_.take_orders(from_message(message), age, time::steady_now()));

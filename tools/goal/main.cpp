@@ -11,6 +11,7 @@
 #include "common/geometry/angle.hpp"
 #include "common/geometry/clock.hpp"
 #include "common/node/goal_sender.hpp"
+#include "common/node/messages.hpp"
 #include "common/node/program.hpp"
 #include "nodmap/goal_t.hpp"
 #include "nodmap/navigation_t.hpp"
@@ -70,7 +71,7 @@ class Guide {
         return;
       }
       obeyed_ = time::steady_now();
-      reason_ = m.reason;
+      reason_ = node::read_name(m.reason);
       if (m.behaviour == navigation_t::HALT) {
         route_.take_halt(obeyed_);
       }

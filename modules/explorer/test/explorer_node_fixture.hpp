@@ -23,7 +23,8 @@ class ExplorerNodeTest : public ::testing::Test {
     world_.scan({0.0, 0.0, 0.0});
   }
 
-  void give_map(std::int64_t revision = 0) {
+  void give_map(std::int64_t revision = 0) { bus_.deliver("MAP_2D", map_message(revision)); }
+  [[nodiscard]] nodmap::grid_chunk_t map_message(std::int64_t revision) const {
     const MapTile tile = world_.map();
     nodmap::grid_chunk_t message{};
     message.map_revision = revision;
@@ -35,17 +36,20 @@ class ExplorerNodeTest : public ::testing::Test {
     message.grid_height = message.tile_height = tile.height;
     message.num_cells = static_cast<std::int32_t>(tile.cells.size());
     message.cells.assign(tile.cells.begin(), tile.cells.end());
-    bus_.deliver("MAP_2D", message);
+    return message;
   }
   // Lets half a second pass and delivers a pose.
   nodmap::exploration_t give_pose(std::int8_t state = nodmap::pose_t::TRACKING) {
     utime_us_ += 500'000;
+    bus_.deliver("POSE_2D", pose_message(state));
+    give_odometry(0.0);
+    return bus_.last<nodmap::exploration_t>("EXPLORATION");
+  }
+  [[nodiscard]] nodmap::pose_t pose_message(std::int8_t state = nodmap::pose_t::TRACKING) const {
     nodmap::pose_t pose = node::write_corrected_pose(
         time::from_utime(utime_us_), geometry::SE3::Identity(), geometry::SE3::Identity());
     pose.state = state;
-    bus_.deliver("POSE_2D", pose);
-    give_odometry(0.0);
-    return bus_.last<nodmap::exploration_t>("EXPLORATION");
+    return pose;
   }
   void give_odometry(double x_m) {
     nodmap::odometry_t message = node::write_odometry(

@@ -196,6 +196,29 @@ TEST_F(ExplorerNodeTest, ARobotThatMayNotDriveGivesUpNoPlace) {
   EXPECT_EQ(node_.health().state, node::HealthState::kOk);
 }
 
+TEST_F(ExplorerNodeTest, AHaltBeforeTheExplorationIsNoFault) {
+  give_map();
+  for (int i = 0; i < 60; ++i) {
+    (void)give_pose();
+  }
+  ask(true);
+  (void)give_pose();
+  EXPECT_EQ(node_.health().state, node::HealthState::kOk);
+}
+
+TEST_F(ExplorerNodeTest, OnlyTheMapOfTheProcessThatSendsThePosesIsUsed) {
+  constexpr bus::Sender kOther{0x7F000001, 40'002};
+  give_map(3);
+  ask(true);
+  EXPECT_EQ(give_pose().state, nodmap::exploration_t::EXPLORING);
+  bus_.deliver_from(kOther, "MAP_2D", map_message(0));
+  bus_.deliver_from(kOther, "MAP_2D", map_message(1));
+  EXPECT_EQ(counts_.rejected().at("map_tile_of_other_sender"), 2);
+  EXPECT_EQ(give_pose().state, nodmap::exploration_t::EXPLORING);
+  bus_.deliver_from(kOther, "POSE_2D", pose_message());
+  EXPECT_EQ(give_pose().reason, "The 2D map was restarted.");
+}
+
 TEST_F(ExplorerNodeTest, OneLateTileIsNoNewMap) {
   give_map(7);
   ask(true);

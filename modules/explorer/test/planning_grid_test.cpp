@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <random>
 
 namespace nodmap::explorer {
@@ -132,8 +133,10 @@ TEST(PlanningGrid, InvalidTilesAreRefused) {
   tile.width = kTile + 1;
   EXPECT_FALSE(grid.add(tile));
   tile = map.tile();
-  tile.cell_size_m = 0.0;
-  EXPECT_FALSE(grid.add(tile));
+  for (const double cell_size_m : {0.0, 0.002, std::numeric_limits<double>::quiet_NaN()}) {
+    tile.cell_size_m = cell_size_m;
+    EXPECT_FALSE(grid.add(tile)) << cell_size_m;
+  }
   tile = map.tile();
   tile.first = Cell(2'000'000, 0);
   EXPECT_FALSE(grid.add(tile));
@@ -143,14 +146,18 @@ TEST(PlanningGrid, InvalidTilesAreRefused) {
   EXPECT_EQ(grid.num_free(), kTile * kTile / 4);
 }
 
-TEST(PlanningGrid, AnotherCellSizeStartsANewMap) {
+TEST(PlanningGrid, AnotherCellSizeIsThatOfAnotherMap) {
   Map map;
   map.set(10, 10, 100);
   PlanningGrid grid(kInflationRadiusM);
   ASSERT_TRUE(grid.add(map.tile()));
+  const std::int64_t num_free = grid.num_free();
   MapTile tile = map.tile();
   tile.cell_size_m = 0.1;
   tile.first = Cell(100, 100);
+  EXPECT_FALSE(grid.add(tile));
+  EXPECT_EQ(grid.num_free(), num_free);
+  grid.clear();
   ASSERT_TRUE(grid.add(tile));
   EXPECT_EQ(grid.ground_at({5, 5}), Ground::kUnknown);
   EXPECT_EQ(grid.ground_at({55, 55}), Ground::kOccupied);

@@ -56,13 +56,19 @@ class NavigatorNodeTest : public ::testing::Test {
     return map;
   }
 
-  void give_command(std::int64_t utime_us, double max_forward_mps = 1.0) {
+  nodmap::pitch_command_t command(std::int64_t utime_us) {
     nodmap::pitch_command_t message{};
     message.utime = utime_us;
     message.command_seq = command_seq_++;
     message.pitch_min_rad = -0.4;
     message.pitch_max_rad = 0.1;
     message.sweep_s = 0.3;
+    message.max_forward_mps = 1.0;
+    return message;
+  }
+
+  void give_command(std::int64_t utime_us, double max_forward_mps = 1.0) {
+    nodmap::pitch_command_t message = command(utime_us);
     message.max_forward_mps = max_forward_mps;
     bus_.deliver("PITCH_COMMAND", message);
   }

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <utility>
+#include <vector>
 
 #include "common/node/messages.hpp"
 #include "modules/navigator/people/test/walking_scene.hpp"
@@ -110,6 +112,23 @@ TEST_F(NavigatorNodeTest, ACorruptMapIsRefused) {
   EXPECT_EQ(bus_.count("DRIVE"), count);
   run(0.11, kMap);
   EXPECT_TRUE(halts());
+}
+
+// Exchanged ends would look like a held laser, with which the robot drives over floor that it has
+// not seen; the laser driver does not carry out such a sweep.
+TEST_F(NavigatorNodeTest, AnImplausibleSweepIsRefused) {
+  const nodmap::pitch_command_t good = command(now_us_);
+  std::vector<nodmap::pitch_command_t> bad(4, good);
+  std::swap(bad[0].pitch_min_rad, bad[0].pitch_max_rad);
+  bad[1].pitch_min_rad = std::numeric_limits<double>::quiet_NaN();
+  bad[2].pitch_max_rad = std::numeric_limits<double>::infinity();
+  bad[3].sweep_s = 0.0;
+  for (const auto& each : bad) {
+    bus_.deliver("PITCH_COMMAND", each);
+  }
+  EXPECT_EQ(rejected("implausible_pitch_command"), 4);
+  bus_.deliver("PITCH_COMMAND", good);
+  EXPECT_EQ(rejected("implausible_pitch_command"), 4);
 }
 
 TEST_F(NavigatorNodeTest, AnImplausibleBoundIsRefused) {

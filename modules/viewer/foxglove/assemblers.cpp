@@ -31,8 +31,7 @@ bool is_part(std::int32_t index, std::int32_t count, std::int32_t max_count) {
 }  // namespace
 
 void GridAssembler::begin_revision(const nodmap::grid_chunk_t& tile) {
-  // The mapper was restarted and counts from zero: the old map is no longer valid.
-  if (tile.map_revision < revision_ || tile.cell_size_m != grid_.cell_size_m) {
+  if (tile.cell_size_m != grid_.cell_size_m) {
     grid_ = {};
   }
   revision_ = tile.map_revision;
@@ -79,6 +78,14 @@ Assembled<GridView> GridAssembler::add(const nodmap::grid_chunk_t& tile) {
   if (!is_whole(tile)) {
     result.refused = true;
     return result;
+  }
+  const auto map = newest_.classify(tile.map_revision);
+  if (map == node::MapRevision::Tile::kLate) {
+    result.refused = true;
+    return result;
+  }
+  if (map == node::MapRevision::Tile::kOfNewMap) {
+    grid_ = {};
   }
   if (tile.map_revision != revision_) {
     result.lost = missing_ > 0;

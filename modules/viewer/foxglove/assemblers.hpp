@@ -10,6 +10,7 @@
 
 #include "common/formats/octomap_file.hpp"
 #include "common/geometry/time.hpp"
+#include "common/node/map_revision.hpp"
 #include "modules/viewer/foxglove/sensor_views.hpp"
 #include "nodmap/cloud_chunk_t.hpp"
 #include "nodmap/grid_chunk_t.hpp"
@@ -40,6 +41,7 @@ class GridAssembler {
   void begin_revision(const nodmap::grid_chunk_t& tile);
   void resize_grid(const nodmap::grid_chunk_t& tile);
 
+  node::MapRevision newest_;
   std::int64_t revision_ = -1;
   std::vector<bool> seen_;  ///< tiles of this revision that were received
   std::int32_t missing_ = 0;
