@@ -4,6 +4,8 @@
 // length, counts that do not match.
 #pragma once
 
+#include <Eigen/Core>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -29,6 +31,20 @@ inline constexpr double kFarthestM = 1e6;
 
 /// Writes the position (m) and the quaternion (w, x, y, z, with w >= 0) of a pose.
 void write_pose(const geometry::SE3& pose, double (&position_m)[3], double (&orientation)[4]);
+
+/// A square matrix as a message holds it: row by row.
+template <std::size_t N>
+using MatrixRows = Eigen::Matrix<double, static_cast<int>(N), static_cast<int>(N), Eigen::RowMajor>;
+
+template <std::size_t N>
+[[nodiscard]] MatrixRows<N> read_matrix(const double (&in)[N][N]) {
+  return Eigen::Map<const MatrixRows<N>>(&in[0][0]);
+}
+template <std::size_t N>
+void write_matrix(const MatrixRows<N>& matrix, double (&out)[N][N]) {
+  Eigen::Map<MatrixRows<N>> rows(&out[0][0]);
+  rows = matrix;
+}
 
 /// Reads a message into `scan`, reusing its memory. Returns false and leaves `scan` unspecified if
 /// the message is not a plausible scan.

@@ -109,6 +109,15 @@ TEST(Messages, OdometryRoundTripAndRefusal) {
   EXPECT_FALSE(read_odometry(nodmap::odometry_t{}).has_value());
 }
 
+TEST(Messages, AMatrixIsHeldRowByRow) {
+  double rows[2][2] = {};
+  write_matrix((Eigen::Matrix2d() << 1.0, 2.0, 3.0, 4.0).finished(), rows);
+  EXPECT_EQ(rows[0][1], 2.0);
+  EXPECT_EQ(rows[1][0], 3.0);
+  EXPECT_EQ(read_matrix(rows)(0, 1), 2.0);
+  EXPECT_EQ(read_matrix(rows)(1, 0), 3.0);
+}
+
 TEST(Messages, CorrectedPoseCarriesBothFrames) {
   const SE3 T_map_base = geometry::to_se3({1, 2, 0.5});
   const SE3 T_map_odom = geometry::to_se3({0.1, 0, 0.01});

@@ -38,13 +38,6 @@ geometry::SE2 read_pose(const double (&in)[3]) {
   return {in[0], in[1], in[2]};
 }
 
-using RowMajor3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-
-void write_matrix(const Eigen::Matrix3d& matrix, double (&out)[3][3]) {
-  Eigen::Map<RowMajor3d> rows(&out[0][0]);
-  rows = matrix;
-}
-
 void write_points(const SharedPoints& points, std::vector<std::vector<float>>& out) {
   out.reserve(points.size());
   for (const Eigen::Vector2f& p : points) {
@@ -67,7 +60,7 @@ nodmap::keyframe_2d_t write_keyframe(const SavedMap& map, std::size_t k) {
   write_pose(keyframe.T_odom_base, message.odom_from_base);
   if (k > 0) {
     write_pose(map.steps[k - 1].T_from_to, message.step);
-    write_matrix(map.steps[k - 1].information, message.step_information);
+    node::write_matrix(map.steps[k - 1].information, message.step_information);
   }
   message.sensor_origin_m[0] = keyframe.sensor_origin_base.x();
   message.sensor_origin_m[1] = keyframe.sensor_origin_base.y();
@@ -82,7 +75,7 @@ nodmap::loop_2d_t write_loop(const SavedMap::Loop& loop) {
   message.from_submap = static_cast<std::int32_t>(loop.edge.from);
   message.to_submap = static_cast<std::int32_t>(loop.edge.to);
   write_pose(loop.edge.T_from_to, message.from_to);
-  write_matrix(loop.edge.information, message.information);
+  node::write_matrix(loop.edge.information, message.information);
   message.score = loop.score;
   return message;
 }
@@ -228,7 +221,7 @@ class Reader {
   }
 
   [[nodiscard]] Eigen::Matrix3d read_information(const double (&in)[3][3]) const {
-    Eigen::Matrix3d information = Eigen::Map<const RowMajor3d>(&in[0][0]);
+    const Eigen::Matrix3d information = node::read_matrix(in);
     require(registration::is_information(information),
             "an edge without a valid information matrix");
     return information;

@@ -13,6 +13,7 @@
 #include "common/registration/pose_edges.hpp"
 #include "modules/slam6d/back_end/pose_equations.hpp"
 #include "modules/slam6d/registration/level_evidence.hpp"
+#include "modules/slam6d/registration/residual_sums.hpp"
 #include "modules/slam6d/registration/robust_kernel.hpp"
 #include "modules/slam6d/registration/sweep_motion.hpp"
 #include "modules/slam6d/tracking/corrected_poses.hpp"
@@ -28,8 +29,6 @@ constexpr double kTiltDamping = 1e-4;
 constexpr int kFitIterations = 4;
 // The kernel of the first fit of a plane is so wide that all its points count.
 constexpr double kFirstFitScale = 4.5;
-// Residuals below this are due to the rounding of voxel means.
-constexpr double kMinResidualM = 2e-3;
 // A motion that hardly any plane determined may be wrong by more than the kernel is wide. So the
 // kernel of the first step is as wide as such a motion may be wrong, in standard deviations, if
 // that is much wider than its scale, and at most a quarter of a patch.

@@ -25,13 +25,6 @@ constexpr const char* kFileName = "keyframes.lcmlog";
 constexpr const char* kKeyframeChannel = "KEYFRAME_6D";
 constexpr const char* kLoopChannel = "LOOP_6D";
 
-using RowMajor6d = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
-
-void write_matrix(const Matrix6d& matrix, double (&out)[6][6]) {
-  Eigen::Map<RowMajor6d> rows(&out[0][0]);
-  rows = matrix;
-}
-
 nodmap::keyframe_6d_t write_keyframe(const SavedMap& map, std::size_t k) {
   const SavedMap::Keyframe& keyframe = map.keyframes[k];
   nodmap::keyframe_6d_t message{};
@@ -43,7 +36,7 @@ nodmap::keyframe_6d_t write_keyframe(const SavedMap& map, std::size_t k) {
     const PoseEdge3d& step = map.steps[k - 1];
     message.step_from = static_cast<std::int32_t>(step.from);
     node::write_pose(step.T_from_to, message.step_position_m, message.step_orientation);
-    write_matrix(step.information, message.step_information);
+    node::write_matrix(step.information, message.step_information);
   }
   for (const Eigen::Vector3f& p : keyframe.cloud->points) {
     message.x_m.push_back(p.x());
@@ -65,7 +58,7 @@ nodmap::loop_6d_t write_loop(const PoseEdge3d& loop) {
   message.from_keyframe = static_cast<std::int32_t>(loop.from);
   message.to_keyframe = static_cast<std::int32_t>(loop.to);
   node::write_pose(loop.T_from_to, message.position_m, message.orientation);
-  write_matrix(loop.information, message.information);
+  node::write_matrix(loop.information, message.information);
   return message;
 }
 
@@ -104,7 +97,7 @@ class Reader {
   }
 
   [[nodiscard]] Matrix6d read_information(const double (&in)[6][6]) const {
-    Matrix6d information = Eigen::Map<const RowMajor6d>(&in[0][0]);
+    const Matrix6d information = node::read_matrix(in);
     require(registration::is_information(information),
             "an edge without a valid information matrix");
     return information;

@@ -64,16 +64,16 @@ InlierRatios count_inliers(const VoxelMap::Selection& sweep, const Correspondenc
 std::optional<double> inlier_ratio_across(const VoxelMap::Selection& sweep,
                                           const CorrespondenceSearch& map,
                                           const geometry::SE3& T_map_base,
-                                          const Eigen::Vector3d& way_map, double max_m) {
+                                          const Eigen::Vector3d& direction_map, double max_m) {
   constexpr float kMinCosine = 0.5F;
-  const Eigen::Vector3f way = way_map.cast<float>();
+  const Eigen::Vector3f direction = direction_map.cast<float>();
   InlierCount across;
-  for_each_point(sweep, map, T_map_base, max_m,
-                 [&](const Eigen::Vector3f& normal_map, const auto& is_inlier) {
-                   if (is_upright(normal_map.z()) && std::abs(normal_map.dot(way)) > kMinCosine) {
-                     across.add(is_inlier());
-                   }
-                 });
+  for_each_point(
+      sweep, map, T_map_base, max_m, [&](const Eigen::Vector3f& normal_map, const auto& is_inlier) {
+        if (is_upright(normal_map.z()) && std::abs(normal_map.dot(direction)) > kMinCosine) {
+          across.add(is_inlier());
+        }
+      });
   return across.points < kMinAcrossPoints ? std::nullopt : std::optional(across.ratio());
 }
 

@@ -26,13 +26,13 @@ struct InlierRatios {
                                          const CorrespondenceSearch& map,
                                          const geometry::SE3& T_map_base, double max_m);
 
-/// The fraction of the points of walls across a way (their normals are within 60 degrees of it)
-/// that lie on the map's planes: these alone tell how far along it the robot is. Empty if there are
-/// hardly any. `way_map`: a unit vector.
+/// The fraction of the points of walls across a direction (their normals are within 60 degrees of
+/// it) that lie on the map's planes: these alone tell how far along it the robot is. Empty if there
+/// are hardly any. `direction_map`: a unit vector.
 [[nodiscard]] std::optional<double> inlier_ratio_across(const VoxelMap::Selection& sweep,
                                                         const CorrespondenceSearch& map,
                                                         const geometry::SE3& T_map_base,
-                                                        const Eigen::Vector3d& way_map,
+                                                        const Eigen::Vector3d& direction_map,
                                                         double max_m);
 
 }  // namespace nodmap::slam6d

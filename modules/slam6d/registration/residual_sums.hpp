@@ -12,6 +12,9 @@
 
 namespace nodmap::slam6d {
 
+/// Residuals below this, in metres, are due to the rounding of voxel means.
+inline constexpr double kMinResidualM = 2e-3;
+
 /// Weighted sums over correspondences, for the motion of the middle of the sweep (N = 6), or also
 /// for its change per unit of time (N = 12): a point measured at `time` moves by m0 + time * m1.
 /// Row and column 6 of each sum belong to the residual.
@@ -97,8 +100,6 @@ class ResidualSums {
   }
 
  private:
-  // Residuals below this are due to the rounding of voxel means.
-  static constexpr double kMinResidualM = 2e-3;
   static constexpr std::size_t kPowers = N == 6 ? 1 : 3;  // of time
   static std::size_t at(int power) { return static_cast<std::size_t>(power); }
 

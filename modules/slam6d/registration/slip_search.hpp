@@ -13,7 +13,7 @@ namespace nodmap::slam6d {
 
 /// How the robot moved up to the last beam of a sweep, as odometry counted it, since the last sweep
 /// whose pose is known.
-struct CountedWay {
+struct CountedMotion {
   geometry::SE3 T_map_last = geometry::SE3::Identity();  ///< where that sweep ended
   /// From the middle of that sweep to its end. If the wheels began to slip meanwhile, nothing that
   /// was seen later in that sweep need have shown it.
@@ -26,12 +26,12 @@ struct CountedWay {
 /// Whether a pose is so far from odometry that it is not certain.
 [[nodiscard]] bool is_far_from_odometry(const Registration& registration);
 
-/// The fraction of the walls across the way (inlier_ratio_across()) that lie on the map, if the way
-/// is doubtful: because so few do, or because the pose is far from odometry. In new places the map
-/// has none, so this is no proof that the wheels slipped.
+/// The fraction of the walls across the motion (inlier_ratio_across()) that lie on the map, if the
+/// motion is doubtful: because so few do, or because the pose is far from odometry. In new places
+/// the map has none, so this is no proof that the wheels slipped.
 [[nodiscard]] std::optional<double> doubtful_ratio(const VoxelMap& sweep_base, const VoxelMap& map,
                                                    const Registration& as_counted,
-                                                   const CountedWay& way,
+                                                   const CountedMotion& counted,
                                                    const RegistrationParams& params);
 
 /// A sweep during or before which the wheels slipped, deskewed and registered accordingly.
@@ -41,15 +41,15 @@ struct SlippedSweep {
   Registration registration;
 };
 
-/// Registers a sweep of a doubtful way as if the wheels had slipped: as if the robot had been
-/// stopped before the sweep, with a prior that allows any part of the way. Returns the
-/// result with which the walls across the way fit best, if they fit clearly better than in
+/// Registers a sweep of a doubtful motion as if the wheels had slipped: as if the robot had been
+/// stopped before the sweep, with a prior that allows any part of the motion. Returns the
+/// result with which the walls across the motion fit best, if they fit clearly better than in
 /// `as_counted` (better, if that is far from odometry), and no fewer of all points fit. Empty
 /// otherwise, as in a bare corridor, which looks the same all along. `cloud`: as odometry counted
 /// the motion. `sweep_base`: its voxels, deskewed by that registration.
 [[nodiscard]] std::optional<SlippedSweep> register_slipped(
     const SweepCloud& cloud, const VoxelMap& sweep_base, const VoxelMap& map,
-    const PosePrior& prior, const Registration& as_counted, const CountedWay& way,
+    const PosePrior& prior, const Registration& as_counted, const CountedMotion& counted,
     const RegistrationParams& params, const VoxelMapParams& voxels);
 
 }  // namespace nodmap::slam6d

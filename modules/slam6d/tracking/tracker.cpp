@@ -123,21 +123,22 @@ void Tracker::track(VoxelMap& sweep, const VoxelMap& map, SweepCloud& cloud, Pos
   }
 }
 
-// Wheels that push against an obstacle count a way that the robot does not go.
+// Wheels that push against an obstacle count a motion that the robot does not make.
 void Tracker::look_for_slip(VoxelMap& sweep, const VoxelMap& map, SweepCloud& cloud,
                             const PosePrior& prior, Registration& registration) const {
   const Eigen::Vector3d p_map_last = T_map_end_.translation();
-  CountedWay way{.T_map_last = T_map_end_,
-                 .last_motion = last_motion_,
-                 .to_first_m = prior.T_map_base * cloud.T_base_first.translation() - p_map_last,
-                 .to_last_m = prior.T_map_base * cloud.T_base_last.translation() - p_map_last};
-  const auto ratio = doubtful_ratio(sweep, map, registration, way, registration_);
+  CountedMotion counted{
+      .T_map_last = T_map_end_,
+      .last_motion = last_motion_,
+      .to_first_m = prior.T_map_base * cloud.T_base_first.translation() - p_map_last,
+      .to_last_m = prior.T_map_base * cloud.T_base_last.translation() - p_map_last};
+  const auto ratio = doubtful_ratio(sweep, map, registration, counted, registration_);
   if (!ratio) {
     return;
   }
-  way.inlier_ratio = *ratio;
-  if (auto slipped =
-          register_slipped(cloud, sweep, map, prior, registration, way, registration_, voxels_)) {
+  counted.inlier_ratio = *ratio;
+  if (auto slipped = register_slipped(cloud, sweep, map, prior, registration, counted,
+                                      registration_, voxels_)) {
     cloud = std::move(slipped->cloud);
     sweep = std::move(slipped->voxels);
     registration = slipped->registration;
