@@ -8,8 +8,8 @@
 #include "modules/navigator/behaviours/side.hpp"
 #include "modules/navigator/decision.hpp"
 #include "modules/navigator/params.hpp"
+#include "modules/navigator/planner/body_clearance.hpp"
 #include "modules/navigator/planner/cost_to_go.hpp"
-#include "modules/navigator/planner/distance_field.hpp"
 #include "modules/navigator/situation.hpp"
 #include "modules/navigator/twist.hpp"
 
@@ -45,20 +45,7 @@ class Rollouts {
   [[nodiscard]] const std::vector<Rollout>& plan(const Situation& now, const CostToGo& cost_to_go,
                                                  double max_forward_mps);
 
-  /// Distance from the body at a pose (in base, now) to the nearest obstacle, metres; negative
-  /// inside. Exact below 6 cm if the pose is within 0.5 m; otherwise it may be off by 3.5 cm.
-  [[nodiscard]] double clearance_m(const geometry::SE2& pose_base) const;
-
-  /// Sets the obstacles, in base. Only those within 2.5 m count.
-  void measure_clearance(const Points& points_base);
-
  private:
-  /// Discs that cover the body.
-  struct Disc {
-    Eigen::Vector2d center;
-    double radius_m = 0.0;
-  };
-
   /// The state of a rollout after some steps.
   struct Progress {
     int steps = 0;
@@ -82,7 +69,6 @@ class Rollouts {
            const Situation& now, const CostToGo& cost_to_go);
   [[nodiscard]] double rotation_cost(const geometry::SE2& T_map_end, Side side, double yaw_rad,
                                      const CostToGo& cost_to_go) const;
-  [[nodiscard]] double clearance_by_cells_m(const geometry::SE2& pose_base) const;
   [[nodiscard]] double least_clearance_m(const Twist& motion, double forward_mps) const;
   /// How much a pose obstructs people at a time, from 0 to 1 in the middle of somebody's path.
   [[nodiscard]] double obstruction(const geometry::SE2& pose_base, double time_s,
@@ -92,9 +78,7 @@ class Rollouts {
   PlannerParams params_;
   DriveParams drive_params_;
   PeopleParams people_params_;
-  std::vector<Disc> discs_;
-  DistanceField obstacles_;
-  Points near_points_base_;  // the obstacles that a slow motion can come near
+  BodyClearance clearance_;
   double least_clearance_m_ = 0.0;
   double least_creeping_clearance_m_ = 0.0;  // forwards, no faster than Brake creeps
   double least_slow_clearance_m_ = 0.0;      // on the spot and backwards

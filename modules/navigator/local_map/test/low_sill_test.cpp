@@ -59,10 +59,15 @@ struct Widths {
   double most_m;
 };
 
+// In eight parts, which run beside each other.
+class LowSill : public ::testing::TestWithParam<int> {};
+
+INSTANTIATE_TEST_SUITE_P(Parts, LowSill, ::testing::Range(0, 8));
+
 // At these speeds the lines of a sweep are farther apart than cells. If each cell needed two hits,
 // the robot would hit four of these sills. By heights above the ground alone it would hit 2 of 400
 // sills and 14 of 400 bricks: only compared with the floor on the same line are they high enough.
-TEST(LowSill, TheRobotStopsBeforeItAtAnySpeedAndMomentOfTheNod) {
+TEST_P(LowSill, TheRobotStopsBeforeItAtAnySpeedAndMomentOfTheNod) {
   std::mt19937 engine(1);
   const auto between = [&](double a, double b) {
     return std::uniform_real_distribution(a, b)(engine);
@@ -78,6 +83,9 @@ TEST(LowSill, TheRobotStopsBeforeItAtAnySpeedAndMomentOfTheNod) {
     const double half_depth_m = 0.5 * between(0.02, 0.25);
     const double height_m = between(0.03, 0.04);
     const Sill sill{{x_m, aside_m, yaw_rad}, {half_depth_m, half_width_m}, height_m};
+    if (run % 8 != GetParam()) {
+      continue;
+    }
     BrakingDrive drive(
         [&](const Eigen::Vector3d& origin, const Eigen::Vector3d& ray) {
           const double floor_m = ray.z() < 0.0 ? -origin.z() / ray.z() : 1e9;

@@ -4,76 +4,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
-#include <random>
 
-#include "modules/navigator/behaviours/corridor.hpp"
 #include "modules/navigator/local_map/local_map.hpp"
+#include "modules/navigator/people/foresight.hpp"
 #include "modules/navigator/planner/global_planner.hpp"
 
 namespace nodmap::navigator {
 namespace rollouts_test {
 
 const robot::Footprint kBody = robot::Body{}.footprint();
-
-// Oracle: the signed distance of a point from the body at a pose, by the definition of a
-// rectangle.
-double distance_m(const Eigen::Vector2d& p, const geometry::SE2& pose,
-                  const robot::Footprint& body = kBody) {
-  const Eigen::Vector2d q = pose.inverse() * p;
-  const double dx = std::abs(q.x()) - body.half_length_m;
-  const double dy = std::abs(q.y()) - body.half_width_m;
-  return std::max(dx, dy) < 0.0 ? std::max(dx, dy)
-                                : std::hypot(std::max(dx, 0.0), std::max(dy, 0.0));
-}
-
-// Clearance is exact near the body and near the robot. Elsewhere a cell of 2.5 cm stands for any
-// point in it, an error of up to 1.8 cm; and the discs that cover the body leave out up to 1.1 cm
-// between them, which counts as clearance.
-TEST(Rollouts, ClearanceIsThatOfTheRectangle) {
-  std::mt19937 random(5);
-  std::uniform_real_distribution<double> place_m(-1.0, 1.0);
-  std::uniform_real_distribution<double> yaw_rad(-3.1, 3.1);
-  Rollouts rollouts{NavigatorParams{}};
-  int near = 0;
-  for (int i = 0; i < 3000; ++i) {
-    const Eigen::Vector2d p(place_m(random), place_m(random));
-    const geometry::SE2 pose{0.3 * place_m(random), 0.3 * place_m(random), yaw_rad(random)};
-    const double truth_m = distance_m(p, pose);
-    if (is_error_of_map(p, kBody) || truth_m > 0.4) {
-      continue;
-    }
-    rollouts.measure_clearance({p});
-    EXPECT_NEAR(rollouts.clearance_m(pose), truth_m, truth_m < 0.06 ? 1e-9 : 0.035);
-    near += truth_m < 0.06;
-  }
-  EXPECT_GT(near, 100);
-}
-
-// The same for bodies that are much longer than wide, or wider than long.
-TEST(Rollouts, ClearanceIsThatOfALongRectangle) {
-  std::mt19937 random(6);
-  std::uniform_real_distribution<double> share(-1.0, 1.0);
-  for (const Eigen::Vector2d& size_m :
-       {Eigen::Vector2d(1.0, 0.4), {1.5, 0.4}, Eigen::Vector2d(0.4, 1.0)}) {
-    NavigatorParams params;
-    params.robot.body.length_m = size_m.x();
-    params.robot.body.width_m = size_m.y();
-    const robot::Footprint body = params.robot.body.footprint();
-    Rollouts rollouts{params};
-    for (int i = 0; i < 1000; ++i) {
-      const Eigen::Vector2d p(share(random) * (body.half_length_m + 0.2),
-                              share(random) * (body.half_width_m + 0.2));
-      if (is_error_of_map(p, body)) {
-        continue;
-      }
-      rollouts.measure_clearance({p});
-      const double truth_m = distance_m(p, {}, body);
-      EXPECT_NEAR(rollouts.clearance_m({}), truth_m, truth_m < 0.06 ? 1e-9 : 0.035)
-          << size_m.transpose() << ": " << p.transpose();
-    }
-  }
-}
 
 // A plan to a goal 6 m ahead, over unknown ground.
 GlobalPlanner planner_to_ahead() {
@@ -174,14 +113,14 @@ double least_distance_m(const Rollout& rollout, bool goes_on, const Person& pers
   geometry::SE2 pose;
   double forward_mps = 0.0;
   double yaw_rate_rad_s = 0.0;
-  double least_m = distance_m(person.position, pose);
+  double least_m = distance_to_body(pose.inverse() * person.position, kBody);
   for (double t = 0.0; t < 3.0; t += 0.01) {
     const bool stops = t >= 1.6 && !goes_on;
     const double to_rad_s = t < 0.8 ? rollout.yaw_rate_rad_s : rollout.next_yaw_rate_rad_s;
     forward_mps += std::clamp((stops ? 0.0 : rollout.forward_mps) - forward_mps, -0.015, 0.015);
     yaw_rate_rad_s += std::clamp((stops ? 0.0 : to_rad_s) - yaw_rate_rad_s, -0.06, 0.06);
     pose = pose * geometry::SE2{0.01 * forward_mps, 0.0, 0.01 * yaw_rate_rad_s};
-    least_m = std::min(least_m, distance_m(person.position_after(t), pose));
+    least_m = std::min(least_m, distance_to_body(pose.inverse() * person.position_after(t), kBody));
   }
   return least_m;
 }
