@@ -43,8 +43,8 @@ class CostSearch {
   CostSearch();
 
   /// Begins a new search. `price`: the cost per metre in each cell of the window, negative if the
-  /// cell is blocked; give the same to advance(). All cells within the goal's tolerance are the
-  /// goal. A goal outside the window is reached over its border; ground outside costs
+  /// cell is blocked; give the same to advance(). All cells within 0.7 of the goal's tolerance are
+  /// the goal. A goal outside the window is reached over its border; ground outside costs
   /// `outside_price` per metre.
   void begin(const PlanWindow& window, std::span<const float> price,
              const Eigen::Vector2d& goal_map, double tolerance_m, double outside_price);

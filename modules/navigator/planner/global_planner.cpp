@@ -157,7 +157,8 @@ PlanBasis GlobalPlanner::basis(const Situation& now) const {
           .waits_for_beyond = far_plan_.is_coming(goal_)};
 }
 
-// That there is no path in the window is not known to be true before all ground has been planned.
+// While the plan of all ground is coming, a plan without a path is dropped: a path may lead out of
+// the window.
 void GlobalPlanner::advance(const Situation& now) {
   const Eigen::Vector2d p_map = now.T_map_base().translation();
   const bool is_first = cost_to_go() == nullptr;

@@ -29,7 +29,7 @@ namespace nodmap::navigator {
 ///
 /// The plan covers a window around the robot. If more than that is known, or the goal is farther
 /// away, a plan of all ground (FarPlan) says what it costs to go on from the window's border. So a
-/// dead end that is longer than the window is remembered, and left for good.
+/// dead end that is longer than the window is remembered, and the robot does not return into it.
 ///
 /// The 2D map may show a door closed that is open by now. If it leaves no path, the plan is made
 /// without it: there is a path to every goal to which there would be one without a 2D map.

@@ -235,12 +235,12 @@ std::optional<Decision> GoalDrive::squeeze(const CostToGo& cost_to_go, const Sit
   return decision;
 }
 
-// Without a path the robot looks around once, as far as it can turn, and plans again from the
-// local map alone: remembered ground is only as accurate as the pose of 2D SLAM was, and what was
-// seen from afar may be wrong. For one goal it does that only once, and then after each half
-// minute without a path. The ground that is forgotten may contain the wall that really closes the
-// path: forgetting it again and again, the robot would drive for ever. After half a minute a narrow
-// place that was given up may be free.
+// Without a path the robot looks around once, as far as it can turn. Then it forgets the remembered
+// ground and plans again from the local map alone: remembered ground is only as accurate as the
+// pose of 2D SLAM was, and what was seen from afar may be wrong. After each half minute without a
+// path it does both again, and a narrow place that was given up may be free. In between it forgets
+// nothing, even if there is a path for a moment: the ground may contain the wall that really closes
+// the path, and forgetting it again and again, the robot would drive for ever.
 Decision GoalDrive::without_path(const Situation& now) {
   if (look_around_.step(now.stamp, now.T_odom_base.yaw)) {
     global_planner_.forget_failures();

@@ -22,6 +22,11 @@ namespace nodmap::navigator {
 /// Drives to a goal by plan: the global planner computes the cost of each place, and the local
 /// planner drives the rollout that is the best by this cost. At a goal with a heading the robot
 /// docks (docking.hpp); the local planner makes those motions safe as well.
+///
+/// A decision is that of drive_by_plan() or, at a goal with a heading, of dock(), which leaves the
+/// path to the staging place to drive_by_plan(). That plans, and goes on with drive_by() or
+/// without_path(). drive_by() backs out or calls drive_or_stay(): the best rollout, otherwise
+/// squeeze(), otherwise stay().
 class GoalDrive {
  public:
   explicit GoalDrive(const NavigatorParams& params);

@@ -9,8 +9,8 @@
 
 namespace nodmap::navigator {
 
-/// Whether the robot comes nearer to its goal by the planned path. If it does not, the plan must be
-/// wrong about what is ahead, and that path is given up.
+/// Whether the robot comes nearer to its goal by the planned path. If it does not for as long as
+/// its Patience lasts, the plan must be wrong about what is ahead, and that path is given up.
 ///
 /// When new obstacles have made the path longer the count begins anew. But a plan may alternate
 /// between two paths: it shows a gap as wide enough from here and as too narrow from there. Where

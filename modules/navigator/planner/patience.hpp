@@ -12,7 +12,7 @@ namespace nodmap::navigator {
 inline constexpr time::Duration kLongestPeriod = 200ms;
 
 /// Measures for how long a behaviour has decided without progress. The behaviour says what progress
-/// is.
+/// is; for driving along a path PathProgress says it.
 class Patience {
  public:
   /// `lasts`: the time without progress after which patience is over.

@@ -23,11 +23,12 @@ struct Rollout {
   double cost_m = 0.0;               ///< less is better
 };
 
-/// Rates up to 880 motions of the next 1.6 s. Each is an arc followed by another one, within the
+/// Rates up to 881 motions of the next 1.6 s. Each is an arc followed by another one, within the
 /// accelerations of the base: forwards, backwards, on the spot and, if there are people,
-/// stationary. Those that touch something are left out. The others cost the sum of five terms: the
-/// plan's cost of their end, nearness to obstacles, the time for which they obstruct people, the
-/// change of motion, and a price for driving backwards.
+/// stationary. Those that touch something are left out; for that it measures the body's clearance
+/// at any pose. The others cost the sum of five terms: the plan's cost of their end, nearness to
+/// obstacles, the time for which they obstruct people, the change of motion, and a price for
+/// driving backwards.
 ///
 /// For 3 s the body is compared at each step with the predicted places of people. Once somebody
 /// touches it, all the rest of the rollout obstructs: the later that is, the less it costs. After
