@@ -55,7 +55,7 @@ void Explorer::end() {
   home_map_.reset();
   target_.reset();
   waypoints_.clear();
-  passing_map_.clear();
+  viewpoints_on_line_map_.clear();
 }
 
 Decision Explorer::decide(const Situation& now) {
@@ -105,7 +105,7 @@ Decision Explorer::drive(const Situation& now) {
   watch_visits(now);
   watch_target(now);
   std::vector<Viewpoint> tour = find_tour(now);
-  if (tour.empty() && failed_places_.forgive()) {
+  if (tour.empty() && failed_places_.permit_retries()) {
     tour = find_tour(now);
   }
   Decision decision = tour.empty() ? drive_home(now) : drive_tour(now, std::move(tour));
@@ -118,7 +118,7 @@ Decision Explorer::drive(const Situation& now) {
 // What the robot has seen from there is not yet in the map.
 void Explorer::watch_visits(const Situation& now) {
   const Eigen::Vector2d p_map = now.T_map_base.translation();
-  std::erase_if(passing_map_, [&](const Eigen::Vector2d& viewpoint_map) {
+  std::erase_if(viewpoints_on_line_map_, [&](const Eigen::Vector2d& viewpoint_map) {
     const bool is_visited = (p_map - viewpoint_map).norm() < params_.goal_tolerance_m + kArrivalM;
     if (is_visited) {
       visited_places_.add(viewpoint_map, now.stamp);
@@ -130,29 +130,42 @@ void Explorer::watch_visits(const Situation& now) {
 void Explorer::watch_target(const Situation& now) {
   const bool has_paused =
       std::chrono::abs(now.stamp - std::exchange(decided_, now.stamp)) > kPause || !now.may_drive;
+  watch_no_path(now, has_paused);
+  if (state_ != State::kExploring || !target_) {
+    return;
+  }
+  watch_progress(now, has_paused);
+  const bool has_no_path = has_no_path_for(params_.patience.no_path_s, now);
+  const bool is_stuck = std::chrono::abs(now.stamp - target_->progressed) >
+                        time::from_seconds(params_.patience.stuck_s);
+  if (has_no_path || is_stuck) {
+    give_up_target(now, has_no_path);
+  }
+}
+
+void Explorer::watch_no_path(const Situation& now, bool has_paused) {
   if (has_paused || !now.has_no_path) {
     no_path_since_.reset();
   }
   if (now.has_no_path) {
     no_path_since_ = no_path_since_.value_or(now.stamp);
   }
-  if (state_ != State::kExploring || !target_) {
-    return;
-  }
+}
+
+void Explorer::watch_progress(const Situation& now, bool has_paused) {
   const double length_m = paths_.length_m(grid_.cell_of(target_->p_map));
   if (has_paused || length_m < target_->least_length_m - kProgressM) {
     target_->least_length_m = std::min(target_->least_length_m, length_m);
     target_->progressed = now.stamp;
   }
-  const bool has_no_path = has_no_path_for(params_.patience.no_path_s, now);
-  if (has_no_path || std::chrono::abs(now.stamp - target_->progressed) >
-                         time::from_seconds(params_.patience.stuck_s)) {
-    // The goal is the last of the viewpoints on the way, and the navigator has planned to it only.
-    const bool is_behind_target = has_no_path && !passing_map_.empty();
-    failed_places_.add(is_behind_target ? passing_map_.back() : target_->p_map, now.stamp);
-    target_.reset();
-    waypoints_.clear();
-  }
+}
+
+// The goal is the last of the viewpoints on the line, and the navigator has planned to it only.
+void Explorer::give_up_target(const Situation& now, bool has_no_path) {
+  const bool has_last_failed = has_no_path && !viewpoints_on_line_map_.empty();
+  failed_places_.add(has_last_failed ? viewpoints_on_line_map_.back() : target_->p_map, now.stamp);
+  target_.reset();
+  waypoints_.clear();
 }
 
 std::vector<Viewpoint> Explorer::find_tour(const Situation& now) {
@@ -186,14 +199,14 @@ Decision Explorer::drive_tour(const Situation& now, std::vector<Viewpoint> tour)
   set_target(tour.front(), now);
   decision.reason = "Driving to the next viewpoint.";
   const Eigen::Vector2d p_map = now.T_map_base.translation();
-  const std::size_t num_passing = num_on_line(grid_, tour, p_map, params_.goal_tolerance_m);
-  passing_map_.clear();
-  for (std::size_t i = 0; i < num_passing; ++i) {
-    passing_map_.push_back(tour[i].p_map);
+  const std::size_t num_on_the_line = num_on_line(grid_, tour, p_map, params_.goal_tolerance_m);
+  viewpoints_on_line_map_.clear();
+  for (std::size_t i = 0; i < num_on_the_line; ++i) {
+    viewpoints_on_line_map_.push_back(tour[i].p_map);
   }
-  decision.path_map = num_passing == 1
-                          ? reach().path_to(tour.front().cell)
-                          : straight_path(p_map, passing_map_.back(), grid_.cell_size_m());
+  decision.path_map = num_on_the_line == 1 ? reach().path_to(tour.front().cell)
+                                           : straight_path(p_map, viewpoints_on_line_map_.back(),
+                                                           grid_.cell_size_m());
   decision.goal = waypoints_.next(grid_, decision.path_map, p_map, params_.goal_tolerance_m);
   for (const Viewpoint& viewpoint : tour) {
     decision.waiting_m2 += viewpoint.gain_m2;
@@ -234,9 +247,9 @@ bool Explorer::is_home(const Situation& now) const {
 void Explorer::begin_return() {
   state_ = State::kReturning;
   no_path_since_.reset();
-  is_home_cut_off_ = false;
+  heads_for_home_itself_ = false;
   target_.reset();
-  passing_map_.clear();
+  viewpoints_on_line_map_.clear();
 }
 
 // The path to the place nearest to home that the map shows, and on to home. From that place on it
@@ -247,9 +260,9 @@ std::vector<Eigen::Vector2d> Explorer::path_home(const Situation& now) {
     return (grid_.center_of(cell) - *home_map_).squaredNorm();
   });
   const double distance_m = (grid_.center_of(*near_home) - now.T_map_base.translation()).norm();
-  is_home_cut_off_ |= distance_m < params_.goal_tolerance_m + kArrivalM;
+  heads_for_home_itself_ |= distance_m < params_.goal_tolerance_m + kArrivalM;
   std::vector<Eigen::Vector2d> path_map;
-  if (!is_home_cut_off_) {
+  if (!heads_for_home_itself_) {
     path_map = reach().path_to(*near_home);
   }
   path_map.push_back(*home_map_);

@@ -86,6 +86,9 @@ class Explorer {
   void watch_visits(const Situation& now);
   /// Gives up a target to which the robot does not come nearer.
   void watch_target(const Situation& now);
+  void watch_no_path(const Situation& now, bool has_paused);
+  void watch_progress(const Situation& now, bool has_paused);
+  void give_up_target(const Situation& now, bool has_no_path);
   /// The viewpoints that are worth a visit now; none: everything has been seen.
   [[nodiscard]] std::vector<Viewpoint> find_tour(const Situation& now);
   /// Patience begins anew only if this is another place than the present target.
@@ -110,9 +113,9 @@ class Explorer {
   std::optional<Eigen::Vector2d> home_map_;
   std::optional<Target> target_;
   time::Timestamp decided_{};
-  std::optional<time::Timestamp> no_path_since_;  ///< to the viewpoint, or home
-  std::vector<Eigen::Vector2d> passing_map_;      ///< viewpoints on the way to the goal
-  bool is_home_cut_off_ = false;                  ///< in the map; then home itself is the goal
+  std::optional<time::Timestamp> no_path_since_;         ///< to the viewpoint, or home
+  std::vector<Eigen::Vector2d> viewpoints_on_line_map_;  ///< to the goal, which is the last
+  bool heads_for_home_itself_ = false;                   ///< not for a place near it any more
 };
 
 }  // namespace nodmap::explorer

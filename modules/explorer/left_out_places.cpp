@@ -23,7 +23,7 @@ bool LeftOutPlaces::excludes(const Eigen::Vector2d& p_map, time::Timestamp now) 
   });
 }
 
-bool LeftOutPlaces::forgive() {
+bool LeftOutPlaces::permit_retries() {
   bool any = false;
   for (Place& place : places_) {
     any = any || (place.num_tries < max_tries_ && place.pause != time::Duration{});

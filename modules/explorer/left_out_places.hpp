@@ -23,7 +23,7 @@ class LeftOutPlaces {
   /// Whether a place near this one is left out at present, or given up.
   [[nodiscard]] bool excludes(const Eigen::Vector2d& p_map, time::Timestamp now) const;
   /// Permits all places that are not given up at once; returns false if there are none.
-  bool forgive();
+  bool permit_retries();
   [[nodiscard]] std::size_t size() const { return places_.size(); }
   [[nodiscard]] std::size_t num_given_up() const;
   void clear() { places_.clear(); }

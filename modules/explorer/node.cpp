@@ -107,8 +107,10 @@ void ExplorerNode::begin_new_map() {
     end("The 2D map was restarted.");
   }
   const GoalSender::Status status = goal_sender_.status();
-  if (has_decided || status == GoalSender::Status::kSent || status == GoalSender::Status::kTaken) {
-    place_ = Place::kToBeKept;
+  const bool follows_our_goal =
+      status == GoalSender::Status::kSent || status == GoalSender::Status::kTaken;
+  if (has_decided || follows_our_goal) {
+    stay_ = StayAfterEnd::kPending;
   }
 }
 
@@ -154,7 +156,7 @@ void ExplorerNode::on_odometry(const nodmap::odometry_t& message) {
   if (is_lost_ || !T_map_odom_ || time::is_due(now, posed_, kPoseTimeout)) {
     return;
   }
-  if (place_ == Place::kToBeKept) {
+  if (stay_ == StayAfterEnd::kPending) {
     keep_place(now);
   }
   if (time::is_due(now, decided_, has_just_arrived_ ? kArrivalPeriod : kDecisionPeriod)) {
@@ -166,7 +168,7 @@ void ExplorerNode::on_odometry(const nodmap::odometry_t& message) {
 
 void ExplorerNode::on_navigation(const nodmap::navigation_t& message) {
   context_.counts.use();
-  navigated_ = node::stamp_of(message);
+  navigated_at_ = node::stamp_of(message);
   navigator_halt_.reset();
   if (message.behaviour == nodmap::navigation_t::HALT) {
     navigator_halt_ = node::read_name(message.reason);
@@ -182,9 +184,9 @@ void ExplorerNode::on_navigation(const nodmap::navigation_t& message) {
 void ExplorerNode::on_path(const nodmap::path_t& message) {
   context_.counts.use();
   if (goal_sender_.is_about(message.goal_utime)) {
-    no_path_.reset();
+    no_path_at_.reset();
     if (message.state == nodmap::path_t::NO_PATH) {
-      no_path_ = node::stamp_of(message);
+      no_path_at_ = node::stamp_of(message);
     }
   }
 }
@@ -203,7 +205,7 @@ void ExplorerNode::on_explore(const nodmap::explore_t& message) {
     publish(starts, *decided_);
   } else if (message.is_active == 0 && explorer_.state() != State::kIdle) {
     end("Ended by " + node::read_name(message.requested_by) + ".");
-    place_ = Place::kToBeKept;
+    stay_ = StayAfterEnd::kPending;
     if (T_map_base()) {
       keep_place(node::stamp_of(message));
     }
@@ -216,7 +218,7 @@ void ExplorerNode::on_goal(const nodmap::goal_t& message) {
   if (!goal_sender_.take(message)) {
     return;
   }
-  place_ = Place::kFree;
+  stay_ = StayAfterEnd::kNone;
   if (explorer_.state() != State::kIdle) {
     end("Another sender has set a goal.");
   }
@@ -226,15 +228,15 @@ void ExplorerNode::on_goal(const nodmap::goal_t& message) {
 void ExplorerNode::on_stop(const nodmap::stop_t& message) {
   context_.counts.use();
   const bool is_released = stop_latch_.take(message) == node::StopLatch::Change::kReleased;
-  if (is_released && place_ == Place::kKept) {
-    place_ = Place::kToBeKept;  // meanwhile somebody may have moved the robot: no driving back
+  if (is_released && stay_ == StayAfterEnd::kSent) {
+    stay_ = StayAfterEnd::kPending;  // meanwhile somebody may have moved the robot: no driving back
   }
 }
 
 void ExplorerNode::start() {
   explorer_.start();
   goal_.reset();
-  place_ = Place::kFree;
+  stay_ = StayAfterEnd::kNone;
   num_decisions_ = 0;
 }
 
@@ -254,14 +256,14 @@ std::optional<geometry::SE2> ExplorerNode::T_map_base() const {
 
 void ExplorerNode::keep_place(time::Timestamp now) {
   send_goal({T_map_base()->translation(), params_.goal_tolerance_m}, now);
-  place_ = Place::kKept;
+  stay_ = StayAfterEnd::kSent;
 }
 
 // While it explores, the robot drives to its goals only. Afterwards a goal that the navigator has
 // taken is not repeated, because that would overrule somebody whose GOAL was missed.
 void ExplorerNode::repeat_goal(time::Timestamp now) {
   const bool is_wanted = explores() || goal_sender_.status() == GoalSender::Status::kSent;
-  if (is_wanted && place_ != Place::kToBeKept && !stop_latch_.is_stopped()) {
+  if (is_wanted && stay_ != StayAfterEnd::kPending && !stop_latch_.is_stopped()) {
     goal_sender_.repeat_if_due(now);
   }
 }
@@ -283,7 +285,7 @@ void ExplorerNode::decide(time::Timestamp now) {
       explorer_.decide({.stamp = now,
                         .T_map_base = *T_map_base(),
                         .may_drive = halt_reason_.empty(),
-                        .has_no_path = no_path_ && !time::is_due(now, no_path_, kPathTimeout),
+                        .has_no_path = no_path_at_ && !time::is_due(now, no_path_at_, kPathTimeout),
                         .has_arrived = has_arrived_});
   if (decision.state == State::kIdle && !was_idle) {
     end(decision.reason);
@@ -303,7 +305,7 @@ void ExplorerNode::decide(time::Timestamp now) {
 }
 
 std::string ExplorerNode::halt_reason(time::Timestamp now) const {
-  if (!navigated_ || time::is_due(now, *navigated_, kNavigatorTimeout)) {
+  if (!navigated_at_ || time::is_due(now, *navigated_at_, kNavigatorTimeout)) {
     return "No nodmap-navigator reports, so the robot does not drive.";
   }
   return navigator_halt_ ? "The robot may not drive: " + *navigator_halt_ : "";
@@ -315,7 +317,7 @@ void ExplorerNode::send_goal(const Goal& goal, time::Timestamp now) {
     return;
   }
   goal_ = goal;
-  no_path_.reset();
+  no_path_at_.reset();
   has_arrived_ = false;
   nodmap::goal_t message{};
   message.position_m[0] = goal.p_map.x();

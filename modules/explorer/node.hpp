@@ -40,11 +40,11 @@ class ExplorerNode final : public node::Node {
   [[nodiscard]] node::Health health() const override;
 
  private:
-  /// What becomes of the place where the robot was when the exploration ended.
-  enum class Place : std::uint8_t {
-    kFree,      // nothing: it is exploring, or somebody else has set a goal
-    kToBeKept,  // the robot's next position becomes its goal
-    kKept,      // it is the robot's goal
+  /// After the exploration the robot's own position becomes its goal: without a goal it would roam.
+  enum class StayAfterEnd : std::uint8_t {
+    kNone,     // it is exploring, or somebody else has set a goal
+    kPending,  // its next position becomes the goal
+    kSent,     // the goal is where it was then
   };
 
   void on_map(const nodmap::grid_chunk_t& message);
@@ -61,7 +61,7 @@ class ExplorerNode final : public node::Node {
   [[nodiscard]] bool explores() const;
   void start();
   void end(const std::string& reason);
-  /// Sends the robot's present position as the goal, because without a goal the robot would roam.
+  /// Sends the robot's present position as the goal.
   void keep_place(time::Timestamp now);
   void repeat_goal(time::Timestamp now);
   void decide(time::Timestamp now);
@@ -87,15 +87,15 @@ class ExplorerNode final : public node::Node {
   std::optional<geometry::SE2> T_odom_base_;
   bool is_lost_ = false;
   node::StopLatch stop_latch_;
-  std::optional<time::Timestamp> no_path_;       // when the navigator last said so
-  std::optional<time::Timestamp> navigated_;     // stamp of the last NAVIGATION
+  std::optional<time::Timestamp> no_path_at_;    // when the navigator last said so
+  std::optional<time::Timestamp> navigated_at_;  // stamp of the last NAVIGATION
   std::optional<std::string> navigator_halt_;    // why by that message the robot may not drive
   std::optional<time::Timestamp> halted_since_;  // when it began to keep the exploration waiting
   std::string halt_reason_;
   bool has_arrived_ = false;
   bool has_just_arrived_ = false;  // since the last decision
   std::string idle_reason_ = "Waiting to be started.";
-  Place place_ = Place::kFree;
+  StayAfterEnd stay_ = StayAfterEnd::kNone;
 
   std::optional<time::Timestamp> decided_;
   node::GoalSender goal_sender_;

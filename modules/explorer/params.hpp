@@ -53,13 +53,12 @@ struct TourParams {
     v.number("home_weight_m2", home_weight_m2, {0.0, 1000.0},
              "Weight of the tour's total length, including the path home, compared with the "
              "unknown area that waits while the robot drives.");
-    v.number(
-        "min_gain_m2_per_m", min_gain_m2_per_m, {0.0, 10.0},
-        "A part of the tour is left out when its viewpoints show less than this for each metre "
-        "that it costs.");
+    v.number("min_gain_m2_per_m", min_gain_m2_per_m, {0.0, 10.0},
+             "A run of successive viewpoints is left out of the tour when it shows less than this "
+             "for each metre that it costs.");
     v.number("always_gain_m2", always_gain_m2, {0.0, 1000.0},
-             "A part of the tour that shows at least this much is not left out: such an area is a "
-             "room that was never seen, not a corner.");
+             "A run of successive viewpoints that shows at least this much is not left out: such "
+             "an area is a room that was never seen, not a corner.");
     v.number(
         "hysteresis_ratio", hysteresis_ratio, {0.0, 1.0},
         "The present viewpoint is kept while its tour costs at most this fraction more than the "

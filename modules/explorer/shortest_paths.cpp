@@ -11,7 +11,7 @@ namespace {
 
 // A path starts this near to the robot, along x and y.
 constexpr double kAroundM = 0.4;
-constexpr std::uint8_t kBegins = 8;
+constexpr std::uint8_t kNoParent = 8;
 constexpr std::uint32_t kStraight = 5;
 constexpr std::uint32_t kDiagonal = 7;
 // Number of cells at the end of a path that determine its heading.
@@ -26,8 +26,8 @@ void ShortestPaths::compute(const PlanningGrid& grid, const Eigen::Vector2d& fro
                             std::span<const Cell> targets) {
   const Raster<Ground>& ground = grid.ground();
   cell_size_m_ = grid.cell_size_m();
-  fifths_.reset(ground.first(), ground.width(), ground.height(), kUnreached);
-  from_.reset(ground.first(), ground.width(), ground.height(), kBegins);
+  length_fifths_.reset(ground.first(), ground.width(), ground.height(), kUnreached);
+  parent_.reset(ground.first(), ground.width(), ground.height(), kNoParent);
   cells_.clear();
   for (auto& bucket : buckets_) {
     bucket.clear();
@@ -41,13 +41,13 @@ void ShortestPaths::compute(const PlanningGrid& grid, const Eigen::Vector2d& fro
     buckets_[fifths % kNumBuckets].clear();
     num_queued_ -= open.size();
     for (const Cell& cell : open) {
-      if (fifths_.at(cell) == fifths) {  // otherwise a shorter path has reached it meanwhile
+      if (length_fifths_.at(cell) == fifths) {  // otherwise a shorter path has reached it meanwhile
         cells_.push_back(cell);
         push_neighbours(grid, cell, fifths);
       }
     }
     num_missing -= static_cast<std::size_t>(std::ranges::count_if(targets, [&](const Cell& target) {
-      return fifths_.contains(target) && fifths_.at(target) == fifths;
+      return length_fifths_.contains(target) && length_fifths_.at(target) == fifths;
     }));
     open.clear();
     if (!targets.empty() && num_missing == 0) {
@@ -70,22 +70,22 @@ void ShortestPaths::seed(const PlanningGrid& grid, const Eigen::Vector2d& from_m
     }
   }
   if (nearest) {
-    push(middle + *nearest, 0, kBegins);
+    push(middle + *nearest, 0, kNoParent);
   }
 }
 
-void ShortestPaths::push(const Cell& cell, std::uint32_t fifths, std::uint8_t from) {
-  std::uint32_t& known = fifths_.at(cell);
+void ShortestPaths::push(const Cell& cell, std::uint32_t fifths, std::uint8_t parent) {
+  std::uint32_t& known = length_fifths_.at(cell);
   if (fifths < known) {
     known = fifths;
-    from_.at(cell) = from;
+    parent_.at(cell) = parent;
     buckets_[fifths % kNumBuckets].push_back(cell);
     ++num_queued_;
   }
 }
 
 double ShortestPaths::length_m(const Cell& cell) const {
-  return is_reached(cell) ? cell_size_m_ / kStraight * fifths_.at(cell)
+  return is_reached(cell) ? cell_size_m_ / kStraight * length_fifths_.at(cell)
                           : std::numeric_limits<double>::infinity();
 }
 
@@ -101,8 +101,8 @@ void ShortestPaths::push_neighbours(const PlanningGrid& grid, const Cell& cell,
 
 std::vector<Cell> ShortestPaths::path_to(const Cell& cell) const {
   std::vector<Cell> path{cell};
-  while (from_.at(path.back()) != kBegins) {
-    const Cell before = path.back() - kNeighbours.at(from_.at(path.back()));
+  while (parent_.at(path.back()) != kNoParent) {
+    const Cell before = path.back() - kNeighbours.at(parent_.at(path.back()));
     path.push_back(before);
   }
   std::ranges::reverse(path);
@@ -111,8 +111,8 @@ std::vector<Cell> ShortestPaths::path_to(const Cell& cell) const {
 
 double ShortestPaths::heading_rad(const Cell& cell, double otherwise_rad) const {
   Cell before = cell;
-  for (int i = 0; i < kHeadingCells && from_.at(before) != kBegins; ++i) {
-    before -= kNeighbours.at(from_.at(before));
+  for (int i = 0; i < kHeadingCells && parent_.at(before) != kNoParent; ++i) {
+    before -= kNeighbours.at(parent_.at(before));
   }
   const Cell along = cell - before;
   return along.isZero() ? otherwise_rad : std::atan2(along.y(), along.x());

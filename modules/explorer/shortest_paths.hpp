@@ -25,7 +25,7 @@ class ShortestPaths {
   /// The passable cells that can be reached, the nearest first.
   [[nodiscard]] const std::vector<Cell>& cells() const { return cells_; }
   [[nodiscard]] bool is_reached(const Cell& cell) const {
-    return fifths_.contains(cell) && fifths_.at(cell) != kUnreached;
+    return length_fifths_.contains(cell) && length_fifths_.at(cell) != kUnreached;
   }
   /// Length of the path to a cell, metres; +infinity if there is none.
   [[nodiscard]] double length_m(const Cell& cell) const;
@@ -40,13 +40,13 @@ class ShortestPaths {
   /// One for each length that can be queued at a time: a step is at most 7 fifths of a cell long.
   static constexpr int kNumBuckets = 8;
 
-  void push(const Cell& cell, std::uint32_t fifths, std::uint8_t from);
+  void push(const Cell& cell, std::uint32_t fifths, std::uint8_t parent);
   void push_neighbours(const PlanningGrid& grid, const Cell& cell, std::uint32_t fifths);
   void seed(const PlanningGrid& grid, const Eigen::Vector2d& from_map);
 
   double cell_size_m_ = 0.1;
-  Raster<std::uint32_t> fifths_;  // lengths in fifths of a cell: 5 along an axis, 7 diagonally
-  Raster<std::uint8_t> from_;     // the neighbour from which the path comes; 8: it starts here
+  Raster<std::uint32_t> length_fifths_;  // of a cell: 5 along an axis, 7 diagonally
+  Raster<std::uint8_t> parent_;          // direction of the step to a cell; 8: the path starts here
   std::array<std::vector<Cell>, kNumBuckets> buckets_;
   std::size_t num_queued_ = 0;
   std::vector<Cell> cells_;

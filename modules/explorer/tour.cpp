@@ -114,8 +114,8 @@ double leg_m(const TourProblem& problem, std::optional<std::size_t> from,
               : problem.from_start_to_end_m;
 }
 
-// The part of a tour, from first to end, that weighs least relative to the length it costs; empty
-// if every part weighs enough.
+// The part of a tour, the stops from first to before end, that weighs least relative to the length
+// it costs; empty if every part weighs enough.
 std::pair<std::size_t, std::size_t> worst_detour(const TourProblem& problem,
                                                  double min_weight_per_m, double always_weight,
                                                  const std::vector<std::size_t>& order) {

@@ -34,9 +34,9 @@ inline constexpr std::size_t kMaxStops = 12;
 [[nodiscard]] Tour shortest_tour(const TourProblem& problem,
                                  std::optional<std::size_t> first = std::nullopt);
 
-/// Removes parts of a tour, the worst first, whose stops together weigh less than
-/// `min_weight_per_m` for each metre that leaving them out saves. Parts that weigh `always_weight`
-/// or more stay.
+/// Removes parts of a tour, each a run of successive stops, the worst first: those whose stops
+/// together weigh less than `min_weight_per_m` for each metre that leaving them out saves. Parts
+/// that weigh `always_weight` or more stay.
 void leave_out_detours(const TourProblem& problem, double min_weight_per_m, double always_weight,
                        std::vector<std::size_t>& order);
 

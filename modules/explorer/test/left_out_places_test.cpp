@@ -36,13 +36,13 @@ TEST(LeftOutPlaces, AClockThatIsSetBackDoesNotProlongThePause) {
 
 TEST(LeftOutPlaces, PlacesThatAreNotGivenUpAreForgivenOnce) {
   LeftOutPlaces places(30.0, 2, 0.7);
-  EXPECT_FALSE(places.forgive()) << "there is nothing";
+  EXPECT_FALSE(places.permit_retries()) << "there is nothing";
   places.add(kPlace, at_s(100));
-  EXPECT_TRUE(places.forgive());
+  EXPECT_TRUE(places.permit_retries());
   EXPECT_FALSE(places.excludes(kPlace, at_s(101)));
-  EXPECT_FALSE(places.forgive()) << "it is forgiven already";
+  EXPECT_FALSE(places.permit_retries()) << "it is permitted already";
   places.add(kPlace, at_s(102));
-  EXPECT_FALSE(places.forgive());
+  EXPECT_FALSE(places.permit_retries());
   EXPECT_TRUE(places.excludes(kPlace, at_s(103)));
 }
 
