@@ -9,7 +9,7 @@
 
 namespace nodmap::slam2d {
 
-/// How far a pose can be trusted, by how it was found.
+/// How far a pose can be trusted, by how it was found. POSE_2D calls kOdometry DEGRADED as well.
 enum class PoseState : std::uint8_t {
   kTracking = 0,  ///< by matching, in all directions
   kDegraded = 1,  ///< by matching; degenerate directions, or the place, by odometry

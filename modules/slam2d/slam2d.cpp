@@ -22,7 +22,7 @@ Slam2d::Slam2d(const Slam2dParams& params, std::unique_ptr<Executor> executor)
       doubt_(params.doubt),
       slip_detector_(params, back_end_),
       place_search_(params, back_end_, moving_points_, doubt_),
-      hidden_view_(params, place_search_, back_end_, moving_points_, pose_guesses_, doubt_),
+      pose_finder_(params, place_search_, back_end_, moving_points_, pose_guesses_, doubt_),
       path_(params.path),
       executor_(std::move(executor)) {}
 
@@ -55,28 +55,32 @@ std::optional<PoseUpdate> Slam2d::add_scan(const LevelScan& scan) {
     apply_loops();
   }
   predict(scan);
-  // "These can directly be used as data set D and matched against an incrementally built 2D map" M:
-  // the transform that minimises Eq. 3, from the pose by odometry.
+  handle_odometry_gap(scan);
+  // Steps of the README. 2: data set D.
   const SlipFinding slip = check_slip(scan);
   LevelScan matched = scan;
   if (!slip.points_without_people.empty()) {
     matched.points_base = slip.points_without_people;
   }
-  const FoundPose found = hidden_view_.find_pose(matched, choose_start(matched, slip));
-  // The same transform corrects the pose.
+  // 3 to 5: "These can directly be used as data set D and matched against an incrementally built 2D
+  // map" M: the transform that minimises Eq. 3, from the pose by odometry.
+  const StartPoses start = choose_start(matched, slip);
+  const FoundPose found = pose_finder_.match_or_search(matched, start);
+  // 6: the same transform corrects the pose.
   PoseUpdate update = correct_pose(scan, found);
   record_motion(scan, update);
   const bool is_sure_again = doubt_.update(update, found.pose.is_sure);
-  // "New scan points that do not show a correspondence to already existing points in M are added."
-  // That may close a loop, which later corrects the pose once more.
+  // 7: "New scan points that do not show a correspondence to already existing points in M are
+  // added." That begins steps 8 to 12; those of the last keyframe are applied before.
   if (is_keyframe(update, scan, found)) {
-    // Somebody ahead is known again in the next scan only if this one shows him.
+    update.T_map_base = apply_loops() * update.T_map_base;
+    // With the points of somebody ahead: by them the next scan shows that he has walked on.
     add_keyframe(slip.points_without_people.empty() ? found.scan : scan, found.pose.match, update);
     moving_points_.add_keyframe(scan);
   }
   update_map_odom(scan, update);
-  // What odometry counted before does not contain what the robot has moved unseen.
-  if (update.is_keyframe || found.has_slipped || is_sure_again) {
+  // From here on odometry is counted anew: before, it has missed motion that only the match found.
+  if (update.is_keyframe || found.odometry_was_wrong || is_sure_again) {
     pose_guesses_.count_odometry_from(T_map_odom_, scan.T_odom_base);
   }
   path_.add(update, keyframes());
@@ -121,13 +125,17 @@ void Slam2d::begin_at(const LevelScan& scan, PoseUpdate& update) {
   path_.add(update, keyframes());
 }
 
-// The pose by odometry becomes less certain, and doubtful after a time without odometry.
+// The pose by odometry becomes less certain.
 void Slam2d::predict(const LevelScan& scan) {
-  if (scan.odometry_has_restarted) {
-    place_search_.forget_failure();  // the robot may have moved meanwhile
-  }
   pose_covariance_.predict(T_map_odom_.yaw + T_odom_last_.yaw,
                            T_odom_last_.inverse() * scan.T_odom_base);
+}
+
+// After a time without odometry the pose is in doubt: the robot may have moved meanwhile.
+void Slam2d::handle_odometry_gap(const LevelScan& scan) {
+  if (scan.odometry_has_restarted) {
+    place_search_.forget_failure();
+  }
   if (scan.has_odometry_gap()) {
     if (!doubt_.is_active()) {
       place_search_.forget_failure();  // it was near odometry
@@ -328,7 +336,6 @@ void Slam2d::begin_submap_if_in_doubt() {
 }
 
 void Slam2d::add_keyframe(const LevelScan& scan, const Match& match, PoseUpdate& update) {
-  update.T_map_base = apply_loops() * update.T_map_base;
   Keyframe keyframe{.stamp = scan.stamp,
                     .T_odom_base = T_first_odom_ * scan.T_odom_base,
                     .T_map_base = update.T_map_base,

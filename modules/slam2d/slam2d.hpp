@@ -13,10 +13,10 @@
 #include "modules/slam2d/back_end/tracked_path.hpp"
 #include "modules/slam2d/executor.hpp"
 #include "modules/slam2d/front_end/doubt.hpp"
-#include "modules/slam2d/front_end/hidden_view.hpp"
 #include "modules/slam2d/front_end/moving_points.hpp"
 #include "modules/slam2d/front_end/place_search.hpp"
 #include "modules/slam2d/front_end/pose_covariance.hpp"
+#include "modules/slam2d/front_end/pose_finder.hpp"
 #include "modules/slam2d/front_end/pose_guesses.hpp"
 #include "modules/slam2d/front_end/slip_detector.hpp"
 #include "modules/slam2d/localise/known_map.hpp"
@@ -96,6 +96,7 @@ class Slam2d {
   [[nodiscard]] std::optional<PoseUpdate> begin_new_map(const LevelScan& scan);
   void begin_at(const LevelScan& scan, PoseUpdate& update);
   void predict(const LevelScan& scan);
+  void handle_odometry_gap(const LevelScan& scan);
   [[nodiscard]] SlipFinding check_slip(const LevelScan& scan);
   void remove_slip(const geometry::SE2& T_map_base, const geometry::SE2& T_odom_base);
   [[nodiscard]] StartPoses choose_start(const LevelScan& scan, const SlipFinding& slip) const;
@@ -128,7 +129,7 @@ class Slam2d {
   Doubt doubt_;
   SlipDetector slip_detector_;
   PlaceSearch place_search_;
-  HiddenView hidden_view_;
+  PoseFinder pose_finder_;
   TrackedPath path_;
   std::unique_ptr<Finder> finder_;                // until the robot is found; null for a new map
   std::size_t num_restored_ = 0;                  // the first keyframes

@@ -32,8 +32,8 @@ struct LoopQuery {
   std::span<const OrientedPoint> scan;  ///< of the keyframe, in base
 };
 
-/// Recognises places: finds the pose of a scan in a submap with its information matrix, and decides
-/// which of several loops agree.
+/// One keyframe against one submap: finds its pose there with the information matrix. Also decides
+/// which of several loops agree. SubmapLoops says which submaps are tried.
 class LoopCloser {
  public:
   LoopCloser(const LoopParams& params, const MatcherParams& matcher);

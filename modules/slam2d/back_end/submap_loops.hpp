@@ -31,8 +31,9 @@ struct LoopMetrics {
   std::int64_t optimisations = 0;
 };
 
-/// The loops between the submaps of a chain, and their pose graph. They can be copied at little
-/// cost, so that close() may run on a copy while the original is read.
+/// The loops between the submaps of a chain, and their pose graph: which submaps are tried with
+/// each keyframe, and when a loop counts. They can be copied at little cost, so that close() may
+/// run on a copy while the original is read.
 class SubmapLoops {
  public:
   SubmapLoops(const LoopParams& params, const MatcherParams& matcher)

@@ -2,65 +2,31 @@
 #pragma once
 
 #include <optional>
+#include <utility>
 
 #include "common/geometry/time.hpp"
-#include "modules/slam2d/back_end/back_end.hpp"
-#include "modules/slam2d/front_end/doubt.hpp"
-#include "modules/slam2d/front_end/moving_points.hpp"
-#include "modules/slam2d/front_end/place_search.hpp"
-#include "modules/slam2d/front_end/pose_guesses.hpp"
 #include "modules/slam2d/params.hpp"
-#include "modules/slam2d/scan/level_scan.hpp"
 
 namespace nodmap::slam2d {
 
-/// The place of a scan, and how it was found.
-struct FoundPose {
-  MatchedPose pose;
-  LevelScan scan;            ///< without the points that have moved
-  bool has_slipped = false;  ///< odometry, not people, has been wrong for a second
-  bool is_hidden = false;    ///< people surround the robot: its pose is by odometry alone
-};
-
-/// The view that people hide. Finds the place of a scan from what they leave of it. Where that does
-/// not tell the place, and the robot cannot be elsewhere, its pose is by odometry until people have
-/// had time to pass.
+/// For how long people have hidden the view, scan after scan.
 class HiddenView {
  public:
-  /// The parts that it uses must outlive it.
-  HiddenView(const Slam2dParams& params, PlaceSearch& place_search, const BackEnd& back_end,
-             MovingPointFilter& moving_points, const PoseGuesses& pose_guesses, const Doubt& doubt)
-      : place_search_(place_search),
-        back_end_(back_end),
-        moving_points_(moving_points),
-        pose_guesses_(pose_guesses),
-        doubt_(doubt),
-        people_params_(params.people),
-        lost_params_(params.lost),
-        doubt_params_(params.doubt) {}
+  explicit HiddenView(const PeopleParams& params)
+      : longest_(time::from_seconds(params.max_hidden_s)) {}
 
-  /// Finds the place of a scan; valid until the next call.
-  [[nodiscard]] FoundPose find_pose(const LevelScan& all_points, const StartPoses& start);
+  /// They leave too little of this scan to tell its place. Returns whether to wait for them to
+  /// pass: false once they have hidden the view for longer than that takes.
+  [[nodiscard]] bool wait(time::Timestamp stamp) {
+    since_ = since_.value_or(stamp);
+    return std::chrono::abs(stamp - *since_) < longest_;
+  }
+  /// The place of a scan was found without waiting. Returns whether the view was hidden before.
+  bool end() { return std::exchange(since_, std::nullopt).has_value(); }
 
  private:
-  [[nodiscard]] LevelScan without_moving_points(const LevelScan& all_points,
-                                                const StartPoses& start);
-  [[nodiscard]] bool is_smooth(const LevelScan& scan, const StartPoses& start) const;
-  [[nodiscard]] std::optional<MatchedPose> find_between_people(const LevelScan& scan,
-                                                               const LevelScan& all_points,
-                                                               const StartPoses& start);
-  [[nodiscard]] bool fits_by_odometry(const Match& match, const StartPoses& start) const;
-  [[nodiscard]] std::optional<FoundPose> wait_for_people(const LevelScan& scan);
-
-  PlaceSearch& place_search_;
-  const BackEnd& back_end_;
-  MovingPointFilter& moving_points_;
-  const PoseGuesses& pose_guesses_;
-  const Doubt& doubt_;
-  PeopleParams people_params_;
-  LostParams lost_params_;
-  DoubtParams doubt_params_;
-  std::optional<time::Timestamp> hidden_since_;  // the first scan of which people hide too much
+  time::Duration longest_;
+  std::optional<time::Timestamp> since_;  // the first scan of which they hide too much
 };
 
 }  // namespace nodmap::slam2d

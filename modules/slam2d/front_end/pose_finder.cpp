@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "modules/slam2d/front_end/hidden_view.hpp"
+#include "modules/slam2d/front_end/pose_finder.hpp"
 
 #include "modules/slam2d/matching/best_place.hpp"
 
@@ -12,9 +12,13 @@ bool is_mostly_moving(const LevelScan& stationary, const LevelScan& all_points) 
   return 2 * stationary.points_base.size() < all_points.points_base.size();
 }
 
+FoundPose by_odometry(const LevelScan& scan) {
+  return {.pose = {}, .scan = scan, .is_hidden = true};
+}
+
 }  // namespace
 
-LevelScan HiddenView::without_moving_points(const LevelScan& all_points, const StartPoses& start) {
+LevelScan PoseFinder::without_moving_points(const LevelScan& all_points, const StartPoses& start) {
   LevelScan scan = all_points;
   if (start.is_by_odometry && !doubt_.is_active()) {
     scan.points_base = moving_points_.stationary(all_points);
@@ -23,19 +27,19 @@ LevelScan HiddenView::without_moving_points(const LevelScan& all_points, const S
 }
 
 // Whether odometry goes on so smoothly that the robot cannot be elsewhere.
-bool HiddenView::is_smooth(const LevelScan& scan, const StartPoses& start) const {
+bool PoseFinder::is_smooth(const LevelScan& scan, const StartPoses& start) const {
   return start.guesses.size() == 1 && !doubt_.is_active() && pose_guesses_.is_fast(scan.stamp);
 }
 
-FoundPose HiddenView::find_pose(const LevelScan& all_points, const StartPoses& start) {
+FoundPose PoseFinder::match_or_search(const LevelScan& all_points, const StartPoses& start) {
   LevelScan scan = without_moving_points(all_points, start);
   if (is_smooth(all_points, start)) {
     if (const auto pose = find_between_people(scan, all_points, start)) {
-      hidden_since_.reset();
+      hidden_view_.end();
       return {*pose, scan};
     }
-    if (const auto by_odometry = wait_for_people(scan)) {
-      return *by_odometry;
+    if (hidden_view_.wait(scan.stamp)) {
+      return by_odometry(scan);
     }
   }
   if (is_mostly_moving(scan, all_points)) {
@@ -45,20 +49,16 @@ FoundPose HiddenView::find_pose(const LevelScan& all_points, const StartPoses& s
   // The level scans of a nodding laser are too far apart to give a speed. But whoever hides the
   // view from one of them has passed by the next, and the robot is not elsewhere meanwhile.
   if (all_points.is_of_nod && !doubt_.is_active() && !fits_by_odometry(pose.match, start) &&
-      moving_points_.contradicts(all_points)) {
-    if (const auto by_odometry = wait_for_people(scan)) {
-      return *by_odometry;
-    }
+      moving_points_.contradicts(all_points) && hidden_view_.wait(scan.stamp)) {
+    return by_odometry(scan);
   }
-  const bool has_slipped = hidden_since_.has_value();
-  hidden_since_.reset();
-  return {.pose = pose, .scan = scan, .has_slipped = has_slipped};
+  return {.pose = pose, .scan = scan, .odometry_was_wrong = hidden_view_.end()};
 }
 
 // People nearby may hide all but a few walls. The remaining points determine the pose if they fit
 // well. A match of all points would follow the people: somebody who walks ahead of a stationary
 // robot would shift its pose.
-std::optional<MatchedPose> HiddenView::find_between_people(const LevelScan& scan,
+std::optional<MatchedPose> PoseFinder::find_between_people(const LevelScan& scan,
                                                            const LevelScan& all_points,
                                                            const StartPoses& start) {
   MatchedPose pose;
@@ -81,18 +81,9 @@ std::optional<MatchedPose> HiddenView::find_between_people(const LevelScan& scan
 }
 
 // Whether a scan fits, at the pose by odometry or beside it.
-bool HiddenView::fits_by_odometry(const Match& match, const StartPoses& start) const {
+bool PoseFinder::fits_by_odometry(const Match& match, const StartPoses& start) const {
   return match.found() && match.score >= lost_params_.score_threshold &&
          is_same_place(match.T_target_base, start.guesses.front());
-}
-
-// By odometry; empty once the view has been hidden for longer than people take to pass.
-std::optional<FoundPose> HiddenView::wait_for_people(const LevelScan& scan) {
-  hidden_since_ = hidden_since_.value_or(scan.stamp);
-  if (time::seconds(std::chrono::abs(scan.stamp - *hidden_since_)) >= people_params_.max_hidden_s) {
-    return std::nullopt;
-  }
-  return FoundPose{.pose = {}, .scan = scan, .is_hidden = true};
 }
 
 }  // namespace nodmap::slam2d
