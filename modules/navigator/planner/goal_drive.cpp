@@ -168,10 +168,17 @@ Decision GoalDrive::drive_by(const CostToGo& cost_to_go, const Situation& now) {
                          params_.docking.rotation_rad_s);
 }
 
+// In a tight place a rollout forwards is often free from here, none a centimetre or two on, and
+// again one when the robot has backed up that far: it would move to and fro until it gives the path
+// up. Therefore it squeezes on where it can. With a nodding laser this was not measured.
 Decision GoalDrive::drive_or_stay(const CostToGo& cost_to_go, const Situation& now) {
   auto decision = local_planner_.drive_best(now, cost_to_go);
-  if (!decision) {
-    decision = squeeze(cost_to_go, now);
+  const bool backs_up = decision && decision->forward_mps < 0.0;
+  if (!decision || (backs_up && now.laser_is_held)) {
+    const auto squeezed = squeeze(cost_to_go, now);
+    if (!decision || (squeezed && squeezed->forward_mps > 0.0)) {
+      decision = squeezed;
+    }
   }
   if (!decision) {
     return stay(now);
@@ -223,7 +230,7 @@ std::optional<std::vector<Eigen::Vector2d>> GoalDrive::path_map(
   return path;
 }
 
-// For places where no motion keeps the creep margin.
+// For places where no motion forwards keeps the creep margin.
 std::optional<Decision> GoalDrive::squeeze(const CostToGo& cost_to_go, const Situation& now) {
   if (!now.people.empty()) {
     return std::nullopt;

@@ -14,6 +14,13 @@ namespace {
 constexpr double kTakeOverM = 5.5;
 // Within this distance it also knows what the body has driven over or touched.
 constexpr double kBesideM = 0.6;
+// An obstacle that a level laser has measured from no farther than this is in its place. From
+// farther away odometry drifts by more than a cell (3 % of the distance) until the robot is there.
+constexpr double kCloseM = 1.5;
+// It is gone when so many updates in succession, half a second apart, have shown that. The noise of
+// ranges occupies cells in front of a surface for a moment, again and again: a plan that believed
+// each moment would lead into a narrow gap, out of it, and back.
+constexpr std::uint8_t kUntilGone = 4;
 // Margin around robot, goal and all known ground, for detours over unknown ground.
 constexpr double kAroundM = 3.0;
 
@@ -115,15 +122,19 @@ void KnownGround::update(const Situation& now) {
       }
       const Eigen::Vector2d q_map = grid_.center_of(index);
       const Eigen::Vector2d p_base = R_base_map * q_map + T_base_map.translation();
-      if (!is_seen(grid_.at(index)) || p_base.x() >= 0.0 || p_base.norm() <= kBesideM) {
+      if (!is_seen(at(index)) || p_base.x() >= 0.0 || p_base.norm() <= kBesideM) {
         const Eigen::Vector2d q_odom = R_odom_map * q_map + T_odom_map.translation();
         const unsigned bits = bits_around(view, view.in_cells(q_odom), quarters);
         // A laser that is held never finds out.
         const bool could_be_ramp =
             now.needs_seen_floor() && (bits & LocalView::kBlocked) != 0U &&
-            grid_.at(index) != Kind::kBlocked &&
+            at(index) != Kind::kBlocked &&
             could_be_ramp_around(*now.local_map, q_odom, quarters, view.cells_per_m());
         update_cell(index, bits, could_be_ramp);
+        // A nodding laser's floor shows that an obstacle is gone.
+        if (now.laser_is_held && (bits & LocalView::kBlocked) != 0U && p_base.norm() < kCloseM) {
+          grid_.at(index).until_gone = kUntilGone;
+        }
       }
     }
   }
@@ -137,12 +148,14 @@ void KnownGround::update_cell(const Eigen::Vector2i& index, unsigned bits, bool 
     const Eigen::Vector2d q_map = grid_.center_of(index);
     known_min_ = known_min_.cwiseMin(q_map);
     known_max_ = known_max_.cwiseMax(q_map);
-    grid_.at(index) = could_be_ramp ? Kind::kPossibleRamp
-                      : is_blocked  ? Kind::kBlocked
-                                    : Kind::kFloor;
-  } else if ((bits & LocalView::kCleared) != 0U && grid_.at(index) == Kind::kBlocked) {
+    grid_.at(index).kind = could_be_ramp ? Kind::kPossibleRamp
+                           : is_blocked  ? Kind::kBlocked
+                                         : Kind::kFloor;
+  } else if (Cell& cell = grid_.at(index);
+             (bits & LocalView::kCleared) != 0U && cell.kind == Kind::kBlocked) {
     // A level laser sees no floor, but it does see that an obstacle is not there any more.
-    grid_.at(index) = Kind::kCleared;
+    cell.until_gone = static_cast<std::uint8_t>(std::max(0, cell.until_gone - 1));
+    cell.kind = cell.until_gone == 0 ? Kind::kCleared : Kind::kBlocked;
   }
 }
 
@@ -155,7 +168,7 @@ bool KnownGround::is_seen_near(const Eigen::Vector2i& index) const {
   for (int dy = -kNearCells; dy <= kNearCells; ++dy) {
     for (int dx = -kNearCells; dx <= kNearCells; ++dx) {
       const Eigen::Vector2i near = index + Eigen::Vector2i(dx, dy);
-      if (grid_.contains(near) && grid_.at(near) != Kind::kUnknown) {
+      if (grid_.contains(near) && at(near) != Kind::kUnknown) {
         return true;
       }
     }

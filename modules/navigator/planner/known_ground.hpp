@@ -13,7 +13,7 @@
 namespace nodmap::navigator {
 
 /// All the ground that the local map has shown so far: a grid around the robot in map, 204 m x
-/// 204 m, with cells of 5 cm (16 MB).
+/// 204 m, with cells of 5 cm (34 MB).
 class KnownGround {
  public:
   static constexpr double kCellM = PlanWindow::kCellM;
@@ -24,7 +24,8 @@ class KnownGround {
 
   KnownGround() : grid_(kCellM, kLog2Size) {}
 
-  /// Copies what the local map knows around the robot. `now` must have a local map.
+  /// Copies what the local map knows around the robot. `now` must have a local map. What a level
+  /// laser has measured from nearby is gone when four updates in succession show that.
   void update(const Situation& now);
 
   /// Makes everything unknown again.
@@ -49,12 +50,17 @@ class KnownGround {
   [[nodiscard]] Eigen::Vector2i first_of(const PlanWindow& window) const {
     return grid_.index_of(window.origin + Eigen::Vector2d(0.01, 0.01));
   }
-  [[nodiscard]] Kind at(const Eigen::Vector2i& index) const { return grid_.at(index); }
+  [[nodiscard]] Kind at(const Eigen::Vector2i& index) const { return grid_.at(index).kind; }
   /// Whether the local map has shown a cell within 20 cm.
   [[nodiscard]] bool is_seen_near(const Eigen::Vector2i& index) const;
 
  private:
   static constexpr int kLog2Size = 12;
+
+  struct Cell {
+    Kind kind = Kind::kUnknown;
+    std::uint8_t until_gone = 0;  // so many updates must show that an obstacle is gone
+  };
 
   // First and last row and column.
   struct Extent {
@@ -70,7 +76,7 @@ class KnownGround {
   [[nodiscard]] Extent around(const Eigen::Vector2d& p_map) const;
   void update_cell(const Eigen::Vector2i& index, unsigned bits, bool could_be_ramp);
 
-  RollingGrid<Kind> grid_;
+  RollingGrid<Cell> grid_;
   Eigen::Vector2d known_min_ = Eigen::Vector2d::Zero();
   Eigen::Vector2d known_max_ = Eigen::Vector2d::Zero();
   bool is_empty_ = true;

@@ -5,15 +5,16 @@
 
 #include "modules/navigator/local_map/test/scanned_ground.hpp"
 #include "modules/navigator/planner/goal_drive.hpp"
+#include "modules/navigator/trail.hpp"
 
 namespace nodmap::navigator {
 namespace narrow_place_test {
 
 // A robot on floor that it has seen, 2 m before its goal, between two rows of points. These are
-// `beside_m` beside its body, and reach from its rear to half a metre ahead of it.
+// `beside_m` beside its body, and reach from `from_m` before its rear to half a metre ahead of it.
 class BetweenRows {
  public:
-  explicit BetweenRows(double beside_m) {
+  explicit BetweenRows(double beside_m, double from_m = 0.0) {
     test::sweep(map_, {});
     seen_.update(0.0, 0);
     seen_.update(0.0, 2);
@@ -22,7 +23,7 @@ class BetweenRows {
     now.max_forward_mps = 1.0;
     now.goal = GoalInBase{{2.0, 0.0}, 0.3};
     const robot::Footprint body = NavigatorParams().robot.body.footprint();
-    for (double x = -body.half_length_m; x < body.half_length_m + 0.5; x += 0.01) {
+    for (double x = -body.half_length_m + from_m; x < body.half_length_m + 0.5; x += 0.01) {
       for (const double side : {-1.0, 1.0}) {
         now.points_base.emplace_back(x, side * (body.half_width_m + beside_m));
       }
@@ -39,15 +40,19 @@ class BetweenRows {
 };
 
 // What it decides when it has a plan.
-Decision between_rows(double beside_m) {
-  BetweenRows rows(beside_m);
-  GoalDrive drive({});
+Decision last_decision(BetweenRows& rows, const NavigatorParams& params = {}) {
+  GoalDrive drive(params);
   Decision decision;
   for (int i = 0; i < 40; ++i) {
     rows.now.stamp = time::Timestamp(time::from_seconds(0.01332 * i));
     decision = drive.decide(rows.now);
   }
   return decision;
+}
+
+Decision between_rows(double beside_m) {
+  BetweenRows rows(beside_m);
+  return last_decision(rows);
 }
 
 TEST(NarrowPlace, DrivesMoreSlowlyInANarrowerPlace) {
@@ -62,6 +67,30 @@ TEST(NarrowPlace, DrivesMoreSlowlyInANarrowerPlace) {
   EXPECT_GT(squeezing_mps, 0.5 * params.squeeze_mps);
   EXPECT_LE(squeezing_mps, params.squeeze_mps);
   EXPECT_EQ(between_rows(0.5 * params.squeeze_margin_m).forward_mps, 0.0);
+}
+
+// The robot has come straight from behind, and the rows begin before its front. It backs up only
+// where it cannot squeeze through.
+TEST(NarrowPlace, WithALevelLaserItSqueezesThroughInsteadOfBackingUp) {
+  const DriveParams params;
+  Trail trail(20.0);
+  for (double x = -1.0; x <= 0.0; x += 0.03) {
+    trail.move({x, 0.0, 0.0});
+    trail.record({x, 0.0, 0.0});
+  }
+  for (const bool can_squeeze : {false, true}) {
+    BetweenRows rows(0.5 * (params.creep_margin_m + params.squeeze_margin_m),
+                     2.0 * NavigatorParams().robot.body.footprint().half_length_m + 0.01);
+    rows.now.trail = &trail;
+    rows.now.laser_is_held = true;
+    NavigatorParams navigator;
+    navigator.drive.squeeze_margin_m =
+        can_squeeze ? params.squeeze_margin_m : params.creep_margin_m;
+    const Decision decision = last_decision(rows, navigator);
+    EXPECT_EQ(decision.reason, Reason(can_squeeze ? Why::kSqueezes : Why::kBacksUp))
+        << to_text(decision.reason);
+    EXPECT_EQ(decision.forward_mps > 0.0, can_squeeze);
+  }
 }
 
 // Both walls are 5 mm beside the body, and the robot has not driven here.
