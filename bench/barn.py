@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Drives the worlds of the BARN challenge (static or dynamic) and prints one JSON object with the challenge's score.
 
-    bench/barn.py FILE [OPTIMAL] [--robot kurt3d|jackal] [--runs N] [--only I,J,...] [--every K] [--jobs N] [--set KEY=VALUE ...] [--out DIR] [--bin DIR]
+    bench/barn.py FILE [OPTIMAL] [--robot kurt3d|jackal] [--runs N] [--first S] [--only I,J,...] [--every K] [--jobs N] [--set KEY=VALUE ...] [--out DIR] [--bin DIR]
 
 FILE holds the worlds as text (sim/world/barn_file.hpp); OPTIMAL the lengths of their reference paths (default: optimal.txt beside FILE). The robot has no map. A run ends
 at the first contact, within 1 m of the goal, or 100 s after the robot has moved by 0.1 m. Its score is
@@ -42,7 +42,7 @@ def make_trials(arguments):
     if is_dynamic(arguments.file):
         options += ["--without", "slam2d"]
     indices = arguments.only or world_indices(arguments.file)[::arguments.every]
-    return {index: [Trial(f"{index}-{seed}", f"barn:{arguments.file}:{index}", seed, None, *options) for seed in range(arguments.runs)] for index in indices}
+    return {index: [Trial(f"{index}-{seed}", f"barn:{arguments.file}:{index}", seed, None, *options) for seed in range(arguments.first, arguments.first + arguments.runs)] for index in indices}
 
 
 def reference_paths(file):
@@ -88,7 +88,8 @@ def main():
     parser.add_argument("file", type=pathlib.Path)
     parser.add_argument("optimal", type=pathlib.Path, nargs="?", help="lengths of the reference paths; default: optimal.txt beside FILE")
     parser.add_argument("--robot", choices=["kurt3d", "jackal"], default="kurt3d")
-    parser.add_argument("--runs", type=int, default=1, help="runs of each world, with the seeds 0, 1, ...")
+    parser.add_argument("--runs", type=int, default=1, help="runs of each world, with the seeds from --first on")
+    parser.add_argument("--first", type=int, default=0, help="first seed of the noise")
     parser.add_argument("--only", type=indices_of, metavar="I,J,...", help="indices of the worlds; default: all")
     parser.add_argument("--every", type=int, default=1, help="drive only every K-th world")
     add_set_option(parser)
