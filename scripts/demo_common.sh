@@ -13,7 +13,7 @@ need_number() {
 }
 # need_value OPTION [VALUE] ...
 need_value() { [[ -n "${2-}" ]] || usage_error "$1 needs a value"; }
-# from_caller PATH: the path as the shell means it that called ./nodmap, perhaps in another folder.
-from_caller() { [[ "$1" == /* ]] && printf '%s\n' "$1" || printf '%s\n' "$NODMAP_CALLER/$1"; }
+# from_caller VARIABLE PATH: sets it to the path as the shell means it that called ./nodmap, perhaps in another folder.
+from_caller() { [[ "$2" == /* ]] && printf -v "$1" %s "$2" || printf -v "$1" %s "$NODMAP_CALLER/$2"; }
 # need_new FOLDER: results are never overwritten.
 need_new() { [[ ! -e "$1" ]] || usage_error "$1 exists; results are never overwritten"; }

@@ -6,7 +6,7 @@ set -euo pipefail
 # First of all: without a trap bash goes on after a Ctrl-C if the command that it waits for has just ended by itself.
 trap 'exit 130' INT
 export NODMAP_CALLER=${NODMAP_CALLER:-$PWD}
-cd "$(dirname "$(readlink -f "$0")")/.."
+cd -P "${0%/*}/.."
 bin=$PWD/build/release/bin
 source scripts/demo_common.sh
 
@@ -33,16 +33,16 @@ need_recording() {
 }
 
 check_only=0 recording='' speed=1
-out=$PWD/logs/demo-$(date +%Y%m%d-%H%M%S)
+printf -v out '%s/logs/demo-%(%Y%m%d-%H%M%S)T' "$PWD" -1
 while [[ $# -gt 0 ]]; do
   case "$1" in
     --check-arguments) check_only=1; shift ;;
     --help | -h) usage; exit 0 ;;
     --version) print_version; exit 0 ;;
     --speed) need_value "$@"; need_number "$1" "$2"; speed=$2; shift 2 ;;
-    --out) need_value "$@"; out=$(from_caller "$2"); shift 2 ;;
+    --out) need_value "$@"; from_caller out "$2"; shift 2 ;;
     -*) usage_error "unknown option $1" ;;
-    *) [[ -z "$recording" ]] || usage_error "unexpected argument $1"; recording=$(from_caller "$1"); shift ;;
+    *) [[ -z "$recording" ]] || usage_error "unexpected argument $1"; from_caller recording "$1"; shift ;;
   esac
 done
 [[ -n "$recording" ]] || usage_error "no recording is named"

@@ -3,10 +3,11 @@
 # The whole robot in a simulated building, every process by the process manager. Called by ./nodmap demo and ./nodmap explore.
 #   scripts/demo_sim.sh [--check-arguments] [--explore] [--world WORLD] [--duration SECONDS] [--out DIR]
 set -euo pipefail
-# First of all: without a trap bash goes on after a Ctrl-C if the command that it waits for has just ended by itself.
+# First of all: without a trap bash goes on after a Ctrl-C if the command that it waits for has just ended by itself. With one, seldom, if it waits for a
+# $(command): until results can be left behind, nothing here does.
 trap 'exit 130' INT
 export NODMAP_CALLER=${NODMAP_CALLER:-$PWD}
-cd "$(dirname "$(readlink -f "$0")")/.."
+cd -P "${0%/*}/.."
 bin=$PWD/build/release/bin
 config=procman/sim.pmd
 what=demo world=sim/worlds/cellar.yaml duration=60
@@ -44,16 +45,16 @@ TEXT
 
 arguments=("$@")
 check_only=0
-out=logs/$what-$(date +%Y%m%d-%H%M%S)
+printf -v out 'logs/%s-%(%Y%m%d-%H%M%S)T' "$what" -1
 while [[ $# -gt 0 ]]; do
   case "$1" in
     --check-arguments) check_only=1; shift ;;
     --explore) shift ;;
     --help | -h) [[ $what == demo ]] && usage || usage_explore; exit 0 ;;
     --version) print_version; exit 0 ;;
-    --world) need_value "$@"; [[ "$2" == *:* ]] && world=$2 || world=$(from_caller "$2"); shift 2 ;;
+    --world) need_value "$@"; [[ "$2" == *:* ]] && world=$2 || from_caller world "$2"; shift 2 ;;
     --duration) need_value "$@"; need_number "$1" "$2"; duration=$2; shift 2 ;;
-    --out) need_value "$@"; out=$(from_caller "$2"); shift 2 ;;
+    --out) need_value "$@"; from_caller out "$2"; shift 2 ;;
     *) [[ $what == demo ]] && usage_error "unknown option $1 (a RECORDING comes before its options)" || usage_error "unknown option $1" ;;
   esac
 done
