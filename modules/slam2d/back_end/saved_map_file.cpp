@@ -221,7 +221,7 @@ class Reader {
   }
 
   [[nodiscard]] Eigen::Matrix3d read_information(const double (&in)[3][3]) const {
-    const Eigen::Matrix3d information = node::read_matrix(in);
+    Eigen::Matrix3d information = node::read_matrix(in);
     require(registration::is_information(information),
             "an edge without a valid information matrix");
     return information;

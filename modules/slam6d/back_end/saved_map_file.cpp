@@ -97,7 +97,7 @@ class Reader {
   }
 
   [[nodiscard]] Matrix6d read_information(const double (&in)[6][6]) const {
-    const Matrix6d information = node::read_matrix(in);
+    Matrix6d information = node::read_matrix(in);
     require(registration::is_information(information),
             "an edge without a valid information matrix");
     return information;
