@@ -61,6 +61,11 @@ unsigned bits_around(const LocalView& view, const Eigen::Vector2d& middle,
   return bits;
 }
 
+// How many updates must show that an obstacle at a place is gone. A nodding laser's floor shows it.
+std::uint8_t updates_until_gone(const Situation& now, const Eigen::Vector2d& p_base) {
+  return now.laser_is_held && p_base.norm() < kCloseM ? kUntilGone : std::uint8_t{0};
+}
+
 // Whether all obstacles in the quarters of a cell could be a ramp. The edge of a hole could not.
 bool could_be_ramp_around(const LocalMap& local_map, const Eigen::Vector2d& q_odom,
                           const Quarters& quarters, double cells_per_m) {
@@ -130,29 +135,26 @@ void KnownGround::update(const Situation& now) {
             now.needs_seen_floor() && (bits & LocalView::kBlocked) != 0U &&
             at(index) != Kind::kBlocked &&
             could_be_ramp_around(*now.local_map, q_odom, quarters, view.cells_per_m());
-        update_cell(index, bits, could_be_ramp);
-        // A nodding laser's floor shows that an obstacle is gone.
-        if (now.laser_is_held && (bits & LocalView::kBlocked) != 0U && p_base.norm() < kCloseM) {
-          grid_.at(index).until_gone = kUntilGone;
-        }
+        update_cell(index, bits, could_be_ramp, updates_until_gone(now, p_base));
       }
     }
   }
 }
 
-// Updates a cell from `bits`, the joined states of the cells of the local map in it.
-void KnownGround::update_cell(const Eigen::Vector2i& index, unsigned bits, bool could_be_ramp) {
+// Updates a cell from `bits`, the joined states of the cells of the local map in it. `until_gone`:
+// how many updates must show that what is there now is gone.
+void KnownGround::update_cell(const Eigen::Vector2i& index, unsigned bits, bool could_be_ramp,
+                              std::uint8_t until_gone) {
+  Cell& cell = grid_.at(index);
   const bool is_blocked = (bits & LocalView::kBlocked) != 0U;
   const bool is_floor = (bits & LocalView::kFloor) != 0U && (bits & LocalView::kForgotten) == 0U;
   if (is_blocked || is_floor) {
     const Eigen::Vector2d q_map = grid_.center_of(index);
     known_min_ = known_min_.cwiseMin(q_map);
     known_max_ = known_max_.cwiseMax(q_map);
-    grid_.at(index).kind = could_be_ramp ? Kind::kPossibleRamp
-                           : is_blocked  ? Kind::kBlocked
-                                         : Kind::kFloor;
-  } else if (Cell& cell = grid_.at(index);
-             (bits & LocalView::kCleared) != 0U && cell.kind == Kind::kBlocked) {
+    cell.kind = could_be_ramp ? Kind::kPossibleRamp : is_blocked ? Kind::kBlocked : Kind::kFloor;
+    cell.until_gone = is_blocked ? std::max(cell.until_gone, until_gone) : cell.until_gone;
+  } else if ((bits & LocalView::kCleared) != 0U && cell.kind == Kind::kBlocked) {
     // A level laser sees no floor, but it does see that an obstacle is not there any more.
     cell.until_gone = static_cast<std::uint8_t>(std::max(0, cell.until_gone - 1));
     cell.kind = cell.until_gone == 0 ? Kind::kCleared : Kind::kBlocked;

@@ -74,7 +74,8 @@ class KnownGround {
   [[nodiscard]] Extent extent(const Eigen::Vector2d& p_map, const Eigen::Vector2d& goal_map,
                               const Map2d* map_2d) const;
   [[nodiscard]] Extent around(const Eigen::Vector2d& p_map) const;
-  void update_cell(const Eigen::Vector2i& index, unsigned bits, bool could_be_ramp);
+  void update_cell(const Eigen::Vector2i& index, unsigned bits, bool could_be_ramp,
+                   std::uint8_t until_gone);
 
   RollingGrid<Cell> grid_;
   Eigen::Vector2d known_min_ = Eigen::Vector2d::Zero();
