@@ -24,8 +24,7 @@ namespace nodmap::node {
 inline constexpr double kFarthestM = 1e6;
 
 /// Reads a pose from position (m) and quaternion (w, x, y, z). Empty if a number is not finite, a
-/// coordinate is beyond kFarthestM, or the length of the quaternion differs from 1 by more than 1
-/// %.
+/// coordinate is beyond kFarthestM, or the quaternion's length differs from 1 by more than 1 %.
 [[nodiscard]] std::optional<geometry::SE3> read_pose(const double (&position_m)[3],
                                                      const double (&orientation)[4]);
 
