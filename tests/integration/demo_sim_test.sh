@@ -5,11 +5,12 @@
 set -euo pipefail
 cd "$(dirname "$(readlink -f "$0")")/../.."
 bin=$1
+. tests/support/until_true.sh
 [[ "$(readlink -f build/release/bin)" == "$(readlink -f "$bin")" ]] || { echo "skipped: the demo runs what is in build/release/bin"; exit 77; }
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 unset LCM_DEFAULT_URL
-fail() { echo "FAILED: $*"; exit 1; }
+fail() { tail -n 20 "$work"/*.log; echo "FAILED: $*"; exit 1; }
 
 # Every process of a demo has the demo's folder in its environment.
 left_over() { grep -lsz "^NODMAP_RUN=$1\$" /proc/[0-9]*/environ 2>/dev/null | cut -d/ -f3; }
@@ -25,18 +26,11 @@ start_demo() {
   out=$work/$1
   setsid env --default-signal=INT,HUP bash scripts/demo_sim.sh --duration "$2" --out "$out" "${@:3}" >"$out.log" 2>&1 &
   demo=$!
-  for _ in $(seq 1000); do
-    [[ "$(tr '\0' ' ' <"/proc/$demo/cmdline")" == "bash scripts/demo_sim.sh "* ]] && return
-    sleep 0.01
-  done
-  fail "the demo does not start"
+  until_true is_itself
 }
+is_itself() { [[ "$(tr '\0' ' ' <"/proc/$demo/cmdline")" == "bash scripts/demo_sim.sh "* ]]; }
 # wait_for TEXT: waits until the demo has printed this text.
-wait_for() {
-  for _ in $(seq 1200); do grep -q "$1" "$out.log" && return; sleep 0.05; done
-  cat "$out.log"
-  fail "the demo never said '$1'"
-}
+wait_for() { until_true grep -q "$1" "$out.log"; }
 # expect_an_end WHAT: the demo ends and leaves no process behind.
 expect_an_end() {
   code=0
@@ -48,17 +42,18 @@ expect_a_failure() {
   expect_an_end "$1"
   [[ $code -ne 0 ]] || fail "after $1 the demo says that it worked"
 }
-# kill_process PATTERN: kills the process of this demo, and no other, whose command line is like this, as soon as there is one.
-kill_process() {
-  local pid
-  for _ in $(seq 200); do
-    for pid in $(left_over "$out"); do
-      # shellcheck disable=SC2053  # a pattern
-      [[ "$(tr '\0' ' ' <"/proc/$pid/cmdline")" == $1 ]] && kill -KILL "$pid" && return
-    done
-    sleep 0.02
+# find_process PATTERN: the process of this demo, and no other, whose command line is like this, becomes $found.
+find_process() {
+  for found in $(left_over "$out"); do
+    # shellcheck disable=SC2053  # a pattern
+    [[ "$(tr '\0' ' ' <"/proc/$found/cmdline")" == $1 ]] && return
   done
-  fail "there was no $1 to kill"
+  return 1
+}
+# kill_process PATTERN: kills it as soon as there is one.
+kill_process() {
+  until_true find_process "$1"
+  kill -KILL "$found"
 }
 kill_sheriff() { kill_process "*/nodmap-sheriff*--script*"; }
 
@@ -82,9 +77,9 @@ for second in "demo_sim.sh --duration 1" "demo_recording.sh $work/recording"; do
   # shellcheck disable=SC2086  # a command line
   scripts/$second --out "$work/second" >"$work/second.log" 2>&1 || code=$?
   [[ $code -eq 1 && ! -e "$work/second" ]] && grep -q "Others send .*STATUS" "$work/second.log" ||
-    { cat "$work/second.log"; fail "$second starts beside a robot"; }
+    fail "$second starts beside a robot"
 done
-wait "$demo" || { cat "$work/done.log"; fail "the demo failed"; }
+wait "$demo" || fail "the demo failed"
 # Of 75 scans a second a busy machine may lose a few.
 python3 -c 'import json, sys; sys.exit(json.load(open(sys.argv[1]))["scans"] < 0.8 * 75 * 20)' "$out/watch.json" ||
   fail "the demo ended early"
@@ -96,13 +91,12 @@ again=$(sed -n 's/^to see it again: \(.*\), and a browser on.*/\1/p' "$work/done
 # shellcheck disable=SC2086  # a command line
 $again --port 0 >"$work/again.log" 2>&1 &
 viewer=$!
-for _ in $(seq 400); do grep -q "page on http" "$work/again.log" && break; sleep 0.05; done
+until_true grep -q "page on http" "$work/again.log"
 kill "$viewer" && wait "$viewer" || true
-grep -q "page on http" "$work/again.log" || { cat "$work/again.log"; fail "that does not replay it"; }
 
 # Played to the demo, its log gives the measurements alone: no commands, and nothing of the processes that ran then.
 log=$(echo "$work"/done/logger/lcmlog-*)
-scripts/demo_recording.sh "$log" --speed 4 --out "$work/played" >"$work/played.log" 2>&1 || { cat "$work/played.log"; fail "its log is not played"; }
+scripts/demo_recording.sh "$log" --speed 4 --out "$work/played" >"$work/played.log" 2>&1 || fail "its log is not played"
 channels() { "$bin/nodmap-convert" info "$1" | awk '{print $1}'; }
 channels "$log" >"$work/recorded"
 channels "$work"/played/logger/lcmlog-* >"$work/channels"
@@ -124,7 +118,7 @@ PATH=$work/stub:$PATH env --default-signal=INT bash scripts/demo_sim.sh --durati
 for seconds in 0 1 2.3 3 4 6 9; do
   start_demo "interrupted-$seconds" 30
   sleep "$seconds"
-  kill -INT -- "-$demo" 2>/dev/null || { cat "$out.log"; fail "the demo has ended by itself within $seconds s"; }
+  kill -INT -- "-$demo" 2>/dev/null || fail "the demo has ended by itself within $seconds s"
   expect_a_failure "Ctrl-C at $seconds s"
 done
 for seconds in 0 1 2; do
@@ -148,7 +142,7 @@ grep -q "m driven" "$out.log" || fail "an exploration that is too short is not s
 
 start_demo nowhere 5 --world officce:1
 expect_a_failure "a scenario that does not exist"
-grep -q "officce:1: no such scenario" "$out.log" || { cat "$out.log"; fail "the demo does not say why it did not start"; }
+grep -q "officce:1: no such scenario" "$out.log" || fail "the demo does not say why it did not start"
 
 start_demo beheaded-at-the-start 30
 wait_for "starting the processes"
@@ -169,9 +163,10 @@ grep -q "the deputy has ended" "$out.log" && ! grep -q "stopping the processes" 
 # Then nobody waits for the end of processes that end by themselves.
 start_demo killed 30
 wait_for "driving for"
-sleep 1  # past the moment between fork and setpriv
+until_true find_process "*/nodmap-watch *"  # the last one, which is past the moment between fork and setpriv
 kill -KILL "$demo"
 wait "$demo" 2>/dev/null || true
-for _ in $(seq 300); do [[ -z "$(left_over "$out")" ]] && break; sleep 0.05; done
+nothing_is_left() { [[ -z "$(left_over "$out")" ]]; }
+until_true nothing_is_left
 expect_nothing_left "$out" "kill -9 of the demo"
 echo "nothing is left behind"

@@ -71,7 +71,7 @@ while ! grep -q serving deputy.log && kill -0 "$deputy" 2>/dev/null; do sleep 0.
 nodmap-sheriff "$NODMAP_CONFIG" --status >log || { cat log deputy.log; fail "the deputy does not answer"; }
 # The same for the boot service.
 setpriv --reuid nodmap --regid nodmap --init-groups nodmap-sheriff "$NODMAP_CONFIG" --script "$NODMAP_STOP_SCRIPT" --on-script-complete exit \
-  --timeout 60 >log 2>&1 || { cat log; fail "the sheriff's script"; }
+  --timeout 300 >log 2>&1 || { cat log; fail "the sheriff's script"; }
 kill -TERM "$deputy"
 wait "$deputy" || { cat deputy.log; fail "the deputy does not end well"; }
 trap - EXIT

@@ -51,15 +51,17 @@ set -e
 nodmap-sheriff procman/sim.pmd --lone --script demo --on-script-complete stay &
 sheriff=$!
 trap 'kill -TERM "$sheriff" 2>/dev/null || true; wait' EXIT
-nodmap-stop --go --wait 60
-nodmap-watch --duration 5
+nodmap-stop --go --wait 300
+# Until it drives, which on a busy machine takes longer.
+until nodmap-watch --duration 5 --json "$NODMAP_RUN/watch.json" &&
+  python3 -c 'import json, sys; sys.exit(json.load(open(sys.argv[1]))["distance_m"] < 0.5)' "$NODMAP_RUN/watch.json"; do :; done
 kill -TERM "$sheriff"
 wait "$sheriff"
 SH
 demo() {
   cd "$work/moved/share/nodmap"
   PATH=$work/moved/bin:$PATH NODMAP_WORLD=sim/worlds/cellar.yaml NODMAP_RUN=$work/run NODMAP_PORT=0 \
-    timeout 200 "$tests/support/private_network.sh" bash "$work/demo.sh"
+    timeout 900 "$tests/support/private_network.sh" bash "$work/demo.sh"
 }
 code=0
 (demo) >"$work/log" 2>&1 || code=$?

@@ -12,4 +12,5 @@ end() {
   rm -rf "$work"
 }
 trap end EXIT
+. tests/support/until_true.sh
 fail() { echo "FAILED: $*"; tail -n 20 "$work"/*.log; exit 1; }

@@ -23,45 +23,36 @@ field() { awk -v name="$1" -v n="$2" '$1 == name {print $n}'; }
 
 "$bin/nodmap-deputy" procman/sim.pmd >"$work/deputy.log" 2>&1 & pids+=($!)
 "$bin/nodmap-sheriff" procman/sim.pmd --script demo --on-script-complete stay >"$work/sheriff.log" 2>&1 & pids+=($!)
-# wait_for TEXT: waits until the sheriff has printed this text.
-wait_for() {
-  for _ in $(seq 1200); do grep -q "$1" "$work/sheriff.log" && return; sleep 0.1; done
-  fail "the sheriff never said '$1'"
+until_true grep -q "script demo is done" "$work/sheriff.log"
+# Every process runs and its health is OK.
+all_well() {
+  look >"$work/now.log" &&
+    awk '$3 != "OK" || $4 != "Running" {exit 1}' <(grep -v '^sim ' "$work/now.log")
 }
-wait_for "script demo is done"
-# wait_until_well: waits until every process runs and its health is OK.
-wait_until_well() {
-  for _ in $(seq 60); do
-    look >"$work/now"
-    awk '$3 != "OK" || $4 != "Running" {exit 1}' <(grep -v '^sim ' "$work/now") && return
-  done
-  cat "$work/now"
-  fail "$1"
-}
-"$bin/nodmap-stop" --go
-wait_until_well "the robot does not come to work"
-"$bin/nodmap-stop" || fail "the base driver does not confirm a STOP"
-"$bin/nodmap-stop" --go
+"$bin/nodmap-stop" --wait 300 --go
+until_true all_well
+"$bin/nodmap-stop" --wait 300 || fail "the base driver does not confirm a STOP"
+"$bin/nodmap-stop" --wait 300 --go
 (LCM_DEFAULT_URL=udpm://239.255.76.67:7999 "$bin/nodmap-stop" --wait 0.2 2>"$work/unconfirmed") && fail "a STOP that nobody receives is no error"
 grep -q "no nodmap-kurt has confirmed it" "$work/unconfirmed" || fail "$(cat "$work/unconfirmed")"
 for name in kurt laser3d pitch-controller map-server slam2d slam6d navigator explorer logger viewer; do
-  cp "$work/now" "$work/before"
+  cp "$work/now.log" "$work/before"
   kill -KILL "$(field $name 2 <"$work/before")"
-  [[ "$name" != kurt && "$name" != navigator ]] || "$bin/nodmap-stop" --go # after their starts the robot is stopped
-  wait_until_well "$name does not come back"
-  [[ "$(field $name 2 <"$work/now")" != "$(field $name 2 <"$work/before")" ]] || fail "$name was not started anew"
-  diff <(cut -d' ' -f1,2 "$work/before" | grep -v "^$name ") <(cut -d' ' -f1,2 "$work/now" | grep -v "^$name ") ||
+  [[ "$name" != kurt && "$name" != navigator ]] || "$bin/nodmap-stop" --wait 300 --go # after their starts the robot is stopped
+  until_true all_well
+  [[ "$(field $name 2 <"$work/now.log")" != "$(field $name 2 <"$work/before")" ]] || fail "$name was not started anew"
+  diff <(cut -d' ' -f1,2 "$work/before" | grep -v "^$name ") <(cut -d' ' -f1,2 "$work/now.log" | grep -v "^$name ") ||
     fail "kill -9 of $name made something else start anew"
   echo "$name: killed, started anew, well"
 done
-cp "$work/now" "$work/before"
-kill -STOP "$(field map-server 2 <"$work/now")"
-wait_for "restarting map-server: no STATUS for"
-wait_until_well "map-server does not come back from hanging"
-[[ "$(field map-server 2 <"$work/now")" != "$(field map-server 2 <"$work/before")" ]] || fail "map-server was not started anew"
+cp "$work/now.log" "$work/before"
+kill -STOP "$(field map-server 2 <"$work/now.log")"
+until_true grep -q "restarting map-server: no STATUS for" "$work/sheriff.log"
+until_true all_well
+[[ "$(field map-server 2 <"$work/now.log")" != "$(field map-server 2 <"$work/before")" ]] || fail "map-server was not started anew"
 echo "map-server: $(grep '^restarting map-server' "$work/sheriff.log"), well"
 grep '^restarting' "$work/sheriff.log" | grep -v map-server && fail "something else was restarted"
-kill -KILL "$(field sim 2 <"$work/now")"
-look >"$work/now"
-grep -q '^sim 0 - Stopped (Error) killed by signal 9' "$work/now" || { cat "$work/now"; fail "the end of the simulator is not told"; }
+kill -KILL "$(field sim 2 <"$work/now.log")"
+look >"$work/now.log"
+grep -q '^sim 0 - Stopped (Error) killed by signal 9' "$work/now.log" || { cat "$work/now.log"; fail "the end of the simulator is not told"; }
 echo "sim: killed, and told so"

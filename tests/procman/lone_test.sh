@@ -5,6 +5,7 @@
 #   lone_test.sh BIN_DIR
 set -euo pipefail
 bin=$1
+. "$(dirname "$(readlink -f "$0")")/../support/until_true.sh"
 work=$(mktemp -d)
 # Nothing is left running, also when the test fails.
 trap 'jobs -p | xargs -r kill 2>/dev/null || true; wait; rm -rf "$work"' EXIT
@@ -27,7 +28,6 @@ mine() { { grep -lsz "^NODMAP_LONE=$work\$" /proc/[0-9]*/environ | cut -d/ -f3 |
 done; } 2>/dev/null || true; }
 sleeper() { mine "sleep 1000 "; }
 left_over() { sleeper; mine "*/nodmap-*"; }
-wait_for() { for _ in $(seq 200); do "$@" && return; sleep 0.05; done; fail "waited in vain for: $*"; }
 is_up() { [[ -n "$(sleeper)" ]]; }
 is_asleep_no_more() { [[ -z "$(sleeper)" ]]; }
 is_gone() { [[ -z "$(left_over)" ]]; }
@@ -35,14 +35,14 @@ is_gone() { [[ -z "$(left_over)" ]]; }
 for signal in INT TERM KILL; do
   setsid env --default-signal=INT "$bin/nodmap-sheriff" "$work/a.pmd" --lone --script up --on-script-complete stay >"$work/$signal.log" 2>&1 &
   sheriff=$!
-  wait_for is_up
+  until_true is_up
   nice=$(ps -o ni= -p "$(sleeper)" | tr -d ' ')
   [[ "$nice" -ge 7 ]] || fail "the priority is $nice"
-  wait_for grep -q "script up is done" "$work/$signal.log"
+  until_true grep -q "script up is done" "$work/$signal.log"
   code=0
   kill -"$signal" "$sheriff"
   wait "$sheriff" 2>/dev/null || code=$?
-  wait_for is_gone
+  until_true is_gone
   [[ $signal == KILL || $code -eq 0 ]] || fail "exit code $code after SIG$signal"
   echo "SIG$signal: everything has ended"
 done
@@ -53,22 +53,22 @@ for _ in $(seq 20); do
   timeout --signal=KILL 10 "$bin/nodmap-sheriff" "$work/a.pmd" --lone --script pu >"$work/typo.log" 2>&1 || code=$?
   [[ $code -eq 2 ]] && grep -q 'has no script "pu"' "$work/typo.log" || fail "exit code $code after a script that does not exist"
 done
-wait_for is_gone
+until_true is_gone
 echo "a script that does not exist ends a lone sheriff"
 
 "$bin/nodmap-deputy" "$work/a.pmd" --id here 2>"$work/deputy.log" &
 deputy=$!
-wait_for grep -q serving "$work/deputy.log"
+until_true grep -q serving "$work/deputy.log"
 # A sheriff that stays repeats its orders to a deputy that was killed and started again.
 "$bin/nodmap-sheriff" "$work/a.pmd" --script up --on-script-complete stay >"$work/stay.log" 2>&1 &
 sheriff=$!
-wait_for grep -q "script up is done" "$work/stay.log"
+until_true grep -q "script up is done" "$work/stay.log"
 kill -KILL "$deputy"
 wait "$deputy" 2>/dev/null || true
-wait_for is_asleep_no_more
+until_true is_asleep_no_more
 "$bin/nodmap-deputy" "$work/a.pmd" --id here 2>"$work/deputy.log" &
 deputy=$!
-wait_for is_up
+until_true is_up
 kill -TERM "$sheriff"
 wait "$sheriff" || true
 echo "a killed deputy takes up its commands again"
@@ -78,7 +78,7 @@ for stop in "half has failed" "endless sleeper: Restarting"; do
   read -r script said <<<"$stop"
   "$bin/nodmap-sheriff" "$work/a.pmd" --script "$script" --on-script-complete stay >"$work/$script.log" 2>&1 &
   sheriff=$!
-  wait_for grep -q "$said" "$work/$script.log"
+  until_true grep -q "$said" "$work/$script.log"
   kill -TERM "$sheriff"
   wait "$sheriff" || fail "a sheriff that is stopped after '$said' ends with exit code $?"
 done
@@ -88,7 +88,7 @@ echo "a sheriff that was to stay ends well when it is stopped, whatever became o
 # The command wrote its output when nobody was listening.
 "$bin/nodmap-sheriff" "$work/a.pmd" --output failing >"$work/output.log" 2>&1 &
 listener=$!
-wait_for grep -q "/no/such/file" "$work/output.log"
+until_true grep -q "/no/such/file" "$work/output.log"
 kill -TERM "$listener"
 wait "$listener" || true
 grep -q "failing: .*/no/such/file" "$work/deputy.log" || fail "the deputy's log has not the last words"
