@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 
 #include "common/node/log.hpp"
-#include "common/node/map_tile.hpp"
 #include "common/node/messages.hpp"
 
 namespace nodmap::explorer {
@@ -57,6 +56,7 @@ ExplorerNode::ExplorerNode(node::Context& context, const Params& params)
     : context_(context),
       params_(params),
       input_(context.counts, &context.bus),
+      map_input_(context.counts, context.bus),
       explorer_(params),
       goal_sender_(context.bus) {
   bus::Bus& bus = context.bus;
@@ -74,25 +74,14 @@ ExplorerNode::ExplorerNode(node::Context& context, const Params& params)
 }
 
 void ExplorerNode::on_map(const nodmap::grid_chunk_t& message) {
-  const auto tile = node::read_map_tile(message);
-  if (!tile) {
-    context_.counts.reject("implausible_map_tile");
+  const auto read = map_input_.read(message);
+  if (!read) {
     return;
   }
-  slam_sender_ = slam_sender_.value_or(context_.bus.origin().sender);
-  if (*slam_sender_ != context_.bus.origin().sender) {
-    context_.counts.reject("map_tile_of_other_sender");
-    return;
-  }
-  const auto map = map_revision_.classify(message.map_revision);
-  if (map == node::MapRevision::Tile::kLate) {
-    context_.counts.reject("map_tile_of_older_revision");
-    return;
-  }
-  if (map == node::MapRevision::Tile::kOfNewMap) {
+  if (read->begins_map) {
     begin_new_map();
   }
-  if (!explorer_.add(*tile)) {
+  if (!explorer_.add(read->tile)) {
     context_.counts.reject("map_tile_of_unusable_size");
     return;
   }
@@ -121,22 +110,14 @@ void ExplorerNode::on_pose(const nodmap::pose_t& message) {
     return;
   }
   context_.counts.use();
-  watch_2d_slam();
+  if (map_input_.follow_pose()) {
+    begin_new_map();
+  }
   is_lost_ = message.state == nodmap::pose_t::LOST;
   if (!is_lost_) {
     T_map_odom_ = geometry::to_se2(*T_map_odom);
     posed_ = node::stamp_of(message);
   }
-}
-
-// A 2D SLAM that was restarted, or a second one, has another map.
-void ExplorerNode::watch_2d_slam() {
-  const bus::Sender sender = context_.bus.origin().sender;
-  if (slam_sender_ && *slam_sender_ != sender) {
-    begin_new_map();
-    map_revision_ = {};
-  }
-  slam_sender_ = sender;
 }
 
 // Poses of 2D SLAM come with level scans, one a second when the robot is slow. Odometry says where

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "common/node/goal_sender.hpp"
-#include "common/node/map_revision.hpp"
+#include "common/node/map_2d_input.hpp"
 #include "common/node/node.hpp"
 #include "common/node/sensor_input.hpp"
 #include "common/node/stop_latch.hpp"
@@ -50,7 +50,6 @@ class ExplorerNode final : public node::Node {
   void on_map(const nodmap::grid_chunk_t& message);
   void begin_new_map();
   void on_pose(const nodmap::pose_t& message);
-  void watch_2d_slam();
   void on_odometry(const nodmap::odometry_t& message);
   void on_navigation(const nodmap::navigation_t& message);
   void on_path(const nodmap::path_t& message);
@@ -76,12 +75,9 @@ class ExplorerNode final : public node::Node {
   node::Context& context_;
   Params params_;
   node::SensorInput input_;
+  node::Map2dInput map_input_;
   Explorer explorer_;
 
-  // Of the last POSE_2D; before the first, of MAP_2D: a map is in the frame of the same process's
-  // poses.
-  std::optional<bus::Sender> slam_sender_;
-  node::MapRevision map_revision_;
   std::optional<geometry::SE2> T_map_odom_;
   std::optional<time::Timestamp> posed_;  // stamp of the last pose
   std::optional<geometry::SE2> T_odom_base_;

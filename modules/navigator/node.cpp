@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "common/node/goal_sender.hpp"
-#include "common/node/map_tile.hpp"
 #include "common/node/messages.hpp"
 #include "common/scan/ego_map_points.hpp"
 #include "modules/navigator/inputs/inhibit_reason.hpp"
@@ -29,6 +28,7 @@ NavigatorNode::NavigatorNode(node::Context& context, const Params& params)
     : context_(context),
       params_(params),
       input_(context.counts, &context.bus),
+      map_input_(context.counts, context.bus),
       navigator_(params),
       display_(context.bus) {
   if (!params.geofence.empty()) {
@@ -217,7 +217,11 @@ void NavigatorNode::on_pose(const nodmap::pose_t& message) {
     return;
   }
   if (T_map_odom) {
-    watch_map_frame();
+    if (map_input_.follow_pose()) {
+      newest_.forget_map_frame();
+      map_2d_.clear();
+      navigator_.forget_map();
+    }
     newest_.pose.is_degraded = message.state == nodmap::pose_t::DEGRADED;
     newest_.pose.is_lost = message.state == nodmap::pose_t::LOST;
   }
@@ -241,40 +245,16 @@ void NavigatorNode::on_pose(const nodmap::pose_t& message) {
   watch_slip(message);
 }
 
-// A 2D SLAM that was restarted has another map, or at least may have one: it does not say.
-void NavigatorNode::watch_map_frame() {
-  const bus::Sender sender = context_.bus.origin().sender;
-  if (pose_sender_ && *pose_sender_ != sender) {
-    newest_.forget_map_frame();
-    map_2d_.clear();
-    map_revision_ = {};
-    navigator_.forget_map();
-  }
-  pose_sender_ = sender;
-}
-
-// The 2D map changes the plan, and nothing that keeps the robot from hitting something. It must be
-// in the frame of the pose, so it is taken only from the process whose poses are used. In a
-// recording the sender does not tell that 2D SLAM has begun another map; the revision does.
+// The 2D map changes the plan, and nothing that keeps the robot from hitting something.
 void NavigatorNode::on_map_tile(const nodmap::grid_chunk_t& message) {
-  const auto tile = node::read_map_tile(message);
-  if (!tile) {
-    context_.counts.reject("implausible_map_tile");
+  const auto read = map_input_.read(message);
+  if (!read) {
     return;
   }
-  if (pose_sender_ != context_.bus.origin().sender) {
-    context_.counts.reject("map_tile_without_pose");
-    return;
-  }
-  const auto map = map_revision_.classify(message.map_revision);
-  if (map == node::MapRevision::Tile::kLate) {
-    context_.counts.reject("map_tile_of_older_revision");
-    return;
-  }
-  if (map == node::MapRevision::Tile::kOfNewMap) {
+  if (read->begins_map) {
     map_2d_.clear();
   }
-  if (!map_2d_.add(*tile)) {
+  if (!map_2d_.add(read->tile)) {
     context_.counts.reject("map_tile_of_unusable_size");
     return;
   }

@@ -10,7 +10,7 @@
 
 #include "common/geometry/pose_history.hpp"
 #include "common/geometry/time.hpp"
-#include "common/node/map_revision.hpp"
+#include "common/node/map_2d_input.hpp"
 #include "common/node/node.hpp"
 #include "common/node/sensor_input.hpp"
 #include "common/node/stop_latch.hpp"
@@ -64,7 +64,6 @@ class NavigatorNode final : public node::Node {
   void on_stop(const nodmap::stop_t& message);
 
   [[nodiscard]] bool follow_sender(InputSenders::Input input);
-  void watch_map_frame();
   void watch_slip(const nodmap::pose_t& message);
   [[nodiscard]] bool may_notice_slip() const;
   void leave_contact(const geometry::SE2& T_odom_before);
@@ -76,6 +75,7 @@ class NavigatorNode final : public node::Node {
   node::Context& context_;
   Params params_;
   node::SensorInput input_;
+  node::Map2dInput map_input_;
   node::StopLatch stop_latch_;
   std::optional<Geofence> geofence_;
   Map2d map_2d_;
@@ -88,8 +88,6 @@ class NavigatorNode final : public node::Node {
 
   node::SequenceCounter pitch_commands_watch_;
   InputSenders senders_;
-  std::optional<bus::Sender> pose_sender_;  // of the last POSE_2D
-  node::MapRevision map_revision_;
   node::SequenceCounter pitch_states_watch_;
   time::Timestamp odometry_frame_began_{};
   bool odom_frame_is_new_ = false;  // since the odometry used last

@@ -52,6 +52,9 @@ TEST(MapTile, ImplausibleTilesAreRefused) {
   EXPECT_TRUE(is_refused([](auto& m) { m.origin_y_m = 1e9; }));
   EXPECT_TRUE(is_refused([](auto& m) { m.tile_x = -1; }));
   EXPECT_TRUE(is_refused([](auto& m) { m.grid_height = m.tile_y = kMost; }));
+  EXPECT_TRUE(is_refused([](auto& m) { m.tile_x = 3; })) << "it extends beyond the grid";
+  EXPECT_TRUE(is_refused([](auto& m) { m.tile_y = 1; }));
+  EXPECT_TRUE(is_refused([](auto& m) { m.grid_width = kMost; }));
   EXPECT_TRUE(is_refused([](auto& m) { m.cells.clear(); }));
   EXPECT_TRUE(is_refused([](auto& m) { m.tile_width = 0; }));
   EXPECT_TRUE(is_refused([](auto& m) { m.tile_width = m.tile_height = -2; }));

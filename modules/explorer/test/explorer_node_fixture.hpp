@@ -21,6 +21,7 @@ class ExplorerNodeTest : public ::testing::Test {
     world_.add_wall({-0.5, -1.0}, {5.0, -1.0});
     world_.add_wall({-0.5, 1.0}, {5.0, 1.0});
     world_.scan({0.0, 0.0, 0.0});
+    bus_.deliver("POSE_2D", pose_message());  // the map is in the frame of the poses
   }
 
   void give_map(std::int64_t revision = 0) { bus_.deliver("MAP_2D", map_message(revision)); }

@@ -213,7 +213,7 @@ TEST_F(ExplorerNodeTest, OnlyTheMapOfTheProcessThatSendsThePosesIsUsed) {
   EXPECT_EQ(give_pose().state, nodmap::exploration_t::EXPLORING);
   bus_.deliver_from(kOther, "MAP_2D", map_message(0));
   bus_.deliver_from(kOther, "MAP_2D", map_message(1));
-  EXPECT_EQ(counts_.rejected().at("map_tile_of_other_sender"), 2);
+  EXPECT_EQ(counts_.rejected().at("map_tile_without_pose"), 2);
   EXPECT_EQ(give_pose().state, nodmap::exploration_t::EXPLORING);
   bus_.deliver_from(kOther, "POSE_2D", pose_message());
   EXPECT_EQ(give_pose().reason, "The 2D map was restarted.");
