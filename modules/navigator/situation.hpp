@@ -37,6 +37,7 @@ struct Situation {
 
   // Added by Surroundings::complete(), the trail by Navigator:
   Points doubtful_base;                  ///< doubtful ground, see LocalMap::doubtful_points_base()
+  Points unseen_ahead_base;              ///< see LocalMap::unseen_ahead_base()
   Points possible_ramps_down_base;       ///< see LocalMap::possible_ramps_down_base()
   People people;                         ///< people who walk, in base
   const SeenDirections* seen = nullptr;  ///< null: none

@@ -56,7 +56,9 @@ Arc Brake::measure_arc(double curvature, bool creeps, const Situation& now) cons
 
 Arc Brake::measure_corridor(double curvature, double side_margin_m, double stop_margin_m,
                             const Situation& now) const {
-  const double distance_m = free_distance(now.points_base, curvature, body_, side_margin_m);
+  const double distance_m =
+      std::min(free_distance(now.points_base, curvature, body_, side_margin_m),
+               free_distance(now.unseen_ahead_base, curvature, body_, side_margin_m));
   return {curvature, distance_m, stop_margin_m, stoppable_mps(distance_m - stop_margin_m)};
 }
 

@@ -19,6 +19,7 @@ LocalMap::LocalMap(const robot::RobotParams& robot, const LocalMapParams& params
       // Where the lowest beam meets the floor, and one line farther.
       blind_m_(robot.mount.x_m + 1.1 * robot.mount.z_m / std::tan(-robot.head.pitch_min_rad) +
                0.05),
+      set_down_(blind_m_),
       params_(params),
       grid_(params.cell_size_m, 9),
       ground_(params.ground),
@@ -103,15 +104,7 @@ void LocalMap::move(const geometry::SE2& T_odom_base) {
   const bool is_first = !T_odom_base_;
   T_odom_base_ = T_odom_base;
   if (is_first) {
-    // The robot was set down on floor; it is assumed as far as the laser does not see.
-    for (double x = -blind_m_; x <= blind_m_; x += 0.5 * grid_.cell_size_m()) {
-      for (double y = -blind_m_; y <= blind_m_; y += 0.5 * grid_.cell_size_m()) {
-        // A laser that cannot look down steeply is blind beyond the grid.
-        if (LocalCell* cell = grid_.find(T_odom_base * Eigen::Vector2d(x, y))) {
-          cell->is_floor = cell->is_assumed = true;
-        }
-      }
-    }
+    set_down_.begin(grid_, T_odom_base.translation());
   }
 }
 
@@ -350,6 +343,18 @@ Points LocalMap::doubtful_points_base(const geometry::SE2& T_odom_base, double r
       points.push_back(p_base());
     }
   });
+  return points;
+}
+
+Points LocalMap::unseen_ahead_base(const geometry::SE2& T_odom_base) const {
+  const geometry::SE2 T_base_odom = T_odom_base.inverse();
+  Points points;
+  for (const auto& p_odom : set_down_.never_seen_around(grid_, T_odom_base.translation())) {
+    const Eigen::Vector2d p_base = T_base_odom * p_odom;
+    if (p_base.x() > body_.half_length_m) {
+      points.push_back(p_base);
+    }
+  }
   return points;
 }
 

@@ -18,6 +18,7 @@
 #include "modules/navigator/local_map/low_hits.hpp"
 #include "modules/navigator/local_map/obstacle_memory.hpp"
 #include "modules/navigator/local_map/seen_floor.hpp"
+#include "modules/navigator/local_map/set_down_place.hpp"
 #include "modules/navigator/obstacle_points.hpp"
 #include "modules/navigator/params.hpp"
 
@@ -65,6 +66,10 @@ class LocalMap {
   /// seen there, or an obstacle there has been forgotten and no beam has passed through its place
   /// since. The ground on which the robot was set down counts as seen.
   [[nodiscard]] Points doubtful_points_base(const geometry::SE2& T_odom_base, double range_m) const;
+
+  /// Ground ahead of the body, in base, at which the laser has never looked, near the place where
+  /// the robot was set down (see SetDownPlace).
+  [[nodiscard]] Points unseen_ahead_base(const geometry::SE2& T_odom_base) const;
 
   /// Places within `range_m` of base, in base, where beams have passed through the floor, down to
   /// what could be a ramp: there is one, or a hole, but no floor on which the robot may drive
@@ -125,6 +130,7 @@ class LocalMap {
   robot::Footprint body_;
   double top_m_;
   double blind_m_;
+  SetDownPlace set_down_;
   LocalMapParams params_;
   LocalGrid grid_;
   std::optional<geometry::SE2> T_odom_base_;

@@ -178,6 +178,7 @@ void Surroundings::add_local_map(Situation& now) const {
   if (now.needs_seen_floor()) {
     now.doubtful_base =
         local_map_.doubtful_points_base(now.T_odom_base, body_.turning_radius_m() + kDoubtfulM);
+    now.unseen_ahead_base = local_map_.unseen_ahead_base(now.T_odom_base);
     now.possible_ramps_down_base =
         local_map_.possible_ramps_down_base(now.T_odom_base, longest_stop_m());
   }

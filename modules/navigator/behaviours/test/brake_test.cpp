@@ -207,6 +207,22 @@ TEST(Brake, RotatesSlowlyOverGroundThatIsNotKnownToBeFree) {
   EXPECT_NEAR(rotate(-deg_to_rad(15.0), {{0.1, -0.153}}), -deg_to_rad(10.0), 1e-12);
 }
 
+// The robot turns right past ground at which its laser has never looked.
+TEST(Brake, GroundAtWhichTheLaserHasNeverLookedIsAnObstacle) {
+  const Brake brake(NavigatorParams{});
+  const Points points = {{0.4, -0.3}};
+  Situation never_looked;
+  never_looked.unseen_ahead_base = points;
+  Situation obstacle;
+  obstacle.points_base = points;
+  for (const double curvature : {0.0, -1.5}) {
+    const Arc arc = brake.measure_arc(curvature, never_looked);
+    EXPECT_EQ(arc.free_distance_m, brake.measure_arc(curvature, obstacle).free_distance_m);
+    EXPECT_EQ(arc.speed_mps, brake.measure_arc(curvature, obstacle).speed_mps);
+    EXPECT_EQ(arc.free_distance_m < 0.3, curvature != 0.0);
+  }
+}
+
 // An arc to the left swings the rear to the right.
 TEST(Brake, SwingsItsRearSlowlyOverGroundThatIsNotKnownToBeFree) {
   const Brake brake(NavigatorParams{});

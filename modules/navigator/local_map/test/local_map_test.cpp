@@ -303,6 +303,21 @@ TEST(LocalMap, GroundThatWasNotSeenIsDoubtful) {
   }
 }
 
+// The lowest beam meets the floor at 0.44 m. Beyond, whether the robot turns or not, floor must be
+// seen.
+TEST(LocalMap, FloorIsAssumedOnlyWhereTheLaserDoesNotSeeIt) {
+  LocalMap map({}, {});
+  map.add_scan(blind_scan(), {1.0, 2.0, 0.5});
+  for (double angle_rad = 0.0; angle_rad < 2.0 * geometry::kPi; angle_rad += 0.1) {
+    const Eigen::Vector2d direction(std::cos(angle_rad), std::sin(angle_rad));
+    const auto is_floor = [&](double range_m) {
+      return map.cell_at(Eigen::Vector2d(1.0, 2.0) + range_m * direction)->is_floor;
+    };
+    EXPECT_TRUE(is_floor(0.42)) << angle_rad;
+    EXPECT_FALSE(is_floor(0.48)) << angle_rad;
+  }
+}
+
 TEST(LocalMap, PointsOfAWalkerAreNotAddedToTheMap) {
   LocalMap map({}, {});
   const Ground ground{{{{0.9, -0.2}, {1.1, 0.2}, 0.45}}};

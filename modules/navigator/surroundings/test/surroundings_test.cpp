@@ -57,7 +57,11 @@ TEST(Surroundings, ObstaclesOfTheLocalMapAreJoined) {
   EXPECT_TRUE(has_point_near(now.points_base, {1.9, 0.0}, 0.05)) << "two cells";
   EXPECT_EQ(now.local_map, &surroundings.local_map());
   EXPECT_TRUE(now.needs_seen_floor());
-  EXPECT_FALSE(now.doubtful_base.empty());
+  EXPECT_FALSE(now.unseen_ahead_base.empty());
+  for (const Eigen::Vector2d& p : now.unseen_ahead_base) {
+    EXPECT_GT(p.x(), robot::Body{}.footprint().half_length_m);
+  }
+  EXPECT_LT(now.unseen_ahead_base.size(), now.doubtful_base.size()) << "some is beside it";
 
   held.laser_is_held = true;
   surroundings.complete(held);
@@ -65,6 +69,7 @@ TEST(Surroundings, ObstaclesOfTheLocalMapAreJoined) {
   EXPECT_EQ(held.local_map, &surroundings.local_map());
   EXPECT_FALSE(held.needs_seen_floor());
   EXPECT_TRUE(held.doubtful_base.empty());
+  EXPECT_TRUE(held.unseen_ahead_base.empty());
 }
 
 TEST(Surroundings, TheGeofenceStandsWhereThePoseInMapSays) {
