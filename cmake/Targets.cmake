@@ -49,10 +49,10 @@ if(NODMAP_TESTS)
   target_compile_options(nodmap_test_pch PRIVATE $<$<CONFIG:Release>:-O1>)
 endif()
 
-# nodmap_join_sources(TARGET): up to eight of its sources are compiled as one.
+# nodmap_join_sources(TARGET): up to sixteen of its sources are compiled as one.
 function(nodmap_join_sources name)
   if(NODMAP_JOIN)
-    set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+    set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 16)
     # g++ takes a joined source for a header, in which a class with a member of an unnamed namespace would be a mistake.
     target_compile_options(${name} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
   endif()

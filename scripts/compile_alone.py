@@ -6,7 +6,7 @@ usage: compile_alone.py BUILD_DIR [--all | --changed]
     --all       every source; without it, all but the tests
     --changed   only sources that changed, or whose header of the same name did, as run_clang_tidy.py takes them
 
-The build compiles up to eight sources as one. One of them may therefore use a constant or an include of another without anyone noticing, and
+The build compiles up to sixteen sources as one. One of them may therefore use a constant or an include of another without anyone noticing, and
 change its meaning when that one does.
 """
 import argparse

@@ -46,8 +46,6 @@ MotionEstimate<N> solve_motion(const Information<N>& measurement,
   return estimate;
 }
 
-template MotionEstimate<3> solve_motion(const Information<3>&, const Eigen::Matrix<double, 3, 3>&,
-                                        const Information<3>&);
 template MotionEstimate<6> solve_motion(const Information<6>&, const Eigen::Matrix<double, 6, 6>&,
                                         const Information<6>&);
 template MotionEstimate<12> solve_motion(const Information<12>&,

@@ -30,7 +30,7 @@ struct MotionEstimate {
 /// constrain the position along the corridor. This part is subtracted along each eigenvector of the
 /// measurement (relative to the prior).
 ///
-/// N: 6 or 12, and 3 for tests; compiled for these alone, as that takes seconds.
+/// N: 6 or 12; compiled for these alone, as that takes seconds.
 template <int N>
 [[nodiscard]] MotionEstimate<N> solve_motion(const Information<N>& measurement,
                                              const Eigen::Matrix<double, N, N>& imitated,

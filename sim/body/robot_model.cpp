@@ -18,7 +18,7 @@
 namespace nodmap::sim {
 namespace {
 
-constexpr double kStepS = time::seconds(MotionHistory::kStep);
+constexpr double kMotionStepS = time::seconds(MotionHistory::kStep);
 // Makes the wheels' random numbers independent of the laser's.
 constexpr std::uint64_t kSlipStream = 0x9e3779b97f4a7c15;
 
@@ -98,7 +98,7 @@ void RobotModel::State::step() {
 // Moves the robot, unless an obstacle, a step or an edge blocks it.
 void RobotModel::State::drive() {
   const geometry::SE2 T_world_before = base.T_world_base();
-  base.step(kStepS);
+  base.step(kMotionStepS);
   // An upper bound of the speed of all points of the body.
   const double speed_mps =
       std::abs(base.forward_mps()) + corner_m() * std::abs(base.yaw_rate_rad_s());

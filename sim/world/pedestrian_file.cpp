@@ -21,7 +21,7 @@ namespace {
 
 constexpr double kWindowS = 120.0;
 constexpr double kRadiusM = 0.25;
-constexpr double kBorderM = 1.5;
+constexpr double kWallMarginM = 1.5;
 constexpr double kHalfCrossingM = 5.0;
 constexpr double kMaxPedestrian = 1e9;
 
@@ -110,7 +110,7 @@ World load_pedestrians(const std::filesystem::path& file, double frames_per_s, s
       builder.actor(make_actor(track, begin_s));
     }
   }
-  builder.walls_around(min.array() - kBorderM, max.array() + kBorderM);
+  builder.walls_around(min.array() - kWallMarginM, max.array() + kWallMarginM);
   const Eigen::Vector2d middle = 0.5 * (min + max);
   const double angle_rad = builder.between(-geometry::kPi, geometry::kPi);
   const Eigen::Vector2d along(std::cos(angle_rad), std::sin(angle_rad));

@@ -6,29 +6,31 @@
 #include <limits>
 #include <random>
 
+#include "common/registration/dense_solvers.hpp"
+
 namespace nodmap::registration {
 namespace motion_solver_test {
 
-using Vector3 = Eigen::Matrix<double, 3, 1>;
-using Matrix3 = Eigen::Matrix<double, 3, 3>;
-
-Information<3> evidence(const Vector3& mean, const Vector3& sigma) {
-  Information<3> information;
+Information<6> evidence(const Vector6d& mean, const Vector6d& sigma) {
+  Information<6> information;
   information.H = sigma.cwiseAbs2().cwiseInverse().asDiagonal();
   information.b = information.H * mean;
   return information;
 }
 
+const Matrix6d kNothingImitated = Matrix6d::Zero();
+
 // The closed form for two normal distributions of one number: the mean weighted by inverse
 // variance.
 TEST(MotionSolver, WeightsMeasurementAndPriorByInverseVariance) {
   const auto estimate =
-      solve_motion(evidence({1.0, 2.0, 3.0}, {0.1, 0.2, 1.0}), Matrix3(Matrix3::Zero()),
-                   evidence({0.0, 0.0, 0.0}, {0.1, 0.1, 0.5}));
+      solve_motion(evidence({1.0, 2.0, 3.0, 4.0, 5.0, 6.0}, {0.1, 0.2, 1.0, 0.1, 0.1, 0.1}),
+                   kNothingImitated, evidence(Vector6d::Zero(), {0.1, 0.1, 0.5, 0.1, 0.1, 0.1}));
   ASSERT_TRUE(estimate.is_valid);
   EXPECT_NEAR(estimate.x[0], 0.5, 1e-12);
   EXPECT_NEAR(estimate.x[1], 2.0 / 5.0, 1e-12);
   EXPECT_NEAR(estimate.x[2], 3.0 / 5.0, 1e-12);
+  EXPECT_NEAR(estimate.x[5], 3.0, 1e-12);
   EXPECT_NEAR(estimate.covariance(1, 1), 1.0 / (1.0 / 0.04 + 1.0 / 0.01), 1e-12);
 }
 
@@ -37,20 +39,24 @@ TEST(MotionSolver, WeightsMeasurementAndPriorByInverseVariance) {
 TEST(MotionSolver, ADegenerateDirectionKeepsThePrior) {
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
+  const auto any_vector = [&] {
+    return Vector6d{normal(random), normal(random), normal(random),
+                    normal(random), normal(random), normal(random)};
+  };
   for (int run = 0; run < 20; ++run) {
-    Vector3 open(normal(random), normal(random), normal(random));
-    open.normalize();
-    Information<3> measurement;
+    const Vector6d open = any_vector().normalized();
+    Information<6> measurement;
     for (int i = 0; i < 50; ++i) {
-      Vector3 row(normal(random), normal(random), normal(random));
+      Vector6d row = any_vector();
       row -= row.dot(open) * open;
       measurement.H += 1e6 * row * row.transpose();
     }
-    const Vector3 truth = Vector3(1.0, 2.0, 3.0) - Vector3(1.0, 2.0, 3.0).dot(open) * open;
+    Vector6d truth{1.0, 2.0, 3.0, 4.0, 5.0, 6.0};
+    truth -= truth.dot(open) * open;
     measurement.b = measurement.H * truth;
-    const Vector3 prior_mean = truth + 0.3 * open;
+    const Vector6d prior_mean = truth + 0.3 * open;
     const auto estimate =
-        solve_motion(measurement, Matrix3(Matrix3::Zero()), evidence(prior_mean, {0.1, 0.1, 0.1}));
+        solve_motion(measurement, kNothingImitated, evidence(prior_mean, 0.1 * Vector6d::Ones()));
     ASSERT_TRUE(estimate.is_valid);
     // Rounding of a system whose condition number is about 1e6.
     EXPECT_LT((estimate.x - prior_mean).norm(), 1e-8);
@@ -59,14 +65,14 @@ TEST(MotionSolver, ADegenerateDirectionKeepsThePrior) {
 }
 
 // In x all of the measurement's information is imitated, so that only the prior is left. In y it is
-// half of it, in z none.
+// half of it, in the others none.
 TEST(MotionSolver, SubtractsImitatedInformation) {
-  const Information<3> measurement = evidence({1.0, 1.0, 1.0}, {0.1, 0.1, 0.1});
-  Matrix3 imitated = Matrix3::Zero();
+  const Information<6> measurement = evidence(Vector6d::Ones(), 0.1 * Vector6d::Ones());
+  Matrix6d imitated = Matrix6d::Zero();
   imitated(0, 0) = 100.0;
   imitated(1, 1) = 50.0;
-  const auto estimate =
-      solve_motion(measurement, imitated, evidence(Vector3::Zero(), {0.1, 0.1, 0.5}));
+  const auto estimate = solve_motion(measurement, imitated,
+                                     evidence(Vector6d::Zero(), {0.1, 0.1, 0.5, 0.1, 0.1, 0.1}));
   ASSERT_TRUE(estimate.is_valid);
   EXPECT_NEAR(estimate.x[0], 0.0, 1e-12);
   EXPECT_NEAR(estimate.covariance(0, 0), 0.01, 1e-12);
@@ -75,13 +81,13 @@ TEST(MotionSolver, SubtractsImitatedInformation) {
 }
 
 TEST(MotionSolver, InputThatIsNotFiniteOrWithoutPriorIsInvalid) {
-  Information<3> measurement = evidence(Vector3::Ones(), Vector3::Ones());
-  EXPECT_FALSE(solve_motion(measurement, Matrix3(Matrix3::Zero()), Information<3>{}).is_valid);
+  Information<6> measurement = evidence(Vector6d::Ones(), Vector6d::Ones());
+  EXPECT_FALSE(solve_motion(measurement, kNothingImitated, Information<6>{}).is_valid);
   measurement.b[0] = std::numeric_limits<double>::quiet_NaN();
-  const auto estimate = solve_motion(measurement, Matrix3(Matrix3::Zero()),
-                                     evidence(Vector3::Zero(), Vector3::Ones()));
+  const auto estimate =
+      solve_motion(measurement, kNothingImitated, evidence(Vector6d::Zero(), Vector6d::Ones()));
   EXPECT_FALSE(estimate.is_valid);
-  EXPECT_EQ(estimate.x, Vector3::Zero());
+  EXPECT_EQ(estimate.x, Vector6d::Zero());
 }
 
 }  // namespace motion_solver_test

@@ -12,7 +12,7 @@ namespace {
 using Kind = TurnCommand::Kind;
 
 // A rotation ends this far before an obstacle; a shorter one is not begun.
-constexpr double kMinRotationRad = geometry::deg_to_rad(5.0);
+constexpr double kMinTurnRad = geometry::deg_to_rad(5.0);
 // Backs up until it can rotate this far. Less has just been tried.
 constexpr double kWorthwhileRotationRad = geometry::deg_to_rad(150.0);
 // After backing up it rotates at least this far.
@@ -88,7 +88,7 @@ void Turn::pause(time::Timestamp stamp) {
 }
 
 TurnCommand Turn::rotate(const TurnInput& input) {
-  const double needed_rad = backs_up_ ? kWorthwhileRotationRad : kMinRotationRad;
+  const double needed_rad = backs_up_ ? kWorthwhileRotationRad : kMinTurnRad;
   if (input.on(side_).free_rotation_rad < needed_rad && (!reversed_ || backs_up_)) {
     side_ = opposite(side_);
     reversed_ = true;

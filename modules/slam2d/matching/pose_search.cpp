@@ -13,7 +13,7 @@
 namespace nodmap::slam2d {
 namespace {
 
-constexpr double kStepM = LatticeScores::kStepM;  // ICP converges from half of it
+constexpr double kLatticeStepM = LatticeScores::kStepM;  // ICP converges from half of it
 constexpr double kMaxStepRad = geometry::deg_to_rad(4.0);
 constexpr std::size_t kNumPoints = 90;  // enough to rank poses; 45 misplace a rotation of mit-csail
 constexpr std::size_t kMaxCandidates = 10;
@@ -42,7 +42,8 @@ double rotation_step_rad(std::span<const OrientedPoint> scan) {
     sum_m2 += point.p.squaredNorm();
   }
   const double distance_m = std::sqrt(sum_m2 / std::max(1.0, static_cast<double>(scan.size())));
-  return std::min(kMaxStepRad, std::numbers::sqrt2 * kStepM / std::max(distance_m, kStepM));
+  return std::min(kMaxStepRad,
+                  std::numbers::sqrt2 * kLatticeStepM / std::max(distance_m, kLatticeStepM));
 }
 
 }  // namespace
@@ -68,9 +69,9 @@ std::optional<Match> PoseSearch::find_better(const ScanMatcher& matcher, const P
 double PoseSearch::cost(const geometry::SE2& pose, std::span<const geometry::SE2> guesses) const {
   double least = std::numeric_limits<double>::infinity();
   for (const geometry::SE2& guess : guesses) {
-    least = std::min(
-        least, geometry::rotation_rad(pose, guess) / (0.5 * geometry::kPi) +
-                   geometry::distance_m(pose, guess) / std::max(2.0 * params_.distance_m, kStepM));
+    least = std::min(least, geometry::rotation_rad(pose, guess) / (0.5 * geometry::kPi) +
+                                geometry::distance_m(pose, guess) /
+                                    std::max(2.0 * params_.distance_m, kLatticeStepM));
   }
   return kDeviationCost * least;
 }
@@ -79,7 +80,7 @@ std::vector<PoseSearch::Candidate> PoseSearch::poses_around(
     const PointMap& map, std::span<const OrientedPoint> scan,
     std::span<const geometry::SE2> guesses) const {
   const geometry::SE2& guess = guesses.front();
-  const int steps = geometry::whole_steps(params_.distance_m, kStepM);
+  const int steps = geometry::whole_steps(params_.distance_m, kLatticeStepM);
   const double step_rad = rotation_step_rad(scan);
   const int rotations = static_cast<int>(params_.rotation_rad / step_rad);
   LatticeScores scores(map, guess.translation(), steps);
