@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <future>
 #include <limits>
 #include <vector>
 
@@ -88,23 +89,40 @@ class MappingTest : public ::testing::Test {
 // of the means is 1.045 (7.9 to 7.6 mm), of the first eight 1.21, and 0.97 in other drives of the
 // same eight seeds; R39 permits 1.2.
 TEST_F(MappingTest, R39_NoddingCostsNoQualityOfThe2dMap) {
-  double nodding_m = 0.0;
-  double level_m = 0.0;
-  constexpr std::uint64_t kNumSeeds = 16;
-  for (std::uint64_t seed = 1001; seed <= 1000 + kNumSeeds; ++seed) {
+  struct Errors {
+    double nodding_m = 0.0;
+    double level_m = 0.0;
+    double least_distance_m = std::numeric_limits<double>::infinity();
+  };
+  const auto drive = [this](std::uint64_t seed, Errors& sums) {
     TrialSetup trial = setup("office", seed, 25.0);
     trial.without = {"slam6d"};
     trial.level_laser = true;
     trial.params.set_assignment("sim.odometry_scale_bias=0.03");
     const auto dir = folder(std::to_string(seed));
     const TrialOutcome outcome = run(trial, dir);
-    ASSERT_GT(drive_metrics(outcome.record).distance_m, 5.0);
     const auto result = summarise(trial, outcome, dir);
-    nodding_m += result["slam2d"]["ate_rmse_m"].get<double>() / kNumSeeds;
-    level_m += result["slam2d_level"]["ate_rmse_m"].get<double>() / kNumSeeds;
-  }
+    sums.nodding_m += result["slam2d"]["ate_rmse_m"].get<double>();
+    sums.level_m += result["slam2d_level"]["ate_rmse_m"].get<double>();
+    sums.least_distance_m =
+        std::min(sums.least_distance_m, drive_metrics(outcome.record).distance_m);
+  };
+  // On two processors, because no other test takes as long.
+  const auto drive_every_other = [&drive](std::uint64_t first) {
+    Errors sums;
+    for (std::uint64_t seed = first; seed < first + 16; seed += 2) {
+      drive(seed, sums);
+    }
+    return sums;
+  };
+  auto evens = std::async(std::launch::async, drive_every_other, 1002);
+  const Errors odd = drive_every_other(1001);
+  const Errors even = evens.get();
+  const double nodding_m = (odd.nodding_m + even.nodding_m) / 16.0;
+  const double level_m = (odd.level_m + even.level_m) / 16.0;
   RecordProperty("nodding_mm", std::to_string(1000.0 * nodding_m));
   RecordProperty("level_mm", std::to_string(1000.0 * level_m));
+  EXPECT_GT(std::min(odd.least_distance_m, even.least_distance_m), 5.0);
   EXPECT_GT(level_m, 0.0);
   EXPECT_LE(nodding_m, 1.2 * level_m);
 }
