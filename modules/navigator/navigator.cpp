@@ -42,7 +42,7 @@ Navigator::Navigator(const NavigatorParams& params)
       surroundings_(params),
       steering_(params),
       brake_(params),
-      turn_(params.turn, params.drive.reaction_s),
+      turn_(params),
       trail_(params.local_map.forget_after_m),
       back_up_(params),
       goal_drive_(params),

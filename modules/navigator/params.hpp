@@ -47,6 +47,28 @@ struct DriveParams {
   }
 };
 
+/// How fast the base follows a command, at least. How hard it brakes is in robot::Braking.
+struct BaseParams {
+  double acceleration_mps2 = 1.5;
+  double yaw_acceleration_rad_s2 = 6.0;
+  double rotation_deceleration_rad_s2 = 5.0;
+  double response_s = 0.07;
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.number("acceleration_mps2", acceleration_mps2, {0.1, 20.0},
+             "Change of the base's speed on command, as rollouts assume it.");
+    v.number("yaw_acceleration_rad_s2", yaw_acceleration_rad_s2, {0.1, 100.0},
+             "Change of the base's yaw rate on command, as rollouts assume it.");
+    v.number("rotation_deceleration_rad_s2", rotation_deceleration_rad_s2, {0.1, 100.0},
+             "Deceleration used to compute the angle in which a rotation on the spot stops: a "
+             "third of what the KURT2 reaches.");
+    v.number("response_s", response_s, {0.0, 0.5},
+             "Time from a command until the base has followed it, if it changes the speed by no "
+             "more than robot.braking.deceleration_mps2 does in that time.");
+  }
+};
+
 struct SteerParams {
   double open_space_m = 1.0;
   double chord_m = 0.8;
@@ -307,6 +329,7 @@ struct PeopleParams {
 struct NavigatorParams {
   robot::RobotParams robot;
   DriveParams drive;
+  BaseParams base;
   SteerParams steer;
   TurnParams turn;
   BackUpParams back_up;
@@ -322,6 +345,7 @@ struct NavigatorParams {
   void describe(Visitor& v) {
     robot.describe(v);
     v.section("drive", drive);
+    v.section("base", base);
     v.section("steer", steer);
     v.section("turn", turn);
     v.section("back_up", back_up);

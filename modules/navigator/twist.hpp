@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "modules/navigator/params.hpp"
+
 namespace nodmap::navigator {
 
 /// A motion of base: forward speed and yaw rate.
@@ -13,8 +15,8 @@ struct Twist {
   }
 };
 
-/// The motion of the base `time_s` seconds after a command, with accelerations that it certainly
-/// reaches.
-[[nodiscard]] Twist after(const Twist& now, const Twist& command, double time_s);
+/// The motion of the base `time_s` seconds after a command.
+[[nodiscard]] Twist after(const Twist& now, const Twist& command, double time_s,
+                          const BaseParams& base);
 
 }  // namespace nodmap::navigator

@@ -24,11 +24,6 @@ constexpr double kHiddenSeenM = 0.05;
 constexpr double kEdgeMarginM = 0.1;
 // At this yaw rate the corners of KURT3D move at 5 cm/s: they do not push away what they touch.
 constexpr double kCreepRadS = geometry::deg_to_rad(10.0);
-// The base has followed a command after about this time, of which 50 ms are the motors' lag. So
-// with commands that are slower than it is by what it can lose in this time, it brakes ordinarily.
-constexpr double kFollowsS = 0.07;
-// Deceleration of a rotation, a third of what the wheels can do.
-constexpr double kDecelerationRadS2 = 5.0;
 
 }  // namespace
 
@@ -132,7 +127,9 @@ Decision Brake::slow_down(Reason reason, const Situation& now) const {
   if (std::min(forward_mps, now.max_forward_mps) < kMinSpeedMps) {
     return decision;
   }
-  const double slower_mps = forward_mps - braking_.deceleration_mps2 * kFollowsS;
+  // With commands that are slower than it is by what it loses until it has followed them, the base
+  // brakes ordinarily.
+  const double slower_mps = forward_mps - braking_.deceleration_mps2 * base_params_.response_s;
   decision.forward_mps =
       std::max(0.0, std::min({slower_mps, now.max_forward_mps, speed_on_present_arc(now)}));
   decision.yaw_rate_rad_s = decision.forward_mps * now.yaw_rate_rad_s / forward_mps;
@@ -226,12 +223,13 @@ double Brake::stopping_m(double forward_mps) const {
 }
 
 double Brake::stoppable_rad_s(double angle_rad) const {
-  return rate_to_stop_within_rad_s(angle_rad, turn_params_, drive_params_.reaction_s);
+  return rate_to_stop_within_rad_s(angle_rad, turn_params_, base_params_, drive_params_.reaction_s);
 }
 
-double rate_to_stop_within_rad_s(double angle_rad, const TurnParams& params, double reaction_s) {
-  return std::min(params.rate_rad_s,
-                  robot::stoppable_speed(angle_rad, reaction_s, kDecelerationRadS2));
+double rate_to_stop_within_rad_s(double angle_rad, const TurnParams& turn, const BaseParams& base,
+                                 double reaction_s) {
+  return std::min(turn.rate_rad_s,
+                  robot::stoppable_speed(angle_rad, reaction_s, base.rotation_deceleration_rad_s2));
 }
 
 }  // namespace nodmap::navigator

@@ -21,8 +21,8 @@ struct Arc {
 };
 
 /// The yaw rate from which a rotation on the spot stops within an angle, at most that of Turn.
-[[nodiscard]] double rate_to_stop_within_rad_s(double angle_rad, const TurnParams& params,
-                                               double reaction_s);
+[[nodiscard]] double rate_to_stop_within_rad_s(double angle_rad, const TurnParams& turn,
+                                               const BaseParams& base, double reaction_s);
 
 /// Brake (paper, III C): computes the greatest speed from which the robot stops before anything in
 /// the virtual corridor along its arc; common/robot/stopping.hpp has the formula.
@@ -35,9 +35,10 @@ class Brake {
         body_(params.robot.body.footprint()),
         braking_(params.robot.braking),
         drive_params_(params.drive),
+        base_params_(params.base),
         local_map_params_(params.local_map),
         turn_params_(params.turn),
-        passive_safety_(params.robot, params.drive, params.people) {}
+        passive_safety_(params) {}
 
   /// Measures an arc. Within the stopping distance, ground that was not seen blocks it as an
   /// obstacle does.
@@ -91,6 +92,7 @@ class Brake {
   robot::Footprint body_;
   robot::Braking braking_;
   DriveParams drive_params_;
+  BaseParams base_params_;
   LocalMapParams local_map_params_;
   TurnParams turn_params_;
   PassiveSafety passive_safety_;

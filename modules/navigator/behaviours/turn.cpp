@@ -106,7 +106,8 @@ TurnCommand Turn::rotate(const TurnInput& input) {
                                                  least_rotation_rad_ - std::abs(rotated_rad_));
   const double angle_rad =
       std::min(input.on(side_).free_rotation_rad, to_clear_direction_rad + kBeyondRad);
-  return {Kind::kTurn, sign(side_) * rate_to_stop_within_rad_s(angle_rad, params_, reaction_s_)};
+  return {Kind::kTurn,
+          sign(side_) * rate_to_stop_within_rad_s(angle_rad, params_, base_params_, reaction_s_)};
 }
 
 }  // namespace nodmap::navigator

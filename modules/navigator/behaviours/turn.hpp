@@ -56,7 +56,8 @@ struct TurnCommand {
 /// waits and tries again, because obstacles may have moved.
 class Turn {
  public:
-  Turn(const TurnParams& params, double reaction_s) : params_(params), reaction_s_(reaction_s) {}
+  explicit Turn(const NavigatorParams& params)
+      : params_(params.turn), base_params_(params.base), reaction_s_(params.drive.reaction_s) {}
 
   /// `preferred_side`: that of a detour, or none.
   TurnCommand step(const TurnInput& input, Side preferred_side);
@@ -75,6 +76,7 @@ class Turn {
   [[nodiscard]] TurnCommand rotate(const TurnInput& input);
 
   TurnParams params_;
+  BaseParams base_params_;
   double reaction_s_;
   bool active_ = false;
   Side side_ = Side::kLeft;

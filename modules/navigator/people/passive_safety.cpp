@@ -23,12 +23,12 @@ constexpr std::array kFactors{1.0, 0.85, 0.7, 0.55, 0.4, 0.27, 0.15};
 
 }  // namespace
 
-PassiveSafety::PassiveSafety(const robot::RobotParams& robot, const DriveParams& drive,
-                             const PeopleParams& people)
-    : body_(robot.body.footprint()),
-      braking_(robot.braking),
-      reaction_s_(drive.reaction_s),
-      margin_m_(people.margin_m) {}
+PassiveSafety::PassiveSafety(const NavigatorParams& params)
+    : body_(params.robot.body.footprint()),
+      braking_(params.robot.braking),
+      base_params_(params.base),
+      reaction_s_(params.drive.reaction_s),
+      margin_m_(params.people.margin_m) {}
 
 bool PassiveSafety::stops_in_time(const Twist& twist, double deceleration_mps2,
                                   const Person& person) const {
@@ -67,7 +67,7 @@ bool PassiveSafety::keeps_clear(Twist twist, const Twist& command, const People&
         })) {
       return false;
     }
-    twist = after(twist, command, kStepS);
+    twist = after(twist, command, kStepS, base_params_);
     pose = pose * geometry::SE2{kStepS * twist.forward_mps, 0.0, kStepS * twist.yaw_rate_rad_s};
   }
   return true;

@@ -14,8 +14,7 @@ namespace nodmap::navigator {
 /// does not drive into anybody.
 class PassiveSafety {
  public:
-  PassiveSafety(const robot::RobotParams& robot, const DriveParams& drive,
-                const PeopleParams& people);
+  explicit PassiveSafety(const NavigatorParams& params);
 
   /// Whether the robot is stationary before anybody touches it, if it keeps its motion for the
   /// reaction time and then brakes along its arc. People (in base) are discs with constant
@@ -44,6 +43,7 @@ class PassiveSafety {
 
   robot::Footprint body_;
   robot::Braking braking_;
+  BaseParams base_params_;
   double reaction_s_;
   double margin_m_;
 };

@@ -58,8 +58,8 @@ constexpr std::array kNextYawRates{-0.8, -0.4, -0.15, 0.0, 0.15, 0.4, 0.8};
 constexpr std::array kBackwardMps{-0.08, -0.15};
 
 // The motion a step later. A robot that is to rotate slows down on its arc first.
-Twist towards(const Twist& motion, const Twist& now) {
-  const Twist next = after(now, motion, kStepS);
+Twist towards(const Twist& motion, const Twist& now, const BaseParams& base) {
+  const Twist next = after(now, motion, kStepS, base);
   const bool slows_down =
       motion.forward_mps == 0.0 && motion.yaw_rate_rad_s != 0.0 && now.forward_mps >= kMinSpeedMps;
   return slows_down ? now.scaled(next.forward_mps / now.forward_mps) : next;
@@ -81,6 +81,7 @@ Rollouts::Rollouts(const NavigatorParams& params)
     : body_(params.robot.body.footprint()),
       params_(params.planner),
       drive_params_(params.drive),
+      base_params_(params.base),
       people_params_(params.people),
       clearance_(body_) {}
 
@@ -164,7 +165,7 @@ bool Rollouts::advance(Progress& progress, const Twist& motion, int until_step,
                        const Situation& now) const {
   geometry::SE2& pose = progress.pose_base;
   while (progress.steps < until_step && !progress.has_arrived) {
-    progress.twist = towards(motion, progress.twist);
+    progress.twist = towards(motion, progress.twist, base_params_);
     const auto [v, w] = progress.twist;
     const double middle_yaw_rad = pose.yaw + 0.5 * kStepS * w;
     pose = {pose.x + kStepS * v * std::cos(middle_yaw_rad),
@@ -206,7 +207,7 @@ double Rollouts::foreseen_obstruction_s(const Progress& end, const People& peopl
 
 double Rollouts::foresee(Progress progress, bool stops, const People& people) const {
   while (progress.steps < kForeseenSteps) {
-    progress.twist = stops ? after(progress.twist, {}, kStepS) : progress.twist;
+    progress.twist = stops ? after(progress.twist, {}, kStepS, base_params_) : progress.twist;
     const auto [v, w] = progress.twist;
     progress.pose_base = progress.pose_base * geometry::SE2{kStepS * v, 0.0, kStepS * w};
     ++progress.steps;

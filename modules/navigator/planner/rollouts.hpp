@@ -78,6 +78,7 @@ class Rollouts {
   robot::Footprint body_;
   PlannerParams params_;
   DriveParams drive_params_;
+  BaseParams base_params_;
   PeopleParams people_params_;
   BodyClearance clearance_;
   double least_clearance_m_ = 0.0;

@@ -145,6 +145,18 @@ TEST(Brake, RotatesNoFasterThanTurnMay) {
   EXPECT_EQ(Brake(NavigatorParams{}).stoppable_rad_s(10.0), TurnParams{}.rate_rad_s);
 }
 
+// An angle w T + w^2 / 2a, with the deceleration of the base.
+TEST(Brake, ABaseThatBrakesRotationsMoreSlowlyRotatesMoreSlowly) {
+  for (const double deceleration_rad_s2 : {1.0, 3.0}) {
+    NavigatorParams params;
+    params.base.rotation_deceleration_rad_s2 = deceleration_rad_s2;
+    const double rad_s = Brake(params).stoppable_rad_s(0.2);
+    EXPECT_LT(rad_s, TurnParams{}.rate_rad_s);
+    EXPECT_NEAR(rad_s * params.drive.reaction_s + rad_s * rad_s / (2.0 * deceleration_rad_s2), 0.2,
+                1e-12);
+  }
+}
+
 // The ground drops at `from_m`, up to `until_m`. Floor counts as seen from blind_m on, 0.44 m ahead
 // of base, and ends at most one line before the drop: 5 cm, and two cells.
 TEST(Brake, DrivesNoFasterThanItCanStopOnSeenFloor) {
@@ -344,7 +356,7 @@ TEST(Brake, DoesNotGiveWayToWhomItEscapesOrDoesNotMeet) {
 // Somebody crosses. Where a stop would be no help, the robot goes on.
 TEST(Brake, KeepsAMotionThatTakesItOutOfSomebodysWay) {
   const NavigatorParams params;
-  const PassiveSafety safety(params.robot, params.drive, params.people);
+  const PassiveSafety safety(params);
   int num_escapes = 0;
   for (const double present_mps : {0.3, 0.7}) {
     for (double x = -0.2; x < 1.0; x += 0.1) {

@@ -12,7 +12,6 @@ namespace turn_test {
 using geometry::deg_to_rad;
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
-constexpr double kReactionS = 0.1;
 
 TurnInput free_to_turn(double heading_rad) {
   TurnInput input;
@@ -22,7 +21,7 @@ TurnInput free_to_turn(double heading_rad) {
 }
 
 TEST(Turn, KeepsTheSideItChose) {
-  Turn turn({}, kReactionS);
+  Turn turn{NavigatorParams{}};
   TurnInput input = free_to_turn(0.0);
   input.clear_direction_rad = deg_to_rad(-40);
   EXPECT_LT(turn.step(input, Side::kNone).yaw_rate_rad_s, 0.0);
@@ -33,7 +32,7 @@ TEST(Turn, KeepsTheSideItChose) {
 
 TEST(Turn, ChoosesTheSideByFreeDirectionThenByRoomAndElseLeft) {
   const auto first_side = [](double free_deg, Side room, Side preferred) {
-    Turn turn({}, kReactionS);
+    Turn turn{NavigatorParams{}};
     TurnInput input = free_to_turn(0.0);
     if (free_deg != 0.0) {
       input.clear_direction_rad = deg_to_rad(free_deg);
@@ -49,7 +48,7 @@ TEST(Turn, ChoosesTheSideByFreeDirectionThenByRoomAndElseLeft) {
 
 TEST(Turn, EndsOnlyWhenTheWayAheadIsSeenAndTheRobotIsStationary) {
   using Kind = TurnCommand::Kind;
-  Turn turn({}, kReactionS);
+  Turn turn{NavigatorParams{}};
   TurnInput input = free_to_turn(0.0);
   EXPECT_EQ(turn.step(input, Side::kNone).kind, Kind::kTurn);
   input.ahead_is_free = true;
@@ -63,7 +62,7 @@ TEST(Turn, EndsOnlyWhenTheWayAheadIsSeenAndTheRobotIsStationary) {
 
 TEST(Turn, AfterAFullRotationItWaitsAndTriesAgain) {
   using Kind = TurnCommand::Kind;
-  Turn turn({}, kReactionS);
+  Turn turn{NavigatorParams{}};
   TurnInput input = free_to_turn(0.0);
   int steps = 0;
   while (turn.step(input, Side::kNone).kind == Kind::kTurn && steps < 1000) {
@@ -79,7 +78,7 @@ TEST(Turn, AfterAFullRotationItWaitsAndTriesAgain) {
 
 TEST(Turn, BlockedOnOneSideItTriesTheOtherOnceThenBacksUp) {
   using Kind = TurnCommand::Kind;
-  Turn turn({}, kReactionS);
+  Turn turn{NavigatorParams{}};
   TurnInput input = free_to_turn(0.0);
   EXPECT_GT(turn.step(input, Side::kLeft).yaw_rate_rad_s, 0.0);
   input.left.free_rotation_rad = 0.01;
@@ -100,14 +99,14 @@ TEST(Turn, BacksUpFirstWhereNeitherSideLeadsOut) {
   input.left.free_rotation_rad = deg_to_rad(31);
   input.right.free_rotation_rad = deg_to_rad(80);
   input.has_path_back = true;
-  EXPECT_EQ(Turn({}, kReactionS).step(input, Side::kLeft).kind, Kind::kBackUp);
+  EXPECT_EQ(Turn(NavigatorParams{}).step(input, Side::kLeft).kind, Kind::kBackUp);
   // A side is good enough if the robot can rotate 150 degrees, or as far as a free direction.
   TurnInput reachable = input;
   reachable.right.to_clear_direction_rad = deg_to_rad(60);
-  EXPECT_LT(Turn({}, kReactionS).step(reachable, Side::kLeft).yaw_rate_rad_s, 0.0);
+  EXPECT_LT(Turn(NavigatorParams{}).step(reachable, Side::kLeft).yaw_rate_rad_s, 0.0);
   // Without a path back it turns as far as it can.
   input.has_path_back = false;
-  EXPECT_GT(Turn({}, kReactionS).step(input, Side::kLeft).yaw_rate_rad_s, 0.0);
+  EXPECT_GT(Turn(NavigatorParams{}).step(input, Side::kLeft).yaw_rate_rad_s, 0.0);
 }
 
 }  // namespace turn_test

@@ -11,7 +11,7 @@ namespace passive_safety_test {
 // walked his speed times that. Tolerance: steps of 50 ms at 2 m/s and more, 0.15 m.
 TEST(PassiveSafety, AMotionIsSafeIfTheRobotIsStationaryBeforeAWalkerTouchesIt) {
   const NavigatorParams params;
-  const PassiveSafety safety(params.robot, params.drive, params.people);
+  const PassiveSafety safety(params);
   const double T = params.drive.reaction_s;
   for (const double v : {0.3, 0.7, 1.2}) {
     for (const double walker_mps : {0.5, 1.4, 2.0}) {
@@ -34,7 +34,7 @@ TEST(PassiveSafety, AMotionIsSafeIfTheRobotIsStationaryBeforeAWalkerTouchesIt) {
 
 TEST(PassiveSafety, StandingIsSafeAndSoIsDrivingBehindAWalkerWhoLeaves) {
   const NavigatorParams params;
-  const PassiveSafety safety(params.robot, params.drive, params.people);
+  const PassiveSafety safety(params);
   EXPECT_TRUE(safety.is_safe({}, {{{0.3, 0.0}, {-1.0, 0.0}, 0.25, 0.1, 0.3}}));
   EXPECT_EQ(safety.safe_factor({0.8, 0.0}, {{{1.2, 0.0}, {1.5, 0.0}, 0.25, 0.05, 0.2}}), 1.0);
   // He crosses ahead and is gone before the robot gets there.
@@ -49,7 +49,7 @@ TEST(PassiveSafety, StandingIsSafeAndSoIsDrivingBehindAWalkerWhoLeaves) {
 // 50 ms at 1.5 m/s, 8 cm.
 TEST(PassiveSafety, SomebodyOutOfSightMayWalkInAnyDirection) {
   const NavigatorParams params;
-  const PassiveSafety safety(params.robot, params.drive, params.people);
+  const PassiveSafety safety(params);
   const double corner_m = params.robot.body.footprint().turning_radius_m();
   for (const double w : {0.5, 1.0}) {
     for (const double direction : {-1.0, 1.0}) {
@@ -74,7 +74,7 @@ TEST(PassiveSafety, SomebodyOutOfSightMayWalkInAnyDirection) {
 // stop in his way.
 TEST(PassiveSafety, DrivingOnEscapesAWalkerWhoWouldWalkIntoTheStoppedRobot) {
   const NavigatorParams params;
-  const PassiveSafety safety(params.robot, params.drive, params.people);
+  const PassiveSafety safety(params);
   const People crossing{{{0.3, 1.2}, {0.0, -1.0}, 0.25, 0.0, 0.0}};
   EXPECT_TRUE(safety.escapes({1.0, 0.0}, {1.0, 0.0}, crossing));
   EXPECT_FALSE(safety.escapes({1.0, 0.0}, {0.0, 0.0}, crossing)) << "to stop is no escape";
@@ -100,14 +100,14 @@ TEST(PassiveSafety, DrivingOnEscapesAWalkerWhoWouldWalkIntoTheStoppedRobot) {
 // A speed that no robot has: it would brake for more than a week.
 TEST(PassiveSafety, ARobotThatCannotStopWithinAMinuteIsNotSafe) {
   const NavigatorParams params;
-  const PassiveSafety safety(params.robot, params.drive, params.people);
+  const PassiveSafety safety(params);
   EXPECT_FALSE(safety.is_safe({1e6, 0.0}, {{{0.0, -100.0}, {0.0, 0.0}, 0.25, 0.0, 0.0}}));
   EXPECT_FALSE(safety.is_safe({0.0, 1e6}, {{{0.0, -100.0}, {0.0, 0.0}, 0.25, 0.0, 0.0}}));
 }
 
 TEST(PassiveSafety, DoesNotBackUpWhileAPersonIsTracked) {
   const NavigatorParams params;
-  const PassiveSafety safety(params.robot, params.drive, params.people);
+  const PassiveSafety safety(params);
   EXPECT_EQ(safety.safe_factor({-0.15, 0.0}, {}), 1.0);
   EXPECT_EQ(safety.safe_factor({-0.15, 0.0}, {{{4.0, 0.0}, {0.0, 1.0}, 0.25, 0.0, 0.0}}), 0.0);
   // Nor is it safe if it does, with somebody behind it.
@@ -117,7 +117,7 @@ TEST(PassiveSafety, DoesNotBackUpWhileAPersonIsTracked) {
 // The walker comes head on: the farther away he is, the faster the robot may drive.
 TEST(PassiveSafety, TheSafeSpeedGrowsWithTheDistanceOfAWalkerHeadOn) {
   const NavigatorParams params;
-  const PassiveSafety safety(params.robot, params.drive, params.people);
+  const PassiveSafety safety(params);
   double last = 0.0;
   for (double distance_m = 0.5; distance_m < 4.0; distance_m += 0.1) {
     const double factor =

@@ -97,7 +97,7 @@ class Driver {
   Decision step(const Eigen::Vector2d& goal_odom, double tolerance_m) {
     const Decision decision = decide(goal_odom, tolerance_m);
     const Twist twist = after({now_.forward_mps, now_.yaw_rate_rad_s},
-                              {decision.forward_mps, decision.yaw_rate_rad_s}, kStepS);
+                              {decision.forward_mps, decision.yaw_rate_rad_s}, kStepS, {});
     now_.forward_mps = twist.forward_mps;
     now_.yaw_rate_rad_s = twist.yaw_rate_rad_s;
     now_.T_odom_base = now_.T_odom_base * geometry::SE2{kStepS * twist.forward_mps, 0.0,

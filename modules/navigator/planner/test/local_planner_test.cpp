@@ -79,7 +79,7 @@ TEST(LocalPlanner, ARobotThatIsToRotateDoesSoHoweverFastItDrives) {
       ASSERT_TRUE(decision);
       EXPECT_EQ(decision->reason, Reason(Why::kTurnsToPath)) << now.forward_mps;
       const Twist next = after({now.forward_mps, now.yaw_rate_rad_s},
-                               {decision->forward_mps, decision->yaw_rate_rad_s}, 1.0 / 75.0);
+                               {decision->forward_mps, decision->yaw_rate_rad_s}, 1.0 / 75.0, {});
       EXPECT_LE(next.forward_mps, now.forward_mps);
       now.forward_mps = next.forward_mps;
       now.yaw_rate_rad_s = next.yaw_rate_rad_s;

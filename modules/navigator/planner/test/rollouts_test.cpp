@@ -61,6 +61,29 @@ TEST(Rollouts, OnlyCreepingRolloutsPassANarrowPlace) {
   }
 }
 
+// From rest, in the 1.6 s of a rollout at 1 m/s, a base that gains 1.5 m/s^2 drives 1.3 m, and one
+// that gains 0.2 m/s^2 drives 0.3 m: only the second does not touch a wall 0.6 m ahead.
+TEST(Rollouts, ASlowerBaseDrivesLessFar) {
+  const GlobalPlanner planner = planner_to_ahead();
+  ASSERT_NE(planner.cost_to_go(), nullptr);
+  Situation now;
+  for (double y = -1.5; y < 1.5; y += 0.02) {
+    now.points_base.emplace_back(kBody.half_length_m + 0.6, y);
+  }
+  for (const double acceleration_mps2 : {1.5, 0.2}) {
+    NavigatorParams params;
+    params.base.acceleration_mps2 = acceleration_mps2;
+    Rollouts rollouts{params};
+    const auto& all = rollouts.plan(now, *planner.cost_to_go(), 1.0);
+    EXPECT_EQ(std::ranges::any_of(all,
+                                  [](const Rollout& rollout) {
+                                    return rollout.forward_mps == 1.0 &&
+                                           rollout.yaw_rate_rad_s == 0.0;
+                                  }),
+              acceleration_mps2 == 0.2);
+  }
+}
+
 // Two posts are 3.1 cm beside the body. Straight on and straight back keep that clearance, wherever
 // along the body and in a cell the posts are; so the robot can always leave a place that it could
 // reach. A point 5 cm before the body does not forbid backing up.
