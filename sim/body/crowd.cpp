@@ -19,7 +19,7 @@ constexpr double kFastest = 1.3;
 // Influence of what is behind, relative to what is ahead.
 constexpr double kBehind = 0.5;
 // Beyond this distance the force is less than a thousandth.
-constexpr double kInfluenceM = 1.0;
+constexpr double kForceReachM = 1.0;
 constexpr double kArrivedM = 0.3;
 // People step over objects lower than this, and walk under objects that begin above kHeadM.
 constexpr double kStepOverM = 0.3;
@@ -53,7 +53,7 @@ Eigen::Vector2d from_wall(const Object& wall, const Eigen::Vector2d& p) {
 Eigen::Vector2d force(const Eigen::Vector2d& away, double radius_m,
                       const Eigen::Vector2d& heading) {
   const double distance_m = away.norm();
-  if (distance_m <= 0.0 || distance_m > radius_m + kInfluenceM) {
+  if (distance_m <= 0.0 || distance_m > radius_m + kForceReachM) {
     return Eigen::Vector2d::Zero();
   }
   const Eigen::Vector2d direction = away / distance_m;

@@ -68,9 +68,9 @@ pids_of_commands() {
     python3 -c 'import json, sys; print(*[c["command"] + ":" + str(c["pid"]) for c in json.load(sys.stdin)["commands"]])'
 }
 scans_logged() { cat "$work"/logger/* 2>/dev/null | grep -a -o SCAN | wc -l; }
-# Whether it has driven for seven seconds: at least half as fast as in this cellar with the cable, 1.5 m/s. On a busy machine it may not, but it
-# must where it had its 75 scans a second and no process before the navigator complains: no more than one such measurement may fail, in which it
-# may have rotated.
+# Whether it has driven for seven seconds: at least half as fast as in this cellar with the cable, 1.5 m/s. On a busy machine it may not. But where
+# it had its 75 scans a second, and no process before the navigator complains, it must: one such measurement may fail, because it may have rotated, a
+# second one fails the test.
 times_stationary=0
 drives() {
   "$bin/nodmap-watch" --duration 7 --json "$work/watch.json" >"$work/watch.log"
