@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <iostream>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string_view>
 
 #include "common/bus/codec.hpp"
+#include "common/formats/atomic_file.hpp"
 #include "common/geometry/clock.hpp"
 
 namespace nodmap::bench {
@@ -22,6 +24,7 @@ constexpr std::size_t kParts = 10;
 constexpr int kQueue = 10'000;  // the measuring process itself must lose nothing
 constexpr std::uint16_t kViewerPort = 8765;
 constexpr std::chrono::seconds kSamplePeriod(1);
+constexpr std::chrono::minutes kReportPeriod(10);
 constexpr double kMaxStartS = 60.0;  // wait for the first reaction, then measure anyway
 // Requirements on the robot.
 constexpr time::Duration kScanToMap = 2ms;
@@ -107,9 +110,21 @@ void Endurance::on_message(const bus::LiveBus::RawMessage& message) {
   lags_[message.channel].push_back({message.received, message.received - stamp_of(message.data)});
   if (message.channel == "STATUS") {
     on_status(message.data);
-  } else if (message.channel == "TRUTH" && bus::decode_into(truth_, message.data)) {
-    collisions_ = truth_.collisions;
-    bumps_ = truth_.bumps;
+  } else if (message.channel == "TRUTH") {
+    on_truth(message.data);
+  }
+}
+
+void Endurance::on_truth(std::span<const std::byte> data) {
+  const time::Timestamp last = time::from_utime(truth_.utime);
+  if (!bus::decode_into(truth_, data)) {
+    return;
+  }
+  collisions_ = truth_.collisions;
+  bumps_ = truth_.bumps;
+  if (is_measured(last)) {
+    const double passed_s = time::seconds(time::from_utime(truth_.utime) - last);
+    driven_m_ += std::abs(truth_.forward_mps) * passed_s;
   }
 }
 
@@ -124,6 +139,7 @@ void Endurance::on_status(std::span<const std::byte> data) {
   process.last_status = status_;
   process.slowest_p99_us = std::max(process.slowest_p99_us, status_.latency_p99_us);
   if (status_.health != nodmap::status_t::OK) {
+    ++process.times_not_ok;
     process.last_health = status_.health_reason;
   }
 }
@@ -149,6 +165,7 @@ Json Endurance::run() {
   half_ = after(begin_, 0.5 * options_.duration_s);
   end_ = after(begin_, options_.duration_s);
   auto next_sample = std::chrono::steady_clock::now();
+  auto next_report = next_sample + kReportPeriod;
   while (now() < end_) {
     bus.handle(std::chrono::milliseconds(20));
     if (options_.viewer && !viewer_client_ && now() >= half_) {
@@ -157,6 +174,10 @@ Json Endurance::run() {
     if (is_measured(now()) && std::chrono::steady_clock::now() >= next_sample) {
       sample_loads(robot);
       next_sample = std::chrono::steady_clock::now() + kSamplePeriod;
+    }
+    if (std::chrono::steady_clock::now() >= next_report) {
+      save_progress();
+      next_report += kReportPeriod;
     }
   }
   if (viewer_client_) {
@@ -175,6 +196,22 @@ void Endurance::sample_loads(const RobotProcesses& robot) {
     }
   }
   udp_.push_back(read_udp_queues());
+}
+
+void Endurance::save_progress() const {
+  double resident_mib = 0.0;
+  for (const auto& [name, process] : processes_) {
+    resident_mib += process.loads.empty() ? 0.0 : process.loads.back().load.resident_mib;
+  }
+  std::cerr << "After " << std::lround(time::seconds(now() - begin_)) << " of "
+            << std::lround(options_.duration_s) << " s: " << std::lround(driven_m_) << " m driven, "
+            << collisions_ << " collisions, " << std::lround(resident_mib)
+            << " MiB in all processes\n";
+  const auto error =
+      formats::replace_file(robot_options_.out / "report.json", report().dump(2) + "\n");
+  if (error) {
+    std::cerr << "report.json cannot be written: " << error.message() << "\n";
+  }
 }
 
 Json Endurance::report_reaction(const std::vector<Sample>& samples, time::Duration target) const {
@@ -221,6 +258,7 @@ Json Endurance::report_process(const Process& process) const {
           {"lost", process.lost()},
           {"corrupt", process.corrupt()},
           {"rejected", last.total_rejected - first.total_rejected},
+          {"times_not_ok", process.times_not_ok},
           {"last_health", process.last_health}};
 }
 
@@ -241,6 +279,8 @@ Json Endurance::report() const {
   }
   const std::int64_t dropped = udp_.empty() ? 0 : udp_.back().dropped - udp_.front().dropped;
   return {{"duration_s", options_.duration_s},
+          {"measured_s", std::min(time::seconds(now() - begin_), options_.duration_s)},
+          {"driven_m", to_tenths(driven_m_)},
           {"scans", reaction_.scans()},
           {"lost", reaction_.lost()},
           {"collisions", collisions_},

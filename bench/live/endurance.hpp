@@ -23,7 +23,9 @@ namespace nodmap::bench {
 
 /// Runs the whole robot for a while and measures its reaction times, the CPU time and memory of its
 /// processes, and whether anything grows (R47). The time after the warm-up is measured in two
-/// halves; with `viewer`, nodmap-viewer and one client run in the second half only.
+/// halves; with `viewer`, nodmap-viewer and one client run in the second half only. A run of hours
+/// that is ended early leaves what it measured: every ten minutes the report so far replaces
+/// `report.json` in the folder of the logs, and one line on standard error summarises it.
 class Endurance {
  public:
   struct Options {
@@ -53,7 +55,8 @@ class Endurance {
     nodmap::status_t first_status{};  ///< of the measured time
     nodmap::status_t last_status{};
     double slowest_p99_us = 0.0;
-    std::string last_health;  ///< the newest health other than OK
+    std::int64_t times_not_ok = 0;  ///< STATUS with a health other than OK
+    std::string last_health;        ///< the newest health other than OK
     [[nodiscard]] std::int64_t lost() const {
       return last_status.total_lost - first_status.total_lost;
     }
@@ -64,7 +67,9 @@ class Endurance {
 
   void on_message(const bus::LiveBus::RawMessage& message);
   void on_status(std::span<const std::byte> data);
+  void on_truth(std::span<const std::byte> data);
   void sample_loads(const RobotProcesses& robot);
+  void save_progress() const;
   void start_viewer(RobotProcesses& robot);
   /// Starting twelve processes takes long on a busy machine.
   void wait_for_first_reaction(bus::LiveBus& bus);
@@ -92,6 +97,7 @@ class Endurance {
   nodmap::truth_t truth_{};
   std::int64_t collisions_ = 0;
   std::int64_t bumps_ = 0;
+  double driven_m_ = 0.0;
   std::unique_ptr<ViewerClient> viewer_client_;
   std::int64_t viewer_messages_ = 0;
   std::int64_t viewer_bytes_ = 0;
