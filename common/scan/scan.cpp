@@ -6,17 +6,17 @@
 namespace nodmap::scan {
 
 bool is_plausible(const Scan& scan) {
-  constexpr double kFarthestRangeM = 1000.0;  // farther than any laser that pitches
-  constexpr double kFarthestMirrorM = 10.0;   // from the pitch axis: larger than any robot
   const auto within = [](double value, double limit) { return std::abs(value) <= limit; };
+  const auto is_on_robot = [](const Eigen::Vector3d& p) {
+    return p.allFinite() && p.cwiseAbs().maxCoeff() <= kFarthestMirrorM;
+  };
   return within(scan.angle_first_rad, 2 * geometry::kPi) &&
          within(scan.angle_step_rad, geometry::kPi) && scan.angle_step_rad != 0.0 &&
          within(scan.pitch_first_rad, geometry::kPi) &&
          within(scan.pitch_last_rad, geometry::kPi) && scan.range_min_m >= 0.0 &&
          within(scan.range_max_m, kFarthestRangeM) && scan.range_max_m > scan.range_min_m &&
          scan.duration >= 0us && scan.T_base_mount.matrix().allFinite() &&
-         scan.mirror_offset_m.allFinite() &&
-         scan.mirror_offset_m.cwiseAbs().maxCoeff() <= kFarthestMirrorM;
+         is_on_robot(scan.T_base_mount.translation()) && is_on_robot(scan.mirror_offset_m);
 }
 
 Eigen::Vector3d beam_direction(double angle_rad, double pitch_rad) {

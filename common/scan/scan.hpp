@@ -63,8 +63,15 @@ struct Scan {
   }
 };
 
+/// Farther than any laser that pitches measures.
+inline constexpr double kFarthestRangeM = 1000.0;
+/// From base to the mount, and from there to the mirror, along each axis: larger than any robot.
+inline constexpr double kFarthestMirrorM = 10.0;
+/// From base to a point or a mirror of the same sweep: leaves as much again for the robot's motion.
+inline constexpr double kFarthestPointM = 2.0 * kFarthestRangeM;
+
 /// Whether the geometry of a scan is usable: finite angles, valid pitch, angle step and range
-/// limits. Does not check the single readings.
+/// limits, a mount and a mirror on the robot. Does not check the single readings.
 [[nodiscard]] bool is_plausible(const Scan& scan);
 
 /// The direction of one beam in the mount frame (before the mount's own pose): Eq. 1 without its

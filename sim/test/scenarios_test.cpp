@@ -232,7 +232,9 @@ TEST_F(BarnFile, MovingCylindersFollowASpline) {
 TEST_F(BarnFile, RefusesInvalidFiles) {
   for (const char* text :
        {"", "W 1 2\n0 0\n", "W 1 1\n0\n", "W 1 -1\n", "V 1 1\n0 0\n", "W 1 1\nnan 0\n",
-        "W 1 1\nC 0.5 4 2 name\n1 0 0\n1 0 0\n", "W 1 99999999\n"}) {
+        "W 1 1\nC 0.5 4 2 name\n1 0 0\n1 0 0\n", "W 1 99999999\n",
+        // Two actors whose sampled paths together would take a gigabyte for 20 times as many.
+        "W 1 2\nC 0.5 4 2 a\n0 0 0\n30000 0 0\nC 0.5 4 2 b\n0 0 0\n30000 0 0\n"}) {
     EXPECT_THROW(static_cast<void>(load_barn_world(write(text), 1)), formats::UserError) << text;
   }
   EXPECT_THROW(static_cast<void>(load_barn_world(dir_.path() / "none", 1)), formats::UserError);

@@ -21,6 +21,9 @@ constexpr double kCylinderHeightM = 0.5;
 constexpr double kActorHeightM = 1.0;
 // More than any world has; a larger count means a broken file.
 constexpr int kMaxItems = 10'000;
+// How long all actors of a world move, together: a million samples of their paths.
+constexpr double kLongestPathsS = 50'000.0;
+constexpr double kPathStepS = 0.05;
 
 // The lines of a file that are not comments, with their numbers.
 class Lines {
@@ -69,7 +72,6 @@ class Lines {
 // A Catmull-Rom spline through the key frames, with tangents from the neighbouring times, sampled
 // so densely that straight lines between the samples deviate by less than a millimetre.
 std::vector<Waypoint> spline(const std::vector<Waypoint>& keys) {
-  constexpr double kStepS = 0.05;
   std::vector<Waypoint> path;
   const auto tangent = [&keys](std::size_t i) -> Eigen::Vector2d {
     const Waypoint& before = keys[i > 0 ? i - 1 : 0];
@@ -78,7 +80,7 @@ std::vector<Waypoint> spline(const std::vector<Waypoint>& keys) {
   };
   for (std::size_t i = 0; i + 1 < keys.size(); ++i) {
     const double span_s = keys[i + 1].time_s - keys[i].time_s;
-    const int steps = std::max(1, static_cast<int>(std::ceil(span_s / kStepS)));
+    const int steps = std::max(1, static_cast<int>(std::ceil(span_s / kPathStepS)));
     const Eigen::Vector2d m0 = span_s * tangent(i);
     const Eigen::Vector2d m1 = span_s * tangent(i + 1);
     for (int k = 0; k < steps; ++k) {
@@ -94,8 +96,9 @@ std::vector<Waypoint> spline(const std::vector<Waypoint>& keys) {
   return path;
 }
 
-// "radius period_s k name", then k key frames.
-Actor read_actor(Lines& lines) {
+// "radius period_s k name", then k key frames. `left_s`: how long it may move at most; what it does
+// is subtracted.
+Actor read_actor(Lines& lines, double& left_s) {
   Actor actor;
   actor.radius_m = lines.read_number("a radius");
   actor.height_m = kActorHeightM;
@@ -115,17 +118,22 @@ Actor read_actor(Lines& lines) {
       lines.fail("times must ascend");
     }
   }
+  left_s -= keys.back().time_s - keys.front().time_s;
+  if (left_s < 0.0) {
+    lines.fail("the actors of a world may move for 50000 s together, not longer");
+  }
   actor.path = spline(keys);
   return actor;
 }
 
 // The n objects of a world, cylinders or actors.
 void read_objects(Lines& lines, int count, World& world) {
+  double left_s = kLongestPathsS;
   for (int i = 0; i < count; ++i) {
     lines.need();
     const auto first = lines.read<std::string>("x or C");
     if (first == "C") {
-      world.actors.push_back(read_actor(lines));
+      world.actors.push_back(read_actor(lines, left_s));
       continue;
     }
     std::istringstream number(first);

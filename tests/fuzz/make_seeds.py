@@ -54,6 +54,16 @@ PLY = [PLY_HEAD + b"element face 1\nproperty list uchar int vertex_indices\nend_
        b"ply\nformat ascii 1.0\nelement vertex 9223372036854775808\nend_header\n"]
 CLF = b"PARAM robot_front_laser_max 80.0\nODOM 0 0 0 0 0 0 1.0 host 1.0\nFLASER 3 1.0 2.0 3.0 0 0 0 0 0 0 1.0 host 1.0\n"
 UOS = b"\x02" + b"10 0 100\n20 0 100\n30 10 100\nP1 2 3 0 90 0\n"
+# Kinds of saved_map_fuzz.cpp: values that are hard to compute with in all parts of both saved maps; maps of ROS.
+SAVED_MAP = [bytes([kind]) + b"".join(offset.to_bytes(2, "big") + value for offset in offsets)
+             for kind, size in ((0, 3400), (1, 4400)) for value in WILD for offsets in ([], [30], [60], [100], range(200, size, 400))]
+PGM = b"P5\n8 8\n255\n" + b"\x00" * 8 + b"\xfe" * 48 + b"\x00" * 8
+ROS_MAP = b"\x02image: map.pgm\nresolution: %b\norigin: [%b, -1, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n\0"
+SAVED_MAP += [ROS_MAP % (b"0.05", b"-1") + PGM, ROS_MAP % (b"1", b"1e6") + PGM, ROS_MAP % (b"0.005", b"0") + b"P2\n# x\n2 2\n9\n0 9 9 0\n"]
+# Kinds of table_fuzz.cpp: trajectory, relations, BARN, pedestrians.
+TABLE = [b"\x00# time\n1.5 1 2 0 0 0 0 1\n2.5 1e9 -2 0 0 0 0.7071 0.7071\n", b"\x011.5 2.5 1 0 0 0 0 3.14\n2.5 3.5 1e300 0 0 0 0 0\n",
+         b"\x02W 0 1\n1 2\nW 1 2\n0.5 4\nC 0.5 4.0 3 x\n0 1 2\n2 3 4\n4.0 1 2\n", b"\x02W 1 1\nC 0.5 4.0 2 x\n0 1 2\n99999 3 4\n",
+         b"\x030 1 1.0 2.0\n0 2 3.0 2.0\n10 1.0 1.5 2.0\n10 2 3.0 2.5\n", b"\x03-1e9 1 1 2\n1e9 1 1 2\n"]
 HELLO = b"\x00GET / HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n"
 FRAMES = [HELLO, b"\x01\x81\x82\0\0\0\0{}", b"\x01\x89\x80\0\0\0\0", b"\x01\x88\x82\0\0\0\0\x03\xe8", b"\x01\x82\xff" + b"\xff" * 12]
 
@@ -103,6 +113,8 @@ def main():
     write_seeds(out / "sick", sick)
     write_seeds(out / "pmd", [file.read_bytes() for file in sorted((ROOT / "procman").glob("*.pmd"))] + PMD)
     write_seeds(out / "octomap", OCTOMAP)
+    write_seeds(out / "saved_map", SAVED_MAP)
+    write_seeds(out / "table", TABLE)
     write_seeds(out / "lcm", LCM)
     write_seeds(out / "messages", MESSAGES)
     write_seeds(out / "event_log", EVENT_LOG)

@@ -117,6 +117,12 @@ TEST(Scan, PlausibilityRefusesNonsense) {
   scan = sick_scan(0, 0);
   scan.duration = -1us;
   EXPECT_FALSE(is_plausible(scan));
+  scan = sick_scan(0, 0);
+  scan.T_base_mount.translation().y() = -11.0;
+  EXPECT_FALSE(is_plausible(scan));
+  scan = sick_scan(0, 0);
+  scan.mirror_offset_m.x() = 11.0;
+  EXPECT_FALSE(is_plausible(scan));
 }
 
 }  // namespace scan_test

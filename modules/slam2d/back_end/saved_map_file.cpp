@@ -12,6 +12,7 @@
 #include "common/formats/input_file.hpp"
 #include "common/node/messages.hpp"
 #include "common/registration/pose_edges.hpp"
+#include "common/scan/scan.hpp"
 #include "nodmap/cleared_region_2d_t.hpp"
 #include "nodmap/keyframe_2d_t.hpp"
 #include "nodmap/loop_2d_t.hpp"
@@ -127,17 +128,19 @@ class Reader {
   void require(bool holds, const std::string& problem) const { log_.require(holds, problem); }
 
  private:
-  void require_finite(double value) const {
-    // Poses beyond 10^7 m are not real, and their cells would not fit into 32 bits.
-    require(std::abs(value) < 1e7,
+  void require_within(double value, double limit) const {
+    require(std::abs(value) <= limit,  // false for NaN
             "keyframe " + std::to_string(map_.keyframes.size()) + " holds an impossible number");
   }
+  // Poses beyond 10^7 m are not real, and their cells would not fit into 32 bits.
+  void require_finite(double value) const { require_within(value, 1e7); }
 
-  [[nodiscard]] SharedPoints read_points(const std::vector<std::vector<float>>& message) const {
+  [[nodiscard]] SharedPoints read_points(const std::vector<std::vector<float>>& message,
+                                         double longest) const {
     std::vector<Eigen::Vector2f> points;
     for (const std::vector<float>& p : message) {
       points.emplace_back(p[0], p[1]);
-      require_finite(static_cast<double>(points.back().norm()));
+      require_within(points.back().cast<double>().norm(), longest);
     }
     return SharedPoints(std::move(points));
   }
@@ -146,15 +149,16 @@ class Reader {
     for (const auto* pose : {&message.map_from_base, &message.odom_from_base, &message.step}) {
       std::for_each(std::begin(*pose), std::end(*pose), [this](double v) { require_finite(v); });
     }
-    std::for_each(std::begin(message.sensor_origin_m), std::end(message.sensor_origin_m),
-                  [this](double v) { require_finite(v); });
+    require_within(Eigen::Map<const Eigen::Vector2d>(message.sensor_origin_m).norm(),
+                   scan::kFarthestPointM);
     Keyframe keyframe{
         .stamp = node::stamp_of(message),
         .T_odom_base = read_pose(message.odom_from_base),
         .T_map_base = read_pose(message.map_from_base),
         .sensor_origin_base = {message.sensor_origin_m[0], message.sensor_origin_m[1]}};
-    keyframe.points_base = read_points(message.points_m);
-    keyframe.normals_base = read_points(message.normals);
+    constexpr double kUnitRounded = 1.01;
+    keyframe.points_base = read_points(message.points_m, scan::kFarthestPointM);
+    keyframe.normals_base = read_points(message.normals, kUnitRounded);
     add_to_submaps(message.first_submap, message.last_submap);
     if (!map_.keyframes.empty()) {
       add_step(message);

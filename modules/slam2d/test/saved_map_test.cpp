@@ -323,6 +323,10 @@ TEST(SavedMap, WithImpossibleValuesIsRefused) {
             }),
             "");
   EXPECT_NE(error_after([](Keyframes& k) { k[3].sensor_origin_m[0] = std::nan(""); }), "");
+  // Rays from there would take a gigabyte.
+  EXPECT_NE(error_after([](Keyframes& k) { k[3].sensor_origin_m[0] = 10'000.0; }), "");
+  EXPECT_NE(error_after([](Keyframes& k) { k[3].points_m[7][1] = 10'000.0F; }), "");
+  EXPECT_NE(error_after([](Keyframes& k) { k[3].normals[7][0] = 2.0F; }), "");
   EXPECT_NE(
       error_after([](Keyframes& k) { k[3].step[2] = std::numeric_limits<double>::infinity(); }),
       "");

@@ -11,6 +11,7 @@
 #include "common/bus/message_log.hpp"
 #include "common/node/messages.hpp"
 #include "common/registration/pose_edges.hpp"
+#include "common/scan/scan.hpp"
 #include "modules/slam6d/registration/matrix6d.hpp"
 #include "nodmap/keyframe_6d_t.hpp"
 #include "nodmap/loop_6d_t.hpp"
@@ -86,6 +87,10 @@ class Reader {
  private:
   void require(bool holds, const std::string& problem) const { log_.require(holds, problem); }
 
+  [[nodiscard]] static bool is_near(const Eigen::Vector3f& p_base) {
+    return p_base.cast<double>().norm() <= scan::kFarthestPointM;  // false for NaN
+  }
+
   [[nodiscard]] std::string here() const {
     return "keyframe " + std::to_string(map_.keyframes.size());
   }
@@ -109,7 +114,7 @@ class Reader {
     cloud->points.reserve(message.x_m.size());
     for (std::size_t i = 0; i < message.x_m.size(); ++i) {
       cloud->points.emplace_back(message.x_m[i], message.y_m[i], message.z_m[i]);
-      require(cloud->points.back().allFinite(), here() + " holds an impossible point");
+      require(is_near(cloud->points.back()), here() + " holds an impossible point");
     }
     std::size_t begin = 0;
     for (std::size_t i = 0; i < message.scan_end.size(); ++i) {
@@ -118,8 +123,7 @@ class Reader {
               here() + " has scans that are not in order");
       const std::vector<float>& mirror = message.mirror_m[i];
       cloud->lines.push_back({Eigen::Vector3f(mirror[0], mirror[1], mirror[2]), end});
-      require(cloud->lines.back().p_base_mirror.allFinite(),
-              here() + " holds an impossible mirror");
+      require(is_near(cloud->lines.back().p_base_mirror), here() + " holds an impossible mirror");
       begin = end;
     }
     require(begin == cloud->points.size(), here() + " has points of no scan");

@@ -118,6 +118,14 @@ TEST(SavedMapFile, TheErrorNamesTheImpossiblePart) {
   cloud->lines.back().end = 1;
   map.keyframes[1].cloud = cloud;
   refused(map, "keyframe 1 has points of no scan");
+  cloud = std::make_shared<SweepCloud>(*three_keyframes().keyframes[1].cloud);
+  cloud->points[0].x() = 1e12F;  // its cells and pixels would not fit into 32 bits
+  map.keyframes[1].cloud = cloud;
+  refused(map, "keyframe 1 holds an impossible point");
+  cloud = std::make_shared<SweepCloud>(*three_keyframes().keyframes[1].cloud);
+  cloud->lines[1].p_base_mirror.z() = 1e12F;
+  map.keyframes[1].cloud = cloud;
+  refused(map, "keyframe 1 holds an impossible mirror");
   map = three_keyframes();
   map.keyframes[2].T_map_base.translation().x() = 1e300;
   refused(map, "keyframe 2 holds an impossible pose");
