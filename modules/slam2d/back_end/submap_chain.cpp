@@ -25,10 +25,20 @@ constexpr double kStepRotationRad = geometry::deg_to_rad(15.0);
 
 // Steps that all lines have adjusted have a third of the standard deviation of others.
 constexpr double kAdjustedFactor = 10.0;
+constexpr double kRounding = 1e-9;  // relative, of a difference
 
 // Added to each step over dropped keyframes; equals a standard deviation of 1 km. Such a step may
 // be so long and uncertain, because the robot was lost on it, that composed() counts it as unknown.
 constexpr double kMinStepInformation = 1e-6;
+
+// The information of a step that all lines have adjusted. What odometry knows remains as it was. A
+// step over dropped keyframes may be less certain than odometry, and stays so.
+Eigen::Matrix3d adjusted_information(const Eigen::Matrix3d& step, const Eigen::Matrix3d& odometry) {
+  const Eigen::Matrix3d by_matches = step - odometry;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(by_matches, Eigen::EigenvaluesOnly);
+  const bool is_surer = solver.eigenvalues()[0] >= -kRounding * step.trace();
+  return is_surer ? Eigen::Matrix3d(step + (kAdjustedFactor - 1.0) * by_matches) : step;
+}
 
 double information_factor(const geometry::SE2& step) {
   const double num_steps = std::floor(
@@ -265,8 +275,7 @@ bool SubmapChain::straighten_beginning() {
   for (std::size_t k = 1; k < end; ++k) {
     PoseEdge2d& step = steps_[k - 1];
     step.T_from_to = T_map_keyframe[k - 1].inverse() * T_map_keyframe[k];
-    step.information +=
-        (kAdjustedFactor - 1.0) * (step.information - odometry_information_on_step(k));
+    step.information = adjusted_information(step.information, odometry_information_on_step(k));
   }
   for (Submap& submap : submaps_) {
     if (submap.end_keyframe() <= end) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "modules/slam2d/back_end/submap_chain.hpp"
+#include "modules/slam2d/back_end/wheel_errors.hpp"
 #include "modules/slam2d/test/drawn_world.hpp"
 
 namespace nodmap::slam2d {
@@ -92,11 +93,12 @@ TEST(LineAdjustment, KeyframesWithoutPointsStay) {
 }
 
 // The chain of that drive, begun anew at keyframe `anew`.
-SubmapChain chain_of(const std::vector<Keyframe>& keyframes, std::size_t anew) {
+SubmapChain chain_of(const std::vector<Keyframe>& keyframes, std::size_t anew,
+                     const Eigen::Vector3d& sigmas = {3.0, 3.0, 0.5}) {
   SubmapChain chain({}, {});
   for (std::size_t k = 0; k < keyframes.size(); ++k) {
     if (k == anew) {
-      chain.begin_anew({3.0, 3.0, 0.5});
+      chain.begin_anew(sigmas);
     }
     const SE2 T_local_keyframe =
         chain.has_local() ? chain.local().T_map_submap.inverse() * keyframes[k].T_map_base : SE2{};
@@ -135,6 +137,23 @@ TEST(LineAdjustment, OnlyThePartBeforeTheRobotWasLostIsAdjusted) {
     EXPECT_LT(distance_m(chain.keyframes()[k].T_map_base, keyframes[k].T_map_base), 1e-12) << k;
   }
   EXPECT_DOUBLE_EQ(chain.steps()[7].information(2, 2), 1.0 / (0.5 * 0.5));
+}
+
+// A step that is a little less certain than odometry, as one over dropped keyframes may be, is not
+// interrupted; ten times its difference to odometry would be negative. A map with such a step could
+// not be read again.
+TEST(LineAdjustment, AStepThatIsLessCertainThanOdometryStaysAsCertain) {
+  const std::vector<Keyframe> keyframes = bent_drive(test::corridor_with_doors());
+  const SE2 step = keyframes[7].T_odom_base.inverse() * keyframes[8].T_odom_base;
+  const Eigen::Vector3d odometry = odometry_information(step).diagonal();
+  SubmapChain chain = chain_of(keyframes, 8, (0.7 * odometry).cwiseInverse().cwiseSqrt());
+  const Eigen::Matrix3d before = chain.steps()[7].information;
+  EXPECT_TRUE(chain.straighten_beginning());
+  EXPECT_GT(distance_m(chain.keyframes()[8].T_map_base, keyframes[8].T_map_base), 1e-4);
+  EXPECT_EQ(chain.steps()[7].information, before);
+  for (const registration::PoseEdge2d& edge : chain.steps()) {
+    EXPECT_EQ(edge.information.llt().info(), Eigen::Success) << edge.to;
+  }
 }
 
 }  // namespace line_adjustment_test
