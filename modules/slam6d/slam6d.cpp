@@ -370,6 +370,7 @@ void Slam6d::adjust() {
   const AdjustedPoses adjusted = adjusted_poses(
       {keyframes_, between_, corrected_, back_end_.graph().steps()}, tracker_, params_);
   move_keyframes(adjusted.T_map_keyframes);
+  back_end_.take_adjusted(adjusted.T_map_keyframes);
   corrected_.move(adjusted.sweeps);
 }
 

@@ -52,7 +52,12 @@ void BackEnd::restore(const SavedMap& saved) {
   std::ranges::for_each(saved.steps, [this](const auto& step) { graph_.add_step(step); });
   std::ranges::for_each(saved.loops, [this](const auto& loop) { graph_.add_loop(loop); });
   ++graph_revision_;
-  (void)graph_.optimise(T_map_keyframes_, false);  // what the loops weigh at the saved poses
+  (void)graph_.optimise(T_map_keyframes_, false);  // only for what the loops weigh
+}
+
+void BackEnd::take_adjusted(std::span<const SE3> T_map_keyframes) {
+  T_map_keyframes_.assign(T_map_keyframes.begin(), T_map_keyframes.end());
+  graph_.set_steps(T_map_keyframes);
 }
 
 SavedMap BackEnd::save(std::span<const Keyframe> keyframes) const {

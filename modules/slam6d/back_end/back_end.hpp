@@ -66,6 +66,10 @@ class BackEnd {
   /// keyframe is joined to the nearest restored one by its match with the map.
   void restore(const SavedMap& saved);
 
+  /// Takes over poses that were adjusted to more than the graph contains. The steps agree with them
+  /// from now on, so that they last where the map is continued.
+  void take_adjusted(std::span<const geometry::SE3> T_map_keyframes);
+
   /// The keyframes, which are those of its graph, and how they are joined.
   [[nodiscard]] SavedMap save(std::span<const Keyframe> keyframes) const;
 

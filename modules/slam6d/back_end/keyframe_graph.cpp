@@ -2,6 +2,7 @@
 #include "modules/slam6d/back_end/keyframe_graph.hpp"
 
 #include <algorithm>
+#include <iterator>
 
 #include "common/registration/pose_edges.hpp"
 
@@ -62,21 +63,11 @@ std::vector<KeyframeGraph::WeightedLoop> KeyframeGraph::take_loops_of(std::size_
   return taken;
 }
 
-PoseEdge3d KeyframeGraph::surest_edge_from(std::size_t keyframe,
-                                           std::span<const WeightedLoop> its_loops) const {
-  PoseEdge3d surest = reversed(steps_[keyframe - 1]);
-  const auto choose = [&surest](const PoseEdge3d& edge) {
-    surest = is_surer(edge, surest) ? edge : surest;
-  };
-  for (const PoseEdge3d& step : steps_) {
-    if (step.from == keyframe) {
-      choose(step);
-    }
-  }
-  for (const WeightedLoop& loop : its_loops) {
-    choose(loop.edge);
-  }
-  return surest;
+std::vector<PoseEdge3d> KeyframeGraph::steps_of(std::size_t keyframe) const {
+  std::vector<PoseEdge3d> found{reversed(steps_[keyframe - 1])};
+  std::ranges::copy_if(steps_, std::back_inserter(found),
+                       [keyframe](const PoseEdge3d& step) { return step.from == keyframe; });
+  return found;
 }
 
 // Of two loops between the same keyframes the more certain one is kept, because fusing them could
@@ -97,11 +88,22 @@ void KeyframeGraph::join(const WeightedLoop& loop) {
 
 void KeyframeGraph::drop_keyframe(std::size_t dropped) {
   const std::vector<WeightedLoop> loops = take_loops_of(dropped);
-  const PoseEdge3d back = reversed(surest_edge_from(dropped, loops));
+  const std::vector<PoseEdge3d> steps = steps_of(dropped);
+  const PoseEdge3d surest_step = *std::ranges::min_element(steps, registration::is_surer<SE3>);
+  const auto surest_loop = std::ranges::min_element(
+      loops, registration::is_surer<SE3>, [](const WeightedLoop& loop) { return loop.edge; });
+  const bool is_by_loop = !loops.empty() && is_surer(surest_loop->edge, surest_step);
+  const PoseEdge3d back = reversed(is_by_loop ? surest_loop->edge : surest_step);
   for (const WeightedLoop& loop : loops) {
     if (loop.edge.to != back.from) {
       join({composed(back, loop.edge), loop.weight});
     }
+  }
+  // Otherwise nothing would join the chain to where the loop leads.
+  const bool is_in_chain =
+      std::ranges::any_of(steps, [&back](const PoseEdge3d& step) { return step.to == back.from; });
+  if (!is_in_chain) {
+    join({composed(back, surest_step), surest_loop->weight});
   }
   const PoseEdge3d step_to_dropped = steps_[dropped - 1];
   steps_.erase(steps_.begin() + static_cast<std::ptrdiff_t>(dropped) - 1);
@@ -116,6 +118,12 @@ void KeyframeGraph::drop_keyframe(std::size_t dropped) {
   }
   for (WeightedLoop& loop : loops_) {
     renumber(loop.edge);
+  }
+}
+
+void KeyframeGraph::set_steps(std::span<const SE3> T_map_keyframes) {
+  for (PoseEdge3d& step : steps_) {
+    step.T_from_to = T_map_keyframes[step.from].inverse() * T_map_keyframes[step.to];
   }
 }
 

@@ -34,6 +34,9 @@ class KeyframeGraph {
   /// the greatest certainty. Covariances are added, so no edge becomes too certain.
   void drop_keyframe(std::size_t dropped);
 
+  /// Replaces what each step measured by the motion between these poses; it stays as certain.
+  void set_steps(std::span<const geometry::SE3> T_map_keyframes);
+
   /// The poses that fit all edges best, starting from `T_map_keyframes`; the first one stays.
   /// `graduated`: the drift may be large.
   [[nodiscard]] std::vector<geometry::SE3> optimise(std::span<const geometry::SE3> T_map_keyframes,
@@ -63,8 +66,8 @@ class KeyframeGraph {
 
  private:
   [[nodiscard]] std::vector<WeightedLoop> take_loops_of(std::size_t keyframe);
-  [[nodiscard]] registration::PoseEdge3d surest_edge_from(
-      std::size_t keyframe, std::span<const WeightedLoop> its_loops) const;
+  /// The steps between a keyframe other than the first and its neighbours, all from it.
+  [[nodiscard]] std::vector<registration::PoseEdge3d> steps_of(std::size_t keyframe) const;
   void join(const WeightedLoop& loop);
   void hold_level(std::span<Matrix6d> covariances, std::size_t from) const;
   [[nodiscard]] Matrix6d level_information() const;

@@ -134,6 +134,41 @@ TEST(KeyframeGraph, WithoutSomeKeyframesTheOthersStay) {
   }
 }
 
+// Keyframes in a row, of which the middle one has drifted; a loop past it is surer than the steps
+// and corrects that. It is the only one, so the chain must stay joined to where it leads.
+TEST(KeyframeGraph, TheOnlyLoopOfADroppedKeyframeIsNotLost) {
+  std::vector<SE3> truth(6, SE3::Identity());
+  for (std::size_t k = 0; k < truth.size(); ++k) {
+    truth[k].translation().x() = static_cast<double>(k);
+  }
+  KeyframeGraph graph(kGround);
+  for (std::size_t k = 0; k < truth.size(); ++k) {
+    graph.add_keyframe(false);
+    if (k > 0) {
+      SE3 step = truth[k - 1].inverse() * truth[k];
+      step.translation().y() += k == 4 ? 0.5 : 0.0;
+      graph.add_step({.from = k - 1,
+                      .to = k,
+                      .T_from_to = step,
+                      .information = k == 4 ? information(1.0, 0.1) : information(0.01, 0.002)});
+    }
+  }
+  graph.add_loop({.from = 2,
+                  .to = 5,
+                  .T_from_to = truth[2].inverse() * truth[5],
+                  .information = information(0.005, 0.001),
+                  .may_be_wrong = true});
+  std::vector<SE3> corrected = graph.optimise(truth, true);
+  EXPECT_LT((corrected[5].translation() - truth[5].translation()).norm(), 0.01);
+  graph.drop_keyframe(2);
+  corrected.erase(corrected.begin() + 2);
+  EXPECT_EQ(graph.num_loops(), 1U);
+  const std::vector<SE3> moved = graph.optimise(corrected, true);
+  for (std::size_t k = 0; k < moved.size(); ++k) {
+    EXPECT_LT((moved[k].translation() - corrected[k].translation()).norm(), 0.01) << k;
+  }
+}
+
 // The robot was tracked against the place of its first round: this is known before the graph is
 // optimised.
 TEST(KeyframeGraph, ALoopWithAWeightCountsAtOnce) {
