@@ -138,7 +138,7 @@ double PoseGraph<Pose>::widest_kernel() const {
   for (const PoseEdge<Pose>& edge : edges_) {
     largest = std::max(largest, edge.may_be_wrong ? chi_squared(edge) : 0.0);
   }
-  // If it is at least twice the largest residual, the kernel is convex for all residuals.
+  // Twice the largest residual, as Yang et al. (2020) begin: nearly convex for all of them.
   return std::max(1.0, 2.0 * largest / PoseSpace<Pose>::kInlierChiSquared);
 }
 

@@ -159,10 +159,13 @@ std::function<std::error_code()> Slam2dNode::prepare_save(const std::filesystem:
   saved.cleared = map_.cleared();
   const auto map = std::make_shared<KeyframeGrid>(map_.snapshot());
   // After a loop many keyframes are still drawn where they were before.
-  return [dir, map, saved = std::move(saved)] {
+  return [dir, map, saved = std::move(saved)]() -> std::error_code {
+    if (saved.keyframes.empty()) {
+      return {};  // no map yet; a former one stays
+    }
     map->redraw_all_moved(saved.keyframes);
     const auto error = write_ros_map(dir, map->grid());
-    return error || saved.keyframes.empty() ? error : write_saved_map(dir, saved);
+    return error ? error : write_saved_map(dir, saved);
   };
 }
 

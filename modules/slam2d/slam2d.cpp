@@ -73,7 +73,9 @@ std::optional<PoseUpdate> Slam2d::add_scan(const LevelScan& scan) {
   // 7: "New scan points that do not show a correspondence to already existing points in M are
   // added." That begins steps 8 to 12; those of the last keyframe are applied before.
   if (is_keyframe(update, scan, found)) {
-    update.T_map_base = apply_loops() * update.T_map_base;
+    const geometry::SE2 T_new_old = apply_loops();
+    update.T_map_base = T_new_old * update.T_map_base;
+    update.covariance = registration::rotated(update.covariance, T_new_old.yaw);
     // With the points of somebody ahead: by them the next scan shows that he has walked on.
     add_keyframe(slip.points_without_people.empty() ? found.scan : scan, found.pose.match, update);
     moving_points_.add_keyframe(scan);
@@ -316,6 +318,7 @@ geometry::SE2 Slam2d::apply_loops() {
   has_applied_loops_ = true;
   const geometry::SE2 T_new_old = back_end_.local().T_map_submap * T_map_submap.inverse();
   T_map_odom_ = T_new_old * T_map_odom_;
+  pose_covariance_.rotate(T_new_old.yaw);
   pose_guesses_.move_map(T_new_old);
   if (const std::optional<DroppedKeyframes>& dropped = back_end_.dropped()) {
     path_.attach_to_others(*dropped, keyframes());

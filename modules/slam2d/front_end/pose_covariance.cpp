@@ -24,6 +24,10 @@ void PoseCovariance::predict(double yaw_rad, const geometry::SE2& T_before_now) 
   covariance_.diagonal() += odometry_variances(step.norm(), T_before_now.yaw);
 }
 
+void PoseCovariance::rotate(double yaw_rad) {
+  covariance_ = registration::rotated(covariance_, yaw_rad);
+}
+
 // Standard deviations of 1 m/s and 1 rad/s: the robot may drive on, or be carried.
 void PoseCovariance::lose_track(double duration_s) {
   covariance_.diagonal().array() += duration_s * duration_s;

@@ -25,6 +25,9 @@ class PoseCovariance {
   /// Nothing is known of the robot's motion during `duration_s`.
   void lose_track(double duration_s);
 
+  /// The map was rotated, and the robot with it.
+  void rotate(double yaw_rad);
+
   /// The standard deviation of the position, in metres, in the direction in which it is least:
   /// large only if no direction has been matched for long.
   [[nodiscard]] double least_sigma_m() const;

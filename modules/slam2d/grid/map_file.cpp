@@ -29,7 +29,8 @@ constexpr std::int64_t kMaxImageCells = 64'000'000;
 constexpr double kMinResolutionM = 0.005;
 constexpr double kMaxResolutionM = 1.0;
 constexpr double kMaxAreaM2 = 640e3;
-constexpr double kMaxOriginM = 1e6;  // cells beyond would not fit into 32 bits
+constexpr double kMaxSideM = 6000.0;  // a search for a place counts 0.1 m in 16 bits
+constexpr double kMaxOriginM = 1e6;   // cells beyond would not fit into 32 bits
 
 std::string pgm_of(const OccupancyGrid& grid) {
   std::string bytes =
@@ -241,6 +242,9 @@ TrinaryGrid read_ros_map(const std::filesystem::path& path) {
   if (static_cast<double>(image.values.size()) * header.cell_size_m * header.cell_size_m >
       kMaxAreaM2) {
     refuse(header.image, "covers more than 640000 m^2 at the resolution of the map");
+  }
+  if (std::max(image.width, image.height) * header.cell_size_m > kMaxSideM) {
+    refuse(header.image, "is longer than 6000 m at the resolution of the map");
   }
   TrinaryGrid grid;
   grid.cell_size_m = header.cell_size_m;

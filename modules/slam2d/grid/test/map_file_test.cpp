@@ -205,6 +205,8 @@ TEST(MapFile, TheErrorForAnUnreadableMapNamesTheFileAndTheReason) {
   const std::string coarse = "image: map.pgm\nresolution: 1\norigin: [0, 0, 0]\n";
   EXPECT_NE(reason(coarse, "P5\n1000 1000\n255\n" + std::string(1'000'000, 'a')).find("m^2"),
             std::string::npos);
+  EXPECT_NE(reason(coarse, "P5\n7000 1\n255\n" + std::string(7000, 'a')).find("6000 m"),
+            std::string::npos);
   EXPECT_NE(reason("image: map.pgm\nresolution: 0.1\norigin: 3\n", "").find("map.yaml"),
             std::string::npos);
 }
