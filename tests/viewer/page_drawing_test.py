@@ -185,6 +185,8 @@ class Clouds(PageCase):
         self.assertEqual(browser.run(begin + "move(20);" + shown), [[20], 1])
         # The map has begun again with other keyframes.
         self.assertEqual(browser.run(begin + "move(10, 12);" + shown), [[10, 20], 2])
+        # It has begun again with the first of the same keyframes.
+        self.assertEqual(browser.run(begin + "add(12); move(11);" + shown), [[10, 11, 20], 3])
 
     def test_keyframes_of_a_former_map_that_wait_are_not_shown(self):
         """A page that is not visible draws nothing, but receives. 6D SLAM is started again meanwhile."""

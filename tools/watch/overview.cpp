@@ -83,7 +83,8 @@ void Overview::add(const nodmap::navigation_t& message, time::SteadyTime /*now*/
 }
 
 void Overview::add(const nodmap::cloud_chunk_t& message, time::SteadyTime /*now*/) {
-  keyframes_ = std::max(keyframes_, message.keyframe_id + 1);
+  // The numbers begin again with the map.
+  keyframes_ = message.keyframe_id == 0 ? 1 : std::max(keyframes_, message.keyframe_id + 1);
 }
 
 void Overview::add(const nodmap::status_t& message, time::SteadyTime now) {

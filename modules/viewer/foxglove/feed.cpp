@@ -90,6 +90,7 @@ void Feed::reset() {
     trail->clear();
   }
   keyframes_.clear();
+  keyframe_ids_.clear();
   grid_ = {};
   cloud_ = {};
   cloud_downsampler_.clear();
@@ -320,6 +321,10 @@ void Feed::subscribe_cloud(bus::Bus& bus) {
     if (!cloud) {
       return;
     }
+    if (keyframe_ids_.contains(message.keyframe_id)) {
+      forget_cloud(topic);  // the numbers begin again with the map, also in the same process
+    }
+    keyframe_ids_.insert(message.keyframe_id);
     keyframes_.set(node::stamp_of(message), cloud->T_frame_points);
     post(keyframes, node::stamp_of(message), [this] { return keyframes_.poses_in_frame(); });
     cloud_downsampler_.downsample(*cloud);
@@ -352,21 +357,28 @@ bool Feed::follow_cloud(std::size_t topic, const bus::Sender& sender) {
   }
   if (cloud_sender_ && *cloud_sender_ != sender) {
     former_cloud_sender_ = cloud_sender_;
-    store_.clear(topic);
-    keyframes_.clear();
-    cloud_downsampler_.clear();
+    forget_cloud(topic);
   }
   cloud_sender_ = sender;
   return true;
 }
 
+void Feed::forget_cloud(std::size_t topic) {
+  store_.clear(topic);
+  keyframes_.clear();
+  keyframe_ids_.clear();
+  cloud_downsampler_.clear();
+}
+
 // Updates the poses of all keyframes, because a loop closure has moved them.
 void Feed::take_keyframe_poses(const nodmap::pose_graph_6d_t& graph) {
+  std::map<time::Timestamp, geometry::SE3> T_map_base;
   for (std::size_t i = 0; i < graph.keyframe_utime.size(); ++i) {
-    if (const auto T_map_base = keyframe_pose(graph, i)) {
-      keyframes_.set(time::from_utime(graph.keyframe_utime[i]), *T_map_base);
+    if (const auto pose = keyframe_pose(graph, i)) {
+      T_map_base[time::from_utime(graph.keyframe_utime[i])] = *pose;
     }
   }
+  keyframes_.move_to(T_map_base);
 }
 
 void Feed::subscribe_truth(bus::Bus& bus) {

@@ -3,7 +3,9 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "common/bus/bus.hpp"
@@ -69,6 +71,7 @@ class Feed {
   /// Whether a message of this sender belongs to the map that is shown; forgets the cloud if the
   /// sender is a 6D SLAM that was started since.
   [[nodiscard]] bool follow_cloud(std::size_t topic, const bus::Sender& sender);
+  void forget_cloud(std::size_t topic);
   void take_keyframe_poses(const nodmap::pose_graph_6d_t& graph);
   void subscribe_truth(bus::Bus& bus);
 
@@ -97,6 +100,7 @@ class Feed {
   std::optional<bus::Sender> cloud_sender_;         // of CLOUD and POSE_GRAPH_6D
   std::optional<bus::Sender> former_cloud_sender_;  // the one before it
   KeyframePoses keyframes_;
+  std::set<std::int64_t> keyframe_ids_;  // of CLOUD, since the map began
   GridAssembler grid_;
   CloudAssembler cloud_;
   CloudDownsampler cloud_downsampler_;

@@ -53,6 +53,27 @@ void KeyframePoses::set(time::Timestamp stamp, const geometry::SE3& T_map_base) 
   }
 }
 
+void KeyframePoses::move_to(const std::map<time::Timestamp, geometry::SE3>& T_map_base) {
+  std::optional<geometry::SE3> correction;
+  for (const auto& [stamp, pose] : T_map_base) {
+    if (const auto known = poses_.find(stamp); known != poses_.end()) {
+      correction = pose * known->second.inverse();
+      break;
+    }
+  }
+  for (auto& [stamp, pose] : poses_) {
+    if (const auto moved = T_map_base.find(stamp); moved != T_map_base.end()) {
+      correction = moved->second * pose.inverse();
+      pose = moved->second;
+    } else if (correction) {
+      pose = *correction * pose;
+    }
+  }
+  for (const auto& [stamp, pose] : T_map_base) {
+    set(stamp, pose);
+  }
+}
+
 Json KeyframePoses::poses_in_frame() const {
   Json times = Json::array();
   Json poses = Json::array();

@@ -55,6 +55,9 @@ class KeyframePoses {
 
   /// Sets the pose of a keyframe, identified by its stamp.
   void set(time::Timestamp stamp, const geometry::SE3& T_map_base);
+  /// Sets the poses of all keyframes that the map has, by stamp. The others, which it has dropped,
+  /// are still shown: each moves with the one before it, or else with the first.
+  void move_to(const std::map<time::Timestamp, geometry::SE3>& T_map_base);
   void clear() { poses_.clear(); }
 
   /// foxglove.PosesInFrame with an additional field `times`, by which a page finds the cloud of

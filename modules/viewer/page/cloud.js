@@ -68,9 +68,10 @@ export class Cloud {
     if (this.poses.size > 0 && !keys.some((key) => this.poses.has(key))) {
       this.forgetAllBut(inMap);
     }
-    // Older ones may only have been left out of a long message; the poses of newer ones may come later.
+    // Older ones may only have been left out of a long message. The poses of newer ones may come later, unless they were
+    // there before: then the map has begun again.
     const [firstS, lastS] = [Math.min(...times.map(secondsOf)), Math.max(...times.map(secondsOf))];
-    this.forget(({timeS}, key) => timeS >= firstS && timeS <= lastS && !inMap.has(key));
+    this.forget(({timeS}, key) => timeS >= firstS && (timeS <= lastS || this.poses.has(key)) && !inMap.has(key));
     this.poses = new Map(keys.map((key, i) => [key, poses[i]]));
     this.keyframes.forEach((object, key) => {
       if (this.poses.has(key)) {

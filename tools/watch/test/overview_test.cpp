@@ -81,6 +81,9 @@ TEST(Overview, CountsKeyframesNotTheirParts) {
     overview.add(chunk, at(0s));
   }
   EXPECT_EQ(overview.keyframes(), 2);
+  chunk.keyframe_id = 0;  // another map
+  overview.add(chunk, at(1s));
+  EXPECT_EQ(overview.keyframes(), 1);
 }
 
 TEST(StatusLine, SaysWhatTheRobotDoes) {

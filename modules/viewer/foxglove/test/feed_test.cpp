@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <cmath>
 #include <limits>
 #include <set>
 #include <string>
@@ -169,6 +170,30 @@ TEST_F(FeedTest, ALoopClosureMovesTheKeyframes) {
   EXPECT_EQ(newest("scene/pose_graph_6d")["entities"].size(), 1U);
 }
 
+// The graph has the first and the third keyframe, 2 m ahead and turned left. The second one, which
+// the map has dropped, is still shown, and remains where it was relative to the first.
+TEST_F(FeedTest, ALoopClosureMovesDroppedKeyframesWithTheOthers) {
+  for (const std::int64_t id : {0, 1, 2}) {
+    for (auto chunk : robot::keyframe_at(0.0, id, 10)) {
+      chunk.utime += 1'000'000 * id;
+      chunk.position_m[0] = static_cast<double>(id);
+      send("CLOUD", chunk);
+    }
+  }
+  nodmap::pose_graph_6d_t graph = robot::pose_graph_6d();
+  graph.keyframe_utime[1] = graph.keyframe_utime[0] + 2'000'000;
+  for (std::vector<float>& orientation : graph.orientation) {
+    orientation = {std::sqrt(0.5F), 0.0F, 0.0F, std::sqrt(0.5F)};
+  }
+  send("POSE_GRAPH_6D", graph);
+  const Json poses = newest("keyframes")["poses"];
+  ASSERT_EQ(poses.size(), 3U);
+  const Json& first = poses[0]["position"];
+  EXPECT_EQ(first["x"], 2.0);
+  EXPECT_NEAR(poses[1]["position"]["x"], first["x"], 1e-6);
+  EXPECT_NEAR(poses[1]["position"]["y"], first["y"].get<double>() + 1.0, 1e-6);
+}
+
 TEST_F(FeedTest, AKeyframeOfAPlaceShownBeforeIsShownAsWell) {
   send_keyframe_twice();
   EXPECT_EQ(count_posts("CLOUD"), 2U);
@@ -243,6 +268,15 @@ TEST_F(RestartedSlam6d, BeginsAnotherMap) {
   EXPECT_EQ(kept("CLOUD"), Times{20});
   EXPECT_EQ(shown_poses(), Times{20});
   EXPECT_EQ(counts_.rejected().at("former_sender_of_cloud"), 1);
+}
+
+// As when it has learned how the laser is mounted: the same process numbers the same keyframes from
+// the start again.
+TEST_F(RestartedSlam6d, AMapThatBeginsAgainReplacesTheCloud) {
+  send_keyframe(first_, 10);
+  send_keyframe(first_, 10);
+  EXPECT_EQ(kept("CLOUD"), Times{10}) << "with all its points, as if it were the first";
+  EXPECT_EQ(shown_poses(), Times{10});
 }
 
 // The graph of a saved map comes before its clouds.
