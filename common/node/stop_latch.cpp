@@ -17,8 +17,27 @@ bool is_confirmation(const nodmap::stop_t& message) {
   return message.is_stopped != 0 && message.requested_by.starts_with(confirmed_name(""));
 }
 
+// The base driver of another robot, or a second one of this: what it repeats was asked for by
+// somebody. Two would otherwise name each other, once more each second.
+std::string StopLatch::named_in(std::string by) {
+  const std::string prefix = confirmed_name("");
+  while (by.starts_with(prefix)) {
+    by.erase(0, prefix.size());
+  }
+  return by;
+}
+
+StopLatch::Decision StopLatch::decision_of(const nodmap::stop_t& message) {
+  return {message.utime, read_name(message.requested_by)};
+}
+
+bool StopLatch::is_new_release(const nodmap::stop_t& message) const {
+  return message.is_stopped == 0 &&
+         std::ranges::find(releases_, decision_of(message)) == releases_.end();
+}
+
 StopLatch::Change StopLatch::take(const nodmap::stop_t& message) {
-  const Decision decision{message.utime, read_name(message.requested_by)};
+  const Decision decision = decision_of(message);
   if (message.is_stopped == 0) {
     return release(decision);
   }
@@ -29,7 +48,7 @@ StopLatch::Change StopLatch::take(const nodmap::stop_t& message) {
   if (!is_repeated) {
     last_stop_ = decision;
   }
-  const Change change = stop(decision.by);
+  const Change change = stop(is_base_driver_ ? named_in(decision.by) : decision.by);
   is_only_repeated_ = is_repeated;
   return change;
 }

@@ -50,6 +50,11 @@ class StopLatch {
 
   Change take(const nodmap::stop_t& message);
 
+  /// Whether a message is a release that take() has not taken yet, and not a copy of one. Only such
+  /// a release may allow anything besides driving: a copy may come after what a person has not
+  /// seen.
+  [[nodiscard]] bool is_new_release(const nodmap::stop_t& message) const;
+
   /// Stops the robot as a STOP does.
   Change stop(std::string by);
 
@@ -66,6 +71,8 @@ class StopLatch {
     bool operator==(const Decision&) const = default;
   };
 
+  [[nodiscard]] static std::string named_in(std::string by);
+  [[nodiscard]] static Decision decision_of(const nodmap::stop_t& message);
   [[nodiscard]] Change release(const Decision& decision);
 
   bool is_base_driver_ = false;

@@ -16,8 +16,10 @@ int main(int argc, char** argv) {
        "Drives the KURT2 base through an SLCAN adapter: DRIVE in, ODOMETRY out."},
       table, [&params] { kurt::check(params); },
       [&params](node::Context& context) {
-        return std::make_unique<kurt::KurtNode>(context, params,
-                                                serial::port_opener(params.device, params.baud),
-                                                time::now_on_both_clocks);
+        auto node = std::make_unique<kurt::KurtNode>(
+            context, params, serial::port_opener(params.device, params.baud),
+            time::now_on_both_clocks);
+        node->refuse_former_releases();
+        return node;
       });
 }

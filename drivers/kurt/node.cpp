@@ -10,6 +10,7 @@
 #include "common/geometry/se3.hpp"
 #include "common/node/log.hpp"
 #include "common/node/messages.hpp"
+#include "common/node/stop_sender.hpp"
 #include "nodmap/base_sensors_t.hpp"
 
 namespace nodmap::kurt {
@@ -127,6 +128,12 @@ KurtNode::~KurtNode() {
   KurtNode::finish();
 }
 
+void KurtNode::refuse_former_releases() {
+  constexpr time::Duration kDelay = 200ms;  // of a message, at most
+  releases_count_from_ =
+      clock_().steady + node::StopSender::kNumCopies * node::StopSender::kPeriod + kDelay;
+}
+
 void KurtNode::finish() {
   // Failure is acceptable: the base stops by itself when it receives nothing.
   link_.write(bytes_of(Kurt::shutdown_command()), clock_(), {.timeout = kShutdownTimeout});
@@ -201,13 +208,18 @@ void KurtNode::on_stop(const nodmap::stop_t& message) {
   if (stop_repeater_.is_own(message)) {
     return;
   }
+  if (message.is_stopped == 0 && clock_().steady < releases_count_from_) {
+    context_.counts.reject("release_from_before_the_start");
+    return;
+  }
   context_.counts.use();
+  // Also while the robot is free: whoever sends next has been released.
+  if (stop_latch_.is_new_release(message)) {
+    driver_.reset();
+  }
   const node::StopLatch::Change change = stop_latch_.take(message);
   if (change == node::StopLatch::Change::kStopped) {
     kurt_.brake();  // not only with the next DRIVE, which may not come
-  }
-  if (message.is_stopped == 0) {
-    driver_.reset();  // also while it is free: whoever sends next has been released
   }
   if (change != node::StopLatch::Change::kNone) {
     log::get().info("{} by {}", stop_latch_.is_stopped() ? "stopped" : "free to drive",

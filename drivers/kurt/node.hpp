@@ -35,6 +35,11 @@ class KurtNode final : public node::DeviceNode {
   /// Stops the robot, however the process ends.
   ~KurtNode() override;
 
+  /// From now on refuses releases, for one second. The copies of a release arrive for 0.6 s. If it
+  /// was given before this process was started, to one that has crashed since, it is not for this
+  /// start, which nobody has seen. For a process that was started by itself.
+  void refuse_former_releases();
+
   /// Reads what has arrived and, when it is due, sends a command to the base. Blocks only if the
   /// port does not accept bytes, for at most 5 ms.
   void spin_once() override;
@@ -73,6 +78,7 @@ class KurtNode final : public node::DeviceNode {
   serial::SerialLink link_;
   std::function<time::Moment()> clock_;
   node::StopLatch stop_latch_;
+  time::SteadyTime releases_count_from_;
   std::optional<bus::Sender> driver_;  // whose DRIVE has been obeyed since the release
   StopRepeater stop_repeater_;
   std::int64_t reported_lost_ = 0;

@@ -295,8 +295,8 @@ void NavigatorNode::leave_contact(const geometry::SE2& T_odom_before) {
 // Remains in force until a message releases it, even if the sender has ended.
 void NavigatorNode::on_stop(const nodmap::stop_t& message) {
   context_.counts.use();
+  newest_.is_fence_void = newest_.is_fence_void && !stop_latch_.is_new_release(message);
   stop_latch_.take(message);
-  newest_.is_fence_void = newest_.is_fence_void && message.is_stopped != 0;
   newest_.stopped_by = stop_latch_.stopped_by();
 }
 

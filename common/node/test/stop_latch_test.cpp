@@ -99,11 +99,23 @@ TEST(StopLatch, ACopyOfAnOlderReleaseLiftsNothing) {
   EXPECT_EQ(latch.take(message(false, 16, "another page")), Change::kReleased);
 }
 
+TEST(StopLatch, OnlyTheFirstCopyOfAReleaseIsNew) {
+  StopLatch latch;
+  for (const std::int64_t utime : {1, 2}) {
+    const nodmap::stop_t release = message(false, utime, "page");
+    EXPECT_TRUE(latch.is_new_release(release));
+    latch.take(release);
+    EXPECT_FALSE(latch.is_new_release(release));
+  }
+  EXPECT_FALSE(latch.is_new_release(message(true, 3, "page")));
+}
+
 // The base driver recognises what it has repeated before it asks the latch, so these are another's.
 TEST(StopLatch, TheBaseDriverTakesARepetitionOfAnotherForAStop) {
   StopLatch latch("its start");
   latch.take(message(false, 1, "page"));
   EXPECT_EQ(latch.take(repetition(2)), Change::kStopped);
+  EXPECT_EQ(latch.stopped_by(), "a bumper") << "not by the driver that repeats it";
   EXPECT_EQ(latch.take(message(false, 1, "page")), Change::kNone);
   EXPECT_TRUE(latch.is_stopped());
 }

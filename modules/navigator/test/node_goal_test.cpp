@@ -105,6 +105,23 @@ TEST_F(NavigatorNodeGeofence, AfterARestartOf2DSlamItHaltsUntilReleased) {
   EXPECT_TRUE(drives());
 }
 
+// A release is sent four times within 0.6 s. Who gave it has not seen what happened since.
+TEST_F(NavigatorNodeGeofence, ACopyOfAnEarlierReleaseDoesNotConfirmIt) {
+  nodmap::stop_t release{};
+  bus_.deliver("STOP", release);
+  run_with_poses(2.0);
+  send_as(kOther);
+  give_pose(0.0);
+  send_as({});
+  bus_.deliver("STOP", release);
+  run(0.1);
+  EXPECT_TRUE(halts());
+  release.utime = 1;
+  bus_.deliver("STOP", release);
+  run(1.5);
+  EXPECT_TRUE(drives());
+}
+
 TEST_F(NavigatorNodeGeofence, BrakesBeforeTheBoundaryAndHaltsOutside) {
   run_with_poses(2.0, 1.0);
   ASSERT_TRUE(drives());
