@@ -34,7 +34,7 @@ constexpr double kRateHz = 100.0;
 // One message a little later than a sender may be silent.
 constexpr double kListenerHz = 1.0 / 0.21;
 constexpr std::int64_t kSkippedByListener = 100;
-constexpr double kSeldomHz = 2.0;        // too seldom to be noticed
+constexpr double kSeldomHz = 1.4;  // three in 1.4 s: too seldom to be noticed, also if one is late
 constexpr time::Duration kAhead = 45ms;  // forged stamps are ahead, to look newest
 constexpr double kDrivingMps = 0.5;    // from this speed on the robot is driving, before and after
 constexpr double kTimeToStopS = 2.0;   // to notice the attack and to brake
@@ -211,7 +211,7 @@ std::vector<Attack> attacks() {
        [](Forger& forger) { publish_drive_of_listener(forger, kSkippedByListener); }, kListenerHz},
       {"DRIVE with the next numbers", Promise::kStationary, "nodmap-kurt",
        [](Forger& forger) { publish_drive_of_listener(forger, 1); }},
-      {"DRIVE with the next number, twice a second", Promise::kDrivesOn, "",
+      {"DRIVE with the next number, 1.4 a second", Promise::kDrivesOn, "",
        [](Forger& forger) { publish_drive_of_listener(forger, 1); }, kSeldomHz},
       {"the sensors' messages with the next numbers", Promise::kStationary, "nodmap-navigator",
        [](Forger& forger) {

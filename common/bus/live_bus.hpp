@@ -21,8 +21,8 @@ namespace nodmap::bus {
 /// liblcm does everything else.
 class LiveBus : public Bus {
  public:
-  /// Longer messages are delivered only to subscribe_all(). Messages of package nodmap are smaller
-  /// than 64 KiB, those of the process manager smaller than this.
+  /// Longer messages are delivered only to subscribe_all(). Messages of package nodmap are hardly
+  /// larger than 64 KiB, those of the process manager smaller than this.
   static constexpr std::size_t kMaxMessageBytes = std::size_t{256} << 10U;
 
   /// Throws formats::UserError if the URL, or $NODMAP_TRUSTED_HOSTS, is not well-formed;

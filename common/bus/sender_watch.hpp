@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <boost/circular_buffer.hpp>
 #include <optional>
 
 #include "common/bus/followed_sender.hpp"
@@ -33,7 +34,7 @@ class SenderWatch {
   SenderWatch() = default;
   /// For reports that come once a second: they need a longer silence, and one stranger is enough.
   explicit SenderWatch(time::Duration silence)
-      : followed_(silence), contested_(std::max(kContested, silence)), strangers_needed_(1) {}
+      : followed_(silence), contested_(std::max(kContested, silence)), strangers_(1) {}
 
   /// Adds a message; returns whether it is from the accepted sender.
   [[nodiscard]] bool follow(const Sender& sender, time::SteadyTime now);
@@ -53,14 +54,14 @@ class SenderWatch {
   }
 
  private:
-  void count_stranger(time::SteadyTime now);
+  [[nodiscard]] bool are_many_strangers() const {
+    return strangers_.full() && strangers_.back() - strangers_.front() < contested_;
+  }
 
   FollowedSender followed_{kSilence};
   time::Duration contested_ = kContested;
-  int strangers_needed_ = kStrangersOfASecondSender;
-  int strangers_ = 0;  // since window_begin_
-  time::SteadyTime window_begin_;
-  time::SteadyTime last_stranger_;
+  /// When the last messages of strangers came; as many as reveal a second sender.
+  boost::circular_buffer<time::SteadyTime> strangers_{kStrangersOfASecondSender};
   std::optional<time::SteadyTime> contested_since_;
 };
 

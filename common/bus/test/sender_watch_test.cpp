@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <vector>
+
 namespace nodmap::bus {
 namespace sender_watch_test {
 
@@ -42,6 +44,27 @@ TEST(SenderWatch, ASecondSenderThatSendsSeldomHasNoEffect) {
       EXPECT_FALSE(watch.follow(kOther, now));
     }
     EXPECT_FALSE(watch.is_contested(now));
+  }
+}
+
+// Three of them within a second, whenever that begins, and however the messages of the accepted
+// sender lie between them.
+TEST(SenderWatch, ASecondSenderIsNoticedWhereverItsSecondBegins) {
+  using Times = std::vector<time::Duration>;
+  for (const Times& strangers : {Times{0ms, 950ms, 1050ms, 1150ms}, Times{0ms, 500ms, 995ms}}) {
+    SenderWatch watch;
+    const time::SteadyTime begin = send(watch, 100, {});
+    time::SteadyTime now = begin;
+    for (const time::Duration stranger : strangers) {
+      for (; now <= begin + stranger; now += kPeriod) {
+        EXPECT_TRUE(watch.follow(kOwn, now));
+        EXPECT_FALSE(watch.is_contested(now));
+      }
+      EXPECT_FALSE(watch.follow(kOther, begin + stranger));
+    }
+    now = begin + strangers.back() + kPeriod;
+    EXPECT_TRUE(watch.follow(kOwn, now));
+    EXPECT_TRUE(watch.is_contested(now));
   }
 }
 
