@@ -91,6 +91,11 @@ std::optional<geometry::SE3> read_odometry(const nodmap::odometry_t& message) {
   return read_pose(message.position_m, message.orientation);
 }
 
+bool is_plausible(const nodmap::pitch_state_t& message) {
+  return time::is_plausible(stamp_of(message)) && message.sweep_count >= 0 &&
+         std::abs(message.pitch_rad) <= geometry::kPi && std::isfinite(message.pitch_rate_rad_s);
+}
+
 std::string read_name(std::string_view name) {
   return formats::printable(name.substr(0, kMaxNameLength));
 }

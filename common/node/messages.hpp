@@ -14,6 +14,7 @@
 #include "common/geometry/time.hpp"
 #include "common/scan/scan.hpp"
 #include "nodmap/odometry_t.hpp"
+#include "nodmap/pitch_state_t.hpp"
 #include "nodmap/pose_t.hpp"
 #include "nodmap/scan_t.hpp"
 
@@ -52,6 +53,10 @@ void write_matrix(const MatrixRows<N>& matrix, double (&out)[N][N]) {
 
 /// Reads the odometry pose T_odom_base at the message's utime.
 [[nodiscard]] std::optional<geometry::SE3> read_odometry(const nodmap::odometry_t& message);
+
+/// Whether a pitch state is one that a head can have: a sweep's number from 0 on, a pitch within
+/// half a revolution, a finite rate.
+[[nodiscard]] bool is_plausible(const nodmap::pitch_state_t& message);
 
 /// The stamp of a message: when its content was measured, or when it was sent.
 [[nodiscard]] time::Timestamp stamp_of(const auto& message) {

@@ -124,7 +124,7 @@ void NavigatorNode::on_base_sensors(const nodmap::base_sensors_t& message) {
 
 void NavigatorNode::on_odometry(const nodmap::odometry_t& message) {
   const auto T_odom_base = input_.read(message);
-  odom_frame_is_new_ = odom_frame_is_new_ || input_.odometry_restarted();
+  odom_frame_is_new_ = odom_frame_is_new_ || (T_odom_base && input_.odometry_restarted());
   if (!T_odom_base) {
     senders_.refuse(Input::kOdometry, context_.bus.origin());
     return;
@@ -160,7 +160,6 @@ void NavigatorNode::begin_odometry_frame(time::Timestamp stamp) {
 }
 
 void NavigatorNode::on_pitch_command(const nodmap::pitch_command_t& message) {
-  context_.counts.lose(pitch_commands_watch_.lost_before(message.command_seq));
   if (!is_plausible(message)) {
     context_.counts.reject("implausible_pitch_command");
     return;
@@ -168,6 +167,7 @@ void NavigatorNode::on_pitch_command(const nodmap::pitch_command_t& message) {
   if (!follow_sender(Input::kPitchCommand)) {
     return;
   }
+  context_.counts.lose(pitch_commands_watch_.lost_before(message.command_seq));
   context_.counts.use();
   newest_.max_forward_mps = message.max_forward_mps;
   newest_.laser_is_held = message.pitch_max_rad - message.pitch_min_rad < kHeldRad;
@@ -175,14 +175,14 @@ void NavigatorNode::on_pitch_command(const nodmap::pitch_command_t& message) {
 }
 
 void NavigatorNode::on_pitch_state(const nodmap::pitch_state_t& message) {
-  context_.counts.lose(pitch_states_watch_.lost_before(message.state_seq));
-  if (!time::is_plausible(node::stamp_of(message))) {
+  if (!node::is_plausible(message)) {
     context_.counts.reject("implausible_pitch_state");
     return;
   }
   if (!follow_sender(Input::kPitchState)) {
     return;
   }
+  context_.counts.lose(pitch_states_watch_.lost_before(message.state_seq));
   context_.counts.use();
   const bool has_stalled = message.is_stalled != 0 && !newest_.servo_is_stalled;
   newest_.sweep_count = message.sweep_count;

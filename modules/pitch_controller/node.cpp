@@ -5,15 +5,11 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "common/node/messages.hpp"
 #include "nodmap/pitch_command_t.hpp"
 
 namespace nodmap::pitch_controller {
 namespace {
-
-bool is_plausible(const nodmap::pitch_state_t& message) {
-  return time::is_plausible(time::from_utime(message.utime)) && message.sweep_count >= 0 &&
-         std::abs(message.pitch_rad) <= geometry::kPi && std::isfinite(message.pitch_rate_rad_s);
-}
 
 bool is_plausible(const nodmap::navigation_t& message) {
   return time::is_plausible(time::from_utime(message.utime)) && message.clear_distance_m >= 0.0 &&
@@ -85,7 +81,7 @@ void PitchControllerNode::on_pitch_state(const nodmap::pitch_state_t& message) {
     return;
   }
   context_.counts.lose(pitch_states_.lost_before(message.state_seq));
-  if (!is_plausible(message)) {
+  if (!node::is_plausible(message)) {
     context_.counts.reject("implausible_pitch_state");
     return;
   }

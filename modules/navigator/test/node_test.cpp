@@ -131,6 +131,23 @@ TEST_F(NavigatorNodeTest, AnImplausibleSweepIsRefused) {
   EXPECT_EQ(rejected("implausible_pitch_command"), 4);
 }
 
+// A sweep before the first would make every direction in view count as seen since then.
+TEST_F(NavigatorNodeTest, AnImplausiblePitchStateIsRefused) {
+  nodmap::pitch_state_t good{};
+  good.utime = now_us_;
+  std::vector<nodmap::pitch_state_t> bad(4, good);
+  bad[0].sweep_count = -1;
+  bad[1].pitch_rad = std::numeric_limits<double>::quiet_NaN();
+  bad[2].pitch_rate_rad_s = std::numeric_limits<double>::infinity();
+  bad[3].utime = std::numeric_limits<std::int64_t>::min();
+  for (const auto& each : bad) {
+    bus_.deliver("PITCH_STATE", each);
+  }
+  EXPECT_EQ(rejected("implausible_pitch_state"), 4);
+  bus_.deliver("PITCH_STATE", good);
+  EXPECT_EQ(rejected("implausible_pitch_state"), 4);
+}
+
 TEST_F(NavigatorNodeTest, AnImplausibleBoundIsRefused) {
   run(1.5);
   give_command(now_us_, std::numeric_limits<double>::quiet_NaN());

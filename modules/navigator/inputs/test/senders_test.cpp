@@ -49,7 +49,7 @@ TEST_F(NavigatorNodeTest, TwoSendersOfPitchCommandHaltItUntilOneHasEnded) {
   forged.max_forward_mps = 5.0;
   for (int i = 0; i < 50; ++i) {
     forged.utime = now_us_ + 1'000;
-    forged.command_seq = command_seq_;
+    forged.command_seq = 90'000 + i;
     bus_.deliver_from(kOther, "PITCH_COMMAND", forged);
     tick();
     EXPECT_LE(drive().forward_mps, 1.0);
@@ -58,6 +58,7 @@ TEST_F(NavigatorNodeTest, TwoSendersOfPitchCommandHaltItUntilOneHasEnded) {
   EXPECT_EQ(navigation().reason, "Two processes send PITCH_COMMAND.");
   EXPECT_EQ(node_.health().state, node::HealthState::kDegraded);
   EXPECT_EQ(rejected("other_sender_of_pitch_command"), 50);
+  EXPECT_EQ(counts_.lost(), 0) << "their numbers show no loss";
   run(3.0);
   EXPECT_TRUE(drives());
 }
