@@ -120,10 +120,10 @@ Experiment load_experiment(const Options& options) {
 int run(const Options& options, const SimulatedRobotParams& params, const Experiment& experiment,
         const std::string& lcm_url) {
   SimulatedRobot robot(experiment.world, params, experiment.faults, options.seed);
-  const std::filesystem::path out = node::make_next_result_dir(options.out);
+  const node::LiveResultDir out = node::make_next_result_dir(options.out);
   const nlohmann::json metrics = run_loop(options, lcm_url, robot);
-  if (!out.empty()) {
-    node::write_result_json(out, metrics);
+  if (!out.path.empty()) {
+    node::write_result_json(out.path, metrics);
   }
   log::get().info("ended after {:.1f} s: {} collisions, {} bumps, {:.2f} m driven",
                   metrics["duration_s"].get<double>(), metrics["collisions"].get<std::int64_t>(),

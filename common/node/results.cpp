@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/node/results.hpp"
 
+#include <fcntl.h>
+#include <sys/file.h>
+
+#include <cerrno>
 #include <exception>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -24,18 +28,25 @@ void make_result_dir(const std::filesystem::path& dir) {
   }
 }
 
-std::filesystem::path make_next_result_dir(const std::filesystem::path& dir) {
+LiveResultDir make_next_result_dir(const std::filesystem::path& dir) {
   namespace fs = std::filesystem;
   if (dir.empty()) {
     return {};
   }
   const fs::path first = dir.has_filename() ? dir : dir.parent_path();  // "DIR/" is DIR
-  fs::path next = first;
-  for (int number = 2; fs::exists(next) && !fs::is_empty(next); ++number) {
-    next = first.string() + "." + std::to_string(number);
+  LiveResultDir next{.path = first};
+  for (int number = 2;; ++number) {
+    if (!fs::exists(next.path) || fs::is_empty(next.path)) {
+      make_result_dir(next.path);
+      next.lock =
+          formats::FileDescriptor(::open(next.path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+      // Where the file system has no locks, an empty folder is free.
+      if (::flock(next.lock.get(), LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) {
+        return next;
+      }
+    }
+    next.path = first.string() + "." + std::to_string(number);
   }
-  make_result_dir(next);
-  return next;
 }
 
 nlohmann::json messages_json(const bus::Bus& bus, const MessageCounts& counts) {

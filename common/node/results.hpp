@@ -7,6 +7,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "common/bus/bus.hpp"
+#include "common/formats/file_descriptor.hpp"
 #include "common/node/message_counts.hpp"
 
 namespace nodmap::node {
@@ -15,9 +16,17 @@ namespace nodmap::node {
 /// that results are never overwritten.
 void make_result_dir(const std::filesystem::path& dir);
 
-/// The same for a live process, which may be restarted: if `dir` contains results, creates and
-/// returns the first of DIR.2, DIR.3, ... that contains none. Returns an empty name unchanged.
-[[nodiscard]] std::filesystem::path make_next_result_dir(const std::filesystem::path& dir);
+/// The folder of a live process, which has it alone for as long as this object lives: another
+/// process would overwrite what it writes at its end.
+struct LiveResultDir {
+  std::filesystem::path path;
+  formats::FileDescriptor lock = formats::FileDescriptor();
+};
+
+/// The same for a live process, which may be restarted: if `dir` contains results, or belongs to a
+/// process that is running, creates and returns the first of DIR.2, DIR.3, ... that does not.
+/// Returns an empty name unchanged.
+[[nodiscard]] LiveResultDir make_next_result_dir(const std::filesystem::path& dir);
 
 /// What has become of a process's messages: "messages" of result.json.
 [[nodiscard]] nlohmann::json messages_json(const bus::Bus& bus, const MessageCounts& counts);

@@ -115,7 +115,8 @@ void run_replay(const ProgramInfo& info, const Options& options, const NodeFacto
 
 void run_live(const ProgramInfo& info, const Options& options, const std::string& lcm_url,
               const NodeFactory& make_node) {
-  const std::filesystem::path dir = make_next_result_dir(options.out);
+  const LiveResultDir out = make_next_result_dir(options.out);
+  const std::filesystem::path& dir = out.path;
   bus::LiveBus bus(lcm_url);
   MessageCounts counts;
   Context context{bus, counts, dir, ResultsUsed::kWhenReady};
@@ -147,7 +148,7 @@ int run_with(int argc, char** argv, const ProgramInfo& info, params::Table& tabl
   const auto add_options = [&](CLI::App& app) {
     auto* out = app.add_option("--out", options.out,
                                "Folder for the results; created, never overwritten. Live, DIR.2 is "
-                               "used if DIR contains results");
+                               "used if DIR contains results or another process uses it");
     app.add_option("--replay", options.replay,
                    "Process this LCM event log instead of the network, as fast as possible")
         ->needs(out);

@@ -5,6 +5,7 @@
 
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -51,16 +52,27 @@ TEST(WriteEach, GoesOnAfterAnErrorAndThrowsTheFirst) {
 TEST(ResultDir, ARestartedProcessTakesTheNext) {
   const test::TemporaryDir dir;
   const std::filesystem::path out = dir.path() / "slam2d";
-  EXPECT_TRUE(make_next_result_dir({}).empty());
-  EXPECT_EQ(make_next_result_dir(out), out);
-  EXPECT_EQ(make_next_result_dir(out), out);  // nothing was written: it was killed
+  EXPECT_TRUE(make_next_result_dir({}).path.empty());
+  EXPECT_EQ(make_next_result_dir(out).path, out);
+  EXPECT_EQ(make_next_result_dir(out).path, out);  // nothing was written: it was killed
   std::ofstream(out / "result.json") << "{}";
   const std::filesystem::path second = dir.path() / "slam2d.2";
-  EXPECT_EQ(make_next_result_dir(out), second);
+  EXPECT_EQ(make_next_result_dir(out).path, second);
   EXPECT_TRUE(std::filesystem::is_directory(second));
   std::ofstream(second / "result.json") << "{}";
-  EXPECT_EQ(make_next_result_dir(out), dir.path() / "slam2d.3");
-  EXPECT_EQ(make_next_result_dir(out.string() + "/"), dir.path() / "slam2d.3");
+  EXPECT_EQ(make_next_result_dir(out).path, dir.path() / "slam2d.3");
+  EXPECT_EQ(make_next_result_dir(out.string() + "/").path, dir.path() / "slam2d.3");
+}
+
+// Neither has written anything yet.
+TEST(ResultDir, OfTwoThatRunEachHasItsOwn) {
+  const test::TemporaryDir dir;
+  const std::filesystem::path out = dir.path() / "slam2d";
+  std::optional<LiveResultDir> first = make_next_result_dir(out);
+  EXPECT_EQ(first->path, out);
+  EXPECT_EQ(make_next_result_dir(out).path, dir.path() / "slam2d.2");
+  first.reset();
+  EXPECT_EQ(make_next_result_dir(out).path, out);
 }
 
 TEST(ResultJson, OneThatCannotBeWrittenLeavesTheOldOneAndIsNamed) {
