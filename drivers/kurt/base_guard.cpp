@@ -104,6 +104,7 @@ time::Duration BaseGuard::StallTimer::add(int ticks, double commanded_mps, time:
   ticks_ += ticks;
   if (std::abs(commanded_mps) < kSurelyTurningMps) {
     since_.reset();
+    ticks_ = 0;
     return {};
   }
   if (!since_ || std::abs(ticks_) > kAtRestTicks) {

@@ -76,7 +76,7 @@ struct GyroParams {
     v.number("scale", scale, {-2.0, 2.0},
              "Rotation of the robot divided by that of the gyro's angle; negative for a gyro that "
              "turns the other way round.");
-    v.angle("noise_deg", noise_rad, {0.0, 10.0},
+    v.angle("noise_deg", noise_rad, {0.001, 10.0},
             "Standard deviation of the gyro's angle after 1 s; grows with the root of the time.");
     v.number("scale_sigma", scale_sigma, {0.0, 0.2},
              "Standard deviation of the relative error of its rotations.");

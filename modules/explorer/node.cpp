@@ -255,6 +255,7 @@ void ExplorerNode::decide(time::Timestamp now) {
     waits.state = explorer_.state();
     waits.reason = "The robot is stopped.";
     waits.seen_m2 = seen_m2_;
+    halted_since_.reset();  // what kept it from driving before is counted anew
     publish(waits, now);
     return;
   }

@@ -196,6 +196,23 @@ TEST_F(ExplorerNodeTest, ARobotThatMayNotDriveGivesUpNoPlace) {
   EXPECT_EQ(node_.health().state, node::HealthState::kOk);
 }
 
+// A person has stopped the robot: what kept it from driving before is no fault any more.
+TEST_F(ExplorerNodeTest, AHaltIsForgottenWhileTheRobotIsStopped) {
+  give_map();
+  ask(true);
+  for (int i = 0; i < 5; ++i) {
+    give_navigation(nodmap::navigation_t::HALT, "No scans.");
+    (void)give_pose();
+  }
+  nodmap::stop_t stop{};
+  stop.is_stopped = 1;
+  bus_.deliver("STOP", stop);
+  for (int i = 0; i < 60; ++i) {
+    (void)give_pose();
+  }
+  EXPECT_EQ(node_.health().state, node::HealthState::kOk) << node_.health().reason;
+}
+
 TEST_F(ExplorerNodeTest, AHaltBeforeTheExplorationIsNoFault) {
   give_map();
   for (int i = 0; i < 60; ++i) {
