@@ -82,6 +82,7 @@ Answer ProcessControl::output(const std::string& command) const {
 
 void ProcessControl::begin(const time::Moment& now) {
   fleet_.emplace(config_, id_ + std::to_string(time::to_utime(now.wall)));
+  fleet_->take_command(now.steady);
   open_.clear();
   for (const auto& [deputy, report] : deputies_.all()) {
     if (deputies_.is_reporting(deputy, now.steady)) {

@@ -91,31 +91,6 @@ time::Timestamp beginning_of(const std::string& sheriff_id) {
 
 }  // namespace
 
-const char* short_name_of(CommandState state) {
-  switch (state) {
-    case CommandState::kStarting:
-      return "Starting";
-    case CommandState::kRunning:
-      return "Running";
-    case CommandState::kRestarting:
-      return "Restarting";
-    case CommandState::kStopping:
-      return "Stopping";
-    case CommandState::kStoppedOk:
-      return "Stopped (OK)";
-    case CommandState::kStoppedError:
-      return "Stopped (Error)";
-    default:
-      return "Unknown";
-  }
-}
-
-std::string name_of(CommandState state) {
-  const bool is_ordered = state == CommandState::kStarting || state == CommandState::kRestarting ||
-                          state == CommandState::kStopping;
-  return std::string(short_name_of(state)) + (is_ordered ? " (Command Sent)" : "");
-}
-
 // The same form as the existing sheriff's id: host, process, time.
 std::string sheriff_id_prefix() {
   return host_name() + ":" + std::to_string(::getpid()) + ":";
@@ -225,11 +200,21 @@ void Fleet::begin_run(Item& item) {
   item.respawns_until.reset();
 }
 
+// Back to the state before the deputy has reported it: what it reports next is adopted.
+void Fleet::forget_orders(Item& item) {
+  item.desired_run = 0;
+  item.force_quit = item.is_stop_ordered = item.is_adopted = false;
+  item.failed_status.reset();
+}
+
 bool Fleet::take_info(const DeputyInfo& info, time::SteadyTime now, const bus::Sender& sender) {
   if (!deputies_.take(info, now, sender)) {
     return false;
   }
   for (Item& item : items_) {
+    if (item.deputy == info.deputy_id && !is_in_command()) {
+      forget_orders(item);  // another sheriff may have given others since
+    }
     if (item.deputy == info.deputy_id && !lists(info, item.spec.id)) {
       item.status.reset();
       item.is_adopted = true;
@@ -262,15 +247,15 @@ Fleet::Item* Fleet::find_or_add(const CommandSpec& spec, const std::string& depu
   return &added;
 }
 
-// Takes over a command that an earlier sheriff started. It continues as it is; orders already
-// given to this sheriff still apply.
+// Takes over a command that another sheriff started. It continues as it is; orders already given to
+// this sheriff still apply.
 void Fleet::adopt(Item& item, const CommandStatus& status, time::SteadyTime now) {
   const bool start_wished = item.desired_run != 0 && !item.force_quit;
   const bool is_down = status.pid == 0;
   item.desired_run = start_wished && is_down ? run_after(status.actual_run) : status.actual_run;
   item.is_adopted = true;
   if (!start_wished && will_respawn(status)) {
-    item.respawns_until = now + kRespawnTime;
+    item.respawns_until = item.respawns_until.value_or(now + kRespawnTime);
     return;
   }
   item.force_quit |= !start_wished && is_down;

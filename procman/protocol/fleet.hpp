@@ -9,33 +9,21 @@
 #include "common/bus/sender.hpp"
 #include "common/geometry/time.hpp"
 #include "procman/config/config.hpp"
+#include "procman/protocol/command_state.hpp"
 #include "procman/protocol/deputy_reports.hpp"
 #include "procman/protocol/other_sheriffs.hpp"
 #include "procman/protocol/values.hpp"
 
 namespace nodmap::procman {
 
-enum class CommandState : std::uint8_t {
-  kUnknown,  ///< no INFO of its deputy was received, or not recently
-  kStarting,
-  kRunning,
-  kRestarting,
-  kStopping,
-  kStoppedOk,
-  kStoppedError,
-};
-
-/// The text for people: "Running", "Starting", "Stopped (Error)", ...
-[[nodiscard]] const char* short_name_of(CommandState state);
-/// The same as in the existing sheriff: "Starting (Command Sent)" while a deputy carries out
-/// orders.
-[[nodiscard]] std::string name_of(CommandState state);
-
 /// The id of a sheriff in this process, without the start time at its end: "host:process:".
 [[nodiscard]] std::string sheriff_id_prefix();
 
 /// The sheriff's side of the protocol: compares the requested states of the commands with those
 /// that their deputies report. Without clock or network.
+///
+/// It begins without command: until take_command(), and after observe(), it has no orders of its
+/// own, and the requested states are those that the deputies report.
 class Fleet {
  public:
   /// A deputy starts a command again after a second at most; one more INFO may be lost.
@@ -113,6 +101,9 @@ class Fleet {
 
   /// This sheriff gives orders from now on.
   void take_command(time::SteadyTime now) { commands_since_ = now; }
+  /// It gives none from now on.
+  void observe() { commands_since_.reset(); }
+  [[nodiscard]] bool is_in_command() const { return commands_since_.has_value(); }
   /// Whether this sheriff must stop giving orders. Of two sheriffs that begin to give orders at the
   /// same time the one that started later must; this one must, if it is not known when the other
   /// started.
@@ -136,6 +127,7 @@ class Fleet {
                                       std::vector<std::string>& changes);
   [[nodiscard]] bool waits_for_former_host(const Item& item) const;
   static void begin_run(Item& item);
+  static void forget_orders(Item& item);
   static void adopt(Item& item, const CommandStatus& status, time::SteadyTime now);
   static void take_status(Item& item, const CommandStatus& status, time::SteadyTime now);
 
@@ -144,7 +136,7 @@ class Fleet {
   DeputyReports deputies_;
   time::SteadyTime newest_info_{};  // when it was received
   OtherSheriffs other_sheriffs_;
-  std::optional<time::SteadyTime> commands_since_;
+  std::optional<time::SteadyTime> commands_since_;  // empty: it gives no orders
 };
 
 }  // namespace nodmap::procman

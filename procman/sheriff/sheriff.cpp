@@ -87,7 +87,7 @@ void Sheriff::work(std::chrono::milliseconds wait) {
 void Sheriff::give_orders() {
   are_orders_wanted_ = false;
   orders_due_ = now() + kOrdersPeriod;
-  if (is_observer_) {
+  if (!fleet_.is_in_command()) {
     return;
   }
   has_given_orders_ = true;
@@ -95,7 +95,7 @@ void Sheriff::give_orders() {
 }
 
 std::vector<HealthWatch::Restart> Sheriff::apply_health_rules() {
-  if (is_observer_) {
+  if (!fleet_.is_in_command()) {
     return {};
   }
   std::vector<HealthWatch::Restart> restarts = health_.due_restarts(fleet_, now());

@@ -36,11 +36,8 @@ class Sheriff : boost::noncopyable {
 
   /// Sends the orders at once, because the requested states have changed.
   void give_orders();
-  void take_command() {
-    is_observer_ = false;
-    fleet_.take_command(now());
-  }
-  void observe() { is_observer_ = true; }
+  void take_command() { fleet_.take_command(now()); }
+  void observe() { fleet_.observe(); }
 
   /// Does the restarts that the health rules require; returns them with their reasons.
   std::vector<HealthWatch::Restart> apply_health_rules();
@@ -74,7 +71,6 @@ class Sheriff : boost::noncopyable {
   HealthWatch health_;
   std::map<std::string, Console> consoles_;
   OutputHandler output_handler_;
-  bool is_observer_ = true;
   bool has_given_orders_ = false;
   bool are_orders_wanted_ = false;
   time::SteadyTime orders_due_{};

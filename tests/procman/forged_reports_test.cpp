@@ -24,9 +24,6 @@ class ForgedReports : public SheriffProcess {
       return condition();
     });
   }
-  [[nodiscard]] bool has_printed(const std::string& text) const {
-    return printed().find(text) != std::string::npos;
-  }
   static nodmap::status_t status_of_sleeper(std::int8_t health) {
     nodmap::status_t status{};
     status.process_name = "sleeper";

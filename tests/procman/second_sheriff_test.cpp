@@ -46,6 +46,19 @@ TEST_F(SheriffProcess, OrdersOfASecondSheriffAreRefused) {
   EXPECT_EQ(second.exit_code, 3) << "it gives orders: " << second.out << second.err;
 }
 
+// It has seen the command down, and a later run of it ordered by others.
+TEST_F(SheriffProcess, AnObserverShowsWhatOtherSheriffsHaveStarted) {
+  begin_deputy();
+  ASSERT_EQ(sheriff({"--start", "sleeper"}).exit_code, 0);
+  begin_task("--observe");
+  ASSERT_TRUE(client_.wait_until([this] { return has_printed("talker: Stopped (OK)\n"); }));
+  ASSERT_EQ(sheriff({"--start", "talker"}).exit_code, 0);
+  EXPECT_TRUE(client_.wait_until([this] { return has_printed("talker: Running\n"); })) << printed();
+  ASSERT_EQ(sheriff({"--restart", "sleeper"}).exit_code, 0);
+  EXPECT_TRUE(client_.wait_for_infos(2));
+  EXPECT_FALSE(has_printed("Command Sent")) << printed();
+}
+
 // It need not wait until the deputy takes the first one for dead.
 TEST_F(SheriffProcess, TheNextSheriffIsObeyedAtOnce) {
   begin_deputy();

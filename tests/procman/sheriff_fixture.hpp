@@ -65,16 +65,23 @@ class SheriffProcess : public ::testing::Test {
     arguments.insert(arguments.begin(), {file_, "--lcm-url", kProcmanUrl});
     return run_program("nodmap-sheriff", arguments);
   }
-  /// Starts a sheriff that stays; what it prints is in printed().
+  /// Starts a sheriff that runs a script and stays; what it prints is in printed().
   void begin_sheriff(const std::string& script) {
-    sheriff_ = std::make_unique<ChildProcess>(std::vector<std::string>{
-        "sh", "-c",
-        "exec " NODMAP_BIN "/nodmap-sheriff " + file_ + " --lcm-url '" + kProcmanUrl +
-            "' --script " + script + " --on-script-complete stay >" + printed_});
+    begin_task("--script " + script + " --on-script-complete stay");
+  }
+  /// The same for a sheriff with other options.
+  void begin_task(const std::string& options) {
+    sheriff_ = std::make_unique<ChildProcess>(
+        std::vector<std::string>{"sh", "-c",
+                                 "exec " NODMAP_BIN "/nodmap-sheriff " + file_ + " --lcm-url '" +
+                                     kProcmanUrl + "' " + options + " >" + printed_});
   }
   [[nodiscard]] std::string printed() const {
     std::ifstream in(printed_);
     return {std::istreambuf_iterator<char>(in), {}};
+  }
+  [[nodiscard]] bool has_printed(const std::string& text) const {
+    return printed().find(text) != std::string::npos;
   }
   /// Starts both, and waits until the commands of the group run.
   void begin_both() {

@@ -19,6 +19,8 @@ class FleetTest : public ::testing::Test {
       cmd "r" { exec = "y"; host = "h"; auto_respawn = "true"; }
       cmd "far" { exec = "z"; host = "other"; })")
                        .config;
+  FleetTest() { fleet_.take_command(now_); }
+
   Fleet fleet_{config_, "me:1:1000"};
   time::SteadyTime now_{100s};
 
@@ -249,6 +251,60 @@ TEST_F(FleetTest, ACommandTakenOverThatDoesNotRunAgainInTimeWasStopped) {
   fleet_.start("r");
   report({down});
   EXPECT_FALSE(order("r").force_quit) << "an order counts for longer";
+}
+
+// Another sheriff starts, stops and restarts them.
+TEST_F(FleetTest, WithoutCommandItShowsWhatTheDeputyReports) {
+  fleet_.observe();
+  report({status("a", 0, 0), status("r", 7, 1)});
+  EXPECT_EQ(state("a"), "Stopped (OK)");
+  EXPECT_EQ(state("r"), "Running");
+  report({status("a", 8, 1), status("r", 0, 1, SIGINT)});
+  EXPECT_EQ(state("a"), "Running");
+  EXPECT_EQ(state("r"), "Stopped (OK)") << "it is not known who stopped it";
+  report({status("a", 0, 1, 3 << 8), status("r", 9, 2)});
+  EXPECT_EQ(state("a"), "Stopped (Error)");
+  EXPECT_EQ(state("r"), "Running");
+  report({status("a", 10, 2), status("r", 11, 3)});
+  EXPECT_EQ(state("a"), "Running");
+  EXPECT_EQ(state("r"), "Running") << "restarted, which no INFO has reported";
+  report({});
+  EXPECT_EQ(state("a"), "Stopped (OK)")
+      << "the deputy was started again, and nobody has ordered it";
+}
+
+// While another sheriff had the command, it has started one command, restarted another and stopped
+// a third.
+TEST_F(FleetTest, ASheriffThatTakesCommandAgainKeepsWhatRunsByThen) {
+  report({status("a", 0, 1), status("r", 7, 1), status("other", 9, 3)});
+  fleet_.stop("r");
+  fleet_.observe();
+  report({status("a", 8, 2), status("r", 10, 2), status("other", 0, 3, SIGINT)});
+  fleet_.take_command(now_);
+  EXPECT_EQ(order("a").desired_run, 2);
+  EXPECT_FALSE(order("a").force_quit);
+  EXPECT_EQ(order("r").desired_run, 2);
+  EXPECT_FALSE(order("r").force_quit) << "the stop was ordered before";
+  EXPECT_EQ(order("other").desired_run, 3);
+  EXPECT_TRUE(order("other").force_quit);
+  report({status("a", 8, 2), status("r", 10, 2), status("other", 0, 3, SIGINT)});
+  EXPECT_FALSE(order("a").force_quit);
+  EXPECT_FALSE(order("r").force_quit);
+}
+
+// It has seen for how long the command was down.
+TEST_F(FleetTest, ACommandThatWasDownForLongBeforeTheTakeoverWasStopped) {
+  CommandStatus down = status("r", 0, 3, 1 << 8);
+  down.spec.auto_respawn = true;
+  fleet_.observe();
+  report({down});
+  now_ += Fleet::kRespawnTime;
+  report({down});
+  EXPECT_FALSE(order("r").force_quit);
+  now_ += 1us;
+  report({down});
+  fleet_.take_command(now_);
+  EXPECT_TRUE(order("r").force_quit);
 }
 
 TEST_F(FleetTest, TheGreatestRunNumberIsFollowedByOne) {

@@ -35,6 +35,8 @@ class ScriptRunnerTest : public ::testing::Test {
         stop everything wait "stopped";
       })")
                        .config;
+  ScriptRunnerTest() { fleet_.take_command(now_); }
+
   Fleet fleet_{config_, "me:1:1"};
   time::SteadyTime now_{1s};
   std::map<std::string, CommandStatus> host_;
