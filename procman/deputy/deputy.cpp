@@ -267,14 +267,13 @@ void Deputy::work() {
   }
 }
 
-// Logs the end of a command; if it has failed also its last lines, so that they are in the
-// journal.
+// Logs the end of a command; if it has failed also the last lines of its run, for the journal.
 void Deputy::log_end(const Children::Ended& end) {
   log::get().info("{} ended (wait status {})", end.id, end.wait_status);
   if (end.wait_status == 0) {
     return;
   }
-  std::istringstream lines{std::string(output_.recent(end.id))};
+  std::istringstream lines{std::string(output_.recent_of_run(end.id))};
   for (std::string line; std::getline(lines, line);) {
     std::erase_if(line, [](char c) { return c >= 0 && c < ' '; });
     log::get().warn("{}: {}", end.id, line);
@@ -332,6 +331,7 @@ void Deputy::carry_out(const StartCommand& action) {
                                   now));
     return;
   }
+  output_.begin_run(action.id);
   try {
     const pid_t pid = children_.start(action.id, action.exec, *resources);
     supervisor_.started(action.id, pid, now);

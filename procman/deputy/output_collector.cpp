@@ -23,6 +23,7 @@ void OutputCollector::add(const std::string& id, std::string_view text, time::St
   Stream& stream = streams_[name];
   stream.is_forgotten = false;
   keep_newest(stream.recent, text);
+  stream.run_bytes += text.size();
   pass(name, stream, text, now);
 }
 
@@ -33,9 +34,20 @@ void OutputCollector::repeat(const std::string& id, time::SteadyTime now) {
   }
 }
 
-std::string_view OutputCollector::recent(const std::string& id) const {
+void OutputCollector::begin_run(const std::string& id) {
   const auto found = streams_.find(id);
-  return found == streams_.end() ? std::string_view() : found->second.recent;
+  if (found != streams_.end()) {
+    found->second.run_bytes = 0;
+  }
+}
+
+std::string_view OutputCollector::recent_of_run(const std::string& id) const {
+  const auto found = streams_.find(id);
+  if (found == streams_.end()) {
+    return {};
+  }
+  const std::string_view recent = found->second.recent;
+  return recent.substr(recent.size() - std::min(recent.size(), found->second.run_bytes));
 }
 
 void OutputCollector::pass(const std::string& name, Stream& stream, std::string_view text,

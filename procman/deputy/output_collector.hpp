@@ -57,10 +57,13 @@ class OutputCollector {
   /// Adds output of a command; an empty id means the deputy itself.
   void add(const std::string& id, std::string_view text, time::SteadyTime now);
 
+  /// A new run of a command begins.
+  void begin_run(const std::string& id);
+  /// The newest lines of the present or last run of a command; empty if it has written nothing.
+  [[nodiscard]] std::string_view recent_of_run(const std::string& id) const;
+
   /// Publishes the newest lines of a command again, for a sheriff that was started later.
   void repeat(const std::string& id, time::SteadyTime now);
-  /// The newest lines of a command; empty if it has written nothing.
-  [[nodiscard]] std::string_view recent(const std::string& id) const;
 
   /// The output to be published now, if any.
   [[nodiscard]] std::vector<CommandOutput> take(time::SteadyTime now);
@@ -80,7 +83,8 @@ class OutputCollector {
     TokenBucket bucket{kCommandBytesPerS, kCommandBurstBytes};
     std::optional<time::SteadyTime> release;  // held back until then
     std::string tail;                         // the newest lines since the start of holding back
-    std::string recent;                       // the newest lines of the whole output
+    std::string recent;                       // the newest lines of all runs
+    std::size_t run_bytes = 0;                // written by the present or last run
     std::int64_t dropped_bytes = 0;           // dropped before the tail, not yet reported
     bool is_line_open = false;                // the published output ends within a line
     bool is_forgotten = false;

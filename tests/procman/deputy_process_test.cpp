@@ -164,6 +164,25 @@ TEST_F(DeputyProcess, AKilledChildIsReportedAndRespawned) {
   end_cleanly();
 }
 
+// A command that fails again and again would fill the journal with its old failures.
+TEST_F(DeputyProcess, LogsTheOutputOfEachFailedRunOnce) {
+  begin();
+  constexpr int kRuns = 3;
+  for (int run = 1; run <= kRuns; ++run) {
+    client_.order({wanted("a", marked("bash -c 'echo no device; exit 3'"), run)});
+    ASSERT_TRUE(client_.wait_until([&] {
+      return client_.status("a").actual_run == run && client_.status("a").wait_status == 3 << 8;
+    }));
+  }
+  end_cleanly();
+  const std::string& log = deputy_->said();
+  int count = 0;
+  for (std::size_t at = 0; (at = log.find("a: no device", at)) != std::string::npos; ++at) {
+    ++count;
+  }
+  EXPECT_EQ(count, kRuns) << log;
+}
+
 TEST_F(DeputyProcess, EndingCleanlyItLeavesNoProcess) {
   begin();
   // One of them hides everything by which it could be found: parent, session and environment.

@@ -206,12 +206,28 @@ TEST(OutputCollector, RepeatsTheNewestLinesOnce) {
     EXPECT_TRUE(repeated.starts_with("line "));
     EXPECT_TRUE(repeated.ends_with("line 998\nline 999\n"));
     EXPECT_LE(repeated.size(), OutputCollector::kTailBytes);
-    EXPECT_EQ(repeated, output.recent("a"));
+    EXPECT_EQ(repeated, output.recent_of_run("a"));
   }
   output.repeat("nobody", at(2s));
   EXPECT_EQ(everything_of(output), "");
   output.forget("a");
-  EXPECT_EQ(output.recent("a"), "");
+  EXPECT_EQ(output.recent_of_run("a"), "");
+}
+
+TEST(OutputCollector, TheOutputOfARunIsWithoutThatOfEarlierOnes) {
+  OutputCollector output;
+  output.begin_run("a");
+  output.add("a", "first run\nof two", at(1s));
+  output.begin_run("a");
+  EXPECT_EQ(output.recent_of_run("a"), "");
+  output.add("a", "second", at(2s));
+  output.add("a", " run\n", at(2s));
+  EXPECT_EQ(output.recent_of_run("a"), "second run\n");
+  output.add("a", std::string(2 * OutputCollector::kTailBytes, 'x'), at(3s));
+  EXPECT_EQ(output.recent_of_run("a"), std::string(OutputCollector::kTailBytes, 'x'));
+  output.begin_run("a");
+  output.add("a", "third\n", at(4s));
+  EXPECT_EQ(output.recent_of_run("a"), "third\n");
 }
 
 }  // namespace output_collector_test
