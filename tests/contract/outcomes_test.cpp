@@ -101,6 +101,16 @@ TEST(Convert, SaysWhichFileContainsNothingAndWhatItContainsInstead) {
               HasSubstr(dir.path().string() + ": contains nothing that can be used"));
 }
 
+TEST(Convert, SaysThatItCannotReadAPipeTwice) {
+  const test::TemporaryDir dir;
+  const std::string out = dir.path() / "out.lcmlog";
+  const auto result = run_program("sh", {"-c", "echo ODOM 0 0 0 0 0 0 1 host 1 | " NODMAP_BIN
+                                               "/nodmap-convert carmen /dev/stdin " +
+                                                   out});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, HasSubstr("/dev/stdin: not a regular file; a CARMEN log is read twice"));
+}
+
 TEST(Convert, SaysAtOnceWhyItCannotWrite) {
   const test::TemporaryDir dir;
   std::ofstream(dir.path() / "in.lcmlog") << "Not even looked at.\n";

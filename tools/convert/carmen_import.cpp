@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <map>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
 #include "common/formats/text_lines.hpp"
+#include "common/formats/user_error.hpp"
 #include "common/geometry/se3.hpp"
 #include "common/node/log.hpp"
 #include "common/node/messages.hpp"
@@ -97,6 +99,15 @@ class CarmenImport {
   std::map<std::string, int> not_converted_;
 };
 
+// What a pipe has delivered once is gone: the second pass would find nothing.
+void require_two_passes(const std::filesystem::path& in) {
+  std::error_code unknown;  // opening the file will report it
+  const std::filesystem::file_type type = std::filesystem::status(in, unknown).type();
+  if (type == std::filesystem::file_type::fifo || type == std::filesystem::file_type::character) {
+    throw formats::UserError(in.string() + ": not a regular file; a CARMEN log is read twice");
+  }
+}
+
 // A first pass over the whole log, because only that shows whether the poses in its scan lines are
 // consistent.
 CarmenMounts find_mounts(const std::filesystem::path& in) {
@@ -116,6 +127,7 @@ CarmenMounts find_mounts(const std::filesystem::path& in) {
 }  // namespace
 
 void import_carmen(const std::filesystem::path& in, const std::filesystem::path& out) {
+  require_two_passes(in);
   Recording recording(out);
   const CarmenMounts mounts = find_mounts(in);
   LineReader lines(in);
