@@ -5,10 +5,14 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <csignal>
+#include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <string>
 
+#include "common/bus/event_log.hpp"
 #include "tests/contract/odometry_log.hpp"
 #include "tests/support/child_process.hpp"
 #include "tests/support/data_dir.hpp"
@@ -109,6 +113,45 @@ TEST(Convert, SaysThatItCannotReadAPipeTwice) {
                                                    out});
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_THAT(result.err, HasSubstr("/dev/stdin: not a regular file; a CARMEN log is read twice"));
+}
+
+TEST(Convert, NamesTheChannelsThatExistAndThoseThatDoNotFit) {
+  const test::TemporaryDir dir;
+  const std::string log = dir.path() / "in.lcmlog";
+  write_odometry_log(log, 3);
+  const auto missing = run_program(
+      "nodmap-convert", {"export", log, dir.path() / "out.csv", "--channel", "ODOMETER"});
+  EXPECT_EQ(missing.exit_code, 2);
+  EXPECT_THAT(missing.err,
+              HasSubstr(log + ": contains no message of channel ODOMETER, but of ODOMETRY\n"));
+  ASSERT_TRUE(bus::LogWriter(dir.path() / "map.lcmlog").write(1, "MAP_2D", {}));
+  const auto other = run_program("nodmap-convert", {"export", dir.path() / "map.lcmlog",
+                                                    dir.path() / "out.csv", "--channel", "MAP_2D"});
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_THAT(other.err, HasSubstr("channel MAP_2D contains no valid message of a type that"));
+}
+
+// The limit of a file's size stands for a full disk.
+TEST(Convert, SaysWhyItCouldNotWriteEverythingAndLeavesNothing) {
+  const test::TemporaryDir dir;
+  const std::string log = dir.path() / "in.lcmlog";
+  const std::string carmen = dir.path() / "in.clf";
+  write_odometry_log(log, 1000);
+  ASSERT_EQ(run_program("nodmap-convert", {"export", log, carmen}).exit_code, 0);
+  for (const std::string& command :
+       {"export " + log + " out.csv --channel ODOMETRY", "export " + log + " out.clf",
+        "export " + log + " out.tum", "mcap " + log + " out.mcap",
+        "carmen " + carmen + " out.lcmlog"}) {
+    const auto result = run_program(
+        "sh",
+        {"-c", "cd " + dir.path().string() +
+                   "; trap '' XFSZ; ulimit -f 8; exec " NODMAP_BIN "/nodmap-convert " + command});
+    EXPECT_EQ(result.exit_code, 1) << command;
+    EXPECT_THAT(result.err, HasSubstr("cannot write: File too large")) << command;
+    EXPECT_EQ(std::ranges::count(result.err, '\n'), 1) << "and no success: " << result.err;
+  }
+  const std::filesystem::directory_iterator files(dir.path());
+  EXPECT_EQ(std::distance(begin(files), end(files)), 2) << "only the inputs";
 }
 
 TEST(Convert, SaysAtOnceWhyItCannotWrite) {

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <fstream>
 #include <optional>
-#include <stdexcept>
 
 #include "common/bus/codec.hpp"
 #include "common/formats/user_error.hpp"
@@ -123,20 +122,19 @@ void export_carmen(const std::filesystem::path& log, const std::filesystem::path
   NewFile file(out);
   std::ofstream stream(file.partial_path());
   CarmenExport writer(stream);
-  for_each_event(log, [&writer](const bus::LogEvent& event) { writer.handle(event); });
+  for_each_event(log, [&](const bus::LogEvent& event) {
+    writer.handle(event);
+    require_written(stream, out);
+  });
   writer.finish();
   stream.close();
-  if (!stream) {
-    throw std::runtime_error(out.string() + ": cannot write");
-  }
+  require_written(stream, out);
   if (writer.num_lines() == 0) {
     throw formats::UserError(log.string() + ": no ODOMETRY, and no SCAN without pitch");
   }
   file.commit();
-  log::get().info(
-      "{} lines; {} messages omitted, which were invalid, or scans with a pitch or without "
-      "odometry",
-      writer.num_lines(), writer.num_left_out());
+  log::get().info("{} lines written, {} messages left out (invalid, pitched, or without odometry)",
+                  writer.num_lines(), writer.num_left_out());
 }
 
 }  // namespace nodmap::convert

@@ -140,7 +140,7 @@ void import_carmen(const std::filesystem::path& in, const std::filesystem::path&
   log::get().info("{} scans, {} odometry messages, {} lines skipped", recording.num_scans(),
                   recording.num_odometry(), lines.num_skipped());
   for (const auto& [name, count] : import.not_converted()) {
-    log::get().info("{} lines {} have no counterpart and were omitted", count, name);
+    log::get().info("{} lines {} left out: they have no counterpart", count, name);
   }
 }
 

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "tools/convert/new_file.hpp"
+
 namespace nodmap::convert {
 namespace {
 
@@ -74,15 +76,17 @@ std::string compressed(const std::string& bytes) {
 
 McapWriter::McapWriter(const std::filesystem::path& path)
     : path_(path), out_(path, std::ios::binary) {
-  out_ << kMagic;
+  put(kMagic);
   put_record(kHeader, Content().text("").text("nodmap " NODMAP_VERSION).bytes());
-  if (!out_) {
-    throw std::runtime_error(path.string() + ": cannot create");
-  }
+}
+
+void McapWriter::put(std::string_view bytes) {
+  out_ << bytes;
+  require_written(out_, path_);
 }
 
 void McapWriter::put_record(std::uint8_t opcode, std::string_view content) {
-  out_ << record(opcode, content);
+  put(record(opcode, content));
 }
 
 std::uint16_t McapWriter::add_channel(const McapChannel& channel) {
@@ -105,7 +109,7 @@ std::uint16_t McapWriter::add_channel(const McapChannel& channel) {
                                                           .bytes());
   schemas_ += schema_record;
   channels_ += channel_record;
-  out_ << schema_record << channel_record;
+  put(schema_record + channel_record);
   return number;
 }
 
@@ -208,24 +212,22 @@ void McapWriter::finish() {
                                            .number(static_cast<std::uint64_t>(out_.tellp()))
                                            .number(static_cast<std::uint64_t>(records.size()))
                                            .bytes()));
-    out_ << records;
+    put(records);
   };
   put_group(kSchema, schemas_);
   put_group(kChannel, channels_);
   put_group(kStatistics, statistics());
   put_group(kChunkIndex, chunk_indexes_);
   const auto offsets_start = static_cast<std::uint64_t>(out_.tellp());
-  out_ << offsets.bytes();
+  put(offsets.bytes());
   put_record(kFooter, Content()
                           .number(summary_start)
                           .number(offsets_start)
                           .number(std::uint32_t{0})  // no checksum
                           .bytes());
-  out_ << kMagic;
+  put(kMagic);
   out_.flush();
-  if (!out_) {
-    throw std::runtime_error(path_.string() + ": cannot write; is the disk full?");
-  }
+  require_written(out_, path_);
 }
 
 }  // namespace nodmap::convert

@@ -22,9 +22,9 @@ struct McapChannel {
 /// Writes MCAP, Foxglove's container format: messages in chunks compressed with zstd, indexes by
 /// which a reader finds a time or a topic without reading the rest, and statistics. Source:
 /// https://mcap.dev/spec
+/// Throws std::system_error, naming the file, if it cannot be created or written.
 class McapWriter {
  public:
-  /// Throws std::runtime_error if the file cannot be created.
   explicit McapWriter(const std::filesystem::path& path);
 
   /// Adds a channel and its schema; returns its number.
@@ -34,8 +34,7 @@ class McapWriter {
   void write(std::uint16_t channel, std::uint64_t log_time_ns, std::uint64_t publish_time_ns,
              std::string_view json);
 
-  /// Writes the end of the file. Throws std::runtime_error if the file could not be written
-  /// completely.
+  /// Writes the end of the file.
   void finish();
 
   [[nodiscard]] std::uint64_t num_messages() const { return num_messages_; }
@@ -50,6 +49,7 @@ class McapWriter {
     std::map<std::uint16_t, std::vector<std::pair<std::uint64_t, std::uint64_t>>> index;
   };
 
+  void put(std::string_view bytes);
   void put_record(std::uint8_t opcode, std::string_view content);
   void write_chunk();
   [[nodiscard]] std::string statistics() const;

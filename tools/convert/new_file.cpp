@@ -50,4 +50,10 @@ void NewFile::refuse_to_overwrite() const {
   }
 }
 
+void require_written(const std::ostream& stream, const std::filesystem::path& file) {
+  if (!stream) {
+    throw std::system_error(errno, std::system_category(), file.string() + ": cannot write");
+  }
+}
+
 }  // namespace nodmap::convert

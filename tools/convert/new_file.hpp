@@ -3,6 +3,7 @@
 
 #include <boost/core/noncopyable.hpp>
 #include <filesystem>
+#include <ostream>
 #include <string>
 
 namespace nodmap::convert {
@@ -30,5 +31,9 @@ class NewFile : private boost::noncopyable {
   std::string content_;
   std::filesystem::path partial_path_;
 };
+
+/// Throws std::system_error, naming `file`, if output to `stream` has failed. To be called directly
+/// after the output, because the reason is that of the last system call.
+void require_written(const std::ostream& stream, const std::filesystem::path& file);
 
 }  // namespace nodmap::convert

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/convert/recording.hpp"
 
-#include <stdexcept>
+#include <system_error>
 
 #include "common/formats/user_error.hpp"
 
@@ -25,7 +25,7 @@ void Recording::commit(const std::filesystem::path& in, const std::string& hint)
     throw formats::UserError(in.string() + ": contains nothing that can be used: " + hint);
   }
   if (!writer_.flush()) {
-    throw std::runtime_error(file_.partial_path().string() + ": cannot write; is the disk full?");
+    throw std::system_error(writer_.failure(), file_.partial_path().string() + ": cannot write");
   }
   file_.commit();
 }
@@ -33,7 +33,7 @@ void Recording::commit(const std::filesystem::path& in, const std::string& hint)
 void Recording::write(const std::string& channel, std::int64_t utime_us) {
   log_utime_us_ = std::max(log_utime_us_.value_or(utime_us), utime_us);
   if (!writer_.write(*log_utime_us_, channel, buffer_)) {
-    throw std::runtime_error(file_.partial_path().string() + ": cannot write; is the disk full?");
+    throw std::system_error(writer_.failure(), file_.partial_path().string() + ": cannot write");
   }
 }
 

@@ -2,12 +2,15 @@
 #include "tools/convert/table_export.hpp"
 
 #include <fstream>
+#include <functional>
 #include <optional>
 #include <ostream>
-#include <stdexcept>
+#include <set>
+#include <string>
 #include <tuple>
 
 #include "common/bus/codec.hpp"
+#include "common/formats/text_lines.hpp"
 #include "common/formats/tum.hpp"
 #include "common/formats/user_error.hpp"
 #include "common/node/log.hpp"
@@ -29,16 +32,15 @@ class CsvWriter {
     return std::apply([&](auto&... message) { return (add_as(message, bytes) || ...); }, messages_);
   }
 
-  [[nodiscard]] std::int64_t num_rows() const { return num_rows_; }
-
  private:
   template <class Message>
   bool add_as(Message& message, std::span<const std::byte> bytes) {
     if (!bus::decode_into(message, bytes)) {
       return false;
     }
-    if (num_rows_++ == 0) {
+    if (!has_header_) {
       out_ << "utime_us" << row_header(message) << '\n';
+      has_header_ = true;
     }
     out_ << message.utime;
     put_row(out_, message);
@@ -50,7 +52,7 @@ class CsvWriter {
   std::tuple<nodmap::scan_t, nodmap::odometry_t, nodmap::pose_t, nodmap::truth_t, nodmap::egomap_t,
              nodmap::pitch_state_t, nodmap::pitch_command_t, nodmap::navigation_t>
       messages_;
-  std::int64_t num_rows_ = 0;
+  bool has_header_ = false;
 };
 
 std::optional<formats::StampedPose> read_stamped_pose(std::span<const std::byte> bytes) {
@@ -71,13 +73,44 @@ std::optional<formats::StampedPose> read_stamped_pose(std::span<const std::byte>
   return formats::StampedPose{stamp, *T_frame_base};
 }
 
-void report(std::int64_t num_used, std::int64_t num_left_out, const std::filesystem::path& log,
-            const std::string& channel) {
-  if (num_used == 0) {
-    throw formats::UserError(log.string() + ": channel " + channel + " contains nothing to write");
+struct MessageCount {
+  std::int64_t written = 0;
+  std::int64_t left_out = 0;
+};
+
+std::string no_such_channel(const std::string& channel, const std::set<std::string>& channels) {
+  std::string text = "contains no message of channel " + channel + ", but of ";
+  for (const std::string& other : channels) {
+    text += (other == *channels.begin() ? "" : ", ") + formats::printable(other);
   }
-  log::get().info("{} messages of {}, {} omitted, which were invalid or of another type", num_used,
-                  channel, num_left_out);
+  return text;
+}
+
+// Calls `write` for each message of a channel; it returns whether it has written the message.
+// Throws formats::UserError if none was written.
+MessageCount write_channel(const std::filesystem::path& log, const std::string& channel,
+                           const std::function<bool(std::span<const std::byte>)>& write) {
+  MessageCount count;
+  std::set<std::string> channels;
+  for_each_event(log, [&](const bus::LogEvent& event) {
+    channels.insert(event.channel);
+    if (event.channel == channel) {
+      ++(write(event.data) ? count.written : count.left_out);
+    }
+  });
+  if (!channels.contains(channel)) {
+    throw formats::UserError(log.string() + ": " + no_such_channel(channel, channels));
+  }
+  if (count.written == 0) {
+    throw formats::UserError(log.string() + ": channel " + channel +
+                             " contains no valid message of a type that fits into this file");
+  }
+  return count;
+}
+
+void report(const MessageCount& count, const std::string& channel) {
+  log::get().info("{} messages of {} written, {} left out (invalid, or of another type)",
+                  count.written, channel, count.left_out);
 }
 
 }  // namespace
@@ -86,20 +119,16 @@ void export_tum(const std::filesystem::path& log, const std::filesystem::path& o
                 const std::string& channel) {
   NewFile file(out);
   formats::Trajectory trajectory;
-  std::int64_t num_left_out = 0;
-  for_each_event(log, [&](const bus::LogEvent& event) {
-    if (event.channel != channel) {
-      return;
-    }
-    if (const auto stamped = read_stamped_pose(event.data)) {
+  const MessageCount count = write_channel(log, channel, [&](std::span<const std::byte> bytes) {
+    const auto stamped = read_stamped_pose(bytes);
+    if (stamped) {
       trajectory.push_back(*stamped);
-    } else {
-      ++num_left_out;
     }
+    return stamped.has_value();
   });
-  report(static_cast<std::int64_t>(trajectory.size()), num_left_out, log, channel);
   formats::write_tum(file.partial_path(), trajectory);
   file.commit();
+  report(count, channel);
 }
 
 void export_csv(const std::filesystem::path& log, const std::filesystem::path& out,
@@ -107,18 +136,15 @@ void export_csv(const std::filesystem::path& log, const std::filesystem::path& o
   NewFile file(out);
   std::ofstream stream(file.partial_path());
   CsvWriter writer(stream);
-  std::int64_t num_left_out = 0;
-  for_each_event(log, [&](const bus::LogEvent& event) {
-    if (event.channel == channel && !writer.add(event.data)) {
-      ++num_left_out;
-    }
+  const MessageCount count = write_channel(log, channel, [&](std::span<const std::byte> bytes) {
+    const bool has_row = writer.add(bytes);
+    require_written(stream, out);
+    return has_row;
   });
-  report(writer.num_rows(), num_left_out, log, channel);
   stream.close();
-  if (!stream) {
-    throw std::runtime_error(out.string() + ": cannot write");
-  }
+  require_written(stream, out);
   file.commit();
+  report(count, channel);
 }
 
 }  // namespace nodmap::convert

@@ -15,6 +15,7 @@
 #include "common/node/messages.hpp"
 #include "nodmap/keyframe_6d_t.hpp"
 #include "tools/convert/log_events.hpp"
+#include "tools/convert/new_file.hpp"
 #include "tools/convert/uos.hpp"
 
 namespace nodmap::convert {
@@ -51,9 +52,7 @@ void write_file(const std::filesystem::path& file, const std::string& text) {
   std::ofstream out(file);
   out << text;
   out.close();
-  if (!out) {
-    throw std::system_error(std::make_error_code(std::errc::io_error), file.string());
-  }
+  require_written(out, file);
 }
 
 void write_scan(const nodmap::keyframe_6d_t& keyframe, const geometry::SE3& T_map_base,
