@@ -11,6 +11,7 @@
 #include <random>
 #include <span>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -50,6 +51,8 @@ class LoopNetwork {
 
   /// False if some messages could not be written to the log.
   [[nodiscard]] bool flush() { return log_.flush() && log_complete_; }
+  /// Why they could not be written.
+  [[nodiscard]] const std::error_code& failure() const { return log_.failure(); }
   [[nodiscard]] std::int64_t num_messages() const { return log_.num_events(); }
 
  private:

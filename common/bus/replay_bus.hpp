@@ -7,6 +7,7 @@
 #include <map>
 #include <span>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "common/bus/bus.hpp"
@@ -32,6 +33,8 @@ class ReplayBus : public Bus {
   [[nodiscard]] const LogReader& reader() const { return reader_; }
   /// Whether everything published so far has reached the disk.
   [[nodiscard]] bool flush() { return writer_.flush(); }
+  /// Why something published has not reached the disk.
+  [[nodiscard]] const std::error_code& failure() const { return writer_.failure(); }
 
  private:
   bool send(const std::string& channel, std::span<const std::byte> bytes) override;

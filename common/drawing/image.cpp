@@ -4,10 +4,13 @@
 #include <png.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <cstddef>
 #include <cstring>
 #include <stdexcept>
+#include <string>
+#include <system_error>
 
 #include "common/geometry/angle.hpp"
 
@@ -88,8 +91,11 @@ void Image::write_png(const std::filesystem::path& file) const {
   header.height = static_cast<png_uint_32>(height_);
   header.format = PNG_FORMAT_RGB;
   header.flags = PNG_IMAGE_FLAG_FAST;  // a process that must stop has only a second
+  errno = 0;
   if (png_image_write_to_file(&header, file.c_str(), 0, pixels_.data(), 0, nullptr) == 0) {
-    throw std::runtime_error(file.string() + ": " + header.message);
+    // Of a full disk libpng says no more than "Write Error".
+    const std::string why = errno != 0 ? std::system_category().message(errno) : header.message;
+    throw std::runtime_error(file.string() + ": cannot write: " + why);
   }
 }
 

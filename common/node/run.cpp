@@ -96,7 +96,7 @@ void run_replay(const ProgramInfo& info, const Options& options, const NodeFacto
   result["metrics"] = node->metrics();
   write_result_json(dir, result);
   if (!bus.flush() || bus.counts().not_published > 0) {
-    throw std::runtime_error(out_log.string() + ": cannot write; is the disk full?");
+    throw std::system_error(bus.failure(), out_log.string() + ": cannot write");
   }
   if (bus.reader().skipped_bytes() > 0) {
     log::get().warn("{}", bus.reader().damage());

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 #include <stdexcept>
+#include <system_error>
 
 #include "common/node/program.hpp"
 #include "nodmap/goal_t.hpp"
@@ -207,8 +208,8 @@ TrialOutcome Trial::finish() {
     parts_->level_laser->finish(dir_ / "slam2d-level");
   }
   if (!parts_->network.flush()) {
-    throw std::runtime_error((dir_ / "trial.lcmlog").string() +
-                             ": cannot write; is the disk full?");
+    throw std::system_error(parts_->network.failure(),
+                            (dir_ / "trial.lcmlog").string() + ": cannot write");
   }
   return {.record = record(),
           .observed_voxels = parts_->monitor.observed_voxels(),

@@ -3,10 +3,12 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <cerrno>
 #include <chrono>
 #include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <system_error>
 
 #include "common/bus/live_bus.hpp"
 #include "common/geometry/clock.hpp"
@@ -144,7 +146,7 @@ int run(const Arguments& arguments, const std::string& lcm_url) {
     // Names of processes may be any bytes, but JSON is UTF-8.
     file << summary(overview).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
     if (!file.flush()) {
-      throw std::runtime_error(arguments.out + ": cannot write");
+      throw std::system_error(errno, std::system_category(), arguments.out + ": cannot write");
     }
   }
   const bool may_be_stopped = arguments.duration_s == 0.0 && !arguments.until_home;

@@ -4,7 +4,11 @@
 #include <gtest/gtest.h>
 #include <png.h>
 
+#include <cstdint>
+#include <filesystem>
 #include <limits>
+#include <random>
+#include <stdexcept>
 
 #include "tests/support/data_dir.hpp"
 
@@ -56,6 +60,23 @@ TEST(Image, PngReadsBack) {
   EXPECT_EQ(pixels[0], 255);
   EXPECT_EQ(pixels[1], 255);
   EXPECT_THROW(image.write_png(dir.path() / "no" / "such" / "a.png"), std::runtime_error);
+}
+
+TEST(Image, SaysThatTheDiskIsFull) {
+  const test::TemporaryDir dir;
+  const std::filesystem::path file = dir.path() / "a.png";
+  std::filesystem::create_symlink("/dev/full", file);  // libpng removes what it could not complete
+  Image image(100, 100);
+  std::mt19937 random(1);  // noise, because less than a buffer fails otherwise
+  for (int i = 0; i < 10'000; ++i) {
+    image.set(i % 100, i / 100, {static_cast<std::uint8_t>(random()), 0, 0});
+  }
+  try {
+    image.write_png(file);
+    FAIL() << "nothing can be written there";
+  } catch (const std::runtime_error& error) {
+    EXPECT_EQ(error.what(), file.string() + ": cannot write: No space left on device");
+  }
 }
 
 TEST(ColourScale, HasItsEndColoursAndClampsValuesOutside) {
