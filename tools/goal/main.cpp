@@ -4,6 +4,7 @@
 #include <chrono>
 #include <iostream>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -72,9 +73,11 @@ class Guide {
       }
       obeyed_ = time::steady_now();
       reason_ = node::read_name(m.reason);
-      if (m.behaviour == navigation_t::HALT) {
+      const bool is_halted = m.behaviour == navigation_t::HALT;
+      if (is_halted) {
         route_.take_halt(obeyed_);
       }
+      tell_halt(is_halted ? reason_ : "");
       if (!arguments_.is_patrol || obeyed_ - decided_ >= kMinStay) {
         tell(route_.take_arrival(m.behaviour == navigation_t::ARRIVED));
       }
@@ -102,6 +105,8 @@ class Guide {
     }
     if (is_overruled()) {
       std::cerr << "nodmap-goal: another process has sent a goal, and the robot now drives there\n";
+    } else if (!route_.is_over()) {
+      std::cerr << "nodmap-goal: ended early; " << what_lasts() << "\n";
     }
     return route_.is_over() && route_.num_missed() == 0 ? 0 : 1;
   }
@@ -146,6 +151,24 @@ class Guide {
     }
   }
 
+  // Says once why the robot may not drive; empty: it may.
+  void tell_halt(const std::string& reason) {
+    if (!reason.empty() && reason != told_halt_) {
+      std::cout << "the robot may not drive; the navigator says: " << reason << std::endl;
+    }
+    told_halt_ = reason;
+  }
+
+  [[nodiscard]] std::string what_lasts() const {
+    if (goal_sender_.status() != node::GoalSender::Status::kTaken) {
+      return "no nodmap-navigator has reported on this goal";
+    }
+    std::ostringstream text;
+    text << "the robot still drives to " << route_.waypoint_map().x() << " "
+         << route_.waypoint_map().y() << " and stays there (nodmap-stop stops it)";
+    return text.str();
+  }
+
   [[nodiscard]] std::string why_missed() const {
     return reason_.empty() ? ": there is no path" : "; the navigator says: " + reason_;
   }
@@ -157,6 +180,7 @@ class Guide {
   time::SteadyTime decided_{};
   time::SteadyTime obeyed_{};  // when the navigator last reported on this goal
   std::string reason_;         // of its behaviour, in that report
+  std::string told_halt_;
   std::size_t told_index_ = 0;
 };
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <csignal>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -24,7 +25,22 @@ enum class Does : std::uint8_t {
   kArrive,      // from the third GOAL on
   kFindNoPath,  // and says so
   kIgnore,      // it drives to another goal
+  kHalt,        // for one reason and then for another; then a signal ends the program
 };
+
+// Halts for one reason until the program has had five more reports of it, then for another; ends
+// the program when that was said.
+void halt(nodmap::navigation_t& navigation, const test::ChildProcess& program, int& num_reports) {
+  const auto was_said = [&program](const char* text) {
+    return program.said().find(text) != std::string::npos;
+  };
+  num_reports += was_said("Stopped by the page.") ? 1 : 0;
+  navigation.behaviour = nodmap::navigation_t::HALT;
+  navigation.reason = num_reports <= 5 ? "Stopped by the page." : "The servo is stalled.";
+  if (was_said("The servo is stalled.")) {
+    program.send_signal(SIGINT);
+  }
+}
 
 // Emulates a navigator until the program ends; returns its exit code. `last_goal`: the last that it
 // got.
@@ -45,11 +61,15 @@ std::optional<int> navigate(Does does, test::ChildProcess& program,
     navigation.behaviour =
         has_arrived ? nodmap::navigation_t::ARRIVED : nodmap::navigation_t::STEER;
   });
+  int num_reports = 0;
   const auto end = std::chrono::steady_clock::now() + test::kPatience;
   std::optional<int> code;
   while (!code && std::chrono::steady_clock::now() < end) {
     code = program.wait_for_end(std::chrono::milliseconds(50));
     (void)bus.handle(std::chrono::milliseconds(0));
+    if (does == Does::kHalt && !code) {
+      halt(navigation, program, num_reports);
+    }
     bus.publish("NAVIGATION", navigation);
     bus.publish("PATH", path);
   }
@@ -88,6 +108,17 @@ TEST(GoalProcess, AMissedWaypointIsReportedWithTheNavigatorsReason) {
                               "--patience", "1", "--lcm-url", kUrl});
   EXPECT_EQ(navigate(Does::kFindNoPath, program), 1);
   EXPECT_TRUE(program.wait_for_stderr("missed; the navigator says: A wall", test::kPatience));
+}
+
+TEST(GoalProcess, SaysOnceWhyTheRobotMayNotDriveAndAtTheEndThatItStillWill) {
+  test::ChildProcess program(
+      {"sh", "-c", R"(exec "$0" "$@" >&2)", NODMAP_GOAL_PROGRAM, "3", "-1.5", "--lcm-url", kUrl});
+  EXPECT_EQ(navigate(Does::kHalt, program), 1);
+  EXPECT_EQ(program.said(),
+            "the robot may not drive; the navigator says: Stopped by the page.\n"
+            "the robot may not drive; the navigator says: The servo is stalled.\n"
+            "nodmap-goal: ended early; the robot still drives to 3 -1.5 and stays there "
+            "(nodmap-stop stops it)\n");
 }
 
 }  // namespace goal_process_test
