@@ -16,13 +16,11 @@
 #include "common/node/messages.hpp"
 #include "common/node/option_checks.hpp"
 #include "common/node/program.hpp"
+#include "tools/watch/display.hpp"
 #include "tools/watch/overview.hpp"
 
 namespace nodmap::watch {
 namespace {
-
-constexpr time::Duration kTerminalPeriod = 100ms;
-constexpr time::Duration kFilePeriod = 5s;
 
 struct Arguments {
   double duration_s = 0.0;
@@ -49,34 +47,12 @@ void listen_to_all(bus::Bus& bus, Overview& overview) {
   listen<nodmap::truth_t>(bus, "TRUTH", overview);
 }
 
-// Redraws one line on a terminal; otherwise writes a line from time to time.
-class Display {
- public:
-  void show(const Overview& overview, time::SteadyTime now) {
-    if (now < next_) {
-      return;
-    }
-    next_ = now + (is_terminal_ ? kTerminalPeriod : kFilePeriod);
-    std::cout << (is_terminal_ ? "\r\033[K" : "") << status_line(overview, now)
-              << (is_terminal_ ? "" : "\n") << std::flush;
-  }
-  void end() const {
-    if (is_terminal_) {
-      std::cout << "\n";
-    }
-  }
-
- private:
-  bool is_terminal_ = ::isatty(STDOUT_FILENO) == 1;
-  time::SteadyTime next_{};
-};
-
 // Returns true after the full duration; false if no scan was received, if it was stopped early, or
 // if the robot was to come home and has not.
 bool watch(const Arguments& arguments, const std::string& lcm_url, Overview& overview) {
   bus::LiveBus bus(lcm_url);
   listen_to_all(bus, overview);
-  Display display;
+  Display display(std::cout, ::isatty(STDOUT_FILENO) == 1);
 
   time::SteadyTime end = time::steady_now() + time::from_seconds(arguments.patience_s);
   bool scans_came = false;
@@ -92,7 +68,7 @@ bool watch(const Arguments& arguments, const std::string& lcm_url, Overview& ove
     in_time = (now < end || (scans_came && arguments.duration_s == 0.0)) &&
               !(arguments.until_home && (overview.is_home() || overview.given_up()));
   }
-  display.end();
+  display.end(overview, time::steady_now());
   return scans_came && !in_time && (!arguments.until_home || overview.is_home());
 }
 
