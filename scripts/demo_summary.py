@@ -6,6 +6,7 @@ usage: demo_summary.py sim|recording DIR
 """
 import json
 import pathlib
+import shlex
 import sys
 
 # The files that a demo leaves, and for each kind of demo those that only it has.
@@ -104,7 +105,7 @@ def main():
     for log in logs:
         print(f"  {log}  everything that went over LCM")
     if logs:
-        print(f"\nto see it again: build/release/bin/nodmap-viewer --replay {' '.join(map(str, logs))}, "
+        print(f"\nto see it again: build/release/bin/nodmap-viewer --replay {shlex.join(map(str, logs))}, "
               "and a browser on http://127.0.0.1:8765/")
     else:
         wrong.append("there is no log of the run")
