@@ -91,6 +91,13 @@ TEST(Evaluate, SaysWhichFileIsEmpty) {
               HasSubstr(empty + ": contains no relation"));
   EXPECT_THAT(run_program("nodmap-evaluate", {"trajectory", path, empty}).err,
               HasSubstr(empty + ": contains no pose"));
+  const std::string map = dir.path() / "map.yaml";
+  std::ofstream(map) << "image: map.pgm\nresolution: 0.05\norigin: [0, 0, 0]\n";
+  std::ofstream(dir.path() / "map.pgm") << "P2 3 1 255 0 254 254\n";
+  EXPECT_THAT(run_program("nodmap-evaluate", {"relocalise", map, path, empty}).err,
+              HasSubstr(empty + ": contains no pose"));
+  EXPECT_THAT(run_program("nodmap-evaluate", {"relocalise", map, path, path}).err,
+              HasSubstr(path + ": not an LCM event log"));
 }
 
 TEST(Convert, SaysWhichFileContainsNothingAndWhatItContainsInstead) {

@@ -72,16 +72,16 @@ struct Trajectories {
   std::vector<evaluate::PosePair> pairs;  // not empty
 };
 
-Trajectories read_trajectories(const Arguments& arguments) {
-  Trajectories read{nodmap::formats::read_tum(arguments.trajectory),
-                    nodmap::formats::read_tum(arguments.truth),
-                    {}};
-  for (const auto& [file, poses] : {std::pair(arguments.trajectory, read.estimate.size()),
-                                    std::pair(arguments.truth, read.truth.size())}) {
-    if (poses == 0) {
-      throw UserError(file + ": contains no pose");
-    }
+nodmap::formats::Trajectory read_trajectory(const std::string& file) {
+  nodmap::formats::Trajectory trajectory = nodmap::formats::read_tum(file);
+  if (trajectory.empty()) {
+    throw UserError(file + ": contains no pose");
   }
+  return trajectory;
+}
+
+Trajectories read_trajectories(const Arguments& arguments) {
+  Trajectories read{read_trajectory(arguments.trajectory), read_trajectory(arguments.truth), {}};
   read.pairs = evaluate::associate(read.estimate, read.truth,
                                    nodmap::time::from_seconds(arguments.tolerance_s));
   if (read.pairs.empty()) {
@@ -157,7 +157,7 @@ void print_cloud(const Arguments& arguments) {
 
 void print_relocalisations(const Arguments& arguments) {
   const auto result = evaluate::measure_relocalisation(
-      arguments.map, arguments.log, nodmap::formats::read_tum(arguments.truth), arguments.plan);
+      arguments.map, arguments.log, read_trajectory(arguments.truth), arguments.plan);
   if (result.n == 0) {
     throw UserError(arguments.log + ": contains no scan with a known true pose");
   }

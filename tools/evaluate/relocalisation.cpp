@@ -30,6 +30,7 @@ constexpr std::size_t kDefaultGroups = 200;
 void for_each_level_scan(const std::filesystem::path& log,
                          const std::function<void(const slam2d::LevelScan&)>& visit) {
   bus::LogReader reader(log);
+  reader.require_event();
   node::MessageCounts counts;
   slam2d::LevelScanReader level_scans({}, counts);
   nodmap::scan_t scan{};
