@@ -117,6 +117,7 @@ TEST(Numbers, MustBeFinite) {
       {"nodmap-stop", "--wait", "NaN"},
       {"nodmap-watch", "--duration", "nan"},
       {"nodmap-trial", "--duration", "-nan"},
+      {"nodmap-trial", "--appear", "-1"},
       {"nodmap-latency", "--duration", "nan(1)"},
       {"nodmap-convert", "export", "x.lcmlog", "x.ply", "--start-s", "nan"},
       {"nodmap-evaluate", "cloud", "x.ply", "cellar", "--start", "0", "nan", "0"},
@@ -205,6 +206,8 @@ TEST(Trial, RefusesOptionsThatContradictEachOther) {
   const std::vector<std::vector<std::string>> arguments = {
       {"--explore", "--without", "explorer"},
       {"--explore", "--without", "slam2d"},
+      {"--localise", "x", "--without", "slam2d"},
+      {"--map-in", "x", "--without", "slam2d"},
       {"--pitch", "fixed", "--set", "pitch_controller.mode=nodding"},
       {"--robot", "jackal", "--pitch", "nodding"},
       {"--robot", "jackal", "--fault", "servo:stall@1+1"},

@@ -49,6 +49,16 @@ TEST(SmallScene, IsRefusedWithTheParametersThatRefuseIt) {
   EXPECT_THAT(result.err, HasSubstr("range.min_m = 0.5 m"));
 }
 
+// The corrected command must not find the folder of the failed one.
+TEST(Trial, LeavesNoFolderIfItCannotBegin) {
+  const test::TemporaryDir dir;
+  const std::string out = dir.path() / "out";
+  const auto result = run_program(
+      "nodmap-trial", {"--world", "maze:1", "--out", out, "--localise", dir.path() / "none"});
+  EXPECT_EQ(result.exit_code, 2) << result.err;
+  EXPECT_TRUE(std::filesystem::is_empty(dir.path()));
+}
+
 TEST(Latency, SaysWhyItHasNothingToMeasure) {
   const test::TemporaryDir dir;
   write_odometry_log(dir.path() / "in.lcmlog", 3);

@@ -74,9 +74,7 @@ void add_appearing_obstacle(TrialSetup& setup, double from_s, const std::filesys
     undisturbed.drives_mps = trial.record().drives_mps;
   }
   // Written by the same setup in full: another listener would change the delays of the messages.
-  for (const char* log : {"trial.lcmlog", "level-laser.lcmlog"}) {
-    std::filesystem::remove(dir / log);
-  }
+  remove_logs(dir);
   setup.world.actors.push_back(
       make_actor(setup, sample, stopping_zone(setup).length_m(sample.forward_mps, sweep_s)));
   setup.undisturbed = std::move(undisturbed);

@@ -4,12 +4,16 @@
 #include <chrono>
 #include <cmath>
 #include <ctime>
+#include <filesystem>
 #include <iostream>
+#include <memory>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "common/node/log.hpp"
+#include "common/node/option_checks.hpp"
 #include "common/node/program.hpp"
 #include "common/node/progress.hpp"
 #include "common/node/results.hpp"
@@ -81,7 +85,8 @@ void add_options(CLI::App& app, Arguments& arguments) {
       ->allow_extra_args(false);
   app.add_option("--appear", arguments.appear_s,
                  "Let one obstacle appear at the far end of the robot's stopping zone, after this "
-                 "many seconds");
+                 "many seconds")
+      ->check(node::at_least_zero());
   app.add_flag(
       "--explore", arguments.explore,
       "Also run the explorer, without the world's goals; the trial ends when everything has been "
@@ -107,6 +112,10 @@ void check_options(const Arguments& arguments, const TrialSetup& setup) {
     if (setup.explores && setup.without.contains(process)) {
       throw node::UsageError(std::string("--explore: needs the process ") + process);
     }
+  }
+  if (setup.without.contains("slam2d") && !(arguments.localise + arguments.map_in).empty()) {
+    throw node::UsageError(std::string(arguments.localise.empty() ? "--map-in" : "--localise") +
+                           ": needs the process slam2d");
   }
   if (!arguments.pitch.empty() &&
       std::ranges::any_of(arguments.assignments, [](const std::string& assignment) {
@@ -157,6 +166,23 @@ TrialSetup make_setup(const Arguments& arguments) {
   return setup;
 }
 
+// Makes the trial. If that fails, because a map cannot be read, the folder must not be left with a
+// log in it: the corrected command would be refused.
+std::unique_ptr<Trial> make_or_clean_up(const Arguments& arguments, TrialSetup& setup,
+                                        const std::filesystem::path& dir) {
+  try {
+    if (arguments.appear_s) {
+      add_appearing_obstacle(setup, *arguments.appear_s, dir);
+    }
+    return std::make_unique<Trial>(setup, dir);
+  } catch (...) {
+    remove_logs(dir);
+    std::error_code ignored;  // it stays if somebody else has put something into it
+    std::filesystem::remove(dir, ignored);
+    throw;
+  }
+}
+
 void run(const Arguments& arguments, TrialSetup setup) {
   const std::filesystem::path dir = arguments.out;
   setup.world = sim::make_world(arguments.world);
@@ -174,19 +200,16 @@ void run(const Arguments& arguments, TrialSetup setup) {
     throw node::UsageError("--level-laser: not in a world with actors that react or have legs");
   }
   node::make_result_dir(dir);
-  if (arguments.appear_s) {
-    add_appearing_obstacle(setup, *arguments.appear_s, dir);
-  }
   const std::clock_t cpu_start = std::clock();
   const auto start = std::chrono::steady_clock::now();
-  Trial trial(setup, dir);
+  const std::unique_ptr<Trial> trial = make_or_clean_up(arguments, setup, dir);
   {
     node::Progress progress(kName, setup.duration.count());
-    while (trial.step()) {
-      progress.show((trial.now() - trial.record().started.value_or(trial.now())).count());
+    while (trial->step()) {
+      progress.show((trial->now() - trial->record().started.value_or(trial->now())).count());
     }
   }
-  const TrialOutcome outcome = trial.finish();
+  const TrialOutcome outcome = trial->finish();
   const double cpu_s = static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC;
   const double wall_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -25,20 +25,26 @@ void for_each_part(AllParams& all, const Visit& visit) {
 }  // namespace
 
 void AllParams::set_assignment(std::string_view assignment) {
-  const std::size_t dot = assignment.substr(0, assignment.find('=')).find('.');
+  const std::size_t equals = assignment.find('=');
+  if (equals == std::string_view::npos) {
+    throw params::ParamError("--set: '" + std::string(assignment) +
+                             "' is not of the form process.key=value");
+  }
+  const std::size_t dot = assignment.substr(0, equals).find('.');
   const std::string_view process = assignment.substr(0, dot);
   bool found = false;
   std::string names;
   for_each_part(*this, [&](const char* name, auto& part) {
     names += names.empty() ? name : std::string(", ") + name;
     if (dot != std::string_view::npos && process == name) {
-      params::Table(part).set_assignment(assignment.substr(dot + 1));
+      params::Table(part).set(assignment.substr(dot + 1, equals - dot - 1),
+                              assignment.substr(equals + 1), std::string("--set ") + name);
       found = true;
     }
   });
   if (!found) {
     throw params::ParamError("--set " + std::string(assignment) +
-                             ": begins with a process and a dot; the processes are " + names);
+                             ": must begin with one of these and a dot: " + names);
   }
 }
 

@@ -17,6 +17,8 @@ namespace {
 
 // Latest time of the first scan: the drivers try several baud rates, and the laser takes a while
 // to boot.
+constexpr const char* kLog = "trial.lcmlog";
+constexpr const char* kLevelLaserLog = "level-laser.lcmlog";
 constexpr time::SteadyTime kLatestStart(60s);
 // The level laser's noise has the same distribution as the nodding one's, but other random
 // numbers.
@@ -115,7 +117,7 @@ struct Trial::Parts {
     if (setup.level_laser) {
       level_laser.emplace(setup.world, setup.params, setup.seed + kLevelLaserSeed,
                           monitor.T_world_base(), network,
-                          std::filesystem::path(log).replace_filename("level-laser.lcmlog"));
+                          std::filesystem::path(log).replace_filename(kLevelLaserLog));
     }
     if (setup.explores) {
       exploration.emplace(setup.world, hardware.model(), setup.params.sim.model.body, network);
@@ -134,7 +136,7 @@ struct Trial::Parts {
 Trial::Trial(const TrialSetup& setup, const std::filesystem::path& dir)
     : setup_(with_world_params(setup)),
       dir_(dir),
-      parts_(std::make_unique<Parts>(setup_, dir / "trial.lcmlog")) {}
+      parts_(std::make_unique<Parts>(setup_, dir / kLog)) {}
 
 Trial::~Trial() = default;
 
@@ -208,8 +210,7 @@ TrialOutcome Trial::finish() {
     parts_->level_laser->finish(dir_ / "slam2d-level");
   }
   if (!parts_->network.flush()) {
-    throw std::system_error(parts_->network.failure(),
-                            (dir_ / "trial.lcmlog").string() + ": cannot write");
+    throw std::system_error(parts_->network.failure(), (dir_ / kLog).string() + ": cannot write");
   }
   return {.record = record(),
           .observed_voxels = parts_->monitor.observed_voxels(),
@@ -219,6 +220,13 @@ TrialOutcome Trial::finish() {
           .num_evaded = parts_->monitor.brake_latency().num_evaded(),
           .num_masked = parts_->monitor.brake_latency().num_masked(),
           .processes = parts_->robot.report()};
+}
+
+void remove_logs(const std::filesystem::path& dir) {
+  for (const char* log : {kLog, kLevelLaserLog}) {
+    std::error_code ignored;  // another trial here would report it
+    std::filesystem::remove(dir / log, ignored);
+  }
 }
 
 std::set<std::string> omitted_processes(const TrialSetup& setup) {

@@ -94,6 +94,9 @@ class Trial {
   time::SteadyTime now_{};
 };
 
+/// Removes the logs of a trial from its folder.
+void remove_logs(const std::filesystem::path& dir);
+
 /// The processes that do not run: those of `without`, and the explorer unless it is requested.
 [[nodiscard]] std::set<std::string> omitted_processes(const TrialSetup& setup);
 

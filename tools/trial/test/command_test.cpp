@@ -8,6 +8,7 @@ namespace nodmap::trial {
 namespace command_test {
 
 using ::testing::HasSubstr;
+using ::testing::StartsWith;
 
 template <class Call>
 std::string error_of(const Call& call) {
@@ -52,11 +53,19 @@ TEST(AllParams, SetsAParameterOfAProcess) {
   EXPECT_EQ(params.sim.model.drive.odometry_scale_bias, 0.03);
 }
 
-TEST(AllParams, ErrorsNameTheCause) {
+TEST(AllParams, AnErrorSaysOfWhichPartItIs) {
   AllParams params;
-  EXPECT_THAT(error_of([&] { params.set_assignment("slam2d.no_such=1"); }), HasSubstr("no_such"));
-  EXPECT_THAT(error_of([&] { params.set_assignment("nobody.key=1"); }), HasSubstr("navigator"));
-  EXPECT_THAT(error_of([&] { params.set_assignment("key=1.5"); }), HasSubstr("process"));
+  const auto error_after = [&params](const char* assignment) {
+    return error_of([&] { params.set_assignment(assignment); });
+  };
+  EXPECT_THAT(error_after("foo.bar=1"),
+              StartsWith("--set foo.bar=1: must begin with one of these and a dot: loop, world, "));
+  EXPECT_THAT(error_after("key=1.5"), StartsWith("--set key=1.5: must begin with one of these"));
+  EXPECT_THAT(error_after("pitch_controller.mode=x"),
+              StartsWith("--set pitch_controller: key 'mode': 'x' is not allowed"));
+  EXPECT_THAT(error_after("slam2d.no_such=1"),
+              StartsWith("--set slam2d: unknown key 'no_such' with value '1'"));
+  EXPECT_EQ(error_after("slam2d.key"), "--set: 'slam2d.key' is not of the form process.key=value");
 }
 
 }  // namespace command_test
