@@ -105,6 +105,24 @@ double read_number(const std::filesystem::path& file, const YAML::Node& yaml, co
   return value;
 }
 
+// Throws if a key is missing without which there is no map.
+void require_keys(const std::filesystem::path& file, const YAML::Node& yaml) {
+  for (const char* key : {"image", "resolution", "origin"}) {
+    if (!yaml[key]) {
+      refuse(file, std::string("'") + key + "' is missing");
+    }
+  }
+}
+
+// X and y in m, and the yaw; infinite if it is something else.
+geometry::SE2 read_origin(const YAML::Node& origin) {
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  if (!origin.IsSequence() || origin.size() != 3) {
+    return {kNone, kNone, kNone};
+  }
+  return {origin[0].as<double>(kNone), origin[1].as<double>(kNone), origin[2].as<double>(kNone)};
+}
+
 // What map.yaml says.
 struct MapHeader {
   std::filesystem::path image;
@@ -119,14 +137,13 @@ MapHeader read_header(const std::filesystem::path& file) {
   MapHeader header;
   try {
     const YAML::Node yaml = formats::read_yaml(file);
+    require_keys(file, yaml);
     if (yaml["mode"].as<std::string>("trinary") == "raw") {
       refuse(file, "mode raw is not supported, only trinary and scale");
     }
     header.image = file.parent_path() / yaml["image"].as<std::string>();
     header.cell_size_m = read_number(file, yaml, "resolution", kMinResolutionM, kMaxResolutionM);
-    const YAML::Node origin = yaml["origin"];
-    header.T_map_grid = {origin[0].as<double>(), origin[1].as<double>(),
-                         origin.size() > 2 ? origin[2].as<double>() : 0.0};
+    header.T_map_grid = read_origin(yaml["origin"]);
     header.negate = yaml["negate"] && read_negate(yaml["negate"]);
     header.occupied_threshold =
         read_number(file, yaml, "occupied_thresh", 0.0, 1.0, header.occupied_threshold);
@@ -137,7 +154,7 @@ MapHeader read_header(const std::filesystem::path& file) {
   }
   const geometry::SE2& T = header.T_map_grid;
   if (!(std::max(std::abs(T.x), std::abs(T.y)) <= kMaxOriginM && std::isfinite(T.yaw))) {
-    refuse(file, "origin: three numbers are needed, x and y from -1e6 to 1e6 m");
+    refuse(file, "origin: three numbers are needed, x and y from -1e6 to 1e6 m, and the yaw");
   }
   return header;
 }
@@ -234,6 +251,9 @@ std::error_code write_ros_map(const std::filesystem::path& dir, const OccupancyG
 TrinaryGrid read_ros_map(const std::filesystem::path& path) {
   if (path.extension() == ".pgm") {
     refuse(path, "is only the image of a map; its map.yaml is needed");
+  }
+  if (path.extension() == ".lcmlog") {
+    refuse(path, "is an event log; a map.yaml is needed");
   }
   std::error_code unknown;  // opening the file will report it
   const MapHeader header =

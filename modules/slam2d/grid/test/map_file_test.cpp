@@ -194,10 +194,17 @@ TEST(MapFile, TheErrorForAnUnreadableMapNamesTheFileAndTheReason) {
               std::string::npos)
         << resolution;
   }
-  EXPECT_NE(reason("image: map.pgm\norigin: [0, 0, 0]\n", "").find("resolution: a number"),
+  EXPECT_NE(reason("", "").find("map.yaml: 'image' is missing"), std::string::npos);
+  EXPECT_NE(reason("image: map.pgm\norigin: [0, 0, 0]\n", "").find("'resolution' is missing"),
             std::string::npos);
-  EXPECT_NE(reason("image: map.pgm\nresolution: 0.1\norigin: [5e8, 0, 0]\n", "").find("origin"),
+  EXPECT_NE(reason("image: map.pgm\nresolution: 0.1\n", "").find("'origin' is missing"),
             std::string::npos);
+  for (const std::string origin : {"[5e8, 0, 0]", "[1, 2]", "[1, 2, x]", "3", "[0, 0, .inf]"}) {
+    EXPECT_NE(reason("image: map.pgm\nresolution: 0.1\norigin: " + origin + "\n", "")
+                  .find("map.yaml: origin: three numbers"),
+              std::string::npos)
+        << origin;
+  }
   EXPECT_NE(reason(good + "occupied_thresh: 65%\n", "").find("\"65%\" is not a number from 0 to 1"),
             std::string::npos);
   EXPECT_NE(reason(good + "occupied_thresh: 0.2\nfree_thresh: 0.3\n", "").find("from 0 to 0.2"),
@@ -207,8 +214,17 @@ TEST(MapFile, TheErrorForAnUnreadableMapNamesTheFileAndTheReason) {
             std::string::npos);
   EXPECT_NE(reason(coarse, "P5\n7000 1\n255\n" + std::string(7000, 'a')).find("6000 m"),
             std::string::npos);
-  EXPECT_NE(reason("image: map.pgm\nresolution: 0.1\norigin: 3\n", "").find("map.yaml"),
-            std::string::npos);
+}
+
+TEST(MapFile, AFileOfAnotherKindIsRefusedWithTheOneThatIsNeeded) {
+  for (const char* other : {"map.pgm", "keyframes.lcmlog"}) {
+    try {
+      (void)read_ros_map(other);
+      FAIL() << other;
+    } catch (const formats::InputFileError& error) {
+      EXPECT_NE(std::string(error.what()).find("map.yaml is needed"), std::string::npos) << other;
+    }
+  }
 }
 
 TEST(MapFile, AMissingFolderIsAnError) {
