@@ -14,6 +14,8 @@
 #include <system_error>
 #include <utility>
 
+#include "common/formats/folder.hpp"
+
 namespace nodmap::sim {
 namespace {
 
@@ -42,7 +44,7 @@ void make_raw(int fd) {
 
 }  // namespace
 
-LinkDir::LinkDir(fs::path path) : path_(std::move(path)), is_made_(fs::create_directories(path_)) {
+LinkDir::LinkDir(fs::path path) : path_(std::move(path)), is_made_(formats::make_folder(path_)) {
   lock_ = ::open((path_ / kLockName).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
   if (lock_ < 0) {
     fail((path_ / kLockName).string());

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "common/formats/folder.hpp"
 #include "common/node/log.hpp"
 #include "common/node/program.hpp"
 #include "common/params/params.hpp"
@@ -61,6 +62,9 @@ RecorderSettings recorder_settings(const LoggerParams& params, const std::string
         "quota_mb must be at least twice split_mb: whole files are deleted, and with a smaller "
         "quota each new file would delete all that was recorded before it");
   }
+  if (file == "." || file == "..") {
+    throw node::UsageError("--file '" + file + "' must be the name of a file");
+  }
   if (std::filesystem::path(file).has_parent_path()) {
     throw node::UsageError("--file '" + file +
                            "' must be a name without folder; --out gives the folder");
@@ -89,6 +93,7 @@ int record_until_stopped(const Options& options, const LoggerParams& params,
                          const std::string& lcm_url) {
   ChannelFilter filter(params.channel_regex, params.exclude_regex);
   const RecorderSettings settings = recorder_settings(params, options.file);
+  formats::make_folder(settings.folder.dir);
   refuse_to_mix(settings.folder, options.file);
   Logger logger(lcm_url, params.queue_messages, std::move(filter), settings);
   logger.run();

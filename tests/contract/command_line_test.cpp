@@ -67,6 +67,9 @@ TEST(WrongInput, EndsWithExitCodeTwoAndOneLine) {
       NODMAP_BIN "/nodmap-trial --out " + dir.path().string() + "/t --world maze:1 --kill x",
       NODMAP_BIN "/nodmap-trial --out " + dir.path().string() +
           "/t --world maze:1 --set laser3d.nod.default_min_deg=50",
+      NODMAP_BIN "/nodmap-logger --out " + text,
+      NODMAP_BIN "/nodmap-logger --out " + dir.path().string() + " --file ..",
+      NODMAP_BIN "/nodmap-sim --lcm-url memq:// --world maze:1 --links " + text,
       NODMAP_BIN "/nodmap-evaluate cloud " + text +
           " " NODMAP_KURT3D "/../../sim/worlds/cellar.yaml --start 0 0 0",
       NODMAP_BIN "/nodmap-evaluate trajectory " + empty + " " + empty,
