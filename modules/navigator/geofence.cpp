@@ -44,6 +44,20 @@ void append_edge(const Eigen::Vector2d& from, const Eigen::Vector2d& to,
   }
 }
 
+const char* describe(bg::validity_failure_type failure) {
+  switch (failure) {
+    case bg::failure_few_points:
+    case bg::failure_wrong_topological_dimension:
+      return "each ring needs three corners that are not on one line";
+    case bg::failure_interior_rings_outside:
+    case bg::failure_nested_interior_rings:
+    case bg::failure_disconnected_interior:
+      return "a hole is not inside the outer ring, or not apart from the others";
+    default:
+      return "its boundary crosses or touches itself";
+  }
+}
+
 }  // namespace
 
 struct Geofence::Polygon : bg::model::polygon<Corner> {};
@@ -54,8 +68,8 @@ Geofence::Geofence(const std::string& wkt) {
   auto& shape = static_cast<bg::model::polygon<Corner>&>(*polygon);
   try {
     bg::read_wkt(wkt, shape);
-  } catch (const bg::exception& error) {
-    throw params::ParamError(where + error.what());
+  } catch (const bg::exception&) {
+    throw params::ParamError(where + "must be POLYGON((X Y, X Y, ...)), and more rings for holes");
   }
   bg::correct(shape);
   bg::for_each_point(shape, [&](const Corner& corner) {
@@ -63,9 +77,9 @@ Geofence::Geofence(const std::string& wkt) {
       throw params::ParamError(where + "a corner is farther than 1000 km from the origin");
     }
   });
-  std::string failure;
+  bg::validity_failure_type failure{};
   if (!bg::is_valid(shape, failure)) {
-    throw params::ParamError(where + failure);
+    throw params::ParamError(where + describe(failure));
   }
   polygon_ = std::move(polygon);
 }

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/navigator/geofence.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
+#include <string>
 
 #include "common/params/params.hpp"
 #include "modules/navigator/test/point_world.hpp"
@@ -13,6 +15,7 @@ namespace nodmap::navigator {
 namespace geofence_test {
 
 using test::ClosedLoop;
+using ::testing::HasSubstr;
 
 // A square of 4 m with a square hole of 1 m. The first ring is not closed, the second has the
 // reverse of the usual orientation.
@@ -88,6 +91,21 @@ TEST(Geofence, AnInvalidTextIsAnError) {
         "0 0, 1 0, 1 1"}) {
     EXPECT_THROW(Geofence{bad}, params::ParamError) << bad;
   }
+}
+
+TEST(Geofence, AnErrorSaysWhatIsWrong) {
+  const auto error_of = [](const char* wkt) -> std::string {
+    try {
+      const Geofence fence(wkt);
+    } catch (const params::ParamError& error) {
+      return error.what();
+    }
+    return "none";
+  };
+  EXPECT_THAT(error_of("POINT(1 2)"), HasSubstr("must be POLYGON((X Y, X Y, ...))"));
+  EXPECT_THAT(error_of("POLYGON((0 0, 1 0))"), HasSubstr("three corners"));
+  EXPECT_THAT(error_of("POLYGON((0 0, 2 0, 0 2, 2 2))"), HasSubstr("crosses or touches itself"));
+  EXPECT_THAT(error_of("POLYGON((0 0, 2 0, 2 2), (3 3, 4 3, 4 4))"), HasSubstr("a hole is not"));
 }
 
 // Whether all corners of the body are inside the fence.
