@@ -143,7 +143,8 @@ void run_live(const ProgramInfo& info, const Options& options, const std::string
 }
 
 int run_with(int argc, char** argv, const ProgramInfo& info, params::Table& table,
-             const std::function<void(CLI::App&)>& add_more_options, const NodeFactory& make_node) {
+             const std::function<void(CLI::App&)>& add_more_options, const NodeFactory& make_node,
+             const std::function<void()>& check = nullptr) {
   Options options;
   const auto add_options = [&](CLI::App& app) {
     auto* out = app.add_option("--out", options.out,
@@ -161,6 +162,7 @@ int run_with(int argc, char** argv, const ProgramInfo& info, params::Table& tabl
                       .uses_lcm = true,
                       .outlives_its_readers = true,
                       .add_options = add_options,
+                      .check = check,
                       .run = [&](const std::string& lcm_url) {
                         options.replay.empty() ? run_live(info, options, lcm_url, make_node)
                                                : run_replay(info, options, make_node);
@@ -171,9 +173,9 @@ int run_with(int argc, char** argv, const ProgramInfo& info, params::Table& tabl
 }  // namespace
 
 int run_node(int argc, char** argv, const ProgramInfo& info, params::Table& table,
-             const NodeFactory& make_node) {
+             const NodeFactory& make_node, const std::function<void()>& check) {
   return run_with(
-      argc, argv, info, table, [](CLI::App&) {}, make_node);
+      argc, argv, info, table, [](CLI::App&) {}, make_node, check);
 }
 
 int run_map_node(int argc, char** argv, const ProgramInfo& info, params::Table& table,

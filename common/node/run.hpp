@@ -15,10 +15,10 @@ using NodeFactory = std::function<std::unique_ptr<Node>(Context&)>;
 using MapNodeFactory = std::function<std::unique_ptr<Node>(Context&, const MapOptions&)>;
 
 /// main() of a process that handles messages, live on LCM or with --replay: reads the parameters,
-/// runs the message loop, publishes STATUS and writes the results. Returns the exit code of
-/// run_program().
+/// runs the message loop, publishes STATUS and writes the results. `check`: throws what is wrong
+/// with the parameters. Returns the exit code of run_program().
 int run_node(int argc, char** argv, const ProgramInfo& info, params::Table& table,
-             const NodeFactory& make_node);
+             const NodeFactory& make_node, const std::function<void()>& check = nullptr);
 
 /// run_node() for a process that also has the options --localise, --map-in and --start-pose.
 int run_map_node(int argc, char** argv, const ProgramInfo& info, params::Table& table,

@@ -4,9 +4,17 @@
 #include "modules/navigator/node.hpp"
 
 int main(int argc, char** argv) {
-  return nodmap::node::run<nodmap::navigator::NavigatorNode>(
+  using namespace nodmap;
+  navigator::NavigatorParams params;
+  params::Table table(params);
+  return node::run_node(
       argc, argv,
-      {nodmap::node::kNavigator,
+      {node::kNavigator,
        "Drives the robot to a goal, or wherever there is room: by plan, or by Steer, Brake and "
-       "Turn (Holz et al. 2008, III C)."});
+       "Turn (Holz et al. 2008, III C)."},
+      table,
+      [&params](node::Context& context) {
+        return std::make_unique<navigator::NavigatorNode>(context, params);
+      },
+      [&params] { navigator::check(params); });
 }

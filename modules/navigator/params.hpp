@@ -388,4 +388,7 @@ struct NavigatorParams {
   }
 };
 
+/// Checks what no single parameter shows. Throws params::ParamError.
+void check(const NavigatorParams& params);
+
 }  // namespace nodmap::navigator

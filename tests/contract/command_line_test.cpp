@@ -70,6 +70,12 @@ TEST(WrongInput, EndsWithExitCodeTwoAndOneLine) {
       NODMAP_BIN "/nodmap-logger --out " + text,
       NODMAP_BIN "/nodmap-logger --out " + dir.path().string() + " --file ..",
       NODMAP_BIN "/nodmap-sim --lcm-url memq:// --world maze:1 --links " + text,
+      NODMAP_BIN
+      "/nodmap-navigator --lcm-url memq:// "
+      "--set robot.braking.emergency_deceleration_mps2=0.5",
+      NODMAP_BIN "/nodmap-navigator --lcm-url memq:// --set drive.creep_margin_m=0.5",
+      NODMAP_BIN "/nodmap-trial --out " + dir.path().string() +
+          "/t --world maze:1 --set navigator.drive.creep_margin_m=0.5",
       NODMAP_BIN "/nodmap-evaluate cloud " + text +
           " " NODMAP_KURT3D "/../../sim/worlds/cellar.yaml --start 0 0 0",
       NODMAP_BIN "/nodmap-evaluate trajectory " + empty + " " + empty,

@@ -159,6 +159,7 @@ TrialSetup make_setup(const Arguments& arguments) {
   setup.map.localise_in = arguments.localise;
   setup.map.map_in = arguments.map_in;
   laser3d::check(setup.params.laser3d);
+  navigator::check(setup.params.navigator);
   check_kills(setup);
   check_options(arguments, setup);
   setup.level_laser = arguments.level_laser;
