@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Checks for CLI::Option::check(). Those of CLI11 name the largest number in their errors, with its
-// 309 digits.
+// 309 digits, and the limits of a range with six decimals.
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <sstream>
 #include <string>
 
 namespace nodmap::node {
@@ -26,6 +27,21 @@ namespace nodmap::node {
                        : "'" + text + "' is not a number above 0";
           },
           "POSITIVE"};
+}
+
+[[nodiscard]] inline CLI::Validator in_range(double min, double max) {
+  std::ostringstream name;  // without spaces, by which a man page tells it from the option's text
+  name << min << ".." << max;
+  return {[min, max](const std::string& text) {
+            double value = 0.0;
+            if (CLI::detail::lexical_cast(text, value) && value >= min && value <= max) {
+              return std::string();
+            }
+            std::ostringstream error;
+            error << "'" << text << "' is not a number from " << min << " to " << max;
+            return error.str();
+          },
+          name.str()};
 }
 
 }  // namespace nodmap::node

@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <iostream>
 #include <optional>
+#include <string_view>
 #include <system_error>
 
 #include "common/formats/number.hpp"
@@ -115,6 +116,18 @@ std::vector<std::string> subcommand_names(const CLI::App& app) {
   return names;
 }
 
+// A value of the wrong type, of which CLI11 says "Could not convert: NAME = VALUE".
+std::optional<std::string> explain_conversion(const std::string& what) {
+  constexpr std::string_view kBegin = "Could not convert: ";
+  constexpr std::string_view kEquals = " = ";
+  const std::size_t equals = what.find(kEquals);
+  if (!what.starts_with(kBegin) || equals == std::string::npos) {
+    return std::nullopt;
+  }
+  return what.substr(kBegin.size(), equals - kBegin.size()) + ": '" +
+         what.substr(equals + kEquals.size()) + "' is not a number that it can take";
+}
+
 // Describes what is wrong with the command line. Reports unknown options first: they are the cause
 // when their values are left over as unexpected arguments.
 std::string explain(const CLI::App& command, const CLI::ParseError& error) {
@@ -138,7 +151,8 @@ std::string explain(const CLI::App& command, const CLI::ParseError& error) {
     return "unknown subcommand '" + unused.front() + "'" +
            (suggestion.empty() ? "; known are: " + known : suggestion);
   }
-  return unused.empty() ? error.what() : "unexpected argument '" + unused.front() + "'";
+  return unused.empty() ? explain_conversion(error.what()).value_or(error.what())
+                        : "unexpected argument '" + unused.front() + "'";
 }
 
 // Why `text` cannot be the value of an option of this type, although CLI11 takes it; empty if it
@@ -146,7 +160,7 @@ std::string explain(const CLI::App& command, const CLI::ParseError& error) {
 std::string fault_of(const std::string& type, const std::string& text) {
   double number = 0.0;
   if (type.starts_with("FLOAT") && CLI::detail::lexical_cast(text, number) &&
-      !std::isfinite(number)) {  // "nan" is within every CLI::Range
+      !std::isfinite(number)) {  // "nan" is a number for CLI11
     return "'" + text + "' is not a finite number";
   }
   if (type.starts_with("UINT") && !formats::parse_number<std::uint64_t>(text)) {

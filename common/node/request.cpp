@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "common/node/log.hpp"
+#include "common/node/option_checks.hpp"
 #include "common/node/program.hpp"
 #include "nodmap/status_t.hpp"
 
@@ -33,7 +34,7 @@ std::set<std::string> await_processes(bus::LiveBus& bus, const std::set<std::str
 
 void add_request_options(CLI::App& app, RequestOptions& options, const std::string& wait_help) {
   app.add_option("--wait", options.wait_s, wait_help)
-      ->check(CLI::Range(0.0, 3600.0))
+      ->check(in_range(0.0, 3600.0))
       ->capture_default_str();
   app.add_option("--by", options.by, "Name of the requester, for the log")->capture_default_str();
 }

@@ -143,9 +143,10 @@ TEST(Numbers, MustBeFinite) {
 
 // The navigator or 2D SLAM would refuse it only later, and without a word here.
 TEST(Places, BeyondTenKilometresAreRefused) {
-  EXPECT_THAT(run_program("nodmap-goal", {"1e300", "2"}).err, HasSubstr("1e300 not in range"));
+  EXPECT_THAT(run_program("nodmap-goal", {"1e300", "2"}).err,
+              HasSubstr("'1e300' is not a number from -10000 to 10000"));
   EXPECT_THAT(run_program("nodmap-clear", {"-1e300", "-1e300", "1e300", "1e300"}).err,
-              HasSubstr("-1e300 not in range"));
+              HasSubstr("'-1e300' is not a number from -10000 to 10000"));
 }
 
 TEST(Goal, NeedsAWaypointOrHome) {
@@ -169,6 +170,10 @@ TEST(Numbers, AnErrorSaysWhatIsAllowed) {
       HasSubstr("'0.05s' " + not_below_zero));
   EXPECT_THAT(run_program("nodmap-latency", {"--duration", "0"}).err,
               HasSubstr("'0' is not a number above 0"));
+  EXPECT_THAT(run_program("nodmap-trial", {"--duration", "abc"}).err,
+              HasSubstr("--duration: 'abc' is not a number from 0.1 to 86400 "));
+  EXPECT_THAT(run_program("nodmap-viewer", {"--port", "99999"}).err,
+              HasSubstr("--port: '99999' is not a number that it can take"));
 }
 
 TEST(Trial, NamesTheRobotsItKnows) {

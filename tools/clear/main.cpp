@@ -9,6 +9,7 @@
 #include "common/bus/live_bus.hpp"
 #include "common/geometry/clock.hpp"
 #include "common/node/goal_sender.hpp"
+#include "common/node/option_checks.hpp"
 #include "common/node/process_names.hpp"
 #include "common/node/program.hpp"
 #include "common/node/request.hpp"
@@ -58,7 +59,7 @@ int main(int argc, char** argv) {
              app.add_option("CORNERS", arguments.corners_m,
                             "Two opposite corners, X1 Y1 X2 Y2 in map, metres")
                  ->expected(4)
-                 ->check(CLI::Range(-node::kMaxCoordinateM, node::kMaxCoordinateM))
+                 ->check(node::in_range(-node::kMaxCoordinateM, node::kMaxCoordinateM))
                  ->required();
              app.parse_complete_callback([&arguments] {
                const std::vector<double>& m = arguments.corners_m;

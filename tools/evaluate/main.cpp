@@ -220,7 +220,7 @@ void add_commands(CLI::App& app, Arguments& arguments) {
   relocalise->add_option("LOG", arguments.log, "LCM event log with SCAN and ODOMETRY")->required();
   relocalise->add_option("TRUTH", arguments.truth, "True poses in the map (.tum)")->required();
   relocalise->add_option("--scans", arguments.plan.num_scans, "Successive level scans in a group")
-      ->check(CLI::Range(1, 1000))
+      ->check(nodmap::node::in_range(1, 1000))
       ->capture_default_str();
   relocalise
       ->add_option("--every", arguments.plan.every,

@@ -13,6 +13,7 @@
 #include "common/geometry/clock.hpp"
 #include "common/node/goal_sender.hpp"
 #include "common/node/messages.hpp"
+#include "common/node/option_checks.hpp"
 #include "common/node/program.hpp"
 #include "nodmap/goal_t.hpp"
 #include "nodmap/navigation_t.hpp"
@@ -205,7 +206,7 @@ int main(int argc, char** argv) {
            [&arguments](CLI::App& app) {
              app.add_option("WAYPOINTS", arguments.coordinates_m,
                             "X Y of each waypoint in map, metres")
-                 ->check(CLI::Range(-node::kMaxCoordinateM, node::kMaxCoordinateM));
+                 ->check(node::in_range(-node::kMaxCoordinateM, node::kMaxCoordinateM));
              app.add_flag("--home", arguments.goes_home,
                           "Drive home, after the waypoints if any: to 0 0, the origin of the map, "
                           "where odometry began, or the origin of the saved map");
@@ -215,26 +216,26 @@ int main(int argc, char** argv) {
              app.add_option("--tolerance", arguments.tolerance_m,
                             "Distance at which a waypoint counts as reached, metres; default 0.2; "
                             "with --heading, 0.02 for the last one")
-                 ->check(CLI::Range(0.01, node::kMaxGoalToleranceM));
+                 ->check(node::in_range(0.01, node::kMaxGoalToleranceM));
              auto* heading =
                  app.add_option("--heading", arguments.heading_deg,
                                 "Dock at the last waypoint with this heading in map, degrees, 0 "
                                 "along x, 90 along y; needs 0.8 m of free floor straight behind it")
-                     ->check(CLI::Range(-360.0, 360.0));
+                     ->check(node::in_range(-360.0, 360.0));
              app.add_option(
                     "--heading-tolerance", arguments.heading_tolerance_deg,
                     "Largest error of the heading with which the robot counts as docked, degrees")
-                 ->check(CLI::Range(0.1, 90.0))
+                 ->check(node::in_range(0.1, 90.0))
                  ->capture_default_str()
                  ->needs(heading);
              app.add_option("--patience", arguments.patience_s,
                             "Seconds without a path after which a waypoint is missed")
-                 ->check(CLI::Range(1.0, 3600.0))
+                 ->check(node::in_range(1.0, 3600.0))
                  ->capture_default_str();
              app.add_option("--wait", arguments.wait_s,
                             "Seconds without a report of the navigator on the goal after which to "
                             "give up")
-                 ->check(CLI::Range(0.1, 3600.0))
+                 ->check(node::in_range(0.1, 3600.0))
                  ->capture_default_str();
            },
        .run = [&arguments](const std::string& lcm_url) { return run(arguments, lcm_url); }});

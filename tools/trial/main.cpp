@@ -68,7 +68,7 @@ void add_options(CLI::App& app, Arguments& arguments) {
   app.add_option(
          "--duration", arguments.duration_s,
          "Seconds of simulated time from the first scan; default 60, or the world's time limit")
-      ->check(CLI::Range(0.1, 86400.0));
+      ->check(node::in_range(0.1, 86400.0));
   app.add_option("--out", arguments.out, "Folder for the results; created, never overwritten");
   app.add_option("--robot", arguments.robot, "kurt3d, or jackal: the robot of the BARN challenge")
       ->check(CLI::IsMember({"kurt3d", "jackal"}));
