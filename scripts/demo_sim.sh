@@ -111,9 +111,6 @@ need_deputy() { kill -0 "$deputy" 2>/dev/null || die "the deputy has ended; see 
 say "starting the processes (LCM: $LCM_DEFAULT_URL)"
 setpriv --pdeathsig TERM "$bin/nodmap-deputy" "$config" >"$out/deputy.log" 2>&1 &
 deputy=$!
-# The viewer says the token of the page by its output, and the deputy hands that on.
-setpriv --pdeathsig TERM "$bin/nodmap-sheriff" "$config" --output viewer >"$out/viewer.log" 2>&1 &
-listener=$!
 run "$bin/nodmap-sheriff" "$config" --script demo --on-script-complete exit --timeout 30 >"$out/sheriff.log" || {
   # The deputy warns with what a process said before it failed.
   sed -n 's/^[0-9:.]* nodmap-deputy warning: //p' "$out/deputy.log" | tail -n 5 >&2
@@ -121,11 +118,18 @@ run "$bin/nodmap-sheriff" "$config" --script demo --on-script-complete exit --ti
 }
 
 need_deputy
+# The viewer says the token of the page by its output, and the deputy hands that on.
+setpriv --pdeathsig TERM "$bin/nodmap-sheriff" "$config" --output viewer >"$out/viewer.log" 2>&1 &
+listener=$!
 
 # After each start the base driver keeps the robot stopped until somebody releases it.
 run "$bin/nodmap-stop" --go --wait 30 --by demo || die "the robot is not released; see $out/deputy.log"
 
-token=$(grep -o -m 1 '#token=[0-9a-f]*' "$out/viewer.log") || true
+token=
+for ((tries = 0; tries < 50; ++tries)); do
+  token=$(grep -o -m 1 '#token=[0-9a-f]*' "$out/viewer.log") && break
+  sleep 0.1
+done
 if [[ -n "$token" ]]; then
   say "the same with the controls: http://127.0.0.1:$NODMAP_PORT/$token"
 fi

@@ -9,6 +9,7 @@
 #include <chrono>
 #include <csignal>
 #include <sstream>
+#include <utility>
 #include <vector>
 
 #include "common/bus/live_bus.hpp"
@@ -86,7 +87,6 @@ class Deputy {
   void on_info(const std::string& deputy_id);
   void on_orders(const procman_lcm::orders_t& message);
   [[nodiscard]] bool obeys(const std::string& sheriff_id);
-  void repeat_last_words();
   void log_end(const Children::Ended& end);
   void carry_out(const SupervisorActions& actions);
   void carry_out(const StartCommand& action);
@@ -97,6 +97,7 @@ class Deputy {
   void carry_out(const RefuseOrder& action) { refusals_.add(action, time::steady_now()); }
   [[nodiscard]] node::Health health(time::SteadyTime now) const;
   void publish_output(time::SteadyTime now);
+  void publish_output(const char* channel, std::vector<CommandOutput> outputs);
   void publish_info();
   void raise_serial_workers();
   [[nodiscard]] std::vector<pid_t> pids() const;
@@ -182,20 +183,11 @@ void Deputy::on_discovery(const Discovery& discovery) {
     has_info_changed_ = true;
     // A sheriff sends it when it begins and when it ends.
     if (discovery.nonce == 0 && !senders_.end_sheriff(bus_.origin().sender)) {
-      repeat_last_words();
+      output_.repeat();
     }
   } else if (discovery.transmitter_id == settings_.id) {
     log::get().error("another deputy {} is being started", settings_.id);
     exit_code_ = 1;
-  }
-}
-
-// Publishes the last output of ended commands again, so that a new sheriff learns why they ended.
-void Deputy::repeat_last_words() {
-  for (const CommandStatus& status : supervisor_.statuses()) {
-    if (status.pid == 0) {
-      output_.repeat(status.spec.id, time::steady_now());
-    }
   }
 }
 
@@ -205,7 +197,8 @@ void Deputy::wait() {
   children_.add_to_poll(waiting, now);
   time::SteadyTime next =
       std::min(now + kLongestWait, is_serving_ ? info_due_ : discover_due_.value_or(now));
-  for (const auto& due : {supervisor_.next_due(), output_.due(), children_.due(now)}) {
+  for (const auto& due :
+       {supervisor_.next_due(), output_.due(), output_.repeat_due(), children_.due(now)}) {
     next = std::min(next, due.value_or(next));
   }
   const auto timeout = std::chrono::ceil<std::chrono::milliseconds>(std::max(next, now) - now);
@@ -350,9 +343,13 @@ node::Health Deputy::health(time::SteadyTime now) const {
 }
 
 void Deputy::publish_output(time::SteadyTime now) {
-  Output output{clock_.now(), settings_.id, output_.take(now)};
-  if (!output.outputs.empty()) {
-    bus_.publish(kOutputChannel, to_message(output));
+  publish_output(kOutputChannel, output_.take(now));
+  publish_output(kLastOutputChannel, output_.take_repeated(now));
+}
+
+void Deputy::publish_output(const char* channel, std::vector<CommandOutput> outputs) {
+  if (!outputs.empty()) {
+    bus_.publish(channel, to_message(Output{clock_.now(), settings_.id, std::move(outputs)}));
   }
 }
 

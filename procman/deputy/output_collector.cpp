@@ -2,7 +2,6 @@
 #include "procman/deputy/output_collector.hpp"
 
 #include <algorithm>
-#include <iterator>
 #include <utility>
 
 namespace nodmap::procman {
@@ -16,7 +15,9 @@ std::size_t TokenBucket::take(std::size_t wanted, time::SteadyTime now) {
   return taken;
 }
 
-void OutputCollector::add(const std::string& id, std::string_view text, time::SteadyTime now) {
+void OutputCollector::add(const std::string& id, std::string_view written, time::SteadyTime now) {
+  std::string text(written);
+  std::erase(text, '\0');  // would end the text for its receivers
   // Orders may name any number of commands; those beyond the limit share one rate limit.
   const bool is_too_many = streams_.size() >= kMaxStreams && !streams_.contains(id);
   const std::string& name = is_too_many ? std::string() : id;
@@ -25,13 +26,6 @@ void OutputCollector::add(const std::string& id, std::string_view text, time::St
   keep_newest(stream.recent, text);
   stream.run_bytes += text.size();
   pass(name, stream, text, now);
-}
-
-void OutputCollector::repeat(const std::string& id, time::SteadyTime now) {
-  const auto found = streams_.find(id);
-  if (found != streams_.end()) {
-    pass(id, found->second, std::string(found->second.recent), now);
-  }
 }
 
 void OutputCollector::begin_run(const std::string& id) {
@@ -139,10 +133,8 @@ void OutputCollector::append(const std::string& id, std::string_view text) {
   if (found == pending_.end()) {
     found = pending_.insert(pending_.end(), {id, {}});
   }
-  const std::size_t before = found->text.size();
-  // A zero byte would end the text for its receivers.
-  std::ranges::copy_if(text, std::back_inserter(found->text), [](char c) { return c != '\0'; });
-  pending_bytes_ += found->text.size() - before;
+  found->text += text;
+  pending_bytes_ += text.size();
 }
 
 std::vector<CommandOutput> OutputCollector::take(time::SteadyTime now) {
@@ -183,6 +175,50 @@ std::vector<CommandOutput> OutputCollector::take_front(std::size_t room) {
     }
   }
   return front;
+}
+
+void OutputCollector::repeat() {
+  for (auto& [id, stream] : streams_) {
+    if (!std::exchange(stream.is_to_repeat, true)) {
+      to_repeat_.push_back(id);
+    }
+  }
+}
+
+// Whether nothing of a command's output is waiting to be published.
+bool OutputCollector::is_published(const std::string& id) const {
+  const auto found = streams_.find(id);
+  const bool is_held = found != streams_.end() && found->second.release;
+  return !is_held && std::ranges::find(pending_, id, &CommandOutput::command_id) == pending_.end();
+}
+
+std::vector<CommandOutput> OutputCollector::take_repeated(time::SteadyTime now) {
+  constexpr std::size_t kMostCommands = kMaxMessageBytes / kTailBytes;
+  std::vector<CommandOutput> message;
+  if (now - repeated_ < kRepeatPeriod) {
+    return message;
+  }
+  while (message.size() < kMostCommands) {
+    const auto next = std::ranges::find_if(
+        to_repeat_, [this](const std::string& id) { return is_published(id); });
+    if (next == to_repeat_.end()) {
+      break;
+    }
+    const auto found = streams_.find(*next);
+    if (found != streams_.end()) {
+      found->second.is_to_repeat = false;
+      message.push_back({*next, found->second.recent});
+      repeated_ = now;
+    }
+    to_repeat_.erase(next);
+  }
+  return message;
+}
+
+std::optional<time::SteadyTime> OutputCollector::repeat_due() const {
+  const bool is_any_ready =
+      std::ranges::any_of(to_repeat_, [this](const std::string& id) { return is_published(id); });
+  return is_any_ready ? std::optional(repeated_ + kRepeatPeriod) : std::nullopt;
 }
 
 std::optional<time::SteadyTime> OutputCollector::due() const {

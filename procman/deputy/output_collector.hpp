@@ -51,25 +51,34 @@ class OutputCollector {
   static constexpr double kTotalBurstBytes = 1024.0 * 1024.0;
   static constexpr std::size_t kMaxStreams = 10'000;
   static constexpr time::Duration kHoldTime = 1s;
-  /// Kept of the output of a command that is held back or has ended: about fifty lines.
+  /// Kept of the output of each command: about fifty lines.
   static constexpr std::size_t kTailBytes = 4096;
+  /// Between two messages of repeated output. Limits it to 320 KiB/s, however many sheriffs ask.
+  static constexpr time::Duration kRepeatPeriod = 100ms;
 
   /// Adds output of a command; an empty id means the deputy itself.
-  void add(const std::string& id, std::string_view text, time::SteadyTime now);
+  void add(const std::string& id, std::string_view written, time::SteadyTime now);
 
   /// A new run of a command begins.
   void begin_run(const std::string& id);
   /// The newest lines of the present or last run of a command; empty if it has written nothing.
   [[nodiscard]] std::string_view recent_of_run(const std::string& id) const;
 
-  /// Publishes the newest lines of a command again, for a sheriff that was started later.
-  void repeat(const std::string& id, time::SteadyTime now);
-
   /// The output to be published now, if any.
   [[nodiscard]] std::vector<CommandOutput> take(time::SteadyTime now);
 
   /// When take() will next have something.
   [[nodiscard]] std::optional<time::SteadyTime> due() const;
+
+  /// The newest lines of all commands are wanted again, by a sheriff that was started later.
+  void repeat();
+
+  /// Of these the ones to be published now, if any, as a message of their own: all output of their
+  /// commands up to the last take(). What take() returns later follows them without a gap.
+  [[nodiscard]] std::vector<CommandOutput> take_repeated(time::SteadyTime now);
+
+  /// When take_repeated() will next have something, unless it waits for take().
+  [[nodiscard]] std::optional<time::SteadyTime> repeat_due() const;
 
   /// Bytes dropped so far, of all commands.
   [[nodiscard]] std::int64_t dropped_bytes() const { return dropped_bytes_; }
@@ -88,6 +97,7 @@ class OutputCollector {
     std::int64_t dropped_bytes = 0;           // dropped before the tail, not yet reported
     bool is_line_open = false;                // the published output ends within a line
     bool is_forgotten = false;
+    bool is_to_repeat = false;
   };
 
   /// How many of `wanted` bytes of a stream may pass now by its own limit and the common one.
@@ -98,6 +108,7 @@ class OutputCollector {
   void release(const std::string& id, Stream& stream, time::SteadyTime now);
   void append(const std::string& id, std::string_view text);
   [[nodiscard]] std::vector<CommandOutput> take_front(std::size_t room);
+  [[nodiscard]] bool is_published(const std::string& id) const;
 
   std::map<std::string, Stream> streams_;
   TokenBucket total_{kTotalBytesPerS, kTotalBurstBytes};
@@ -106,6 +117,8 @@ class OutputCollector {
   bool is_rest_ = false;  // the pending output did not fit into the previous message
   std::int64_t dropped_bytes_ = 0;
   time::SteadyTime published_{};
+  std::vector<std::string> to_repeat_;  // commands, in the order in which they were asked for
+  time::SteadyTime repeated_{};
 };
 
 }  // namespace nodmap::procman

@@ -7,24 +7,10 @@ namespace nodmap::procman {
 
 void Console::take(std::string_view text) {
   for (const char c : text) {
-    if (!take_sequence(c)) {
+    if (!sequences_.take(c)) {
       put(c);
     }
   }
-}
-
-bool Console::take_sequence(char c) {
-  constexpr char kEscape = '\x1B';
-  if (c == kEscape) {
-    sequence_ = Sequence::kBegun;
-    return true;
-  }
-  if (sequence_ == Sequence::kNone) {
-    return false;
-  }
-  const bool is_parameter = (c >= '0' && c <= '?') || (sequence_ == Sequence::kBegun && c == '[');
-  sequence_ = is_parameter ? Sequence::kInside : Sequence::kNone;
-  return c >= ' ';  // an incomplete sequence does not swallow the line end
 }
 
 void Console::put(char c) {

@@ -2,10 +2,11 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <deque>
 #include <string>
 #include <string_view>
+
+#include "procman/protocol/control_sequences.hpp"
 
 namespace nodmap::procman {
 
@@ -24,13 +25,9 @@ class Console {
   [[nodiscard]] std::string last() const;
 
  private:
-  /// The position within a control sequence (ESC [ ... letter).
-  enum class Sequence : std::uint8_t { kNone, kBegun, kInside };
-  /// Takes a character; returns whether it is part of a control sequence.
-  [[nodiscard]] bool take_sequence(char c);
   void put(char c);
 
-  Sequence sequence_ = Sequence::kNone;
+  ControlSequences sequences_;
   std::deque<std::string> lines_;
   bool has_line_ended_ = true;
   bool has_line_returned_ = false;

@@ -15,8 +15,9 @@ inline constexpr const char* kDiscoverChannel = "PM_DISCOVER";
 inline constexpr const char* kInfoChannel = "PM_INFO";
 inline constexpr const char* kOrdersChannel = "PM_ORDERS";
 inline constexpr const char* kOutputChannel = "PM_OUTPUT";
-/// An extension that the existing tools do not know.
+/// Extensions that the existing tools do not know.
 inline constexpr const char* kRunsChannel = "PM_RUNS";
+inline constexpr const char* kLastOutputChannel = "PM_LAST_OUTPUT";
 
 /// A command as described in the messages of sheriff and deputy.
 struct CommandSpec {

@@ -59,7 +59,8 @@ void add_options(CLI::App& app, Options& options) {
   auto* stop = what->add_option("--stop", options.stop, "Stop a command or group, and exit");
   auto* restart =
       what->add_option("--restart", options.restart, "Restart a command or group, and exit");
-  what->add_option("--output", options.output, "Print the output of a command");
+  what->add_option("--output", options.output,
+                   "Print the last output of a command, and what follows until a signal");
   what->require_option(0, 1);
   what->excludes(script);
   app.add_flag("--json", options.json, "Print --status as JSON")->needs(status);

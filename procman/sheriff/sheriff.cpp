@@ -54,15 +54,22 @@ void Sheriff::subscribe() {
   });
   bus_.subscribe<procman_lcm::output_t>(
       kOutputChannel, [this](const auto& message) { take_output(from_message(message)); });
+  bus_.subscribe<procman_lcm::output_t>(
+      kLastOutputChannel, [this](const auto& message) { take_last_output(from_message(message)); });
   bus_.subscribe<nodmap::status_t>("STATUS", [this](const auto& message) {
     health_.take_status(message.process_name, health_of(message), fleet_, now(),
                         bus_.origin().sender);
   });
 }
 
-void Sheriff::take_output(const Output& output) {
+// Whether the output being handled comes from where its deputy reports from, as far as known.
+bool Sheriff::is_from_deputy(const Output& output) const {
   const std::optional<bus::Sender> deputy = fleet_.deputies().sender_of(output.deputy_id, now());
-  if (deputy && *deputy != bus_.origin().sender) {
+  return !deputy || *deputy == bus_.origin().sender;
+}
+
+void Sheriff::take_output(const Output& output) {
+  if (!is_from_deputy(output)) {
     return;
   }
   for (const CommandOutput& part : output.outputs) {
@@ -73,6 +80,21 @@ void Sheriff::take_output(const Output& output) {
     if (fleet_.find(part.command_id) != nullptr) {
       consoles_[part.command_id].take(part.text);
       health_.take_output(part.command_id, now());
+    }
+  }
+}
+
+// It is no sign of life, and deputies repeat it for other sheriffs as well.
+void Sheriff::take_last_output(const Output& output) {
+  if (!is_from_deputy(output)) {
+    return;
+  }
+  for (const CommandOutput& part : output.outputs) {
+    if (last_output_handler_) {
+      last_output_handler_(part.command_id, part.text);
+    }
+    if (fleet_.find(part.command_id) != nullptr && !consoles_.contains(part.command_id)) {
+      consoles_[part.command_id].take(part.text);
     }
   }
 }

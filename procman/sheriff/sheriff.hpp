@@ -49,20 +49,26 @@ class Sheriff : boost::noncopyable {
   /// Whether the present process of a command has reported OK recently.
   [[nodiscard]] bool is_healthy(const std::string& command) const;
 
+  /// What the commands write from now on.
   void on_output(OutputHandler handler) { output_handler_ = std::move(handler); }
+  /// The last output of each command, which its deputy sends after a sheriff has begun: after all
+  /// output that it contains, and before what follows it.
+  void on_last_output(OutputHandler handler) { last_output_handler_ = std::move(handler); }
 
   [[nodiscard]] Fleet& fleet() { return fleet_; }
   [[nodiscard]] const Config& config() const { return config_; }
   [[nodiscard]] std::vector<ReportRow> report() const;
   [[nodiscard]] std::vector<std::string> warnings() const;
-  /// The output of a command since this sheriff was started; null if there is none.
+  /// The output of a command; null if none was received.
   [[nodiscard]] const Console* console(const std::string& command) const;
   /// The time used for the fleet.
   [[nodiscard]] static time::SteadyTime now() { return time::steady_now(); }
 
  private:
   void subscribe();
+  [[nodiscard]] bool is_from_deputy(const Output& output) const;
   void take_output(const Output& output);
+  void take_last_output(const Output& output);
 
   Config config_;
   time::SystemClock clock_;
@@ -71,6 +77,7 @@ class Sheriff : boost::noncopyable {
   HealthWatch health_;
   std::map<std::string, Console> consoles_;
   OutputHandler output_handler_;
+  OutputHandler last_output_handler_;
   bool has_given_orders_ = false;
   bool are_orders_wanted_ = false;
   time::SteadyTime orders_due_{};

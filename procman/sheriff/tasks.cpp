@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "procman/sheriff/tasks.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cstdio>
 #include <iostream>
@@ -10,6 +12,7 @@
 #include "common/node/log.hpp"
 #include "common/node/program.hpp"
 #include "common/params/suggestion.hpp"
+#include "procman/sheriff/output_follower.hpp"
 #include "procman/sheriff/printable.hpp"
 #include "procman/sheriff/script_runner.hpp"
 
@@ -227,14 +230,21 @@ int follow_output(Sheriff& sheriff, const std::string& command) {
               << params::did_you_mean(command, command_names(sheriff.config())) << "\n";
     return exit_code::kWrong;
   }
-  sheriff.on_output([&command](const std::string& id, const std::string& text) {
-    if (id == command) {
-      std::cout << text << std::flush;
-    }
+  OutputFollower follower(::isatty(STDOUT_FILENO) != 0);
+  const auto print = [](const std::string& text) { std::cout << text << std::flush; };
+  sheriff.on_output([&](const std::string& id, const std::string& text) {
+    print(id == command ? follower.take(text) : "");
   });
-  (void)missing_deputies(sheriff, {known->deputy});  // says so; one that starts later is followed
+  sheriff.on_last_output([&](const std::string& id, const std::string& text) {
+    print(id == command ? follower.take_last(text) : "");
+  });
+  if (!missing_deputies(sheriff, {known->deputy}).empty()) {
+    return exit_code::kFailed;
+  }
+  const time::SteadyTime answered = Sheriff::now();
   while (!node::stop_requested() && std::cout) {
     sheriff.work(kWait);
+    print(Sheriff::now() - answered > kAnswerTime ? follower.stop_waiting() : "");
   }
   return exit_code::kDone;
 }

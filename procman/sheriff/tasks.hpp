@@ -36,7 +36,8 @@ int print_status(Sheriff& sheriff, bool as_json);
 /// Starts, stops or restarts a command or group, and waits until this has happened.
 int change(Sheriff& sheriff, Verb verb, const std::string& name);
 
-/// Prints the output of a command until interrupted; says so if its deputy does not answer.
+/// Prints the last output of a command, and what follows until interrupted; without colours if
+/// stdout is no terminal. exit_code::kFailed if its deputy does not answer.
 int follow_output(Sheriff& sheriff, const std::string& command);
 
 }  // namespace nodmap::procman

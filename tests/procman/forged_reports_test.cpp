@@ -94,19 +94,18 @@ TEST_F(ForgedReports, AForgedInfoIsNotBelievedAndIsReported) {
 TEST_F(ForgedReports, AForgedOutputIsNotShown) {
   begin_deputy();
   ASSERT_EQ(sheriff({"--start", "talker"}).exit_code, 0);
-  test::ChildProcess follower({"sh", "-c",
-                               "exec " NODMAP_BIN "/nodmap-sheriff " + file_ + " --lcm-url '" +
-                                   test::kProcmanUrl + "' --output talker >" + printed_});
+  begin_task("--output talker");
   ASSERT_TRUE(client_.wait_until([this] { return has_printed("word"); }));
   const std::size_t length = printed().size();
   const auto forge = [this] {
-    forger_.publish(procman::kOutputChannel,
-                    to_message(procman::Output{{}, "rover", {{"talker", "forged\n"}}}));
+    for (const char* channel : {procman::kOutputChannel, procman::kLastOutputChannel}) {
+      forger_.publish(channel, to_message(procman::Output{{}, "rover", {{"talker", "forged\n"}}}));
+    }
   };
   EXPECT_TRUE(repeat_until(forge, [&] { return printed().size() > length + 50; }));
   EXPECT_FALSE(has_printed("forged")) << printed();
-  follower.send_signal(SIGTERM);
-  EXPECT_EQ(follower.wait_for_end(test::kPatience), 0);
+  sheriff_->send_signal(SIGTERM);
+  EXPECT_EQ(sheriff_->wait_for_end(test::kPatience), 0);
 }
 
 }  // namespace forged_reports_test

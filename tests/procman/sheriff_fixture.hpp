@@ -65,6 +65,15 @@ class SheriffProcess : public ::testing::Test {
     arguments.insert(arguments.begin(), {file_, "--lcm-url", kProcmanUrl});
     return run_program("nodmap-sheriff", arguments);
   }
+  /// Begins a deputy whose command "talker" is this bash script, and starts it.
+  void run_script_as_talker(const std::string& script) {
+    std::ofstream(dir_.path() / "talker") << script << "\n";
+    std::ofstream(file_) << R"(cmd "talker" { exec = ")"
+                         << marked("bash " + (dir_.path() / "talker").string())
+                         << R"("; host = "rover"; })";
+    begin_deputy();
+    ASSERT_EQ(sheriff({"--start", "talker"}).exit_code, 0);
+  }
   /// Starts a sheriff that runs a script and stays; what it prints is in printed().
   void begin_sheriff(const std::string& script) {
     begin_task("--script " + script + " --on-script-complete stay");

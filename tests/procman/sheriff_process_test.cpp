@@ -13,6 +13,7 @@
 #include <csignal>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "nodmap/status_t.hpp"
 #include "tests/procman/sheriff_fixture.hpp"
@@ -20,7 +21,6 @@
 namespace nodmap {
 namespace sheriff_process_test {
 
-using test::ChildProcess;
 using test::kPatience;
 using test::kProcmanUrl;
 using test::run_program;
@@ -37,6 +37,15 @@ nlohmann::json row_of(const nlohmann::json& status, const std::string& command) 
   }
   ADD_FAILURE() << "no row of " << command << " in " << status;
   return nlohmann::json::object();
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::istringstream in(text);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(in, line) && !in.eof();) {  // whole ones
+    lines.push_back(line);
+  }
+  return lines;
 }
 
 TEST_F(SheriffProcess, RunsAScriptAndEndsWhileTheCommandsKeepRunning) {
@@ -126,28 +135,38 @@ TEST_F(SheriffProcess, ReportsTheAgeOfARunAndTheNumberOfRestarts) {
   EXPECT_LE(talker["uptime_s"], most_s);
 }
 
-TEST_F(SheriffProcess, PrintsTheOutputOfACommandAsItComes) {
-  begin_deputy();
-  ASSERT_EQ(sheriff({"--start", "talker"}).exit_code, 0);
-  const std::string out = dir_.path() / "out";
-  ChildProcess follower({"sh", "-c",
-                         "exec " NODMAP_BIN "/nodmap-sheriff " + file_ + " --lcm-url '" +
-                             kProcmanUrl + "' --output talker >" + out});
-  EXPECT_TRUE(client_.wait_until([&] {
-    std::ifstream in(out);
-    const std::string text{std::istreambuf_iterator<char>(in), {}};
-    return text.find("word\r\nword\r\n") != std::string::npos;
-  }));
-  follower.send_signal(SIGINT);
-  EXPECT_EQ(follower.wait_for_end(kPatience), 0);
+// Lines with numbers, up to three hundred a second: none is missing, and none comes twice.
+TEST_F(SheriffProcess, PrintsTheLastOutputOfACommandAndThenWhatFollows) {
+  run_script_as_talker("for ((i = 0; ; ++i)); do echo $i; sleep 0.003; done");
+  begin_task("--output talker");
+  constexpr std::size_t kLines = 200;
+  const auto lines = [this] { return lines_of(printed()); };
+  ASSERT_TRUE(client_.wait_until([&] { return lines().size() > kLines; })) << printed();
+  const std::vector<std::string> all = lines();
+  const int first = std::stoi(all.front());
+  for (std::size_t i = 0; i < kLines; ++i) {
+    ASSERT_EQ(all[i], std::to_string(first + static_cast<int>(i)) + "\r");
+  }
+  sheriff_->send_signal(SIGINT);
+  EXPECT_EQ(sheriff_->wait_for_end(kPatience), 0);
+}
+
+// It is running, and has written its last line before anybody listened.
+TEST_F(SheriffProcess, PrintsTheLastOutputOfACommandThatIsSilent) {
+  run_script_as_talker("printf '\\033[32mthe address\\033[m\\n'; exec sleep 1000");
+  ASSERT_TRUE(client_.wait_until(
+      [this] { return client_.output("talker").find("address") != std::string::npos; }));
+  begin_task("--output talker");
+  EXPECT_TRUE(client_.wait_until([this] { return has_printed("address"); }));
+  sheriff_->send_signal(SIGTERM);
+  EXPECT_EQ(sheriff_->wait_for_end(kPatience), 0);
+  EXPECT_EQ(printed(), "the address\r\n") << "a file gets no colours";
 }
 
 TEST_F(SheriffProcess, SaysWhyThereIsNoOutput) {
-  ChildProcess follower(
-      {NODMAP_BIN "/nodmap-sheriff", file_, "--lcm-url", kProcmanUrl, "--output", "far"});
-  EXPECT_TRUE(follower.wait_for_stderr("the deputy absent does not answer", kPatience));
-  follower.send_signal(SIGINT);
-  EXPECT_EQ(follower.wait_for_end(kPatience), 0) << "it waits for the deputy";
+  const auto follower = sheriff({"--output", "far"});
+  EXPECT_EQ(follower.exit_code, 1);
+  EXPECT_THAT(follower.err, HasSubstr("the deputy absent does not answer"));
 }
 
 // The commands keep running, and the next sheriff finds them as they are.

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <map>
 #include <sstream>
 #include <string>
 
@@ -192,26 +193,93 @@ TEST(OutputCollector, DropsZeroBytesBecauseTheyWouldEndTheText) {
   EXPECT_THAT(output.take(at(1s)), ElementsAre(CommandOutput{"a", "ab"}));
 }
 
-TEST(OutputCollector, RepeatsTheNewestLinesOnce) {
+TEST(OutputCollector, RepeatsTheNewestLinesOfAllCommandsOnce) {
   OutputCollector output;
   std::string all;
   for (int i = 0; i < 1000; ++i) {
     all += "line " + std::to_string(i) + "\n";
   }
   output.add("a", all, at(1s));
-  EXPECT_EQ(everything_of(output), all);
-  for (int i = 0; i < 2; ++i) {  // repeated lines do not count as new output
-    output.repeat("a", at(2s));
-    const std::string repeated = everything_of(output);
-    EXPECT_TRUE(repeated.starts_with("line "));
-    EXPECT_TRUE(repeated.ends_with("line 998\nline 999\n"));
-    EXPECT_LE(repeated.size(), OutputCollector::kTailBytes);
-    EXPECT_EQ(repeated, output.recent_of_run("a"));
+  output.add("b", "short\n", at(1s));
+  static_cast<void>(everything_of(output));
+  EXPECT_FALSE(output.repeat_due().has_value());
+  for (int second = 2; second < 4; ++second) {
+    output.repeat();
+    output.repeat();  // two sheriffs have begun
+    EXPECT_TRUE(output.repeat_due().has_value());
+    const auto repeated = output.take_repeated(at(second * 1s));
+    ASSERT_EQ(repeated.size(), 2U);
+    EXPECT_TRUE(repeated[0].text.starts_with("line "));
+    EXPECT_TRUE(repeated[0].text.ends_with("line 998\nline 999\n"));
+    EXPECT_LE(repeated[0].text.size(), OutputCollector::kTailBytes);
+    EXPECT_EQ(repeated[0].text, output.recent_of_run("a"));
+    EXPECT_EQ(repeated[1], (CommandOutput{"b", "short\n"}));
+    EXPECT_FALSE(output.repeat_due().has_value());
+    EXPECT_EQ(everything_of(output), "") << "it is no new output";
   }
-  output.repeat("nobody", at(2s));
-  EXPECT_EQ(everything_of(output), "");
+  output.repeat();
   output.forget("a");
   EXPECT_EQ(output.recent_of_run("a"), "");
+  EXPECT_THAT(output.take_repeated(at(5s)), ElementsAre(CommandOutput{"b", "short\n"}));
+  EXPECT_FALSE(output.repeat_due().has_value());
+}
+
+// A sheriff prints it, and then what comes: nothing twice, and nothing is missing.
+TEST(OutputCollector, RepeatsWhatIsPublishedAndNoMore) {
+  OutputCollector output;
+  output.add("a", "1", at(1s));
+  static_cast<void>(output.take(at(1s)));
+  output.add("a", "2", at(1001ms));
+  output.repeat();
+  EXPECT_TRUE(output.take_repeated(at(1001ms)).empty()) << "2 is not published yet";
+  EXPECT_FALSE(output.repeat_due().has_value()) << "it waits for take()";
+  EXPECT_THAT(output.take(at(1010ms)), ElementsAre(CommandOutput{"a", "2"}));
+  EXPECT_THAT(output.take_repeated(at(1010ms)), ElementsAre(CommandOutput{"a", "12"}));
+  // The same for output that is held back.
+  output.add("a", std::string(2 * std::size_t{OutputCollector::kTailBytes}, 'x') + "\n", at(2s));
+  const auto burst = static_cast<std::size_t>(OutputCollector::kCommandBurstBytes);
+  output.add("a", std::string(burst, 'y') + "\nlast\n", at(2s));
+  output.repeat();
+  time::SteadyTime now = at(2s);
+  std::string published;
+  while (const auto due = output.due()) {
+    EXPECT_TRUE(output.take_repeated(now).empty());
+    now = std::max(now, *due);
+    for (const CommandOutput& part : output.take(now)) {
+      published += part.text;
+    }
+  }
+  const auto repeated = output.take_repeated(now);
+  ASSERT_EQ(repeated.size(), 1U);
+  EXPECT_TRUE(published.ends_with("last\n"));
+  EXPECT_TRUE(repeated[0].text.ends_with("last\n"));
+}
+
+// Anybody can say all the time that a sheriff has begun.
+TEST(OutputCollector, TheRateOfRepetitionsIsLimitedAndEachCommandHasItsTurn) {
+  OutputCollector output;
+  constexpr int kCommands = 100;
+  for (int command = 0; command < kCommands; ++command) {
+    output.add(std::to_string(command), std::string(OutputCollector::kTailBytes, 'x'), at(1s));
+  }
+  static_cast<void>(everything_of(output));
+  std::map<std::string, int> counts;
+  std::size_t published = 0;
+  for (std::int64_t step = 0; step < 1'000; ++step) {
+    output.repeat();
+    std::size_t size = 0;
+    for (const CommandOutput& part : output.take_repeated(at(10s + step * 10ms))) {
+      size += part.text.size();
+      ++counts[part.command_id];
+    }
+    EXPECT_LE(size, OutputCollector::kMaxMessageBytes);
+    published += size;
+  }
+  EXPECT_EQ(published, 100 * OutputCollector::kMaxMessageBytes) << "ten messages a second";
+  ASSERT_EQ(counts.size(), std::size_t{kCommands});
+  for (const auto& [id, count] : counts) {
+    EXPECT_NEAR(count, 8, 1) << id << ": commands of one message may change places";
+  }
 }
 
 TEST(OutputCollector, TheOutputOfARunIsWithoutThatOfEarlierOnes) {
