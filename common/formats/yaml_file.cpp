@@ -35,10 +35,9 @@ class DocumentStart final : public YAML::EventHandler {
   YAML::Mark mark_;
 };
 
-InputFileError error_at(const std::filesystem::path& file, const YAML::Mark& mark,
-                        const std::string& reason) {
-  return InputFileError(file.string() + ":" + std::to_string(mark.line + 1) + ": " +
-                        printable(reason));
+std::string error_at(const std::filesystem::path& file, const YAML::Mark& mark,
+                     const std::string& reason) {
+  return file.string() + ":" + std::to_string(mark.line + 1) + ": " + printable(reason);
 }
 
 // Asks the parser for two documents and no more: before a comma that belongs to nothing,
@@ -48,9 +47,10 @@ void expect_one_document(const std::filesystem::path& file, const std::string& t
   YAML::Parser parser(in);
   DocumentStart start;
   if (parser.HandleNextDocument(start) && parser.HandleNextDocument(start)) {
-    throw error_at(file, start.mark(),
-                   "begins another YAML document, by '---' or because it does not belong to what "
-                   "is above");
+    throw InputFileError(
+        error_at(file, start.mark(),
+                 "begins another YAML document, by '---' or because it does not belong to what "
+                 "is above"));
   }
 }
 
@@ -62,7 +62,7 @@ YAML::Node read_yaml(const std::filesystem::path& file) {
     expect_one_document(file, text);
     return YAML::Load(text);
   } catch (const YAML::ParserException& error) {
-    throw error_at(file, error.mark, error.msg);
+    throw InputFileError(error_at(file, error.mark, error.msg));
   }
 }
 

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-namespace YAML {
+namespace YAML {  // NOLINT(readability-identifier-naming): yaml-cpp's name
 class Node;
 }
 
