@@ -11,11 +11,11 @@ LoopNetwork::LoopNetwork(const std::filesystem::path& log, const LoopDelay& dela
     : log_(log), delay_(delay), engine_(delay.seed) {}
 
 void LoopNetwork::deliver() {
-  while (!deliveries_.empty() && deliveries_.begin()->first.stamp <= now_) {
+  while (!deliveries_.empty() && deliveries_.begin()->first.stamp <= now_.wall) {
+    const time::Timestamp received = deliveries_.begin()->first.stamp;
     const Delivery delivery = std::move(deliveries_.begin()->second);
     deliveries_.erase(deliveries_.begin());
-    // Simulated time is set by nobody: it is both clocks.
-    delivery.owner->set_origin({delivery.sender, now_, time::SteadyTime(now_.time_since_epoch())});
+    delivery.owner->set_origin({delivery.sender, received, now_.steady - (now_.wall - received)});
     (*delivery.handler)(*delivery.bytes);
   }
 }
@@ -28,7 +28,7 @@ Sender LoopNetwork::new_sender() {
 
 bool LoopNetwork::send(const Sender& sender, const std::string& channel,
                        std::span<const std::byte> bytes) {
-  log_complete_ = log_.write(time::to_utime(now_), channel, bytes) && log_complete_;
+  log_complete_ = log_.write(time::to_utime(now_.wall), channel, bytes) && log_complete_;
   const auto found = listeners_.find(channel);
   if (found == listeners_.end()) {
     return log_complete_;
@@ -36,7 +36,7 @@ bool LoopNetwork::send(const Sender& sender, const std::string& channel,
   const auto copy = std::make_shared<const std::vector<std::byte>>(bytes.begin(), bytes.end());
   for (const Listener& listener : found->second) {
     time::Timestamp& last_due = listener.owner->last_due_;
-    last_due = std::max(last_due, now_ + delay_.min + jitter());
+    last_due = std::max(last_due, now_.wall + delay_.min + jitter());
     deliveries_.emplace(Due{last_due, num_deliveries_++},
                         Delivery{listener.owner, &listener.handler, sender, copy});
   }

@@ -23,7 +23,7 @@ namespace nodmap::bus {
 
 class LoopBus;
 
-/// Delay from publishing a message until a process handles it, which models kernel and scheduler:
+/// Delay from publishing a message until a process receives it, which models kernel and scheduler:
 /// `min` plus an exponentially distributed part with mean `mean_jitter` (limited to ten times the
 /// mean), drawn for each subscriber from a random generator with this seed.
 struct LoopDelay {
@@ -42,11 +42,12 @@ class LoopNetwork {
   LoopNetwork(const std::filesystem::path& log, const LoopDelay& delay);
 
   /// Sets the time for logging and delivery; must not step back.
-  void set_time(time::Timestamp now) { now_ = now; }
+  void set_time(const time::Moment& now) { now_ = now; }
 
   /// Delivers all messages that are due, including those that handlers publish meanwhile, each
-  /// after the handler that published it has returned. Rethrows the exception of a handler; the
-  /// message is not delivered to this handler again.
+  /// after the handler that published it has returned. Whenever it is called, they were received
+  /// when they were due, as by the socket of a process that was frozen since. Rethrows the
+  /// exception of a handler; the message is not delivered to this handler again.
   void deliver();
 
   /// False if some messages could not be written to the log.
@@ -87,7 +88,7 @@ class LoopNetwork {
   bool log_complete_ = true;
   LoopDelay delay_;
   std::mt19937_64 engine_;
-  time::Timestamp now_{};
+  time::Moment now_;
   std::int64_t num_deliveries_ = 0;
   std::uint16_t num_senders_ = 0;
   std::map<Due, Delivery> deliveries_;

@@ -22,7 +22,8 @@ LevelLaserSlam::LevelLaserSlam(const sim::World& world, const AllParams& params,
         return std::make_unique<slam2d::Slam2dNode>(context, params);
       }) {
   input_.subscribe<nodmap::odometry_t>("ODOMETRY", [this](const nodmap::odometry_t& message) {
-    network_.set_time(time::from_utime(message.utime));
+    const time::Timestamp now = time::from_utime(message.utime);
+    network_.set_time({now, time::SteadyTime(now.time_since_epoch())});
     output_.publish("ODOMETRY", message);
     network_.deliver();
   });

@@ -145,7 +145,7 @@ bool Trial::step() {
     throw std::runtime_error("stopped; the results are not complete");
   }
   parts_->hardware.advance_to(now_);
-  parts_->network.set_time(kStart.wall_at(now_));
+  parts_->network.set_time({kStart.wall_at(now_), now_});
   apply_kills();
   parts_->robot.step();
   parts_->monitor.update();

@@ -18,8 +18,8 @@
 namespace nodmap::bus {
 namespace loop_bus_test {
 
-time::Timestamp at(time::Duration since_epoch) {
-  return time::Timestamp(since_epoch);
+time::Moment at(time::Duration since_start) {
+  return {time::Timestamp(since_start), time::SteadyTime(1h + since_start)};
 }
 
 nodmap::drive_t drive(std::int64_t seq) {
@@ -174,8 +174,23 @@ TEST_F(LoopBusTest, EachBusIsASenderOfItsOwn) {
   EXPECT_EQ(origins[0].sender, origins[2].sender);
   const std::set<Sender> distinct{{}, origins[0].sender, origins[1].sender, origins[3].sender};
   EXPECT_EQ(distinct.size(), 4U);
-  EXPECT_EQ(origins[0].received, at(1ms));
-  EXPECT_EQ(origins[0].arrived, time::SteadyTime{} + (at(1ms) - time::Timestamp{}));
+}
+
+// As in the socket of a process that was frozen.
+TEST_F(LoopBusTest, AMessageThatWaitedIsDatedWhenItCame) {
+  std::vector<Origin> origins;
+  receiver_.subscribe_bytes("DRIVE", [&](auto) { origins.push_back(receiver_.origin()); });
+  for (const time::Duration sent : {5ms, 300ms}) {
+    network_.set_time(at(sent));
+    sender_.publish("DRIVE", drive(1));
+  }
+  network_.set_time(at(500ms));
+  network_.deliver();
+  ASSERT_EQ(origins.size(), 2U);
+  EXPECT_EQ(origins[0].received, at(6ms).wall);
+  EXPECT_EQ(origins[0].arrived, at(6ms).steady);
+  EXPECT_EQ(origins[1].received, at(301ms).wall);
+  EXPECT_EQ(origins[1].arrived, at(301ms).steady);
 }
 
 TEST_F(LoopBusTest, LogsEverythingWhenItWasSent) {

@@ -21,7 +21,7 @@ class GroundTruthMonitorTest : public ::testing::Test {
     nodmap::pitch_state_t message{};
     message.utime = time::to_utime(kStart.wall + at);
     message.sweep_count = sweep;
-    network_.set_time(kStart.wall + at);
+    network_.set_time({kStart.wall + at, kStart.steady + at});
     bus_.publish("PITCH_STATE", message);
     network_.deliver();
   }
@@ -31,7 +31,7 @@ class GroundTruthMonitorTest : public ::testing::Test {
     nodmap::navigation_t message{};
     message.behaviour = behaviour;
     message.goal_utime = goal_utime;
-    network_.set_time(kStart.wall + at);
+    network_.set_time({kStart.wall + at, kStart.steady + at});
     bus_.publish("NAVIGATION", message);
     network_.deliver();
   }

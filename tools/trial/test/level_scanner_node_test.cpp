@@ -37,7 +37,7 @@ TEST(LevelScannerNode, Measures720BeamsOver270Degrees) {
   LevelScannerNode scanner(context, params.navigator.robot.mount, model);
   for (time::SteadyTime now{}; now <= time::SteadyTime(2s); now += 1ms) {
     model.advance_to(now);
-    network.set_time(kStart.wall_at(now));
+    network.set_time({kStart.wall_at(now), now});
     scanner.spin_once();
     network.deliver();
   }

@@ -17,7 +17,7 @@ class ProcessFeedTest : public ::testing::Test {
  protected:
   template <class Message>
   void send(bus::Bus& sender, const char* channel, const Message& message) {
-    network_.set_time(now_);
+    network_.set_time({now_, time::SteadyTime(now_.time_since_epoch())});
     sender.publish(channel, message);
     network_.deliver();
   }
