@@ -60,12 +60,14 @@ DriveStatus DriveWatchdog::classify(const DriveRequest& request, time::Timestamp
 
 DriveStatus DriveWatchdog::offer(const DriveRequest& request, time::Timestamp wall,
                                  time::SteadyTime now) {
-  const DriveStatus status = classify(request, wall, now);
+  const time::SteadyTime arrived = now - request.waited;
+  DriveStatus status = classify(request, wall - request.waited, arrived);
   bool is_followed = true;
   if (status == DriveStatus::kObeyed) {
-    is_followed = sender_.follow(request.sender, now);
+    is_followed = sender_.follow(request.sender, arrived);
+    status = classify(request, wall, now);
   } else {
-    sender_.refuse(request.sender, now);
+    sender_.refuse(request.sender, arrived);
   }
   const bool is_nonsense = status == DriveStatus::kNotFinite || status == DriveStatus::kImplausible;
   if (is_nonsense || sender_.is_contested(now)) {

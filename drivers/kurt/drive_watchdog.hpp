@@ -17,6 +17,7 @@ struct DriveRequest {
   time::Timestamp stamp;      ///< when it was decided
   time::Duration validity{};  ///< how long it is valid from then on
   bus::Sender sender{};
+  time::Duration waited{};  ///< between its arrival and now, if the process could not read it
 };
 
 /// Whether a DRIVE is obeyed; if not, why.
@@ -45,7 +46,8 @@ enum class DriveStatus : std::uint8_t {
 /// so killing the driver also stops the robot.
 ///
 /// Only one sender is accepted (SenderWatch). While there are two, the robot is stationary, because
-/// it is unknown which of them is legitimate.
+/// it is unknown which of them is legitimate. A driver that was frozen finds commands that were in
+/// time when they arrived: they are not obeyed any more, but show that their sender is alive.
 class DriveWatchdog {
  public:
   explicit DriveWatchdog(time::Duration timeout) : timeout_(timeout) {}

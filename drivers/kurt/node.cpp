@@ -193,9 +193,12 @@ void KurtNode::on_drive(const nodmap::drive_t& message) {
   const DriveCommand wanted = stop_latch_.is_stopped()
                                   ? DriveCommand{}
                                   : DriveCommand{message.forward_mps, message.yaw_rate_rad_s};
+  const time::Moment now = clock_();
+  const bus::Origin& origin = context_.bus.origin();
   const DriveRequest request{wanted, time::from_utime(message.utime),
-                             time::from_us(message.valid_us), context_.bus.origin().sender};
-  const DriveStatus status = kurt_.drive(request, clock_());
+                             time::from_us(message.valid_us), origin.sender,
+                             now.steady - origin.arrived};
+  const DriveStatus status = kurt_.drive(request, now);
   if (status == DriveStatus::kObeyed) {
     context_.counts.use();
     stop_on_new_driver(request.sender);

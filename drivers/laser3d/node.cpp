@@ -103,14 +103,14 @@ void Laser3dNode::perform(serial::SerialLink& link, const LineAction& action,
 
 void Laser3dNode::on_command(const nodmap::pitch_command_t& message) {
   const time::Moment now = clock_();
-  const bus::Sender& sender = context_.bus.origin().sender;
+  const bus::Origin& origin = context_.bus.origin();
   const time::Duration age = now.wall - time::from_utime(message.utime);
   if (std::abs(time::seconds(age)) > params_.nod.command_timeout_s) {
-    sender_.refuse(sender, now.steady);
+    sender_.refuse(origin.sender, origin.arrived);
     context_.counts.reject("stale");
     return;
   }
-  if (!sender_.follow(sender, now.steady) || sender_.is_contested(now.steady)) {
+  if (!sender_.follow(origin.sender, origin.arrived) || sender_.is_contested(now.steady)) {
     context_.counts.reject("other_sender");
     return;
   }

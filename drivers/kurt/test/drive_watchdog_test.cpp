@@ -151,6 +151,34 @@ TEST(DriveWatchdog, ASecondSenderIsNoticedByItsStaleCommandsToo) {
   EXPECT_FALSE(watchdog.command(kSteady + 1s));
 }
 
+// The driver was frozen for half a second, longer than a sender may be silent. What waited is read
+// then, the first of it somebody else's.
+TEST(DriveWatchdog, AFrozenDriverGoesOnFollowingItsSender) {
+  DriveWatchdog watchdog(kTimeout);
+  ASSERT_EQ(watchdog.offer(request(0.5, kWall), kWall, kSteady), DriveStatus::kObeyed);
+  static constexpr time::Duration kFrozen = 500ms;
+  const auto read = [&watchdog](const bus::Sender& sender, time::Duration sent) {
+    return watchdog.offer({{0.5, 0.0}, kWall + sent, 1s, sender, kFrozen - sent}, kWall + kFrozen,
+                          kSteady + kFrozen);
+  };
+  for (time::Duration sent = 10ms; sent <= kFrozen; sent += 10ms) {
+    if (sent == 310ms) {
+      EXPECT_EQ(read(kOther, sent - 5ms), DriveStatus::kOtherSender);
+    }
+    EXPECT_EQ(read(kOwn, sent),
+              sent <= kFrozen - kTimeout ? DriveStatus::kStale : DriveStatus::kObeyed)
+        << sent / 1ms;
+  }
+}
+
+// It may have been sent ahead of its time, to be obeyed when the driver reads it.
+TEST(DriveWatchdog, ADriveFromTheFutureDoesNotBecomeValidWhileItWaits) {
+  DriveWatchdog watchdog(kTimeout);
+  EXPECT_EQ(watchdog.offer({{0.5, 0.0}, kWall, 1s, kOwn, 10ms}, kWall, kSteady),
+            DriveStatus::kFromFuture);
+  EXPECT_FALSE(watchdog.command(kSteady));
+}
+
 TEST(DriveWatchdog, ARefusedDriveDoesNotKeepTheSenderOut) {
   for (const time::Duration ahead : {45ms, -300ms}) {
     DriveWatchdog watchdog(kTimeout);

@@ -44,11 +44,19 @@ inline void await_input(int fd, std::size_t count) {
 /// pass through the terminal.
 class Bench {
  public:
-  Bench() : odometry(bus, "ODOMETRY"), sensors(bus, "BASE_SENSORS"), status(bus, "STATUS") {}
+  Bench() : odometry(bus, "ODOMETRY"), sensors(bus, "BASE_SENSORS"), status(bus, "STATUS") {
+    network.set_time({clock.now(), now});
+  }
 
-  void step() {
+  /// 10 ms pass. The driver does nothing, as one that is frozen.
+  void pass() {
     now += 10ms;
     clock.advance(10ms);
+    network.set_time({clock.now(), now});
+  }
+
+  void step() {
+    pass();
     const std::string to_driver = answer_ + (pty ? base.tick() : "");
     answer_.clear();
     if (pty && node->poll_handles()[0] >= 0 && !to_driver.empty()) {

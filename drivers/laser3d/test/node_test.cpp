@@ -96,11 +96,12 @@ class Rig {
     };
     head.registers[11] = 3;
     head.registers[117] = 2048 >> 8;
+    network.set_time(now);
   }
 
   void run(double seconds) {
     const time::SteadyTime end = now.steady + time::from_seconds(seconds);
-    for (; now.steady < end; now.steady += 1ms, now.wall += 1ms) {
+    for (; now.steady < end; pass(1ms)) {
       head.step_ms(static_cast<int>(now.steady.time_since_epoch() / 1ms));
       if (sensor.streaming && sensor.baud == laser.baud &&
           now.steady.time_since_epoch() % 13ms == 0ms) {
@@ -109,6 +110,13 @@ class Rig {
       node.spin_once();
       network.deliver();
     }
+  }
+
+  // The driver does nothing meanwhile, as one that is frozen.
+  void pass(time::Duration duration) {
+    now.steady += duration;
+    now.wall += duration;
+    network.set_time(now);
   }
 
   Wire laser;
@@ -234,6 +242,28 @@ TEST(Laser3dNode, ASecondSenderIsNoticedByItsStaleCommandsToo) {
     rig.run(0.02);
   }
   EXPECT_NE(rig.node.health().reason.find("two processes send PITCH_COMMAND"), std::string::npos);
+}
+
+// Frozen for half a second, longer than a sender may be silent. Somebody else's command, to point
+// the laser at the ceiling, is the first that it reads then.
+TEST(Laser3dNode, AFrozenDriverGoesOnFollowingItsSender) {
+  Rig rig;
+  rig.run(3.0);
+  rig.bus.publish("PITCH_COMMAND", narrow_nod(rig.now.wall));
+  rig.run(0.01);
+  bus::LoopBus other(rig.network);
+  nodmap::pitch_command_t forged = narrow_nod(rig.now.wall);
+  forged.pitch_min_rad = forged.pitch_max_rad = 0.5;
+  other.publish("PITCH_COMMAND", forged);
+  for (int i = 0; i < 10; ++i) {
+    rig.pass(50ms);
+    rig.bus.publish("PITCH_COMMAND", narrow_nod(rig.now.wall));
+  }
+  rig.run(0.05);
+  EXPECT_EQ(rig.counts.rejected().at("other_sender"), 1);
+  EXPECT_TRUE(nods_narrowly(rig)) << rig.pitch.get()->goal_pitch_rad;
+  EXPECT_NE(rig.node.health().reason,
+            "two processes send PITCH_COMMAND: neither is obeyed until one has ended");
 }
 
 // A second sender points the laser at the ceiling, 50 times a second. A second after the last
