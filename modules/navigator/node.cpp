@@ -109,7 +109,8 @@ void NavigatorNode::on_scan(const nodmap::scan_t& message) {
 
 // Not every base has range finders. Without them nobody who comes from behind is noticed.
 void NavigatorNode::on_base_sensors(const nodmap::base_sensors_t& message) {
-  const auto T_odom_base = odometry_history_.at(node::stamp_of(message));
+  const time::Timestamp stamp = node::stamp_of(message);
+  const auto T_odom_base = odometry_history_.at(stamp);
   if (!T_odom_base) {
     context_.counts.reject("base_sensors_without_odometry");
     return;
@@ -117,9 +118,12 @@ void NavigatorNode::on_base_sensors(const nodmap::base_sensors_t& message) {
   if (!follow_sender(Input::kBaseSensors)) {
     return;
   }
+  if (*newest_.stamps.odometry - stamp > kMaxBaseSensorsAge) {
+    context_.counts.reject("stale_base_sensors");
+    return;
+  }
   context_.counts.use();
-  navigator_.add_ranges(node::stamp_of(message), ranges_of(message),
-                        geometry::to_se2(*T_odom_base));
+  navigator_.add_ranges(stamp, ranges_of(message), geometry::to_se2(*T_odom_base));
 }
 
 void NavigatorNode::on_odometry(const nodmap::odometry_t& message) {

@@ -18,6 +18,11 @@ struct InputStamps {
   std::optional<time::Timestamp> pitch_state;
 };
 
+/// A BASE_SENSORS older than this, by odometry, is not used: somebody may have stepped since to
+/// where it shows nobody. Without any the robot drives: not every base has range finders. Four
+/// messages.
+inline constexpr time::Duration kMaxBaseSensorsAge = 200ms;
+
 /// Why the robot must halt with inputs of these stamps; empty if it need not.
 ///
 /// Odometry is the clock: 100 messages a second from the driver that also stops the wheels. An

@@ -181,6 +181,18 @@ TEST_F(NavigatorNodeTest, InfraredRangesAreRefusedWithoutOdometryAndOtherwiseTak
   }
 }
 
+// It may have waited while the process was frozen.
+TEST_F(NavigatorNodeTest, InfraredRangesOlderThan200MillisecondsAreNotUsed) {
+  run(1.5);
+  nodmap::base_sensors_t message{};
+  message.utime = now_us_ - 200'000;
+  bus_.deliver("BASE_SENSORS", message);
+  EXPECT_EQ(rejected("stale_base_sensors"), 0);
+  --message.utime;
+  bus_.deliver("BASE_SENSORS", message);
+  EXPECT_EQ(rejected("stale_base_sensors"), 1);
+}
+
 class NavigatorNodeRanges : public NavigatorNodeScans {
  protected:
   // Lets the robot look around while it drives at `mps`.
