@@ -105,7 +105,7 @@ void ExplorerNode::begin_new_map() {
 
 void ExplorerNode::on_pose(const nodmap::pose_t& message) {
   const auto T_map_odom = node::read_pose(message.odom_position_m, message.odom_orientation);
-  if (!T_map_odom) {
+  if (!T_map_odom || !time::is_plausible(node::stamp_of(message))) {
     context_.counts.reject("implausible_pose");
     return;
   }

@@ -19,6 +19,9 @@ using Input = InputSenders::Input;
 // A laser whose sweeps are shorter than this is held.
 constexpr double kHeldRad = geometry::deg_to_rad(0.1);
 
+// POSE_2D comes at least once a second. One that was measured longer ago says where the robot was.
+constexpr time::Duration kMaxPoseAge = 5s;
+
 // No sweep is shorter: 15 scans. A gap in the scans no longer than this is driven through slowly.
 constexpr double kShortGapS = 0.2;
 
@@ -215,23 +218,23 @@ void NavigatorNode::on_goal(const nodmap::goal_t& message) {
 // another place, but not into an obstacle. With a pose that is LOST the goal could be anywhere, so
 // a robot on the way to one halts.
 void NavigatorNode::on_pose(const nodmap::pose_t& message) {
+  const time::Timestamp stamp = node::stamp_of(message);
   const auto T_map_odom = node::read_pose(message.odom_position_m, message.odom_orientation);
-  if (T_map_odom && node::stamp_of(message) < odometry_frame_began_) {
-    context_.counts.reject("pose_of_former_odometry");
+  if (const char* cause = T_map_odom ? fault_of_pose_stamp(stamp) : "implausible_pose") {
+    slip_.reset();
+    context_.counts.reject(cause);
     return;
   }
-  if (T_map_odom) {
-    if (map_input_.follow_pose()) {
-      newest_.forget_map_frame();
-      map_2d_.clear();
-      navigator_.forget_map();
-    }
-    newest_.pose.is_degraded = message.state == nodmap::pose_t::DEGRADED;
-    newest_.pose.is_lost = message.state == nodmap::pose_t::LOST;
+  if (map_input_.follow_pose()) {
+    newest_.forget_map_frame();
+    map_2d_.clear();
+    navigator_.forget_map();
   }
-  if (!T_map_odom || message.state == nodmap::pose_t::LOST) {
+  newest_.pose.is_degraded = message.state == nodmap::pose_t::DEGRADED;
+  newest_.pose.is_lost = message.state == nodmap::pose_t::LOST;
+  if (newest_.pose.is_lost) {
     slip_.reset();
-    context_.counts.reject(T_map_odom ? "lost_pose" : "implausible_pose");
+    context_.counts.reject("lost_pose");
     return;
   }
   context_.counts.use();
@@ -242,11 +245,25 @@ void NavigatorNode::on_pose(const nodmap::pose_t& message) {
     navigator_.forget_map();
   }
   newest_.pose.sigma_m = position_sigma_m(message);
-  newest_.pose.stamp = newest_.stamps.odometry;
-  if (newest_.pose.stamp) {  // a pose from the future is no newer than the odometry
-    newest_.pose.stamp = std::min(*newest_.pose.stamp, node::stamp_of(message));
+  if (newest_.stamps.odometry) {
+    newest_.pose.stamp = stamp;
   }
   watch_slip(message);
+}
+
+// Why a pose with this stamp counts as none; null if it does not.
+const char* NavigatorNode::fault_of_pose_stamp(time::Timestamp stamp) const {
+  if (!time::is_plausible(stamp)) {
+    return "implausible_pose";
+  }
+  if (stamp < odometry_frame_began_) {
+    return "pose_of_former_odometry";
+  }
+  const time::Duration age = newest_.stamps.odometry.value_or(stamp) - stamp;
+  if (age > kMaxPoseAge) {
+    return "stale_pose";
+  }
+  return time::seconds(age) < -params_.staleness.odometry_s ? "pose_from_future" : nullptr;
 }
 
 // The 2D map changes the plan, and nothing that keeps the robot from hitting something.

@@ -64,6 +64,7 @@ class NavigatorNode final : public node::Node {
   void on_stop(const nodmap::stop_t& message);
 
   [[nodiscard]] bool follow_sender(InputSenders::Input input);
+  [[nodiscard]] const char* fault_of_pose_stamp(time::Timestamp stamp) const;
   void watch_slip(const nodmap::pose_t& message);
   [[nodiscard]] bool may_notice_slip() const;
   void leave_contact(const geometry::SE2& T_odom_before);

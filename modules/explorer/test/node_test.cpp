@@ -78,6 +78,32 @@ TEST_F(ExplorerNodeTest, DecidesNothingWithoutATrustworthyPose) {
   EXPECT_EQ(node_.health().state, node::HealthState::kDegraded);
 }
 
+// One that is refused leaves the pose before in force; one of another time must be followed by a
+// better one.
+TEST_F(ExplorerNodeTest, APoseWithAWrongStampCountsAsNone) {
+  utime_us_ = 100'000'000;
+  give_map();
+  ask(true);
+  (void)give_pose();
+  const std::size_t num_decisions = bus_.count("EXPLORATION");
+  nodmap::pose_t pose = pose_message();
+  pose.utime = -1;
+  bus_.deliver("POSE_2D", pose);
+  EXPECT_EQ(counts_.rejected().at("implausible_pose"), 1);
+  utime_us_ += 500'000;
+  give_odometry(0.0);
+  EXPECT_EQ(bus_.count("EXPLORATION"), num_decisions + 1);
+  for (const std::int64_t wrong_by : {-6'000'000, 6'000'000}) {
+    utime_us_ += 500'000;
+    pose.utime = utime_us_ + wrong_by;
+    bus_.deliver("POSE_2D", pose);
+    give_odometry(0.0);
+    EXPECT_EQ(bus_.count("EXPLORATION"), num_decisions + 1) << wrong_by;
+  }
+  (void)give_pose();
+  EXPECT_EQ(bus_.count("EXPLORATION"), num_decisions + 2);
+}
+
 // Poses of 2D SLAM come with level scans: one a second when the robot is slow.
 TEST_F(ExplorerNodeTest, DecidesByOdometryBetweenPoses) {
   give_map();

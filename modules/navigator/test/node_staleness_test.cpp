@@ -145,5 +145,47 @@ TEST_F(NavigatorNodeTest, AMapTooFarFromOdometryHaltsIt) {
   EXPECT_TRUE(halts());
 }
 
+// A navigator with a geofence, in which it drives only while it knows where it is.
+class NavigatorNodeFence : public NavigatorNodeTest {
+ protected:
+  NavigatorNodeFence() : NavigatorNodeTest(false, "POLYGON((-4 -4, 4 -4, 4 4, -4 4))") {}
+
+  void give_pose(std::int64_t utime_us) {
+    bus_.deliver("POSE_2D",
+                 node::write_corrected_pose(time::from_utime(utime_us), geometry::SE3::Identity(),
+                                            geometry::SE3::Identity()));
+  }
+
+  // Delivers a pose every 0.1 s, which is this much ahead.
+  void run_with_poses(double duration_s, time::Duration ahead = {}) {
+    for (double t = 0.0; t < duration_s - 0.05; t += 0.1) {
+      give_pose(now_us_ + time::to_us(ahead));
+      run(0.1);
+    }
+  }
+};
+
+TEST_F(NavigatorNodeFence, APoseFromTheFutureCountsAsNone) {
+  run_with_poses(2.0, 100ms);
+  ASSERT_TRUE(drives());
+  run_with_poses(2.2, 101ms);
+  EXPECT_TRUE(halts());
+  EXPECT_EQ(navigation().reason, "There is a geofence, but no pose from 2D SLAM.");
+  EXPECT_EQ(rejected("pose_from_future"), 22);
+  run_with_poses(2.0);
+  EXPECT_TRUE(drives());
+}
+
+TEST_F(NavigatorNodeFence, AnOldPoseOrAnImplausibleStampCountsAsNone) {
+  run_with_poses(6.0);
+  give_pose(now_us_ - 5'000'000);
+  EXPECT_EQ(rejected("stale_pose"), 0);
+  give_pose(now_us_ - 5'000'001);
+  EXPECT_EQ(rejected("stale_pose"), 1);
+  give_pose(-1);
+  give_pose(std::numeric_limits<std::int64_t>::max());
+  EXPECT_EQ(rejected("implausible_pose"), 2);
+}
+
 }  // namespace node_staleness_test
 }  // namespace nodmap::navigator
