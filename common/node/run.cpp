@@ -144,7 +144,7 @@ void run_live(const ProgramInfo& info, const Options& options, const std::string
 
 int run_with(int argc, char** argv, const ProgramInfo& info, params::Table& table,
              const std::function<void(CLI::App&)>& add_more_options, const NodeFactory& make_node,
-             const std::function<void()>& check = nullptr) {
+             const std::function<void()>& check) {
   Options options;
   const auto add_options = [&](CLI::App& app) {
     auto* out = app.add_option("--out", options.out,
@@ -179,15 +179,17 @@ int run_node(int argc, char** argv, const ProgramInfo& info, params::Table& tabl
 }
 
 int run_map_node(int argc, char** argv, const ProgramInfo& info, params::Table& table,
-                 const MapNodeFactory& make_node) {
+                 const MapNodeFactory& make_node, const std::function<void()>& check) {
   std::string localise_in;
   std::string map_in;
   std::vector<double> start_pose;  // x, y in m, yaw in degrees
   const auto add_options = [&](CLI::App& app) {
-    auto* localise = app.add_option("--localise", localise_in,
-                                    "Localise in this map without changing it: a folder written by "
-                                    "--out or a save request, or the map file in it; for "
-                                    "nodmap-slam2d also the map.yaml of another program");
+    auto* localise =
+        app.add_option("--localise", localise_in,
+                       "Localise in this map without changing it: a folder written by "
+                       "--out or a save request, or the map file in it: keyframes.lcmlog "
+                       "for nodmap-slam6d; map.yaml, also of another program, for "
+                       "nodmap-slam2d");
     app.add_option("--map-in", map_in,
                    "Extend this map: a folder written by --out or a save request, with "
                    "keyframes.lcmlog. It is not changed; the extended map is written to --out")
@@ -202,14 +204,15 @@ int run_map_node(int argc, char** argv, const ProgramInfo& info, params::Table& 
       }
     });
   };
-  return run_with(argc, argv, info, table, add_options, [&](Context& context) {
+  const auto make_map_node = [&](Context& context) {
     MapOptions options{localise_in, map_in, std::nullopt};
     if (!start_pose.empty()) {
       options.T_map_start =
           geometry::SE2{start_pose[0], start_pose[1], geometry::deg_to_rad(start_pose[2])};
     }
     return make_node(context, options);
-  });
+  };
+  return run_with(argc, argv, info, table, add_options, make_map_node, check);
 }
 
 }  // namespace nodmap::node

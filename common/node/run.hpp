@@ -22,7 +22,7 @@ int run_node(int argc, char** argv, const ProgramInfo& info, params::Table& tabl
 
 /// run_node() for a process that also has the options --localise, --map-in and --start-pose.
 int run_map_node(int argc, char** argv, const ProgramInfo& info, params::Table& table,
-                 const MapNodeFactory& make_node);
+                 const MapNodeFactory& make_node, const std::function<void()>& check = nullptr);
 
 /// main() of a processing module.
 template <class NodeType>

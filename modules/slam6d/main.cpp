@@ -15,5 +15,6 @@ int main(int argc, char** argv) {
       [&values](node::Context& context,
                 const node::MapOptions& options) -> std::unique_ptr<node::Node> {
         return std::make_unique<slam6d::Slam6dNode>(context, values, options);
-      });
+      },
+      [&values] { slam6d::check(values); });
 }

@@ -147,4 +147,7 @@ struct Slam6dParams {
   }
 };
 
+/// Checks what no single parameter shows. Throws params::ParamError.
+void check(const Slam6dParams& params);
+
 }  // namespace nodmap::slam6d

@@ -76,6 +76,12 @@ TEST(WrongInput, EndsWithExitCodeTwoAndOneLine) {
       NODMAP_BIN "/nodmap-navigator --lcm-url memq:// --set drive.creep_margin_m=0.5",
       NODMAP_BIN "/nodmap-trial --out " + dir.path().string() +
           "/t --world maze:1 --set navigator.drive.creep_margin_m=0.5",
+      NODMAP_BIN "/nodmap-slam6d --lcm-url memq:// --set range.max_m=0.5",
+      NODMAP_BIN "/nodmap-slam6d --lcm-url memq:// --set sweep.max_scans=9",
+      NODMAP_BIN "/nodmap-slam6d --lcm-url memq:// --set registration.coarse_residual_scale_m=0.01",
+      NODMAP_BIN "/nodmap-slam6d --lcm-url memq:// --set mount.max_error_deg=0.1",
+      NODMAP_BIN "/nodmap-trial --out " + dir.path().string() +
+          "/t --world maze:1 --set slam6d.range.max_m=0.5",
       NODMAP_BIN "/nodmap-evaluate cloud " + text +
           " " NODMAP_KURT3D "/../../sim/worlds/cellar.yaml --start 0 0 0",
       NODMAP_BIN "/nodmap-evaluate trajectory " + empty + " " + empty,

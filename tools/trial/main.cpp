@@ -160,6 +160,7 @@ TrialSetup make_setup(const Arguments& arguments) {
   setup.map.map_in = arguments.map_in;
   laser3d::check(setup.params.laser3d);
   navigator::check(setup.params.navigator);
+  slam6d::check(setup.params.slam6d);
   check_kills(setup);
   check_options(arguments, setup);
   setup.level_laser = arguments.level_laser;

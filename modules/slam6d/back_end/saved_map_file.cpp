@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/bus/message_log.hpp"
+#include "common/formats/input_file.hpp"
 #include "common/node/messages.hpp"
 #include "common/registration/pose_edges.hpp"
 #include "common/scan/scan.hpp"
@@ -176,6 +177,11 @@ std::error_code write_saved_map(const std::filesystem::path& dir, const SavedMap
 }
 
 SavedMap read_saved_map(const std::filesystem::path& path) {
+  if (path.extension() == ".bt" || path.extension() == ".ot") {
+    throw formats::InputFileError(path.string() +
+                                  ": is an OctoMap, which contains no sweeps; the folder of a "
+                                  "saved map, or the keyframes.lcmlog in it, is needed");
+  }
   return bus::read_message_log<Reader>(path, kFileName);
 }
 

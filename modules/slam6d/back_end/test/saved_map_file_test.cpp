@@ -92,6 +92,22 @@ TEST(SavedMapFile, ATruncatedOrMissingFileIsRefused) {
   EXPECT_THROW((void)read_saved_map(dir.path() / "none"), formats::InputFileError);
 }
 
+// It lies in the same folder as keyframes.lcmlog.
+TEST(SavedMapFile, AnOctoMapIsRefusedAsSuch) {
+  const test::TemporaryDir dir;
+  const fs::path file = dir.path() / "map.bt";
+  std::ofstream(file) << "# Octomap OcTree binary file\n";
+  try {
+    (void)read_saved_map(file);
+    ADD_FAILURE() << "it was read";
+  } catch (const formats::InputFileError& error) {
+    EXPECT_EQ(error.what(), file.string() +
+                                ": is an OctoMap, which contains no sweeps; the folder "
+                                "of a saved map, or the keyframes.lcmlog in it, is "
+                                "needed");
+  }
+}
+
 TEST(SavedMapFile, TheErrorNamesTheImpossiblePart) {
   const test::TemporaryDir dir;
   const auto refused = [&](const SavedMap& map, const std::string& problem) {
