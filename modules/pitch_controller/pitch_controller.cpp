@@ -11,8 +11,6 @@ namespace {
 constexpr time::Duration kPeriod = 20ms;
 // A stamp that steps back by as much is not one of another process: the clock was set.
 constexpr time::Duration kClockWasSet = 1s;
-// Beyond what KURT can do (5.2 m/s); keeps the arithmetic finite.
-constexpr double kImpossibleMps = 20.0;
 
 // A sweep that takes this much longer than commanded counts as not nodding.
 constexpr double kLateFactor = 2.0;
@@ -106,7 +104,7 @@ std::optional<PitchDecision> PitchController::decide(time::Timestamp now) {
 }
 
 double PitchController::present_mps() const {
-  return speed_ ? std::clamp(speed_->forward_mps, 0.0, kImpossibleMps) : 0.0;
+  return speed_ ? std::max(speed_->forward_mps, 0.0) : 0.0;
 }
 
 double PitchController::since_decision_s(time::Timestamp now, double at_first_s) const {

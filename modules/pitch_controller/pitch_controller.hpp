@@ -63,7 +63,8 @@ class PitchController {
  public:
   explicit PitchController(const PitchControllerParams& params);
 
-  /// Adds a forward speed measured by odometry, metres per second, finite.
+  /// Adds a forward speed measured by odometry, metres per second, as plausible as SensorInput lets
+  /// it be.
   void add_speed(time::Timestamp stamp, double forward_mps);
   void add_pitch(const PitchReading& reading);
   /// Adds what the navigator says of the arc that it has chosen. Used only if the parameters ask
