@@ -34,8 +34,7 @@ void Recorder::record(time::Timestamp received, const std::string& channel,
                       std::span<const std::byte> data) {
   const std::int64_t event_bytes = bus::LogWriter::event_bytes(channel, data);
   if (writer_ && must_split(writer_->size_bytes(), event_bytes, split_bytes_)) {
-    if (flush()) {
-      sync();
+    if (flush() && sync()) {
       begin_next_file();
     }
   }
@@ -109,18 +108,20 @@ bool Recorder::flush() {
 }
 
 // Syncs the file, so that the events written so far survive a power cut, and keeps the disk's
-// reserve free.
-void Recorder::sync() {
+// reserve free. Returns whether recording goes on; if not, the failure has been reported.
+bool Recorder::sync() {
   synced_ = clock_.now();
   const std::int64_t syncs_before = writer_->num_syncs();
   if (!writer_->sync()) {
     fail(writer_->failure().message());
-    return;
+    return false;
   }
   counts_.syncs += writer_->num_syncs() > syncs_before ? 1 : 0;
   if (!folder_.make_room(current_log())) {
     fail(kReserveReached);
+    return false;
   }
+  return true;
 }
 
 void Recorder::begin_next_file() {

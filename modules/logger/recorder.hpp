@@ -65,7 +65,7 @@ class Recorder : private boost::noncopyable {
  private:
   void begin_file();
   bool flush();
-  void sync();
+  bool sync();
   void begin_next_file();
   void fail(const std::string& cause);
   void truncate_to_whole_events();

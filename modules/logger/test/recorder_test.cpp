@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <boost/core/noncopyable.hpp>
 #include <csignal>
 #include <fstream>
@@ -12,6 +13,7 @@
 #include "common/bus/event_log.hpp"
 #include "modules/logger/test/names_in.hpp"
 #include "tests/support/data_dir.hpp"
+#include "tests/support/logged.hpp"
 #include "tests/support/manual_clock.hpp"
 
 namespace nodmap::logger {
@@ -266,8 +268,24 @@ TEST_F(RecorderTest, ADeletedFolderIsCreatedAgain) {
   record(recorder);
   std::filesystem::remove_all(dir);
   record(recorder);
+  clock_.advance(Recorder::kFirstBackOff);
+  recorder.tick();
+  record(recorder);
   recorder.close();
-  EXPECT_THAT(stamps("logs/lcmlog-2026-11-21.00"), ElementsAre(1));
+  EXPECT_THAT(stamps("logs/lcmlog-2026-11-21.00"), ElementsAre(2));
+}
+
+// The folder is gone, and no other can be made in its place.
+TEST_F(RecorderTest, AFileThatCannotBeSyncedAtItsEndIsReportedOnce) {
+  const auto dir = dir_.path() / "logs";
+  Recorder recorder({.folder = {.dir = dir}, .split_bytes = 1000}, clock_);
+  record(recorder);
+  std::filesystem::remove_all(dir);
+  std::ofstream(dir) << "x";
+  const std::string text = test::logged([&] { record(recorder); });
+  EXPECT_EQ(std::ranges::count(text, '\n'), 1) << text;
+  EXPECT_THAT(text, ::testing::HasSubstr("cannot record into " + dir.string()));
+  EXPECT_EQ(recorder.counts().dropped, 1);
 }
 
 // The disk has 12 kB, of which 5 kB must stay free: the newest logs of 7 kB remain.
