@@ -8,6 +8,7 @@
 
 #include "common/geometry/angle.hpp"
 #include "common/registration/pose_edges.hpp"
+#include "common/registration/robust_kernel.hpp"
 #include "modules/slam2d/matching/point_map.hpp"
 
 namespace nodmap::slam2d {
@@ -96,10 +97,10 @@ void Equations::add_line(const std::vector<Sighting>& sightings) {
 }
 
 double weight_of(const MapPoint& line, const Eigen::Vector2d& beam, double distance_m) {
-  const double root = 1.0 / (1.0 + std::pow(distance_m / kKernelScaleM, 2.0));
+  const double relative = distance_m / kKernelScaleM;
   const double across_m = kRangeSigmaM * line.line_normal.dot(beam.normalized());
   const double variance_m2 = across_m * across_m + kLineSigmaM * kLineSigmaM;
-  return root * root / (kPointsPerIndependent * variance_m2);
+  return registration::geman_mcclure(relative * relative) / (kPointsPerIndependent * variance_m2);
 }
 
 void add_lines(std::span<const Keyframe> keyframes, std::span<const geometry::SE2> poses,

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "common/registration/rigid_fit_2d.hpp"
+#include "common/registration/robust_kernel.hpp"
 
 namespace nodmap::slam2d {
 namespace {
@@ -31,13 +32,12 @@ constexpr double kPointVarianceM2 = 10.0 * 0.02 * 0.02;
 constexpr double kConvergedM = 5e-4;
 constexpr double kConvergedRad = 1e-4;
 
-// The weight w_ij of a correspondence (Geman and McClure): 1 at distance 0, 1/4 at its scale.
+// The weight w_ij of a correspondence.
 class Kernel {
  public:
   explicit Kernel(double scale_m) : per_m2_(1.0 / (scale_m * scale_m)) {}
   [[nodiscard]] double operator()(double squared_m2) const {
-    const double root = 1.0 / (1.0 + per_m2_ * squared_m2);
-    return root * root;
+    return registration::geman_mcclure(per_m2_ * squared_m2);
   }
 
  private:

@@ -11,10 +11,10 @@
 #include <utility>
 
 #include "common/registration/pose_edges.hpp"
+#include "common/registration/robust_kernel.hpp"
 #include "modules/slam6d/back_end/pose_equations.hpp"
 #include "modules/slam6d/registration/level_evidence.hpp"
 #include "modules/slam6d/registration/residual_sums.hpp"
-#include "modules/slam6d/registration/robust_kernel.hpp"
 #include "modules/slam6d/registration/sweep_motion.hpp"
 #include "modules/slam6d/tracking/corrected_poses.hpp"
 
@@ -130,7 +130,7 @@ class Patch {
       // of far walls, or accept dense means beside the plane.
       const auto precision = static_cast<double>(sighting.precision);
       const double relative = height_m * std::sqrt(precision) / scale_m;
-      const double kernel = geman_mcclure(relative * relative);
+      const double kernel = registration::geman_mcclure(relative * relative);
       const double weight = kernel * precision;
       const Eigen::Vector3d f = in_plane(p_map);
       A_ += weight * f * f.transpose();

@@ -5,8 +5,8 @@
 
 #include "common/geometry/se3.hpp"
 #include "common/registration/motion_solver.hpp"
+#include "common/registration/robust_kernel.hpp"
 #include "modules/slam6d/registration/registration.hpp"
-#include "modules/slam6d/registration/robust_kernel.hpp"
 
 namespace nodmap::slam6d {
 
@@ -18,7 +18,7 @@ namespace nodmap::slam6d {
   const Eigen::Vector3d tilt = T_map_base.linear().col(2).cross(Eigen::Vector3d::UnitZ());
   registration::Information<6> evidence;
   const auto add = [&evidence](int i, double deviation, double sigma) {
-    const double information = robust_information(deviation, sigma, kLevelKernel);
+    const double information = registration::robust_information(deviation, sigma, kLevelKernel);
     evidence.H(i, i) = information;
     evidence.b(i) = information * deviation;
   };

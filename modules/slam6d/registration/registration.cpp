@@ -9,12 +9,12 @@
 
 #include "common/registration/motion_solver.hpp"
 #include "common/registration/rigid_fit.hpp"
+#include "common/registration/robust_kernel.hpp"
 #include "modules/slam6d/registration/bend_sums.hpp"
 #include "modules/slam6d/registration/correspondence_search.hpp"
 #include "modules/slam6d/registration/inliers.hpp"
 #include "modules/slam6d/registration/level_evidence.hpp"
 #include "modules/slam6d/registration/residual_sums.hpp"
-#include "modules/slam6d/registration/robust_kernel.hpp"
 #include "modules/slam6d/registration/sweep_motion.hpp"
 
 namespace nodmap::slam6d {
@@ -189,7 +189,8 @@ class SweepRegistration {
       // The robot has turned as odometry counted, unless the wheels slip. A sweep that followed the
       // map alone would take over its twist, and the map would be twisted further with each sweep.
       const auto turn = motion.template segment<3>(9);
-      const double information = robust_information(turn.norm(), params_.slip_rad, kSlipKernel);
+      const double information =
+          registration::robust_information(turn.norm(), params_.slip_rad, kSlipKernel);
       prior.H.template block<3, 3>(9, 9).diagonal().array() += information;
       prior.b.template segment<3>(9) += information * turn;
     }
@@ -264,7 +265,7 @@ class SweepRegistration {
                    .arm = p_map - p_base - point.time * half_path,
                    .distance_m = residual_m,
                    .time = point.time,
-                   .kernel = geman_mcclure(relative_sq),
+                   .kernel = registration::geman_mcclure(relative_sq),
                    .precision = 1.0F / variance});
     });
   }

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "modules/slam6d/registration/robust_kernel.hpp"
+#include "common/registration/robust_kernel.hpp"
 
 namespace nodmap::slam6d {
 namespace {
@@ -104,7 +104,7 @@ std::optional<MountError> mount_error_by_floor(const PlacedSweep& sweep) {
     kernels = 0.0;
     for (const FloorPoint& point : points) {
       const double relative = (point.z_m - point.by_unknowns.dot(x)) / scale_m;
-      const double kernel = geman_mcclure(relative * relative);
+      const double kernel = registration::geman_mcclure(relative * relative);
       H += kernel * point.by_unknowns * point.by_unknowns.transpose();
       g += kernel * point.z_m * point.by_unknowns;
       kernels += kernel;

@@ -2,9 +2,9 @@
 // Evidence that loses weight the more it is contradicted.
 #pragma once
 
-namespace nodmap::slam6d {
+namespace nodmap::registration {
 
-/// The weight of a residual by the Geman-McClure kernel: 1 at zero, 1/4 at the scale of the kernel.
+/// The weight of a residual by the kernel of Geman and McClure: 1 at zero, 1/4 at its scale.
 /// `relative_sq`: the square of the residual divided by that scale.
 template <class Scalar>
 [[nodiscard]] Scalar geman_mcclure(Scalar relative_sq) {
@@ -19,4 +19,4 @@ template <class Scalar>
   return geman_mcclure(relative * relative) / (sigma * sigma);
 }
 
-}  // namespace nodmap::slam6d
+}  // namespace nodmap::registration
