@@ -50,6 +50,9 @@ struct PitchInterval {
   [[nodiscard]] double range_rad() const { return max_rad - min_rad; }
 };
 
+/// A head that is to sweep over less than this is held in the middle: it does not nod.
+inline constexpr double kHeldRad = geometry::deg_to_rad(0.5);
+
 /// The limits of the nodding head: constant rate within a sweep, constant acceleration at its ends.
 struct HeadLimits {
   double pitch_min_rad = geometry::deg_to_rad(-60.0);

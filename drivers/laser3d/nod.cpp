@@ -15,9 +15,6 @@ constexpr double kArrivedRad = geometry::deg_to_rad(0.125);
 constexpr double kNearRad = geometry::deg_to_rad(2.0);
 constexpr double kAtRestRatio = 0.1;  // of the commanded speed
 
-// An area of interest narrower than this is a fixed pitch.
-constexpr double kFixedRad = geometry::deg_to_rad(0.5);
-
 constexpr double kLongestSweepS = 3600.0;
 
 constexpr time::Duration kStarting = 100ms;
@@ -47,7 +44,7 @@ bool Nod::command(const AreaOfInterest& area, time::SteadyTime decided) {
 time::Duration Nod::nod_period(time::SteadyTime now) const {
   const AreaOfInterest current = area(now);
   const double range_rad = current.max_rad - current.min_rad;
-  if (range_rad < kFixedRad) {
+  if (range_rad < robot::kHeldRad) {
     return {};
   }
   const double sweep_s = head_.sweep_s(range_rad, head_.rate_rad_s(range_rad, current.sweep_s));
@@ -58,7 +55,7 @@ Nod::Aim Nod::step(const PitchSample& where, time::SteadyTime now) {
   const AreaOfInterest current = area(now);
   watch_for_stall(where);
   const double range_rad = current.max_rad - current.min_rad;
-  nods_ = range_rad >= kFixedRad;
+  nods_ = range_rad >= robot::kHeldRad;
   if (!nods_) {
     aim_ = {0.5 * (current.min_rad + current.max_rad), 0.5 * head_.pitch_rate_rad_s};
     return aim_;

@@ -8,6 +8,7 @@
 
 #include "common/node/goal_sender.hpp"
 #include "common/node/messages.hpp"
+#include "common/robot/robot_params.hpp"
 #include "common/scan/ego_map_points.hpp"
 #include "modules/navigator/inputs/inhibit_reason.hpp"
 
@@ -15,9 +16,6 @@ namespace nodmap::navigator {
 namespace {
 
 using Input = InputSenders::Input;
-
-// A laser whose sweeps are shorter than this is held.
-constexpr double kHeldRad = geometry::deg_to_rad(0.1);
 
 // POSE_2D comes at least once a second. One that was measured longer ago says where the robot was.
 constexpr time::Duration kMaxPoseAge = 5s;
@@ -177,7 +175,7 @@ void NavigatorNode::on_pitch_command(const nodmap::pitch_command_t& message) {
   context_.counts.lose(pitch_commands_watch_.lost_before(message.command_seq));
   context_.counts.use();
   newest_.max_forward_mps = message.max_forward_mps;
-  newest_.laser_is_held = message.pitch_max_rad - message.pitch_min_rad < kHeldRad;
+  newest_.laser_is_held = message.pitch_max_rad - message.pitch_min_rad < robot::kHeldRad;
   newest_.stamps.pitch_command = node::stamp_of(message);
 }
 

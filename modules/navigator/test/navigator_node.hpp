@@ -61,7 +61,7 @@ class NavigatorNodeTest : public ::testing::Test {
     message.utime = utime_us;
     message.command_seq = command_seq_++;
     message.pitch_min_rad = -0.4;
-    message.pitch_max_rad = 0.1;
+    message.pitch_max_rad = pitch_max_rad_;
     message.sweep_s = 0.3;
     message.max_forward_mps = 1.0;
     return message;
@@ -136,6 +136,7 @@ class NavigatorNodeTest : public ::testing::Test {
   std::int64_t state_seq_ = 0;
   double x_ = 0.0;
   double max_forward_mps_ = 1.0;  ///< the pitch controller's bound
+  double pitch_max_rad_ = 0.1;    ///< the upper end of the sweep; the lower one is at -0.4
 };
 
 /// Drives by the local map as well.

@@ -49,6 +49,17 @@ TEST_F(NavigatorNodeTest, AfterAShortGapInTheScansItDrivesOnSlowly) {
   EXPECT_LE(slowly_s, 0.7);
 }
 
+// The driver does not nod over so little: the laser looks everywhere with the next scan.
+TEST_F(NavigatorNodeTest, WithAHeldLaserItDrivesOnAtOnceAfterAShortGap) {
+  pitch_max_rad_ = -0.4 + geometry::deg_to_rad(0.4);
+  run(2.0);
+  ASSERT_EQ(drive().forward_mps, 1.0);
+  run(0.13, kMap);
+  EXPECT_TRUE(halts());
+  tick();
+  EXPECT_EQ(drive().forward_mps, 1.0);
+}
+
 // A gap of 0.13 s every half second: the same place may be missed each time, so the robot stops and
 // looks.
 TEST_F(NavigatorNodeTest, RepeatedGapsInTheScansMakeItStopAndLook) {
