@@ -342,7 +342,7 @@ void Feed::subscribe_cloud(bus::Bus& bus) {
           return;
         }
         counts_.use();
-        take_keyframe_poses(message);
+        keyframes_.move_to(keyframe_poses(message));
         post(keyframes, node::stamp_of(message), [this] { return keyframes_.poses_in_frame(); });
         post(scene, node::stamp_of(message), [message] { return pose_graph_6d_scene(message); });
       });
@@ -368,17 +368,6 @@ void Feed::forget_cloud(std::size_t topic) {
   keyframes_.clear();
   keyframe_ids_.clear();
   cloud_downsampler_.clear();
-}
-
-// Updates the poses of all keyframes, because a loop closure has moved them.
-void Feed::take_keyframe_poses(const nodmap::pose_graph_6d_t& graph) {
-  std::map<time::Timestamp, geometry::SE3> T_map_base;
-  for (std::size_t i = 0; i < graph.keyframe_utime.size(); ++i) {
-    if (const auto pose = keyframe_pose(graph, i)) {
-      T_map_base[time::from_utime(graph.keyframe_utime[i])] = *pose;
-    }
-  }
-  keyframes_.move_to(T_map_base);
 }
 
 void Feed::subscribe_truth(bus::Bus& bus) {

@@ -72,7 +72,6 @@ class Feed {
   /// sender is a 6D SLAM that was started since.
   [[nodiscard]] bool follow_cloud(std::size_t topic, const bus::Sender& sender);
   void forget_cloud(std::size_t topic);
-  void take_keyframe_poses(const nodmap::pose_graph_6d_t& graph);
   void subscribe_truth(bus::Bus& bus);
 
   /// Adds a topic that shows a channel's message field by field; returns the function that posts a

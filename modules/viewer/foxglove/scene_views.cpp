@@ -294,10 +294,16 @@ Json pose_graph_scene(const nodmap::pose_graph_t& graph) {
   return one(std::move(json));
 }
 
-std::optional<geometry::SE3> keyframe_pose(const nodmap::pose_graph_6d_t& graph, std::size_t i) {
-  const std::vector<double>& p = graph.position_m[i];
-  const std::vector<double> q(graph.orientation[i].begin(), graph.orientation[i].end());
-  return node::read_pose({p[0], p[1], p[2]}, {q[0], q[1], q[2], q[3]});
+std::map<time::Timestamp, geometry::SE3> keyframe_poses(const nodmap::pose_graph_6d_t& graph) {
+  std::map<time::Timestamp, geometry::SE3> T_map_base;
+  for (std::size_t i = 0; i < graph.keyframe_utime.size(); ++i) {
+    const std::vector<double>& p = graph.position_m[i];
+    const std::vector<float>& q = graph.orientation[i];
+    if (const auto pose = node::read_pose({p[0], p[1], p[2]}, {q[0], q[1], q[2], q[3]})) {
+      T_map_base[time::from_utime(graph.keyframe_utime[i])] = *pose;
+    }
+  }
+  return T_map_base;
 }
 
 Json pose_graph_6d_scene(const nodmap::pose_graph_6d_t& graph) {

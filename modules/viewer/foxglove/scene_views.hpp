@@ -3,8 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cstddef>
-#include <optional>
+#include <map>
 
 #include "common/geometry/time.hpp"
 #include "common/robot/robot_params.hpp"
@@ -55,9 +54,9 @@ namespace nodmap::foxglove {
 /// The same for 6D SLAM, in map_6d, with keyframes instead of submaps.
 [[nodiscard]] Json pose_graph_6d_scene(const nodmap::pose_graph_6d_t& graph);
 
-/// The pose of keyframe `i` of the graph in map_6d; empty if it is not a valid pose.
-[[nodiscard]] std::optional<geometry::SE3> keyframe_pose(const nodmap::pose_graph_6d_t& graph,
-                                                         std::size_t i);
+/// The poses of the graph's keyframes in map_6d, by stamp, without those that are not valid.
+[[nodiscard]] std::map<time::Timestamp, geometry::SE3> keyframe_poses(
+    const nodmap::pose_graph_6d_t& graph);
 
 /// Draws the simulated people, in world.
 [[nodiscard]] Json people_scene(const nodmap::truth_t& truth);

@@ -274,9 +274,9 @@ TEST_F(RestartedSlam6d, BeginsAnotherMap) {
 // the start again.
 TEST_F(RestartedSlam6d, AMapThatBeginsAgainReplacesTheCloud) {
   send_keyframe(first_, 10);
-  send_keyframe(first_, 10);
-  EXPECT_EQ(kept("CLOUD"), Times{10}) << "with all its points, as if it were the first";
-  EXPECT_EQ(shown_poses(), Times{10});
+  send_keyframe(first_, 20);
+  EXPECT_EQ(kept("CLOUD"), Times{20}) << "also where the first map had points";
+  EXPECT_EQ(shown_poses(), Times{20});
 }
 
 // The graph of a saved map comes before its clouds.
