@@ -83,13 +83,18 @@ class Bench {
     return condition();
   }
 
-  void publish_drive(double forward_mps, double yaw_rate_rad_s) {
+  [[nodiscard]] nodmap::drive_t drive(double forward_mps, double yaw_rate_rad_s) const {
     nodmap::drive_t message{};
     message.utime = time::to_utime(clock.now());
-    message.drive_seq = drive_seq++;
     message.forward_mps = forward_mps;
     message.yaw_rate_rad_s = yaw_rate_rad_s;
     message.valid_us = 1'000'000;
+    return message;
+  }
+
+  void publish_drive(double forward_mps, double yaw_rate_rad_s) {
+    nodmap::drive_t message = drive(forward_mps, yaw_rate_rad_s);
+    message.drive_seq = drive_seq++;
     bus.publish("DRIVE", message);
   }
 

@@ -47,12 +47,10 @@ TEST(KurtNode, AnotherSenderOfDriveIsObeyedOnlyAfterARelease) {
   bench.drive_for(0.0, 0.0, 1s);
   const bus::Latest<nodmap::stop_t> stop(bench.bus, "STOP");
   bus::LoopBus restarted(bench.network);
-  nodmap::drive_t message{};
-  message.forward_mps = 0.5;
-  message.valid_us = 200'000;
+  std::int64_t drive_seq = 0;
   const auto moves = [&] {
-    message.utime = time::to_utime(bench.clock.now());
-    ++message.drive_seq;
+    nodmap::drive_t message = bench.drive(0.5, 0.0);
+    message.drive_seq = drive_seq++;
     restarted.publish("DRIVE", message);
     bench.step();
     return bench.base.left_cm_s() != 0;
@@ -74,11 +72,7 @@ TEST(KurtNode, ACopyOfAReleasePermitsNoOtherSenderOfDrive) {
   --bench.stop_utime;
   bench.publish_stop(false);
   bus::LoopBus restarted(bench.network);
-  nodmap::drive_t message{};
-  message.forward_mps = 0.5;
-  message.valid_us = 200'000;
-  message.utime = time::to_utime(bench.clock.now());
-  restarted.publish("DRIVE", message);
+  restarted.publish("DRIVE", bench.drive(0.5, 0.0));
   EXPECT_FALSE(bench.step_until([&] { return bench.base.left_cm_s() != 0; }, 100ms));
 }
 
@@ -91,11 +85,7 @@ TEST(KurtNode, AReleaseAlsoPermitsASenderOfDriveThatComesLater) {
   bench.publish_stop(false);
   bench.step_until([] { return false; }, 1s);
   bus::LoopBus restarted(bench.network);
-  nodmap::drive_t message{};
-  message.forward_mps = 0.5;
-  message.valid_us = 200'000;
-  message.utime = time::to_utime(bench.clock.now());
-  restarted.publish("DRIVE", message);
+  restarted.publish("DRIVE", bench.drive(0.5, 0.0));
   EXPECT_TRUE(bench.step_until([&] { return bench.base.left_cm_s() != 0; }, 100ms));
 }
 
