@@ -7,59 +7,12 @@
 #include <csignal>
 #include <limits>
 
-#include "procman/config/parser.hpp"
+#include "procman/protocol/test/fleet_fixture.hpp"
 
 namespace nodmap::procman {
 namespace fleet_test {
 
-class FleetTest : public ::testing::Test {
- protected:
-  Config config_ = parse_config(R"(
-      cmd "a" { exec = "x"; host = "h"; }
-      cmd "r" { exec = "y"; host = "h"; auto_respawn = "true"; }
-      cmd "far" { exec = "z"; host = "other"; })")
-                       .config;
-  FleetTest() { fleet_.take_command(now_); }
-
-  Fleet fleet_{config_, "me:1:1000"};
-  time::SteadyTime now_{100s};
-
-  static CommandStatus status(const std::string& id, int pid, int run, int wait_status = 0) {
-    CommandStatus made;
-    made.spec.id = id;
-    made.pid = pid;
-    made.actual_run = run;
-    made.wait_status = wait_status;
-    return made;
-  }
-  bool report(std::vector<CommandStatus> commands, const std::string& deputy = "h") {
-    DeputyInfo info;
-    info.deputy_id = deputy;
-    info.commands = std::move(commands);
-    return fleet_.take_info(info, now_);
-  }
-  [[nodiscard]] CommandOrder order(const std::string& id) const {
-    const Orders orders = fleet_.orders_for("h", {}).value();
-    for (const CommandOrder& found : orders.commands) {
-      if (found.spec.id == id) {
-        return found;
-      }
-    }
-    return {};
-  }
-  // Another sheriff gives orders, and repeats them a second later.
-  void receive_orders(const std::string& sheriff_id, const std::string& deputy = "h") {
-    fleet_.take_orders({{}, deputy, sheriff_id, {}}, now_);
-    now_ += 1s;
-    fleet_.take_orders({{}, deputy, sheriff_id, {}}, now_);
-  }
-  [[nodiscard]] std::optional<std::string> other_sheriff() const {
-    return fleet_.other_sheriffs().running(now_);
-  }
-  [[nodiscard]] std::string state(const std::string& id) const {
-    return name_of(fleet_.state_of(id, now_));
-  }
-};
+using FleetTest = test::FleetTest;
 
 TEST_F(FleetTest, SendsNoOrdersToADeputyBeforeItsFirstInfo) {
   EXPECT_FALSE(fleet_.orders_for("h", {}).has_value());
@@ -204,107 +157,6 @@ TEST_F(FleetTest, ARespawningCommandStaysWanted) {
   report({status("r", 8, 1)});
   EXPECT_EQ(state("r"), "Running");
   EXPECT_EQ(fleet_.find("r")->num_restarts, 1);
-}
-
-TEST_F(FleetTest, TakesOverTheCommandsOfADeputyAsTheyAre) {
-  CommandStatus stopped = status("r", 0, 3, SIGINT);
-  stopped.spec.auto_respawn = true;
-  report({status("a", 7, 5), stopped, status("unheard-of", 9, 2)});
-  EXPECT_EQ(order("a").desired_run, 5);
-  EXPECT_FALSE(order("a").force_quit);
-  EXPECT_EQ(order("r").desired_run, 3);
-  EXPECT_TRUE(order("r").force_quit);
-  EXPECT_EQ(state("r"), "Stopped (OK)") << "it is not known who stopped it";
-  EXPECT_EQ(order("unheard-of").desired_run, 2)
-      << "a command left out of the orders would be stopped";
-}
-
-// A command that ends at once is between two runs most of the time.
-TEST_F(FleetTest, ACommandTakenOverBetweenTwoRunsIsStartedAgain) {
-  CommandStatus down = status("r", 0, 3, 1 << 8);
-  down.spec.auto_respawn = true;
-  report({down});
-  EXPECT_FALSE(order("r").force_quit) << "it would never be started again";
-  EXPECT_EQ(order("r").desired_run, 3);
-  EXPECT_EQ(state("r"), "Stopped (Error)");
-  now_ += 1s;
-  report({status("r", 8, 3)});
-  EXPECT_EQ(state("r"), "Running");
-  now_ += Fleet::kRespawnTime + 1us;
-  down.wait_status = SIGTERM;
-  report({down});
-  EXPECT_FALSE(order("r").force_quit);
-  EXPECT_EQ(state("r"), "Stopped (Error)") << "nobody has stopped it";
-}
-
-// Some programs end with an error when they are stopped. A restarted deputy must not start them.
-TEST_F(FleetTest, ACommandTakenOverThatDoesNotRunAgainInTimeWasStopped) {
-  CommandStatus down = status("r", 0, 3, 1 << 8);
-  down.spec.auto_respawn = true;
-  report({down});
-  now_ += Fleet::kRespawnTime;
-  report({down});
-  EXPECT_FALSE(order("r").force_quit);
-  now_ += 1us;
-  report({down});
-  EXPECT_TRUE(order("r").force_quit);
-  fleet_.start("r");
-  report({down});
-  EXPECT_FALSE(order("r").force_quit) << "an order counts for longer";
-}
-
-// Another sheriff starts, stops and restarts them.
-TEST_F(FleetTest, WithoutCommandItShowsWhatTheDeputyReports) {
-  fleet_.observe();
-  report({status("a", 0, 0), status("r", 7, 1)});
-  EXPECT_EQ(state("a"), "Stopped (OK)");
-  EXPECT_EQ(state("r"), "Running");
-  report({status("a", 8, 1), status("r", 0, 1, SIGINT)});
-  EXPECT_EQ(state("a"), "Running");
-  EXPECT_EQ(state("r"), "Stopped (OK)") << "it is not known who stopped it";
-  report({status("a", 0, 1, 3 << 8), status("r", 9, 2)});
-  EXPECT_EQ(state("a"), "Stopped (Error)");
-  EXPECT_EQ(state("r"), "Running");
-  report({status("a", 10, 2), status("r", 11, 3)});
-  EXPECT_EQ(state("a"), "Running");
-  EXPECT_EQ(state("r"), "Running") << "restarted, which no INFO has reported";
-  report({});
-  EXPECT_EQ(state("a"), "Stopped (OK)")
-      << "the deputy was started again, and nobody has ordered it";
-}
-
-// While another sheriff had the command, it has started one command, restarted another and stopped
-// a third.
-TEST_F(FleetTest, ASheriffThatTakesCommandAgainKeepsWhatRunsByThen) {
-  report({status("a", 0, 1), status("r", 7, 1), status("other", 9, 3)});
-  fleet_.stop("r");
-  fleet_.observe();
-  report({status("a", 8, 2), status("r", 10, 2), status("other", 0, 3, SIGINT)});
-  fleet_.take_command(now_);
-  EXPECT_EQ(order("a").desired_run, 2);
-  EXPECT_FALSE(order("a").force_quit);
-  EXPECT_EQ(order("r").desired_run, 2);
-  EXPECT_FALSE(order("r").force_quit) << "the stop was ordered before";
-  EXPECT_EQ(order("other").desired_run, 3);
-  EXPECT_TRUE(order("other").force_quit);
-  report({status("a", 8, 2), status("r", 10, 2), status("other", 0, 3, SIGINT)});
-  EXPECT_FALSE(order("a").force_quit);
-  EXPECT_FALSE(order("r").force_quit);
-}
-
-// It has seen for how long the command was down.
-TEST_F(FleetTest, ACommandThatWasDownForLongBeforeTheTakeoverWasStopped) {
-  CommandStatus down = status("r", 0, 3, 1 << 8);
-  down.spec.auto_respawn = true;
-  fleet_.observe();
-  report({down});
-  now_ += Fleet::kRespawnTime;
-  report({down});
-  EXPECT_FALSE(order("r").force_quit);
-  now_ += 1us;
-  report({down});
-  fleet_.take_command(now_);
-  EXPECT_TRUE(order("r").force_quit);
 }
 
 TEST_F(FleetTest, TheGreatestRunNumberIsFollowedByOne) {
