@@ -11,16 +11,17 @@
 #include <system_error>
 
 #include "common/formats/atomic_file.hpp"
+#include "common/formats/folder.hpp"
 #include "common/formats/user_error.hpp"
 
 namespace nodmap::node {
 
 void make_result_dir(const std::filesystem::path& dir) {
+  formats::make_folder(dir);
   std::error_code error;
-  std::filesystem::create_directories(dir, error);
-  const bool is_empty = !error && std::filesystem::is_empty(dir, error);
+  const bool is_empty = std::filesystem::is_empty(dir, error);
   if (error) {
-    throw formats::UserError(dir.string() + ": cannot make this folder: " + error.message());
+    throw formats::UserError(dir.string() + ": cannot read this folder: " + error.message());
   }
   if (!is_empty) {
     throw formats::UserError(
