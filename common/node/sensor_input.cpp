@@ -112,6 +112,10 @@ bool SensorInput::accept(const Odometry& odometry) {
   const bool has_restarted = continues_new && new_odometry_->seq < last_odometry_->seq &&
                              (!continues_last || odometry.seq == last_odometry_->seq);
   odometry_restarted_ = has_jumped || has_restarted;
+  if (!first_odometry_ || odometry_restarted_ || odometry.seq <= first_odometry_->seq) {
+    first_odometry_ = odometry;
+  }
+  odometry_lost_ = lost_before(odometry);
   new_odometry_.reset();
   seq_before_ = last_odometry_ ? last_odometry_->seq : odometry.seq;
   const time::Duration period =
@@ -119,6 +123,25 @@ bool SensorInput::accept(const Odometry& odometry) {
   last_odometry_ = odometry;
   last_odometry_->period = std::min(period, kLongestPeriod);
   return true;
+}
+
+// The messages that are missing, at the mean period of the sequence so far. That of a driver that
+// has restarted unnoticed is too young to explain the time since the last message.
+time::Duration SensorInput::lost_before(const Odometry& odometry) const {
+  if (!last_odometry_ || odometry_restarted_ || last_odometry_->seq <= first_odometry_->seq ||
+      odometry.seq <= last_odometry_->seq) {
+    return {};
+  }
+  const auto messages_since = [](const Odometry& later, const Odometry& earlier) {
+    return static_cast<double>(later.seq) - static_cast<double>(earlier.seq);
+  };
+  const time::Duration time_before = last_odometry_->stamp - first_odometry_->stamp;
+  const double period_s =
+      time::seconds(time_before) / messages_since(*last_odometry_, *first_odometry_);
+  const time::Duration elapsed = odometry.stamp - last_odometry_->stamp;
+  const double lost_s = (messages_since(odometry, *last_odometry_) - 1.0) * period_s;
+  return std::clamp(time::from_seconds(lost_s), time::Duration{},
+                    std::max(elapsed, time::Duration{}));
 }
 
 // Whether a message is of the same sequence as the last one. A number between those of the last

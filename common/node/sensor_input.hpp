@@ -54,6 +54,10 @@ class SensorInput {
   /// poses of the two frames: the transform between them is unknown.
   [[nodiscard]] bool odometry_restarted() const { return odometry_restarted_; }
 
+  /// The time, before the last accepted odometry, whose messages were sent but lost on the way. The
+  /// pose includes the motion in that time; the motion while the driver is silent it may not.
+  [[nodiscard]] time::Duration odometry_lost() const { return odometry_lost_; }
+
  private:
   struct Odometry {
     std::int64_t seq = 0;
@@ -66,6 +70,7 @@ class SensorInput {
 
   [[nodiscard]] bool follows(bus::FollowedSender& sender, const char* cause);
   [[nodiscard]] bool accept(const Odometry& odometry);
+  [[nodiscard]] time::Duration lost_before(const Odometry& odometry) const;
   [[nodiscard]] bool continues(const Odometry& odometry) const;
   [[nodiscard]] static bool can_follow(const Odometry& odometry, const Odometry& other);
   [[nodiscard]] static bool is_reachable(const Odometry& odometry, const Odometry& other);
@@ -77,10 +82,12 @@ class SensorInput {
   bus::FollowedSender structure_map_sender_{bus::SenderWatch::kSilence};
   node::SequenceCounter scans_;
   node::SequenceCounter odometry_;
-  std::optional<Odometry> last_odometry_;  // last accepted
-  std::int64_t seq_before_ = 0;            // of the odometry accepted before that
-  std::optional<Odometry> new_odometry_;   // rejected; becomes usable when the next continues it
+  std::optional<Odometry> first_odometry_;  // first accepted of its sequence
+  std::optional<Odometry> last_odometry_;   // last accepted
+  std::int64_t seq_before_ = 0;             // of the odometry accepted before that
+  std::optional<Odometry> new_odometry_;    // rejected; becomes usable when the next continues it
   bool odometry_restarted_ = false;
+  time::Duration odometry_lost_{};
 };
 
 }  // namespace nodmap::node

@@ -133,8 +133,14 @@ void Slam2d::predict(const LevelScan& scan) {
                            T_odom_last_.inverse() * scan.T_odom_base);
 }
 
-// After a time without odometry the pose is in doubt: the robot may have moved meanwhile.
+// After a time without odometry the pose is in doubt: the robot may have moved meanwhile. Where
+// only scans and messages were lost, it is as far from its pose by odometry as odometry is
+// uncertain.
 void Slam2d::handle_odometry_gap(const LevelScan& scan) {
+  if (scan.has_lost_odometry()) {
+    place_search_.forget_failure();
+    doubt_.begin_by_odometry(pose_covariance_.greatest_sigma_m());
+  }
   if (scan.odometry_has_restarted) {
     place_search_.forget_failure();
   }
@@ -332,7 +338,8 @@ geometry::SE2 Slam2d::apply_loops() {
 void Slam2d::begin_submap_if_in_doubt() {
   if (doubt_.is_active()) {
     const LostParams& lost = params_.lost;
-    back_end_.begin_anew({lost.begin_sigma_m, lost.begin_sigma_m, lost.begin_sigma_rad});
+    const double sigma_m = std::max(lost.begin_sigma_m, doubt_.sigma_m());
+    back_end_.begin_anew({sigma_m, sigma_m, lost.begin_sigma_rad});
     pose_covariance_ = {};
     doubt_.end();
   }

@@ -179,6 +179,43 @@ TEST_F(OdometryInputTest, OneForgedMessageCostsNoOther) {
   }
 }
 
+// Every 10 ms there is a message, but the receiver is busy for a while.
+TEST_F(OdometryInputTest, TellsForHowLongMessagesWereLost) {
+  std::int64_t seq = 1000;
+  time::Timestamp stamp = kDay;
+  const auto lost = [&](std::int64_t messages, time::Duration elapsed) {
+    EXPECT_TRUE(read(seq += messages, stamp += elapsed));
+    return input_.odometry_lost();
+  };
+  EXPECT_EQ(lost(0, 0ms), 0ms) << "the first one";
+  for (int i = 0; i < 100; ++i) {
+    EXPECT_EQ(lost(1, 10ms), 0ms);
+  }
+  EXPECT_EQ(lost(501, 5010ms), 5000ms);
+  EXPECT_EQ(lost(1, 5s), 0ms) << "the driver was silent";
+  // The mean period is 18.3 ms by now: 602 messages in 11.01 s.
+  EXPECT_EQ(lost(101, 5s), 1'828'904us) << "silent for the rest of the time";
+  EXPECT_EQ(lost(1000, 2s), 2s) << "no more than the time that has passed";
+}
+
+// So long that the first message after it must be confirmed.
+TEST_F(OdometryInputTest, TellsForHowLongAllMessagesWereLost) {
+  ASSERT_TRUE(read(0, kDay));
+  ASSERT_TRUE(read(100, kDay + 1s));
+  EXPECT_FALSE(read(3000, kDay + 30s));
+  EXPECT_TRUE(read(3001, kDay + 30'010ms));
+  EXPECT_EQ(input_.odometry_lost(), 29s);
+}
+
+// It has counted from 0 again, meanwhile farther than before. The motion before is unknown.
+TEST_F(OdometryInputTest, ADriverThatRestartsUnnoticedHasNotLostAllMessages) {
+  ASSERT_TRUE(read(0, kDay));
+  ASSERT_TRUE(read(500, kDay + 5s));
+  EXPECT_FALSE(read(2000, kDay + 30s));
+  EXPECT_TRUE(read(2001, kDay + 30'010ms));
+  EXPECT_EQ(input_.odometry_lost(), 15s) << "of 25 s";
+}
+
 // The clock of the driver's host is set.
 TEST_F(OdometryInputTest, AStepOfTheClockCostsOneMessage) {
   ASSERT_FALSE(restarts(1, kDay));

@@ -141,7 +141,7 @@ MatchedPose PlaceSearch::find_anywhere(const LevelScan& scan,
   std::vector<Match> matches{
       search_.find_better(matcher_, map, scan.points_base, guesses, tracked).value_or(tracked)};
   const CorrelativeMatch search = back_end_.find_in_local(
-      scan.points_base, {guesses.front(), doubt_.reach_m(), params.search_rotation_rad},
+      scan.points_base, {guesses.front(), doubt_.search_distance_m(), params.search_rotation_rad},
       params.min_search_score, kMaxPlaces);
   for (const Peak& peak : search.peaks) {
     matches.push_back(matcher_.match(map, scan.points_base, peak.T_target_base));
@@ -152,7 +152,8 @@ MatchedPose PlaceSearch::find_anywhere(const LevelScan& scan,
     places.push_back({match.T_target_base, match.score});
   }
   const BestPlace best = best_of(places);
-  const bool is_complete = search.complete && search.peaks.size() < kMaxPlaces;
+  const bool is_complete =
+      search.complete && search.peaks.size() < kMaxPlaces && !doubt_.exceeds_search();
   // Along degenerate directions only the search determines the place.
   const bool is_determined =
       matches[best.index].degenerate_directions == 0 ||

@@ -14,6 +14,13 @@ namespace {
 // An eigenvalue of the information is zero when it is below this ratio of the largest.
 constexpr double kZeroRatio = 1e-9;
 
+// The standard deviations of the position along the axes of its error ellipse, the least first.
+Eigen::Vector2d position_sigmas_m(const Eigen::Matrix3d& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(
+      Eigen::Matrix2d(covariance.topLeftCorner<2, 2>()), Eigen::EigenvaluesOnly);
+  return eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+}
+
 }  // namespace
 
 void PoseCovariance::predict(double yaw_rad, const geometry::SE2& T_before_now) {
@@ -53,9 +60,11 @@ void PoseCovariance::update(const Eigen::Matrix3d& information) {
 }
 
 double PoseCovariance::least_sigma_m() const {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(
-      Eigen::Matrix2d(covariance_.topLeftCorner<2, 2>()), Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(0.0, eigen.eigenvalues()[0]));
+  return position_sigmas_m(covariance_)[0];
+}
+
+double PoseCovariance::greatest_sigma_m() const {
+  return position_sigmas_m(covariance_)[1];
 }
 
 }  // namespace nodmap::slam2d

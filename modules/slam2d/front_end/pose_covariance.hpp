@@ -32,6 +32,9 @@ class PoseCovariance {
   /// large only if no direction has been matched for long.
   [[nodiscard]] double least_sigma_m() const;
 
+  /// The same in the direction in which it is greatest.
+  [[nodiscard]] double greatest_sigma_m() const;
+
   [[nodiscard]] const Eigen::Matrix3d& matrix() const { return covariance_; }
 
  private:

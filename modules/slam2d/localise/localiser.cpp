@@ -51,15 +51,22 @@ PoseUpdate Localiser::add_scan(const LevelScan& scan) {
 }
 
 // Meanwhile the robot may have driven on, or have been carried: its place is to be found again.
+// Where only scans and messages were lost, it is as far from its pose by odometry as odometry is
+// uncertain.
 void Localiser::begin_doubt_after_gap(const LevelScan& scan) {
-  if (!scan.has_odometry_gap()) {
+  if (scan.has_odometry_gap()) {
+    covariance_.lose_track(scan.odometry_gap_s);
+  }
+  if (state_ == State::kLost || !(scan.has_odometry_gap() || scan.has_lost_odometry())) {
     return;
   }
-  covariance_.lose_track(scan.odometry_gap_s);
-  if (state_ != State::kLost) {
+  if (scan.has_odometry_gap()) {
     doubt_.begin(scan.odometry_gap_s);
-    failed_search_.reset();
   }
+  if (scan.has_lost_odometry()) {
+    doubt_.begin_by_odometry(covariance_.greatest_sigma_m());
+  }
+  failed_search_.reset();
 }
 
 PoseUpdate Localiser::track(const LevelScan& scan) {
@@ -113,8 +120,11 @@ std::optional<Match> Localiser::match(const LevelScan& scan) {
 std::optional<Match> Localiser::match_in_doubt(const LevelScan& scan) {
   const geometry::SE2 T_map_guess = T_map_odom_ * scan.T_odom_base;
   if (is_search_due(scan)) {
-    const Relocalisation found = relocaliser_.locate(
-        map_, {T_map_guess, doubt_.reach_m(), params_.doubt.search_rotation_rad}, scan);
+    const SearchWindow window =
+        doubt_.exceeds_search()
+            ? map_.window()
+            : SearchWindow{T_map_guess, doubt_.reach_m(), params_.doubt.search_rotation_rad};
+    const Relocalisation found = relocaliser_.locate(map_, window, scan);
     if (found.status == Relocalisation::Status::kFound) {
       doubt_.end();
       if (!is_same_place(found.T_map_base, T_map_guess)) {

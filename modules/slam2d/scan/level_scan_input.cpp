@@ -14,7 +14,7 @@ constexpr time::Duration kMaxWaitBelow = 50ms;
 }  // namespace
 
 void LevelScanInput::add_odometry(time::Timestamp stamp, const geometry::SE3& T_published_base,
-                                  bool has_restarted) {
+                                  bool has_restarted, time::Duration lost) {
   if (!T_published_base.matrix().allFinite()) {
     return;
   }
@@ -32,7 +32,8 @@ void LevelScanInput::add_odometry(time::Timestamp stamp, const geometry::SE3& T_
                         geometry::to_se2(T_published_base).inverse();
   }
   odometry_gap_s_ =
-      std::max(odometry_gap_s_, time::seconds(stamp - odometry_stamp_.value_or(stamp)));
+      std::max(odometry_gap_s_, time::seconds(stamp - odometry_stamp_.value_or(stamp) - lost));
+  odometry_lost_s_ = std::max(odometry_lost_s_, time::seconds(lost));
   odometry_stamp_ = stamp;
 }
 
@@ -120,6 +121,7 @@ LevelScan LevelScanInput::begin_level_scan(time::Timestamp stamp,
   level_scan.stamp = stamp;
   level_scan.T_odom_base = T_odom_published_ * T_published_base;
   level_scan.odometry_gap_s = std::exchange(odometry_gap_s_, 0.0);
+  level_scan.odometry_lost_s = std::exchange(odometry_lost_s_, 0.0);
   level_scan.odometry_has_restarted = std::exchange(odometry_has_restarted_, false);
   return level_scan;
 }

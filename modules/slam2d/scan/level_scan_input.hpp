@@ -40,9 +40,10 @@ class LevelScanInput {
   ///
   /// `has_restarted`: this pose is the first in another frame, because the publisher of odometry
   /// was restarted. It is taken as the same place as the newest pose before, so the robot stays
-  /// where it was. Older odometry is dropped: no scan is placed between the two frames.
+  /// where it was. Older odometry is dropped: no scan is placed between the two frames. `lost`: how
+  /// much of the time since the pose before was published, but did not arrive.
   void add_odometry(time::Timestamp stamp, const geometry::SE3& T_published_base,
-                    bool has_restarted = false);
+                    bool has_restarted = false, time::Duration lost = {});
 
   /// Takes the next scan. It completes a level scan, which is this scan or the previous one, or is
   /// counted as not level. Ignores one that is implausible, which SensorInput counts.
@@ -110,6 +111,7 @@ class LevelScanInput {
   geometry::SE2 T_odom_published_;
   std::optional<time::Timestamp> odometry_stamp_;  // the newest
   double odometry_gap_s_ = 0.0;                    // the longest since the last level scan
+  double odometry_lost_s_ = 0.0;                   // the same, of lost messages
   bool odometry_has_restarted_ = false;            // since then
   OrientedPointExtractor extractor_;
   SlopedPoints sloped_points_;

@@ -7,7 +7,8 @@ namespace nodmap::slam2d {
 
 void LevelScanReader::read(const nodmap::odometry_t& message) {
   if (const auto T_odom_base = messages_.read(message)) {
-    input_.add_odometry(node::stamp_of(message), *T_odom_base, messages_.odometry_restarted());
+    input_.add_odometry(node::stamp_of(message), *T_odom_base, messages_.odometry_restarted(),
+                        messages_.odometry_lost());
     counts_.use();
   }
 }

@@ -28,6 +28,20 @@ TEST(Slam2d, AScanThatFitsAfterAGapStartsNoSearch) {
   EXPECT_EQ(slam.metrics().searches.made, 0);
 }
 
+// Three standard deviations of odometry, but the search ends before: then no place is sure.
+TEST(Doubt, AfterLostMessagesItReachesAsFarAsOdometryMayBeWrong) {
+  Doubt doubt{DoubtParams{.search_distance_m = 4.0}};
+  doubt.begin_by_odometry(1.0);
+  EXPECT_EQ(doubt.search_distance_m(), 3.0);
+  EXPECT_FALSE(doubt.exceeds_search());
+  doubt.begin_by_odometry(2.0);
+  EXPECT_EQ(doubt.search_distance_m(), 4.0);
+  EXPECT_TRUE(doubt.exceeds_search());
+  EXPECT_EQ(doubt.sigma_m(), 2.0);
+  doubt.begin(1.0);
+  EXPECT_EQ(doubt.reach_m(), 6.0) << "a gap does not lessen it";
+}
+
 // For a second nothing is recorded, and odometry does not count the robot's motion in this time.
 TEST(Slam2d, MotionDuringAPauseInOdometryIsFoundFromTheScans) {
   test::Slam slam;

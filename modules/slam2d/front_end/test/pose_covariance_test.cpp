@@ -31,6 +31,23 @@ TEST(PoseCovariance, GrowsWithTheDistanceByOdometry) {
   EXPECT_TRUE(stationary.matrix().isZero(0.0));
 }
 
+// Known 10 times less well along x than along y, before the map is turned left by 90 degrees.
+TEST(PoseCovariance, RotatesWithTheMap) {
+  PoseCovariance covariance;
+  covariance.update(Eigen::Vector3d(1.0, 100.0, 400.0).asDiagonal());
+  covariance.rotate(std::acos(0.0));
+  const Eigen::Matrix3d rotated = Eigen::Vector3d(0.01, 1.0, 0.0025).asDiagonal();
+  EXPECT_TRUE(covariance.matrix().isApprox(rotated, 1e-12));
+}
+
+TEST(PoseCovariance, TheLeastAndTheGreatestSigmaAreThoseOfTheErrorEllipse) {
+  PoseCovariance covariance;
+  covariance.update(Eigen::Vector3d(0.25, 100.0, 400.0).asDiagonal());
+  covariance.rotate(0.3);
+  EXPECT_NEAR(covariance.least_sigma_m(), 0.1, 1e-12);
+  EXPECT_NEAR(covariance.greatest_sigma_m(), 2.0, 1e-12);
+}
+
 TEST(PoseCovariance, TimeWithoutOdometryAddsAMetreAndARadianASecond) {
   PoseCovariance covariance;
   covariance.lose_track(2.0);

@@ -33,6 +33,16 @@ void expect_near(const SE2& a, const SE2& b) {
   EXPECT_LT(rotation_rad(a, b), 1e-9);
 }
 
+// The pose after a gap includes the motion in the time of messages that were lost.
+TEST_F(LevelScans, OnlyTimeWithoutPublishedOdometryIsAGap) {
+  put_odometry(0ms, {});
+  EXPECT_EQ(scan_at(0ms).value().odometry_gap_s, 0.0);
+  put_odometry(3s, {});
+  EXPECT_EQ(scan_at(3s).value().odometry_gap_s, 3.0);
+  input_.add_odometry(time::Timestamp(6s), geometry::SE3::Identity(), false, 2s);
+  EXPECT_EQ(scan_at(6s).value().odometry_gap_s, 1.0);
+}
+
 // The first pose of the new frame is the same place as the last of the old one.
 TEST_F(LevelScans, OdometryContinuesWhereItWasWhenItRestarts) {
   const SE2 step{0.3, 0.1, 0.5};
