@@ -145,17 +145,23 @@ function(nodmap_test_starts name)
   set_property(GLOBAL APPEND PROPERTY NODMAP_TEST_STARTS ${line})
 endfunction()
 
-# nodmap_set_process_test(NAME [LIGHT]): marks a test of CTest's that runs processes. It counts as two of the jobs that
-# CTest runs at once, or as one if it is LIGHT: one that mostly waits. The heavy ones begin first, since CTest keeps no two places free
-# for them, then the light ones, because they last longer than others. It may start every program, unless nodmap_test_starts() says which.
+# nodmap_set_process_test(NAME [LIGHT|ROBOT]): marks a test of CTest's that runs processes. It counts as two of the jobs that
+# CTest runs at once, or as one if it is LIGHT: one that mostly waits. ROBOT marks a whole robot in real time. Its drivers and navigator have
+# real-time priority, so that two robots at once would leave the other processes too little of two processors: robots run one after
+# another, and each counts as five jobs. The robots begin first, then the heavy ones, since CTest keeps no places free for them, then the
+# light ones, because they last longer than others. A test may start every program, unless nodmap_test_starts() says which.
 # The time limit is for a test that hangs; on a busy machine one of a minute has lasted for more than five.
 function(nodmap_set_process_test name)
-  cmake_parse_arguments(ARG "LIGHT" "" "" ${ARGN})
+  cmake_parse_arguments(ARG "LIGHT;ROBOT" "" "" ${ARGN})
   set(jobs 2)
   set(cost 2000)
   if(ARG_LIGHT)
     set(jobs 1)
     set(cost 1000)
+  elseif(ARG_ROBOT)
+    set(jobs 5)
+    set(cost 3000)
+    set_tests_properties(${name} PROPERTIES RESOURCE_LOCK robot)
   endif()
   set_tests_properties(${name} PROPERTIES LABELS integration TIMEOUT 1200 SKIP_RETURN_CODE 77 PROCESSORS ${jobs} COST ${cost})
 endfunction()
