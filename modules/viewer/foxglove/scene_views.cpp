@@ -298,7 +298,7 @@ std::map<time::Timestamp, geometry::SE3> keyframe_poses(const nodmap::pose_graph
   std::map<time::Timestamp, geometry::SE3> T_map_base;
   for (std::size_t i = 0; i < graph.keyframe_utime.size(); ++i) {
     const std::vector<double>& p = graph.position_m[i];
-    const std::vector<float>& q = graph.orientation[i];
+    const std::vector<double> q(graph.orientation[i].begin(), graph.orientation[i].end());
     if (const auto pose = node::read_pose({p[0], p[1], p[2]}, {q[0], q[1], q[2], q[3]})) {
       T_map_base[time::from_utime(graph.keyframe_utime[i])] = *pose;
     }
