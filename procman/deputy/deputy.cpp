@@ -166,7 +166,8 @@ void Deputy::on_orders(const procman_lcm::orders_t& message) {
 // Whether the orders being handled are obeyed: not those of a second sheriff, which would
 // contradict the first.
 bool Deputy::obeys(const std::string& sheriff_id) {
-  const bool is_followed = senders_.follow_sheriff(bus_.origin().sender, time::steady_now());
+  const bus::Origin& origin = bus_.origin();
+  const bool is_followed = senders_.follow_sheriff(origin.sender, origin.arrived);
   if (is_followed || settings_.trusts_orders) {
     return true;
   }

@@ -34,9 +34,10 @@ class Senders {
   /// the deputy's first own message has come back.
   [[nodiscard]] bool is_impostor(const bus::Sender& sender) const;
 
-  /// Adds orders; returns whether they are from the sheriff that is followed.
-  [[nodiscard]] bool follow_sheriff(const bus::Sender& sender, time::SteadyTime now) {
-    return sheriff_.follow(sender, now);
+  /// Adds orders; returns whether they are from the sheriff that is followed. `arrived`: see
+  /// bus::Origin; a deputy that was frozen reads them later.
+  [[nodiscard]] bool follow_sheriff(const bus::Sender& sender, time::SteadyTime arrived) {
+    return sheriff_.follow(sender, arrived);
   }
 
   /// Adds that a sheriff has ended; returns whether it was followed.
