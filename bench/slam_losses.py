@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Maps simulated drives of which 2D SLAM receives nothing for up to a minute at a time, as on a machine that is far too busy.
+"""Maps simulated drives of which SLAM receives nothing for up to a minute at a time, as on a machine that is far too busy.
 
-bench/slam2d_losses.py [--worlds WORLD ...] [--seeds N ...] [--duration S] [--jobs N] [--out DIR] [--bin DIR] [--set KEY=VALUE ...]
+bench/slam_losses.py [--module slam2d|slam6d] [--worlds WORLD ...] [--seeds N ...] [--duration S] [--jobs N] [--out DIR] [--bin DIR] [--set KEY=VALUE ...]
 
-The robot drives on meanwhile, and its odometry goes on counting. Once in every two minutes SCAN and ODOMETRY are lost for 5 to 60 s. Each published POSE_2D
+The robot drives on meanwhile, and its odometry goes on counting. Once in every two minutes SCAN and ODOMETRY are lost for 5 to 60 s. Each published pose
 is compared with the truth, from the first pose on: it is wrong if it is off by more than 0.5 m or 6 degrees. Prints a row for each drive: for how many
-seconds POSE_2D is right, wrong but DEGRADED or LOST (said), and wrong and TRACKING (silent), what it is at the end, and the share of all poses that are not
+seconds it is right, wrong but DEGRADED or LOST (said), and wrong and TRACKING (silent), what it is at the end, and the share of all poses that are not
 TRACKING. The last row sums up.
 
 Seeds below 1000 are for reporting, others for choosing parameters (bench/seeds.py).
@@ -24,6 +24,7 @@ from poses import compose, inverse, pose_at, read_tum
 from programs import BIN, call, settings
 from trial_runs import Pool, Trial, result_folder
 
+POSE_OF = {"slam2d": "POSE_2D", "slam6d": "POSE_6D"}
 LOST_CHANNELS = {"SCAN", "ODOMETRY"}
 PERIOD_S, LOSS_S = 120.0, (5.0, 60.0)
 WRONG_M, WRONG_RAD = 0.5, math.radians(6.0)
@@ -73,8 +74,8 @@ class Bench:
         with tempfile.TemporaryDirectory() as made:
             log, out = pathlib.Path(made) / "log.lcmlog", pathlib.Path(made) / "out"
             write_with_losses(folder / "trial.lcmlog", log, run[1])
-            call(self.options.bin / "nodmap-slam2d", "--replay", log, "--out", out, *settings(self.options.settings))
-            published = list(poses_of(out / "out.lcmlog", "POSE_2D"))
+            call(self.options.bin / f"nodmap-{self.options.module}", "--replay", log, "--out", out, *settings(self.options.settings))
+            published = list(poses_of(out / "out.lcmlog", POSE_OF[self.options.module]))
         truth = read_tum(folder / "truth.tum")
         first_s, origin, _ = published[0]
         names = []
@@ -98,13 +99,14 @@ def cells(seconds):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--module", choices=POSE_OF, default="slam2d")
     parser.add_argument("--worlds", nargs="*", default=["cellar"])
     parser.add_argument("--seeds", nargs="*", type=int, default=seeds.REPORTING[:4])
     parser.add_argument("--duration", type=float, default=600.0)
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--out", type=pathlib.Path, help="folder in which the drives are kept, and used again; default: a temporary one")
     parser.add_argument("--bin", type=pathlib.Path, default=BIN)
-    parser.add_argument("--set", nargs="*", default=[], dest="settings", help="parameters of nodmap-slam2d")
+    parser.add_argument("--set", nargs="*", default=[], dest="settings", help="parameters of the module")
     options = parser.parse_args()
     with result_folder(options.out, may_contain=True) as out:
         bench = Bench(options, out)
