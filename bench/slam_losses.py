@@ -2,12 +2,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Maps simulated drives of which SLAM receives nothing for up to a minute at a time, as on a machine that is far too busy.
 
-bench/slam_losses.py [--module slam2d|slam6d] [--worlds WORLD ...] [--seeds N ...] [--duration S] [--jobs N] [--out DIR] [--bin DIR] [--set KEY=VALUE ...]
+bench/slam_losses.py [--module slam2d|slam6d] [--lost CHANNEL ...] [--worlds WORLD ...] [--seeds N ...] [--duration S] [--jobs N] [--out DIR] [--bin DIR]
+                     [--set KEY=VALUE ...]
 
-The robot drives on meanwhile, and its odometry goes on counting. Once in every two minutes SCAN and ODOMETRY are lost for 5 to 60 s. Each published pose
-is compared with the truth, from the first pose on: it is wrong if it is off by more than 0.5 m or 6 degrees. Prints a row for each drive: for how many
-seconds it is right, wrong but DEGRADED or LOST (said), and wrong and TRACKING (silent), what it is at the end, and the share of all poses that are not
-TRACKING. The last row sums up.
+The robot drives on meanwhile, and its odometry goes on counting. Once in every two minutes SCAN and ODOMETRY, or what --lost names, are lost for 5 to
+60 s. Each published pose is compared with the truth, from the first pose on: it is wrong if it is off by more than 0.5 m or 6 degrees. Prints a row for
+each drive: for how many seconds it is right, wrong but DEGRADED or LOST (said), and wrong and TRACKING (silent), what it is at the end, and the share of
+all poses that are not TRACKING. The last row sums up.
 
 Seeds below 1000 are for reporting, others for choosing parameters (bench/seeds.py).
 """
@@ -25,7 +26,6 @@ from programs import BIN, call, settings
 from trial_runs import Pool, Trial, result_folder
 
 POSE_OF = {"slam2d": "POSE_2D", "slam6d": "POSE_6D"}
-LOST_CHANNELS = {"SCAN", "ODOMETRY"}
 PERIOD_S, LOSS_S = 120.0, (5.0, 60.0)
 WRONG_M, WRONG_RAD = 0.5, math.radians(6.0)
 
@@ -42,12 +42,12 @@ def losses(begin_s, end_s, seed):
     return found
 
 
-def write_with_losses(log, out, seed):
+def write_with_losses(log, out, seed, channels):
     every = list(events(log))
     gaps = losses(1e-6 * every[0].utime, 1e-6 * every[-1].utime, seed)
     with Writer(out) as writer:
         for event in every:
-            if event.channel not in LOST_CHANNELS or not any(begin_s <= 1e-6 * event.utime < end_s for begin_s, end_s in gaps):
+            if event.channel not in channels or not any(begin_s <= 1e-6 * event.utime < end_s for begin_s, end_s in gaps):
                 writer.write(event)
 
 
@@ -73,7 +73,7 @@ class Bench:
         folder = self.drive(*run)
         with tempfile.TemporaryDirectory() as made:
             log, out = pathlib.Path(made) / "log.lcmlog", pathlib.Path(made) / "out"
-            write_with_losses(folder / "trial.lcmlog", log, run[1])
+            write_with_losses(folder / "trial.lcmlog", log, run[1], self.options.lost)
             call(self.options.bin / f"nodmap-{self.options.module}", "--replay", log, "--out", out, *settings(self.options.settings))
             published = list(poses_of(out / "out.lcmlog", POSE_OF[self.options.module]))
         truth = read_tum(folder / "truth.tum")
@@ -100,6 +100,7 @@ def cells(seconds):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--module", choices=POSE_OF, default="slam2d")
+    parser.add_argument("--lost", nargs="+", choices=("SCAN", "ODOMETRY"), default=["SCAN", "ODOMETRY"])
     parser.add_argument("--worlds", nargs="*", default=["cellar"])
     parser.add_argument("--seeds", nargs="*", type=int, default=seeds.REPORTING[:4])
     parser.add_argument("--duration", type=float, default=600.0)

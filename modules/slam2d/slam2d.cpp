@@ -134,10 +134,9 @@ void Slam2d::predict(const LevelScan& scan) {
 }
 
 // After a time without odometry the pose is in doubt: the robot may have moved meanwhile. Where
-// only scans and messages were lost, it is as far from its pose by odometry as odometry is
-// uncertain.
+// odometry has counted the motion, it is as far from its pose by odometry as that is uncertain.
 void Slam2d::handle_odometry_gap(const LevelScan& scan) {
-  if (scan.has_lost_odometry()) {
+  if (scan.follows_unseen_motion()) {
     place_search_.forget_failure();
     doubt_.begin_by_odometry(pose_covariance_.greatest_sigma_m());
   }

@@ -100,8 +100,7 @@ std::vector<geometry::SE2> PoseGuesses::guesses(const LevelScan& scan,
                                                 const geometry::SE2& T_odom_last) const {
   geometry::SE2 by_odometry = T_map_odom * scan.T_odom_base;
   const std::optional<geometry::SE2> step = next_step(scan.stamp);
-  // Where messages were lost, only odometry has seen the motion.
-  if (!step || scan.has_lost_odometry()) {
+  if (!step || scan.follows_unseen_motion()) {
     return {by_odometry};
   }
   const geometry::SE2 by_motion = T_map_odom * T_odom_last * *step;

@@ -51,19 +51,19 @@ PoseUpdate Localiser::add_scan(const LevelScan& scan) {
 }
 
 // Meanwhile the robot may have driven on, or have been carried: its place is to be found again.
-// Where only scans and messages were lost, it is as far from its pose by odometry as odometry is
+// Where odometry has counted the motion, it is as far from its pose by odometry as that is
 // uncertain.
 void Localiser::begin_doubt_after_gap(const LevelScan& scan) {
   if (scan.has_odometry_gap()) {
     covariance_.lose_track(scan.odometry_gap_s);
   }
-  if (state_ == State::kLost || !(scan.has_odometry_gap() || scan.has_lost_odometry())) {
+  if (state_ == State::kLost || !(scan.has_odometry_gap() || scan.follows_unseen_motion())) {
     return;
   }
   if (scan.has_odometry_gap()) {
     doubt_.begin(scan.odometry_gap_s);
   }
-  if (scan.has_lost_odometry()) {
+  if (scan.follows_unseen_motion()) {
     doubt_.begin_by_odometry(covariance_.greatest_sigma_m());
   }
   failed_search_.reset();

@@ -19,17 +19,18 @@ struct LevelScan {
   std::span<const OrientedPoint> points_base;
   /// The longest time since the previous level scan for which no odometry was published.
   double odometry_gap_s = 0.0;
-  /// The longest time since then for which odometry was published, but did not arrive.
-  double odometry_lost_s = 0.0;
+  /// The longest time since then whose motion only odometry has counted: no scan came, or odometry
+  /// itself was published, but did not arrive.
+  double unseen_s = 0.0;
   bool odometry_has_restarted = false;  ///< since the previous level scan
   bool is_of_nod = false;               ///< from a nodding scanner: one level scan in each sweep
 
   /// Whether the robot may have moved farther than odometry has counted. Any odometry comes several
   /// times in half a second.
   [[nodiscard]] bool has_odometry_gap() const { return odometry_gap_s > 0.5; }
-  /// Whether so many messages were lost that only odometry tells where the robot is by now. In half
-  /// a second it drives about as far as a match from its last motion can be off.
-  [[nodiscard]] bool has_lost_odometry() const { return odometry_lost_s > 0.5; }
+  /// Whether only odometry tells where the robot is by now. In half a second it drives about as far
+  /// as a match from its last motion can be off.
+  [[nodiscard]] bool follows_unseen_motion() const { return unseen_s > 0.5; }
   /// Whether there are enough points to determine a pose.
   [[nodiscard]] bool has_enough_points() const { return points_base.size() >= 10; }
   /// Whether there are enough points to search a wide window: fewer would fit somewhere by chance.

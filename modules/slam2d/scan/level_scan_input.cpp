@@ -4,12 +4,18 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/geometry/pose_tolerance.hpp"
+
 namespace nodmap::slam2d {
 namespace {
 
 constexpr std::size_t kNumBelow = 2;  // what SlopedPoints compares a level scan with
 // Two periods of a SICK (13.3 ms) and some jitter: scans that have not come by then are lost.
 constexpr time::Duration kMaxWaitBelow = 50ms;
+// Scans are missing after so many times the longest gap between the last ones: a recording may have
+// few anyway. While odometry moves by less, none need come: some have fewer of a stationary robot.
+constexpr int kMissingScans = 4;
+constexpr geometry::PoseTolerance kUnmoved{.distance_m = 0.5, .rotation_rad = 0.5};
 
 }  // namespace
 
@@ -22,6 +28,7 @@ void LevelScanInput::add_odometry(time::Timestamp stamp, const geometry::SE3& T_
   if (has_restarted) {
     stop_waiting();
     odometry_.clear();
+    T_published_newest_scan_.reset();
     odometry_has_restarted_ = true;
   }
   if (!odometry_.add(stamp, T_published_base)) {
@@ -31,9 +38,9 @@ void LevelScanInput::add_odometry(time::Timestamp stamp, const geometry::SE3& T_
     T_odom_published_ = T_odom_published_ * geometry::to_se2(*before) *
                         geometry::to_se2(T_published_base).inverse();
   }
-  odometry_gap_s_ =
-      std::max(odometry_gap_s_, time::seconds(stamp - odometry_stamp_.value_or(stamp) - lost));
-  odometry_lost_s_ = std::max(odometry_lost_s_, time::seconds(lost));
+  const time::Timestamp last = odometry_stamp_.value_or(stamp);
+  odometry_gap_s_ = std::max(odometry_gap_s_, time::seconds(stamp - last - lost));
+  add_unseen({last, lost});
   odometry_stamp_ = stamp;
 }
 
@@ -41,7 +48,7 @@ void LevelScanInput::add_scan(const scan::Scan& scan) {
   if (!scan::is_plausible(scan)) {
     return;
   }
-  newest_scan_ = scan.last_stamp();
+  see(scan.stamp, scan.last_stamp());
   if (leaves_out_slopes_ && !has_constant_pitch(scan)) {
     walls_behind_.add(scan);
   }
@@ -54,6 +61,26 @@ void LevelScanInput::add_scan(const scan::Scan& scan) {
     waiting_.push_back(begin_waiting(*level));
   } else {
     ++counts_.not_level;
+  }
+}
+
+void LevelScanInput::see(time::Timestamp begin, time::Timestamp end) {
+  const std::optional<geometry::SE3> T_published_base = odometry_.newest();
+  const time::Duration gap = begin - newest_scan_;
+  const bool are_missing =
+      scan_gaps_.full() && gap > kMissingScans * *std::ranges::max_element(scan_gaps_);
+  if (are_missing && T_published_base && T_published_newest_scan_ &&
+      !geometry::is_within(*T_published_newest_scan_, *T_published_base, kUnmoved)) {
+    add_unseen({newest_scan_, gap});
+  }
+  scan_gaps_.push_back(gap);
+  newest_scan_ = end;
+  T_published_newest_scan_ = T_published_base;
+}
+
+void LevelScanInput::add_unseen(const Unseen& unseen) {
+  if (unseen.duration > unseen_.duration) {
+    unseen_ = unseen;
   }
 }
 
@@ -121,7 +148,9 @@ LevelScan LevelScanInput::begin_level_scan(time::Timestamp stamp,
   level_scan.stamp = stamp;
   level_scan.T_odom_base = T_odom_published_ * T_published_base;
   level_scan.odometry_gap_s = std::exchange(odometry_gap_s_, 0.0);
-  level_scan.odometry_lost_s = std::exchange(odometry_lost_s_, 0.0);
+  if (stamp > unseen_.since) {  // not one that waited meanwhile
+    level_scan.unseen_s = time::seconds(std::exchange(unseen_, {}).duration);
+  }
   level_scan.odometry_has_restarted = std::exchange(odometry_has_restarted_, false);
   return level_scan;
 }
@@ -183,6 +212,7 @@ std::span<const OrientedPoint> LevelScanInput::without_slopes(
 
 std::optional<LevelScan> LevelScanInput::add_virtual_scan(
     time::Timestamp stamp, std::span<const Eigen::Vector2d> points_base) {
+  see(stamp, stamp);
   const auto T_published_base = find_odometry(stamp);
   if (!T_published_base) {
     return std::nullopt;

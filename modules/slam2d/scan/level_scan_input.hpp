@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <boost/circular_buffer.hpp>
 #include <cstdint>
 #include <deque>
 #include <optional>
@@ -75,6 +76,11 @@ class LevelScanInput {
   [[nodiscard]] const ScanCounts& counts() const { return counts_; }
 
  private:
+  /// A time whose motion only odometry has counted; see LevelScan.
+  struct Unseen {
+    time::Timestamp since{};
+    time::Duration duration{};
+  };
   /// A level scan and, if it is to be compared with them, the two scans below it in its sweep: they
   /// came before it, or are still to come.
   struct Waiting {
@@ -98,20 +104,25 @@ class LevelScanInput {
                                                const geometry::SE2& T_published_level) const;
   /// The published pose of base at a time; counts a scan for which there is none.
   [[nodiscard]] std::optional<geometry::SE2> find_odometry(time::Timestamp stamp);
+  /// Takes the time of any scan, and looks whether the robot has moved while scans were missing.
+  void see(time::Timestamp begin, time::Timestamp end);
+  void add_unseen(const Unseen& unseen);
   /// A level scan without points.
   [[nodiscard]] LevelScan begin_level_scan(time::Timestamp stamp,
                                            const geometry::SE2& T_published_base);
 
   LevelScanSelector selector_;
   bool leaves_out_slopes_;
-  std::deque<Waiting> waiting_;    // for odometry or for scans below
-  time::Timestamp newest_scan_{};  // the end of the last one, level or not
+  std::deque<Waiting> waiting_;                           // for odometry or for scans below
+  time::Timestamp newest_scan_{};                         // the end of the last one, level or not
+  std::optional<geometry::SE3> T_published_newest_scan_;  // the newest odometry then
+  boost::circular_buffer<time::Duration> scan_gaps_{8};   // before the last scans
   bool lacks_odometry_ = false;
   geometry::PoseHistory odometry_;  // as published, since the last restart
   geometry::SE2 T_odom_published_;
   std::optional<time::Timestamp> odometry_stamp_;  // the newest
   double odometry_gap_s_ = 0.0;                    // the longest since the last level scan
-  double odometry_lost_s_ = 0.0;                   // the same, of lost messages
+  Unseen unseen_;                                  // the same
   bool odometry_has_restarted_ = false;            // since then
   OrientedPointExtractor extractor_;
   SlopedPoints sloped_points_;

@@ -46,7 +46,7 @@ class Drive {
   [[nodiscard]] SE2 next_truth() const { return truth_ * kStep; }
   PoseGuesses& pose_guesses() { return pose_guesses_; }
   void wait(time::Duration duration) { scan_.stamp += duration; }
-  void lose_odometry(double duration_s) { scan_.odometry_lost_s = duration_s; }
+  void move_unseen(double duration_s) { scan_.unseen_s = duration_s; }
 
  private:
   PoseGuesses pose_guesses_{PeopleParams{}};
@@ -71,11 +71,11 @@ TEST(PoseGuesses, IfOdometryReportsNoMotionASecondGuessContinuesTheLastMotion) {
 }
 
 // Odometry reports a motion of which no scan has been received: the last motion does not tell it.
-TEST(PoseGuesses, WhereMessagesWereLostThereIsNoOtherGuessThanOdometry) {
+TEST(PoseGuesses, UnseenMotionHasNoOtherGuessThanOdometry) {
   Drive drive;
-  drive.lose_odometry(1.0);
+  drive.move_unseen(1.0);
   EXPECT_EQ(drive.guesses({5.0, 1.0, 2.0}).size(), 1U);
-  drive.lose_odometry(0.5);
+  drive.move_unseen(0.5);
   EXPECT_EQ(drive.guesses({5.0, 1.0, 2.0}).size(), 2U);
 }
 

@@ -43,6 +43,42 @@ TEST_F(LevelScans, OnlyTimeWithoutPublishedOdometryIsAGap) {
   EXPECT_EQ(scan_at(6s).value().odometry_gap_s, 1.0);
 }
 
+// In 0.6 s without scans the robot drives on; then it hardly moves.
+TEST_F(LevelScans, MotionWithoutScansIsUnseen) {
+  for (int i = -10; i <= 0; ++i) {
+    put_odometry(i * 20ms, {});
+    EXPECT_EQ(scan_at(i * 20ms).value().unseen_s, 0.0);
+  }
+  const time::Duration scan_duration =
+      scanner_.scan(test::room(), {}, {}).last_stamp().time_since_epoch();
+  for (const time::Duration since_epoch : {200ms, 400ms, 600ms}) {
+    put_odometry(since_epoch, {time::seconds(since_epoch), 0.0, 0.0});
+  }
+  const auto scan = scan_at(600ms);
+  ASSERT_TRUE(scan);
+  EXPECT_DOUBLE_EQ(scan->unseen_s, time::seconds(600ms - scan_duration));
+  EXPECT_TRUE(scan->follows_unseen_motion());
+  put_odometry(800ms, {0.6, 0.0, 0.4});
+  put_odometry(1200ms, {0.6, 0.4, 0.4});
+  EXPECT_EQ(scan_at(1200ms).value().unseen_s, 0.0);
+}
+
+// A recording with few scans lacks none.
+TEST_F(LevelScans, MotionBetweenRareScansIsSeen) {
+  for (int i = 0; i <= 20; ++i) {
+    put_odometry(i * 1s, {1.0 * i, 0.0, 0.0});
+    EXPECT_EQ(scan_at(i * 1s).value().unseen_s, 0.0);
+  }
+}
+
+TEST_F(LevelScans, MotionByOdometryThatDidNotArriveIsUnseen) {
+  put_odometry(0ms, {});
+  EXPECT_TRUE(scan_at(0ms));
+  input_.add_odometry(time::Timestamp(3s), geometry::SE3::Identity(), false, 2s);
+  EXPECT_EQ(scan_at(3s).value().unseen_s, 2.0);
+  EXPECT_EQ(scan_at(3010ms).value().unseen_s, 0.0);
+}
+
 // The first pose of the new frame is the same place as the last of the old one.
 TEST_F(LevelScans, OdometryContinuesWhereItWasWhenItRestarts) {
   const SE2 step{0.3, 0.1, 0.5};
