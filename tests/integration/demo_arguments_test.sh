@@ -11,7 +11,7 @@ fail() { echo "FAILED: $*"; exit 1; }
 expect() {
   local code=0 wanted=$1 text=$2
   shift 2
-  timeout 10 ./nodmap demo "$@" >"$work/out" 2>&1 || code=$?
+  timeout 60 ./nodmap demo "$@" >"$work/out" 2>&1 || code=$?
   [[ $code -eq $wanted ]] || { cat "$work/out"; fail "demo $*: code $code, not $wanted"; }
   grep -qF -- "$text" "$work/out" || { cat "$work/out"; fail "demo $*: does not say '$text'"; }
 }
@@ -29,13 +29,13 @@ echo "a,b" >"$work/table.csv"
 expect 2 "table.csv: is neither a folder" "$work/table.csv"
 expect 2 "none.clf: cannot open: No such file or directory" "$work/none.clf"
 expect 2 "--speed: 'fast' is not a number above 0" "$work/table.csv" --speed fast
-timeout 10 ./nodmap explore --help >"$work/out" || fail "explore --help fails"
+timeout 60 ./nodmap explore --help >"$work/out" || fail "explore --help fails"
 grep -qF "sim/worlds/office.yaml" "$work/out" || fail "explore does not say which world"
 code=0
-timeout 10 ./nodmap explore --duration 0 >"$work/out" 2>&1 || code=$?
+timeout 60 ./nodmap explore --duration 0 >"$work/out" 2>&1 || code=$?
 [[ $code -eq 2 ]] || fail "explore takes a duration of 0"
 code=0
-timeout 10 ./nodmap explore x >"$work/out" 2>&1 || code=$?
+timeout 60 ./nodmap explore x >"$work/out" 2>&1 || code=$?
 [[ $code -eq 2 ]] && grep -qF "nodmap explore: unknown option x (see ./nodmap explore --help)" "$work/out" || { cat "$work/out"; fail "explore x: code $code"; }
 # Arguments are checked before anything is installed or built.
 mkdir "$work/stubs"
@@ -46,7 +46,7 @@ done
 while read -r wanted command; do
   code=0
   # shellcheck disable=SC2086  # a command line
-  PATH=$work/stubs:$PATH timeout 10 ./nodmap $command >"$work/out" 2>&1 || code=$?
+  PATH=$work/stubs:$PATH timeout 60 ./nodmap $command >"$work/out" 2>&1 || code=$?
   [[ $code -eq $wanted && ! -e "$work/started" ]] || { cat "$work/out"; fail "$command: code $code, not $wanted, or something was begun"; }
   grep -qF "./nodmap ${command%% *}" "$work/out" || { cat "$work/out"; fail "$command: does not say how it is used"; }
 done <<'TEXT'
@@ -57,20 +57,20 @@ done <<'TEXT'
 0 figures --help
 TEXT
 code=0
-timeout 10 ./nodmap bulid >"$work/out" 2>&1 || code=$?
+timeout 60 ./nodmap bulid >"$work/out" 2>&1 || code=$?
 [[ $code -eq 2 ]] && grep -qF "unknown command 'bulid'" "$work/out" || fail "an unknown command is not named: $code"
 # A mistyped option does not start what takes hours, or writes documents.
 before=$(cat README.md docs/*.md | cksum)
 for command in "results --chek" "results --check x" "test x" "test --al" "lint --al" "check x" "build x" "docs x" "format x" "fuzz x" "spy x"; do
   code=0
   # shellcheck disable=SC2086  # a command line
-  timeout 10 ./nodmap $command >"$work/out" 2>&1 || code=$?
+  timeout 60 ./nodmap $command >"$work/out" 2>&1 || code=$?
   [[ $code -eq 2 ]] && grep -qF "unexpected argument: ${command#* }" "$work/out" || { cat "$work/out"; fail "./nodmap $command is not refused: $code"; }
 done
 for command in "results.py x --chek" "run_clang_tidy.py x --al"; do
   code=0
   # shellcheck disable=SC2086  # a command line
-  timeout 10 python3 scripts/$command >"$work/out" 2>&1 || code=$?
+  timeout 60 python3 scripts/$command >"$work/out" 2>&1 || code=$?
   [[ $code -eq 2 ]] || { cat "$work/out"; fail "$command is not refused: $code"; }
 done
 [[ "$(cat README.md docs/*.md | cksum)" == "$before" ]] || fail "the documents have changed"
@@ -87,7 +87,7 @@ nodmap=$PWD/nodmap
   for arguments in "recording --out table.csv" "--world recording --out table.csv"; do
     code=0
     # shellcheck disable=SC2086  # a command line
-    timeout 10 "$nodmap" demo $arguments >out 2>&1 || code=$?
+    timeout 60 "$nodmap" demo $arguments >out 2>&1 || code=$?
     [[ $code -eq 2 ]] && grep -qF "$work/table.csv exists" out || { cat out; fail "demo $arguments in another folder: $code"; }
   done
 )
