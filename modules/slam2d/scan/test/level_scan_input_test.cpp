@@ -43,6 +43,18 @@ TEST_F(LevelScans, OnlyTimeWithoutPublishedOdometryIsAGap) {
   EXPECT_EQ(scan_at(6s).value().odometry_gap_s, 1.0);
 }
 
+// The scan comes 0.2 s before odometry returns: where the robot was by then is not known.
+TEST_F(LevelScans, NoScanIsPlacedWhereOdometryWasMissing) {
+  put_odometry(0ms, {});
+  EXPECT_TRUE(scan_at(0ms));
+  EXPECT_FALSE(scan_at(3s - 200ms)) << "it waits";
+  put_odometry(3s, {2.0, 0.0, 0.0});
+  const auto scan = scan_at(3s);
+  ASSERT_TRUE(scan);
+  EXPECT_EQ(scan->stamp, time::Timestamp(3s)) << "not the one that waited";
+  EXPECT_EQ(input_.counts().without_odometry, 1);
+}
+
 // In 0.6 s without scans the robot drives on; then it hardly moves.
 TEST_F(LevelScans, MotionWithoutScansIsUnseen) {
   for (int i = -10; i <= 0; ++i) {
