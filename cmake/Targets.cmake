@@ -144,7 +144,7 @@ function(nodmap_test_starts name)
   set_property(GLOBAL APPEND PROPERTY NODMAP_TEST_STARTS ${line})
 endfunction()
 
-# nodmap_set_process_test(NAME [LIGHT|ROBOT]): marks a test of CTest's that runs processes. It counts as two of the jobs that
+# nodmap_set_process_test(NAME [LIGHT|ROBOT]): marks a test of CTest's that runs processes. It counts as three of the jobs that
 # CTest runs at once, or as one if it is LIGHT: one that mostly waits. ROBOT marks a whole robot in real time. Its drivers and navigator have
 # real-time priority, so that two robots at once would leave the other processes too little of two processors: robots run one after
 # another, and each counts as five jobs. The robots begin first, then the heavy ones, since CTest keeps no places free for them, then the
@@ -152,7 +152,7 @@ endfunction()
 # The time limit is for a test that hangs; on a busy machine one of a minute has lasted for more than five.
 function(nodmap_set_process_test name)
   cmake_parse_arguments(ARG "LIGHT;ROBOT" "" "" ${ARGN})
-  set(jobs 2)
+  set(jobs 3)
   set(cost 2000)
   if(ARG_LIGHT)
     set(jobs 1)

@@ -194,7 +194,7 @@ class Control(Page):
         self.assertEqual(self.browser.run(f"return {ANSWER}"), "")
         for key, code in (("ы", "KeyS"), ("σ", "KeyS"), ("S", "Semicolon")):
             self.browser.run(KEY, key, "#canvas", code)
-            self.assertIsNotNone(self.browser.wait_for(f"{ANSWER}.startsWith('STOP is sent')", 20), key)
+            self.assertIsNotNone(self.browser.wait_for(f"{ANSWER}.startsWith('STOP is sent')"), key)
             self.browser.run(f"{ANSWER} = ''")
 
     def test_the_stop_button_stays_in_place(self):
@@ -255,7 +255,7 @@ class Control(Page):
         for link in ("nodmap.connection.socket.send = () => {}", "nodmap.connection.socket.close()", "nodmap.connection.renew()"):
             said = self.browser.run(f"{link}; document.getElementById('stop').click(); document.getElementById('go').click(); return {ANSWER}")
             self.assertIn("STOP has no answer yet", said)  # "Release" must not overtake it
-            self.assertIsNotNone(self.browser.wait_for(f"{ANSWER}.startsWith('STOP is sent')", 20), link)
+            self.assertIsNotNone(self.browser.wait_for(f"{ANSWER}.startsWith('STOP is sent')"), link)
             self.assertIsNotNone(self.browser.wait_for(f"{BANNER}.includes('STOP')"), link)
             self.assertFalse(self.press("#go").startswith("Refused"))
             self.assertIsNotNone(self.browser.wait_for(f"!{BANNER}.includes('STOP')"))
@@ -368,7 +368,7 @@ class WithoutStorage(Page):
     def test_the_page_works_where_the_browser_may_not_store_anything(self):
         with webdriver.Browser(settings={"profile.default_content_setting_values.cookies": 2}) as self.browser:
             self.browser.open(f"http://127.0.0.1:{self.viewer.port}/#token={self.viewer.token}")
-            self.assertIsNotNone(self.browser.wait_for("window.nodmap && !document.getElementById('control').hidden", 20))
+            self.assertIsNotNone(self.browser.wait_for("window.nodmap && !document.getElementById('control').hidden"))
             self.browser.run("document.querySelector('#layers input').click()")
             self.assertIn("STOP is sent", self.press("#stop"))
 

@@ -60,7 +60,7 @@ class Browser:
     def _call(self, method, path, body=None):
         data = None if body is None else json.dumps(body).encode()
         request = urllib.request.Request(f"{self.base}/session{self.session}{path}", data, {"Content-Type": "application/json"}, method=method)
-        with urllib.request.urlopen(request, timeout=120) as answer:
+        with urllib.request.urlopen(request, timeout=600) as answer:
             return json.load(answer)["value"]
 
     def open(self, url):
@@ -75,7 +75,7 @@ class Browser:
         """The value of a JavaScript function body."""
         return self._call("POST", "/execute/sync", {"script": script, "args": list(args)})
 
-    def wait_for(self, condition, timeout_s=120):
+    def wait_for(self, condition, timeout_s=600):
         """Until a JavaScript expression is true; returns the seconds it took, or None. A busy machine takes its time."""
         begin = time.monotonic()
         while time.monotonic() - begin < timeout_s:
